@@ -1,0 +1,38 @@
+#ifndef RNEAGEN_ARENA_H
+#define RNEAGEN_ARENA_H
+/* One arena per generation: everything made on the way from URDF to text lives here and is freed at once. */
+
+#include <stddef.h>
+
+/* Where an arena takes its blocks from. alloc returns NULL on failure; release takes what alloc gave. */
+struct rneagen_allocator {
+	void *(*alloc)(void *context, size_t size);
+	void (*release)(void *context, void *block);
+	void *context;
+};
+
+struct arena_block;
+
+struct arena {
+	struct rneagen_allocator allocator;
+	struct arena_block *blocks; /* newest first */
+	size_t used;                /* bytes taken from the newest block */
+	int failed;                 /* sticky: some request could not be met */
+};
+
+/* An empty arena. `allocator` may be NULL: malloc and free. */
+void arena_init(struct arena *a, const struct rneagen_allocator *allocator);
+void arena_free(struct arena *a);
+
+/* `count` zeroed objects of `size` bytes, aligned for any type; NULL (and a->failed) when memory or size_t runs out.
+   A count of 0 gives a valid pointer. */
+void *arena_alloc(struct arena *a, size_t count, size_t size);
+
+/* A NUL-terminated copy of `length` bytes of `s`; NULL on failure. */
+char *arena_string(struct arena *a, const char *s, size_t length);
+
+/* Grow an array of `count` objects that holds `*capacity` of them so that one more fits; returns the array, moved or
+   not, or NULL on failure (the old array is then still valid). */
+void *arena_grow(struct arena *a, void *array, size_t count, size_t *capacity, size_t size);
+
+#endif

@@ -1,0 +1,67 @@
+#ifndef RNEAGEN_H
+#define RNEAGEN_H
+/* librneagen: from the text of a URDF to straight-line CUDA C or C for that robot's inverse dynamics,
+   tau = ID(q, qd, qdd), by the recursive Newton-Euler algorithm (Luh, Walker, Paul 1980; Featherstone, Rigid Body
+   Dynamics Algorithms, 2008, chapter 5). SI units. Re-entrant: no function keeps state between calls. */
+
+#include "arena.h"
+#include "error.h"
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define RNEAGEN_VERSION "0.1.0"
+
+enum rneagen_target { RNEAGEN_TARGET_CUDA, RNEAGEN_TARGET_C, RNEAGEN_TARGET_HEADER };
+enum rneagen_precision { RNEAGEN_PRECISION_DEFAULT, RNEAGEN_F32, RNEAGEN_F64 }; /* default: f64 for C, else f32 */
+enum rneagen_layout { RNEAGEN_SOA, RNEAGEN_AOS };                                /* [row][sample], [sample][row] */
+enum rneagen_trig { RNEAGEN_ACCURATE, RNEAGEN_BOUNDED, RNEAGEN_FAST };
+enum rneagen_base { RNEAGEN_FIXED, RNEAGEN_FLOATING };
+enum rneagen_mimic { RNEAGEN_MIMIC_HONOUR, RNEAGEN_MIMIC_INDEPENDENT };
+enum rneagen_dump { RNEAGEN_DUMP_NONE, RNEAGEN_DUMP_ROBOT, RNEAGEN_DUMP_TREE, RNEAGEN_DUMP_DAG, RNEAGEN_DUMP_PLAN };
+
+/* What to generate. Start from rneagen_options_default(). Strings belong to the caller and must outlive the call. */
+struct rneagen_options {
+	enum rneagen_target target;
+	enum rneagen_precision precision;
+	enum rneagen_layout layout;
+	enum rneagen_trig trig;
+	enum rneagen_base base;
+	enum rneagen_mimic mimic;
+	double gravity[3];  /* m/s^2, in the frame of the root link's parent, the world; default 0 0 -9.81 */
+	const char *order;  /* names of all joints with entries in q, comma-separated; NULL: depth-first, by name */
+	const char *name;   /* a C identifier; NULL: the robot's name made one */
+	const char *file;   /* name of the input, for messages only; NULL: "<input>" */
+	const char *command; /* the command line for the header of the text; NULL: one made from the options */
+	enum rneagen_dump dump;
+	const struct rneagen_allocator *allocator; /* NULL: malloc and free */
+};
+
+/* What was generated; every string is NUL-terminated and owned by the struct (rneagen_result_free). */
+struct rneagen_result {
+	const char *name;      /* the identifier that prefixes every function */
+	const char *source;    /* the .cu, .c or header text; NULL if only a dump was asked for */
+	const char *header;    /* target C: the .h that declares the functions; NULL otherwise */
+	const char *info;      /* the table of --info */
+	const char *info_json; /* the object of --info=json */
+	const char *dump;      /* NULL unless asked for */
+	const char *const *warnings;
+	size_t warning_count;
+	struct arena arena; /* private */
+};
+
+struct rneagen_options rneagen_options_default(void);
+
+/* Generate from `length` bytes of URDF at `urdf`. On failure `result` is empty (nothing to free) and `error` holds the
+   code and one line that names the file and the link, joint or option. */
+enum rneagen_code rneagen_generate(const char *urdf, size_t length, const struct rneagen_options *options,
+	struct rneagen_result *result, struct rneagen_error *error);
+
+void rneagen_result_free(struct rneagen_result *result);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,71 @@
+#ifndef RNEAGEN_ROBOT_H
+#define RNEAGEN_ROBOT_H
+/* The robot as its URDF states it: every link and joint, nothing merged, numbers as written. */
+
+#include "arena.h"
+#include "error.h"
+#include "text.h"
+
+/* What urdfdom and we can hold; the README states them. */
+enum {
+	LIMIT_FILE_BYTES = 16 << 20,
+	LIMIT_XML_DEPTH = 100,
+	LIMIT_LINKS = 1024,
+	LIMIT_NAME_BYTES = 255,
+};
+
+enum joint_type { JOINT_FIXED, JOINT_REVOLUTE, JOINT_CONTINUOUS, JOINT_PRISMATIC, JOINT_PLANAR, JOINT_FLOATING };
+
+struct link {
+	const char *name;
+	int parent_joint; /* index into joints; -1 at the root */
+	int has_inertial;
+	double mass;       /* kg */
+	double com[3];     /* centre of mass in the link frame, m */
+	double com_rpy[3]; /* orientation of the inertia's axes in the link frame, rad */
+	double inertia[6]; /* ixx ixy ixz iyy iyz izz about the centre of mass, in those axes, kg m^2 */
+};
+
+struct joint {
+	const char *name;
+	enum joint_type type;
+	int parent, child; /* links */
+	double xyz[3];     /* origin in the parent link's frame, m */
+	double rpy[3];     /* fixed-axis roll, pitch, yaw: R = Rz(yaw) Ry(pitch) Rx(roll), rad */
+	double axis[3];    /* in the joint frame, as written (not normalised), finite and not zero; 1 0 0 if absent.
+			      Fixed and floating joints: not meaningful */
+	int has_limits;    /* revolute and prismatic: lower, upper, velocity and effort below are the file's */
+	double lower, upper, velocity, effort;
+	int has_dynamics;
+	double damping, friction;
+	int driver; /* the joint named by <mimic>, or -1; not resolved: may itself be a follower */
+	double multiplier, offset;
+};
+
+struct robot {
+	const char *name; /* as written; "" if the attribute is empty */
+	struct link *links;
+	int link_count;
+	struct joint *joints; /* in byte order of their names, which is urdfdom's and Pinocchio's order of children */
+	int joint_count;
+	int root; /* the one link without a parent joint */
+	const char **warnings;
+	size_t warning_count, warning_capacity;
+};
+
+/* Read a URDF from `length` bytes at `xml` (need not be NUL-terminated). Everything lives in `a`.
+   `file` is used in messages only. Errors: LIMIT, XML, XACRO, URDF, NUMBER, TREE, MIMIC, UNSUPPORTED, MEMORY, each with
+   the link or joint in the message. Physically odd but usable models load with a warning. */
+enum rneagen_code robot_read(
+	struct robot *r, const char *xml, size_t length, const char *file, struct arena *a, struct rneagen_error *e);
+
+/* Append a warning to robot->warnings; on lack of memory a->failed is set. */
+void robot_warn(struct robot *r, struct arena *a, const char *fmt, ...) RNEAGEN_PRINTF(3, 4);
+
+/* "revolute", "fixed", ... */
+const char *joint_type_name(enum joint_type type);
+
+/* A listing that a person reads (`--dump robot`): every link and joint with its numbers, %.17g. */
+void robot_dump(const struct robot *r, struct text *t);
+
+#endif
