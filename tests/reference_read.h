@@ -1,0 +1,37 @@
+#ifndef TESTS_REFERENCE_READ_H
+#define TESTS_REFERENCE_READ_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+// What a URDF says, element by element: numbers are the doubles nearest the text, absent elements their defaults.
+struct raw_link {
+	char *name;
+	double mass, xyz[3], rpy[3];
+	double inertia[6];	// xx xy xz yy yz zz
+};
+
+struct raw_joint {
+	char *name, *type, *parent, *child;
+	double xyz[3], rpy[3], axis[3];
+	double lower, upper;
+	char *mimic;		// the joint followed, or NULL
+	double multiplier, offset;
+};
+
+struct raw_robot {
+	struct raw_link *links;
+	struct raw_joint *joints;
+	int nlinks, njoints;
+};
+
+// False, with a text in message[size], where the XML is not well formed or a needed attribute is missing. Needs
+// raw_free either way.
+bool raw_read(struct raw_robot *raw, const char *urdf, size_t length, char *message, size_t size);
+void raw_free(struct raw_robot *raw);
+
+// realloc and strdup that abort without memory: a test has nothing better to do.
+void *raw_memory(void *old, size_t count, size_t size);
+char *raw_copy(const char *s);
+
+#endif

@@ -1,0 +1,20 @@
+#ifndef TESTS_REFERENCE_TREE_H
+#define TESTS_REFERENCE_TREE_H
+
+#include "dense6.h"
+#include "reference.h"
+
+// The constants of one link and its joint, and the values of one call.
+struct reference_link {
+	struct d6_mat tree;		// parent link's frame -> joint frame at q = 0
+	struct d6_mat inertia;		// about the link's origin
+	struct d3_vec axis;		// unit, in the joint frame
+	struct d3_vec plane[2];		// planar: the axes of x and y
+
+	struct d6_mat x;		// parent link's frame -> link's frame
+	struct d6_mat s;		// motion subspace, nv columns used
+	struct d6_vec drift;		// dS/dt qd, seen from the link
+	struct d6_vec v, a, net, f;
+};
+
+#endif
