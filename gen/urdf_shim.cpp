@@ -1,0 +1,174 @@
+#include <atomic>
+#include <console_bridge/console.h>
+#include <exception>
+#include <mutex>
+#include <new>
+#include <string>
+#include <urdf_model/model.h>
+#include <urdf_parser/urdf_parser.h>
+
+extern "C" {
+#include "urdf.h"
+}
+
+namespace {
+
+using console_bridge::LogLevel;
+using console_bridge::OutputHandler;
+
+thread_local std::string *errors; /* where this thread's messages go while it parses; else null */
+
+/* urdfdom says what is wrong through console_bridge, whose handler belongs to the whole process. This one keeps the
+   errors of threads that parse and hands every other message to the handler that was there before. */
+class Router : public OutputHandler {
+public:
+	std::atomic<OutputHandler *> before{nullptr};
+
+	void log(const std::string &text, LogLevel level, const char *file, int line) override
+	{
+		OutputHandler *other = before;
+
+		if (!errors && other)
+			other->log(text, level, file, line);
+		if (errors && level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR)
+			*errors += (errors->empty() ? "" : "; ") + text;
+	}
+};
+
+/* The router is in place while at least one thread parses. It is never freed: console_bridge may keep its address. */
+class Capture {
+public:
+	explicit Capture(std::string *sink)
+	{
+		const std::lock_guard<std::mutex> guard(lock());
+		OutputHandler *now = console_bridge::getOutputHandler();
+
+		if (users()++ == 0 && now != &router()) {
+			router().before = now;
+			console_bridge::useOutputHandler(&router());
+		}
+		errors = sink;
+	}
+
+	~Capture()
+	{
+		const std::lock_guard<std::mutex> guard(lock());
+
+		errors = nullptr;
+		if (--users() == 0 && console_bridge::getOutputHandler() == &router())
+			console_bridge::useOutputHandler(router().before);
+	}
+
+	Capture(const Capture &) = delete;
+	Capture &operator=(const Capture &) = delete;
+
+private:
+	static Router &router()
+	{
+		static Router *r = new Router;
+		return *r;
+	}
+
+	static std::mutex &lock()
+	{
+		static std::mutex m;
+		return m;
+	}
+
+	static int &users()
+	{
+		static int n;
+		return n;
+	}
+};
+
+void put(double out[3], const urdf::Vector3 &v)
+{
+	out[0] = v.x;
+	out[1] = v.y;
+	out[2] = v.z;
+}
+
+void fill_link(struct link &l, const urdf::Link &from)
+{
+	if (!from.inertial)
+		return;
+	const urdf::Inertial &i = *from.inertial;
+	const double inertia[] = {i.ixx, i.ixy, i.ixz, i.iyy, i.iyz, i.izz};
+
+	l.has_inertial = 1;
+	l.mass = i.mass;
+	put(l.com, i.origin.position);
+	for (int k = 0; k < 6; k++)
+		l.inertia[k] = inertia[k];
+}
+
+void fill_joint(struct joint &j, const urdf::Joint &from)
+{
+	put(j.xyz, from.parent_to_joint_origin_transform.position);
+	put(j.axis, from.axis);
+	if (from.limits && (j.type == JOINT_REVOLUTE || j.type == JOINT_PRISMATIC)) {
+		j.has_limits = 1;
+		j.lower = from.limits->lower;
+		j.upper = from.limits->upper;
+		j.velocity = from.limits->velocity;
+		j.effort = from.limits->effort;
+	}
+	if (from.dynamics) {
+		j.has_dynamics = 1;
+		j.damping = from.dynamics->damping;
+		j.friction = from.dynamics->friction;
+	}
+	if (from.mimic) {
+		j.multiplier = from.mimic->multiplier;
+		j.offset = from.mimic->offset;
+	}
+}
+
+enum rneagen_code fill_robot(struct robot *r, const urdf::ModelInterface &model, const char *file, rneagen_error *e)
+{
+	for (int i = 0; i < r->link_count; i++) {
+		const auto from = model.getLink(r->links[i].name);
+
+		if (!from)
+			return error_set(e, RNEAGEN_URDF, "%s: link '%s' is lost in urdfdom; rename it", file, r->links[i].name);
+		fill_link(r->links[i], *from);
+	}
+	for (int i = 0; i < r->joint_count; i++) {
+		const auto from = model.getJoint(r->joints[i].name);
+
+		if (!from)
+			return error_set(e, RNEAGEN_URDF, "%s: joint '%s' is lost in urdfdom; rename it", file, r->joints[i].name);
+		fill_joint(r->joints[i], *from);
+	}
+	return RNEAGEN_OK;
+}
+
+enum rneagen_code parse(struct robot *r, const char *xml, const char *file, rneagen_error *e)
+{
+	std::string said;
+	urdf::ModelInterfaceSharedPtr model;
+	{
+		const Capture capture(&said);
+
+		model = urdf::parseURDF(xml);
+	}
+	if (!model || !said.empty())
+		return error_set(e, RNEAGEN_URDF, "%s: refused by urdfdom: %s", file, said.empty() ? "(no reason given)" : said.c_str());
+	return fill_robot(r, *model, file, e);
+}
+
+} // namespace
+
+extern "C" enum rneagen_code urdf_read(struct robot *r, const char *xml, const char *file, struct rneagen_error *e)
+{
+	try {
+		return parse(r, xml, file, e);
+	} catch (const std::bad_alloc &) {
+		return error_memory(e);
+	} catch (const std::exception &x) {
+		return error_set(e, RNEAGEN_URDF, "%s: refused by urdfdom: %s", file, x.what());
+	} catch (...) {
+		return error_set(e, RNEAGEN_URDF, "%s: refused by urdfdom: an unknown exception", file);
+	}
+}

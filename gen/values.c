@@ -1,0 +1,154 @@
+#include "number.h"
+#include "walk.h"
+#include <string.h>
+
+/* The elements whose values matter. Each attribute holds `width` numbers; the first `required` must be there. */
+struct rule {
+	enum place place;
+	const char *element;
+	int width, required;
+	const char *attributes[7];
+};
+
+static const struct rule rules[] = {
+	{INERTIAL, "origin", 3, 0, {"xyz", "rpy"}},
+	{INERTIAL, "mass", 1, 1, {"value"}},
+	{INERTIAL, "inertia", 1, 6, {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}},
+	{JOINT, "origin", 3, 0, {"xyz", "rpy"}},
+	{JOINT, "axis", 3, 0, {"xyz"}},
+	{JOINT, "limit", 1, 2, {"effort", "velocity", "lower", "upper"}},
+	{JOINT, "dynamics", 1, 0, {"damping", "friction"}},
+	{JOINT, "mimic", 1, 0, {"multiplier", "offset"}},
+	{JOINT, "parent", 1, 0, {0}},
+	{JOINT, "child", 1, 0, {0}},
+	{JOINT, "safety_controller", 1, 0, {0}},
+	{JOINT, "calibration", 1, 0, {0}},
+};
+
+enum { RULE_COUNT = sizeof rules / sizeof *rules };
+
+const char *values_attribute(const char *const *attributes, const char *name)
+{
+	for (; *attributes; attributes += 2)
+		if (!strcmp(attributes[0], name))
+			return attributes[1];
+	return NULL;
+}
+
+static int rule_find(enum place place, const char *element)
+{
+	for (int i = 0; i < RULE_COUNT; i++)
+		if (rules[i].place == place && !strcmp(rules[i].element, element))
+			return i;
+	return -1;
+}
+
+/* Whether a value in the tag, as it stands in the file, holds a tab or a line break. expat makes them blanks, as XML
+   asks; urdfdom sees them and refuses the vector. */
+static int tab_in_tag(const struct walk *w)
+{
+	const char *s = w->xml + XML_GetCurrentByteIndex(w->parser);
+	const char *end = s + XML_GetCurrentByteCount(w->parser);
+	char quote = '\0';
+
+	for (; s < end; s++) {
+		if (quote && strchr("\t\r\n", *s))
+			return 1;
+		if (*s == quote)
+			quote = '\0';
+		else if (!quote && (*s == '"' || *s == '\''))
+			quote = *s;
+	}
+	return 0;
+}
+
+static void read_numbers(struct walk *w, const struct rule *rule, const char *const *attributes)
+{
+	for (int i = 0; rule->attributes[i]; i++) {
+		const char *name = rule->attributes[i];
+		const char *value = values_attribute(attributes, name);
+		double v[3];
+
+		if (!value && i < rule->required)
+			walk_fail(w, RNEAGEN_URDF, "%s '%s': <%s> has no %s; add it", w->owner, w->owner_name, rule->element,
+				name);
+		if (!value)
+			continue;
+		if (!number_read(value, v, rule->width))
+			walk_fail(w, RNEAGEN_NUMBER, "%s '%s': <%s> %s=\"%.100s\" is not %s", w->owner, w->owner_name,
+				rule->element, name, value,
+				rule->width == 1 ? "a finite decimal number" : "three finite decimal numbers with blanks between");
+		else if (!strcmp(name, "rpy"))
+			memcpy(w->rpy, v, sizeof v);
+	}
+}
+
+static void read_vectors_only(struct walk *w, const char *element, const char *const *attributes)
+{
+	if (tab_in_tag(w))
+		walk_fail(w, RNEAGEN_NUMBER, "%s '%s': <%s> holds a tab or a line break between its numbers; use blanks", w->owner,
+			w->owner_name, element);
+	if (values_attribute(attributes, "quat_xyzw"))
+		walk_fail(w, RNEAGEN_UNSUPPORTED, "%s '%s': <%s> quat_xyzw is not supported; give rpy", w->owner, w->owner_name,
+			element);
+}
+
+static const char *copy_name(struct walk *w, const char *element, const char *const *attributes, const char *name)
+{
+	const char *value = values_attribute(attributes, name);
+
+	if (!value)
+		walk_fail(w, RNEAGEN_URDF, "joint '%s': <%s> has no %s; name one", w->owner_name, element, name);
+	return value ? arena_string(w->arena, value, strlen(value)) : NULL;
+}
+
+static void read_names(struct walk *w, const char *element, const char *const *attributes)
+{
+	struct outline_joint *j = &w->outline->joints[w->outline->joint_count - 1];
+
+	if (!strcmp(element, "parent"))
+		j->parent = copy_name(w, element, attributes, "link");
+	else if (!strcmp(element, "child"))
+		j->child = copy_name(w, element, attributes, "link");
+	else if (!strcmp(element, "mimic"))
+		j->driver = copy_name(w, element, attributes, "joint");
+}
+
+/* Fixed and floating joints have no axis: urdfdom ignores what stands there, and so do we. */
+static int axis_is_idle(const struct walk *w, const char *element)
+{
+	enum joint_type type = w->outline->joints[w->outline->joint_count - 1].type;
+
+	return !strcmp(element, "axis") && (type == JOINT_FIXED || type == JOINT_FLOATING);
+}
+
+enum place values_read(struct walk *w, const char *element, const char *const *attributes)
+{
+	enum place place = w->places[w->depth];
+	int row = rule_find(place, element);
+
+	if (row < 0 || (place == JOINT && axis_is_idle(w, element)))
+		return SKIPPED;
+	if (w->seen & 1u << row) {
+		robot_warn(w->robot, w->arena, "%s:%ld: %s '%s': more than one <%s>; the first is used", w->file,
+			(long)XML_GetCurrentLineNumber(w->parser), w->owner, w->owner_name, element);
+		return SKIPPED;
+	}
+	w->seen |= 1u << row;
+	if (rules[row].width == 3)
+		read_vectors_only(w, element, attributes);
+	read_numbers(w, &rules[row], attributes);
+	if (place == JOINT)
+		read_names(w, element, attributes);
+	return VALUE;
+}
+
+void values_end_inertial(struct walk *w)
+{
+	static const char *const needed[] = {"mass", "inertia"};
+
+	for (int i = 0; i < 2; i++)
+		if (!(w->seen & 1u << rule_find(INERTIAL, needed[i])))
+			walk_fail(w, RNEAGEN_URDF, "link '%s': <inertial> has no <%s>; add it, or drop the <inertial>",
+				w->owner_name, needed[i]);
+}
