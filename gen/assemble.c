@@ -24,8 +24,7 @@ static int find_name(const void *entries, size_t count, size_t size, const char 
 }
 
 /* Sort by name; no name may be used twice. */
-static enum rneagen_code sort_names(
-	void *entries, size_t count, size_t size, const char *what, const char *file, struct rneagen_error *e)
+static enum rneagen_code sort_names(void *entries, size_t count, size_t size, const char *what, const struct report *p)
 {
 	const char *at = entries;
 
@@ -33,52 +32,64 @@ static enum rneagen_code sort_names(
 		qsort(entries, count, size, compare_ids);
 	for (size_t i = 1; i < count; i++) {
 		const struct outline_id *a = (const void *)(at + (i - 1) * size), *b = (const void *)(at + i * size);
+
 		if (!strcmp(a->name, b->name))
-			return error_set(e, RNEAGEN_URDF, "%s:%ld: %s '%s' is already defined on line %ld; rename one", file, b->line,
-				what, b->name, a->line);
+			return report_error(p, RNEAGEN_URDF, b->line,
+				"%s '%s' is already defined on line %ld; rename one", what, b->name, a->line);
 	}
 	return RNEAGEN_OK;
 }
 
+/* The link at one end of a joint; -1 on failure. */
 static int find_link(const struct outline *o, const struct outline_joint *j, const char *end, const char *link,
-	const char *file, struct rneagen_error *e)
+	const struct report *p)
 {
 	int i = link ? find_name(o->links, o->link_count, sizeof *o->links, link) : -1;
 
 	if (!link)
-		error_set(e, RNEAGEN_TREE, "%s:%ld: joint '%s' has no <%s>; name the link", file, j->id.line, j->id.name, end);
+		report_error(p, RNEAGEN_TREE, j->id.line, "joint '%s' has no <%s>; name the link", j->id.name, end);
 	else if (i < 0)
-		error_set(e, RNEAGEN_TREE, "%s:%ld: joint '%s': its %s link '%s' is not defined; add the link or correct the name",
-			file, j->id.line, j->id.name, end, link);
+		report_error(p, RNEAGEN_TREE, j->id.line,
+			"joint '%s': its %s link '%s' is not defined; add the link or correct the name", j->id.name,
+			end, link);
 	return i;
 }
 
-static enum rneagen_code fill_joint(
-	struct robot *r, int index, const struct outline *o, const char *file, struct rneagen_error *e)
+/* The joint that a joint mimics, or -1. */
+static int find_driver(const struct outline *o, const struct outline_joint *j, const struct report *p)
+{
+	int i = j->driver ? find_name(o->joints, o->joint_count, sizeof *o->joints, j->driver) : -1;
+
+	if (j->driver && i < 0)
+		report_error(p, RNEAGEN_MIMIC, j->id.line,
+			"joint '%s' mimics joint '%s', which is not defined; correct the name", j->id.name, j->driver);
+	return i;
+}
+
+static enum rneagen_code fill_joint(int index, const struct outline *o, const struct report *p)
 {
 	const struct outline_joint *from = &o->joints[index];
+	struct robot *r = p->robot;
 	struct joint *j = &r->joints[index];
-	int parent = find_link(o, from, "parent", from->parent, file, e);
-	int child = find_link(o, from, "child", from->child, file, e);
+	struct link *child;
 
-	*j = (struct joint){.name = from->id.name, .type = from->type, .parent = parent, .child = child, .driver = -1};
+	j->name = from->id.name;
+	j->type = from->type;
+	j->parent = find_link(o, from, "parent", from->parent, p);
+	j->child = find_link(o, from, "child", from->child, p);
+	j->driver = find_driver(o, from, p);
 	memcpy(j->rpy, from->rpy, sizeof j->rpy);
-	if (from->driver) {
-		j->driver = find_name(o->joints, o->joint_count, sizeof *o->joints, from->driver);
-		if (j->driver < 0)
-			error_set(e, RNEAGEN_MIMIC, "%s:%ld: joint '%s' mimics joint '%s', which is not defined; correct the name", file,
-				from->id.line, j->name, from->driver);
-	}
-	if (e->code)
-		return e->code;
-	if (parent == child)
-		return error_set(e, RNEAGEN_TREE, "%s:%ld: joint '%s' joins link '%s' to itself; give another parent or child",
-			file, from->id.line, j->name, from->child);
-	if (r->links[child].parent_joint >= 0)
-		return error_set(e, RNEAGEN_TREE,
-			"%s:%ld: link '%s' is the child of two joints, '%s' and '%s'; a loop cannot be given as a tree", file,
-			from->id.line, from->child, r->joints[r->links[child].parent_joint].name, j->name);
-	r->links[child].parent_joint = index;
+	if (p->error->code)
+		return p->error->code;
+	child = &r->links[j->child];
+	if (j->parent == j->child)
+		return report_error(p, RNEAGEN_TREE, from->id.line,
+			"joint '%s' joins link '%s' to itself; give another parent or child", j->name, child->name);
+	if (child->parent_joint >= 0)
+		return report_error(p, RNEAGEN_TREE, from->id.line,
+			"link '%s' is the child of two joints, '%s' and '%s'; remove one: loops are not supported",
+			child->name, r->joints[child->parent_joint].name, j->name);
+	child->parent_joint = index;
 	return RNEAGEN_OK;
 }
 
@@ -90,48 +101,52 @@ static int climb(const struct robot *r, int link, int steps)
 	return link;
 }
 
-/* One root, and every link leads up to it; a walk that is still going after as many joints as there are is in a
+/* One root, and every link leads up to it. A climb that still goes on after as many joints as there are is in a
    cycle. */
-static enum rneagen_code check_tree(struct robot *r, const struct outline *o, const char *file, struct rneagen_error *e)
+static enum rneagen_code check_tree(const struct outline *o, const struct report *p)
 {
+	struct robot *r = p->robot;
+
 	r->root = -1;
 	for (int i = 0; i < r->link_count; i++) {
-		int top = climb(r, i, r->joint_count + 1), up = r->links[top].parent_joint;
+		int top = climb(r, i, r->joint_count), up = r->links[top].parent_joint;
 
 		if (up >= 0)
-			return error_set(e, RNEAGEN_TREE,
-				"%s:%ld: links '%s' and '%s' are in a cycle of joints, not reachable from a root; remove joint '%s'", file,
-				o->joints[up].id.line, r->links[top].name, r->links[r->joints[up].parent].name, r->joints[up].name);
+			return report_error(p, RNEAGEN_TREE, o->joints[up].id.line,
+				"links '%s' and '%s' are in a cycle, not reachable from a root; remove joint '%s'",
+				r->links[top].name, r->links[r->joints[up].parent].name, r->joints[up].name);
 		if (r->root >= 0 && top != r->root)
-			return error_set(e, RNEAGEN_TREE,
-				"%s:%ld: links '%s' and '%s' both have no parent joint; join them, or remove one", file,
-				o->links[top].id.line, r->links[r->root].name, r->links[top].name);
+			return report_error(p, RNEAGEN_TREE, o->links[top].id.line,
+				"links '%s' and '%s' both have no parent joint; join them, or remove one",
+				r->links[r->root].name, r->links[top].name);
 		r->root = top;
 	}
 	return RNEAGEN_OK;
 }
 
-enum rneagen_code assemble_robot(
-	struct robot *r, struct outline *o, const char *file, struct arena *a, struct rneagen_error *e)
+enum rneagen_code assemble_robot(struct outline *o, const struct report *p)
 {
+	struct robot *r = p->robot;
+
 	r->name = o->name;
 	if (!o->link_count)
-		return error_set(e, RNEAGEN_URDF, "%s: robot '%s' has no <link>; add at least one", file, o->name);
-	if (sort_names(o->links, o->link_count, sizeof *o->links, "link", file, e) ||
-		sort_names(o->joints, o->joint_count, sizeof *o->joints, "joint", file, e))
-		return e->code;
+		return report_error(p, RNEAGEN_URDF, 0, "robot '%s' has no <link>; add at least one", o->name);
+	if (sort_names(o->links, o->link_count, sizeof *o->links, "link", p) ||
+		sort_names(o->joints, o->joint_count, sizeof *o->joints, "joint", p))
+		return p->error->code;
 	r->link_count = (int)o->link_count;
 	r->joint_count = (int)o->joint_count;
-	r->links = arena_alloc(a, o->link_count, sizeof *r->links);
-	r->joints = arena_alloc(a, o->joint_count, sizeof *r->joints);
+	r->links = arena_alloc(p->arena, o->link_count, sizeof *r->links);
+	r->joints = arena_alloc(p->arena, o->joint_count, sizeof *r->joints);
 	if (!r->links || !r->joints)
-		return error_memory(e);
+		return error_memory(p->error);
 	for (int i = 0; i < r->link_count; i++) {
-		r->links[i] = (struct link){.name = o->links[i].id.name, .parent_joint = -1};
+		r->links[i].name = o->links[i].id.name;
+		r->links[i].parent_joint = -1;
 		memcpy(r->links[i].com_rpy, o->links[i].com_rpy, sizeof r->links[i].com_rpy);
 	}
 	for (int i = 0; i < r->joint_count; i++)
-		if (fill_joint(r, i, o, file, e))
-			return e->code;
-	return check_tree(r, o, file, e);
+		if (fill_joint(i, o, p))
+			return p->error->code;
+	return check_tree(o, p);
 }

@@ -4,9 +4,8 @@
 
 #include "precheck.h"
 
-/* Fills the names, indices, types and angles of `r` and sorts `o` alike: o->joints[i] is r->joints[i].
+/* Fills the names, indices, types and angles of the robot and sorts `o` alike: o->joints[i] is robot->joints[i].
    Errors: MEMORY, URDF (a name is used twice), TREE, MIMIC (the driver is not there). */
-enum rneagen_code assemble_robot(
-	struct robot *r, struct outline *o, const char *file, struct arena *a, struct rneagen_error *e);
+enum rneagen_code assemble_robot(struct outline *o, const struct report *p);
 
 #endif

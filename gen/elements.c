@@ -9,10 +9,10 @@ static const char *read_name(struct walk *w, const char *element, const char *co
 	if (!name)
 		walk_fail(w, RNEAGEN_URDF, "a <%s> has no name; give it one", element);
 	else if (strlen(name) > LIMIT_NAME_BYTES)
-		walk_fail(w, RNEAGEN_LIMIT, "%s '%.60s...': the name is longer than %d bytes; shorten it", element, name,
-			LIMIT_NAME_BYTES);
+		walk_fail(w, RNEAGEN_LIMIT, "%s '%.60s...': the name is longer than %d bytes; shorten it", element,
+			name, LIMIT_NAME_BYTES);
 	else
-		return arena_string(w->arena, name, strlen(name));
+		return arena_string(w->report->arena, name, strlen(name));
 	return NULL;
 }
 
@@ -40,10 +40,10 @@ static void *start_named(struct walk *w, const char *element, const char *const 
 	}
 	w->owner = element;
 	w->owner_name = name;
-	w->seen = 0;
+	w->seen = w->twice = 0;
 	w->inertials = 0;
 	if (count < LIMIT_LINKS)
-		return arena_grow(w->arena, array, count, capacity, size);
+		return arena_grow(w->report->arena, array, count, capacity, size);
 	walk_fail(w, RNEAGEN_LIMIT, "%s '%s' is one too many: at most %d %ss are supported", element, name, LIMIT_LINKS,
 		element);
 	return NULL;
@@ -51,7 +51,7 @@ static void *start_named(struct walk *w, const char *element, const char *const 
 
 static struct outline_id id_here(const struct walk *w)
 {
-	return (struct outline_id){w->owner_name, (long)XML_GetCurrentLineNumber(w->parser)};
+	return (struct outline_id){w->owner_name, walk_line(w)};
 }
 
 static enum place start_link(struct walk *w, const char *const *attributes)
@@ -74,8 +74,9 @@ static enum joint_type read_type(struct walk *w, const char *type)
 	for (int t = JOINT_FIXED; type && t <= JOINT_FLOATING; t++)
 		if (!strcmp(type, joint_type_name((enum joint_type)t)))
 			return (enum joint_type)t;
-	walk_fail(w, RNEAGEN_URDF, "joint '%s' %s%.60s%s; use revolute, continuous, prismatic, fixed, planar or floating",
-		w->owner_name, type ? "is of unknown type \"" : "has no type", type ? type : "", type ? "\"" : "");
+	walk_fail(w, RNEAGEN_URDF,
+		"joint '%s': type \"%.60s\" is unknown; use revolute, continuous, prismatic, fixed, planar or floating",
+		w->owner_name, type ? type : "");
 	return JOINT_FIXED;
 }
 
@@ -97,11 +98,11 @@ static enum place start_joint(struct walk *w, const char *const *attributes)
 
 static enum place start_inertial(struct walk *w)
 {
-	w->seen = 0;
 	if (!w->inertials++)
 		return INERTIAL;
-	robot_warn(w->robot, w->arena, "%s:%ld: link '%s': more than one <inertial>; the first is used", w->file,
-		(long)XML_GetCurrentLineNumber(w->parser), w->owner_name);
+	if (w->inertials == 2)
+		report_warning(w->report, walk_line(w), "link '%s': more than one <inertial>; the first is used",
+			w->owner_name);
 	return SKIPPED;
 }
 

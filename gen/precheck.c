@@ -6,15 +6,20 @@
 #include <string.h>
 #include <strings.h>
 
+long walk_line(const struct walk *w)
+{
+	return (long)XML_GetCurrentLineNumber(w->parser);
+}
+
 void walk_fail(struct walk *w, enum rneagen_code code, const char *fmt, ...)
 {
-	char what[sizeof w->error->message];
+	char what[sizeof w->report->error->message];
 	va_list ap;
 
 	va_start(ap, fmt);
 	vsnprintf(what, sizeof what, fmt, ap);
 	va_end(ap);
-	error_set(w->error, code, "%s:%ld: %s", w->file, (long)XML_GetCurrentLineNumber(w->parser), what);
+	report_error(w->report, code, walk_line(w), "%s", what);
 	XML_StopParser(w->parser, XML_FALSE);
 }
 
@@ -45,8 +50,8 @@ static void refuse_expressions(struct walk *w, const char *element, const char *
 {
 	for (; *attributes; attributes += 2)
 		if (strstr(attributes[1], "${") || strstr(attributes[1], "$("))
-			walk_fail(w, RNEAGEN_XACRO, "%s '%s': <%s> %s=\"%.100s\": " XACRO_ADVICE, w->owner, w->owner_name,
-				element, attributes[0], attributes[1]);
+			walk_fail(w, RNEAGEN_XACRO, "%s '%s': <%s> %s=\"%.100s\": " XACRO_ADVICE, w->owner,
+				w->owner_name, element, attributes[0], attributes[1]);
 }
 
 static void XMLCALL on_start(void *data, const XML_Char *element, const XML_Char **attributes)
@@ -55,23 +60,24 @@ static void XMLCALL on_start(void *data, const XML_Char *element, const XML_Char
 	const char *const *values = (const char *const *)attributes;
 	enum place place = SKIPPED;
 
-	if (w->error->code)
+	if (w->report->error->code)
 		return;
 	if (w->depth == LIMIT_XML_DEPTH) {
-		walk_fail(w, RNEAGEN_LIMIT, "elements are nested more than %d deep; a URDF needs about 5", LIMIT_XML_DEPTH);
+		walk_fail(w, RNEAGEN_LIMIT, "elements are nested more than %d deep; a URDF needs about 5",
+			LIMIT_XML_DEPTH);
 		return;
 	}
 	if (!strncmp(element, "xacro:", 6))
 		walk_fail(w, RNEAGEN_XACRO, "<%.100s>: " XACRO_ADVICE, element);
 	if (w->places[w->depth] < VALUE)
 		refuse_expressions(w, element, values);
-	if (!w->error->code)
+	if (!w->report->error->code)
 		place = elements_enter(w, element, values);
 	w->places[++w->depth] = place;
 	if (place != SKIPPED)
 		copy_tag(&w->outline->urdf, element, values);
-	if (w->arena->failed) {
-		error_memory(w->error);
+	if (w->report->arena->failed) {
+		error_memory(w->report->error);
 		XML_StopParser(w->parser, XML_FALSE);
 	}
 }
@@ -81,7 +87,7 @@ static void XMLCALL on_end(void *data, const XML_Char *element)
 	struct walk *w = data;
 	enum place place;
 
-	if (w->error->code)
+	if (w->report->error->code)
 		return;
 	place = w->places[w->depth--];
 	if (place == INERTIAL)
@@ -93,7 +99,8 @@ static void XMLCALL on_end(void *data, const XML_Char *element)
 }
 
 /* At the first sign of it, before any entity can be expanded or any other file be meant. */
-static void XMLCALL on_doctype(void *data, const XML_Char *name, const XML_Char *system, const XML_Char *public, int subset)
+static void XMLCALL on_doctype(
+	void *data, const XML_Char *name, const XML_Char *system, const XML_Char *public, int subset)
 {
 	(void)name;
 	if (system || public || subset)
@@ -114,19 +121,20 @@ static void XMLCALL on_declaration(void *data, const XML_Char *version, const XM
 }
 
 /* What can be said of the bytes before any parse. */
-static enum rneagen_code check_bytes(const char *xml, size_t length, const char *file, struct rneagen_error *e)
+static enum rneagen_code check_bytes(const char *xml, size_t length, const struct report *p)
 {
 	const char *nul = length ? memchr(xml, '\0', length) : NULL;
 
 	if (!length)
-		return error_set(e, RNEAGEN_XML, "%s: the file is empty; give a URDF", file);
+		return report_error(p, RNEAGEN_XML, 0, "the file is empty; give a URDF");
 	if (length > LIMIT_FILE_BYTES)
-		return error_set(e, RNEAGEN_LIMIT, "%s: %zu bytes, and at most %d are read", file, length, LIMIT_FILE_BYTES);
+		return report_error(p, RNEAGEN_LIMIT, 0,
+			"%zu bytes, and at most %d are read; leave out what is not needed", length, LIMIT_FILE_BYTES);
 	if (length > 1 && (!memcmp(xml, "\xff\xfe", 2) || !memcmp(xml, "\xfe\xff", 2) || !memcmp(xml, "<\0", 2) ||
 				  !memcmp(xml, "\0<", 2)))
-		return error_set(e, RNEAGEN_XML, "%s: the file is UTF-16; convert it to UTF-8", file);
+		return report_error(p, RNEAGEN_XML, 0, "the file is UTF-16; convert it to UTF-8");
 	if (nul)
-		return error_set(e, RNEAGEN_XML, "%s: byte %zu is NUL; a URDF is plain text", file, (size_t)(nul - xml));
+		return report_error(p, RNEAGEN_XML, 0, "byte %zu is NUL; give plain text", (size_t)(nul - xml));
 	return RNEAGEN_OK;
 }
 
@@ -138,36 +146,35 @@ static void fail_expat(struct walk *w, size_t length)
 	int in_file = at >= 0 && (size_t)at < length;
 
 	if (code == XML_ERROR_NO_MEMORY)
-		error_memory(w->error);
+		error_memory(w->report->error);
 	else if (code == XML_ERROR_INVALID_TOKEN && in_file && (unsigned char)w->xml[at] >= 0x80)
-		walk_fail(w, RNEAGEN_XML, "byte 0x%02x is not UTF-8; convert the file to UTF-8", (unsigned char)w->xml[at]);
+		walk_fail(w, RNEAGEN_XML, "byte 0x%02x is not UTF-8; convert the file to UTF-8",
+			(unsigned char)w->xml[at]);
 	else
 		walk_fail(w, RNEAGEN_XML, "not well-formed XML: %s%s", XML_ErrorString(code),
 			in_file || !w->depth ? "" : ": the file ends too early");
 }
 
-enum rneagen_code precheck(struct outline *o, struct robot *r, const char *xml, size_t length, const char *file,
-	struct arena *a, struct rneagen_error *e)
+enum rneagen_code precheck(struct outline *o, const char *xml, size_t length, const struct report *p)
 {
-	struct walk w = {.outline = o, .robot = r, .xml = xml, .file = file, .arena = a, .error = e, .owner = "robot",
-		.owner_name = ""};
+	struct walk w = {.outline = o, .xml = xml, .report = p, .owner = "robot", .owner_name = ""};
 
 	*o = (struct outline){.name = ""};
-	text_init(&o->urdf, a);
+	text_init(&o->urdf, p->arena);
 	text_put(&o->urdf, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
-	if (check_bytes(xml, length, file, e))
-		return e->code;
+	if (check_bytes(xml, length, p))
+		return p->error->code;
 	w.parser = XML_ParserCreate("UTF-8");
 	if (!w.parser)
-		return error_memory(e);
+		return error_memory(p->error);
 	XML_SetUserData(w.parser, &w);
 	XML_SetElementHandler(w.parser, on_start, on_end);
 	XML_SetStartDoctypeDeclHandler(w.parser, on_doctype);
 	XML_SetXmlDeclHandler(w.parser, on_declaration);
-	if (XML_Parse(w.parser, xml, (int)length, 1) != XML_STATUS_OK && !e->code)
+	if (XML_Parse(w.parser, xml, (int)length, 1) != XML_STATUS_OK && !p->error->code)
 		fail_expat(&w, length);
 	XML_ParserFree(w.parser);
-	if (!e->code && a->failed)
-		error_memory(e);
-	return e->code;
+	if (p->arena->failed)
+		error_memory(p->error);
+	return p->error->code;
 }

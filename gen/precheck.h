@@ -4,7 +4,7 @@
    keeps a link whose mass is no number as massless, and hands some attributes to printf as a format; so it is given
    only what has passed here, as a clean copy that holds links, inertials and joints and nothing else. */
 
-#include "robot.h"
+#include "report.h"
 
 struct outline_id {
 	const char *name;
@@ -34,8 +34,7 @@ struct outline {
 	struct text urdf; /* the clean copy */
 };
 
-/* Call in the C locale. Warnings go to `r`. Errors: MEMORY, LIMIT, XML, XACRO, URDF, NUMBER, UNSUPPORTED. */
-enum rneagen_code precheck(struct outline *o, struct robot *r, const char *xml, size_t length, const char *file,
-	struct arena *a, struct rneagen_error *e);
+/* Call in the C locale. Errors: MEMORY, LIMIT, XML, XACRO, URDF, NUMBER, UNSUPPORTED. */
+enum rneagen_code precheck(struct outline *o, const char *xml, size_t length, const struct report *p);
 
 #endif

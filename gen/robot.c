@@ -44,15 +44,15 @@ void robot_warn(struct robot *r, struct arena *a, const char *fmt, ...)
 enum rneagen_code robot_read(
 	struct robot *r, const char *xml, size_t length, const char *file, struct arena *a, struct rneagen_error *e)
 {
+	const struct report p = {file, r, a, e};
 	struct outline o;
 	struct c_locale l;
 
 	*r = (struct robot){.name = ""};
 	if (!c_locale_enter(&l))
 		return error_memory(e);
-	if (!precheck(&o, r, xml, length, file, a, e) && !assemble_robot(r, &o, file, a, e) &&
-		!urdf_read(r, text_string(&o.urdf), file, e))
-		robot_check(r, &o, file, a, e);
+	if (!precheck(&o, xml, length, &p) && !assemble_robot(&o, &p) && !urdf_read(text_string(&o.urdf), &p))
+		robot_check(&o, &p);
 	c_locale_leave(&l);
 	return e->code;
 }
@@ -71,10 +71,10 @@ static void dump_link(const struct robot *r, const struct link *l, struct text *
 	if (!l->has_inertial)
 		return;
 	text_printf(t, "\tmass %.17g\n", l->mass);
-	text_printf(t, "\tcom %.17g %.17g %.17g, rpy %.17g %.17g %.17g\n", l->com[0], l->com[1], l->com[2], l->com_rpy[0],
-		l->com_rpy[1], l->com_rpy[2]);
-	text_printf(t, "\tinertia xx %.17g xy %.17g xz %.17g yy %.17g yz %.17g zz %.17g\n", i[0], i[1], i[2], i[3], i[4],
-		i[5]);
+	text_printf(t, "\tcom %.17g %.17g %.17g, rpy %.17g %.17g %.17g\n", l->com[0], l->com[1], l->com[2],
+		l->com_rpy[0], l->com_rpy[1], l->com_rpy[2]);
+	text_printf(t, "\tinertia xx %.17g xy %.17g xz %.17g yy %.17g yz %.17g zz %.17g\n", i[0], i[1], i[2], i[3],
+		i[4], i[5]);
 }
 
 static void dump_joint(const struct robot *r, const struct joint *j, struct text *t)
@@ -85,8 +85,8 @@ static void dump_joint(const struct robot *r, const struct joint *j, struct text
 	text_put_json(t, r->links[j->parent].name);
 	text_put(t, " to ");
 	text_put_json(t, r->links[j->child].name);
-	text_printf(t, "\n\torigin %.17g %.17g %.17g, rpy %.17g %.17g %.17g\n", j->xyz[0], j->xyz[1], j->xyz[2], j->rpy[0],
-		j->rpy[1], j->rpy[2]);
+	text_printf(t, "\n\torigin %.17g %.17g %.17g, rpy %.17g %.17g %.17g\n", j->xyz[0], j->xyz[1], j->xyz[2],
+		j->rpy[0], j->rpy[1], j->rpy[2]);
 	if (j->type != JOINT_FIXED && j->type != JOINT_FLOATING)
 		text_printf(t, "\taxis %.17g %.17g %.17g\n", j->axis[0], j->axis[1], j->axis[2]);
 	if (j->has_limits)

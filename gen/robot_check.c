@@ -1,14 +1,6 @@
 #include "robot_check.h"
 #include <math.h>
 
-struct check {
-	struct robot *robot;
-	const struct outline *outline;
-	const char *file;
-	struct arena *arena;
-	struct rneagen_error *error;
-};
-
 /* Eigenvalues of a symmetric 3x3 matrix (xx xy xz yy yz zz), ascending, by Jacobi rotations: each takes one
    off-diagonal element to zero; five sweeps are more than doubles need. */
 static void eigenvalues(const double in[6], double out[3])
@@ -31,11 +23,10 @@ static void eigenvalues(const double in[6], double out[3])
 	out[1] = fmax(fmin(m[0][0], m[1][1]), fmin(fmax(m[0][0], m[1][1]), m[2][2]));
 }
 
-/* No mass distribution has such an inertia: its principal moments are positive and none exceeds the sum of the others.
-   All zero is a point mass. The tolerances forgive rounding of the file's digits. */
-static void check_inertia(const struct check *c, int index)
+/* No body has another inertia: its principal moments are positive and none exceeds the sum of the other two; all zero
+   is a point mass. The tolerances forgive the rounding of the file's digits. */
+static void check_inertia(const struct link *l, long line, const struct report *p)
 {
-	const struct link *l = &c->robot->links[index];
 	const char *fault = NULL;
 	double eigen[3];
 
@@ -43,114 +34,112 @@ static void check_inertia(const struct check *c, int index)
 	if (eigen[0] == 0 && eigen[2] == 0)
 		return;
 	if (eigen[0] <= 1e-14 * eigen[2])
-		fault = "not positive definite";
-	else if (eigen[0] + eigen[1] < eigen[2] * (1 - 1e-6))
-		fault = "not that of any body: one principal moment exceeds the sum of the others";
+		fault = "is not positive definite";
+	else if (eigen[0] + eigen[1] < (1 - 1e-6) * eigen[2])
+		fault = "violates the triangle inequality";
 	if (fault)
-		robot_warn(c->robot, c->arena, "%s:%ld: link '%s': its inertia is %s (eigenvalues %g %g %g); used as given", c->file,
-			c->outline->links[index].id.line, l->name, fault, eigen[0], eigen[1], eigen[2]);
+		report_warning(p, line, "link '%s': its inertia %s (eigenvalues %g %g %g); used as given", l->name,
+			fault, eigen[0], eigen[1], eigen[2]);
 }
 
-static void check_link(const struct check *c, int index)
+static void check_link(const struct link *l, long line, const struct report *p)
 {
-	const struct link *l = &c->robot->links[index];
-
 	if (l->mass < 0)
-		error_set(c->error, RNEAGEN_NUMBER, "%s:%ld: link '%s': mass %g is negative; correct it", c->file,
-			c->outline->links[index].id.line, l->name, l->mass);
-	else if (l->has_inertial)
-		check_inertia(c, index);
+		report_error(
+			p, RNEAGEN_NUMBER, line, "link '%s': its mass %g is negative; correct it", l->name, l->mass);
+	check_inertia(l, line, p);
 }
 
-static void check_axis(const struct check *c, int index)
+static int has_axis(enum joint_type type)
 {
-	const struct joint *j = &c->robot->joints[index];
-	long line = c->outline->joints[index].id.line;
+	return type != JOINT_FIXED && type != JOINT_FLOATING;
+}
+
+/* One coordinate: it can mimic and be mimicked. */
+static int has_one_coordinate(enum joint_type type)
+{
+	return type == JOINT_REVOLUTE || type == JOINT_CONTINUOUS || type == JOINT_PRISMATIC;
+}
+
+static void check_axis(const struct joint *j, long line, const struct report *p)
+{
 	double norm = hypot(hypot(j->axis[0], j->axis[1]), j->axis[2]);
 
-	if (j->type == JOINT_FIXED || j->type == JOINT_FLOATING)
-		return;
 	if (norm == 0)
-		error_set(c->error, RNEAGEN_NUMBER, "%s:%ld: joint '%s': its axis is 0 0 0; give a direction", c->file, line,
-			j->name);
+		report_error(p, RNEAGEN_NUMBER, line, "joint '%s': its axis is 0 0 0; give a direction", j->name);
 	else if (fabs(norm - 1) > 1e-12)
-		robot_warn(c->robot, c->arena, "%s:%ld: joint '%s': its axis is %.10g long, not 1; normalised", c->file, line,
-			j->name, norm);
+		report_warning(p, line, "joint '%s': its axis is %.10g long, not 1; normalised", j->name, norm);
 }
 
-/* A follower must be able to follow and its driver to lead. */
-static void check_mimic(const struct check *c, int index)
+static void check_mimic(struct joint *j, long line, const struct report *p)
 {
-	struct joint *j = &c->robot->joints[index];
-	const struct joint *driver = &c->robot->joints[j->driver];
-	long line = c->outline->joints[index].id.line;
+	const struct joint *driver = &p->robot->joints[j->driver];
 
-	if (j->driver == index)
-		error_set(c->error, RNEAGEN_MIMIC, "%s:%ld: joint '%s' mimics itself; name another joint", c->file, line, j->name);
+	if (j == driver)
+		report_error(p, RNEAGEN_MIMIC, line, "joint '%s' mimics itself; name another joint", j->name);
 	else if (j->type == JOINT_FIXED) {
-		robot_warn(c->robot, c->arena, "%s:%ld: joint '%s' is fixed; its <mimic> of joint '%s' is ignored", c->file, line,
-			j->name, driver->name);
+		report_warning(
+			p, line, "joint '%s' is fixed; its <mimic> of joint '%s' is ignored", j->name, driver->name);
 		j->driver = -1;
-	} else if (j->type == JOINT_PLANAR || j->type == JOINT_FLOATING)
-		error_set(c->error, RNEAGEN_MIMIC, "%s:%ld: joint '%s' is %s and cannot mimic joint '%s'; remove its <mimic>",
-			c->file, line, j->name, joint_type_name(j->type), driver->name);
-	else if (driver->type == JOINT_FIXED || driver->type == JOINT_PLANAR || driver->type == JOINT_FLOATING)
-		error_set(c->error, RNEAGEN_MIMIC, "%s:%ld: joint '%s' mimics joint '%s', which is %s; name a joint with one angle "
-			"or length", c->file, line, j->name, driver->name, joint_type_name(driver->type));
+	} else if (!has_one_coordinate(j->type))
+		report_error(p, RNEAGEN_MIMIC, line, "joint '%s' is %s and cannot mimic joint '%s'; remove its <mimic>",
+			j->name, joint_type_name(j->type), driver->name);
+	else if (!has_one_coordinate(driver->type))
+		report_error(p, RNEAGEN_MIMIC, line,
+			"joint '%s' mimics joint '%s', which is %s; name a revolute, continuous or prismatic joint",
+			j->name, driver->name, joint_type_name(driver->type));
 }
 
-/* A chain of drivers that is longer than there are joints is in a cycle. */
-static void check_mimic_chain(const struct check *c, int index)
+/* A chain of drivers that still goes on after as many joints as there are is in a cycle. */
+static void check_mimic_chain(int j, const struct outline *o, const struct report *p)
 {
-	const struct joint *joints = c->robot->joints;
-	int steps = c->robot->joint_count, j = index;
+	const struct joint *joints = p->robot->joints;
 
-	while (steps-- > 0 && joints[j].driver >= 0)
+	for (int steps = p->robot->joint_count; steps > 0 && joints[j].driver >= 0; steps--)
 		j = joints[j].driver;
 	if (joints[j].driver >= 0)
-		error_set(c->error, RNEAGEN_MIMIC, "%s:%ld: joints '%s' and '%s' mimic each other in a cycle; let one of them lead",
-			c->file, c->outline->joints[j].id.line, joints[j].name, joints[joints[j].driver].name);
+		report_error(p, RNEAGEN_MIMIC, o->joints[j].id.line,
+			"joints '%s' and '%s' mimic each other in a cycle; let one of them lead", joints[j].name,
+			joints[joints[j].driver].name);
 }
 
-/* A joint that moves nothing with mass or inertia has torque 0: seldom meant. */
-static enum rneagen_code check_massless(const struct check *c)
+/* A joint that moves no inertial has torque 0: seldom meant. */
+static void check_massless(const struct outline *o, const struct report *p)
 {
-	struct robot *r = c->robot;
-	char *moves = arena_alloc(c->arena, (size_t)r->joint_count, 1);
+	struct robot *r = p->robot;
+	char *moves = arena_alloc(p->arena, (size_t)r->joint_count, 1);
 
 	if (!moves)
-		return error_memory(c->error);
-	for (int i = 0; i < r->link_count; i++) {
-		if (!r->links[i].has_inertial)
-			continue;
-		for (int k = i, up; (up = r->links[k].parent_joint) >= 0 && !moves[up]; k = r->joints[up].parent)
-			moves[up] = 1;
-	}
+		return;
+	for (int i = 0; i < r->link_count; i++)
+		if (r->links[i].has_inertial)
+			for (int up = r->links[i].parent_joint; up >= 0 && !moves[up];) {
+				moves[up] = 1;
+				up = r->links[r->joints[up].parent].parent_joint;
+			}
 	for (int i = 0; i < r->joint_count; i++)
 		if (!moves[i] && r->joints[i].type != JOINT_FIXED)
-			robot_warn(r, c->arena,
-				"%s:%ld: joint '%s' moves no mass: link '%s' and all beyond have no <inertial>; its torque is 0", c->file,
-				c->outline->joints[i].id.line, r->joints[i].name, r->links[r->joints[i].child].name);
-	return RNEAGEN_OK;
+			report_warning(p, o->joints[i].id.line,
+				"joint '%s' moves no mass: link '%s' and all beyond have no <inertial>; its torque is 0",
+				r->joints[i].name, r->links[r->joints[i].child].name);
 }
 
-enum rneagen_code robot_check(
-	struct robot *r, const struct outline *o, const char *file, struct arena *a, struct rneagen_error *e)
+enum rneagen_code robot_check(const struct outline *o, const struct report *p)
 {
-	const struct check c = {r, o, file, a, e};
+	struct robot *r = p->robot;
 
 	for (int i = 0; i < r->link_count; i++)
-		check_link(&c, i);
+		check_link(&r->links[i], o->links[i].id.line, p);
 	for (int i = 0; i < r->joint_count; i++) {
-		check_axis(&c, i);
+		if (has_axis(r->joints[i].type))
+			check_axis(&r->joints[i], o->joints[i].id.line, p);
 		if (r->joints[i].driver >= 0)
-			check_mimic(&c, i);
+			check_mimic(&r->joints[i], o->joints[i].id.line, p);
 	}
 	for (int i = 0; i < r->joint_count; i++)
-		check_mimic_chain(&c, i);
-	if (!e->code && check_massless(&c))
-		return e->code;
-	if (a->failed)
-		error_memory(e);
-	return e->code;
+		check_mimic_chain(i, o, p);
+	check_massless(o, p);
+	if (p->arena->failed)
+		error_memory(p->error);
+	return p->error->code;
 }

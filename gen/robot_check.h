@@ -4,8 +4,7 @@
 
 #include "precheck.h"
 
-/* Errors: MEMORY, NUMBER (negative mass, zero axis), MIMIC. A mimic on a fixed joint is dropped with a warning. */
-enum rneagen_code robot_check(
-	struct robot *r, const struct outline *o, const char *file, struct arena *a, struct rneagen_error *e);
+/* `o` lends the line numbers. Errors: MEMORY, NUMBER (negative mass, zero axis), MIMIC. A mimic on a fixed joint is dropped with a warning. */
+enum rneagen_code robot_check(const struct outline *o, const struct report *p);
 
 #endif

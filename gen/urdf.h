@@ -2,10 +2,10 @@
 #define RNEAGEN_URDF_H
 /* The door to urdfdom, which is C++. */
 
-#include "robot.h"
+#include "report.h"
 
-/* Parse `xml` with urdfdom and fill the numbers of the links and joints of `r`, which are found by their names.
+/* Parse `xml` with urdfdom and fill the numbers of the robot's links and joints, which are found by their names.
    Nothing is printed and no exception comes out. Errors: URDF, with urdfdom's own words; MEMORY. */
-enum rneagen_code urdf_read(struct robot *r, const char *xml, const char *file, struct rneagen_error *e);
+enum rneagen_code urdf_read(const char *xml, const struct report *p);
 
 #endif

@@ -125,26 +125,30 @@ void fill_joint(struct joint &j, const urdf::Joint &from)
 	}
 }
 
-enum rneagen_code fill_robot(struct robot *r, const urdf::ModelInterface &model, const char *file, rneagen_error *e)
+rneagen_code fill_robot(const urdf::ModelInterface &model, const struct report *p)
 {
+	struct robot *r = p->robot;
+
 	for (int i = 0; i < r->link_count; i++) {
 		const auto from = model.getLink(r->links[i].name);
 
 		if (!from)
-			return error_set(e, RNEAGEN_URDF, "%s: link '%s' is lost in urdfdom; rename it", file, r->links[i].name);
+			return report_error(
+				p, RNEAGEN_URDF, 0, "link '%s' is lost in urdfdom; rename it", r->links[i].name);
 		fill_link(r->links[i], *from);
 	}
 	for (int i = 0; i < r->joint_count; i++) {
 		const auto from = model.getJoint(r->joints[i].name);
 
 		if (!from)
-			return error_set(e, RNEAGEN_URDF, "%s: joint '%s' is lost in urdfdom; rename it", file, r->joints[i].name);
+			return report_error(
+				p, RNEAGEN_URDF, 0, "joint '%s' is lost in urdfdom; rename it", r->joints[i].name);
 		fill_joint(r->joints[i], *from);
 	}
 	return RNEAGEN_OK;
 }
 
-enum rneagen_code parse(struct robot *r, const char *xml, const char *file, rneagen_error *e)
+rneagen_code parse(const char *xml, const struct report *p)
 {
 	std::string said;
 	urdf::ModelInterfaceSharedPtr model;
@@ -154,21 +158,22 @@ enum rneagen_code parse(struct robot *r, const char *xml, const char *file, rnea
 		model = urdf::parseURDF(xml);
 	}
 	if (!model || !said.empty())
-		return error_set(e, RNEAGEN_URDF, "%s: refused by urdfdom: %s", file, said.empty() ? "(no reason given)" : said.c_str());
-	return fill_robot(r, *model, file, e);
+		return report_error(
+			p, RNEAGEN_URDF, 0, "refused by urdfdom: %s", said.empty() ? "no reason given" : said.c_str());
+	return fill_robot(*model, p);
 }
 
 } // namespace
 
-extern "C" enum rneagen_code urdf_read(struct robot *r, const char *xml, const char *file, struct rneagen_error *e)
+extern "C" enum rneagen_code urdf_read(const char *xml, const struct report *p)
 {
 	try {
-		return parse(r, xml, file, e);
+		return parse(xml, p);
 	} catch (const std::bad_alloc &) {
-		return error_memory(e);
+		return error_memory(p->error);
 	} catch (const std::exception &x) {
-		return error_set(e, RNEAGEN_URDF, "%s: refused by urdfdom: %s", file, x.what());
+		return report_error(p, RNEAGEN_URDF, 0, "refused by urdfdom: %s", x.what());
 	} catch (...) {
-		return error_set(e, RNEAGEN_URDF, "%s: refused by urdfdom: an unknown exception", file);
+		return report_error(p, RNEAGEN_URDF, 0, "refused by urdfdom: an unknown exception");
 	}
 }

@@ -70,27 +70,29 @@ static void read_numbers(struct walk *w, const struct rule *rule, const char *co
 		double v[3];
 
 		if (!value && i < rule->required)
-			walk_fail(w, RNEAGEN_URDF, "%s '%s': <%s> has no %s; add it", w->owner, w->owner_name, rule->element,
-				name);
+			walk_fail(w, RNEAGEN_URDF, "%s '%s': <%s> has no %s; add it", w->owner, w->owner_name,
+				rule->element, name);
 		if (!value)
 			continue;
 		if (!number_read(value, v, rule->width))
 			walk_fail(w, RNEAGEN_NUMBER, "%s '%s': <%s> %s=\"%.100s\" is not %s", w->owner, w->owner_name,
 				rule->element, name, value,
-				rule->width == 1 ? "a finite decimal number" : "three finite decimal numbers with blanks between");
+				rule->width == 1 ? "a finite decimal number"
+						 : "three finite decimal numbers with blanks between");
 		else if (!strcmp(name, "rpy"))
 			memcpy(w->rpy, v, sizeof v);
 	}
 }
 
-static void read_vectors_only(struct walk *w, const char *element, const char *const *attributes)
+static void refuse_odd_vectors(struct walk *w, const char *element, const char *const *attributes)
 {
 	if (tab_in_tag(w))
-		walk_fail(w, RNEAGEN_NUMBER, "%s '%s': <%s> holds a tab or a line break between its numbers; use blanks", w->owner,
+		walk_fail(w, RNEAGEN_NUMBER,
+			"%s '%s': <%s> holds a tab or a line break between its numbers; use blanks", w->owner,
 			w->owner_name, element);
 	if (values_attribute(attributes, "quat_xyzw"))
-		walk_fail(w, RNEAGEN_UNSUPPORTED, "%s '%s': <%s> quat_xyzw is not supported; give rpy", w->owner, w->owner_name,
-			element);
+		walk_fail(w, RNEAGEN_UNSUPPORTED, "%s '%s': <%s> quat_xyzw is not supported; give rpy", w->owner,
+			w->owner_name, element);
 }
 
 static const char *copy_name(struct walk *w, const char *element, const char *const *attributes, const char *name)
@@ -99,7 +101,7 @@ static const char *copy_name(struct walk *w, const char *element, const char *co
 
 	if (!value)
 		walk_fail(w, RNEAGEN_URDF, "joint '%s': <%s> has no %s; name one", w->owner_name, element, name);
-	return value ? arena_string(w->arena, value, strlen(value)) : NULL;
+	return value ? arena_string(w->report->arena, value, strlen(value)) : NULL;
 }
 
 static void read_names(struct walk *w, const char *element, const char *const *attributes)
@@ -122,6 +124,14 @@ static int axis_is_idle(const struct walk *w, const char *element)
 	return !strcmp(element, "axis") && (type == JOINT_FIXED || type == JOINT_FLOATING);
 }
 
+static void warn_twice(struct walk *w, const char *element, unsigned bit)
+{
+	if (!(w->twice & bit))
+		report_warning(w->report, walk_line(w), "%s '%s': more than one <%s>; the first is used", w->owner,
+			w->owner_name, element);
+	w->twice |= bit;
+}
+
 enum place values_read(struct walk *w, const char *element, const char *const *attributes)
 {
 	enum place place = w->places[w->depth];
@@ -130,13 +140,12 @@ enum place values_read(struct walk *w, const char *element, const char *const *a
 	if (row < 0 || (place == JOINT && axis_is_idle(w, element)))
 		return SKIPPED;
 	if (w->seen & 1u << row) {
-		robot_warn(w->robot, w->arena, "%s:%ld: %s '%s': more than one <%s>; the first is used", w->file,
-			(long)XML_GetCurrentLineNumber(w->parser), w->owner, w->owner_name, element);
+		warn_twice(w, element, 1u << row);
 		return SKIPPED;
 	}
 	w->seen |= 1u << row;
 	if (rules[row].width == 3)
-		read_vectors_only(w, element, attributes);
+		refuse_odd_vectors(w, element, attributes);
 	read_numbers(w, &rules[row], attributes);
 	if (place == JOINT)
 		read_names(w, element, attributes);

@@ -12,17 +12,17 @@ enum place { DOCUMENT, ROBOT, LINK, INERTIAL, JOINT, VALUE, SKIPPED };
 struct walk {
 	XML_Parser parser;
 	struct outline *outline;
-	struct robot *robot; /* takes the warnings */
-	const char *xml, *file;
-	struct arena *arena;
-	struct rneagen_error *error;
+	const char *xml;
+	const struct report *report;
 	int depth;
 	enum place places[LIMIT_XML_DEPTH + 1]; /* of the open elements; places[0] is the document */
 	const char *owner, *owner_name;         /* "robot", "link" or "joint", and its name, for messages */
 	double *rpy;                            /* where the angles of the open inertial or joint go */
-	unsigned seen;                          /* children met in the open inertial or joint: bits, by row of the rules */
+	unsigned seen, twice;                   /* children of the open inertial or joint: bits, by row of the rules */
 	int inertials;                          /* in the open link */
 };
+
+long walk_line(const struct walk *w);
 
 /* Record an error at the current line and stop the parse. */
 void walk_fail(struct walk *w, enum rneagen_code code, const char *fmt, ...) RNEAGEN_PRINTF(3, 4);
