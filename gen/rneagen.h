@@ -33,8 +33,7 @@ struct rneagen_options {
 	double gravity[3];  /* m/s^2, in the frame of the root link's parent, the world; default 0 0 -9.81 */
 	const char *order;  /* names of all joints with entries in q, comma-separated; NULL: depth-first, by name */
 	const char *name;   /* a C identifier; NULL: the robot's name made one */
-	const char *file;   /* name of the input, for messages only; NULL: "<input>" */
-	const char *command; /* the command line for the header of the text; NULL: one made from the options */
+	const char *file;   /* name of the input, for messages and the text's header; NULL: "<input>" */
 	enum rneagen_dump dump;
 	const struct rneagen_allocator *allocator; /* NULL: malloc and free */
 };

@@ -1,0 +1,189 @@
+#include "dag.h"
+#include <string.h>
+
+#define OP_ARITY(name, arity, commutes, strength) arity,
+#define OP_COMMUTES(name, arity, commutes, strength) commutes,
+#define OP_STRENGTH(name, arity, commutes, strength) strength,
+#define OP_NAME(name, arity, commutes, strength) #name,
+const unsigned char op_arity[OP_COUNT] = {DAG_OPS(OP_ARITY)};
+const unsigned char op_commutes[OP_COUNT] = {DAG_OPS(OP_COMMUTES)};
+const unsigned char op_strength[OP_COUNT] = {DAG_OPS(OP_STRENGTH)};
+const char *const op_name[OP_COUNT] = {DAG_OPS(OP_NAME)};
+
+static const struct ref NONE = {0};
+
+static uint64_t mix(uint64_t h, uint64_t x)
+{
+	h = (h ^ x) * 0x9e3779b97f4a7c15u;
+	return h ^ (h >> 29);
+}
+
+/* long double has padding: hash the value, not its bytes. -0 and 0 are one constant. */
+static uint64_t hash_value(real value)
+{
+	double head = (double)value, tail = (double)(value - (real)head);
+	uint64_t a, b;
+
+	head += 0.0;
+	tail += 0.0;
+	memcpy(&a, &head, sizeof a);
+	memcpy(&b, &tail, sizeof b);
+	return mix(a, b);
+}
+
+static uint64_t hash_node(enum op op, struct ref a, struct ref b, struct ref c, real value)
+{
+	uint64_t h = mix((uint64_t)op + 1, a.i);
+
+	h = mix(mix(h, b.i), c.i);
+	return op == OP_CONST ? mix(h, hash_value(value)) : h;
+}
+
+static int node_is(const struct node *n, enum op op, struct ref a, struct ref b, struct ref c, real value)
+{
+	return n->op == op && n->arg[0].i == a.i && n->arg[1].i == b.i && n->arg[2].i == c.i &&
+	       (op != OP_CONST || n->value == value);
+}
+
+/* The place in the table where the node is or would be. */
+static size_t table_slot(const struct dag *d, enum op op, struct ref a, struct ref b, struct ref c, real value)
+{
+	size_t mask = d->table_size - 1, slot = (size_t)hash_node(op, a, b, c, value) & mask;
+
+	while (d->table[slot] && !node_is(&d->nodes[d->table[slot] - 1], op, a, b, c, value))
+		slot = (slot + 1) & mask;
+	return slot;
+}
+
+static int table_grow(struct dag *d)
+{
+	size_t size = d->table_size ? d->table_size * 2 : 1024;
+	uint32_t *table = arena_alloc(d->arena, size, sizeof *table);
+
+	if (!table)
+		return 0;
+	d->table = table;
+	d->table_size = size;
+	for (size_t i = 0; i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+
+		table[table_slot(d, n->op, n->arg[0], n->arg[1], n->arg[2], n->value)] = (uint32_t)i + 1;
+	}
+	return 1;
+}
+
+struct ref dag_find(const struct dag *d, enum op op, struct ref a, struct ref b, struct ref c, real value)
+{
+	uint32_t found = d->failed ? 0 : d->table[table_slot(d, op, a, b, c, value)];
+
+	return (struct ref){found ? found - 1 : 0};
+}
+
+struct ref dag_node(struct dag *d, enum op op, struct ref a, struct ref b, struct ref c, real value)
+{
+	struct node *nodes;
+	size_t slot;
+
+	if (d->failed)
+		return NONE;
+	slot = table_slot(d, op, a, b, c, value);
+	if (d->table[slot])
+		return (struct ref){d->table[slot] - 1};
+	nodes = arena_grow(d->arena, d->nodes, d->count, &d->capacity, sizeof *nodes);
+	if (!nodes || d->count >= UINT32_MAX - 1) {
+		d->failed = 1;
+		return NONE;
+	}
+	d->nodes = nodes;
+	d->nodes[d->count] = (struct node){.op = op, .arg = {a, b, c}, .value = value};
+	d->table[slot] = (uint32_t)++d->count;
+	if (d->count > d->table_size / 2 && !table_grow(d))
+		d->failed = 1;
+	return (struct ref){(uint32_t)d->count - 1};
+}
+
+void dag_init(struct dag *d, struct arena *a)
+{
+	*d = (struct dag){.arena = a};
+	if (!table_grow(d))
+		d->failed = 1;
+	dag_node(d, OP_CONST, NONE, NONE, NONE, 0);
+}
+
+int dag_argument(struct dag *d, const char *name, int rows, int is_output)
+{
+	if (d->argument_count == DAG_ARGUMENTS) {
+		d->failed = 1;
+		return 0;
+	}
+	d->arguments[d->argument_count] = (struct argument){name, rows, is_output};
+	return d->argument_count++;
+}
+
+void dag_tag(struct dag *d, struct ref a, const char *quantity, int body, char component)
+{
+	struct node *n = &d->nodes[a.i];
+
+	if (d->failed || n->op == OP_CONST || n->tag.quantity[0])
+		return;
+	strncpy(n->tag.quantity, quantity, sizeof n->tag.quantity - 1);
+	n->tag.body = body;
+	n->tag.component = component;
+}
+
+void dag_section(struct dag *d, enum section_kind kind, int body)
+{
+	struct section *s =
+		arena_grow(d->arena, d->sections, d->section_count, &d->section_capacity, sizeof *s);
+
+	if (!s) {
+		d->failed = 1;
+		return;
+	}
+	d->sections = s;
+	d->sections[d->section_count++] = (struct section){kind, body, (uint32_t)d->count, d->output_count};
+}
+
+void dag_output(struct dag *d, int argument, int row, struct ref value)
+{
+	struct output *o = arena_grow(d->arena, d->outputs, d->output_count, &d->output_capacity, sizeof *o);
+
+	if (!o) {
+		d->failed = 1;
+		return;
+	}
+	d->outputs = o;
+	d->outputs[d->output_count++] = (struct output){argument, row, value};
+}
+
+void dag_uses(const struct dag *d, uint32_t *uses)
+{
+	memset(uses, 0, d->count * sizeof *uses);
+	for (size_t i = 0; i < d->output_count; i++)
+		uses[d->outputs[i].value.i]++;
+	for (size_t i = d->count; i-- > 0;)
+		if (uses[i])
+			for (int k = 0; k < op_arity[d->nodes[i].op]; k++)
+				uses[d->nodes[i].arg[k].i]++;
+}
+
+void dag_dump(const struct dag *d, struct text *t)
+{
+	for (size_t i = 0; i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+
+		text_printf(t, "%zu %s", i, op_name[n->op]);
+		if (n->op == OP_CONST)
+			text_printf(t, " %.21Lg", n->value);
+		else if (n->op == OP_INPUT)
+			text_printf(t, " %s[%u]", d->arguments[n->arg[0].i].name, (unsigned)n->arg[1].i);
+		for (int k = 0; k < op_arity[n->op]; k++)
+			text_printf(t, " %u", (unsigned)n->arg[k].i);
+		if (n->tag.quantity[0])
+			text_printf(t, "  # %s%d%.1s", n->tag.quantity, n->tag.body, &n->tag.component);
+		text_putc(t, '\n');
+	}
+	for (size_t i = 0; i < d->output_count; i++)
+		text_printf(t, "%s[%d] = %u\n", d->arguments[d->outputs[i].argument].name, d->outputs[i].row,
+			(unsigned)d->outputs[i].value.i);
+}

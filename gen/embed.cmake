@@ -1,0 +1,11 @@
+# cmake -DOUTPUT=templates.c -DINPUTS=a.in;b.in -P embed.cmake: each file as a NUL-terminated array template_<name>
+set(text "/* made by embed.cmake from templates/ */\n#include \"template.h\"\n")
+foreach(input IN LISTS INPUTS)
+	get_filename_component(name ${input} NAME)
+	string(REGEX REPLACE "[^A-Za-z0-9]" "_" name ${name})
+	file(READ ${input} hex HEX)
+	string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")
+	string(REGEX REPLACE "(0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,)" "\\1\n" bytes "${bytes}")
+	string(APPEND text "const char template_${name}[] = {\n${bytes}0};\n")
+endforeach()
+file(WRITE ${OUTPUT} "${text}")

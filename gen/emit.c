@@ -1,0 +1,260 @@
+#include "emit.h"
+#include "template.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A block stages its samples in 48 KiB of shared memory, what every device gives without asking. */
+enum { SHARED_BYTES = 48 << 10, BLOCK = 128, SMALLEST_BLOCK = 32, MANY_BODIES = 24 };
+
+enum params { PARAMS_PLAIN, PARAMS_RESTRICT, PARAMS_NAMES, PARAMS_AT_SAMPLE, PARAMS_ADDRESSES };
+
+static const char *scalar(const struct emission *e)
+{
+	return emit_is_f32(e) ? "float" : "double";
+}
+
+/* Bytes of shared memory that staging takes for one sample; an odd pitch keeps threads in different banks. */
+static int stage_bytes(const struct emission *e)
+{
+	return ((e->tree->nq | 1) + 2 * (e->tree->nv | 1)) * (emit_is_f32(e) ? 4 : 8);
+}
+
+static int is_staged(const struct emission *e)
+{
+	return e->options->layout == RNEAGEN_AOS && SMALLEST_BLOCK * stage_bytes(e) <= SHARED_BYTES;
+}
+
+static int block_size(const struct emission *e)
+{
+	int block = BLOCK;
+
+	while (is_staged(e) && block * stage_bytes(e) > SHARED_BYTES)
+		block /= 2;
+	return block;
+}
+
+/* Humanoids in f32 gain from a third block (H100: 168 registers, no spill); in f64 the bound would make them spill. */
+static int min_blocks(const struct emission *e)
+{
+	return emit_is_f32(e) && e->tree->body_count >= MANY_BODIES ? 3 : 1;
+}
+
+/* Where sample k begins. */
+static void put_at_sample(const struct emission *e, const struct argument *a, struct text *out)
+{
+	if (e->options->layout == RNEAGEN_SOA)
+		text_printf(out, "%s + k, ", a->name);
+	else
+		text_printf(out, "%s + k*%d, ", a->name, a->rows);
+}
+
+/* A pass's arguments as parameters, as their names, or moved on to sample k with the stride of a row. */
+static const char *params(const struct emission *e, const struct pass *p, enum params kind)
+{
+	const char *restricted = e->options->target == RNEAGEN_TARGET_CUDA ? "__restrict__ " : "restrict ";
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < p->dag.argument_count; i++) {
+		const struct argument *a = &p->dag.arguments[i];
+		const char *comma = i + 1 < p->dag.argument_count ? ", " : "";
+
+		if (kind == PARAMS_NAMES)
+			text_printf(&t, "%s%s", a->name, comma);
+		else if (kind == PARAMS_ADDRESSES)
+			text_printf(&t, "&%s%s", a->name, comma);
+		else if (kind == PARAMS_AT_SAMPLE)
+			put_at_sample(e, a, &t);
+		else
+			text_printf(&t, "%s%s *%s%s%s", a->is_output ? "" : "const ", scalar(e),
+				kind == PARAMS_RESTRICT ? restricted : "", a->name, comma);
+	}
+	if (kind == PARAMS_AT_SAMPLE)
+		text_put(&t, e->options->layout == RNEAGEN_SOA ? "count" : "1");
+	return text_string(&t);
+}
+
+static const char *number(const struct emission *e, int value)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "%d", value);
+	return text_string(&t);
+}
+
+static const char *body_text(const struct emission *e, const struct pass *p)
+{
+	struct text t, body;
+
+	text_init(&t, e->arena);
+	text_init(&body, e->arena);
+	emit_body(e, p, &body);
+	const struct slot slots[] = {
+		{"DOC", p->doc}, {"NAME", e->options->name}, {"PASS", p->name}, {"PARAMS", params(e, p, PARAMS_PLAIN)},
+		{"BODY", text_string(&body)},
+	};
+	template_expand(&t, template_body_in, slots, sizeof slots / sizeof *slots);
+	t.failed |= body.failed;
+	return t.failed ? NULL : text_string(&t);
+}
+
+static void put_kernel(const struct emission *e, const struct pass *p, struct text *out)
+{
+	int staged = is_staged(e) && p == &e->passes[PASS_RNEA];
+	int q_pitch = e->tree->nq | 1, v_pitch = e->tree->nv | 1;
+	const struct slot slots[] = {
+		{"NAME", e->options->name}, {"PASS", p->name}, {"T", scalar(e)},
+		{"BOUNDS", p == &e->passes[PASS_RNEA] ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
+		{"RESTRICT_PARAMS", params(e, p, PARAMS_RESTRICT)}, {"AT_SAMPLE", params(e, p, PARAMS_AT_SAMPLE)},
+		{"PITCH_Q", number(e, q_pitch)}, {"PITCH_V", number(e, v_pitch)}, {"NQ", number(e, e->tree->nq)},
+		{"NV", number(e, e->tree->nv)},
+	};
+
+	template_expand(out, staged ? template_kernel_aos_in : template_kernel_soa_in, slots, sizeof slots / sizeof *slots);
+}
+
+static const char *stage_text(const struct emission *e)
+{
+	const struct slot slots[] = {{"T", scalar(e)}};
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (is_staged(e))
+		template_expand(&t, template_stage_aos_in, slots, 1);
+	return text_string(&t);
+}
+
+static const char *enum_text(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "enum { %s_nq = %d, %s_nv = %d, %s_nb = %d };", e->options->name, e->tree->nq, e->options->name,
+		e->tree->nv, e->options->name, e->tree->body_count);
+	return text_string(&t);
+}
+
+static const char *prototypes(const struct emission *e)
+{
+	const struct pass *p = e->passes;
+	const char *name = e->options->name, *layout = e->options->layout == RNEAGEN_SOA ? "[row][sample]" : "[sample][row]";
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "/* tau = ID(q, qd, qdd) of one sample: q[%d], qd[%d], qdd[%d] -> tau[%d]; tau may be qdd itself. */\n",
+		e->tree->nq, e->tree->nv, e->tree->nv, e->tree->nv);
+	text_printf(&t, "void %s_rnea(%s);\n", name, params(e, &p[PASS_RNEA], PARAMS_PLAIN));
+	text_printf(&t, "/* The same for `count` samples, every array %s. */\n", layout);
+	text_printf(&t, "void %s_rnea_batch(%s, size_t count);\n", name, params(e, &p[PASS_RNEA], PARAMS_PLAIN));
+	text_put(&t, "/* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */\n");
+	text_printf(&t, "void %s_fpass(%s);\n", name, params(e, &p[PASS_FPASS], PARAMS_PLAIN));
+	text_put(&t, "/* The way back alone: torques from q and fpass's wrenches. */\n");
+	text_printf(&t, "void %s_bpass(%s);\n", name, params(e, &p[PASS_BPASS], PARAMS_PLAIN));
+	text_put(&t, "/* What this text computes, one `key values` a line. */\n");
+	text_printf(&t, "extern const char %s_info[];", name);
+	return text_string(&t);
+}
+
+static const char *dimensions(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "q[%d], qd[%d], qdd[%d] -> tau[%d].", e->tree->nq, e->tree->nv, e->tree->nv, e->tree->nv);
+	return text_string(&t);
+}
+
+/* The sine and cosine of the chosen mode and precision. */
+static const char *sincos_text(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	emit_sincos(e, &t);
+	return text_string(&t);
+}
+
+static const char *banner_text(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	emit_banner(e, &t);
+	return text_string(&t);
+}
+
+static const char *info_text(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	emit_info(e, &t);
+	return text_string(&t);
+}
+
+static void put_bodies(const struct emission *e, struct text *out)
+{
+	for (int i = 0; i < PASS_COUNT; i++) {
+		const char *body = body_text(e, &e->passes[i]);
+
+		if (body)
+			text_put(out, body);
+		else
+			out->failed = 1;
+	}
+}
+
+void emit_source(const struct emission *e, struct text *out)
+{
+	static const char *const frames[] = {[RNEAGEN_TARGET_CUDA] = template_kernel_cu_in,
+		[RNEAGEN_TARGET_C] = template_function_c_in, [RNEAGEN_TARGET_HEADER] = template_header_h_in};
+	const struct pass *p = e->passes;
+	struct text bodies, kernels;
+
+	text_init(&bodies, e->arena);
+	text_init(&kernels, e->arena);
+	put_bodies(e, &bodies);
+	for (int i = 0; i < PASS_COUNT && e->options->target == RNEAGEN_TARGET_CUDA; i++)
+		put_kernel(e, &p[i], &kernels);
+	const struct slot slots[] = {
+		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"INFO", info_text(e)},
+		{"FMA", emit_is_f32(e) ? "fmaf" : "fma"}, {"FMA_SUFFIX_UPPER", emit_is_f32(e) ? "F" : ""},
+		{"BLOCK", number(e, block_size(e))}, {"MIN_BLOCKS", number(e, min_blocks(e))},
+		{"SINCOS", sincos_text(e)}, {"BODIES", text_string(&bodies)}, {"STAGE", stage_text(e)},
+		{"KERNELS", text_string(&kernels)}, {"PARAMS", params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
+		{"ADDRESSES", params(e, &p[PASS_RNEA], PARAMS_ADDRESSES)},
+		{"RNEA_PARAMS", params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
+		{"RNEA_NAMES", params(e, &p[PASS_RNEA], PARAMS_NAMES)},
+		{"RNEA_AT_SAMPLE", params(e, &p[PASS_RNEA], PARAMS_AT_SAMPLE)},
+		{"FPASS_PARAMS", params(e, &p[PASS_FPASS], PARAMS_PLAIN)},
+		{"FPASS_NAMES", params(e, &p[PASS_FPASS], PARAMS_NAMES)},
+		{"BPASS_PARAMS", params(e, &p[PASS_BPASS], PARAMS_PLAIN)},
+		{"BPASS_NAMES", params(e, &p[PASS_BPASS], PARAMS_NAMES)},
+		{"PROTOTYPES", prototypes(e)}, {"ENUM", enum_text(e)}, {"DIMENSIONS", dimensions(e)},
+	};
+
+	template_expand(out, frames[e->options->target], slots, sizeof slots / sizeof *slots);
+	out->failed |= bodies.failed | kernels.failed | e->arena->failed;
+}
+
+void emit_declarations(const struct emission *e, struct text *out)
+{
+	const struct slot slots[] = {
+		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"ENUM", enum_text(e)}, {"PROTOTYPES", prototypes(e)}};
+
+	template_expand(out, template_function_h_in, slots, sizeof slots / sizeof *slots);
+	out->failed |= e->arena->failed;
+}
+
+/* `block N` and, as the runtime and the user read them, what the functions take and give. */
+void emit_info_shape(const struct emission *e, struct text *out)
+{
+	const struct argument *a = e->passes[PASS_RNEA].dag.arguments;
+
+	text_printf(out, "block %d\n", block_size(e));
+	for (int i = 0; i < e->passes[PASS_RNEA].dag.argument_count; i++)
+		text_printf(out, "%s %s %d %s sample\n", a[i].is_output ? "output" : "input", a[i].name, a[i].rows,
+			emit_is_f32(e) ? "f32" : "f64");
+}

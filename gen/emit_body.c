@@ -1,0 +1,233 @@
+#include "emit.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WRAP_COLUMN = 100 };
+
+/* The decimal with the fewest digits that the target reads back as the same number (9 or 17 always suffice). */
+void emit_number(const struct emission *e, real value, struct text *out)
+{
+	int f32 = emit_is_f32(e);
+	double rounded = f32 ? (double)(float)value : (double)value;
+	char s[64];
+
+	if (!isfinite(rounded)) {
+		error_set(e->error, RNEAGEN_NUMBER, "%s: a constant of the model, %.6Lg, is no finite number in %s",
+			e->options->file, value, f32 ? "f32; use --precision f64" : "f64");
+		rounded = 0;
+	}
+	for (int digits = 1; digits <= 17; digits++) {
+		snprintf(s, sizeof s, "%.*g", digits, rounded);
+		if (f32 ? strtof(s, NULL) == (float)rounded : strtod(s, NULL) == rounded)
+			break;
+	}
+	text_put(out, s);
+	if (!strpbrk(s, ".e"))
+		text_put(out, ".0");
+	if (f32)
+		text_putc(out, 'f');
+}
+
+static void put_expression(const struct emission *e, const struct plan *p, struct ref a, struct text *out);
+
+/* Binding strength of what put_value writes for a node. */
+static int strength(const struct plan *p, struct ref a)
+{
+	const struct node *n = &p->dag->nodes[a.i];
+
+	if (p->names[a.i])
+		return op_strength[OP_INPUT];
+	if (n->op == OP_CONST && signbit(n->value))
+		return op_strength[OP_NEG];
+	return op_strength[n->op];
+}
+
+/* A name, a number, or the expression itself, in parentheses where it binds less than `least`. */
+static void put_value(const struct emission *e, const struct plan *p, struct ref a, int least, struct text *out)
+{
+	int enclose = strength(p, a) < least;
+
+	if (enclose)
+		text_putc(out, '(');
+	if (p->names[a.i])
+		text_put(out, p->names[a.i]);
+	else
+		put_expression(e, p, a, out);
+	if (enclose)
+		text_putc(out, ')');
+}
+
+static void put_binary(const struct emission *e, const struct plan *p, const struct node *n, const char *sign,
+	struct text *out)
+{
+	int own = op_strength[n->op];
+
+	put_value(e, p, n->arg[0], own, out);
+	text_put(out, sign);
+	put_value(e, p, n->arg[1], own + 1, out); /* no re-association: a - (b - c), a*(b*c) */
+}
+
+static void put_expression(const struct emission *e, const struct plan *p, struct ref a, struct text *out)
+{
+	const struct node *n = &p->dag->nodes[a.i];
+
+	switch (n->op) {
+	case OP_CONST:
+		emit_number(e, n->value, out);
+		break;
+	case OP_NEG:
+		text_putc(out, '-');
+		put_value(e, p, n->arg[0], op_strength[OP_NEG] + 1, out);
+		break;
+	case OP_ADD:
+		put_binary(e, p, n, " + ", out);
+		break;
+	case OP_SUB:
+		put_binary(e, p, n, " - ", out);
+		break;
+	case OP_MUL:
+		put_binary(e, p, n, "*", out);
+		break;
+	case OP_FMA:
+		text_put(out, "RNEA_FMA(");
+		for (int k = 0; k < 3; k++) {
+			put_value(e, p, n->arg[k], 0, out);
+			text_put(out, k < 2 ? ", " : ")");
+		}
+		break;
+	default: /* inputs, sines and cosines have names */
+		out->failed = 1;
+	}
+}
+
+/* Append a statement, breaking it after a comma or an operator where it grows past the margin. */
+static void put_wrapped(struct text *out, const char *statement)
+{
+	size_t column = 8;
+
+	text_putc(out, '\t');
+	for (const char *s = statement; *s; s++) {
+		text_putc(out, *s);
+		column++;
+		if (column > WRAP_COLUMN && s[0] == ',' && s[1] == ' ') {
+			text_put(out, "\n\t\t");
+			column = 16;
+			s++;
+		}
+	}
+	text_putc(out, '\n');
+}
+
+static void put_sincos(const struct emission *e, const struct plan *p, struct ref a, struct text *out)
+{
+	static const char *const modes[] = {"accurate", "bounded", "fast"};
+	const struct node *n = &p->dag->nodes[a.i];
+	struct ref s = n->op == OP_SIN ? a : plan_partner(p, a, OP_SIN), c = n->op == OP_COS ? a : plan_partner(p, a, OP_COS);
+	char unused[80];
+	const char *sine = p->names[s.i], *cosine = p->names[c.i], *type = emit_is_f32(e) ? "float" : "double";
+
+	snprintf(unused, sizeof unused, "unused_%s", sine ? sine : cosine);
+	sine = sine ? sine : unused;
+	cosine = cosine ? cosine : unused;
+	text_printf(out, "\t%s %s, %s;\n", type, sine, cosine);
+	text_printf(out, "\trneagen_sincos%s_%s(", emit_is_f32(e) ? "f" : "", modes[e->options->trig]);
+	put_value(e, p, n->arg[0], 0, out);
+	text_printf(out, ", &%s, &%s);\n", sine, cosine);
+}
+
+/* "out to link 2 "lower" (fpass)"; "back from link 2 "lower" to link 1 (bpass): torque of "elbow"" */
+static void put_section(const struct emission *e, const struct pass *pass, const struct section *s, struct text *out)
+{
+	const struct body *k = &e->tree->bodies[s->body];
+
+	if (s->kind == SECTION_END) {
+		text_put(out, "\n\t/* ---- torques of joints that others mimic ---- */\n");
+		return;
+	}
+	text_printf(out, "\n\t/* ---- %s link %d \"", s->kind == SECTION_OUT ? "out to" : "back from", k->number);
+	text_put_comment(out, k->link);
+	text_putc(out, '"');
+	if (s->kind == SECTION_OUT) {
+		text_put(out, pass == &e->passes[PASS_BPASS] ? "" : " (fpass)");
+	} else {
+		if (k->parent < 0)
+			text_put(out, " to the world (bpass)");
+		else
+			text_printf(out, " to link %d (bpass)", e->tree->bodies[k->parent].number);
+		if (*k->joint) {
+			text_put(out, k->follower ? ": share of the driver of \"" : ": torque of \"");
+			text_put_comment(out, k->joint);
+			text_putc(out, '"');
+		}
+	}
+	text_put(out, " ---- */\n");
+}
+
+static void put_store(const struct emission *e, const struct plan *p, const struct output *o, struct text *out)
+{
+	struct text statement;
+
+	text_init(&statement, e->arena);
+	text_printf(&statement, "%s[%d*stride] = ", p->dag->arguments[o->argument].name, o->row);
+	put_value(e, p, o->value, 0, &statement);
+	text_putc(&statement, ';');
+	out->failed |= statement.failed;
+	put_wrapped(out, text_string(&statement));
+}
+
+static void put_assignment(const struct emission *e, const struct plan *p, struct ref a, struct text *out)
+{
+	const struct node *n = &p->dag->nodes[a.i];
+	struct text statement;
+
+	text_init(&statement, e->arena);
+	text_printf(&statement, "const %s %s = ", emit_is_f32(e) ? "float" : "double", p->names[a.i]);
+	if (n->op == OP_INPUT)
+		text_printf(&statement, "%s[%u*stride]", p->dag->arguments[n->arg[0].i].name, (unsigned)n->arg[1].i);
+	else
+		put_expression(e, p, a, &statement);
+	text_putc(&statement, ';');
+	out->failed |= statement.failed;
+	put_wrapped(out, text_string(&statement));
+}
+
+/* An argument of which nothing is read would be an unused parameter. */
+static void put_unused_arguments(const struct plan *p, struct text *out)
+{
+	const struct dag *d = p->dag;
+
+	for (int i = 0; i < d->argument_count; i++) {
+		int used = d->arguments[i].is_output;
+
+		for (size_t k = 0; k < d->count && !used; k++)
+			used = d->nodes[k].op == OP_INPUT && d->nodes[k].arg[0].i == (uint32_t)i;
+		if (!used)
+			text_printf(out, "\t(void)%s;\n", d->arguments[i].name);
+	}
+}
+
+void emit_body(const struct emission *e, const struct pass *pass, struct text *out)
+{
+	const struct plan *p = &pass->plan;
+
+	put_unused_arguments(p, out);
+	for (size_t i = 0; i < p->line_count; i++) {
+		const struct line *l = &p->lines[i];
+
+		switch (l->kind) {
+		case LINE_SECTION:
+			put_section(e, pass, &p->dag->sections[l->index], out);
+			break;
+		case LINE_SINCOS:
+			put_sincos(e, p, l->value, out);
+			break;
+		case LINE_STORE:
+			put_store(e, p, &p->dag->outputs[l->index], out);
+			break;
+		default:
+			put_assignment(e, p, l->value, out);
+		}
+	}
+}

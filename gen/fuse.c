@@ -1,0 +1,123 @@
+/* From the DAG as the algorithm made it to the DAG that is written: live nodes only, a product with one use joined to
+   the sum that uses it, signs given to constants and swapped differences where that is free. */
+#include "dag.h"
+
+struct fuser {
+	struct dag *out;
+	const struct dag *in;
+	const uint32_t *uses;
+	unsigned char *absorbed; /* this product is computed by its user's FMA */
+	struct ref *map;         /* in -> out */
+};
+
+static int lone(const struct fuser *f, struct ref a, enum op op)
+{
+	return f->in->nodes[a.i].op == op && f->uses[a.i] == 1;
+}
+
+/* Which operand of a sum is a product of its own? -1: neither. */
+static int product_operand(const struct fuser *f, const struct node *n)
+{
+	if (n->op != OP_ADD && n->op != OP_SUB)
+		return -1;
+	return lone(f, n->arg[1], OP_MUL) ? 1 : lone(f, n->arg[0], OP_MUL) ? 0 : -1;
+}
+
+/* x + a*b, x - a*b = x + (-a)*b, a*b - x = a*b + (-x); a is the constant where there is one */
+static struct ref fuse_sum(struct fuser *f, const struct node *n, int product)
+{
+	const struct node *p = &f->in->nodes[n->arg[product].i];
+	struct ref a = f->map[p->arg[0].i], b = f->map[p->arg[1].i], x = f->map[n->arg[!product].i];
+
+	if (n->op == OP_SUB && product == 1)
+		a = dag_neg(f->out, a);
+	if (n->op == OP_SUB && product == 0)
+		x = dag_neg(f->out, x);
+	return dag_fma(f->out, a, b, x);
+}
+
+/* -(a - b) = b - a; -(c*x) = (-c)*x */
+static struct ref fuse_neg(struct fuser *f, const struct node *n)
+{
+	const struct node *m = &f->in->nodes[n->arg[0].i];
+	struct ref a = f->map[m->arg[0].i], b = f->map[m->arg[1].i], none = {0};
+
+	if (f->absorbed[n->arg[0].i] && m->op == OP_SUB)
+		return dag_node(f->out, OP_SUB, b, a, none, 0);
+	if (f->absorbed[n->arg[0].i])
+		return dag_node(f->out, OP_MUL, dag_neg(f->out, a), b, none, 0);
+	return dag_neg(f->out, f->map[n->arg[0].i]);
+}
+
+static struct ref fuse_node(struct fuser *f, const struct node *n)
+{
+	struct ref a = f->map[n->arg[0].i], b = f->map[n->arg[1].i], none = {0};
+	int product = product_operand(f, n);
+
+	if (n->op == OP_CONST)
+		return dag_const(f->out, n->value);
+	if (n->op == OP_INPUT)
+		return dag_input(f->out, (int)n->arg[0].i, (int)n->arg[1].i);
+	if (n->op == OP_NEG)
+		return fuse_neg(f, n);
+	if (product >= 0)
+		return fuse_sum(f, n, product);
+	return dag_node(f->out, n->op, a, op_arity[n->op] > 1 ? b : none, none, 0);
+}
+
+static void mark_absorbed(struct fuser *f)
+{
+	for (size_t i = 0; i < f->in->count; i++) {
+		const struct node *n = &f->in->nodes[i], *m = &f->in->nodes[n->arg[0].i];
+		int product = f->uses[i] ? product_operand(f, n) : -1;
+
+		if (product >= 0)
+			f->absorbed[n->arg[product].i] = 1;
+		if (f->uses[i] && n->op == OP_NEG)
+			f->absorbed[n->arg[0].i] =
+				(lone(f, n->arg[0], OP_SUB) && product_operand(f, m) < 0) ||
+				(lone(f, n->arg[0], OP_MUL) && f->in->nodes[m->arg[0].i].op == OP_CONST);
+	}
+}
+
+static void copy_nodes(struct fuser *f)
+{
+	size_t section = 0;
+
+	for (size_t i = 0; i < f->in->count; i++) {
+		const struct node *n = &f->in->nodes[i];
+
+		for (; section < f->in->section_count && f->in->sections[section].node <= i; section++)
+			dag_section(f->out, f->in->sections[section].kind, f->in->sections[section].body);
+		if (!f->uses[i] || f->absorbed[i])
+			continue;
+		f->map[i] = fuse_node(f, n);
+		if (n->tag.quantity[0])
+			dag_tag(f->out, f->map[i], n->tag.quantity, n->tag.body, n->tag.component);
+	}
+	for (; section < f->in->section_count; section++)
+		dag_section(f->out, f->in->sections[section].kind, f->in->sections[section].body);
+}
+
+void dag_fuse(struct dag *out, const struct dag *d)
+{
+	struct fuser f = {.out = out, .in = d};
+	uint32_t *uses = arena_alloc(out->arena, d->count, sizeof *uses);
+
+	f.uses = uses;
+	f.absorbed = arena_alloc(out->arena, d->count, 1);
+	f.map = arena_alloc(out->arena, d->count, sizeof *f.map);
+	if (d->failed || !uses || !f.absorbed || !f.map) {
+		out->failed = 1;
+		return;
+	}
+	for (int i = 0; i < d->argument_count; i++)
+		dag_argument(out, d->arguments[i].name, d->arguments[i].rows, d->arguments[i].is_output);
+	dag_uses(d, uses);
+	mark_absorbed(&f);
+	copy_nodes(&f);
+	for (size_t i = 0; i < d->output_count; i++)
+		dag_output(out, d->outputs[i].argument, d->outputs[i].row, f.map[d->outputs[i].value.i]);
+	for (size_t i = 0; i < out->section_count; i++)
+		out->sections[i].output = d->sections[i].output;
+}

@@ -1,0 +1,155 @@
+/* The pipeline, one arrow after the other: URDF -> robot -> tree -> DAG -> plan -> text. */
+#define _POSIX_C_SOURCE 200809L
+#include "rneagen.h"
+#include "emit.h"
+#include "identifier.h"
+#include "info.h"
+#include "rnea.h"
+#include "robot.h"
+#include <locale.h>
+#include <sha256.h>
+#include <string.h>
+
+struct generation {
+	struct rneagen_options options;
+	struct robot robot;
+	struct tree tree;
+	struct pass passes[PASS_COUNT];
+	char hash[SHA256_DIGEST_STRING_LENGTH];
+	struct emission emission;
+	struct rneagen_result *result;
+	struct rneagen_error *error;
+};
+
+struct rneagen_options rneagen_options_default(void)
+{
+	return (struct rneagen_options){.gravity = {0, 0, -9.81}};
+}
+
+/* Defaults that depend on other choices, and the name of everything. */
+static enum rneagen_code resolve_options(struct generation *g)
+{
+	struct rneagen_options *o = &g->options;
+
+	if (o->precision == RNEAGEN_PRECISION_DEFAULT)
+		o->precision = o->target == RNEAGEN_TARGET_C ? RNEAGEN_F64 : RNEAGEN_F32;
+	if (!o->name)
+		o->name = identifier_from(g->robot.name, &g->result->arena);
+	else if (!identifier_is(o->name))
+		return error_set(g->error, RNEAGEN_NAME,
+			"--name '%.255s' is no C identifier: letters, digits and underscores, no digit first, no keyword", o->name);
+	return o->name ? RNEAGEN_OK : error_memory(g->error);
+}
+
+static enum rneagen_code make_pass(
+	struct generation *g, int which, const char *name, const char *doc, void (*algorithm)(struct dag *, const struct tree *))
+{
+	struct pass *p = &g->passes[which];
+	struct arena *a = &g->result->arena;
+
+	p->name = name;
+	p->doc = doc;
+	dag_init(&p->raw, a);
+	algorithm(&p->raw, &g->tree);
+	dag_init(&p->dag, a);
+	dag_fuse(&p->dag, &p->raw);
+	return plan_build(&p->plan, &p->dag, &g->tree, a) ? RNEAGEN_OK : error_memory(g->error);
+}
+
+static enum rneagen_code make_passes(struct generation *g)
+{
+	if (make_pass(g, PASS_RNEA, "rnea", "tau = ID(q, qd, qdd)", rnea_full) ||
+		make_pass(g, PASS_FPASS, "fpass",
+			"Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.", rnea_fpass))
+		return g->error->code;
+	return make_pass(g, PASS_BPASS, "bpass", "Back to the base: torques tau from the wrenches f.", rnea_bpass);
+}
+
+static void make_dump(struct generation *g, struct text *t)
+{
+	switch (g->options.dump) {
+	case RNEAGEN_DUMP_ROBOT:
+		robot_dump(&g->robot, t);
+		break;
+	case RNEAGEN_DUMP_TREE:
+		tree_dump(&g->tree, t);
+		break;
+	case RNEAGEN_DUMP_DAG:
+		dag_dump(&g->passes[PASS_RNEA].dag, t);
+		break;
+	case RNEAGEN_DUMP_PLAN:
+		plan_dump(&g->passes[PASS_RNEA].plan, t);
+		break;
+	case RNEAGEN_DUMP_NONE:
+		break;
+	}
+}
+
+static enum rneagen_code make_texts(struct generation *g)
+{
+	struct rneagen_result *r = g->result;
+	struct text source, header, info, json, dump;
+
+	text_init(&source, &r->arena);
+	text_init(&header, &r->arena);
+	text_init(&info, &r->arena);
+	text_init(&json, &r->arena);
+	text_init(&dump, &r->arena);
+	emit_source(&g->emission, &source);
+	if (g->options.target == RNEAGEN_TARGET_C)
+		emit_declarations(&g->emission, &header);
+	info_table(&g->emission, &info);
+	info_json(&g->emission, &json);
+	make_dump(g, &dump);
+	if (source.failed || header.failed || info.failed || json.failed || dump.failed)
+		return error_memory(g->error);
+	r->source = text_string(&source);
+	r->header = g->options.target == RNEAGEN_TARGET_C ? text_string(&header) : NULL;
+	r->info = text_string(&info);
+	r->info_json = text_string(&json);
+	r->dump = g->options.dump == RNEAGEN_DUMP_NONE ? NULL : text_string(&dump);
+	return g->error->code;
+}
+
+static enum rneagen_code generate(struct generation *g, const char *urdf, size_t length)
+{
+	struct arena *a = &g->result->arena;
+
+	if (robot_read(&g->robot, urdf, length, g->options.file, a, g->error) || resolve_options(g) ||
+		tree_build(&g->tree, &g->robot, &g->options, a, g->error) || make_passes(g))
+		return g->error->code;
+	SHA256Data((const uint8_t *)urdf, length, g->hash);
+	g->result->name = g->options.name;
+	g->result->warnings = g->robot.warnings;
+	g->result->warning_count = g->robot.warning_count;
+	g->emission = (struct emission){&g->tree, &g->options, g->passes, g->robot.warnings, g->robot.warning_count, g->hash, a,
+		g->error};
+	return make_texts(g);
+}
+
+enum rneagen_code rneagen_generate(const char *urdf, size_t length, const struct rneagen_options *options,
+	struct rneagen_result *result, struct rneagen_error *error)
+{
+	struct generation g = {.options = *options, .result = result, .error = error};
+	locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0), before; /* numbers are printed with a point everywhere */
+
+	*result = (struct rneagen_result){0};
+	*error = (struct rneagen_error){0};
+	if (!c)
+		return error_memory(error);
+	if (!g.options.file)
+		g.options.file = "<input>";
+	before = uselocale(c);
+	arena_init(&result->arena, options->allocator);
+	if (generate(&g, urdf, length))
+		rneagen_result_free(result);
+	uselocale(before);
+	freelocale(c);
+	return error->code;
+}
+
+void rneagen_result_free(struct rneagen_result *result)
+{
+	arena_free(&result->arena);
+	*result = (struct rneagen_result){0};
+}

@@ -1,0 +1,20 @@
+#ifndef RNEAGEN_TEMPLATE_H
+#define RNEAGEN_TEMPLATE_H
+/* The frames of the generated texts are real files in templates/, embedded at build time; @SLOT@ marks a place. */
+
+#include "text.h"
+
+struct slot {
+	const char *name, *value;
+};
+
+/* Append the template with each @NAME@ replaced; a name that is not among the slots makes the text fail. A slot alone
+   on its line whose value is empty takes the line with it. */
+void template_expand(struct text *out, const char *tmpl, const struct slot *slots, size_t count);
+
+/* The files of templates/, by name with '.' turned into '_' (made by embed.cmake). */
+extern const char template_kernel_cu_in[], template_kernel_soa_in[], template_kernel_aos_in[], template_stage_aos_in[];
+extern const char template_function_c_in[], template_function_h_in[], template_header_h_in[], template_body_in[];
+extern const char template_sincos_library_in[];
+
+#endif

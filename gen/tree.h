@@ -1,0 +1,65 @@
+#ifndef RNEAGEN_TREE_H
+#define RNEAGEN_TREE_H
+/* The kinematic tree that is computed: fixed joints merged, mimic relations resolved, bodies numbered depth-first,
+   every constant placed. */
+
+#include "arena.h"
+#include "error.h"
+#include "rneagen.h"
+#include "robot.h"
+#include "spatial.h"
+
+/* One moving body. Its frame is the URDF frame of the joint's child link, turned by `frame` where the joint's axis is
+   not a coordinate axis, so that inside the algorithm every axis is x, y or z. */
+struct body {
+	int number;            /* in names and comments: from 1, or from 0 where 0 is the floating base */
+	const char *link;      /* the joint's child link */
+	const char *joint;     /* "" for the floating base */
+	int parent;            /* body index, smaller than the body's own; -1: the world */
+	enum joint_type type;
+	int axis, sign;        /* revolute, continuous, prismatic, planar: coordinate axis, and +1 or -1 along it */
+	struct placement X;    /* the joint's frame at q = 0 in the parent body's frame (the world: root link's frame) */
+	struct rotation frame; /* x_urdf = frame x_body */
+	struct inertia inertia; /* in the body frame, of the link and all that is fixed to it */
+	int iq, iv;            /* first row in q, and in qd, qdd and tau; a follower has its driver's */
+	int follower;          /* q_body = multiplier q_driver (+ an offset, which is part of X) */
+	real multiplier;       /* 1 if not a follower */
+};
+
+/* A joint with entries in q, in order of iq. */
+struct tree_joint {
+	const char *name;
+	enum joint_type type;
+	int body, iq, nq, iv, nv;
+};
+
+struct tree_mimic {
+	const char *name, *driver;
+	int body;
+	real multiplier, offset; /* chains resolved: driver has entries in q */
+};
+
+struct tree {
+	const char *robot, *root;
+	struct body *bodies;
+	int body_count; /* nb */
+	struct tree_joint *joints;
+	int joint_count;
+	struct tree_mimic *mimics;
+	int mimic_count;
+	int nq, nv, floating;
+	real gravity[3];
+	struct inertia fixed; /* what is fixed to the world and so does not matter */
+};
+
+/* Rows of q and of qd that a joint type takes. */
+int joint_nq(enum joint_type type);
+int joint_nv(enum joint_type type);
+
+/* Errors: NO_JOINTS, UNSUPPORTED, USAGE (an order that does not fit), MEMORY. */
+enum rneagen_code tree_build(struct tree *t, const struct robot *r, const struct rneagen_options *o, struct arena *a,
+	struct rneagen_error *e);
+
+void tree_dump(const struct tree *t, struct text *out);
+
+#endif
