@@ -1,0 +1,20 @@
+#ifndef RNEA_INFO_H
+#define RNEA_INFO_H
+/* The table that a generated text holds about itself: lines `key values`, the first `rneagen-info 1`.
+
+	name NAME | precision f32|f64 | layout soa|aos | trig WORD | base WORD | nq N | nv N | nb N | block N
+	input NAME ROWS f32|f64 sample|batch      (and `output`; one line each, in the order of the signature)
+	operations MUL ADD SUB NEG FMA SINCOS
+	joint IQ NQ IV NV TYPE NAME               (the name goes to the end of the line)
+
+   Each key of the first line stands once, and so does `operations`. A key that is not listed is passed over: what would
+   change the meaning of the rest gets a new version. */
+
+#include "error.h"
+
+/* Parse `length` bytes at `text`; a final NUL may be among them. On success *info is to be released with
+   rnea_info_free, on failure it is empty. Errors: TABLE (the message has the line), MEMORY. */
+enum rnea_code rnea_info_parse(const char *text, size_t length, struct rnea_info *info, struct rnea_error *e);
+void rnea_info_free(struct rnea_info *info);
+
+#endif

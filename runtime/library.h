@@ -1,0 +1,28 @@
+#ifndef RNEA_LIBRARY_H
+#define RNEA_LIBRARY_H
+/* A shared library that is looked for in several places; every place is remembered for the message. */
+
+struct library {
+	void *handle;       /* NULL until one of the tries succeeds */
+	char path[512];     /* the name under which it was found */
+	char tried[1536];   /* the names that did not serve, "; " between them */
+};
+
+/* Each try does nothing once the library is open, and returns 1 when it is open afterwards. */
+
+/* dlopen(name): a path, or a soname for the dynamic linker to look up. */
+int library_try(struct library *l, const char *name);
+
+/* Take the library only if the process has already loaded it under `soname`. A miss is not remembered. */
+int library_try_loaded(struct library *l, const char *soname);
+
+/* Every file that matches a shell pattern, the one that sorts last, and so the newest version, first. */
+int library_try_pattern(struct library *l, const char *pattern);
+
+/* Store the address of `symbol` in the function pointer at `slot`; returns 0, and stores NULL, if there is none. */
+int library_symbol(const struct library *l, const char *symbol, void *slot);
+
+/* Give the handle back. The library itself stays in the process: unloading a CUDA library is not safe. */
+void library_close(struct library *l);
+
+#endif

@@ -1,0 +1,184 @@
+#ifndef RNEA_H
+#define RNEA_H
+/* librnea: run the inverse dynamics, tau = ID(q, qd, qdd), that rneagen wrote as CUDA C for one robot. The text is
+   compiled by NVRTC for the device at hand and launched through the CUDA driver; both libraries are found when the
+   program runs, so a program linked with librnea starts on machines that have neither.
+
+   SI units throughout: m, kg, s, rad; torques in N m, forces in N. No function prints, exits or keeps state between
+   calls; different threads may open, launch and close at the same time. Where a function takes a `struct rnea_error *`,
+   NULL means that the code alone is wanted; otherwise the struct is overwritten by every call (RNEA_OK and "" on
+   success) and belongs to the caller.
+
+   Environment: RNEA_LIBCUDA and RNEA_NVRTC name the driver library and the NVRTC library to use instead of the ones
+   that would be found; a name that is set and cannot be loaded is an error. */
+
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* code, what it means in general */
+#define RNEA_ERRORS(X)                                                                                                 \
+	X(OK, "no error")                                                                                              \
+	X(MEMORY, "out of memory")                                                                                     \
+	X(DEVICE_MEMORY, "the device is out of memory")                                                                \
+	X(ARGUMENT, "an argument cannot be used")                                                                      \
+	X(POINTER, "a device pointer is null or misaligned")                                                           \
+	X(LIMIT, "the batch is larger than one launch can be")                                                         \
+	X(READ, "the file cannot be read")                                                                             \
+	X(TEXT, "the text is not CUDA C written by rneagen")                                                           \
+	X(TABLE, "the info table of the text is damaged or does not match")                                            \
+	X(NO_DRIVER, "the CUDA driver library cannot be loaded")                                                       \
+	X(NO_DEVICE, "there is no such CUDA device")                                                                   \
+	X(DRIVER, "a call of the CUDA driver failed")                                                                  \
+	X(NO_COMPILER, "the NVRTC library cannot be loaded")                                                           \
+	X(COMPILER, "NVRTC cannot do what is asked of it")                                                             \
+	X(COMPILE, "the text does not compile")                                                                        \
+	X(KERNEL, "the text has no such kernel")
+
+enum rnea_code {
+#define RNEA_ERROR_ENUM(code, text) RNEA_##code,
+	RNEA_ERRORS(RNEA_ERROR_ENUM)
+#undef RNEA_ERROR_ENUM
+	RNEA_ERROR_COUNT
+};
+
+struct rnea_error {
+	enum rnea_code code;
+	char message[2048]; /* one line, no newline, names the file, argument or library; "" when code is RNEA_OK */
+};
+
+/* The general meaning of a code; "unknown error" for a value outside the enumeration. Never NULL; not to be freed. */
+const char *rnea_code_text(enum rnea_code code);
+
+/* ---- what a text says about itself ---- */
+
+enum rnea_scalar { RNEA_F32, RNEA_F64 }; /* float, double */
+enum rnea_layout { RNEA_SOA, RNEA_AOS }; /* array[row][sample], array[sample][row] */
+
+enum { RNEA_ARGUMENT_LIMIT = 64 }; /* the most arrays one kernel can take */
+
+/* One array of the signature. Sample k of row r is at [r * count + k] in soa and [k * rows + r] in aos. */
+struct rnea_argument {
+	const char *name;        /* "q", "qd", "qdd", "tau", ... */
+	size_t rows;             /* scalars per sample; at least 1 */
+	enum rnea_scalar scalar; /* of its elements; an array must be aligned to it, no more */
+	int per_batch;           /* 1: rows scalars for the whole batch, whatever the count; 0: rows for every sample */
+};
+
+/* One joint with entries in q. Units by type: revolute and continuous rad, prismatic m, floating m and a unit
+   quaternion x y z w, planar m m rad. */
+struct rnea_joint {
+	const char *name; /* as the URDF has it */
+	const char *type; /* "revolute", "continuous", "prismatic", "planar", "floating" */
+	size_t iq, nq;    /* its rows of q: iq to iq + nq - 1 */
+	size_t iv, nv;    /* its rows of qd, qdd and tau: iv to iv + nv - 1 */
+};
+
+/* Operations per sample, each use counted once; a fused multiply-add is one `fma`. */
+struct rnea_operations {
+	size_t mul, add, sub, neg, fma, sincos;
+};
+
+/* The parsed table. Every pointer belongs to the robot that it was asked of and is valid until rnea_close. */
+struct rnea_info {
+	const char *name; /* the identifier that prefixes the functions of the text */
+	enum rnea_scalar precision;
+	enum rnea_layout layout;
+	const char *trig; /* "accurate", "bounded" or "fast" */
+	const char *base; /* "fixed" or "floating" */
+	size_t nq, nv;    /* rows of q; rows of qd, qdd and tau */
+	size_t nb;        /* moving bodies: v, a and f of the passes have 6 rows for each */
+	unsigned block;   /* threads per block, 1 to 1024 */
+	const struct rnea_argument *arguments; /* the inputs, then the outputs: the order of every signature */
+	size_t input_count, output_count;
+	const struct rnea_joint *joints; /* joint_count of them, in the order of q; may be none */
+	size_t joint_count;
+	struct rnea_operations operations;
+	void *memory; /* private */
+};
+
+/* ---- opening and closing ---- */
+
+struct rnea_robot; /* one text, compiled and loaded on one device; immutable once open */
+
+/* Zero-initialise for the defaults; strings need to live only as long as the call. */
+struct rnea_options {
+	const char *file;    /* what messages call the text; NULL: its robot's name with ".cu", or the path of the file */
+	int device;          /* CUDA ordinal, as CUDA_VISIBLE_DEVICES leaves them; default 0 */
+	unsigned block;      /* threads per block, 1 to 1024; 0: what the text says */
+	const char *const *compile; /* further options for NVRTC, compile_count of them */
+	size_t compile_count;
+	char *log;       /* receives NVRTC's whole log, cut to log_size bytes with its final NUL; NULL: not wanted */
+	size_t log_size;
+};
+
+/* Compile `length` bytes of CUDA C at `source` (written by rneagen; need not be NUL-terminated) for the device's own
+   architecture, or as PTX where NVRTC is older than the device, and load it into the device's primary context (the one
+   that the CUDA runtime, PyTorch and CuPy use). `options` may be NULL. On success *robot is to be released with
+   rnea_close; on failure it is NULL. Not to be called while a stream is being captured: it runs each kernel once over no
+   samples, so that later launches find everything in place.
+   Errors: ARGUMENT (source, robot or options), TEXT, TABLE, NO_DRIVER, NO_DEVICE, NO_COMPILER, COMPILER, COMPILE (the
+   message has NVRTC's first error with its line), DRIVER, DEVICE_MEMORY, MEMORY. */
+enum rnea_code rnea_open(const char *source, size_t length, const struct rnea_options *options,
+	struct rnea_robot **robot, struct rnea_error *error);
+
+/* The same for the text in the file at `path`. Errors: as rnea_open, and READ. */
+enum rnea_code rnea_open_file(
+	const char *path, const struct rnea_options *options, struct rnea_robot **robot, struct rnea_error *error);
+
+/* Unload and free. The caller sees to it that no launch of this robot is still running or captured in a graph that will
+   be replayed. NULL is a no-op. */
+void rnea_close(struct rnea_robot *robot);
+
+/* What the text says about itself; never NULL. Belongs to `robot`. */
+const struct rnea_info *rnea_info(const struct rnea_robot *robot);
+
+/* ---- launching ---- */
+
+/* The kernels of a text, with the arrays each takes, in order. In and out: [in] read, [out] written. */
+enum rnea_kernel {
+	RNEA_KERNEL_RNEA,  /* the info's inputs [in], then its outputs [out] */
+	RNEA_KERNEL_FPASS, /* the info's inputs [in], v, a, f [out]: velocities, accelerations and forces, 6 nb rows each */
+	RNEA_KERNEL_BPASS, /* q, f [in], tau [out] */
+	RNEA_KERNEL_COUNT
+};
+
+/* What the device's compiler made of a kernel. */
+struct rnea_resources {
+	int registers;        /* per thread */
+	size_t local_bytes;   /* per thread: stack and spilled registers */
+	size_t shared_bytes;  /* per block, static */
+	unsigned max_block;   /* threads per block that can be launched at all */
+	unsigned busy_block;  /* threads per block that keep the most threads resident; 0: the driver does not say */
+};
+
+/* The index of the array `name` in the order of RNEA_KERNEL_RNEA, or -1 if there is none of that name. */
+int rnea_bind(const struct rnea_robot *robot, const char *name);
+
+/* How many arrays `kernel` takes; 0 if the text does not have it. */
+size_t rnea_argument_count(const struct rnea_robot *robot, enum rnea_kernel kernel);
+
+/* Fill *resources for `kernel`. Errors: KERNEL (the text does not have it). */
+enum rnea_code rnea_resources(const struct rnea_robot *robot, enum rnea_kernel kernel, struct rnea_resources *resources,
+	struct rnea_error *error);
+
+/* Enqueue tau = ID(q, qd, qdd) for `count` samples on `stream` (a CUstream or cudaStream_t of the robot's device; NULL:
+   the default stream). `arguments` holds one device pointer for each array of info->arguments; the array itself may be
+   reused as soon as the call returns, the memory that it points to when the stream has passed. Arrays must not overlap,
+   unless both are only read. Allocates nothing, synchronises nothing, may be captured into a CUDA graph, may be called
+   by several threads at once. A count of 0 is a no-op, whatever the arguments.
+   Errors: ARGUMENT (arguments is NULL), POINTER (names the array), LIMIT (more than (2^31 - 1) blocks of samples),
+   DRIVER. What goes wrong while the kernel runs is reported by the stream, as CUDA does. */
+enum rnea_code rnea_launch(const struct rnea_robot *robot, void *const *arguments, size_t count, void *stream,
+	struct rnea_error *error);
+
+/* The same for any kernel of the text; `arguments` in the order stated at enum rnea_kernel. Errors: also KERNEL. */
+enum rnea_code rnea_launch_kernel(const struct rnea_robot *robot, enum rnea_kernel kernel, void *const *arguments,
+	size_t count, void *stream, struct rnea_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
