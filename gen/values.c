@@ -77,8 +77,8 @@ static void read_numbers(struct walk *w, const struct rule *rule, const char *co
 		if (!number_read(value, v, rule->width))
 			walk_fail(w, RNEAGEN_NUMBER, "%s '%s': <%s> %s=\"%.100s\" is not %s", w->owner, w->owner_name,
 				rule->element, name, value,
-				rule->width == 1 ? "a finite decimal number"
-						 : "three finite decimal numbers with blanks between");
+				rule->width == 1 ? "a number; write a finite decimal one, such as 0.25"
+						 : "three numbers; write finite decimal ones with blanks between");
 		else if (!strcmp(name, "rpy"))
 			memcpy(w->rpy, v, sizeof v);
 	}

@@ -1,0 +1,25 @@
+#ifndef RNEAGEN_EVAL_H
+#define RNEAGEN_EVAL_H
+/* The DAG's evaluator: what the generated text computes, in four precisions, with the magnitudes that were summed and a
+   running error bound (Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 3.3). */
+
+#include "dag.h"
+
+/* Per output, in the order of dag->outputs. Either pointer may be NULL. */
+struct eval_terms {
+	double *size;  /* the sum of the magnitudes of all products that make the value */
+	double *bound; /* |computed - exact| is at most this: constants' rounding and sine and cosine included, to first order
+			  rounded up; overflow and underflow apart */
+};
+
+/* Evaluate one sample: in[k] points at the rows of argument k (NULL for outputs), out[k] at those of an output (NULL for
+   inputs). Products joined to sums are rounded once. Returns 0 when memory runs out; work is malloc'ed and freed. */
+int eval_f32(const struct dag *d, const float *const *in, float *const *out, const struct eval_terms *terms);
+int eval_f64(const struct dag *d, const double *const *in, double *const *out, const struct eval_terms *terms);
+int eval_real(const struct dag *d, const real *const *in, real *const *out, const struct eval_terms *terms);
+#if defined __SIZEOF_FLOAT128__ && defined RNEAGEN_QUAD
+int eval_quad(
+	const struct dag *d, const __float128 *const *in, __float128 *const *out, const struct eval_terms *terms);
+#endif
+
+#endif
