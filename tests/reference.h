@@ -25,7 +25,7 @@ struct reference_options {
 	bool floating;		// the root link floats: its 7 numbers lead q, its 6 lead v
 	bool independent;	// joints with <mimic> are ordinary joints
 	const double *gravity;	// 3 numbers in the root link's frame (the world, when floating); NULL: 0 0 -9.81
-	const char *order;	// names, with commas, of every joint that has an entry in q; NULL: the depth-first order
+	const char *order;	// names, with commas, of every joint with an entry in q; NULL: depth first
 };
 
 // One link with the joint that carries it. The table is in depth-first order, children by joint name in byte order;
@@ -40,14 +40,14 @@ struct reference_joint {
 	int driver;		// entry whose q moves this joint: itself, or the end of a chain of <mimic>
 	wide multiplier, offset;	// q = multiplier * q[driver] + offset, through the whole chain
 	double lower, upper;	// <limit>, 0 0 if absent
-	int body;		// moving body that the link belongs to, an index into the arrays of reference_passes; -1: the ground
+	int body;		// moving body that the link belongs to, a row of reference_passes; -1: the ground
 };
 
 struct reference_link;
 
 struct reference {
 	int nq, nv;		// rows of q; rows of qd, qdd and tau
-	int nb;			// moving bodies: links with a joint that is not fixed (followers too), depth first, base included if floating
+	int nb;			// moving bodies, depth first: links whose joint is not fixed (followers, floating base too)
 	int nj;			// entries of `joints`: links of the file
 	struct reference_joint *joints;
 	struct reference_link *links;	// private: constants, and the working memory of one call
@@ -69,9 +69,9 @@ void reference_rnea(struct reference *r, const double *q, const double *qd, cons
 // The same with extended inputs, for finite differences.
 void reference_rnea_wide(struct reference *r, const wide *q, const wide *qd, const wide *qdd, wide *tau);
 
-// Twist v, spatial acceleration a (that of the ground is minus gravity) and the body's own net wrench f = I a + v x* I v
-// (its fixed-attached links included, its children not) of every moving body, linear then angular, at the origin and in
-// the axes of the child link of its joint. Any of v, a, f may be NULL.
+// Twist v, spatial acceleration a (that of the ground is minus gravity) and own net wrench f = I a + v x* I v (links
+// fixed to it included, its children not) of every moving body, linear then angular, at the origin and in the axes of
+// the child link of its joint. Any of v, a, f may be NULL.
 void reference_passes(struct reference *r, const double *q, const double *qd, const double *qdd, wide (*v)[6],
                       wide (*a)[6], wide (*f)[6]);
 

@@ -259,6 +259,11 @@ static void number_bodies(struct reference *r)
 	}
 }
 
+static bool has_rows(const struct reference *r, int i)
+{
+	return r->joints[i].driver == i && r->joints[i].type != REFERENCE_FIXED;
+}
+
 static bool number_listed(struct builder *b, const char *order, bool *done)
 {
 	struct reference *r = b->r;
@@ -271,7 +276,7 @@ static bool number_listed(struct builder *b, const char *order, bool *done)
 		for (int i = 1; i < r->nj && !found; i++)
 			if (strlen(r->joints[i].name) == n && !memcmp(r->joints[i].name, s, n))
 				found = i;
-		if (!found || done[found] || r->joints[found].driver != found || r->joints[found].type == REFERENCE_FIXED)
+		if (!found || done[found] || !has_rows(r, found))
 			return refuse(b, "order: no such joint, or twice: %s", s);
 		done[found] = true;
 		listed++;
@@ -279,7 +284,7 @@ static bool number_listed(struct builder *b, const char *order, bool *done)
 		s += s[n] ? n + 1 : n;
 	}
 	for (int i = 1; i < r->nj; i++)
-		expected += r->joints[i].driver == i && r->joints[i].type != REFERENCE_FIXED;
+		expected += has_rows(r, i);
 	return listed == expected || refuse(b, "order: %d names for %d joints", listed, expected);
 }
 
