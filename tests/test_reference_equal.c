@@ -185,7 +185,7 @@ START_TEST(test_floating_joint)
 	wide tau[ROWS];
 
 	snprintf(text, sizeof text, "%s%s<joint name='j1' type='fixed'><parent link='b'/><child link='c'/></joint></robot>",
-	         joint, HEAD + strlen("<robot name='p'>"));
+	         joint, &HEAD[strlen("<robot name='p'>")]);
 	struct reference *inside = open_text(text, NULL);
 
 	reference_sample(base, &rng, false, s.q, s.qd, s.qdd);

@@ -186,8 +186,8 @@ START_TEST(test_error)
 	ck_assert(reference_error((const double[]){3, 5}, ref, 2) == 0.2);
 	ck_assert(reference_error((const double[]){0, 0}, zero, 2) == 0);
 	ck_assert(isinf(reference_error((const double[]){0, 1}, zero, 2)));
-	ck_assert(isnan(reference_error((const double[]){NAN, 1}, zero, 2)));
-	ck_assert(isnan(reference_error((const double[]){NAN, 1}, ref, 2)));
+	ck_assert(isnan(reference_error((const double[]){(double)NAN, 1}, zero, 2)));
+	ck_assert(isnan(reference_error((const double[]){(double)NAN, 1}, ref, 2)));
 }
 END_TEST
 
