@@ -92,7 +92,7 @@ static const char *body_text(const struct emission *e, const struct pass *p)
 	text_init(&body, e->arena);
 	emit_body(e, p, &body);
 	const struct slot slots[] = {
-		{"DOC", p->doc}, {"NAME", e->options->name}, {"PASS", p->name}, {"PARAMS", params(e, p, PARAMS_PLAIN)},
+		{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", params(e, p, PARAMS_PLAIN)},
 		{"BODY", text_string(&body)},
 	};
 	template_expand(&t, template_body_in, slots, sizeof slots / sizeof *slots);
@@ -105,7 +105,7 @@ static void put_kernel(const struct emission *e, const struct pass *p, struct te
 	int staged = is_staged(e) && p == &e->passes[PASS_RNEA];
 	int q_pitch = e->tree->nq | 1, v_pitch = e->tree->nv | 1;
 	const struct slot slots[] = {
-		{"NAME", e->options->name}, {"PASS", p->name}, {"T", scalar(e)},
+		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", scalar(e)},
 		{"BOUNDS", p == &e->passes[PASS_RNEA] ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
 		{"RESTRICT_PARAMS", params(e, p, PARAMS_RESTRICT)}, {"AT_SAMPLE", params(e, p, PARAMS_AT_SAMPLE)},
 		{"PITCH_Q", number(e, q_pitch)}, {"PITCH_V", number(e, v_pitch)}, {"NQ", number(e, e->tree->nq)},

@@ -3,16 +3,15 @@
 /* Text is made here, and only here: plans become statements, statements fill the templates. */
 
 #include "plan.h"
+#include "rnea.h"
 #include "rneagen.h"
 
-/* One generated function (rnea, fpass, bpass) as a plan. */
+/* One generated function on its way to text. */
 struct pass {
-	const char *name, *doc; /* "rnea"; what it computes, for its comment */
-	struct dag raw, dag;    /* as the algorithm made it; fused */
+	const struct algorithm *algorithm;
+	struct dag raw, dag; /* as the algorithm made it; fused */
 	struct plan plan;
 };
-
-enum { PASS_RNEA, PASS_FPASS, PASS_BPASS, PASS_COUNT };
 
 struct emission {
 	const struct tree *tree;

@@ -32,7 +32,7 @@ static void put_operations(const struct emission *e, struct text *out)
 	for (int i = 0; i < PASS_COUNT; i++) {
 		struct operation_count n = plan_operations(&e->passes[i].plan);
 
-		text_printf(out, "  %-10s %7u %6u %6u %6u %6u %6u %6u\n", e->passes[i].name, n.mul, n.add, n.sub, n.neg, n.fma,
+		text_printf(out, "  %-10s %7u %6u %6u %6u %6u %6u %6u\n", e->passes[i].algorithm->name, n.mul, n.add, n.sub, n.neg, n.fma,
 			n.sincos, n.mul + n.add + n.sub + 2 * n.fma);
 	}
 }

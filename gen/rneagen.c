@@ -41,28 +41,22 @@ static enum rneagen_code resolve_options(struct generation *g)
 	return o->name ? RNEAGEN_OK : error_memory(g->error);
 }
 
-static enum rneagen_code make_pass(
-	struct generation *g, int which, const char *name, const char *doc, void (*algorithm)(struct dag *, const struct tree *))
-{
-	struct pass *p = &g->passes[which];
-	struct arena *a = &g->result->arena;
-
-	p->name = name;
-	p->doc = doc;
-	dag_init(&p->raw, a);
-	algorithm(&p->raw, &g->tree);
-	dag_init(&p->dag, a);
-	dag_fuse(&p->dag, &p->raw);
-	return plan_build(&p->plan, &p->dag, &g->tree, a) ? RNEAGEN_OK : error_memory(g->error);
-}
-
 static enum rneagen_code make_passes(struct generation *g)
 {
-	if (make_pass(g, PASS_RNEA, "rnea", "tau = ID(q, qd, qdd)", rnea_full) ||
-		make_pass(g, PASS_FPASS, "fpass",
-			"Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.", rnea_fpass))
-		return g->error->code;
-	return make_pass(g, PASS_BPASS, "bpass", "Back to the base: torques tau from the wrenches f.", rnea_bpass);
+	struct arena *a = &g->result->arena;
+
+	for (int i = 0; i < PASS_COUNT; i++) {
+		struct pass *p = &g->passes[i];
+
+		p->algorithm = &ALGORITHMS[i];
+		dag_init(&p->raw, a);
+		p->algorithm->build(&p->raw, &g->tree);
+		dag_init(&p->dag, a);
+		dag_fuse(&p->dag, &p->raw);
+		if (!plan_build(&p->plan, &p->dag, &g->tree, a))
+			return error_memory(g->error);
+	}
+	return RNEAGEN_OK;
 }
 
 static void make_dump(struct generation *g, struct text *t)

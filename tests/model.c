@@ -19,7 +19,6 @@ static void open_reference(struct model *m, const char *urdf, size_t length, con
 
 void model_open(struct model *m, const char *urdf, size_t length, const struct rneagen_options *o, const char *what)
 {
-	static void (*const algorithms[])(struct dag *, const struct tree *) = {rnea_full, rnea_fpass, rnea_bpass};
 	struct rneagen_error e = {0};
 
 	*m = (struct model){0};
@@ -28,7 +27,7 @@ void model_open(struct model *m, const char *urdf, size_t length, const struct r
 	ck_assert_msg(!tree_build(&m->tree, &m->robot, o, &m->arena, &e), "%s", e.message);
 	for (int i = 0; i < PASS_COUNT; i++) {
 		dag_init(&m->raw[i], &m->arena);
-		algorithms[i](&m->raw[i], &m->tree);
+		ALGORITHMS[i].build(&m->raw[i], &m->tree);
 		dag_init(&m->dag[i], &m->arena);
 		dag_fuse(&m->dag[i], &m->raw[i]);
 		ck_assert(!m->dag[i].failed);

@@ -1,0 +1,138 @@
+#include "joint.h"
+
+static struct svec zero3(void)
+{
+	const struct ref zero = {0};
+
+	return (struct svec){{zero, zero, zero}};
+}
+
+static int turns(enum joint_type type)
+{
+	return type == JOINT_REVOLUTE || type == JOINT_CONTINUOUS || type == JOINT_PLANAR;
+}
+
+static struct ref input(struct dag *d, int argument, int row)
+{
+	const struct ref zero = {0};
+
+	return argument >= 0 ? dag_input(d, argument, row) : zero;
+}
+
+/* A number along a single axis: the joint's, its follower's multiple, and in the axis's direction. */
+static struct ref directed(struct dag *d, const struct body *k, struct ref a)
+{
+	return dag_mul(d, dag_const(d, k->sign * k->multiplier), a);
+}
+
+/* R = [1-2(yy+zz), 2(xy-zw), 2(xz+yw); 2(xy+zw), 1-2(xx+zz), 2(yz-xw); 2(xz-yw), 2(yz+xw), 1-2(xx+yy)] */
+static struct smat quaternion_matrix(struct dag *d, struct svec u, struct ref w)
+{
+	struct ref one = dag_const(d, 1);
+	struct svec u2 = svec_scale(d, dag_const(d, 2), u);
+	struct smat Q;
+
+	for (int i = 0; i < 3; i++) {
+		int j = (i + 1) % 3, k = (i + 2) % 3;
+		struct ref jk = dag_mul(d, u2.x[j], u.x[k]), iw = dag_mul(d, u2.x[i], w);
+		struct ref jj = dag_mul(d, u2.x[j], u.x[j]), kk = dag_mul(d, u2.x[k], u.x[k]);
+
+		Q.m[i][i] = dag_sub(d, one, dag_add(d, jj, kk));
+		Q.m[j][k] = dag_sub(d, jk, iw);
+		Q.m[k][j] = dag_add(d, jk, iw);
+	}
+	return Q;
+}
+
+struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_inputs in)
+{
+	struct joint_pose x = {.R = smat_const(d, &k->X.R)};
+	struct svec slide = zero3();
+
+	if (k->type == JOINT_PRISMATIC) {
+		slide.x[k->axis] = directed(d, k, input(d, in.q, k->iq));
+	} else if (k->type == JOINT_PLANAR) {
+		slide.x[0] = input(d, in.q, k->iq);
+		slide.x[1] = input(d, in.q, k->iq + 1);
+	} else if (k->type == JOINT_FLOATING) {
+		slide = svec_input(d, in.q, k->iq);
+		x.Q = quaternion_matrix(d, svec_input(d, in.q, k->iq + 3), input(d, in.q, k->iq + 6));
+	}
+	x.p = svec_add(d, svec_const(d, k->X.p), smat_mul(d, &x.R, slide));
+	if (turns(k->type)) {
+		struct ref angle = directed(d, k, input(d, in.q, k->type == JOINT_PLANAR ? k->iq + 2 : k->iq));
+
+		x.s = dag_sin(d, angle);
+		x.c = dag_cos(d, angle);
+		dag_tag(d, x.s, "s", k->number, 0);
+		dag_tag(d, x.c, "c", k->number, 0);
+	}
+	return x;
+}
+
+struct joint_rates joint_move(struct dag *d, const struct body *k, struct joint_inputs in)
+{
+	struct joint_rates m = {zero3(), zero3(), zero3(), zero3(), zero3(), zero3()};
+
+	switch (k->type) {
+	case JOINT_FLOATING:
+		m.V = svec_input(d, in.qd, k->iv);
+		m.W = svec_input(d, in.qd, k->iv + 3);
+		m.dW = svec_input(d, in.qdd, k->iv + 3);
+		/* qdd is spatial: the classical acceleration of the origin is a + w x v */
+		m.dV = svec_add(d, svec_input(d, in.qdd, k->iv), svec_cross(d, m.W, m.V));
+		break;
+	case JOINT_PLANAR:
+		for (int i = 0; i < 2; i++) {
+			m.V0.x[i] = input(d, in.qd, k->iv + i);
+			m.dV0.x[i] = input(d, in.qdd, k->iv + i);
+		}
+		m.W.x[2] = input(d, in.qd, k->iv + 2);
+		m.dW.x[2] = input(d, in.qdd, k->iv + 2);
+		break;
+	case JOINT_PRISMATIC:
+		m.V0.x[k->axis] = directed(d, k, input(d, in.qd, k->iv));
+		m.dV0.x[k->axis] = directed(d, k, input(d, in.qdd, k->iv));
+		break;
+	default:
+		m.W.x[k->axis] = directed(d, k, input(d, in.qd, k->iv));
+		m.dW.x[k->axis] = directed(d, k, input(d, in.qdd, k->iv));
+	}
+	return m;
+}
+
+struct svec joint_into(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u)
+{
+	if (k->type == JOINT_FLOATING)
+		return smat_mul_transposed(d, &x->Q, u);
+	return turns(k->type) ? svec_turn_back(d, k->axis, x->s, x->c, u) : u;
+}
+
+struct svec joint_out_of(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u)
+{
+	if (k->type == JOINT_FLOATING)
+		return smat_mul(d, &x->Q, u);
+	return turns(k->type) ? svec_turn(d, k->axis, x->s, x->c, u) : u;
+}
+
+void joint_project(struct dag *d, const struct body *k, struct svec f, struct svec n, struct svec f0, struct ref *tau)
+{
+	switch (k->type) {
+	case JOINT_PRISMATIC:
+		tau[0] = directed(d, k, f.x[k->axis]);
+		break;
+	case JOINT_PLANAR:
+		tau[0] = f0.x[0];
+		tau[1] = f0.x[1];
+		tau[2] = n.x[2];
+		break;
+	case JOINT_FLOATING:
+		for (int i = 0; i < 3; i++) {
+			tau[i] = f.x[i];
+			tau[3 + i] = n.x[i];
+		}
+		break;
+	default:
+		tau[0] = directed(d, k, n.x[k->axis]);
+	}
+}

@@ -1,0 +1,38 @@
+#ifndef RNEAGEN_JOINT_H
+#define RNEAGEN_JOINT_H
+/* What the joint types do, in symbols: where a joint puts its body, how it moves it, which part of a wrench it feels. */
+
+#include "svec.h"
+#include "tree.h"
+
+/* Rows of q, qd and qdd come from these arguments of the DAG; -1: zero. */
+struct joint_inputs {
+	int q, qd, qdd;
+};
+
+/* The joint at q. Its frame is turned by the constant R in the parent's; the body's frame is turned in the joint's by
+   the angle (s, c) or, where the joint floats, by Q; p is the body's origin in the parent's frame. */
+struct joint_pose {
+	struct smat R, Q;
+	struct svec p;
+	struct ref s, c;
+};
+
+/* The rates along the joint's own axes: angular W and dW, and linear V and dV in the body's frame; linear V0 and dV0 in
+   the joint's frame, before its turn. */
+struct joint_rates {
+	struct svec W, dW, V, dV, V0, dV0;
+};
+
+struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_inputs in);
+struct joint_rates joint_move(struct dag *d, const struct body *k, struct joint_inputs in);
+
+/* From the joint's frame into the body's, and back: the variable turn. */
+struct svec joint_into(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u);
+struct svec joint_out_of(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u);
+
+/* The generalized forces of the joint, joint_nv of them: the wrench (f, n) in the body's frame, and its force f0 in the
+   joint's, along the joint's axes. */
+void joint_project(struct dag *d, const struct body *k, struct svec f, struct svec n, struct svec f0, struct ref *tau);
+
+#endif
