@@ -60,9 +60,8 @@ static enum rnea_code read_info(struct rnea_robot *robot, const struct source *s
 		return e->code;
 	if (strcmp(robot->info.name, s->name) != 0)
 		return rnea_error_set(e, RNEA_TABLE, "info table: %s calls the robot \"%s\"", symbol, robot->info.name);
-	if (block && robot->info.block != block)
-		return rnea_error_set(e, RNEA_TABLE,
-			"info table: the block is %u, though the text was compiled with RNEA_BLOCK=%u", robot->info.block, block);
+	if (block)
+		robot->info.block = block; /* the table has the text's default */
 	return RNEA_OK;
 }
 

@@ -90,7 +90,7 @@ struct rnea_info {
 	const char *base; /* "fixed" or "floating" */
 	size_t nq, nv;    /* rows of q; rows of qd, qdd and tau */
 	size_t nb;        /* moving bodies: v, a and f of the passes have 6 rows for each */
-	unsigned block;   /* threads per block, 1 to 1024 */
+	unsigned block;   /* threads per block, 1 to 1024: of the text, or of rnea_options */
 	const struct rnea_argument *arguments; /* the inputs, then the outputs: the order of every signature */
 	size_t input_count, output_count;
 	const struct rnea_joint *joints; /* joint_count of them, in the order of q; may be none */

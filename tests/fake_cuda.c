@@ -1,0 +1,327 @@
+/* A pretended CUDA driver for machines without a GPU, chosen by RNEA_LIBCUDA: device memory is memory, a module is a
+   shared object made by fake_nvrtc.c, a launch runs at once, on the processor. This file: devices, contexts, modules,
+   memory; fake_cuda_stream.c: streams, graphs, events.
+
+   Environment: RNEA_FAKE_CUDA_FAIL="CALL=STATUS" makes that call return STATUS; RNEA_FAKE_CUDA_DEVICES and
+   RNEA_FAKE_CUDA_ARCH (default 1 and 90); RNEA_FAKE_CUDA_MAX_BLOCK (default 1024) is what kernels can run with. */
+#define _GNU_SOURCE
+#include "fake_cuda.h"
+#include <dlfcn.h>
+#include <elf.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { DEVICE_LIMIT = 8, STACK_LIMIT = 16 };
+
+static char contexts[DEVICE_LIMIT]; /* only their addresses matter */
+static _Thread_local void *stack[STACK_LIMIT];
+static _Thread_local int depth;
+static atomic_int live;
+static pthread_mutex_t running = PTHREAD_MUTEX_INITIALIZER;
+
+/* ---- for the tests ---- */
+
+/* Contexts, modules, streams, graphs, events and memory that were taken and not given back. */
+int fake_cuda_live(void)
+{
+	return live + depth;
+}
+
+static int variable(const char *name, int otherwise)
+{
+	const char *value = getenv(name);
+
+	return value ? atoi(value) : otherwise;
+}
+
+void fake_count_live(int change)
+{
+	live += change;
+}
+
+int fake_entry(const char *call, int wants_context)
+{
+	const char *fail = getenv("RNEA_FAKE_CUDA_FAIL");
+	size_t length = strlen(call);
+
+	if (fail && strncmp(fail, call, length) == 0 && fail[length] == '=')
+		return atoi(fail + length + 1);
+	return wants_context && !depth ? FAKE_INVALID_CONTEXT : FAKE_SUCCESS;
+}
+
+#define ENTER(wants_context)                                                                                           \
+	do {                                                                                                           \
+		int entry_status = fake_entry(__func__, wants_context);                                                \
+		if (entry_status)                                                                                      \
+			return entry_status;                                                                           \
+	} while (0)
+
+void fake_run(const struct fake_launch *launch)
+{
+	unsigned long long values[FAKE_PARAMETER_LIMIT];
+	void *parameters[FAKE_PARAMETER_LIMIT];
+
+	memcpy(values, launch->parameters, sizeof values);
+	for (unsigned i = 0; i < launch->kernel->count; i++)
+		parameters[i] = &values[i];
+	pthread_mutex_lock(&running);
+	launch->kernel->run(parameters, launch->grid, launch->block);
+	pthread_mutex_unlock(&running);
+}
+
+/* ---- devices and contexts ---- */
+
+int cuInit(unsigned flags)
+{
+	(void)flags;
+	ENTER(0);
+	return variable("RNEA_FAKE_CUDA_DEVICES", 1) ? FAKE_SUCCESS : FAKE_NO_DEVICE;
+}
+
+int cuDriverGetVersion(int *version)
+{
+	ENTER(0);
+	*version = 13000;
+	return FAKE_SUCCESS;
+}
+
+int cuGetErrorName(int status, const char **name)
+{
+	*name = status == FAKE_NO_DEVICE	? "CUDA_ERROR_NO_DEVICE"
+		: status == FAKE_OUT_OF_MEMORY	? "CUDA_ERROR_OUT_OF_MEMORY"
+		: status == FAKE_INVALID_IMAGE	? "CUDA_ERROR_INVALID_IMAGE"
+		: status == FAKE_INVALID_HANDLE ? "CUDA_ERROR_INVALID_HANDLE"
+						: NULL;
+	return *name ? FAKE_SUCCESS : FAKE_INVALID_VALUE;
+}
+
+int cuGetErrorString(int status, const char **text)
+{
+	*text = status == FAKE_NO_DEVICE ? "no CUDA-capable device is detected" : NULL;
+	return *text ? FAKE_SUCCESS : FAKE_INVALID_VALUE;
+}
+
+int cuDeviceGetCount(int *count)
+{
+	ENTER(0);
+	*count = variable("RNEA_FAKE_CUDA_DEVICES", 1);
+	return FAKE_SUCCESS;
+}
+
+int cuDeviceGet(int *device, int ordinal)
+{
+	ENTER(0);
+	*device = ordinal;
+	return ordinal < variable("RNEA_FAKE_CUDA_DEVICES", 1) ? FAKE_SUCCESS : FAKE_INVALID_DEVICE;
+}
+
+int cuDeviceGetName(char *name, int size, int device)
+{
+	ENTER(0);
+	snprintf(name, (size_t)size, "pretended device %d", device);
+	return FAKE_SUCCESS;
+}
+
+int cuDeviceGetAttribute(int *value, int attribute, int device)
+{
+	int arch = variable("RNEA_FAKE_CUDA_ARCH", 90);
+
+	(void)device;
+	ENTER(0);
+	*value = attribute == 75 ? arch / 10 : attribute == 76 ? arch % 10 : attribute == 16 ? 4 : 1 << 20;
+	return FAKE_SUCCESS;
+}
+
+int cuDevicePrimaryCtxRetain(void **context, int device)
+{
+	ENTER(0);
+	*context = &contexts[device];
+	fake_count_live(1);
+	return FAKE_SUCCESS;
+}
+
+int cuDevicePrimaryCtxRelease_v2(int device)
+{
+	(void)device;
+	fake_count_live(-1);
+	return FAKE_SUCCESS;
+}
+
+int cuCtxGetCurrent(void **context)
+{
+	ENTER(0);
+	*context = depth ? stack[depth - 1] : NULL;
+	return FAKE_SUCCESS;
+}
+
+int cuCtxPushCurrent_v2(void *context)
+{
+	ENTER(0);
+	stack[depth++] = context;
+	return FAKE_SUCCESS;
+}
+
+int cuCtxPopCurrent_v2(void **context)
+{
+	ENTER(1);
+	*context = stack[--depth];
+	return FAKE_SUCCESS;
+}
+
+int cuCtxSynchronize(void)
+{
+	ENTER(1);
+	return FAKE_SUCCESS;
+}
+
+/* ---- modules ---- */
+
+/* A shared object of this machine ends with its section headers; 0 if the image is not one (a cubin has machine 190). */
+static size_t image_size(const void *image)
+{
+	const Elf64_Ehdr *head = image;
+
+	if (memcmp(head->e_ident, ELFMAG, SELFMAG) != 0 || head->e_machine == EM_CUDA)
+		return 0;
+	return head->e_shoff + (size_t)head->e_shnum * head->e_shentsize;
+}
+
+int cuModuleLoadDataEx(void **module, const void *image, unsigned count, int *options, void **values)
+{
+	char path[] = "/tmp/fake_cuda_XXXXXX";
+	size_t size = image_size(image);
+	int file;
+
+	ENTER(1);
+	for (unsigned i = 0; i < count && !size; i++)
+		if (options[i] == 5)
+			strcpy(values[i], "not an image of this machine\nand a second line");
+	if (!size || (file = mkstemp(path)) < 0)
+		return FAKE_INVALID_IMAGE;
+	*module = write(file, image, size) == (ssize_t)size ? dlopen(path, RTLD_NOW | RTLD_LOCAL) : NULL;
+	close(file);
+	unlink(path);
+	if (!*module)
+		return FAKE_INVALID_IMAGE;
+	fake_count_live(1);
+	return FAKE_SUCCESS;
+}
+
+int cuModuleUnload(void *module)
+{
+	ENTER(1);
+	dlclose(module);
+	fake_count_live(-1);
+	return FAKE_SUCCESS;
+}
+
+int cuModuleGetFunction(void **function, void *module, const char *name)
+{
+	char symbol[512];
+
+	ENTER(1);
+	snprintf(symbol, sizeof symbol, "fake_kernel_%s", name);
+	*function = dlsym(module, symbol);
+	return *function ? FAKE_SUCCESS : FAKE_NOT_FOUND;
+}
+
+int cuModuleGetGlobal_v2(unsigned long long *address, size_t *size, void *module, const char *name)
+{
+	const Elf64_Sym *symbol = NULL;
+	void *found;
+	Dl_info info;
+
+	ENTER(1);
+	found = dlsym(module, name);
+	if (!found || !dladdr1(found, &info, (void **)&symbol, RTLD_DL_SYMENT))
+		return FAKE_NOT_FOUND;
+	*address = (unsigned long long)found;
+	*size = symbol->st_size;
+	return FAKE_SUCCESS;
+}
+
+int cuFuncGetAttribute(int *value, int attribute, void *function)
+{
+	(void)function;
+	ENTER(1);
+	*value = attribute == 0 ? variable("RNEA_FAKE_CUDA_MAX_BLOCK", 1024) : attribute == 4 ? 42 : 8 * attribute;
+	return FAKE_SUCCESS;
+}
+
+int cuFuncLoad(void *function)
+{
+	(void)function;
+	ENTER(1);
+	return FAKE_SUCCESS;
+}
+
+int cuOccupancyMaxPotentialBlockSize(
+	int *grid, int *block, void *function, size_t (*shared)(int block), size_t bytes, int limit)
+{
+	(void)function;
+	(void)shared;
+	(void)bytes;
+	(void)limit;
+	ENTER(1);
+	*grid = 8;
+	*block = 256;
+	return FAKE_SUCCESS;
+}
+
+/* ---- memory ---- */
+
+static void *pointer(unsigned long long address)
+{
+	return (void *)address;
+}
+
+int cuMemAlloc_v2(unsigned long long *address, size_t size)
+{
+	void *memory;
+
+	ENTER(1);
+	memory = aligned_alloc(256, (size + 255) / 256 * 256);
+	*address = (unsigned long long)memory;
+	fake_count_live(memory != NULL);
+	return memory ? FAKE_SUCCESS : FAKE_OUT_OF_MEMORY;
+}
+
+int cuMemFree_v2(unsigned long long address)
+{
+	ENTER(1);
+	free(pointer(address));
+	fake_count_live(-(address != 0));
+	return FAKE_SUCCESS;
+}
+
+int cuMemcpyHtoD_v2(unsigned long long to, const void *from, size_t size)
+{
+	ENTER(1);
+	memcpy(pointer(to), from, size);
+	return FAKE_SUCCESS;
+}
+
+int cuMemcpyDtoH_v2(void *to, unsigned long long from, size_t size)
+{
+	ENTER(1);
+	memcpy(to, pointer(from), size);
+	return FAKE_SUCCESS;
+}
+
+int cuMemcpyDtoD_v2(unsigned long long to, unsigned long long from, size_t size)
+{
+	ENTER(1);
+	memcpy(pointer(to), pointer(from), size);
+	return FAKE_SUCCESS;
+}
+
+int cuMemsetD8_v2(unsigned long long to, unsigned char value, size_t size)
+{
+	ENTER(1);
+	memset(pointer(to), value, size);
+	return FAKE_SUCCESS;
+}

@@ -1,0 +1,42 @@
+#ifndef FAKE_CUDA_H
+#define FAKE_CUDA_H
+/* Shared by the two files of the pretended driver; see fake_cuda.c. */
+
+#include <stddef.h>
+
+enum { FAKE_PARAMETER_LIMIT = 80 };
+
+enum fake_status {
+	FAKE_SUCCESS,
+	FAKE_INVALID_VALUE = 1,
+	FAKE_OUT_OF_MEMORY = 2,
+	FAKE_NO_DEVICE = 100,
+	FAKE_INVALID_DEVICE = 101,
+	FAKE_INVALID_IMAGE = 200,
+	FAKE_INVALID_CONTEXT = 201,
+	FAKE_INVALID_HANDLE = 400,
+	FAKE_NOT_FOUND = 500,
+};
+
+/* As fake_device.h lays it out. */
+struct fake_kernel {
+	void (*run)(void **parameters, unsigned grid, unsigned block);
+	unsigned count;
+};
+
+struct fake_launch {
+	const struct fake_kernel *kernel;
+	unsigned grid, block;
+	unsigned long long parameters[FAKE_PARAMETER_LIMIT];
+};
+
+/* Nonzero if RNEA_FAKE_CUDA_FAIL says that `call` fails, or if it wants a current context and there is none. */
+int fake_entry(const char *call, int wants_context);
+
+/* One more, or fewer, thing that somebody has to give back. */
+void fake_count_live(int change);
+
+/* Run now; one launch at a time. */
+void fake_run(const struct fake_launch *launch);
+
+#endif

@@ -1,0 +1,196 @@
+/* The pretended driver's streams, graphs and events. A stream runs everything at once, unless it is being captured. */
+#define _GNU_SOURCE
+#include "fake_cuda.h"
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+struct stream {
+	struct graph *graph; /* where a capture collects; NULL: none */
+};
+
+struct graph {
+	size_t count, capacity;
+	struct fake_launch *launches;
+};
+
+struct event {
+	struct timespec time;
+};
+
+#define ENTER(wants_context)                                                                                           \
+	do {                                                                                                           \
+		int entry_status = fake_entry(__func__, wants_context);                                                \
+		if (entry_status)                                                                                      \
+			return entry_status;                                                                           \
+	} while (0)
+
+static int create(void **handle, size_t size)
+{
+	*handle = calloc(1, size);
+	fake_count_live(*handle != NULL);
+	return *handle ? FAKE_SUCCESS : FAKE_OUT_OF_MEMORY;
+}
+
+static int destroy(void *handle)
+{
+	free(handle);
+	fake_count_live(-(handle != NULL));
+	return FAKE_SUCCESS;
+}
+
+int cuStreamCreate(void **stream, unsigned flags)
+{
+	(void)flags;
+	ENTER(1);
+	return create(stream, sizeof(struct stream));
+}
+
+int cuStreamDestroy_v2(void *stream)
+{
+	destroy(stream);
+	ENTER(1);
+	return FAKE_SUCCESS;
+}
+
+int cuStreamSynchronize(void *stream)
+{
+	(void)stream;
+	ENTER(1);
+	return FAKE_SUCCESS;
+}
+
+static int record(struct graph *graph, const struct fake_launch *launch)
+{
+	if (graph->count == graph->capacity) {
+		size_t capacity = graph->capacity ? 2 * graph->capacity : 16;
+		struct fake_launch *more = realloc(graph->launches, capacity * sizeof *more);
+
+		if (!more)
+			return FAKE_OUT_OF_MEMORY;
+		graph->launches = more;
+		graph->capacity = capacity;
+	}
+	graph->launches[graph->count++] = *launch;
+	return FAKE_SUCCESS;
+}
+
+int cuLaunchKernel(void *function, unsigned gx, unsigned gy, unsigned gz, unsigned bx, unsigned by, unsigned bz,
+	unsigned shared, void *stream, void **parameters, void **extra)
+{
+	struct fake_launch launch = {.kernel = function, .grid = gx, .block = bx};
+	struct graph *graph = stream ? ((struct stream *)stream)->graph : NULL;
+
+	ENTER(1);
+	if (!function || extra || shared || !gx || !bx || gy != 1 || gz != 1 || by != 1 || bz != 1 || gx > 0x7fffffff)
+		return FAKE_INVALID_VALUE;
+	for (unsigned i = 0; i < launch.kernel->count; i++)
+		memcpy(&launch.parameters[i], parameters[i], sizeof launch.parameters[i]);
+	if (graph)
+		return record(graph, &launch);
+	fake_run(&launch);
+	return FAKE_SUCCESS;
+}
+
+/* ---- graphs; one that is instantiated is a copy ---- */
+
+int cuStreamBeginCapture_v2(void *stream, int mode)
+{
+	struct stream *s = stream;
+
+	(void)mode;
+	ENTER(1);
+	return s && !s->graph ? create((void **)&s->graph, sizeof(struct graph)) : FAKE_INVALID_VALUE;
+}
+
+int cuStreamEndCapture(void *stream, void **graph)
+{
+	struct stream *s = stream;
+
+	ENTER(1);
+	*graph = s->graph;
+	s->graph = NULL;
+	return FAKE_SUCCESS;
+}
+
+int cuGraphInstantiateWithFlags(void **executable, void *graph, unsigned long long flags)
+{
+	const struct graph *from = graph;
+	struct graph *copy;
+
+	(void)flags;
+	ENTER(1);
+	if (create((void **)&copy, sizeof *copy))
+		return FAKE_OUT_OF_MEMORY;
+	for (size_t i = 0; i < from->count; i++)
+		if (record(copy, &from->launches[i]))
+			return FAKE_OUT_OF_MEMORY;
+	*executable = copy;
+	return FAKE_SUCCESS;
+}
+
+int cuGraphLaunch(void *executable, void *stream)
+{
+	const struct graph *g = executable;
+
+	(void)stream;
+	ENTER(1);
+	for (size_t i = 0; i < g->count; i++)
+		fake_run(&g->launches[i]);
+	return FAKE_SUCCESS;
+}
+
+int cuGraphDestroy(void *graph)
+{
+	free(((struct graph *)graph)->launches);
+	return destroy(graph);
+}
+
+int cuGraphExecDestroy(void *executable)
+{
+	return cuGraphDestroy(executable);
+}
+
+/* ---- events ---- */
+
+int cuEventCreate(void **event, unsigned flags)
+{
+	(void)flags;
+	ENTER(1);
+	return create(event, sizeof(struct event));
+}
+
+int cuEventDestroy_v2(void *event)
+{
+	return destroy(event);
+}
+
+int cuEventRecord(void *event, void *stream)
+{
+	(void)stream;
+	ENTER(1);
+	clock_gettime(CLOCK_MONOTONIC, &((struct event *)event)->time);
+	return FAKE_SUCCESS;
+}
+
+int cuEventSynchronize(void *event)
+{
+	(void)event;
+	ENTER(1);
+	return FAKE_SUCCESS;
+}
+
+int cuEventElapsedTime_v2(float *milliseconds, void *start, void *stop)
+{
+	const struct event *a = start, *b = stop;
+
+	ENTER(1);
+	*milliseconds = (float)(b->time.tv_sec - a->time.tv_sec) * 1e3f +
+			(float)(b->time.tv_nsec - a->time.tv_nsec) * 1e-6f;
+	return FAKE_SUCCESS;
+}
+
+int cuEventElapsedTime(float *milliseconds, void *start, void *stop)
+{
+	return cuEventElapsedTime_v2(milliseconds, start, stop);
+}

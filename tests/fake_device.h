@@ -1,0 +1,124 @@
+/* Lets a C++ compiler build CUDA C for the processor: put before a text by fake_nvrtc, run by fake_cuda.
+   Enough of CUDA for the texts of rneagen and the kernels of the tests, and no more. */
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#if FAKE_WAITS
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <vector>
+#endif
+
+#define __CUDACC_RTC__ 1
+#define __CUDA_ARCH__ 900
+#define __global__
+#define __device__
+#define __host__
+#define __forceinline__ inline
+#define __launch_bounds__(...)
+#define __shared__ static /* one block runs at a time */
+#define __restrict__ __restrict
+
+struct fake_dim {
+	unsigned x, y, z;
+};
+
+static thread_local fake_dim threadIdx, blockIdx, blockDim, gridDim;
+
+struct alignas(16) float4 {
+	float x, y, z, w;
+};
+struct alignas(16) double2 {
+	double x, y;
+};
+
+template <class... A, size_t... I>
+static void fake_apply(void (*kernel)(A...), void **p, std::index_sequence<I...>)
+{
+	kernel(*(std::remove_const_t<A> *)p[I]...);
+}
+
+/* Threads that never wait for each other are run one after another. */
+template <class... A> static void fake_run_serial(void (*kernel)(A...), void **p, unsigned grid, unsigned block)
+{
+	blockDim = {block, 1, 1};
+	gridDim = {grid, 1, 1};
+	for (unsigned b = 0; b < grid; b++)
+		for (unsigned t = 0; t < block; t++) {
+			blockIdx = {b, 0, 0};
+			threadIdx = {t, 0, 0};
+			fake_apply(kernel, p, std::index_sequence_for<A...>{});
+		}
+}
+
+#if FAKE_WAITS
+/* A barrier for the threads of a block; each call of wait() returns when all of them are there. */
+struct fake_barrier {
+	std::mutex mutex;
+	std::condition_variable all;
+	unsigned threads, waiting, round;
+
+	void wait()
+	{
+		std::unique_lock<std::mutex> lock(mutex);
+		unsigned mine = round;
+
+		if (++waiting == threads) {
+			waiting = 0;
+			round++;
+			all.notify_all();
+		} else {
+			all.wait(lock, [&] { return round != mine; });
+		}
+	}
+};
+
+static fake_barrier *fake_block_barrier;
+
+[[maybe_unused]] static void __syncthreads()
+{
+	fake_block_barrier->wait();
+}
+
+/* Threads that do are real ones; together they go from block to block. */
+template <class... A> static void fake_run_threads(void (*kernel)(A...), void **p, unsigned grid, unsigned block)
+{
+	fake_barrier barrier;
+	std::vector<std::thread> threads;
+
+	barrier.threads = block;
+	barrier.waiting = barrier.round = 0;
+	fake_block_barrier = &barrier;
+	for (unsigned t = 0; t < block; t++)
+		threads.emplace_back([=, &barrier] {
+			for (unsigned b = 0; b < grid; b++) {
+				threadIdx = {t, 0, 0};
+				blockIdx = {b, 0, 0};
+				blockDim = {block, 1, 1};
+				gridDim = {grid, 1, 1};
+				fake_apply(kernel, p, std::index_sequence_for<A...>{});
+				barrier.wait();
+			}
+		});
+	for (std::thread &t : threads)
+		t.join();
+}
+#endif
+
+template <class... A> static constexpr unsigned fake_count(void (*)(A...))
+{
+	return sizeof...(A);
+}
+
+/* What fake_cuda looks up as fake_kernel_NAME. */
+struct fake_kernel {
+	void (*run)(void **parameters, unsigned grid, unsigned block);
+	unsigned count; /* parameters, 8 bytes each */
+};
+
+#define FAKE_KERNEL(name, how)                                                                                         \
+	extern "C" const fake_kernel fake_kernel_##name;                                                               \
+	const fake_kernel fake_kernel_##name = {                                                                       \
+		[](void **p, unsigned grid, unsigned block) { how(name, p, grid, block); }, fake_count(name)};

@@ -1,0 +1,231 @@
+/* An NVRTC for machines without one, chosen by RNEA_NVRTC: builds CUDA C for the processor with the C++ compiler, as a
+   shared object that the driver in fake_cuda.c runs. FAKE_CXX, FAKE_HEADER: the compiler, and fake_device.h.
+
+   Environment: RNEA_FAKE_NVRTC_FAIL=CODE makes nvrtcCompileProgram return CODE; RNEA_FAKE_ARCHS="75 80" are the
+   architectures it claims to know (default "75 80 90"). */
+#define _GNU_SOURCE
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+struct program {
+	char *source, *name, *log, *image;
+	size_t image_size;
+	int is_ptx;
+};
+
+enum { SUCCESS, INVALID_PROGRAM = 4, INVALID_OPTION = 5, COMPILATION = 6, OPTION_LIMIT = 32, COMMAND_LIMIT = 8192 };
+
+static int archs(int *list)
+{
+	const char *s = getenv("RNEA_FAKE_ARCHS");
+	int count = 0, used;
+
+	for (s = s ? s : "75 80 90"; sscanf(s, "%d%n", &list[count], &used) == 1; s += used)
+		count++;
+	return count;
+}
+
+int nvrtcVersion(int *major, int *minor)
+{
+	*major = 0;
+	*minor = 1;
+	return SUCCESS;
+}
+
+const char *nvrtcGetErrorString(int status)
+{
+	return status == COMPILATION ? "NVRTC_ERROR_COMPILATION" : status ? "NVRTC_ERROR_FAKE" : "NVRTC_SUCCESS";
+}
+
+int nvrtcGetNumSupportedArchs(int *count)
+{
+	int list[OPTION_LIMIT];
+
+	*count = archs(list);
+	return SUCCESS;
+}
+
+int nvrtcGetSupportedArchs(int *list)
+{
+	archs(list);
+	return SUCCESS;
+}
+
+int nvrtcCreateProgram(void **program, const char *source, const char *name, int header_count,
+	const char *const *headers, const char *const *include_names)
+{
+	struct program *p = calloc(1, sizeof *p);
+
+	(void)headers;
+	(void)include_names;
+	if (!p || header_count)
+		return INVALID_PROGRAM;
+	p->source = strdup(source);
+	p->name = strdup(name);
+	*program = p;
+	return SUCCESS;
+}
+
+int nvrtcDestroyProgram(void **program)
+{
+	struct program *p = *program;
+
+	free(p->source);
+	free(p->name);
+	free(p->log);
+	free(p->image);
+	free(p);
+	*program = NULL;
+	return SUCCESS;
+}
+
+/* The identifier before the parenthesis that opens the parameters of the __global__ function at `s`. */
+static const char *kernel_name(const char *s, size_t *length)
+{
+	for (;;) {
+		s += strcspn(s, "(_abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ");
+		*length = 0;
+		while (isalnum((unsigned char)s[*length]) || s[*length] == '_')
+			++*length;
+		if (*s == '(')
+			s = strchr(s, ')') + 1; /* of __launch_bounds__ */
+		else if (s[*length] == '(' && strncmp(s, "__launch_bounds__", *length) != 0)
+			return s;
+		else
+			s += *length;
+	}
+}
+
+static void write_source(const struct program *p, const char *path)
+{
+	static const char mark[] = "__global__";
+	int waits = strstr(p->source, "__syncthreads()") != NULL;
+	FILE *f = fopen(path, "w");
+	const char *s = p->source;
+	size_t length;
+
+	fprintf(f, "#define FAKE_WAITS %d\n#include \"%s\"\n#line 1 \"%s\"\n%s\n", waits, FAKE_HEADER, p->name, p->source);
+	while ((s = strstr(s, mark)) != NULL) {
+		s = kernel_name(s + strlen(mark), &length);
+		fprintf(f, "FAKE_KERNEL(%.*s, %s)\n", (int)length, s, waits ? "fake_run_threads" : "fake_run_serial");
+	}
+	fclose(f);
+}
+
+static char *read_file(const char *path, size_t *size)
+{
+	FILE *f = fopen(path, "rb");
+	char *bytes = calloc(1, 1 << 22);
+
+	*size = f && bytes ? fread(bytes, 1, (1 << 22) - 1, f) : 0;
+	if (f)
+		fclose(f);
+	return bytes;
+}
+
+/* Only -D goes on to the compiler; 0 for an option that is not known. */
+static int take_option(struct program *p, const char *option, char *command)
+{
+	size_t used = strlen(command);
+
+	if (strncmp(option, "-D", 2) == 0)
+		snprintf(command + used, COMMAND_LIMIT - used, " '%s'", option);
+	else if (strncmp(option, "--gpu-architecture=", 19) == 0)
+		p->is_ptx = option[19] == 'c';
+	else
+		return 0;
+	return 1;
+}
+
+static int build(struct program *p, const char *folder, char *command)
+{
+	char path[128];
+	size_t size, used = strlen(command);
+	int status;
+
+	snprintf(path, sizeof path, "%s/text.cc", folder);
+	write_source(p, path);
+	snprintf(command + used, COMMAND_LIMIT - used, " -o %s/text.so %s 2>%s/log", folder, path, folder);
+	status = system(command);
+	unlink(path);
+	snprintf(path, sizeof path, "%s/log", folder);
+	free(p->log);
+	p->log = read_file(path, &size);
+	unlink(path);
+	snprintf(path, sizeof path, "%s/text.so", folder);
+	p->image = read_file(path, &p->image_size);
+	unlink(path);
+	return status ? COMPILATION : SUCCESS;
+}
+
+int nvrtcCompileProgram(void *program, int count, const char *const *options)
+{
+	static const char flags[] = FAKE_CXX " -std=c++17 -shared -fPIC -O1 -w -fno-gnu-unique -pthread";
+	const char *fail = getenv("RNEA_FAKE_NVRTC_FAIL");
+	char folder[] = "/tmp/fake_nvrtc_XXXXXX", command[COMMAND_LIMIT];
+	struct program *p = program;
+	int status;
+
+	strcpy(command, flags);
+	if (fail)
+		return atoi(fail);
+	for (int i = 0; i < count; i++)
+		if (!take_option(p, options[i], command)) {
+			p->log = calloc(1, 256);
+			snprintf(p->log, 256, "nvrtc: error: unrecognized option %s found\n", options[i]);
+			return INVALID_OPTION;
+		}
+	if (!mkdtemp(folder))
+		return INVALID_PROGRAM;
+	status = build(p, folder, command);
+	rmdir(folder);
+	return status;
+}
+
+int nvrtcGetProgramLogSize(void *program, size_t *size)
+{
+	const struct program *p = program;
+
+	*size = p->log ? strlen(p->log) + 1 : 1;
+	return SUCCESS;
+}
+
+int nvrtcGetProgramLog(void *program, char *log)
+{
+	const struct program *p = program;
+
+	strcpy(log, p->log ? p->log : "");
+	return SUCCESS;
+}
+
+static int image_size(const struct program *p, int is_ptx, size_t *size)
+{
+	*size = p->image_size;
+	return p->image && p->is_ptx == is_ptx ? SUCCESS : INVALID_PROGRAM;
+}
+
+int nvrtcGetCUBINSize(void *program, size_t *size)
+{
+	return image_size(program, 0, size);
+}
+
+int nvrtcGetPTXSize(void *program, size_t *size)
+{
+	return image_size(program, 1, size);
+}
+
+int nvrtcGetCUBIN(void *program, char *image)
+{
+	const struct program *p = program;
+
+	memcpy(image, p->image, p->image_size);
+	return SUCCESS;
+}
+
+int nvrtcGetPTX(void *program, char *image)
+{
+	return nvrtcGetCUBIN(program, image);
+}

@@ -1,0 +1,15 @@
+# The runtime library, with a pretended driver and a pretended NVRTC where there is no GPU.
+find_package(Threads REQUIRED)
+add_library(fake_cuda SHARED fake_cuda.c fake_cuda_stream.c)
+target_link_libraries(fake_cuda PRIVATE ${CMAKE_DL_LIBS} Threads::Threads)
+add_library(fake_nvrtc SHARED fake_nvrtc.c)
+target_compile_definitions(fake_nvrtc PRIVATE FAKE_CXX="${CMAKE_CXX_COMPILER}"
+	FAKE_HEADER="${CMAKE_CURRENT_SOURCE_DIR}/fake_device.h")
+
+add_executable(test_runtime test_runtime.c test_runtime_info.c test_runtime_jit.c test_runtime_launch.c test_runtime_open.c)
+add_dependencies(test_runtime fake_cuda fake_nvrtc)
+target_link_libraries(test_runtime PRIVATE rnea::rnea PkgConfig::CHECK Threads::Threads ${CMAKE_DL_LIBS} m)
+target_link_options(test_runtime PRIVATE -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc)
+target_compile_definitions(test_runtime PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}"
+	FAKE_CUDA="$<TARGET_FILE:fake_cuda>" FAKE_NVRTC="$<TARGET_FILE:fake_nvrtc>")
+add_test(NAME test_runtime COMMAND test_runtime)

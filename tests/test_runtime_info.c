@@ -1,0 +1,187 @@
+/* The parser of the info table: what is right, and each way to be wrong. */
+#include "test_runtime.h"
+#include "../runtime/info.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define HEAD "rneagen-info 1\nname arm\nprecision f64\nlayout aos\ntrig bounded\nbase floating\n"
+#define SIZES "nq 8\nnv 7\nnb 2\nblock 64\n"
+#define ARRAYS "input q 8 f64 sample\ninput gravity 3 f32 batch\noutput tau 7 f64 sample\n"
+#define COUNTS "operations 10 20 30 40 50 60\n"
+#define JOINTS "joint 0 7 0 6 floating \njoint 7 1 6 1 revolute an odd  name\n"
+
+static enum rnea_code parse(const char *text, struct rnea_info *info, struct rnea_error *e)
+{
+	*e = (struct rnea_error){0};
+	return rnea_info_parse(text, strlen(text), info, e);
+}
+
+START_TEST(reads_everything)
+{
+	struct rnea_info i;
+	struct rnea_error e;
+
+	ck_assert_int_eq(parse(HEAD SIZES ARRAYS COUNTS JOINTS, &i, &e), RNEA_OK);
+	ck_assert_str_eq(i.name, "arm");
+	ck_assert(i.precision == RNEA_F64 && i.layout == RNEA_AOS && i.block == 64);
+	ck_assert_str_eq(i.trig, "bounded");
+	ck_assert_str_eq(i.base, "floating");
+	ck_assert(i.nq == 8 && i.nv == 7 && i.nb == 2);
+	ck_assert(i.input_count == 2 && i.output_count == 1 && i.joint_count == 2);
+	ck_assert_str_eq(i.arguments[1].name, "gravity");
+	ck_assert(i.arguments[1].rows == 3 && i.arguments[1].scalar == RNEA_F32 && i.arguments[1].per_batch);
+	ck_assert(i.arguments[2].rows == 7 && i.arguments[2].scalar == RNEA_F64 && !i.arguments[2].per_batch);
+	ck_assert_str_eq(i.joints[0].name, "");
+	ck_assert_str_eq(i.joints[0].type, "floating");
+	ck_assert_str_eq(i.joints[1].name, "an odd  name");
+	ck_assert(i.joints[1].iq == 7 && i.joints[1].nq == 1 && i.joints[1].iv == 6 && i.joints[1].nv == 1);
+	ck_assert(i.operations.mul == 10 && i.operations.add == 20 && i.operations.sub == 30);
+	ck_assert(i.operations.neg == 40 && i.operations.fma == 50 && i.operations.sincos == 60);
+	rnea_info_free(&i);
+	ck_assert_ptr_null(i.memory);
+}
+END_TEST
+
+START_TEST(accepts_variations)
+{
+	static const char *const texts[] = {
+		HEAD SIZES ARRAYS COUNTS,                         /* no joint */
+		HEAD ARRAYS SIZES JOINTS "operations 1 2 3 4 5 6", /* another order, no final newline */
+		HEAD SIZES "later words that mean nothing here\n" ARRAYS "\n" COUNTS JOINTS,
+	};
+	struct rnea_info i;
+	struct rnea_error e;
+
+	for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
+		ck_assert_msg(parse(texts[k], &i, &e) == RNEA_OK, "text %zu: %s", k, e.message);
+		rnea_info_free(&i);
+	}
+	/* as a device variable has it: with the NUL of its literal */
+	e = (struct rnea_error){0};
+	ck_assert_int_eq(rnea_info_parse(texts[0], strlen(texts[0]) + 1, &i, &e), RNEA_OK);
+	rnea_info_free(&i);
+}
+END_TEST
+
+static const struct damage {
+	const char *text, *message;
+} damages[] = {
+	{"", "does not start with \"rneagen-info 1\""},
+	{"hello\n", "does not start with"},
+	{"rneagen-info\n", "line 1: a number is missing"},
+	{"rneagen-info one\n", "line 1: not a number: \"one\""},
+	{"rneagen-info 1 2\n", "line 1: more than expected: \"2\""},
+	{"rneagen-info 2\n", "it has version 2, and this library reads version 1"},
+	{"rneagen-info 1\n", "the key \"name\" is missing"},
+	{HEAD ARRAYS COUNTS, "the key \"nq\" is missing"},
+	{HEAD SIZES ARRAYS, "the key \"operations\" is missing"},
+	{HEAD "name arm\n" SIZES ARRAYS COUNTS, "line 7: a second line of the key \"name\""},
+	{"rneagen-info 1\nname\n", "line 2: a word is missing"},
+	{"rneagen-info 1\nname two words\n", "line 2: more than expected: \"words\""},
+	{"rneagen-info 1\nprecision f16\n", "line 2: not a known word: \"f16\""},
+	{"rneagen-info 1\nlayout soaked\n", "line 2: not a known word: \"soaked\""},
+	{"rneagen-info 1\nnq -1\n", "line 2: not a number: \"-1\""},
+	{"rneagen-info 1\nnq +1\n", "line 2: not a number: \"+1\""},
+	{"rneagen-info 1\nnq 0x7\n", "line 2: not a number: \"0x7\""},
+	{"rneagen-info 1\nnq  7\n", "line 2: a number is missing"},
+	{"rneagen-info 1\nnq\n", "line 2: a number is missing"},
+	{"rneagen-info 1\nnq 0\n", "line 2: the number is out of range: \"0\""},
+	{"rneagen-info 1\nnq 7 \n", "line 2: more than expected: \"\""},
+	{"rneagen-info 1\nnq 7\r\n", "line 2: not a number: \"7 \""},
+	{"rneagen-info 1\nnq 18446744073709551616\n", "line 2: the number is too large"},
+	{"rneagen-info 1\nnq 99999999999999999999999\n", "line 2: the number is too large"},
+	{"rneagen-info 1\nnv 18446744073709551615\n", "line 2: the number is out of range"},
+	{"rneagen-info 1\nblock 0\n", "line 2: the number is out of range"},
+	{"rneagen-info 1\nblock 1025\n", "line 2: the number is out of range"},
+	{HEAD SIZES COUNTS, "it lists no inputs"},
+	{HEAD SIZES "input q 8 f64 sample\n" COUNTS, "it lists no outputs"},
+	{HEAD SIZES "output tau 8 f64 sample\n" COUNTS, "it lists no inputs"},
+	{"rneagen-info 1\noutput tau 7 f64 sample\ninput q 7 f64 sample\n", "line 3: an input after an output"},
+	{"rneagen-info 1\ninput q 7 f64 sample\ninput q 7 f64 sample\n", "line 3: a second array of the name \"q\""},
+	{"rneagen-info 1\ninput q 7 f64\n", "line 2: not a known word: \"\""},
+	{"rneagen-info 1\ninput q 7 f64 sampled\n", "line 2: not a known word: \"sampled\""},
+	{"rneagen-info 1\ninput q 7 i32 sample\n", "line 2: not a known word: \"i32\""},
+	{"rneagen-info 1\ninput q 0 f64 sample\n", "line 2: the number is out of range"},
+	{"rneagen-info 1\ninput q 7 f64 sample more\n", "line 2: more than expected: \"more\""},
+	{"rneagen-info 1\ninput\n", "line 2: a word is missing"},
+	{"rneagen-info 1\noperations 1 2 3 4 5\n", "line 2: a number is missing"},
+	{"rneagen-info 1\noperations 1 2 3 4 5 6 7\n", "line 2: more than expected: \"7\""},
+	{"rneagen-info 1\njoint 0 1 0 1 revolute\n", "line 2: the joint has no name"},
+	{"rneagen-info 1\njoint 0 1 0 1\n", "line 2: a word is missing"},
+	{"rneagen-info 1\njoint 0 1 0 one revolute x\n", "line 2: not a number: \"one\""},
+	{HEAD SIZES ARRAYS COUNTS "joint 8 1 0 1 revolute far\n", "joint \"far\" lies outside of q or qd"},
+	{HEAD SIZES ARRAYS COUNTS "joint 0 1 7 1 revolute far\n", "joint \"far\" lies outside of q or qd"},
+};
+
+START_TEST(refuses_damage)
+{
+	struct rnea_info i;
+	struct rnea_error e;
+
+	parse(damages[_i].text, &i, &e);
+	assert_error(&e, RNEA_TABLE, damages[_i].message);
+	ck_assert_ptr_null(i.memory);
+}
+END_TEST
+
+START_TEST(refuses_a_nul)
+{
+	static const char text[] = HEAD SIZES "\0" ARRAYS COUNTS;
+	struct rnea_info i;
+	struct rnea_error e = {0};
+
+	rnea_info_parse(text, sizeof text, &i, &e);
+	assert_error(&e, RNEA_TABLE, "it holds a NUL");
+}
+END_TEST
+
+START_TEST(refuses_too_many_arrays)
+{
+	char text[8192] = "rneagen-info 1\n", line[64];
+	struct rnea_info i;
+	struct rnea_error e;
+
+	for (int k = 0; k <= RNEA_ARGUMENT_LIMIT; k++) {
+		snprintf(line, sizeof line, "input q%d 1 f32 sample\n", k);
+		strcat(text, line);
+	}
+	parse(text, &i, &e);
+	assert_error(&e, RNEA_TABLE, "line 66: more arrays than a kernel can take");
+}
+END_TEST
+
+/* Every prefix of a good table is refused or, cut in a name or a count, still a table; none is read past its end. */
+START_TEST(survives_any_cut)
+{
+	static const char text[] = HEAD SIZES ARRAYS COUNTS JOINTS;
+
+	for (size_t n = 0; n < sizeof text; n++) {
+		char *cut = malloc(n ? n : 1);
+		struct rnea_info i;
+		struct rnea_error e = {0};
+
+		memcpy(cut, text, n);
+		if (rnea_info_parse(cut, n, &i, &e) == RNEA_OK)
+			rnea_info_free(&i);
+		else
+			ck_assert_int_eq(e.code, RNEA_TABLE);
+		free(cut);
+	}
+}
+END_TEST
+
+Suite *suite_info(void)
+{
+	Suite *s = suite_create("info");
+	TCase *t = tcase_create("info");
+
+	tcase_add_test(t, reads_everything);
+	tcase_add_test(t, accepts_variations);
+	tcase_add_loop_test(t, refuses_damage, 0, (int)(sizeof damages / sizeof *damages));
+	tcase_add_test(t, refuses_a_nul);
+	tcase_add_test(t, refuses_too_many_arrays);
+	tcase_add_test(t, survives_any_cut);
+	suite_add_tcase(s, t);
+	return s;
+}
