@@ -1,0 +1,387 @@
+#define _POSIX_C_SOURCE 200809L
+#include "read.h"
+#include <check.h>
+#include <locale.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ORIGIN "<origin xyz='0.1 -2e-3 +.5' rpy='1.5707963267948966 0 -3.141592653589793'/>"
+#define INERTIA "<inertia ixx='1' ixy='0.1' ixz='0.2' iyy='2' iyz='0.3' izz='2.5'/>"
+#define INERTIAL "<inertial><origin xyz='1 2 3' rpy='0.1 0.2 0.3'/><mass value='4'/>" INERTIA "</inertial>"
+#define LIMIT "<limit lower='-1' upper='2' effort='3' velocity='4'/>"
+#define ENDS(p, c) "<parent link='" p "'/><child link='" c "'/>"
+#define ROBOT(body) "<robot name='r'><link name='base'/><link name='arm'>" INERTIAL "</link>" body "</robot>"
+
+static void read_string(struct read *r, const char *xml)
+{
+	read_memory(r, xml, strlen(xml), "test");
+}
+
+static void expect_loaded(const struct read *r, size_t warnings)
+{
+	ck_assert_msg(r->error.code == RNEAGEN_OK, "%s", r->error.message);
+	ck_assert_str_eq(r->error.message, "");
+	ck_assert_msg(r->robot.warning_count == warnings, "%s", warnings ? "too few" : r->robot.warnings[0]);
+}
+
+static void expect_vector(const double *v, double x, double y, double z)
+{
+	ck_assert(v[0] == x && v[1] == y && v[2] == z);
+}
+
+START_TEST(every_number_arrives)
+{
+	const struct joint *j;
+	const struct link *l;
+	struct read r;
+
+	read_string(&r, ROBOT("<joint name='b' type='revolute'>" ENDS("base", "arm") ORIGIN "<axis xyz='0 0 -1'/>" LIMIT
+			      "<dynamics damping='0.5' friction='0.25'/>"
+			      "<mimic joint='a' multiplier='-2' offset='0.125'/></joint>"
+			      "<link name='slider'>" INERTIAL "</link>"
+			      "<joint name='a' type='prismatic'>" ENDS("arm", "slider") LIMIT "</joint>"));
+	expect_loaded(&r, 0);
+	ck_assert_str_eq(r.robot.name, "r");
+	ck_assert_int_eq(r.robot.link_count, 3);
+	ck_assert_int_eq(r.robot.joint_count, 2);
+	ck_assert_str_eq(r.robot.links[r.robot.root].name, "base");
+	ck_assert_int_eq(r.robot.links[r.robot.root].parent_joint, -1);
+	ck_assert_int_eq(r.robot.links[r.robot.root].has_inertial, 0);
+	j = &r.robot.joints[0];
+	ck_assert_str_eq(j->name, "a");
+	ck_assert_int_eq(j->type, JOINT_PRISMATIC);
+	ck_assert_int_eq(j->driver, -1);
+	expect_vector(j->axis, 1, 0, 0);
+	expect_vector(j->xyz, 0, 0, 0);
+	j = &r.robot.joints[1];
+	ck_assert_str_eq(j->name, "b");
+	ck_assert_int_eq(j->type, JOINT_REVOLUTE);
+	ck_assert_str_eq(r.robot.links[j->parent].name, "base");
+	ck_assert_str_eq(r.robot.links[j->child].name, "arm");
+	expect_vector(j->xyz, 0.1, -2e-3, 0.5);
+	expect_vector(j->rpy, 1.5707963267948966, 0, -3.141592653589793);
+	expect_vector(j->axis, 0, 0, -1);
+	ck_assert(j->has_limits && j->lower == -1 && j->upper == 2 && j->effort == 3 && j->velocity == 4);
+	ck_assert(j->has_dynamics && j->damping == 0.5 && j->friction == 0.25);
+	ck_assert(j->driver == 0 && j->multiplier == -2 && j->offset == 0.125);
+	l = &r.robot.links[j->child];
+	ck_assert_int_eq(l->parent_joint, 1);
+	ck_assert(l->has_inertial && l->mass == 4);
+	expect_vector(l->com, 1, 2, 3);
+	expect_vector(l->com_rpy, 0.1, 0.2, 0.3);
+	expect_vector(l->inertia, 1, 0.1, 0.2);
+	expect_vector(l->inertia + 3, 2, 0.3, 2.5);
+	read_free(&r);
+}
+END_TEST
+
+/* What may look odd and is no reason to refuse or to warn. */
+static const char *const fine[] = {
+	/* a mark, a declaration, a plain DOCTYPE, CDATA, a processing instruction */
+	"\xef\xbb\xbf<?xml version='1.0' encoding='utf-8'?><!DOCTYPE robot><?note x?>" ROBOT(
+		"<![CDATA[<link>]]><joint name='j' type='floating'>" ENDS("base", "arm") "</joint>"),
+	"<?xml version='1.0'?>" ROBOT("<joint name='j' type='fixed'>" ENDS("base", "arm") "</joint>"),
+	/* xacro's namespace alone */
+	"<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'><link name='base'/></robot>",
+	/* visual, collision, material and the like are not looked at */
+	ROBOT("<material name='grey'/><material name='grey'><color rgba='a b c'/></material>"
+	      "<link name='shell'><visual><origin xyz='a'/><geometry/><material name='none'/></visual>"
+	      "<visual name='again'/><collision><geometry><mesh filename='$(find x)'/></geometry></collision></link>"
+	      "<joint name='j' type='fixed'>" ENDS("base", "arm") "</joint>"
+	      "<joint name='k' type='fixed'>" ENDS("arm", "shell") "<hardware>x</hardware></joint>"
+	      "<transmission name='t'><joint name='j'><axis xyz='0'/></joint></transmission>"
+	      "<gazebo><link name='base'/><joint name='j'/><plugin value='${x}'/></gazebo>"),
+	/* several blanks, also outside; a blank before a single number */
+	ROBOT("<joint name='j' type='continuous'>" ENDS("base", "arm") "<origin\n\txyz='  0  1   2 '/>"
+	      "<axis xyz=' 0 1 0 '/><dynamics damping=' 1'/></joint>"),
+	/* an axis that nobody reads */
+	ROBOT("<joint name='j' type='fixed'>" ENDS("base", "arm") "<axis xyz='0 0 0'/></joint>"),
+	ROBOT("<joint name='j' type='floating'>" ENDS("base", "arm") "<axis xyz='none'/></joint>"),
+	/* an axis of length one, as written with many digits; an underflow; no attributes */
+	ROBOT("<joint name='j' type='planar'>" ENDS("base", "arm") "<origin/>"
+	      "<axis xyz='0.7071067811865476 0.7071067811865475 1e-400'/></joint>"),
+	/* joints before links */
+	"<robot name='r' version='1.0'><joint name='j' type='fixed'>" ENDS("b", "a") "</joint>"
+	"<link name='a'/><link name='b'/></robot>",
+	"<robot name=''><link name='only'/></robot>",
+};
+
+START_TEST(fine_robot)
+{
+	struct read r;
+
+	read_string(&r, fine[_i]);
+	expect_loaded(&r, 0);
+	read_free(&r);
+}
+END_TEST
+
+START_TEST(names_are_kept)
+{
+	static const char *const names[] = {" ", "*/ evil(); /*", "a\"b\\c", "a&b<c>'", "a\nb", "\xc3\xa9t\xc3\xa9"};
+	struct read r;
+
+	read_string(&r, "<robot name='&quot;&#10;'><link name='a&quot;b\\c'/><link name='\xc3\xa9t\xc3\xa9'/>"
+			"<link name='a&amp;b&lt;c>&apos;'/><link name=' '/><link name='*/ evil(); /*'/>"
+			"<link name='a&#10;b'/>"
+			"<joint name='1' type='fixed'>" ENDS(" ", "*/ evil(); /*") "</joint>"
+			"<joint name='2' type='fixed'>" ENDS(" ", "a&#x22;b\\c") "</joint>"
+			"<joint name='3' type='fixed'>" ENDS(" ", "a&amp;b&lt;c>&apos;") "</joint>"
+			"<joint name='4' type='fixed'>" ENDS(" ", "&#233;t&#xe9;") "</joint>"
+			"<joint name='5' type='fixed'>" ENDS(" ", "a&#xa;b") "</joint></robot>");
+	expect_loaded(&r, 0);
+	ck_assert_str_eq(r.robot.name, "\"\n");
+	for (int i = 0; i < 6; i++) {
+		int found = 0;
+
+		for (int k = 0; k < r.robot.link_count; k++)
+			found += !strcmp(r.robot.links[k].name, names[i]);
+		ck_assert_msg(found == 1, "link \"%s\" found %d times", names[i], found);
+	}
+	read_free(&r);
+}
+END_TEST
+
+START_TEST(joints_are_in_byte_order)
+{
+	static const char *const order[] = {"B", "a", "a-b", "a.b", "a_b", "b10", "b9", "\xc3\xa9"};
+	char *xml = malloc(4096);
+	struct read r;
+	size_t n;
+
+	ck_assert_ptr_nonnull(xml);
+	n = (size_t)snprintf(xml, 4096, "<robot name='r'><link name='base'/>");
+	for (int i = 7; i >= 0; i--)
+		n += (size_t)snprintf(xml + n, 4096 - n,
+			"<link name='%d'/><joint name='%s' type='fixed'>" ENDS("base", "%d") "</joint>", i, order[i],
+			i);
+	snprintf(xml + n, 4096 - n, "</robot>");
+	read_string(&r, xml);
+	expect_loaded(&r, 0);
+	for (int i = 0; i < 8; i++)
+		ck_assert_str_eq(r.robot.joints[i].name, order[i]);
+	read_free(&r);
+	free(xml);
+}
+END_TEST
+
+/* Limits: just inside is read, one more is refused with its name. */
+
+static void chain(struct text *t, int links)
+{
+	text_put(t, "<robot name='chain'><link name='l0'/>");
+	for (int i = 1; i < links; i++)
+		text_printf(t, "<link name='l%d'>" INERTIAL "</link><joint name='j%d' type='continuous'>"
+			       "<parent link='l%d'/><child link='l%d'/></joint>", i, i, i - 1, i);
+	text_put(t, "</robot>");
+}
+
+static void nested(struct text *t, int depth)
+{
+	text_put(t, "<robot name='deep'><link name='l'/>");
+	for (int i = 1; i < depth; i++)
+		text_put(t, "<a>");
+	for (int i = 1; i < depth; i++)
+		text_put(t, "</a>");
+	text_put(t, "</robot>");
+}
+
+static void long_name(struct text *t, int bytes)
+{
+	text_put(t, "<robot name='r'><link name='");
+	for (int i = 0; i < bytes; i++)
+		text_put(t, "n");
+	text_put(t, "'/></robot>");
+}
+
+static void large_file(struct text *t, int bytes)
+{
+	text_put(t, "<robot name='r'><link name='l'/></robot>");
+	while (t->length < (size_t)bytes)
+		text_put(t, "\n");
+}
+
+static const struct limit {
+	void (*make)(struct text *t, int size);
+	int most;
+	const char *says;
+} limits[] = {
+	{chain, LIMIT_LINKS, "test:1: link 'l1024' is one too many"},
+	{nested, LIMIT_XML_DEPTH, "test:1: elements are nested more than 100 deep"},
+	{long_name, LIMIT_NAME_BYTES, "nnn...': the name is longer than 255 bytes"},
+	{large_file, LIMIT_FILE_BYTES, "test: 16777217 bytes, and at most 16777216 are read"},
+};
+
+START_TEST(limit)
+{
+	const struct limit *l = &limits[_i];
+	struct arena a;
+	struct text t;
+	struct read r;
+
+	arena_init(&a, NULL);
+	for (int over = 0; over < 2; over++) {
+		text_init(&t, &a);
+		l->make(&t, l->most + over);
+		read_string(&r, text_string(&t));
+		ck_assert_msg(r.error.code == (over ? RNEAGEN_LIMIT : RNEAGEN_OK), "%s", r.error.message);
+		ck_assert_msg(!over || strstr(r.error.message, l->says), "%s", r.error.message);
+		read_free(&r);
+	}
+	arena_free(&a);
+}
+END_TEST
+
+START_TEST(decimal_comma)
+{
+	static const char *const locales[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "fr_FR.utf8", "nl_NL.UTF-8"};
+	const char *set = NULL;
+	struct text t;
+	struct read r;
+
+	for (size_t i = 0; i < sizeof locales / sizeof *locales && !set; i++)
+		set = setlocale(LC_ALL, locales[i]);
+	if (!set) {
+		printf("skipped: no locale with a decimal comma is installed\n");
+		return;
+	}
+	read_file(&r, TEST_DIR "/bad", "odd_axis.urdf");
+	ck_assert_msg(r.error.code == RNEAGEN_OK, "%s", r.error.message);
+	read_free(&r);
+	read_string(&r, ROBOT("<joint name='j' type='planar'>" ENDS("base", "arm") "<axis xyz='0 0.5 0'/></joint>"));
+	expect_loaded(&r, 1);
+	ck_assert_msg(strstr(r.robot.warnings[0], "0.5 long") != NULL, "%s", r.robot.warnings[0]);
+	ck_assert(r.robot.joints[0].axis[1] == 0.5);
+	text_init(&t, &r.arena);
+	robot_dump(&r.robot, &t);
+	ck_assert_ptr_nonnull(strstr(text_string(&t), "axis 0 0.5 0\n"));
+	ck_assert_int_eq(localeconv()->decimal_point[0], ',');
+	read_free(&r);
+}
+END_TEST
+
+START_TEST(dump)
+{
+	struct text t;
+	struct read r;
+
+	read_string(&r, ROBOT("<joint name='a\"' type='prismatic'>" ENDS("base", "arm") ORIGIN LIMIT "</joint>"));
+	expect_loaded(&r, 0);
+	text_init(&t, &r.arena);
+	robot_dump(&r.robot, &t);
+	ck_assert_str_eq(text_string(&t),
+		"robot \"r\", 2 links, 1 joints, root link \"base\"\n"
+		"link \"arm\", parent joint \"a\\\"\"\n"
+		"\tmass 4\n"
+		"\tcom 1 2 3, rpy 0.10000000000000001 0.20000000000000001 0.29999999999999999\n"
+		"\tinertia xx 1 xy 0.10000000000000001 xz 0.20000000000000001 yy 2 "
+		"yz 0.29999999999999999 zz 2.5\n"
+		"link \"base\", no inertial\n"
+		"joint \"a\\\"\", prismatic, from \"base\" to \"arm\"\n"
+		"\torigin 0.10000000000000001 -0.002 0.5, "
+		"rpy 1.5707963267948966 0 -3.1415926535897931\n"
+		"\taxis 1 0 0\n"
+		"\tlimits: lower -1, upper 2, velocity 4, effort 3\n");
+	read_free(&r);
+}
+END_TEST
+
+/* An allocator that gives `left` blocks and then none. */
+struct ration {
+	int left;
+};
+
+static void *ration_alloc(void *context, size_t size)
+{
+	struct ration *r = context;
+
+	return r->left-- > 0 ? malloc(size) : NULL;
+}
+
+static void ration_release(void *context, void *block)
+{
+	(void)context;
+	free(block);
+}
+
+/* Read with so many blocks; the first `used` bytes are taken. */
+static enum rneagen_code read_rationed(const char *xml, int blocks, size_t used)
+{
+	struct ration ration = {blocks};
+	const struct rneagen_allocator allocator = {ration_alloc, ration_release, &ration};
+	struct rneagen_error e = {0};
+	struct robot robot;
+	struct arena a;
+
+	arena_init(&a, &allocator);
+	if (used)
+		arena_alloc(&a, used, 1);
+	robot_read(&robot, xml, strlen(xml), "test", &a, &e);
+	ck_assert_msg(e.code == RNEAGEN_OK || e.code == RNEAGEN_MEMORY, "%s", e.message);
+	ck_assert_str_eq(e.message, e.code ? "out of memory" : "");
+	arena_free(&a);
+	return e.code;
+}
+
+/* The k-th block is refused, for every k until all are given. */
+START_TEST(memory_runs_out_by_blocks)
+{
+	struct arena a;
+	struct text t;
+	int blocks = 0;
+
+	arena_init(&a, NULL);
+	text_init(&t, &a);
+	chain(&t, 1000);
+	while (read_rationed(text_string(&t), blocks, 0))
+		blocks++;
+	ck_assert_int_ge(blocks, 10);
+	arena_free(&a);
+}
+END_TEST
+
+/* Every single allocation fails once: there is one block, and less and less of it is used up beforehand. */
+START_TEST(memory_runs_out_by_bytes)
+{
+	const char *xml = ROBOT("<joint name='j' type='revolute'>" ENDS("base", "arm") ORIGIN LIMIT
+				"<axis xyz='0 0 2'/><origin/><mimic joint='k'/></joint><link name='hand'/>"
+				"<joint name='k' type='continuous'>" ENDS("arm", "hand") "</joint>");
+	size_t used = 65536 - 16, failures = 0;
+
+	for (; used > 16 && read_rationed(xml, 1, used); used -= 16)
+		failures++;
+	ck_assert_uint_ge(failures, 100);
+	ck_assert_uint_gt(used, 16);
+}
+END_TEST
+
+static Suite *robot_suite(void)
+{
+	Suite *suite = suite_create("robot");
+	TCase *tc = tcase_create("read");
+
+	tcase_set_timeout(tc, 120);
+	tcase_add_test(tc, every_number_arrives);
+	tcase_add_loop_test(tc, fine_robot, 0, sizeof fine / sizeof *fine);
+	tcase_add_test(tc, names_are_kept);
+	tcase_add_test(tc, joints_are_in_byte_order);
+	tcase_add_loop_test(tc, limit, 0, sizeof limits / sizeof *limits);
+	tcase_add_test(tc, decimal_comma);
+	tcase_add_test(tc, dump);
+	tcase_add_test(tc, memory_runs_out_by_blocks);
+	tcase_add_test(tc, memory_runs_out_by_bytes);
+	suite_add_tcase(suite, tc);
+	return suite;
+}
+
+int main(void)
+{
+	SRunner *runner = srunner_create(robot_suite());
+	int failed;
+
+	srunner_run_all(runner, CK_NORMAL);
+	failed = srunner_ntests_failed(runner);
+	srunner_free(runner);
+	return failed != 0;
+}
