@@ -1,10 +1,24 @@
-/* Sine and cosine: a function that the text carries, so that its domain and error are known. */
+/* Sine and cosine: functions that the text carries, so that their domain and error are known and the same everywhere. */
 #include "emit.h"
 #include "template.h"
 
 void emit_sincos(const struct emission *e, struct text *out)
 {
-	const struct slot slots[] = {{"F", emit_is_f32(e) ? "f" : ""}, {"T", emit_is_f32(e) ? "float" : "double"}};
+	enum rneagen_trig trig = e->options->trig;
+	int f32 = emit_is_f32(e), host_only = f32 && trig == RNEAGEN_FAST;
 
-	template_expand(out, template_sincos_library_in, slots, 2);
+	if (host_only)
+		text_put(out, "#if !defined __CUDA_ARCH__\n");
+	text_put(out, f32 ? template_sincos_f32_core_in : template_sincos_f64_core_in);
+	text_putc(out, '\n');
+	if (trig == RNEAGEN_ACCURATE)
+		text_put(out, f32 ? template_sincos_f32_accurate_in : template_sincos_f64_accurate_in);
+	else
+		text_put(out, f32 ? template_sincos_f32_bounded_in : template_sincos_f64_bounded_in);
+	if (host_only)
+		text_put(out, "#endif\n");
+	if (trig == RNEAGEN_FAST) {
+		text_putc(out, '\n');
+		text_put(out, f32 ? template_sincos_f32_fast_in : template_sincos_f64_fast_in);
+	}
 }
