@@ -91,17 +91,19 @@ struct rotation rotation_to_axis(const real n[3])
 	return rotation_from_x_and_z(x, n);
 }
 
-/* Rodrigues' formula for axis z cross n = (-ny, nx, 0) with cosine nz:
-   R = [1 - nx nx/(1+nz), -nx ny/(1+nz), nx; -nx ny/(1+nz), 1 - ny ny/(1+nz), ny; -nx, -ny, nz] */
+/* Rodrigues' formula for axis z cross n = (-ny, nx, 0) with cosine nz, where c = 1/(1+nz), which near -z cancels and is
+   (1-nz)/(nx nx + ny ny) there:
+   R = [1 - c nx nx, -c nx ny, nx; -c nx ny, 1 - c ny ny, ny; -nx, -ny, nz] */
 struct rotation rotation_shortest(const real n[3])
 {
-	real d = 1 + n[2];
+	real square = n[0] * n[0] + n[1] * n[1];
+	real c = n[2] < 0 ? (1 - n[2]) / square : 1 / (1 + n[2]);
 
-	if (n[0] == 0 && n[1] == 0 && n[2] < 0)
+	if (square == 0 && n[2] < 0)
 		return (struct rotation){{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}};
 	return (struct rotation){{
-		{1 - n[0] * n[0] / d, -n[0] * n[1] / d, n[0]},
-		{-n[0] * n[1] / d, 1 - n[1] * n[1] / d, n[1]},
+		{1 - c * n[0] * n[0], -c * n[0] * n[1], n[0]},
+		{-c * n[0] * n[1], 1 - c * n[1] * n[1], n[1]},
 		{-n[0], -n[1], n[2]},
 	}};
 }
