@@ -26,12 +26,13 @@ static const char HELP[] =
 	"  --order J1,J2,...          rows of q by joint name (default: depth-first, children by name)\n"
 	"  --name NAME                prefix of every function (default: the robot's name)\n"
 	"  --info, --info=json        tell about the robot instead of writing the text (with -o: besides)\n"
+	"  --dot                      print the tree as a graph for Graphviz, with masses and rows in q (with -o: besides)\n"
 	"  --dump robot|tree|dag|plan print a stage of the pipeline instead\n"
 	"  --help, --version\n"
 	"\n"
 	"exit status: 0 done, 1 the robot or a file is at fault, 2 the command line is\n";
 
-enum info_mode { INFO_NONE, INFO_TABLE, INFO_JSON };
+enum info_mode { INFO_NONE, INFO_TABLE, INFO_JSON, INFO_DOT };
 
 struct command {
 	struct rneagen_options options;
@@ -86,7 +87,7 @@ static int parse_gravity(const char *word, double gravity[3])
 }
 
 enum option_key { KEY_TARGET = 256, KEY_PRECISION, KEY_LAYOUT, KEY_TRIG, KEY_BASE, KEY_MIMIC, KEY_DUMP, KEY_GRAVITY,
-	KEY_ORDER, KEY_NAME, KEY_INFO, KEY_HELP, KEY_VERSION };
+	KEY_ORDER, KEY_NAME, KEY_INFO, KEY_DOT, KEY_HELP, KEY_VERSION };
 
 static const struct option OPTIONS[] = {
 	{"output", required_argument, NULL, 'o'}, {"target", required_argument, NULL, KEY_TARGET},
@@ -95,7 +96,8 @@ static const struct option OPTIONS[] = {
 	{"mimic", required_argument, NULL, KEY_MIMIC}, {"dump", required_argument, NULL, KEY_DUMP},
 	{"gravity", required_argument, NULL, KEY_GRAVITY}, {"order", required_argument, NULL, KEY_ORDER},
 	{"name", required_argument, NULL, KEY_NAME}, {"info", optional_argument, NULL, KEY_INFO},
-	{"help", no_argument, NULL, KEY_HELP}, {"version", no_argument, NULL, KEY_VERSION}, {NULL, 0, NULL, 0}};
+	{"dot", no_argument, NULL, KEY_DOT}, {"help", no_argument, NULL, KEY_HELP},
+	{"version", no_argument, NULL, KEY_VERSION}, {NULL, 0, NULL, 0}};
 
 /* Options that take one word of a few; -1: not one of them. */
 static int parse_choice(struct command *c, int key, const char *word)
@@ -142,6 +144,15 @@ static int parse_choice(struct command *c, int key, const char *word)
 	return 0;
 }
 
+/* --info and --dot share standard output. */
+static int set_info(struct command *c, enum info_mode info)
+{
+	if (c->info != INFO_NONE && (c->info == INFO_DOT) != (info == INFO_DOT))
+		return fail_usage("--info and --dot both print to standard output; take one%s%s", "", "");
+	c->info = info;
+	return 0;
+}
+
 static int parse_option(struct command *c, int key, const char *word)
 {
 	switch (key) {
@@ -159,8 +170,9 @@ static int parse_option(struct command *c, int key, const char *word)
 	case KEY_INFO:
 		if (word && strcmp(word, "json"))
 			return fail_usage("--info takes nothing, or =json, not '%s'%s", word, "");
-		c->info = word ? INFO_JSON : INFO_TABLE;
-		return 0;
+		return set_info(c, word ? INFO_JSON : INFO_TABLE);
+	case KEY_DOT:
+		return set_info(c, INFO_DOT);
 	default:
 		return parse_choice(c, key, word);
 	}
@@ -224,6 +236,8 @@ static int write_results(const struct command *c, const struct rneagen_result *r
 		return file_put_stdout_error(r->dump, e) != RNEAGEN_OK;
 	if (c->info == INFO_NONE)
 		return !c->output && file_put_stdout_error(r->source, e);
+	if (c->info == INFO_DOT)
+		return file_put_stdout_error(r->dot, e) != RNEAGEN_OK;
 	return file_put_stdout_error(c->info == INFO_JSON ? r->info_json : r->info, e) != RNEAGEN_OK;
 }
 
@@ -236,7 +250,7 @@ static int run(const struct command *c)
 
 	bad = file_read(c->input, &urdf, &e) || rneagen_generate(urdf.bytes, urdf.length, &c->options, &r, &e);
 	if (!bad) {
-		for (size_t i = 0; i < r.warning_count && c->info == INFO_NONE; i++)
+		for (size_t i = 0; i < r.warning_count && (c->info == INFO_NONE || c->info == INFO_DOT); i++)
 			fprintf(stderr, "rneagen: warning: %s\n", r.warnings[i]);
 		bad = write_results(c, &r, &e);
 		rneagen_result_free(&r);

@@ -1,6 +1,7 @@
 /* The pipeline, one arrow after the other: URDF -> robot -> tree -> DAG -> plan -> text. */
 #define _POSIX_C_SOURCE 200809L
 #include "rneagen.h"
+#include "dot.h"
 #include "emit.h"
 #include "identifier.h"
 #include "info.h"
@@ -82,25 +83,28 @@ static void make_dump(struct generation *g, struct text *t)
 static enum rneagen_code make_texts(struct generation *g)
 {
 	struct rneagen_result *r = g->result;
-	struct text source, header, info, json, dump;
+	struct text source, header, info, json, dot, dump;
 
 	text_init(&source, &r->arena);
 	text_init(&header, &r->arena);
 	text_init(&info, &r->arena);
 	text_init(&json, &r->arena);
+	text_init(&dot, &r->arena);
 	text_init(&dump, &r->arena);
 	emit_source(&g->emission, &source);
 	if (g->options.target == RNEAGEN_TARGET_C)
 		emit_declarations(&g->emission, &header);
 	info_table(&g->emission, &info);
 	info_json(&g->emission, &json);
+	dot_graph(&g->tree, &dot);
 	make_dump(g, &dump);
-	if (source.failed || header.failed || info.failed || json.failed || dump.failed)
+	if (source.failed || header.failed || info.failed || json.failed || dot.failed || dump.failed)
 		return error_memory(g->error);
 	r->source = text_string(&source);
 	r->header = g->options.target == RNEAGEN_TARGET_C ? text_string(&header) : NULL;
 	r->info = text_string(&info);
 	r->info_json = text_string(&json);
+	r->dot = text_string(&dot);
 	r->dump = g->options.dump == RNEAGEN_DUMP_NONE ? NULL : text_string(&dump);
 	return g->error->code;
 }

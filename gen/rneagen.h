@@ -45,6 +45,7 @@ struct rneagen_result {
 	const char *header;    /* target C: the .h that declares the functions; NULL otherwise */
 	const char *info;      /* the table of --info */
 	const char *info_json; /* the object of --info=json */
+	const char *dot;       /* the graph of --dot, for Graphviz */
 	const char *dump;      /* NULL unless asked for */
 	const char *const *warnings;
 	size_t warning_count;

@@ -1,0 +1,115 @@
+#include "dot.h"
+
+/* A name inside a quoted label. Graphviz resolves backslashes and the entities of HTML there; control characters are
+   shown as \xHH. */
+static void put_label(struct text *out, const char *s)
+{
+	for (; *s; s++) {
+		unsigned char c = (unsigned char)*s;
+
+		if (c == '"')
+			text_put(out, "\\\"");
+		else if (c == '\\')
+			text_put(out, "\\\\");
+		else if (c == '&')
+			text_put(out, "&amp;");
+		else if (c < 0x20 || c == 0x7f)
+			text_printf(out, "\\\\x%02x", c);
+		else
+			text_putc(out, (char)c);
+	}
+}
+
+static void put_rows(struct text *out, const struct body *k)
+{
+	int n = joint_nq(k->type);
+
+	if (n > 1)
+		text_printf(out, "q[%d..%d]", k->iq, k->iq + n - 1);
+	else
+		text_printf(out, "q[%d]", k->iq);
+}
+
+/* The unit axis in the joint's URDF frame: frame (sign e_axis). */
+static void put_axis(struct text *out, const struct body *k)
+{
+	text_put(out, k->type == JOINT_PLANAR ? "\\nnormal" : "\\naxis");
+	for (int i = 0; i < 3; i++)
+		text_printf(out, " %.6Lg", k->sign * k->frame.m[i][k->axis] + 0); /* -0 + 0 = 0 */
+}
+
+static void put_world(const struct tree *t, struct text *out)
+{
+	text_put(out, "\tworld [peripheries=2, label=\"");
+	put_label(out, t->root);
+	text_printf(out, "\\nbase, fixed to the world\\n%.6Lg kg\"];\n", t->fixed.mass);
+}
+
+static void put_node(const struct body *k, struct text *out)
+{
+	int is_base = !*k->joint;
+
+	text_printf(out, "\tb%d [%slabel=\"", k->number, is_base ? "peripheries=2, " : "");
+	put_label(out, k->link);
+	text_printf(out, "\\nbody %d", k->number);
+	if (is_base) {
+		text_put(out, ", floating base\\n");
+		put_rows(out, k);
+	}
+	text_printf(out, "\\n%.6Lg kg\"];\n", k->inertia.mass);
+}
+
+static void put_edge(const struct tree *t, const struct body *k, struct text *out)
+{
+	if (k->parent < 0)
+		text_put(out, "\tworld");
+	else
+		text_printf(out, "\tb%d", t->bodies[k->parent].number);
+	text_printf(out, " -> b%d [label=\"", k->number);
+	put_label(out, k->joint);
+	text_printf(out, "\\n%s", joint_type_name(k->type));
+	if (!k->follower) {
+		text_putc(out, ' ');
+		put_rows(out, k);
+	}
+	if (k->type != JOINT_FLOATING)
+		put_axis(out, k);
+	text_put(out, "\"];\n");
+}
+
+static int driver_number(const struct tree *t, const struct body *follower)
+{
+	for (int i = 0; i < t->joint_count; i++)
+		if (t->joints[i].iq == follower->iq)
+			return t->bodies[t->joints[i].body].number;
+	return follower->number;
+}
+
+static void put_mimic(const struct tree *t, const struct tree_mimic *m, struct text *out)
+{
+	const struct body *k = &t->bodies[m->body];
+
+	text_printf(out, "\tb%d -> b%d [style=dashed, constraint=false, label=\"mimic %.9Lg ", k->number, driver_number(t, k),
+		m->multiplier);
+	put_rows(out, k);
+	if (m->offset != 0)
+		text_printf(out, " %c %.9Lg", m->offset < 0 ? '-' : '+', m->offset < 0 ? -m->offset : m->offset);
+	text_put(out, "\"];\n");
+}
+
+void dot_graph(const struct tree *t, struct text *out)
+{
+	text_put(out, "digraph robot {\n\tlabel=\"");
+	put_label(out, t->robot);
+	text_put(out, "\";\n\tlabelloc=t;\n\tnode [shape=box];\n");
+	if (!t->floating)
+		put_world(t, out);
+	for (int k = 0; k < t->body_count; k++) {
+		put_node(&t->bodies[k], out);
+		if (*t->bodies[k].joint)
+			put_edge(t, &t->bodies[k], out);
+	}
+	for (int i = 0; i < t->mimic_count; i++)
+		put_mimic(t, &t->mimics[i], out);
+	text_put(out, "}\n");
+}
