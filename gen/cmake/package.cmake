@@ -1,0 +1,63 @@
+# What `cmake --install` puts where, and the same names inside the build: rneagen::command, rneagen::rneagen,
+# rneagen::rnea, <rneagen/...h>, rneagen_add_kernel().
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/rneagen)
+
+# rneagen_package(TARGET NAME FILE HEADER...): exported as rneagen::NAME by FILE.cmake
+function(rneagen_package target name file)
+	set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+	if(NOT TARGET rneagen::${name})
+		get_target_property(type ${target} TYPE)
+		if(type STREQUAL "EXECUTABLE")
+			add_executable(rneagen::${name} ALIAS ${target})
+		else()
+			add_library(rneagen::${name} ALIAS ${target})
+		endif()
+	endif()
+	foreach(header IN LISTS ARGN)
+		cmake_path(GET header FILENAME leaf)
+		file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include/rneagen)
+		file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${header} ${PROJECT_BINARY_DIR}/include/rneagen/${leaf} SYMBOLIC)
+		install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rneagen)
+	endforeach()
+	if(ARGN)
+		target_include_directories(${target} INTERFACE $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
+			$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+	endif()
+	install(TARGETS ${target} EXPORT ${file})
+	install(EXPORT ${file} NAMESPACE rneagen:: DESTINATION ${package_dir})
+endfunction()
+
+# A .pc file that finds its prefix from where it lies, so that the installed tree can be moved.
+function(rneagen_package_pc name)
+	set(pc_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+	file(RELATIVE_PATH to_prefix ${CMAKE_INSTALL_PREFIX}/${pc_dir} ${CMAKE_INSTALL_PREFIX})
+	string(REGEX REPLACE "/$" "" to_prefix ${to_prefix})
+	set(cxx_libraries ${CMAKE_CXX_IMPLICIT_LINK_LIBRARIES})
+	list(REMOVE_ITEM cxx_libraries ${CMAKE_C_IMPLICIT_LINK_LIBRARIES} m)
+	list(TRANSFORM cxx_libraries PREPEND -l)
+	list(JOIN cxx_libraries " " cxx_libraries)
+	list(TRANSFORM CMAKE_DL_LIBS PREPEND -l OUTPUT_VARIABLE dl_libraries)
+	configure_file(gen/cmake/${name}.pc.in ${PROJECT_BINARY_DIR}/${name}.pc @ONLY)
+	install(FILES ${PROJECT_BINARY_DIR}/${name}.pc DESTINATION ${pc_dir})
+endfunction()
+
+if(RNEAGEN_GENERATOR)
+	rneagen_package(rneagen rneagen rneagenLibrary gen/rneagen.h gen/arena.h gen/error.h)
+	rneagen_package(rneagen-command command rneagenCommand)
+	rneagen_package_pc(rneagen)
+	include(gen/cmake/rneagen_add_kernel.cmake)
+	install(FILES gen/cmake/rneagen_add_kernel.cmake gen/cmake/rneagen_declare.cmake gen/cmake/launch.h.in
+		DESTINATION ${package_dir})
+endif()
+if(TARGET rnea)
+	rneagen_package(rnea rnea rneagenRuntime runtime/rnea.h)
+	rneagen_package_pc(rnea)
+endif()
+configure_package_config_file(gen/cmake/rneagenConfig.cmake.in ${PROJECT_BINARY_DIR}/rneagenConfig.cmake
+	INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/rneagenConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/rneagenConfig.cmake ${PROJECT_BINARY_DIR}/rneagenConfigVersion.cmake
+	DESTINATION ${package_dir})
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -1,0 +1,98 @@
+# rneagen_add_kernel(<target> <robot.urdf>
+#	[TARGET cuda|c|header]          default: cuda where the project has the language CUDA, else c
+#	[NAME <name>]                   prefix of every function; default: the name of the file, made an identifier
+#	[PRECISION f32|f64] [LAYOUT soa|aos] [TRIG accurate|bounded|fast] [BASE fixed|floating]
+#	[MIMIC honour|independent] [GRAVITY X,Y,Z] [ORDER J1,J2,...]
+#	[OPTIONS <word>...])            further words for the command `rneagen`
+#
+# Generates the inverse dynamics of the robot when <target> is built, compiles the text into <target> with nvcc or the
+# C compiler, and puts "<name>_rnea.h", which declares its functions (TARGET header: defines them), on the include path.
+# The text is made again when the URDF or the generator changes. <target> is to be made in the same CMakeLists.txt.
+include_guard(GLOBAL)
+
+function(rneagen_add_kernel target urdf)
+	set(choices NAME PRECISION LAYOUT TRIG BASE MIMIC GRAVITY ORDER)
+	cmake_parse_arguments(PARSE_ARGV 2 arg "" "TARGET;${choices}" OPTIONS)
+	if(arg_UNPARSED_ARGUMENTS OR arg_KEYWORDS_MISSING_VALUES)
+		message(FATAL_ERROR "rneagen_add_kernel(${target}): not understood: "
+			"${arg_UNPARSED_ARGUMENTS} ${arg_KEYWORDS_MISSING_VALUES}")
+	endif()
+	rneagen_check_target(${target})
+	rneagen_choose_language("${arg_TARGET}" arg_TARGET)
+
+	if(NOT arg_NAME)
+		cmake_path(GET urdf STEM arg_NAME)
+		string(MAKE_C_IDENTIFIER "${arg_NAME}" arg_NAME)
+	endif()
+	set(words --target ${arg_TARGET})
+	foreach(choice IN LISTS choices)
+		if(DEFINED arg_${choice})
+			string(TOLOWER ${choice} option)
+			list(APPEND words --${option} "${arg_${choice}}")
+		endif()
+	endforeach()
+	rneagen_generate(${target} "${urdf}" ${arg_TARGET} ${arg_NAME} ${words} ${arg_OPTIONS})
+endfunction()
+
+# A rule that makes a file is known to its own directory alone.
+function(rneagen_check_target target)
+	if(NOT TARGET ${target})
+		message(FATAL_ERROR "rneagen_add_kernel: there is no target '${target}'")
+	endif()
+	get_target_property(directory ${target} SOURCE_DIR)
+	if(NOT directory STREQUAL CMAKE_CURRENT_SOURCE_DIR)
+		message(FATAL_ERROR "rneagen_add_kernel: target '${target}' is made elsewhere, in ${directory}")
+	endif()
+	if(NOT TARGET rneagen::command)
+		message(FATAL_ERROR "rneagen_add_kernel: this rneagen was installed without its generator")
+	endif()
+endfunction()
+
+function(rneagen_choose_language word result)
+	get_property(languages GLOBAL PROPERTY ENABLED_LANGUAGES)
+	if(NOT word)
+		set(word c)
+		if("CUDA" IN_LIST languages)
+			set(word cuda)
+		endif()
+	endif()
+	if(NOT word MATCHES "^(cuda|c|header)$")
+		message(FATAL_ERROR "rneagen_add_kernel: TARGET is cuda, c or header, not '${word}'")
+	endif()
+	string(TOUPPER ${word} language)
+	if(NOT word STREQUAL "header" AND NOT language IN_LIST languages)
+		message(FATAL_ERROR "rneagen_add_kernel: TARGET ${word} needs the language ${language}: "
+			"name it in project() or call enable_language(${language})")
+	endif()
+	set(${result} ${word} PARENT_SCOPE)
+endfunction()
+
+function(rneagen_generate target urdf kind name)
+	set(directory ${CMAKE_CURRENT_BINARY_DIR}/rneagen/${target})
+	set(header ${directory}/${name}_rnea.h)
+	set(source_cuda ${directory}/${name}_rnea.cu)
+	set(source_c ${directory}/${name}_rnea.c)
+	set(source_header ${header})
+	set(source ${source_${kind}})
+	set(outputs ${source} ${header})
+	list(REMOVE_DUPLICATES outputs)
+	set(declare)
+	if(kind STREQUAL "cuda")
+		set(declare COMMAND ${CMAKE_COMMAND} -D SOURCE=${source} -D HEADER=${header} -P
+			${CMAKE_CURRENT_FUNCTION_LIST_DIR}/rneagen_declare.cmake)
+	endif()
+	cmake_path(ABSOLUTE_PATH urdf)
+	file(MAKE_DIRECTORY ${directory})
+	add_custom_command(OUTPUT ${outputs}
+		COMMAND rneagen::command ${urdf} -o ${source} --name ${name} ${ARGN}
+		${declare}
+		DEPENDS ${urdf} $<TARGET_FILE:rneagen::command>
+		COMMENT "rneagen: ${name}_rnea" VERBATIM)
+	target_sources(${target} PRIVATE ${outputs})
+	target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${directory}>)
+	# by property: target_link_libraries() would impose its plain or keyword form on the caller
+	if(UNIX)
+		set_property(TARGET ${target} APPEND PROPERTY LINK_LIBRARIES m)
+		set_property(TARGET ${target} APPEND PROPERTY INTERFACE_LINK_LIBRARIES $<LINK_ONLY:m>)
+	endif()
+endfunction()
