@@ -59,6 +59,24 @@ static void put_node(const struct body *k, struct text *out)
 	text_printf(out, "\\n%.6Lg kg\"];\n", k->inertia.mass);
 }
 
+/* q = multiplier q_driver + offset */
+static void put_mimic(const struct tree_mimic *m, const struct body *k, struct text *out)
+{
+	text_printf(out, ", mimic %.9Lg ", m->multiplier);
+	put_rows(out, k);
+	if (m->offset != 0)
+		text_printf(out, " %c %.9Lg", m->offset < 0 ? '-' : '+', m->offset < 0 ? -m->offset : m->offset);
+}
+
+static const struct tree_mimic *find_mimic(const struct tree *t, const struct body *k)
+{
+	const struct tree_mimic *m = t->mimics;
+
+	while (&t->bodies[m->body] != k)
+		m++;
+	return m;
+}
+
 static void put_edge(const struct tree *t, const struct body *k, struct text *out)
 {
 	if (k->parent < 0)
@@ -68,7 +86,9 @@ static void put_edge(const struct tree *t, const struct body *k, struct text *ou
 	text_printf(out, " -> b%d [label=\"", k->number);
 	put_label(out, k->joint);
 	text_printf(out, "\\n%s", joint_type_name(k->type));
-	if (!k->follower) {
+	if (k->follower) {
+		put_mimic(find_mimic(t, k), k, out);
+	} else {
 		text_putc(out, ' ');
 		put_rows(out, k);
 	}
@@ -77,24 +97,13 @@ static void put_edge(const struct tree *t, const struct body *k, struct text *ou
 	text_put(out, "\"];\n");
 }
 
-static int driver_number(const struct tree *t, const struct body *follower)
+/* A follower's body is drawn to the body of the joint that has its rows in q. */
+static void put_driver(const struct tree *t, const struct body *follower, struct text *out)
 {
 	for (int i = 0; i < t->joint_count; i++)
 		if (t->joints[i].iq == follower->iq)
-			return t->bodies[t->joints[i].body].number;
-	return follower->number;
-}
-
-static void put_mimic(const struct tree *t, const struct tree_mimic *m, struct text *out)
-{
-	const struct body *k = &t->bodies[m->body];
-
-	text_printf(out, "\tb%d -> b%d [style=dashed, constraint=false, label=\"mimic %.9Lg ", k->number, driver_number(t, k),
-		m->multiplier);
-	put_rows(out, k);
-	if (m->offset != 0)
-		text_printf(out, " %c %.9Lg", m->offset < 0 ? '-' : '+', m->offset < 0 ? -m->offset : m->offset);
-	text_put(out, "\"];\n");
+			text_printf(out, "\tb%d -> b%d [style=dashed, constraint=false];\n", follower->number,
+				t->bodies[t->joints[i].body].number);
 }
 
 void dot_graph(const struct tree *t, struct text *out)
@@ -110,6 +119,6 @@ void dot_graph(const struct tree *t, struct text *out)
 			put_edge(t, &t->bodies[k], out);
 	}
 	for (int i = 0; i < t->mimic_count; i++)
-		put_mimic(t, &t->mimics[i], out);
+		put_driver(t, &t->bodies[t->mimics[i].body], out);
 	text_put(out, "}\n");
 }
