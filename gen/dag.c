@@ -122,9 +122,9 @@ int dag_argument(struct dag *d, const char *name, int rows, int is_output)
 
 void dag_tag(struct dag *d, struct ref a, const char *quantity, int body, char component)
 {
-	struct node *n = &d->nodes[a.i];
+	struct node *n = d->failed ? NULL : &d->nodes[a.i];
 
-	if (d->failed || n->op == OP_CONST || n->tag.quantity[0])
+	if (!n || n->op == OP_CONST || n->tag.quantity[0])
 		return;
 	strncpy(n->tag.quantity, quantity, sizeof n->tag.quantity - 1);
 	n->tag.body = body;

@@ -167,5 +167,7 @@ struct ref dag_cos(struct dag *d, struct ref a)
 
 struct ref dag_fma(struct dag *d, struct ref a, struct ref b, struct ref c)
 {
+	if (d->failed)
+		return NONE;
 	return in_order(d, a, b) ? dag_node(d, OP_FMA, a, b, c, 0) : dag_node(d, OP_FMA, b, a, c, 0);
 }

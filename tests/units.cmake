@@ -1,6 +1,17 @@
 # Module by module, properties, the command line.
 rneagen_add_test(test_spatial)
 rneagen_add_test(test_inertia)
-foreach(name test_spatial test_inertia)
+rneagen_add_test(test_dag expression.c)
+
+# The evaluator again, with quad precision where the compiler has it.
+rneagen_add_test(test_eval expression.c ${CMAKE_SOURCE_DIR}/gen/eval.c)
+include(CheckIncludeFile)
+check_include_file(quadmath.h HAVE_QUADMATH)
+if(HAVE_QUADMATH)
+	target_compile_definitions(test_eval PRIVATE RNEAGEN_QUAD)
+	target_link_libraries(test_eval PRIVATE quadmath)
+endif()
+
+foreach(name test_spatial test_inertia test_eval)
 	target_link_libraries(${name} PRIVATE m)
 endforeach()
