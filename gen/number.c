@@ -5,14 +5,13 @@
 
 static int read_one(const char **s, double *value)
 {
-	const char *start = *s + strspn(*s, " \t\r\n");
-	const char *digits = start + (*start == '+' || *start == '-');
+	const char *digits = *s + strspn(*s, " \t\r\n+-");
 	char *end;
 
-	if (!strchr("0123456789.", *digits) || (digits[0] == '0' && (digits[1] == 'x' || digits[1] == 'X')))
-		return 0; /* strtod would take inf, nan and hexadecimal */
-	*value = strtod(start, &end);
-	if (end == start || !isfinite(*value))
+	if (digits[0] == '0' && (digits[1] == 'x' || digits[1] == 'X'))
+		return 0; /* strtod would take it */
+	*value = strtod(*s, &end);
+	if (end == *s || !isfinite(*value))
 		return 0;
 	*s = end;
 	return 1;

@@ -81,6 +81,8 @@ static const char *const fine[] = {
 	/* a mark, a declaration, a plain DOCTYPE, CDATA, a processing instruction */
 	"\xef\xbb\xbf<?xml version='1.0' encoding='utf-8'?><!DOCTYPE robot><?note x?>" ROBOT(
 		"<![CDATA[<link>]]><joint name='j' type='floating'>" ENDS("base", "arm") "</joint>"),
+	"<?xml version='1.0' encoding='utf8'?>" ROBOT("<link name='\xc3\xa9'/><joint name='k' type='fixed'>" ENDS("arm",
+		"\xc3\xa9") "</joint><joint name='j' type='fixed'>" ENDS("base", "arm") "</joint>"),
 	"<?xml version='1.0'?>" ROBOT("<joint name='j' type='fixed'>" ENDS("base", "arm") "</joint>"),
 	/* xacro's namespace alone */
 	"<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'><link name='base'/></robot>",
@@ -98,9 +100,9 @@ static const char *const fine[] = {
 	/* an axis that nobody reads */
 	ROBOT("<joint name='j' type='fixed'>" ENDS("base", "arm") "<axis xyz='0 0 0'/></joint>"),
 	ROBOT("<joint name='j' type='floating'>" ENDS("base", "arm") "<axis xyz='none'/></joint>"),
-	/* an axis of length one, as written with many digits; an underflow; no attributes */
-	ROBOT("<joint name='j' type='planar'>" ENDS("base", "arm") "<origin/>"
-	      "<axis xyz='0.7071067811865476 0.7071067811865475 1e-400'/></joint>"),
+	/* an axis of length one but for rounding; an underflow; no attributes */
+	ROBOT("<joint name='j' type='planar'>" ENDS("base", "arm") "<dynamics friction='1e-400'/><origin/>"
+	      "<axis xyz='0.57735026918962584 0.57735026918962584 0.57735026918962584'/></joint>"),
 	/* joints before links */
 	"<robot name='r' version='1.0'><joint name='j' type='fixed'>" ENDS("b", "a") "</joint>"
 	"<link name='a'/><link name='b'/></robot>",
@@ -163,6 +165,17 @@ START_TEST(joints_are_in_byte_order)
 		ck_assert_str_eq(r.robot.joints[i].name, order[i]);
 	read_free(&r);
 	free(xml);
+}
+END_TEST
+
+START_TEST(fixed_follower_is_dropped)
+{
+	struct read r;
+
+	read_file(&r, TEST_DIR "/bad", "odd_follower.urdf");
+	ck_assert_str_eq(r.robot.joints[0].name, "elbow");
+	ck_assert_int_eq(r.robot.joints[0].driver, -1);
+	read_free(&r);
 }
 END_TEST
 
@@ -366,6 +379,7 @@ static Suite *robot_suite(void)
 	tcase_add_loop_test(tc, fine_robot, 0, sizeof fine / sizeof *fine);
 	tcase_add_test(tc, names_are_kept);
 	tcase_add_test(tc, joints_are_in_byte_order);
+	tcase_add_test(tc, fixed_follower_is_dropped);
 	tcase_add_loop_test(tc, limit, 0, sizeof limits / sizeof *limits);
 	tcase_add_test(tc, decimal_comma);
 	tcase_add_test(tc, dump);
