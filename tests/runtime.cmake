@@ -13,3 +13,12 @@ target_link_options(test_runtime PRIVATE -Wl,--wrap=malloc,--wrap=calloc,--wrap=
 target_compile_definitions(test_runtime PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}"
 	FAKE_CUDA="$<TARGET_FILE:fake_cuda>" FAKE_NVRTC="$<TARGET_FILE:fake_nvrtc>")
 add_test(NAME test_runtime COMMAND test_runtime)
+
+# What runs on a GPU, with small batches on the pretended one.
+add_subdirectory(gpu)
+if(TARGET gpu_check)
+	add_test(NAME gpu_emulated COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/gpu/emulated $<TARGET_FILE:gpu_check>
+		${CMAKE_CURRENT_BINARY_DIR}/gpu_texts)
+	set_tests_properties(gpu_emulated PROPERTIES ENVIRONMENT "RNEAGEN=$<TARGET_FILE:rneagen-command>;\
+RNEA_REFERENCE=$<TARGET_FILE:rnea_reference>;RNEA_LIBCUDA=$<TARGET_FILE:fake_cuda>;RNEA_NVRTC=$<TARGET_FILE:fake_nvrtc>")
+endif()

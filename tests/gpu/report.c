@@ -1,0 +1,100 @@
+#include "check.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static const char *of_environment(const char *name)
+{
+	const char *value = getenv(name);
+
+	return value && *value ? value : "unknown";
+}
+
+/* Picoseconds for one sample of the large batch. */
+static double per_sample(const struct settings *s, double seconds)
+{
+	return seconds / (double)s->large * 1e12;
+}
+
+static void put_row(const struct settings *s, const struct item *it)
+{
+	struct rnea_resources r;
+
+	if (!it->robot) {
+		printf("%-36.36s did not open\n", it->text);
+		return;
+	}
+	rnea_resources(it->robot, RNEA_KERNEL_RNEA, &r, NULL);
+	printf("%-36.36s %4d %5zu %7.2f %7.2f %8.1f %8.1f %5.2f %9.1e%s\n", it->text, r.registers, r.local_bytes,
+		it->latency[0] * 1e6, it->latency[1] * 1e6, per_sample(s, it->launch), per_sample(s, it->floor),
+		it->launch > 0 ? it->floor / it->launch : 0, it->max_error, *it->failure ? " FAIL" : "");
+}
+
+static void put_csv_row(FILE *f, const struct settings *s, const struct item *it)
+{
+	const struct rnea_info *info;
+	struct rnea_resources k[RNEA_KERNEL_COUNT];
+
+	if (!it->robot) {
+		fprintf(f, "%s,did not open\n", it->text);
+		return;
+	}
+	info = rnea_info(it->robot);
+	for (int i = 0; i < RNEA_KERNEL_COUNT; i++)
+		rnea_resources(it->robot, (enum rnea_kernel)i, &k[i], NULL);
+	fprintf(f, "%s,%s,%s,%s,%s,%s,%s,%zu,%zu,%zu,%u,%u", it->text, *it->failure ? "FAIL" : "ok", info->name,
+		info->precision == RNEA_F64 ? "f64" : "f32", info->layout == RNEA_AOS ? "aos" : "soa", info->trig,
+		info->base, info->nq, info->nv, info->nb, info->block, k[0].busy_block);
+	fprintf(f, ",%zu,%zu", info->operations.mul + info->operations.add + info->operations.sub +
+		2 * info->operations.fma, info->operations.sincos);
+	for (int i = 0; i < RNEA_KERNEL_COUNT; i++)
+		fprintf(f, ",%d,%zu", k[i].registers, k[i].local_bytes);
+	fprintf(f, ",%zu,%.3f,%.4f,%.4f,%.3f,%.3f,%.4f,%.3e,%.3e\n", k[0].shared_bytes, it->seconds,
+		it->latency[0] * 1e6, it->latency[1] * 1e6, per_sample(s, it->launch), per_sample(s, it->floor),
+		it->launch > 0 ? it->floor / it->launch : 0, it->max_error, it->rms_error);
+}
+
+static int put_csv(const struct gpu *g, const struct settings *s, const struct item *items, size_t count,
+	const char *path)
+{
+	FILE *f = fopen(path, "w");
+	time_t now = time(NULL);
+	char date[32];
+
+	if (!f) {
+		fprintf(stderr, "%s: cannot be written\n", path);
+		return 1;
+	}
+	strftime(date, sizeof date, "%Y-%m-%d %H:%M UTC", gmtime(&now));
+	fprintf(f, "# device %s, driver %s (CUDA %d.%d), %s, commit %s, times over %zu samples, medians of %d replays\n",
+		g->name, of_environment("RNEA_DRIVER"), g->driver / 1000, g->driver % 1000 / 10, date,
+		of_environment("RNEA_COMMIT"), s->large, s->replays);
+	fputs("text,result,robot,precision,layout,trig,base,nq,nv,nb,block,busy_block,flops,sincos,registers,local_bytes,"
+	      "fpass_registers,fpass_local_bytes,bpass_registers,bpass_local_bytes,shared_bytes,open_s,us_at_1,us_at_1024,"
+	      "ps_per_sample,floor_ps_per_sample,of_floor,max_error,rms_error\n",
+		f);
+	for (size_t i = 0; i < count; i++)
+		put_csv_row(f, s, &items[i]);
+	return fclose(f) != 0;
+}
+
+int report(const struct gpu *g, const struct settings *s, const struct item *items, size_t count, const char *path)
+{
+	int failures = put_csv(g, s, items, count, path);
+
+	printf("%s, driver %s, commit %s; times over %zu samples\n", g->name, of_environment("RNEA_DRIVER"),
+		of_environment("RNEA_COMMIT"), s->large);
+	printf("%-36s %4s %5s %7s %7s %8s %8s %5s %9s\n", "text", "regs", "local", "us@1", "us@1024", "ps/smp", "floor",
+		"of it", "error");
+	for (size_t i = 0; i < count; i++)
+		put_row(s, &items[i]);
+	for (size_t i = 0; i < count; i++)
+		if (*items[i].failure) {
+			printf("FAIL %s: %s\n", items[i].text, items[i].failure);
+			failures++;
+		}
+	printf("%zu texts, %d failures; written to %s\n", count, failures, path);
+	return failures;
+}
