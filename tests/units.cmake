@@ -2,6 +2,10 @@
 rneagen_add_test(test_spatial)
 rneagen_add_test(test_inertia)
 rneagen_add_test(test_dag expression.c)
+rneagen_add_test(test_tree read.c)
+rneagen_add_test(test_golden)
+rneagen_add_test(test_bodies read.c)
+target_link_libraries(test_bodies PRIVATE reference)
 
 # The evaluator again, with quad precision where the compiler has it.
 rneagen_add_test(test_eval expression.c ${CMAKE_SOURCE_DIR}/gen/eval.c)
