@@ -4,3 +4,11 @@ target_link_libraries(test_dot PRIVATE EXPAT::EXPAT)
 find_program(GRAPHVIZ_DOT dot)
 add_test(NAME test_dot_graphviz COMMAND test_dot "${GRAPHVIZ_DOT}")
 set_tests_properties(test_dot_graphviz PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300)
+
+# tests/fuzz builds this in the preset `fuzz`; a minute of it is a test where asked for.
+if(RNEAGEN_FUZZ)
+	add_executable(fuzz_urdf fuzz_urdf.c)
+	target_link_libraries(fuzz_urdf PRIVATE rneagen::rneagen -fsanitize=fuzzer)
+endif()
+add_test(NAME fuzz_minute COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/fuzz_minute)
+set_tests_properties(fuzz_minute PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 600)
