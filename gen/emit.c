@@ -1,5 +1,6 @@
 #include "emit.h"
 #include "template.h"
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,10 +35,11 @@ static int block_size(const struct emission *e)
 	return block;
 }
 
-/* Humanoids in f32 gain from a third block (H100: 168 registers, no spill); in f64 the bound would make them spill. */
+/* Humanoids in f32 gain from a third block (H100: 168 registers, no spill); in f64 the bound would make them spill.
+   Staged slices leave room for few blocks anyway. */
 static int min_blocks(const struct emission *e)
 {
-	return emit_is_f32(e) && e->tree->body_count >= MANY_BODIES ? 3 : 1;
+	return emit_is_f32(e) && !is_staged(e) && e->tree->body_count >= MANY_BODIES ? 3 : 1;
 }
 
 /* Where sample k begins. */
@@ -93,7 +95,7 @@ static const char *body_text(const struct emission *e, const struct pass *p)
 	emit_body(e, p, &body);
 	const struct slot slots[] = {
 		{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", params(e, p, PARAMS_PLAIN)},
-		{"BODY", text_string(&body)},
+		{"BODY", text_string(&body)}, {"SMALL_PARAM", emit_has_small(e) ? ", const int small" : ""},
 	};
 	template_expand(&t, template_body_in, slots, sizeof slots / sizeof *slots);
 	t.failed |= body.failed;
@@ -146,7 +148,7 @@ static const char *prototypes(const struct emission *e)
 	text_printf(&t, "/* tau = ID(q, qd, qdd) of one sample: q[%d], qd[%d], qdd[%d] -> tau[%d]; tau may be qdd itself. */\n",
 		e->tree->nq, e->tree->nv, e->tree->nv, e->tree->nv);
 	text_printf(&t, "void %s_rnea(%s);\n", name, params(e, &p[PASS_RNEA], PARAMS_PLAIN));
-	text_printf(&t, "/* The same for `count` samples, every array %s. */\n", layout);
+	text_printf(&t, "/* The same for `count` samples, every array %s; arrays must not overlap. */\n", layout);
 	text_printf(&t, "void %s_rnea_batch(%s, size_t count);\n", name, params(e, &p[PASS_RNEA], PARAMS_PLAIN));
 	text_put(&t, "/* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */\n");
 	text_printf(&t, "void %s_fpass(%s);\n", name, params(e, &p[PASS_FPASS], PARAMS_PLAIN));
@@ -194,6 +196,47 @@ static const char *info_text(const struct emission *e)
 	return text_string(&t);
 }
 
+/* The largest |q| for which no angle leaves the domain of the bounded functions: a follower turns by a multiple of q. */
+static const char *small_limit(const struct emission *e)
+{
+	real most = 1;
+	struct text t;
+
+	for (int k = 0; k < e->tree->body_count; k++)
+		if (fabsl(e->tree->bodies[k].multiplier) > most)
+			most = fabsl(e->tree->bodies[k].multiplier);
+	text_init(&t, e->arena);
+	emit_number(e, (emit_is_f32(e) ? 1e4L : 1e7L) * (most > 1 ? 0.999L / most : 1), &t); /* less the product's rounding */
+	return text_string(&t);
+}
+
+static const char *q_in_sample(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "k*%d + i", e->tree->nq);
+	return text_string(&t);
+}
+
+/* C: one sample, and a batch. */
+static const char *batch_text(const struct emission *e)
+{
+	const struct pass *p = &e->passes[PASS_RNEA];
+	const struct slot slots[] = {
+		{"NAME", e->options->name}, {"T", scalar(e)}, {"F", emit_is_f32(e) ? "f" : ""}, {"NQ", number(e, e->tree->nq)},
+		{"LIMIT", small_limit(e)}, {"Q_AT", e->options->layout == RNEAGEN_SOA ? "i*count + k" : q_in_sample(e)},
+		{"RNEA_PARAMS", params(e, p, PARAMS_PLAIN)}, {"RNEA_RESTRICT_PARAMS", params(e, p, PARAMS_RESTRICT)},
+		{"RNEA_NAMES", params(e, p, PARAMS_NAMES)}, {"RNEA_AT_SAMPLE", params(e, p, PARAMS_AT_SAMPLE)},
+	};
+	struct text t;
+
+	text_init(&t, e->arena);
+	template_expand(
+		&t, emit_has_small(e) ? template_batch_accurate_in : template_batch_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
 static void put_bodies(const struct emission *e, struct text *out)
 {
 	for (int i = 0; i < PASS_COUNT; i++) {
@@ -226,8 +269,8 @@ void emit_source(const struct emission *e, struct text *out)
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
 		{"ADDRESSES", params(e, &p[PASS_RNEA], PARAMS_ADDRESSES)},
 		{"RNEA_PARAMS", params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
+		{"BATCH", batch_text(e)}, {"ANY_ANGLE", emit_has_small(e) ? ", 0" : ""},
 		{"RNEA_NAMES", params(e, &p[PASS_RNEA], PARAMS_NAMES)},
-		{"RNEA_AT_SAMPLE", params(e, &p[PASS_RNEA], PARAMS_AT_SAMPLE)},
 		{"FPASS_PARAMS", params(e, &p[PASS_FPASS], PARAMS_PLAIN)},
 		{"FPASS_NAMES", params(e, &p[PASS_FPASS], PARAMS_NAMES)},
 		{"BPASS_PARAMS", params(e, &p[PASS_BPASS], PARAMS_PLAIN)},

@@ -132,9 +132,10 @@ static void put_sincos(const struct emission *e, const struct plan *p, struct re
 	sine = sine ? sine : unused;
 	cosine = cosine ? cosine : unused;
 	text_printf(out, "\t%s %s, %s;\n", type, sine, cosine);
-	text_printf(out, "\trneagen_sincos%s_%s(", emit_is_f32(e) ? "f" : "", modes[e->options->trig]);
+	text_printf(out, "\trneagen_sincos%s_%s(", emit_is_f32(e) ? "f" : "",
+		emit_has_small(e) ? "either" : modes[e->options->trig]);
 	put_value(e, p, n->arg[0], 0, out);
-	text_printf(out, ", &%s, &%s);\n", sine, cosine);
+	text_printf(out, "%s, &%s, &%s);\n", emit_has_small(e) ? ", small" : "", sine, cosine);
 }
 
 /* "out to link 2 "lower" (fpass)"; "back from link 2 "lower" to link 1 (bpass): torque of "elbow"" */
@@ -194,7 +195,7 @@ static void put_assignment(const struct emission *e, const struct plan *p, struc
 }
 
 /* An argument of which nothing is read would be an unused parameter. */
-static void put_unused_arguments(const struct plan *p, struct text *out)
+static void put_unused_arguments(const struct plan *p, int has_small, struct text *out)
 {
 	const struct dag *d = p->dag;
 
@@ -206,13 +207,15 @@ static void put_unused_arguments(const struct plan *p, struct text *out)
 		if (!used)
 			text_printf(out, "\t(void)%s;\n", d->arguments[i].name);
 	}
+	if (has_small && !plan_operations(p).sincos)
+		text_put(out, "\t(void)small;\n");
 }
 
 void emit_body(const struct emission *e, const struct pass *pass, struct text *out)
 {
 	const struct plan *p = &pass->plan;
 
-	put_unused_arguments(p, out);
+	put_unused_arguments(p, emit_has_small(e), out);
 	for (size_t i = 0; i < p->line_count; i++) {
 		const struct line *l = &p->lines[i];
 

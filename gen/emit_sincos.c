@@ -11,10 +11,12 @@ void emit_sincos(const struct emission *e, struct text *out)
 		text_put(out, "#if !defined __CUDA_ARCH__\n");
 	text_put(out, f32 ? template_sincos_f32_core_in : template_sincos_f64_core_in);
 	text_putc(out, '\n');
+	if (trig != RNEAGEN_ACCURATE || emit_has_small(e))
+		text_put(out, f32 ? template_sincos_f32_bounded_in : template_sincos_f64_bounded_in);
 	if (trig == RNEAGEN_ACCURATE)
 		text_put(out, f32 ? template_sincos_f32_accurate_in : template_sincos_f64_accurate_in);
-	else
-		text_put(out, f32 ? template_sincos_f32_bounded_in : template_sincos_f64_bounded_in);
+	if (emit_has_small(e))
+		text_put(out, f32 ? template_sincos_f32_either_in : template_sincos_f64_either_in);
 	if (host_only)
 		text_put(out, "#endif\n");
 	if (trig == RNEAGEN_FAST) {

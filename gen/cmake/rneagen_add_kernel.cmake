@@ -14,8 +14,9 @@ function(rneagen_add_kernel target urdf)
 	set(choices NAME PRECISION LAYOUT TRIG BASE MIMIC GRAVITY ORDER)
 	cmake_parse_arguments(PARSE_ARGV 2 arg "" "TARGET;${choices}" OPTIONS)
 	if(arg_UNPARSED_ARGUMENTS OR arg_KEYWORDS_MISSING_VALUES)
-		message(FATAL_ERROR "rneagen_add_kernel(${target}): not understood: "
-			"${arg_UNPARSED_ARGUMENTS} ${arg_KEYWORDS_MISSING_VALUES}")
+		list(JOIN arg_UNPARSED_ARGUMENTS " " words)
+		message(FATAL_ERROR
+			"rneagen_add_kernel(${target}): not understood: ${words} ${arg_KEYWORDS_MISSING_VALUES}")
 	endif()
 	rneagen_check_target(${target})
 	rneagen_choose_language("${arg_TARGET}" arg_TARGET)
@@ -84,7 +85,7 @@ function(rneagen_generate target urdf kind name)
 	cmake_path(ABSOLUTE_PATH urdf)
 	file(MAKE_DIRECTORY ${directory})
 	add_custom_command(OUTPUT ${outputs}
-		COMMAND rneagen::command ${urdf} -o ${source} --name ${name} ${ARGN}
+		COMMAND rneagen::command ${urdf} -o ${source} ${ARGN}
 		${declare}
 		DEPENDS ${urdf} $<TARGET_FILE:rneagen::command>
 		COMMENT "rneagen: ${name}_rnea" VERBATIM)
