@@ -1,0 +1,170 @@
+#define _POSIX_C_SOURCE 200809L
+#include "target.h"
+#include "process.h"
+#include <check.h>
+#include <dlfcn.h>
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const char *const TRIGS[] = {"accurate", "bounded", "fast"};
+
+struct target_path target_path(const char *name, const char *suffix)
+{
+	struct target_path path;
+
+	ck_assert(!mkdir(BUILD_DIR "/targets", 0777) || errno == EEXIST);
+	snprintf(path.s, sizeof path.s, BUILD_DIR "/targets/%s%s", name, suffix);
+	return path;
+}
+
+void target_write(struct target_path path, const char *text)
+{
+	FILE *f = fopen(path.s, "wb");
+
+	ck_assert_msg(f != NULL, "%s: %s", path.s, strerror(errno));
+	ck_assert_int_ge(fputs(text, f), 0);
+	ck_assert_int_eq(fclose(f), 0);
+}
+
+void target_generate(struct target *t, const char *urdf, size_t length, const struct rneagen_options *o, const char *what)
+{
+	struct rneagen_error e;
+
+	t->options = *o;
+	t->f32 = o->precision == RNEAGEN_F32;
+	t->library = NULL;
+	snprintf(t->what, sizeof t->what, "%.160s %s %s %s %s", what, t->f32 ? "f32" : "f64",
+		o->layout == RNEAGEN_SOA ? "soa" : "aos", TRIGS[o->trig], o->base == RNEAGEN_FLOATING ? "floating" : "fixed");
+	ck_assert_msg(!rneagen_generate(urdf, length, o, &t->text, &e), "%s: %s", t->what, e.message);
+}
+
+void target_compile(const struct target *t, const char *const *argv)
+{
+	struct process p = process_run(argv);
+	char line[1024] = "";
+
+	for (int i = 0; argv[i]; i++) {
+		strncat(line, argv[i], sizeof line - strlen(line) - 1);
+		strncat(line, " ", sizeof line - strlen(line) - 1);
+	}
+	ck_assert_msg(p.status == 0 && !*p.output, "%s: %sgives %d and says\n%.6000s", t->what, line, p.status, p.output);
+	process_free(&p);
+}
+
+/* The text as it is, and beside it a way to its own sine and cosine, which nobody else can see. */
+static void write_sources(const struct target *t, const char *stem)
+{
+	const char *type = t->f32 ? "float" : "double";
+	char text[1024];
+
+	snprintf(text, sizeof text,
+		"#include \"%s.c\"\n"
+		"void test_sincos(%s x, %s *s, %s *c);\n"
+		"void test_sincos(%s x, %s *s, %s *c)\n{\n\trneagen_sincos%s_%s(x, s, c);\n}\n",
+		stem, type, type, type, type, type, type, t->f32 ? "f" : "", TRIGS[t->options.trig]);
+	target_write(target_path(stem, ".c"), t->text.source);
+	target_write(target_path(stem, ".h"), t->text.header);
+	target_write(target_path(stem, "_with_sincos.c"), text);
+}
+
+void target_symbol(const struct target *t, void *library, const char *name, void *function)
+{
+	void *address = dlsym(library, name);
+
+	ck_assert_msg(address != NULL, "%s: %s", t->what, dlerror());
+	memcpy(function, &address, sizeof address);
+}
+
+static void find_functions(struct target *t)
+{
+	static const char *const suffixes[] = {"_rnea", "_rnea_batch", "_fpass", "_bpass"};
+	void *const slots[2][4] = {{&t->wide.rnea, &t->wide.batch, &t->wide.fpass, &t->wide.bpass},
+		{&t->single.rnea, &t->single.batch, &t->single.fpass, &t->single.bpass}};
+	char name[512];
+
+	for (int i = 0; i < 4; i++) {
+		snprintf(name, sizeof name, "%s%s", t->text.name, suffixes[i]);
+		target_symbol(t, t->library, name, slots[t->f32][i]);
+	}
+	target_symbol(t, t->library, "test_sincos", t->f32 ? (void *)&t->single.sincos : (void *)&t->wide.sincos);
+}
+
+void target_open(struct target *t, const char *urdf, size_t length, const struct rneagen_options *o,
+	const struct compiler *c, const char *stem)
+{
+	struct target_path library = target_path(stem, ".so"), source = target_path(stem, "_with_sincos.c");
+	const char *argv[24] = {c->command, "-std=c11", WARNING_FLAGS, "-fPIC", "-shared", "-o", library.s, source.s};
+	int n = 12;
+
+	target_generate(t, urdf, length, o, stem);
+	write_sources(t, stem);
+	snprintf(t->what + strlen(t->what), sizeof t->what - strlen(t->what), " %s", c->command);
+	for (int i = 0; c->flags[i]; i++) {
+		argv[n++] = c->flags[i];
+		snprintf(t->what + strlen(t->what), sizeof t->what - strlen(t->what), " %s", c->flags[i]);
+	}
+	argv[n] = "-lm";
+	target_compile(t, argv);
+	t->library = dlopen(library.s, RTLD_NOW | RTLD_LOCAL);
+	ck_assert_msg(t->library != NULL, "%s: %s", t->what, dlerror());
+	find_functions(t);
+	unlink(library.s);
+}
+
+void target_close(struct target *t)
+{
+	if (t->library)
+		dlclose(t->library);
+	rneagen_result_free(&t->text);
+}
+
+void target_rnea(const struct target *t, const struct array *q, const struct array *qd, const struct array *qdd,
+	const struct array *tau)
+{
+	if (t->f32)
+		t->single.rnea(q->data, qd->data, qdd->data, tau->data);
+	else
+		t->wide.rnea(q->data, qd->data, qdd->data, tau->data);
+}
+
+void target_batch(const struct target *t, const struct array *q, const struct array *qd, const struct array *qdd,
+	const struct array *tau, size_t count)
+{
+	if (t->f32)
+		t->single.batch(q->data, qd->data, qdd->data, tau->data, count);
+	else
+		t->wide.batch(q->data, qd->data, qdd->data, tau->data, count);
+}
+
+void target_fpass(const struct target *t, const struct array *q, const struct array *qd, const struct array *qdd,
+	const struct array out[3])
+{
+	if (t->f32)
+		t->single.fpass(q->data, qd->data, qdd->data, out[0].data, out[1].data, out[2].data);
+	else
+		t->wide.fpass(q->data, qd->data, qdd->data, out[0].data, out[1].data, out[2].data);
+}
+
+void target_bpass(const struct target *t, const struct array *q, const struct array *f, const struct array *tau)
+{
+	if (t->f32)
+		t->single.bpass(q->data, f->data, tau->data);
+	else
+		t->wide.bpass(q->data, f->data, tau->data);
+}
+
+void target_sincos(const struct target *t, double x, double *s, double *c)
+{
+	float s32, c32;
+
+	if (!t->f32) {
+		t->wide.sincos(x, s, c);
+		return;
+	}
+	t->single.sincos((float)x, &s32, &c32);
+	*s = (double)s32;
+	*c = (double)c32;
+}

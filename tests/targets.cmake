@@ -1,0 +1,10 @@
+# Generated texts, compiled and run. Their compilers are found along PATH; each test case is a test of its own for ctest.
+add_library(target STATIC array.c model.c process.c rerun.c states.c target.c target_check.c target_nonfinite.c)
+set_source_files_properties(rerun.c PROPERTIES COMPILE_OPTIONS -ffp-contract=off)
+target_compile_definitions(target PRIVATE BUILD_DIR="${CMAKE_CURRENT_BINARY_DIR}")
+target_link_libraries(target PUBLIC rneagen::rneagen reference PkgConfig::CHECK ${CMAKE_DL_LIBS})
+rneagen_add_test(test_targets)
+target_link_libraries(test_targets PRIVATE target)
+set_tests_properties(test_targets PROPERTIES ENVIRONMENT CK_RUN_CASE=own)
+add_test(NAME test_targets_real COMMAND test_targets)
+set_tests_properties(test_targets_real PROPERTIES ENVIRONMENT CK_RUN_CASE=real)
