@@ -19,3 +19,11 @@ endif()
 foreach(name test_spatial test_inertia test_eval)
 	target_link_libraries(${name} PRIVATE m)
 endforeach()
+
+# Properties of the evaluated DAG.
+rneagen_add_test(test_properties torque.c model.c)
+target_link_libraries(test_properties PRIVATE reference)
+rneagen_add_test(test_invariance torque.c model.c)
+target_link_libraries(test_invariance PRIVATE reference)
+rneagen_add_test(test_passes model.c)
+target_link_libraries(test_passes PRIVATE reference)
