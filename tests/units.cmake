@@ -27,3 +27,7 @@ rneagen_add_test(test_invariance torque.c model.c)
 target_link_libraries(test_invariance PRIVATE reference)
 rneagen_add_test(test_passes model.c)
 target_link_libraries(test_passes PRIVATE reference)
+
+# The text.
+rneagen_add_test(test_emit model.c)
+target_link_libraries(test_emit PRIVATE reference)
