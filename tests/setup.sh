@@ -15,8 +15,15 @@ setup_list() {
 		build libmd-dev pkg-config --exists libmd
 		build check pkg-config --exists check
 		tests clang command -v clang
+		tests libclang-rt-dev setup_clang_runtime
 		tests libmpfr-dev pkg-config --exists mpfr
+		tests graphviz command -v dot
 	END
+}
+
+# clang's sanitizers and fuzzer
+setup_clang_runtime() {
+	compgen -G "$(clang -print-resource-dir)/lib/*/libclang_rt.fuzzer*"
 }
 
 setup_installed() {
