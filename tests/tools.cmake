@@ -17,3 +17,8 @@ set_tests_properties(fuzz_minute PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 600)
 rneagen_add_test(test_threads read.c ${CMAKE_SOURCE_DIR}/gen/files.c)
 target_link_libraries(test_threads PRIVATE Threads::Threads)
 set_tests_properties(test_threads PROPERTIES TIMEOUT 600)
+
+# --help, the manual page and the completions say the same; the manual page has no fault.
+add_test(NAME test_options COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_options $<TARGET_FILE:rneagen-command>)
+add_test(NAME test_manual COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_manual)
+set_tests_properties(test_manual PROPERTIES SKIP_RETURN_CODE 77)
