@@ -31,3 +31,6 @@ target_link_libraries(test_passes PRIVATE reference)
 # The text.
 rneagen_add_test(test_emit model.c)
 target_link_libraries(test_emit PRIVATE reference)
+rneagen_add_test(test_hostile)
+rneagen_add_test(test_generate process.c)
+target_link_libraries(test_generate PRIVATE reference)
