@@ -11,7 +11,7 @@ struct settings {
 	size_t counts[SIZE_COUNT]; /* of samples, for the torques */
 	size_t large;              /* of samples, for the time per sample */
 	int replays;               /* of a graph, for the median */
-	int chain;                 /* launches in a graph, for the latency */
+	int chain;                 /* launches in a graph: for the latency, and at most for the time per sample */
 };
 
 /* One line of the manifest. */
@@ -24,7 +24,7 @@ struct item {
 	double seconds;           /* to open */
 	char failure[512];        /* the first thing that is wrong, or "" */
 	double max_error, rms_error;
-	double limit; /* on max_error */
+	double limit; /* on struct difference's `scaled` */
 	double latency[2]; /* s for a launch of 1 and of 1024 samples */
 	double launch, floor; /* s for a launch of settings->large samples, and what moving the same arrays takes */
 };

@@ -128,38 +128,68 @@ static double value_at(const void *host, size_t i, enum rnea_scalar scalar)
 	return scalar == RNEA_F64 ? ((const double *)host)[i] : (double)((const float *)host)[i];
 }
 
-static double error_of(const struct samples *s, const void *host, size_t k, size_t count, enum rnea_scalar scalar,
+/* ||x - s|| of sample k; infinite where x is not finite. */
+static double distance(const struct samples *s, const void *host, size_t k, size_t count, enum rnea_scalar scalar,
 	enum rnea_layout layout)
 {
 	const double *right = s->values + k % s->count * s->rows;
-	double difference = 0, norm = 0;
+	double sum = 0;
 
 	for (size_t r = 0; r < s->rows; r++) {
 		double x = value_at(host, layout == RNEA_AOS ? k * s->rows + r : r * count + k, scalar);
 
 		if (!isfinite(x))
 			return INFINITY;
-		difference += (x - right[r]) * (x - right[r]);
-		norm += right[r] * right[r];
+		sum += (x - right[r]) * (x - right[r]);
 	}
-	return difference == 0 ? 0 : sqrt(difference / norm);
+	return sqrt(sum);
+}
+
+static double norm_of(const struct samples *s, size_t k)
+{
+	double sum = 0;
+
+	for (size_t r = 0; r < s->rows; r++)
+		sum += s->values[k * s->rows + r] * s->values[k * s->rows + r];
+	return sqrt(sum);
+}
+
+/* The norms of all samples, and after them a tenth of their rms; malloc. */
+static double *norms_of(const struct samples *s)
+{
+	double *norms = malloc((s->count + 1) * sizeof *norms), sum = 0;
+
+	for (size_t k = 0; k < s->count; k++) {
+		norms[k] = norm_of(s, k);
+		sum += norms[k] * norms[k];
+	}
+	norms[s->count] = sqrt(sum / (double)s->count) / 10;
+	return norms;
+}
+
+static double ratio(double difference, double norm)
+{
+	return difference == 0 ? 0 : difference / norm; /* a robot whose torques are all zero */
 }
 
 struct difference samples_compare(
 	const struct samples *s, const void *host, size_t count, enum rnea_scalar scalar, enum rnea_layout layout)
 {
 	struct difference d = {0};
-	double sum = 0;
+	double *norms = norms_of(s), sum = 0;
 
 	for (size_t k = 0; k < count; k++) {
-		double error = error_of(s, host, k, count, scalar, layout);
+		double difference = distance(s, host, k, count, scalar, layout), norm = norms[k % s->count];
+		double error = ratio(difference, norm), scaled = ratio(difference, fmax(norm, norms[s->count]));
 
 		sum += error * error;
-		if (error > d.max) {
-			d.max = error;
+		d.max = fmax(d.max, error);
+		if (scaled > d.scaled) {
+			d.scaled = scaled;
 			d.worst = k;
 		}
 	}
 	d.rms = sqrt(sum / (double)count);
+	free(norms);
 	return d;
 }

@@ -88,7 +88,7 @@ int gpu_array_read(const struct gpu *g, const struct gpu_array *a, void *host);
 void gpu_capture_begin(const struct gpu *g);
 CUgraphExec gpu_capture_end(const struct gpu *g);
 
-/* Seconds that one replay takes on the device. */
+/* Replay twice; the seconds that the second time takes on the device. */
 double gpu_replay(const struct gpu *g, CUgraphExec graph);
 
 #endif

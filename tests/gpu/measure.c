@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SETS_LIMIT = 16, ARRAYS = 4, WARM = 3, FLOOR_BLOCK = 256 };
+enum { SETS_LIMIT = 16, ARRAYS = 4, FLOOR_BLOCK = 256 };
 
 #define FLOOR(name, T)                                                                                                 \
 	"extern \"C\" __global__ void " name "(const " T " *__restrict__ q, const " T " *__restrict__ qd, const " T               \
@@ -86,7 +86,7 @@ static void set_new(const struct gpu *g, struct sets *s)
 	}
 }
 
-/* As many sets as fill the cache four times over, at least one; the states of the reference in each. */
+/* One set, or as many as fill the cache four times over and at least two; the states of the reference in each. */
 static struct sets sets_new(const struct gpu *g, const struct rnea_info *info, const struct reference *r, size_t count,
 	int beyond_cache)
 {
@@ -96,7 +96,7 @@ static struct sets sets_new(const struct gpu *g, const struct rnea_info *info, c
 	for (int i = 0; i < ARRAYS; i++)
 		total += s.bytes[i] = info->arguments[i].rows * count * size;
 	if (beyond_cache)
-		wanted = 1 + 4 * g->l2_bytes / total;
+		wanted = 2 + 4 * g->l2_bytes / total;
 	set_new(g, &s);
 	for (int i = 0; i < ARRAYS - 1; i++) {
 		void *host = malloc(s.bytes[i]);
@@ -132,13 +132,14 @@ static CUgraphExec capture_robot(
 	return gpu_capture_end(g);
 }
 
-static CUgraphExec capture_floor(const struct gpu *g, CUfunction function, const struct sets *s, size_t group)
+static CUgraphExec capture_floor(
+	const struct gpu *g, CUfunction function, const struct sets *s, size_t group, size_t launches)
 {
 	size_t n = s->bytes[0] / group, m = s->bytes[3] / group, most = n > m ? n : m;
 
 	gpu_capture_begin(g);
-	for (size_t i = 0; i < s->n; i++) {
-		const struct set *set = &s->set[i];
+	for (size_t i = 0; i < launches; i++) {
+		const struct set *set = &s->set[i % s->n];
 		void *parameters[] = {(void *)(uintptr_t)&set->data[0], (void *)(uintptr_t)&set->data[1],
 			(void *)(uintptr_t)&set->data[2], (void *)(uintptr_t)&set->data[3], &n, &m};
 
@@ -160,7 +161,7 @@ static void replay_in_turns(const struct gpu *g, CUgraphExec *graphs, size_t n, 
 {
 	double *times = malloc(n * (size_t)replays * sizeof *times);
 
-	for (int k = -WARM; k < replays; k++)
+	for (int k = -(replays / 7); k < replays; k++) /* the first ones warm up */
 		for (size_t i = 0; i < n; i++) {
 			double seconds = gpu_replay(g, graphs[i]);
 
@@ -187,23 +188,37 @@ static double latency(const struct gpu *g, const struct settings *s, struct item
 	return median / s->chain;
 }
 
+/* Launches that move some 5 GB, so that the ends of a graph do not show; every set as often as the others. */
+static size_t launches_for(const struct settings *s, const struct sets *sets)
+{
+	size_t total = 0, rounds, limit = (size_t)s->chain / sets->n;
+
+	for (int i = 0; i < ARRAYS; i++)
+		total += sets->bytes[i];
+	rounds = (size_t)5e9 / (total * sets->n) + 1;
+	if (rounds > limit)
+		rounds = limit ? limit : 1;
+	return rounds * sets->n;
+}
+
 static void throughput(const struct gpu *g, const struct settings *s, const struct floor *f, struct item *it,
 	const struct reference *r)
 {
 	const struct rnea_info *info = rnea_info(it->robot);
 	struct sets sets = sets_new(g, info, r, s->large, 1);
 	size_t scalar = info->precision == RNEA_F64 ? sizeof(double) : sizeof(float), n = 1;
-	CUgraphExec graphs[3] = {capture_robot(g, it, &sets, s->large, sets.n)};
+	size_t launches = launches_for(s, &sets);
+	CUgraphExec graphs[3] = {capture_robot(g, it, &sets, s->large, launches)};
 	double median[3];
 
 	if (f->module) {
-		graphs[n++] = capture_floor(g, f->scalar[info->precision], &sets, scalar);
-		graphs[n++] = capture_floor(g, f->vector[info->precision], &sets, 16);
+		graphs[n++] = capture_floor(g, f->scalar[info->precision], &sets, scalar, launches);
+		graphs[n++] = capture_floor(g, f->vector[info->precision], &sets, 16, launches);
 	}
 	replay_in_turns(g, graphs, n, s->replays, median);
-	it->launch = median[0] / (double)sets.n;
+	it->launch = median[0] / (double)launches;
 	if (f->module)
-		it->floor = fmin(median[1], median[2]) / (double)sets.n;
+		it->floor = fmin(median[1], median[2]) / (double)launches;
 	sets_free(g, &sets);
 }
 

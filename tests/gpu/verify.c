@@ -94,9 +94,9 @@ static void check_torque(const struct gpu *g, struct item *it, const struct arra
 
 	if (!intact)
 		item_fail(it, "%s, %zu samples: written outside of tau", what, a->count);
-	if (!(d.max <= it->limit))
+	if (!(d.scaled <= it->limit))
 		item_fail(it, "%s, %zu samples: sample %zu is off by %.3g, the limit is %.3g", what, a->count, d.worst,
-			d.max, it->limit);
+			d.scaled, it->limit);
 	if (d.max > it->max_error)
 		it->max_error = d.max;
 	if (d.rms > it->rms_error)
