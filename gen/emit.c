@@ -46,9 +46,23 @@ static int min_blocks(const struct emission *e)
 static void put_at_sample(const struct emission *e, const struct argument *a, struct text *out)
 {
 	if (e->options->layout == RNEAGEN_SOA)
-		text_printf(out, "%s + k, ", a->name);
+		text_printf(out, "%s + k", a->name);
 	else
-		text_printf(out, "%s + k*%d, ", a->name, a->rows);
+		text_printf(out, "%s + k*%d", a->name, a->rows);
+}
+
+static const char *stride_text(const struct emission *e)
+{
+	return e->options->layout == RNEAGEN_SOA ? "count" : "1";
+}
+
+static const char *q_at_sample(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	put_at_sample(e, &e->passes[PASS_RNEA].dag.arguments[0], &t);
+	return text_string(&t);
 }
 
 /* A pass's arguments as parameters, as their names, or moved on to sample k with the stride of a row. */
@@ -66,14 +80,13 @@ static const char *params(const struct emission *e, const struct pass *p, enum p
 			text_printf(&t, "%s%s", a->name, comma);
 		else if (kind == PARAMS_ADDRESSES)
 			text_printf(&t, "&%s%s", a->name, comma);
-		else if (kind == PARAMS_AT_SAMPLE)
+		else if (kind == PARAMS_AT_SAMPLE) {
 			put_at_sample(e, a, &t);
-		else
+			text_put(&t, comma);
+		} else
 			text_printf(&t, "%s%s *%s%s%s", a->is_output ? "" : "const ", scalar(e),
 				kind == PARAMS_RESTRICT ? restricted : "", a->name, comma);
 	}
-	if (kind == PARAMS_AT_SAMPLE)
-		text_put(&t, e->options->layout == RNEAGEN_SOA ? "count" : "1");
 	return text_string(&t);
 }
 
@@ -102,6 +115,34 @@ static const char *body_text(const struct emission *e, const struct pass *p)
 	return t.failed ? NULL : text_string(&t);
 }
 
+/* The call of a body with these arguments and stride; in accurate mode behind one test of the sample's angles, where that
+   pays: in the whole algorithm. */
+static const char *call_text(const struct emission *e, const struct pass *p, const char *indent, const char *arguments,
+	const char *q, const char *stride)
+{
+	const char *name = e->options->name, *pass = p->algorithm->name;
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (!emit_has_small(e)) {
+		text_printf(&t, "%s%s_%s_body(%s, %s);\n", indent, name, pass, arguments, stride);
+	} else if (p != &e->passes[PASS_RNEA]) {
+		text_printf(&t, "%s%s_%s_body(%s, %s, 0);\n", indent, name, pass, arguments, stride);
+	} else {
+		text_printf(&t, "%sif (%s_is_small(%s, %s))\n", indent, name, q, stride);
+		text_printf(&t, "%s\t%s_rnea_body(%s, %s, 1);\n%selse\n", indent, name, arguments, stride, indent);
+		text_printf(&t, "%s\t%s_rnea_body(%s, %s, 0);\n", indent, name, arguments, stride);
+	}
+	return text_string(&t);
+}
+
+static const char *kernel_call(const struct emission *e, const struct pass *p, int staged)
+{
+	if (staged)
+		return call_text(e, p, "\t\t", "q_here, qd_here, qdd_here, qdd_here", "q_here", "1");
+	return call_text(e, p, "\t", params(e, p, PARAMS_AT_SAMPLE), q_at_sample(e), stride_text(e));
+}
+
 static void put_kernel(const struct emission *e, const struct pass *p, struct text *out)
 {
 	int staged = is_staged(e) && p == &e->passes[PASS_RNEA];
@@ -109,7 +150,7 @@ static void put_kernel(const struct emission *e, const struct pass *p, struct te
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", scalar(e)},
 		{"BOUNDS", p == &e->passes[PASS_RNEA] ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
-		{"RESTRICT_PARAMS", params(e, p, PARAMS_RESTRICT)}, {"AT_SAMPLE", params(e, p, PARAMS_AT_SAMPLE)},
+		{"RESTRICT_PARAMS", params(e, p, PARAMS_RESTRICT)}, {"CALL", kernel_call(e, p, staged)},
 		{"PITCH_Q", number(e, q_pitch)}, {"PITCH_V", number(e, v_pitch)}, {"NQ", number(e, e->tree->nq)},
 		{"NV", number(e, e->tree->nv)},
 	};
@@ -119,12 +160,12 @@ static void put_kernel(const struct emission *e, const struct pass *p, struct te
 
 static const char *stage_text(const struct emission *e)
 {
-	const struct slot slots[] = {{"T", scalar(e)}};
+	const struct slot slots[] = {{"T", scalar(e)}, {"SIZE", emit_is_f32(e) ? "4" : "8"}};
 	struct text t;
 
 	text_init(&t, e->arena);
 	if (is_staged(e))
-		template_expand(&t, template_stage_aos_in, slots, 1);
+		template_expand(&t, template_stage_aos_in, slots, 2);
 	return text_string(&t);
 }
 
@@ -210,12 +251,22 @@ static const char *small_limit(const struct emission *e)
 	return text_string(&t);
 }
 
-static const char *q_in_sample(const struct emission *e)
+/* The test of a sample's angles, in accurate mode. */
+static void put_is_small(const struct emission *e, struct text *out)
+{
+	const struct slot slots[] = {{"NAME", e->options->name}, {"T", scalar(e)}, {"F", emit_is_f32(e) ? "f" : ""},
+		{"NQ", number(e, e->tree->nq)}, {"LIMIT", small_limit(e)}};
+
+	if (emit_has_small(e))
+		template_expand(out, template_is_small_in, slots, sizeof slots / sizeof *slots);
+}
+
+static const char *joined(const struct emission *e, const char *a, const char *b)
 {
 	struct text t;
 
 	text_init(&t, e->arena);
-	text_printf(&t, "k*%d + i", e->tree->nq);
+	text_printf(&t, "%s, %s", a, b);
 	return text_string(&t);
 }
 
@@ -224,10 +275,9 @@ static const char *batch_text(const struct emission *e)
 {
 	const struct pass *p = &e->passes[PASS_RNEA];
 	const struct slot slots[] = {
-		{"NAME", e->options->name}, {"T", scalar(e)}, {"F", emit_is_f32(e) ? "f" : ""}, {"NQ", number(e, e->tree->nq)},
-		{"LIMIT", small_limit(e)}, {"Q_AT", e->options->layout == RNEAGEN_SOA ? "i*count + k" : q_in_sample(e)},
+		{"NAME", e->options->name}, {"Q_AT_SAMPLE", joined(e, q_at_sample(e), stride_text(e))},
 		{"RNEA_PARAMS", params(e, p, PARAMS_PLAIN)}, {"RNEA_RESTRICT_PARAMS", params(e, p, PARAMS_RESTRICT)},
-		{"RNEA_NAMES", params(e, p, PARAMS_NAMES)}, {"RNEA_AT_SAMPLE", params(e, p, PARAMS_AT_SAMPLE)},
+		{"RNEA_NAMES", params(e, p, PARAMS_NAMES)}, {"RNEA_AT_SAMPLE", joined(e, params(e, p, PARAMS_AT_SAMPLE), stride_text(e))},
 	};
 	struct text t;
 
@@ -239,6 +289,7 @@ static const char *batch_text(const struct emission *e)
 
 static void put_bodies(const struct emission *e, struct text *out)
 {
+	put_is_small(e, out);
 	for (int i = 0; i < PASS_COUNT; i++) {
 		const char *body = body_text(e, &e->passes[i]);
 
@@ -269,7 +320,7 @@ void emit_source(const struct emission *e, struct text *out)
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
 		{"ADDRESSES", params(e, &p[PASS_RNEA], PARAMS_ADDRESSES)},
 		{"RNEA_PARAMS", params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
-		{"BATCH", batch_text(e)}, {"ANY_ANGLE", emit_has_small(e) ? ", 0" : ""},
+		{"BATCH", batch_text(e)}, {"RNEA_CALL", call_text(e, &p[PASS_RNEA], "\t", params(e, &p[PASS_RNEA], PARAMS_NAMES), "q", "1")}, {"ANY_ANGLE", emit_has_small(e) ? ", 0" : ""},
 		{"RNEA_NAMES", params(e, &p[PASS_RNEA], PARAMS_NAMES)},
 		{"FPASS_PARAMS", params(e, &p[PASS_FPASS], PARAMS_PLAIN)},
 		{"FPASS_NAMES", params(e, &p[PASS_FPASS], PARAMS_NAMES)},

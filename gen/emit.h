@@ -47,11 +47,11 @@ void emit_banner(const struct emission *e, struct text *out);
 void emit_source(const struct emission *e, struct text *out);
 void emit_declarations(const struct emission *e, struct text *out);
 
-/* C in accurate mode: the functions take one argument more, which says whether all angles are small, so that batches
-   can be vectorised. */
+/* In accurate mode the functions take one argument more, which says whether all angles are small: one branch instead of
+   one for each joint. */
 static inline int emit_has_small(const struct emission *e)
 {
-	return e->options->target == RNEAGEN_TARGET_C && e->options->trig == RNEAGEN_ACCURATE;
+	return e->options->trig == RNEAGEN_ACCURATE;
 }
 
 static inline int emit_is_f32(const struct emission *e)

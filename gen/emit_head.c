@@ -7,14 +7,31 @@ static const char *const TARGETS[] = {"cuda", "c", "header"};
 static const char *const LAYOUTS[] = {"soa", "aos"};
 static const char *const TRIGS[] = {"accurate", "bounded", "fast"};
 
+/* A path's last part. */
+static const char *base_name(const char *path)
+{
+	const char *slash = strrchr(path, '/');
+
+	return slash ? slash + 1 : path;
+}
+
+/* Warnings begin with the name of the file: without its folders, so that equal input gives equal bytes. */
+static void put_warning(const struct emission *e, const char *warning, struct text *out)
+{
+	size_t length = strlen(e->options->file);
+
+	if (!strncmp(warning, e->options->file, length))
+		warning += base_name(e->options->file) - e->options->file;
+	text_put_comment(out, warning);
+	text_putc(out, '\n');
+}
+
 /* The command that makes this text again, every choice spelt out, without paths. */
 static void put_command(const struct emission *e, struct text *out)
 {
 	const struct rneagen_options *o = e->options;
-	const char *slash = strrchr(o->file, '/');
-
 	text_put(out, "rneagen ");
-	text_put_comment(out, slash ? slash + 1 : o->file);
+	text_put_comment(out, base_name(o->file));
 	text_printf(out, " --target %s --precision %s --layout %s --trig %s", TARGETS[o->target], emit_is_f32(e) ? "f32" : "f64",
 		LAYOUTS[o->layout], TRIGS[o->trig]);
 	if (o->base == RNEAGEN_FLOATING)
@@ -119,8 +136,7 @@ void emit_banner(const struct emission *e, struct text *out)
 	put_conventions(e, out);
 	for (size_t i = 0; i < e->warning_count; i++) {
 		text_put(out, i ? " *   " : " *\n * Warnings:\n *   ");
-		text_put_comment(out, e->warnings[i]);
-		text_putc(out, '\n');
+		put_warning(e, e->warnings[i], out);
 	}
 	text_put(out, " */");
 }
