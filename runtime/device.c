@@ -49,8 +49,8 @@ static enum rnea_code load_api(struct device *d, struct rnea_error *e)
 	DEVICE_FUNCTIONS(DEVICE_LOAD)
 #undef DEVICE_LOAD
 	if (missing)
-		return rnea_error_set(e, RNEA_NO_DRIVER, "CUDA driver (%s): it has no function %s; a newer driver is needed",
-			d->library.path, missing);
+		return rnea_error_set(e, RNEA_NO_DRIVER,
+			"CUDA driver (%s): it has no function %s; a newer driver is needed", d->library.path, missing);
 	return RNEA_OK;
 }
 
@@ -158,8 +158,8 @@ void device_unload(const struct device *d, void *module)
 		d->api.module_unload(module);
 }
 
-enum rnea_code device_read(const struct device *d, void *module, const char *symbol, char **text, size_t *size,
-	struct rnea_error *e)
+enum rnea_code device_read(
+	const struct device *d, void *module, const char *symbol, char **text, size_t *size, struct rnea_error *e)
 {
 	unsigned long long address = 0;
 	int status = d->api.module_get_global(&address, size, module, symbol);
@@ -201,8 +201,7 @@ static int read_resources(const struct device *d, struct device_kernel *kernel)
 	return 0;
 }
 
-enum rnea_code device_find(
-	const struct device *d, void *module, struct device_kernel *kernel, struct rnea_error *e)
+enum rnea_code device_find(const struct device *d, void *module, struct device_kernel *kernel, struct rnea_error *e)
 {
 	int status = d->api.module_get_function(&kernel->function, module, kernel->name);
 

@@ -6,8 +6,19 @@
 enum { VERSION = 1, BLOCK_LIMIT = 1024 };
 
 /* The keys that stand exactly once. */
-enum key { KEY_NAME, KEY_PRECISION, KEY_LAYOUT, KEY_TRIG, KEY_BASE, KEY_NQ, KEY_NV, KEY_NB, KEY_BLOCK, KEY_OPERATIONS,
-	KEY_COUNT };
+enum key {
+	KEY_NAME,
+	KEY_PRECISION,
+	KEY_LAYOUT,
+	KEY_TRIG,
+	KEY_BASE,
+	KEY_NQ,
+	KEY_NV,
+	KEY_NB,
+	KEY_BLOCK,
+	KEY_OPERATIONS,
+	KEY_COUNT
+};
 
 static const char *const keys[KEY_COUNT] = {
 	"name", "precision", "layout", "trig", "base", "nq", "nv", "nb", "block", "operations"};
@@ -25,8 +36,8 @@ struct parser {
 
 static enum rnea_code damaged(struct parser *p, const char *what, const char *word)
 {
-	return rnea_error_set(p->error, RNEA_TABLE, "info table, line %zu: %s%s%s%s", p->number, what, word ? " \"" : "",
-		word ? word : "", word ? "\"" : "");
+	return rnea_error_set(p->error, RNEA_TABLE, "info table, line %zu: %s%s%s%s", p->number, what,
+		word ? " \"" : "", word ? word : "", word ? "\"" : "");
 }
 
 /* Move to the next line; 0 at the end of the text. */
@@ -236,8 +247,8 @@ static enum rnea_code check(struct parser *p)
 		if (!p->seen[i])
 			return rnea_error_set(p->error, RNEA_TABLE, "info table: the key \"%s\" is missing", keys[i]);
 	if (!info->input_count || !info->output_count)
-		return rnea_error_set(p->error, RNEA_TABLE, "info table: it lists no %s",
-			info->input_count ? "outputs" : "inputs");
+		return rnea_error_set(
+			p->error, RNEA_TABLE, "info table: it lists no %s", info->input_count ? "outputs" : "inputs");
 	for (size_t i = 0; i < info->joint_count; i++) {
 		const struct rnea_joint *j = &info->joints[i];
 

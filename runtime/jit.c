@@ -37,7 +37,7 @@ static enum rnea_code choose_arch(const struct nvrtc *n, int arch, int *chosen, 
 	if (*chosen)
 		return RNEA_OK;
 	return rnea_error_set(e, RNEA_COMPILER,
-		"NVRTC %d.%d (%s) compiles for sm_%d and later, and the device is sm_%d; RNEA_NVRTC may name an older one",
+		"NVRTC %d.%d (%s) compiles for sm_%d and later, the device is sm_%d; RNEA_NVRTC may name an older one",
 		n->major, n->minor, n->library.path, oldest, arch);
 }
 
@@ -86,8 +86,8 @@ static enum rnea_code compile_error(
 		*quoted ? ": " : "", (int)strcspn(quoted, "\n"), quoted);
 }
 
-static enum rnea_code compile(const struct nvrtc *n, void *program, int arch, int is_ptx, const struct jit_request *r,
-	struct rnea_error *e)
+static enum rnea_code compile(
+	const struct nvrtc *n, void *program, int arch, int is_ptx, const struct jit_request *r, struct rnea_error *e)
 {
 	char gpu[48];
 	const char **options = calloc(r->option_count + 1, sizeof *options);

@@ -18,11 +18,11 @@ struct jit_request {
 struct jit_image {
 	char *data; /* malloc; to be released with jit_free */
 	size_t size;
-	int is_ptx; /* NVRTC is older than the architecture: PTX for the newest one it knows, which the driver finishes */
+	int is_ptx; /* NVRTC is older than the architecture: PTX for the newest it knows, which the driver finishes */
 };
 
 /* Compile. On failure *image is empty. Errors: NO_COMPILER, COMPILER (no way from this NVRTC to this architecture, an
-   option that it does not know), COMPILE (the message has the first error with its line and that line's text), MEMORY. */
+   option that it does not know), COMPILE (the message has the first error, its line and that line's text), MEMORY. */
 enum rnea_code jit_compile(const struct jit_request *r, struct jit_image *image, struct rnea_error *e);
 void jit_free(struct jit_image *image);
 

@@ -100,8 +100,8 @@ enum rnea_code nvrtc_open(struct nvrtc *n, struct rnea_error *e)
 	NVRTC_FUNCTIONS(NVRTC_LOAD)
 #undef NVRTC_LOAD
 	if (missing)
-		return rnea_error_set(e, RNEA_COMPILER, "NVRTC (%s): it has no function %s; NVRTC 11.2 or later is needed",
-			n->library.path, missing);
+		return rnea_error_set(e, RNEA_COMPILER,
+			"NVRTC (%s): it has no function %s; NVRTC 11.2 or later is needed", n->library.path, missing);
 	if ((status = n->api.version(&n->major, &n->minor)) != 0)
 		return rnea_error_set(e, RNEA_COMPILER, "NVRTC (%s): nvrtcVersion: %s", n->library.path,
 			n->api.get_error_string(status));

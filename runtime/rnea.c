@@ -22,13 +22,17 @@ static const char *const kernel_suffixes[RNEA_KERNEL_COUNT] = {"rnea", "fpass", 
 
 /* ---- opening ---- */
 
-static enum rnea_code compile(const struct source *s, const struct rnea_options *o, int arch, struct jit_image *image,
-	struct rnea_error *e)
+static enum rnea_code compile(
+	const struct source *s, const struct rnea_options *o, int arch, struct jit_image *image, struct rnea_error *e)
 {
 	const char **options = calloc(o->compile_count + 1, sizeof *options);
 	char block[40], file[SOURCE_NAME_LIMIT + 4];
-	struct jit_request r = {.source = s->text, .file = o->file ? o->file : file, .arch = arch, .options = options,
-		.log = o->log, .log_size = o->log_size};
+	struct jit_request r = {.source = s->text,
+		.file = o->file ? o->file : file,
+		.arch = arch,
+		.options = options,
+		.log = o->log,
+		.log_size = o->log_size};
 
 	if (!options)
 		return rnea_error_memory(e);
@@ -80,7 +84,8 @@ static enum rnea_code find_kernels(struct rnea_robot *robot, struct rnea_error *
 				robot->info.block, k->resources.registers, k->resources.max_block);
 	}
 	if (!robot->kernels[RNEA_KERNEL_RNEA].function)
-		return rnea_error_set(e, RNEA_TEXT, "the text defines no kernel %s", robot->kernels[RNEA_KERNEL_RNEA].name);
+		return rnea_error_set(
+			e, RNEA_TEXT, "the text defines no kernel %s", robot->kernels[RNEA_KERNEL_RNEA].name);
 	return RNEA_OK;
 }
 
@@ -236,8 +241,8 @@ static enum rnea_code no_kernel(const struct rnea_robot *robot, enum rnea_kernel
 {
 	if ((unsigned)kernel >= RNEA_KERNEL_COUNT)
 		return rnea_error_set(e, RNEA_KERNEL, "there is no kernel %d", (int)kernel);
-	return rnea_error_set(e, RNEA_KERNEL, "the text of \"%s\" has no kernel %s", robot->info.name,
-		robot->kernels[kernel].name);
+	return rnea_error_set(
+		e, RNEA_KERNEL, "the text of \"%s\" has no kernel %s", robot->info.name, robot->kernels[kernel].name);
 }
 
 size_t rnea_argument_count(const struct rnea_robot *robot, enum rnea_kernel kernel)
@@ -264,7 +269,8 @@ enum rnea_code rnea_resources(const struct rnea_robot *robot, enum rnea_kernel k
 /* Name and alignment of array i of a kernel. */
 static const char *describe(const struct rnea_robot *robot, enum rnea_kernel kernel, size_t i, size_t *align)
 {
-	static const char *const forward[PASS_ARRAYS] = {"v", "a", "f"}, *const backward[PASS_ARRAYS] = {"q", "f", "tau"};
+	static const char *const forward[PASS_ARRAYS] = {"v", "a", "f"};
+	static const char *const backward[PASS_ARRAYS] = {"q", "f", "tau"};
 	const struct rnea_info *info = &robot->info;
 	enum rnea_scalar scalar = info->precision;
 	const char *name;
@@ -281,8 +287,8 @@ static const char *describe(const struct rnea_robot *robot, enum rnea_kernel ker
 	return name;
 }
 
-static enum rnea_code check_pointers(const struct rnea_robot *robot, enum rnea_kernel kernel, void *const *arguments,
-	size_t n, struct rnea_error *e)
+static enum rnea_code check_pointers(
+	const struct rnea_robot *robot, enum rnea_kernel kernel, void *const *arguments, size_t n, struct rnea_error *e)
 {
 	for (size_t i = 0; i < n; i++) {
 		size_t align;
@@ -337,8 +343,8 @@ enum rnea_code rnea_launch_kernel(const struct rnea_robot *robot, enum rnea_kern
 	return enqueue(robot, k, arguments, n, count, stream, e);
 }
 
-enum rnea_code rnea_launch(const struct rnea_robot *robot, void *const *arguments, size_t count, void *stream,
-	struct rnea_error *error)
+enum rnea_code rnea_launch(
+	const struct rnea_robot *robot, void *const *arguments, size_t count, void *stream, struct rnea_error *error)
 {
 	return rnea_launch_kernel(robot, RNEA_KERNEL_RNEA, arguments, count, stream, error);
 }

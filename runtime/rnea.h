@@ -105,7 +105,7 @@ struct rnea_robot; /* one text, compiled and loaded on one device; immutable onc
 
 /* Zero-initialise for the defaults; strings need to live only as long as the call. */
 struct rnea_options {
-	const char *file;    /* what messages call the text; NULL: its robot's name with ".cu", or the path of the file */
+	const char *file;    /* what messages call the text; NULL: its robot's name with ".cu", or the file's path */
 	int device;          /* CUDA ordinal, as CUDA_VISIBLE_DEVICES leaves them; default 0 */
 	unsigned block;      /* threads per block, 1 to 1024; 0: what the text says */
 	const char *const *compile; /* further options for NVRTC, compile_count of them */
@@ -117,8 +117,8 @@ struct rnea_options {
 /* Compile `length` bytes of CUDA C at `source` (written by rneagen; need not be NUL-terminated) for the device's own
    architecture, or as PTX where NVRTC is older than the device, and load it into the device's primary context (the one
    that the CUDA runtime, PyTorch and CuPy use). `options` may be NULL. On success *robot is to be released with
-   rnea_close; on failure it is NULL. Not to be called while a stream is being captured: it runs each kernel once over no
-   samples, so that later launches find everything in place.
+   rnea_close; on failure it is NULL. Not to be called while a stream is being captured: it runs each kernel once over
+   no samples, so that later launches find everything in place.
    Errors: ARGUMENT (source, robot or options), TEXT, TABLE, NO_DRIVER, NO_DEVICE, NO_COMPILER, COMPILER, COMPILE (the
    message has NVRTC's first error with its line), DRIVER, DEVICE_MEMORY, MEMORY. */
 enum rnea_code rnea_open(const char *source, size_t length, const struct rnea_options *options,
@@ -140,7 +140,7 @@ const struct rnea_info *rnea_info(const struct rnea_robot *robot);
 /* The kernels of a text, with the arrays each takes, in order. In and out: [in] read, [out] written. */
 enum rnea_kernel {
 	RNEA_KERNEL_RNEA,  /* the info's inputs [in], then its outputs [out] */
-	RNEA_KERNEL_FPASS, /* the info's inputs [in], v, a, f [out]: velocities, accelerations and forces, 6 nb rows each */
+	RNEA_KERNEL_FPASS, /* the info's inputs [in], v, a, f [out]: twists, accelerations, wrenches, 6 nb rows each */
 	RNEA_KERNEL_BPASS, /* q, f [in], tau [out] */
 	RNEA_KERNEL_COUNT
 };

@@ -35,8 +35,8 @@ static enum rnea_code find_name(struct source *s, const char *file, struct rnea_
 		return rnea_error_set(e, RNEA_TEXT, "%s: no identifier that ends in _info after \"%s\"", file, marker);
 	length -= tail;
 	if (length > SOURCE_NAME_LIMIT)
-		return rnea_error_set(e, RNEA_TEXT, "%s: the name of the robot has more than %d characters", file,
-			SOURCE_NAME_LIMIT);
+		return rnea_error_set(
+			e, RNEA_TEXT, "%s: the name of the robot has more than %d characters", file, SOURCE_NAME_LIMIT);
 	memcpy(s->name, name, length);
 	s->name[length] = '\0';
 	return RNEA_OK;

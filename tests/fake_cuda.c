@@ -180,7 +180,7 @@ int cuCtxSynchronize(void)
 
 /* ---- modules ---- */
 
-/* A shared object of this machine ends with its section headers; 0 if the image is not one (a cubin has machine 190). */
+/* A shared object ends with its section headers; 0 if the image is no such thing, or is a cubin. */
 static size_t image_size(const void *image)
 {
 	const Elf64_Ehdr *head = image;

@@ -185,8 +185,8 @@ int cuEventElapsedTime_v2(float *milliseconds, void *start, void *stop)
 	const struct event *a = start, *b = stop;
 
 	ENTER(1);
-	*milliseconds = (float)(b->time.tv_sec - a->time.tv_sec) * 1e3f +
-			(float)(b->time.tv_nsec - a->time.tv_nsec) * 1e-6f;
+	*milliseconds =
+		(float)(b->time.tv_sec - a->time.tv_sec) * 1e3f + (float)(b->time.tv_nsec - a->time.tv_nsec) * 1e-6f;
 	return FAKE_SUCCESS;
 }
 

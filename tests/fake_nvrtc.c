@@ -107,7 +107,8 @@ static void write_source(const struct program *p, const char *path)
 	const char *s = p->source;
 	size_t length;
 
-	fprintf(f, "#define FAKE_WAITS %d\n#include \"%s\"\n#line 1 \"%s\"\n%s\n", waits, FAKE_HEADER, p->name, p->source);
+	fprintf(f, "#define FAKE_WAITS %d\n#include \"%s\"\n#line 1 \"%s\"\n%s\n", waits, FAKE_HEADER, p->name,
+		p->source);
 	while ((s = strstr(s, mark)) != NULL) {
 		s = kernel_name(s + strlen(mark), &length);
 		fprintf(f, "FAKE_KERNEL(%.*s, %s)\n", (int)length, s, waits ? "fake_run_threads" : "fake_run_serial");

@@ -108,7 +108,8 @@ char *pendulum_with(const char *from, const char *to)
 	return changed;
 }
 
-enum rnea_code open_text(const char *text, const struct rnea_options *o, struct rnea_robot **robot, struct rnea_error *e)
+enum rnea_code open_text(
+	const char *text, const struct rnea_options *o, struct rnea_robot **robot, struct rnea_error *e)
 {
 	return rnea_open(text, strlen(text), o, robot, e);
 }

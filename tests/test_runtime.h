@@ -23,7 +23,8 @@ char *pendulum(size_t *length);
 char *pendulum_with(const char *from, const char *to);
 
 /* rnea_open of a NUL-terminated text. */
-enum rnea_code open_text(const char *text, const struct rnea_options *o, struct rnea_robot **robot, struct rnea_error *e);
+enum rnea_code open_text(
+	const char *text, const struct rnea_options *o, struct rnea_robot **robot, struct rnea_error *e);
 
 /* The error is `code`, its message is one line and contains `part`. */
 void assert_error(const struct rnea_error *e, enum rnea_code code, const char *part);

@@ -46,7 +46,7 @@ END_TEST
 START_TEST(accepts_variations)
 {
 	static const char *const texts[] = {
-		HEAD SIZES ARRAYS COUNTS,                         /* no joint */
+		HEAD SIZES ARRAYS COUNTS,			   /* no joint */
 		HEAD ARRAYS SIZES JOINTS "operations 1 2 3 4 5 6", /* another order, no final newline */
 		HEAD SIZES "later words that mean nothing here\n" ARRAYS "\n" COUNTS JOINTS,
 	};

@@ -184,9 +184,9 @@ END_TEST
 START_TEST(captures)
 {
 	void *driver = dlopen(FAKE_CUDA, RTLD_NOW), *stream, *graph, *executable, *context = NULL;
-	int (*push)(void *), (*pop)(void **), (*create)(void **, unsigned), (*begin)(void *, int), (*end)(void *, void **),
-		(*instantiate)(void **, void *, unsigned long long), (*replay)(void *, void *), (*destroy)(void *),
-		(*destroy_graph)(void *), (*retain)(void **, int), (*release)(int);
+	int (*push)(void *), (*pop)(void **), (*create)(void **, unsigned), (*begin)(void *, int),
+		(*end)(void *, void **), (*instantiate)(void **, void *, unsigned long long), (*replay)(void *, void *),
+		(*destroy)(void *), (*destroy_graph)(void *), (*retain)(void **, int), (*release)(int);
 	struct {
 		const char *name;
 		void *slot;
@@ -225,8 +225,8 @@ START_TEST(other_blocks)
 	struct rnea_robot *other;
 	struct rnea_error e;
 
-	ck_assert_msg(rnea_open_file(TEST_DIR "/pendulum.cu", &(struct rnea_options){.block = blocks[_i]}, &other, &e) ==
-			      RNEA_OK,
+	ck_assert_msg(rnea_open_file(TEST_DIR "/pendulum.cu", &(struct rnea_options){.block = blocks[_i]}, &other,
+			      &e) == RNEA_OK,
 		"%s", e.message);
 	ck_assert_uint_eq(rnea_info(other)->block, blocks[_i]);
 	ck_assert_int_eq(rnea_launch(other, arrays, 500, NULL, &e), RNEA_OK);

@@ -66,7 +66,8 @@ START_TEST(not_a_text)
 	struct rnea_error e = fail_open("int main(void) { return 0; }\n", NULL);
 	char name[400] = "RNEA_INFO const char ";
 
-	assert_error(&e, RNEA_TEXT, "<memory>: not CUDA C written by rneagen: no line starts with \"RNEA_INFO const char");
+	assert_error(
+		&e, RNEA_TEXT, "<memory>: not CUDA C written by rneagen: no line starts with \"RNEA_INFO const char");
 	e = fail_open("", &(struct rnea_options){.file = "empty.cu"});
 	assert_error(&e, RNEA_TEXT, "empty.cu: not CUDA C");
 	e = fail_open("  RNEA_INFO const char a_info[] =", NULL);
@@ -131,8 +132,9 @@ START_TEST(no_driver_anywhere)
 		return;
 	}
 	e = fail_pendulum(NULL);
-	assert_error(&e, RNEA_NO_DRIVER, "tried libcuda.so.1; /usr/lib/wsl/lib/libcuda.so.1; "
-					 "/usr/local/nvidia/lib64/libcuda.so.1 (RNEA_LIBCUDA names another)");
+	assert_error(&e, RNEA_NO_DRIVER,
+		"tried libcuda.so.1; /usr/lib/wsl/lib/libcuda.so.1; "
+		"/usr/local/nvidia/lib64/libcuda.so.1 (RNEA_LIBCUDA names another)");
 }
 END_TEST
 
@@ -163,7 +165,8 @@ static const struct failure {
 	{"cuDeviceGet=101", "cuDeviceGet:", RNEA_NO_DEVICE},
 	{"cuDeviceGetName=1", "cuDeviceGetName", RNEA_DRIVER},
 	{"cuDeviceGetAttribute=1", "cuDeviceGetAttribute", RNEA_DRIVER},
-	{"cuDevicePrimaryCtxRetain=2", "cuDevicePrimaryCtxRetain: error 2, CUDA_ERROR_OUT_OF_MEMORY", RNEA_DEVICE_MEMORY},
+	{"cuDevicePrimaryCtxRetain=2", "cuDevicePrimaryCtxRetain: error 2, CUDA_ERROR_OUT_OF_MEMORY",
+		RNEA_DEVICE_MEMORY},
 	{"cuCtxGetCurrent=3", "cuCtxGetCurrent", RNEA_DRIVER},
 	{"cuCtxPushCurrent_v2=201", "cuCtxPushCurrent", RNEA_DRIVER},
 	{"cuModuleLoadDataEx=218", "cuModuleLoadDataEx of pendulum: error 218", RNEA_DRIVER},
@@ -210,7 +213,7 @@ START_TEST(compiler_failures)
 	assert_error(&e, RNEA_COMPILER, "unrecognized option --nonsense");
 	setenv("RNEA_FAKE_CUDA_ARCH", "70", 1);
 	e = fail_pendulum(NULL);
-	assert_error(&e, RNEA_COMPILER, "compiles for sm_75 and later, and the device is sm_70");
+	assert_error(&e, RNEA_COMPILER, "compiles for sm_75 and later, the device is sm_70");
 	setenv("RNEA_NVRTC", FAKE_CUDA, 1);
 	e = fail_pendulum(NULL);
 	assert_error(&e, RNEA_COMPILER, "it has no function nvrtc");
@@ -227,7 +230,8 @@ START_TEST(falls_back_to_ptx)
 	struct rnea_error e;
 
 	use_fakes();
-	setenv("RNEA_FAKE_CUDA_ARCH", "120", 1); /* the compiler knows 90: PTX, which it hands out only if asked for it */
+	/* the compiler knows 90: it makes PTX, which it hands out only if asked for it */
+	setenv("RNEA_FAKE_CUDA_ARCH", "120", 1);
 	ck_assert_msg(rnea_open_file(TEST_DIR "/pendulum.cu", NULL, &robot, &e) == RNEA_OK, "%s", e.message);
 	rnea_close(robot);
 	ck_assert_int_eq(fake_live(), 0);
@@ -271,7 +275,8 @@ START_TEST(block_beyond_the_kernel)
 	use_fakes();
 	setenv("RNEA_FAKE_CUDA_MAX_BLOCK", "96", 1);
 	e = fail_pendulum(NULL);
-	assert_error(&e, RNEA_ARGUMENT, "pendulum_rnea_kernel cannot run in blocks of 128 threads: its 42 registers allow 96");
+	assert_error(&e, RNEA_ARGUMENT,
+		"pendulum_rnea_kernel cannot run in blocks of 128 threads: its 42 registers allow 96");
 	ck_assert_int_eq(fake_live(), 0);
 }
 END_TEST

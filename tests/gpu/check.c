@@ -1,4 +1,4 @@
-/* check FOLDER RESULTS.csv [--counts A,B,C] [--large N] [--replays N] [--chain N]
+/* gpu_check FOLDER RESULTS.csv [--counts A,B,C] [--large N] [--replays N] [--chain N] [--block N]
    Open, verify and time every text that FOLDER/manifest.txt lists. Exit status 0: all is right; 1: something is wrong;
    77: no driver. */
 #include "check.h"
@@ -16,6 +16,7 @@ struct work {
 	const char *folder;
 	struct item *items;
 	size_t count;
+	struct rnea_options options;
 	atomic_size_t next;
 };
 
@@ -62,7 +63,7 @@ static void *open_some(void *argument)
 		struct rnea_error e;
 
 		snprintf(path, sizeof path, "%s/%s", w->folder, it->text);
-		if (rnea_open_file(path, NULL, &it->robot, &e) != RNEA_OK)
+		if (rnea_open_file(path, &w->options, &it->robot, &e) != RNEA_OK)
 			item_fail(it, "%s", e.message);
 		it->seconds = seconds_now() - start;
 	}
@@ -88,8 +89,8 @@ static void open_all(struct work *w)
 	fflush(stdout);
 }
 
-static void check_item(const struct gpu *g, const struct settings *s, const struct floor *f, const char *folder,
-	struct item *it)
+static void check_item(
+	const struct gpu *g, const struct settings *s, const struct floor *f, const char *folder, struct item *it)
 {
 	char path[1024];
 	struct reference r;
@@ -123,8 +124,10 @@ static int read_options(struct settings *s, int argc, char **argv)
 			s->replays = atoi(argv[i + 1]);
 		else if (strcmp(argv[i], "--chain") == 0)
 			s->chain = atoi(argv[i + 1]);
-		else if (strcmp(argv[i], "--counts") != 0 || sscanf(argv[i + 1], "%zu,%zu,%zu", &s->counts[0],
-							       &s->counts[1], &s->counts[2]) != 3)
+		else if (strcmp(argv[i], "--block") == 0)
+			s->block = (unsigned)atoi(argv[i + 1]);
+		else if (strcmp(argv[i], "--counts") != 0 ||
+			 sscanf(argv[i + 1], "%zu,%zu,%zu", &s->counts[0], &s->counts[1], &s->counts[2]) != 3)
 			return 0;
 	}
 	return argc >= 3;
@@ -140,10 +143,13 @@ int main(int argc, char **argv)
 	int failures;
 
 	if (!read_options(&s, argc, argv)) {
-		fputs("usage: check FOLDER RESULTS.csv [--counts A,B,C] [--large N] [--replays N] [--chain N]\n", stderr);
+		fputs("usage: gpu_check FOLDER RESULTS.csv [--counts A,B,C] [--large N] [--replays N] [--chain N] "
+		      "[--block N]\n",
+			stderr);
 		return 2;
 	}
 	w.folder = argv[1];
+	w.options.block = s.block;
 	if (!(w.count = read_manifest(w.folder, items)))
 		return 2;
 	gpu_start(&g);

@@ -10,8 +10,9 @@ enum { SIZE_COUNT = 3 };
 struct settings {
 	size_t counts[SIZE_COUNT]; /* of samples, for the torques */
 	size_t large;              /* of samples, for the time per sample */
-	int replays;               /* of a graph, for the median */
-	int chain;                 /* launches in a graph: for the latency, and at most for the time per sample */
+	int replays;               /* of a graph, for the median; 0: no times */
+	unsigned block;            /* threads per block; 0: as each text has it */
+	int chain;                 /* launches in a graph for the latency, the most for the time per sample */
 };
 
 /* One line of the manifest. */
@@ -32,7 +33,7 @@ struct item {
 /* Record what is wrong, unless something was before. */
 void item_fail(struct item *it, const char *fmt, ...) __attribute__((format(printf, 2, 3)));
 
-/* The torques at every count, the passes, a replayed graph, a bad sample between good ones, the errors of rnea_launch. */
+/* The torques at every count, the passes, a replayed graph, a bad sample between good ones, what is refused. */
 void verify(const struct gpu *g, const struct settings *s, struct item *it, const struct reference *r);
 
 /* NAME_rnea_launch of the shared object at `path`, built from the same text by nvcc. */

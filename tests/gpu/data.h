@@ -28,8 +28,8 @@ void samples_tile(const struct samples *s, void *host, size_t count, enum rnea_s
 
 struct difference {
 	double max, rms; /* of ||x - s|| / ||s|| over the samples; max is infinite where x is not finite */
-	double scaled;   /* the largest ||x - s|| / max(||s||, a tenth of the rms of ||s||): torques that happen to cancel
-			    are not held to a digit that no sum can keep */
+	double scaled;   /* the largest ||x - s|| / max(||s||, a tenth of the rms of ||s||): torques that happen to
+			    cancel are not held to a digit that no sum can keep */
 	size_t worst;    /* the sample of `scaled` */
 };
 

@@ -1,6 +1,6 @@
 #ifndef GPU_H
 #define GPU_H
-/* The driver API for the checks: opened as the runtime opens it, declared by cuda.h. What fails here ends the program. */
+/* The driver API for the checks, opened at run time, declared by cuda.h. What fails here ends the program. */
 
 #include <cuda.h>
 #include <stddef.h>

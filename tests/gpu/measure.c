@@ -11,7 +11,7 @@
 enum { SETS_LIMIT = 16, ARRAYS = 4, FLOOR_BLOCK = 256 };
 
 #define FLOOR(name, T)                                                                                                 \
-	"extern \"C\" __global__ void " name "(const " T " *__restrict__ q, const " T " *__restrict__ qd, const " T               \
+	"extern \"C\" __global__ void " name "(const " T " *__restrict__ q, const " T " *__restrict__ qd, const " T    \
 	" *__restrict__ qdd, " T " *__restrict__ tau, size_t n, size_t m)\n{ move(q, qd, qdd, tau, n, m); }\n"
 
 /* n and m count elements, or 16-byte groups of them: m of each array but q, which has n (a quaternion is one row more
@@ -19,7 +19,8 @@ enum { SETS_LIMIT = 16, ARRAYS = 4, FLOOR_BLOCK = 256 };
 static const char floor_text[] =
 	"template <class T> __device__ T sum(T a, T b, T c) { return a + b + c; }\n"
 	"__device__ float4 sum(float4 a, float4 b, float4 c)\n"
-	"{ float4 r; r.x = a.x + b.x + c.x; r.y = a.y + b.y + c.y; r.z = a.z + b.z + c.z; r.w = a.w + b.w + c.w; return r; }\n"
+	"{ float4 r; r.x = a.x + b.x + c.x; r.y = a.y + b.y + c.y;\n"
+	"	r.z = a.z + b.z + c.z; r.w = a.w + b.w + c.w; return r; }\n"
 	"__device__ double2 sum(double2 a, double2 b, double2 c)\n"
 	"{ double2 r; r.x = a.x + b.x + c.x; r.y = a.y + b.y + c.y; return r; }\n"
 	"__device__ float first(float a) { return a; }\n"
@@ -87,8 +88,8 @@ static void set_new(const struct gpu *g, struct sets *s)
 }
 
 /* One set, or as many as fill the cache four times over and at least two; the states of the reference in each. */
-static struct sets sets_new(const struct gpu *g, const struct rnea_info *info, const struct reference *r, size_t count,
-	int beyond_cache)
+static struct sets sets_new(
+	const struct gpu *g, const struct rnea_info *info, const struct reference *r, size_t count, int beyond_cache)
 {
 	size_t size = info->precision == RNEA_F64 ? sizeof(double) : sizeof(float), total = 0, wanted = 1;
 	struct sets s = {0};
@@ -143,8 +144,9 @@ static CUgraphExec capture_floor(
 		void *parameters[] = {(void *)(uintptr_t)&set->data[0], (void *)(uintptr_t)&set->data[1],
 			(void *)(uintptr_t)&set->data[2], (void *)(uintptr_t)&set->data[3], &n, &m};
 
-		GPU(g, cuLaunchKernel, (function, (unsigned)((most + FLOOR_BLOCK - 1) / FLOOR_BLOCK), 1, 1, FLOOR_BLOCK,
-					       1, 1, 0, g->stream, parameters, NULL));
+		GPU(g, cuLaunchKernel,
+			(function, (unsigned)((most + FLOOR_BLOCK - 1) / FLOOR_BLOCK), 1, 1, FLOOR_BLOCK, 1, 1, 0,
+				g->stream, parameters, NULL));
 	}
 	return gpu_capture_end(g);
 }
@@ -176,8 +178,8 @@ static void replay_in_turns(const struct gpu *g, CUgraphExec *graphs, size_t n, 
 	free(times);
 }
 
-static double latency(const struct gpu *g, const struct settings *s, struct item *it, const struct reference *r,
-	size_t count)
+static double latency(
+	const struct gpu *g, const struct settings *s, struct item *it, const struct reference *r, size_t count)
 {
 	struct sets sets = sets_new(g, rnea_info(it->robot), r, count, 0);
 	CUgraphExec graph = capture_robot(g, it, &sets, count, (size_t)s->chain);

@@ -47,8 +47,9 @@ static void put_csv_row(FILE *f, const struct settings *s, const struct item *it
 	fprintf(f, "%s,%s,%s,%s,%s,%s,%s,%zu,%zu,%zu,%u,%u", it->text, *it->failure ? "FAIL" : "ok", info->name,
 		info->precision == RNEA_F64 ? "f64" : "f32", info->layout == RNEA_AOS ? "aos" : "soa", info->trig,
 		info->base, info->nq, info->nv, info->nb, info->block, k[0].busy_block);
-	fprintf(f, ",%zu,%zu", info->operations.mul + info->operations.add + info->operations.sub +
-		2 * info->operations.fma, info->operations.sincos);
+	fprintf(f, ",%zu,%zu",
+		info->operations.mul + info->operations.add + info->operations.sub + 2 * info->operations.fma,
+		info->operations.sincos);
 	for (int i = 0; i < RNEA_KERNEL_COUNT; i++)
 		fprintf(f, ",%d,%zu", k[i].registers, k[i].local_bytes);
 	fprintf(f, ",%zu,%.3f,%.4f,%.4f,%.3f,%.3f,%.4f,%.3e,%.3e\n", k[0].shared_bytes, it->seconds,
@@ -56,8 +57,8 @@ static void put_csv_row(FILE *f, const struct settings *s, const struct item *it
 		it->launch > 0 ? it->floor / it->launch : 0, it->max_error, it->rms_error);
 }
 
-static int put_csv(const struct gpu *g, const struct settings *s, const struct item *items, size_t count,
-	const char *path)
+static int put_csv(
+	const struct gpu *g, const struct settings *s, const struct item *items, size_t count, const char *path)
 {
 	FILE *f = fopen(path, "w");
 	time_t now = time(NULL);
@@ -68,13 +69,14 @@ static int put_csv(const struct gpu *g, const struct settings *s, const struct i
 		return 1;
 	}
 	strftime(date, sizeof date, "%Y-%m-%d %H:%M UTC", gmtime(&now));
-	fprintf(f, "# device %s, driver %s (CUDA %d.%d), %s, commit %s, times over %zu samples, medians of %d replays\n",
+	fprintf(f,
+		"# device %s, driver %s (CUDA %d.%d), %s, commit %s, times over %zu samples, medians of %d replays\n",
 		g->name, of_environment("RNEA_DRIVER"), g->driver / 1000, g->driver % 1000 / 10, date,
 		of_environment("RNEA_COMMIT"), s->large, s->replays);
-	fputs("text,result,robot,precision,layout,trig,base,nq,nv,nb,block,busy_block,flops,sincos,registers,local_bytes,"
-	      "fpass_registers,fpass_local_bytes,bpass_registers,bpass_local_bytes,shared_bytes,open_s,us_at_1,us_at_1024,"
-	      "ps_per_sample,floor_ps_per_sample,of_floor,max_error,rms_error\n",
-		f);
+	fputs("text,result,robot,precision,layout,trig,base,nq,nv,nb,block,busy_block,flops,sincos,", f);
+	fputs("registers,local_bytes,fpass_registers,fpass_local_bytes,bpass_registers,bpass_local_bytes,", f);
+	fputs("shared_bytes,open_s,us_at_1,us_at_1024,ps_per_sample,floor_ps_per_sample,of_floor,", f);
+	fputs("max_error,rms_error\n", f);
 	for (size_t i = 0; i < count; i++)
 		put_csv_row(f, s, &items[i]);
 	return fclose(f) != 0;

@@ -158,8 +158,8 @@ static void verify_passes(const struct gpu *g, struct item *it, const struct ref
 {
 	const struct rnea_info *info = rnea_info(it->robot);
 	struct arrays a = arrays_new(g, info, r, r->q.count);
-	size_t in = info->input_count, bytes = bytes_of(&(struct rnea_argument){.rows = 6 * info->nb,
-		.scalar = info->precision}, a.count);
+	size_t in = info->input_count,
+	       bytes = bytes_of(&(struct rnea_argument){.rows = 6 * info->nb, .scalar = info->precision}, a.count);
 	struct gpu_array pass[3] = {gpu_array_new(g, bytes), gpu_array_new(g, bytes), gpu_array_new(g, bytes)};
 	static const char *const names[] = {"v", "a", "f"};
 	void *forward[MOST + 3], *backward[3] = {a.pointers[0], (void *)(uintptr_t)pass[2].data, a.pointers[a.n - 1]};
@@ -223,8 +223,10 @@ static void verify_bad_sample(const struct gpu *g, struct item *it, const struct
 	if (launched(g, it, RNEA_KERNEL_RNEA, a.pointers, a.count)) {
 		gpu_array_read(g, tau, before);
 		for (size_t row = 0; row < info->nq; row++)
-			GPU(g, cuMemsetD8, (a.array[0].data + size * (info->layout == RNEA_AOS ? bad * info->nq + row
-										: row * a.count + bad), 0xff, size));
+			GPU(g, cuMemsetD8,
+				(a.array[0].data + size * (info->layout == RNEA_AOS ? bad * info->nq + row
+										    : row * a.count + bad),
+					0xff, size));
 		GPU(g, cuCtxSynchronize, ());
 		launched(g, it, RNEA_KERNEL_RNEA, a.pointers, a.count);
 		gpu_array_read(g, tau, after);
