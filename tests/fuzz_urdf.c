@@ -80,6 +80,15 @@ static int is_line(const char *s)
 	return 1;
 }
 
+/* Printable ASCII: whatever a name holds, the text does not. */
+static int is_plain(const char *s)
+{
+	for (; s && *s; s++)
+		if ((*s < 0x20 || *s >= 0x7f) && *s != '\n' && *s != '\t')
+			return 0;
+	return 1;
+}
+
 static void check(const struct rneagen_options *o, const struct rneagen_result *r, const struct rneagen_error *e)
 {
 	static const struct rneagen_result empty;
@@ -94,6 +103,7 @@ static void check(const struct rneagen_options *o, const struct rneagen_result *
 	require(r->name && r->info && r->info_json && r->dot, "a success without its texts", e);
 	require(r->source && strstr(r->source, r->name) != NULL, "a source without its name", e);
 	require(!r->header == (o->target != RNEAGEN_TARGET_C), "a header for C, and only for C", e);
+	require(is_plain(r->source) && is_plain(r->header), "a text with other characters than printable ASCII", e);
 	require(!r->dump == (o->dump == RNEAGEN_DUMP_NONE), "a dump where one is asked for", e);
 	for (size_t i = 0; i < r->warning_count; i++)
 		require(*r->warnings[i] && is_line(r->warnings[i]), "a warning of more than one line", e);

@@ -7,7 +7,7 @@ set_tests_properties(test_dot_graphviz PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 30
 
 # tests/fuzz builds this in the preset `fuzz`; a minute of it is a test where asked for.
 if(RNEAGEN_FUZZ)
-	add_executable(fuzz_urdf fuzz_urdf.c)
+	add_executable(fuzz_urdf fuzz_urdf.c fuzz_mutate.c)
 	target_link_libraries(fuzz_urdf PRIVATE rneagen::rneagen -fsanitize=fuzzer)
 endif()
 add_test(NAME fuzz_minute COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/fuzz_minute)
