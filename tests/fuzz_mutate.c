@@ -85,9 +85,9 @@ static struct span find_tags(struct editor *e)
 
 static void set_value(struct editor *e)
 {
-	static const char *const values[] = {"0", "1", "-1", "0.5", "1e-9", "1e300", "-1e300", "1.5707963267948966", "3.14159265359",
-		"0 0 0", "0 0 1", "0 -1 0", "1e-8 1 0", "1.5708 0 0", "a", "base", "j", "fixed", "continuous", "prismatic", "planar",
-		"floating", "revolute", "a&#10;b", "&quot;&lt;"};
+	static const char *const values[] = {"0", "1", "-1", "0.5", "1e-9", "1e300", "-1e300", "1.5707963267948966",
+		"3.14159265359", "0 0 0", "0 0 1", "0 -1 0", "1e-8 1 0", "1.5708 0 0", "a", "base", "j", "fixed",
+		"continuous", "prismatic", "planar", "floating", "revolute", "a&#10;b", "&quot;&lt;"};
 	const char *v = values[below(e, sizeof values / sizeof *values)];
 
 	replace(e, find_value(e), v, strlen(v));

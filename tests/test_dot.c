@@ -79,20 +79,23 @@ END_TEST
 
 #define LINK(name) "<link name='" name "'/>"
 #define JOINT(name, parent, child)                                                                                     \
-	"<joint name='" name "' type='continuous'><parent link='" parent "'/><child link='" child "'/><axis xyz='0 -1 0'/>"   \
+	"<joint name='" name "' type='continuous'><parent link='" parent "'/><child link='" child                      \
+	"'/><axis xyz='0 -1 0'/>"                                                                                      \
 	"</joint>"
 
 /* Names that Graphviz would resolve, or that would end its string. */
-static const char hostile[] = "<robot name='\\G \"graph\"'>" LINK("base") LINK("line&#10;two&#13;&#9;") LINK("\\N\\") LINK(
-	"\";}") LINK("&lt;b&gt;&amp;lt;") LINK("#&#127;\xc3\xa9") JOINT("\\E", "base", "line&#10;two&#13;&#9;")
-	JOINT("\\\"", "base", "\\N\\") JOINT("-- {", "base", "\";}") JOINT("&lt;TABLE&gt;", "base", "&lt;b&gt;&amp;lt;")
-		JOINT("&amp;#65;", "base", "#&#127;\xc3\xa9") "</robot>";
+static const char hostile[] = "<robot name='\\G \"graph\"'>" LINK("base") LINK("line&#10;two&#13;&#9;") LINK("\\N\\")
+	LINK("\";}") LINK("&lt;b&gt;&amp;lt;") LINK("#&#127;\xc3\xa9") JOINT("\\E", "base", "line&#10;two&#13;&#9;")
+		JOINT("\\\"", "base", "\\N\\") JOINT("-- {", "base", "\";}")
+			JOINT("&lt;TABLE&gt;", "base", "&lt;b&gt;&amp;lt;")
+				JOINT("&amp;#65;", "base", "#&#127;\xc3\xa9") "</robot>";
 
 START_TEST(labels_are_escaped)
 {
-	static const char *const parts[] = {"\"\\\\G \\\"graph\\\"\"", "label=\"line\\\\x0atwo\\\\x0d\\\\x09\\n", "label=\"\\\\N\\\\\\n",
-		"label=\"\\\";}\\n", "label=\"<b>&amp;lt;\\n", "label=\"#\\\\x7f\xc3\xa9\\n", "label=\"\\\\E\\n", "label=\"\\\\\\\"\\n",
-		"label=\"-- {\\n", "label=\"<TABLE>\\n", "label=\"&amp;#65;\\n"};
+	static const char *const parts[] = {"\"\\\\G \\\"graph\\\"\"", "label=\"line\\\\x0atwo\\\\x0d\\\\x09\\n",
+		"label=\"\\\\N\\\\\\n", "label=\"\\\";}\\n", "label=\"<b>&amp;lt;\\n", "label=\"#\\\\x7f\xc3\xa9\\n",
+		"label=\"\\\\E\\n", "label=\"\\\\\\\"\\n", "label=\"-- {\\n", "label=\"<TABLE>\\n",
+		"label=\"&amp;#65;\\n"};
 	struct drawn d;
 
 	read_memory(&d.from, hostile, strlen(hostile), "hostile");
@@ -153,7 +156,8 @@ static void svg_characters(void *user, const XML_Char *text, int length)
 static void shown(char *out, const char *name)
 {
 	for (; *name; name++)
-		out += sprintf(out, (unsigned char)*name < 0x20 || *name == 0x7f ? "\\x%02x" : "%c", (unsigned char)*name);
+		out += sprintf(
+			out, (unsigned char)*name < 0x20 || *name == 0x7f ? "\\x%02x" : "%c", (unsigned char)*name);
 	*out = '\0';
 }
 

@@ -79,7 +79,8 @@ static int results_differ(const struct rneagen_result *a, const struct rneagen_r
 		if (differ(a->warnings[i], b->warnings[i]))
 			return 1;
 	return differ(a->name, b->name) || differ(a->source, b->source) || differ(a->header, b->header) ||
-		differ(a->info, b->info) || differ(a->info_json, b->info_json) || differ(a->dot, b->dot) || differ(a->dump, b->dump);
+	       differ(a->info, b->info) || differ(a->info_json, b->info_json) || differ(a->dot, b->dot) ||
+	       differ(a->dump, b->dump);
 }
 
 /* 1 if the call gives anything else than it gave before. */
@@ -117,7 +118,8 @@ static void *work(void *argument)
 
 START_TEST(threads_get_what_one_gets)
 {
-	char **good_names = names_list(TEST_DIR "/robots", &good_count), **bad_names = names_list(TEST_DIR "/bad", &bad_count);
+	char **good_names = names_list(TEST_DIR "/robots", &good_count),
+	     **bad_names = names_list(TEST_DIR "/bad", &bad_count);
 	struct worker workers[THREADS];
 
 	good = read_jobs(TEST_DIR "/robots", good_names, good_count);
@@ -128,7 +130,8 @@ START_TEST(threads_get_what_one_gets)
 	}
 	for (int t = 0; t < THREADS; t++) {
 		pthread_join(workers[t].thread, NULL);
-		ck_assert_msg(workers[t].wrong == 0, "thread %d: %d of %d results differ", t, workers[t].wrong, (int)CALLS);
+		ck_assert_msg(
+			workers[t].wrong == 0, "thread %d: %d of %d results differ", t, workers[t].wrong, (int)CALLS);
 	}
 	free_jobs(good, good_count);
 	free_jobs(bad, bad_count);
