@@ -24,10 +24,14 @@ static int write_file(const char *name, const char *suffix, const char *text)
 {
 	char path[256];
 	FILE *f;
+	int failed;
 
 	snprintf(path, sizeof path, "%.200s_rnea.%s", name, suffix);
 	f = fopen(path, "wb");
-	return !f || (fputs(text, f) < 0) | (fclose(f) != 0);
+	if (!f)
+		return 1;
+	failed = fputs(text, f) < 0;
+	return fclose(f) || failed;
 }
 
 int main(int argc, char **argv)

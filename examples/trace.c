@@ -45,6 +45,7 @@ struct summary trace_summary(const struct record *records, size_t count, size_t 
 int trace_write(const char *path, const struct record *records, size_t count, double rate)
 {
 	FILE *f = fopen(path, "w");
+	int failed;
 
 	if (!f)
 		return 1;
@@ -56,5 +57,6 @@ int trace_write(const char *path, const struct record *records, size_t count, do
 			fprintf(f, " %.5f", records[k].effort[j]);
 		fputc('\n', f);
 	}
-	return (ferror(f) != 0) | (fclose(f) != 0);
+	failed = ferror(f);
+	return fclose(f) || failed;
 }
