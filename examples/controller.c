@@ -16,8 +16,8 @@
 enum { RATE = 1000, TICK_LIMIT = 60 * RATE, SETTLED = RATE }; /* Hz, ticks, ticks */
 
 static struct record records[TICK_LIMIT];
-static const double KP = 400, KD = 40;    /* 1/s^2, 1/s: two poles at -20/s */
-static const double MARGIN = 0.02;        /* rad kept from every joint limit */
+static const double KP = 400, KD = 40;	   /* 1/s^2, 1/s: two poles at -20/s */
+static const double MARGIN = 0.02;	   /* rad kept from every joint limit */
 static const double TRACKING_LIMIT = 1e-3; /* rad, once settled */
 
 /* iiwa14.urdf: <limit lower upper effort velocity>, <dynamics damping>; rad, N m, rad/s, N m s/rad */
@@ -58,7 +58,7 @@ static double clamp(double x, double lower, double upper)
 	return fmin(fmax(x, lower), upper);
 }
 
-/* A quintic's peak velocity is 15/8 of its mean: the slowest joint to get there at its <limit velocity> sets the time. */
+/* A quintic's peak velocity is 15/8 of its mean; the slowest joint to get there within its limit sets the time. */
 static void move_begin(struct move *m, const double from[N])
 {
 	m->time = m->duration = 0;
@@ -123,7 +123,7 @@ static double seconds_now(void)
 	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Returns how many ticks were done: fewer than asked for if a joint left its range, as a brake would be applied then. */
+/* Returns how many ticks were done: fewer than asked for if a joint left its range; a brake would be applied then. */
 static size_t loop(struct state *s, size_t ticks)
 {
 	struct move move = {0};
@@ -166,7 +166,7 @@ int main(int argc, char **argv)
 	if (done < asked)
 		printf("stopped after %zu ms: joint %d is beyond its limit\n", done, outside(&s) + 1);
 	sum = trace_summary(records, done, SETTLED);
-	printf("%zu calls, of %d us each: median %.2f us, 99.9 %% within %.2f us, worst %.2f us with all else that ran\n", done,
+	printf("%zu calls, of %d us each: median %.2f us, 99.9 %% within %.2f us, worst %.2f us\n", done,
 		1000000 / RATE, 1e6 * sum.median, 1e6 * sum.most, 1e6 * sum.worst);
 	printf("torques: at most %.3f of the effort limit, held there in %d ticks\n", sum.effort, sum.limited);
 	printf("tracking error after %d s: at most %.3f mrad\n", SETTLED / RATE, 1e3 * sum.error);

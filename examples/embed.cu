@@ -1,9 +1,9 @@
-/* embed [COUNT]: inverse dynamics inside a kernel of one's own. COUNT trajectories of a KUKA iiwa 14 go to the device as
-   the coefficients of splines (embed.h); one thread a trajectory walks along it, calls the inlined iiwa14_rnea at every
-   time step, holds the torques against the joints' limits, and writes one number: the trajectory's cost, or infinity.
-   Neither positions nor torques ever exist in memory.
+/* embed [COUNT]: inverse dynamics inside a kernel of one's own. COUNT trajectories of a KUKA iiwa 14 go to the device
+   as the coefficients of splines (embed.h); one thread a trajectory walks along it, calls the inlined iiwa14_rnea at
+   every time step, holds the torques against the joints' limits, and writes one number: the trajectory's cost, or
+   infinity. Neither positions nor torques ever exist in memory.
 
-   The same function runs on the host; both are checked (embed_check.cpp). Without nvcc this is C++ and has no kernel. */
+   The same function runs on the host; both are checked (embed_check.cpp). Without nvcc this is C++, without kernel. */
 #include "iiwa14_rnea.h"
 #include "embed.h"
 #include <cstdio>
@@ -19,24 +19,24 @@ static const double ERROR_LIMIT = 5e-5; /* a sum of 2800 terms in single precisi
 /* The integral of |tau|^2 along trajectory k of `count`, in N^2 m^2 s; infinity if a torque is above its limit. */
 static __host__ __device__ float trajectory_cost(const float *coefficients, size_t k, size_t count)
 {
-	const float effort[N] = EFFORTS;
+	const float effort[N] = {EFFORTS};
 	float cost = 0, c[N][4], q[N], qd[N], qdd[N], tau[N];
 
 	for (int s = 0; s < SEGMENTS; s++) {
 		for (int j = 0; j < N; j++)
 			for (int i = 0; i < 4; i++)
-				c[j][i] = coefficients[(size_t)((s*N + j)*4 + i)*count + k];
+				c[j][i] = coefficients[(size_t)((s * N + j) * 4 + i) * count + k];
 		for (int step = 0; step < STEPS; step++) {
-			const float t = ((float)step + 0.5f)*DT;
+			const float t = ((float)step + 0.5f) * DT;
 
 			for (int j = 0; j < N; j++) {
-				q[j] = ((c[j][3]*t + c[j][2])*t + c[j][1])*t + c[j][0];
-				qd[j] = (3*c[j][3]*t + 2*c[j][2])*t + c[j][1];
-				qdd[j] = 6*c[j][3]*t + 2*c[j][2];
+				q[j] = ((c[j][3] * t + c[j][2]) * t + c[j][1]) * t + c[j][0];
+				qd[j] = (3 * c[j][3] * t + 2 * c[j][2]) * t + c[j][1];
+				qdd[j] = 6 * c[j][3] * t + 2 * c[j][2];
 			}
 			iiwa14_rnea(q, qd, qdd, tau);
 			for (int j = 0; j < N; j++)
-				cost += fabsf(tau[j]) <= effort[j] ? tau[j]*tau[j]*DT : INFINITY;
+				cost += fabsf(tau[j]) <= effort[j] ? tau[j] * tau[j] * DT : INFINITY;
 		}
 	}
 	return cost;
@@ -45,7 +45,7 @@ static __host__ __device__ float trajectory_cost(const float *coefficients, size
 #if defined __CUDACC__
 static __global__ void __launch_bounds__(128) cost_kernel(const float *coefficients, float *costs, size_t count)
 {
-	const size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x;
+	const size_t k = (size_t)blockIdx.x * blockDim.x + threadIdx.x;
 
 	if (k < count)
 		costs[k] = trajectory_cost(coefficients, k, count);
@@ -61,12 +61,12 @@ static int failed(cudaError_t e)
 /* The costs by the kernel, and the milliseconds of its second run. Returns 1 if something fails. */
 static int run_kernel(const std::vector<float> &coefficients, std::vector<float> &costs, float *milliseconds)
 {
-	const size_t count = costs.size(), bytes = coefficients.size()*sizeof(float);
-	const unsigned blocks = (unsigned)((count + 127)/128);
+	const size_t count = costs.size(), bytes = coefficients.size() * sizeof(float);
+	const unsigned blocks = (unsigned)((count + 127) / 128);
 	float *in = NULL, *out = NULL;
 	cudaEvent_t begin, end;
 
-	if (failed(cudaMalloc(&in, bytes)) || failed(cudaMalloc(&out, count*sizeof(float))) ||
+	if (failed(cudaMalloc(&in, bytes)) || failed(cudaMalloc(&out, count * sizeof(float))) ||
 		failed(cudaMemcpy(in, coefficients.data(), bytes, cudaMemcpyHostToDevice)) ||
 		failed(cudaEventCreate(&begin)) || failed(cudaEventCreate(&end)))
 		return 1;
@@ -74,7 +74,7 @@ static int run_kernel(const std::vector<float> &coefficients, std::vector<float>
 	cudaEventRecord(begin);
 	cost_kernel<<<blocks, 128>>>(in, out, count);
 	cudaEventRecord(end);
-	if (failed(cudaMemcpy(costs.data(), out, count*sizeof(float), cudaMemcpyDeviceToHost)) ||
+	if (failed(cudaMemcpy(costs.data(), out, count * sizeof(float), cudaMemcpyDeviceToHost)) ||
 		failed(cudaEventElapsedTime(milliseconds, begin, end)))
 		return 1;
 	cudaEventDestroy(begin);
@@ -97,7 +97,7 @@ static int on_device(const std::vector<float> &coefficients, size_t count)
 		return 1;
 	error = worst_error(coefficients, costs);
 	printf("device: %.3f ms, %.1f ps a time step; error of the costs at most %.2g\n", (double)milliseconds,
-		1e9*(double)milliseconds/((double)count*SEGMENTS*STEPS), error);
+		1e9 * (double)milliseconds / ((double)count * SEGMENTS * STEPS), error);
 	return !(error < ERROR_LIMIT);
 }
 #else
@@ -119,8 +119,8 @@ static int on_host(const std::vector<float> &coefficients, size_t count)
 		best = costs[k] < costs[best] ? k : best;
 	}
 	error = worst_error(coefficients, costs);
-	printf("%zu trajectories of %d steps, %zu within the torque limits; number %zu costs least\n", count, SEGMENTS*STEPS,
-		feasible, best);
+	printf("%zu trajectories of %d steps, %zu within the torque limits; number %zu costs least\n", count,
+		SEGMENTS * STEPS, feasible, best);
 	printf("host: error of the costs at most %.2g\n", error);
 	return !(error < ERROR_LIMIT) || feasible == 0 || feasible == count;
 }

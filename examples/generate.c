@@ -1,5 +1,5 @@
-/* generate ROBOT.urdf NAME: the library instead of the command. The text of a URDF goes in; NAME_rnea.c and NAME_rnea.h,
-   the robot's inverse dynamics in C, come out. The text may come from anywhere: here it is a file. */
+/* generate ROBOT.urdf NAME: the library instead of the command. The text of a URDF goes in; NAME_rnea.c and
+   NAME_rnea.h, the robot's inverse dynamics in C, come out. The text may come from anywhere: here it is a file. */
 #include <rneagen/rneagen.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* library ROBOT.urdf: both libraries through their installed headers; a text that one writes is what the other opens. */
+/* library ROBOT.urdf: both libraries through their installed headers; what one writes the other opens. */
 #include <rneagen/rnea.h>
 #include <rneagen/rneagen.h>
 #include <stdio.h>
