@@ -41,6 +41,8 @@ static void arrays_fill(const struct gpu *g, struct arrays *a, const struct rnea
 		samples_tile(reference_find(r, input->name), a->host, a->count, input->scalar, info->layout);
 		GPU(g, cuMemcpyHtoD, (a->array[i].data, a->host, a->array[i].bytes));
 	}
+	/* a copy from pageable memory returns before it is done, and our stream does not wait for it */
+	GPU(g, cuCtxSynchronize, ());
 }
 
 static struct arrays arrays_new(
