@@ -86,8 +86,10 @@ static void fill_batch(struct batch *b, const struct reference *r, bool f32)
 
 static struct batch open_batch(size_t count)
 {
-	return (struct batch){.count = count, .q = allocate(N * count, sizeof(double)),
-		.qd = allocate(N * count, sizeof(double)), .qdd = allocate(N * count, sizeof(double)),
+	return (struct batch){.count = count,
+		.q = allocate(N * count, sizeof(double)),
+		.qd = allocate(N * count, sizeof(double)),
+		.qdd = allocate(N * count, sizeof(double)),
 		.tau = allocate(N * count, sizeof(double))};
 }
 
@@ -142,8 +144,11 @@ static bool check_batch(const struct batch *b, const char *urdf, double limit)
 	struct check part[THREAD_LIMIT], all = {.max = 0};
 
 	for (size_t i = 0; i < threads; i++) {
-		part[i] = (struct check){.batch = b, .urdf = urdf, .limit = limit,
-			.begin = b->count * i / threads, .end = b->count * (i + 1) / threads};
+		part[i] = (struct check){.batch = b,
+			.urdf = urdf,
+			.limit = limit,
+			.begin = b->count * i / threads,
+			.end = b->count * (i + 1) / threads};
 		if (pthread_create(&thread[i], NULL, check_samples, &part[i])) {
 			fputs("quickstart: no thread can be started\n", stderr);
 			exit(1);
@@ -162,19 +167,44 @@ static bool check_batch(const struct batch *b, const char *urdf, double limit)
 
 /* ---- the three parts ---- */
 
+enum { TRIES = 5, CALLS = 20000 }; /* the best time of a few tries */
+
+static double time_one(const double q[N], const double qd[N], const double qdd[N], double tau[N])
+{
+	double best = INFINITY;
+
+	for (int try = 0; try < TRIES; try++) {
+		double start = seconds_now();
+
+		for (int i = 0; i < CALLS; i++)
+			iiwa14_rnea(q, qd, qdd, tau);
+		best = fmin(best, (seconds_now() - start) / CALLS);
+	}
+	return best;
+}
+
+static double time_batch(const struct batch *b)
+{
+	double best = INFINITY;
+
+	for (int try = 0; try < TRIES; try++) {
+		double start = seconds_now();
+
+		iiwa14_rnea_batch(b->q, b->qd, b->qdd, b->tau, b->count);
+		best = fmin(best, (seconds_now() - start) / (double)b->count);
+	}
+	return best;
+}
+
 static void show_one(const struct batch *b, struct reference *r)
 {
-	const int calls = 100000;
-	double q[N], qd[N], qdd[N], tau[N], start, seconds;
+	double q[N], qd[N], qdd[N], tau[N], seconds;
 	wide exact[N];
 
 	get_sample(b->q, b, 0, q);
 	get_sample(b->qd, b, 0, qd);
 	get_sample(b->qdd, b, 0, qdd);
-	start = seconds_now();
-	for (int i = 0; i < calls; i++)
-		iiwa14_rnea(q, qd, qdd, tau);
-	seconds = seconds_now() - start;
+	seconds = time_one(q, qd, qdd, tau);
 	reference_rnea(r, q, qd, qdd, exact);
 
 	printf("One sample: iiwa14_rnea(q, qd, qdd, tau)\n");
@@ -183,24 +213,18 @@ static void show_one(const struct batch *b, struct reference *r)
 		const struct reference_joint *j = &r->joints[i];
 
 		if (j->nv)
-			printf("  %-14s %9.5f %9.5f %9.5f %20.15f %20.15f\n", j->name, q[j->iq], qd[j->iv],
-				qdd[j->iv], tau[j->iv], (double)exact[j->iv]);
+			printf("  %-14s %9.5f %9.5f %9.5f %20.15f %20.15f\n", j->name, q[j->iq], qd[j->iv], qdd[j->iv],
+				tau[j->iv], (double)exact[j->iv]);
 	}
-	printf("  time: %.0f ns a call, one core\n\n", 1e9 * seconds / calls);
+	printf("  time: %.0f ns a call, one core\n\n", 1e9 * seconds);
 }
 
 static bool run_c(struct batch *b, const char *urdf)
 {
-	double best = INFINITY;
+	double seconds = time_batch(b);
 
-	for (int i = 0; i < 5; i++) {
-		double start = seconds_now();
-
-		iiwa14_rnea_batch(b->q, b->qd, b->qdd, b->tau, b->count);
-		best = fmin(best, seconds_now() - start);
-	}
 	printf("%zu samples, C, f64: iiwa14_rnea_batch(q, qd, qdd, tau, count)\n", b->count);
-	printf("  time: %.0f ns a sample, one core\n", 1e9 * best / (double)b->count);
+	printf("  time: %.0f ns a sample, one core\n", 1e9 * seconds);
 	return check_batch(b, urdf, LIMIT_F64);
 }
 

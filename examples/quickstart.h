@@ -12,7 +12,7 @@ struct gpu_job {
 	size_t count;
 	const float *inputs[3]; /* q, qd, qdd */
 	float *tau;
-	double seconds;     /* of one launch, data on the GPU */
+	double seconds;	    /* of one launch, data on the GPU */
 	char message[2048]; /* "" where GPU_DONE */
 };
 

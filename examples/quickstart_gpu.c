@@ -40,9 +40,9 @@ static int cuda_open(struct cuda *c)
 	       find(c->library, "cuDevicePrimaryCtxRetain", &c->retain) ||
 	       find(c->library, "cuDevicePrimaryCtxRelease_v2", &c->release) ||
 	       find(c->library, "cuCtxSetCurrent", &c->set_current) ||
-	       find(c->library, "cuCtxSynchronize", &c->synchronize) ||
-	       find(c->library, "cuMemAlloc_v2", &c->alloc) || find(c->library, "cuMemFree_v2", &c->free) ||
-	       find(c->library, "cuMemcpyHtoD_v2", &c->to_device) || find(c->library, "cuMemcpyDtoH_v2", &c->to_host);
+	       find(c->library, "cuCtxSynchronize", &c->synchronize) || find(c->library, "cuMemAlloc_v2", &c->alloc) ||
+	       find(c->library, "cuMemFree_v2", &c->free) || find(c->library, "cuMemcpyHtoD_v2", &c->to_device) ||
+	       find(c->library, "cuMemcpyDtoH_v2", &c->to_host);
 }
 
 /* Launches over arrays that lie on the GPU; returns the CUDA driver's status, or -1 with the job's message set. */
@@ -113,6 +113,11 @@ static enum gpu_outcome run_robot(const struct rnea_robot *robot, struct gpu_job
 	return status ? GPU_FAILED : GPU_DONE;
 }
 
+static int is_absence(enum rnea_code code)
+{
+	return code == RNEA_NO_DRIVER || code == RNEA_NO_DEVICE || code == RNEA_NO_COMPILER;
+}
+
 enum gpu_outcome gpu_run(struct gpu_job *job)
 {
 	struct rnea_robot *robot;
@@ -122,7 +127,7 @@ enum gpu_outcome gpu_run(struct gpu_job *job)
 
 	if (code) {
 		snprintf(job->message, sizeof job->message, "%s", e.message);
-		return code == RNEA_NO_DRIVER || code == RNEA_NO_DEVICE || code == RNEA_NO_COMPILER ? GPU_SKIPPED : GPU_FAILED;
+		return is_absence(code) ? GPU_SKIPPED : GPU_FAILED;
 	}
 	outcome = run_robot(robot, job);
 	rnea_close(robot);

@@ -18,6 +18,7 @@ setup_list() {
 		tests libclang-rt-dev setup_clang_runtime
 		tests libmpfr-dev pkg-config --exists mpfr
 		tests graphviz command -v dot
+		tests gnuplot-nox command -v gnuplot
 		tests locales test -e /usr/share/i18n/locales/de_DE
 		tests mandoc command -v mandoc
 	END
