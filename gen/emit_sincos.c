@@ -2,11 +2,22 @@
 #include "emit.h"
 #include "template.h"
 
+/* A robot of sliding joints alone calls none, and a function that nobody calls is a warning. */
+static int has_angles(const struct emission *e)
+{
+	for (int i = 0; i < PASS_COUNT; i++)
+		if (plan_operations(&e->passes[i].plan).sincos)
+			return 1;
+	return 0;
+}
+
 void emit_sincos(const struct emission *e, struct text *out)
 {
 	enum rneagen_trig trig = e->options->trig;
 	int f32 = emit_is_f32(e), host_only = f32 && trig == RNEAGEN_FAST;
 
+	if (!has_angles(e))
+		return;
 	if (host_only)
 		text_put(out, "#if !defined __CUDA_ARCH__\n");
 	text_put(out, f32 ? template_sincos_f32_core_in : template_sincos_f64_core_in);
