@@ -12,7 +12,10 @@ struct sincos {
 	void (*accurate64)(const double *x, double *s, double *c, size_t n);
 };
 
-extern const struct sincos sincos_plain; // RNEA_FMA(a, b, c) is a*b + c, rounded twice
-extern const struct sincos sincos_fma;   // RNEA_FMA is fmaf, fma
+// RNEA_FMA(a, b, c) is a*b + c, rounded twice.
+extern const struct sincos sincos_plain;
+
+// RNEA_FMA is fmaf, fma.
+extern const struct sincos sincos_fma;
 
 #endif
