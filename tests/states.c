@@ -58,6 +58,25 @@ static void evaluate(struct model *m, struct states *s, size_t k)
 	free(terms);
 }
 
+int state_is_angle(const struct model *m, int row)
+{
+	for (int i = 0; i < m->tree.joint_count; i++) {
+		const struct tree_joint *j = &m->tree.joints[i];
+
+		if (row >= j->iq && row < j->iq + j->nq)
+			return j->type == JOINT_REVOLUTE || j->type == JOINT_CONTINUOUS ||
+				(j->type == JOINT_PLANAR && row == j->iq + 2);
+	}
+	return 0;
+}
+
+static void enlarge_angles(const struct model *m, int f32, double *q)
+{
+	for (int i = 0; i < m->tree.nq && !m->tree.mimic_count; i++)
+		if (state_is_angle(m, i))
+			q[i] = f32 ? (double)(float)(q[i] * 1e9) : q[i] * 1e9;
+}
+
 struct states states_new(struct model *m, uint64_t seed, int count, int f32, int with_noise)
 {
 	int nq = m->tree.nq, nv = m->tree.nv;
@@ -72,6 +91,8 @@ struct states states_new(struct model *m, uint64_t seed, int count, int f32, int
 		double *q = s.q + k * nq, *qd = s.qd + k * nv, *qdd = s.qdd + k * nv;
 
 		reference_sample(m->reference, &rng, f32, q, qd, qdd);
+		if (k >= count - 100 && k % 10 == 0)
+			enlarge_angles(m, f32, q);
 		reference_rnea(m->reference, q, qd, qdd, s.tau + k * nv);
 		if (with_noise)
 			reference_magnitude(m->reference, q, qd, qdd, magnitude);

@@ -13,7 +13,11 @@ struct states {
 	double *noise;        /* what the rounding of the URDF's numbers can make; zero unless asked for */
 };
 
-/* with_noise costs a second run of the reference. */
+/* Is this row of q an angle? */
+int state_is_angle(const struct model *m, int row);
+
+/* Of the last hundred states, every tenth has angles up to 3e9 rad, unless joints mimic others: rounding a multiple of
+   such an angle would be all there is. with_noise costs a second run of the reference. */
 struct states states_new(struct model *m, uint64_t seed, int count, int f32, int with_noise);
 void states_free(struct states *s);
 

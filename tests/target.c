@@ -54,17 +54,23 @@ void target_compile(const struct target *t, const char *const *argv)
 	process_free(&p);
 }
 
+static int has_angles(const struct target *t)
+{
+	return strstr(t->text.source, "\trneagen_sincos") != NULL;
+}
+
 /* The text as it is, and beside it a way to its own sine and cosine, which nobody else can see. */
 static void write_sources(const struct target *t, const char *stem)
 {
 	const char *type = t->f32 ? "float" : "double";
 	char text[1024];
+	int n = snprintf(text, sizeof text, "#include \"%s.c\"\n", stem);
 
-	snprintf(text, sizeof text,
-		"#include \"%s.c\"\n"
-		"void test_sincos(%s x, %s *s, %s *c);\n"
-		"void test_sincos(%s x, %s *s, %s *c)\n{\n\trneagen_sincos%s_%s(x, s, c);\n}\n",
-		stem, type, type, type, type, type, type, t->f32 ? "f" : "", TRIGS[t->options.trig]);
+	if (has_angles(t))
+		snprintf(text + n, sizeof text - (size_t)n,
+			"void test_sincos(%s x, %s *s, %s *c);\n"
+			"void test_sincos(%s x, %s *s, %s *c)\n{\n\trneagen_sincos%s_%s(x, s, c);\n}\n",
+			type, type, type, type, type, type, t->f32 ? "f" : "", TRIGS[t->options.trig]);
 	target_write(target_path(stem, ".c"), t->text.source);
 	target_write(target_path(stem, ".h"), t->text.header);
 	target_write(target_path(stem, "_with_sincos.c"), text);
@@ -89,7 +95,8 @@ static void find_functions(struct target *t)
 		snprintf(name, sizeof name, "%s%s", t->text.name, suffixes[i]);
 		target_symbol(t, t->library, name, slots[t->f32][i]);
 	}
-	target_symbol(t, t->library, "test_sincos", t->f32 ? (void *)&t->single.sincos : (void *)&t->wide.sincos);
+	if (has_angles(t))
+		target_symbol(t, t->library, "test_sincos", t->f32 ? (void *)&t->single.sincos : (void *)&t->wide.sincos);
 }
 
 void target_open(struct target *t, const char *urdf, size_t length, const struct rneagen_options *o,

@@ -34,7 +34,8 @@ void check_batch(const struct check *c);
 /* N_fpass and N_bpass on the first states. */
 void check_passes(const struct check *c);
 
-/* NaN or infinity in any one input reaches every torque that depends on it, and no other sample. */
+/* NaN, infinity, or an angle beyond the domain of the trigonometry mode in any one input reaches every torque that
+   depends on it, and no other sample. */
 void check_nonfinite(const struct check *c);
 
 void worst_report(const struct worst *w, const char *what);

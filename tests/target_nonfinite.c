@@ -89,6 +89,7 @@ void check_nonfinite(const struct check *c)
 {
 	static const double values[] = {NAN, INFINITY, -INFINITY};
 	const struct states *s = c->states;
+	double beyond = s->f32 ? 1.001e4 : 1.001e7; /* of the domain of sine and cosine in the other modes */
 	struct inputs in = {s->nq, s->nv, malloc((size_t)(s->nq + 2 * s->nv) * sizeof(double))};
 	double *sound = calloc((size_t)(2 * SAMPLES * s->nv), sizeof *sound), *spoilt = sound + SAMPLES * s->nv;
 	char *depends = calloc((size_t)s->nv, 1);
@@ -105,6 +106,11 @@ void check_nonfinite(const struct check *c)
 		find_dependence(c, &in, which, depends);
 		for (int v = 0; v < 3; v++) {
 			array_set(&b.in[k], place, values[v]);
+			run(c, &b, spoilt);
+			judge(c, spoilt, sound, depends, k, row);
+		}
+		if (c->target->options.trig != RNEAGEN_ACCURATE && k == 0 && state_is_angle(c->model, row)) {
+			array_set(&b.in[k], place, beyond);
 			run(c, &b, spoilt);
 			judge(c, spoilt, sound, depends, k, row);
 		}

@@ -1,0 +1,212 @@
+/* What a text is, apart from what it computes: no compiler has anything to say about it, its objects show the documented
+   symbols and need nothing, and what all_zero_torque stores is zero. */
+#define _POSIX_C_SOURCE 200809L
+#include "model.h"
+#include "process.h"
+#include "target.h"
+#include <check.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static void compile_object(const struct target *t, const char *command, const char *level, struct target_path source,
+	struct target_path object)
+{
+	const char *const argv[] = {
+		command, "-std=c11", WARNING_FLAGS, "-Wshadow", level, "-c", "-o", object.s, source.s, NULL};
+
+	target_compile(t, argv);
+}
+
+/* nm says `name type ...`: is the name NAME with one of the suffixes? */
+static int is_documented(const struct target *t, const char *symbol, size_t length)
+{
+	static const char *const suffixes[] = {"_rnea", "_rnea_batch", "_fpass", "_bpass", "_info"};
+	size_t own = strlen(t->text.name);
+
+	for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes; i++)
+		if (length == own + strlen(suffixes[i]) && !strncmp(symbol, t->text.name, own) &&
+			!strncmp(symbol + own, suffixes[i], strlen(suffixes[i])))
+			return 1;
+	return 0;
+}
+
+/* What compilers add of themselves. */
+static int is_machinery(const char *symbol, size_t length)
+{
+	static const char *const known[] = {"_GLOBAL_OFFSET_TABLE_", "memset", "memcpy", "memmove"};
+
+	for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+		if (length == strlen(known[i]) && !strncmp(symbol, known[i], length))
+			return 1;
+	return 0;
+}
+
+static void check_symbols(const struct target *t, struct target_path object)
+{
+	const char *const argv[] = {"nm", "-g", "-P", object.s, NULL};
+	struct process p = process_run(argv);
+	int defined = 0;
+
+	ck_assert_msg(p.status == 0, "%s: nm: %s", t->what, p.output);
+	for (const char *line = p.output; *line; line = strchr(line, '\n') + 1) {
+		size_t length = strcspn(line, " ");
+		char type = line[length + 1];
+
+		if (is_machinery(line, length))
+			continue;
+		ck_assert_msg(type != 'U' && is_documented(t, line, length), "%s: symbol '%.*s' (%c)", t->what, (int)length, line,
+			type);
+		defined++;
+	}
+	ck_assert_msg(defined == 5, "%s: %d symbols", t->what, defined);
+	process_free(&p);
+}
+
+struct tally {
+	const char *clang; /* NULL: none here */
+	int own, robots, turn;
+};
+
+/* What looks at control flow needs optimising, which takes long over long texts. */
+static void compile_by_all(const struct tally *tally, const struct target *t, const char *stem)
+{
+	static const char *const commands[] = {"clang", "gcc", "clang"}, *const levels[] = {"-O0", "-O2", "-O2"};
+	int is_long = strlen(t->text.source) > 300000;
+
+	for (int i = 0; i < (tally->own ? 3 : 1); i++) {
+		const char *command = tally->clang ? commands[i] : "gcc";
+		struct target_path object = target_path(stem, ".o");
+
+		compile_object(t, command, is_long ? "-O0" : levels[i], target_path(stem, ".c"), object);
+		check_symbols(t, object);
+		unlink(object.s);
+	}
+}
+
+/* One text; precision, layout and mode take turns. */
+static void check_text(struct tally *tally, const char *urdf, size_t length, const char *name, enum rneagen_base base)
+{
+	struct rneagen_options o = rneagen_options_default();
+	struct target t;
+	char stem[128];
+
+	o.target = RNEAGEN_TARGET_C;
+	o.base = base;
+	o.precision = tally->turn % 2 ? RNEAGEN_F32 : RNEAGEN_F64;
+	o.layout = tally->turn / 2 % 2 ? RNEAGEN_AOS : RNEAGEN_SOA;
+	o.trig = (enum rneagen_trig)(tally->turn % 3);
+	tally->turn++;
+	snprintf(stem, sizeof stem, "text_%.*s_%d", (int)(strlen(name) - 5), name, base);
+	target_generate(&t, urdf, length, &o, name);
+	target_write(target_path(stem, ".c"), t.text.source);
+	compile_by_all(tally, &t, stem);
+	unlink(target_path(stem, ".c").s);
+	target_close(&t);
+}
+
+static void check_robot(const char *path, const char *name, void *context)
+{
+	struct tally *tally = context;
+	size_t length;
+	char *urdf;
+
+	if (!strncmp(name, "xfail_", 6))
+		return;
+	urdf = read_file(path, &length);
+	ck_assert_msg(urdf != NULL, "%s cannot be read", path);
+	check_text(tally, urdf, length, name, RNEAGEN_FIXED);
+	if (tally->robots % 3 == 0)
+		check_text(tally, urdf, length, name, RNEAGEN_FLOATING);
+	tally->robots++;
+	free(urdf);
+}
+
+static void check_folder(const char *folder, int own)
+{
+	struct tally tally = {.own = own, .clang = process_exists("clang") ? "clang" : NULL};
+
+	if (!tally.clang)
+		printf("skipped: no clang\n");
+	for_each_urdf(folder, check_robot, &tally);
+	ck_assert_int_gt(tally.robots, 0);
+	printf("%d texts of %d robots: no warning, no symbol too many\n", tally.turn, tally.robots);
+}
+
+START_TEST(own_robots)
+{
+	check_folder(TEST_DIR "/robots", 1);
+}
+END_TEST
+
+START_TEST(real_robots)
+{
+	const char *folder = getenv("RNEAGEN_ROBOTS");
+
+	if (folder)
+		check_folder(folder, 0);
+	else
+		printf("skipped: RNEAGEN_ROBOTS is not set\n");
+}
+END_TEST
+
+/* Exactly +0, and said so. */
+START_TEST(zero_is_stored)
+{
+	static const struct compiler gcc = {"gcc", {"-O2"}};
+	struct rneagen_options o = rneagen_options_default();
+	struct array in[3], tau = array_new(0, 6);
+	struct target t;
+	size_t length;
+	char *urdf = read_file(TEST_DIR "/robots/all_zero_torque.urdf", &length);
+
+	ck_assert_ptr_nonnull(urdf);
+	o.target = RNEAGEN_TARGET_C;
+	o.precision = RNEAGEN_F64;
+	target_open(&t, urdf, length, &o, &gcc, "zero");
+	for (int k = 0; k < 3; k++) {
+		in[k] = array_new(0, 6);
+		for (size_t i = 0; i < 6; i++)
+			array_set(&in[k], i, -1.5);
+	}
+	target_rnea(&t, &in[0], &in[1], &in[2], &tau);
+	for (size_t i = 0; i < 6; i++) {
+		char line[64];
+
+		ck_assert_msg(same_number(array_get(&tau, i), 0), "torque %zu is %g", i, array_get(&tau, i));
+		snprintf(line, sizeof line, "tau[%zu*stride] = 0.0;", i);
+		ck_assert_msg(strstr(t.text.source, line) != NULL, "no line '%s'", line);
+	}
+	for (int k = 0; k < 3; k++)
+		array_free(&in[k]);
+	array_free(&tau);
+	target_close(&t);
+	free(urdf);
+}
+END_TEST
+
+static void add_case(Suite *suite, const char *name, const TTest *test)
+{
+	TCase *c = tcase_create(name);
+
+	tcase_set_timeout(c, 1200);
+	tcase_add_test(c, test);
+	suite_add_tcase(suite, c);
+}
+
+int main(void)
+{
+	Suite *suite = suite_create("texts");
+	SRunner *runner = srunner_create(suite);
+	int failed;
+
+	setvbuf(stdout, NULL, _IOLBF, 0);
+	add_case(suite, "own", own_robots);
+	add_case(suite, "real", real_robots);
+	add_case(suite, "zero", zero_is_stored);
+	srunner_run_all(runner, CK_NORMAL);
+	failed = srunner_ntests_failed(runner);
+	srunner_free(runner);
+	return failed != 0;
+}
