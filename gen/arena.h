@@ -4,6 +4,10 @@
 
 #include <stddef.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Where an arena takes its blocks from. alloc returns NULL on failure; release takes what alloc gave. */
 struct rneagen_allocator {
 	void *(*alloc)(void *context, size_t size);
@@ -35,4 +39,7 @@ char *arena_string(struct arena *a, const char *s, size_t length);
    not, or NULL on failure (the old array is then still valid). */
 void *arena_grow(struct arena *a, void *array, size_t count, size_t *capacity, size_t size);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

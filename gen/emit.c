@@ -15,10 +15,22 @@ static const char *scalar(const struct emission *e)
 	return emit_is_f32(e) ? "float" : "double";
 }
 
-/* Bytes of shared memory that staging takes for one sample; an odd pitch keeps threads in different banks. */
+static int gcd(int a, int b)
+{
+	return b ? gcd(b, a % b) : a;
+}
+
+/* Words from one sample's rows to the next one's in shared memory. 32 banks of 4 bytes: at most two threads on a bank
+   are cheaper than a gap that breaks the slice up. */
+static int pitch(const struct emission *e, int rows)
+{
+	return gcd(rows, emit_is_f32(e) ? 32 : 16) <= 2 ? rows : rows | 1;
+}
+
+/* Bytes of shared memory that staging takes for one sample. */
 static int stage_bytes(const struct emission *e)
 {
-	return ((e->tree->nq | 1) + 2 * (e->tree->nv | 1)) * (emit_is_f32(e) ? 4 : 8);
+	return (pitch(e, e->tree->nq) + 2 * pitch(e, e->tree->nv)) * (emit_is_f32(e) ? 4 : 8);
 }
 
 static int is_staged(const struct emission *e)
@@ -35,11 +47,11 @@ static int block_size(const struct emission *e)
 	return block;
 }
 
-/* Humanoids in f32 gain from a third block (H100: 168 registers, no spill); in f64 the bound would make them spill.
-   Staged slices leave room for few blocks anyway. */
+/* Humanoids in f32 gain from room for a third block (H100: 168 registers, no spill). Elsewhere the compiler's own choice
+   spills least: a bound makes it fetch all inputs first. */
 static int min_blocks(const struct emission *e)
 {
-	return emit_is_f32(e) && !is_staged(e) && e->tree->body_count >= MANY_BODIES ? 3 : 1;
+	return emit_is_f32(e) && !is_staged(e) && e->tree->body_count >= MANY_BODIES ? 3 : 0;
 }
 
 /* Where sample k begins. */
@@ -146,7 +158,7 @@ static const char *kernel_call(const struct emission *e, const struct pass *p, i
 static void put_kernel(const struct emission *e, const struct pass *p, struct text *out)
 {
 	int staged = is_staged(e) && p == &e->passes[PASS_RNEA];
-	int q_pitch = e->tree->nq | 1, v_pitch = e->tree->nv | 1;
+	int q_pitch = pitch(e, e->tree->nq), v_pitch = pitch(e, e->tree->nv);
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", scalar(e)},
 		{"BOUNDS", p == &e->passes[PASS_RNEA] ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
@@ -160,12 +172,12 @@ static void put_kernel(const struct emission *e, const struct pass *p, struct te
 
 static const char *stage_text(const struct emission *e)
 {
-	const struct slot slots[] = {{"T", scalar(e)}, {"SIZE", emit_is_f32(e) ? "4" : "8"}};
+	const struct slot slots[] = {{"T", scalar(e)}};
 	struct text t;
 
 	text_init(&t, e->arena);
 	if (is_staged(e))
-		template_expand(&t, template_stage_aos_in, slots, 2);
+		template_expand(&t, template_stage_aos_in, slots, 1);
 	return text_string(&t);
 }
 

@@ -8,6 +8,10 @@
 #define RNEAGEN_PRINTF(f, a)
 #endif
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* code, what it means in general */
 #define RNEAGEN_ERRORS(X)                                                                                              \
 	X(OK, "no error")                                                                                              \
@@ -48,4 +52,7 @@ enum rneagen_code error_set(struct rneagen_error *e, enum rneagen_code code, con
 /* error_set(e, RNEAGEN_MEMORY, ...) */
 enum rneagen_code error_memory(struct rneagen_error *e);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

@@ -61,7 +61,7 @@ static enum rneagen_code write_temporary(const char *path, const char *s, char *
 	struct stat st;
 	char *name = NULL;
 	FILE *f = NULL;
-	int in_place = !stat(path, &st) && !S_ISREG(st.st_mode), fd;
+	int in_place = !stat(path, &st) && !S_ISREG(st.st_mode), fd, bad;
 
 	*temporary = NULL;
 	if (in_place) {
@@ -85,7 +85,9 @@ static enum rneagen_code write_temporary(const char *path, const char *s, char *
 		free(name);
 		return e->code;
 	}
-	if ((fputs(s, f) < 0) | (fclose(f) != 0)) {
+	bad = fputs(s, f) < 0;
+	bad |= fclose(f) != 0;
+	if (bad) {
 		fail_write(path, e);
 		if (name)
 			unlink(name);
@@ -140,7 +142,9 @@ enum rneagen_code file_write_pair(const char *path, const char *source, const ch
 
 int file_put_stdout(const char *s)
 {
-	return (fputs(s, stdout) < 0) | (fflush(stdout) != 0);
+	int bad = fputs(s, stdout) < 0;
+
+	return fflush(stdout) != 0 || bad;
 }
 
 enum rneagen_code file_put_stdout_error(const char *s, struct rneagen_error *e)
