@@ -22,3 +22,5 @@ set_tests_properties(test_threads PROPERTIES TIMEOUT 600)
 add_test(NAME test_options COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_options $<TARGET_FILE:rneagen-command>)
 add_test(NAME test_manual COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_manual)
 set_tests_properties(test_manual PROPERTIES SKIP_RETURN_CODE 77)
+# the README's table is what the results say
+add_test(NAME readme_table COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/gpu/table --check ${PROJECT_SOURCE_DIR}/README.md)
