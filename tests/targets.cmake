@@ -18,3 +18,6 @@ add_executable(test_targets_cuda test_targets_cuda.c ptxas.c)
 target_compile_definitions(test_targets_cuda PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
 target_link_libraries(test_targets_cuda PRIVATE target rnea::rnea)
 add_test(NAME test_targets_cuda COMMAND test_targets_cuda)
+
+# What is committed under generated/ is what the command writes.
+add_test(NAME golden COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/regenerate --check $<TARGET_FILE:rneagen-command>)
