@@ -95,7 +95,7 @@ const char atlas_info[] =
 	"nq 30\n"
 	"nv 30\n"
 	"nb 30\n"
-	"block 128\n"
+	"block 64\n"
 	"input q 30 f64 sample\n"
 	"input qd 30 f64 sample\n"
 	"input qdd 30 f64 sample\n"

@@ -88,7 +88,7 @@ const char hyq_info[] =
 	"nq 19\n"
 	"nv 18\n"
 	"nb 13\n"
-	"block 128\n"
+	"block 64\n"
 	"input q 19 f64 sample\n"
 	"input qd 18 f64 sample\n"
 	"input qdd 18 f64 sample\n"
