@@ -50,7 +50,7 @@ void target_compile(const struct target *t, const char *const *argv)
 		strncat(line, argv[i], sizeof line - strlen(line) - 1);
 		strncat(line, " ", sizeof line - strlen(line) - 1);
 	}
-	ck_assert_msg(p.status == 0 && !*p.output, "%s: %sgives %d and says\n%.6000s", t->what, line, p.status, p.output);
+	ck_assert_msg(p.status == 0 && !*p.output, "%s: %sgives %d and says\n%.3000s", t->what, line, p.status, p.output);
 	process_free(&p);
 }
 

@@ -53,7 +53,7 @@ static struct process run_nvcc(const struct target *t, struct target_path source
 		NULL};
 	struct process p = process_run(argv);
 
-	ck_assert_msg(p.status == 0 && !strstr(p.output, "arning"), "%s: nvcc gives %d and says\n%.6000s", t->what, p.status,
+	ck_assert_msg(p.status == 0 && !strstr(p.output, "arning"), "%s: nvcc gives %d and says\n%.3000s", t->what, p.status,
 		p.output);
 	return p;
 }
