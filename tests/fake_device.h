@@ -13,6 +13,7 @@
 
 #define __CUDACC_RTC__ 1
 #define __CUDA_ARCH__ 700 /* before machines had instructions that a text would name in assembly */
+#define __align__(bytes) __attribute__((aligned(bytes)))
 #define __global__
 #define __device__
 #define __host__
@@ -30,6 +31,9 @@ static thread_local fake_dim threadIdx, blockIdx, blockDim, gridDim;
 
 struct alignas(16) float4 {
 	float x, y, z, w;
+};
+struct alignas(16) int4 {
+	int x, y, z, w;
 };
 struct alignas(16) double2 {
 	double x, y;
