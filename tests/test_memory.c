@@ -1,0 +1,94 @@
+/* No memory, at every request there is: linked with arena_each.c, where each request asks the allocator. */
+#include "rneagen.h"
+#include "urdf_text.h"
+#include <check.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A warning, a follower, a fixed joint, a floating joint, names that are escaped. */
+static const char urdf[] = ROBOT("r \"*/\"", BALL("base") BALL("a/*") BALL("b") POINT("c", "1", "1 2 3") BALL("d")
+	JOINT("ja", "revolute", "base", "a/*", AXIS("0 0 2")) JOINT("jb", "prismatic", "a/*", "b", AXIS("0 1 0") MIMIC("ja", "-2", "0.5"))
+		JOINT("jc", "fixed", "b", "c", ORIGIN("0 0 1", "0.1 0.2 0.3")) JOINT("jd", "revolute", "c", "d", AXIS("1 1 0")));
+
+/* Refuses the request with number `refused`, and all later ones where `for_good`. */
+struct warden {
+	long requests, refused, out;
+	int for_good;
+};
+
+static void *warden_alloc(void *context, size_t size)
+{
+	struct warden *w = context;
+	long request = w->requests++;
+	void *p = request == w->refused || (w->for_good && request > w->refused) ? NULL : malloc(size);
+
+	w->out += p != NULL;
+	return p;
+}
+
+static void warden_release(void *context, void *block)
+{
+	((struct warden *)context)->out--;
+	free(block);
+}
+
+/* Returns the number of requests; every refusal must come out as MEMORY, and nothing be left. */
+static long refuse_each(const struct rneagen_options *options, int for_good)
+{
+	struct rneagen_options o = *options;
+
+	for (long k = 0;; k++) {
+		struct warden w = {.refused = k, .for_good = for_good};
+		struct rneagen_allocator allocator = {warden_alloc, warden_release, &w};
+		struct rneagen_result r;
+		struct rneagen_error e;
+		enum rneagen_code code;
+
+		o.allocator = &allocator;
+		code = rneagen_generate(urdf, sizeof urdf - 1, &o, &r, &e);
+		if (k >= w.requests) {
+			ck_assert_msg(code == RNEAGEN_OK, "%s", e.message);
+			rneagen_result_free(&r);
+			ck_assert_int_eq(w.out, 0);
+			return k;
+		}
+		ck_assert_msg(code == RNEAGEN_MEMORY, "request %ld refused: code %d, %s", k, code, e.message);
+		ck_assert_str_eq(e.message, "out of memory");
+		ck_assert_msg(w.out == 0, "request %ld refused: %ld blocks left", k, w.out);
+		ck_assert(!r.source && !r.header && !r.info && !r.info_json && !r.dump && !r.name && !r.warning_count);
+	}
+}
+
+START_TEST(every_request)
+{
+	struct rneagen_options o = rneagen_options_default();
+	long requests;
+
+	o.target = (enum rneagen_target)(_i % 3);
+	o.base = _i % 2 ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+	o.dump = (enum rneagen_dump)(_i % 5);
+	o.layout = _i % 2 ? RNEAGEN_SOA : RNEAGEN_AOS;
+	o.order = _i == 1 ? "jd,ja" : NULL;
+	requests = refuse_each(&o, _i % 2);
+	printf("each of %ld requests refused\n", requests);
+	ck_assert_int_gt(requests, 100);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *suite = suite_create("memory");
+	TCase *c = tcase_create("generate");
+	SRunner *runner = srunner_create(suite);
+	int failed;
+
+	setvbuf(stdout, NULL, _IOLBF, 0);
+	tcase_set_timeout(c, 300);
+	tcase_add_loop_test(c, every_request, 0, 6);
+	suite_add_tcase(suite, c);
+	srunner_run_all(runner, CK_NORMAL);
+	failed = srunner_ntests_failed(runner);
+	srunner_free(runner);
+	return failed != 0;
+}
