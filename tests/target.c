@@ -36,6 +36,7 @@ void target_generate(struct target *t, const char *urdf, size_t length, const st
 	t->options = *o;
 	t->f32 = o->precision == RNEAGEN_F32;
 	t->library = NULL;
+	*t->stem = '\0';
 	snprintf(t->what, sizeof t->what, "%.160s %s %s %s %s", what, t->f32 ? "f32" : "f64",
 		o->layout == RNEAGEN_SOA ? "soa" : "aos", TRIGS[o->trig], o->base == RNEAGEN_FLOATING ? "floating" : "fixed");
 	ck_assert_msg(!rneagen_generate(urdf, length, o, &t->text, &e), "%s: %s", t->what, e.message);
@@ -107,6 +108,7 @@ void target_open(struct target *t, const char *urdf, size_t length, const struct
 	int n = 12;
 
 	target_generate(t, urdf, length, o, stem);
+	snprintf(t->stem, sizeof t->stem, "%s", stem);
 	write_sources(t, stem);
 	snprintf(t->what + strlen(t->what), sizeof t->what - strlen(t->what), " %s", c->command);
 	for (int i = 0; c->flags[i]; i++) {
@@ -123,8 +125,12 @@ void target_open(struct target *t, const char *urdf, size_t length, const struct
 
 void target_close(struct target *t)
 {
+	static const char *const suffixes[] = {".c", ".h", "_with_sincos.c"};
+
 	if (t->library)
 		dlclose(t->library);
+	for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes && *t->stem; i++)
+		unlink(target_path(t->stem, suffixes[i]).s);
 	rneagen_result_free(&t->text);
 }
 

@@ -18,6 +18,7 @@ struct target {
 	struct rneagen_options options;
 	struct rneagen_result text;
 	char what[256]; /* for messages: robot, options, compiler */
+	char stem[128]; /* of the files that target_open wrote, "" if it did not */
 	int f32;
 	void *library;
 	TARGET_FUNCTIONS(float) single;
@@ -47,7 +48,7 @@ void target_generate(struct target *t, const char *urdf, size_t length, const st
 /* Run a compiler on a file; the test fails with what it said where it fails or says anything. */
 void target_compile(const struct target *t, const char *const *argv);
 
-/* Generate for target C, compile, load; the file's name is `stem`. */
+/* Generate for target C, compile, load. The files are called `stem` and stay when the test fails. */
 void target_open(struct target *t, const char *urdf, size_t length, const struct rneagen_options *o,
 	const struct compiler *c, const char *stem);
 void target_close(struct target *t);

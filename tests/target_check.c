@@ -29,11 +29,11 @@ static struct array array_of(const struct check *c, const double *x, int count)
 	return a;
 }
 
-static void keep_worst(double *worst, char *of, const struct check *c, double error)
+static void keep_worst(double *worst, char *of, double error, const char *what)
 {
 	if (error > *worst) {
 		*worst = error;
-		memcpy(of, c->target->what, sizeof c->target->what);
+		memcpy(of, what, sizeof ((struct target *)0)->what);
 	}
 }
 
@@ -76,7 +76,7 @@ static void judge(const struct check *c, int k, const double *tau)
 	double error = reference_error(tau, s->tau + first, s->nv);
 
 	ck_assert_msg(!c->real || error <= LIMITS[c->target->f32], "%s: state %d: relative error %g", c->target->what, k, error);
-	keep_worst(&c->worst->norm, c->worst->norm_of, c, error);
+	keep_worst(&c->worst->norm, c->worst->norm_of, error, c->target->what);
 	for (size_t i = first; i < first + (size_t)s->nv; i++) {
 		double off = (double)fabsl((long double)tau[i - first] - s->tau[i]), eval = fabs(tau[i - first] - s->eval[i]);
 		double limit = LIMIT_TERMS * eps(c) * s->size[i];
@@ -202,7 +202,7 @@ static void judge_back(const struct check *c, int k, const struct slot *x)
 
 	ck_assert_msg(!c->real || error <= LIMITS[c->target->f32], "%s: state %d: bpass(fpass): relative error %g",
 		c->target->what, k, error);
-	keep_worst(&c->worst->back, c->worst->back_of, c, error);
+	keep_worst(&c->worst->back, c->worst->back_of, error, c->target->what);
 	for (size_t i = 0; i < (size_t)s->nv && !c->real; i++) {
 		double off = (double)fabsl((long double)array_get(&x->tau, i) - (long double)s->tau[at(k, s->nv) + i]);
 		double magnitude = s->noise[at(k, s->nv) + i] / (4 * 0x1p-53);
@@ -232,7 +232,7 @@ void check_passes(const struct check *c)
 			ck_assert_msg(error <= LIMITS[c->target->f32], "%s: state %d: fpass: %s has relative error %g",
 				c->target->what, k, names[i], error);
 			ck_assert_msg(array_intact(&out[i]), "%s: fpass wrote before %s", c->target->what, names[i]);
-			keep_worst(&c->worst->passes, c->worst->passes_of, c, error);
+			keep_worst(&c->worst->passes, c->worst->passes_of, error, c->target->what);
 		}
 		target_bpass(c->target, &x.q, &out[2], &x.tau);
 		judge_back(c, k, &x);
@@ -242,6 +242,15 @@ void check_passes(const struct check *c)
 		array_free(&out[i]);
 	slot_free(&x);
 	free(ref);
+}
+
+void worst_merge(struct worst *into, const struct worst *from)
+{
+	keep_worst(&into->norm, into->norm_of, from->norm, from->norm_of);
+	keep_worst(&into->passes, into->passes_of, from->passes, from->passes_of);
+	keep_worst(&into->back, into->back_of, from->back, from->back_of);
+	into->terms = fmax(into->terms, from->terms);
+	into->count += from->count;
 }
 
 void worst_report(const struct worst *w, const char *what)

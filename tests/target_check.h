@@ -38,6 +38,9 @@ void check_passes(const struct check *c);
    depends on it, and no other sample. */
 void check_nonfinite(const struct check *c);
 
+/* Take the worse of each. */
+void worst_merge(struct worst *into, const struct worst *from);
+
 void worst_report(const struct worst *w, const char *what);
 
 #endif

@@ -38,13 +38,12 @@ static int is_legged(const char *name)
 	return 0;
 }
 
-static void check_text(struct session *s, struct model *m, const struct states *states, const char *urdf, size_t length,
-	const struct rneagen_options *o, const char *stem)
+static void check_text(int is_real, struct worst *worst, struct model *m, const struct states *states, const char *urdf,
+	size_t length, const struct rneagen_options *o, const char *stem)
 {
 	static const struct compiler optimising = {"gcc", {"-O1"}}, quick = {"gcc", {"-O0"}};
 	struct target t;
-	struct check c = {.target = &t, .model = m, .states = states, .real = s->real, .exact = 1,
-		.worst = &s->worst[o->precision == RNEAGEN_F32]};
+	struct check c = {.target = &t, .model = m, .states = states, .real = is_real, .exact = 1, .worst = worst};
 
 	target_open(&t, urdf, length, o, m->tree.body_count < DEEP ? &optimising : &quick, stem);
 	check_rnea(&c);
@@ -59,6 +58,7 @@ static void check_base(struct session *s, const char *urdf, size_t length, const
 	const struct variant *variants = base == RNEAGEN_FIXED ? FIXED : FLOATING;
 	size_t count = base == RNEAGEN_FIXED ? sizeof FIXED / sizeof *FIXED : sizeof FLOATING / sizeof *FLOATING;
 	struct rneagen_options o = rneagen_options_default();
+	struct worst worst[2] = {0};
 	struct states states[2];
 	struct model m;
 	char stem[256];
@@ -74,10 +74,14 @@ static void check_base(struct session *s, const char *urdf, size_t length, const
 		o.trig = variants[i].trig;
 		states[0].count = states[1].count = o.trig == RNEAGEN_ACCURATE ? STATES : SMALL_STATES;
 		snprintf(stem, sizeof stem, "%s_%.*s_%d%zu", s->real ? "real" : "own", (int)(strlen(name) - 5), name, base, i);
-		check_text(s, &m, &states[o.precision == RNEAGEN_F32], urdf, length, &o, stem);
+		check_text(s->real, &worst[o.precision == RNEAGEN_F32], &m, &states[o.precision == RNEAGEN_F32], urdf, length, &o,
+			stem);
 	}
-	states_free(&states[0]);
-	states_free(&states[1]);
+	printf("%-34s %-8s f64 %.1e, f32 %.1e\n", name, base ? "floating" : "fixed", worst[0].norm, worst[1].norm);
+	for (int f32 = 0; f32 < 2; f32++) {
+		worst_merge(&s->worst[f32], &worst[f32]);
+		states_free(&states[f32]);
+	}
 	model_close(&m);
 }
 
