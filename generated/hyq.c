@@ -44,7 +44,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#if defined __FAST_MATH__
+#if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
 #error "this text relies on IEEE arithmetic: compile it without -ffast-math"
 #endif
 #if defined __GNUC__
