@@ -9,7 +9,7 @@ struct array {
 	int f32;
 	size_t count;
 	void *data;
-	char *pages;         /* private: the mapping, guard included */
+	char *pages;	     /* private: the mapping, guard included */
 	size_t before, size; /* private: bytes before the data, bytes of the mapping */
 };
 

@@ -7,7 +7,8 @@ static void read_line(struct kernel_use *k, const char *line)
 	int stack, stores, loads;
 	const char *shared = strstr(line, " bytes smem");
 
-	if (sscanf(line, " %d bytes stack frame, %d bytes spill stores, %d bytes spill loads", &stack, &stores, &loads) == 3) {
+	if (sscanf(line, " %d bytes stack frame, %d bytes spill stores, %d bytes spill loads", &stack, &stores,
+		    &loads) == 3) {
 		k->stack = stack > k->stack ? stack : k->stack;
 		k->spill_stores += stores;
 		k->spill_loads += loads;

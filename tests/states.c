@@ -65,7 +65,7 @@ int state_is_angle(const struct model *m, int row)
 
 		if (row >= j->iq && row < j->iq + j->nq)
 			return j->type == JOINT_REVOLUTE || j->type == JOINT_CONTINUOUS ||
-				(j->type == JOINT_PLANAR && row == j->iq + 2);
+			       (j->type == JOINT_PLANAR && row == j->iq + 2);
 	}
 	return 0;
 }
@@ -80,9 +80,18 @@ static void enlarge_angles(const struct model *m, int f32, double *q)
 struct states states_new(struct model *m, uint64_t seed, int count, int f32, int with_noise)
 {
 	int nq = m->tree.nq, nv = m->tree.nv;
-	struct states s = {.count = count, .nq = nq, .nv = nv, .f32 = f32, .q = numbers(count, nq), .qd = numbers(count, nv),
-		.qdd = numbers(count, nv), .eval = numbers(count, nv), .size = numbers(count, nv), .bound = numbers(count, nv),
-		.noise = numbers(count, nv), .tau = calloc((size_t)(count * nv), sizeof(wide))};
+	struct states s = {.count = count,
+		.nq = nq,
+		.nv = nv,
+		.f32 = f32,
+		.q = numbers(count, nq),
+		.qd = numbers(count, nv),
+		.qdd = numbers(count, nv),
+		.eval = numbers(count, nv),
+		.size = numbers(count, nv),
+		.bound = numbers(count, nv),
+		.noise = numbers(count, nv),
+		.tau = calloc((size_t)(count * nv), sizeof(wide))};
 	wide *magnitude = calloc((size_t)nv, sizeof *magnitude);
 	struct rng rng = rng_seed(seed);
 

@@ -7,10 +7,10 @@
 struct states {
 	int count, nq, nv, f32;
 	double *q, *qd, *qdd; /* [sample][row] */
-	wide *tau;            /* by the reference, [sample][row]; so the rest */
-	double *eval;         /* by gen/eval */
+	wide *tau;	      /* by the reference, [sample][row]; so the rest */
+	double *eval;	      /* by gen/eval */
 	double *size, *bound; /* magnitudes that were summed; eval's running error bound */
-	double *noise;        /* what the rounding of the URDF's numbers can make; zero unless asked for */
+	double *noise;	      /* what the rounding of the URDF's numbers can make; zero unless asked for */
 };
 
 /* Is this row of q an angle? */

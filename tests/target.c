@@ -29,7 +29,8 @@ void target_write(struct target_path path, const char *text)
 	ck_assert_int_eq(fclose(f), 0);
 }
 
-void target_generate(struct target *t, const char *urdf, size_t length, const struct rneagen_options *o, const char *what)
+void target_generate(
+	struct target *t, const char *urdf, size_t length, const struct rneagen_options *o, const char *what)
 {
 	struct rneagen_error e;
 
@@ -38,7 +39,8 @@ void target_generate(struct target *t, const char *urdf, size_t length, const st
 	t->library = NULL;
 	*t->stem = '\0';
 	snprintf(t->what, sizeof t->what, "%.160s %s %s %s %s", what, t->f32 ? "f32" : "f64",
-		o->layout == RNEAGEN_SOA ? "soa" : "aos", TRIGS[o->trig], o->base == RNEAGEN_FLOATING ? "floating" : "fixed");
+		o->layout == RNEAGEN_SOA ? "soa" : "aos", TRIGS[o->trig],
+		o->base == RNEAGEN_FLOATING ? "floating" : "fixed");
 	ck_assert_msg(!rneagen_generate(urdf, length, o, &t->text, &e), "%s: %s", t->what, e.message);
 }
 
@@ -51,7 +53,8 @@ void target_compile(const struct target *t, const char *const *argv)
 		strncat(line, argv[i], sizeof line - strlen(line) - 1);
 		strncat(line, " ", sizeof line - strlen(line) - 1);
 	}
-	ck_assert_msg(p.status == 0 && !*p.output, "%s: %sgives %d and says\n%.3000s", t->what, line, p.status, p.output);
+	ck_assert_msg(
+		p.status == 0 && !*p.output, "%s: %sgives %d and says\n%.3000s", t->what, line, p.status, p.output);
 	process_free(&p);
 }
 
@@ -97,7 +100,8 @@ static void find_functions(struct target *t)
 		target_symbol(t, t->library, name, slots[t->f32][i]);
 	}
 	if (has_angles(t))
-		target_symbol(t, t->library, "test_sincos", t->f32 ? (void *)&t->single.sincos : (void *)&t->wide.sincos);
+		target_symbol(
+			t, t->library, "test_sincos", t->f32 ? (void *)&t->single.sincos : (void *)&t->wide.sincos);
 }
 
 void target_open(struct target *t, const char *urdf, size_t length, const struct rneagen_options *o,

@@ -43,7 +43,8 @@ struct target_path target_path(const char *name, const char *suffix);
 void target_write(struct target_path path, const char *text);
 
 /* Generate; the test fails with a message where that fails. `what` names the robot. */
-void target_generate(struct target *t, const char *urdf, size_t length, const struct rneagen_options *o, const char *what);
+void target_generate(
+	struct target *t, const char *urdf, size_t length, const struct rneagen_options *o, const char *what);
 
 /* Run a compiler on a file; the test fails with what it said where it fails or says anything. */
 void target_compile(const struct target *t, const char *const *argv);

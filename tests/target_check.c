@@ -33,7 +33,7 @@ static void keep_worst(double *worst, char *of, double error, const char *what)
 {
 	if (error > *worst) {
 		*worst = error;
-		memcpy(of, what, sizeof ((struct target *)0)->what);
+		memcpy(of, what, sizeof((struct target *)0)->what);
 	}
 }
 
@@ -75,16 +75,19 @@ static void judge(const struct check *c, int k, const double *tau)
 	size_t first = at(k, s->nv);
 	double error = reference_error(tau, s->tau + first, s->nv);
 
-	ck_assert_msg(!c->real || error <= LIMITS[c->target->f32], "%s: state %d: relative error %g", c->target->what, k, error);
+	ck_assert_msg(!c->real || error <= LIMITS[c->target->f32], "%s: state %d: relative error %g", c->target->what,
+		k, error);
 	keep_worst(&c->worst->norm, c->worst->norm_of, error, c->target->what);
 	for (size_t i = first; i < first + (size_t)s->nv; i++) {
-		double off = (double)fabsl((long double)tau[i - first] - s->tau[i]), eval = fabs(tau[i - first] - s->eval[i]);
+		double off = (double)fabsl((long double)tau[i - first] - s->tau[i]),
+		       eval = fabs(tau[i - first] - s->eval[i]);
 		double limit = LIMIT_TERMS * eps(c) * s->size[i];
 
 		ck_assert_msg(c->real || off - s->noise[i] <= limit, "%s: state %d: torque %zu is off by %g, limit %g",
 			c->target->what, k, i - first, off, limit);
-		ck_assert_msg(eval <= 3 * s->bound[i], "%s: state %d: torque %zu is %g from eval's, which may be off by %g",
-			c->target->what, k, i - first, eval, s->bound[i]);
+		ck_assert_msg(eval <= 3 * s->bound[i],
+			"%s: state %d: torque %zu is %g from eval's, which may be off by %g", c->target->what, k,
+			i - first, eval, s->bound[i]);
 		if (off > s->noise[i])
 			c->worst->terms = fmax(c->worst->terms, (off - s->noise[i]) / (eps(c) * s->size[i]));
 	}
@@ -98,8 +101,8 @@ static void judge_bits(const struct check *c, int k, const double *tau, double *
 
 	rerun(&c->model->dag[PASS_RNEA], c->target, c->fused, in, out);
 	for (int i = 0; i < s->nv; i++)
-		ck_assert_msg(same_number(tau[i], again[i]), "%s: state %d: torque %d is %a, its DAG gives %a", c->target->what, k,
-			i, tau[i], again[i]);
+		ck_assert_msg(same_number(tau[i], again[i]), "%s: state %d: torque %d is %a, its DAG gives %a",
+			c->target->what, k, i, tau[i], again[i]);
 }
 
 void check_rnea(const struct check *c)
@@ -118,8 +121,9 @@ void check_rnea(const struct check *c)
 			judge_bits(c, k, tau, tau + nv);
 		target_rnea(c->target, &x.q, &x.qd, &x.qdd, &x.qdd);
 		for (int i = 0; i < nv; i++)
-			ck_assert_msg(same_number(array_get(&x.qdd, (size_t)i), tau[i]), "%s: state %d: torque %d in place is %a, else %a",
-				c->target->what, k, i, array_get(&x.qdd, (size_t)i), tau[i]);
+			ck_assert_msg(same_number(array_get(&x.qdd, (size_t)i), tau[i]),
+				"%s: state %d: torque %d in place is %a, else %a", c->target->what, k, i,
+				array_get(&x.qdd, (size_t)i), tau[i]);
 	}
 	ck_assert_msg(array_intact(&x.tau) && array_intact(&x.qdd), "%s: wrote before tau", c->target->what);
 	slot_free(&x);
@@ -139,7 +143,8 @@ static struct array batch_of(const struct check *c, const double *x, int rows, i
 
 	for (int k = 0; k < count; k++)
 		for (int r = 0; r < rows; r++)
-			array_set(&a, element(c->target, k, r, rows, count), x ? x[at(k, rows) + (size_t)r] : (double)NAN);
+			array_set(&a, element(c->target, k, r, rows, count),
+				x ? x[at(k, rows) + (size_t)r] : (double)NAN);
 	return a;
 }
 
@@ -161,10 +166,13 @@ static void check_batch_of(const struct check *c, int count)
 		set_slot(&x, s, k);
 		target_rnea(c->target, &x.q, &x.qd, &x.qdd, &x.tau);
 		for (int i = 0; i < s->nv; i++) {
-			double one = array_get(&x.tau, (size_t)i), many = array_get(&batch.tau, element(c->target, k, i, s->nv, count));
+			double one = array_get(&x.tau, (size_t)i),
+			       many = array_get(&batch.tau, element(c->target, k, i, s->nv, count));
 
-			ck_assert_msg(c->exact ? same_number(one, many) : fabs(one - many) <= 3 * s->bound[at(k, s->nv) + (size_t)i],
-				"%s: batch of %d, sample %d: torque %d is %a, alone %a", c->target->what, count, k, i, many, one);
+			ck_assert_msg(c->exact ? same_number(one, many)
+					       : fabs(one - many) <= 3 * s->bound[at(k, s->nv) + (size_t)i],
+				"%s: batch of %d, sample %d: torque %d is %a, alone %a", c->target->what, count, k, i,
+				many, one);
 		}
 	}
 	ck_assert_msg(array_intact(&batch.tau), "%s: batch of %d: wrote before tau", c->target->what, count);
@@ -207,8 +215,8 @@ static void judge_back(const struct check *c, int k, const struct slot *x)
 		double off = (double)fabsl((long double)array_get(&x->tau, i) - (long double)s->tau[at(k, s->nv) + i]);
 		double magnitude = s->noise[at(k, s->nv) + i] / (4 * 0x1p-53);
 
-		ck_assert_msg(off <= LIMIT_TERMS * eps(c) * magnitude, "%s: state %d: bpass(fpass): torque %zu is off by %g",
-			c->target->what, k, i, off);
+		ck_assert_msg(off <= LIMIT_TERMS * eps(c) * magnitude,
+			"%s: state %d: bpass(fpass): torque %zu is off by %g", c->target->what, k, i, off);
 	}
 }
 
@@ -223,8 +231,8 @@ void check_passes(const struct check *c)
 
 	for (int k = 0; k < PASS_STATES; k++) {
 		set_slot(&x, s, k);
-		reference_passes(c->model->reference, s->q + at(k, s->nq), s->qd + at(k, s->nv), s->qdd + at(k, s->nv), ref,
-			ref + rows / 6, ref + rows / 3);
+		reference_passes(c->model->reference, s->q + at(k, s->nq), s->qd + at(k, s->nv), s->qdd + at(k, s->nv),
+			ref, ref + rows / 6, ref + rows / 3);
 		target_fpass(c->target, &x.q, &x.qd, &x.qdd, out);
 		for (int i = 0; i < 3; i++) {
 			double error = distance(&out[i], &ref[i * rows / 6][0]);
@@ -255,6 +263,7 @@ void worst_merge(struct worst *into, const struct worst *from)
 
 void worst_report(const struct worst *w, const char *what)
 {
-	printf("%d texts for %s: tau %.2e (%s), %.2f eps of the magnitudes summed; fpass %.2e (%s); bpass of it %.2e (%s)\n",
+	printf("%d texts for %s: tau %.2e (%s), %.2f eps of the magnitudes summed; fpass %.2e (%s); bpass of it %.2e "
+	       "(%s)\n",
 		w->count, what, w->norm, w->norm_of, w->terms, w->passes, w->passes_of, w->back, w->back_of);
 }

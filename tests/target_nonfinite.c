@@ -29,7 +29,8 @@ static void find_dependence(const struct check *c, struct inputs *in, int which,
 	run_reference(c, in, after);
 	in->x[which] = kept;
 	for (int i = 0; i < in->nv; i++)
-		depends[i] = fabsl((long double)(after[i] - before[i])) > 1e-9L * (1e-3L + fabsl((long double)before[i]));
+		depends[i] =
+			fabsl((long double)(after[i] - before[i])) > 1e-9L * (1e-3L + fabsl((long double)before[i]));
 	free(before);
 	free(after);
 }
@@ -78,10 +79,10 @@ static void judge(const struct check *c, const double *spoilt, const double *sou
 			size_t e = element(c->target, sample, i, nv);
 
 			ck_assert_msg(sample == 1 || same_number(spoilt[e], sound[e]),
-				"%s: %s[%d] not finite in sample 1: torque %d of sample %d is %g", c->target->what, names[k], row, i,
-				sample, spoilt[e]);
-			ck_assert_msg(sample != 1 || !depends[i] || !isfinite(spoilt[e]), "%s: %s[%d] not finite: torque %d is %g",
-				c->target->what, names[k], row, i, spoilt[e]);
+				"%s: %s[%d] not finite in sample 1: torque %d of sample %d is %g", c->target->what,
+				names[k], row, i, sample, spoilt[e]);
+			ck_assert_msg(sample != 1 || !depends[i] || !isfinite(spoilt[e]),
+				"%s: %s[%d] not finite: torque %d is %g", c->target->what, names[k], row, i, spoilt[e]);
 		}
 }
 
@@ -100,7 +101,10 @@ void check_nonfinite(const struct check *c)
 	memcpy(in.x + s->nq + s->nv, s->qdd + s->nv, (size_t)s->nv * sizeof(double));
 	run(c, &b, sound);
 	for (int which = 0; which < s->nq + 2 * s->nv; which++) {
-		int k = which < s->nq ? 0 : which < s->nq + s->nv ? 1 : 2, row = which - (k ? s->nq + (k - 1) * s->nv : 0);
+		int k = which < s->nq		? 0
+			: which < s->nq + s->nv ? 1
+						: 2,
+		    row = which - (k ? s->nq + (k - 1) * s->nv : 0);
 		size_t place = element(c->target, 1, row, k ? s->nv : s->nq);
 
 		find_dependence(c, &in, which, depends);

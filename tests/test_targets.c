@@ -1,5 +1,6 @@
 /* Texts for target C, compiled and run: against the independent reference, the evaluated DAG and themselves.
-   Own robots and real ones (RNEAGEN_ROBOTS); fixed and floating; both precisions and layouts; all trigonometry modes. */
+   Own robots and real ones (RNEAGEN_ROBOTS); fixed and floating; both precisions and layouts; all trigonometry modes.
+ */
 #define _POSIX_C_SOURCE 200809L
 #include "target_check.h"
 #include <check.h>
@@ -22,15 +23,16 @@ struct variant {
 	enum rneagen_trig trig;
 };
 
-static const struct variant FIXED[] = {{RNEAGEN_F64, RNEAGEN_SOA, RNEAGEN_ACCURATE}, {RNEAGEN_F32, RNEAGEN_AOS, RNEAGEN_ACCURATE},
-	{RNEAGEN_F64, RNEAGEN_AOS, RNEAGEN_BOUNDED}, {RNEAGEN_F32, RNEAGEN_SOA, RNEAGEN_FAST}};
-static const struct variant FLOATING[] = {{RNEAGEN_F64, RNEAGEN_AOS, RNEAGEN_ACCURATE}, {RNEAGEN_F32, RNEAGEN_SOA, RNEAGEN_BOUNDED},
-	{RNEAGEN_F64, RNEAGEN_SOA, RNEAGEN_FAST}};
+static const struct variant FIXED[] = {{RNEAGEN_F64, RNEAGEN_SOA, RNEAGEN_ACCURATE},
+	{RNEAGEN_F32, RNEAGEN_AOS, RNEAGEN_ACCURATE}, {RNEAGEN_F64, RNEAGEN_AOS, RNEAGEN_BOUNDED},
+	{RNEAGEN_F32, RNEAGEN_SOA, RNEAGEN_FAST}};
+static const struct variant FLOATING[] = {{RNEAGEN_F64, RNEAGEN_AOS, RNEAGEN_ACCURATE},
+	{RNEAGEN_F32, RNEAGEN_SOA, RNEAGEN_BOUNDED}, {RNEAGEN_F64, RNEAGEN_SOA, RNEAGEN_FAST}};
 
 static int is_legged(const char *name)
 {
-	static const char *const legged[] = {"anymal_kinova", "atlas", "g1_29dof", "g1_brainco", "go1", "go2", "hyq", "jvrc1",
-		"mini_cheetah", "romeo", "simple_humanoid", "solo12", "spot", "upkie"};
+	static const char *const legged[] = {"anymal_kinova", "atlas", "g1_29dof", "g1_brainco", "go1", "go2", "hyq",
+		"jvrc1", "mini_cheetah", "romeo", "simple_humanoid", "solo12", "spot", "upkie"};
 
 	for (size_t i = 0; i < sizeof legged / sizeof *legged; i++)
 		if (!strncmp(name, legged[i], strlen(legged[i])) && !strcmp(name + strlen(legged[i]), ".urdf"))
@@ -73,9 +75,10 @@ static void check_base(struct session *s, const char *urdf, size_t length, const
 		o.layout = variants[i].layout;
 		o.trig = variants[i].trig;
 		states[0].count = states[1].count = o.trig == RNEAGEN_ACCURATE ? STATES : SMALL_STATES;
-		snprintf(stem, sizeof stem, "%s_%.*s_%d%zu", s->real ? "real" : "own", (int)(strlen(name) - 5), name, base, i);
-		check_text(s->real, &worst[o.precision == RNEAGEN_F32], &m, &states[o.precision == RNEAGEN_F32], urdf, length, &o,
-			stem);
+		snprintf(stem, sizeof stem, "%s_%.*s_%d%zu", s->real ? "real" : "own", (int)(strlen(name) - 5), name,
+			base, i);
+		check_text(s->real, &worst[o.precision == RNEAGEN_F32], &m, &states[o.precision == RNEAGEN_F32], urdf,
+			length, &o, stem);
 	}
 	printf("%-34s %-8s f64 %.1e, f32 %.1e\n", name, base ? "floating" : "fixed", worst[0].norm, worst[1].norm);
 	for (int f32 = 0; f32 < 2; f32++) {

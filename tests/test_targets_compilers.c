@@ -18,7 +18,7 @@ static const struct setting SETTINGS[] = {
 	{{"gcc", {"-O0"}}, 0, 1, 0},
 	{{"gcc", {"-O2"}}, 0, 1, 0},
 	{{"gcc", {"-O3", "-mfma"}}, 1, 1, 1},
-	{{"gcc", {"-O3", "-march=haswell"}}, 1, 1, 1},
+	{{"gcc", {"-O3", "-march=haswell", "-std=gnu11"}}, 1, 0, 0},
 	{{"gcc", {"-O1", "-fsanitize=undefined", "-fno-sanitize-recover=all"}}, 0, 1, 0},
 	{{"clang", {"-O0"}}, 0, 1, 0},
 	{{"clang", {"-O2"}}, 0, 1, 0},
@@ -46,7 +46,8 @@ static int is_possible(const struct setting *s)
 		return 0;
 	}
 	if (s->needs_fma && !has_fma()) {
-		printf("skipped: %s %s: no fused multiply-add in this processor\n", s->compiler.command, s->compiler.flags[1]);
+		printf("skipped: %s %s: no fused multiply-add in this processor\n", s->compiler.command,
+			s->compiler.flags[1]);
 		return 0;
 	}
 	return 1;
@@ -56,11 +57,16 @@ static void check_text(struct model *m, const struct states *states, const char 
 	const struct rneagen_options *o, const struct setting *setting, const char *name)
 {
 	struct target t;
-	struct check c = {.target = &t, .model = m, .states = states, .exact = setting->exact, .fused = setting->fused,
+	struct check c = {.target = &t,
+		.model = m,
+		.states = states,
+		.exact = setting->exact,
+		.fused = setting->fused,
 		.worst = &worst[o->precision == RNEAGEN_F32]};
 	char stem[128];
 
-	snprintf(stem, sizeof stem, "by_%s_%d%d%d%d", name, (int)(setting - SETTINGS), o->precision, o->layout, o->trig);
+	snprintf(
+		stem, sizeof stem, "by_%s_%d%d%d%d", name, (int)(setting - SETTINGS), o->precision, o->layout, o->trig);
 	target_open(&t, urdf, length, o, &setting->compiler, stem);
 	check_rnea(&c);
 	check_batch(&c);
@@ -83,13 +89,15 @@ static void check_options(struct model *m, struct states *states, const char *ur
 			for (int trig = RNEAGEN_ACCURATE; trig <= RNEAGEN_FAST; trig++) {
 				struct states *s = &states[precision == RNEAGEN_F32];
 
-				if (!choice->all && (precision == RNEAGEN_F64 ? layout != RNEAGEN_SOA || trig != RNEAGEN_ACCURATE :
-					layout != RNEAGEN_AOS || trig != RNEAGEN_BOUNDED))
+				if (!choice->all &&
+					(precision == RNEAGEN_F64 ? layout != RNEAGEN_SOA || trig != RNEAGEN_ACCURATE
+								  : layout != RNEAGEN_AOS || trig != RNEAGEN_BOUNDED))
 					continue;
 				o->precision = (enum rneagen_precision)precision;
 				o->layout = (enum rneagen_layout)layout;
 				o->trig = (enum rneagen_trig)trig;
-				s->count = trig == RNEAGEN_ACCURATE ? STATES : STATES - 100; /* the last have large angles */
+				s->count = trig == RNEAGEN_ACCURATE ? STATES
+								    : STATES - 100; /* the last have large angles */
 				check_text(m, s, urdf, length, o, setting, choice->name);
 			}
 }

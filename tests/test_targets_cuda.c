@@ -1,6 +1,6 @@
 /* Texts for target cuda, without a GPU: nvcc and NVRTC take them without a word, and what ptxas says of their kernels
    goes into targets/ptxas.csv. RNEAGEN_CUDA_ALL=1: every robot in both precisions and layouts, which takes long. */
-#define _POSIX_C_SOURCE 200809L
+#define _GNU_SOURCE
 #include "model.h"
 #include "process.h"
 #include "ptxas.h"
@@ -40,8 +40,9 @@ static void write_row(const struct target *t, const char *robot, const struct ke
 	FILE *f = fopen(target_path("ptxas", ".csv").s, "a");
 
 	ck_assert_ptr_nonnull(f);
-	fprintf(f, "%s,%s,%s,%s,%s,%s,%d,%d,%d,%d,%d\n", robot, t->options.base == RNEAGEN_FLOATING ? "floating" : "fixed",
-		t->f32 ? "f32" : "f64", t->options.layout == RNEAGEN_SOA ? "soa" : "aos", trigs[t->options.trig],
+	fprintf(f, "%s,%s,%s,%s,%s,%s,%d,%d,%d,%d,%d\n", robot,
+		t->options.base == RNEAGEN_FLOATING ? "floating" : "fixed", t->f32 ? "f32" : "f64",
+		t->options.layout == RNEAGEN_SOA ? "soa" : "aos", trigs[t->options.trig],
 		k->name + strlen(t->text.name) + 1, k->registers, k->stack, k->spill_stores, k->spill_loads, k->shared);
 	ck_assert_int_eq(fclose(f), 0);
 }
@@ -49,12 +50,12 @@ static void write_row(const struct target *t, const char *robot, const struct ke
 /* Compile with nvcc; what it said, for the caller to free. */
 static struct process run_nvcc(const struct target *t, struct target_path source, struct target_path object)
 {
-	const char *const argv[] = {nvcc, "-arch=sm_90", "-Werror", "all-warnings", "-Xptxas", "-v", "-c", "-o", object.s, source.s,
-		NULL};
+	const char *const argv[] = {
+		nvcc, "-arch=sm_90", "-Werror", "all-warnings", "-Xptxas", "-v", "-c", "-o", object.s, source.s, NULL};
 	struct process p = process_run(argv);
 
-	ck_assert_msg(p.status == 0 && !strstr(p.output, "arning"), "%s: nvcc gives %d and says\n%.3000s", t->what, p.status,
-		p.output);
+	ck_assert_msg(p.status == 0 && !strstr(p.output, "arning"), "%s: nvcc gives %d and says\n%.3000s", t->what,
+		p.status, p.output);
 	return p;
 }
 
@@ -85,12 +86,13 @@ static void check_nvcc(const struct target *t, const char *robot, int no_spill)
 		const struct kernel_use *k = &kernels[i];
 
 		ck_assert_msg(is_kernel(t, k->name) && k->registers > 0, "%s: kernel '%s'", t->what, k->name);
-		ck_assert_msg(!no_spill || (!k->spill_stores && !k->spill_loads), "%s: %s spills %d and %d bytes in %d registers",
-			t->what, k->name, k->spill_stores, k->spill_loads, k->registers);
+		ck_assert_msg(!no_spill || (!k->spill_stores && !k->spill_loads),
+			"%s: %s spills %d and %d bytes in %d registers", t->what, k->name, k->spill_stores,
+			k->spill_loads, k->registers);
 		write_row(t, robot, k);
 		if (strstr(k->name, "_rnea_kernel"))
-			printf("%-50s %3d registers, stack %d, spilled %d, shared %d\n", t->what, k->registers, k->stack,
-				k->spill_stores, k->shared);
+			printf("%-50s %3d registers, stack %d, spilled %d, shared %d\n", t->what, k->registers,
+				k->stack, k->spill_stores, k->shared);
 	}
 	process_free(&p);
 	unlink(object.s);
@@ -102,7 +104,8 @@ static int nvrtc_is_missing;
 static void check_nvrtc(const struct target *t)
 {
 	char log[4096] = "", kernel[512];
-	struct jit_request r = {.source = t->text.source, .file = t->what, .arch = SM, .log = log, .log_size = sizeof log};
+	struct jit_request r = {
+		.source = t->text.source, .file = t->what, .arch = SM, .log = log, .log_size = sizeof log};
 	struct jit_image image;
 	struct rnea_error e = {0};
 
@@ -117,11 +120,8 @@ static void check_nvrtc(const struct target *t)
 	ck_assert_msg(e.code == RNEA_OK, "%s: %s", t->what, e.message);
 	ck_assert_msg(!*log, "%s: NVRTC says %s", t->what, log);
 	snprintf(kernel, sizeof kernel, "%s_rnea_kernel", t->text.name);
-	for (size_t i = 0, n = strlen(kernel); i + n < image.size; i++)
-		if (!memcmp(image.data + i, kernel, n))
-			n = image.size; /* found: leave */
-		else
-			ck_assert_msg(i + n + 1 < image.size, "%s: no %s in the image", t->what, kernel);
+	ck_assert_msg(memmem(image.data, image.size, kernel, strlen(kernel)) != NULL, "%s: no %s in the image", t->what,
+		kernel);
 	jit_free(&image);
 }
 
@@ -165,8 +165,10 @@ START_TEST(measured_robots)
 
 	for (size_t i = 0; i < sizeof robots / sizeof *robots; i++)
 		for (int layout = RNEAGEN_SOA; layout <= RNEAGEN_AOS; layout++) {
-			check_own(robots[i], RNEAGEN_FIXED, RNEAGEN_F32, (enum rneagen_layout)layout, RNEAGEN_ACCURATE, 1);
-			check_own(robots[i], RNEAGEN_FIXED, RNEAGEN_F64, (enum rneagen_layout)layout, RNEAGEN_ACCURATE, 0);
+			check_own(robots[i], RNEAGEN_FIXED, RNEAGEN_F32, (enum rneagen_layout)layout, RNEAGEN_ACCURATE,
+				1);
+			check_own(robots[i], RNEAGEN_FIXED, RNEAGEN_F64, (enum rneagen_layout)layout, RNEAGEN_ACCURATE,
+				0);
 		}
 }
 END_TEST
@@ -176,7 +178,8 @@ START_TEST(modes)
 {
 	for (int trig = RNEAGEN_BOUNDED; trig <= RNEAGEN_FAST; trig++)
 		for (int precision = RNEAGEN_F32; precision <= RNEAGEN_F64; precision++)
-			check_own("iiwa14", RNEAGEN_FIXED, (enum rneagen_precision)precision, RNEAGEN_SOA, (enum rneagen_trig)trig, 1);
+			check_own("iiwa14", RNEAGEN_FIXED, (enum rneagen_precision)precision, RNEAGEN_SOA,
+				(enum rneagen_trig)trig, 1);
 	check_own("hyq", RNEAGEN_FLOATING, RNEAGEN_F32, RNEAGEN_SOA, RNEAGEN_BOUNDED, 1);
 	check_own("atlas", RNEAGEN_FLOATING, RNEAGEN_F32, RNEAGEN_AOS, RNEAGEN_FAST, 0);
 	check_own("g1_29dof", RNEAGEN_FIXED, RNEAGEN_F32, RNEAGEN_SOA, RNEAGEN_ACCURATE, 0);
@@ -226,7 +229,8 @@ START_TEST(other_robots)
 
 	for_each_urdf(TEST_DIR "/robots", check_robot, &tour);
 	if (!tour.all)
-		printf("skipped: RNEAGEN_CUDA_ALL is not set: each robot in one precision and layout, real ones not at all\n");
+		printf("skipped: RNEAGEN_CUDA_ALL is not set: each robot in one precision and layout, real ones not at "
+		       "all\n");
 	else if (!folder)
 		printf("skipped: RNEAGEN_ROBOTS is not set\n");
 	else
@@ -235,7 +239,8 @@ START_TEST(other_robots)
 }
 END_TEST
 
-static const char KERNEL[] = "#include \"cuda_arm.h\"\n"
+static const char KERNEL[] =
+	"#include \"cuda_arm.h\"\n"
 	"#include \"cuda_dog.h\"\n\n"
 	"extern \"C\" __global__ void both_kernel(const float *x, float *y, const double *u, double *v)\n{\n"
 	"\tfloat tau[cuda_arm_nv];\n\n"
@@ -246,8 +251,8 @@ static const char KERNEL[] = "#include \"cuda_arm.h\"\n"
 	"void on_host(const float *x, float *tau);\n"
 	"void on_host(const float *x, float *tau)\n{\n\tcuda_arm_rnea(x, x, x, tau);\n}\n";
 
-static void write_header(const char *robot, const char *name, enum rneagen_precision precision, enum rneagen_trig trig,
-	struct target *t)
+static void write_header(
+	const char *robot, const char *name, enum rneagen_precision precision, enum rneagen_trig trig, struct target *t)
 {
 	struct rneagen_options o = rneagen_options_default();
 	char path[512], *urdf;

@@ -77,17 +77,21 @@ static void write_calls(FILE *f, const struct target *t)
 	static const char *const trigs[] = {"accurate", "bounded", "fast"};
 	const char *n = t->text.name, *T = t->f32 ? "float" : "double";
 
-	fprintf(f, "void call_%s_rnea(const %s *q, const %s *qd, const %s *qdd, %s *tau)\n{\n\t%s_rnea(q, qd, qdd, tau);\n}\n", n,
-		T, T, T, T, n);
+	fprintf(f,
+		"void call_%s_rnea(const %s *q, const %s *qd, const %s *qdd, %s *tau)\n{\n\t%s_rnea(q, qd, qdd, "
+		"tau);\n}\n",
+		n, T, T, T, T, n);
 	fprintf(f,
 		"void call_%s_fpass(const %s *q, const %s *qd, const %s *qdd, %s *v, %s *a, %s *f)\n{\n"
 		"\t%s_fpass(q, qd, qdd, v, a, f);\n}\n",
 		n, T, T, T, T, T, T, n);
-	fprintf(f, "void call_%s_bpass(const %s *q, const %s *f, %s *tau)\n{\n\t%s_bpass(q, f, tau);\n}\n", n, T, T, T, n);
+	fprintf(f, "void call_%s_bpass(const %s *q, const %s *f, %s *tau)\n{\n\t%s_bpass(q, f, tau);\n}\n", n, T, T, T,
+		n);
 	if (strstr(t->text.source, "\trneagen_sincos"))
-		fprintf(f, "void call_%s_sincos(%s x, %s *s, %s *c)\n{\n\trneagen_sincos%s_%s(x, s, c);\n}\n", n, T, T, T,
-			t->f32 ? "f" : "", trigs[t->options.trig]);
-	fprintf(f, "int call_%s_rows(int *nq, int *nv)\n{\n\t*nq = %s_nq;\n\t*nv = %s_nv;\n\treturn %s_nb;\n}\n", n, n, n, n);
+		fprintf(f, "void call_%s_sincos(%s x, %s *s, %s *c)\n{\n\trneagen_sincos%s_%s(x, s, c);\n}\n", n, T, T,
+			T, t->f32 ? "f" : "", trigs[t->options.trig]);
+	fprintf(f, "int call_%s_rows(int *nq, int *nv)\n{\n\t*nq = %s_nq;\n\t*nv = %s_nv;\n\treturn %s_nb;\n}\n", n, n,
+		n, n);
 }
 
 /* One file that holds all headers and shows their functions; and one that holds them in the other order and shows
@@ -115,8 +119,8 @@ static void write_users(struct target *t, const struct language *l, struct targe
 static void *build(struct target *t, const struct language *l)
 {
 	struct target_path sources[2], library = target_path("header_all", ".so");
-	const char *const argv[] = {l->command, l->standard, WARNING_FLAGS, "-Wshadow", l->level, "-fPIC", "-shared", "-o",
-		library.s, sources[0].s, sources[1].s, NULL};
+	const char *const argv[] = {l->command, l->standard, WARNING_FLAGS, "-Wshadow", l->level, "-fPIC", "-shared",
+		"-o", library.s, sources[0].s, sources[1].s, NULL};
 	void *handle;
 
 	write_users(t, l, sources);
@@ -204,7 +208,8 @@ START_TEST(headers_together)
 }
 END_TEST
 
-static const char USER[] = "#include \"plain_dog.h\"\n"
+static const char USER[] =
+	"#include \"plain_dog.h\"\n"
 	"#include \"plain_dog.h\"\n"
 	"#include \"plain_arm.h\"\n"
 	"int main(void)\n{\n"
@@ -229,7 +234,8 @@ START_TEST(declarations)
 	struct target_path program = target_path("plain_user", ".exe"), user = target_path("plain_user", l->suffix);
 	struct target_path objects[] = {target_path("plain_dog", ".o"), target_path("plain_arm", ".o")};
 	const char *const link[] = {l->command, l->standard, WARNING_FLAGS, "-o", program.s, user.s, objects[0].s,
-		objects[1].s, "-lm", NULL}, *const run[] = {program.s, NULL};
+		objects[1].s, "-lm", NULL},
+			  *const run[] = {program.s, NULL};
 	struct target t = {0};
 
 	if (!process_exists(l->command)) {
@@ -237,10 +243,12 @@ START_TEST(declarations)
 		return;
 	}
 	for (int i = 0; i < 2; i++) {
-		struct target_path source = target_path(headers[i].name, ".c"), header = target_path(headers[i].name, ".h");
-		const char *const compile[] = {"gcc", "-std=c11", WARNING_FLAGS, "-c", "-o", objects[i].s, source.s, NULL};
-		const char *const alone[] = {l->command, l->standard, WARNING_FLAGS, "-pedantic-errors", "-fsyntax-only", "-x",
-			_i % 2 ? "c++-header" : "c-header", header.s, NULL};
+		struct target_path source = target_path(headers[i].name, ".c"),
+				   header = target_path(headers[i].name, ".h");
+		const char *const compile[] = {
+			"gcc", "-std=c11", WARNING_FLAGS, "-c", "-o", objects[i].s, source.s, NULL};
+		const char *const alone[] = {l->command, l->standard, WARNING_FLAGS, "-pedantic-errors",
+			"-fsyntax-only", "-x", _i % 2 ? "c++-header" : "c-header", header.s, NULL};
 
 		generate(&headers[i], RNEAGEN_TARGET_C, &t);
 		target_write(source, t.text.source);

@@ -1,5 +1,5 @@
-/* What a text is, apart from what it computes: no compiler has anything to say about it, its objects show the documented
-   symbols and need nothing, and what all_zero_torque stores is zero. */
+/* What a text is, apart from what it computes: no compiler has anything to say about it, its objects show the
+   documented symbols and need nothing, and what all_zero_torque stores is zero. */
 #define _POSIX_C_SOURCE 200809L
 #include "model.h"
 #include "process.h"
@@ -56,8 +56,8 @@ static void check_symbols(const struct target *t, struct target_path object)
 
 		if (is_machinery(line, length))
 			continue;
-		ck_assert_msg(type != 'U' && is_documented(t, line, length), "%s: symbol '%.*s' (%c)", t->what, (int)length, line,
-			type);
+		ck_assert_msg(type != 'U' && is_documented(t, line, length), "%s: symbol '%.*s' (%c)", t->what,
+			(int)length, line, type);
 		defined++;
 	}
 	ck_assert_msg(defined == 5, "%s: %d symbols", t->what, defined);
@@ -186,12 +186,42 @@ START_TEST(zero_is_stored)
 }
 END_TEST
 
-static void add_case(Suite *suite, const char *name, const TTest *test)
+/* A compiler that may reorder sums would make nonsense of sine and cosine: it is told so. */
+START_TEST(fast_math_is_refused)
+{
+	static const enum rneagen_target targets[] = {RNEAGEN_TARGET_C, RNEAGEN_TARGET_HEADER};
+	struct rneagen_options o = rneagen_options_default();
+	struct target_path source = target_path("fast", ".c");
+	const char *flags[] = {"-ffast-math", "-funsafe-math-optimizations"};
+	const char *const argv[] = {"gcc", "-std=c11", "-O2", flags[_i / 2], "-fsyntax-only", source.s, NULL};
+	size_t length;
+	char *urdf = read_file(TEST_DIR "/robots/pendulum.urdf", &length);
+
+	ck_assert_ptr_nonnull(urdf);
+	o.target = targets[_i % 2];
+	for (int precision = RNEAGEN_F32; precision <= RNEAGEN_F64; precision++) {
+		struct process p;
+		struct target t;
+
+		o.precision = (enum rneagen_precision)precision;
+		target_generate(&t, urdf, length, &o, "pendulum");
+		target_write(source, t.text.source);
+		p = process_run(argv);
+		ck_assert_msg(p.status && strstr(p.output, "without -ffast-math"), "%s: %d: %s", t.what, p.status, p.output);
+		process_free(&p);
+		target_close(&t);
+	}
+	unlink(source.s);
+	free(urdf);
+}
+END_TEST
+
+static void add_case(Suite *suite, const char *name, const TTest *test, int count)
 {
 	TCase *c = tcase_create(name);
 
 	tcase_set_timeout(c, 1200);
-	tcase_add_test(c, test);
+	tcase_add_loop_test(c, test, 0, count);
 	suite_add_tcase(suite, c);
 }
 
@@ -202,9 +232,10 @@ int main(void)
 	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
-	add_case(suite, "own", own_robots);
-	add_case(suite, "real", real_robots);
-	add_case(suite, "zero", zero_is_stored);
+	add_case(suite, "own", own_robots, 1);
+	add_case(suite, "real", real_robots, 1);
+	add_case(suite, "zero", zero_is_stored, 1);
+	add_case(suite, "fast", fast_math_is_refused, 4);
 	srunner_run_all(runner, CK_NORMAL);
 	failed = srunner_ntests_failed(runner);
 	srunner_free(runner);
