@@ -1,6 +1,6 @@
 # Generated texts, compiled and run by compilers found along PATH. Sanitizers in the generator would see nothing of them:
 # test_targets_compilers runs them under one of their own.
-if(RNEAGEN_SANITIZE)
+if(RNEAGEN_SANITIZE OR RNEAGEN_TSAN)
 	return()
 endif()
 add_library(target STATIC array.c model.c process.c rerun.c states.c target.c target_check.c target_nonfinite.c)
