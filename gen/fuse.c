@@ -51,8 +51,8 @@ static struct ref fuse_neg(struct fuser *f, const struct node *n)
 
 static struct ref fuse_node(struct fuser *f, const struct node *n)
 {
-	struct ref a = f->map[n->arg[0].i], b = f->map[n->arg[1].i], none = {0};
 	int product = product_operand(f, n);
+	struct ref args[3] = {{0}};
 
 	if (n->op == OP_CONST)
 		return dag_const(f->out, n->value);
@@ -62,21 +62,31 @@ static struct ref fuse_node(struct fuser *f, const struct node *n)
 		return fuse_neg(f, n);
 	if (product >= 0)
 		return fuse_sum(f, n, product);
-	return dag_node(f->out, n->op, a, op_arity[n->op] > 1 ? b : none, none, 0);
+	for (int k = 0; k < op_arity[n->op]; k++)
+		args[k] = f->map[n->arg[k].i];
+	return dag_node(f->out, n->op, args[0], args[1], args[2], 0);
+}
+
+/* Can the negation of this node be written as a swapped difference or a product by a negative constant? */
+static int neg_is_free(const struct fuser *f, struct ref a)
+{
+	const struct node *m = &f->in->nodes[a.i];
+
+	if (lone(f, a, OP_SUB))
+		return product_operand(f, m) < 0;
+	return lone(f, a, OP_MUL) && f->in->nodes[m->arg[0].i].op == OP_CONST;
 }
 
 static void mark_absorbed(struct fuser *f)
 {
 	for (size_t i = 0; i < f->in->count; i++) {
-		const struct node *n = &f->in->nodes[i], *m = &f->in->nodes[n->arg[0].i];
+		const struct node *n = &f->in->nodes[i];
 		int product = f->uses[i] ? product_operand(f, n) : -1;
 
 		if (product >= 0)
 			f->absorbed[n->arg[product].i] = 1;
 		if (f->uses[i] && n->op == OP_NEG)
-			f->absorbed[n->arg[0].i] =
-				(lone(f, n->arg[0], OP_SUB) && product_operand(f, m) < 0) ||
-				(lone(f, n->arg[0], OP_MUL) && f->in->nodes[m->arg[0].i].op == OP_CONST);
+			f->absorbed[n->arg[0].i] = (unsigned char)neg_is_free(f, n->arg[0]);
 	}
 }
 
