@@ -1,16 +1,21 @@
 #ifndef RNEA_H
 #define RNEA_H
-/* librnea: run the inverse dynamics, tau = ID(q, qd, qdd), that rneagen wrote as CUDA C for one robot. The text is
-   compiled by NVRTC for the device at hand and launched through the CUDA driver; both libraries are found when the
-   program runs, so a program linked with librnea starts on machines that have neither.
+/* librnea: run the inverse dynamics, tau = ID(q, qd, qdd), that rneagen wrote for one robot. There are two backends.
+   CUDA: the text is compiled by NVRTC for the device at hand and launched through the CUDA driver; both libraries are
+   found when the program runs, so a program linked with librnea starts on machines that have neither. HOST: the same
+   text is compiled by the machine's C compiler to a shared object, vectorised across samples and run by several threads.
 
    SI units throughout: m, kg, s, rad; torques in N m, forces in N. No function prints, exits or keeps state between
    calls; different threads may open, launch and close at the same time. Where a function takes a `struct rnea_error *`,
    NULL means that the code alone is wanted; otherwise the struct is overwritten by every call (RNEA_OK and "" on
    success) and belongs to the caller.
 
+   What was compiled is kept in a cache on disk; where that cannot be read or written everything works without it.
+
    Environment: RNEA_LIBCUDA and RNEA_NVRTC name the driver library and the NVRTC library to use instead of the ones
-   that would be found; a name that is set and cannot be loaded is an error. */
+   that would be found; a name that is set and cannot be loaded is an error. RNEA_CC names the C compiler of the host
+   backend (default: the first of cc, gcc, clang on PATH). RNEA_CACHE names the folder of the cache (default:
+   $XDG_CACHE_HOME/rnea or ~/.cache/rnea); set and empty: no cache. */
 
 #include <stddef.h>
 
@@ -27,13 +32,15 @@ extern "C" {
 	X(POINTER, "a device pointer is null or misaligned")                                                           \
 	X(LIMIT, "the batch is larger than one launch can be")                                                         \
 	X(READ, "the file cannot be read")                                                                             \
-	X(TEXT, "the text is not CUDA C written by rneagen")                                                           \
+	X(URDF, "the URDF cannot be made into a text")                                                                 \
+	X(TEXT, "the text was not written by rneagen")                                                                 \
 	X(TABLE, "the info table of the text is damaged or does not match")                                            \
 	X(NO_DRIVER, "the CUDA driver library cannot be loaded")                                                       \
 	X(NO_DEVICE, "there is no such CUDA device")                                                                   \
 	X(DRIVER, "a call of the CUDA driver failed")                                                                  \
-	X(NO_COMPILER, "the NVRTC library cannot be loaded")                                                           \
-	X(COMPILER, "NVRTC cannot do what is asked of it")                                                             \
+	X(CONTEXT, "the CUDA context has died of an earlier error")                                                    \
+	X(NO_COMPILER, "the compiler, NVRTC or the machine's own, cannot be found")                                    \
+	X(COMPILER, "the compiler cannot do what is asked of it")                                                      \
 	X(COMPILE, "the text does not compile")                                                                        \
 	X(KERNEL, "the text has no such kernel")
 
@@ -101,26 +108,41 @@ struct rnea_info {
 
 /* ---- opening and closing ---- */
 
-struct rnea_robot; /* one text, compiled and loaded on one device; immutable once open */
+struct rnea_robot; /* one text, compiled and loaded on one backend; may be shared by threads once open */
+
+enum rnea_backend {
+	RNEA_BACKEND_ANY,  /* CUDA; HOST if the text is C (target c), or if there is no driver or no device */
+	RNEA_BACKEND_CUDA, /* this or an error; takes CUDA texts only */
+	RNEA_BACKEND_HOST  /* this or an error; takes CUDA and C texts */
+};
+
+/* For rnea_options.block: the block size, of 64, 128 and 256, with the most threads resident on a multiprocessor. */
+#define RNEA_BLOCK_OCCUPANCY 0xffffffffu
 
 /* Zero-initialise for the defaults; strings need to live only as long as the call. */
 struct rnea_options {
+	enum rnea_backend backend;
 	const char *file;    /* what messages call the text; NULL: its robot's name with ".cu", or the file's path */
-	int device;          /* CUDA ordinal, as CUDA_VISIBLE_DEVICES leaves them; default 0 */
-	unsigned block;      /* threads per block, 1 to 1024; 0: what the text says */
-	const char *const *compile; /* further options for NVRTC, compile_count of them */
+	int device;          /* CUDA ordinal, as CUDA_VISIBLE_DEVICES leaves them; default 0. HOST: not used */
+	unsigned block;      /* threads per block, 1 to 1024, or RNEA_BLOCK_OCCUPANCY; 0: what the text says. HOST: not used */
+	unsigned threads;    /* HOST: how many one launch may use; 0: one for each processor. CUDA: not used */
+	const char *cache;   /* folder of the cache; NULL: as the environment says; "": no cache */
+	const char *const *compile; /* further options for the compiler, compile_count of them */
 	size_t compile_count;
-	char *log;       /* receives NVRTC's whole log, cut to log_size bytes with its final NUL; NULL: not wanted */
+	char *log;       /* receives the compiler's whole log, cut to log_size bytes with its final NUL; NULL: not wanted */
 	size_t log_size;
 };
 
-/* Compile `length` bytes of CUDA C at `source` (written by rneagen; need not be NUL-terminated) for the device's own
-   architecture, or as PTX where NVRTC is older than the device, and load it into the device's primary context (the one
-   that the CUDA runtime, PyTorch and CuPy use). `options` may be NULL. On success *robot is to be released with
-   rnea_close; on failure it is NULL. Not to be called while a stream is being captured: it runs each kernel once over
-   no samples, so that later launches find everything in place.
+/* Compile `length` bytes at `source` (written by rneagen for target cuda or c; need not be NUL-terminated), or take what
+   was compiled before from the cache, and load it.
+   CUDA: for the device's own architecture, or as PTX where NVRTC is older than the device, into the device's primary
+   context (the one that the CUDA runtime, PyTorch and CuPy use). A kernel that spills registers under the text's own
+   launch bounds is compiled again without them, and the better of the two is kept. Not to be called while a stream is
+   being captured: it runs each kernel once over no samples, so that later launches find everything in place.
+   HOST: for this processor, with -O3 -march=native where the compiler has it.
+   `options` may be NULL. On success *robot is to be released with rnea_close; on failure it is NULL.
    Errors: ARGUMENT (source, robot or options), TEXT, TABLE, NO_DRIVER, NO_DEVICE, NO_COMPILER, COMPILER, COMPILE (the
-   message has NVRTC's first error with its line), DRIVER, DEVICE_MEMORY, MEMORY. */
+   message has the compiler's first error with its line), DRIVER, CONTEXT, DEVICE_MEMORY, MEMORY. */
 enum rnea_code rnea_open(const char *source, size_t length, const struct rnea_options *options,
 	struct rnea_robot **robot, struct rnea_error *error);
 
@@ -135,6 +157,22 @@ void rnea_close(struct rnea_robot *robot);
 /* What the text says about itself; never NULL. Belongs to `robot`. */
 const struct rnea_info *rnea_info(const struct rnea_robot *robot);
 
+/* How the robot came to be. */
+struct rnea_build {
+	enum rnea_backend backend; /* CUDA or HOST */
+	const char *device;   /* "NVIDIA H100 80GB HBM3", or the processor's architecture: "x86_64" */
+	const char *compiler; /* what compiled it, with its version or path; "" if it came from the cache */
+	const char *target;   /* "sm_90", "compute_90" (PTX, finished by the driver), "native" */
+	const char *note;     /* why RNEA_BACKEND_ANY took the host: what was looked for and where; else "" */
+	int cached;           /* 1: nothing had to be compiled */
+	double seconds;       /* that rnea_open took */
+	unsigned min_blocks;  /* CUDA: the launch bound the rnea kernel was compiled with; 0: none */
+	unsigned threads;     /* HOST: the most that a launch uses */
+};
+
+/* Never NULL. Belongs to `robot`. */
+const struct rnea_build *rnea_build(const struct rnea_robot *robot);
+
 /* ---- launching ---- */
 
 /* The kernels of a text, with the arrays each takes, in order. In and out: [in] read, [out] written. */
@@ -145,7 +183,7 @@ enum rnea_kernel {
 	RNEA_KERNEL_COUNT
 };
 
-/* What the device's compiler made of a kernel. */
+/* What the device's compiler made of a kernel; all 0 on the host. */
 struct rnea_resources {
 	int registers;        /* per thread */
 	size_t local_bytes;   /* per thread: stack and spilled registers */
@@ -164,19 +202,31 @@ size_t rnea_argument_count(const struct rnea_robot *robot, enum rnea_kernel kern
 enum rnea_code rnea_resources(const struct rnea_robot *robot, enum rnea_kernel kernel, struct rnea_resources *resources,
 	struct rnea_error *error);
 
-/* Enqueue tau = ID(q, qd, qdd) for `count` samples on `stream` (a CUstream or cudaStream_t of the robot's device; NULL:
-   the default stream). `arguments` holds one device pointer for each array of info->arguments; the array itself may be
-   reused as soon as the call returns, the memory that it points to when the stream has passed. Arrays must not overlap,
-   unless both are only read. Allocates nothing, synchronises nothing, may be captured into a CUDA graph, may be called
-   by several threads at once. A count of 0 is a no-op, whatever the arguments.
-   Errors: ARGUMENT (arguments is NULL), POINTER (names the array), LIMIT (more than (2^31 - 1) blocks of samples),
-   DRIVER. What goes wrong while the kernel runs is reported by the stream, as CUDA does. */
+/* tau = ID(q, qd, qdd) for `count` samples. `arguments` holds one pointer for each array of info->arguments. Arrays must
+   not overlap, unless both are only read. May be called by several threads at once. A count of 0 is a no-op, whatever
+   the arguments.
+   CUDA: enqueued on `stream` (a CUstream or cudaStream_t of the robot's device; NULL: the default stream), on device
+   pointers; the array of pointers may be reused as soon as the call returns, the memory that they point to when the
+   stream has passed. Allocates nothing, synchronises nothing, may be captured into a CUDA graph. What goes wrong while
+   the kernel runs is reported by the stream, as CUDA does.
+   HOST: done when the call returns, on pointers of the program's own; `stream` must be NULL.
+   Errors: ARGUMENT (arguments is NULL, a stream on the host), POINTER (names the array), LIMIT (more than (2^31 - 1)
+   blocks of samples), DRIVER, CONTEXT. */
 enum rnea_code rnea_launch(const struct rnea_robot *robot, void *const *arguments, size_t count, void *stream,
 	struct rnea_error *error);
 
 /* The same for any kernel of the text; `arguments` in the order stated at enum rnea_kernel. Errors: also KERNEL. */
 enum rnea_code rnea_launch_kernel(const struct rnea_robot *robot, enum rnea_kernel kernel, void *const *arguments,
 	size_t count, void *stream, struct rnea_error *error);
+
+/* The same as rnea_launch for arrays in the program's own memory, on either backend; done when the call returns. CUDA:
+   slices of the batch go through page-locked buffers and several streams, so that copies in both directions overlap with
+   each other and with the kernel; arrays that are page-locked already (cuMemAllocHost, cuMemHostRegister) are copied
+   from and to directly. The buffers are made by the first call, kept until rnea_close and not shared: each thread that
+   calls at the same time has its own. Not to be called while a stream is being captured. On failure the outputs are
+   undefined. Errors: as rnea_launch, and DEVICE_MEMORY, MEMORY. */
+enum rnea_code rnea_run(
+	const struct rnea_robot *robot, void *const *arguments, size_t count, struct rnea_error *error);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,22 @@
+#ifndef RNEA_URDF_H
+#define RNEA_URDF_H
+/* From a URDF to a robot that can be launched, in one call. The one part that needs both libraries: link rnea::urdf. */
+
+#include "rnea.h"
+#include "rneagen.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Generate the text for the URDF in the file at `path` and open it as rnea_open does. `generate` chooses what the text
+   is (NULL: rneagen_options_default()); its target must be RNEAGEN_TARGET_CUDA, whose text serves both backends, and
+   its dump RNEAGEN_DUMP_NONE. `options` may be NULL. Messages call the URDF by `path` and the text by its robot's name.
+   Errors: READ, URDF (the generator's message: the link, joint or option at fault), and those of rnea_open. */
+enum rnea_code rnea_open_urdf(const char *path, const struct rneagen_options *generate,
+	const struct rnea_options *options, struct rnea_robot **robot, struct rnea_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
