@@ -22,6 +22,9 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#ifdef __GNUC__
+#pragma GCC visibility push(default) /* of the shared library, these functions and no others can be seen */
+#endif
 
 /* code, what it means in general */
 #define RNEA_ERRORS(X)                                                                                                 \
@@ -228,6 +231,9 @@ enum rnea_code rnea_launch_kernel(const struct rnea_robot *robot, enum rnea_kern
 enum rnea_code rnea_run(
 	const struct rnea_robot *robot, void *const *arguments, size_t count, struct rnea_error *error);
 
+#ifdef __GNUC__
+#pragma GCC visibility pop
+#endif
 #ifdef __cplusplus
 }
 #endif

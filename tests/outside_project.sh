@@ -64,7 +64,12 @@ by_pkg_config() {
 		${CXX:-c++} $CXXFLAGS "$outside/library.cpp" "${flags[@]}" -o library_cxx
 	}
 	./kernel_c && ./kernel_cxx
+	# -lrnea is the shared library, in a folder that the loader does not know
+	LD_LIBRARY_PATH=$(pkg-config --variable=libdir rnea)
+	export LD_LIBRARY_PATH
+	ldd ./library_c | grep -qF "$LD_LIBRARY_PATH/librnea.so." || fail "not linked with librnea.so"
 	./library_c "$work/tests/robots/pendulum.urdf" && ./library_cxx "$work/tests/robots/pendulum.urdf"
+	unset LD_LIBRARY_PATH
 }
 
 # A heavier pendulum has other torques, and nothing else is made again.

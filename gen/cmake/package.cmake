@@ -55,6 +55,7 @@ if(RNEAGEN_GENERATOR)
 endif()
 if(TARGET rnea)
 	rneagen_package(rnea rnea rneagenRuntime runtime/rnea.h)
+	rneagen_package(rnea_shared rnea_shared rneagenRuntimeShared runtime/rnea.h)
 	rneagen_package_pc(rnea)
 endif()
 configure_package_config_file(gen/cmake/rneagenConfig.cmake.in ${PROJECT_BINARY_DIR}/rneagenConfig.cmake
