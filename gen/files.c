@@ -1,13 +1,11 @@
 #define _POSIX_C_SOURCE 200809L
 #include "files.h"
+#include "pending.h"
 #include "robot.h"
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 /* Read on to the end, or to one byte past what a URDF may have. */
 static enum rneagen_code read_stream(FILE *f, const char *path, struct file_content *content, struct rneagen_error *e)
@@ -48,54 +46,13 @@ enum rneagen_code file_read(const char *path, struct file_content *content, stru
 	return e->code;
 }
 
-static enum rneagen_code fail_write(const char *path, struct rneagen_error *e)
+/* A complete file that has yet to get its name. */
+static enum rneagen_code write_pending(struct pending *p, const char *path, const char *s, struct rneagen_error *e)
 {
-	return error_set(e, RNEAGEN_WRITE, "%s: cannot be written: %s", path, strerror(errno));
-}
-
-/* A complete file under a name of its own in the same folder; the name is malloc'ed. Devices such as /dev/null cannot
-   be replaced and are written in place: then the name is NULL. */
-static enum rneagen_code write_temporary(const char *path, const char *s, char **temporary, struct rneagen_error *e)
-{
-	size_t length = strlen(path);
-	struct stat st;
-	char *name = NULL;
-	FILE *f = NULL;
-	int in_place = !stat(path, &st) && !S_ISREG(st.st_mode), fd, bad;
-
-	*temporary = NULL;
-	if (in_place) {
-		f = fopen(path, "wb");
-	} else {
-		name = malloc(length + sizeof ".XXXXXX");
-		if (!name)
-			return error_memory(e);
-		strcpy(stpcpy(name, path), ".XXXXXX");
-		fd = mkstemp(name);
-		if (fd >= 0) {
-			mode_t mask = umask(0);
-
-			umask(mask);
-			fchmod(fd, 0666 & ~mask);
-			f = fdopen(fd, "wb");
-		}
-	}
-	if (!f) {
-		fail_write(path, e);
-		free(name);
+	if (pending_open(p, path, e))
 		return e->code;
-	}
-	bad = fputs(s, f) < 0;
-	bad |= fclose(f) != 0;
-	if (bad) {
-		fail_write(path, e);
-		if (name)
-			unlink(name);
-		free(name);
-		return e->code;
-	}
-	*temporary = name;
-	return RNEAGEN_OK;
+	fputs(s, p->f);
+	return pending_close(p, e);
 }
 
 static char *header_path(const char *path)
@@ -111,31 +68,19 @@ static char *header_path(const char *path)
 	return h;
 }
 
-static enum rneagen_code publish(char *temporary, const char *path, struct rneagen_error *e)
-{
-	if (!temporary)
-		return RNEAGEN_OK;
-	if (rename(temporary, path)) {
-		fail_write(path, e);
-		unlink(temporary);
-	}
-	return e->code;
-}
-
 enum rneagen_code file_write_pair(const char *path, const char *source, const char *header, struct rneagen_error *e)
 {
-	char *beside = header ? header_path(path) : NULL, *first = NULL, *second = NULL;
+	char *beside = header ? header_path(path) : NULL;
+	struct pending first = {0}, second = {0};
 
 	if (header && !beside)
 		return error_memory(e);
-	if (!write_temporary(path, source, &first, e) && (!header || !write_temporary(beside, header, &second, e))) {
-		if (!publish(second, beside, e))
-			publish(first, path, e);
+	if (!write_pending(&first, path, source, e) && (!header || !write_pending(&second, beside, header, e))) {
+		if (!pending_publish(&second, e))
+			pending_publish(&first, e);
 	}
-	if (e->code && first)
-		unlink(first);
-	free(first);
-	free(second);
+	pending_drop(&first);
+	pending_drop(&second);
 	free(beside);
 	return e->code;
 }

@@ -1,12 +1,12 @@
 /* The command `rneagen`: options in, files out. */
 #define _POSIX_C_SOURCE 200809L
 #include "files.h"
-#include "rneagen.h"
-#include <getopt.h>
-#include <locale.h>
+#include "options.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+static const char COMMAND[] = "rneagen";
 
 static const char HELP[] =
 	"usage: rneagen ROBOT.urdf [-o FILE] [options]\n"
@@ -41,114 +41,19 @@ struct command {
 	enum info_mode info;
 };
 
-struct choice {
-	const char *name;
-	int value;
-};
-
-static int fail_usage(const char *fmt, const char *a, const char *b)
-{
-	fputs("rneagen: ", stderr);
-	fprintf(stderr, fmt, a, b);
-	fputs("; see rneagen --help\n", stderr);
-	return 2;
-}
-
-/* The value that a word stands for; 2 and a message if it stands for none. */
-static int choose(const char *option, const char *word, const struct choice *choices, int *value)
-{
-	char known[128] = "";
-
-	for (const struct choice *c = choices; c->name; c++) {
-		if (!strcmp(word, c->name)) {
-			*value = c->value;
-			return 0;
-		}
-		strncat(known, *known ? "|" : "", sizeof known - strlen(known) - 1);
-		strncat(known, c->name, sizeof known - strlen(known) - 1);
-	}
-	fprintf(stderr, "rneagen: --%s takes %s, not '%s'; see rneagen --help\n", option, known, word);
-	return 2;
-}
-
-static int parse_gravity(const char *word, double gravity[3])
-{
-	const char *s = word;
-
-	for (int i = 0; i < 3; i++) {
-		char *end;
-
-		gravity[i] = strtod(s, &end);
-		if (end == s || *end != (i < 2 ? ',' : '\0') || !(gravity[i] - gravity[i] == 0))
-			return fail_usage("--gravity takes three finite numbers X,Y,Z, not '%s'%s", word, "");
-		s = end + 1;
-	}
-	return 0;
-}
-
-enum option_key { KEY_TARGET = 256, KEY_PRECISION, KEY_LAYOUT, KEY_TRIG, KEY_BASE, KEY_MIMIC, KEY_DUMP, KEY_GRAVITY,
-	KEY_ORDER, KEY_NAME, KEY_INFO, KEY_DOT, KEY_HELP, KEY_VERSION };
+enum { KEY_NAME = OPTION_OWN, KEY_INFO, KEY_DOT };
 
 static const struct option OPTIONS[] = {
-	{"output", required_argument, NULL, 'o'}, {"target", required_argument, NULL, KEY_TARGET},
-	{"precision", required_argument, NULL, KEY_PRECISION}, {"layout", required_argument, NULL, KEY_LAYOUT},
-	{"trig", required_argument, NULL, KEY_TRIG}, {"base", required_argument, NULL, KEY_BASE},
-	{"mimic", required_argument, NULL, KEY_MIMIC}, {"dump", required_argument, NULL, KEY_DUMP},
-	{"gravity", required_argument, NULL, KEY_GRAVITY}, {"order", required_argument, NULL, KEY_ORDER},
+	OPTIONS_TEXT, OPTIONS_MODEL, {"output", required_argument, NULL, 'o'},
 	{"name", required_argument, NULL, KEY_NAME}, {"info", optional_argument, NULL, KEY_INFO},
-	{"dot", no_argument, NULL, KEY_DOT}, {"help", no_argument, NULL, KEY_HELP},
-	{"version", no_argument, NULL, KEY_VERSION}, {NULL, 0, NULL, 0}};
-
-/* Options that take one word of a few; -1: not one of them. */
-static int parse_choice(struct command *c, int key, const char *word)
-{
-	static const struct choice choices[][5] = {
-		{{"cuda", RNEAGEN_TARGET_CUDA}, {"c", RNEAGEN_TARGET_C}, {"header", RNEAGEN_TARGET_HEADER}},
-		{{"f32", RNEAGEN_F32}, {"f64", RNEAGEN_F64}},
-		{{"soa", RNEAGEN_SOA}, {"aos", RNEAGEN_AOS}},
-		{{"accurate", RNEAGEN_ACCURATE}, {"bounded", RNEAGEN_BOUNDED}, {"fast", RNEAGEN_FAST}},
-		{{"fixed", RNEAGEN_FIXED}, {"floating", RNEAGEN_FLOATING}},
-		{{"honour", RNEAGEN_MIMIC_HONOUR}, {"independent", RNEAGEN_MIMIC_INDEPENDENT}},
-		{{"robot", RNEAGEN_DUMP_ROBOT}, {"tree", RNEAGEN_DUMP_TREE}, {"dag", RNEAGEN_DUMP_DAG}, {"plan", RNEAGEN_DUMP_PLAN}},
-	};
-	int value = 0, bad;
-
-	if (key < KEY_TARGET || key > KEY_DUMP)
-		return -1;
-	bad = choose(OPTIONS[1 + key - KEY_TARGET].name, word, choices[key - KEY_TARGET], &value);
-	if (bad)
-		return bad;
-	switch (key) {
-	case KEY_TARGET:
-		c->has_target = 1;
-		c->options.target = (enum rneagen_target)value;
-		break;
-	case KEY_PRECISION:
-		c->options.precision = (enum rneagen_precision)value;
-		break;
-	case KEY_LAYOUT:
-		c->options.layout = (enum rneagen_layout)value;
-		break;
-	case KEY_TRIG:
-		c->options.trig = (enum rneagen_trig)value;
-		break;
-	case KEY_BASE:
-		c->options.base = (enum rneagen_base)value;
-		break;
-	case KEY_MIMIC:
-		c->options.mimic = (enum rneagen_mimic)value;
-		break;
-	default:
-		c->options.dump = (enum rneagen_dump)value;
-	}
-	return 0;
-}
+	{"dot", no_argument, NULL, KEY_DOT}, {"help", no_argument, NULL, OPTION_HELP},
+	{"version", no_argument, NULL, OPTION_VERSION}, {NULL, 0, NULL, 0}};
 
 /* --info and --dot share standard output. */
 static int set_info(struct command *c, enum info_mode info)
 {
 	if (c->info != INFO_NONE && (c->info == INFO_DOT) != (info == INFO_DOT))
-		return fail_usage("--info and --dot both print to standard output; take one%s%s", "", "");
+		return option_refuse(COMMAND, "--info and --dot both print to standard output; take one");
 	c->info = info;
 	return 0;
 }
@@ -158,23 +63,19 @@ static int parse_option(struct command *c, int key, const char *word)
 	switch (key) {
 	case 'o':
 		c->output = word;
-		return *word ? 0 : fail_usage("-o takes the name of a file, not an empty word%s%s", "", "");
-	case KEY_GRAVITY:
-		return parse_gravity(word, c->options.gravity);
-	case KEY_ORDER:
-		c->options.order = word;
-		return 0;
+		return *word ? 0 : option_refuse(COMMAND, "-o takes the name of a file, not an empty word");
 	case KEY_NAME:
 		c->options.name = word;
 		return 0;
 	case KEY_INFO:
 		if (word && strcmp(word, "json"))
-			return fail_usage("--info takes nothing, or =json, not '%s'%s", word, "");
+			return option_refuse(COMMAND, "--info takes nothing, or =json, not '%s'", word);
 		return set_info(c, word ? INFO_JSON : INFO_TABLE);
 	case KEY_DOT:
 		return set_info(c, INFO_DOT);
 	default:
-		return parse_choice(c, key, word);
+		c->has_target |= key == OPTION_TARGET;
+		return option_generate(COMMAND, &c->options, key, word);
 	}
 }
 
@@ -203,25 +104,23 @@ static int parse_command(struct command *c, int argc, char **argv)
 	while ((key = getopt_long(argc, argv, ":o:", OPTIONS, NULL)) != -1) {
 		int bad;
 
-		if (key == KEY_HELP || key == KEY_VERSION)
-			return file_put_stdout(key == KEY_HELP ? HELP : "rneagen " RNEAGEN_VERSION "\n") ? 1 : 0;
-		if (key == ':')
-			return fail_usage("option '%s' needs a value%s", argv[optind - 1], "");
-		if (key == '?')
-			return fail_usage("option '%s' is not known%s", argv[optind - 1], "");
+		if (key == OPTION_HELP || key == OPTION_VERSION)
+			return file_put_stdout(key == OPTION_HELP ? HELP : "rneagen " RNEAGEN_VERSION "\n") ? 1 : 0;
+		if (key == ':' || key == '?')
+			return option_refuse_key(COMMAND, key, argv[optind - 1]);
 		bad = parse_option(c, key, optarg);
 		if (bad)
 			return bad;
 	}
 	if (optind == argc)
-		return fail_usage("no URDF named%s%s", "", "");
+		return option_refuse(COMMAND, "no URDF named");
 	if (optind + 1 < argc)
-		return fail_usage("one URDF at a time: '%s', '%s'", argv[optind], argv[optind + 1]);
+		return option_refuse(COMMAND, "one URDF at a time: '%s', '%s'", argv[optind], argv[optind + 1]);
 	c->input = argv[optind];
 	if (!*c->input)
-		return fail_usage("the name of the URDF is empty%s%s", "", "");
+		return option_refuse(COMMAND, "the name of the URDF is empty");
 	if (c->output && c->options.dump != RNEAGEN_DUMP_NONE)
-		return fail_usage("--dump prints to standard output and goes without -o%s%s", "", "");
+		return option_refuse(COMMAND, "--dump prints to standard output and goes without -o");
 	c->options.file = strcmp(c->input, "-") ? c->input : "<stdin>";
 	target_from_suffix(c);
 	return -1;

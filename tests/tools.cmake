@@ -14,7 +14,7 @@ add_test(NAME fuzz_minute COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/fuzz_minute)
 set_tests_properties(fuzz_minute PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 600)
 
 # Generation in eight threads at once.
-rneagen_add_test(test_threads read.c ${CMAKE_SOURCE_DIR}/gen/files.c)
+rneagen_add_test(test_threads read.c ${CMAKE_SOURCE_DIR}/gen/files.c ${CMAKE_SOURCE_DIR}/gen/pending.c)
 target_link_libraries(test_threads PRIVATE Threads::Threads)
 set_tests_properties(test_threads PROPERTIES TIMEOUT 600)
 

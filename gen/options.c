@@ -1,0 +1,114 @@
+#include "options.h"
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int option_refuse(const char *command, const char *fmt, ...)
+{
+	va_list ap;
+
+	fprintf(stderr, "%s: ", command);
+	va_start(ap, fmt);
+	vfprintf(stderr, fmt, ap);
+	va_end(ap);
+	fprintf(stderr, "; see %s --help\n", command);
+	return 2;
+}
+
+int option_refuse_key(const char *command, int key, const char *word)
+{
+	return option_refuse(command, key == ':' ? "option '%s' needs a value" : "option '%s' is not known", word);
+}
+
+int option_choose(
+	const char *command, const char *option, const char *word, const struct option_choice *choices, int *value)
+{
+	char known[128] = "";
+
+	for (const struct option_choice *c = choices; c->name; c++) {
+		if (!strcmp(word, c->name)) {
+			*value = c->value;
+			return 0;
+		}
+		strncat(known, *known ? "|" : "", sizeof known - strlen(known) - 1);
+		strncat(known, c->name, sizeof known - strlen(known) - 1);
+	}
+	return option_refuse(command, "--%s takes %s, not '%s'", option, known, word);
+}
+
+static int parse_gravity(const char *command, const char *word, double gravity[3])
+{
+	const char *s = word;
+
+	for (int i = 0; i < 3; i++) {
+		char *end;
+
+		gravity[i] = strtod(s, &end);
+		if (end == s || *end != (i < 2 ? ',' : '\0') || !(gravity[i] - gravity[i] == 0))
+			return option_refuse(command, "--gravity takes three finite numbers X,Y,Z, not '%s'", word);
+		s = end + 1;
+	}
+	return 0;
+}
+
+/* Options that take one word of a few, from OPTION_TARGET to OPTION_DUMP. */
+static const struct choice {
+	const char *option;
+	struct option_choice words[5];
+} CHOICES[] = {
+	{"target", {{"cuda", RNEAGEN_TARGET_CUDA}, {"c", RNEAGEN_TARGET_C}, {"header", RNEAGEN_TARGET_HEADER}}},
+	{"precision", {{"f32", RNEAGEN_F32}, {"f64", RNEAGEN_F64}}},
+	{"layout", {{"soa", RNEAGEN_SOA}, {"aos", RNEAGEN_AOS}}},
+	{"trig", {{"accurate", RNEAGEN_ACCURATE}, {"bounded", RNEAGEN_BOUNDED}, {"fast", RNEAGEN_FAST}}},
+	{"base", {{"fixed", RNEAGEN_FIXED}, {"floating", RNEAGEN_FLOATING}}},
+	{"mimic", {{"honour", RNEAGEN_MIMIC_HONOUR}, {"independent", RNEAGEN_MIMIC_INDEPENDENT}}},
+	{"dump", {{"robot", RNEAGEN_DUMP_ROBOT}, {"tree", RNEAGEN_DUMP_TREE}, {"dag", RNEAGEN_DUMP_DAG},
+		{"plan", RNEAGEN_DUMP_PLAN}}},
+};
+
+static void set_choice(struct rneagen_options *o, int key, int value)
+{
+	switch (key) {
+	case OPTION_TARGET:
+		o->target = (enum rneagen_target)value;
+		break;
+	case OPTION_PRECISION:
+		o->precision = (enum rneagen_precision)value;
+		break;
+	case OPTION_LAYOUT:
+		o->layout = (enum rneagen_layout)value;
+		break;
+	case OPTION_TRIG:
+		o->trig = (enum rneagen_trig)value;
+		break;
+	case OPTION_BASE:
+		o->base = (enum rneagen_base)value;
+		break;
+	case OPTION_MIMIC:
+		o->mimic = (enum rneagen_mimic)value;
+		break;
+	default:
+		o->dump = (enum rneagen_dump)value;
+	}
+}
+
+int option_generate(const char *command, struct rneagen_options *o, int key, const char *word)
+{
+	const struct choice *c;
+	int value = 0, bad;
+
+	if (key == OPTION_GRAVITY)
+		return parse_gravity(command, word, o->gravity);
+	if (key == OPTION_ORDER) {
+		o->order = word;
+		return 0;
+	}
+	if (key < OPTION_TARGET || key > OPTION_DUMP)
+		return -1;
+	c = &CHOICES[key - OPTION_TARGET];
+	bad = option_choose(command, c->option, word, c->words, &value);
+	if (!bad)
+		set_choice(o, key, value);
+	return bad;
+}
