@@ -24,3 +24,6 @@ add_test(NAME test_manual COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_manual)
 set_tests_properties(test_manual PROPERTIES SKIP_RETURN_CODE 77)
 # the README's table is what the results say
 add_test(NAME readme_table COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/gpu/table --check ${PROJECT_SOURCE_DIR}/README.md)
+
+# The command that evaluates arrays: its files.
+rneagen_add_test(test_npy ${CMAKE_SOURCE_DIR}/runtime/npy.c ${CMAKE_SOURCE_DIR}/runtime/npy_header.c)
