@@ -290,6 +290,13 @@ int cuMemAlloc_v2(unsigned long long *address, size_t size)
 	return memory ? FAKE_SUCCESS : FAKE_OUT_OF_MEMORY;
 }
 
+int cuMemGetInfo_v2(size_t *available, size_t *total)
+{
+	ENTER(1);
+	*available = *total = 1 << 28;
+	return FAKE_SUCCESS;
+}
+
 int cuMemFree_v2(unsigned long long address)
 {
 	ENTER(1);

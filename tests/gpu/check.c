@@ -1,13 +1,21 @@
-/* gpu_check FOLDER RESULTS.csv [--counts A,B,C] [--large N] [--replays N] [--chain N] [--block N]
+/* gpu_check FOLDER RESULTS.csv [OPTION VALUE]...
    Open, verify and time every text that FOLDER/manifest.txt lists. Exit status 0: all is right; 1: something is wrong;
-   77: no driver. */
+   77: no driver.
+     --manifest NAME    another file of FOLDER instead of manifest.txt
+     --counts A,B,...   batches whose torques are checked
+     --elements N       of tau, for the texts that the manifest calls large; 0: none
+     --large N          samples for the time per sample
+     --replays N        of a graph, for the median; 0: no times
+     --chain N          launches in a graph for the latency
+     --block N          threads per block
+     --cache FOLDER     empty: the time to open with a cache and without, for the texts that the manifest calls build */
 #include "check.h"
 #include <pthread.h>
 #include <stdatomic.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { ITEM_LIMIT = 512, THREAD_LIMIT = 64 };
@@ -20,14 +28,14 @@ struct work {
 	atomic_size_t next;
 };
 
-/* A line of the manifest: text, folder of the reference, "aot" or "-". */
-static size_t read_manifest(const char *folder, struct item *items)
+/* A line of the manifest: text, folder of the reference, "-" or of "aot", "large" and "build" those that apply. */
+static size_t read_manifest(const char *folder, const char *name, struct item *items)
 {
-	char path[1024], line[1024], aot[8];
+	char path[1024], line[1024], marks[32];
 	size_t n = 0;
 	FILE *f;
 
-	snprintf(path, sizeof path, "%s/manifest.txt", folder);
+	snprintf(path, sizeof path, "%s/%s", folder, name);
 	if (!(f = fopen(path, "r"))) {
 		fprintf(stderr, "%s: cannot be opened\n", path);
 		return 0;
@@ -35,21 +43,15 @@ static size_t read_manifest(const char *folder, struct item *items)
 	while (n < ITEM_LIMIT && fgets(line, sizeof line, f)) {
 		struct item *it = &items[n];
 
-		if (sscanf(line, "%255s %255s %7s", it->text, it->reference, aot) != 3)
+		if (sscanf(line, "%255s %255s %31s", it->text, it->reference, marks) != 3)
 			continue;
-		it->aot = strcmp(aot, "aot") == 0;
+		it->aot = strstr(marks, "aot") != NULL;
+		it->is_large = strstr(marks, "large") != NULL;
+		it->is_built = strstr(marks, "build") != NULL;
 		n++;
 	}
 	fclose(f);
 	return n;
-}
-
-static double seconds_now(void)
-{
-	struct timespec t;
-
-	clock_gettime(CLOCK_MONOTONIC, &t);
-	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 static void *open_some(void *argument)
@@ -65,6 +67,8 @@ static void *open_some(void *argument)
 		snprintf(path, sizeof path, "%s/%s", w->folder, it->text);
 		if (rnea_open_file(path, &w->options, &it->robot, &e) != RNEA_OK)
 			item_fail(it, "%s", e.message);
+		else
+			it->limit = item_limit(it);
 		it->seconds = seconds_now() - start;
 	}
 	return NULL;
@@ -89,45 +93,98 @@ static void open_all(struct work *w)
 	fflush(stdout);
 }
 
-static void check_item(
-	const struct gpu *g, const struct settings *s, const struct floor *f, const char *folder, struct item *it)
+/* The reference of an item that was opened; 0 if there is none that fits it, or no robot. */
+static int read_reference(const char *folder, struct item *it, struct reference *r)
 {
 	char path[1024];
-	struct reference r;
 
-	snprintf(path, sizeof path, "%s/%s", folder, it->reference);
-	if (!it->robot || !reference_read(&r, path)) {
+	snprintf(path, sizeof path, "%s/%.255s", folder, it->reference);
+	if (!it->robot || !reference_read(r, path)) {
 		item_fail(it, "%s: no reference data", path);
-		return;
+		return 0;
 	}
-	verify(g, s, it, &r);
+	if (item_matches(it, r))
+		return 1;
+	reference_free(r);
+	return 0;
+}
+
+static void check_aot(const struct gpu *g, const char *folder, struct item *it, const struct reference *r)
+{
+	char path[1024];
+
 	snprintf(path, sizeof path, "%s/aot/%.*s.so", folder, (int)strcspn(it->text, "."), it->text);
-	if (it->aot && access(path, R_OK) == 0)
-		verify_aot(g, it, &r, path);
-	else if (it->aot)
+	if (access(path, R_OK) == 0)
+		verify_aot(g, it, r, path);
+	else
 		printf("skipped: %s: not built by nvcc\n", it->text);
+}
+
+static void check_item(const struct gpu *g, const struct settings *s, const struct floor *f, const char *folder,
+	struct item *it, struct item *partner)
+{
+	struct reference r, partner_r;
+	char path[1024];
+	int has_partner;
+
+	if (!read_reference(folder, it, &r))
+		return;
+	verify(g, s, it, &r);
+	has_partner = partner != it && read_reference(folder, partner, &partner_r);
+	verify_streams(g, it, &r, partner, has_partner ? &partner_r : NULL);
+	if (has_partner)
+		reference_free(&partner_r);
+	if (it->is_large && s->elements)
+		verify_large(g, it, &r, s->elements);
+	if (it->aot)
+		check_aot(g, folder, it, &r);
 	if (s->replays > 0)
 		measure(g, s, f, it, &r);
+	snprintf(path, sizeof path, "%s/%.255s", folder, it->text);
+	if (it->is_built && s->cache)
+		cost_build(it, path, s->cache);
 	reference_free(&r);
 	printf("%s %s\n", *it->failure ? "FAIL" : "ok  ", it->text);
 	fflush(stdout);
 }
 
+/* "1,2,3" */
+static int read_counts(struct settings *s, const char *text)
+{
+	char *end = (char *)(uintptr_t)text;
+
+	for (s->size_count = 0; *text && s->size_count < SIZE_LIMIT; text = end + (*end == ',')) {
+		size_t count = strtoull(text, &end, 10);
+
+		if (end == text || count == 0)
+			return 0;
+		s->counts[s->size_count++] = count;
+	}
+	return !*text && s->size_count;
+}
+
 static int read_options(struct settings *s, int argc, char **argv)
 {
 	for (int i = 3; i < argc; i += 2) {
-		if (i + 1 == argc)
+		const char *value = argv[i + 1];
+
+		if (!value)
 			return 0;
 		if (strcmp(argv[i], "--large") == 0)
-			s->large = strtoull(argv[i + 1], NULL, 10);
+			s->large = strtoull(value, NULL, 10);
+		else if (strcmp(argv[i], "--elements") == 0)
+			s->elements = strtoull(value, NULL, 10);
 		else if (strcmp(argv[i], "--replays") == 0)
-			s->replays = atoi(argv[i + 1]);
+			s->replays = atoi(value);
 		else if (strcmp(argv[i], "--chain") == 0)
-			s->chain = atoi(argv[i + 1]);
+			s->chain = atoi(value);
 		else if (strcmp(argv[i], "--block") == 0)
-			s->block = (unsigned)atoi(argv[i + 1]);
-		else if (strcmp(argv[i], "--counts") != 0 ||
-			 sscanf(argv[i + 1], "%zu,%zu,%zu", &s->counts[0], &s->counts[1], &s->counts[2]) != 3)
+			s->block = (unsigned)atoi(value);
+		else if (strcmp(argv[i], "--cache") == 0)
+			s->cache = value;
+		else if (strcmp(argv[i], "--manifest") == 0)
+			s->manifest = value;
+		else if (strcmp(argv[i], "--counts") != 0 || !read_counts(s, value))
 			return 0;
 	}
 	return argc >= 3;
@@ -136,28 +193,35 @@ static int read_options(struct settings *s, int argc, char **argv)
 int main(int argc, char **argv)
 {
 	static struct item items[ITEM_LIMIT];
-	struct settings s = {.counts = {1, 1000, 1000003}, .large = 1 << 20, .replays = 21, .chain = 200};
-	struct work w = {.items = items};
+	struct settings s = {.counts = {1, 31, 127, 128, 129, 1000, 4097, 1000003},
+		.size_count = 8,
+		.elements = (size_t)1 << 31,
+		.large = 1 << 20,
+		.replays = 21,
+		.chain = 200,
+		.manifest = "manifest.txt"};
+	struct work w = {.items = items, .options = {.backend = RNEA_BACKEND_CUDA, .cache = ""}};
 	struct gpu g;
 	struct floor f;
 	int failures;
 
 	if (!read_options(&s, argc, argv)) {
-		fputs("usage: gpu_check FOLDER RESULTS.csv [--counts A,B,C] [--large N] [--replays N] [--chain N] "
-		      "[--block N]\n",
+		fputs("usage: gpu_check FOLDER RESULTS.csv [OPTION VALUE]...; the options stand in tests/gpu/check.c\n",
 			stderr);
 		return 2;
 	}
 	w.folder = argv[1];
 	w.options.block = s.block;
-	if (!(w.count = read_manifest(w.folder, items)))
+	if (!(w.count = read_manifest(w.folder, s.manifest, items)))
 		return 2;
 	gpu_start(&g);
 	floor_open(&g, &f);
+	if (s.replays > 0)
+		measure_empty(&g, &s, &f);
 	open_all(&w);
 	for (size_t i = 0; i < w.count; i++)
-		check_item(&g, &s, &f, w.folder, &items[i]);
-	failures = report(&g, &s, items, w.count, argv[2]);
+		check_item(&g, &s, &f, w.folder, &items[i], &items[(i + w.count / 2) % w.count]);
+	failures = report(&g, &s, &f, items, w.count, argv[2]);
 	for (size_t i = 0; i < w.count; i++)
 		rnea_close(items[i].robot);
 	floor_close(&g, &f);

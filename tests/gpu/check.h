@@ -5,13 +5,17 @@
 #include "data.h"
 #include "gpu.h"
 
-enum { SIZE_COUNT = 3 };
+enum { SIZE_LIMIT = 12 };
 
 struct settings {
-	size_t counts[SIZE_COUNT]; /* of samples, for the torques */
+	size_t counts[SIZE_LIMIT]; /* of samples, for the torques; size_count of them */
+	size_t size_count;
 	size_t large;              /* of samples, for the time per sample */
+	size_t elements;           /* of tau, more than 32 bits count; 0: not tried */
+	const char *cache;         /* an empty folder, for the time to open with a cache and without; NULL: no such time */
 	int replays;               /* of a graph, for the median; 0: no times */
 	unsigned block;            /* threads per block; 0: as each text has it */
+	const char *manifest;      /* a file of the folder of the texts */
 	int chain;                 /* launches in a graph for the latency, the most for the time per sample */
 };
 
@@ -20,15 +24,25 @@ struct item {
 	char text[256];      /* the file below the folder of the texts */
 	char reference[256]; /* the folder of its reference data, likewise */
 	int aot;             /* whether there is a shared object built by nvcc beside it */
+	int is_large;        /* whether it runs over settings->elements */
+	int is_built;        /* whether the time to open is taken with a cache and without */
 	/* what is found */
 	struct rnea_robot *robot; /* NULL: it did not open, and `failure` says why */
 	double seconds;           /* to open */
 	char failure[512];        /* the first thing that is wrong, or "" */
 	double max_error, rms_error;
-	double limit; /* on struct difference's `scaled` */
+	double limit; /* item_limit */
 	double latency[2]; /* s for a launch of 1 and of 1024 samples */
+	double host;          /* s of the host for a launch into a stream */
+	double cold, cached;  /* s to open alone, with an empty cache and with a full one */
 	double launch, floor; /* s for a launch of settings->large samples, and what moving the same arrays takes */
 };
+
+/* The bound on struct difference's `scaled`. */
+double item_limit(const struct item *it);
+
+/* Whether reference and text agree on the shape of the signature. */
+int item_matches(struct item *it, const struct reference *r);
 
 /* Record what is wrong, unless something was before. */
 void item_fail(struct item *it, const char *fmt, ...) __attribute__((format(printf, 2, 3)));
@@ -36,22 +50,44 @@ void item_fail(struct item *it, const char *fmt, ...) __attribute__((format(prin
 /* The torques at every count, the passes, a replayed graph, a bad sample between good ones, what is refused. */
 void verify(const struct gpu *g, const struct settings *s, struct item *it, const struct reference *r);
 
+/* Two streams at once: of this robot over different data, and of this robot and another (partner_r NULL: none). */
+void verify_streams(const struct gpu *g, struct item *it, const struct reference *r, struct item *partner,
+	const struct reference *partner_r);
+
+/* The torques of so many samples that tau has more than `elements` elements; skipped where the device is too small. */
+void verify_large(const struct gpu *g, struct item *it, const struct reference *r, size_t elements);
+
 /* NAME_rnea_launch of the shared object at `path`, built from the same text by nvcc. */
 void verify_aot(const struct gpu *g, struct item *it, const struct reference *r, const char *path);
 
-/* The kernel that does nothing but move the arrays; NULL module: not compiled. */
+/* The kernel that does nothing but move the arrays, and one that does nothing at all; NULL module: not compiled. */
 struct floor {
 	CUmodule module;
 	CUfunction scalar[2], vector[2]; /* f32, f64 */
+	CUfunction empty;
+	double empty_graph, empty_host; /* s for a launch of it, like item's latency and host */
 };
 
 void floor_open(const struct gpu *g, struct floor *f);
 void floor_close(const struct gpu *g, struct floor *f);
 
+void measure_empty(const struct gpu *g, const struct settings *s, struct floor *f);
 void measure(const struct gpu *g, const struct settings *s, const struct floor *f, struct item *it,
 	const struct reference *r);
 
+/* s since some moment; the median, of an array that is sorted by it. */
+double seconds_now(void);
+double median_of(double *times, size_t n);
+
+/* s of the host for a launch into a stream of the item's kernel over one sample, or of `function` where it is NULL. */
+double cost_launch(const struct gpu *g, const struct settings *s, CUfunction function, struct item *it,
+	const struct reference *r);
+
+/* Open the text at `path` with the empty folder `cache`, then with what it has left there. */
+void cost_build(struct item *it, const char *path, const char *cache);
+
 /* A table on standard output, and the same and more at `path`. Returns the number of items that failed. */
-int report(const struct gpu *g, const struct settings *s, const struct item *items, size_t count, const char *path);
+int report(const struct gpu *g, const struct settings *s, const struct floor *f, const struct item *items, size_t count,
+	const char *path);
 
 #endif

@@ -20,6 +20,7 @@
 	X(cuModuleLoadDataEx)                                                                                          \
 	X(cuModuleUnload)                                                                                              \
 	X(cuModuleGetFunction)                                                                                         \
+	X(cuMemGetInfo)                                                                                                \
 	X(cuMemAlloc)                                                                                                  \
 	X(cuMemFree)                                                                                                   \
 	X(cuMemcpyHtoD)                                                                                                \
@@ -78,6 +79,9 @@ struct gpu_array {
 struct gpu_array gpu_array_new(const struct gpu *g, size_t bytes);
 void gpu_array_free(const struct gpu *g, struct gpu_array *a);
 void gpu_array_poison(const struct gpu *g, const struct gpu_array *a);
+
+/* 0 if a guard was written to. */
+int gpu_array_intact(const struct gpu *g, const struct gpu_array *a);
 
 /* Copy data to `host`; returns 0 if a guard was written to. */
 int gpu_array_read(const struct gpu *g, const struct gpu_array *a, void *host);

@@ -34,7 +34,7 @@ static const char floor_text[] =
 	"	if (i < m) tau[i] = sum(q[i], qd[i], qdd[i]);\n"
 	"	else if (i < n && first(q[i]) == 1.25e30f) tau[0] = q[i];\n"
 	"}\n" FLOOR("floor_f32", "float") FLOOR("floor_f64", "double") FLOOR("floor_f32_vector", "float4")
-		FLOOR("floor_f64_vector", "double2");
+		FLOOR("floor_f64_vector", "double2") "extern \"C\" __global__ void floor_empty(void)\n{ }\n";
 
 void floor_open(const struct gpu *g, struct floor *f)
 {
@@ -52,6 +52,7 @@ void floor_open(const struct gpu *g, struct floor *f)
 	GPU(g, cuModuleGetFunction, (&f->scalar[RNEA_F64], f->module, "floor_f64"));
 	GPU(g, cuModuleGetFunction, (&f->vector[RNEA_F32], f->module, "floor_f32_vector"));
 	GPU(g, cuModuleGetFunction, (&f->vector[RNEA_F64], f->module, "floor_f64_vector"));
+	GPU(g, cuModuleGetFunction, (&f->empty, f->module, "floor_empty"));
 	jit_free(&image);
 }
 
@@ -151,13 +152,6 @@ static CUgraphExec capture_floor(
 	return gpu_capture_end(g);
 }
 
-static int ascending(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-
-	return (x > y) - (x < y);
-}
-
 /* Medians of the replays of several graphs that take turns, so that all see the same clocks. */
 static void replay_in_turns(const struct gpu *g, CUgraphExec *graphs, size_t n, int replays, double *median)
 {
@@ -171,8 +165,7 @@ static void replay_in_turns(const struct gpu *g, CUgraphExec *graphs, size_t n, 
 				times[i * (size_t)replays + (size_t)k] = seconds;
 		}
 	for (size_t i = 0; i < n; i++) {
-		qsort(times + i * (size_t)replays, (size_t)replays, sizeof *times, ascending);
-		median[i] = times[i * (size_t)replays + (size_t)replays / 2];
+		median[i] = median_of(times + i * (size_t)replays, (size_t)replays);
 		GPU(g, cuGraphExecDestroy, (graphs[i]));
 	}
 	free(times);
@@ -188,6 +181,21 @@ static double latency(
 	replay_in_turns(g, &graph, 1, s->replays, &median);
 	sets_free(g, &sets);
 	return median / s->chain;
+}
+
+void measure_empty(const struct gpu *g, const struct settings *s, struct floor *f)
+{
+	CUgraphExec graph;
+
+	if (!f->module)
+		return;
+	gpu_capture_begin(g);
+	for (int i = 0; i < s->chain; i++)
+		GPU(g, cuLaunchKernel, (f->empty, 1, 1, 1, 1, 1, 1, 0, g->stream, NULL, NULL));
+	graph = gpu_capture_end(g);
+	replay_in_turns(g, &graph, 1, s->replays, &f->empty_graph);
+	f->empty_graph /= s->chain;
+	f->empty_host = cost_launch(g, s, f->empty, NULL, NULL);
 }
 
 /* Launches that move some 5 GB, so that the ends of a graph do not show; every set as often as the others. */
@@ -233,5 +241,6 @@ void measure(const struct gpu *g, const struct settings *s, const struct floor *
 		return;
 	it->latency[0] = latency(g, s, it, r, 1);
 	it->latency[1] = latency(g, s, it, r, 1024);
+	it->host = cost_launch(g, s, NULL, it, r);
 	throughput(g, s, f, it, r);
 }

@@ -27,9 +27,9 @@ static void put_row(const struct settings *s, const struct item *it)
 		return;
 	}
 	rnea_resources(it->robot, RNEA_KERNEL_RNEA, &r, NULL);
-	printf("%-36.36s %4d %5zu %7.2f %7.2f %8.1f %8.1f %5.2f %9.1e%s\n", it->text, r.registers, r.local_bytes,
-		it->latency[0] * 1e6, it->latency[1] * 1e6, per_sample(s, it->launch), per_sample(s, it->floor),
-		it->launch > 0 ? it->floor / it->launch : 0, it->max_error, *it->failure ? " FAIL" : "");
+	printf("%-36.36s %4d %5zu %7.2f %7.2f %7.2f %8.1f %8.1f %5.2f %9.1e%s\n", it->text, r.registers, r.local_bytes,
+		it->host * 1e6, it->latency[0] * 1e6, it->latency[1] * 1e6, per_sample(s, it->launch),
+		per_sample(s, it->floor), it->launch > 0 ? it->floor / it->launch : 0, it->max_error, *it->failure ? " FAIL" : "");
 }
 
 static void put_csv_row(FILE *f, const struct settings *s, const struct item *it)
@@ -52,13 +52,14 @@ static void put_csv_row(FILE *f, const struct settings *s, const struct item *it
 		info->operations.sincos);
 	for (int i = 0; i < RNEA_KERNEL_COUNT; i++)
 		fprintf(f, ",%d,%zu", k[i].registers, k[i].local_bytes);
-	fprintf(f, ",%zu,%.3f,%.4f,%.4f,%.3f,%.3f,%.4f,%.3e,%.3e\n", k[0].shared_bytes, it->seconds,
+	fprintf(f, ",%zu,%.3f,%.4f,%.4f,%.3f,%.3f,%.4f,%.3e,%.3e", k[0].shared_bytes, it->seconds,
 		it->latency[0] * 1e6, it->latency[1] * 1e6, per_sample(s, it->launch), per_sample(s, it->floor),
 		it->launch > 0 ? it->floor / it->launch : 0, it->max_error, it->rms_error);
+	fprintf(f, ",%.3f,%.1f,%.1f\n", it->host * 1e6, it->cold * 1e3, it->cached * 1e3);
 }
 
-static int put_csv(
-	const struct gpu *g, const struct settings *s, const struct item *items, size_t count, const char *path)
+static int put_csv(const struct gpu *g, const struct settings *s, const struct floor *floor, const struct item *items,
+	size_t count, const char *path)
 {
 	FILE *f = fopen(path, "w");
 	time_t now = time(NULL);
@@ -73,25 +74,34 @@ static int put_csv(
 		"# device %s, driver %s (CUDA %d.%d), %s, commit %s, times over %zu samples, medians of %d replays\n",
 		g->name, of_environment("RNEA_DRIVER"), g->driver / 1000, g->driver % 1000 / 10, date,
 		of_environment("RNEA_COMMIT"), s->large, s->replays);
+	fprintf(f, "# an empty kernel: %.3f us a launch in a graph, %.3f us of the host a launch in a stream\n",
+		floor->empty_graph * 1e6, floor->empty_host * 1e6);
 	fputs("text,result,robot,precision,layout,trig,base,nq,nv,nb,block,busy_block,flops,sincos,", f);
 	fputs("registers,local_bytes,fpass_registers,fpass_local_bytes,bpass_registers,bpass_local_bytes,", f);
 	fputs("shared_bytes,open_s,us_at_1,us_at_1024,ps_per_sample,floor_ps_per_sample,of_floor,", f);
-	fputs("max_error,rms_error\n", f);
+	fputs("max_error,rms_error,host_us,cold_ms,cached_ms\n", f);
 	for (size_t i = 0; i < count; i++)
 		put_csv_row(f, s, &items[i]);
 	return fclose(f) != 0;
 }
 
-int report(const struct gpu *g, const struct settings *s, const struct item *items, size_t count, const char *path)
+int report(const struct gpu *g, const struct settings *s, const struct floor *f, const struct item *items, size_t count,
+	const char *path)
 {
-	int failures = put_csv(g, s, items, count, path);
+	int failures = put_csv(g, s, f, items, count, path);
 
 	printf("%s, driver %s, commit %s; times over %zu samples\n", g->name, of_environment("RNEA_DRIVER"),
 		of_environment("RNEA_COMMIT"), s->large);
-	printf("%-36s %4s %5s %7s %7s %8s %8s %5s %9s\n", "text", "regs", "local", "us@1", "us@1024", "ps/smp", "floor",
+	printf("an empty kernel: %.2f us in a graph, %.2f us of the host in a stream\n", f->empty_graph * 1e6,
+		f->empty_host * 1e6);
+	printf("%-36s %4s %5s %7s %7s %7s %8s %8s %5s %9s\n", "text", "regs", "local", "host us", "us@1", "us@1024", "ps/smp", "floor",
 		"of it", "error");
 	for (size_t i = 0; i < count; i++)
 		put_row(s, &items[i]);
+	for (size_t i = 0; i < count; i++)
+		if (items[i].cold > 0)
+			printf("%-36.36s opens in %.0f ms, from the cache in %.0f ms\n", items[i].text,
+				items[i].cold * 1e3, items[i].cached * 1e3);
 	for (size_t i = 0; i < count; i++)
 		if (*items[i].failure) {
 			printf("FAIL %s: %s\n", items[i].text, items[i].failure);

@@ -1,4 +1,4 @@
-#include "check.h"
+#include "arrays.h"
 #include <dlfcn.h>
 #include <math.h>
 #include <stdarg.h>
@@ -6,16 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { MOST = RNEA_ARGUMENT_LIMIT };
-
-/* The arrays of one robot for a number of samples, inputs filled, outputs poisoned. */
-struct arrays {
-	struct gpu_array array[MOST];
-	void *pointers[MOST]; /* as rnea_launch wants them */
-	size_t n, count;
-	void *host; /* room for the largest */
-};
 
 void item_fail(struct item *it, const char *fmt, ...)
 {
@@ -28,52 +18,10 @@ void item_fail(struct item *it, const char *fmt, ...)
 	va_end(ap);
 }
 
-static size_t bytes_of(const struct rnea_argument *a, size_t count)
+int item_matches(struct item *it, const struct reference *r)
 {
-	return a->rows * count * (a->scalar == RNEA_F64 ? sizeof(double) : sizeof(float));
-}
+	const struct rnea_info *info = rnea_info(it->robot);
 
-static void arrays_fill(const struct gpu *g, struct arrays *a, const struct rnea_info *info, const struct reference *r)
-{
-	for (size_t i = 0; i < info->input_count; i++) {
-		const struct rnea_argument *input = &info->arguments[i];
-
-		samples_tile(reference_find(r, input->name), a->host, a->count, input->scalar, info->layout);
-		GPU(g, cuMemcpyHtoD, (a->array[i].data, a->host, a->array[i].bytes));
-	}
-	/* a copy from pageable memory returns before it is done, and our stream does not wait for it */
-	GPU(g, cuCtxSynchronize, ());
-}
-
-static struct arrays arrays_new(
-	const struct gpu *g, const struct rnea_info *info, const struct reference *r, size_t count)
-{
-	struct arrays a = {.n = info->input_count + info->output_count, .count = count};
-	size_t most = 0;
-
-	for (size_t i = 0; i < a.n; i++) {
-		size_t bytes = bytes_of(&info->arguments[i], count);
-
-		a.array[i] = gpu_array_new(g, bytes);
-		a.pointers[i] = (void *)(uintptr_t)a.array[i].data;
-		most = bytes > most ? bytes : most;
-	}
-	if (!(a.host = malloc(most)))
-		gpu_must(g, CUDA_ERROR_OUT_OF_MEMORY, "malloc", __FILE__, __LINE__);
-	arrays_fill(g, &a, info, r);
-	return a;
-}
-
-static void arrays_free(const struct gpu *g, struct arrays *a)
-{
-	for (size_t i = 0; i < a->n; i++)
-		gpu_array_free(g, &a->array[i]);
-	free(a->host);
-}
-
-/* Whether reference and text agree on the shape of the signature. */
-static int check_signature(struct item *it, const struct rnea_info *info, const struct reference *r)
-{
 	for (size_t i = 0; i < info->input_count + info->output_count; i++) {
 		const struct rnea_argument *a = &info->arguments[i];
 		const struct samples *s = reference_find(r, a->name);
@@ -84,25 +32,6 @@ static int check_signature(struct item *it, const struct rnea_info *info, const 
 		return 0;
 	}
 	return 1;
-}
-
-/* Read tau back and hold it against the reference; `what` is for the message. */
-static void check_torque(const struct gpu *g, struct item *it, const struct arrays *a, size_t tau,
-	const struct reference *r, const char *what)
-{
-	const struct rnea_info *info = rnea_info(it->robot);
-	int intact = gpu_array_read(g, &a->array[tau], a->host);
-	struct difference d = samples_compare(&r->tau, a->host, a->count, info->precision, info->layout);
-
-	if (!intact)
-		item_fail(it, "%s, %zu samples: written outside of tau", what, a->count);
-	if (!(d.scaled <= it->limit))
-		item_fail(it, "%s, %zu samples: sample %zu is off by %.3g, the limit is %.3g", what, a->count, d.worst,
-			d.scaled, it->limit);
-	if (d.max > it->max_error)
-		it->max_error = d.max;
-	if (d.rms > it->rms_error)
-		it->rms_error = d.rms;
 }
 
 static int launched(const struct gpu *g, struct item *it, enum rnea_kernel kernel, void *const *pointers, size_t count)
@@ -121,12 +50,16 @@ static int launched(const struct gpu *g, struct item *it, enum rnea_kernel kerne
 static void check_inputs(const struct gpu *g, struct item *it, const struct arrays *a, const struct reference *r)
 {
 	const struct rnea_info *info = rnea_info(it->robot);
-	char *again = malloc(a->array[0].bytes);
 
-	samples_tile(&r->q, again, a->count, info->arguments[0].scalar, info->layout);
-	if (!gpu_array_read(g, &a->array[0], a->host) || memcmp(again, a->host, a->array[0].bytes) != 0)
-		item_fail(it, "the launch wrote to q");
-	free(again);
+	for (size_t i = 0; i < info->input_count; i++) {
+		const struct rnea_argument *input = &info->arguments[i];
+		char *again = malloc(a->array[i].bytes);
+
+		samples_tile(reference_find(r, input->name), again, a->count, input->scalar, info->layout);
+		if (!gpu_array_read(g, &a->array[i], a->host) || memcmp(again, a->host, a->array[i].bytes) != 0)
+			item_fail(it, "the launch wrote to %s", input->name);
+		free(again);
+	}
 }
 
 static void verify_count(const struct gpu *g, struct item *it, const struct reference *r, size_t count)
@@ -161,10 +94,10 @@ static void verify_passes(const struct gpu *g, struct item *it, const struct ref
 	const struct rnea_info *info = rnea_info(it->robot);
 	struct arrays a = arrays_new(g, info, r, r->q.count);
 	size_t in = info->input_count,
-	       bytes = bytes_of(&(struct rnea_argument){.rows = 6 * info->nb, .scalar = info->precision}, a.count);
+	       bytes = arrays_bytes(&(struct rnea_argument){.rows = 6 * info->nb, .scalar = info->precision}, a.count);
 	struct gpu_array pass[3] = {gpu_array_new(g, bytes), gpu_array_new(g, bytes), gpu_array_new(g, bytes)};
 	static const char *const names[] = {"v", "a", "f"};
-	void *forward[MOST + 3], *backward[3] = {a.pointers[0], (void *)(uintptr_t)pass[2].data, a.pointers[a.n - 1]};
+	void *forward[ARRAYS_LIMIT + 3], *backward[3] = {a.pointers[0], (void *)(uintptr_t)pass[2].data, a.pointers[a.n - 1]};
 
 	memcpy(forward, a.pointers, in * sizeof *forward);
 	for (int i = 0; i < 3; i++)
@@ -229,7 +162,7 @@ static void verify_bad_sample(const struct gpu *g, struct item *it, const struct
 				(a.array[0].data + size * (info->layout == RNEA_AOS ? bad * info->nq + row
 										    : row * a.count + bad),
 					0xff, size));
-		GPU(g, cuCtxSynchronize, ());
+		gpu_array_poison(g, tau);
 		launched(g, it, RNEA_KERNEL_RNEA, a.pointers, a.count);
 		gpu_array_read(g, tau, after);
 		if (changed(info, before, after, info->nv, a.count, bad))
@@ -243,7 +176,7 @@ static void verify_bad_sample(const struct gpu *g, struct item *it, const struct
 /* What needs no samples. */
 static void verify_refusals(const struct gpu *g, struct item *it)
 {
-	void *null[MOST] = {NULL};
+	void *null[ARRAYS_LIMIT] = {NULL};
 	struct rnea_error e;
 
 	if (rnea_launch(it->robot, null, 0, g->stream, &e) != RNEA_OK)
@@ -254,8 +187,10 @@ static void verify_refusals(const struct gpu *g, struct item *it)
 		item_fail(it, "no arrays are not refused");
 }
 
-static double limit_of(const struct rnea_info *info)
+double item_limit(const struct item *it)
 {
+	const struct rnea_info *info = rnea_info(it->robot);
+
 	if (strcmp(info->trig, "fast") == 0)
 		return 1e-3; /* the hardware's sine has an absolute error */
 	return info->precision == RNEA_F64 ? 5e-14 : 3e-6;
@@ -263,10 +198,7 @@ static double limit_of(const struct rnea_info *info)
 
 void verify(const struct gpu *g, const struct settings *s, struct item *it, const struct reference *r)
 {
-	it->limit = limit_of(rnea_info(it->robot));
-	if (!check_signature(it, rnea_info(it->robot), r))
-		return;
-	for (int i = 0; i < SIZE_COUNT; i++)
+	for (size_t i = 0; i < s->size_count; i++)
 		verify_count(g, it, r, s->counts[i]);
 	verify_passes(g, it, r);
 	verify_capture(g, it, r);
