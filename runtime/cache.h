@@ -6,16 +6,21 @@
    An entry is one file, named by a hash of its key. It holds the key itself, whole, and the image, with their lengths
    and a checksum: a key that only shares the hash, and a file that is damaged or cut short, are misses. Files are
    written under a temporary name in the same folder and renamed, so that any number of processes may read and write at
-   once. The folder is used only if it belongs to this user and nobody else can write to it: what lies there is run. */
+   once. The folder is used only if it belongs to this user and nobody else can write to it: what lies there is run.
+
+   The folder holds at most CACHE_ENTRIES entries of CACHE_BYTES bytes together: putting one removes those that were
+   neither put nor got for longest, and what a writer that was killed left unfinished more than an hour ago. */
 
 #include <stddef.h>
+
+enum { CACHE_ENTRIES = 512, CACHE_BYTES = 512 << 20 };
 
 struct cache {
 	char folder[1024]; /* "": there is none */
 };
 
 /* Choose the folder: `folder` if it is not NULL ("": none), else RNEA_CACHE, else XDG_CACHE_HOME/rnea, else
-   HOME/.cache/rnea. It is made when the first entry is put into it. */
+   HOME/.cache/rnea if HOME is this user's. It is made, with its parents, when the first entry is put into it. */
 void cache_open(struct cache *c, const char *folder);
 
 /* The image kept under `key`: 1 and *data (malloc, *size bytes and a NUL), or 0, NULL and 0. */

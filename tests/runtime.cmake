@@ -14,6 +14,13 @@ target_compile_definitions(test_runtime PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE
 	FAKE_CUDA="$<TARGET_FILE:fake_cuda>" FAKE_NVRTC="$<TARGET_FILE:fake_nvrtc>")
 add_test(NAME test_runtime COMMAND test_runtime)
 
+add_executable(test_runtime_cache test_runtime_cache.c test_runtime_cache_entry.c test_runtime_cache_fault.c
+	test_runtime_cache_folder.c test_runtime_cache_race.c)
+target_link_libraries(test_runtime_cache PRIVATE rnea::rnea PkgConfig::CHECK Threads::Threads)
+target_link_options(test_runtime_cache PRIVATE
+	-Wl,--wrap=malloc,--wrap=realloc,--wrap=write,--wrap=read,--wrap=close,--wrap=renameat,--wrap=openat)
+add_test(NAME test_runtime_cache COMMAND test_runtime_cache)
+
 # What runs on a GPU, with small batches on the pretended one.
 add_subdirectory(gpu)
 if(TARGET gpu_check)
