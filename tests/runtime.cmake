@@ -29,5 +29,5 @@ if(TARGET gpu_check)
 	set_tests_properties(gpu_emulated PROPERTIES ENVIRONMENT "RNEAGEN=$<TARGET_FILE:rneagen-command>;\
 RNEA_REFERENCE=$<TARGET_FILE:rnea_reference>;RNEA_LIBCUDA=$<TARGET_FILE:fake_cuda>;RNEA_NVRTC=$<TARGET_FILE:fake_nvrtc>")
 endif()
-add_test(NAME shared_symbols COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/shared_symbols $<TARGET_FILE:rnea_shared>
+add_test(NAME shared_symbols COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/shared_symbols $<TARGET_FILE:rnea_shared> $<TARGET_FILE:rnea>
 	${PROJECT_SOURCE_DIR}/runtime/rnea.h ${CMAKE_C_COMPILER})
