@@ -8,8 +8,8 @@
 /* Per output, in the order of dag->outputs. Either pointer may be NULL. */
 struct eval_terms {
 	double *size;  /* the sum of the magnitudes of all products that make the value */
-	double *bound; /* |computed - exact| is at most this: constants' rounding and sine and cosine included, to first order
-			  rounded up; overflow and underflow apart */
+	double *bound; /* |computed - exact| is at most this, whether products joined to sums are rounded once or twice:
+			  constants' rounding, sine and cosine and underflow included; INFINITY after an overflow */
 };
 
 /* Evaluate one sample: in[k] points at the rows of argument k (NULL for outputs), out[k] at those of an output (NULL for

@@ -36,12 +36,12 @@ struct values {
 	double bound[3][OUTPUTS], size[OUTPUTS], exact_bound[OUTPUTS]; /* bounds of f32, f64, real */
 };
 
-static struct state random_state(struct rng *rng)
+static struct state random_state(struct rng *rng, double scale)
 {
 	struct state s;
 
 	for (int i = 0; i < INPUTS; i++) {
-		s.f32[i] = (float)rng_uniform(rng, -2, 2);
+		s.f32[i] = (float)rng_uniform(rng, -2 * scale, 2 * scale);
 		s.f64[i] = (double)s.f32[i];
 		s.extended[i] = (real)s.f32[i];
 		s.exact[i] = (wide)s.f32[i];
@@ -174,7 +174,7 @@ START_TEST(random_dags)
 		dag_init(&fused, &a);
 		dag_fuse(&fused, &d);
 		for (int i = 0; i < SAMPLES; i++) {
-			struct state s = random_state(&rng);
+			struct state s = random_state(&rng, 1);
 			struct values raw, joined;
 
 			evaluate(&d, &s, &raw);
@@ -194,6 +194,66 @@ START_TEST(random_dags)
 }
 END_TEST
 
+/* Products of inputs and of constants that are subnormal in single precision, or vanish there. */
+START_TEST(underflow)
+{
+	static const double scales[] = {1e-18, 1e-20, 1e-22, 1e-30, 1e-44};
+	struct ratios worst = {{0}};
+	size_t rounded = 0;
+
+	for (uint64_t seed = 1; seed <= DAGS; seed++) {
+		double scale = scales[seed % 5];
+		struct rng rng = rng_seed(seed);
+		struct values v;
+		struct state s;
+		struct arena a;
+		struct dag d;
+
+		arena_init(&a, NULL);
+		dag_init(&d, &a);
+		dag_argument(&d, "in", INPUTS, 0);
+		dag_argument(&d, "out", OUTPUTS, 1);
+		for (int i = 0; i < OUTPUTS; i++) {
+			struct ref x = dag_mul(&d, dag_input(&d, 0, i % INPUTS), dag_input(&d, 0, (i + 1) % INPUTS));
+			struct ref y = dag_mul(&d, dag_const(&d, random_constant(&rng) * (real)scale), dag_input(&d, 0, i % INPUTS));
+
+			dag_output(&d, 1, i, i % 2 ? dag_add(&d, x, y) : dag_fma(&d, dag_input(&d, 0, 3), y, x));
+		}
+		s = random_state(&rng, scale);
+		evaluate(&d, &s, &v);
+		check_bounds(&v, seed, &worst);
+		for (int i = 0; i < OUTPUTS; i++)
+			rounded += distance((wide)v.f32[i], v.exact[i]) > 0x1p-22 * fabs((double)v.exact[i]);
+		arena_free(&a);
+	}
+	printf("%d DAGs of tiny numbers: %zu outputs lost bits to underflow; worst error of its bound: f32 %.2f\n", DAGS, rounded,
+		worst.of[0]);
+	ck_assert_uint_gt(rounded, DAGS);
+}
+END_TEST
+
+/* Nothing is said of what overflowed, nor of what came of it, zero times infinity included. */
+START_TEST(overflow)
+{
+	static const char *const expressions[] = {"* x y", "+ z * x y", "f x y z", "* z + * x y * x y", "s * x y", "- * x y 1"};
+	float x[4] = {1e30f, 1e30f, 0, 0}, out;
+	double bound;
+
+	for (size_t i = 0; i < sizeof expressions / sizeof *expressions; i++) {
+		struct arena a;
+		struct dag d;
+
+		arena_init(&a, NULL);
+		expression_init(&d, &a);
+		expression_build(&d, expressions[i]);
+		ck_assert(eval_f32(
+			&d, (const float *[]){x, NULL}, (float *[]){NULL, &out}, &(struct eval_terms){NULL, &bound}));
+		ck_assert_msg(isinf(bound), "%s: %g, bound %g", expressions[i], (double)out, bound);
+		arena_free(&a);
+	}
+}
+END_TEST
+
 /* ---- by hand ---- */
 
 static const struct by_hand {
@@ -201,8 +261,8 @@ static const struct by_hand {
 	double value, size, bound; /* of x y z w = 3 0.5 -2 0.25 in f64; bound in units of 2^-53 */
 } by_hand[] = {
 	{"x", 3, 3, 0}, {"n x", -3, 3, 0}, {"2", 2, 2, 0}, {"+ x z", 1, 5, 1}, {"- x z", 5, 5, 5}, {"* x z", -6, 6, 6},
-	{"+ * x y * z w", 1, 2, 1 + 1.5 + 0.5}, {"f x y z", -0.5, 3.5, 0.5}, {"* + x y - y w", 0.875, 2.625, 0.875 + 3.5 * 0.25 + 3.5 * 0.25},
-	{"0.1", 0.1, 0.1, 0.1}, {"* 0.1 x", 0.3, 0.3, 0.3 + 0.3}, {"s 0", 0, 0, 0}, {"c + x z", 0.5403023058681398, 0.54, 4 + 1},
+	{"+ * x y * z w", 1, 2, 1 + 1.5 + 0.5}, {"f x y z", -0.5, 3.5, 2}, {"* + x y - y w", 0.875, 2.625, 0.875 + 3.5 * 0.25 + 3.5 * 0.25},
+	{"0.1", 0.1, 0.1, 0.05077}, {"* 0.1 x", 0.3, 0.3, 0.3 + 0.1523}, {"s 0", 0, 0, 0}, {"c + x z", 0.5403023058681398, 0.54, 2 * 0.5403 + 1},
 };
 
 START_TEST(terms_by_hand)
@@ -312,6 +372,8 @@ int main(void)
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 120);
 	tcase_add_test(c, random_dags);
+	tcase_add_test(c, underflow);
+	tcase_add_test(c, overflow);
 	tcase_add_loop_test(c, terms_by_hand, 0, sizeof by_hand / sizeof *by_hand);
 	tcase_add_test(c, fma_rounds_once);
 	tcase_add_test(c, failure_is_sticky);
