@@ -1,7 +1,9 @@
 #ifndef RNEAGEN_EVAL_H
 #define RNEAGEN_EVAL_H
 /* The DAG's evaluator: what the generated text computes, in four precisions, with the magnitudes that were summed and a
-   running error bound (Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 3.3). */
+   bound of the error: the lesser of the running one (Higham, Accuracy and Stability of Numerical Algorithms, 2002,
+   section 3.3) and that of a sweep back over derivatives (Linnainmaa, Taylor expansion of the accumulated rounding
+   error, BIT 16, 1976). */
 
 #include "dag.h"
 
