@@ -63,6 +63,7 @@ static void try_wheels(struct library *l)
 	try_python(l, "/usr");
 }
 
+/* The search, both for opening and for the identity. */
 static enum rnea_code find_library(struct library *l, struct rnea_error *e)
 {
 	const char *chosen = variable("RNEA_NVRTC");
@@ -81,9 +82,19 @@ static enum rnea_code find_library(struct library *l, struct rnea_error *e)
 	try_wheels(l);
 	for (int i = 0; i < SONAME_COUNT; i++)
 		library_try(l, sonames[i]);
-	if (l->handle)
+	if (*l->path)
 		return RNEA_OK;
 	return rnea_error_set(e, RNEA_NO_COMPILER, "no NVRTC; tried %s (RNEA_NVRTC names another)", l->tried);
+}
+
+int nvrtc_identity(char *text, size_t size)
+{
+	struct library l = {.only_find = 1};
+	struct rnea_error e = {0};
+
+	/* without a library there is no path either */
+	find_library(&l, &e);
+	return library_identity(&l, text, size);
 }
 
 enum rnea_code nvrtc_open(struct nvrtc *n, struct rnea_error *e)

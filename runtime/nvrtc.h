@@ -47,6 +47,13 @@ struct nvrtc {
    CUDA_PATH, /usr/local/cuda*, the wheels of pip in the environments in sight, the dynamic linker's path. `n` is zeroed
    first, and is fit for nvrtc_close whatever the outcome. Errors: NO_COMPILER (lists what was tried), COMPILER. */
 enum rnea_code nvrtc_open(struct nvrtc *n, struct rnea_error *e);
+
+/* Which NVRTC nvrtc_open would open: "path size mtime inode" of its file. It is found in the same search and not
+   loaded, which takes longer than all else of an open from the cache; only where nothing is left but the dynamic
+   linker's path it has to be. Returns 0, and "" as text, if there is none or the text does not fit into `size` bytes.
+   A file that is there and does not load is found here and passed over by nvrtc_open. After nvrtc_open the library is
+   loaded, and the identity is surely its: what was compiled is to be kept only if that is still the same text. */
+int nvrtc_identity(char *text, size_t size);
 void nvrtc_close(struct nvrtc *n);
 
 #endif

@@ -5,13 +5,21 @@ target_link_libraries(fake_cuda PRIVATE ${CMAKE_DL_LIBS} Threads::Threads)
 add_library(fake_nvrtc SHARED fake_nvrtc.c)
 target_compile_definitions(fake_nvrtc PRIVATE FAKE_CXX="${CMAKE_CXX_COMPILER}"
 	FAKE_HEADER="${CMAKE_CURRENT_SOURCE_DIR}/fake_device.h")
+# the same, under the name by which a process knows that it has NVRTC already
+add_library(fake_nvrtc_12 SHARED fake_nvrtc.c)
+target_compile_definitions(fake_nvrtc_12 PRIVATE FAKE_CXX="${CMAKE_CXX_COMPILER}"
+	FAKE_HEADER="${CMAKE_CURRENT_SOURCE_DIR}/fake_device.h")
+set_target_properties(fake_nvrtc_12 PROPERTIES NO_SONAME ON)
+target_link_options(fake_nvrtc_12 PRIVATE -Wl,-soname,libnvrtc.so.12)
 
-add_executable(test_runtime test_runtime.c test_runtime_info.c test_runtime_jit.c test_runtime_launch.c test_runtime_open.c)
-add_dependencies(test_runtime fake_cuda fake_nvrtc)
+add_executable(test_runtime test_runtime.c test_runtime_info.c test_runtime_jit.c test_runtime_launch.c
+	test_runtime_nvrtc.c test_runtime_open.c)
+add_dependencies(test_runtime fake_cuda fake_nvrtc fake_nvrtc_12)
 target_link_libraries(test_runtime PRIVATE rnea::rnea PkgConfig::CHECK Threads::Threads ${CMAKE_DL_LIBS} m)
 target_link_options(test_runtime PRIVATE -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc)
 target_compile_definitions(test_runtime PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}"
-	FAKE_CUDA="$<TARGET_FILE:fake_cuda>" FAKE_NVRTC="$<TARGET_FILE:fake_nvrtc>")
+	FAKE_CUDA="$<TARGET_FILE:fake_cuda>" FAKE_NVRTC="$<TARGET_FILE:fake_nvrtc>"
+	FAKE_NVRTC_12="$<TARGET_FILE:fake_nvrtc_12>")
 add_test(NAME test_runtime COMMAND test_runtime)
 
 add_executable(test_runtime_cache test_runtime_cache.c test_runtime_cache_entry.c test_runtime_cache_fault.c

@@ -130,6 +130,7 @@ int main(void)
 	srunner_add_suite(r, suite_open());
 	srunner_add_suite(r, suite_launch());
 	srunner_add_suite(r, suite_jit());
+	srunner_add_suite(r, suite_nvrtc());
 	srunner_run_all(r, CK_ENV);
 	bad = srunner_ntests_failed(r);
 	srunner_free(r);

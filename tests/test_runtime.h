@@ -9,6 +9,7 @@ Suite *suite_info(void);
 Suite *suite_open(void);
 Suite *suite_launch(void);
 Suite *suite_jit(void);
+Suite *suite_nvrtc(void);
 
 /* Choose the pretended driver and compiler, with nothing wrong with them; returns a handle for dlsym. */
 void use_fakes(void);
