@@ -7,14 +7,14 @@
 #include <stddef.h>
 
 struct host_request {
-	const char *source; /* NUL-terminated: target cuda or c */
-	const char *file;   /* what messages call it */
-	const char *name;   /* NAME of NAME_info */
+	const char *source;	    /* NUL-terminated: target cuda or c */
+	const char *file;	    /* what messages call it */
+	const char *name;	    /* NAME of NAME_info */
 	const char *const *options; /* further options for the compiler, option_count of them */
 	size_t option_count;
 	const struct cache *cache;
 	unsigned threads; /* 0: one for each processor */
-	char *log;        /* as in struct rnea_options */
+	char *log;	  /* as in struct rnea_options */
 	size_t log_size;
 };
 
@@ -22,12 +22,13 @@ struct host_request {
 typedef void host_slice(void *const *arrays, size_t count, size_t first, size_t end);
 
 struct host {
-	void *handle;       /* of dlopen */
-	const char *info;   /* NAME_info; belongs to the handle */
+	void *handle;			       /* of dlopen */
+	const char *info;		       /* NAME_info; belongs to the handle */
 	host_slice *slices[RNEA_KERNEL_COUNT]; /* NAME_rnea_slice, ...; NULL: the text has none */
-	unsigned threads;
+	unsigned threads;		       /* that a run may use; 1 where the library was built without OpenMP */
+	long process;			       /* that opened it: another one, forked from it, runs in one thread */
 	int cached;
-	char compiler[512]; /* "gcc 12.2.0 (/usr/bin/cc)" */
+	char compiler[512]; /* "gcc (Debian 12.2.0-14) 12.2.0 (/usr/bin/gcc)"; "": it came from the cache */
 };
 
 /* Compile, or take from the cache, and load. On failure *h is empty. Errors: NO_COMPILER (lists what was tried),

@@ -1,4 +1,5 @@
 #include "jit.h"
+#include "log.h"
 #include "nvrtc.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -56,34 +57,18 @@ static char *read_log(const struct nvrtc *n, void *program)
 	return log;
 }
 
-/* Whether the `length` bytes at `line` report an error: "x.cu(12): error: ...", "ptxas error   : ...". */
-static int reports_error(const char *line, size_t length)
-{
-	for (size_t i = 1; i + 5 < length; i++)
-		if (line[i - 1] == ' ' && strncmp(line + i, "error", 5) == 0 && strchr(": #", line[i + 5]))
-			return 1;
-	return 0;
-}
-
 /* The first line of the log that says what is wrong, and the line after it, which quotes the text. */
 static enum rnea_code compile_error(
 	const struct nvrtc *n, int status, const char *log, const struct jit_request *r, struct rnea_error *e)
 {
 	enum rnea_code code = status == NVRTC_STATUS_COMPILATION ? RNEA_COMPILE : RNEA_COMPILER;
-	const char *line = log, *quoted;
-	size_t length = strcspn(line, "\n");
+	struct log_error found;
 
-	while (*line && !reports_error(line, length)) {
-		line += length + (line[length] == '\n');
-		length = strcspn(line, "\n");
-	}
-	if (!*line)
+	if (!log_find_error(log, &found))
 		return rnea_error_set(e, code, "NVRTC %d.%d (%s): %s: %s", n->major, n->minor, n->library.path, r->file,
 			*log ? log : n->api.get_error_string(status));
-	quoted = line + length;
-	quoted += strspn(quoted, " \t\n");
-	return rnea_error_set(e, code, "NVRTC %d.%d: %.*s%s%.*s", n->major, n->minor, (int)length, line,
-		*quoted ? ": " : "", (int)strcspn(quoted, "\n"), quoted);
+	return rnea_error_set(e, code, "NVRTC %d.%d: %.*s%s%.*s", n->major, n->minor, (int)found.line_length,
+		found.line, found.quoted_length ? ": " : "", (int)found.quoted_length, found.quoted);
 }
 
 static enum rnea_code compile(

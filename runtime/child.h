@@ -1,0 +1,23 @@
+#ifndef RNEA_CHILD_H
+#define RNEA_CHILD_H
+/* Another program, run to its end without a shell. */
+
+#include <stddef.h>
+
+enum { CHILD_OUTPUT_LIMIT = 1 << 20 };
+
+struct child {
+	int status;   /* the exit status; CHILD_UNKNOWN: the process reaps its children elsewhere, so nobody can tell */
+	int signal;   /* that killed it; 0: none */
+	char *output; /* the first CHILD_OUTPUT_LIMIT bytes of both streams and a NUL; malloc */
+};
+
+enum { CHILD_UNKNOWN = -1 };
+
+/* Run the program at `path` with the arguments argv[0] to a NULL. It has this process' environment, with each of
+   `variables` ("NAME=value", to a NULL) instead of the variable of that name, nothing to read, the default answers to
+   all signals, and none of this process' descriptors where the C library can see to that. Other threads may do as they
+   like meanwhile. Returns 0, with end->output to be freed, or the errno that kept the program from running. */
+int child_run(const char *path, const char *const *argv, const char *const *variables, struct child *end);
+
+#endif
