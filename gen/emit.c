@@ -8,13 +8,6 @@
 /* A block stages its samples in 48 KiB of shared memory, what every device gives without asking. */
 enum { SHARED_BYTES = 48 << 10, BLOCK = 128, SMALLEST_BLOCK = 32, MANY_BODIES = 24 };
 
-enum params { PARAMS_PLAIN, PARAMS_RESTRICT, PARAMS_NAMES, PARAMS_AT_SAMPLE, PARAMS_ADDRESSES };
-
-static const char *scalar(const struct emission *e)
-{
-	return emit_is_f32(e) ? "float" : "double";
-}
-
 static int gcd(int a, int b)
 {
 	return b ? gcd(b, a % b) : a;
@@ -59,54 +52,6 @@ static int min_blocks(const struct emission *e)
 	return emit_is_f32(e) && !is_staged(e) && e->tree->body_count >= MANY_BODIES ? 3 : 0;
 }
 
-/* Where sample k begins. */
-static void put_at_sample(const struct emission *e, const struct argument *a, struct text *out)
-{
-	if (e->options->layout == RNEAGEN_SOA)
-		text_printf(out, "%s + k", a->name);
-	else
-		text_printf(out, "%s + k*%d", a->name, a->rows);
-}
-
-static const char *stride_text(const struct emission *e)
-{
-	return e->options->layout == RNEAGEN_SOA ? "count" : "1";
-}
-
-static const char *q_at_sample(const struct emission *e)
-{
-	struct text t;
-
-	text_init(&t, e->arena);
-	put_at_sample(e, &e->passes[PASS_RNEA].dag.arguments[0], &t);
-	return text_string(&t);
-}
-
-/* A pass's arguments as parameters, as their names, or moved on to sample k with the stride of a row. */
-static const char *params(const struct emission *e, const struct pass *p, enum params kind)
-{
-	const char *restricted = e->options->target == RNEAGEN_TARGET_CUDA ? "__restrict__ " : "restrict ";
-	struct text t;
-
-	text_init(&t, e->arena);
-	for (int i = 0; i < p->dag.argument_count; i++) {
-		const struct argument *a = &p->dag.arguments[i];
-		const char *comma = i + 1 < p->dag.argument_count ? ", " : "";
-
-		if (kind == PARAMS_NAMES)
-			text_printf(&t, "%s%s", a->name, comma);
-		else if (kind == PARAMS_ADDRESSES)
-			text_printf(&t, "&%s%s", a->name, comma);
-		else if (kind == PARAMS_AT_SAMPLE) {
-			put_at_sample(e, a, &t);
-			text_put(&t, comma);
-		} else
-			text_printf(&t, "%s%s *%s%s%s", a->is_output ? "" : "const ", scalar(e),
-				kind == PARAMS_RESTRICT ? restricted : "", a->name, comma);
-	}
-	return text_string(&t);
-}
-
 static const char *number(const struct emission *e, int value)
 {
 	struct text t;
@@ -124,7 +69,7 @@ static const char *body_text(const struct emission *e, const struct pass *p)
 	text_init(&body, e->arena);
 	emit_body(e, p, &body);
 	const struct slot slots[] = {
-		{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", params(e, p, PARAMS_PLAIN)},
+		{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"BODY", text_string(&body)}, {"SMALL_PARAM", emit_has_small(e) ? ", const int small" : ""},
 	};
 	template_expand(&t, template_body_in, slots, sizeof slots / sizeof *slots);
@@ -159,7 +104,7 @@ static const char *kernel_call(const struct emission *e, const struct pass *p, i
 		return call_text(e, p, "\t", "q_here, qd_here, qdd_here, qdd_here", "q_here", "RNEA_BLOCK");
 	if (staged)
 		return call_text(e, p, "\t\t", "q_here, qd_here, qdd_here, qdd_here", "q_here", "1");
-	return call_text(e, p, "\t", params(e, p, PARAMS_AT_SAMPLE), q_at_sample(e), stride_text(e));
+	return call_text(e, p, "\t", emit_params(e, p, PARAMS_AT_SAMPLE), emit_q_at_sample(e), emit_stride(e));
 }
 
 static void put_kernel(const struct emission *e, const struct pass *p, struct text *out)
@@ -167,9 +112,9 @@ static void put_kernel(const struct emission *e, const struct pass *p, struct te
 	int staged = is_staged(e) && p == &e->passes[PASS_RNEA];
 	int q_pitch = pitch(e, e->tree->nq), v_pitch = pitch(e, e->tree->nv);
 	const struct slot slots[] = {
-		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", scalar(e)},
+		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", emit_scalar(e)},
 		{"BOUNDS", p == &e->passes[PASS_RNEA] ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
-		{"RESTRICT_PARAMS", params(e, p, PARAMS_RESTRICT)}, {"CALL", kernel_call(e, p, staged)},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", kernel_call(e, p, staged)},
 		{"PITCH_Q", number(e, q_pitch)}, {"PITCH_V", number(e, v_pitch)}, {"NQ", number(e, e->tree->nq)},
 		{"NV", number(e, e->tree->nv)},
 	};
@@ -180,7 +125,7 @@ static void put_kernel(const struct emission *e, const struct pass *p, struct te
 
 static const char *stage_text(const struct emission *e)
 {
-	const struct slot slots[] = {{"T", scalar(e)}};
+	const struct slot slots[] = {{"T", emit_scalar(e)}};
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -198,27 +143,6 @@ static const char *enum_text(const struct emission *e)
 	text_init(&t, e->arena);
 	text_printf(&t, "enum { %s_nq = %d, %s_nv = %d, %s_nb = %d };", e->options->name, e->tree->nq, e->options->name,
 		e->tree->nv, e->options->name, e->tree->body_count);
-	return text_string(&t);
-}
-
-static const char *prototypes(const struct emission *e)
-{
-	const struct pass *p = e->passes;
-	const char *name = e->options->name, *layout = e->options->layout == RNEAGEN_SOA ? "[row][sample]" : "[sample][row]";
-	struct text t;
-
-	text_init(&t, e->arena);
-	text_printf(&t, "/* tau = ID(q, qd, qdd) of one sample: q[%d], qd[%d], qdd[%d] -> tau[%d]; tau may be qdd itself. */\n",
-		e->tree->nq, e->tree->nv, e->tree->nv, e->tree->nv);
-	text_printf(&t, "void %s_rnea(%s);\n", name, params(e, &p[PASS_RNEA], PARAMS_PLAIN));
-	text_printf(&t, "/* The same for `count` samples, every array %s; arrays must not overlap. */\n", layout);
-	text_printf(&t, "void %s_rnea_batch(%s, size_t count);\n", name, params(e, &p[PASS_RNEA], PARAMS_PLAIN));
-	text_put(&t, "/* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */\n");
-	text_printf(&t, "void %s_fpass(%s);\n", name, params(e, &p[PASS_FPASS], PARAMS_PLAIN));
-	text_put(&t, "/* The way back alone: torques from q and fpass's wrenches. */\n");
-	text_printf(&t, "void %s_bpass(%s);\n", name, params(e, &p[PASS_BPASS], PARAMS_PLAIN));
-	text_put(&t, "/* What this text computes, one `key values` a line. */\n");
-	text_printf(&t, "extern const char %s_info[];", name);
 	return text_string(&t);
 }
 
@@ -276,37 +200,11 @@ static const char *small_limit(const struct emission *e)
 /* The test of a sample's angles, in accurate mode. */
 static void put_is_small(const struct emission *e, struct text *out)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"T", scalar(e)}, {"F", emit_is_f32(e) ? "f" : ""},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"T", emit_scalar(e)}, {"F", emit_is_f32(e) ? "f" : ""},
 		{"NQ", number(e, e->tree->nq)}, {"LIMIT", small_limit(e)}};
 
 	if (emit_has_small(e))
 		template_expand(out, template_is_small_in, slots, sizeof slots / sizeof *slots);
-}
-
-static const char *joined(const struct emission *e, const char *a, const char *b)
-{
-	struct text t;
-
-	text_init(&t, e->arena);
-	text_printf(&t, "%s, %s", a, b);
-	return text_string(&t);
-}
-
-/* C: one sample, and a batch. */
-static const char *batch_text(const struct emission *e)
-{
-	const struct pass *p = &e->passes[PASS_RNEA];
-	const struct slot slots[] = {
-		{"NAME", e->options->name}, {"Q_AT_SAMPLE", joined(e, q_at_sample(e), stride_text(e))},
-		{"RNEA_PARAMS", params(e, p, PARAMS_PLAIN)}, {"RNEA_RESTRICT_PARAMS", params(e, p, PARAMS_RESTRICT)},
-		{"RNEA_NAMES", params(e, p, PARAMS_NAMES)}, {"RNEA_AT_SAMPLE", joined(e, params(e, p, PARAMS_AT_SAMPLE), stride_text(e))},
-	};
-	struct text t;
-
-	text_init(&t, e->arena);
-	template_expand(
-		&t, emit_has_small(e) ? template_batch_accurate_in : template_batch_in, slots, sizeof slots / sizeof *slots);
-	return text_string(&t);
 }
 
 static void put_bodies(const struct emission *e, struct text *out)
@@ -339,16 +237,17 @@ void emit_source(const struct emission *e, struct text *out)
 		{"FMA", emit_is_f32(e) ? "fmaf" : "fma"}, {"FMA_SUFFIX_UPPER", emit_is_f32(e) ? "F" : ""},
 		{"BLOCK", number(e, block_size(e))}, {"MIN_BLOCKS", number(e, min_blocks(e))},
 		{"SINCOS", sincos_text(e)}, {"BODIES", text_string(&bodies)}, {"STAGE", stage_text(e)},
-		{"KERNELS", text_string(&kernels)}, {"PARAMS", params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
-		{"ADDRESSES", params(e, &p[PASS_RNEA], PARAMS_ADDRESSES)},
-		{"RNEA_PARAMS", params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
-		{"BATCH", batch_text(e)}, {"RNEA_CALL", call_text(e, &p[PASS_RNEA], "\t", params(e, &p[PASS_RNEA], PARAMS_NAMES), "q", "1")}, {"ANY_ANGLE", emit_has_small(e) ? ", 0" : ""},
-		{"RNEA_NAMES", params(e, &p[PASS_RNEA], PARAMS_NAMES)},
-		{"FPASS_PARAMS", params(e, &p[PASS_FPASS], PARAMS_PLAIN)},
-		{"FPASS_NAMES", params(e, &p[PASS_FPASS], PARAMS_NAMES)},
-		{"BPASS_PARAMS", params(e, &p[PASS_BPASS], PARAMS_PLAIN)},
-		{"BPASS_NAMES", params(e, &p[PASS_BPASS], PARAMS_NAMES)},
-		{"PROTOTYPES", prototypes(e)}, {"ENUM", enum_text(e)}, {"DIMENSIONS", dimensions(e)},
+		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
+		{"ADDRESSES", emit_params(e, &p[PASS_RNEA], PARAMS_ADDRESSES)},
+		{"RNEA_PARAMS", emit_params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
+		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)},
+		{"RNEA_CALL", call_text(e, &p[PASS_RNEA], "\t", emit_params(e, &p[PASS_RNEA], PARAMS_NAMES), "q", "1")}, {"ANY_ANGLE", emit_has_small(e) ? ", 0" : ""},
+		{"RNEA_NAMES", emit_params(e, &p[PASS_RNEA], PARAMS_NAMES)},
+		{"FPASS_PARAMS", emit_params(e, &p[PASS_FPASS], PARAMS_PLAIN)},
+		{"FPASS_NAMES", emit_params(e, &p[PASS_FPASS], PARAMS_NAMES)},
+		{"BPASS_PARAMS", emit_params(e, &p[PASS_BPASS], PARAMS_PLAIN)},
+		{"BPASS_NAMES", emit_params(e, &p[PASS_BPASS], PARAMS_NAMES)},
+		{"PROTOTYPES", emit_prototypes(e)}, {"ENUM", enum_text(e)}, {"DIMENSIONS", dimensions(e)},
 	};
 
 	template_expand(out, frames[e->options->target], slots, sizeof slots / sizeof *slots);
@@ -358,7 +257,7 @@ void emit_source(const struct emission *e, struct text *out)
 void emit_declarations(const struct emission *e, struct text *out)
 {
 	const struct slot slots[] = {
-		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"ENUM", enum_text(e)}, {"PROTOTYPES", prototypes(e)}};
+		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"ENUM", enum_text(e)}, {"PROTOTYPES", emit_prototypes(e)}};
 
 	template_expand(out, template_function_h_in, slots, sizeof slots / sizeof *slots);
 	out->failed |= e->arena->failed;

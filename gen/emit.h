@@ -40,6 +40,21 @@ void emit_info_shape(const struct emission *e, struct text *out);
 /* The sine and cosine function that the statements call. */
 void emit_sincos(const struct emission *e, struct text *out);
 
+/* A pass's arguments as parameters, as their names, as addresses, out of an array of pointers, or moved on to sample k of
+   a batch. */
+enum params { PARAMS_PLAIN, PARAMS_RESTRICT, PARAMS_CUDA_RESTRICT, PARAMS_NAMES, PARAMS_ADDRESSES, PARAMS_ARRAYS, PARAMS_AT_SAMPLE };
+const char *emit_params(const struct emission *e, const struct pass *p, enum params kind);
+const char *emit_q_at_sample(const struct emission *e);
+
+/* The type of a number; from one row of a batch to the next. */
+const char *emit_scalar(const struct emission *e);
+const char *emit_stride(const struct emission *e);
+
+/* C: the macros that the bodies use, the functions that call them, and their declarations. */
+const char *emit_head_c(const struct emission *e);
+const char *emit_functions_c(const struct emission *e);
+const char *emit_prototypes(const struct emission *e);
+
 /* The comment at the head of the text. */
 void emit_banner(const struct emission *e, struct text *out);
 

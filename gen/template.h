@@ -16,7 +16,8 @@ void template_expand(struct text *out, const char *tmpl, const struct slot *slot
 extern const char template_kernel_cu_in[], template_kernel_soa_in[], template_kernel_aos_in[], template_stage_aos_in[];
 extern const char template_kernel_soa_staged_in[], template_stage_in[];
 extern const char template_function_c_in[], template_function_h_in[], template_header_h_in[], template_body_in[], template_is_small_in[];
-extern const char template_batch_in[], template_batch_accurate_in[];
+extern const char template_head_c_in[], template_part_in[], template_part_accurate_in[], template_are_small_in[];
+extern const char template_slice_in[], template_batch_in[];
 extern const char template_sincos_f32_core_in[], template_sincos_f32_accurate_in[];
 extern const char template_sincos_f32_bounded_in[], template_sincos_f32_fast_in[], template_sincos_f32_either_in[];
 extern const char template_sincos_f64_core_in[], template_sincos_f64_accurate_in[];

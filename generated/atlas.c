@@ -62,6 +62,7 @@
 /* samples do not depend on each other: the compiler may compute several at once */
 #if defined __clang__
 #define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
 #elif defined __GNUC__
 #define RNEA_INDEPENDENT _Pragma("GCC ivdep")
 #else
@@ -73,6 +74,8 @@
 #else
 #define RNEA_FMA(a, b, c) ((a)*(b) + (c))
 #endif
+/* librnea finds the table by this word */
+#define RNEA_INFO
 
 /* tau = ID(q, qd, qdd) of one sample: q[30], qd[30], qdd[30] -> tau[30]; tau may be qdd itself. */
 void atlas_rnea(const double *q, const double *qd, const double *qdd, double *tau);
@@ -82,10 +85,15 @@ void atlas_rnea_batch(const double *q, const double *qd, const double *qdd, doub
 void atlas_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
 /* The way back alone: torques from q and fpass's wrenches. */
 void atlas_bpass(const double *q, const double *f, double *tau);
+/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
+   in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
+void atlas_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);
+void atlas_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
+void atlas_bpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
 /* What this text computes, one `key values` a line. */
 extern const char atlas_info[];
 
-const char atlas_info[] =
+RNEA_INFO const char atlas_info[] =
 	"rneagen-info 1\n"
 	"name atlas\n"
 	"precision f64\n"
@@ -3849,10 +3857,35 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 }
 
 
+static int atlas_are_small(const double *q, size_t count, size_t first, size_t end)
+{
+	int small = 1;
+
+	for (size_t k = first; k < end; k++)
+		small &= atlas_is_small(q + k, count);
+	return small;
+}
+
 /* One sample, whatever its angles. */
 static void atlas_rnea_any(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride)
 {
 	atlas_rnea_body(q, qd, qdd, tau, stride, 0);
+}
+
+/* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
+static void atlas_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd, double *restrict tau, size_t count, size_t first, size_t end)
+{
+	for (size_t next; first < end; first = next) {
+		next = end - first < 256 ? end : first + 256;
+		if (atlas_are_small(q, count, first, next)) {
+			RNEA_INDEPENDENT
+			for (size_t k = first; k < next; k++)
+				atlas_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1);
+		} else {
+			for (size_t k = first; k < next; k++)
+				atlas_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
+		}
+	}
 }
 
 void atlas_rnea(const double *q, const double *qd, const double *qdd, double *tau)
@@ -3860,34 +3893,76 @@ void atlas_rnea(const double *q, const double *qd, const double *qdd, double *ta
 	atlas_rnea_any(q, qd, qdd, tau, 1);
 }
 
-/* Slices whose angles are all small, which is the rule, are computed several samples at a time. */
-void atlas_rnea_batch(const double *restrict q, const double *restrict qd, const double *restrict qdd, double *restrict tau, size_t count)
+void atlas_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end)
 {
-	const size_t slice = 256;
+	atlas_rnea_part(arrays[0], arrays[1], arrays[2], arrays[3], count, first, end);
+}
 
-	for (size_t first = 0, end; first < count; first = end) {
-		int small = 1;
+void atlas_rnea_batch(const double *q, const double *qd, const double *qdd, double *tau, size_t count)
+{
+	atlas_rnea_part(q, qd, qdd, tau, count, 0, count);
+}
 
-		end = count - first < slice ? count : first + slice;
-		for (size_t k = first; k < end; k++)
-			small &= atlas_is_small(q + k, count);
-		if (small) {
+/* One sample, whatever its angles. */
+static void atlas_fpass_any(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f, const size_t stride)
+{
+	atlas_fpass_body(q, qd, qdd, v, a, f, stride, 0);
+}
+
+/* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
+static void atlas_fpass_part(const double *restrict q, const double *restrict qd, const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count, size_t first, size_t end)
+{
+	for (size_t next; first < end; first = next) {
+		next = end - first < 256 ? end : first + 256;
+		if (atlas_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
-			for (size_t k = first; k < end; k++)
-				atlas_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1);
+			for (size_t k = first; k < next; k++)
+				atlas_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 1);
 		} else {
-			for (size_t k = first; k < end; k++)
-				atlas_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
+			for (size_t k = first; k < next; k++)
+				atlas_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
 		}
 	}
 }
 
 void atlas_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f)
 {
-	atlas_fpass_body(q, qd, qdd, v, a, f, 1, 0);
+	atlas_fpass_any(q, qd, qdd, v, a, f, 1);
+}
+
+void atlas_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end)
+{
+	atlas_fpass_part(arrays[0], arrays[1], arrays[2], arrays[3], arrays[4], arrays[5], count, first, end);
+}
+
+/* One sample, whatever its angles. */
+static void atlas_bpass_any(const double *q, const double *f, double *tau, const size_t stride)
+{
+	atlas_bpass_body(q, f, tau, stride, 0);
+}
+
+/* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
+static void atlas_bpass_part(const double *restrict q, const double *restrict f, double *restrict tau, size_t count, size_t first, size_t end)
+{
+	for (size_t next; first < end; first = next) {
+		next = end - first < 256 ? end : first + 256;
+		if (atlas_are_small(q, count, first, next)) {
+			RNEA_INDEPENDENT
+			for (size_t k = first; k < next; k++)
+				atlas_bpass_body(q + k, f + k, tau + k, count, 1);
+		} else {
+			for (size_t k = first; k < next; k++)
+				atlas_bpass_any(q + k, f + k, tau + k, count);
+		}
+	}
 }
 
 void atlas_bpass(const double *q, const double *f, double *tau)
 {
-	atlas_bpass_body(q, f, tau, 1, 0);
+	atlas_bpass_any(q, f, tau, 1);
+}
+
+void atlas_bpass_slice(void *const *arrays, size_t count, size_t first, size_t end)
+{
+	atlas_bpass_part(arrays[0], arrays[1], arrays[2], count, first, end);
 }

@@ -48,8 +48,11 @@
  * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.
  * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.
  */
+#if defined __CUDACC__
 #if defined __CUDACC_RTC__
 #define RNEA_INFO __device__
+#elif defined __GNUC__
+#define RNEA_INFO __attribute__((weak)) /* a program may hold the text for target c too, with a table of this name */
 #else
 #define RNEA_INFO
 #endif
@@ -66,6 +69,42 @@
 
 extern "C" {
 extern RNEA_INFO const char atlas_info[];
+}
+#elif defined __cplusplus
+#error "compile this text as CUDA, by nvcc or NVRTC, or as C: cc -x c"
+#else
+#include <math.h>
+#include <stddef.h>
+
+#if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
+#error "this text relies on IEEE arithmetic: compile it without -ffast-math"
+#endif
+#if defined __GNUC__
+#define RNEA_INLINE inline __attribute__((always_inline))
+#else
+#define RNEA_INLINE inline
+#endif
+/* samples do not depend on each other: the compiler may compute several at once */
+#if defined __clang__
+#define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
+#elif defined __GNUC__
+#define RNEA_INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define RNEA_INDEPENDENT
+#endif
+/* where the machine has no fused multiply-add, fma() would be a slow library call */
+#if defined FP_FAST_FMAF
+#define RNEA_FMA(a, b, c) fmaf(a, b, c)
+#else
+#define RNEA_FMA(a, b, c) ((a)*(b) + (c))
+#endif
+/* librnea finds the table by this word */
+#define RNEA_INFO
+
+extern const char atlas_info[];
+#endif
+
 RNEA_INFO const char atlas_info[] =
 	"rneagen-info 1\n"
 	"name atlas\n"
@@ -112,7 +151,6 @@ RNEA_INFO const char atlas_info[] =
 	"joint 27 1 27 1 revolute r_leg_kny\n"
 	"joint 28 1 28 1 revolute r_leg_aky\n"
 	"joint 29 1 29 1 revolute r_leg_akx\n";
-}
 
 #ifndef RNEAGEN_SINCOSF_CORE
 #define RNEAGEN_SINCOSF_CORE
@@ -3782,6 +3820,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 }
 
 
+#if defined __CUDACC__
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK, RNEA_MIN_BLOCKS)
 atlas_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd, float *__restrict__ tau, size_t count)
 {
@@ -3829,5 +3868,117 @@ extern "C" int atlas_rnea_launch(const float *q, const float *qd, const float *q
 		return cudaErrorInvalidValue;
 	return cudaLaunchKernel((const void *)atlas_rnea_kernel, dim3((unsigned)blocks), dim3(RNEA_BLOCK), arguments, 0,
 		(cudaStream_t)stream);
+}
+#endif
+#else
+/* ---- compiled as C: the functions of target c ---- */
+static int atlas_are_small(const float *q, size_t count, size_t first, size_t end)
+{
+	int small = 1;
+
+	for (size_t k = first; k < end; k++)
+		small &= atlas_is_small(q + k, count);
+	return small;
+}
+
+/* One sample, whatever its angles. */
+static void atlas_rnea_any(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride)
+{
+	atlas_rnea_body(q, qd, qdd, tau, stride, 0);
+}
+
+/* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
+static void atlas_rnea_part(const float *restrict q, const float *restrict qd, const float *restrict qdd, float *restrict tau, size_t count, size_t first, size_t end)
+{
+	for (size_t next; first < end; first = next) {
+		next = end - first < 256 ? end : first + 256;
+		if (atlas_are_small(q, count, first, next)) {
+			RNEA_INDEPENDENT
+			for (size_t k = first; k < next; k++)
+				atlas_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1);
+		} else {
+			for (size_t k = first; k < next; k++)
+				atlas_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
+		}
+	}
+}
+
+void atlas_rnea(const float *q, const float *qd, const float *qdd, float *tau)
+{
+	atlas_rnea_any(q, qd, qdd, tau, 1);
+}
+
+void atlas_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end)
+{
+	atlas_rnea_part(arrays[0], arrays[1], arrays[2], arrays[3], count, first, end);
+}
+
+void atlas_rnea_batch(const float *q, const float *qd, const float *qdd, float *tau, size_t count)
+{
+	atlas_rnea_part(q, qd, qdd, tau, count, 0, count);
+}
+
+/* One sample, whatever its angles. */
+static void atlas_fpass_any(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f, const size_t stride)
+{
+	atlas_fpass_body(q, qd, qdd, v, a, f, stride, 0);
+}
+
+/* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
+static void atlas_fpass_part(const float *restrict q, const float *restrict qd, const float *restrict qdd, float *restrict v, float *restrict a, float *restrict f, size_t count, size_t first, size_t end)
+{
+	for (size_t next; first < end; first = next) {
+		next = end - first < 256 ? end : first + 256;
+		if (atlas_are_small(q, count, first, next)) {
+			RNEA_INDEPENDENT
+			for (size_t k = first; k < next; k++)
+				atlas_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 1);
+		} else {
+			for (size_t k = first; k < next; k++)
+				atlas_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
+		}
+	}
+}
+
+void atlas_fpass(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f)
+{
+	atlas_fpass_any(q, qd, qdd, v, a, f, 1);
+}
+
+void atlas_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end)
+{
+	atlas_fpass_part(arrays[0], arrays[1], arrays[2], arrays[3], arrays[4], arrays[5], count, first, end);
+}
+
+/* One sample, whatever its angles. */
+static void atlas_bpass_any(const float *q, const float *f, float *tau, const size_t stride)
+{
+	atlas_bpass_body(q, f, tau, stride, 0);
+}
+
+/* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
+static void atlas_bpass_part(const float *restrict q, const float *restrict f, float *restrict tau, size_t count, size_t first, size_t end)
+{
+	for (size_t next; first < end; first = next) {
+		next = end - first < 256 ? end : first + 256;
+		if (atlas_are_small(q, count, first, next)) {
+			RNEA_INDEPENDENT
+			for (size_t k = first; k < next; k++)
+				atlas_bpass_body(q + k, f + k, tau + k, count, 1);
+		} else {
+			for (size_t k = first; k < next; k++)
+				atlas_bpass_any(q + k, f + k, tau + k, count);
+		}
+	}
+}
+
+void atlas_bpass(const float *q, const float *f, float *tau)
+{
+	atlas_bpass_any(q, f, tau, 1);
+}
+
+void atlas_bpass_slice(void *const *arrays, size_t count, size_t first, size_t end)
+{
+	atlas_bpass_part(arrays[0], arrays[1], arrays[2], count, first, end);
 }
 #endif

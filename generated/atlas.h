@@ -66,6 +66,11 @@ void atlas_rnea_batch(const double *q, const double *qd, const double *qdd, doub
 void atlas_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
 /* The way back alone: torques from q and fpass's wrenches. */
 void atlas_bpass(const double *q, const double *f, double *tau);
+/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
+   in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
+void atlas_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);
+void atlas_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
+void atlas_bpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
 /* What this text computes, one `key values` a line. */
 extern const char atlas_info[];
 

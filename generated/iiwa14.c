@@ -39,6 +39,7 @@
 /* samples do not depend on each other: the compiler may compute several at once */
 #if defined __clang__
 #define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
 #elif defined __GNUC__
 #define RNEA_INDEPENDENT _Pragma("GCC ivdep")
 #else
@@ -50,6 +51,8 @@
 #else
 #define RNEA_FMA(a, b, c) ((a)*(b) + (c))
 #endif
+/* librnea finds the table by this word */
+#define RNEA_INFO
 
 /* tau = ID(q, qd, qdd) of one sample: q[7], qd[7], qdd[7] -> tau[7]; tau may be qdd itself. */
 void iiwa14_rnea(const double *q, const double *qd, const double *qdd, double *tau);
@@ -59,10 +62,15 @@ void iiwa14_rnea_batch(const double *q, const double *qd, const double *qdd, dou
 void iiwa14_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
 /* The way back alone: torques from q and fpass's wrenches. */
 void iiwa14_bpass(const double *q, const double *f, double *tau);
+/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
+   in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
+void iiwa14_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);
+void iiwa14_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
+void iiwa14_bpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
 /* What this text computes, one `key values` a line. */
 extern const char iiwa14_info[];
 
-const char iiwa14_info[] =
+RNEA_INFO const char iiwa14_info[] =
 	"rneagen-info 1\n"
 	"name iiwa14\n"
 	"precision f64\n"
@@ -1031,10 +1039,35 @@ static RNEA_INLINE void iiwa14_bpass_body(const double *q, const double *f, doub
 }
 
 
+static int iiwa14_are_small(const double *q, size_t count, size_t first, size_t end)
+{
+	int small = 1;
+
+	for (size_t k = first; k < end; k++)
+		small &= iiwa14_is_small(q + k, count);
+	return small;
+}
+
 /* One sample, whatever its angles. */
 static void iiwa14_rnea_any(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride)
 {
 	iiwa14_rnea_body(q, qd, qdd, tau, stride, 0);
+}
+
+/* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
+static void iiwa14_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd, double *restrict tau, size_t count, size_t first, size_t end)
+{
+	for (size_t next; first < end; first = next) {
+		next = end - first < 256 ? end : first + 256;
+		if (iiwa14_are_small(q, count, first, next)) {
+			RNEA_INDEPENDENT
+			for (size_t k = first; k < next; k++)
+				iiwa14_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1);
+		} else {
+			for (size_t k = first; k < next; k++)
+				iiwa14_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
+		}
+	}
 }
 
 void iiwa14_rnea(const double *q, const double *qd, const double *qdd, double *tau)
@@ -1042,34 +1075,76 @@ void iiwa14_rnea(const double *q, const double *qd, const double *qdd, double *t
 	iiwa14_rnea_any(q, qd, qdd, tau, 1);
 }
 
-/* Slices whose angles are all small, which is the rule, are computed several samples at a time. */
-void iiwa14_rnea_batch(const double *restrict q, const double *restrict qd, const double *restrict qdd, double *restrict tau, size_t count)
+void iiwa14_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end)
 {
-	const size_t slice = 256;
+	iiwa14_rnea_part(arrays[0], arrays[1], arrays[2], arrays[3], count, first, end);
+}
 
-	for (size_t first = 0, end; first < count; first = end) {
-		int small = 1;
+void iiwa14_rnea_batch(const double *q, const double *qd, const double *qdd, double *tau, size_t count)
+{
+	iiwa14_rnea_part(q, qd, qdd, tau, count, 0, count);
+}
 
-		end = count - first < slice ? count : first + slice;
-		for (size_t k = first; k < end; k++)
-			small &= iiwa14_is_small(q + k, count);
-		if (small) {
+/* One sample, whatever its angles. */
+static void iiwa14_fpass_any(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f, const size_t stride)
+{
+	iiwa14_fpass_body(q, qd, qdd, v, a, f, stride, 0);
+}
+
+/* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
+static void iiwa14_fpass_part(const double *restrict q, const double *restrict qd, const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count, size_t first, size_t end)
+{
+	for (size_t next; first < end; first = next) {
+		next = end - first < 256 ? end : first + 256;
+		if (iiwa14_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
-			for (size_t k = first; k < end; k++)
-				iiwa14_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1);
+			for (size_t k = first; k < next; k++)
+				iiwa14_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 1);
 		} else {
-			for (size_t k = first; k < end; k++)
-				iiwa14_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
+			for (size_t k = first; k < next; k++)
+				iiwa14_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
 		}
 	}
 }
 
 void iiwa14_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f)
 {
-	iiwa14_fpass_body(q, qd, qdd, v, a, f, 1, 0);
+	iiwa14_fpass_any(q, qd, qdd, v, a, f, 1);
+}
+
+void iiwa14_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end)
+{
+	iiwa14_fpass_part(arrays[0], arrays[1], arrays[2], arrays[3], arrays[4], arrays[5], count, first, end);
+}
+
+/* One sample, whatever its angles. */
+static void iiwa14_bpass_any(const double *q, const double *f, double *tau, const size_t stride)
+{
+	iiwa14_bpass_body(q, f, tau, stride, 0);
+}
+
+/* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
+static void iiwa14_bpass_part(const double *restrict q, const double *restrict f, double *restrict tau, size_t count, size_t first, size_t end)
+{
+	for (size_t next; first < end; first = next) {
+		next = end - first < 256 ? end : first + 256;
+		if (iiwa14_are_small(q, count, first, next)) {
+			RNEA_INDEPENDENT
+			for (size_t k = first; k < next; k++)
+				iiwa14_bpass_body(q + k, f + k, tau + k, count, 1);
+		} else {
+			for (size_t k = first; k < next; k++)
+				iiwa14_bpass_any(q + k, f + k, tau + k, count);
+		}
+	}
 }
 
 void iiwa14_bpass(const double *q, const double *f, double *tau)
 {
-	iiwa14_bpass_body(q, f, tau, 1, 0);
+	iiwa14_bpass_any(q, f, tau, 1);
+}
+
+void iiwa14_bpass_slice(void *const *arrays, size_t count, size_t first, size_t end)
+{
+	iiwa14_bpass_part(arrays[0], arrays[1], arrays[2], count, first, end);
 }

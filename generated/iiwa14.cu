@@ -25,8 +25,11 @@
  * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.
  * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.
  */
+#if defined __CUDACC__
 #if defined __CUDACC_RTC__
 #define RNEA_INFO __device__
+#elif defined __GNUC__
+#define RNEA_INFO __attribute__((weak)) /* a program may hold the text for target c too, with a table of this name */
 #else
 #define RNEA_INFO
 #endif
@@ -43,6 +46,42 @@
 
 extern "C" {
 extern RNEA_INFO const char iiwa14_info[];
+}
+#elif defined __cplusplus
+#error "compile this text as CUDA, by nvcc or NVRTC, or as C: cc -x c"
+#else
+#include <math.h>
+#include <stddef.h>
+
+#if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
+#error "this text relies on IEEE arithmetic: compile it without -ffast-math"
+#endif
+#if defined __GNUC__
+#define RNEA_INLINE inline __attribute__((always_inline))
+#else
+#define RNEA_INLINE inline
+#endif
+/* samples do not depend on each other: the compiler may compute several at once */
+#if defined __clang__
+#define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
+#elif defined __GNUC__
+#define RNEA_INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define RNEA_INDEPENDENT
+#endif
+/* where the machine has no fused multiply-add, fma() would be a slow library call */
+#if defined FP_FAST_FMAF
+#define RNEA_FMA(a, b, c) fmaf(a, b, c)
+#else
+#define RNEA_FMA(a, b, c) ((a)*(b) + (c))
+#endif
+/* librnea finds the table by this word */
+#define RNEA_INFO
+
+extern const char iiwa14_info[];
+#endif
+
 RNEA_INFO const char iiwa14_info[] =
 	"rneagen-info 1\n"
 	"name iiwa14\n"
@@ -66,7 +105,6 @@ RNEA_INFO const char iiwa14_info[] =
 	"joint 4 1 4 1 revolute iiwa_joint_5\n"
 	"joint 5 1 5 1 revolute iiwa_joint_6\n"
 	"joint 6 1 6 1 revolute iiwa_joint_7\n";
-}
 
 #ifndef RNEAGEN_SINCOSF_CORE
 #define RNEAGEN_SINCOSF_CORE
@@ -971,6 +1009,7 @@ static RNEA_INLINE void iiwa14_bpass_body(const float *q, const float *f, float 
 }
 
 
+#if defined __CUDACC__
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK, RNEA_MIN_BLOCKS)
 iiwa14_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd, float *__restrict__ tau, size_t count)
 {
@@ -1018,5 +1057,117 @@ extern "C" int iiwa14_rnea_launch(const float *q, const float *qd, const float *
 		return cudaErrorInvalidValue;
 	return cudaLaunchKernel((const void *)iiwa14_rnea_kernel, dim3((unsigned)blocks), dim3(RNEA_BLOCK), arguments, 0,
 		(cudaStream_t)stream);
+}
+#endif
+#else
+/* ---- compiled as C: the functions of target c ---- */
+static int iiwa14_are_small(const float *q, size_t count, size_t first, size_t end)
+{
+	int small = 1;
+
+	for (size_t k = first; k < end; k++)
+		small &= iiwa14_is_small(q + k, count);
+	return small;
+}
+
+/* One sample, whatever its angles. */
+static void iiwa14_rnea_any(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride)
+{
+	iiwa14_rnea_body(q, qd, qdd, tau, stride, 0);
+}
+
+/* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
+static void iiwa14_rnea_part(const float *restrict q, const float *restrict qd, const float *restrict qdd, float *restrict tau, size_t count, size_t first, size_t end)
+{
+	for (size_t next; first < end; first = next) {
+		next = end - first < 256 ? end : first + 256;
+		if (iiwa14_are_small(q, count, first, next)) {
+			RNEA_INDEPENDENT
+			for (size_t k = first; k < next; k++)
+				iiwa14_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1);
+		} else {
+			for (size_t k = first; k < next; k++)
+				iiwa14_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
+		}
+	}
+}
+
+void iiwa14_rnea(const float *q, const float *qd, const float *qdd, float *tau)
+{
+	iiwa14_rnea_any(q, qd, qdd, tau, 1);
+}
+
+void iiwa14_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end)
+{
+	iiwa14_rnea_part(arrays[0], arrays[1], arrays[2], arrays[3], count, first, end);
+}
+
+void iiwa14_rnea_batch(const float *q, const float *qd, const float *qdd, float *tau, size_t count)
+{
+	iiwa14_rnea_part(q, qd, qdd, tau, count, 0, count);
+}
+
+/* One sample, whatever its angles. */
+static void iiwa14_fpass_any(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f, const size_t stride)
+{
+	iiwa14_fpass_body(q, qd, qdd, v, a, f, stride, 0);
+}
+
+/* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
+static void iiwa14_fpass_part(const float *restrict q, const float *restrict qd, const float *restrict qdd, float *restrict v, float *restrict a, float *restrict f, size_t count, size_t first, size_t end)
+{
+	for (size_t next; first < end; first = next) {
+		next = end - first < 256 ? end : first + 256;
+		if (iiwa14_are_small(q, count, first, next)) {
+			RNEA_INDEPENDENT
+			for (size_t k = first; k < next; k++)
+				iiwa14_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 1);
+		} else {
+			for (size_t k = first; k < next; k++)
+				iiwa14_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
+		}
+	}
+}
+
+void iiwa14_fpass(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f)
+{
+	iiwa14_fpass_any(q, qd, qdd, v, a, f, 1);
+}
+
+void iiwa14_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end)
+{
+	iiwa14_fpass_part(arrays[0], arrays[1], arrays[2], arrays[3], arrays[4], arrays[5], count, first, end);
+}
+
+/* One sample, whatever its angles. */
+static void iiwa14_bpass_any(const float *q, const float *f, float *tau, const size_t stride)
+{
+	iiwa14_bpass_body(q, f, tau, stride, 0);
+}
+
+/* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
+static void iiwa14_bpass_part(const float *restrict q, const float *restrict f, float *restrict tau, size_t count, size_t first, size_t end)
+{
+	for (size_t next; first < end; first = next) {
+		next = end - first < 256 ? end : first + 256;
+		if (iiwa14_are_small(q, count, first, next)) {
+			RNEA_INDEPENDENT
+			for (size_t k = first; k < next; k++)
+				iiwa14_bpass_body(q + k, f + k, tau + k, count, 1);
+		} else {
+			for (size_t k = first; k < next; k++)
+				iiwa14_bpass_any(q + k, f + k, tau + k, count);
+		}
+	}
+}
+
+void iiwa14_bpass(const float *q, const float *f, float *tau)
+{
+	iiwa14_bpass_any(q, f, tau, 1);
+}
+
+void iiwa14_bpass_slice(void *const *arrays, size_t count, size_t first, size_t end)
+{
+	iiwa14_bpass_part(arrays[0], arrays[1], arrays[2], count, first, end);
 }
 #endif

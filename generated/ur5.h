@@ -42,6 +42,11 @@ void ur5_rnea_batch(const double *q, const double *qd, const double *qdd, double
 void ur5_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
 /* The way back alone: torques from q and fpass's wrenches. */
 void ur5_bpass(const double *q, const double *f, double *tau);
+/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
+   in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
+void ur5_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);
+void ur5_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
+void ur5_bpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
 /* What this text computes, one `key values` a line. */
 extern const char ur5_info[];
 

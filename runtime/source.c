@@ -30,7 +30,8 @@ static enum rnea_code find_name(struct source *s, const char *file, struct rnea_
 
 	if (!name)
 		return rnea_error_set(e, RNEA_TEXT,
-			"%s: not CUDA C written by rneagen: no line starts with \"%sNAME%s\"", file, marker, suffix);
+			"%s: not a text of rneagen for target cuda or c: no line starts with \"%sNAME%s\"", file, marker,
+			suffix);
 	if (length <= tail || strncmp(name + length - tail, suffix, strlen(suffix)) != 0)
 		return rnea_error_set(e, RNEA_TEXT, "%s: no identifier that ends in _info after \"%s\"", file, marker);
 	length -= tail;

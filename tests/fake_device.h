@@ -11,6 +11,7 @@
 #include <vector>
 #endif
 
+#define __CUDACC__ 1
 #define __CUDACC_RTC__ 1
 #define __CUDA_ARCH__ 700 /* before machines had instructions that a text would name in assembly */
 #define __align__(bytes) __attribute__((aligned(bytes)))

@@ -66,10 +66,10 @@ START_TEST(not_a_text)
 	struct rnea_error e = fail_open("int main(void) { return 0; }\n", NULL);
 	char name[400] = "RNEA_INFO const char ";
 
-	assert_error(
-		&e, RNEA_TEXT, "<memory>: not CUDA C written by rneagen: no line starts with \"RNEA_INFO const char");
+	assert_error(&e, RNEA_TEXT,
+		"<memory>: not a text of rneagen for target cuda or c: no line starts with \"RNEA_INFO const char");
 	e = fail_open("", &(struct rnea_options){.file = "empty.cu"});
-	assert_error(&e, RNEA_TEXT, "empty.cu: not CUDA C");
+	assert_error(&e, RNEA_TEXT, "empty.cu: not a text of rneagen");
 	e = fail_open("  RNEA_INFO const char a_info[] =", NULL);
 	assert_error(&e, RNEA_TEXT, "no line starts with");
 	e = fail_open("RNEA_INFO const char _info[] =", NULL);
@@ -95,7 +95,7 @@ START_TEST(files)
 	rnea_open_file("/tmp", NULL, &robot, &e);
 	assert_error(&e, RNEA_READ, "/tmp: Is a directory");
 	rnea_open_file("/dev/null", NULL, &robot, &e);
-	assert_error(&e, RNEA_TEXT, "/dev/null: not CUDA C");
+	assert_error(&e, RNEA_TEXT, "/dev/null: not a text of rneagen");
 	use_fakes();
 	ck_assert_msg(rnea_open_file(TEST_DIR "/pendulum.cu", NULL, &robot, &e) == RNEA_OK, "%s", e.message);
 	rnea_close(robot);

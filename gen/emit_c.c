@@ -1,0 +1,104 @@
+/* The C functions around the bodies: of texts for target c, and of texts for CUDA where they are compiled as C. */
+#include "emit.h"
+#include "template.h"
+
+static int is_soa(const struct emission *e)
+{
+	return e->options->layout == RNEAGEN_SOA;
+}
+
+static const char *joined(const struct emission *e, const char *a, const char *b)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "%s, %s", a, b);
+	return text_string(&t);
+}
+
+const char *emit_head_c(const struct emission *e)
+{
+	const struct slot slots[] = {
+		{"FMA", emit_is_f32(e) ? "fmaf" : "fma"}, {"FMA_SUFFIX_UPPER", emit_is_f32(e) ? "F" : ""}};
+	struct text t;
+
+	text_init(&t, e->arena);
+	template_expand(&t, template_head_c_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
+/* One function for a sample, one for a part of a batch. */
+static void put_functions(const struct emission *e, const struct pass *p, struct text *out)
+{
+	const struct slot slots[] = {
+		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"ONE", emit_has_small(e) ? "any" : "body"},
+		{"COUNT_PARAM", is_soa(e) ? "size_t count, " : ""}, {"COUNT", is_soa(e) ? "count, " : ""},
+		{"UNUSED", is_soa(e) ? "" : "\t(void)count;"}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
+		{"AT_SAMPLE", joined(e, emit_params(e, p, PARAMS_AT_SAMPLE), emit_stride(e))},
+		{"ARRAYS", emit_params(e, p, PARAMS_ARRAYS)},
+	};
+	size_t count = sizeof slots / sizeof *slots;
+
+	template_expand(out, emit_has_small(e) ? template_part_accurate_in : template_part_in, slots, count);
+	template_expand(out, template_slice_in, slots, count);
+	if (p == &e->passes[PASS_RNEA])
+		template_expand(out, template_batch_in, slots, count);
+}
+
+const char *emit_functions_c(const struct emission *e)
+{
+	const struct slot slots[] = {{"NAME", e->options->name}, {"T", emit_scalar(e)},
+		{"COUNT_PARAM", is_soa(e) ? "size_t count, " : ""},
+		{"Q_AT_SAMPLE", joined(e, emit_q_at_sample(e), emit_stride(e))}};
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (emit_has_small(e))
+		template_expand(&t, template_are_small_in, slots, sizeof slots / sizeof *slots);
+	for (int i = 0; i < PASS_COUNT; i++) {
+		text_put(&t, i ? "\n" : "");
+		put_functions(e, &e->passes[i], &t);
+	}
+	return text_string(&t);
+}
+
+static void put_prototype(
+	const struct emission *e, int i, const char *suffix, const char *more, const char *doc, struct text *out)
+{
+	const struct pass *p = &e->passes[i];
+
+	text_printf(out, "/* %s */\nvoid %s_%s%s(%s%s);\n", doc, e->options->name, p->algorithm->name, suffix,
+		emit_params(e, p, PARAMS_PLAIN), more);
+}
+
+static void put_slice_prototypes(const struct emission *e, struct text *out)
+{
+	text_put(out, "/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each\n"
+		      "   in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */\n");
+	for (int i = 0; i < PASS_COUNT; i++)
+		text_printf(out, "void %s_%s_slice(void *const *arrays, size_t count, size_t first, size_t end);\n",
+			e->options->name, e->passes[i].algorithm->name);
+}
+
+const char *emit_prototypes(const struct emission *e)
+{
+	struct text t, one, many;
+
+	text_init(&t, e->arena);
+	text_init(&one, e->arena);
+	text_init(&many, e->arena);
+	text_printf(&one, "tau = ID(q, qd, qdd) of one sample: q[%d], qd[%d], qdd[%d] -> tau[%d]; tau may be qdd itself.",
+		e->tree->nq, e->tree->nv, e->tree->nv, e->tree->nv);
+	text_printf(&many, "The same for `count` samples, every array %s; arrays must not overlap.",
+		is_soa(e) ? "[row][sample]" : "[sample][row]");
+	put_prototype(e, PASS_RNEA, "", "", text_string(&one), &t);
+	put_prototype(e, PASS_RNEA, "_batch", ", size_t count", text_string(&many), &t);
+	put_prototype(e, PASS_FPASS, "", "",
+		"The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each.", &t);
+	put_prototype(e, PASS_BPASS, "", "", "The way back alone: torques from q and fpass's wrenches.", &t);
+	put_slice_prototypes(e, &t);
+	text_printf(&t, "/* What this text computes, one `key values` a line. */\nextern const char %s_info[];",
+		e->options->name);
+	return text_string(&t);
+}

@@ -1,0 +1,70 @@
+/* The arguments of the generated functions, in every form in which a text lists them. */
+#include "emit.h"
+
+const char *emit_scalar(const struct emission *e)
+{
+	return emit_is_f32(e) ? "float" : "double";
+}
+
+const char *emit_stride(const struct emission *e)
+{
+	return e->options->layout == RNEAGEN_SOA ? "count" : "1";
+}
+
+static void put_at_sample(const struct emission *e, const struct argument *a, struct text *out)
+{
+	if (e->options->layout == RNEAGEN_SOA)
+		text_printf(out, "%s + k", a->name);
+	else
+		text_printf(out, "%s + k*%d", a->name, a->rows);
+}
+
+static void put_declaration(const struct emission *e, const struct argument *a, enum params kind, struct text *out)
+{
+	const char *qualifier = kind == PARAMS_RESTRICT ? "restrict " : kind == PARAMS_CUDA_RESTRICT ? "__restrict__ " : "";
+
+	text_printf(out, "%s%s *%s%s", a->is_output ? "" : "const ", emit_scalar(e), qualifier, a->name);
+}
+
+static void put_argument(const struct emission *e, const struct pass *p, int i, enum params kind, struct text *out)
+{
+	const struct argument *a = &p->dag.arguments[i];
+
+	switch (kind) {
+	case PARAMS_NAMES:
+		text_put(out, a->name);
+		break;
+	case PARAMS_ADDRESSES:
+		text_printf(out, "&%s", a->name);
+		break;
+	case PARAMS_ARRAYS:
+		text_printf(out, "arrays[%d]", i);
+		break;
+	case PARAMS_AT_SAMPLE:
+		put_at_sample(e, a, out);
+		break;
+	default:
+		put_declaration(e, a, kind, out);
+	}
+}
+
+const char *emit_params(const struct emission *e, const struct pass *p, enum params kind)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < p->dag.argument_count; i++) {
+		text_put(&t, i ? ", " : "");
+		put_argument(e, p, i, kind, &t);
+	}
+	return text_string(&t);
+}
+
+const char *emit_q_at_sample(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	put_argument(e, &e->passes[PASS_RNEA], 0, PARAMS_AT_SAMPLE, &t);
+	return text_string(&t);
+}
