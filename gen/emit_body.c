@@ -132,7 +132,7 @@ static void put_sincos(const struct emission *e, const struct plan *p, struct re
 	sine = sine ? sine : unused;
 	cosine = cosine ? cosine : unused;
 	text_printf(out, "\t%s %s, %s;\n", type, sine, cosine);
-	text_printf(out, "\trneagen_sincos%s_%s(", emit_is_f32(e) ? "f" : "",
+	text_printf(out, "\t%srneagen_sincos%s_%s(", emit_has_small(e) ? "all_small &= " : "", emit_is_f32(e) ? "f" : "",
 		emit_has_small(e) ? "either" : modes[e->options->trig]);
 	put_value(e, p, n->arg[0], 0, out);
 	text_printf(out, "%s, &%s, &%s);\n", emit_has_small(e) ? ", small" : "", sine, cosine);
@@ -216,6 +216,8 @@ void emit_body(const struct emission *e, const struct pass *pass, struct text *o
 	const struct plan *p = &pass->plan;
 
 	put_unused_arguments(p, emit_has_small(e), out);
+	if (emit_has_small(e))
+		text_put(out, "\tint all_small = 1;\n");
 	for (size_t i = 0; i < p->line_count; i++) {
 		const struct line *l = &p->lines[i];
 
@@ -233,4 +235,6 @@ void emit_body(const struct emission *e, const struct pass *pass, struct text *o
 			put_assignment(e, p, l->value, out);
 		}
 	}
+	if (emit_has_small(e))
+		text_put(out, "\treturn all_small;\n");
 }

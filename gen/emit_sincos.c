@@ -22,7 +22,7 @@ void emit_sincos(const struct emission *e, struct text *out)
 		text_put(out, "#if !defined __CUDA_ARCH__\n");
 	text_put(out, f32 ? template_sincos_f32_core_in : template_sincos_f64_core_in);
 	text_putc(out, '\n');
-	if (trig != RNEAGEN_ACCURATE || emit_has_small(e))
+	if (trig != RNEAGEN_ACCURATE)
 		text_put(out, f32 ? template_sincos_f32_bounded_in : template_sincos_f64_bounded_in);
 	if (trig == RNEAGEN_ACCURATE)
 		text_put(out, f32 ? template_sincos_f32_accurate_in : template_sincos_f64_accurate_in);

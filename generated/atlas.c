@@ -190,19 +190,6 @@ static RNEA_INLINE void rneagen_sincos_turn(unsigned long long q, double r, doub
 }
 #endif
 
-#ifndef RNEAGEN_SINCOS_BOUNDED
-#define RNEAGEN_SINCOS_BOUNDED
-/* Sine and cosine for |x| <= 1e7, error below 0.85 ulp; NaN for any other x. No branch, no table. */
-static RNEA_INLINE void rneagen_sincos_bounded(double x, double *s, double *c)
-{
-	union rneagen_f64 y;
-	double r, e;
-	y.f = x;
-	y.u |= fabs(x) <= 1e7 ? 0 : 0x7ff8000000000000ull; /* NaN outside */
-	const unsigned long long q = rneagen_sincos_reduce(y.f, &r, &e);
-	rneagen_sincos_turn(q, r, e, s, c);
-}
-#endif
 #ifndef RNEAGEN_SINCOS_ACCURATE
 #define RNEAGEN_SINCOS_ACCURATE
 /* High half of the product a*b. */
@@ -266,13 +253,18 @@ static RNEA_INLINE void rneagen_sincos_accurate(double x, double *s, double *c)
 #ifndef RNEAGEN_SINCOS_EITHER
 #define RNEAGEN_SINCOS_EITHER
 
-/* The same bits either way: without a branch where the caller knows that |x| is small. */
-static RNEA_INLINE void rneagen_sincos_either(double x, const int small, double *s, double *c)
+/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not, and
+   `small`, sine and cosine mean nothing. */
+static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c)
 {
-	if (small)
-		rneagen_sincos_bounded(x, s, c);
-	else
+	if (small) {
+		double r, e;
+		const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
+		rneagen_sincos_turn(q, r, e, s, c);
+	} else {
 		rneagen_sincos_accurate(x, s, c);
+	}
+	return fabs(x) <= 1e7;
 }
 #endif
 
@@ -288,9 +280,11 @@ static RNEA_INLINE int atlas_is_small(const double *q, const size_t stride)
 }
 
 /* tau = ID(q, qd, qdd)
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride, const int small)
+static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 1 "ltorso" (fpass) ---- */
 	const double qd1 = qd[0*stride];
@@ -299,7 +293,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 2 "mtorso" (fpass) ---- */
 	const double q2 = q[1*stride];
 	double s2, c2;
-	rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
 	const double qd2 = qd[1*stride];
 	const double qdd2 = qdd[1*stride];
 	const double w2z = qd1*c2;
@@ -332,7 +326,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 3 "utorso" (fpass) ---- */
 	const double q3 = q[2*stride];
 	double s3, c3;
-	rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
 	const double qd3 = qd[2*stride];
 	const double qdd3 = qdd[2*stride];
 	const double t15 = 0.05*t7;
@@ -382,7 +376,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 4 "l_clav" (fpass) ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
-	rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
 	const double qd4 = qd[3*stride];
 	const double qdd4 = qdd[3*stride];
 	const double t35 = RNEA_FMA(2.0682310711021444e-13, w3y, w3x);
@@ -433,7 +427,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 5 "l_scap" (fpass) ---- */
 	const double q5 = q[4*stride];
 	double t62, c5;
-	rneagen_sincos_either(q5, small, &t62, &c5);
+	all_small &= rneagen_sincos_either(q5, small, &t62, &c5);
 	const double qd5 = qd[4*stride];
 	const double qdd5 = qdd[4*stride];
 	const double a5x = a4x - RNEA_FMA(0.245, t58, 0.11*t61);
@@ -457,7 +451,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 6 "l_uarm" (fpass) ---- */
 	const double q6 = q[5*stride];
 	double t69, c6;
-	rneagen_sincos_either(q6, small, &t69, &c6);
+	all_small &= rneagen_sincos_either(q6, small, &t69, &c6);
 	const double qd6 = qd[5*stride];
 	const double qdd6 = qdd[5*stride];
 	const double t70 = a5x - RNEA_FMA(0.016, dw5y + t66, 0.187*(t68 - dw5z));
@@ -486,7 +480,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 7 "l_larm" (fpass) ---- */
 	const double q7 = q[6*stride];
 	double t78, c7;
-	rneagen_sincos_either(q7, small, &t78, &c7);
+	all_small &= rneagen_sincos_either(q7, small, &t78, &c7);
 	const double qd7 = qd[6*stride];
 	const double qdd7 = qdd[6*stride];
 	const double a7x = a6x + RNEA_FMA(-0.119, t77, 0.0092*RNEA_FMA(w6z, w6x, dw6y));
@@ -510,7 +504,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 8 "l_ufarm" (fpass) ---- */
 	const double q8 = q[7*stride];
 	double t85, c8;
-	rneagen_sincos_either(q8, small, &t85, &c8);
+	all_small &= rneagen_sincos_either(q8, small, &t85, &c8);
 	const double qd8 = qd[7*stride];
 	const double qdd8 = qdd[7*stride];
 	const double t86 = RNEA_FMA(2.0682310711021444e-13, w7z, -w7x);
@@ -564,7 +558,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 9 "l_lfarm" (fpass) ---- */
 	const double q9 = q[8*stride];
 	double s9, c9;
-	rneagen_sincos_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincos_either(q9, small, &s9, &c9);
 	const double qd9 = qd[8*stride];
 	const double qdd9 = qdd[8*stride];
 	const double w9y = RNEA_FMA(s9, -t94, w8y*c9);
@@ -609,7 +603,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 10 "l_hand" (fpass) ---- */
 	const double q10 = q[9*stride];
 	double t132, c10;
-	rneagen_sincos_either(q10, small, &t132, &c10);
+	all_small &= rneagen_sincos_either(q10, small, &t132, &c10);
 	const double qd10 = qd[9*stride];
 	const double qdd10 = qdd[9*stride];
 	const double t133 = RNEA_FMA(2.0682310711021444e-13, t112, w9x);
@@ -749,7 +743,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 11 "head" (fpass) ---- */
 	const double q11 = q[10*stride];
 	double s11, c11;
-	rneagen_sincos_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincos_either(q11, small, &s11, &c11);
 	const double qd11 = qd[10*stride];
 	const double qdd11 = qdd[10*stride];
 	const double t179 = a3x + RNEA_FMA(-0.2546, t20, 0.6215*t27);
@@ -808,7 +802,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 12 "r_clav" (fpass) ---- */
 	const double q12 = q[11*stride];
 	double s12, c12;
-	rneagen_sincos_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincos_either(q12, small, &s12, &c12);
 	const double qd12 = qd[11*stride];
 	const double qdd12 = qdd[11*stride];
 	const double t199 = a3x + (t41 - (t39 + t40));
@@ -844,7 +838,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 13 "r_scap" (fpass) ---- */
 	const double q13 = q[12*stride];
 	double s13, c13;
-	rneagen_sincos_either(q13, small, &s13, &c13);
+	all_small &= rneagen_sincos_either(q13, small, &s13, &c13);
 	const double qd13 = qd[12*stride];
 	const double qdd13 = qdd[12*stride];
 	const double a13x = a12x - RNEA_FMA(0.245, t207, 0.11*t210);
@@ -868,7 +862,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 14 "r_uarm" (fpass) ---- */
 	const double q14 = q[13*stride];
 	double s14, c14;
-	rneagen_sincos_either(q14, small, &s14, &c14);
+	all_small &= rneagen_sincos_either(q14, small, &s14, &c14);
 	const double qd14 = qd[13*stride];
 	const double qdd14 = qdd[13*stride];
 	const double t217 = a13x - RNEA_FMA(0.016, dw13y + t214, 0.187*(t216 - dw13z));
@@ -897,7 +891,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 15 "r_larm" (fpass) ---- */
 	const double q15 = q[14*stride];
 	double s15, c15;
-	rneagen_sincos_either(q15, small, &s15, &c15);
+	all_small &= rneagen_sincos_either(q15, small, &s15, &c15);
 	const double qd15 = qd[14*stride];
 	const double qdd15 = qdd[14*stride];
 	const double a15x = a14x + RNEA_FMA(-0.119, t224, 0.0092*RNEA_FMA(w14z, w14x, dw14y));
@@ -921,7 +915,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 16 "r_ufarm" (fpass) ---- */
 	const double q16 = q[15*stride];
 	double s16, c16;
-	rneagen_sincos_either(q16, small, &s16, &c16);
+	all_small &= rneagen_sincos_either(q16, small, &s16, &c16);
 	const double qd16 = qd[15*stride];
 	const double qdd16 = qdd[15*stride];
 	const double t231 = a15x - RNEA_FMA(0.00921, dw15y + t228, 0.29955*(t230 - dw15z));
@@ -969,7 +963,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 17 "r_lfarm" (fpass) ---- */
 	const double q17 = q[16*stride];
 	double s17, c17;
-	rneagen_sincos_either(q17, small, &s17, &c17);
+	all_small &= rneagen_sincos_either(q17, small, &s17, &c17);
 	const double qd17 = qd[16*stride];
 	const double qdd17 = qdd[16*stride];
 	const double w17y = RNEA_FMA(w16y, c17, w16z*s17);
@@ -1014,7 +1008,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 18 "r_hand" (fpass) ---- */
 	const double q18 = q[17*stride];
 	double s18, c18;
-	rneagen_sincos_either(q18, small, &s18, &c18);
+	all_small &= rneagen_sincos_either(q18, small, &s18, &c18);
 	const double qd18 = qd[17*stride];
 	const double qdd18 = qdd[17*stride];
 	const double w18z = RNEA_FMA(w17z, c18, w17x*s18);
@@ -1153,7 +1147,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 20 "l_lglut" (fpass) ---- */
 	const double q20 = q[19*stride];
 	double s20, c20;
-	rneagen_sincos_either(q20, small, &s20, &c20);
+	all_small &= rneagen_sincos_either(q20, small, &s20, &c20);
 	const double qd20 = qd[19*stride];
 	const double qdd20 = qdd[19*stride];
 	const double w20y = qd19*s20;
@@ -1188,7 +1182,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 21 "l_uleg" (fpass) ---- */
 	const double q21 = q[20*stride];
 	double s21, c21;
-	rneagen_sincos_either(q21, small, &s21, &c21);
+	all_small &= rneagen_sincos_either(q21, small, &s21, &c21);
 	const double qd21 = qd[20*stride];
 	const double qdd21 = qdd[20*stride];
 	const double t309 = RNEA_FMA(-0.066, t303, RNEA_FMA(-0.05, t297 + t298, 0.0225*t304));
@@ -1218,7 +1212,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 22 "l_lleg" (fpass) ---- */
 	const double q22 = q[21*stride];
 	double s22, c22;
-	rneagen_sincos_either(q22, small, &s22, &c22);
+	all_small &= rneagen_sincos_either(q22, small, &s22, &c22);
 	const double qd22 = qd[21*stride];
 	const double qdd22 = qdd[21*stride];
 	const double t317 = a21x + RNEA_FMA(-0.374, t315, 0.05*RNEA_FMA(w21z, w21z, t312));
@@ -1255,7 +1249,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 23 "l_talus" (fpass) ---- */
 	const double q23 = q[22*stride];
 	double s23, c23;
-	rneagen_sincos_either(q23, small, &s23, &c23);
+	all_small &= rneagen_sincos_either(q23, small, &s23, &c23);
 	const double qd23 = qd[22*stride];
 	const double qdd23 = qdd[22*stride];
 	const double t330 = RNEA_FMA(-0.422, t325, a22x);
@@ -1276,7 +1270,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 24 "l_foot" (fpass) ---- */
 	const double q24 = q[23*stride];
 	double s24, c24;
-	rneagen_sincos_either(q24, small, &s24, &c24);
+	all_small &= rneagen_sincos_either(q24, small, &s24, &c24);
 	const double qd24 = qd[23*stride];
 	const double qdd24 = qdd[23*stride];
 	const double w24y = RNEA_FMA(w23y, c24, w23z*s24);
@@ -1360,7 +1354,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 26 "r_lglut" (fpass) ---- */
 	const double q26 = q[25*stride];
 	double s26, c26;
-	rneagen_sincos_either(q26, small, &s26, &c26);
+	all_small &= rneagen_sincos_either(q26, small, &s26, &c26);
 	const double qd26 = qd[25*stride];
 	const double qdd26 = qdd[25*stride];
 	const double w26y = qd25*s26;
@@ -1395,7 +1389,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 27 "r_uleg" (fpass) ---- */
 	const double q27 = q[26*stride];
 	double s27, c27;
-	rneagen_sincos_either(q27, small, &s27, &c27);
+	all_small &= rneagen_sincos_either(q27, small, &s27, &c27);
 	const double qd27 = qd[26*stride];
 	const double qdd27 = qdd[26*stride];
 	const double t364 = RNEA_FMA(0.066, t358, RNEA_FMA(0.0225, t359, 0.05*(t352 + t353)));
@@ -1423,7 +1417,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 28 "r_lleg" (fpass) ---- */
 	const double q28 = q[27*stride];
 	double s28, c28;
-	rneagen_sincos_either(q28, small, &s28, &c28);
+	all_small &= rneagen_sincos_either(q28, small, &s28, &c28);
 	const double qd28 = qd[27*stride];
 	const double qdd28 = qdd[27*stride];
 	const double t373 = RNEA_FMA(-0.374, t371, 0.05*RNEA_FMA(w27z, w27z, t368)) - t366;
@@ -1460,7 +1454,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 29 "r_talus" (fpass) ---- */
 	const double q29 = q[28*stride];
 	double s29, c29;
-	rneagen_sincos_either(q29, small, &s29, &c29);
+	all_small &= rneagen_sincos_either(q29, small, &s29, &c29);
 	const double qd29 = qd[28*stride];
 	const double qdd29 = qdd[28*stride];
 	const double t386 = RNEA_FMA(-0.422, t381, a28x);
@@ -1481,7 +1475,7 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 30 "r_foot" (fpass) ---- */
 	const double q30 = q[29*stride];
 	double s30, c30;
-	rneagen_sincos_either(q30, small, &s30, &c30);
+	all_small &= rneagen_sincos_either(q30, small, &s30, &c30);
 	const double qd30 = qd[29*stride];
 	const double qdd30 = qdd[29*stride];
 	const double w30y = RNEA_FMA(w29y, c30, w29z*s30);
@@ -1557,12 +1551,15 @@ static RNEA_INLINE void atlas_rnea_body(const double *q, const double *qd, const
 
 	/* ---- back from link 25 "r_uglut" to the world (bpass): torque of "r_leg_hpz" ---- */
 	tau[24*stride] = n25z;
+	return all_small;
 }
 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f, const size_t stride, const int small)
+static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 1 "ltorso" (fpass) ---- */
 	const double qd1 = qd[0*stride];
@@ -1595,7 +1592,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 2 "mtorso" (fpass) ---- */
 	const double q2 = q[1*stride];
 	double s2, c2;
-	rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
 	const double qd2 = qd[1*stride];
 	const double qdd2 = qdd[1*stride];
 	const double w2z = qd1*c2;
@@ -1656,7 +1653,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 3 "utorso" (fpass) ---- */
 	const double q3 = q[2*stride];
 	double s3, c3;
-	rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
 	const double qd3 = qd[2*stride];
 	const double qdd3 = qdd[2*stride];
 	const double v3x = 0.05*qd2;
@@ -1728,7 +1725,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 4 "l_clav" (fpass) ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
-	rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
 	const double qd4 = qd[3*stride];
 	const double qdd4 = qdd[3*stride];
 	const double t42 = RNEA_FMA(2.0682310711021444e-13, w3y, w3x);
@@ -1808,7 +1805,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 5 "l_scap" (fpass) ---- */
 	const double q5 = q[4*stride];
 	double t77, c5;
-	rneagen_sincos_either(q5, small, &t77, &c5);
+	all_small &= rneagen_sincos_either(q5, small, &t77, &c5);
 	const double qd5 = qd[4*stride];
 	const double qdd5 = qdd[4*stride];
 	const double v5x = v4x + RNEA_FMA(-0.245, w4y, 0.11*w4z);
@@ -1859,7 +1856,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 6 "l_uarm" (fpass) ---- */
 	const double q6 = q[5*stride];
 	double t86, c6;
-	rneagen_sincos_either(q6, small, &t86, &c6);
+	all_small &= rneagen_sincos_either(q6, small, &t86, &c6);
 	const double qd6 = qd[5*stride];
 	const double qdd6 = qdd[5*stride];
 	const double t87 = v5x + RNEA_FMA(-0.016, w5y, 0.187*w5z);
@@ -1912,7 +1909,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 7 "l_larm" (fpass) ---- */
 	const double q7 = q[6*stride];
 	double t97, c7;
-	rneagen_sincos_either(q7, small, &t97, &c7);
+	all_small &= rneagen_sincos_either(q7, small, &t97, &c7);
 	const double qd7 = qd[6*stride];
 	const double qdd7 = qdd[6*stride];
 	const double v7x = v6x + RNEA_FMA(0.0092, w6y, 0.119*w6z);
@@ -1963,7 +1960,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 8 "l_ufarm" (fpass) ---- */
 	const double q8 = q[7*stride];
 	double t106, c8;
-	rneagen_sincos_either(q8, small, &t106, &c8);
+	all_small &= rneagen_sincos_either(q8, small, &t106, &c8);
 	const double qd8 = qd[7*stride];
 	const double qdd8 = qdd[7*stride];
 	const double t107 = RNEA_FMA(2.0682310711021444e-13, w7z, -w7x);
@@ -2042,7 +2039,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 9 "l_lfarm" (fpass) ---- */
 	const double q9 = q[8*stride];
 	double s9, c9;
-	rneagen_sincos_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincos_either(q9, small, &s9, &c9);
 	const double qd9 = qd[8*stride];
 	const double qdd9 = qdd[8*stride];
 	const double w9y = RNEA_FMA(-t119, s9, w8y*c9);
@@ -2107,7 +2104,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 10 "l_hand" (fpass) ---- */
 	const double q10 = q[9*stride];
 	double t159, c10;
-	rneagen_sincos_either(q10, small, &t159, &c10);
+	all_small &= rneagen_sincos_either(q10, small, &t159, &c10);
 	const double qd10 = qd[9*stride];
 	const double qdd10 = qdd[9*stride];
 	const double t160 = RNEA_FMA(2.0682310711021444e-13, t138, w9x);
@@ -2180,7 +2177,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 11 "head" (fpass) ---- */
 	const double q11 = q[10*stride];
 	double s11, c11;
-	rneagen_sincos_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincos_either(q11, small, &s11, &c11);
 	const double qd11 = qd[10*stride];
 	const double qdd11 = qdd[10*stride];
 	const double t184 = RNEA_FMA(0.6215, w3y, v3x);
@@ -2251,7 +2248,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 12 "r_clav" (fpass) ---- */
 	const double q12 = q[11*stride];
 	double s12, c12;
-	rneagen_sincos_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincos_either(q12, small, &s12, &c12);
 	const double qd12 = qd[11*stride];
 	const double qdd12 = qdd[11*stride];
 	const double t204 = v3x + (t46 + t47);
@@ -2309,7 +2306,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 13 "r_scap" (fpass) ---- */
 	const double q13 = q[12*stride];
 	double s13, c13;
-	rneagen_sincos_either(q13, small, &s13, &c13);
+	all_small &= rneagen_sincos_either(q13, small, &s13, &c13);
 	const double qd13 = qd[12*stride];
 	const double qdd13 = qdd[12*stride];
 	const double v13x = v12x + RNEA_FMA(-0.245, w12y, 0.11*w12z);
@@ -2360,7 +2357,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 14 "r_uarm" (fpass) ---- */
 	const double q14 = q[13*stride];
 	double s14, c14;
-	rneagen_sincos_either(q14, small, &s14, &c14);
+	all_small &= rneagen_sincos_either(q14, small, &s14, &c14);
 	const double qd14 = qd[13*stride];
 	const double qdd14 = qdd[13*stride];
 	const double t227 = v13x + RNEA_FMA(-0.016, w13y, 0.187*w13z);
@@ -2413,7 +2410,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 15 "r_larm" (fpass) ---- */
 	const double q15 = q[14*stride];
 	double s15, c15;
-	rneagen_sincos_either(q15, small, &s15, &c15);
+	all_small &= rneagen_sincos_either(q15, small, &s15, &c15);
 	const double qd15 = qd[14*stride];
 	const double qdd15 = qdd[14*stride];
 	const double v15x = v14x + RNEA_FMA(0.0092, w14y, 0.119*w14z);
@@ -2464,7 +2461,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 16 "r_ufarm" (fpass) ---- */
 	const double q16 = q[15*stride];
 	double s16, c16;
-	rneagen_sincos_either(q16, small, &s16, &c16);
+	all_small &= rneagen_sincos_either(q16, small, &s16, &c16);
 	const double qd16 = qd[15*stride];
 	const double qdd16 = qdd[15*stride];
 	const double t245 = v15x + RNEA_FMA(-0.00921, w15y, 0.29955*w15z);
@@ -2535,7 +2532,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 17 "r_lfarm" (fpass) ---- */
 	const double q17 = q[16*stride];
 	double s17, c17;
-	rneagen_sincos_either(q17, small, &s17, &c17);
+	all_small &= rneagen_sincos_either(q17, small, &s17, &c17);
 	const double qd17 = qd[16*stride];
 	const double qdd17 = qdd[16*stride];
 	const double w17y = RNEA_FMA(w16y, c17, w16z*s17);
@@ -2600,7 +2597,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 18 "r_hand" (fpass) ---- */
 	const double q18 = q[17*stride];
 	double s18, c18;
-	rneagen_sincos_either(q18, small, &s18, &c18);
+	all_small &= rneagen_sincos_either(q18, small, &s18, &c18);
 	const double qd18 = qd[17*stride];
 	const double qdd18 = qdd[17*stride];
 	const double w18z = RNEA_FMA(w17z, c18, w17x*s18);
@@ -2693,7 +2690,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 20 "l_lglut" (fpass) ---- */
 	const double q20 = q[19*stride];
 	double s20, c20;
-	rneagen_sincos_either(q20, small, &s20, &c20);
+	all_small &= rneagen_sincos_either(q20, small, &s20, &c20);
 	const double qd20 = qd[19*stride];
 	const double qdd20 = qdd[19*stride];
 	const double w20y = qd19*s20;
@@ -2756,7 +2753,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 21 "l_uleg" (fpass) ---- */
 	const double q21 = q[20*stride];
 	double s21, c21;
-	rneagen_sincos_either(q21, small, &s21, &c21);
+	all_small &= rneagen_sincos_either(q21, small, &s21, &c21);
 	const double qd21 = qd[20*stride];
 	const double qdd21 = qdd[20*stride];
 	const double t315 = RNEA_FMA(0.066, w20y, 0.0225*w20z);
@@ -2809,7 +2806,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 22 "l_lleg" (fpass) ---- */
 	const double q22 = q[21*stride];
 	double s22, c22;
-	rneagen_sincos_either(q22, small, &s22, &c22);
+	all_small &= rneagen_sincos_either(q22, small, &s22, &c22);
 	const double qd22 = qd[21*stride];
 	const double qdd22 = qdd[21*stride];
 	const double t326 = RNEA_FMA(0.374, w21y, t319);
@@ -2869,7 +2866,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 23 "l_talus" (fpass) ---- */
 	const double q23 = q[22*stride];
 	double s23, c23;
-	rneagen_sincos_either(q23, small, &s23, &c23);
+	all_small &= rneagen_sincos_either(q23, small, &s23, &c23);
 	const double qd23 = qd[22*stride];
 	const double qdd23 = qdd[22*stride];
 	const double t342 = RNEA_FMA(0.422, w22y, t330);
@@ -2915,7 +2912,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 24 "l_foot" (fpass) ---- */
 	const double q24 = q[23*stride];
 	double s24, c24;
-	rneagen_sincos_either(q24, small, &s24, &c24);
+	all_small &= rneagen_sincos_either(q24, small, &s24, &c24);
 	const double qd24 = qd[23*stride];
 	const double qdd24 = qdd[23*stride];
 	const double w24y = RNEA_FMA(w23y, c24, w23z*s24);
@@ -2996,7 +2993,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 26 "r_lglut" (fpass) ---- */
 	const double q26 = q[25*stride];
 	double s26, c26;
-	rneagen_sincos_either(q26, small, &s26, &c26);
+	all_small &= rneagen_sincos_either(q26, small, &s26, &c26);
 	const double qd26 = qd[25*stride];
 	const double qdd26 = qdd[25*stride];
 	const double w26y = qd25*s26;
@@ -3059,7 +3056,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 27 "r_uleg" (fpass) ---- */
 	const double q27 = q[26*stride];
 	double s27, c27;
-	rneagen_sincos_either(q27, small, &s27, &c27);
+	all_small &= rneagen_sincos_either(q27, small, &s27, &c27);
 	const double qd27 = qd[26*stride];
 	const double qdd27 = qdd[26*stride];
 	const double t375 = RNEA_FMA(-0.066, w26y, 0.0225*w26z);
@@ -3112,7 +3109,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 28 "r_lleg" (fpass) ---- */
 	const double q28 = q[27*stride];
 	double s28, c28;
-	rneagen_sincos_either(q28, small, &s28, &c28);
+	all_small &= rneagen_sincos_either(q28, small, &s28, &c28);
 	const double qd28 = qd[27*stride];
 	const double qdd28 = qdd[27*stride];
 	const double t386 = RNEA_FMA(-0.374, w27y, v27x);
@@ -3172,7 +3169,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 29 "r_talus" (fpass) ---- */
 	const double q29 = q[28*stride];
 	double s29, c29;
-	rneagen_sincos_either(q29, small, &s29, &c29);
+	all_small &= rneagen_sincos_either(q29, small, &s29, &c29);
 	const double qd29 = qd[28*stride];
 	const double qdd29 = qdd[28*stride];
 	const double t401 = RNEA_FMA(-0.422, w28y, v28x);
@@ -3218,7 +3215,7 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 30 "r_foot" (fpass) ---- */
 	const double q30 = q[29*stride];
 	double s30, c30;
-	rneagen_sincos_either(q30, small, &s30, &c30);
+	all_small &= rneagen_sincos_either(q30, small, &s30, &c30);
 	const double qd30 = qd[29*stride];
 	const double qdd30 = qdd[29*stride];
 	const double w30y = RNEA_FMA(w29y, c30, w29z*s30);
@@ -3267,12 +3264,15 @@ static RNEA_INLINE void atlas_fpass_body(const double *q, const double *qd, cons
 	f[177*stride] = n30x;
 	f[178*stride] = n30y;
 	f[179*stride] = n30z;
+	return all_small;
 }
 
 /* Back to the base: torques tau from the wrenches f.
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, double *tau, const size_t stride, const int small)
+static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double *tau, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 1 "ltorso" ---- */
 	const double own_n1z = f[5*stride];
@@ -3280,7 +3280,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 2 "mtorso" ---- */
 	const double q2 = q[1*stride];
 	double s2, c2;
-	rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
 	const double own_n2x = f[9*stride];
 	const double own_n2y = f[10*stride];
 	const double own_n2z = f[11*stride];
@@ -3288,7 +3288,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 3 "utorso" ---- */
 	const double q3 = q[2*stride];
 	double s3, c3;
-	rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
 	const double own_f3x = f[12*stride];
 	const double own_f3y = f[13*stride];
 	const double own_f3z = f[14*stride];
@@ -3299,7 +3299,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 4 "l_clav" ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
-	rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
 	const double own_f4x = f[18*stride];
 	const double own_f4y = f[19*stride];
 	const double own_f4z = f[20*stride];
@@ -3310,7 +3310,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 5 "l_scap" ---- */
 	const double q5 = q[4*stride];
 	double t1, c5;
-	rneagen_sincos_either(q5, small, &t1, &c5);
+	all_small &= rneagen_sincos_either(q5, small, &t1, &c5);
 	const double own_f5x = f[24*stride];
 	const double own_f5y = f[25*stride];
 	const double own_f5z = f[26*stride];
@@ -3321,7 +3321,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 6 "l_uarm" ---- */
 	const double q6 = q[5*stride];
 	double t2, c6;
-	rneagen_sincos_either(q6, small, &t2, &c6);
+	all_small &= rneagen_sincos_either(q6, small, &t2, &c6);
 	const double own_f6x = f[30*stride];
 	const double own_f6y = f[31*stride];
 	const double own_f6z = f[32*stride];
@@ -3332,7 +3332,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 7 "l_larm" ---- */
 	const double q7 = q[6*stride];
 	double t3, c7;
-	rneagen_sincos_either(q7, small, &t3, &c7);
+	all_small &= rneagen_sincos_either(q7, small, &t3, &c7);
 	const double own_f7x = f[36*stride];
 	const double own_f7y = f[37*stride];
 	const double own_f7z = f[38*stride];
@@ -3343,7 +3343,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 8 "l_ufarm" ---- */
 	const double q8 = q[7*stride];
 	double t4, c8;
-	rneagen_sincos_either(q8, small, &t4, &c8);
+	all_small &= rneagen_sincos_either(q8, small, &t4, &c8);
 	const double own_f8x = f[42*stride];
 	const double own_f8y = f[43*stride];
 	const double own_f8z = f[44*stride];
@@ -3354,7 +3354,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 9 "l_lfarm" ---- */
 	const double q9 = q[8*stride];
 	double s9, c9;
-	rneagen_sincos_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincos_either(q9, small, &s9, &c9);
 	const double own_f9x = f[48*stride];
 	const double own_f9y = f[49*stride];
 	const double own_f9z = f[50*stride];
@@ -3365,7 +3365,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 10 "l_hand" ---- */
 	const double q10 = q[9*stride];
 	double t5, c10;
-	rneagen_sincos_either(q10, small, &t5, &c10);
+	all_small &= rneagen_sincos_either(q10, small, &t5, &c10);
 	const double own_f10x = f[54*stride];
 	const double own_f10y = f[55*stride];
 	const double own_f10z = f[56*stride];
@@ -3465,7 +3465,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 11 "head" ---- */
 	const double q11 = q[10*stride];
 	double s11, c11;
-	rneagen_sincos_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincos_either(q11, small, &s11, &c11);
 	const double own_f11x = f[60*stride];
 	const double own_f11y = f[61*stride];
 	const double own_f11z = f[62*stride];
@@ -3487,7 +3487,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 12 "r_clav" ---- */
 	const double q12 = q[11*stride];
 	double s12, c12;
-	rneagen_sincos_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincos_either(q12, small, &s12, &c12);
 	const double own_f12x = f[66*stride];
 	const double own_f12y = f[67*stride];
 	const double own_f12z = f[68*stride];
@@ -3498,7 +3498,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 13 "r_scap" ---- */
 	const double q13 = q[12*stride];
 	double s13, c13;
-	rneagen_sincos_either(q13, small, &s13, &c13);
+	all_small &= rneagen_sincos_either(q13, small, &s13, &c13);
 	const double own_f13x = f[72*stride];
 	const double own_f13y = f[73*stride];
 	const double own_f13z = f[74*stride];
@@ -3509,7 +3509,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 14 "r_uarm" ---- */
 	const double q14 = q[13*stride];
 	double s14, c14;
-	rneagen_sincos_either(q14, small, &s14, &c14);
+	all_small &= rneagen_sincos_either(q14, small, &s14, &c14);
 	const double own_f14x = f[78*stride];
 	const double own_f14y = f[79*stride];
 	const double own_f14z = f[80*stride];
@@ -3520,7 +3520,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 15 "r_larm" ---- */
 	const double q15 = q[14*stride];
 	double s15, c15;
-	rneagen_sincos_either(q15, small, &s15, &c15);
+	all_small &= rneagen_sincos_either(q15, small, &s15, &c15);
 	const double own_f15x = f[84*stride];
 	const double own_f15y = f[85*stride];
 	const double own_f15z = f[86*stride];
@@ -3531,7 +3531,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 16 "r_ufarm" ---- */
 	const double q16 = q[15*stride];
 	double s16, c16;
-	rneagen_sincos_either(q16, small, &s16, &c16);
+	all_small &= rneagen_sincos_either(q16, small, &s16, &c16);
 	const double own_f16x = f[90*stride];
 	const double own_f16y = f[91*stride];
 	const double own_f16z = f[92*stride];
@@ -3542,7 +3542,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 17 "r_lfarm" ---- */
 	const double q17 = q[16*stride];
 	double s17, c17;
-	rneagen_sincos_either(q17, small, &s17, &c17);
+	all_small &= rneagen_sincos_either(q17, small, &s17, &c17);
 	const double own_f17x = f[96*stride];
 	const double own_f17y = f[97*stride];
 	const double own_f17z = f[98*stride];
@@ -3553,7 +3553,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 18 "r_hand" ---- */
 	const double q18 = q[17*stride];
 	double s18, c18;
-	rneagen_sincos_either(q18, small, &s18, &c18);
+	all_small &= rneagen_sincos_either(q18, small, &s18, &c18);
 	const double own_f18x = f[102*stride];
 	const double own_f18y = f[103*stride];
 	const double own_f18z = f[104*stride];
@@ -3657,7 +3657,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 20 "l_lglut" ---- */
 	const double q20 = q[19*stride];
 	double s20, c20;
-	rneagen_sincos_either(q20, small, &s20, &c20);
+	all_small &= rneagen_sincos_either(q20, small, &s20, &c20);
 	const double own_n20x = f[117*stride];
 	const double own_n20y = f[118*stride];
 	const double own_n20z = f[119*stride];
@@ -3665,7 +3665,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 21 "l_uleg" ---- */
 	const double q21 = q[20*stride];
 	double s21, c21;
-	rneagen_sincos_either(q21, small, &s21, &c21);
+	all_small &= rneagen_sincos_either(q21, small, &s21, &c21);
 	const double own_f21x = f[120*stride];
 	const double own_f21y = f[121*stride];
 	const double own_f21z = f[122*stride];
@@ -3676,7 +3676,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 22 "l_lleg" ---- */
 	const double q22 = q[21*stride];
 	double s22, c22;
-	rneagen_sincos_either(q22, small, &s22, &c22);
+	all_small &= rneagen_sincos_either(q22, small, &s22, &c22);
 	const double own_f22x = f[126*stride];
 	const double own_f22y = f[127*stride];
 	const double own_f22z = f[128*stride];
@@ -3687,7 +3687,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 23 "l_talus" ---- */
 	const double q23 = q[22*stride];
 	double s23, c23;
-	rneagen_sincos_either(q23, small, &s23, &c23);
+	all_small &= rneagen_sincos_either(q23, small, &s23, &c23);
 	const double own_f23x = f[132*stride];
 	const double own_f23y = f[133*stride];
 	const double own_f23z = f[134*stride];
@@ -3698,7 +3698,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 24 "l_foot" ---- */
 	const double q24 = q[23*stride];
 	double s24, c24;
-	rneagen_sincos_either(q24, small, &s24, &c24);
+	all_small &= rneagen_sincos_either(q24, small, &s24, &c24);
 	const double own_f24x = f[138*stride];
 	const double own_f24y = f[139*stride];
 	const double own_f24z = f[140*stride];
@@ -3759,7 +3759,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 26 "r_lglut" ---- */
 	const double q26 = q[25*stride];
 	double s26, c26;
-	rneagen_sincos_either(q26, small, &s26, &c26);
+	all_small &= rneagen_sincos_either(q26, small, &s26, &c26);
 	const double own_n26x = f[153*stride];
 	const double own_n26y = f[154*stride];
 	const double own_n26z = f[155*stride];
@@ -3767,7 +3767,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 27 "r_uleg" ---- */
 	const double q27 = q[26*stride];
 	double s27, c27;
-	rneagen_sincos_either(q27, small, &s27, &c27);
+	all_small &= rneagen_sincos_either(q27, small, &s27, &c27);
 	const double own_f27x = f[156*stride];
 	const double own_f27y = f[157*stride];
 	const double own_f27z = f[158*stride];
@@ -3778,7 +3778,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 28 "r_lleg" ---- */
 	const double q28 = q[27*stride];
 	double s28, c28;
-	rneagen_sincos_either(q28, small, &s28, &c28);
+	all_small &= rneagen_sincos_either(q28, small, &s28, &c28);
 	const double own_f28x = f[162*stride];
 	const double own_f28y = f[163*stride];
 	const double own_f28z = f[164*stride];
@@ -3789,7 +3789,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 29 "r_talus" ---- */
 	const double q29 = q[28*stride];
 	double s29, c29;
-	rneagen_sincos_either(q29, small, &s29, &c29);
+	all_small &= rneagen_sincos_either(q29, small, &s29, &c29);
 	const double own_f29x = f[168*stride];
 	const double own_f29y = f[169*stride];
 	const double own_f29z = f[170*stride];
@@ -3800,7 +3800,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 30 "r_foot" ---- */
 	const double q30 = q[29*stride];
 	double s30, c30;
-	rneagen_sincos_either(q30, small, &s30, &c30);
+	all_small &= rneagen_sincos_either(q30, small, &s30, &c30);
 	const double own_f30x = f[174*stride];
 	const double own_f30y = f[175*stride];
 	const double own_f30z = f[176*stride];
@@ -3854,6 +3854,7 @@ static RNEA_INLINE void atlas_bpass_body(const double *q, const double *f, doubl
 
 	/* ---- back from link 25 "r_uglut" to the world (bpass): torque of "r_leg_hpz" ---- */
 	tau[24*stride] = n25z;
+	return all_small;
 }
 
 

@@ -194,19 +194,6 @@ static RNEA_INLINE void rneagen_sincosf_turn(unsigned int q, float r, float e, f
 }
 #endif
 
-#ifndef RNEAGEN_SINCOSF_BOUNDED
-#define RNEAGEN_SINCOSF_BOUNDED
-/* Sine and cosine for |x| <= 1e4, error below 0.85 ulp; NaN for any other x. No branch, no table. */
-static RNEA_INLINE void rneagen_sincosf_bounded(float x, float *s, float *c)
-{
-	union rneagen_f32 y;
-	float r, e;
-	y.f = x;
-	y.u |= fabsf(x) <= 1e4f ? 0 : 0x7fc00000u; /* NaN outside */
-	const unsigned int q = rneagen_sincosf_reduce(y.f, &r, &e);
-	rneagen_sincosf_turn(q, r, e, s, c);
-}
-#endif
 #ifndef RNEAGEN_SINCOSF_ACCURATE
 #define RNEAGEN_SINCOSF_ACCURATE
 /* rneagen_sincosf_reduce for |x| > 1e4, in integers (Payne and Hanek): |x| = m*2^p with a 24-bit m, and of the bits of
@@ -252,13 +239,18 @@ static RNEA_INLINE void rneagen_sincosf_accurate(float x, float *s, float *c)
 #ifndef RNEAGEN_SINCOSF_EITHER
 #define RNEAGEN_SINCOSF_EITHER
 
-/* The same bits either way: without a branch where the caller knows that |x| is small. */
-static RNEA_INLINE void rneagen_sincosf_either(float x, const int small, float *s, float *c)
+/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not, and
+   `small`, sine and cosine mean nothing. */
+static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c)
 {
-	if (small)
-		rneagen_sincosf_bounded(x, s, c);
-	else
+	if (small) {
+		float r, e;
+		const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
+		rneagen_sincosf_turn(q, r, e, s, c);
+	} else {
 		rneagen_sincosf_accurate(x, s, c);
+	}
+	return fabsf(x) <= 1e4f;
 }
 #endif
 
@@ -274,9 +266,11 @@ static RNEA_INLINE int atlas_is_small(const float *q, const size_t stride)
 }
 
 /* tau = ID(q, qd, qdd)
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride, const int small)
+static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 1 "ltorso" (fpass) ---- */
 	const float qd1 = qd[0*stride];
@@ -285,7 +279,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 2 "mtorso" (fpass) ---- */
 	const float q2 = q[1*stride];
 	float s2, c2;
-	rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
 	const float qd2 = qd[1*stride];
 	const float qdd2 = qdd[1*stride];
 	const float w2z = qd1*c2;
@@ -314,7 +308,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 3 "utorso" (fpass) ---- */
 	const float q3 = q[2*stride];
 	float s3, c3;
-	rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
 	const float qd3 = qd[2*stride];
 	const float qdd3 = qdd[2*stride];
 	const float t15 = 0.05f*t7;
@@ -363,7 +357,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 4 "l_clav" (fpass) ---- */
 	const float q4 = q[3*stride];
 	float s4, c4;
-	rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
 	const float qd4 = qd[3*stride];
 	const float qdd4 = qdd[3*stride];
 	const float t35 = RNEA_FMA(2.0682311e-13f, w3y, w3x);
@@ -414,7 +408,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 5 "l_scap" (fpass) ---- */
 	const float q5 = q[4*stride];
 	float t62, c5;
-	rneagen_sincosf_either(q5, small, &t62, &c5);
+	all_small &= rneagen_sincosf_either(q5, small, &t62, &c5);
 	const float qd5 = qd[4*stride];
 	const float qdd5 = qdd[4*stride];
 	const float a5x = a4x - RNEA_FMA(0.245f, t58, 0.11f*t61);
@@ -438,7 +432,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 6 "l_uarm" (fpass) ---- */
 	const float q6 = q[5*stride];
 	float t69, c6;
-	rneagen_sincosf_either(q6, small, &t69, &c6);
+	all_small &= rneagen_sincosf_either(q6, small, &t69, &c6);
 	const float qd6 = qd[5*stride];
 	const float qdd6 = qdd[5*stride];
 	const float t70 = a5x - RNEA_FMA(0.016f, dw5y + t66, 0.187f*(t68 - dw5z));
@@ -467,7 +461,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 7 "l_larm" (fpass) ---- */
 	const float q7 = q[6*stride];
 	float t78, c7;
-	rneagen_sincosf_either(q7, small, &t78, &c7);
+	all_small &= rneagen_sincosf_either(q7, small, &t78, &c7);
 	const float qd7 = qd[6*stride];
 	const float qdd7 = qdd[6*stride];
 	const float a7x = a6x + RNEA_FMA(-0.119f, t77, 0.0092f*RNEA_FMA(w6z, w6x, dw6y));
@@ -491,7 +485,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 8 "l_ufarm" (fpass) ---- */
 	const float q8 = q[7*stride];
 	float t85, c8;
-	rneagen_sincosf_either(q8, small, &t85, &c8);
+	all_small &= rneagen_sincosf_either(q8, small, &t85, &c8);
 	const float qd8 = qd[7*stride];
 	const float qdd8 = qdd[7*stride];
 	const float t86 = RNEA_FMA(2.0682311e-13f, w7z, -w7x);
@@ -544,7 +538,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 9 "l_lfarm" (fpass) ---- */
 	const float q9 = q[8*stride];
 	float s9, c9;
-	rneagen_sincosf_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincosf_either(q9, small, &s9, &c9);
 	const float qd9 = qd[8*stride];
 	const float qdd9 = qdd[8*stride];
 	const float w9y = RNEA_FMA(s9, -t94, w8y*c9);
@@ -589,7 +583,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 10 "l_hand" (fpass) ---- */
 	const float q10 = q[9*stride];
 	float t132, c10;
-	rneagen_sincosf_either(q10, small, &t132, &c10);
+	all_small &= rneagen_sincosf_either(q10, small, &t132, &c10);
 	const float qd10 = qd[9*stride];
 	const float qdd10 = qdd[9*stride];
 	const float t133 = RNEA_FMA(2.0682311e-13f, t112, w9x);
@@ -728,7 +722,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 11 "head" (fpass) ---- */
 	const float q11 = q[10*stride];
 	float s11, c11;
-	rneagen_sincosf_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincosf_either(q11, small, &s11, &c11);
 	const float qd11 = qd[10*stride];
 	const float qdd11 = qdd[10*stride];
 	const float t179 = a3x + RNEA_FMA(-0.2546f, t20, 0.6215f*t27);
@@ -786,7 +780,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 12 "r_clav" (fpass) ---- */
 	const float q12 = q[11*stride];
 	float s12, c12;
-	rneagen_sincosf_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincosf_either(q12, small, &s12, &c12);
 	const float qd12 = qd[11*stride];
 	const float qdd12 = qdd[11*stride];
 	const float t199 = a3x + (t41 - (t39 + t40));
@@ -822,7 +816,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 13 "r_scap" (fpass) ---- */
 	const float q13 = q[12*stride];
 	float s13, c13;
-	rneagen_sincosf_either(q13, small, &s13, &c13);
+	all_small &= rneagen_sincosf_either(q13, small, &s13, &c13);
 	const float qd13 = qd[12*stride];
 	const float qdd13 = qdd[12*stride];
 	const float a13x = a12x - RNEA_FMA(0.245f, t207, 0.11f*t210);
@@ -846,7 +840,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 14 "r_uarm" (fpass) ---- */
 	const float q14 = q[13*stride];
 	float s14, c14;
-	rneagen_sincosf_either(q14, small, &s14, &c14);
+	all_small &= rneagen_sincosf_either(q14, small, &s14, &c14);
 	const float qd14 = qd[13*stride];
 	const float qdd14 = qdd[13*stride];
 	const float t217 = a13x - RNEA_FMA(0.016f, dw13y + t214, 0.187f*(t216 - dw13z));
@@ -875,7 +869,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 15 "r_larm" (fpass) ---- */
 	const float q15 = q[14*stride];
 	float s15, c15;
-	rneagen_sincosf_either(q15, small, &s15, &c15);
+	all_small &= rneagen_sincosf_either(q15, small, &s15, &c15);
 	const float qd15 = qd[14*stride];
 	const float qdd15 = qdd[14*stride];
 	const float a15x = a14x + RNEA_FMA(-0.119f, t224, 0.0092f*RNEA_FMA(w14z, w14x, dw14y));
@@ -899,7 +893,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 16 "r_ufarm" (fpass) ---- */
 	const float q16 = q[15*stride];
 	float s16, c16;
-	rneagen_sincosf_either(q16, small, &s16, &c16);
+	all_small &= rneagen_sincosf_either(q16, small, &s16, &c16);
 	const float qd16 = qd[15*stride];
 	const float qdd16 = qdd[15*stride];
 	const float t231 = a15x - RNEA_FMA(0.00921f, dw15y + t228, 0.29955f*(t230 - dw15z));
@@ -947,7 +941,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 17 "r_lfarm" (fpass) ---- */
 	const float q17 = q[16*stride];
 	float s17, c17;
-	rneagen_sincosf_either(q17, small, &s17, &c17);
+	all_small &= rneagen_sincosf_either(q17, small, &s17, &c17);
 	const float qd17 = qd[16*stride];
 	const float qdd17 = qdd[16*stride];
 	const float w17y = RNEA_FMA(w16y, c17, w16z*s17);
@@ -991,7 +985,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 18 "r_hand" (fpass) ---- */
 	const float q18 = q[17*stride];
 	float s18, c18;
-	rneagen_sincosf_either(q18, small, &s18, &c18);
+	all_small &= rneagen_sincosf_either(q18, small, &s18, &c18);
 	const float qd18 = qd[17*stride];
 	const float qdd18 = qdd[17*stride];
 	const float w18z = RNEA_FMA(w17z, c18, w17x*s18);
@@ -1129,7 +1123,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 20 "l_lglut" (fpass) ---- */
 	const float q20 = q[19*stride];
 	float s20, c20;
-	rneagen_sincosf_either(q20, small, &s20, &c20);
+	all_small &= rneagen_sincosf_either(q20, small, &s20, &c20);
 	const float qd20 = qd[19*stride];
 	const float qdd20 = qdd[19*stride];
 	const float w20y = qd19*s20;
@@ -1162,7 +1156,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 21 "l_uleg" (fpass) ---- */
 	const float q21 = q[20*stride];
 	float s21, c21;
-	rneagen_sincosf_either(q21, small, &s21, &c21);
+	all_small &= rneagen_sincosf_either(q21, small, &s21, &c21);
 	const float qd21 = qd[20*stride];
 	const float qdd21 = qdd[20*stride];
 	const float t309 = RNEA_FMA(-0.066f, t303, RNEA_FMA(-0.05f, t297 + t298, 0.0225f*t304));
@@ -1193,7 +1187,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 22 "l_lleg" (fpass) ---- */
 	const float q22 = q[21*stride];
 	float s22, c22;
-	rneagen_sincosf_either(q22, small, &s22, &c22);
+	all_small &= rneagen_sincosf_either(q22, small, &s22, &c22);
 	const float qd22 = qd[21*stride];
 	const float qdd22 = qdd[21*stride];
 	const float t317 = a21x + RNEA_FMA(-0.374f, t315, 0.05f*RNEA_FMA(w21z, w21z, t312));
@@ -1230,7 +1224,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 23 "l_talus" (fpass) ---- */
 	const float q23 = q[22*stride];
 	float s23, c23;
-	rneagen_sincosf_either(q23, small, &s23, &c23);
+	all_small &= rneagen_sincosf_either(q23, small, &s23, &c23);
 	const float qd23 = qd[22*stride];
 	const float qdd23 = qdd[22*stride];
 	const float t330 = RNEA_FMA(-0.422f, t325, a22x);
@@ -1251,7 +1245,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 24 "l_foot" (fpass) ---- */
 	const float q24 = q[23*stride];
 	float s24, c24;
-	rneagen_sincosf_either(q24, small, &s24, &c24);
+	all_small &= rneagen_sincosf_either(q24, small, &s24, &c24);
 	const float qd24 = qd[23*stride];
 	const float qdd24 = qdd[23*stride];
 	const float w24y = RNEA_FMA(w23y, c24, w23z*s24);
@@ -1335,7 +1329,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 26 "r_lglut" (fpass) ---- */
 	const float q26 = q[25*stride];
 	float s26, c26;
-	rneagen_sincosf_either(q26, small, &s26, &c26);
+	all_small &= rneagen_sincosf_either(q26, small, &s26, &c26);
 	const float qd26 = qd[25*stride];
 	const float qdd26 = qdd[25*stride];
 	const float w26y = qd25*s26;
@@ -1368,7 +1362,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 27 "r_uleg" (fpass) ---- */
 	const float q27 = q[26*stride];
 	float s27, c27;
-	rneagen_sincosf_either(q27, small, &s27, &c27);
+	all_small &= rneagen_sincosf_either(q27, small, &s27, &c27);
 	const float qd27 = qd[26*stride];
 	const float qdd27 = qdd[26*stride];
 	const float t364 = RNEA_FMA(0.066f, t358, RNEA_FMA(0.0225f, t359, 0.05f*(t352 + t353)));
@@ -1398,7 +1392,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 28 "r_lleg" (fpass) ---- */
 	const float q28 = q[27*stride];
 	float s28, c28;
-	rneagen_sincosf_either(q28, small, &s28, &c28);
+	all_small &= rneagen_sincosf_either(q28, small, &s28, &c28);
 	const float qd28 = qd[27*stride];
 	const float qdd28 = qdd[27*stride];
 	const float t373 = RNEA_FMA(-0.374f, t371, 0.05f*RNEA_FMA(w27z, w27z, t368)) - t366;
@@ -1435,7 +1429,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 29 "r_talus" (fpass) ---- */
 	const float q29 = q[28*stride];
 	float s29, c29;
-	rneagen_sincosf_either(q29, small, &s29, &c29);
+	all_small &= rneagen_sincosf_either(q29, small, &s29, &c29);
 	const float qd29 = qd[28*stride];
 	const float qdd29 = qdd[28*stride];
 	const float t386 = RNEA_FMA(-0.422f, t381, a28x);
@@ -1456,7 +1450,7 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 30 "r_foot" (fpass) ---- */
 	const float q30 = q[29*stride];
 	float s30, c30;
-	rneagen_sincosf_either(q30, small, &s30, &c30);
+	all_small &= rneagen_sincosf_either(q30, small, &s30, &c30);
 	const float qd30 = qd[29*stride];
 	const float qdd30 = qdd[29*stride];
 	const float w30y = RNEA_FMA(w29y, c30, w29z*s30);
@@ -1532,12 +1526,15 @@ static RNEA_INLINE void atlas_rnea_body(const float *q, const float *qd, const f
 
 	/* ---- back from link 25 "r_uglut" to the world (bpass): torque of "r_leg_hpz" ---- */
 	tau[24*stride] = n25z;
+	return all_small;
 }
 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f, const size_t stride, const int small)
+static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 1 "ltorso" (fpass) ---- */
 	const float qd1 = qd[0*stride];
@@ -1570,7 +1567,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 2 "mtorso" (fpass) ---- */
 	const float q2 = q[1*stride];
 	float s2, c2;
-	rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
 	const float qd2 = qd[1*stride];
 	const float qdd2 = qdd[1*stride];
 	const float w2z = qd1*c2;
@@ -1629,7 +1626,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 3 "utorso" (fpass) ---- */
 	const float q3 = q[2*stride];
 	float s3, c3;
-	rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
 	const float qd3 = qd[2*stride];
 	const float qdd3 = qdd[2*stride];
 	const float v3x = 0.05f*qd2;
@@ -1700,7 +1697,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 4 "l_clav" (fpass) ---- */
 	const float q4 = q[3*stride];
 	float s4, c4;
-	rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
 	const float qd4 = qd[3*stride];
 	const float qdd4 = qdd[3*stride];
 	const float t42 = RNEA_FMA(2.0682311e-13f, w3y, w3x);
@@ -1780,7 +1777,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 5 "l_scap" (fpass) ---- */
 	const float q5 = q[4*stride];
 	float t77, c5;
-	rneagen_sincosf_either(q5, small, &t77, &c5);
+	all_small &= rneagen_sincosf_either(q5, small, &t77, &c5);
 	const float qd5 = qd[4*stride];
 	const float qdd5 = qdd[4*stride];
 	const float v5x = v4x + RNEA_FMA(-0.245f, w4y, 0.11f*w4z);
@@ -1831,7 +1828,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 6 "l_uarm" (fpass) ---- */
 	const float q6 = q[5*stride];
 	float t86, c6;
-	rneagen_sincosf_either(q6, small, &t86, &c6);
+	all_small &= rneagen_sincosf_either(q6, small, &t86, &c6);
 	const float qd6 = qd[5*stride];
 	const float qdd6 = qdd[5*stride];
 	const float t87 = v5x + RNEA_FMA(-0.016f, w5y, 0.187f*w5z);
@@ -1884,7 +1881,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 7 "l_larm" (fpass) ---- */
 	const float q7 = q[6*stride];
 	float t97, c7;
-	rneagen_sincosf_either(q7, small, &t97, &c7);
+	all_small &= rneagen_sincosf_either(q7, small, &t97, &c7);
 	const float qd7 = qd[6*stride];
 	const float qdd7 = qdd[6*stride];
 	const float v7x = v6x + RNEA_FMA(0.0092f, w6y, 0.119f*w6z);
@@ -1935,7 +1932,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 8 "l_ufarm" (fpass) ---- */
 	const float q8 = q[7*stride];
 	float t106, c8;
-	rneagen_sincosf_either(q8, small, &t106, &c8);
+	all_small &= rneagen_sincosf_either(q8, small, &t106, &c8);
 	const float qd8 = qd[7*stride];
 	const float qdd8 = qdd[7*stride];
 	const float t107 = RNEA_FMA(2.0682311e-13f, w7z, -w7x);
@@ -2013,7 +2010,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 9 "l_lfarm" (fpass) ---- */
 	const float q9 = q[8*stride];
 	float s9, c9;
-	rneagen_sincosf_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincosf_either(q9, small, &s9, &c9);
 	const float qd9 = qd[8*stride];
 	const float qdd9 = qdd[8*stride];
 	const float w9y = RNEA_FMA(-t119, s9, w8y*c9);
@@ -2078,7 +2075,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 10 "l_hand" (fpass) ---- */
 	const float q10 = q[9*stride];
 	float t159, c10;
-	rneagen_sincosf_either(q10, small, &t159, &c10);
+	all_small &= rneagen_sincosf_either(q10, small, &t159, &c10);
 	const float qd10 = qd[9*stride];
 	const float qdd10 = qdd[9*stride];
 	const float t160 = RNEA_FMA(2.0682311e-13f, t138, w9x);
@@ -2150,7 +2147,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 11 "head" (fpass) ---- */
 	const float q11 = q[10*stride];
 	float s11, c11;
-	rneagen_sincosf_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincosf_either(q11, small, &s11, &c11);
 	const float qd11 = qd[10*stride];
 	const float qdd11 = qdd[10*stride];
 	const float t184 = RNEA_FMA(0.6215f, w3y, v3x);
@@ -2220,7 +2217,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 12 "r_clav" (fpass) ---- */
 	const float q12 = q[11*stride];
 	float s12, c12;
-	rneagen_sincosf_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincosf_either(q12, small, &s12, &c12);
 	const float qd12 = qd[11*stride];
 	const float qdd12 = qdd[11*stride];
 	const float t204 = v3x + (t46 + t47);
@@ -2278,7 +2275,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 13 "r_scap" (fpass) ---- */
 	const float q13 = q[12*stride];
 	float s13, c13;
-	rneagen_sincosf_either(q13, small, &s13, &c13);
+	all_small &= rneagen_sincosf_either(q13, small, &s13, &c13);
 	const float qd13 = qd[12*stride];
 	const float qdd13 = qdd[12*stride];
 	const float v13x = v12x + RNEA_FMA(-0.245f, w12y, 0.11f*w12z);
@@ -2329,7 +2326,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 14 "r_uarm" (fpass) ---- */
 	const float q14 = q[13*stride];
 	float s14, c14;
-	rneagen_sincosf_either(q14, small, &s14, &c14);
+	all_small &= rneagen_sincosf_either(q14, small, &s14, &c14);
 	const float qd14 = qd[13*stride];
 	const float qdd14 = qdd[13*stride];
 	const float t227 = v13x + RNEA_FMA(-0.016f, w13y, 0.187f*w13z);
@@ -2382,7 +2379,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 15 "r_larm" (fpass) ---- */
 	const float q15 = q[14*stride];
 	float s15, c15;
-	rneagen_sincosf_either(q15, small, &s15, &c15);
+	all_small &= rneagen_sincosf_either(q15, small, &s15, &c15);
 	const float qd15 = qd[14*stride];
 	const float qdd15 = qdd[14*stride];
 	const float v15x = v14x + RNEA_FMA(0.0092f, w14y, 0.119f*w14z);
@@ -2433,7 +2430,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 16 "r_ufarm" (fpass) ---- */
 	const float q16 = q[15*stride];
 	float s16, c16;
-	rneagen_sincosf_either(q16, small, &s16, &c16);
+	all_small &= rneagen_sincosf_either(q16, small, &s16, &c16);
 	const float qd16 = qd[15*stride];
 	const float qdd16 = qdd[15*stride];
 	const float t245 = v15x + RNEA_FMA(-0.00921f, w15y, 0.29955f*w15z);
@@ -2504,7 +2501,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 17 "r_lfarm" (fpass) ---- */
 	const float q17 = q[16*stride];
 	float s17, c17;
-	rneagen_sincosf_either(q17, small, &s17, &c17);
+	all_small &= rneagen_sincosf_either(q17, small, &s17, &c17);
 	const float qd17 = qd[16*stride];
 	const float qdd17 = qdd[16*stride];
 	const float w17y = RNEA_FMA(w16y, c17, w16z*s17);
@@ -2568,7 +2565,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 18 "r_hand" (fpass) ---- */
 	const float q18 = q[17*stride];
 	float s18, c18;
-	rneagen_sincosf_either(q18, small, &s18, &c18);
+	all_small &= rneagen_sincosf_either(q18, small, &s18, &c18);
 	const float qd18 = qd[17*stride];
 	const float qdd18 = qdd[17*stride];
 	const float w18z = RNEA_FMA(w17z, c18, w17x*s18);
@@ -2660,7 +2657,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 20 "l_lglut" (fpass) ---- */
 	const float q20 = q[19*stride];
 	float s20, c20;
-	rneagen_sincosf_either(q20, small, &s20, &c20);
+	all_small &= rneagen_sincosf_either(q20, small, &s20, &c20);
 	const float qd20 = qd[19*stride];
 	const float qdd20 = qdd[19*stride];
 	const float w20y = qd19*s20;
@@ -2721,7 +2718,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 21 "l_uleg" (fpass) ---- */
 	const float q21 = q[20*stride];
 	float s21, c21;
-	rneagen_sincosf_either(q21, small, &s21, &c21);
+	all_small &= rneagen_sincosf_either(q21, small, &s21, &c21);
 	const float qd21 = qd[20*stride];
 	const float qdd21 = qdd[20*stride];
 	const float t315 = RNEA_FMA(0.066f, w20y, 0.0225f*w20z);
@@ -2774,7 +2771,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 22 "l_lleg" (fpass) ---- */
 	const float q22 = q[21*stride];
 	float s22, c22;
-	rneagen_sincosf_either(q22, small, &s22, &c22);
+	all_small &= rneagen_sincosf_either(q22, small, &s22, &c22);
 	const float qd22 = qd[21*stride];
 	const float qdd22 = qdd[21*stride];
 	const float t326 = RNEA_FMA(0.374f, w21y, t319);
@@ -2834,7 +2831,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 23 "l_talus" (fpass) ---- */
 	const float q23 = q[22*stride];
 	float s23, c23;
-	rneagen_sincosf_either(q23, small, &s23, &c23);
+	all_small &= rneagen_sincosf_either(q23, small, &s23, &c23);
 	const float qd23 = qd[22*stride];
 	const float qdd23 = qdd[22*stride];
 	const float t342 = RNEA_FMA(0.422f, w22y, t330);
@@ -2880,7 +2877,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 24 "l_foot" (fpass) ---- */
 	const float q24 = q[23*stride];
 	float s24, c24;
-	rneagen_sincosf_either(q24, small, &s24, &c24);
+	all_small &= rneagen_sincosf_either(q24, small, &s24, &c24);
 	const float qd24 = qd[23*stride];
 	const float qdd24 = qdd[23*stride];
 	const float w24y = RNEA_FMA(w23y, c24, w23z*s24);
@@ -2961,7 +2958,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 26 "r_lglut" (fpass) ---- */
 	const float q26 = q[25*stride];
 	float s26, c26;
-	rneagen_sincosf_either(q26, small, &s26, &c26);
+	all_small &= rneagen_sincosf_either(q26, small, &s26, &c26);
 	const float qd26 = qd[25*stride];
 	const float qdd26 = qdd[25*stride];
 	const float w26y = qd25*s26;
@@ -3022,7 +3019,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 27 "r_uleg" (fpass) ---- */
 	const float q27 = q[26*stride];
 	float s27, c27;
-	rneagen_sincosf_either(q27, small, &s27, &c27);
+	all_small &= rneagen_sincosf_either(q27, small, &s27, &c27);
 	const float qd27 = qd[26*stride];
 	const float qdd27 = qdd[26*stride];
 	const float t375 = RNEA_FMA(-0.066f, w26y, 0.0225f*w26z);
@@ -3075,7 +3072,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 28 "r_lleg" (fpass) ---- */
 	const float q28 = q[27*stride];
 	float s28, c28;
-	rneagen_sincosf_either(q28, small, &s28, &c28);
+	all_small &= rneagen_sincosf_either(q28, small, &s28, &c28);
 	const float qd28 = qd[27*stride];
 	const float qdd28 = qdd[27*stride];
 	const float t386 = RNEA_FMA(-0.374f, w27y, v27x);
@@ -3135,7 +3132,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 29 "r_talus" (fpass) ---- */
 	const float q29 = q[28*stride];
 	float s29, c29;
-	rneagen_sincosf_either(q29, small, &s29, &c29);
+	all_small &= rneagen_sincosf_either(q29, small, &s29, &c29);
 	const float qd29 = qd[28*stride];
 	const float qdd29 = qdd[28*stride];
 	const float t401 = RNEA_FMA(-0.422f, w28y, v28x);
@@ -3181,7 +3178,7 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 30 "r_foot" (fpass) ---- */
 	const float q30 = q[29*stride];
 	float s30, c30;
-	rneagen_sincosf_either(q30, small, &s30, &c30);
+	all_small &= rneagen_sincosf_either(q30, small, &s30, &c30);
 	const float qd30 = qd[29*stride];
 	const float qdd30 = qdd[29*stride];
 	const float w30y = RNEA_FMA(w29y, c30, w29z*s30);
@@ -3230,12 +3227,15 @@ static RNEA_INLINE void atlas_fpass_body(const float *q, const float *qd, const 
 	f[177*stride] = n30x;
 	f[178*stride] = n30y;
 	f[179*stride] = n30z;
+	return all_small;
 }
 
 /* Back to the base: torques tau from the wrenches f.
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *tau, const size_t stride, const int small)
+static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *tau, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 1 "ltorso" ---- */
 	const float own_n1z = f[5*stride];
@@ -3243,7 +3243,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 2 "mtorso" ---- */
 	const float q2 = q[1*stride];
 	float s2, c2;
-	rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
 	const float own_n2x = f[9*stride];
 	const float own_n2y = f[10*stride];
 	const float own_n2z = f[11*stride];
@@ -3251,7 +3251,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 3 "utorso" ---- */
 	const float q3 = q[2*stride];
 	float s3, c3;
-	rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
 	const float own_f3x = f[12*stride];
 	const float own_f3y = f[13*stride];
 	const float own_f3z = f[14*stride];
@@ -3262,7 +3262,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 4 "l_clav" ---- */
 	const float q4 = q[3*stride];
 	float s4, c4;
-	rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
 	const float own_f4x = f[18*stride];
 	const float own_f4y = f[19*stride];
 	const float own_f4z = f[20*stride];
@@ -3273,7 +3273,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 5 "l_scap" ---- */
 	const float q5 = q[4*stride];
 	float t1, c5;
-	rneagen_sincosf_either(q5, small, &t1, &c5);
+	all_small &= rneagen_sincosf_either(q5, small, &t1, &c5);
 	const float own_f5x = f[24*stride];
 	const float own_f5y = f[25*stride];
 	const float own_f5z = f[26*stride];
@@ -3284,7 +3284,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 6 "l_uarm" ---- */
 	const float q6 = q[5*stride];
 	float t2, c6;
-	rneagen_sincosf_either(q6, small, &t2, &c6);
+	all_small &= rneagen_sincosf_either(q6, small, &t2, &c6);
 	const float own_f6x = f[30*stride];
 	const float own_f6y = f[31*stride];
 	const float own_f6z = f[32*stride];
@@ -3295,7 +3295,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 7 "l_larm" ---- */
 	const float q7 = q[6*stride];
 	float t3, c7;
-	rneagen_sincosf_either(q7, small, &t3, &c7);
+	all_small &= rneagen_sincosf_either(q7, small, &t3, &c7);
 	const float own_f7x = f[36*stride];
 	const float own_f7y = f[37*stride];
 	const float own_f7z = f[38*stride];
@@ -3306,7 +3306,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 8 "l_ufarm" ---- */
 	const float q8 = q[7*stride];
 	float t4, c8;
-	rneagen_sincosf_either(q8, small, &t4, &c8);
+	all_small &= rneagen_sincosf_either(q8, small, &t4, &c8);
 	const float own_f8x = f[42*stride];
 	const float own_f8y = f[43*stride];
 	const float own_f8z = f[44*stride];
@@ -3317,7 +3317,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 9 "l_lfarm" ---- */
 	const float q9 = q[8*stride];
 	float s9, c9;
-	rneagen_sincosf_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincosf_either(q9, small, &s9, &c9);
 	const float own_f9x = f[48*stride];
 	const float own_f9y = f[49*stride];
 	const float own_f9z = f[50*stride];
@@ -3328,7 +3328,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 10 "l_hand" ---- */
 	const float q10 = q[9*stride];
 	float t5, c10;
-	rneagen_sincosf_either(q10, small, &t5, &c10);
+	all_small &= rneagen_sincosf_either(q10, small, &t5, &c10);
 	const float own_f10x = f[54*stride];
 	const float own_f10y = f[55*stride];
 	const float own_f10z = f[56*stride];
@@ -3428,7 +3428,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 11 "head" ---- */
 	const float q11 = q[10*stride];
 	float s11, c11;
-	rneagen_sincosf_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincosf_either(q11, small, &s11, &c11);
 	const float own_f11x = f[60*stride];
 	const float own_f11y = f[61*stride];
 	const float own_f11z = f[62*stride];
@@ -3450,7 +3450,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 12 "r_clav" ---- */
 	const float q12 = q[11*stride];
 	float s12, c12;
-	rneagen_sincosf_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincosf_either(q12, small, &s12, &c12);
 	const float own_f12x = f[66*stride];
 	const float own_f12y = f[67*stride];
 	const float own_f12z = f[68*stride];
@@ -3461,7 +3461,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 13 "r_scap" ---- */
 	const float q13 = q[12*stride];
 	float s13, c13;
-	rneagen_sincosf_either(q13, small, &s13, &c13);
+	all_small &= rneagen_sincosf_either(q13, small, &s13, &c13);
 	const float own_f13x = f[72*stride];
 	const float own_f13y = f[73*stride];
 	const float own_f13z = f[74*stride];
@@ -3472,7 +3472,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 14 "r_uarm" ---- */
 	const float q14 = q[13*stride];
 	float s14, c14;
-	rneagen_sincosf_either(q14, small, &s14, &c14);
+	all_small &= rneagen_sincosf_either(q14, small, &s14, &c14);
 	const float own_f14x = f[78*stride];
 	const float own_f14y = f[79*stride];
 	const float own_f14z = f[80*stride];
@@ -3483,7 +3483,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 15 "r_larm" ---- */
 	const float q15 = q[14*stride];
 	float s15, c15;
-	rneagen_sincosf_either(q15, small, &s15, &c15);
+	all_small &= rneagen_sincosf_either(q15, small, &s15, &c15);
 	const float own_f15x = f[84*stride];
 	const float own_f15y = f[85*stride];
 	const float own_f15z = f[86*stride];
@@ -3494,7 +3494,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 16 "r_ufarm" ---- */
 	const float q16 = q[15*stride];
 	float s16, c16;
-	rneagen_sincosf_either(q16, small, &s16, &c16);
+	all_small &= rneagen_sincosf_either(q16, small, &s16, &c16);
 	const float own_f16x = f[90*stride];
 	const float own_f16y = f[91*stride];
 	const float own_f16z = f[92*stride];
@@ -3505,7 +3505,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 17 "r_lfarm" ---- */
 	const float q17 = q[16*stride];
 	float s17, c17;
-	rneagen_sincosf_either(q17, small, &s17, &c17);
+	all_small &= rneagen_sincosf_either(q17, small, &s17, &c17);
 	const float own_f17x = f[96*stride];
 	const float own_f17y = f[97*stride];
 	const float own_f17z = f[98*stride];
@@ -3516,7 +3516,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 18 "r_hand" ---- */
 	const float q18 = q[17*stride];
 	float s18, c18;
-	rneagen_sincosf_either(q18, small, &s18, &c18);
+	all_small &= rneagen_sincosf_either(q18, small, &s18, &c18);
 	const float own_f18x = f[102*stride];
 	const float own_f18y = f[103*stride];
 	const float own_f18z = f[104*stride];
@@ -3620,7 +3620,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 20 "l_lglut" ---- */
 	const float q20 = q[19*stride];
 	float s20, c20;
-	rneagen_sincosf_either(q20, small, &s20, &c20);
+	all_small &= rneagen_sincosf_either(q20, small, &s20, &c20);
 	const float own_n20x = f[117*stride];
 	const float own_n20y = f[118*stride];
 	const float own_n20z = f[119*stride];
@@ -3628,7 +3628,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 21 "l_uleg" ---- */
 	const float q21 = q[20*stride];
 	float s21, c21;
-	rneagen_sincosf_either(q21, small, &s21, &c21);
+	all_small &= rneagen_sincosf_either(q21, small, &s21, &c21);
 	const float own_f21x = f[120*stride];
 	const float own_f21y = f[121*stride];
 	const float own_f21z = f[122*stride];
@@ -3639,7 +3639,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 22 "l_lleg" ---- */
 	const float q22 = q[21*stride];
 	float s22, c22;
-	rneagen_sincosf_either(q22, small, &s22, &c22);
+	all_small &= rneagen_sincosf_either(q22, small, &s22, &c22);
 	const float own_f22x = f[126*stride];
 	const float own_f22y = f[127*stride];
 	const float own_f22z = f[128*stride];
@@ -3650,7 +3650,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 23 "l_talus" ---- */
 	const float q23 = q[22*stride];
 	float s23, c23;
-	rneagen_sincosf_either(q23, small, &s23, &c23);
+	all_small &= rneagen_sincosf_either(q23, small, &s23, &c23);
 	const float own_f23x = f[132*stride];
 	const float own_f23y = f[133*stride];
 	const float own_f23z = f[134*stride];
@@ -3661,7 +3661,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 24 "l_foot" ---- */
 	const float q24 = q[23*stride];
 	float s24, c24;
-	rneagen_sincosf_either(q24, small, &s24, &c24);
+	all_small &= rneagen_sincosf_either(q24, small, &s24, &c24);
 	const float own_f24x = f[138*stride];
 	const float own_f24y = f[139*stride];
 	const float own_f24z = f[140*stride];
@@ -3722,7 +3722,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 26 "r_lglut" ---- */
 	const float q26 = q[25*stride];
 	float s26, c26;
-	rneagen_sincosf_either(q26, small, &s26, &c26);
+	all_small &= rneagen_sincosf_either(q26, small, &s26, &c26);
 	const float own_n26x = f[153*stride];
 	const float own_n26y = f[154*stride];
 	const float own_n26z = f[155*stride];
@@ -3730,7 +3730,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 27 "r_uleg" ---- */
 	const float q27 = q[26*stride];
 	float s27, c27;
-	rneagen_sincosf_either(q27, small, &s27, &c27);
+	all_small &= rneagen_sincosf_either(q27, small, &s27, &c27);
 	const float own_f27x = f[156*stride];
 	const float own_f27y = f[157*stride];
 	const float own_f27z = f[158*stride];
@@ -3741,7 +3741,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 28 "r_lleg" ---- */
 	const float q28 = q[27*stride];
 	float s28, c28;
-	rneagen_sincosf_either(q28, small, &s28, &c28);
+	all_small &= rneagen_sincosf_either(q28, small, &s28, &c28);
 	const float own_f28x = f[162*stride];
 	const float own_f28y = f[163*stride];
 	const float own_f28z = f[164*stride];
@@ -3752,7 +3752,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 29 "r_talus" ---- */
 	const float q29 = q[28*stride];
 	float s29, c29;
-	rneagen_sincosf_either(q29, small, &s29, &c29);
+	all_small &= rneagen_sincosf_either(q29, small, &s29, &c29);
 	const float own_f29x = f[168*stride];
 	const float own_f29y = f[169*stride];
 	const float own_f29z = f[170*stride];
@@ -3763,7 +3763,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 30 "r_foot" ---- */
 	const float q30 = q[29*stride];
 	float s30, c30;
-	rneagen_sincosf_either(q30, small, &s30, &c30);
+	all_small &= rneagen_sincosf_either(q30, small, &s30, &c30);
 	const float own_f30x = f[174*stride];
 	const float own_f30y = f[175*stride];
 	const float own_f30z = f[176*stride];
@@ -3817,6 +3817,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 
 	/* ---- back from link 25 "r_uglut" to the world (bpass): torque of "r_leg_hpz" ---- */
 	tau[24*stride] = n25z;
+	return all_small;
 }
 
 
@@ -3824,7 +3825,7 @@ static RNEA_INLINE void atlas_bpass_body(const float *q, const float *f, float *
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK, RNEA_MIN_BLOCKS)
 atlas_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd, float *__restrict__ tau, size_t count)
 {
-	const size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
+	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
 
 	if (k >= count)
 		return;
@@ -3837,7 +3838,7 @@ atlas_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, con
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK)
 atlas_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd, float *__restrict__ v, float *__restrict__ a, float *__restrict__ f, size_t count)
 {
-	const size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
+	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
 
 	if (k >= count)
 		return;
@@ -3847,7 +3848,7 @@ atlas_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, co
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK)
 atlas_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, float *__restrict__ tau, size_t count)
 {
-	const size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
+	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
 
 	if (k >= count)
 		return;

@@ -166,19 +166,6 @@ static RNEA_INLINE void rneagen_sincos_turn(unsigned long long q, double r, doub
 }
 #endif
 
-#ifndef RNEAGEN_SINCOS_BOUNDED
-#define RNEAGEN_SINCOS_BOUNDED
-/* Sine and cosine for |x| <= 1e7, error below 0.85 ulp; NaN for any other x. No branch, no table. */
-static RNEA_INLINE void rneagen_sincos_bounded(double x, double *s, double *c)
-{
-	union rneagen_f64 y;
-	double r, e;
-	y.f = x;
-	y.u |= fabs(x) <= 1e7 ? 0 : 0x7ff8000000000000ull; /* NaN outside */
-	const unsigned long long q = rneagen_sincos_reduce(y.f, &r, &e);
-	rneagen_sincos_turn(q, r, e, s, c);
-}
-#endif
 #ifndef RNEAGEN_SINCOS_ACCURATE
 #define RNEAGEN_SINCOS_ACCURATE
 /* High half of the product a*b. */
@@ -242,13 +229,18 @@ static RNEA_INLINE void rneagen_sincos_accurate(double x, double *s, double *c)
 #ifndef RNEAGEN_SINCOS_EITHER
 #define RNEAGEN_SINCOS_EITHER
 
-/* The same bits either way: without a branch where the caller knows that |x| is small. */
-static RNEA_INLINE void rneagen_sincos_either(double x, const int small, double *s, double *c)
+/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not, and
+   `small`, sine and cosine mean nothing. */
+static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c)
 {
-	if (small)
-		rneagen_sincos_bounded(x, s, c);
-	else
+	if (small) {
+		double r, e;
+		const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
+		rneagen_sincos_turn(q, r, e, s, c);
+	} else {
 		rneagen_sincos_accurate(x, s, c);
+	}
+	return fabs(x) <= 1e7;
 }
 #endif
 
@@ -264,9 +256,11 @@ static RNEA_INLINE int hyq_is_small(const double *q, const size_t stride)
 }
 
 /* tau = ID(q, qd, qdd)
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void hyq_rnea_body(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride, const int small)
+static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 0 "base_link" (fpass) ---- */
 	const double q0qw = q[6*stride];
@@ -329,7 +323,7 @@ static RNEA_INLINE void hyq_rnea_body(const double *q, const double *qd, const d
 	/* ---- out to link 1 "lf_hipassembly" (fpass) ---- */
 	const double q1 = q[7*stride];
 	double s1, c1;
-	rneagen_sincos_either(q1, small, &s1, &c1);
+	all_small &= rneagen_sincos_either(q1, small, &s1, &c1);
 	const double qd1 = qd[6*stride];
 	const double qdd1 = qdd[6*stride];
 	const double t23 = 4.8965888601467475e-12*qd0wx;
@@ -393,7 +387,7 @@ static RNEA_INLINE void hyq_rnea_body(const double *q, const double *qd, const d
 	/* ---- out to link 2 "lf_upperleg" (fpass) ---- */
 	const double q2 = q[8*stride];
 	double s2, c2;
-	rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
 	const double qd2 = qd[7*stride];
 	const double qdd2 = qdd[7*stride];
 	const double t62 = RNEA_FMA(4.8965888601467475e-12, w1y, w1z);
@@ -438,7 +432,7 @@ static RNEA_INLINE void hyq_rnea_body(const double *q, const double *qd, const d
 	/* ---- out to link 3 "lf_lowerleg" (fpass) ---- */
 	const double q3 = q[9*stride];
 	double s3, c3;
-	rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
 	const double qd3 = qd[8*stride];
 	const double qdd3 = qdd[8*stride];
 	const double t83 = RNEA_FMA(-0.35, t71, a2x);
@@ -527,7 +521,7 @@ static RNEA_INLINE void hyq_rnea_body(const double *q, const double *qd, const d
 	/* ---- out to link 4 "lh_hipassembly" (fpass) ---- */
 	const double q4 = q[10*stride];
 	double s4, c4;
-	rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
 	const double qd4 = qd[9*stride];
 	const double qdd4 = qdd[9*stride];
 	const double t113 = t33 + t34;
@@ -575,7 +569,7 @@ static RNEA_INLINE void hyq_rnea_body(const double *q, const double *qd, const d
 	/* ---- out to link 5 "lh_upperleg" (fpass) ---- */
 	const double q5 = q[11*stride];
 	double s5, c5;
-	rneagen_sincos_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
 	const double qd5 = qd[10*stride];
 	const double qdd5 = qdd[10*stride];
 	const double t136 = RNEA_FMA(4.8965888601467475e-12, w4y, w4z);
@@ -620,7 +614,7 @@ static RNEA_INLINE void hyq_rnea_body(const double *q, const double *qd, const d
 	/* ---- out to link 6 "lh_lowerleg" (fpass) ---- */
 	const double q6 = q[12*stride];
 	double s6, c6;
-	rneagen_sincos_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
 	const double qd6 = qd[11*stride];
 	const double qdd6 = qdd[11*stride];
 	const double t157 = RNEA_FMA(-0.35, t145, a5x);
@@ -710,7 +704,7 @@ static RNEA_INLINE void hyq_rnea_body(const double *q, const double *qd, const d
 	/* ---- out to link 7 "rf_hipassembly" (fpass) ---- */
 	const double q7 = q[13*stride];
 	double s7, c7;
-	rneagen_sincos_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
 	const double qd7 = qd[12*stride];
 	const double qdd7 = qdd[12*stride];
 	const double t188 = t23 - qd0wz;
@@ -757,7 +751,7 @@ static RNEA_INLINE void hyq_rnea_body(const double *q, const double *qd, const d
 	/* ---- out to link 8 "rf_upperleg" (fpass) ---- */
 	const double q8 = q[14*stride];
 	double s8, c8;
-	rneagen_sincos_either(q8, small, &s8, &c8);
+	all_small &= rneagen_sincos_either(q8, small, &s8, &c8);
 	const double qd8 = qd[13*stride];
 	const double qdd8 = qdd[13*stride];
 	const double t211 = RNEA_FMA(4.8965888601467475e-12, w7y, -w7z);
@@ -802,7 +796,7 @@ static RNEA_INLINE void hyq_rnea_body(const double *q, const double *qd, const d
 	/* ---- out to link 9 "rf_lowerleg" (fpass) ---- */
 	const double q9 = q[15*stride];
 	double s9, c9;
-	rneagen_sincos_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincos_either(q9, small, &s9, &c9);
 	const double qd9 = qd[14*stride];
 	const double qdd9 = qdd[14*stride];
 	const double t232 = RNEA_FMA(-0.35, t220, a8x);
@@ -888,7 +882,7 @@ static RNEA_INLINE void hyq_rnea_body(const double *q, const double *qd, const d
 	/* ---- out to link 10 "rh_hipassembly" (fpass) ---- */
 	const double q10 = q[16*stride];
 	double s10, c10;
-	rneagen_sincos_either(q10, small, &s10, &c10);
+	all_small &= rneagen_sincos_either(q10, small, &s10, &c10);
 	const double qd10 = qd[15*stride];
 	const double qdd10 = qdd[15*stride];
 	const double t260 = a0x - t35;
@@ -931,7 +925,7 @@ static RNEA_INLINE void hyq_rnea_body(const double *q, const double *qd, const d
 	/* ---- out to link 11 "rh_upperleg" (fpass) ---- */
 	const double q11 = q[17*stride];
 	double s11, c11;
-	rneagen_sincos_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincos_either(q11, small, &s11, &c11);
 	const double qd11 = qd[16*stride];
 	const double qdd11 = qdd[16*stride];
 	const double t279 = RNEA_FMA(4.8965888601467475e-12, w10y, -w10z);
@@ -976,7 +970,7 @@ static RNEA_INLINE void hyq_rnea_body(const double *q, const double *qd, const d
 	/* ---- out to link 12 "rh_lowerleg" (fpass) ---- */
 	const double q12 = q[18*stride];
 	double s12, c12;
-	rneagen_sincos_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincos_either(q12, small, &s12, &c12);
 	const double qd12 = qd[17*stride];
 	const double qdd12 = qdd[17*stride];
 	const double t300 = RNEA_FMA(-0.35, t288, a11x);
@@ -1067,12 +1061,15 @@ static RNEA_INLINE void hyq_rnea_body(const double *q, const double *qd, const d
 	tau[3*stride] = n0x_5;
 	tau[4*stride] = n0y_5;
 	tau[5*stride] = n0z_5;
+	return all_small;
 }
 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void hyq_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f, const size_t stride, const int small)
+static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 0 "base_link" (fpass) ---- */
 	const double q0qw = q[6*stride];
@@ -1154,7 +1151,7 @@ static RNEA_INLINE void hyq_fpass_body(const double *q, const double *qd, const 
 	/* ---- out to link 1 "lf_hipassembly" (fpass) ---- */
 	const double q1 = q[7*stride];
 	double s1, c1;
-	rneagen_sincos_either(q1, small, &s1, &c1);
+	all_small &= rneagen_sincos_either(q1, small, &s1, &c1);
 	const double qd1 = qd[6*stride];
 	const double qdd1 = qdd[6*stride];
 	const double t24 = 4.8965888601467475e-12*qd0wx;
@@ -1252,7 +1249,7 @@ static RNEA_INLINE void hyq_fpass_body(const double *q, const double *qd, const 
 	/* ---- out to link 2 "lf_upperleg" (fpass) ---- */
 	const double q2 = q[8*stride];
 	double s2, c2;
-	rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
 	const double qd2 = qd[7*stride];
 	const double qdd2 = qdd[7*stride];
 	const double t75 = RNEA_FMA(4.8965888601467475e-12, w1y, w1z);
@@ -1321,7 +1318,7 @@ static RNEA_INLINE void hyq_fpass_body(const double *q, const double *qd, const 
 	/* ---- out to link 3 "lf_lowerleg" (fpass) ---- */
 	const double q3 = q[9*stride];
 	double s3, c3;
-	rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
 	const double qd3 = qd[8*stride];
 	const double qdd3 = qdd[8*stride];
 	const double t99 = RNEA_FMA(0.35, w2z, v2y);
@@ -1391,7 +1388,7 @@ static RNEA_INLINE void hyq_fpass_body(const double *q, const double *qd, const 
 	/* ---- out to link 4 "lh_hipassembly" (fpass) ---- */
 	const double q4 = q[10*stride];
 	double s4, c4;
-	rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
 	const double qd4 = qd[9*stride];
 	const double qdd4 = qdd[9*stride];
 	const double t117 = t36 + t37;
@@ -1466,7 +1463,7 @@ static RNEA_INLINE void hyq_fpass_body(const double *q, const double *qd, const 
 	/* ---- out to link 5 "lh_upperleg" (fpass) ---- */
 	const double q5 = q[11*stride];
 	double s5, c5;
-	rneagen_sincos_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
 	const double qd5 = qd[10*stride];
 	const double qdd5 = qdd[10*stride];
 	const double t145 = RNEA_FMA(4.8965888601467475e-12, w4y, w4z);
@@ -1535,7 +1532,7 @@ static RNEA_INLINE void hyq_fpass_body(const double *q, const double *qd, const 
 	/* ---- out to link 6 "lh_lowerleg" (fpass) ---- */
 	const double q6 = q[12*stride];
 	double s6, c6;
-	rneagen_sincos_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
 	const double qd6 = qd[11*stride];
 	const double qdd6 = qdd[11*stride];
 	const double t169 = RNEA_FMA(0.35, w5z, v5y);
@@ -1605,7 +1602,7 @@ static RNEA_INLINE void hyq_fpass_body(const double *q, const double *qd, const 
 	/* ---- out to link 7 "rf_hipassembly" (fpass) ---- */
 	const double q7 = q[13*stride];
 	double s7, c7;
-	rneagen_sincos_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
 	const double qd7 = qd[12*stride];
 	const double qdd7 = qdd[12*stride];
 	const double t188 = t24 - qd0wz;
@@ -1677,7 +1674,7 @@ static RNEA_INLINE void hyq_fpass_body(const double *q, const double *qd, const 
 	/* ---- out to link 8 "rf_upperleg" (fpass) ---- */
 	const double q8 = q[14*stride];
 	double s8, c8;
-	rneagen_sincos_either(q8, small, &s8, &c8);
+	all_small &= rneagen_sincos_either(q8, small, &s8, &c8);
 	const double qd8 = qd[13*stride];
 	const double qdd8 = qdd[13*stride];
 	const double t215 = RNEA_FMA(4.8965888601467475e-12, w7y, -w7z);
@@ -1746,7 +1743,7 @@ static RNEA_INLINE void hyq_fpass_body(const double *q, const double *qd, const 
 	/* ---- out to link 9 "rf_lowerleg" (fpass) ---- */
 	const double q9 = q[15*stride];
 	double s9, c9;
-	rneagen_sincos_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincos_either(q9, small, &s9, &c9);
 	const double qd9 = qd[14*stride];
 	const double qdd9 = qdd[14*stride];
 	const double t239 = RNEA_FMA(0.35, w8z, v8y);
@@ -1816,7 +1813,7 @@ static RNEA_INLINE void hyq_fpass_body(const double *q, const double *qd, const 
 	/* ---- out to link 10 "rh_hipassembly" (fpass) ---- */
 	const double q10 = q[16*stride];
 	double s10, c10;
-	rneagen_sincos_either(q10, small, &s10, &c10);
+	all_small &= rneagen_sincos_either(q10, small, &s10, &c10);
 	const double qd10 = qd[15*stride];
 	const double qdd10 = qdd[15*stride];
 	const double t257 = qd0vz - t38;
@@ -1882,7 +1879,7 @@ static RNEA_INLINE void hyq_fpass_body(const double *q, const double *qd, const 
 	/* ---- out to link 11 "rh_upperleg" (fpass) ---- */
 	const double q11 = q[17*stride];
 	double s11, c11;
-	rneagen_sincos_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincos_either(q11, small, &s11, &c11);
 	const double qd11 = qd[16*stride];
 	const double qdd11 = qdd[16*stride];
 	const double t278 = RNEA_FMA(4.8965888601467475e-12, w10y, -w10z);
@@ -1951,7 +1948,7 @@ static RNEA_INLINE void hyq_fpass_body(const double *q, const double *qd, const 
 	/* ---- out to link 12 "rh_lowerleg" (fpass) ---- */
 	const double q12 = q[18*stride];
 	double s12, c12;
-	rneagen_sincos_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincos_either(q12, small, &s12, &c12);
 	const double qd12 = qd[17*stride];
 	const double qdd12 = qdd[17*stride];
 	const double t302 = RNEA_FMA(0.35, w11z, v11y);
@@ -2017,12 +2014,15 @@ static RNEA_INLINE void hyq_fpass_body(const double *q, const double *qd, const 
 	f[75*stride] = n12x;
 	f[76*stride] = n12y;
 	f[77*stride] = n12z;
+	return all_small;
 }
 
 /* Back to the base: torques tau from the wrenches f.
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void hyq_bpass_body(const double *q, const double *f, double *tau, const size_t stride, const int small)
+static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *tau, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 0 "base_link" ---- */
 	const double own_f0x = f[0*stride];
@@ -2035,7 +2035,7 @@ static RNEA_INLINE void hyq_bpass_body(const double *q, const double *f, double 
 	/* ---- out to link 1 "lf_hipassembly" ---- */
 	const double q1 = q[7*stride];
 	double s1, c1;
-	rneagen_sincos_either(q1, small, &s1, &c1);
+	all_small &= rneagen_sincos_either(q1, small, &s1, &c1);
 	const double own_f1x = f[6*stride];
 	const double own_f1y = f[7*stride];
 	const double own_f1z = f[8*stride];
@@ -2046,7 +2046,7 @@ static RNEA_INLINE void hyq_bpass_body(const double *q, const double *f, double 
 	/* ---- out to link 2 "lf_upperleg" ---- */
 	const double q2 = q[8*stride];
 	double s2, c2;
-	rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
 	const double own_f2x = f[12*stride];
 	const double own_f2y = f[13*stride];
 	const double own_f2z = f[14*stride];
@@ -2057,7 +2057,7 @@ static RNEA_INLINE void hyq_bpass_body(const double *q, const double *f, double 
 	/* ---- out to link 3 "lf_lowerleg" ---- */
 	const double q3 = q[9*stride];
 	double s3, c3;
-	rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
 	const double own_f3x = f[18*stride];
 	const double own_f3y = f[19*stride];
 	const double own_f3z = f[20*stride];
@@ -2110,7 +2110,7 @@ static RNEA_INLINE void hyq_bpass_body(const double *q, const double *f, double 
 	/* ---- out to link 4 "lh_hipassembly" ---- */
 	const double q4 = q[10*stride];
 	double s4, c4;
-	rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
 	const double own_f4x = f[24*stride];
 	const double own_f4y = f[25*stride];
 	const double own_f4z = f[26*stride];
@@ -2121,7 +2121,7 @@ static RNEA_INLINE void hyq_bpass_body(const double *q, const double *f, double 
 	/* ---- out to link 5 "lh_upperleg" ---- */
 	const double q5 = q[11*stride];
 	double s5, c5;
-	rneagen_sincos_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
 	const double own_f5x = f[30*stride];
 	const double own_f5y = f[31*stride];
 	const double own_f5z = f[32*stride];
@@ -2132,7 +2132,7 @@ static RNEA_INLINE void hyq_bpass_body(const double *q, const double *f, double 
 	/* ---- out to link 6 "lh_lowerleg" ---- */
 	const double q6 = q[12*stride];
 	double s6, c6;
-	rneagen_sincos_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
 	const double own_f6x = f[36*stride];
 	const double own_f6y = f[37*stride];
 	const double own_f6z = f[38*stride];
@@ -2185,7 +2185,7 @@ static RNEA_INLINE void hyq_bpass_body(const double *q, const double *f, double 
 	/* ---- out to link 7 "rf_hipassembly" ---- */
 	const double q7 = q[13*stride];
 	double s7, c7;
-	rneagen_sincos_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
 	const double own_f7x = f[42*stride];
 	const double own_f7y = f[43*stride];
 	const double own_f7z = f[44*stride];
@@ -2196,7 +2196,7 @@ static RNEA_INLINE void hyq_bpass_body(const double *q, const double *f, double 
 	/* ---- out to link 8 "rf_upperleg" ---- */
 	const double q8 = q[14*stride];
 	double s8, c8;
-	rneagen_sincos_either(q8, small, &s8, &c8);
+	all_small &= rneagen_sincos_either(q8, small, &s8, &c8);
 	const double own_f8x = f[48*stride];
 	const double own_f8y = f[49*stride];
 	const double own_f8z = f[50*stride];
@@ -2207,7 +2207,7 @@ static RNEA_INLINE void hyq_bpass_body(const double *q, const double *f, double 
 	/* ---- out to link 9 "rf_lowerleg" ---- */
 	const double q9 = q[15*stride];
 	double s9, c9;
-	rneagen_sincos_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincos_either(q9, small, &s9, &c9);
 	const double own_f9x = f[54*stride];
 	const double own_f9y = f[55*stride];
 	const double own_f9z = f[56*stride];
@@ -2256,7 +2256,7 @@ static RNEA_INLINE void hyq_bpass_body(const double *q, const double *f, double 
 	/* ---- out to link 10 "rh_hipassembly" ---- */
 	const double q10 = q[16*stride];
 	double s10, c10;
-	rneagen_sincos_either(q10, small, &s10, &c10);
+	all_small &= rneagen_sincos_either(q10, small, &s10, &c10);
 	const double own_f10x = f[60*stride];
 	const double own_f10y = f[61*stride];
 	const double own_f10z = f[62*stride];
@@ -2267,7 +2267,7 @@ static RNEA_INLINE void hyq_bpass_body(const double *q, const double *f, double 
 	/* ---- out to link 11 "rh_upperleg" ---- */
 	const double q11 = q[17*stride];
 	double s11, c11;
-	rneagen_sincos_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincos_either(q11, small, &s11, &c11);
 	const double own_f11x = f[66*stride];
 	const double own_f11y = f[67*stride];
 	const double own_f11z = f[68*stride];
@@ -2278,7 +2278,7 @@ static RNEA_INLINE void hyq_bpass_body(const double *q, const double *f, double 
 	/* ---- out to link 12 "rh_lowerleg" ---- */
 	const double q12 = q[18*stride];
 	double s12, c12;
-	rneagen_sincos_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincos_either(q12, small, &s12, &c12);
 	const double own_f12x = f[72*stride];
 	const double own_f12y = f[73*stride];
 	const double own_f12z = f[74*stride];
@@ -2331,6 +2331,7 @@ static RNEA_INLINE void hyq_bpass_body(const double *q, const double *f, double 
 	tau[3*stride] = n0x_4;
 	tau[4*stride] = n0y_4;
 	tau[5*stride] = n0z_4;
+	return all_small;
 }
 
 

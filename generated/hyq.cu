@@ -170,19 +170,6 @@ static RNEA_INLINE void rneagen_sincosf_turn(unsigned int q, float r, float e, f
 }
 #endif
 
-#ifndef RNEAGEN_SINCOSF_BOUNDED
-#define RNEAGEN_SINCOSF_BOUNDED
-/* Sine and cosine for |x| <= 1e4, error below 0.85 ulp; NaN for any other x. No branch, no table. */
-static RNEA_INLINE void rneagen_sincosf_bounded(float x, float *s, float *c)
-{
-	union rneagen_f32 y;
-	float r, e;
-	y.f = x;
-	y.u |= fabsf(x) <= 1e4f ? 0 : 0x7fc00000u; /* NaN outside */
-	const unsigned int q = rneagen_sincosf_reduce(y.f, &r, &e);
-	rneagen_sincosf_turn(q, r, e, s, c);
-}
-#endif
 #ifndef RNEAGEN_SINCOSF_ACCURATE
 #define RNEAGEN_SINCOSF_ACCURATE
 /* rneagen_sincosf_reduce for |x| > 1e4, in integers (Payne and Hanek): |x| = m*2^p with a 24-bit m, and of the bits of
@@ -228,16 +215,22 @@ static RNEA_INLINE void rneagen_sincosf_accurate(float x, float *s, float *c)
 #ifndef RNEAGEN_SINCOSF_EITHER
 #define RNEAGEN_SINCOSF_EITHER
 
-/* The same bits either way: without a branch where the caller knows that |x| is small. */
-static RNEA_INLINE void rneagen_sincosf_either(float x, const int small, float *s, float *c)
+/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not, and
+   `small`, sine and cosine mean nothing. */
+static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c)
 {
-	if (small)
-		rneagen_sincosf_bounded(x, s, c);
-	else
+	if (small) {
+		float r, e;
+		const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
+		rneagen_sincosf_turn(q, r, e, s, c);
+	} else {
 		rneagen_sincosf_accurate(x, s, c);
+	}
+	return fabsf(x) <= 1e4f;
 }
 #endif
 
+#if !defined __CUDACC__
 /* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves the
    rest a straight line; the results have the same bits either way. */
 static RNEA_INLINE int hyq_is_small(const float *q, const size_t stride)
@@ -249,10 +242,13 @@ static RNEA_INLINE int hyq_is_small(const float *q, const size_t stride)
 	return small;
 }
 
+#endif
 /* tau = ID(q, qd, qdd)
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void hyq_rnea_body(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride, const int small)
+static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 0 "base_link" (fpass) ---- */
 	const float q0qw = q[6*stride];
@@ -315,7 +311,7 @@ static RNEA_INLINE void hyq_rnea_body(const float *q, const float *qd, const flo
 	/* ---- out to link 1 "lf_hipassembly" (fpass) ---- */
 	const float q1 = q[7*stride];
 	float s1, c1;
-	rneagen_sincosf_either(q1, small, &s1, &c1);
+	all_small &= rneagen_sincosf_either(q1, small, &s1, &c1);
 	const float qd1 = qd[6*stride];
 	const float qdd1 = qdd[6*stride];
 	const float t23 = 4.8965888e-12f*qd0wx;
@@ -378,7 +374,7 @@ static RNEA_INLINE void hyq_rnea_body(const float *q, const float *qd, const flo
 	/* ---- out to link 2 "lf_upperleg" (fpass) ---- */
 	const float q2 = q[8*stride];
 	float s2, c2;
-	rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
 	const float qd2 = qd[7*stride];
 	const float qdd2 = qdd[7*stride];
 	const float t62 = RNEA_FMA(4.8965888e-12f, w1y, w1z);
@@ -423,7 +419,7 @@ static RNEA_INLINE void hyq_rnea_body(const float *q, const float *qd, const flo
 	/* ---- out to link 3 "lf_lowerleg" (fpass) ---- */
 	const float q3 = q[9*stride];
 	float s3, c3;
-	rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
 	const float qd3 = qd[8*stride];
 	const float qdd3 = qdd[8*stride];
 	const float t83 = RNEA_FMA(-0.35f, t71, a2x);
@@ -511,7 +507,7 @@ static RNEA_INLINE void hyq_rnea_body(const float *q, const float *qd, const flo
 	/* ---- out to link 4 "lh_hipassembly" (fpass) ---- */
 	const float q4 = q[10*stride];
 	float s4, c4;
-	rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
 	const float qd4 = qd[9*stride];
 	const float qdd4 = qdd[9*stride];
 	const float t113 = t33 + t34;
@@ -558,7 +554,7 @@ static RNEA_INLINE void hyq_rnea_body(const float *q, const float *qd, const flo
 	/* ---- out to link 5 "lh_upperleg" (fpass) ---- */
 	const float q5 = q[11*stride];
 	float s5, c5;
-	rneagen_sincosf_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincosf_either(q5, small, &s5, &c5);
 	const float qd5 = qd[10*stride];
 	const float qdd5 = qdd[10*stride];
 	const float t136 = RNEA_FMA(4.8965888e-12f, w4y, w4z);
@@ -603,7 +599,7 @@ static RNEA_INLINE void hyq_rnea_body(const float *q, const float *qd, const flo
 	/* ---- out to link 6 "lh_lowerleg" (fpass) ---- */
 	const float q6 = q[12*stride];
 	float s6, c6;
-	rneagen_sincosf_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincosf_either(q6, small, &s6, &c6);
 	const float qd6 = qd[11*stride];
 	const float qdd6 = qdd[11*stride];
 	const float t157 = RNEA_FMA(-0.35f, t145, a5x);
@@ -691,7 +687,7 @@ static RNEA_INLINE void hyq_rnea_body(const float *q, const float *qd, const flo
 	/* ---- out to link 7 "rf_hipassembly" (fpass) ---- */
 	const float q7 = q[13*stride];
 	float s7, c7;
-	rneagen_sincosf_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincosf_either(q7, small, &s7, &c7);
 	const float qd7 = qd[12*stride];
 	const float qdd7 = qdd[12*stride];
 	const float t188 = t23 - qd0wz;
@@ -738,7 +734,7 @@ static RNEA_INLINE void hyq_rnea_body(const float *q, const float *qd, const flo
 	/* ---- out to link 8 "rf_upperleg" (fpass) ---- */
 	const float q8 = q[14*stride];
 	float s8, c8;
-	rneagen_sincosf_either(q8, small, &s8, &c8);
+	all_small &= rneagen_sincosf_either(q8, small, &s8, &c8);
 	const float qd8 = qd[13*stride];
 	const float qdd8 = qdd[13*stride];
 	const float t211 = RNEA_FMA(4.8965888e-12f, w7y, -w7z);
@@ -783,7 +779,7 @@ static RNEA_INLINE void hyq_rnea_body(const float *q, const float *qd, const flo
 	/* ---- out to link 9 "rf_lowerleg" (fpass) ---- */
 	const float q9 = q[15*stride];
 	float s9, c9;
-	rneagen_sincosf_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincosf_either(q9, small, &s9, &c9);
 	const float qd9 = qd[14*stride];
 	const float qdd9 = qdd[14*stride];
 	const float t232 = RNEA_FMA(-0.35f, t220, a8x);
@@ -868,7 +864,7 @@ static RNEA_INLINE void hyq_rnea_body(const float *q, const float *qd, const flo
 	/* ---- out to link 10 "rh_hipassembly" (fpass) ---- */
 	const float q10 = q[16*stride];
 	float s10, c10;
-	rneagen_sincosf_either(q10, small, &s10, &c10);
+	all_small &= rneagen_sincosf_either(q10, small, &s10, &c10);
 	const float qd10 = qd[15*stride];
 	const float qdd10 = qdd[15*stride];
 	const float t260 = a0x - t35;
@@ -911,7 +907,7 @@ static RNEA_INLINE void hyq_rnea_body(const float *q, const float *qd, const flo
 	/* ---- out to link 11 "rh_upperleg" (fpass) ---- */
 	const float q11 = q[17*stride];
 	float s11, c11;
-	rneagen_sincosf_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincosf_either(q11, small, &s11, &c11);
 	const float qd11 = qd[16*stride];
 	const float qdd11 = qdd[16*stride];
 	const float t279 = RNEA_FMA(4.8965888e-12f, w10y, -w10z);
@@ -956,7 +952,7 @@ static RNEA_INLINE void hyq_rnea_body(const float *q, const float *qd, const flo
 	/* ---- out to link 12 "rh_lowerleg" (fpass) ---- */
 	const float q12 = q[18*stride];
 	float s12, c12;
-	rneagen_sincosf_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincosf_either(q12, small, &s12, &c12);
 	const float qd12 = qd[17*stride];
 	const float qdd12 = qdd[17*stride];
 	const float t300 = RNEA_FMA(-0.35f, t288, a11x);
@@ -1045,12 +1041,15 @@ static RNEA_INLINE void hyq_rnea_body(const float *q, const float *qd, const flo
 	tau[3*stride] = n0x_5;
 	tau[4*stride] = n0y_5;
 	tau[5*stride] = n0z_5;
+	return all_small;
 }
 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void hyq_fpass_body(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f, const size_t stride, const int small)
+static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 0 "base_link" (fpass) ---- */
 	const float q0qw = q[6*stride];
@@ -1132,7 +1131,7 @@ static RNEA_INLINE void hyq_fpass_body(const float *q, const float *qd, const fl
 	/* ---- out to link 1 "lf_hipassembly" (fpass) ---- */
 	const float q1 = q[7*stride];
 	float s1, c1;
-	rneagen_sincosf_either(q1, small, &s1, &c1);
+	all_small &= rneagen_sincosf_either(q1, small, &s1, &c1);
 	const float qd1 = qd[6*stride];
 	const float qdd1 = qdd[6*stride];
 	const float t24 = 4.8965888e-12f*qd0wx;
@@ -1228,7 +1227,7 @@ static RNEA_INLINE void hyq_fpass_body(const float *q, const float *qd, const fl
 	/* ---- out to link 2 "lf_upperleg" (fpass) ---- */
 	const float q2 = q[8*stride];
 	float s2, c2;
-	rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
 	const float qd2 = qd[7*stride];
 	const float qdd2 = qdd[7*stride];
 	const float t75 = RNEA_FMA(4.8965888e-12f, w1y, w1z);
@@ -1297,7 +1296,7 @@ static RNEA_INLINE void hyq_fpass_body(const float *q, const float *qd, const fl
 	/* ---- out to link 3 "lf_lowerleg" (fpass) ---- */
 	const float q3 = q[9*stride];
 	float s3, c3;
-	rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
 	const float qd3 = qd[8*stride];
 	const float qdd3 = qdd[8*stride];
 	const float t99 = RNEA_FMA(0.35f, w2z, v2y);
@@ -1366,7 +1365,7 @@ static RNEA_INLINE void hyq_fpass_body(const float *q, const float *qd, const fl
 	/* ---- out to link 4 "lh_hipassembly" (fpass) ---- */
 	const float q4 = q[10*stride];
 	float s4, c4;
-	rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
 	const float qd4 = qd[9*stride];
 	const float qdd4 = qdd[9*stride];
 	const float t117 = t36 + t37;
@@ -1439,7 +1438,7 @@ static RNEA_INLINE void hyq_fpass_body(const float *q, const float *qd, const fl
 	/* ---- out to link 5 "lh_upperleg" (fpass) ---- */
 	const float q5 = q[11*stride];
 	float s5, c5;
-	rneagen_sincosf_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincosf_either(q5, small, &s5, &c5);
 	const float qd5 = qd[10*stride];
 	const float qdd5 = qdd[10*stride];
 	const float t145 = RNEA_FMA(4.8965888e-12f, w4y, w4z);
@@ -1508,7 +1507,7 @@ static RNEA_INLINE void hyq_fpass_body(const float *q, const float *qd, const fl
 	/* ---- out to link 6 "lh_lowerleg" (fpass) ---- */
 	const float q6 = q[12*stride];
 	float s6, c6;
-	rneagen_sincosf_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincosf_either(q6, small, &s6, &c6);
 	const float qd6 = qd[11*stride];
 	const float qdd6 = qdd[11*stride];
 	const float t169 = RNEA_FMA(0.35f, w5z, v5y);
@@ -1577,7 +1576,7 @@ static RNEA_INLINE void hyq_fpass_body(const float *q, const float *qd, const fl
 	/* ---- out to link 7 "rf_hipassembly" (fpass) ---- */
 	const float q7 = q[13*stride];
 	float s7, c7;
-	rneagen_sincosf_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincosf_either(q7, small, &s7, &c7);
 	const float qd7 = qd[12*stride];
 	const float qdd7 = qdd[12*stride];
 	const float t188 = t24 - qd0wz;
@@ -1649,7 +1648,7 @@ static RNEA_INLINE void hyq_fpass_body(const float *q, const float *qd, const fl
 	/* ---- out to link 8 "rf_upperleg" (fpass) ---- */
 	const float q8 = q[14*stride];
 	float s8, c8;
-	rneagen_sincosf_either(q8, small, &s8, &c8);
+	all_small &= rneagen_sincosf_either(q8, small, &s8, &c8);
 	const float qd8 = qd[13*stride];
 	const float qdd8 = qdd[13*stride];
 	const float t215 = RNEA_FMA(4.8965888e-12f, w7y, -w7z);
@@ -1718,7 +1717,7 @@ static RNEA_INLINE void hyq_fpass_body(const float *q, const float *qd, const fl
 	/* ---- out to link 9 "rf_lowerleg" (fpass) ---- */
 	const float q9 = q[15*stride];
 	float s9, c9;
-	rneagen_sincosf_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincosf_either(q9, small, &s9, &c9);
 	const float qd9 = qd[14*stride];
 	const float qdd9 = qdd[14*stride];
 	const float t239 = RNEA_FMA(0.35f, w8z, v8y);
@@ -1787,7 +1786,7 @@ static RNEA_INLINE void hyq_fpass_body(const float *q, const float *qd, const fl
 	/* ---- out to link 10 "rh_hipassembly" (fpass) ---- */
 	const float q10 = q[16*stride];
 	float s10, c10;
-	rneagen_sincosf_either(q10, small, &s10, &c10);
+	all_small &= rneagen_sincosf_either(q10, small, &s10, &c10);
 	const float qd10 = qd[15*stride];
 	const float qdd10 = qdd[15*stride];
 	const float t257 = qd0vz - t38;
@@ -1853,7 +1852,7 @@ static RNEA_INLINE void hyq_fpass_body(const float *q, const float *qd, const fl
 	/* ---- out to link 11 "rh_upperleg" (fpass) ---- */
 	const float q11 = q[17*stride];
 	float s11, c11;
-	rneagen_sincosf_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincosf_either(q11, small, &s11, &c11);
 	const float qd11 = qd[16*stride];
 	const float qdd11 = qdd[16*stride];
 	const float t278 = RNEA_FMA(4.8965888e-12f, w10y, -w10z);
@@ -1922,7 +1921,7 @@ static RNEA_INLINE void hyq_fpass_body(const float *q, const float *qd, const fl
 	/* ---- out to link 12 "rh_lowerleg" (fpass) ---- */
 	const float q12 = q[18*stride];
 	float s12, c12;
-	rneagen_sincosf_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincosf_either(q12, small, &s12, &c12);
 	const float qd12 = qd[17*stride];
 	const float qdd12 = qdd[17*stride];
 	const float t302 = RNEA_FMA(0.35f, w11z, v11y);
@@ -1987,12 +1986,15 @@ static RNEA_INLINE void hyq_fpass_body(const float *q, const float *qd, const fl
 	f[75*stride] = n12x;
 	f[76*stride] = n12y;
 	f[77*stride] = n12z;
+	return all_small;
 }
 
 /* Back to the base: torques tau from the wrenches f.
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void hyq_bpass_body(const float *q, const float *f, float *tau, const size_t stride, const int small)
+static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 0 "base_link" ---- */
 	const float own_f0x = f[0*stride];
@@ -2005,7 +2007,7 @@ static RNEA_INLINE void hyq_bpass_body(const float *q, const float *f, float *ta
 	/* ---- out to link 1 "lf_hipassembly" ---- */
 	const float q1 = q[7*stride];
 	float s1, c1;
-	rneagen_sincosf_either(q1, small, &s1, &c1);
+	all_small &= rneagen_sincosf_either(q1, small, &s1, &c1);
 	const float own_f1x = f[6*stride];
 	const float own_f1y = f[7*stride];
 	const float own_f1z = f[8*stride];
@@ -2016,7 +2018,7 @@ static RNEA_INLINE void hyq_bpass_body(const float *q, const float *f, float *ta
 	/* ---- out to link 2 "lf_upperleg" ---- */
 	const float q2 = q[8*stride];
 	float s2, c2;
-	rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
 	const float own_f2x = f[12*stride];
 	const float own_f2y = f[13*stride];
 	const float own_f2z = f[14*stride];
@@ -2027,7 +2029,7 @@ static RNEA_INLINE void hyq_bpass_body(const float *q, const float *f, float *ta
 	/* ---- out to link 3 "lf_lowerleg" ---- */
 	const float q3 = q[9*stride];
 	float s3, c3;
-	rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
 	const float own_f3x = f[18*stride];
 	const float own_f3y = f[19*stride];
 	const float own_f3z = f[20*stride];
@@ -2079,7 +2081,7 @@ static RNEA_INLINE void hyq_bpass_body(const float *q, const float *f, float *ta
 	/* ---- out to link 4 "lh_hipassembly" ---- */
 	const float q4 = q[10*stride];
 	float s4, c4;
-	rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
 	const float own_f4x = f[24*stride];
 	const float own_f4y = f[25*stride];
 	const float own_f4z = f[26*stride];
@@ -2090,7 +2092,7 @@ static RNEA_INLINE void hyq_bpass_body(const float *q, const float *f, float *ta
 	/* ---- out to link 5 "lh_upperleg" ---- */
 	const float q5 = q[11*stride];
 	float s5, c5;
-	rneagen_sincosf_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincosf_either(q5, small, &s5, &c5);
 	const float own_f5x = f[30*stride];
 	const float own_f5y = f[31*stride];
 	const float own_f5z = f[32*stride];
@@ -2101,7 +2103,7 @@ static RNEA_INLINE void hyq_bpass_body(const float *q, const float *f, float *ta
 	/* ---- out to link 6 "lh_lowerleg" ---- */
 	const float q6 = q[12*stride];
 	float s6, c6;
-	rneagen_sincosf_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincosf_either(q6, small, &s6, &c6);
 	const float own_f6x = f[36*stride];
 	const float own_f6y = f[37*stride];
 	const float own_f6z = f[38*stride];
@@ -2153,7 +2155,7 @@ static RNEA_INLINE void hyq_bpass_body(const float *q, const float *f, float *ta
 	/* ---- out to link 7 "rf_hipassembly" ---- */
 	const float q7 = q[13*stride];
 	float s7, c7;
-	rneagen_sincosf_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincosf_either(q7, small, &s7, &c7);
 	const float own_f7x = f[42*stride];
 	const float own_f7y = f[43*stride];
 	const float own_f7z = f[44*stride];
@@ -2164,7 +2166,7 @@ static RNEA_INLINE void hyq_bpass_body(const float *q, const float *f, float *ta
 	/* ---- out to link 8 "rf_upperleg" ---- */
 	const float q8 = q[14*stride];
 	float s8, c8;
-	rneagen_sincosf_either(q8, small, &s8, &c8);
+	all_small &= rneagen_sincosf_either(q8, small, &s8, &c8);
 	const float own_f8x = f[48*stride];
 	const float own_f8y = f[49*stride];
 	const float own_f8z = f[50*stride];
@@ -2175,7 +2177,7 @@ static RNEA_INLINE void hyq_bpass_body(const float *q, const float *f, float *ta
 	/* ---- out to link 9 "rf_lowerleg" ---- */
 	const float q9 = q[15*stride];
 	float s9, c9;
-	rneagen_sincosf_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincosf_either(q9, small, &s9, &c9);
 	const float own_f9x = f[54*stride];
 	const float own_f9y = f[55*stride];
 	const float own_f9z = f[56*stride];
@@ -2224,7 +2226,7 @@ static RNEA_INLINE void hyq_bpass_body(const float *q, const float *f, float *ta
 	/* ---- out to link 10 "rh_hipassembly" ---- */
 	const float q10 = q[16*stride];
 	float s10, c10;
-	rneagen_sincosf_either(q10, small, &s10, &c10);
+	all_small &= rneagen_sincosf_either(q10, small, &s10, &c10);
 	const float own_f10x = f[60*stride];
 	const float own_f10y = f[61*stride];
 	const float own_f10z = f[62*stride];
@@ -2235,7 +2237,7 @@ static RNEA_INLINE void hyq_bpass_body(const float *q, const float *f, float *ta
 	/* ---- out to link 11 "rh_upperleg" ---- */
 	const float q11 = q[17*stride];
 	float s11, c11;
-	rneagen_sincosf_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincosf_either(q11, small, &s11, &c11);
 	const float own_f11x = f[66*stride];
 	const float own_f11y = f[67*stride];
 	const float own_f11z = f[68*stride];
@@ -2246,7 +2248,7 @@ static RNEA_INLINE void hyq_bpass_body(const float *q, const float *f, float *ta
 	/* ---- out to link 12 "rh_lowerleg" ---- */
 	const float q12 = q[18*stride];
 	float s12, c12;
-	rneagen_sincosf_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincosf_either(q12, small, &s12, &c12);
 	const float own_f12x = f[72*stride];
 	const float own_f12y = f[73*stride];
 	const float own_f12z = f[74*stride];
@@ -2299,6 +2301,7 @@ static RNEA_INLINE void hyq_bpass_body(const float *q, const float *f, float *ta
 	tau[3*stride] = n0x_4;
 	tau[4*stride] = n0y_4;
 	tau[5*stride] = n0z_4;
+	return all_small;
 }
 
 
@@ -2306,20 +2309,20 @@ static RNEA_INLINE void hyq_bpass_body(const float *q, const float *f, float *ta
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK, RNEA_MIN_BLOCKS)
 hyq_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd, float *__restrict__ tau, size_t count)
 {
-	const size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
+	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
 
 	if (k >= count)
 		return;
-	if (hyq_is_small(q + k, count))
-		hyq_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1);
-	else
+	if (!hyq_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1)) {
+		asm volatile("" : "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for later */
 		hyq_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0);
+	}
 }
 
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK)
 hyq_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd, float *__restrict__ v, float *__restrict__ a, float *__restrict__ f, size_t count)
 {
-	const size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
+	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
 
 	if (k >= count)
 		return;
@@ -2329,7 +2332,7 @@ hyq_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, cons
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK)
 hyq_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, float *__restrict__ tau, size_t count)
 {
-	const size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
+	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
 
 	if (k >= count)
 		return;

@@ -144,19 +144,6 @@ static RNEA_INLINE void rneagen_sincos_turn(unsigned long long q, double r, doub
 }
 #endif
 
-#ifndef RNEAGEN_SINCOS_BOUNDED
-#define RNEAGEN_SINCOS_BOUNDED
-/* Sine and cosine for |x| <= 1e7, error below 0.85 ulp; NaN for any other x. No branch, no table. */
-static RNEA_INLINE void rneagen_sincos_bounded(double x, double *s, double *c)
-{
-	union rneagen_f64 y;
-	double r, e;
-	y.f = x;
-	y.u |= fabs(x) <= 1e7 ? 0 : 0x7ff8000000000000ull; /* NaN outside */
-	const unsigned long long q = rneagen_sincos_reduce(y.f, &r, &e);
-	rneagen_sincos_turn(q, r, e, s, c);
-}
-#endif
 #ifndef RNEAGEN_SINCOS_ACCURATE
 #define RNEAGEN_SINCOS_ACCURATE
 /* High half of the product a*b. */
@@ -220,13 +207,18 @@ static RNEA_INLINE void rneagen_sincos_accurate(double x, double *s, double *c)
 #ifndef RNEAGEN_SINCOS_EITHER
 #define RNEAGEN_SINCOS_EITHER
 
-/* The same bits either way: without a branch where the caller knows that |x| is small. */
-static RNEA_INLINE void rneagen_sincos_either(double x, const int small, double *s, double *c)
+/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not, and
+   `small`, sine and cosine mean nothing. */
+static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c)
 {
-	if (small)
-		rneagen_sincos_bounded(x, s, c);
-	else
+	if (small) {
+		double r, e;
+		const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
+		rneagen_sincos_turn(q, r, e, s, c);
+	} else {
 		rneagen_sincos_accurate(x, s, c);
+	}
+	return fabs(x) <= 1e7;
 }
 #endif
 
@@ -242,9 +234,11 @@ static RNEA_INLINE int iiwa14_is_small(const double *q, const size_t stride)
 }
 
 /* tau = ID(q, qd, qdd)
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void iiwa14_rnea_body(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride, const int small)
+static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 1 "iiwa_link_1" (fpass) ---- */
 	const double qd1 = qd[0*stride];
@@ -253,7 +247,7 @@ static RNEA_INLINE void iiwa14_rnea_body(const double *q, const double *qd, cons
 	/* ---- out to link 2 "iiwa_link_2" (fpass) ---- */
 	const double q2 = q[1*stride];
 	double s2, c2;
-	rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
 	const double qd2 = qd[1*stride];
 	const double qdd2 = qdd[1*stride];
 	const double w2x = qd1*s2;
@@ -285,7 +279,7 @@ static RNEA_INLINE void iiwa14_rnea_body(const double *q, const double *qd, cons
 	/* ---- out to link 3 "iiwa_link_3" (fpass) ---- */
 	const double q3 = q[2*stride];
 	double s3, c3;
-	rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
 	const double qd3 = qd[2*stride];
 	const double qdd3 = qdd[2*stride];
 	const double t13 = 0.2045*t5;
@@ -319,7 +313,7 @@ static RNEA_INLINE void iiwa14_rnea_body(const double *q, const double *qd, cons
 	/* ---- out to link 4 "iiwa_link_4" (fpass) ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
-	rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
 	const double qd4 = qd[3*stride];
 	const double qdd4 = qdd[3*stride];
 	const double t25 = RNEA_FMA(0.2155, t21, a3x);
@@ -357,7 +351,7 @@ static RNEA_INLINE void iiwa14_rnea_body(const double *q, const double *qd, cons
 	/* ---- out to link 5 "iiwa_link_5" (fpass) ---- */
 	const double q5 = q[4*stride];
 	double s5, c5;
-	rneagen_sincos_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
 	const double qd5 = qd[4*stride];
 	const double qdd5 = qdd[4*stride];
 	const double t39 = RNEA_FMA(0.1845, t37, a4x);
@@ -404,7 +398,7 @@ static RNEA_INLINE void iiwa14_rnea_body(const double *q, const double *qd, cons
 	/* ---- out to link 6 "iiwa_link_6" (fpass) ---- */
 	const double q6 = q[5*stride];
 	double s6, c6;
-	rneagen_sincos_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
 	const double qd6 = qd[5*stride];
 	const double qdd6 = qdd[5*stride];
 	const double t57 = RNEA_FMA(0.2155, t49, a5x);
@@ -441,7 +435,7 @@ static RNEA_INLINE void iiwa14_rnea_body(const double *q, const double *qd, cons
 	/* ---- out to link 7 "iiwa_link_7" (fpass) ---- */
 	const double q7 = q[6*stride];
 	double s7, c7;
-	rneagen_sincos_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
 	const double qd7 = qd[6*stride];
 	const double qdd7 = qdd[6*stride];
 	const double t71 = RNEA_FMA(0.081, t69, a6x);
@@ -521,12 +515,15 @@ static RNEA_INLINE void iiwa14_rnea_body(const double *q, const double *qd, cons
 
 	/* ---- back from link 1 "iiwa_link_1" to the world (bpass): torque of "iiwa_joint_1" ---- */
 	tau[0*stride] = n1z;
+	return all_small;
 }
 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void iiwa14_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f, const size_t stride, const int small)
+static RNEA_INLINE int iiwa14_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 1 "iiwa_link_1" (fpass) ---- */
 	const double qd1 = qd[0*stride];
@@ -559,7 +556,7 @@ static RNEA_INLINE void iiwa14_fpass_body(const double *q, const double *qd, con
 	/* ---- out to link 2 "iiwa_link_2" (fpass) ---- */
 	const double q2 = q[1*stride];
 	double s2, c2;
-	rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
 	const double qd2 = qd[1*stride];
 	const double qdd2 = qdd[1*stride];
 	const double w2x = qd1*s2;
@@ -617,7 +614,7 @@ static RNEA_INLINE void iiwa14_fpass_body(const double *q, const double *qd, con
 	/* ---- out to link 3 "iiwa_link_3" (fpass) ---- */
 	const double q3 = q[2*stride];
 	double s3, c3;
-	rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
 	const double qd3 = qd[2*stride];
 	const double qdd3 = qdd[2*stride];
 	const double t18 = 0.2045*qd2;
@@ -675,7 +672,7 @@ static RNEA_INLINE void iiwa14_fpass_body(const double *q, const double *qd, con
 	/* ---- out to link 4 "iiwa_link_4" (fpass) ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
-	rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
 	const double qd4 = qd[3*stride];
 	const double qdd4 = qdd[3*stride];
 	const double t33 = RNEA_FMA(0.2155, w3y, v3x);
@@ -735,7 +732,7 @@ static RNEA_INLINE void iiwa14_fpass_body(const double *q, const double *qd, con
 	/* ---- out to link 5 "iiwa_link_5" (fpass) ---- */
 	const double q5 = q[4*stride];
 	double s5, c5;
-	rneagen_sincos_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
 	const double qd5 = qd[4*stride];
 	const double qdd5 = qdd[4*stride];
 	const double t50 = RNEA_FMA(-0.1845, w4z, v4x);
@@ -804,7 +801,7 @@ static RNEA_INLINE void iiwa14_fpass_body(const double *q, const double *qd, con
 	/* ---- out to link 6 "iiwa_link_6" (fpass) ---- */
 	const double q6 = q[5*stride];
 	double s6, c6;
-	rneagen_sincos_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
 	const double qd6 = qd[5*stride];
 	const double qdd6 = qdd[5*stride];
 	const double t70 = RNEA_FMA(0.2155, w5y, v5x);
@@ -863,7 +860,7 @@ static RNEA_INLINE void iiwa14_fpass_body(const double *q, const double *qd, con
 	/* ---- out to link 7 "iiwa_link_7" (fpass) ---- */
 	const double q7 = q[6*stride];
 	double s7, c7;
-	rneagen_sincos_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
 	const double qd7 = qd[6*stride];
 	const double qdd7 = qdd[6*stride];
 	const double t87 = RNEA_FMA(-0.081, w6z, v6x);
@@ -907,12 +904,15 @@ static RNEA_INLINE void iiwa14_fpass_body(const double *q, const double *qd, con
 	f[39*stride] = n7x;
 	f[40*stride] = n7y;
 	f[41*stride] = n7z;
+	return all_small;
 }
 
 /* Back to the base: torques tau from the wrenches f.
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void iiwa14_bpass_body(const double *q, const double *f, double *tau, const size_t stride, const int small)
+static RNEA_INLINE int iiwa14_bpass_body(const double *q, const double *f, double *tau, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 1 "iiwa_link_1" ---- */
 	const double own_n1z = f[5*stride];
@@ -920,7 +920,7 @@ static RNEA_INLINE void iiwa14_bpass_body(const double *q, const double *f, doub
 	/* ---- out to link 2 "iiwa_link_2" ---- */
 	const double q2 = q[1*stride];
 	double s2, c2;
-	rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
 	const double own_n2x = f[9*stride];
 	const double own_n2y = f[10*stride];
 	const double own_n2z = f[11*stride];
@@ -928,7 +928,7 @@ static RNEA_INLINE void iiwa14_bpass_body(const double *q, const double *f, doub
 	/* ---- out to link 3 "iiwa_link_3" ---- */
 	const double q3 = q[2*stride];
 	double s3, c3;
-	rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
 	const double own_f3x = f[12*stride];
 	const double own_f3y = f[13*stride];
 	const double own_n3x = f[15*stride];
@@ -938,7 +938,7 @@ static RNEA_INLINE void iiwa14_bpass_body(const double *q, const double *f, doub
 	/* ---- out to link 4 "iiwa_link_4" ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
-	rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
 	const double own_f4x = f[18*stride];
 	const double own_f4y = f[19*stride];
 	const double own_f4z = f[20*stride];
@@ -949,7 +949,7 @@ static RNEA_INLINE void iiwa14_bpass_body(const double *q, const double *f, doub
 	/* ---- out to link 5 "iiwa_link_5" ---- */
 	const double q5 = q[4*stride];
 	double s5, c5;
-	rneagen_sincos_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
 	const double own_f5x = f[24*stride];
 	const double own_f5y = f[25*stride];
 	const double own_f5z = f[26*stride];
@@ -960,7 +960,7 @@ static RNEA_INLINE void iiwa14_bpass_body(const double *q, const double *f, doub
 	/* ---- out to link 6 "iiwa_link_6" ---- */
 	const double q6 = q[5*stride];
 	double s6, c6;
-	rneagen_sincos_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
 	const double own_f6x = f[30*stride];
 	const double own_f6y = f[31*stride];
 	const double own_f6z = f[32*stride];
@@ -971,7 +971,7 @@ static RNEA_INLINE void iiwa14_bpass_body(const double *q, const double *f, doub
 	/* ---- out to link 7 "iiwa_link_7" ---- */
 	const double q7 = q[6*stride];
 	double s7, c7;
-	rneagen_sincos_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
 	const double own_f7x = f[36*stride];
 	const double own_f7y = f[37*stride];
 	const double own_f7z = f[38*stride];
@@ -1036,6 +1036,7 @@ static RNEA_INLINE void iiwa14_bpass_body(const double *q, const double *f, doub
 
 	/* ---- back from link 1 "iiwa_link_1" to the world (bpass): torque of "iiwa_joint_1" ---- */
 	tau[0*stride] = n1z;
+	return all_small;
 }
 
 

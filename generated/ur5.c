@@ -142,19 +142,6 @@ static RNEA_INLINE void rneagen_sincos_turn(unsigned long long q, double r, doub
 }
 #endif
 
-#ifndef RNEAGEN_SINCOS_BOUNDED
-#define RNEAGEN_SINCOS_BOUNDED
-/* Sine and cosine for |x| <= 1e7, error below 0.85 ulp; NaN for any other x. No branch, no table. */
-static RNEA_INLINE void rneagen_sincos_bounded(double x, double *s, double *c)
-{
-	union rneagen_f64 y;
-	double r, e;
-	y.f = x;
-	y.u |= fabs(x) <= 1e7 ? 0 : 0x7ff8000000000000ull; /* NaN outside */
-	const unsigned long long q = rneagen_sincos_reduce(y.f, &r, &e);
-	rneagen_sincos_turn(q, r, e, s, c);
-}
-#endif
 #ifndef RNEAGEN_SINCOS_ACCURATE
 #define RNEAGEN_SINCOS_ACCURATE
 /* High half of the product a*b. */
@@ -218,13 +205,18 @@ static RNEA_INLINE void rneagen_sincos_accurate(double x, double *s, double *c)
 #ifndef RNEAGEN_SINCOS_EITHER
 #define RNEAGEN_SINCOS_EITHER
 
-/* The same bits either way: without a branch where the caller knows that |x| is small. */
-static RNEA_INLINE void rneagen_sincos_either(double x, const int small, double *s, double *c)
+/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not, and
+   `small`, sine and cosine mean nothing. */
+static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c)
 {
-	if (small)
-		rneagen_sincos_bounded(x, s, c);
-	else
+	if (small) {
+		double r, e;
+		const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
+		rneagen_sincos_turn(q, r, e, s, c);
+	} else {
 		rneagen_sincos_accurate(x, s, c);
+	}
+	return fabs(x) <= 1e7;
 }
 #endif
 
@@ -240,9 +232,11 @@ static RNEA_INLINE int ur5_is_small(const double *q, const size_t stride)
 }
 
 /* tau = ID(q, qd, qdd)
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void ur5_rnea_body(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride, const int small)
+static RNEA_INLINE int ur5_rnea_body(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 1 "shoulder_link" (fpass) ---- */
 	const double qd1 = qd[0*stride];
@@ -252,7 +246,7 @@ static RNEA_INLINE void ur5_rnea_body(const double *q, const double *qd, const d
 	/* ---- out to link 2 "upper_arm_link" (fpass) ---- */
 	const double q2 = q[1*stride];
 	double s2, c2;
-	rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
 	const double qd2 = qd[1*stride];
 	const double qdd2 = qdd[1*stride];
 	const double t2 = 4.8965888601467475e-12*qd1;
@@ -279,7 +273,7 @@ static RNEA_INLINE void ur5_rnea_body(const double *q, const double *qd, const d
 	/* ---- out to link 3 "forearm_link" (fpass) ---- */
 	const double q3 = q[2*stride];
 	double s3, c3;
-	rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
 	const double qd3 = qd[2*stride];
 	const double qdd3 = qdd[2*stride];
 	const double t14 = a2x + RNEA_FMA(0.425, t12, 0.1197*(t8 + dw2z));
@@ -307,7 +301,7 @@ static RNEA_INLINE void ur5_rnea_body(const double *q, const double *qd, const d
 	/* ---- out to link 4 "wrist_1_link" (fpass) ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
-	rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
 	const double qd4 = qd[3*stride];
 	const double qdd4 = qdd[3*stride];
 	const double t24 = RNEA_FMA(4.8965888601467475e-12, t16, w3z);
@@ -334,7 +328,7 @@ static RNEA_INLINE void ur5_rnea_body(const double *q, const double *qd, const d
 	/* ---- out to link 5 "wrist_2_link" (fpass) ---- */
 	const double q5 = q[4*stride];
 	double s5, c5;
-	rneagen_sincos_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
 	const double qd5 = qd[4*stride];
 	const double qdd5 = qdd[4*stride];
 	const double t35 = RNEA_FMA(-0.093, RNEA_FMA(t32, w4y, dw4z), a4x);
@@ -357,7 +351,7 @@ static RNEA_INLINE void ur5_rnea_body(const double *q, const double *qd, const d
 	/* ---- out to link 6 "wrist_3_link" (fpass) ---- */
 	const double q6 = q[5*stride];
 	double s6, c6;
-	rneagen_sincos_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
 	const double qd6 = qd[5*stride];
 	const double qdd6 = qdd[5*stride];
 	const double t39 = RNEA_FMA(0.09465, dw5y + t38, a5x);
@@ -433,12 +427,15 @@ static RNEA_INLINE void ur5_rnea_body(const double *q, const double *qd, const d
 
 	/* ---- back from link 1 "shoulder_link" to the world (bpass): torque of "shoulder_pan_joint" ---- */
 	tau[0*stride] = n1z;
+	return all_small;
 }
 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void ur5_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f, const size_t stride, const int small)
+static RNEA_INLINE int ur5_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 1 "shoulder_link" (fpass) ---- */
 	const double qd1 = qd[0*stride];
@@ -467,7 +464,7 @@ static RNEA_INLINE void ur5_fpass_body(const double *q, const double *qd, const 
 	/* ---- out to link 2 "upper_arm_link" (fpass) ---- */
 	const double q2 = q[1*stride];
 	double s2, c2;
-	rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
 	const double qd2 = qd[1*stride];
 	const double qdd2 = qdd[1*stride];
 	const double t2 = 4.8965888601467475e-12*qd1;
@@ -520,7 +517,7 @@ static RNEA_INLINE void ur5_fpass_body(const double *q, const double *qd, const 
 	/* ---- out to link 3 "forearm_link" (fpass) ---- */
 	const double q3 = q[2*stride];
 	double s3, c3;
-	rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
 	const double qd3 = qd[2*stride];
 	const double qdd3 = qdd[2*stride];
 	const double v3y = 0.425*t9;
@@ -572,7 +569,7 @@ static RNEA_INLINE void ur5_fpass_body(const double *q, const double *qd, const 
 	/* ---- out to link 4 "wrist_1_link" (fpass) ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
-	rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
 	const double qd4 = qd[3*stride];
 	const double qdd4 = qdd[3*stride];
 	const double t30 = RNEA_FMA(4.8965888601467475e-12, t23, w3z);
@@ -627,7 +624,7 @@ static RNEA_INLINE void ur5_fpass_body(const double *q, const double *qd, const 
 	/* ---- out to link 5 "wrist_2_link" (fpass) ---- */
 	const double q5 = q[4*stride];
 	double s5, c5;
-	rneagen_sincos_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
 	const double qd5 = qd[4*stride];
 	const double qdd5 = qdd[4*stride];
 	const double t44 = RNEA_FMA(-0.093, w4z, v4x);
@@ -675,7 +672,7 @@ static RNEA_INLINE void ur5_fpass_body(const double *q, const double *qd, const 
 	/* ---- out to link 6 "wrist_3_link" (fpass) ---- */
 	const double q6 = q[5*stride];
 	double s6, c6;
-	rneagen_sincos_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
 	const double qd6 = qd[5*stride];
 	const double qdd6 = qdd[5*stride];
 	const double t49 = RNEA_FMA(0.09465, w5y, v5x);
@@ -717,12 +714,15 @@ static RNEA_INLINE void ur5_fpass_body(const double *q, const double *qd, const 
 	f[33*stride] = n6x;
 	f[34*stride] = n6y;
 	f[35*stride] = n6z;
+	return all_small;
 }
 
 /* Back to the base: torques tau from the wrenches f.
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void ur5_bpass_body(const double *q, const double *f, double *tau, const size_t stride, const int small)
+static RNEA_INLINE int ur5_bpass_body(const double *q, const double *f, double *tau, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 1 "shoulder_link" ---- */
 	const double own_n1z = f[5*stride];
@@ -730,7 +730,7 @@ static RNEA_INLINE void ur5_bpass_body(const double *q, const double *f, double 
 	/* ---- out to link 2 "upper_arm_link" ---- */
 	const double q2 = q[1*stride];
 	double s2, c2;
-	rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
 	const double own_f2x = f[6*stride];
 	const double own_f2z = f[8*stride];
 	const double own_n2x = f[9*stride];
@@ -740,7 +740,7 @@ static RNEA_INLINE void ur5_bpass_body(const double *q, const double *f, double 
 	/* ---- out to link 3 "forearm_link" ---- */
 	const double q3 = q[2*stride];
 	double s3, c3;
-	rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
 	const double own_f3x = f[12*stride];
 	const double own_f3y = f[13*stride];
 	const double own_f3z = f[14*stride];
@@ -751,7 +751,7 @@ static RNEA_INLINE void ur5_bpass_body(const double *q, const double *f, double 
 	/* ---- out to link 4 "wrist_1_link" ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
-	rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
 	const double own_f4x = f[18*stride];
 	const double own_f4y = f[19*stride];
 	const double own_f4z = f[20*stride];
@@ -762,7 +762,7 @@ static RNEA_INLINE void ur5_bpass_body(const double *q, const double *f, double 
 	/* ---- out to link 5 "wrist_2_link" ---- */
 	const double q5 = q[4*stride];
 	double s5, c5;
-	rneagen_sincos_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
 	const double own_f5x = f[24*stride];
 	const double own_f5y = f[25*stride];
 	const double own_f5z = f[26*stride];
@@ -773,7 +773,7 @@ static RNEA_INLINE void ur5_bpass_body(const double *q, const double *f, double 
 	/* ---- out to link 6 "wrist_3_link" ---- */
 	const double q6 = q[5*stride];
 	double s6, c6;
-	rneagen_sincos_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
 	const double own_f6x = f[30*stride];
 	const double own_f6y = f[31*stride];
 	const double own_f6z = f[32*stride];
@@ -836,6 +836,7 @@ static RNEA_INLINE void ur5_bpass_body(const double *q, const double *f, double 
 
 	/* ---- back from link 1 "shoulder_link" to the world (bpass): torque of "shoulder_pan_joint" ---- */
 	tau[0*stride] = n1z;
+	return all_small;
 }
 
 

@@ -146,19 +146,6 @@ static RNEA_INLINE void rneagen_sincosf_turn(unsigned int q, float r, float e, f
 }
 #endif
 
-#ifndef RNEAGEN_SINCOSF_BOUNDED
-#define RNEAGEN_SINCOSF_BOUNDED
-/* Sine and cosine for |x| <= 1e4, error below 0.85 ulp; NaN for any other x. No branch, no table. */
-static RNEA_INLINE void rneagen_sincosf_bounded(float x, float *s, float *c)
-{
-	union rneagen_f32 y;
-	float r, e;
-	y.f = x;
-	y.u |= fabsf(x) <= 1e4f ? 0 : 0x7fc00000u; /* NaN outside */
-	const unsigned int q = rneagen_sincosf_reduce(y.f, &r, &e);
-	rneagen_sincosf_turn(q, r, e, s, c);
-}
-#endif
 #ifndef RNEAGEN_SINCOSF_ACCURATE
 #define RNEAGEN_SINCOSF_ACCURATE
 /* rneagen_sincosf_reduce for |x| > 1e4, in integers (Payne and Hanek): |x| = m*2^p with a 24-bit m, and of the bits of
@@ -204,16 +191,22 @@ static RNEA_INLINE void rneagen_sincosf_accurate(float x, float *s, float *c)
 #ifndef RNEAGEN_SINCOSF_EITHER
 #define RNEAGEN_SINCOSF_EITHER
 
-/* The same bits either way: without a branch where the caller knows that |x| is small. */
-static RNEA_INLINE void rneagen_sincosf_either(float x, const int small, float *s, float *c)
+/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not, and
+   `small`, sine and cosine mean nothing. */
+static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c)
 {
-	if (small)
-		rneagen_sincosf_bounded(x, s, c);
-	else
+	if (small) {
+		float r, e;
+		const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
+		rneagen_sincosf_turn(q, r, e, s, c);
+	} else {
 		rneagen_sincosf_accurate(x, s, c);
+	}
+	return fabsf(x) <= 1e4f;
 }
 #endif
 
+#if !defined __CUDACC__
 /* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves the
    rest a straight line; the results have the same bits either way. */
 static RNEA_INLINE int ur5_is_small(const float *q, const size_t stride)
@@ -225,10 +218,13 @@ static RNEA_INLINE int ur5_is_small(const float *q, const size_t stride)
 	return small;
 }
 
+#endif
 /* tau = ID(q, qd, qdd)
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void ur5_rnea_body(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride, const int small)
+static RNEA_INLINE int ur5_rnea_body(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 1 "shoulder_link" (fpass) ---- */
 	const float qd1 = qd[0*stride];
@@ -238,7 +234,7 @@ static RNEA_INLINE void ur5_rnea_body(const float *q, const float *qd, const flo
 	/* ---- out to link 2 "upper_arm_link" (fpass) ---- */
 	const float q2 = q[1*stride];
 	float s2, c2;
-	rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
 	const float qd2 = qd[1*stride];
 	const float qdd2 = qdd[1*stride];
 	const float t2 = 4.8965888e-12f*qd1;
@@ -265,7 +261,7 @@ static RNEA_INLINE void ur5_rnea_body(const float *q, const float *qd, const flo
 	/* ---- out to link 3 "forearm_link" (fpass) ---- */
 	const float q3 = q[2*stride];
 	float s3, c3;
-	rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
 	const float qd3 = qd[2*stride];
 	const float qdd3 = qdd[2*stride];
 	const float t14 = a2x + RNEA_FMA(0.425f, t12, 0.1197f*(t8 + dw2z));
@@ -294,7 +290,7 @@ static RNEA_INLINE void ur5_rnea_body(const float *q, const float *qd, const flo
 	/* ---- out to link 4 "wrist_1_link" (fpass) ---- */
 	const float q4 = q[3*stride];
 	float s4, c4;
-	rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
 	const float qd4 = qd[3*stride];
 	const float qdd4 = qdd[3*stride];
 	const float t24 = RNEA_FMA(4.8965888e-12f, t16, w3z);
@@ -321,7 +317,7 @@ static RNEA_INLINE void ur5_rnea_body(const float *q, const float *qd, const flo
 	/* ---- out to link 5 "wrist_2_link" (fpass) ---- */
 	const float q5 = q[4*stride];
 	float s5, c5;
-	rneagen_sincosf_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincosf_either(q5, small, &s5, &c5);
 	const float qd5 = qd[4*stride];
 	const float qdd5 = qdd[4*stride];
 	const float t35 = RNEA_FMA(-0.093f, RNEA_FMA(t32, w4y, dw4z), a4x);
@@ -344,7 +340,7 @@ static RNEA_INLINE void ur5_rnea_body(const float *q, const float *qd, const flo
 	/* ---- out to link 6 "wrist_3_link" (fpass) ---- */
 	const float q6 = q[5*stride];
 	float s6, c6;
-	rneagen_sincosf_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincosf_either(q6, small, &s6, &c6);
 	const float qd6 = qd[5*stride];
 	const float qdd6 = qdd[5*stride];
 	const float t39 = RNEA_FMA(0.09465f, dw5y + t38, a5x);
@@ -419,12 +415,15 @@ static RNEA_INLINE void ur5_rnea_body(const float *q, const float *qd, const flo
 
 	/* ---- back from link 1 "shoulder_link" to the world (bpass): torque of "shoulder_pan_joint" ---- */
 	tau[0*stride] = n1z;
+	return all_small;
 }
 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void ur5_fpass_body(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f, const size_t stride, const int small)
+static RNEA_INLINE int ur5_fpass_body(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 1 "shoulder_link" (fpass) ---- */
 	const float qd1 = qd[0*stride];
@@ -453,7 +452,7 @@ static RNEA_INLINE void ur5_fpass_body(const float *q, const float *qd, const fl
 	/* ---- out to link 2 "upper_arm_link" (fpass) ---- */
 	const float q2 = q[1*stride];
 	float s2, c2;
-	rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
 	const float qd2 = qd[1*stride];
 	const float qdd2 = qdd[1*stride];
 	const float t2 = 4.8965888e-12f*qd1;
@@ -506,7 +505,7 @@ static RNEA_INLINE void ur5_fpass_body(const float *q, const float *qd, const fl
 	/* ---- out to link 3 "forearm_link" (fpass) ---- */
 	const float q3 = q[2*stride];
 	float s3, c3;
-	rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
 	const float qd3 = qd[2*stride];
 	const float qdd3 = qdd[2*stride];
 	const float v3y = 0.425f*t9;
@@ -558,7 +557,7 @@ static RNEA_INLINE void ur5_fpass_body(const float *q, const float *qd, const fl
 	/* ---- out to link 4 "wrist_1_link" (fpass) ---- */
 	const float q4 = q[3*stride];
 	float s4, c4;
-	rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
 	const float qd4 = qd[3*stride];
 	const float qdd4 = qdd[3*stride];
 	const float t30 = RNEA_FMA(4.8965888e-12f, t23, w3z);
@@ -613,7 +612,7 @@ static RNEA_INLINE void ur5_fpass_body(const float *q, const float *qd, const fl
 	/* ---- out to link 5 "wrist_2_link" (fpass) ---- */
 	const float q5 = q[4*stride];
 	float s5, c5;
-	rneagen_sincosf_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincosf_either(q5, small, &s5, &c5);
 	const float qd5 = qd[4*stride];
 	const float qdd5 = qdd[4*stride];
 	const float t44 = RNEA_FMA(-0.093f, w4z, v4x);
@@ -661,7 +660,7 @@ static RNEA_INLINE void ur5_fpass_body(const float *q, const float *qd, const fl
 	/* ---- out to link 6 "wrist_3_link" (fpass) ---- */
 	const float q6 = q[5*stride];
 	float s6, c6;
-	rneagen_sincosf_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincosf_either(q6, small, &s6, &c6);
 	const float qd6 = qd[5*stride];
 	const float qdd6 = qdd[5*stride];
 	const float t49 = RNEA_FMA(0.09465f, w5y, v5x);
@@ -703,12 +702,15 @@ static RNEA_INLINE void ur5_fpass_body(const float *q, const float *qd, const fl
 	f[33*stride] = n6x;
 	f[34*stride] = n6y;
 	f[35*stride] = n6z;
+	return all_small;
 }
 
 /* Back to the base: torques tau from the wrenches f.
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE void ur5_bpass_body(const float *q, const float *f, float *tau, const size_t stride, const int small)
+static RNEA_INLINE int ur5_bpass_body(const float *q, const float *f, float *tau, const size_t stride, const int small)
 {
+	int all_small = 1;
 
 	/* ---- out to link 1 "shoulder_link" ---- */
 	const float own_n1z = f[5*stride];
@@ -716,7 +718,7 @@ static RNEA_INLINE void ur5_bpass_body(const float *q, const float *f, float *ta
 	/* ---- out to link 2 "upper_arm_link" ---- */
 	const float q2 = q[1*stride];
 	float s2, c2;
-	rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
 	const float own_f2x = f[6*stride];
 	const float own_f2z = f[8*stride];
 	const float own_n2x = f[9*stride];
@@ -726,7 +728,7 @@ static RNEA_INLINE void ur5_bpass_body(const float *q, const float *f, float *ta
 	/* ---- out to link 3 "forearm_link" ---- */
 	const float q3 = q[2*stride];
 	float s3, c3;
-	rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
 	const float own_f3x = f[12*stride];
 	const float own_f3y = f[13*stride];
 	const float own_f3z = f[14*stride];
@@ -737,7 +739,7 @@ static RNEA_INLINE void ur5_bpass_body(const float *q, const float *f, float *ta
 	/* ---- out to link 4 "wrist_1_link" ---- */
 	const float q4 = q[3*stride];
 	float s4, c4;
-	rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
 	const float own_f4x = f[18*stride];
 	const float own_f4y = f[19*stride];
 	const float own_f4z = f[20*stride];
@@ -748,7 +750,7 @@ static RNEA_INLINE void ur5_bpass_body(const float *q, const float *f, float *ta
 	/* ---- out to link 5 "wrist_2_link" ---- */
 	const float q5 = q[4*stride];
 	float s5, c5;
-	rneagen_sincosf_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincosf_either(q5, small, &s5, &c5);
 	const float own_f5x = f[24*stride];
 	const float own_f5y = f[25*stride];
 	const float own_f5z = f[26*stride];
@@ -759,7 +761,7 @@ static RNEA_INLINE void ur5_bpass_body(const float *q, const float *f, float *ta
 	/* ---- out to link 6 "wrist_3_link" ---- */
 	const float q6 = q[5*stride];
 	float s6, c6;
-	rneagen_sincosf_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincosf_either(q6, small, &s6, &c6);
 	const float own_f6x = f[30*stride];
 	const float own_f6y = f[31*stride];
 	const float own_f6z = f[32*stride];
@@ -822,6 +824,7 @@ static RNEA_INLINE void ur5_bpass_body(const float *q, const float *f, float *ta
 
 	/* ---- back from link 1 "shoulder_link" to the world (bpass): torque of "shoulder_pan_joint" ---- */
 	tau[0*stride] = n1z;
+	return all_small;
 }
 
 
@@ -829,20 +832,20 @@ static RNEA_INLINE void ur5_bpass_body(const float *q, const float *f, float *ta
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK, RNEA_MIN_BLOCKS)
 ur5_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd, float *__restrict__ tau, size_t count)
 {
-	const size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
+	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
 
 	if (k >= count)
 		return;
-	if (ur5_is_small(q + k, count))
-		ur5_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1);
-	else
+	if (!ur5_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1)) {
+		asm volatile("" : "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for later */
 		ur5_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0);
+	}
 }
 
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK)
 ur5_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd, float *__restrict__ v, float *__restrict__ a, float *__restrict__ f, size_t count)
 {
-	const size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
+	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
 
 	if (k >= count)
 		return;
@@ -852,7 +855,7 @@ ur5_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, cons
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK)
 ur5_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, float *__restrict__ tau, size_t count)
 {
-	const size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
+	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
 
 	if (k >= count)
 		return;
