@@ -45,7 +45,7 @@ static void remove_folder(void)
 
 static const char *inside(const char *name)
 {
-	static char buffers[8][512];
+	static char buffers[8][1024];
 	static int next;
 	char *path = buffers[next++ % 8];
 
@@ -195,6 +195,29 @@ START_TEST(there_is_none)
 }
 END_TEST
 
+/* Of a path the library keeps 511 bytes; what it had to cut is not taken for the file that has the rest as its name. */
+START_TEST(path_is_too_long)
+{
+	char name[600], text[1024];
+	size_t length = 511 - strlen(folder) - 1;
+
+	for (size_t i = 0; i < sizeof name; i++)
+		name[i] = i % 100 == 99 ? '/' : 'd';
+	for (size_t more = 0; more < 3; more++) {
+		name[length + more - 1] = 'f';
+		name[length + more] = '\0';
+		put_nvrtc(name);
+		setenv("RNEA_NVRTC", inside(name), 1);
+		ck_assert_int_eq(nvrtc_identity(text, sizeof text), 0);
+		name[length + more] = 'd';
+	}
+	name[length - 2] = 'f';
+	name[length - 1] = '\0';
+	setenv("RNEA_NVRTC", put_nvrtc(name), 1);
+	ck_assert_int_eq(nvrtc_identity(text, sizeof text), 1);
+}
+END_TEST
+
 /* A name without a slash is the linker's to find, even if that loads it. */
 START_TEST(asks_the_linker)
 {
@@ -317,6 +340,7 @@ Suite *suite_nvrtc(void)
 	tcase_add_test(t, names_the_chosen);
 	tcase_add_test(t, tells_files_apart);
 	tcase_add_test(t, there_is_none);
+	tcase_add_test(t, path_is_too_long);
 	tcase_add_test(t, asks_the_linker);
 	tcase_add_loop_test(t, searches_as_opening_does, 0, sizeof places / sizeof *places);
 	tcase_add_test(t, newest_first);
