@@ -26,7 +26,8 @@ add_executable(test_runtime_cache test_runtime_cache.c test_runtime_cache_entry.
 	test_runtime_cache_folder.c test_runtime_cache_race.c)
 target_link_libraries(test_runtime_cache PRIVATE rnea::rnea PkgConfig::CHECK Threads::Threads)
 target_link_options(test_runtime_cache PRIVATE
-	-Wl,--wrap=malloc,--wrap=realloc,--wrap=write,--wrap=read,--wrap=close,--wrap=renameat,--wrap=openat)
+	-Wl,--wrap=malloc,--wrap=realloc,--wrap=write,--wrap=read,--wrap=close,--wrap=renameat,--wrap=openat
+	-Wl,--wrap=clock_gettime)
 add_test(NAME test_runtime_cache COMMAND test_runtime_cache)
 
 # The host backend, with the machine's own C compiler.

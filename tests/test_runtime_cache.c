@@ -30,6 +30,8 @@ int __real_close(int fd);
 int __wrap_close(int fd);
 int __real_renameat(int from_folder, const char *from, int to_folder, const char *to);
 int __wrap_renameat(int from_folder, const char *from, int to_folder, const char *to);
+int __real_clock_gettime(clockid_t clock, struct timespec *time);
+int __wrap_clock_gettime(clockid_t clock, struct timespec *time);
 int __real_openat(int folder, const char *name, int flags, ...);
 int __wrap_openat(int folder, const char *name, int flags, ...);
 
@@ -116,6 +118,14 @@ int __wrap_openat(int folder, const char *name, int flags, ...)
 		va_end(ap);
 	}
 	return fails(FAULT_OPEN) ? -1 : __real_openat(folder, name, flags, mode);
+}
+
+int __wrap_clock_gettime(clockid_t clock, struct timespec *time)
+{
+	if (!faults.time.tv_sec)
+		return __real_clock_gettime(clock, time);
+	*time = faults.time;
+	return 0;
 }
 
 /* ---- the sandbox ---- */

@@ -6,6 +6,7 @@
 #include <check.h>
 #include <stdint.h>
 #include <sys/types.h>
+#include <time.h>
 
 Suite *suite_cache_folder(void);
 Suite *suite_cache_entry(void);
@@ -59,6 +60,7 @@ struct faults {
 	size_t allocated;	   /* the largest request */
 	int eintr;		   /* every other read and write is interrupted */
 	void (*before_read)(void); /* called once */
+	struct timespec time;	   /* what the clock says; 0: what it is */
 };
 extern _Thread_local struct faults faults;
 void faults_clear(void);

@@ -26,7 +26,7 @@ static int next_descriptor(void)
 static const char *const fault_names[FAULT_COUNT] = {"malloc", "write", "close", "renameat", "openat", "read"};
 
 /* One of the calls with number 0, 1, ... fails, until all went well: the image is kept or it is not, the one before it
-   is there or the new one is, and nothing is left over. Whether the new one had to be kept is not the question. */
+   is there or the new one is, and nothing is left over. What comes after the entry, the pruning, may fail. */
 static long fail_puts(enum fault f, int error)
 {
 	struct cache c = cache_in("c");
@@ -45,6 +45,8 @@ static long fail_puts(enum fault f, int error)
 			return k;
 		}
 		faults_clear();
+		ck_assert_msg(kept == (f == FAULT_MALLOC || (k > 0 && (f == FAULT_OPEN || f == FAULT_CLOSE))), "%s %ld",
+			fault_names[f], k);
 		ck_assert_msg(get_is(&c, "key", kept ? "the second" : "first"), "%s %ld", fault_names[f], k);
 		ck_assert_msg(count_files(c.folder, "", "") == 3, "%s %ld left a file", fault_names[f], k);
 		ck_assert_int_eq(next_descriptor(), descriptor);
@@ -87,6 +89,33 @@ START_TEST(every_call_fails)
 	printf("%s: each of %ld calls of a put and %ld of a get failed\n", fault_names[_i], puts_failed, gets_failed);
 	ck_assert_int_ge(puts_failed, puts_reach[_i]);
 	ck_assert_int_ge(gets_failed, gets_reach[_i]);
+}
+END_TEST
+
+/* Somebody else's file in the place of the one to be written: another name is taken, a hundred times. */
+START_TEST(temporaries_are_there)
+{
+	struct cache c = cache_in("c");
+	char name[64], *content;
+	size_t size;
+
+	ck_assert_int_eq(put_text(&c, "key", "first"), 1);
+	faults.time = (struct timespec){1700000000, 12345};
+	for (int i = 0; i < 100; i++) {
+		ck_assert_int_eq(put_text(&c, "key", i % 2 ? "odd" : "even"), 1);
+		snprintf(name, sizeof name, "c/rnea-tmp-%ld-1700000000000012345-%d", (long)getpid(), i);
+		entry_write(inside(name), "somebody's", 10);
+	}
+	ck_assert_int_eq(put_text(&c, "key", "another"), 0);
+	ck_assert_int_eq(get_is(&c, "key", "odd"), 1);
+	ck_assert_int_eq(count_temporaries(c.folder), 100);
+	for (int i = 0; i < 100; i++) {
+		snprintf(name, sizeof name, "c/rnea-tmp-%ld-1700000000000012345-%d", (long)getpid(), i);
+		content = entry_read(inside(name), &size);
+		ck_assert_uint_eq(size, 10);
+		ck_assert_mem_eq(content, "somebody's", 10);
+		free(content);
+	}
 }
 END_TEST
 
@@ -224,6 +253,7 @@ Suite *suite_cache_fault(void)
 
 	tcase_add_checked_fixture(t, sandbox_make, sandbox_remove);
 	tcase_add_loop_test(t, every_call_fails, 0, FAULT_COUNT);
+	tcase_add_test(t, temporaries_are_there);
 	tcase_add_test(t, short_and_interrupted);
 	tcase_add_test(t, files_are_limited);
 	tcase_add_test(t, disk_is_full);
