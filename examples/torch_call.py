@@ -32,8 +32,8 @@ class rnea_argument(ctypes.Structure):
 
 
 class rnea_info(ctypes.Structure):  # as far as it is used; only librnea makes one
-    _fields_ = [("name", c_char_p), ("precision", c_int), ("layout", c_int), ("trig", c_char_p), ("base", c_char_p),
-                ("nq", c_size_t), ("nv", c_size_t), ("nb", c_size_t), ("block", c_uint),
+    _fields_ = [("name", c_char_p), ("precision", c_int), ("arithmetic", c_char_p), ("layout", c_int),
+                ("trig", c_char_p), ("base", c_char_p), ("nq", c_size_t), ("nv", c_size_t), ("nb", c_size_t), ("block", c_uint),
                 ("arguments", POINTER(rnea_argument))]
 
 

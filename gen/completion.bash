@@ -8,7 +8,7 @@ _rneagen_options='-o --output --target --precision --layout --trig --base --grav
 _rneagen_words() {
 	case $1 in
 	--target) echo cuda c header ;;
-	--precision) echo f32 f64 ;;
+	--precision) echo f32 f64 mixed ;;
 	--layout) echo soa aos ;;
 	--trig) echo accurate bounded fast ;;
 	--base) echo fixed floating ;;

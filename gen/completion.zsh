@@ -4,7 +4,7 @@
 _arguments \
 	'(-o --output)'{-o,--output}'[write to a file]:file:_files -g "*.(cu|c|h|cuh)"' \
 	'--target=[kernels, C functions, or inline functions]:target:(cuda c header)' \
-	'--precision=[scalar type]:precision:(f32 f64)' \
+	'--precision=[scalar type]:precision:(f32 f64 mixed)' \
 	'--layout=[how batches lie in memory]:layout:(soa aos)' \
 	'--trig=[sine and cosine]:trigonometry:(accurate bounded fast)' \
 	'--base=[fixed to the world, or moving freely]:base:(fixed floating)' \

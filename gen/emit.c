@@ -17,13 +17,13 @@ static int gcd(int a, int b)
    cheaper than a gap that breaks the slice up (H100: hyq, 12 rows, 0.93 of the floor instead of 0.78). */
 static int pitch(const struct emission *e, int rows)
 {
-	return e->options->layout == RNEAGEN_SOA || gcd(rows, emit_is_f32(e) ? 32 : 16) <= 8 ? rows : rows | 1;
+	return e->options->layout == RNEAGEN_SOA || gcd(rows, 128 / e->memory->bytes) <= 8 ? rows : rows | 1;
 }
 
 /* Bytes of shared memory that staging takes for one sample. */
 static int stage_bytes(const struct emission *e)
 {
-	return (pitch(e, e->tree->nq) + 2 * pitch(e, e->tree->nv)) * (emit_is_f32(e) ? 4 : 8);
+	return (pitch(e, e->tree->nq) + 2 * pitch(e, e->tree->nv)) * e->memory->bytes;
 }
 
 /* Does the rnea kernel fetch its slice into shared memory first? In aos, to move whole lines, wherever 32 samples have
@@ -33,13 +33,13 @@ static int is_staged(const struct emission *e)
 {
 	if (e->options->layout == RNEAGEN_AOS)
 		return SMALLEST_BLOCK * stage_bytes(e) <= SHARED_BYTES;
-	return !emit_is_f32(e) && 2 * SMALLEST_BLOCK * stage_bytes(e) <= SHARED_BYTES;
+	return e->arithmetic->bytes == 8 && 2 * SMALLEST_BLOCK * stage_bytes(e) <= SHARED_BYTES;
 }
 
 /* Does a sample's first run stand unless an angle turns out to be large? Not where that run fills the registers. */
 static int is_optimistic(const struct emission *e)
 {
-	return emit_is_f32(e) && !is_staged(e) && e->tree->body_count < MANY_BODIES;
+	return e->arithmetic->bytes == 4 && !is_staged(e) && e->tree->body_count < MANY_BODIES;
 }
 
 static int block_size(const struct emission *e)
@@ -55,7 +55,7 @@ static int block_size(const struct emission *e)
    choice spills least: a bound makes it fetch all inputs first. */
 static int min_blocks(const struct emission *e)
 {
-	return emit_is_f32(e) && !is_staged(e) && e->tree->body_count >= MANY_BODIES ? 3 : 0;
+	return e->arithmetic->bytes == 4 && !is_staged(e) && e->tree->body_count >= MANY_BODIES ? 3 : 0;
 }
 
 static const char *number(const struct emission *e, int value)
@@ -136,7 +136,7 @@ static void put_kernel(const struct emission *e, const struct pass *p, struct te
 	int staged = is_staged(e) && p == &e->passes[PASS_RNEA];
 	int q_pitch = pitch(e, e->tree->nq), v_pitch = pitch(e, e->tree->nv);
 	const struct slot slots[] = {
-		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", emit_scalar(e)},
+		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
 		{"BOUNDS", p == &e->passes[PASS_RNEA] ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", kernel_call(e, p, staged)},
 		{"PITCH_Q", number(e, q_pitch)}, {"PITCH_V", number(e, v_pitch)}, {"NQ", number(e, e->tree->nq)},
@@ -149,7 +149,7 @@ static void put_kernel(const struct emission *e, const struct pass *p, struct te
 
 static const char *stage_text(const struct emission *e)
 {
-	const struct slot slots[] = {{"T", emit_scalar(e)}};
+	const struct slot slots[] = {{"T", e->memory->type}};
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -217,14 +217,14 @@ static const char *small_limit(const struct emission *e)
 		if (fabsl(e->tree->bodies[k].multiplier) > most)
 			most = fabsl(e->tree->bodies[k].multiplier);
 	text_init(&t, e->arena);
-	emit_number(e, (emit_is_f32(e) ? 1e4L : 1e7L) * (most > 1 ? 0.999L / most : 1), &t); /* less the product's rounding */
+	emit_number(e, e->memory, e->arithmetic->domain * (most > 1 ? 0.999L / most : 1), &t); /* less the product's rounding */
 	return text_string(&t);
 }
 
 /* The test of a sample's angles, in accurate mode. */
 static void put_is_small(const struct emission *e, struct text *out)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"T", emit_scalar(e)}, {"F", emit_is_f32(e) ? "f" : ""},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}, {"F", e->memory->suffix},
 		{"NQ", number(e, e->tree->nq)}, {"LIMIT", small_limit(e)}};
 
 	int host_only = e->options->target == RNEAGEN_TARGET_CUDA && is_optimistic(e);
@@ -263,7 +263,7 @@ void emit_source(const struct emission *e, struct text *out)
 		put_kernel(e, &p[i], &kernels);
 	const struct slot slots[] = {
 		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"INFO", info_text(e)},
-		{"FMA", emit_is_f32(e) ? "fmaf" : "fma"}, {"FMA_SUFFIX_UPPER", emit_is_f32(e) ? "F" : ""},
+		{"F", e->arithmetic->suffix}, {"FMA_SUFFIX_UPPER", e->arithmetic->bytes == 4 ? "F" : ""},
 		{"BLOCK", number(e, block_size(e))}, {"MIN_BLOCKS", number(e, min_blocks(e))},
 		{"SINCOS", sincos_text(e)}, {"BODIES", text_string(&bodies)}, {"STAGE", stage_text(e)},
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
@@ -300,5 +300,5 @@ void emit_info_shape(const struct emission *e, struct text *out)
 	text_printf(out, "block %d\n", block_size(e));
 	for (int i = 0; i < e->passes[PASS_RNEA].dag.argument_count; i++)
 		text_printf(out, "%s %s %d %s sample\n", a[i].is_output ? "output" : "input", a[i].name, a[i].rows,
-			emit_is_f32(e) ? "f32" : "f64");
+			e->memory->name);
 }

@@ -13,6 +13,15 @@ struct pass {
 	struct plan plan;
 };
 
+/* A type of numbers. Memory has one, arithmetic another where the precision converts on loads and stores. */
+struct scalar {
+	const char *name;   /* in options and tables: "f32" */
+	const char *type;   /* in the text: "float" */
+	const char *suffix; /* of functions: "f" in fmaf, rneagen_sincosf_... */
+	int bytes;
+	double domain; /* the largest angle of the bounded sine and cosine */
+};
+
 struct emission {
 	const struct tree *tree;
 	const struct rneagen_options *options; /* defaults resolved: precision, name, file */
@@ -22,14 +31,19 @@ struct emission {
 	const char *hash; /* SHA-256 of the URDF, in hex */
 	struct arena *arena;
 	struct rneagen_error *error;
+	const struct scalar *memory, *arithmetic; /* emit_set_precision */
 };
+
+/* Memory and arithmetic of the precision that the options name. */
+void emit_set_precision(struct emission *e);
+const char *emit_precision_name(enum rneagen_precision precision);
 
 /* The statements of a pass, each indented by one tab. Errors: NUMBER when a constant is no finite number in the
    target's precision. */
 void emit_body(const struct emission *e, const struct pass *p, struct text *out);
 
-/* A number that reads back as the same value in the precision: the shortest decimal that does. */
-void emit_number(const struct emission *e, real value, struct text *out);
+/* A number that reads back as the same value in the type: the shortest decimal that does. */
+void emit_number(const struct emission *e, const struct scalar *s, real value, struct text *out);
 
 /* The table NAME_info as adjacent string literals. */
 void emit_info(const struct emission *e, struct text *out);
@@ -46,8 +60,7 @@ enum params { PARAMS_PLAIN, PARAMS_RESTRICT, PARAMS_CUDA_RESTRICT, PARAMS_NAMES,
 const char *emit_params(const struct emission *e, const struct pass *p, enum params kind);
 const char *emit_q_at_sample(const struct emission *e);
 
-/* The type of a number; from one row of a batch to the next. */
-const char *emit_scalar(const struct emission *e);
+/* From one row of a batch to the next. */
 const char *emit_stride(const struct emission *e);
 
 /* C: the macros that the bodies use, the functions that call them, and their declarations. */
@@ -69,9 +82,10 @@ static inline int emit_has_small(const struct emission *e)
 	return e->options->trig == RNEAGEN_ACCURATE;
 }
 
-static inline int emit_is_f32(const struct emission *e)
+/* Are numbers converted between memory and arithmetic? */
+static inline int emit_converts(const struct emission *e)
 {
-	return e->options->precision == RNEAGEN_F32;
+	return e->memory != e->arithmetic;
 }
 
 #endif

@@ -7,9 +7,9 @@
 enum { WRAP_COLUMN = 100 };
 
 /* The decimal with the fewest digits that the target reads back as the same number (9 or 17 always suffice). */
-void emit_number(const struct emission *e, real value, struct text *out)
+void emit_number(const struct emission *e, const struct scalar *type, real value, struct text *out)
 {
-	int f32 = emit_is_f32(e);
+	int f32 = type->bytes == 4;
 	double rounded = f32 ? (double)(float)value : (double)value;
 	char s[64];
 
@@ -75,7 +75,7 @@ static void put_expression(const struct emission *e, const struct plan *p, struc
 
 	switch (n->op) {
 	case OP_CONST:
-		emit_number(e, n->value, out);
+		emit_number(e, e->arithmetic, n->value, out);
 		break;
 	case OP_NEG:
 		text_putc(out, '-');
@@ -126,13 +126,13 @@ static void put_sincos(const struct emission *e, const struct plan *p, struct re
 	const struct node *n = &p->dag->nodes[a.i];
 	struct ref s = n->op == OP_SIN ? a : plan_partner(p, a, OP_SIN), c = n->op == OP_COS ? a : plan_partner(p, a, OP_COS);
 	char unused[80];
-	const char *sine = p->names[s.i], *cosine = p->names[c.i], *type = emit_is_f32(e) ? "float" : "double";
+	const char *sine = p->names[s.i], *cosine = p->names[c.i];
 
 	snprintf(unused, sizeof unused, "unused_%s", sine ? sine : cosine);
 	sine = sine ? sine : unused;
 	cosine = cosine ? cosine : unused;
-	text_printf(out, "\t%s %s, %s;\n", type, sine, cosine);
-	text_printf(out, "\t%srneagen_sincos%s_%s(", emit_has_small(e) ? "all_small &= " : "", emit_is_f32(e) ? "f" : "",
+	text_printf(out, "\t%s %s, %s;\n", e->arithmetic->type, sine, cosine);
+	text_printf(out, "\t%srneagen_sincos%s_%s(", emit_has_small(e) ? "all_small &= " : "", e->arithmetic->suffix,
 		emit_has_small(e) ? "either" : modes[e->options->trig]);
 	put_value(e, p, n->arg[0], 0, out);
 	text_printf(out, "%s, &%s, &%s);\n", emit_has_small(e) ? ", small" : "", sine, cosine);
@@ -172,7 +172,9 @@ static void put_store(const struct emission *e, const struct plan *p, const stru
 
 	text_init(&statement, e->arena);
 	text_printf(&statement, "%s[%d*stride] = ", p->dag->arguments[o->argument].name, o->row);
-	put_value(e, p, o->value, 0, &statement);
+	if (emit_converts(e))
+		text_printf(&statement, "(%s)", e->memory->type);
+	put_value(e, p, o->value, emit_converts(e) ? op_strength[OP_NEG] : 0, &statement);
 	text_putc(&statement, ';');
 	out->failed |= statement.failed;
 	put_wrapped(out, text_string(&statement));
@@ -184,7 +186,9 @@ static void put_assignment(const struct emission *e, const struct plan *p, struc
 	struct text statement;
 
 	text_init(&statement, e->arena);
-	text_printf(&statement, "const %s %s = ", emit_is_f32(e) ? "float" : "double", p->names[a.i]);
+	text_printf(&statement, "const %s %s = ", e->arithmetic->type, p->names[a.i]);
+	if (n->op == OP_INPUT && emit_converts(e))
+		text_printf(&statement, "(%s)", e->arithmetic->type);
 	if (n->op == OP_INPUT)
 		text_printf(&statement, "%s[%u*stride]", p->dag->arguments[n->arg[0].i].name, (unsigned)n->arg[1].i);
 	else

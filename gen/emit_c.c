@@ -19,7 +19,7 @@ static const char *joined(const struct emission *e, const char *a, const char *b
 const char *emit_head_c(const struct emission *e)
 {
 	const struct slot slots[] = {
-		{"FMA", emit_is_f32(e) ? "fmaf" : "fma"}, {"FMA_SUFFIX_UPPER", emit_is_f32(e) ? "F" : ""}};
+		{"F", e->arithmetic->suffix}, {"FMA_SUFFIX_UPPER", e->arithmetic->bytes == 4 ? "F" : ""}};
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -48,7 +48,7 @@ static void put_functions(const struct emission *e, const struct pass *p, struct
 
 const char *emit_functions_c(const struct emission *e)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"T", emit_scalar(e)},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type},
 		{"COUNT_PARAM", is_soa(e) ? "size_t count, " : ""},
 		{"Q_AT_SAMPLE", joined(e, emit_q_at_sample(e), emit_stride(e))}};
 	struct text t;

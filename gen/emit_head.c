@@ -32,8 +32,8 @@ static void put_command(const struct emission *e, struct text *out)
 	const struct rneagen_options *o = e->options;
 	text_put(out, "rneagen ");
 	text_put_comment(out, base_name(o->file));
-	text_printf(out, " --target %s --precision %s --layout %s --trig %s", TARGETS[o->target], emit_is_f32(e) ? "f32" : "f64",
-		LAYOUTS[o->layout], TRIGS[o->trig]);
+	text_printf(out, " --target %s --precision %s --layout %s --trig %s", TARGETS[o->target],
+		emit_precision_name(o->precision), LAYOUTS[o->layout], TRIGS[o->trig]);
 	if (o->base == RNEAGEN_FLOATING)
 		text_put(out, " --base floating");
 	if (o->mimic == RNEAGEN_MIMIC_INDEPENDENT)
@@ -171,8 +171,8 @@ static void put_info_lines(const struct emission *e, struct text *t)
 	struct operation_count n = plan_operations(&e->passes[PASS_RNEA].plan);
 	const struct rneagen_options *o = e->options;
 
-	text_printf(t, "rneagen-info 1\nname %s\nprecision %s\nlayout %s\ntrig %s\nbase %s\n", o->name,
-		emit_is_f32(e) ? "f32" : "f64", LAYOUTS[o->layout], TRIGS[o->trig],
+	text_printf(t, "rneagen-info 1\nname %s\nprecision %s\narithmetic %s\nlayout %s\ntrig %s\nbase %s\n", o->name,
+		e->memory->name, e->arithmetic->name, LAYOUTS[o->layout], TRIGS[o->trig],
 		o->base == RNEAGEN_FLOATING ? "floating" : "fixed");
 	text_printf(t, "nq %d\nnv %d\nnb %d\n", e->tree->nq, e->tree->nv, e->tree->body_count);
 	emit_info_shape(e, t);

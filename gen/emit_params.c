@@ -1,9 +1,24 @@
 /* The arguments of the generated functions, in every form in which a text lists them. */
 #include "emit.h"
 
-const char *emit_scalar(const struct emission *e)
+static const struct scalar F32 = {"f32", "float", "f", 4, 1e4}, F64 = {"f64", "double", "", 8, 1e7};
+
+/* What --precision names. */
+static const struct precision {
+	const char *name;
+	const struct scalar *memory, *arithmetic;
+} PRECISIONS[] = {[RNEAGEN_F32] = {"f32", &F32, &F32}, [RNEAGEN_F64] = {"f64", &F64, &F64},
+	[RNEAGEN_MIXED] = {"mixed", &F32, &F64}};
+
+void emit_set_precision(struct emission *e)
 {
-	return emit_is_f32(e) ? "float" : "double";
+	e->memory = PRECISIONS[e->options->precision].memory;
+	e->arithmetic = PRECISIONS[e->options->precision].arithmetic;
+}
+
+const char *emit_precision_name(enum rneagen_precision precision)
+{
+	return PRECISIONS[precision].name;
 }
 
 const char *emit_stride(const struct emission *e)
@@ -23,7 +38,7 @@ static void put_declaration(const struct emission *e, const struct argument *a, 
 {
 	const char *qualifier = kind == PARAMS_RESTRICT ? "restrict " : kind == PARAMS_CUDA_RESTRICT ? "__restrict__ " : "";
 
-	text_printf(out, "%s%s *%s%s", a->is_output ? "" : "const ", emit_scalar(e), qualifier, a->name);
+	text_printf(out, "%s%s *%s%s", a->is_output ? "" : "const ", e->memory->type, qualifier, a->name);
 }
 
 static void put_argument(const struct emission *e, const struct pass *p, int i, enum params kind, struct text *out)

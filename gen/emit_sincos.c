@@ -14,7 +14,7 @@ static int has_angles(const struct emission *e)
 void emit_sincos(const struct emission *e, struct text *out)
 {
 	enum rneagen_trig trig = e->options->trig;
-	int f32 = emit_is_f32(e), host_only = f32 && trig == RNEAGEN_FAST;
+	int f32 = e->arithmetic->bytes == 4, host_only = f32 && trig == RNEAGEN_FAST;
 
 	if (!has_angles(e))
 		return;

@@ -16,7 +16,7 @@ static const char HELP[] =
 	"\n"
 	"  -o, --output FILE          .cu, .c (with the .h that declares it beside it), .h or .cuh\n"
 	"  --target cuda|c|header     kernels, C functions, or inline functions to embed (default: by FILE's suffix, else cuda)\n"
-	"  --precision f32|f64        default f32 for cuda and header, f64 for c\n"
+	"  --precision f32|f64|mixed  default f32 for cuda and header, f64 for c; mixed: f32 in memory, f64 in arithmetic\n"
 	"  --layout soa|aos           batches as [row][sample] (default) or [sample][row]\n"
 	"  --trig accurate|bounded|fast\n"
 	"                             sine and cosine for any finite argument (default), for a stated domain, or in hardware\n"

@@ -121,7 +121,8 @@ static enum rneagen_code generate(struct generation *g, const char *urdf, size_t
 	g->result->warnings = g->robot.warnings;
 	g->result->warning_count = g->robot.warning_count;
 	g->emission = (struct emission){&g->tree, &g->options, g->passes, g->robot.warnings, g->robot.warning_count, g->hash, a,
-		g->error};
+		g->error, NULL, NULL};
+	emit_set_precision(&g->emission);
 	return make_texts(g);
 }
 

@@ -97,6 +97,7 @@ RNEA_INFO const char atlas_info[] =
 	"rneagen-info 1\n"
 	"name atlas\n"
 	"precision f64\n"
+	"arithmetic f64\n"
 	"layout soa\n"
 	"trig accurate\n"
 	"base fixed\n"

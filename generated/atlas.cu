@@ -109,6 +109,7 @@ RNEA_INFO const char atlas_info[] =
 	"rneagen-info 1\n"
 	"name atlas\n"
 	"precision f32\n"
+	"arithmetic f32\n"
 	"layout soa\n"
 	"trig accurate\n"
 	"base fixed\n"

@@ -90,6 +90,7 @@ RNEA_INFO const char hyq_info[] =
 	"rneagen-info 1\n"
 	"name hyq\n"
 	"precision f64\n"
+	"arithmetic f64\n"
 	"layout soa\n"
 	"trig accurate\n"
 	"base floating\n"

@@ -102,6 +102,7 @@ RNEA_INFO const char hyq_info[] =
 	"rneagen-info 1\n"
 	"name hyq\n"
 	"precision f32\n"
+	"arithmetic f32\n"
 	"layout soa\n"
 	"trig accurate\n"
 	"base floating\n"

@@ -74,6 +74,7 @@ RNEA_INFO const char iiwa14_info[] =
 	"rneagen-info 1\n"
 	"name iiwa14\n"
 	"precision f64\n"
+	"arithmetic f64\n"
 	"layout soa\n"
 	"trig accurate\n"
 	"base fixed\n"

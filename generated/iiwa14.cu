@@ -86,6 +86,7 @@ RNEA_INFO const char iiwa14_info[] =
 	"rneagen-info 1\n"
 	"name iiwa14\n"
 	"precision f32\n"
+	"arithmetic f32\n"
 	"layout soa\n"
 	"trig accurate\n"
 	"base fixed\n"

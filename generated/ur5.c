@@ -73,6 +73,7 @@ RNEA_INFO const char ur5_info[] =
 	"rneagen-info 1\n"
 	"name ur5\n"
 	"precision f64\n"
+	"arithmetic f64\n"
 	"layout soa\n"
 	"trig accurate\n"
 	"base fixed\n"

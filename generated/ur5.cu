@@ -85,6 +85,7 @@ RNEA_INFO const char ur5_info[] =
 	"rneagen-info 1\n"
 	"name ur5\n"
 	"precision f32\n"
+	"arithmetic f32\n"
 	"layout soa\n"
 	"trig accurate\n"
 	"base fixed\n"

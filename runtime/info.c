@@ -9,6 +9,7 @@ enum { VERSION = 1, BLOCK_LIMIT = 1024 };
 enum key {
 	KEY_NAME,
 	KEY_PRECISION,
+	KEY_ARITHMETIC,
 	KEY_LAYOUT,
 	KEY_TRIG,
 	KEY_BASE,
@@ -21,7 +22,7 @@ enum key {
 };
 
 static const char *const keys[KEY_COUNT] = {
-	"name", "precision", "layout", "trig", "base", "nq", "nv", "nb", "block", "operations"};
+	"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv", "nb", "block", "operations"};
 
 struct parser {
 	char *rest;    /* of the text: what is not read yet */
@@ -179,6 +180,8 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 		return read_word(p, &info->name);
 	case KEY_PRECISION:
 		return read_scalar(p, &info->precision);
+	case KEY_ARITHMETIC:
+		return read_word(p, &info->arithmetic);
 	case KEY_LAYOUT:
 		read_choice(p, &choice, "soa", "aos");
 		info->layout = choice ? RNEA_AOS : RNEA_SOA;
@@ -244,7 +247,7 @@ static enum rnea_code check(struct parser *p)
 	const struct rnea_info *info = p->info;
 
 	for (int i = 0; i < KEY_COUNT; i++)
-		if (!p->seen[i])
+		if (!p->seen[i] && i != KEY_ARITHMETIC)
 			return rnea_error_set(p->error, RNEA_TABLE, "info table: the key \"%s\" is missing", keys[i]);
 	if (!info->input_count || !info->output_count)
 		return rnea_error_set(
@@ -295,6 +298,8 @@ enum rnea_code rnea_info_parse(const char *text, size_t length, struct rnea_info
 		read_line(&p);
 	if (e->code || check(&p))
 		rnea_info_free(info);
+	else if (!info->arithmetic)
+		info->arithmetic = info->precision == RNEA_F64 ? "f64" : "f32";
 	return e->code;
 }
 

@@ -3,11 +3,12 @@
 /* The table that a generated text holds about itself: lines `key values`, the first `rneagen-info 1`.
 
 	name NAME | precision f32|f64 | layout soa|aos | trig WORD | base WORD | nq N | nv N | nb N | block N
+	arithmetic WORD                           (where it does not stand, it is the precision)
 	input NAME ROWS f32|f64 sample|batch      (and `output`; one line each, in the order of the signature)
 	operations MUL ADD SUB NEG FMA SINCOS
 	joint IQ NQ IV NV TYPE NAME               (the name goes to the end of the line)
 
-   Each key of the first line stands once, and so does `operations`. A key that is not listed is passed over: what would
+   Each key of the first line stands once, and so does `operations`; `arithmetic` at most once. A key that is not listed is passed over: what would
    change the meaning of the rest gets a new version. */
 
 #include "error.h"

@@ -94,7 +94,8 @@ struct rnea_operations {
 /* The parsed table. Every pointer belongs to the robot that it was asked of and is valid until rnea_close. */
 struct rnea_info {
 	const char *name; /* the identifier that prefixes the functions of the text */
-	enum rnea_scalar precision;
+	enum rnea_scalar precision; /* of numbers in memory */
+	const char *arithmetic;     /* "f32", "f64" or "f32x2": what is computed with */
 	enum rnea_layout layout;
 	const char *trig; /* "accurate", "bounded" or "fast" */
 	const char *base; /* "fixed" or "floating" */

@@ -61,7 +61,7 @@ static struct rneagen_options options_from(const uint8_t head[HEADER])
 	struct rneagen_options o = rneagen_options_default();
 
 	o.target = (enum rneagen_target)((head[0] & 3) % 3);
-	o.precision = (enum rneagen_precision)((head[0] >> 2 & 3) % 3);
+	o.precision = (enum rneagen_precision)(head[0] >> 2 & 3);
 	o.layout = (enum rneagen_layout)(head[0] >> 4 & 1);
 	o.trig = (enum rneagen_trig)((head[0] >> 5 & 3) % 3);
 	o.base = (enum rneagen_base)(head[0] >> 7);

@@ -40,7 +40,8 @@ static const char *number(real value, enum rneagen_precision precision)
 	struct text t = {.arena = &arena, .s = buffer, .capacity = sizeof buffer};
 
 	options.precision = precision;
-	emit_number(&e, value, &t);
+	emit_set_precision(&e);
+	emit_number(&e, e.arithmetic, value, &t);
 	ck_assert(!t.failed && t.s == buffer);
 	return buffer;
 }

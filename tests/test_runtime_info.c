@@ -25,6 +25,7 @@ START_TEST(reads_everything)
 	ck_assert_int_eq(parse(HEAD SIZES ARRAYS COUNTS JOINTS, &i, &e), RNEA_OK);
 	ck_assert_str_eq(i.name, "arm");
 	ck_assert(i.precision == RNEA_F64 && i.layout == RNEA_AOS && i.block == 64);
+	ck_assert_str_eq(i.arithmetic, "f64"); /* the precision, as nothing else is said */
 	ck_assert_str_eq(i.trig, "bounded");
 	ck_assert_str_eq(i.base, "floating");
 	ck_assert(i.nq == 8 && i.nv == 7 && i.nb == 2);
@@ -40,6 +41,20 @@ START_TEST(reads_everything)
 	ck_assert(i.operations.neg == 40 && i.operations.fma == 50 && i.operations.sincos == 60);
 	rnea_info_free(&i);
 	ck_assert_ptr_null(i.memory);
+}
+END_TEST
+
+START_TEST(arithmetic_of_its_own)
+{
+	struct rnea_info i;
+	struct rnea_error e;
+
+	ck_assert_int_eq(parse(HEAD "arithmetic f32x2\n" SIZES ARRAYS COUNTS JOINTS, &i, &e), RNEA_OK);
+	ck_assert(i.precision == RNEA_F64);
+	ck_assert_str_eq(i.arithmetic, "f32x2");
+	rnea_info_free(&i);
+	ck_assert_int_eq(parse(HEAD "arithmetic f32\narithmetic f32\n" SIZES ARRAYS COUNTS, &i, &e), RNEA_TABLE);
+	ck_assert_int_eq(parse(HEAD "arithmetic\n" SIZES ARRAYS COUNTS, &i, &e), RNEA_TABLE);
 }
 END_TEST
 
@@ -178,6 +193,7 @@ Suite *suite_info(void)
 
 	tcase_add_test(t, reads_everything);
 	tcase_add_test(t, accepts_variations);
+	tcase_add_test(t, arithmetic_of_its_own);
 	tcase_add_loop_test(t, refuses_damage, 0, (int)(sizeof damages / sizeof *damages));
 	tcase_add_test(t, refuses_a_nul);
 	tcase_add_test(t, refuses_too_many_arrays);

@@ -30,7 +30,7 @@ static struct rneagen_options options_of(int index, const char *file)
 	struct rneagen_options o = rneagen_options_default();
 
 	o.target = (enum rneagen_target)(index % 3);
-	o.precision = (enum rneagen_precision)(index / 3 % 3);
+	o.precision = (enum rneagen_precision)(index / 3 % 4);
 	o.trig = (enum rneagen_trig)(index / 2 % 3);
 	o.layout = (enum rneagen_layout)(index % 2);
 	o.base = (enum rneagen_base)(index / 2 % 2);
