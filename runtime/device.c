@@ -3,11 +3,37 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A driver call that did not return 0, as one of our codes. */
-static enum rnea_code failed(const struct device *d, int status, const char *call, struct rnea_error *e)
+/* What is to be done where a status means that the context, and all that was in it, is lost; NULL: it is not. */
+static const char *lost_context(int status)
 {
-	const char *name = NULL, *text = NULL;
-	enum rnea_code code = RNEA_DRIVER;
+	switch (status) {
+	case DEVICE_STATUS_DEINITIALIZED:
+		return "the driver has shut down in this process";
+	case DEVICE_STATUS_BAD_CONTEXT:
+	case DEVICE_STATUS_CONTEXT_DESTROYED:
+		return "the context was destroyed, by a reset of the device perhaps: close this robot and open it "
+		       "again";
+	case DEVICE_STATUS_ECC:
+	case DEVICE_STATUS_ILLEGAL_ADDRESS:
+	case DEVICE_STATUS_TIMEOUT:
+	case DEVICE_STATUS_ASSERT:
+	case DEVICE_STATUS_STACK:
+	case DEVICE_STATUS_ILLEGAL_INSTRUCTION:
+	case DEVICE_STATUS_MISALIGNED_ADDRESS:
+	case DEVICE_STATUS_ADDRESS_SPACE:
+	case DEVICE_STATUS_BAD_PC:
+	case DEVICE_STATUS_LAUNCH_FAILED:
+		return "a kernel, of whatever library, ran before this call and killed the context: start the process "
+		       "anew";
+	default:
+		return NULL;
+	}
+}
+
+enum rnea_code device_failed(const struct device *d, int status, const char *call, struct rnea_error *e)
+{
+	const char *name = NULL, *text = NULL, *lost = lost_context(status);
+	enum rnea_code code = lost ? RNEA_CONTEXT : RNEA_DRIVER;
 
 	if (status == DEVICE_STATUS_MEMORY)
 		code = RNEA_DEVICE_MEMORY;
@@ -17,17 +43,19 @@ static enum rnea_code failed(const struct device *d, int status, const char *cal
 		code = RNEA_NO_DRIVER;
 	d->api.get_error_name(status, &name);
 	d->api.get_error_string(status, &text);
-	return rnea_error_set(e, code, "CUDA driver (%s): %s: error %d, %s: %s", d->library.path, call, status,
-		name ? name : "unnamed", text ? text : "no description");
+	return rnea_error_set(e, code, "CUDA driver (%s): %s: error %d, %s: %s%s%s", d->library.path, call, status,
+		name ? name : "unnamed", text ? text : "no description", lost ? "; " : "", lost ? lost : "");
 }
 
-static enum rnea_code find_library(struct library *l, struct rnea_error *e)
+static enum rnea_code find_library(struct device *d, struct rnea_error *e)
 {
 	const char *chosen = getenv("RNEA_LIBCUDA");
+	struct library *l = &d->library;
 
 	if (chosen && *chosen) {
 		library_try(l, chosen);
 	} else {
+		d->absent = 1; /* until load_api has what it needs */
 		library_try(l, "libcuda.so.1");
 		library_try(l, "/usr/lib/wsl/lib/libcuda.so.1");
 		library_try(l, "/usr/local/nvidia/lib64/libcuda.so.1");
@@ -51,6 +79,7 @@ static enum rnea_code load_api(struct device *d, struct rnea_error *e)
 	if (missing)
 		return rnea_error_set(e, RNEA_NO_DRIVER,
 			"CUDA driver (%s): it has no function %s; a newer driver is needed", d->library.path, missing);
+	d->absent = 0;
 	return RNEA_OK;
 }
 
@@ -60,19 +89,20 @@ static enum rnea_code choose(struct device *d, int ordinal, struct rnea_error *e
 	int status = d->api.device_get_count(&count);
 
 	if (status)
-		return failed(d, status, "cuDeviceGetCount", e);
+		return device_failed(d, status, "cuDeviceGetCount", e);
+	d->absent = count == 0;
 	if (ordinal < 0 || ordinal >= count)
 		return rnea_error_set(e, RNEA_NO_DEVICE, "no CUDA device %d: the driver (%s) shows %d", ordinal,
 			d->library.path, count);
 	if ((status = d->api.device_get(&d->handle, ordinal)) != 0)
-		return failed(d, status, "cuDeviceGet", e);
+		return device_failed(d, status, "cuDeviceGet", e);
 	if ((status = d->api.device_get_name(d->name, (int)sizeof d->name, d->handle)) != 0)
-		return failed(d, status, "cuDeviceGetName", e);
+		return device_failed(d, status, "cuDeviceGetName", e);
 	status = d->api.device_get_attribute(&major, DEVICE_ATTRIBUTE_MAJOR, d->handle);
 	if (!status)
 		status = d->api.device_get_attribute(&minor, DEVICE_ATTRIBUTE_MINOR, d->handle);
 	if (status)
-		return failed(d, status, "cuDeviceGetAttribute", e);
+		return device_failed(d, status, "cuDeviceGetAttribute", e);
 	d->arch = 10 * major + minor;
 	return RNEA_OK;
 }
@@ -82,17 +112,19 @@ enum rnea_code device_open(struct device *d, int ordinal, struct rnea_error *e)
 	int status;
 
 	memset(d, 0, sizeof *d);
-	if (find_library(&d->library, e) || load_api(d, e))
+	if (find_library(d, e) || load_api(d, e))
 		return e->code;
-	if ((status = d->api.init(0)) != 0)
-		return failed(d, status, "cuInit", e);
+	if ((status = d->api.init(0)) != 0) {
+		d->absent = status == DEVICE_STATUS_NO_DEVICE || status == DEVICE_STATUS_STUB;
+		return device_failed(d, status, "cuInit", e);
+	}
 	if ((status = d->api.driver_get_version(&d->version)) != 0)
-		return failed(d, status, "cuDriverGetVersion", e);
+		return device_failed(d, status, "cuDriverGetVersion", e);
 	if (choose(d, ordinal, e))
 		return e->code;
 	if ((status = d->api.primary_ctx_retain(&d->context, d->handle)) != 0) {
 		d->context = NULL;
-		return failed(d, status, "cuDevicePrimaryCtxRetain", e);
+		return device_failed(d, status, "cuDevicePrimaryCtxRetain", e);
 	}
 	return RNEA_OK;
 }
@@ -112,11 +144,11 @@ enum rnea_code device_enter(const struct device *d, int *pushed, struct rnea_err
 
 	*pushed = 0;
 	if ((status = d->api.ctx_get_current(&current)) != 0)
-		return failed(d, status, "cuCtxGetCurrent", e);
+		return device_failed(d, status, "cuCtxGetCurrent", e);
 	if (current == d->context)
 		return RNEA_OK;
 	if ((status = d->api.ctx_push_current(d->context)) != 0)
-		return failed(d, status, "cuCtxPushCurrent", e);
+		return device_failed(d, status, "cuCtxPushCurrent", e);
 	*pushed = 1;
 	return RNEA_OK;
 }
@@ -149,7 +181,7 @@ enum rnea_code device_load(
 	*module = NULL;
 	first_line(log);
 	snprintf(call, sizeof call, "cuModuleLoadDataEx of %.300s%s%s", name, *log ? ": " : "", log);
-	return failed(d, status, call, e);
+	return device_failed(d, status, call, e);
 }
 
 void device_unload(const struct device *d, void *module)
@@ -168,7 +200,7 @@ enum rnea_code device_read(
 	if (status == DEVICE_STATUS_NOT_FOUND)
 		return rnea_error_set(e, RNEA_TEXT, "the text defines no device variable %s", symbol);
 	if (status)
-		return failed(d, status, "cuModuleGetGlobal", e);
+		return device_failed(d, status, "cuModuleGetGlobal", e);
 	if (!(*text = malloc(*size + 1)))
 		return rnea_error_memory(e);
 	(*text)[*size] = '\0';
@@ -176,7 +208,7 @@ enum rnea_code device_read(
 		return RNEA_OK;
 	free(*text);
 	*text = NULL;
-	return failed(d, status, "cuMemcpyDtoH", e);
+	return device_failed(d, status, "cuMemcpyDtoH", e);
 }
 
 static int read_resources(const struct device *d, struct device_kernel *kernel)
@@ -210,13 +242,24 @@ enum rnea_code device_find(const struct device *d, void *module, struct device_k
 	if (status == DEVICE_STATUS_NOT_FOUND)
 		return RNEA_OK;
 	if (status)
-		return failed(d, status, "cuModuleGetFunction", e);
+		return device_failed(d, status, "cuModuleGetFunction", e);
 	/* CUDA_MODULE_LOADING=LAZY would put this off until the first launch */
 	if (d->api.func_load && (status = d->api.func_load(kernel->function)) != 0)
-		return failed(d, status, "cuFuncLoad", e);
+		return device_failed(d, status, "cuFuncLoad", e);
 	if ((status = read_resources(d, kernel)) != 0)
-		return failed(d, status, "cuFuncGetAttribute", e);
+		return device_failed(d, status, "cuFuncGetAttribute", e);
 	return RNEA_OK;
+}
+
+enum rnea_code device_resident(
+	const struct device *d, const struct device_kernel *kernel, unsigned block, int *blocks, struct rnea_error *e)
+{
+	int status = d->api.occupancy_blocks(blocks, kernel->function, (int)block, 0);
+
+	if (!status)
+		return RNEA_OK;
+	*blocks = 0;
+	return device_failed(d, status, "cuOccupancyMaxActiveBlocksPerMultiprocessor", e);
 }
 
 enum rnea_code device_launch(const struct device *d, const struct device_kernel *kernel, unsigned grid, unsigned block,
@@ -228,25 +271,5 @@ enum rnea_code device_launch(const struct device *d, const struct device_kernel 
 	if (!status)
 		return RNEA_OK;
 	snprintf(call, sizeof call, "cuLaunchKernel of %s", kernel->name);
-	return failed(d, status, call, e);
-}
-
-enum rnea_code device_stream(const struct device *d, void **stream, struct rnea_error *e)
-{
-	int status = d->api.stream_create(stream, DEVICE_STREAM_NON_BLOCKING);
-
-	if (!status)
-		return RNEA_OK;
-	*stream = NULL;
-	return failed(d, status, "cuStreamCreate", e);
-}
-
-enum rnea_code device_finish(const struct device *d, void *stream, struct rnea_error *e)
-{
-	int status = d->api.stream_synchronize(stream);
-	int destroyed = d->api.stream_destroy(stream);
-
-	if (status)
-		return failed(d, status, "cuStreamSynchronize", e);
-	return destroyed ? failed(d, destroyed, "cuStreamDestroy", e) : RNEA_OK;
+	return device_failed(d, status, call, e);
 }

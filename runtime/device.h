@@ -33,12 +33,41 @@
 	X(func_load, "cuFuncLoad", 0, (void *function))                                                                \
 	X(occupancy_block, "cuOccupancyMaxPotentialBlockSize", 0,                                                      \
 		(int *grid, int *block, void *function, size_t (*shared)(int block), size_t bytes, int limit))         \
+	X(occupancy_blocks, "cuOccupancyMaxActiveBlocksPerMultiprocessor", 1,                                          \
+		(int *blocks, void *function, int block, size_t shared))                                               \
+	X(mem_alloc, "cuMemAlloc_v2", 1, (unsigned long long *address, size_t size))                                   \
+	X(mem_free, "cuMemFree_v2", 1, (unsigned long long address))                                                   \
+	X(mem_alloc_host, "cuMemAllocHost_v2", 1, (void **memory, size_t size))                                        \
+	X(mem_free_host, "cuMemFreeHost", 1, (void *memory))                                                           \
+	X(memcpy_htod_async, "cuMemcpyHtoDAsync_v2", 1,                                                                \
+		(unsigned long long to, const void *from, size_t size, void *stream))                                  \
+	X(memcpy_dtoh_async, "cuMemcpyDtoHAsync_v2", 1,                                                                \
+		(void *to, unsigned long long from, size_t size, void *stream))                                        \
+	X(memcpy_2d_async, "cuMemcpy2DAsync_v2", 1, (const struct device_copy *copy, void *stream))                    \
+	X(pointer_get_attribute, "cuPointerGetAttribute", 1, (void *value, int attribute, unsigned long long address)) \
 	X(stream_create, "cuStreamCreate", 1, (void **stream, unsigned flags))                                         \
 	X(stream_synchronize, "cuStreamSynchronize", 1, (void *stream))                                                \
 	X(stream_destroy, "cuStreamDestroy_v2", 1, (void *stream))                                                     \
 	X(launch_kernel, "cuLaunchKernel", 1,                                                                          \
 		(void *function, unsigned gx, unsigned gy, unsigned gz, unsigned bx, unsigned by, unsigned bz,         \
 			unsigned shared, void *stream, void **parameters, void **extra))
+
+/* CUDA_MEMCPY2D */
+struct device_copy {
+	size_t from_x, from_y;
+	int from_type;
+	const void *from_host;
+	unsigned long long from_device;
+	void *from_array;
+	size_t from_pitch;
+	size_t to_x, to_y;
+	int to_type;
+	void *to_host;
+	unsigned long long to_device;
+	void *to_array;
+	size_t to_pitch;
+	size_t width, height;
+};
 
 struct device_api {
 #define DEVICE_FIELD(field, symbol, required, parameters) int(*field) parameters;
@@ -48,11 +77,25 @@ struct device_api {
 
 /* The values that cuda.h gives them. */
 enum device_constant {
+	DEVICE_STATUS_BAD_VALUE = 1,
 	DEVICE_STATUS_MEMORY = 2,
+	DEVICE_STATUS_DEINITIALIZED = 4,
 	DEVICE_STATUS_STUB = 34,
 	DEVICE_STATUS_NO_DEVICE = 100,
 	DEVICE_STATUS_BAD_DEVICE = 101,
+	DEVICE_STATUS_BAD_CONTEXT = 201,
+	DEVICE_STATUS_ECC = 214,
 	DEVICE_STATUS_NOT_FOUND = 500,
+	DEVICE_STATUS_ILLEGAL_ADDRESS = 700,
+	DEVICE_STATUS_TIMEOUT = 702,
+	DEVICE_STATUS_CONTEXT_DESTROYED = 709,
+	DEVICE_STATUS_ASSERT = 710,
+	DEVICE_STATUS_STACK = 714,
+	DEVICE_STATUS_ILLEGAL_INSTRUCTION = 715,
+	DEVICE_STATUS_MISALIGNED_ADDRESS = 716,
+	DEVICE_STATUS_ADDRESS_SPACE = 717,
+	DEVICE_STATUS_BAD_PC = 718,
+	DEVICE_STATUS_LAUNCH_FAILED = 719,
 	DEVICE_ATTRIBUTE_MAJOR = 75,
 	DEVICE_ATTRIBUTE_MINOR = 76,
 	DEVICE_JIT_ERROR_LOG = 5,
@@ -62,15 +105,20 @@ enum device_constant {
 	DEVICE_FUNC_SHARED_BYTES = 1,
 	DEVICE_FUNC_LOCAL_BYTES = 3,
 	DEVICE_FUNC_REGISTERS = 4,
+	DEVICE_POINTER_TYPE = 2,
+	DEVICE_POINTER_MANAGED = 8,
+	DEVICE_MEMORY_HOST = 1,
+	DEVICE_MEMORY_DEVICE = 2,
 };
 
 struct device {
 	struct library library;
 	struct device_api api;
-	int handle;     /* CUdevice */
-	void *context;  /* its primary context; NULL until it is retained */
-	int arch;       /* 10 major + minor: 90 is sm_90 */
-	int version;    /* of the driver: 13000 is 13.0 */
+	int handle;	/* CUdevice */
+	void *context;	/* its primary context; NULL until it is retained */
+	int arch;	/* 10 major + minor: 90 is sm_90 */
+	int version;	/* of the driver: 13000 is 13.0 */
+	int absent;	/* device_open failed because this machine has no driver or no device at all */
 	char name[128]; /* "NVIDIA H100 80GB HBM3" */
 };
 
@@ -80,8 +128,12 @@ struct device_kernel {
 	struct rnea_resources resources;
 };
 
+/* A driver call that did not return 0, as one of our codes; CONTEXT, with what to do about it, where the context is
+   lost. `call` is for the message. */
+enum rnea_code device_failed(const struct device *d, int status, const char *call, struct rnea_error *e);
+
 /* Find the driver library and retain the primary context of device `ordinal`. `d` is zeroed first, and is fit for
-   device_close whatever the outcome. Errors: NO_DRIVER, NO_DEVICE, DRIVER, DEVICE_MEMORY. */
+   device_close whatever the outcome. Errors: NO_DRIVER, NO_DEVICE, DRIVER, CONTEXT, DEVICE_MEMORY. */
 enum rnea_code device_open(struct device *d, int ordinal, struct rnea_error *e);
 void device_close(struct device *d);
 
@@ -98,16 +150,46 @@ void device_unload(const struct device *d, void *module);
 
 /* Copy the module's variable `symbol` to *text (malloc; a NUL is added) and its bytes to *size. Errors: TEXT where the
    module has none, MEMORY, DRIVER. */
-enum rnea_code device_read(const struct device *d, void *module, const char *symbol, char **text, size_t *size,
-	struct rnea_error *e);
+enum rnea_code device_read(
+	const struct device *d, void *module, const char *symbol, char **text, size_t *size, struct rnea_error *e);
 
 /* Look kernel->name up and load its code; a module without it is no error: kernel->function is then NULL. */
-enum rnea_code device_find(
-	const struct device *d, void *module, struct device_kernel *kernel, struct rnea_error *e);
+enum rnea_code device_find(const struct device *d, void *module, struct device_kernel *kernel, struct rnea_error *e);
+
+/* Blocks of `block` threads that one multiprocessor holds at once; 0: the kernel cannot run in such blocks. */
+enum rnea_code device_resident(
+	const struct device *d, const struct device_kernel *kernel, unsigned block, int *blocks, struct rnea_error *e);
 
 /* Enqueue a kernel in one dimension. */
 enum rnea_code device_launch(const struct device *d, const struct device_kernel *kernel, unsigned grid, unsigned block,
 	void **parameters, void *stream, struct rnea_error *e);
+
+/* Memory of the device, and page-locked memory of the program. Freeing 0 or NULL is a no-op; nothing is reported. */
+enum rnea_code device_alloc(const struct device *d, size_t size, unsigned long long *address, struct rnea_error *e);
+enum rnea_code device_alloc_host(const struct device *d, size_t size, void **memory, struct rnea_error *e);
+void device_free(const struct device *d, unsigned long long address);
+void device_free_host(const struct device *d, void *memory);
+
+/* What the driver knows of a pointer: memory of the program that it has not locked, that it has locked, or memory that
+   the program cannot touch. */
+enum device_kind { DEVICE_KIND_PAGEABLE, DEVICE_KIND_LOCKED, DEVICE_KIND_DEVICE };
+enum device_kind device_kind(const struct device *d, const void *pointer);
+
+/* `lines` pieces of `width` bytes: `host_pitch` apart in the program's memory, which is page-locked, and one after the
+   other on the device. */
+struct device_lines {
+	void *host;
+	unsigned long long device;
+	size_t lines, width, host_pitch;
+};
+
+/* Enqueue a copy of them. */
+enum rnea_code device_copy_in(const struct device *d, const struct device_lines *l, void *stream, struct rnea_error *e);
+enum rnea_code device_copy_out(
+	const struct device *d, const struct device_lines *l, void *stream, struct rnea_error *e);
+
+/* Wait for a stream. */
+enum rnea_code device_wait(const struct device *d, void *stream, struct rnea_error *e);
 
 /* A stream of our own, which no other stream waits for; synchronised and destroyed by device_finish. */
 enum rnea_code device_stream(const struct device *d, void **stream, struct rnea_error *e);

@@ -303,6 +303,16 @@ enum rnea_code rnea_info_parse(const char *text, size_t length, struct rnea_info
 	return e->code;
 }
 
+enum rnea_code rnea_info_read(
+	const char *text, size_t length, const char *name, struct rnea_info *info, struct rnea_error *e)
+{
+	if (rnea_info_parse(text, length, info, e) || strcmp(info->name, name) == 0)
+		return e->code;
+	rnea_error_set(e, RNEA_TABLE, "info table: %s_info calls the robot \"%s\"", name, info->name);
+	rnea_info_free(info);
+	return e->code;
+}
+
 void rnea_info_free(struct rnea_info *info)
 {
 	free(info->memory);

@@ -16,6 +16,10 @@
 /* Parse `length` bytes at `text`; a final NUL may be among them. On success *info is to be released with
    rnea_info_free, on failure it is empty. Errors: TABLE (the message has the line), MEMORY. */
 enum rnea_code rnea_info_parse(const char *text, size_t length, struct rnea_info *info, struct rnea_error *e);
+
+/* The same for the table of the text that defines NAME_info: it must call the robot `name`. */
+enum rnea_code rnea_info_read(
+	const char *text, size_t length, const char *name, struct rnea_info *info, struct rnea_error *e);
 void rnea_info_free(struct rnea_info *info);
 
 #endif

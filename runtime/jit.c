@@ -121,7 +121,9 @@ static enum rnea_code build(
 
 	if (choose_arch(n, r->arch, &arch, e))
 		return e->code;
+	image->arch = arch;
 	image->is_ptx = arch != r->arch;
+	snprintf(image->compiler, sizeof image->compiler, "NVRTC %d.%d (%s)", n->major, n->minor, n->library.path);
 	if ((status = n->api.create_program(&program, r->source, r->file, 0, NULL, NULL)) != 0)
 		return failed(n, status, "nvrtcCreateProgram", e);
 	if (!compile(n, program, arch, image->is_ptx, r, e))

@@ -18,6 +18,8 @@ struct jit_request {
 struct jit_image {
 	char *data; /* malloc; to be released with jit_free */
 	size_t size;
+	int arch;   /* what it was compiled for: 90 is sm_90, or compute_90 */
+	char compiler[600]; /* "NVRTC 13.0 (libnvrtc.so.13)" */
 	int is_ptx; /* NVRTC is older than the architecture: PTX for the newest it knows, which the driver finishes */
 };
 

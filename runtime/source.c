@@ -40,6 +40,7 @@ static enum rnea_code find_name(struct source *s, const char *file, struct rnea_
 			e, RNEA_TEXT, "%s: the name of the robot has more than %d characters", file, SOURCE_NAME_LIMIT);
 	memcpy(s->name, name, length);
 	s->name[length] = '\0';
+	s->is_cuda = strstr(s->text, "\nextern \"C\" __global__ ") != NULL;
 	return RNEA_OK;
 }
 
@@ -86,26 +87,44 @@ static char *read_all(FILE *f, size_t *length)
 	return NULL;
 }
 
-enum rnea_code source_read(struct source *s, const char *path, struct rnea_error *e)
+enum rnea_code source_bytes(const char *path, char **text, size_t *length, struct rnea_error *e)
 {
 	FILE *f = fopen(path, "rb");
-	size_t length;
-	char *text;
 	int reason;
 
-	memset(s, 0, sizeof *s);
+	*text = NULL;
 	if (!f)
 		return rnea_error_set(e, RNEA_READ, "%s: %s", path, strerror(errno));
 	errno = 0;
-	text = read_all(f, &length);
+	*text = read_all(f, length);
 	reason = ferror(f) ? errno : 0;
 	fclose(f);
-	if (!text)
+	if (!*text)
 		return rnea_error_memory(e);
 	if (!reason)
-		return take(s, text, length, path, e);
-	free(text);
+		return RNEA_OK;
+	free(*text);
+	*text = NULL;
 	return rnea_error_set(e, RNEA_READ, "%s: %s", path, strerror(reason));
+}
+
+enum rnea_code source_read(struct source *s, const char *path, struct rnea_error *e)
+{
+	size_t length;
+	char *text;
+
+	memset(s, 0, sizeof *s);
+	return source_bytes(path, &text, &length, e) ? e->code : take(s, text, length, path, e);
+}
+
+unsigned source_macro(const struct source *s, const char *macro)
+{
+	char line[64];
+	int length = snprintf(line, sizeof line, "\n#define %s ", macro);
+	const char *at = strstr(s->text, line);
+	unsigned long value = at ? strtoul(at + length, NULL, 10) : 0;
+
+	return value <= 1024 ? (unsigned)value : 0;
 }
 
 void source_free(struct source *s)

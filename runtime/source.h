@@ -7,17 +7,23 @@
 enum { SOURCE_NAME_LIMIT = 255 };
 
 struct source {
-	char *text; /* NUL-terminated, malloc */
+	char *text;			  /* NUL-terminated, malloc */
 	char name[SOURCE_NAME_LIMIT + 1]; /* the NAME of its NAME_info */
+	int is_cuda;			  /* target cuda: it has kernels; else target c */
 };
 
 /* Copy `length` bytes of a text and find its name. On success *s is to be released with source_free, on failure it is
    empty. `file` is for messages. Errors: TEXT, MEMORY. */
-enum rnea_code source_copy(
-	struct source *s, const char *text, size_t length, const char *file, struct rnea_error *e);
+enum rnea_code source_copy(struct source *s, const char *text, size_t length, const char *file, struct rnea_error *e);
 
 /* The same for the file at `path`. Errors: also READ. */
 enum rnea_code source_read(struct source *s, const char *path, struct rnea_error *e);
+
+/* The number of the line "#define MACRO number", or 0 where the text has no such line. */
+unsigned source_macro(const struct source *s, const char *macro);
+
+/* The bytes of the file at `path` (malloc, *length of them and a NUL). Errors: READ, MEMORY. */
+enum rnea_code source_bytes(const char *path, char **text, size_t *length, struct rnea_error *e);
 
 void source_free(struct source *s);
 

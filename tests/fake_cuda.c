@@ -1,9 +1,11 @@
 /* A pretended CUDA driver for machines without a GPU, chosen by RNEA_LIBCUDA: device memory is memory, a module is a
-   shared object made by fake_nvrtc.c, a launch runs at once, on the processor. This file: devices, contexts, modules,
-   memory; fake_cuda_stream.c: streams, graphs, events.
+   shared object made by fake_nvrtc.c, a launch runs at once, on the processor. This file: devices, contexts, modules;
+   fake_cuda_memory.c: memory; fake_cuda_stream.c: streams, graphs, events.
 
    Environment: RNEA_FAKE_CUDA_FAIL="CALL=STATUS" makes that call return STATUS; RNEA_FAKE_CUDA_DEVICES and
-   RNEA_FAKE_CUDA_ARCH (default 1 and 90); RNEA_FAKE_CUDA_MAX_BLOCK (default 1024) is what kernels can run with. */
+   RNEA_FAKE_CUDA_ARCH (default 1 and 90); RNEA_FAKE_CUDA_MAX_BLOCK (default 1024) is what kernels can run with;
+   RNEA_FAKE_CUDA_LOCAL="A B" (default 0 0): bytes of local memory of kernels with a launch bound, and without;
+   RNEA_FAKE_CUDA_RESIDENT="A B C" (default all 2048): threads resident in blocks of 64, 128 and 256. */
 #define _GNU_SOURCE
 #include "fake_cuda.h"
 #include <dlfcn.h>
@@ -21,6 +23,9 @@ static char contexts[DEVICE_LIMIT]; /* only their addresses matter */
 static _Thread_local void *stack[STACK_LIMIT];
 static _Thread_local int depth;
 static atomic_int live;
+static atomic_long calls_left = -1; /* before the one that fails */
+static atomic_int fail_status;
+static const char *_Atomic failed_call;
 static pthread_mutex_t running = PTHREAD_MUTEX_INITIALIZER;
 
 /* ---- for the tests ---- */
@@ -29,6 +34,21 @@ static pthread_mutex_t running = PTHREAD_MUTEX_INITIALIZER;
 int fake_cuda_live(void)
 {
 	return live + depth;
+}
+
+/* The call after `n` more fails with `status`, and only that one; a negative n ends that. cuCtxPopCurrent, after which
+   nobody looks, is not counted. */
+void fake_cuda_fail(long n, int status)
+{
+	fail_status = status;
+	failed_call = NULL;
+	calls_left = n;
+}
+
+/* The call that failed since, or NULL. */
+const char *fake_cuda_failed(void)
+{
+	return failed_call;
 }
 
 static int variable(const char *name, int otherwise)
@@ -50,6 +70,10 @@ int fake_entry(const char *call, int wants_context)
 
 	if (fail && strncmp(fail, call, length) == 0 && fail[length] == '=')
 		return atoi(fail + length + 1);
+	if (calls_left >= 0 && strcmp(call, "cuCtxPopCurrent_v2") != 0 && calls_left-- == 0) {
+		failed_call = call;
+		return fail_status;
+	}
 	return wants_context && !depth ? FAKE_INVALID_CONTEXT : FAKE_SUCCESS;
 }
 
@@ -246,9 +270,17 @@ int cuModuleGetGlobal_v2(unsigned long long *address, size_t *size, void *module
 
 int cuFuncGetAttribute(int *value, int attribute, void *function)
 {
-	(void)function;
+	const struct fake_kernel *kernel = function;
+	const char *local = getenv("RNEA_FAKE_CUDA_LOCAL");
+	int bytes[2] = {0, 0};
+
 	ENTER(1);
-	*value = attribute == 0 ? variable("RNEA_FAKE_CUDA_MAX_BLOCK", 1024) : attribute == 4 ? 42 : 8 * attribute;
+	if (local)
+		sscanf(local, "%d %d", &bytes[0], &bytes[1]);
+	*value = attribute == 0	  ? variable("RNEA_FAKE_CUDA_MAX_BLOCK", 1024)
+		 : attribute == 3 ? bytes[kernel->min_blocks == 0]
+		 : attribute == 4 ? 42
+				  : 8 * attribute;
 	return FAKE_SUCCESS;
 }
 
@@ -272,63 +304,16 @@ int cuOccupancyMaxPotentialBlockSize(
 	return FAKE_SUCCESS;
 }
 
-/* ---- memory ---- */
-
-static void *pointer(unsigned long long address)
+int cuOccupancyMaxActiveBlocksPerMultiprocessor(int *blocks, void *function, int block, size_t shared)
 {
-	return (void *)address;
-}
+	const char *resident = getenv("RNEA_FAKE_CUDA_RESIDENT");
+	int threads[3] = {2048, 2048, 2048};
 
-int cuMemAlloc_v2(unsigned long long *address, size_t size)
-{
-	void *memory;
-
+	(void)function;
+	(void)shared;
 	ENTER(1);
-	memory = aligned_alloc(256, (size + 255) / 256 * 256);
-	*address = (unsigned long long)memory;
-	fake_count_live(memory != NULL);
-	return memory ? FAKE_SUCCESS : FAKE_OUT_OF_MEMORY;
-}
-
-int cuMemGetInfo_v2(size_t *available, size_t *total)
-{
-	ENTER(1);
-	*available = *total = 1 << 28;
-	return FAKE_SUCCESS;
-}
-
-int cuMemFree_v2(unsigned long long address)
-{
-	ENTER(1);
-	free(pointer(address));
-	fake_count_live(-(address != 0));
-	return FAKE_SUCCESS;
-}
-
-int cuMemcpyHtoD_v2(unsigned long long to, const void *from, size_t size)
-{
-	ENTER(1);
-	memcpy(pointer(to), from, size);
-	return FAKE_SUCCESS;
-}
-
-int cuMemcpyDtoH_v2(void *to, unsigned long long from, size_t size)
-{
-	ENTER(1);
-	memcpy(to, pointer(from), size);
-	return FAKE_SUCCESS;
-}
-
-int cuMemcpyDtoD_v2(unsigned long long to, unsigned long long from, size_t size)
-{
-	ENTER(1);
-	memcpy(pointer(to), pointer(from), size);
-	return FAKE_SUCCESS;
-}
-
-int cuMemsetD8_v2(unsigned long long to, unsigned char value, size_t size)
-{
-	ENTER(1);
-	memset(pointer(to), value, size);
+	if (resident)
+		sscanf(resident, "%d %d %d", &threads[0], &threads[1], &threads[2]);
+	*blocks = threads[block <= 64 ? 0 : block <= 128 ? 1 : 2] / block;
 	return FAKE_SUCCESS;
 }

@@ -1,6 +1,6 @@
 #ifndef FAKE_CUDA_H
 #define FAKE_CUDA_H
-/* Shared by the two files of the pretended driver; see fake_cuda.c. */
+/* Shared by the files of the pretended driver; see fake_cuda.c. */
 
 #include <stddef.h>
 
@@ -22,6 +22,7 @@ enum fake_status {
 struct fake_kernel {
 	void (*run)(void **parameters, unsigned grid, unsigned block);
 	unsigned count;
+	unsigned min_blocks;
 };
 
 struct fake_launch {
@@ -35,6 +36,18 @@ int fake_entry(const char *call, int wants_context);
 
 /* One more, or fewer, thing that somebody has to give back. */
 void fake_count_live(int change);
+
+/* A piece of work that waits in a stream. */
+struct fake_work {
+	int is_copy;
+	struct fake_launch launch;
+	void *to;
+	const void *from;
+	size_t width, height, to_pitch, from_pitch;
+};
+
+/* Do it now, or when the stream is waited for, if fake_cuda_defer said so. */
+int fake_enqueue(void *stream, const struct fake_work *work);
 
 /* Run now; one launch at a time. */
 void fake_run(const struct fake_launch *launch);

@@ -1,12 +1,16 @@
-/* The pretended driver's streams, graphs and events. A stream runs everything at once, unless it is being captured. */
+/* The pretended driver's streams, graphs and events. A stream runs everything at once, unless it is being captured
+   or fake_cuda_defer was called: then it runs everything when it is waited for. */
 #define _GNU_SOURCE
 #include "fake_cuda.h"
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 struct stream {
-	struct graph *graph; /* where a capture collects; NULL: none */
+	struct graph *graph;	/* where a capture collects; NULL: none */
+	struct fake_work *work; /* what waits; malloc */
+	size_t count, capacity;
 };
 
 struct graph {
@@ -17,6 +21,20 @@ struct graph {
 struct event {
 	struct timespec time;
 };
+
+static atomic_int deferred, enqueued;
+
+/* For the tests: copies and launches so far. */
+int fake_cuda_enqueued(void)
+{
+	return enqueued;
+}
+
+/* For the tests: what is enqueued waits, from now on. */
+void fake_cuda_defer(int yes)
+{
+	deferred = yes;
+}
 
 #define ENTER(wants_context)                                                                                           \
 	do {                                                                                                           \
@@ -39,6 +57,45 @@ static int destroy(void *handle)
 	return FAKE_SUCCESS;
 }
 
+/* ---- streams ---- */
+
+static void do_work(const struct fake_work *w)
+{
+	if (!w->is_copy)
+		fake_run(&w->launch);
+	for (size_t i = 0; i < w->height && w->is_copy; i++)
+		memcpy((char *)w->to + i * w->to_pitch, (const char *)w->from + i * w->from_pitch, w->width);
+}
+
+int fake_enqueue(void *stream, const struct fake_work *work)
+{
+	struct stream *s = stream;
+
+	enqueued++;
+	if (!s || !deferred) {
+		do_work(work);
+		return FAKE_SUCCESS;
+	}
+	if (s->count == s->capacity) {
+		struct fake_work *more = realloc(s->work, (2 * s->capacity + 16) * sizeof *more);
+
+		if (!more)
+			return FAKE_OUT_OF_MEMORY;
+		s->work = more;
+		s->capacity = 2 * s->capacity + 16;
+	}
+	s->work[s->count++] = *work;
+	return FAKE_SUCCESS;
+}
+
+static void catch_up(struct stream *s)
+{
+	for (size_t i = 0; s && i < s->count; i++)
+		do_work(&s->work[i]);
+	if (s)
+		s->count = 0;
+}
+
 int cuStreamCreate(void **stream, unsigned flags)
 {
 	(void)flags;
@@ -48,6 +105,8 @@ int cuStreamCreate(void **stream, unsigned flags)
 
 int cuStreamDestroy_v2(void *stream)
 {
+	catch_up(stream);
+	free(((struct stream *)stream)->work);
 	destroy(stream);
 	ENTER(1);
 	return FAKE_SUCCESS;
@@ -55,9 +114,10 @@ int cuStreamDestroy_v2(void *stream)
 
 int cuStreamSynchronize(void *stream)
 {
-	(void)stream;
-	ENTER(1);
-	return FAKE_SUCCESS;
+	int status = fake_entry(__func__, 1);
+
+	catch_up(stream);
+	return status;
 }
 
 static int record(struct graph *graph, const struct fake_launch *launch)
@@ -79,6 +139,7 @@ int cuLaunchKernel(void *function, unsigned gx, unsigned gy, unsigned gz, unsign
 	unsigned shared, void *stream, void **parameters, void **extra)
 {
 	struct fake_launch launch = {.kernel = function, .grid = gx, .block = bx};
+	struct fake_work work = {.is_copy = 0};
 	struct graph *graph = stream ? ((struct stream *)stream)->graph : NULL;
 
 	ENTER(1);
@@ -88,8 +149,8 @@ int cuLaunchKernel(void *function, unsigned gx, unsigned gy, unsigned gz, unsign
 		memcpy(&launch.parameters[i], parameters[i], sizeof launch.parameters[i]);
 	if (graph)
 		return record(graph, &launch);
-	fake_run(&launch);
-	return FAKE_SUCCESS;
+	work.launch = launch;
+	return fake_enqueue(stream, &work);
 }
 
 /* ---- graphs; one that is instantiated is a copy ---- */

@@ -122,9 +122,11 @@ template <class... A> static constexpr unsigned fake_count(void (*)(A...))
 struct fake_kernel {
 	void (*run)(void **parameters, unsigned grid, unsigned block);
 	unsigned count; /* parameters, 8 bytes each */
+	unsigned min_blocks; /* the launch bound of the text; 0: none */
 };
 
 #define FAKE_KERNEL(name, how)                                                                                         \
 	extern "C" const fake_kernel fake_kernel_##name;                                                               \
 	const fake_kernel fake_kernel_##name = {                                                                       \
-		[](void **p, unsigned grid, unsigned block) { how(name, p, grid, block); }, fake_count(name)};
+		[](void **p, unsigned grid, unsigned block) { how(name, p, grid, block); }, fake_count(name),               \
+		FAKE_MIN_BLOCKS};

@@ -5,6 +5,7 @@
    architectures it claims to know (default "75 80 90"). */
 #define _GNU_SOURCE
 #include <ctype.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,6 +18,14 @@ struct program {
 };
 
 enum { SUCCESS, INVALID_PROGRAM = 4, INVALID_OPTION = 5, COMPILATION = 6, OPTION_LIMIT = 32, COMMAND_LIMIT = 8192 };
+
+static atomic_int compilations;
+
+/* For the tests: how often nvrtcCompileProgram was called. */
+int fake_nvrtc_compilations(void)
+{
+	return compilations;
+}
 
 static int archs(int *list)
 {
@@ -109,6 +118,8 @@ static void write_source(const struct program *p, const char *path)
 
 	fprintf(f, "#define FAKE_WAITS %d\n#include \"%s\"\n#line 1 \"%s\"\n%s\n", waits, FAKE_HEADER, p->name,
 		p->source);
+	fputs("#if defined RNEA_MIN_BLOCKS\n#define FAKE_MIN_BLOCKS RNEA_MIN_BLOCKS\n#else\n#define FAKE_MIN_BLOCKS 0\n#endif\n",
+		f);
 	while ((s = strstr(s, mark)) != NULL) {
 		s = kernel_name(s + strlen(mark), &length);
 		fprintf(f, "FAKE_KERNEL(%.*s, %s)\n", (int)length, s, waits ? "fake_run_threads" : "fake_run_serial");
@@ -170,6 +181,7 @@ int nvrtcCompileProgram(void *program, int count, const char *const *options)
 	struct program *p = program;
 	int status;
 
+	compilations++;
 	strcpy(command, flags);
 	if (fail)
 		return atoi(fail);

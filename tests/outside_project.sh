@@ -62,6 +62,8 @@ by_pkg_config() {
 		${CXX:-c++} $CXXFLAGS -I. "$outside/kernel.cpp" pendulum_rnea.o -o kernel_cxx
 		${CC:-cc} $CFLAGS "$outside/library.c" "${flags[@]}" -o library_c
 		${CXX:-c++} $CXXFLAGS "$outside/library.cpp" "${flags[@]}" -o library_cxx
+		read -ra flags <<<"$(pkg-config --cflags --libs rnea_urdf)"
+		${CC:-cc} $CFLAGS "$outside/open_urdf.c" "${flags[@]}" -o open_urdf
 	}
 	./kernel_c && ./kernel_cxx
 	# -lrnea is the shared library, in a folder that the loader does not know
@@ -69,6 +71,7 @@ by_pkg_config() {
 	export LD_LIBRARY_PATH
 	ldd ./library_c | grep -qF "$LD_LIBRARY_PATH/librnea.so." || fail "not linked with librnea.so"
 	./library_c "$work/tests/robots/pendulum.urdf" && ./library_cxx "$work/tests/robots/pendulum.urdf"
+	./open_urdf "$work/tests/robots/pendulum.urdf"
 	unset LD_LIBRARY_PATH
 }
 

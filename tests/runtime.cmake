@@ -1,6 +1,6 @@
 # The runtime library, with a pretended driver and a pretended NVRTC where there is no GPU.
 find_package(Threads REQUIRED)
-add_library(fake_cuda SHARED fake_cuda.c fake_cuda_stream.c)
+add_library(fake_cuda SHARED fake_cuda.c fake_cuda_memory.c fake_cuda_stream.c)
 target_link_libraries(fake_cuda PRIVATE ${CMAKE_DL_LIBS} Threads::Threads)
 add_library(fake_nvrtc SHARED fake_nvrtc.c)
 target_compile_definitions(fake_nvrtc PRIVATE FAKE_CXX="${CMAKE_CXX_COMPILER}"
@@ -12,8 +12,9 @@ target_compile_definitions(fake_nvrtc_12 PRIVATE FAKE_CXX="${CMAKE_CXX_COMPILER}
 set_target_properties(fake_nvrtc_12 PROPERTIES NO_SONAME ON)
 target_link_options(fake_nvrtc_12 PRIVATE -Wl,-soname,libnvrtc.so.12)
 
-add_executable(test_runtime test_runtime.c test_runtime_info.c test_runtime_jit.c test_runtime_launch.c
-	test_runtime_nvrtc.c test_runtime_open.c)
+add_executable(test_runtime test_runtime.c test_runtime_backend.c test_runtime_choose.c
+	test_runtime_info.c test_runtime_jit.c
+	test_runtime_launch.c test_runtime_nvrtc.c test_runtime_open.c test_runtime_run.c)
 add_dependencies(test_runtime fake_cuda fake_nvrtc fake_nvrtc_12)
 target_link_libraries(test_runtime PRIVATE rnea::rnea PkgConfig::CHECK Threads::Threads ${CMAKE_DL_LIBS} m)
 target_link_options(test_runtime PRIVATE -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc)
@@ -38,6 +39,16 @@ target_link_options(test_runtime_host PRIVATE
 	-Wl,--wrap=malloc,--wrap=calloc,--wrap=memfd_create,--wrap=mkdtemp,--wrap=cache_get)
 target_compile_definitions(test_runtime_host PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
 add_test(NAME test_runtime_host COMMAND test_runtime_host)
+
+# From a URDF in one call, against the reference.
+if(TARGET rnea::urdf)
+	add_executable(test_runtime_urdf test_runtime_urdf.c)
+	add_dependencies(test_runtime_urdf fake_cuda fake_nvrtc)
+	target_link_libraries(test_runtime_urdf PRIVATE rnea::urdf reference PkgConfig::CHECK m)
+	target_compile_definitions(test_runtime_urdf PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}"
+		FAKE_CUDA="$<TARGET_FILE:fake_cuda>" FAKE_NVRTC="$<TARGET_FILE:fake_nvrtc>")
+	add_test(NAME test_runtime_urdf COMMAND test_runtime_urdf)
+endif()
 
 # What runs on a GPU, with small batches on the pretended one.
 add_subdirectory(gpu)

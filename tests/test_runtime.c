@@ -66,20 +66,30 @@ void use_fakes(void)
 	unsetenv("RNEA_FAKE_CUDA_DEVICES");
 	unsetenv("RNEA_FAKE_CUDA_ARCH");
 	unsetenv("RNEA_FAKE_CUDA_MAX_BLOCK");
+	unsetenv("RNEA_FAKE_CUDA_LOCAL");
+	unsetenv("RNEA_FAKE_CUDA_RESIDENT");
+	setenv("RNEA_CACHE", "", 1);
 	setenv("RNEA_LIBCUDA", FAKE_CUDA, 1);
 	setenv("RNEA_NVRTC", FAKE_NVRTC, 1);
 }
 
+void fake_function(const char *library, const char *name, void *slot)
+{
+	void *handle = dlopen(library, RTLD_NOW | RTLD_NODELETE), *function;
+
+	ck_assert_ptr_nonnull(handle);
+	function = dlsym(handle, name);
+	ck_assert_msg(function != NULL, "%s", name);
+	memcpy(slot, &function, sizeof function);
+	dlclose(handle);
+}
+
 int fake_live(void)
 {
-	void *driver = dlopen(FAKE_CUDA, RTLD_NOW);
-	int (*live)(void), n;
+	int (*live)(void);
 
-	ck_assert_ptr_nonnull(driver);
-	*(void **)&live = dlsym(driver, "fake_cuda_live");
-	n = live();
-	dlclose(driver);
-	return n;
+	fake_function(FAKE_CUDA, "fake_cuda_live", &live);
+	return live();
 }
 
 char *pendulum(size_t *length)
@@ -129,6 +139,9 @@ int main(void)
 
 	srunner_add_suite(r, suite_open());
 	srunner_add_suite(r, suite_launch());
+	srunner_add_suite(r, suite_run());
+	srunner_add_suite(r, suite_choose());
+	srunner_add_suite(r, suite_backend());
 	srunner_add_suite(r, suite_jit());
 	srunner_add_suite(r, suite_nvrtc());
 	srunner_run_all(r, CK_ENV);

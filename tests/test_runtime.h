@@ -10,12 +10,18 @@ Suite *suite_open(void);
 Suite *suite_launch(void);
 Suite *suite_jit(void);
 Suite *suite_nvrtc(void);
+Suite *suite_run(void);
+Suite *suite_choose(void);
+Suite *suite_backend(void);
 
 /* Choose the pretended driver and compiler, with nothing wrong with them; returns a handle for dlsym. */
 void use_fakes(void);
 
 /* Things taken from the pretended driver and not given back. */
 int fake_live(void);
+
+/* A function of the pretended driver, or of the pretended NVRTC. */
+void fake_function(const char *library, const char *name, void *slot);
 
 /* tests/pendulum.cu, NUL-terminated, malloc. */
 char *pendulum(size_t *length);

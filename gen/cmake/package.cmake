@@ -1,5 +1,5 @@
 # What `cmake --install` puts where, and the same names inside the build: rneagen::command, rneagen::rneagen,
-# rneagen::rnea, <rneagen/...h>, rneagen_add_kernel().
+# rneagen::rnea, rneagen::urdf, <rneagen/...h>, rneagen_add_kernel().
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/rneagen)
@@ -57,6 +57,10 @@ if(TARGET rnea)
 	rneagen_package(rnea rnea rneagenRuntime runtime/rnea.h)
 	rneagen_package(rnea_shared rnea_shared rneagenRuntimeShared runtime/rnea.h)
 	rneagen_package_pc(rnea)
+endif()
+if(TARGET rnea_urdf)
+	rneagen_package(rnea_urdf urdf rneagenUrdf runtime/urdf.h)
+	rneagen_package_pc(rnea_urdf)
 endif()
 configure_package_config_file(gen/cmake/rneagenConfig.cmake.in ${PROJECT_BINARY_DIR}/rneagenConfig.cmake
 	INSTALL_DESTINATION ${package_dir})

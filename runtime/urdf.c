@@ -1,0 +1,54 @@
+#include "urdf.h"
+#include "error.h"
+#include "source.h"
+#include <stdlib.h>
+#include <string.h>
+
+static enum rnea_code check(
+	const char *path, const struct rneagen_options *g, struct rnea_robot **robot, struct rnea_error *e)
+{
+	if (!robot)
+		return rnea_error_set(e, RNEA_ARGUMENT, "there is no place for the robot (robot is NULL)");
+	*robot = NULL;
+	if (!path)
+		return rnea_error_set(e, RNEA_ARGUMENT, "there is no file (path is NULL)");
+	if (g->target != RNEAGEN_TARGET_CUDA)
+		return rnea_error_set(e, RNEA_ARGUMENT,
+			"%s: the target must be RNEAGEN_TARGET_CUDA, whose text serves both backends", path);
+	if (g->dump != RNEAGEN_DUMP_NONE)
+		return rnea_error_set(
+			e, RNEA_ARGUMENT, "%s: a dump cannot be opened; it must be RNEAGEN_DUMP_NONE", path);
+	return RNEA_OK;
+}
+
+static enum rnea_code generate(const char *urdf, size_t length, const struct rneagen_options *g,
+	struct rneagen_result *text, struct rnea_error *e)
+{
+	struct rneagen_error refused = {.code = RNEAGEN_OK};
+
+	if (!rneagen_generate(urdf, length, g, text, &refused))
+		return RNEA_OK;
+	if (refused.code == RNEAGEN_MEMORY)
+		return rnea_error_memory(e);
+	return rnea_error_set(e, RNEA_URDF, "%s", refused.message);
+}
+
+enum rnea_code rnea_open_urdf(const char *path, const struct rneagen_options *generate_options,
+	const struct rnea_options *options, struct rnea_robot **robot, struct rnea_error *error)
+{
+	struct rneagen_options g = generate_options ? *generate_options : rneagen_options_default();
+	struct rnea_error spare, *e = rnea_error_start(error, &spare);
+	struct rneagen_result text;
+	size_t length;
+	char *urdf;
+
+	g.file = path;
+	if (check(path, &g, robot, e) || source_bytes(path, &urdf, &length, e))
+		return e->code;
+	if (!generate(urdf, length, &g, &text, e)) {
+		rnea_open(text.source, strlen(text.source), options, robot, e);
+		rneagen_result_free(&text);
+	}
+	free(urdf);
+	return e->code;
+}
