@@ -147,6 +147,8 @@ static int take_option(struct program *p, const char *option, char *command)
 		snprintf(command + used, COMMAND_LIMIT - used, " '%s'", option);
 	else if (strncmp(option, "--gpu-architecture=", 19) == 0)
 		p->is_ptx = option[19] == 'c';
+	else if (strcmp(option, "--no-cache") == 0)
+		return 1;
 	else
 		return 0;
 	return 1;

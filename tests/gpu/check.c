@@ -28,7 +28,7 @@ struct work {
 	atomic_size_t next;
 };
 
-/* A line of the manifest: text, folder of the reference, "-" or of "aot", "large" and "build" those that apply. */
+/* A line of the manifest: text, folder of the reference, "-" or of "aot", "large", "listed" and "build" those that apply. */
 static size_t read_manifest(const char *folder, const char *name, struct item *items)
 {
 	char path[1024], line[1024], marks[32];
@@ -47,6 +47,7 @@ static size_t read_manifest(const char *folder, const char *name, struct item *i
 			continue;
 		it->aot = strstr(marks, "aot") != NULL;
 		it->is_large = strstr(marks, "large") != NULL;
+		it->is_listed = strstr(marks, "listed") != NULL;
 		it->is_built = strstr(marks, "build") != NULL;
 		n++;
 	}

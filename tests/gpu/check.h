@@ -19,12 +19,18 @@ struct settings {
 	int chain;                 /* launches in a graph for the latency, the most for the time per sample */
 };
 
+/* Seconds for one sample of a launch, and for moving its rows without computing anything; 0: not measured. */
+struct rate {
+	double launch, floor;
+};
+
 /* One line of the manifest. */
 struct item {
 	char text[256];      /* the file below the folder of the texts */
 	char reference[256]; /* the folder of its reference data, likewise */
 	int aot;             /* whether there is a shared object built by nvcc beside it */
 	int is_large;        /* whether it runs over settings->elements */
+	int is_listed;       /* whether it is timed over more samples still, for the README */
 	int is_built;        /* whether the time to open is taken with a cache and without */
 	/* what is found */
 	struct rnea_robot *robot; /* NULL: it did not open, and `failure` says why */
@@ -35,7 +41,7 @@ struct item {
 	double latency[2]; /* s for a launch of 1 and of 1024 samples */
 	double host;          /* s of the host for a launch into a stream */
 	double cold, cached;  /* s to open alone, with an empty cache and with a full one */
-	double launch, floor; /* s for a launch of settings->large samples, and what moving the same arrays takes */
+	struct rate large, larger; /* at settings->large samples and at four times as many */
 };
 
 /* The bound on struct difference's `scaled`. */

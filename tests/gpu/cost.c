@@ -69,7 +69,9 @@ double cost_launch(const struct gpu *g, const struct settings *s, CUfunction fun
 
 static double cost_open(struct item *it, const char *path, const char *cache)
 {
-	struct rnea_options o = {.backend = RNEA_BACKEND_CUDA, .cache = cache};
+	static const char *const compile[] = {"--no-cache"}; /* NVRTC has one of its own, of what this process compiled */
+	struct rnea_options o = {
+		.backend = RNEA_BACKEND_CUDA, .cache = cache, .compile = compile, .compile_count = 1};
 	struct rnea_robot *robot;
 	struct rnea_error e;
 	double start = seconds_now(), seconds;

@@ -211,25 +211,27 @@ static size_t launches_for(const struct settings *s, const struct sets *sets)
 	return rounds * sets->n;
 }
 
-static void throughput(const struct gpu *g, const struct settings *s, const struct floor *f, struct item *it,
-	const struct reference *r)
+static struct rate throughput(const struct gpu *g, const struct settings *s, const struct floor *f, struct item *it,
+	const struct reference *r, size_t count)
 {
 	const struct rnea_info *info = rnea_info(it->robot);
-	struct sets sets = sets_new(g, info, r, s->large, 1);
+	struct sets sets = sets_new(g, info, r, count, 1);
 	size_t scalar = info->precision == RNEA_F64 ? sizeof(double) : sizeof(float), n = 1;
 	size_t launches = launches_for(s, &sets);
-	CUgraphExec graphs[3] = {capture_robot(g, it, &sets, s->large, launches)};
+	CUgraphExec graphs[3] = {capture_robot(g, it, &sets, count, launches)};
 	double median[3];
+	struct rate rate = {0};
 
 	if (f->module) {
 		graphs[n++] = capture_floor(g, f->scalar[info->precision], &sets, scalar, launches);
 		graphs[n++] = capture_floor(g, f->vector[info->precision], &sets, 16, launches);
 	}
 	replay_in_turns(g, graphs, n, s->replays, median);
-	it->launch = median[0] / (double)launches;
+	rate.launch = median[0] / (double)(launches * count);
 	if (f->module)
-		it->floor = fmin(median[1], median[2]) / (double)launches;
+		rate.floor = fmin(median[1], median[2]) / (double)(launches * count);
 	sets_free(g, &sets);
+	return rate;
 }
 
 void measure(const struct gpu *g, const struct settings *s, const struct floor *f, struct item *it,
@@ -242,5 +244,7 @@ void measure(const struct gpu *g, const struct settings *s, const struct floor *
 	it->latency[0] = latency(g, s, it, r, 1);
 	it->latency[1] = latency(g, s, it, r, 1024);
 	it->host = cost_launch(g, s, NULL, it, r);
-	throughput(g, s, f, it, r);
+	it->large = throughput(g, s, f, it, r, s->large);
+	if (it->is_listed)
+		it->larger = throughput(g, s, f, it, r, 4 * s->large);
 }

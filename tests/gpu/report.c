@@ -12,13 +12,12 @@ static const char *of_environment(const char *name)
 	return value && *value ? value : "unknown";
 }
 
-/* Picoseconds for one sample of the large batch. */
-static double per_sample(const struct settings *s, double seconds)
+static double of_floor(struct rate r)
 {
-	return seconds / (double)s->large * 1e12;
+	return r.launch > 0 ? r.floor / r.launch : 0;
 }
 
-static void put_row(const struct settings *s, const struct item *it)
+static void put_row(const struct item *it)
 {
 	struct rnea_resources r;
 
@@ -28,11 +27,11 @@ static void put_row(const struct settings *s, const struct item *it)
 	}
 	rnea_resources(it->robot, RNEA_KERNEL_RNEA, &r, NULL);
 	printf("%-36.36s %4d %5zu %7.2f %7.2f %7.2f %8.1f %8.1f %5.2f %9.1e%s\n", it->text, r.registers, r.local_bytes,
-		it->host * 1e6, it->latency[0] * 1e6, it->latency[1] * 1e6, per_sample(s, it->launch),
-		per_sample(s, it->floor), it->launch > 0 ? it->floor / it->launch : 0, it->max_error, *it->failure ? " FAIL" : "");
+		it->host * 1e6, it->latency[0] * 1e6, it->latency[1] * 1e6, it->large.launch * 1e12,
+		it->large.floor * 1e12, of_floor(it->large), it->max_error, *it->failure ? " FAIL" : "");
 }
 
-static void put_csv_row(FILE *f, const struct settings *s, const struct item *it)
+static void put_csv_row(FILE *f, const struct item *it)
 {
 	const struct rnea_info *info;
 	struct rnea_resources k[RNEA_KERNEL_COUNT];
@@ -53,9 +52,10 @@ static void put_csv_row(FILE *f, const struct settings *s, const struct item *it
 	for (int i = 0; i < RNEA_KERNEL_COUNT; i++)
 		fprintf(f, ",%d,%zu", k[i].registers, k[i].local_bytes);
 	fprintf(f, ",%zu,%.3f,%.4f,%.4f,%.3f,%.3f,%.4f,%.3e,%.3e", k[0].shared_bytes, it->seconds,
-		it->latency[0] * 1e6, it->latency[1] * 1e6, per_sample(s, it->launch), per_sample(s, it->floor),
-		it->launch > 0 ? it->floor / it->launch : 0, it->max_error, it->rms_error);
-	fprintf(f, ",%.3f,%.1f,%.1f\n", it->host * 1e6, it->cold * 1e3, it->cached * 1e3);
+		it->latency[0] * 1e6, it->latency[1] * 1e6, it->large.launch * 1e12, it->large.floor * 1e12,
+		of_floor(it->large), it->max_error, it->rms_error);
+	fprintf(f, ",%.3f,%.1f,%.1f,%.3f,%.4f\n", it->host * 1e6, it->cold * 1e3, it->cached * 1e3,
+		it->larger.launch * 1e12, of_floor(it->larger));
 }
 
 static int put_csv(const struct gpu *g, const struct settings *s, const struct floor *floor, const struct item *items,
@@ -79,9 +79,9 @@ static int put_csv(const struct gpu *g, const struct settings *s, const struct f
 	fputs("text,result,robot,precision,layout,trig,base,nq,nv,nb,block,busy_block,flops,sincos,", f);
 	fputs("registers,local_bytes,fpass_registers,fpass_local_bytes,bpass_registers,bpass_local_bytes,", f);
 	fputs("shared_bytes,open_s,us_at_1,us_at_1024,ps_per_sample,floor_ps_per_sample,of_floor,", f);
-	fputs("max_error,rms_error,host_us,cold_ms,cached_ms\n", f);
+	fputs("max_error,rms_error,host_us,cold_ms,cached_ms,ps_at_four_times,of_floor_at_four_times\n", f);
 	for (size_t i = 0; i < count; i++)
-		put_csv_row(f, s, &items[i]);
+		put_csv_row(f, &items[i]);
 	return fclose(f) != 0;
 }
 
@@ -97,7 +97,7 @@ int report(const struct gpu *g, const struct settings *s, const struct floor *f,
 	printf("%-36s %4s %5s %7s %7s %7s %8s %8s %5s %9s\n", "text", "regs", "local", "host us", "us@1", "us@1024", "ps/smp", "floor",
 		"of it", "error");
 	for (size_t i = 0; i < count; i++)
-		put_row(s, &items[i]);
+		put_row(&items[i]);
 	for (size_t i = 0; i < count; i++)
 		if (items[i].cold > 0)
 			printf("%-36.36s opens in %.0f ms, from the cache in %.0f ms\n", items[i].text,
