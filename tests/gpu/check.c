@@ -135,12 +135,16 @@ static void check_item(const struct gpu *g, const struct settings *s, const stru
 	verify_streams(g, it, &r, partner, has_partner ? &partner_r : NULL);
 	if (has_partner)
 		reference_free(&partner_r);
+	if (it->is_built)
+		verify_host(g, s, it, &r);
 	if (it->is_large && s->elements)
 		verify_large(g, it, &r, s->elements);
 	if (it->aot)
 		check_aot(g, folder, it, &r);
 	if (s->replays > 0)
 		measure(g, s, f, it, &r);
+	if (s->replays > 0 && it->is_built)
+		cost_host(g, s, it, &r);
 	snprintf(path, sizeof path, "%s/%.255s", folder, it->text);
 	if (it->is_built && s->cache)
 		cost_build(it, path, s->cache);

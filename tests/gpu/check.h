@@ -41,6 +41,8 @@ struct item {
 	double latency[2]; /* s for a launch of 1 and of 1024 samples */
 	double host;          /* s of the host for a launch into a stream */
 	double cold, cached;  /* s to open alone, with an empty cache and with a full one */
+	double run_one[2], run_many[2]; /* s for rnea_run over 1 sample and settings->large, pageable and page-locked */
+	double copies;        /* s for copying what the latter copies, one after the other */
 	struct rate large, larger; /* at settings->large samples and at four times as many */
 };
 
@@ -62,6 +64,10 @@ void verify_streams(const struct gpu *g, struct item *it, const struct reference
 
 /* The torques of so many samples that tau has more than `elements` elements; skipped where the device is too small. */
 void verify_large(const struct gpu *g, struct item *it, const struct reference *r, size_t elements);
+
+/* rnea_run on arrays in host memory, pageable and page-locked, between guards, at every count. */
+void verify_host(const struct gpu *g, const struct settings *s, struct item *it, const struct reference *r);
+void cost_host(const struct gpu *g, const struct settings *s, struct item *it, const struct reference *r);
 
 /* NAME_rnea_launch of the shared object at `path`, built from the same text by nvcc. */
 void verify_aot(const struct gpu *g, struct item *it, const struct reference *r, const char *path);

@@ -67,7 +67,7 @@ double cost_launch(const struct gpu *g, const struct settings *s, CUfunction fun
 
 /* ---- opening, alone, first with nothing in the cache ---- */
 
-static double cost_open(struct item *it, const char *path, const char *cache)
+static double cost_open(struct item *it, const char *path, const char *cache, int is_full)
 {
 	static const char *const compile[] = {"--no-cache"}; /* NVRTC has one of its own, of what this process compiled */
 	struct rnea_options o = {
@@ -76,15 +76,19 @@ static double cost_open(struct item *it, const char *path, const char *cache)
 	struct rnea_error e;
 	double start = seconds_now(), seconds;
 
-	if (rnea_open_file(path, &o, &robot, &e) != RNEA_OK)
+	if (rnea_open_file(path, &o, &robot, &e) != RNEA_OK) {
 		item_fail(it, "opened with a cache: %s", e.message);
+		return 0;
+	}
 	seconds = seconds_now() - start;
+	if (rnea_build(robot)->cached != is_full)
+		item_fail(it, "opened with %s cache: it was %scompiled", is_full ? "a full" : "an empty", is_full ? "" : "not ");
 	rnea_close(robot);
 	return seconds;
 }
 
 void cost_build(struct item *it, const char *path, const char *cache)
 {
-	it->cold = cost_open(it, path, cache);
-	it->cached = cost_open(it, path, cache);
+	it->cold = cost_open(it, path, cache, 0);
+	it->cached = cost_open(it, path, cache, 1);
 }

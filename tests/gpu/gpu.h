@@ -23,6 +23,8 @@
 	X(cuMemGetInfo)                                                                                                \
 	X(cuMemAlloc)                                                                                                  \
 	X(cuMemFree)                                                                                                   \
+	X(cuMemAllocHost)                                                                                              \
+	X(cuMemFreeHost)                                                                                               \
 	X(cuMemcpyHtoD)                                                                                                \
 	X(cuMemcpyDtoH)                                                                                                \
 	X(cuMemcpyDtoD)                                                                                                \

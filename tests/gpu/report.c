@@ -54,8 +54,10 @@ static void put_csv_row(FILE *f, const struct item *it)
 	fprintf(f, ",%zu,%.3f,%.4f,%.4f,%.3f,%.3f,%.4f,%.3e,%.3e", k[0].shared_bytes, it->seconds,
 		it->latency[0] * 1e6, it->latency[1] * 1e6, it->large.launch * 1e12, it->large.floor * 1e12,
 		of_floor(it->large), it->max_error, it->rms_error);
-	fprintf(f, ",%.3f,%.1f,%.1f,%.3f,%.4f\n", it->host * 1e6, it->cold * 1e3, it->cached * 1e3,
+	fprintf(f, ",%.3f,%.1f,%.1f,%.3f,%.4f", it->host * 1e6, it->cold * 1e3, it->cached * 1e3,
 		it->larger.launch * 1e12, of_floor(it->larger));
+	fprintf(f, ",%.1f,%.1f,%.3f,%.3f,%.3f\n", it->run_one[0] * 1e6, it->run_one[1] * 1e6, it->run_many[0] * 1e3,
+		it->run_many[1] * 1e3, it->copies * 1e3);
 }
 
 static int put_csv(const struct gpu *g, const struct settings *s, const struct floor *floor, const struct item *items,
@@ -79,7 +81,8 @@ static int put_csv(const struct gpu *g, const struct settings *s, const struct f
 	fputs("text,result,robot,precision,layout,trig,base,nq,nv,nb,block,busy_block,flops,sincos,", f);
 	fputs("registers,local_bytes,fpass_registers,fpass_local_bytes,bpass_registers,bpass_local_bytes,", f);
 	fputs("shared_bytes,open_s,us_at_1,us_at_1024,ps_per_sample,floor_ps_per_sample,of_floor,", f);
-	fputs("max_error,rms_error,host_us,cold_ms,cached_ms,ps_at_four_times,of_floor_at_four_times\n", f);
+	fputs("max_error,rms_error,host_us,cold_ms,cached_ms,ps_at_four_times,of_floor_at_four_times,", f);
+	fputs("run_us_at_1,run_locked_us_at_1,run_ms,run_locked_ms,copies_ms\n", f);
 	for (size_t i = 0; i < count; i++)
 		put_csv_row(f, &items[i]);
 	return fclose(f) != 0;
