@@ -1,4 +1,4 @@
-# Completion of rneagen for bash.
+# Completion of rneagen and rnearun for bash.
 # shellcheck shell=bash
 
 _rneagen_options='-o --output --target --precision --layout --trig --base --gravity --mimic --order --name --info
@@ -15,6 +15,7 @@ _rneagen_words() {
 	--mimic) echo honour independent ;;
 	--info) echo json ;;
 	--dump) echo robot tree dag plan ;;
+	--backend) echo cpu cuda any ;;
 	*) return 1 ;;
 	esac
 }
@@ -33,16 +34,21 @@ _rneagen_files() {
 	)
 }
 
-_rneagen() {
-	local current=${COMP_WORDS[COMP_CWORD]} option=${COMP_WORDS[COMP_CWORD - 1]} joined='' words
-
-	# readline breaks --option=word into three words
+# Sets current, option before it, and joined where they are one word; readline breaks --option=word into three.
+_rneagen_current() {
+	current=${COMP_WORDS[COMP_CWORD]} option=${COMP_WORDS[COMP_CWORD - 1]} joined=''
 	if [[ $current == '=' ]]; then
 		joined=1 current=''
 	elif [[ $option == '=' ]]; then
 		joined=1 option=${COMP_WORDS[COMP_CWORD - 2]}
 	fi
 	COMPREPLY=()
+}
+
+_rneagen() {
+	local current option joined words
+
+	_rneagen_current
 	case $option in
 	-o | --output) _rneagen_files "$current" .cu .c .h .cuh ;;
 	--gravity | --order | --name) ;;
@@ -58,4 +64,32 @@ _rneagen() {
 	esac
 }
 
+_rnearun_common='--backend --device --threads --precision --trig --base --gravity --mimic --order --quiet --help'
+_rnearun_eval="--in --q --qd --qdd -o --out --slice $_rnearun_common"
+
+_rnearun() {
+	local current option joined words options
+
+	_rneagen_current
+	if ((COMP_CWORD == 1)); then
+		mapfile -t COMPREPLY < <(compgen -W 'eval --help --version' -- "$current")
+		return
+	fi
+	case $option in
+	--in | --q | --qd | --qdd | -o | --out) _rneagen_files "$current" .npy ;;
+	--gravity | --order | --device | --threads | --slice) ;;
+	*)
+		options=_rnearun_${COMP_WORDS[1]}
+		if words=$(_rneagen_words "$option"); then
+			mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
+		elif [[ $current == -* ]]; then
+			mapfile -t COMPREPLY < <(compgen -W "${!options-}" -- "$current")
+		else
+			_rneagen_files "$current" .urdf
+		fi
+		;;
+	esac
+}
+
 complete -F _rneagen rneagen
+complete -F _rnearun rnearun

@@ -1,20 +1,59 @@
-#compdef rneagen
-# Completion of rneagen for zsh.
+#compdef rneagen rnearun
+# Completion of rneagen and rnearun for zsh.
 
-_arguments \
-	'(-o --output)'{-o,--output}'[write to a file]:file:_files -g "*.(cu|c|h|cuh)"' \
-	'--target=[kernels, C functions, or inline functions]:target:(cuda c header)' \
-	'--precision=[scalar type]:precision:(f32 f64 mixed)' \
-	'--layout=[how batches lie in memory]:layout:(soa aos)' \
-	'--trig=[sine and cosine]:trigonometry:(accurate bounded fast)' \
-	'--base=[fixed to the world, or moving freely]:base:(fixed floating)' \
-	'--gravity=[acceleration of gravity, m/s^2]:X,Y,Z:' \
-	'--mimic=[joints that follow others]:mimic:(honour independent)' \
-	'--order=[rows of q by joint name]:J1,J2,...:' \
-	'--name=[prefix of every function]:identifier:' \
-	'--info=-[tell about the robot]::format:(json)' \
-	'--dot[print the tree as a graph for Graphviz]' \
-	'--dump=[print a stage of the pipeline]:stage:(robot tree dag plan)' \
-	'(- *)--help[print a summary of the options]' \
-	'(- *)--version[print the version]' \
-	'1:robot:_files -g "*.urdf"'
+# Options of both, and of every command of rnearun.
+_rneagen_model=(
+	'--precision=[scalar type]:precision:(f32 f64 mixed)'
+	'--trig=[sine and cosine]:trigonometry:(accurate bounded fast)'
+	'--base=[fixed to the world, or moving freely]:base:(fixed floating)'
+	'--gravity=[acceleration of gravity, m/s^2]:X,Y,Z:'
+	'--mimic=[joints that follow others]:mimic:(honour independent)'
+	'--order=[rows of q by joint name]:J1,J2,...:'
+	'(- *)--help[print a summary of the options]'
+)
+_rnearun_common=(
+	"${_rneagen_model[@]}"
+	'--backend=[where to compute]:backend:(cpu cuda any)'
+	'--device=[which GPU]:number:'
+	'--threads=[how many of the processor]:number:'
+	'--quiet[neither progress nor warnings]'
+)
+
+_rneagen_command() {
+	_arguments "${_rneagen_model[@]}" \
+		'(-o --output)'{-o,--output}'[write to a file]:file:_files -g "*.(cu|c|h|cuh)"' \
+		'--target=[kernels, C functions, or inline functions]:target:(cuda c header)' \
+		'--layout=[how batches lie in memory]:layout:(soa aos)' \
+		'--name=[prefix of every function]:identifier:' \
+		'--info=-[tell about the robot]::format:(json)' \
+		'--dot[print the tree as a graph for Graphviz]' \
+		'--dump=[print a stage of the pipeline]:stage:(robot tree dag plan)' \
+		'(- *)--version[print the version]' \
+		'1:robot:_files -g "*.urdf"'
+}
+
+_rnearun_eval() {
+	_arguments "${_rnearun_common[@]}" \
+		'--in=[rows of q, qd, qdd]:array:_files -g "*.npy"' \
+		'--q=[positions]:array:_files -g "*.npy"' \
+		'--qd=[velocities]:array:_files -g "*.npy"' \
+		'--qdd=[accelerations]:array:_files -g "*.npy"' \
+		'(-o --out)'{-o,--out}'[the torques]:array:_files -g "*.npy"' \
+		'--slice=[samples at a time]:number:' \
+		'1:robot:_files -g "*.urdf"'
+}
+
+_rnearun() {
+	if ((CURRENT == 2)); then
+		_values command 'eval[torques for arrays on disk]' --help --version
+	else
+		shift words
+		((CURRENT--))
+		_call_function - _rnearun_$words[1]
+	fi
+}
+
+case $service in
+rneagen) _rneagen_command ;;
+rnearun) _rnearun ;;
+esac

@@ -62,14 +62,16 @@ static enum rneagen_code read_preamble(struct npy *n, size_t *length, struct rne
 	if (memcmp(b, "\x93NUMPY", 6) != 0)
 		return error_set(e, RNEAGEN_READ, "%s: not a .npy file; numpy.save writes them", n->path);
 	if (b[6] < 1 || b[6] > 3 || b[7] != 0)
-		return error_set(e, RNEAGEN_READ, "%s: .npy version %d.%d; 1.0, 2.0 and 3.0 can be read", n->path, b[6], b[7]);
+		return error_set(
+			e, RNEAGEN_READ, "%s: .npy version %d.%d; 1.0, 2.0 and 3.0 can be read", n->path, b[6], b[7]);
 	wide = b[6] == 1 ? 2 : 4;
 	if (read_exact(n, b + 8, wide, "the header", e))
 		return e->code;
 	*length = (size_t)b[8] | (size_t)b[9] << 8 | (size_t)b[10] << 16 | (size_t)b[11] << 24;
 	n->data = 8 + wide + *length;
 	if (*length > NPY_HEADER)
-		return error_set(e, RNEAGEN_READ, "%s: a header of %zu bytes; the limit is %d", n->path, *length, NPY_HEADER);
+		return error_set(
+			e, RNEAGEN_READ, "%s: a header of %zu bytes; the limit is %d", n->path, *length, NPY_HEADER);
 	return RNEAGEN_OK;
 }
 
@@ -99,11 +101,13 @@ static enum rneagen_code check_length(struct npy *n, struct rneagen_error *e)
 	npy_shape_text(&n->shape, shape, sizeof shape);
 	have = (uint64_t)st.st_size > n->data ? (uint64_t)st.st_size - n->data : 0;
 	if (have < want)
-		return error_set(e, RNEAGEN_READ, "%s: shape %s, but the file ends after %" PRIu64 " of %" PRIu64 " samples",
-			n->path, shape, have / sample, n->samples);
+		return error_set(e, RNEAGEN_READ,
+			"%s: shape %s, but the file ends after %" PRIu64 " of %" PRIu64 " samples", n->path, shape,
+			have / sample, n->samples);
 	if (have > want)
-		return error_set(e, RNEAGEN_READ, "%s: %" PRIu64 " bytes after the array of shape %s; save one array alone",
-			n->path, have - want, shape);
+		return error_set(e, RNEAGEN_READ,
+			"%s: %" PRIu64 " bytes after the array of shape %s; save one array alone", n->path, have - want,
+			shape);
 	return RNEAGEN_OK;
 }
 
@@ -119,7 +123,8 @@ enum rneagen_code npy_open(struct npy *n, const char *path, struct rneagen_error
 	if (!n->buffer)
 		error_memory(e);
 	else if (!read_header(n, e) && !check_length(n, e) && n->fortran && n->samples > 1 && !n->regular)
-		error_set(e, RNEAGEN_READ, "%s: an array in Fortran order can be read from a file, not from a pipe", n->path);
+		error_set(e, RNEAGEN_READ, "%s: an array in Fortran order can be read from a file, not from a pipe",
+			n->path);
 	if (e->code)
 		npy_close(n);
 	return e->code;
@@ -148,8 +153,8 @@ static void swap_bytes(char *bytes, size_t count, size_t size)
 }
 
 /* Elements from `from` on, one after another, to `to`, `stride` elements apart. */
-static void convert(void *to, enum rnea_scalar to_scalar, size_t stride, const char *from, enum rnea_scalar scalar,
-	size_t count)
+static void convert(
+	void *to, enum rnea_scalar to_scalar, size_t stride, const char *from, enum rnea_scalar scalar, size_t count)
 {
 	float *f = to;
 	double *d = to;
@@ -215,7 +220,8 @@ static enum rneagen_code read_column(struct npy *n, size_t count, enum rnea_scal
 			return e->code;
 		if (n->swapped)
 			swap_bytes(n->buffer, now, size);
-		convert(element(p->to, scalar, done * p->columns + column), scalar, p->columns, n->buffer, n->scalar, now);
+		convert(element(p->to, scalar, done * p->columns + column), scalar, p->columns, n->buffer, n->scalar,
+			now);
 	}
 	return RNEAGEN_OK;
 }

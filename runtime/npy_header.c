@@ -106,11 +106,13 @@ static enum rneagen_code parse_descr(struct npy *n, struct reader *r, struct rne
 
 	skip_blanks(r);
 	if (r->s < r->end && *r->s == '[')
-		return error_set(e, RNEAGEN_READ, "%s: a structured array; save a plain one of float32 or float64", n->path);
+		return error_set(
+			e, RNEAGEN_READ, "%s: a structured array; save a plain one of float32 or float64", n->path);
 	if (!take_string(r, type))
 		return fail_header(n, "'descr' is no string", e);
 	if (strcmp(type + (*type != '\0'), "f4") != 0 && strcmp(type + (*type != '\0'), "f8") != 0)
-		return error_set(e, RNEAGEN_READ, "%s: elements of type '%s'; save them as float32 or float64", n->path, type);
+		return error_set(
+			e, RNEAGEN_READ, "%s: elements of type '%s'; save them as float32 or float64", n->path, type);
 	if (*type != '<' && *type != '>')
 		return fail_header(n, "'descr' does not tell the byte order", e);
 	n->scalar = type[2] == '4' ? RNEA_F32 : RNEA_F64;
@@ -163,12 +165,14 @@ static enum rneagen_code count_samples(struct npy *n, struct rneagen_error *e)
 	n->samples = 1;
 	for (size_t i = 0; i + 1 < s->dimensions; i++) {
 		if (s->size[i] && n->samples > (INT64_MAX / 8 / NPY_COLUMNS) / s->size[i])
-			return error_set(e, RNEAGEN_READ, "%s: shape %s: more elements than a file can hold", n->path, text);
+			return error_set(
+				e, RNEAGEN_READ, "%s: shape %s: more elements than a file can hold", n->path, text);
 		n->samples *= s->size[i];
 	}
 	if (n->fortran && s->dimensions > 2 && n->samples > 1)
 		return error_set(e, RNEAGEN_READ,
-			"%s: %zu axes in Fortran order; save numpy.ascontiguousarray of it, or two axes", n->path, s->dimensions);
+			"%s: %zu axes in Fortran order; save numpy.ascontiguousarray of it, or two axes", n->path,
+			s->dimensions);
 	return RNEAGEN_OK;
 }
 

@@ -21,6 +21,7 @@ setup_list() {
 		tests gnuplot-nox command -v gnuplot
 		tests locales test -e /usr/share/i18n/locales/de_DE
 		tests mandoc command -v mandoc
+		tests python3-numpy setup_numpy
 	END
 }
 
@@ -31,6 +32,10 @@ setup_clang_runtime() {
 
 setup_installed() {
 	[[ $(dpkg-query -W -f '${db:Status-Status}' "$1") == installed ]]
+}
+
+setup_numpy() {
+	python3 -c 'import numpy'
 }
 
 # setup_missing build|tests: prints the packages that are missing.

@@ -69,8 +69,8 @@ static void assert_refused(const char *part)
 /* 1, 2, 3 and 0.5, 0.25, -2 as IEEE 754 has them, high byte first. */
 static const unsigned char F8[] = {0x3f, 0xf0, 0, 0, 0, 0, 0, 0, 0x40, 0, 0, 0, 0, 0, 0, 0, 0x40, 8, 0, 0, 0, 0, 0, 0,
 	0x3f, 0xe0, 0, 0, 0, 0, 0, 0, 0x3f, 0xd0, 0, 0, 0, 0, 0, 0, 0xc0, 0, 0, 0, 0, 0, 0, 0};
-static const unsigned char F4[] = {0x3f, 0x80, 0, 0, 0x40, 0, 0, 0, 0x40, 0x40, 0, 0, 0x3f, 0, 0, 0, 0x3e, 0x80, 0, 0,
-	0xc0, 0, 0, 0};
+static const unsigned char F4[] = {
+	0x3f, 0x80, 0, 0, 0x40, 0, 0, 0, 0x40, 0x40, 0, 0, 0x3f, 0, 0, 0, 0x3e, 0x80, 0, 0, 0xc0, 0, 0, 0};
 static const double VALUES[] = {1, 2, 3, 0.5, 0.25, -2};
 
 /* Every version, type, byte order and axis order; read as either type, in slices of one and of all, in two parts. */
@@ -87,7 +87,8 @@ static void check_six(int version, int size, int big, int fortran, int once)
 		big ? '>' : '<', size, fortran ? "True" : "False");
 	for (int i = 0; i < 6; i++)
 		for (int b = 0; b < size; b++)
-			data[(fortran ? i % 3 * 2 + i / 3 : i) * size + b] = (size == 8 ? F8 : F4)[i * size + (big ? b : size - 1 - b)];
+			data[(fortran ? i % 3 * 2 + i / 3 : i) * size + b] =
+				(size == 8 ? F8 : F4)[i * size + (big ? b : size - 1 - b)];
 	put_array(version, dictionary, data, (size_t)(6 * size));
 	for (int f32 = 0; f32 < 2; f32++) {
 		assert_open(&n);
@@ -122,8 +123,13 @@ START_TEST(test_shapes)
 		const char *shape;
 		size_t dimensions, samples, columns;
 	} rows[] = {
-		{"(6,)", 1, 1, 6}, {"(2,3)", 2, 2, 3}, {"( 1, 2 , 3 ,)", 3, 2, 3}, {"(6, 1)", 2, 6, 1}, {"(3L, 2L)", 2, 3, 2},
-		{"(1, 1, 1, 1, 1, 6)", 6, 1, 6}, {"(002, 3)", 2, 2, 3},
+		{"(6,)", 1, 1, 6},
+		{"(2,3)", 2, 2, 3},
+		{"( 1, 2 , 3 ,)", 3, 2, 3},
+		{"(6, 1)", 2, 6, 1},
+		{"(3L, 2L)", 2, 3, 2},
+		{"(1, 1, 1, 1, 1, 6)", 6, 1, 6},
+		{"(002, 3)", 2, 2, 3},
 	};
 
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -131,7 +137,8 @@ START_TEST(test_shapes)
 		struct npy n;
 
 		/* entries in any order, either quote */
-		snprintf(dictionary, sizeof dictionary, "{\"shape\": %s, 'fortran_order': False, \"descr\": '<f8'}", rows[i].shape);
+		snprintf(dictionary, sizeof dictionary, "{\"shape\": %s, 'fortran_order': False, \"descr\": '<f8'}",
+			rows[i].shape);
 		put_array(1, dictionary, F8, sizeof F8);
 		assert_open(&n);
 		ck_assert_uint_eq(n.shape.dimensions, rows[i].dimensions);
@@ -185,7 +192,9 @@ START_TEST(test_refused)
 		{ENTRY("'<f8'", "False", "(2, 3)") "x", "follows the dictionary"},
 		{"{'descr': '<f8', 'shape': (2, 3)}", "'descr', 'fortran_order' and 'shape'"},
 		{"{'descr': '<f8', 'shape': (2, 3), 'shape': (2, 3), 'fortran_order': False}", "once each"},
-		{ENTRY("'<f8aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa'", "False", "(2, 3)"), "no string"},
+		{ENTRY("'<f8aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa'", "False",
+			 "(2, 3)"),
+			"no string"},
 		{"{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), 'more': 1}", "once each"},
 		{"{'descr': '<f8' 'fortran_order': False, 'shape': (2, 3)}", "does not end"},
 		{"{", "no dictionary"},
@@ -296,8 +305,8 @@ START_TEST(test_long)
 		size_t length;
 		FILE *f = fopen(path, "wb");
 
-		snprintf(bytes + 128, 128, "{'descr': '<f8', 'fortran_order': %s, 'shape': (%d, %d)}", fortran ? "True" : "False", ROWS,
-			COLUMNS);
+		snprintf(bytes + 128, 128, "{'descr': '<f8', 'fortran_order': %s, 'shape': (%d, %d)}",
+			fortran ? "True" : "False", ROWS, COLUMNS);
 		length = put_header(bytes, 1, bytes + 128);
 		fwrite(bytes, 1, length, f);
 		for (size_t i = 0; i < ROWS * COLUMNS; i++) {
@@ -358,7 +367,7 @@ START_TEST(test_damage)
 	printf("test_npy: seed %llu\n", (unsigned long long)number);
 	memcpy(good + length, F8, sizeof F8);
 	length += sizeof F8;
-	for (int i = 0; i < 20000; i++) {
+	for (int i = 0; i < 4000; i++) {
 		static const char pieces[] = "0123456789(),'\"{}<>fL TrueFalse\n";
 		size_t n = length;
 
@@ -376,8 +385,8 @@ START_TEST(test_damage)
 		put_file(bytes, n);
 		read += read_damaged(n);
 	}
-	ck_assert_int_gt(read, 100);
-	ck_assert_int_lt(read, 15000);
+	ck_assert_int_gt(read, 20);
+	ck_assert_int_lt(read, 3000);
 }
 END_TEST
 

@@ -20,6 +20,7 @@ set_tests_properties(test_threads PROPERTIES TIMEOUT 600)
 
 # --help, the manual page and the completions say the same; the manual page has no fault.
 add_test(NAME test_options COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_options $<TARGET_FILE:rneagen-command>)
+add_test(NAME test_run_options COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_run_options $<TARGET_FILE:rnearun>)
 add_test(NAME test_manual COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_manual)
 set_tests_properties(test_manual PROPERTIES SKIP_RETURN_CODE 77)
 # the README's table is what the results say
@@ -27,3 +28,10 @@ add_test(NAME readme_table COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/gpu/table --check
 
 # The command that evaluates arrays: its files.
 rneagen_add_test(test_npy ${CMAKE_SOURCE_DIR}/runtime/npy.c ${CMAKE_SOURCE_DIR}/runtime/npy_header.c)
+add_executable(test_rnearun test_rnearun.c states_file.c process.c)
+target_link_libraries(test_rnearun PRIVATE PkgConfig::CHECK m)
+target_compile_definitions(test_rnearun PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
+add_test(NAME test_rnearun COMMAND test_rnearun $<TARGET_FILE:rnearun> $<TARGET_FILE:rnea_reference>)
+add_test(NAME test_rnearun_numpy COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_rnearun_numpy $<TARGET_FILE:rnearun>)
+set_tests_properties(test_rnearun test_rnearun_numpy PROPERTIES TIMEOUT 600 SKIP_RETURN_CODE 77
+	ENVIRONMENT "RNEA_LIBCUDA=$<TARGET_FILE:fake_cuda>;RNEA_NVRTC=$<TARGET_FILE:fake_nvrtc>")

@@ -1,0 +1,130 @@
+#define _POSIX_C_SOURCE 200809L
+#include "command.h"
+#include "files.h"
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+int command_number(const char *name, const char *option, const char *word, unsigned long long least,
+	unsigned long long most, unsigned long long *value)
+{
+	char *end;
+
+	errno = 0;
+	*value = strtoull(word, &end, 10);
+	if (*word < '0' || *word > '9' || *end || errno || *value < least || *value > most)
+		return option_refuse(
+			name, "--%s takes a whole number from %llu to %llu, not '%s'", option, least, most, word);
+	return 0;
+}
+
+static int take_backend(struct command *c, const char *word)
+{
+	static const struct option_choice backends[] = {
+		{"cpu", RNEA_BACKEND_HOST}, {"cuda", RNEA_BACKEND_CUDA}, {"any", RNEA_BACKEND_ANY}, {NULL, 0}};
+	int value = 0, bad = option_choose(c->name, "backend", word, backends, &value);
+
+	if (!bad)
+		c->open.backend = (enum rnea_backend)value;
+	return bad;
+}
+
+/* An option of COMMAND_OPTIONS: 0; 2 and a message; -1: not one of them. */
+static int take_common(struct command *c, int key, const char *word)
+{
+	unsigned long long n = 0;
+	int bad = 0;
+
+	switch (key) {
+	case COMMAND_BACKEND:
+		return take_backend(c, word);
+	case COMMAND_DEVICE:
+		bad = command_number(c->name, "device", word, 0, INT_MAX, &n);
+		c->open.device = (int)n;
+		return bad;
+	case COMMAND_THREADS:
+		bad = command_number(c->name, "threads", word, 1, 65536, &n);
+		c->open.threads = (unsigned)n;
+		return bad;
+	case COMMAND_QUIET:
+		c->quiet = 1;
+		return 0;
+	default:
+		return option_generate(c->name, &c->generate, key, word);
+	}
+}
+
+static int take_urdf(struct command *c, int argc, char **argv)
+{
+	if (optind == argc)
+		return option_refuse(c->name, "no URDF named");
+	if (optind + 1 < argc)
+		return option_refuse(c->name, "one URDF at a time: '%s', '%s'", argv[optind], argv[optind + 1]);
+	c->urdf = argv[optind];
+	return *c->urdf ? -1 : option_refuse(c->name, "the name of the URDF is empty");
+}
+
+int command_parse(struct command *c, const struct command_kind *kind, void *own, int argc, char **argv)
+{
+	int key, bad;
+
+	*c = (struct command){.name = kind->name, .generate = rneagen_options_default()};
+	c->generate.layout = RNEAGEN_AOS;
+	while ((key = getopt_long(argc, argv, kind->letters, kind->options, NULL)) != -1) {
+		if (key == OPTION_HELP)
+			return file_put_stdout(kind->help) ? 1 : 0;
+		if (key == ':' || key == '?')
+			return option_refuse_key(c->name, key, argv[optind - 1]);
+		bad = take_common(c, key, optarg);
+		if (bad < 0)
+			bad = kind->take(own, c->name, key, optarg);
+		if (bad)
+			return bad;
+	}
+	return take_urdf(c, argc, argv);
+}
+
+int command_fail(const struct command *c, const char *message)
+{
+	fprintf(stderr, "%s: %s\n", c->name, message);
+	return 1;
+}
+
+/* The generator's part: the text, and warnings. */
+static int generate(const struct command *c, struct rneagen_result *r)
+{
+	struct rneagen_options o = c->generate;
+	struct rneagen_error e = {0};
+	struct file_content urdf = {0};
+	int bad;
+
+	o.file = strcmp(c->urdf, "-") ? c->urdf : "<stdin>";
+	bad = file_read(c->urdf, &urdf, &e) || rneagen_generate(urdf.bytes, urdf.length, &o, r, &e);
+	free(urdf.bytes);
+	if (bad) {
+		command_fail(c, e.message);
+		return e.code == RNEAGEN_USAGE || e.code == RNEAGEN_NAME ? 2 : 1;
+	}
+	for (size_t i = 0; i < r->warning_count && !c->quiet; i++)
+		fprintf(stderr, "%s: warning: %s\n", c->name, r->warnings[i]);
+	return 0;
+}
+
+int command_open(const struct command *c, struct rnea_robot **robot)
+{
+	struct rnea_error error;
+	struct rneagen_result r;
+	int status = generate(c, &r);
+
+	if (status)
+		return status;
+	if (rnea_open(r.source, strlen(r.source), &c->open, robot, &error))
+		status = command_fail(c, error.message);
+	else if (!c->quiet && *rnea_build(*robot)->note && isatty(STDERR_FILENO))
+		fprintf(stderr, "%s: %s\n", c->name, rnea_build(*robot)->note);
+	rneagen_result_free(&r);
+	return status;
+}

@@ -1,0 +1,415 @@
+/* test_rnearun RNEARUN RNEA_REFERENCE: the command as its users run it, against the independent reference; and files
+   that are too large, cut short, interrupted. Both backends: this machine's processor, and the pretended GPU. */
+#define _DEFAULT_SOURCE
+#include "process.h"
+#include "states_file.h"
+#include <check.h>
+#include <dirent.h>
+#include <limits.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+static const char *rnearun, *reference;
+static char folder[] = "rnearun.XXXXXX";
+
+#define ROBOTS TEST_DIR "/robots/"
+#define IIWA ROBOTS "iiwa14.urdf"
+
+/* rnearun eval WORDS...: its status, and `part` in what it says. */
+static void run(int status, const char *part, const char *const *words)
+{
+	const char *argv[32] = {rnearun, "eval"};
+	struct process p;
+
+	for (int i = 0; words[i]; i++)
+		argv[i + 2] = words[i];
+	p = process_run(argv);
+	ck_assert_msg(p.status == status, "status %d, not %d: %s", p.status, status, p.output);
+	ck_assert_msg(strstr(p.output, part) != NULL, "'%s' does not contain '%s'", p.output, part);
+	if (!*part)
+		ck_assert_msg(!strstr(p.output, "samples"), "progress without a terminal: %s", p.output);
+	process_free(&p);
+}
+
+#define RUN(status, part, ...) run(status, part, (const char *const[]){__VA_ARGS__, NULL})
+
+/* The same by a shell: $1 rnearun, $2 a URDF. */
+static void run_shell(int status, const char *part, const char *script, const char *urdf)
+{
+	const char *const argv[] = {"sh", "-c", script, "sh", rnearun, urdf, NULL};
+	struct process p = process_run(argv);
+
+	ck_assert_msg(p.status == status, "status %d, not %d: %s", p.status, status, p.output);
+	ck_assert_msg(strstr(p.output, part) != NULL, "'%s' does not contain '%s'", p.output, part);
+	process_free(&p);
+}
+
+/* How many files there are whose names begin so. */
+static int count_files(const char *begins)
+{
+	DIR *d = opendir(".");
+	int n = 0;
+
+	for (struct dirent *f; (f = readdir(d)) != NULL;)
+		n += !strncmp(f->d_name, begins, strlen(begins));
+	closedir(d);
+	return n;
+}
+
+/* q.npy qd.npy qdd.npy tau.npy by the reference, states.npy of the first three, and the same in float32. */
+static void make_states(const char *urdf, const char *count, const char *base, int f32)
+{
+	const char *const argv[] = {
+		reference, urdf, count, "20261121", "--base", base, "--out", ".", f32 ? "--f32" : NULL, NULL};
+	static const char *const names[] = {"q.npy", "qd.npy", "qdd.npy"};
+	struct process p = process_run(argv);
+	size_t n[3], samples = (size_t)atoi(count);
+	double *parts[3], *states;
+
+	ck_assert_msg(p.status == 0, "%s", p.output);
+	process_free(&p);
+	for (int i = 0; i < 3; i++) {
+		parts[i] = file_numbers(names[i], 0, &n[i]);
+		if (f32)
+			file_put_array(names[i], parts[i], samples, n[i] / samples, 1);
+	}
+	states = states_join((const double *const *)parts, samples, n[0] / samples, n[1] / samples);
+	file_put_array("states.npy", states, samples, (n[0] + 2 * n[1]) / samples, f32);
+	for (int i = 0; i < 3; i++)
+		free(parts[i]);
+	free(states);
+}
+
+/* out.npy holds what tau.npy does, within `most`, relative in the norm of each sample. */
+static void assert_torques(int f32, size_t samples, double most)
+{
+	size_t n, m, nv;
+	double *tau = file_numbers("tau.npy", 0, &n), *out = file_numbers("out.npy", f32, &m);
+
+	ck_assert_uint_eq(n, m);
+	nv = n / samples;
+	for (size_t k = 0; k < samples; k++) {
+		double error = 0, norm = 0;
+
+		for (size_t i = k * nv; i < (k + 1) * nv; i++) {
+			error += (out[i] - tau[i]) * (out[i] - tau[i]);
+			norm += tau[i] * tau[i];
+		}
+		ck_assert_msg(sqrt(error) <= most * sqrt(norm), "sample %zu: %g", k, sqrt(error / norm));
+	}
+	free(tau);
+	free(out);
+	ck_assert_int_eq(count_files("out.npy"), 1);
+	ck_assert_int_eq(unlink("out.npy"), 0);
+}
+
+static const char *const BACKENDS[] = {"cuda", "cpu"};
+
+/* Three robots, either precision, one file and three, slices that do not divide the batch, on each backend. */
+START_TEST(test_torques)
+{
+	static const struct {
+		const char *urdf, *base;
+	} robots[] = {{IIWA, "fixed"}, {ROBOTS "hyq.urdf", "floating"}, {ROBOTS "panda.urdf", "fixed"}};
+	const char *urdf = robots[_i / 4].urdf, *base = robots[_i / 4].base, *backend = BACKENDS[_i / 2 % 2];
+	int f32 = _i % 2;
+	double most = f32 ? 1e-5 : 1e-13;
+
+	make_states(urdf, "1000", base, f32);
+	RUN(0, "", urdf, "--in", "states.npy", "--out", "out.npy", "--base", base, "--backend", backend);
+	assert_torques(f32, 1000, most);
+	RUN(0, "", urdf, "--q", "q.npy", "--qd", "qd.npy", "--qdd", "qdd.npy", "-o", "out.npy", "--slice", "37",
+		"--base", base, "--backend", backend, "--threads", "2");
+	assert_torques(f32, 1000, most);
+}
+END_TEST
+
+/* The widest input decides unless an option does. */
+START_TEST(test_precision)
+{
+	size_t n;
+	double *q;
+
+	make_states(IIWA, "50", "fixed", 1);
+	q = file_numbers("q.npy", 1, &n);
+	file_put_array("q8.npy", q, 50, 7, 0);
+	free(q);
+	RUN(0, "", IIWA, "--q", "q8.npy", "--qd", "qd.npy", "--qdd", "qdd.npy", "--out", "out.npy");
+	assert_torques(0, 50, 1e-13);
+	RUN(0, "", IIWA, "--q", "q8.npy", "--qd", "qd.npy", "--qdd", "qdd.npy", "--out", "out.npy", "--precision",
+		"f32");
+	assert_torques(1, 50, 1e-5);
+	RUN(0, "", IIWA, "--in", "states.npy", "--out", "out.npy", "--precision", "f64");
+	assert_torques(0, 50, 1e-13);
+	RUN(0, "", IIWA, "--in", "states.npy", "--out", "out.npy", "--precision", "mixed");
+	assert_torques(1, 50, 1.2e-7);
+}
+END_TEST
+
+START_TEST(test_pipes)
+{
+	make_states(IIWA, "300", "fixed", 0);
+	run_shell(0, "", "cat states.npy | \"$1\" eval \"$2\" --in - --out - --slice 7 >out.npy", IIWA);
+	assert_torques(0, 300, 1e-13);
+	run_shell(0, "", "\"$1\" eval - --in states.npy --out out.npy <\"$2\"", IIWA);
+	assert_torques(0, 300, 1e-13);
+	run_shell(1, "<stdin>: ends within the array",
+		"head -c 10000 states.npy | \"$1\" eval \"$2\" --in - --out out.npy", IIWA);
+	run_shell(1, "<stdin>: bytes after the array",
+		"cat states.npy states.npy | \"$1\" eval \"$2\" --in - --out out.npy", IIWA);
+	run_shell(
+		1, "standard output: cannot be written", "\"$1\" eval \"$2\" --in states.npy --out - >/dev/full", IIWA);
+	ck_assert_int_eq(count_files("out.npy"), 0);
+}
+END_TEST
+
+/* No sample, one sample, and axes before the last. */
+START_TEST(test_shapes)
+{
+	double zero[42] = {0}, *x;
+	char header[128];
+	size_t n;
+	FILE *f;
+
+	file_put_array("none.npy", zero, 0, 21, 0);
+	RUN(0, "", IIWA, "--in", "none.npy", "--out", "out.npy");
+	x = file_numbers("out.npy", 0, &n);
+	ck_assert_uint_eq(n, 0);
+	free(x);
+	file_put_array("two.npy", zero, 2, 21, 0);
+	f = fopen("two.npy", "r+b");
+	fseek(f, 10, SEEK_SET);
+	fprintf(f, "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 1, 21)}    ");
+	fclose(f);
+	RUN(0, "", IIWA, "--in", "two.npy", "--out", "out.npy");
+	f = fopen("out.npy", "rb");
+	ck_assert_uint_eq(fread(header, 1, sizeof header, f), sizeof header);
+	fclose(f);
+	header[127] = '\0';
+	ck_assert_ptr_nonnull(strstr(header + 10, "'shape': (2, 1, 7)"));
+	unlink("out.npy");
+}
+END_TEST
+
+START_TEST(test_refused)
+{
+	make_states(IIWA, "50", "fixed", 0);
+	RUN(1, "states.npy: 21 columns, hyq needs nq + 2 nv = 12 + 24 = 36", ROBOTS "hyq.urdf", "--in", "states.npy",
+		"--out", "out.npy");
+	RUN(1, "q.npy: 7 columns, hyq needs nq = 12 for q", ROBOTS "hyq.urdf", "--q", "q.npy", "--qd", "qd.npy",
+		"--qdd", "qdd.npy", "--out", "out.npy");
+	file_put_sparse("long.npy", 51, 7);
+	RUN(1, "long.npy: shape (51, 7), other samples than q.npy, shape (50, 7)", IIWA, "--q", "q.npy", "--qd",
+		"long.npy", "--qdd", "qdd.npy", "--out", "out.npy");
+	RUN(1, "no/such.urdf: cannot be opened", "no/such.urdf", "--in", "states.npy", "--out", "out.npy");
+	RUN(1, "no/such.npy: cannot be opened", IIWA, "--in", "no/such.npy", "--out", "out.npy");
+	RUN(1, "no/out.npy: cannot be written", IIWA, "--in", "states.npy", "--out", "no/out.npy");
+	RUN(1, "/dev/full: cannot be written", IIWA, "--in", "states.npy", "--out", "/dev/full");
+	RUN(1, "not a .npy file", IIWA, "--in", IIWA, "--out", "out.npy");
+	RUN(2, "is the input states.npy", IIWA, "--in", "states.npy", "--out", "./states.npy");
+	RUN(2, "is the input q.npy", IIWA, "--q", "q.npy", "--qd", "qd.npy", "--qdd", "qdd.npy", "--out", "q.npy");
+	RUN(2, "--order names 'nothing'", IIWA, "--in", "states.npy", "--out", "out.npy", "--order", "nothing");
+	RUN(2, "no URDF named", "--in", "states.npy", "--out", "out.npy");
+	RUN(2, "one URDF at a time", IIWA, IIWA, "--in", "states.npy", "--out", "out.npy");
+	RUN(2, "no input named", IIWA, "--out", "out.npy");
+	RUN(2, "no output named", IIWA, "--in", "states.npy");
+	RUN(2, "--qdd is missing", IIWA, "--q", "q.npy", "--qd", "qd.npy", "--out", "out.npy");
+	RUN(2, "leave out --q", IIWA, "--in", "states.npy", "--q", "q.npy", "--out", "out.npy");
+	RUN(2, "can be read once", "-", "--in", "-", "--out", "out.npy");
+	RUN(2, "--slice takes a whole number", IIWA, "--slice", "0");
+	RUN(2, "--slice takes a whole number", IIWA, "--slice", "1e3");
+	RUN(2, "--device takes a whole number", IIWA, "--device", "-1");
+	RUN(2, "--threads takes a whole number", IIWA, "--threads", "99999999999999999999999");
+	RUN(2, "--backend takes cpu|cuda|any, not 'gpu'", IIWA, "--backend", "gpu");
+	RUN(2, "--trig takes accurate|bounded|fast, not 'slow'", IIWA, "--trig", "slow");
+	RUN(2, "option '--layout' is not known", IIWA, "--layout", "soa");
+	RUN(2, "option '--in' needs a value", IIWA, "--in");
+	RUN(0, "usage: rnearun eval", "--help");
+	ck_assert_int_eq(count_files("out.npy"), 0);
+}
+END_TEST
+
+/* Peak memory in KiB of rnearun over IN, and of its children. */
+static long peak(const char *in)
+{
+	struct rusage usage;
+	int status;
+	pid_t pid = fork();
+
+	ck_assert_int_ge(pid, 0);
+	if (!pid) {
+		execl(rnearun, rnearun, "eval", IIWA, "--in", in, "--out", "out.npy", "--slice", "5000", "--backend",
+			"cpu", NULL);
+		_exit(127);
+	}
+	ck_assert_int_eq(wait4(pid, &status, 0, &usage), pid);
+	ck_assert_int_eq(status, 0);
+	return usage.ru_maxrss;
+}
+
+/* 400 MB of states take no more memory than 2 MB of them. */
+START_TEST(test_memory)
+{
+	struct stat st;
+	long small, large;
+
+	file_put_sparse("small.npy", 10000, 21);
+	file_put_sparse("large.npy", 2400000, 21);
+	/* the first run may need a compiler, the second takes what it made */
+	peak("small.npy");
+	small = peak("small.npy");
+	large = peak("large.npy");
+	ck_assert_msg(large < small + 20000, "%ld KiB, then %ld", small, large);
+	ck_assert_int_eq(stat("out.npy", &st), 0);
+	ck_assert_int_eq(st.st_size, 128 + 2400000L * 7 * 8);
+	unlink("out.npy");
+}
+END_TEST
+
+/* The size of the output that is pending; 0 if there is none. */
+static off_t pending_size(void)
+{
+	DIR *d = opendir(".");
+	off_t size = 0;
+	struct stat st;
+
+	for (struct dirent *f; (f = readdir(d)) != NULL;)
+		if (!strncmp(f->d_name, "out.npy.", 8) && !stat(f->d_name, &st))
+			size = st.st_size;
+	closedir(d);
+	return size;
+}
+
+/* Wait until some torques are out: all that runs other programs, which may hold signals back, is over. */
+static void wait_for_output(pid_t pid)
+{
+	const struct timespec pause = {.tv_nsec = 10000000};
+
+	for (int i = 0; i < 6000 && !pending_size(); i++) {
+		ck_assert_int_eq(waitpid(pid, NULL, WNOHANG), 0);
+		nanosleep(&pause, NULL);
+	}
+	ck_assert_int_gt(pending_size(), 0);
+}
+
+START_TEST(test_interrupted)
+{
+	static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+	int status;
+	pid_t pid;
+
+	file_put_sparse("large.npy", 2400000, 21);
+	pid = fork();
+	ck_assert_int_ge(pid, 0);
+	if (!pid) {
+		/* who runs the test may ignore it */
+		signal(numbers[_i], SIG_DFL);
+		execl(rnearun, rnearun, "eval", IIWA, "--in", "large.npy", "--out", "out.npy", "--slice", "1", NULL);
+		_exit(127);
+	}
+	wait_for_output(pid);
+	ck_assert_int_eq(kill(pid, numbers[_i]), 0);
+	ck_assert_int_eq(waitpid(pid, &status, 0), pid);
+	ck_assert(WIFSIGNALED(status) && WTERMSIG(status) == numbers[_i]);
+	ck_assert_int_eq(count_files("out.npy"), 0);
+}
+END_TEST
+
+/* A limit on the length of files stands for a full disk; what was there before stays. */
+START_TEST(test_full)
+{
+	struct stat st;
+
+	file_put_sparse("large.npy", 200000, 21);
+	file_put_sparse("out.npy", 1, 1);
+	run_shell(1, "out.npy: cannot be written: File too large",
+		"ulimit -f 16000 && exec \"$1\" eval \"$2\" --in large.npy --out out.npy --backend cpu", IIWA);
+	ck_assert_int_eq(count_files("out.npy"), 1);
+	ck_assert_int_eq(stat("out.npy", &st), 0);
+	ck_assert_int_eq(st.st_size, 136);
+	unlink("out.npy");
+}
+END_TEST
+
+/* The line of progress is for terminals, and for who wants it. */
+START_TEST(test_progress)
+{
+	make_states(IIWA, "50", "fixed", 0);
+	run_shell(0, "of 50 samples",
+		"script -qec \"'$1' eval '$2' --in states.npy --out out.npy --slice 20\" /dev/null", IIWA);
+	run_shell(0, "", "! script -qec \"'$1' eval '$2' --in states.npy --out out.npy --quiet\" /dev/null | grep .",
+		IIWA);
+	RUN(0, "", IIWA, "--in", "states.npy", "--out", "out.npy");
+	unlink("out.npy");
+}
+END_TEST
+
+static TCase *add_case(Suite *s, const char *name)
+{
+	TCase *c = tcase_create(name);
+
+	tcase_set_timeout(c, 120);
+	suite_add_tcase(s, c);
+	return c;
+}
+
+static Suite *suite(void)
+{
+	Suite *s = suite_create("rnearun");
+	TCase *c = add_case(s, "torques");
+
+	tcase_add_loop_test(c, test_torques, 0, 12);
+	tcase_add_test(c, test_precision);
+	c = add_case(s, "files");
+	tcase_add_test(c, test_pipes);
+	tcase_add_test(c, test_shapes);
+	tcase_add_test(c, test_refused);
+	c = add_case(s, "limits");
+	tcase_add_test(c, test_memory);
+	tcase_add_loop_test(c, test_interrupted, 0, 3);
+	tcase_add_test(c, test_full);
+	c = add_case(s, "terminal");
+	if (system("command -v script >/dev/null") == 0)
+		tcase_add_test(c, test_progress);
+	else
+		puts("skipped: the line of progress, for there is no script(1) to make a terminal");
+	return s;
+}
+
+static int remove_folder(void)
+{
+	char command[64];
+
+	snprintf(command, sizeof command, "rm -rf %s", folder);
+	return system(command);
+}
+
+int main(int argc, char **argv)
+{
+	char path[PATH_MAX + sizeof folder + 8];
+	SRunner *r;
+	int failed;
+
+	if (argc != 3)
+		return fputs("usage: test_rnearun RNEARUN RNEA_REFERENCE\n", stderr), 2;
+	rnearun = argv[1];
+	reference = argv[2];
+	if (!mkdtemp(folder) || chdir(folder) || !realpath("..", path))
+		return perror(folder), 1;
+	snprintf(path + strlen(path), sizeof path - strlen(path), "/%s/cache", folder);
+	setenv("RNEA_CACHE", path, 1);
+	r = srunner_create(suite());
+	srunner_run_all(r, CK_NORMAL);
+	failed = srunner_ntests_failed(r);
+	srunner_free(r);
+	failed |= chdir("..") | remove_folder();
+	return failed != 0;
+}
