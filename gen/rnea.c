@@ -97,14 +97,72 @@ static struct svec euler(struct dag *d, const struct inertia *I, const struct fr
 	return n;
 }
 
-/* The body's own wrench: f = m a + U h, n = I dw + w x I w + h x a, with h = m c. */
+/* I less what the mass makes of it from its centre c = h/m: I_c = I - m (c.c 1 - c c^T), with c in place of h. */
+static struct inertia central(const struct inertia *I)
+{
+	struct inertia J = *I;
+
+	for (int i = 0; i < 3; i++)
+		J.h[i] = I->h[i] / I->mass;
+	for (int i = 0; i < 3; i++)
+		for (int j = i; j < 3; j++) {
+			struct sum s = {0};
+
+			sum_add(&s, I->I[inertia_index(i, j)]);
+			sum_add(&s, I->h[i] * J.h[j]);
+			for (int k = 0; k < 3 && i == j; k++)
+				sum_add(&s, -I->h[k] * J.h[k]);
+			J.I[inertia_index(i, j)] = sum_real(s);
+		}
+	return J;
+}
+
+/* Products that euler needs. */
+static int euler_products(const struct inertia *I)
+{
+	int count = 0;
+
+	for (int i = 0; i < 3; i++) {
+		real other = I->I[inertia_index((i + 1) % 3, (i + 1) % 3)];
+		struct sum spread = {0};
+
+		sum_add(&spread, I->I[inertia_index(i, i)]);
+		sum_add(&spread, -other);
+		count += (I->I[inertia_index(i, i)] != 0) + (sum_real(spread) != 0);
+		count += 3 * (I->I[inertia_index(i, (i + 1) % 3)] != 0);
+	}
+	return count;
+}
+
+/* Is the wrench about the centre of mass cheaper? There the long lever arms of a far centre do not cancel; but it takes
+   all of f, which a body that turns on the ground need not have. */
+static int prefers_centre(const struct body *k, const struct inertia *I)
+{
+	int grounded = k->parent < 0 && (k->type == JOINT_REVOLUTE || k->type == JOINT_CONTINUOUS);
+
+	return !grounded && euler_products(I) < euler_products(&k->inertia);
+}
+
+/* The body's own wrench: f = m a + U h, n = I dw + w x I w + h x a, with h = m c;
+   or from the centre of mass: f = m (a + U c), n = I_c dw + w x I_c w + c x f. */
 static void load(const struct tour *r, const struct body *k, struct frame *x)
 {
 	struct dag *d = r->d;
+	struct ref mass = dag_const(d, k->inertia.mass);
 	struct svec h = svec_const(d, k->inertia.h);
+	struct inertia I_c = {0};
 
-	x->f = svec_add(d, svec_scale(d, dag_const(d, k->inertia.mass), x->a), smat_mul(d, &x->U, h));
-	x->n = svec_add(d, euler(d, &k->inertia, x), svec_cross(d, h, x->a));
+	if (k->inertia.mass != 0)
+		I_c = central(&k->inertia);
+	if (k->inertia.mass != 0 && prefers_centre(k, &I_c)) {
+		struct svec c = svec_const(d, I_c.h);
+
+		x->f = svec_scale(d, mass, svec_add(d, x->a, smat_mul(d, &x->U, c)));
+		x->n = svec_add(d, euler(d, &I_c, x), svec_cross(d, c, x->f));
+	} else {
+		x->f = svec_add(d, svec_scale(d, mass, x->a), smat_mul(d, &x->U, h));
+		x->n = svec_add(d, euler(d, &k->inertia, x), svec_cross(d, h, x->a));
+	}
 	svec_tag(d, x->f, "f", k->number);
 	svec_tag(d, x->n, "n", k->number);
 }

@@ -4,8 +4,8 @@
  * from a URDF whose SHA-256 is
  *   f81b0e4cbc1902a82e8103815dbba18f4a14241a4c5448883373553e6c5b9460
  * nq = 30, nv = 30, nb = 30 (moving bodies). Operations:
- *   rnea: 616 mul, 309 add, 153 sub, 131 neg, 844 fma, 27 sincos = 2766 flops
- *   fpass: 696 mul, 225 add, 209 sub, 184 neg, 854 fma, 27 sincos = 2838 flops
+ *   rnea: 618 mul, 310 add, 140 sub, 129 neg, 800 fma, 27 sincos = 2668 flops
+ *   fpass: 710 mul, 236 add, 198 sub, 180 neg, 798 fma, 27 sincos = 2740 flops
  *   bpass: 121 mul, 149 add, 12 sub, 36 neg, 161 fma, 27 sincos = 604 flops
  *
  * Joints:
@@ -109,7 +109,7 @@ RNEA_INFO const char atlas_info[] =
 	"input qd 30 f64 sample\n"
 	"input qdd 30 f64 sample\n"
 	"output tau 30 f64 sample\n"
-	"operations 616 309 153 131 844 27\n"
+	"operations 618 310 140 129 800 27\n"
 	"joint 0 1 0 1 revolute back_bkz\n"
 	"joint 1 1 1 1 revolute back_bky\n"
 	"joint 2 1 2 1 revolute back_bkx\n"
@@ -528,33 +528,21 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double t97 = t94*w8y;
 	const double t98 = t94*t94;
 	const double t99 = w8y*w8y;
-	const double t100 = dw8x + t97;
-	const double t101 = dw8x - t97;
-	const double t102 = t94*w8x;
-	const double t103 = w8x*w8x;
-	const double t104 = dw8y + t102;
-	const double t105 = dw8y - t102;
-	const double t106 = w8x*w8y;
-	const double t107 = t95 + t106;
-	const double t108 = t106 - t95;
-	const double f8x = RNEA_FMA(2.4798, a8x, RNEA_FMA(0.000917526, t105, RNEA_FMA(-0.00037196999999999995,
-		t98 + t99, 0.20572420800000002*t107)));
-	const double f8y = RNEA_FMA(2.4798, a8y, RNEA_FMA(-0.000917526, t100, RNEA_FMA(-0.20572420800000002,
-		t98 + t103, 0.00037196999999999995*t108)));
-	const double f8z = RNEA_FMA(-2.4798, t96, RNEA_FMA(-0.000917526, t99 + t103, RNEA_FMA(-0.00037196999999999995,
-		t104, 0.20572420800000002*t101)));
-	const double t109 = RNEA_FMA(-1.3762889999999998e-07, t108, RNEA_FMA(-3.08586312e-05, t104, RNEA_FMA(-0.026157540811060004,
-		t97, 0.029798219780300002*dw8x)));
-	const double t110 = RNEA_FMA(-3.08586312e-05, t101, RNEA_FMA(7.611795696e-05, t107, RNEA_FMA(-0.000783283689119999,
-		t102, 0.00285739528012*dw8y)));
-	const double t111 = RNEA_FMA(7.611795696e-05, t105, RNEA_FMA(1.3762889999999998e-07, t100, RNEA_FMA(0.029014936091180003,
-		t95, 0.02694082450018*t106)));
-	const double n8x = RNEA_FMA(-7.611795696e-05, t99 - t98, t109) - RNEA_FMA(0.20572420800000002,
-		t96, 0.000917526*a8y);
-	const double n8y = RNEA_FMA(0.000917526, a8x, 0.00037196999999999995*t96) + RNEA_FMA(-1.3762889999999998e-07,
-		t98 - t103, t110);
-	const double n8z = RNEA_FMA(-0.20572420800000002, a8x, 0.00037196999999999995*a8y) - RNEA_FMA(3.08586312e-05,
-		t103 - t99, t111);
+	const double t100 = t94*w8x;
+	const double t101 = w8x*w8x;
+	const double t102 = w8x*w8y;
+	const double t103 = RNEA_FMA(-0.00015, t98 + t99, 0.08296*(t95 + t102));
+	const double t104 = RNEA_FMA(-0.08296, t98 + t101, 0.00015*(t102 - t95));
+	const double t105 = RNEA_FMA(-0.00015, dw8y + t100, 0.08296*(dw8x - t97));
+	const double t106 = a8x + RNEA_FMA(0.00037, dw8y - t100, t103);
+	const double t107 = a8y + RNEA_FMA(-0.00037, dw8x + t97, t104);
+	const double t108 = RNEA_FMA(-0.00037, t99 + t101, t105) - t96;
+	const double n8x = RNEA_FMA(-0.000917526, t107, 0.20572420800000002*t108) + RNEA_FMA(-0.009091,
+		t97, 0.012731*dw8x);
+	const double n8y = RNEA_FMA(-0.00037196999999999995, t108, 0.000917526*t106) + RNEA_FMA(-0.000782999999999999,
+		t100, 0.002857*dw8y);
+	const double n8z = RNEA_FMA(-0.20572420800000002, t106, 0.00037196999999999995*t107) - RNEA_FMA(0.011948,
+		t95, 0.009873999999999999*t102);
 
 	/* ---- out to link 9 "l_lfarm" (fpass) ---- */
 	const double q9 = q[8*stride];
@@ -563,182 +551,169 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double qd9 = qd[8*stride];
 	const double qdd9 = qdd[8*stride];
 	const double w9y = RNEA_FMA(s9, -t94, w8y*c9);
-	const double t112 = RNEA_FMA(w8y, s9, t94*c9);
+	const double t109 = RNEA_FMA(w8y, s9, t94*c9);
 	const double w9x = w8x + qd9;
 	const double dw9x = dw8x + qdd9;
-	const double dw9y = RNEA_FMA(t112, -qd9, RNEA_FMA(s9, -t95, dw8y*c9));
-	const double t113 = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8y, s9, t95*c9));
+	const double dw9y = RNEA_FMA(t109, -qd9, RNEA_FMA(s9, -t95, dw8y*c9));
+	const double t110 = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8y, s9, t95*c9));
 	const double a9y = RNEA_FMA(s9, -t96, a8y*c9);
-	const double t114 = RNEA_FMA(a8y, s9, t96*c9);
-	const double t115 = w9y*t112;
-	const double t116 = t112*t112;
-	const double t117 = w9y*w9y;
-	const double t118 = dw9x + t115;
-	const double t119 = dw9x - t115;
-	const double t120 = t112*w9x;
-	const double t121 = w9x*w9x;
-	const double t122 = dw9y + t120;
-	const double t123 = dw9y - t120;
-	const double t124 = w9y*w9x;
-	const double t125 = t113 + t124;
-	const double t126 = t124 - t113;
-	const double t127 = RNEA_FMA(0.00105624, t123, -RNEA_FMA(0.0162972, t125, 0.00011016000000000002*(t116 + t117)));
-	const double f9x = RNEA_FMA(0.648, a8x, t127);
-	const double f9y = RNEA_FMA(0.648, a9y, RNEA_FMA(-0.00105624, t118, RNEA_FMA(0.0162972, t116 + t121,
-		0.00011016000000000002*t126)));
-	const double t128 = RNEA_FMA(0.648, t114, RNEA_FMA(0.00105624, t117 + t121, RNEA_FMA(0.0162972,
-		t119, 0.00011016000000000002*t122)));
-	const double t129 = RNEA_FMA(-1.7956080000000002e-07, t126, RNEA_FMA(2.7705240000000002e-06, t122,
-		RNEA_FMA(-0.0008041529087999999, t115, 0.0011755962512*dw9x)));
-	const double t130 = RNEA_FMA(2.7705240000000002e-06, t119, RNEA_FMA(-2.6564435999999998e-05, t125,
-		RNEA_FMA(0.00043074039840000004, dw9y, 5.9297055999999964e-05*t120)));
-	const double t131 = RNEA_FMA(2.6564435999999998e-05, t123, -RNEA_FMA(1.7956080000000002e-07, t118,
-		RNEA_FMA(0.0012348933072, t113, 0.0007448558528*t124)));
-	const double n9x = RNEA_FMA(-0.00105624, a9y, 0.0162972*t114) + RNEA_FMA(2.6564435999999998e-05,
-		t117 - t116, t129);
-	const double n9y = RNEA_FMA(0.00105624, a8x, 0.00011016000000000002*t114) + RNEA_FMA(-1.7956080000000002e-07,
-		t116 - t121, t130);
-	const double n9z = RNEA_FMA(0.00011016000000000002, a9y, 0.0162972*a8x) + RNEA_FMA(2.7705240000000002e-06,
-		t121 - t117, t131);
+	const double t111 = RNEA_FMA(a8y, s9, t96*c9);
+	const double t112 = w9y*t109;
+	const double t113 = t109*t109;
+	const double t114 = w9y*w9y;
+	const double t115 = t109*w9x;
+	const double t116 = w9x*w9x;
+	const double t117 = w9y*w9x;
+	const double t118 = -RNEA_FMA(0.02515, t110 + t117, 0.00017*(t113 + t114));
+	const double t119 = RNEA_FMA(0.02515, t113 + t116, 0.00017*(t117 - t110));
+	const double t120 = RNEA_FMA(0.02515, dw9x - t112, 0.00017*(dw9y + t115));
+	const double t121 = a8x + RNEA_FMA(0.00163, dw9y - t115, t118);
+	const double t122 = a9y + RNEA_FMA(-0.00163, dw9x + t112, t119);
+	const double t123 = t111 + RNEA_FMA(0.00163, t114 + t116, t120);
+	const double n9x = RNEA_FMA(-0.00105624, t122, 0.0162972*t123) + RNEA_FMA(-0.000396, t112, 0.000764*dw9x);
+	const double n9y = RNEA_FMA(0.00105624, t121, 0.00011016000000000002*t123) + RNEA_FMA(0.000429,
+		dw9y, 6.0999999999999965e-05*t115);
+	const double n9z = RNEA_FMA(0.00011016000000000002, t122, 0.0162972*t121) - RNEA_FMA(0.000825,
+		t110, 0.000335*t117);
 
 	/* ---- out to link 10 "l_hand" (fpass) ---- */
 	const double q10 = q[9*stride];
-	double t132, c10;
-	all_small &= rneagen_sincos_either(q10, small, &t132, &c10);
+	double t124, c10;
+	all_small &= rneagen_sincos_either(q10, small, &t124, &c10);
 	const double qd10 = qd[9*stride];
 	const double qdd10 = qdd[9*stride];
-	const double t133 = RNEA_FMA(2.0682310711021444e-13, t112, w9x);
-	const double t134 = RNEA_FMA(-2.0682310711021444e-13, w9x, t112);
-	const double t135 = RNEA_FMA(2.0682310711021444e-13, t113, dw9x);
-	const double t136 = RNEA_FMA(-2.0682310711021444e-13, dw9x, t113);
-	const double t137 = RNEA_FMA(2.0682310711021444e-13, t114, a8x);
-	const double t138 = RNEA_FMA(-2.0682310711021444e-13, a8x, t114);
-	const double w10z = RNEA_FMA(c10, t134, t132*t133);
-	const double w10x = RNEA_FMA(t133, -c10, t132*t134);
+	const double t125 = RNEA_FMA(2.0682310711021444e-13, t109, w9x);
+	const double t126 = RNEA_FMA(-2.0682310711021444e-13, w9x, t109);
+	const double t127 = RNEA_FMA(2.0682310711021444e-13, t110, dw9x);
+	const double t128 = RNEA_FMA(-2.0682310711021444e-13, dw9x, t110);
+	const double t129 = RNEA_FMA(2.0682310711021444e-13, t111, a8x);
+	const double t130 = RNEA_FMA(-2.0682310711021444e-13, a8x, t111);
+	const double w10z = RNEA_FMA(c10, t126, t124*t125);
+	const double w10x = RNEA_FMA(t125, -c10, t124*t126);
 	const double w10y = w9y - qd10;
-	const double dw10x = RNEA_FMA(qd10, w10z, RNEA_FMA(t135, -c10, t132*t136));
+	const double dw10x = RNEA_FMA(qd10, w10z, RNEA_FMA(t127, -c10, t124*t128));
 	const double dw10y = dw9y - qdd10;
-	const double dw10z = RNEA_FMA(w10x, -qd10, RNEA_FMA(c10, t136, t132*t135));
-	const double a10z = RNEA_FMA(c10, t138, t132*t137);
-	const double a10x = RNEA_FMA(t137, -c10, t132*t138);
-	const double t139 = w10z*w10y;
-	const double t140 = w10z*w10z;
-	const double t141 = w10y*w10y;
-	const double t142 = t139 - dw10x;
-	const double t143 = dw10x + t139;
-	const double t144 = w10z*w10x;
-	const double t145 = w10x*w10x;
-	const double t146 = t144 - dw10y;
-	const double t147 = dw10y + t144;
-	const double t148 = w10x*w10y;
-	const double t149 = t148 - dw10z;
-	const double t150 = dw10z + t148;
-	const double t151 = RNEA_FMA(1.1678e-05, t147, -RNEA_FMA(0.060090400999999995, t149, 9.3424e-05*(t140 + t141)));
-	const double f10x = RNEA_FMA(0.6839, a10x, t151);
-	const double f10y = RNEA_FMA(0.6839, a9y, RNEA_FMA(1.1678e-05, t142, RNEA_FMA(0.060090400999999995,
-		t140 + t145, 9.3424e-05*t150)));
-	const double f10z = RNEA_FMA(0.6839, a10z, RNEA_FMA(-1.1678e-05, t141 + t145, RNEA_FMA(-0.060090400999999995,
-		t143, 9.3424e-05*t146)));
-	const double t152 = RNEA_FMA(-1.86848e-09, t150, RNEA_FMA(-7.62246416e-06, t146, RNEA_FMA(0.00583500555115,
-		dw10x, 0.00533900508403*t139)));
-	const double t153 = RNEA_FMA(7.62246416e-06, t143, RNEA_FMA(-9.5280802e-07, t149, RNEA_FMA(0.0004870151814,
-		dw10y, 8.985285720000002e-06*t144)));
-	const double t154 = RNEA_FMA(9.5280802e-07, t147, RNEA_FMA(1.86848e-09, t142, RNEA_FMA(-0.005347990369749999,
-		t148, 0.0058260202654299995*dw10z)));
-	const double n10x = RNEA_FMA(9.5280802e-07, t141 - t140, t152) - RNEA_FMA(0.060090400999999995,
+	const double dw10z = RNEA_FMA(w10x, -qd10, RNEA_FMA(c10, t128, t124*t127));
+	const double a10z = RNEA_FMA(c10, t130, t124*t129);
+	const double a10x = RNEA_FMA(t129, -c10, t124*t130);
+	const double t131 = w10z*w10y;
+	const double t132 = w10z*w10z;
+	const double t133 = w10y*w10y;
+	const double t134 = t131 - dw10x;
+	const double t135 = dw10x + t131;
+	const double t136 = w10z*w10x;
+	const double t137 = w10x*w10x;
+	const double t138 = t136 - dw10y;
+	const double t139 = dw10y + t136;
+	const double t140 = w10x*w10y;
+	const double t141 = t140 - dw10z;
+	const double t142 = dw10z + t140;
+	const double t143 = RNEA_FMA(1.1678e-05, t139, -RNEA_FMA(0.060090400999999995, t141, 9.3424e-05*(t132 + t133)));
+	const double f10x = RNEA_FMA(0.6839, a10x, t143);
+	const double f10y = RNEA_FMA(0.6839, a9y, RNEA_FMA(1.1678e-05, t134, RNEA_FMA(0.060090400999999995,
+		t132 + t137, 9.3424e-05*t142)));
+	const double f10z = RNEA_FMA(0.6839, a10z, RNEA_FMA(-1.1678e-05, t133 + t137, RNEA_FMA(-0.060090400999999995,
+		t135, 9.3424e-05*t138)));
+	const double t144 = RNEA_FMA(-1.86848e-09, t142, RNEA_FMA(-7.62246416e-06, t138, RNEA_FMA(0.00583500555115,
+		dw10x, 0.00533900508403*t131)));
+	const double t145 = RNEA_FMA(7.62246416e-06, t135, RNEA_FMA(-9.5280802e-07, t141, RNEA_FMA(0.0004870151814,
+		dw10y, 8.985285720000002e-06*t136)));
+	const double t146 = RNEA_FMA(9.5280802e-07, t139, RNEA_FMA(1.86848e-09, t134, RNEA_FMA(-0.005347990369749999,
+		t140, 0.0058260202654299995*dw10z)));
+	const double n10x = RNEA_FMA(9.5280802e-07, t133 - t132, t144) - RNEA_FMA(0.060090400999999995,
 		a10z, 1.1678e-05*a9y);
-	const double n10y = RNEA_FMA(-9.3424e-05, a10z, 1.1678e-05*a10x) + RNEA_FMA(-1.86848e-09, t140 - t145,
-		t153);
+	const double n10y = RNEA_FMA(-9.3424e-05, a10z, 1.1678e-05*a10x) + RNEA_FMA(-1.86848e-09, t132 - t137,
+		t145);
 	const double n10z = RNEA_FMA(9.3424e-05, a9y, 0.060090400999999995*a10x) + RNEA_FMA(7.62246416e-06,
-		t145 - t141, t154);
+		t137 - t133, t146);
 
 	/* ---- back from link 10 "l_hand" to link 9 (bpass): torque of "l_arm_lwy" ---- */
-	const double t155 = RNEA_FMA(c10, f10z, t132*f10x);
-	const double t156 = RNEA_FMA(f10z, -t132, c10*f10x);
-	const double t157 = RNEA_FMA(c10, n10z, t132*n10x);
-	const double t158 = RNEA_FMA(n10z, -t132, c10*n10x);
-	const double f9x_2 = f9x - RNEA_FMA(2.0682310711021444e-13, t155, t156);
-	const double f9y_2 = f9y + f10y;
-	const double f9z = RNEA_FMA(2.0682310711021444e-13, t156, -t155) - t128;
-	const double n9x_2 = n9x - RNEA_FMA(2.0682310711021444e-13, t157, t158);
+	const double t147 = RNEA_FMA(c10, f10z, t124*f10x);
+	const double t148 = RNEA_FMA(f10z, -t124, c10*f10x);
+	const double t149 = RNEA_FMA(c10, n10z, t124*n10x);
+	const double t150 = RNEA_FMA(n10z, -t124, c10*n10x);
+	const double f9x = RNEA_FMA(0.648, t121, -RNEA_FMA(2.0682310711021444e-13, t147, t148));
+	const double f9y = RNEA_FMA(0.648, t122, f10y);
+	const double f9z = RNEA_FMA(-0.648, t123, RNEA_FMA(2.0682310711021444e-13, t148, -t147));
+	const double n9x_2 = n9x - RNEA_FMA(2.0682310711021444e-13, t149, t150);
 	const double n9y_2 = n9y + n10y;
-	const double n9z_2 = n9z + RNEA_FMA(2.0682310711021444e-13, t158, -t157);
+	const double n9z_2 = n9z + RNEA_FMA(2.0682310711021444e-13, t150, -t149);
 	tau[9*stride] = -n10y;
 
 	/* ---- back from link 9 "l_lfarm" to link 8 (bpass): torque of "l_arm_mwx" ---- */
-	const double f8x_2 = f8x + f9x_2;
-	const double f8y_2 = f8y + RNEA_FMA(f9z, -s9, c9*f9y_2);
-	const double f8z_2 = f8z + RNEA_FMA(s9, f9y_2, c9*f9z);
+	const double f8x = RNEA_FMA(2.4798, t106, f9x);
+	const double f8y = RNEA_FMA(2.4798, t107, RNEA_FMA(f9z, -s9, c9*f9y));
+	const double f8z = RNEA_FMA(2.4798, t108, RNEA_FMA(s9, f9y, c9*f9z));
 	const double n8x_2 = n8x + n9x_2;
 	const double n8y_2 = n8y + RNEA_FMA(n9z_2, -s9, c9*n9y_2);
 	const double n8z_2 = n8z + RNEA_FMA(s9, n9y_2, c9*n9z_2);
 	tau[8*stride] = n9x_2;
 
 	/* ---- back from link 8 "l_ufarm" to link 7 (bpass): torque of "l_arm_uwy" ---- */
-	const double t159 = RNEA_FMA(c8, f8z_2, t85*f8x_2);
-	const double t160 = RNEA_FMA(-t85, f8z_2, c8*f8x_2);
-	const double t161 = RNEA_FMA(c8, n8z_2, t85*n8x_2);
-	const double t162 = RNEA_FMA(-t85, n8z_2, c8*n8x_2);
-	const double t163 = RNEA_FMA(2.0682310711021444e-13, t159, t160);
-	const double t164 = RNEA_FMA(2.0682310711021444e-13, t160, -t159);
-	const double f7x = RNEA_FMA(3.248, a7x, -t163);
-	const double f7y = RNEA_FMA(3.248, a7y, f8y_2);
-	const double f7z = RNEA_FMA(3.248, a7z, t164);
-	const double n7x = RNEA_FMA(0.00265, dw7x, RNEA_FMA(-0.29955, t164, 0.00921*f8y_2) - RNEA_FMA(2.0682310711021444e-13,
-		t161, t162));
-	const double n7y_2 = n7y + RNEA_FMA(0.00921, t163, n8y_2);
-	const double n7z_2 = n7z + RNEA_FMA(-0.29955, t163, RNEA_FMA(2.0682310711021444e-13, t162, -t161));
+	const double t151 = RNEA_FMA(c8, f8z, t85*f8x);
+	const double t152 = RNEA_FMA(-t85, f8z, c8*f8x);
+	const double t153 = RNEA_FMA(c8, n8z_2, t85*n8x_2);
+	const double t154 = RNEA_FMA(-t85, n8z_2, c8*n8x_2);
+	const double t155 = RNEA_FMA(2.0682310711021444e-13, t151, t152);
+	const double t156 = RNEA_FMA(2.0682310711021444e-13, t152, -t151);
+	const double f7x = RNEA_FMA(3.248, a7x, -t155);
+	const double f7y = RNEA_FMA(3.248, a7y, f8y);
+	const double f7z = RNEA_FMA(3.248, a7z, t156);
+	const double n7x = RNEA_FMA(0.00265, dw7x, RNEA_FMA(-0.29955, t156, 0.00921*f8y) - RNEA_FMA(2.0682310711021444e-13,
+		t153, t154));
+	const double n7y_2 = n7y + RNEA_FMA(0.00921, t155, n8y_2);
+	const double n7z_2 = n7z + RNEA_FMA(-0.29955, t155, RNEA_FMA(2.0682310711021444e-13, t154, -t153));
 	tau[7*stride] = -n8y_2;
 
 	/* ---- back from link 7 "l_larm" to link 6 (bpass): torque of "l_arm_elx" ---- */
-	const double t165 = RNEA_FMA(c7, f7y, t78*f7z);
-	const double t166 = RNEA_FMA(-t78, f7y, c7*f7z);
+	const double t157 = RNEA_FMA(c7, f7y, t78*f7z);
+	const double t158 = RNEA_FMA(-t78, f7y, c7*f7z);
 	const double f6x_2 = f6x + f7x;
-	const double f6y_2 = f6y + t165;
-	const double f6z_2 = f6z + t166;
-	const double n6x_2 = n6x + (n7x - RNEA_FMA(0.119, t166, 0.0092*t165));
+	const double f6y_2 = f6y + t157;
+	const double f6z_2 = f6z + t158;
+	const double n6x_2 = n6x + (n7x - RNEA_FMA(0.119, t158, 0.0092*t157));
 	const double n6y = RNEA_FMA(0.00358, dw6y, RNEA_FMA(0.0092, f7x, RNEA_FMA(c7, n7y_2, t78*n7z_2)));
 	const double n6z_2 = n6z + RNEA_FMA(0.119, f7x, RNEA_FMA(-t78, n7y_2, c7*n7z_2));
 	tau[6*stride] = -n7x;
 
 	/* ---- back from link 6 "l_uarm" to link 5 (bpass): torque of "l_arm_ely" ---- */
-	const double t167 = RNEA_FMA(c6, f6z_2, t69*f6x_2);
-	const double t168 = RNEA_FMA(-t69, f6z_2, c6*f6x_2);
-	const double t169 = RNEA_FMA(-t69, n6z_2, c6*n6x_2);
-	const double f5x = RNEA_FMA(3.899, a5x, t168);
+	const double t159 = RNEA_FMA(c6, f6z_2, t69*f6x_2);
+	const double t160 = RNEA_FMA(-t69, f6z_2, c6*f6x_2);
+	const double t161 = RNEA_FMA(-t69, n6z_2, c6*n6x_2);
+	const double f5x = RNEA_FMA(3.899, a5x, t160);
 	const double f5y = RNEA_FMA(3.899, a5y, f6y_2);
-	const double f5z = RNEA_FMA(3.899, a5z, t167);
-	const double n5x = RNEA_FMA(0.00319, dw5x, t169 + RNEA_FMA(-0.187, t167, 0.016*f6y_2));
-	const double n5y_2 = n5y + RNEA_FMA(-0.016, t168, n6y);
-	const double n5z_2 = n5z + RNEA_FMA(0.187, t168, RNEA_FMA(c6, n6z_2, t69*n6x_2));
+	const double f5z = RNEA_FMA(3.899, a5z, t159);
+	const double n5x = RNEA_FMA(0.00319, dw5x, t161 + RNEA_FMA(-0.187, t159, 0.016*f6y_2));
+	const double n5y_2 = n5y + RNEA_FMA(-0.016, t160, n6y);
+	const double n5z_2 = n5z + RNEA_FMA(0.187, t160, RNEA_FMA(c6, n6z_2, t69*n6x_2));
 	tau[5*stride] = -n6y;
 
 	/* ---- back from link 5 "l_scap" to link 4 (bpass): torque of "l_arm_shx" ---- */
-	const double t170 = RNEA_FMA(c5, f5y, t62*f5z);
-	const double t171 = RNEA_FMA(-t62, f5y, c5*f5z);
+	const double t162 = RNEA_FMA(c5, f5y, t62*f5z);
+	const double t163 = RNEA_FMA(-t62, f5y, c5*f5z);
 	const double f4x_2 = f4x + f5x;
-	const double f4y_2 = f4y + t170;
-	const double f4z_2 = f4z + t171;
-	const double n4x_2 = n4x + (n5x + RNEA_FMA(-0.11, t171, 0.245*t170));
+	const double f4y_2 = f4y + t162;
+	const double f4z_2 = f4z + t163;
+	const double n4x_2 = n4x + (n5x + RNEA_FMA(-0.11, t163, 0.245*t162));
 	const double n4y_2 = n4y + RNEA_FMA(-0.245, f5x, RNEA_FMA(c5, n5y_2, t62*n5z_2));
 	const double n4z_2 = n4z + RNEA_FMA(0.11, f5x, RNEA_FMA(-t62, n5y_2, c5*n5z_2));
 	tau[4*stride] = -n5x;
 
 	/* ---- back from link 4 "l_clav" to link 3 (bpass): torque of "l_arm_shz" ---- */
-	const double t172 = RNEA_FMA(f4y_2, -s4, c4*f4x_2);
-	const double t173 = RNEA_FMA(s4, f4x_2, c4*f4y_2);
-	const double t174 = RNEA_FMA(n4y_2, -s4, c4*n4x_2);
-	const double t175 = RNEA_FMA(s4, n4x_2, c4*n4y_2);
-	const double t176 = RNEA_FMA(2.0682310711021444e-13, t173, -t172);
-	const double t177 = RNEA_FMA(2.0682310711021444e-13, t172, t173);
-	const double f3x_2 = f3x + t176;
-	const double f3y_2 = f3y - t177;
+	const double t164 = RNEA_FMA(f4y_2, -s4, c4*f4x_2);
+	const double t165 = RNEA_FMA(s4, f4x_2, c4*f4y_2);
+	const double t166 = RNEA_FMA(n4y_2, -s4, c4*n4x_2);
+	const double t167 = RNEA_FMA(s4, n4x_2, c4*n4y_2);
+	const double t168 = RNEA_FMA(2.0682310711021444e-13, t165, -t164);
+	const double t169 = RNEA_FMA(2.0682310711021444e-13, t164, t165);
+	const double f3x_2 = f3x + t168;
+	const double f3y_2 = f3y - t169;
 	const double f3z_2 = f3z + f4z_2;
-	const double t178 = RNEA_FMA(2.0682310711021444e-13, t175, -t174) + RNEA_FMA(0.2256, f4z_2, 0.4776*t177);
-	const double n3x_2 = n3x + t178;
-	const double n3y_2 = n3y + (RNEA_FMA(-0.1406, f4z_2, 0.4776*t176) - RNEA_FMA(2.0682310711021444e-13,
-		t174, t175));
-	const double n3z_2 = n3z + (n4z_2 - RNEA_FMA(0.1406, t177, 0.2256*t176));
+	const double t170 = RNEA_FMA(2.0682310711021444e-13, t167, -t166) + RNEA_FMA(0.2256, f4z_2, 0.4776*t169);
+	const double n3x_2 = n3x + t170;
+	const double n3y_2 = n3y + (RNEA_FMA(-0.1406, f4z_2, 0.4776*t168) - RNEA_FMA(2.0682310711021444e-13,
+		t166, t167));
+	const double n3z_2 = n3z + (n4z_2 - RNEA_FMA(0.1406, t169, 0.2256*t168));
 	tau[3*stride] = n4z_2;
 
 	/* ---- out to link 11 "head" (fpass) ---- */
@@ -747,56 +722,56 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	all_small &= rneagen_sincos_either(q11, small, &s11, &c11);
 	const double qd11 = qd[10*stride];
 	const double qdd11 = qdd[10*stride];
-	const double t179 = a3x + RNEA_FMA(-0.2546, t20, 0.6215*t27);
+	const double t171 = a3x + RNEA_FMA(-0.2546, t20, 0.6215*t27);
 	const double a11y = a3y + RNEA_FMA(0.6215, t21, 0.2546*t31);
-	const double t180 = a3z + RNEA_FMA(-0.6215, t29, 0.2546*t26);
+	const double t172 = a3z + RNEA_FMA(-0.6215, t29, 0.2546*t26);
 	const double w11z = RNEA_FMA(w3z, c11, w3x*s11);
 	const double w11x = RNEA_FMA(s11, -w3z, w3x*c11);
 	const double w11y = w3y + qd11;
 	const double dw11x = RNEA_FMA(w11z, -qd11, RNEA_FMA(s11, -dw3z, dw3x*c11));
 	const double dw11y = dw3y + qdd11;
 	const double dw11z = RNEA_FMA(qd11, w11x, RNEA_FMA(dw3z, c11, dw3x*s11));
-	const double a11z = RNEA_FMA(c11, t180, s11*t179);
-	const double a11x = RNEA_FMA(t180, -s11, c11*t179);
-	const double t181 = w11z*w11y;
-	const double t182 = w11z*w11z;
-	const double t183 = w11y*w11y;
-	const double t184 = t181 - dw11x;
-	const double t185 = dw11x + t181;
-	const double t186 = w11z*w11x;
-	const double t187 = w11x*w11x;
-	const double t188 = t186 - dw11y;
-	const double t189 = dw11y + t186;
-	const double t190 = w11x*w11y;
-	const double t191 = t190 - dw11z;
-	const double t192 = dw11z + t190;
-	const double t193 = RNEA_FMA(0.054420420656, t184, -RNEA_FMA(7.09504993e-05, t182 + t187, 0.109829676908*t192));
-	const double f11x = RNEA_FMA(2.087564, a11x, RNEA_FMA(0.054420420656, t189, RNEA_FMA(7.09504993e-05,
-		t191, 0.109829676908*(t182 + t183))));
-	const double f11y = RNEA_FMA(2.087564, a11y, t193);
-	const double f11z = RNEA_FMA(2.087564, a11z, RNEA_FMA(-0.054420420656, t183 + t187, RNEA_FMA(-0.109829676908,
-		t188, 7.09504993e-05*t185)));
-	const double t194 = RNEA_FMA(0.0024130603412908323, t192, RNEA_FMA(-2.8062844640453003e-06, t188,
-		RNEA_FMA(-0.0013851939641421555, t181, 0.013518240524507091*dw11x)));
-	const double t195 = RNEA_FMA(2.8062844640453003e-06, t185, RNEA_FMA(3.9827336694684e-06, t191,
-		RNEA_FMA(-0.005634444453194253, t186, 0.0205378789418435*dw11y)));
-	const double t196 = RNEA_FMA(-3.9827336694684e-06, t189, RNEA_FMA(-0.0024130603412908323, t184,
-		RNEA_FMA(0.019152684977701343, dw11z, 0.007019638417336408*t190)));
+	const double a11z = RNEA_FMA(c11, t172, s11*t171);
+	const double a11x = RNEA_FMA(t172, -s11, c11*t171);
+	const double t173 = w11z*w11y;
+	const double t174 = w11z*w11z;
+	const double t175 = w11y*w11y;
+	const double t176 = t173 - dw11x;
+	const double t177 = dw11x + t173;
+	const double t178 = w11z*w11x;
+	const double t179 = w11x*w11x;
+	const double t180 = t178 - dw11y;
+	const double t181 = dw11y + t178;
+	const double t182 = w11x*w11y;
+	const double t183 = t182 - dw11z;
+	const double t184 = dw11z + t182;
+	const double t185 = RNEA_FMA(0.054420420656, t176, -RNEA_FMA(7.09504993e-05, t174 + t179, 0.109829676908*t184));
+	const double f11x = RNEA_FMA(2.087564, a11x, RNEA_FMA(0.054420420656, t181, RNEA_FMA(7.09504993e-05,
+		t183, 0.109829676908*(t174 + t175))));
+	const double f11y = RNEA_FMA(2.087564, a11y, t185);
+	const double f11z = RNEA_FMA(2.087564, a11z, RNEA_FMA(-0.054420420656, t175 + t179, RNEA_FMA(-0.109829676908,
+		t180, 7.09504993e-05*t177)));
+	const double t186 = RNEA_FMA(0.0024130603412908323, t184, RNEA_FMA(-2.8062844640453003e-06, t180,
+		RNEA_FMA(-0.0013851939641421555, t173, 0.013518240524507091*dw11x)));
+	const double t187 = RNEA_FMA(2.8062844640453003e-06, t177, RNEA_FMA(3.9827336694684e-06, t183,
+		RNEA_FMA(-0.005634444453194253, t178, 0.0205378789418435*dw11y)));
+	const double t188 = RNEA_FMA(-3.9827336694684e-06, t181, RNEA_FMA(-0.0024130603412908323, t176,
+		RNEA_FMA(0.019152684977701343, dw11z, 0.007019638417336408*t182)));
 	const double n11x = RNEA_FMA(-0.054420420656, a11y, 7.09504993e-05*a11z) + RNEA_FMA(-3.9827336694684e-06,
-		t183 - t182, t194);
+		t175 - t174, t186);
 	const double n11y = RNEA_FMA(0.054420420656, a11x, 0.109829676908*a11z) + RNEA_FMA(0.0024130603412908323,
-		t182 - t187, t195);
-	const double n11z = RNEA_FMA(2.8062844640453003e-06, t187 - t183, t196) - RNEA_FMA(0.109829676908,
+		t174 - t179, t187);
+	const double n11z = RNEA_FMA(2.8062844640453003e-06, t179 - t175, t188) - RNEA_FMA(0.109829676908,
 		a11y, 7.09504993e-05*a11x);
 
 	/* ---- back from link 11 "head" to link 3 (bpass): torque of "neck_ay" ---- */
-	const double t197 = RNEA_FMA(-s11, f11x, c11*f11z);
-	const double t198 = RNEA_FMA(s11, f11z, c11*f11x);
-	const double f3x_3 = f3x_2 + t198;
+	const double t189 = RNEA_FMA(-s11, f11x, c11*f11z);
+	const double t190 = RNEA_FMA(s11, f11z, c11*f11x);
+	const double f3x_3 = f3x_2 + t190;
 	const double f3y_3 = f3y_2 + f11y;
-	const double f3z_3 = f3z_2 + t197;
+	const double f3z_3 = f3z_2 + t189;
 	const double n3x_3 = n3x_2 + RNEA_FMA(-0.6215, f11y, RNEA_FMA(s11, n11z, c11*n11x));
-	const double n3y_3 = n3y_2 + (n11y + RNEA_FMA(-0.2546, t197, 0.6215*t198));
+	const double n3y_3 = n3y_2 + (n11y + RNEA_FMA(-0.2546, t189, 0.6215*t190));
 	const double n3z_3 = n3z_2 + RNEA_FMA(0.2546, f11y, RNEA_FMA(-s11, n11x, c11*n11z));
 	tau[10*stride] = n11y;
 
@@ -806,8 +781,8 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	all_small &= rneagen_sincos_either(q12, small, &s12, &c12);
 	const double qd12 = qd[11*stride];
 	const double qdd12 = qdd[11*stride];
-	const double t199 = a3x + (t41 - (t39 + t40));
-	const double t200 = a3y + (t44 + (t42 + t43));
+	const double t191 = a3x + (t41 - (t39 + t40));
+	const double t192 = a3y + (t44 + (t42 + t43));
 	const double a12z = a3z + (t45 - t46 - t47);
 	const double w12x = RNEA_FMA(w3x, c12, w3y*s12);
 	const double w12y = RNEA_FMA(s12, -w3x, w3y*c12);
@@ -815,26 +790,26 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw3x, c12, dw3y*s12));
 	const double dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(s12, -dw3x, dw3y*c12));
 	const double dw12z = dw3z + qdd12;
-	const double a12x = RNEA_FMA(c12, t199, s12*t200);
-	const double a12y = RNEA_FMA(t199, -s12, c12*t200);
-	const double t201 = w12y*w12z;
-	const double t202 = w12z*w12z;
-	const double t203 = w12y*w12y;
-	const double t204 = t201 - dw12x;
-	const double t205 = w12x*w12z;
-	const double t206 = w12x*w12x;
-	const double t207 = dw12y + t205;
-	const double t208 = w12x*w12y;
-	const double t209 = t203 + t206;
-	const double t210 = t208 - dw12z;
-	const double f12x = RNEA_FMA(-0.37514400000000003, t207, 4.466*a12x);
-	const double f12y = RNEA_FMA(-0.37514400000000003, t204, 4.466*a12y);
-	const double f12z = RNEA_FMA(4.466, a12z, 0.37514400000000003*t209);
-	const double n12z = RNEA_FMA(0.004, t207, RNEA_FMA(-0.002, t208, 0.004*dw12z));
-	const double n12x = RNEA_FMA(0.37514400000000003, a12y, RNEA_FMA(0.004, t203 - t202, RNEA_FMA(-0.03651209600000001,
-		t201, 0.042512096000000006*dw12x)));
-	const double n12y = RNEA_FMA(-0.37514400000000003, a12x, RNEA_FMA(-0.004, t210, RNEA_FMA(0.040512096000000004,
-		dw12y, 0.038512096*t205)));
+	const double a12x = RNEA_FMA(c12, t191, s12*t192);
+	const double a12y = RNEA_FMA(t191, -s12, c12*t192);
+	const double t193 = w12y*w12z;
+	const double t194 = w12z*w12z;
+	const double t195 = w12y*w12y;
+	const double t196 = t193 - dw12x;
+	const double t197 = w12x*w12z;
+	const double t198 = w12x*w12x;
+	const double t199 = dw12y + t197;
+	const double t200 = w12x*w12y;
+	const double t201 = t195 + t198;
+	const double t202 = t200 - dw12z;
+	const double f12x = RNEA_FMA(-0.37514400000000003, t199, 4.466*a12x);
+	const double f12y = RNEA_FMA(-0.37514400000000003, t196, 4.466*a12y);
+	const double f12z = RNEA_FMA(4.466, a12z, 0.37514400000000003*t201);
+	const double n12z = RNEA_FMA(0.004, t199, RNEA_FMA(-0.002, t200, 0.004*dw12z));
+	const double n12x = RNEA_FMA(0.37514400000000003, a12y, RNEA_FMA(0.004, t195 - t194, RNEA_FMA(-0.03651209600000001,
+		t193, 0.042512096000000006*dw12x)));
+	const double n12y = RNEA_FMA(-0.37514400000000003, a12x, RNEA_FMA(-0.004, t202, RNEA_FMA(0.040512096000000004,
+		dw12y, 0.038512096*t197)));
 
 	/* ---- out to link 13 "r_scap" (fpass) ---- */
 	const double q13 = q[12*stride];
@@ -842,23 +817,23 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	all_small &= rneagen_sincos_either(q13, small, &s13, &c13);
 	const double qd13 = qd[12*stride];
 	const double qdd13 = qdd[12*stride];
-	const double a13x = a12x - RNEA_FMA(0.245, t207, 0.11*t210);
-	const double t211 = a12y + RNEA_FMA(-0.245, t204, 0.11*(t202 + t206));
-	const double t212 = a12z + RNEA_FMA(-0.11, dw12x + t201, 0.245*t209);
+	const double a13x = a12x - RNEA_FMA(0.245, t199, 0.11*t202);
+	const double t203 = a12y + RNEA_FMA(-0.245, t196, 0.11*(t194 + t198));
+	const double t204 = a12z + RNEA_FMA(-0.11, dw12x + t193, 0.245*t201);
 	const double w13y = RNEA_FMA(w12y, c13, w12z*s13);
 	const double w13z = RNEA_FMA(s13, -w12y, w12z*c13);
 	const double w13x = w12x + qd13;
 	const double dw13x = dw12x + qdd13;
 	const double dw13y = RNEA_FMA(qd13, w13z, RNEA_FMA(dw12y, c13, dw12z*s13));
 	const double dw13z = RNEA_FMA(w13y, -qd13, RNEA_FMA(s13, -dw12y, dw12z*c13));
-	const double a13y = RNEA_FMA(c13, t211, s13*t212);
-	const double a13z = RNEA_FMA(t211, -s13, c13*t212);
-	const double t213 = w13y*w13z;
-	const double t214 = w13z*w13x;
-	const double t215 = w13x*w13x;
-	const double t216 = w13y*w13x;
-	const double n13y = RNEA_FMA(-0.00264, t214, 0.00583*dw13y);
-	const double n13z = RNEA_FMA(0.00583, dw13z, 0.00264*t216);
+	const double a13y = RNEA_FMA(c13, t203, s13*t204);
+	const double a13z = RNEA_FMA(t203, -s13, c13*t204);
+	const double t205 = w13y*w13z;
+	const double t206 = w13z*w13x;
+	const double t207 = w13x*w13x;
+	const double t208 = w13y*w13x;
+	const double n13y = RNEA_FMA(-0.00264, t206, 0.00583*dw13y);
+	const double n13z = RNEA_FMA(0.00583, dw13z, 0.00264*t208);
 
 	/* ---- out to link 14 "r_uarm" (fpass) ---- */
 	const double q14 = q[13*stride];
@@ -866,28 +841,28 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	all_small &= rneagen_sincos_either(q14, small, &s14, &c14);
 	const double qd14 = qd[13*stride];
 	const double qdd14 = qdd[13*stride];
-	const double t217 = a13x - RNEA_FMA(0.016, dw13y + t214, 0.187*(t216 - dw13z));
-	const double a14y = a13y + RNEA_FMA(-0.016, t213 - dw13x, 0.187*RNEA_FMA(w13z, w13z, t215));
-	const double t218 = a13z + RNEA_FMA(-0.187, dw13x + t213, 0.016*RNEA_FMA(w13y, w13y, t215));
+	const double t209 = a13x - RNEA_FMA(0.016, dw13y + t206, 0.187*(t208 - dw13z));
+	const double a14y = a13y + RNEA_FMA(-0.016, t205 - dw13x, 0.187*RNEA_FMA(w13z, w13z, t207));
+	const double t210 = a13z + RNEA_FMA(-0.187, dw13x + t205, 0.016*RNEA_FMA(w13y, w13y, t207));
 	const double w14z = RNEA_FMA(w13z, c14, w13x*s14);
 	const double w14x = RNEA_FMA(s14, -w13z, w13x*c14);
 	const double w14y = w13y + qd14;
 	const double dw14x = RNEA_FMA(w14z, -qd14, RNEA_FMA(s14, -dw13z, dw13x*c14));
 	const double dw14y = dw13y + qdd14;
 	const double dw14z = RNEA_FMA(qd14, w14x, RNEA_FMA(dw13z, c14, dw13x*s14));
-	const double a14z = RNEA_FMA(c14, t218, s14*t217);
-	const double a14x = RNEA_FMA(t218, -s14, c14*t217);
-	const double t219 = w14z*w14y;
-	const double t220 = dw14x + t219;
-	const double t221 = w14x*w14x;
-	const double t222 = RNEA_FMA(w14z, w14z, t221);
-	const double t223 = w14x*w14y;
-	const double t224 = t223 - dw14z;
-	const double f14x = RNEA_FMA(4.386, a14x, 0.28509*t224);
-	const double f14y = RNEA_FMA(-0.28509, t222, 4.386*a14y);
-	const double f14z = RNEA_FMA(4.386, a14z, 0.28509*t220);
-	const double n14x = RNEA_FMA(0.28509, a14z, RNEA_FMA(0.02509085, dw14x, 0.02151085*t219));
-	const double n14z = RNEA_FMA(-0.28509, a14x, RNEA_FMA(-0.02151085, t223, 0.02509085*dw14z));
+	const double a14z = RNEA_FMA(c14, t210, s14*t209);
+	const double a14x = RNEA_FMA(t210, -s14, c14*t209);
+	const double t211 = w14z*w14y;
+	const double t212 = dw14x + t211;
+	const double t213 = w14x*w14x;
+	const double t214 = RNEA_FMA(w14z, w14z, t213);
+	const double t215 = w14x*w14y;
+	const double t216 = t215 - dw14z;
+	const double f14x = RNEA_FMA(4.386, a14x, 0.28509*t216);
+	const double f14y = RNEA_FMA(-0.28509, t214, 4.386*a14y);
+	const double f14z = RNEA_FMA(4.386, a14z, 0.28509*t212);
+	const double n14x = RNEA_FMA(0.28509, a14z, RNEA_FMA(0.02509085, dw14x, 0.02151085*t211));
+	const double n14z = RNEA_FMA(-0.28509, a14x, RNEA_FMA(-0.02151085, t215, 0.02509085*dw14z));
 
 	/* ---- out to link 15 "r_larm" (fpass) ---- */
 	const double q15 = q[14*stride];
@@ -895,23 +870,23 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	all_small &= rneagen_sincos_either(q15, small, &s15, &c15);
 	const double qd15 = qd[14*stride];
 	const double qdd15 = qdd[14*stride];
-	const double a15x = a14x + RNEA_FMA(-0.119, t224, 0.0092*RNEA_FMA(w14z, w14x, dw14y));
-	const double t225 = a14y + RNEA_FMA(0.0092, t219 - dw14x, 0.119*t222);
-	const double t226 = a14z - RNEA_FMA(0.0092, RNEA_FMA(w14y, w14y, t221), 0.119*t220);
+	const double a15x = a14x + RNEA_FMA(-0.119, t216, 0.0092*RNEA_FMA(w14z, w14x, dw14y));
+	const double t217 = a14y + RNEA_FMA(0.0092, t211 - dw14x, 0.119*t214);
+	const double t218 = a14z - RNEA_FMA(0.0092, RNEA_FMA(w14y, w14y, t213), 0.119*t212);
 	const double w15y = RNEA_FMA(w14y, c15, w14z*s15);
 	const double w15z = RNEA_FMA(s15, -w14y, w14z*c15);
 	const double w15x = w14x + qd15;
 	const double dw15x = dw14x + qdd15;
 	const double dw15y = RNEA_FMA(qd15, w15z, RNEA_FMA(dw14y, c15, dw14z*s15));
 	const double dw15z = RNEA_FMA(w15y, -qd15, RNEA_FMA(s15, -dw14y, dw14z*c15));
-	const double a15y = RNEA_FMA(c15, t225, s15*t226);
-	const double a15z = RNEA_FMA(t225, -s15, c15*t226);
-	const double t227 = w15y*w15z;
-	const double t228 = w15z*w15x;
-	const double t229 = w15x*w15x;
-	const double t230 = w15y*w15x;
-	const double n15y = RNEA_FMA(-0.0018100000000000004, t228, 0.00446*dw15y);
-	const double n15z = RNEA_FMA(0.00446, dw15z, 0.0018100000000000004*t230);
+	const double a15y = RNEA_FMA(c15, t217, s15*t218);
+	const double a15z = RNEA_FMA(t217, -s15, c15*t218);
+	const double t219 = w15y*w15z;
+	const double t220 = w15z*w15x;
+	const double t221 = w15x*w15x;
+	const double t222 = w15y*w15x;
+	const double n15y = RNEA_FMA(-0.0018100000000000004, t220, 0.00446*dw15y);
+	const double n15z = RNEA_FMA(0.00446, dw15z, 0.0018100000000000004*t222);
 
 	/* ---- out to link 16 "r_ufarm" (fpass) ---- */
 	const double q16 = q[15*stride];
@@ -919,47 +894,35 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	all_small &= rneagen_sincos_either(q16, small, &s16, &c16);
 	const double qd16 = qd[15*stride];
 	const double qdd16 = qdd[15*stride];
-	const double t231 = a15x - RNEA_FMA(0.00921, dw15y + t228, 0.29955*(t230 - dw15z));
-	const double a16y = a15y + RNEA_FMA(-0.00921, t227 - dw15x, 0.29955*RNEA_FMA(w15z, w15z, t229));
-	const double t232 = a15z + RNEA_FMA(-0.29955, dw15x + t227, 0.00921*RNEA_FMA(w15y, w15y, t229));
+	const double t223 = a15x - RNEA_FMA(0.00921, dw15y + t220, 0.29955*(t222 - dw15z));
+	const double a16y = a15y + RNEA_FMA(-0.00921, t219 - dw15x, 0.29955*RNEA_FMA(w15z, w15z, t221));
+	const double t224 = a15z + RNEA_FMA(-0.29955, dw15x + t219, 0.00921*RNEA_FMA(w15y, w15y, t221));
 	const double w16z = RNEA_FMA(w15z, c16, w15x*s16);
 	const double w16x = RNEA_FMA(s16, -w15z, w15x*c16);
 	const double w16y = w15y + qd16;
 	const double dw16x = RNEA_FMA(w16z, -qd16, RNEA_FMA(s16, -dw15z, dw15x*c16));
 	const double dw16y = dw15y + qdd16;
 	const double dw16z = RNEA_FMA(qd16, w16x, RNEA_FMA(dw15z, c16, dw15x*s16));
-	const double a16z = RNEA_FMA(c16, t232, s16*t231);
-	const double a16x = RNEA_FMA(t232, -s16, c16*t231);
-	const double t233 = w16z*w16y;
-	const double t234 = w16z*w16z;
-	const double t235 = w16y*w16y;
-	const double t236 = t233 - dw16x;
-	const double t237 = dw16x + t233;
-	const double t238 = w16z*w16x;
-	const double t239 = w16x*w16x;
-	const double t240 = t238 - dw16y;
-	const double t241 = dw16y + t238;
-	const double t242 = w16x*w16y;
-	const double t243 = t242 - dw16z;
-	const double t244 = dw16z + t242;
-	const double f16x = RNEA_FMA(2.4798, a16x, RNEA_FMA(0.000917526, t241, RNEA_FMA(-0.00037196999999999995,
-		t234 + t235, 0.20572420800000002*t243)));
-	const double f16y = RNEA_FMA(2.4798, a16y, RNEA_FMA(0.000917526, t236, RNEA_FMA(-0.20572420800000002,
-		t234 + t239, 0.00037196999999999995*t244)));
-	const double f16z = RNEA_FMA(2.4798, a16z, RNEA_FMA(-0.000917526, t235 + t239, RNEA_FMA(0.20572420800000002,
-		t237, 0.00037196999999999995*t240)));
-	const double t245 = RNEA_FMA(-1.3762889999999998e-07, t244, RNEA_FMA(3.08586312e-05, t240, RNEA_FMA(0.029798219780300002,
-		dw16x, 0.026157540811060004*t233)));
-	const double t246 = RNEA_FMA(-3.08586312e-05, t237, RNEA_FMA(7.611795696e-05, t243, RNEA_FMA(0.00285739528012,
-		dw16y, 0.000783283689119999*t238)));
-	const double t247 = RNEA_FMA(-7.611795696e-05, t241, RNEA_FMA(1.3762889999999998e-07, t236, RNEA_FMA(-0.02694082450018,
-		t242, 0.029014936091180003*dw16z)));
-	const double n16x = RNEA_FMA(-0.000917526, a16y, 0.20572420800000002*a16z) + RNEA_FMA(-7.611795696e-05,
-		t235 - t234, t245);
-	const double n16y = RNEA_FMA(-0.00037196999999999995, a16z, 0.000917526*a16x) + RNEA_FMA(-1.3762889999999998e-07,
-		t234 - t239, t246);
-	const double n16z = RNEA_FMA(-0.20572420800000002, a16x, 0.00037196999999999995*a16y) + RNEA_FMA(-3.08586312e-05,
-		t239 - t235, t247);
+	const double a16z = RNEA_FMA(c16, t224, s16*t223);
+	const double a16x = RNEA_FMA(t224, -s16, c16*t223);
+	const double t225 = w16z*w16y;
+	const double t226 = w16z*w16z;
+	const double t227 = w16y*w16y;
+	const double t228 = w16z*w16x;
+	const double t229 = w16x*w16x;
+	const double t230 = w16x*w16y;
+	const double t231 = RNEA_FMA(-0.00015, t226 + t227, 0.08296*(t230 - dw16z));
+	const double t232 = RNEA_FMA(-0.08296, t226 + t229, 0.00015*(dw16z + t230));
+	const double t233 = RNEA_FMA(0.08296, dw16x + t225, 0.00015*(t228 - dw16y));
+	const double t234 = a16x + RNEA_FMA(0.00037, dw16y + t228, t231);
+	const double t235 = a16y + RNEA_FMA(0.00037, t225 - dw16x, t232);
+	const double t236 = a16z + RNEA_FMA(-0.00037, t227 + t229, t233);
+	const double n16x = RNEA_FMA(-0.000917526, t235, 0.20572420800000002*t236) + RNEA_FMA(0.012731,
+		dw16x, 0.009091*t225);
+	const double n16y = RNEA_FMA(-0.00037196999999999995, t236, 0.000917526*t234) + RNEA_FMA(0.002857,
+		dw16y, 0.000782999999999999*t228);
+	const double n16z = RNEA_FMA(-0.20572420800000002, t234, 0.00037196999999999995*t235) + RNEA_FMA(-0.009873999999999999,
+		t230, 0.011948*dw16z);
 
 	/* ---- out to link 17 "r_lfarm" (fpass) ---- */
 	const double q17 = q[16*stride];
@@ -975,36 +938,23 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double dw17z = RNEA_FMA(w17y, -qd17, RNEA_FMA(s17, -dw16y, dw16z*c17));
 	const double a17y = RNEA_FMA(a16y, c17, a16z*s17);
 	const double a17z = RNEA_FMA(s17, -a16y, a16z*c17);
-	const double t248 = w17y*w17z;
-	const double t249 = w17z*w17z;
-	const double t250 = w17y*w17y;
-	const double t251 = t248 - dw17x;
-	const double t252 = dw17x + t248;
-	const double t253 = w17z*w17x;
-	const double t254 = w17x*w17x;
-	const double t255 = t253 - dw17y;
-	const double t256 = dw17y + t253;
-	const double t257 = w17y*w17x;
-	const double t258 = t257 - dw17z;
-	const double t259 = dw17z + t257;
-	const double t260 = RNEA_FMA(0.00105624, t256, -RNEA_FMA(0.0162972, t258, 0.00011016000000000002*(t249 + t250)));
-	const double f17x = RNEA_FMA(0.648, a16x, t260);
-	const double f17y = RNEA_FMA(0.648, a17y, RNEA_FMA(0.00105624, t251, RNEA_FMA(0.0162972, t249 + t254,
-		0.00011016000000000002*t259)));
-	const double f17z = RNEA_FMA(0.648, a17z, RNEA_FMA(-0.00105624, t250 + t254, RNEA_FMA(-0.0162972,
-		t252, 0.00011016000000000002*t255)));
-	const double t261 = RNEA_FMA(-1.7956080000000002e-07, t259, RNEA_FMA(-2.7705240000000002e-06,
-		t255, RNEA_FMA(0.0011755962512, dw17x, 0.0008041529087999999*t248)));
-	const double t262 = RNEA_FMA(2.7705240000000002e-06, t252, RNEA_FMA(-2.6564435999999998e-05, t258,
-		RNEA_FMA(-5.9297055999999964e-05, t253, 0.00043074039840000004*dw17y)));
-	const double t263 = RNEA_FMA(2.6564435999999998e-05, t256, RNEA_FMA(1.7956080000000002e-07, t251,
-		RNEA_FMA(-0.0007448558528, t257, 0.0012348933072*dw17z)));
-	const double n17x = RNEA_FMA(2.6564435999999998e-05, t250 - t249, t261) - RNEA_FMA(0.0162972,
-		a17z, 0.00105624*a17y);
-	const double n17y = RNEA_FMA(-0.00011016000000000002, a17z, 0.00105624*a16x) + RNEA_FMA(-1.7956080000000002e-07,
-		t249 - t254, t262);
-	const double n17z = RNEA_FMA(0.00011016000000000002, a17y, 0.0162972*a16x) + RNEA_FMA(2.7705240000000002e-06,
-		t254 - t250, t263);
+	const double t237 = w17y*w17z;
+	const double t238 = w17z*w17z;
+	const double t239 = w17y*w17y;
+	const double t240 = w17z*w17x;
+	const double t241 = w17x*w17x;
+	const double t242 = w17y*w17x;
+	const double t243 = -RNEA_FMA(0.02515, t242 - dw17z, 0.00017*(t238 + t239));
+	const double t244 = RNEA_FMA(0.02515, t238 + t241, 0.00017*(dw17z + t242));
+	const double t245 = RNEA_FMA(-0.02515, dw17x + t237, 0.00017*(t240 - dw17y));
+	const double t246 = a16x + RNEA_FMA(0.00163, dw17y + t240, t243);
+	const double t247 = a17y + RNEA_FMA(0.00163, t237 - dw17x, t244);
+	const double t248 = a17z + RNEA_FMA(-0.00163, t239 + t241, t245);
+	const double n17x = RNEA_FMA(0.000764, dw17x, 0.000396*t237) - RNEA_FMA(0.0162972, t248, 0.00105624*t247);
+	const double n17y = RNEA_FMA(-0.00011016000000000002, t248, 0.00105624*t246) + RNEA_FMA(-6.0999999999999965e-05,
+		t240, 0.000429*dw17y);
+	const double n17z = RNEA_FMA(0.00011016000000000002, t247, 0.0162972*t246) + RNEA_FMA(-0.000335,
+		t242, 0.000825*dw17z);
 
 	/* ---- out to link 18 "r_hand" (fpass) ---- */
 	const double q18 = q[17*stride];
@@ -1020,112 +970,112 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double dw18z = RNEA_FMA(qd18, w18x, RNEA_FMA(dw17z, c18, dw17x*s18));
 	const double a18z = RNEA_FMA(a17z, c18, a16x*s18);
 	const double a18x = RNEA_FMA(s18, -a17z, a16x*c18);
-	const double t264 = w18z*w18y;
-	const double t265 = w18z*w18z;
-	const double t266 = w18y*w18y;
-	const double t267 = t264 - dw18x;
-	const double t268 = dw18x + t264;
-	const double t269 = w18z*w18x;
-	const double t270 = w18x*w18x;
-	const double t271 = t269 - dw18y;
-	const double t272 = dw18y + t269;
-	const double t273 = w18x*w18y;
-	const double t274 = t273 - dw18z;
-	const double t275 = dw18z + t273;
-	const double t276 = RNEA_FMA(1.1678e-05, t272, -RNEA_FMA(0.060090400999999995, t274, 9.3424e-05*(t265 + t266)));
-	const double f18x = RNEA_FMA(0.6839, a18x, t276);
-	const double f18y = RNEA_FMA(0.6839, a17y, RNEA_FMA(1.1678e-05, t267, RNEA_FMA(0.060090400999999995,
-		t265 + t270, 9.3424e-05*t275)));
-	const double f18z = RNEA_FMA(0.6839, a18z, RNEA_FMA(-1.1678e-05, t266 + t270, RNEA_FMA(-0.060090400999999995,
-		t268, 9.3424e-05*t271)));
-	const double t277 = RNEA_FMA(-1.86848e-09, t275, RNEA_FMA(-7.62246416e-06, t271, RNEA_FMA(0.00583500555115,
-		dw18x, 0.00533900508403*t264)));
-	const double t278 = RNEA_FMA(7.62246416e-06, t268, RNEA_FMA(-9.5280802e-07, t274, RNEA_FMA(0.0004870151814,
-		dw18y, 8.985285720000002e-06*t269)));
-	const double t279 = RNEA_FMA(9.5280802e-07, t272, RNEA_FMA(1.86848e-09, t267, RNEA_FMA(-0.005347990369749999,
-		t273, 0.0058260202654299995*dw18z)));
-	const double n18x = RNEA_FMA(9.5280802e-07, t266 - t265, t277) - RNEA_FMA(0.060090400999999995,
+	const double t249 = w18z*w18y;
+	const double t250 = w18z*w18z;
+	const double t251 = w18y*w18y;
+	const double t252 = t249 - dw18x;
+	const double t253 = dw18x + t249;
+	const double t254 = w18z*w18x;
+	const double t255 = w18x*w18x;
+	const double t256 = t254 - dw18y;
+	const double t257 = dw18y + t254;
+	const double t258 = w18x*w18y;
+	const double t259 = t258 - dw18z;
+	const double t260 = dw18z + t258;
+	const double t261 = RNEA_FMA(1.1678e-05, t257, -RNEA_FMA(0.060090400999999995, t259, 9.3424e-05*(t250 + t251)));
+	const double f18x = RNEA_FMA(0.6839, a18x, t261);
+	const double f18y = RNEA_FMA(0.6839, a17y, RNEA_FMA(1.1678e-05, t252, RNEA_FMA(0.060090400999999995,
+		t250 + t255, 9.3424e-05*t260)));
+	const double f18z = RNEA_FMA(0.6839, a18z, RNEA_FMA(-1.1678e-05, t251 + t255, RNEA_FMA(-0.060090400999999995,
+		t253, 9.3424e-05*t256)));
+	const double t262 = RNEA_FMA(-1.86848e-09, t260, RNEA_FMA(-7.62246416e-06, t256, RNEA_FMA(0.00583500555115,
+		dw18x, 0.00533900508403*t249)));
+	const double t263 = RNEA_FMA(7.62246416e-06, t253, RNEA_FMA(-9.5280802e-07, t259, RNEA_FMA(0.0004870151814,
+		dw18y, 8.985285720000002e-06*t254)));
+	const double t264 = RNEA_FMA(9.5280802e-07, t257, RNEA_FMA(1.86848e-09, t252, RNEA_FMA(-0.005347990369749999,
+		t258, 0.0058260202654299995*dw18z)));
+	const double n18x = RNEA_FMA(9.5280802e-07, t251 - t250, t262) - RNEA_FMA(0.060090400999999995,
 		a18z, 1.1678e-05*a17y);
-	const double n18y = RNEA_FMA(-9.3424e-05, a18z, 1.1678e-05*a18x) + RNEA_FMA(-1.86848e-09, t265 - t270,
-		t278);
+	const double n18y = RNEA_FMA(-9.3424e-05, a18z, 1.1678e-05*a18x) + RNEA_FMA(-1.86848e-09, t250 - t255,
+		t263);
 	const double n18z = RNEA_FMA(9.3424e-05, a17y, 0.060090400999999995*a18x) + RNEA_FMA(7.62246416e-06,
-		t270 - t266, t279);
+		t255 - t251, t264);
 
 	/* ---- back from link 18 "r_hand" to link 17 (bpass): torque of "r_arm_lwy" ---- */
-	const double f17x_2 = f17x + RNEA_FMA(s18, f18z, c18*f18x);
-	const double f17y_2 = f17y + f18y;
-	const double f17z_2 = f17z + RNEA_FMA(f18x, -s18, c18*f18z);
+	const double f17x = RNEA_FMA(0.648, t246, RNEA_FMA(s18, f18z, c18*f18x));
+	const double f17y = RNEA_FMA(0.648, t247, f18y);
+	const double f17z = RNEA_FMA(0.648, t248, RNEA_FMA(f18x, -s18, c18*f18z));
 	const double n17x_2 = n17x + RNEA_FMA(s18, n18z, c18*n18x);
 	const double n17y_2 = n17y + n18y;
 	const double n17z_2 = n17z + RNEA_FMA(n18x, -s18, c18*n18z);
 	tau[17*stride] = n18y;
 
 	/* ---- back from link 17 "r_lfarm" to link 16 (bpass): torque of "r_arm_mwx" ---- */
-	const double f16x_2 = f16x + f17x_2;
-	const double f16y_2 = f16y + RNEA_FMA(f17z_2, -s17, c17*f17y_2);
-	const double f16z_2 = f16z + RNEA_FMA(s17, f17y_2, c17*f17z_2);
+	const double f16x = RNEA_FMA(2.4798, t234, f17x);
+	const double f16y = RNEA_FMA(2.4798, t235, RNEA_FMA(f17z, -s17, c17*f17y));
+	const double f16z = RNEA_FMA(2.4798, t236, RNEA_FMA(s17, f17y, c17*f17z));
 	const double n16x_2 = n16x + n17x_2;
 	const double n16y_2 = n16y + RNEA_FMA(n17z_2, -s17, c17*n17y_2);
 	const double n16z_2 = n16z + RNEA_FMA(s17, n17y_2, c17*n17z_2);
 	tau[16*stride] = n17x_2;
 
 	/* ---- back from link 16 "r_ufarm" to link 15 (bpass): torque of "r_arm_uwy" ---- */
-	const double t280 = RNEA_FMA(-s16, f16x_2, c16*f16z_2);
-	const double t281 = RNEA_FMA(s16, f16z_2, c16*f16x_2);
-	const double f15x = RNEA_FMA(3.248, a15x, t281);
-	const double f15y = RNEA_FMA(3.248, a15y, f16y_2);
-	const double f15z = RNEA_FMA(3.248, a15z, t280);
-	const double t282 = RNEA_FMA(s16, n16z_2, c16*n16x_2) + RNEA_FMA(-0.29955, t280, 0.00921*f16y_2);
-	const double n15x = RNEA_FMA(0.00265, dw15x, t282);
-	const double n15y_2 = n15y + RNEA_FMA(-0.00921, t281, n16y_2);
-	const double n15z_2 = n15z + RNEA_FMA(0.29955, t281, RNEA_FMA(-s16, n16x_2, c16*n16z_2));
+	const double t265 = RNEA_FMA(-s16, f16x, c16*f16z);
+	const double t266 = RNEA_FMA(s16, f16z, c16*f16x);
+	const double f15x = RNEA_FMA(3.248, a15x, t266);
+	const double f15y = RNEA_FMA(3.248, a15y, f16y);
+	const double f15z = RNEA_FMA(3.248, a15z, t265);
+	const double t267 = RNEA_FMA(s16, n16z_2, c16*n16x_2) + RNEA_FMA(-0.29955, t265, 0.00921*f16y);
+	const double n15x = RNEA_FMA(0.00265, dw15x, t267);
+	const double n15y_2 = n15y + RNEA_FMA(-0.00921, t266, n16y_2);
+	const double n15z_2 = n15z + RNEA_FMA(0.29955, t266, RNEA_FMA(-s16, n16x_2, c16*n16z_2));
 	tau[15*stride] = n16y_2;
 
 	/* ---- back from link 15 "r_larm" to link 14 (bpass): torque of "r_arm_elx" ---- */
-	const double t283 = RNEA_FMA(-s15, f15z, c15*f15y);
-	const double t284 = RNEA_FMA(s15, f15y, c15*f15z);
+	const double t268 = RNEA_FMA(-s15, f15z, c15*f15y);
+	const double t269 = RNEA_FMA(s15, f15y, c15*f15z);
 	const double f14x_2 = f14x + f15x;
-	const double f14y_2 = f14y + t283;
-	const double f14z_2 = f14z + t284;
-	const double n14x_2 = n14x + (n15x - RNEA_FMA(0.119, t284, 0.0092*t283));
+	const double f14y_2 = f14y + t268;
+	const double f14z_2 = f14z + t269;
+	const double n14x_2 = n14x + (n15x - RNEA_FMA(0.119, t269, 0.0092*t268));
 	const double n14y = RNEA_FMA(0.00358, dw14y, RNEA_FMA(0.0092, f15x, RNEA_FMA(-s15, n15z_2, c15*n15y_2)));
 	const double n14z_2 = n14z + RNEA_FMA(0.119, f15x, RNEA_FMA(s15, n15y_2, c15*n15z_2));
 	tau[14*stride] = n15x;
 
 	/* ---- back from link 14 "r_uarm" to link 13 (bpass): torque of "r_arm_ely" ---- */
-	const double t285 = RNEA_FMA(-s14, f14x_2, c14*f14z_2);
-	const double t286 = RNEA_FMA(s14, f14z_2, c14*f14x_2);
-	const double f13x = RNEA_FMA(3.899, a13x, t286);
+	const double t270 = RNEA_FMA(-s14, f14x_2, c14*f14z_2);
+	const double t271 = RNEA_FMA(s14, f14z_2, c14*f14x_2);
+	const double f13x = RNEA_FMA(3.899, a13x, t271);
 	const double f13y = RNEA_FMA(3.899, a13y, f14y_2);
-	const double f13z = RNEA_FMA(3.899, a13z, t285);
-	const double t287 = RNEA_FMA(s14, n14z_2, c14*n14x_2) + RNEA_FMA(-0.187, t285, 0.016*f14y_2);
-	const double n13x = RNEA_FMA(0.00319, dw13x, t287);
-	const double n13y_2 = n13y + RNEA_FMA(-0.016, t286, n14y);
-	const double n13z_2 = n13z + RNEA_FMA(0.187, t286, RNEA_FMA(-s14, n14x_2, c14*n14z_2));
+	const double f13z = RNEA_FMA(3.899, a13z, t270);
+	const double t272 = RNEA_FMA(s14, n14z_2, c14*n14x_2) + RNEA_FMA(-0.187, t270, 0.016*f14y_2);
+	const double n13x = RNEA_FMA(0.00319, dw13x, t272);
+	const double n13y_2 = n13y + RNEA_FMA(-0.016, t271, n14y);
+	const double n13z_2 = n13z + RNEA_FMA(0.187, t271, RNEA_FMA(-s14, n14x_2, c14*n14z_2));
 	tau[13*stride] = n14y;
 
 	/* ---- back from link 13 "r_scap" to link 12 (bpass): torque of "r_arm_shx" ---- */
-	const double t288 = RNEA_FMA(-s13, f13z, c13*f13y);
-	const double t289 = RNEA_FMA(s13, f13y, c13*f13z);
+	const double t273 = RNEA_FMA(-s13, f13z, c13*f13y);
+	const double t274 = RNEA_FMA(s13, f13y, c13*f13z);
 	const double f12x_2 = f12x + f13x;
-	const double f12y_2 = f12y + t288;
-	const double f12z_2 = f12z + t289;
-	const double n12x_2 = n12x + (n13x + RNEA_FMA(-0.11, t289, 0.245*t288));
+	const double f12y_2 = f12y + t273;
+	const double f12z_2 = f12z + t274;
+	const double n12x_2 = n12x + (n13x + RNEA_FMA(-0.11, t274, 0.245*t273));
 	const double n12y_2 = n12y + RNEA_FMA(-0.245, f13x, RNEA_FMA(-s13, n13z_2, c13*n13y_2));
 	const double n12z_2 = n12z + RNEA_FMA(0.11, f13x, RNEA_FMA(s13, n13y_2, c13*n13z_2));
 	tau[12*stride] = n13x;
 
 	/* ---- back from link 12 "r_clav" to link 3 (bpass): torque of "r_arm_shz" ---- */
-	const double t290 = RNEA_FMA(-s12, f12y_2, c12*f12x_2);
-	const double t291 = RNEA_FMA(s12, f12x_2, c12*f12y_2);
-	const double t292 = RNEA_FMA(-s12, n12y_2, c12*n12x_2);
-	const double f3x_4 = f3x_3 + t290;
-	const double f3y_4 = f3y_3 + t291;
+	const double t275 = RNEA_FMA(-s12, f12y_2, c12*f12x_2);
+	const double t276 = RNEA_FMA(s12, f12x_2, c12*f12y_2);
+	const double t277 = RNEA_FMA(-s12, n12y_2, c12*n12x_2);
+	const double f3x_4 = f3x_3 + t275;
+	const double f3y_4 = f3y_3 + t276;
 	const double f3z_4 = f3z_3 + f12z_2;
-	const double t293 = RNEA_FMA(s12, n12x_2, c12*n12y_2) + RNEA_FMA(-0.1406, f12z_2, 0.4776*t290);
-	const double n3x_4 = n3x_3 + (t292 - RNEA_FMA(0.2256, f12z_2, 0.4776*t291));
-	const double n3y_4 = n3y_3 + t293;
-	const double n3z_4 = n3z_3 + (n12z_2 + RNEA_FMA(0.1406, t291, 0.2256*t290));
+	const double t278 = RNEA_FMA(s12, n12x_2, c12*n12y_2) + RNEA_FMA(-0.1406, f12z_2, 0.4776*t275);
+	const double n3x_4 = n3x_3 + (t277 - RNEA_FMA(0.2256, f12z_2, 0.4776*t276));
+	const double n3y_4 = n3y_3 + t278;
+	const double n3z_4 = n3z_3 + (n12z_2 + RNEA_FMA(0.1406, t276, 0.2256*t275));
 	tau[11*stride] = n12z_2;
 
 	/* ---- back from link 3 "utorso" to link 2 (bpass): torque of "back_bkx" ---- */
@@ -1153,32 +1103,32 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double qdd20 = qdd[19*stride];
 	const double w20y = qd19*s20;
 	const double w20z = qd19*c20;
-	const double t294 = qd20*w20z;
-	const double t295 = qd20*w20y;
-	const double dw20y = RNEA_FMA(qdd19, s20, t294);
-	const double dw20z = RNEA_FMA(qdd19, c20, -t295);
-	const double t296 = w20y*w20z;
-	const double t297 = w20z*w20z;
-	const double t298 = w20y*w20y;
-	const double t299 = t296 - qdd20;
-	const double t300 = qdd20 + t296;
-	const double t301 = qd20*qd20;
-	const double t302 = t294 - dw20y;
-	const double t303 = t294 + dw20y;
-	const double t304 = t295 - dw20z;
-	const double t305 = t295 + dw20z;
-	const double t306 = RNEA_FMA(0.00037615682507336, t305, RNEA_FMA(0.00022657231325511998, t302,
-		RNEA_FMA(-0.0008171286749030399, t296, 0.0018267683797407999*qdd20)));
-	const double t307 = RNEA_FMA(-0.00022657231325511998, t300, RNEA_FMA(-0.00061559686104864, t304,
-		RNEA_FMA(0.0023026633314053, dw20y, 0.0003412337232385399*t294)));
-	const double t308 = RNEA_FMA(0.00061559686104864, t303, RNEA_FMA(-0.00037615682507336, t299, RNEA_FMA(0.00148553465650226,
-		dw20z, 0.00047589495166449995*t295)));
+	const double t279 = qd20*w20z;
+	const double t280 = qd20*w20y;
+	const double dw20y = RNEA_FMA(qdd19, s20, t279);
+	const double dw20z = RNEA_FMA(qdd19, c20, -t280);
+	const double t281 = w20y*w20z;
+	const double t282 = w20z*w20z;
+	const double t283 = w20y*w20y;
+	const double t284 = t281 - qdd20;
+	const double t285 = qdd20 + t281;
+	const double t286 = qd20*qd20;
+	const double t287 = t279 - dw20y;
+	const double t288 = t279 + dw20y;
+	const double t289 = t280 - dw20z;
+	const double t290 = t280 + dw20z;
+	const double t291 = RNEA_FMA(0.00037615682507336, t290, RNEA_FMA(0.00022657231325511998, t287,
+		RNEA_FMA(-0.0008171286749030399, t281, 0.0018267683797407999*qdd20)));
+	const double t292 = RNEA_FMA(-0.00022657231325511998, t285, RNEA_FMA(-0.00061559686104864, t289,
+		RNEA_FMA(0.0023026633314053, dw20y, 0.0003412337232385399*t279)));
+	const double t293 = RNEA_FMA(0.00061559686104864, t288, RNEA_FMA(-0.00037615682507336, t284, RNEA_FMA(0.00148553465650226,
+		dw20z, 0.00047589495166449995*t280)));
 	const double n20x = RNEA_FMA(0.150185833992, c20, 0.274898464776*s20) + RNEA_FMA(0.00061559686104864,
-		t298 - t297, t306);
-	const double n20y = RNEA_FMA(-0.11746515385800001, c20, RNEA_FMA(0.00037615682507336, t297 - t301,
-		t307));
-	const double n20z = RNEA_FMA(0.11746515385800001, s20, RNEA_FMA(-0.00022657231325511998, t301 - t298,
-		t308));
+		t283 - t282, t291);
+	const double n20y = RNEA_FMA(-0.11746515385800001, c20, RNEA_FMA(0.00037615682507336, t282 - t286,
+		t292));
+	const double n20z = RNEA_FMA(0.11746515385800001, s20, RNEA_FMA(-0.00022657231325511998, t286 - t283,
+		t293));
 
 	/* ---- out to link 21 "l_uleg" (fpass) ---- */
 	const double q21 = q[20*stride];
@@ -1186,29 +1136,29 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	all_small &= rneagen_sincos_either(q21, small, &s21, &c21);
 	const double qd21 = qd[20*stride];
 	const double qdd21 = qdd[20*stride];
-	const double t309 = RNEA_FMA(-0.066, t303, RNEA_FMA(-0.05, t297 + t298, 0.0225*t304));
-	const double a21y = RNEA_FMA(9.81, s20, RNEA_FMA(-0.066, t299, RNEA_FMA(-0.0225, t297 + t301,
-		0.05*t305)));
-	const double t310 = RNEA_FMA(9.81, c20, RNEA_FMA(0.066, t298 + t301, RNEA_FMA(0.0225, t300, 0.05*t302)));
+	const double t294 = RNEA_FMA(-0.066, t288, RNEA_FMA(-0.05, t282 + t283, 0.0225*t289));
+	const double a21y = RNEA_FMA(9.81, s20, RNEA_FMA(-0.066, t284, RNEA_FMA(-0.0225, t282 + t286,
+		0.05*t290)));
+	const double t295 = RNEA_FMA(9.81, c20, RNEA_FMA(0.066, t283 + t286, RNEA_FMA(0.0225, t285, 0.05*t287)));
 	const double w21z = RNEA_FMA(w20z, c21, qd20*s21);
 	const double w21x = RNEA_FMA(s21, -w20z, qd20*c21);
 	const double w21y = w20y + qd21;
 	const double dw21x = RNEA_FMA(w21z, -qd21, RNEA_FMA(s21, -dw20z, qdd20*c21));
 	const double dw21y = dw20y + qdd21;
 	const double dw21z = RNEA_FMA(qd21, w21x, RNEA_FMA(dw20z, c21, qdd20*s21));
-	const double a21z = RNEA_FMA(c21, t310, s21*t309);
-	const double a21x = RNEA_FMA(t310, -s21, c21*t309);
-	const double t311 = w21z*w21y;
-	const double t312 = w21y*w21y;
-	const double t313 = t311 - dw21x;
-	const double t314 = w21z*w21x;
-	const double t315 = dw21y + t314;
-	const double t316 = RNEA_FMA(w21x, w21x, t312);
-	const double f21x = RNEA_FMA(-1.7228400000000001, t315, 8.204*a21x);
-	const double f21y = RNEA_FMA(-1.7228400000000001, t313, 8.204*a21y);
-	const double f21z = RNEA_FMA(8.204, a21z, 1.7228400000000001*t316);
-	const double n21x = RNEA_FMA(1.7228400000000001, a21y, RNEA_FMA(-0.4317964, t311, 0.4517964*dw21x));
-	const double n21y = RNEA_FMA(-1.7228400000000001, a21x, RNEA_FMA(0.4517964, dw21y, 0.4317964*t314));
+	const double a21z = RNEA_FMA(c21, t295, s21*t294);
+	const double a21x = RNEA_FMA(t295, -s21, c21*t294);
+	const double t296 = w21z*w21y;
+	const double t297 = w21y*w21y;
+	const double t298 = t296 - dw21x;
+	const double t299 = w21z*w21x;
+	const double t300 = dw21y + t299;
+	const double t301 = RNEA_FMA(w21x, w21x, t297);
+	const double f21x = RNEA_FMA(-1.7228400000000001, t300, 8.204*a21x);
+	const double f21y = RNEA_FMA(-1.7228400000000001, t298, 8.204*a21y);
+	const double f21z = RNEA_FMA(8.204, a21z, 1.7228400000000001*t301);
+	const double n21x = RNEA_FMA(1.7228400000000001, a21y, RNEA_FMA(-0.4317964, t296, 0.4517964*dw21x));
+	const double n21y = RNEA_FMA(-1.7228400000000001, a21x, RNEA_FMA(0.4517964, dw21y, 0.4317964*t299));
 
 	/* ---- out to link 22 "l_lleg" (fpass) ---- */
 	const double q22 = q[21*stride];
@@ -1216,36 +1166,36 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	all_small &= rneagen_sincos_either(q22, small, &s22, &c22);
 	const double qd22 = qd[21*stride];
 	const double qdd22 = qdd[21*stride];
-	const double t317 = a21x + RNEA_FMA(-0.374, t315, 0.05*RNEA_FMA(w21z, w21z, t312));
-	const double a22y = a21y - RNEA_FMA(0.374, t313, 0.05*RNEA_FMA(w21x, w21y, dw21z));
-	const double t318 = a21z + RNEA_FMA(-0.05, t314 - dw21y, 0.374*t316);
+	const double t302 = a21x + RNEA_FMA(-0.374, t300, 0.05*RNEA_FMA(w21z, w21z, t297));
+	const double a22y = a21y - RNEA_FMA(0.374, t298, 0.05*RNEA_FMA(w21x, w21y, dw21z));
+	const double t303 = a21z + RNEA_FMA(-0.05, t299 - dw21y, 0.374*t301);
 	const double w22z = RNEA_FMA(w21z, c22, w21x*s22);
 	const double w22x = RNEA_FMA(s22, -w21z, w21x*c22);
 	const double w22y = w21y + qd22;
 	const double dw22x = RNEA_FMA(w22z, -qd22, RNEA_FMA(s22, -dw21z, dw21x*c22));
 	const double dw22y = dw21y + qdd22;
 	const double dw22z = RNEA_FMA(qd22, w22x, RNEA_FMA(dw21z, c22, dw21x*s22));
-	const double a22z = RNEA_FMA(c22, t318, s22*t317);
-	const double a22x = RNEA_FMA(t318, -s22, c22*t317);
-	const double t319 = w22z*w22y;
-	const double t320 = w22z*w22z;
-	const double t321 = w22y*w22y;
-	const double t322 = t319 - dw22x;
-	const double t323 = w22z*w22x;
-	const double t324 = w22x*w22x;
-	const double t325 = dw22y + t323;
-	const double t326 = w22x*w22y;
-	const double t327 = t321 + t324;
-	const double t328 = dw22z + t326;
-	const double f22x = RNEA_FMA(4.515, a22x, -RNEA_FMA(0.844305, t325, 0.004515*(t320 + t321)));
-	const double f22y = RNEA_FMA(4.515, a22y, RNEA_FMA(-0.844305, t322, 0.004515*t328));
-	const double f22z = RNEA_FMA(4.515, a22z, RNEA_FMA(0.844305, t327, 0.004515*(t323 - dw22y)));
-	const double t329 = RNEA_FMA(-0.002155695, t320 - t324, RNEA_FMA(0.23388954999999997, dw22y, 0.22488052*t323));
-	const double n22x = RNEA_FMA(0.844305, a22y, RNEA_FMA(-0.002155695, t328, RNEA_FMA(-0.22388503499999998,
-		t319, 0.234885035*dw22x)));
-	const double n22y = t329 - RNEA_FMA(0.844305, a22x, 0.004515*a22z);
-	const double n22z = RNEA_FMA(0.004515, a22y, RNEA_FMA(0.002155695, t322, RNEA_FMA(-0.0009954850000000008,
-		t326, 0.010004515*dw22z)));
+	const double a22z = RNEA_FMA(c22, t303, s22*t302);
+	const double a22x = RNEA_FMA(t303, -s22, c22*t302);
+	const double t304 = w22z*w22y;
+	const double t305 = w22z*w22z;
+	const double t306 = w22y*w22y;
+	const double t307 = t304 - dw22x;
+	const double t308 = w22z*w22x;
+	const double t309 = w22x*w22x;
+	const double t310 = dw22y + t308;
+	const double t311 = w22x*w22y;
+	const double t312 = t306 + t309;
+	const double t313 = dw22z + t311;
+	const double f22x = RNEA_FMA(4.515, a22x, -RNEA_FMA(0.844305, t310, 0.004515*(t305 + t306)));
+	const double f22y = RNEA_FMA(4.515, a22y, RNEA_FMA(-0.844305, t307, 0.004515*t313));
+	const double f22z = RNEA_FMA(4.515, a22z, RNEA_FMA(0.844305, t312, 0.004515*(t308 - dw22y)));
+	const double t314 = RNEA_FMA(-0.002155695, t305 - t309, RNEA_FMA(0.23388954999999997, dw22y, 0.22488052*t308));
+	const double n22x = RNEA_FMA(0.844305, a22y, RNEA_FMA(-0.002155695, t313, RNEA_FMA(-0.22388503499999998,
+		t304, 0.234885035*dw22x)));
+	const double n22y = t314 - RNEA_FMA(0.844305, a22x, 0.004515*a22z);
+	const double n22z = RNEA_FMA(0.004515, a22y, RNEA_FMA(0.002155695, t307, RNEA_FMA(-0.0009954850000000008,
+		t311, 0.010004515*dw22z)));
 
 	/* ---- out to link 23 "l_talus" (fpass) ---- */
 	const double q23 = q[22*stride];
@@ -1253,17 +1203,18 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	all_small &= rneagen_sincos_either(q23, small, &s23, &c23);
 	const double qd23 = qd[22*stride];
 	const double qdd23 = qdd[22*stride];
-	const double t330 = RNEA_FMA(-0.422, t325, a22x);
-	const double a23y = RNEA_FMA(-0.422, t322, a22y);
-	const double t331 = RNEA_FMA(0.422, t327, a22z);
+	const double t315 = RNEA_FMA(-0.422, t310, a22x);
+	const double a23y = RNEA_FMA(-0.422, t307, a22y);
+	const double t316 = RNEA_FMA(0.422, t312, a22z);
 	const double w23z = RNEA_FMA(w22z, c23, w22x*s23);
 	const double w23x = RNEA_FMA(s23, -w22z, w22x*c23);
 	const double w23y = w22y + qd23;
 	const double dw23x = RNEA_FMA(w23z, -qd23, RNEA_FMA(s23, -dw22z, dw22x*c23));
 	const double dw23y = dw22y + qdd23;
 	const double dw23z = RNEA_FMA(qd23, w23x, RNEA_FMA(dw22z, c23, dw22x*s23));
-	const double a23z = RNEA_FMA(c23, t331, s23*t330);
-	const double a23x = RNEA_FMA(t331, -s23, c23*t330);
+	const double a23z = RNEA_FMA(c23, t316, s23*t315);
+	const double a23x = RNEA_FMA(t316, -s23, c23*t315);
+	const double f23x = 0.125*a23x;
 	const double n23x = RNEA_FMA(1.01674e-05, dw23x, 4.5823499999999986e-06*(w23z*w23y));
 	const double n23y = RNEA_FMA(-2.842699999999999e-06, w23z*w23x, 8.42775e-06*dw23y);
 	const double n23z = RNEA_FMA(-1.7396499999999995e-06, w23x*w23y, 1.30101e-05*dw23z);
@@ -1282,27 +1233,22 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double dw24z = RNEA_FMA(w24y, -qd24, RNEA_FMA(s24, -dw23y, dw23z*c24));
 	const double a24y = RNEA_FMA(a23y, c24, a23z*s24);
 	const double a24z = RNEA_FMA(s24, -a23y, a23z*c24);
-	const double t332 = w24y*w24z;
-	const double t333 = w24z*w24z;
-	const double t334 = w24y*w24y;
-	const double t335 = t332 - dw24x;
-	const double t336 = w24z*w24x;
-	const double t337 = w24x*w24x;
-	const double t338 = w24y*w24x;
-	const double t339 = dw24z + t338;
-	const double t340 = -RNEA_FMA(0.16147000000000003, dw24y + t336, 0.06507*(t333 + t334));
-	const double f24x = RNEA_FMA(2.41, a23x, t340);
-	const double f24y = RNEA_FMA(2.41, a24y, RNEA_FMA(-0.16147000000000003, t335, 0.06507*t339));
-	const double f24z = RNEA_FMA(2.41, a24z, RNEA_FMA(0.16147000000000003, t334 + t337, 0.06507*(t336 - dw24y)));
-	const double t341 = RNEA_FMA(0.00435969, t333 - t337, RNEA_FMA(0.019575380000000003, dw24y, 0.0030616000000000016*t336));
-	const double n24x = RNEA_FMA(0.16147000000000003, a24y, RNEA_FMA(0.00435969, t339, RNEA_FMA(-0.009818490000000003,
-		t332, 0.012818490000000002*dw24x)));
-	const double n24y = t341 - RNEA_FMA(0.16147000000000003, a23x, 0.06507*a24z);
-	const double n24z = RNEA_FMA(0.06507, a24y, RNEA_FMA(-0.00435969, t335, RNEA_FMA(0.00975689, dw24z,
-		0.00675689*t338)));
+	const double t317 = w24y*w24z;
+	const double t318 = w24y*w24y;
+	const double t319 = w24z*w24x;
+	const double t320 = w24y*w24x;
+	const double t321 = a23x - RNEA_FMA(0.067, dw24y + t319, 0.027*RNEA_FMA(w24z, w24z, t318));
+	const double t322 = a24y + RNEA_FMA(-0.067, t317 - dw24x, 0.027*(dw24z + t320));
+	const double t323 = a24z + RNEA_FMA(0.067, RNEA_FMA(w24x, w24x, t318), 0.027*(t319 - dw24y));
+	const double f24y = 2.41*t322;
+	const double f24z = 2.41*t323;
+	const double n24x = RNEA_FMA(0.16147000000000003, t322, RNEA_FMA(0.002, dw24x, 0.001*t317));
+	const double n24y = RNEA_FMA(-0.006, t319, 0.007*dw24y) - RNEA_FMA(0.16147000000000003, t321,
+		0.06507*t323);
+	const double n24z = RNEA_FMA(0.06507, t322, RNEA_FMA(0.008, dw24z, 0.005*t320));
 
 	/* ---- back from link 24 "l_foot" to link 23 (bpass): torque of "l_leg_akx" ---- */
-	const double f23x = RNEA_FMA(0.125, a23x, f24x);
+	const double f23x_2 = RNEA_FMA(2.41, t321, f23x);
 	const double f23y = RNEA_FMA(0.125, a23y, RNEA_FMA(f24z, -s24, c24*f24y));
 	const double f23z = RNEA_FMA(0.125, a23z, RNEA_FMA(s24, f24y, c24*f24z));
 	const double n23x_2 = n23x + n24x;
@@ -1311,34 +1257,34 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	tau[23*stride] = n24x;
 
 	/* ---- back from link 23 "l_talus" to link 22 (bpass): torque of "l_leg_aky" ---- */
-	const double t342 = RNEA_FMA(s23, f23z, c23*f23x);
-	const double f22x_2 = f22x + t342;
+	const double t324 = RNEA_FMA(s23, f23z, c23*f23x_2);
+	const double f22x_2 = f22x + t324;
 	const double f22y_2 = f22y + f23y;
-	const double f22z_2 = f22z + RNEA_FMA(-s23, f23x, c23*f23z);
+	const double f22z_2 = f22z + RNEA_FMA(-s23, f23x_2, c23*f23z);
 	const double n22x_2 = n22x + RNEA_FMA(0.422, f23y, RNEA_FMA(s23, n23z_2, c23*n23x_2));
-	const double n22y_2 = n22y + RNEA_FMA(-0.422, t342, n23y_2);
+	const double n22y_2 = n22y + RNEA_FMA(-0.422, t324, n23y_2);
 	const double n22z_2 = n22z + RNEA_FMA(-s23, n23x_2, c23*n23z_2);
 	tau[22*stride] = n23y_2;
 
 	/* ---- back from link 22 "l_lleg" to link 21 (bpass): torque of "l_leg_kny" ---- */
-	const double t343 = RNEA_FMA(-s22, f22x_2, c22*f22z_2);
-	const double t344 = RNEA_FMA(s22, f22z_2, c22*f22x_2);
-	const double f21x_2 = f21x + t344;
+	const double t325 = RNEA_FMA(-s22, f22x_2, c22*f22z_2);
+	const double t326 = RNEA_FMA(s22, f22z_2, c22*f22x_2);
+	const double f21x_2 = f21x + t326;
 	const double f21y_2 = f21y + f22y_2;
-	const double f21z_2 = f21z + t343;
+	const double f21z_2 = f21z + t325;
 	const double n21x_2 = n21x + RNEA_FMA(0.374, f22y_2, RNEA_FMA(s22, n22z_2, c22*n22x_2));
-	const double n21y_2 = n21y + (n22y_2 + RNEA_FMA(-0.374, t344, 0.05*t343));
+	const double n21y_2 = n21y + (n22y_2 + RNEA_FMA(-0.374, t326, 0.05*t325));
 	const double n21z = RNEA_FMA(0.02, dw21z, RNEA_FMA(-0.05, f22y_2, RNEA_FMA(-s22, n22x_2, c22*n22z_2)));
 	tau[21*stride] = n22y_2;
 
 	/* ---- back from link 21 "l_uleg" to link 20 (bpass): torque of "l_leg_hpy" ---- */
-	const double t345 = RNEA_FMA(-s21, f21x_2, c21*f21z_2);
-	const double t346 = RNEA_FMA(s21, f21z_2, c21*f21x_2);
-	const double t347 = RNEA_FMA(-s21, n21x_2, c21*n21z);
-	const double t348 = RNEA_FMA(s21, n21z, c21*n21x_2) + RNEA_FMA(0.0225, t345, 0.066*f21y_2);
-	const double n20x_2 = n20x + t348;
-	const double n20y_2 = n20y + (n21y_2 - RNEA_FMA(0.066, t346, 0.05*t345));
-	const double n20z_2 = n20z + (t347 + RNEA_FMA(-0.0225, t346, 0.05*f21y_2));
+	const double t327 = RNEA_FMA(-s21, f21x_2, c21*f21z_2);
+	const double t328 = RNEA_FMA(s21, f21z_2, c21*f21x_2);
+	const double t329 = RNEA_FMA(-s21, n21x_2, c21*n21z);
+	const double t330 = RNEA_FMA(s21, n21z, c21*n21x_2) + RNEA_FMA(0.0225, t327, 0.066*f21y_2);
+	const double n20x_2 = n20x + t330;
+	const double n20y_2 = n20y + (n21y_2 - RNEA_FMA(0.066, t328, 0.05*t327));
+	const double n20z_2 = n20z + (t329 + RNEA_FMA(-0.0225, t328, 0.05*f21y_2));
 	tau[20*stride] = n21y_2;
 
 	/* ---- back from link 20 "l_lglut" to link 19 (bpass): torque of "l_leg_hpx" ---- */
@@ -1360,32 +1306,32 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double qdd26 = qdd[25*stride];
 	const double w26y = qd25*s26;
 	const double w26z = qd25*c26;
-	const double t349 = qd26*w26z;
-	const double t350 = qd26*w26y;
-	const double dw26y = RNEA_FMA(qdd25, s26, t349);
-	const double dw26z = RNEA_FMA(qdd25, c26, -t350);
-	const double t351 = w26y*w26z;
-	const double t352 = w26z*w26z;
-	const double t353 = w26y*w26y;
-	const double t354 = t351 - qdd26;
-	const double t355 = qdd26 + t351;
-	const double t356 = qd26*qd26;
-	const double t357 = t349 - dw26y;
-	const double t358 = t349 + dw26y;
-	const double t359 = t350 - dw26z;
-	const double t360 = t350 + dw26z;
-	const double t361 = RNEA_FMA(0.00037615682507336, t360, RNEA_FMA(-0.00022657231325511998, t357,
-		RNEA_FMA(-0.0008171286749030399, t351, 0.0018267683797407999*qdd26)));
-	const double t362 = RNEA_FMA(0.00022657231325511998, t355, RNEA_FMA(0.00061559686104864, t359,
-		RNEA_FMA(0.0023026633314053, dw26y, 0.0003412337232385399*t349)));
-	const double t363 = RNEA_FMA(-0.00061559686104864, t358, RNEA_FMA(-0.00037615682507336, t354,
-		RNEA_FMA(0.00148553465650226, dw26z, 0.00047589495166449995*t350)));
+	const double t331 = qd26*w26z;
+	const double t332 = qd26*w26y;
+	const double dw26y = RNEA_FMA(qdd25, s26, t331);
+	const double dw26z = RNEA_FMA(qdd25, c26, -t332);
+	const double t333 = w26y*w26z;
+	const double t334 = w26z*w26z;
+	const double t335 = w26y*w26y;
+	const double t336 = t333 - qdd26;
+	const double t337 = qdd26 + t333;
+	const double t338 = qd26*qd26;
+	const double t339 = t331 - dw26y;
+	const double t340 = t331 + dw26y;
+	const double t341 = t332 - dw26z;
+	const double t342 = t332 + dw26z;
+	const double t343 = RNEA_FMA(0.00037615682507336, t342, RNEA_FMA(-0.00022657231325511998, t339,
+		RNEA_FMA(-0.0008171286749030399, t333, 0.0018267683797407999*qdd26)));
+	const double t344 = RNEA_FMA(0.00022657231325511998, t337, RNEA_FMA(0.00061559686104864, t341,
+		RNEA_FMA(0.0023026633314053, dw26y, 0.0003412337232385399*t331)));
+	const double t345 = RNEA_FMA(-0.00061559686104864, t340, RNEA_FMA(-0.00037615682507336, t336,
+		RNEA_FMA(0.00148553465650226, dw26z, 0.00047589495166449995*t332)));
 	const double n26x = RNEA_FMA(-0.150185833992, c26, 0.274898464776*s26) + RNEA_FMA(-0.00061559686104864,
-		t353 - t352, t361);
-	const double n26y = RNEA_FMA(-0.11746515385800001, c26, RNEA_FMA(0.00037615682507336, t352 - t356,
-		t362));
-	const double n26z = RNEA_FMA(0.11746515385800001, s26, RNEA_FMA(0.00022657231325511998, t356 - t353,
-		t363));
+		t335 - t334, t343);
+	const double n26y = RNEA_FMA(-0.11746515385800001, c26, RNEA_FMA(0.00037615682507336, t334 - t338,
+		t344));
+	const double n26z = RNEA_FMA(0.11746515385800001, s26, RNEA_FMA(0.00022657231325511998, t338 - t335,
+		t345));
 
 	/* ---- out to link 27 "r_uleg" (fpass) ---- */
 	const double q27 = q[26*stride];
@@ -1393,27 +1339,27 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	all_small &= rneagen_sincos_either(q27, small, &s27, &c27);
 	const double qd27 = qd[26*stride];
 	const double qdd27 = qdd[26*stride];
-	const double t364 = RNEA_FMA(0.066, t358, RNEA_FMA(0.0225, t359, 0.05*(t352 + t353)));
-	const double a27y = RNEA_FMA(9.81, s26, RNEA_FMA(-0.066, t354, RNEA_FMA(0.0225, t352 + t356, 0.05*t360)));
-	const double t365 = RNEA_FMA(9.81, c26, RNEA_FMA(0.066, t353 + t356, RNEA_FMA(-0.0225, t355, 0.05*t357)));
+	const double t346 = RNEA_FMA(0.066, t340, RNEA_FMA(0.0225, t341, 0.05*(t334 + t335)));
+	const double a27y = RNEA_FMA(9.81, s26, RNEA_FMA(-0.066, t336, RNEA_FMA(0.0225, t334 + t338, 0.05*t342)));
+	const double t347 = RNEA_FMA(9.81, c26, RNEA_FMA(0.066, t335 + t338, RNEA_FMA(-0.0225, t337, 0.05*t339)));
 	const double w27z = RNEA_FMA(w26z, c27, qd26*s27);
 	const double w27x = RNEA_FMA(s27, -w26z, qd26*c27);
 	const double w27y = w26y + qd27;
 	const double dw27x = RNEA_FMA(w27z, -qd27, RNEA_FMA(s27, -dw26z, qdd26*c27));
 	const double dw27y = dw26y + qdd27;
 	const double dw27z = RNEA_FMA(qd27, w27x, RNEA_FMA(dw26z, c27, qdd26*s27));
-	const double a27z = RNEA_FMA(t364, -s27, c27*t365);
-	const double t366 = RNEA_FMA(s27, t365, c27*t364);
-	const double t367 = w27z*w27y;
-	const double t368 = w27y*w27y;
-	const double t369 = t367 - dw27x;
-	const double t370 = w27z*w27x;
-	const double t371 = dw27y + t370;
-	const double t372 = RNEA_FMA(w27x, w27x, t368);
-	const double f27y = RNEA_FMA(-1.7228400000000001, t369, 8.204*a27y);
-	const double f27z = RNEA_FMA(8.204, a27z, 1.7228400000000001*t372);
-	const double n27x = RNEA_FMA(1.7228400000000001, a27y, RNEA_FMA(-0.4317964, t367, 0.4517964*dw27x));
-	const double n27y = RNEA_FMA(1.7228400000000001, t366, RNEA_FMA(0.4517964, dw27y, 0.4317964*t370));
+	const double a27z = RNEA_FMA(t346, -s27, c27*t347);
+	const double t348 = RNEA_FMA(s27, t347, c27*t346);
+	const double t349 = w27z*w27y;
+	const double t350 = w27y*w27y;
+	const double t351 = t349 - dw27x;
+	const double t352 = w27z*w27x;
+	const double t353 = dw27y + t352;
+	const double t354 = RNEA_FMA(w27x, w27x, t350);
+	const double f27y = RNEA_FMA(-1.7228400000000001, t351, 8.204*a27y);
+	const double f27z = RNEA_FMA(8.204, a27z, 1.7228400000000001*t354);
+	const double n27x = RNEA_FMA(1.7228400000000001, a27y, RNEA_FMA(-0.4317964, t349, 0.4517964*dw27x));
+	const double n27y = RNEA_FMA(1.7228400000000001, t348, RNEA_FMA(0.4517964, dw27y, 0.4317964*t352));
 
 	/* ---- out to link 28 "r_lleg" (fpass) ---- */
 	const double q28 = q[27*stride];
@@ -1421,36 +1367,36 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	all_small &= rneagen_sincos_either(q28, small, &s28, &c28);
 	const double qd28 = qd[27*stride];
 	const double qdd28 = qdd[27*stride];
-	const double t373 = RNEA_FMA(-0.374, t371, 0.05*RNEA_FMA(w27z, w27z, t368)) - t366;
-	const double a28y = a27y - RNEA_FMA(0.374, t369, 0.05*RNEA_FMA(w27x, w27y, dw27z));
-	const double t374 = a27z + RNEA_FMA(-0.05, t370 - dw27y, 0.374*t372);
+	const double t355 = RNEA_FMA(-0.374, t353, 0.05*RNEA_FMA(w27z, w27z, t350)) - t348;
+	const double a28y = a27y - RNEA_FMA(0.374, t351, 0.05*RNEA_FMA(w27x, w27y, dw27z));
+	const double t356 = a27z + RNEA_FMA(-0.05, t352 - dw27y, 0.374*t354);
 	const double w28z = RNEA_FMA(w27z, c28, w27x*s28);
 	const double w28x = RNEA_FMA(s28, -w27z, w27x*c28);
 	const double w28y = w27y + qd28;
 	const double dw28x = RNEA_FMA(w28z, -qd28, RNEA_FMA(s28, -dw27z, dw27x*c28));
 	const double dw28y = dw27y + qdd28;
 	const double dw28z = RNEA_FMA(qd28, w28x, RNEA_FMA(dw27z, c28, dw27x*s28));
-	const double a28z = RNEA_FMA(c28, t374, s28*t373);
-	const double a28x = RNEA_FMA(t374, -s28, c28*t373);
-	const double t375 = w28z*w28y;
-	const double t376 = w28z*w28z;
-	const double t377 = w28y*w28y;
-	const double t378 = t375 - dw28x;
-	const double t379 = w28z*w28x;
-	const double t380 = w28x*w28x;
-	const double t381 = dw28y + t379;
-	const double t382 = w28x*w28y;
-	const double t383 = t377 + t380;
-	const double t384 = dw28z + t382;
-	const double f28x = RNEA_FMA(4.515, a28x, -RNEA_FMA(0.844305, t381, 0.004515*(t376 + t377)));
-	const double f28y = RNEA_FMA(4.515, a28y, RNEA_FMA(-0.844305, t378, 0.004515*t384));
-	const double f28z = RNEA_FMA(4.515, a28z, RNEA_FMA(0.844305, t383, 0.004515*(t379 - dw28y)));
-	const double t385 = RNEA_FMA(-0.002155695, t376 - t380, RNEA_FMA(0.23388954999999997, dw28y, 0.22488052*t379));
-	const double n28x = RNEA_FMA(0.844305, a28y, RNEA_FMA(-0.002155695, t384, RNEA_FMA(-0.22388503499999998,
-		t375, 0.234885035*dw28x)));
-	const double n28y = t385 - RNEA_FMA(0.844305, a28x, 0.004515*a28z);
-	const double n28z = RNEA_FMA(0.004515, a28y, RNEA_FMA(0.002155695, t378, RNEA_FMA(-0.0009954850000000008,
-		t382, 0.010004515*dw28z)));
+	const double a28z = RNEA_FMA(c28, t356, s28*t355);
+	const double a28x = RNEA_FMA(t356, -s28, c28*t355);
+	const double t357 = w28z*w28y;
+	const double t358 = w28z*w28z;
+	const double t359 = w28y*w28y;
+	const double t360 = t357 - dw28x;
+	const double t361 = w28z*w28x;
+	const double t362 = w28x*w28x;
+	const double t363 = dw28y + t361;
+	const double t364 = w28x*w28y;
+	const double t365 = t359 + t362;
+	const double t366 = dw28z + t364;
+	const double f28x = RNEA_FMA(4.515, a28x, -RNEA_FMA(0.844305, t363, 0.004515*(t358 + t359)));
+	const double f28y = RNEA_FMA(4.515, a28y, RNEA_FMA(-0.844305, t360, 0.004515*t366));
+	const double f28z = RNEA_FMA(4.515, a28z, RNEA_FMA(0.844305, t365, 0.004515*(t361 - dw28y)));
+	const double t367 = RNEA_FMA(-0.002155695, t358 - t362, RNEA_FMA(0.23388954999999997, dw28y, 0.22488052*t361));
+	const double n28x = RNEA_FMA(0.844305, a28y, RNEA_FMA(-0.002155695, t366, RNEA_FMA(-0.22388503499999998,
+		t357, 0.234885035*dw28x)));
+	const double n28y = t367 - RNEA_FMA(0.844305, a28x, 0.004515*a28z);
+	const double n28z = RNEA_FMA(0.004515, a28y, RNEA_FMA(0.002155695, t360, RNEA_FMA(-0.0009954850000000008,
+		t364, 0.010004515*dw28z)));
 
 	/* ---- out to link 29 "r_talus" (fpass) ---- */
 	const double q29 = q[28*stride];
@@ -1458,17 +1404,18 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	all_small &= rneagen_sincos_either(q29, small, &s29, &c29);
 	const double qd29 = qd[28*stride];
 	const double qdd29 = qdd[28*stride];
-	const double t386 = RNEA_FMA(-0.422, t381, a28x);
-	const double a29y = RNEA_FMA(-0.422, t378, a28y);
-	const double t387 = RNEA_FMA(0.422, t383, a28z);
+	const double t368 = RNEA_FMA(-0.422, t363, a28x);
+	const double a29y = RNEA_FMA(-0.422, t360, a28y);
+	const double t369 = RNEA_FMA(0.422, t365, a28z);
 	const double w29z = RNEA_FMA(w28z, c29, w28x*s29);
 	const double w29x = RNEA_FMA(s29, -w28z, w28x*c29);
 	const double w29y = w28y + qd29;
 	const double dw29x = RNEA_FMA(w29z, -qd29, RNEA_FMA(s29, -dw28z, dw28x*c29));
 	const double dw29y = dw28y + qdd29;
 	const double dw29z = RNEA_FMA(qd29, w29x, RNEA_FMA(dw28z, c29, dw28x*s29));
-	const double a29z = RNEA_FMA(c29, t387, s29*t386);
-	const double a29x = RNEA_FMA(t387, -s29, c29*t386);
+	const double a29z = RNEA_FMA(c29, t369, s29*t368);
+	const double a29x = RNEA_FMA(t369, -s29, c29*t368);
+	const double f29x = 0.125*a29x;
 	const double n29x = RNEA_FMA(1.01674e-05, dw29x, 4.5823499999999986e-06*(w29z*w29y));
 	const double n29y = RNEA_FMA(-2.842699999999999e-06, w29z*w29x, 8.42775e-06*dw29y);
 	const double n29z = RNEA_FMA(-1.7396499999999995e-06, w29x*w29y, 1.30101e-05*dw29z);
@@ -1487,27 +1434,22 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double dw30z = RNEA_FMA(w30y, -qd30, RNEA_FMA(s30, -dw29y, dw29z*c30));
 	const double a30y = RNEA_FMA(a29y, c30, a29z*s30);
 	const double a30z = RNEA_FMA(s30, -a29y, a29z*c30);
-	const double t388 = w30y*w30z;
-	const double t389 = w30z*w30z;
-	const double t390 = w30y*w30y;
-	const double t391 = t388 - dw30x;
-	const double t392 = w30z*w30x;
-	const double t393 = w30x*w30x;
-	const double t394 = w30y*w30x;
-	const double t395 = dw30z + t394;
-	const double t396 = -RNEA_FMA(0.16147000000000003, dw30y + t392, 0.06507*(t389 + t390));
-	const double f30x = RNEA_FMA(2.41, a29x, t396);
-	const double f30y = RNEA_FMA(2.41, a30y, RNEA_FMA(-0.16147000000000003, t391, 0.06507*t395));
-	const double f30z = RNEA_FMA(2.41, a30z, RNEA_FMA(0.16147000000000003, t390 + t393, 0.06507*(t392 - dw30y)));
-	const double t397 = RNEA_FMA(0.00435969, t389 - t393, RNEA_FMA(0.019575380000000003, dw30y, 0.0030616000000000016*t392));
-	const double n30x = RNEA_FMA(0.16147000000000003, a30y, RNEA_FMA(0.00435969, t395, RNEA_FMA(-0.009818490000000003,
-		t388, 0.012818490000000002*dw30x)));
-	const double n30y = t397 - RNEA_FMA(0.16147000000000003, a29x, 0.06507*a30z);
-	const double n30z = RNEA_FMA(0.06507, a30y, RNEA_FMA(-0.00435969, t391, RNEA_FMA(0.00975689, dw30z,
-		0.00675689*t394)));
+	const double t370 = w30y*w30z;
+	const double t371 = w30y*w30y;
+	const double t372 = w30z*w30x;
+	const double t373 = w30y*w30x;
+	const double t374 = a29x - RNEA_FMA(0.067, dw30y + t372, 0.027*RNEA_FMA(w30z, w30z, t371));
+	const double t375 = a30y + RNEA_FMA(-0.067, t370 - dw30x, 0.027*(dw30z + t373));
+	const double t376 = a30z + RNEA_FMA(0.067, RNEA_FMA(w30x, w30x, t371), 0.027*(t372 - dw30y));
+	const double f30y = 2.41*t375;
+	const double f30z = 2.41*t376;
+	const double n30x = RNEA_FMA(0.16147000000000003, t375, RNEA_FMA(0.002, dw30x, 0.001*t370));
+	const double n30y = RNEA_FMA(-0.006, t372, 0.007*dw30y) - RNEA_FMA(0.16147000000000003, t374,
+		0.06507*t376);
+	const double n30z = RNEA_FMA(0.06507, t375, RNEA_FMA(0.008, dw30z, 0.005*t373));
 
 	/* ---- back from link 30 "r_foot" to link 29 (bpass): torque of "r_leg_akx" ---- */
-	const double f29x = RNEA_FMA(0.125, a29x, f30x);
+	const double f29x_2 = RNEA_FMA(2.41, t374, f29x);
 	const double f29y = RNEA_FMA(0.125, a29y, RNEA_FMA(f30z, -s30, c30*f30y));
 	const double f29z = RNEA_FMA(0.125, a29z, RNEA_FMA(s30, f30y, c30*f30z));
 	const double n29x_2 = n29x + n30x;
@@ -1516,34 +1458,34 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	tau[29*stride] = n30x;
 
 	/* ---- back from link 29 "r_talus" to link 28 (bpass): torque of "r_leg_aky" ---- */
-	const double t398 = RNEA_FMA(s29, f29z, c29*f29x);
-	const double f28x_2 = f28x + t398;
+	const double t377 = RNEA_FMA(s29, f29z, c29*f29x_2);
+	const double f28x_2 = f28x + t377;
 	const double f28y_2 = f28y + f29y;
-	const double f28z_2 = f28z + RNEA_FMA(-s29, f29x, c29*f29z);
+	const double f28z_2 = f28z + RNEA_FMA(-s29, f29x_2, c29*f29z);
 	const double n28x_2 = n28x + RNEA_FMA(0.422, f29y, RNEA_FMA(s29, n29z_2, c29*n29x_2));
-	const double n28y_2 = n28y + RNEA_FMA(-0.422, t398, n29y_2);
+	const double n28y_2 = n28y + RNEA_FMA(-0.422, t377, n29y_2);
 	const double n28z_2 = n28z + RNEA_FMA(-s29, n29x_2, c29*n29z_2);
 	tau[28*stride] = n29y_2;
 
 	/* ---- back from link 28 "r_lleg" to link 27 (bpass): torque of "r_leg_kny" ---- */
-	const double t399 = RNEA_FMA(-s28, f28x_2, c28*f28z_2);
-	const double t400 = RNEA_FMA(s28, f28z_2, c28*f28x_2);
-	const double f27x = t400 - RNEA_FMA(8.204, t366, 1.7228400000000001*t371);
+	const double t378 = RNEA_FMA(-s28, f28x_2, c28*f28z_2);
+	const double t379 = RNEA_FMA(s28, f28z_2, c28*f28x_2);
+	const double f27x = t379 - RNEA_FMA(8.204, t348, 1.7228400000000001*t353);
 	const double f27y_2 = f27y + f28y_2;
-	const double f27z_2 = f27z + t399;
+	const double f27z_2 = f27z + t378;
 	const double n27x_2 = n27x + RNEA_FMA(0.374, f28y_2, RNEA_FMA(s28, n28z_2, c28*n28x_2));
-	const double n27y_2 = n27y + (n28y_2 + RNEA_FMA(-0.374, t400, 0.05*t399));
+	const double n27y_2 = n27y + (n28y_2 + RNEA_FMA(-0.374, t379, 0.05*t378));
 	const double n27z = RNEA_FMA(0.02, dw27z, RNEA_FMA(-0.05, f28y_2, RNEA_FMA(-s28, n28x_2, c28*n28z_2)));
 	tau[27*stride] = n28y_2;
 
 	/* ---- back from link 27 "r_uleg" to link 26 (bpass): torque of "r_leg_hpy" ---- */
-	const double t401 = RNEA_FMA(-s27, f27x, c27*f27z_2);
-	const double t402 = RNEA_FMA(s27, f27z_2, c27*f27x);
-	const double t403 = RNEA_FMA(-s27, n27x_2, c27*n27z);
-	const double t404 = RNEA_FMA(s27, n27z, c27*n27x_2) + RNEA_FMA(-0.0225, t401, 0.066*f27y_2);
-	const double n26x_2 = n26x + t404;
-	const double n26y_2 = n26y + (n27y_2 - RNEA_FMA(0.066, t402, 0.05*t401));
-	const double n26z_2 = n26z + (t403 + RNEA_FMA(0.05, f27y_2, 0.0225*t402));
+	const double t380 = RNEA_FMA(-s27, f27x, c27*f27z_2);
+	const double t381 = RNEA_FMA(s27, f27z_2, c27*f27x);
+	const double t382 = RNEA_FMA(-s27, n27x_2, c27*n27z);
+	const double t383 = RNEA_FMA(s27, n27z, c27*n27x_2) + RNEA_FMA(-0.0225, t380, 0.066*f27y_2);
+	const double n26x_2 = n26x + t383;
+	const double n26y_2 = n26y + (n27y_2 - RNEA_FMA(0.066, t381, 0.05*t380));
+	const double n26z_2 = n26z + (t382 + RNEA_FMA(0.05, f27y_2, 0.0225*t381));
 	tau[26*stride] = n27y_2;
 
 	/* ---- back from link 26 "r_lglut" to link 25 (bpass): torque of "r_leg_hpx" ---- */
@@ -1991,33 +1933,24 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double t123 = t119*w8y;
 	const double t124 = t119*t119;
 	const double t125 = w8y*w8y;
-	const double t126 = dw8x + t123;
-	const double t127 = dw8x - t123;
-	const double t128 = t119*w8x;
-	const double t129 = w8x*w8x;
-	const double t130 = dw8y + t128;
-	const double t131 = dw8y - t128;
-	const double t132 = w8x*w8y;
-	const double t133 = t120 + t132;
-	const double t134 = t132 - t120;
-	const double f8x = RNEA_FMA(2.4798, a8x, RNEA_FMA(0.000917526, t131, RNEA_FMA(-0.00037196999999999995,
-		t124 + t125, 0.20572420800000002*t133)));
-	const double f8y = RNEA_FMA(2.4798, a8y, RNEA_FMA(-0.000917526, t126, RNEA_FMA(-0.20572420800000002,
-		t124 + t129, 0.00037196999999999995*t134)));
-	const double f8z = RNEA_FMA(-2.4798, t122, RNEA_FMA(-0.000917526, t125 + t129, RNEA_FMA(-0.00037196999999999995,
-		t130, 0.20572420800000002*t127)));
-	const double t135 = RNEA_FMA(-1.3762889999999998e-07, t134, RNEA_FMA(-3.08586312e-05, t130, RNEA_FMA(-0.026157540811060004,
-		t123, 0.029798219780300002*dw8x)));
-	const double t136 = RNEA_FMA(-3.08586312e-05, t127, RNEA_FMA(7.611795696e-05, t133, RNEA_FMA(-0.000783283689119999,
-		t128, 0.00285739528012*dw8y)));
-	const double t137 = RNEA_FMA(7.611795696e-05, t131, RNEA_FMA(1.3762889999999998e-07, t126, RNEA_FMA(0.029014936091180003,
-		t120, 0.02694082450018*t132)));
-	const double n8x = RNEA_FMA(-7.611795696e-05, t125 - t124, t135) - RNEA_FMA(0.20572420800000002,
-		t122, 0.000917526*a8y);
-	const double n8y = RNEA_FMA(0.000917526, a8x, 0.00037196999999999995*t122) + RNEA_FMA(-1.3762889999999998e-07,
-		t124 - t129, t136);
-	const double n8z = RNEA_FMA(-0.20572420800000002, a8x, 0.00037196999999999995*a8y) - RNEA_FMA(3.08586312e-05,
-		t129 - t125, t137);
+	const double t126 = t119*w8x;
+	const double t127 = w8x*w8x;
+	const double t128 = w8x*w8y;
+	const double t129 = RNEA_FMA(-0.00015, t124 + t125, 0.08296*(t120 + t128));
+	const double t130 = RNEA_FMA(-0.08296, t124 + t127, 0.00015*(t128 - t120));
+	const double t131 = RNEA_FMA(-0.00015, dw8y + t126, 0.08296*(dw8x - t123));
+	const double t132 = a8x + RNEA_FMA(0.00037, dw8y - t126, t129);
+	const double t133 = a8y + RNEA_FMA(-0.00037, dw8x + t123, t130);
+	const double t134 = RNEA_FMA(-0.00037, t125 + t127, t131) - t122;
+	const double f8x = 2.4798*t132;
+	const double f8y = 2.4798*t133;
+	const double f8z = 2.4798*t134;
+	const double n8x = RNEA_FMA(-0.000917526, t133, 0.20572420800000002*t134) + RNEA_FMA(-0.009091,
+		t123, 0.012731*dw8x);
+	const double n8y = RNEA_FMA(-0.00037196999999999995, t134, 0.000917526*t132) + RNEA_FMA(-0.000782999999999999,
+		t126, 0.002857*dw8y);
+	const double n8z = RNEA_FMA(-0.20572420800000002, t132, 0.00037196999999999995*t133) - RNEA_FMA(0.011948,
+		t120, 0.009873999999999999*t128);
 	v[42*stride] = v8x;
 	v[43*stride] = v8y;
 	v[44*stride] = -t121;
@@ -2044,118 +1977,108 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double qd9 = qd[8*stride];
 	const double qdd9 = qdd[8*stride];
 	const double w9y = RNEA_FMA(-t119, s9, w8y*c9);
-	const double t138 = RNEA_FMA(w8y, s9, t119*c9);
+	const double t135 = RNEA_FMA(w8y, s9, t119*c9);
 	const double w9x = w8x + qd9;
 	const double dw9x = dw8x + qdd9;
-	const double dw9y = RNEA_FMA(t138, -qd9, RNEA_FMA(-t120, s9, dw8y*c9));
-	const double t139 = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8y, s9, t120*c9));
+	const double dw9y = RNEA_FMA(t135, -qd9, RNEA_FMA(-t120, s9, dw8y*c9));
+	const double t136 = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8y, s9, t120*c9));
 	const double v9y = RNEA_FMA(-t121, s9, v8y*c9);
-	const double t140 = RNEA_FMA(v8y, s9, t121*c9);
+	const double t137 = RNEA_FMA(v8y, s9, t121*c9);
 	const double a9y = RNEA_FMA(s9, -t122, a8y*c9);
-	const double t141 = RNEA_FMA(a8y, s9, t122*c9);
-	const double t142 = w9y*t138;
-	const double t143 = t138*t138;
-	const double t144 = w9y*w9y;
-	const double t145 = dw9x + t142;
-	const double t146 = dw9x - t142;
-	const double t147 = t138*w9x;
-	const double t148 = w9x*w9x;
-	const double t149 = dw9y + t147;
-	const double t150 = dw9y - t147;
-	const double t151 = w9y*w9x;
-	const double t152 = t139 + t151;
-	const double t153 = t151 - t139;
-	const double t154 = RNEA_FMA(0.00105624, t150, -RNEA_FMA(0.0162972, t152, 0.00011016000000000002*(t143 + t144)));
-	const double f9x = RNEA_FMA(0.648, a8x, t154);
-	const double f9y = RNEA_FMA(0.648, a9y, RNEA_FMA(-0.00105624, t145, RNEA_FMA(0.0162972, t143 + t148,
-		0.00011016000000000002*t153)));
-	const double t155 = RNEA_FMA(0.648, t141, RNEA_FMA(0.00105624, t144 + t148, RNEA_FMA(0.0162972,
-		t146, 0.00011016000000000002*t149)));
-	const double t156 = RNEA_FMA(-1.7956080000000002e-07, t153, RNEA_FMA(2.7705240000000002e-06, t149,
-		RNEA_FMA(-0.0008041529087999999, t142, 0.0011755962512*dw9x)));
-	const double t157 = RNEA_FMA(2.7705240000000002e-06, t146, RNEA_FMA(-2.6564435999999998e-05, t152,
-		RNEA_FMA(0.00043074039840000004, dw9y, 5.9297055999999964e-05*t147)));
-	const double t158 = RNEA_FMA(2.6564435999999998e-05, t150, -RNEA_FMA(1.7956080000000002e-07, t145,
-		RNEA_FMA(0.0012348933072, t139, 0.0007448558528*t151)));
-	const double n9x = RNEA_FMA(-0.00105624, a9y, 0.0162972*t141) + RNEA_FMA(2.6564435999999998e-05,
-		t144 - t143, t156);
-	const double n9y = RNEA_FMA(0.00105624, a8x, 0.00011016000000000002*t141) + RNEA_FMA(-1.7956080000000002e-07,
-		t143 - t148, t157);
-	const double n9z = RNEA_FMA(0.00011016000000000002, a9y, 0.0162972*a8x) + RNEA_FMA(2.7705240000000002e-06,
-		t148 - t144, t158);
+	const double t138 = RNEA_FMA(a8y, s9, t122*c9);
+	const double t139 = w9y*t135;
+	const double t140 = t135*t135;
+	const double t141 = w9y*w9y;
+	const double t142 = t135*w9x;
+	const double t143 = w9x*w9x;
+	const double t144 = w9y*w9x;
+	const double t145 = -RNEA_FMA(0.02515, t136 + t144, 0.00017*(t140 + t141));
+	const double t146 = RNEA_FMA(0.02515, t140 + t143, 0.00017*(t144 - t136));
+	const double t147 = RNEA_FMA(0.02515, dw9x - t139, 0.00017*(dw9y + t142));
+	const double t148 = a8x + RNEA_FMA(0.00163, dw9y - t142, t145);
+	const double t149 = a9y + RNEA_FMA(-0.00163, dw9x + t139, t146);
+	const double t150 = t138 + RNEA_FMA(0.00163, t141 + t143, t147);
+	const double f9x = 0.648*t148;
+	const double f9y = 0.648*t149;
+	const double f9z = -0.648*t150;
+	const double n9x = RNEA_FMA(-0.00105624, t149, 0.0162972*t150) + RNEA_FMA(-0.000396, t139, 0.000764*dw9x);
+	const double n9y = RNEA_FMA(0.00105624, t148, 0.00011016000000000002*t150) + RNEA_FMA(0.000429,
+		dw9y, 6.0999999999999965e-05*t142);
+	const double n9z = RNEA_FMA(0.00011016000000000002, t149, 0.0162972*t148) - RNEA_FMA(0.000825,
+		t136, 0.000335*t144);
 	v[48*stride] = v8x;
 	v[49*stride] = v9y;
-	v[50*stride] = -t140;
+	v[50*stride] = -t137;
 	v[51*stride] = w9x;
 	v[52*stride] = w9y;
-	v[53*stride] = -t138;
-	a[48*stride] = a8x - RNEA_FMA(t140, -w9y, t138*v9y);
-	a[49*stride] = a9y - RNEA_FMA(t138, -v8x, w9x*t140);
-	a[50*stride] = -(t141 + RNEA_FMA(w9y, -v8x, w9x*v9y));
+	v[53*stride] = -t135;
+	a[48*stride] = a8x - RNEA_FMA(t137, -w9y, t135*v9y);
+	a[49*stride] = a9y - RNEA_FMA(t135, -v8x, w9x*t137);
+	a[50*stride] = -(t138 + RNEA_FMA(w9y, -v8x, w9x*v9y));
 	a[51*stride] = dw9x;
 	a[52*stride] = dw9y;
-	a[53*stride] = -t139;
+	a[53*stride] = -t136;
 	f[48*stride] = f9x;
 	f[49*stride] = f9y;
-	f[50*stride] = -t155;
+	f[50*stride] = f9z;
 	f[51*stride] = n9x;
 	f[52*stride] = n9y;
 	f[53*stride] = n9z;
 
 	/* ---- out to link 10 "l_hand" (fpass) ---- */
 	const double q10 = q[9*stride];
-	double t159, c10;
-	all_small &= rneagen_sincos_either(q10, small, &t159, &c10);
+	double t151, c10;
+	all_small &= rneagen_sincos_either(q10, small, &t151, &c10);
 	const double qd10 = qd[9*stride];
 	const double qdd10 = qdd[9*stride];
-	const double t160 = RNEA_FMA(2.0682310711021444e-13, t138, w9x);
-	const double t161 = RNEA_FMA(-2.0682310711021444e-13, w9x, t138);
-	const double t162 = RNEA_FMA(2.0682310711021444e-13, t139, dw9x);
-	const double t163 = RNEA_FMA(-2.0682310711021444e-13, dw9x, t139);
-	const double t164 = RNEA_FMA(2.0682310711021444e-13, t140, v8x);
-	const double t165 = RNEA_FMA(-2.0682310711021444e-13, v8x, t140);
-	const double t166 = RNEA_FMA(2.0682310711021444e-13, t141, a8x);
-	const double t167 = RNEA_FMA(-2.0682310711021444e-13, a8x, t141);
-	const double w10z = RNEA_FMA(c10, t161, t159*t160);
-	const double w10x = RNEA_FMA(t160, -c10, t159*t161);
+	const double t152 = RNEA_FMA(2.0682310711021444e-13, t135, w9x);
+	const double t153 = RNEA_FMA(-2.0682310711021444e-13, w9x, t135);
+	const double t154 = RNEA_FMA(2.0682310711021444e-13, t136, dw9x);
+	const double t155 = RNEA_FMA(-2.0682310711021444e-13, dw9x, t136);
+	const double t156 = RNEA_FMA(2.0682310711021444e-13, t137, v8x);
+	const double t157 = RNEA_FMA(-2.0682310711021444e-13, v8x, t137);
+	const double t158 = RNEA_FMA(2.0682310711021444e-13, t138, a8x);
+	const double t159 = RNEA_FMA(-2.0682310711021444e-13, a8x, t138);
+	const double w10z = RNEA_FMA(c10, t153, t151*t152);
+	const double w10x = RNEA_FMA(t152, -c10, t151*t153);
 	const double w10y = w9y - qd10;
-	const double dw10x = RNEA_FMA(qd10, w10z, RNEA_FMA(t162, -c10, t159*t163));
+	const double dw10x = RNEA_FMA(qd10, w10z, RNEA_FMA(t154, -c10, t151*t155));
 	const double dw10y = dw9y - qdd10;
-	const double dw10z = RNEA_FMA(w10x, -qd10, RNEA_FMA(c10, t163, t159*t162));
-	const double v10z = RNEA_FMA(c10, t165, t159*t164);
-	const double v10x = RNEA_FMA(t164, -c10, t159*t165);
-	const double a10z = RNEA_FMA(c10, t167, t159*t166);
-	const double a10x = RNEA_FMA(t166, -c10, t159*t167);
-	const double t168 = w10z*w10y;
-	const double t169 = w10z*w10z;
-	const double t170 = w10y*w10y;
-	const double t171 = t168 - dw10x;
-	const double t172 = dw10x + t168;
-	const double t173 = w10z*w10x;
-	const double t174 = w10x*w10x;
-	const double t175 = t173 - dw10y;
-	const double t176 = dw10y + t173;
-	const double t177 = w10x*w10y;
-	const double t178 = t177 - dw10z;
-	const double t179 = dw10z + t177;
-	const double t180 = RNEA_FMA(1.1678e-05, t176, -RNEA_FMA(0.060090400999999995, t178, 9.3424e-05*(t169 + t170)));
-	const double f10x = RNEA_FMA(0.6839, a10x, t180);
-	const double f10y = RNEA_FMA(0.6839, a9y, RNEA_FMA(1.1678e-05, t171, RNEA_FMA(0.060090400999999995,
-		t169 + t174, 9.3424e-05*t179)));
-	const double f10z = RNEA_FMA(0.6839, a10z, RNEA_FMA(-1.1678e-05, t170 + t174, RNEA_FMA(-0.060090400999999995,
-		t172, 9.3424e-05*t175)));
-	const double t181 = RNEA_FMA(-1.86848e-09, t179, RNEA_FMA(-7.62246416e-06, t175, RNEA_FMA(0.00583500555115,
-		dw10x, 0.00533900508403*t168)));
-	const double t182 = RNEA_FMA(7.62246416e-06, t172, RNEA_FMA(-9.5280802e-07, t178, RNEA_FMA(0.0004870151814,
-		dw10y, 8.985285720000002e-06*t173)));
-	const double t183 = RNEA_FMA(9.5280802e-07, t176, RNEA_FMA(1.86848e-09, t171, RNEA_FMA(-0.005347990369749999,
-		t177, 0.0058260202654299995*dw10z)));
-	const double n10x = RNEA_FMA(9.5280802e-07, t170 - t169, t181) - RNEA_FMA(0.060090400999999995,
+	const double dw10z = RNEA_FMA(w10x, -qd10, RNEA_FMA(c10, t155, t151*t154));
+	const double v10z = RNEA_FMA(c10, t157, t151*t156);
+	const double v10x = RNEA_FMA(t156, -c10, t151*t157);
+	const double a10z = RNEA_FMA(c10, t159, t151*t158);
+	const double a10x = RNEA_FMA(t158, -c10, t151*t159);
+	const double t160 = w10z*w10y;
+	const double t161 = w10z*w10z;
+	const double t162 = w10y*w10y;
+	const double t163 = t160 - dw10x;
+	const double t164 = dw10x + t160;
+	const double t165 = w10z*w10x;
+	const double t166 = w10x*w10x;
+	const double t167 = t165 - dw10y;
+	const double t168 = dw10y + t165;
+	const double t169 = w10x*w10y;
+	const double t170 = t169 - dw10z;
+	const double t171 = dw10z + t169;
+	const double t172 = RNEA_FMA(1.1678e-05, t168, -RNEA_FMA(0.060090400999999995, t170, 9.3424e-05*(t161 + t162)));
+	const double f10x = RNEA_FMA(0.6839, a10x, t172);
+	const double f10y = RNEA_FMA(0.6839, a9y, RNEA_FMA(1.1678e-05, t163, RNEA_FMA(0.060090400999999995,
+		t161 + t166, 9.3424e-05*t171)));
+	const double f10z = RNEA_FMA(0.6839, a10z, RNEA_FMA(-1.1678e-05, t162 + t166, RNEA_FMA(-0.060090400999999995,
+		t164, 9.3424e-05*t167)));
+	const double t173 = RNEA_FMA(-1.86848e-09, t171, RNEA_FMA(-7.62246416e-06, t167, RNEA_FMA(0.00583500555115,
+		dw10x, 0.00533900508403*t160)));
+	const double t174 = RNEA_FMA(7.62246416e-06, t164, RNEA_FMA(-9.5280802e-07, t170, RNEA_FMA(0.0004870151814,
+		dw10y, 8.985285720000002e-06*t165)));
+	const double t175 = RNEA_FMA(9.5280802e-07, t168, RNEA_FMA(1.86848e-09, t163, RNEA_FMA(-0.005347990369749999,
+		t169, 0.0058260202654299995*dw10z)));
+	const double n10x = RNEA_FMA(9.5280802e-07, t162 - t161, t173) - RNEA_FMA(0.060090400999999995,
 		a10z, 1.1678e-05*a9y);
-	const double n10y = RNEA_FMA(-9.3424e-05, a10z, 1.1678e-05*a10x) + RNEA_FMA(-1.86848e-09, t169 - t174,
-		t182);
+	const double n10y = RNEA_FMA(-9.3424e-05, a10z, 1.1678e-05*a10x) + RNEA_FMA(-1.86848e-09, t161 - t166,
+		t174);
 	const double n10z = RNEA_FMA(9.3424e-05, a9y, 0.060090400999999995*a10x) + RNEA_FMA(7.62246416e-06,
-		t174 - t170, t183);
+		t166 - t162, t175);
 	v[54*stride] = v10x;
 	v[55*stride] = v9y;
 	v[56*stride] = v10z;
@@ -2181,51 +2104,51 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_either(q11, small, &s11, &c11);
 	const double qd11 = qd[10*stride];
 	const double qdd11 = qdd[10*stride];
-	const double t184 = RNEA_FMA(0.6215, w3y, v3x);
+	const double t176 = RNEA_FMA(0.6215, w3y, v3x);
 	const double v11y = v3y + RNEA_FMA(-0.6215, w3x, 0.2546*w3z);
-	const double t185 = RNEA_FMA(0.2546, w3y, t23);
-	const double t186 = a3x + RNEA_FMA(-0.2546, t27, 0.6215*t34);
+	const double t177 = RNEA_FMA(0.2546, w3y, t23);
+	const double t178 = a3x + RNEA_FMA(-0.2546, t27, 0.6215*t34);
 	const double a11y = a3y + RNEA_FMA(0.6215, t28, 0.2546*t38);
-	const double t187 = a3z + RNEA_FMA(-0.6215, t36, 0.2546*t33);
+	const double t179 = a3z + RNEA_FMA(-0.6215, t36, 0.2546*t33);
 	const double w11z = RNEA_FMA(w3z, c11, w3x*s11);
 	const double w11x = RNEA_FMA(s11, -w3z, w3x*c11);
 	const double w11y = w3y + qd11;
 	const double dw11x = RNEA_FMA(w11z, -qd11, RNEA_FMA(s11, -dw3z, dw3x*c11));
 	const double dw11y = dw3y + qdd11;
 	const double dw11z = RNEA_FMA(qd11, w11x, RNEA_FMA(dw3z, c11, dw3x*s11));
-	const double v11z = RNEA_FMA(t185, -c11, s11*t184);
-	const double v11x = RNEA_FMA(s11, t185, c11*t184);
-	const double a11z = RNEA_FMA(c11, t187, s11*t186);
-	const double a11x = RNEA_FMA(t187, -s11, c11*t186);
-	const double t188 = w11z*w11y;
-	const double t189 = w11z*w11z;
-	const double t190 = w11y*w11y;
-	const double t191 = t188 - dw11x;
-	const double t192 = dw11x + t188;
-	const double t193 = w11z*w11x;
-	const double t194 = w11x*w11x;
-	const double t195 = t193 - dw11y;
-	const double t196 = dw11y + t193;
-	const double t197 = w11x*w11y;
-	const double t198 = t197 - dw11z;
-	const double t199 = dw11z + t197;
-	const double t200 = RNEA_FMA(0.054420420656, t191, -RNEA_FMA(7.09504993e-05, t189 + t194, 0.109829676908*t199));
-	const double f11x = RNEA_FMA(2.087564, a11x, RNEA_FMA(0.054420420656, t196, RNEA_FMA(7.09504993e-05,
-		t198, 0.109829676908*(t189 + t190))));
-	const double f11y = RNEA_FMA(2.087564, a11y, t200);
-	const double f11z = RNEA_FMA(2.087564, a11z, RNEA_FMA(-0.054420420656, t190 + t194, RNEA_FMA(-0.109829676908,
-		t195, 7.09504993e-05*t192)));
-	const double t201 = RNEA_FMA(0.0024130603412908323, t199, RNEA_FMA(-2.8062844640453003e-06, t195,
-		RNEA_FMA(-0.0013851939641421555, t188, 0.013518240524507091*dw11x)));
-	const double t202 = RNEA_FMA(2.8062844640453003e-06, t192, RNEA_FMA(3.9827336694684e-06, t198,
-		RNEA_FMA(-0.005634444453194253, t193, 0.0205378789418435*dw11y)));
-	const double t203 = RNEA_FMA(-3.9827336694684e-06, t196, RNEA_FMA(-0.0024130603412908323, t191,
-		RNEA_FMA(0.019152684977701343, dw11z, 0.007019638417336408*t197)));
+	const double v11z = RNEA_FMA(t177, -c11, s11*t176);
+	const double v11x = RNEA_FMA(s11, t177, c11*t176);
+	const double a11z = RNEA_FMA(c11, t179, s11*t178);
+	const double a11x = RNEA_FMA(t179, -s11, c11*t178);
+	const double t180 = w11z*w11y;
+	const double t181 = w11z*w11z;
+	const double t182 = w11y*w11y;
+	const double t183 = t180 - dw11x;
+	const double t184 = dw11x + t180;
+	const double t185 = w11z*w11x;
+	const double t186 = w11x*w11x;
+	const double t187 = t185 - dw11y;
+	const double t188 = dw11y + t185;
+	const double t189 = w11x*w11y;
+	const double t190 = t189 - dw11z;
+	const double t191 = dw11z + t189;
+	const double t192 = RNEA_FMA(0.054420420656, t183, -RNEA_FMA(7.09504993e-05, t181 + t186, 0.109829676908*t191));
+	const double f11x = RNEA_FMA(2.087564, a11x, RNEA_FMA(0.054420420656, t188, RNEA_FMA(7.09504993e-05,
+		t190, 0.109829676908*(t181 + t182))));
+	const double f11y = RNEA_FMA(2.087564, a11y, t192);
+	const double f11z = RNEA_FMA(2.087564, a11z, RNEA_FMA(-0.054420420656, t182 + t186, RNEA_FMA(-0.109829676908,
+		t187, 7.09504993e-05*t184)));
+	const double t193 = RNEA_FMA(0.0024130603412908323, t191, RNEA_FMA(-2.8062844640453003e-06, t187,
+		RNEA_FMA(-0.0013851939641421555, t180, 0.013518240524507091*dw11x)));
+	const double t194 = RNEA_FMA(2.8062844640453003e-06, t184, RNEA_FMA(3.9827336694684e-06, t190,
+		RNEA_FMA(-0.005634444453194253, t185, 0.0205378789418435*dw11y)));
+	const double t195 = RNEA_FMA(-3.9827336694684e-06, t188, RNEA_FMA(-0.0024130603412908323, t183,
+		RNEA_FMA(0.019152684977701343, dw11z, 0.007019638417336408*t189)));
 	const double n11x = RNEA_FMA(-0.054420420656, a11y, 7.09504993e-05*a11z) + RNEA_FMA(-3.9827336694684e-06,
-		t190 - t189, t201);
+		t182 - t181, t193);
 	const double n11y = RNEA_FMA(0.054420420656, a11x, 0.109829676908*a11z) + RNEA_FMA(0.0024130603412908323,
-		t189 - t194, t202);
-	const double n11z = RNEA_FMA(2.8062844640453003e-06, t194 - t190, t203) - RNEA_FMA(0.109829676908,
+		t181 - t186, t194);
+	const double n11z = RNEA_FMA(2.8062844640453003e-06, t186 - t182, t195) - RNEA_FMA(0.109829676908,
 		a11y, 7.09504993e-05*a11x);
 	v[60*stride] = v11x;
 	v[61*stride] = v11y;
@@ -2252,10 +2175,10 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_either(q12, small, &s12, &c12);
 	const double qd12 = qd[11*stride];
 	const double qdd12 = qdd[11*stride];
-	const double t204 = v3x + (t46 + t47);
-	const double t205 = t23 + (t48 + t49);
-	const double t206 = a3x + (t56 - (t54 + t55));
-	const double t207 = a3y + (t59 + (t57 + t58));
+	const double t196 = v3x + (t46 + t47);
+	const double t197 = t23 + (t48 + t49);
+	const double t198 = a3x + (t56 - (t54 + t55));
+	const double t199 = a3y + (t59 + (t57 + t58));
 	const double a12z = a3z + (t60 - t61 - t62);
 	const double w12x = RNEA_FMA(w3x, c12, w3y*s12);
 	const double w12y = RNEA_FMA(s12, -w3x, w3y*c12);
@@ -2263,36 +2186,36 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw3x, c12, dw3y*s12));
 	const double dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(s12, -dw3x, dw3y*c12));
 	const double dw12z = dw3z + qdd12;
-	const double v12x = RNEA_FMA(c12, t204, t51*s12);
-	const double v12y = RNEA_FMA(t204, -s12, t51*c12);
-	const double a12x = RNEA_FMA(c12, t206, s12*t207);
-	const double a12y = RNEA_FMA(t206, -s12, c12*t207);
-	const double t208 = w12y*w12z;
-	const double t209 = w12z*w12z;
-	const double t210 = w12y*w12y;
-	const double t211 = t208 - dw12x;
-	const double t212 = w12x*w12z;
-	const double t213 = w12x*w12x;
-	const double t214 = dw12y + t212;
-	const double t215 = w12x*w12y;
-	const double t216 = t210 + t213;
-	const double t217 = t215 - dw12z;
-	const double f12x = RNEA_FMA(-0.37514400000000003, t214, 4.466*a12x);
-	const double f12y = RNEA_FMA(-0.37514400000000003, t211, 4.466*a12y);
-	const double f12z = RNEA_FMA(4.466, a12z, 0.37514400000000003*t216);
-	const double n12z = RNEA_FMA(0.004, t214, RNEA_FMA(-0.002, t215, 0.004*dw12z));
-	const double n12x = RNEA_FMA(0.37514400000000003, a12y, RNEA_FMA(0.004, t210 - t209, RNEA_FMA(-0.03651209600000001,
-		t208, 0.042512096000000006*dw12x)));
-	const double n12y = RNEA_FMA(-0.37514400000000003, a12x, RNEA_FMA(-0.004, t217, RNEA_FMA(0.040512096000000004,
-		dw12y, 0.038512096*t212)));
+	const double v12x = RNEA_FMA(c12, t196, t51*s12);
+	const double v12y = RNEA_FMA(t196, -s12, t51*c12);
+	const double a12x = RNEA_FMA(c12, t198, s12*t199);
+	const double a12y = RNEA_FMA(t198, -s12, c12*t199);
+	const double t200 = w12y*w12z;
+	const double t201 = w12z*w12z;
+	const double t202 = w12y*w12y;
+	const double t203 = t200 - dw12x;
+	const double t204 = w12x*w12z;
+	const double t205 = w12x*w12x;
+	const double t206 = dw12y + t204;
+	const double t207 = w12x*w12y;
+	const double t208 = t202 + t205;
+	const double t209 = t207 - dw12z;
+	const double f12x = RNEA_FMA(-0.37514400000000003, t206, 4.466*a12x);
+	const double f12y = RNEA_FMA(-0.37514400000000003, t203, 4.466*a12y);
+	const double f12z = RNEA_FMA(4.466, a12z, 0.37514400000000003*t208);
+	const double n12z = RNEA_FMA(0.004, t206, RNEA_FMA(-0.002, t207, 0.004*dw12z));
+	const double n12x = RNEA_FMA(0.37514400000000003, a12y, RNEA_FMA(0.004, t202 - t201, RNEA_FMA(-0.03651209600000001,
+		t200, 0.042512096000000006*dw12x)));
+	const double n12y = RNEA_FMA(-0.37514400000000003, a12x, RNEA_FMA(-0.004, t209, RNEA_FMA(0.040512096000000004,
+		dw12y, 0.038512096*t204)));
 	v[66*stride] = v12x;
 	v[67*stride] = v12y;
-	v[68*stride] = -t205;
+	v[68*stride] = -t197;
 	v[69*stride] = w12x;
 	v[70*stride] = w12y;
 	v[71*stride] = w12z;
-	a[66*stride] = a12x + RNEA_FMA(t205, w12y, w12z*v12y);
-	a[67*stride] = a12y - RNEA_FMA(w12z, v12x, t205*w12x);
+	a[66*stride] = a12x + RNEA_FMA(t197, w12y, w12z*v12y);
+	a[67*stride] = a12y - RNEA_FMA(w12z, v12x, t197*w12x);
 	a[68*stride] = a12z - RNEA_FMA(v12x, -w12y, w12x*v12y);
 	a[69*stride] = dw12x;
 	a[70*stride] = dw12y;
@@ -2311,39 +2234,39 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double qd13 = qd[12*stride];
 	const double qdd13 = qdd[12*stride];
 	const double v13x = v12x + RNEA_FMA(-0.245, w12y, 0.11*w12z);
-	const double t218 = RNEA_FMA(0.245, w12x, v12y);
-	const double t219 = RNEA_FMA(0.11, w12x, t205);
-	const double a13x = a12x - RNEA_FMA(0.245, t214, 0.11*t217);
-	const double t220 = a12y + RNEA_FMA(-0.245, t211, 0.11*(t209 + t213));
-	const double t221 = a12z + RNEA_FMA(-0.11, dw12x + t208, 0.245*t216);
+	const double t210 = RNEA_FMA(0.245, w12x, v12y);
+	const double t211 = RNEA_FMA(0.11, w12x, t197);
+	const double a13x = a12x - RNEA_FMA(0.245, t206, 0.11*t209);
+	const double t212 = a12y + RNEA_FMA(-0.245, t203, 0.11*(t201 + t205));
+	const double t213 = a12z + RNEA_FMA(-0.11, dw12x + t200, 0.245*t208);
 	const double w13y = RNEA_FMA(w12y, c13, w12z*s13);
 	const double w13z = RNEA_FMA(-w12y, s13, w12z*c13);
 	const double w13x = w12x + qd13;
 	const double dw13x = dw12x + qdd13;
 	const double dw13y = RNEA_FMA(qd13, w13z, RNEA_FMA(dw12y, c13, dw12z*s13));
 	const double dw13z = RNEA_FMA(w13y, -qd13, RNEA_FMA(s13, -dw12y, dw12z*c13));
-	const double v13y = RNEA_FMA(t219, -s13, c13*t218);
-	const double t222 = RNEA_FMA(s13, t218, c13*t219);
-	const double a13y = RNEA_FMA(c13, t220, s13*t221);
-	const double a13z = RNEA_FMA(t220, -s13, c13*t221);
-	const double t223 = w13y*w13z;
-	const double t224 = w13z*w13x;
-	const double t225 = w13x*w13x;
-	const double t226 = w13y*w13x;
+	const double v13y = RNEA_FMA(t211, -s13, c13*t210);
+	const double t214 = RNEA_FMA(s13, t210, c13*t211);
+	const double a13y = RNEA_FMA(c13, t212, s13*t213);
+	const double a13z = RNEA_FMA(t212, -s13, c13*t213);
+	const double t215 = w13y*w13z;
+	const double t216 = w13z*w13x;
+	const double t217 = w13x*w13x;
+	const double t218 = w13y*w13x;
 	const double f13x = 3.899*a13x;
 	const double f13y = 3.899*a13y;
 	const double f13z = 3.899*a13z;
 	const double n13x = 0.00319*dw13x;
-	const double n13y = RNEA_FMA(-0.00264, t224, 0.00583*dw13y);
-	const double n13z = RNEA_FMA(0.00583, dw13z, 0.00264*t226);
+	const double n13y = RNEA_FMA(-0.00264, t216, 0.00583*dw13y);
+	const double n13z = RNEA_FMA(0.00583, dw13z, 0.00264*t218);
 	v[72*stride] = v13x;
 	v[73*stride] = v13y;
-	v[74*stride] = -t222;
+	v[74*stride] = -t214;
 	v[75*stride] = w13x;
 	v[76*stride] = w13y;
 	v[77*stride] = w13z;
-	a[72*stride] = a13x + RNEA_FMA(w13y, t222, w13z*v13y);
-	a[73*stride] = a13y - RNEA_FMA(v13x, w13z, w13x*t222);
+	a[72*stride] = a13x + RNEA_FMA(w13y, t214, w13z*v13y);
+	a[73*stride] = a13y - RNEA_FMA(v13x, w13z, w13x*t214);
 	a[74*stride] = a13z - RNEA_FMA(w13y, -v13x, w13x*v13y);
 	a[75*stride] = dw13x;
 	a[76*stride] = dw13y;
@@ -2361,34 +2284,34 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_either(q14, small, &s14, &c14);
 	const double qd14 = qd[13*stride];
 	const double qdd14 = qdd[13*stride];
-	const double t227 = v13x + RNEA_FMA(-0.016, w13y, 0.187*w13z);
+	const double t219 = v13x + RNEA_FMA(-0.016, w13y, 0.187*w13z);
 	const double v14y = RNEA_FMA(0.016, w13x, v13y);
-	const double t228 = RNEA_FMA(0.187, w13x, t222);
-	const double t229 = a13x - RNEA_FMA(0.016, dw13y + t224, 0.187*(t226 - dw13z));
-	const double a14y = a13y + RNEA_FMA(-0.016, t223 - dw13x, 0.187*RNEA_FMA(w13z, w13z, t225));
-	const double t230 = a13z + RNEA_FMA(-0.187, dw13x + t223, 0.016*RNEA_FMA(w13y, w13y, t225));
+	const double t220 = RNEA_FMA(0.187, w13x, t214);
+	const double t221 = a13x - RNEA_FMA(0.016, dw13y + t216, 0.187*(t218 - dw13z));
+	const double a14y = a13y + RNEA_FMA(-0.016, t215 - dw13x, 0.187*RNEA_FMA(w13z, w13z, t217));
+	const double t222 = a13z + RNEA_FMA(-0.187, dw13x + t215, 0.016*RNEA_FMA(w13y, w13y, t217));
 	const double w14z = RNEA_FMA(w13z, c14, w13x*s14);
 	const double w14x = RNEA_FMA(s14, -w13z, w13x*c14);
 	const double w14y = w13y + qd14;
 	const double dw14x = RNEA_FMA(w14z, -qd14, RNEA_FMA(s14, -dw13z, dw13x*c14));
 	const double dw14y = dw13y + qdd14;
 	const double dw14z = RNEA_FMA(qd14, w14x, RNEA_FMA(dw13z, c14, dw13x*s14));
-	const double v14z = RNEA_FMA(t228, -c14, s14*t227);
-	const double v14x = RNEA_FMA(s14, t228, c14*t227);
-	const double a14z = RNEA_FMA(c14, t230, s14*t229);
-	const double a14x = RNEA_FMA(t230, -s14, c14*t229);
-	const double t231 = w14z*w14y;
-	const double t232 = dw14x + t231;
-	const double t233 = w14x*w14x;
-	const double t234 = RNEA_FMA(w14z, w14z, t233);
-	const double t235 = w14x*w14y;
-	const double t236 = t235 - dw14z;
-	const double f14x = RNEA_FMA(4.386, a14x, 0.28509*t236);
-	const double f14y = RNEA_FMA(-0.28509, t234, 4.386*a14y);
-	const double f14z = RNEA_FMA(4.386, a14z, 0.28509*t232);
+	const double v14z = RNEA_FMA(t220, -c14, s14*t219);
+	const double v14x = RNEA_FMA(s14, t220, c14*t219);
+	const double a14z = RNEA_FMA(c14, t222, s14*t221);
+	const double a14x = RNEA_FMA(t222, -s14, c14*t221);
+	const double t223 = w14z*w14y;
+	const double t224 = dw14x + t223;
+	const double t225 = w14x*w14x;
+	const double t226 = RNEA_FMA(w14z, w14z, t225);
+	const double t227 = w14x*w14y;
+	const double t228 = t227 - dw14z;
+	const double f14x = RNEA_FMA(4.386, a14x, 0.28509*t228);
+	const double f14y = RNEA_FMA(-0.28509, t226, 4.386*a14y);
+	const double f14z = RNEA_FMA(4.386, a14z, 0.28509*t224);
 	const double n14y = 0.00358*dw14y;
-	const double n14x = RNEA_FMA(0.28509, a14z, RNEA_FMA(0.02509085, dw14x, 0.02151085*t231));
-	const double n14z = RNEA_FMA(-0.28509, a14x, RNEA_FMA(-0.02151085, t235, 0.02509085*dw14z));
+	const double n14x = RNEA_FMA(0.28509, a14z, RNEA_FMA(0.02509085, dw14x, 0.02151085*t223));
+	const double n14z = RNEA_FMA(-0.28509, a14x, RNEA_FMA(-0.02151085, t227, 0.02509085*dw14z));
 	v[78*stride] = v14x;
 	v[79*stride] = v14y;
 	v[80*stride] = v14z;
@@ -2415,31 +2338,31 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double qd15 = qd[14*stride];
 	const double qdd15 = qdd[14*stride];
 	const double v15x = v14x + RNEA_FMA(0.0092, w14y, 0.119*w14z);
-	const double t237 = RNEA_FMA(-0.0092, w14x, v14y);
-	const double t238 = RNEA_FMA(-0.119, w14x, v14z);
-	const double a15x = a14x + RNEA_FMA(-0.119, t236, 0.0092*RNEA_FMA(w14z, w14x, dw14y));
-	const double t239 = a14y + RNEA_FMA(0.0092, t231 - dw14x, 0.119*t234);
-	const double t240 = a14z - RNEA_FMA(0.0092, RNEA_FMA(w14y, w14y, t233), 0.119*t232);
+	const double t229 = RNEA_FMA(-0.0092, w14x, v14y);
+	const double t230 = RNEA_FMA(-0.119, w14x, v14z);
+	const double a15x = a14x + RNEA_FMA(-0.119, t228, 0.0092*RNEA_FMA(w14z, w14x, dw14y));
+	const double t231 = a14y + RNEA_FMA(0.0092, t223 - dw14x, 0.119*t226);
+	const double t232 = a14z - RNEA_FMA(0.0092, RNEA_FMA(w14y, w14y, t225), 0.119*t224);
 	const double w15y = RNEA_FMA(w14y, c15, w14z*s15);
 	const double w15z = RNEA_FMA(-w14y, s15, w14z*c15);
 	const double w15x = w14x + qd15;
 	const double dw15x = dw14x + qdd15;
 	const double dw15y = RNEA_FMA(qd15, w15z, RNEA_FMA(dw14y, c15, dw14z*s15));
 	const double dw15z = RNEA_FMA(w15y, -qd15, RNEA_FMA(s15, -dw14y, dw14z*c15));
-	const double v15y = RNEA_FMA(c15, t237, s15*t238);
-	const double v15z = RNEA_FMA(t237, -s15, c15*t238);
-	const double a15y = RNEA_FMA(c15, t239, s15*t240);
-	const double a15z = RNEA_FMA(t239, -s15, c15*t240);
-	const double t241 = w15y*w15z;
-	const double t242 = w15z*w15x;
-	const double t243 = w15x*w15x;
-	const double t244 = w15y*w15x;
+	const double v15y = RNEA_FMA(c15, t229, s15*t230);
+	const double v15z = RNEA_FMA(t229, -s15, c15*t230);
+	const double a15y = RNEA_FMA(c15, t231, s15*t232);
+	const double a15z = RNEA_FMA(t231, -s15, c15*t232);
+	const double t233 = w15y*w15z;
+	const double t234 = w15z*w15x;
+	const double t235 = w15x*w15x;
+	const double t236 = w15y*w15x;
 	const double f15x = 3.248*a15x;
 	const double f15y = 3.248*a15y;
 	const double f15z = 3.248*a15z;
 	const double n15x = 0.00265*dw15x;
-	const double n15y = RNEA_FMA(-0.0018100000000000004, t242, 0.00446*dw15y);
-	const double n15z = RNEA_FMA(0.00446, dw15z, 0.0018100000000000004*t244);
+	const double n15y = RNEA_FMA(-0.0018100000000000004, t234, 0.00446*dw15y);
+	const double n15z = RNEA_FMA(0.00446, dw15z, 0.0018100000000000004*t236);
 	v[84*stride] = v15x;
 	v[85*stride] = v15y;
 	v[86*stride] = v15z;
@@ -2465,52 +2388,43 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_either(q16, small, &s16, &c16);
 	const double qd16 = qd[15*stride];
 	const double qdd16 = qdd[15*stride];
-	const double t245 = v15x + RNEA_FMA(-0.00921, w15y, 0.29955*w15z);
+	const double t237 = v15x + RNEA_FMA(-0.00921, w15y, 0.29955*w15z);
 	const double v16y = RNEA_FMA(0.00921, w15x, v15y);
-	const double t246 = RNEA_FMA(-0.29955, w15x, v15z);
-	const double t247 = a15x - RNEA_FMA(0.00921, dw15y + t242, 0.29955*(t244 - dw15z));
-	const double a16y = a15y + RNEA_FMA(-0.00921, t241 - dw15x, 0.29955*RNEA_FMA(w15z, w15z, t243));
-	const double t248 = a15z + RNEA_FMA(-0.29955, dw15x + t241, 0.00921*RNEA_FMA(w15y, w15y, t243));
+	const double t238 = RNEA_FMA(-0.29955, w15x, v15z);
+	const double t239 = a15x - RNEA_FMA(0.00921, dw15y + t234, 0.29955*(t236 - dw15z));
+	const double a16y = a15y + RNEA_FMA(-0.00921, t233 - dw15x, 0.29955*RNEA_FMA(w15z, w15z, t235));
+	const double t240 = a15z + RNEA_FMA(-0.29955, dw15x + t233, 0.00921*RNEA_FMA(w15y, w15y, t235));
 	const double w16z = RNEA_FMA(w15z, c16, w15x*s16);
 	const double w16x = RNEA_FMA(-w15z, s16, w15x*c16);
 	const double w16y = w15y + qd16;
 	const double dw16x = RNEA_FMA(w16z, -qd16, RNEA_FMA(s16, -dw15z, dw15x*c16));
 	const double dw16y = dw15y + qdd16;
 	const double dw16z = RNEA_FMA(qd16, w16x, RNEA_FMA(dw15z, c16, dw15x*s16));
-	const double v16z = RNEA_FMA(c16, t246, s16*t245);
-	const double v16x = RNEA_FMA(t246, -s16, c16*t245);
-	const double a16z = RNEA_FMA(c16, t248, s16*t247);
-	const double a16x = RNEA_FMA(t248, -s16, c16*t247);
-	const double t249 = w16z*w16y;
-	const double t250 = w16z*w16z;
-	const double t251 = w16y*w16y;
-	const double t252 = t249 - dw16x;
-	const double t253 = dw16x + t249;
-	const double t254 = w16z*w16x;
-	const double t255 = w16x*w16x;
-	const double t256 = t254 - dw16y;
-	const double t257 = dw16y + t254;
-	const double t258 = w16x*w16y;
-	const double t259 = t258 - dw16z;
-	const double t260 = dw16z + t258;
-	const double f16x = RNEA_FMA(2.4798, a16x, RNEA_FMA(0.000917526, t257, RNEA_FMA(-0.00037196999999999995,
-		t250 + t251, 0.20572420800000002*t259)));
-	const double f16y = RNEA_FMA(2.4798, a16y, RNEA_FMA(0.000917526, t252, RNEA_FMA(-0.20572420800000002,
-		t250 + t255, 0.00037196999999999995*t260)));
-	const double f16z = RNEA_FMA(2.4798, a16z, RNEA_FMA(-0.000917526, t251 + t255, RNEA_FMA(0.20572420800000002,
-		t253, 0.00037196999999999995*t256)));
-	const double t261 = RNEA_FMA(-1.3762889999999998e-07, t260, RNEA_FMA(3.08586312e-05, t256, RNEA_FMA(0.029798219780300002,
-		dw16x, 0.026157540811060004*t249)));
-	const double t262 = RNEA_FMA(-3.08586312e-05, t253, RNEA_FMA(7.611795696e-05, t259, RNEA_FMA(0.00285739528012,
-		dw16y, 0.000783283689119999*t254)));
-	const double t263 = RNEA_FMA(-7.611795696e-05, t257, RNEA_FMA(1.3762889999999998e-07, t252, RNEA_FMA(-0.02694082450018,
-		t258, 0.029014936091180003*dw16z)));
-	const double n16x = RNEA_FMA(-0.000917526, a16y, 0.20572420800000002*a16z) + RNEA_FMA(-7.611795696e-05,
-		t251 - t250, t261);
-	const double n16y = RNEA_FMA(-0.00037196999999999995, a16z, 0.000917526*a16x) + RNEA_FMA(-1.3762889999999998e-07,
-		t250 - t255, t262);
-	const double n16z = RNEA_FMA(-0.20572420800000002, a16x, 0.00037196999999999995*a16y) + RNEA_FMA(-3.08586312e-05,
-		t255 - t251, t263);
+	const double v16z = RNEA_FMA(c16, t238, s16*t237);
+	const double v16x = RNEA_FMA(t238, -s16, c16*t237);
+	const double a16z = RNEA_FMA(c16, t240, s16*t239);
+	const double a16x = RNEA_FMA(t240, -s16, c16*t239);
+	const double t241 = w16z*w16y;
+	const double t242 = w16z*w16z;
+	const double t243 = w16y*w16y;
+	const double t244 = w16z*w16x;
+	const double t245 = w16x*w16x;
+	const double t246 = w16x*w16y;
+	const double t247 = RNEA_FMA(-0.00015, t242 + t243, 0.08296*(t246 - dw16z));
+	const double t248 = RNEA_FMA(-0.08296, t242 + t245, 0.00015*(dw16z + t246));
+	const double t249 = RNEA_FMA(0.08296, dw16x + t241, 0.00015*(t244 - dw16y));
+	const double t250 = a16x + RNEA_FMA(0.00037, dw16y + t244, t247);
+	const double t251 = a16y + RNEA_FMA(0.00037, t241 - dw16x, t248);
+	const double t252 = a16z + RNEA_FMA(-0.00037, t243 + t245, t249);
+	const double f16x = 2.4798*t250;
+	const double f16y = 2.4798*t251;
+	const double f16z = 2.4798*t252;
+	const double n16x = RNEA_FMA(-0.000917526, t251, 0.20572420800000002*t252) + RNEA_FMA(0.012731,
+		dw16x, 0.009091*t241);
+	const double n16y = RNEA_FMA(-0.00037196999999999995, t252, 0.000917526*t250) + RNEA_FMA(0.002857,
+		dw16y, 0.000782999999999999*t244);
+	const double n16z = RNEA_FMA(-0.20572420800000002, t250, 0.00037196999999999995*t251) + RNEA_FMA(-0.009873999999999999,
+		t246, 0.011948*dw16z);
 	v[90*stride] = v16x;
 	v[91*stride] = v16y;
 	v[92*stride] = v16z;
@@ -2546,36 +2460,26 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double v17z = RNEA_FMA(-v16y, s17, v16z*c17);
 	const double a17y = RNEA_FMA(a16y, c17, a16z*s17);
 	const double a17z = RNEA_FMA(s17, -a16y, a16z*c17);
-	const double t264 = w17y*w17z;
-	const double t265 = w17z*w17z;
-	const double t266 = w17y*w17y;
-	const double t267 = t264 - dw17x;
-	const double t268 = dw17x + t264;
-	const double t269 = w17z*w17x;
-	const double t270 = w17x*w17x;
-	const double t271 = t269 - dw17y;
-	const double t272 = dw17y + t269;
-	const double t273 = w17y*w17x;
-	const double t274 = t273 - dw17z;
-	const double t275 = dw17z + t273;
-	const double t276 = RNEA_FMA(0.00105624, t272, -RNEA_FMA(0.0162972, t274, 0.00011016000000000002*(t265 + t266)));
-	const double f17x = RNEA_FMA(0.648, a16x, t276);
-	const double f17y = RNEA_FMA(0.648, a17y, RNEA_FMA(0.00105624, t267, RNEA_FMA(0.0162972, t265 + t270,
-		0.00011016000000000002*t275)));
-	const double f17z = RNEA_FMA(0.648, a17z, RNEA_FMA(-0.00105624, t266 + t270, RNEA_FMA(-0.0162972,
-		t268, 0.00011016000000000002*t271)));
-	const double t277 = RNEA_FMA(-1.7956080000000002e-07, t275, RNEA_FMA(-2.7705240000000002e-06,
-		t271, RNEA_FMA(0.0011755962512, dw17x, 0.0008041529087999999*t264)));
-	const double t278 = RNEA_FMA(2.7705240000000002e-06, t268, RNEA_FMA(-2.6564435999999998e-05, t274,
-		RNEA_FMA(-5.9297055999999964e-05, t269, 0.00043074039840000004*dw17y)));
-	const double t279 = RNEA_FMA(2.6564435999999998e-05, t272, RNEA_FMA(1.7956080000000002e-07, t267,
-		RNEA_FMA(-0.0007448558528, t273, 0.0012348933072*dw17z)));
-	const double n17x = RNEA_FMA(2.6564435999999998e-05, t266 - t265, t277) - RNEA_FMA(0.0162972,
-		a17z, 0.00105624*a17y);
-	const double n17y = RNEA_FMA(-0.00011016000000000002, a17z, 0.00105624*a16x) + RNEA_FMA(-1.7956080000000002e-07,
-		t265 - t270, t278);
-	const double n17z = RNEA_FMA(0.00011016000000000002, a17y, 0.0162972*a16x) + RNEA_FMA(2.7705240000000002e-06,
-		t270 - t266, t279);
+	const double t253 = w17y*w17z;
+	const double t254 = w17z*w17z;
+	const double t255 = w17y*w17y;
+	const double t256 = w17z*w17x;
+	const double t257 = w17x*w17x;
+	const double t258 = w17y*w17x;
+	const double t259 = -RNEA_FMA(0.02515, t258 - dw17z, 0.00017*(t254 + t255));
+	const double t260 = RNEA_FMA(0.02515, t254 + t257, 0.00017*(dw17z + t258));
+	const double t261 = RNEA_FMA(-0.02515, dw17x + t253, 0.00017*(t256 - dw17y));
+	const double t262 = a16x + RNEA_FMA(0.00163, dw17y + t256, t259);
+	const double t263 = a17y + RNEA_FMA(0.00163, t253 - dw17x, t260);
+	const double t264 = a17z + RNEA_FMA(-0.00163, t255 + t257, t261);
+	const double f17x = 0.648*t262;
+	const double f17y = 0.648*t263;
+	const double f17z = 0.648*t264;
+	const double n17x = RNEA_FMA(0.000764, dw17x, 0.000396*t253) - RNEA_FMA(0.0162972, t264, 0.00105624*t263);
+	const double n17y = RNEA_FMA(-0.00011016000000000002, t264, 0.00105624*t262) + RNEA_FMA(-6.0999999999999965e-05,
+		t256, 0.000429*dw17y);
+	const double n17z = RNEA_FMA(0.00011016000000000002, t263, 0.0162972*t262) + RNEA_FMA(-0.000335,
+		t258, 0.000825*dw17z);
 	v[96*stride] = v16x;
 	v[97*stride] = v17y;
 	v[98*stride] = v17z;
@@ -2611,36 +2515,36 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double v18x = RNEA_FMA(s18, -v17z, v16x*c18);
 	const double a18z = RNEA_FMA(a17z, c18, a16x*s18);
 	const double a18x = RNEA_FMA(s18, -a17z, a16x*c18);
-	const double t280 = w18z*w18y;
-	const double t281 = w18z*w18z;
-	const double t282 = w18y*w18y;
-	const double t283 = t280 - dw18x;
-	const double t284 = dw18x + t280;
-	const double t285 = w18z*w18x;
-	const double t286 = w18x*w18x;
-	const double t287 = t285 - dw18y;
-	const double t288 = dw18y + t285;
-	const double t289 = w18x*w18y;
-	const double t290 = t289 - dw18z;
-	const double t291 = dw18z + t289;
-	const double t292 = RNEA_FMA(1.1678e-05, t288, -RNEA_FMA(0.060090400999999995, t290, 9.3424e-05*(t281 + t282)));
-	const double f18x = RNEA_FMA(0.6839, a18x, t292);
-	const double f18y = RNEA_FMA(0.6839, a17y, RNEA_FMA(1.1678e-05, t283, RNEA_FMA(0.060090400999999995,
-		t281 + t286, 9.3424e-05*t291)));
-	const double f18z = RNEA_FMA(0.6839, a18z, RNEA_FMA(-1.1678e-05, t282 + t286, RNEA_FMA(-0.060090400999999995,
-		t284, 9.3424e-05*t287)));
-	const double t293 = RNEA_FMA(-1.86848e-09, t291, RNEA_FMA(-7.62246416e-06, t287, RNEA_FMA(0.00583500555115,
-		dw18x, 0.00533900508403*t280)));
-	const double t294 = RNEA_FMA(7.62246416e-06, t284, RNEA_FMA(-9.5280802e-07, t290, RNEA_FMA(0.0004870151814,
-		dw18y, 8.985285720000002e-06*t285)));
-	const double t295 = RNEA_FMA(9.5280802e-07, t288, RNEA_FMA(1.86848e-09, t283, RNEA_FMA(-0.005347990369749999,
-		t289, 0.0058260202654299995*dw18z)));
-	const double n18x = RNEA_FMA(9.5280802e-07, t282 - t281, t293) - RNEA_FMA(0.060090400999999995,
+	const double t265 = w18z*w18y;
+	const double t266 = w18z*w18z;
+	const double t267 = w18y*w18y;
+	const double t268 = t265 - dw18x;
+	const double t269 = dw18x + t265;
+	const double t270 = w18z*w18x;
+	const double t271 = w18x*w18x;
+	const double t272 = t270 - dw18y;
+	const double t273 = dw18y + t270;
+	const double t274 = w18x*w18y;
+	const double t275 = t274 - dw18z;
+	const double t276 = dw18z + t274;
+	const double t277 = RNEA_FMA(1.1678e-05, t273, -RNEA_FMA(0.060090400999999995, t275, 9.3424e-05*(t266 + t267)));
+	const double f18x = RNEA_FMA(0.6839, a18x, t277);
+	const double f18y = RNEA_FMA(0.6839, a17y, RNEA_FMA(1.1678e-05, t268, RNEA_FMA(0.060090400999999995,
+		t266 + t271, 9.3424e-05*t276)));
+	const double f18z = RNEA_FMA(0.6839, a18z, RNEA_FMA(-1.1678e-05, t267 + t271, RNEA_FMA(-0.060090400999999995,
+		t269, 9.3424e-05*t272)));
+	const double t278 = RNEA_FMA(-1.86848e-09, t276, RNEA_FMA(-7.62246416e-06, t272, RNEA_FMA(0.00583500555115,
+		dw18x, 0.00533900508403*t265)));
+	const double t279 = RNEA_FMA(7.62246416e-06, t269, RNEA_FMA(-9.5280802e-07, t275, RNEA_FMA(0.0004870151814,
+		dw18y, 8.985285720000002e-06*t270)));
+	const double t280 = RNEA_FMA(9.5280802e-07, t273, RNEA_FMA(1.86848e-09, t268, RNEA_FMA(-0.005347990369749999,
+		t274, 0.0058260202654299995*dw18z)));
+	const double n18x = RNEA_FMA(9.5280802e-07, t267 - t266, t278) - RNEA_FMA(0.060090400999999995,
 		a18z, 1.1678e-05*a17y);
-	const double n18y = RNEA_FMA(-9.3424e-05, a18z, 1.1678e-05*a18x) + RNEA_FMA(-1.86848e-09, t281 - t286,
-		t294);
+	const double n18y = RNEA_FMA(-9.3424e-05, a18z, 1.1678e-05*a18x) + RNEA_FMA(-1.86848e-09, t266 - t271,
+		t279);
 	const double n18z = RNEA_FMA(9.3424e-05, a17y, 0.060090400999999995*a18x) + RNEA_FMA(7.62246416e-06,
-		t286 - t282, t295);
+		t271 - t267, t280);
 	v[102*stride] = v18x;
 	v[103*stride] = v17y;
 	v[104*stride] = v18z;
@@ -2663,12 +2567,12 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 19 "l_uglut" (fpass) ---- */
 	const double qd19 = qd[18*stride];
 	const double qdd19 = qdd[18*stride];
-	const double t296 = qd19*qd19;
-	const double f19x = RNEA_FMA(-0.01036824258, t296, 0.00675329988*qdd19);
-	const double f19y = RNEA_FMA(0.00675329988, t296, 0.01036824258*qdd19);
+	const double t281 = qd19*qd19;
+	const double f19x = RNEA_FMA(-0.01036824258, t281, 0.00675329988*qdd19);
+	const double f19y = RNEA_FMA(0.00675329988, t281, 0.01036824258*qdd19);
 	const double n19z = 0.0004905759537860812*qdd19;
-	const double n19x = -0.0662498718228 - RNEA_FMA(2.1108200142344797e-05, t296, 6.0412268666986794e-05*qdd19);
-	const double n19y = RNEA_FMA(-6.0412268666986794e-05, t296, 2.1108200142344797e-05*qdd19) - 0.1017124597098;
+	const double n19x = -0.0662498718228 - RNEA_FMA(2.1108200142344797e-05, t281, 6.0412268666986794e-05*qdd19);
+	const double n19y = RNEA_FMA(-6.0412268666986794e-05, t281, 2.1108200142344797e-05*qdd19) - 0.1017124597098;
 	v[108*stride] = 0.0;
 	v[109*stride] = 0.0;
 	v[110*stride] = 0.0;
@@ -2696,42 +2600,42 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double qdd20 = qdd[19*stride];
 	const double w20y = qd19*s20;
 	const double w20z = qd19*c20;
-	const double t297 = qd20*w20z;
-	const double t298 = qd20*w20y;
-	const double dw20y = RNEA_FMA(qdd19, s20, t297);
-	const double dw20z = RNEA_FMA(qdd19, c20, -t298);
+	const double t282 = qd20*w20z;
+	const double t283 = qd20*w20y;
+	const double dw20y = RNEA_FMA(qdd19, s20, t282);
+	const double dw20z = RNEA_FMA(qdd19, c20, -t283);
 	const double a20y = 9.81*s20;
 	const double a20z = 9.81*c20;
-	const double t299 = w20y*w20z;
-	const double t300 = w20z*w20z;
-	const double t301 = w20y*w20y;
-	const double t302 = t300 + t301;
-	const double t303 = t299 - qdd20;
-	const double t304 = qdd20 + t299;
-	const double t305 = qd20*qd20;
-	const double t306 = t300 + t305;
-	const double t307 = t297 - dw20y;
-	const double t308 = t297 + dw20y;
-	const double t309 = t301 + t305;
-	const double t310 = t298 - dw20z;
-	const double t311 = t298 + dw20z;
-	const double f20x = RNEA_FMA(-0.0280222696, t308, RNEA_FMA(-0.0119740218, t302, 0.015309463199999998*t310));
-	const double f20y = RNEA_FMA(8.80938, s20, RNEA_FMA(-0.0280222696, t303, RNEA_FMA(-0.015309463199999998,
-		t306, 0.0119740218*t311)));
-	const double f20z = RNEA_FMA(8.80938, c20, RNEA_FMA(0.0280222696, t309, RNEA_FMA(0.015309463199999998,
-		t304, 0.0119740218*t307)));
-	const double t312 = RNEA_FMA(0.00037615682507336, t311, RNEA_FMA(0.00022657231325511998, t307,
-		RNEA_FMA(-0.0008171286749030399, t299, 0.0018267683797407999*qdd20)));
-	const double t313 = RNEA_FMA(-0.00022657231325511998, t304, RNEA_FMA(-0.00061559686104864, t310,
-		RNEA_FMA(0.0023026633314053, dw20y, 0.0003412337232385399*t297)));
-	const double t314 = RNEA_FMA(0.00061559686104864, t308, RNEA_FMA(-0.00037615682507336, t303, RNEA_FMA(0.00148553465650226,
-		dw20z, 0.00047589495166449995*t298)));
+	const double t284 = w20y*w20z;
+	const double t285 = w20z*w20z;
+	const double t286 = w20y*w20y;
+	const double t287 = t285 + t286;
+	const double t288 = t284 - qdd20;
+	const double t289 = qdd20 + t284;
+	const double t290 = qd20*qd20;
+	const double t291 = t285 + t290;
+	const double t292 = t282 - dw20y;
+	const double t293 = t282 + dw20y;
+	const double t294 = t286 + t290;
+	const double t295 = t283 - dw20z;
+	const double t296 = t283 + dw20z;
+	const double f20x = RNEA_FMA(-0.0280222696, t293, RNEA_FMA(-0.0119740218, t287, 0.015309463199999998*t295));
+	const double f20y = RNEA_FMA(8.80938, s20, RNEA_FMA(-0.0280222696, t288, RNEA_FMA(-0.015309463199999998,
+		t291, 0.0119740218*t296)));
+	const double f20z = RNEA_FMA(8.80938, c20, RNEA_FMA(0.0280222696, t294, RNEA_FMA(0.015309463199999998,
+		t289, 0.0119740218*t292)));
+	const double t297 = RNEA_FMA(0.00037615682507336, t296, RNEA_FMA(0.00022657231325511998, t292,
+		RNEA_FMA(-0.0008171286749030399, t284, 0.0018267683797407999*qdd20)));
+	const double t298 = RNEA_FMA(-0.00022657231325511998, t289, RNEA_FMA(-0.00061559686104864, t295,
+		RNEA_FMA(0.0023026633314053, dw20y, 0.0003412337232385399*t282)));
+	const double t299 = RNEA_FMA(0.00061559686104864, t293, RNEA_FMA(-0.00037615682507336, t288, RNEA_FMA(0.00148553465650226,
+		dw20z, 0.00047589495166449995*t283)));
 	const double n20x = RNEA_FMA(0.150185833992, c20, 0.274898464776*s20) + RNEA_FMA(0.00061559686104864,
-		t301 - t300, t312);
-	const double n20y = RNEA_FMA(-0.11746515385800001, c20, RNEA_FMA(0.00037615682507336, t300 - t305,
-		t313));
-	const double n20z = RNEA_FMA(0.11746515385800001, s20, RNEA_FMA(-0.00022657231325511998, t305 - t301,
-		t314));
+		t286 - t285, t297);
+	const double n20y = RNEA_FMA(-0.11746515385800001, c20, RNEA_FMA(0.00037615682507336, t285 - t290,
+		t298));
+	const double n20z = RNEA_FMA(0.11746515385800001, s20, RNEA_FMA(-0.00022657231325511998, t290 - t286,
+		t299));
 	v[114*stride] = 0.0;
 	v[115*stride] = 0.0;
 	v[116*stride] = 0.0;
@@ -2757,43 +2661,43 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_either(q21, small, &s21, &c21);
 	const double qd21 = qd[20*stride];
 	const double qdd21 = qdd[20*stride];
-	const double t315 = RNEA_FMA(0.066, w20y, 0.0225*w20z);
+	const double t300 = RNEA_FMA(0.066, w20y, 0.0225*w20z);
 	const double v21y = RNEA_FMA(0.05, w20z, 0.066*qd20);
-	const double t316 = RNEA_FMA(-0.05, w20y, 0.0225*qd20);
-	const double t317 = RNEA_FMA(-0.066, t308, RNEA_FMA(-0.05, t302, 0.0225*t310));
-	const double a21y = a20y + RNEA_FMA(-0.066, t303, RNEA_FMA(-0.0225, t306, 0.05*t311));
-	const double t318 = a20z + RNEA_FMA(0.066, t309, RNEA_FMA(0.0225, t304, 0.05*t307));
+	const double t301 = RNEA_FMA(-0.05, w20y, 0.0225*qd20);
+	const double t302 = RNEA_FMA(-0.066, t293, RNEA_FMA(-0.05, t287, 0.0225*t295));
+	const double a21y = a20y + RNEA_FMA(-0.066, t288, RNEA_FMA(-0.0225, t291, 0.05*t296));
+	const double t303 = a20z + RNEA_FMA(0.066, t294, RNEA_FMA(0.0225, t289, 0.05*t292));
 	const double w21z = RNEA_FMA(w20z, c21, qd20*s21);
 	const double w21x = RNEA_FMA(s21, -w20z, qd20*c21);
 	const double w21y = w20y + qd21;
 	const double dw21x = RNEA_FMA(w21z, -qd21, RNEA_FMA(s21, -dw20z, qdd20*c21));
 	const double dw21y = dw20y + qdd21;
 	const double dw21z = RNEA_FMA(qd21, w21x, RNEA_FMA(dw20z, c21, qdd20*s21));
-	const double v21z = RNEA_FMA(t315, -s21, c21*t316);
-	const double t319 = RNEA_FMA(s21, t316, c21*t315);
-	const double a21z = RNEA_FMA(c21, t318, s21*t317);
-	const double a21x = RNEA_FMA(t318, -s21, c21*t317);
-	const double t320 = w21z*w21y;
-	const double t321 = w21y*w21y;
-	const double t322 = t320 - dw21x;
-	const double t323 = w21z*w21x;
-	const double t324 = dw21y + t323;
-	const double t325 = RNEA_FMA(w21x, w21x, t321);
-	const double f21x = RNEA_FMA(-1.7228400000000001, t324, 8.204*a21x);
-	const double f21y = RNEA_FMA(-1.7228400000000001, t322, 8.204*a21y);
-	const double f21z = RNEA_FMA(8.204, a21z, 1.7228400000000001*t325);
+	const double v21z = RNEA_FMA(t300, -s21, c21*t301);
+	const double t304 = RNEA_FMA(s21, t301, c21*t300);
+	const double a21z = RNEA_FMA(c21, t303, s21*t302);
+	const double a21x = RNEA_FMA(t303, -s21, c21*t302);
+	const double t305 = w21z*w21y;
+	const double t306 = w21y*w21y;
+	const double t307 = t305 - dw21x;
+	const double t308 = w21z*w21x;
+	const double t309 = dw21y + t308;
+	const double t310 = RNEA_FMA(w21x, w21x, t306);
+	const double f21x = RNEA_FMA(-1.7228400000000001, t309, 8.204*a21x);
+	const double f21y = RNEA_FMA(-1.7228400000000001, t307, 8.204*a21y);
+	const double f21z = RNEA_FMA(8.204, a21z, 1.7228400000000001*t310);
 	const double n21z = 0.02*dw21z;
-	const double n21x = RNEA_FMA(1.7228400000000001, a21y, RNEA_FMA(-0.4317964, t320, 0.4517964*dw21x));
-	const double n21y = RNEA_FMA(-1.7228400000000001, a21x, RNEA_FMA(0.4517964, dw21y, 0.4317964*t323));
-	v[120*stride] = -t319;
+	const double n21x = RNEA_FMA(1.7228400000000001, a21y, RNEA_FMA(-0.4317964, t305, 0.4517964*dw21x));
+	const double n21y = RNEA_FMA(-1.7228400000000001, a21x, RNEA_FMA(0.4517964, dw21y, 0.4317964*t308));
+	v[120*stride] = -t304;
 	v[121*stride] = v21y;
 	v[122*stride] = v21z;
 	v[123*stride] = w21x;
 	v[124*stride] = w21y;
 	v[125*stride] = w21z;
 	a[120*stride] = a21x - RNEA_FMA(w21z, -v21y, w21y*v21z);
-	a[121*stride] = a21y + RNEA_FMA(w21z, t319, w21x*v21z);
-	a[122*stride] = a21z - RNEA_FMA(v21y, w21x, w21y*t319);
+	a[121*stride] = a21y + RNEA_FMA(w21z, t304, w21x*v21z);
+	a[122*stride] = a21z - RNEA_FMA(v21y, w21x, w21y*t304);
 	a[123*stride] = dw21x;
 	a[124*stride] = dw21y;
 	a[125*stride] = dw21z;
@@ -2810,50 +2714,50 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_either(q22, small, &s22, &c22);
 	const double qd22 = qd[21*stride];
 	const double qdd22 = qdd[21*stride];
-	const double t326 = RNEA_FMA(0.374, w21y, t319);
+	const double t311 = RNEA_FMA(0.374, w21y, t304);
 	const double v22y = v21y + RNEA_FMA(-0.05, w21z, 0.374*w21x);
-	const double t327 = RNEA_FMA(0.05, w21y, v21z);
-	const double t328 = a21x + RNEA_FMA(-0.374, t324, 0.05*RNEA_FMA(w21z, w21z, t321));
-	const double a22y = a21y - RNEA_FMA(0.374, t322, 0.05*RNEA_FMA(w21x, w21y, dw21z));
-	const double t329 = a21z + RNEA_FMA(-0.05, t323 - dw21y, 0.374*t325);
+	const double t312 = RNEA_FMA(0.05, w21y, v21z);
+	const double t313 = a21x + RNEA_FMA(-0.374, t309, 0.05*RNEA_FMA(w21z, w21z, t306));
+	const double a22y = a21y - RNEA_FMA(0.374, t307, 0.05*RNEA_FMA(w21x, w21y, dw21z));
+	const double t314 = a21z + RNEA_FMA(-0.05, t308 - dw21y, 0.374*t310);
 	const double w22z = RNEA_FMA(w21z, c22, w21x*s22);
 	const double w22x = RNEA_FMA(s22, -w21z, w21x*c22);
 	const double w22y = w21y + qd22;
 	const double dw22x = RNEA_FMA(w22z, -qd22, RNEA_FMA(s22, -dw21z, dw21x*c22));
 	const double dw22y = dw21y + qdd22;
 	const double dw22z = RNEA_FMA(qd22, w22x, RNEA_FMA(dw21z, c22, dw21x*s22));
-	const double v22z = RNEA_FMA(t326, -s22, c22*t327);
-	const double t330 = RNEA_FMA(s22, t327, c22*t326);
-	const double a22z = RNEA_FMA(c22, t329, s22*t328);
-	const double a22x = RNEA_FMA(t329, -s22, c22*t328);
-	const double t331 = w22z*w22y;
-	const double t332 = w22z*w22z;
-	const double t333 = w22y*w22y;
-	const double t334 = t331 - dw22x;
-	const double t335 = w22z*w22x;
-	const double t336 = w22x*w22x;
-	const double t337 = dw22y + t335;
-	const double t338 = w22x*w22y;
-	const double t339 = t333 + t336;
-	const double t340 = dw22z + t338;
-	const double f22x = RNEA_FMA(4.515, a22x, -RNEA_FMA(0.844305, t337, 0.004515*(t332 + t333)));
-	const double f22y = RNEA_FMA(4.515, a22y, RNEA_FMA(-0.844305, t334, 0.004515*t340));
-	const double f22z = RNEA_FMA(4.515, a22z, RNEA_FMA(0.844305, t339, 0.004515*(t335 - dw22y)));
-	const double t341 = RNEA_FMA(-0.002155695, t332 - t336, RNEA_FMA(0.23388954999999997, dw22y, 0.22488052*t335));
-	const double n22x = RNEA_FMA(0.844305, a22y, RNEA_FMA(-0.002155695, t340, RNEA_FMA(-0.22388503499999998,
-		t331, 0.234885035*dw22x)));
-	const double n22y = t341 - RNEA_FMA(0.844305, a22x, 0.004515*a22z);
-	const double n22z = RNEA_FMA(0.004515, a22y, RNEA_FMA(0.002155695, t334, RNEA_FMA(-0.0009954850000000008,
-		t338, 0.010004515*dw22z)));
-	v[126*stride] = -t330;
+	const double v22z = RNEA_FMA(t311, -s22, c22*t312);
+	const double t315 = RNEA_FMA(s22, t312, c22*t311);
+	const double a22z = RNEA_FMA(c22, t314, s22*t313);
+	const double a22x = RNEA_FMA(t314, -s22, c22*t313);
+	const double t316 = w22z*w22y;
+	const double t317 = w22z*w22z;
+	const double t318 = w22y*w22y;
+	const double t319 = t316 - dw22x;
+	const double t320 = w22z*w22x;
+	const double t321 = w22x*w22x;
+	const double t322 = dw22y + t320;
+	const double t323 = w22x*w22y;
+	const double t324 = t318 + t321;
+	const double t325 = dw22z + t323;
+	const double f22x = RNEA_FMA(4.515, a22x, -RNEA_FMA(0.844305, t322, 0.004515*(t317 + t318)));
+	const double f22y = RNEA_FMA(4.515, a22y, RNEA_FMA(-0.844305, t319, 0.004515*t325));
+	const double f22z = RNEA_FMA(4.515, a22z, RNEA_FMA(0.844305, t324, 0.004515*(t320 - dw22y)));
+	const double t326 = RNEA_FMA(-0.002155695, t317 - t321, RNEA_FMA(0.23388954999999997, dw22y, 0.22488052*t320));
+	const double n22x = RNEA_FMA(0.844305, a22y, RNEA_FMA(-0.002155695, t325, RNEA_FMA(-0.22388503499999998,
+		t316, 0.234885035*dw22x)));
+	const double n22y = t326 - RNEA_FMA(0.844305, a22x, 0.004515*a22z);
+	const double n22z = RNEA_FMA(0.004515, a22y, RNEA_FMA(0.002155695, t319, RNEA_FMA(-0.0009954850000000008,
+		t323, 0.010004515*dw22z)));
+	v[126*stride] = -t315;
 	v[127*stride] = v22y;
 	v[128*stride] = v22z;
 	v[129*stride] = w22x;
 	v[130*stride] = w22y;
 	v[131*stride] = w22z;
 	a[126*stride] = a22x - RNEA_FMA(w22z, -v22y, w22y*v22z);
-	a[127*stride] = a22y + RNEA_FMA(w22z, t330, w22x*v22z);
-	a[128*stride] = a22z - RNEA_FMA(v22y, w22x, w22y*t330);
+	a[127*stride] = a22y + RNEA_FMA(w22z, t315, w22x*v22z);
+	a[128*stride] = a22z - RNEA_FMA(v22y, w22x, w22y*t315);
 	a[129*stride] = dw22x;
 	a[130*stride] = dw22y;
 	a[131*stride] = dw22z;
@@ -2870,36 +2774,36 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_either(q23, small, &s23, &c23);
 	const double qd23 = qd[22*stride];
 	const double qdd23 = qdd[22*stride];
-	const double t342 = RNEA_FMA(0.422, w22y, t330);
+	const double t327 = RNEA_FMA(0.422, w22y, t315);
 	const double v23y = RNEA_FMA(0.422, w22x, v22y);
-	const double t343 = RNEA_FMA(-0.422, t337, a22x);
-	const double a23y = RNEA_FMA(-0.422, t334, a22y);
-	const double t344 = RNEA_FMA(0.422, t339, a22z);
+	const double t328 = RNEA_FMA(-0.422, t322, a22x);
+	const double a23y = RNEA_FMA(-0.422, t319, a22y);
+	const double t329 = RNEA_FMA(0.422, t324, a22z);
 	const double w23z = RNEA_FMA(w22z, c23, w22x*s23);
 	const double w23x = RNEA_FMA(s23, -w22z, w22x*c23);
 	const double w23y = w22y + qd23;
 	const double dw23x = RNEA_FMA(w23z, -qd23, RNEA_FMA(s23, -dw22z, dw22x*c23));
 	const double dw23y = dw22y + qdd23;
 	const double dw23z = RNEA_FMA(qd23, w23x, RNEA_FMA(dw22z, c23, dw22x*s23));
-	const double v23z = RNEA_FMA(t342, -s23, v22z*c23);
-	const double t345 = RNEA_FMA(v22z, s23, c23*t342);
-	const double a23z = RNEA_FMA(c23, t344, s23*t343);
-	const double a23x = RNEA_FMA(t344, -s23, c23*t343);
+	const double v23z = RNEA_FMA(t327, -s23, v22z*c23);
+	const double t330 = RNEA_FMA(v22z, s23, c23*t327);
+	const double a23z = RNEA_FMA(c23, t329, s23*t328);
+	const double a23x = RNEA_FMA(t329, -s23, c23*t328);
 	const double f23x = 0.125*a23x;
 	const double f23y = 0.125*a23y;
 	const double f23z = 0.125*a23z;
 	const double n23x = RNEA_FMA(1.01674e-05, dw23x, 4.5823499999999986e-06*(w23z*w23y));
 	const double n23y = RNEA_FMA(-2.842699999999999e-06, w23z*w23x, 8.42775e-06*dw23y);
 	const double n23z = RNEA_FMA(-1.7396499999999995e-06, w23x*w23y, 1.30101e-05*dw23z);
-	v[132*stride] = -t345;
+	v[132*stride] = -t330;
 	v[133*stride] = v23y;
 	v[134*stride] = v23z;
 	v[135*stride] = w23x;
 	v[136*stride] = w23y;
 	v[137*stride] = w23z;
 	a[132*stride] = a23x - RNEA_FMA(w23z, -v23y, w23y*v23z);
-	a[133*stride] = a23y + RNEA_FMA(w23z, t345, w23x*v23z);
-	a[134*stride] = a23z - RNEA_FMA(v23y, w23x, w23y*t345);
+	a[133*stride] = a23y + RNEA_FMA(w23z, t330, w23x*v23z);
+	a[134*stride] = a23z - RNEA_FMA(v23y, w23x, w23y*t330);
 	a[135*stride] = dw23x;
 	a[136*stride] = dw23y;
 	a[137*stride] = dw23z;
@@ -2926,33 +2830,29 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double v24z = RNEA_FMA(-v23y, s24, v23z*c24);
 	const double a24y = RNEA_FMA(a23y, c24, a23z*s24);
 	const double a24z = RNEA_FMA(s24, -a23y, a23z*c24);
-	const double t346 = w24y*w24z;
-	const double t347 = w24z*w24z;
-	const double t348 = w24y*w24y;
-	const double t349 = t346 - dw24x;
-	const double t350 = w24z*w24x;
-	const double t351 = w24x*w24x;
-	const double t352 = w24y*w24x;
-	const double t353 = dw24z + t352;
-	const double t354 = -RNEA_FMA(0.16147000000000003, dw24y + t350, 0.06507*(t347 + t348));
-	const double f24x = RNEA_FMA(2.41, a23x, t354);
-	const double f24y = RNEA_FMA(2.41, a24y, RNEA_FMA(-0.16147000000000003, t349, 0.06507*t353));
-	const double f24z = RNEA_FMA(2.41, a24z, RNEA_FMA(0.16147000000000003, t348 + t351, 0.06507*(t350 - dw24y)));
-	const double t355 = RNEA_FMA(0.00435969, t347 - t351, RNEA_FMA(0.019575380000000003, dw24y, 0.0030616000000000016*t350));
-	const double n24x = RNEA_FMA(0.16147000000000003, a24y, RNEA_FMA(0.00435969, t353, RNEA_FMA(-0.009818490000000003,
-		t346, 0.012818490000000002*dw24x)));
-	const double n24y = t355 - RNEA_FMA(0.16147000000000003, a23x, 0.06507*a24z);
-	const double n24z = RNEA_FMA(0.06507, a24y, RNEA_FMA(-0.00435969, t349, RNEA_FMA(0.00975689, dw24z,
-		0.00675689*t352)));
-	v[138*stride] = -t345;
+	const double t331 = w24y*w24z;
+	const double t332 = w24y*w24y;
+	const double t333 = w24z*w24x;
+	const double t334 = w24y*w24x;
+	const double t335 = a23x - RNEA_FMA(0.067, dw24y + t333, 0.027*RNEA_FMA(w24z, w24z, t332));
+	const double t336 = a24y + RNEA_FMA(-0.067, t331 - dw24x, 0.027*(dw24z + t334));
+	const double t337 = a24z + RNEA_FMA(0.067, RNEA_FMA(w24x, w24x, t332), 0.027*(t333 - dw24y));
+	const double f24x = 2.41*t335;
+	const double f24y = 2.41*t336;
+	const double f24z = 2.41*t337;
+	const double n24x = RNEA_FMA(0.16147000000000003, t336, RNEA_FMA(0.002, dw24x, 0.001*t331));
+	const double n24y = RNEA_FMA(-0.006, t333, 0.007*dw24y) - RNEA_FMA(0.16147000000000003, t335,
+		0.06507*t337);
+	const double n24z = RNEA_FMA(0.06507, t336, RNEA_FMA(0.008, dw24z, 0.005*t334));
+	v[138*stride] = -t330;
 	v[139*stride] = v24y;
 	v[140*stride] = v24z;
 	v[141*stride] = w24x;
 	v[142*stride] = w24y;
 	v[143*stride] = w24z;
 	a[138*stride] = a23x - RNEA_FMA(v24y, -w24z, w24y*v24z);
-	a[139*stride] = a24y + RNEA_FMA(t345, w24z, w24x*v24z);
-	a[140*stride] = a24z - RNEA_FMA(w24x, v24y, t345*w24y);
+	a[139*stride] = a24y + RNEA_FMA(t330, w24z, w24x*v24z);
+	a[140*stride] = a24z - RNEA_FMA(w24x, v24y, t330*w24y);
 	a[141*stride] = dw24x;
 	a[142*stride] = dw24y;
 	a[143*stride] = dw24z;
@@ -2966,12 +2866,12 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 25 "r_uglut" (fpass) ---- */
 	const double qd25 = qd[24*stride];
 	const double qdd25 = qdd[24*stride];
-	const double t356 = qd25*qd25;
-	const double f25x = -RNEA_FMA(0.00675329988, qdd25, 0.01036824258*t356);
-	const double f25y = RNEA_FMA(-0.00675329988, t356, 0.01036824258*qdd25);
+	const double t338 = qd25*qd25;
+	const double f25x = -RNEA_FMA(0.00675329988, qdd25, 0.01036824258*t338);
+	const double f25y = RNEA_FMA(-0.00675329988, t338, 0.01036824258*qdd25);
 	const double n25z = 0.0004905759537860812*qdd25;
-	const double n25x = 0.0662498718228 + RNEA_FMA(-6.0412268666986794e-05, qdd25, 2.1108200142344797e-05*t356);
-	const double n25y = -0.1017124597098 - RNEA_FMA(6.0412268666986794e-05, t356, 2.1108200142344797e-05*qdd25);
+	const double n25x = 0.0662498718228 + RNEA_FMA(-6.0412268666986794e-05, qdd25, 2.1108200142344797e-05*t338);
+	const double n25y = -0.1017124597098 - RNEA_FMA(6.0412268666986794e-05, t338, 2.1108200142344797e-05*qdd25);
 	v[144*stride] = 0.0;
 	v[145*stride] = 0.0;
 	v[146*stride] = 0.0;
@@ -2999,42 +2899,42 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double qdd26 = qdd[25*stride];
 	const double w26y = qd25*s26;
 	const double w26z = qd25*c26;
-	const double t357 = qd26*w26z;
-	const double t358 = qd26*w26y;
-	const double dw26y = RNEA_FMA(qdd25, s26, t357);
-	const double dw26z = RNEA_FMA(qdd25, c26, -t358);
+	const double t339 = qd26*w26z;
+	const double t340 = qd26*w26y;
+	const double dw26y = RNEA_FMA(qdd25, s26, t339);
+	const double dw26z = RNEA_FMA(qdd25, c26, -t340);
 	const double a26y = 9.81*s26;
 	const double a26z = 9.81*c26;
-	const double t359 = w26y*w26z;
-	const double t360 = w26z*w26z;
-	const double t361 = w26y*w26y;
-	const double t362 = t360 + t361;
-	const double t363 = t359 - qdd26;
-	const double t364 = qdd26 + t359;
-	const double t365 = qd26*qd26;
-	const double t366 = t360 + t365;
-	const double t367 = t357 - dw26y;
-	const double t368 = t357 + dw26y;
-	const double t369 = t361 + t365;
-	const double t370 = t358 - dw26z;
-	const double t371 = t358 + dw26z;
-	const double f26x = -RNEA_FMA(0.0280222696, t368, RNEA_FMA(0.015309463199999998, t370, 0.0119740218*t362));
-	const double f26y = RNEA_FMA(8.80938, s26, RNEA_FMA(-0.0280222696, t363, RNEA_FMA(0.015309463199999998,
-		t366, 0.0119740218*t371)));
-	const double f26z = RNEA_FMA(8.80938, c26, RNEA_FMA(0.0280222696, t369, RNEA_FMA(-0.015309463199999998,
-		t364, 0.0119740218*t367)));
-	const double t372 = RNEA_FMA(0.00037615682507336, t371, RNEA_FMA(-0.00022657231325511998, t367,
-		RNEA_FMA(-0.0008171286749030399, t359, 0.0018267683797407999*qdd26)));
-	const double t373 = RNEA_FMA(0.00022657231325511998, t364, RNEA_FMA(0.00061559686104864, t370,
-		RNEA_FMA(0.0023026633314053, dw26y, 0.0003412337232385399*t357)));
-	const double t374 = RNEA_FMA(-0.00061559686104864, t368, RNEA_FMA(-0.00037615682507336, t363,
-		RNEA_FMA(0.00148553465650226, dw26z, 0.00047589495166449995*t358)));
+	const double t341 = w26y*w26z;
+	const double t342 = w26z*w26z;
+	const double t343 = w26y*w26y;
+	const double t344 = t342 + t343;
+	const double t345 = t341 - qdd26;
+	const double t346 = qdd26 + t341;
+	const double t347 = qd26*qd26;
+	const double t348 = t342 + t347;
+	const double t349 = t339 - dw26y;
+	const double t350 = t339 + dw26y;
+	const double t351 = t343 + t347;
+	const double t352 = t340 - dw26z;
+	const double t353 = t340 + dw26z;
+	const double f26x = -RNEA_FMA(0.0280222696, t350, RNEA_FMA(0.015309463199999998, t352, 0.0119740218*t344));
+	const double f26y = RNEA_FMA(8.80938, s26, RNEA_FMA(-0.0280222696, t345, RNEA_FMA(0.015309463199999998,
+		t348, 0.0119740218*t353)));
+	const double f26z = RNEA_FMA(8.80938, c26, RNEA_FMA(0.0280222696, t351, RNEA_FMA(-0.015309463199999998,
+		t346, 0.0119740218*t349)));
+	const double t354 = RNEA_FMA(0.00037615682507336, t353, RNEA_FMA(-0.00022657231325511998, t349,
+		RNEA_FMA(-0.0008171286749030399, t341, 0.0018267683797407999*qdd26)));
+	const double t355 = RNEA_FMA(0.00022657231325511998, t346, RNEA_FMA(0.00061559686104864, t352,
+		RNEA_FMA(0.0023026633314053, dw26y, 0.0003412337232385399*t339)));
+	const double t356 = RNEA_FMA(-0.00061559686104864, t350, RNEA_FMA(-0.00037615682507336, t345,
+		RNEA_FMA(0.00148553465650226, dw26z, 0.00047589495166449995*t340)));
 	const double n26x = RNEA_FMA(-0.150185833992, c26, 0.274898464776*s26) + RNEA_FMA(-0.00061559686104864,
-		t361 - t360, t372);
-	const double n26y = RNEA_FMA(-0.11746515385800001, c26, RNEA_FMA(0.00037615682507336, t360 - t365,
-		t373));
-	const double n26z = RNEA_FMA(0.11746515385800001, s26, RNEA_FMA(0.00022657231325511998, t365 - t361,
-		t374));
+		t343 - t342, t354);
+	const double n26y = RNEA_FMA(-0.11746515385800001, c26, RNEA_FMA(0.00037615682507336, t342 - t347,
+		t355));
+	const double n26z = RNEA_FMA(0.11746515385800001, s26, RNEA_FMA(0.00022657231325511998, t347 - t343,
+		t356));
 	v[150*stride] = 0.0;
 	v[151*stride] = 0.0;
 	v[152*stride] = 0.0;
@@ -3060,41 +2960,41 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_either(q27, small, &s27, &c27);
 	const double qd27 = qd[26*stride];
 	const double qdd27 = qdd[26*stride];
-	const double t375 = RNEA_FMA(-0.066, w26y, 0.0225*w26z);
+	const double t357 = RNEA_FMA(-0.066, w26y, 0.0225*w26z);
 	const double v27y = RNEA_FMA(0.05, w26z, 0.066*qd26);
-	const double t376 = RNEA_FMA(0.0225, qd26, 0.05*w26y);
-	const double t377 = RNEA_FMA(0.066, t368, RNEA_FMA(0.0225, t370, 0.05*t362));
-	const double a27y = a26y + RNEA_FMA(-0.066, t363, RNEA_FMA(0.0225, t366, 0.05*t371));
-	const double t378 = a26z + RNEA_FMA(0.066, t369, RNEA_FMA(-0.0225, t364, 0.05*t367));
+	const double t358 = RNEA_FMA(0.0225, qd26, 0.05*w26y);
+	const double t359 = RNEA_FMA(0.066, t350, RNEA_FMA(0.0225, t352, 0.05*t344));
+	const double a27y = a26y + RNEA_FMA(-0.066, t345, RNEA_FMA(0.0225, t348, 0.05*t353));
+	const double t360 = a26z + RNEA_FMA(0.066, t351, RNEA_FMA(-0.0225, t346, 0.05*t349));
 	const double w27z = RNEA_FMA(w26z, c27, qd26*s27);
 	const double w27x = RNEA_FMA(s27, -w26z, qd26*c27);
 	const double w27y = w26y + qd27;
 	const double dw27x = RNEA_FMA(w27z, -qd27, RNEA_FMA(s27, -dw26z, qdd26*c27));
 	const double dw27y = dw26y + qdd27;
 	const double dw27z = RNEA_FMA(qd27, w27x, RNEA_FMA(dw26z, c27, qdd26*s27));
-	const double v27z = RNEA_FMA(t376, -c27, s27*t375);
-	const double v27x = RNEA_FMA(s27, t376, c27*t375);
-	const double a27z = RNEA_FMA(t377, -s27, c27*t378);
-	const double t379 = RNEA_FMA(s27, t378, c27*t377);
-	const double t380 = w27z*w27y;
-	const double t381 = w27y*w27y;
-	const double t382 = t380 - dw27x;
-	const double t383 = w27z*w27x;
-	const double t384 = dw27y + t383;
-	const double t385 = RNEA_FMA(w27x, w27x, t381);
-	const double f27x = -RNEA_FMA(8.204, t379, 1.7228400000000001*t384);
-	const double f27y = RNEA_FMA(-1.7228400000000001, t382, 8.204*a27y);
-	const double f27z = RNEA_FMA(8.204, a27z, 1.7228400000000001*t385);
+	const double v27z = RNEA_FMA(t358, -c27, s27*t357);
+	const double v27x = RNEA_FMA(s27, t358, c27*t357);
+	const double a27z = RNEA_FMA(t359, -s27, c27*t360);
+	const double t361 = RNEA_FMA(s27, t360, c27*t359);
+	const double t362 = w27z*w27y;
+	const double t363 = w27y*w27y;
+	const double t364 = t362 - dw27x;
+	const double t365 = w27z*w27x;
+	const double t366 = dw27y + t365;
+	const double t367 = RNEA_FMA(w27x, w27x, t363);
+	const double f27x = -RNEA_FMA(8.204, t361, 1.7228400000000001*t366);
+	const double f27y = RNEA_FMA(-1.7228400000000001, t364, 8.204*a27y);
+	const double f27z = RNEA_FMA(8.204, a27z, 1.7228400000000001*t367);
 	const double n27z = 0.02*dw27z;
-	const double n27x = RNEA_FMA(1.7228400000000001, a27y, RNEA_FMA(-0.4317964, t380, 0.4517964*dw27x));
-	const double n27y = RNEA_FMA(1.7228400000000001, t379, RNEA_FMA(0.4517964, dw27y, 0.4317964*t383));
+	const double n27x = RNEA_FMA(1.7228400000000001, a27y, RNEA_FMA(-0.4317964, t362, 0.4517964*dw27x));
+	const double n27y = RNEA_FMA(1.7228400000000001, t361, RNEA_FMA(0.4517964, dw27y, 0.4317964*t365));
 	v[156*stride] = v27x;
 	v[157*stride] = v27y;
 	v[158*stride] = v27z;
 	v[159*stride] = w27x;
 	v[160*stride] = w27y;
 	v[161*stride] = w27z;
-	a[156*stride] = -(t379 + RNEA_FMA(w27z, -v27y, w27y*v27z));
+	a[156*stride] = -(t361 + RNEA_FMA(w27z, -v27y, w27y*v27z));
 	a[157*stride] = a27y - RNEA_FMA(v27z, -w27x, w27z*v27x);
 	a[158*stride] = a27z - RNEA_FMA(v27x, -w27y, v27y*w27x);
 	a[159*stride] = dw27x;
@@ -3113,41 +3013,41 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_either(q28, small, &s28, &c28);
 	const double qd28 = qd[27*stride];
 	const double qdd28 = qdd[27*stride];
-	const double t386 = RNEA_FMA(-0.374, w27y, v27x);
+	const double t368 = RNEA_FMA(-0.374, w27y, v27x);
 	const double v28y = v27y + RNEA_FMA(-0.05, w27z, 0.374*w27x);
-	const double t387 = RNEA_FMA(0.05, w27y, v27z);
-	const double t388 = RNEA_FMA(-0.374, t384, 0.05*RNEA_FMA(w27z, w27z, t381)) - t379;
-	const double a28y = a27y - RNEA_FMA(0.374, t382, 0.05*RNEA_FMA(w27x, w27y, dw27z));
-	const double t389 = a27z + RNEA_FMA(-0.05, t383 - dw27y, 0.374*t385);
+	const double t369 = RNEA_FMA(0.05, w27y, v27z);
+	const double t370 = RNEA_FMA(-0.374, t366, 0.05*RNEA_FMA(w27z, w27z, t363)) - t361;
+	const double a28y = a27y - RNEA_FMA(0.374, t364, 0.05*RNEA_FMA(w27x, w27y, dw27z));
+	const double t371 = a27z + RNEA_FMA(-0.05, t365 - dw27y, 0.374*t367);
 	const double w28z = RNEA_FMA(w27z, c28, w27x*s28);
 	const double w28x = RNEA_FMA(s28, -w27z, w27x*c28);
 	const double w28y = w27y + qd28;
 	const double dw28x = RNEA_FMA(w28z, -qd28, RNEA_FMA(s28, -dw27z, dw27x*c28));
 	const double dw28y = dw27y + qdd28;
 	const double dw28z = RNEA_FMA(qd28, w28x, RNEA_FMA(dw27z, c28, dw27x*s28));
-	const double v28z = RNEA_FMA(c28, t387, s28*t386);
-	const double v28x = RNEA_FMA(t387, -s28, c28*t386);
-	const double a28z = RNEA_FMA(c28, t389, s28*t388);
-	const double a28x = RNEA_FMA(t389, -s28, c28*t388);
-	const double t390 = w28z*w28y;
-	const double t391 = w28z*w28z;
-	const double t392 = w28y*w28y;
-	const double t393 = t390 - dw28x;
-	const double t394 = w28z*w28x;
-	const double t395 = w28x*w28x;
-	const double t396 = dw28y + t394;
-	const double t397 = w28x*w28y;
-	const double t398 = t392 + t395;
-	const double t399 = dw28z + t397;
-	const double f28x = RNEA_FMA(4.515, a28x, -RNEA_FMA(0.844305, t396, 0.004515*(t391 + t392)));
-	const double f28y = RNEA_FMA(4.515, a28y, RNEA_FMA(-0.844305, t393, 0.004515*t399));
-	const double f28z = RNEA_FMA(4.515, a28z, RNEA_FMA(0.844305, t398, 0.004515*(t394 - dw28y)));
-	const double t400 = RNEA_FMA(-0.002155695, t391 - t395, RNEA_FMA(0.23388954999999997, dw28y, 0.22488052*t394));
-	const double n28x = RNEA_FMA(0.844305, a28y, RNEA_FMA(-0.002155695, t399, RNEA_FMA(-0.22388503499999998,
-		t390, 0.234885035*dw28x)));
-	const double n28y = t400 - RNEA_FMA(0.844305, a28x, 0.004515*a28z);
-	const double n28z = RNEA_FMA(0.004515, a28y, RNEA_FMA(0.002155695, t393, RNEA_FMA(-0.0009954850000000008,
-		t397, 0.010004515*dw28z)));
+	const double v28z = RNEA_FMA(c28, t369, s28*t368);
+	const double v28x = RNEA_FMA(t369, -s28, c28*t368);
+	const double a28z = RNEA_FMA(c28, t371, s28*t370);
+	const double a28x = RNEA_FMA(t371, -s28, c28*t370);
+	const double t372 = w28z*w28y;
+	const double t373 = w28z*w28z;
+	const double t374 = w28y*w28y;
+	const double t375 = t372 - dw28x;
+	const double t376 = w28z*w28x;
+	const double t377 = w28x*w28x;
+	const double t378 = dw28y + t376;
+	const double t379 = w28x*w28y;
+	const double t380 = t374 + t377;
+	const double t381 = dw28z + t379;
+	const double f28x = RNEA_FMA(4.515, a28x, -RNEA_FMA(0.844305, t378, 0.004515*(t373 + t374)));
+	const double f28y = RNEA_FMA(4.515, a28y, RNEA_FMA(-0.844305, t375, 0.004515*t381));
+	const double f28z = RNEA_FMA(4.515, a28z, RNEA_FMA(0.844305, t380, 0.004515*(t376 - dw28y)));
+	const double t382 = RNEA_FMA(-0.002155695, t373 - t377, RNEA_FMA(0.23388954999999997, dw28y, 0.22488052*t376));
+	const double n28x = RNEA_FMA(0.844305, a28y, RNEA_FMA(-0.002155695, t381, RNEA_FMA(-0.22388503499999998,
+		t372, 0.234885035*dw28x)));
+	const double n28y = t382 - RNEA_FMA(0.844305, a28x, 0.004515*a28z);
+	const double n28z = RNEA_FMA(0.004515, a28y, RNEA_FMA(0.002155695, t375, RNEA_FMA(-0.0009954850000000008,
+		t379, 0.010004515*dw28z)));
 	v[162*stride] = v28x;
 	v[163*stride] = v28y;
 	v[164*stride] = v28z;
@@ -3173,21 +3073,21 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_either(q29, small, &s29, &c29);
 	const double qd29 = qd[28*stride];
 	const double qdd29 = qdd[28*stride];
-	const double t401 = RNEA_FMA(-0.422, w28y, v28x);
+	const double t383 = RNEA_FMA(-0.422, w28y, v28x);
 	const double v29y = RNEA_FMA(0.422, w28x, v28y);
-	const double t402 = RNEA_FMA(-0.422, t396, a28x);
-	const double a29y = RNEA_FMA(-0.422, t393, a28y);
-	const double t403 = RNEA_FMA(0.422, t398, a28z);
+	const double t384 = RNEA_FMA(-0.422, t378, a28x);
+	const double a29y = RNEA_FMA(-0.422, t375, a28y);
+	const double t385 = RNEA_FMA(0.422, t380, a28z);
 	const double w29z = RNEA_FMA(w28z, c29, w28x*s29);
 	const double w29x = RNEA_FMA(s29, -w28z, w28x*c29);
 	const double w29y = w28y + qd29;
 	const double dw29x = RNEA_FMA(w29z, -qd29, RNEA_FMA(s29, -dw28z, dw28x*c29));
 	const double dw29y = dw28y + qdd29;
 	const double dw29z = RNEA_FMA(qd29, w29x, RNEA_FMA(dw28z, c29, dw28x*s29));
-	const double v29z = RNEA_FMA(v28z, c29, s29*t401);
-	const double v29x = RNEA_FMA(s29, -v28z, c29*t401);
-	const double a29z = RNEA_FMA(c29, t403, s29*t402);
-	const double a29x = RNEA_FMA(t403, -s29, c29*t402);
+	const double v29z = RNEA_FMA(v28z, c29, s29*t383);
+	const double v29x = RNEA_FMA(s29, -v28z, c29*t383);
+	const double a29z = RNEA_FMA(c29, t385, s29*t384);
+	const double a29x = RNEA_FMA(t385, -s29, c29*t384);
 	const double f29x = 0.125*a29x;
 	const double f29y = 0.125*a29y;
 	const double f29z = 0.125*a29z;
@@ -3229,24 +3129,20 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double v30z = RNEA_FMA(-v29y, s30, v29z*c30);
 	const double a30y = RNEA_FMA(a29y, c30, a29z*s30);
 	const double a30z = RNEA_FMA(s30, -a29y, a29z*c30);
-	const double t404 = w30y*w30z;
-	const double t405 = w30z*w30z;
-	const double t406 = w30y*w30y;
-	const double t407 = t404 - dw30x;
-	const double t408 = w30z*w30x;
-	const double t409 = w30x*w30x;
-	const double t410 = w30y*w30x;
-	const double t411 = dw30z + t410;
-	const double t412 = -RNEA_FMA(0.16147000000000003, dw30y + t408, 0.06507*(t405 + t406));
-	const double f30x = RNEA_FMA(2.41, a29x, t412);
-	const double f30y = RNEA_FMA(2.41, a30y, RNEA_FMA(-0.16147000000000003, t407, 0.06507*t411));
-	const double f30z = RNEA_FMA(2.41, a30z, RNEA_FMA(0.16147000000000003, t406 + t409, 0.06507*(t408 - dw30y)));
-	const double t413 = RNEA_FMA(0.00435969, t405 - t409, RNEA_FMA(0.019575380000000003, dw30y, 0.0030616000000000016*t408));
-	const double n30x = RNEA_FMA(0.16147000000000003, a30y, RNEA_FMA(0.00435969, t411, RNEA_FMA(-0.009818490000000003,
-		t404, 0.012818490000000002*dw30x)));
-	const double n30y = t413 - RNEA_FMA(0.16147000000000003, a29x, 0.06507*a30z);
-	const double n30z = RNEA_FMA(0.06507, a30y, RNEA_FMA(-0.00435969, t407, RNEA_FMA(0.00975689, dw30z,
-		0.00675689*t410)));
+	const double t386 = w30y*w30z;
+	const double t387 = w30y*w30y;
+	const double t388 = w30z*w30x;
+	const double t389 = w30y*w30x;
+	const double t390 = a29x - RNEA_FMA(0.067, dw30y + t388, 0.027*RNEA_FMA(w30z, w30z, t387));
+	const double t391 = a30y + RNEA_FMA(-0.067, t386 - dw30x, 0.027*(dw30z + t389));
+	const double t392 = a30z + RNEA_FMA(0.067, RNEA_FMA(w30x, w30x, t387), 0.027*(t388 - dw30y));
+	const double f30x = 2.41*t390;
+	const double f30y = 2.41*t391;
+	const double f30z = 2.41*t392;
+	const double n30x = RNEA_FMA(0.16147000000000003, t391, RNEA_FMA(0.002, dw30x, 0.001*t386));
+	const double n30y = RNEA_FMA(-0.006, t388, 0.007*dw30y) - RNEA_FMA(0.16147000000000003, t390,
+		0.06507*t392);
+	const double n30z = RNEA_FMA(0.06507, t391, RNEA_FMA(0.008, dw30z, 0.005*t389));
 	v[174*stride] = v29x;
 	v[175*stride] = v30y;
 	v[176*stride] = v30z;

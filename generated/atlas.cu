@@ -4,8 +4,8 @@
  * from a URDF whose SHA-256 is
  *   f81b0e4cbc1902a82e8103815dbba18f4a14241a4c5448883373553e6c5b9460
  * nq = 30, nv = 30, nb = 30 (moving bodies). Operations:
- *   rnea: 616 mul, 309 add, 153 sub, 131 neg, 844 fma, 27 sincos = 2766 flops
- *   fpass: 696 mul, 225 add, 209 sub, 184 neg, 854 fma, 27 sincos = 2838 flops
+ *   rnea: 618 mul, 310 add, 140 sub, 129 neg, 800 fma, 27 sincos = 2668 flops
+ *   fpass: 710 mul, 236 add, 198 sub, 180 neg, 798 fma, 27 sincos = 2740 flops
  *   bpass: 121 mul, 149 add, 12 sub, 36 neg, 161 fma, 27 sincos = 604 flops
  *
  * Joints:
@@ -121,7 +121,7 @@ RNEA_INFO const char atlas_info[] =
 	"input qd 30 f32 sample\n"
 	"input qdd 30 f32 sample\n"
 	"output tau 30 f32 sample\n"
-	"operations 616 309 153 131 844 27\n"
+	"operations 618 310 140 129 800 27\n"
 	"joint 0 1 0 1 revolute back_bkz\n"
 	"joint 1 1 1 1 revolute back_bky\n"
 	"joint 2 1 2 1 revolute back_bkx\n"
@@ -509,32 +509,20 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float t97 = t94*w8y;
 	const float t98 = t94*t94;
 	const float t99 = w8y*w8y;
-	const float t100 = dw8x + t97;
-	const float t101 = dw8x - t97;
-	const float t102 = t94*w8x;
-	const float t103 = w8x*w8x;
-	const float t104 = dw8y + t102;
-	const float t105 = dw8y - t102;
-	const float t106 = w8x*w8y;
-	const float t107 = t95 + t106;
-	const float t108 = t106 - t95;
-	const float f8x = RNEA_FMA(2.4798f, a8x, RNEA_FMA(0.000917526f, t105, RNEA_FMA(-0.00037197f, t98 + t99,
-		0.20572421f*t107)));
-	const float f8y = RNEA_FMA(2.4798f, a8y, RNEA_FMA(-0.000917526f, t100, RNEA_FMA(-0.20572421f,
-		t98 + t103, 0.00037197f*t108)));
-	const float f8z = RNEA_FMA(-2.4798f, t96, RNEA_FMA(-0.000917526f, t99 + t103, RNEA_FMA(-0.00037197f,
-		t104, 0.20572421f*t101)));
-	const float t109 = RNEA_FMA(-1.376289e-07f, t108, RNEA_FMA(-3.085863e-05f, t104, RNEA_FMA(-0.026157541f,
-		t97, 0.029798219f*dw8x)));
-	const float t110 = RNEA_FMA(-3.085863e-05f, t101, RNEA_FMA(7.6117954e-05f, t107, RNEA_FMA(-0.0007832837f,
-		t102, 0.0028573952f*dw8y)));
-	const float t111 = RNEA_FMA(7.6117954e-05f, t105, RNEA_FMA(1.376289e-07f, t100, RNEA_FMA(0.029014936f,
-		t95, 0.026940824f*t106)));
-	const float n8x = RNEA_FMA(-7.6117954e-05f, t99 - t98, t109) - RNEA_FMA(0.20572421f, t96, 0.000917526f*a8y);
-	const float n8y = RNEA_FMA(0.000917526f, a8x, 0.00037197f*t96) + RNEA_FMA(-1.376289e-07f, t98 - t103,
-		t110);
-	const float n8z = RNEA_FMA(-0.20572421f, a8x, 0.00037197f*a8y) - RNEA_FMA(3.085863e-05f, t103 - t99,
-		t111);
+	const float t100 = t94*w8x;
+	const float t101 = w8x*w8x;
+	const float t102 = w8x*w8y;
+	const float t103 = RNEA_FMA(-0.00015f, t98 + t99, 0.08296f*(t95 + t102));
+	const float t104 = RNEA_FMA(-0.08296f, t98 + t101, 0.00015f*(t102 - t95));
+	const float t105 = RNEA_FMA(-0.00015f, dw8y + t100, 0.08296f*(dw8x - t97));
+	const float t106 = a8x + RNEA_FMA(0.00037f, dw8y - t100, t103);
+	const float t107 = a8y + RNEA_FMA(-0.00037f, dw8x + t97, t104);
+	const float t108 = RNEA_FMA(-0.00037f, t99 + t101, t105) - t96;
+	const float n8x = RNEA_FMA(-0.000917526f, t107, 0.20572421f*t108) + RNEA_FMA(-0.009091f, t97,
+		0.012731f*dw8x);
+	const float n8y = RNEA_FMA(-0.00037197f, t108, 0.000917526f*t106) + RNEA_FMA(-0.000783f, t100,
+		0.002857f*dw8y);
+	const float n8z = RNEA_FMA(-0.20572421f, t106, 0.00037197f*t107) - RNEA_FMA(0.011948f, t95, 0.009874f*t102);
 
 	/* ---- out to link 9 "l_lfarm" (fpass) ---- */
 	const float q9 = q[8*stride];
@@ -543,181 +531,166 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float qd9 = qd[8*stride];
 	const float qdd9 = qdd[8*stride];
 	const float w9y = RNEA_FMA(s9, -t94, w8y*c9);
-	const float t112 = RNEA_FMA(w8y, s9, t94*c9);
+	const float t109 = RNEA_FMA(w8y, s9, t94*c9);
 	const float w9x = w8x + qd9;
 	const float dw9x = dw8x + qdd9;
-	const float dw9y = RNEA_FMA(t112, -qd9, RNEA_FMA(s9, -t95, dw8y*c9));
-	const float t113 = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8y, s9, t95*c9));
+	const float dw9y = RNEA_FMA(t109, -qd9, RNEA_FMA(s9, -t95, dw8y*c9));
+	const float t110 = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8y, s9, t95*c9));
 	const float a9y = RNEA_FMA(s9, -t96, a8y*c9);
-	const float t114 = RNEA_FMA(a8y, s9, t96*c9);
-	const float t115 = w9y*t112;
-	const float t116 = t112*t112;
-	const float t117 = w9y*w9y;
-	const float t118 = dw9x + t115;
-	const float t119 = dw9x - t115;
-	const float t120 = t112*w9x;
-	const float t121 = w9x*w9x;
-	const float t122 = dw9y + t120;
-	const float t123 = dw9y - t120;
-	const float t124 = w9y*w9x;
-	const float t125 = t113 + t124;
-	const float t126 = t124 - t113;
-	const float t127 = RNEA_FMA(0.00105624f, t123, -RNEA_FMA(0.0162972f, t125, 0.00011016f*(t116 + t117)));
-	const float f9x = RNEA_FMA(0.648f, a8x, t127);
-	const float f9y = RNEA_FMA(0.648f, a9y, RNEA_FMA(-0.00105624f, t118, RNEA_FMA(0.0162972f, t116 + t121,
-		0.00011016f*t126)));
-	const float t128 = RNEA_FMA(0.648f, t114, RNEA_FMA(0.00105624f, t117 + t121, RNEA_FMA(0.0162972f,
-		t119, 0.00011016f*t122)));
-	const float t129 = RNEA_FMA(-1.795608e-07f, t126, RNEA_FMA(2.770524e-06f, t122, RNEA_FMA(-0.0008041529f,
-		t115, 0.0011755963f*dw9x)));
-	const float t130 = RNEA_FMA(2.770524e-06f, t119, RNEA_FMA(-2.6564436e-05f, t125, RNEA_FMA(0.0004307404f,
-		dw9y, 5.9297057e-05f*t120)));
-	const float t131 = RNEA_FMA(2.6564436e-05f, t123, -RNEA_FMA(1.795608e-07f, t118, RNEA_FMA(0.0012348933f,
-		t113, 0.00074485585f*t124)));
-	const float n9x = RNEA_FMA(-0.00105624f, a9y, 0.0162972f*t114) + RNEA_FMA(2.6564436e-05f, t117 - t116,
-		t129);
-	const float n9y = RNEA_FMA(0.00105624f, a8x, 0.00011016f*t114) + RNEA_FMA(-1.795608e-07f, t116 - t121,
-		t130);
-	const float n9z = RNEA_FMA(0.00011016f, a9y, 0.0162972f*a8x) + RNEA_FMA(2.770524e-06f, t121 - t117,
-		t131);
+	const float t111 = RNEA_FMA(a8y, s9, t96*c9);
+	const float t112 = w9y*t109;
+	const float t113 = t109*t109;
+	const float t114 = w9y*w9y;
+	const float t115 = t109*w9x;
+	const float t116 = w9x*w9x;
+	const float t117 = w9y*w9x;
+	const float t118 = -RNEA_FMA(0.02515f, t110 + t117, 0.00017f*(t113 + t114));
+	const float t119 = RNEA_FMA(0.02515f, t113 + t116, 0.00017f*(t117 - t110));
+	const float t120 = RNEA_FMA(0.02515f, dw9x - t112, 0.00017f*(dw9y + t115));
+	const float t121 = a8x + RNEA_FMA(0.00163f, dw9y - t115, t118);
+	const float t122 = a9y + RNEA_FMA(-0.00163f, dw9x + t112, t119);
+	const float t123 = t111 + RNEA_FMA(0.00163f, t114 + t116, t120);
+	const float n9x = RNEA_FMA(-0.00105624f, t122, 0.0162972f*t123) + RNEA_FMA(-0.000396f, t112, 0.000764f*dw9x);
+	const float n9y = RNEA_FMA(0.00105624f, t121, 0.00011016f*t123) + RNEA_FMA(0.000429f, dw9y, 6.1e-05f*t115);
+	const float n9z = RNEA_FMA(0.00011016f, t122, 0.0162972f*t121) - RNEA_FMA(0.000825f, t110, 0.000335f*t117);
 
 	/* ---- out to link 10 "l_hand" (fpass) ---- */
 	const float q10 = q[9*stride];
-	float t132, c10;
-	all_small &= rneagen_sincosf_either(q10, small, &t132, &c10);
+	float t124, c10;
+	all_small &= rneagen_sincosf_either(q10, small, &t124, &c10);
 	const float qd10 = qd[9*stride];
 	const float qdd10 = qdd[9*stride];
-	const float t133 = RNEA_FMA(2.0682311e-13f, t112, w9x);
-	const float t134 = RNEA_FMA(-2.0682311e-13f, w9x, t112);
-	const float t135 = RNEA_FMA(2.0682311e-13f, t113, dw9x);
-	const float t136 = RNEA_FMA(-2.0682311e-13f, dw9x, t113);
-	const float t137 = RNEA_FMA(2.0682311e-13f, t114, a8x);
-	const float t138 = RNEA_FMA(-2.0682311e-13f, a8x, t114);
-	const float w10z = RNEA_FMA(c10, t134, t132*t133);
-	const float w10x = RNEA_FMA(t133, -c10, t132*t134);
+	const float t125 = RNEA_FMA(2.0682311e-13f, t109, w9x);
+	const float t126 = RNEA_FMA(-2.0682311e-13f, w9x, t109);
+	const float t127 = RNEA_FMA(2.0682311e-13f, t110, dw9x);
+	const float t128 = RNEA_FMA(-2.0682311e-13f, dw9x, t110);
+	const float t129 = RNEA_FMA(2.0682311e-13f, t111, a8x);
+	const float t130 = RNEA_FMA(-2.0682311e-13f, a8x, t111);
+	const float w10z = RNEA_FMA(c10, t126, t124*t125);
+	const float w10x = RNEA_FMA(t125, -c10, t124*t126);
 	const float w10y = w9y - qd10;
-	const float dw10x = RNEA_FMA(qd10, w10z, RNEA_FMA(t135, -c10, t132*t136));
+	const float dw10x = RNEA_FMA(qd10, w10z, RNEA_FMA(t127, -c10, t124*t128));
 	const float dw10y = dw9y - qdd10;
-	const float dw10z = RNEA_FMA(w10x, -qd10, RNEA_FMA(c10, t136, t132*t135));
-	const float a10z = RNEA_FMA(c10, t138, t132*t137);
-	const float a10x = RNEA_FMA(t137, -c10, t132*t138);
-	const float t139 = w10z*w10y;
-	const float t140 = w10z*w10z;
-	const float t141 = w10y*w10y;
-	const float t142 = t139 - dw10x;
-	const float t143 = dw10x + t139;
-	const float t144 = w10z*w10x;
-	const float t145 = w10x*w10x;
-	const float t146 = t144 - dw10y;
-	const float t147 = dw10y + t144;
-	const float t148 = w10x*w10y;
-	const float t149 = t148 - dw10z;
-	const float t150 = dw10z + t148;
-	const float t151 = RNEA_FMA(1.1678e-05f, t147, -RNEA_FMA(0.0600904f, t149, 9.3424e-05f*(t140 + t141)));
-	const float f10x = RNEA_FMA(0.6839f, a10x, t151);
-	const float f10y = RNEA_FMA(0.6839f, a9y, RNEA_FMA(1.1678e-05f, t142, RNEA_FMA(0.0600904f, t140 + t145,
-		9.3424e-05f*t150)));
-	const float f10z = RNEA_FMA(0.6839f, a10z, RNEA_FMA(-1.1678e-05f, t141 + t145, RNEA_FMA(-0.0600904f,
-		t143, 9.3424e-05f*t146)));
-	const float t152 = RNEA_FMA(-1.86848e-09f, t150, RNEA_FMA(-7.622464e-06f, t146, RNEA_FMA(0.0058350055f,
-		dw10x, 0.005339005f*t139)));
-	const float t153 = RNEA_FMA(7.622464e-06f, t143, RNEA_FMA(-9.52808e-07f, t149, RNEA_FMA(0.00048701518f,
-		dw10y, 8.985286e-06f*t144)));
-	const float t154 = RNEA_FMA(9.52808e-07f, t147, RNEA_FMA(1.86848e-09f, t142, RNEA_FMA(-0.0053479904f,
-		t148, 0.00582602f*dw10z)));
-	const float n10x = RNEA_FMA(9.52808e-07f, t141 - t140, t152) - RNEA_FMA(0.0600904f, a10z, 1.1678e-05f*a9y);
-	const float n10y = RNEA_FMA(-9.3424e-05f, a10z, 1.1678e-05f*a10x) + RNEA_FMA(-1.86848e-09f, t140 - t145,
-		t153);
-	const float n10z = RNEA_FMA(9.3424e-05f, a9y, 0.0600904f*a10x) + RNEA_FMA(7.622464e-06f, t145 - t141,
-		t154);
+	const float dw10z = RNEA_FMA(w10x, -qd10, RNEA_FMA(c10, t128, t124*t127));
+	const float a10z = RNEA_FMA(c10, t130, t124*t129);
+	const float a10x = RNEA_FMA(t129, -c10, t124*t130);
+	const float t131 = w10z*w10y;
+	const float t132 = w10z*w10z;
+	const float t133 = w10y*w10y;
+	const float t134 = t131 - dw10x;
+	const float t135 = dw10x + t131;
+	const float t136 = w10z*w10x;
+	const float t137 = w10x*w10x;
+	const float t138 = t136 - dw10y;
+	const float t139 = dw10y + t136;
+	const float t140 = w10x*w10y;
+	const float t141 = t140 - dw10z;
+	const float t142 = dw10z + t140;
+	const float t143 = RNEA_FMA(1.1678e-05f, t139, -RNEA_FMA(0.0600904f, t141, 9.3424e-05f*(t132 + t133)));
+	const float f10x = RNEA_FMA(0.6839f, a10x, t143);
+	const float f10y = RNEA_FMA(0.6839f, a9y, RNEA_FMA(1.1678e-05f, t134, RNEA_FMA(0.0600904f, t132 + t137,
+		9.3424e-05f*t142)));
+	const float f10z = RNEA_FMA(0.6839f, a10z, RNEA_FMA(-1.1678e-05f, t133 + t137, RNEA_FMA(-0.0600904f,
+		t135, 9.3424e-05f*t138)));
+	const float t144 = RNEA_FMA(-1.86848e-09f, t142, RNEA_FMA(-7.622464e-06f, t138, RNEA_FMA(0.0058350055f,
+		dw10x, 0.005339005f*t131)));
+	const float t145 = RNEA_FMA(7.622464e-06f, t135, RNEA_FMA(-9.52808e-07f, t141, RNEA_FMA(0.00048701518f,
+		dw10y, 8.985286e-06f*t136)));
+	const float t146 = RNEA_FMA(9.52808e-07f, t139, RNEA_FMA(1.86848e-09f, t134, RNEA_FMA(-0.0053479904f,
+		t140, 0.00582602f*dw10z)));
+	const float n10x = RNEA_FMA(9.52808e-07f, t133 - t132, t144) - RNEA_FMA(0.0600904f, a10z, 1.1678e-05f*a9y);
+	const float n10y = RNEA_FMA(-9.3424e-05f, a10z, 1.1678e-05f*a10x) + RNEA_FMA(-1.86848e-09f, t132 - t137,
+		t145);
+	const float n10z = RNEA_FMA(9.3424e-05f, a9y, 0.0600904f*a10x) + RNEA_FMA(7.622464e-06f, t137 - t133,
+		t146);
 
 	/* ---- back from link 10 "l_hand" to link 9 (bpass): torque of "l_arm_lwy" ---- */
-	const float t155 = RNEA_FMA(c10, f10z, t132*f10x);
-	const float t156 = RNEA_FMA(f10z, -t132, c10*f10x);
-	const float t157 = RNEA_FMA(c10, n10z, t132*n10x);
-	const float t158 = RNEA_FMA(n10z, -t132, c10*n10x);
-	const float f9x_2 = f9x - RNEA_FMA(2.0682311e-13f, t155, t156);
-	const float f9y_2 = f9y + f10y;
-	const float f9z = RNEA_FMA(2.0682311e-13f, t156, -t155) - t128;
-	const float n9x_2 = n9x - RNEA_FMA(2.0682311e-13f, t157, t158);
+	const float t147 = RNEA_FMA(c10, f10z, t124*f10x);
+	const float t148 = RNEA_FMA(f10z, -t124, c10*f10x);
+	const float t149 = RNEA_FMA(c10, n10z, t124*n10x);
+	const float t150 = RNEA_FMA(n10z, -t124, c10*n10x);
+	const float f9x = RNEA_FMA(0.648f, t121, -RNEA_FMA(2.0682311e-13f, t147, t148));
+	const float f9y = RNEA_FMA(0.648f, t122, f10y);
+	const float f9z = RNEA_FMA(-0.648f, t123, RNEA_FMA(2.0682311e-13f, t148, -t147));
+	const float n9x_2 = n9x - RNEA_FMA(2.0682311e-13f, t149, t150);
 	const float n9y_2 = n9y + n10y;
-	const float n9z_2 = n9z + RNEA_FMA(2.0682311e-13f, t158, -t157);
+	const float n9z_2 = n9z + RNEA_FMA(2.0682311e-13f, t150, -t149);
 	tau[9*stride] = -n10y;
 
 	/* ---- back from link 9 "l_lfarm" to link 8 (bpass): torque of "l_arm_mwx" ---- */
-	const float f8x_2 = f8x + f9x_2;
-	const float f8y_2 = f8y + RNEA_FMA(f9z, -s9, c9*f9y_2);
-	const float f8z_2 = f8z + RNEA_FMA(s9, f9y_2, c9*f9z);
+	const float f8x = RNEA_FMA(2.4798f, t106, f9x);
+	const float f8y = RNEA_FMA(2.4798f, t107, RNEA_FMA(f9z, -s9, c9*f9y));
+	const float f8z = RNEA_FMA(2.4798f, t108, RNEA_FMA(s9, f9y, c9*f9z));
 	const float n8x_2 = n8x + n9x_2;
 	const float n8y_2 = n8y + RNEA_FMA(n9z_2, -s9, c9*n9y_2);
 	const float n8z_2 = n8z + RNEA_FMA(s9, n9y_2, c9*n9z_2);
 	tau[8*stride] = n9x_2;
 
 	/* ---- back from link 8 "l_ufarm" to link 7 (bpass): torque of "l_arm_uwy" ---- */
-	const float t159 = RNEA_FMA(c8, f8z_2, t85*f8x_2);
-	const float t160 = RNEA_FMA(-t85, f8z_2, c8*f8x_2);
-	const float t161 = RNEA_FMA(c8, n8z_2, t85*n8x_2);
-	const float t162 = RNEA_FMA(-t85, n8z_2, c8*n8x_2);
-	const float t163 = RNEA_FMA(2.0682311e-13f, t159, t160);
-	const float t164 = RNEA_FMA(2.0682311e-13f, t160, -t159);
-	const float f7x = RNEA_FMA(3.248f, a7x, -t163);
-	const float f7y = RNEA_FMA(3.248f, a7y, f8y_2);
-	const float f7z = RNEA_FMA(3.248f, a7z, t164);
-	const float n7x = RNEA_FMA(0.00265f, dw7x, RNEA_FMA(-0.29955f, t164, 0.00921f*f8y_2) - RNEA_FMA(2.0682311e-13f,
-		t161, t162));
-	const float n7y_2 = n7y + RNEA_FMA(0.00921f, t163, n8y_2);
-	const float n7z_2 = n7z + RNEA_FMA(-0.29955f, t163, RNEA_FMA(2.0682311e-13f, t162, -t161));
+	const float t151 = RNEA_FMA(c8, f8z, t85*f8x);
+	const float t152 = RNEA_FMA(-t85, f8z, c8*f8x);
+	const float t153 = RNEA_FMA(c8, n8z_2, t85*n8x_2);
+	const float t154 = RNEA_FMA(-t85, n8z_2, c8*n8x_2);
+	const float t155 = RNEA_FMA(2.0682311e-13f, t151, t152);
+	const float t156 = RNEA_FMA(2.0682311e-13f, t152, -t151);
+	const float f7x = RNEA_FMA(3.248f, a7x, -t155);
+	const float f7y = RNEA_FMA(3.248f, a7y, f8y);
+	const float f7z = RNEA_FMA(3.248f, a7z, t156);
+	const float n7x = RNEA_FMA(0.00265f, dw7x, RNEA_FMA(-0.29955f, t156, 0.00921f*f8y) - RNEA_FMA(2.0682311e-13f,
+		t153, t154));
+	const float n7y_2 = n7y + RNEA_FMA(0.00921f, t155, n8y_2);
+	const float n7z_2 = n7z + RNEA_FMA(-0.29955f, t155, RNEA_FMA(2.0682311e-13f, t154, -t153));
 	tau[7*stride] = -n8y_2;
 
 	/* ---- back from link 7 "l_larm" to link 6 (bpass): torque of "l_arm_elx" ---- */
-	const float t165 = RNEA_FMA(c7, f7y, t78*f7z);
-	const float t166 = RNEA_FMA(-t78, f7y, c7*f7z);
+	const float t157 = RNEA_FMA(c7, f7y, t78*f7z);
+	const float t158 = RNEA_FMA(-t78, f7y, c7*f7z);
 	const float f6x_2 = f6x + f7x;
-	const float f6y_2 = f6y + t165;
-	const float f6z_2 = f6z + t166;
-	const float n6x_2 = n6x + (n7x - RNEA_FMA(0.119f, t166, 0.0092f*t165));
+	const float f6y_2 = f6y + t157;
+	const float f6z_2 = f6z + t158;
+	const float n6x_2 = n6x + (n7x - RNEA_FMA(0.119f, t158, 0.0092f*t157));
 	const float n6y = RNEA_FMA(0.00358f, dw6y, RNEA_FMA(0.0092f, f7x, RNEA_FMA(c7, n7y_2, t78*n7z_2)));
 	const float n6z_2 = n6z + RNEA_FMA(0.119f, f7x, RNEA_FMA(-t78, n7y_2, c7*n7z_2));
 	tau[6*stride] = -n7x;
 
 	/* ---- back from link 6 "l_uarm" to link 5 (bpass): torque of "l_arm_ely" ---- */
-	const float t167 = RNEA_FMA(c6, f6z_2, t69*f6x_2);
-	const float t168 = RNEA_FMA(-t69, f6z_2, c6*f6x_2);
-	const float t169 = RNEA_FMA(-t69, n6z_2, c6*n6x_2);
-	const float f5x = RNEA_FMA(3.899f, a5x, t168);
+	const float t159 = RNEA_FMA(c6, f6z_2, t69*f6x_2);
+	const float t160 = RNEA_FMA(-t69, f6z_2, c6*f6x_2);
+	const float t161 = RNEA_FMA(-t69, n6z_2, c6*n6x_2);
+	const float f5x = RNEA_FMA(3.899f, a5x, t160);
 	const float f5y = RNEA_FMA(3.899f, a5y, f6y_2);
-	const float f5z = RNEA_FMA(3.899f, a5z, t167);
-	const float n5x = RNEA_FMA(0.00319f, dw5x, t169 + RNEA_FMA(-0.187f, t167, 0.016f*f6y_2));
-	const float n5y_2 = n5y + RNEA_FMA(-0.016f, t168, n6y);
-	const float n5z_2 = n5z + RNEA_FMA(0.187f, t168, RNEA_FMA(c6, n6z_2, t69*n6x_2));
+	const float f5z = RNEA_FMA(3.899f, a5z, t159);
+	const float n5x = RNEA_FMA(0.00319f, dw5x, t161 + RNEA_FMA(-0.187f, t159, 0.016f*f6y_2));
+	const float n5y_2 = n5y + RNEA_FMA(-0.016f, t160, n6y);
+	const float n5z_2 = n5z + RNEA_FMA(0.187f, t160, RNEA_FMA(c6, n6z_2, t69*n6x_2));
 	tau[5*stride] = -n6y;
 
 	/* ---- back from link 5 "l_scap" to link 4 (bpass): torque of "l_arm_shx" ---- */
-	const float t170 = RNEA_FMA(c5, f5y, t62*f5z);
-	const float t171 = RNEA_FMA(-t62, f5y, c5*f5z);
+	const float t162 = RNEA_FMA(c5, f5y, t62*f5z);
+	const float t163 = RNEA_FMA(-t62, f5y, c5*f5z);
 	const float f4x_2 = f4x + f5x;
-	const float f4y_2 = f4y + t170;
-	const float f4z_2 = f4z + t171;
-	const float n4x_2 = n4x + (n5x + RNEA_FMA(-0.11f, t171, 0.245f*t170));
+	const float f4y_2 = f4y + t162;
+	const float f4z_2 = f4z + t163;
+	const float n4x_2 = n4x + (n5x + RNEA_FMA(-0.11f, t163, 0.245f*t162));
 	const float n4y_2 = n4y + RNEA_FMA(-0.245f, f5x, RNEA_FMA(c5, n5y_2, t62*n5z_2));
 	const float n4z_2 = n4z + RNEA_FMA(0.11f, f5x, RNEA_FMA(-t62, n5y_2, c5*n5z_2));
 	tau[4*stride] = -n5x;
 
 	/* ---- back from link 4 "l_clav" to link 3 (bpass): torque of "l_arm_shz" ---- */
-	const float t172 = RNEA_FMA(f4y_2, -s4, c4*f4x_2);
-	const float t173 = RNEA_FMA(s4, f4x_2, c4*f4y_2);
-	const float t174 = RNEA_FMA(n4y_2, -s4, c4*n4x_2);
-	const float t175 = RNEA_FMA(s4, n4x_2, c4*n4y_2);
-	const float t176 = RNEA_FMA(2.0682311e-13f, t173, -t172);
-	const float t177 = RNEA_FMA(2.0682311e-13f, t172, t173);
-	const float f3x_2 = f3x + t176;
-	const float f3y_2 = f3y - t177;
+	const float t164 = RNEA_FMA(f4y_2, -s4, c4*f4x_2);
+	const float t165 = RNEA_FMA(s4, f4x_2, c4*f4y_2);
+	const float t166 = RNEA_FMA(n4y_2, -s4, c4*n4x_2);
+	const float t167 = RNEA_FMA(s4, n4x_2, c4*n4y_2);
+	const float t168 = RNEA_FMA(2.0682311e-13f, t165, -t164);
+	const float t169 = RNEA_FMA(2.0682311e-13f, t164, t165);
+	const float f3x_2 = f3x + t168;
+	const float f3y_2 = f3y - t169;
 	const float f3z_2 = f3z + f4z_2;
-	const float t178 = RNEA_FMA(2.0682311e-13f, t175, -t174) + RNEA_FMA(0.2256f, f4z_2, 0.4776f*t177);
-	const float n3x_2 = n3x + t178;
-	const float n3y_2 = n3y + (RNEA_FMA(-0.1406f, f4z_2, 0.4776f*t176) - RNEA_FMA(2.0682311e-13f,
-		t174, t175));
-	const float n3z_2 = n3z + (n4z_2 - RNEA_FMA(0.1406f, t177, 0.2256f*t176));
+	const float t170 = RNEA_FMA(2.0682311e-13f, t167, -t166) + RNEA_FMA(0.2256f, f4z_2, 0.4776f*t169);
+	const float n3x_2 = n3x + t170;
+	const float n3y_2 = n3y + (RNEA_FMA(-0.1406f, f4z_2, 0.4776f*t168) - RNEA_FMA(2.0682311e-13f,
+		t166, t167));
+	const float n3z_2 = n3z + (n4z_2 - RNEA_FMA(0.1406f, t169, 0.2256f*t168));
 	tau[3*stride] = n4z_2;
 
 	/* ---- out to link 11 "head" (fpass) ---- */
@@ -726,55 +699,55 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	all_small &= rneagen_sincosf_either(q11, small, &s11, &c11);
 	const float qd11 = qd[10*stride];
 	const float qdd11 = qdd[10*stride];
-	const float t179 = a3x + RNEA_FMA(-0.2546f, t20, 0.6215f*t27);
+	const float t171 = a3x + RNEA_FMA(-0.2546f, t20, 0.6215f*t27);
 	const float a11y = a3y + RNEA_FMA(0.6215f, t21, 0.2546f*t31);
-	const float t180 = a3z + RNEA_FMA(-0.6215f, t29, 0.2546f*t26);
+	const float t172 = a3z + RNEA_FMA(-0.6215f, t29, 0.2546f*t26);
 	const float w11z = RNEA_FMA(w3z, c11, w3x*s11);
 	const float w11x = RNEA_FMA(s11, -w3z, w3x*c11);
 	const float w11y = w3y + qd11;
 	const float dw11x = RNEA_FMA(w11z, -qd11, RNEA_FMA(s11, -dw3z, dw3x*c11));
 	const float dw11y = dw3y + qdd11;
 	const float dw11z = RNEA_FMA(qd11, w11x, RNEA_FMA(dw3z, c11, dw3x*s11));
-	const float a11z = RNEA_FMA(c11, t180, s11*t179);
-	const float a11x = RNEA_FMA(t180, -s11, c11*t179);
-	const float t181 = w11z*w11y;
-	const float t182 = w11z*w11z;
-	const float t183 = w11y*w11y;
-	const float t184 = t181 - dw11x;
-	const float t185 = dw11x + t181;
-	const float t186 = w11z*w11x;
-	const float t187 = w11x*w11x;
-	const float t188 = t186 - dw11y;
-	const float t189 = dw11y + t186;
-	const float t190 = w11x*w11y;
-	const float t191 = t190 - dw11z;
-	const float t192 = dw11z + t190;
-	const float t193 = RNEA_FMA(0.05442042f, t184, -RNEA_FMA(7.09505e-05f, t182 + t187, 0.10982968f*t192));
-	const float f11x = RNEA_FMA(2.087564f, a11x, RNEA_FMA(0.05442042f, t189, RNEA_FMA(7.09505e-05f,
-		t191, 0.10982968f*(t182 + t183))));
-	const float f11y = RNEA_FMA(2.087564f, a11y, t193);
-	const float f11z = RNEA_FMA(2.087564f, a11z, RNEA_FMA(-0.05442042f, t183 + t187, RNEA_FMA(-0.10982968f,
-		t188, 7.09505e-05f*t185)));
-	const float t194 = RNEA_FMA(0.0024130603f, t192, RNEA_FMA(-2.8062846e-06f, t188, RNEA_FMA(-0.001385194f,
-		t181, 0.01351824f*dw11x)));
-	const float t195 = RNEA_FMA(2.8062846e-06f, t185, RNEA_FMA(3.9827337e-06f, t191, RNEA_FMA(-0.0056344443f,
-		t186, 0.02053788f*dw11y)));
-	const float t196 = RNEA_FMA(-3.9827337e-06f, t189, RNEA_FMA(-0.0024130603f, t184, RNEA_FMA(0.019152684f,
-		dw11z, 0.0070196385f*t190)));
+	const float a11z = RNEA_FMA(c11, t172, s11*t171);
+	const float a11x = RNEA_FMA(t172, -s11, c11*t171);
+	const float t173 = w11z*w11y;
+	const float t174 = w11z*w11z;
+	const float t175 = w11y*w11y;
+	const float t176 = t173 - dw11x;
+	const float t177 = dw11x + t173;
+	const float t178 = w11z*w11x;
+	const float t179 = w11x*w11x;
+	const float t180 = t178 - dw11y;
+	const float t181 = dw11y + t178;
+	const float t182 = w11x*w11y;
+	const float t183 = t182 - dw11z;
+	const float t184 = dw11z + t182;
+	const float t185 = RNEA_FMA(0.05442042f, t176, -RNEA_FMA(7.09505e-05f, t174 + t179, 0.10982968f*t184));
+	const float f11x = RNEA_FMA(2.087564f, a11x, RNEA_FMA(0.05442042f, t181, RNEA_FMA(7.09505e-05f,
+		t183, 0.10982968f*(t174 + t175))));
+	const float f11y = RNEA_FMA(2.087564f, a11y, t185);
+	const float f11z = RNEA_FMA(2.087564f, a11z, RNEA_FMA(-0.05442042f, t175 + t179, RNEA_FMA(-0.10982968f,
+		t180, 7.09505e-05f*t177)));
+	const float t186 = RNEA_FMA(0.0024130603f, t184, RNEA_FMA(-2.8062846e-06f, t180, RNEA_FMA(-0.001385194f,
+		t173, 0.01351824f*dw11x)));
+	const float t187 = RNEA_FMA(2.8062846e-06f, t177, RNEA_FMA(3.9827337e-06f, t183, RNEA_FMA(-0.0056344443f,
+		t178, 0.02053788f*dw11y)));
+	const float t188 = RNEA_FMA(-3.9827337e-06f, t181, RNEA_FMA(-0.0024130603f, t176, RNEA_FMA(0.019152684f,
+		dw11z, 0.0070196385f*t182)));
 	const float n11x = RNEA_FMA(-0.05442042f, a11y, 7.09505e-05f*a11z) + RNEA_FMA(-3.9827337e-06f,
-		t183 - t182, t194);
-	const float n11y = RNEA_FMA(0.05442042f, a11x, 0.10982968f*a11z) + RNEA_FMA(0.0024130603f, t182 - t187,
-		t195);
-	const float n11z = RNEA_FMA(2.8062846e-06f, t187 - t183, t196) - RNEA_FMA(0.10982968f, a11y, 7.09505e-05f*a11x);
+		t175 - t174, t186);
+	const float n11y = RNEA_FMA(0.05442042f, a11x, 0.10982968f*a11z) + RNEA_FMA(0.0024130603f, t174 - t179,
+		t187);
+	const float n11z = RNEA_FMA(2.8062846e-06f, t179 - t175, t188) - RNEA_FMA(0.10982968f, a11y, 7.09505e-05f*a11x);
 
 	/* ---- back from link 11 "head" to link 3 (bpass): torque of "neck_ay" ---- */
-	const float t197 = RNEA_FMA(-s11, f11x, c11*f11z);
-	const float t198 = RNEA_FMA(s11, f11z, c11*f11x);
-	const float f3x_3 = f3x_2 + t198;
+	const float t189 = RNEA_FMA(-s11, f11x, c11*f11z);
+	const float t190 = RNEA_FMA(s11, f11z, c11*f11x);
+	const float f3x_3 = f3x_2 + t190;
 	const float f3y_3 = f3y_2 + f11y;
-	const float f3z_3 = f3z_2 + t197;
+	const float f3z_3 = f3z_2 + t189;
 	const float n3x_3 = n3x_2 + RNEA_FMA(-0.6215f, f11y, RNEA_FMA(s11, n11z, c11*n11x));
-	const float n3y_3 = n3y_2 + (n11y + RNEA_FMA(-0.2546f, t197, 0.6215f*t198));
+	const float n3y_3 = n3y_2 + (n11y + RNEA_FMA(-0.2546f, t189, 0.6215f*t190));
 	const float n3z_3 = n3z_2 + RNEA_FMA(0.2546f, f11y, RNEA_FMA(-s11, n11x, c11*n11z));
 	tau[10*stride] = n11y;
 
@@ -784,8 +757,8 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	all_small &= rneagen_sincosf_either(q12, small, &s12, &c12);
 	const float qd12 = qd[11*stride];
 	const float qdd12 = qdd[11*stride];
-	const float t199 = a3x + (t41 - (t39 + t40));
-	const float t200 = a3y + (t44 + (t42 + t43));
+	const float t191 = a3x + (t41 - (t39 + t40));
+	const float t192 = a3y + (t44 + (t42 + t43));
 	const float a12z = a3z + (t45 - t46 - t47);
 	const float w12x = RNEA_FMA(w3x, c12, w3y*s12);
 	const float w12y = RNEA_FMA(s12, -w3x, w3y*c12);
@@ -793,26 +766,26 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw3x, c12, dw3y*s12));
 	const float dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(s12, -dw3x, dw3y*c12));
 	const float dw12z = dw3z + qdd12;
-	const float a12x = RNEA_FMA(c12, t199, s12*t200);
-	const float a12y = RNEA_FMA(t199, -s12, c12*t200);
-	const float t201 = w12y*w12z;
-	const float t202 = w12z*w12z;
-	const float t203 = w12y*w12y;
-	const float t204 = t201 - dw12x;
-	const float t205 = w12x*w12z;
-	const float t206 = w12x*w12x;
-	const float t207 = dw12y + t205;
-	const float t208 = w12x*w12y;
-	const float t209 = t203 + t206;
-	const float t210 = t208 - dw12z;
-	const float f12x = RNEA_FMA(-0.375144f, t207, 4.466f*a12x);
-	const float f12y = RNEA_FMA(-0.375144f, t204, 4.466f*a12y);
-	const float f12z = RNEA_FMA(4.466f, a12z, 0.375144f*t209);
-	const float n12z = RNEA_FMA(0.004f, t207, RNEA_FMA(-0.002f, t208, 0.004f*dw12z));
-	const float n12x = RNEA_FMA(0.375144f, a12y, RNEA_FMA(0.004f, t203 - t202, RNEA_FMA(-0.036512095f,
-		t201, 0.042512096f*dw12x)));
-	const float n12y = RNEA_FMA(-0.375144f, a12x, RNEA_FMA(-0.004f, t210, RNEA_FMA(0.040512096f, dw12y,
-		0.038512096f*t205)));
+	const float a12x = RNEA_FMA(c12, t191, s12*t192);
+	const float a12y = RNEA_FMA(t191, -s12, c12*t192);
+	const float t193 = w12y*w12z;
+	const float t194 = w12z*w12z;
+	const float t195 = w12y*w12y;
+	const float t196 = t193 - dw12x;
+	const float t197 = w12x*w12z;
+	const float t198 = w12x*w12x;
+	const float t199 = dw12y + t197;
+	const float t200 = w12x*w12y;
+	const float t201 = t195 + t198;
+	const float t202 = t200 - dw12z;
+	const float f12x = RNEA_FMA(-0.375144f, t199, 4.466f*a12x);
+	const float f12y = RNEA_FMA(-0.375144f, t196, 4.466f*a12y);
+	const float f12z = RNEA_FMA(4.466f, a12z, 0.375144f*t201);
+	const float n12z = RNEA_FMA(0.004f, t199, RNEA_FMA(-0.002f, t200, 0.004f*dw12z));
+	const float n12x = RNEA_FMA(0.375144f, a12y, RNEA_FMA(0.004f, t195 - t194, RNEA_FMA(-0.036512095f,
+		t193, 0.042512096f*dw12x)));
+	const float n12y = RNEA_FMA(-0.375144f, a12x, RNEA_FMA(-0.004f, t202, RNEA_FMA(0.040512096f, dw12y,
+		0.038512096f*t197)));
 
 	/* ---- out to link 13 "r_scap" (fpass) ---- */
 	const float q13 = q[12*stride];
@@ -820,23 +793,23 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	all_small &= rneagen_sincosf_either(q13, small, &s13, &c13);
 	const float qd13 = qd[12*stride];
 	const float qdd13 = qdd[12*stride];
-	const float a13x = a12x - RNEA_FMA(0.245f, t207, 0.11f*t210);
-	const float t211 = a12y + RNEA_FMA(-0.245f, t204, 0.11f*(t202 + t206));
-	const float t212 = a12z + RNEA_FMA(-0.11f, dw12x + t201, 0.245f*t209);
+	const float a13x = a12x - RNEA_FMA(0.245f, t199, 0.11f*t202);
+	const float t203 = a12y + RNEA_FMA(-0.245f, t196, 0.11f*(t194 + t198));
+	const float t204 = a12z + RNEA_FMA(-0.11f, dw12x + t193, 0.245f*t201);
 	const float w13y = RNEA_FMA(w12y, c13, w12z*s13);
 	const float w13z = RNEA_FMA(s13, -w12y, w12z*c13);
 	const float w13x = w12x + qd13;
 	const float dw13x = dw12x + qdd13;
 	const float dw13y = RNEA_FMA(qd13, w13z, RNEA_FMA(dw12y, c13, dw12z*s13));
 	const float dw13z = RNEA_FMA(w13y, -qd13, RNEA_FMA(s13, -dw12y, dw12z*c13));
-	const float a13y = RNEA_FMA(c13, t211, s13*t212);
-	const float a13z = RNEA_FMA(t211, -s13, c13*t212);
-	const float t213 = w13y*w13z;
-	const float t214 = w13z*w13x;
-	const float t215 = w13x*w13x;
-	const float t216 = w13y*w13x;
-	const float n13y = RNEA_FMA(-0.00264f, t214, 0.00583f*dw13y);
-	const float n13z = RNEA_FMA(0.00583f, dw13z, 0.00264f*t216);
+	const float a13y = RNEA_FMA(c13, t203, s13*t204);
+	const float a13z = RNEA_FMA(t203, -s13, c13*t204);
+	const float t205 = w13y*w13z;
+	const float t206 = w13z*w13x;
+	const float t207 = w13x*w13x;
+	const float t208 = w13y*w13x;
+	const float n13y = RNEA_FMA(-0.00264f, t206, 0.00583f*dw13y);
+	const float n13z = RNEA_FMA(0.00583f, dw13z, 0.00264f*t208);
 
 	/* ---- out to link 14 "r_uarm" (fpass) ---- */
 	const float q14 = q[13*stride];
@@ -844,28 +817,28 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	all_small &= rneagen_sincosf_either(q14, small, &s14, &c14);
 	const float qd14 = qd[13*stride];
 	const float qdd14 = qdd[13*stride];
-	const float t217 = a13x - RNEA_FMA(0.016f, dw13y + t214, 0.187f*(t216 - dw13z));
-	const float a14y = a13y + RNEA_FMA(-0.016f, t213 - dw13x, 0.187f*RNEA_FMA(w13z, w13z, t215));
-	const float t218 = a13z + RNEA_FMA(-0.187f, dw13x + t213, 0.016f*RNEA_FMA(w13y, w13y, t215));
+	const float t209 = a13x - RNEA_FMA(0.016f, dw13y + t206, 0.187f*(t208 - dw13z));
+	const float a14y = a13y + RNEA_FMA(-0.016f, t205 - dw13x, 0.187f*RNEA_FMA(w13z, w13z, t207));
+	const float t210 = a13z + RNEA_FMA(-0.187f, dw13x + t205, 0.016f*RNEA_FMA(w13y, w13y, t207));
 	const float w14z = RNEA_FMA(w13z, c14, w13x*s14);
 	const float w14x = RNEA_FMA(s14, -w13z, w13x*c14);
 	const float w14y = w13y + qd14;
 	const float dw14x = RNEA_FMA(w14z, -qd14, RNEA_FMA(s14, -dw13z, dw13x*c14));
 	const float dw14y = dw13y + qdd14;
 	const float dw14z = RNEA_FMA(qd14, w14x, RNEA_FMA(dw13z, c14, dw13x*s14));
-	const float a14z = RNEA_FMA(c14, t218, s14*t217);
-	const float a14x = RNEA_FMA(t218, -s14, c14*t217);
-	const float t219 = w14z*w14y;
-	const float t220 = dw14x + t219;
-	const float t221 = w14x*w14x;
-	const float t222 = RNEA_FMA(w14z, w14z, t221);
-	const float t223 = w14x*w14y;
-	const float t224 = t223 - dw14z;
-	const float f14x = RNEA_FMA(4.386f, a14x, 0.28509f*t224);
-	const float f14y = RNEA_FMA(-0.28509f, t222, 4.386f*a14y);
-	const float f14z = RNEA_FMA(4.386f, a14z, 0.28509f*t220);
-	const float n14x = RNEA_FMA(0.28509f, a14z, RNEA_FMA(0.02509085f, dw14x, 0.02151085f*t219));
-	const float n14z = RNEA_FMA(-0.28509f, a14x, RNEA_FMA(-0.02151085f, t223, 0.02509085f*dw14z));
+	const float a14z = RNEA_FMA(c14, t210, s14*t209);
+	const float a14x = RNEA_FMA(t210, -s14, c14*t209);
+	const float t211 = w14z*w14y;
+	const float t212 = dw14x + t211;
+	const float t213 = w14x*w14x;
+	const float t214 = RNEA_FMA(w14z, w14z, t213);
+	const float t215 = w14x*w14y;
+	const float t216 = t215 - dw14z;
+	const float f14x = RNEA_FMA(4.386f, a14x, 0.28509f*t216);
+	const float f14y = RNEA_FMA(-0.28509f, t214, 4.386f*a14y);
+	const float f14z = RNEA_FMA(4.386f, a14z, 0.28509f*t212);
+	const float n14x = RNEA_FMA(0.28509f, a14z, RNEA_FMA(0.02509085f, dw14x, 0.02151085f*t211));
+	const float n14z = RNEA_FMA(-0.28509f, a14x, RNEA_FMA(-0.02151085f, t215, 0.02509085f*dw14z));
 
 	/* ---- out to link 15 "r_larm" (fpass) ---- */
 	const float q15 = q[14*stride];
@@ -873,23 +846,23 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	all_small &= rneagen_sincosf_either(q15, small, &s15, &c15);
 	const float qd15 = qd[14*stride];
 	const float qdd15 = qdd[14*stride];
-	const float a15x = a14x + RNEA_FMA(-0.119f, t224, 0.0092f*RNEA_FMA(w14z, w14x, dw14y));
-	const float t225 = a14y + RNEA_FMA(0.0092f, t219 - dw14x, 0.119f*t222);
-	const float t226 = a14z - RNEA_FMA(0.0092f, RNEA_FMA(w14y, w14y, t221), 0.119f*t220);
+	const float a15x = a14x + RNEA_FMA(-0.119f, t216, 0.0092f*RNEA_FMA(w14z, w14x, dw14y));
+	const float t217 = a14y + RNEA_FMA(0.0092f, t211 - dw14x, 0.119f*t214);
+	const float t218 = a14z - RNEA_FMA(0.0092f, RNEA_FMA(w14y, w14y, t213), 0.119f*t212);
 	const float w15y = RNEA_FMA(w14y, c15, w14z*s15);
 	const float w15z = RNEA_FMA(s15, -w14y, w14z*c15);
 	const float w15x = w14x + qd15;
 	const float dw15x = dw14x + qdd15;
 	const float dw15y = RNEA_FMA(qd15, w15z, RNEA_FMA(dw14y, c15, dw14z*s15));
 	const float dw15z = RNEA_FMA(w15y, -qd15, RNEA_FMA(s15, -dw14y, dw14z*c15));
-	const float a15y = RNEA_FMA(c15, t225, s15*t226);
-	const float a15z = RNEA_FMA(t225, -s15, c15*t226);
-	const float t227 = w15y*w15z;
-	const float t228 = w15z*w15x;
-	const float t229 = w15x*w15x;
-	const float t230 = w15y*w15x;
-	const float n15y = RNEA_FMA(-0.00181f, t228, 0.00446f*dw15y);
-	const float n15z = RNEA_FMA(0.00446f, dw15z, 0.00181f*t230);
+	const float a15y = RNEA_FMA(c15, t217, s15*t218);
+	const float a15z = RNEA_FMA(t217, -s15, c15*t218);
+	const float t219 = w15y*w15z;
+	const float t220 = w15z*w15x;
+	const float t221 = w15x*w15x;
+	const float t222 = w15y*w15x;
+	const float n15y = RNEA_FMA(-0.00181f, t220, 0.00446f*dw15y);
+	const float n15z = RNEA_FMA(0.00446f, dw15z, 0.00181f*t222);
 
 	/* ---- out to link 16 "r_ufarm" (fpass) ---- */
 	const float q16 = q[15*stride];
@@ -897,47 +870,35 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	all_small &= rneagen_sincosf_either(q16, small, &s16, &c16);
 	const float qd16 = qd[15*stride];
 	const float qdd16 = qdd[15*stride];
-	const float t231 = a15x - RNEA_FMA(0.00921f, dw15y + t228, 0.29955f*(t230 - dw15z));
-	const float a16y = a15y + RNEA_FMA(-0.00921f, t227 - dw15x, 0.29955f*RNEA_FMA(w15z, w15z, t229));
-	const float t232 = a15z + RNEA_FMA(-0.29955f, dw15x + t227, 0.00921f*RNEA_FMA(w15y, w15y, t229));
+	const float t223 = a15x - RNEA_FMA(0.00921f, dw15y + t220, 0.29955f*(t222 - dw15z));
+	const float a16y = a15y + RNEA_FMA(-0.00921f, t219 - dw15x, 0.29955f*RNEA_FMA(w15z, w15z, t221));
+	const float t224 = a15z + RNEA_FMA(-0.29955f, dw15x + t219, 0.00921f*RNEA_FMA(w15y, w15y, t221));
 	const float w16z = RNEA_FMA(w15z, c16, w15x*s16);
 	const float w16x = RNEA_FMA(s16, -w15z, w15x*c16);
 	const float w16y = w15y + qd16;
 	const float dw16x = RNEA_FMA(w16z, -qd16, RNEA_FMA(s16, -dw15z, dw15x*c16));
 	const float dw16y = dw15y + qdd16;
 	const float dw16z = RNEA_FMA(qd16, w16x, RNEA_FMA(dw15z, c16, dw15x*s16));
-	const float a16z = RNEA_FMA(c16, t232, s16*t231);
-	const float a16x = RNEA_FMA(t232, -s16, c16*t231);
-	const float t233 = w16z*w16y;
-	const float t234 = w16z*w16z;
-	const float t235 = w16y*w16y;
-	const float t236 = t233 - dw16x;
-	const float t237 = dw16x + t233;
-	const float t238 = w16z*w16x;
-	const float t239 = w16x*w16x;
-	const float t240 = t238 - dw16y;
-	const float t241 = dw16y + t238;
-	const float t242 = w16x*w16y;
-	const float t243 = t242 - dw16z;
-	const float t244 = dw16z + t242;
-	const float f16x = RNEA_FMA(2.4798f, a16x, RNEA_FMA(0.000917526f, t241, RNEA_FMA(-0.00037197f,
-		t234 + t235, 0.20572421f*t243)));
-	const float f16y = RNEA_FMA(2.4798f, a16y, RNEA_FMA(0.000917526f, t236, RNEA_FMA(-0.20572421f,
-		t234 + t239, 0.00037197f*t244)));
-	const float f16z = RNEA_FMA(2.4798f, a16z, RNEA_FMA(-0.000917526f, t235 + t239, RNEA_FMA(0.20572421f,
-		t237, 0.00037197f*t240)));
-	const float t245 = RNEA_FMA(-1.376289e-07f, t244, RNEA_FMA(3.085863e-05f, t240, RNEA_FMA(0.029798219f,
-		dw16x, 0.026157541f*t233)));
-	const float t246 = RNEA_FMA(-3.085863e-05f, t237, RNEA_FMA(7.6117954e-05f, t243, RNEA_FMA(0.0028573952f,
-		dw16y, 0.0007832837f*t238)));
-	const float t247 = RNEA_FMA(-7.6117954e-05f, t241, RNEA_FMA(1.376289e-07f, t236, RNEA_FMA(-0.026940824f,
-		t242, 0.029014936f*dw16z)));
-	const float n16x = RNEA_FMA(-0.000917526f, a16y, 0.20572421f*a16z) + RNEA_FMA(-7.6117954e-05f,
-		t235 - t234, t245);
-	const float n16y = RNEA_FMA(-0.00037197f, a16z, 0.000917526f*a16x) + RNEA_FMA(-1.376289e-07f,
-		t234 - t239, t246);
-	const float n16z = RNEA_FMA(-0.20572421f, a16x, 0.00037197f*a16y) + RNEA_FMA(-3.085863e-05f, t239 - t235,
-		t247);
+	const float a16z = RNEA_FMA(c16, t224, s16*t223);
+	const float a16x = RNEA_FMA(t224, -s16, c16*t223);
+	const float t225 = w16z*w16y;
+	const float t226 = w16z*w16z;
+	const float t227 = w16y*w16y;
+	const float t228 = w16z*w16x;
+	const float t229 = w16x*w16x;
+	const float t230 = w16x*w16y;
+	const float t231 = RNEA_FMA(-0.00015f, t226 + t227, 0.08296f*(t230 - dw16z));
+	const float t232 = RNEA_FMA(-0.08296f, t226 + t229, 0.00015f*(dw16z + t230));
+	const float t233 = RNEA_FMA(0.08296f, dw16x + t225, 0.00015f*(t228 - dw16y));
+	const float t234 = a16x + RNEA_FMA(0.00037f, dw16y + t228, t231);
+	const float t235 = a16y + RNEA_FMA(0.00037f, t225 - dw16x, t232);
+	const float t236 = a16z + RNEA_FMA(-0.00037f, t227 + t229, t233);
+	const float n16x = RNEA_FMA(-0.000917526f, t235, 0.20572421f*t236) + RNEA_FMA(0.012731f, dw16x,
+		0.009091f*t225);
+	const float n16y = RNEA_FMA(-0.00037197f, t236, 0.000917526f*t234) + RNEA_FMA(0.002857f, dw16y,
+		0.000783f*t228);
+	const float n16z = RNEA_FMA(-0.20572421f, t234, 0.00037197f*t235) + RNEA_FMA(-0.009874f, t230,
+		0.011948f*dw16z);
 
 	/* ---- out to link 17 "r_lfarm" (fpass) ---- */
 	const float q17 = q[16*stride];
@@ -953,35 +914,22 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float dw17z = RNEA_FMA(w17y, -qd17, RNEA_FMA(s17, -dw16y, dw16z*c17));
 	const float a17y = RNEA_FMA(a16y, c17, a16z*s17);
 	const float a17z = RNEA_FMA(s17, -a16y, a16z*c17);
-	const float t248 = w17y*w17z;
-	const float t249 = w17z*w17z;
-	const float t250 = w17y*w17y;
-	const float t251 = t248 - dw17x;
-	const float t252 = dw17x + t248;
-	const float t253 = w17z*w17x;
-	const float t254 = w17x*w17x;
-	const float t255 = t253 - dw17y;
-	const float t256 = dw17y + t253;
-	const float t257 = w17y*w17x;
-	const float t258 = t257 - dw17z;
-	const float t259 = dw17z + t257;
-	const float t260 = RNEA_FMA(0.00105624f, t256, -RNEA_FMA(0.0162972f, t258, 0.00011016f*(t249 + t250)));
-	const float f17x = RNEA_FMA(0.648f, a16x, t260);
-	const float f17y = RNEA_FMA(0.648f, a17y, RNEA_FMA(0.00105624f, t251, RNEA_FMA(0.0162972f, t249 + t254,
-		0.00011016f*t259)));
-	const float f17z = RNEA_FMA(0.648f, a17z, RNEA_FMA(-0.00105624f, t250 + t254, RNEA_FMA(-0.0162972f,
-		t252, 0.00011016f*t255)));
-	const float t261 = RNEA_FMA(-1.795608e-07f, t259, RNEA_FMA(-2.770524e-06f, t255, RNEA_FMA(0.0011755963f,
-		dw17x, 0.0008041529f*t248)));
-	const float t262 = RNEA_FMA(2.770524e-06f, t252, RNEA_FMA(-2.6564436e-05f, t258, RNEA_FMA(-5.9297057e-05f,
-		t253, 0.0004307404f*dw17y)));
-	const float t263 = RNEA_FMA(2.6564436e-05f, t256, RNEA_FMA(1.795608e-07f, t251, RNEA_FMA(-0.00074485585f,
-		t257, 0.0012348933f*dw17z)));
-	const float n17x = RNEA_FMA(2.6564436e-05f, t250 - t249, t261) - RNEA_FMA(0.0162972f, a17z, 0.00105624f*a17y);
-	const float n17y = RNEA_FMA(-0.00011016f, a17z, 0.00105624f*a16x) + RNEA_FMA(-1.795608e-07f, t249 - t254,
-		t262);
-	const float n17z = RNEA_FMA(0.00011016f, a17y, 0.0162972f*a16x) + RNEA_FMA(2.770524e-06f, t254 - t250,
-		t263);
+	const float t237 = w17y*w17z;
+	const float t238 = w17z*w17z;
+	const float t239 = w17y*w17y;
+	const float t240 = w17z*w17x;
+	const float t241 = w17x*w17x;
+	const float t242 = w17y*w17x;
+	const float t243 = -RNEA_FMA(0.02515f, t242 - dw17z, 0.00017f*(t238 + t239));
+	const float t244 = RNEA_FMA(0.02515f, t238 + t241, 0.00017f*(dw17z + t242));
+	const float t245 = RNEA_FMA(-0.02515f, dw17x + t237, 0.00017f*(t240 - dw17y));
+	const float t246 = a16x + RNEA_FMA(0.00163f, dw17y + t240, t243);
+	const float t247 = a17y + RNEA_FMA(0.00163f, t237 - dw17x, t244);
+	const float t248 = a17z + RNEA_FMA(-0.00163f, t239 + t241, t245);
+	const float n17x = RNEA_FMA(0.000764f, dw17x, 0.000396f*t237) - RNEA_FMA(0.0162972f, t248, 0.00105624f*t247);
+	const float n17y = RNEA_FMA(-0.00011016f, t248, 0.00105624f*t246) + RNEA_FMA(-6.1e-05f, t240,
+		0.000429f*dw17y);
+	const float n17z = RNEA_FMA(0.00011016f, t247, 0.0162972f*t246) + RNEA_FMA(-0.000335f, t242, 0.000825f*dw17z);
 
 	/* ---- out to link 18 "r_hand" (fpass) ---- */
 	const float q18 = q[17*stride];
@@ -997,111 +945,111 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float dw18z = RNEA_FMA(qd18, w18x, RNEA_FMA(dw17z, c18, dw17x*s18));
 	const float a18z = RNEA_FMA(a17z, c18, a16x*s18);
 	const float a18x = RNEA_FMA(s18, -a17z, a16x*c18);
-	const float t264 = w18z*w18y;
-	const float t265 = w18z*w18z;
-	const float t266 = w18y*w18y;
-	const float t267 = t264 - dw18x;
-	const float t268 = dw18x + t264;
-	const float t269 = w18z*w18x;
-	const float t270 = w18x*w18x;
-	const float t271 = t269 - dw18y;
-	const float t272 = dw18y + t269;
-	const float t273 = w18x*w18y;
-	const float t274 = t273 - dw18z;
-	const float t275 = dw18z + t273;
-	const float t276 = RNEA_FMA(1.1678e-05f, t272, -RNEA_FMA(0.0600904f, t274, 9.3424e-05f*(t265 + t266)));
-	const float f18x = RNEA_FMA(0.6839f, a18x, t276);
-	const float f18y = RNEA_FMA(0.6839f, a17y, RNEA_FMA(1.1678e-05f, t267, RNEA_FMA(0.0600904f, t265 + t270,
-		9.3424e-05f*t275)));
-	const float f18z = RNEA_FMA(0.6839f, a18z, RNEA_FMA(-1.1678e-05f, t266 + t270, RNEA_FMA(-0.0600904f,
-		t268, 9.3424e-05f*t271)));
-	const float t277 = RNEA_FMA(-1.86848e-09f, t275, RNEA_FMA(-7.622464e-06f, t271, RNEA_FMA(0.0058350055f,
-		dw18x, 0.005339005f*t264)));
-	const float t278 = RNEA_FMA(7.622464e-06f, t268, RNEA_FMA(-9.52808e-07f, t274, RNEA_FMA(0.00048701518f,
-		dw18y, 8.985286e-06f*t269)));
-	const float t279 = RNEA_FMA(9.52808e-07f, t272, RNEA_FMA(1.86848e-09f, t267, RNEA_FMA(-0.0053479904f,
-		t273, 0.00582602f*dw18z)));
-	const float n18x = RNEA_FMA(9.52808e-07f, t266 - t265, t277) - RNEA_FMA(0.0600904f, a18z, 1.1678e-05f*a17y);
-	const float n18y = RNEA_FMA(-9.3424e-05f, a18z, 1.1678e-05f*a18x) + RNEA_FMA(-1.86848e-09f, t265 - t270,
-		t278);
-	const float n18z = RNEA_FMA(9.3424e-05f, a17y, 0.0600904f*a18x) + RNEA_FMA(7.622464e-06f, t270 - t266,
-		t279);
+	const float t249 = w18z*w18y;
+	const float t250 = w18z*w18z;
+	const float t251 = w18y*w18y;
+	const float t252 = t249 - dw18x;
+	const float t253 = dw18x + t249;
+	const float t254 = w18z*w18x;
+	const float t255 = w18x*w18x;
+	const float t256 = t254 - dw18y;
+	const float t257 = dw18y + t254;
+	const float t258 = w18x*w18y;
+	const float t259 = t258 - dw18z;
+	const float t260 = dw18z + t258;
+	const float t261 = RNEA_FMA(1.1678e-05f, t257, -RNEA_FMA(0.0600904f, t259, 9.3424e-05f*(t250 + t251)));
+	const float f18x = RNEA_FMA(0.6839f, a18x, t261);
+	const float f18y = RNEA_FMA(0.6839f, a17y, RNEA_FMA(1.1678e-05f, t252, RNEA_FMA(0.0600904f, t250 + t255,
+		9.3424e-05f*t260)));
+	const float f18z = RNEA_FMA(0.6839f, a18z, RNEA_FMA(-1.1678e-05f, t251 + t255, RNEA_FMA(-0.0600904f,
+		t253, 9.3424e-05f*t256)));
+	const float t262 = RNEA_FMA(-1.86848e-09f, t260, RNEA_FMA(-7.622464e-06f, t256, RNEA_FMA(0.0058350055f,
+		dw18x, 0.005339005f*t249)));
+	const float t263 = RNEA_FMA(7.622464e-06f, t253, RNEA_FMA(-9.52808e-07f, t259, RNEA_FMA(0.00048701518f,
+		dw18y, 8.985286e-06f*t254)));
+	const float t264 = RNEA_FMA(9.52808e-07f, t257, RNEA_FMA(1.86848e-09f, t252, RNEA_FMA(-0.0053479904f,
+		t258, 0.00582602f*dw18z)));
+	const float n18x = RNEA_FMA(9.52808e-07f, t251 - t250, t262) - RNEA_FMA(0.0600904f, a18z, 1.1678e-05f*a17y);
+	const float n18y = RNEA_FMA(-9.3424e-05f, a18z, 1.1678e-05f*a18x) + RNEA_FMA(-1.86848e-09f, t250 - t255,
+		t263);
+	const float n18z = RNEA_FMA(9.3424e-05f, a17y, 0.0600904f*a18x) + RNEA_FMA(7.622464e-06f, t255 - t251,
+		t264);
 
 	/* ---- back from link 18 "r_hand" to link 17 (bpass): torque of "r_arm_lwy" ---- */
-	const float f17x_2 = f17x + RNEA_FMA(s18, f18z, c18*f18x);
-	const float f17y_2 = f17y + f18y;
-	const float f17z_2 = f17z + RNEA_FMA(f18x, -s18, c18*f18z);
+	const float f17x = RNEA_FMA(0.648f, t246, RNEA_FMA(s18, f18z, c18*f18x));
+	const float f17y = RNEA_FMA(0.648f, t247, f18y);
+	const float f17z = RNEA_FMA(0.648f, t248, RNEA_FMA(f18x, -s18, c18*f18z));
 	const float n17x_2 = n17x + RNEA_FMA(s18, n18z, c18*n18x);
 	const float n17y_2 = n17y + n18y;
 	const float n17z_2 = n17z + RNEA_FMA(n18x, -s18, c18*n18z);
 	tau[17*stride] = n18y;
 
 	/* ---- back from link 17 "r_lfarm" to link 16 (bpass): torque of "r_arm_mwx" ---- */
-	const float f16x_2 = f16x + f17x_2;
-	const float f16y_2 = f16y + RNEA_FMA(f17z_2, -s17, c17*f17y_2);
-	const float f16z_2 = f16z + RNEA_FMA(s17, f17y_2, c17*f17z_2);
+	const float f16x = RNEA_FMA(2.4798f, t234, f17x);
+	const float f16y = RNEA_FMA(2.4798f, t235, RNEA_FMA(f17z, -s17, c17*f17y));
+	const float f16z = RNEA_FMA(2.4798f, t236, RNEA_FMA(s17, f17y, c17*f17z));
 	const float n16x_2 = n16x + n17x_2;
 	const float n16y_2 = n16y + RNEA_FMA(n17z_2, -s17, c17*n17y_2);
 	const float n16z_2 = n16z + RNEA_FMA(s17, n17y_2, c17*n17z_2);
 	tau[16*stride] = n17x_2;
 
 	/* ---- back from link 16 "r_ufarm" to link 15 (bpass): torque of "r_arm_uwy" ---- */
-	const float t280 = RNEA_FMA(-s16, f16x_2, c16*f16z_2);
-	const float t281 = RNEA_FMA(s16, f16z_2, c16*f16x_2);
-	const float f15x = RNEA_FMA(3.248f, a15x, t281);
-	const float f15y = RNEA_FMA(3.248f, a15y, f16y_2);
-	const float f15z = RNEA_FMA(3.248f, a15z, t280);
-	const float t282 = RNEA_FMA(s16, n16z_2, c16*n16x_2) + RNEA_FMA(-0.29955f, t280, 0.00921f*f16y_2);
-	const float n15x = RNEA_FMA(0.00265f, dw15x, t282);
-	const float n15y_2 = n15y + RNEA_FMA(-0.00921f, t281, n16y_2);
-	const float n15z_2 = n15z + RNEA_FMA(0.29955f, t281, RNEA_FMA(-s16, n16x_2, c16*n16z_2));
+	const float t265 = RNEA_FMA(-s16, f16x, c16*f16z);
+	const float t266 = RNEA_FMA(s16, f16z, c16*f16x);
+	const float f15x = RNEA_FMA(3.248f, a15x, t266);
+	const float f15y = RNEA_FMA(3.248f, a15y, f16y);
+	const float f15z = RNEA_FMA(3.248f, a15z, t265);
+	const float t267 = RNEA_FMA(s16, n16z_2, c16*n16x_2) + RNEA_FMA(-0.29955f, t265, 0.00921f*f16y);
+	const float n15x = RNEA_FMA(0.00265f, dw15x, t267);
+	const float n15y_2 = n15y + RNEA_FMA(-0.00921f, t266, n16y_2);
+	const float n15z_2 = n15z + RNEA_FMA(0.29955f, t266, RNEA_FMA(-s16, n16x_2, c16*n16z_2));
 	tau[15*stride] = n16y_2;
 
 	/* ---- back from link 15 "r_larm" to link 14 (bpass): torque of "r_arm_elx" ---- */
-	const float t283 = RNEA_FMA(-s15, f15z, c15*f15y);
-	const float t284 = RNEA_FMA(s15, f15y, c15*f15z);
+	const float t268 = RNEA_FMA(-s15, f15z, c15*f15y);
+	const float t269 = RNEA_FMA(s15, f15y, c15*f15z);
 	const float f14x_2 = f14x + f15x;
-	const float f14y_2 = f14y + t283;
-	const float f14z_2 = f14z + t284;
-	const float n14x_2 = n14x + (n15x - RNEA_FMA(0.119f, t284, 0.0092f*t283));
+	const float f14y_2 = f14y + t268;
+	const float f14z_2 = f14z + t269;
+	const float n14x_2 = n14x + (n15x - RNEA_FMA(0.119f, t269, 0.0092f*t268));
 	const float n14y = RNEA_FMA(0.00358f, dw14y, RNEA_FMA(0.0092f, f15x, RNEA_FMA(-s15, n15z_2, c15*n15y_2)));
 	const float n14z_2 = n14z + RNEA_FMA(0.119f, f15x, RNEA_FMA(s15, n15y_2, c15*n15z_2));
 	tau[14*stride] = n15x;
 
 	/* ---- back from link 14 "r_uarm" to link 13 (bpass): torque of "r_arm_ely" ---- */
-	const float t285 = RNEA_FMA(-s14, f14x_2, c14*f14z_2);
-	const float t286 = RNEA_FMA(s14, f14z_2, c14*f14x_2);
-	const float f13x = RNEA_FMA(3.899f, a13x, t286);
+	const float t270 = RNEA_FMA(-s14, f14x_2, c14*f14z_2);
+	const float t271 = RNEA_FMA(s14, f14z_2, c14*f14x_2);
+	const float f13x = RNEA_FMA(3.899f, a13x, t271);
 	const float f13y = RNEA_FMA(3.899f, a13y, f14y_2);
-	const float f13z = RNEA_FMA(3.899f, a13z, t285);
-	const float t287 = RNEA_FMA(s14, n14z_2, c14*n14x_2) + RNEA_FMA(-0.187f, t285, 0.016f*f14y_2);
-	const float n13x = RNEA_FMA(0.00319f, dw13x, t287);
-	const float n13y_2 = n13y + RNEA_FMA(-0.016f, t286, n14y);
-	const float n13z_2 = n13z + RNEA_FMA(0.187f, t286, RNEA_FMA(-s14, n14x_2, c14*n14z_2));
+	const float f13z = RNEA_FMA(3.899f, a13z, t270);
+	const float t272 = RNEA_FMA(s14, n14z_2, c14*n14x_2) + RNEA_FMA(-0.187f, t270, 0.016f*f14y_2);
+	const float n13x = RNEA_FMA(0.00319f, dw13x, t272);
+	const float n13y_2 = n13y + RNEA_FMA(-0.016f, t271, n14y);
+	const float n13z_2 = n13z + RNEA_FMA(0.187f, t271, RNEA_FMA(-s14, n14x_2, c14*n14z_2));
 	tau[13*stride] = n14y;
 
 	/* ---- back from link 13 "r_scap" to link 12 (bpass): torque of "r_arm_shx" ---- */
-	const float t288 = RNEA_FMA(-s13, f13z, c13*f13y);
-	const float t289 = RNEA_FMA(s13, f13y, c13*f13z);
+	const float t273 = RNEA_FMA(-s13, f13z, c13*f13y);
+	const float t274 = RNEA_FMA(s13, f13y, c13*f13z);
 	const float f12x_2 = f12x + f13x;
-	const float f12y_2 = f12y + t288;
-	const float f12z_2 = f12z + t289;
-	const float n12x_2 = n12x + (n13x + RNEA_FMA(-0.11f, t289, 0.245f*t288));
+	const float f12y_2 = f12y + t273;
+	const float f12z_2 = f12z + t274;
+	const float n12x_2 = n12x + (n13x + RNEA_FMA(-0.11f, t274, 0.245f*t273));
 	const float n12y_2 = n12y + RNEA_FMA(-0.245f, f13x, RNEA_FMA(-s13, n13z_2, c13*n13y_2));
 	const float n12z_2 = n12z + RNEA_FMA(0.11f, f13x, RNEA_FMA(s13, n13y_2, c13*n13z_2));
 	tau[12*stride] = n13x;
 
 	/* ---- back from link 12 "r_clav" to link 3 (bpass): torque of "r_arm_shz" ---- */
-	const float t290 = RNEA_FMA(-s12, f12y_2, c12*f12x_2);
-	const float t291 = RNEA_FMA(s12, f12x_2, c12*f12y_2);
-	const float t292 = RNEA_FMA(-s12, n12y_2, c12*n12x_2);
-	const float f3x_4 = f3x_3 + t290;
-	const float f3y_4 = f3y_3 + t291;
+	const float t275 = RNEA_FMA(-s12, f12y_2, c12*f12x_2);
+	const float t276 = RNEA_FMA(s12, f12x_2, c12*f12y_2);
+	const float t277 = RNEA_FMA(-s12, n12y_2, c12*n12x_2);
+	const float f3x_4 = f3x_3 + t275;
+	const float f3y_4 = f3y_3 + t276;
 	const float f3z_4 = f3z_3 + f12z_2;
-	const float t293 = RNEA_FMA(s12, n12x_2, c12*n12y_2) + RNEA_FMA(-0.1406f, f12z_2, 0.4776f*t290);
-	const float n3x_4 = n3x_3 + (t292 - RNEA_FMA(0.2256f, f12z_2, 0.4776f*t291));
-	const float n3y_4 = n3y_3 + t293;
-	const float n3z_4 = n3z_3 + (n12z_2 + RNEA_FMA(0.1406f, t291, 0.2256f*t290));
+	const float t278 = RNEA_FMA(s12, n12x_2, c12*n12y_2) + RNEA_FMA(-0.1406f, f12z_2, 0.4776f*t275);
+	const float n3x_4 = n3x_3 + (t277 - RNEA_FMA(0.2256f, f12z_2, 0.4776f*t276));
+	const float n3y_4 = n3y_3 + t278;
+	const float n3z_4 = n3z_3 + (n12z_2 + RNEA_FMA(0.1406f, t276, 0.2256f*t275));
 	tau[11*stride] = n12z_2;
 
 	/* ---- back from link 3 "utorso" to link 2 (bpass): torque of "back_bkx" ---- */
@@ -1129,30 +1077,30 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float qdd20 = qdd[19*stride];
 	const float w20y = qd19*s20;
 	const float w20z = qd19*c20;
-	const float t294 = qd20*w20z;
-	const float t295 = qd20*w20y;
-	const float dw20y = RNEA_FMA(qdd19, s20, t294);
-	const float dw20z = RNEA_FMA(qdd19, c20, -t295);
-	const float t296 = w20y*w20z;
-	const float t297 = w20z*w20z;
-	const float t298 = w20y*w20y;
-	const float t299 = t296 - qdd20;
-	const float t300 = qdd20 + t296;
-	const float t301 = qd20*qd20;
-	const float t302 = t294 - dw20y;
-	const float t303 = t294 + dw20y;
-	const float t304 = t295 - dw20z;
-	const float t305 = t295 + dw20z;
-	const float t306 = RNEA_FMA(0.00037615682f, t305, RNEA_FMA(0.00022657232f, t302, RNEA_FMA(-0.0008171287f,
-		t296, 0.0018267684f*qdd20)));
-	const float t307 = RNEA_FMA(-0.00022657232f, t300, RNEA_FMA(-0.0006155969f, t304, RNEA_FMA(0.0023026634f,
-		dw20y, 0.0003412337f*t294)));
-	const float t308 = RNEA_FMA(0.0006155969f, t303, RNEA_FMA(-0.00037615682f, t299, RNEA_FMA(0.0014855347f,
-		dw20z, 0.00047589495f*t295)));
-	const float n20x = RNEA_FMA(0.15018584f, c20, 0.27489847f*s20) + RNEA_FMA(0.0006155969f, t298 - t297,
-		t306);
-	const float n20y = RNEA_FMA(-0.11746515f, c20, RNEA_FMA(0.00037615682f, t297 - t301, t307));
-	const float n20z = RNEA_FMA(0.11746515f, s20, RNEA_FMA(-0.00022657232f, t301 - t298, t308));
+	const float t279 = qd20*w20z;
+	const float t280 = qd20*w20y;
+	const float dw20y = RNEA_FMA(qdd19, s20, t279);
+	const float dw20z = RNEA_FMA(qdd19, c20, -t280);
+	const float t281 = w20y*w20z;
+	const float t282 = w20z*w20z;
+	const float t283 = w20y*w20y;
+	const float t284 = t281 - qdd20;
+	const float t285 = qdd20 + t281;
+	const float t286 = qd20*qd20;
+	const float t287 = t279 - dw20y;
+	const float t288 = t279 + dw20y;
+	const float t289 = t280 - dw20z;
+	const float t290 = t280 + dw20z;
+	const float t291 = RNEA_FMA(0.00037615682f, t290, RNEA_FMA(0.00022657232f, t287, RNEA_FMA(-0.0008171287f,
+		t281, 0.0018267684f*qdd20)));
+	const float t292 = RNEA_FMA(-0.00022657232f, t285, RNEA_FMA(-0.0006155969f, t289, RNEA_FMA(0.0023026634f,
+		dw20y, 0.0003412337f*t279)));
+	const float t293 = RNEA_FMA(0.0006155969f, t288, RNEA_FMA(-0.00037615682f, t284, RNEA_FMA(0.0014855347f,
+		dw20z, 0.00047589495f*t280)));
+	const float n20x = RNEA_FMA(0.15018584f, c20, 0.27489847f*s20) + RNEA_FMA(0.0006155969f, t283 - t282,
+		t291);
+	const float n20y = RNEA_FMA(-0.11746515f, c20, RNEA_FMA(0.00037615682f, t282 - t286, t292));
+	const float n20z = RNEA_FMA(0.11746515f, s20, RNEA_FMA(-0.00022657232f, t286 - t283, t293));
 
 	/* ---- out to link 21 "l_uleg" (fpass) ---- */
 	const float q21 = q[20*stride];
@@ -1160,30 +1108,30 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	all_small &= rneagen_sincosf_either(q21, small, &s21, &c21);
 	const float qd21 = qd[20*stride];
 	const float qdd21 = qdd[20*stride];
-	const float t309 = RNEA_FMA(-0.066f, t303, RNEA_FMA(-0.05f, t297 + t298, 0.0225f*t304));
-	const float a21y = RNEA_FMA(9.81f, s20, RNEA_FMA(-0.066f, t299, RNEA_FMA(-0.0225f, t297 + t301,
-		0.05f*t305)));
-	const float t310 = RNEA_FMA(9.81f, c20, RNEA_FMA(0.066f, t298 + t301, RNEA_FMA(0.0225f, t300,
-		0.05f*t302)));
+	const float t294 = RNEA_FMA(-0.066f, t288, RNEA_FMA(-0.05f, t282 + t283, 0.0225f*t289));
+	const float a21y = RNEA_FMA(9.81f, s20, RNEA_FMA(-0.066f, t284, RNEA_FMA(-0.0225f, t282 + t286,
+		0.05f*t290)));
+	const float t295 = RNEA_FMA(9.81f, c20, RNEA_FMA(0.066f, t283 + t286, RNEA_FMA(0.0225f, t285,
+		0.05f*t287)));
 	const float w21z = RNEA_FMA(w20z, c21, qd20*s21);
 	const float w21x = RNEA_FMA(s21, -w20z, qd20*c21);
 	const float w21y = w20y + qd21;
 	const float dw21x = RNEA_FMA(w21z, -qd21, RNEA_FMA(s21, -dw20z, qdd20*c21));
 	const float dw21y = dw20y + qdd21;
 	const float dw21z = RNEA_FMA(qd21, w21x, RNEA_FMA(dw20z, c21, qdd20*s21));
-	const float a21z = RNEA_FMA(c21, t310, s21*t309);
-	const float a21x = RNEA_FMA(t310, -s21, c21*t309);
-	const float t311 = w21z*w21y;
-	const float t312 = w21y*w21y;
-	const float t313 = t311 - dw21x;
-	const float t314 = w21z*w21x;
-	const float t315 = dw21y + t314;
-	const float t316 = RNEA_FMA(w21x, w21x, t312);
-	const float f21x = RNEA_FMA(-1.72284f, t315, 8.204f*a21x);
-	const float f21y = RNEA_FMA(-1.72284f, t313, 8.204f*a21y);
-	const float f21z = RNEA_FMA(8.204f, a21z, 1.72284f*t316);
-	const float n21x = RNEA_FMA(1.72284f, a21y, RNEA_FMA(-0.4317964f, t311, 0.4517964f*dw21x));
-	const float n21y = RNEA_FMA(-1.72284f, a21x, RNEA_FMA(0.4517964f, dw21y, 0.4317964f*t314));
+	const float a21z = RNEA_FMA(c21, t295, s21*t294);
+	const float a21x = RNEA_FMA(t295, -s21, c21*t294);
+	const float t296 = w21z*w21y;
+	const float t297 = w21y*w21y;
+	const float t298 = t296 - dw21x;
+	const float t299 = w21z*w21x;
+	const float t300 = dw21y + t299;
+	const float t301 = RNEA_FMA(w21x, w21x, t297);
+	const float f21x = RNEA_FMA(-1.72284f, t300, 8.204f*a21x);
+	const float f21y = RNEA_FMA(-1.72284f, t298, 8.204f*a21y);
+	const float f21z = RNEA_FMA(8.204f, a21z, 1.72284f*t301);
+	const float n21x = RNEA_FMA(1.72284f, a21y, RNEA_FMA(-0.4317964f, t296, 0.4517964f*dw21x));
+	const float n21y = RNEA_FMA(-1.72284f, a21x, RNEA_FMA(0.4517964f, dw21y, 0.4317964f*t299));
 
 	/* ---- out to link 22 "l_lleg" (fpass) ---- */
 	const float q22 = q[21*stride];
@@ -1191,36 +1139,36 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	all_small &= rneagen_sincosf_either(q22, small, &s22, &c22);
 	const float qd22 = qd[21*stride];
 	const float qdd22 = qdd[21*stride];
-	const float t317 = a21x + RNEA_FMA(-0.374f, t315, 0.05f*RNEA_FMA(w21z, w21z, t312));
-	const float a22y = a21y - RNEA_FMA(0.374f, t313, 0.05f*RNEA_FMA(w21x, w21y, dw21z));
-	const float t318 = a21z + RNEA_FMA(-0.05f, t314 - dw21y, 0.374f*t316);
+	const float t302 = a21x + RNEA_FMA(-0.374f, t300, 0.05f*RNEA_FMA(w21z, w21z, t297));
+	const float a22y = a21y - RNEA_FMA(0.374f, t298, 0.05f*RNEA_FMA(w21x, w21y, dw21z));
+	const float t303 = a21z + RNEA_FMA(-0.05f, t299 - dw21y, 0.374f*t301);
 	const float w22z = RNEA_FMA(w21z, c22, w21x*s22);
 	const float w22x = RNEA_FMA(s22, -w21z, w21x*c22);
 	const float w22y = w21y + qd22;
 	const float dw22x = RNEA_FMA(w22z, -qd22, RNEA_FMA(s22, -dw21z, dw21x*c22));
 	const float dw22y = dw21y + qdd22;
 	const float dw22z = RNEA_FMA(qd22, w22x, RNEA_FMA(dw21z, c22, dw21x*s22));
-	const float a22z = RNEA_FMA(c22, t318, s22*t317);
-	const float a22x = RNEA_FMA(t318, -s22, c22*t317);
-	const float t319 = w22z*w22y;
-	const float t320 = w22z*w22z;
-	const float t321 = w22y*w22y;
-	const float t322 = t319 - dw22x;
-	const float t323 = w22z*w22x;
-	const float t324 = w22x*w22x;
-	const float t325 = dw22y + t323;
-	const float t326 = w22x*w22y;
-	const float t327 = t321 + t324;
-	const float t328 = dw22z + t326;
-	const float f22x = RNEA_FMA(4.515f, a22x, -RNEA_FMA(0.844305f, t325, 0.004515f*(t320 + t321)));
-	const float f22y = RNEA_FMA(4.515f, a22y, RNEA_FMA(-0.844305f, t322, 0.004515f*t328));
-	const float f22z = RNEA_FMA(4.515f, a22z, RNEA_FMA(0.844305f, t327, 0.004515f*(t323 - dw22y)));
-	const float t329 = RNEA_FMA(-0.002155695f, t320 - t324, RNEA_FMA(0.23388955f, dw22y, 0.22488052f*t323));
-	const float n22x = RNEA_FMA(0.844305f, a22y, RNEA_FMA(-0.002155695f, t328, RNEA_FMA(-0.22388503f,
-		t319, 0.23488504f*dw22x)));
-	const float n22y = t329 - RNEA_FMA(0.844305f, a22x, 0.004515f*a22z);
-	const float n22z = RNEA_FMA(0.004515f, a22y, RNEA_FMA(0.002155695f, t322, RNEA_FMA(-0.000995485f,
-		t326, 0.010004515f*dw22z)));
+	const float a22z = RNEA_FMA(c22, t303, s22*t302);
+	const float a22x = RNEA_FMA(t303, -s22, c22*t302);
+	const float t304 = w22z*w22y;
+	const float t305 = w22z*w22z;
+	const float t306 = w22y*w22y;
+	const float t307 = t304 - dw22x;
+	const float t308 = w22z*w22x;
+	const float t309 = w22x*w22x;
+	const float t310 = dw22y + t308;
+	const float t311 = w22x*w22y;
+	const float t312 = t306 + t309;
+	const float t313 = dw22z + t311;
+	const float f22x = RNEA_FMA(4.515f, a22x, -RNEA_FMA(0.844305f, t310, 0.004515f*(t305 + t306)));
+	const float f22y = RNEA_FMA(4.515f, a22y, RNEA_FMA(-0.844305f, t307, 0.004515f*t313));
+	const float f22z = RNEA_FMA(4.515f, a22z, RNEA_FMA(0.844305f, t312, 0.004515f*(t308 - dw22y)));
+	const float t314 = RNEA_FMA(-0.002155695f, t305 - t309, RNEA_FMA(0.23388955f, dw22y, 0.22488052f*t308));
+	const float n22x = RNEA_FMA(0.844305f, a22y, RNEA_FMA(-0.002155695f, t313, RNEA_FMA(-0.22388503f,
+		t304, 0.23488504f*dw22x)));
+	const float n22y = t314 - RNEA_FMA(0.844305f, a22x, 0.004515f*a22z);
+	const float n22z = RNEA_FMA(0.004515f, a22y, RNEA_FMA(0.002155695f, t307, RNEA_FMA(-0.000995485f,
+		t311, 0.010004515f*dw22z)));
 
 	/* ---- out to link 23 "l_talus" (fpass) ---- */
 	const float q23 = q[22*stride];
@@ -1228,17 +1176,18 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	all_small &= rneagen_sincosf_either(q23, small, &s23, &c23);
 	const float qd23 = qd[22*stride];
 	const float qdd23 = qdd[22*stride];
-	const float t330 = RNEA_FMA(-0.422f, t325, a22x);
-	const float a23y = RNEA_FMA(-0.422f, t322, a22y);
-	const float t331 = RNEA_FMA(0.422f, t327, a22z);
+	const float t315 = RNEA_FMA(-0.422f, t310, a22x);
+	const float a23y = RNEA_FMA(-0.422f, t307, a22y);
+	const float t316 = RNEA_FMA(0.422f, t312, a22z);
 	const float w23z = RNEA_FMA(w22z, c23, w22x*s23);
 	const float w23x = RNEA_FMA(s23, -w22z, w22x*c23);
 	const float w23y = w22y + qd23;
 	const float dw23x = RNEA_FMA(w23z, -qd23, RNEA_FMA(s23, -dw22z, dw22x*c23));
 	const float dw23y = dw22y + qdd23;
 	const float dw23z = RNEA_FMA(qd23, w23x, RNEA_FMA(dw22z, c23, dw22x*s23));
-	const float a23z = RNEA_FMA(c23, t331, s23*t330);
-	const float a23x = RNEA_FMA(t331, -s23, c23*t330);
+	const float a23z = RNEA_FMA(c23, t316, s23*t315);
+	const float a23x = RNEA_FMA(t316, -s23, c23*t315);
+	const float f23x = 0.125f*a23x;
 	const float n23x = RNEA_FMA(1.01674e-05f, dw23x, 4.58235e-06f*(w23z*w23y));
 	const float n23y = RNEA_FMA(-2.8427e-06f, w23z*w23x, 8.42775e-06f*dw23y);
 	const float n23z = RNEA_FMA(-1.73965e-06f, w23x*w23y, 1.30101e-05f*dw23z);
@@ -1257,27 +1206,21 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float dw24z = RNEA_FMA(w24y, -qd24, RNEA_FMA(s24, -dw23y, dw23z*c24));
 	const float a24y = RNEA_FMA(a23y, c24, a23z*s24);
 	const float a24z = RNEA_FMA(s24, -a23y, a23z*c24);
-	const float t332 = w24y*w24z;
-	const float t333 = w24z*w24z;
-	const float t334 = w24y*w24y;
-	const float t335 = t332 - dw24x;
-	const float t336 = w24z*w24x;
-	const float t337 = w24x*w24x;
-	const float t338 = w24y*w24x;
-	const float t339 = dw24z + t338;
-	const float t340 = -RNEA_FMA(0.16147f, dw24y + t336, 0.06507f*(t333 + t334));
-	const float f24x = RNEA_FMA(2.41f, a23x, t340);
-	const float f24y = RNEA_FMA(2.41f, a24y, RNEA_FMA(-0.16147f, t335, 0.06507f*t339));
-	const float f24z = RNEA_FMA(2.41f, a24z, RNEA_FMA(0.16147f, t334 + t337, 0.06507f*(t336 - dw24y)));
-	const float t341 = RNEA_FMA(0.00435969f, t333 - t337, RNEA_FMA(0.01957538f, dw24y, 0.0030616f*t336));
-	const float n24x = RNEA_FMA(0.16147f, a24y, RNEA_FMA(0.00435969f, t339, RNEA_FMA(-0.00981849f,
-		t332, 0.01281849f*dw24x)));
-	const float n24y = t341 - RNEA_FMA(0.16147f, a23x, 0.06507f*a24z);
-	const float n24z = RNEA_FMA(0.06507f, a24y, RNEA_FMA(-0.00435969f, t335, RNEA_FMA(0.00975689f,
-		dw24z, 0.00675689f*t338)));
+	const float t317 = w24y*w24z;
+	const float t318 = w24y*w24y;
+	const float t319 = w24z*w24x;
+	const float t320 = w24y*w24x;
+	const float t321 = a23x - RNEA_FMA(0.067f, dw24y + t319, 0.027f*RNEA_FMA(w24z, w24z, t318));
+	const float t322 = a24y + RNEA_FMA(-0.067f, t317 - dw24x, 0.027f*(dw24z + t320));
+	const float t323 = a24z + RNEA_FMA(0.067f, RNEA_FMA(w24x, w24x, t318), 0.027f*(t319 - dw24y));
+	const float f24y = 2.41f*t322;
+	const float f24z = 2.41f*t323;
+	const float n24x = RNEA_FMA(0.16147f, t322, RNEA_FMA(0.002f, dw24x, 0.001f*t317));
+	const float n24y = RNEA_FMA(-0.006f, t319, 0.007f*dw24y) - RNEA_FMA(0.16147f, t321, 0.06507f*t323);
+	const float n24z = RNEA_FMA(0.06507f, t322, RNEA_FMA(0.008f, dw24z, 0.005f*t320));
 
 	/* ---- back from link 24 "l_foot" to link 23 (bpass): torque of "l_leg_akx" ---- */
-	const float f23x = RNEA_FMA(0.125f, a23x, f24x);
+	const float f23x_2 = RNEA_FMA(2.41f, t321, f23x);
 	const float f23y = RNEA_FMA(0.125f, a23y, RNEA_FMA(f24z, -s24, c24*f24y));
 	const float f23z = RNEA_FMA(0.125f, a23z, RNEA_FMA(s24, f24y, c24*f24z));
 	const float n23x_2 = n23x + n24x;
@@ -1286,34 +1229,34 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	tau[23*stride] = n24x;
 
 	/* ---- back from link 23 "l_talus" to link 22 (bpass): torque of "l_leg_aky" ---- */
-	const float t342 = RNEA_FMA(s23, f23z, c23*f23x);
-	const float f22x_2 = f22x + t342;
+	const float t324 = RNEA_FMA(s23, f23z, c23*f23x_2);
+	const float f22x_2 = f22x + t324;
 	const float f22y_2 = f22y + f23y;
-	const float f22z_2 = f22z + RNEA_FMA(-s23, f23x, c23*f23z);
+	const float f22z_2 = f22z + RNEA_FMA(-s23, f23x_2, c23*f23z);
 	const float n22x_2 = n22x + RNEA_FMA(0.422f, f23y, RNEA_FMA(s23, n23z_2, c23*n23x_2));
-	const float n22y_2 = n22y + RNEA_FMA(-0.422f, t342, n23y_2);
+	const float n22y_2 = n22y + RNEA_FMA(-0.422f, t324, n23y_2);
 	const float n22z_2 = n22z + RNEA_FMA(-s23, n23x_2, c23*n23z_2);
 	tau[22*stride] = n23y_2;
 
 	/* ---- back from link 22 "l_lleg" to link 21 (bpass): torque of "l_leg_kny" ---- */
-	const float t343 = RNEA_FMA(-s22, f22x_2, c22*f22z_2);
-	const float t344 = RNEA_FMA(s22, f22z_2, c22*f22x_2);
-	const float f21x_2 = f21x + t344;
+	const float t325 = RNEA_FMA(-s22, f22x_2, c22*f22z_2);
+	const float t326 = RNEA_FMA(s22, f22z_2, c22*f22x_2);
+	const float f21x_2 = f21x + t326;
 	const float f21y_2 = f21y + f22y_2;
-	const float f21z_2 = f21z + t343;
+	const float f21z_2 = f21z + t325;
 	const float n21x_2 = n21x + RNEA_FMA(0.374f, f22y_2, RNEA_FMA(s22, n22z_2, c22*n22x_2));
-	const float n21y_2 = n21y + (n22y_2 + RNEA_FMA(-0.374f, t344, 0.05f*t343));
+	const float n21y_2 = n21y + (n22y_2 + RNEA_FMA(-0.374f, t326, 0.05f*t325));
 	const float n21z = RNEA_FMA(0.02f, dw21z, RNEA_FMA(-0.05f, f22y_2, RNEA_FMA(-s22, n22x_2, c22*n22z_2)));
 	tau[21*stride] = n22y_2;
 
 	/* ---- back from link 21 "l_uleg" to link 20 (bpass): torque of "l_leg_hpy" ---- */
-	const float t345 = RNEA_FMA(-s21, f21x_2, c21*f21z_2);
-	const float t346 = RNEA_FMA(s21, f21z_2, c21*f21x_2);
-	const float t347 = RNEA_FMA(-s21, n21x_2, c21*n21z);
-	const float t348 = RNEA_FMA(s21, n21z, c21*n21x_2) + RNEA_FMA(0.0225f, t345, 0.066f*f21y_2);
-	const float n20x_2 = n20x + t348;
-	const float n20y_2 = n20y + (n21y_2 - RNEA_FMA(0.066f, t346, 0.05f*t345));
-	const float n20z_2 = n20z + (t347 + RNEA_FMA(-0.0225f, t346, 0.05f*f21y_2));
+	const float t327 = RNEA_FMA(-s21, f21x_2, c21*f21z_2);
+	const float t328 = RNEA_FMA(s21, f21z_2, c21*f21x_2);
+	const float t329 = RNEA_FMA(-s21, n21x_2, c21*n21z);
+	const float t330 = RNEA_FMA(s21, n21z, c21*n21x_2) + RNEA_FMA(0.0225f, t327, 0.066f*f21y_2);
+	const float n20x_2 = n20x + t330;
+	const float n20y_2 = n20y + (n21y_2 - RNEA_FMA(0.066f, t328, 0.05f*t327));
+	const float n20z_2 = n20z + (t329 + RNEA_FMA(-0.0225f, t328, 0.05f*f21y_2));
 	tau[20*stride] = n21y_2;
 
 	/* ---- back from link 20 "l_lglut" to link 19 (bpass): torque of "l_leg_hpx" ---- */
@@ -1335,30 +1278,30 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float qdd26 = qdd[25*stride];
 	const float w26y = qd25*s26;
 	const float w26z = qd25*c26;
-	const float t349 = qd26*w26z;
-	const float t350 = qd26*w26y;
-	const float dw26y = RNEA_FMA(qdd25, s26, t349);
-	const float dw26z = RNEA_FMA(qdd25, c26, -t350);
-	const float t351 = w26y*w26z;
-	const float t352 = w26z*w26z;
-	const float t353 = w26y*w26y;
-	const float t354 = t351 - qdd26;
-	const float t355 = qdd26 + t351;
-	const float t356 = qd26*qd26;
-	const float t357 = t349 - dw26y;
-	const float t358 = t349 + dw26y;
-	const float t359 = t350 - dw26z;
-	const float t360 = t350 + dw26z;
-	const float t361 = RNEA_FMA(0.00037615682f, t360, RNEA_FMA(-0.00022657232f, t357, RNEA_FMA(-0.0008171287f,
-		t351, 0.0018267684f*qdd26)));
-	const float t362 = RNEA_FMA(0.00022657232f, t355, RNEA_FMA(0.0006155969f, t359, RNEA_FMA(0.0023026634f,
-		dw26y, 0.0003412337f*t349)));
-	const float t363 = RNEA_FMA(-0.0006155969f, t358, RNEA_FMA(-0.00037615682f, t354, RNEA_FMA(0.0014855347f,
-		dw26z, 0.00047589495f*t350)));
-	const float n26x = RNEA_FMA(-0.15018584f, c26, 0.27489847f*s26) + RNEA_FMA(-0.0006155969f, t353 - t352,
-		t361);
-	const float n26y = RNEA_FMA(-0.11746515f, c26, RNEA_FMA(0.00037615682f, t352 - t356, t362));
-	const float n26z = RNEA_FMA(0.11746515f, s26, RNEA_FMA(0.00022657232f, t356 - t353, t363));
+	const float t331 = qd26*w26z;
+	const float t332 = qd26*w26y;
+	const float dw26y = RNEA_FMA(qdd25, s26, t331);
+	const float dw26z = RNEA_FMA(qdd25, c26, -t332);
+	const float t333 = w26y*w26z;
+	const float t334 = w26z*w26z;
+	const float t335 = w26y*w26y;
+	const float t336 = t333 - qdd26;
+	const float t337 = qdd26 + t333;
+	const float t338 = qd26*qd26;
+	const float t339 = t331 - dw26y;
+	const float t340 = t331 + dw26y;
+	const float t341 = t332 - dw26z;
+	const float t342 = t332 + dw26z;
+	const float t343 = RNEA_FMA(0.00037615682f, t342, RNEA_FMA(-0.00022657232f, t339, RNEA_FMA(-0.0008171287f,
+		t333, 0.0018267684f*qdd26)));
+	const float t344 = RNEA_FMA(0.00022657232f, t337, RNEA_FMA(0.0006155969f, t341, RNEA_FMA(0.0023026634f,
+		dw26y, 0.0003412337f*t331)));
+	const float t345 = RNEA_FMA(-0.0006155969f, t340, RNEA_FMA(-0.00037615682f, t336, RNEA_FMA(0.0014855347f,
+		dw26z, 0.00047589495f*t332)));
+	const float n26x = RNEA_FMA(-0.15018584f, c26, 0.27489847f*s26) + RNEA_FMA(-0.0006155969f, t335 - t334,
+		t343);
+	const float n26y = RNEA_FMA(-0.11746515f, c26, RNEA_FMA(0.00037615682f, t334 - t338, t344));
+	const float n26z = RNEA_FMA(0.11746515f, s26, RNEA_FMA(0.00022657232f, t338 - t335, t345));
 
 	/* ---- out to link 27 "r_uleg" (fpass) ---- */
 	const float q27 = q[26*stride];
@@ -1366,29 +1309,29 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	all_small &= rneagen_sincosf_either(q27, small, &s27, &c27);
 	const float qd27 = qd[26*stride];
 	const float qdd27 = qdd[26*stride];
-	const float t364 = RNEA_FMA(0.066f, t358, RNEA_FMA(0.0225f, t359, 0.05f*(t352 + t353)));
-	const float a27y = RNEA_FMA(9.81f, s26, RNEA_FMA(-0.066f, t354, RNEA_FMA(0.0225f, t352 + t356,
-		0.05f*t360)));
-	const float t365 = RNEA_FMA(9.81f, c26, RNEA_FMA(0.066f, t353 + t356, RNEA_FMA(-0.0225f, t355,
-		0.05f*t357)));
+	const float t346 = RNEA_FMA(0.066f, t340, RNEA_FMA(0.0225f, t341, 0.05f*(t334 + t335)));
+	const float a27y = RNEA_FMA(9.81f, s26, RNEA_FMA(-0.066f, t336, RNEA_FMA(0.0225f, t334 + t338,
+		0.05f*t342)));
+	const float t347 = RNEA_FMA(9.81f, c26, RNEA_FMA(0.066f, t335 + t338, RNEA_FMA(-0.0225f, t337,
+		0.05f*t339)));
 	const float w27z = RNEA_FMA(w26z, c27, qd26*s27);
 	const float w27x = RNEA_FMA(s27, -w26z, qd26*c27);
 	const float w27y = w26y + qd27;
 	const float dw27x = RNEA_FMA(w27z, -qd27, RNEA_FMA(s27, -dw26z, qdd26*c27));
 	const float dw27y = dw26y + qdd27;
 	const float dw27z = RNEA_FMA(qd27, w27x, RNEA_FMA(dw26z, c27, qdd26*s27));
-	const float a27z = RNEA_FMA(t364, -s27, c27*t365);
-	const float t366 = RNEA_FMA(s27, t365, c27*t364);
-	const float t367 = w27z*w27y;
-	const float t368 = w27y*w27y;
-	const float t369 = t367 - dw27x;
-	const float t370 = w27z*w27x;
-	const float t371 = dw27y + t370;
-	const float t372 = RNEA_FMA(w27x, w27x, t368);
-	const float f27y = RNEA_FMA(-1.72284f, t369, 8.204f*a27y);
-	const float f27z = RNEA_FMA(8.204f, a27z, 1.72284f*t372);
-	const float n27x = RNEA_FMA(1.72284f, a27y, RNEA_FMA(-0.4317964f, t367, 0.4517964f*dw27x));
-	const float n27y = RNEA_FMA(1.72284f, t366, RNEA_FMA(0.4517964f, dw27y, 0.4317964f*t370));
+	const float a27z = RNEA_FMA(t346, -s27, c27*t347);
+	const float t348 = RNEA_FMA(s27, t347, c27*t346);
+	const float t349 = w27z*w27y;
+	const float t350 = w27y*w27y;
+	const float t351 = t349 - dw27x;
+	const float t352 = w27z*w27x;
+	const float t353 = dw27y + t352;
+	const float t354 = RNEA_FMA(w27x, w27x, t350);
+	const float f27y = RNEA_FMA(-1.72284f, t351, 8.204f*a27y);
+	const float f27z = RNEA_FMA(8.204f, a27z, 1.72284f*t354);
+	const float n27x = RNEA_FMA(1.72284f, a27y, RNEA_FMA(-0.4317964f, t349, 0.4517964f*dw27x));
+	const float n27y = RNEA_FMA(1.72284f, t348, RNEA_FMA(0.4517964f, dw27y, 0.4317964f*t352));
 
 	/* ---- out to link 28 "r_lleg" (fpass) ---- */
 	const float q28 = q[27*stride];
@@ -1396,36 +1339,36 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	all_small &= rneagen_sincosf_either(q28, small, &s28, &c28);
 	const float qd28 = qd[27*stride];
 	const float qdd28 = qdd[27*stride];
-	const float t373 = RNEA_FMA(-0.374f, t371, 0.05f*RNEA_FMA(w27z, w27z, t368)) - t366;
-	const float a28y = a27y - RNEA_FMA(0.374f, t369, 0.05f*RNEA_FMA(w27x, w27y, dw27z));
-	const float t374 = a27z + RNEA_FMA(-0.05f, t370 - dw27y, 0.374f*t372);
+	const float t355 = RNEA_FMA(-0.374f, t353, 0.05f*RNEA_FMA(w27z, w27z, t350)) - t348;
+	const float a28y = a27y - RNEA_FMA(0.374f, t351, 0.05f*RNEA_FMA(w27x, w27y, dw27z));
+	const float t356 = a27z + RNEA_FMA(-0.05f, t352 - dw27y, 0.374f*t354);
 	const float w28z = RNEA_FMA(w27z, c28, w27x*s28);
 	const float w28x = RNEA_FMA(s28, -w27z, w27x*c28);
 	const float w28y = w27y + qd28;
 	const float dw28x = RNEA_FMA(w28z, -qd28, RNEA_FMA(s28, -dw27z, dw27x*c28));
 	const float dw28y = dw27y + qdd28;
 	const float dw28z = RNEA_FMA(qd28, w28x, RNEA_FMA(dw27z, c28, dw27x*s28));
-	const float a28z = RNEA_FMA(c28, t374, s28*t373);
-	const float a28x = RNEA_FMA(t374, -s28, c28*t373);
-	const float t375 = w28z*w28y;
-	const float t376 = w28z*w28z;
-	const float t377 = w28y*w28y;
-	const float t378 = t375 - dw28x;
-	const float t379 = w28z*w28x;
-	const float t380 = w28x*w28x;
-	const float t381 = dw28y + t379;
-	const float t382 = w28x*w28y;
-	const float t383 = t377 + t380;
-	const float t384 = dw28z + t382;
-	const float f28x = RNEA_FMA(4.515f, a28x, -RNEA_FMA(0.844305f, t381, 0.004515f*(t376 + t377)));
-	const float f28y = RNEA_FMA(4.515f, a28y, RNEA_FMA(-0.844305f, t378, 0.004515f*t384));
-	const float f28z = RNEA_FMA(4.515f, a28z, RNEA_FMA(0.844305f, t383, 0.004515f*(t379 - dw28y)));
-	const float t385 = RNEA_FMA(-0.002155695f, t376 - t380, RNEA_FMA(0.23388955f, dw28y, 0.22488052f*t379));
-	const float n28x = RNEA_FMA(0.844305f, a28y, RNEA_FMA(-0.002155695f, t384, RNEA_FMA(-0.22388503f,
-		t375, 0.23488504f*dw28x)));
-	const float n28y = t385 - RNEA_FMA(0.844305f, a28x, 0.004515f*a28z);
-	const float n28z = RNEA_FMA(0.004515f, a28y, RNEA_FMA(0.002155695f, t378, RNEA_FMA(-0.000995485f,
-		t382, 0.010004515f*dw28z)));
+	const float a28z = RNEA_FMA(c28, t356, s28*t355);
+	const float a28x = RNEA_FMA(t356, -s28, c28*t355);
+	const float t357 = w28z*w28y;
+	const float t358 = w28z*w28z;
+	const float t359 = w28y*w28y;
+	const float t360 = t357 - dw28x;
+	const float t361 = w28z*w28x;
+	const float t362 = w28x*w28x;
+	const float t363 = dw28y + t361;
+	const float t364 = w28x*w28y;
+	const float t365 = t359 + t362;
+	const float t366 = dw28z + t364;
+	const float f28x = RNEA_FMA(4.515f, a28x, -RNEA_FMA(0.844305f, t363, 0.004515f*(t358 + t359)));
+	const float f28y = RNEA_FMA(4.515f, a28y, RNEA_FMA(-0.844305f, t360, 0.004515f*t366));
+	const float f28z = RNEA_FMA(4.515f, a28z, RNEA_FMA(0.844305f, t365, 0.004515f*(t361 - dw28y)));
+	const float t367 = RNEA_FMA(-0.002155695f, t358 - t362, RNEA_FMA(0.23388955f, dw28y, 0.22488052f*t361));
+	const float n28x = RNEA_FMA(0.844305f, a28y, RNEA_FMA(-0.002155695f, t366, RNEA_FMA(-0.22388503f,
+		t357, 0.23488504f*dw28x)));
+	const float n28y = t367 - RNEA_FMA(0.844305f, a28x, 0.004515f*a28z);
+	const float n28z = RNEA_FMA(0.004515f, a28y, RNEA_FMA(0.002155695f, t360, RNEA_FMA(-0.000995485f,
+		t364, 0.010004515f*dw28z)));
 
 	/* ---- out to link 29 "r_talus" (fpass) ---- */
 	const float q29 = q[28*stride];
@@ -1433,17 +1376,18 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	all_small &= rneagen_sincosf_either(q29, small, &s29, &c29);
 	const float qd29 = qd[28*stride];
 	const float qdd29 = qdd[28*stride];
-	const float t386 = RNEA_FMA(-0.422f, t381, a28x);
-	const float a29y = RNEA_FMA(-0.422f, t378, a28y);
-	const float t387 = RNEA_FMA(0.422f, t383, a28z);
+	const float t368 = RNEA_FMA(-0.422f, t363, a28x);
+	const float a29y = RNEA_FMA(-0.422f, t360, a28y);
+	const float t369 = RNEA_FMA(0.422f, t365, a28z);
 	const float w29z = RNEA_FMA(w28z, c29, w28x*s29);
 	const float w29x = RNEA_FMA(s29, -w28z, w28x*c29);
 	const float w29y = w28y + qd29;
 	const float dw29x = RNEA_FMA(w29z, -qd29, RNEA_FMA(s29, -dw28z, dw28x*c29));
 	const float dw29y = dw28y + qdd29;
 	const float dw29z = RNEA_FMA(qd29, w29x, RNEA_FMA(dw28z, c29, dw28x*s29));
-	const float a29z = RNEA_FMA(c29, t387, s29*t386);
-	const float a29x = RNEA_FMA(t387, -s29, c29*t386);
+	const float a29z = RNEA_FMA(c29, t369, s29*t368);
+	const float a29x = RNEA_FMA(t369, -s29, c29*t368);
+	const float f29x = 0.125f*a29x;
 	const float n29x = RNEA_FMA(1.01674e-05f, dw29x, 4.58235e-06f*(w29z*w29y));
 	const float n29y = RNEA_FMA(-2.8427e-06f, w29z*w29x, 8.42775e-06f*dw29y);
 	const float n29z = RNEA_FMA(-1.73965e-06f, w29x*w29y, 1.30101e-05f*dw29z);
@@ -1462,27 +1406,21 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float dw30z = RNEA_FMA(w30y, -qd30, RNEA_FMA(s30, -dw29y, dw29z*c30));
 	const float a30y = RNEA_FMA(a29y, c30, a29z*s30);
 	const float a30z = RNEA_FMA(s30, -a29y, a29z*c30);
-	const float t388 = w30y*w30z;
-	const float t389 = w30z*w30z;
-	const float t390 = w30y*w30y;
-	const float t391 = t388 - dw30x;
-	const float t392 = w30z*w30x;
-	const float t393 = w30x*w30x;
-	const float t394 = w30y*w30x;
-	const float t395 = dw30z + t394;
-	const float t396 = -RNEA_FMA(0.16147f, dw30y + t392, 0.06507f*(t389 + t390));
-	const float f30x = RNEA_FMA(2.41f, a29x, t396);
-	const float f30y = RNEA_FMA(2.41f, a30y, RNEA_FMA(-0.16147f, t391, 0.06507f*t395));
-	const float f30z = RNEA_FMA(2.41f, a30z, RNEA_FMA(0.16147f, t390 + t393, 0.06507f*(t392 - dw30y)));
-	const float t397 = RNEA_FMA(0.00435969f, t389 - t393, RNEA_FMA(0.01957538f, dw30y, 0.0030616f*t392));
-	const float n30x = RNEA_FMA(0.16147f, a30y, RNEA_FMA(0.00435969f, t395, RNEA_FMA(-0.00981849f,
-		t388, 0.01281849f*dw30x)));
-	const float n30y = t397 - RNEA_FMA(0.16147f, a29x, 0.06507f*a30z);
-	const float n30z = RNEA_FMA(0.06507f, a30y, RNEA_FMA(-0.00435969f, t391, RNEA_FMA(0.00975689f,
-		dw30z, 0.00675689f*t394)));
+	const float t370 = w30y*w30z;
+	const float t371 = w30y*w30y;
+	const float t372 = w30z*w30x;
+	const float t373 = w30y*w30x;
+	const float t374 = a29x - RNEA_FMA(0.067f, dw30y + t372, 0.027f*RNEA_FMA(w30z, w30z, t371));
+	const float t375 = a30y + RNEA_FMA(-0.067f, t370 - dw30x, 0.027f*(dw30z + t373));
+	const float t376 = a30z + RNEA_FMA(0.067f, RNEA_FMA(w30x, w30x, t371), 0.027f*(t372 - dw30y));
+	const float f30y = 2.41f*t375;
+	const float f30z = 2.41f*t376;
+	const float n30x = RNEA_FMA(0.16147f, t375, RNEA_FMA(0.002f, dw30x, 0.001f*t370));
+	const float n30y = RNEA_FMA(-0.006f, t372, 0.007f*dw30y) - RNEA_FMA(0.16147f, t374, 0.06507f*t376);
+	const float n30z = RNEA_FMA(0.06507f, t375, RNEA_FMA(0.008f, dw30z, 0.005f*t373));
 
 	/* ---- back from link 30 "r_foot" to link 29 (bpass): torque of "r_leg_akx" ---- */
-	const float f29x = RNEA_FMA(0.125f, a29x, f30x);
+	const float f29x_2 = RNEA_FMA(2.41f, t374, f29x);
 	const float f29y = RNEA_FMA(0.125f, a29y, RNEA_FMA(f30z, -s30, c30*f30y));
 	const float f29z = RNEA_FMA(0.125f, a29z, RNEA_FMA(s30, f30y, c30*f30z));
 	const float n29x_2 = n29x + n30x;
@@ -1491,34 +1429,34 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	tau[29*stride] = n30x;
 
 	/* ---- back from link 29 "r_talus" to link 28 (bpass): torque of "r_leg_aky" ---- */
-	const float t398 = RNEA_FMA(s29, f29z, c29*f29x);
-	const float f28x_2 = f28x + t398;
+	const float t377 = RNEA_FMA(s29, f29z, c29*f29x_2);
+	const float f28x_2 = f28x + t377;
 	const float f28y_2 = f28y + f29y;
-	const float f28z_2 = f28z + RNEA_FMA(-s29, f29x, c29*f29z);
+	const float f28z_2 = f28z + RNEA_FMA(-s29, f29x_2, c29*f29z);
 	const float n28x_2 = n28x + RNEA_FMA(0.422f, f29y, RNEA_FMA(s29, n29z_2, c29*n29x_2));
-	const float n28y_2 = n28y + RNEA_FMA(-0.422f, t398, n29y_2);
+	const float n28y_2 = n28y + RNEA_FMA(-0.422f, t377, n29y_2);
 	const float n28z_2 = n28z + RNEA_FMA(-s29, n29x_2, c29*n29z_2);
 	tau[28*stride] = n29y_2;
 
 	/* ---- back from link 28 "r_lleg" to link 27 (bpass): torque of "r_leg_kny" ---- */
-	const float t399 = RNEA_FMA(-s28, f28x_2, c28*f28z_2);
-	const float t400 = RNEA_FMA(s28, f28z_2, c28*f28x_2);
-	const float f27x = t400 - RNEA_FMA(8.204f, t366, 1.72284f*t371);
+	const float t378 = RNEA_FMA(-s28, f28x_2, c28*f28z_2);
+	const float t379 = RNEA_FMA(s28, f28z_2, c28*f28x_2);
+	const float f27x = t379 - RNEA_FMA(8.204f, t348, 1.72284f*t353);
 	const float f27y_2 = f27y + f28y_2;
-	const float f27z_2 = f27z + t399;
+	const float f27z_2 = f27z + t378;
 	const float n27x_2 = n27x + RNEA_FMA(0.374f, f28y_2, RNEA_FMA(s28, n28z_2, c28*n28x_2));
-	const float n27y_2 = n27y + (n28y_2 + RNEA_FMA(-0.374f, t400, 0.05f*t399));
+	const float n27y_2 = n27y + (n28y_2 + RNEA_FMA(-0.374f, t379, 0.05f*t378));
 	const float n27z = RNEA_FMA(0.02f, dw27z, RNEA_FMA(-0.05f, f28y_2, RNEA_FMA(-s28, n28x_2, c28*n28z_2)));
 	tau[27*stride] = n28y_2;
 
 	/* ---- back from link 27 "r_uleg" to link 26 (bpass): torque of "r_leg_hpy" ---- */
-	const float t401 = RNEA_FMA(-s27, f27x, c27*f27z_2);
-	const float t402 = RNEA_FMA(s27, f27z_2, c27*f27x);
-	const float t403 = RNEA_FMA(-s27, n27x_2, c27*n27z);
-	const float t404 = RNEA_FMA(s27, n27z, c27*n27x_2) + RNEA_FMA(-0.0225f, t401, 0.066f*f27y_2);
-	const float n26x_2 = n26x + t404;
-	const float n26y_2 = n26y + (n27y_2 - RNEA_FMA(0.066f, t402, 0.05f*t401));
-	const float n26z_2 = n26z + (t403 + RNEA_FMA(0.05f, f27y_2, 0.0225f*t402));
+	const float t380 = RNEA_FMA(-s27, f27x, c27*f27z_2);
+	const float t381 = RNEA_FMA(s27, f27z_2, c27*f27x);
+	const float t382 = RNEA_FMA(-s27, n27x_2, c27*n27z);
+	const float t383 = RNEA_FMA(s27, n27z, c27*n27x_2) + RNEA_FMA(-0.0225f, t380, 0.066f*f27y_2);
+	const float n26x_2 = n26x + t383;
+	const float n26y_2 = n26y + (n27y_2 - RNEA_FMA(0.066f, t381, 0.05f*t380));
+	const float n26z_2 = n26z + (t382 + RNEA_FMA(0.05f, f27y_2, 0.0225f*t381));
 	tau[26*stride] = n27y_2;
 
 	/* ---- back from link 26 "r_lglut" to link 25 (bpass): torque of "r_leg_hpx" ---- */
@@ -1963,32 +1901,23 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float t123 = t119*w8y;
 	const float t124 = t119*t119;
 	const float t125 = w8y*w8y;
-	const float t126 = dw8x + t123;
-	const float t127 = dw8x - t123;
-	const float t128 = t119*w8x;
-	const float t129 = w8x*w8x;
-	const float t130 = dw8y + t128;
-	const float t131 = dw8y - t128;
-	const float t132 = w8x*w8y;
-	const float t133 = t120 + t132;
-	const float t134 = t132 - t120;
-	const float f8x = RNEA_FMA(2.4798f, a8x, RNEA_FMA(0.000917526f, t131, RNEA_FMA(-0.00037197f, t124 + t125,
-		0.20572421f*t133)));
-	const float f8y = RNEA_FMA(2.4798f, a8y, RNEA_FMA(-0.000917526f, t126, RNEA_FMA(-0.20572421f,
-		t124 + t129, 0.00037197f*t134)));
-	const float f8z = RNEA_FMA(-2.4798f, t122, RNEA_FMA(-0.000917526f, t125 + t129, RNEA_FMA(-0.00037197f,
-		t130, 0.20572421f*t127)));
-	const float t135 = RNEA_FMA(-1.376289e-07f, t134, RNEA_FMA(-3.085863e-05f, t130, RNEA_FMA(-0.026157541f,
-		t123, 0.029798219f*dw8x)));
-	const float t136 = RNEA_FMA(-3.085863e-05f, t127, RNEA_FMA(7.6117954e-05f, t133, RNEA_FMA(-0.0007832837f,
-		t128, 0.0028573952f*dw8y)));
-	const float t137 = RNEA_FMA(7.6117954e-05f, t131, RNEA_FMA(1.376289e-07f, t126, RNEA_FMA(0.029014936f,
-		t120, 0.026940824f*t132)));
-	const float n8x = RNEA_FMA(-7.6117954e-05f, t125 - t124, t135) - RNEA_FMA(0.20572421f, t122, 0.000917526f*a8y);
-	const float n8y = RNEA_FMA(0.000917526f, a8x, 0.00037197f*t122) + RNEA_FMA(-1.376289e-07f, t124 - t129,
-		t136);
-	const float n8z = RNEA_FMA(-0.20572421f, a8x, 0.00037197f*a8y) - RNEA_FMA(3.085863e-05f, t129 - t125,
-		t137);
+	const float t126 = t119*w8x;
+	const float t127 = w8x*w8x;
+	const float t128 = w8x*w8y;
+	const float t129 = RNEA_FMA(-0.00015f, t124 + t125, 0.08296f*(t120 + t128));
+	const float t130 = RNEA_FMA(-0.08296f, t124 + t127, 0.00015f*(t128 - t120));
+	const float t131 = RNEA_FMA(-0.00015f, dw8y + t126, 0.08296f*(dw8x - t123));
+	const float t132 = a8x + RNEA_FMA(0.00037f, dw8y - t126, t129);
+	const float t133 = a8y + RNEA_FMA(-0.00037f, dw8x + t123, t130);
+	const float t134 = RNEA_FMA(-0.00037f, t125 + t127, t131) - t122;
+	const float f8x = 2.4798f*t132;
+	const float f8y = 2.4798f*t133;
+	const float f8z = 2.4798f*t134;
+	const float n8x = RNEA_FMA(-0.000917526f, t133, 0.20572421f*t134) + RNEA_FMA(-0.009091f, t123,
+		0.012731f*dw8x);
+	const float n8y = RNEA_FMA(-0.00037197f, t134, 0.000917526f*t132) + RNEA_FMA(-0.000783f, t126,
+		0.002857f*dw8y);
+	const float n8z = RNEA_FMA(-0.20572421f, t132, 0.00037197f*t133) - RNEA_FMA(0.011948f, t120, 0.009874f*t128);
 	v[42*stride] = v8x;
 	v[43*stride] = v8y;
 	v[44*stride] = -t121;
@@ -2015,117 +1944,105 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float qd9 = qd[8*stride];
 	const float qdd9 = qdd[8*stride];
 	const float w9y = RNEA_FMA(-t119, s9, w8y*c9);
-	const float t138 = RNEA_FMA(w8y, s9, t119*c9);
+	const float t135 = RNEA_FMA(w8y, s9, t119*c9);
 	const float w9x = w8x + qd9;
 	const float dw9x = dw8x + qdd9;
-	const float dw9y = RNEA_FMA(t138, -qd9, RNEA_FMA(-t120, s9, dw8y*c9));
-	const float t139 = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8y, s9, t120*c9));
+	const float dw9y = RNEA_FMA(t135, -qd9, RNEA_FMA(-t120, s9, dw8y*c9));
+	const float t136 = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8y, s9, t120*c9));
 	const float v9y = RNEA_FMA(-t121, s9, v8y*c9);
-	const float t140 = RNEA_FMA(v8y, s9, t121*c9);
+	const float t137 = RNEA_FMA(v8y, s9, t121*c9);
 	const float a9y = RNEA_FMA(s9, -t122, a8y*c9);
-	const float t141 = RNEA_FMA(a8y, s9, t122*c9);
-	const float t142 = w9y*t138;
-	const float t143 = t138*t138;
-	const float t144 = w9y*w9y;
-	const float t145 = dw9x + t142;
-	const float t146 = dw9x - t142;
-	const float t147 = t138*w9x;
-	const float t148 = w9x*w9x;
-	const float t149 = dw9y + t147;
-	const float t150 = dw9y - t147;
-	const float t151 = w9y*w9x;
-	const float t152 = t139 + t151;
-	const float t153 = t151 - t139;
-	const float t154 = RNEA_FMA(0.00105624f, t150, -RNEA_FMA(0.0162972f, t152, 0.00011016f*(t143 + t144)));
-	const float f9x = RNEA_FMA(0.648f, a8x, t154);
-	const float f9y = RNEA_FMA(0.648f, a9y, RNEA_FMA(-0.00105624f, t145, RNEA_FMA(0.0162972f, t143 + t148,
-		0.00011016f*t153)));
-	const float t155 = RNEA_FMA(0.648f, t141, RNEA_FMA(0.00105624f, t144 + t148, RNEA_FMA(0.0162972f,
-		t146, 0.00011016f*t149)));
-	const float t156 = RNEA_FMA(-1.795608e-07f, t153, RNEA_FMA(2.770524e-06f, t149, RNEA_FMA(-0.0008041529f,
-		t142, 0.0011755963f*dw9x)));
-	const float t157 = RNEA_FMA(2.770524e-06f, t146, RNEA_FMA(-2.6564436e-05f, t152, RNEA_FMA(0.0004307404f,
-		dw9y, 5.9297057e-05f*t147)));
-	const float t158 = RNEA_FMA(2.6564436e-05f, t150, -RNEA_FMA(1.795608e-07f, t145, RNEA_FMA(0.0012348933f,
-		t139, 0.00074485585f*t151)));
-	const float n9x = RNEA_FMA(-0.00105624f, a9y, 0.0162972f*t141) + RNEA_FMA(2.6564436e-05f, t144 - t143,
-		t156);
-	const float n9y = RNEA_FMA(0.00105624f, a8x, 0.00011016f*t141) + RNEA_FMA(-1.795608e-07f, t143 - t148,
-		t157);
-	const float n9z = RNEA_FMA(0.00011016f, a9y, 0.0162972f*a8x) + RNEA_FMA(2.770524e-06f, t148 - t144,
-		t158);
+	const float t138 = RNEA_FMA(a8y, s9, t122*c9);
+	const float t139 = w9y*t135;
+	const float t140 = t135*t135;
+	const float t141 = w9y*w9y;
+	const float t142 = t135*w9x;
+	const float t143 = w9x*w9x;
+	const float t144 = w9y*w9x;
+	const float t145 = -RNEA_FMA(0.02515f, t136 + t144, 0.00017f*(t140 + t141));
+	const float t146 = RNEA_FMA(0.02515f, t140 + t143, 0.00017f*(t144 - t136));
+	const float t147 = RNEA_FMA(0.02515f, dw9x - t139, 0.00017f*(dw9y + t142));
+	const float t148 = a8x + RNEA_FMA(0.00163f, dw9y - t142, t145);
+	const float t149 = a9y + RNEA_FMA(-0.00163f, dw9x + t139, t146);
+	const float t150 = t138 + RNEA_FMA(0.00163f, t141 + t143, t147);
+	const float f9x = 0.648f*t148;
+	const float f9y = 0.648f*t149;
+	const float f9z = -0.648f*t150;
+	const float n9x = RNEA_FMA(-0.00105624f, t149, 0.0162972f*t150) + RNEA_FMA(-0.000396f, t139, 0.000764f*dw9x);
+	const float n9y = RNEA_FMA(0.00105624f, t148, 0.00011016f*t150) + RNEA_FMA(0.000429f, dw9y, 6.1e-05f*t142);
+	const float n9z = RNEA_FMA(0.00011016f, t149, 0.0162972f*t148) - RNEA_FMA(0.000825f, t136, 0.000335f*t144);
 	v[48*stride] = v8x;
 	v[49*stride] = v9y;
-	v[50*stride] = -t140;
+	v[50*stride] = -t137;
 	v[51*stride] = w9x;
 	v[52*stride] = w9y;
-	v[53*stride] = -t138;
-	a[48*stride] = a8x - RNEA_FMA(t140, -w9y, t138*v9y);
-	a[49*stride] = a9y - RNEA_FMA(t138, -v8x, w9x*t140);
-	a[50*stride] = -(t141 + RNEA_FMA(w9y, -v8x, w9x*v9y));
+	v[53*stride] = -t135;
+	a[48*stride] = a8x - RNEA_FMA(t137, -w9y, t135*v9y);
+	a[49*stride] = a9y - RNEA_FMA(t135, -v8x, w9x*t137);
+	a[50*stride] = -(t138 + RNEA_FMA(w9y, -v8x, w9x*v9y));
 	a[51*stride] = dw9x;
 	a[52*stride] = dw9y;
-	a[53*stride] = -t139;
+	a[53*stride] = -t136;
 	f[48*stride] = f9x;
 	f[49*stride] = f9y;
-	f[50*stride] = -t155;
+	f[50*stride] = f9z;
 	f[51*stride] = n9x;
 	f[52*stride] = n9y;
 	f[53*stride] = n9z;
 
 	/* ---- out to link 10 "l_hand" (fpass) ---- */
 	const float q10 = q[9*stride];
-	float t159, c10;
-	all_small &= rneagen_sincosf_either(q10, small, &t159, &c10);
+	float t151, c10;
+	all_small &= rneagen_sincosf_either(q10, small, &t151, &c10);
 	const float qd10 = qd[9*stride];
 	const float qdd10 = qdd[9*stride];
-	const float t160 = RNEA_FMA(2.0682311e-13f, t138, w9x);
-	const float t161 = RNEA_FMA(-2.0682311e-13f, w9x, t138);
-	const float t162 = RNEA_FMA(2.0682311e-13f, t139, dw9x);
-	const float t163 = RNEA_FMA(-2.0682311e-13f, dw9x, t139);
-	const float t164 = RNEA_FMA(2.0682311e-13f, t140, v8x);
-	const float t165 = RNEA_FMA(-2.0682311e-13f, v8x, t140);
-	const float t166 = RNEA_FMA(2.0682311e-13f, t141, a8x);
-	const float t167 = RNEA_FMA(-2.0682311e-13f, a8x, t141);
-	const float w10z = RNEA_FMA(c10, t161, t159*t160);
-	const float w10x = RNEA_FMA(t160, -c10, t159*t161);
+	const float t152 = RNEA_FMA(2.0682311e-13f, t135, w9x);
+	const float t153 = RNEA_FMA(-2.0682311e-13f, w9x, t135);
+	const float t154 = RNEA_FMA(2.0682311e-13f, t136, dw9x);
+	const float t155 = RNEA_FMA(-2.0682311e-13f, dw9x, t136);
+	const float t156 = RNEA_FMA(2.0682311e-13f, t137, v8x);
+	const float t157 = RNEA_FMA(-2.0682311e-13f, v8x, t137);
+	const float t158 = RNEA_FMA(2.0682311e-13f, t138, a8x);
+	const float t159 = RNEA_FMA(-2.0682311e-13f, a8x, t138);
+	const float w10z = RNEA_FMA(c10, t153, t151*t152);
+	const float w10x = RNEA_FMA(t152, -c10, t151*t153);
 	const float w10y = w9y - qd10;
-	const float dw10x = RNEA_FMA(qd10, w10z, RNEA_FMA(t162, -c10, t159*t163));
+	const float dw10x = RNEA_FMA(qd10, w10z, RNEA_FMA(t154, -c10, t151*t155));
 	const float dw10y = dw9y - qdd10;
-	const float dw10z = RNEA_FMA(w10x, -qd10, RNEA_FMA(c10, t163, t159*t162));
-	const float v10z = RNEA_FMA(c10, t165, t159*t164);
-	const float v10x = RNEA_FMA(t164, -c10, t159*t165);
-	const float a10z = RNEA_FMA(c10, t167, t159*t166);
-	const float a10x = RNEA_FMA(t166, -c10, t159*t167);
-	const float t168 = w10z*w10y;
-	const float t169 = w10z*w10z;
-	const float t170 = w10y*w10y;
-	const float t171 = t168 - dw10x;
-	const float t172 = dw10x + t168;
-	const float t173 = w10z*w10x;
-	const float t174 = w10x*w10x;
-	const float t175 = t173 - dw10y;
-	const float t176 = dw10y + t173;
-	const float t177 = w10x*w10y;
-	const float t178 = t177 - dw10z;
-	const float t179 = dw10z + t177;
-	const float t180 = RNEA_FMA(1.1678e-05f, t176, -RNEA_FMA(0.0600904f, t178, 9.3424e-05f*(t169 + t170)));
-	const float f10x = RNEA_FMA(0.6839f, a10x, t180);
-	const float f10y = RNEA_FMA(0.6839f, a9y, RNEA_FMA(1.1678e-05f, t171, RNEA_FMA(0.0600904f, t169 + t174,
-		9.3424e-05f*t179)));
-	const float f10z = RNEA_FMA(0.6839f, a10z, RNEA_FMA(-1.1678e-05f, t170 + t174, RNEA_FMA(-0.0600904f,
-		t172, 9.3424e-05f*t175)));
-	const float t181 = RNEA_FMA(-1.86848e-09f, t179, RNEA_FMA(-7.622464e-06f, t175, RNEA_FMA(0.0058350055f,
-		dw10x, 0.005339005f*t168)));
-	const float t182 = RNEA_FMA(7.622464e-06f, t172, RNEA_FMA(-9.52808e-07f, t178, RNEA_FMA(0.00048701518f,
-		dw10y, 8.985286e-06f*t173)));
-	const float t183 = RNEA_FMA(9.52808e-07f, t176, RNEA_FMA(1.86848e-09f, t171, RNEA_FMA(-0.0053479904f,
-		t177, 0.00582602f*dw10z)));
-	const float n10x = RNEA_FMA(9.52808e-07f, t170 - t169, t181) - RNEA_FMA(0.0600904f, a10z, 1.1678e-05f*a9y);
-	const float n10y = RNEA_FMA(-9.3424e-05f, a10z, 1.1678e-05f*a10x) + RNEA_FMA(-1.86848e-09f, t169 - t174,
-		t182);
-	const float n10z = RNEA_FMA(9.3424e-05f, a9y, 0.0600904f*a10x) + RNEA_FMA(7.622464e-06f, t174 - t170,
-		t183);
+	const float dw10z = RNEA_FMA(w10x, -qd10, RNEA_FMA(c10, t155, t151*t154));
+	const float v10z = RNEA_FMA(c10, t157, t151*t156);
+	const float v10x = RNEA_FMA(t156, -c10, t151*t157);
+	const float a10z = RNEA_FMA(c10, t159, t151*t158);
+	const float a10x = RNEA_FMA(t158, -c10, t151*t159);
+	const float t160 = w10z*w10y;
+	const float t161 = w10z*w10z;
+	const float t162 = w10y*w10y;
+	const float t163 = t160 - dw10x;
+	const float t164 = dw10x + t160;
+	const float t165 = w10z*w10x;
+	const float t166 = w10x*w10x;
+	const float t167 = t165 - dw10y;
+	const float t168 = dw10y + t165;
+	const float t169 = w10x*w10y;
+	const float t170 = t169 - dw10z;
+	const float t171 = dw10z + t169;
+	const float t172 = RNEA_FMA(1.1678e-05f, t168, -RNEA_FMA(0.0600904f, t170, 9.3424e-05f*(t161 + t162)));
+	const float f10x = RNEA_FMA(0.6839f, a10x, t172);
+	const float f10y = RNEA_FMA(0.6839f, a9y, RNEA_FMA(1.1678e-05f, t163, RNEA_FMA(0.0600904f, t161 + t166,
+		9.3424e-05f*t171)));
+	const float f10z = RNEA_FMA(0.6839f, a10z, RNEA_FMA(-1.1678e-05f, t162 + t166, RNEA_FMA(-0.0600904f,
+		t164, 9.3424e-05f*t167)));
+	const float t173 = RNEA_FMA(-1.86848e-09f, t171, RNEA_FMA(-7.622464e-06f, t167, RNEA_FMA(0.0058350055f,
+		dw10x, 0.005339005f*t160)));
+	const float t174 = RNEA_FMA(7.622464e-06f, t164, RNEA_FMA(-9.52808e-07f, t170, RNEA_FMA(0.00048701518f,
+		dw10y, 8.985286e-06f*t165)));
+	const float t175 = RNEA_FMA(9.52808e-07f, t168, RNEA_FMA(1.86848e-09f, t163, RNEA_FMA(-0.0053479904f,
+		t169, 0.00582602f*dw10z)));
+	const float n10x = RNEA_FMA(9.52808e-07f, t162 - t161, t173) - RNEA_FMA(0.0600904f, a10z, 1.1678e-05f*a9y);
+	const float n10y = RNEA_FMA(-9.3424e-05f, a10z, 1.1678e-05f*a10x) + RNEA_FMA(-1.86848e-09f, t161 - t166,
+		t174);
+	const float n10z = RNEA_FMA(9.3424e-05f, a9y, 0.0600904f*a10x) + RNEA_FMA(7.622464e-06f, t166 - t162,
+		t175);
 	v[54*stride] = v10x;
 	v[55*stride] = v9y;
 	v[56*stride] = v10z;
@@ -2151,51 +2068,51 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	all_small &= rneagen_sincosf_either(q11, small, &s11, &c11);
 	const float qd11 = qd[10*stride];
 	const float qdd11 = qdd[10*stride];
-	const float t184 = RNEA_FMA(0.6215f, w3y, v3x);
+	const float t176 = RNEA_FMA(0.6215f, w3y, v3x);
 	const float v11y = v3y + RNEA_FMA(-0.6215f, w3x, 0.2546f*w3z);
-	const float t185 = RNEA_FMA(0.2546f, w3y, t23);
-	const float t186 = a3x + RNEA_FMA(-0.2546f, t27, 0.6215f*t34);
+	const float t177 = RNEA_FMA(0.2546f, w3y, t23);
+	const float t178 = a3x + RNEA_FMA(-0.2546f, t27, 0.6215f*t34);
 	const float a11y = a3y + RNEA_FMA(0.6215f, t28, 0.2546f*t38);
-	const float t187 = a3z + RNEA_FMA(-0.6215f, t36, 0.2546f*t33);
+	const float t179 = a3z + RNEA_FMA(-0.6215f, t36, 0.2546f*t33);
 	const float w11z = RNEA_FMA(w3z, c11, w3x*s11);
 	const float w11x = RNEA_FMA(s11, -w3z, w3x*c11);
 	const float w11y = w3y + qd11;
 	const float dw11x = RNEA_FMA(w11z, -qd11, RNEA_FMA(s11, -dw3z, dw3x*c11));
 	const float dw11y = dw3y + qdd11;
 	const float dw11z = RNEA_FMA(qd11, w11x, RNEA_FMA(dw3z, c11, dw3x*s11));
-	const float v11z = RNEA_FMA(t185, -c11, s11*t184);
-	const float v11x = RNEA_FMA(s11, t185, c11*t184);
-	const float a11z = RNEA_FMA(c11, t187, s11*t186);
-	const float a11x = RNEA_FMA(t187, -s11, c11*t186);
-	const float t188 = w11z*w11y;
-	const float t189 = w11z*w11z;
-	const float t190 = w11y*w11y;
-	const float t191 = t188 - dw11x;
-	const float t192 = dw11x + t188;
-	const float t193 = w11z*w11x;
-	const float t194 = w11x*w11x;
-	const float t195 = t193 - dw11y;
-	const float t196 = dw11y + t193;
-	const float t197 = w11x*w11y;
-	const float t198 = t197 - dw11z;
-	const float t199 = dw11z + t197;
-	const float t200 = RNEA_FMA(0.05442042f, t191, -RNEA_FMA(7.09505e-05f, t189 + t194, 0.10982968f*t199));
-	const float f11x = RNEA_FMA(2.087564f, a11x, RNEA_FMA(0.05442042f, t196, RNEA_FMA(7.09505e-05f,
-		t198, 0.10982968f*(t189 + t190))));
-	const float f11y = RNEA_FMA(2.087564f, a11y, t200);
-	const float f11z = RNEA_FMA(2.087564f, a11z, RNEA_FMA(-0.05442042f, t190 + t194, RNEA_FMA(-0.10982968f,
-		t195, 7.09505e-05f*t192)));
-	const float t201 = RNEA_FMA(0.0024130603f, t199, RNEA_FMA(-2.8062846e-06f, t195, RNEA_FMA(-0.001385194f,
-		t188, 0.01351824f*dw11x)));
-	const float t202 = RNEA_FMA(2.8062846e-06f, t192, RNEA_FMA(3.9827337e-06f, t198, RNEA_FMA(-0.0056344443f,
-		t193, 0.02053788f*dw11y)));
-	const float t203 = RNEA_FMA(-3.9827337e-06f, t196, RNEA_FMA(-0.0024130603f, t191, RNEA_FMA(0.019152684f,
-		dw11z, 0.0070196385f*t197)));
+	const float v11z = RNEA_FMA(t177, -c11, s11*t176);
+	const float v11x = RNEA_FMA(s11, t177, c11*t176);
+	const float a11z = RNEA_FMA(c11, t179, s11*t178);
+	const float a11x = RNEA_FMA(t179, -s11, c11*t178);
+	const float t180 = w11z*w11y;
+	const float t181 = w11z*w11z;
+	const float t182 = w11y*w11y;
+	const float t183 = t180 - dw11x;
+	const float t184 = dw11x + t180;
+	const float t185 = w11z*w11x;
+	const float t186 = w11x*w11x;
+	const float t187 = t185 - dw11y;
+	const float t188 = dw11y + t185;
+	const float t189 = w11x*w11y;
+	const float t190 = t189 - dw11z;
+	const float t191 = dw11z + t189;
+	const float t192 = RNEA_FMA(0.05442042f, t183, -RNEA_FMA(7.09505e-05f, t181 + t186, 0.10982968f*t191));
+	const float f11x = RNEA_FMA(2.087564f, a11x, RNEA_FMA(0.05442042f, t188, RNEA_FMA(7.09505e-05f,
+		t190, 0.10982968f*(t181 + t182))));
+	const float f11y = RNEA_FMA(2.087564f, a11y, t192);
+	const float f11z = RNEA_FMA(2.087564f, a11z, RNEA_FMA(-0.05442042f, t182 + t186, RNEA_FMA(-0.10982968f,
+		t187, 7.09505e-05f*t184)));
+	const float t193 = RNEA_FMA(0.0024130603f, t191, RNEA_FMA(-2.8062846e-06f, t187, RNEA_FMA(-0.001385194f,
+		t180, 0.01351824f*dw11x)));
+	const float t194 = RNEA_FMA(2.8062846e-06f, t184, RNEA_FMA(3.9827337e-06f, t190, RNEA_FMA(-0.0056344443f,
+		t185, 0.02053788f*dw11y)));
+	const float t195 = RNEA_FMA(-3.9827337e-06f, t188, RNEA_FMA(-0.0024130603f, t183, RNEA_FMA(0.019152684f,
+		dw11z, 0.0070196385f*t189)));
 	const float n11x = RNEA_FMA(-0.05442042f, a11y, 7.09505e-05f*a11z) + RNEA_FMA(-3.9827337e-06f,
-		t190 - t189, t201);
-	const float n11y = RNEA_FMA(0.05442042f, a11x, 0.10982968f*a11z) + RNEA_FMA(0.0024130603f, t189 - t194,
-		t202);
-	const float n11z = RNEA_FMA(2.8062846e-06f, t194 - t190, t203) - RNEA_FMA(0.10982968f, a11y, 7.09505e-05f*a11x);
+		t182 - t181, t193);
+	const float n11y = RNEA_FMA(0.05442042f, a11x, 0.10982968f*a11z) + RNEA_FMA(0.0024130603f, t181 - t186,
+		t194);
+	const float n11z = RNEA_FMA(2.8062846e-06f, t186 - t182, t195) - RNEA_FMA(0.10982968f, a11y, 7.09505e-05f*a11x);
 	v[60*stride] = v11x;
 	v[61*stride] = v11y;
 	v[62*stride] = v11z;
@@ -2221,10 +2138,10 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	all_small &= rneagen_sincosf_either(q12, small, &s12, &c12);
 	const float qd12 = qd[11*stride];
 	const float qdd12 = qdd[11*stride];
-	const float t204 = v3x + (t46 + t47);
-	const float t205 = t23 + (t48 + t49);
-	const float t206 = a3x + (t56 - (t54 + t55));
-	const float t207 = a3y + (t59 + (t57 + t58));
+	const float t196 = v3x + (t46 + t47);
+	const float t197 = t23 + (t48 + t49);
+	const float t198 = a3x + (t56 - (t54 + t55));
+	const float t199 = a3y + (t59 + (t57 + t58));
 	const float a12z = a3z + (t60 - t61 - t62);
 	const float w12x = RNEA_FMA(w3x, c12, w3y*s12);
 	const float w12y = RNEA_FMA(s12, -w3x, w3y*c12);
@@ -2232,36 +2149,36 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw3x, c12, dw3y*s12));
 	const float dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(s12, -dw3x, dw3y*c12));
 	const float dw12z = dw3z + qdd12;
-	const float v12x = RNEA_FMA(c12, t204, t51*s12);
-	const float v12y = RNEA_FMA(t204, -s12, t51*c12);
-	const float a12x = RNEA_FMA(c12, t206, s12*t207);
-	const float a12y = RNEA_FMA(t206, -s12, c12*t207);
-	const float t208 = w12y*w12z;
-	const float t209 = w12z*w12z;
-	const float t210 = w12y*w12y;
-	const float t211 = t208 - dw12x;
-	const float t212 = w12x*w12z;
-	const float t213 = w12x*w12x;
-	const float t214 = dw12y + t212;
-	const float t215 = w12x*w12y;
-	const float t216 = t210 + t213;
-	const float t217 = t215 - dw12z;
-	const float f12x = RNEA_FMA(-0.375144f, t214, 4.466f*a12x);
-	const float f12y = RNEA_FMA(-0.375144f, t211, 4.466f*a12y);
-	const float f12z = RNEA_FMA(4.466f, a12z, 0.375144f*t216);
-	const float n12z = RNEA_FMA(0.004f, t214, RNEA_FMA(-0.002f, t215, 0.004f*dw12z));
-	const float n12x = RNEA_FMA(0.375144f, a12y, RNEA_FMA(0.004f, t210 - t209, RNEA_FMA(-0.036512095f,
-		t208, 0.042512096f*dw12x)));
-	const float n12y = RNEA_FMA(-0.375144f, a12x, RNEA_FMA(-0.004f, t217, RNEA_FMA(0.040512096f, dw12y,
-		0.038512096f*t212)));
+	const float v12x = RNEA_FMA(c12, t196, t51*s12);
+	const float v12y = RNEA_FMA(t196, -s12, t51*c12);
+	const float a12x = RNEA_FMA(c12, t198, s12*t199);
+	const float a12y = RNEA_FMA(t198, -s12, c12*t199);
+	const float t200 = w12y*w12z;
+	const float t201 = w12z*w12z;
+	const float t202 = w12y*w12y;
+	const float t203 = t200 - dw12x;
+	const float t204 = w12x*w12z;
+	const float t205 = w12x*w12x;
+	const float t206 = dw12y + t204;
+	const float t207 = w12x*w12y;
+	const float t208 = t202 + t205;
+	const float t209 = t207 - dw12z;
+	const float f12x = RNEA_FMA(-0.375144f, t206, 4.466f*a12x);
+	const float f12y = RNEA_FMA(-0.375144f, t203, 4.466f*a12y);
+	const float f12z = RNEA_FMA(4.466f, a12z, 0.375144f*t208);
+	const float n12z = RNEA_FMA(0.004f, t206, RNEA_FMA(-0.002f, t207, 0.004f*dw12z));
+	const float n12x = RNEA_FMA(0.375144f, a12y, RNEA_FMA(0.004f, t202 - t201, RNEA_FMA(-0.036512095f,
+		t200, 0.042512096f*dw12x)));
+	const float n12y = RNEA_FMA(-0.375144f, a12x, RNEA_FMA(-0.004f, t209, RNEA_FMA(0.040512096f, dw12y,
+		0.038512096f*t204)));
 	v[66*stride] = v12x;
 	v[67*stride] = v12y;
-	v[68*stride] = -t205;
+	v[68*stride] = -t197;
 	v[69*stride] = w12x;
 	v[70*stride] = w12y;
 	v[71*stride] = w12z;
-	a[66*stride] = a12x + RNEA_FMA(t205, w12y, w12z*v12y);
-	a[67*stride] = a12y - RNEA_FMA(w12z, v12x, t205*w12x);
+	a[66*stride] = a12x + RNEA_FMA(t197, w12y, w12z*v12y);
+	a[67*stride] = a12y - RNEA_FMA(w12z, v12x, t197*w12x);
 	a[68*stride] = a12z - RNEA_FMA(v12x, -w12y, w12x*v12y);
 	a[69*stride] = dw12x;
 	a[70*stride] = dw12y;
@@ -2280,39 +2197,39 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float qd13 = qd[12*stride];
 	const float qdd13 = qdd[12*stride];
 	const float v13x = v12x + RNEA_FMA(-0.245f, w12y, 0.11f*w12z);
-	const float t218 = RNEA_FMA(0.245f, w12x, v12y);
-	const float t219 = RNEA_FMA(0.11f, w12x, t205);
-	const float a13x = a12x - RNEA_FMA(0.245f, t214, 0.11f*t217);
-	const float t220 = a12y + RNEA_FMA(-0.245f, t211, 0.11f*(t209 + t213));
-	const float t221 = a12z + RNEA_FMA(-0.11f, dw12x + t208, 0.245f*t216);
+	const float t210 = RNEA_FMA(0.245f, w12x, v12y);
+	const float t211 = RNEA_FMA(0.11f, w12x, t197);
+	const float a13x = a12x - RNEA_FMA(0.245f, t206, 0.11f*t209);
+	const float t212 = a12y + RNEA_FMA(-0.245f, t203, 0.11f*(t201 + t205));
+	const float t213 = a12z + RNEA_FMA(-0.11f, dw12x + t200, 0.245f*t208);
 	const float w13y = RNEA_FMA(w12y, c13, w12z*s13);
 	const float w13z = RNEA_FMA(-w12y, s13, w12z*c13);
 	const float w13x = w12x + qd13;
 	const float dw13x = dw12x + qdd13;
 	const float dw13y = RNEA_FMA(qd13, w13z, RNEA_FMA(dw12y, c13, dw12z*s13));
 	const float dw13z = RNEA_FMA(w13y, -qd13, RNEA_FMA(s13, -dw12y, dw12z*c13));
-	const float v13y = RNEA_FMA(t219, -s13, c13*t218);
-	const float t222 = RNEA_FMA(s13, t218, c13*t219);
-	const float a13y = RNEA_FMA(c13, t220, s13*t221);
-	const float a13z = RNEA_FMA(t220, -s13, c13*t221);
-	const float t223 = w13y*w13z;
-	const float t224 = w13z*w13x;
-	const float t225 = w13x*w13x;
-	const float t226 = w13y*w13x;
+	const float v13y = RNEA_FMA(t211, -s13, c13*t210);
+	const float t214 = RNEA_FMA(s13, t210, c13*t211);
+	const float a13y = RNEA_FMA(c13, t212, s13*t213);
+	const float a13z = RNEA_FMA(t212, -s13, c13*t213);
+	const float t215 = w13y*w13z;
+	const float t216 = w13z*w13x;
+	const float t217 = w13x*w13x;
+	const float t218 = w13y*w13x;
 	const float f13x = 3.899f*a13x;
 	const float f13y = 3.899f*a13y;
 	const float f13z = 3.899f*a13z;
 	const float n13x = 0.00319f*dw13x;
-	const float n13y = RNEA_FMA(-0.00264f, t224, 0.00583f*dw13y);
-	const float n13z = RNEA_FMA(0.00583f, dw13z, 0.00264f*t226);
+	const float n13y = RNEA_FMA(-0.00264f, t216, 0.00583f*dw13y);
+	const float n13z = RNEA_FMA(0.00583f, dw13z, 0.00264f*t218);
 	v[72*stride] = v13x;
 	v[73*stride] = v13y;
-	v[74*stride] = -t222;
+	v[74*stride] = -t214;
 	v[75*stride] = w13x;
 	v[76*stride] = w13y;
 	v[77*stride] = w13z;
-	a[72*stride] = a13x + RNEA_FMA(w13y, t222, w13z*v13y);
-	a[73*stride] = a13y - RNEA_FMA(v13x, w13z, w13x*t222);
+	a[72*stride] = a13x + RNEA_FMA(w13y, t214, w13z*v13y);
+	a[73*stride] = a13y - RNEA_FMA(v13x, w13z, w13x*t214);
 	a[74*stride] = a13z - RNEA_FMA(w13y, -v13x, w13x*v13y);
 	a[75*stride] = dw13x;
 	a[76*stride] = dw13y;
@@ -2330,34 +2247,34 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	all_small &= rneagen_sincosf_either(q14, small, &s14, &c14);
 	const float qd14 = qd[13*stride];
 	const float qdd14 = qdd[13*stride];
-	const float t227 = v13x + RNEA_FMA(-0.016f, w13y, 0.187f*w13z);
+	const float t219 = v13x + RNEA_FMA(-0.016f, w13y, 0.187f*w13z);
 	const float v14y = RNEA_FMA(0.016f, w13x, v13y);
-	const float t228 = RNEA_FMA(0.187f, w13x, t222);
-	const float t229 = a13x - RNEA_FMA(0.016f, dw13y + t224, 0.187f*(t226 - dw13z));
-	const float a14y = a13y + RNEA_FMA(-0.016f, t223 - dw13x, 0.187f*RNEA_FMA(w13z, w13z, t225));
-	const float t230 = a13z + RNEA_FMA(-0.187f, dw13x + t223, 0.016f*RNEA_FMA(w13y, w13y, t225));
+	const float t220 = RNEA_FMA(0.187f, w13x, t214);
+	const float t221 = a13x - RNEA_FMA(0.016f, dw13y + t216, 0.187f*(t218 - dw13z));
+	const float a14y = a13y + RNEA_FMA(-0.016f, t215 - dw13x, 0.187f*RNEA_FMA(w13z, w13z, t217));
+	const float t222 = a13z + RNEA_FMA(-0.187f, dw13x + t215, 0.016f*RNEA_FMA(w13y, w13y, t217));
 	const float w14z = RNEA_FMA(w13z, c14, w13x*s14);
 	const float w14x = RNEA_FMA(s14, -w13z, w13x*c14);
 	const float w14y = w13y + qd14;
 	const float dw14x = RNEA_FMA(w14z, -qd14, RNEA_FMA(s14, -dw13z, dw13x*c14));
 	const float dw14y = dw13y + qdd14;
 	const float dw14z = RNEA_FMA(qd14, w14x, RNEA_FMA(dw13z, c14, dw13x*s14));
-	const float v14z = RNEA_FMA(t228, -c14, s14*t227);
-	const float v14x = RNEA_FMA(s14, t228, c14*t227);
-	const float a14z = RNEA_FMA(c14, t230, s14*t229);
-	const float a14x = RNEA_FMA(t230, -s14, c14*t229);
-	const float t231 = w14z*w14y;
-	const float t232 = dw14x + t231;
-	const float t233 = w14x*w14x;
-	const float t234 = RNEA_FMA(w14z, w14z, t233);
-	const float t235 = w14x*w14y;
-	const float t236 = t235 - dw14z;
-	const float f14x = RNEA_FMA(4.386f, a14x, 0.28509f*t236);
-	const float f14y = RNEA_FMA(-0.28509f, t234, 4.386f*a14y);
-	const float f14z = RNEA_FMA(4.386f, a14z, 0.28509f*t232);
+	const float v14z = RNEA_FMA(t220, -c14, s14*t219);
+	const float v14x = RNEA_FMA(s14, t220, c14*t219);
+	const float a14z = RNEA_FMA(c14, t222, s14*t221);
+	const float a14x = RNEA_FMA(t222, -s14, c14*t221);
+	const float t223 = w14z*w14y;
+	const float t224 = dw14x + t223;
+	const float t225 = w14x*w14x;
+	const float t226 = RNEA_FMA(w14z, w14z, t225);
+	const float t227 = w14x*w14y;
+	const float t228 = t227 - dw14z;
+	const float f14x = RNEA_FMA(4.386f, a14x, 0.28509f*t228);
+	const float f14y = RNEA_FMA(-0.28509f, t226, 4.386f*a14y);
+	const float f14z = RNEA_FMA(4.386f, a14z, 0.28509f*t224);
 	const float n14y = 0.00358f*dw14y;
-	const float n14x = RNEA_FMA(0.28509f, a14z, RNEA_FMA(0.02509085f, dw14x, 0.02151085f*t231));
-	const float n14z = RNEA_FMA(-0.28509f, a14x, RNEA_FMA(-0.02151085f, t235, 0.02509085f*dw14z));
+	const float n14x = RNEA_FMA(0.28509f, a14z, RNEA_FMA(0.02509085f, dw14x, 0.02151085f*t223));
+	const float n14z = RNEA_FMA(-0.28509f, a14x, RNEA_FMA(-0.02151085f, t227, 0.02509085f*dw14z));
 	v[78*stride] = v14x;
 	v[79*stride] = v14y;
 	v[80*stride] = v14z;
@@ -2384,31 +2301,31 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float qd15 = qd[14*stride];
 	const float qdd15 = qdd[14*stride];
 	const float v15x = v14x + RNEA_FMA(0.0092f, w14y, 0.119f*w14z);
-	const float t237 = RNEA_FMA(-0.0092f, w14x, v14y);
-	const float t238 = RNEA_FMA(-0.119f, w14x, v14z);
-	const float a15x = a14x + RNEA_FMA(-0.119f, t236, 0.0092f*RNEA_FMA(w14z, w14x, dw14y));
-	const float t239 = a14y + RNEA_FMA(0.0092f, t231 - dw14x, 0.119f*t234);
-	const float t240 = a14z - RNEA_FMA(0.0092f, RNEA_FMA(w14y, w14y, t233), 0.119f*t232);
+	const float t229 = RNEA_FMA(-0.0092f, w14x, v14y);
+	const float t230 = RNEA_FMA(-0.119f, w14x, v14z);
+	const float a15x = a14x + RNEA_FMA(-0.119f, t228, 0.0092f*RNEA_FMA(w14z, w14x, dw14y));
+	const float t231 = a14y + RNEA_FMA(0.0092f, t223 - dw14x, 0.119f*t226);
+	const float t232 = a14z - RNEA_FMA(0.0092f, RNEA_FMA(w14y, w14y, t225), 0.119f*t224);
 	const float w15y = RNEA_FMA(w14y, c15, w14z*s15);
 	const float w15z = RNEA_FMA(-w14y, s15, w14z*c15);
 	const float w15x = w14x + qd15;
 	const float dw15x = dw14x + qdd15;
 	const float dw15y = RNEA_FMA(qd15, w15z, RNEA_FMA(dw14y, c15, dw14z*s15));
 	const float dw15z = RNEA_FMA(w15y, -qd15, RNEA_FMA(s15, -dw14y, dw14z*c15));
-	const float v15y = RNEA_FMA(c15, t237, s15*t238);
-	const float v15z = RNEA_FMA(t237, -s15, c15*t238);
-	const float a15y = RNEA_FMA(c15, t239, s15*t240);
-	const float a15z = RNEA_FMA(t239, -s15, c15*t240);
-	const float t241 = w15y*w15z;
-	const float t242 = w15z*w15x;
-	const float t243 = w15x*w15x;
-	const float t244 = w15y*w15x;
+	const float v15y = RNEA_FMA(c15, t229, s15*t230);
+	const float v15z = RNEA_FMA(t229, -s15, c15*t230);
+	const float a15y = RNEA_FMA(c15, t231, s15*t232);
+	const float a15z = RNEA_FMA(t231, -s15, c15*t232);
+	const float t233 = w15y*w15z;
+	const float t234 = w15z*w15x;
+	const float t235 = w15x*w15x;
+	const float t236 = w15y*w15x;
 	const float f15x = 3.248f*a15x;
 	const float f15y = 3.248f*a15y;
 	const float f15z = 3.248f*a15z;
 	const float n15x = 0.00265f*dw15x;
-	const float n15y = RNEA_FMA(-0.00181f, t242, 0.00446f*dw15y);
-	const float n15z = RNEA_FMA(0.00446f, dw15z, 0.00181f*t244);
+	const float n15y = RNEA_FMA(-0.00181f, t234, 0.00446f*dw15y);
+	const float n15z = RNEA_FMA(0.00446f, dw15z, 0.00181f*t236);
 	v[84*stride] = v15x;
 	v[85*stride] = v15y;
 	v[86*stride] = v15z;
@@ -2434,52 +2351,43 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	all_small &= rneagen_sincosf_either(q16, small, &s16, &c16);
 	const float qd16 = qd[15*stride];
 	const float qdd16 = qdd[15*stride];
-	const float t245 = v15x + RNEA_FMA(-0.00921f, w15y, 0.29955f*w15z);
+	const float t237 = v15x + RNEA_FMA(-0.00921f, w15y, 0.29955f*w15z);
 	const float v16y = RNEA_FMA(0.00921f, w15x, v15y);
-	const float t246 = RNEA_FMA(-0.29955f, w15x, v15z);
-	const float t247 = a15x - RNEA_FMA(0.00921f, dw15y + t242, 0.29955f*(t244 - dw15z));
-	const float a16y = a15y + RNEA_FMA(-0.00921f, t241 - dw15x, 0.29955f*RNEA_FMA(w15z, w15z, t243));
-	const float t248 = a15z + RNEA_FMA(-0.29955f, dw15x + t241, 0.00921f*RNEA_FMA(w15y, w15y, t243));
+	const float t238 = RNEA_FMA(-0.29955f, w15x, v15z);
+	const float t239 = a15x - RNEA_FMA(0.00921f, dw15y + t234, 0.29955f*(t236 - dw15z));
+	const float a16y = a15y + RNEA_FMA(-0.00921f, t233 - dw15x, 0.29955f*RNEA_FMA(w15z, w15z, t235));
+	const float t240 = a15z + RNEA_FMA(-0.29955f, dw15x + t233, 0.00921f*RNEA_FMA(w15y, w15y, t235));
 	const float w16z = RNEA_FMA(w15z, c16, w15x*s16);
 	const float w16x = RNEA_FMA(-w15z, s16, w15x*c16);
 	const float w16y = w15y + qd16;
 	const float dw16x = RNEA_FMA(w16z, -qd16, RNEA_FMA(s16, -dw15z, dw15x*c16));
 	const float dw16y = dw15y + qdd16;
 	const float dw16z = RNEA_FMA(qd16, w16x, RNEA_FMA(dw15z, c16, dw15x*s16));
-	const float v16z = RNEA_FMA(c16, t246, s16*t245);
-	const float v16x = RNEA_FMA(t246, -s16, c16*t245);
-	const float a16z = RNEA_FMA(c16, t248, s16*t247);
-	const float a16x = RNEA_FMA(t248, -s16, c16*t247);
-	const float t249 = w16z*w16y;
-	const float t250 = w16z*w16z;
-	const float t251 = w16y*w16y;
-	const float t252 = t249 - dw16x;
-	const float t253 = dw16x + t249;
-	const float t254 = w16z*w16x;
-	const float t255 = w16x*w16x;
-	const float t256 = t254 - dw16y;
-	const float t257 = dw16y + t254;
-	const float t258 = w16x*w16y;
-	const float t259 = t258 - dw16z;
-	const float t260 = dw16z + t258;
-	const float f16x = RNEA_FMA(2.4798f, a16x, RNEA_FMA(0.000917526f, t257, RNEA_FMA(-0.00037197f,
-		t250 + t251, 0.20572421f*t259)));
-	const float f16y = RNEA_FMA(2.4798f, a16y, RNEA_FMA(0.000917526f, t252, RNEA_FMA(-0.20572421f,
-		t250 + t255, 0.00037197f*t260)));
-	const float f16z = RNEA_FMA(2.4798f, a16z, RNEA_FMA(-0.000917526f, t251 + t255, RNEA_FMA(0.20572421f,
-		t253, 0.00037197f*t256)));
-	const float t261 = RNEA_FMA(-1.376289e-07f, t260, RNEA_FMA(3.085863e-05f, t256, RNEA_FMA(0.029798219f,
-		dw16x, 0.026157541f*t249)));
-	const float t262 = RNEA_FMA(-3.085863e-05f, t253, RNEA_FMA(7.6117954e-05f, t259, RNEA_FMA(0.0028573952f,
-		dw16y, 0.0007832837f*t254)));
-	const float t263 = RNEA_FMA(-7.6117954e-05f, t257, RNEA_FMA(1.376289e-07f, t252, RNEA_FMA(-0.026940824f,
-		t258, 0.029014936f*dw16z)));
-	const float n16x = RNEA_FMA(-0.000917526f, a16y, 0.20572421f*a16z) + RNEA_FMA(-7.6117954e-05f,
-		t251 - t250, t261);
-	const float n16y = RNEA_FMA(-0.00037197f, a16z, 0.000917526f*a16x) + RNEA_FMA(-1.376289e-07f,
-		t250 - t255, t262);
-	const float n16z = RNEA_FMA(-0.20572421f, a16x, 0.00037197f*a16y) + RNEA_FMA(-3.085863e-05f, t255 - t251,
-		t263);
+	const float v16z = RNEA_FMA(c16, t238, s16*t237);
+	const float v16x = RNEA_FMA(t238, -s16, c16*t237);
+	const float a16z = RNEA_FMA(c16, t240, s16*t239);
+	const float a16x = RNEA_FMA(t240, -s16, c16*t239);
+	const float t241 = w16z*w16y;
+	const float t242 = w16z*w16z;
+	const float t243 = w16y*w16y;
+	const float t244 = w16z*w16x;
+	const float t245 = w16x*w16x;
+	const float t246 = w16x*w16y;
+	const float t247 = RNEA_FMA(-0.00015f, t242 + t243, 0.08296f*(t246 - dw16z));
+	const float t248 = RNEA_FMA(-0.08296f, t242 + t245, 0.00015f*(dw16z + t246));
+	const float t249 = RNEA_FMA(0.08296f, dw16x + t241, 0.00015f*(t244 - dw16y));
+	const float t250 = a16x + RNEA_FMA(0.00037f, dw16y + t244, t247);
+	const float t251 = a16y + RNEA_FMA(0.00037f, t241 - dw16x, t248);
+	const float t252 = a16z + RNEA_FMA(-0.00037f, t243 + t245, t249);
+	const float f16x = 2.4798f*t250;
+	const float f16y = 2.4798f*t251;
+	const float f16z = 2.4798f*t252;
+	const float n16x = RNEA_FMA(-0.000917526f, t251, 0.20572421f*t252) + RNEA_FMA(0.012731f, dw16x,
+		0.009091f*t241);
+	const float n16y = RNEA_FMA(-0.00037197f, t252, 0.000917526f*t250) + RNEA_FMA(0.002857f, dw16y,
+		0.000783f*t244);
+	const float n16z = RNEA_FMA(-0.20572421f, t250, 0.00037197f*t251) + RNEA_FMA(-0.009874f, t246,
+		0.011948f*dw16z);
 	v[90*stride] = v16x;
 	v[91*stride] = v16y;
 	v[92*stride] = v16z;
@@ -2515,35 +2423,25 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float v17z = RNEA_FMA(-v16y, s17, v16z*c17);
 	const float a17y = RNEA_FMA(a16y, c17, a16z*s17);
 	const float a17z = RNEA_FMA(s17, -a16y, a16z*c17);
-	const float t264 = w17y*w17z;
-	const float t265 = w17z*w17z;
-	const float t266 = w17y*w17y;
-	const float t267 = t264 - dw17x;
-	const float t268 = dw17x + t264;
-	const float t269 = w17z*w17x;
-	const float t270 = w17x*w17x;
-	const float t271 = t269 - dw17y;
-	const float t272 = dw17y + t269;
-	const float t273 = w17y*w17x;
-	const float t274 = t273 - dw17z;
-	const float t275 = dw17z + t273;
-	const float t276 = RNEA_FMA(0.00105624f, t272, -RNEA_FMA(0.0162972f, t274, 0.00011016f*(t265 + t266)));
-	const float f17x = RNEA_FMA(0.648f, a16x, t276);
-	const float f17y = RNEA_FMA(0.648f, a17y, RNEA_FMA(0.00105624f, t267, RNEA_FMA(0.0162972f, t265 + t270,
-		0.00011016f*t275)));
-	const float f17z = RNEA_FMA(0.648f, a17z, RNEA_FMA(-0.00105624f, t266 + t270, RNEA_FMA(-0.0162972f,
-		t268, 0.00011016f*t271)));
-	const float t277 = RNEA_FMA(-1.795608e-07f, t275, RNEA_FMA(-2.770524e-06f, t271, RNEA_FMA(0.0011755963f,
-		dw17x, 0.0008041529f*t264)));
-	const float t278 = RNEA_FMA(2.770524e-06f, t268, RNEA_FMA(-2.6564436e-05f, t274, RNEA_FMA(-5.9297057e-05f,
-		t269, 0.0004307404f*dw17y)));
-	const float t279 = RNEA_FMA(2.6564436e-05f, t272, RNEA_FMA(1.795608e-07f, t267, RNEA_FMA(-0.00074485585f,
-		t273, 0.0012348933f*dw17z)));
-	const float n17x = RNEA_FMA(2.6564436e-05f, t266 - t265, t277) - RNEA_FMA(0.0162972f, a17z, 0.00105624f*a17y);
-	const float n17y = RNEA_FMA(-0.00011016f, a17z, 0.00105624f*a16x) + RNEA_FMA(-1.795608e-07f, t265 - t270,
-		t278);
-	const float n17z = RNEA_FMA(0.00011016f, a17y, 0.0162972f*a16x) + RNEA_FMA(2.770524e-06f, t270 - t266,
-		t279);
+	const float t253 = w17y*w17z;
+	const float t254 = w17z*w17z;
+	const float t255 = w17y*w17y;
+	const float t256 = w17z*w17x;
+	const float t257 = w17x*w17x;
+	const float t258 = w17y*w17x;
+	const float t259 = -RNEA_FMA(0.02515f, t258 - dw17z, 0.00017f*(t254 + t255));
+	const float t260 = RNEA_FMA(0.02515f, t254 + t257, 0.00017f*(dw17z + t258));
+	const float t261 = RNEA_FMA(-0.02515f, dw17x + t253, 0.00017f*(t256 - dw17y));
+	const float t262 = a16x + RNEA_FMA(0.00163f, dw17y + t256, t259);
+	const float t263 = a17y + RNEA_FMA(0.00163f, t253 - dw17x, t260);
+	const float t264 = a17z + RNEA_FMA(-0.00163f, t255 + t257, t261);
+	const float f17x = 0.648f*t262;
+	const float f17y = 0.648f*t263;
+	const float f17z = 0.648f*t264;
+	const float n17x = RNEA_FMA(0.000764f, dw17x, 0.000396f*t253) - RNEA_FMA(0.0162972f, t264, 0.00105624f*t263);
+	const float n17y = RNEA_FMA(-0.00011016f, t264, 0.00105624f*t262) + RNEA_FMA(-6.1e-05f, t256,
+		0.000429f*dw17y);
+	const float n17z = RNEA_FMA(0.00011016f, t263, 0.0162972f*t262) + RNEA_FMA(-0.000335f, t258, 0.000825f*dw17z);
 	v[96*stride] = v16x;
 	v[97*stride] = v17y;
 	v[98*stride] = v17z;
@@ -2579,35 +2477,35 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float v18x = RNEA_FMA(s18, -v17z, v16x*c18);
 	const float a18z = RNEA_FMA(a17z, c18, a16x*s18);
 	const float a18x = RNEA_FMA(s18, -a17z, a16x*c18);
-	const float t280 = w18z*w18y;
-	const float t281 = w18z*w18z;
-	const float t282 = w18y*w18y;
-	const float t283 = t280 - dw18x;
-	const float t284 = dw18x + t280;
-	const float t285 = w18z*w18x;
-	const float t286 = w18x*w18x;
-	const float t287 = t285 - dw18y;
-	const float t288 = dw18y + t285;
-	const float t289 = w18x*w18y;
-	const float t290 = t289 - dw18z;
-	const float t291 = dw18z + t289;
-	const float t292 = RNEA_FMA(1.1678e-05f, t288, -RNEA_FMA(0.0600904f, t290, 9.3424e-05f*(t281 + t282)));
-	const float f18x = RNEA_FMA(0.6839f, a18x, t292);
-	const float f18y = RNEA_FMA(0.6839f, a17y, RNEA_FMA(1.1678e-05f, t283, RNEA_FMA(0.0600904f, t281 + t286,
-		9.3424e-05f*t291)));
-	const float f18z = RNEA_FMA(0.6839f, a18z, RNEA_FMA(-1.1678e-05f, t282 + t286, RNEA_FMA(-0.0600904f,
-		t284, 9.3424e-05f*t287)));
-	const float t293 = RNEA_FMA(-1.86848e-09f, t291, RNEA_FMA(-7.622464e-06f, t287, RNEA_FMA(0.0058350055f,
-		dw18x, 0.005339005f*t280)));
-	const float t294 = RNEA_FMA(7.622464e-06f, t284, RNEA_FMA(-9.52808e-07f, t290, RNEA_FMA(0.00048701518f,
-		dw18y, 8.985286e-06f*t285)));
-	const float t295 = RNEA_FMA(9.52808e-07f, t288, RNEA_FMA(1.86848e-09f, t283, RNEA_FMA(-0.0053479904f,
-		t289, 0.00582602f*dw18z)));
-	const float n18x = RNEA_FMA(9.52808e-07f, t282 - t281, t293) - RNEA_FMA(0.0600904f, a18z, 1.1678e-05f*a17y);
-	const float n18y = RNEA_FMA(-9.3424e-05f, a18z, 1.1678e-05f*a18x) + RNEA_FMA(-1.86848e-09f, t281 - t286,
-		t294);
-	const float n18z = RNEA_FMA(9.3424e-05f, a17y, 0.0600904f*a18x) + RNEA_FMA(7.622464e-06f, t286 - t282,
-		t295);
+	const float t265 = w18z*w18y;
+	const float t266 = w18z*w18z;
+	const float t267 = w18y*w18y;
+	const float t268 = t265 - dw18x;
+	const float t269 = dw18x + t265;
+	const float t270 = w18z*w18x;
+	const float t271 = w18x*w18x;
+	const float t272 = t270 - dw18y;
+	const float t273 = dw18y + t270;
+	const float t274 = w18x*w18y;
+	const float t275 = t274 - dw18z;
+	const float t276 = dw18z + t274;
+	const float t277 = RNEA_FMA(1.1678e-05f, t273, -RNEA_FMA(0.0600904f, t275, 9.3424e-05f*(t266 + t267)));
+	const float f18x = RNEA_FMA(0.6839f, a18x, t277);
+	const float f18y = RNEA_FMA(0.6839f, a17y, RNEA_FMA(1.1678e-05f, t268, RNEA_FMA(0.0600904f, t266 + t271,
+		9.3424e-05f*t276)));
+	const float f18z = RNEA_FMA(0.6839f, a18z, RNEA_FMA(-1.1678e-05f, t267 + t271, RNEA_FMA(-0.0600904f,
+		t269, 9.3424e-05f*t272)));
+	const float t278 = RNEA_FMA(-1.86848e-09f, t276, RNEA_FMA(-7.622464e-06f, t272, RNEA_FMA(0.0058350055f,
+		dw18x, 0.005339005f*t265)));
+	const float t279 = RNEA_FMA(7.622464e-06f, t269, RNEA_FMA(-9.52808e-07f, t275, RNEA_FMA(0.00048701518f,
+		dw18y, 8.985286e-06f*t270)));
+	const float t280 = RNEA_FMA(9.52808e-07f, t273, RNEA_FMA(1.86848e-09f, t268, RNEA_FMA(-0.0053479904f,
+		t274, 0.00582602f*dw18z)));
+	const float n18x = RNEA_FMA(9.52808e-07f, t267 - t266, t278) - RNEA_FMA(0.0600904f, a18z, 1.1678e-05f*a17y);
+	const float n18y = RNEA_FMA(-9.3424e-05f, a18z, 1.1678e-05f*a18x) + RNEA_FMA(-1.86848e-09f, t266 - t271,
+		t279);
+	const float n18z = RNEA_FMA(9.3424e-05f, a17y, 0.0600904f*a18x) + RNEA_FMA(7.622464e-06f, t271 - t267,
+		t280);
 	v[102*stride] = v18x;
 	v[103*stride] = v17y;
 	v[104*stride] = v18z;
@@ -2630,12 +2528,12 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 19 "l_uglut" (fpass) ---- */
 	const float qd19 = qd[18*stride];
 	const float qdd19 = qdd[18*stride];
-	const float t296 = qd19*qd19;
-	const float f19x = RNEA_FMA(-0.010368243f, t296, 0.0067533f*qdd19);
-	const float f19y = RNEA_FMA(0.0067533f, t296, 0.010368243f*qdd19);
+	const float t281 = qd19*qd19;
+	const float f19x = RNEA_FMA(-0.010368243f, t281, 0.0067533f*qdd19);
+	const float f19y = RNEA_FMA(0.0067533f, t281, 0.010368243f*qdd19);
 	const float n19z = 0.00049057597f*qdd19;
-	const float n19x = -0.06624987f - RNEA_FMA(2.11082e-05f, t296, 6.041227e-05f*qdd19);
-	const float n19y = RNEA_FMA(-6.041227e-05f, t296, 2.11082e-05f*qdd19) - 0.10171246f;
+	const float n19x = -0.06624987f - RNEA_FMA(2.11082e-05f, t281, 6.041227e-05f*qdd19);
+	const float n19y = RNEA_FMA(-6.041227e-05f, t281, 2.11082e-05f*qdd19) - 0.10171246f;
 	v[108*stride] = 0.0f;
 	v[109*stride] = 0.0f;
 	v[110*stride] = 0.0f;
@@ -2663,40 +2561,40 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float qdd20 = qdd[19*stride];
 	const float w20y = qd19*s20;
 	const float w20z = qd19*c20;
-	const float t297 = qd20*w20z;
-	const float t298 = qd20*w20y;
-	const float dw20y = RNEA_FMA(qdd19, s20, t297);
-	const float dw20z = RNEA_FMA(qdd19, c20, -t298);
+	const float t282 = qd20*w20z;
+	const float t283 = qd20*w20y;
+	const float dw20y = RNEA_FMA(qdd19, s20, t282);
+	const float dw20z = RNEA_FMA(qdd19, c20, -t283);
 	const float a20y = 9.81f*s20;
 	const float a20z = 9.81f*c20;
-	const float t299 = w20y*w20z;
-	const float t300 = w20z*w20z;
-	const float t301 = w20y*w20y;
-	const float t302 = t300 + t301;
-	const float t303 = t299 - qdd20;
-	const float t304 = qdd20 + t299;
-	const float t305 = qd20*qd20;
-	const float t306 = t300 + t305;
-	const float t307 = t297 - dw20y;
-	const float t308 = t297 + dw20y;
-	const float t309 = t301 + t305;
-	const float t310 = t298 - dw20z;
-	const float t311 = t298 + dw20z;
-	const float f20x = RNEA_FMA(-0.028022269f, t308, RNEA_FMA(-0.011974022f, t302, 0.015309463f*t310));
-	const float f20y = RNEA_FMA(8.80938f, s20, RNEA_FMA(-0.028022269f, t303, RNEA_FMA(-0.015309463f,
-		t306, 0.011974022f*t311)));
-	const float f20z = RNEA_FMA(8.80938f, c20, RNEA_FMA(0.028022269f, t309, RNEA_FMA(0.015309463f,
-		t304, 0.011974022f*t307)));
-	const float t312 = RNEA_FMA(0.00037615682f, t311, RNEA_FMA(0.00022657232f, t307, RNEA_FMA(-0.0008171287f,
-		t299, 0.0018267684f*qdd20)));
-	const float t313 = RNEA_FMA(-0.00022657232f, t304, RNEA_FMA(-0.0006155969f, t310, RNEA_FMA(0.0023026634f,
-		dw20y, 0.0003412337f*t297)));
-	const float t314 = RNEA_FMA(0.0006155969f, t308, RNEA_FMA(-0.00037615682f, t303, RNEA_FMA(0.0014855347f,
-		dw20z, 0.00047589495f*t298)));
-	const float n20x = RNEA_FMA(0.15018584f, c20, 0.27489847f*s20) + RNEA_FMA(0.0006155969f, t301 - t300,
-		t312);
-	const float n20y = RNEA_FMA(-0.11746515f, c20, RNEA_FMA(0.00037615682f, t300 - t305, t313));
-	const float n20z = RNEA_FMA(0.11746515f, s20, RNEA_FMA(-0.00022657232f, t305 - t301, t314));
+	const float t284 = w20y*w20z;
+	const float t285 = w20z*w20z;
+	const float t286 = w20y*w20y;
+	const float t287 = t285 + t286;
+	const float t288 = t284 - qdd20;
+	const float t289 = qdd20 + t284;
+	const float t290 = qd20*qd20;
+	const float t291 = t285 + t290;
+	const float t292 = t282 - dw20y;
+	const float t293 = t282 + dw20y;
+	const float t294 = t286 + t290;
+	const float t295 = t283 - dw20z;
+	const float t296 = t283 + dw20z;
+	const float f20x = RNEA_FMA(-0.028022269f, t293, RNEA_FMA(-0.011974022f, t287, 0.015309463f*t295));
+	const float f20y = RNEA_FMA(8.80938f, s20, RNEA_FMA(-0.028022269f, t288, RNEA_FMA(-0.015309463f,
+		t291, 0.011974022f*t296)));
+	const float f20z = RNEA_FMA(8.80938f, c20, RNEA_FMA(0.028022269f, t294, RNEA_FMA(0.015309463f,
+		t289, 0.011974022f*t292)));
+	const float t297 = RNEA_FMA(0.00037615682f, t296, RNEA_FMA(0.00022657232f, t292, RNEA_FMA(-0.0008171287f,
+		t284, 0.0018267684f*qdd20)));
+	const float t298 = RNEA_FMA(-0.00022657232f, t289, RNEA_FMA(-0.0006155969f, t295, RNEA_FMA(0.0023026634f,
+		dw20y, 0.0003412337f*t282)));
+	const float t299 = RNEA_FMA(0.0006155969f, t293, RNEA_FMA(-0.00037615682f, t288, RNEA_FMA(0.0014855347f,
+		dw20z, 0.00047589495f*t283)));
+	const float n20x = RNEA_FMA(0.15018584f, c20, 0.27489847f*s20) + RNEA_FMA(0.0006155969f, t286 - t285,
+		t297);
+	const float n20y = RNEA_FMA(-0.11746515f, c20, RNEA_FMA(0.00037615682f, t285 - t290, t298));
+	const float n20z = RNEA_FMA(0.11746515f, s20, RNEA_FMA(-0.00022657232f, t290 - t286, t299));
 	v[114*stride] = 0.0f;
 	v[115*stride] = 0.0f;
 	v[116*stride] = 0.0f;
@@ -2722,43 +2620,43 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	all_small &= rneagen_sincosf_either(q21, small, &s21, &c21);
 	const float qd21 = qd[20*stride];
 	const float qdd21 = qdd[20*stride];
-	const float t315 = RNEA_FMA(0.066f, w20y, 0.0225f*w20z);
+	const float t300 = RNEA_FMA(0.066f, w20y, 0.0225f*w20z);
 	const float v21y = RNEA_FMA(0.05f, w20z, 0.066f*qd20);
-	const float t316 = RNEA_FMA(-0.05f, w20y, 0.0225f*qd20);
-	const float t317 = RNEA_FMA(-0.066f, t308, RNEA_FMA(-0.05f, t302, 0.0225f*t310));
-	const float a21y = a20y + RNEA_FMA(-0.066f, t303, RNEA_FMA(-0.0225f, t306, 0.05f*t311));
-	const float t318 = a20z + RNEA_FMA(0.066f, t309, RNEA_FMA(0.0225f, t304, 0.05f*t307));
+	const float t301 = RNEA_FMA(-0.05f, w20y, 0.0225f*qd20);
+	const float t302 = RNEA_FMA(-0.066f, t293, RNEA_FMA(-0.05f, t287, 0.0225f*t295));
+	const float a21y = a20y + RNEA_FMA(-0.066f, t288, RNEA_FMA(-0.0225f, t291, 0.05f*t296));
+	const float t303 = a20z + RNEA_FMA(0.066f, t294, RNEA_FMA(0.0225f, t289, 0.05f*t292));
 	const float w21z = RNEA_FMA(w20z, c21, qd20*s21);
 	const float w21x = RNEA_FMA(s21, -w20z, qd20*c21);
 	const float w21y = w20y + qd21;
 	const float dw21x = RNEA_FMA(w21z, -qd21, RNEA_FMA(s21, -dw20z, qdd20*c21));
 	const float dw21y = dw20y + qdd21;
 	const float dw21z = RNEA_FMA(qd21, w21x, RNEA_FMA(dw20z, c21, qdd20*s21));
-	const float v21z = RNEA_FMA(t315, -s21, c21*t316);
-	const float t319 = RNEA_FMA(s21, t316, c21*t315);
-	const float a21z = RNEA_FMA(c21, t318, s21*t317);
-	const float a21x = RNEA_FMA(t318, -s21, c21*t317);
-	const float t320 = w21z*w21y;
-	const float t321 = w21y*w21y;
-	const float t322 = t320 - dw21x;
-	const float t323 = w21z*w21x;
-	const float t324 = dw21y + t323;
-	const float t325 = RNEA_FMA(w21x, w21x, t321);
-	const float f21x = RNEA_FMA(-1.72284f, t324, 8.204f*a21x);
-	const float f21y = RNEA_FMA(-1.72284f, t322, 8.204f*a21y);
-	const float f21z = RNEA_FMA(8.204f, a21z, 1.72284f*t325);
+	const float v21z = RNEA_FMA(t300, -s21, c21*t301);
+	const float t304 = RNEA_FMA(s21, t301, c21*t300);
+	const float a21z = RNEA_FMA(c21, t303, s21*t302);
+	const float a21x = RNEA_FMA(t303, -s21, c21*t302);
+	const float t305 = w21z*w21y;
+	const float t306 = w21y*w21y;
+	const float t307 = t305 - dw21x;
+	const float t308 = w21z*w21x;
+	const float t309 = dw21y + t308;
+	const float t310 = RNEA_FMA(w21x, w21x, t306);
+	const float f21x = RNEA_FMA(-1.72284f, t309, 8.204f*a21x);
+	const float f21y = RNEA_FMA(-1.72284f, t307, 8.204f*a21y);
+	const float f21z = RNEA_FMA(8.204f, a21z, 1.72284f*t310);
 	const float n21z = 0.02f*dw21z;
-	const float n21x = RNEA_FMA(1.72284f, a21y, RNEA_FMA(-0.4317964f, t320, 0.4517964f*dw21x));
-	const float n21y = RNEA_FMA(-1.72284f, a21x, RNEA_FMA(0.4517964f, dw21y, 0.4317964f*t323));
-	v[120*stride] = -t319;
+	const float n21x = RNEA_FMA(1.72284f, a21y, RNEA_FMA(-0.4317964f, t305, 0.4517964f*dw21x));
+	const float n21y = RNEA_FMA(-1.72284f, a21x, RNEA_FMA(0.4517964f, dw21y, 0.4317964f*t308));
+	v[120*stride] = -t304;
 	v[121*stride] = v21y;
 	v[122*stride] = v21z;
 	v[123*stride] = w21x;
 	v[124*stride] = w21y;
 	v[125*stride] = w21z;
 	a[120*stride] = a21x - RNEA_FMA(w21z, -v21y, w21y*v21z);
-	a[121*stride] = a21y + RNEA_FMA(w21z, t319, w21x*v21z);
-	a[122*stride] = a21z - RNEA_FMA(v21y, w21x, w21y*t319);
+	a[121*stride] = a21y + RNEA_FMA(w21z, t304, w21x*v21z);
+	a[122*stride] = a21z - RNEA_FMA(v21y, w21x, w21y*t304);
 	a[123*stride] = dw21x;
 	a[124*stride] = dw21y;
 	a[125*stride] = dw21z;
@@ -2775,50 +2673,50 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	all_small &= rneagen_sincosf_either(q22, small, &s22, &c22);
 	const float qd22 = qd[21*stride];
 	const float qdd22 = qdd[21*stride];
-	const float t326 = RNEA_FMA(0.374f, w21y, t319);
+	const float t311 = RNEA_FMA(0.374f, w21y, t304);
 	const float v22y = v21y + RNEA_FMA(-0.05f, w21z, 0.374f*w21x);
-	const float t327 = RNEA_FMA(0.05f, w21y, v21z);
-	const float t328 = a21x + RNEA_FMA(-0.374f, t324, 0.05f*RNEA_FMA(w21z, w21z, t321));
-	const float a22y = a21y - RNEA_FMA(0.374f, t322, 0.05f*RNEA_FMA(w21x, w21y, dw21z));
-	const float t329 = a21z + RNEA_FMA(-0.05f, t323 - dw21y, 0.374f*t325);
+	const float t312 = RNEA_FMA(0.05f, w21y, v21z);
+	const float t313 = a21x + RNEA_FMA(-0.374f, t309, 0.05f*RNEA_FMA(w21z, w21z, t306));
+	const float a22y = a21y - RNEA_FMA(0.374f, t307, 0.05f*RNEA_FMA(w21x, w21y, dw21z));
+	const float t314 = a21z + RNEA_FMA(-0.05f, t308 - dw21y, 0.374f*t310);
 	const float w22z = RNEA_FMA(w21z, c22, w21x*s22);
 	const float w22x = RNEA_FMA(s22, -w21z, w21x*c22);
 	const float w22y = w21y + qd22;
 	const float dw22x = RNEA_FMA(w22z, -qd22, RNEA_FMA(s22, -dw21z, dw21x*c22));
 	const float dw22y = dw21y + qdd22;
 	const float dw22z = RNEA_FMA(qd22, w22x, RNEA_FMA(dw21z, c22, dw21x*s22));
-	const float v22z = RNEA_FMA(t326, -s22, c22*t327);
-	const float t330 = RNEA_FMA(s22, t327, c22*t326);
-	const float a22z = RNEA_FMA(c22, t329, s22*t328);
-	const float a22x = RNEA_FMA(t329, -s22, c22*t328);
-	const float t331 = w22z*w22y;
-	const float t332 = w22z*w22z;
-	const float t333 = w22y*w22y;
-	const float t334 = t331 - dw22x;
-	const float t335 = w22z*w22x;
-	const float t336 = w22x*w22x;
-	const float t337 = dw22y + t335;
-	const float t338 = w22x*w22y;
-	const float t339 = t333 + t336;
-	const float t340 = dw22z + t338;
-	const float f22x = RNEA_FMA(4.515f, a22x, -RNEA_FMA(0.844305f, t337, 0.004515f*(t332 + t333)));
-	const float f22y = RNEA_FMA(4.515f, a22y, RNEA_FMA(-0.844305f, t334, 0.004515f*t340));
-	const float f22z = RNEA_FMA(4.515f, a22z, RNEA_FMA(0.844305f, t339, 0.004515f*(t335 - dw22y)));
-	const float t341 = RNEA_FMA(-0.002155695f, t332 - t336, RNEA_FMA(0.23388955f, dw22y, 0.22488052f*t335));
-	const float n22x = RNEA_FMA(0.844305f, a22y, RNEA_FMA(-0.002155695f, t340, RNEA_FMA(-0.22388503f,
-		t331, 0.23488504f*dw22x)));
-	const float n22y = t341 - RNEA_FMA(0.844305f, a22x, 0.004515f*a22z);
-	const float n22z = RNEA_FMA(0.004515f, a22y, RNEA_FMA(0.002155695f, t334, RNEA_FMA(-0.000995485f,
-		t338, 0.010004515f*dw22z)));
-	v[126*stride] = -t330;
+	const float v22z = RNEA_FMA(t311, -s22, c22*t312);
+	const float t315 = RNEA_FMA(s22, t312, c22*t311);
+	const float a22z = RNEA_FMA(c22, t314, s22*t313);
+	const float a22x = RNEA_FMA(t314, -s22, c22*t313);
+	const float t316 = w22z*w22y;
+	const float t317 = w22z*w22z;
+	const float t318 = w22y*w22y;
+	const float t319 = t316 - dw22x;
+	const float t320 = w22z*w22x;
+	const float t321 = w22x*w22x;
+	const float t322 = dw22y + t320;
+	const float t323 = w22x*w22y;
+	const float t324 = t318 + t321;
+	const float t325 = dw22z + t323;
+	const float f22x = RNEA_FMA(4.515f, a22x, -RNEA_FMA(0.844305f, t322, 0.004515f*(t317 + t318)));
+	const float f22y = RNEA_FMA(4.515f, a22y, RNEA_FMA(-0.844305f, t319, 0.004515f*t325));
+	const float f22z = RNEA_FMA(4.515f, a22z, RNEA_FMA(0.844305f, t324, 0.004515f*(t320 - dw22y)));
+	const float t326 = RNEA_FMA(-0.002155695f, t317 - t321, RNEA_FMA(0.23388955f, dw22y, 0.22488052f*t320));
+	const float n22x = RNEA_FMA(0.844305f, a22y, RNEA_FMA(-0.002155695f, t325, RNEA_FMA(-0.22388503f,
+		t316, 0.23488504f*dw22x)));
+	const float n22y = t326 - RNEA_FMA(0.844305f, a22x, 0.004515f*a22z);
+	const float n22z = RNEA_FMA(0.004515f, a22y, RNEA_FMA(0.002155695f, t319, RNEA_FMA(-0.000995485f,
+		t323, 0.010004515f*dw22z)));
+	v[126*stride] = -t315;
 	v[127*stride] = v22y;
 	v[128*stride] = v22z;
 	v[129*stride] = w22x;
 	v[130*stride] = w22y;
 	v[131*stride] = w22z;
 	a[126*stride] = a22x - RNEA_FMA(w22z, -v22y, w22y*v22z);
-	a[127*stride] = a22y + RNEA_FMA(w22z, t330, w22x*v22z);
-	a[128*stride] = a22z - RNEA_FMA(v22y, w22x, w22y*t330);
+	a[127*stride] = a22y + RNEA_FMA(w22z, t315, w22x*v22z);
+	a[128*stride] = a22z - RNEA_FMA(v22y, w22x, w22y*t315);
 	a[129*stride] = dw22x;
 	a[130*stride] = dw22y;
 	a[131*stride] = dw22z;
@@ -2835,36 +2733,36 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	all_small &= rneagen_sincosf_either(q23, small, &s23, &c23);
 	const float qd23 = qd[22*stride];
 	const float qdd23 = qdd[22*stride];
-	const float t342 = RNEA_FMA(0.422f, w22y, t330);
+	const float t327 = RNEA_FMA(0.422f, w22y, t315);
 	const float v23y = RNEA_FMA(0.422f, w22x, v22y);
-	const float t343 = RNEA_FMA(-0.422f, t337, a22x);
-	const float a23y = RNEA_FMA(-0.422f, t334, a22y);
-	const float t344 = RNEA_FMA(0.422f, t339, a22z);
+	const float t328 = RNEA_FMA(-0.422f, t322, a22x);
+	const float a23y = RNEA_FMA(-0.422f, t319, a22y);
+	const float t329 = RNEA_FMA(0.422f, t324, a22z);
 	const float w23z = RNEA_FMA(w22z, c23, w22x*s23);
 	const float w23x = RNEA_FMA(s23, -w22z, w22x*c23);
 	const float w23y = w22y + qd23;
 	const float dw23x = RNEA_FMA(w23z, -qd23, RNEA_FMA(s23, -dw22z, dw22x*c23));
 	const float dw23y = dw22y + qdd23;
 	const float dw23z = RNEA_FMA(qd23, w23x, RNEA_FMA(dw22z, c23, dw22x*s23));
-	const float v23z = RNEA_FMA(t342, -s23, v22z*c23);
-	const float t345 = RNEA_FMA(v22z, s23, c23*t342);
-	const float a23z = RNEA_FMA(c23, t344, s23*t343);
-	const float a23x = RNEA_FMA(t344, -s23, c23*t343);
+	const float v23z = RNEA_FMA(t327, -s23, v22z*c23);
+	const float t330 = RNEA_FMA(v22z, s23, c23*t327);
+	const float a23z = RNEA_FMA(c23, t329, s23*t328);
+	const float a23x = RNEA_FMA(t329, -s23, c23*t328);
 	const float f23x = 0.125f*a23x;
 	const float f23y = 0.125f*a23y;
 	const float f23z = 0.125f*a23z;
 	const float n23x = RNEA_FMA(1.01674e-05f, dw23x, 4.58235e-06f*(w23z*w23y));
 	const float n23y = RNEA_FMA(-2.8427e-06f, w23z*w23x, 8.42775e-06f*dw23y);
 	const float n23z = RNEA_FMA(-1.73965e-06f, w23x*w23y, 1.30101e-05f*dw23z);
-	v[132*stride] = -t345;
+	v[132*stride] = -t330;
 	v[133*stride] = v23y;
 	v[134*stride] = v23z;
 	v[135*stride] = w23x;
 	v[136*stride] = w23y;
 	v[137*stride] = w23z;
 	a[132*stride] = a23x - RNEA_FMA(w23z, -v23y, w23y*v23z);
-	a[133*stride] = a23y + RNEA_FMA(w23z, t345, w23x*v23z);
-	a[134*stride] = a23z - RNEA_FMA(v23y, w23x, w23y*t345);
+	a[133*stride] = a23y + RNEA_FMA(w23z, t330, w23x*v23z);
+	a[134*stride] = a23z - RNEA_FMA(v23y, w23x, w23y*t330);
 	a[135*stride] = dw23x;
 	a[136*stride] = dw23y;
 	a[137*stride] = dw23z;
@@ -2891,33 +2789,28 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float v24z = RNEA_FMA(-v23y, s24, v23z*c24);
 	const float a24y = RNEA_FMA(a23y, c24, a23z*s24);
 	const float a24z = RNEA_FMA(s24, -a23y, a23z*c24);
-	const float t346 = w24y*w24z;
-	const float t347 = w24z*w24z;
-	const float t348 = w24y*w24y;
-	const float t349 = t346 - dw24x;
-	const float t350 = w24z*w24x;
-	const float t351 = w24x*w24x;
-	const float t352 = w24y*w24x;
-	const float t353 = dw24z + t352;
-	const float t354 = -RNEA_FMA(0.16147f, dw24y + t350, 0.06507f*(t347 + t348));
-	const float f24x = RNEA_FMA(2.41f, a23x, t354);
-	const float f24y = RNEA_FMA(2.41f, a24y, RNEA_FMA(-0.16147f, t349, 0.06507f*t353));
-	const float f24z = RNEA_FMA(2.41f, a24z, RNEA_FMA(0.16147f, t348 + t351, 0.06507f*(t350 - dw24y)));
-	const float t355 = RNEA_FMA(0.00435969f, t347 - t351, RNEA_FMA(0.01957538f, dw24y, 0.0030616f*t350));
-	const float n24x = RNEA_FMA(0.16147f, a24y, RNEA_FMA(0.00435969f, t353, RNEA_FMA(-0.00981849f,
-		t346, 0.01281849f*dw24x)));
-	const float n24y = t355 - RNEA_FMA(0.16147f, a23x, 0.06507f*a24z);
-	const float n24z = RNEA_FMA(0.06507f, a24y, RNEA_FMA(-0.00435969f, t349, RNEA_FMA(0.00975689f,
-		dw24z, 0.00675689f*t352)));
-	v[138*stride] = -t345;
+	const float t331 = w24y*w24z;
+	const float t332 = w24y*w24y;
+	const float t333 = w24z*w24x;
+	const float t334 = w24y*w24x;
+	const float t335 = a23x - RNEA_FMA(0.067f, dw24y + t333, 0.027f*RNEA_FMA(w24z, w24z, t332));
+	const float t336 = a24y + RNEA_FMA(-0.067f, t331 - dw24x, 0.027f*(dw24z + t334));
+	const float t337 = a24z + RNEA_FMA(0.067f, RNEA_FMA(w24x, w24x, t332), 0.027f*(t333 - dw24y));
+	const float f24x = 2.41f*t335;
+	const float f24y = 2.41f*t336;
+	const float f24z = 2.41f*t337;
+	const float n24x = RNEA_FMA(0.16147f, t336, RNEA_FMA(0.002f, dw24x, 0.001f*t331));
+	const float n24y = RNEA_FMA(-0.006f, t333, 0.007f*dw24y) - RNEA_FMA(0.16147f, t335, 0.06507f*t337);
+	const float n24z = RNEA_FMA(0.06507f, t336, RNEA_FMA(0.008f, dw24z, 0.005f*t334));
+	v[138*stride] = -t330;
 	v[139*stride] = v24y;
 	v[140*stride] = v24z;
 	v[141*stride] = w24x;
 	v[142*stride] = w24y;
 	v[143*stride] = w24z;
 	a[138*stride] = a23x - RNEA_FMA(v24y, -w24z, w24y*v24z);
-	a[139*stride] = a24y + RNEA_FMA(t345, w24z, w24x*v24z);
-	a[140*stride] = a24z - RNEA_FMA(w24x, v24y, t345*w24y);
+	a[139*stride] = a24y + RNEA_FMA(t330, w24z, w24x*v24z);
+	a[140*stride] = a24z - RNEA_FMA(w24x, v24y, t330*w24y);
 	a[141*stride] = dw24x;
 	a[142*stride] = dw24y;
 	a[143*stride] = dw24z;
@@ -2931,12 +2824,12 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 25 "r_uglut" (fpass) ---- */
 	const float qd25 = qd[24*stride];
 	const float qdd25 = qdd[24*stride];
-	const float t356 = qd25*qd25;
-	const float f25x = -RNEA_FMA(0.0067533f, qdd25, 0.010368243f*t356);
-	const float f25y = RNEA_FMA(-0.0067533f, t356, 0.010368243f*qdd25);
+	const float t338 = qd25*qd25;
+	const float f25x = -RNEA_FMA(0.0067533f, qdd25, 0.010368243f*t338);
+	const float f25y = RNEA_FMA(-0.0067533f, t338, 0.010368243f*qdd25);
 	const float n25z = 0.00049057597f*qdd25;
-	const float n25x = 0.06624987f + RNEA_FMA(-6.041227e-05f, qdd25, 2.11082e-05f*t356);
-	const float n25y = -0.10171246f - RNEA_FMA(6.041227e-05f, t356, 2.11082e-05f*qdd25);
+	const float n25x = 0.06624987f + RNEA_FMA(-6.041227e-05f, qdd25, 2.11082e-05f*t338);
+	const float n25y = -0.10171246f - RNEA_FMA(6.041227e-05f, t338, 2.11082e-05f*qdd25);
 	v[144*stride] = 0.0f;
 	v[145*stride] = 0.0f;
 	v[146*stride] = 0.0f;
@@ -2964,40 +2857,40 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float qdd26 = qdd[25*stride];
 	const float w26y = qd25*s26;
 	const float w26z = qd25*c26;
-	const float t357 = qd26*w26z;
-	const float t358 = qd26*w26y;
-	const float dw26y = RNEA_FMA(qdd25, s26, t357);
-	const float dw26z = RNEA_FMA(qdd25, c26, -t358);
+	const float t339 = qd26*w26z;
+	const float t340 = qd26*w26y;
+	const float dw26y = RNEA_FMA(qdd25, s26, t339);
+	const float dw26z = RNEA_FMA(qdd25, c26, -t340);
 	const float a26y = 9.81f*s26;
 	const float a26z = 9.81f*c26;
-	const float t359 = w26y*w26z;
-	const float t360 = w26z*w26z;
-	const float t361 = w26y*w26y;
-	const float t362 = t360 + t361;
-	const float t363 = t359 - qdd26;
-	const float t364 = qdd26 + t359;
-	const float t365 = qd26*qd26;
-	const float t366 = t360 + t365;
-	const float t367 = t357 - dw26y;
-	const float t368 = t357 + dw26y;
-	const float t369 = t361 + t365;
-	const float t370 = t358 - dw26z;
-	const float t371 = t358 + dw26z;
-	const float f26x = -RNEA_FMA(0.028022269f, t368, RNEA_FMA(0.015309463f, t370, 0.011974022f*t362));
-	const float f26y = RNEA_FMA(8.80938f, s26, RNEA_FMA(-0.028022269f, t363, RNEA_FMA(0.015309463f,
-		t366, 0.011974022f*t371)));
-	const float f26z = RNEA_FMA(8.80938f, c26, RNEA_FMA(0.028022269f, t369, RNEA_FMA(-0.015309463f,
-		t364, 0.011974022f*t367)));
-	const float t372 = RNEA_FMA(0.00037615682f, t371, RNEA_FMA(-0.00022657232f, t367, RNEA_FMA(-0.0008171287f,
-		t359, 0.0018267684f*qdd26)));
-	const float t373 = RNEA_FMA(0.00022657232f, t364, RNEA_FMA(0.0006155969f, t370, RNEA_FMA(0.0023026634f,
-		dw26y, 0.0003412337f*t357)));
-	const float t374 = RNEA_FMA(-0.0006155969f, t368, RNEA_FMA(-0.00037615682f, t363, RNEA_FMA(0.0014855347f,
-		dw26z, 0.00047589495f*t358)));
-	const float n26x = RNEA_FMA(-0.15018584f, c26, 0.27489847f*s26) + RNEA_FMA(-0.0006155969f, t361 - t360,
-		t372);
-	const float n26y = RNEA_FMA(-0.11746515f, c26, RNEA_FMA(0.00037615682f, t360 - t365, t373));
-	const float n26z = RNEA_FMA(0.11746515f, s26, RNEA_FMA(0.00022657232f, t365 - t361, t374));
+	const float t341 = w26y*w26z;
+	const float t342 = w26z*w26z;
+	const float t343 = w26y*w26y;
+	const float t344 = t342 + t343;
+	const float t345 = t341 - qdd26;
+	const float t346 = qdd26 + t341;
+	const float t347 = qd26*qd26;
+	const float t348 = t342 + t347;
+	const float t349 = t339 - dw26y;
+	const float t350 = t339 + dw26y;
+	const float t351 = t343 + t347;
+	const float t352 = t340 - dw26z;
+	const float t353 = t340 + dw26z;
+	const float f26x = -RNEA_FMA(0.028022269f, t350, RNEA_FMA(0.015309463f, t352, 0.011974022f*t344));
+	const float f26y = RNEA_FMA(8.80938f, s26, RNEA_FMA(-0.028022269f, t345, RNEA_FMA(0.015309463f,
+		t348, 0.011974022f*t353)));
+	const float f26z = RNEA_FMA(8.80938f, c26, RNEA_FMA(0.028022269f, t351, RNEA_FMA(-0.015309463f,
+		t346, 0.011974022f*t349)));
+	const float t354 = RNEA_FMA(0.00037615682f, t353, RNEA_FMA(-0.00022657232f, t349, RNEA_FMA(-0.0008171287f,
+		t341, 0.0018267684f*qdd26)));
+	const float t355 = RNEA_FMA(0.00022657232f, t346, RNEA_FMA(0.0006155969f, t352, RNEA_FMA(0.0023026634f,
+		dw26y, 0.0003412337f*t339)));
+	const float t356 = RNEA_FMA(-0.0006155969f, t350, RNEA_FMA(-0.00037615682f, t345, RNEA_FMA(0.0014855347f,
+		dw26z, 0.00047589495f*t340)));
+	const float n26x = RNEA_FMA(-0.15018584f, c26, 0.27489847f*s26) + RNEA_FMA(-0.0006155969f, t343 - t342,
+		t354);
+	const float n26y = RNEA_FMA(-0.11746515f, c26, RNEA_FMA(0.00037615682f, t342 - t347, t355));
+	const float n26z = RNEA_FMA(0.11746515f, s26, RNEA_FMA(0.00022657232f, t347 - t343, t356));
 	v[150*stride] = 0.0f;
 	v[151*stride] = 0.0f;
 	v[152*stride] = 0.0f;
@@ -3023,41 +2916,41 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	all_small &= rneagen_sincosf_either(q27, small, &s27, &c27);
 	const float qd27 = qd[26*stride];
 	const float qdd27 = qdd[26*stride];
-	const float t375 = RNEA_FMA(-0.066f, w26y, 0.0225f*w26z);
+	const float t357 = RNEA_FMA(-0.066f, w26y, 0.0225f*w26z);
 	const float v27y = RNEA_FMA(0.05f, w26z, 0.066f*qd26);
-	const float t376 = RNEA_FMA(0.0225f, qd26, 0.05f*w26y);
-	const float t377 = RNEA_FMA(0.066f, t368, RNEA_FMA(0.0225f, t370, 0.05f*t362));
-	const float a27y = a26y + RNEA_FMA(-0.066f, t363, RNEA_FMA(0.0225f, t366, 0.05f*t371));
-	const float t378 = a26z + RNEA_FMA(0.066f, t369, RNEA_FMA(-0.0225f, t364, 0.05f*t367));
+	const float t358 = RNEA_FMA(0.0225f, qd26, 0.05f*w26y);
+	const float t359 = RNEA_FMA(0.066f, t350, RNEA_FMA(0.0225f, t352, 0.05f*t344));
+	const float a27y = a26y + RNEA_FMA(-0.066f, t345, RNEA_FMA(0.0225f, t348, 0.05f*t353));
+	const float t360 = a26z + RNEA_FMA(0.066f, t351, RNEA_FMA(-0.0225f, t346, 0.05f*t349));
 	const float w27z = RNEA_FMA(w26z, c27, qd26*s27);
 	const float w27x = RNEA_FMA(s27, -w26z, qd26*c27);
 	const float w27y = w26y + qd27;
 	const float dw27x = RNEA_FMA(w27z, -qd27, RNEA_FMA(s27, -dw26z, qdd26*c27));
 	const float dw27y = dw26y + qdd27;
 	const float dw27z = RNEA_FMA(qd27, w27x, RNEA_FMA(dw26z, c27, qdd26*s27));
-	const float v27z = RNEA_FMA(t376, -c27, s27*t375);
-	const float v27x = RNEA_FMA(s27, t376, c27*t375);
-	const float a27z = RNEA_FMA(t377, -s27, c27*t378);
-	const float t379 = RNEA_FMA(s27, t378, c27*t377);
-	const float t380 = w27z*w27y;
-	const float t381 = w27y*w27y;
-	const float t382 = t380 - dw27x;
-	const float t383 = w27z*w27x;
-	const float t384 = dw27y + t383;
-	const float t385 = RNEA_FMA(w27x, w27x, t381);
-	const float f27x = -RNEA_FMA(8.204f, t379, 1.72284f*t384);
-	const float f27y = RNEA_FMA(-1.72284f, t382, 8.204f*a27y);
-	const float f27z = RNEA_FMA(8.204f, a27z, 1.72284f*t385);
+	const float v27z = RNEA_FMA(t358, -c27, s27*t357);
+	const float v27x = RNEA_FMA(s27, t358, c27*t357);
+	const float a27z = RNEA_FMA(t359, -s27, c27*t360);
+	const float t361 = RNEA_FMA(s27, t360, c27*t359);
+	const float t362 = w27z*w27y;
+	const float t363 = w27y*w27y;
+	const float t364 = t362 - dw27x;
+	const float t365 = w27z*w27x;
+	const float t366 = dw27y + t365;
+	const float t367 = RNEA_FMA(w27x, w27x, t363);
+	const float f27x = -RNEA_FMA(8.204f, t361, 1.72284f*t366);
+	const float f27y = RNEA_FMA(-1.72284f, t364, 8.204f*a27y);
+	const float f27z = RNEA_FMA(8.204f, a27z, 1.72284f*t367);
 	const float n27z = 0.02f*dw27z;
-	const float n27x = RNEA_FMA(1.72284f, a27y, RNEA_FMA(-0.4317964f, t380, 0.4517964f*dw27x));
-	const float n27y = RNEA_FMA(1.72284f, t379, RNEA_FMA(0.4517964f, dw27y, 0.4317964f*t383));
+	const float n27x = RNEA_FMA(1.72284f, a27y, RNEA_FMA(-0.4317964f, t362, 0.4517964f*dw27x));
+	const float n27y = RNEA_FMA(1.72284f, t361, RNEA_FMA(0.4517964f, dw27y, 0.4317964f*t365));
 	v[156*stride] = v27x;
 	v[157*stride] = v27y;
 	v[158*stride] = v27z;
 	v[159*stride] = w27x;
 	v[160*stride] = w27y;
 	v[161*stride] = w27z;
-	a[156*stride] = -(t379 + RNEA_FMA(w27z, -v27y, w27y*v27z));
+	a[156*stride] = -(t361 + RNEA_FMA(w27z, -v27y, w27y*v27z));
 	a[157*stride] = a27y - RNEA_FMA(v27z, -w27x, w27z*v27x);
 	a[158*stride] = a27z - RNEA_FMA(v27x, -w27y, v27y*w27x);
 	a[159*stride] = dw27x;
@@ -3076,41 +2969,41 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	all_small &= rneagen_sincosf_either(q28, small, &s28, &c28);
 	const float qd28 = qd[27*stride];
 	const float qdd28 = qdd[27*stride];
-	const float t386 = RNEA_FMA(-0.374f, w27y, v27x);
+	const float t368 = RNEA_FMA(-0.374f, w27y, v27x);
 	const float v28y = v27y + RNEA_FMA(-0.05f, w27z, 0.374f*w27x);
-	const float t387 = RNEA_FMA(0.05f, w27y, v27z);
-	const float t388 = RNEA_FMA(-0.374f, t384, 0.05f*RNEA_FMA(w27z, w27z, t381)) - t379;
-	const float a28y = a27y - RNEA_FMA(0.374f, t382, 0.05f*RNEA_FMA(w27x, w27y, dw27z));
-	const float t389 = a27z + RNEA_FMA(-0.05f, t383 - dw27y, 0.374f*t385);
+	const float t369 = RNEA_FMA(0.05f, w27y, v27z);
+	const float t370 = RNEA_FMA(-0.374f, t366, 0.05f*RNEA_FMA(w27z, w27z, t363)) - t361;
+	const float a28y = a27y - RNEA_FMA(0.374f, t364, 0.05f*RNEA_FMA(w27x, w27y, dw27z));
+	const float t371 = a27z + RNEA_FMA(-0.05f, t365 - dw27y, 0.374f*t367);
 	const float w28z = RNEA_FMA(w27z, c28, w27x*s28);
 	const float w28x = RNEA_FMA(s28, -w27z, w27x*c28);
 	const float w28y = w27y + qd28;
 	const float dw28x = RNEA_FMA(w28z, -qd28, RNEA_FMA(s28, -dw27z, dw27x*c28));
 	const float dw28y = dw27y + qdd28;
 	const float dw28z = RNEA_FMA(qd28, w28x, RNEA_FMA(dw27z, c28, dw27x*s28));
-	const float v28z = RNEA_FMA(c28, t387, s28*t386);
-	const float v28x = RNEA_FMA(t387, -s28, c28*t386);
-	const float a28z = RNEA_FMA(c28, t389, s28*t388);
-	const float a28x = RNEA_FMA(t389, -s28, c28*t388);
-	const float t390 = w28z*w28y;
-	const float t391 = w28z*w28z;
-	const float t392 = w28y*w28y;
-	const float t393 = t390 - dw28x;
-	const float t394 = w28z*w28x;
-	const float t395 = w28x*w28x;
-	const float t396 = dw28y + t394;
-	const float t397 = w28x*w28y;
-	const float t398 = t392 + t395;
-	const float t399 = dw28z + t397;
-	const float f28x = RNEA_FMA(4.515f, a28x, -RNEA_FMA(0.844305f, t396, 0.004515f*(t391 + t392)));
-	const float f28y = RNEA_FMA(4.515f, a28y, RNEA_FMA(-0.844305f, t393, 0.004515f*t399));
-	const float f28z = RNEA_FMA(4.515f, a28z, RNEA_FMA(0.844305f, t398, 0.004515f*(t394 - dw28y)));
-	const float t400 = RNEA_FMA(-0.002155695f, t391 - t395, RNEA_FMA(0.23388955f, dw28y, 0.22488052f*t394));
-	const float n28x = RNEA_FMA(0.844305f, a28y, RNEA_FMA(-0.002155695f, t399, RNEA_FMA(-0.22388503f,
-		t390, 0.23488504f*dw28x)));
-	const float n28y = t400 - RNEA_FMA(0.844305f, a28x, 0.004515f*a28z);
-	const float n28z = RNEA_FMA(0.004515f, a28y, RNEA_FMA(0.002155695f, t393, RNEA_FMA(-0.000995485f,
-		t397, 0.010004515f*dw28z)));
+	const float v28z = RNEA_FMA(c28, t369, s28*t368);
+	const float v28x = RNEA_FMA(t369, -s28, c28*t368);
+	const float a28z = RNEA_FMA(c28, t371, s28*t370);
+	const float a28x = RNEA_FMA(t371, -s28, c28*t370);
+	const float t372 = w28z*w28y;
+	const float t373 = w28z*w28z;
+	const float t374 = w28y*w28y;
+	const float t375 = t372 - dw28x;
+	const float t376 = w28z*w28x;
+	const float t377 = w28x*w28x;
+	const float t378 = dw28y + t376;
+	const float t379 = w28x*w28y;
+	const float t380 = t374 + t377;
+	const float t381 = dw28z + t379;
+	const float f28x = RNEA_FMA(4.515f, a28x, -RNEA_FMA(0.844305f, t378, 0.004515f*(t373 + t374)));
+	const float f28y = RNEA_FMA(4.515f, a28y, RNEA_FMA(-0.844305f, t375, 0.004515f*t381));
+	const float f28z = RNEA_FMA(4.515f, a28z, RNEA_FMA(0.844305f, t380, 0.004515f*(t376 - dw28y)));
+	const float t382 = RNEA_FMA(-0.002155695f, t373 - t377, RNEA_FMA(0.23388955f, dw28y, 0.22488052f*t376));
+	const float n28x = RNEA_FMA(0.844305f, a28y, RNEA_FMA(-0.002155695f, t381, RNEA_FMA(-0.22388503f,
+		t372, 0.23488504f*dw28x)));
+	const float n28y = t382 - RNEA_FMA(0.844305f, a28x, 0.004515f*a28z);
+	const float n28z = RNEA_FMA(0.004515f, a28y, RNEA_FMA(0.002155695f, t375, RNEA_FMA(-0.000995485f,
+		t379, 0.010004515f*dw28z)));
 	v[162*stride] = v28x;
 	v[163*stride] = v28y;
 	v[164*stride] = v28z;
@@ -3136,21 +3029,21 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	all_small &= rneagen_sincosf_either(q29, small, &s29, &c29);
 	const float qd29 = qd[28*stride];
 	const float qdd29 = qdd[28*stride];
-	const float t401 = RNEA_FMA(-0.422f, w28y, v28x);
+	const float t383 = RNEA_FMA(-0.422f, w28y, v28x);
 	const float v29y = RNEA_FMA(0.422f, w28x, v28y);
-	const float t402 = RNEA_FMA(-0.422f, t396, a28x);
-	const float a29y = RNEA_FMA(-0.422f, t393, a28y);
-	const float t403 = RNEA_FMA(0.422f, t398, a28z);
+	const float t384 = RNEA_FMA(-0.422f, t378, a28x);
+	const float a29y = RNEA_FMA(-0.422f, t375, a28y);
+	const float t385 = RNEA_FMA(0.422f, t380, a28z);
 	const float w29z = RNEA_FMA(w28z, c29, w28x*s29);
 	const float w29x = RNEA_FMA(s29, -w28z, w28x*c29);
 	const float w29y = w28y + qd29;
 	const float dw29x = RNEA_FMA(w29z, -qd29, RNEA_FMA(s29, -dw28z, dw28x*c29));
 	const float dw29y = dw28y + qdd29;
 	const float dw29z = RNEA_FMA(qd29, w29x, RNEA_FMA(dw28z, c29, dw28x*s29));
-	const float v29z = RNEA_FMA(v28z, c29, s29*t401);
-	const float v29x = RNEA_FMA(s29, -v28z, c29*t401);
-	const float a29z = RNEA_FMA(c29, t403, s29*t402);
-	const float a29x = RNEA_FMA(t403, -s29, c29*t402);
+	const float v29z = RNEA_FMA(v28z, c29, s29*t383);
+	const float v29x = RNEA_FMA(s29, -v28z, c29*t383);
+	const float a29z = RNEA_FMA(c29, t385, s29*t384);
+	const float a29x = RNEA_FMA(t385, -s29, c29*t384);
 	const float f29x = 0.125f*a29x;
 	const float f29y = 0.125f*a29y;
 	const float f29z = 0.125f*a29z;
@@ -3192,24 +3085,19 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float v30z = RNEA_FMA(-v29y, s30, v29z*c30);
 	const float a30y = RNEA_FMA(a29y, c30, a29z*s30);
 	const float a30z = RNEA_FMA(s30, -a29y, a29z*c30);
-	const float t404 = w30y*w30z;
-	const float t405 = w30z*w30z;
-	const float t406 = w30y*w30y;
-	const float t407 = t404 - dw30x;
-	const float t408 = w30z*w30x;
-	const float t409 = w30x*w30x;
-	const float t410 = w30y*w30x;
-	const float t411 = dw30z + t410;
-	const float t412 = -RNEA_FMA(0.16147f, dw30y + t408, 0.06507f*(t405 + t406));
-	const float f30x = RNEA_FMA(2.41f, a29x, t412);
-	const float f30y = RNEA_FMA(2.41f, a30y, RNEA_FMA(-0.16147f, t407, 0.06507f*t411));
-	const float f30z = RNEA_FMA(2.41f, a30z, RNEA_FMA(0.16147f, t406 + t409, 0.06507f*(t408 - dw30y)));
-	const float t413 = RNEA_FMA(0.00435969f, t405 - t409, RNEA_FMA(0.01957538f, dw30y, 0.0030616f*t408));
-	const float n30x = RNEA_FMA(0.16147f, a30y, RNEA_FMA(0.00435969f, t411, RNEA_FMA(-0.00981849f,
-		t404, 0.01281849f*dw30x)));
-	const float n30y = t413 - RNEA_FMA(0.16147f, a29x, 0.06507f*a30z);
-	const float n30z = RNEA_FMA(0.06507f, a30y, RNEA_FMA(-0.00435969f, t407, RNEA_FMA(0.00975689f,
-		dw30z, 0.00675689f*t410)));
+	const float t386 = w30y*w30z;
+	const float t387 = w30y*w30y;
+	const float t388 = w30z*w30x;
+	const float t389 = w30y*w30x;
+	const float t390 = a29x - RNEA_FMA(0.067f, dw30y + t388, 0.027f*RNEA_FMA(w30z, w30z, t387));
+	const float t391 = a30y + RNEA_FMA(-0.067f, t386 - dw30x, 0.027f*(dw30z + t389));
+	const float t392 = a30z + RNEA_FMA(0.067f, RNEA_FMA(w30x, w30x, t387), 0.027f*(t388 - dw30y));
+	const float f30x = 2.41f*t390;
+	const float f30y = 2.41f*t391;
+	const float f30z = 2.41f*t392;
+	const float n30x = RNEA_FMA(0.16147f, t391, RNEA_FMA(0.002f, dw30x, 0.001f*t386));
+	const float n30y = RNEA_FMA(-0.006f, t388, 0.007f*dw30y) - RNEA_FMA(0.16147f, t390, 0.06507f*t392);
+	const float n30z = RNEA_FMA(0.06507f, t391, RNEA_FMA(0.008f, dw30z, 0.005f*t389));
 	v[174*stride] = v29x;
 	v[175*stride] = v30y;
 	v[176*stride] = v30z;

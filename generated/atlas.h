@@ -4,8 +4,8 @@
  * from a URDF whose SHA-256 is
  *   f81b0e4cbc1902a82e8103815dbba18f4a14241a4c5448883373553e6c5b9460
  * nq = 30, nv = 30, nb = 30 (moving bodies). Operations:
- *   rnea: 616 mul, 309 add, 153 sub, 131 neg, 844 fma, 27 sincos = 2766 flops
- *   fpass: 696 mul, 225 add, 209 sub, 184 neg, 854 fma, 27 sincos = 2838 flops
+ *   rnea: 618 mul, 310 add, 140 sub, 129 neg, 800 fma, 27 sincos = 2668 flops
+ *   fpass: 710 mul, 236 add, 198 sub, 180 neg, 798 fma, 27 sincos = 2740 flops
  *   bpass: 121 mul, 149 add, 12 sub, 36 neg, 161 fma, 27 sincos = 604 flops
  *
  * Joints:

@@ -4,8 +4,8 @@
  * from a URDF whose SHA-256 is
  *   3dc35ec11ee3cf7d342c4a232b5e252a8ce4e2a0dcf7fc31691d88eb2f52f8d6
  * nq = 7, nv = 7, nb = 7 (moving bodies). Operations:
- *   rnea: 127 mul, 55 add, 32 sub, 31 neg, 177 fma, 6 sincos = 568 flops
- *   fpass: 141 mul, 38 add, 39 sub, 32 neg, 188 fma, 6 sincos = 594 flops
+ *   rnea: 125 mul, 60 add, 18 sub, 36 neg, 163 fma, 6 sincos = 529 flops
+ *   fpass: 150 mul, 47 add, 29 sub, 33 neg, 153 fma, 6 sincos = 532 flops
  *   bpass: 20 mul, 23 add, 4 sub, 10 neg, 30 fma, 6 sincos = 107 flops
  *
  * Joints:
@@ -86,7 +86,7 @@ RNEA_INFO const char iiwa14_info[] =
 	"input qd 7 f64 sample\n"
 	"input qdd 7 f64 sample\n"
 	"output tau 7 f64 sample\n"
-	"operations 127 55 32 31 177 6\n"
+	"operations 125 60 18 36 163 6\n"
 	"joint 0 1 0 1 revolute iiwa_joint_1\n"
 	"joint 1 1 1 1 revolute iiwa_joint_2\n"
 	"joint 2 1 2 1 revolute iiwa_joint_3\n"
@@ -263,19 +263,18 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	const double t4 = w2y*w2y;
 	const double t5 = t1 + dw2x;
 	const double t6 = w2x*w2x;
-	const double t7 = w2x*w2y;
-	const double t8 = t7 - qdd2;
-	const double t9 = RNEA_FMA(0.00011239499999999998, t2 - dw2y, RNEA_FMA(0.06380575, dw2x, 0.030302949999999995*t1));
-	const double t10 = RNEA_FMA(-0.00011239499999999998, t5, RNEA_FMA(0.0157353, t8, RNEA_FMA(0.0222019715,
-		dw2y, 0.0113008285*t2)));
-	const double t11 = RNEA_FMA(8.000999999999999e-05, t1 - dw2x, RNEA_FMA(-0.041603778499999994,
-		t7, 0.052504921499999996*qdd2));
-	const double t12 = RNEA_FMA(-0.00011239499999999998, t6 - t4, RNEA_FMA(-0.0157353, t2 + dw2y,
-		t11));
-	const double n2x = RNEA_FMA(-2.616327, c2, RNEA_FMA(-0.0157353, t4 - t3, RNEA_FMA(-8.000999999999999e-05,
-		qdd2 + t7, t9)));
-	const double n2y = RNEA_FMA(2.616327, s2, RNEA_FMA(-8.000999999999999e-05, t3 - t6, t10));
-	const double n2z = RNEA_FMA(-3.6753164999999997, s2, 0.018688049999999998*c2) + t12;
+	const double t7 = t3 + t6;
+	const double t8 = w2x*w2y;
+	const double t9 = t8 - qdd2;
+	const double t10 = RNEA_FMA(0.042, t2 + dw2y, RNEA_FMA(-0.0003, t3 + t4, 0.059*t9));
+	const double t11 = RNEA_FMA(0.042, t1 - dw2x, RNEA_FMA(-0.059, t7, 0.0003*(qdd2 + t8)));
+	const double t12 = RNEA_FMA(-0.042, t4 + t6, RNEA_FMA(0.059, t5, 0.0003*(t2 - dw2y)));
+	const double t13 = a2x + t10;
+	const double t14 = a2y + t11;
+	const double n2x = RNEA_FMA(-0.2667, t14, 0.37465*t12) + RNEA_FMA(0.0305, dw2x, 0.0194*t1);
+	const double n2y = RNEA_FMA(-0.0019049999999999998, t12, 0.2667*t13) + RNEA_FMA(0.011, dw2y, 9.99999999999994e-05*t2);
+	const double n2z = RNEA_FMA(-0.37465, t13, 0.0019049999999999998*t14) + RNEA_FMA(-0.0195, t8,
+		0.0304*qdd2);
 
 	/* ---- out to link 3 "iiwa_link_3" (fpass) ---- */
 	const double q3 = q[2*stride];
@@ -283,33 +282,30 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
 	const double qd3 = qd[2*stride];
 	const double qdd3 = qdd[2*stride];
-	const double t13 = 0.2045*t5;
-	const double t14 = RNEA_FMA(0.2045, t8, a2x);
-	const double a3z = RNEA_FMA(-0.2045, t3 + t6, a2y);
+	const double t15 = 0.2045*t5;
+	const double t16 = RNEA_FMA(0.2045, t9, a2x);
+	const double a3z = RNEA_FMA(-0.2045, t7, a2y);
 	const double w3x = RNEA_FMA(c3, -w2x, qd2*s3);
 	const double w3y = RNEA_FMA(w2x, s3, qd2*c3);
 	const double w3z = w2y + qd3;
 	const double dw3x = RNEA_FMA(qd3, w3y, RNEA_FMA(c3, -dw2x, qdd2*s3));
 	const double dw3y = RNEA_FMA(w3x, -qd3, RNEA_FMA(dw2x, s3, qdd2*c3));
 	const double dw3z = dw2y + qdd3;
-	const double a3x = RNEA_FMA(t14, -c3, s3*t13);
-	const double a3y = RNEA_FMA(s3, t14, c3*t13);
-	const double t15 = w3y*w3z;
-	const double t16 = w3z*w3z;
-	const double t17 = w3y*w3y;
-	const double t18 = t15 - dw3x;
+	const double a3x = RNEA_FMA(t16, -c3, s3*t15);
+	const double a3y = RNEA_FMA(s3, t16, c3*t15);
+	const double t17 = w3y*w3z;
+	const double t18 = t17 - dw3x;
 	const double t19 = w3x*w3z;
 	const double t20 = w3x*w3x;
 	const double t21 = dw3y + t19;
 	const double t22 = w3x*w3y;
-	const double t23 = t22 - dw3z;
-	const double f3x = RNEA_FMA(3.5, a3x, RNEA_FMA(0.455, t21, 0.105*t23));
-	const double f3y = RNEA_FMA(3.5, a3y, RNEA_FMA(-0.105, t16 + t20, 0.455*t18));
-	const double t24 = RNEA_FMA(-0.01365, t17 - t16, RNEA_FMA(-0.0722, t15, 0.0873*dw3x));
-	const double n3x = RNEA_FMA(-0.455, a3y, 0.105*a3z) + t24;
-	const double n3y = RNEA_FMA(0.455, a3x, RNEA_FMA(0.01365, t23, RNEA_FMA(0.08295000000000001, dw3y,
-		0.07655*t19)));
-	const double n3z = RNEA_FMA(-0.105, a3x, RNEA_FMA(-0.01365, t21, RNEA_FMA(-0.00435, t22, 0.01075*dw3z)));
+	const double t23 = RNEA_FMA(w3y, w3y, t20);
+	const double t24 = a3x + RNEA_FMA(0.13, t21, 0.03*(t22 - dw3z));
+	const double t25 = a3y + RNEA_FMA(-0.03, RNEA_FMA(w3z, w3z, t20), 0.13*t18);
+	const double t26 = 0.105*(a3z + RNEA_FMA(-0.13, t23, 0.03*(dw3x + t17)));
+	const double n3x = RNEA_FMA(-0.455, t25, t26) + RNEA_FMA(-0.016200000000000003, t17, 0.025*dw3x);
+	const double n3y = RNEA_FMA(0.455, t24, RNEA_FMA(0.0238, dw3y, 0.017400000000000002*t19));
+	const double n3z = RNEA_FMA(-0.105, t24, RNEA_FMA(-0.0011999999999999997, t22, 0.0076*dw3z));
 
 	/* ---- out to link 4 "iiwa_link_4" (fpass) ---- */
 	const double q4 = q[3*stride];
@@ -317,37 +313,31 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
 	const double qd4 = qd[3*stride];
 	const double qdd4 = qdd[3*stride];
-	const double t25 = RNEA_FMA(0.2155, t21, a3x);
-	const double t26 = RNEA_FMA(0.2155, t18, a3y);
-	const double t27 = RNEA_FMA(-0.2155, t17 + t20, a3z);
+	const double t27 = RNEA_FMA(0.2155, t21, a3x);
+	const double t28 = RNEA_FMA(0.2155, t18, a3y);
+	const double t29 = RNEA_FMA(-0.2155, t23, a3z);
 	const double w4x = RNEA_FMA(w3x, c4, w3z*s4);
 	const double w4y = RNEA_FMA(s4, -w3x, w3z*c4);
 	const double w4z = qd4 - w3y;
 	const double dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(dw3x, c4, dw3z*s4));
 	const double dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(s4, -dw3x, dw3z*c4));
 	const double dw4z = qdd4 - dw3y;
-	const double a4x = RNEA_FMA(c4, t25, s4*t27);
-	const double a4y = RNEA_FMA(t25, -s4, c4*t27);
-	const double t28 = w4y*w4z;
-	const double t29 = w4z*w4z;
-	const double t30 = w4y*w4y;
-	const double t31 = dw4x + t28;
+	const double a4x = RNEA_FMA(c4, t27, s4*t29);
+	const double a4y = RNEA_FMA(t27, -s4, c4*t29);
+	const double t30 = w4y*w4z;
+	const double t31 = dw4x + t30;
 	const double t32 = w4x*w4z;
 	const double t33 = w4x*w4x;
-	const double t34 = t29 + t33;
-	const double t35 = dw4y + t32;
-	const double t36 = w4x*w4y;
-	const double t37 = t36 - dw4z;
-	const double f4x = RNEA_FMA(3.5, a4x, RNEA_FMA(0.11900000000000001, t35, 0.23450000000000001*t37));
-	const double f4y = RNEA_FMA(3.5, a4y, RNEA_FMA(-0.23450000000000001, t34, 0.11900000000000001*(t28 - dw4x)));
-	const double f4z = RNEA_FMA(-3.5, t26, RNEA_FMA(-0.11900000000000001, t30 + t33, 0.23450000000000001*t31));
-	const double t38 = RNEA_FMA(-0.007973000000000001, t30 - t29, RNEA_FMA(0.036757500000000005, dw4x,
-		0.022065500000000002*t28));
-	const double n4x = t38 - RNEA_FMA(0.23450000000000001, t26, 0.11900000000000001*a4y);
-	const double n4y = RNEA_FMA(0.11900000000000001, a4x, RNEA_FMA(0.007973000000000001, t37, RNEA_FMA(0.010046000000000001,
-		dw4y, 0.004646000000000001*t32)));
-	const double n4z = RNEA_FMA(-0.23450000000000001, a4x, RNEA_FMA(-0.007973000000000001, t35, RNEA_FMA(-0.026711500000000003,
-		t36, 0.0321115*dw4z)));
+	const double t34 = RNEA_FMA(w4z, w4z, t33);
+	const double t35 = w4x*w4y;
+	const double t36 = t35 - dw4z;
+	const double t37 = a4x + RNEA_FMA(0.034, dw4y + t32, 0.067*t36);
+	const double t38 = a4y + RNEA_FMA(-0.067, t34, 0.034*(t30 - dw4x));
+	const double t39 = RNEA_FMA(-0.034, RNEA_FMA(w4y, w4y, t33), 0.067*t31) - t28;
+	const double n4x = RNEA_FMA(-0.11900000000000001, t38, 0.23450000000000001*t39) + RNEA_FMA(0.017,
+		dw4x, 0.010400000000000001*t30);
+	const double n4y = RNEA_FMA(0.11900000000000001, t37, RNEA_FMA(0.006, dw4y, 0.0005999999999999998*t32));
+	const double n4z = RNEA_FMA(-0.23450000000000001, t37, RNEA_FMA(-0.011000000000000001, t35, 0.0164*dw4z));
 
 	/* ---- out to link 5 "iiwa_link_5" (fpass) ---- */
 	const double q5 = q[4*stride];
@@ -355,46 +345,37 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
 	const double qd5 = qd[4*stride];
 	const double qdd5 = qdd[4*stride];
-	const double t39 = RNEA_FMA(0.1845, t37, a4x);
+	const double t40 = RNEA_FMA(0.1845, t36, a4x);
 	const double a5z = RNEA_FMA(-0.1845, t34, a4y);
-	const double t40 = RNEA_FMA(0.1845, t31, -t26);
+	const double t41 = RNEA_FMA(0.1845, t31, -t28);
 	const double w5x = RNEA_FMA(c5, -w4x, w4z*s5);
 	const double w5y = RNEA_FMA(w4x, s5, w4z*c5);
 	const double w5z = w4y + qd5;
 	const double dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(c5, -dw4x, dw4z*s5));
 	const double dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(dw4x, s5, dw4z*c5));
 	const double dw5z = dw4y + qdd5;
-	const double a5x = RNEA_FMA(t39, -c5, s5*t40);
-	const double a5y = RNEA_FMA(s5, t39, c5*t40);
-	const double t41 = w5y*w5z;
-	const double t42 = w5z*w5z;
-	const double t43 = w5y*w5y;
-	const double t44 = t41 - dw5x;
-	const double t45 = dw5x + t41;
+	const double a5x = RNEA_FMA(t40, -c5, s5*t41);
+	const double a5y = RNEA_FMA(s5, t40, c5*t41);
+	const double t42 = w5y*w5z;
+	const double t43 = w5z*w5z;
+	const double t44 = w5y*w5y;
+	const double t45 = t42 - dw5x;
 	const double t46 = w5x*w5z;
 	const double t47 = w5x*w5x;
-	const double t48 = t46 - dw5y;
-	const double t49 = dw5y + t46;
-	const double t50 = w5x*w5y;
-	const double t51 = t43 + t47;
-	const double t52 = t50 - dw5z;
-	const double t53 = dw5z + t50;
-	const double f5x = RNEA_FMA(3.5, a5x, RNEA_FMA(0.266, t49, RNEA_FMA(-0.00035, t42 + t43, 0.07350000000000001*t52)));
-	const double f5y = RNEA_FMA(3.5, a5y, RNEA_FMA(0.266, t44, RNEA_FMA(-0.07350000000000001, t42 + t47,
-		0.00035*t53)));
-	const double f5z = RNEA_FMA(3.5, a5z, RNEA_FMA(-0.266, t51, RNEA_FMA(0.07350000000000001, t45,
-		0.00035*t48)));
-	const double t54 = RNEA_FMA(-2.66e-05, t53, RNEA_FMA(7.350000000000001e-06, t48, RNEA_FMA(-0.022882499999999997,
-		t41, 0.031759499999999996*dw5x)));
-	const double t55 = RNEA_FMA(-7.350000000000001e-06, t45, RNEA_FMA(0.005586, t52, RNEA_FMA(0.028916035,
-		dw5y, 0.025725965*t46)));
-	const double t56 = RNEA_FMA(-0.005586, t49, RNEA_FMA(2.66e-05, t44, RNEA_FMA(-0.002843465000000001,
-		t50, 0.0060335350000000005*dw5z)));
-	const double n5x = RNEA_FMA(-0.266, a5y, 0.07350000000000001*a5z) + RNEA_FMA(-0.005586, t43 - t42,
-		t54);
-	const double n5y = RNEA_FMA(-0.00035, a5z, 0.266*a5x) + RNEA_FMA(-2.66e-05, t42 - t47, t55);
-	const double n5z = RNEA_FMA(-0.07350000000000001, a5x, 0.00035*a5y) + RNEA_FMA(-7.350000000000001e-06,
-		t47 - t43, t56);
+	const double t48 = dw5y + t46;
+	const double t49 = w5x*w5y;
+	const double t50 = t44 + t47;
+	const double t51 = RNEA_FMA(0.076, t48, RNEA_FMA(-0.0001, t43 + t44, 0.021*(t49 - dw5z)));
+	const double t52 = RNEA_FMA(0.076, t45, RNEA_FMA(-0.021, t43 + t47, 0.0001*(dw5z + t49)));
+	const double t53 = RNEA_FMA(-0.076, t50, RNEA_FMA(0.021, dw5x + t42, 0.0001*(t46 - dw5y)));
+	const double t54 = a5x + t51;
+	const double t55 = a5y + t52;
+	const double t56 = a5z + t53;
+	const double n5x = RNEA_FMA(-0.266, t55, 0.07350000000000001*t56) + RNEA_FMA(-0.004209999999999999,
+		t42, 0.01*dw5x);
+	const double n5y = RNEA_FMA(-0.00035, t56, 0.266*t54) + RNEA_FMA(0.0087, dw5y, 0.00551*t46);
+	const double n5z = RNEA_FMA(-0.07350000000000001, t54, 0.00035*t55) + RNEA_FMA(-0.0013000000000000008,
+		t49, 0.00449*dw5z);
 
 	/* ---- out to link 6 "iiwa_link_6" (fpass) ---- */
 	const double q6 = q[5*stride];
@@ -402,9 +383,9 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
 	const double qd6 = qd[5*stride];
 	const double qdd6 = qdd[5*stride];
-	const double t57 = RNEA_FMA(0.2155, t49, a5x);
-	const double t58 = RNEA_FMA(0.2155, t44, a5y);
-	const double t59 = RNEA_FMA(-0.2155, t51, a5z);
+	const double t57 = RNEA_FMA(0.2155, t48, a5x);
+	const double t58 = RNEA_FMA(0.2155, t45, a5y);
+	const double t59 = RNEA_FMA(-0.2155, t50, a5z);
 	const double w6x = RNEA_FMA(w5x, c6, w5z*s6);
 	const double w6y = RNEA_FMA(s6, -w5x, w5z*c6);
 	const double w6z = qd6 - w5y;
@@ -414,24 +395,20 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	const double a6x = RNEA_FMA(c6, t57, s6*t59);
 	const double a6y = RNEA_FMA(t57, -s6, c6*t59);
 	const double t60 = w6y*w6z;
-	const double t61 = w6z*w6z;
-	const double t62 = w6y*w6y;
-	const double t63 = dw6x + t60;
-	const double t64 = w6x*w6z;
-	const double t65 = w6x*w6x;
-	const double t66 = t61 + t65;
-	const double t67 = dw6y + t64;
-	const double t68 = w6x*w6y;
-	const double t69 = t68 - dw6z;
-	const double f6x = RNEA_FMA(1.8, a6x, RNEA_FMA(0.00072, t67, 0.00108*t69));
-	const double f6y = RNEA_FMA(1.8, a6y, RNEA_FMA(-0.00108, t66, 0.00072*(t60 - dw6x)));
-	const double f6z = RNEA_FMA(-1.8, t58, RNEA_FMA(-0.00072, t62 + t65, 0.00108*t63));
-	const double t70 = RNEA_FMA(-4.32e-07, t62 - t61, RNEA_FMA(-0.0010996400000000003, t60, 0.004900936*dw6x));
-	const double n6x = t70 - RNEA_FMA(0.00108, t58, 0.00072*a6y);
-	const double n6y = RNEA_FMA(0.00072, a6x, RNEA_FMA(4.32e-07, t69, RNEA_FMA(0.004700288, dw6y,
-		0.001300288*t64)));
-	const double n6z = RNEA_FMA(-0.00108, a6x, RNEA_FMA(-4.32e-07, t67, RNEA_FMA(-0.00020064799999999967,
-		t68, 0.0036006479999999997*dw6z)));
+	const double t61 = dw6x + t60;
+	const double t62 = w6x*w6z;
+	const double t63 = w6x*w6x;
+	const double t64 = RNEA_FMA(w6z, w6z, t63);
+	const double t65 = w6x*w6y;
+	const double t66 = t65 - dw6z;
+	const double t67 = a6x + RNEA_FMA(0.0004, dw6y + t62, 0.0006*t66);
+	const double t68 = a6y + RNEA_FMA(-0.0006, t64, 0.0004*(t60 - dw6x));
+	const double t69 = RNEA_FMA(-0.0004, RNEA_FMA(w6y, w6y, t63), 0.0006*t61) - t58;
+	const double f6y = 1.8*t68;
+	const double n6x = RNEA_FMA(-0.00072, t68, 0.00108*t69) + RNEA_FMA(-0.0011000000000000003, t60,
+		0.0049*dw6x);
+	const double n6y = RNEA_FMA(0.00072, t67, RNEA_FMA(0.0047, dw6y, 0.0013*t62));
+	const double n6z = RNEA_FMA(-0.00108, t67, RNEA_FMA(-0.00019999999999999966, t65, 0.0036*dw6z));
 
 	/* ---- out to link 7 "iiwa_link_7" (fpass) ---- */
 	const double q7 = q[6*stride];
@@ -439,75 +416,74 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
 	const double qd7 = qd[6*stride];
 	const double qdd7 = qdd[6*stride];
-	const double t71 = RNEA_FMA(0.081, t69, a6x);
-	const double a7z = RNEA_FMA(-0.081, t66, a6y);
-	const double t72 = RNEA_FMA(0.081, t63, -t58);
+	const double t70 = RNEA_FMA(0.081, t66, a6x);
+	const double a7z = RNEA_FMA(-0.081, t64, a6y);
+	const double t71 = RNEA_FMA(0.081, t61, -t58);
 	const double w7x = RNEA_FMA(c7, -w6x, w6z*s7);
 	const double w7y = RNEA_FMA(w6x, s7, w6z*c7);
 	const double w7z = w6y + qd7;
 	const double dw7x = RNEA_FMA(qd7, w7y, RNEA_FMA(c7, -dw6x, dw6z*s7));
 	const double dw7y = RNEA_FMA(w7x, -qd7, RNEA_FMA(dw6x, s7, dw6z*c7));
 	const double dw7z = dw6y + qdd7;
-	const double a7x = RNEA_FMA(t71, -c7, s7*t72);
-	const double a7y = RNEA_FMA(s7, t71, c7*t72);
-	const double t73 = w7y*w7z;
-	const double t74 = w7x*w7z;
-	const double f7x = RNEA_FMA(1.2, a7x, 0.024*(dw7y + t74));
-	const double f7y = RNEA_FMA(1.2, a7y, 0.024*(t73 - dw7x));
-	const double f7z = RNEA_FMA(-0.024, RNEA_FMA(w7x, w7x, w7y*w7y), 1.2*a7z);
+	const double a7x = RNEA_FMA(t70, -c7, s7*t71);
+	const double a7y = RNEA_FMA(s7, t70, c7*t71);
+	const double t72 = RNEA_FMA(0.02, RNEA_FMA(w7x, w7z, dw7y), a7x);
+	const double t73 = RNEA_FMA(0.02, RNEA_FMA(w7y, w7z, -dw7x), a7y);
+	const double f7x = 1.2*t72;
+	const double f7y = 1.2*t73;
 	const double n7z = 0.001*dw7z;
-	const double n7x = RNEA_FMA(-0.024, a7y, RNEA_FMA(-0.00048, t73, 0.00148*dw7x));
-	const double n7y = RNEA_FMA(0.024, a7x, RNEA_FMA(0.00148, dw7y, 0.00048*t74));
+	const double n7x = RNEA_FMA(-0.024, t73, 0.001*dw7x);
+	const double n7y = RNEA_FMA(0.001, dw7y, 0.024*t72);
 
 	/* ---- back from link 7 "iiwa_link_7" to link 6 (bpass): torque of "iiwa_joint_7" ---- */
-	const double t75 = RNEA_FMA(f7y, -s7, c7*f7x);
-	const double t76 = RNEA_FMA(s7, f7x, c7*f7y);
-	const double f6x_2 = f6x - t75;
-	const double f6y_2 = f6y + f7z;
-	const double f6z_2 = f6z + t76;
-	const double t77 = RNEA_FMA(0.081, t76, -RNEA_FMA(n7y, -s7, c7*n7x));
-	const double n6x_2 = n6x + t77;
+	const double t74 = RNEA_FMA(f7y, -s7, c7*f7x);
+	const double t75 = RNEA_FMA(s7, f7x, c7*f7y);
+	const double f6x = RNEA_FMA(1.8, t67, -t74);
+	const double f6y_2 = RNEA_FMA(1.2, RNEA_FMA(-0.02, RNEA_FMA(w7x, w7x, w7y*w7y), a7z), f6y);
+	const double f6z = RNEA_FMA(1.8, t69, t75);
+	const double t76 = RNEA_FMA(0.081, t75, -RNEA_FMA(n7y, -s7, c7*n7x));
+	const double n6x_2 = n6x + t76;
 	const double n6y_2 = n6y + n7z;
-	const double n6z_2 = n6z + RNEA_FMA(0.081, t75, RNEA_FMA(s7, n7x, c7*n7y));
+	const double n6z_2 = n6z + RNEA_FMA(0.081, t74, RNEA_FMA(s7, n7x, c7*n7y));
 	tau[6*stride] = n7z;
 
 	/* ---- back from link 6 "iiwa_link_6" to link 5 (bpass): torque of "iiwa_joint_6" ---- */
-	const double t78 = RNEA_FMA(-s6, f6y_2, c6*f6x_2);
-	const double f5x_2 = f5x + t78;
-	const double f5y_2 = f5y - f6z_2;
-	const double f5z_2 = f5z + RNEA_FMA(s6, f6x_2, c6*f6y_2);
-	const double n5x_2 = n5x + RNEA_FMA(0.2155, f6z_2, RNEA_FMA(-s6, n6y_2, c6*n6x_2));
-	const double n5y_2 = n5y + RNEA_FMA(0.2155, t78, -n6z_2);
+	const double t77 = RNEA_FMA(-s6, f6y_2, c6*f6x);
+	const double f5x = RNEA_FMA(3.5, t54, t77);
+	const double f5y = RNEA_FMA(3.5, t55, -f6z);
+	const double f5z = RNEA_FMA(3.5, t56, RNEA_FMA(s6, f6x, c6*f6y_2));
+	const double n5x_2 = n5x + RNEA_FMA(0.2155, f6z, RNEA_FMA(-s6, n6y_2, c6*n6x_2));
+	const double n5y_2 = n5y + RNEA_FMA(0.2155, t77, -n6z_2);
 	const double n5z_2 = n5z + RNEA_FMA(s6, n6x_2, c6*n6y_2);
 	tau[5*stride] = n6z_2;
 
 	/* ---- back from link 5 "iiwa_link_5" to link 4 (bpass): torque of "iiwa_joint_5" ---- */
-	const double t79 = RNEA_FMA(f5y_2, -s5, c5*f5x_2);
-	const double t80 = RNEA_FMA(s5, f5x_2, c5*f5y_2);
-	const double f4x_2 = f4x - t79;
-	const double f4y_2 = f4y + f5z_2;
-	const double f4z_2 = f4z + t80;
-	const double t81 = RNEA_FMA(0.1845, t80, -RNEA_FMA(n5y_2, -s5, c5*n5x_2));
-	const double n4x_2 = n4x + t81;
+	const double t78 = RNEA_FMA(f5y, -s5, c5*f5x);
+	const double t79 = RNEA_FMA(s5, f5x, c5*f5y);
+	const double f4x = RNEA_FMA(3.5, t37, -t78);
+	const double f4y = RNEA_FMA(3.5, t38, f5z);
+	const double f4z = RNEA_FMA(3.5, t39, t79);
+	const double t80 = RNEA_FMA(0.1845, t79, -RNEA_FMA(n5y_2, -s5, c5*n5x_2));
+	const double n4x_2 = n4x + t80;
 	const double n4y_2 = n4y + n5z_2;
-	const double n4z_2 = n4z + RNEA_FMA(0.1845, t79, RNEA_FMA(s5, n5x_2, c5*n5y_2));
+	const double n4z_2 = n4z + RNEA_FMA(0.1845, t78, RNEA_FMA(s5, n5x_2, c5*n5y_2));
 	tau[4*stride] = n5z_2;
 
 	/* ---- back from link 4 "iiwa_link_4" to link 3 (bpass): torque of "iiwa_joint_4" ---- */
-	const double t82 = RNEA_FMA(-s4, f4y_2, c4*f4x_2);
-	const double f3x_2 = f3x + t82;
-	const double f3y_2 = f3y - f4z_2;
-	const double n3x_2 = n3x + RNEA_FMA(0.2155, f4z_2, RNEA_FMA(-s4, n4y_2, c4*n4x_2));
-	const double n3y_2 = n3y + RNEA_FMA(0.2155, t82, -n4z_2);
+	const double t81 = RNEA_FMA(-s4, f4y, c4*f4x);
+	const double f3x = RNEA_FMA(3.5, t24, t81);
+	const double f3y = RNEA_FMA(3.5, t25, -f4z);
+	const double n3x_2 = n3x + RNEA_FMA(0.2155, f4z, RNEA_FMA(-s4, n4y_2, c4*n4x_2));
+	const double n3y_2 = n3y + RNEA_FMA(0.2155, t81, -n4z_2);
 	const double n3z_2 = n3z + RNEA_FMA(s4, n4x_2, c4*n4y_2);
 	tau[3*stride] = n4z_2;
 
 	/* ---- back from link 3 "iiwa_link_3" to link 2 (bpass): torque of "iiwa_joint_3" ---- */
-	const double t83 = RNEA_FMA(f3y_2, -s3, c3*f3x_2);
-	const double t84 = -RNEA_FMA(n3y_2, -s3, c3*n3x_2);
-	const double n2x_2 = n2x + RNEA_FMA(0.2045, RNEA_FMA(s3, f3x_2, c3*f3y_2), t84);
+	const double t82 = RNEA_FMA(f3y, -s3, c3*f3x);
+	const double t83 = -RNEA_FMA(n3y_2, -s3, c3*n3x_2);
+	const double n2x_2 = n2x + RNEA_FMA(0.2045, RNEA_FMA(s3, f3x, c3*f3y), t83);
 	const double n2y_2 = n2y + n3z_2;
-	const double n2z_2 = n2z + RNEA_FMA(0.2045, t83, RNEA_FMA(s3, n3x_2, c3*n3y_2));
+	const double n2z_2 = n2z + RNEA_FMA(0.2045, t82, RNEA_FMA(s3, n3x_2, c3*n3y_2));
 	tau[2*stride] = n3z_2;
 
 	/* ---- back from link 2 "iiwa_link_2" to link 1 (bpass): torque of "iiwa_joint_2" ---- */
@@ -570,29 +546,23 @@ static RNEA_INLINE int iiwa14_fpass_body(const double *q, const double *qd, cons
 	const double a2y = 9.81*c2;
 	const double t4 = qd2*qd2;
 	const double t5 = w2y*w2y;
-	const double t6 = t2 - dw2x;
-	const double t7 = t2 + dw2x;
-	const double t8 = w2x*w2x;
-	const double t9 = t4 + t8;
-	const double t10 = t3 - dw2y;
-	const double t11 = t3 + dw2y;
-	const double t12 = w2x*w2y;
-	const double t13 = t12 - qdd2;
-	const double t14 = qdd2 + t12;
-	const double f2z = RNEA_FMA(-0.2667, t5 + t8, RNEA_FMA(0.37465, t7, 0.0019049999999999998*t10));
-	const double f2x = RNEA_FMA(62.2935, s2, RNEA_FMA(0.2667, t11, RNEA_FMA(-0.0019049999999999998,
-		t4 + t5, 0.37465*t13)));
-	const double f2y = RNEA_FMA(62.2935, c2, RNEA_FMA(0.2667, t6, RNEA_FMA(-0.37465, t9, 0.0019049999999999998*t14)));
-	const double t15 = RNEA_FMA(-8.000999999999999e-05, t14, RNEA_FMA(0.00011239499999999998, t10,
-		RNEA_FMA(0.06380575, dw2x, 0.030302949999999995*t2)));
-	const double t16 = RNEA_FMA(-0.00011239499999999998, t7, RNEA_FMA(0.0157353, t13, RNEA_FMA(0.0222019715,
-		dw2y, 0.0113008285*t3)));
-	const double t17 = RNEA_FMA(-0.0157353, t11, RNEA_FMA(8.000999999999999e-05, t6, RNEA_FMA(-0.041603778499999994,
-		t12, 0.052504921499999996*qdd2)));
-	const double n2x = RNEA_FMA(-2.616327, c2, RNEA_FMA(-0.0157353, t5 - t4, t15));
-	const double n2y = RNEA_FMA(2.616327, s2, RNEA_FMA(-8.000999999999999e-05, t4 - t8, t16));
-	const double n2z = RNEA_FMA(-3.6753164999999997, s2, 0.018688049999999998*c2) + RNEA_FMA(-0.00011239499999999998,
-		t8 - t5, t17);
+	const double t6 = t2 + dw2x;
+	const double t7 = w2x*w2x;
+	const double t8 = t4 + t7;
+	const double t9 = w2x*w2y;
+	const double t10 = t9 - qdd2;
+	const double t11 = RNEA_FMA(0.042, t3 + dw2y, RNEA_FMA(-0.0003, t4 + t5, 0.059*t10));
+	const double t12 = RNEA_FMA(0.042, t2 - dw2x, RNEA_FMA(-0.059, t8, 0.0003*(qdd2 + t9)));
+	const double t13 = RNEA_FMA(-0.042, t5 + t7, RNEA_FMA(0.059, t6, 0.0003*(t3 - dw2y)));
+	const double t14 = a2x + t11;
+	const double t15 = a2y + t12;
+	const double f2x = 6.35*t14;
+	const double f2y = 6.35*t15;
+	const double f2z = 6.35*t13;
+	const double n2x = RNEA_FMA(-0.2667, t15, 0.37465*t13) + RNEA_FMA(0.0305, dw2x, 0.0194*t2);
+	const double n2y = RNEA_FMA(-0.0019049999999999998, t13, 0.2667*t14) + RNEA_FMA(0.011, dw2y, 9.99999999999994e-05*t3);
+	const double n2z = RNEA_FMA(-0.37465, t14, 0.0019049999999999998*t15) + RNEA_FMA(-0.0195, t9,
+		0.0304*qdd2);
 	v[6*stride] = 0.0;
 	v[7*stride] = 0.0;
 	v[8*stride] = 0.0;
@@ -618,39 +588,37 @@ static RNEA_INLINE int iiwa14_fpass_body(const double *q, const double *qd, cons
 	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
 	const double qd3 = qd[2*stride];
 	const double qdd3 = qdd[2*stride];
-	const double t18 = 0.2045*qd2;
-	const double t19 = 0.2045*w2x;
-	const double t20 = 0.2045*t7;
-	const double t21 = RNEA_FMA(0.2045, t13, a2x);
-	const double a3z = RNEA_FMA(-0.2045, t9, a2y);
+	const double t16 = 0.2045*qd2;
+	const double t17 = 0.2045*w2x;
+	const double t18 = 0.2045*t6;
+	const double t19 = RNEA_FMA(0.2045, t10, a2x);
+	const double a3z = RNEA_FMA(-0.2045, t8, a2y);
 	const double w3x = RNEA_FMA(c3, -w2x, qd2*s3);
 	const double w3y = RNEA_FMA(w2x, s3, qd2*c3);
 	const double w3z = w2y + qd3;
 	const double dw3x = RNEA_FMA(qd3, w3y, RNEA_FMA(c3, -dw2x, qdd2*s3));
 	const double dw3y = RNEA_FMA(w3x, -qd3, RNEA_FMA(dw2x, s3, qdd2*c3));
 	const double dw3z = dw2y + qdd3;
-	const double v3x = RNEA_FMA(c3, t18, s3*t19);
-	const double v3y = RNEA_FMA(t18, -s3, c3*t19);
-	const double a3x = RNEA_FMA(t21, -c3, s3*t20);
-	const double a3y = RNEA_FMA(s3, t21, c3*t20);
-	const double t22 = w3y*w3z;
-	const double t23 = w3z*w3z;
-	const double t24 = w3y*w3y;
-	const double t25 = t22 - dw3x;
-	const double t26 = w3x*w3z;
-	const double t27 = w3x*w3x;
-	const double t28 = dw3y + t26;
-	const double t29 = w3x*w3y;
-	const double t30 = t24 + t27;
-	const double t31 = t29 - dw3z;
-	const double f3x = RNEA_FMA(3.5, a3x, RNEA_FMA(0.455, t28, 0.105*t31));
-	const double f3y = RNEA_FMA(3.5, a3y, RNEA_FMA(-0.105, t23 + t27, 0.455*t25));
-	const double f3z = RNEA_FMA(3.5, a3z, RNEA_FMA(-0.455, t30, 0.105*(dw3x + t22)));
-	const double t32 = RNEA_FMA(-0.01365, t24 - t23, RNEA_FMA(-0.0722, t22, 0.0873*dw3x));
-	const double n3x = RNEA_FMA(-0.455, a3y, 0.105*a3z) + t32;
-	const double n3y = RNEA_FMA(0.455, a3x, RNEA_FMA(0.01365, t31, RNEA_FMA(0.08295000000000001, dw3y,
-		0.07655*t26)));
-	const double n3z = RNEA_FMA(-0.105, a3x, RNEA_FMA(-0.01365, t28, RNEA_FMA(-0.00435, t29, 0.01075*dw3z)));
+	const double v3x = RNEA_FMA(c3, t16, s3*t17);
+	const double v3y = RNEA_FMA(t16, -s3, c3*t17);
+	const double a3x = RNEA_FMA(t19, -c3, s3*t18);
+	const double a3y = RNEA_FMA(s3, t19, c3*t18);
+	const double t20 = w3y*w3z;
+	const double t21 = t20 - dw3x;
+	const double t22 = w3x*w3z;
+	const double t23 = w3x*w3x;
+	const double t24 = dw3y + t22;
+	const double t25 = w3x*w3y;
+	const double t26 = RNEA_FMA(w3y, w3y, t23);
+	const double t27 = a3x + RNEA_FMA(0.13, t24, 0.03*(t25 - dw3z));
+	const double t28 = a3y + RNEA_FMA(-0.03, RNEA_FMA(w3z, w3z, t23), 0.13*t21);
+	const double t29 = a3z + RNEA_FMA(-0.13, t26, 0.03*(dw3x + t20));
+	const double f3x = 3.5*t27;
+	const double f3y = 3.5*t28;
+	const double f3z = 3.5*t29;
+	const double n3x = RNEA_FMA(-0.455, t28, 0.105*t29) + RNEA_FMA(-0.016200000000000003, t20, 0.025*dw3x);
+	const double n3y = RNEA_FMA(0.455, t27, RNEA_FMA(0.0238, dw3y, 0.017400000000000002*t22));
+	const double n3z = RNEA_FMA(-0.105, t27, RNEA_FMA(-0.0011999999999999997, t25, 0.0076*dw3z));
 	v[12*stride] = v3x;
 	v[13*stride] = v3y;
 	v[14*stride] = 0.0;
@@ -676,50 +644,47 @@ static RNEA_INLINE int iiwa14_fpass_body(const double *q, const double *qd, cons
 	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
 	const double qd4 = qd[3*stride];
 	const double qdd4 = qdd[3*stride];
-	const double t33 = RNEA_FMA(0.2155, w3y, v3x);
-	const double t34 = RNEA_FMA(-0.2155, w3x, v3y);
-	const double t35 = RNEA_FMA(0.2155, t28, a3x);
-	const double t36 = RNEA_FMA(0.2155, t25, a3y);
-	const double t37 = RNEA_FMA(-0.2155, t30, a3z);
+	const double t30 = RNEA_FMA(0.2155, w3y, v3x);
+	const double t31 = RNEA_FMA(-0.2155, w3x, v3y);
+	const double t32 = RNEA_FMA(0.2155, t24, a3x);
+	const double t33 = RNEA_FMA(0.2155, t21, a3y);
+	const double t34 = RNEA_FMA(-0.2155, t26, a3z);
 	const double w4x = RNEA_FMA(w3x, c4, w3z*s4);
 	const double w4y = RNEA_FMA(s4, -w3x, w3z*c4);
 	const double w4z = qd4 - w3y;
 	const double dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(dw3x, c4, dw3z*s4));
 	const double dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(s4, -dw3x, dw3z*c4));
 	const double dw4z = qdd4 - dw3y;
-	const double v4x = c4*t33;
-	const double t38 = s4*t33;
-	const double a4x = RNEA_FMA(c4, t35, s4*t37);
-	const double a4y = RNEA_FMA(t35, -s4, c4*t37);
-	const double t39 = w4y*w4z;
-	const double t40 = w4z*w4z;
-	const double t41 = w4y*w4y;
-	const double t42 = dw4x + t39;
-	const double t43 = w4x*w4z;
-	const double t44 = w4x*w4x;
-	const double t45 = t40 + t44;
-	const double t46 = dw4y + t43;
-	const double t47 = w4x*w4y;
-	const double t48 = t47 - dw4z;
-	const double f4x = RNEA_FMA(3.5, a4x, RNEA_FMA(0.11900000000000001, t46, 0.23450000000000001*t48));
-	const double f4y = RNEA_FMA(3.5, a4y, RNEA_FMA(-0.23450000000000001, t45, 0.11900000000000001*(t39 - dw4x)));
-	const double f4z = RNEA_FMA(-3.5, t36, RNEA_FMA(-0.11900000000000001, t41 + t44, 0.23450000000000001*t42));
-	const double t49 = RNEA_FMA(-0.007973000000000001, t41 - t40, RNEA_FMA(0.036757500000000005, dw4x,
-		0.022065500000000002*t39));
-	const double n4x = t49 - RNEA_FMA(0.23450000000000001, t36, 0.11900000000000001*a4y);
-	const double n4y = RNEA_FMA(0.11900000000000001, a4x, RNEA_FMA(0.007973000000000001, t48, RNEA_FMA(0.010046000000000001,
-		dw4y, 0.004646000000000001*t43)));
-	const double n4z = RNEA_FMA(-0.23450000000000001, a4x, RNEA_FMA(-0.007973000000000001, t46, RNEA_FMA(-0.026711500000000003,
-		t47, 0.0321115*dw4z)));
+	const double v4x = c4*t30;
+	const double t35 = s4*t30;
+	const double a4x = RNEA_FMA(c4, t32, s4*t34);
+	const double a4y = RNEA_FMA(t32, -s4, c4*t34);
+	const double t36 = w4y*w4z;
+	const double t37 = dw4x + t36;
+	const double t38 = w4x*w4z;
+	const double t39 = w4x*w4x;
+	const double t40 = RNEA_FMA(w4z, w4z, t39);
+	const double t41 = w4x*w4y;
+	const double t42 = t41 - dw4z;
+	const double t43 = a4x + RNEA_FMA(0.034, dw4y + t38, 0.067*t42);
+	const double t44 = a4y + RNEA_FMA(-0.067, t40, 0.034*(t36 - dw4x));
+	const double t45 = RNEA_FMA(-0.034, RNEA_FMA(w4y, w4y, t39), 0.067*t37) - t33;
+	const double f4x = 3.5*t43;
+	const double f4y = 3.5*t44;
+	const double f4z = 3.5*t45;
+	const double n4x = RNEA_FMA(-0.11900000000000001, t44, 0.23450000000000001*t45) + RNEA_FMA(0.017,
+		dw4x, 0.010400000000000001*t36);
+	const double n4y = RNEA_FMA(0.11900000000000001, t43, RNEA_FMA(0.006, dw4y, 0.0005999999999999998*t38));
+	const double n4z = RNEA_FMA(-0.23450000000000001, t43, RNEA_FMA(-0.011000000000000001, t41, 0.0164*dw4z));
 	v[18*stride] = v4x;
-	v[19*stride] = -t38;
-	v[20*stride] = -t34;
+	v[19*stride] = -t35;
+	v[20*stride] = -t31;
 	v[21*stride] = w4x;
 	v[22*stride] = w4y;
 	v[23*stride] = w4z;
-	a[18*stride] = a4x - RNEA_FMA(-t34, w4y, w4z*t38);
-	a[19*stride] = a4y - RNEA_FMA(w4z, v4x, t34*w4x);
-	a[20*stride] = RNEA_FMA(w4x, t38, w4y*v4x) - t36;
+	a[18*stride] = a4x - RNEA_FMA(-t31, w4y, w4z*t35);
+	a[19*stride] = a4y - RNEA_FMA(w4z, v4x, t31*w4x);
+	a[20*stride] = RNEA_FMA(w4x, t35, w4y*v4x) - t33;
 	a[21*stride] = dw4x;
 	a[22*stride] = dw4y;
 	a[23*stride] = dw4z;
@@ -736,58 +701,52 @@ static RNEA_INLINE int iiwa14_fpass_body(const double *q, const double *qd, cons
 	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
 	const double qd5 = qd[4*stride];
 	const double qdd5 = qdd[4*stride];
-	const double t50 = RNEA_FMA(-0.1845, w4z, v4x);
-	const double t51 = RNEA_FMA(0.1845, w4x, -t34);
-	const double t52 = RNEA_FMA(0.1845, t48, a4x);
-	const double a5z = RNEA_FMA(-0.1845, t45, a4y);
-	const double t53 = RNEA_FMA(0.1845, t42, -t36);
+	const double t46 = RNEA_FMA(-0.1845, w4z, v4x);
+	const double t47 = RNEA_FMA(0.1845, w4x, -t31);
+	const double t48 = RNEA_FMA(0.1845, t42, a4x);
+	const double a5z = RNEA_FMA(-0.1845, t40, a4y);
+	const double t49 = RNEA_FMA(0.1845, t37, -t33);
 	const double w5x = RNEA_FMA(c5, -w4x, w4z*s5);
 	const double w5y = RNEA_FMA(w4x, s5, w4z*c5);
 	const double w5z = w4y + qd5;
 	const double dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(c5, -dw4x, dw4z*s5));
 	const double dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(dw4x, s5, dw4z*c5));
 	const double dw5z = dw4y + qdd5;
-	const double v5x = RNEA_FMA(t50, -c5, s5*t51);
-	const double v5y = RNEA_FMA(s5, t50, c5*t51);
-	const double a5x = RNEA_FMA(t52, -c5, s5*t53);
-	const double a5y = RNEA_FMA(s5, t52, c5*t53);
-	const double t54 = w5y*w5z;
-	const double t55 = w5z*w5z;
-	const double t56 = w5y*w5y;
-	const double t57 = t54 - dw5x;
-	const double t58 = dw5x + t54;
-	const double t59 = w5x*w5z;
-	const double t60 = w5x*w5x;
-	const double t61 = t59 - dw5y;
-	const double t62 = dw5y + t59;
-	const double t63 = w5x*w5y;
-	const double t64 = t56 + t60;
-	const double t65 = t63 - dw5z;
-	const double t66 = dw5z + t63;
-	const double f5x = RNEA_FMA(3.5, a5x, RNEA_FMA(0.266, t62, RNEA_FMA(-0.00035, t55 + t56, 0.07350000000000001*t65)));
-	const double f5y = RNEA_FMA(3.5, a5y, RNEA_FMA(0.266, t57, RNEA_FMA(-0.07350000000000001, t55 + t60,
-		0.00035*t66)));
-	const double f5z = RNEA_FMA(3.5, a5z, RNEA_FMA(-0.266, t64, RNEA_FMA(0.07350000000000001, t58,
-		0.00035*t61)));
-	const double t67 = RNEA_FMA(-2.66e-05, t66, RNEA_FMA(7.350000000000001e-06, t61, RNEA_FMA(-0.022882499999999997,
-		t54, 0.031759499999999996*dw5x)));
-	const double t68 = RNEA_FMA(-7.350000000000001e-06, t58, RNEA_FMA(0.005586, t65, RNEA_FMA(0.028916035,
-		dw5y, 0.025725965*t59)));
-	const double t69 = RNEA_FMA(-0.005586, t62, RNEA_FMA(2.66e-05, t57, RNEA_FMA(-0.002843465000000001,
-		t63, 0.0060335350000000005*dw5z)));
-	const double n5x = RNEA_FMA(-0.266, a5y, 0.07350000000000001*a5z) + RNEA_FMA(-0.005586, t56 - t55,
-		t67);
-	const double n5y = RNEA_FMA(-0.00035, a5z, 0.266*a5x) + RNEA_FMA(-2.66e-05, t55 - t60, t68);
-	const double n5z = RNEA_FMA(-0.07350000000000001, a5x, 0.00035*a5y) + RNEA_FMA(-7.350000000000001e-06,
-		t60 - t56, t69);
+	const double v5x = RNEA_FMA(t46, -c5, s5*t47);
+	const double v5y = RNEA_FMA(s5, t46, c5*t47);
+	const double a5x = RNEA_FMA(t48, -c5, s5*t49);
+	const double a5y = RNEA_FMA(s5, t48, c5*t49);
+	const double t50 = w5y*w5z;
+	const double t51 = w5z*w5z;
+	const double t52 = w5y*w5y;
+	const double t53 = t50 - dw5x;
+	const double t54 = w5x*w5z;
+	const double t55 = w5x*w5x;
+	const double t56 = dw5y + t54;
+	const double t57 = w5x*w5y;
+	const double t58 = t52 + t55;
+	const double t59 = RNEA_FMA(0.076, t56, RNEA_FMA(-0.0001, t51 + t52, 0.021*(t57 - dw5z)));
+	const double t60 = RNEA_FMA(0.076, t53, RNEA_FMA(-0.021, t51 + t55, 0.0001*(dw5z + t57)));
+	const double t61 = RNEA_FMA(-0.076, t58, RNEA_FMA(0.021, dw5x + t50, 0.0001*(t54 - dw5y)));
+	const double t62 = a5x + t59;
+	const double t63 = a5y + t60;
+	const double t64 = a5z + t61;
+	const double f5x = 3.5*t62;
+	const double f5y = 3.5*t63;
+	const double f5z = 3.5*t64;
+	const double n5x = RNEA_FMA(-0.266, t63, 0.07350000000000001*t64) + RNEA_FMA(-0.004209999999999999,
+		t50, 0.01*dw5x);
+	const double n5y = RNEA_FMA(-0.00035, t64, 0.266*t62) + RNEA_FMA(0.0087, dw5y, 0.00551*t54);
+	const double n5z = RNEA_FMA(-0.07350000000000001, t62, 0.00035*t63) + RNEA_FMA(-0.0013000000000000008,
+		t57, 0.00449*dw5z);
 	v[24*stride] = v5x;
 	v[25*stride] = v5y;
-	v[26*stride] = -t38;
+	v[26*stride] = -t35;
 	v[27*stride] = w5x;
 	v[28*stride] = w5y;
 	v[29*stride] = w5z;
-	a[24*stride] = a5x + RNEA_FMA(t38, w5y, w5z*v5y);
-	a[25*stride] = a5y - RNEA_FMA(w5z, v5x, t38*w5x);
+	a[24*stride] = a5x + RNEA_FMA(t35, w5y, w5z*v5y);
+	a[25*stride] = a5y - RNEA_FMA(w5z, v5x, t35*w5x);
 	a[26*stride] = a5z - RNEA_FMA(v5x, -w5y, w5x*v5y);
 	a[27*stride] = dw5x;
 	a[28*stride] = dw5y;
@@ -805,49 +764,47 @@ static RNEA_INLINE int iiwa14_fpass_body(const double *q, const double *qd, cons
 	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
 	const double qd6 = qd[5*stride];
 	const double qdd6 = qdd[5*stride];
-	const double t70 = RNEA_FMA(0.2155, w5y, v5x);
-	const double t71 = RNEA_FMA(-0.2155, w5x, v5y);
-	const double t72 = RNEA_FMA(0.2155, t62, a5x);
-	const double t73 = RNEA_FMA(0.2155, t57, a5y);
-	const double t74 = RNEA_FMA(-0.2155, t64, a5z);
+	const double t65 = RNEA_FMA(0.2155, w5y, v5x);
+	const double t66 = RNEA_FMA(-0.2155, w5x, v5y);
+	const double t67 = RNEA_FMA(0.2155, t56, a5x);
+	const double t68 = RNEA_FMA(0.2155, t53, a5y);
+	const double t69 = RNEA_FMA(-0.2155, t58, a5z);
 	const double w6x = RNEA_FMA(w5x, c6, w5z*s6);
 	const double w6y = RNEA_FMA(s6, -w5x, w5z*c6);
 	const double w6z = qd6 - w5y;
 	const double dw6x = RNEA_FMA(qd6, w6y, RNEA_FMA(dw5x, c6, dw5z*s6));
 	const double dw6y = RNEA_FMA(w6x, -qd6, RNEA_FMA(s6, -dw5x, dw5z*c6));
 	const double dw6z = qdd6 - dw5y;
-	const double v6x = RNEA_FMA(-t38, s6, c6*t70);
-	const double t75 = RNEA_FMA(s6, t70, t38*c6);
-	const double a6x = RNEA_FMA(c6, t72, s6*t74);
-	const double a6y = RNEA_FMA(t72, -s6, c6*t74);
-	const double t76 = w6y*w6z;
-	const double t77 = w6z*w6z;
-	const double t78 = w6y*w6y;
-	const double t79 = dw6x + t76;
-	const double t80 = w6x*w6z;
-	const double t81 = w6x*w6x;
-	const double t82 = t77 + t81;
-	const double t83 = dw6y + t80;
-	const double t84 = w6x*w6y;
-	const double t85 = t84 - dw6z;
-	const double f6x = RNEA_FMA(1.8, a6x, RNEA_FMA(0.00072, t83, 0.00108*t85));
-	const double f6y = RNEA_FMA(1.8, a6y, RNEA_FMA(-0.00108, t82, 0.00072*(t76 - dw6x)));
-	const double f6z = RNEA_FMA(-1.8, t73, RNEA_FMA(-0.00072, t78 + t81, 0.00108*t79));
-	const double t86 = RNEA_FMA(-4.32e-07, t78 - t77, RNEA_FMA(-0.0010996400000000003, t76, 0.004900936*dw6x));
-	const double n6x = t86 - RNEA_FMA(0.00108, t73, 0.00072*a6y);
-	const double n6y = RNEA_FMA(0.00072, a6x, RNEA_FMA(4.32e-07, t85, RNEA_FMA(0.004700288, dw6y,
-		0.001300288*t80)));
-	const double n6z = RNEA_FMA(-0.00108, a6x, RNEA_FMA(-4.32e-07, t83, RNEA_FMA(-0.00020064799999999967,
-		t84, 0.0036006479999999997*dw6z)));
+	const double v6x = RNEA_FMA(-t35, s6, c6*t65);
+	const double t70 = RNEA_FMA(s6, t65, t35*c6);
+	const double a6x = RNEA_FMA(c6, t67, s6*t69);
+	const double a6y = RNEA_FMA(t67, -s6, c6*t69);
+	const double t71 = w6y*w6z;
+	const double t72 = dw6x + t71;
+	const double t73 = w6x*w6z;
+	const double t74 = w6x*w6x;
+	const double t75 = RNEA_FMA(w6z, w6z, t74);
+	const double t76 = w6x*w6y;
+	const double t77 = t76 - dw6z;
+	const double t78 = a6x + RNEA_FMA(0.0004, dw6y + t73, 0.0006*t77);
+	const double t79 = a6y + RNEA_FMA(-0.0006, t75, 0.0004*(t71 - dw6x));
+	const double t80 = RNEA_FMA(-0.0004, RNEA_FMA(w6y, w6y, t74), 0.0006*t72) - t68;
+	const double f6x = 1.8*t78;
+	const double f6y = 1.8*t79;
+	const double f6z = 1.8*t80;
+	const double n6x = RNEA_FMA(-0.00072, t79, 0.00108*t80) + RNEA_FMA(-0.0011000000000000003, t71,
+		0.0049*dw6x);
+	const double n6y = RNEA_FMA(0.00072, t78, RNEA_FMA(0.0047, dw6y, 0.0013*t73));
+	const double n6z = RNEA_FMA(-0.00108, t78, RNEA_FMA(-0.00019999999999999966, t76, 0.0036*dw6z));
 	v[30*stride] = v6x;
-	v[31*stride] = -t75;
-	v[32*stride] = -t71;
+	v[31*stride] = -t70;
+	v[32*stride] = -t66;
 	v[33*stride] = w6x;
 	v[34*stride] = w6y;
 	v[35*stride] = w6z;
-	a[30*stride] = a6x - RNEA_FMA(-t71, w6y, w6z*t75);
-	a[31*stride] = a6y - RNEA_FMA(w6z, v6x, t71*w6x);
-	a[32*stride] = RNEA_FMA(w6x, t75, w6y*v6x) - t73;
+	a[30*stride] = a6x - RNEA_FMA(-t66, w6y, w6z*t70);
+	a[31*stride] = a6y - RNEA_FMA(w6z, v6x, t66*w6x);
+	a[32*stride] = RNEA_FMA(w6x, t70, w6y*v6x) - t68;
 	a[33*stride] = dw6x;
 	a[34*stride] = dw6y;
 	a[35*stride] = dw6z;
@@ -864,37 +821,37 @@ static RNEA_INLINE int iiwa14_fpass_body(const double *q, const double *qd, cons
 	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
 	const double qd7 = qd[6*stride];
 	const double qdd7 = qdd[6*stride];
-	const double t87 = RNEA_FMA(-0.081, w6z, v6x);
-	const double t88 = RNEA_FMA(0.081, w6x, -t71);
-	const double t89 = RNEA_FMA(0.081, t85, a6x);
-	const double a7z = RNEA_FMA(-0.081, t82, a6y);
-	const double t90 = RNEA_FMA(0.081, t79, -t73);
+	const double t81 = RNEA_FMA(-0.081, w6z, v6x);
+	const double t82 = RNEA_FMA(0.081, w6x, -t66);
+	const double t83 = RNEA_FMA(0.081, t77, a6x);
+	const double a7z = RNEA_FMA(-0.081, t75, a6y);
+	const double t84 = RNEA_FMA(0.081, t72, -t68);
 	const double w7x = RNEA_FMA(c7, -w6x, w6z*s7);
 	const double w7y = RNEA_FMA(w6x, s7, w6z*c7);
 	const double w7z = w6y + qd7;
 	const double dw7x = RNEA_FMA(qd7, w7y, RNEA_FMA(c7, -dw6x, dw6z*s7));
 	const double dw7y = RNEA_FMA(w7x, -qd7, RNEA_FMA(dw6x, s7, dw6z*c7));
 	const double dw7z = dw6y + qdd7;
-	const double v7x = RNEA_FMA(t87, -c7, s7*t88);
-	const double v7y = RNEA_FMA(s7, t87, c7*t88);
-	const double a7x = RNEA_FMA(t89, -c7, s7*t90);
-	const double a7y = RNEA_FMA(s7, t89, c7*t90);
-	const double t91 = w7y*w7z;
-	const double t92 = w7x*w7z;
-	const double f7x = RNEA_FMA(1.2, a7x, 0.024*(dw7y + t92));
-	const double f7y = RNEA_FMA(1.2, a7y, 0.024*(t91 - dw7x));
-	const double f7z = RNEA_FMA(-0.024, RNEA_FMA(w7x, w7x, w7y*w7y), 1.2*a7z);
+	const double v7x = RNEA_FMA(t81, -c7, s7*t82);
+	const double v7y = RNEA_FMA(s7, t81, c7*t82);
+	const double a7x = RNEA_FMA(t83, -c7, s7*t84);
+	const double a7y = RNEA_FMA(s7, t83, c7*t84);
+	const double t85 = RNEA_FMA(0.02, RNEA_FMA(w7x, w7z, dw7y), a7x);
+	const double t86 = RNEA_FMA(0.02, RNEA_FMA(w7y, w7z, -dw7x), a7y);
+	const double f7x = 1.2*t85;
+	const double f7y = 1.2*t86;
+	const double f7z = 1.2*RNEA_FMA(-0.02, RNEA_FMA(w7x, w7x, w7y*w7y), a7z);
 	const double n7z = 0.001*dw7z;
-	const double n7x = RNEA_FMA(-0.024, a7y, RNEA_FMA(-0.00048, t91, 0.00148*dw7x));
-	const double n7y = RNEA_FMA(0.024, a7x, RNEA_FMA(0.00148, dw7y, 0.00048*t92));
+	const double n7x = RNEA_FMA(-0.024, t86, 0.001*dw7x);
+	const double n7y = RNEA_FMA(0.001, dw7y, 0.024*t85);
 	v[36*stride] = v7x;
 	v[37*stride] = v7y;
-	v[38*stride] = -t75;
+	v[38*stride] = -t70;
 	v[39*stride] = w7x;
 	v[40*stride] = w7y;
 	v[41*stride] = w7z;
-	a[36*stride] = a7x + RNEA_FMA(t75, w7y, w7z*v7y);
-	a[37*stride] = a7y - RNEA_FMA(w7z, v7x, t75*w7x);
+	a[36*stride] = a7x + RNEA_FMA(t70, w7y, w7z*v7y);
+	a[37*stride] = a7y - RNEA_FMA(w7z, v7x, t70*w7x);
 	a[38*stride] = a7z - RNEA_FMA(v7x, -w7y, w7x*v7y);
 	a[39*stride] = dw7x;
 	a[40*stride] = dw7y;

@@ -4,8 +4,8 @@
  * from a URDF whose SHA-256 is
  *   3dc35ec11ee3cf7d342c4a232b5e252a8ce4e2a0dcf7fc31691d88eb2f52f8d6
  * nq = 7, nv = 7, nb = 7 (moving bodies). Operations:
- *   rnea: 127 mul, 55 add, 32 sub, 31 neg, 177 fma, 6 sincos = 568 flops
- *   fpass: 141 mul, 38 add, 39 sub, 32 neg, 188 fma, 6 sincos = 594 flops
+ *   rnea: 125 mul, 60 add, 18 sub, 36 neg, 163 fma, 6 sincos = 529 flops
+ *   fpass: 150 mul, 47 add, 29 sub, 33 neg, 153 fma, 6 sincos = 532 flops
  *   bpass: 20 mul, 23 add, 4 sub, 10 neg, 30 fma, 6 sincos = 107 flops
  *
  * Joints:
