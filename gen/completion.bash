@@ -1,7 +1,7 @@
 # Completion of rneagen and rnearun for bash.
 # shellcheck shell=bash
 
-_rneagen_options='-o --output --target --precision --layout --trig --base --gravity --mimic --order --name --info
+_rneagen_options='-o --output --target --precision --layout --strict --trig --base --gravity --mimic --order --name --info
 	--info=json --dot --dump --help --version'
 
 # The words that an option takes; returns 1 for an option that takes none, or any.
@@ -64,7 +64,7 @@ _rneagen() {
 	esac
 }
 
-_rnearun_common='--backend --device --threads --precision --trig --base --gravity --mimic --order --quiet --help'
+_rnearun_common='--backend --device --threads --precision --strict --trig --base --gravity --mimic --order --quiet --help'
 _rnearun_eval="--in --q --qd --qdd -o --out --slice $_rnearun_common"
 
 _rnearun() {

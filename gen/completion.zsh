@@ -5,6 +5,7 @@
 _rneagen_model=(
 	'--precision=[scalar type]:precision:(f32 f64 mixed)'
 	'--trig=[sine and cosine]:trigonometry:(accurate bounded fast)'
+	'--strict[the same bits from every compiler, CPU and GPU]'
 	'--base=[fixed to the world, or moving freely]:base:(fixed floating)'
 	'--gravity=[acceleration of gravity, m/s^2]:X,Y,Z:'
 	'--mimic=[joints that follow others]:mimic:(honour independent)'

@@ -88,8 +88,9 @@ void dag_tag(struct dag *d, struct ref a, const char *quantity, int body, char c
 void dag_section(struct dag *d, enum section_kind kind, int body);
 void dag_output(struct dag *d, int argument, int row, struct ref value);
 
-/* The live part of a DAG, with a product that has no other use joined to the sum that uses it. */
-void dag_fuse(struct dag *out, const struct dag *d);
+/* The live part of a DAG, with a product that has no other use joined to the sum that uses it; with `every`, each product
+   to each sum, so that no sum has a product for an operand. */
+void dag_fuse(struct dag *out, const struct dag *d, int every);
 
 /* How often each node is used by live nodes and outputs, in `uses` (d->count of them); 0 means dead. */
 void dag_uses(const struct dag *d, uint32_t *uses);

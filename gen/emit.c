@@ -263,7 +263,9 @@ void emit_source(const struct emission *e, struct text *out)
 		put_kernel(e, &p[i], &kernels);
 	const struct slot slots[] = {
 		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"INFO", info_text(e)},
-		{"F", e->arithmetic->suffix}, {"FMA_SUFFIX_UPPER", e->arithmetic->bytes == 4 ? "F" : ""},
+		{"ARITHMETIC_CUDA", emit_arithmetic(e, ARITHMETIC_FOR_CUDA)},
+		{"ARITHMETIC_HEADER", emit_arithmetic(e, ARITHMETIC_FOR_HEADER)}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
+		{"UNDEF_STRICT", e->options->strict ? "#undef RNEA_ADD\n#undef RNEA_SUB\n#undef RNEA_MUL\n#undef RNEA_APART\n" : ""},
 		{"BLOCK", number(e, block_size(e))}, {"MIN_BLOCKS", number(e, min_blocks(e))},
 		{"SINCOS", sincos_text(e)}, {"BODIES", text_string(&bodies)}, {"STAGE", stage_text(e)},
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, &p[PASS_RNEA], PARAMS_PLAIN)},

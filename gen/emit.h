@@ -51,6 +51,10 @@ void emit_info(const struct emission *e, struct text *out);
 /* Its middle part: the block and the arguments. */
 void emit_info_shape(const struct emission *e, struct text *out);
 
+/* The macros of the operations, as these compilers take them. */
+enum arithmetic_for { ARITHMETIC_FOR_C, ARITHMETIC_FOR_CUDA, ARITHMETIC_FOR_HEADER };
+const char *emit_arithmetic(const struct emission *e, enum arithmetic_for compiler);
+
 /* The sine and cosine function that the statements call. */
 void emit_sincos(const struct emission *e, struct text *out);
 

@@ -32,8 +32,16 @@ void emit_number(const struct emission *e, const struct scalar *type, real value
 
 static void put_expression(const struct emission *e, const struct plan *p, struct ref a, struct text *out);
 
+/* What an operation is written as, called with its operands; NULL: with a sign between them. */
+static const char *call_of(const struct emission *e, enum op op)
+{
+	static const char *const strict[OP_COUNT] = {[OP_ADD] = "RNEA_ADD", [OP_SUB] = "RNEA_SUB", [OP_MUL] = "RNEA_MUL"};
+
+	return op == OP_FMA ? "RNEA_FMA" : e->options->strict ? strict[op] : NULL;
+}
+
 /* Binding strength of what put_value writes for a node. */
-static int strength(const struct plan *p, struct ref a)
+static int strength(const struct emission *e, const struct plan *p, struct ref a)
 {
 	const struct node *n = &p->dag->nodes[a.i];
 
@@ -41,13 +49,13 @@ static int strength(const struct plan *p, struct ref a)
 		return op_strength[OP_INPUT];
 	if (n->op == OP_CONST && signbit(n->value))
 		return op_strength[OP_NEG];
-	return op_strength[n->op];
+	return op_strength[call_of(e, n->op) ? OP_FMA : n->op];
 }
 
 /* A name, a number, or the expression itself, in parentheses where it binds less than `least`. */
 static void put_value(const struct emission *e, const struct plan *p, struct ref a, int least, struct text *out)
 {
-	int enclose = strength(p, a) < least;
+	int enclose = strength(e, p, a) < least;
 
 	if (enclose)
 		text_putc(out, '(');
@@ -69,10 +77,24 @@ static void put_binary(const struct emission *e, const struct plan *p, const str
 	put_value(e, p, n->arg[1], own + 1, out); /* no re-association: a - (b - c), a*(b*c) */
 }
 
+static void put_call(const struct emission *e, const struct plan *p, const struct node *n, struct text *out)
+{
+	text_printf(out, "%s(", call_of(e, n->op));
+	for (int k = 0; k < op_arity[n->op]; k++) {
+		text_put(out, k ? ", " : "");
+		put_value(e, p, n->arg[k], 0, out);
+	}
+	text_putc(out, ')');
+}
+
 static void put_expression(const struct emission *e, const struct plan *p, struct ref a, struct text *out)
 {
 	const struct node *n = &p->dag->nodes[a.i];
 
+	if (call_of(e, n->op)) {
+		put_call(e, p, n, out);
+		return;
+	}
 	switch (n->op) {
 	case OP_CONST:
 		emit_number(e, e->arithmetic, n->value, out);
@@ -89,13 +111,6 @@ static void put_expression(const struct emission *e, const struct plan *p, struc
 		break;
 	case OP_MUL:
 		put_binary(e, p, n, "*", out);
-		break;
-	case OP_FMA:
-		text_put(out, "RNEA_FMA(");
-		for (int k = 0; k < 3; k++) {
-			put_value(e, p, n->arg[k], 0, out);
-			text_put(out, k < 2 ? ", " : ")");
-		}
 		break;
 	default: /* inputs, sines and cosines have names */
 		out->failed = 1;

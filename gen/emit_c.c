@@ -18,8 +18,7 @@ static const char *joined(const struct emission *e, const char *a, const char *b
 
 const char *emit_head_c(const struct emission *e)
 {
-	const struct slot slots[] = {
-		{"F", e->arithmetic->suffix}, {"FMA_SUFFIX_UPPER", e->arithmetic->bytes == 4 ? "F" : ""}};
+	const struct slot slots[] = {{"ARITHMETIC_C", emit_arithmetic(e, ARITHMETIC_FOR_C)}};
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -31,7 +30,8 @@ const char *emit_head_c(const struct emission *e)
 static void put_functions(const struct emission *e, const struct pass *p, struct text *out)
 {
 	const struct slot slots[] = {
-		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"ONE", emit_has_small(e) ? "any" : "body"},
+		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"APART", e->options->strict ? "RNEA_APART " : ""},
+		{"ONE", emit_has_small(e) ? "any" : "body"},
 		{"COUNT_PARAM", is_soa(e) ? "size_t count, " : ""}, {"COUNT", is_soa(e) ? "count, " : ""},
 		{"UNUSED", is_soa(e) ? "" : "\t(void)count;"}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},

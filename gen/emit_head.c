@@ -36,6 +36,8 @@ static void put_command(const struct emission *e, struct text *out)
 		emit_precision_name(o->precision), LAYOUTS[o->layout], TRIGS[o->trig]);
 	if (o->base == RNEAGEN_FLOATING)
 		text_put(out, " --base floating");
+	if (o->strict)
+		text_put(out, " --strict");
 	if (o->mimic == RNEAGEN_MIMIC_INDEPENDENT)
 		text_put(out, " --mimic independent");
 	if (o->gravity[0] != 0 || o->gravity[1] != 0 || o->gravity[2] != -9.81)
@@ -192,7 +194,7 @@ void emit_info(const struct emission *e, struct text *out)
 	text_init(&t, e->arena);
 	put_info_lines(e, &t);
 	out->failed |= t.failed;
-	for (const char *s = text_string(&t); *s;) {
+	for (const char *s = t.failed ? "" : text_string(&t); *s;) { /* what failed may end within a line */
 		const char *end = strchr(s, '\n');
 
 		put_literal_line(s, (size_t)(end - s), out);

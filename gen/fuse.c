@@ -1,12 +1,16 @@
 /* From the DAG as the algorithm made it to the DAG that is written: live nodes only, a product with one use joined to
-   the sum that uses it, signs given to constants and swapped differences where that is free. */
+   the sum that uses it, signs given to constants and swapped differences where that is free. Where the same bits are wanted
+   everywhere, every product is joined to every sum that uses it: a compiler that joins products and sums on its own then
+   finds none. That costs nothing but the product itself, where something else uses it too. */
 #include "dag.h"
 
 struct fuser {
 	struct dag *out;
 	const struct dag *in;
 	const uint32_t *uses;
-	unsigned char *absorbed; /* this product is computed by its user's FMA */
+	int every;               /* join products with further uses, too */
+	uint32_t *joined;        /* how many sums have taken this product into an FMA */
+	unsigned char *absorbed; /* this node is computed by its users */
 	struct ref *map;         /* in -> out */
 };
 
@@ -20,7 +24,13 @@ static int product_operand(const struct fuser *f, const struct node *n)
 {
 	if (n->op != OP_ADD && n->op != OP_SUB)
 		return -1;
-	return lone(f, n->arg[1], OP_MUL) ? 1 : lone(f, n->arg[0], OP_MUL) ? 0 : -1;
+	for (int k = 1; k >= 0; k--)
+		if (lone(f, n->arg[k], OP_MUL))
+			return k;
+	for (int k = 1; k >= 0 && f->every; k--)
+		if (f->in->nodes[n->arg[k].i].op == OP_MUL)
+			return k;
+	return -1;
 }
 
 /* x + a*b, x - a*b = x + (-a)*b, a*b - x = a*b + (-x); a is the constant where there is one */
@@ -84,10 +94,12 @@ static void mark_absorbed(struct fuser *f)
 		int product = f->uses[i] ? product_operand(f, n) : -1;
 
 		if (product >= 0)
-			f->absorbed[n->arg[product].i] = 1;
+			f->joined[n->arg[product].i]++;
 		if (f->uses[i] && n->op == OP_NEG)
 			f->absorbed[n->arg[0].i] = (unsigned char)neg_is_free(f, n->arg[0]);
 	}
+	for (size_t i = 0; i < f->in->count; i++)
+		f->absorbed[i] |= f->joined[i] && f->joined[i] == f->uses[i];
 }
 
 static void copy_nodes(struct fuser *f)
@@ -109,15 +121,16 @@ static void copy_nodes(struct fuser *f)
 		dag_section(f->out, f->in->sections[section].kind, f->in->sections[section].body);
 }
 
-void dag_fuse(struct dag *out, const struct dag *d)
+void dag_fuse(struct dag *out, const struct dag *d, int every)
 {
-	struct fuser f = {.out = out, .in = d};
+	struct fuser f = {.out = out, .in = d, .every = every};
 	uint32_t *uses = arena_alloc(out->arena, d->count, sizeof *uses);
 
 	f.uses = uses;
+	f.joined = arena_alloc(out->arena, d->count, sizeof *f.joined);
 	f.absorbed = arena_alloc(out->arena, d->count, 1);
 	f.map = arena_alloc(out->arena, d->count, sizeof *f.map);
-	if (d->failed || !uses || !f.absorbed || !f.map) {
+	if (d->failed || !uses || !f.joined || !f.absorbed || !f.map) {
 		out->failed = 1;
 		return;
 	}

@@ -23,6 +23,7 @@ static const char HELP[] =
 	"  --base fixed|floating      floating: q starts with x y z qx qy qz qw, qd and tau with six rows\n"
 	"  --gravity X,Y,Z            m/s^2 in the world (default 0,0,-9.81)\n"
 	"  --mimic honour|independent followers have no entry in q (default), or are joints of their own\n"
+	"  --strict                   the same bits from every compiler, CPU and GPU\n"
 	"  --order J1,J2,...          rows of q by joint name (default: depth-first, children by name)\n"
 	"  --name NAME                prefix of every function (default: the robot's name)\n"
 	"  --info, --info=json        tell about the robot instead of writing the text (with -o: besides)\n"

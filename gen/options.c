@@ -104,6 +104,10 @@ int option_generate(const char *command, struct rneagen_options *o, int key, con
 		o->order = word;
 		return 0;
 	}
+	if (key == OPTION_STRICT) {
+		o->strict = 1;
+		return 0;
+	}
 	if (key < OPTION_TARGET || key > OPTION_DUMP)
 		return -1;
 	c = &CHOICES[key - OPTION_TARGET];

@@ -8,13 +8,14 @@
 
 /* What getopt_long returns. A command's own options follow from OPTION_OWN on. */
 enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_TRIG, OPTION_BASE, OPTION_MIMIC,
-	OPTION_DUMP, OPTION_GRAVITY, OPTION_ORDER, OPTION_HELP, OPTION_VERSION, OPTION_OWN = 512 };
+	OPTION_DUMP, OPTION_GRAVITY, OPTION_ORDER, OPTION_STRICT, OPTION_HELP, OPTION_VERSION, OPTION_OWN = 512 };
 
 /* Rows for getopt_long: what torques are wanted, whatever text they come from. */
 #define OPTIONS_MODEL                                                                                                  \
 	{"precision", required_argument, NULL, OPTION_PRECISION}, {"trig", required_argument, NULL, OPTION_TRIG},      \
 	{"base", required_argument, NULL, OPTION_BASE}, {"gravity", required_argument, NULL, OPTION_GRAVITY},          \
-	{"mimic", required_argument, NULL, OPTION_MIMIC}, {"order", required_argument, NULL, OPTION_ORDER}
+	{"mimic", required_argument, NULL, OPTION_MIMIC}, {"order", required_argument, NULL, OPTION_ORDER},            \
+	{"strict", no_argument, NULL, OPTION_STRICT}
 
 /* Rows for getopt_long: what kind of text. */
 #define OPTIONS_TEXT                                                                                                   \

@@ -34,6 +34,9 @@ static enum rneagen_code resolve_options(struct generation *g)
 
 	if (o->precision == RNEAGEN_PRECISION_DEFAULT)
 		o->precision = o->target == RNEAGEN_TARGET_C ? RNEAGEN_F64 : RNEAGEN_F32;
+	if (o->strict && o->trig == RNEAGEN_FAST)
+		return error_set(g->error, RNEAGEN_USAGE,
+			"--strict and --trig fast exclude each other: the sine of a GPU's own unit has other bits; take bounded");
 	if (!o->name)
 		o->name = identifier_from(g->robot.name, &g->result->arena);
 	else if (!identifier_is(o->name))
@@ -53,7 +56,7 @@ static enum rneagen_code make_passes(struct generation *g)
 		dag_init(&p->raw, a);
 		p->algorithm->build(&p->raw, &g->tree);
 		dag_init(&p->dag, a);
-		dag_fuse(&p->dag, &p->raw);
+		dag_fuse(&p->dag, &p->raw, g->options.strict);
 		if (!plan_build(&p->plan, &p->dag, &g->tree, a))
 			return error_memory(g->error);
 	}

@@ -28,6 +28,7 @@ enum { COMMAND_BACKEND = OPTION_OWN, COMMAND_DEVICE, COMMAND_THREADS, COMMAND_QU
 	"  --device N                 which GPU (default 0)\n"                                                         \
 	"  --threads N                of the processor (default: all)\n"                                               \
 	"  --trig accurate|bounded|fast\n"                                                                             \
+	"  --strict                   the same bits from every compiler, CPU and GPU\n"                                \
 	"  --base fixed|floating      floating: q starts with x y z qx qy qz qw, qd and tau with six rows\n"           \
 	"  --gravity X,Y,Z            m/s^2 in the world (default 0,0,-9.81)\n"                                        \
 	"  --mimic honour|independent followers have no entry in q (default), or are joints of their own\n"            \

@@ -23,6 +23,14 @@
 #define __shared__ static /* one block runs at a time */
 #define __restrict__ __restrict
 #define __sincosf sincosf
+#define __fmaf_rn fmaf
+#define __fadd_rn(a, b) ((float)(a) + (float)(b))
+#define __fsub_rn(a, b) ((float)(a) - (float)(b))
+#define __fmul_rn(a, b) ((float)(a) * (float)(b))
+#define __fma_rn fma
+#define __dadd_rn(a, b) ((double)(a) + (double)(b))
+#define __dsub_rn(a, b) ((double)(a) - (double)(b))
+#define __dmul_rn(a, b) ((double)(a) * (double)(b))
 
 struct fake_dim {
 	unsigned x, y, z;

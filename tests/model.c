@@ -29,7 +29,7 @@ void model_open(struct model *m, const char *urdf, size_t length, const struct r
 		dag_init(&m->raw[i], &m->arena);
 		ALGORITHMS[i].build(&m->raw[i], &m->tree);
 		dag_init(&m->dag[i], &m->arena);
-		dag_fuse(&m->dag[i], &m->raw[i]);
+		dag_fuse(&m->dag[i], &m->raw[i], o->strict);
 		ck_assert(!m->dag[i].failed);
 	}
 	open_reference(m, urdf, length, o, what);

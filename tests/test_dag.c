@@ -165,7 +165,28 @@ START_TEST(fusion)
 	text_init(&t, &arena);
 	expression_build(&dag, r->built);
 	dag_init(&fused, &arena);
-	dag_fuse(&fused, &dag);
+	dag_fuse(&fused, &dag, 0);
+	expression_print_outputs(&fused, &t);
+	ck_assert_msg(!strcmp(text_string(&t), r->want), "%s gives %s, not %s", r->built, text_string(&t), r->want);
+}
+END_TEST
+
+/* Every product joined to every sum. */
+static const struct row joins[] = {
+	{"* x y; + * x y z", "* x y; f x y z"}, {"+ * x y z; + * x y w", "f x y z; f x y w"}, {"+ * x y * x y", "f x y * x y"},
+	{"- z * x y; * x y", "f y n x z; * x y"}, {"- * x y z; * x y", "f x y n z; * x y"},
+	{"n * x y; + z * x y", "n * x y; f x y z"}, {"+ x * y z", "f y z x"}, {"+ x y", "+ x y"},
+};
+
+START_TEST(fusion_of_every_product)
+{
+	const struct row *r = &joins[_i];
+	struct text t;
+
+	text_init(&t, &arena);
+	expression_build(&dag, r->built);
+	dag_init(&fused, &arena);
+	dag_fuse(&fused, &dag, 1);
 	expression_print_outputs(&fused, &t);
 	ck_assert_msg(!strcmp(text_string(&t), r->want), "%s gives %s, not %s", r->built, text_string(&t), r->want);
 }
@@ -180,7 +201,7 @@ START_TEST(fuse_drops_dead_code)
 	dag.outputs[0] = dag.outputs[1];
 	dag.output_count = 1;
 	dag_init(&fused, &arena);
-	dag_fuse(&fused, &dag);
+	dag_fuse(&fused, &dag, 0);
 	ck_assert_uint_eq(fused.count, 1 + 3 + 1); /* the constant 0, x y z, their FMA */
 	ck_assert_uint_eq(fused.output_count, 1);
 	dag_uses(&fused, uses);
@@ -206,7 +227,7 @@ START_TEST(fuse_keeps_places)
 	dag_output(&dag, 1, 7, dag_cos(&dag, sum));
 	dag_section(&dag, SECTION_END, 0);
 	dag_init(&fused, &arena);
-	dag_fuse(&fused, &dag);
+	dag_fuse(&fused, &dag, 0);
 	ck_assert_uint_eq(fused.section_count, 4);
 	for (size_t i = 0; i < 4; i++) {
 		ck_assert_int_eq(fused.sections[i].kind, dag.sections[i].kind);
@@ -230,7 +251,7 @@ START_TEST(fuse_keeps_names)
 {
 	dag_tag(&dag, expression_build(&dag, "+ x * y z"), "w", 2, 'z');
 	dag_init(&fused, &arena);
-	dag_fuse(&fused, &dag);
+	dag_fuse(&fused, &dag, 0);
 	ck_assert_str_eq(fused.nodes[fused.outputs[0].value.i].tag.quantity, "w");
 	ck_assert_int_eq(fused.nodes[fused.outputs[0].value.i].tag.body, 2);
 }
@@ -272,6 +293,7 @@ int main(void)
 	tcase_add_test(c, sharing_survives_growth);
 	tcase_add_test(c, tags_name_and_do_not_share);
 	tcase_add_loop_test(c, fusion, 0, sizeof fusions / sizeof *fusions);
+	tcase_add_loop_test(c, fusion_of_every_product, 0, sizeof joins / sizeof *joins);
 	tcase_add_test(c, fuse_drops_dead_code);
 	tcase_add_test(c, fuse_keeps_places);
 	tcase_add_test(c, fuse_keeps_names);

@@ -172,7 +172,7 @@ START_TEST(random_dags)
 		arena_init(&a, NULL);
 		random_dag(&d, &a, &rng);
 		dag_init(&fused, &a);
-		dag_fuse(&fused, &d);
+		dag_fuse(&fused, &d, 0);
 		for (int i = 0; i < SAMPLES; i++) {
 			struct state s = random_state(&rng, 1);
 			struct values raw, joined;
@@ -352,7 +352,7 @@ START_TEST(failure_is_sticky)
 		if (d.failed)
 			ck_assert_uint_eq(expression_build(&d, "s + n x f y z * w 3").i, 0);
 		dag_init(&fused, &a);
-		dag_fuse(&fused, &d);
+		dag_fuse(&fused, &d, 0);
 		ck_assert(complete || fused.failed);
 		ck_assert_int_eq(d.failed, !complete);
 		arena_free(&a);

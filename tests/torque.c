@@ -53,7 +53,7 @@ int torque_dag(struct dag *d, struct tree *t, const struct robot *r, const struc
 	dag_init(&raw, a);
 	ALGORITHMS[PASS_RNEA].build(&raw, t);
 	dag_init(d, a);
-	dag_fuse(d, &raw);
+	dag_fuse(d, &raw, 0);
 	ck_assert(!d->failed);
 	return 1;
 }

@@ -139,7 +139,7 @@ static void open_model(struct hard *h)
 	dag_init(&m->raw[PASS_RNEA], &m->arena);
 	ALGORITHMS[PASS_RNEA].build(&m->raw[PASS_RNEA], &m->tree);
 	dag_init(&m->dag[PASS_RNEA], &m->arena);
-	dag_fuse(&m->dag[PASS_RNEA], &m->raw[PASS_RNEA]);
+	dag_fuse(&m->dag[PASS_RNEA], &m->raw[PASS_RNEA], 0);
 	if (m->dag[PASS_RNEA].failed)
 		refuse(h, "out of memory");
 	m->reference = reference_open(h->urdf, h->length, &o, message, sizeof message);
