@@ -50,6 +50,7 @@ by_pkg_config() {
 
 	command=$(pkg-config --variable=command rneagen)
 	[[ $("$command" --version) == "rneagen $(pkg-config --modversion rneagen)" ]] || fail "versions differ"
+	[[ $("${command%rneagen}rnearun" --version) == "rnearun $(pkg-config --modversion rneagen)" ]] || fail "versions differ"
 	[[ $(pkg-config --modversion rneagen) == $(pkg-config --modversion rnea) ]] || fail "versions differ"
 	mkdir -p "$work/pc"
 	cd "$work/pc"

@@ -167,6 +167,9 @@ START_TEST(test_pipes)
 		"cat states.npy states.npy | \"$1\" eval \"$2\" --in - --out out.npy", IIWA);
 	run_shell(
 		1, "standard output: cannot be written", "\"$1\" eval \"$2\" --in states.npy --out - >/dev/full", IIWA);
+	/* so little that it is written at the very end */
+	file_put_sparse("one.npy", 1, 21);
+	run_shell(1, "standard output: cannot be written", "\"$1\" eval \"$2\" --in one.npy --out - >/dev/full", IIWA);
 	ck_assert_int_eq(count_files("out.npy"), 0);
 }
 END_TEST
