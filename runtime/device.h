@@ -37,6 +37,8 @@
 		(int *blocks, void *function, int block, size_t shared))                                               \
 	X(mem_alloc, "cuMemAlloc_v2", 1, (unsigned long long *address, size_t size))                                   \
 	X(mem_free, "cuMemFree_v2", 1, (unsigned long long address))                                                   \
+	X(memset_d8_async, "cuMemsetD8Async", 1,                                                                        \
+		(unsigned long long to, unsigned char value, size_t size, void *stream))                               \
 	X(mem_alloc_host, "cuMemAllocHost_v2", 1, (void **memory, size_t size))                                        \
 	X(mem_free_host, "cuMemFreeHost", 1, (void *memory))                                                           \
 	X(memcpy_htod_async, "cuMemcpyHtoDAsync_v2", 1,                                                                \
@@ -44,7 +46,8 @@
 	X(memcpy_dtoh_async, "cuMemcpyDtoHAsync_v2", 1,                                                                \
 		(void *to, unsigned long long from, size_t size, void *stream))                                        \
 	X(memcpy_2d_async, "cuMemcpy2DAsync_v2", 1, (const struct device_copy *copy, void *stream))                    \
-	X(pointer_get_attribute, "cuPointerGetAttribute", 1, (void *value, int attribute, unsigned long long address)) \
+	X(pointer_get_attributes, "cuPointerGetAttributes", 1,                                                          \
+		(unsigned count, int *attributes, void **values, unsigned long long address))                          \
 	X(stream_create, "cuStreamCreate", 1, (void **stream, unsigned flags))                                         \
 	X(stream_synchronize, "cuStreamSynchronize", 1, (void *stream))                                                \
 	X(stream_destroy, "cuStreamDestroy_v2", 1, (void *stream))                                                     \
@@ -167,6 +170,10 @@ enum rnea_code device_launch(const struct device *d, const struct device_kernel 
 /* Memory of the device, and page-locked memory of the program. Freeing 0 or NULL is a no-op; nothing is reported. */
 enum rnea_code device_alloc(const struct device *d, size_t size, unsigned long long *address, struct rnea_error *e);
 enum rnea_code device_alloc_host(const struct device *d, size_t size, void **memory, struct rnea_error *e);
+
+/* Zero `size` bytes, in a stream. */
+enum rnea_code device_clear(
+	const struct device *d, unsigned long long address, size_t size, void *stream, struct rnea_error *e);
 void device_free(const struct device *d, unsigned long long address);
 void device_free_host(const struct device *d, void *memory);
 

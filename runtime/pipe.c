@@ -141,8 +141,10 @@ static enum rnea_code stage_make(const struct pipe_pool *pool, struct stage *s, 
 
 	if (s->stream)
 		return RNEA_OK;
-	if (!device_alloc_host(d, pool->stage_bytes, &locked, e) && !device_alloc(d, pool->stage_bytes, &s->device, e))
-		device_stream(d, &s->stream, e);
+	/* cleared, because what is copied back has gaps between its arrays */
+	if (!device_alloc_host(d, pool->stage_bytes, &locked, e) && !device_alloc(d, pool->stage_bytes, &s->device, e) &&
+		!device_stream(d, &s->stream, e))
+		device_clear(d, s->device, pool->stage_bytes, s->stream, e);
 	s->locked = locked;
 	if (e->code)
 		stage_free(d, s);

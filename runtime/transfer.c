@@ -22,6 +22,14 @@ enum rnea_code device_alloc_host(const struct device *d, size_t size, void **mem
 	return device_failed(d, status, "cuMemAllocHost", e);
 }
 
+enum rnea_code device_clear(
+	const struct device *d, unsigned long long address, size_t size, void *stream, struct rnea_error *e)
+{
+	int status = d->api.memset_d8_async(address, 0, size, stream);
+
+	return status ? device_failed(d, status, "cuMemsetD8Async", e) : RNEA_OK;
+}
+
 void device_free(const struct device *d, unsigned long long address)
 {
 	if (address)
@@ -37,18 +45,15 @@ void device_free_host(const struct device *d, void *memory)
 enum device_kind device_kind(const struct device *d, const void *pointer)
 {
 	unsigned long long address = (unsigned long long)(size_t)pointer;
-	unsigned type = 0, managed = 0;
+	int attributes[] = {DEVICE_POINTER_TYPE, DEVICE_POINTER_MANAGED};
+	unsigned type = 0, managed = 0; /* what the driver has never heard of has neither */
+	void *values[] = {&type, &managed};
 
-	/* the driver refuses what it has never heard of */
-	if (d->api.pointer_get_attribute(&type, DEVICE_POINTER_TYPE, address) != 0)
+	if (d->api.pointer_get_attributes(2, attributes, values, address) != 0)
 		return DEVICE_KIND_PAGEABLE;
 	if (type == DEVICE_MEMORY_HOST)
 		return DEVICE_KIND_LOCKED;
-	if (type != DEVICE_MEMORY_DEVICE)
-		return DEVICE_KIND_PAGEABLE;
-	if (d->api.pointer_get_attribute(&managed, DEVICE_POINTER_MANAGED, address) == 0 && managed)
-		return DEVICE_KIND_PAGEABLE;
-	return DEVICE_KIND_DEVICE;
+	return type == DEVICE_MEMORY_DEVICE && !managed ? DEVICE_KIND_DEVICE : DEVICE_KIND_PAGEABLE;
 }
 
 /* ---- copies ---- */

@@ -147,14 +147,13 @@ int cuMemHostUnregister(void *memory)
 	return look_up(memory, 1) ? FAKE_SUCCESS : FAKE_INVALID_VALUE;
 }
 
-int cuPointerGetAttribute(void *value, int attribute, unsigned long long address)
+int cuPointerGetAttributes(unsigned count, int *attributes, void **values, unsigned long long address)
 {
 	int type = look_up(pointer(address), 0);
 
 	ENTER(1);
-	if (!type)
-		return FAKE_INVALID_VALUE;
-	*(int *)value = attribute == 2 ? type : 0;
+	for (unsigned i = 0; i < count; i++)
+		*(int *)values[i] = attributes[i] == 2 ? type : 0;
 	return FAKE_SUCCESS;
 }
 
@@ -183,6 +182,14 @@ int cuMemcpyDtoD_v2(unsigned long long to, unsigned long long from, size_t size)
 
 int cuMemsetD8_v2(unsigned long long to, unsigned char value, size_t size)
 {
+	ENTER(1);
+	memset(pointer(to), value, size);
+	return FAKE_SUCCESS;
+}
+
+int cuMemsetD8Async(unsigned long long to, unsigned char value, size_t size, void *stream)
+{
+	(void)stream;
 	ENTER(1);
 	memset(pointer(to), value, size);
 	return FAKE_SUCCESS;

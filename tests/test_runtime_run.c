@@ -331,7 +331,7 @@ START_TEST(every_call_fails_once)
 		rnea_run(robot, b.arrays, b.count, &e);
 		call = failed();
 		fail_call(-1, 0);
-		if (call && strcmp(call, "cuPointerGetAttribute") != 0)
+		if (call && strcmp(call, "cuPointerGetAttributes") != 0)
 			assert_error(&e, statuses[_i].code, statuses[_i].message);
 		else
 			ck_assert(e.code == RNEA_OK && is_right(&b));
