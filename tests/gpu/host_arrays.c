@@ -113,8 +113,10 @@ static double time_copies(const struct gpu *g, const struct host_arrays *a, int 
 	double *times = malloc((size_t)replays * sizeof *times), median;
 	CUdeviceptr data[ARRAYS_LIMIT];
 
-	for (size_t i = 0; i < a->n; i++)
+	for (size_t i = 0; i < a->n; i++) {
 		GPU(g, cuMemAlloc, (&data[i], a->bytes[i]));
+		GPU(g, cuMemsetD8, (data[i], 0, a->bytes[i]));
+	}
 	for (int turn = 0; turn < replays; turn++) {
 		double start = seconds_now();
 
