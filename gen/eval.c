@@ -1,14 +1,11 @@
 #include "eval.h"
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #if defined __SIZEOF_FLOAT128__ && defined RNEAGEN_QUAD
 #include <quadmath.h>
 #endif
-
-/* Sine and cosine are taken to be good to this many units of rounding of their value: the text's own to 0.85 units in
-   the last place, which is at most 1.7 of them, and the C library's here. */
-enum { SINCOS_UNITS = 2 };
 
 struct spread {
 	double size, bound; /* magnitudes that were summed; running bound */
@@ -23,25 +20,35 @@ struct survey {
 	struct spread *spread;
 };
 
-/* Half an ulp of 1; half the smallest number of a type, or enough for the underflow of the bound itself. */
-struct grain {
-	double unit, tiny;
-};
-
-/* |fl(x) - x| <= u |fl(x)| + tiny; the computed value stands in for the exact one */
-static double rounding(struct grain g, double value)
+/* |fl(x) - x| <= unit |x| + tiny, where x itself may be off by what it inherits from the computed value that stands for it */
+static double rounding(double unit, double tiny, double value, double inherited)
 {
-	return g.unit * fabs(value) + g.tiny;
+	return unit * (fabs(value) + inherited) + tiny;
 }
 
-/* Magnitudes and error of a node from those of its operands x, y, z, whose computed values are a, b, c:
-   |fl(a+b) - (a'+b')| <= e_a + e_b + u |fl(a+b)|,  |fl(ab) - a'b'| <= |a| e_b + |b| e_a + e_a e_b + u |fl(ab)| + tiny,
+/* What joining a product a b to a sum adds: a rounding of the product, where it has one. */
+static double joined(const struct eval_model *m, double product, double inherited)
+{
+	return m->fused ? 0 : rounding(m->mul, m->tiny, product, inherited);
+}
+
+/* The sine's or cosine's own error; nothing is known of angles beyond the domain. */
+static double sincos_error(const struct eval_model *m, enum op op, double value, double angle, double inherited)
+{
+	if (!(fabs(angle) + inherited <= m->angle))
+		return (double)INFINITY;
+	return rounding(m->sincos, m->tiny, value, inherited) + (op == OP_SIN ? m->sine : m->cosine);
+}
+
+/* Magnitudes and error of a node from those of its operands x, y, z, whose values are a, b, c:
+   |fl(a+b) - (a'+b')| <= e_a + e_b + u |a+b|,  |fl(ab) - a'b'| <= |a| e_b + |b| e_a + e_a e_b + u |ab| + tiny,
    with a second rounding where a product joined to a sum is rounded twice. */
 static struct spread spread_of(const struct node *n, const struct spread *s, double value, double a, double b,
-	double constant_error, struct grain g)
+	double constant_error, const struct eval_model *m)
 {
 	const struct spread *x = &s[n->arg[0].i], *y = &s[n->arg[1].i], *z = &s[n->arg[2].i];
-	double local, linear = fabs(a) * y->bound + fabs(b) * x->bound;
+	double local, sum = x->bound + y->bound, square = x->bound * y->bound;
+	double product = fabs(a) * y->bound + fabs(b) * x->bound;
 
 	switch (n->op) {
 	case OP_CONST:
@@ -52,16 +59,17 @@ static struct spread spread_of(const struct node *n, const struct spread *s, dou
 		return (struct spread){x->size, x->bound, 0, x->swept};
 	case OP_ADD:
 	case OP_SUB:
-		local = rounding(g, value);
-		return (struct spread){x->size + y->size, x->bound + y->bound + local, local, 0};
+		local = rounding(m->add, m->tiny, value, sum);
+		return (struct spread){x->size + y->size, sum + local, local, 0};
 	case OP_MUL:
-		local = x->bound * y->bound + rounding(g, value);
-		return (struct spread){x->size * y->size, linear + local, local, 0};
+		local = square + rounding(m->mul, m->tiny, value, product + square);
+		return (struct spread){x->size * y->size, product + local, local, 0};
 	case OP_FMA:
-		local = x->bound * y->bound + rounding(g, a * b) + rounding(g, value);
-		return (struct spread){x->size * y->size + z->size, linear + z->bound + local, local, 0};
+		local = square + joined(m, a * b, product + square);
+		local += rounding(m->add, m->tiny, value, product + z->bound + local);
+		return (struct spread){x->size * y->size + z->size, product + z->bound + local, local, 0};
 	default:
-		local = x->bound * x->bound / 2 + SINCOS_UNITS * rounding(g, value);
+		local = x->bound * x->bound / 2 + sincos_error(m, n->op, value, a, x->bound);
 		return (struct spread){fabs(value), x->bound + local, local, 0};
 	}
 }
@@ -128,19 +136,23 @@ static void sweep(const struct survey *x, size_t i)
 }
 
 /* Where a product of two running bounds is more than the rounding of the node, closer bounds pay. */
-static void survey_node(const struct survey *x, size_t i, double constant_error, struct grain g)
+static void survey_node(const struct survey *x, size_t i, double constant_error, const struct eval_model *m)
 {
 	const struct node *n = &x->d->nodes[i];
 	size_t a = n->arg[0].i, b = n->arg[op_arity[n->op] > 1].i;
 	int multiplies = n->op != OP_INPUT && n->op != OP_CONST && n->op != OP_NEG && n->op != OP_ADD && n->op != OP_SUB;
 	double value = x->values[i];
 
-	if (multiplies && x->spread[a].bound * x->spread[b].bound > rounding(g, value)) {
+	if (multiplies && x->spread[a].bound * x->spread[b].bound > m->mul * fabs(value) + m->tiny) {
 		sweep(x, a);
 		sweep(x, b);
 	}
-	x->spread[i] = spread_of(n, x->spread, value, x->values[a], x->values[b], constant_error, g);
-	x->spread[i].bound = isfinite(value) ? bound_closed(x->spread[i].bound) : (double)INFINITY;
+	x->spread[i] = spread_of(n, x->spread, value, x->values[a], x->values[b], constant_error, m);
+	x->spread[i].bound = bound_closed(x->spread[i].bound);
+	if (!(fabs(value) + x->spread[i].bound <= m->largest))
+		sweep(x, i);
+	if (!(fabs(value) + x->spread[i].bound <= m->largest)) /* it may overflow */
+		x->spread[i].bound = x->spread[i].local = (double)INFINITY;
 }
 
 /* Of the outputs. */
@@ -158,52 +170,156 @@ static void survey_outputs(const struct survey *x, const struct eval_terms *term
 	}
 }
 
+static struct survey survey_new(const struct dag *d)
+{
+	return (struct survey){
+		d, malloc(d->count * sizeof(double)), malloc(d->count * sizeof(double)), malloc(d->count * sizeof(struct spread))};
+}
+
+static int survey_is_made(const struct survey *x)
+{
+	return x->values && x->slope && x->spread;
+}
+
+static void survey_free(struct survey *x)
+{
+	free(x->values);
+	free(x->slope);
+	free(x->spread);
+}
+
+/* What rounding a constant takes from it, and what its own making in extended precision may have. */
+static double constant_error(const struct node *n, real rounded, double tiny)
+{
+	double error = (double)fabsl(rounded - n->value);
+
+	if (n->op != OP_CONST || rounded == n->value)
+		return 0;
+	return error + 0x1p-60 * (double)fabsl(n->value) + 2 * tiny;
+}
+
 #define T float
 #define EVAL(name) name##_f32
-#define GRAIN ((struct grain){0x1p-24, 0x1p-150})
+#define UNIT 0x1p-24
+#define TINY 0x1p-150
+#define LARGEST (double)FLT_MAX
 #define T_FMA fmaf
 #define T_SIN sinf
 #define T_COS cosf
 #include "eval.inc"
 #undef T
 #undef EVAL
-#undef GRAIN
+#undef UNIT
+#undef TINY
+#undef LARGEST
 #undef T_FMA
 #undef T_SIN
 #undef T_COS
 
 #define T double
 #define EVAL(name) name##_f64
-#define GRAIN ((struct grain){0x1p-53, 0x1p-1072})
+#define UNIT 0x1p-53
+#define TINY 0x1p-1072
+#define LARGEST DBL_MAX
 #define T_FMA fma
 #define T_SIN sin
 #define T_COS cos
 #include "eval.inc"
 #undef T
 #undef EVAL
-#undef GRAIN
+#undef UNIT
+#undef TINY
+#undef LARGEST
 #undef T_FMA
 #undef T_SIN
 #undef T_COS
 
 #define T real
 #define EVAL(name) name##_real
-#define GRAIN ((struct grain){0x1p-64, 0x1p-1072})
+#define UNIT 0x1p-64
+#define TINY 0x1p-1072
+#define LARGEST DBL_MAX
 #define T_FMA fmal
 #define T_SIN sinl
 #define T_COS cosl
 #include "eval.inc"
 #undef T
 #undef EVAL
-#undef GRAIN
+#undef UNIT
+#undef TINY
+#undef LARGEST
 #undef T_FMA
 #undef T_SIN
 #undef T_COS
 
+/* The text's operations, and those in extended precision that stand for the exact ones: what the two may differ by adds
+   up, since the analysis is linear in the errors of operations but for products of them, which only gain. */
+static struct eval_model widened(const struct eval_model *m)
+{
+	struct eval_model wide = *m;
+
+	wide.add += (double)LDBL_EPSILON;
+	wide.mul += (double)LDBL_EPSILON;
+	wide.sincos += 2 * (double)LDBL_EPSILON;
+	return wide;
+}
+
+/* Rounding on the way to memory; nothing is known of what is too large for it. */
+static double stored_bound(const struct eval_model *m, double value, double bound)
+{
+	double most = fabs(value) + bound;
+
+	if (!(most <= m->store_largest))
+		return (double)INFINITY;
+	return m->store > 0 ? bound_closed(bound + m->store * most + m->store_tiny) : bound;
+}
+
+static void put_bounds(const struct survey *x, const struct eval_model *m, double *const *bound)
+{
+	for (size_t i = 0; i < x->d->output_count; i++) {
+		const struct output *o = &x->d->outputs[i];
+
+		sweep(x, o->value.i);
+		bound[o->argument][o->row] = stored_bound(m, x->values[o->value.i], x->spread[o->value.i].bound);
+	}
+}
+
+/* Values in extended precision by node; inputs are exact in it. */
+static void evaluate_node(const struct dag *d, size_t i, const double *const *in, real *v)
+{
+	const struct node *n = &d->nodes[i];
+
+	v[i] = 0;
+	v[i] = n->op == OP_INPUT ? (real)in[n->arg[0].i][n->arg[1].i] : node_real(n, v, NULL);
+}
+
+int eval_bound(const struct dag *d, const struct eval_model *m, const double *const *in, double *const *bound)
+{
+	struct eval_model wide = widened(m);
+	struct survey x = survey_new(d);
+	real *v = malloc(d->count * sizeof *v);
+	int done = v && survey_is_made(&x);
+
+	for (size_t i = 0; done && i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+
+		evaluate_node(d, i, in, v);
+		x.values[i] = (double)v[i];
+		survey_node(&x, i, n->op == OP_CONST ? constant_error(n, m->constant(n->value), m->tiny) : 0, &wide);
+	}
+	if (done)
+		put_bounds(&x, m, bound);
+	survey_free(&x);
+	free(v);
+	return done;
+}
+
 #if defined __SIZEOF_FLOAT128__ && defined RNEAGEN_QUAD
 #define T __float128
 #define EVAL(name) name##_quad
-#define GRAIN ((struct grain){0x1p-113, 0x1p-1072})
+#define UNIT 0x1p-113
+#define TINY 0x1p-1072
+#define LARGEST DBL_MAX
 #define T_FMA fmaq
 #define T_SIN sinq
 #define T_COS cosq

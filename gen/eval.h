@@ -6,6 +6,7 @@
    error, BIT 16, 1976). */
 
 #include "dag.h"
+#include "eval_model.h"
 
 /* Per output, in the order of dag->outputs. Either pointer may be NULL. */
 struct eval_terms {
@@ -19,6 +20,14 @@ struct eval_terms {
 int eval_f32(const struct dag *d, const float *const *in, float *const *out, const struct eval_terms *terms);
 int eval_f64(const struct dag *d, const double *const *in, double *const *out, const struct eval_terms *terms);
 int eval_real(const struct dag *d, const real *const *in, real *const *out, const struct eval_terms *terms);
+
+/* For one sample, a bound of what any text that computes `d` in arithmetic `m` is off, whichever way its compiler joins
+   products to sums: |tau_i - exact_i| <= bound[k][i], where argument k is the output. Exact is what the URDF's constants
+   give at these very inputs. INFINITY where the text may overflow, or an input is not finite or an angle beyond what the
+   model knows. Evaluated in extended precision, or in double where there is none: the bound then is up to five times
+   larger in f64. Returns 0 when memory runs out. */
+int eval_bound(const struct dag *d, const struct eval_model *m, const double *const *in, double *const *bound);
+
 #if defined __SIZEOF_FLOAT128__ && defined RNEAGEN_QUAD
 int eval_quad(
 	const struct dag *d, const __float128 *const *in, __float128 *const *out, const struct eval_terms *terms);

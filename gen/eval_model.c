@@ -1,0 +1,51 @@
+#include "eval_model.h"
+#include <float.h>
+#include <math.h>
+
+static real constant_f32(real value)
+{
+	return (real)(float)value;
+}
+
+static real constant_f64(real value)
+{
+	return (real)(double)value;
+}
+
+/* 0.85 units in the last place are 1.7 of rounding. No result of sine and cosine underflows but for tiny angles. */
+static const struct eval_model F32 = {.add = 0x1p-24, .mul = 0x1p-24, .tiny = 0x1p-150, .largest = (double)FLT_MAX,
+	.sincos = 1.7 * 0x1p-24, .sine = 0x1p-149, .store_largest = DBL_MAX, .constant = constant_f32};
+static const struct eval_model F64 = {.add = 0x1p-53, .mul = 0x1p-53, .tiny = 0x1p-1072, .largest = DBL_MAX,
+	.sincos = 1.7 * 0x1p-53, .sine = 0x1p-1072, .store_largest = DBL_MAX, .constant = constant_f64};
+
+/* Results are rounded to float when they are stored. */
+static void set_store_f32(struct eval_model *m)
+{
+	m->store = F32.add;
+	m->store_tiny = F32.tiny;
+	m->store_largest = F32.largest;
+}
+
+/* The GPU's own unit. */
+static void set_fast(struct eval_model *m)
+{
+	m->sincos = 0;
+	m->sine = exp2(-21.41);
+	m->cosine = exp2(-21.19);
+	m->angle = (double)3.14159265f;
+}
+
+struct eval_model eval_model_of(const struct rneagen_options *o, int on_gpu)
+{
+	int is_default_f64 = o->precision == RNEAGEN_PRECISION_DEFAULT && o->target == RNEAGEN_TARGET_C;
+	int f32 = o->precision == RNEAGEN_F32 || (o->precision == RNEAGEN_PRECISION_DEFAULT && !is_default_f64);
+	struct eval_model m = f32 ? F32 : F64;
+
+	m.fused = on_gpu || o->strict;
+	m.angle = o->trig == RNEAGEN_ACCURATE ? (double)INFINITY : f32 ? 1e4 : 1e7;
+	if (o->precision == RNEAGEN_MIXED)
+		set_store_f32(&m);
+	if (f32 && on_gpu && o->trig == RNEAGEN_FAST)
+		set_fast(&m);
+	return m;
+}

@@ -1,0 +1,26 @@
+#ifndef RNEAGEN_EVAL_MODEL_H
+#define RNEAGEN_EVAL_MODEL_H
+/* Arithmetic as the analysis of errors sees it: how far each operation of a text may be from the exact one. */
+
+#include "rneagen.h"
+#include "spatial.h"
+
+struct eval_model {
+	double add, mul;	     /* a sum x is off by at most add |x| + tiny, a product by mul |x| + tiny */
+	double tiny;
+	int fused;		     /* a product joined to a sum is not rounded by itself */
+	double largest;		     /* what is larger may overflow */
+	double sincos, sine, cosine; /* a sine s is off by at most sincos |s| + sine + tiny, a cosine likewise */
+	double angle;		     /* the largest for which that is known */
+	double store, store_tiny;    /* a result x is off by at most store |x| + store_tiny more where memory rounds it */
+	double store_largest;
+	real (*constant)(real value); /* as the text has it */
+};
+
+/* The arithmetic of a text with these options: its precision and its own sine and cosine, products joined to sums rounded
+   once or twice; on a GPU once, and with its own unit for the trigonometry "fast": for that CUDA's documentation gives
+   errors up to pi (CUDA C++ Programming Guide, Mathematical Functions: 2^-21.41 of __sinf, 2^-21.19 of __cosf), and
+   nothing is known beyond. */
+struct eval_model eval_model_of(const struct rneagen_options *o, int on_gpu);
+
+#endif
