@@ -147,7 +147,8 @@ static void put_sincos(const struct emission *e, const struct plan *p, struct re
 	sine = sine ? sine : unused;
 	cosine = cosine ? cosine : unused;
 	text_printf(out, "\t%s %s, %s;\n", e->arithmetic->type, sine, cosine);
-	text_printf(out, "\t%srneagen_sincos%s_%s(", emit_has_small(e) ? "all_small &= " : "", e->arithmetic->suffix,
+	text_printf(out, "\t%srneagen_%ssincos%s_%s(", emit_has_small(e) ? "all_small &= " : "",
+		e->options->strict ? "strict_" : "", e->arithmetic->suffix,
 		emit_has_small(e) ? "either" : modes[e->options->trig]);
 	put_value(e, p, n->arg[0], 0, out);
 	text_printf(out, "%s, &%s, &%s);\n", emit_has_small(e) ? ", small" : "", sine, cosine);

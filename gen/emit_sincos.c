@@ -1,6 +1,7 @@
 /* Sine and cosine: functions that the text carries, so that their domain and error are known and the same everywhere. */
 #include "emit.h"
 #include "template.h"
+#include <string.h>
 
 /* A robot of sliding joints alone calls none, and a function that nobody calls is a warning. */
 static int has_angles(const struct emission *e)
@@ -11,7 +12,7 @@ static int has_angles(const struct emission *e)
 	return 0;
 }
 
-void emit_sincos(const struct emission *e, struct text *out)
+static void put_sincos(const struct emission *e, struct text *out)
 {
 	enum rneagen_trig trig = e->options->trig;
 	int f32 = e->arithmetic->bytes == 4, host_only = f32 && trig == RNEAGEN_FAST;
@@ -34,4 +35,36 @@ void emit_sincos(const struct emission *e, struct text *out)
 		text_putc(out, '\n');
 		text_put(out, f32 ? template_sincos_f32_fast_in : template_sincos_f64_fast_in);
 	}
+}
+
+/* Names of their own where every rounding is prescribed: a header of the other kind may stand before this one. */
+static void put_renamed(const char *s, struct text *out)
+{
+	static const char *const prefixes[][2] = {{"rneagen_", "rneagen_strict_"}, {"RNEAGEN_", "RNEAGEN_STRICT_"}};
+
+	while (*s) {
+		int found = -1;
+
+		for (int i = 0; i < 2; i++)
+			if (!strncmp(s, prefixes[i][0], strlen(prefixes[i][0])))
+				found = i;
+		if (found >= 0)
+			text_put(out, prefixes[found][1]);
+		else
+			text_putc(out, *s);
+		s += found >= 0 ? strlen(prefixes[found][0]) : 1;
+	}
+}
+
+void emit_sincos(const struct emission *e, struct text *out)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	put_sincos(e, &t);
+	out->failed |= t.failed;
+	if (e->options->strict)
+		put_renamed(text_string(&t), out);
+	else
+		text_put(out, text_string(&t));
 }

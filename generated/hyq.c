@@ -200,7 +200,7 @@ static RNEA_INLINE unsigned long long rneagen_sincos_reduce_large(double x, doub
 	f = x < 0 ? ~f : f; /* x*(2/pi) modulo 4, times 2^62; lo: its next 64 bits */
 	lo = x < 0 ? ~lo : lo;
 	const unsigned long long past_half = f >> 61 & 1, q = (f >> 62) + past_half;
-	double scale = (past_half ? -0x1p-63 : 0x1p-63) + (x - x);
+	double scale = RNEA_FMA(0.0, x, past_half ? -0x1p-63 : 0x1p-63); /* NaN where x is not finite */
 	f = f << 2 | lo >> 62; /* what is left of x*(2/pi) - q, times 2^64 */
 	f = past_half ? ~f : f;
 	lo = past_half ? ~(lo << 2) : lo << 2;

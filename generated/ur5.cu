@@ -166,7 +166,7 @@ static RNEA_INLINE unsigned int rneagen_sincosf_reduce_large(float x, float *r, 
 	unsigned long long f = (m * a << 32) + m * b + (m * c >> 32);
 	f = x < 0 ? ~f : f; /* x*(2/pi) modulo 4, times 2^62 */
 	const unsigned int past_half = f >> 61 & 1, q = (unsigned int)(f >> 62) + past_half;
-	float scale = (past_half ? -0x1p-63f : 0x1p-63f) + (x - x);
+	float scale = RNEA_FMA(0.0f, x, past_half ? -0x1p-63f : 0x1p-63f); /* NaN where x is not finite */
 	f = past_half ? ~(f << 2) : f << 2; /* what is left of x*(2/pi) - q, times 2^64 */
 	for (; f && !(f >> 63); f <<= 1)
 		scale *= 0.5f;

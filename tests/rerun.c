@@ -7,6 +7,12 @@
 /* A sum or product of two floats, rounded to double and then to float, is as if rounded once. */
 static double rounded(const struct target *t, double x)
 {
+	return t->f32_inside ? (double)(float)x : x;
+}
+
+/* What memory has of a result. */
+static double stored(const struct target *t, double x)
+{
 	return t->f32 ? (double)(float)x : x;
 }
 
@@ -14,7 +20,7 @@ static double multiply_add(const struct target *t, int fused, double a, double b
 {
 	if (!fused)
 		return rounded(t, rounded(t, a * b) + c);
-	return t->f32 ? (double)fmaf((float)a, (float)b, (float)c) : fma(a, b, c);
+	return t->f32_inside ? (double)fmaf((float)a, (float)b, (float)c) : fma(a, b, c);
 }
 
 static double sine_or_cosine(const struct target *t, enum op op, double x)
@@ -31,7 +37,7 @@ static double node_value(const struct node *n, const struct target *t, int fused
 
 	switch (n->op) {
 	case OP_CONST:
-		return t->f32 ? (double)(float)n->value : (double)n->value;
+		return t->f32_inside ? (double)(float)n->value : (double)n->value;
 	case OP_NEG:
 		return -a;
 	case OP_ADD:
@@ -58,6 +64,6 @@ void rerun(const struct dag *d, const struct target *t, int fused, const double 
 		else
 			v[i] = node_value(&d->nodes[i], t, fused, v);
 	for (size_t i = 0; i < d->output_count; i++)
-		out[d->outputs[i].argument][d->outputs[i].row] = v[d->outputs[i].value.i];
+		out[d->outputs[i].argument][d->outputs[i].row] = stored(t, v[d->outputs[i].value.i]);
 	free(v);
 }

@@ -1,5 +1,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "target.h"
+#include "emit.h"
 #include "process.h"
 #include <check.h>
 #include <dlfcn.h>
@@ -35,12 +36,13 @@ void target_generate(
 	struct rneagen_error e;
 
 	t->options = *o;
-	t->f32 = o->precision == RNEAGEN_F32;
+	t->f32 = o->precision != RNEAGEN_F64;
+	t->f32_inside = o->precision == RNEAGEN_F32;
 	t->library = NULL;
 	*t->stem = '\0';
-	snprintf(t->what, sizeof t->what, "%.160s %s %s %s %s", what, t->f32 ? "f32" : "f64",
+	snprintf(t->what, sizeof t->what, "%.160s %s %s %s %s%s", what, emit_precision_name(o->precision),
 		o->layout == RNEAGEN_SOA ? "soa" : "aos", TRIGS[o->trig],
-		o->base == RNEAGEN_FLOATING ? "floating" : "fixed");
+		o->base == RNEAGEN_FLOATING ? "floating" : "fixed", o->strict ? " strict" : "");
 	ck_assert_msg(!rneagen_generate(urdf, length, o, &t->text, &e), "%s: %s", t->what, e.message);
 }
 
@@ -60,21 +62,21 @@ void target_compile(const struct target *t, const char *const *argv)
 
 static int has_angles(const struct target *t)
 {
-	return strstr(t->text.source, "\trneagen_sincos") != NULL;
+	return strstr(t->text.source, "\trneagen_") != NULL;
 }
 
 /* The text as it is, and beside it a way to its own sine and cosine, which nobody else can see. */
 static void write_sources(const struct target *t, const char *stem)
 {
-	const char *type = t->f32 ? "float" : "double";
+	const char *type = t->f32_inside ? "float" : "double";
 	char text[1024];
 	int n = snprintf(text, sizeof text, "#include \"%s.c\"\n", stem);
 
 	if (has_angles(t))
 		snprintf(text + n, sizeof text - (size_t)n,
 			"void test_sincos(%s x, %s *s, %s *c);\n"
-			"void test_sincos(%s x, %s *s, %s *c)\n{\n\trneagen_sincos%s_%s(x, s, c);\n}\n",
-			type, type, type, type, type, type, t->f32 ? "f" : "", TRIGS[t->options.trig]);
+			"void test_sincos(%s x, %s *s, %s *c)\n{\n\trneagen_%ssincos%s_%s(x, s, c);\n}\n",
+			type, type, type, type, type, type, t->options.strict ? "strict_" : "", t->f32_inside ? "f" : "", TRIGS[t->options.trig]);
 	target_write(target_path(stem, ".c"), t->text.source);
 	target_write(target_path(stem, ".h"), t->text.header);
 	target_write(target_path(stem, "_with_sincos.c"), text);
@@ -101,7 +103,7 @@ static void find_functions(struct target *t)
 	}
 	if (has_angles(t))
 		target_symbol(
-			t, t->library, "test_sincos", t->f32 ? (void *)&t->single.sincos : (void *)&t->wide.sincos);
+			t, t->library, "test_sincos", t->f32_inside ? (void *)&t->sincos_single : (void *)&t->sincos_wide);
 }
 
 void target_open(struct target *t, const char *urdf, size_t length, const struct rneagen_options *o,
@@ -177,11 +179,11 @@ void target_sincos(const struct target *t, double x, double *s, double *c)
 {
 	float s32, c32;
 
-	if (!t->f32) {
-		t->wide.sincos(x, s, c);
+	if (!t->f32_inside) {
+		t->sincos_wide(x, s, c);
 		return;
 	}
-	t->single.sincos((float)x, &s32, &c32);
+	t->sincos_single((float)x, &s32, &c32);
 	*s = (double)s32;
 	*c = (double)c32;
 }

@@ -11,7 +11,6 @@
 		void (*batch)(const T *q, const T *qd, const T *qdd, T *tau, size_t count);                            \
 		void (*fpass)(const T *q, const T *qd, const T *qdd, T *v, T *a, T *f);                                \
 		void (*bpass)(const T *q, const T *f, T *tau);                                                         \
-		void (*sincos)(T x, T *s, T *c);                                                                       \
 	}
 
 struct target {
@@ -19,10 +18,12 @@ struct target {
 	struct rneagen_result text;
 	char what[256]; /* for messages: robot, options, compiler */
 	char stem[128]; /* of the files that target_open wrote, "" if it did not */
-	int f32;
+	int f32, f32_inside; /* numbers in memory, and those that are computed with: are they float? */
 	void *library;
 	TARGET_FUNCTIONS(float) single;
 	TARGET_FUNCTIONS(double) wide;
+	void (*sincos_single)(float x, float *s, float *c);
+	void (*sincos_wide)(double x, double *s, double *c);
 };
 
 /* How a text becomes a shared object: the compiler and further flags, NULL-terminated. */

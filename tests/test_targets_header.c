@@ -134,8 +134,8 @@ static void *build(struct target *t, const struct language *l)
 static void find_functions(struct target *t, void *handle)
 {
 	static const char *const names[] = {"rnea", "fpass", "bpass", "sincos"};
-	void *const slots[2][4] = {{&t->wide.rnea, &t->wide.fpass, &t->wide.bpass, &t->wide.sincos},
-		{&t->single.rnea, &t->single.fpass, &t->single.bpass, &t->single.sincos}};
+	void *const slots[2][4] = {{&t->wide.rnea, &t->wide.fpass, &t->wide.bpass, &t->sincos_wide},
+		{&t->single.rnea, &t->single.fpass, &t->single.bpass, &t->sincos_single}};
 	char symbol[256];
 
 	for (int i = 0; i < (strstr(t->text.source, "\trneagen_sincos") ? 4 : 3); i++) {
