@@ -92,6 +92,20 @@ void sandbox_make(void)
 	open_before = count_descriptors();
 }
 
+/* Objects of texts in this process: the parts of the file that each has in memory. */
+static int count_loaded(void)
+{
+	FILE *f = fopen("/proc/self/maps", "re");
+	char line[5000];
+	int n = 0;
+
+	ck_assert_ptr_nonnull(f);
+	while (fgets(line, sizeof line, f))
+		n += strstr(line, "/memfd:rnea-") != NULL;
+	fclose(f);
+	return n;
+}
+
 static int remove_entry(const char *path, const struct stat *about, int type, struct FTW *where)
 {
 	(void)about;
@@ -103,6 +117,7 @@ static int remove_entry(const char *path, const struct stat *about, int type, st
 void sandbox_remove(void)
 {
 	ck_assert_int_eq(count_descriptors(), open_before);
+	ck_assert_int_eq(count_loaded(), 0);
 	ck_assert_int_eq(count_entries(inside("tmp"), ""), 0);
 	ck_assert_int_eq(nftw(sandbox, remove_entry, 8, FTW_DEPTH | FTW_PHYS), 0);
 }

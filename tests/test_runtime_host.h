@@ -10,8 +10,8 @@ Suite *suite_host_load(void);
 Suite *suite_host_compiler(void);
 Suite *suite_host_names(void);
 
-/* A folder of the test's own, with a folder "tmp" in it that TMPDIR names. At the end nothing may be left in "tmp", and
-   no descriptor may be open that was not open before. */
+/* A folder of the test's own, with a folder "tmp" in it that TMPDIR names. At the end nothing may be left in "tmp",
+   no descriptor may be open that was not open before, and no text be loaded. */
 extern char sandbox[256];
 void sandbox_make(void);
 void sandbox_remove(void);
