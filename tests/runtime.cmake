@@ -33,8 +33,8 @@ add_test(NAME test_runtime_cache COMMAND test_runtime_cache)
 
 # The host backend, with the machine's own C compiler.
 add_executable(test_runtime_host test_runtime_host.c test_runtime_host_compiler.c test_runtime_host_load.c
-	test_runtime_host_names.c test_runtime_host_run.c)
-target_link_libraries(test_runtime_host PRIVATE rnea::rnea PkgConfig::CHECK Threads::Threads ${CMAKE_DL_LIBS} m)
+	test_runtime_host_names.c test_runtime_host_run.c test_runtime_host_texts.c)
+target_link_libraries(test_runtime_host PRIVATE reference rnea::rnea PkgConfig::CHECK Threads::Threads ${CMAKE_DL_LIBS} m)
 target_link_options(test_runtime_host PRIVATE
 	-Wl,--wrap=malloc,--wrap=calloc,--wrap=memfd_create,--wrap=mkdtemp,--wrap=cache_get)
 target_compile_definitions(test_runtime_host PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}")

@@ -263,6 +263,7 @@ int main(void)
 	srunner_add_suite(r, suite_host_load());
 	srunner_add_suite(r, suite_host_compiler());
 	srunner_add_suite(r, suite_host_names());
+	srunner_add_suite(r, suite_host_texts());
 	srunner_run_all(r, CK_ENV);
 	bad = srunner_ntests_failed(r);
 	srunner_free(r);

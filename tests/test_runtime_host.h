@@ -9,6 +9,7 @@ Suite *suite_host_run(void);
 Suite *suite_host_load(void);
 Suite *suite_host_compiler(void);
 Suite *suite_host_names(void);
+Suite *suite_host_texts(void);
 
 /* A folder of the test's own, with a folder "tmp" in it that TMPDIR names. At the end nothing may be left in "tmp",
    no descriptor may be open that was not open before, and no text be loaded. */
