@@ -1,4 +1,4 @@
-/* rnea_open_urdf, on the pretended driver and NVRTC: torques of rnea_run against the reference, errors, and robots and
+/* rnea_open_urdf, on the pretended driver and NVRTC and on the host: torques of rnea_run against the reference, errors, and robots and
    files with names that mean something to a shell, to C or to a comment. */
 #define _GNU_SOURCE
 #include "../runtime/urdf.h"
@@ -98,9 +98,11 @@ static const struct {
 	{"pendulum", RNEAGEN_F32, RNEAGEN_AOS, RNEAGEN_FIXED, 1e-5},
 };
 
+/* On the pretended device, and on the host. */
 START_TEST(computes)
 {
 	struct rneagen_options g = rneagen_options_default();
+	struct rnea_options o = {.backend = _i % 2 ? RNEA_BACKEND_HOST : RNEA_BACKEND_CUDA};
 	char path[512];
 	struct rnea_robot *robot;
 	struct rnea_error e;
@@ -108,15 +110,16 @@ START_TEST(computes)
 	double error;
 
 	use_fakes();
-	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", robots[_i].file);
-	g.precision = robots[_i].precision;
-	g.layout = robots[_i].layout;
-	g.base = robots[_i].base;
-	ck_assert_msg(rnea_open_urdf(path, &g, NULL, &robot, &e) == RNEA_OK, "%s", e.message);
+	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", robots[_i / 2].file);
+	g.precision = robots[_i / 2].precision;
+	g.layout = robots[_i / 2].layout;
+	g.base = robots[_i / 2].base;
+	ck_assert_msg(rnea_open_urdf(path, &g, &o, &robot, &e) == RNEA_OK, "%s", e.message);
+	ck_assert_int_eq(rnea_build(robot)->backend, o.backend);
 	r = open_reference(path, g.base == RNEAGEN_FLOATING);
 	error = run_error(robot, r);
-	printf("%s: error %.2g, seed %d\n", robots[_i].file, error, SEED);
-	ck_assert_double_lt(error, robots[_i].most);
+	printf("%s: error %.2g, seed %d\n", robots[_i / 2].file, error, SEED);
+	ck_assert_double_lt(error, robots[_i / 2].most);
 	reference_close(r);
 	rnea_close(robot);
 }
@@ -214,17 +217,16 @@ START_TEST(hostile_names)
 {
 	char folder[] = "/tmp/test_runtime_urdf_XXXXXX", path[256];
 	float q = 0.25f, qd = 0, qdd = 2, tau = 0;
+	struct rnea_options o = {.backend = _i % 2 ? RNEA_BACKEND_HOST : RNEA_BACKEND_CUDA};
 	struct rnea_robot *robot;
 	struct rnea_error e;
 
 	use_fakes();
 	ck_assert_ptr_nonnull(mkdtemp(folder));
 	ck_assert_int_eq(chdir(folder), 0);
-	snprintf(path, sizeof path, "./%s", names[_i][1]);
-	write_robot(path, names[_i][0]);
-	ck_assert_msg(
-		rnea_open_urdf(path, NULL, &(struct rnea_options){.backend = RNEA_BACKEND_CUDA}, &robot, &e) == RNEA_OK,
-		"%s", e.message);
+	snprintf(path, sizeof path, "./%s", names[_i / 2][1]);
+	write_robot(path, names[_i / 2][0]);
+	ck_assert_msg(rnea_open_urdf(path, NULL, &o, &robot, &e) == RNEA_OK, "%s", e.message);
 	ck_assert_int_eq(rnea_run(robot, (void *[]){&q, &qd, &qdd, &tau}, 1, &e), RNEA_OK);
 	ck_assert_msg(fabsf(tau - (0.5f * 2 + 9.81f * sinf(0.25f))) < 1e-5f, "%g", (double)tau);
 	rnea_close(robot);
@@ -245,9 +247,9 @@ int main(void)
 	int bad;
 
 	tcase_set_timeout(t, 120);
-	tcase_add_loop_test(t, computes, 0, (int)(sizeof robots / sizeof *robots));
+	tcase_add_loop_test(t, computes, 0, 2 * (int)(sizeof robots / sizeof *robots));
 	tcase_add_test(t, errors);
-	tcase_add_loop_test(t, hostile_names, 0, (int)(sizeof names / sizeof *names));
+	tcase_add_loop_test(t, hostile_names, 0, 2 * (int)(sizeof names / sizeof *names));
 	suite_add_tcase(s, t);
 	srunner_run_all(r, CK_ENV);
 	bad = srunner_ntests_failed(r);
