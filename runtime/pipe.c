@@ -3,10 +3,16 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#if defined _OPENMP
+#include <omp.h>
+#endif
 
 /* A slice is about SLICE_BYTES, so that copies run at full speed, but no less than SLICE_SAMPLES, so that the kernel
    fills the device. Arrays begin at multiples of ALIGN. */
 enum { STAGES = 3, SLICE_BYTES = 1 << 22, SLICE_SAMPLES = 4096, ALIGN = 256 };
+
+/* Packing is done by up to COPY_THREADS threads, PIECE_BYTES at a time, from THREADS_BYTES on. */
+enum { COPY_THREADS = 8, PIECE_BYTES = 1 << 15, THREADS_BYTES = 1 << 18 };
 
 struct stage {
 	void *stream;		   /* NULL: the stage has not been needed yet */
@@ -227,16 +233,31 @@ static struct device_lines lines_of(const struct call *c, const struct stage *s,
 	return l;
 }
 
-static void pack(char *to, const struct device_lines *l)
+#if defined _OPENMP
+static int copy_threads(void)
 {
-	for (size_t i = 0; i < l->lines; i++)
-		memcpy(to + i * l->width, (const char *)l->host + i * l->host_pitch, l->width);
-}
+	int most = omp_get_max_threads();
 
-static void unpack(const struct device_lines *l, const char *from)
+	return most < COPY_THREADS ? most : COPY_THREADS;
+}
+#endif
+
+/* Copy lines to or from page-locked memory, where they follow one another; large ones by several threads, for one alone
+   cannot keep up with the bus. */
+static void move_lines(const struct device_lines *l, char *locked, int in)
 {
-	for (size_t i = 0; i < l->lines; i++)
-		memcpy((char *)l->host + i * l->host_pitch, from + i * l->width, l->width);
+	size_t pieces = (l->width + PIECE_BYTES - 1) / PIECE_BYTES, jobs = l->lines * pieces;
+
+#if defined _OPENMP
+#pragma omp parallel for num_threads(copy_threads()) if (l->lines * l->width >= THREADS_BYTES) schedule(static)
+#endif
+	for (size_t j = 0; j < jobs; j++) {
+		size_t line = j / pieces, at = j % pieces * PIECE_BYTES;
+		size_t size = l->width - at < PIECE_BYTES ? l->width - at : PIECE_BYTES;
+		char *host = (char *)l->host + line * l->host_pitch + at, *here = locked + line * l->width + at;
+
+		memcpy(in ? here : host, in ? host : here, size);
+	}
 }
 
 /* The inputs of a slice: those that are packed in one copy, the others each in its own. */
@@ -249,7 +270,7 @@ static enum rnea_code send(const struct call *c, const struct stage *s, struct r
 		struct device_lines l = lines_of(c, s, i);
 
 		if (!c->direct[i])
-			pack(s->locked + c->offsets[i], &l);
+			move_lines(&l, s->locked + c->offsets[i], 1);
 		else if (device_copy_in(d, &l, s->stream, e))
 			return e->code;
 	}
@@ -293,7 +314,7 @@ static enum rnea_code finish(const struct call *c, struct stage *s, struct rnea_
 		struct device_lines l = lines_of(c, s, i);
 
 		if (!c->direct[i])
-			unpack(&l, s->locked + c->offsets[i]);
+			move_lines(&l, s->locked + c->offsets[i], 0);
 	}
 	s->count = 0;
 	return RNEA_OK;

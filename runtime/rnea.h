@@ -227,7 +227,7 @@ enum rnea_code rnea_launch_kernel(const struct rnea_robot *robot, enum rnea_kern
    slices of the batch go through page-locked buffers and several streams, so that copies in both directions overlap with
    each other and with the kernel; arrays that are page-locked already (cuMemAllocHost, cuMemHostRegister) are copied
    from and to directly. The buffers are made by the first call, kept until rnea_close and not shared: each thread that
-   calls at the same time has its own. Not to be called while a stream is being captured. On failure the outputs are
+   calls at the same time has its own. Other arrays are copied into the buffers by up to 8 threads, or OMP_NUM_THREADS. Not to be called while a stream is being captured. On failure the outputs are
    undefined. Errors: as rnea_launch, and DEVICE_MEMORY, MEMORY. */
 enum rnea_code rnea_run(
 	const struct rnea_robot *robot, void *const *arguments, size_t count, struct rnea_error *error);
