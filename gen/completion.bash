@@ -15,7 +15,8 @@ _rneagen_words() {
 	--mimic) echo honour independent ;;
 	--info) echo json ;;
 	--dump) echo robot tree dag plan ;;
-	--backend) echo cpu cuda any ;;
+	--backend) [[ ${COMP_WORDS[1]} == eval ]] && echo cpu cuda any || echo cpu cuda all ;;
+	--format) echo table json csv ;;
 	*) return 1 ;;
 	esac
 }
@@ -65,6 +66,9 @@ _rneagen() {
 }
 
 _rnearun_common='--backend --device --threads --precision --strict --trig --base --gravity --mimic --order --quiet --help'
+_rnearun_study="--layout --samples --seed --qd-range --qdd-range --batch $_rnearun_common"
+_rnearun_report="--format --plot $_rnearun_study"
+_rnearun_choose="--max-error $_rnearun_study"
 _rnearun_eval="--in --q --qd --qdd -o --out --slice $_rnearun_common"
 
 _rnearun() {
@@ -72,12 +76,13 @@ _rnearun() {
 
 	_rneagen_current
 	if ((COMP_CWORD == 1)); then
-		mapfile -t COMPREPLY < <(compgen -W 'eval --help --version' -- "$current")
+		mapfile -t COMPREPLY < <(compgen -W 'eval report choose --help --version' -- "$current")
 		return
 	fi
 	case $option in
 	--in | --q | --qd | --qdd | -o | --out) _rneagen_files "$current" .npy ;;
-	--gravity | --order | --device | --threads | --slice) ;;
+	--plot) _rneagen_files "$current" .svg ;;
+	--gravity | --order | --device | --threads | --slice | --samples | --seed | --qd-range | --qdd-range | --batch | --max-error) ;;
 	*)
 		options=_rnearun_${COMP_WORDS[1]}
 		if words=$(_rneagen_words "$option"); then

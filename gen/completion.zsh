@@ -14,10 +14,22 @@ _rneagen_model=(
 )
 _rnearun_common=(
 	"${_rneagen_model[@]}"
-	'--backend=[where to compute]:backend:(cpu cuda any)'
 	'--device=[which GPU]:number:'
 	'--threads=[how many of the processor]:number:'
 	'--quiet[neither progress nor warnings]'
+)
+
+# Of those that compare variants.
+_rnearun_study=(
+	"${_rnearun_common[@]}"
+	'--backend=[where to compute]:backend:(cpu cuda all)'
+	'--layout=[how batches lie in memory]:layout:(soa aos)'
+	'--batch=[samples of one launch]:number:'
+	'--samples=[states in which errors are measured]:number:'
+	'--seed=[of the states]:number:'
+	'--qd-range=[largest velocity where the URDF has no limit]:number:'
+	'--qdd-range=[largest acceleration]:number:'
+	'1:robot:_files -g "*.urdf"'
 )
 
 _rneagen_command() {
@@ -35,6 +47,7 @@ _rneagen_command() {
 
 _rnearun_eval() {
 	_arguments "${_rnearun_common[@]}" \
+		'--backend=[where to compute]:backend:(cpu cuda any)' \
 		'--in=[rows of q, qd, qdd]:array:_files -g "*.npy"' \
 		'--q=[positions]:array:_files -g "*.npy"' \
 		'--qd=[velocities]:array:_files -g "*.npy"' \
@@ -44,9 +57,21 @@ _rnearun_eval() {
 		'1:robot:_files -g "*.urdf"'
 }
 
+_rnearun_report() {
+	_arguments "${_rnearun_study[@]}" \
+		'--format=[of what is printed]:format:(table json csv)' \
+		'--plot=[draw speed against error]:picture:_files -g "*.svg"'
+}
+
+_rnearun_choose() {
+	_arguments "${_rnearun_study[@]}" \
+		'--max-error=[of all samples]:number:'
+}
+
 _rnearun() {
 	if ((CURRENT == 2)); then
-		_values command 'eval[torques for arrays on disk]' --help --version
+		_values command 'eval[torques for arrays on disk]' 'report[speed and error of every variant]' \
+			'choose[the fastest variant that is close enough]' --help --version
 	else
 		shift words
 		((CURRENT--))

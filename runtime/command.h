@@ -25,9 +25,13 @@ enum { COMMAND_BACKEND = OPTION_OWN, COMMAND_DEVICE, COMMAND_THREADS, COMMAND_QU
 /* Their lines of --help. */
 #define COMMAND_HELP                                                                                                   \
 	"  --backend cpu|cuda|any     any (default): a GPU where there is one, else the processor\n"                   \
+	"  --trig accurate|bounded|fast\n"                                                                             \
+	COMMAND_HELP_MODEL
+
+/* The same without what a subcommand may have options of its own for. */
+#define COMMAND_HELP_MODEL                                                                                             \
 	"  --device N                 which GPU (default 0)\n"                                                         \
 	"  --threads N                of the processor (default: all)\n"                                               \
-	"  --trig accurate|bounded|fast\n"                                                                             \
 	"  --strict                   the same bits from every compiler, CPU and GPU\n"                                \
 	"  --base fixed|floating      floating: q starts with x y z qx qy qz qw, qd and tau with six rows\n"           \
 	"  --gravity X,Y,Z            m/s^2 in the world (default 0,0,-9.81)\n"                                        \

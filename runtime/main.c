@@ -2,7 +2,9 @@
 #define _POSIX_C_SOURCE 200809L
 #include "files.h"
 #include "options.h"
+#include "run_choose.h"
 #include "run_eval.h"
+#include "run_report.h"
 #include <signal.h>
 #include <string.h>
 
@@ -12,6 +14,8 @@ static const char HELP[] =
 	"Inverse dynamics tau = ID(q, qd, qdd) of the robot in a URDF, compiled for the machine at hand and run.\n"
 	"\n"
 	"  eval       torques for arrays on disk\n"
+	"  report     speed and error of every variant\n"
+	"  choose     the fastest variant that is close enough\n"
 	"  --help, --version\n"
 	"\n"
 	"rnearun COMMAND --help tells about one. Exit status: 0 done, 1 the robot or a file is at fault, 2 the command line is\n";
@@ -22,6 +26,8 @@ static const struct subcommand {
 	int (*run)(int argc, char **argv);
 } SUBCOMMANDS[] = {
 	{"eval", run_eval},
+	{"report", run_report},
+	{"choose", run_choose},
 };
 
 enum { SUBCOMMAND_COUNT = sizeof SUBCOMMANDS / sizeof *SUBCOMMANDS };

@@ -1,0 +1,26 @@
+#ifndef RNEAGEN_ANALYSIS_H
+#define RNEAGEN_ANALYSIS_H
+/* The robot behind a text, for those who want its numbers: the DAG of its torques, which eval.h evaluates, and the
+   URDF's joint behind each row of q. */
+
+#include "rnea.h"
+#include "rneagen.h"
+
+/* Not to be moved once it is open. */
+struct analysis {
+	struct robot robot;
+	struct tree tree;
+	struct dag dag; /* q, qd, qdd -> tau, products joined to sums as in the text */
+	struct arena arena;
+};
+
+/* From `length` bytes of URDF; of `o` what says which torques are wanted is used. On failure *a is empty. Errors: as
+   rneagen_generate. */
+enum rneagen_code analysis_open(struct analysis *a, const char *urdf, size_t length, const struct rneagen_options *o,
+	struct rneagen_error *e);
+void analysis_free(struct analysis *a);
+
+/* What the URDF says of the joint behind tree.joints[i]; NULL for the floating base. */
+const struct joint *analysis_joint(const struct analysis *a, int i);
+
+#endif

@@ -1,0 +1,7 @@
+#ifndef RUNTIME_RUN_REPORT_H
+#define RUNTIME_RUN_REPORT_H
+
+/* rnearun report: every variant of a robot, its speed and its error. argv[0] is "report"; returns the exit status. */
+int run_report(int argc, char **argv);
+
+#endif

@@ -1,0 +1,31 @@
+#ifndef RUNTIME_SAMPLE_H
+#define RUNTIME_SAMPLE_H
+/* Seeded states of a robot within the limits of its joints. */
+
+#include "analysis.h"
+
+struct sample_options {
+	unsigned long long seed;
+	size_t count;
+	double qd_range, qdd_range; /* largest magnitudes: qd where the URDF is silent, qdd everywhere */
+};
+
+/* All arrays are [sample][row]. */
+struct states {
+	size_t count, nq, nv;
+	double *q, *qd, *qdd;
+};
+
+/* A limit of more than this, rad, m or per second, is as good as none. */
+enum { SAMPLE_LIMIT = 1000 };
+
+/* Uniform within the limits of position and velocity of each joint; where there is none q is within pi of 0 for angles
+   and 1 m for lengths, quaternions are uniform over all orientations. The same seed gives the same states. Returns 0
+   when memory runs out; the caller gives the states to sample_free. */
+int sample_states(struct states *s, const struct analysis *a, const struct sample_options *o);
+
+/* Round every number to single precision. */
+void sample_round(struct states *s);
+void sample_free(struct states *s);
+
+#endif

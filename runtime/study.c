@@ -1,0 +1,338 @@
+#define _POSIX_C_SOURCE 200809L
+#include "study.h"
+#include "floor.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { Q, QD, QDD, TAU, ARRAYS };
+
+/* ---- opening ---- */
+
+static enum rneagen_code fail_runtime(struct study *s, const struct rnea_error *e)
+{
+	return error_set(&s->error, e->code == RNEA_MEMORY ? RNEAGEN_MEMORY : RNEAGEN_UNSUPPORTED, "%s", e->message);
+}
+
+static struct rnea_options open_options(const struct study *s, enum rnea_backend backend)
+{
+	struct rnea_options o = s->command->open;
+
+	o.backend = backend;
+	if (s->options->compiles_anew)
+		o.cache = "";
+	return o;
+}
+
+/* What moves the arrays of a scalar type. */
+static enum rneagen_code open_floor(struct study *s, struct study_backend *b, enum rnea_scalar scalar)
+{
+	char *text = floor_text((size_t)s->analysis.tree.nq, (size_t)s->analysis.tree.nv, scalar);
+	struct rnea_options o = open_options(s, b->backend);
+	struct rnea_error e = {0};
+
+	if (!text)
+		return error_memory(&s->error);
+	o.file = "the floor";
+	if (rnea_open(text, strlen(text), &o, &b->floors[scalar], &e))
+		fail_runtime(s, &e);
+	free(text);
+	return s->error.code;
+}
+
+static void describe(struct study_backend *b)
+{
+	const struct rnea_build *build = rnea_build(b->floors[RNEA_F32]);
+
+	snprintf(b->device, sizeof b->device, "%s", build->device);
+	snprintf(b->compiler, sizeof b->compiler, "%s", build->compiler);
+	snprintf(b->target, sizeof b->target, "%s", build->target);
+	b->threads = build->threads;
+}
+
+static void close_backend(struct study_backend *b)
+{
+	rnea_close(b->floors[RNEA_F32]);
+	rnea_close(b->floors[RNEA_F64]);
+	bench_close(b->bench);
+	*b = (struct study_backend){0};
+}
+
+/* Where nobody asked for the GPU in particular and there is none, that is said and all. */
+static enum rneagen_code open_backend(struct study *s, enum rnea_backend backend)
+{
+	struct study_backend *b = &s->backends[s->backend_count];
+	struct rnea_error e = {0};
+
+	*b = (struct study_backend){.backend = backend};
+	if (bench_open(&b->bench, backend, s->command->open.device, &e)) {
+		if (backend != RNEA_BACKEND_CUDA || s->options->backend_asked || (e.code != RNEA_NO_DRIVER && e.code != RNEA_NO_DEVICE))
+			return fail_runtime(s, &e);
+		fprintf(stderr, "%s: no GPU: %s\n", s->command->name, e.message);
+		return RNEAGEN_OK;
+	}
+	if (open_floor(s, b, RNEA_F32) || open_floor(s, b, RNEA_F64)) {
+		close_backend(b);
+		return s->error.code;
+	}
+	describe(b);
+	s->backend_count++;
+	return RNEAGEN_OK;
+}
+
+/* The GPU's own sine has bits of its own. */
+static int check_strict(const struct command *c, struct study_options *o)
+{
+	if (c->generate.strict && !o->trig_asked)
+		o->trigs = (struct study_list){{RNEAGEN_ACCURATE, RNEAGEN_BOUNDED}, 2};
+	for (int i = 0; i < o->trigs.count && c->generate.strict; i++)
+		if (o->trigs.values[i] == RNEAGEN_FAST)
+			return option_refuse(c->name, "--strict and --trig fast exclude each other: the GPU's own unit has other bits");
+	return 0;
+}
+
+int study_open(struct study *s, const struct command *c, struct study_options *o)
+{
+	struct rneagen_options generate = c->generate;
+
+	*s = (struct study){.command = c, .options = o};
+	if (check_strict(c, o))
+		return 2;
+	generate.file = strcmp(c->urdf, "-") ? c->urdf : "<stdin>";
+	if (file_read(c->urdf, &s->urdf, &s->error) ||
+		analysis_open(&s->analysis, s->urdf.bytes, s->urdf.length, &generate, &s->error)) {
+		command_fail(c, s->error.message);
+		return s->error.code == RNEAGEN_USAGE ? 2 : 1;
+	}
+	for (size_t i = 0; i < s->analysis.robot.warning_count && !c->quiet; i++)
+		fprintf(stderr, "%s: warning: %s\n", c->name, s->analysis.robot.warnings[i]);
+	for (int i = 0; i < o->backends.count; i++)
+		if (open_backend(s, (enum rnea_backend)o->backends.values[i]))
+			return command_fail(c, s->error.message);
+	return 0;
+}
+
+void study_close(struct study *s)
+{
+	for (int i = 0; i < s->backend_count; i++)
+		close_backend(&s->backends[i]);
+	for (int i = 0; i < STUDY_PRECISIONS; i++) {
+		if (s->judges[i])
+			judge_free(s->judges[i]);
+		free(s->judges[i]);
+	}
+	analysis_free(&s->analysis);
+	free(s->urdf.bytes);
+}
+
+/* ---- judging ---- */
+
+const struct judge *study_judge(struct study *s, enum rneagen_precision precision)
+{
+	struct judge **j = &s->judges[precision];
+
+	if (*j || !(*j = malloc(sizeof **j)))
+		return *j;
+	if (!judge_open(*j, &s->analysis, precision, &s->options->sample)) {
+		free(*j);
+		*j = NULL;
+	}
+	return *j;
+}
+
+static struct rneagen_options generate_options(const struct study *s, const struct study_row *row)
+{
+	struct rneagen_options g = s->command->generate;
+
+	g.file = s->command->urdf;
+	g.target = RNEAGEN_TARGET_CUDA; /* serves both backends */
+	g.precision = row->precision;
+	g.trig = row->trig;
+	g.layout = row->layout;
+	return g;
+}
+
+enum rneagen_code study_bound(struct study *s, struct study_row *row)
+{
+	int on_gpu = row->backend == RNEA_BACKEND_CUDA;
+	const struct judge *j = study_judge(s, row->precision);
+	struct rneagen_options g = generate_options(s, row);
+	double *bound = &s->bounds[row->precision][row->trig][on_gpu];
+
+	if (!j || (*bound == 0 && !judge_bound(j, &s->analysis, &g, on_gpu, bound)))
+		return error_memory(&s->error);
+	row->bound_max = *bound;
+	return RNEAGEN_OK;
+}
+
+/* ---- arrays ---- */
+
+struct arrays {
+	void *data[ARRAYS];
+	size_t rows[ARRAYS], count;
+	int f32, aos;
+};
+
+static size_t place(const struct arrays *a, int i, size_t row, size_t sample)
+{
+	return a->aos ? sample * a->rows[i] + row : row * a->count + sample;
+}
+
+static void put(struct arrays *a, int i, size_t row, size_t sample, double x)
+{
+	size_t at = place(a, i, row, sample);
+
+	if (a->f32)
+		((float *)a->data[i])[at] = (float)x;
+	else
+		((double *)a->data[i])[at] = x;
+}
+
+static void arrays_free(struct arrays *a)
+{
+	for (int i = 0; i < ARRAYS; i++)
+		free(a->data[i]);
+}
+
+/* `count` samples: the states, again and again. Returns 0 when memory runs out. */
+static int arrays_fill(struct arrays *a, const struct judge *j, enum rneagen_layout layout, size_t count)
+{
+	const struct states *s = &j->states;
+	const double *from[] = {s->q, s->qd, s->qdd};
+
+	*a = (struct arrays){.count = count, .f32 = judge_is_f32(j->precision), .aos = layout == RNEAGEN_AOS};
+	for (int i = 0; i < ARRAYS; i++) {
+		a->rows[i] = i == Q ? s->nq : s->nv;
+		a->data[i] = calloc(count, a->rows[i] * (a->f32 ? sizeof(float) : sizeof(double)));
+		if (!a->data[i]) {
+			arrays_free(a);
+			return 0;
+		}
+	}
+	for (int i = 0; i < TAU; i++)
+		for (size_t k = 0; k < count; k++)
+			for (size_t r = 0; r < a->rows[i]; r++)
+				put(a, i, r, k, from[i][k % s->count * a->rows[i] + r]);
+	return 1;
+}
+
+/* ---- one variant ---- */
+
+struct variant {
+	struct study *s;
+	struct study_backend *b;
+	const struct judge *judge;
+	struct rnea_robot *robot;
+	struct study_row *row;
+};
+
+static enum rneagen_code open_robot(struct variant *v)
+{
+	struct rneagen_options g = generate_options(v->s, v->row);
+	struct rnea_options o = open_options(v->s, v->b->backend);
+	struct rneagen_result text;
+	struct rnea_error e = {0};
+
+	if (rneagen_generate(v->s->urdf.bytes, v->s->urdf.length, &g, &text, &v->s->error))
+		return v->s->error.code;
+	if (rnea_open(text.source, strlen(text.source), &o, &v->robot, &e))
+		fail_runtime(v->s, &e);
+	else if (rnea_bind(v->robot, "q") != Q || rnea_bind(v->robot, "qd") != QD || rnea_bind(v->robot, "qdd") != QDD ||
+		rnea_bind(v->robot, "tau") != TAU)
+		error_set(&v->s->error, RNEAGEN_UNSUPPORTED, "%s: does not take q, qd, qdd and give tau", text.name);
+	rneagen_result_free(&text);
+	return v->s->error.code;
+}
+
+static enum rneagen_code measure_errors(struct variant *v)
+{
+	const struct judge *j = v->judge;
+	struct arrays a;
+	struct rnea_error e = {0};
+	double *tau = calloc(j->states.count, j->states.nv * sizeof *tau);
+
+	if (!tau || !arrays_fill(&a, j, v->row->layout, j->states.count)) {
+		free(tau);
+		return error_memory(&v->s->error);
+	}
+	if (rnea_run(v->robot, a.data, a.count, &e))
+		fail_runtime(v->s, &e);
+	for (size_t k = 0; k < a.count; k++)
+		for (size_t r = 0; r < a.rows[TAU]; r++) {
+			size_t at = place(&a, TAU, r, k);
+
+			tau[k * a.rows[TAU] + r] = a.f32 ? (double)((float *)a.data[TAU])[at] : ((double *)a.data[TAU])[at];
+		}
+	v->row->errors = judge_torques(j, tau);
+	arrays_free(&a);
+	free(tau);
+	return v->s->error.code;
+}
+
+static void note_resources(struct variant *v)
+{
+	struct rnea_resources r;
+
+	v->row->compile_ms = rnea_build(v->robot)->seconds * 1e3;
+	v->row->registers = -1;
+	if (v->b->backend != RNEA_BACKEND_CUDA || rnea_resources(v->robot, RNEA_KERNEL_RNEA, &r, NULL))
+		return;
+	v->row->registers = r.registers;
+	v->row->spill_bytes = r.local_bytes;
+}
+
+static enum rneagen_code measure_time(struct variant *v, struct study_row *row, size_t batch)
+{
+	const struct rnea_robot *floor = v->b->floors[judge_is_f32(row->precision) ? RNEA_F32 : RNEA_F64];
+	struct bench_time t = {0};
+	struct rnea_error e = {0};
+	struct arrays a;
+
+	if (!arrays_fill(&a, v->judge, row->layout, batch))
+		return error_set(&v->s->error, RNEAGEN_MEMORY, "no memory for %zu samples; choose a smaller --batch", batch);
+	if (bench_measure(v->b->bench, v->robot, floor, a.data, batch, &t, &e))
+		fail_runtime(v->s, &e);
+	row->batch = batch;
+	row->ns = t.ns;
+	row->spread = t.spread;
+	row->floor_ratio = t.floor / t.ns;
+	arrays_free(&a);
+	return v->s->error.code;
+}
+
+enum rneagen_code study_measure(struct study *s, struct study_backend *b, struct study_row *row)
+{
+	struct variant v = {s, b, study_judge(s, row->precision), NULL, row};
+
+	if (!v.judge)
+		return error_memory(&s->error);
+	if (!study_bound(s, row) && !open_robot(&v) && !measure_errors(&v))
+		note_resources(&v);
+	for (int i = 0; i < s->options->batch_count && !s->error.code; i++) {
+		row[i] = row[0];
+		measure_time(&v, &row[i], s->options->batches[i]);
+	}
+	rnea_close(v.robot);
+	return s->error.code;
+}
+
+int study_variants(const struct study *s)
+{
+	const struct study_options *o = s->options;
+
+	return s->backend_count * o->precisions.count * o->trigs.count * o->layouts.count;
+}
+
+struct study_backend *study_variant(struct study *s, int i, struct study_row *row)
+{
+	const struct study_options *o = s->options;
+	int layouts = o->layouts.count, trigs = o->trigs.count, precisions = o->precisions.count;
+	struct study_backend *b = &s->backends[i / (layouts * trigs * precisions)];
+
+	*row = (struct study_row){.backend = b->backend,
+		.layout = (enum rneagen_layout)o->layouts.values[i % layouts],
+		.trig = (enum rneagen_trig)o->trigs.values[i / layouts % trigs],
+		.precision = (enum rneagen_precision)o->precisions.values[i / (layouts * trigs) % precisions]};
+	return b;
+}
