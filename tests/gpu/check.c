@@ -28,7 +28,7 @@ struct work {
 	atomic_size_t next;
 };
 
-/* A line of the manifest: text, folder of the reference, "-" or of "aot", "large", "listed" and "build" those that apply. */
+/* A line of the manifest: text, folder of the reference, "-" or of "aot", "strict", "large", "listed" and "build" those that apply. */
 static size_t read_manifest(const char *folder, const char *name, struct item *items)
 {
 	char path[1024], line[1024], marks[32];
@@ -45,6 +45,7 @@ static size_t read_manifest(const char *folder, const char *name, struct item *i
 
 		if (sscanf(line, "%255s %255s %31s", it->text, it->reference, marks) != 3)
 			continue;
+		it->is_strict = strstr(marks, "strict") != NULL;
 		it->aot = strstr(marks, "aot") != NULL;
 		it->is_large = strstr(marks, "large") != NULL;
 		it->is_listed = strstr(marks, "listed") != NULL;
@@ -146,6 +147,8 @@ static void check_item(const struct gpu *g, const struct settings *s, const stru
 	if (s->replays > 0 && it->is_built)
 		cost_host(g, s, it, &r);
 	snprintf(path, sizeof path, "%s/%.255s", folder, it->text);
+	if (it->is_strict)
+		verify_bits(g, it, &r, path);
 	if (it->is_built && s->cache)
 		cost_build(it, path, s->cache);
 	reference_free(&r);

@@ -28,6 +28,7 @@ struct rate {
 struct item {
 	char text[256];      /* the file below the folder of the texts */
 	char reference[256]; /* the folder of its reference data, likewise */
+	int is_strict;       /* whether its bits are to be those of the same text on the processor */
 	int aot;             /* whether there is a shared object built by nvcc beside it */
 	int is_large;        /* whether it runs over settings->elements */
 	int is_listed;       /* whether it is timed over more samples still, for the README */
@@ -68,6 +69,9 @@ void verify_large(const struct gpu *g, struct item *it, const struct reference *
 /* rnea_run on arrays in host memory, pageable and page-locked, between guards, at every count. */
 void verify_host(const struct gpu *g, const struct settings *s, struct item *it, const struct reference *r);
 void cost_host(const struct gpu *g, const struct settings *s, struct item *it, const struct reference *r);
+
+/* Of a text made with --strict, at `path`: the bits of the torques against those of the same text on the processor. */
+void verify_bits(const struct gpu *g, struct item *it, const struct reference *r, const char *path);
 
 /* NAME_rnea_launch of the shared object at `path`, built from the same text by nvcc. */
 void verify_aot(const struct gpu *g, struct item *it, const struct reference *r, const char *path);
