@@ -8,7 +8,7 @@ _rneagen_options='-o --output --target --precision --layout --strict --trig --ba
 _rneagen_words() {
 	case $1 in
 	--target) echo cuda c header ;;
-	--precision) echo f32 f64 mixed ;;
+	--precision) echo f32 f64 mixed f32x2 ;;
 	--layout) echo soa aos ;;
 	--trig) echo accurate bounded fast ;;
 	--base) echo fixed floating ;;

@@ -3,7 +3,7 @@
 
 # Options of both, and of every command of rnearun.
 _rneagen_model=(
-	'--precision=[scalar type]:precision:(f32 f64 mixed)'
+	'--precision=[scalar type]:precision:(f32 f64 mixed f32x2)'
 	'--trig=[sine and cosine]:trigonometry:(accurate bounded fast)'
 	'--strict[the same bits from every compiler, CPU and GPU]'
 	'--base=[fixed to the world, or moving freely]:base:(fixed floating)'

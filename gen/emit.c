@@ -179,12 +179,13 @@ static const char *dimensions(const struct emission *e)
 	return text_string(&t);
 }
 
-/* The sine and cosine of the chosen mode and precision. */
+/* The arithmetic of the precision where it is not the compiler's, and the sine and cosine of the mode. */
 static const char *sincos_text(const struct emission *e)
 {
 	struct text t;
 
 	text_init(&t, e->arena);
+	emit_f32x2(e, &t);
 	emit_sincos(e, &t);
 	return text_string(&t);
 }

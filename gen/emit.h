@@ -20,6 +20,7 @@ struct scalar {
 	const char *suffix; /* of functions: "f" in fmaf, rneagen_sincosf_... */
 	int bytes;
 	double domain; /* the largest angle of the bounded sine and cosine */
+	const struct scalar *part; /* of a number that is the sum of two: their type; NULL otherwise */
 };
 
 struct emission {
@@ -44,6 +45,11 @@ void emit_body(const struct emission *e, const struct pass *p, struct text *out)
 
 /* A number that reads back as the same value in the type: the shortest decimal that does. */
 void emit_number(const struct emission *e, const struct scalar *s, real value, struct text *out);
+
+/* Where a number is a pair (e->arithmetic->part): the functions that compute with such numbers, and an expression, by
+   calls of them. */
+void emit_f32x2(const struct emission *e, struct text *out);
+void emit_f32x2_expression(const struct emission *e, const struct plan *p, struct ref a, struct text *out);
 
 /* The table NAME_info as adjacent string literals. */
 void emit_info(const struct emission *e, struct text *out);
@@ -90,6 +96,12 @@ static inline int emit_has_small(const struct emission *e)
 static inline int emit_converts(const struct emission *e)
 {
 	return e->memory != e->arithmetic;
+}
+
+/* Of the names of functions of the arithmetic's type, after rneagen_sincos. */
+static inline const char *emit_sincos_suffix(const struct emission *e)
+{
+	return e->arithmetic->part ? "_f32x2" : e->arithmetic->suffix;
 }
 
 #endif

@@ -91,6 +91,10 @@ static void put_expression(const struct emission *e, const struct plan *p, struc
 {
 	const struct node *n = &p->dag->nodes[a.i];
 
+	if (e->arithmetic->part) {
+		emit_f32x2_expression(e, p, a, out);
+		return;
+	}
 	if (call_of(e, n->op)) {
 		put_call(e, p, n, out);
 		return;
@@ -148,7 +152,7 @@ static void put_sincos(const struct emission *e, const struct plan *p, struct re
 	cosine = cosine ? cosine : unused;
 	text_printf(out, "\t%s %s, %s;\n", e->arithmetic->type, sine, cosine);
 	text_printf(out, "\t%srneagen_%ssincos%s_%s(", emit_has_small(e) ? "all_small &= " : "",
-		e->options->strict ? "strict_" : "", e->arithmetic->suffix,
+		e->options->strict ? "strict_" : "", emit_sincos_suffix(e),
 		emit_has_small(e) ? "either" : modes[e->options->trig]);
 	put_value(e, p, n->arg[0], 0, out);
 	text_printf(out, "%s, &%s, &%s);\n", emit_has_small(e) ? ", small" : "", sine, cosine);
@@ -188,12 +192,24 @@ static void put_store(const struct emission *e, const struct plan *p, const stru
 
 	text_init(&statement, e->arena);
 	text_printf(&statement, "%s[%d*stride] = ", p->dag->arguments[o->argument].name, o->row);
-	if (emit_converts(e))
+	if (e->arithmetic->part)
+		text_put(&statement, "rneagen_join(");
+	else if (emit_converts(e))
 		text_printf(&statement, "(%s)", e->memory->type);
-	put_value(e, p, o->value, emit_converts(e) ? op_strength[OP_NEG] : 0, &statement);
-	text_putc(&statement, ';');
+	put_value(e, p, o->value, emit_converts(e) && !e->arithmetic->part ? op_strength[OP_NEG] : 0, &statement);
+	text_put(&statement, e->arithmetic->part ? ");" : ";");
 	out->failed |= statement.failed;
 	put_wrapped(out, text_string(&statement));
+}
+
+static void put_load(const struct emission *e, const struct plan *p, const struct node *n, struct text *out)
+{
+	if (e->arithmetic->part)
+		text_put(out, "rneagen_split(");
+	else if (emit_converts(e))
+		text_printf(out, "(%s)", e->arithmetic->type);
+	text_printf(out, "%s[%u*stride]", p->dag->arguments[n->arg[0].i].name, (unsigned)n->arg[1].i);
+	text_put(out, e->arithmetic->part ? ")" : "");
 }
 
 static void put_assignment(const struct emission *e, const struct plan *p, struct ref a, struct text *out)
@@ -203,10 +219,8 @@ static void put_assignment(const struct emission *e, const struct plan *p, struc
 
 	text_init(&statement, e->arena);
 	text_printf(&statement, "const %s %s = ", e->arithmetic->type, p->names[a.i]);
-	if (n->op == OP_INPUT && emit_converts(e))
-		text_printf(&statement, "(%s)", e->arithmetic->type);
 	if (n->op == OP_INPUT)
-		text_printf(&statement, "%s[%u*stride]", p->dag->arguments[n->arg[0].i].name, (unsigned)n->arg[1].i);
+		put_load(e, p, n, &statement);
 	else
 		put_expression(e, p, a, &statement);
 	text_putc(&statement, ';');

@@ -108,6 +108,9 @@ static void put_conventions(const struct emission *e, struct text *out)
 	if (e->options->target == RNEAGEN_TARGET_CUDA || e->options->target == RNEAGEN_TARGET_C)
 		text_printf(out, " * Batches: every array is [%s].\n",
 			e->options->layout == RNEAGEN_SOA ? "row][sample" : "sample][row");
+	if (e->arithmetic->part)
+		text_put(out, " * Arrays are double; arithmetic is in pairs of floats, good to 44 bits for magnitudes from 1e-25 to 1e30,\n"
+			      " * and slower than double where double takes less than twenty times as long as float.\n");
 	text_put(out, " *\n * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less\n"
 		      " * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.\n");
 	text_put(out, " * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.\n");

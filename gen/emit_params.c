@@ -1,14 +1,15 @@
 /* The arguments of the generated functions, in every form in which a text lists them. */
 #include "emit.h"
 
-static const struct scalar F32 = {"f32", "float", "f", 4, 1e4}, F64 = {"f64", "double", "", 8, 1e7};
+static const struct scalar F32 = {"f32", "float", "f", 4, 1e4, NULL}, F64 = {"f64", "double", "", 8, 1e7, NULL},
+			   F32X2 = {"f32x2", "struct rneagen_f32x2", "", 8, 1e4, &F32};
 
 /* What --precision names. */
 static const struct precision {
 	const char *name;
 	const struct scalar *memory, *arithmetic;
 } PRECISIONS[] = {[RNEAGEN_F32] = {"f32", &F32, &F32}, [RNEAGEN_F64] = {"f64", &F64, &F64},
-	[RNEAGEN_MIXED] = {"mixed", &F32, &F64}};
+	[RNEAGEN_MIXED] = {"mixed", &F32, &F64}, [RNEAGEN_F32X2] = {"f32x2", &F64, &F32X2}};
 
 void emit_set_precision(struct emission *e)
 {

@@ -52,9 +52,8 @@ static struct spread spread_of(const struct node *n, const struct spread *s, dou
 
 	switch (n->op) {
 	case OP_CONST:
-		return (struct spread){fabs(value), constant_error, constant_error, 1};
 	case OP_INPUT:
-		return (struct spread){fabs(value), 0, 0, 1};
+		return (struct spread){fabs(value), constant_error, constant_error, 1};
 	case OP_NEG:
 		return (struct spread){x->size, x->bound, 0, x->swept};
 	case OP_ADD:
@@ -293,6 +292,14 @@ static void evaluate_node(const struct dag *d, size_t i, const double *const *in
 	v[i] = n->op == OP_INPUT ? (real)in[n->arg[0].i][n->arg[1].i] : node_real(n, v, NULL);
 }
 
+/* How far what the text reads is from what was meant: constants and, where arithmetic has fewer bits than memory, inputs. */
+static double given_error(const struct node *n, double value, const struct eval_model *m)
+{
+	if (n->op == OP_CONST)
+		return constant_error(n, m->constant(n->value), m->tiny);
+	return n->op == OP_INPUT && m->input > 0 ? m->input * fabs(value) + m->tiny : 0;
+}
+
 int eval_bound(const struct dag *d, const struct eval_model *m, const double *const *in, double *const *bound)
 {
 	struct eval_model wide = widened(m);
@@ -301,11 +308,9 @@ int eval_bound(const struct dag *d, const struct eval_model *m, const double *co
 	int done = v && survey_is_made(&x);
 
 	for (size_t i = 0; done && i < d->count; i++) {
-		const struct node *n = &d->nodes[i];
-
 		evaluate_node(d, i, in, v);
 		x.values[i] = (double)v[i];
-		survey_node(&x, i, n->op == OP_CONST ? constant_error(n, m->constant(n->value), m->tiny) : 0, &wide);
+		survey_node(&x, i, given_error(&d->nodes[i], x.values[i], m), &wide);
 	}
 	if (done)
 		put_bounds(&x, m, bound);

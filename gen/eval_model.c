@@ -18,6 +18,19 @@ static const struct eval_model F32 = {.add = 0x1p-24, .mul = 0x1p-24, .tiny = 0x
 static const struct eval_model F64 = {.add = 0x1p-53, .mul = 0x1p-53, .tiny = 0x1p-1072, .largest = DBL_MAX,
 	.sincos = 1.7 * 0x1p-53, .sine = 0x1p-1072, .store_largest = DBL_MAX, .constant = constant_f64};
 
+static real constant_f32x2(real value)
+{
+	float hi = (float)value;
+
+	return (real)hi + (real)(float)(value - (real)hi);
+}
+
+/* The bounds that templates/f32x2.in and sincos_f32x2_core.in state; tests/test_f32x2 holds them against MPFR. Factors
+   are split into halves by 4097, which must not overflow. */
+static const struct eval_model F32X2 = {.add = 3.001 * 0x1p-48, .mul = 7 * 0x1p-48, .tiny = 0x1p-146, .input = 0x1p-48,
+	.largest = 0x1p114, .sincos = 0x1p-46, .sine = 0x1p-62, .cosine = 0x1p-62, .store = 0x1p-53, .store_largest = DBL_MAX,
+	.constant = constant_f32x2};
+
 /* Results are rounded to float when they are stored. */
 static void set_store_f32(struct eval_model *m)
 {
@@ -39,10 +52,11 @@ struct eval_model eval_model_of(const struct rneagen_options *o, int on_gpu)
 {
 	int is_default_f64 = o->precision == RNEAGEN_PRECISION_DEFAULT && o->target == RNEAGEN_TARGET_C;
 	int f32 = o->precision == RNEAGEN_F32 || (o->precision == RNEAGEN_PRECISION_DEFAULT && !is_default_f64);
-	struct eval_model m = f32 ? F32 : F64;
+	int f32x2 = o->precision == RNEAGEN_F32X2;
+	struct eval_model m = f32x2 ? F32X2 : f32 ? F32 : F64;
 
-	m.fused = on_gpu || o->strict;
-	m.angle = o->trig == RNEAGEN_ACCURATE ? (double)INFINITY : f32 ? 1e4 : 1e7;
+	m.fused = !f32x2 && (on_gpu || o->strict);
+	m.angle = o->trig == RNEAGEN_ACCURATE ? (double)INFINITY : f32 || f32x2 ? 1e4 : 1e7;
 	if (o->precision == RNEAGEN_MIXED)
 		set_store_f32(&m);
 	if (f32 && on_gpu && o->trig == RNEAGEN_FAST)

@@ -58,7 +58,7 @@ static const struct choice {
 	struct option_choice words[5];
 } CHOICES[] = {
 	{"target", {{"cuda", RNEAGEN_TARGET_CUDA}, {"c", RNEAGEN_TARGET_C}, {"header", RNEAGEN_TARGET_HEADER}}},
-	{"precision", {{"f32", RNEAGEN_F32}, {"f64", RNEAGEN_F64}, {"mixed", RNEAGEN_MIXED}}},
+	{"precision", {{"f32", RNEAGEN_F32}, {"f64", RNEAGEN_F64}, {"mixed", RNEAGEN_MIXED}, {"f32x2", RNEAGEN_F32X2}}},
 	{"layout", {{"soa", RNEAGEN_SOA}, {"aos", RNEAGEN_AOS}}},
 	{"trig", {{"accurate", RNEAGEN_ACCURATE}, {"bounded", RNEAGEN_BOUNDED}, {"fast", RNEAGEN_FAST}}},
 	{"base", {{"fixed", RNEAGEN_FIXED}, {"floating", RNEAGEN_FLOATING}}},

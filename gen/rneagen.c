@@ -37,6 +37,9 @@ static enum rneagen_code resolve_options(struct generation *g)
 	if (o->strict && o->trig == RNEAGEN_FAST)
 		return error_set(g->error, RNEAGEN_USAGE,
 			"--strict and --trig fast exclude each other: the sine of a GPU's own unit has other bits; take bounded");
+	if (o->strict && o->precision == RNEAGEN_F32X2)
+		return error_set(g->error, RNEAGEN_USAGE,
+			"--strict and --precision f32x2 exclude each other: its products have other bits where no fused multiply-add is; take f64");
 	if (!o->name)
 		o->name = identifier_from(g->robot.name, &g->result->arena);
 	else if (!identifier_is(o->name))

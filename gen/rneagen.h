@@ -16,7 +16,8 @@ extern "C" {
 
 enum rneagen_target { RNEAGEN_TARGET_CUDA, RNEAGEN_TARGET_C, RNEAGEN_TARGET_HEADER };
 enum rneagen_precision { RNEAGEN_PRECISION_DEFAULT, RNEAGEN_F32, RNEAGEN_F64,
-	RNEAGEN_MIXED }; /* default: f64 for C, else f32; mixed: f32 in memory, f64 in arithmetic */
+	RNEAGEN_MIXED, RNEAGEN_F32X2 }; /* default: f64 for C, else f32; mixed: f32 in memory, f64 in arithmetic;
+					   f32x2: f64 in memory, pairs of floats in arithmetic */
 enum rneagen_layout { RNEAGEN_SOA, RNEAGEN_AOS };                                /* [row][sample], [sample][row] */
 enum rneagen_trig { RNEAGEN_ACCURATE, RNEAGEN_BOUNDED, RNEAGEN_FAST };
 enum rneagen_base { RNEAGEN_FIXED, RNEAGEN_FLOATING };

@@ -1,4 +1,4 @@
-# The generated text's sine and cosine: every float of the bounded domain (every 101st under the sanitizers), and MPFR.
+# Two-float arithmetic, and the generated text's sine and cosine: every float of the bounded domain (every 101st under the sanitizers), and MPFR.
 function(sincos_test name)
 	rneagen_add_test(${name} sincos_plain.c sincos_fma.c)
 	target_link_libraries(${name} PRIVATE m)
@@ -11,6 +11,14 @@ pkg_check_modules(MPFR IMPORTED_TARGET mpfr)
 if(MPFR_FOUND)
 	sincos_test(test_sincos_mpfr)
 	target_link_libraries(test_sincos_mpfr PRIVATE PkgConfig::MPFR)
+	rneagen_add_test(test_f32x2 f32x2_plain.c f32x2_fma.c f32x2_contracted.c)
+	target_link_libraries(test_f32x2 PRIVATE PkgConfig::MPFR m)
+	target_include_directories(test_f32x2 PRIVATE ${CMAKE_SOURCE_DIR}/templates)
+	if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
+		set_source_files_properties(f32x2_contracted.c PROPERTIES COMPILE_OPTIONS
+			"-O3;-march=x86-64-v3;-ffp-contract=fast")
+	endif()
 else()
+	message(STATUS "test_f32x2 is skipped: no MPFR")
 	message(STATUS "test_sincos_mpfr is skipped: no MPFR")
 endif()

@@ -36,7 +36,7 @@ void target_generate(
 	struct rneagen_error e;
 
 	t->options = *o;
-	t->f32 = o->precision != RNEAGEN_F64;
+	t->f32 = o->precision == RNEAGEN_F32 || o->precision == RNEAGEN_MIXED;
 	t->f32_inside = o->precision == RNEAGEN_F32;
 	t->library = NULL;
 	*t->stem = '\0';
@@ -72,7 +72,13 @@ static void write_sources(const struct target *t, const char *stem)
 	char text[1024];
 	int n = snprintf(text, sizeof text, "#include \"%s.c\"\n", stem);
 
-	if (has_angles(t))
+	if (has_angles(t) && t->options.precision == RNEAGEN_F32X2)
+		snprintf(text + n, sizeof text - (size_t)n,
+			"void test_sincos(double x, double *s, double *c);\n"
+			"void test_sincos(double x, double *s, double *c)\n{\n\tstruct rneagen_f32x2 y, z;\n"
+			"\trneagen_sincos_f32x2_%s(rneagen_split(x), &y, &z);\n\t*s = rneagen_join(y);\n\t*c = rneagen_join(z);\n}\n",
+			TRIGS[t->options.trig]);
+	else if (has_angles(t))
 		snprintf(text + n, sizeof text - (size_t)n,
 			"void test_sincos(%s x, %s *s, %s *c);\n"
 			"void test_sincos(%s x, %s *s, %s *c)\n{\n\trneagen_%ssincos%s_%s(x, s, c);\n}\n",

@@ -31,6 +31,15 @@ static void put_row(const struct item *it)
 		it->large.floor * 1e12, of_floor(it->large), it->max_error, *it->failure ? " FAIL" : "");
 }
 
+/* As in --precision. */
+static const char *precision_name(const struct rnea_info *info)
+{
+	const char *memory = info->precision == RNEA_F64 ? "f64" : "f32";
+
+	return strcmp(info->arithmetic, memory) == 0 ? memory :
+	       strcmp(info->arithmetic, "f32x2") == 0 ? info->arithmetic : "mixed";
+}
+
 static void put_csv_row(FILE *f, const struct item *it)
 {
 	const struct rnea_info *info;
@@ -44,7 +53,7 @@ static void put_csv_row(FILE *f, const struct item *it)
 	for (int i = 0; i < RNEA_KERNEL_COUNT; i++)
 		rnea_resources(it->robot, (enum rnea_kernel)i, &k[i], NULL);
 	fprintf(f, "%s,%s,%s,%s,%s,%s,%s,%zu,%zu,%zu,%u,%u", it->text, *it->failure ? "FAIL" : "ok", info->name,
-		info->precision == RNEA_F64 ? "f64" : "f32", info->layout == RNEA_AOS ? "aos" : "soa", info->trig,
+		precision_name(info), info->layout == RNEA_AOS ? "aos" : "soa", info->trig,
 		info->base, info->nq, info->nv, info->nb, info->block, k[0].busy_block);
 	fprintf(f, ",%zu,%zu",
 		info->operations.mul + info->operations.add + info->operations.sub + 2 * info->operations.fma,

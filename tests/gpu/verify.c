@@ -195,6 +195,8 @@ double item_limit(const struct item *it)
 		return 1e-3; /* the hardware's sine has an absolute error */
 	if (info->precision == RNEA_F32 && strcmp(info->arithmetic, "f64") == 0)
 		return 1.2e-7; /* the torque's own rounding */
+	if (strcmp(info->arithmetic, "f32x2") == 0)
+		return 1e-12;
 	return info->precision == RNEA_F64 ? 5e-14 : 3e-6;
 }
 

@@ -1,0 +1,89 @@
+/* Texts whose numbers are pairs of floats: calls instead of operators. */
+#include "emit.h"
+#include "template.h"
+
+/* The constant's float, and what the float leaves of it. */
+static void put_constant(const struct emission *e, real value, struct text *out)
+{
+	float hi = (float)value;
+
+	text_put(out, "rneagen_pair(");
+	emit_number(e, e->arithmetic->part, value, out);
+	text_put(out, ", ");
+	emit_number(e, e->arithmetic->part, value - (real)hi, out);
+	text_putc(out, ')');
+}
+
+static int is_float(const struct plan *p, struct ref a)
+{
+	const struct node *n = &p->dag->nodes[a.i];
+
+	return n->op == OP_CONST && (real)(float)n->value == n->value;
+}
+
+/* A name, or an expression. */
+static void put_value(const struct emission *e, const struct plan *p, struct ref a, struct text *out)
+{
+	if (p->names[a.i])
+		text_put(out, p->names[a.i]);
+	else
+		emit_f32x2_expression(e, p, a, out);
+}
+
+/* A product with a constant that is a float costs less. */
+static int put_product_by_float(const struct emission *e, const struct plan *p, const struct node *n, struct text *out)
+{
+	int k = is_float(p, n->arg[1]) ? 1 : 0;
+
+	if (n->op != OP_MUL || !is_float(p, n->arg[k]))
+		return 0;
+	text_put(out, "rneagen_mul_f(");
+	put_value(e, p, n->arg[1 - k], out);
+	text_put(out, ", ");
+	emit_number(e, e->arithmetic->part, p->dag->nodes[n->arg[k].i].value, out);
+	text_putc(out, ')');
+	return 1;
+}
+
+static void put_call(const struct emission *e, const struct plan *p, const struct node *n, struct text *out)
+{
+	static const char *const calls[] = {
+		[OP_NEG] = "neg", [OP_ADD] = "add", [OP_SUB] = "sub", [OP_MUL] = "mul", [OP_FMA] = "fma"};
+
+	if (put_product_by_float(e, p, n, out))
+		return;
+	text_printf(out, "rneagen_%s(", calls[n->op]);
+	for (int k = 0; k < op_arity[n->op]; k++) {
+		text_put(out, k ? ", " : "");
+		put_value(e, p, n->arg[k], out);
+	}
+	text_putc(out, ')');
+}
+
+void emit_f32x2_expression(const struct emission *e, const struct plan *p, struct ref a, struct text *out)
+{
+	const struct node *n = &p->dag->nodes[a.i];
+
+	switch (n->op) {
+	case OP_CONST:
+		put_constant(e, n->value, out);
+		break;
+	case OP_NEG:
+	case OP_ADD:
+	case OP_SUB:
+	case OP_MUL:
+	case OP_FMA:
+		put_call(e, p, n, out);
+		break;
+	default: /* inputs, sines and cosines have names */
+		out->failed = 1;
+	}
+}
+
+void emit_f32x2(const struct emission *e, struct text *out)
+{
+	if (!e->arithmetic->part)
+		return;
+	text_put(out, template_f32x2_in);
+	text_putc(out, '\n');
+}
