@@ -33,6 +33,22 @@ static int product_operand(const struct fuser *f, const struct node *n)
 	return -1;
 }
 
+/* -x. gcc takes -(a*b + c) for -a*b - c, which differs in the sign of an exact zero: where the same bits are wanted
+   everywhere, a joined sum that only its negation uses is written as the latter. */
+static struct ref negated(struct fuser *f, struct ref x)
+{
+	const struct node *n = &f->in->nodes[x.i], *p;
+	int product = f->every && f->uses[x.i] == 1 ? product_operand(f, n) : -1;
+	struct ref a, rest;
+
+	if (product < 0)
+		return dag_neg(f->out, f->map[x.i]);
+	p = &f->in->nodes[n->arg[product].i];
+	a = n->op == OP_SUB && product == 1 ? f->map[p->arg[0].i] : negated(f, p->arg[0]);
+	rest = n->op == OP_SUB && product == 0 ? f->map[n->arg[1].i] : negated(f, n->arg[!product]);
+	return dag_fma(f->out, a, f->map[p->arg[1].i], rest);
+}
+
 /* x + a*b, x - a*b = x + (-a)*b, a*b - x = a*b + (-x); a is the constant where there is one */
 static struct ref fuse_sum(struct fuser *f, const struct node *n, int product)
 {
@@ -40,9 +56,9 @@ static struct ref fuse_sum(struct fuser *f, const struct node *n, int product)
 	struct ref a = f->map[p->arg[0].i], b = f->map[p->arg[1].i], x = f->map[n->arg[!product].i];
 
 	if (n->op == OP_SUB && product == 1)
-		a = dag_neg(f->out, a);
+		a = negated(f, p->arg[0]);
 	if (n->op == OP_SUB && product == 0)
-		x = dag_neg(f->out, x);
+		x = negated(f, n->arg[!product]);
 	return dag_fma(f->out, a, b, x);
 }
 
@@ -56,7 +72,7 @@ static struct ref fuse_neg(struct fuser *f, const struct node *n)
 		return dag_node(f->out, OP_SUB, b, a, none, 0);
 	if (f->absorbed[n->arg[0].i])
 		return dag_node(f->out, OP_MUL, dag_neg(f->out, a), b, none, 0);
-	return dag_neg(f->out, f->map[n->arg[0].i]);
+	return negated(f, n->arg[0]);
 }
 
 static struct ref fuse_node(struct fuser *f, const struct node *n)

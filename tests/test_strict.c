@@ -208,12 +208,19 @@ static void same_as_dag(const struct target *t, const struct model *m, const str
 	free(tau);
 }
 
-/* A sum that has a product for an operand is what a compiler may round once instead of twice. */
+/* A sum that has a product for an operand is what a compiler may round once instead of twice; the sign of a zero changes
+   where gcc makes one instruction of a fused multiply-add and the negation that alone uses it. */
 static void check_dags(const struct model *m, const char *what)
 {
 	for (int pass = 0; pass < PASS_COUNT; pass++) {
 		const struct dag *d = &m->dag[pass];
+		uint32_t *uses = calloc(d->count, sizeof *uses);
 
+		dag_uses(d, uses);
+		for (size_t i = 0; i < d->count; i++)
+			ck_assert_msg(!uses[i] || d->nodes[i].op != OP_NEG || uses[d->nodes[i].arg[0].i] > 1 ||
+				d->nodes[d->nodes[i].arg[0].i].op != OP_FMA, "%s: a joined sum is negated", what);
+		free(uses);
 		for (size_t i = 0; i < d->count; i++)
 			for (int k = 0; k < 2 && (d->nodes[i].op == OP_ADD || d->nodes[i].op == OP_SUB); k++) {
 				struct ref a = d->nodes[i].arg[k];
