@@ -62,7 +62,7 @@ void target_compile(const struct target *t, const char *const *argv)
 
 static int has_angles(const struct target *t)
 {
-	return strstr(t->text.source, "\trneagen_") != NULL;
+	return strstr(t->text.source, "sincos_") || strstr(t->text.source, "sincosf_");
 }
 
 /* The text as it is, and beside it a way to its own sine and cosine, which nobody else can see. */
