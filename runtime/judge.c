@@ -19,7 +19,7 @@ struct trial {
 
 int judge_is_f32(enum rneagen_precision precision)
 {
-	return precision != RNEAGEN_F64;
+	return precision == RNEAGEN_F32 || precision == RNEAGEN_MIXED;
 }
 
 static double eps_of(const struct judge *j)
