@@ -7,9 +7,9 @@
 /* Time is taken of at least BENCH_REPLAYS runs of as many launches as last BENCH_RUN seconds, until BENCH_TOTAL seconds
    are full. Arrays of a large batch, BENCH_LARGE bytes or more, take turns with others until they fill BENCH_ARRAYS
    bytes, so that no cache holds them. */
-enum { BENCH_REPLAYS = 7, BENCH_REPLAYS_LIMIT = 99 };
+enum { BENCH_REPLAYS = 7, BENCH_REPLAYS_LIMIT = 199 };
 enum { BENCH_LARGE = 8 << 20, BENCH_ARRAYS = 256 << 20 };
-#define BENCH_RUN 5e-3
+#define BENCH_RUN 1e-3
 #define BENCH_TOTAL 0.15
 
 struct bench_time {

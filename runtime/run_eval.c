@@ -21,8 +21,9 @@ static const char HELP[] =
 	"  --q FILE --qd FILE --qdd FILE\n"
 	"                             the same in three arrays, of nq, nv and nv columns\n"
 	"  -o, --out FILE             the torques: nv columns\n"
-	"  --precision f32|f64|mixed  of the computation and of FILE (default: f64 if an input is, else f32); mixed: FILE\n"
-	"                             is f32, the arithmetic f64\n"
+	"  --precision f32|f64|mixed|f32x2\n"
+	"                             of the computation and of FILE (default: f64 if an input is, else f32); mixed: FILE\n"
+	"                             is f32, the arithmetic f64; f32x2: FILE is f64, the arithmetic pairs of f32\n"
 	"  --slice N                  samples read, computed and written at a time (default: 64 MiB of them)\n"
 	COMMAND_HELP
 	"\n"

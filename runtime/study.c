@@ -81,11 +81,16 @@ static enum rneagen_code open_backend(struct study *s, enum rnea_backend backend
 	return RNEAGEN_OK;
 }
 
-/* The GPU's own sine has bits of its own. */
+/* What --strict excludes is left out where all was asked for; the GPU's own sine has bits of its own. */
 static int check_strict(const struct command *c, struct study_options *o)
 {
+	if (c->generate.strict && !o->precision_asked)
+		o->precisions = (struct study_list){{RNEAGEN_F32, RNEAGEN_MIXED, RNEAGEN_F64}, 3};
 	if (c->generate.strict && !o->trig_asked)
 		o->trigs = (struct study_list){{RNEAGEN_ACCURATE, RNEAGEN_BOUNDED}, 2};
+	for (int i = 0; i < o->precisions.count && c->generate.strict; i++)
+		if (o->precisions.values[i] == RNEAGEN_F32X2)
+			return option_refuse(c->name, "--strict and --precision f32x2 exclude each other: take f64");
 	for (int i = 0; i < o->trigs.count && c->generate.strict; i++)
 		if (o->trigs.values[i] == RNEAGEN_FAST)
 			return option_refuse(c->name, "--strict and --trig fast exclude each other: the GPU's own unit has other bits");

@@ -18,7 +18,7 @@ struct study_list {
 struct study_options {
 	struct study_list backends, precisions, trigs, layouts; /* of enum rnea_backend, rneagen_precision, ... */
 	int backend_asked;                                      /* a backend that is not there is an error */
-	int trig_asked;                                         /* --strict leaves no default out */
+	int precision_asked, trig_asked;                        /* else --strict leaves out what it excludes */
 	int compiles_anew;                                      /* what was compiled before is not used */
 	size_t batches[STUDY_BATCHES];
 	int batch_count;
@@ -76,7 +76,8 @@ enum { STUDY_BACKEND = COMMAND_OWN, STUDY_PRECISION, STUDY_TRIG, STUDY_LAYOUT, S
 /* Their lines of --help. */
 #define STUDY_HELP                                                                                                     \
 	"  --backend cpu|cuda|all     several, by commas (default: all that are there)\n"                              \
-	"  --precision f32|f64|mixed  several, by commas (default: all); so the next two\n"                            \
+	"  --precision f32|f64|mixed|f32x2\n"                                                                          \
+	"                             several, by commas (default: all); so the next two\n"                            \
 	"  --trig accurate|bounded|fast\n"                                                                             \
 	"  --layout soa|aos\n"                                                                                         \
 	"  --samples N                states in which errors are measured (default 1000)\n"                            \

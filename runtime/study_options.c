@@ -15,7 +15,7 @@ const char *study_backend_name(enum rnea_backend backend)
 struct study_options study_options_default(void)
 {
 	return (struct study_options){.backends = {{RNEA_BACKEND_HOST, RNEA_BACKEND_CUDA}, 2},
-		.precisions = {{RNEAGEN_F32, RNEAGEN_MIXED, RNEAGEN_F64}, 3},
+		.precisions = {{RNEAGEN_F32, RNEAGEN_MIXED, RNEAGEN_F32X2, RNEAGEN_F64}, 4},
 		.trigs = {{RNEAGEN_ACCURATE, RNEAGEN_BOUNDED, RNEAGEN_FAST}, 3},
 		.layouts = {{RNEAGEN_SOA, RNEAGEN_AOS}, 2},
 		.sample = {.seed = 1, .count = 1000, .qd_range = 3, .qdd_range = 10}};
@@ -120,6 +120,7 @@ int study_take(struct study_options *o, const char *name, int key, const char *w
 	case STUDY_BACKEND:
 		return take_backends(o, name, word);
 	case STUDY_PRECISION:
+		o->precision_asked = 1;
 		return take_list(&o->precisions, name, key, word);
 	case STUDY_TRIG:
 		o->trig_asked = 1;
