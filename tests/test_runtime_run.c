@@ -204,6 +204,7 @@ START_TEST(nothing_to_do)
 
 	ck_assert_int_eq(rnea_run(soa, NULL, 0, &e), RNEA_OK);
 	ck_assert_int_eq(rnea_run(soa, NULL, 0, NULL), RNEA_OK);
+	assert_run(1, 0, 0);
 }
 END_TEST
 
