@@ -36,7 +36,12 @@ struct fake_dim {
 	unsigned x, y, z;
 };
 
+/* of each thread its own, where there are threads: launches come one after another */
+#if FAKE_WAITS
 static thread_local fake_dim threadIdx, blockIdx, blockDim, gridDim;
+#else
+static fake_dim threadIdx, blockIdx, blockDim, gridDim;
+#endif
 
 struct alignas(16) float4 {
 	float x, y, z, w;
