@@ -56,7 +56,7 @@ if(TARGET gpu_check)
 	add_test(NAME gpu_emulated COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/gpu/emulated $<TARGET_FILE:gpu_check>
 		${CMAKE_CURRENT_BINARY_DIR}/gpu_texts)
 	set_tests_properties(gpu_emulated PROPERTIES ENVIRONMENT "RNEAGEN=$<TARGET_FILE:rneagen-command>;\
-RNEA_REFERENCE=$<TARGET_FILE:rnea_reference>;RNEA_LIBCUDA=$<TARGET_FILE:fake_cuda>;RNEA_NVRTC=$<TARGET_FILE:fake_nvrtc>")
+RNEA_REFERENCE=$<TARGET_FILE:rnea_reference>;RNEARUN=$<TARGET_FILE:rnearun>;RNEA_LIBCUDA=$<TARGET_FILE:fake_cuda>;RNEA_NVRTC=$<TARGET_FILE:fake_nvrtc>")
 endif()
 add_test(NAME shared_symbols COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/shared_symbols $<TARGET_FILE:rnea_shared> $<TARGET_FILE:rnea>
 	${PROJECT_SOURCE_DIR}/runtime/rnea.h ${CMAKE_C_COMPILER})
