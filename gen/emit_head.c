@@ -111,6 +111,8 @@ static void put_conventions(const struct emission *e, struct text *out)
 	if (e->arithmetic->part)
 		text_put(out, " * Arrays are double; arithmetic is in pairs of floats, good to 44 bits for magnitudes from 1e-25 to 1e30,\n"
 			      " * and slower than double where double takes less than twenty times as long as float.\n");
+	if (e->options->target == RNEAGEN_TARGET_CUDA)
+		text_put(out, " * Compiled as C, without CUDA, this text holds the functions of target c instead of kernels.\n");
 	text_put(out, " *\n * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less\n"
 		      " * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.\n");
 	text_put(out, " * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.\n");

@@ -43,6 +43,7 @@
  * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
  * Batches: every array is [row][sample].
+ * Compiled as C, without CUDA, this text holds the functions of target c instead of kernels.
  *
  * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less
  * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.

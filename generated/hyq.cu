@@ -29,6 +29,7 @@
  * body's frame, linear then angular, and its componentwise derivative (spatial acceleration);
  * tau = force then moment about the origin, body's frame. The quaternion is not normalised.
  * Batches: every array is [row][sample].
+ * Compiled as C, without CUDA, this text holds the functions of target c instead of kernels.
  *
  * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less
  * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.

@@ -291,6 +291,51 @@ START_TEST(header_in_kernel)
 }
 END_TEST
 
+static const char PROGRAM[] =
+	"#include \"linked.h\"\n"
+	"extern int linked_rnea_launch(const float *q, const float *qd, const float *qdd, float *tau, size_t count, void "
+	"*stream);\n"
+	"int main(void)\n{\n"
+	"\tdouble q[linked_nq] = {0}, tau[linked_nv];\n\n"
+	"\tlinked_rnea(q, q, q, tau);\n"
+	"\treturn linked_info[0] != 'r' || !(tau[0] == tau[0]) || linked_rnea_launch(0, 0, 0, 0, 0, 0);\n}\n";
+
+/* One robot under one name, for CUDA and for C, in one program: both texts have a table of that name. */
+START_TEST(linked_together)
+{
+	struct target_path source = target_path("linked", ".cu"), object = target_path("linked_cu", ".o"),
+			   c = target_path("linked", ".c"), program = target_path("linked_main", ".c"),
+			   executable = target_path("linked", ".exe");
+	const char *const link[] = {nvcc, "-arch=sm_90", "-o", executable.s, program.s, c.s,
+		object.s, "-lm", NULL}, *const run[] = {executable.s, NULL};
+	struct rneagen_options o = rneagen_options_default();
+	struct target t;
+	struct process p;
+	size_t length;
+	char *urdf = read_file(TEST_DIR "/robots/iiwa14.urdf", &length);
+
+	if (!nvcc)
+		return;
+	ck_assert_ptr_nonnull(urdf);
+	o.name = "linked";
+	o.target = RNEAGEN_TARGET_C;
+	target_generate(&t, urdf, length, &o, "linked");
+	target_write(c, t.text.source);
+	target_write(target_path("linked", ".h"), t.text.header);
+	target_close(&t);
+	o.target = RNEAGEN_TARGET_CUDA;
+	target_generate(&t, urdf, length, &o, "linked");
+	target_write(source, t.text.source);
+	p = run_nvcc(&t, source, object);
+	process_free(&p);
+	target_write(program, PROGRAM);
+	target_compile(&t, link);
+	target_compile(&t, run);
+	target_close(&t);
+	free(urdf);
+}
+END_TEST
+
 static void add_case(Suite *suite, const char *name, const TTest *test, void (*setup)(void))
 {
 	TCase *c = tcase_create(name);
@@ -315,6 +360,7 @@ int main(void)
 	add_case(suite, "modes", modes, find_nvcc);
 	add_case(suite, "others", other_robots, find_nvcc);
 	add_case(suite, "header", header_in_kernel, find_nvcc);
+	add_case(suite, "linked", linked_together, find_nvcc);
 	srunner_run_all(runner, CK_NORMAL);
 	failed = srunner_ntests_failed(runner);
 	srunner_free(runner);

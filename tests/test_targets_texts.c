@@ -1,5 +1,5 @@
-/* What a text is, apart from what it computes: no compiler has anything to say about it, its objects show the
-   documented symbols and need nothing, and what all_zero_torque stores is zero. */
+/* What a text is, apart from what it computes: no C compiler has anything to say about it, be it for target c or cuda;
+   objects of target c show the documented symbols and need nothing; and what all_zero_torque stores is zero. */
 #define _POSIX_C_SOURCE 200809L
 #include "model.h"
 #include "process.h"
@@ -86,6 +86,26 @@ static void compile_by_all(const struct tally *tally, const struct target *t, co
 	}
 }
 
+/* The text for CUDA as C: of the warnings that need no optimising. */
+static void check_cuda_as_c(const struct tally *tally, const char *urdf, size_t length, const char *name,
+	struct rneagen_options o, const char *stem)
+{
+	struct target_path source = target_path(stem, ".cu");
+	struct target t;
+
+	o.target = RNEAGEN_TARGET_CUDA;
+	target_generate(&t, urdf, length, &o, name);
+	target_write(source, t.text.source);
+	for (int i = 0; i < (tally->clang ? 2 : 1); i++) {
+		const char *const argv[] = {i ? "clang" : "gcc", "-std=c11", WARNING_FLAGS, "-Wshadow", "-fsyntax-only",
+			"-x", "c", source.s, NULL};
+
+		target_compile(&t, argv);
+	}
+	unlink(source.s);
+	target_close(&t);
+}
+
 /* One text; precision, layout and mode take turns. */
 static void check_text(struct tally *tally, const char *urdf, size_t length, const char *name, enum rneagen_base base)
 {
@@ -105,6 +125,7 @@ static void check_text(struct tally *tally, const char *urdf, size_t length, con
 	compile_by_all(tally, &t, stem);
 	unlink(target_path(stem, ".c").s);
 	target_close(&t);
+	check_cuda_as_c(tally, urdf, length, name, o, stem);
 }
 
 static void check_robot(const char *path, const char *name, void *context)
@@ -132,7 +153,7 @@ static void check_folder(const char *folder, int own)
 		printf("skipped: no clang\n");
 	for_each_urdf(folder, check_robot, &tally);
 	ck_assert_int_gt(tally.robots, 0);
-	printf("%d texts of %d robots: no warning, no symbol too many\n", tally.turn, tally.robots);
+	printf("%d texts of %d robots, each for CUDA too: no warning, no symbol too many\n", tally.turn, tally.robots);
 }
 
 START_TEST(own_robots)
@@ -190,16 +211,16 @@ END_TEST
 /* A compiler that may reorder sums would make nonsense of sine and cosine: it is told so. */
 START_TEST(fast_math_is_refused)
 {
-	static const enum rneagen_target targets[] = {RNEAGEN_TARGET_C, RNEAGEN_TARGET_HEADER};
+	static const enum rneagen_target targets[] = {RNEAGEN_TARGET_C, RNEAGEN_TARGET_HEADER, RNEAGEN_TARGET_CUDA};
 	struct rneagen_options o = rneagen_options_default();
 	struct target_path source = target_path("fast", ".c");
 	const char *flags[] = {"-ffast-math", "-funsafe-math-optimizations"};
-	const char *const argv[] = {"gcc", "-std=c11", "-O2", flags[_i / 2], "-fsyntax-only", source.s, NULL};
+	const char *const argv[] = {"gcc", "-std=c11", "-O2", flags[_i / 3], "-fsyntax-only", source.s, NULL};
 	size_t length;
 	char *urdf = read_file(TEST_DIR "/robots/pendulum.urdf", &length);
 
 	ck_assert_ptr_nonnull(urdf);
-	o.target = targets[_i % 2];
+	o.target = targets[_i % 3];
 	for (int precision = RNEAGEN_F32; precision <= RNEAGEN_F64; precision++) {
 		struct process p;
 		struct target t;
@@ -236,7 +257,7 @@ int main(void)
 	add_case(suite, "own", own_robots, 1);
 	add_case(suite, "real", real_robots, 1);
 	add_case(suite, "zero", zero_is_stored, 1);
-	add_case(suite, "fast", fast_math_is_refused, 4);
+	add_case(suite, "fast", fast_math_is_refused, 6);
 	srunner_run_all(runner, CK_NORMAL);
 	failed = srunner_ntests_failed(runner);
 	srunner_free(runner);
