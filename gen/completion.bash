@@ -1,7 +1,7 @@
 # Completion of rneagen and rnearun for bash.
 # shellcheck shell=bash
 
-_rneagen_options='-o --output --target --precision --layout --strict --trig --base --gravity --mimic --order --name --info
+_rneagen_options='-o --output --target --precision --layout --strict --bounded --trig --base --gravity --mimic --order --name --info
 	--info=json --dot --dump --help --version'
 
 # The words that an option takes; returns 1 for an option that takes none, or any.

@@ -190,6 +190,17 @@ static const char *sincos_text(const struct emission *e)
 	return text_string(&t);
 }
 
+/* Torques with their bounds, where they are wanted. */
+static const char *bounded_text(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (e->options->bounded)
+		emit_bounded(e, &t);
+	return text_string(&t);
+}
+
 static const char *banner_text(const struct emission *e)
 {
 	struct text t;
@@ -272,7 +283,7 @@ void emit_source(const struct emission *e, struct text *out)
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
 		{"ADDRESSES", emit_params(e, &p[PASS_RNEA], PARAMS_ADDRESSES)},
 		{"RNEA_PARAMS", emit_params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
-		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)},
+		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"BOUNDED", bounded_text(e)},
 		{"RNEA_CALL", call_text(e, &p[PASS_RNEA], "\t", emit_params(e, &p[PASS_RNEA], PARAMS_NAMES), "q", "1")}, {"ANY_ANGLE", emit_has_small(e) ? ", 0" : ""},
 		{"RNEA_NAMES", emit_params(e, &p[PASS_RNEA], PARAMS_NAMES)},
 		{"FPASS_PARAMS", emit_params(e, &p[PASS_FPASS], PARAMS_PLAIN)},

@@ -38,10 +38,18 @@ struct emission {
 /* Memory and arithmetic of the precision that the options name. */
 void emit_set_precision(struct emission *e);
 const char *emit_precision_name(enum rneagen_precision precision);
+const char *emit_trig_name(enum rneagen_trig trig);
 
 /* The statements of a pass, each indented by one tab. Errors: NUMBER when a constant is no finite number in the
    target's precision. */
 void emit_body(const struct emission *e, const struct pass *p, struct text *out);
+
+/* A comment that says which part of the algorithm begins; a statement, broken where it is too long for a line. */
+void emit_section(const struct emission *e, const struct pass *p, const struct section *s, struct text *out);
+void emit_wrapped(struct text *out, const char *statement);
+
+/* C: NAME_rnea_bounded and what it calls. */
+void emit_bounded(const struct emission *e, struct text *out);
 
 /* A number that reads back as the same value in the type: the shortest decimal that does. */
 void emit_number(const struct emission *e, const struct scalar *s, real value, struct text *out);

@@ -122,7 +122,7 @@ static void put_expression(const struct emission *e, const struct plan *p, struc
 }
 
 /* Append a statement, breaking it after a comma or an operator where it grows past the margin. */
-static void put_wrapped(struct text *out, const char *statement)
+void emit_wrapped(struct text *out, const char *statement)
 {
 	size_t column = 8;
 
@@ -159,7 +159,7 @@ static void put_sincos(const struct emission *e, const struct plan *p, struct re
 }
 
 /* "out to link 2 "lower" (fpass)"; "back from link 2 "lower" to link 1 (bpass): torque of "elbow"" */
-static void put_section(const struct emission *e, const struct pass *pass, const struct section *s, struct text *out)
+void emit_section(const struct emission *e, const struct pass *pass, const struct section *s, struct text *out)
 {
 	const struct body *k = &e->tree->bodies[s->body];
 
@@ -199,7 +199,7 @@ static void put_store(const struct emission *e, const struct plan *p, const stru
 	put_value(e, p, o->value, emit_converts(e) && !e->arithmetic->part ? op_strength[OP_NEG] : 0, &statement);
 	text_put(&statement, e->arithmetic->part ? ");" : ";");
 	out->failed |= statement.failed;
-	put_wrapped(out, text_string(&statement));
+	emit_wrapped(out, text_string(&statement));
 }
 
 static void put_load(const struct emission *e, const struct plan *p, const struct node *n, struct text *out)
@@ -225,7 +225,7 @@ static void put_assignment(const struct emission *e, const struct plan *p, struc
 		put_expression(e, p, a, &statement);
 	text_putc(&statement, ';');
 	out->failed |= statement.failed;
-	put_wrapped(out, text_string(&statement));
+	emit_wrapped(out, text_string(&statement));
 }
 
 /* An argument of which nothing is read would be an unused parameter. */
@@ -257,7 +257,7 @@ void emit_body(const struct emission *e, const struct pass *pass, struct text *o
 
 		switch (l->kind) {
 		case LINE_SECTION:
-			put_section(e, pass, &p->dag->sections[l->index], out);
+			emit_section(e, pass, &p->dag->sections[l->index], out);
 			break;
 		case LINE_SINCOS:
 			put_sincos(e, p, l->value, out);

@@ -81,6 +81,18 @@ static void put_slice_prototypes(const struct emission *e, struct text *out)
 			e->options->name, e->passes[i].algorithm->name);
 }
 
+static void put_bounded_prototype(const struct emission *e, struct text *out)
+{
+	const char *more = e->memory->bytes == 4 ? ", float *bound" : ", double *bound";
+
+	put_prototype(e, PASS_RNEA, "_bounded", more,
+		"The same torques, to the bit, and for each a bound[i] of |tau[i] - exact|, where exact is what the URDF's model gives in\n"
+		"   exact arithmetic at these very inputs: rounding of constants and operations, sine and cosine, underflow, and the\n"
+		"   bound's own rounding are in it (running error analysis: Higham, Accuracy and Stability of Numerical Algorithms, 2nd\n"
+		"   ed., SIAM 2002, section 3.3). Infinite where a value may overflow or an angle is beyond the domain of the\n"
+		"   trigonometry; NaN where the torque depends on an input that is not finite. bound must not overlap the others.", out);
+}
+
 const char *emit_prototypes(const struct emission *e)
 {
 	struct text t, one, many;
@@ -93,6 +105,8 @@ const char *emit_prototypes(const struct emission *e)
 	text_printf(&many, "The same for `count` samples, every array %s; arrays must not overlap.",
 		is_soa(e) ? "[row][sample]" : "[sample][row]");
 	put_prototype(e, PASS_RNEA, "", "", text_string(&one), &t);
+	if (e->options->bounded)
+		put_bounded_prototype(e, &t);
 	put_prototype(e, PASS_RNEA, "_batch", ", size_t count", text_string(&many), &t);
 	put_prototype(e, PASS_FPASS, "", "",
 		"The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each.", &t);

@@ -38,6 +38,8 @@ static void put_command(const struct emission *e, struct text *out)
 		text_put(out, " --base floating");
 	if (o->strict)
 		text_put(out, " --strict");
+	if (o->bounded)
+		text_put(out, " --bounded");
 	if (o->mimic == RNEAGEN_MIMIC_INDEPENDENT)
 		text_put(out, " --mimic independent");
 	if (o->gravity[0] != 0 || o->gravity[1] != 0 || o->gravity[2] != -9.81)

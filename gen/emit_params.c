@@ -22,6 +22,13 @@ const char *emit_precision_name(enum rneagen_precision precision)
 	return PRECISIONS[precision].name;
 }
 
+const char *emit_trig_name(enum rneagen_trig trig)
+{
+	static const char *const names[] = {"accurate", "bounded", "fast"};
+
+	return names[trig];
+}
+
 const char *emit_stride(const struct emission *e)
 {
 	return e->options->layout == RNEAGEN_SOA ? "count" : "1";

@@ -26,6 +26,7 @@ static const char HELP[] =
 	"  --gravity X,Y,Z            m/s^2 in the world (default 0,0,-9.81)\n"
 	"  --mimic honour|independent followers have no entry in q (default), or are joints of their own\n"
 	"  --strict                   the same bits from every compiler, CPU and GPU\n"
+	"  --bounded                  target c: also a function that gives a bound of each torque's error\n"
 	"  --order J1,J2,...          rows of q by joint name (default: depth-first, children by name)\n"
 	"  --name NAME                prefix of every function (default: the robot's name)\n"
 	"  --info, --info=json        tell about the robot instead of writing the text (with -o: besides)\n"
@@ -44,12 +45,12 @@ struct command {
 	enum info_mode info;
 };
 
-enum { KEY_NAME = OPTION_OWN, KEY_INFO, KEY_DOT };
+enum { KEY_NAME = OPTION_OWN, KEY_INFO, KEY_DOT, KEY_BOUNDED };
 
 static const struct option OPTIONS[] = {
 	OPTIONS_TEXT, OPTIONS_MODEL, {"output", required_argument, NULL, 'o'},
 	{"name", required_argument, NULL, KEY_NAME}, {"info", optional_argument, NULL, KEY_INFO},
-	{"dot", no_argument, NULL, KEY_DOT}, {"help", no_argument, NULL, OPTION_HELP},
+	{"dot", no_argument, NULL, KEY_DOT}, {"bounded", no_argument, NULL, KEY_BOUNDED}, {"help", no_argument, NULL, OPTION_HELP},
 	{"version", no_argument, NULL, OPTION_VERSION}, {NULL, 0, NULL, 0}};
 
 /* --info and --dot share standard output. */
@@ -74,6 +75,9 @@ static int parse_option(struct command *c, int key, const char *word)
 		if (word && strcmp(word, "json"))
 			return option_refuse(COMMAND, "--info takes nothing, or =json, not '%s'", word);
 		return set_info(c, word ? INFO_JSON : INFO_TABLE);
+	case KEY_BOUNDED:
+		c->options.bounded = 1;
+		return 0;
 	case KEY_DOT:
 		return set_info(c, INFO_DOT);
 	default:

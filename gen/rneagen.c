@@ -40,6 +40,11 @@ static enum rneagen_code resolve_options(struct generation *g)
 	if (o->strict && o->precision == RNEAGEN_F32X2)
 		return error_set(g->error, RNEAGEN_USAGE,
 			"--strict and --precision f32x2 exclude each other: its products have other bits where no fused multiply-add is; take f64");
+	if (o->bounded && o->target != RNEAGEN_TARGET_C)
+		return error_set(g->error, RNEAGEN_USAGE, "--bounded is for target c: take --target c, or an output whose name ends in .c");
+	if (o->bounded && o->precision == RNEAGEN_F32X2)
+		return error_set(g->error, RNEAGEN_USAGE,
+			"--bounded and --precision f32x2 exclude each other: pairs of floats have no bounded function; take f64");
 	if (!o->name)
 		o->name = identifier_from(g->robot.name, &g->result->arena);
 	else if (!identifier_is(o->name))

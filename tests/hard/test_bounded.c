@@ -1,0 +1,293 @@
+/* NAME_rnea_bounded as compiled: the torques of NAME_rnea to the bit, each within its bound of the reference in quad
+   precision; the bound itself beside gen/eval's. */
+#include "cases.h"
+#include "quad.h"
+#include "target.h"
+#include <check.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SEED = 6, SAMPLES = 12 };
+
+static const struct kind {
+	const char *name;
+	enum rneagen_precision precision;
+	enum rneagen_trig trig;
+	int strict;
+	struct compiler compiler;
+} KINDS[] = {
+	{"f32", RNEAGEN_F32, RNEAGEN_ACCURATE, 0, {"gcc", {"-O0"}}},
+	{"f64", RNEAGEN_F64, RNEAGEN_ACCURATE, 0, {"gcc", {"-O0"}}},
+	{"mixed", RNEAGEN_MIXED, RNEAGEN_ACCURATE, 0, {"gcc", {"-O0"}}},
+	{"f32 bounded", RNEAGEN_F32, RNEAGEN_BOUNDED, 0, {"gcc", {"-O2", "-march=native", "-ffp-contract=fast"}}},
+	{"f64 bounded", RNEAGEN_F64, RNEAGEN_BOUNDED, 0, {"gcc", {"-O2", "-march=native", "-ffp-contract=fast"}}},
+	{"f32 strict", RNEAGEN_F32, RNEAGEN_BOUNDED, 1, {"gcc", {"-O1"}}},
+	{"f64 fast", RNEAGEN_F64, RNEAGEN_FAST, 0, {"clang", {"-O1"}}},
+};
+enum { KIND_COUNT = sizeof KINDS / sizeof *KINDS };
+
+typedef void single_bounded(const float *q, const float *qd, const float *qdd, float *tau, float *bound);
+typedef void double_bounded(const double *q, const double *qd, const double *qdd, double *tau, double *bound);
+
+struct fixture {
+	const struct kind *kind;
+	struct hard hard;
+	struct target target;
+	struct quad *quad;
+	struct rng rng;
+	single_bounded *single;
+	double_bounded *wide;
+	int nq, nv;
+	struct array in[3], tau, again, bound;
+	double *state[3], *eval, *noise;
+	__float128 *reference;
+	double error, largest, largest_eval; /* error, bound and gen/eval's bound, the largest */
+	int held;
+};
+
+static void *numbers(int n, size_t size)
+{
+	void *p = calloc((size_t)n + 1, size);
+
+	ck_assert_ptr_nonnull(p);
+	return p;
+}
+
+static void find_bounded(struct fixture *x)
+{
+	char name[512];
+
+	snprintf(name, sizeof name, "%s_rnea_bounded", x->target.text.name);
+	target_symbol(&x->target, x->target.library, name, x->target.f32 ? (void *)&x->single : (void *)&x->wide);
+}
+
+static void open_arrays(struct fixture *x)
+{
+	for (int i = 0; i < 3; i++) {
+		x->in[i] = array_new(x->target.f32, (size_t)(i ? x->nv : x->nq));
+		x->state[i] = numbers(i ? x->nv : x->nq, sizeof(double));
+	}
+	x->tau = array_new(x->target.f32, (size_t)x->nv);
+	x->again = array_new(x->target.f32, (size_t)x->nv);
+	x->bound = array_new(x->target.f32, (size_t)x->nv);
+	x->eval = numbers(x->nv, sizeof(double));
+	x->noise = numbers(x->nv, sizeof(double));
+	x->reference = numbers(x->nv, sizeof(__float128));
+}
+
+static void fixture_open(struct fixture *x, const struct hard_case *c, const struct kind *kind)
+{
+	struct rneagen_options o;
+	char message[256];
+
+	*x = (struct fixture){.kind = kind, .rng = rng_seed(SEED)};
+	hard_open(&x->hard, c);
+	x->hard.options.precision = kind->precision;
+	x->hard.options.trig = kind->trig;
+	x->hard.options.strict = kind->strict;
+	o = x->hard.options;
+	o.target = RNEAGEN_TARGET_C;
+	o.bounded = 1;
+	x->nq = x->hard.model.tree.nq;
+	x->nv = x->hard.model.tree.nv;
+	target_open(&x->target, x->hard.urdf, x->hard.length, &o, &kind->compiler, "bounded");
+	find_bounded(x);
+	x->quad = quad_open(x->hard.urdf, x->hard.length, c->floating, 0, o.gravity, NULL, message, sizeof message);
+	ck_assert_msg(x->quad != NULL, "%s: %s", c->name, message);
+	open_arrays(x);
+}
+
+static void fixture_close(struct fixture *x)
+{
+	for (int i = 0; i < 3; i++) {
+		array_free(&x->in[i]);
+		free(x->state[i]);
+	}
+	array_free(&x->tau);
+	array_free(&x->again);
+	array_free(&x->bound);
+	free(x->eval);
+	free(x->noise);
+	free(x->reference);
+	quad_close(x->quad);
+	target_close(&x->target);
+	hard_close(&x->hard);
+}
+
+static void set_state(struct fixture *x)
+{
+	for (int i = 0; i < 3; i++)
+		for (int k = 0; k < (i ? x->nv : x->nq); k++)
+			array_set(&x->in[i], (size_t)k, x->state[i][k]);
+}
+
+static void run_bounded(struct fixture *x)
+{
+	target_rnea(&x->target, &x->in[0], &x->in[1], &x->in[2], &x->again);
+	if (x->target.f32)
+		x->single(x->in[0].data, x->in[1].data, x->in[2].data, x->tau.data, x->bound.data);
+	else
+		x->wide(x->in[0].data, x->in[1].data, x->in[2].data, x->tau.data, x->bound.data);
+	ck_assert(array_intact(&x->tau) && array_intact(&x->bound));
+	for (int i = 0; i < x->nv; i++)
+		ck_assert_msg(same_number(array_get(&x->tau, (size_t)i), array_get(&x->again, (size_t)i)),
+			"%s: torque %d has other bits", x->target.what, i);
+}
+
+static void judge(struct fixture *x, int i)
+{
+	double tau = array_get(&x->tau, (size_t)i), bound = array_get(&x->bound, (size_t)i);
+	double error = isfinite(tau) ? fabs((double)((__float128)tau - x->reference[i])) : (double)INFINITY;
+
+	ck_assert_msg(error <= bound + 4 * 0x1p-53 * x->noise[i], "%s: torque %d is %g, off by %g, bound %g", x->target.what, i,
+		tau, error, bound);
+	if (!isfinite(bound))
+		return;
+	x->held++;
+	x->error = fmax(x->error, error);
+	x->largest = fmax(x->largest, bound);
+	x->largest_eval = fmax(x->largest_eval, x->eval[i]);
+}
+
+static void check_sample(struct fixture *x)
+{
+	struct eval_model m = eval_model_of(&x->target.options, 0);
+
+	hard_sample(&x->hard, &x->rng, x->target.f32, x->state[0], x->state[1], x->state[2]);
+	set_state(x);
+	run_bounded(x);
+	ck_assert(eval_bound(&x->hard.model.dag[PASS_RNEA], &m, (const double *[]){x->state[0], x->state[1], x->state[2], NULL},
+		(double *[]){NULL, NULL, NULL, x->eval}));
+	quad_rnea(x->quad, x->state[0], x->state[1], x->state[2], x->reference);
+	quad_magnitude(x->quad, x->state[0], x->state[1], x->state[2], x->noise);
+	for (int i = 0; i < x->nv; i++)
+		judge(x, i);
+}
+
+static int is_refused(const struct hard_case *c, const struct kind *k)
+{
+	return k->trig != RNEAGEN_ACCURATE && k->precision == RNEAGEN_F32 &&
+	       (c->states == STATES_TURNS_1E5 || c->states == STATES_TURNS_1E6);
+}
+
+static void check_case(const struct hard_case *c, const struct kind *kind)
+{
+	struct fixture x;
+
+	fixture_open(&x, c, kind);
+	for (int i = 0; i < SAMPLES && i < c->samples; i++)
+		check_sample(&x);
+	ck_assert_msg(x.held > 0 || is_refused(c, kind) || c->states == STATES_HUGE, "%s: no bound", x.target.what);
+	printf(" %6.1f (%4.1f)", x.error > 0 ? x.largest / x.error : 0, x.largest_eval > 0 ? x.largest / x.largest_eval : 0);
+	fixture_close(&x);
+}
+
+/* Every kind on some cases, f32 and f64 in turn on the others; with RNEAGEN_LONG both, which takes minutes to compile. */
+START_TEST(hard_cases)
+{
+	printf("%-14s", HARD_CASES[_i].name);
+	for (int k = 0; k < KIND_COUNT; k++)
+		if (_i < 3 || (k < 2 && (k == _i % 2 || getenv("RNEAGEN_LONG"))) || is_refused(&HARD_CASES[_i], &KINDS[k]))
+			check_case(&HARD_CASES[_i], &KINDS[k]);
+	putchar('\n');
+}
+END_TEST
+
+static void check_own(const char *path, const char *name, void *floating)
+{
+	struct hard_case c = {.name = name, .file = name, .floating = floating != NULL, .samples = SAMPLES};
+
+	(void)path;
+	printf("%-28s", name);
+	for (int k = 0; k < 2; k++)
+		check_case(&c, &KINDS[k]);
+	putchar('\n');
+}
+
+START_TEST(own_robots)
+{
+	if (!getenv("RNEAGEN_LONG")) {
+		puts("skipped: texts with bounds of our own robots: RNEAGEN_LONG is not set");
+		return;
+	}
+	ck_assert_int_gt(for_each_urdf(TEST_DIR "/robots", check_own, NULL), 0);
+}
+END_TEST
+
+/* ---- where there is no bound ---- */
+
+static double bound_at(struct fixture *x, int which, double value, int torque)
+{
+	for (int i = 0; i < 3; i++)
+		for (int k = 0; k < (i ? x->nv : x->nq); k++)
+			x->state[i][k] = 1;
+	x->state[which][1] = value;
+	set_state(x);
+	run_bounded(x);
+	return array_get(&x->bound, (size_t)torque);
+}
+
+START_TEST(no_bound)
+{
+	const struct kind *k = &KINDS[_i];
+	double infinity = (double)INFINITY, huge = k->precision == RNEAGEN_F32 ? 1e30 : k->precision == RNEAGEN_F64 ? 1e200 : 1e38;
+	struct fixture x;
+
+	fixture_open(&x, &HARD_CASES[0], k);
+	for (int i = 0; i < 3; i++) {
+		ck_assert_msg(isnan(bound_at(&x, i, (double)NAN, 1)), "%s: NaN in array %d", x.target.what, i);
+		ck_assert_msg(isnan(bound_at(&x, i, infinity, 1)), "%s: infinity in array %d", x.target.what, i);
+		ck_assert(isfinite(bound_at(&x, i, 1, 1)));
+	}
+	ck_assert_msg(isinf(bound_at(&x, 1, huge, 1)), "%s: overflow", x.target.what);
+	if (k->trig != RNEAGEN_ACCURATE)
+		ck_assert_msg(isinf(bound_at(&x, 0, 2e7, 1)), "%s: an angle beyond the domain", x.target.what);
+	fixture_close(&x);
+}
+END_TEST
+
+/* Only C texts have the function. */
+START_TEST(other_targets)
+{
+	struct rneagen_options o = rneagen_options_default();
+	struct rneagen_result result;
+	struct rneagen_error e;
+	size_t length;
+	char *urdf = read_file(TEST_DIR "/robots/pendulum.urdf", &length);
+
+	ck_assert_ptr_nonnull(urdf);
+	o.bounded = 1;
+	o.target = _i ? RNEAGEN_TARGET_HEADER : RNEAGEN_TARGET_CUDA;
+	ck_assert_int_eq(rneagen_generate(urdf, length, &o, &result, &e), RNEAGEN_USAGE);
+	ck_assert_msg(strstr(e.message, "--bounded is for target c") != NULL, "%s", e.message);
+	free(urdf);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *suite = suite_create("bounded");
+	TCase *cases[] = {tcase_create("hard"), tcase_create("own"), tcase_create("none")};
+	SRunner *runner = srunner_create(suite);
+	int failed;
+
+	setvbuf(stdout, NULL, _IOLBF, 0);
+	printf("texts with bounds, seed %d: largest bound over largest error (over gen/eval's largest bound):", SEED);
+	for (int k = 0; k < KIND_COUNT; k++)
+		printf("%s %s", k ? "," : "", KINDS[k].name);
+	putchar('\n');
+	tcase_add_loop_test(cases[0], hard_cases, 0, HARD_CASE_COUNT);
+	tcase_add_test(cases[1], own_robots);
+	tcase_add_loop_test(cases[2], no_bound, 0, KIND_COUNT);
+	tcase_add_loop_test(cases[2], other_targets, 0, 2);
+	for (int i = 0; i < 3; i++) {
+		tcase_set_timeout(cases[i], 900);
+		suite_add_tcase(suite, cases[i]);
+	}
+	srunner_run_all(runner, CK_NORMAL);
+	failed = srunner_ntests_failed(runner);
+	srunner_free(runner);
+	return failed != 0;
+}
