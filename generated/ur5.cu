@@ -41,7 +41,7 @@
 #endif
 /* blocks that one multiprocessor should hold at once: bounds the registers of the rnea kernel; 0: the compiler's choice */
 #ifndef RNEA_MIN_BLOCKS
-#define RNEA_MIN_BLOCKS 0
+#define RNEA_MIN_BLOCKS 6
 #endif
 
 extern "C" {
