@@ -41,6 +41,8 @@ static struct ref negated(struct fuser *f, struct ref x)
 	int product = f->every && f->uses[x.i] == 1 ? product_operand(f, n) : -1;
 	struct ref a, rest;
 
+	if (f->every && f->uses[x.i] == 1 && n->op == OP_FMA)
+		return dag_fma(f->out, negated(f, n->arg[0]), f->map[n->arg[1].i], negated(f, n->arg[2]));
 	if (product < 0)
 		return dag_neg(f->out, f->map[x.i]);
 	p = &f->in->nodes[n->arg[product].i];
@@ -137,7 +139,7 @@ static void copy_nodes(struct fuser *f)
 		dag_section(f->out, f->in->sections[section].kind, f->in->sections[section].body);
 }
 
-void dag_fuse(struct dag *out, const struct dag *d, int every)
+static void fuse_once(struct dag *out, const struct dag *d, int every)
 {
 	struct fuser f = {.out = out, .in = d, .every = every};
 	uint32_t *uses = arena_alloc(out->arena, d->count, sizeof *uses);
@@ -159,4 +161,18 @@ void dag_fuse(struct dag *out, const struct dag *d, int every)
 		dag_output(out, d->outputs[i].argument, d->outputs[i].row, f.map[d->outputs[i].value.i]);
 	for (size_t i = 0; i < out->section_count; i++)
 		out->sections[i].output = d->sections[i].output;
+}
+
+/* A value that several products negate has one use left once these are joined: a second turn sees it. */
+void dag_fuse(struct dag *out, const struct dag *d, int every)
+{
+	struct dag joined;
+
+	if (!every) {
+		fuse_once(out, d, 0);
+		return;
+	}
+	dag_init(&joined, out->arena);
+	fuse_once(&joined, d, 1);
+	fuse_once(out, &joined, 1);
 }

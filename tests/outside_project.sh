@@ -70,7 +70,7 @@ by_pkg_config() {
 	# -lrnea is the shared library, in a folder that the loader does not know
 	LD_LIBRARY_PATH=$(pkg-config --variable=libdir rnea)
 	export LD_LIBRARY_PATH
-	ldd ./library_c | grep -qF "$LD_LIBRARY_PATH/librnea.so." || fail "not linked with librnea.so"
+	[[ $(ldd ./library_c) == *"$LD_LIBRARY_PATH/librnea.so."* ]] || fail "not linked with librnea.so"
 	./library_c "$work/tests/robots/pendulum.urdf" && ./library_cxx "$work/tests/robots/pendulum.urdf"
 	./open_urdf "$work/tests/robots/pendulum.urdf"
 	unset LD_LIBRARY_PATH

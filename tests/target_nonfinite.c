@@ -68,6 +68,14 @@ static void run(const struct check *c, struct batch *b, double *tau)
 		tau[i] = array_get(&b->tau, i);
 }
 
+/* The same bits; but gcc in its own dialect joins products to sums as it likes, not in every loop alike. */
+static int is_untouched(const struct check *c, double spoilt, double sound)
+{
+	double near = strstr(c->target->what, "-std=gnu") ? (c->target->f32 ? 1e-4 : 1e-12) : 0;
+
+	return same_number(spoilt, sound) || fabs(spoilt - sound) <= near * (1 + fabs(sound));
+}
+
 /* Torques with input `row` of array `k` of the middle sample spoilt, against those without. */
 static void judge(const struct check *c, const double *spoilt, const double *sound, const char *depends, int k, int row)
 {
@@ -78,7 +86,7 @@ static void judge(const struct check *c, const double *spoilt, const double *sou
 		for (int i = 0; i < nv; i++) {
 			size_t e = element(c->target, sample, i, nv);
 
-			ck_assert_msg(sample == 1 || same_number(spoilt[e], sound[e]),
+			ck_assert_msg(sample == 1 || is_untouched(c, spoilt[e], sound[e]),
 				"%s: %s[%d] not finite in sample 1: torque %d of sample %d is %g", c->target->what,
 				names[k], row, i, sample, spoilt[e]);
 			ck_assert_msg(sample != 1 || !depends[i] || !isfinite(spoilt[e]),
