@@ -40,13 +40,19 @@ static double sincos_error(const struct eval_model *m, enum op op, double value,
 	return rounding(m->sincos, m->tiny, value, inherited) + (op == OP_SIN ? m->sine : m->cosine);
 }
 
+/* An argument that is a node; an input's arguments are none. */
+static size_t operand(const struct node *n, int k)
+{
+	return k < op_arity[n->op] ? n->arg[k].i : 0;
+}
+
 /* Magnitudes and error of a node from those of its operands x, y, z, whose values are a, b, c:
    |fl(a+b) - (a'+b')| <= e_a + e_b + u |a+b|,  |fl(ab) - a'b'| <= |a| e_b + |b| e_a + e_a e_b + u |ab| + tiny,
    with a second rounding where a product joined to a sum is rounded twice. */
 static struct spread spread_of(const struct node *n, const struct spread *s, double value, double a, double b,
 	double constant_error, const struct eval_model *m)
 {
-	const struct spread *x = &s[n->arg[0].i], *y = &s[n->arg[1].i], *z = &s[n->arg[2].i];
+	const struct spread *x = &s[operand(n, 0)], *y = &s[operand(n, 1)], *z = &s[operand(n, 2)];
 	double local, sum = x->bound + y->bound, square = x->bound * y->bound;
 	double product = fabs(a) * y->bound + fabs(b) * x->bound;
 
@@ -82,7 +88,7 @@ static double bound_closed(double bound)
 /* The value's derivatives by its operands; sine and cosine by their angle. */
 static void derivatives(const struct node *n, const double *v, double *out)
 {
-	double a = v[n->arg[0].i], b = v[n->arg[1].i];
+	double a = v[operand(n, 0)], b = v[operand(n, 1)];
 
 	switch (n->op) {
 	case OP_MUL:
@@ -138,7 +144,7 @@ static void sweep(const struct survey *x, size_t i)
 static void survey_node(const struct survey *x, size_t i, double constant_error, const struct eval_model *m)
 {
 	const struct node *n = &x->d->nodes[i];
-	size_t a = n->arg[0].i, b = n->arg[op_arity[n->op] > 1].i;
+	size_t a = operand(n, 0), b = operand(n, op_arity[n->op] > 1);
 	int multiplies = n->op != OP_INPUT && n->op != OP_CONST && n->op != OP_NEG && n->op != OP_ADD && n->op != OP_SUB;
 	double value = x->values[i];
 
@@ -172,7 +178,7 @@ static void survey_outputs(const struct survey *x, const struct eval_terms *term
 static struct survey survey_new(const struct dag *d)
 {
 	return (struct survey){
-		d, malloc(d->count * sizeof(double)), malloc(d->count * sizeof(double)), malloc(d->count * sizeof(struct spread))};
+		d, malloc(d->count * sizeof(double)), malloc(d->count * sizeof(double)), calloc(d->count, sizeof(struct spread))};
 }
 
 static int survey_is_made(const struct survey *x)
