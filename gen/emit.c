@@ -6,7 +6,10 @@
 #include <string.h>
 
 /* A block stages its samples in 48 KiB of shared memory, what every device gives without asking. */
-enum { SHARED_BYTES = 48 << 10, BLOCK = 128, SMALLEST_BLOCK = 32, ARM_BODIES = 12, MANY_BODIES = 24, FEW_ALIVE = 45, MANY_ALIVE = 60 };
+enum { SHARED_BYTES = 48 << 10, BLOCK = 128, SMALLEST_BLOCK = 32 };
+
+/* Where launch bounds pay: see min_blocks. */
+enum { ARM_BODIES = 12, MANY_BODIES = 24, FEW_ALIVE = 45, MANY_ALIVE = 60 };
 
 static int gcd(int a, int b)
 {
@@ -84,13 +87,14 @@ static int most_alive(const struct emission *e)
    own choice spills least: a bound makes it fetch all inputs first. */
 static int min_blocks(const struct emission *e)
 {
-	int alive = most_alive(e);
+	int alive;
 
-	if (e->arithmetic->bytes != 4 || is_staged(e))
+	if (e->options->target != RNEAGEN_TARGET_CUDA || e->arithmetic->bytes != 4 || is_staged(e))
 		return 0;
-	if (e->tree->body_count >= MANY_BODIES)
-		return 3;
-	return alive >= FEW_ALIVE && alive <= MANY_ALIVE && e->tree->body_count <= ARM_BODIES ? 6 : 0;
+	if (e->tree->body_count > ARM_BODIES)
+		return e->tree->body_count >= MANY_BODIES ? 3 : 0;
+	alive = most_alive(e);
+	return alive >= FEW_ALIVE && alive <= MANY_ALIVE ? 6 : 0;
 }
 
 static const char *number(const struct emission *e, int value)

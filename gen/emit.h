@@ -39,6 +39,7 @@ struct emission {
 void emit_set_precision(struct emission *e);
 const char *emit_precision_name(enum rneagen_precision precision);
 const char *emit_trig_name(enum rneagen_trig trig);
+const char *emit_layout_name(enum rneagen_layout layout);
 
 /* The statements of a pass, each indented by one tab. Errors: NUMBER when a constant is no finite number in the
    target's precision. */

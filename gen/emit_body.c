@@ -141,7 +141,6 @@ void emit_wrapped(struct text *out, const char *statement)
 
 static void put_sincos(const struct emission *e, const struct plan *p, struct ref a, struct text *out)
 {
-	static const char *const modes[] = {"accurate", "bounded", "fast"};
 	const struct node *n = &p->dag->nodes[a.i];
 	struct ref s = n->op == OP_SIN ? a : plan_partner(p, a, OP_SIN), c = n->op == OP_COS ? a : plan_partner(p, a, OP_COS);
 	char unused[80];
@@ -153,7 +152,7 @@ static void put_sincos(const struct emission *e, const struct plan *p, struct re
 	text_printf(out, "\t%s %s, %s;\n", e->arithmetic->type, sine, cosine);
 	text_printf(out, "\t%srneagen_%ssincos%s_%s(", emit_has_small(e) ? "all_small &= " : "",
 		e->options->strict ? "strict_" : "", emit_sincos_suffix(e),
-		emit_has_small(e) ? "either" : modes[e->options->trig]);
+		emit_has_small(e) ? "either" : emit_trig_name(e->options->trig));
 	put_value(e, p, n->arg[0], 0, out);
 	text_printf(out, "%s, &%s, &%s);\n", emit_has_small(e) ? ", small" : "", sine, cosine);
 }

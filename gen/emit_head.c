@@ -4,8 +4,6 @@
 #include <string.h>
 
 static const char *const TARGETS[] = {"cuda", "c", "header"};
-static const char *const LAYOUTS[] = {"soa", "aos"};
-static const char *const TRIGS[] = {"accurate", "bounded", "fast"};
 
 /* A path's last part. */
 static const char *base_name(const char *path)
@@ -33,7 +31,7 @@ static void put_command(const struct emission *e, struct text *out)
 	text_put(out, "rneagen ");
 	text_put_comment(out, base_name(o->file));
 	text_printf(out, " --target %s --precision %s --layout %s --trig %s", TARGETS[o->target],
-		emit_precision_name(o->precision), LAYOUTS[o->layout], TRIGS[o->trig]);
+		emit_precision_name(o->precision), emit_layout_name(o->layout), emit_trig_name(o->trig));
 	if (o->base == RNEAGEN_FLOATING)
 		text_put(out, " --base floating");
 	if (o->strict)
@@ -181,7 +179,7 @@ static void put_info_lines(const struct emission *e, struct text *t)
 	const struct rneagen_options *o = e->options;
 
 	text_printf(t, "rneagen-info 1\nname %s\nprecision %s\narithmetic %s\nlayout %s\ntrig %s\nbase %s\n", o->name,
-		e->memory->name, e->arithmetic->name, LAYOUTS[o->layout], TRIGS[o->trig],
+		e->memory->name, e->arithmetic->name, emit_layout_name(o->layout), emit_trig_name(o->trig),
 		o->base == RNEAGEN_FLOATING ? "floating" : "fixed");
 	text_printf(t, "nq %d\nnv %d\nnb %d\n", e->tree->nq, e->tree->nv, e->tree->body_count);
 	emit_info_shape(e, t);

@@ -29,6 +29,11 @@ const char *emit_trig_name(enum rneagen_trig trig)
 	return names[trig];
 }
 
+const char *emit_layout_name(enum rneagen_layout layout)
+{
+	return layout == RNEAGEN_SOA ? "soa" : "aos";
+}
+
 const char *emit_stride(const struct emission *e)
 {
 	return e->options->layout == RNEAGEN_SOA ? "count" : "1";

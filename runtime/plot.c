@@ -152,7 +152,7 @@ static void put_label(const struct point *q, FILE *f)
 	const struct study_row *r = q->row;
 
 	fprintf(f, "set label '%s %s %s' at %.9g,%.9g %s noenhanced font ',%d' textcolor rgb '%s'\n",
-		emit_precision_name(r->precision), STUDY_TRIGS[r->trig], STUDY_LAYOUTS[r->layout], pow(10, q->label_x),
+		emit_precision_name(r->precision), emit_trig_name(r->trig), emit_layout_name(r->layout), pow(10, q->label_x),
 		pow(10, q->label_y), left ? "right" : "left", q->is_front ? 13 : 10, q->is_front ? "#000000" : "#707070");
 	fprintf(f, "set arrow from %.9g,%.9g to %.9g,%.9g nohead back lc rgb '#c0c0c0' lw 0.5\n", pow(10, q->x), pow(10, q->y),
 		pow(10, q->label_x), pow(10, q->label_y));

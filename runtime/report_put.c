@@ -54,7 +54,7 @@ static void put_cell(FILE *out, int width, int digits, char kind, double x)
 static void put_row(const struct study_row *r, FILE *out)
 {
 	fprintf(out, "%-7s %-9s %-8s %-6s %8zu", study_backend_name(r->backend), emit_precision_name(r->precision),
-		STUDY_TRIGS[r->trig], STUDY_LAYOUTS[r->layout], r->batch);
+		emit_trig_name(r->trig), emit_layout_name(r->layout), r->batch);
 	put_cell(out, 10, 4, 'g', r->ns);
 	put_cell(out, 6, 2, 'f', r->spread);
 	put_cell(out, 6, 2, 'f', r->floor_ratio);
@@ -92,8 +92,8 @@ static void put_json_row(const struct study_row *row, struct text *out)
 
 	list_fields(row, f);
 	text_printf(out, "{\"backend\": \"%s\", \"precision\": \"%s\", \"trig\": \"%s\", \"layout\": \"%s\"",
-		study_backend_name(row->backend), emit_precision_name(row->precision), STUDY_TRIGS[row->trig],
-		STUDY_LAYOUTS[row->layout]);
+		study_backend_name(row->backend), emit_precision_name(row->precision), emit_trig_name(row->trig),
+		emit_layout_name(row->layout));
 	for (int i = 0; i < FIELDS; i++) {
 		number_text(f[i].value, "null", number, sizeof number);
 		text_printf(out, ", \"%s\": %s", f[i].name, number);
@@ -163,7 +163,7 @@ void report_put_csv(const struct report *r, FILE *out)
 
 		list_fields(row, f);
 		fprintf(out, "%s,%s,%s,%s", study_backend_name(row->backend), emit_precision_name(row->precision),
-			STUDY_TRIGS[row->trig], STUDY_LAYOUTS[row->layout]);
+			emit_trig_name(row->trig), emit_layout_name(row->layout));
 		for (int i = 0; i < FIELDS; i++) {
 			number_text(f[i].value, "", number, sizeof number);
 			fprintf(out, ",%s", number);

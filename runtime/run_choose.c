@@ -91,7 +91,7 @@ static int examine_all(struct choosing *c)
 static void name_variant(const struct study_row *r, char *text, size_t size)
 {
 	snprintf(text, size, "%s %s %s %s", study_backend_name(r->backend), emit_precision_name(r->precision),
-		STUDY_TRIGS[r->trig], STUDY_LAYOUTS[r->layout]);
+		emit_trig_name(r->trig), emit_layout_name(r->layout));
 }
 
 static void say(const struct candidate *v, const struct candidate *best)
@@ -128,7 +128,7 @@ static void put_command(const struct choosing *c, const struct study_row *r, con
 	printf("rneagen ");
 	put_word(c->command.urdf);
 	printf(" --target %s --precision %s --trig %s --layout %s", cuda ? "cuda" : "c", emit_precision_name(r->precision),
-		STUDY_TRIGS[r->trig], STUDY_LAYOUTS[r->layout]);
+		emit_trig_name(r->trig), emit_layout_name(r->layout));
 	if (o->strict)
 		printf(" --strict");
 	if (o->base == RNEAGEN_FLOATING)

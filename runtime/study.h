@@ -60,7 +60,6 @@ struct study {
 	struct rneagen_error error;
 };
 
-extern const char *const STUDY_TRIGS[], *const STUDY_LAYOUTS[];
 const char *study_backend_name(enum rnea_backend backend);
 
 /* Rows for getopt_long, before COMMAND_OPTIONS, of whose options they replace some: the first row of a name counts. */

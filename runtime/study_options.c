@@ -3,8 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const STUDY_TRIGS[] = {"accurate", "bounded", "fast"}, *const STUDY_LAYOUTS[] = {"soa", "aos"};
-
 enum { BATCH_LIMIT = 1 << 30, SAMPLES_LIMIT = 10000000 };
 
 const char *study_backend_name(enum rnea_backend backend)
