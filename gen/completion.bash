@@ -1,8 +1,10 @@
 # Completion of rneagen and rnearun for bash.
 # shellcheck shell=bash
 
-_rneagen_options='-o --output --target --precision --layout --strict --bounded --trig --base --gravity --mimic --order --name --info
-	--info=json --dot --dump --help --version'
+_rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --fext --fext-frame --armature --damping
+	--friction --snap-angle --round-constants --drop-below'
+_rneagen_options="-o --output --target --precision --layout --strict --bounded --trig --base --gravity --mimic --order --name --info
+	--info=json --dot --dump --help --version $_rneagen_scene"
 
 # The words that an option takes; returns 1 for an option that takes none, or any.
 _rneagen_words() {
@@ -13,6 +15,8 @@ _rneagen_words() {
 	--trig) echo accurate bounded fast ;;
 	--base) echo fixed floating ;;
 	--mimic) echo honour independent ;;
+	--beside) echo lock drop ;;
+	--fext-frame) echo link world ;;
 	--info) echo json ;;
 	--dump) echo robot tree dag plan ;;
 	--backend) [[ ${COMP_WORDS[1]} == eval ]] && echo cpu cuda any || echo cpu cuda all ;;
@@ -53,6 +57,8 @@ _rneagen() {
 	case $option in
 	-o | --output) _rneagen_files "$current" .cu .c .h .cuh ;;
 	--gravity | --order | --name) ;;
+	--scene | --armature) _rneagen_files "$current" '' ;;
+	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --fext | --snap-angle | --round-constants | --drop-below) ;;
 	*)
 		if { [[ $option != --info || -n $joined ]]; } && words=$(_rneagen_words "$option"); then
 			mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
@@ -65,7 +71,7 @@ _rneagen() {
 	esac
 }
 
-_rnearun_common='--backend --device --threads --precision --strict --trig --base --gravity --mimic --order --quiet --help'
+_rnearun_common="--backend --device --threads --precision --strict --trig --base --gravity --mimic --order --quiet --help $_rneagen_scene"
 _rnearun_study="--layout --samples --seed --qd-range --qdd-range --batch $_rnearun_common"
 _rnearun_report="--format --plot $_rnearun_study"
 _rnearun_choose="--max-error $_rnearun_study"
@@ -82,6 +88,8 @@ _rnearun() {
 	case $option in
 	--in | --q | --qd | --qdd | -o | --out) _rneagen_files "$current" .npy ;;
 	--plot) _rneagen_files "$current" .svg ;;
+	--scene | --armature) _rneagen_files "$current" '' ;;
+	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --fext | --snap-angle | --round-constants | --drop-below) ;;
 	--gravity | --order | --device | --threads | --slice | --samples | --seed | --qd-range | --qdd-range | --batch | --max-error) ;;
 	*)
 		options=_rnearun_${COMP_WORDS[1]}

@@ -24,6 +24,21 @@ static void put_warning(const struct emission *e, const char *warning, struct te
 	text_putc(out, '\n');
 }
 
+/* The scene, one line for each of its choices. */
+static void put_scene(const struct emission *e, struct text *out)
+{
+	const struct scene *s = &e->tree->scene;
+	struct text option;
+
+	for (int i = 0; i < s->line_count; i++) {
+		text_init(&option, e->arena);
+		scene_put_option(&s->lines[i], &option);
+		out->failed |= option.failed;
+		text_put(out, "\n *     ");
+		text_put_comment(out, text_string(&option));
+	}
+}
+
 /* The command that makes this text again, every choice spelt out, without paths. */
 static void put_command(const struct emission *e, struct text *out)
 {
@@ -48,6 +63,7 @@ static void put_command(const struct emission *e, struct text *out)
 		text_putc(out, '\'');
 	}
 	text_printf(out, " --name %s", o->name);
+	put_scene(e, out);
 }
 
 static void put_joint_row(const struct tree_joint *j, struct text *out)

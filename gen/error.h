@@ -28,7 +28,8 @@ extern "C" {
 	X(MIMIC, "a mimic relation cannot be resolved")                                                                \
 	X(UNSUPPORTED, "the model uses something that is not supported")                                               \
 	X(NO_JOINTS, "no movable joints")                                                                              \
-	X(NAME, "a name does not fit")
+	X(NAME, "a name does not fit")                                                                                 \
+	X(SCENE, "the scene is not understood, or does not fit the robot")
 
 enum rneagen_code {
 #define RNEAGEN_ERROR_ENUM(code, text) RNEAGEN_##code,

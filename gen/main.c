@@ -28,6 +28,7 @@ static const char HELP[] =
 	"  --strict                   the same bits from every compiler, CPU and GPU\n"
 	"  --bounded                  target c: also a function that gives a bound of each torque's error\n"
 	"  --order J1,J2,...          rows of q by joint name (default: depth-first, children by name)\n"
+	OPTIONS_SCENE_HELP
 	"  --name NAME                prefix of every function (default: the robot's name)\n"
 	"  --info, --info=json        tell about the robot instead of writing the text (with -o: besides)\n"
 	"  --dot                      print the tree as a graph for Graphviz, with masses and rows in q (with -o: besides)\n"
@@ -164,7 +165,7 @@ static int run(const struct command *c)
 	if (bad)
 		fprintf(stderr, "rneagen: %s\n", e.message);
 	free(urdf.bytes);
-	return bad ? (e.code == RNEAGEN_USAGE || e.code == RNEAGEN_NAME ? 2 : 1) : 0;
+	return bad ? 1 + option_at_fault(e.code) : 0;
 }
 
 int main(int argc, char **argv)
@@ -172,5 +173,8 @@ int main(int argc, char **argv)
 	struct command c = {.options = rneagen_options_default()};
 	int status = parse_command(&c, argc, argv);
 
-	return status >= 0 ? status : run(&c);
+	if (status < 0)
+		status = run(&c);
+	option_free(&c.options);
+	return status;
 }

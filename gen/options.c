@@ -1,4 +1,5 @@
 #include "options.h"
+#include "files.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -93,6 +94,66 @@ static void set_choice(struct rneagen_options *o, int key, int value)
 	}
 }
 
+/* Lengthen the scene by a line, or by the lines of a file. */
+static int add_scene(const char *command, struct rneagen_options *o, const char *word, const char *value, size_t length)
+{
+	size_t before = o->scene ? strlen(o->scene) : 0, begin = before + strlen(word);
+	char *s = malloc(begin + length + 3), *old = (char *)o->scene;
+
+	if (!s) {
+		fprintf(stderr, "%s: out of memory\n", command);
+		return 1;
+	}
+	if (before)
+		memcpy(s, old, before);
+	strcpy(s + before, word);
+	if (*word)
+		s[begin++] = ' ';
+	memcpy(s + begin, value, length);
+	strcpy(s + begin + length, "\n");
+	free(old);
+	o->scene = s;
+	return 0;
+}
+
+static int take_scene_file(const char *command, struct rneagen_options *o, const char *path)
+{
+	struct file_content f = {0};
+	struct rneagen_error e = {0};
+	int bad = 1;
+
+	if (file_read(path, &f, &e))
+		fprintf(stderr, "%s: %s\n", command, e.message);
+	else if (f.length && memchr(f.bytes, '\0', f.length))
+		fprintf(stderr, "%s: %s: holds a byte of 0, and a scene is a text\n", command, path);
+	else
+		bad = add_scene(command, o, "", f.length ? f.bytes : "", f.length);
+	free(f.bytes);
+	return bad;
+}
+
+/* A line of the scene; its value must not be read as more than one, or as a comment. */
+static int take_scene_line(const char *command, struct rneagen_options *o, enum scene_key key, const char *value)
+{
+	const char *s = value ? value : "";
+
+	if (strchr(s, '\n') || *s == '#' || strstr(s, " #") || strstr(s, "\t#"))
+		return option_refuse(command, "--%s cannot take '%s': it would be more than one line, or a comment, of a scene",
+			scene_word(key), s);
+	return add_scene(command, o, scene_word(key), s, strlen(s));
+}
+
+void option_free(struct rneagen_options *o)
+{
+	free((char *)o->scene);
+	o->scene = NULL;
+}
+
+int option_at_fault(enum rneagen_code code)
+{
+	return code == RNEAGEN_USAGE || code == RNEAGEN_NAME || code == RNEAGEN_SCENE;
+}
+
 int option_generate(const char *command, struct rneagen_options *o, int key, const char *word)
 {
 	const struct choice *c;
@@ -108,6 +169,10 @@ int option_generate(const char *command, struct rneagen_options *o, int key, con
 		o->strict = 1;
 		return 0;
 	}
+	if (key == OPTION_SCENE_FILE)
+		return take_scene_file(command, o, word);
+	if (key >= OPTION_SCENE && key < OPTION_SCENE + SCENE_KEY_COUNT)
+		return take_scene_line(command, o, (enum scene_key)(key - OPTION_SCENE), word);
 	if (key < OPTION_TARGET || key > OPTION_DUMP)
 		return -1;
 	c = &CHOICES[key - OPTION_TARGET];

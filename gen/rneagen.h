@@ -38,6 +38,7 @@ struct rneagen_options {
 	const char *order;  /* names of all joints with entries in q, comma-separated; NULL: depth-first, by name */
 	const char *name;   /* a C identifier; NULL: the robot's name made one */
 	const char *file;   /* name of the input, for messages and the text's header; NULL: "<input>" */
+	const char *scene;  /* what of the robot is modelled: one choice on a line, as in the command's --scene FILE; NULL: all */
 	enum rneagen_dump dump;
 	const struct rneagen_allocator *allocator; /* NULL: malloc and free */
 };

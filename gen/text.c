@@ -101,3 +101,20 @@ void text_put_json(struct text *t, const char *s)
 	}
 	text_putc(t, '"');
 }
+
+void text_put_shell(struct text *t, const char *s)
+{
+	static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+./,:=@%";
+
+	if (*s && strspn(s, plain) == strlen(s)) {
+		text_put(t, s);
+		return;
+	}
+	text_putc(t, '\'');
+	for (; *s; s++)
+		if (*s == '\'')
+			text_put(t, "'\\''");
+		else
+			text_putc(t, *s);
+	text_putc(t, '\'');
+}

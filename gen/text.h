@@ -27,4 +27,7 @@ const char *text_string(const struct text *t);
 void text_put_comment(struct text *t, const char *s);
 void text_put_json(struct text *t, const char *s);
 
+/* Append `s` as one word of a POSIX shell, in single quotes where it needs them. */
+void text_put_shell(struct text *t, const char *s);
+
 #endif

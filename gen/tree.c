@@ -279,6 +279,17 @@ static enum rneagen_code number_joints(struct builder *b)
 	return RNEAGEN_OK;
 }
 
+/* Choices that are read and not yet made. */
+static enum rneagen_code scene_supported(const struct scene *s, struct rneagen_error *e)
+{
+	static const char made[SCENE_KEY_COUNT] = {[SCENE_FEXT_FRAME] = 1, [SCENE_BESIDE] = 1};
+
+	for (int i = 0; i < s->line_count; i++)
+		if (!made[s->lines[i].key])
+			return scene_refuse(s, &s->lines[i], e, "not supported yet");
+	return RNEAGEN_OK;
+}
+
 enum rneagen_code tree_build(struct tree *t, const struct robot *r, const struct rneagen_options *o, struct arena *a,
 	struct rneagen_error *e)
 {
@@ -288,6 +299,9 @@ enum rneagen_code tree_build(struct tree *t, const struct robot *r, const struct
 	*t = (struct tree){.robot = r->name, .root = r->links[r->root].name, .floating = o->base == RNEAGEN_FLOATING};
 	for (int i = 0; i < 3; i++)
 		t->gravity[i] = o->gravity[i];
+	if (scene_read(&t->scene, o->scene, input_name(o), a, e) || scene_expand(&t->scene, r, a, e) ||
+		scene_supported(&t->scene, e))
+		return e->code;
 	t->bodies = arena_alloc(a, joints + 1, sizeof *t->bodies);
 	t->joints = arena_alloc(a, joints + 1, sizeof *t->joints);
 	t->mimics = arena_alloc(a, joints, sizeof *t->mimics);

@@ -7,6 +7,7 @@
 #include "error.h"
 #include "rneagen.h"
 #include "robot.h"
+#include "scene.h"
 #include "spatial.h"
 
 /* One moving body. Its frame is the URDF frame of the joint's child link, turned by `frame` where the joint's axis is
@@ -49,6 +50,7 @@ struct tree {
 	int mimic_count;
 	int nq, nv, floating;
 	real gravity[3];
+	struct scene scene;
 	struct inertia fixed; /* what is fixed to the world and so does not matter */
 };
 
@@ -56,7 +58,7 @@ struct tree {
 int joint_nq(enum joint_type type);
 int joint_nv(enum joint_type type);
 
-/* Errors: NO_JOINTS, UNSUPPORTED, USAGE (an order that does not fit), MEMORY. */
+/* Errors: NO_JOINTS, UNSUPPORTED, USAGE (an order that does not fit), SCENE, MEMORY. */
 enum rneagen_code tree_build(struct tree *t, const struct robot *r, const struct rneagen_options *o, struct arena *a,
 	struct rneagen_error *e);
 

@@ -106,7 +106,7 @@ static int generate(const struct command *c, struct rneagen_result *r)
 	free(urdf.bytes);
 	if (bad) {
 		command_fail(c, e.message);
-		return e.code == RNEAGEN_USAGE || e.code == RNEAGEN_NAME ? 2 : 1;
+		return 1 + option_at_fault(e.code);
 	}
 	for (size_t i = 0; i < r->warning_count && !c->quiet; i++)
 		fprintf(stderr, "%s: warning: %s\n", c->name, r->warnings[i]);

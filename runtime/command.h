@@ -37,6 +37,7 @@ enum { COMMAND_BACKEND = OPTION_OWN, COMMAND_DEVICE, COMMAND_THREADS, COMMAND_QU
 	"  --gravity X,Y,Z            m/s^2 in the world (default 0,0,-9.81)\n"                                        \
 	"  --mimic honour|independent followers have no entry in q (default), or are joints of their own\n"            \
 	"  --order J1,J2,...          rows of q by joint name (default: depth-first, children by name)\n"              \
+	OPTIONS_SCENE_HELP                                                                                             \
 	"  --quiet                    neither progress nor warnings\n"                                              \
 	"  --help\n"
 

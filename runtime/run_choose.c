@@ -107,41 +107,37 @@ static void say(const struct candidate *v, const struct candidate *best)
 			v->row.errors.max, v->row.bound_max);
 }
 
-/* A word that a shell takes as it is. */
-static void put_word(const char *word)
+static void put_scene(const struct scene *s, struct text *out)
 {
-	if (*word && strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+./,:=@%") == strlen(word)) {
-		fputs(word, stdout);
-		return;
+	for (int i = 0; i < s->line_count; i++) {
+		text_putc(out, ' ');
+		scene_put_option(&s->lines[i], out);
 	}
-	putchar('\'');
-	for (; *word; word++)
-		fputs(*word == '\'' ? "'\\''" : (char[]){*word, '\0'}, stdout);
-	putchar('\'');
 }
 
-static void put_command(const struct choosing *c, const struct study_row *r, const char *name)
+static void put_command(const struct choosing *c, const struct study_row *r, const char *name, struct text *out)
 {
 	const struct rneagen_options *o = &c->command.generate;
 	int cuda = r->backend == RNEA_BACKEND_CUDA;
 
-	printf("rneagen ");
-	put_word(c->command.urdf);
-	printf(" --target %s --precision %s --trig %s --layout %s", cuda ? "cuda" : "c", emit_precision_name(r->precision),
-		emit_trig_name(r->trig), emit_layout_name(r->layout));
+	text_put(out, "rneagen ");
+	text_put_shell(out, c->command.urdf);
+	text_printf(out, " --target %s --precision %s --trig %s --layout %s", cuda ? "cuda" : "c",
+		emit_precision_name(r->precision), emit_trig_name(r->trig), emit_layout_name(r->layout));
 	if (o->strict)
-		printf(" --strict");
+		text_put(out, " --strict");
 	if (o->base == RNEAGEN_FLOATING)
-		printf(" --base floating");
+		text_put(out, " --base floating");
 	if (o->gravity[0] != 0 || o->gravity[1] != 0 || o->gravity[2] != -9.81)
-		printf(" --gravity %.17g,%.17g,%.17g", o->gravity[0], o->gravity[1], o->gravity[2]);
+		text_printf(out, " --gravity %.17g,%.17g,%.17g", o->gravity[0], o->gravity[1], o->gravity[2]);
 	if (o->mimic == RNEAGEN_MIMIC_INDEPENDENT)
-		printf(" --mimic independent");
+		text_put(out, " --mimic independent");
 	if (o->order) {
-		printf(" --order ");
-		put_word(o->order);
+		text_put(out, " --order ");
+		text_put_shell(out, o->order);
 	}
-	printf(" -o %s_rnea.%s\n", name, cuda ? "cu" : "c");
+	put_scene(&c->study.analysis.tree.scene, out);
+	text_printf(out, " -o %s_rnea.%s\n", name, cuda ? "cu" : "c");
 }
 
 static const struct candidate *find_fastest(const struct choosing *c)
@@ -175,17 +171,35 @@ static int print(struct choosing *c)
 {
 	const struct candidate *best = find_fastest(c);
 	const char *name = identifier_from(c->study.analysis.robot.name, &c->study.analysis.arena);
+	struct text command;
 
 	if (!best)
 		return refuse(c);
+	text_init(&command, &c->study.analysis.arena);
+	put_command(c, &best->row, name ? name : "", &command);
+	if (!name || command.failed)
+		return command_fail(&c->command, "out of memory");
 	say(best, best);
 	for (int i = 0; i < c->count; i++)
 		if (&c->candidates[i] != best)
 			say(&c->candidates[i], best);
-	put_command(c, &best->row, name ? name : "robot");
+	fputs(text_string(&command), stdout);
 	if (fflush(stdout) || ferror(stdout))
 		return command_fail(&c->command, "standard output: cannot be written");
 	return 0;
+}
+
+static int choose(struct choosing *c)
+{
+	int status = study_open(&c->study, &c->command, &c->options);
+
+	if (!status)
+		status = examine_all(c);
+	if (!status)
+		status = print(c);
+	study_close(&c->study);
+	free(c->candidates);
+	return status;
 }
 
 int run_choose(int argc, char **argv)
@@ -201,14 +215,8 @@ int run_choose(int argc, char **argv)
 		status = option_refuse(c.command.name, "no error named: --max-error E");
 	if (status < 0 && c.options.batch_count != 1)
 		status = option_refuse(c.command.name, "--batch takes one number here");
-	if (status >= 0)
-		return status;
-	status = study_open(&c.study, &c.command, &c.options);
-	if (!status)
-		status = examine_all(&c);
-	if (!status)
-		status = print(&c);
-	study_close(&c.study);
-	free(c.candidates);
+	if (status < 0)
+		status = choose(&c);
+	option_free(&c.command.generate);
 	return status;
 }

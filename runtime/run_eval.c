@@ -315,9 +315,10 @@ int run_eval(int argc, char **argv)
 		status = check_words(&v);
 	if (status < 0)
 		status = check_output(&v);
-	if (status >= 0)
-		return status;
-	status = evaluate(&v);
-	release(&v);
+	if (status < 0) {
+		status = evaluate(&v);
+		release(&v);
+	}
+	option_free(&v.command.generate);
 	return status;
 }

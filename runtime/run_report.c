@@ -145,6 +145,7 @@ int run_report(int argc, char **argv)
 		status = report(&r);
 		study_close(&r.study);
 	}
+	option_free(&r.command.generate);
 	arena_free(&r.arena);
 	free(r.rows);
 	return status;

@@ -108,7 +108,7 @@ int study_open(struct study *s, const struct command *c, struct study_options *o
 	if (file_read(c->urdf, &s->urdf, &s->error) ||
 		analysis_open(&s->analysis, s->urdf.bytes, s->urdf.length, &generate, &s->error)) {
 		command_fail(c, s->error.message);
-		return s->error.code == RNEAGEN_USAGE ? 2 : 1;
+		return 1 + option_at_fault(s->error.code);
 	}
 	for (size_t i = 0; i < s->analysis.robot.warning_count && !c->quiet; i++)
 		fprintf(stderr, "%s: warning: %s\n", c->name, s->analysis.robot.warnings[i]);

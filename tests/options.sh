@@ -84,7 +84,7 @@ zsh_list() (
 	service=none
 	# shellcheck source=/dev/null
 	source gen/completion.zsh
-	"$1" | sed -n 's/^([^)]*)//; /^-/p' | awk '{
+	"$1" | sed -n 's/^([^)]*)//; s/^\*//; /^-/p' | awk '{
 		option = $0
 		sub(/[=[].*/, "", option)
 		print option
