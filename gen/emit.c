@@ -34,6 +34,8 @@ static int stage_bytes(const struct emission *e)
    the floor instead of 0.86, fetch 0.94 instead of 0.80; but jvrc1, where 32 just fit, 0.47 instead of 0.63). */
 static int is_staged(const struct emission *e)
 {
+	if (emit_is_operation(e))
+		return 0;
 	if (e->options->layout == RNEAGEN_AOS)
 		return SMALLEST_BLOCK * stage_bytes(e) <= SHARED_BYTES;
 	return e->arithmetic->bytes == 8 && 2 * SMALLEST_BLOCK * stage_bytes(e) <= SHARED_BYTES;
@@ -89,7 +91,7 @@ static int min_blocks(const struct emission *e)
 {
 	int alive;
 
-	if (e->options->target != RNEAGEN_TARGET_CUDA || e->arithmetic->bytes != 4 || is_staged(e))
+	if (e->options->target != RNEAGEN_TARGET_CUDA || e->arithmetic->bytes != 4 || is_staged(e) || emit_is_operation(e))
 		return 0;
 	if (e->tree->body_count > ARM_BODIES)
 		return e->tree->body_count >= MANY_BODIES ? 3 : 0;
@@ -244,6 +246,8 @@ static const char *banner_text(const struct emission *e)
 {
 	struct text t;
 
+	if (e->banner)
+		return e->banner;
 	text_init(&t, e->arena);
 	emit_banner(e, &t);
 	return text_string(&t);
@@ -290,7 +294,7 @@ static void put_is_small(const struct emission *e, struct text *out)
 static void put_bodies(const struct emission *e, struct text *out)
 {
 	put_is_small(e, out);
-	for (int i = 0; i < PASS_COUNT; i++) {
+	for (int i = 0; i < e->pass_count; i++) {
 		const char *body = body_text(e, &e->passes[i]);
 
 		if (body)
@@ -310,7 +314,7 @@ void emit_source(const struct emission *e, struct text *out)
 	text_init(&bodies, e->arena);
 	text_init(&kernels, e->arena);
 	put_bodies(e, &bodies);
-	for (int i = 0; i < PASS_COUNT && e->options->target == RNEAGEN_TARGET_CUDA; i++)
+	for (int i = 0; i < e->pass_count && e->options->target == RNEAGEN_TARGET_CUDA; i++)
 		put_kernel(e, &p[i], &kernels);
 	const struct slot slots[] = {
 		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"INFO", info_text(e)},

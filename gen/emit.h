@@ -26,7 +26,9 @@ struct scalar {
 struct emission {
 	const struct tree *tree;
 	const struct rneagen_options *options; /* defaults resolved: precision, name, file */
-	const struct pass *passes;             /* PASS_COUNT */
+	const struct pass *passes;             /* PASS_COUNT; pass_count of them have a DAG: all, or the first alone, */
+	int pass_count;                        /* which then is one operation of the robot, no whole algorithm */
+	const char *banner;                    /* the comment at the head, where it is not inverse dynamics; else NULL */
 	const char *const *warnings;
 	size_t warning_count;
 	const char *hash; /* SHA-256 of the URDF, in hex */
@@ -99,6 +101,12 @@ void emit_declarations(const struct emission *e, struct text *out);
 static inline int emit_has_small(const struct emission *e)
 {
 	return e->options->trig == RNEAGEN_ACCURATE;
+}
+
+/* Is the text one operation alone, rather than the three algorithms? */
+static inline int emit_is_operation(const struct emission *e)
+{
+	return e->pass_count < PASS_COUNT;
 }
 
 /* Are numbers converted between memory and arithmetic? */

@@ -162,6 +162,8 @@ void emit_section(const struct emission *e, const struct pass *pass, const struc
 {
 	const struct body *k = &e->tree->bodies[s->body];
 
+	if (emit_is_operation(e))
+		return;
 	if (s->kind == SECTION_END) {
 		text_put(out, "\n\t/* ---- torques of joints that others mimic ---- */\n");
 		return;

@@ -56,7 +56,7 @@ const char *emit_functions_c(const struct emission *e)
 	text_init(&t, e->arena);
 	if (emit_has_small(e))
 		template_expand(&t, template_are_small_in, slots, sizeof slots / sizeof *slots);
-	for (int i = 0; i < PASS_COUNT; i++) {
+	for (int i = 0; i < e->pass_count; i++) {
 		text_put(&t, i ? "\n" : "");
 		put_functions(e, &e->passes[i], &t);
 	}
@@ -93,10 +93,25 @@ static void put_bounded_prototype(const struct emission *e, struct text *out)
 		"   trigonometry; NaN where the torque depends on an input that is not finite. bound must not overlap the others.", out);
 }
 
+/* For a text that is one operation alone. */
+static const char *operation_prototypes(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	put_prototype(e, PASS_RNEA, "", "", e->passes[PASS_RNEA].algorithm->doc, &t);
+	put_prototype(e, PASS_RNEA, "_batch", ", size_t count", "The same for `count` samples; arrays must not overlap.", &t);
+	text_printf(&t, "void %s_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);\n", e->options->name);
+	text_printf(&t, "extern const char %s_info[];", e->options->name);
+	return text_string(&t);
+}
+
 const char *emit_prototypes(const struct emission *e)
 {
 	struct text t, one, many;
 
+	if (emit_is_operation(e))
+		return operation_prototypes(e);
 	text_init(&t, e->arena);
 	text_init(&one, e->arena);
 	text_init(&many, e->arena);

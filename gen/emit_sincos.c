@@ -6,7 +6,7 @@
 /* A robot of sliding joints alone calls none, and a function that nobody calls is a warning. */
 static int has_angles(const struct emission *e)
 {
-	for (int i = 0; i < PASS_COUNT; i++)
+	for (int i = 0; i < e->pass_count; i++)
 		if (plan_operations(&e->passes[i].plan).sincos)
 			return 1;
 	return 0;

@@ -96,6 +96,7 @@ static void name_input(const struct planner *b, const struct node *n, char *name
 		snprintf(name, size, "own_%s%d%c", row % 6 < 3 ? "f" : "n", t->bodies[row / 6].number, "xyz"[row % 3]);
 		return;
 	}
+	snprintf(name, size, "%s%d", argument, row);
 	for (int i = 0; i < t->joint_count; i++) {
 		const struct tree_joint *j = &t->joints[i];
 		int is_q = !strcmp(argument, "q"), first = is_q ? j->iq : j->iv, rows = is_q ? j->nq : j->nv;

@@ -131,8 +131,15 @@ static enum rneagen_code generate(struct generation *g, const char *urdf, size_t
 	g->result->name = g->options.name;
 	g->result->warnings = g->robot.warnings;
 	g->result->warning_count = g->robot.warning_count;
-	g->emission = (struct emission){&g->tree, &g->options, g->passes, g->robot.warnings, g->robot.warning_count, g->hash, a,
-		g->error, NULL, NULL};
+	g->emission = (struct emission){.tree = &g->tree,
+		.options = &g->options,
+		.passes = g->passes,
+		.pass_count = PASS_COUNT,
+		.warnings = g->robot.warnings,
+		.warning_count = g->robot.warning_count,
+		.hash = g->hash,
+		.arena = a,
+		.error = g->error};
 	emit_set_precision(&g->emission);
 	return make_texts(g);
 }
