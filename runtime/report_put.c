@@ -15,7 +15,7 @@ static void list_fields(const struct study_row *row, struct field f[FIELDS])
 {
 	int gpu = row->registers >= 0;
 	double none = (double)NAN;
-	const struct field fields[FIELDS] = {{"ns_per_sample", row->ns}, {"ns_spread", row->spread},
+	const struct field fields[FIELDS] = {{"ns_per_sample", row->ns}, {"spread", row->spread},
 		{"floor_ratio", row->floor_ratio}, {"error_max", row->errors.max}, {"error_rms", row->errors.rms},
 		{"error_terms_max", row->errors.terms}, {"bound_max", row->bound_max},
 		{"registers", gpu ? (double)row->registers : none}, {"spill_bytes", gpu ? (double)row->spill_bytes : none},

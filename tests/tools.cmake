@@ -23,8 +23,10 @@ add_test(NAME test_options COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_options $<TA
 add_test(NAME test_run_options COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_run_options $<TARGET_FILE:rnearun>)
 add_test(NAME test_manual COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_manual)
 set_tests_properties(test_manual PROPERTIES SKIP_RETURN_CODE 77)
-# the README's table is what the results say
+# the README's table and picture are what the results say
 add_test(NAME readme_table COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/gpu/table --check ${PROJECT_SOURCE_DIR}/README.md)
+add_test(NAME test_picture COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_picture)
+set_tests_properties(test_picture PROPERTIES SKIP_RETURN_CODE 77)
 
 # The command that evaluates arrays: its files.
 rneagen_add_test(test_npy ${CMAKE_SOURCE_DIR}/runtime/npy.c ${CMAKE_SOURCE_DIR}/runtime/npy_header.c)
