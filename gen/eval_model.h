@@ -19,9 +19,10 @@ struct eval_model {
 };
 
 /* The arithmetic of a text with these options: its precision and its own sine and cosine, products joined to sums rounded
-   once or twice; on a GPU once, and with its own unit for the trigonometry "fast": for that CUDA's documentation gives
-   errors up to pi (CUDA C++ Programming Guide, Mathematical Functions: 2^-21.41 of __sinf, 2^-21.19 of __cosf), and
-   nothing is known beyond. */
+   once or twice; on a GPU once, and with its own unit for the trigonometry "fast". Of that the CUDA C++ Programming Guide
+   (Mathematical Functions, Intrinsic Functions) says: for x in [-pi, pi] the maximum absolute error is 2^-21.41 of __sinf
+   and 2^-21.19 of __cosf, "and larger otherwise"; found by extensive tests, not guaranteed. Beyond pi, where it grows
+   with x, the model knows nothing. */
 struct eval_model eval_model_of(const struct rneagen_options *o, int on_gpu);
 
 #endif
