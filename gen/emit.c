@@ -272,7 +272,7 @@ static const char *small_limit(const struct emission *e)
 		if (fabsl(e->tree->bodies[k].multiplier) > most)
 			most = fabsl(e->tree->bodies[k].multiplier);
 	text_init(&t, e->arena);
-	emit_number(e, e->memory, e->arithmetic->domain * (most > 1 ? 0.999L / most : 1), &t); /* less the product's rounding */
+	emit_number(e, e->memory, (real)e->arithmetic->domain * (most > 1 ? 0.999L / most : 1), &t); /* less the product's rounding */
 	return text_string(&t);
 }
 
