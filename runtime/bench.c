@@ -2,9 +2,9 @@
 #include "bench.h"
 #include "bench_gpu.h"
 #include "error.h"
+#include "seconds.h"
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { ARRAYS = 4, SETS_LIMIT = 32, LAUNCHES_HOST = 1 << 22, LAUNCHES_GPU = 1000 };
 enum { ROBOT, FLOOR, KINDS };
@@ -106,14 +106,6 @@ static void drop_sets(struct work *w)
 
 /* ---- time ---- */
 
-static double now(void)
-{
-	struct timespec t;
-
-	clock_gettime(CLOCK_MONOTONIC, &t);
-	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* Seconds of one run: all launches. */
 static double run(struct work *w, int kind)
 {
@@ -123,10 +115,10 @@ static double run(struct work *w, int kind)
 		bench_gpu_replay(w->b->gpu, w->graphs[kind], &seconds, w->e);
 		return seconds;
 	}
-	start = now();
+	start = seconds_now();
 	for (size_t i = 0; i < w->launches && !w->e->code; i++)
 		rnea_launch(w->robots[kind], w->sets[i % w->set_count], w->count, NULL, w->e);
-	return now() - start;
+	return seconds_now() - start;
 }
 
 static void drop_graphs(struct work *w)

@@ -1,22 +1,14 @@
 #define _POSIX_C_SOURCE 200809L
 #include "progress.h"
+#include "seconds.h"
 #include <stdio.h>
-#include <time.h>
 #include <unistd.h>
-
-static double now(void)
-{
-	struct timespec t;
-
-	clock_gettime(CLOCK_MONOTONIC, &t);
-	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 void progress_start(struct progress *p, const char *command, const char *unit, uint64_t total, int quiet)
 {
 	*p = (struct progress){.command = command, .unit = unit, .total = total};
 	if (!quiet && total && isatty(STDERR_FILENO))
-		p->start = now();
+		p->start = seconds_now();
 }
 
 void progress_text(const struct progress *p, uint64_t done, double seconds, char *text, unsigned size)
@@ -30,7 +22,7 @@ void progress_text(const struct progress *p, uint64_t done, double seconds, char
 
 void progress_show(struct progress *p, uint64_t done)
 {
-	double t = p->start > 0 ? now() : 0;
+	double t = p->start > 0 ? seconds_now() : 0;
 	char text[160];
 
 	if (t == 0 || t - p->shown < 0.1)

@@ -2,23 +2,15 @@
 #define _POSIX_C_SOURCE 200809L /* clock_gettime, uname */
 #include "robot.h"
 #include "info.h"
+#include "seconds.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/utsname.h>
-#include <time.h>
 
 enum { BLOCK_LIMIT = 1024 };
 
 /* ---- opening ---- */
-
-static double now(void)
-{
-	struct timespec t;
-
-	clock_gettime(CLOCK_MONOTONIC, &t);
-	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static void name_kernels(struct rnea_robot *robot, const char *suffix)
 {
@@ -120,7 +112,7 @@ static enum rnea_code open_source(
 	const struct source *s, const struct rnea_options *o, struct rnea_robot **out, struct rnea_error *e)
 {
 	struct rnea_robot *robot = calloc(1, sizeof *robot);
-	double start = now();
+	double start = seconds_now();
 	struct cache cache;
 
 	if (!robot)
@@ -133,7 +125,7 @@ static enum rnea_code open_source(
 		return e->code;
 	}
 	robot->build.note = robot->note;
-	robot->build.seconds = now() - start;
+	robot->build.seconds = seconds_now() - start;
 	*out = robot;
 	return RNEA_OK;
 }

@@ -2,6 +2,7 @@
 #define CHECK_H
 /* The checks on one generated text, and what they find. */
 
+#include "../../runtime/seconds.h"
 #include "data.h"
 #include "gpu.h"
 
@@ -91,8 +92,7 @@ void measure_empty(const struct gpu *g, const struct settings *s, struct floor *
 void measure(const struct gpu *g, const struct settings *s, const struct floor *f, struct item *it,
 	const struct reference *r);
 
-/* s since some moment; the median, of an array that is sorted by it. */
-double seconds_now(void);
+/* The median of an array, which is sorted by it. */
 double median_of(double *times, size_t n);
 
 /* s of the host for a launch into a stream of the item's kernel over one sample, or of `function` where it is NULL. */

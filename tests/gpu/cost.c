@@ -1,15 +1,6 @@
 /* What it costs to open a robot and to launch it, on the host. */
 #include "arrays.h"
 #include <stdlib.h>
-#include <time.h>
-
-double seconds_now(void)
-{
-	struct timespec t;
-
-	clock_gettime(CLOCK_MONOTONIC, &t);
-	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 double median_of(double *times, size_t n)
 {
