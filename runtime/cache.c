@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cache.h"
 #include "cache_prune.h"
+#include "scratch.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -125,39 +126,13 @@ static int open_or_make_folder(const char *path)
 
 /* ---- entries ---- */
 
-static int read_exactly(int file, char *data, size_t size)
-{
-	ssize_t n;
-
-	for (size_t done = 0; done < size; done += (size_t)n) {
-		while ((n = read(file, data + done, size - done)) < 0 && errno == EINTR)
-			continue;
-		if (n <= 0)
-			return 0;
-	}
-	return 1;
-}
-
-static int write_all(int file, const void *data, size_t size)
-{
-	ssize_t n;
-
-	for (size_t done = 0; done < size; done += (size_t)n) {
-		while ((n = write(file, (const char *)data + done, size - done)) < 0 && errno == EINTR)
-			continue;
-		if (n <= 0)
-			return 0;
-	}
-	return 1;
-}
-
 /* Sizes that fit each other, the key and the file; only then is memory taken for them. */
 static int read_header(int file, size_t key_size, struct header *h)
 {
 	struct stat s;
 
 	if (fstat(file, &s) != 0 || !S_ISREG(s.st_mode) || !is_private(&s) || s.st_size < 0 ||
-		s.st_size > CACHE_BYTES || !read_exactly(file, (char *)h, sizeof *h))
+		s.st_size > CACHE_BYTES || scratch_take(file, h, sizeof *h))
 		return 0;
 	return h->magic == magic && h->key_size == key_size && h->data_size <= CACHE_BYTES && key_size <= CACHE_BYTES &&
 	       sizeof *h + key_size + h->data_size == (uint64_t)s.st_size;
@@ -174,7 +149,7 @@ static int read_entry(int file, const void *key, size_t key_size, char **data, s
 	rest = key_size + (size_t)h.data_size;
 	if (!(all = malloc(rest + 1)))
 		return 0;
-	if (!read_exactly(file, all, rest) || hash_add(hash_start, all, rest) != h.checksum ||
+	if (scratch_take(file, all, rest) || hash_add(hash_start, all, rest) != h.checksum ||
 		memcmp(all, key, key_size) != 0) {
 		free(all);
 		return 0;
@@ -230,7 +205,7 @@ static int write_entry(int folder, const void *key, size_t key_size, const void 
 	if (file < 0)
 		return 0;
 	h.checksum = hash_add(hash_add(hash_start, key, key_size), data, size);
-	kept = write_all(file, &h, sizeof h) && write_all(file, key, key_size) && write_all(file, data, size);
+	kept = !scratch_fill(file, &h, sizeof h) && !scratch_fill(file, key, key_size) && !scratch_fill(file, data, size);
 	kept = close(file) == 0 && kept;
 	cache_name_entry(name, hash_add(hash_start, key, key_size));
 	if (kept && renameat(folder, temporary, folder, name) == 0)

@@ -48,13 +48,29 @@ void scratch_remove(struct scratch *s)
 	s->folder[0] = '\0';
 }
 
-int scratch_fill(int fd, const char *data, size_t size)
+int scratch_fill(int fd, const void *data, size_t size)
 {
+	const char *next = data;
 	ssize_t n;
 
-	for (; size; data += n, size -= (size_t)n) {
+	for (; size; next += n, size -= (size_t)n) {
 		do
-			n = write(fd, data, size);
+			n = write(fd, next, size);
+		while (n < 0 && errno == EINTR);
+		if (n <= 0)
+			return n ? errno : EIO;
+	}
+	return 0;
+}
+
+int scratch_take(int fd, void *data, size_t size)
+{
+	char *next = data;
+	ssize_t n;
+
+	for (; size; next += n, size -= (size_t)n) {
+		do
+			n = read(fd, next, size);
 		while (n < 0 && errno == EINTR);
 		if (n <= 0)
 			return n ? errno : EIO;
@@ -74,20 +90,6 @@ int scratch_write(const char *path, const void *data, size_t size)
 	return e;
 }
 
-static int read_all(int fd, char *data, size_t size)
-{
-	ssize_t n;
-
-	for (; size; data += n, size -= (size_t)n) {
-		do
-			n = read(fd, data, size);
-		while (n < 0 && errno == EINTR);
-		if (n <= 0)
-			return n ? errno : EIO;
-	}
-	return 0;
-}
-
 int scratch_read(const char *path, char **data, size_t *size)
 {
 	int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK), e = 0;
@@ -104,7 +106,7 @@ int scratch_read(const char *path, char **data, size_t *size)
 	else if (!(*data = calloc((size_t)about.st_size + 1, 1)))
 		e = ENOMEM;
 	else
-		e = read_all(fd, *data, *size = (size_t)about.st_size);
+		e = scratch_take(fd, *data, *size = (size_t)about.st_size);
 	close(fd);
 	if (e) {
 		free(*data);

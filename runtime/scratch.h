@@ -21,7 +21,8 @@ int scratch_write(const char *path, const void *data, size_t size);
 /* The whole of a file, malloc, and a NUL after it. Returns 0, or the errno. */
 int scratch_read(const char *path, char **data, size_t *size);
 
-/* Write everything to a descriptor. Returns 0, or the errno. */
-int scratch_fill(int fd, const char *data, size_t size);
+/* Write everything to a descriptor, or read so many bytes from one; EIO where it ends before. Returns 0, or the errno. */
+int scratch_fill(int fd, const void *data, size_t size);
+int scratch_take(int fd, void *data, size_t size);
 
 #endif
