@@ -1,16 +1,14 @@
-/* mkdtemp */
-#define _XOPEN_SOURCE 700
 #include "plot.h"
 #include "child.h"
 #include "emit.h"
 #include "pending.h"
+#include "scratch.h"
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-enum { LABEL_SIZE = 48, PATH_SIZE = 512, WIDTH = 1000, HEIGHT = 650 };
+enum { LABEL_SIZE = 48, WIDTH = 1000, HEIGHT = 650 };
 
 /* Errors below are as good as none; logarithms are to base 10. */
 #define LEAST_ERROR 1e-17
@@ -259,19 +257,17 @@ static enum rneagen_code publish(const char *svg, const char *path, struct rneag
 /* In a folder of its own, which goes again. */
 static enum rneagen_code draw(const struct plot *p, const char *path, struct rneagen_error *e)
 {
-	const char *where = getenv("TMPDIR");
-	char folder[PATH_SIZE], script[PATH_SIZE + 16], svg[PATH_SIZE + 16];
-	int length = snprintf(folder, sizeof folder, "%s/rnearun.XXXXXX", where && *where ? where : "/tmp");
+	struct scratch s;
+	char script[sizeof s.folder + 16], svg[sizeof s.folder + 16];
+	int why = scratch_make(&s);
 
-	if (length >= PATH_SIZE || !mkdtemp(folder))
-		return pending_fail(folder, e);
-	snprintf(script, sizeof script, "%s/plot.gp", folder);
-	snprintf(svg, sizeof svg, "%s/plot.svg", folder);
+	if (why)
+		return error_set(e, RNEAGEN_WRITE, "--plot: no folder can be made below TMPDIR or /tmp: %s", strerror(why));
+	snprintf(script, sizeof script, "%s/plot.gp", s.folder);
+	snprintf(svg, sizeof svg, "%s/plot.svg", s.folder);
 	if (!put_script(p, script, svg, e) && !run_gnuplot(script, e))
 		publish(svg, path, e);
-	unlink(script);
-	unlink(svg);
-	rmdir(folder);
+	scratch_remove(&s);
 	return e->code;
 }
 
