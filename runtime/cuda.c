@@ -16,17 +16,10 @@ struct trial {
 	size_t count;
 };
 
-static void name_kernel(struct device_kernel *k, const struct source *s, enum rnea_kernel kernel)
-{
-	static const char *const suffixes[RNEA_KERNEL_COUNT] = {"rnea", "fpass", "bpass"};
-
-	snprintf(k->name, sizeof k->name, "%.*s_%s_kernel", SOURCE_NAME_LIMIT, s->name, suffixes[kernel]);
-}
-
 static enum rnea_code find_rnea(
 	const struct device *d, void *module, const struct source *s, struct device_kernel *k, struct rnea_error *e)
 {
-	name_kernel(k, s, RNEA_KERNEL_RNEA);
+	source_symbol(s->name, RNEA_KERNEL_RNEA, "kernel", k->name);
 	if (!device_find(d, module, k, e) && !k->function)
 		rnea_error_set(e, RNEA_TEXT, "the text defines no kernel %s", k->name);
 	return e->code;
@@ -215,7 +208,7 @@ static enum rnea_code find_kernels(struct cuda *c, const struct source *s, struc
 	for (int i = 0; i < RNEA_KERNEL_COUNT; i++) {
 		struct device_kernel *k = &c->kernels[i];
 
-		name_kernel(k, s, (enum rnea_kernel)i);
+		source_symbol(s->name, (enum rnea_kernel)i, "kernel", k->name);
 		if (device_find(&c->device, c->module, k, e))
 			return e->code;
 		if (k->function && k->resources.max_block < c->block)

@@ -4,6 +4,7 @@
 
 #include "error.h"
 #include "library.h"
+#include "source.h"
 #include <stddef.h>
 
 /* What is used of the driver API, as cuda.h declares it: CUresult and CUdevice are int, handles are pointers and a
@@ -126,7 +127,7 @@ struct device {
 };
 
 struct device_kernel {
-	char name[288];
+	char name[SOURCE_SYMBOL_SIZE];
 	void *function; /* NULL: the module has no kernel of that name */
 	struct rnea_resources resources;
 };

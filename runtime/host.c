@@ -4,6 +4,7 @@
 #include "compiler.h"
 #include "library.h"
 #include "object.h"
+#include "source.h"
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -58,26 +59,34 @@ static enum rnea_code make_key(
 
 /* ---- loading ---- */
 
-static int find_symbol(const struct host *h, const char *name, const char *suffix, void *slot)
+static void find_slices(struct host *h, const char *name)
 {
 	const struct library object = {.handle = h->handle};
-	char symbol[512];
+	char symbol[SOURCE_SYMBOL_SIZE];
 
-	snprintf(symbol, sizeof symbol, "%s%s", name, suffix);
-	return library_symbol(&object, symbol, slot);
+	for (int k = 0; k < RNEA_KERNEL_COUNT; k++) {
+		source_symbol(name, (enum rnea_kernel)k, "slice", symbol);
+		library_symbol(&object, symbol, &h->slices[k]);
+	}
+}
+
+static int find_info(struct host *h, const char *name)
+{
+	const struct library object = {.handle = h->handle};
+	char symbol[SOURCE_SYMBOL_SIZE];
+
+	snprintf(symbol, sizeof symbol, "%.*s_info", SOURCE_NAME_LIMIT, name);
+	return library_symbol(&object, symbol, &h->info);
 }
 
 static enum rnea_code load(
 	struct host *h, const struct host_request *r, const char *data, size_t size, struct rnea_error *e)
 {
-	static const char *const suffixes[RNEA_KERNEL_COUNT] = {"_rnea_slice", "_fpass_slice", "_bpass_slice"};
-
 	if (object_load(data, size, r->name, &h->handle, e))
 		return e->code;
-	if (!find_symbol(h, r->name, "_info", &h->info))
+	if (!find_info(h, r->name))
 		return rnea_error_set(e, RNEA_TEXT, "%s: compiled, but it has no %s_info", r->file, r->name);
-	for (int k = 0; k < RNEA_KERNEL_COUNT; k++)
-		find_symbol(h, r->name, suffixes[k], &h->slices[k]);
+	find_slices(h, r->name);
 	if (!h->slices[RNEA_KERNEL_RNEA])
 		return rnea_error_set(e, RNEA_TEXT,
 			"%s: compiled, but it has no %s_rnea_slice: write the text again with this version of rneagen",

@@ -14,11 +14,8 @@ enum { BLOCK_LIMIT = 1024 };
 
 static void name_kernels(struct rnea_robot *robot, const char *suffix)
 {
-	static const char *const names[RNEA_KERNEL_COUNT] = {"rnea", "fpass", "bpass"};
-
 	for (int i = 0; i < RNEA_KERNEL_COUNT; i++)
-		snprintf(robot->kernels[i], sizeof robot->kernels[i], "%.*s_%s_%s", SOURCE_NAME_LIMIT, robot->info.name,
-			names[i], suffix);
+		source_symbol(robot->info.name, (enum rnea_kernel)i, suffix, robot->kernels[i]);
 }
 
 static enum rnea_code open_cuda(struct rnea_robot *robot, const struct source *s, const struct rnea_options *o,

@@ -12,7 +12,7 @@ struct rnea_robot {
 	struct cuda cuda; /* build.backend says which of the two it is */
 	struct host host;
 	struct pipe_pool *pool;						 /* CUDA: for rnea_run */
-	char kernels[RNEA_KERNEL_COUNT][288];				 /* what messages call them */
+	char kernels[RNEA_KERNEL_COUNT][SOURCE_SYMBOL_SIZE];	 /* what messages call them */
 	char device[128], note[sizeof((struct rnea_error *)0)->message]; /* what build points to */
 };
 

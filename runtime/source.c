@@ -127,6 +127,13 @@ unsigned source_macro(const struct source *s, const char *macro)
 	return value <= 1024 ? (unsigned)value : 0;
 }
 
+void source_symbol(const char *name, enum rnea_kernel kernel, const char *kind, char symbol[SOURCE_SYMBOL_SIZE])
+{
+	static const char *const kernels[RNEA_KERNEL_COUNT] = {"rnea", "fpass", "bpass"};
+
+	snprintf(symbol, SOURCE_SYMBOL_SIZE, "%.*s_%s_%s", SOURCE_NAME_LIMIT, name, kernels[kernel], kind);
+}
+
 void source_free(struct source *s)
 {
 	free(s->text);

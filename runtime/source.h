@@ -4,7 +4,7 @@
 
 #include "error.h"
 
-enum { SOURCE_NAME_LIMIT = 255 };
+enum { SOURCE_NAME_LIMIT = 255, SOURCE_SYMBOL_SIZE = SOURCE_NAME_LIMIT + 33 };
 
 struct source {
 	char *text;			  /* NUL-terminated, malloc */
@@ -24,6 +24,9 @@ unsigned source_macro(const struct source *s, const char *macro);
 
 /* The bytes of the file at `path` (malloc, *length of them and a NUL). Errors: READ, MEMORY. */
 enum rnea_code source_bytes(const char *path, char **text, size_t *length, struct rnea_error *e);
+
+/* What the text of robot `name` calls a kernel, or on the host its function: NAME_rnea_kernel, NAME_fpass_slice. */
+void source_symbol(const char *name, enum rnea_kernel kernel, const char *kind, char symbol[SOURCE_SYMBOL_SIZE]);
 
 void source_free(struct source *s);
 
