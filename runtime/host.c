@@ -156,8 +156,6 @@ enum rnea_code host_open(struct host *h, const struct host_request *r, struct rn
 	struct compiler *c = malloc(sizeof *c);
 
 	memset(h, 0, sizeof *h);
-	if (r->log && r->log_size)
-		r->log[0] = '\0';
 	if (!c)
 		rnea_error_memory(e);
 	else if (!compiler_find(c, e) && !make_key(&key, r, c, e) && !load_cached(h, r, &key))

@@ -14,7 +14,7 @@ struct host_request {
 	size_t option_count;
 	const struct cache *cache;
 	unsigned threads; /* 0: one for each processor */
-	char *log;	  /* as in struct rnea_options */
+	char *log;	  /* as in struct rnea_options; the caller has emptied it */
 	size_t log_size;
 };
 

@@ -137,8 +137,6 @@ enum rnea_code jit_compile(const struct jit_request *r, struct jit_image *image,
 	struct nvrtc n;
 
 	memset(image, 0, sizeof *image);
-	if (r->log && r->log_size)
-		r->log[0] = '\0';
 	if (!nvrtc_open(&n, e))
 		build(&n, r, image, e);
 	nvrtc_close(&n);

@@ -11,7 +11,7 @@ struct jit_request {
 	int arch;           /* 90 is sm_90 */
 	const char *const *options; /* further options for NVRTC, option_count of them */
 	size_t option_count;
-	char *log; /* as in struct rnea_options */
+	char *log; /* as in struct rnea_options; the caller has emptied it */
 	size_t log_size;
 };
 
