@@ -51,6 +51,9 @@ void emit_body(const struct emission *e, const struct pass *p, struct text *out)
 void emit_section(const struct emission *e, const struct pass *p, const struct section *s, struct text *out);
 void emit_wrapped(struct text *out, const char *statement);
 
+/* What an operation is called in the names of functions that do it, "add"; NULL: it is none of arithmetic. */
+extern const char *const emit_operation[OP_COUNT];
+
 /* C: NAME_rnea_bounded and what it calls. */
 void emit_bounded(const struct emission *e, struct text *out);
 

@@ -2,6 +2,9 @@
 #include "emit.h"
 #include "template.h"
 
+const char *const emit_operation[OP_COUNT] = {
+	[OP_NEG] = "neg", [OP_ADD] = "add", [OP_SUB] = "sub", [OP_MUL] = "mul", [OP_FMA] = "fma"};
+
 static void expand(const struct emission *e, const char *tmpl, struct text *out)
 {
 	int f32 = e->arithmetic->bytes == 4;

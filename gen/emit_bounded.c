@@ -32,19 +32,17 @@ static void put_constant(const struct emission *e, real value, struct text *out)
 
 static void put_expression(const struct emission *e, const struct plan *p, struct ref a, struct text *out)
 {
-	static const char *const calls[OP_COUNT] = {
-		[OP_NEG] = "neg", [OP_ADD] = "add", [OP_SUB] = "sub", [OP_MUL] = "mul", [OP_FMA] = "fma"};
 	const struct node *n = &p->dag->nodes[a.i];
 
 	if (n->op == OP_CONST) {
 		put_constant(e, n->value, out);
 		return;
 	}
-	if (!calls[n->op]) { /* inputs, sines and cosines have names */
+	if (!emit_operation[n->op]) { /* inputs, sines and cosines have names */
 		out->failed = 1;
 		return;
 	}
-	put_call(e, calls[n->op], out);
+	put_call(e, emit_operation[n->op], out);
 	for (int k = 0; k < op_arity[n->op]; k++) {
 		text_put(out, k ? ", " : "");
 		put_value(e, p, n->arg[k], out);

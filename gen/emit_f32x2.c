@@ -47,12 +47,9 @@ static int put_product_by_float(const struct emission *e, const struct plan *p, 
 
 static void put_call(const struct emission *e, const struct plan *p, const struct node *n, struct text *out)
 {
-	static const char *const calls[] = {
-		[OP_NEG] = "neg", [OP_ADD] = "add", [OP_SUB] = "sub", [OP_MUL] = "mul", [OP_FMA] = "fma"};
-
 	if (put_product_by_float(e, p, n, out))
 		return;
-	text_printf(out, "rneagen_%s(", calls[n->op]);
+	text_printf(out, "rneagen_%s(", emit_operation[n->op]);
 	for (int k = 0; k < op_arity[n->op]; k++) {
 		text_put(out, k ? ", " : "");
 		put_value(e, p, n->arg[k], out);
@@ -64,20 +61,12 @@ void emit_f32x2_expression(const struct emission *e, const struct plan *p, struc
 {
 	const struct node *n = &p->dag->nodes[a.i];
 
-	switch (n->op) {
-	case OP_CONST:
+	if (n->op == OP_CONST)
 		put_constant(e, n->value, out);
-		break;
-	case OP_NEG:
-	case OP_ADD:
-	case OP_SUB:
-	case OP_MUL:
-	case OP_FMA:
+	else if (emit_operation[n->op])
 		put_call(e, p, n, out);
-		break;
-	default: /* inputs, sines and cosines have names */
+	else /* inputs, sines and cosines have names */
 		out->failed = 1;
-	}
 }
 
 void emit_f32x2(const struct emission *e, struct text *out)
