@@ -39,6 +39,9 @@ struct emission {
 
 /* Memory and arithmetic of the precision that the options name. */
 void emit_set_precision(struct emission *e);
+
+/* The precision that the options name, or their target's. */
+enum rneagen_precision emit_precision_of(const struct rneagen_options *o);
 const char *emit_precision_name(enum rneagen_precision precision);
 const char *emit_trig_name(enum rneagen_trig trig);
 const char *emit_layout_name(enum rneagen_layout layout);

@@ -17,6 +17,13 @@ void emit_set_precision(struct emission *e)
 	e->arithmetic = PRECISIONS[e->options->precision].arithmetic;
 }
 
+enum rneagen_precision emit_precision_of(const struct rneagen_options *o)
+{
+	if (o->precision != RNEAGEN_PRECISION_DEFAULT)
+		return o->precision;
+	return o->target == RNEAGEN_TARGET_C ? RNEAGEN_F64 : RNEAGEN_F32;
+}
+
 const char *emit_precision_name(enum rneagen_precision precision)
 {
 	return PRECISIONS[precision].name;

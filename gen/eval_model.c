@@ -1,4 +1,5 @@
 #include "eval_model.h"
+#include "emit.h"
 #include <float.h>
 #include <math.h>
 
@@ -50,14 +51,13 @@ static void set_fast(struct eval_model *m)
 
 struct eval_model eval_model_of(const struct rneagen_options *o, int on_gpu)
 {
-	int is_default_f64 = o->precision == RNEAGEN_PRECISION_DEFAULT && o->target == RNEAGEN_TARGET_C;
-	int f32 = o->precision == RNEAGEN_F32 || (o->precision == RNEAGEN_PRECISION_DEFAULT && !is_default_f64);
-	int f32x2 = o->precision == RNEAGEN_F32X2;
+	enum rneagen_precision precision = emit_precision_of(o);
+	int f32 = precision == RNEAGEN_F32, f32x2 = precision == RNEAGEN_F32X2;
 	struct eval_model m = f32x2 ? F32X2 : f32 ? F32 : F64;
 
 	m.fused = !f32x2 && (on_gpu || o->strict);
 	m.angle = o->trig == RNEAGEN_ACCURATE ? (double)INFINITY : f32 || f32x2 ? 1e4 : 1e7;
-	if (o->precision == RNEAGEN_MIXED)
+	if (precision == RNEAGEN_MIXED)
 		set_store_f32(&m);
 	if (f32 && on_gpu && o->trig == RNEAGEN_FAST)
 		set_fast(&m);

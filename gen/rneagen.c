@@ -32,8 +32,7 @@ static enum rneagen_code resolve_options(struct generation *g)
 {
 	struct rneagen_options *o = &g->options;
 
-	if (o->precision == RNEAGEN_PRECISION_DEFAULT)
-		o->precision = o->target == RNEAGEN_TARGET_C ? RNEAGEN_F64 : RNEAGEN_F32;
+	o->precision = emit_precision_of(o);
 	if (o->strict && o->trig == RNEAGEN_FAST)
 		return error_set(g->error, RNEAGEN_USAGE,
 			"--strict and --trig fast exclude each other: the sine of a GPU's own unit has other bits; take bounded");
