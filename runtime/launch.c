@@ -6,8 +6,8 @@
 /* Name and alignment of array i of a kernel. */
 static const char *describe(const struct rnea_robot *robot, enum rnea_kernel kernel, size_t i, size_t *align)
 {
-	static const char *const forward[CUDA_PASS_ARRAYS] = {"v", "a", "f"};
-	static const char *const backward[CUDA_PASS_ARRAYS] = {"q", "f", "tau"};
+	static const char *const forward[DRIVER_PASS_ARRAYS] = {"v", "a", "f"};
+	static const char *const backward[DRIVER_PASS_ARRAYS] = {"q", "f", "tau"};
 	const struct rnea_info *info = &robot->info;
 	enum rnea_scalar scalar = info->precision;
 	const char *name;
@@ -68,8 +68,8 @@ enum rnea_code rnea_launch_kernel(const struct rnea_robot *robot, enum rnea_kern
 	if (count == 0 || check(robot, kernel, arguments, count, e))
 		return e->code;
 	if (robot->build.backend == RNEA_BACKEND_CUDA)
-		return cuda_launch(
-			&robot->cuda, kernel, arguments, rnea_argument_count(robot, kernel), count, stream, e);
+		return driver_launch(
+			&robot->driver, kernel, arguments, rnea_argument_count(robot, kernel), count, stream, e);
 	if (stream)
 		return rnea_error_set(e, RNEA_ARGUMENT,
 			"%s: a stream was given, and the robot is on the host, which has none", robot->kernels[kernel]);

@@ -27,7 +27,7 @@ struct pipe {
 };
 
 struct pipe_pool {
-	const struct cuda *cuda;
+	const struct driver *driver;
 	const struct rnea_info *info;
 	size_t slice, stage_bytes;
 	pthread_mutex_t lock;
@@ -64,14 +64,14 @@ static size_t array_count(const struct rnea_info *info)
 /* ---- the pool ---- */
 
 enum rnea_code pipe_open(
-	struct pipe_pool **pool, const struct cuda *cuda, const struct rnea_info *info, struct rnea_error *e)
+	struct pipe_pool **pool, const struct driver *driver, const struct rnea_info *info, struct rnea_error *e)
 {
 	struct pipe_pool *p = *pool = calloc(1, sizeof *p);
 	size_t bytes = 0, whole = 0, n = array_count(info);
 
 	if (!p)
 		return rnea_error_memory(e);
-	p->cuda = cuda;
+	p->driver = driver;
 	p->info = info;
 	for (size_t i = 0; i < n; i++)
 		*(info->arguments[i].per_batch ? &whole : &bytes) += sample_bytes(&info->arguments[i]);
@@ -113,7 +113,7 @@ void pipe_close(struct pipe_pool *pool, int lost)
 
 		pool->idle = p->next;
 		for (int i = 0; i < STAGES && !lost; i++)
-			stage_free(&pool->cuda->device, &p->stages[i]);
+			stage_free(&pool->driver->device, &p->stages[i]);
 		free(p);
 	}
 	pthread_mutex_destroy(&pool->lock);
@@ -142,7 +142,7 @@ static void return_pipe(struct pipe_pool *pool, struct pipe *p)
 /* Give a stage what it needs, unless it has it. */
 static enum rnea_code stage_make(const struct pipe_pool *pool, struct stage *s, struct rnea_error *e)
 {
-	const struct device *d = &pool->cuda->device;
+	const struct device *d = &pool->driver->device;
 	void *locked = NULL;
 
 	if (s->stream)
@@ -162,7 +162,7 @@ static enum rnea_code stage_make(const struct pipe_pool *pool, struct stage *s, 
 /* Whether the driver has locked the whole of an array, and so can copy it without our help. */
 static enum rnea_code look_at(struct call *c, size_t i, struct rnea_error *e)
 {
-	const struct device *d = &c->pool->cuda->device;
+	const struct device *d = &c->pool->driver->device;
 	const struct rnea_argument *a = &c->pool->info->arguments[i];
 	const char *first = c->arrays[i], *last = first + sample_bytes(a) * (a->per_batch ? 1 : c->count) - 1;
 	enum device_kind kind = device_kind(d, first);
@@ -263,7 +263,7 @@ static void move_lines(const struct device_lines *l, char *locked, int in)
 /* The inputs of a slice: those that are packed in one copy, the others each in its own. */
 static enum rnea_code send(const struct call *c, const struct stage *s, struct rnea_error *e)
 {
-	const struct device *d = &c->pool->cuda->device;
+	const struct device *d = &c->pool->driver->device;
 	struct device_lines packed = {.host = s->locked, .device = s->device, .lines = 1, .width = c->packed_in};
 
 	for (size_t i = 0; i < c->pool->info->input_count; i++) {
@@ -279,7 +279,7 @@ static enum rnea_code send(const struct call *c, const struct stage *s, struct r
 
 static enum rnea_code fetch(const struct call *c, const struct stage *s, struct rnea_error *e)
 {
-	const struct device *d = &c->pool->cuda->device;
+	const struct device *d = &c->pool->driver->device;
 	struct device_lines packed = {.host = s->locked + c->packed_out_at,
 		.device = s->device + c->packed_out_at,
 		.lines = 1,
@@ -300,7 +300,7 @@ static enum rnea_code launch(const struct call *c, const struct stage *s, struct
 
 	for (size_t i = 0; i < c->array_count; i++)
 		arrays[i] = (void *)(uintptr_t)(s->device + c->offsets[i]);
-	return cuda_launch(c->pool->cuda, RNEA_KERNEL_RNEA, arrays, c->array_count, s->count, s->stream, e);
+	return driver_launch(c->pool->driver, RNEA_KERNEL_RNEA, arrays, c->array_count, s->count, s->stream, e);
 }
 
 /* Wait for the slice that is under way in a stage, and unpack its outputs. */
@@ -308,7 +308,7 @@ static enum rnea_code finish(const struct call *c, struct stage *s, struct rnea_
 {
 	if (!s->count)
 		return RNEA_OK;
-	if (device_wait(&c->pool->cuda->device, s->stream, e))
+	if (device_wait(&c->pool->driver->device, s->stream, e))
 		return e->code;
 	for (size_t i = c->pool->info->input_count; i < c->array_count; i++) {
 		struct device_lines l = lines_of(c, s, i);
@@ -347,7 +347,7 @@ static void settle(const struct pipe_pool *pool, struct pipe *p)
 		struct rnea_error ignored = {0};
 
 		if (p->stages[i].count)
-			device_wait(&pool->cuda->device, p->stages[i].stream, &ignored);
+			device_wait(&pool->driver->device, p->stages[i].stream, &ignored);
 		p->stages[i].count = 0;
 	}
 }
@@ -358,7 +358,7 @@ enum rnea_code pipe_run(struct pipe_pool *pool, void *const *arrays, size_t coun
 	struct pipe *p;
 	int pushed;
 
-	if (device_enter(&pool->cuda->device, &pushed, e))
+	if (device_enter(&pool->driver->device, &pushed, e))
 		return e->code;
 	if (!plan(&c, e)) {
 		if (!(p = take_pipe(pool))) {
@@ -369,6 +369,6 @@ enum rnea_code pipe_run(struct pipe_pool *pool, void *const *arrays, size_t coun
 			return_pipe(pool, p);
 		}
 	}
-	device_leave(&pool->cuda->device, pushed);
+	device_leave(&pool->driver->device, pushed);
 	return e->code;
 }

@@ -5,13 +5,13 @@
    copied in and the last is copied out. A pipe is one set of stages and serves one call at a time; a pool keeps those
    that are not in use. */
 
-#include "cuda.h"
+#include "driver.h"
 
 struct pipe_pool;
 
-/* A pool for an open robot; `cuda` and `info` must outlive it. On failure *pool is NULL. Errors: MEMORY. */
+/* A pool for an open robot; `driver` and `info` must outlive it. On failure *pool is NULL. Errors: MEMORY. */
 enum rnea_code pipe_open(
-	struct pipe_pool **pool, const struct cuda *cuda, const struct rnea_info *info, struct rnea_error *e);
+	struct pipe_pool **pool, const struct driver *driver, const struct rnea_info *info, struct rnea_error *e);
 
 /* NULL is a no-op. The context must be current, unless it is `lost`, and all that was in it. */
 void pipe_close(struct pipe_pool *pool, int lost);

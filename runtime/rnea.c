@@ -29,13 +29,13 @@ static enum rnea_code open_cuda(struct rnea_robot *robot, const struct source *s
 		.cache = cache,
 		.log = o->log,
 		.log_size = o->log_size};
-	struct cuda *c = &robot->cuda;
+	struct driver *c = &robot->driver;
 
 	if (!s->is_cuda)
 		return rnea_error_set(e, RNEA_ARGUMENT,
 			"%s: a text for target c has no kernel; generate it for target cuda, or open it on the host",
 			file);
-	if (cuda_open(c, o->device, &r, &robot->info, e) || pipe_open(&robot->pool, c, &robot->info, e))
+	if (driver_open(c, o->device, &r, &robot->info, e) || pipe_open(&robot->pool, c, &robot->info, e))
 		return e->code;
 	robot->build = (struct rnea_build){.backend = RNEA_BACKEND_CUDA,
 		.device = c->device.name,
@@ -99,7 +99,7 @@ static enum rnea_code open_backend(struct rnea_robot *robot, const struct source
 	snprintf(name, sizeof name, "%s.%s", s->name, s->is_cuda ? "cu" : "c");
 	if (o->backend == RNEA_BACKEND_HOST || (o->backend == RNEA_BACKEND_ANY && !s->is_cuda))
 		return open_host(robot, s, o, file, cache, e);
-	if (open_cuda(robot, s, o, file, cache, e) && o->backend == RNEA_BACKEND_ANY && robot->cuda.device.absent)
+	if (open_cuda(robot, s, o, file, cache, e) && o->backend == RNEA_BACKEND_ANY && robot->driver.device.absent)
 		return open_instead(robot, s, o, file, cache, e);
 	return e->code;
 }
@@ -204,11 +204,11 @@ void rnea_close(struct rnea_robot *robot)
 	if (!robot)
 		return;
 	if (robot->pool) {
-		device_enter(&robot->cuda.device, &pushed, &ignored);
+		device_enter(&robot->driver.device, &pushed, &ignored);
 		pipe_close(robot->pool, ignored.code != RNEA_OK);
-		device_leave(&robot->cuda.device, pushed);
+		device_leave(&robot->driver.device, pushed);
 	}
-	cuda_close(&robot->cuda);
+	driver_close(&robot->driver);
 	host_close(&robot->host);
 	rnea_info_free(&robot->info);
 	free(robot);
@@ -240,7 +240,7 @@ int rnea_has(const struct rnea_robot *robot, enum rnea_kernel kernel)
 {
 	if ((unsigned)kernel >= RNEA_KERNEL_COUNT)
 		return 0;
-	return robot->build.backend == RNEA_BACKEND_CUDA ? robot->cuda.kernels[kernel].function != NULL
+	return robot->build.backend == RNEA_BACKEND_CUDA ? robot->driver.kernels[kernel].function != NULL
 							 : robot->host.slices[kernel] != NULL;
 }
 
@@ -258,7 +258,7 @@ size_t rnea_argument_count(const struct rnea_robot *robot, enum rnea_kernel kern
 		return 0;
 	if (kernel == RNEA_KERNEL_RNEA)
 		return robot->info.input_count + robot->info.output_count;
-	return kernel == RNEA_KERNEL_FPASS ? robot->info.input_count + CUDA_PASS_ARRAYS : CUDA_PASS_ARRAYS;
+	return kernel == RNEA_KERNEL_FPASS ? robot->info.input_count + DRIVER_PASS_ARRAYS : DRIVER_PASS_ARRAYS;
 }
 
 enum rnea_code rnea_resources(const struct rnea_robot *robot, enum rnea_kernel kernel, struct rnea_resources *resources,
@@ -269,6 +269,6 @@ enum rnea_code rnea_resources(const struct rnea_robot *robot, enum rnea_kernel k
 	*resources = (struct rnea_resources){0};
 	if (!rnea_has(robot, kernel))
 		return rnea_no_kernel(robot, kernel, e);
-	*resources = robot->cuda.kernels[kernel].resources; /* all 0 on the host */
+	*resources = robot->driver.kernels[kernel].resources; /* all 0 on the host */
 	return RNEA_OK;
 }

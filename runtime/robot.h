@@ -2,14 +2,14 @@
 #define RNEA_ROBOT_H
 /* struct rnea_robot, for the files that make up the public interface. */
 
-#include "cuda.h"
+#include "driver.h"
 #include "host.h"
 #include "pipe.h"
 
 struct rnea_robot {
 	struct rnea_info info;
 	struct rnea_build build;
-	struct cuda cuda; /* build.backend says which of the two it is */
+	struct driver driver; /* build.backend says which of the two it is */
 	struct host host;
 	struct pipe_pool *pool;						 /* CUDA: for rnea_run */
 	char kernels[RNEA_KERNEL_COUNT][SOURCE_SYMBOL_SIZE];	 /* what messages call them */

@@ -113,7 +113,7 @@ static void use_context(int yes)
 
 	fake_function(FAKE_CUDA, "cuCtxPushCurrent_v2", &push);
 	fake_function(FAKE_CUDA, "cuCtxPopCurrent_v2", &pop);
-	ck_assert_int_eq(yes ? push(soa->cuda.device.context) : pop(&context), 0);
+	ck_assert_int_eq(yes ? push(soa->driver.device.context) : pop(&context), 0);
 }
 
 /* Page-lock `size` bytes, or give them back. */

@@ -1,4 +1,4 @@
-#include "cuda.h"
+#include "driver.h"
 #include "choose.h"
 #include "info.h"
 #include <stdint.h>
@@ -28,7 +28,7 @@ static enum rnea_code find_rnea(
 /* ---- compiling ---- */
 
 /* The rnea kernel of a module, as a choice. */
-static enum rnea_code judge(const struct cuda *c, const struct image_request *r, void *module, const struct image *i,
+static enum rnea_code judge(const struct driver *c, const struct image_request *r, void *module, const struct image *i,
 	struct choice *choice, struct rnea_error *e)
 {
 	struct device_kernel k;
@@ -45,7 +45,7 @@ static enum rnea_code judge(const struct cuda *c, const struct image_request *r,
 }
 
 /* Compile and load once more, and see what came of it. */
-static enum rnea_code attempt(const struct cuda *c, const struct image_request *r, unsigned block, int unbounded,
+static enum rnea_code attempt(const struct driver *c, const struct image_request *r, unsigned block, int unbounded,
 	struct trial *t, struct rnea_error *e)
 {
 	struct image_request mine = *r;
@@ -74,7 +74,7 @@ static int is_unfit(const struct rnea_error *e)
 
 /* For one block size: as the text would have it and, if the kernel then spills, without its launch bound. */
 static enum rnea_code attempt_bounds(
-	const struct cuda *c, const struct image_request *r, unsigned block, struct trial *t, struct rnea_error *e)
+	const struct driver *c, const struct image_request *r, unsigned block, struct trial *t, struct rnea_error *e)
 {
 	struct rnea_error unbounded = {0};
 
@@ -90,7 +90,7 @@ static enum rnea_code attempt_bounds(
 /* The same for every block size that is asked for; one that does not compile, for want of shared memory, is passed over
    as long as another does. */
 static enum rnea_code attempt_blocks(
-	const struct cuda *c, const struct image_request *r, struct trial *t, struct rnea_error *e)
+	const struct driver *c, const struct image_request *r, struct trial *t, struct rnea_error *e)
 {
 	static const unsigned sizes[BLOCK_SIZES] = {64, 128, 256};
 	struct rnea_error first = {0};
@@ -112,7 +112,7 @@ static enum rnea_code attempt_blocks(
 	return e->code;
 }
 
-static void trial_free(const struct cuda *c, struct trial *t)
+static void trial_free(const struct driver *c, struct trial *t)
 {
 	for (size_t i = 0; i < t->count; i++) {
 		device_unload(&c->device, t->modules[i]);
@@ -121,7 +121,7 @@ static void trial_free(const struct cuda *c, struct trial *t)
 }
 
 /* Take over a module, and what is to be told of its image. */
-static void take(struct cuda *c, void *module, const struct image *i, int cached)
+static void take(struct driver *c, void *module, const struct image *i, int cached)
 {
 	c->module = module;
 	c->block = i->block;
@@ -143,7 +143,7 @@ static void keep(const struct image_request *r, const char *key, size_t length, 
 }
 
 static enum rnea_code compile(
-	struct cuda *c, const struct image_request *r, const char *key, size_t length, struct rnea_error *e)
+	struct driver *c, const struct image_request *r, const char *key, size_t length, struct rnea_error *e)
 {
 	struct trial t = {0};
 
@@ -159,7 +159,7 @@ static enum rnea_code compile(
 }
 
 /* What was kept and the driver refuses is compiled again. */
-static enum rnea_code load(struct cuda *c, const struct image_request *r, struct rnea_error *e)
+static enum rnea_code load(struct driver *c, const struct image_request *r, struct rnea_error *e)
 {
 	size_t length;
 	char *key = image_key(r, &length);
@@ -184,7 +184,7 @@ static enum rnea_code load(struct cuda *c, const struct image_request *r, struct
 /* ---- what was loaded ---- */
 
 /* Read NAME_info back from the loaded module: what was compiled, not what the text looks like. */
-static enum rnea_code read_info(struct cuda *c, const struct source *s, struct rnea_info *info, struct rnea_error *e)
+static enum rnea_code read_info(struct driver *c, const struct source *s, struct rnea_info *info, struct rnea_error *e)
 {
 	char symbol[SOURCE_NAME_LIMIT + 8];
 	char *text;
@@ -203,7 +203,7 @@ static enum rnea_code read_info(struct cuda *c, const struct source *s, struct r
 	return RNEA_OK;
 }
 
-static enum rnea_code find_kernels(struct cuda *c, const struct source *s, struct rnea_error *e)
+static enum rnea_code find_kernels(struct driver *c, const struct source *s, struct rnea_error *e)
 {
 	for (int i = 0; i < RNEA_KERNEL_COUNT; i++) {
 		struct device_kernel *k = &c->kernels[i];
@@ -221,12 +221,12 @@ static enum rnea_code find_kernels(struct cuda *c, const struct source *s, struc
 
 /* Run every kernel over no samples: the driver makes room for local memory at the first launch, and that must not
    happen in a launch of the caller's, which may be inside a capture. */
-static enum rnea_code warm(const struct cuda *c, struct rnea_error *e)
+static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
 {
 	unsigned long long zero = 0; /* a null pointer, and a count of 0 */
-	void *parameters[CUDA_ARRAY_LIMIT + 1], *stream;
+	void *parameters[DRIVER_ARRAY_LIMIT + 1], *stream;
 
-	for (int i = 0; i <= CUDA_ARRAY_LIMIT; i++)
+	for (int i = 0; i <= DRIVER_ARRAY_LIMIT; i++)
 		parameters[i] = &zero;
 	if (device_stream(&c->device, &stream, e))
 		return e->code;
@@ -236,8 +236,8 @@ static enum rnea_code warm(const struct cuda *c, struct rnea_error *e)
 	return device_finish(&c->device, stream, e);
 }
 
-enum rnea_code cuda_open(
-	struct cuda *c, int ordinal, const struct image_request *r, struct rnea_info *info, struct rnea_error *e)
+enum rnea_code driver_open(
+	struct driver *c, int ordinal, const struct image_request *r, struct rnea_info *info, struct rnea_error *e)
 {
 	struct image_request mine = *r;
 	int pushed, absent;
@@ -254,12 +254,12 @@ enum rnea_code cuda_open(
 		return RNEA_OK;
 	absent = c->device.absent;
 	rnea_info_free(info);
-	cuda_close(c);
+	driver_close(c);
 	c->device.absent = absent;
 	return e->code;
 }
 
-void cuda_close(struct cuda *c)
+void driver_close(struct driver *c)
 {
 	struct rnea_error ignored = {0};
 	int pushed;
@@ -273,11 +273,11 @@ void cuda_close(struct cuda *c)
 	memset(c, 0, sizeof *c);
 }
 
-enum rnea_code cuda_launch(const struct cuda *c, enum rnea_kernel kernel, void *const *arrays, size_t n, size_t count,
+enum rnea_code driver_launch(const struct driver *c, enum rnea_kernel kernel, void *const *arrays, size_t n, size_t count,
 	void *stream, struct rnea_error *e)
 {
 	size_t grid = count / c->block + (count % c->block != 0);
-	void *parameters[CUDA_ARRAY_LIMIT + 1];
+	void *parameters[DRIVER_ARRAY_LIMIT + 1];
 	int pushed;
 
 	/* the driver only reads through these, though it does not say so */
