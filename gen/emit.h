@@ -46,6 +46,10 @@ const char *emit_precision_name(enum rneagen_precision precision);
 const char *emit_trig_name(enum rneagen_trig trig);
 const char *emit_layout_name(enum rneagen_layout layout);
 
+/* The options of the command line that name these choices, resolved, each after a blank: all but the names of joints, of
+   files and of the functions, which take quotes. */
+void emit_options(const struct rneagen_options *o, struct text *out);
+
 /* The statements of a pass, each indented by one tab. Errors: NUMBER when a constant is no finite number in the
    target's precision. */
 void emit_body(const struct emission *e, const struct pass *p, struct text *out);

@@ -3,8 +3,6 @@
 #include "template.h"
 #include <string.h>
 
-static const char *const TARGETS[] = {"cuda", "c", "header"};
-
 /* A path's last part. */
 static const char *base_name(const char *path)
 {
@@ -45,18 +43,7 @@ static void put_command(const struct emission *e, struct text *out)
 	const struct rneagen_options *o = e->options;
 	text_put(out, "rneagen ");
 	text_put_comment(out, base_name(o->file));
-	text_printf(out, " --target %s --precision %s --layout %s --trig %s", TARGETS[o->target],
-		emit_precision_name(o->precision), emit_layout_name(o->layout), emit_trig_name(o->trig));
-	if (o->base == RNEAGEN_FLOATING)
-		text_put(out, " --base floating");
-	if (o->strict)
-		text_put(out, " --strict");
-	if (o->bounded)
-		text_put(out, " --bounded");
-	if (o->mimic == RNEAGEN_MIMIC_INDEPENDENT)
-		text_put(out, " --mimic independent");
-	if (o->gravity[0] != 0 || o->gravity[1] != 0 || o->gravity[2] != -9.81)
-		text_printf(out, " --gravity %.17g,%.17g,%.17g", o->gravity[0], o->gravity[1], o->gravity[2]);
+	emit_options(o, out);
 	if (o->order) {
 		text_put(out, " --order '");
 		text_put_comment(out, o->order);

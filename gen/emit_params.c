@@ -1,4 +1,4 @@
-/* The arguments of the generated functions, in every form in which a text lists them. */
+/* The arguments of the generated functions, in every form in which a text lists them; the names of choices. */
 #include "emit.h"
 
 static const struct scalar F32 = {"f32", "float", "f", 4, 1e4, NULL}, F64 = {"f64", "double", "", 8, 1e7, NULL},
@@ -39,6 +39,24 @@ const char *emit_trig_name(enum rneagen_trig trig)
 const char *emit_layout_name(enum rneagen_layout layout)
 {
 	return layout == RNEAGEN_SOA ? "soa" : "aos";
+}
+
+void emit_options(const struct rneagen_options *o, struct text *out)
+{
+	static const char *const targets[] = {"cuda", "c", "header"};
+
+	text_printf(out, " --target %s --precision %s --layout %s --trig %s", targets[o->target],
+		emit_precision_name(o->precision), emit_layout_name(o->layout), emit_trig_name(o->trig));
+	if (o->base == RNEAGEN_FLOATING)
+		text_put(out, " --base floating");
+	if (o->strict)
+		text_put(out, " --strict");
+	if (o->bounded)
+		text_put(out, " --bounded");
+	if (o->mimic == RNEAGEN_MIMIC_INDEPENDENT)
+		text_put(out, " --mimic independent");
+	if (o->gravity[0] != 0 || o->gravity[1] != 0 || o->gravity[2] != -9.81)
+		text_printf(out, " --gravity %.17g,%.17g,%.17g", o->gravity[0], o->gravity[1], o->gravity[2]);
 }
 
 const char *emit_stride(const struct emission *e)

@@ -117,27 +117,21 @@ static void put_scene(const struct scene *s, struct text *out)
 
 static void put_command(const struct choosing *c, const struct study_row *r, const char *name, struct text *out)
 {
-	const struct rneagen_options *o = &c->command.generate;
-	int cuda = r->backend == RNEA_BACKEND_CUDA;
+	struct rneagen_options o = c->command.generate;
 
+	o.target = r->backend == RNEA_BACKEND_CUDA ? RNEAGEN_TARGET_CUDA : RNEAGEN_TARGET_C;
+	o.precision = r->precision;
+	o.trig = r->trig;
+	o.layout = r->layout;
 	text_put(out, "rneagen ");
 	text_put_shell(out, c->command.urdf);
-	text_printf(out, " --target %s --precision %s --trig %s --layout %s", cuda ? "cuda" : "c",
-		emit_precision_name(r->precision), emit_trig_name(r->trig), emit_layout_name(r->layout));
-	if (o->strict)
-		text_put(out, " --strict");
-	if (o->base == RNEAGEN_FLOATING)
-		text_put(out, " --base floating");
-	if (o->gravity[0] != 0 || o->gravity[1] != 0 || o->gravity[2] != -9.81)
-		text_printf(out, " --gravity %.17g,%.17g,%.17g", o->gravity[0], o->gravity[1], o->gravity[2]);
-	if (o->mimic == RNEAGEN_MIMIC_INDEPENDENT)
-		text_put(out, " --mimic independent");
-	if (o->order) {
+	emit_options(&o, out);
+	if (o.order) {
 		text_put(out, " --order ");
-		text_put_shell(out, o->order);
+		text_put_shell(out, o.order);
 	}
 	put_scene(&c->study.analysis.tree.scene, out);
-	text_printf(out, " -o %s_rnea.%s\n", name, cuda ? "cu" : "c");
+	text_printf(out, " -o %s_rnea.%s\n", name, o.target == RNEAGEN_TARGET_CUDA ? "cu" : "c");
 }
 
 static const struct candidate *find_fastest(const struct choosing *c)
