@@ -21,8 +21,15 @@ enum rneagen_code analysis_open(struct analysis *a, const char *urdf, size_t len
 	*e = (struct rneagen_error){0};
 	arena_init(&a->arena, o->allocator);
 	if (robot_read(&a->robot, urdf, length, file, &a->arena, e) || tree_build(&a->tree, &a->robot, o, &a->arena, e) ||
-		build(a, o->strict, e))
+		build(a, o->strict, e)) {
 		analysis_free(a);
+		return e->code;
+	}
+	tree_warn(&a->tree, &a->robot, file, &a->arena);
+	if (a->arena.failed) {
+		error_memory(e);
+		analysis_free(a);
+	}
 	return e->code;
 }
 

@@ -1,5 +1,6 @@
 /* What a generated text says about itself: the comment at its head, and the table NAME_info. */
 #include "emit.h"
+#include "scene_put.h"
 #include "template.h"
 #include <string.h>
 
@@ -26,9 +27,10 @@ static void put_warning(const struct emission *e, const char *warning, struct te
 static void put_scene(const struct emission *e, struct text *out)
 {
 	const struct scene *s = &e->tree->scene;
-	struct text option;
 
 	for (int i = 0; i < s->line_count; i++) {
+		struct text option;
+
 		text_init(&option, e->arena);
 		scene_put_option(&s->lines[i], &option);
 		out->failed |= option.failed;
@@ -143,6 +145,7 @@ void emit_banner(const struct emission *e, struct text *out)
 		e->tree->body_count);
 	put_operations(e, out);
 	put_joints(e, out);
+	scene_put_comment(e->tree, out);
 	put_conventions(e, out);
 	for (size_t i = 0; i < e->warning_count; i++) {
 		text_put(out, i ? " *   " : " *\n * Warnings:\n *   ");

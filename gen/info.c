@@ -1,4 +1,5 @@
 #include "info.h"
+#include "scene_put.h"
 
 static real total_mass(const struct tree *t)
 {
@@ -37,15 +38,6 @@ static void put_operations(const struct emission *e, struct text *out)
 	}
 }
 
-static void put_scene(const struct scene *s, struct text *out)
-{
-	for (int i = 0; i < s->line_count; i++) {
-		text_put(out, i ? "  " : "\nscene\n  ");
-		scene_put_option(&s->lines[i], out);
-		text_putc(out, '\n');
-	}
-}
-
 void info_table(const struct emission *e, struct text *out)
 {
 	const struct tree *t = e->tree;
@@ -60,7 +52,7 @@ void info_table(const struct emission *e, struct text *out)
 	for (int i = 0; i < t->mimic_count; i++)
 		text_printf(out, "%s%s = %.9Lg * %s + %.9Lg\n", i ? "  " : "\nmimic\n  ", t->mimics[i].name,
 			t->mimics[i].multiplier, t->mimics[i].driver, t->mimics[i].offset);
-	put_scene(&t->scene, out);
+	scene_put_table(t, out);
 	put_operations(e, out);
 	for (size_t i = 0; i < e->warning_count; i++)
 		text_printf(out, "%s%s\n", i ? "  " : "\nwarnings\n  ", e->warnings[i]);
@@ -90,23 +82,6 @@ static void put_json_joints(const struct tree *t, struct text *out)
 	text_put(out, t->mimic_count ? "\n  ],\n" : "],\n");
 }
 
-static void put_json_scene(const struct scene *s, struct arena *a, struct text *out)
-{
-	struct text option;
-
-	if (!s->line_count)
-		return;
-	text_put(out, "  \"scene\": [");
-	for (int i = 0; i < s->line_count; i++) {
-		text_init(&option, a);
-		scene_put_option(&s->lines[i], &option);
-		out->failed |= option.failed;
-		text_put(out, i ? ",\n    " : "\n    ");
-		text_put_json(out, text_string(&option));
-	}
-	text_put(out, "\n  ],\n");
-}
-
 void info_json(const struct emission *e, struct text *out)
 {
 	struct operation_count n = plan_operations(&e->passes[PASS_RNEA].plan);
@@ -117,7 +92,7 @@ void info_json(const struct emission *e, struct text *out)
 	text_put_json(out, e->tree->robot);
 	text_printf(out, ",\n  \"nq\": %d,\n  \"nv\": %d,\n  \"nb\": %d,\n", e->tree->nq, e->tree->nv, e->tree->body_count);
 	put_json_joints(e->tree, out);
-	put_json_scene(&e->tree->scene, e->arena, out);
+	scene_put_json(e->tree, out);
 	text_put(out, "  \"warnings\": [");
 	for (size_t i = 0; i < e->warning_count; i++) {
 		text_put(out, i ? ",\n    " : "\n    ");

@@ -126,6 +126,9 @@ static enum rneagen_code generate(struct generation *g, const char *urdf, size_t
 	if (robot_read(&g->robot, urdf, length, g->options.file, a, g->error) || resolve_options(g) ||
 		tree_build(&g->tree, &g->robot, &g->options, a, g->error) || make_passes(g))
 		return g->error->code;
+	tree_warn(&g->tree, &g->robot, g->options.file, a);
+	if (a->failed)
+		return error_memory(g->error);
 	SHA256Data((const uint8_t *)urdf, length, g->hash);
 	g->result->name = g->options.name;
 	g->result->warnings = g->robot.warnings;

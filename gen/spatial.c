@@ -108,6 +108,24 @@ struct rotation rotation_shortest(const real n[3])
 	}};
 }
 
+/* 1 - 2 (u_j^2 + u_k^2) on the diagonal, 2 (u_j u_k -+ u_i w) beside it */
+struct rotation rotation_quaternion(const real q[4])
+{
+	real norm = sqrtl(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]), u[4];
+	struct rotation R;
+
+	for (int i = 0; i < 4; i++)
+		u[i] = q[i] / norm;
+	for (int i = 0; i < 3; i++) {
+		int j = (i + 1) % 3, k = (i + 2) % 3;
+
+		R.m[i][i] = 1 - 2 * (u[j] * u[j] + u[k] * u[k]);
+		R.m[j][k] = 2 * (u[j] * u[k] - u[i] * u[3]);
+		R.m[k][j] = 2 * (u[j] * u[k] + u[i] * u[3]);
+	}
+	return R;
+}
+
 struct rotation rotation_mul(const struct rotation *a, const struct rotation *b)
 {
 	struct rotation r;

@@ -48,6 +48,9 @@ struct rotation rotation_to_axis(const real n[3]);
 /* The shortest rotation that takes z onto the unit vector n; for n = -z the half turn about x. */
 struct rotation rotation_shortest(const real n[3]);
 
+/* Of the quaternion x y z w, made a unit one. */
+struct rotation rotation_quaternion(const real q[4]);
+
 struct rotation rotation_mul(const struct rotation *a, const struct rotation *b);
 struct rotation rotation_transpose(const struct rotation *a);
 void rotation_apply(const struct rotation *r, const real v[3], real out[3]);

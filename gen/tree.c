@@ -1,4 +1,6 @@
 #include "tree.h"
+#include "cut.h"
+#include "rows.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -22,6 +24,8 @@ struct builder {
 	int depth;
 	int *first_child, *next_sibling; /* joints, by link and by joint */
 	int *body_of_joint;              /* -1: none */
+	struct cut cut;
+	char *visited; /* by link */
 };
 
 int joint_nq(enum joint_type type)
@@ -35,31 +39,6 @@ int joint_nq(enum joint_type type)
 int joint_nv(enum joint_type type)
 {
 	return type == JOINT_FLOATING ? 6 : joint_nq(type);
-}
-
-static const char *input_name(const struct rneagen_options *o)
-{
-	return o->file ? o->file : "<input>";
-}
-
-static int is_follower(const struct builder *b, const struct joint *j)
-{
-	return j->driver >= 0 && b->o->mimic == RNEAGEN_MIMIC_HONOUR;
-}
-
-/* q_follower = multiplier q_driver + offset, through followers of followers to a joint that has entries in q. */
-static struct tree_mimic mimic_resolve(const struct builder *b, int joint)
-{
-	struct tree_mimic m = {.name = b->r->joints[joint].name, .multiplier = 1};
-	const struct joint *j = &b->r->joints[joint];
-
-	while (is_follower(b, j)) {
-		m.offset += m.multiplier * (real)j->offset;
-		m.multiplier *= (real)j->multiplier;
-		j = &b->r->joints[j->driver];
-	}
-	m.driver = j->name;
-	return m;
 }
 
 /* The joint's unit axis: a coordinate axis with a sign where it is one, else z of a turned frame. */
@@ -132,13 +111,13 @@ static int body_add(struct builder *b, int joint, int parent, const struct place
 	k->parent = parent;
 	k->type = j->type;
 	k->multiplier = 1;
-	k->follower = is_follower(b, j);
+	k->follower = b->cut.joints[joint].leader != joint;
 	body_set_axis(k, j);
 	body_set_placement(b, k, urdf);
 	if (k->follower) {
-		struct tree_mimic m = mimic_resolve(b, joint);
+		const struct cut_joint *c = &b->cut.joints[joint];
+		struct tree_mimic m = {j->name, b->r->joints[c->leader].name, index, c->multiplier, c->offset};
 
-		m.body = index;
 		k->multiplier = m.multiplier;
 		if (m.offset != 0)
 			body_add_offset(k, m.offset);
@@ -156,11 +135,57 @@ static void body_add_base(struct builder *b)
 		.X = {.R = ROTATION_IDENTITY}, .frame = ROTATION_IDENTITY, .multiplier = 1};
 }
 
+/* What a joint that is held adds to its placement, in its URDF frame: frame (motion about or along its axis) frame^T. */
+static struct placement held_motion(const struct joint *j, const real *q)
+{
+	struct body k = {.type = j->type};
+	struct placement X = {.R = ROTATION_IDENTITY}, turned = {.R = ROTATION_IDENTITY}, back;
+
+	body_set_axis(&k, j);
+	if (j->type == JOINT_FLOATING) {
+		memcpy(X.p, q, sizeof X.p);
+		X.R = rotation_quaternion(q + 3);
+		return X;
+	}
+	if (j->type == JOINT_PRISMATIC)
+		X.p[k.axis] = k.sign * q[0];
+	else if (j->type != JOINT_PLANAR)
+		X.R = rotation_about(k.axis, k.sign * q[0]);
+	else
+		X = (struct placement){rotation_about(2, q[2]), {q[0], q[1]}};
+	turned.R = k.frame;
+	back = (struct placement){.R = rotation_transpose(&k.frame)};
+	X = placement_mul(&X, &back);
+	return placement_mul(&turned, &X);
+}
+
+static int is_zero(const struct joint *j, const real *q)
+{
+	for (int i = 0; i < joint_nq(j->type); i++)
+		if (q[i] != (j->type == JOINT_FLOATING && i == 6 ? 1 : 0))
+			return 0;
+	return 1;
+}
+
+static void hold(struct builder *b, int joint, struct placement *at)
+{
+	const struct joint *j = &b->r->joints[joint];
+	const struct cut_joint *c = &b->cut.joints[joint];
+
+	if (!is_zero(j, c->value)) {
+		struct placement motion = held_motion(j, c->value);
+
+		*at = placement_mul(at, &motion);
+	}
+	b->t->held[b->t->held_count++] = (struct tree_held){j->name, c->why, j->type, c->value, cut_beyond(j, c)};
+}
+
 /* A link's inertia goes to the body that carries it; then its joints wait on the stack, first in name order on top. */
 static void visit_link(struct builder *b, int link, int body, const struct placement *at)
 {
 	const struct link *l = &b->r->links[link];
 
+	b->visited[link] = 1;
 	if (l->has_inertial) {
 		struct inertia_sum *s = body >= 0 ? &b->sums[body] : &b->fixed;
 		struct placement X = *at;
@@ -173,7 +198,8 @@ static void visit_link(struct builder *b, int link, int body, const struct place
 		inertia_add(s, &X, l->mass, l->com, l->com_rpy, l->inertia);
 	}
 	for (int j = b->first_child[link]; j >= 0; j = b->next_sibling[j])
-		b->stack[b->depth++] = (struct step){j, body, *at};
+		if (b->cut.joints[j].state != CUT_GONE)
+			b->stack[b->depth++] = (struct step){j, body, *at};
 }
 
 static void walk(struct builder *b)
@@ -182,13 +208,15 @@ static void walk(struct builder *b)
 
 	if (b->t->floating)
 		body_add_base(b);
-	visit_link(b, b->r->root, b->t->floating ? 0 : -1, &identity);
+	visit_link(b, b->cut.root, b->t->floating ? 0 : -1, &identity);
 	while (b->depth) {
 		struct step s = b->stack[--b->depth];
 		const struct joint *j = &b->r->joints[s.joint];
 		struct placement origin = joint_placement(j), at = placement_mul(&s.parent, &origin);
 
-		if (j->type == JOINT_FIXED)
+		if (b->cut.joints[s.joint].state == CUT_HELD)
+			hold(b, s.joint, &at);
+		if (j->type == JOINT_FIXED || b->cut.joints[s.joint].state == CUT_HELD)
 			visit_link(b, j->child, s.body, &at);
 		else
 			visit_link(b, j->child, body_add(b, s.joint, s.body, &at), &identity);
@@ -209,80 +237,34 @@ static void link_children(struct builder *b)
 	}
 }
 
-/* The joint with this name and entries in q among `count` of them; -1 if there is none. */
-static int find_joint(const struct tree_joint *joints, int count, const char *name, size_t length)
+/* What the walk did not come to. */
+static void list_cut(struct builder *b)
 {
-	for (int i = 0; i < count; i++)
-		if (strlen(joints[i].name) == length && !memcmp(joints[i].name, name, length))
-			return i;
-	return -1;
+	struct tree_cut *c = &b->t->cut;
+
+	for (int i = 0; i < b->r->link_count; i++)
+		if (!b->visited[i]) {
+			c->links[c->link_count++] = b->r->links[i].name;
+			c->mass += (real)b->r->links[i].mass;
+		}
+	for (int j = 0; j < b->r->joint_count; j++)
+		if (b->r->joints[j].type != JOINT_FIXED && !(b->visited[b->r->joints[j].child] && b->visited[b->r->joints[j].parent]))
+			c->joints[c->joint_count++] = b->r->joints[j].name;
 }
 
-/* Reorder as the option says; every joint (the base of --base floating apart) must be named once. */
-static enum rneagen_code apply_order(struct builder *b)
+void tree_warn(const struct tree *t, struct robot *r, const char *file, struct arena *a)
 {
-	struct tree *t = b->t;
-	int first = t->floating, count = 0, total = t->joint_count - first;
-	struct tree_joint *chosen = arena_alloc(b->a, (size_t)t->joint_count, sizeof *chosen);
-
-	if (!chosen)
-		return error_memory(b->e);
-	for (const char *s = b->o->order; s; s = strchr(s, ',') ? strchr(s, ',') + 1 : NULL) {
-		size_t length = strcspn(s, ",");
-		int i = find_joint(t->joints + first, total, s, length);
-
-		if (i < 0)
-			return error_set(b->e, RNEAGEN_USAGE, "%s: --order names '%.*s', which is no joint with entries in q",
-				input_name(b->o), (int)(length < 255 ? length : 255), s);
-		if (find_joint(chosen, count, s, length) >= 0)
-			return error_set(b->e, RNEAGEN_USAGE, "%s: --order names joint '%.*s' twice", input_name(b->o),
-				(int)length, s);
-		chosen[count++] = t->joints[first + i];
-	}
-	for (int i = 0; i < total; i++)
-		if (find_joint(chosen, count, t->joints[first + i].name, strlen(t->joints[first + i].name)) < 0)
-			return error_set(b->e, RNEAGEN_USAGE, "%s: --order leaves out joint '%s'; name all %d joints",
-				input_name(b->o), t->joints[first + i].name, total);
-	memcpy(t->joints + first, chosen, (size_t)total * sizeof *chosen);
-	return RNEAGEN_OK;
-}
-
-static enum rneagen_code number_joints(struct builder *b)
-{
-	struct tree *t = b->t;
-
-	for (int k = 0; k < t->body_count; k++)
-		if (!t->bodies[k].follower)
-			t->joints[t->joint_count++] = (struct tree_joint){
-				.name = t->bodies[k].joint, .type = t->bodies[k].type, .body = k};
-	if (!t->joint_count)
-		return error_set(b->e, RNEAGEN_NO_JOINTS, "%s: no movable joints in robot '%s'", input_name(b->o), t->robot);
-	if (b->o->order && apply_order(b))
-		return b->e->code;
-	for (int i = 0; i < t->joint_count; i++) {
-		struct tree_joint *j = &t->joints[i];
-
-		j->iq = t->nq;
-		j->iv = t->nv;
-		t->nq += j->nq = joint_nq(j->type);
-		t->nv += j->nv = joint_nv(j->type);
-		t->bodies[j->body].iq = j->iq;
-		t->bodies[j->body].iv = j->iv;
-	}
-	for (int i = 0; i < t->mimic_count; i++) {
-		struct tree_mimic *m = &t->mimics[i];
-		int driver = find_joint(t->joints, t->joint_count, m->driver, strlen(m->driver));
-
-		t->bodies[m->body].iq = t->joints[driver].iq;
-		t->bodies[m->body].iv = t->joints[driver].iv;
-	}
-	return RNEAGEN_OK;
+	for (int i = 0; i < t->held_count; i++)
+		if (t->held[i].beyond)
+			robot_warn(r, a, "%s: joint '%s' is held at %.9Lg, outside of its limits (%s)", file, t->held[i].name,
+				t->held[i].value[0], t->held[i].why);
 }
 
 /* Choices that are read and not yet made. */
 static enum rneagen_code scene_supported(const struct scene *s, struct rneagen_error *e)
 {
-	static const char made[SCENE_KEY_COUNT] = {[SCENE_FEXT_FRAME] = 1, [SCENE_BESIDE] = 1};
+	static const char made[SCENE_KEY_COUNT] = {[SCENE_FEXT_FRAME] = 1, [SCENE_BESIDE] = 1, [SCENE_ROOT] = 1,
+		[SCENE_TIP] = 1, [SCENE_LOCK] = 1, [SCENE_LOCK_ALL_BUT] = 1};
 
 	for (int i = 0; i < s->line_count; i++)
 		if (!made[s->lines[i].key])
@@ -290,34 +272,48 @@ static enum rneagen_code scene_supported(const struct scene *s, struct rneagen_e
 	return RNEAGEN_OK;
 }
 
-enum rneagen_code tree_build(struct tree *t, const struct robot *r, const struct rneagen_options *o, struct arena *a,
-	struct rneagen_error *e)
+static enum rneagen_code allocate(struct builder *b)
 {
-	size_t links = (size_t)r->link_count, joints = (size_t)r->joint_count;
-	struct builder b = {.t = t, .r = r, .o = o, .a = a, .e = e};
+	size_t links = (size_t)b->r->link_count, joints = (size_t)b->r->joint_count;
+	struct arena *a = b->a;
+	struct tree *t = b->t;
 
-	*t = (struct tree){.robot = r->name, .root = r->links[r->root].name, .floating = o->base == RNEAGEN_FLOATING};
-	for (int i = 0; i < 3; i++)
-		t->gravity[i] = o->gravity[i];
-	if (scene_read(&t->scene, o->scene, input_name(o), a, e) || scene_expand(&t->scene, r, a, e) ||
-		scene_supported(&t->scene, e))
-		return e->code;
 	t->bodies = arena_alloc(a, joints + 1, sizeof *t->bodies);
 	t->joints = arena_alloc(a, joints + 1, sizeof *t->joints);
 	t->mimics = arena_alloc(a, joints, sizeof *t->mimics);
-	b.sums = arena_alloc(a, joints + 1, sizeof *b.sums);
-	b.stack = arena_alloc(a, joints + 1, sizeof *b.stack);
-	b.first_child = arena_alloc(a, links, sizeof *b.first_child);
-	b.next_sibling = arena_alloc(a, joints, sizeof *b.next_sibling);
-	b.body_of_joint = arena_alloc(a, joints, sizeof *b.body_of_joint);
-	if (a->failed)
-		return error_memory(e);
+	t->held = arena_alloc(a, joints, sizeof *t->held);
+	t->cut.links = arena_alloc(a, links, sizeof(char *));
+	t->cut.joints = arena_alloc(a, joints, sizeof(char *));
+	b->visited = arena_alloc(a, links, 1);
+	b->sums = arena_alloc(a, joints + 1, sizeof *b->sums);
+	b->stack = arena_alloc(a, joints + 1, sizeof *b->stack);
+	b->first_child = arena_alloc(a, links, sizeof *b->first_child);
+	b->next_sibling = arena_alloc(a, joints, sizeof *b->next_sibling);
+	b->body_of_joint = arena_alloc(a, joints, sizeof *b->body_of_joint);
+	return a->failed ? error_memory(b->e) : RNEAGEN_OK;
+}
+
+enum rneagen_code tree_build(struct tree *t, const struct robot *r, const struct rneagen_options *o, struct arena *a,
+	struct rneagen_error *e)
+{
+	struct builder b = {.t = t, .r = r, .o = o, .a = a, .e = e};
+
+	*t = (struct tree){.robot = r->name, .floating = o->base == RNEAGEN_FLOATING};
+	for (int i = 0; i < 3; i++)
+		t->gravity[i] = o->gravity[i];
+	if (scene_read(&t->scene, o->scene, o->file ? o->file : "<input>", a, e) || scene_expand(&t->scene, r, a, e) ||
+		scene_supported(&t->scene, e) || cut_make(&b.cut, &t->scene, r, o, a, e) || allocate(&b))
+		return e->code;
+	t->root = r->links[b.cut.root].name;
 	link_children(&b);
 	walk(&b);
+	list_cut(&b);
+	if (cut_check(&b.cut, &t->scene, r, b.visited, e))
+		return e->code;
 	for (int k = 0; k < t->body_count; k++)
 		t->bodies[k].inertia = inertia_total(&b.sums[k]);
 	t->fixed = inertia_total(&b.fixed);
-	return number_joints(&b);
+	return rows_number(t, o, a, e);
 }
 
 void tree_dump(const struct tree *t, struct text *out)

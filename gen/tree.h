@@ -40,6 +40,21 @@ struct tree_mimic {
 	real multiplier, offset; /* chains resolved: driver has entries in q */
 };
 
+/* A joint that the scene holds: fixed at q = value. */
+struct tree_held {
+	const char *name, *why; /* why: the scene's word, or "mimic" where the joint that it follows is held */
+	enum joint_type type;
+	const real *value; /* joint_nq(type) numbers */
+	int beyond;        /* its limits */
+};
+
+/* What the scene leaves out. */
+struct tree_cut {
+	const char **links, **joints; /* joints: without the fixed ones */
+	int link_count, joint_count;
+	real mass;
+};
+
 struct tree {
 	const char *robot, *root;
 	struct body *bodies;
@@ -51,6 +66,9 @@ struct tree {
 	int nq, nv, floating;
 	real gravity[3];
 	struct scene scene;
+	struct tree_held *held;
+	int held_count;
+	struct tree_cut cut;
 	struct inertia fixed; /* what is fixed to the world and so does not matter */
 };
 
@@ -61,6 +79,9 @@ int joint_nv(enum joint_type type);
 /* Errors: NO_JOINTS, UNSUPPORTED, USAGE (an order that does not fit), SCENE, MEMORY. */
 enum rneagen_code tree_build(struct tree *t, const struct robot *r, const struct rneagen_options *o, struct arena *a,
 	struct rneagen_error *e);
+
+/* What the scene chose and may not be meant, as warnings of the robot. */
+void tree_warn(const struct tree *t, struct robot *r, const char *file, struct arena *a);
 
 void tree_dump(const struct tree *t, struct text *out);
 

@@ -4,6 +4,7 @@
 #include "emit.h"
 #include "identifier.h"
 #include "progress.h"
+#include "scene_put.h"
 #include "study.h"
 #include <math.h>
 #include <stdio.h>
@@ -107,14 +108,6 @@ static void say(const struct candidate *v, const struct candidate *best)
 			v->row.errors.max, v->row.bound_max);
 }
 
-static void put_scene(const struct scene *s, struct text *out)
-{
-	for (int i = 0; i < s->line_count; i++) {
-		text_putc(out, ' ');
-		scene_put_option(&s->lines[i], out);
-	}
-}
-
 static void put_command(const struct choosing *c, const struct study_row *r, const char *name, struct text *out)
 {
 	struct rneagen_options o = c->command.generate;
@@ -130,7 +123,7 @@ static void put_command(const struct choosing *c, const struct study_row *r, con
 		text_put(out, " --order ");
 		text_put_shell(out, o.order);
 	}
-	put_scene(&c->study.analysis.tree.scene, out);
+	scene_put_options(&c->study.analysis.tree.scene, " ", out);
 	text_printf(out, " -o %s_rnea.%s\n", name, o.target == RNEAGEN_TARGET_CUDA ? "cu" : "c");
 }
 

@@ -28,6 +28,10 @@ target_link_libraries(test_invariance PRIVATE reference)
 rneagen_add_test(test_passes model.c)
 target_link_libraries(test_passes PRIVATE reference)
 
+# What a scene leaves.
+rneagen_add_test(test_scene_trees scene_model.c torque.c model.c)
+target_link_libraries(test_scene_trees PRIVATE reference)
+
 # The text.
 rneagen_add_test(test_emit model.c)
 target_link_libraries(test_emit PRIVATE reference)

@@ -1,0 +1,15 @@
+#ifndef RNEAGEN_SCENE_PUT_H
+#define RNEAGEN_SCENE_PUT_H
+/* What a scene made of a robot: its choices, the joints it holds, what it cuts away. Nothing where there is no scene. */
+
+#include "tree.h"
+
+/* Lines of --info, a member of the object of --info=json, and lines of the comment at a text's head. */
+void scene_put_table(const struct tree *t, struct text *out);
+void scene_put_json(const struct tree *t, struct text *out);
+void scene_put_comment(const struct tree *t, struct text *out);
+
+/* The choices as options of the command line, each after `before`. */
+void scene_put_options(const struct scene *s, const char *before, struct text *out);
+
+#endif
