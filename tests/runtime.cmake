@@ -12,9 +12,9 @@ target_compile_definitions(fake_nvrtc_12 PRIVATE FAKE_CXX="${CMAKE_CXX_COMPILER}
 set_target_properties(fake_nvrtc_12 PROPERTIES NO_SONAME ON)
 target_link_options(fake_nvrtc_12 PRIVATE -Wl,-soname,libnvrtc.so.12)
 
-add_executable(test_runtime test_runtime.c test_runtime_backend.c test_runtime_choose.c
-	test_runtime_info.c test_runtime_jit.c
-	test_runtime_launch.c test_runtime_nvrtc.c test_runtime_open.c test_runtime_run.c)
+add_executable(test_runtime test_runtime.c test_runtime_backend.c test_runtime_batch.c test_runtime_choose.c
+	test_runtime_hits.c test_runtime_info.c test_runtime_jit.c test_runtime_launch.c test_runtime_nvrtc.c
+	test_runtime_open.c test_runtime_run.c test_runtime_threads.c)
 add_dependencies(test_runtime fake_cuda fake_nvrtc fake_nvrtc_12)
 target_link_libraries(test_runtime PRIVATE rnea::rnea PkgConfig::CHECK Threads::Threads ${CMAKE_DL_LIBS} m)
 target_link_options(test_runtime PRIVATE -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc)

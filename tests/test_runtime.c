@@ -3,6 +3,8 @@
 #define _GNU_SOURCE
 #include "test_runtime.h"
 #include <dlfcn.h>
+#include <ftw.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -92,6 +94,30 @@ int fake_live(void)
 	return live();
 }
 
+static char folder[64];
+
+void use_folder(void)
+{
+	use_fakes();
+	unsetenv("RNEA_CC");
+	strcpy(folder, "/tmp/test_runtime_backend_XXXXXX");
+	ck_assert_ptr_nonnull(mkdtemp(folder));
+	setenv("RNEA_CACHE", folder, 1);
+}
+
+static int remove_one(const char *path, const struct stat *s, int kind, struct FTW *f)
+{
+	(void)s, (void)kind, (void)f;
+	return remove(path);
+}
+
+void drop_folder(void)
+{
+	use_fakes();
+	ck_assert_int_eq(fake_live(), 0);
+	ck_assert_int_eq(nftw(folder, remove_one, 16, FTW_DEPTH | FTW_PHYS), 0);
+}
+
 char *pendulum(size_t *length)
 {
 	FILE *f = fopen(TEST_DIR "/pendulum.cu", "rb");
@@ -118,6 +144,20 @@ char *pendulum_with(const char *from, const char *to)
 	return changed;
 }
 
+void pendulum_computes(struct rnea_robot *robot)
+{
+	float q = 0.25f, qd = 0, qdd = 2, tau[2] = {0, 0};
+	void *arrays[] = {&q, &qd, &qdd, &tau[0]};
+	struct rnea_error e;
+
+	ck_assert_msg(rnea_launch(robot, arrays, 1, NULL, &e) == RNEA_OK, "%s", e.message);
+	arrays[3] = &tau[1];
+	ck_assert_msg(rnea_run(robot, arrays, 1, &e) == RNEA_OK, "%s", e.message);
+	for (int i = 0; i < 2; i++)
+		ck_assert(fabsf(tau[i] - (1 + 9.81f * sinf(0.25f))) < 1e-5f);
+	rnea_close(robot);
+}
+
 enum rnea_code open_text(
 	const char *text, const struct rnea_options *o, struct rnea_robot **robot, struct rnea_error *e)
 {
@@ -140,8 +180,10 @@ int main(void)
 	srunner_add_suite(r, suite_open());
 	srunner_add_suite(r, suite_launch());
 	srunner_add_suite(r, suite_run());
+	srunner_add_suite(r, suite_threads());
 	srunner_add_suite(r, suite_choose());
 	srunner_add_suite(r, suite_backend());
+	srunner_add_suite(r, suite_hits());
 	srunner_add_suite(r, suite_jit());
 	srunner_add_suite(r, suite_nvrtc());
 	srunner_run_all(r, CK_ENV);

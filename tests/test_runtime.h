@@ -13,6 +13,8 @@ Suite *suite_nvrtc(void);
 Suite *suite_run(void);
 Suite *suite_choose(void);
 Suite *suite_backend(void);
+Suite *suite_hits(void);
+Suite *suite_threads(void);
 
 /* Choose the pretended driver and compiler, with nothing wrong with them; returns a handle for dlsym. */
 void use_fakes(void);
@@ -22,6 +24,13 @@ int fake_live(void);
 
 /* A function of the pretended driver, or of the pretended NVRTC. */
 void fake_function(const char *library, const char *name, void *slot);
+
+/* The same, and a cache in a folder of its own; without it again, when all that was taken must have been given back. */
+void use_folder(void);
+void drop_folder(void);
+
+/* The pendulum computes on either way to launch it; closed afterwards. */
+void pendulum_computes(struct rnea_robot *robot);
 
 /* tests/pendulum.cu, NUL-terminated, malloc. */
 char *pendulum(size_t *length);

@@ -30,7 +30,7 @@ set_tests_properties(test_picture PROPERTIES SKIP_RETURN_CODE 77)
 
 # The command that evaluates arrays: its files.
 rneagen_add_test(test_npy test_npy_bad.c ${CMAKE_SOURCE_DIR}/runtime/npy.c ${CMAKE_SOURCE_DIR}/runtime/npy_header.c)
-add_executable(test_rnearun test_rnearun.c states_file.c process.c)
+add_executable(test_rnearun test_rnearun.c test_rnearun_limits.c states_file.c process.c)
 target_link_libraries(test_rnearun PRIVATE PkgConfig::CHECK m)
 target_compile_definitions(test_rnearun PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
 add_test(NAME test_rnearun COMMAND test_rnearun $<TARGET_FILE:rnearun> $<TARGET_FILE:rnea_reference>)
