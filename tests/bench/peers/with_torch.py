@@ -1,0 +1,174 @@
+#!/usr/bin/env python3
+"""PyTorch on a CPU (--routes cpu), on a GPU operation by operation and in a CUDA graph (cuda), and what torch.compile
+makes of the straight-line text (straight_f32, straight_f64) and of the matrices (compiled). Several compile at a time:
+they take turns on the GPU by --lock."""
+import os
+import tempfile
+import time
+
+import gpu
+import measure
+import straight
+from spatial import FUNCTIONS, Spatial
+
+torch, import_ms = measure.start("PyTorch", "torch")
+STATIC = 1048576  # the size that torch.compile is given as a constant
+
+
+def dtype(precision):
+    return torch.float32 if precision == "f32" else torch.float64
+
+
+def matrices(bench, precision, device):
+    return Spatial(torch, bench.model, lambda x: torch.tensor(x, dtype=dtype(precision), device=device))
+
+
+def tensors(arrays, device):
+    return [torch.from_numpy(x).to(device) for x in arrays]
+
+
+def key(route, function, device, precision, n, **more):
+    return {"route": route, "function": function, "device": device, "precision": precision, "n": n, **more}
+
+
+def errors(found):
+    return {"error_max": found[0], "error_rms": found[1], "import_ms": import_ms}
+
+
+# ---- the processor ----
+
+
+def on_cpu(bench):
+    functions = {p: matrices(bench, p, "cpu") for p in measure.TYPES}
+    for function, precision, n in bench.steps():
+        data = bench.data[precision]
+        for threads in {1, max(bench.threads)}:
+            def make():
+                torch.set_num_threads(threads)
+                inputs, call = tensors(data.inputs(function, n), "cpu"), functions[precision].function(function)
+                outputs = gpu.tuple_of(call(*inputs))
+                us = measure.clock(lambda: call(*inputs), bench.box)
+                return {**errors(data.errors(function, n, outputs)), "method": "clock", "kernel_us": us, "call_us": us,
+                        "h2d_us": 0, "d2h_us": 0}
+
+            bench.attempt(make, **key("eager", function, "cpu", precision, n, threads=threads))
+
+
+# ---- the GPU, operation by operation, and the same in a graph ----
+
+
+def on_cuda(bench, timer):
+    functions, seen = {p: matrices(bench, p, gpu.DEVICE) for p in measure.TYPES}, {}
+    for function, precision, n in bench.steps():
+        data, call, kept = bench.data[precision], functions[precision].function(function), {}
+
+        def eager():
+            kept["inputs"] = inputs = tensors(data.inputs(function, n), gpu.DEVICE)
+            outputs, cold = gpu.first_call(torch, lambda: call(*inputs))
+            outputs, copies = gpu.tuple_of(outputs), (function, precision, n)
+            kept["row"] = {**errors(data.errors(function, n, outputs)), **timer.copies(copies, data.inputs(function, n), outputs)}
+            us = kept["eager"] = timer.events(lambda: call(*inputs))
+            cold = {} if (function, precision) in seen else {"cold_ms": cold}
+            seen[function, precision] = True
+            return {**kept["row"], **cold, **timer.profiled(copies, lambda: call(*inputs)), "method": "events",
+                    "kernel_us": us, "stream_us": us, "call_us": timer.waited(lambda: call(*inputs))}
+
+        def graph():
+            us = timer.graph(lambda: call(*kept["inputs"]), kept["eager"])
+            return {**kept["row"], **timer.profiled((function, precision, n), None), "method": "graph", "kernel_us": us,
+                    "call_us": timer.waited(timer.captured(lambda: call(*kept["inputs"])).replay)}
+
+        if bench.attempt(eager, **key("eager", function, "cuda", precision, n)):
+            bench.attempt(graph, **key("CUDA graph", function, "cuda", precision, n))
+
+
+# ---- torch.compile ----
+
+
+def compiled_row(bench, timer, case, call, inputs, host, axis, extra):
+    """`case` is (function, precision, n); `call` has run before."""
+    function, precision, n = case
+    outputs = gpu.tuple_of(call(*inputs))
+    stacked = (torch.stack(outputs),) if axis else outputs
+    row = {**extra, **errors(bench.data[precision].errors(function, n, stacked, axis)),
+           **timer.copies(case, host, stacked)}
+    us = timer.events(lambda: call(*inputs))
+    return {**row, **timer.profiled((axis, *case), lambda: call(*inputs)), "method": "graph",
+            "stream_us": us, "call_us": timer.waited(lambda: call(*inputs)), "kernel_us": timer.graph(lambda: call(*inputs), us)}
+
+
+def compiled(bench, timer, make, cases, route, axis=0):
+    """Rows of torch.compile of make(precision)(function) for `cases`, whose third is n and fourth dynamic or not."""
+    ready = {}
+    for function, precision, n, dynamic in cases:
+        def row():
+            host = bench.data[precision].inputs(function, n)
+            host = [x if axis == 0 else x.T.copy() for x in host]
+            inputs, which, extra = tensors(host, gpu.DEVICE), (function, precision, dynamic, n == 1), {}
+            if which not in ready:
+                plain = make(precision, function)
+                ready[which] = torch.compile(plain, dynamic=dynamic)
+                extra["cold_ms"] = gpu.first_call(torch, lambda: ready[which](*inputs))[1]
+                if not dynamic:  # once more with what is on disk
+                    torch._dynamo.reset()
+                    ready[which] = torch.compile(plain, dynamic=dynamic)
+                    extra["cached_ms"] = gpu.first_call(torch, lambda: ready[which](*inputs))[1]
+            else:
+                ready[which](*inputs)
+            with gpu.alone(os.environ.get("PEERS_LOCK")):
+                return compiled_row(bench, timer, (function, precision, n), ready[which], inputs, host, axis, extra)
+
+        bench.attempt(row, **key(route, function, "cuda", precision, n))
+
+
+def with_straight(bench, timer, precision):
+    call, count = straight.rnea(bench.model, torch.sin, torch.cos)
+    static = min(STATIC, bench.options.largest)
+    counts = [n for n in bench.counts if n not in (1, static)] + [1]
+    cases = [("rnea", precision, static, False)] + [("rnea", precision, n, None if n == 1 else True) for n in counts]
+    compiled(bench, timer, lambda *_: call, cases, f"torch.compile, {count} statements", -1)
+
+
+def with_matrices(bench, timer):
+    functions = {p: matrices(bench, p, gpu.DEVICE) for p in measure.TYPES}
+    cases = [(f, p, n, True) for f in FUNCTIONS for p in measure.TYPES for n in bench.counts if n > 1]
+    compiled(bench, timer, lambda precision, function: functions[precision].function(function), cases,
+             "torch.compile, matrices")
+
+
+def start_cuda(bench):
+    """A timer and the milliseconds that the context took; without a GPU a row says so."""
+    if not torch.cuda.is_available():
+        bench.row(device="cuda", note="skipped: PyTorch finds no GPU")
+        return None
+    began = time.perf_counter()
+    torch.zeros(1, device=gpu.DEVICE)
+    torch.cuda.synchronize()
+    return gpu.Timer(torch, bench.box), (time.perf_counter() - began) * 1e3
+
+
+def main(bench):
+    global import_ms
+    bench.version = torch.__version__
+    if bench.options.routes == "cpu":
+        return on_cpu(bench)
+    started = start_cuda(bench)
+    if not started:
+        return None
+    timer, context_ms = started
+    import_ms += context_ms
+    if bench.wants("cuda"):
+        on_cuda(bench, timer)
+    with tempfile.TemporaryDirectory() as cache:
+        os.environ["TORCHINDUCTOR_CACHE_DIR"] = cache
+        for precision in measure.TYPES:
+            if bench.wants(f"straight_{precision}"):
+                with_straight(bench, timer, precision)
+        if bench.wants("compiled"):
+            with_matrices(bench, timer)
+    return None
+
+
+if __name__ == "__main__":
+    torch.backends.cuda.matmul.allow_tf32 = False  # which would cost ten bits
+    main(measure.Bench("PyTorch"))
