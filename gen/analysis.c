@@ -1,15 +1,15 @@
 #include "analysis.h"
 #include <string.h>
 
-static enum rneagen_code build(struct analysis *a, int strict, struct rneagen_error *e)
+int analysis_dag(struct dag *d, const struct tree *t, int strict, struct arena *a)
 {
 	struct dag raw;
 
-	dag_init(&raw, &a->arena);
-	ALGORITHMS[PASS_RNEA].build(&raw, &a->tree);
-	dag_init(&a->dag, &a->arena);
-	dag_fuse(&a->dag, &raw, strict);
-	return raw.failed || a->dag.failed ? error_memory(e) : RNEAGEN_OK;
+	dag_init(&raw, a);
+	ALGORITHMS[PASS_RNEA].build(&raw, t);
+	dag_init(d, a);
+	dag_fuse(d, &raw, strict);
+	return !raw.failed && !d->failed;
 }
 
 enum rneagen_code analysis_open(struct analysis *a, const char *urdf, size_t length, const struct rneagen_options *o,
@@ -21,7 +21,8 @@ enum rneagen_code analysis_open(struct analysis *a, const char *urdf, size_t len
 	*e = (struct rneagen_error){0};
 	arena_init(&a->arena, o->allocator);
 	if (robot_read(&a->robot, urdf, length, file, &a->arena, e) || tree_build(&a->tree, &a->robot, o, &a->arena, e) ||
-		build(a, o->strict, e)) {
+		!analysis_dag(&a->dag, &a->tree, o->strict, &a->arena)) {
+		error_memory(e); /* if nothing else */
 		analysis_free(a);
 		return e->code;
 	}
@@ -37,12 +38,4 @@ void analysis_free(struct analysis *a)
 {
 	arena_free(&a->arena);
 	*a = (struct analysis){0};
-}
-
-const struct joint *analysis_joint(const struct analysis *a, int i)
-{
-	for (int k = 0; k < a->robot.joint_count; k++)
-		if (!strcmp(a->robot.joints[k].name, a->tree.joints[i].name))
-			return &a->robot.joints[k];
-	return NULL;
 }

@@ -18,9 +18,10 @@ struct analysis {
    rneagen_generate. */
 enum rneagen_code analysis_open(struct analysis *a, const char *urdf, size_t length, const struct rneagen_options *o,
 	struct rneagen_error *e);
-void analysis_free(struct analysis *a);
 
-/* What the URDF says of the joint behind tree.joints[i]; NULL for the floating base. */
-const struct joint *analysis_joint(const struct analysis *a, int i);
+/* The DAG of a tree's torques, fused. Returns 0 when memory runs out. */
+int analysis_dag(struct dag *d, const struct tree *t, int strict, struct arena *a);
+
+void analysis_free(struct analysis *a);
 
 #endif

@@ -1,5 +1,6 @@
 /* What a generated text says about itself: the comment at its head, and the table NAME_info. */
 #include "emit.h"
+#include "effect.h"
 #include "scene_put.h"
 #include "template.h"
 #include <string.h>
@@ -146,6 +147,7 @@ void emit_banner(const struct emission *e, struct text *out)
 	put_operations(e, out);
 	put_joints(e, out);
 	scene_put_comment(e->tree, out);
+	effect_put_comment(e->tree, out);
 	put_conventions(e, out);
 	for (size_t i = 0; i < e->warning_count; i++) {
 		text_put(out, i ? " *   " : " *\n * Warnings:\n *   ");

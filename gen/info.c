@@ -1,4 +1,5 @@
 #include "info.h"
+#include "effect.h"
 #include "scene_put.h"
 
 static real total_mass(const struct tree *t)
@@ -53,6 +54,7 @@ void info_table(const struct emission *e, struct text *out)
 		text_printf(out, "%s%s = %.9Lg * %s + %.9Lg\n", i ? "  " : "\nmimic\n  ", t->mimics[i].name,
 			t->mimics[i].multiplier, t->mimics[i].driver, t->mimics[i].offset);
 	scene_put_table(t, out);
+	effect_put_table(t, out);
 	put_operations(e, out);
 	for (size_t i = 0; i < e->warning_count; i++)
 		text_printf(out, "%s%s\n", i ? "  " : "\nwarnings\n  ", e->warnings[i]);
@@ -93,6 +95,7 @@ void info_json(const struct emission *e, struct text *out)
 	text_printf(out, ",\n  \"nq\": %d,\n  \"nv\": %d,\n  \"nb\": %d,\n", e->tree->nq, e->tree->nv, e->tree->body_count);
 	put_json_joints(e->tree, out);
 	scene_put_json(e->tree, out);
+	effect_put_json(e->tree, out);
 	text_put(out, "  \"warnings\": [");
 	for (size_t i = 0; i < e->warning_count; i++) {
 		text_put(out, i ? ",\n    " : "\n    ");

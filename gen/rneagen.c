@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "rneagen.h"
 #include "dot.h"
+#include "effect.h"
 #include "emit.h"
 #include "identifier.h"
 #include "info.h"
@@ -124,7 +125,8 @@ static enum rneagen_code generate(struct generation *g, const char *urdf, size_t
 	struct arena *a = &g->result->arena;
 
 	if (robot_read(&g->robot, urdf, length, g->options.file, a, g->error) || resolve_options(g) ||
-		tree_build(&g->tree, &g->robot, &g->options, a, g->error) || make_passes(g))
+		tree_build(&g->tree, &g->robot, &g->options, a, g->error) || make_passes(g) ||
+		effect_measure(&g->tree, &g->robot, &g->options, a, g->error))
 		return g->error->code;
 	tree_warn(&g->tree, &g->robot, g->options.file, a);
 	if (a->failed)

@@ -252,19 +252,11 @@ static void list_cut(struct builder *b)
 			c->joints[c->joint_count++] = b->r->joints[j].name;
 }
 
-void tree_warn(const struct tree *t, struct robot *r, const char *file, struct arena *a)
-{
-	for (int i = 0; i < t->held_count; i++)
-		if (t->held[i].beyond)
-			robot_warn(r, a, "%s: joint '%s' is held at %.9Lg, outside of its limits (%s)", file, t->held[i].name,
-				t->held[i].value[0], t->held[i].why);
-}
-
 /* Choices that are read and not yet made. */
 static enum rneagen_code scene_supported(const struct scene *s, struct rneagen_error *e)
 {
 	static const char made[SCENE_KEY_COUNT] = {[SCENE_FEXT_FRAME] = 1, [SCENE_BESIDE] = 1, [SCENE_ROOT] = 1,
-		[SCENE_TIP] = 1, [SCENE_LOCK] = 1, [SCENE_LOCK_ALL_BUT] = 1};
+		[SCENE_TIP] = 1, [SCENE_LOCK] = 1, [SCENE_LOCK_ALL_BUT] = 1, [SCENE_SNAP_ANGLE] = 1, [SCENE_ROUND_CONSTANTS] = 1};
 
 	for (int i = 0; i < s->line_count; i++)
 		if (!made[s->lines[i].key])
@@ -290,50 +282,73 @@ static enum rneagen_code allocate(struct builder *b)
 	b->first_child = arena_alloc(a, links, sizeof *b->first_child);
 	b->next_sibling = arena_alloc(a, joints, sizeof *b->next_sibling);
 	b->body_of_joint = arena_alloc(a, joints, sizeof *b->body_of_joint);
+	t->angles = arena_alloc(a, links + joints, sizeof *t->angles);
 	return a->failed ? error_memory(b->e) : RNEAGEN_OK;
+}
+
+static void list_angle(struct tree *t, const char *what, const char *name, const double rpy[3])
+{
+	double off = adjust_off_rpy(rpy, t->adjust.snap > ADJUST_NEARLY ? t->adjust.snap : ADJUST_NEARLY);
+
+	if (off > 0)
+		t->angles[t->angle_count++] = (struct tree_angle){what, name, off};
+}
+
+/* Of what is modelled, as the URDF has them. */
+static void list_angles(struct builder *b, const struct robot *r)
+{
+	for (int j = 0; j < r->joint_count; j++)
+		if (b->visited[r->joints[j].child] && b->visited[r->joints[j].parent])
+			list_angle(b->t, "joint", r->joints[j].name, r->joints[j].rpy);
+	for (int i = 0; i < r->link_count; i++)
+		if (b->visited[i] && r->links[i].has_inertial)
+			list_angle(b->t, "inertial of link", r->links[i].name, r->links[i].com_rpy);
+}
+
+/* The robot with its angles snapped, if they are to be. */
+static enum rneagen_code adjust_robot(struct builder *b, struct robot *snapped)
+{
+	if (b->t->adjust.snap == 0)
+		return RNEAGEN_OK;
+	*snapped = adjust_snap(b->r, b->t->adjust.snap, b->a);
+	b->r = snapped;
+	return b->a->failed ? error_memory(b->e) : RNEAGEN_OK;
 }
 
 enum rneagen_code tree_build(struct tree *t, const struct robot *r, const struct rneagen_options *o, struct arena *a,
 	struct rneagen_error *e)
 {
+	return tree_build_adjusted(t, r, o, NULL, a, e);
+}
+
+enum rneagen_code tree_build_adjusted(struct tree *t, const struct robot *r, const struct rneagen_options *o,
+	const struct adjust *x, struct arena *a, struct rneagen_error *e)
+{
 	struct builder b = {.t = t, .r = r, .o = o, .a = a, .e = e};
+	struct robot snapped;
 
 	*t = (struct tree){.robot = r->name, .floating = o->base == RNEAGEN_FLOATING};
 	for (int i = 0; i < 3; i++)
 		t->gravity[i] = o->gravity[i];
 	if (scene_read(&t->scene, o->scene, o->file ? o->file : "<input>", a, e) || scene_expand(&t->scene, r, a, e) ||
-		scene_supported(&t->scene, e) || cut_make(&b.cut, &t->scene, r, o, a, e) || allocate(&b))
+		scene_supported(&t->scene, e) || adjust_read(&t->adjust, &t->scene, e) || cut_make(&b.cut, &t->scene, r, o, a, e) ||
+		allocate(&b))
+		return e->code;
+	if (x)
+		t->adjust = *x;
+	if (adjust_robot(&b, &snapped))
 		return e->code;
 	t->root = r->links[b.cut.root].name;
 	link_children(&b);
 	walk(&b);
 	list_cut(&b);
+	list_angles(&b, r);
 	if (cut_check(&b.cut, &t->scene, r, b.visited, e))
 		return e->code;
 	for (int k = 0; k < t->body_count; k++)
 		t->bodies[k].inertia = inertia_total(&b.sums[k]);
 	t->fixed = inertia_total(&b.fixed);
+	if (t->adjust.digits)
+		adjust_round(t, t->adjust.digits);
 	return rows_number(t, o, a, e);
-}
-
-void tree_dump(const struct tree *t, struct text *out)
-{
-	text_printf(out, "tree \"%s\": root link \"%s\", nb %d, nq %d, nv %d, gravity %.17Lg %.17Lg %.17Lg\n", t->robot,
-		t->root, t->body_count, t->nq, t->nv, t->gravity[0], t->gravity[1], t->gravity[2]);
-	for (int i = 0; i < t->body_count; i++) {
-		const struct body *k = &t->bodies[i];
-		const struct inertia *I = &k->inertia;
-
-		text_printf(out, "body %d link \"%s\" joint \"%s\" %s parent %d axis %c%c iq %d iv %d", k->number, k->link,
-			k->joint, joint_type_name(k->type), k->parent < 0 ? -1 : t->bodies[k->parent].number,
-			k->sign < 0 ? '-' : '+', "xyz"[k->axis], k->iq, k->iv);
-		if (k->follower)
-			text_printf(out, " follower multiplier %.17Lg", k->multiplier);
-		text_printf(out, "\n  p %.17Lg %.17Lg %.17Lg\n", k->X.p[0], k->X.p[1], k->X.p[2]);
-		for (int row = 0; row < 3; row++)
-			text_printf(out, "  R %.17Lg %.17Lg %.17Lg\n", k->X.R.m[row][0], k->X.R.m[row][1], k->X.R.m[row][2]);
-		text_printf(out, "  mass %.17Lg h %.17Lg %.17Lg %.17Lg\n", I->mass, I->h[0], I->h[1], I->h[2]);
-		text_printf(out, "  I xx %.17Lg xy %.17Lg xz %.17Lg yy %.17Lg yz %.17Lg zz %.17Lg\n", I->I[0], I->I[1],
-			I->I[2], I->I[3], I->I[4], I->I[5]);
-	}
 }

@@ -3,6 +3,7 @@
 /* The kinematic tree that is computed: fixed joints merged, mimic relations resolved, bodies numbered depth-first,
    every constant placed. */
 
+#include "adjust.h"
 #include "arena.h"
 #include "error.h"
 #include "rneagen.h"
@@ -55,6 +56,14 @@ struct tree_cut {
 	real mass;
 };
 
+/* An origin in the scene with an angle that is nearly a multiple of pi/2. */
+struct tree_angle {
+	const char *what, *name; /* what: "joint", "inertial of link" */
+	double off;              /* rad; the largest of the three */
+};
+
+struct effect;
+
 struct tree {
 	const char *robot, *root;
 	struct body *bodies;
@@ -69,6 +78,11 @@ struct tree {
 	struct tree_held *held;
 	int held_count;
 	struct tree_cut cut;
+	struct adjust adjust;
+	struct tree_angle *angles; /* within ADJUST_NEARLY, or adjust.snap where that is more */
+	int angle_count;
+	struct effect *effects; /* by effect_measure */
+	int effect_count;
 	struct inertia fixed; /* what is fixed to the world and so does not matter */
 };
 
@@ -79,6 +93,13 @@ int joint_nv(enum joint_type type);
 /* Errors: NO_JOINTS, UNSUPPORTED, USAGE (an order that does not fit), SCENE, MEMORY. */
 enum rneagen_code tree_build(struct tree *t, const struct robot *r, const struct rneagen_options *o, struct arena *a,
 	struct rneagen_error *e);
+
+/* The same with constants changed in another way than the scene says. */
+enum rneagen_code tree_build_adjusted(struct tree *t, const struct robot *r, const struct rneagen_options *o,
+	const struct adjust *x, struct arena *a, struct rneagen_error *e);
+
+/* What the URDF says of the joint behind t->joints[i]; NULL for the floating base. */
+const struct joint *tree_joint_of(const struct robot *r, const struct tree *t, int i);
 
 /* What the scene chose and may not be meant, as warnings of the robot. */
 void tree_warn(const struct tree *t, struct robot *r, const char *file, struct arena *a);

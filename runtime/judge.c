@@ -109,7 +109,7 @@ int judge_open(struct judge *j, const struct analysis *a, enum rneagen_precision
 
 	*j = (struct judge){.precision = precision, .tau = calloc(o->count, nv * sizeof *j->tau),
 		.size = calloc(o->count, nv * sizeof *j->size)};
-	done = j->tau && j->size && sample_states(&j->states, a, o) && trial_new(&t, a);
+	done = j->tau && j->size && sample_states(&j->states, &a->robot, &a->tree, o) && trial_new(&t, a);
 	if (done && judge_is_f32(precision))
 		sample_round(&j->states);
 	for (size_t k = 0; done && k < o->count; k++)

@@ -2,6 +2,7 @@
 #define RUNTIME_JUDGE_H
 /* How far torques are off: the DAG evaluated in more precision than any text has, over the states of one set. */
 
+#include "analysis.h"
 #include "sample.h"
 
 #if defined __SIZEOF_FLOAT128__ && defined RNEAGEN_QUAD

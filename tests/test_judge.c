@@ -104,7 +104,7 @@ START_TEST(test_states)
 			if (t->type == JOINT_FLOATING)
 				ck_assert_double_eq_tol(q[3] * q[3] + q[4] * q[4] + q[5] * q[5] + q[6] * q[6], 1, 1e-15);
 			else
-				assert_within(analysis_joint(&f.analysis, i), q[0], s->qd[k * s->nv + (size_t)t->iv]);
+				assert_within(tree_joint_of(&f.analysis.robot, &f.analysis.tree, i), q[0], s->qd[k * s->nv + (size_t)t->iv]);
 			most = fmax(most, fabs(s->qdd[k * s->nv + (size_t)t->iv]));
 		}
 	ck_assert(most > 9.5 && most <= 10);
@@ -124,11 +124,11 @@ START_TEST(test_seed)
 	struct states s;
 
 	open_fixture(&f, 0, RNEAGEN_F64);
-	ck_assert(sample_states(&s, &f.analysis, &OPTIONS));
+	ck_assert(sample_states(&s, &f.analysis.robot, &f.analysis.tree, &OPTIONS));
 	ck_assert(!memcmp(s.q, f.judge.states.q, COUNT * s.nq * sizeof *s.q));
 	sample_free(&s);
 	other.seed++;
-	ck_assert(sample_states(&s, &f.analysis, &other));
+	ck_assert(sample_states(&s, &f.analysis.robot, &f.analysis.tree, &other));
 	ck_assert(memcmp(s.q, f.judge.states.q, COUNT * s.nq * sizeof *s.q));
 	sample_free(&s);
 	close_fixture(&f);

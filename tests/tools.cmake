@@ -39,7 +39,7 @@ set_tests_properties(test_rnearun test_rnearun_numpy PROPERTIES TIMEOUT 600 SKIP
 	ENVIRONMENT "RNEA_LIBCUDA=$<TARGET_FILE:fake_cuda>;RNEA_NVRTC=$<TARGET_FILE:fake_nvrtc>")
 
 # The commands that compare variants: what they judge by, and themselves.
-rneagen_add_test(test_judge model.c ${CMAKE_SOURCE_DIR}/runtime/judge.c ${CMAKE_SOURCE_DIR}/runtime/sample.c)
+rneagen_add_test(test_judge model.c ${CMAKE_SOURCE_DIR}/runtime/judge.c)
 target_link_libraries(test_judge PRIVATE reference m)
 add_test(NAME test_rnearun_report COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_rnearun_report $<TARGET_FILE:rnearun>
 	$<TARGET_FILE:fake_cuda> $<TARGET_FILE:fake_nvrtc>)

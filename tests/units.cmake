@@ -32,6 +32,8 @@ target_link_libraries(test_passes PRIVATE reference)
 rneagen_add_test(test_scene read.c)
 rneagen_add_test(test_scene_trees scene_model.c torque.c model.c)
 target_link_libraries(test_scene_trees PRIVATE reference)
+rneagen_add_test(test_scene_constants scene_model.c torque.c model.c)
+target_link_libraries(test_scene_constants PRIVATE reference)
 
 # The text.
 rneagen_add_test(test_emit model.c)

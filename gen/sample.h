@@ -1,8 +1,8 @@
-#ifndef RUNTIME_SAMPLE_H
-#define RUNTIME_SAMPLE_H
+#ifndef RNEAGEN_SAMPLE_H
+#define RNEAGEN_SAMPLE_H
 /* Seeded states of a robot within the limits of its joints. */
 
-#include "analysis.h"
+#include "tree.h"
 
 struct sample_options {
 	unsigned long long seed;
@@ -22,7 +22,7 @@ enum { SAMPLE_LIMIT = 1000 };
 /* Uniform within the limits of position and velocity of each joint; where there is none q is within pi of 0 for angles
    and 1 m for lengths, quaternions are uniform over all orientations. The same seed gives the same states. Returns 0
    when memory runs out; the caller gives the states to sample_free. */
-int sample_states(struct states *s, const struct analysis *a, const struct sample_options *o);
+int sample_states(struct states *s, const struct robot *r, const struct tree *t, const struct sample_options *o);
 
 /* Round every number to single precision. */
 void sample_round(struct states *s);

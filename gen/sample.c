@@ -63,12 +63,12 @@ static void draw_position(unsigned short seed[3], const struct tree_joint *t, co
 	q[0] = draw(seed, position_range(j));
 }
 
-static void draw_state(unsigned short seed[3], const struct analysis *a, const struct sample_options *o, double *q,
-	double *qd, double *qdd)
+static void draw_state(unsigned short seed[3], const struct robot *r, const struct tree *tree, const struct sample_options *o,
+	double *q, double *qd, double *qdd)
 {
-	for (int i = 0; i < a->tree.joint_count; i++) {
-		const struct tree_joint *t = &a->tree.joints[i];
-		const struct joint *j = analysis_joint(a, i);
+	for (int i = 0; i < tree->joint_count; i++) {
+		const struct tree_joint *t = &tree->joints[i];
+		const struct joint *j = tree_joint_of(r, tree, i);
 
 		draw_position(seed, t, j, q + t->iq);
 		for (int k = t->iv; k < t->iv + t->nv; k++) {
@@ -78,9 +78,9 @@ static void draw_state(unsigned short seed[3], const struct analysis *a, const s
 	}
 }
 
-int sample_states(struct states *s, const struct analysis *a, const struct sample_options *o)
+int sample_states(struct states *s, const struct robot *r, const struct tree *t, const struct sample_options *o)
 {
-	size_t nq = (size_t)a->tree.nq, nv = (size_t)a->tree.nv;
+	size_t nq = (size_t)t->nq, nv = (size_t)t->nv;
 	unsigned short seed[3] = {(unsigned short)o->seed, (unsigned short)(o->seed >> 16), (unsigned short)(o->seed >> 32)};
 
 	*s = (struct states){.count = o->count, .nq = nq, .nv = nv, .q = calloc(o->count, nq * sizeof(double)),
@@ -90,7 +90,7 @@ int sample_states(struct states *s, const struct analysis *a, const struct sampl
 		return 0;
 	}
 	for (size_t k = 0; k < o->count; k++)
-		draw_state(seed, a, o, s->q + k * nq, s->qd + k * nv, s->qdd + k * nv);
+		draw_state(seed, r, t, o, s->q + k * nq, s->qd + k * nv, s->qdd + k * nv);
 	return 1;
 }
 

@@ -1,0 +1,234 @@
+#include "effect.h"
+#include "analysis.h"
+#include "eval.h"
+#include "plan.h"
+#include "sample.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* One way to build the scene: the DAG of its torques and what they cost. */
+struct way {
+	struct tree tree;
+	struct dag dag;
+	long flops;
+};
+
+struct measuring {
+	const struct robot *r;
+	const struct rneagen_options *o;
+	struct arena *a; /* for what goes again */
+	struct rneagen_error *e;
+	struct states states;
+};
+
+static enum rneagen_code count(struct way *w, const struct measuring *m)
+{
+	struct operation_count n;
+	struct plan p;
+
+	if (!analysis_dag(&w->dag, &w->tree, m->o->strict, m->a) || !plan_build(&p, &w->dag, &w->tree, m->a))
+		return error_memory(m->e);
+	n = plan_operations(&p);
+	w->flops = (long)n.mul + (long)n.add + (long)n.sub + 2 * (long)n.fma;
+	return RNEAGEN_OK;
+}
+
+static enum rneagen_code build(struct way *w, const struct measuring *m, const struct adjust *x)
+{
+	return tree_build_adjusted(&w->tree, m->r, m->o, x, m->a, m->e) ? m->e->code : count(w, m);
+}
+
+/* ---- torques ---- */
+
+/* Where an input's rows stand; what is neither q nor qd nor qdd is half of its unit everywhere. */
+static const double *rows_of(const struct measuring *m, const struct argument *x, size_t state, double *half)
+{
+	const struct states *s = &m->states;
+
+	if (!strcmp(x->name, "q") && (size_t)x->rows == s->nq)
+		return s->q + state * s->nq;
+	if (!strcmp(x->name, "qd") && (size_t)x->rows == s->nv)
+		return s->qd + state * s->nv;
+	if (!strcmp(x->name, "qdd") && (size_t)x->rows == s->nv)
+		return s->qdd + state * s->nv;
+	for (int i = 0; i < x->rows; i++)
+		half[i] = 0.5;
+	return half;
+}
+
+static size_t total_rows(const struct dag *d, int outputs)
+{
+	size_t rows = 0;
+
+	for (int k = 0; k < d->argument_count; k++)
+		rows += d->arguments[k].is_output == outputs ? (size_t)d->arguments[k].rows : 0;
+	return rows;
+}
+
+/* All outputs in one state, after one another. Returns 0 when memory runs out. */
+static int torques(const struct way *w, const struct measuring *m, size_t state, double *half, double *out)
+{
+	const struct dag *d = &w->dag;
+	const double *in[DAG_ARGUMENTS] = {NULL};
+	double *to[DAG_ARGUMENTS] = {NULL};
+
+	for (int k = 0; k < d->argument_count; k++) {
+		const struct argument *x = &d->arguments[k];
+
+		if (x->is_output) {
+			to[k] = out;
+			out += x->rows;
+		} else {
+			in[k] = rows_of(m, x, state, half);
+			half += x->rows;
+		}
+	}
+	return eval_f64(d, in, to, NULL);
+}
+
+static int compare(struct effect *x, const struct way *with, const struct way *without, const struct measuring *m)
+{
+	size_t rows = total_rows(&with->dag, 1);
+	double *half = arena_alloc(m->a, total_rows(&with->dag, 0), sizeof *half);
+	double *y = arena_alloc(m->a, 2 * rows, sizeof *y), *z = y ? y + rows : NULL, largest = 0, largest_off = 0;
+
+	for (size_t k = 0; k < m->states.count; k++) {
+		double off = 0, size = 0;
+
+		if (!half || !y || !torques(with, m, k, half, y) || !torques(without, m, k, half, z))
+			return 0;
+		for (size_t i = 0; i < rows; i++) {
+			off = hypot(off, y[i] - z[i]);
+			size = hypot(size, z[i]);
+			x->change = fmax(x->change, fabs(y[i] - z[i]));
+		}
+		largest = fmax(largest, size);
+		largest_off = fmax(largest_off, off);
+	}
+	x->share = largest_off > 0 ? largest_off / largest : 0;
+	return 1;
+}
+
+/* ---- each change ---- */
+
+static enum rneagen_code add_effect(struct tree *t, struct effect *x, const struct way *with, const struct way *without,
+	const struct measuring *m)
+{
+	x->saved = without->flops - with->flops;
+	if (!compare(x, with, without, m))
+		return error_memory(m->e);
+	t->effects[t->effect_count++] = *x;
+	return RNEAGEN_OK;
+}
+
+static enum rneagen_code measure_asked(struct tree *t, const struct way *now, const struct measuring *m)
+{
+	for (int key = SCENE_SNAP_ANGLE; key <= SCENE_DROP_BELOW; key++) {
+		struct effect x = {.key = (enum scene_key)key, .is_asked = 1};
+		struct adjust other = t->adjust;
+		struct way without;
+
+		if (key == SCENE_SNAP_ANGLE) {
+			x.argument = other.snap;
+			other.snap = 0;
+		} else if (key == SCENE_ROUND_CONSTANTS) {
+			x.argument = other.digits;
+			other.digits = 0;
+		} else {
+			x.argument = other.drop;
+			other.drop = 0;
+		}
+		if (x.argument > 0 && (build(&without, m, &other) || add_effect(t, &x, now, &without, m)))
+			return m->e->code;
+	}
+	return RNEAGEN_OK;
+}
+
+/* What --snap-angle would do where there is something for it. */
+static enum rneagen_code measure_nearly(struct tree *t, const struct way *now, const struct measuring *m)
+{
+	struct effect x = {.key = SCENE_SNAP_ANGLE, .argument = ADJUST_NEARLY};
+	struct adjust other = t->adjust;
+	struct way with;
+
+	if (other.snap > 0 || !t->angle_count)
+		return RNEAGEN_OK;
+	other.snap = ADJUST_NEARLY;
+	return build(&with, m, &other) ? m->e->code : add_effect(t, &x, &with, now, m);
+}
+
+enum rneagen_code effect_measure(
+	struct tree *t, const struct robot *r, const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
+{
+	static const struct sample_options sampling = {.seed = 1, .count = EFFECT_STATES, .qd_range = 3, .qdd_range = 10};
+	struct way now = {.tree = *t};
+	struct arena spare;
+	struct measuring m = {.r = r, .o = o, .a = &spare, .e = e};
+
+	t->effects = arena_alloc(a, 4, sizeof *t->effects);
+	if (!t->effects)
+		return error_memory(e);
+	if (t->adjust.snap == 0 && t->adjust.digits == 0 && t->adjust.drop == 0 && !t->angle_count)
+		return RNEAGEN_OK;
+	arena_init(&spare, &a->allocator);
+	if (!sample_states(&m.states, r, t, &sampling))
+		error_memory(e);
+	else if (!count(&now, &m) && !measure_asked(t, &now, &m))
+		measure_nearly(t, &now, &m);
+	sample_free(&m.states);
+	arena_free(&spare);
+	return e->code;
+}
+
+/* ---- telling ---- */
+
+static void put_effect(const struct effect *x, struct text *out)
+{
+	text_printf(out, "--%s %g %s %ld flops of rnea, and torques %s by up to %.2g (%.2g of the largest |tau|), sampled in %d states", scene_word(x->key),
+		x->argument, x->is_asked ? "saves" : "would save", x->saved, x->is_asked ? "change" : "would change", x->change, x->share,
+		EFFECT_STATES);
+}
+
+void effect_put_table(const struct tree *t, struct text *out)
+{
+	for (int i = 0; i < t->angle_count; i++)
+		text_printf(out, "%s%s '%s', by %.2g\n", i ? "  " : "\nangles that are nearly right, rad\n  ", t->angles[i].what,
+			t->angles[i].name, t->angles[i].off);
+	for (int i = 0; i < t->effect_count; i++) {
+		text_put(out, i ? "  " : "\nchanged constants\n  ");
+		put_effect(&t->effects[i], out);
+		text_putc(out, '\n');
+	}
+}
+
+void effect_put_comment(const struct tree *t, struct text *out)
+{
+	for (int i = 0; i < t->effect_count; i++)
+		if (t->effects[i].is_asked) {
+			text_put(out, " * ");
+			put_effect(&t->effects[i], out);
+			text_put(out, "\n");
+		}
+}
+
+void effect_put_json(const struct tree *t, struct text *out)
+{
+	if (t->angle_count)
+		text_put(out, "  \"nearly_right\": [");
+	for (int i = 0; i < t->angle_count; i++) {
+		text_printf(out, "%s{\"%s\": ", i ? ",\n    " : "\n    ", *t->angles[i].what == 'j' ? "joint" : "link");
+		text_put_json(out, t->angles[i].name);
+		text_printf(out, ", \"off\": %.17g}", t->angles[i].off);
+	}
+	text_put(out, t->angle_count ? "\n  ],\n" : "");
+	if (t->effect_count)
+		text_put(out, "  \"changed\": [");
+	for (int i = 0; i < t->effect_count; i++) {
+		const struct effect *x = &t->effects[i];
+
+		text_printf(out, "%s{\"option\": \"%s\", \"value\": %.17g, \"asked\": %s, \"saved\": %ld, \"change\": %.17g, \"share\": %.17g}",
+			i ? ",\n    " : "\n    ", scene_word(x->key), x->argument, x->is_asked ? "true" : "false", x->saved, x->change, x->share);
+	}
+	text_put(out, t->effect_count ? "\n  ],\n" : "");
+}

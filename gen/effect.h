@@ -1,0 +1,30 @@
+#ifndef RNEAGEN_EFFECT_H
+#define RNEAGEN_EFFECT_H
+/* What changed constants save and what they change, against the same scene without that change: operations by count,
+   torques by sampling. */
+
+#include "rnea.h"
+#include "rneagen.h"
+
+enum { EFFECT_STATES = 100 };
+
+struct effect {
+	enum scene_key key;
+	double argument; /* the option's */
+	int is_asked;    /* 0: what the option would do */
+	long saved;      /* flops of rnea; negative: it costs so many more */
+	double change;   /* largest change of a torque, N m or N, */
+	double share;    /* and of |tau| over the largest |tau|, in EFFECT_STATES seeded states within the limits of the joints */
+};
+
+/* Of each of snap-angle, round-constants and drop-below that the tree was built with; of snap-angle ADJUST_NEARLY where
+   it was not and there is an angle for it. Fills t->effects. Errors: MEMORY. */
+enum rneagen_code effect_measure(
+	struct tree *t, const struct robot *r, const struct rneagen_options *o, struct arena *a, struct rneagen_error *e);
+
+/* Lines of --info, a member of --info=json, and lines of a text's head (what is asked for alone). */
+void effect_put_table(const struct tree *t, struct text *out);
+void effect_put_json(const struct tree *t, struct text *out);
+void effect_put_comment(const struct tree *t, struct text *out);
+
+#endif
