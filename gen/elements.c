@@ -114,6 +114,7 @@ enum place elements_enter(struct walk *w, const char *element, const char *const
 	case ROBOT:
 		if (!strcmp(element, "link"))
 			return start_link(w, attributes);
+		w->report->robot->transmission_count += !strcmp(element, "transmission");
 		return strcmp(element, "joint") ? SKIPPED : start_joint(w, attributes);
 	case LINK:
 		return strcmp(element, "inertial") ? SKIPPED : start_inertial(w);

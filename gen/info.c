@@ -55,6 +55,7 @@ void info_table(const struct emission *e, struct text *out)
 			t->mimics[i].multiplier, t->mimics[i].driver, t->mimics[i].offset);
 	scene_put_table(t, out);
 	effect_put_table(t, out);
+	scene_put_ignored(t, out);
 	put_operations(e, out);
 	for (size_t i = 0; i < e->warning_count; i++)
 		text_printf(out, "%s%s\n", i ? "  " : "\nwarnings\n  ", e->warnings[i]);
@@ -96,6 +97,7 @@ void info_json(const struct emission *e, struct text *out)
 	put_json_joints(e->tree, out);
 	scene_put_json(e->tree, out);
 	effect_put_json(e->tree, out);
+	scene_put_json_ignored(e->tree, out);
 	text_put(out, "  \"warnings\": [");
 	for (size_t i = 0; i < e->warning_count; i++) {
 		text_put(out, i ? ",\n    " : "\n    ");

@@ -49,6 +49,7 @@ struct robot {
 	struct joint *joints; /* in byte order of their names, which is urdfdom's and Pinocchio's order of children */
 	int joint_count;
 	int root; /* the one link without a parent joint */
+	int transmission_count; /* elements that were seen and are not read */
 	const char **warnings;
 	size_t warning_count, warning_capacity;
 };

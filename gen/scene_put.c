@@ -42,6 +42,19 @@ static void put_plain(const char *name, struct text *out)
 	text_put(out, name);
 }
 
+void scene_put_ignored(const struct tree *t, struct text *out)
+{
+	const struct tree_ignored *x = &t->ignored;
+
+	if (x->damping_count || x->friction_count || x->limit_count || x->transmission_count)
+		text_put(out, "\nin the URDF and not modelled\n");
+	put_names("  damping of ", ",\n    ", put_plain, x->damping, x->damping_count, out);
+	put_names("  friction of ", ",\n    ", put_plain, x->friction, x->friction_count, out);
+	put_names("  limits of ", ",\n    ", put_plain, x->limits, x->limit_count, out);
+	if (x->transmission_count)
+		text_printf(out, "  %d transmissions\n", x->transmission_count);
+}
+
 void scene_put_table(const struct tree *t, struct text *out)
 {
 	if (!t->scene.line_count)
@@ -85,6 +98,19 @@ static void put_json_options(const struct scene *s, struct text *out)
 	}
 }
 
+void scene_put_json_ignored(const struct tree *t, struct text *out)
+{
+	const struct tree_ignored *x = &t->ignored;
+
+	text_put(out, "  \"ignored\": {");
+	put_json_names("damping", x->damping, x->damping_count, out);
+	text_put(out, ", ");
+	put_json_names("friction", x->friction, x->friction_count, out);
+	text_put(out, ", ");
+	put_json_names("limits", x->limits, x->limit_count, out);
+	text_printf(out, ", \"transmissions\": %d},\n", x->transmission_count);
+}
+
 void scene_put_json(const struct tree *t, struct text *out)
 {
 	if (!t->scene.line_count)
@@ -115,8 +141,19 @@ static void put_quoted(const char *name, struct text *out)
 	text_putc(out, '"');
 }
 
+static void put_comment_ignored(const struct tree *t, struct text *out)
+{
+	const struct tree_ignored *x = &t->ignored;
+
+	if (x->damping_count + x->friction_count + x->limit_count)
+		text_printf(out, " * In the URDF and not modelled: damping of %d joints, friction of %d, limits of %d\n", x->damping_count,
+			x->friction_count, x->limit_count);
+}
+
 void scene_put_comment(const struct tree *t, struct text *out)
 {
+	if (t->scene.line_count)
+		put_comment_ignored(t, out);
 	for (int i = 0; i < t->held_count; i++) {
 		text_put(out, i ? " *   " : " * Held:\n *   ");
 		put_quoted(t->held[i].name, out);

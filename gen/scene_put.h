@@ -9,6 +9,10 @@ void scene_put_table(const struct tree *t, struct text *out);
 void scene_put_json(const struct tree *t, struct text *out);
 void scene_put_comment(const struct tree *t, struct text *out);
 
+/* What the URDF has that is not modelled, for --info, with a scene or without. */
+void scene_put_ignored(const struct tree *t, struct text *out);
+void scene_put_json_ignored(const struct tree *t, struct text *out);
+
 /* The choices as options of the command line, each after `before`. */
 void scene_put_options(const struct scene *s, const char *before, struct text *out);
 

@@ -282,6 +282,9 @@ static enum rneagen_code allocate(struct builder *b)
 	b->first_child = arena_alloc(a, links, sizeof *b->first_child);
 	b->next_sibling = arena_alloc(a, joints, sizeof *b->next_sibling);
 	b->body_of_joint = arena_alloc(a, joints, sizeof *b->body_of_joint);
+	t->ignored.damping = arena_alloc(a, joints, sizeof(char *));
+	t->ignored.friction = arena_alloc(a, joints, sizeof(char *));
+	t->ignored.limits = arena_alloc(a, joints, sizeof(char *));
 	t->angles = arena_alloc(a, links + joints, sizeof *t->angles);
 	return a->failed ? error_memory(b->e) : RNEAGEN_OK;
 }
@@ -303,6 +306,26 @@ static void list_angles(struct builder *b, const struct robot *r)
 	for (int i = 0; i < r->link_count; i++)
 		if (b->visited[i] && r->links[i].has_inertial)
 			list_angle(b->t, "inertial of link", r->links[i].name, r->links[i].com_rpy);
+}
+
+static void list_ignored(struct builder *b)
+{
+	struct tree_ignored *x = &b->t->ignored;
+	int damping = !scene_next(&b->t->scene, SCENE_DAMPING, NULL), friction = !scene_next(&b->t->scene, SCENE_FRICTION, NULL);
+
+	for (int i = 0; i < b->r->joint_count; i++) {
+		const struct joint *j = &b->r->joints[i];
+
+		if (b->body_of_joint[i] < 0)
+			continue;
+		if (damping && j->has_dynamics && j->damping != 0)
+			x->damping[x->damping_count++] = j->name;
+		if (friction && j->has_dynamics && j->friction != 0)
+			x->friction[x->friction_count++] = j->name;
+		if (j->has_limits)
+			x->limits[x->limit_count++] = j->name;
+	}
+	x->transmission_count = b->r->transmission_count;
 }
 
 /* The robot with its angles snapped, if they are to be. */
@@ -343,6 +366,7 @@ enum rneagen_code tree_build_adjusted(struct tree *t, const struct robot *r, con
 	walk(&b);
 	list_cut(&b);
 	list_angles(&b, r);
+	list_ignored(&b);
 	if (cut_check(&b.cut, &t->scene, r, b.visited, e))
 		return e->code;
 	for (int k = 0; k < t->body_count; k++)

@@ -62,6 +62,12 @@ struct tree_angle {
 	double off;              /* rad; the largest of the three */
 };
 
+/* What the URDF says of joints that move, and is not modelled. */
+struct tree_ignored {
+	const char **damping, **friction, **limits; /* names of joints */
+	int damping_count, friction_count, limit_count, transmission_count;
+};
+
 struct effect;
 
 struct tree {
@@ -78,6 +84,7 @@ struct tree {
 	struct tree_held *held;
 	int held_count;
 	struct tree_cut cut;
+	struct tree_ignored ignored;
 	struct adjust adjust;
 	struct tree_angle *angles; /* within ADJUST_NEARLY, or adjust.snap where that is more */
 	int angle_count;

@@ -256,6 +256,30 @@ START_TEST(told)
 }
 END_TEST
 
+#define DYNAMIC(name, type, parent, child, damping, friction)                                                                \
+	JOINT(name, type, parent, child, "<dynamics damping='" damping "' friction='" friction "'/>")
+
+START_TEST(ignored)
+{
+	static const char text[] = ROBOT("r", BALL("base") BALL("a") BALL("b") BALL("c") BALL("d") DYNAMIC("ja", "revolute", "base", "a", "0.5", "0")
+		DYNAMIC("jb", "revolute", "a", "b", "0", "0.25") DYNAMIC("jc", "continuous", "b", "c", "0.5", "1")
+			DYNAMIC("jd", "fixed", "c", "d", "1", "1") "<transmission name='t'><joint name='ja'/></transmission>");
+	struct rneagen_options o = rneagen_options_default();
+	struct rneagen_result r;
+	struct rneagen_error e;
+
+	ck_assert_msg(!rneagen_generate(text, sizeof text - 1, &o, &r, &e), "%s", e.message);
+	expect(r.info, "\nin the URDF and not modelled\n  damping of ja, jc\n  friction of jb, jc\n  limits of ja, jb\n  1 transmissions\n");
+	expect(r.info_json, "  \"ignored\": {\"damping\": [\"ja\", \"jc\"], \"friction\": [\"jb\", \"jc\"], \"limits\": [\"ja\", \"jb\"], "
+			    "\"transmissions\": 1},\n");
+	rneagen_result_free(&r);
+	o.scene = "lock jc=0";
+	ck_assert_msg(!rneagen_generate(text, sizeof text - 1, &o, &r, &e), "%s", e.message);
+	expect(r.source, " * In the URDF and not modelled: damping of 1 joints, friction of 1, limits of 2\n");
+	rneagen_result_free(&r);
+}
+END_TEST
+
 START_TEST(nearest)
 {
 	static const char *const names[] = {"elbow", "elbow_2", "shoulder", "wrist", "ab"};
@@ -289,6 +313,7 @@ int main(void)
 	tcase_add_test(c, other_locale);
 	tcase_add_test(c, repeats_itself);
 	tcase_add_test(c, told);
+	tcase_add_test(c, ignored);
 	tcase_add_test(c, nearest);
 	suite_add_tcase(suite, c);
 	srunner_run_all(runner, CK_NORMAL);

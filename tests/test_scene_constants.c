@@ -59,6 +59,7 @@ START_TEST(snapped)
 	ck_assert(at.tree.effects[0].is_asked && at.tree.effects[0].argument == 5e-5);
 	ck_assert(at.tree.effects[0].saved == plain.tree.effects[0].saved && at.tree.effects[0].change == plain.tree.effects[0].change);
 	ck_assert_int_eq(below.tree.effects[0].saved, 0);
+	ck_assert_int_eq(at.tree.effects[0].saved, (long)(operation_total(&plain) - operation_total(&exact)));
 	ck_assert(below.tree.effects[0].change == 0);
 	scene_close(&plain);
 	scene_close(&at);
