@@ -70,6 +70,9 @@ void emit_number(const struct emission *e, const struct scalar *s, real value, s
 /* Where a number is a pair (e->arithmetic->part): the functions that compute with such numbers, and an expression, by
    calls of them. */
 void emit_f32x2(const struct emission *e, struct text *out);
+/* Per node: an input that only sines and cosines read, which take it as memory has it. NULL if arithmetic is of no pairs. */
+const unsigned char *emit_f32x2_angles(const struct emission *e, const struct plan *p);
+void emit_f32x2_angle(const struct emission *e, const struct plan *p, struct ref a, struct text *out);
 void emit_f32x2_expression(const struct emission *e, const struct plan *p, struct ref a, struct text *out);
 
 /* The table NAME_info as adjacent string literals. */

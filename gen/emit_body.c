@@ -153,7 +153,10 @@ static void put_sincos(const struct emission *e, const struct plan *p, struct re
 	text_printf(out, "\t%srneagen_%ssincos%s_%s(", emit_has_small(e) ? "all_small &= " : "",
 		e->options->strict ? "strict_" : "", emit_sincos_suffix(e),
 		emit_has_small(e) ? "either" : emit_trig_name(e->options->trig));
-	put_value(e, p, n->arg[0], 0, out);
+	if (e->arithmetic->part)
+		emit_f32x2_angle(e, p, n->arg[0], out);
+	else
+		put_value(e, p, n->arg[0], 0, out);
 	text_printf(out, "%s, &%s, &%s);\n", emit_has_small(e) ? ", small" : "", sine, cosine);
 }
 
@@ -249,6 +252,7 @@ static void put_unused_arguments(const struct plan *p, int has_small, struct tex
 void emit_body(const struct emission *e, const struct pass *pass, struct text *out)
 {
 	const struct plan *p = &pass->plan;
+	const unsigned char *angles = emit_f32x2_angles(e, p);
 
 	put_unused_arguments(p, emit_has_small(e), out);
 	if (emit_has_small(e))
@@ -267,7 +271,8 @@ void emit_body(const struct emission *e, const struct pass *pass, struct text *o
 			put_store(e, p, &p->dag->outputs[l->index], out);
 			break;
 		default:
-			put_assignment(e, p, l->value, out);
+			if (!angles || !angles[l->value.i])
+				put_assignment(e, p, l->value, out);
 		}
 	}
 	if (emit_has_small(e))

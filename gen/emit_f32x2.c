@@ -69,6 +69,38 @@ void emit_f32x2_expression(const struct emission *e, const struct plan *p, struc
 		out->failed = 1;
 }
 
+/* Sine and cosine of a large angle need all of its bits: they take a double. */
+void emit_f32x2_angle(const struct emission *e, const struct plan *p, struct ref a, struct text *out)
+{
+	const struct node *n = &p->dag->nodes[a.i];
+
+	if (n->op == OP_INPUT) {
+		text_printf(out, "%s[%u*stride]", p->dag->arguments[n->arg[0].i].name, (unsigned)n->arg[1].i);
+		return;
+	}
+	text_put(out, "rneagen_join(");
+	put_value(e, p, a, out);
+	text_putc(out, ')');
+}
+
+const unsigned char *emit_f32x2_angles(const struct emission *e, const struct plan *p)
+{
+	const struct dag *d = p->dag;
+	uint32_t *uses = e->arithmetic->part ? arena_alloc(e->arena, d->count, sizeof *uses) : NULL;
+	unsigned char *is_angle = uses ? arena_alloc(e->arena, d->count, 1) : NULL;
+
+	if (!is_angle)
+		return NULL;
+	dag_uses(d, uses);
+	for (size_t i = 0; i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+
+		if (uses[i] && (n->op == OP_SIN || n->op == OP_COS) && d->nodes[n->arg[0].i].op == OP_INPUT)
+			is_angle[n->arg[0].i] = --uses[n->arg[0].i] == 0;
+	}
+	return is_angle;
+}
+
 void emit_f32x2(const struct emission *e, struct text *out)
 {
 	if (!e->arithmetic->part)

@@ -32,6 +32,12 @@ static double joined(const struct eval_model *m, double product, double inherite
 	return m->fused ? 0 : rounding(m->mul, m->tiny, product, inherited);
 }
 
+/* What a sum's error has of its terms' sizes, which may be off by what they inherit. */
+static double of_terms(const struct eval_model *m, double a, double b, double inherited)
+{
+	return m->terms > 0 ? m->terms * (fabs(a) + fabs(b) + inherited) : 0;
+}
+
 /* The sine's or cosine's own error; nothing is known of angles beyond the domain. */
 static double sincos_error(const struct eval_model *m, enum op op, double value, double angle, double inherited)
 {
@@ -46,36 +52,55 @@ static size_t operand(const struct node *n, int k)
 	return k < op_arity[n->op] ? n->arg[k].i : 0;
 }
 
+/* Sine and cosine take their angle as memory has it: an input as it is; what was computed, where arithmetic has other
+   numbers than memory, rounded like a result. */
+static int is_read(const struct survey *v, const struct node *n)
+{
+	return (n->op == OP_SIN || n->op == OP_COS) && v->d->nodes[n->arg[0].i].op == OP_INPUT;
+}
+
+static struct spread spread_of_angle(const struct survey *v, size_t i, const struct eval_model *m)
+{
+	const struct node *n = &v->d->nodes[i];
+	double angle = v->values[operand(n, 0)], inherited = is_read(v, n) ? 0 : v->spread[operand(n, 0)].bound;
+	double local = m->input > 0 && !is_read(v, n) ? rounding(m->store, 0, angle, inherited) : 0, error = inherited + local;
+
+	local += error * error / 2 + sincos_error(m, n->op, v->values[i], angle, error);
+	return (struct spread){fabs(v->values[i]), inherited + local, local, 0};
+}
+
 /* Magnitudes and error of a node from those of its operands x, y, z, whose values are a, b, c:
    |fl(a+b) - (a'+b')| <= e_a + e_b + u |a+b|,  |fl(ab) - a'b'| <= |a| e_b + |b| e_a + e_a e_b + u |ab| + tiny,
    with a second rounding where a product joined to a sum is rounded twice. */
-static struct spread spread_of(const struct node *n, const struct spread *s, double value, double a, double b,
-	double constant_error, const struct eval_model *m)
+static struct spread spread_of(const struct survey *v, size_t i, double given_error, const struct eval_model *m)
 {
-	const struct spread *x = &s[operand(n, 0)], *y = &s[operand(n, 1)], *z = &s[operand(n, 2)];
+	const struct node *n = &v->d->nodes[i];
+	const struct spread *x = &v->spread[operand(n, 0)], *y = &v->spread[operand(n, 1)], *z = &v->spread[operand(n, 2)];
+	double value = v->values[i], a = v->values[operand(n, 0)], b = v->values[operand(n, 1)];
 	double local, sum = x->bound + y->bound, square = x->bound * y->bound;
 	double product = fabs(a) * y->bound + fabs(b) * x->bound;
 
 	switch (n->op) {
 	case OP_CONST:
 	case OP_INPUT:
-		return (struct spread){fabs(value), constant_error, constant_error, 1};
+		return (struct spread){fabs(value), given_error, given_error, 1};
 	case OP_NEG:
 		return (struct spread){x->size, x->bound, 0, x->swept};
 	case OP_ADD:
 	case OP_SUB:
-		local = rounding(m->add, m->tiny, value, sum);
+		local = of_terms(m, a, b, sum);
+		local += rounding(m->add, m->tiny, value, sum + local);
 		return (struct spread){x->size + y->size, sum + local, local, 0};
 	case OP_MUL:
 		local = square + rounding(m->mul, m->tiny, value, product + square);
 		return (struct spread){x->size * y->size, product + local, local, 0};
 	case OP_FMA:
 		local = square + joined(m, a * b, product + square);
+		local += of_terms(m, a * b, value - a * b, product + z->bound + local);
 		local += rounding(m->add, m->tiny, value, product + z->bound + local);
 		return (struct spread){x->size * y->size + z->size, product + z->bound + local, local, 0};
 	default:
-		local = x->bound * x->bound / 2 + sincos_error(m, n->op, value, a, x->bound);
-		return (struct spread){fabs(value), x->bound + local, local, 0};
+		return spread_of_angle(v, i, m);
 	}
 }
 
@@ -124,7 +149,7 @@ static double swept_bound(const struct survey *x, size_t root)
 			continue;
 		sum += fabs(x->slope[i]) * x->spread[i].local;
 		derivatives(n, x->values, by);
-		for (int k = 0; k < op_arity[n->op]; k++)
+		for (int k = 0; k < op_arity[n->op] && !is_read(x, n); k++)
 			x->slope[n->arg[k].i] += x->slope[i] * by[k];
 	}
 	return bound_closed(sum * (1 + 1e-6));
@@ -141,7 +166,7 @@ static void sweep(const struct survey *x, size_t i)
 }
 
 /* Where a product of two running bounds is more than the rounding of the node, closer bounds pay. */
-static void survey_node(const struct survey *x, size_t i, double constant_error, const struct eval_model *m)
+static void survey_node(const struct survey *x, size_t i, double given_error, const struct eval_model *m)
 {
 	const struct node *n = &x->d->nodes[i];
 	size_t a = operand(n, 0), b = operand(n, op_arity[n->op] > 1);
@@ -152,7 +177,7 @@ static void survey_node(const struct survey *x, size_t i, double constant_error,
 		sweep(x, a);
 		sweep(x, b);
 	}
-	x->spread[i] = spread_of(n, x->spread, value, x->values[a], x->values[b], constant_error, m);
+	x->spread[i] = spread_of(x, i, given_error, m);
 	x->spread[i].bound = bound_closed(x->spread[i].bound);
 	if (!(fabs(value) + x->spread[i].bound <= m->largest))
 		sweep(x, i);

@@ -7,8 +7,10 @@
 
 struct eval_model {
 	double add, mul;	     /* a sum x is off by at most add |x| + tiny, a product by mul |x| + tiny */
+	double terms;		     /* a sum of a and b by terms (|a| + |b|) more */
 	double tiny;
-	double input;		     /* an input x is off by at most input |x| + tiny where the text rounds it, else 0 */
+	double input;		     /* an input x is off by at most input |x| + tiny where the text rounds it, else 0; not
+					where it is an angle of sine and cosine */
 	int fused;		     /* a product joined to a sum is not rounded by itself */
 	double largest;		     /* what is larger may overflow */
 	double sincos, sine, cosine; /* a sine s is off by at most sincos |s| + sine + tiny, a cosine likewise */

@@ -10,8 +10,8 @@ struct f32x2 {
 	void (*fma)(const float *a, const float *b, const float *c, float *out);
 	void (*add_f)(const float *a, float b, float *out);
 	void (*mul_f)(const float *a, float b, float *out);
-	void (*sincos)(const float *x, float *s, float *c);   /* for any finite x */
-	void (*bounded)(const float *x, float *s, float *c); /* up to 1e4 */
+	void (*sincos)(double x, float *s, float *c);	/* for any finite x */
+	void (*bounded)(double x, float *s, float *c); /* up to 1e4 */
 	void (*split)(double x, float *out);
 	double (*join)(const float *a);
 };

@@ -51,20 +51,20 @@ static void mul_f(const float *a, float b, float *out)
 	put(rneagen_mul_f(get(a), b), out);
 }
 
-static void sine(const float *x, float *s, float *c)
+static void sine(double x, float *s, float *c)
 {
 	struct rneagen_f32x2 y, z;
 
-	rneagen_sincos_f32x2_accurate(get(x), &y, &z);
+	rneagen_sincos_f32x2_accurate(x, &y, &z);
 	put(y, s);
 	put(z, c);
 }
 
-static void bounded(const float *x, float *s, float *c)
+static void bounded(double x, float *s, float *c)
 {
 	struct rneagen_f32x2 y, z;
 
-	rneagen_sincos_f32x2_bounded(get(x), &y, &z);
+	rneagen_sincos_f32x2_bounded(x, &y, &z);
 	put(y, s);
 	put(z, c);
 }

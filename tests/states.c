@@ -70,14 +70,14 @@ int state_is_angle(const struct model *m, int row)
 	return 0;
 }
 
-static void enlarge_angles(const struct model *m, int f32, double *q)
+static void enlarge_angles(const struct model *m, int f32, double by, double *q)
 {
 	for (int i = 0; i < m->tree.nq && !m->tree.mimic_count; i++)
 		if (state_is_angle(m, i))
-			q[i] = f32 ? (double)(float)(q[i] * 1e9) : q[i] * 1e9;
+			q[i] = f32 ? (double)(float)(q[i] * by) : q[i] * by;
 }
 
-struct states states_new(struct model *m, uint64_t seed, int count, int f32, int with_noise)
+struct states states_new_large(struct model *m, uint64_t seed, int count, int f32, int with_noise, double enlarge)
 {
 	int nq = m->tree.nq, nv = m->tree.nv;
 	struct states s = {.count = count,
@@ -101,7 +101,7 @@ struct states states_new(struct model *m, uint64_t seed, int count, int f32, int
 
 		reference_sample(m->reference, &rng, f32, q, qd, qdd);
 		if (k >= count - 100 && k % 10 == 0)
-			enlarge_angles(m, f32, q);
+			enlarge_angles(m, f32, enlarge, q);
 		reference_rnea(m->reference, q, qd, qdd, s.tau + k * nv);
 		if (with_noise)
 			reference_magnitude(m->reference, q, qd, qdd, magnitude);
@@ -111,6 +111,11 @@ struct states states_new(struct model *m, uint64_t seed, int count, int f32, int
 	}
 	free(magnitude);
 	return s;
+}
+
+struct states states_new(struct model *m, uint64_t seed, int count, int f32, int with_noise)
+{
+	return states_new_large(m, seed, count, f32, with_noise, 1e9);
 }
 
 void states_free(struct states *s)

@@ -19,6 +19,9 @@ int state_is_angle(const struct model *m, int row);
 /* Of the last hundred states, every tenth has angles up to 3e9 rad, unless joints mimic others: rounding a multiple of
    such an angle would be all there is. with_noise costs a second run of the reference. */
 struct states states_new(struct model *m, uint64_t seed, int count, int f32, int with_noise);
+
+/* The same with angles up to pi times `enlarge`. */
+struct states states_new_large(struct model *m, uint64_t seed, int count, int f32, int with_noise, double enlarge);
 void states_free(struct states *s);
 
 #endif

@@ -76,7 +76,7 @@ static void write_sources(const struct target *t, const char *stem)
 		snprintf(text + n, sizeof text - (size_t)n,
 			"void test_sincos(double x, double *s, double *c);\n"
 			"void test_sincos(double x, double *s, double *c)\n{\n\tstruct rneagen_f32x2 y, z;\n"
-			"\trneagen_sincos_f32x2_%s(rneagen_split(x), &y, &z);\n\t*s = rneagen_join(y);\n\t*c = rneagen_join(z);\n}\n",
+			"\trneagen_sincos_f32x2_%s(x, &y, &z);\n\t*s = rneagen_join(y);\n\t*c = rneagen_join(z);\n}\n",
 			TRIGS[t->options.trig]);
 	else if (has_angles(t))
 		snprintf(text + n, sizeof text - (size_t)n,
