@@ -12,6 +12,18 @@
 
 static const char *const TRIGS[] = {"accurate", "bounded", "fast"};
 
+const char *compiler_lacks(const struct compiler *c, int fma)
+{
+	int has_fma = 0;
+
+#if defined __x86_64__
+	has_fma = __builtin_cpu_supports("fma") && __builtin_cpu_supports("avx2");
+#endif
+	if (!process_exists(c->command))
+		return "there is no such compiler";
+	return fma && !has_fma ? "no fused multiply-add in this processor" : NULL;
+}
+
 struct target_path target_path(const char *name, const char *suffix)
 {
 	struct target_path path;

@@ -32,6 +32,9 @@ struct compiler {
 	const char *flags[8];
 };
 
+/* Why it cannot be used here, or NULL; with `fma` the processor has to run what it compiles for AVX2 and FMA. */
+const char *compiler_lacks(const struct compiler *c, int fma);
+
 /* What every text must pass without a word. */
 #define WARNING_FLAGS "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Werror"
 

@@ -1,7 +1,6 @@
 /* --strict: the same bits from every compiler at every setting, also where it may join products and sums, and those of the
    DAG computed operation by operation; in ordinary states, at large angles, where numbers are subnormal or overflow. */
 #define _POSIX_C_SOURCE 200809L
-#include "process.h"
 #include "rerun.h"
 #include "states.h"
 #include <check.h>
@@ -34,17 +33,11 @@ enum { SETTING_COUNT = sizeof SETTINGS / sizeof *SETTINGS, FUSING = 3, QUICK = 8
 static int is_possible(const struct compiler *c)
 {
 	static int told;
-	int has_fma = 0;
+	const char *why = compiler_lacks(c, c->flags[1] != NULL);
 
-#if defined __x86_64__
-	has_fma = __builtin_cpu_supports("fma") && __builtin_cpu_supports("avx2");
-#endif
-	if (!process_exists(c->command) || (c->flags[1] && !has_fma)) {
-		if (!told++)
-			printf("skipped: some settings: no %s, or no fused multiply-add in this processor\n", c->command);
-		return 0;
-	}
-	return 1;
+	if (why && !told++)
+		printf("skipped: some settings: %s: %s\n", c->command, why);
+	return !why;
 }
 
 /* ---- states ---- */

@@ -57,15 +57,11 @@ static const struct user {
 
 static int is_possible(const struct user *u)
 {
-	int has_fma = 0;
+	const char *why = compiler_lacks(&u->compiler, u->compiler.flags[3] != NULL);
 
-#if defined __x86_64__
-	has_fma = __builtin_cpu_supports("fma") && __builtin_cpu_supports("avx2");
-#endif
-	if (process_exists(u->compiler.command) && (has_fma || !u->compiler.flags[3]))
-		return 1;
-	printf("skipped: %s %s: not here\n", u->compiler.command, u->compiler.flags[1]);
-	return 0;
+	if (why)
+		printf("skipped: %s %s: %s\n", u->compiler.command, u->compiler.flags[1], why);
+	return !why;
 }
 
 static void use_all(const struct target *t, void *library, double *out)

@@ -1,6 +1,5 @@
 /* A few robots by every compiler setting, in every precision, layout and trigonometry mode. */
 #define _POSIX_C_SOURCE 200809L
-#include "process.h"
 #include "target_check.h"
 #include <check.h>
 #include <stdio.h>
@@ -29,28 +28,14 @@ enum { SETTING_COUNT = sizeof SETTINGS / sizeof *SETTINGS, STATES = 300, SEED = 
 
 static struct worst worst[2];
 
-static int has_fma(void)
-{
-#if defined __x86_64__
-	return __builtin_cpu_supports("fma") && __builtin_cpu_supports("avx2");
-#else
-	return 0;
-#endif
-}
-
 /* With a word where a setting cannot be tried. */
 static int is_possible(const struct setting *s)
 {
-	if (!process_exists(s->compiler.command)) {
-		printf("skipped: no %s\n", s->compiler.command);
-		return 0;
-	}
-	if (s->needs_fma && !has_fma()) {
-		printf("skipped: %s %s: no fused multiply-add in this processor\n", s->compiler.command,
-			s->compiler.flags[1]);
-		return 0;
-	}
-	return 1;
+	const char *why = compiler_lacks(&s->compiler, s->needs_fma);
+
+	if (why)
+		printf("skipped: %s %s: %s\n", s->compiler.command, s->compiler.flags[0], why);
+	return !why;
 }
 
 static void check_text(struct model *m, const struct states *states, const char *urdf, size_t length,

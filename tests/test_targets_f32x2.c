@@ -2,7 +2,6 @@
    compiler may join products to sums. */
 #define _POSIX_C_SOURCE 200809L
 #include "eval.h"
-#include "process.h"
 #include "target_check.h"
 #include <check.h>
 #include <math.h>
@@ -33,28 +32,14 @@ static const struct setting SETTINGS[] = {
 
 enum { SETTING_COUNT = sizeof SETTINGS / sizeof *SETTINGS };
 
-static int has_fma(void)
-{
-#if defined __x86_64__
-	return __builtin_cpu_supports("fma") && __builtin_cpu_supports("avx2");
-#else
-	return 0;
-#endif
-}
-
 /* With a word where a setting cannot be tried. */
 static int is_possible(const struct setting *s)
 {
-	if (!process_exists(s->compiler.command)) {
-		printf("skipped: no %s\n", s->compiler.command);
-		return 0;
-	}
-	if (s->needs_fma && !has_fma()) {
-		printf("skipped: %s %s: no fused multiply-add in this processor\n", s->compiler.command,
-			s->compiler.flags[1]);
-		return 0;
-	}
-	return 1;
+	const char *why = compiler_lacks(&s->compiler, s->needs_fma);
+
+	if (why)
+		printf("skipped: %s %s: %s\n", s->compiler.command, s->compiler.flags[0], why);
+	return !why;
 }
 
 static struct array array_of(const double *x, int count)
