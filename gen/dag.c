@@ -112,11 +112,16 @@ void dag_init(struct dag *d, struct arena *a)
 
 int dag_argument(struct dag *d, const char *name, int rows, int is_output)
 {
+	return dag_argument_of(d, (struct argument){.name = name, .rows = rows, .is_output = is_output});
+}
+
+int dag_argument_of(struct dag *d, struct argument a)
+{
 	if (d->argument_count == DAG_ARGUMENTS) {
 		d->failed = 1;
 		return 0;
 	}
-	d->arguments[d->argument_count] = (struct argument){name, rows, is_output};
+	d->arguments[d->argument_count] = a;
 	return d->argument_count++;
 }
 

@@ -29,7 +29,7 @@ struct node {
 	struct tag tag;
 };
 
-enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END };
+enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END, SECTION_FREED, SECTION_TOTALS, SECTION_BIAS, SECTION_GRAVITY, SECTION_COUNT };
 
 /* From this node (and this output) on, the text belongs to going out to a body, or back from it. */
 struct section {
@@ -48,9 +48,11 @@ struct output {
 struct argument {
 	const char *name;
 	int rows, is_output;
+	int per_batch; /* the same rows for all samples */
 };
 
-enum { DAG_ARGUMENTS = 8 };
+/* As many as a kernel takes (RNEA_ARGUMENT_LIMIT). */
+enum { DAG_ARGUMENTS = 64 };
 
 struct dag {
 	struct arena *arena;
@@ -71,6 +73,7 @@ void dag_init(struct dag *d, struct arena *a);
 
 /* Declare a parameter of the function; returns its index. Outputs after inputs. */
 int dag_argument(struct dag *d, const char *name, int rows, int is_output);
+int dag_argument_of(struct dag *d, struct argument a);
 
 struct ref dag_const(struct dag *d, real value);
 struct ref dag_input(struct dag *d, int argument, int row);

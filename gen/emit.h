@@ -27,7 +27,7 @@ struct emission {
 	const struct tree *tree;
 	const struct rneagen_options *options; /* defaults resolved: precision, name, file */
 	const struct pass *passes;             /* PASS_COUNT; pass_count of them have a DAG: all, or the first alone, */
-	int pass_count;                        /* which then is one operation of the robot, no whole algorithm */
+	int pass_count;                        /* which then is a scene's task or one operation of the robot */
 	const char *banner;                    /* the comment at the head, where it is not inverse dynamics; else NULL */
 	const char *const *warnings;
 	size_t warning_count;
@@ -102,6 +102,27 @@ const char *emit_head_c(const struct emission *e);
 const char *emit_functions_c(const struct emission *e);
 const char *emit_prototypes(const struct emission *e);
 
+/* CUDA: a kernel, and the functions by which it stages its slice; the samples of a slice; how many slices a
+   multiprocessor is to have room for, 0: as the compiler likes. */
+void emit_kernel(const struct emission *e, const struct pass *p, struct text *out);
+const char *emit_stage(const struct emission *e);
+int emit_block_size(const struct emission *e);
+int emit_min_blocks(const struct emission *e);
+
+/* Does a sample's first run stand unless an angle turns out to be large? Not where that run fills the registers. */
+int emit_is_optimistic(const struct emission *e);
+
+/* The call of a body with these arguments and stride; in accurate mode behind one test of the sample's angles, where that
+   pays: in the whole algorithm. */
+const char *emit_call(const struct emission *e, const struct pass *p, const char *indent, const char *arguments, const char *q,
+	const char *stride);
+
+/* What goes in and what comes out: "q[7], qd[7], qdd[7] -> tau[7]." */
+const char *emit_dimensions(const struct emission *e);
+
+/* The number in digits. */
+const char *emit_int(const struct emission *e, int value);
+
 /* The comment at the head of the text. */
 void emit_banner(const struct emission *e, struct text *out);
 
@@ -110,16 +131,13 @@ void emit_source(const struct emission *e, struct text *out);
 void emit_declarations(const struct emission *e, struct text *out);
 
 /* In accurate mode the functions take one argument more, which says whether all angles are small: one branch instead of
-   one for each joint. */
-static inline int emit_has_small(const struct emission *e)
-{
-	return e->options->trig == RNEAGEN_ACCURATE;
-}
+   one for each joint. Not where angles are not q alone. */
+int emit_has_small(const struct emission *e);
 
 /* Is the text one operation alone, rather than the three algorithms? */
 static inline int emit_is_operation(const struct emission *e)
 {
-	return e->pass_count < PASS_COUNT;
+	return e->banner != NULL;
 }
 
 /* Are numbers converted between memory and arithmetic? */

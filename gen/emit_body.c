@@ -160,6 +160,12 @@ static void put_sincos(const struct emission *e, const struct plan *p, struct re
 	text_printf(out, "%s, &%s, &%s);\n", emit_has_small(e) ? ", small" : "", sine, cosine);
 }
 
+/* Of sections that are about no body. */
+static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torques of joints that others mimic",
+	[SECTION_FREED] = "what the scene frees", [SECTION_TOTALS] = "power and energies",
+	[SECTION_BIAS] = "from here on without accelerations: torques of gravity and velocities",
+	[SECTION_GRAVITY] = "from here on at rest: torques of gravity"};
+
 /* "out to link 2 "lower" (fpass)"; "back from link 2 "lower" to link 1 (bpass): torque of "elbow"" */
 void emit_section(const struct emission *e, const struct pass *pass, const struct section *s, struct text *out)
 {
@@ -167,8 +173,8 @@ void emit_section(const struct emission *e, const struct pass *pass, const struc
 
 	if (emit_is_operation(e))
 		return;
-	if (s->kind == SECTION_END) {
-		text_put(out, "\n\t/* ---- torques of joints that others mimic ---- */\n");
+	if (SECTION_TITLES[s->kind]) {
+		text_printf(out, "\n\t/* ---- %s ---- */\n", SECTION_TITLES[s->kind]);
 		return;
 	}
 	text_printf(out, "\n\t/* ---- %s link %d \"", s->kind == SECTION_OUT ? "out to" : "back from", k->number);
@@ -212,7 +218,8 @@ static void put_load(const struct emission *e, const struct plan *p, const struc
 		text_put(out, "rneagen_split(");
 	else if (emit_converts(e))
 		text_printf(out, "(%s)", e->arithmetic->type);
-	text_printf(out, "%s[%u*stride]", p->dag->arguments[n->arg[0].i].name, (unsigned)n->arg[1].i);
+	text_printf(out, p->dag->arguments[n->arg[0].i].per_batch ? "%s[%u]" : "%s[%u*stride]",
+		p->dag->arguments[n->arg[0].i].name, (unsigned)n->arg[1].i);
 	text_put(out, e->arithmetic->part ? ")" : "");
 }
 

@@ -174,7 +174,7 @@ void emit_bounded(const struct emission *e, struct text *out)
 		{"SINCOS", f32 ? "1.7f*0x1p-24f" : "1.7*0x1p-53"}, {"MODE", emit_trig_name(e->options->trig)},
 		{"FUSED", e->options->strict ? "1" : f32 ? "defined FP_FAST_FMAF" : "defined FP_FAST_FMA"}, {"NAME", e->options->name}, {"STRICT", e->options->strict ? "strict_" : ""}, {"APART", e->options->strict ? "RNEA_APART " : ""},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"M", e->memory->type},
-		{"FACTOR", factor_text(e, way)}, {"BODY", text_string(&body)}, {"NV", text_string(&nv)},
+		{"FACTOR", factor_text(e, way)}, {"BODY", text_string(&body)}, {"NV", text_string(&nv)}, {"TAU", e->tree->task.wants[0].argument},
 		{"MF", e->memory->suffix}, {"MF_UPPER", memory_f32 ? "F" : ""}, {"MEMORY_MAX", memory_f32 ? "0x1.fffffep127f" : "0x1.fffffffffffffp1023"},
 	};
 	size_t count = sizeof slots / sizeof *slots;

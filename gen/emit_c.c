@@ -74,9 +74,10 @@ static void put_prototype(
 
 static void put_slice_prototypes(const struct emission *e, struct text *out)
 {
-	text_put(out, "/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each\n"
-		      "   in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */\n");
-	for (int i = 0; i < PASS_COUNT; i++)
+	text_put(out, "/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each\n");
+	text_printf(out, "   in a thread of the caller's own. The arrays are those of %s, in that order. */\n",
+		e->tree->task.is_plain ? "rnea, fpass and bpass" : "rnea");
+	for (int i = 0; i < e->pass_count; i++)
 		text_printf(out, "void %s_%s_slice(void *const *arrays, size_t count, size_t first, size_t end);\n",
 			e->options->name, e->passes[i].algorithm->name);
 }
@@ -115,17 +116,18 @@ const char *emit_prototypes(const struct emission *e)
 	text_init(&t, e->arena);
 	text_init(&one, e->arena);
 	text_init(&many, e->arena);
-	text_printf(&one, "tau = ID(q, qd, qdd) of one sample: q[%d], qd[%d], qdd[%d] -> tau[%d]; tau may be qdd itself.",
-		e->tree->nq, e->tree->nv, e->tree->nv, e->tree->nv);
+	text_printf(&one, "%s of one sample: %s", e->tree->task.is_plain ? "tau = ID(q, qd, qdd)" : "Inverse dynamics", emit_dimensions(e));
 	text_printf(&many, "The same for `count` samples, every array %s; arrays must not overlap.",
 		is_soa(e) ? "[row][sample]" : "[sample][row]");
 	put_prototype(e, PASS_RNEA, "", "", text_string(&one), &t);
 	if (e->options->bounded)
 		put_bounded_prototype(e, &t);
 	put_prototype(e, PASS_RNEA, "_batch", ", size_t count", text_string(&many), &t);
-	put_prototype(e, PASS_FPASS, "", "",
-		"The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each.", &t);
-	put_prototype(e, PASS_BPASS, "", "", "The way back alone: torques from q and fpass's wrenches.", &t);
+	if (e->tree->task.is_plain) {
+		put_prototype(e, PASS_FPASS, "", "",
+			"The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each.", &t);
+		put_prototype(e, PASS_BPASS, "", "", "The way back alone: torques from q and fpass's wrenches.", &t);
+	}
 	put_slice_prototypes(e, &t);
 	text_printf(&t, "/* What this text computes, one `key values` a line. */\nextern const char %s_info[];",
 		e->options->name);

@@ -99,6 +99,45 @@ static int has_type(const struct tree *t, enum joint_type type)
 	return 0;
 }
 
+/* What an array of the scene's is: "payload.hand", and its rows. */
+static const char *describe(const struct emission *e, const struct argument *a)
+{
+	static const char wrench[] = "force, then moment about the link's origin, from outside on the link, in axes of ";
+	const struct task *k = &e->tree->task;
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < k->freed_count; i++)
+		if (!a->is_output && !strcmp(a->name, k->freed[i].argument)) {
+			text_put_comment(&t, k->freed[i].word);
+			text_put(&t, a->rows == FREED_ROWS ? ": m hx hy hz Ixx Ixy Ixz Iyy Iyz Izz about the link's origin, in its frame" : "");
+		}
+	for (int i = 0; i < k->push_count; i++)
+		if (!a->is_output && !strcmp(a->name, k->pushes[i].argument))
+			text_printf(&t, "%s%s", wrench, k->in_world ? "the world" : "the link");
+	for (int i = 0; i < k->want_count; i++)
+		if (a->is_output && !strcmp(a->name, k->wants[i].argument)) {
+			text_put_comment(&t, k->wants[i].word);
+			text_put(&t, a->rows == 6 && k->wants[i].kind >= WANT_WRENCH ? ": linear, then angular" : "");
+		}
+	return text_string(&t);
+}
+
+/* The arrays of a scene's task, in their order. */
+static void put_task(const struct emission *e, struct text *out)
+{
+	const struct dag *d = &e->passes[PASS_RNEA].dag;
+
+	text_put(out, " *\n * Arrays:\n");
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *a = &d->arguments[i];
+		const char *what = describe(e, a);
+
+		text_printf(out, " *   %s %s[%d]%s%s%s\n", a->is_output ? "out" : "in", a->name, a->rows,
+			a->per_batch ? ", the same for all samples" : "", *what ? ": " : "", what);
+	}
+}
+
 static void put_conventions(const struct emission *e, struct text *out)
 {
 	text_printf(out,
@@ -121,12 +160,15 @@ static void put_conventions(const struct emission *e, struct text *out)
 		text_put(out, " * Compiled as C, without CUDA, this text holds the functions of target c instead of kernels.\n");
 	text_put(out, " *\n * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less\n"
 		      " * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.\n");
-	text_put(out, " * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.\n");
+	if (e->tree->task.is_plain)
+		text_put(out, " * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.\n");
+	else
+		put_task(e, out);
 }
 
 static void put_operations(const struct emission *e, struct text *out)
 {
-	for (int i = 0; i < PASS_COUNT; i++) {
+	for (int i = 0; i < e->pass_count; i++) {
 		struct operation_count n = plan_operations(&e->passes[i].plan);
 
 		text_printf(out, " *   %s: %u mul, %u add, %u sub, %u neg, %u fma, %u sincos = %u flops\n", e->passes[i].algorithm->name,

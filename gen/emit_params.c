@@ -1,5 +1,6 @@
 /* The arguments of the generated functions, in every form in which a text lists them; the names of choices. */
 #include "emit.h"
+#include <string.h>
 
 static const struct scalar F32 = {"f32", "float", "f", 4, 1e4, NULL}, F64 = {"f64", "double", "", 8, 1e7, NULL},
 			   F32X2 = {"f32x2", "struct rneagen_f32x2", "", 8, 1e4, &F32};
@@ -59,6 +60,18 @@ void emit_options(const struct rneagen_options *o, struct text *out)
 		text_printf(out, " --gravity %.17g,%.17g,%.17g", o->gravity[0], o->gravity[1], o->gravity[2]);
 }
 
+int emit_has_small(const struct emission *e)
+{
+	const struct task *k = &e->tree->task;
+
+	if (e->options->trig != RNEAGEN_ACCURATE || strcmp(e->passes[PASS_RNEA].dag.arguments[0].name, "q"))
+		return 0;
+	for (int i = 0; i < k->freed_count; i++)
+		if (k->freed[i].kind == FREED_OFFSET)
+			return 0;
+	return 1;
+}
+
 const char *emit_stride(const struct emission *e)
 {
 	return e->options->layout == RNEAGEN_SOA ? "count" : "1";
@@ -66,7 +79,9 @@ const char *emit_stride(const struct emission *e)
 
 static void put_at_sample(const struct emission *e, const struct argument *a, struct text *out)
 {
-	if (e->options->layout == RNEAGEN_SOA)
+	if (a->per_batch)
+		text_put(out, a->name);
+	else if (e->options->layout == RNEAGEN_SOA)
 		text_printf(out, "%s + k", a->name);
 	else
 		text_printf(out, "%s + k*%d", a->name, a->rows);

@@ -153,7 +153,7 @@ static void fuse_once(struct dag *out, const struct dag *d, int every)
 		return;
 	}
 	for (int i = 0; i < d->argument_count; i++)
-		dag_argument(out, d->arguments[i].name, d->arguments[i].rows, d->arguments[i].is_output);
+		dag_argument_of(out, d->arguments[i]);
 	dag_uses(d, uses);
 	mark_absorbed(&f);
 	copy_nodes(&f);

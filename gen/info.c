@@ -31,7 +31,7 @@ static void put_body(const struct tree *t, const struct body *k, struct text *ou
 static void put_operations(const struct emission *e, struct text *out)
 {
 	text_put(out, "\noperations       mul    add    sub    neg    fma sincos  flops\n");
-	for (int i = 0; i < PASS_COUNT; i++) {
+	for (int i = 0; i < e->pass_count; i++) {
 		struct operation_count n = plan_operations(&e->passes[i].plan);
 
 		text_printf(out, "  %-10s %7u %6u %6u %6u %6u %6u %6u\n", e->passes[i].algorithm->name, n.mul, n.add, n.sub, n.neg, n.fma,

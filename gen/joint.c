@@ -12,11 +12,26 @@ static int turns(enum joint_type type)
 	return type == JOINT_REVOLUTE || type == JOINT_CONTINUOUS || type == JOINT_PLANAR;
 }
 
-static struct ref input(struct dag *d, int argument, int row)
+struct ref source_row(struct dag *d, const struct source *s, int row)
 {
 	const struct ref zero = {0};
 
-	return argument >= 0 ? dag_input(d, argument, row) : zero;
+	if (s->given && s->given[row].is_given)
+		return dag_const(d, s->given[row].value);
+	return s->argument >= 0 ? dag_input(d, s->argument, row) : zero;
+}
+
+static struct svec source_rows(struct dag *d, const struct source *s, int row)
+{
+	return (struct svec){{source_row(d, s, row), source_row(d, s, row + 1), source_row(d, s, row + 2)}};
+}
+
+/* A row of q with what is added to it. */
+static struct ref coordinate(struct dag *d, const struct joint_inputs *in, int row)
+{
+	struct ref q = source_row(d, &in->q, row);
+
+	return in->offset ? dag_add(d, q, in->offset[row]) : q;
 }
 
 /* A number along a single axis: the joint's, its follower's multiple, and in the axis's direction. */
@@ -50,17 +65,17 @@ struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_
 	struct svec slide = zero3();
 
 	if (k->type == JOINT_PRISMATIC) {
-		slide.x[k->axis] = directed(d, k, input(d, in.q, k->iq));
+		slide.x[k->axis] = directed(d, k, coordinate(d, &in, k->iq));
 	} else if (k->type == JOINT_PLANAR) {
-		slide.x[0] = input(d, in.q, k->iq);
-		slide.x[1] = input(d, in.q, k->iq + 1);
+		slide.x[0] = source_row(d, &in.q, k->iq);
+		slide.x[1] = source_row(d, &in.q, k->iq + 1);
 	} else if (k->type == JOINT_FLOATING) {
-		slide = svec_input(d, in.q, k->iq);
-		x.Q = quaternion_matrix(d, svec_input(d, in.q, k->iq + 3), input(d, in.q, k->iq + 6));
+		slide = source_rows(d, &in.q, k->iq);
+		x.Q = quaternion_matrix(d, source_rows(d, &in.q, k->iq + 3), source_row(d, &in.q, k->iq + 6));
 	}
 	x.p = svec_add(d, svec_const(d, k->X.p), smat_mul(d, &x.R, slide));
 	if (turns(k->type)) {
-		struct ref angle = directed(d, k, input(d, in.q, k->type == JOINT_PLANAR ? k->iq + 2 : k->iq));
+		struct ref angle = directed(d, k, coordinate(d, &in, k->type == JOINT_PLANAR ? k->iq + 2 : k->iq));
 
 		x.s = dag_sin(d, angle);
 		x.c = dag_cos(d, angle);
@@ -76,27 +91,27 @@ struct joint_rates joint_move(struct dag *d, const struct body *k, struct joint_
 
 	switch (k->type) {
 	case JOINT_FLOATING:
-		m.V = svec_input(d, in.qd, k->iv);
-		m.W = svec_input(d, in.qd, k->iv + 3);
-		m.dW = svec_input(d, in.qdd, k->iv + 3);
+		m.V = source_rows(d, &in.qd, k->iv);
+		m.W = source_rows(d, &in.qd, k->iv + 3);
+		m.dW = source_rows(d, &in.qdd, k->iv + 3);
 		/* qdd is spatial: the classical acceleration of the origin is a + w x v */
-		m.dV = svec_add(d, svec_input(d, in.qdd, k->iv), svec_cross(d, m.W, m.V));
+		m.dV = svec_add(d, source_rows(d, &in.qdd, k->iv), svec_cross(d, m.W, m.V));
 		break;
 	case JOINT_PLANAR:
 		for (int i = 0; i < 2; i++) {
-			m.V0.x[i] = input(d, in.qd, k->iv + i);
-			m.dV0.x[i] = input(d, in.qdd, k->iv + i);
+			m.V0.x[i] = source_row(d, &in.qd, k->iv + i);
+			m.dV0.x[i] = source_row(d, &in.qdd, k->iv + i);
 		}
-		m.W.x[2] = input(d, in.qd, k->iv + 2);
-		m.dW.x[2] = input(d, in.qdd, k->iv + 2);
+		m.W.x[2] = source_row(d, &in.qd, k->iv + 2);
+		m.dW.x[2] = source_row(d, &in.qdd, k->iv + 2);
 		break;
 	case JOINT_PRISMATIC:
-		m.V0.x[k->axis] = directed(d, k, input(d, in.qd, k->iv));
-		m.dV0.x[k->axis] = directed(d, k, input(d, in.qdd, k->iv));
+		m.V0.x[k->axis] = directed(d, k, source_row(d, &in.qd, k->iv));
+		m.dV0.x[k->axis] = directed(d, k, source_row(d, &in.qdd, k->iv));
 		break;
 	default:
-		m.W.x[k->axis] = directed(d, k, input(d, in.qd, k->iv));
-		m.dW.x[k->axis] = directed(d, k, input(d, in.qdd, k->iv));
+		m.W.x[k->axis] = directed(d, k, source_row(d, &in.qd, k->iv));
+		m.dW.x[k->axis] = directed(d, k, source_row(d, &in.qdd, k->iv));
 	}
 	return m;
 }

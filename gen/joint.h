@@ -5,10 +5,19 @@
 #include "svec.h"
 #include "tree.h"
 
-/* Rows of q, qd and qdd come from these arguments of the DAG; -1: zero. */
-struct joint_inputs {
-	int q, qd, qdd;
+/* Rows of an input: those that the scene gives (NULL: none), else the argument's; -1: zero. */
+struct source {
+	int argument;
+	const struct row *given;
 };
+
+/* Where q, qd and qdd come from; what is added to rows of q (NULL: nothing). */
+struct joint_inputs {
+	struct source q, qd, qdd;
+	const struct ref *offset;
+};
+
+struct ref source_row(struct dag *d, const struct source *s, int row);
 
 /* The joint at q. Its frame is turned by the constant R in the parent's; the body's frame is turned in the joint's by
    the angle (s, c) or, where the joint floats, by Q; p is the body's origin in the parent's frame. */

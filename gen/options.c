@@ -132,6 +132,54 @@ static int take_scene_file(const char *command, struct rneagen_options *o, const
 	return bad;
 }
 
+/* A line "JOINT NUMBER" becomes a line of the scene; what stands after a # at its beginning is a comment. */
+static int take_armature_line(const char *command, struct rneagen_options *o, const char *path, int number, char *line)
+{
+	char *end = line + strlen(line), *value;
+	size_t length;
+
+	while (end > line && strchr(" \t\r", end[-1]))
+		*--end = '\0';
+	if (!*line || *line == '#')
+		return 0;
+	value = strrchr(line, ' ');
+	value = value ? value : strrchr(line, '\t');
+	if (!value || value == line)
+		return option_refuse(command, "%s: line %d: '%s' is not JOINT NUMBER", path, number, line);
+	*value = '=';
+	length = strlen(line);
+	return add_scene(command, o, scene_word(SCENE_ARMATURE), line, length);
+}
+
+/* A file of rotor inertias, one joint on a line. */
+static int take_armature(const char *command, struct rneagen_options *o, const char *path)
+{
+	struct file_content f = {0};
+	struct rneagen_error e = {0};
+	int bad = 0, number = 0;
+	char *text, *next;
+
+	if (strchr(path, '='))
+		return add_scene(command, o, scene_word(SCENE_ARMATURE), path, strlen(path));
+	if (file_read(path, &f, &e)) {
+		fprintf(stderr, "%s: %s\n", command, e.message);
+		return 1;
+	}
+	text = calloc(f.length + 1, 1);
+	if (text && f.length)
+		memcpy(text, f.bytes, f.length);
+	for (char *line = text; line && !bad; line = next) {
+		next = strchr(line, '\n');
+		if (next)
+			*next++ = '\0';
+		bad = take_armature_line(command, o, path, ++number, line);
+	}
+	bad |= !text;
+	free(text);
+	free(f.bytes);
+	return bad;
+}
+
 /* A line of the scene; its value must not be read as more than one, or as a comment. */
 static int take_scene_line(const char *command, struct rneagen_options *o, enum scene_key key, const char *value)
 {
@@ -171,6 +219,8 @@ int option_generate(const char *command, struct rneagen_options *o, int key, con
 	}
 	if (key == OPTION_SCENE_FILE)
 		return take_scene_file(command, o, word);
+	if (key == OPTION_SCENE + SCENE_ARMATURE)
+		return take_armature(command, o, word);
 	if (key >= OPTION_SCENE && key < OPTION_SCENE + SCENE_KEY_COUNT)
 		return take_scene_line(command, o, (enum scene_key)(key - OPTION_SCENE), word);
 	if (key < OPTION_TARGET || key > OPTION_DUMP)

@@ -50,7 +50,7 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"                             kinetic, potential\n"                                                            \
 	"  --fext L1,L2,...           external wrenches on these links\n"                                              \
 	"  --fext-frame link|world    in whose axes\n"                                                                 \
-	"  --armature FILE            rotor inertias\n"                                                                \
+	"  --armature FILE            rotor inertias: lines JOINT KG_M2; or --armature JOINT=KG_M2\n"                  \
 	"  --damping                  of the URDF\n"                                                                   \
 	"  --friction, --friction=WIDTH\n"                                                                             \
 	"                             of the URDF, smoothed over this width in rad/s or m/s\n"                         \

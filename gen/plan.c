@@ -86,12 +86,29 @@ static void name_joint_row(const struct body *k, const char *argument, int row, 
 	snprintf(name, size, "%s%d%s", argument, k->number, part);
 }
 
+/* Rows of what a scene adds: vectors, wrenches, inertias. */
+static void name_other(const struct argument *a, int row, char *name, size_t size)
+{
+	static const char *const vector[] = {"x", "y", "z"}, *const wrench[] = {"fx", "fy", "fz", "nx", "ny", "nz"};
+	static const char *const inertia[] = {"m", "hx", "hy", "hz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"};
+	const char *const *parts = a->rows == 3 ? vector : a->rows == 6 ? wrench : a->rows == 10 ? inertia : NULL;
+
+	if (parts)
+		snprintf(name, size, "%.40s_%s", a->name, parts[row]);
+	else
+		snprintf(name, size, "%.40s_%d", a->name, row);
+}
+
 static void name_input(const struct planner *b, const struct node *n, char *name, size_t size)
 {
 	const struct tree *t = b->p->tree;
 	const char *argument = b->d->arguments[n->arg[0].i].name;
 	int row = (int)n->arg[1].i;
 
+	if (strcmp(argument, "q") && strcmp(argument, "qd") && strcmp(argument, "qdd") && strcmp(argument, "f")) {
+		name_other(&b->d->arguments[n->arg[0].i], row, name, size);
+		return;
+	}
 	if (!strcmp(argument, "f")) {
 		snprintf(name, size, "own_%s%d%c", row % 6 < 3 ? "f" : "n", t->bodies[row / 6].number, "xyz"[row % 3]);
 		return;
@@ -178,7 +195,7 @@ static void add_section(struct planner *b, size_t section)
 
 int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct arena *a)
 {
-	struct planner b = {.p = p, .d = d, .a = a, .taken_size = 2 * d->count + 1};
+	struct planner b = {.p = p, .d = d, .a = a, .taken_size = 2 * (d->count + DAG_ARGUMENTS) + 1};
 	unsigned temporaries = 0;
 
 	*p = (struct plan){.dag = d, .tree = t};
@@ -192,6 +209,8 @@ int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct
 		return 0;
 	dag_uses(d, b.uses);
 	choose_lines(&b);
+	for (int i = 0; i < d->argument_count; i++)
+		take(&b, d->arguments[i].name);
 	for (size_t i = 0; i < d->count; i++)
 		if (b.named[i])
 			p->names[i] = name_value(&b, i, &temporaries);
@@ -228,6 +247,7 @@ struct operation_count plan_operations(const struct plan *p)
 void plan_dump(const struct plan *p, struct text *t)
 {
 	static const char *const kinds[] = {"section", "input", "value", "sincos", "store"};
+	static const char *const kinds_of_section[SECTION_COUNT] = {"out", "back", "end", "freed", "totals", "bias", "gravity"};
 
 	for (size_t i = 0; i < p->line_count; i++) {
 		const struct line *l = &p->lines[i];
@@ -235,7 +255,7 @@ void plan_dump(const struct plan *p, struct text *t)
 		text_printf(t, "%s", kinds[l->kind]);
 		if (l->kind == LINE_SECTION) {
 			const struct section *s = &p->dag->sections[l->index];
-			text_printf(t, " %s %d", s->kind == SECTION_OUT ? "out" : s->kind == SECTION_BACK ? "back" : "end",
+			text_printf(t, " %s %d", kinds_of_section[s->kind],
 				p->tree->bodies[s->body].number);
 		} else {
 			text_printf(t, " node %u %s", (unsigned)l->value.i,

@@ -5,24 +5,7 @@
    The order is a tour of the tree: out to a body, through its children, back from it; what is alive at any time is
    bounded by the depth of the tree, not by the number of its bodies. */
 #include "rnea.h"
-#include "joint.h"
-
-/* A body while the tour is beyond it. */
-struct frame {
-	struct joint_pose pose;
-	struct svec v, w, dw, a; /* velocity of the origin, angular velocity, its rate, acceleration less gravity */
-	struct smat U;           /* [dw]x + [w]x[w]x: U r is the acceleration of a point r fixed in the body */
-	struct svec f, n;        /* force, and moment about the origin, through the body's joint */
-};
-
-struct tour {
-	struct dag *d;
-	const struct tree *t;
-	struct frame *frames; /* frames[0] is the world; body k has frames[k + 1] */
-	struct ref *tau;      /* so far; NULL: the way out alone */
-	struct joint_inputs in;
-	int f_in, v_out, a_out, f_out, tau_out; /* arguments; -1: not there */
-};
+#include "tour.h"
 
 /* U = [dw]x + [w]x[w]x */
 static struct smat rate_matrix(struct dag *d, struct svec w, struct svec dw)
@@ -52,119 +35,56 @@ static void move(const struct tour *r, const struct body *k, const struct frame 
 {
 	struct dag *d = r->d;
 	const struct joint_pose *at = &x->pose;
+	const struct motion *from = &parent->motion;
+	struct motion *to = &x->motion;
 	struct joint_rates m = joint_move(d, k, r->in);
 	struct svec w, dw, v, a;
 
 	/* into the joint's frame */
-	w = smat_mul_transposed(d, &at->R, parent->w);
-	dw = smat_mul_transposed(d, &at->R, parent->dw);
-	v = smat_mul_transposed(d, &at->R, svec_add(d, parent->v, svec_cross(d, parent->w, at->p)));
-	a = smat_mul_transposed(d, &at->R, svec_add(d, parent->a, smat_mul(d, &parent->U, at->p)));
+	w = smat_mul_transposed(d, &at->R, from->w);
+	dw = smat_mul_transposed(d, &at->R, from->dw);
+	v = smat_mul_transposed(d, &at->R, svec_add(d, from->v, svec_cross(d, from->w, at->p)));
+	a = smat_mul_transposed(d, &at->R, svec_add(d, from->a, smat_mul(d, &from->U, at->p)));
 	v = svec_add(d, v, m.V0);
 	a = svec_add(d, a, slide_acceleration(d, w, m.V0, m.dV0));
 	/* into the body's */
 	w = joint_into(d, k, at, w);
-	x->w = svec_add(d, w, m.W);
-	x->dw = svec_add(d, joint_into(d, k, at, dw), svec_add(d, m.dW, svec_cross(d, w, m.W)));
-	x->v = svec_add(d, joint_into(d, k, at, v), m.V);
-	x->a = svec_add(d, joint_into(d, k, at, a), slide_acceleration(d, w, m.V, m.dV));
-	x->U = rate_matrix(d, x->w, x->dw);
-	svec_tag(d, x->w, "w", k->number);
-	svec_tag(d, x->dw, "dw", k->number);
-	svec_tag(d, x->v, "v", k->number);
-	svec_tag(d, x->a, "a", k->number);
+	to->w = svec_add(d, w, m.W);
+	to->dw = svec_add(d, joint_into(d, k, at, dw), svec_add(d, m.dW, svec_cross(d, w, m.W)));
+	to->v = svec_add(d, joint_into(d, k, at, v), m.V);
+	to->a = svec_add(d, joint_into(d, k, at, a), slide_acceleration(d, w, m.V, m.dV));
+	to->U = rate_matrix(d, to->w, to->dw);
+	svec_tag(d, to->w, "w", k->number);
+	svec_tag(d, to->dw, "dw", k->number);
+	svec_tag(d, to->v, "v", k->number);
+	svec_tag(d, to->a, "a", k->number);
 }
 
-/* n = I dw + w x I w, with the products of w that U has already:
-   n_i = I_ii dw_i + (I_kk - I_jj) w_j w_k - I_ij U_ki + I_ik U_ji + I_jk (w_j^2 - w_k^2) */
-static struct svec euler(struct dag *d, const struct inertia *I, const struct frame *x)
-{
-	struct svec n;
-
-	for (int i = 0; i < 3; i++) {
-		int j = (i + 1) % 3, k = (i + 2) % 3;
-		struct sum spread = {0};
-		struct ref squares = dag_sub(d, dag_mul(d, x->w.x[j], x->w.x[j]), dag_mul(d, x->w.x[k], x->w.x[k]));
-
-		sum_add(&spread, I->I[inertia_index(k, k)]);
-		sum_add(&spread, -I->I[inertia_index(j, j)]);
-		n.x[i] = dag_add(d, dag_mul(d, dag_const(d, I->I[inertia_index(i, i)]), x->dw.x[i]),
-			dag_mul(d, dag_const(d, sum_real(spread)), dag_mul(d, x->w.x[j], x->w.x[k])));
-		n.x[i] = dag_sub(d, n.x[i], dag_mul(d, dag_const(d, I->I[inertia_index(i, j)]), x->U.m[k][i]));
-		n.x[i] = dag_add(d, n.x[i], dag_mul(d, dag_const(d, I->I[inertia_index(i, k)]), x->U.m[j][i]));
-		n.x[i] = dag_add(d, n.x[i], dag_mul(d, dag_const(d, I->I[inertia_index(j, k)]), squares));
-	}
-	return n;
-}
-
-/* I less what the mass makes of it from its centre c = h/m: I_c = I - m (c.c 1 - c c^T), with c in place of h. */
-static struct inertia central(const struct inertia *I)
-{
-	struct inertia J = *I;
-
-	for (int i = 0; i < 3; i++)
-		J.h[i] = I->h[i] / I->mass;
-	for (int i = 0; i < 3; i++)
-		for (int j = i; j < 3; j++) {
-			struct sum s = {0};
-
-			sum_add(&s, I->I[inertia_index(i, j)]);
-			sum_add(&s, I->h[i] * J.h[j]);
-			for (int k = 0; k < 3 && i == j; k++)
-				sum_add(&s, -I->h[k] * J.h[k]);
-			J.I[inertia_index(i, j)] = sum_real(s);
-		}
-	return J;
-}
-
-/* Products that euler needs. */
-static int euler_products(const struct inertia *I)
-{
-	int count = 0;
-
-	for (int i = 0; i < 3; i++) {
-		real other = I->I[inertia_index((i + 1) % 3, (i + 1) % 3)];
-		struct sum spread = {0};
-
-		sum_add(&spread, I->I[inertia_index(i, i)]);
-		sum_add(&spread, -other);
-		count += (I->I[inertia_index(i, i)] != 0) + (sum_real(spread) != 0);
-		count += 3 * (I->I[inertia_index(i, (i + 1) % 3)] != 0);
-	}
-	return count;
-}
-
-/* Is the wrench about the centre of mass cheaper? There the long lever arms of a far centre do not cancel; but it takes
-   all of f, which a body that turns on the ground need not have. */
-static int prefers_centre(const struct body *k, const struct inertia *I)
-{
-	int grounded = k->parent < 0 && (k->type == JOINT_REVOLUTE || k->type == JOINT_CONTINUOUS);
-
-	return !grounded && euler_products(I) < euler_products(&k->inertia);
-}
-
-/* The body's own wrench: f = m a + U h, n = I dw + w x I w + h x a, with h = m c;
-   or from the centre of mass: f = m (a + U c), n = I_c dw + w x I_c w + c x f. */
-static void load(const struct tour *r, const struct body *k, struct frame *x)
+struct svec tour_acceleration(const struct tour *r, int body, struct svec from)
 {
 	struct dag *d = r->d;
-	struct ref mass = dag_const(d, k->inertia.mass);
-	struct svec h = svec_const(d, k->inertia.h);
-	struct inertia I_c = {0};
+	const struct body *k = &r->t->bodies[body];
+	const struct joint_pose *at = &r->frames[body + 1].pose;
+	const struct motion *parent = &r->frames[k->parent + 1].motion;
+	struct joint_rates m = joint_move(d, k, r->in);
+	struct svec w = smat_mul_transposed(d, &at->R, parent->w);
+	struct svec a = smat_mul_transposed(d, &at->R, svec_add(d, from, smat_mul(d, &parent->U, at->p)));
 
-	if (k->inertia.mass != 0)
-		I_c = central(&k->inertia);
-	if (k->inertia.mass != 0 && prefers_centre(k, &I_c)) {
-		struct svec c = svec_const(d, I_c.h);
+	a = svec_add(d, a, slide_acceleration(d, w, m.V0, m.dV0));
+	return svec_add(d, joint_into(d, k, at, a), slide_acceleration(d, joint_into(d, k, at, w), m.V, m.dV));
+}
 
-		x->f = svec_scale(d, mass, svec_add(d, x->a, smat_mul(d, &x->U, c)));
-		x->n = svec_add(d, euler(d, &I_c, x), svec_cross(d, c, x->f));
-	} else {
-		x->f = svec_add(d, svec_scale(d, mass, x->a), smat_mul(d, &x->U, h));
-		x->n = svec_add(d, euler(d, &k->inertia, x), svec_cross(d, h, x->a));
-	}
-	svec_tag(d, x->f, "f", k->number);
-	svec_tag(d, x->n, "n", k->number);
+/* The body's own wrench. */
+static void load(const struct tour *r, int index, struct frame *x)
+{
+	const struct body *k = &r->t->bodies[index];
+
+	if (r->parameters && r->parameters[index])
+		load_wrench_free(r->d, r->parameters[index], &x->motion, &x->f, &x->n);
+	else
+		load_wrench(r->d, k, &x->motion, &x->f, &x->n);
+	svec_tag(r->d, x->f, "f", k->number);
+	svec_tag(r->d, x->n, "n", k->number);
 }
 
 static void output_svec(const struct tour *r, int argument, int row, const struct body *k, struct svec u)
@@ -179,12 +99,13 @@ static void output_svec(const struct tour *r, int argument, int row, const struc
 /* fpass: [v; w], the spatial acceleration [a - w x v; dw] and the wrench [f; n], in the URDF's frame. */
 static void output_passes(const struct tour *r, int index, const struct body *k, const struct frame *x)
 {
-	struct svec a = svec_sub(r->d, x->a, svec_cross(r->d, x->w, x->v));
+	const struct motion *m = &x->motion;
+	struct svec a = svec_sub(r->d, m->a, svec_cross(r->d, m->w, m->v));
 
-	output_svec(r, r->v_out, 6 * index, k, x->v);
-	output_svec(r, r->v_out, 6 * index + 3, k, x->w);
+	output_svec(r, r->v_out, 6 * index, k, m->v);
+	output_svec(r, r->v_out, 6 * index + 3, k, m->w);
 	output_svec(r, r->a_out, 6 * index, k, a);
-	output_svec(r, r->a_out, 6 * index + 3, k, x->dw);
+	output_svec(r, r->a_out, 6 * index + 3, k, m->dw);
 	output_svec(r, r->f_out, 6 * index, k, x->f);
 	output_svec(r, r->f_out, 6 * index + 3, k, x->n);
 }
@@ -209,10 +130,12 @@ static void enter(const struct tour *r, int index)
 		input_wrench(r, index, k, x);
 	} else {
 		move(r, k, &r->frames[k->parent + 1], x);
-		load(r, k, x);
+		load(r, index, x);
 	}
 	if (r->f_out >= 0)
 		output_passes(r, index, k, x);
+	if (r->entered)
+		r->entered(r, index);
 }
 
 /* f_p += R f, n_p += R n + p x R f; the joint feels its part, a follower's goes to its driver. */
@@ -225,9 +148,13 @@ static void leave(const struct tour *r, int index)
 	struct ref tau[6];
 
 	dag_section(d, SECTION_BACK, index);
+	if (r->leaving)
+		r->leaving(r, index);
 	f = joint_out_of(d, k, &x->pose, x->f);
 	n = joint_out_of(d, k, &x->pose, x->n);
 	joint_project(d, k, x->f, x->n, f, tau);
+	if (r->own_terms)
+		r->own_terms(r, index, tau);
 	for (int i = 0; i < joint_nv(k->type); i++)
 		r->tau[k->iv + i] = dag_add(d, r->tau[k->iv + i], tau[i]);
 	f = smat_mul(d, &x->pose.R, f);
@@ -253,19 +180,22 @@ static void output_torques(const struct tour *r, int index)
 {
 	const struct body *k = &r->t->bodies[index];
 
-	for (int i = 0; i < joint_nv(k->type); i++)
+	for (int i = 0; i < joint_nv(k->type) && r->tau_out >= 0; i++)
 		dag_output(r->d, r->tau_out, k->iv + i, r->tau[k->iv + i]);
 }
 
 static void leave_and_output(const struct tour *r, int index)
 {
-	leave(r, index);
+	if (r->at_rest)
+		rest_leave(r, index);
+	else
+		leave(r, index);
 	if (!torque_waits(r->t, index))
 		output_torques(r, index);
 }
 
 /* Bodies are numbered depth-first: before going out to the next, come back to its parent. */
-static void tour(struct tour *r)
+static void go(struct tour *r)
 {
 	const struct tree *t = r->t;
 	int here = -1;
@@ -273,7 +203,10 @@ static void tour(struct tour *r)
 	for (int k = 0; k < t->body_count; k++) {
 		for (; r->tau && here != t->bodies[k].parent; here = t->bodies[here].parent)
 			leave_and_output(r, here);
-		enter(r, k);
+		if (r->at_rest)
+			rest_enter(r, k);
+		else
+			enter(r, k);
 		here = k;
 	}
 	for (; r->tau && here >= 0; here = t->bodies[here].parent)
@@ -284,29 +217,31 @@ static void tour(struct tour *r)
 			output_torques(r, k);
 }
 
-static void tour_run(struct tour *r)
+void tour_run(struct tour *r)
 {
 	struct dag *d = r->d;
 
 	r->frames = arena_alloc(d->arena, (size_t)r->t->body_count + 1, sizeof *r->frames);
-	if (r->tau_out >= 0)
+	if (r->tau_out >= 0 || r->comes_back)
 		r->tau = arena_alloc(d->arena, (size_t)r->t->nv, sizeof *r->tau);
 	if (d->arena->failed) {
 		d->failed = 1;
 		return;
 	}
-	for (int i = 0; i < 3; i++)
-		r->frames[0].a.x[i] = dag_const(d, -r->t->gravity[i]); /* all else of the world is node 0, zero */
-	tour(r);
+	if (r->world)
+		r->world(r);
+	for (int i = 0; i < 3; i++) /* all else of the world is node 0, zero */
+		r->frames[0].motion.a.x[i] = dag_neg(d, r->gravity ? r->gravity[i] : dag_const(d, r->t->gravity[i]));
+	go(r);
 }
 
 static struct joint_inputs joint_arguments(struct dag *d, const struct tree *t)
 {
-	struct joint_inputs in;
+	struct joint_inputs in = {0};
 
-	in.q = dag_argument(d, "q", t->nq, 0);
-	in.qd = dag_argument(d, "qd", t->nv, 0);
-	in.qdd = dag_argument(d, "qdd", t->nv, 0);
+	in.q.argument = dag_argument(d, "q", t->nq, 0);
+	in.qd.argument = dag_argument(d, "qd", t->nv, 0);
+	in.qdd.argument = dag_argument(d, "qdd", t->nv, 0);
 	return in;
 }
 
@@ -314,6 +249,10 @@ static void build_rnea(struct dag *d, const struct tree *t)
 {
 	struct tour r = {.d = d, .t = t, .f_in = -1, .v_out = -1, .a_out = -1, .f_out = -1};
 
+	if (!t->task.is_plain) {
+		want_build(d, t);
+		return;
+	}
 	r.in = joint_arguments(d, t);
 	r.tau_out = dag_argument(d, "tau", t->nv, 1);
 	tour_run(&r);
@@ -332,9 +271,9 @@ static void build_fpass(struct dag *d, const struct tree *t)
 
 static void build_bpass(struct dag *d, const struct tree *t)
 {
-	struct tour r = {.d = d, .t = t, .in = {.qd = -1, .qdd = -1}, .v_out = -1, .a_out = -1, .f_out = -1};
+	struct tour r = {.d = d, .t = t, .in = {.qd = {-1, NULL}, .qdd = {-1, NULL}}, .v_out = -1, .a_out = -1, .f_out = -1};
 
-	r.in.q = dag_argument(d, "q", t->nq, 0);
+	r.in.q.argument = dag_argument(d, "q", t->nq, 0);
 	r.f_in = dag_argument(d, "f", t->body_count * 6, 0);
 	r.tau_out = dag_argument(d, "tau", t->nv, 1);
 	tour_run(&r);

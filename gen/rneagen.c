@@ -53,11 +53,27 @@ static enum rneagen_code resolve_options(struct generation *g)
 	return o->name ? RNEAGEN_OK : error_memory(g->error);
 }
 
+/* The halves of the algorithm go with the whole of it, not with a scene's choice of inputs and outputs. */
+static int pass_count(const struct generation *g)
+{
+	return g->tree.task.is_plain ? PASS_COUNT : 1;
+}
+
+/* Bounds are of torques. */
+static enum rneagen_code check_task(const struct generation *g)
+{
+	const struct task *k = &g->tree.task;
+
+	if (g->options.bounded && (k->want_count != 1 || k->wants[0].rows != g->tree.nv))
+		return error_set(g->error, RNEAGEN_USAGE, "--bounded gives bounds of torques alone: want one of tau, gravity, bias");
+	return RNEAGEN_OK;
+}
+
 static enum rneagen_code make_passes(struct generation *g)
 {
 	struct arena *a = &g->result->arena;
 
-	for (int i = 0; i < PASS_COUNT; i++) {
+	for (int i = 0; i < pass_count(g); i++) {
 		struct pass *p = &g->passes[i];
 
 		p->algorithm = &ALGORITHMS[i];
@@ -125,7 +141,7 @@ static enum rneagen_code generate(struct generation *g, const char *urdf, size_t
 	struct arena *a = &g->result->arena;
 
 	if (robot_read(&g->robot, urdf, length, g->options.file, a, g->error) || resolve_options(g) ||
-		tree_build(&g->tree, &g->robot, &g->options, a, g->error) || make_passes(g) ||
+		tree_build(&g->tree, &g->robot, &g->options, a, g->error) || check_task(g) || make_passes(g) ||
 		effect_measure(&g->tree, &g->robot, &g->options, a, g->error))
 		return g->error->code;
 	tree_warn(&g->tree, &g->robot, g->options.file, a);
@@ -138,7 +154,7 @@ static enum rneagen_code generate(struct generation *g, const char *urdf, size_t
 	g->emission = (struct emission){.tree = &g->tree,
 		.options = &g->options,
 		.passes = g->passes,
-		.pass_count = PASS_COUNT,
+		.pass_count = pass_count(g),
 		.warnings = g->robot.warnings,
 		.warning_count = g->robot.warning_count,
 		.hash = g->hash,

@@ -26,7 +26,7 @@
 	X(WANT, "want", 1, SCENE_NAMES)                                                                                \
 	X(FEXT, "fext", 1, SCENE_NAMES)                                                                                \
 	X(FEXT_FRAME, "fext-frame", 1, SCENE_VALUE)                                                                    \
-	X(ARMATURE, "armature", 1, SCENE_VALUE)                                                                        \
+	X(ARMATURE, "armature", 1, SCENE_PAIR)                                                                         \
 	X(DAMPING, "damping", 0, SCENE_VALUE)                                                                          \
 	X(FRICTION, "friction", 2, SCENE_VALUE)                                                                        \
 	X(SNAP_ANGLE, "snap-angle", 1, SCENE_VALUE)                                                                    \

@@ -45,6 +45,15 @@ struct svec svec_cross(struct dag *d, struct svec a, struct svec b)
 	return c;
 }
 
+struct ref svec_dot(struct dag *d, struct svec a, struct svec b)
+{
+	struct ref sum = dag_mul(d, a.x[0], b.x[0]);
+
+	for (int i = 1; i < 3; i++)
+		sum = dag_add(d, sum, dag_mul(d, a.x[i], b.x[i]));
+	return sum;
+}
+
 struct svec smat_mul(struct dag *d, const struct smat *m, struct svec v)
 {
 	struct svec w;

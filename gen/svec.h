@@ -20,6 +20,7 @@ struct svec svec_add(struct dag *d, struct svec a, struct svec b);
 struct svec svec_sub(struct dag *d, struct svec a, struct svec b);
 struct svec svec_scale(struct dag *d, struct ref s, struct svec a);
 struct svec svec_cross(struct dag *d, struct svec a, struct svec b);
+struct ref svec_dot(struct dag *d, struct svec a, struct svec b);
 /* m v and m^T v */
 struct svec smat_mul(struct dag *d, const struct smat *m, struct svec v);
 struct svec smat_mul_transposed(struct dag *d, const struct smat *m, struct svec v);

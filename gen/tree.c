@@ -184,19 +184,17 @@ static void hold(struct builder *b, int joint, struct placement *at)
 static void visit_link(struct builder *b, int link, int body, const struct placement *at)
 {
 	const struct link *l = &b->r->links[link];
+	struct placement X = *at;
 
 	b->visited[link] = 1;
-	if (l->has_inertial) {
-		struct inertia_sum *s = body >= 0 ? &b->sums[body] : &b->fixed;
-		struct placement X = *at;
+	if (body >= 0) {
+		struct placement back = {.R = rotation_transpose(&b->t->bodies[body].frame)};
 
-		if (body >= 0) {
-			struct placement back = {.R = rotation_transpose(&b->t->bodies[body].frame)};
-
-			X = placement_mul(&back, at);
-		}
-		inertia_add(s, &X, l->mass, l->com, l->com_rpy, l->inertia);
+		X = placement_mul(&back, at);
 	}
+	b->t->links[link] = (struct carried){body, X};
+	if (l->has_inertial && !task_frees_link(&b->t->scene, l->name))
+		inertia_add(body >= 0 ? &b->sums[body] : &b->fixed, &X, l->mass, l->com, l->com_rpy, l->inertia);
 	for (int j = b->first_child[link]; j >= 0; j = b->next_sibling[j])
 		if (b->cut.joints[j].state != CUT_GONE)
 			b->stack[b->depth++] = (struct step){j, body, *at};
@@ -256,7 +254,8 @@ static void list_cut(struct builder *b)
 static enum rneagen_code scene_supported(const struct scene *s, struct rneagen_error *e)
 {
 	static const char made[SCENE_KEY_COUNT] = {[SCENE_FEXT_FRAME] = 1, [SCENE_BESIDE] = 1, [SCENE_ROOT] = 1,
-		[SCENE_TIP] = 1, [SCENE_LOCK] = 1, [SCENE_LOCK_ALL_BUT] = 1, [SCENE_SNAP_ANGLE] = 1, [SCENE_ROUND_CONSTANTS] = 1};
+		[SCENE_TIP] = 1, [SCENE_LOCK] = 1, [SCENE_LOCK_ALL_BUT] = 1, [SCENE_SNAP_ANGLE] = 1, [SCENE_ROUND_CONSTANTS] = 1,
+		[SCENE_FOLD] = 1, [SCENE_FREE] = 1, [SCENE_WANT] = 1, [SCENE_FEXT] = 1, [SCENE_ARMATURE] = 1, [SCENE_DAMPING] = 1};
 
 	for (int i = 0; i < s->line_count; i++)
 		if (!made[s->lines[i].key])
@@ -273,6 +272,7 @@ static enum rneagen_code allocate(struct builder *b)
 	t->bodies = arena_alloc(a, joints + 1, sizeof *t->bodies);
 	t->joints = arena_alloc(a, joints + 1, sizeof *t->joints);
 	t->mimics = arena_alloc(a, joints, sizeof *t->mimics);
+	t->links = arena_alloc(a, links, sizeof *t->links);
 	t->held = arena_alloc(a, joints, sizeof *t->held);
 	t->cut.links = arena_alloc(a, links, sizeof(char *));
 	t->cut.joints = arena_alloc(a, joints, sizeof(char *));
@@ -362,6 +362,8 @@ enum rneagen_code tree_build_adjusted(struct tree *t, const struct robot *r, con
 	if (adjust_robot(&b, &snapped))
 		return e->code;
 	t->root = r->links[b.cut.root].name;
+	for (int i = 0; i < r->link_count; i++)
+		t->links[i].body = -2;
 	link_children(&b);
 	walk(&b);
 	list_cut(&b);
@@ -374,5 +376,5 @@ enum rneagen_code tree_build_adjusted(struct tree *t, const struct robot *r, con
 	t->fixed = inertia_total(&b.fixed);
 	if (t->adjust.digits)
 		adjust_round(t, t->adjust.digits);
-	return rows_number(t, o, a, e);
+	return rows_number(t, o, a, e) ? e->code : task_resolve(t, b.r, a, e);
 }

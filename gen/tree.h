@@ -10,6 +10,7 @@
 #include "robot.h"
 #include "scene.h"
 #include "spatial.h"
+#include "task.h"
 
 /* One moving body. Its frame is the URDF frame of the joint's child link, turned by `frame` where the joint's axis is
    not a coordinate axis, so that inside the algorithm every axis is x, y or z. */
@@ -70,6 +71,12 @@ struct tree_ignored {
 
 struct effect;
 
+/* Where a link of the robot ended up. */
+struct carried {
+	int body;           /* -1: the world; -2: it is not modelled */
+	struct placement X; /* its frame in the body's */
+};
+
 struct tree {
 	const char *robot, *root;
 	struct body *bodies;
@@ -90,6 +97,8 @@ struct tree {
 	int angle_count;
 	struct effect *effects; /* by effect_measure */
 	int effect_count;
+	struct task task;
+	struct carried *links; /* one for each of the robot's */
 	struct inertia fixed; /* what is fixed to the world and so does not matter */
 };
 

@@ -1,0 +1,73 @@
+#ifndef RNEAGEN_TASK_H
+#define RNEAGEN_TASK_H
+/* What the scene makes of inputs and outputs: rows that it gives, constants that it frees, forces from outside, terms of
+   the joints' own, and the quantities that it asks for. */
+
+#include "scene.h"
+#include "spatial.h"
+
+/* A row of q, qd or qdd that the scene may give. */
+struct row {
+	int is_given;
+	real value;
+};
+
+enum freed_kind { FREED_GRAVITY, FREED_MASS, FREED_INERTIA, FREED_PAYLOAD, FREED_OFFSET };
+enum { FREED_ROWS = 10 };
+
+/* A constant that becomes an input. Mass, inertia and payload are linear in the body's ten inertial parameters. */
+struct freed {
+	enum freed_kind kind;
+	const char *word;     /* as the scene has it: "payload.hand" */
+	const char *argument; /* as the text has it: "payload_hand" */
+	int rows, per_batch;
+	int body;                    /* that carries the link, or that the joint moves */
+	real nominal[FREED_ROWS];    /* what the URDF says */
+	struct inertia *columns;     /* in the body frame, what a unit of each row adds */
+	struct inertia rest;         /* a link's inertia about its centre, which its mass does not change */
+};
+
+/* A wrench from outside on a link: force, then moment about the link's origin. */
+struct push {
+	const char *argument;
+	int body;
+	struct placement X; /* the link's frame in the body's */
+};
+
+enum want_kind { WANT_TAU, WANT_GRAVITY, WANT_BIAS, WANT_WRENCH, WANT_TWIST, WANT_ACCEL, WANT_POWER, WANT_KINETIC, WANT_POTENTIAL };
+
+struct want {
+	enum want_kind kind;
+	const char *word, *argument;
+	int rows;
+	int body;
+	struct placement X;
+};
+
+struct task {
+	int is_plain;               /* tau = ID(q, qd, qdd) and nothing else */
+	struct row *q, *qd, *qdd;   /* nq, nv and nv of them */
+	struct freed *freed;
+	int freed_count;
+	struct push *pushes;
+	int push_count, in_world;   /* wrenches in axes of the world, else of the link */
+	struct want *wants;
+	int want_count;
+	real *armature, *damping;   /* by body: of a joint with one row, kg m^2 (kg) and N m s (N s/m) */
+};
+
+struct tree;
+
+/* Does the scene make the link's mass or inertia an input? */
+int task_frees_link(const struct scene *s, const char *link);
+
+/* Resolve the tree's scene. Errors: SCENE, MEMORY. */
+enum rneagen_code task_resolve(struct tree *t, const struct robot *r, struct arena *a, struct rneagen_error *e);
+
+/* Has every row its value? */
+int task_has_all(const struct row *rows, int count);
+
+/* Is a quantity of this kind asked for? */
+int task_wants(const struct task *k, enum want_kind kind);
+
+#endif

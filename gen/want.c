@@ -1,0 +1,370 @@
+/* The task of a scene: torques from what it gives and frees, and whatever else it asks for. The DAG drops what nobody
+   needs, so each quantity is simply computed where its operands are at hand. */
+#include "tour.h"
+#include <string.h>
+
+struct build {
+	struct dag *d;
+	const struct tree *t;
+	const struct task *k;
+	struct ref *offset, *gravity;
+	struct parameters **parameters;
+	int *pushed, *outputs; /* arguments, by push and by want */
+	struct ref kinetic;
+};
+
+/* ---- inputs ---- */
+
+static struct source source(struct dag *d, const char *name, const struct row *rows, int count, int is_read)
+{
+	struct source s = {-1, rows};
+
+	if (is_read && !task_has_all(rows, count))
+		s.argument = dag_argument(d, name, count, 0);
+	return s;
+}
+
+static struct parameters *parameters_of(struct build *b, int body)
+{
+	struct parameters *p = b->parameters[body];
+
+	if (p)
+		return p;
+	p = b->parameters[body] = arena_alloc(b->d->arena, 1, sizeof *p);
+	if (p)
+		*p = load_parameters(b->d, &b->t->bodies[body].inertia);
+	return p;
+}
+
+static void add_inertia(struct build *b, const struct freed *f, int argument)
+{
+	struct parameters *p = parameters_of(b, f->body);
+
+	if (!p)
+		return;
+	if (f->kind == FREED_MASS)
+		load_add(b->d, p, dag_const(b->d, 1), &f->rest);
+	for (int r = 0; r < f->rows; r++)
+		load_add(b->d, p, dag_input(b->d, argument, r), &f->columns[r]);
+}
+
+static void free_constants(struct build *b)
+{
+	for (int i = 0; i < b->k->freed_count; i++) {
+		const struct freed *f = &b->k->freed[i];
+		int argument = dag_argument_of(
+			b->d, (struct argument){.name = f->argument, .rows = f->rows, .per_batch = f->per_batch});
+
+		if (f->kind == FREED_OFFSET)
+			b->offset[b->t->bodies[f->body].iq] = dag_input(b->d, argument, 0);
+		else if (f->kind != FREED_GRAVITY)
+			add_inertia(b, f, argument);
+		for (int r = 0; r < 3 && f->kind == FREED_GRAVITY; r++)
+			b->gravity[r] = dag_input(b->d, argument, r);
+	}
+}
+
+/* ---- where bodies are ---- */
+
+static int needs_pose(const struct task *k)
+{
+	return k->push_count && k->in_world;
+}
+
+/* The world's frame; gravity is not subtracted from free_a. */
+static void at_world(const struct tour *r)
+{
+	for (int i = 0; i < 3; i++)
+		r->frames[0].R0.m[i][i] = dag_const(r->d, 1);
+}
+
+/* R0 = R0_p R(q), column by column */
+static void place(const struct tour *r, const struct body *k, const struct frame *parent, struct frame *x)
+{
+	struct dag *d = r->d;
+
+	for (int j = 0; j < 3; j++) {
+		struct svec e = {{{0}, {0}, {0}}};
+
+		e.x[j] = dag_const(d, 1);
+		e = smat_mul(d, &x->pose.R, joint_out_of(d, k, &x->pose, e));
+		e = smat_mul(d, &parent->R0, e);
+		for (int i = 0; i < 3; i++)
+			x->R0.m[i][j] = e.x[i];
+	}
+}
+
+/* ---- on the way out ---- */
+
+static void output_motion(struct dag *d, int argument, const struct placement *X, struct svec linear, struct svec angular)
+{
+	struct smat R = smat_const(d, &X->R);
+
+	linear = svec_add(d, linear, svec_cross(d, angular, svec_const(d, X->p)));
+	linear = smat_mul_transposed(d, &R, linear);
+	angular = smat_mul_transposed(d, &R, angular);
+	for (int i = 0; i < 3; i++) {
+		dag_output(d, argument, i, linear.x[i]);
+		dag_output(d, argument, 3 + i, angular.x[i]);
+	}
+}
+
+/* Twist [v; w] and spatial acceleration [a - w x v; dw] at a link's origin, in its frame. */
+static void output_links(const struct tour *r, int body)
+{
+	const struct build *b = r->context;
+	const struct frame *x = &r->frames[body + 1];
+	const struct motion *m = &x->motion;
+
+	for (int i = 0; i < b->k->want_count; i++) {
+		const struct want *w = &b->k->wants[i];
+
+		if (w->body != body)
+			continue;
+		if (w->kind == WANT_TWIST)
+			output_motion(r->d, b->outputs[i], &w->X, m->v, m->w);
+		if (w->kind == WANT_ACCEL)
+			output_motion(r->d, b->outputs[i], &w->X, svec_sub(r->d, x->free_a, svec_cross(r->d, m->w, m->v)), m->dw);
+	}
+}
+
+/* A wrench (f, n) at a link's origin takes R f and R n + p x R f off what the body's joint must bear. */
+static void pull(const struct tour *r, const struct push *p, int argument, struct frame *x)
+{
+	struct dag *d = r->d;
+	const struct build *b = r->context;
+	struct svec f = svec_input(d, argument, 0), n = svec_input(d, argument, 3);
+	struct smat R = smat_const(d, &p->X.R);
+
+	f = b->k->in_world ? smat_mul_transposed(d, &x->R0, f) : smat_mul(d, &R, f);
+	n = b->k->in_world ? smat_mul_transposed(d, &x->R0, n) : smat_mul(d, &R, n);
+	x->f = svec_sub(d, x->f, f);
+	x->n = svec_sub(d, x->n, svec_add(d, n, svec_cross(d, svec_const(d, p->X.p), f)));
+}
+
+static void entered(const struct tour *r, int body)
+{
+	struct build *b = r->context;
+	const struct body *k = &r->t->bodies[body];
+	struct frame *x = &r->frames[body + 1], *parent = &r->frames[k->parent + 1];
+	struct parameters known = load_parameters(r->d, &k->inertia);
+	const struct parameters *p = b->parameters[body] ? b->parameters[body] : &known;
+
+	if (needs_pose(b->k))
+		place(r, k, parent, x);
+	if (task_wants(b->k, WANT_ACCEL))
+		x->free_a = tour_acceleration(r, body, parent->free_a);
+	for (int i = 0; i < b->k->push_count; i++)
+		if (b->k->pushes[i].body == body)
+			pull(r, &b->k->pushes[i], b->pushed[i], x);
+	if (task_wants(b->k, WANT_KINETIC))
+		b->kinetic = dag_add(r->d, b->kinetic, load_kinetic(r->d, p, &x->motion));
+	output_links(r, body);
+}
+
+/* ---- on the way back ---- */
+
+/* The wrench through the joint, in the URDF's frame of its child link. */
+static void leaving(const struct tour *r, int body)
+{
+	const struct build *b = r->context;
+	const struct frame *x = &r->frames[body + 1];
+	struct smat A = smat_const(r->d, &r->t->bodies[body].frame);
+
+	for (int i = 0; i < b->k->want_count; i++)
+		if (b->k->wants[i].kind == WANT_WRENCH && b->k->wants[i].body == body) {
+			struct svec f = smat_mul(r->d, &A, x->f), n = smat_mul(r->d, &A, x->n);
+
+			for (int c = 0; c < 3; c++) {
+				dag_output(r->d, b->outputs[i], c, f.x[c]);
+				dag_output(r->d, b->outputs[i], 3 + c, n.x[c]);
+			}
+		}
+}
+
+/* Rotor inertia and viscous friction of the joint's own axis, whose coordinate is multiplier q: J qdd + d qd, and the
+   multiplier once more for the driver's torque. */
+static void own_terms(const struct tour *r, int body, struct ref *tau)
+{
+	const struct build *b = r->context;
+	const struct body *k = &r->t->bodies[body];
+	struct dag *d = r->d;
+	real square = k->multiplier * k->multiplier;
+
+	if (joint_nv(k->type) != 1)
+		return;
+	tau[0] = dag_add(d, tau[0], dag_mul(d, dag_const(d, square * b->k->armature[body]), source_row(d, &r->in.qdd, k->iv)));
+	tau[0] = dag_add(d, tau[0], dag_mul(d, dag_const(d, square * b->k->damping[body]), source_row(d, &r->in.qd, k->iv)));
+}
+
+/* ---- the whole ---- */
+
+/* tau . qd */
+static struct ref power(const struct tour *r)
+{
+	struct ref sum = {0};
+
+	for (int i = 0; i < r->t->nv; i++)
+		sum = dag_add(r->d, sum, dag_mul(r->d, r->tau[i], source_row(r->d, &r->in.qd, i)));
+	return sum;
+}
+
+static int output_of(const struct build *b, enum want_kind kind)
+{
+	for (int i = 0; i < b->k->want_count; i++)
+		if (b->k->wants[i].kind == kind)
+			return b->outputs[i];
+	return -1;
+}
+
+static struct tour new_tour(const struct build *b, struct joint_inputs in)
+{
+	return (struct tour){.d = b->d, .t = b->t, .in = in, .f_in = -1, .v_out = -1, .a_out = -1, .f_out = -1, .tau_out = -1,
+		.gravity = b->gravity, .parameters = b->parameters};
+}
+
+/* The torques of gravity and velocities, without what the scene adds: a tour of its own. */
+static void run_bias(const struct build *b, struct joint_inputs in)
+{
+	struct tour r = new_tour(b, in);
+
+	r.tau_out = output_of(b, WANT_BIAS);
+	if (r.tau_out < 0)
+		return;
+	dag_section(b->d, SECTION_BIAS, 0);
+	r.in.qdd = (struct source){-1, NULL};
+	tour_run(&r);
+}
+
+/* The torques of gravity, and its potential -g.C, with C = sum of m c of all that moves, in the world. */
+static void run_gravity(const struct build *b, struct joint_inputs in, int tau_out, int potential)
+{
+	struct tour r = new_tour(b, in);
+	const struct svec g = {{b->gravity[0], b->gravity[1], b->gravity[2]}};
+
+	if (tau_out < 0 && potential < 0)
+		return;
+	dag_section(b->d, SECTION_GRAVITY, 0);
+	r.tau_out = tau_out;
+	r.comes_back = r.at_rest = 1;
+	tour_run(&r);
+	if (potential >= 0)
+		dag_output(b->d, potential, 0, dag_neg(b->d, svec_dot(b->d, g, rest_moment(b->d, &r.frames[0]))));
+}
+
+static void output_scalars(const struct build *b, const struct tour *r)
+{
+	int power_out = output_of(b, WANT_POWER), kinetic_out = output_of(b, WANT_KINETIC);
+
+	dag_section(b->d, SECTION_TOTALS, 0);
+	if (power_out >= 0 && r->tau)
+		dag_output(b->d, power_out, 0, power(r));
+	if (kinetic_out >= 0)
+		dag_output(b->d, kinetic_out, 0, b->kinetic);
+}
+
+static void run_main(struct build *b, struct joint_inputs in)
+{
+	struct tour r = new_tour(b, in);
+
+	r.world = at_world;
+	r.entered = entered;
+	r.leaving = leaving;
+	r.own_terms = own_terms;
+	r.context = b;
+	r.tau_out = output_of(b, WANT_TAU);
+	r.comes_back = task_wants(b->k, WANT_POWER) || task_wants(b->k, WANT_WRENCH);
+	tour_run(&r);
+	output_scalars(b, &r);
+}
+
+static int is_zero(const struct row *rows, int count)
+{
+	for (int i = 0; i < count; i++)
+		if (!rows[i].is_given || rows[i].value != 0)
+			return 0;
+	return 1;
+}
+
+/* Are the torques those of gravity, and nothing asked for that takes the recursion? */
+static int is_gravity_alone(const struct build *b)
+{
+	const struct task *k = b->k;
+
+	for (int i = 0; i < k->want_count; i++)
+		if (k->wants[i].kind != WANT_TAU && k->wants[i].kind != WANT_GRAVITY && k->wants[i].kind != WANT_POTENTIAL)
+			return 0;
+	return (!task_wants(k, WANT_TAU) || (is_zero(k->qd, b->t->nv) && is_zero(k->qdd, b->t->nv))) && !k->push_count;
+}
+
+static int alloc(struct build *b)
+{
+	struct arena *a = b->d->arena;
+
+	b->offset = arena_alloc(a, (size_t)b->t->nq, sizeof *b->offset);
+	b->gravity = arena_alloc(a, 3, sizeof *b->gravity);
+	b->parameters = arena_alloc(a, (size_t)b->t->body_count, sizeof(struct parameters *));
+	b->pushed = arena_alloc(a, (size_t)b->k->push_count, sizeof *b->pushed);
+	b->outputs = arena_alloc(a, (size_t)b->k->want_count, sizeof *b->outputs);
+	return !a->failed;
+}
+
+/* Where nothing of q, qd or qdd `is_read`, there is no such input. */
+static void build(struct dag *d, const struct tree *t, const int *is_read)
+{
+	struct build b = {.d = d, .t = t, .k = &t->task};
+	struct joint_inputs in;
+
+	if (!alloc(&b)) {
+		d->failed = 1;
+		return;
+	}
+	dag_section(d, SECTION_FREED, 0);
+	for (int i = 0; i < 3; i++)
+		b.gravity[i] = dag_const(d, t->gravity[i]);
+	in = (struct joint_inputs){.q = source(d, "q", b.k->q, t->nq, is_read[0]), .offset = b.offset};
+	in.qd = source(d, "qd", b.k->qd, t->nv, is_read[1]);
+	in.qdd = source(d, "qdd", b.k->qdd, t->nv, is_read[2]);
+	free_constants(&b);
+	for (int i = 0; i < b.k->push_count; i++)
+		b.pushed[i] = dag_argument(d, b.k->pushes[i].argument, 6, 0);
+	for (int i = 0; i < b.k->want_count; i++)
+		b.outputs[i] = dag_argument(d, b.k->wants[i].argument, b.k->wants[i].rows, 1);
+	if (is_gravity_alone(&b))
+		run_gravity(&b, in, output_of(&b, WANT_TAU), -1);
+	else
+		run_main(&b, in);
+	run_bias(&b, in);
+	run_gravity(&b, in, output_of(&b, WANT_GRAVITY), output_of(&b, WANT_POTENTIAL));
+}
+
+/* Which of q, qd and qdd an output depends on. */
+static void find_read(const struct dag *d, int *is_read)
+{
+	static const char *const names[] = {"q", "qd", "qdd"};
+	uint32_t *uses = arena_alloc(d->arena, d->count, sizeof *uses);
+
+	if (!uses)
+		return;
+	dag_uses(d, uses);
+	for (size_t i = 0; i < d->count; i++)
+		for (int k = 0; k < 3 && uses[i] && d->nodes[i].op == OP_INPUT; k++)
+			is_read[k] |= !strcmp(d->arguments[d->nodes[i].arg[0].i].name, names[k]);
+}
+
+/* Once to see what is read, and once for good. */
+void want_build(struct dag *d, const struct tree *t)
+{
+	struct dag trial;
+	int is_read[3] = {1, 1, 1};
+
+	dag_init(&trial, d->arena);
+	build(&trial, t, is_read);
+	if (trial.failed) {
+		d->failed = 1;
+		return;
+	}
+	memset(is_read, 0, sizeof is_read);
+	find_read(&trial, is_read);
+	build(d, t, is_read);
+}
