@@ -1,4 +1,6 @@
 #include "analysis.h"
+#include "keep.h"
+#include "plan.h"
 #include <string.h>
 
 int analysis_dag(struct dag *d, const struct tree *t, int strict, struct arena *a)
@@ -12,6 +14,17 @@ int analysis_dag(struct dag *d, const struct tree *t, int strict, struct arena *
 	return !raw.failed && !d->failed;
 }
 
+long analysis_flops(const struct dag *d, const struct tree *t, struct arena *a)
+{
+	struct operation_count n;
+	struct plan p;
+
+	if (!plan_build(&p, d, t, a))
+		return -1;
+	n = plan_operations(&p);
+	return (long)n.mul + (long)n.add + (long)n.sub + 2 * (long)n.fma;
+}
+
 enum rneagen_code analysis_open(struct analysis *a, const char *urdf, size_t length, const struct rneagen_options *o,
 	struct rneagen_error *e)
 {
@@ -20,7 +33,7 @@ enum rneagen_code analysis_open(struct analysis *a, const char *urdf, size_t len
 	*a = (struct analysis){0};
 	*e = (struct rneagen_error){0};
 	arena_init(&a->arena, o->allocator);
-	if (robot_read(&a->robot, urdf, length, file, &a->arena, e) || tree_build(&a->tree, &a->robot, o, &a->arena, e) ||
+	if (robot_read(&a->robot, urdf, length, file, &a->arena, e) || keep_build(&a->tree, &a->robot, o, &a->arena, e) ||
 		!analysis_dag(&a->dag, &a->tree, o->strict, &a->arena)) {
 		error_memory(e); /* if nothing else */
 		analysis_free(a);

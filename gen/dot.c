@@ -86,13 +86,15 @@ static void put_edge(const struct tree *t, const struct body *k, struct text *ou
 	text_printf(out, " -> b%d [label=\"", k->number);
 	put_label(out, k->joint);
 	text_printf(out, "\\n%s", joint_type_name(k->type));
-	if (k->follower) {
+	if (k->type == JOINT_FIXED) {
+		text_put(out, " held");
+	} else if (k->follower) {
 		put_mimic(find_mimic(t, k), k, out);
 	} else {
 		text_putc(out, ' ');
 		put_rows(out, k);
 	}
-	if (k->type != JOINT_FLOATING)
+	if (k->type != JOINT_FLOATING && k->type != JOINT_FIXED)
 		put_axis(out, k);
 	text_put(out, "\"];\n");
 }

@@ -1,7 +1,6 @@
 #include "effect.h"
 #include "analysis.h"
 #include "eval.h"
-#include "plan.h"
 #include "sample.h"
 #include <math.h>
 #include <stdlib.h>
@@ -24,14 +23,8 @@ struct measuring {
 
 static enum rneagen_code count(struct way *w, const struct measuring *m)
 {
-	struct operation_count n;
-	struct plan p;
-
-	if (!analysis_dag(&w->dag, &w->tree, m->o->strict, m->a) || !plan_build(&p, &w->dag, &w->tree, m->a))
-		return error_memory(m->e);
-	n = plan_operations(&p);
-	w->flops = (long)n.mul + (long)n.add + (long)n.sub + 2 * (long)n.fma;
-	return RNEAGEN_OK;
+	w->flops = analysis_dag(&w->dag, &w->tree, m->o->strict, m->a) ? analysis_flops(&w->dag, &w->tree, m->a) : -1;
+	return w->flops < 0 ? error_memory(m->e) : RNEAGEN_OK;
 }
 
 static enum rneagen_code build(struct way *w, const struct measuring *m, const struct adjust *x)

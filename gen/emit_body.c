@@ -188,7 +188,7 @@ void emit_section(const struct emission *e, const struct pass *pass, const struc
 		else
 			text_printf(out, " to link %d (bpass)", e->tree->bodies[k->parent].number);
 		if (*k->joint) {
-			text_put(out, k->follower ? ": share of the driver of \"" : ": torque of \"");
+			text_put(out, k->type == JOINT_FIXED ? ": held at \"" : k->follower ? ": share of the driver of \"" : ": torque of \"");
 			text_put_comment(out, k->joint);
 			text_putc(out, '"');
 		}

@@ -15,7 +15,9 @@ static void put_body(const struct tree *t, const struct body *k, struct text *ou
 {
 	text_printf(out, "%5d %6d  %-10s ", k->number, k->parent < 0 ? -1 : t->bodies[k->parent].number,
 		joint_type_name(k->type));
-	if (k->follower)
+	if (k->type == JOINT_FIXED)
+		text_printf(out, "%9s", "held");
+	else if (k->follower)
 		text_printf(out, "%9s", "mimic");
 	else if (joint_nq(k->type) > 1)
 		text_printf(out, "%4d..%-3d", k->iq, k->iq + joint_nq(k->type) - 1);

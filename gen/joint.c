@@ -7,9 +7,9 @@ static struct svec zero3(void)
 	return (struct svec){{zero, zero, zero}};
 }
 
-static int turns(enum joint_type type)
+static int turns(const struct body *k)
 {
-	return type == JOINT_REVOLUTE || type == JOINT_CONTINUOUS || type == JOINT_PLANAR;
+	return k->type == JOINT_REVOLUTE || k->type == JOINT_CONTINUOUS || k->type == JOINT_PLANAR || k->turn != 0;
 }
 
 struct ref source_row(struct dag *d, const struct source *s, int row)
@@ -74,7 +74,13 @@ struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_
 		x.Q = quaternion_matrix(d, source_rows(d, &in.q, k->iq + 3), source_row(d, &in.q, k->iq + 6));
 	}
 	x.p = svec_add(d, svec_const(d, k->X.p), smat_mul(d, &x.R, slide));
-	if (turns(k->type)) {
+	if (k->turn != 0) {
+		real s, c;
+
+		angle_sincos(k->turn, &s, &c);
+		x.s = dag_const(d, s);
+		x.c = dag_const(d, c);
+	} else if (turns(k)) {
 		struct ref angle = directed(d, k, coordinate(d, &in, k->type == JOINT_PLANAR ? k->iq + 2 : k->iq));
 
 		x.s = dag_sin(d, angle);
@@ -105,6 +111,8 @@ struct joint_rates joint_move(struct dag *d, const struct body *k, struct joint_
 		m.W.x[2] = source_row(d, &in.qd, k->iv + 2);
 		m.dW.x[2] = source_row(d, &in.qdd, k->iv + 2);
 		break;
+	case JOINT_FIXED:
+		break;
 	case JOINT_PRISMATIC:
 		m.V0.x[k->axis] = directed(d, k, source_row(d, &in.qd, k->iv));
 		m.dV0.x[k->axis] = directed(d, k, source_row(d, &in.qdd, k->iv));
@@ -120,14 +128,14 @@ struct svec joint_into(struct dag *d, const struct body *k, const struct joint_p
 {
 	if (k->type == JOINT_FLOATING)
 		return smat_mul_transposed(d, &x->Q, u);
-	return turns(k->type) ? svec_turn_back(d, k->axis, x->s, x->c, u) : u;
+	return turns(k) ? svec_turn_back(d, k->axis, x->s, x->c, u) : u;
 }
 
 struct svec joint_out_of(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u)
 {
 	if (k->type == JOINT_FLOATING)
 		return smat_mul(d, &x->Q, u);
-	return turns(k->type) ? svec_turn(d, k->axis, x->s, x->c, u) : u;
+	return turns(k) ? svec_turn(d, k->axis, x->s, x->c, u) : u;
 }
 
 void joint_project(struct dag *d, const struct body *k, struct svec f, struct svec n, struct svec f0, struct ref *tau)
@@ -140,6 +148,8 @@ void joint_project(struct dag *d, const struct body *k, struct svec f, struct sv
 		tau[0] = f0.x[0];
 		tau[1] = f0.x[1];
 		tau[2] = n.x[2];
+		break;
+	case JOINT_FIXED:
 		break;
 	case JOINT_FLOATING:
 		for (int i = 0; i < 3; i++) {

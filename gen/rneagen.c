@@ -6,6 +6,7 @@
 #include "emit.h"
 #include "identifier.h"
 #include "info.h"
+#include "keep.h"
 #include "rnea.h"
 #include "robot.h"
 #include <locale.h>
@@ -141,7 +142,7 @@ static enum rneagen_code generate(struct generation *g, const char *urdf, size_t
 	struct arena *a = &g->result->arena;
 
 	if (robot_read(&g->robot, urdf, length, g->options.file, a, g->error) || resolve_options(g) ||
-		tree_build(&g->tree, &g->robot, &g->options, a, g->error) || check_task(g) || make_passes(g) ||
+		keep_build(&g->tree, &g->robot, &g->options, a, g->error) || check_task(g) || make_passes(g) ||
 		effect_measure(&g->tree, &g->robot, &g->options, a, g->error))
 		return g->error->code;
 	tree_warn(&g->tree, &g->robot, g->options.file, a);

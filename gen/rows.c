@@ -48,7 +48,7 @@ enum rneagen_code rows_number(
 	struct tree *t, const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
 {
 	for (int k = 0; k < t->body_count; k++)
-		if (!t->bodies[k].follower)
+		if (!t->bodies[k].follower && t->bodies[k].type != JOINT_FIXED)
 			t->joints[t->joint_count++] = (struct tree_joint){
 				.name = t->bodies[k].joint, .type = t->bodies[k].type, .body = k};
 	if (!t->joint_count)

@@ -69,6 +69,11 @@ static void body_set_axis(struct body *k, const struct joint *j)
 	}
 }
 
+static int turns(const struct joint *j)
+{
+	return j->type == JOINT_REVOLUTE || j->type == JOINT_CONTINUOUS;
+}
+
 /* The constant part of a follower's offset goes into the joint's placement, where it is not rounded with q. */
 static void body_add_offset(struct body *k, real offset)
 {
@@ -109,10 +114,15 @@ static int body_add(struct builder *b, int joint, int parent, const struct place
 	k->link = b->r->links[j->child].name;
 	k->joint = j->name;
 	k->parent = parent;
-	k->type = j->type;
+	k->type = b->cut.joints[joint].state == CUT_HELD ? JOINT_FIXED : j->type;
 	k->multiplier = 1;
-	k->follower = b->cut.joints[joint].leader != joint;
-	body_set_axis(k, j);
+	k->follower = k->type != JOINT_FIXED && b->cut.joints[joint].leader != joint;
+	if (k->type == JOINT_FIXED && !turns(j))
+		k->frame = ROTATION_IDENTITY;
+	else
+		body_set_axis(k, j);
+	if (k->type == JOINT_FIXED && turns(j))
+		k->turn = k->sign * b->cut.joints[joint].value[0];
 	body_set_placement(b, k, urdf);
 	if (k->follower) {
 		const struct cut_joint *c = &b->cut.joints[joint];
@@ -123,7 +133,8 @@ static int body_add(struct builder *b, int joint, int parent, const struct place
 			body_add_offset(k, m.offset);
 		b->t->mimics[b->t->mimic_count++] = m;
 	}
-	b->body_of_joint[joint] = index;
+	if (k->type != JOINT_FIXED)
+		b->body_of_joint[joint] = index;
 	return index;
 }
 
@@ -159,6 +170,12 @@ static struct placement held_motion(const struct joint *j, const real *q)
 	return placement_mul(&turned, &X);
 }
 
+/* A kept joint's turn is left to its body. */
+static int is_kept(const struct builder *b, int joint)
+{
+	return b->t->adjust.kept && b->t->adjust.kept[joint];
+}
+
 static int is_zero(const struct joint *j, const real *q)
 {
 	for (int i = 0; i < joint_nq(j->type); i++)
@@ -172,12 +189,12 @@ static void hold(struct builder *b, int joint, struct placement *at)
 	const struct joint *j = &b->r->joints[joint];
 	const struct cut_joint *c = &b->cut.joints[joint];
 
-	if (!is_zero(j, c->value)) {
+	if (!is_zero(j, c->value) && !(is_kept(b, joint) && turns(j))) {
 		struct placement motion = held_motion(j, c->value);
 
 		*at = placement_mul(at, &motion);
 	}
-	b->t->held[b->t->held_count++] = (struct tree_held){j->name, c->why, j->type, c->value, cut_beyond(j, c)};
+	b->t->held[b->t->held_count++] = (struct tree_held){j->name, c->why, j->type, c->value, joint, cut_beyond(j, c)};
 }
 
 /* A link's inertia goes to the body that carries it; then its joints wait on the stack, first in name order on top. */
@@ -214,7 +231,7 @@ static void walk(struct builder *b)
 
 		if (b->cut.joints[s.joint].state == CUT_HELD)
 			hold(b, s.joint, &at);
-		if (j->type == JOINT_FIXED || b->cut.joints[s.joint].state == CUT_HELD)
+		if (j->type == JOINT_FIXED || (b->cut.joints[s.joint].state == CUT_HELD && !is_kept(b, s.joint)))
 			visit_link(b, j->child, s.body, &at);
 		else
 			visit_link(b, j->child, body_add(b, s.joint, s.body, &at), &identity);

@@ -19,7 +19,8 @@ struct body {
 	const char *link;      /* the joint's child link */
 	const char *joint;     /* "" for the floating base */
 	int parent;            /* body index, smaller than the body's own; -1: the world */
-	enum joint_type type;
+	enum joint_type type;  /* fixed: held, and not merged */
+	real turn;             /* of a fixed one about its axis, not in X */
 	int axis, sign;        /* revolute, continuous, prismatic, planar: coordinate axis, and +1 or -1 along it */
 	struct placement X;    /* the joint's frame at q = 0 in the parent body's frame (the world: root link's frame) */
 	struct rotation frame; /* x_urdf = frame x_body */
@@ -47,6 +48,7 @@ struct tree_held {
 	const char *name, *why; /* why: the scene's word, or "mimic" where the joint that it follows is held */
 	enum joint_type type;
 	const real *value; /* joint_nq(type) numbers */
+	int joint;         /* of the robot */
 	int beyond;        /* its limits */
 };
 

@@ -1,5 +1,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "scene_model.h"
+#include "keep.h"
 #include "plan.h"
 #include "reference_read.h"
 #include <check.h>
@@ -15,7 +16,7 @@ enum rneagen_code scene_open(struct scene_model *m, const char *urdf, const stru
 	*m = (struct scene_model){0};
 	arena_init(&m->arena, NULL);
 	if (robot_read(&m->robot, urdf, strlen(urdf), "here", &m->arena, &m->error) ||
-		tree_build(&m->tree, &m->robot, o, &m->arena, &m->error))
+		keep_build(&m->tree, &m->robot, o, &m->arena, &m->error))
 		return m->error.code;
 	dag_init(&raw, &m->arena);
 	ALGORITHMS[PASS_RNEA].build(&raw, &m->tree);
