@@ -61,21 +61,26 @@ static long improve(struct keeping *k, const int *candidates, int count, long le
 	return least;
 }
 
-static enum rneagen_code choose(struct keeping *k, const int *candidates, int count)
+/* From all merged on, and, where that is dearer than all kept, from there on. */
+static enum rneagen_code choose(struct keeping *k, const struct tree *t, const int *candidates, int count)
 {
-	int each = count <= CANDIDATES ? count : 0;
-	long merged = improve(k, candidates, each, cost(k)), all;
+	int *all = arena_alloc(k->a, (size_t)t->held_count, sizeof *all);
 	char *best = arena_alloc(k->a, (size_t)k->r->joint_count, 1);
+	long merged = improve(k, candidates, count <= CANDIDATES ? count : 0, cost(k)), kept;
 
-	if (merged < 0 || !best)
+	if (merged < 0 || !best || !all)
 		return error_memory(k->e);
 	memcpy(best, k->kept, (size_t)k->r->joint_count);
-	for (int i = 0; i < count; i++)
-		k->kept[candidates[i]] = 1;
-	all = improve(k, candidates, each, cost(k));
-	if (all < 0)
+	for (int i = 0; i < t->held_count; i++) {
+		all[i] = t->held[i].joint;
+		k->kept[all[i]] = 1;
+	}
+	kept = cost(k);
+	if (kept >= 0 && kept < merged)
+		kept = improve(k, all, t->held_count <= CANDIDATES ? t->held_count : 0, kept);
+	if (kept < 0)
 		return k->e->code;
-	if (all >= merged)
+	if (kept >= merged)
 		memcpy(k->kept, best, (size_t)k->r->joint_count);
 	return RNEAGEN_OK;
 }
@@ -95,9 +100,7 @@ enum rneagen_code keep_build(struct tree *t, const struct robot *r, const struct
 	for (int i = 0; i < t->held_count; i++)
 		if (is_candidate(&t->held[i]))
 			candidates[count++] = t->held[i].joint;
-	if (!count)
-		return RNEAGEN_OK;
 	k.adjust = t->adjust;
 	k.adjust.kept = k.kept;
-	return choose(&k, candidates, count) ? e->code : tree_build_adjusted(t, r, o, &k.adjust, a, e);
+	return choose(&k, t, candidates, count) ? e->code : tree_build_adjusted(t, r, o, &k.adjust, a, e);
 }
