@@ -7,7 +7,7 @@ import time
 DEVICE = "cuda"
 GRAPH_US = 200            # what one graph holds at least, in calls of up to GRAPH_CALLS
 GRAPH_CALLS = 20
-PROFILED = (1, 16384, 1048576)
+PROFILED = {"rnea": (1, 16384, 1048576)}  # sizes, of the other functions the second alone
 COPIED_BYTES = 1 << 29    # more is not copied for a row
 
 
@@ -91,8 +91,9 @@ class Timer:
         return {"busy_us": sum(spans), "launch_count": len(spans)} if spans else {}
 
     def profiled(self, key, call):
-        """profile() at some sizes, once for a key whose last part is n; nothing where it does not work."""
-        if key[-1] not in PROFILED:
+        """profile() at some sizes, once for a key that ends in function, precision, n; nothing where it does not work."""
+        function, _, n = key[-3:]
+        if n not in PROFILED.get(function, PROFILED["rnea"][1:2]):
             return {}
         if key not in self.profiles:
             try:

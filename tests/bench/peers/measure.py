@@ -132,7 +132,7 @@ class Bench:
         if self.late():
             return False
         try:
-            self.row(**key, **make())
+            self.row(**{**key, **make()})
             return True
         except Exception as e:
             reason = (str(e).strip() or type(e).__name__).splitlines()[0][:150]

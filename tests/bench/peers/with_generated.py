@@ -178,7 +178,8 @@ def from_host_arrays(bench, timer, cache):
             call = robot.runner([x.ctypes.data for x in [*inputs, tau]], n)
             call()
             found = bench.data[precision].errors("rnea", n, (tau,), -1)
-            return {**took, "error_max": found[0], "error_rms": found[1], "method": "clock", "call_us": measure.clock(call, bench.box)}
+            return {**took, "error_max": found[0], "error_rms": found[1], "method": "clock",
+                    "call_us": measure.clock(call, bench.box)}
 
         bench.attempt(make, **key("rnea_run", "rnea", "cuda", precision, n))
 

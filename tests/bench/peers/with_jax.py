@@ -24,10 +24,10 @@ MAIN = (1048576, 1024)  # sizes for which everything is measured
 def functions(bench):
     """{route: function of (name, precision)}; what varies is [N, ...], in straight [..., N]."""
     batched = {p: Spatial(jnp, bench.model, lambda x: jnp.asarray(x, measure.TYPES[p])) for p in measure.TYPES}
-    written, count = straight.rnea(bench.model, jnp.sin, jnp.cos)
+    written, _ = straight.rnea(bench.model, jnp.sin, jnp.cos)
     return {"jit": lambda name, p: jax.jit(batched[p].function(name)),
             "vmap and jit": lambda name, p: jax.jit(jax.vmap(batched[p].function(name))),
-            f"jit, {count} statements": lambda name, p: jax.jit(written)}
+            "jit, statements": lambda name, p: jax.jit(written)}
 
 
 def compile_twice(make, inputs, once):

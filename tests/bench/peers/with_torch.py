@@ -97,14 +97,14 @@ def compiled_row(bench, timer, case, call, inputs, host, axis, extra):
             "stream_us": us, "call_us": timer.waited(lambda: call(*inputs)), "kernel_us": timer.graph(lambda: call(*inputs), us)}
 
 
-def compiled(bench, timer, make, cases, route, axis=0):
+def compiled(bench, timer, make, cases, route, axis=0, note=""):
     """Rows of torch.compile of make(precision)(function) for `cases`, whose third is n and fourth dynamic or not."""
     ready = {}
     for function, precision, n, dynamic in cases:
         def row():
             host = bench.data[precision].inputs(function, n)
             host = [x if axis == 0 else x.T.copy() for x in host]
-            inputs, which, extra = tensors(host, gpu.DEVICE), (function, precision, dynamic, n == 1), {}
+            inputs, which, extra = tensors(host, gpu.DEVICE), (function, precision, dynamic, n == 1), {"note": note}
             if which not in ready:
                 plain = make(precision, function)
                 ready[which] = torch.compile(plain, dynamic=dynamic)
@@ -126,7 +126,8 @@ def with_straight(bench, timer, precision):
     static = min(STATIC, bench.options.largest)
     counts = [n for n in bench.counts if n not in (1, static)] + [1]
     cases = [("rnea", precision, static, False)] + [("rnea", precision, n, None if n == 1 else True) for n in counts]
-    compiled(bench, timer, lambda *_: call, cases, f"torch.compile, {count} statements", -1)
+    compiled(bench, timer, lambda *_: call, cases, "torch.compile, statements", -1,
+             f"{count} statements")
 
 
 def with_matrices(bench, timer):
