@@ -2,11 +2,14 @@
 """NumPy: with matrices, and straight-line over whole arrays; alone, and in slices by a pool of threads."""
 import concurrent.futures
 import os
+import time
 
 os.environ.update({name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")})
-import measure
+began = time.perf_counter()
+import numpy
 
-numpy, import_ms = measure.start("NumPy", "numpy")
+import_ms = (time.perf_counter() - began) * 1e3
+import measure
 import spatial
 import straight
 
@@ -30,9 +33,9 @@ def alone(bench):
 
         def make():
             inputs, call = data.inputs(function, n), functions[precision].function(function)
-            outputs = call(*inputs)
+            outputs, us = measure.first_and_clock(lambda: call(*inputs), bench.box)
             outputs = outputs if isinstance(outputs, tuple) else (outputs,)
-            return result(bench, data.errors(function, n, outputs), lambda: call(*inputs))
+            return result(data.errors(function, n, outputs), us)
 
         bench.attempt(make, **key("matrices", function, precision, n, 1))
 
@@ -44,8 +47,8 @@ def written_out(bench):
 
         def make():
             inputs = [rows(x) for x in data.inputs(function, n)]
-            outputs = numpy.stack(call(*inputs))
-            return result(bench, data.errors(function, n, (outputs,), -1), lambda: call(*inputs), count)
+            outputs, us = measure.first_and_clock(lambda: call(*inputs), bench.box)
+            return result(data.errors(function, n, (numpy.stack(outputs),), -1), us, count)
 
         bench.attempt(make, **key("straight", function, precision, n, 1))
 
@@ -76,9 +79,8 @@ def pooled(bench):
                     inputs = inputs if axis == 0 else [rows(x) for x in inputs]
                     tau = numpy.empty_like(inputs[0])
                     with concurrent.futures.ThreadPoolExecutor(threads) as pool:
-                        sliced(pool, call, inputs, tau, axis, threads)
-                        errors = data.errors("rnea", n, (tau,), axis)
-                        return result(bench, errors, lambda: sliced(pool, call, inputs, tau, axis, threads))
+                        _, us = measure.first_and_clock(lambda: sliced(pool, call, inputs, tau, axis, threads), bench.box)
+                    return result(data.errors("rnea", n, (tau,), axis), us)
 
                 bench.attempt(make, **key(f"{route}, slices", "rnea", precision, n, threads))
 
@@ -87,8 +89,7 @@ def key(route, function, precision, n, threads):
     return {"route": route, "function": function, "device": "cpu", "precision": precision, "n": n, "threads": threads}
 
 
-def result(bench, errors, call, launches=None):
-    us = measure.clock(call, bench.box)
+def result(errors, us, launches=None):
     return {"method": "clock", "error_max": errors[0], "error_rms": errors[1], "import_ms": import_ms, "kernel_us": us,
             "call_us": us, "h2d_us": 0, "d2h_us": 0, "launch_count": launches}
 
