@@ -221,9 +221,11 @@ int scene_joint(const struct scene *s, const struct scene_choice *c, const struc
 /* Does the whole of a list name one thing? Wanted quantities have the name after a dot. */
 static int is_one_name(enum scene_key key, const char *list, const struct robot *r)
 {
-	const char *dot = key == SCENE_WANT ? strchr(list, '.') : NULL, *name = dot ? dot + 1 : list;
+	const char *comma = strchr(list, ','), *dot = key == SCENE_WANT ? strchr(list, '.') : NULL, *name = dot ? dot + 1 : list;
 
-	return !strchr(list, ',') || (key != SCENE_LOCK_ALL_BUT && find(name, r->links, r->link_count, sizeof *r->links) >= 0) ||
+	if (!comma || (dot && comma < dot))
+		return !comma;
+	return (key != SCENE_LOCK_ALL_BUT && find(name, r->links, r->link_count, sizeof *r->links) >= 0) ||
 		((key == SCENE_LOCK_ALL_BUT || key == SCENE_WANT) &&
 			find(name, r->joints, r->joint_count, sizeof *r->joints) >= 0);
 }

@@ -220,6 +220,24 @@ START_TEST(repeats_itself)
 }
 END_TEST
 
+/* By commas, unless all of it is one name. */
+START_TEST(lists)
+{
+	static const char text[] = "want gravity,wrench.elbow, tau\nwant wrench.x=y,z\nfext a,b\nfext hand,head\nwant tau,power";
+	static const char *const names[] = {
+		"gravity", "wrench.elbow", "tau", "wrench.x=y,z", "a,b", "hand", "head", "tau", "power"};
+	struct read r;
+	struct scene s;
+
+	read_memory(&r, arm, sizeof arm - 1, "here");
+	ck_assert(!scene_read(&s, text, "here", &r.arena, &r.error) && !scene_expand(&s, &r.robot, &r.arena, &r.error));
+	ck_assert_int_eq(s.count, sizeof names / sizeof *names);
+	for (int i = 0; i < s.count; i++)
+		ck_assert_str_eq(s.choices[i].name, names[i]);
+	read_free(&r);
+}
+END_TEST
+
 static struct rneagen_result generate(const char *scene)
 {
 	struct rneagen_options o = rneagen_options_default();
@@ -312,6 +330,7 @@ int main(void)
 	tcase_add_loop_test(c, refuses, 0, sizeof refuseds / sizeof *refuseds);
 	tcase_add_test(c, other_locale);
 	tcase_add_test(c, repeats_itself);
+	tcase_add_test(c, lists);
 	tcase_add_test(c, told);
 	tcase_add_test(c, ignored);
 	tcase_add_test(c, nearest);
