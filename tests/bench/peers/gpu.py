@@ -24,7 +24,7 @@ def alone(path):
 
 class Timer:
     def __init__(self, torch, box):
-        self.torch, self.box, self.copied, self.profiles = torch, box, {}, {}
+        self.torch, self.box, self.copied, self.later = torch, box, {}, []
         self.stream = torch.cuda.Stream()
 
     def between(self, call, count):
@@ -82,25 +82,25 @@ class Timer:
         return statistics.median(times) * 1e6
 
     def profile(self, call):
-        """(microseconds that the GPU was busy, kernels and copies it ran) in one call."""
+        """How long the GPU was busy in one call, and how many kernels and copies it ran."""
         profiler = self.torch.profiler
         with profiler.profile(activities=[profiler.ProfilerActivity.CUDA]) as p:
             call()
             self.torch.cuda.synchronize()
         spans = [e.time_range.elapsed_us() for e in p.events() if str(e.device_type).endswith("CUDA")]
-        return {"busy_us": sum(spans), "launch_count": len(spans)} if spans else {}
+        if not spans:
+            raise RuntimeError("the profiler saw nothing of the GPU")
+        return {"method": "profiler", "busy_us": sum(spans), "launch_count": len(spans)}
 
-    def profiled(self, key, call):
-        """profile() at some sizes, once for a key that ends in function, precision, n; nothing where it does not work."""
-        function, _, n = key[-3:]
-        if n not in PROFILED.get(function, PROFILED["rnea"][1:2]):
-            return {}
-        if key not in self.profiles:
-            try:
-                self.profiles[key] = self.profile(call)
-            except Exception:
-                self.profiles[key] = {}
-        return self.profiles[key]
+    def profile_later(self, key, call):
+        """Remember call(), at some sizes, for profiled(): once a profiler has run, launches may take longer."""
+        if key["n"] in PROFILED.get(key["function"], PROFILED["rnea"][1:2]):
+            self.later.append((key, call))
+
+    def profiled(self, bench):
+        """The rows of what was remembered."""
+        for key, call in self.later:
+            bench.attempt(lambda: self.profile(call), late=True, **key)
 
     def copies(self, key, inputs, outputs):
         """The copies of NumPy's `inputs` to the GPU and of the tensors `outputs` back, page-locked; once for a key."""

@@ -135,9 +135,10 @@ class Bench:
     def row(self, **values):
         print(json.dumps({"library": self.library, "version": self.version, **values}), flush=True)
 
-    def attempt(self, make, **key):
-        """The row that make() fills, or one with the reason why there is none. True: there is one."""
-        if self.late():
+    def attempt(self, make, late=False, **key):
+        """The row that make() fills, or one with the reason why there is none; `late`: also when the time is over. True:
+        there is one."""
+        if self.late() and not late:
             return False
         try:
             self.row(**{**key, **make()})

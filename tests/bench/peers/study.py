@@ -47,7 +47,19 @@ class Rows:
     def __init__(self, path):
         with open(path, newline="") as file:
             self.head = file.readline().lstrip("# ").strip()
-            self.rows = [{k: number(v) if k in NUMBERS else v for k, v in row.items()} for row in csv.DictReader(file)]
+            rows = [{k: number(v) if k in NUMBERS else v for k, v in row.items()} for row in csv.DictReader(file)]
+        self.rows = [r for r in rows if r["method"] != "profiler"]
+        for r in rows:
+            if r["method"] == "profiler":
+                self.add_profile(r)
+
+    def add_profile(self, profile):
+        """What the profiler saw, to the rows that it belongs to; a graph runs the kernels of the eager calls."""
+        for r in self.rows:
+            route = "eager" if r["route"] == "CUDA graph" else r["route"]
+            if (r["library"], route) == (profile["library"], profile["route"]) and all(
+                    r[k] == profile[k] for k in ("function", "device", "precision", "n")):
+                r.update(busy_us=profile["busy_us"], launch_count=profile["launch_count"])
 
     def find(self, library, route, device, function="rnea", precision="f32", n=None, threads=None, block=None):
         """The rows with times."""
