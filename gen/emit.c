@@ -207,6 +207,6 @@ void emit_info_shape(const struct emission *e, struct text *out)
 
 	text_printf(out, "block %d\n", emit_block_size(e));
 	for (int i = 0; i < e->passes[PASS_RNEA].dag.argument_count; i++)
-		text_printf(out, "%s %s %d %s sample\n", a[i].is_output ? "output" : "input", a[i].name, a[i].rows,
-			e->memory->name);
+		text_printf(out, "%s %s %d %s %s\n", a[i].is_output ? "output" : "input", a[i].name, a[i].rows,
+			e->memory->name, a[i].per_batch ? "batch" : "sample");
 }
