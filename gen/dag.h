@@ -81,6 +81,8 @@ struct ref dag_neg(struct dag *d, struct ref a);
 struct ref dag_add(struct dag *d, struct ref a, struct ref b);
 struct ref dag_sub(struct dag *d, struct ref a, struct ref b);
 struct ref dag_mul(struct dag *d, struct ref a, struct ref b);
+struct ref dag_div(struct dag *d, struct ref a, struct ref b);
+struct ref dag_sqrt(struct dag *d, struct ref a);
 struct ref dag_sin(struct dag *d, struct ref a);
 struct ref dag_cos(struct dag *d, struct ref a);
 /* a*b + c, rounded once where the target can */

@@ -3,7 +3,7 @@
 #include "template.h"
 
 const char *const emit_operation[OP_COUNT] = {
-	[OP_NEG] = "neg", [OP_ADD] = "add", [OP_SUB] = "sub", [OP_MUL] = "mul", [OP_FMA] = "fma"};
+	[OP_NEG] = "neg", [OP_ADD] = "add", [OP_SUB] = "sub", [OP_MUL] = "mul", [OP_FMA] = "fma", [OP_DIV] = "div", [OP_SQRT] = "sqrt"};
 
 static void expand(const struct emission *e, const char *tmpl, struct text *out)
 {

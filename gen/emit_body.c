@@ -35,8 +35,11 @@ static void put_expression(const struct emission *e, const struct plan *p, struc
 /* What an operation is written as, called with its operands; NULL: with a sign between them. */
 static const char *call_of(const struct emission *e, enum op op)
 {
-	static const char *const strict[OP_COUNT] = {[OP_ADD] = "RNEA_ADD", [OP_SUB] = "RNEA_SUB", [OP_MUL] = "RNEA_MUL"};
+	static const char *const strict[OP_COUNT] = {[OP_ADD] = "RNEA_ADD", [OP_SUB] = "RNEA_SUB", [OP_MUL] = "RNEA_MUL",
+		[OP_DIV] = "RNEA_DIV", [OP_SQRT] = "RNEA_SQRT"};
 
+	if (op == OP_SQRT && !e->options->strict)
+		return e->arithmetic->bytes == 4 ? "sqrtf" : "sqrt";
 	return op == OP_FMA ? "RNEA_FMA" : e->options->strict ? strict[op] : NULL;
 }
 
@@ -115,6 +118,9 @@ static void put_expression(const struct emission *e, const struct plan *p, struc
 		break;
 	case OP_MUL:
 		put_binary(e, p, n, "*", out);
+		break;
+	case OP_DIV:
+		put_binary(e, p, n, "/", out);
 		break;
 	default: /* inputs, sines and cosines have names */
 		out->failed = 1;

@@ -69,6 +69,24 @@ static struct spread spread_of_angle(const struct survey *v, size_t i, const str
 	return (struct spread){fabs(v->values[i]), inherited + local, local, 0};
 }
 
+/* |a/b - a'/b'| <= (e_a + |a/b| e_b) / (|b| - e_b) */
+static double error_of_quotient(double value, double b, double of_a, double of_b)
+{
+	return fabs(b) > of_b ? (of_a + fabs(value) * of_b) / (fabs(b) - of_b) : (double)INFINITY;
+}
+
+/* |sqrt(a) - sqrt(a')| <= e_a / (sqrt(a) + sqrt(a - e_a)) */
+static double error_of_root(double value, double a, double of_a)
+{
+	return of_a < a ? of_a / (value + sqrt(a - of_a)) : sqrt(of_a);
+}
+
+/* Is all that a node inherits in its own share? A sweep ends there. */
+static int ends_sweep(const struct node *n)
+{
+	return n->op == OP_DIV || n->op == OP_SQRT;
+}
+
 /* Magnitudes and error of a node from those of its operands x, y, z, whose values are a, b, c:
    |fl(a+b) - (a'+b')| <= e_a + e_b + u |a+b|,  |fl(ab) - a'b'| <= |a| e_b + |b| e_a + e_a e_b + u |ab| + tiny,
    with a second rounding where a product joined to a sum is rounded twice. */
@@ -99,6 +117,13 @@ static struct spread spread_of(const struct survey *v, size_t i, double given_er
 		local += of_terms(m, a * b, value - a * b, product + z->bound + local);
 		local += rounding(m->add, m->tiny, value, product + z->bound + local);
 		return (struct spread){x->size * y->size + z->size, product + z->bound + local, local, 0};
+	case OP_DIV:
+		local = rounding(m->mul, m->tiny, value, error_of_quotient(value, b, x->bound, y->bound));
+		local += error_of_quotient(value, b, x->bound, y->bound);
+		return (struct spread){x->size / fabs(b), local, local, 0};
+	case OP_SQRT:
+		local = rounding(m->mul, m->tiny, value, error_of_root(value, a, x->bound)) + error_of_root(value, a, x->bound);
+		return (struct spread){fabs(value), local, local, 0};
 	default:
 		return spread_of_angle(v, i, m);
 	}
@@ -149,7 +174,7 @@ static double swept_bound(const struct survey *x, size_t root)
 			continue;
 		sum += fabs(x->slope[i]) * x->spread[i].local;
 		derivatives(n, x->values, by);
-		for (int k = 0; k < op_arity[n->op] && !is_read(x, n); k++)
+		for (int k = 0; k < op_arity[n->op] && !is_read(x, n) && !ends_sweep(n); k++)
 			x->slope[n->arg[k].i] += x->slope[i] * by[k];
 	}
 	return bound_closed(sum * (1 + 1e-6));
@@ -236,6 +261,7 @@ static double constant_error(const struct node *n, real rounded, double tiny)
 #define T_FMA fmaf
 #define T_SIN sinf
 #define T_COS cosf
+#define T_SQRT sqrtf
 #include "eval.inc"
 #undef T
 #undef EVAL
@@ -245,6 +271,7 @@ static double constant_error(const struct node *n, real rounded, double tiny)
 #undef T_FMA
 #undef T_SIN
 #undef T_COS
+#undef T_SQRT
 
 #define T double
 #define EVAL(name) name##_f64
@@ -254,6 +281,7 @@ static double constant_error(const struct node *n, real rounded, double tiny)
 #define T_FMA fma
 #define T_SIN sin
 #define T_COS cos
+#define T_SQRT sqrt
 #include "eval.inc"
 #undef T
 #undef EVAL
@@ -263,6 +291,7 @@ static double constant_error(const struct node *n, real rounded, double tiny)
 #undef T_FMA
 #undef T_SIN
 #undef T_COS
+#undef T_SQRT
 
 #define T real
 #define EVAL(name) name##_real
@@ -272,6 +301,7 @@ static double constant_error(const struct node *n, real rounded, double tiny)
 #define T_FMA fmal
 #define T_SIN sinl
 #define T_COS cosl
+#define T_SQRT sqrtl
 #include "eval.inc"
 #undef T
 #undef EVAL
@@ -281,6 +311,7 @@ static double constant_error(const struct node *n, real rounded, double tiny)
 #undef T_FMA
 #undef T_SIN
 #undef T_COS
+#undef T_SQRT
 
 /* The text's operations, and those in extended precision that stand for the exact ones: what the two may differ by adds
    up, since the analysis is linear in the errors of operations but for products of them, which only gain. */
@@ -359,5 +390,6 @@ int eval_bound(const struct dag *d, const struct eval_model *m, const double *co
 #define T_FMA fmaq
 #define T_SIN sinq
 #define T_COS cosq
+#define T_SQRT sqrtq
 #include "eval.inc"
 #endif

@@ -233,7 +233,7 @@ struct operation_count plan_operations(const struct plan *p)
 	for (size_t i = 0; i < p->dag->count; i++) {
 		enum op op = p->dag->nodes[i].op;
 
-		n.mul += op == OP_MUL;
+		n.mul += op == OP_MUL || op == OP_DIV || op == OP_SQRT;
 		n.add += op == OP_ADD;
 		n.sub += op == OP_SUB;
 		n.neg += op == OP_NEG;

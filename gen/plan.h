@@ -32,7 +32,7 @@ int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct
 /* The node that holds the sine (op OP_SIN) or cosine (OP_COS) of the same angle; node 0 if nobody needs it. */
 struct ref plan_partner(const struct plan *p, struct ref sincos, enum op op);
 
-/* Operations of the DAG as it is written; a sine and cosine of one angle count once. */
+/* Operations of the DAG as it is written; a sine and cosine of one angle count once, a quotient or root as a product. */
 struct operation_count plan_operations(const struct plan *p);
 
 void plan_dump(const struct plan *p, struct text *t);

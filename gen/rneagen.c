@@ -67,6 +67,8 @@ static enum rneagen_code check_task(const struct generation *g)
 
 	if (g->options.bounded && (k->want_count != 1 || k->wants[0].rows != g->tree.nv))
 		return error_set(g->error, RNEAGEN_USAGE, "--bounded gives bounds of torques alone: want one of tau, gravity, bias");
+	if (g->options.bounded && k->friction_width > 0)
+		return error_set(g->error, RNEAGEN_USAGE, "--bounded and --friction exclude each other: quotients have no bounded function");
 	return RNEAGEN_OK;
 }
 

@@ -165,6 +165,27 @@ struct ref dag_cos(struct dag *d, struct ref a)
 	return dag_node(d, OP_COS, a, NONE, NONE, 0);
 }
 
+/* A sign moves outward. */
+struct ref dag_div(struct dag *d, struct ref a, struct ref b)
+{
+	if (d->failed)
+		return NONE;
+	if (is_value(d, a, 0))
+		return a;
+	if (is_const(d, a) && is_const(d, b))
+		return dag_const(d, at(d, a)->value / at(d, b)->value);
+	if (is_neg(d, a))
+		return dag_neg(d, dag_div(d, at(d, a)->arg[0], b));
+	return is_neg(d, b) ? dag_neg(d, dag_div(d, a, at(d, b)->arg[0])) : dag_node(d, OP_DIV, a, b, NONE, 0);
+}
+
+struct ref dag_sqrt(struct dag *d, struct ref a)
+{
+	if (d->failed)
+		return NONE;
+	return is_const(d, a) ? dag_const(d, sqrtl(at(d, a)->value)) : dag_node(d, OP_SQRT, a, NONE, NONE, 0);
+}
+
 struct ref dag_fma(struct dag *d, struct ref a, struct ref b, struct ref c)
 {
 	if (d->failed)

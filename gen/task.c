@@ -6,6 +6,9 @@
 /* Arrays that one kernel can take. */
 enum { ARRAY_LIMIT = 64 };
 
+/* rad/s or m/s, of the velocity at which friction has grown to 1/sqrt(2) of its size. */
+#define FRICTION_WIDTH 0.01
+
 /* The rest of "mass.hand" after "mass."; NULL where the word is another. */
 static const char *after(const char *word, const char *kind)
 {
@@ -213,12 +216,36 @@ static enum rneagen_code set_armature(const struct resolver *x, const struct sce
 	return RNEAGEN_OK;
 }
 
-static void set_damping(const struct resolver *x)
+static int find_joint(const struct robot *r, const char *name)
 {
-	for (int i = 0; i < x->t->body_count; i++)
-		for (int j = 0; j < x->r->joint_count; j++)
-			if (!strcmp(x->r->joints[j].name, x->t->bodies[i].joint) && joint_nv(x->t->bodies[i].type) == 1)
-				x->k->damping[i] = x->r->joints[j].damping;
+	for (int j = 0; j < r->joint_count; j++)
+		if (!strcmp(r->joints[j].name, name))
+			return j;
+	return -1;
+}
+
+/* From the URDF's <dynamics>. */
+static void set_dynamics(const struct resolver *x, real *by_body, int is_friction)
+{
+	for (int i = 0; i < x->t->body_count; i++) {
+		int j = find_joint(x->r, x->t->bodies[i].joint);
+
+		if (j >= 0 && joint_nv(x->t->bodies[i].type) == 1)
+			by_body[i] = is_friction ? x->r->joints[j].friction : x->r->joints[j].damping;
+	}
+}
+
+static enum rneagen_code set_friction(const struct resolver *x, const struct scene_choice *c)
+{
+	double width = FRICTION_WIDTH;
+
+	if (c->value && scene_numbers(x->s, c, &width, 1, x->e))
+		return x->e->code;
+	if (!(width > 0))
+		return scene_refuse(x->s, c, x->e, "a width of %g rad/s or m/s is none: friction must be smooth", width);
+	x->k->friction_width = width;
+	set_dynamics(x, x->k->friction, 1);
+	return RNEAGEN_OK;
 }
 
 /* ---- want ---- */
@@ -301,12 +328,14 @@ static int alloc(struct resolver *x)
 	k->wants = arena_alloc(a, most, sizeof *k->wants);
 	k->armature = arena_alloc(a, nb, sizeof *k->armature);
 	k->damping = arena_alloc(a, nb, sizeof *k->damping);
+	k->friction = arena_alloc(a, nb, sizeof *k->friction);
 	return !a->failed;
 }
 
 static int has_choice(const struct scene *s)
 {
-	static const enum scene_key keys[] = {SCENE_FOLD, SCENE_FREE, SCENE_WANT, SCENE_FEXT, SCENE_ARMATURE, SCENE_DAMPING};
+	static const enum scene_key keys[] = {SCENE_FOLD, SCENE_FREE, SCENE_WANT, SCENE_FEXT, SCENE_ARMATURE, SCENE_DAMPING,
+		SCENE_FRICTION};
 
 	for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
 		if (scene_next(s, keys[i], NULL))
@@ -324,10 +353,10 @@ enum rneagen_code task_resolve(struct tree *t, const struct robot *r, struct are
 		return error_memory(e);
 	x.k->in_world = frame && !strcmp(frame->value, "world");
 	if (each(&x, SCENE_FOLD, fold) || each(&x, SCENE_FREE, task_free) || each(&x, SCENE_FEXT, push) ||
-		each(&x, SCENE_ARMATURE, set_armature) || each(&x, SCENE_WANT, want))
+		each(&x, SCENE_ARMATURE, set_armature) || each(&x, SCENE_FRICTION, set_friction) || each(&x, SCENE_WANT, want))
 		return e->code;
 	if (scene_next(x.s, SCENE_DAMPING, NULL))
-		set_damping(&x);
+		set_dynamics(&x, x.k->damping, 0);
 	if (!x.k->want_count)
 		x.k->wants[x.k->want_count++] = (struct want){.kind = WANT_TAU, .word = "tau", .argument = "tau", .rows = t->nv};
 	if (3 + x.k->freed_count + x.k->push_count + x.k->want_count > ARRAY_LIMIT)

@@ -53,7 +53,8 @@ struct task {
 	int push_count, in_world;   /* wrenches in axes of the world, else of the link */
 	struct want *wants;
 	int want_count;
-	real *armature, *damping;   /* by body: of a joint with one row, kg m^2 (kg) and N m s (N s/m) */
+	real *armature, *damping, *friction; /* by body: of a joint with one row; kg m^2 (kg), N m s (N s/m), N m (N) */
+	real friction_width;                  /* rad/s, m/s */
 };
 
 struct tree;

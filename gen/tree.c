@@ -272,7 +272,7 @@ static enum rneagen_code scene_supported(const struct scene *s, struct rneagen_e
 {
 	static const char made[SCENE_KEY_COUNT] = {[SCENE_FEXT_FRAME] = 1, [SCENE_BESIDE] = 1, [SCENE_ROOT] = 1,
 		[SCENE_TIP] = 1, [SCENE_LOCK] = 1, [SCENE_LOCK_ALL_BUT] = 1, [SCENE_SNAP_ANGLE] = 1, [SCENE_ROUND_CONSTANTS] = 1,
-		[SCENE_FOLD] = 1, [SCENE_FREE] = 1, [SCENE_WANT] = 1, [SCENE_FEXT] = 1, [SCENE_ARMATURE] = 1, [SCENE_DAMPING] = 1};
+		[SCENE_FOLD] = 1, [SCENE_FREE] = 1, [SCENE_WANT] = 1, [SCENE_FEXT] = 1, [SCENE_ARMATURE] = 1, [SCENE_DAMPING] = 1, [SCENE_FRICTION] = 1};
 
 	for (int i = 0; i < s->line_count; i++)
 		if (!made[s->lines[i].key])
