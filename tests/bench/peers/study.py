@@ -16,6 +16,7 @@ GPU_ROUTES = (  # what the README calls it, library, the route
     ("torch.compile of the matrices", "PyTorch", "torch.compile, matrices"),
     ("PyTorch, CUDA graph", "PyTorch", "CUDA graph"),
     ("PyTorch, eager", "PyTorch", "eager"),
+    ("CuPy, matrices", "CuPy", "matrices"),
 )
 CPU_ROUTES = (  # and the threads; 0: the most that were measured
     ("generated, one thread", "generated", "host backend", 1),
