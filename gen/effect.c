@@ -34,22 +34,6 @@ static enum rneagen_code build(struct way *w, const struct measuring *m, const s
 
 /* ---- torques ---- */
 
-/* Where an input's rows stand; what is neither q nor qd nor qdd is half of its unit everywhere. */
-static const double *rows_of(const struct measuring *m, const struct argument *x, size_t state, double *half)
-{
-	const struct states *s = &m->states;
-
-	if (!strcmp(x->name, "q") && (size_t)x->rows == s->nq)
-		return s->q + state * s->nq;
-	if (!strcmp(x->name, "qd") && (size_t)x->rows == s->nv)
-		return s->qd + state * s->nv;
-	if (!strcmp(x->name, "qdd") && (size_t)x->rows == s->nv)
-		return s->qdd + state * s->nv;
-	for (int i = 0; i < x->rows; i++)
-		half[i] = 0.5;
-	return half;
-}
-
 static size_t total_rows(const struct dag *d, int outputs)
 {
 	size_t rows = 0;
@@ -59,8 +43,8 @@ static size_t total_rows(const struct dag *d, int outputs)
 	return rows;
 }
 
-/* All outputs in one state, after one another. Returns 0 when memory runs out. */
-static int torques(const struct way *w, const struct measuring *m, size_t state, double *half, double *out)
+/* All outputs in one state, after one another; `rows` is room for the inputs. Returns 0 when memory runs out. */
+static int torques(const struct way *w, const struct measuring *m, size_t state, double *rows, double *out)
 {
 	const struct dag *d = &w->dag;
 	const double *in[DAG_ARGUMENTS] = {NULL};
@@ -73,8 +57,9 @@ static int torques(const struct way *w, const struct measuring *m, size_t state,
 			to[k] = out;
 			out += x->rows;
 		} else {
-			in[k] = rows_of(m, x, state, half);
-			half += x->rows;
+			in[k] = rows;
+			for (int i = 0; i < x->rows; i++)
+				*rows++ = sample_input(&m->states, &w->tree, x, i, state);
 		}
 	}
 	return eval_f64(d, in, to, NULL);
@@ -83,13 +68,13 @@ static int torques(const struct way *w, const struct measuring *m, size_t state,
 static int compare(struct effect *x, const struct way *with, const struct way *without, const struct measuring *m)
 {
 	size_t rows = total_rows(&with->dag, 1);
-	double *half = arena_alloc(m->a, total_rows(&with->dag, 0), sizeof *half);
+	double *in = arena_alloc(m->a, total_rows(&with->dag, 0), sizeof *in);
 	double *y = arena_alloc(m->a, 2 * rows, sizeof *y), *z = y ? y + rows : NULL, largest = 0, largest_off = 0;
 
 	for (size_t k = 0; k < m->states.count; k++) {
 		double off = 0, size = 0;
 
-		if (!half || !y || !torques(with, m, k, half, y) || !torques(without, m, k, half, z))
+		if (!in || !y || !torques(with, m, k, in, y) || !torques(without, m, k, in, z))
 			return 0;
 		for (size_t i = 0; i < rows; i++) {
 			off = hypot(off, y[i] - z[i]);
@@ -154,7 +139,6 @@ static enum rneagen_code measure_nearly(struct tree *t, const struct way *now, c
 enum rneagen_code effect_measure(
 	struct tree *t, const struct robot *r, const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
 {
-	static const struct sample_options sampling = {.seed = 1, .count = EFFECT_STATES, .qd_range = 3, .qdd_range = 10};
 	struct way now = {.tree = *t};
 	struct arena spare;
 	struct measuring m = {.r = r, .o = o, .a = &spare, .e = e};
@@ -165,7 +149,7 @@ enum rneagen_code effect_measure(
 	if (t->adjust.snap == 0 && t->adjust.digits == 0 && t->adjust.drop == 0 && !t->angle_count)
 		return RNEAGEN_OK;
 	arena_init(&spare, &a->allocator);
-	if (!sample_states(&m.states, r, t, &sampling))
+	if (!sample_states(&m.states, r, t, &SAMPLE_EFFECTS))
 		error_memory(e);
 	else if (!count(&now, &m) && !measure_asked(t, &now, &m))
 		measure_nearly(t, &now, &m);
@@ -178,9 +162,9 @@ enum rneagen_code effect_measure(
 
 static void put_effect(const struct effect *x, struct text *out)
 {
-	text_printf(out, "--%s %g %s %ld flops of rnea, and torques %s by up to %.2g (%.2g of the largest |tau|), sampled in %d states", scene_word(x->key),
+	text_printf(out, "--%s %g %s %ld flops of rnea, and torques %s by up to %.2g (%.2g of the largest |tau|), sampled in %zu states", scene_word(x->key),
 		x->argument, x->is_asked ? "saves" : "would save", x->saved, x->is_asked ? "change" : "would change", x->change, x->share,
-		EFFECT_STATES);
+		SAMPLE_EFFECTS.count);
 }
 
 void effect_put_table(const struct tree *t, struct text *out)

@@ -6,15 +6,13 @@
 #include "rnea.h"
 #include "rneagen.h"
 
-enum { EFFECT_STATES = 100 };
-
 struct effect {
 	enum scene_key key;
 	double argument; /* the option's */
 	int is_asked;    /* 0: what the option would do */
 	long saved;      /* flops of rnea; negative: it costs so many more */
 	double change;   /* largest change of a torque, N m or N, */
-	double share;    /* and of |tau| over the largest |tau|, in EFFECT_STATES seeded states within the limits of the joints */
+	double share;    /* and of |tau| over the largest |tau|, in the states of SAMPLE_EFFECTS */
 };
 
 /* Of each of snap-angle, round-constants and drop-below that the tree was built with; of snap-angle ADJUST_NEARLY where

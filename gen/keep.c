@@ -102,5 +102,9 @@ enum rneagen_code keep_build(struct tree *t, const struct robot *r, const struct
 			candidates[count++] = t->held[i].joint;
 	k.adjust = t->adjust;
 	k.adjust.kept = k.kept;
-	return choose(&k, t, candidates, count) ? e->code : tree_build_adjusted(t, r, o, &k.adjust, a, e);
+	k.adjust.drop = 0; /* its sampling takes long, and does not depend on this */
+	if (choose(&k, t, candidates, count))
+		return e->code;
+	k.adjust.drop = t->adjust.drop;
+	return tree_build_adjusted(t, r, o, &k.adjust, a, e);
 }

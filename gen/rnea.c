@@ -5,6 +5,7 @@
    The order is a tour of the tree: out to a body, through its children, back from it; what is alive at any time is
    bounded by the depth of the tree, not by the number of its bodies. */
 #include "rnea.h"
+#include "drop.h"
 #include "tour.h"
 
 /* U = [dw]x + [w]x[w]x */
@@ -245,7 +246,7 @@ static struct joint_inputs joint_arguments(struct dag *d, const struct tree *t)
 	return in;
 }
 
-static void build_rnea(struct dag *d, const struct tree *t)
+static void build_all_terms(struct dag *d, const struct tree *t)
 {
 	struct tour r = {.d = d, .t = t, .f_in = -1, .v_out = -1, .a_out = -1, .f_out = -1};
 
@@ -256,6 +257,19 @@ static void build_rnea(struct dag *d, const struct tree *t)
 	r.in = joint_arguments(d, t);
 	r.tau_out = dag_argument(d, "tau", t->nv, 1);
 	tour_run(&r);
+}
+
+static void build_rnea(struct dag *d, const struct tree *t)
+{
+	struct dag all;
+
+	if (t->adjust.drop == 0) {
+		build_all_terms(d, t);
+		return;
+	}
+	dag_init(&all, d->arena);
+	build_all_terms(&all, t);
+	drop_terms(d, &all, t, t->adjust.drop);
 }
 
 static void build_fpass(struct dag *d, const struct tree *t)

@@ -11,6 +11,8 @@ struct range {
 
 static const double PI = 3.14159265358979323846;
 
+const struct sample_options SAMPLE_EFFECTS = {.seed = 1, .count = 100, .qd_range = 3, .qdd_range = 10};
+
 static double draw(unsigned short seed[3], struct range r)
 {
 	return r.lower + (r.upper - r.lower) * erand48(seed);
@@ -91,6 +93,22 @@ int sample_states(struct states *s, const struct robot *r, const struct tree *t,
 	}
 	for (size_t k = 0; k < o->count; k++)
 		draw_state(seed, r, t, o, s->q + k * nq, s->qd + k * nv, s->qdd + k * nv);
+	return 1;
+}
+
+double sample_input(const struct states *s, const struct tree *t, const struct argument *x, int row, size_t state)
+{
+	size_t i = (size_t)row;
+
+	if (!strcmp(x->name, "q"))
+		return s->q[state * s->nq + i];
+	if (!strcmp(x->name, "qd"))
+		return s->qd[state * s->nv + i];
+	if (!strcmp(x->name, "qdd"))
+		return s->qdd[state * s->nv + i];
+	for (int k = 0; k < t->task.freed_count; k++)
+		if (!strcmp(x->name, t->task.freed[k].argument))
+			return (double)t->task.freed[k].nominal[row];
 	return 1;
 }
 

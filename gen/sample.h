@@ -2,6 +2,7 @@
 #define RNEAGEN_SAMPLE_H
 /* Seeded states of a robot within the limits of its joints. */
 
+#include "dag.h"
 #include "tree.h"
 
 struct sample_options {
@@ -9,6 +10,9 @@ struct sample_options {
 	size_t count;
 	double qd_range, qdd_range; /* largest magnitudes: qd where the URDF is silent, qdd everywhere */
 };
+
+/* What the effect of changed constants is measured by. */
+extern const struct sample_options SAMPLE_EFFECTS;
 
 /* All arrays are [sample][row]. */
 struct states {
@@ -23,6 +27,9 @@ enum { SAMPLE_LIMIT = 1000 };
    and 1 m for lengths, quaternions are uniform over all orientations. The same seed gives the same states. Returns 0
    when memory runs out; the caller gives the states to sample_free. */
 int sample_states(struct states *s, const struct robot *r, const struct tree *t, const struct sample_options *o);
+
+/* A row of an argument of the DAG: of q, qd, qdd; of a constant that the scene frees, what the URDF says; 1 of others. */
+double sample_input(const struct states *s, const struct tree *t, const struct argument *x, int row, size_t state);
 
 /* Round every number to single precision. */
 void sample_round(struct states *s);

@@ -267,19 +267,6 @@ static void list_cut(struct builder *b)
 			c->joints[c->joint_count++] = b->r->joints[j].name;
 }
 
-/* Choices that are read and not yet made. */
-static enum rneagen_code scene_supported(const struct scene *s, struct rneagen_error *e)
-{
-	static const char made[SCENE_KEY_COUNT] = {[SCENE_FEXT_FRAME] = 1, [SCENE_BESIDE] = 1, [SCENE_ROOT] = 1,
-		[SCENE_TIP] = 1, [SCENE_LOCK] = 1, [SCENE_LOCK_ALL_BUT] = 1, [SCENE_SNAP_ANGLE] = 1, [SCENE_ROUND_CONSTANTS] = 1,
-		[SCENE_FOLD] = 1, [SCENE_FREE] = 1, [SCENE_WANT] = 1, [SCENE_FEXT] = 1, [SCENE_ARMATURE] = 1, [SCENE_DAMPING] = 1, [SCENE_FRICTION] = 1};
-
-	for (int i = 0; i < s->line_count; i++)
-		if (!made[s->lines[i].key])
-			return scene_refuse(s, &s->lines[i], e, "not supported yet");
-	return RNEAGEN_OK;
-}
-
 static enum rneagen_code allocate(struct builder *b)
 {
 	size_t links = (size_t)b->r->link_count, joints = (size_t)b->r->joint_count;
@@ -367,11 +354,11 @@ enum rneagen_code tree_build_adjusted(struct tree *t, const struct robot *r, con
 	struct builder b = {.t = t, .r = r, .o = o, .a = a, .e = e};
 	struct robot snapped;
 
-	*t = (struct tree){.robot = r->name, .floating = o->base == RNEAGEN_FLOATING};
+	*t = (struct tree){.source = r, .robot = r->name, .floating = o->base == RNEAGEN_FLOATING};
 	for (int i = 0; i < 3; i++)
 		t->gravity[i] = o->gravity[i];
 	if (scene_read(&t->scene, o->scene, o->file ? o->file : "<input>", a, e) || scene_expand(&t->scene, r, a, e) ||
-		scene_supported(&t->scene, e) || adjust_read(&t->adjust, &t->scene, e) || cut_make(&b.cut, &t->scene, r, o, a, e) ||
+		adjust_read(&t->adjust, &t->scene, e) || cut_make(&b.cut, &t->scene, r, o, a, e) ||
 		allocate(&b))
 		return e->code;
 	if (x)

@@ -80,6 +80,7 @@ struct carried {
 };
 
 struct tree {
+	const struct robot *source; /* that it was built from; outlives it */
 	const char *robot, *root;
 	struct body *bodies;
 	int body_count; /* nb */

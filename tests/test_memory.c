@@ -70,7 +70,7 @@ START_TEST(every_request)
 	o.dump = (enum rneagen_dump)(_i % 5);
 	o.layout = _i % 2 ? RNEAGEN_SOA : RNEAGEN_AOS;
 	o.order = _i == 1 ? "jd,ja" : NULL;
-	o.scene = _i == 4 ? "# some\nroot base\ntip b,d\nlock ja=0.5\n" : _i == 5 ? "tip c\nbeside drop\nlock-all-but ja" : NULL;
+	o.scene = _i == 4 ? "# some\nroot base\ntip b,d\nlock ja=0.5\nsnap-angle 1e-3" : _i == 5 ? "tip c\nbeside drop\nlock-all-but ja\nround-constants 5\ndrop-below 1e-3" : NULL;
 	requests = refuse_each(&o, _i % 2);
 	printf("each of %ld requests refused\n", requests);
 	ck_assert_int_gt(requests, 100);

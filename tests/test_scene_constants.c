@@ -152,6 +152,96 @@ START_TEST(rounded)
 }
 END_TEST
 
+/* ---- small terms ---- */
+
+#define SLANTED(ixy) ROBOT("slanted", BALL("base") BALL("a")       \
+	JOINT("ja", "revolute", "base", "a", AXIS("1 0 0")) LINK("b", "1", "0 0 0.2", "0 0 0", "0.1", ixy, "0", "0.2", "0", "0.25")  \
+		JOINT("jb", "revolute", "a", "b", ORIGIN("0 0 1", "0 0 0") AXIS("0 1 0")))
+
+/* A product of inertia that no torque feels is as good as none; one that is felt stays. */
+START_TEST(dropped_as_if_zero)
+{
+	struct scene_model tiny, none, felt, kept;
+
+	open_or_fail(&tiny, SLANTED("1e-9"), "drop-below 1e-6");
+	open_or_fail(&none, SLANTED("0"), "drop-below 1e-6");
+	open_or_fail(&felt, SLANTED("1e-2"), "drop-below 1e-6");
+	open_or_fail(&kept, SLANTED("1e-9"), NULL);
+	ck_assert_uint_eq(operation_total(&tiny), operation_total(&none));
+	ck_assert_uint_gt(operation_total(&felt), operation_total(&none));
+	ck_assert_uint_gt(operation_total(&kept), operation_total(&none));
+	ck_assert_int_eq(tiny.tree.effects[0].saved, (long)(operation_total(&kept) - operation_total(&tiny)));
+	ck_assert(tiny.tree.effects[0].share > 0 && tiny.tree.effects[0].share < 1e-6);
+	scene_close(&tiny);
+	scene_close(&none);
+	scene_close(&felt);
+	scene_close(&kept);
+}
+END_TEST
+
+/* The largest change over states of the test's own, by rows, as a part of the row's largest torque. */
+static double change_of(const struct scene_model *m, struct reference *r, uint64_t seed)
+{
+	struct rng rng = rng_seed(seed);
+	double change[ROWS] = {0}, largest[ROWS] = {0}, share = 0;
+
+	for (int k = 0; k < 200; k++) {
+		struct pose p;
+		struct torque t;
+		double q[ROWS], qd[ROWS], qdd[ROWS];
+		wide tau[ROWS];
+
+		pose_random(&p, r, &rng);
+		for (int i = 0; i < ROWS; i++) {
+			q[i] = (double)p.q[i];
+			qd[i] = (double)p.qd[i];
+			qdd[i] = (double)p.qdd[i];
+		}
+		torque_of(&m->dag, &p, &t);
+		reference_rnea(r, q, qd, qdd, tau);
+		for (int i = 0; i < r->nv; i++) {
+			change[i] = fmax(change[i], (double)fabsl(t.tau[i] - (real)tau[i]));
+			largest[i] = fmax(largest[i], (double)fabsl((real)tau[i]));
+		}
+	}
+	for (int i = 0; i < r->nv; i++)
+		share = change[i] > 0 ? fmax(share, change[i] / largest[i]) : share;
+	return share;
+}
+
+/* Terms add up: what the reference sees stays within so many of them. */
+START_TEST(dropped)
+{
+	static const char *const scenes[] = {"drop-below 1e-18", "drop-below 1e-5", "drop-below 1e-3"};
+	static const double limits[] = {1e-12, 40e-5, 40e-3};
+	double worst = 0;
+	long saved = 0;
+
+	for (uint64_t seed = 1; seed <= ROBOTS; seed++) {
+		struct rneagen_options o = rneagen_options_default();
+		struct scene_model whole, m;
+		char *urdf = torque_robot(seed, LINKS, 0);
+		struct reference *r = scene_reference(urdf, &o);
+		double share;
+
+		open_or_fail(&whole, urdf, NULL);
+		open_or_fail(&m, urdf, scenes[_i]);
+		ck_assert_int_eq(m.dag.argument_count, 4);
+		share = change_of(&m, r, seed);
+		ck_assert_msg(share < limits[_i], "%s, seed %llu: %g", scenes[_i], (unsigned long long)seed, share);
+		ck_assert_msg(operation_total(&m) <= operation_total(&whole), "%s, seed %llu", scenes[_i], (unsigned long long)seed);
+		worst = fmax(worst, share);
+		saved += m.tree.effects[m.tree.effect_count - 1].saved;
+		scene_close(&m);
+		scene_close(&whole);
+		reference_close(r);
+		free(urdf);
+	}
+	printf("%s, seeds 1 to %d: %ld flops saved, torques change by up to %.2g of the largest\n", scenes[_i], ROBOTS, saved, worst);
+	ck_assert(_i == 0 || saved > 0);
+}
+END_TEST
+
 /* ---- what is refused, and what is said ---- */
 
 static const struct refused {
@@ -162,6 +252,8 @@ static const struct refused {
 	{"snap-angle 1e-4 rad", "here: scene line 1, snap-angle: takes a finite number, not '1e-4 rad'"},
 	{"round-constants 0", "here: scene line 1, round-constants: takes a whole number from 1 to 17, not 0"},
 	{"round-constants 2.5", "here: scene line 1, round-constants: takes a whole number from 1 to 17, not 2.5"},
+	{"drop-below 1", "here: scene line 1, drop-below: takes a fraction from 0 to below 1, not 1"},
+	{"drop-below -0.1", "here: scene line 1, drop-below: takes a fraction from 0 to below 1, not -0.1"},
 	{"round-constants 18", "here: scene line 1, round-constants: takes a whole number from 1 to 17, not 18"},
 };
 
@@ -217,6 +309,8 @@ int main(void)
 	tcase_add_test(c, snapped);
 	tcase_add_test(c, change_is_sampled);
 	tcase_add_loop_test(c, rounded, 0, 2);
+	tcase_add_test(c, dropped_as_if_zero);
+	tcase_add_loop_test(c, dropped, 0, 3);
 	tcase_add_loop_test(c, refuses, 0, sizeof refuseds / sizeof *refuseds);
 	tcase_add_test(c, told);
 	suite_add_tcase(suite, c);
