@@ -179,6 +179,26 @@ START_TEST(dropped_as_if_zero)
 }
 END_TEST
 
+#define SCALED(e) ROBOT("scaled", BALL("base") LINK("a", "2" e, "0.1 0.2 0.3", "0 0 0", "0.1" e, "0", "0", "0.2" e, "0", "0.25" e)  \
+	JOINT("ja", "revolute", "base", "a", AXIS("1 0 0")) LINK("b", "1" e, "0.001 0 0.2", "0 0 0", "0.1" e, "0.0001" e, "0", "0.2" e, "0", "0.25" e) \
+		JOINT("jb", "revolute", "a", "b", ORIGIN("0 0.002 1", "0 0 0") AXIS("0 1 0")))
+
+/* A fraction of the joint's torque, not of a newton metre. */
+START_TEST(dropped_at_any_scale)
+{
+	struct scene_model light, heavy, whole;
+
+	open_or_fail(&light, SCALED("e-6"), "drop-below 1e-2");
+	open_or_fail(&heavy, SCALED("e6"), "drop-below 1e-2");
+	open_or_fail(&whole, SCALED("e6"), NULL);
+	ck_assert_uint_eq(operation_total(&light), operation_total(&heavy));
+	ck_assert_uint_lt(operation_total(&heavy), operation_total(&whole));
+	scene_close(&light);
+	scene_close(&heavy);
+	scene_close(&whole);
+}
+END_TEST
+
 /* The largest change over states of the test's own, by rows, as a part of the row's largest torque. */
 static double change_of(const struct scene_model *m, struct reference *r, uint64_t seed)
 {
@@ -310,6 +330,7 @@ int main(void)
 	tcase_add_test(c, change_is_sampled);
 	tcase_add_loop_test(c, rounded, 0, 2);
 	tcase_add_test(c, dropped_as_if_zero);
+	tcase_add_test(c, dropped_at_any_scale);
 	tcase_add_loop_test(c, dropped, 0, 3);
 	tcase_add_loop_test(c, refuses, 0, sizeof refuseds / sizeof *refuseds);
 	tcase_add_test(c, told);
