@@ -11,6 +11,7 @@ struct dropping {
 	double *value, *slope;    /* by node: in one state; derivative of one output */
 	double *scale;            /* by output: its largest magnitude */
 	double (*effect)[2];      /* by node and operand: the largest part of an output */
+	char *guarded;            /* by node: a root or quotient is taken of it, whose terms keep it from 0 */
 	struct ref *map;
 };
 
@@ -33,6 +34,10 @@ static double apply(const struct dropping *p, const struct node *n, size_t state
 		return a - b;
 	case OP_MUL:
 		return a * b;
+	case OP_DIV:
+		return a / b;
+	case OP_SQRT:
+		return sqrt(a);
 	case OP_SIN:
 		return sin(a);
 	case OP_COS:
@@ -69,6 +74,13 @@ static void spread(struct dropping *p, const struct node *n, double slope)
 	case OP_MUL:
 		to[n->arg[0].i] += slope * value[n->arg[1].i];
 		to[n->arg[1].i] += slope * value[n->arg[0].i];
+		break;
+	case OP_DIV:
+		to[n->arg[0].i] += slope / value[n->arg[1].i];
+		to[n->arg[1].i] -= slope * value[n->arg[0].i] / (value[n->arg[1].i] * value[n->arg[1].i]);
+		break;
+	case OP_SQRT:
+		to[n->arg[0].i] += slope / (2 * sqrt(value[n->arg[0].i]));
 		break;
 	case OP_SIN:
 		to[n->arg[0].i] += slope * cos(value[n->arg[0].i]);
@@ -119,6 +131,19 @@ static void examine(struct dropping *p)
 	}
 }
 
+/* v^2 + width^2 under a root is not v^2, however small the width is beside the sampled v. */
+static void guard(struct dropping *p)
+{
+	for (size_t i = p->d->count; i-- > 0;) {
+		const struct node *n = &p->d->nodes[i];
+
+		if (n->op == OP_SQRT || n->op == OP_DIV)
+			p->guarded[n->arg[n->op == OP_DIV].i] = 1;
+		for (int k = 0; k < op_arity[n->op] && p->guarded[i]; k++)
+			p->guarded[n->arg[k].i] = 1;
+	}
+}
+
 /* ---- the copy ---- */
 
 static struct ref copy(const struct dropping *p, struct dag *out, size_t i, double fraction)
@@ -128,7 +153,7 @@ static struct ref copy(const struct dropping *p, struct dag *out, size_t i, doub
 
 	for (int k = 0; k < op_arity[n->op]; k++) {
 		arg[k] = p->map[n->arg[k].i];
-		if ((n->op == OP_ADD || n->op == OP_SUB) && p->effect[i][k] < fraction)
+		if ((n->op == OP_ADD || n->op == OP_SUB) && !p->guarded[i] && p->effect[i][k] < fraction)
 			arg[k] = (struct ref){0};
 	}
 	switch (n->op) {
@@ -144,6 +169,10 @@ static struct ref copy(const struct dropping *p, struct dag *out, size_t i, doub
 		return dag_sub(out, arg[0], arg[1]);
 	case OP_MUL:
 		return dag_mul(out, arg[0], arg[1]);
+	case OP_DIV:
+		return dag_div(out, arg[0], arg[1]);
+	case OP_SQRT:
+		return dag_sqrt(out, arg[0]);
 	case OP_SIN:
 		return dag_sin(out, arg[0]);
 	case OP_COS:
@@ -186,13 +215,15 @@ void drop_terms(struct dag *out, const struct dag *d, const struct tree *t, doub
 	p.slope = arena_alloc(a, d->count, sizeof *p.slope);
 	p.scale = arena_alloc(a, d->output_count, sizeof *p.scale);
 	p.effect = arena_alloc(a, d->count, sizeof *p.effect);
+	p.guarded = arena_alloc(a, d->count, 1);
 	p.map = arena_alloc(a, d->count, sizeof *p.map);
-	if (d->failed || !p.value || !p.slope || !p.scale || !p.effect || !p.map ||
+	if (d->failed || !p.value || !p.slope || !p.scale || !p.effect || !p.guarded || !p.map ||
 		!sample_states(&p.states, t->source, t, &SAMPLE_EFFECTS)) {
 		out->failed = 1;
 		return;
 	}
 	examine(&p);
+	guard(&p);
 	copy_all(&p, out, fraction);
 	sample_free(&p.states);
 }

@@ -183,6 +183,26 @@ END_TEST
 	JOINT("ja", "revolute", "base", "a", AXIS("1 0 0")) LINK("b", "1" e, "0.001 0 0.2", "0 0 0", "0.1" e, "0.0001" e, "0", "0.2" e, "0", "0.25" e) \
 		JOINT("jb", "revolute", "a", "b", ORIGIN("0 0.002 1", "0 0 0") AXIS("0 1 0")))
 
+/* The width of friction is nothing beside the velocities that are sampled, and all that there is at rest. */
+START_TEST(friction_at_rest)
+{
+	static const char text[] = ROBOT("r", BALL("base") BALL("a") JOINT("ja", "revolute", "base", "a",
+		AXIS("0 0 1") "<dynamics damping='0' friction='2'/>"));
+	struct scene_model m;
+	struct pose p = {.nq = 1, .nv = 1};
+	struct torque t;
+
+	open_or_fail(&m, text, "friction 1e-6\ndrop-below 1e-3");
+	/* q is not among the inputs */
+	ck_assert(eval_real(&m.dag, (const real *[]){p.qd, p.qdd, NULL}, (real *[]){NULL, NULL, t.tau}, NULL));
+	ck_assert(t.tau[0] == 0);
+	p.qd[0] = 1e-6L;
+	ck_assert(eval_real(&m.dag, (const real *[]){p.qd, p.qdd, NULL}, (real *[]){NULL, NULL, t.tau}, NULL));
+	ck_assert(fabsl(t.tau[0] - sqrtl(2)) < 1e-9L);
+	scene_close(&m);
+}
+END_TEST
+
 /* A fraction of the joint's torque, not of a newton metre. */
 START_TEST(dropped_at_any_scale)
 {
@@ -331,6 +351,7 @@ int main(void)
 	tcase_add_loop_test(c, rounded, 0, 2);
 	tcase_add_test(c, dropped_as_if_zero);
 	tcase_add_test(c, dropped_at_any_scale);
+	tcase_add_test(c, friction_at_rest);
 	tcase_add_loop_test(c, dropped, 0, 3);
 	tcase_add_loop_test(c, refuses, 0, sizeof refuseds / sizeof *refuseds);
 	tcase_add_test(c, told);
