@@ -30,14 +30,13 @@ static struct inertia unit_inertia(const struct placement *X, int r)
 	return out;
 }
 
-/* A link's inertia about its own origin; 0 where the URDF says nothing. */
+/* A link's inertia about its own origin, with another mass; where the URDF says nothing, a mass there is a point. */
 static struct inertia own_inertia(const struct link *l, const struct placement *X, double mass, int has_inertia)
 {
 	static const double none[6] = {0};
 	struct inertia_sum s = {0};
 
-	if (l->has_inertial)
-		inertia_add(&s, X, mass, l->com, l->com_rpy, has_inertia ? l->inertia : none);
+	inertia_add(&s, X, mass, l->com, l->com_rpy, has_inertia ? l->inertia : none);
 	return inertia_total(&s);
 }
 
@@ -64,7 +63,6 @@ static enum rneagen_code free_link(const struct resolver *x, const struct scene_
 		return error_memory(x->e);
 	if (f->kind == FREED_MASS) {
 		f->columns[0] = own_inertia(&x->r->links[link], &at->X, 1, 0);
-		f->columns[0].mass = 1;
 		f->rest = own_inertia(&x->r->links[link], &at->X, 0, 1);
 		f->nominal[0] = x->r->links[link].mass;
 		return RNEAGEN_OK;
