@@ -125,6 +125,31 @@ static struct d6_vec ground(const struct reference *r, bool magnitudes)
 	return magnitudes ? d6_abs_vec(a) : a;
 }
 
+static struct d3_mat rotation(struct d6_mat x)
+{
+	struct d3_mat e;
+
+	for (int i = 0; i < 9; i++)
+		e.m[i / 3][i % 3] = x.m[i / 3][i % 3];
+	return e;
+}
+
+// The link's axes in the ground, and f = net less the wrench from outside.
+static void push(struct reference_link *l, const struct reference_link *parent, bool magnitudes)
+{
+	struct d6_vec w = l->push;
+
+	l->turn = parent ? d3_mul(rotation(l->x), parent->turn) : rotation(l->x);
+	for (int k = 0; k < 6 && l->push_in_world; k += 3) {
+		struct d3_vec part = d3_apply(l->turn, (struct d3_vec){{l->push.x[k], l->push.x[k + 1], l->push.x[k + 2]}});
+
+		for (int i = 0; i < 3; i++)
+			w.x[k + i] = part.x[i];
+	}
+	for (int k = 0; k < 6; k++)
+		l->f.x[k] = l->net.x[k] + (magnitudes ? wide_abs(w.x[k]) : -w.x[k]);
+}
+
 static void outward(struct reference *r, const wide *q, const wide *qd, const wide *qdd, bool magnitudes)
 {
 	for (int i = 0; i < r->nj; i++) {
@@ -140,7 +165,10 @@ static void outward(struct reference *r, const wide *q, const wide *qd, const wi
 		gather(qdd, d->iv, d->nv, j->multiplier, 0, a.x);
 		x = joint_transform(j, l, position, v.x);
 		(magnitudes ? move_magnitudes : move)(l, x, v, a, vp, ap);
-		l->f = l->net;
+		push(l, parent, magnitudes);
+		l->own = l->armature * a.x[0] + l->damping * v.x[0];
+		if (magnitudes)
+			l->own = wide_abs(l->armature * a.x[0]) + wide_abs(l->damping * v.x[0]);
 	}
 }
 
@@ -154,6 +182,7 @@ static void inward(struct reference *r, wide *tau, bool magnitudes)
 		struct reference_link *l = &r->links[i];
 		struct d6_vec torque = d6_apply_transpose(l->s, l->f);
 
+		torque.x[0] += l->own;
 		for (int k = 0; k < d->nv; k++)
 			tau[d->iv + k] += (magnitudes ? wide_abs(j->multiplier) : j->multiplier) * torque.x[k];
 		if (i)

@@ -79,6 +79,22 @@ void reference_passes(struct reference *r, const double *q, const double *qd, co
 // every matrix and vector replaced by its magnitudes, so never below the sum for a smaller number of operations.
 void reference_magnitude(struct reference *r, const double *q, const double *qd, const double *qdd, wide *s);
 
+// Values of one entry after the last call: twist, spatial acceleration, and the wrench through its joint (its own, and
+// all that hangs on it), linear then angular, at the origin and in the axes of its link; their magnitudes after
+// reference_magnitude. The ground's acceleration is minus gravity. Any of them may be NULL.
+void reference_link(const struct reference *r, int entry, wide *v, wide *a, wide *f);
+
+// The kinetic energy of the last call; after reference_magnitude, with `magnitudes`, what was summed for it.
+wide reference_kinetic(const struct reference *r, bool magnitudes);
+
+// Changes of an open reference, which last. The inertial parameters of an entry's link about its origin: mass, first
+// moments, xx xy xz yy yz zz; a wrench from outside: force, then moment about the link's origin, in axes of the link or
+// of the ground; rotor inertia and viscous friction of a joint with one row, of its own coordinate.
+void reference_inertia(const struct reference *r, int entry, wide p[10]);
+void reference_set_inertia(struct reference *r, int entry, const wide p[10]);
+void reference_set_push(struct reference *r, int entry, const wide w[6], bool in_ground);
+void reference_set_own(struct reference *r, int entry, wide armature, wide damping);
+
 // A random state: q within the limits of the file (at most +-pi and +-1 m; +-pi for continuous; positions +-1, unit
 // quaternions), qd within +-2, qdd within +-5. `f32` rounds all to float.
 void reference_sample(const struct reference *r, struct rng *rng, bool f32, double *q, double *qd, double *qdd);

@@ -3,14 +3,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static struct pose unit_pose(void)
+static struct link_pose unit_pose(void)
 {
-	return (struct pose){{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
+	return (struct link_pose){{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
 }
 
-static struct pose compose(struct pose a, struct pose b)
+static struct link_pose compose(struct link_pose a, struct link_pose b)
 {
-	struct pose c = {0};
+	struct link_pose c = {0};
 
 	for (int i = 0; i < 4; i++)
 		for (int j = 0; j < 4; j++)
@@ -27,9 +27,9 @@ static void cross(const wide *a, const wide *b, wide *out)
 }
 
 // Columns are the turned basis: e cos + (n x e) sin + n (n . e) (1 - cos).
-static struct pose turn(const wide *n, wide angle)
+static struct link_pose turn(const wide *n, wide angle)
 {
-	struct pose t = unit_pose();
+	struct link_pose t = unit_pose();
 	wide s = wide_sin(angle), c = wide_cos(angle);
 
 	for (int k = 0; k < 3; k++) {
@@ -42,16 +42,16 @@ static struct pose turn(const wide *n, wide angle)
 	return t;
 }
 
-static struct pose shift(wide x, wide y, wide z)
+static struct link_pose shift(wide x, wide y, wide z)
 {
-	return (struct pose){{{1, 0, 0, x}, {0, 1, 0, y}, {0, 0, 1, z}, {0, 0, 0, 1}}};
+	return (struct link_pose){{{1, 0, 0, x}, {0, 1, 0, y}, {0, 0, 1, z}, {0, 0, 0, 1}}};
 }
 
 // Fixed axes: roll about x first, then pitch about y, then yaw about z.
-static struct pose origin(const double *xyz, const double *rpy)
+static struct link_pose origin(const double *xyz, const double *rpy)
 {
 	static const wide axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-	struct pose t = shift((wide)xyz[0], (wide)xyz[1], (wide)xyz[2]);
+	struct link_pose t = shift((wide)xyz[0], (wide)xyz[1], (wide)xyz[2]);
 
 	for (int i = 2; i >= 0; i--)
 		t = compose(t, turn(axes[i], (wide)rpy[i]));
@@ -59,9 +59,9 @@ static struct pose origin(const double *xyz, const double *rpy)
 }
 
 // w + x i + y j + z k turns e into e + 2 w (u x e) + 2 u x (u x e).
-static struct pose floating(const wide *q)
+static struct link_pose floating(const wide *q)
 {
-	struct pose t = shift(q[0], q[1], q[2]);
+	struct link_pose t = shift(q[0], q[1], q[2]);
 
 	for (int k = 0; k < 3; k++) {
 		wide e[3] = {k == 0, k == 1, k == 2}, once[3], twice[3];
@@ -80,11 +80,11 @@ static wide length(const wide *v)
 }
 
 // z turned onto n by the least angle: about z x n, or about x where they are opposite.
-static struct pose planar(const wide *n, const wide *q)
+static struct link_pose planar(const wide *n, const wide *q)
 {
 	static const wide z[3] = {0, 0, 1};
 	wide about[3], sine, half_turn[3] = {1, 0, 0};
-	struct pose frame = unit_pose(), slide;
+	struct link_pose frame = unit_pose(), slide;
 
 	cross(z, n, about);
 	sine = length(about);
@@ -98,7 +98,7 @@ static struct pose planar(const wide *n, const wide *q)
 	return compose(shift(slide.m[0][3], slide.m[1][3], slide.m[2][3]), turn(n, q[2]));
 }
 
-static struct pose joint_pose(const struct reference_joint *j, const double *axis, const wide *q)
+static struct link_pose joint_pose(const struct reference_joint *j, const double *axis, const wide *q)
 {
 	wide n[3] = {(wide)axis[0], (wide)axis[1], (wide)axis[2]}, size = length(n);
 
@@ -133,7 +133,7 @@ static wide follow(const struct oracle *o, int entry, const wide *q)
 	return (wide)raw->multiplier * follow(o, i, q) + (wide)raw->offset;
 }
 
-void oracle_poses(const struct oracle *o, const wide *q, struct pose *out)
+void oracle_poses(const struct oracle *o, const wide *q, struct link_pose *out)
 {
 	for (int i = 0; i < o->r->nj; i++) {
 		const struct reference_joint *j = &o->r->joints[i];
@@ -153,7 +153,7 @@ void oracle_poses(const struct oracle *o, const wide *q, struct pose *out)
 static void move_floating(const wide *q, const wide *v, const wide *a, wide t, wide *out)
 {
 	wide turned[3], local[3], u[3], half, s;
-	struct pose r = floating(q);
+	struct link_pose r = floating(q);
 
 	cross(v + 3, v, turned);
 	for (int i = 0; i < 3; i++) {
@@ -184,14 +184,14 @@ void oracle_move(const struct reference *r, const wide *q, const wide *qd, const
 
 // Central differences of order 8.
 void oracle_derivative(const struct oracle *o, const wide *q, const wide *qd, const wide *qdd, int order,
-                       struct pose *out)
+                       struct link_pose *out)
 {
 	static const wide first[5] = {0, WIDE_C(4.0) / 5, -WIDE_C(1.0) / 5, WIDE_C(4.0) / 105, -WIDE_C(1.0) / 280};
 	static const wide second[5] = {-WIDE_C(205.0) / 72, WIDE_C(8.0) / 5, -WIDE_C(1.0) / 5, WIDE_C(8.0) / 315,
 	                               -WIDE_C(1.0) / 560};
 	const wide h = WIDE_C(0.002);
 	int nj = o->r->nj;
-	struct pose *poses = raw_memory(NULL, (size_t)nj, sizeof *poses);
+	struct link_pose *poses = raw_memory(NULL, (size_t)nj, sizeof *poses);
 	wide *moved = raw_memory(NULL, (size_t)o->r->nq, sizeof *moved);
 
 	memset(out, 0, (size_t)nj * sizeof *out);
@@ -218,13 +218,13 @@ static const struct raw_link *find_link(const struct oracle *o, const char *name
 }
 
 // sum over the mass of (r, 1)(r, 1)^T: in the inertial's own axes the second moments are tr(I)/2 - I.
-static struct pose pseudo_inertia(const struct raw_link *l)
+static struct link_pose pseudo_inertia(const struct raw_link *l)
 {
 	const double *in = l->inertia;
 	wide half = ((wide)in[0] + (wide)in[3] + (wide)in[5]) / 2;
 	wide xy = -(wide)in[1], xz = -(wide)in[2], yz = -(wide)in[4];
-	struct pose at = origin(l->xyz, l->rpy), transposed;
-	struct pose j = {{{half - (wide)in[0], xy, xz, 0}, {xy, half - (wide)in[3], yz, 0},
+	struct link_pose at = origin(l->xyz, l->rpy), transposed;
+	struct link_pose j = {{{half - (wide)in[0], xy, xz, 0}, {xy, half - (wide)in[3], yz, 0},
 	                  {xz, yz, half - (wide)in[5], 0}, {0, 0, 0, (wide)l->mass}}};
 
 	for (int i = 0; i < 16; i++)
@@ -233,9 +233,9 @@ static struct pose pseudo_inertia(const struct raw_link *l)
 }
 
 // tr(dT J (T'' - G)^T) with G the pose whose last column is gravity: g acts on every mass point alike.
-static wide virtual_work(struct pose d, struct pose j, struct pose second, const wide *gravity)
+static wide virtual_work(struct link_pose d, struct link_pose j, struct link_pose second, const wide *gravity)
 {
-	struct pose dj = compose(d, j);
+	struct link_pose dj = compose(d, j);
 	wide sum = 0;
 
 	for (int i = 0; i < 3; i++)
@@ -247,7 +247,7 @@ static wide virtual_work(struct pose d, struct pose j, struct pose second, const
 void oracle_torque(const struct oracle *o, const wide *q, const wide *qd, const wide *qdd, wide *tau)
 {
 	const struct reference *r = o->r;
-	struct pose *second = raw_memory(NULL, 2 * (size_t)r->nj, sizeof *second), *d = second + r->nj, inertia;
+	struct link_pose *second = raw_memory(NULL, 2 * (size_t)r->nj, sizeof *second), *d = second + r->nj, inertia;
 	wide *unit = raw_memory(NULL, 2 * (size_t)r->nv, sizeof *unit), *zero = unit + r->nv;
 
 	memset(unit, 0, 2 * (size_t)r->nv * sizeof *unit);

@@ -7,7 +7,7 @@
 // A second opinion on the reference from positions alone (Uicker 1965, Kahn 1969): with T the 4x4 pose of a link, J its
 // 4x4 pseudo-inertia and c its centre of mass, tau_k = sum tr(dT/dk J T''^T) - m g . (dT/dk c). Derivatives are central
 // differences of the poses along curves with the given qd and qdd; no twist, force or Jacobian is ever formed.
-struct pose {
+struct link_pose {
 	wide m[4][4];
 };
 
@@ -21,14 +21,14 @@ struct oracle oracle_open(const struct reference *r, const char *urdf, size_t le
 void oracle_close(struct oracle *o);
 
 // Poses of all links of the table in the ground.
-void oracle_poses(const struct oracle *o, const wide *q, struct pose *out);
+void oracle_poses(const struct oracle *o, const wide *q, struct link_pose *out);
 
 // The state on the curve through q with velocity qd and acceleration qdd, at time t.
 void oracle_move(const struct reference *r, const wide *q, const wide *qd, const wide *qdd, wide t, wide *out);
 
 // First (order 1) or second (order 2) time derivative at t = 0 of the poses along that curve.
 void oracle_derivative(const struct oracle *o, const wide *q, const wide *qd, const wide *qdd, int order,
-                       struct pose *out);
+                       struct link_pose *out);
 
 // The torques.
 void oracle_torque(const struct oracle *o, const wide *q, const wide *qd, const wide *qdd, wide *tau);

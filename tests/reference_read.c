@@ -131,6 +131,8 @@ static void in_joint(struct reader *x, const char *element, const char **attribu
 	} else if (!strcmp(element, "limit")) {
 		numbers(x, attributes, "lower", 1, &j->lower);
 		numbers(x, attributes, "upper", 1, &j->upper);
+	} else if (!strcmp(element, "dynamics")) {
+		numbers(x, attributes, "damping", 1, &j->damping);
 	} else if (!strcmp(element, "mimic")) {
 		replace(&j->mimic, needed(x, attributes, "joint"));
 		numbers(x, attributes, "multiplier", 1, &j->multiplier);

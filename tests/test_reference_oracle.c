@@ -60,7 +60,7 @@ START_TEST(test_real_torque)
 END_TEST
 
 // R^T u for the first three rows of a pose.
-static void into_axes(const struct pose *t, const wide *u, wide *out)
+static void into_axes(const struct link_pose *t, const wide *u, wide *out)
 {
 	for (int i = 0; i < 3; i++)
 		out[i] = t->m[0][i] * u[0] + t->m[1][i] * u[1] + t->m[2][i] * u[2];
@@ -74,7 +74,7 @@ static void cross(const wide *a, const wide *b, wide *out)
 }
 
 // v = R^T p', [w] = R^T R'; a = R^T (p'' - g) - w x v, [b] = R^T R'' - [w][w], whose skew part is R^T R'' - its own.
-static void twist_and_acceleration(const struct pose *t, const struct pose *t1, const struct pose *t2,
+static void twist_and_acceleration(const struct link_pose *t, const struct link_pose *t1, const struct link_pose *t2,
                                    const wide *gravity, wide *v, wide *a)
 {
 	wide p1[3], p2[3], r1[3][3], r2[3][3], wv[3];
@@ -102,7 +102,7 @@ static void twist_and_acceleration(const struct pose *t, const struct pose *t1, 
 
 struct passes {
 	wide v[ROWS][6], a[ROWS][6], f[ROWS][6];
-	struct pose t0[ROWS], t1[ROWS], t2[ROWS];
+	struct link_pose t0[ROWS], t1[ROWS], t2[ROWS];
 };
 
 static void fill_passes(struct reference *r, const struct oracle *o, const struct state *s, struct passes *p)
@@ -122,7 +122,7 @@ static void compare_sum(const struct reference *r, const struct state *s, const 
 	wide total[6] = {0}, base[6];
 
 	for (int i = 0; i < r->nj; i++) {
-		const struct pose *t = &p->t0[i];
+		const struct link_pose *t = &p->t0[i];
 		const wide *f = p->f[r->joints[i].body];
 		wide force[3], moment[3], arm[3];
 

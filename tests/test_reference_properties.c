@@ -131,7 +131,7 @@ END_TEST
 // into the ground's axes and about the ground's origin.
 static void to_ground(const wide *q, const wide *f, wide *out)
 {
-	struct pose t;
+	struct link_pose t;
 	struct reference_joint joint = {.type = REFERENCE_FLOATING, .nq = 7, .nv = 6};
 	struct reference base = {.nq = 7, .nv = 6, .nj = 1, .joints = &joint};
 	struct oracle o = {.r = &base};

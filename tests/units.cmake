@@ -37,6 +37,12 @@ target_link_libraries(test_scene_trees PRIVATE reference)
 rneagen_add_test(test_scene_constants scene_model.c torque.c model.c)
 target_link_libraries(test_scene_constants PRIVATE reference)
 
+# What a scene takes and gives.
+add_library(task STATIC task.c task_check.c task_draw.c reference_oracle.c scene_model.c torque.c model.c)
+target_link_libraries(task PUBLIC rneagen::rneagen reference PkgConfig::CHECK)
+rneagen_add_test(test_task)
+target_link_libraries(test_task PRIVATE task)
+
 # The text.
 rneagen_add_test(test_emit model.c)
 target_link_libraries(test_emit PRIVATE reference)
