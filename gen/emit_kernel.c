@@ -91,34 +91,6 @@ int emit_block_size(const struct emission *e)
 	return block;
 }
 
-/* The most values that are alive at once, if each is made where it stands and dies with its last use: about the registers
-   that a kernel needs beside its addresses. */
-static int most_alive(const struct emission *e)
-{
-	const struct dag *d = e->passes[PASS_RNEA].plan.dag;
-	uint32_t *last = arena_alloc(e->arena, d->count, sizeof *last);
-	int alive = 0, most = 0;
-
-	for (uint32_t i = 0; last && i < d->count; i++)
-		for (int k = 0; k < op_arity[d->nodes[i].op]; k++)
-			last[d->nodes[i].arg[k].i] = i;
-	for (uint32_t i = 0; last && i < d->count; i++) {
-		const struct node *n = &d->nodes[i];
-
-		alive += n->op != OP_CONST && last[i] > i;
-		most = alive > most ? alive : most;
-		for (int k = 0; k < op_arity[n->op]; k++) {
-			uint32_t a = n->arg[k].i;
-
-			if (last[a] == i && d->nodes[a].op != OP_CONST) {
-				alive--;
-				last[a] = 0;
-			}
-		}
-	}
-	return most;
-}
-
 /* Humanoids in f32 soa gain from room for a third block (H100: 168 registers, no spill), arms of some 50 values from room
    for a sixth (80 registers instead of 93 on iiwa14, no spill: 0.93 of the floor instead of 0.90). Elsewhere the compiler's
    own choice spills least: a bound makes it fetch all inputs first. */
@@ -130,7 +102,7 @@ int emit_min_blocks(const struct emission *e)
 		return 0;
 	if (e->tree->body_count > ARM_BODIES)
 		return e->tree->body_count >= MANY_BODIES ? 3 : 0;
-	alive = most_alive(e);
+	alive = plan_alive(&e->passes[PASS_RNEA].plan, e->arena);
 	return alive >= FEW_ALIVE && alive <= MANY_ALIVE ? 6 : 0;
 }
 

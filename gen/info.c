@@ -1,5 +1,6 @@
 #include "info.h"
 #include "effect.h"
+#include "saving.h"
 #include "scene_put.h"
 
 static real total_mass(const struct tree *t)
@@ -56,6 +57,7 @@ void info_table(const struct emission *e, struct text *out)
 		text_printf(out, "%s%s = %.9Lg * %s + %.9Lg\n", i ? "  " : "\nmimic\n  ", t->mimics[i].name,
 			t->mimics[i].multiplier, t->mimics[i].driver, t->mimics[i].offset);
 	scene_put_table(t, out);
+	saving_put_table(t, out);
 	effect_put_table(t, out);
 	scene_put_ignored(t, out);
 	put_operations(e, out);
@@ -98,6 +100,7 @@ void info_json(const struct emission *e, struct text *out)
 	text_printf(out, ",\n  \"nq\": %d,\n  \"nv\": %d,\n  \"nb\": %d,\n", e->tree->nq, e->tree->nv, e->tree->body_count);
 	put_json_joints(e->tree, out);
 	scene_put_json(e->tree, out);
+	saving_put_json(e->tree, out);
 	effect_put_json(e->tree, out);
 	scene_put_json_ignored(e->tree, out);
 	text_put(out, "  \"warnings\": [");

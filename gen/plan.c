@@ -244,6 +244,32 @@ struct operation_count plan_operations(const struct plan *p)
 	return n;
 }
 
+int plan_alive(const struct plan *p, struct arena *a)
+{
+	const struct dag *d = p->dag;
+	uint32_t *last = arena_alloc(a, d->count, sizeof *last);
+	int alive = 0, most = 0;
+
+	for (uint32_t i = 0; last && i < d->count; i++)
+		for (int k = 0; k < op_arity[d->nodes[i].op]; k++)
+			last[d->nodes[i].arg[k].i] = i;
+	for (uint32_t i = 0; last && i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+
+		alive += n->op != OP_CONST && last[i] > i;
+		most = alive > most ? alive : most;
+		for (int k = 0; k < op_arity[n->op]; k++) {
+			uint32_t x = n->arg[k].i;
+
+			if (last[x] == i && d->nodes[x].op != OP_CONST) {
+				alive--;
+				last[x] = 0;
+			}
+		}
+	}
+	return most;
+}
+
 void plan_dump(const struct plan *p, struct text *t)
 {
 	static const char *const kinds[] = {"section", "input", "value", "sincos", "store"};

@@ -9,6 +9,7 @@
 #include "keep.h"
 #include "rnea.h"
 #include "robot.h"
+#include "saving.h"
 #include <locale.h>
 #include <sha256.h>
 #include <string.h>
@@ -145,7 +146,8 @@ static enum rneagen_code generate(struct generation *g, const char *urdf, size_t
 
 	if (robot_read(&g->robot, urdf, length, g->options.file, a, g->error) || resolve_options(g) ||
 		keep_build(&g->tree, &g->robot, &g->options, a, g->error) || check_task(g) || make_passes(g) ||
-		effect_measure(&g->tree, &g->robot, &g->options, a, g->error))
+		effect_measure(&g->tree, &g->robot, &g->options, a, g->error) ||
+		saving_measure(&g->tree, &g->robot, &g->options, a, g->error))
 		return g->error->code;
 	tree_warn(&g->tree, &g->robot, g->options.file, a);
 	if (a->failed)

@@ -72,6 +72,7 @@ struct tree_ignored {
 };
 
 struct effect;
+struct saving;
 
 /* Where a link of the robot ended up. */
 struct carried {
@@ -99,6 +100,8 @@ struct tree {
 	struct tree_angle *angles; /* within ADJUST_NEARLY, or adjust.snap where that is more */
 	int angle_count;
 	struct effect *effects; /* by effect_measure */
+	struct saving *savings; /* by saving_measure: the full model, each line of the scene, the scene */
+	int saving_count;
 	int effect_count;
 	struct task task;
 	struct carried *links; /* one for each of the robot's */
