@@ -197,7 +197,8 @@ def shares(rows):
     for name, library, route in GPU_ROUTES:
         row = rows.one(library, route, "cuda", n=SHARED)
         loading, cold, _ = rows.startup_ms(library, route)
-        busy = row.get("busy_us") or (row.get("kernel_us") if row.get("method") == "graph" and row.get("stream_us") else None)
+        graph = rows.one("PyTorch", "CUDA graph", "cuda", n=SHARED) if route == "eager" else row if row.get("stream_us") else {}
+        busy = row.get("busy_us") or (graph.get("kernel_us") if graph.get("method") == "graph" else None)
         spent = row.get("stream_us") or row.get("kernel_us")
         copies = total(row.get("h2d_us"), row.get("d2h_us"))
         if None not in (busy, spent, copies, loading):
@@ -276,11 +277,11 @@ def rewritten(rows):
     route = ("PyTorch", "torch.compile, statements", "cuda")
     large, one = rows.one(*route, n=LARGE), rows.one(*route, n=1)
     own = {n: rows.one("generated", "NVRTC", "cuda", n=n) for n in (1, LARGE)}
-    loading, cold, _ = rows.startup_ms("PyTorch", "torch.compile, statements")
+    _, cold, _ = rows.startup_ms("PyTorch", "torch.compile, statements")
     if not (large and cold and own[LARGE]):
         return ""
-    text = (f"**Rewritten for torch.compile**, as {large['note']} on scalars that a tracer wrote, the RNEA is "
-            f"{whole(large['launch_count'])} launches of Triton's kernels and takes {short(large['kernel_us'] / own[LARGE]['kernel_us'])} "
+    text = (f"**Rewritten for torch.compile**, as {large['note']} on scalars that a tracer wrote, the RNEA "
+            f"takes {short(large['kernel_us'] / own[LARGE]['kernel_us'])} "
             f"times as long as the generated one at 1 M samples. It compiles for {short(cold / 1e3)} s, for each precision and, "
             "where sizes vary, again for a batch of one")
     if one and own[1]:
@@ -304,7 +305,8 @@ Kernel times are of graphs that are replayed, where work can be captured, of eve
 the host's clock over queued calls for JAX; "waited for" is what a Python program sees that needs each result. Copies are of
 page-locked memory (JAX: pageable). Start-up is import, CUDA context and the first compilation; "compiled before" is the
 compilation alone, with what is kept on disk (nvcc: loading). "Matrices" are batches of 6x6 matrices, "statements" one
-assignment for every operation on scalars. Everything is in [peers.csv](tests/bench/peers/results/peers.csv).
+assignment for every operation on scalars. Everything is in [peers.csv](tests/bench/peers/results/peers.csv);
+`tests/bench/peers/prepare`, `run` and `table` make it anew.
 
 {gpu_table(rows, "f32")}
 {gpu_table(rows, "f64")}

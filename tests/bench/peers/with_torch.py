@@ -53,6 +53,22 @@ def on_cpu(bench):
             bench.attempt(make, **key("eager", function, "cpu", precision, n, threads=threads))
 
 
+def operations(call):
+    """How many operations that are more than a view call() asks of PyTorch: as many launches, or more."""
+    from torch.utils._python_dispatch import TorchDispatchMode
+
+    class Count(TorchDispatchMode):
+        count = 0
+
+        def __torch_dispatch__(self, function, types, arguments=(), keywords=None):
+            self.count += not function.is_view and function is not torch.ops.aten._unsafe_view.default
+            return function(*arguments, **(keywords or {}))
+
+    with Count() as counted:
+        call()
+    return counted.count
+
+
 # ---- the GPU, operation by operation, and the same in a graph ----
 
 
@@ -67,11 +83,13 @@ def on_cuda(bench, timer):
             outputs, copies = gpu.tuple_of(outputs), (function, precision, n)
             kept["row"] = {**errors(data.errors(function, n, outputs)), **timer.copies(copies, data.inputs(function, n), outputs)}
             us = kept["eager"] = timer.events(lambda: call(*inputs))
-            cold = {} if (function, precision) in seen else {"cold_ms": cold}
-            seen[function, precision] = True
+            if (function, precision) not in seen:
+                kept["row"] |= {"cold_ms": cold}
+                seen[function, precision] = operations(lambda: call(*inputs))
+            kept["row"]["launch_count"] = seen[function, precision]
             timer.profile_later(key("eager", function, "cuda", precision, n), lambda call=call: call(*inputs))
-            return {**kept["row"], **cold, "method": "events",
-                    "kernel_us": us, "stream_us": us, "call_us": timer.waited(lambda: call(*inputs))}
+            return {**kept["row"], "method": "events", "kernel_us": us, "stream_us": us,
+                    "call_us": timer.waited(lambda: call(*inputs))}
 
         def graph():
             us = timer.graph(lambda: call(*kept["inputs"]), kept["eager"])
