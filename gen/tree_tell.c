@@ -31,6 +31,8 @@ void tree_dump(const struct tree *t, struct text *out)
 			k->sign < 0 ? '-' : '+', "xyz"[k->axis], k->iq, k->iv);
 		if (k->follower)
 			text_printf(out, " follower multiplier %.17Lg", k->multiplier);
+		if (k->turn != 0)
+			text_printf(out, " turn %.17Lg", k->turn);
 		text_printf(out, "\n  p %.17Lg %.17Lg %.17Lg\n", k->X.p[0], k->X.p[1], k->X.p[2]);
 		for (int row = 0; row < 3; row++)
 			text_printf(out, "  R %.17Lg %.17Lg %.17Lg\n", k->X.R.m[row][0], k->X.R.m[row][1], k->X.R.m[row][2]);

@@ -1,5 +1,6 @@
 /* The scene's text: how it is read, which names it takes, what it leaves and says; what is refused, and how. */
 #include "read.h"
+#include "rng.h"
 #include "rneagen.h"
 #include "nearest.h"
 #include "scene_put.h"
@@ -238,6 +239,40 @@ START_TEST(lists)
 }
 END_TEST
 
+/* Scenes put together at random from words, names, values and noise: none does harm, and what is refused is said. */
+START_TEST(random_scenes)
+{
+	static const char *const parts[] = {"root ", "tip ", "beside drop", "beside lock", "lock ", "lock-all-but ", "fold ", "free ", "want ",
+		"fext ", "fext-frame world", "damping", "friction", "friction 0.1", "snap-angle 1e-3", "round-constants 4", "drop-below 1e-3",
+		"base", "upper", "fore", "hand", "left", "right", "head", "a,b", "shoulder", "elbow", "wrist", "grip", "follow", "neck", "free",
+		"qd", "qdd", "q.elbow", "tau", "power", "gravity", "mass.", "payload.", "wrench.", "offset.", "=", "=0", "=0.5", "=1,2,3",
+		":batch", ":sample", ",", "\n", "\n", "\n", " ", " #", "\t", "\r\n", "\xc3\xa9", "'", "1e999", "-"};
+	enum { PARTS = sizeof parts / sizeof *parts, SCENES = 3000 };
+	struct rng rng = rng_seed((uint64_t)_i + 1);
+	int built = 0;
+
+	for (int k = 0; k < SCENES; k++) {
+		char scene[512] = "";
+		struct read r;
+		struct tree t;
+
+		for (int n = 1 + rng_below(&rng, 10); n > 0; n--) {
+			int key = rng_below(&rng, 17); /* the first ones begin a line */
+
+			strcat(scene, n % 3 == 0 ? "\n" : "");
+			strcat(scene, n % 3 == 0 ? parts[key] : parts[17 + rng_below(&rng, PARTS - 17)]);
+		}
+		if (build(&r, &t, arm, scene))
+			ck_assert_msg(r.error.message[0] && strlen(r.error.message) > strlen("here: "), "%s", scene);
+		else
+			built++;
+		read_free(&r);
+	}
+	printf("seed %d: %d of %d random scenes leave a robot\n", _i + 1, built, SCENES);
+	ck_assert_int_gt(built, 20);
+}
+END_TEST
+
 static struct rneagen_result generate(const char *scene)
 {
 	struct rneagen_options o = rneagen_options_default();
@@ -326,11 +361,13 @@ int main(void)
 	SRunner *runner = srunner_create(suite);
 	int failed;
 
+	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_add_loop_test(c, leaves, 0, sizeof lefts / sizeof *lefts);
 	tcase_add_loop_test(c, refuses, 0, sizeof refuseds / sizeof *refuseds);
 	tcase_add_test(c, other_locale);
 	tcase_add_test(c, repeats_itself);
 	tcase_add_test(c, lists);
+	tcase_add_loop_test(c, random_scenes, 0, 2);
 	tcase_add_test(c, told);
 	tcase_add_test(c, ignored);
 	tcase_add_test(c, nearest);
