@@ -42,8 +42,10 @@ target_link_libraries(test_scene_constants PRIVATE reference)
 # What a scene takes and gives.
 add_library(task STATIC task.c task_check.c task_draw.c reference_oracle.c scene_model.c torque.c model.c)
 target_link_libraries(task PUBLIC rneagen::rneagen reference PkgConfig::CHECK)
-rneagen_add_test(test_task)
-target_link_libraries(test_task PRIVATE task)
+foreach(name test_task test_task_fold)
+	rneagen_add_test(${name})
+	target_link_libraries(${name} PRIVATE task)
+endforeach()
 
 # The text.
 rneagen_add_test(test_emit model.c)
