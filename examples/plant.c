@@ -10,10 +10,10 @@ static void mass_matrix(const double q[N], double m[N][N])
 {
 	double gravity[N], unit[N] = {0}, column[N];
 
-	iiwa14_rnea(q, ZERO, ZERO, gravity);
+	PLANT_RNEA(q, ZERO, ZERO, gravity);
 	for (int j = 0; j < N; j++) {
 		unit[j] = 1;
-		iiwa14_rnea(q, ZERO, unit, column);
+		PLANT_RNEA(q, ZERO, unit, column);
 		unit[j] = 0;
 		for (int i = j; i < N; i++)
 			m[i][j] = column[i] - gravity[i];
@@ -46,7 +46,7 @@ static void rate(const struct state *s, const double tau[N], const double dampin
 	double m[N][N], bias[N];
 
 	mass_matrix(s->q, m);
-	iiwa14_rnea(s->q, s->qd, ZERO, bias);
+	PLANT_RNEA(s->q, s->qd, ZERO, bias);
 	for (int i = 0; i < N; i++) {
 		r->q[i] = s->qd[i];
 		r->qd[i] = tau[i] - damping[i] * s->qd[i] - bias[i];

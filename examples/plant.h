@@ -1,10 +1,15 @@
 #ifndef PLANT_H
 #define PLANT_H
-/* The arm itself, simulated: what a controller's torques do to it. */
+/* The arm itself, simulated: what a controller's torques do to it. Which arm it is, the build says. */
 
-#include "iiwa14_rnea.h"
+#ifndef PLANT_HEADER
+#define PLANT_HEADER "iiwa14_rnea.h"
+#define PLANT_RNEA iiwa14_rnea
+#define PLANT_JOINTS iiwa14_nv
+#endif
+#include PLANT_HEADER
 
-enum { N = iiwa14_nv };
+enum { N = PLANT_JOINTS };
 
 struct state {
 	double q[N], qd[N];

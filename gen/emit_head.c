@@ -24,10 +24,11 @@ static void put_warning(const struct emission *e, const char *warning, struct te
 	text_putc(out, '\n');
 }
 
-/* The scene, one line for each of its choices. */
+/* The choices of the scene, as many to a line as there is room for. */
 static void put_scene(const struct emission *e, struct text *out)
 {
 	const struct scene *s = &e->tree->scene;
+	size_t width = 100, column = width;
 
 	for (int i = 0; i < s->line_count; i++) {
 		struct text option;
@@ -35,8 +36,13 @@ static void put_scene(const struct emission *e, struct text *out)
 		text_init(&option, e->arena);
 		scene_put_option(&s->lines[i], &option);
 		out->failed |= option.failed;
-		text_put(out, "\n *     ");
+		if (column + option.length >= width) {
+			text_put(out, "\n *    ");
+			column = strlen(" *    ");
+		}
+		text_putc(out, ' ');
 		text_put_comment(out, text_string(&option));
+		column += 1 + option.length;
 	}
 }
 

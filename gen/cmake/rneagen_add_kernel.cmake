@@ -3,6 +3,7 @@
 #	[NAME <name>]                   prefix of every function; default: the name of the file, made an identifier
 #	[PRECISION f32|f64] [LAYOUT soa|aos] [TRIG accurate|bounded|fast] [BASE fixed|floating]
 #	[MIMIC honour|independent] [GRAVITY X,Y,Z] [ORDER J1,J2,...]
+#	[SCENE <line>...]               what of the robot is modelled: each a line of a scene, "want gravity", "lock elbow=1.57"
 #	[OPTIONS <word>...])            further words for the command `rneagen`
 #
 # Generates the inverse dynamics of the robot when <target> is built, compiles the text into <target> with nvcc or the
@@ -12,7 +13,7 @@ include_guard(GLOBAL)
 
 function(rneagen_add_kernel target urdf)
 	set(choices NAME PRECISION LAYOUT TRIG BASE MIMIC GRAVITY ORDER)
-	cmake_parse_arguments(PARSE_ARGV 2 arg "" "TARGET;${choices}" OPTIONS)
+	cmake_parse_arguments(PARSE_ARGV 2 arg "" "TARGET;${choices}" "SCENE;OPTIONS")
 	if(arg_UNPARSED_ARGUMENTS OR arg_KEYWORDS_MISSING_VALUES)
 		list(JOIN arg_UNPARSED_ARGUMENTS " " words)
 		message(FATAL_ERROR
@@ -31,6 +32,11 @@ function(rneagen_add_kernel target urdf)
 			string(TOLOWER ${choice} option)
 			list(APPEND words --${option} "${arg_${choice}}")
 		endif()
+	endforeach()
+	foreach(line IN LISTS arg_SCENE)
+		string(REGEX REPLACE "^([a-z-]+) +" "--\\1=" word "${line}")
+		string(REGEX REPLACE "^([a-z])" "--\\1" word "${word}")
+		list(APPEND words "${word}")
 	endforeach()
 	rneagen_generate(${target} "${urdf}" ${arg_TARGET} ${arg_NAME} ${words} ${arg_OPTIONS})
 endfunction()
