@@ -148,10 +148,16 @@ class Bench:
             self.row(**key, note=f"failed: {reason}")
             return False
 
-    def steps(self, functions=FUNCTIONS, precisions=("f32", "f64")):
+    def steps_large_last(self):
+        """steps() for a processor, on which a million samples of the matrices take seconds."""
+        small, large = ([n for n in self.counts if (n > 65536) == last] for last in (False, True))
+        for functions, counts in ((("rnea",), small), (FUNCTIONS[1:], small), (("rnea",), large), (FUNCTIONS[1:], large)):
+            yield from self.steps(functions, counts=counts)
+
+    def steps(self, functions=FUNCTIONS, precisions=("f32", "f64"), counts=None):
         """(function, precision, n): first all of rnea, then the others, until the time is over."""
         for function in functions:
-            for n in self.counts:
+            for n in self.counts if counts is None else counts:
                 for precision in precisions:
                     if self.late():
                         self.row(function=function, precision=precision, n=n, note="not measured: out of time from here on")

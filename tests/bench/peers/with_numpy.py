@@ -13,7 +13,8 @@ import measure
 import spatial
 import straight
 
-SLICE = 8192  # samples that a cache holds with all their intermediate arrays
+SLICE = 8192   # samples that a cache holds with all their intermediate arrays
+WHOLE = 65536  # of more the intermediate arrays take gigabytes: slices are for that
 
 
 def matrices(bench, precision):
@@ -28,7 +29,7 @@ def rows(x):
 
 def alone(bench):
     functions = {p: matrices(bench, p) for p in measure.TYPES}
-    for function, precision, n in bench.steps():
+    for function, precision, n in bench.steps_large_last():
         data = bench.data[precision]
 
         def make():
@@ -50,7 +51,8 @@ def written_out(bench):
             outputs, us = measure.first_and_clock(lambda: call(*inputs), bench.box)
             return result(data.errors(function, n, (numpy.stack(outputs),), -1), us, count)
 
-        bench.attempt(make, **key("straight", function, precision, n, 1))
+        if n <= WHOLE:
+            bench.attempt(make, **key("straight", function, precision, n, 1))
 
 
 def sliced(pool, call, inputs, tau, axis, threads):

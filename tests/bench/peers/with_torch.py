@@ -40,7 +40,7 @@ def errors(found):
 
 def on_cpu(bench):
     functions = {p: matrices(bench, p, "cpu") for p in measure.TYPES}
-    for function, precision, n in bench.steps():
+    for function, precision, n in bench.steps_large_last():
         data = bench.data[precision]
         for threads in {1, max(bench.threads)}:
             def make():
