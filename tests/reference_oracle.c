@@ -232,6 +232,11 @@ static struct link_pose pseudo_inertia(const struct raw_link *l)
 	return compose(at, compose(j, transposed));
 }
 
+struct link_pose oracle_inertia(const struct oracle *o, int entry)
+{
+	return pseudo_inertia(find_link(o, o->r->joints[entry].link));
+}
+
 // tr(dT J (T'' - G)^T) with G the pose whose last column is gravity: g acts on every mass point alike.
 static wide virtual_work(struct link_pose d, struct link_pose j, struct link_pose second, const wide *gravity)
 {

@@ -30,6 +30,9 @@ void oracle_move(const struct reference *r, const wide *q, const wide *qd, const
 void oracle_derivative(const struct oracle *o, const wide *q, const wide *qd, const wide *qdd, int order,
                        struct link_pose *out);
 
+// The 4x4 pseudo-inertia of an entry's link, in its frame: sum over the mass of (r, 1)(r, 1)^T.
+struct link_pose oracle_inertia(const struct oracle *o, int entry);
+
 // The torques.
 void oracle_torque(const struct oracle *o, const wide *q, const wide *qd, const wide *qdd, wide *tau);
 
