@@ -61,7 +61,7 @@ def operations(call):
         count = 0
 
         def __torch_dispatch__(self, function, types, arguments=(), keywords=None):
-            self.count += not function.is_view and function is not torch.ops.aten._unsafe_view.default
+            self.count += not getattr(function, "is_view", False) and function is not torch.ops.aten._unsafe_view.default
             return function(*arguments, **(keywords or {}))
 
     with Count() as counted:
