@@ -13,11 +13,19 @@ static void expand(const struct emission *e, const char *tmpl, struct text *out)
 	template_expand(out, tmpl, slots, sizeof slots / sizeof *slots);
 }
 
+/* Only floats are flushed to zero. */
+static void put_strict_cuda(const struct emission *e, struct text *out)
+{
+	expand(e, template_arithmetic_strict_cuda_in, out);
+	if (e->arithmetic->bytes == 4)
+		text_put(out, template_arithmetic_strict_flush_in);
+}
+
 /* A header is compiled for CPU and GPU: on the latter the operations themselves keep the caller's apart. */
 static void put_strict_header(const struct emission *e, struct text *out)
 {
 	text_put(out, "#if defined __CUDA_ARCH__\n#define RNEA_APART RNEA_INLINE\n");
-	expand(e, template_arithmetic_strict_cuda_in, out);
+	put_strict_cuda(e, out);
 	text_put(out, "#else\n");
 	expand(e, template_arithmetic_strict_c_in, out);
 	text_put(out, "#endif\n");
@@ -33,7 +41,9 @@ const char *emit_arithmetic(const struct emission *e, enum arithmetic_for compil
 		expand(e, plain[compiler], &t);
 	else if (compiler == ARITHMETIC_FOR_HEADER)
 		put_strict_header(e, &t);
+	else if (compiler == ARITHMETIC_FOR_C)
+		expand(e, template_arithmetic_strict_c_in, &t);
 	else
-		expand(e, compiler == ARITHMETIC_FOR_C ? template_arithmetic_strict_c_in : template_arithmetic_strict_cuda_in, &t);
+		put_strict_cuda(e, &t);
 	return text_string(&t);
 }
