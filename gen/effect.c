@@ -158,6 +158,65 @@ enum rneagen_code effect_measure(
 	return e->code;
 }
 
+/* ---- all of them ---- */
+
+/* The largest of ||y - z|| / ||z|| over the output arrays; what is 0 has nothing to compare with. */
+static double largest_change(const struct dag *d, const double *y, const double *z)
+{
+	double largest = -1;
+
+	for (int k = 0; k < d->argument_count; k++) {
+		double off = 0, size = 0;
+
+		for (int i = 0; d->arguments[k].is_output && i < d->arguments[k].rows; i++, y++, z++) {
+			off = hypot(off, *y - *z);
+			size = hypot(size, *z);
+		}
+		if (size > 0)
+			largest = fmax(largest, off / size);
+	}
+	return largest;
+}
+
+static int compare_all(double *change, const struct way *with, const struct way *without, const struct measuring *m)
+{
+	size_t rows = total_rows(&with->dag, 1);
+	double *in = arena_alloc(m->a, total_rows(&with->dag, 0), sizeof *in);
+	double *y = arena_alloc(m->a, 2 * rows, sizeof *y), *z = y ? y + rows : NULL, largest = -1;
+
+	for (size_t k = 0; k < m->states.count; k++) {
+		if (!in || !y || !torques(with, m, k, in, y) || !torques(without, m, k, in, z))
+			return 0;
+		largest = fmax(largest, largest_change(&with->dag, y, z));
+	}
+	if (largest >= 0)
+		*change = largest;
+	return 1;
+}
+
+enum rneagen_code effect_total(double *change, const struct tree *t, const struct robot *r, const struct rneagen_options *o,
+	const struct sample_options *sampling, struct rneagen_error *e)
+{
+	struct way with = {.tree = *t}, without;
+	struct adjust none = t->adjust;
+	struct arena spare;
+	struct measuring m = {.r = r, .o = o, .a = &spare, .e = e};
+
+	*change = (double)NAN;
+	none.snap = none.drop = 0;
+	none.digits = 0;
+	if (t->adjust.snap == 0 && t->adjust.digits == 0 && t->adjust.drop == 0)
+		return RNEAGEN_OK;
+	arena_init(&spare, NULL);
+	if (!sample_states(&m.states, r, t, sampling))
+		error_memory(e);
+	else if (!count(&with, &m) && !build(&without, &m, &none) && !compare_all(change, &with, &without, &m))
+		error_memory(e);
+	sample_free(&m.states);
+	arena_free(&spare);
+	return e->code;
+}
+
 /* ---- telling ---- */
 
 static void put_effect(const struct effect *x, struct text *out)

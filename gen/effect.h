@@ -5,6 +5,7 @@
 
 #include "rnea.h"
 #include "rneagen.h"
+#include "sample.h"
 
 struct effect {
 	enum scene_key key;
@@ -19,6 +20,12 @@ struct effect {
    it was not and there is an angle for it. Fills t->effects. Errors: MEMORY. */
 enum rneagen_code effect_measure(
 	struct tree *t, const struct robot *r, const struct rneagen_options *o, struct arena *a, struct rneagen_error *e);
+
+/* What all that the tree was built with of these three change together: the largest ||y - z|| / ||z|| of an output array, y
+   with and z without, over seeded states, what the scene frees as the URDF has it; NAN where there is none of the three, or
+   nothing but 0 to compare with. Errors: MEMORY. */
+enum rneagen_code effect_total(double *change, const struct tree *t, const struct robot *r, const struct rneagen_options *o,
+	const struct sample_options *sampling, struct rneagen_error *e);
 
 /* Lines of --info, a member of --info=json, and lines of a text's head (what is asked for alone). */
 void effect_put_table(const struct tree *t, struct text *out);

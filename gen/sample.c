@@ -112,16 +112,6 @@ double sample_input(const struct states *s, const struct tree *t, const struct a
 	return 1;
 }
 
-void sample_round(struct states *s)
-{
-	for (size_t i = 0; i < s->count * s->nq; i++)
-		s->q[i] = (double)(float)s->q[i];
-	for (size_t i = 0; i < s->count * s->nv; i++) {
-		s->qd[i] = (double)(float)s->qd[i];
-		s->qdd[i] = (double)(float)s->qdd[i];
-	}
-}
-
 void sample_free(struct states *s)
 {
 	free(s->q);

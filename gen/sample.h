@@ -31,8 +31,6 @@ int sample_states(struct states *s, const struct robot *r, const struct tree *t,
 /* A row of an argument of the DAG: of q, qd, qdd; of a constant that the scene frees, what the URDF says; 1 of others. */
 double sample_input(const struct states *s, const struct tree *t, const struct argument *x, int row, size_t state);
 
-/* Round every number to single precision. */
-void sample_round(struct states *s);
 void sample_free(struct states *s);
 
 #endif

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ARRAYS = 4, SETS_LIMIT = 32, LAUNCHES_HOST = 1 << 22, LAUNCHES_GPU = 1000 };
+enum { SETS_LIMIT = 32, LAUNCHES_HOST = 1 << 22, LAUNCHES_GPU = 1000 };
 enum { ROBOT, FLOOR, KINDS };
 
 struct bench {
@@ -18,8 +18,8 @@ struct bench {
 struct work {
 	struct bench *b;
 	const struct rnea_robot *robots[KINDS];
-	size_t bytes[ARRAYS], count, set_count, launches;
-	void *arrays[SETS_LIMIT][ARRAYS];
+	size_t bytes[RNEA_ARGUMENT_LIMIT], array_count, count, set_count, launches;
+	void *arrays[SETS_LIMIT][RNEA_ARGUMENT_LIMIT];
 	void *const *sets[SETS_LIMIT]; /* the rows of `arrays` */
 	void *graphs[KINDS];           /* GPU */
 	double times[KINDS][BENCH_REPLAYS_LIMIT];
@@ -70,7 +70,7 @@ static void add_set(struct work *w, void *const *arrays)
 	size_t n = w->set_count++;
 
 	w->sets[n] = w->arrays[n];
-	for (int i = 0; i < ARRAYS && !w->e->code; i++) {
+	for (size_t i = 0; i < w->array_count && !w->e->code; i++) {
 		if (w->b->gpu)
 			w->arrays[n][i] = bench_gpu_copy(w->b->gpu, arrays[i], w->bytes[i], w->e);
 		else
@@ -83,8 +83,11 @@ static void make_sets(struct work *w, void *const *arrays)
 	const struct rnea_info *info = rnea_info(w->robots[ROBOT]);
 	size_t total = 0, wanted = 1;
 
-	for (int i = 0; i < ARRAYS; i++) {
-		w->bytes[i] = info->arguments[i].rows * w->count * (info->arguments[i].scalar == RNEA_F64 ? 8 : 4);
+	w->array_count = info->input_count + info->output_count;
+	for (size_t i = 0; i < w->array_count; i++) {
+		const struct rnea_argument *a = &info->arguments[i];
+
+		w->bytes[i] = a->rows * (a->per_batch ? 1 : w->count) * (a->scalar == RNEA_F64 ? 8 : 4);
 		total += w->bytes[i];
 	}
 	if (total >= BENCH_LARGE)
@@ -96,7 +99,7 @@ static void make_sets(struct work *w, void *const *arrays)
 static void drop_sets(struct work *w)
 {
 	for (size_t n = 0; n < w->set_count; n++)
-		for (int i = 0; i < ARRAYS; i++) {
+		for (size_t i = 0; i < w->array_count; i++) {
 			if (w->b->gpu)
 				bench_gpu_free(w->b->gpu, w->arrays[n][i]);
 			else if (n)

@@ -1,6 +1,5 @@
 #define _POSIX_C_SOURCE 200809L
 #include "command.h"
-#include "files.h"
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
@@ -93,34 +92,45 @@ int command_fail(const struct command *c, const char *message)
 	return 1;
 }
 
-/* The generator's part: the text, and warnings. */
-static int generate(const struct command *c, struct rneagen_result *r)
+/* The command's options with the name by which messages call the URDF. */
+static struct rneagen_options named_options(const struct command *c)
 {
 	struct rneagen_options o = c->generate;
-	struct rneagen_error e = {0};
-	struct file_content urdf = {0};
-	int bad;
 
 	o.file = strcmp(c->urdf, "-") ? c->urdf : "<stdin>";
-	bad = file_read(c->urdf, &urdf, &e) || rneagen_generate(urdf.bytes, urdf.length, &o, r, &e);
-	free(urdf.bytes);
-	if (bad) {
-		command_fail(c, e.message);
-		return 1 + option_at_fault(e.code);
-	}
-	for (size_t i = 0; i < r->warning_count && !c->quiet; i++)
-		fprintf(stderr, "%s: warning: %s\n", c->name, r->warnings[i]);
+	return o;
+}
+
+static int fail_generator(const struct command *c, const struct rneagen_error *e)
+{
+	command_fail(c, e->message);
+	return 1 + option_at_fault(e->code);
+}
+
+int command_analyse(const struct command *c, struct file_content *urdf, struct analysis *a)
+{
+	struct rneagen_options o = named_options(c);
+	struct rneagen_error e = {0};
+
+	*a = (struct analysis){0};
+	*urdf = (struct file_content){0};
+	if (file_read(c->urdf, urdf, &e) || analysis_open(a, urdf->bytes, urdf->length, &o, &e))
+		return fail_generator(c, &e);
 	return 0;
 }
 
-int command_open(const struct command *c, struct rnea_robot **robot)
+int command_open(const struct command *c, const struct file_content *urdf, struct rnea_robot **robot)
 {
+	struct rneagen_options o = named_options(c);
+	struct rneagen_error e = {0};
 	struct rnea_error error;
 	struct rneagen_result r;
-	int status = generate(c, &r);
+	int status = 0;
 
-	if (status)
-		return status;
+	if (rneagen_generate(urdf->bytes, urdf->length, &o, &r, &e))
+		return fail_generator(c, &e);
+	for (size_t i = 0; i < r.warning_count && !c->quiet; i++)
+		fprintf(stderr, "%s: warning: %s\n", c->name, r.warnings[i]);
 	if (rnea_open(r.source, strlen(r.source), &c->open, robot, &error))
 		status = command_fail(c, error.message);
 	else if (!c->quiet && *rnea_build(*robot)->note && isatty(STDERR_FILENO))

@@ -2,6 +2,8 @@
 #define RUNTIME_COMMAND_H
 /* What the subcommands of rnearun share: the options that say which robot runs where, and how they end. */
 
+#include "analysis.h"
+#include "files.h"
 #include "options.h"
 #include "rnea.h"
 
@@ -56,9 +58,13 @@ int command_parse(struct command *c, const struct command_kind *kind, void *own,
 int command_number(const char *name, const char *option, const char *word, unsigned long long least,
 	unsigned long long most, unsigned long long *value);
 
+/* Read the URDF, and analyse the robot in the command's scene. On failure prints a message and returns the exit status, 1 or
+   2. The caller frees urdf->bytes, and gives *a to analysis_free, in either case. */
+int command_analyse(const struct command *c, struct file_content *urdf, struct analysis *a);
+
 /* Generate and open the robot (not by rnea_open_urdf: that has no warnings to show, and cannot tell whether an option or
    the robot is at fault). On failure prints a message and returns the exit status, 1 or 2. */
-int command_open(const struct command *c, struct rnea_robot **robot);
+int command_open(const struct command *c, const struct file_content *urdf, struct rnea_robot **robot);
 
 /* "NAME: MESSAGE" on standard error; returns the exit status 1. */
 int command_fail(const struct command *c, const char *message);

@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* The numbers of a row: name, as printf has it, value; NAN is null. */
-enum { FIELDS = 11 };
+enum { FIELDS = 12 };
 struct field {
 	const char *name;
 	double value;
@@ -18,7 +18,7 @@ static void list_fields(const struct study_row *row, struct field f[FIELDS])
 	const struct field fields[FIELDS] = {{"ns_per_sample", row->ns}, {"spread", row->spread},
 		{"floor_ratio", row->floor_ratio}, {"error_max", row->errors.max}, {"error_rms", row->errors.rms},
 		{"error_terms_max", row->errors.terms}, {"bound_max", row->bound_max},
-		{"registers", gpu ? (double)row->registers : none}, {"spill_bytes", gpu ? (double)row->spill_bytes : none},
+		{"model_change", row->model_change}, {"registers", gpu ? (double)row->registers : none}, {"spill_bytes", gpu ? (double)row->spill_bytes : none},
 		{"compile_ms", row->compile_ms}};
 
 	memcpy(f, fields, sizeof fields);
@@ -62,6 +62,7 @@ static void put_row(const struct study_row *r, FILE *out)
 	put_cell(out, 9, 1, 'e', r->errors.rms);
 	put_cell(out, 6, 1, 'f', r->errors.terms);
 	put_cell(out, 9, 1, 'e', r->bound_max);
+	put_cell(out, 8, 1, 'e', r->model_change);
 	put_cell(out, 4, 0, 'f', r->registers >= 0 ? (double)r->registers : (double)NAN);
 	put_cell(out, 6, 0, 'f', r->registers >= 0 ? (double)r->spill_bytes : (double)NAN);
 	put_cell(out, 8, 0, 'f', r->compile_ms);
@@ -74,11 +75,13 @@ void report_put_table(const struct report *r, FILE *out)
 
 	fprintf(out, "robot %s, %s, seed %llu, errors over %zu samples against %s\n", s->analysis.robot.name, r->date,
 		s->options->sample.seed, s->options->sample.count, JUDGE_TEXT);
+	if (*r->scene)
+		fprintf(out, "scene: %s\n", r->scene);
 	for (int i = 0; i < s->backend_count; i++)
 		fprintf(out, "%s: %s, %s, %s\n", study_backend_name(s->backends[i].backend), s->backends[i].device,
 			s->backends[i].target, s->backends[i].compiler);
 	fprintf(out, "\nbackend precision trig     layout    batch  ns/sample spread  floor error max error rms  terms"
-		     " bound max regs  spill  compile\n");
+		     " bound max    model regs  spill  compile\n");
 	for (size_t i = 0; i < r->count; i++)
 		put_row(&r->rows[i], out);
 }
@@ -130,6 +133,7 @@ void report_put_json(const struct report *r, struct text *out)
 	text_put(out, "{\n");
 	put_json_string(out, "robot", s->analysis.robot.name);
 	put_json_string(out, "command", r->command);
+	put_json_string(out, "scene", r->scene);
 	put_json_string(out, "date", r->date);
 	put_json_string(out, "reference", JUDGE_TEXT);
 	text_printf(out, "  \"seed\": %llu,\n  \"samples\": %zu,\n  \"backends\": [", s->options->sample.seed,

@@ -11,6 +11,7 @@ struct report {
 	const struct study_row *rows;
 	size_t count;
 	const char *command; /* the command line */
+	const char *scene;   /* as options; "" where there is none */
 	char date[32];       /* "2026-11-21T06:30:00Z" */
 };
 

@@ -1,9 +1,8 @@
-/* rnearun eval: torques for arrays on disk, a slice of the batch at a time. */
+/* rnearun eval: torques, or what else a scene asks for, for arrays on disk, a slice of the batch at a time. */
 #define _POSIX_C_SOURCE 200809L
 #include "run_eval.h"
 #include "command.h"
-#include "npy.h"
-#include "pending.h"
+#include "eval_arrays.h"
 #include "progress.h"
 #include <stdlib.h>
 #include <string.h>
@@ -14,13 +13,18 @@ static const char HELP[] =
 	"       rnearun eval ROBOT.urdf --q Q.npy --qd QD.npy --qdd QDD.npy --out TAU.npy [options]\n"
 	"\n"
 	"Torques tau = ID(q, qd, qdd) for arrays on disk, as numpy.save writes them: float32 or float64, samples along the\n"
-	"first axis. Arrays are read in slices; memory does not grow with them. One input, and --out, may be - for standard\n"
-	"input and output; else TAU.npy appears when it is complete.\n"
+	"first axis. Arrays are read in slices; memory does not grow with them. One input, and one output, may be - for\n"
+	"standard input and output; else TAU.npy appears when it is complete. Where a scene (--fold, --free, --want, --fext)\n"
+	"makes other inputs and outputs, rneagen --info lists them; they are named by the scene's words.\n"
 	"\n"
-	"  --in FILE                  rows of q, qd, qdd after one another: nq + 2 nv columns\n"
+	"  --in FILE                  rows of q, qd, qdd after one another: nq + 2 nv columns; of a scene, those of all\n"
+	"                             inputs of samples that no other option names\n"
 	"  --q FILE --qd FILE --qdd FILE\n"
 	"                             the same in three arrays, of nq, nv and nv columns\n"
-	"  -o, --out FILE             the torques: nv columns\n"
+	"  --input NAME=FILE          any input; the same numbers for all samples have the shape (rows,). What the scene\n"
+	"                             frees may be left out: the URDF's value, 0 for payloads and external forces\n"
+	"  -o, --out FILE             the torques: nv columns; of a scene, all outputs after one another\n"
+	"  --output NAME=FILE         one output alone\n"
 	"  --precision f32|f64|mixed|f32x2\n"
 	"                             of the computation and of FILE (default: f64 if an input is, else f32); mixed: FILE\n"
 	"                             is f32, the arithmetic f64; f32x2: FILE is f64, the arithmetic pairs of f32\n"
@@ -29,33 +33,51 @@ static const char HELP[] =
 	"\n"
 	"exit status: 0 done, 1 the robot or a file is at fault, 2 the command line is\n";
 
-enum { KEY_IN = COMMAND_OWN, KEY_Q, KEY_QD, KEY_QDD, KEY_SLICE };
+enum { KEY_IN = COMMAND_OWN, KEY_Q, KEY_QD, KEY_QDD, KEY_INPUT, KEY_OUTPUT, KEY_SLICE };
 
 static const struct option OPTIONS[] = {
 	{"in", required_argument, NULL, KEY_IN}, {"q", required_argument, NULL, KEY_Q},
 	{"qd", required_argument, NULL, KEY_QD}, {"qdd", required_argument, NULL, KEY_QDD},
+	{"input", required_argument, NULL, KEY_INPUT}, {"output", required_argument, NULL, KEY_OUTPUT},
 	{"out", required_argument, NULL, 'o'}, {"slice", required_argument, NULL, KEY_SLICE}, COMMAND_OPTIONS,
 	{NULL, 0, NULL, 0}};
 
-enum { Q, QD, QDD, TAU, ARRAYS, INPUTS = TAU };
-enum { SLICE_BYTES = 64 << 20, SLICE_LIMIT = 1 << 30 };
+enum { Q, QD, QDD, PARTS };
+enum { SLICE_LIMIT = 1 << 30 };
 
-static const char *const ARRAY_NAMES[ARRAYS] = {"q", "qd", "qdd", "tau"};
+static const char *const PART_NAMES[PARTS] = {"q", "qd", "qdd"};
+
+/* NAME=FILE, as the command line has them. */
+struct words {
+	const char *list[DAG_ARGUMENTS];
+	size_t count;
+};
 
 struct eval {
 	struct command command;
-	const char *in, *parts[INPUTS], *out; /* names of files, as the command line has them */
-	size_t slice;                         /* samples; 0 until it is known */
-	struct npy files[INPUTS];             /* file_count of them: one, or one for each input */
-	size_t file_count;
+	const char *parts[PARTS]; /* names of files */
+	struct words inputs, outputs;
+	struct file_content urdf;
+	struct analysis analysis;
+	struct signature signature;
+	struct eval_arrays arrays;
 	struct rnea_robot *robot;
-	enum rnea_scalar scalar;              /* of the arrays below, and of the output */
-	size_t rows[ARRAYS];
-	void *arrays[ARRAYS], *arguments[ARRAYS]; /* a slice each; the same in the order of rnea_info() */
-	FILE *sink;
-	struct pending pending;
 	struct rneagen_error error;
 };
+
+/* ---- the command line ---- */
+
+static int take_pair(struct words *w, const char *name, const char *option, const char *word)
+{
+	const char *at = strchr(word, '=');
+
+	if (!at || at == word || !at[1])
+		return option_refuse(name, "--%s takes NAME=FILE, not '%s'", option, word);
+	if (w->count == DAG_ARGUMENTS)
+		return option_refuse(name, "--%s: more than %d arrays", option, DAG_ARGUMENTS);
+	w->list[w->count++] = word;
+	return 0;
+}
 
 static int take(void *own, const char *name, int key, const char *word)
 {
@@ -65,203 +87,209 @@ static int take(void *own, const char *name, int key, const char *word)
 
 	if (key == KEY_SLICE) {
 		bad = command_number(name, "slice", word, 1, SLICE_LIMIT, &n);
-		v->slice = (size_t)n;
+		v->arrays.slice = (size_t)n;
 		return bad;
 	}
+	if (key == KEY_INPUT || key == KEY_OUTPUT)
+		return take_pair(key == KEY_INPUT ? &v->inputs : &v->outputs, name, key == KEY_INPUT ? "input" : "output", word);
 	if (!*word)
 		return option_refuse(name, "the name of a file is empty");
 	if (key == 'o')
-		v->out = word;
+		v->arrays.out = word;
 	else if (key == KEY_IN)
-		v->in = word;
+		v->arrays.in = word;
 	else
 		v->parts[key - KEY_Q] = word;
 	return 0;
 }
 
-/* One array or three, and somewhere to write. */
+/* What can be said before the robot is known. */
 static int check_words(const struct eval *v)
 {
 	const char *name = v->command.name;
-	int given = 0, pipes = v->in && !strcmp(v->in, "-");
+	int given = 0, pipes = !strcmp(v->command.urdf, "-") + (v->arrays.in && !strcmp(v->arrays.in, "-"));
 
-	for (int i = 0; i < INPUTS; i++) {
+	for (int i = 0; i < PARTS; i++) {
 		given += v->parts[i] != NULL;
 		pipes += v->parts[i] && !strcmp(v->parts[i], "-");
 	}
-	pipes += !strcmp(v->command.urdf, "-");
-	if (v->in && given)
+	if (v->arrays.in && given)
 		return option_refuse(name, "--in takes all of q, qd and qdd from one file; leave out --q, --qd and --qdd");
-	for (int i = 0; i < INPUTS; i++)
-		if (!v->in && !v->parts[i])
-			return option_refuse(name, given ? "--%s is missing" : "no input named: --in FILE, or --q, --qd and --qdd",
-				ARRAY_NAMES[i]);
-	if (!v->out)
+	if (!v->arrays.in && !given && !v->inputs.count && !v->command.generate.scene)
+		return option_refuse(name, "no input named: --in FILE, or --q, --qd and --qdd");
+	for (int i = 0; i < PARTS; i++)
+		if (given && !v->parts[i] && !v->inputs.count && !v->command.generate.scene)
+			return option_refuse(name, "--%s is missing", PART_NAMES[i]);
+	if (!v->arrays.out && !v->outputs.count)
 		return option_refuse(name, "no output named: --out FILE");
 	return pipes > 1 ? option_refuse(name, "standard input, -, can be read once") : -1;
 }
 
-/* The output takes the place of no input; NULL is none. */
-static int check_same(const struct eval *v, const char *input)
-{
-	struct stat a, b;
+/* ---- which array is which file ---- */
 
-	if (!input || stat(input, &a) || stat(v->out, &b) || !S_ISREG(a.st_mode) || a.st_dev != b.st_dev ||
-		a.st_ino != b.st_ino)
-		return -1;
-	return option_refuse(v->command.name, "--out %s is the input %s; name another file", v->out, input);
+/* A name may have a = in it, as may a file's: the first that leaves the name of an array. */
+static int name_pair(struct eval *v, const char *word, int is_output)
+{
+	const char *option = is_output ? "output" : "input", *meant;
+	int i = -1;
+	char *stem;
+
+	for (const char *at = word; i < 0 && (at = strchr(at, '=')) != NULL; at++)
+		if ((i = signature_find(&v->signature, word, (size_t)(at - word), is_output)) >= 0) {
+			if (v->arrays.paths[i])
+				return option_refuse(v->command.name, "--%s %s: '%s' has a file already", option, word,
+					v->signature.arrays[i].word);
+			v->arrays.paths[i] = at + 1;
+		}
+	if (i >= 0)
+		return *v->arrays.paths[i] ? -1 : option_refuse(v->command.name, "the name of a file is empty");
+	stem = arena_string(&v->analysis.arena, word, strcspn(word, "="));
+	meant = stem ? signature_nearest(&v->signature, stem, is_output) : NULL;
+	return option_refuse(v->command.name, "--%s %s: '%s' is no %s of this scene%s%s%s", option, word, stem ? stem : "", option,
+		meant ? "; did you mean '" : "", meant ? meant : "", meant ? "'?" : "");
 }
 
-static int check_output(const struct eval *v)
+/* Paths for arrays, or the exit status and a message. */
+static int name_files(struct eval *v)
 {
-	const char *const inputs[] = {v->command.urdf, v->in, v->parts[Q], v->parts[QD], v->parts[QDD]};
 	int status = -1;
 
-	for (size_t i = 0; i < sizeof inputs / sizeof *inputs && status < 0; i++)
-		status = check_same(v, inputs[i]);
+	for (size_t i = 0; i < PARTS; i++) {
+		int at = signature_find(&v->signature, PART_NAMES[i], strlen(PART_NAMES[i]), 0);
+
+		if (v->parts[i] && at < 0)
+			return option_refuse(v->command.name, "--%s: the scene has no input %s; leave it out", PART_NAMES[i], PART_NAMES[i]);
+		if (v->parts[i])
+			v->arrays.paths[at] = v->parts[i];
+	}
+	for (size_t i = 0; i < v->inputs.count && status < 0; i++)
+		status = name_pair(v, v->inputs.list[i], 0);
+	for (size_t i = 0; i < v->outputs.count && status < 0; i++)
+		status = name_pair(v, v->outputs.list[i], 1);
 	return status;
 }
 
-/* All of the shape but the columns. */
-static int same_samples(const struct npy *a, const struct npy *b)
+/* What must have a file has one; what has none, and need not, is told. */
+static int check_inputs(const struct eval *v)
 {
-	return a->shape.dimensions == b->shape.dimensions &&
-		!memcmp(a->shape.size, b->shape.size, (a->shape.dimensions - 1) * sizeof *a->shape.size);
-}
+	const struct eval_arrays *a = &v->arrays;
+	int joined = 0;
 
-/* Open what is to be read; computed is in double precision if one of the arrays is. */
-static enum rneagen_code open_inputs(struct eval *v)
-{
-	struct rneagen_error *e = &v->error;
-	int wide = 0;
+	for (size_t i = 0; i < v->signature.count; i++) {
+		const struct signature_array *s = &v->signature.arrays[i];
 
-	for (int i = 0; i < (v->in ? 1 : INPUTS); i++) {
-		struct npy *n = &v->files[v->file_count];
-		char text[64], first[64];
-
-		if (npy_open(n, v->in ? v->in : v->parts[i], e))
-			return e->code;
-		v->file_count++;
-		wide |= n->scalar == RNEA_F64;
-		if (same_samples(n, v->files))
+		joined += eval_is_joined(a, i);
+		if (s->is_output || a->paths[i] || eval_is_joined(a, i))
 			continue;
-		npy_shape_text(&n->shape, text, sizeof text);
-		npy_shape_text(&v->files->shape, first, sizeof first);
-		return error_set(e, RNEAGEN_READ, "%s: shape %s, other samples than %s, shape %s", n->path, text,
-			v->files->path, first);
+		if (!s->has_default)
+			return option_refuse(v->command.name, "--%s is missing", s->word);
+		if (v->command.quiet)
+			continue;
+		fprintf(stderr, "%s: %s: no file named:", v->command.name, s->word);
+		for (size_t r = 0; r < (s->nominal ? s->rows : 1); r++)
+			fprintf(stderr, " %g", s->nominal ? (double)s->nominal[r] : 0);
+		fputs(s->nominal ? ", as the URDF has it\n" : "\n", stderr);
 	}
-	if (v->command.generate.precision == RNEAGEN_PRECISION_DEFAULT)
-		v->command.generate.precision = wide ? RNEAGEN_F64 : RNEAGEN_F32;
-	return RNEAGEN_OK;
+	if (a->in && !joined)
+		return option_refuse(v->command.name, "--in %s: every input of samples has a file of its own, or there is none", a->in);
+	return -1;
 }
 
-/* What the robot takes, and where it comes in the order of its arguments. */
-static enum rneagen_code bind_arrays(struct eval *v)
+/* Standard input and output serve once. */
+static int check_pipes(const struct eval *v)
 {
-	const struct rnea_info *info = rnea_info(v->robot);
+	const struct eval_arrays *a = &v->arrays;
+	int in = !strcmp(v->command.urdf, "-") + (a->in && !strcmp(a->in, "-")), out = a->out && !strcmp(a->out, "-");
 
-	for (int i = 0; i < ARRAYS; i++) {
-		int at = rnea_bind(v->robot, ARRAY_NAMES[i]);
+	for (size_t i = 0; i < v->signature.count; i++)
+		*(v->signature.arrays[i].is_output ? &out : &in) += a->paths[i] && !strcmp(a->paths[i], "-");
+	if (in > 1)
+		return option_refuse(v->command.name, "standard input, -, can be read once");
+	return out > 1 ? option_refuse(v->command.name, "standard output, -, can be written once") : -1;
+}
 
-		if (at < 0 || at >= ARRAYS || info->input_count + info->output_count != ARRAYS)
-			return error_set(&v->error, RNEAGEN_UNSUPPORTED, "%s: does not take q, qd, qdd and give tau", info->name);
-		v->rows[i] = info->arguments[at].rows;
-		v->scalar = info->arguments[at].scalar; /* the same for all */
+/* The output takes the place of no input; NULL is none. */
+static int check_same(const struct eval *v, const char *option, const char *output, const char *input)
+{
+	struct stat a, b;
+
+	if (!input || stat(input, &a) || stat(output, &b) || !S_ISREG(a.st_mode) || a.st_dev != b.st_dev ||
+		a.st_ino != b.st_ino)
+		return -1;
+	return option_refuse(v->command.name, "--%s %s is the input %s; name another file", option, output, input);
+}
+
+static int check_output(const struct eval *v, const char *option, const char *output)
+{
+	int status = check_same(v, option, output, v->command.urdf);
+
+	if (status < 0)
+		status = check_same(v, option, output, v->arrays.in);
+	for (size_t i = 0; i < v->signature.count && status < 0; i++)
+		if (!v->signature.arrays[i].is_output)
+			status = check_same(v, option, output, v->arrays.paths[i]);
+	return status;
+}
+
+/* Nor the place of another output. */
+static int check_outputs(const struct eval *v)
+{
+	const struct eval_arrays *a = &v->arrays;
+	int status = a->out ? check_output(v, "out", a->out) : -1;
+
+	for (size_t i = 0; i < v->signature.count && status < 0; i++) {
+		if (!v->signature.arrays[i].is_output || !a->paths[i])
+			continue;
+		status = check_output(v, "output", a->paths[i]);
+		for (size_t k = 0; k <= i && status < 0; k++) {
+			const char *other = k == i ? a->out : v->signature.arrays[k].is_output ? a->paths[k] : NULL;
+
+			if (other && strcmp(other, "-") && !strcmp(other, a->paths[i]))
+				return option_refuse(v->command.name, "two outputs name the file %s", other);
+		}
 	}
-	return RNEAGEN_OK;
+	return status;
 }
 
-static enum rneagen_code check_columns(struct eval *v)
+/* ---- the run ---- */
+
+static int analyse(struct eval *v)
 {
-	const char *robot = rnea_info(v->robot)->name;
-	size_t nq = v->rows[Q], nv = v->rows[QD];
+	int status = command_analyse(&v->command, &v->urdf, &v->analysis);
 
-	if (v->in && v->files->columns != nq + 2 * nv)
-		return error_set(&v->error, RNEAGEN_READ, "%s: %zu columns, %s needs nq + 2 nv = %zu + %zu = %zu", v->files->path,
-			v->files->columns, robot, nq, 2 * nv, nq + 2 * nv);
-	for (size_t i = 0; i < v->file_count && !v->in; i++)
-		if (v->files[i].columns != v->rows[i])
-			return error_set(&v->error, RNEAGEN_READ, "%s: %zu columns, %s needs %s = %zu for %s", v->files[i].path,
-				v->files[i].columns, robot, i == Q ? "nq" : "nv", v->rows[i], ARRAY_NAMES[i]);
-	return RNEAGEN_OK;
-}
-
-/* Arrays for one slice. */
-static enum rneagen_code make_arrays(struct eval *v)
-{
-	size_t size = v->scalar == RNEA_F32 ? sizeof(float) : sizeof(double), rows = 0;
-
-	for (int i = 0; i < ARRAYS; i++)
-		rows += v->rows[i];
-	if (!v->slice)
-		v->slice = SLICE_BYTES / (rows * size) ? SLICE_BYTES / (rows * size) : 1;
-	if (v->slice > v->files->samples)
-		v->slice = v->files->samples ? (size_t)v->files->samples : 1;
-	for (int i = 0; i < ARRAYS; i++) {
-		if (v->slice > SIZE_MAX / 2 / size / v->rows[i] || !(v->arrays[i] = malloc(v->slice * size * v->rows[i])))
-			return error_set(&v->error, RNEAGEN_MEMORY, "no memory for slices of %zu samples; choose a smaller --slice",
-				v->slice);
-		v->arguments[rnea_bind(v->robot, ARRAY_NAMES[i])] = v->arrays[i];
-	}
-	return RNEAGEN_OK;
-}
-
-static enum rneagen_code open_output(struct eval *v)
-{
-	if (!strcmp(v->out, "-")) {
-		v->sink = stdout;
-		return RNEAGEN_OK;
-	}
-	pending_open(&v->pending, v->out, &v->error);
-	v->sink = v->pending.f;
-	return v->error.code;
-}
-
-static enum rneagen_code fail_output(struct eval *v)
-{
-	return pending_fail(v->sink == stdout ? "standard output" : v->out, &v->error);
-}
-
-static enum rneagen_code read_slice(struct eval *v, size_t count)
-{
-	size_t nq = v->rows[Q], nv = v->rows[QD];
-	struct npy_part parts[INPUTS] = {{0, nq, v->arrays[Q]}, {nq, nv, v->arrays[QD]}, {nq + nv, nv, v->arrays[QDD]}};
-
-	if (v->in)
-		return npy_read(v->files, count, v->scalar, parts, INPUTS, &v->error);
-	for (int i = 0; i < INPUTS; i++) {
-		parts[i].first = 0;
-		if (npy_read(&v->files[i], count, v->scalar, &parts[i], 1, &v->error))
-			return v->error.code;
-	}
-	return RNEAGEN_OK;
+	if (status)
+		return status;
+	if (!signature_of(&v->signature, &v->analysis))
+		return command_fail(&v->command, "out of memory");
+	v->arrays.s = &v->signature;
+	status = name_files(v);
+	if (status < 0)
+		status = check_inputs(v);
+	if (status < 0)
+		status = check_pipes(v);
+	return status < 0 ? check_outputs(v) : status;
 }
 
 static enum rneagen_code do_slice(struct eval *v, size_t count)
 {
-	size_t size = v->scalar == RNEA_F32 ? sizeof(float) : sizeof(double);
 	struct rnea_error error;
 
-	if (read_slice(v, count))
+	if (eval_read(&v->arrays, count, &v->error))
 		return v->error.code;
-	if (rnea_run(v->robot, v->arguments, count, &error))
+	if (rnea_run(v->robot, v->arrays.data, count, &error))
 		return error_set(&v->error, RNEAGEN_UNSUPPORTED, "%s", error.message);
-	if (fwrite(v->arrays[TAU], size * v->rows[TAU], count, v->sink) != count)
-		return fail_output(v);
-	return RNEAGEN_OK;
+	return eval_write(&v->arrays, count, &v->error);
 }
 
 static enum rneagen_code do_all(struct eval *v)
 {
-	struct npy_shape shape = v->files->shape;
-	uint64_t samples = v->files->samples;
+	uint64_t samples = eval_samples(&v->arrays);
 	struct progress progress;
 
-	shape.size[shape.dimensions - 1] = v->rows[TAU];
-	npy_put_header(v->sink, v->scalar, &shape);
+	eval_put_headers(&v->arrays);
 	progress_start(&progress, v->command.name, "samples", samples, v->command.quiet);
 	for (uint64_t done = 0; done < samples;) {
-		size_t count = samples - done < v->slice ? (size_t)(samples - done) : v->slice;
+		size_t count = samples - done < v->arrays.slice ? (size_t)(samples - done) : v->arrays.slice;
 
 		if (do_slice(v, count))
 			break;
@@ -272,37 +300,47 @@ static enum rneagen_code do_all(struct eval *v)
 	return v->error.code;
 }
 
-static enum rneagen_code finish_output(struct eval *v)
+/* Computed is in double precision if one of the arrays is. */
+static enum rneagen_code open_files(struct eval *v)
 {
-	if (v->sink == stdout)
-		return fflush(stdout) || ferror(stdout) ? fail_output(v) : RNEAGEN_OK;
-	if (!pending_close(&v->pending, &v->error))
-		pending_publish(&v->pending, &v->error);
-	return v->error.code;
+	int is_wide;
+
+	if (eval_open_inputs(&v->arrays, &is_wide, &v->error))
+		return v->error.code;
+	if (v->command.generate.precision == RNEAGEN_PRECISION_DEFAULT)
+		v->command.generate.precision = is_wide ? RNEAGEN_F64 : RNEAGEN_F32;
+	return eval_open_outputs(&v->arrays, &v->error);
 }
 
 static int evaluate(struct eval *v)
 {
-	int status;
+	struct eval_arrays *a = &v->arrays;
+	struct rneagen_error *e = &v->error;
+	const struct rnea_info *info;
+	int status = analyse(v);
 
-	if (open_inputs(v) || open_output(v))
-		return command_fail(&v->command, v->error.message);
-	status = command_open(&v->command, &v->robot);
+	if (status >= 0)
+		return status;
+	if (open_files(v))
+		return command_fail(&v->command, e->message);
+	status = command_open(&v->command, &v->urdf, &v->robot);
 	if (status)
 		return status;
-	if (bind_arrays(v) || check_columns(v) || make_arrays(v) || do_all(v) || finish_output(v))
-		return command_fail(&v->command, v->error.message);
+	info = rnea_info(v->robot);
+	a->scalar = info->precision;
+	if (!signature_fits(&v->analysis.dag, info))
+		error_set(e, RNEAGEN_UNSUPPORTED, "%s: takes other arrays than its analysis", info->name);
+	if (e->code || eval_check_shapes(a, info->name, e) || eval_make(a, e) || do_all(v) || eval_finish(a, e))
+		return command_fail(&v->command, e->message);
 	return 0;
 }
 
 static void release(struct eval *v)
 {
-	pending_drop(&v->pending);
+	eval_close(&v->arrays);
 	rnea_close(v->robot);
-	for (size_t i = 0; i < v->file_count; i++)
-		npy_close(&v->files[i]);
-	for (int i = 0; i < ARRAYS; i++)
-		free(v->arrays[i]);
+	analysis_free(&v->analysis);
+	free(v->urdf.bytes);
 }
 
 int run_eval(int argc, char **argv)
@@ -313,8 +351,6 @@ int run_eval(int argc, char **argv)
 
 	if (status < 0)
 		status = check_words(&v);
-	if (status < 0)
-		status = check_output(&v);
 	if (status < 0) {
 		status = evaluate(&v);
 		release(&v);

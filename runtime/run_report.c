@@ -3,6 +3,7 @@
 #include "run_report.h"
 #include "plot.h"
 #include "progress.h"
+#include "scene_put.h"
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -85,6 +86,16 @@ static void put_command(struct reporting *r, int argc, char **argv)
 	}
 }
 
+/* The scene as options of the command line. */
+static const char *scene_of(struct reporting *r)
+{
+	struct text t;
+
+	text_init(&t, &r->study.analysis.arena);
+	scene_put_options(&r->study.analysis.tree.scene, " ", &t);
+	return t.length ? text_string(&t) + 1 : "";
+}
+
 static int print(struct reporting *r, const struct report *report)
 {
 	struct text json;
@@ -119,6 +130,7 @@ static int report(struct reporting *r)
 	if (status)
 		return status;
 	report.command = text_string(&r->words);
+	report.scene = scene_of(r);
 	report.rows = r->rows;
 	report.count = (size_t)study_variants(&r->study) * (size_t)r->options.batch_count;
 	strftime(report.date, sizeof report.date, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));

@@ -1,12 +1,12 @@
 #define _POSIX_C_SOURCE 200809L
 #include "study.h"
+#include "effect.h"
 #include "floor.h"
+#include "signature.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { Q, QD, QDD, TAU, ARRAYS };
 
 /* ---- opening ---- */
 
@@ -28,16 +28,18 @@ static struct rnea_options open_options(const struct study *s, enum rnea_backend
 /* What moves the arrays of a scalar type. */
 static enum rneagen_code open_floor(struct study *s, struct study_backend *b, enum rnea_scalar scalar)
 {
-	char *text = floor_text((size_t)s->analysis.tree.nq, (size_t)s->analysis.tree.nv, scalar);
+	const struct dag *d = &s->analysis.dag;
 	struct rnea_options o = open_options(s, b->backend);
 	struct rnea_error e = {0};
+	struct text text;
 
-	if (!text)
-		return error_memory(&s->error);
+	text_init(&text, &s->analysis.arena);
+	floor_text(d->arguments, d->argument_count, scalar, &text);
 	o.file = "the floor";
-	if (rnea_open(text, strlen(text), &o, &b->floors[scalar], &e))
+	if (text.failed)
+		error_memory(&s->error);
+	else if (rnea_open(text_string(&text), text.length, &o, &b->floors[scalar], &e))
 		fail_runtime(s, &e);
-	free(text);
 	return s->error.code;
 }
 
@@ -99,19 +101,17 @@ static int check_strict(const struct command *c, struct study_options *o)
 
 int study_open(struct study *s, const struct command *c, struct study_options *o)
 {
-	struct rneagen_options generate = c->generate;
+	int status;
 
 	*s = (struct study){.command = c, .options = o};
 	if (check_strict(c, o))
 		return 2;
-	generate.file = strcmp(c->urdf, "-") ? c->urdf : "<stdin>";
-	if (file_read(c->urdf, &s->urdf, &s->error) ||
-		analysis_open(&s->analysis, s->urdf.bytes, s->urdf.length, &generate, &s->error)) {
-		command_fail(c, s->error.message);
-		return 1 + option_at_fault(s->error.code);
-	}
+	if ((status = command_analyse(c, &s->urdf, &s->analysis)) != 0)
+		return status;
 	for (size_t i = 0; i < s->analysis.robot.warning_count && !c->quiet; i++)
 		fprintf(stderr, "%s: warning: %s\n", c->name, s->analysis.robot.warnings[i]);
+	if (effect_total(&s->model_change, &s->analysis.tree, &s->analysis.robot, &c->generate, &o->sample, &s->error))
+		return command_fail(c, s->error.message);
 	for (int i = 0; i < o->backends.count; i++)
 		if (open_backend(s, (enum rnea_backend)o->backends.values[i]))
 			return command_fail(c, s->error.message);
@@ -173,9 +173,10 @@ enum rneagen_code study_bound(struct study *s, struct study_row *row)
 
 /* ---- arrays ---- */
 
+/* One for each argument of the DAG. */
 struct arrays {
-	void *data[ARRAYS];
-	size_t rows[ARRAYS], count;
+	void *data[DAG_ARGUMENTS];
+	size_t rows[DAG_ARGUMENTS], count;
 	int f32, aos;
 };
 
@@ -184,10 +185,8 @@ static size_t place(const struct arrays *a, int i, size_t row, size_t sample)
 	return a->aos ? sample * a->rows[i] + row : row * a->count + sample;
 }
 
-static void put(struct arrays *a, int i, size_t row, size_t sample, double x)
+static void put(struct arrays *a, int i, size_t at, double x)
 {
-	size_t at = place(a, i, row, sample);
-
 	if (a->f32)
 		((float *)a->data[i])[at] = (float)x;
 	else
@@ -196,30 +195,53 @@ static void put(struct arrays *a, int i, size_t row, size_t sample, double x)
 
 static void arrays_free(struct arrays *a)
 {
-	for (int i = 0; i < ARRAYS; i++)
+	for (int i = 0; i < DAG_ARGUMENTS; i++)
 		free(a->data[i]);
 }
 
-/* `count` samples: the states, again and again. Returns 0 when memory runs out. */
-static int arrays_fill(struct arrays *a, const struct judge *j, enum rneagen_layout layout, size_t count)
+/* An input's numbers: the samples', again and again, or those of the whole batch. */
+static void fill(struct arrays *a, const struct judge *j, const struct argument *from, int i)
 {
-	const struct states *s = &j->states;
-	const double *from[] = {s->q, s->qd, s->qdd};
+	for (size_t k = 0; k < (from->per_batch ? 1 : a->count); k++) {
+		const double *x = draw_rows(&j->inputs, from, k % j->count);
 
+		for (size_t r = 0; x && r < a->rows[i]; r++)
+			put(a, i, from->per_batch ? r : place(a, i, r, k), x[r]);
+	}
+}
+
+/* `count` samples. Returns 0 when memory runs out. */
+static int arrays_fill(struct arrays *a, const struct judge *j, const struct dag *d, enum rneagen_layout layout, size_t count)
+{
 	*a = (struct arrays){.count = count, .f32 = judge_is_f32(j->precision), .aos = layout == RNEAGEN_AOS};
-	for (int i = 0; i < ARRAYS; i++) {
-		a->rows[i] = i == Q ? s->nq : s->nv;
-		a->data[i] = calloc(count, a->rows[i] * (a->f32 ? sizeof(float) : sizeof(double)));
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *x = &d->arguments[i];
+
+		a->rows[i] = (size_t)x->rows;
+		a->data[i] = calloc(x->per_batch ? 1 : count, a->rows[i] * (a->f32 ? sizeof(float) : sizeof(double)));
 		if (!a->data[i]) {
 			arrays_free(a);
 			return 0;
 		}
+		fill(a, j, x, i);
 	}
-	for (int i = 0; i < TAU; i++)
-		for (size_t k = 0; k < count; k++)
-			for (size_t r = 0; r < a->rows[i]; r++)
-				put(a, i, r, k, from[i][k % s->count * a->rows[i] + r]);
 	return 1;
+}
+
+/* All outputs, [sample][row] one array after another. */
+static void arrays_gather(const struct arrays *a, const struct judge *j, double *out)
+{
+	for (int i = 0; i < j->output_count; i++) {
+		const struct judge_output *o = &j->outputs[i];
+
+		for (size_t k = 0; k < a->count; k++)
+			for (size_t r = 0; r < o->rows; r++) {
+				size_t at = place(a, o->argument, r, k);
+				const void *from = a->data[o->argument];
+
+				out[k * j->rows + o->first + r] = a->f32 ? (double)((const float *)from)[at] : ((const double *)from)[at];
+			}
+	}
 }
 
 /* ---- one variant ---- */
@@ -243,9 +265,8 @@ static enum rneagen_code open_robot(struct variant *v)
 		return v->s->error.code;
 	if (rnea_open(text.source, strlen(text.source), &o, &v->robot, &e))
 		fail_runtime(v->s, &e);
-	else if (rnea_bind(v->robot, "q") != Q || rnea_bind(v->robot, "qd") != QD || rnea_bind(v->robot, "qdd") != QDD ||
-		rnea_bind(v->robot, "tau") != TAU)
-		error_set(&v->s->error, RNEAGEN_UNSUPPORTED, "%s: does not take q, qd, qdd and give tau", text.name);
+	else if (!signature_fits(&v->s->analysis.dag, rnea_info(v->robot)))
+		error_set(&v->s->error, RNEAGEN_UNSUPPORTED, "%s: takes other arrays than its analysis", text.name);
 	rneagen_result_free(&text);
 	return v->s->error.code;
 }
@@ -255,23 +276,19 @@ static enum rneagen_code measure_errors(struct variant *v)
 	const struct judge *j = v->judge;
 	struct arrays a;
 	struct rnea_error e = {0};
-	double *tau = calloc(j->states.count, j->states.nv * sizeof *tau);
+	double *out = calloc(j->count, j->rows * sizeof *out);
 
-	if (!tau || !arrays_fill(&a, j, v->row->layout, j->states.count)) {
-		free(tau);
+	if (!out || !arrays_fill(&a, j, &v->s->analysis.dag, v->row->layout, j->count)) {
+		free(out);
 		return error_memory(&v->s->error);
 	}
 	if (rnea_run(v->robot, a.data, a.count, &e))
 		fail_runtime(v->s, &e);
-	for (size_t k = 0; k < a.count; k++)
-		for (size_t r = 0; r < a.rows[TAU]; r++) {
-			size_t at = place(&a, TAU, r, k);
-
-			tau[k * a.rows[TAU] + r] = a.f32 ? (double)((float *)a.data[TAU])[at] : ((double *)a.data[TAU])[at];
-		}
-	v->row->errors = judge_torques(j, tau);
+	arrays_gather(&a, j, out);
+	v->row->errors = judge_results(j, out);
+	v->row->model_change = v->s->model_change;
 	arrays_free(&a);
-	free(tau);
+	free(out);
 	return v->s->error.code;
 }
 
@@ -294,7 +311,7 @@ static enum rneagen_code measure_time(struct variant *v, struct study_row *row, 
 	struct rnea_error e = {0};
 	struct arrays a;
 
-	if (!arrays_fill(&a, v->judge, row->layout, batch))
+	if (!arrays_fill(&a, v->judge, &v->s->analysis.dag, row->layout, batch))
 		return error_set(&v->s->error, RNEAGEN_MEMORY, "no memory for %zu samples; choose a smaller --batch", batch);
 	if (bench_measure(v->b->bench, v->robot, floor, a.data, batch, &t, &e))
 		fail_runtime(v->s, &e);

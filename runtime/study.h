@@ -34,7 +34,7 @@ struct study_row {
 	size_t batch;
 	double ns, spread, floor_ratio;
 	struct judge_errors errors;
-	double bound_max;
+	double bound_max, model_change;
 	int registers;
 	size_t spill_bytes;
 	double compile_ms;
@@ -57,6 +57,7 @@ struct study {
 	int backend_count;
 	struct judge *judges[STUDY_PRECISIONS]; /* by enum rneagen_precision; NULL: not yet */
 	double bounds[STUDY_PRECISIONS][STUDY_WORDS][2]; /* by precision, trig, and whether on a GPU; 0: not yet */
+	double model_change; /* by constants that the scene changes; NAN: none */
 	struct rneagen_error error;
 };
 

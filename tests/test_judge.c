@@ -52,7 +52,7 @@ static void close_fixture(struct fixture *f)
 /* The reference's torques of state k; returns their norm. */
 static double refer(struct fixture *f, size_t k, wide *tau)
 {
-	const struct states *s = &f->judge.states;
+	const struct states *s = &f->judge.inputs.states;
 	double sum = 0;
 
 	reference_rnea(f->model.reference, s->q + k * s->nq, s->qd + k * s->nv, s->qdd + k * s->nv, tau);
@@ -72,8 +72,8 @@ START_TEST(test_reference)
 	for (size_t k = 0; k < COUNT; k++) {
 		double size = refer(&f, k, tau);
 
-		for (size_t i = 0; i < f.judge.states.nv; i++)
-			worst = fmax(worst, fabs((double)((wide)f.judge.tau[k * f.judge.states.nv + i] - tau[i])) / size);
+		for (size_t i = 0; i < f.judge.inputs.states.nv; i++)
+			worst = fmax(worst, fabs((double)((wide)f.judge.out[k * f.judge.inputs.states.nv + i] - tau[i])) / size);
 	}
 	ck_assert_msg(worst < 1e-17, "%s: off by %g, seed %d", CASES[_i / 2].urdf, worst, SEED);
 	close_fixture(&f);
@@ -92,7 +92,7 @@ static void assert_within(const struct joint *j, double q, double qd)
 START_TEST(test_states)
 {
 	struct fixture f;
-	const struct states *s = &f.judge.states;
+	const struct states *s = &f.judge.inputs.states;
 	double most = 0;
 
 	open_fixture(&f, _i, RNEAGEN_F64);
@@ -125,11 +125,11 @@ START_TEST(test_seed)
 
 	open_fixture(&f, 0, RNEAGEN_F64);
 	ck_assert(sample_states(&s, &f.analysis.robot, &f.analysis.tree, &OPTIONS));
-	ck_assert(!memcmp(s.q, f.judge.states.q, COUNT * s.nq * sizeof *s.q));
+	ck_assert(!memcmp(s.q, f.judge.inputs.states.q, COUNT * s.nq * sizeof *s.q));
 	sample_free(&s);
 	other.seed++;
 	ck_assert(sample_states(&s, &f.analysis.robot, &f.analysis.tree, &other));
-	ck_assert(memcmp(s.q, f.judge.states.q, COUNT * s.nq * sizeof *s.q));
+	ck_assert(memcmp(s.q, f.judge.inputs.states.q, COUNT * s.nq * sizeof *s.q));
 	sample_free(&s);
 	close_fixture(&f);
 }
@@ -145,7 +145,7 @@ START_TEST(test_errors)
 	wide wanted[64];
 
 	open_fixture(&f, 0, RNEAGEN_F64);
-	nv = f.judge.states.nv;
+	nv = f.judge.inputs.states.nv;
 	tau = calloc(COUNT * nv, sizeof *tau);
 	for (size_t k = 0; k < COUNT; k++) {
 		double sum = 0;
@@ -157,12 +157,12 @@ START_TEST(test_errors)
 		}
 		worst = fmax(worst, sqrt(sum) / size);
 	}
-	e = judge_torques(&f.judge, tau);
+	e = judge_results(&f.judge, tau);
 	ck_assert_double_eq_tol(e.max, worst, 1e-9 * worst);
 	ck_assert_double_eq_tol(e.rms, worst / sqrt(COUNT), 1e-9 * worst);
 	ck_assert_double_eq_tol(e.terms, 1e-3 / (0x1p-52 * f.judge.size[sample * nv + joint]), 1e-3 * e.terms);
 	tau[0] = (double)NAN;
-	ck_assert(isinf(judge_torques(&f.judge, tau).max));
+	ck_assert(isinf(judge_results(&f.judge, tau).max));
 	free(tau);
 	close_fixture(&f);
 }
@@ -178,18 +178,18 @@ START_TEST(test_bound)
 
 	o.precision = _i % 2 ? RNEAGEN_F64 : RNEAGEN_MIXED;
 	open_fixture(&f, _i / 2, o.precision);
-	tau = calloc(COUNT * f.judge.states.nv, sizeof *tau);
+	tau = calloc(COUNT * f.judge.inputs.states.nv, sizeof *tau);
 	for (size_t k = 0; k < COUNT; k++) {
-		const struct states *s = &f.judge.states;
+		const struct states *s = &f.judge.inputs.states;
 		const double *in[] = {s->q + k * s->nq, s->qd + k * s->nv, s->qdd + k * s->nv, NULL};
 
 		ck_assert(eval_f64(&f.analysis.dag, in, (double *[]){NULL, NULL, NULL, tau + k * s->nv}, NULL));
 		for (size_t i = k * s->nv; i < (k + 1) * s->nv; i++) {
-			ck_assert(f.judge.size[i] >= 0.999999 * fabs((double)f.judge.tau[i]));
+			ck_assert(f.judge.size[i] >= 0.999999 * fabs((double)f.judge.out[i]));
 			tau[i] = o.precision == RNEAGEN_MIXED ? (double)(float)tau[i] : tau[i];
 		}
 	}
-	e = judge_torques(&f.judge, tau);
+	e = judge_results(&f.judge, tau);
 	ck_assert(judge_bound(&f.judge, &f.analysis, &o, 0, &bound));
 	ck_assert_msg(e.max > 0 && e.max <= bound && bound < 1e3 * e.max, "error %g, bound %g, seed %d", e.max, bound, SEED);
 	free(tau);
@@ -213,7 +213,7 @@ START_TEST(test_zero)
 
 	ck_assert(!analysis_open(&a, urdf, sizeof urdf - 1, &o, &error));
 	ck_assert(judge_open(&j, &a, RNEAGEN_F64, &none));
-	e = judge_torques(&j, &tau);
+	e = judge_results(&j, &tau);
 	ck_assert(isnan(e.max) && isnan(e.rms) && e.terms == 0);
 	ck_assert(judge_bound(&j, &a, &o, 0, &bound) && isnan(bound));
 	judge_free(&j);
