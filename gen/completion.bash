@@ -75,7 +75,7 @@ _rnearun_common="--backend --device --threads --precision --strict --trig --base
 _rnearun_study="--layout --samples --seed --qd-range --qdd-range --batch $_rnearun_common"
 _rnearun_report="--format --plot $_rnearun_study"
 _rnearun_choose="--max-error $_rnearun_study"
-_rnearun_eval="--in --q --qd --qdd -o --out --slice $_rnearun_common"
+_rnearun_eval="--in --q --qd --qdd --input -o --out --output --slice $_rnearun_common"
 
 _rnearun() {
 	local current option joined words options
@@ -89,6 +89,7 @@ _rnearun() {
 	--in | --q | --qd | --qdd | -o | --out) _rneagen_files "$current" .npy ;;
 	--plot) _rneagen_files "$current" .svg ;;
 	--scene | --armature) _rneagen_files "$current" '' ;;
+	--input | --output) ;; # NAME=FILE
 	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --fext | --snap-angle | --round-constants | --drop-below) ;;
 	--gravity | --order | --device | --threads | --slice | --samples | --seed | --qd-range | --qdd-range | --batch | --max-error) ;;
 	*)

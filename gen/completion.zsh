@@ -70,7 +70,9 @@ _rnearun_eval() {
 		'--q=[positions]:array:_files -g "*.npy"' \
 		'--qd=[velocities]:array:_files -g "*.npy"' \
 		'--qdd=[accelerations]:array:_files -g "*.npy"' \
+		'*--input=[one input of the scene]:name=file:' \
 		'(-o --out)'{-o,--out}'[the torques]:array:_files -g "*.npy"' \
+		'*--output=[one output of the scene]:name=file:' \
 		'--slice=[samples at a time]:number:' \
 		'1:robot:_files -g "*.urdf"'
 }

@@ -68,7 +68,7 @@ static int torques(const struct way *w, const struct measuring *m, size_t state,
 static int compare(struct effect *x, const struct way *with, const struct way *without, const struct measuring *m)
 {
 	size_t rows = total_rows(&with->dag, 1);
-	double *in = arena_alloc(m->a, total_rows(&with->dag, 0), sizeof *in);
+	double *in = arena_alloc(m->a, total_rows(&with->dag, 0) + total_rows(&without->dag, 0), sizeof *in);
 	double *y = arena_alloc(m->a, 2 * rows, sizeof *y), *z = y ? y + rows : NULL, largest = 0, largest_off = 0;
 
 	for (size_t k = 0; k < m->states.count; k++) {
@@ -181,7 +181,7 @@ static double largest_change(const struct dag *d, const double *y, const double 
 static int compare_all(double *change, const struct way *with, const struct way *without, const struct measuring *m)
 {
 	size_t rows = total_rows(&with->dag, 1);
-	double *in = arena_alloc(m->a, total_rows(&with->dag, 0), sizeof *in);
+	double *in = arena_alloc(m->a, total_rows(&with->dag, 0) + total_rows(&without->dag, 0), sizeof *in);
 	double *y = arena_alloc(m->a, 2 * rows, sizeof *y), *z = y ? y + rows : NULL, largest = -1;
 
 	for (size_t k = 0; k < m->states.count; k++) {

@@ -249,9 +249,8 @@ static enum rnea_code check(struct parser *p)
 	for (int i = 0; i < KEY_COUNT; i++)
 		if (!p->seen[i] && i != KEY_ARITHMETIC)
 			return rnea_error_set(p->error, RNEA_TABLE, "info table: the key \"%s\" is missing", keys[i]);
-	if (!info->input_count || !info->output_count)
-		return rnea_error_set(
-			p->error, RNEA_TABLE, "info table: it lists no %s", info->input_count ? "outputs" : "inputs");
+	if (!info->output_count) /* no inputs: a scene may give them all */
+		return rnea_error_set(p->error, RNEA_TABLE, "info table: it lists no outputs");
 	for (size_t i = 0; i < info->joint_count; i++) {
 		const struct rnea_joint *j = &info->joints[i];
 
