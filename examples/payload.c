@@ -162,7 +162,7 @@ static int estimate(const struct rnea_robot *arm, const struct rnea_robot *loade
 {
 	static double basis[P + 1][P], c[CANDIDATES][P], measured[ROWS];
 	struct fit f;
-	int good, best;
+	int good, best, close;
 
 	for (int i = 0; i < P; i++)
 		basis[i + 1][i] = 1;
@@ -175,7 +175,8 @@ static int estimate(const struct rnea_robot *arm, const struct rnea_robot *loade
 	if (arm_torques(arm, (const double(*)[P])c, CANDIDATES, tau))
 		return 1;
 	best = write_map(path, c, tau, measured, &f);
-	return !good || best < 0 || fabs(c[best][0] / f.p[0] - 1) > 0.005 || misfit(tau + (size_t)best * ROWS, measured) > 1.1 * NOISE;
+	close = best >= 0 && fabs(c[best][0] / f.p[0] - 1) < 0.005;
+	return !good || !close || misfit(tau + (size_t)best * ROWS, measured) > 1.1 * NOISE;
 }
 
 int main(int argc, char **argv)
