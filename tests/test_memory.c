@@ -1,4 +1,5 @@
 /* No memory, at every request there is: linked with arena_each.c, where each request asks the allocator. */
+#include "analysis.h"
 #include "rneagen.h"
 #include "urdf_text.h"
 #include <check.h>
@@ -33,30 +34,50 @@ static void warden_release(void *context, void *block)
 	free(block);
 }
 
+/* What is tried: on success everything is given back, on failure there is nothing. */
+static enum rneagen_code generate(const struct rneagen_options *o, struct rneagen_error *e)
+{
+	struct rneagen_result r;
+
+	if (rneagen_generate(urdf, sizeof urdf - 1, o, &r, e))
+		ck_assert(!r.source && !r.header && !r.info && !r.info_json && !r.dump && !r.name && !r.warning_count);
+	else
+		rneagen_result_free(&r);
+	return e->code;
+}
+
+static enum rneagen_code analyse(const struct rneagen_options *o, struct rneagen_error *e)
+{
+	struct analysis a;
+
+	if (analysis_open(&a, urdf, sizeof urdf - 1, o, e))
+		ck_assert(!a.dag.nodes && !a.tree.bodies);
+	else
+		analysis_free(&a);
+	return e->code;
+}
+
 /* Returns the number of requests; every refusal must come out as MEMORY, and nothing be left. */
-static long refuse_each(const struct rneagen_options *options, int for_good)
+static long refuse_each(const struct rneagen_options *options, int for_good,
+	enum rneagen_code (*run)(const struct rneagen_options *o, struct rneagen_error *e))
 {
 	struct rneagen_options o = *options;
 
 	for (long k = 0;; k++) {
 		struct warden w = {.refused = k, .for_good = for_good};
 		struct rneagen_allocator allocator = {warden_alloc, warden_release, &w};
-		struct rneagen_result r;
 		struct rneagen_error e;
 		enum rneagen_code code;
 
 		o.allocator = &allocator;
-		code = rneagen_generate(urdf, sizeof urdf - 1, &o, &r, &e);
+		code = run(&o, &e);
+		ck_assert_msg(w.out == 0, "request %ld refused: %ld blocks left", k, w.out);
 		if (k >= w.requests) {
 			ck_assert_msg(code == RNEAGEN_OK, "%s", e.message);
-			rneagen_result_free(&r);
-			ck_assert_int_eq(w.out, 0);
 			return k;
 		}
 		ck_assert_msg(code == RNEAGEN_MEMORY, "request %ld refused: code %d, %s", k, code, e.message);
 		ck_assert_str_eq(e.message, "out of memory");
-		ck_assert_msg(w.out == 0, "request %ld refused: %ld blocks left", k, w.out);
-		ck_assert(!r.source && !r.header && !r.info && !r.info_json && !r.dump && !r.name && !r.warning_count);
 	}
 }
 
@@ -70,8 +91,21 @@ START_TEST(every_request)
 	o.dump = (enum rneagen_dump)(_i % 5);
 	o.layout = _i % 2 ? RNEAGEN_SOA : RNEAGEN_AOS;
 	o.order = _i == 1 ? "jd,ja" : NULL;
-	o.scene = _i == 4 ? "# some\nroot base\ntip b,d\nlock ja=0.5\nsnap-angle 1e-3" : _i == 5 ? "tip c\nbeside drop\nlock-all-but ja\nround-constants 5\ndrop-below 1e-3" : NULL;
-	requests = refuse_each(&o, _i % 2);
+	o.scene = _i == 4 ? "# some\nroot base\ntip b,d\nsnap-angle 1e-3" : _i == 5 ? "lock jd=0.5" : NULL;
+	requests = refuse_each(&o, _i % 2, generate);
+	printf("each of %ld requests refused\n", requests);
+	ck_assert_int_gt(requests, 100);
+}
+END_TEST
+
+/* What takes long in a whole generation: a joint that may be kept, terms that may be dropped. */
+START_TEST(every_request_of_a_scene)
+{
+	struct rneagen_options o = rneagen_options_default();
+	long requests;
+
+	o.scene = "lock jd=0.5\nround-constants 5\ndrop-below 1e-3";
+	requests = refuse_each(&o, _i, analyse);
 	printf("each of %ld requests refused\n", requests);
 	ck_assert_int_gt(requests, 100);
 }
@@ -87,6 +121,7 @@ int main(void)
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 300);
 	tcase_add_loop_test(c, every_request, 0, 6);
+	tcase_add_loop_test(c, every_request_of_a_scene, 0, 2);
 	suite_add_tcase(suite, c);
 	srunner_run_all(runner, CK_NORMAL);
 	failed = srunner_ntests_failed(runner);
