@@ -260,7 +260,7 @@ static void run_gravity(const struct build *b, struct joint_inputs in, int tau_o
 	r.tau_out = tau_out;
 	r.comes_back = r.at_rest = 1;
 	tour_run(&r);
-	if (potential >= 0)
+	if (potential >= 0 && r.frames)
 		dag_output(b->d, potential, 0, dag_neg(b->d, svec_dot(b->d, g, rest_moment(b->d, &r.frames[0]))));
 }
 

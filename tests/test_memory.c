@@ -12,6 +12,11 @@ static const char urdf[] = ROBOT("r \"*/\"", BALL("base") BALL("a/*") BALL("b") 
 	JOINT("ja", "revolute", "base", "a/*", AXIS("0 0 2")) JOINT("jb", "prismatic", "a/*", "b", AXIS("0 1 0") MIMIC("ja", "-2", "0.5"))
 		JOINT("jc", "fixed", "b", "c", ORIGIN("0 0 1", "0.1 0.2 0.3")) JOINT("jd", "revolute", "c", "d", AXIS("1 1 0")));
 
+/* One of each of a task's choices. */
+static const char everything[] = "fold q.ja=0.5\nfold qdd=0\nfree gravity\nfree mass.b:sample\nfree inertia.c\nfree payload.d\n"
+				 "free offset.jd\nfext a/*,d\nfext-frame world\narmature ja=1\ndamping\nfriction 0.1\n"
+				 "want tau,bias,gravity,power,kinetic,potential,wrench.jd,twist.c,accel.b\n";
+
 /* Refuses the request with number `refused`, and all later ones where `for_good`. */
 struct warden {
 	long requests, refused, out;
@@ -92,20 +97,22 @@ START_TEST(every_request)
 	o.layout = _i % 2 ? RNEAGEN_SOA : RNEAGEN_AOS;
 	o.order = _i == 1 ? "jd,ja" : NULL;
 	o.scene = _i == 4 ? "# some\nroot base\ntip b,d\nsnap-angle 1e-3" : _i == 5 ? "lock jd=0.5" : NULL;
+	if (_i == 6)
+		o.scene = "fold qdd=0\nfree payload.d\nfext b\nwant tau,power";
 	requests = refuse_each(&o, _i % 2, generate);
 	printf("each of %ld requests refused\n", requests);
 	ck_assert_int_gt(requests, 100);
 }
 END_TEST
 
-/* What takes long in a whole generation: a joint that may be kept, terms that may be dropped. */
+/* What takes long in a whole generation: a joint that may be kept, terms that may be dropped, all of a task. */
 START_TEST(every_request_of_a_scene)
 {
 	struct rneagen_options o = rneagen_options_default();
 	long requests;
 
-	o.scene = "lock jd=0.5\nround-constants 5\ndrop-below 1e-3";
-	requests = refuse_each(&o, _i, analyse);
+	o.scene = _i < 2 ? "lock jd=0.5\nround-constants 5\ndrop-below 1e-3" : everything;
+	requests = refuse_each(&o, _i % 2, analyse);
 	printf("each of %ld requests refused\n", requests);
 	ck_assert_int_gt(requests, 100);
 }
@@ -120,8 +127,8 @@ int main(void)
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 300);
-	tcase_add_loop_test(c, every_request, 0, 6);
-	tcase_add_loop_test(c, every_request_of_a_scene, 0, 2);
+	tcase_add_loop_test(c, every_request, 0, 7);
+	tcase_add_loop_test(c, every_request_of_a_scene, 0, 4);
 	suite_add_tcase(suite, c);
 	srunner_run_all(runner, CK_NORMAL);
 	failed = srunner_ntests_failed(runner);
