@@ -131,6 +131,15 @@ int task_find_body(const struct resolver *x, const struct scene_choice *c, const
 
 /* ---- fold ---- */
 
+/* Has an earlier line said the same of this name? Of two values, none would be the last word. */
+static int is_said(const struct resolver *x, const struct scene_choice *c)
+{
+	for (const struct scene_choice *k = NULL; (k = scene_next(x->s, c->key, k)) && k != c;)
+		if (!strcmp(k->name, c->name))
+			return 1;
+	return 0;
+}
+
 /* Rows first to first + count - 1: one value for all, or one for each. */
 static enum rneagen_code give(const struct resolver *x, const struct scene_choice *c, struct row *rows, int first, int count,
 	int one_for_all)
@@ -142,8 +151,11 @@ static enum rneagen_code give(const struct resolver *x, const struct scene_choic
 		return error_memory(x->e);
 	if (scene_numbers(x->s, c, values, single ? 1 : count, x->e))
 		return x->e->code;
-	for (int i = 0; i < count; i++)
+	for (int i = 0; i < count; i++) {
+		if (rows[first + i].is_given)
+			return scene_refuse(x->s, c, x->e, "'%.255s' has a row that is given already", c->name);
 		rows[first + i] = (struct row){1, values[single ? 0 : i]};
+	}
 	return RNEAGEN_OK;
 }
 
@@ -166,6 +178,8 @@ static enum rneagen_code fold(const struct resolver *x, const struct scene_choic
 
 	if (kind < 0)
 		return x->e->code;
+	if (is_said(x, c))
+		return scene_refuse(x->s, c, x->e, "'%.255s' is given already", c->name);
 	if (kind == 3) {
 		if (scene_numbers(x->s, c, gravity, 3, x->e))
 			return x->e->code;
@@ -194,6 +208,8 @@ static enum rneagen_code push(const struct resolver *x, const struct scene_choic
 
 	if (link < 0)
 		return x->e->code;
+	if (is_said(x, c))
+		return scene_refuse(x->s, c, x->e, "the wrench on '%.255s' is an input already", c->name);
 	text_init(&word, x->a);
 	text_printf(&word, "fext.%s", c->name);
 	x->k->pushes[x->k->push_count] = (struct push){task_argument(x, text_string(&word)), x->t->links[link].body, x->t->links[link].X};
@@ -208,6 +224,8 @@ static enum rneagen_code set_armature(const struct resolver *x, const struct sce
 
 	if (body < 0 || scene_numbers(x->s, c, &value, 1, x->e))
 		return x->e->code;
+	if (is_said(x, c))
+		return scene_refuse(x->s, c, x->e, "the armature of '%.255s' is given already", c->name);
 	if (joint_nv(x->t->bodies[body].type) != 1)
 		return scene_refuse(x->s, c, x->e, "an armature belongs to a joint with one row in qd, which '%.255s' is not", c->name);
 	if (value < 0)

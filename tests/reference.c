@@ -150,6 +150,15 @@ static void push(struct reference_link *l, const struct reference_link *parent, 
 		l->f.x[k] = l->net.x[k] + (magnitudes ? wide_abs(w.x[k]) : -w.x[k]);
 }
 
+static wide own_torque(const struct reference_own *o, wide v, wide a, bool magnitudes)
+{
+	wide inertial = o->armature * a, viscous = o->damping * v, coulomb = 0;
+
+	if (o->friction != 0)
+		coulomb = o->friction * v / wide_sqrt(v * v + o->width * o->width);
+	return magnitudes ? wide_abs(inertial) + wide_abs(viscous) + wide_abs(coulomb) : inertial + viscous + coulomb;
+}
+
 static void outward(struct reference *r, const wide *q, const wide *qd, const wide *qdd, bool magnitudes)
 {
 	for (int i = 0; i < r->nj; i++) {
@@ -166,9 +175,7 @@ static void outward(struct reference *r, const wide *q, const wide *qd, const wi
 		x = joint_transform(j, l, position, v.x);
 		(magnitudes ? move_magnitudes : move)(l, x, v, a, vp, ap);
 		push(l, parent, magnitudes);
-		l->own = l->armature * a.x[0] + l->damping * v.x[0];
-		if (magnitudes)
-			l->own = wide_abs(l->armature * a.x[0]) + wide_abs(l->damping * v.x[0]);
+		l->own = own_torque(&l->terms, v.x[0], a.x[0], magnitudes);
 	}
 }
 

@@ -43,6 +43,12 @@ struct reference_joint {
 	int body;		// moving body that the link belongs to, a row of reference_passes; -1: the ground
 };
 
+// What a joint with one row bears beside the links: armature a + damping v + friction v/sqrt(v^2 + width^2), of its own
+// coordinate's v and a.
+struct reference_own {
+	wide armature, damping, friction, width;
+};
+
 struct reference_link;
 
 struct reference {
@@ -89,11 +95,11 @@ wide reference_kinetic(const struct reference *r, bool magnitudes);
 
 // Changes of an open reference, which last. The inertial parameters of an entry's link about its origin: mass, first
 // moments, xx xy xz yy yz zz; a wrench from outside: force, then moment about the link's origin, in axes of the link or
-// of the ground; rotor inertia and viscous friction of a joint with one row, of its own coordinate.
+// of the ground; terms of a joint with one row.
 void reference_inertia(const struct reference *r, int entry, wide p[10]);
 void reference_set_inertia(struct reference *r, int entry, const wide p[10]);
 void reference_set_push(struct reference *r, int entry, const wide w[6], bool in_ground);
-void reference_set_own(struct reference *r, int entry, wide armature, wide damping);
+void reference_set_own(struct reference *r, int entry, const struct reference_own *terms);
 
 // A random state: q within the limits of the file (at most +-pi and +-1 m; +-pi for continuous; positions +-1, unit
 // quaternions), qd within +-2, qdd within +-5. `f32` rounds all to float.

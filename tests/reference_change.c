@@ -65,8 +65,7 @@ void reference_set_push(struct reference *r, int entry, const wide w[6], bool in
 	r->links[entry].push_in_world = in_ground;
 }
 
-void reference_set_own(struct reference *r, int entry, wide armature, wide damping)
+void reference_set_own(struct reference *r, int entry, const struct reference_own *terms)
 {
-	r->links[entry].armature = armature;
-	r->links[entry].damping = damping;
+	r->links[entry].terms = *terms;
 }

@@ -133,6 +133,7 @@ static void in_joint(struct reader *x, const char *element, const char **attribu
 		numbers(x, attributes, "upper", 1, &j->upper);
 	} else if (!strcmp(element, "dynamics")) {
 		numbers(x, attributes, "damping", 1, &j->damping);
+		numbers(x, attributes, "friction", 1, &j->friction);
 	} else if (!strcmp(element, "mimic")) {
 		replace(&j->mimic, needed(x, attributes, "joint"));
 		numbers(x, attributes, "multiplier", 1, &j->multiplier);

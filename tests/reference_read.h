@@ -16,7 +16,7 @@ struct raw_joint {
 	double xyz[3], rpy[3], axis[3];
 	double lower, upper;
 	char *mimic;		// the joint followed, or NULL
-	double multiplier, offset, damping;
+	double multiplier, offset, damping, friction;
 };
 
 struct raw_robot {

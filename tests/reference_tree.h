@@ -12,7 +12,7 @@ struct reference_link {
 	struct d3_vec plane[2];		// planar: the axes of x and y
 	struct d6_vec push;		// a wrench from outside on the link
 	bool push_in_world;		// in the ground's axes
-	wide armature, damping;
+	struct reference_own terms;
 
 	struct d6_mat x;		// parent link's frame -> link's frame
 	struct d6_mat s;		// motion subspace, nv columns used

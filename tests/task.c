@@ -314,7 +314,7 @@ void case_armature(struct task_case *c, int entry)
 	double value = (double)draw(c, 0, 2);
 
 	case_say(c, "armature %s=%.17g\n", case_joint(c, entry), value);
-	c->own[entry][0] = (wide)value;
+	c->own[entry].armature = (wide)value;
 }
 
 void case_damping(struct task_case *c)
@@ -322,7 +322,18 @@ void case_damping(struct task_case *c)
 	case_say(c, "damping\n");
 	for (int i = 1; i < c->r->nj; i++)
 		if (case_slides(c, i))
-			c->own[i][1] = (wide)c->oracle.raw.joints[c->oracle.source[i]].damping;
+			c->own[i].damping = (wide)c->oracle.raw.joints[c->oracle.source[i]].damping;
+}
+
+/* 0: the width that goes without saying. */
+void case_friction(struct task_case *c, double width)
+{
+	case_say(c, width > 0 ? "friction %.17g\n" : "friction\n", width);
+	for (int i = 1; i < c->r->nj; i++)
+		if (case_slides(c, i)) {
+			c->own[i].friction = (wide)c->oracle.raw.joints[c->oracle.source[i]].friction;
+			c->own[i].width = width > 0 ? (wide)width : WIDE_C(0.01);
+		}
 }
 
 void case_want(struct task_case *c, enum task_kind kind, int entry)

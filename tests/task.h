@@ -32,7 +32,8 @@ struct task_case {
 	double q[ROWS], qd[ROWS], qdd[ROWS]; /* all rows of the reference, given ones as they are given; floats */
 	double offset[ROWS];                 /* added to q */
 	char q_given[ROWS], qd_given[ROWS], qdd_given[ROWS], held[ROWS];
-	wide push[ROWS][6], own[ROWS][2]; /* by entry */
+	wide push[ROWS][6]; /* by entry */
+	struct reference_own own[ROWS];
 	int in_world;
 	struct task_in in[TASK_WORDS];
 	struct task_out out[TASK_WORDS];
@@ -76,7 +77,8 @@ void case_add_payload(struct task_case *c, int entry, int nominal);
 void case_free_offset(struct task_case *c, int entry, int nominal);
 void case_push(struct task_case *c, int entry);
 void case_armature(struct task_case *c, int entry);
-void case_damping(struct task_case *c); /* as the URDF says */
+void case_damping(struct task_case *c); /* as the URDF says; so friction */
+void case_friction(struct task_case *c, double width);
 void case_want(struct task_case *c, enum task_kind kind, int entry);
 
 /* A few of each, at random; names that are free already are left out. */

@@ -10,11 +10,12 @@
 /* The scene's additions to the torques: forces from outside, terms of the joints' own. */
 static void add_or_leave(struct task_case *c, int added)
 {
+	static const struct reference_own free_of_terms = {0};
 	static const wide none[6] = {0};
 
 	for (int i = 0; i < c->r->nj; i++) {
 		reference_set_push(c->r, i, added ? c->push[i] : none, c->in_world);
-		reference_set_own(c->r, i, added ? c->own[i][0] : 0, added ? c->own[i][1] : 0);
+		reference_set_own(c->r, i, added ? &c->own[i] : &free_of_terms);
 	}
 }
 

@@ -62,6 +62,8 @@ void case_draw_own(struct task_case *c)
 			case_armature(c, i);
 	if (rng_chance(&c->rng, 0.6))
 		case_damping(c);
+	if (rng_chance(&c->rng, 0.5))
+		case_friction(c, rng_chance(&c->rng, 0.5) ? 0 : 0.125);
 }
 
 void case_draw_wants(struct task_case *c)

@@ -53,10 +53,10 @@ static const struct subject {
 	const char *name;
 	void (*draw)(struct task_case *c);
 } SUBJECTS[] = {{"fold", fold}, {"free, as the URDF has it", free_nominal}, {"free", free_other}, {"want", want}, {"fext", push},
-	{"armature and damping", own}, {"any", any}};
+	{"armature, damping and friction", own}, {"any", any}};
 enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
 
-/* The random robots' joints have no damping: the seed gives them some. */
+/* The random robots' joints have no damping and no friction: the seed gives them some. */
 static char *with_damping(char *urdf, uint64_t seed)
 {
 	struct rng rng = rng_seed(seed + 5000);
@@ -65,7 +65,7 @@ static char *with_damping(char *urdf, uint64_t seed)
 
 	for (const char *s = urdf; (s = strstr(s, "</joint>")); s++)
 		count++;
-	text = to = malloc(length + 64 * count + 1);
+	text = to = malloc(length + 96 * count + 1);
 	for (const char *s = urdf, *next; *s; s = next) {
 		next = strstr(s, "</joint>");
 		if (!next) {
@@ -74,7 +74,7 @@ static char *with_damping(char *urdf, uint64_t seed)
 		}
 		memcpy(to, s, (size_t)(next - s));
 		to += next - s;
-		to += sprintf(to, "<dynamics damping='%.3f'/></joint>", rng_uniform(&rng, 0, 3));
+		to += sprintf(to, "<dynamics damping='%.3f' friction='%.3f'/></joint>", rng_uniform(&rng, 0, 3), rng_uniform(&rng, 0, 3));
 		next += strlen("</joint>");
 		*to = '\0';
 	}

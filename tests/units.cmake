@@ -42,7 +42,7 @@ target_link_libraries(test_scene_constants PRIVATE reference)
 # What a scene takes and gives.
 add_library(task STATIC task.c task_check.c task_draw.c reference_oracle.c scene_model.c torque.c model.c)
 target_link_libraries(task PUBLIC rneagen::rneagen reference PkgConfig::CHECK)
-foreach(name test_task test_task_equal test_task_fold test_task_motion)
+foreach(name test_task test_task_equal test_task_fold test_task_motion test_task_names)
 	rneagen_add_test(${name})
 	target_link_libraries(${name} PRIVATE task)
 endforeach()
