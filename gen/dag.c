@@ -125,6 +125,14 @@ int dag_argument_of(struct dag *d, struct argument a)
 	return d->argument_count++;
 }
 
+int dag_find_argument(const struct dag *d, const char *name)
+{
+	for (int i = 0; i < d->argument_count; i++)
+		if (!strcmp(d->arguments[i].name, name))
+			return i;
+	return -1;
+}
+
 void dag_tag(struct dag *d, struct ref a, const char *quantity, int body, char component)
 {
 	struct node *n = d->failed ? NULL : &d->nodes[a.i];

@@ -29,7 +29,8 @@ struct node {
 	struct tag tag;
 };
 
-enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END, SECTION_FREED, SECTION_TOTALS, SECTION_BIAS, SECTION_GRAVITY, SECTION_COUNT };
+enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END, SECTION_FREED, SECTION_TOTALS, SECTION_BIAS, SECTION_GRAVITY,
+	SECTION_MASS, SECTION_BY, SECTION_COUNT };
 
 /* From this node (and this output) on, the text belongs to going out to a body, or back from it. */
 struct section {
@@ -74,6 +75,9 @@ void dag_init(struct dag *d, struct arena *a);
 /* Declare a parameter of the function; returns its index. Outputs after inputs. */
 int dag_argument(struct dag *d, const char *name, int rows, int is_output);
 int dag_argument_of(struct dag *d, struct argument a);
+
+/* The index of an argument; -1 where there is none of the name. */
+int dag_find_argument(const struct dag *d, const char *name);
 
 struct ref dag_const(struct dag *d, real value);
 struct ref dag_input(struct dag *d, int argument, int row);

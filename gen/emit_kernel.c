@@ -26,21 +26,13 @@ static const struct dag *arguments_of(const struct emission *e)
 	return &e->passes[PASS_RNEA].dag;
 }
 
-static int find_argument(const struct dag *d, const char *name)
-{
-	for (int i = 0; i < d->argument_count; i++)
-		if (!strcmp(d->arguments[i].name, name))
-			return i;
-	return -1;
-}
-
 /* Whose place in shared memory an array takes: its own, but tau that of qdd: a joint's qdd is read before its torque is
    written. */
 static int place_of(const struct dag *d, int argument)
 {
-	int qdd = find_argument(d, "qdd");
+	int qdd = dag_find_argument(d, "qdd");
 
-	return qdd >= 0 && argument == find_argument(d, "tau") ? qdd : argument;
+	return qdd >= 0 && argument == dag_find_argument(d, "tau") ? qdd : argument;
 }
 
 static int has_place(const struct dag *d, int argument)
@@ -184,7 +176,7 @@ static const char *pointers_text(const struct emission *e)
 	text_init(&t, e->arena);
 	for (int i = 0; i < d->argument_count; i++)
 		if (has_place(d, i)) {
-			int is_written = d->arguments[i].is_output || place_of(d, find_argument(d, "tau")) == i;
+			int is_written = d->arguments[i].is_output || place_of(d, dag_find_argument(d, "tau")) == i;
 
 			text_printf(&t, "\t\t%s%s *const %s_here = %s_slice + threadIdx.x*%d;\n", is_written ? "" : "const ", e->memory->type,
 				d->arguments[i].name, d->arguments[i].name, pitch(e, d->arguments[i].rows));
@@ -262,7 +254,7 @@ void emit_kernel(const struct emission *e, const struct pass *p, struct text *ou
 		{"WORDS", emit_int(e, stage_words(e))}, {"SLICES", slices_text(e, is_aos ? "slice" : "here", is_aos ? "slices" : "slices + threadIdx.x")},
 		{"POINTERS", pointers_text(e)}, {"MOVE_IN", is_aos ? move_slices(e, 0) : move_samples(e, 0)},
 		{"MOVE_OUT", is_aos ? move_slices(e, 1) : move_samples(e, 1)},
-		{"IN_PLACE", place_of(arguments_of(e), find_argument(arguments_of(e), "tau")) == find_argument(arguments_of(e), "tau") ? "" :
+		{"IN_PLACE", place_of(arguments_of(e), dag_find_argument(arguments_of(e), "tau")) == dag_find_argument(arguments_of(e), "tau") ? "" :
 			"\t/* tau takes the place of qdd: a joint's qdd is read before its torque is written */\n"},
 	};
 

@@ -124,6 +124,20 @@ struct joint_rates joint_move(struct dag *d, const struct body *k, struct joint_
 	return m;
 }
 
+struct joint_rates joint_unit(struct dag *d, const struct body *k, int row)
+{
+	struct joint_rates m = {zero3(), zero3(), zero3(), zero3(), zero3(), zero3()};
+	struct ref one = dag_const(d, 1);
+
+	if (k->type == JOINT_FLOATING)
+		(row < 3 ? &m.V : &m.W)->x[row % 3] = one;
+	else if (k->type == JOINT_PLANAR)
+		(row < 2 ? &m.V0 : &m.W)->x[row] = one;
+	else
+		(k->type == JOINT_PRISMATIC ? &m.V0 : &m.W)->x[k->axis] = directed(d, k, one);
+	return m;
+}
+
 struct svec joint_into(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u)
 {
 	if (k->type == JOINT_FLOATING)

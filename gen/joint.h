@@ -36,6 +36,9 @@ struct joint_rates {
 struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_inputs in);
 struct joint_rates joint_move(struct dag *d, const struct body *k, struct joint_inputs in);
 
+/* The velocities that a unit rate of the joint's coordinate `row` makes; a follower's is its driver's coordinate. */
+struct joint_rates joint_unit(struct dag *d, const struct body *k, int row);
+
 /* From the joint's frame into the body's, and back: the variable turn. */
 struct svec joint_into(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u);
 struct svec joint_out_of(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u);

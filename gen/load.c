@@ -112,7 +112,7 @@ void load_add(struct dag *d, struct parameters *p, struct ref s, const struct in
 		p->I[i] = plus_multiple(d, p->I[i], s, I->I[i]);
 }
 
-static struct svec inertia_times(struct dag *d, const struct parameters *p, struct svec w)
+struct svec load_inertia_times(struct dag *d, const struct parameters *p, struct svec w)
 {
 	struct smat I;
 
@@ -125,13 +125,13 @@ static struct svec inertia_times(struct dag *d, const struct parameters *p, stru
 void load_wrench_free(struct dag *d, const struct parameters *p, const struct motion *x, struct svec *f, struct svec *n)
 {
 	*f = svec_add(d, svec_scale(d, p->mass, x->a), smat_mul(d, &x->U, p->h));
-	*n = svec_add(d, inertia_times(d, p, x->dw), svec_cross(d, x->w, inertia_times(d, p, x->w)));
+	*n = svec_add(d, load_inertia_times(d, p, x->dw), svec_cross(d, x->w, load_inertia_times(d, p, x->w)));
 	*n = svec_add(d, *n, svec_cross(d, p->h, x->a));
 }
 
 struct ref load_kinetic(struct dag *d, const struct parameters *p, const struct motion *x)
 {
-	struct ref twice = dag_add(d, dag_mul(d, p->mass, svec_dot(d, x->v, x->v)), svec_dot(d, x->w, inertia_times(d, p, x->w)));
+	struct ref twice = dag_add(d, dag_mul(d, p->mass, svec_dot(d, x->v, x->v)), svec_dot(d, x->w, load_inertia_times(d, p, x->w)));
 
 	return dag_add(d, dag_mul(d, dag_const(d, 0.5L), twice), svec_dot(d, x->v, svec_cross(d, x->w, p->h)));
 }

@@ -24,6 +24,9 @@ void load_wrench(struct dag *d, const struct body *k, const struct motion *x, st
 /* The same from parameters that are not all numbers. */
 void load_wrench_free(struct dag *d, const struct parameters *p, const struct motion *x, struct svec *f, struct svec *n);
 
+/* I w */
+struct svec load_inertia_times(struct dag *d, const struct parameters *p, struct svec w);
+
 struct parameters load_parameters(struct dag *d, const struct inertia *I);
 /* p + s I */
 void load_add(struct dag *d, struct parameters *p, struct ref s, const struct inertia *I);

@@ -26,6 +26,7 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	{"fold", required_argument, NULL, OPTION_SCENE + SCENE_FOLD},                                                  \
 	{"free", required_argument, NULL, OPTION_SCENE + SCENE_FREE},                                                  \
 	{"want", required_argument, NULL, OPTION_SCENE + SCENE_WANT},                                                  \
+	{"dense", no_argument, NULL, OPTION_SCENE + SCENE_DENSE},                                                      \
 	{"fext", required_argument, NULL, OPTION_SCENE + SCENE_FEXT},                                                  \
 	{"fext-frame", required_argument, NULL, OPTION_SCENE + SCENE_FEXT_FRAME},                                      \
 	{"armature", required_argument, NULL, OPTION_SCENE + SCENE_ARMATURE},                                          \

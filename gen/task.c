@@ -266,61 +266,6 @@ static enum rneagen_code set_friction(const struct resolver *x, const struct sce
 	return RNEAGEN_OK;
 }
 
-/* ---- want ---- */
-
-static const struct want_word {
-	struct kind_word kind;
-	const char *argument; /* NULL: made from the word */
-	int rows;             /* 0: nv */
-} WANTS[] = {
-	[WANT_TAU] = {{"tau", 0}, "tau", 0},
-	[WANT_GRAVITY] = {{"gravity", 0}, "tau_gravity", 0},
-	[WANT_BIAS] = {{"bias", 0}, "tau_bias", 0},
-	[WANT_WRENCH] = {{"wrench", 1}, NULL, 6},
-	[WANT_TWIST] = {{"twist", 1}, NULL, 6},
-	[WANT_ACCEL] = {{"accel", 1}, NULL, 6},
-	[WANT_POWER] = {{"power", 0}, "power", 1},
-	[WANT_KINETIC] = {{"kinetic", 0}, "kinetic", 1},
-	[WANT_POTENTIAL] = {{"potential", 0}, "potential", 1},
-};
-enum { WANT_COUNT = sizeof WANTS / sizeof *WANTS };
-
-static enum rneagen_code want_link(const struct resolver *x, const struct scene_choice *c, struct want *w)
-{
-	int link = task_find_link(x, c, strchr(c->name, '.') + 1);
-
-	if (link < 0)
-		return x->e->code;
-	w->body = x->t->links[link].body;
-	w->X = x->t->links[link].X;
-	return RNEAGEN_OK;
-}
-
-static enum rneagen_code want(const struct resolver *x, const struct scene_choice *c)
-{
-	struct kind_word kinds[WANT_COUNT];
-	struct want w = {.word = c->name};
-	int kind;
-
-	for (int i = 0; i < WANT_COUNT; i++)
-		kinds[i] = WANTS[i].kind;
-	kind = task_find_kind(x, c, kinds, WANT_COUNT);
-	if (kind < 0)
-		return x->e->code;
-	w.kind = (enum want_kind)kind;
-	w.rows = WANTS[kind].rows ? WANTS[kind].rows : x->t->nv;
-	if (w.kind == WANT_WRENCH && (w.body = task_find_body(x, c, strchr(c->name, '.') + 1)) < 0)
-		return x->e->code;
-	if ((w.kind == WANT_TWIST || w.kind == WANT_ACCEL) && want_link(x, c, &w))
-		return x->e->code;
-	for (int i = 0; i < x->k->want_count; i++)
-		if (!strcmp(x->k->wants[i].word, w.word))
-			return scene_refuse(x->s, c, x->e, "'%.255s' is wanted already", w.word);
-	w.argument = WANTS[kind].argument ? WANTS[kind].argument : task_argument(x, c->name);
-	x->k->wants[x->k->want_count++] = w;
-	return RNEAGEN_OK;
-}
-
 /* ---- all of it ---- */
 
 static enum rneagen_code each(const struct resolver *x, enum scene_key key,
@@ -369,9 +314,10 @@ enum rneagen_code task_resolve(struct tree *t, const struct robot *r, struct are
 	*x.k = (struct task){.is_plain = !has_choice(x.s)};
 	if (!alloc(&x))
 		return error_memory(e);
+	x.k->dense = scene_next(x.s, SCENE_DENSE, NULL) != NULL;
 	x.k->in_world = frame && !strcmp(frame->value, "world");
 	if (each(&x, SCENE_FOLD, fold) || each(&x, SCENE_FREE, task_free) || each(&x, SCENE_FEXT, push) ||
-		each(&x, SCENE_ARMATURE, set_armature) || each(&x, SCENE_FRICTION, set_friction) || each(&x, SCENE_WANT, want))
+		each(&x, SCENE_ARMATURE, set_armature) || each(&x, SCENE_FRICTION, set_friction) || each(&x, SCENE_WANT, task_want))
 		return e->code;
 	if (scene_next(x.s, SCENE_DAMPING, NULL))
 		set_dynamics(&x, x.k->damping, 0);

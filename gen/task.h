@@ -34,13 +34,14 @@ struct push {
 	struct placement X; /* the link's frame in the body's */
 };
 
-enum want_kind { WANT_TAU, WANT_GRAVITY, WANT_BIAS, WANT_WRENCH, WANT_TWIST, WANT_ACCEL, WANT_POWER, WANT_KINETIC, WANT_POTENTIAL };
+enum want_kind { WANT_TAU, WANT_GRAVITY, WANT_BIAS, WANT_WRENCH, WANT_TWIST, WANT_ACCEL, WANT_POWER, WANT_KINETIC, WANT_POTENTIAL,
+	WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_MASS, WANT_DTAU_DFREED, WANT_JVP, WANT_VJP };
 
 struct want {
 	enum want_kind kind;
 	const char *word, *argument;
 	int rows;
-	int body;
+	int body; /* DTAU_DFREED: the number of the freed constant */
 	struct placement X;
 };
 
@@ -53,6 +54,7 @@ struct task {
 	int push_count, in_world;   /* wrenches in axes of the world, else of the link */
 	struct want *wants;
 	int want_count;
+	int dense;                  /* matrices have their zeros */
 	real *armature, *damping, *friction; /* by body: of a joint with one row; kg m^2 (kg), N m s (N s/m), N m (N) */
 	real friction_width;                  /* rad/s, m/s */
 };

@@ -30,6 +30,9 @@ const char *task_argument(const struct resolver *x, const char *word);
 int task_find_link(const struct resolver *x, const struct scene_choice *c, const char *name);
 int task_find_body(const struct resolver *x, const struct scene_choice *c, const char *name);
 
+/* A choice of `want`. */
+enum rneagen_code task_want(const struct resolver *x, const struct scene_choice *c);
+
 /* A choice of `free`. */
 enum rneagen_code task_free(const struct resolver *x, const struct scene_choice *c);
 

@@ -46,6 +46,12 @@ void rest_enter(const struct tour *r, int body);
 void rest_leave(const struct tour *r, int body);
 struct svec rest_moment(struct dag *d, const struct frame *x); /* C */
 
+/* The mass matrix M[nv][nv], without rotors' inertias; `parameters` by body, NULL where they are the tree's numbers. */
+void crba_build(struct dag *d, const struct tree *t, struct joint_inputs in, struct parameters *const *parameters, struct ref *M);
+
+/* What a scene wants of derivatives: of the torques of a tour that came back, into the arguments `outputs` (by want). */
+void gradient_outputs(const struct tour *r, const int *outputs);
+
 /* The DAG of a tree whose task is not plain. */
 void want_build(struct dag *d, const struct tree *t);
 

@@ -16,12 +16,19 @@ struct build {
 
 /* ---- inputs ---- */
 
-static struct source source(struct dag *d, const char *name, const struct row *rows, int count, int is_read)
+/* Inputs that nothing reads and that torques are differentiated by all the same: nodes of no argument, which die. */
+enum { UNREAD = 1 << 20 };
+
+static const char *const INPUTS[] = {"q", "qd", "qdd"};
+
+static struct source source(struct dag *d, int input, const struct row *rows, int count, int is_read)
 {
 	struct source s = {-1, rows};
 
-	if (is_read && !task_has_all(rows, count))
-		s.argument = dag_argument(d, name, count, 0);
+	if (!is_read)
+		s.argument = UNREAD + input;
+	else if (!task_has_all(rows, count))
+		s.argument = dag_argument(d, INPUTS[input], count, 0);
 	return s;
 }
 
@@ -275,6 +282,14 @@ static void output_scalars(const struct build *b, const struct tour *r)
 		dag_output(b->d, kinetic_out, 0, b->kinetic);
 }
 
+static int wants_derivative(const struct task *k)
+{
+	for (int i = 0; i < k->want_count; i++)
+		if (k->wants[i].kind >= WANT_DTAU_DQ)
+			return 1;
+	return 0;
+}
+
 static void run_main(struct build *b, struct joint_inputs in)
 {
 	struct tour r = new_tour(b, in);
@@ -285,9 +300,11 @@ static void run_main(struct build *b, struct joint_inputs in)
 	r.own_terms = own_terms;
 	r.context = b;
 	r.tau_out = output_of(b, WANT_TAU);
-	r.comes_back = task_wants(b->k, WANT_POWER) || task_wants(b->k, WANT_WRENCH);
+	r.comes_back = task_wants(b->k, WANT_POWER) || task_wants(b->k, WANT_WRENCH) || wants_derivative(b->k);
 	tour_run(&r);
 	output_scalars(b, &r);
+	if (wants_derivative(b->k))
+		gradient_outputs(&r, b->outputs);
 }
 
 static int is_zero(const struct row *rows, int count)
@@ -334,12 +351,16 @@ static void build(struct dag *d, const struct tree *t, const int *is_read)
 	dag_section(d, SECTION_FREED, 0);
 	for (int i = 0; i < 3; i++)
 		b.gravity[i] = dag_const(d, t->gravity[i]);
-	in = (struct joint_inputs){.q = source(d, "q", b.k->q, t->nq, is_read[0]), .offset = b.offset};
-	in.qd = source(d, "qd", b.k->qd, t->nv, is_read[1]);
-	in.qdd = source(d, "qdd", b.k->qdd, t->nv, is_read[2]);
+	in = (struct joint_inputs){.q = source(d, 0, b.k->q, t->nq, is_read[0]), .offset = b.offset};
+	in.qd = source(d, 1, b.k->qd, t->nv, is_read[1]);
+	in.qdd = source(d, 2, b.k->qdd, t->nv, is_read[2]);
 	free_constants(&b);
 	for (int i = 0; i < b.k->push_count; i++)
 		b.pushed[i] = dag_argument(d, b.k->pushes[i].argument, 6, 0);
+	if (task_wants(b.k, WANT_JVP))
+		dag_argument(d, "jvp_v", 3 * t->nv, 0);
+	if (task_wants(b.k, WANT_VJP))
+		dag_argument(d, "vjp_v", t->nv, 0);
 	for (int i = 0; i < b.k->want_count; i++)
 		b.outputs[i] = dag_argument(d, b.k->wants[i].argument, b.k->wants[i].rows, 1);
 	if (is_gravity_alone(&b))
@@ -353,7 +374,6 @@ static void build(struct dag *d, const struct tree *t, const int *is_read)
 /* Which of q, qd and qdd an output depends on. */
 static void find_read(const struct dag *d, int *is_read)
 {
-	static const char *const names[] = {"q", "qd", "qdd"};
 	uint32_t *uses = arena_alloc(d->arena, d->count, sizeof *uses);
 
 	if (!uses)
@@ -361,7 +381,7 @@ static void find_read(const struct dag *d, int *is_read)
 	dag_uses(d, uses);
 	for (size_t i = 0; i < d->count; i++)
 		for (int k = 0; k < 3 && uses[i] && d->nodes[i].op == OP_INPUT; k++)
-			is_read[k] |= !strcmp(d->arguments[d->nodes[i].arg[0].i].name, names[k]);
+			is_read[k] |= !strcmp(d->arguments[d->nodes[i].arg[0].i].name, INPUTS[k]);
 }
 
 /* Once to see what is read, and once for good. */

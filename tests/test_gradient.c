@@ -1,0 +1,416 @@
+/* Derivatives of the torques and the mass matrix, against differences of the independent reference in extended precision,
+   over random trees and the robots of this folder. */
+#include "derive.h"
+#include "model.h"
+#include "pattern.h"
+#include "torque.h"
+#include <check.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TREES = 60, LINKS = 9, SMALL_ROWS = 40 };
+
+/* Half the distance of two states whose torques are subtracted: truncation and rounding are both below TOLERANCE. */
+static const wide STEP = WIDE_C(1e-6);
+static const double TOLERANCE = 2e-9;
+
+/* One robot with one state: the model that gives, and what the differences say. */
+struct probe {
+	struct model m;
+	const char *what;
+	int nq, nv;
+	double q[ROWS], qd[ROWS], qdd[ROWS];
+	wide dq[SMALL_ROWS][SMALL_ROWS], dqd[SMALL_ROWS][SMALL_ROWS], M[SMALL_ROWS][SMALL_ROWS]; /* [torque][by] */
+	double scale; /* the largest of the torques and of all elements */
+};
+
+/* ---- the reference's ---- */
+
+/* q moved by h along row j of the tangent space: a floating joint's by a twist in its own frame, its quaternion as
+   q (x) (h/2, 1). */
+static void move_q(const struct probe *p, int j, wide h, wide *q)
+{
+	for (int i = 0; i < p->nq; i++)
+		q[i] = p->q[i];
+	for (int e = 0; e < p->m.reference->nj; e++) {
+		const struct reference_joint *k = &p->m.reference->joints[e];
+		int row = j - k->iv;
+		wide *x = q + k->iq, u[3], s, w[3] = {0};
+
+		if (k->nv == 0 || row < 0 || row >= k->nv)
+			continue;
+		if (k->type != REFERENCE_FLOATING) {
+			x[row] += h;
+			return;
+		}
+		s = x[6];
+		for (int i = 0; i < 3; i++)
+			u[i] = x[3 + i];
+		if (row < 3) {
+			const wide R[3][3] = {{1 - 2 * (u[1] * u[1] + u[2] * u[2]), 2 * (u[0] * u[1] - u[2] * s), 2 * (u[0] * u[2] + u[1] * s)},
+				{2 * (u[0] * u[1] + u[2] * s), 1 - 2 * (u[0] * u[0] + u[2] * u[2]), 2 * (u[1] * u[2] - u[0] * s)},
+				{2 * (u[0] * u[2] - u[1] * s), 2 * (u[1] * u[2] + u[0] * s), 1 - 2 * (u[0] * u[0] + u[1] * u[1])}};
+
+			for (int i = 0; i < 3; i++)
+				x[i] += h * R[i][row];
+			return;
+		}
+		w[row - 3] = h / 2;
+		for (int i = 0; i < 3; i++) {
+			int a = (i + 1) % 3, b = (i + 2) % 3;
+
+			x[3 + i] = u[i] + s * w[i] + u[a] * w[b] - u[b] * w[a];
+		}
+		x[6] = s - (u[0] * w[0] + u[1] * w[1] + u[2] * w[2]);
+		return;
+	}
+}
+
+static void difference(struct probe *p, int j, int by_q, wide (*to)[SMALL_ROWS])
+{
+	wide q[ROWS], qd[ROWS], qdd[ROWS], tau[2][ROWS];
+
+	for (int side = 0; side < 2; side++) {
+		wide h = side ? -STEP : STEP;
+
+		move_q(p, j, by_q ? h : 0, q);
+		for (int i = 0; i < p->nv; i++) {
+			qd[i] = p->qd[i] + (!by_q && i == j ? h : 0);
+			qdd[i] = p->qdd[i];
+		}
+		reference_rnea_wide(p->m.reference, q, qd, qdd, tau[side]);
+	}
+	for (int i = 0; i < p->nv; i++)
+		to[i][j] = (tau[0][i] - tau[1][i]) / (2 * STEP);
+}
+
+/* M e_j = ID(q, 0, e_j) - ID(q, 0, 0) */
+static void mass_column(struct probe *p, int j)
+{
+	wide q[ROWS], zero[ROWS] = {0}, unit[ROWS] = {0}, with[ROWS], without[ROWS];
+
+	for (int i = 0; i < p->nq; i++)
+		q[i] = p->q[i];
+	unit[j] = 1;
+	reference_rnea_wide(p->m.reference, q, zero, unit, with);
+	reference_rnea_wide(p->m.reference, q, zero, zero, without);
+	for (int i = 0; i < p->nv; i++)
+		p->M[i][j] = with[i] - without[i];
+}
+
+static void grow(double *scale, wide x)
+{
+	*scale = fmax(*scale, fabs((double)x));
+}
+
+static void probe_differences(struct probe *p)
+{
+	wide tau[ROWS];
+
+	reference_rnea(p->m.reference, p->q, p->qd, p->qdd, tau);
+	p->scale = 1e-3;
+	for (int j = 0; j < p->nv; j++) {
+		difference(p, j, 1, p->dq);
+		difference(p, j, 0, p->dqd);
+		mass_column(p, j);
+		grow(&p->scale, tau[j]);
+	}
+	for (int i = 0; i < p->nv; i++)
+		for (int j = 0; j < p->nv; j++) {
+			grow(&p->scale, p->dq[i][j]);
+			grow(&p->scale, p->dqd[i][j]);
+			grow(&p->scale, p->M[i][j]);
+		}
+}
+
+/* ---- the generator's ---- */
+
+static const real *input(const struct probe *p, const char *name, real *to, const real *v)
+{
+	const double *from = !strcmp(name, "q") ? p->q : !strcmp(name, "qd") ? p->qd : !strcmp(name, "qdd") ? p->qdd : NULL;
+
+	for (int i = 0; from && i < (from == p->q ? p->nq : p->nv); i++)
+		to[i] = from[i];
+	return from ? to : v;
+}
+
+/* Evaluate; out[i] gets the rows of the i-th output, v is what jvp_v and vjp_v are. */
+static void evaluate(const struct probe *p, const real *v, real *const *out)
+{
+	const struct dag *d = &p->m.dag[PASS_RNEA];
+	const real *in[DAG_ARGUMENTS] = {NULL};
+	real *to[DAG_ARGUMENTS] = {NULL}, *rows = calloc(3 * ROWS, sizeof *rows);
+	int next = 0;
+
+	for (int i = 0; i < d->argument_count; i++)
+		if (d->arguments[i].is_output)
+			to[i] = out[next++];
+		else
+			in[i] = input(p, d->arguments[i].name, rows + (size_t)(i % 3) * ROWS, v);
+	ck_assert(eval_real(d, in, to, NULL));
+	free(rows);
+}
+
+static void compare(const struct probe *p, const char *name, int i, int j, real got, wide want, wide size)
+{
+	ck_assert_msg(fabs((double)(got - want)) <= TOLERANCE * (double)size, "%s: %s[%d][%d] is %.12Lg, not %.12Lg", p->what, name, i, j,
+		got, (real)want);
+}
+
+static void probe_open(struct probe *p, const char *urdf, struct rneagen_options *o, const char *scene, const char *what)
+{
+	o->scene = scene;
+	model_open(&p->m, urdf, strlen(urdf), o, what);
+	p->what = what;
+	p->nq = p->m.tree.nq;
+	p->nv = p->m.tree.nv;
+}
+
+/* All matrices with their zeros, and M symmetric. */
+static void check_dense(struct probe *p, const char *urdf, struct rneagen_options *o, const char *what)
+{
+	size_t size = SMALL_ROWS * SMALL_ROWS;
+	real *x = calloc(3 * size, sizeof *x);
+	int nv;
+
+	probe_open(p, urdf, o, "want dtau_dq,dtau_dqd,M\ndense\n", what);
+	nv = p->nv;
+	evaluate(p, NULL, (real *[]){x, x + size, x + 2 * size});
+	for (int i = 0; i < nv; i++)
+		for (int j = 0; j < nv; j++) {
+			compare(p, "dtau_dq", i, j, x[i * nv + j], p->dq[i][j], p->scale);
+			compare(p, "dtau_dqd", i, j, x[size + (size_t)(i * nv + j)], p->dqd[i][j], p->scale);
+			compare(p, "M", i, j, x[2 * size + (size_t)(i * nv + j)], p->M[i][j], p->scale);
+		}
+	free(x);
+	model_close(&p->m);
+}
+
+/* What is not stored is zero, and what is has its place: row by row, of M the lower triangle. */
+static void check_packed(struct probe *p, const char *urdf, struct rneagen_options *o, const char *what)
+{
+	size_t size = SMALL_ROWS * SMALL_ROWS;
+	real *x = calloc(2 * size, sizeof *x);
+	const struct task *k;
+	struct pattern full, low;
+
+	probe_open(p, urdf, o, "want M,dtau_dq\n", what);
+	k = &p->m.tree.task;
+	ck_assert(pattern_make(&full, &p->m.tree, 0, 0, &p->m.arena) && pattern_make(&low, &p->m.tree, 1, 0, &p->m.arena));
+	ck_assert_int_eq(k->wants[0].rows, low.rows);
+	ck_assert_int_eq(k->wants[1].rows, full.rows);
+	evaluate(p, NULL, (real *[]){x, x + size});
+	for (int i = 0; i < p->nv; i++)
+		for (int j = 0; j < p->nv; j++) {
+			int at = full.row[i * p->nv + j], at_low = low.row[i * p->nv + j];
+
+			ck_assert(at_low < 0 || j <= i);
+			compare(p, "packed dtau_dq", i, j, at < 0 ? 0 : x[size + (size_t)at], p->dq[i][j], p->scale);
+			if (j <= i)
+				compare(p, "packed M", i, j, at_low < 0 ? 0 : x[at_low], p->M[i][j], p->scale);
+		}
+	free(x);
+	model_close(&p->m);
+}
+
+/* The matrices times v, and v times the matrices. */
+static void check_products(struct probe *p, const char *urdf, struct rneagen_options *o, struct rng *rng, const char *what)
+{
+	real *v = calloc(3 * SMALL_ROWS, sizeof *v), *x = calloc(4 * SMALL_ROWS, sizeof *x), *y = x + SMALL_ROWS;
+	wide sum[4];
+	int nv;
+
+	probe_open(p, urdf, o, "want jvp,vjp\n", what);
+	nv = p->nv;
+	for (int i = 0; i < 3 * nv; i++)
+		v[i] = rng_uniform(rng, -1, 1);
+	evaluate(p, v, (real *[]){x, y});
+	for (int i = 0; i < nv; i++) {
+		memset(sum, 0, sizeof sum);
+		for (int j = 0; j < nv; j++) {
+			sum[0] += p->dq[i][j] * v[j] + p->dqd[i][j] * v[nv + j] + p->M[i][j] * v[2 * nv + j];
+			sum[1] += p->dq[j][i] * v[j];
+			sum[2] += p->dqd[j][i] * v[j];
+			sum[3] += p->M[j][i] * v[j];
+		}
+		compare(p, "jvp", i, 0, x[i], sum[0], p->scale * 3 * nv);
+		for (int k = 0; k < 3; k++)
+			compare(p, "vjp", i, k, y[k * nv + i], sum[1 + k], p->scale * nv);
+	}
+	free(v);
+	free(x);
+	model_close(&p->m);
+}
+
+static void check(const char *urdf, struct rneagen_options *o, uint64_t seed, const char *what)
+{
+	struct probe *p = calloc(1, sizeof *p);
+	struct rng rng = rng_seed(seed);
+
+	probe_open(p, urdf, o, NULL, what);
+	if (p->nv <= SMALL_ROWS) {
+		reference_sample(p->m.reference, &rng, false, p->q, p->qd, p->qdd);
+		probe_differences(p);
+		model_close(&p->m);
+		check_dense(p, urdf, o, what);
+		check_packed(p, urdf, o, what);
+		check_products(p, urdf, o, &rng, what);
+	} else {
+		model_close(&p->m);
+	}
+	free(p);
+}
+
+START_TEST(test_trees)
+{
+	struct rneagen_options o = rneagen_options_default();
+	uint64_t seed = 700 + (uint64_t)_i;
+	char *urdf = torque_robot(seed, LINKS, _i % 4 ? 0 : ALWAYS_MIMIC), what[64];
+	struct rneagen_result r;
+	struct rneagen_error e;
+
+	snprintf(what, sizeof what, "seed %d", (int)seed);
+	o.base = _i % 3 ? RNEAGEN_FIXED : RNEAGEN_FLOATING;
+	if (!rneagen_generate(urdf, strlen(urdf), &o, &r, &e)) {
+		rneagen_result_free(&r);
+		check(urdf, &o, seed, what);
+	} else {
+		ck_assert_int_eq(e.code, RNEAGEN_NO_JOINTS);
+	}
+	free(urdf);
+}
+END_TEST
+
+static const char *const robots[] = {"iiwa14", "panda", "hyq", "planar_joint", "planar_tilted", "floating_joint", "mimic_chain", "prismatic_skew"};
+
+START_TEST(test_robots)
+{
+	struct rneagen_options o = rneagen_options_default();
+	char path[256];
+	size_t length;
+	char *urdf;
+
+	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, robots[_i]);
+	urdf = read_file(path, &length);
+	ck_assert(urdf != NULL);
+	for (int floating = 0; floating < 2; floating++) {
+		o.base = floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+		check(urdf, &o, 40 + (uint64_t)_i, robots[_i]);
+	}
+	free(urdf);
+}
+END_TEST
+
+/* By what is freed, the torque being linear in it: the identification's regressor times the parameters is what they add. */
+START_TEST(test_freed)
+{
+	struct rneagen_options o = rneagen_options_default();
+	struct probe *p = calloc(1, sizeof *p);
+	struct rng rng = rng_seed(5);
+	real v[FREED_ROWS], tau[SMALL_ROWS], none[SMALL_ROWS], Y[SMALL_ROWS * FREED_ROWS];
+	size_t length;
+	char *urdf = read_file(TEST_DIR "/robots/iiwa14.urdf", &length);
+
+	probe_open(p, urdf, &o, "free payload.iiwa_link_6\nwant tau,dtau_dpayload.iiwa_link_6\n", "iiwa14");
+	reference_sample(p->m.reference, &rng, false, p->q, p->qd, p->qdd);
+	for (int i = 0; i < FREED_ROWS; i++)
+		v[i] = rng_uniform(&rng, 0.1, 1);
+	evaluate(p, v, (real *[]){tau, Y});
+	evaluate(p, (real[FREED_ROWS]){0}, (real *[]){none, Y});
+	for (int i = 0; i < p->nv; i++) {
+		real sum = none[i];
+
+		for (int j = 0; j < FREED_ROWS; j++)
+			sum += Y[i * FREED_ROWS + j] * v[j];
+		compare(p, "regressor", i, 0, sum, tau[i], 1);
+	}
+	model_close(&p->m);
+	free(p);
+	free(urdf);
+}
+END_TEST
+
+/* Quotients and roots, which friction has: forwards and backwards, against differences. */
+START_TEST(test_rules)
+{
+	struct arena a;
+	struct dag d;
+	struct derivable x;
+	struct ref in, root, *dot, one;
+	const real at = 0.7L, h = 1e-6L;
+	real value[2];
+
+	arena_init(&a, NULL);
+	for (int side = 0; side < 2; side++) {
+		real y = at + (side ? -h : h);
+
+		value[side] = 3 * y / sqrtl(y * y + 2) + sqrtl(y) / (1 + y);
+	}
+	dag_init(&d, &a);
+	dag_argument(&d, "in", 1, 0);
+	dag_argument(&d, "out", 2, 1);
+	in = dag_input(&d, 0, 0);
+	one = dag_const(&d, 1);
+	root = dag_div(&d, dag_mul(&d, dag_const(&d, 3), in), dag_sqrt(&d, dag_add(&d, dag_mul(&d, in, in), dag_const(&d, 2))));
+	root = dag_add(&d, root, dag_div(&d, dag_sqrt(&d, in), dag_add(&d, one, in)));
+	ck_assert(derive_begin(&x, &d, &root, 1));
+	dot = arena_alloc(&a, x.count, sizeof *dot);
+	derive_backward(&x, &one, dot);
+	dag_output(&d, 1, 0, dot[in.i]);
+	ck_assert(eval_real(&d, (const real *[]){&at, NULL}, (real *[]){NULL, (real[2]){0}}, NULL));
+	{
+		real out[2];
+
+		ck_assert(eval_real(&d, (const real *[]){&at, NULL}, (real *[]){NULL, out}, NULL));
+		ck_assert_msg(fabsl(out[0] - (value[0] - value[1]) / (2 * h)) < 1e-11L, "%.15Lg", out[0]);
+	}
+	arena_free(&a);
+}
+END_TEST
+
+static void refuse(const char *scene, const char *text)
+{
+	struct rneagen_options o = rneagen_options_default();
+	struct rneagen_result r;
+	struct rneagen_error e;
+	size_t length;
+	char *urdf = read_file(TEST_DIR "/robots/iiwa14.urdf", &length);
+
+	o.scene = scene;
+	ck_assert(rneagen_generate(urdf, length, &o, &r, &e));
+	ck_assert_msg(strstr(e.message, text) != NULL, "%s", e.message);
+	free(urdf);
+}
+
+START_TEST(test_refused)
+{
+	refuse("want dtau_dq\nfold q.iiwa_joint_2=1\n", "row 1 of q is given: no derivative by it");
+	refuse("want dtau_dqd\nfold qd=0\n", "row 0 of qd is given");
+	refuse("want dtau_dpayload.iiwa_link_6\n", "'payload.iiwa_link_6' is not free");
+	refuse("want dtau_dqq\n", "'qq' is not free");
+	refuse("want M,M\n", "'M' is wanted already");
+}
+END_TEST
+
+int main(void)
+{
+	Suite *s = suite_create("gradient");
+	TCase *c = tcase_create("gradient");
+	SRunner *r;
+	int failed;
+
+	tcase_set_timeout(c, 120);
+	tcase_add_loop_test(c, test_trees, 0, TREES);
+	tcase_add_loop_test(c, test_robots, 0, (int)(sizeof robots / sizeof *robots));
+	tcase_add_test(c, test_freed);
+	tcase_add_test(c, test_rules);
+	tcase_add_test(c, test_refused);
+	suite_add_tcase(s, c);
+	r = srunner_create(s);
+	srunner_run_all(r, CK_NORMAL);
+	failed = srunner_ntests_failed(r);
+	srunner_free(r);
+	return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
