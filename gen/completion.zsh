@@ -19,6 +19,7 @@ _rneagen_model=(
 	'*--fold=[an input that is known]:NAME=VALUE:'
 	'*--free=[a constant that becomes an input]:name:'
 	'*--want=[what is computed]:names:'
+	'--dense[matrices with all their zeros]'
 	'*--fext=[external wrenches on these links]:links:'
 	'--fext-frame=[the axes of external wrenches]:frame:(link world)'
 	'--armature=[rotor inertias]:file:_files'

@@ -19,12 +19,14 @@ struct dropping {
 
 static double apply(const struct dropping *p, const struct node *n, size_t state)
 {
-	double a = p->value[n->arg[0].i], b = p->value[n->arg[1].i];
+	double a = op_arity[n->op] > 0 ? p->value[n->arg[0].i] : 0, b = op_arity[n->op] > 1 ? p->value[n->arg[1].i] : 0;
 
 	switch (n->op) {
 	case OP_CONST:
 		return (double)n->value;
 	case OP_INPUT:
+		if ((int)n->arg[0].i >= p->d->argument_count)
+			return 0; /* nothing that is said depends on it */
 		return sample_input(&p->states, p->t, &p->d->arguments[n->arg[0].i], (int)n->arg[1].i, state);
 	case OP_NEG:
 		return -a;

@@ -1,5 +1,6 @@
 /* What a generated text says about itself: the comment at its head, and the table NAME_info. */
 #include "emit.h"
+#include "pattern.h"
 #include "effect.h"
 #include "scene_put.h"
 #include "template.h"
@@ -105,6 +106,28 @@ static int has_type(const struct tree *t, enum joint_type type)
 	return 0;
 }
 
+/* Which elements of a matrix are stored, in their order; only (i, j) with i >= j of M. */
+static void put_matrix(const struct emission *e, const struct want *w, struct text *out)
+{
+	int nv = e->tree->nv, symmetric = w->kind == WANT_MASS, column = 0;
+	struct pattern p;
+
+	if (w->kind == WANT_VJP)
+		text_put(out, ": by q, by qd, by qdd");
+	if (w->kind == WANT_DTAU_DFREED)
+		text_put(out, ": row by row, a torque each");
+	if (w->kind != WANT_DTAU_DQ && w->kind != WANT_DTAU_DQD && w->kind != WANT_MASS)
+		return;
+	text_put(out, ": row by row, a torque each");
+	if (w->rows == nv * nv || !pattern_make(&p, e->tree, symmetric, 0, e->arena))
+		return;
+	text_put(out, "; elements");
+	for (int i = 0; i < nv; i++)
+		for (int j = 0; j < nv; j++)
+			if (p.row[i * nv + j] >= 0)
+				text_printf(out, "%s%d,%d", column++ % 16 ? " " : "\n *     ", i, j);
+}
+
 /* What an array of the scene's is: "payload.hand", and its rows. */
 static const char *describe(const struct emission *e, const struct argument *a)
 {
@@ -123,8 +146,10 @@ static const char *describe(const struct emission *e, const struct argument *a)
 			text_printf(&t, "%s%s", wrench, k->in_world ? "the world" : "the link");
 	for (int i = 0; i < k->want_count; i++)
 		if (a->is_output && !strcmp(a->name, k->wants[i].argument)) {
-			text_put_comment(&t, k->wants[i].word);
-			text_put(&t, a->rows == 6 && k->wants[i].kind >= WANT_WRENCH ? ": linear, then angular" : "");
+			if (strcmp(k->wants[i].word, a->name))
+				text_put_comment(&t, k->wants[i].word);
+			text_put(&t, a->rows == 6 && k->wants[i].kind >= WANT_WRENCH && k->wants[i].kind < WANT_POWER ? ": linear, then angular" : "");
+			put_matrix(e, &k->wants[i], &t);
 		}
 	return text_string(&t);
 }
@@ -140,7 +165,7 @@ static void put_task(const struct emission *e, struct text *out)
 		const char *what = describe(e, a);
 
 		text_printf(out, " *   %s %s[%d]%s%s%s\n", a->is_output ? "out" : "in", a->name, a->rows,
-			a->per_batch ? ", the same for all samples" : "", *what ? ": " : "", what);
+			a->per_batch ? ", the same for all samples" : "", *what && *what != ':' ? ": " : "", what);
 	}
 }
 

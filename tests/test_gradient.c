@@ -1,6 +1,5 @@
 /* Derivatives of the torques and the mass matrix, against differences of the independent reference in extended precision,
    over random trees and the robots of this folder. */
-#include "derive.h"
 #include "model.h"
 #include "pattern.h"
 #include "torque.h"
@@ -332,44 +331,6 @@ START_TEST(test_freed)
 }
 END_TEST
 
-/* Quotients and roots, which friction has: forwards and backwards, against differences. */
-START_TEST(test_rules)
-{
-	struct arena a;
-	struct dag d;
-	struct derivable x;
-	struct ref in, root, *dot, one;
-	const real at = 0.7L, h = 1e-6L;
-	real value[2];
-
-	arena_init(&a, NULL);
-	for (int side = 0; side < 2; side++) {
-		real y = at + (side ? -h : h);
-
-		value[side] = 3 * y / sqrtl(y * y + 2) + sqrtl(y) / (1 + y);
-	}
-	dag_init(&d, &a);
-	dag_argument(&d, "in", 1, 0);
-	dag_argument(&d, "out", 2, 1);
-	in = dag_input(&d, 0, 0);
-	one = dag_const(&d, 1);
-	root = dag_div(&d, dag_mul(&d, dag_const(&d, 3), in), dag_sqrt(&d, dag_add(&d, dag_mul(&d, in, in), dag_const(&d, 2))));
-	root = dag_add(&d, root, dag_div(&d, dag_sqrt(&d, in), dag_add(&d, one, in)));
-	ck_assert(derive_begin(&x, &d, &root, 1));
-	dot = arena_alloc(&a, x.count, sizeof *dot);
-	derive_backward(&x, &one, dot);
-	dag_output(&d, 1, 0, dot[in.i]);
-	ck_assert(eval_real(&d, (const real *[]){&at, NULL}, (real *[]){NULL, (real[2]){0}}, NULL));
-	{
-		real out[2];
-
-		ck_assert(eval_real(&d, (const real *[]){&at, NULL}, (real *[]){NULL, out}, NULL));
-		ck_assert_msg(fabsl(out[0] - (value[0] - value[1]) / (2 * h)) < 1e-11L, "%.15Lg", out[0]);
-	}
-	arena_free(&a);
-}
-END_TEST
-
 static void refuse(const char *scene, const char *text)
 {
 	struct rneagen_options o = rneagen_options_default();
@@ -405,7 +366,6 @@ int main(void)
 	tcase_add_loop_test(c, test_trees, 0, TREES);
 	tcase_add_loop_test(c, test_robots, 0, (int)(sizeof robots / sizeof *robots));
 	tcase_add_test(c, test_freed);
-	tcase_add_test(c, test_rules);
 	tcase_add_test(c, test_refused);
 	suite_add_tcase(s, c);
 	r = srunner_create(s);

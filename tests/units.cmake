@@ -31,6 +31,8 @@ target_link_libraries(test_passes PRIVATE reference)
 # What a scene says, and what it leaves.
 rneagen_add_test(test_saving model.c)
 target_link_libraries(test_saving PRIVATE reference)
+rneagen_add_test(test_derive)
+target_link_libraries(test_derive PRIVATE m)
 rneagen_add_test(test_gradient torque.c model.c)
 target_link_libraries(test_gradient PRIVATE reference)
 rneagen_add_test(test_friction model.c)
