@@ -47,3 +47,8 @@ target_link_libraries(test_judge PRIVATE reference m)
 add_test(NAME test_rnearun_report COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_rnearun_report $<TARGET_FILE:rnearun>
 	$<TARGET_FILE:fake_cuda> $<TARGET_FILE:fake_nvrtc>)
 set_tests_properties(test_rnearun_report PROPERTIES TIMEOUT 1200)
+rneagen_add_test(test_floor ${CMAKE_SOURCE_DIR}/runtime/floor.c)
+add_dependencies(test_floor fake_cuda fake_nvrtc)
+target_link_libraries(test_floor PRIVATE rnea::rnea m)
+set_tests_properties(test_floor PROPERTIES
+	ENVIRONMENT "RNEA_LIBCUDA=$<TARGET_FILE:fake_cuda>;RNEA_NVRTC=$<TARGET_FILE:fake_nvrtc>")
