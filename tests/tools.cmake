@@ -52,3 +52,11 @@ add_dependencies(test_floor fake_cuda fake_nvrtc)
 target_link_libraries(test_floor PRIVATE rnea::rnea m)
 set_tests_properties(test_floor PROPERTIES
 	ENVIRONMENT "RNEA_LIBCUDA=$<TARGET_FILE:fake_cuda>;RNEA_NVRTC=$<TARGET_FILE:fake_nvrtc>")
+
+# rnearun eval over the arrays that a scene makes.
+add_executable(test_rnearun_task test_rnearun_task.c states_file.c process.c)
+target_link_libraries(test_rnearun_task PRIVATE reference PkgConfig::CHECK m)
+target_compile_definitions(test_rnearun_task PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
+add_test(NAME test_rnearun_task COMMAND test_rnearun_task $<TARGET_FILE:rnearun>)
+set_tests_properties(test_rnearun_task PROPERTIES TIMEOUT 600
+	ENVIRONMENT "RNEA_LIBCUDA=$<TARGET_FILE:fake_cuda>;RNEA_NVRTC=$<TARGET_FILE:fake_nvrtc>")
