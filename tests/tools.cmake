@@ -44,6 +44,8 @@ set_tests_properties(test_rnearun test_rnearun_numpy PROPERTIES TIMEOUT 600 SKIP
 # The commands that compare variants: what they judge by, and themselves.
 rneagen_add_test(test_judge model.c ${CMAKE_SOURCE_DIR}/runtime/judge.c)
 target_link_libraries(test_judge PRIVATE reference m)
+rneagen_add_test(test_judge_task model.c ${CMAKE_SOURCE_DIR}/runtime/judge.c)
+target_link_libraries(test_judge_task PRIVATE reference m)
 add_test(NAME test_rnearun_report COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_rnearun_report $<TARGET_FILE:rnearun>
 	$<TARGET_FILE:fake_cuda> $<TARGET_FILE:fake_nvrtc>)
 set_tests_properties(test_rnearun_report PROPERTIES TIMEOUT 1200)
