@@ -69,7 +69,10 @@ enum rnea_layout { RNEA_SOA, RNEA_AOS }; /* array[row][sample], array[sample][ro
 
 enum { RNEA_ARGUMENT_LIMIT = 64 }; /* the most arrays one kernel can take */
 
-/* One array of the signature. Sample k of row r is at [r * count + k] in soa and [k * rows + r] in aos. */
+/* One array of the signature. Sample k of row r is at [r * count + k] in soa and [k * rows + r] in aos: an array has rows x
+   count scalars, or, per batch, as many as it has rows. That it is no shorter is for the caller to see to, by what stands
+   here: nobody can tell by a pointer. A scene (--fold, --free, --want, --fext of rneagen) makes other arrays than q, qd, qdd
+   and tau; a text may have no inputs at all. */
 struct rnea_argument {
 	const char *name;        /* "q", "qd", "qdd", "tau", ... */
 	size_t rows;             /* scalars per sample; at least 1 */
@@ -179,7 +182,8 @@ const struct rnea_build *rnea_build(const struct rnea_robot *robot);
 
 /* ---- launching ---- */
 
-/* The kernels of a text, with the arrays each takes, in order. In and out: [in] read, [out] written. */
+/* The kernels of a text, with the arrays each takes, in order. In and out: [in] read, [out] written. A text with inputs or
+   outputs of a scene's has RNEA_KERNEL_RNEA alone. */
 enum rnea_kernel {
 	RNEA_KERNEL_RNEA,  /* the info's inputs [in], then its outputs [out] */
 	RNEA_KERNEL_FPASS, /* the info's inputs [in], v, a, f [out]: twists, accelerations, wrenches, 6 nb rows each */
@@ -206,8 +210,9 @@ size_t rnea_argument_count(const struct rnea_robot *robot, enum rnea_kernel kern
 enum rnea_code rnea_resources(const struct rnea_robot *robot, enum rnea_kernel kernel, struct rnea_resources *resources,
 	struct rnea_error *error);
 
-/* tau = ID(q, qd, qdd) for `count` samples. `arguments` holds one pointer for each array of info->arguments. Arrays must
-   not overlap, unless both are only read. May be called by several threads at once. A count of 0 is a no-op, whatever
+/* tau = ID(q, qd, qdd), or what else the text computes, for `count` samples. `arguments` holds one pointer for each array
+   of info->arguments. Arrays must not overlap, unless both are only read. May be called by several threads at once. A
+   count of 0 is a no-op, whatever
    the arguments.
    CUDA: enqueued on `stream` (a CUstream or cudaStream_t of the robot's device; NULL: the default stream), on device
    pointers; the array of pointers may be reused as soon as the call returns, the memory that they point to when the

@@ -42,12 +42,14 @@ add_test(NAME test_runtime_host COMMAND test_runtime_host)
 
 # From a URDF in one call, against the reference.
 if(TARGET rnea::urdf)
-	add_executable(test_runtime_urdf test_runtime_urdf.c)
-	add_dependencies(test_runtime_urdf fake_cuda fake_nvrtc)
-	target_link_libraries(test_runtime_urdf PRIVATE rnea::urdf reference PkgConfig::CHECK m)
-	target_compile_definitions(test_runtime_urdf PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}"
-		FAKE_CUDA="$<TARGET_FILE:fake_cuda>" FAKE_NVRTC="$<TARGET_FILE:fake_nvrtc>")
-	add_test(NAME test_runtime_urdf COMMAND test_runtime_urdf)
+	foreach(test IN ITEMS test_runtime_urdf test_runtime_task)
+		add_executable(${test} ${test}.c)
+		add_dependencies(${test} fake_cuda fake_nvrtc)
+		target_link_libraries(${test} PRIVATE rnea::urdf reference PkgConfig::CHECK m)
+		target_compile_definitions(${test} PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}"
+			FAKE_CUDA="$<TARGET_FILE:fake_cuda>" FAKE_NVRTC="$<TARGET_FILE:fake_nvrtc>")
+		add_test(NAME ${test} COMMAND ${test})
+	endforeach()
 endif()
 
 # What runs on a GPU, with small batches on the pretended one.
