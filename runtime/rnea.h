@@ -212,8 +212,7 @@ enum rnea_code rnea_resources(const struct rnea_robot *robot, enum rnea_kernel k
 
 /* tau = ID(q, qd, qdd), or what else the text computes, for `count` samples. `arguments` holds one pointer for each array
    of info->arguments. Arrays must not overlap, unless both are only read. May be called by several threads at once. A
-   count of 0 is a no-op, whatever
-   the arguments.
+   count of 0 is a no-op, whatever the arguments.
    CUDA: enqueued on `stream` (a CUstream or cudaStream_t of the robot's device; NULL: the default stream), on device
    pointers; the array of pointers may be reused as soon as the call returns, the memory that they point to when the
    stream has passed. Allocates nothing, synchronises nothing, may be captured into a CUDA graph. What goes wrong while
