@@ -226,14 +226,39 @@ const struct rnea_build *rnea_build(const struct rnea_robot *robot)
 	return &robot->build;
 }
 
-int rnea_bind(const struct rnea_robot *robot, const char *name)
+static int find_array(const struct rnea_info *info, const char *name)
 {
-	size_t count = robot->info.input_count + robot->info.output_count;
-
-	for (size_t i = 0; name && i < count; i++)
-		if (strcmp(robot->info.arguments[i].name, name) == 0)
+	for (size_t i = 0; i < info->input_count + info->output_count; i++)
+		if (strcmp(info->arguments[i].name, name) == 0)
 			return (int)i;
 	return -1;
+}
+
+/* Is it the array's name with other characters where that has '_', and then the suffix? */
+static int is_word_of(const char *array, const char *word, const char *suffix)
+{
+	static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+
+	for (; *word && *array; word++, array++)
+		if (*array != (strchr(letters, *word) ? *word : '_'))
+			return 0;
+	return !*word && strcmp(array, suffix) == 0;
+}
+
+int rnea_bind(const struct rnea_robot *robot, const char *name)
+{
+	const struct rnea_info *info = &robot->info;
+	int found = name ? find_array(info, name) : -1;
+
+	if (!name || found >= 0)
+		return found;
+	for (size_t i = 0; i < info->input_count + info->output_count; i++) {
+		if (is_word_of(info->arguments[i].name, name, "_2"))
+			return -1;
+		if (is_word_of(info->arguments[i].name, name, ""))
+			found = (int)i;
+	}
+	return found;
 }
 
 int rnea_has(const struct rnea_robot *robot, enum rnea_kernel kernel)

@@ -200,7 +200,9 @@ struct rnea_resources {
 	unsigned busy_block;  /* threads per block that keep the most threads resident; 0: the driver does not say */
 };
 
-/* The index of the array `name` in the order of RNEA_KERNEL_RNEA, or -1 if there is none of that name. */
+/* The index of the array `name` in the order of RNEA_KERNEL_RNEA, or -1 if there is none of that name. A scene's word,
+   "payload.left hand", does for its array, payload_left_hand; but not where there is a payload_left_hand_2 as well, which
+   may be of the same word: -1, ask by the array's name then. */
 int rnea_bind(const struct rnea_robot *robot, const char *name);
 
 /* How many arrays `kernel` takes; 0 if the text does not have it. */

@@ -39,6 +39,11 @@ add_executable(test_targets_cuda test_targets_cuda.c ptxas.c)
 target_compile_definitions(test_targets_cuda PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
 target_link_libraries(test_targets_cuda PRIVATE target rnea::rnea)
 add_test(NAME test_targets_cuda COMMAND test_targets_cuda)
+add_executable(test_task_texts test_task_texts.c)
+add_dependencies(test_task_texts fake_cuda fake_nvrtc)
+target_compile_definitions(test_task_texts PRIVATE FAKE_CUDA="$<TARGET_FILE:fake_cuda>" FAKE_NVRTC="$<TARGET_FILE:fake_nvrtc>")
+target_link_libraries(test_task_texts PRIVATE task target rnea::rnea)
+add_test(NAME test_task_texts COMMAND test_task_texts)
 
 # What is committed under generated/ is what the command writes.
 add_test(NAME golden COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/regenerate --check $<TARGET_FILE:rneagen-command>)
