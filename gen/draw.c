@@ -82,7 +82,26 @@ static int draw_others(struct drawn *x, const struct task *k, unsigned short see
 	return 1;
 }
 
-int draw_inputs(struct drawn *x, const struct robot *r, const struct tree *t, const struct sample_options *o)
+/* What is no constant of the URDF's, such as the vectors that derivatives are multiplied by. */
+static int draw_rest(struct drawn *x, const struct dag *d, unsigned short seed[3])
+{
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *a = &d->arguments[i];
+		size_t count = (a->per_batch ? 1 : x->states.count) * (size_t)a->rows;
+		double *values;
+
+		if (a->is_output || draw_rows(x, a, 0))
+			continue;
+		if (x->count == DRAWN_ARRAYS || !(values = add_array(x, a->name, (size_t)a->rows, a->per_batch)))
+			return 0;
+		for (size_t k = 0; k < count; k++)
+			values[k] = around(seed, 0, 1);
+	}
+	return 1;
+}
+
+int draw_inputs(struct drawn *x, const struct robot *r, const struct tree *t, const struct dag *d,
+	const struct sample_options *o)
 {
 	/* another sequence than that of the states */
 	unsigned short seed[3] = {
@@ -94,7 +113,7 @@ int draw_inputs(struct drawn *x, const struct robot *r, const struct tree *t, co
 	x->arrays[0] = (struct drawn_array){"q", x->states.nq, 0, x->states.q};
 	x->arrays[1] = (struct drawn_array){"qd", x->states.nv, 0, x->states.qd};
 	x->arrays[2] = (struct drawn_array){"qdd", x->states.nv, 0, x->states.qdd};
-	if (draw_others(x, &t->task, seed))
+	if (draw_others(x, &t->task, seed) && draw_rest(x, d, seed))
 		return 1;
 	draw_free(x);
 	return 0;

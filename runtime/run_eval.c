@@ -169,6 +169,12 @@ static int name_files(struct eval *v)
 	return status;
 }
 
+/* Does it have an option of its own? */
+static int is_state(const char *name)
+{
+	return !strcmp(name, "q") || !strcmp(name, "qd") || !strcmp(name, "qdd");
+}
+
 /* What must have a file has one; what has none, and need not, is told. */
 static int check_inputs(const struct eval *v)
 {
@@ -182,7 +188,8 @@ static int check_inputs(const struct eval *v)
 		if (s->is_output || a->paths[i] || eval_is_joined(a, i))
 			continue;
 		if (!s->has_default)
-			return option_refuse(v->command.name, "--%s is missing", s->word);
+			return option_refuse(
+				v->command.name, is_state(s->name) ? "--%s is missing" : "--input %s=FILE is missing", s->word);
 		if (v->command.quiet)
 			continue;
 		fprintf(stderr, "%s: %s: no file named:", v->command.name, s->word);

@@ -126,6 +126,21 @@ START_TEST(test_draws)
 }
 END_TEST
 
+/* Vectors that derivatives are multiplied by are no constants of the URDF. */
+START_TEST(test_vectors)
+{
+	struct fixture f;
+	double most = 0;
+
+	open_fixture(&f, "want tau,vjp\n", RNEAGEN_F64);
+	for (size_t k = 0; k < COUNT; k++)
+		for (int i = 0; i < 7; i++)
+			most = fmax(most, fabs(rows(&f, "vjp_v", k)[i]));
+	ck_assert(most > 0.9 && most <= 1);
+	close_fixture(&f);
+}
+END_TEST
+
 /* ---- what is compared with ---- */
 
 static void add_scaled(wide to[10], const double *x)
@@ -314,6 +329,7 @@ int main(void)
 	int failed;
 
 	tcase_add_test(c, test_draws);
+	tcase_add_test(c, test_vectors);
 	tcase_add_loop_test(c, test_reference, 0, 2);
 	tcase_add_test(c, test_errors);
 	tcase_add_test(c, test_bound);

@@ -355,6 +355,8 @@ START_TEST(test_refused)
 		"out.npy");
 	RUN_SCENE(f, 2, "--qd is missing", "--q", "q.npy", "--out", "out.npy");
 	RUN_SCENE(f, 2, "--q is missing", "--out", "out.npy");
+	RUN(2, "--input vjp_v=FILE is missing", IIWA, "--want", "vjp", "--q", "q.npy", "--qd", "qd.npy", "--qdd", "qd.npy", "--out",
+		"out.npy");
 	RUN_SCENE(f, 2, "'q' has a file already", "--q", "q.npy", "--qd", "qd.npy", "--input", "q=q.npy", "--out", "out.npy");
 	RUN_SCENE(f, 2, "two outputs name the file out.npy", "--in", "in.npy", "--out", "out.npy", "--output", "tau=out.npy");
 	RUN_SCENE(f, 2, "two outputs name the file o.npy", "--in", "in.npy", "--output", "power=o.npy", "--output", "tau=o.npy");
