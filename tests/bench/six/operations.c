@@ -74,6 +74,10 @@ static void build_mxs(struct dag *d, const struct tree *t)
 	struct svec u, zero = {{{0}}};
 	real axis[3];
 
+	if (!k) {
+		d->failed = 1;
+		return;
+	}
 	for (int i = 0; i < 3; i++)
 		axis[i] = k->sign * k->frame.m[i][k->axis];
 	u = svec_scale(d, dag_input(d, qd, 0), svec_const(d, axis));
@@ -99,11 +103,17 @@ static struct svec inertia_times(struct dag *d, const struct inertia *I, struct 
 static void build_vxiv(struct dag *d, const struct tree *t)
 {
 	const struct body *k = chosen(t);
-	struct smat A = smat_const(d, &k->frame);
 	struct motion x = input_motion(d);
 	int f = dag_argument(d, "f", 6, 1);
-	struct svec h = svec_const(d, k->inertia.h), v, w, wh, p, L, force, moment;
+	struct svec h, v, w, wh, p, L, force, moment;
+	struct smat A;
 
+	if (!k) {
+		d->failed = 1;
+		return;
+	}
+	A = smat_const(d, &k->frame);
+	h = svec_const(d, k->inertia.h);
 	v = smat_mul_transposed(d, &A, x.v);
 	w = smat_mul_transposed(d, &A, x.w);
 	wh = svec_cross(d, w, h);
