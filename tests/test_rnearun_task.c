@@ -1,12 +1,11 @@
 /* test_rnearun_task RNEARUN: rnearun eval with scenes that free, fold and want, against the independent reference, whose
    links, gravity and forces from outside are changed for each sample. Both backends: this machine's processor, and the
-   pretended GPU. */
+   pretended GPU. What is refused is in test_rnearun_task_refused.c. */
 #define _DEFAULT_SOURCE
+#include "test_rnearun_task.h"
 #include "process.h"
 #include "reference.h"
 #include "states_file.h"
-#include <check.h>
-#include <dirent.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -14,16 +13,12 @@
 #include <string.h>
 #include <unistd.h>
 
-#define ROBOTS TEST_DIR "/robots/"
-#define IIWA ROBOTS "iiwa14.urdf"
-
-enum { COUNT = 200, SEED = 20261121, ROWS = 64, PAYLOAD = 10, PUSH = 6 };
+enum { COUNT = SAMPLES, SEED = 20261121, ROWS = 64, PAYLOAD = 10, PUSH = 6 };
 
 static const char *rnearun;
 static char folder[] = "rnearun_task.XXXXXX";
 
-/* rnearun eval WORDS...: its status, and `part` in what it says; "": nothing of a missing file. */
-static void run(int status, const char *part, const char *const *words)
+void run_eval(int status, const char *part, const char *const *words)
 {
 	const char *argv[48] = {rnearun, "eval"};
 	struct process p;
@@ -34,19 +29,6 @@ static void run(int status, const char *part, const char *const *words)
 	ck_assert_msg(p.status == status, "status %d, not %d: %s", p.status, status, p.output);
 	ck_assert_msg(*part ? strstr(p.output, part) != NULL : !strstr(p.output, "no file"), "'%s' is not '%s'", p.output, part);
 	process_free(&p);
-}
-
-#define RUN(status, part, ...) run(status, part, (const char *const[]){__VA_ARGS__, NULL})
-
-static int count_files(const char *begins)
-{
-	DIR *d = opendir(".");
-	int n = 0;
-
-	for (struct dirent *f; (f = readdir(d)) != NULL;)
-		n += !strncmp(f->d_name, begins, strlen(begins));
-	closedir(d);
-	return n;
 }
 
 /* ---- a scene with inputs of all kinds ---- */
@@ -112,7 +94,7 @@ static void draw(struct rng *rng, int f32, double most, double *x, int count)
 }
 
 /* Any ten numbers are a payload: torques are linear in them. */
-static struct fixture *fixture_new(int i, int f32)
+struct fixture *fixture_new(int i, int f32)
 {
 	struct fixture *f = calloc(1, sizeof *f);
 	struct reference_options o = {0};
@@ -138,7 +120,7 @@ static struct fixture *fixture_new(int i, int f32)
 	return f;
 }
 
-static void fixture_free(struct fixture *f)
+void fixture_free(struct fixture *f)
 {
 	reference_close(f->r);
 	free(f);
@@ -162,8 +144,7 @@ static void write_parts(const struct fixture *f, const char *path, const size_t 
 	free(x);
 }
 
-/* in.npy of all, and q.npy, qd.npy, payload.npy, push.npy, g.npy. */
-static void write_inputs(const struct fixture *f)
+void write_inputs(const struct fixture *f)
 {
 	const size_t parts[][2] = {{offsetof(struct sample, q), f->nq}, {offsetof(struct sample, qd), f->nv},
 		{offsetof(struct sample, payload), PAYLOAD}, {offsetof(struct sample, push), PUSH}};
@@ -214,8 +195,7 @@ static void assert_results(struct fixture *f, int is_bare, const double *tau, si
 	}
 }
 
-/* The words of the scene, then more. */
-static void run_scene(const struct fixture *f, int status, const char *part, const char *const *more)
+void run_scene(const struct fixture *f, int status, const char *part, const char *const *more)
 {
 	char mass[300];
 	const char *const options[] = {"--base", f->x->base, "--free", mass, "--free", "gravity:batch", "--fext", f->x->push, "--want", "tau,power", "--fold", "qdd=0", "--slice", "37"};
@@ -226,10 +206,8 @@ static void run_scene(const struct fixture *f, int status, const char *part, con
 	memcpy(words + 1, options, sizeof options);
 	for (size_t i = 0; more[i]; i++)
 		words[1 + n + i] = more[i];
-	run(status, part, words);
+	run_eval(status, part, words);
 }
-
-#define RUN_SCENE(f, status, part, ...) run_scene(f, status, part, (const char *const[]){__VA_ARGS__, NULL})
 
 static const char *const BACKENDS[] = {"cuda", "cpu"};
 
@@ -335,49 +313,6 @@ START_TEST(test_no_samples)
 }
 END_TEST
 
-START_TEST(test_refused)
-{
-	struct fixture *f = fixture_new(0, 0);
-	double x[COUNT * 9] = {0};
-
-	write_inputs(f);
-	file_put_array("g2.npy", x, 2, 3, 0);
-	file_put_array("p9.npy", x, COUNT, 9, 0);
-	file_put_array("p20.npy", x, 20, 10, 0);
-	unlink("out.npy");
-	RUN_SCENE(f, 2, "'payload.iiwa_link_8' is no input of this scene; did you mean 'payload.iiwa_link_7'?", "--in", "in.npy",
-		"--input", "payload.iiwa_link_8=p.npy", "--out", "out.npy");
-	RUN_SCENE(f, 2, "'tua' is no output of this scene; did you mean 'tau'?", "--in", "in.npy", "--output", "tua=out.npy");
-	RUN_SCENE(f, 2, "'tau' is no input", "--in", "in.npy", "--input", "tau=q.npy", "--out", "out.npy");
-	RUN_SCENE(f, 2, "--input takes NAME=FILE, not 'gravity'", "--in", "in.npy", "--input", "gravity", "--out", "out.npy");
-	RUN_SCENE(f, 2, "--output takes NAME=FILE, not 'tau='", "--in", "in.npy", "--output", "tau=");
-	RUN_SCENE(f, 2, "the scene has no input qdd; leave it out", "--q", "q.npy", "--qd", "qd.npy", "--qdd", "qd.npy", "--out",
-		"out.npy");
-	RUN_SCENE(f, 2, "--qd is missing", "--q", "q.npy", "--out", "out.npy");
-	RUN_SCENE(f, 2, "--q is missing", "--out", "out.npy");
-	RUN(2, "--input vjp_v=FILE is missing", IIWA, "--want", "vjp", "--q", "q.npy", "--qd", "qd.npy", "--qdd", "qd.npy", "--out",
-		"out.npy");
-	RUN_SCENE(f, 2, "'q' has a file already", "--q", "q.npy", "--qd", "qd.npy", "--input", "q=q.npy", "--out", "out.npy");
-	RUN_SCENE(f, 2, "two outputs name the file out.npy", "--in", "in.npy", "--out", "out.npy", "--output", "tau=out.npy");
-	RUN_SCENE(f, 2, "two outputs name the file o.npy", "--in", "in.npy", "--output", "power=o.npy", "--output", "tau=o.npy");
-	RUN_SCENE(f, 2, "can be written once", "--in", "in.npy", "--out", "-", "--output", "tau=-");
-	RUN_SCENE(f, 2, "can be read once", "--in", "-", "--input", "gravity=-", "--out", "out.npy");
-	RUN_SCENE(f, 2, "--output in.npy is the input in.npy", "--in", "in.npy", "--output", "tau=in.npy", "--quiet");
-	RUN_SCENE(f, 1, "q.npy: 7 columns, iiwa14 needs 30 (q 7, qd 7, payload.iiwa_link_7 10, fext.iiwa_link_ee 6)", "--in", "q.npy",
-		"--out", "out.npy");
-	RUN_SCENE(f, 1, "g2.npy: shape (2, 3), iiwa14 needs (3,) for gravity", "--in", "in.npy", "--input", "gravity=g2.npy", "--out",
-		"out.npy");
-	RUN_SCENE(f, 1, "p9.npy: 9 columns, iiwa14 needs 10 for payload.iiwa_link_7", "--input", "payload.iiwa_link_7=p9.npy", "--q",
-		"q.npy", "--qd", "qd.npy", "--out", "out.npy");
-	RUN_SCENE(f, 1, "other samples than q.npy", "--input", "payload.iiwa_link_7=p20.npy", "--q", "q.npy", "--qd", "qd.npy", "--out",
-		"out.npy");
-	RUN_SCENE(f, 1, "no/p.npy: cannot be written", "--in", "in.npy", "--output", "tau=out.npy", "--output", "power=no/p.npy");
-	RUN_SCENE(f, 1, "/dev/full: cannot be written", "--in", "in.npy", "--output", "tau=out.npy", "--output", "power=/dev/full");
-	ck_assert_int_eq(count_files("out.npy"), 0);
-	fixture_free(f);
-}
-END_TEST
-
 static Suite *suite(void)
 {
 	Suite *s = suite_create("rnearun_task");
@@ -388,8 +323,8 @@ static Suite *suite(void)
 	tcase_add_loop_test(c, test_apart, 0, 2 * CASE_COUNT);
 	tcase_add_test(c, test_mixed);
 	tcase_add_loop_test(c, test_no_samples, 0, 2);
-	tcase_add_test(c, test_refused);
 	suite_add_tcase(s, c);
+	suite_add_tcase(s, case_refused());
 	return s;
 }
 

@@ -56,7 +56,7 @@ set_tests_properties(test_floor PROPERTIES
 	ENVIRONMENT "RNEA_LIBCUDA=$<TARGET_FILE:fake_cuda>;RNEA_NVRTC=$<TARGET_FILE:fake_nvrtc>")
 
 # rnearun eval over the arrays that a scene makes.
-add_executable(test_rnearun_task test_rnearun_task.c states_file.c process.c)
+add_executable(test_rnearun_task test_rnearun_task.c test_rnearun_task_refused.c states_file.c process.c)
 target_link_libraries(test_rnearun_task PRIVATE reference PkgConfig::CHECK m)
 target_compile_definitions(test_rnearun_task PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
 add_test(NAME test_rnearun_task COMMAND test_rnearun_task $<TARGET_FILE:rnearun>)
