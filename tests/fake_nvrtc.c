@@ -110,7 +110,7 @@ static const char *kernel_name(const char *s, size_t *length)
 
 static void write_source(const struct program *p, const char *path)
 {
-	static const char mark[] = "__global__";
+	static const char mark[] = "extern \"C\" __global__ void"; /* a joint may be called __global__ */
 	int waits = strstr(p->source, "__syncthreads()") != NULL;
 	FILE *f = fopen(path, "w");
 	const char *s = p->source;

@@ -49,7 +49,7 @@ void case_close(struct task_case *c)
 	free(c);
 }
 
-struct task_case *case_random(uint64_t seed, int links)
+struct task_case *case_random(uint64_t seed, int links, int flags)
 {
 	struct rneagen_options o = rneagen_options_default();
 	struct task_case *c;
@@ -58,7 +58,7 @@ struct task_case *case_random(uint64_t seed, int links)
 	o.mimic = seed % 5 ? RNEAGEN_MIMIC_HONOUR : RNEAGEN_MIMIC_INDEPENDENT;
 	o.gravity[1] = 1.25;
 	o.gravity[2] = -9.75;
-	c = case_new(torque_robot(seed, links, NO_ODD_NAMES | (seed % 4 ? 0 : ALWAYS_MIMIC)), &o, seed);
+	c = case_new(torque_robot(seed, links, flags | (seed % 4 ? 0 : ALWAYS_MIMIC)), &o, seed);
 	if (c->r->nv)
 		return c;
 	case_close(c);

@@ -44,8 +44,9 @@ struct task_case {
 struct task_case *case_new(char *urdf, const struct rneagen_options *o, uint64_t seed);
 void case_close(struct task_case *c);
 
-/* A random tree of at most `links` links with base, mimic and gravity by the seed; NULL where it has no rows. */
-struct task_case *case_random(uint64_t seed, int links);
+/* A random tree of at most `links` links with base, mimic and gravity by the seed, with the flags of torque_robot; NULL
+   where it has no rows. */
+struct task_case *case_random(uint64_t seed, int links, int flags);
 
 /* Further text of the scene. */
 void case_say(struct task_case *c, const char *format, ...) RNEAGEN_PRINTF(2, 3);
@@ -83,6 +84,7 @@ void case_want(struct task_case *c, enum task_kind kind, int entry);
 
 /* A few of each, at random; names that are free already are left out. */
 void case_draw_locks(struct task_case *c);
+void case_draw_tips(struct task_case *c);
 void case_draw_folds(struct task_case *c);
 void case_draw_frees(struct task_case *c, int nominal);
 void case_draw_pushes(struct task_case *c);

@@ -15,6 +15,47 @@ void case_draw_locks(struct task_case *c)
 		}
 }
 
+/* On a chain to a tip, or to the joint that one there follows. */
+static void close_chain(const struct task_case *c, char *chain)
+{
+	for (int again = 1; again;) {
+		again = 0;
+		for (int j = 0; j < c->r->nj; j++)
+			for (int up = chain[j] ? c->r->joints[j].driver : 0; up > 0 && !chain[up]; up = c->r->joints[up].parent)
+				again = chain[up] = 1;
+	}
+}
+
+/* What is on no chain stays at zero. */
+static void hold(struct task_case *c, int entry)
+{
+	const struct reference_joint *j = &c->r->joints[entry];
+
+	for (int i = 0; i < j->nq; i++)
+		c->q[j->iq + i] = i == 6;
+	for (int i = 0; i < j->nv; i++)
+		c->qd[j->iv + i] = c->qdd[j->iv + i] = 0;
+	c->held[entry] = 1;
+}
+
+void case_draw_tips(struct task_case *c)
+{
+	char chain[ROWS] = {0};
+	int link = case_pick(c, case_has_joint), left = 0;
+
+	for (int up = link; up > 0; up = c->r->joints[up].parent)
+		chain[up] = 1;
+	close_chain(c, chain);
+	for (int j = 0; j < c->r->nj; j++)
+		left += (chain[j] || j == 0) && case_has_rows(c, j);
+	if (!left)
+		return;
+	case_say(c, "tip %s\n", c->r->joints[link].link);
+	for (int j = 1; j < c->r->nj; j++)
+		if (!chain[j] && case_has_rows(c, j))
+			hold(c, j);
+}
+
 void case_draw_folds(struct task_case *c)
 {
 	for (int which = 0; which < 3; which++) {

@@ -38,7 +38,7 @@ START_TEST(unread)
 
 	for (uint64_t seed = 1; seed <= ROBOTS; seed++)
 		for (size_t i = 0; i < sizeof READS / sizeof *READS; i++) {
-			struct task_case *c = case_random(seed, LINKS);
+			struct task_case *c = case_random(seed, LINKS, NO_ODD_NAMES);
 			struct scene_model m;
 
 			if (!c)
@@ -61,7 +61,7 @@ START_TEST(given_whole)
 	static const char *const names[] = {"q", "qd", "qdd"};
 
 	for (uint64_t seed = 1; seed <= ROBOTS; seed++) {
-		struct task_case *c = case_random(seed, LINKS);
+		struct task_case *c = case_random(seed, LINKS, NO_ODD_NAMES);
 		int which = (int)(seed % 3), way = (int)(seed / 3 % 3);
 		struct scene_model m;
 
@@ -152,7 +152,7 @@ START_TEST(at_rest)
 	int count = 0;
 
 	for (uint64_t seed = 1; seed <= ROBOTS; seed++) {
-		struct task_case *c = case_random(seed, LINKS);
+		struct task_case *c = case_random(seed, LINKS, NO_ODD_NAMES);
 
 		if (c) {
 			compare_rest(strdup(c->urdf), &c->options, seed, "random tree");
@@ -223,7 +223,7 @@ START_TEST(no_dearer)
 	int folds = 0;
 
 	for (uint64_t seed = 1; seed <= ROBOTS; seed++) {
-		struct task_case *c = case_random(seed, LINKS);
+		struct task_case *c = case_random(seed, LINKS, NO_ODD_NAMES);
 		char name[64];
 
 		if (!c)
@@ -243,7 +243,7 @@ END_TEST
 START_TEST(free_is_dearer)
 {
 	for (uint64_t seed = 1; seed <= ROBOTS; seed++) {
-		struct task_case *c = case_random(seed, LINKS);
+		struct task_case *c = case_random(seed, LINKS, NO_ODD_NAMES);
 		size_t constant, freed;
 
 		if (!c)
