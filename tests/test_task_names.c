@@ -106,7 +106,8 @@ START_TEST(arrays)
 	for (int i = 1; i <= LINKS; i++) {
 		at += (size_t)sprintf(text + at, "<link name='l%d'/><joint name='j%d' type='prismatic'><parent link='l%d'/><child link='l%d'/>"
 						 "<limit effort='1' velocity='1'/></joint>", i, i, i - 1, i);
-		sprintf(scene + strlen(scene), i < LINKS ? "fext l%d\n" : "", i);
+		if (i < LINKS)
+			sprintf(scene + strlen(scene), "fext l%d\n", i);
 	}
 	strcpy(text + at, "</robot>");
 	last = strrchr(scene, 'f');
