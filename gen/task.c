@@ -46,6 +46,12 @@ int task_wants(const struct task *k, enum want_kind kind)
 
 /* ---- names ---- */
 
+/* Is a word's rest ".hand" where a name belongs to it, and nothing where none does? */
+static int has_rest(const struct kind_word *k, const char *rest)
+{
+	return k->has_name ? rest[0] == '.' && rest[1] : !rest[0];
+}
+
 /* Which of these words a choice has; -1 and an error that names the nearest. */
 int task_find_kind(const struct resolver *x, const struct scene_choice *c, const struct kind_word *kinds, int count)
 {
@@ -57,7 +63,7 @@ int task_find_kind(const struct resolver *x, const struct scene_choice *c, const
 		return -1;
 	}
 	for (int i = 0; i < count; i++)
-		if (!strcmp(stem, kinds[i].word) && kinds[i].has_name == (c->name[length] == '.' && c->name[length + 1]))
+		if (!strcmp(stem, kinds[i].word) && has_rest(&kinds[i], c->name + length))
 			return i;
 	meant = nearest_name(stem, kinds, (size_t)count, sizeof *kinds);
 	for (int i = 0; i < count; i++)
@@ -306,6 +312,12 @@ static int has_choice(const struct scene *s)
 	return 0;
 }
 
+/* At most: q, qd and qdd, and what the scene adds; a product takes its vector. */
+static int array_count(const struct task *k)
+{
+	return 3 + k->freed_count + k->push_count + task_wants(k, WANT_JVP) + task_wants(k, WANT_VJP) + k->want_count;
+}
+
 enum rneagen_code task_resolve(struct tree *t, const struct robot *r, struct arena *a, struct rneagen_error *e)
 {
 	struct resolver x = {t, &t->task, &t->scene, r, a, e};
@@ -323,7 +335,7 @@ enum rneagen_code task_resolve(struct tree *t, const struct robot *r, struct are
 		set_dynamics(&x, x.k->damping, 0);
 	if (!x.k->want_count)
 		x.k->wants[x.k->want_count++] = (struct want){.kind = WANT_TAU, .word = "tau", .argument = "tau", .rows = t->nv};
-	if (3 + x.k->freed_count + x.k->push_count + x.k->want_count > ARRAY_LIMIT)
+	if (array_count(x.k) > ARRAY_LIMIT)
 		return error_set(e, RNEAGEN_LIMIT, "%s: the scene makes more than %d arrays, which is all that a kernel takes", x.s->file,
 			ARRAY_LIMIT);
 	return a->failed ? error_memory(e) : RNEAGEN_OK;

@@ -29,6 +29,8 @@ static const struct refusal {
 	{"free mass", "scene line 1, free: 'mass' needs a name: mass.NAME"},
 	{"want twist.", "scene line 1, want: 'twist' needs a name: twist.NAME"},
 	{"want tau.arm", "scene line 1, want: 'tau' takes no name: write tau"},
+	{"want tau.", "scene line 1, want: 'tau' takes no name: write tau"},
+	{"fold q.=0", "scene line 1, fold: 'q' takes no name: write q"},
 	{"free gravity.x", "scene line 1, free: 'gravity' takes no name: write gravity"},
 	{"fold gravity.x=1", "scene line 1, fold: 'gravity' takes no name: write gravity"},
 	{"fext-frame wrold", "scene line 1, fext-frame: takes link or world, not 'wrold'"},
@@ -95,7 +97,7 @@ START_TEST(refused)
 }
 END_TEST
 
-/* As many arrays as a kernel takes, and one more. */
+/* As many arrays as a kernel takes, and one more: a wrench, or the vector of a product. */
 START_TEST(arrays)
 {
 	enum { LINKS = 62 };
@@ -112,11 +114,11 @@ START_TEST(arrays)
 	strcpy(text + at, "</robot>");
 	last = strrchr(scene, 'f');
 	o.scene = scene;
-	for (int more = 0; more < 2; more++) {
+	for (int more = 0; more < 3; more++) {
 		struct scene_model m;
 		enum rneagen_code code;
 
-		*last = more ? 'f' : '\0';
+		strcpy(last, more == 0 ? "" : more == 1 ? "fext l61\n" : "want jvp\n");
 		code = scene_open(&m, text, &o);
 		ck_assert_msg(code == (more ? RNEAGEN_LIMIT : RNEAGEN_OK), "%s", m.error.message);
 		ck_assert_str_eq(m.error.message, more ? "<input>: the scene makes more than 64 arrays, which is all that a kernel takes" : "");
