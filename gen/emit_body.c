@@ -170,7 +170,8 @@ static void put_sincos(const struct emission *e, const struct plan *p, struct re
 static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torques of joints that others mimic",
 	[SECTION_FREED] = "what the scene frees", [SECTION_TOTALS] = "power and energies",
 	[SECTION_BIAS] = "from here on without accelerations: torques of gravity and velocities",
-	[SECTION_GRAVITY] = "from here on at rest: torques of gravity"};
+	[SECTION_GRAVITY] = "from here on at rest: torques of gravity",
+	[SECTION_PRODUCTS] = "derivatives times vectors, and by what is freed"};
 
 /* "out to link 2 "lower" (fpass)"; "back from link 2 "lower" to link 1 (bpass): torque of "elbow"" */
 void emit_section(const struct emission *e, const struct pass *pass, const struct section *s, struct text *out)

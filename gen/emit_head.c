@@ -136,6 +136,8 @@ static const char *describe(const struct emission *e, const struct argument *a)
 	struct text t;
 
 	text_init(&t, e->arena);
+	if (!strcmp(a->name, "jvp_v"))
+		text_put(&t, "along q, along qd, along qdd");
 	for (int i = 0; i < k->freed_count; i++)
 		if (!a->is_output && !strcmp(a->name, k->freed[i].argument)) {
 			text_put_comment(&t, k->freed[i].word);

@@ -117,6 +117,7 @@ static void output_by_freed(struct gradient *g, const struct want *w, int argume
 {
 	const struct freed *f = &g->t->task.freed[w->body];
 
+	dag_section(g->d, SECTION_PRODUCTS, 0);
 	for (int j = 0; j < f->rows; j++) {
 		clear(g);
 		g->other = dag_find_argument(g->d, f->argument);
@@ -137,6 +138,7 @@ static void output_jvp(struct gradient *g, int argument)
 		g->d->failed = 1;
 		return;
 	}
+	dag_section(g->d, SECTION_PRODUCTS, 0);
 	for (int i = 0; i < 3 * nv; i++)
 		v[i] = dag_input(g->d, direction, i);
 	clear(g);
@@ -186,6 +188,7 @@ static void output_vjp(struct gradient *g, int argument)
 		g->d->failed = 1;
 		return;
 	}
+	dag_section(g->d, SECTION_PRODUCTS, 0);
 	for (int i = 0; i < nv; i++)
 		lambda[i] = dag_input(g->d, weights, i);
 	derive_backward(&g->x, lambda, g->dot);

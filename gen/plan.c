@@ -86,12 +86,13 @@ static void name_joint_row(const struct body *k, const char *argument, int row, 
 	snprintf(name, size, "%s%d%s", argument, k->number, part);
 }
 
-/* Rows of what a scene adds: vectors, wrenches, inertias. */
+/* Rows of what a scene adds: vectors, wrenches, inertias; those of jvp_v and vjp_v have numbers alone. */
 static void name_other(const struct argument *a, int row, char *name, size_t size)
 {
 	static const char *const vector[] = {"x", "y", "z"}, *const wrench[] = {"fx", "fy", "fz", "nx", "ny", "nz"};
 	static const char *const inertia[] = {"m", "hx", "hy", "hz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"};
-	const char *const *parts = a->rows == 3 ? vector : a->rows == 6 ? wrench : a->rows == 10 ? inertia : NULL;
+	int is_direction = !strcmp(a->name, "jvp_v") || !strcmp(a->name, "vjp_v");
+	const char *const *parts = is_direction ? NULL : a->rows == 3 ? vector : a->rows == 6 ? wrench : a->rows == 10 ? inertia : NULL;
 
 	if (parts)
 		snprintf(name, size, "%.40s_%s", a->name, parts[row]);
@@ -273,7 +274,8 @@ int plan_alive(const struct plan *p, struct arena *a)
 void plan_dump(const struct plan *p, struct text *t)
 {
 	static const char *const kinds[] = {"section", "input", "value", "sincos", "store"};
-	static const char *const kinds_of_section[SECTION_COUNT] = {"out", "back", "end", "freed", "totals", "bias", "gravity", "mass", "by"};
+	static const char *const kinds_of_section[SECTION_COUNT] = {"out", "back", "end", "freed", "totals", "bias", "gravity", "mass", "by",
+		"products"};
 
 	for (size_t i = 0; i < p->line_count; i++) {
 		const struct line *l = &p->lines[i];
