@@ -40,8 +40,6 @@ static enum rneagen_code count(struct saving *x, const struct robot *r, const st
 	}
 	if (a.failed)
 		error_memory(e);
-	if (a.failed)
-		error_memory(e);
 	arena_free(&a);
 	return e->code;
 }
