@@ -44,6 +44,14 @@ int task_wants(const struct task *k, enum want_kind kind)
 	return 0;
 }
 
+int task_wants_derivative(const struct task *k)
+{
+	for (int i = 0; i < k->want_count; i++)
+		if (k->wants[i].kind >= WANT_DTAU_DQ)
+			return 1;
+	return 0;
+}
+
 /* ---- names ---- */
 
 /* Is a word's rest ".hand" where a name belongs to it, and nothing where none does? */

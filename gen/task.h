@@ -73,4 +73,7 @@ int task_has_all(const struct row *rows, int count);
 /* Is a quantity of this kind asked for? */
 int task_wants(const struct task *k, enum want_kind kind);
 
+/* Is any derivative, M included? */
+int task_wants_derivative(const struct task *k);
+
 #endif

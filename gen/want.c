@@ -282,14 +282,6 @@ static void output_scalars(const struct build *b, const struct tour *r)
 		dag_output(b->d, kinetic_out, 0, b->kinetic);
 }
 
-static int wants_derivative(const struct task *k)
-{
-	for (int i = 0; i < k->want_count; i++)
-		if (k->wants[i].kind >= WANT_DTAU_DQ)
-			return 1;
-	return 0;
-}
-
 static void run_main(struct build *b, struct joint_inputs in)
 {
 	struct tour r = new_tour(b, in);
@@ -300,10 +292,10 @@ static void run_main(struct build *b, struct joint_inputs in)
 	r.own_terms = own_terms;
 	r.context = b;
 	r.tau_out = output_of(b, WANT_TAU);
-	r.comes_back = task_wants(b->k, WANT_POWER) || task_wants(b->k, WANT_WRENCH) || wants_derivative(b->k);
+	r.comes_back = task_wants(b->k, WANT_POWER) || task_wants(b->k, WANT_WRENCH) || task_wants_derivative(b->k);
 	tour_run(&r);
 	output_scalars(b, &r);
-	if (wants_derivative(b->k))
+	if (task_wants_derivative(b->k))
 		gradient_outputs(&r, b->outputs);
 }
 
