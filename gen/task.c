@@ -85,7 +85,15 @@ int task_find_kind(const struct resolver *x, const struct scene_choice *c, const
 	return -1;
 }
 
-/* "payload.left hand" -> payload_left_hand; two that come out the same differ by a number. */
+/* A kernel calls what it keeps of an array by the array's name with these behind it. */
+static int is_kernels_own(const char *name)
+{
+	const char *last = strrchr(name, '_');
+
+	return last && (!strcmp(last, "_here") || !strcmp(last, "_slice"));
+}
+
+/* "payload.left hand" -> payload_left_hand; two that come out the same, or a kernel's own, differ by a number. */
 const char *task_argument(const struct resolver *x, const char *word)
 {
 	const struct task *k = x->k;
@@ -98,7 +106,7 @@ const char *task_argument(const struct resolver *x, const char *word)
 		if (!strchr("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_", *s))
 			*s = '_';
 	for (int again = 1;; again++) {
-		int taken = 0;
+		int taken = again == 1 && is_kernels_own(name);
 
 		text_init(&t, x->a);
 		text_put(&t, name);

@@ -175,6 +175,26 @@ START_TEST(hostile)
 }
 END_TEST
 
+/* No array is called as a kernel calls its part of another. */
+START_TEST(kernels_own)
+{
+	static const char text[] = ROBOT("r", BALL("world") BALL("a") BALL("a_here") BALL("a_slice")
+		JOINT("one", "revolute", "world", "a", AXIS("0 0 1")) JOINT("two", "revolute", "a", "a_here", AXIS("0 1 0"))
+		JOINT("three", "revolute", "a_here", "a_slice", AXIS("1 0 0")));
+	struct rneagen_options o = rneagen_options_default();
+	struct scene_model m;
+
+	o.scene = "free mass.a\nfree mass.a_here\nfree mass.a_slice";
+	ck_assert_int_eq(scene_open(&m, text, &o), RNEAGEN_OK);
+	ck_assert_int_ge(argument(&m, "mass_a"), 0);
+	ck_assert_int_eq(argument(&m, "mass_a_here"), -1);
+	ck_assert_int_eq(argument(&m, "mass_a_slice"), -1);
+	ck_assert_int_ge(argument(&m, "mass_a_here_2"), 0);
+	ck_assert_int_ge(argument(&m, "mass_a_slice_2"), 0);
+	scene_close(&m);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *suite = suite_create("task_names");
@@ -186,6 +206,7 @@ int main(void)
 	tcase_add_loop_test(c, refused, 0, sizeof REFUSALS / sizeof *REFUSALS);
 	tcase_add_test(c, arrays);
 	tcase_add_test(c, hostile);
+	tcase_add_test(c, kernels_own);
 	suite_add_tcase(suite, c);
 	srunner_run_all(runner, CK_NORMAL);
 	failed = srunner_ntests_failed(runner);
