@@ -317,6 +317,8 @@ assignment for every operation on scalars. Everything is in [peers.csv](tests/be
 
 {six_table(rows, "f32", SHARED)}
 {six_table(rows, "f64", SHARED)}
+A dash: not measured; peers.csv says where the run was out of time.
+
 **Threads and blocks.** The study left NumPy in threads and the sizes of blocks to later work.
 
 {thread_table(rows)}
@@ -324,6 +326,6 @@ assignment for every operation on scalars. Everything is in [peers.csv](tests/be
 **The processor alone**, as users have these libraries, from Python; the loops pay for Python's calls.
 
 {cpu_table(rows)}
-**Where the processor is faster**, to a program that waits for each batch:
+**Where the processor is faster**, to a program that waits for each batch: up to so many samples.
 
 {crossing_table(rows)}"""
