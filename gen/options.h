@@ -48,7 +48,7 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"  --free NAME                a constant that becomes an input: gravity, mass.LINK, inertia.LINK, payload.LINK,\n" \
 	"                             offset.JOINT; NAME:batch one for all samples, NAME:sample one for each\n"        \
 	"  --want N1,N2,...           what is computed: tau, gravity, bias, wrench.JOINT, twist.LINK, accel.LINK, power,\n" \
-	"                             kinetic, potential, dtau_dq, dtau_dqd, M, jvp, vjp\n"                            \
+	"                             kinetic, potential, dtau_dq, dtau_dqd, M, jvp, vjp; dtau_dNAME by what is free\n" \
 	"  --dense                    matrices with the zeros of joints on different branches, M whole\n"             \
 	"  --fext L1,L2,...           external wrenches on these links\n"                                              \
 	"  --fext-frame link|world    in whose axes\n"                                                                 \
