@@ -30,9 +30,9 @@ static const struct dag *arguments_of(const struct emission *e)
    written. */
 static int place_of(const struct dag *d, int argument)
 {
-	int qdd = dag_find_argument(d, "qdd");
+	int qdd = dag_find_argument(d, "qdd"), tau = dag_find_argument(d, "tau");
 
-	return qdd >= 0 && argument == dag_find_argument(d, "tau") ? qdd : argument;
+	return qdd >= 0 && tau >= 0 && argument == tau ? qdd : argument;
 }
 
 static int has_place(const struct dag *d, int argument)
