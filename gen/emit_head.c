@@ -171,12 +171,25 @@ static void put_task(const struct emission *e, struct text *out)
 	}
 }
 
+static void put_gravity(const struct emission *e, struct text *out)
+{
+	const struct task *k = &e->tree->task;
+	const real *g = e->tree->gravity;
+
+	for (int i = 0; i < k->freed_count; i++)
+		if (k->freed[i].kind == FREED_GRAVITY) {
+			text_put(out, "Gravity, an input, is");
+			return;
+		}
+	text_printf(out, "Gravity (%.9Lg, %.9Lg, %.9Lg)", g[0], g[1], g[2]);
+}
+
 static void put_conventions(const struct emission *e, struct text *out)
 {
-	text_printf(out,
-		" *\n * SI units. Gravity (%.9Lg, %.9Lg, %.9Lg) in the frame of the root link's parent. Inputs are finite;\n"
-		" * where one is not, every torque that depends on it is not finite either.\n",
-		e->tree->gravity[0], e->tree->gravity[1], e->tree->gravity[2]);
+	text_put(out, " *\n * SI units. ");
+	put_gravity(e, out);
+	text_put(out, " in the frame of the root link's parent. Inputs are finite;\n"
+		      " * where one is not, every torque that depends on it is not finite either.\n");
 	if (has_type(e->tree, JOINT_FLOATING))
 		text_put(out, " * Floating: q = x y z qx qy qz qw (position and orientation in the parent); qd and qdd = twist in the\n"
 			      " * body's frame, linear then angular, and its componentwise derivative (spatial acceleration);\n"
