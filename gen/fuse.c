@@ -3,6 +3,7 @@
    everywhere, every product is joined to every sum that uses it: a compiler that joins products and sums on its own then
    finds none. That costs nothing but the product itself, where something else uses it too. */
 #include "dag.h"
+#include <math.h>
 
 struct fuser {
 	struct dag *out;
@@ -19,11 +20,24 @@ static int lone(const struct fuser *f, struct ref a, enum op op)
 	return f->in->nodes[a.i].op == op && f->uses[a.i] == 1;
 }
 
+/* A product that a float's rounding may leave without its factor: compilers know that fma(1, x, y) is x + y, and join the
+   product that y is to that sum. */
+static int is_unit(const struct fuser *f, struct ref a)
+{
+	const struct node *n = &f->in->nodes[a.i], *factor = &f->in->nodes[n->arg[0].i];
+
+	return n->op == OP_MUL && factor->op == OP_CONST && fabsl(fabsl(factor->value) - 1) < 0x1p-23L;
+}
+
 /* Which operand of a sum is a product of its own? -1: neither. */
 static int product_operand(const struct fuser *f, const struct node *n)
 {
 	if (n->op != OP_ADD && n->op != OP_SUB)
 		return -1;
+	if (f->every && is_unit(f, n->arg[1]) && f->in->nodes[n->arg[0].i].op == OP_MUL)
+		return 0;
+	if (f->every && is_unit(f, n->arg[0]) && f->in->nodes[n->arg[1].i].op == OP_MUL)
+		return 1;
 	for (int k = 1; k >= 0; k--)
 		if (lone(f, n->arg[k], OP_MUL))
 			return k;

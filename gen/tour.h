@@ -46,6 +46,9 @@ void rest_enter(const struct tour *r, int body);
 void rest_leave(const struct tour *r, int body);
 struct svec rest_moment(struct dag *d, const struct frame *x); /* C */
 
+/* Adds rotor inertia and friction to the torques of a body's joint, as the tree's task says. */
+void own_terms(const struct tour *r, int body, struct ref *tau);
+
 /* The mass matrix M[nv][nv], without rotors' inertias; `parameters` by body, NULL where they are the tree's numbers. */
 void crba_build(struct dag *d, const struct tree *t, struct joint_inputs in, struct parameters *const *parameters, struct ref *M);
 
