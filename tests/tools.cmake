@@ -62,3 +62,13 @@ target_compile_definitions(test_rnearun_task PRIVATE TEST_DIR="${CMAKE_CURRENT_S
 add_test(NAME test_rnearun_task COMMAND test_rnearun_task $<TARGET_FILE:rnearun>)
 set_tests_properties(test_rnearun_task PROPERTIES TIMEOUT 600
 	ENVIRONMENT "RNEA_LIBCUDA=$<TARGET_FILE:fake_cuda>;RNEA_NVRTC=$<TARGET_FILE:fake_nvrtc>")
+
+# derivatives beside Pinocchio's, where its Python package is
+set(pinocchio_robots)
+foreach(name iiwa14 ur5 hyq fetch double_pendulum skew_axis prismatic_skew allegro_right angles cartpole
+		fixed_tree massless_middle negative_axes nonunit_axis rotated_inertial shuffled_order pendulum root_with_mass gantry)
+	list(APPEND pinocchio_robots ${CMAKE_CURRENT_SOURCE_DIR}/robots/${name}.urdf)
+endforeach()
+add_test(NAME test_gradient_pinocchio
+	COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_gradient_pinocchio $<TARGET_FILE:rneagen-command> ${pinocchio_robots})
+set_tests_properties(test_gradient_pinocchio PROPERTIES TIMEOUT 900 SKIP_RETURN_CODE 77)
