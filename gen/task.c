@@ -137,11 +137,23 @@ int task_find_link(const struct resolver *x, const struct scene_choice *c, const
 	return x->e->code ? -1 : link;
 }
 
+static int find_joint(const struct robot *r, const char *name)
+{
+	for (int j = 0; j < r->joint_count; j++)
+		if (!strcmp(r->joints[j].name, name))
+			return j;
+	return -1;
+}
+
 /* The body that the joint of this name moves; "base" is the floating base. */
 int task_find_body(const struct resolver *x, const struct scene_choice *c, const char *name)
 {
-	if (x->t->floating && !strcmp(name, "base"))
-		return 0;
+	if (x->t->floating && !strcmp(name, "base")) {
+		if (find_joint(x->r, name) < 0)
+			return 0;
+		scene_refuse(x->s, c, x->e, "'base' is the floating base, and a joint of the robot: rename the joint");
+		return -1;
+	}
 	if (scene_joint(x->s, c, x->r, name, x->e) < 0)
 		return -1;
 	for (int i = 0; i < x->t->body_count; i++)
@@ -254,14 +266,6 @@ static enum rneagen_code set_armature(const struct resolver *x, const struct sce
 		return scene_refuse(x->s, c, x->e, "an armature of %g kg m^2 is less than nothing", value);
 	x->k->armature[body] = value;
 	return RNEAGEN_OK;
-}
-
-static int find_joint(const struct robot *r, const char *name)
-{
-	for (int j = 0; j < r->joint_count; j++)
-		if (!strcmp(r->joints[j].name, name))
-			return j;
-	return -1;
 }
 
 /* From the URDF's <dynamics>. */

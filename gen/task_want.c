@@ -50,6 +50,8 @@ static enum rneagen_code want_by_freed(const struct resolver *x, const struct sc
 			w->argument = task_argument(x, c->name);
 			return RNEAGEN_OK;
 		}
+	if (!strcmp(freed, "qdd"))
+		return scene_refuse(x->s, c, x->e, "the derivative by qdd is the mass matrix: want M");
 	return scene_refuse(x->s, c, x->e, "'%.255s' is not free: no derivative by it; there is dtau_dq, dtau_dqd, and dtau_dNAME for what --free names",
 		freed);
 }
