@@ -24,9 +24,12 @@ static int lone(const struct fuser *f, struct ref a, enum op op)
    product that y is to that sum. */
 static int is_unit(const struct fuser *f, struct ref a)
 {
-	const struct node *n = &f->in->nodes[a.i], *factor = &f->in->nodes[n->arg[0].i];
+	const struct node *n = &f->in->nodes[a.i], *factor;
 
-	return n->op == OP_MUL && factor->op == OP_CONST && fabsl(fabsl(factor->value) - 1) < 0x1p-23L;
+	if (n->op != OP_MUL)
+		return 0;
+	factor = &f->in->nodes[n->arg[0].i];
+	return factor->op == OP_CONST && fabsl(fabsl(factor->value) - 1) < 0x1p-23L;
 }
 
 /* Which operand of a sum is a product of its own? -1: neither. */
