@@ -155,14 +155,16 @@ class Bench:
             yield from self.steps(functions, counts=counts)
 
     def steps(self, functions=FUNCTIONS, precisions=("f32", "f64"), counts=None):
-        """(function, precision, n): first all of rnea, then the others, until the time is over."""
-        for function in functions:
-            for n in self.counts if counts is None else counts:
-                for precision in precisions:
-                    if self.late():
-                        self.row(function=function, precision=precision, n=n, note="not measured: out of time from here on")
-                        return
-                    yield function, precision, n
+        """(function, precision, n): first all of rnea, then the others, each size of all of them, until the time is over."""
+        counts = self.counts if counts is None else counts
+        order = [(f, n) for f in functions if f == "rnea" for n in counts]
+        order += [(f, n) for n in counts for f in functions if f != "rnea"]
+        for function, n in order:
+            for precision in precisions:
+                if self.late():
+                    self.row(function=function, precision=precision, n=n, note="not measured: out of time from here on")
+                    return
+                yield function, precision, n
 
 
 def start(library, name):

@@ -13,12 +13,13 @@ import jax.numpy as jnp
 import numpy as np
 
 import straight
-from spatial import Spatial
+from spatial import FUNCTIONS, Spatial
 
 jax.config.update("jax_enable_x64", True)
 jax.config.update("jax_default_matmul_precision", "highest")  # no TF32, which would cost ten bits
 
-MAIN = (1048576, 1024)  # sizes for which everything is measured
+MAIN = (1048576, 1024)   # sizes for which everything is measured
+SHOWN = 16384            # the size at which the other functions are compared
 
 
 def functions(bench):
@@ -87,6 +88,15 @@ def row(bench, make, case, device, axis):
             "kernel_us": us, "call_us": waited, "launch_count": launches(call)}
 
 
+def in_order(bench):
+    """bench.steps(), what the tables show first: every size is compiled anew, which takes seconds."""
+    main, rest = ([n for n in bench.counts if (n in MAIN) == first] for first in (True, False))
+    shown = [n for n in bench.counts if n == SHOWN]
+    for functions, counts in ((("rnea",), main), (FUNCTIONS[1:], shown), (("rnea",), rest)):
+        yield from bench.steps(functions, counts=counts)
+    yield from bench.steps(FUNCTIONS[1:], counts=[n for n in bench.counts if n != SHOWN])
+
+
 def main(bench):
     began = time.perf_counter()
     device = "cuda" if jax.devices()[0].platform in ("gpu", "cuda") else "cpu"
@@ -94,7 +104,7 @@ def main(bench):
     global import_ms
     import_ms += (time.perf_counter() - began) * 1e3
     bench.version, routes = jax.__version__, functions(bench)
-    for case in bench.steps():
+    for case in in_order(bench):
         for route, make in routes.items():
             if route == "jit" or case[0] == "rnea" and (case[2] in MAIN or "vmap" not in route):
                 key = dict(zip(("function", "precision", "n"), case))
