@@ -16,13 +16,11 @@ int analysis_dag(struct dag *d, const struct tree *t, int strict, struct arena *
 
 long analysis_flops(const struct dag *d, const struct tree *t, struct arena *a)
 {
-	struct operation_count n;
 	struct plan p;
 
 	if (!plan_build(&p, d, t, a))
 		return -1;
-	n = plan_operations(&p);
-	return (long)n.mul + (long)n.add + (long)n.sub + 2 * (long)n.fma;
+	return (long)plan_flops(plan_operations(&p));
 }
 
 enum rneagen_code analysis_open(struct analysis *a, const char *urdf, size_t length, const struct rneagen_options *o,

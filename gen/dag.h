@@ -101,6 +101,13 @@ void dag_output(struct dag *d, int argument, int row, struct ref value);
    to each sum, so that no sum has a product for an operand. */
 void dag_fuse(struct dag *out, const struct dag *d, int every);
 
+/* What stands in `out` for node i of another DAG; node 0 where nothing does. */
+typedef struct ref dag_copier(void *context, struct dag *out, size_t i);
+
+/* Arguments, sections, tags and outputs of `d`, with nodes as `copy` makes them; map[i] (d->count of them) is what it made of
+   node i. */
+void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier *copy, void *context);
+
 /* How often each node is used by live nodes and outputs, in `uses` (d->count of them); 0 means dead. */
 void dag_uses(const struct dag *d, uint32_t *uses);
 

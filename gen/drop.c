@@ -1,7 +1,7 @@
 #include "drop.h"
+#include "eval.h"
 #include "sample.h"
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 struct dropping {
@@ -12,87 +12,35 @@ struct dropping {
 	double *scale;            /* by output: its largest magnitude */
 	double (*effect)[2];      /* by node and operand: the largest part of an output */
 	char *guarded;            /* by node: a root or quotient is taken of it, whose terms keep it from 0 */
+	double fraction;          /* a term with less of every output goes */
 	struct ref *map;
 };
 
 /* ---- one state ---- */
 
-static double apply(const struct dropping *p, const struct node *n, size_t state)
+static double value_of(const struct dropping *p, const struct node *n, size_t state)
 {
-	double a = op_arity[n->op] > 0 ? p->value[n->arg[0].i] : 0, b = op_arity[n->op] > 1 ? p->value[n->arg[1].i] : 0;
-
-	switch (n->op) {
-	case OP_CONST:
-		return (double)n->value;
-	case OP_INPUT:
-		if ((int)n->arg[0].i >= p->d->argument_count)
-			return 0; /* nothing that is said depends on it */
-		return sample_input(&p->states, p->t, &p->d->arguments[n->arg[0].i], (int)n->arg[1].i, state);
-	case OP_NEG:
-		return -a;
-	case OP_ADD:
-		return a + b;
-	case OP_SUB:
-		return a - b;
-	case OP_MUL:
-		return a * b;
-	case OP_DIV:
-		return a / b;
-	case OP_SQRT:
-		return sqrt(a);
-	case OP_SIN:
-		return sin(a);
-	case OP_COS:
-		return cos(a);
-	default:
-		return a * b + p->value[n->arg[2].i];
-	}
+	if (n->op != OP_INPUT)
+		return eval_node(n, p->value);
+	if ((int)n->arg[0].i >= p->d->argument_count)
+		return 0; /* nothing that is said depends on it */
+	return sample_input(&p->states, p->t, &p->d->arguments[n->arg[0].i], (int)n->arg[1].i, state);
 }
 
 static void evaluate(struct dropping *p, size_t state)
 {
 	for (size_t i = 0; i < p->d->count; i++)
-		p->value[i] = apply(p, &p->d->nodes[i], state);
+		p->value[i] = value_of(p, &p->d->nodes[i], state);
 }
 
-/* The rules of differentiation, from a value back to what it is made of. */
+/* From a value's slope back to those of what it is made of. */
 static void spread(struct dropping *p, const struct node *n, double slope)
 {
-	const double *value = p->value;
-	double *to = p->slope;
+	double by[3];
 
-	switch (n->op) {
-	case OP_NEG:
-		to[n->arg[0].i] -= slope;
-		break;
-	case OP_ADD:
-	case OP_SUB:
-		to[n->arg[0].i] += slope;
-		to[n->arg[1].i] += n->op == OP_ADD ? slope : -slope;
-		break;
-	case OP_FMA:
-		to[n->arg[2].i] += slope;
-		/* fall through */
-	case OP_MUL:
-		to[n->arg[0].i] += slope * value[n->arg[1].i];
-		to[n->arg[1].i] += slope * value[n->arg[0].i];
-		break;
-	case OP_DIV:
-		to[n->arg[0].i] += slope / value[n->arg[1].i];
-		to[n->arg[1].i] -= slope * value[n->arg[0].i] / (value[n->arg[1].i] * value[n->arg[1].i]);
-		break;
-	case OP_SQRT:
-		to[n->arg[0].i] += slope / (2 * sqrt(value[n->arg[0].i]));
-		break;
-	case OP_SIN:
-		to[n->arg[0].i] += slope * cos(value[n->arg[0].i]);
-		break;
-	case OP_COS:
-		to[n->arg[0].i] -= slope * sin(value[n->arg[0].i]);
-		break;
-	default:
-		break;
-	}
+	eval_partials(n, p->value, by);
+	for (int k = 0; k < op_arity[n->op]; k++)
+		p->slope[n->arg[k].i] += slope * by[k];
 }
 
 static void note(struct dropping *p, size_t i, double share)
@@ -148,14 +96,15 @@ static void guard(struct dropping *p)
 
 /* ---- the copy ---- */
 
-static struct ref copy(const struct dropping *p, struct dag *out, size_t i, double fraction)
+static struct ref copy(void *context, struct dag *out, size_t i)
 {
+	const struct dropping *p = context;
 	const struct node *n = &p->d->nodes[i];
 	struct ref arg[3];
 
 	for (int k = 0; k < op_arity[n->op]; k++) {
 		arg[k] = p->map[n->arg[k].i];
-		if ((n->op == OP_ADD || n->op == OP_SUB) && !p->guarded[i] && p->effect[i][k] < fraction)
+		if ((n->op == OP_ADD || n->op == OP_SUB) && !p->guarded[i] && p->effect[i][k] < p->fraction)
 			arg[k] = (struct ref){0};
 	}
 	switch (n->op) {
@@ -184,34 +133,10 @@ static struct ref copy(const struct dropping *p, struct dag *out, size_t i, doub
 	}
 }
 
-static void copy_all(const struct dropping *p, struct dag *out, double fraction)
-{
-	const struct dag *d = p->d;
-	size_t section = 0;
-
-	for (int i = 0; i < d->argument_count; i++)
-		dag_argument_of(out, d->arguments[i]);
-	for (size_t i = 0; i < d->count; i++) {
-		const struct tag *tag = &d->nodes[i].tag;
-
-		for (; section < d->section_count && d->sections[section].node <= i; section++)
-			dag_section(out, d->sections[section].kind, d->sections[section].body);
-		p->map[i] = copy(p, out, i, fraction);
-		if (tag->quantity[0])
-			dag_tag(out, p->map[i], tag->quantity, tag->body, tag->component);
-	}
-	for (; section < d->section_count; section++)
-		dag_section(out, d->sections[section].kind, d->sections[section].body);
-	for (size_t i = 0; i < d->output_count; i++)
-		dag_output(out, d->outputs[i].argument, d->outputs[i].row, p->map[d->outputs[i].value.i]);
-	for (size_t i = 0; i < out->section_count; i++)
-		out->sections[i].output = d->sections[i].output;
-}
-
 void drop_terms(struct dag *out, const struct dag *d, const struct tree *t, double fraction)
 {
 	struct arena *a = out->arena;
-	struct dropping p = {.d = d, .t = t};
+	struct dropping p = {.d = d, .t = t, .fraction = fraction};
 
 	p.value = arena_alloc(a, d->count, sizeof *p.value);
 	p.slope = arena_alloc(a, d->count, sizeof *p.slope);
@@ -226,6 +151,6 @@ void drop_terms(struct dag *out, const struct dag *d, const struct tree *t, doub
 	}
 	examine(&p);
 	guard(&p);
-	copy_all(&p, out, fraction);
+	dag_copy(out, d, p.map, copy, &p);
 	sample_free(&p.states);
 }

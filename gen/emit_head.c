@@ -218,7 +218,7 @@ static void put_operations(const struct emission *e, struct text *out)
 		struct operation_count n = plan_operations(&e->passes[i].plan);
 
 		text_printf(out, " *   %s: %u mul, %u add, %u sub, %u neg, %u fma, %u sincos = %u flops\n", e->passes[i].algorithm->name,
-			n.mul, n.add, n.sub, n.neg, n.fma, n.sincos, n.mul + n.add + n.sub + 2 * n.fma);
+			n.mul, n.add, n.sub, n.neg, n.fma, n.sincos, plan_flops(n));
 	}
 }
 

@@ -135,8 +135,7 @@ static double bound_closed(double bound)
 	return isfinite(bound) ? bound * (1 + 1e-14) : (double)INFINITY;
 }
 
-/* The value's derivatives by its operands; sine and cosine by their angle. */
-static void derivatives(const struct node *n, const double *v, double *out)
+void eval_partials(const struct node *n, const double *v, double *out)
 {
 	double a = v[operand(n, 0)], b = v[operand(n, 1)];
 
@@ -146,6 +145,13 @@ static void derivatives(const struct node *n, const double *v, double *out)
 		out[0] = b;
 		out[1] = a;
 		out[2] = 1;
+		break;
+	case OP_DIV:
+		out[0] = 1 / b;
+		out[1] = -a / (b * b);
+		break;
+	case OP_SQRT:
+		out[0] = 0.5 / sqrt(a);
 		break;
 	case OP_SIN:
 		out[0] = cos(a);
@@ -173,7 +179,7 @@ static double swept_bound(const struct survey *x, size_t root)
 		if (x->slope[i] == 0)
 			continue;
 		sum += fabs(x->slope[i]) * x->spread[i].local;
-		derivatives(n, x->values, by);
+		eval_partials(n, x->values, by);
 		for (int k = 0; k < op_arity[n->op] && !is_read(x, n) && !ends_sweep(n); k++)
 			x->slope[n->arg[k].i] += x->slope[i] * by[k];
 	}
@@ -263,15 +269,6 @@ static double constant_error(const struct node *n, real rounded, double tiny)
 #define T_COS cosf
 #define T_SQRT sqrtf
 #include "eval.inc"
-#undef T
-#undef EVAL
-#undef UNIT
-#undef TINY
-#undef LARGEST
-#undef T_FMA
-#undef T_SIN
-#undef T_COS
-#undef T_SQRT
 
 #define T double
 #define EVAL(name) name##_f64
@@ -283,15 +280,6 @@ static double constant_error(const struct node *n, real rounded, double tiny)
 #define T_COS cos
 #define T_SQRT sqrt
 #include "eval.inc"
-#undef T
-#undef EVAL
-#undef UNIT
-#undef TINY
-#undef LARGEST
-#undef T_FMA
-#undef T_SIN
-#undef T_COS
-#undef T_SQRT
 
 #define T real
 #define EVAL(name) name##_real
@@ -303,15 +291,6 @@ static double constant_error(const struct node *n, real rounded, double tiny)
 #define T_COS cosl
 #define T_SQRT sqrtl
 #include "eval.inc"
-#undef T
-#undef EVAL
-#undef UNIT
-#undef TINY
-#undef LARGEST
-#undef T_FMA
-#undef T_SIN
-#undef T_COS
-#undef T_SQRT
 
 /* The text's operations, and those in extended precision that stand for the exact ones: what the two may differ by adds
    up, since the analysis is linear in the errors of operations but for products of them, which only gain. */
@@ -343,6 +322,11 @@ static void put_bounds(const struct survey *x, const struct eval_model *m, doubl
 		sweep(x, o->value.i);
 		bound[o->argument][o->row] = stored_bound(m, x->values[o->value.i], x->spread[o->value.i].bound);
 	}
+}
+
+double eval_node(const struct node *n, const double *v)
+{
+	return node_f64(n, v, NULL);
 }
 
 /* Values in extended precision by node; inputs are exact in it. */

@@ -28,6 +28,12 @@ int eval_real(const struct dag *d, const real *const *in, real *const *out, cons
    larger in f64. Returns 0 when memory runs out. */
 int eval_bound(const struct dag *d, const struct eval_model *m, const double *const *in, double *const *bound);
 
+/* The value of a node that is no input, from the values by node of its operands. */
+double eval_node(const struct node *n, const double *v);
+
+/* The derivatives of that value by its operands, of which there are at most three. */
+void eval_partials(const struct node *n, const double *v, double *out);
+
 #if defined __SIZEOF_FLOAT128__ && defined RNEAGEN_QUAD
 int eval_quad(
 	const struct dag *d, const __float128 *const *in, __float128 *const *out, const struct eval_terms *terms);

@@ -94,22 +94,26 @@ static struct ref fuse_neg(struct fuser *f, const struct node *n)
 	return negated(f, n->arg[0]);
 }
 
-static struct ref fuse_node(struct fuser *f, const struct node *n)
+static struct ref fuse_node(void *context, struct dag *out, size_t i)
 {
+	struct fuser *f = context;
+	const struct node *n = &f->in->nodes[i];
 	int product = product_operand(f, n);
 	struct ref args[3] = {{0}};
 
+	if (!f->uses[i] || f->absorbed[i])
+		return args[0];
 	if (n->op == OP_CONST)
-		return dag_const(f->out, n->value);
+		return dag_const(out, n->value);
 	if (n->op == OP_INPUT)
-		return dag_input(f->out, (int)n->arg[0].i, (int)n->arg[1].i);
+		return dag_input(out, (int)n->arg[0].i, (int)n->arg[1].i);
 	if (n->op == OP_NEG)
 		return fuse_neg(f, n);
 	if (product >= 0)
 		return fuse_sum(f, n, product);
 	for (int k = 0; k < op_arity[n->op]; k++)
 		args[k] = f->map[n->arg[k].i];
-	return dag_node(f->out, n->op, args[0], args[1], args[2], 0);
+	return dag_node(out, n->op, args[0], args[1], args[2], 0);
 }
 
 /* Can the negation of this node be written as a swapped difference or a product by a negative constant? */
@@ -137,25 +141,6 @@ static void mark_absorbed(struct fuser *f)
 		f->absorbed[i] |= f->joined[i] && f->joined[i] == f->uses[i];
 }
 
-static void copy_nodes(struct fuser *f)
-{
-	size_t section = 0;
-
-	for (size_t i = 0; i < f->in->count; i++) {
-		const struct node *n = &f->in->nodes[i];
-
-		for (; section < f->in->section_count && f->in->sections[section].node <= i; section++)
-			dag_section(f->out, f->in->sections[section].kind, f->in->sections[section].body);
-		if (!f->uses[i] || f->absorbed[i])
-			continue;
-		f->map[i] = fuse_node(f, n);
-		if (n->tag.quantity[0])
-			dag_tag(f->out, f->map[i], n->tag.quantity, n->tag.body, n->tag.component);
-	}
-	for (; section < f->in->section_count; section++)
-		dag_section(f->out, f->in->sections[section].kind, f->in->sections[section].body);
-}
-
 static void fuse_once(struct dag *out, const struct dag *d, int every)
 {
 	struct fuser f = {.out = out, .in = d, .every = every};
@@ -169,15 +154,9 @@ static void fuse_once(struct dag *out, const struct dag *d, int every)
 		out->failed = 1;
 		return;
 	}
-	for (int i = 0; i < d->argument_count; i++)
-		dag_argument_of(out, d->arguments[i]);
 	dag_uses(d, uses);
 	mark_absorbed(&f);
-	copy_nodes(&f);
-	for (size_t i = 0; i < d->output_count; i++)
-		dag_output(out, d->outputs[i].argument, d->outputs[i].row, f.map[d->outputs[i].value.i]);
-	for (size_t i = 0; i < out->section_count; i++)
-		out->sections[i].output = d->sections[i].output;
+	dag_copy(out, d, f.map, fuse_node, &f);
 }
 
 /* A value that several products negate has one use left once these are joined: a second turn sees it. */

@@ -38,7 +38,7 @@ static void put_operations(const struct emission *e, struct text *out)
 		struct operation_count n = plan_operations(&e->passes[i].plan);
 
 		text_printf(out, "  %-10s %7u %6u %6u %6u %6u %6u %6u\n", e->passes[i].algorithm->name, n.mul, n.add, n.sub, n.neg, n.fma,
-			n.sincos, n.mul + n.add + n.sub + 2 * n.fma);
+			n.sincos, plan_flops(n));
 	}
 }
 
@@ -111,5 +111,5 @@ void info_json(const struct emission *e, struct text *out)
 	text_put(out, e->warning_count ? "\n  ],\n" : "],\n");
 	text_printf(out,
 		"  \"operations\": {\"mul\": %u, \"add\": %u, \"sub\": %u, \"neg\": %u, \"fma\": %u, \"sincos\": %u, \"flops\": %u}\n}\n",
-		n.mul, n.add, n.sub, n.neg, n.fma, n.sincos, n.mul + n.add + n.sub + 2 * n.fma);
+		n.mul, n.add, n.sub, n.neg, n.fma, n.sincos, plan_flops(n));
 }

@@ -245,6 +245,11 @@ struct operation_count plan_operations(const struct plan *p)
 	return n;
 }
 
+unsigned plan_flops(struct operation_count n)
+{
+	return n.mul + n.add + n.sub + 2 * n.fma;
+}
+
 int plan_alive(const struct plan *p, struct arena *a)
 {
 	const struct dag *d = p->dag;

@@ -35,6 +35,9 @@ struct ref plan_partner(const struct plan *p, struct ref sincos, enum op op);
 /* Operations of the DAG as it is written; a sine and cosine of one angle count once, a quotient or root as a product. */
 struct operation_count plan_operations(const struct plan *p);
 
+/* A joined product and sum are two; signs, sines and cosines are not counted. */
+unsigned plan_flops(struct operation_count n);
+
 /* The most values that are alive at once, if each is made where it stands and dies with its last use: about the registers
    that a kernel needs beside its addresses. */
 int plan_alive(const struct plan *p, struct arena *a);

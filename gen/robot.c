@@ -6,12 +6,29 @@
 #include "urdf.h"
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 const char *joint_type_name(enum joint_type type)
 {
 	static const char *const names[] = {"fixed", "revolute", "continuous", "prismatic", "planar", "floating"};
 
 	return (unsigned)type <= JOINT_FLOATING ? names[type] : "unknown";
+}
+
+int robot_link(const struct robot *r, const char *name)
+{
+	for (int i = 0; i < r->link_count; i++)
+		if (!strcmp(r->links[i].name, name))
+			return i;
+	return -1;
+}
+
+int robot_joint(const struct robot *r, const char *name)
+{
+	for (int i = 0; i < r->joint_count; i++)
+		if (!strcmp(r->joints[i].name, name))
+			return i;
+	return -1;
 }
 
 void robot_warn(struct robot *r, struct arena *a, const char *fmt, ...)

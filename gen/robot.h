@@ -60,6 +60,10 @@ struct robot {
 enum rneagen_code robot_read(
 	struct robot *r, const char *xml, size_t length, const char *file, struct arena *a, struct rneagen_error *e);
 
+/* The index of the link or joint of this name; -1 where there is none. */
+int robot_link(const struct robot *r, const char *name);
+int robot_joint(const struct robot *r, const char *name);
+
 /* Append a warning to robot->warnings; on lack of memory a->failed is set. */
 void robot_warn(struct robot *r, struct arena *a, const char *fmt, ...) RNEAGEN_PRINTF(3, 4);
 

@@ -186,36 +186,30 @@ enum rneagen_code scene_read(
 /* ---- names ---- */
 
 /* Links and joints begin with their names. */
-static int find(const char *name, const void *entries, int count, size_t stride)
-{
-	for (int i = 0; i < count; i++)
-		if (!strcmp(name, *(const char *const *)(const void *)((const char *)entries + (size_t)i * stride)))
-			return i;
-	return -1;
-}
-
-static int find_or_refuse(const struct scene *s, const struct scene_choice *c, const char *what, const char *name,
+static int refuse_name(const struct scene *s, const struct scene_choice *c, const char *what, const char *name,
 	const void *entries, int count, size_t stride, struct rneagen_error *e)
 {
-	int i = find(name, entries, count, stride);
-	const char *meant = i < 0 ? nearest_name(name, entries, (size_t)count, stride) : NULL;
+	const char *meant = nearest_name(name, entries, (size_t)count, stride);
 
-	if (i < 0)
-		scene_refuse(s, c, e, "no %s '%.255s'%s%s%s", what, name, meant ? "; did you mean '" : "", meant ? meant : "",
-			meant ? "'?" : "");
-	return i;
+	scene_refuse(s, c, e, "no %s '%.255s'%s%s%s", what, name, meant ? "; did you mean '" : "", meant ? meant : "",
+		meant ? "'?" : "");
+	return -1;
 }
 
 int scene_link(const struct scene *s, const struct scene_choice *c, const struct robot *r, const char *name,
 	struct rneagen_error *e)
 {
-	return find_or_refuse(s, c, "link", name, r->links, r->link_count, sizeof *r->links, e);
+	int i = robot_link(r, name);
+
+	return i < 0 ? refuse_name(s, c, "link", name, r->links, r->link_count, sizeof *r->links, e) : i;
 }
 
 int scene_joint(const struct scene *s, const struct scene_choice *c, const struct robot *r, const char *name,
 	struct rneagen_error *e)
 {
-	return find_or_refuse(s, c, "joint", name, r->joints, r->joint_count, sizeof *r->joints, e);
+	int i = robot_joint(r, name);
+
+	return i < 0 ? refuse_name(s, c, "joint", name, r->joints, r->joint_count, sizeof *r->joints, e) : i;
 }
 
 /* Does the whole of a list name one thing? Wanted quantities have the name after a dot. */
@@ -225,9 +219,8 @@ static int is_one_name(enum scene_key key, const char *list, const struct robot 
 
 	if (!comma || (dot && comma < dot))
 		return !comma;
-	return (key != SCENE_LOCK_ALL_BUT && find(name, r->links, r->link_count, sizeof *r->links) >= 0) ||
-		((key == SCENE_LOCK_ALL_BUT || key == SCENE_WANT) &&
-			find(name, r->joints, r->joint_count, sizeof *r->joints) >= 0);
+	return (key != SCENE_LOCK_ALL_BUT && robot_link(r, name) >= 0) ||
+		((key == SCENE_LOCK_ALL_BUT || key == SCENE_WANT) && robot_joint(r, name) >= 0);
 }
 
 /* ---- lists ---- */

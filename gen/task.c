@@ -137,19 +137,11 @@ int task_find_link(const struct resolver *x, const struct scene_choice *c, const
 	return x->e->code ? -1 : link;
 }
 
-static int find_joint(const struct robot *r, const char *name)
-{
-	for (int j = 0; j < r->joint_count; j++)
-		if (!strcmp(r->joints[j].name, name))
-			return j;
-	return -1;
-}
-
 /* The body that the joint of this name moves; "base" is the floating base. */
 int task_find_body(const struct resolver *x, const struct scene_choice *c, const char *name)
 {
 	if (x->t->floating && !strcmp(name, "base")) {
-		if (find_joint(x->r, name) < 0)
+		if (robot_joint(x->r, name) < 0)
 			return 0;
 		scene_refuse(x->s, c, x->e, "'base' is the floating base, and a joint of the robot: rename the joint");
 		return -1;
@@ -272,7 +264,7 @@ static enum rneagen_code set_armature(const struct resolver *x, const struct sce
 static void set_dynamics(const struct resolver *x, real *by_body, int is_friction)
 {
 	for (int i = 0; i < x->t->body_count; i++) {
-		int j = find_joint(x->r, x->t->bodies[i].joint);
+		int j = robot_joint(x->r, x->t->bodies[i].joint);
 
 		if (j >= 0 && joint_nv(x->t->bodies[i].type) == 1)
 			by_body[i] = is_friction ? x->r->joints[j].friction : x->r->joints[j].damping;

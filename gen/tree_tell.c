@@ -1,13 +1,11 @@
 /* What a tree says of itself. */
 #include "tree.h"
-#include <string.h>
 
 const struct joint *tree_joint_of(const struct robot *r, const struct tree *t, int i)
 {
-	for (int k = 0; k < r->joint_count; k++)
-		if (!strcmp(r->joints[k].name, t->joints[i].name))
-			return &r->joints[k];
-	return NULL;
+	int k = robot_joint(r, t->joints[i].name);
+
+	return k < 0 ? NULL : &r->joints[k];
 }
 
 void tree_warn(const struct tree *t, struct robot *r, const char *file, struct arena *a)

@@ -58,6 +58,35 @@ START_TEST(test_rules)
 }
 END_TEST
 
+/* The same rules in numbers, from the root back. */
+START_TEST(test_partials)
+{
+	struct arena a;
+	struct dag d;
+	struct ref in, root;
+	double *value, *by, partials[3], slope = (double)((number(AT + STEP) - number(AT - STEP)) / (2 * STEP));
+
+	arena_init(&a, NULL);
+	dag_init(&d, &a);
+	dag_argument(&d, "in", 1, 0);
+	in = dag_input(&d, 0, 0);
+	root = symbol(&d, in);
+	value = arena_alloc(&a, d.count, sizeof *value);
+	by = arena_alloc(&a, d.count, sizeof *by);
+	for (size_t i = 0; i < d.count; i++)
+		value[i] = i == in.i ? (double)AT : eval_node(&d.nodes[i], value);
+	by[root.i] = 1;
+	for (size_t i = d.count; i-- > 0;) {
+		eval_partials(&d.nodes[i], value, partials);
+		for (int k = 0; k < op_arity[d.nodes[i].op]; k++)
+			by[d.nodes[i].arg[k].i] += by[i] * partials[k];
+	}
+	ck_assert_msg(fabs(value[root.i] - (double)number(AT)) < 1e-15, "%.17g, not %.17g", value[root.i], (double)number(AT));
+	ck_assert_msg(fabs(by[in.i] - slope) < 1e-11, "%.15g, not %.15g", by[in.i], slope);
+	arena_free(&a);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *s = suite_create("derive");
@@ -66,6 +95,7 @@ int main(void)
 	int failed;
 
 	tcase_add_test(c, test_rules);
+	tcase_add_test(c, test_partials);
 	suite_add_tcase(s, c);
 	r = srunner_create(s);
 	srunner_run_all(r, CK_NORMAL);
