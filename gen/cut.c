@@ -117,8 +117,8 @@ static enum rneagen_code find_locked(struct cutting *k)
 		if (j < 0 || check_holdable(k, c, j))
 			return k->e->code;
 		if (k->locked[j])
-			return scene_refuse(k->s, c, k->e, "joint '%s' is also locked in line %d; lock it once", c->name,
-				k->locked[j]->line);
+			return scene_refuse(k->s, c, k->e, "joint '%s' is also locked %s; lock it once", c->name,
+				scene_place(k->locked[j]).s);
 		k->locked[j] = c;
 		if (read_value(k, c, j))
 			return k->e->code;
@@ -134,8 +134,8 @@ static enum rneagen_code find_moving(struct cutting *k)
 		if (j < 0 || check_holdable(k, c, j))
 			return k->e->code;
 		if (k->locked[j])
-			return scene_refuse(k->s, c, k->e, "joint '%s' is locked in line %d; leave one of the two out", c->name,
-				k->locked[j]->line);
+			return scene_refuse(k->s, c, k->e, "joint '%s' is locked %s; leave one of the two out", c->name,
+				scene_place(k->locked[j]).s);
 		if (!k->below[k->r->joints[j].parent])
 			return scene_refuse(k->s, c, k->e, "joint '%s' is not below the root '%s'", c->name,
 				k->r->links[k->c->root].name);

@@ -94,32 +94,39 @@ static void set_choice(struct rneagen_options *o, int key, int value)
 	}
 }
 
-/* Lengthen the scene by a line, or by the lines of a file. */
-static int add_scene(const char *command, struct rneagen_options *o, const char *word, const char *value, size_t length)
+/* Lengthen the scene by a line or more. */
+static int add_scene(const char *command, struct rneagen_options *o, const char *lines, size_t length)
 {
-	size_t before = o->scene ? strlen(o->scene) : 0, begin = before + strlen(word);
-	char *s = malloc(begin + length + 3), *old = (char *)o->scene;
+	size_t before = o->scene ? strlen(o->scene) : 0;
+	char *s = lines ? realloc((char *)o->scene, before + length + 2) : NULL;
 
 	if (!s) {
 		fprintf(stderr, "%s: out of memory\n", command);
 		return 1;
 	}
-	if (before)
-		memcpy(s, old, before);
-	strcpy(s + before, word);
-	if (*word)
-		s[begin++] = ' ';
-	memcpy(s + begin, value, length);
-	strcpy(s + begin + length, "\n");
-	free(old);
+	memcpy(s + before, lines, length);
+	strcpy(s + before + length, "\n");
 	o->scene = s;
 	return 0;
+}
+
+/* The first line of a text that begins with dashes, as options do; NULL where none does. */
+static const char *find_dashes(const char *text)
+{
+	for (; text; text = strchr(text, '\n')) {
+		text += strspn(text, " \t\r\n");
+		if (!strncmp(text, "--", 2))
+			return text;
+	}
+	return NULL;
 }
 
 static int take_scene_file(const char *command, struct rneagen_options *o, const char *path)
 {
 	struct file_content f = {0};
 	struct rneagen_error e = {0};
+	const char *dashes;
+	size_t begin = o->scene ? strlen(o->scene) : 0;
 	int bad = 1;
 
 	if (file_read(path, &f, &e))
@@ -127,8 +134,34 @@ static int take_scene_file(const char *command, struct rneagen_options *o, const
 	else if (f.length && memchr(f.bytes, '\0', f.length))
 		fprintf(stderr, "%s: %s: holds a byte of 0, and a scene is a text\n", command, path);
 	else
-		bad = add_scene(command, o, "", f.length ? f.bytes : "", f.length);
+		bad = add_scene(command, o, f.length ? f.bytes : "", f.length);
 	free(f.bytes);
+	dashes = bad ? NULL : find_dashes(o->scene + begin);
+	return dashes ? option_refuse(command, "%s: '%.*s': in a file choices stand without their dashes", path,
+				(int)strcspn(dashes, " \t\r\n"), dashes)
+		      : bad;
+}
+
+/* A line of the scene, which keeps its dashes and has its value in quotes. */
+static int take_scene_line(const char *command, struct rneagen_options *o, enum scene_key key, const char *value)
+{
+	struct arena a;
+	struct text line;
+	int bad;
+
+	if (value && strchr(value, '\n'))
+		return option_refuse(command, "--%s cannot take '%s': a scene has one choice on a line", scene_word(key), value);
+	arena_init(&a, NULL);
+	text_init(&line, &a);
+	text_printf(&line, value ? "--%s \"" : "--%s", scene_word(key));
+	for (const char *s = value ? value : ""; *s; s++) {
+		if (*s == '"' || *s == '\\')
+			text_putc(&line, '\\');
+		text_putc(&line, *s);
+	}
+	text_put(&line, value ? "\"" : "");
+	bad = add_scene(command, o, line.failed ? NULL : text_string(&line), line.length);
+	arena_free(&a);
 	return bad;
 }
 
@@ -136,7 +169,6 @@ static int take_scene_file(const char *command, struct rneagen_options *o, const
 static int take_armature_line(const char *command, struct rneagen_options *o, const char *path, int number, char *line)
 {
 	char *end = line + strlen(line), *value;
-	size_t length;
 
 	while (end > line && strchr(" \t\r", end[-1]))
 		*--end = '\0';
@@ -147,8 +179,7 @@ static int take_armature_line(const char *command, struct rneagen_options *o, co
 	if (!value || value == line)
 		return option_refuse(command, "%s: line %d: '%s' is not JOINT NUMBER", path, number, line);
 	*value = '=';
-	length = strlen(line);
-	return add_scene(command, o, scene_word(SCENE_ARMATURE), line, length);
+	return take_scene_line(command, o, SCENE_ARMATURE, line);
 }
 
 /* A file of rotor inertias, one joint on a line. */
@@ -160,7 +191,7 @@ static int take_armature(const char *command, struct rneagen_options *o, const c
 	char *text, *next;
 
 	if (strchr(path, '='))
-		return add_scene(command, o, scene_word(SCENE_ARMATURE), path, strlen(path));
+		return take_scene_line(command, o, SCENE_ARMATURE, path);
 	if (file_read(path, &f, &e)) {
 		fprintf(stderr, "%s: %s\n", command, e.message);
 		return 1;
@@ -178,17 +209,6 @@ static int take_armature(const char *command, struct rneagen_options *o, const c
 	free(text);
 	free(f.bytes);
 	return bad;
-}
-
-/* A line of the scene; its value must not be read as more than one, or as a comment. */
-static int take_scene_line(const char *command, struct rneagen_options *o, enum scene_key key, const char *value)
-{
-	const char *s = value ? value : "";
-
-	if (strchr(s, '\n') || *s == '#' || strstr(s, " #") || strstr(s, "\t#"))
-		return option_refuse(command, "--%s cannot take '%s': it would be more than one line, or a comment, of a scene",
-			scene_word(key), s);
-	return add_scene(command, o, scene_word(key), s, strlen(s));
 }
 
 void option_free(struct rneagen_options *o)

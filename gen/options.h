@@ -38,14 +38,15 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 
 /* The lines of --help for what makes up a scene. */
 #define OPTIONS_SCENE_HELP                                                                                             \
-	"  --scene FILE               take the scene, options from here on without dashes, a line each, from a file\n" \
+	"  --scene FILE               take the scene, options from here on without dashes, a line each, from a file:\n"      \
+	"                             # begins a comment; a value with a # in it goes into \"quotes\"\n"                    \
 	"  --root LINK                the subtree below LINK, whose frame is the world's\n"                            \
 	"  --tip L1,L2,...            the chains from the root to these links; all joints beside them are held at zero\n" \
 	"  --beside lock|drop         drop: what hangs beside the chains has no mass either\n"                         \
 	"  --lock JOINT=VALUE         hold a joint; planar and floating joints take 3 and 7 numbers by commas\n"       \
 	"  --lock-all-but J1,J2,...   hold all other joints at zero\n"                                                 \
 	"  --fold NAME=VALUE          an input that is known: qdd=0, qd.JOINT=0, gravity=0,0,0\n"                      \
-	"  --free NAME                a constant that becomes an input: gravity, mass.LINK, inertia.LINK, payload.LINK,\n" \
+	"  --free N1,N2,...           constants that become inputs: gravity, mass.LINK, inertia.LINK, payload.LINK,\n" \
 	"                             offset.JOINT; NAME:batch one for all samples, NAME:sample one for each\n"        \
 	"  --want N1,N2,...           what is computed: tau, gravity, bias, wrench.JOINT, twist.LINK, accel.LINK, power,\n" \
 	"                             kinetic, potential, dtau_dq, dtau_dqd, M, jvp, vjp; dtau_dNAME by what is free\n" \

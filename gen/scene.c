@@ -33,7 +33,18 @@ enum rneagen_code scene_refuse(
 	va_start(ap, fmt);
 	vsnprintf(what, sizeof what, fmt, ap);
 	va_end(ap);
-	return error_set(e, RNEAGEN_SCENE, "%s: scene line %d, %s: %s", s->file, c->line, WORDS[c->key].name, what);
+	if (!c->told)
+		return error_set(e, RNEAGEN_SCENE, "%s: --%s: %s", s->file, WORDS[c->key].name, what);
+	return error_set(e, RNEAGEN_SCENE, "%s: scene line %d, %s: %s", s->file, c->told, WORDS[c->key].name, what);
+}
+
+struct scene_place scene_place(const struct scene_choice *c)
+{
+	struct scene_place p = {"by an option"};
+
+	if (c->told)
+		snprintf(p.s, sizeof p.s, "in line %d", c->told);
+	return p;
 }
 
 /* ---- reading ---- */
@@ -43,7 +54,7 @@ struct reader {
 	struct arena *a;
 	struct rneagen_error *e;
 	size_t capacity;
-	int line;
+	int line, told, options; /* this line; the same in messages; lines so far that are options */
 };
 
 /* A copy of `length` bytes without the blanks around them; NULL on failure. */
@@ -56,13 +67,15 @@ static const char *trimmed(struct arena *a, const char *s, size_t length)
 	return arena_string(a, s, length);
 }
 
-/* Where a line's comment begins: at a # that nothing or a blank stands before. */
-static size_t without_comment(const char *line, size_t length)
+/* Where a comment begins: at a # that nothing or a blank stands before. */
+static size_t without_comment(const char *line)
 {
-	for (size_t i = 0; i < length; i++)
+	size_t i = 0;
+
+	for (; line[i]; i++)
 		if (line[i] == '#' && (i == 0 || strchr(BLANKS, line[i - 1])))
-			return i;
-	return length;
+			break;
+	return i;
 }
 
 static int find_key(const char *word, size_t length)
@@ -80,21 +93,17 @@ static enum rneagen_code refuse_word(const struct reader *r, const char *word, s
 	if (!copy)
 		return error_memory(r->e);
 	meant = nearest_name(copy, WORDS, SCENE_KEY_COUNT, sizeof *WORDS);
-	return error_set(r->e, RNEAGEN_SCENE, "%s: scene line %d: '%.255s' is not known%s%s%s", r->s->file, r->line, copy,
+	return error_set(r->e, RNEAGEN_SCENE, "%s: scene line %d: '%.255s' is not known%s%s%s", r->s->file, r->told ? r->told : r->line, copy,
 		meant ? "; did you mean '" : "", meant ? meant : "", meant ? "'?" : "");
 }
 
-/* NAME=VALUE at the last =; NAME:sample or NAME:batch at the last colon. */
+/* NAME=VALUE at the last =. */
 static enum rneagen_code split(const struct reader *r, struct scene_choice *c, const char *value)
 {
-	const char *at = strrchr(value, WORDS[c->key].kind == SCENE_PAIR ? '=' : ':');
+	const char *at = strrchr(value, '=');
 
-	c->name = value;
-	if (WORDS[c->key].kind == SCENE_FREED && (!at || (strcmp(at, ":sample") && strcmp(at, ":batch"))))
-		return RNEAGEN_OK;
 	if (!at || at == value || !at[1])
-		return scene_refuse(r->s, c, r->e, "takes %s, not '%.255s'",
-			WORDS[c->key].kind == SCENE_PAIR ? "NAME=VALUE" : "NAME, NAME:sample or NAME:batch", value);
+		return scene_refuse(r->s, c, r->e, "takes NAME=VALUE, not '%.255s'", value);
 	c->name = trimmed(r->a, value, (size_t)(at - value));
 	c->value = trimmed(r->a, at + 1, strlen(at + 1));
 	return c->name && c->value ? RNEAGEN_OK : error_memory(r->e);
@@ -107,7 +116,7 @@ static enum rneagen_code check_once(const struct reader *r, const struct scene_c
 
 	for (int i = 0; i < r->s->line_count && (kind == SCENE_VALUE || kind == SCENE_NAME); i++)
 		if (r->s->lines[i].key == c->key)
-			return scene_refuse(r->s, c, r->e, "is also given in line %d; give it once", r->s->lines[i].line);
+			return scene_refuse(r->s, c, r->e, "is also given %s; give it once", scene_place(&r->s->lines[i]).s);
 	return RNEAGEN_OK;
 }
 
@@ -125,7 +134,7 @@ static enum rneagen_code check_word(const struct reader *r, const struct scene_c
 
 static enum rneagen_code add_choice(struct reader *r, enum scene_key key, const char *value)
 {
-	struct scene_choice c = {.key = key, .name = "", .line = r->line};
+	struct scene_choice c = {.key = key, .name = "", .line = r->line, .told = r->told};
 	struct scene_choice *wider;
 
 	if (WORDS[key].takes == 1 && !*value)
@@ -134,7 +143,7 @@ static enum rneagen_code add_choice(struct reader *r, enum scene_key key, const 
 		return scene_refuse(r->s, &c, r->e, "takes no value, and '%.255s' is one", value);
 	if (check_once(r, &c) || check_word(r, &c, value))
 		return r->e->code;
-	if (WORDS[key].kind == SCENE_PAIR || WORDS[key].kind == SCENE_FREED)
+	if (WORDS[key].kind == SCENE_PAIR)
 		split(r, &c, value);
 	else if (WORDS[key].kind == SCENE_VALUE)
 		c.value = *value ? value : NULL;
@@ -148,22 +157,50 @@ static enum rneagen_code add_choice(struct reader *r, enum scene_key key, const 
 	return r->e->code;
 }
 
+/* What stands between quotes, behind which only a comment may follow; \" is a quote, \\ a backslash. */
+static const char *unquoted(const struct reader *r, enum scene_key key, const char *quoted)
+{
+	const struct scene_choice c = {.key = key, .line = r->line, .told = r->told};
+	char *value = arena_string(r->a, quoted, strlen(quoted)), *to = value;
+	const char *s = quoted + 1;
+
+	if (!value) {
+		error_memory(r->e);
+		return NULL;
+	}
+	for (; *s && *s != '"'; s++) {
+		s += *s == '\\' && (s[1] == '"' || s[1] == '\\');
+		*to++ = *s;
+	}
+	*to = '\0';
+	if (*s && strspn(s + 1, BLANKS) == without_comment(s + 1))
+		return value;
+	scene_refuse(r->s, &c, r->e, "a value that begins with a quote must end with one: %.255s", quoted);
+	return NULL;
+}
+
 static enum rneagen_code read_line(struct reader *r, const char *line, size_t length)
 {
-	size_t end = without_comment(line, length), word;
-	const char *all = trimmed(r->a, line, end), *value;
-	int key;
+	const char *word = trimmed(r->a, line, length), *value;
+	int key, is_option;
 
 	r->line++;
-	if (!all)
+	if (!word)
 		return error_memory(r->e);
-	if (!*all)
+	is_option = !strncmp(word, "--", 2);
+	r->options += is_option;
+	r->told = is_option ? 0 : r->line - r->options;
+	if (!*word || *word == '#')
 		return RNEAGEN_OK;
-	word = strcspn(all, BLANKS);
-	key = find_key(all, word);
+	word += is_option ? 2 : 0;
+	length = strcspn(word, BLANKS);
+	key = find_key(word, length);
 	if (key < 0)
-		return refuse_word(r, all, word);
-	value = all + word + strspn(all + word, BLANKS);
+		return refuse_word(r, word, length);
+	value = word + length + strspn(word + length, BLANKS);
+	value = *value == '"' ? unquoted(r, (enum scene_key)key, value) : trimmed(r->a, value, without_comment(value));
+	if (!value)
+		return r->e->code ? r->e->code : error_memory(r->e);
 	return add_choice(r, (enum scene_key)key, value);
 }
 
@@ -212,39 +249,65 @@ int scene_joint(const struct scene *s, const struct scene_choice *c, const struc
 	return i < 0 ? refuse_name(s, c, "joint", name, r->joints, r->joint_count, sizeof *r->joints, e) : i;
 }
 
-/* Does the whole of a list name one thing? Wanted quantities have the name after a dot. */
+/* Does the whole of a list name one thing? What is wanted or freed has the name after a dot. */
 static int is_one_name(enum scene_key key, const char *list, const struct robot *r)
 {
-	const char *comma = strchr(list, ','), *dot = key == SCENE_WANT ? strchr(list, '.') : NULL, *name = dot ? dot + 1 : list;
+	int has_kind = key == SCENE_WANT || key == SCENE_FREE;
+	const char *comma = strchr(list, ','), *dot = has_kind ? strchr(list, '.') : NULL, *name = dot ? dot + 1 : list;
 
 	if (!comma || (dot && comma < dot))
 		return !comma;
 	return (key != SCENE_LOCK_ALL_BUT && robot_link(r, name) >= 0) ||
-		((key == SCENE_LOCK_ALL_BUT || key == SCENE_WANT) && robot_joint(r, name) >= 0);
+		((key == SCENE_LOCK_ALL_BUT || has_kind) && robot_joint(r, name) >= 0);
 }
 
 /* ---- lists ---- */
 
+/* "mass.hand:sample" is a name and a value. */
+static enum rneagen_code split_freed(const struct scene *s, struct scene_choice *c, struct arena *a, struct rneagen_error *e)
+{
+	const char *at = strrchr(c->name, ':');
+
+	if (!at || (strcmp(at, ":sample") && strcmp(at, ":batch")))
+		return RNEAGEN_OK;
+	if (at == c->name)
+		return scene_refuse(s, c, e, "takes NAME, NAME:sample or NAME:batch, not '%.255s'", c->name);
+	c->value = at + 1;
+	c->name = trimmed(a, c->name, (size_t)(at - c->name));
+	return c->name ? RNEAGEN_OK : error_memory(e);
+}
+
+/* One of the names of a line, or all that it has. */
+static enum rneagen_code put_choice(struct scene *s, const struct scene_choice *line, const char *name, struct arena *a,
+	struct rneagen_error *e)
+{
+	struct scene_choice *c = &s->choices[s->count++];
+
+	*c = *line;
+	c->name = name;
+	return WORDS[c->key].kind == SCENE_FREED ? split_freed(s, c, a, e) : RNEAGEN_OK;
+}
+
 static enum rneagen_code expand_line(struct scene *s, const struct scene_choice *line, const struct robot *r, struct arena *a,
 	struct rneagen_error *e)
 {
-	const char *at = line->name;
+	enum scene_kind kind = WORDS[line->key].kind;
+	int is_list = kind == SCENE_NAMES || kind == SCENE_FREED;
 
-	if (WORDS[line->key].kind != SCENE_NAMES || is_one_name(line->key, at, r)) {
-		s->choices[s->count++] = *line;
-		return RNEAGEN_OK;
-	}
-	for (size_t length; at; at = at[length] ? at + length + 1 : NULL) {
-		struct scene_choice *c = &s->choices[s->count];
+	if (put_choice(s, line, line->name, a, e) || !is_list || is_one_name(line->key, s->choices[s->count - 1].name, r))
+		return e->code;
+	s->count--;
+	for (const char *at = line->name; at;) {
+		size_t length = strcspn(at, ",");
+		const char *name = trimmed(a, at, length);
 
-		length = strcspn(at, ",");
-		*c = *line;
-		c->name = trimmed(a, at, length);
-		if (!c->name)
+		if (!name)
 			return error_memory(e);
-		if (!*c->name)
+		if (!*name)
 			return scene_refuse(s, line, e, "'%.255s' has an empty name", line->name);
-		s->count++;
+		if (put_choice(s, line, name, a, e))
+			return e->code;
+		at = at[length] ? at + length + 1 : NULL;
 	}
 	return RNEAGEN_OK;
 }
@@ -319,8 +382,6 @@ void scene_put_option(const struct scene_choice *line, struct text *t)
 	text_put(&value, line->name);
 	if (w->kind == SCENE_PAIR)
 		text_putc(&value, '=');
-	if (w->kind == SCENE_FREED && line->value)
-		text_putc(&value, ':');
 	text_put(&value, line->value ? line->value : "");
 	t->failed |= value.failed;
 	text_printf(t, "--%s", w->name);

@@ -7,7 +7,10 @@
        # the right arm of a robot on wheels
        root torso_lift_link
        tip r_gripper_tool_frame
-       lock r_gripper_joint=0.03 */
+       lock r_gripper_joint=0.03
+
+   A value may stand in quotes, "#1 joint=0.03", where \" is a quote and \\ a backslash. The command writes its own options as
+   lines that keep their dashes: messages then name the option, and the numbers of lines are those of files. */
 
 #include "arena.h"
 #include "error.h"
@@ -41,15 +44,16 @@ enum scene_key {
 	SCENE_KEY_COUNT
 };
 
-/* NAMES: commas between them, unless the whole is one name; PAIR: NAME=VALUE, split at the last =; FREED: NAME,
-   NAME:sample or NAME:batch; VALUE: given at most once */
+/* NAMES: commas between them, unless the whole is one name; PAIR: NAME=VALUE, split at the last =; FREED: names, each of
+   which may end in :sample or :batch; VALUE: given at most once */
 enum scene_kind { SCENE_NAME, SCENE_NAMES, SCENE_PAIR, SCENE_FREED, SCENE_VALUE };
 
 struct scene_choice {
 	enum scene_key key;
 	const char *name;  /* "" where the key takes a value alone */
 	const char *value; /* "lock", "1.57"; NULL where there is none */
-	int line;          /* from 1 */
+	int line;          /* of the text, from 1 */
+	int told;          /* the line for messages, which does not count options; 0: it is an option */
 };
 
 struct scene {
@@ -73,7 +77,13 @@ const struct scene_choice *scene_next(const struct scene *s, enum scene_key key,
 /* "lock", "lock-all-but", ... */
 const char *scene_word(enum scene_key key);
 
-/* "FILE: scene line N, WORD: what is wrong"; error SCENE. */
+/* "in line N", or "by an option". */
+struct scene_place {
+	char s[24];
+};
+struct scene_place scene_place(const struct scene_choice *c);
+
+/* "FILE: scene line N, WORD: what is wrong", or "FILE: --WORD: what is wrong"; error SCENE. */
 enum rneagen_code scene_refuse(const struct scene *s, const struct scene_choice *c, struct rneagen_error *e,
 	const char *fmt, ...) RNEAGEN_PRINTF(4, 5);
 

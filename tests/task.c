@@ -65,6 +65,28 @@ struct task_case *case_random(uint64_t seed, int links, int flags)
 	return NULL;
 }
 
+/* The value of the last line, which has ended, goes into quotes where it would read as something else. */
+static void quote_last(struct task_case *c)
+{
+	char *end = strchr(c->scene, '\0') - 1, *value = end, *copy, *to;
+
+	while (value > c->scene && value[-1] != '\n')
+		value--;
+	value += strcspn(value, " \n");
+	if (*value != ' ' || (value[1] != '"' && !strchr(value, '#')))
+		return;
+	ck_assert_int_lt(2 * (end - value) + 4, c->scene + sizeof c->scene - value);
+	*end = '\0';
+	copy = strdup(++value);
+	to = value;
+	*to++ = '"';
+	for (const char *s = copy; *s; *to++ = *s++)
+		if (*s == '"' || *s == '\\')
+			*to++ = '\\';
+	strcpy(to, "\"\n");
+	free(copy);
+}
+
 void case_say(struct task_case *c, const char *format, ...)
 {
 	size_t used = strlen(c->scene);
@@ -73,6 +95,8 @@ void case_say(struct task_case *c, const char *format, ...)
 	va_start(ap, format);
 	ck_assert_int_lt((int)used + vsnprintf(c->scene + used, sizeof c->scene - used, format, ap), (int)sizeof c->scene);
 	va_end(ap);
+	if (*c->scene && strchr(c->scene, '\0')[-1] == '\n')
+		quote_last(c);
 }
 
 /* ---- entries ---- */

@@ -1,9 +1,8 @@
-/* The scene's text: how it is read, which names it takes, what it leaves and says; what is refused, and how. */
+/* The scene: which names it takes, what it leaves and says; what is refused, and how. How its text is read is in
+   test_scene_read.c. */
 #include "read.h"
 #include "rng.h"
 #include "rneagen.h"
-#include "nearest.h"
-#include "scene_put.h"
 #include "tree.h"
 #include "urdf_text.h"
 #include <check.h>
@@ -156,6 +155,21 @@ static const struct refused {
 	{"root hand\nlock elbow=1", "here: scene line 2, lock: joint 'elbow' is cut away; leave it out"},
 	{"root hand\nlock-all-but elbow", "here: scene line 2, lock-all-but: joint 'elbow' is not below the root 'hand'"},
 	{"tip fore\nlock-all-but wrist", "here: scene line 2, lock-all-but: joint 'wrist' is not on a chain to a tip"},
+	{"lock \"elbow\"=1", "here: scene line 1, lock: a value that begins with a quote must end with one: \"elbow\"=1"},
+	{"root\n lock \"elbow=1 # c", "here: scene line 1, root: needs a value"},
+	{"\n lock \"elbow=1 # c", "here: scene line 2, lock: a value that begins with a quote must end with one: \"elbow=1 # c"},
+	{"free qd:batch", "here: scene line 1, free: 'qd' is not known"},
+	{"free :batch", "here: scene line 1, free: takes NAME, NAME:sample or NAME:batch, not ':batch'"},
+	{"free gravity,:batch", "here: scene line 1, free: takes NAME, NAME:sample or NAME:batch, not ':batch'"},
+	{"free gravity,,mass.hand", "here: scene line 1, free: 'gravity,,mass.hand' has an empty name"},
+	{"free gravity,mass.hnad:sample", "here: scene line 1, free: no link 'hnad'; did you mean 'hand'?"},
+	{"free gravity,gravity:sample", "here: scene line 1, free: 'gravity' is free already"},
+	{"--lokc elbow=1", "here: scene line 1: 'lokc' is not known; did you mean 'lock'?"},
+	{"--lock \"elbo=1\"", "here: --lock: no joint 'elbo'; did you mean 'elbow'?"},
+	{"--root hand\n# a file\nroot hand", "here: scene line 2, root: is also given by an option; give it once"},
+	{"# a file\nroot hand\n--root hand", "here: --root: is also given in line 2; give it once"},
+	{"--lock elbow=1\n--lock elbow=2", "here: --lock: joint 'elbow' is also locked by an option; lock it once"},
+	{"--lock elbow=1\nlock-all-but elbow", "here: scene line 1, lock-all-but: joint 'elbow' is locked by an option; leave one of the two out"},
 	{"tip base", "here: no movable joints in robot 'arm'"},
 	{"root left", "here: no movable joints in robot 'arm'"},
 };
@@ -191,53 +205,6 @@ START_TEST(other_locale)
 END_TEST
 
 /* ---- what is said ---- */
-
-START_TEST(repeats_itself)
-{
-	static const char text[] = "tip a,b , head\nlock grip=0.5\nfree mass.hand:batch\nfree gravity\nfriction\nfriction-x";
-	static const char *const options[] = {
-		"--tip 'a,b , head'", "--lock grip=0.5", "--free mass.hand:batch", "--free gravity", "--friction"};
-	struct arena a;
-	struct scene s;
-	struct rneagen_error e = {0};
-	char *last;
-
-	arena_init(&a, NULL);
-	last = arena_string(&a, text, strlen(text) - strlen("\nfriction-x"));
-	ck_assert_int_eq(scene_read(&s, last, "here", &a, &e), RNEAGEN_OK);
-	ck_assert_int_eq(s.line_count, 5);
-	ck_assert_str_eq(s.lines[2].name, "mass.hand");
-	ck_assert_str_eq(s.lines[2].value, "batch");
-	ck_assert_ptr_null(s.lines[3].value);
-	for (int i = 0; i < s.line_count; i++) {
-		struct text t;
-
-		text_init(&t, &a);
-		scene_put_option(&s.lines[i], &t);
-		ck_assert_str_eq(text_string(&t), options[i]);
-	}
-	ck_assert_int_eq(scene_read(&s, "friction 0.5\nlock it's=1", "here", &a, &e), RNEAGEN_OK);
-	arena_free(&a);
-}
-END_TEST
-
-/* By commas, unless all of it is one name. */
-START_TEST(lists)
-{
-	static const char text[] = "want gravity,wrench.elbow, tau\nwant wrench.x=y,z\nfext a,b\nfext hand,head\nwant tau,power";
-	static const char *const names[] = {
-		"gravity", "wrench.elbow", "tau", "wrench.x=y,z", "a,b", "hand", "head", "tau", "power"};
-	struct read r;
-	struct scene s;
-
-	read_memory(&r, arm, sizeof arm - 1, "here");
-	ck_assert(!scene_read(&s, text, "here", &r.arena, &r.error) && !scene_expand(&s, &r.robot, &r.arena, &r.error));
-	ck_assert_int_eq(s.count, sizeof names / sizeof *names);
-	for (int i = 0; i < s.count; i++)
-		ck_assert_str_eq(s.choices[i].name, names[i]);
-	read_free(&r);
-}
-END_TEST
 
 /* Scenes put together at random from words, names, values and noise: none does harm, and what is refused is said. */
 START_TEST(random_scenes)
@@ -333,27 +300,6 @@ START_TEST(ignored)
 }
 END_TEST
 
-START_TEST(nearest)
-{
-	static const char *const names[] = {"elbow", "elbow_2", "shoulder", "wrist", "ab"};
-	static const struct {
-		const char *word, *found;
-	} words[] = {{"elbo", "elbow"}, {"elbow_3", "elbow_2"}, {"leblow", "elbow"}, {"wrsit", "wrist"}, {"shuolder_", "shoulder"},
-		{"finger", NULL}, {"Wrist", "wrist"}, {"ba", "ab"}};
-	char longer[600];
-
-	for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
-		const char *found = nearest_name(words[i].word, names, 5, sizeof *names);
-
-		ck_assert_msg(found == words[i].found || (found && words[i].found && !strcmp(found, words[i].found)), "%s: %s",
-			words[i].word, found ? found : "none");
-	}
-	memset(longer, 'x', sizeof longer - 1);
-	longer[sizeof longer - 1] = '\0';
-	ck_assert_ptr_null(nearest_name(longer, names, 5, sizeof *names));
-}
-END_TEST
-
 int main(void)
 {
 	Suite *suite = suite_create("scene");
@@ -366,12 +312,9 @@ int main(void)
 	tcase_add_loop_test(c, leaves, 0, sizeof lefts / sizeof *lefts);
 	tcase_add_loop_test(c, refuses, 0, sizeof refuseds / sizeof *refuseds);
 	tcase_add_test(c, other_locale);
-	tcase_add_test(c, repeats_itself);
-	tcase_add_test(c, lists);
 	tcase_add_loop_test(c, random_scenes, 0, 2);
 	tcase_add_test(c, told);
 	tcase_add_test(c, ignored);
-	tcase_add_test(c, nearest);
 	suite_add_tcase(suite, c);
 	srunner_run_all(runner, CK_NORMAL);
 	failed = srunner_ntests_failed(runner);
