@@ -172,7 +172,7 @@ void emit_source(const struct emission *e, struct text *out)
 	for (int i = 0; i < e->pass_count && e->options->target == RNEAGEN_TARGET_CUDA; i++)
 		emit_kernel(e, &p[i], &kernels);
 	const struct slot slots[] = {
-		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"INFO", info_text(e)},
+		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"INFO", info_text(e)}, {"PATTERNS", emit_patterns(e)},
 		{"ARITHMETIC_CUDA", emit_arithmetic(e, ARITHMETIC_FOR_CUDA)},
 		{"ARITHMETIC_HEADER", emit_arithmetic(e, ARITHMETIC_FOR_HEADER)}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
 		{"UNDEF_STRICT", e->options->strict ? "#undef RNEA_ADD\n#undef RNEA_SUB\n#undef RNEA_MUL\n#undef RNEA_DIV\n#undef RNEA_SQRT\n#undef RNEA_APART\n" : ""},

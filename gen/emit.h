@@ -81,6 +81,13 @@ void emit_info(const struct emission *e, struct text *out);
 /* Its middle part: the block and the arguments. */
 void emit_info_shape(const struct emission *e, struct text *out);
 
+/* Where the elements of matrices stand in them: lines of the table; arrays of rows and of columns as C declares and defines
+   them, with an empty line before; a member of the object of --info=json. Nothing where no matrix is wanted. */
+void emit_info_matrices(const struct emission *e, struct text *out);
+void emit_pattern_declarations(const struct emission *e, struct text *out);
+const char *emit_patterns(const struct emission *e);
+void emit_pattern_json(const struct emission *e, struct text *out);
+
 /* The macros of the operations, as these compilers take them. */
 enum arithmetic_for { ARITHMETIC_FOR_C, ARITHMETIC_FOR_CUDA, ARITHMETIC_FOR_HEADER };
 const char *emit_arithmetic(const struct emission *e, enum arithmetic_for compiler);

@@ -129,6 +129,7 @@ const char *emit_prototypes(const struct emission *e)
 		put_prototype(e, PASS_BPASS, "", "", "The way back alone: torques from q and fpass's wrenches.", &t);
 	}
 	put_slice_prototypes(e, &t);
+	emit_pattern_declarations(e, &t);
 	text_printf(&t, "/* What this text computes, one `key values` a line. */\nextern const char %s_info[];",
 		e->options->name);
 	return text_string(&t);

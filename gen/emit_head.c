@@ -279,6 +279,7 @@ static void put_info_lines(const struct emission *e, struct text *t)
 		o->base == RNEAGEN_FLOATING ? "floating" : "fixed");
 	text_printf(t, "nq %d\nnv %d\nnb %d\n", e->tree->nq, e->tree->nv, e->tree->body_count);
 	emit_info_shape(e, t);
+	emit_info_matrices(e, t);
 	text_printf(t, "operations %u %u %u %u %u %u\n", n.mul, n.add, n.sub, n.neg, n.fma, n.sincos);
 	for (int i = 0; i < e->tree->joint_count; i++) {
 		const struct tree_joint *j = &e->tree->joints[i];

@@ -103,6 +103,7 @@ void info_json(const struct emission *e, struct text *out)
 	saving_put_json(e->tree, out);
 	effect_put_json(e->tree, out);
 	scene_put_json_ignored(e->tree, out);
+	emit_pattern_json(e, out);
 	text_put(out, "  \"warnings\": [");
 	for (size_t i = 0; i < e->warning_count; i++) {
 		text_put(out, i ? ",\n    " : "\n    ");

@@ -1,4 +1,5 @@
 #include "info.h"
+#include <limits.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,6 +33,9 @@ struct parser {
 	struct rnea_info *info;
 	struct rnea_argument *arguments;
 	struct rnea_joint *joints;
+	struct rnea_matrix *matrices;
+	int *row, *col; /* of the elements of all matrices */
+	size_t element_count;
 	struct rnea_error *error;
 };
 
@@ -158,6 +162,63 @@ static enum rnea_code read_joint(struct parser *p)
 	return RNEA_OK;
 }
 
+/* A matrix of an output that stands above. */
+static enum rnea_code read_matrix(struct parser *p)
+{
+	struct rnea_info *info = p->info;
+	struct rnea_matrix *m = &p->matrices[info->matrix_count];
+	const char *name;
+	size_t i = info->input_count;
+
+	if (read_word(p, &name))
+		return p->error->code;
+	while (i < info->input_count + info->output_count && strcmp(p->arguments[i].name, name) != 0)
+		i++;
+	if (i == info->input_count + info->output_count)
+		return damaged(p, "a matrix, and no output, of the name", name);
+	for (const struct rnea_matrix *other = p->matrices; other < m; other++)
+		if (other->argument == i)
+			return damaged(p, "a second matrix of the name", name);
+	*m = (struct rnea_matrix){.argument = i, .row = p->row + p->element_count, .col = p->col + p->element_count};
+	if (read_number(p, &m->rows, 1, INT_MAX) || read_number(p, &m->cols, 1, INT_MAX) ||
+		read_choice(p, &m->lower, "general", "lower"))
+		return p->error->code;
+	info->matrix_count++;
+	return end_line(p);
+}
+
+/* How many elements of the matrix have been read. */
+static size_t stored(const struct parser *p, const struct rnea_matrix *m)
+{
+	const struct rnea_matrix *end = p->matrices + p->info->matrix_count;
+
+	return (size_t)((m + 1 < end ? m[1].row : p->row + p->element_count) - m->row);
+}
+
+/* One row of the matrix that was begun last: columns that ascend, after those of the rows before. */
+static enum rnea_code read_row(struct parser *p)
+{
+	const struct rnea_matrix *m = p->info->matrix_count ? &p->matrices[p->info->matrix_count - 1] : NULL;
+	const char *name;
+	size_t row, col, least = 0;
+
+	if (read_word(p, &name))
+		return p->error->code;
+	if (!m || strcmp(p->arguments[m->argument].name, name) != 0)
+		return damaged(p, "a row of no matrix that is begun:", name);
+	if (stored(p, m))
+		least = (size_t)p->row[p->element_count - 1] + 1;
+	if (read_number(p, &row, least, m->rows - 1))
+		return p->error->code;
+	for (least = 0; p->line; least = col + 1) {
+		if (read_number(p, &col, least, m->lower ? row : m->cols - 1))
+			return p->error->code;
+		p->row[p->element_count] = (int)row;
+		p->col[p->element_count++] = (int)col;
+	}
+	return RNEA_OK;
+}
+
 static enum rnea_code read_operations(struct parser *p)
 {
 	struct rnea_operations *o = &p->info->operations;
@@ -216,6 +277,10 @@ static enum rnea_code read_line(struct parser *p)
 		return read_argument(p, *word == 'o');
 	if (strcmp(word, "joint") == 0)
 		return read_joint(p);
+	if (strcmp(word, "matrix") == 0)
+		return read_matrix(p);
+	if (strcmp(word, "row") == 0)
+		return read_row(p);
 	for (int i = 0; i < KEY_COUNT; i++) {
 		if (strcmp(word, keys[i]) != 0)
 			continue;
@@ -258,27 +323,40 @@ static enum rnea_code check(struct parser *p)
 			return rnea_error_set(
 				p->error, RNEA_TABLE, "info table: joint \"%s\" lies outside of q or qd", j->name);
 	}
+	for (size_t i = 0; i < info->matrix_count; i++) {
+		const struct rnea_argument *a = &info->arguments[info->matrices[i].argument];
+
+		if (stored(p, &info->matrices[i]) != a->rows)
+			return rnea_error_set(p->error, RNEA_TABLE, "info table: matrix \"%s\" has %zu elements, and its array %zu rows",
+				a->name, stored(p, &info->matrices[i]), a->rows);
+	}
 	return RNEA_OK;
 }
 
-/* One block: room for the most arguments, for a joint in every line, and the text, which is cut into words in place. */
+/* One block: room for the most arguments and matrices, for a joint in every line and an element in every word, and the
+   text, which is cut into words in place. */
 static enum rnea_code take_memory(struct parser *p, const char *text, size_t length)
 {
-	size_t lines = 1, head;
+	size_t lines = 1, words = length / 2 + 1, head;
 	char *memory;
 
 	for (size_t i = 0; i < length; i++)
 		lines += text[i] == '\n';
-	head = RNEA_ARGUMENT_LIMIT * sizeof *p->arguments + lines * sizeof *p->joints;
+	head = RNEA_ARGUMENT_LIMIT * (sizeof *p->arguments + sizeof *p->matrices) + lines * sizeof *p->joints +
+		2 * words * sizeof *p->row;
 	if (!(memory = calloc(1, head + length + 1)))
 		return rnea_error_memory(p->error);
 	p->info->memory = memory;
 	p->arguments = (struct rnea_argument *)(void *)memory;
-	p->joints = (struct rnea_joint *)(void *)(p->arguments + RNEA_ARGUMENT_LIMIT);
+	p->matrices = (struct rnea_matrix *)(void *)(p->arguments + RNEA_ARGUMENT_LIMIT);
+	p->joints = (struct rnea_joint *)(void *)(p->matrices + RNEA_ARGUMENT_LIMIT);
+	p->row = (int *)(void *)(p->joints + lines);
+	p->col = p->row + words;
 	p->rest = memory + head;
 	memcpy(p->rest, text, length);
 	p->info->arguments = p->arguments;
 	p->info->joints = p->joints;
+	p->info->matrices = p->matrices;
 	return RNEA_OK;
 }
 

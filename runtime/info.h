@@ -8,6 +8,9 @@
 	operations MUL ADD SUB NEG FMA SINCOS
 	joint IQ NQ IV NV TYPE NAME               (the name goes to the end of the line)
 
+	matrix NAME ROWS COLS general|lower       (an output's; after it its rows, from 0:)
+	row NAME ROW COL COL ...                  (the columns of what is stored; in all, as many as the output has rows)
+
    Each key of the first line stands once, and so does `operations`; `arithmetic` at most once. A key that is not listed is passed over: what would
    change the meaning of the rest gets a new version. */
 

@@ -94,6 +94,16 @@ struct rnea_operations {
 	size_t mul, add, sub, neg, fma, sincos;
 };
 
+/* Where the elements of a matrix stand: element k, row k of its array, is of this row and this column, as
+   scipy.sparse.coo_matrix has them. What is not stored is zero; but of a `lower` one, which is symmetric, only elements with
+   row >= col are stored. */
+struct rnea_matrix {
+	size_t argument;   /* of info->arguments: its array, whose `rows` are how many elements are stored */
+	size_t rows, cols; /* a row for each torque */
+	int lower;
+	const int *row, *col;
+};
+
 /* The parsed table. Every pointer belongs to the robot that it was asked of and is valid until rnea_close. */
 struct rnea_info {
 	const char *name; /* the identifier that prefixes the functions of the text */
@@ -111,6 +121,8 @@ struct rnea_info {
 	size_t joint_count;
 	struct rnea_operations operations;
 	void *memory; /* private */
+	const struct rnea_matrix *matrices; /* matrix_count of them: outputs dtau_dq, dtau_dqd, dtau_dNAME and M */
+	size_t matrix_count;
 };
 
 /* ---- opening and closing ---- */

@@ -44,6 +44,12 @@ add_dependencies(test_task_texts fake_cuda fake_nvrtc)
 target_compile_definitions(test_task_texts PRIVATE FAKE_CUDA="$<TARGET_FILE:fake_cuda>" FAKE_NVRTC="$<TARGET_FILE:fake_nvrtc>")
 target_link_libraries(test_task_texts PRIVATE task target rnea::rnea)
 add_test(NAME test_task_texts COMMAND test_task_texts)
+add_executable(test_matrices test_matrices.c)
+add_dependencies(test_matrices fake_cuda fake_nvrtc)
+target_compile_definitions(test_matrices PRIVATE TEST_DIR="${PROJECT_SOURCE_DIR}/tests" FAKE_CUDA="$<TARGET_FILE:fake_cuda>"
+	FAKE_NVRTC="$<TARGET_FILE:fake_nvrtc>")
+target_link_libraries(test_matrices PRIVATE target rnea::urdf ${CMAKE_DL_LIBS})
+add_test(NAME test_matrices COMMAND test_matrices)
 
 # What is committed under generated/ is what the command writes.
 add_test(NAME golden COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/regenerate --check $<TARGET_FILE:rneagen-command>)

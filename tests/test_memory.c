@@ -99,6 +99,11 @@ START_TEST(every_request)
 	o.scene = _i == 4 ? "# some\nroot base\ntip b,d\nsnap-angle 1e-3" : _i == 5 ? "lock jd=0.5" : NULL;
 	if (_i == 6)
 		o.scene = "fold qdd=0\nfree payload.d\nfext b\nwant tau,power";
+	if (_i >= 7) {
+		o.scene = "free gravity\nwant M,dtau_dq,dtau_dgravity,jvp,vjp";
+		o.target = _i % 2 ? RNEAGEN_TARGET_C : RNEAGEN_TARGET_CUDA;
+		o.base = RNEAGEN_FIXED;
+	}
 	requests = refuse_each(&o, _i % 2, generate);
 	printf("each of %ld requests refused\n", requests);
 	ck_assert_int_gt(requests, 100);
@@ -127,7 +132,7 @@ int main(void)
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 300);
-	tcase_add_loop_test(c, every_request, 0, 7);
+	tcase_add_loop_test(c, every_request, 0, 9);
 	tcase_add_loop_test(c, every_request_of_a_scene, 0, 4);
 	suite_add_tcase(suite, c);
 	srunner_run_all(runner, CK_NORMAL);

@@ -8,6 +8,8 @@
 #define HEAD "rneagen-info 1\nname arm\nprecision f64\nlayout aos\ntrig bounded\nbase floating\n"
 #define SIZES "nq 8\nnv 7\nnb 2\nblock 64\n"
 #define ARRAYS "input q 8 f64 sample\ninput gravity 3 f32 batch\noutput tau 7 f64 sample\n"
+#define MATRIX "output M 3 f64 sample\noutput g 2 f64 sample\n"                                                             \
+	"matrix g 2 3 general\nrow g 0 2\nrow g 1 0\nmatrix M 2 2 lower\nrow M 0 0\nrow M 1 0 1\n"
 #define COUNTS "operations 10 20 30 40 50 60\n"
 #define JOINTS "joint 0 7 0 6 floating \njoint 7 1 6 1 revolute an odd  name\n"
 
@@ -41,6 +43,27 @@ START_TEST(reads_everything)
 	ck_assert(i.operations.neg == 40 && i.operations.fma == 50 && i.operations.sincos == 60);
 	rnea_info_free(&i);
 	ck_assert_ptr_null(i.memory);
+}
+END_TEST
+
+START_TEST(reads_matrices)
+{
+	static const int row[] = {0, 1, 0, 1, 1}, col[] = {2, 0, 0, 0, 1};
+	const struct rnea_matrix *m;
+	struct rnea_info i;
+	struct rnea_error e;
+
+	ck_assert_int_eq(parse(HEAD SIZES ARRAYS COUNTS, &i, &e), RNEA_OK);
+	ck_assert_uint_eq(i.matrix_count, 0);
+	rnea_info_free(&i);
+	ck_assert_msg(parse(HEAD SIZES ARRAYS MATRIX COUNTS, &i, &e) == RNEA_OK, "%s", e.message);
+	m = i.matrices;
+	ck_assert_uint_eq(i.matrix_count, 2);
+	ck_assert(m[0].argument == 4 && m[0].rows == 2 && m[0].cols == 3 && !m[0].lower);
+	ck_assert(m[1].argument == 3 && m[1].rows == 2 && m[1].cols == 2 && m[1].lower);
+	ck_assert(!memcmp(m[0].row, row, 2 * sizeof *row) && !memcmp(m[0].col, col, 2 * sizeof *col));
+	ck_assert(!memcmp(m[1].row, row + 2, 3 * sizeof *row) && !memcmp(m[1].col, col + 2, 3 * sizeof *col));
+	rnea_info_free(&i);
 }
 END_TEST
 
@@ -126,6 +149,25 @@ static const struct damage {
 	{"rneagen-info 1\njoint 0 1 0 one revolute x\n", "line 2: not a number: \"one\""},
 	{HEAD SIZES ARRAYS COUNTS "joint 8 1 0 1 revolute far\n", "joint \"far\" lies outside of q or qd"},
 	{HEAD SIZES ARRAYS COUNTS "joint 0 1 7 1 revolute far\n", "joint \"far\" lies outside of q or qd"},
+	{HEAD SIZES ARRAYS "matrix M 2 2 lower\n", "a matrix, and no output, of the name \"M\""},
+	{HEAD SIZES ARRAYS "matrix q 2 2 lower\n", "a matrix, and no output, of the name \"q\""},
+	{HEAD SIZES ARRAYS "matrix\n", "a word is missing"},
+	{HEAD SIZES ARRAYS "matrix tau 2 2\n", "not a known word: \"\""},
+	{HEAD SIZES ARRAYS "matrix tau 0 2 lower\n", "the number is out of range: \"0\""},
+	{HEAD SIZES ARRAYS "matrix tau 2 4294967296 lower\n", "the number is out of range: \"4294967296\""},
+	{HEAD SIZES ARRAYS "matrix tau 2 2 upper\n", "not a known word: \"upper\""},
+	{HEAD SIZES ARRAYS "matrix tau 2 2 lower 1\n", "more than expected: \"1\""},
+	{HEAD SIZES ARRAYS "row tau 0 0\n", "a row of no matrix that is begun: \"tau\""},
+	{HEAD SIZES ARRAYS MATRIX "matrix g 2 2 general\n", "a second matrix of the name \"g\""},
+	{HEAD SIZES ARRAYS MATRIX "row g 1 1\n", "a row of no matrix that is begun: \"g\""},
+	{HEAD SIZES ARRAYS "matrix tau 4 4 general\nrow tau 4 0\n", "the number is out of range: \"4\""},
+	{HEAD SIZES ARRAYS "matrix tau 4 4 general\nrow tau 1 0\nrow tau 1 1\n", "the number is out of range: \"1\""},
+	{HEAD SIZES ARRAYS "matrix tau 4 4 general\nrow tau 1 0 2 2\n", "the number is out of range: \"2\""},
+	{HEAD SIZES ARRAYS "matrix tau 4 4 general\nrow tau 1 4\n", "the number is out of range: \"4\""},
+	{HEAD SIZES ARRAYS "matrix tau 4 4 lower\nrow tau 1 2\n", "the number is out of range: \"2\""},
+	{HEAD SIZES ARRAYS "matrix tau 4 4 lower\nrow tau 1 1 \n", "a number is missing"},
+	{HEAD SIZES ARRAYS "matrix tau 4 4 general\nrow tau 1 0 1 2 3\n" COUNTS, "matrix \"tau\" has 4 elements, and its array 7 rows"},
+	{HEAD SIZES ARRAYS "matrix tau 4 4 general\n" COUNTS, "matrix \"tau\" has 0 elements"},
 };
 
 START_TEST(refuses_damage)
@@ -168,7 +210,7 @@ END_TEST
 /* Every prefix of a good table is refused or, cut in a name or a count, still a table; none is read past its end. */
 START_TEST(survives_any_cut)
 {
-	static const char text[] = HEAD SIZES ARRAYS COUNTS JOINTS;
+	static const char text[] = HEAD SIZES ARRAYS MATRIX COUNTS JOINTS;
 
 	for (size_t n = 0; n < sizeof text; n++) {
 		char *cut = malloc(n ? n : 1);
@@ -191,6 +233,7 @@ Suite *suite_info(void)
 	TCase *t = tcase_create("info");
 
 	tcase_add_test(t, reads_everything);
+	tcase_add_test(t, reads_matrices);
 	tcase_add_test(t, accepts_variations);
 	tcase_add_test(t, arithmetic_of_its_own);
 	tcase_add_loop_test(t, refuses_damage, 0, (int)(sizeof damages / sizeof *damages));
