@@ -71,7 +71,7 @@ def sliced(pool, call, inputs, tau, axis, threads):
 
 def pooled(bench):
     functions, (written, _) = {p: matrices(bench, p) for p in measure.TYPES}, straight.rnea(bench.model, numpy.sin, numpy.cos)
-    for _, precision, n in bench.steps(("rnea",)):
+    for _, precision, n in bench.steps(("rnea",), counts=sorted(bench.counts)):
         for threads in bench.threads if n >= 1024 else ():
             for route, axis in ("straight", -1), ("matrices", 0):
                 data, call = bench.data[precision], written if axis else functions[precision].rnea
