@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LABEL_SIZE = 48, WIDTH = 1000, HEIGHT = 650 };
+enum { WIDTH = 1000, HEIGHT = 650 };
 
 /* Errors below are as good as none; logarithms are to base 10. */
 #define LEAST_ERROR 1e-17
@@ -16,26 +16,23 @@ enum { LABEL_SIZE = 48, WIDTH = 1000, HEIGHT = 650 };
 struct point {
 	const struct study_row *row;
 	double x, y;       /* log of the error, and of samples per second */
-	double label_x, label_y;
-	int is_front, cluster;
+	double label_y;
 };
 
 struct plot {
 	const struct report *report;
-	struct point *points; /* by backend, then error, then speed */
-	size_t count, batch;
+	struct point *points, *front; /* by speed; on the front: what no other variant of the backend beats in both */
+	size_t count, front_count, batch;
 	double x[2], y[2]; /* ranges of the axes */
 };
 
 /* ---- points ---- */
 
-static int by_place(const void *a, const void *b)
+static int by_speed(const void *a, const void *b)
 {
 	const struct point *p = a, *q = b;
 
-	if (p->row->backend != q->row->backend)
-		return p->row->backend < q->row->backend ? -1 : 1;
-	return p->x != q->x ? (p->x > q->x) - (p->x < q->x) : (p->y > q->y) - (p->y < q->y);
+	return p->y != q->y ? (p->y > q->y) - (p->y < q->y) : (p->x > q->x) - (p->x < q->x);
 }
 
 static int take_points(struct plot *p)
@@ -43,6 +40,7 @@ static int take_points(struct plot *p)
 	const struct report *r = p->report;
 
 	p->points = calloc(r->count + 1, sizeof *p->points);
+	p->front = calloc(r->count + 1, sizeof *p->front);
 	for (size_t i = 0; i < r->count; i++)
 		p->batch = r->rows[i].batch > p->batch ? r->rows[i].batch : p->batch;
 	for (size_t i = 0; p->points && i < r->count; i++) {
@@ -53,24 +51,26 @@ static int take_points(struct plot *p)
 				.y = log10(1e9 / row->ns)};
 	}
 	if (p->points)
-		qsort(p->points, p->count, sizeof *p->points, by_place);
-	return p->points != NULL;
+		qsort(p->points, p->count, sizeof *p->points, by_speed);
+	return p->points && p->front;
 }
 
-/* On the front is what no other variant of the backend beats in both. */
-static void mark_front(struct plot *p)
+static int is_beaten(const struct plot *p, const struct point *a)
 {
 	for (size_t i = 0; i < p->count; i++) {
-		struct point *a = &p->points[i];
+		const struct point *b = &p->points[i];
 
-		a->is_front = 1;
-		for (size_t k = 0; k < p->count; k++) {
-			const struct point *b = &p->points[k];
-
-			if (b->row->backend == a->row->backend && b->x <= a->x && b->y >= a->y && (b->x < a->x || b->y > a->y))
-				a->is_front = 0;
-		}
+		if (b->row->backend == a->row->backend && b->x <= a->x && b->y >= a->y && (b->x < a->x || b->y > a->y))
+			return 1;
 	}
+	return 0;
+}
+
+static void take_front(struct plot *p)
+{
+	for (size_t i = 0; i < p->count; i++)
+		if (!is_beaten(p, &p->points[i]))
+			p->front[p->front_count++] = p->points[i];
 }
 
 static void set_ranges(struct plot *p)
@@ -78,60 +78,29 @@ static void set_ranges(struct plot *p)
 	p->x[0] = p->y[0] = (double)INFINITY;
 	p->x[1] = p->y[1] = -(double)INFINITY;
 	for (size_t i = 0; i < p->count; i++) {
-		p->x[0] = fmin(p->x[0], p->points[i].x - 1.5);
-		p->x[1] = fmax(p->x[1], p->points[i].x + 2.5);
-		p->y[0] = fmin(p->y[0], p->points[i].y - 0.45);
+		p->x[0] = fmin(p->x[0], p->points[i].x - 2.5);
+		p->x[1] = fmax(p->x[1], p->points[i].x + 1);
+		p->y[0] = fmin(p->y[0], p->points[i].y - 0.2);
 		p->y[1] = fmax(p->y[1], p->points[i].y + 0.3);
 	}
 }
 
 /* ---- labels ---- */
 
-static int by_height(const void *a, const void *b)
-{
-	const struct point *p = a, *q = b;
-
-	if (p->cluster != q->cluster)
-		return p->cluster - q->cluster;
-	return (p->y > q->y) - (p->y < q->y);
-}
-
-/* Labels of points that lie close together stand in a column beside them, a line apart. */
-static void place_column(struct plot *p, size_t first, size_t end, int left)
-{
-	double line = 0.03 * (p->y[1] - p->y[0]), gap = 0.02 * (p->x[1] - p->x[0]), moved = 0, edge = p->points[first].x;
-
-	for (size_t i = first; i < end; i++) {
-		struct point *q = &p->points[i];
-
-		edge = left ? fmin(edge, q->x) : fmax(edge, q->x);
-		q->label_y = i > first ? fmax(q->y, p->points[i - 1].label_y + line) : q->y;
-		moved += q->label_y - q->y;
-	}
-	for (size_t i = first; i < end; i++) {
-		p->points[i].label_y -= moved / (double)(end - first);
-		p->points[i].label_x = left ? edge - gap : edge + gap;
-	}
-}
-
-/* Neighbours within a factor of 4 in error are one cluster; its labels stand left where the next one is close. */
+/* A label stands left of its point on the front and above it, where no other point of the backend is nor the line that joins
+   them, and above the labels that it would cover. */
 static void place_labels(struct plot *p)
 {
-	double next;
+	double line = 0.03 * (p->y[1] - p->y[0]), width = 0.2 * (p->x[1] - p->x[0]);
 
-	for (size_t i = 1; i < p->count; i++) {
-		const struct point *a = &p->points[i - 1];
-		struct point *b = &p->points[i];
+	for (size_t i = 0; i < p->front_count; i++) {
+		struct point *q = &p->front[i];
 
-		b->cluster = a->cluster + (b->row->backend != a->row->backend || b->x - a->x > 0.6);
-	}
-	qsort(p->points, p->count, sizeof *p->points, by_height);
-	for (size_t first = 0, end; first < p->count; first = end) {
-		for (end = first + 1; end < p->count && p->points[end].cluster == p->points[first].cluster;)
-			end++;
-		next = end < p->count && p->points[end].row->backend == p->points[first].row->backend
-			? p->points[end].x - p->points[first].x : (double)INFINITY;
-		place_column(p, first, end, next < 3);
+		q->label_y = q->y + line;
+		for (size_t k = 0; k < i; k++)
+			if (fabs(p->front[k].x - q->x) < width)
+				q->label_y = fmax(q->label_y, p->front[k].label_y + line);
+		p->y[1] = fmax(p->y[1], q->label_y + 2 * line);
 	}
 }
 
@@ -144,24 +113,22 @@ static void put_name(FILE *f, const char *name)
 		fputc(isalnum((unsigned char)*name) || strchr(" .-_", *name) ? *name : ' ', f);
 }
 
-static void put_label(const struct point *q, FILE *f)
+static void put_label(const struct plot *p, const struct point *q, FILE *f)
 {
-	int left = q->label_x < q->x;
+	double x = pow(10, q->x - 0.012 * (p->x[1] - p->x[0])), y = pow(10, q->label_y);
 	const struct study_row *r = q->row;
 
-	fprintf(f, "set label '%s %s %s' at %.9g,%.9g %s noenhanced font ',%d' textcolor rgb '%s'\n",
-		emit_precision_name(r->precision), emit_trig_name(r->trig), emit_layout_name(r->layout), pow(10, q->label_x),
-		pow(10, q->label_y), left ? "right" : "left", q->is_front ? 13 : 10, q->is_front ? "#000000" : "#707070");
-	fprintf(f, "set arrow from %.9g,%.9g to %.9g,%.9g nohead back lc rgb '#c0c0c0' lw 0.5\n", pow(10, q->x), pow(10, q->y),
-		pow(10, q->label_x), pow(10, q->label_y));
+	fprintf(f, "set label '%s %s %s' at %.9g,%.9g right noenhanced\n", emit_precision_name(r->precision), emit_trig_name(r->trig),
+		emit_layout_name(r->layout), x, y);
+	fprintf(f, "set arrow from %.9g,%.9g to %.9g,%.9g nohead back lc rgb '#c0c0c0' lw 0.5\n", pow(10, q->x), pow(10, q->y), x, y);
 }
 
-static void put_data(const struct plot *p, enum rnea_backend backend, int front, FILE *f)
+static void put_data(const struct point *points, size_t count, enum rnea_backend backend, const char *what, FILE *f)
 {
-	fprintf(f, "$%s_%s << EOD\n", study_backend_name(backend), front ? "front" : "all");
-	for (size_t i = 0; i < p->count; i++)
-		if (p->points[i].row->backend == backend && (!front || p->points[i].is_front))
-			fprintf(f, "%.9g %.9g\n", pow(10, p->points[i].x), pow(10, p->points[i].y));
+	fprintf(f, "$%s_%s << EOD\n", study_backend_name(backend), what);
+	for (size_t i = 0; i < count; i++)
+		if (points[i].row->backend == backend)
+			fprintf(f, "%.9g %.9g\n", pow(10, points[i].x), pow(10, points[i].y));
 	fprintf(f, "EOD\n");
 }
 
@@ -172,7 +139,7 @@ static void put_frame(const struct plot *p, FILE *f)
 	put_name(f, p->report->study->analysis.robot.name);
 	fprintf(f, ": inverse dynamics, speed against error' noenhanced font ',17'\n");
 	fprintf(f, "set logscale xy\nset format x '10^{%%T}'\nset format y '10^{%%T}'\nset grid lc rgb '#e0e0e0'\n");
-	fprintf(f, "set key bottom right noenhanced\n");
+	fprintf(f, "set key below maxcolumns 2 spacing 1.2 noenhanced\nset bmargin 6\n");
 	fprintf(f, "set xlabel 'largest error of %zu samples, |tau - ref| / |ref|'\n", p->report->study->options->sample.count);
 	fprintf(f, "set ylabel 'samples per second, in batches of %zu'\n", p->batch);
 	fprintf(f, "set xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\n", pow(10, p->x[0]), pow(10, p->x[1]), pow(10, p->y[0]),
@@ -208,12 +175,13 @@ static enum rneagen_code put_script(const struct plot *p, const char *path, cons
 	for (const char *c = svg; *c; c++)
 		fputs(*c == '\'' ? "''" : (char[]){*c, '\0'}, f);
 	fprintf(f, "'\n");
-	for (int i = 0; i < p->report->study->backend_count; i++)
-		for (int front = 0; front < 2; front++)
-			put_data(p, p->report->study->backends[i].backend, front, f);
+	for (int i = 0; i < p->report->study->backend_count; i++) {
+		put_data(p->points, p->count, p->report->study->backends[i].backend, "all", f);
+		put_data(p->front, p->front_count, p->report->study->backends[i].backend, "front", f);
+	}
 	put_frame(p, f);
-	for (size_t i = 0; i < p->count; i++)
-		put_label(&p->points[i], f);
+	for (size_t i = 0; i < p->front_count; i++)
+		put_label(p, &p->front[i], f);
 	put_curves(p, f);
 	return fclose(f) ? pending_fail(path, e) : RNEAGEN_OK;
 }
@@ -276,14 +244,16 @@ enum rneagen_code plot_write(const struct report *r, const char *path, struct rn
 	struct plot p = {.report = r};
 
 	if (!take_points(&p))
-		return error_memory(e);
-	if (!p.count)
+		error_memory(e);
+	else if (!p.count)
 		error_set(e, RNEAGEN_UNSUPPORTED, "--plot: no variant has a finite error");
-	mark_front(&p);
-	set_ranges(&p);
-	place_labels(&p);
-	if (!e->code)
+	if (!e->code) {
+		take_front(&p);
+		set_ranges(&p);
+		place_labels(&p);
 		draw(&p, path, e);
+	}
 	free(p.points);
+	free(p.front);
 	return e->code;
 }

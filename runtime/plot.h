@@ -1,6 +1,6 @@
 #ifndef RUNTIME_PLOT_H
 #define RUNTIME_PLOT_H
-/* A picture of a study: samples per second against error, the Pareto front of each backend marked. */
+/* A picture of a study: samples per second against error, the Pareto front of each backend marked and labelled. */
 
 #include "report_put.h"
 
