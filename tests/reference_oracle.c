@@ -1,5 +1,6 @@
 #include "reference_oracle.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,5 +1,6 @@
 #include "quad.h"
 #include "reference.h"
+#include "reference_oracle.h"
 #include <stdlib.h>
 
 #define VISIBLE __attribute__((visibility("default")))
@@ -46,4 +47,55 @@ VISIBLE void quad_magnitude(struct quad *x, const double *q, const double *qd, c
 	reference_magnitude(x->reference, q, qd, qdd, x->out);
 	for (int i = 0; i < x->reference->nv; i++)
 		size[i] = (double)x->out[i];
+}
+
+/* Half of what two states are apart: what is neglected is below 1e-20 of the terms, and so is what rounding takes. */
+static const wide STEP = WIDE_C(1e-11);
+
+enum { BY_Q, BY_QD, BY_QDD };
+
+/* A state of three arrays, moved by h along row j of q's tangent space, of qd or of qdd. */
+static void move(const struct reference *r, const double *const *state, int by, int j, wide h, wide *const *to)
+{
+	wide *unit = calloc(3 * (size_t)r->nv + (size_t)r->nq, sizeof *unit), *none = unit + r->nv, *q = unit + 3 * r->nv;
+
+	if (!unit)
+		abort();
+	for (int i = 0; i < r->nq; i++)
+		q[i] = state[0][i];
+	unit[j] = by == BY_Q;
+	oracle_move(r, q, unit, none, h, to[0]);
+	for (int i = 0; i < r->nv; i++) {
+		to[1][i] = state[1][i] + (by == BY_QD && i == j ? h : 0);
+		to[2][i] = state[2][i] + (by == BY_QDD && i == j ? h : 0);
+	}
+	free(unit);
+}
+
+/* Column j. */
+static void difference(struct quad *x, const double *const *state, int by, int j, wide *const *room, wide *out)
+{
+	int nv = x->reference->nv;
+
+	for (int side = 1; side >= -1; side -= 2) {
+		move(x->reference, state, by, j, (wide)side * STEP, room);
+		reference_rnea_wide(x->reference, room[0], room[1], room[2], x->out);
+		for (int i = 0; i < nv; i++)
+			out[i * nv + j] = (side > 0 ? x->out[i] : out[i * nv + j] - x->out[i]) / (side > 0 ? 1 : 2 * STEP);
+	}
+}
+
+VISIBLE void quad_derivatives(struct quad *x, const double *q, const double *qd, const double *qdd, __float128 *dq,
+	__float128 *dqd, __float128 *M)
+{
+	int nq = x->reference->nq, nv = x->reference->nv;
+	wide *room = calloc((size_t)nq + 2 * (size_t)nv, sizeof *room);
+
+	if (!room)
+		abort();
+	for (int j = 0; j < nv; j++)
+		for (int by = BY_Q; by <= BY_QDD; by++)
+			difference(x, (const double *[]){q, qd, qdd}, by, j, (wide *[]){room, room + nq, room + nq + nv},
+				by == BY_Q ? dq : by == BY_QD ? dqd : M);
+	free(room);
 }

@@ -2,6 +2,7 @@
    worst its model allows, with signs by chance; both against the reference in quad precision. */
 #include "model.h"
 #include "quad.h"
+#include "worst.h"
 #include <check.h>
 #include <math.h>
 #include <quadmath.h>
@@ -40,7 +41,7 @@ struct fixture {
 	struct rng rng;
 	double *q, *qd, *qdd, *bound, *tau, *noise;
 	float *in_f32[3], *tau_f32;
-	__float128 *reference, *nodes;
+	__float128 *reference;
 };
 
 static void *numbers(int n, size_t size)
@@ -78,13 +79,12 @@ static void fixture_open(struct fixture *x, const char *path, const char *name, 
 		x->in_f32[i] = numbers(i ? nv : nq, sizeof(float));
 	x->tau_f32 = numbers(nv, sizeof(float));
 	x->reference = numbers(nv, sizeof(__float128));
-	x->nodes = numbers((int)x->model.dag[PASS_RNEA].count, sizeof(__float128));
 }
 
 static void fixture_close(struct fixture *x)
 {
 	void *all[] = {x->q, x->qd, x->qdd, x->bound, x->tau, x->noise, x->in_f32[0], x->in_f32[1], x->in_f32[2], x->tau_f32,
-		x->reference, x->nodes};
+		x->reference};
 
 	for (size_t i = 0; i < sizeof all / sizeof *all; i++)
 		free(all[i]);
@@ -118,53 +118,6 @@ static void next_state(struct fixture *x, int sample, int large)
 			x->in_f32[i][k] = (float)to[i][k];
 			to[i][k] = (double)x->in_f32[i][k];
 		}
-}
-
-/* ---- the arithmetic of a model at its worst ---- */
-
-static __float128 off(struct fixture *x, __float128 value, double relative, double absolute)
-{
-	double sign = rng_uniform(&x->rng, -1, 1) < 0 ? -1 : 1;
-
-	return value + (__float128)sign * ((__float128)relative * fabsq(value) + (__float128)absolute);
-}
-
-static __float128 worst_node(struct fixture *x, const struct eval_model *m, const struct node *n)
-{
-	const double *const in[] = {x->q, x->qd, x->qdd};
-	__float128 a = n->op == OP_INPUT ? 0 : x->nodes[n->arg[0].i], b = n->op == OP_INPUT ? 0 : x->nodes[n->arg[1].i];
-
-	switch (n->op) {
-	case OP_CONST:
-		return (__float128)m->constant(n->value);
-	case OP_INPUT:
-		return (__float128)in[n->arg[0].i][n->arg[1].i];
-	case OP_NEG:
-		return -a;
-	case OP_ADD:
-		return off(x, a + b, m->add, 0);
-	case OP_SUB:
-		return off(x, a - b, m->add, 0);
-	case OP_MUL:
-		return off(x, a * b, m->mul, m->tiny);
-	case OP_FMA:
-		a = m->fused ? a * b : off(x, a * b, m->mul, m->tiny);
-		return off(x, a + x->nodes[n->arg[2].i], m->add, m->tiny);
-	case OP_SIN:
-		return off(x, sinq(a), m->sincos, m->sine);
-	default:
-		return off(x, cosq(a), m->sincos, m->cosine);
-	}
-}
-
-static void compute_worst(struct fixture *x, const struct eval_model *m)
-{
-	const struct dag *d = &x->model.dag[PASS_RNEA];
-
-	for (size_t i = 0; i < d->count; i++)
-		x->nodes[i] = worst_node(x, m, &d->nodes[i]);
-	for (size_t i = 0; i < d->output_count; i++)
-		x->tau[d->outputs[i].row] = (double)off(x, x->nodes[d->outputs[i].value.i], m->store, m->store_tiny);
 }
 
 /* ---- the text's own, as gen/eval computes it ---- */
@@ -216,7 +169,8 @@ static void check_variant(struct fixture *x, struct variant *v)
 		quad_magnitude(x->quad, x->q, x->qd, x->qdd, x->noise);
 		compute(x, v);
 		error = fmax(error, judge(x, v, "computed"));
-		compute_worst(x, &m);
+		worst_evaluate(&x->model.dag[PASS_RNEA], &m, &x->rng, (const double *[]){x->q, x->qd, x->qdd, NULL},
+			(double *[]){NULL, NULL, NULL, x->tau});
 		if (fast)
 			error = fmax(error, judge(x, v, "at its worst"));
 		else
