@@ -1,0 +1,1 @@
+#include "trajectories_solve.cu"
