@@ -1,4 +1,4 @@
-/* NAME_rnea_bounded: torques and, by a running error analysis beside them, how far each may be from the exact one. */
+/* NAME_rnea_bounded: torques, or what else is wanted, and, by a running error analysis beside them, how far each may be from the exact one. */
 #include "emit.h"
 #include "template.h"
 #include <math.h>
@@ -97,17 +97,28 @@ static void put_sincos(const struct emission *e, const struct plan *p, struct re
 	text_printf(out, ", &%s, &%s)", text_string(&sine), text_string(&cosine));
 }
 
-/* In memory of another type: one rounding more, of the torque, and that of the bound. */
+/* Where the bounds of an output begin: one output's come after the other's. */
+static int first_bound(const struct dag *d, int argument)
+{
+	int first = 0;
+
+	for (int i = 0; i < argument; i++)
+		first += d->arguments[i].is_output ? d->arguments[i].rows : 0;
+	return first;
+}
+
+/* In memory of another type: one rounding more, of the output, and that of the bound. */
 static void put_store(const struct emission *e, const struct plan *p, const struct output *o, struct text *out)
 {
+	int row = first_bound(p->dag, o->argument) + o->row;
 	struct text value;
 
 	text_init(&value, e->arena);
 	put_value(e, p, o->value, &value);
 	if (emit_converts(e))
-		text_printf(out, "bound[%d] = rneagen_within_f32(%s, factor)", o->row, text_string(&value));
+		text_printf(out, "bound[%d] = rneagen_within_f32(%s, factor)", row, text_string(&value));
 	else
-		text_printf(out, "bound[%d] = %s.e*factor", o->row, text_string(&value));
+		text_printf(out, "bound[%d] = %s.e*factor", row, text_string(&value));
 }
 
 static void put_line(const struct emission *e, const struct pass *pass, const struct line *l, struct text *out)
@@ -157,15 +168,34 @@ static const char *factor_text(const struct emission *e, int way)
 	return text_string(&t);
 }
 
+/* Nothing is known of an output that overflowed. */
+static const char *ends_text(const struct emission *e, const struct dag *d)
+{
+	int f32 = e->memory->bytes == 4;
+	struct text t, i;
+
+	text_init(&t, e->arena);
+	for (int a = 0; a < d->argument_count; a++) {
+		if (!d->arguments[a].is_output)
+			continue;
+		text_init(&i, e->arena);
+		if (first_bound(d, a))
+			text_printf(&i, "%d + ", first_bound(d, a));
+		text_put(&i, "i");
+		text_printf(&t, "\tfor (int i = 0; i < %d; i++)\n\t\tbound[%s] = ", d->arguments[a].rows, text_string(&i));
+		text_printf(&t, "fabs%s(%s[i]) <= %s ? ", e->memory->suffix, d->arguments[a].name, f32 ? "0x1.fffffep127f" : "0x1.fffffffffffffp1023");
+		text_printf(&t, "bound[%s] : bound[%s] + HUGE_VAL%s;\n", text_string(&i), text_string(&i), f32 ? "F" : "");
+	}
+	return text_string(&t);
+}
+
 void emit_bounded(const struct emission *e, struct text *out)
 {
 	const struct pass *p = &e->passes[PASS_RNEA];
-	int f32 = e->arithmetic->bytes == 4, memory_f32 = e->memory->bytes == 4, way = longest_way(e, &p->dag);
-	struct text body, nv;
+	int f32 = e->arithmetic->bytes == 4, way = longest_way(e, &p->dag);
+	struct text body;
 
 	text_init(&body, e->arena);
-	text_init(&nv, e->arena);
-	text_printf(&nv, "%d", e->tree->nv);
 	for (size_t i = 0; i < p->plan.line_count; i++)
 		put_line(e, p, &p->plan.lines[i], &body);
 	const struct slot slots[] = {
@@ -174,8 +204,7 @@ void emit_bounded(const struct emission *e, struct text *out)
 		{"SINCOS", f32 ? "1.7f*0x1p-24f" : "1.7*0x1p-53"}, {"MODE", emit_trig_name(e->options->trig)},
 		{"FUSED", e->options->strict ? "1" : f32 ? "defined FP_FAST_FMAF" : "defined FP_FAST_FMA"}, {"NAME", e->options->name}, {"STRICT", e->options->strict ? "strict_" : ""}, {"APART", e->options->strict ? "RNEA_APART " : ""},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"M", e->memory->type},
-		{"FACTOR", factor_text(e, way)}, {"BODY", text_string(&body)}, {"NV", text_string(&nv)}, {"TAU", e->tree->task.wants[0].argument},
-		{"MF", e->memory->suffix}, {"MF_UPPER", memory_f32 ? "F" : ""}, {"MEMORY_MAX", memory_f32 ? "0x1.fffffep127f" : "0x1.fffffffffffffp1023"},
+		{"FACTOR", factor_text(e, way)}, {"BODY", text_string(&body)}, {"ENDS", ends_text(e, &p->dag)},
 	};
 	size_t count = sizeof slots / sizeof *slots;
 
@@ -185,5 +214,5 @@ void emit_bounded(const struct emission *e, struct text *out)
 	if (emit_converts(e))
 		template_expand(out, template_bounded_store_in, slots, count);
 	template_expand(out, template_bounded_function_in, slots, count);
-	out->failed |= body.failed | nv.failed | (way < 0);
+	out->failed |= body.failed | (way < 0);
 }

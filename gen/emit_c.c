@@ -82,16 +82,23 @@ static void put_slice_prototypes(const struct emission *e, struct text *out)
 			e->options->name, e->passes[i].algorithm->name);
 }
 
+/* What a bound covers, and where there is none. */
+#define BOUNDED_DOC                                                                                                    \
+	"   exact arithmetic at these very inputs: rounding of constants and operations, sine and cosine, underflow, and the\n"    \
+	"   bound's own rounding are in it (running error analysis: Higham, Accuracy and Stability of Numerical Algorithms, 2nd\n" \
+	"   ed., SIAM 2002, section 3.3). Infinite where a value may overflow or an angle is beyond the domain of the\n"           \
+	"   trigonometry; NaN where the torque depends on an input that is not finite. bound must not overlap the others."
+
 static void put_bounded_prototype(const struct emission *e, struct text *out)
 {
 	const char *more = e->memory->bytes == 4 ? ", float *bound" : ", double *bound";
+	int torques = e->tree->task.want_count == 1 && e->tree->task.wants[0].kind <= WANT_BIAS;
 
-	put_prototype(e, PASS_RNEA, "_bounded", more,
+	put_prototype(e, PASS_RNEA, "_bounded", more, torques ?
 		"The same torques, to the bit, and for each a bound[i] of |tau[i] - exact|, where exact is what the URDF's model gives in\n"
-		"   exact arithmetic at these very inputs: rounding of constants and operations, sine and cosine, underflow, and the\n"
-		"   bound's own rounding are in it (running error analysis: Higham, Accuracy and Stability of Numerical Algorithms, 2nd\n"
-		"   ed., SIAM 2002, section 3.3). Infinite where a value may overflow or an angle is beyond the domain of the\n"
-		"   trigonometry; NaN where the torque depends on an input that is not finite. bound must not overlap the others.", out);
+		BOUNDED_DOC :
+		"The same outputs, to the bit, and for each number x of them, one output after the other, a bound[i] of |x - exact|, where\n"
+		"   exact is what the URDF's model gives in\n" BOUNDED_DOC, out);
 }
 
 /* For a text that is one operation alone. */

@@ -26,7 +26,7 @@ static const char HELP[] =
 	"  --gravity X,Y,Z            m/s^2 in the world (default 0,0,-9.81)\n"
 	"  --mimic honour|independent followers have no entry in q (default), or are joints of their own\n"
 	"  --strict                   the same bits from every compiler, CPU and GPU\n"
-	"  --bounded                  target c: also a function that gives a bound of each torque's error\n"
+	"  --bounded                  target c: also a function that gives a bound of each output's error\n"
 	"  --order J1,J2,...          rows of q by joint name (default: depth-first, children by name)\n"
 	OPTIONS_SCENE_HELP
 	"  --name NAME                prefix of every function (default: the robot's name)\n"

@@ -61,14 +61,10 @@ static int pass_count(const struct generation *g)
 	return g->tree.task.is_plain ? PASS_COUNT : 1;
 }
 
-/* Bounds are of torques. */
+/* What the choices make of each other. */
 static enum rneagen_code check_task(const struct generation *g)
 {
-	const struct task *k = &g->tree.task;
-
-	if (g->options.bounded && (k->want_count != 1 || k->wants[0].rows != g->tree.nv))
-		return error_set(g->error, RNEAGEN_USAGE, "--bounded gives bounds of torques alone: want one of tau, gravity, bias");
-	if (g->options.bounded && k->friction_width > 0)
+	if (g->options.bounded && g->tree.task.friction_width > 0)
 		return error_set(g->error, RNEAGEN_USAGE, "--bounded and --friction exclude each other: quotients have no bounded function");
 	return RNEAGEN_OK;
 }

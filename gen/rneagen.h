@@ -33,7 +33,7 @@ struct rneagen_options {
 	enum rneagen_base base;
 	enum rneagen_mimic mimic;
 	int strict; /* the same bits from every compiler, CPU and GPU, for all results that are not NaN */
-	int bounded; /* target C: also a function that gives a bound of each torque's error */
+	int bounded; /* target C: also a function that gives a bound of each output's error */
 	double gravity[3];  /* m/s^2, in the frame of the root link's parent, the world; default 0 0 -9.81 */
 	const char *order;  /* names of all joints with entries in q, comma-separated; NULL: depth-first, by name */
 	const char *name;   /* a C identifier; NULL: the robot's name made one */
