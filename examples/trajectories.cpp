@@ -98,15 +98,23 @@ static statistics look(const course &c, size_t round)
 	return s;
 }
 
+/* A file's first lines: what ran where, how long it took, and what the columns are. */
+static void write_head(FILE *out, const course &c, const rnea_robot *robot)
+{
+	fprintf(out, "# %zu trajectories on %s, in %s", c.rounds[0].costs.size(), rnea_build(robot)->device,
+		rnea_info(robot)->arithmetic);
+	if (c.milliseconds > 0)
+		fprintf(out, ": %zu rounds in %.2f ms", c.rounds.size(), (double)c.milliseconds);
+	fprintf(out, "\nround,mean,median,worst,kept,sample_us,rnea_us,step_us\n");
+}
+
 /* The table on the screen and, if wanted, in a file. */
 static int write_course(const course &c, const rnea_robot *robot, const char *path)
 {
 	FILE *out = path ? fopen(path, "w") : NULL;
 
 	if (out)
-		fprintf(out,
-			"# %zu trajectories on %s, in %s\nround,mean,median,worst,kept,sample_us,rnea_us,step_us\n",
-			c.rounds[0].costs.size(), rnea_build(robot)->device, rnea_info(robot)->arithmetic);
+		write_head(out, c, robot);
 	printf("%5s %12s %12s %12s %6s %30s\n", "round", "mean cost, s", "median", "worst", "kept",
 		c.milliseconds > 0 ? "samples, rnea, step, us" : "");
 	for (size_t r = 0; r < c.rounds.size(); r++) {
@@ -114,19 +122,17 @@ static int write_course(const course &c, const rnea_robot *robot, const char *pa
 		const statistics s = look(c, r);
 
 		printf("%5zu %12.6f %12.6f %12.6f %6.3f", r, s.mean, s.median, s.worst, s.kept);
-		if (out)
-			fprintf(out, "%zu,%.9g,%.9g,%.9g,%.4f", r, s.mean, s.median, s.worst, s.kept);
-		for (int i = 0; i < 3; i++) {
-			if (c.milliseconds > 0)
-				printf(" %9.1f", 1e3 * (double)ms[i]);
-			if (out && c.milliseconds > 0)
-				fprintf(out, ",%.2f", 1e3 * (double)ms[i]);
-			else if (out)
-				fprintf(out, ",");
-		}
+		if (c.milliseconds > 0)
+			printf(" %9.1f %9.1f %9.1f", 1e3 * (double)ms[0], 1e3 * (double)ms[1], 1e3 * (double)ms[2]);
 		printf("\n");
-		if (out)
-			fprintf(out, "\n");
+		if (!out)
+			continue;
+		fprintf(out, "%zu,%.9g,%.9g,%.9g,%.4f", r, s.mean, s.median, s.worst, s.kept);
+		if (c.milliseconds > 0)
+			fprintf(out, ",%.2f,%.2f,%.2f\n", 1e3 * (double)ms[0], 1e3 * (double)ms[1],
+				1e3 * (double)ms[2]);
+		else
+			fprintf(out, ",,,\n");
 	}
 	if (!path || (out && !fclose(out)))
 		return 0;
