@@ -38,7 +38,8 @@ template <int THREADS> struct team {
 	__host__ __device__ void wait() const
 	{
 #if defined __CUDA_ARCH__
-		__syncthreads();
+		if (THREADS > 1)
+			__syncthreads();
 #endif
 	}
 };
