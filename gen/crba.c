@@ -79,20 +79,21 @@ static void unit_wrench(const struct crba *x, int body, int row, struct svec *f,
 	*n = svec_add(d, load_inertia_times(d, p, w), svec_cross(d, p->h, v));
 }
 
-/* M_ij += what the joint of `here` feels of a unit rate in row `column` of another or itself */
+/* M_ij += what the joint of `here` feels of a unit rate in row `column` of another or itself; of a joint's own rows one
+   half is made, and stands for both */
 static void feel(const struct crba *x, int here, int body, int column, struct svec f, struct svec n)
 {
 	struct dag *d = x->d;
 	const struct body *k = &x->t->bodies[here];
-	int nv = x->t->nv;
+	int nv = x->t->nv, own = here == body ? column - k->iv : 0;
 	struct ref s[6];
 
 	joint_project(d, k, f, n, joint_out_of(d, k, &x->bodies[here].pose, f), s);
-	for (int i = 0; i < joint_nv(k->type); i++) {
+	for (int i = own; i < joint_nv(k->type); i++) {
 		struct ref *e = &x->M[(k->iv + i) * nv + column], *mirror = &x->M[column * nv + k->iv + i];
 
 		*e = dag_add(d, *e, s[i]);
-		if (here != body)
+		if (here != body || i > own)
 			*mirror = e == mirror ? dag_add(d, *e, s[i]) : dag_add(d, *mirror, s[i]);
 	}
 }
