@@ -85,10 +85,10 @@ static void settle(struct subject *s)
 		const struct reference_joint *from = &s->reference->joints[entry_of(s, k->name)];
 
 		for (int r = 0; r < k->nq; r++)
-			s->in[Q][k->iq + r] = s->q[from->iq + r];
+			s->in[Q][k->iq + r] = (real)s->q[from->iq + r];
 		for (int r = 0; r < k->nv; r++) {
-			s->in[QD][k->iv + r] = s->qd[from->iv + r];
-			s->in[QDD][k->iv + r] = s->qdd[from->iv + r];
+			s->in[QD][k->iv + r] = (real)s->qd[from->iv + r];
+			s->in[QDD][k->iv + r] = (real)s->qdd[from->iv + r];
 		}
 	}
 }
@@ -97,9 +97,9 @@ static void draw(struct subject *s)
 {
 	reference_sample(s->reference, &s->rng, false, s->q, s->qd, s->qdd);
 	for (int i = 0; i < 3 * s->nv; i++)
-		s->in[JVP_V][i] = rng_uniform(&s->rng, -1, 1);
+		s->in[JVP_V][i] = (real)rng_uniform(&s->rng, -1, 1);
 	for (int i = 0; i < s->nv; i++)
-		s->in[VJP_V][i] = rng_uniform(&s->rng, -1, 1);
+		s->in[VJP_V][i] = (real)rng_uniform(&s->rng, -1, 1);
 	settle(s);
 }
 
