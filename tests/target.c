@@ -1,5 +1,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "target.h"
+#include "model.h"
 #include "emit.h"
 #include "process.h"
 #include <check.h>
@@ -40,6 +41,16 @@ void target_write(struct target_path path, const char *text)
 	ck_assert_msg(f != NULL, "%s: %s", path.s, strerror(errno));
 	ck_assert_int_ge(fputs(text, f), 0);
 	ck_assert_int_eq(fclose(f), 0);
+}
+
+char *target_robot(const char *name, size_t *length)
+{
+	char path[512], *urdf;
+
+	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", name);
+	urdf = read_file(path, length);
+	ck_assert_msg(urdf != NULL, "%s cannot be read", path);
+	return urdf;
 }
 
 void target_generate(

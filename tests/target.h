@@ -46,6 +46,9 @@ struct target_path target_path(const char *name, const char *suffix);
 
 void target_write(struct target_path path, const char *text);
 
+/* tests/robots/NAME.urdf, freed by the caller; the test fails where it cannot be read. */
+char *target_robot(const char *name, size_t *length);
+
 /* Generate; the test fails with a message where that fails. `what` names the robot. */
 void target_generate(
 	struct target *t, const char *urdf, size_t length, const struct rneagen_options *o, const char *what);

@@ -2,9 +2,9 @@
 #define _POSIX_C_SOURCE 200809L
 #include "random_robot.h"
 #include "read.h"
+#include "suite.h"
 #include "tree.h"
 #include "urdf_text.h"
-#include <check.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -302,8 +302,6 @@ int main(void)
 {
 	Suite *suite = suite_create("bodies");
 	TCase *c = tcase_create("numbers");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_add_loop_test(c, axis_of, 0, sizeof axes / sizeof *axes);
@@ -313,8 +311,5 @@ int main(void)
 	tcase_add_test(c, fixed_joints_are_merged);
 	tcase_add_test(c, massless);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

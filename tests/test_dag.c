@@ -1,6 +1,6 @@
 /* The rules of the expression DAG: what is built, and what comes out. Notation: expression.h. */
 #include "expression.h"
-#include <check.h>
+#include "suite.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -283,8 +283,6 @@ int main(void)
 {
 	Suite *suite = suite_create("dag");
 	TCase *c = tcase_create("rules");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	tcase_add_checked_fixture(c, open, close);
 	tcase_add_loop_test(c, rule, 0, sizeof rules / sizeof *rules);
@@ -300,8 +298,5 @@ int main(void)
 	tcase_add_test(c, dump_is_readable);
 	tcase_add_test(c, too_many_arguments_fail);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

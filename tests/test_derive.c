@@ -1,7 +1,7 @@
 /* Derivatives of expressions against differences. */
 #include "derive.h"
 #include "eval.h"
-#include <check.h>
+#include "suite.h"
 #include <math.h>
 #include <stdlib.h>
 
@@ -91,15 +91,9 @@ int main(void)
 {
 	Suite *s = suite_create("derive");
 	TCase *c = tcase_create("derive");
-	SRunner *r;
-	int failed;
 
 	tcase_add_test(c, test_rules);
 	tcase_add_test(c, test_partials);
 	suite_add_tcase(s, c);
-	r = srunner_create(s);
-	srunner_run_all(r, CK_NORMAL);
-	failed = srunner_ntests_failed(r);
-	srunner_free(r);
-	return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+	return suite_run(s);
 }

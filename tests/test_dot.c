@@ -3,7 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "dot.h"
 #include "read.h"
-#include <check.h>
+#include "suite.h"
 #include <expat.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -308,17 +308,11 @@ static Suite *dot_suite(void)
 
 int main(int argc, char **argv)
 {
-	SRunner *runner;
-	int failed;
 
 	graphviz = argc > 1 ? argv[1] : NULL;
 	if (graphviz && access(graphviz, X_OK)) {
 		printf("skipped: Graphviz' dot is not installed\n");
 		return SKIPPED;
 	}
-	runner = srunner_create(dot_suite());
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(dot_suite());
 }

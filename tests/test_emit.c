@@ -4,8 +4,8 @@
 #include "model.h"
 #include "random_robot.h"
 #include "rng.h"
+#include "suite.h"
 #include "template.h"
-#include <check.h>
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -338,8 +338,6 @@ int main(void)
 {
 	Suite *suite = suite_create("emit");
 	TCase *c = tcase_create("pieces");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	tcase_set_timeout(c, 60);
 	tcase_add_checked_fixture(c, open, close);
@@ -352,8 +350,5 @@ int main(void)
 	tcase_add_test(c, identifier_of_any_bytes);
 	tcase_add_test(c, names_of_values);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

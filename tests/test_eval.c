@@ -3,7 +3,7 @@
 #include "eval.h"
 #include "expression.h"
 #include "rng.h"
-#include <check.h>
+#include "suite.h"
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -366,8 +366,6 @@ int main(void)
 {
 	Suite *suite = suite_create("eval");
 	TCase *c = tcase_create("eval");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 120);
@@ -378,8 +376,5 @@ int main(void)
 	tcase_add_test(c, fma_rounds_once);
 	tcase_add_test(c, failure_is_sticky);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

@@ -2,7 +2,7 @@
    compiler treats products and sums; sine and cosine of such numbers. */
 #include "f32x2.h"
 #include "rng.h"
-#include <check.h>
+#include "suite.h"
 #include <float.h>
 #include <math.h>
 #include <mpfr.h>
@@ -312,8 +312,6 @@ int main(void)
 {
 	Suite *s = suite_create("f32x2");
 	TCase *t = tcase_create("f32x2");
-	SRunner *r = srunner_create(s);
-	int failed;
 
 	variants[0] = &f32x2_plain;
 	variants[1] = &f32x2_fma;
@@ -328,8 +326,5 @@ int main(void)
 	tcase_add_loop_test(t, memory, 0, VARIANTS);
 	tcase_add_loop_test(t, angles, 0, VARIANTS);
 	tcase_add_loop_test(t, outside_is_nan, 0, VARIANTS);
-	srunner_run_all(r, CK_NORMAL);
-	failed = srunner_ntests_failed(r);
-	srunner_free(r);
-	return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+	return suite_run(s);
 }

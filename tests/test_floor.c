@@ -4,7 +4,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "../runtime/floor.h"
 #include "rng.h"
-#include <check.h>
+#include "suite.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -145,17 +145,11 @@ int main(void)
 {
 	Suite *s = suite_create("floor");
 	TCase *c = tcase_create("floor");
-	SRunner *r;
-	int failed;
 
 	setenv("RNEA_CACHE", "", 1);
 	tcase_set_timeout(c, 60);
 	tcase_add_loop_test(c, test_sums, 0, 4 * CASE_COUNT);
 	tcase_add_test(c, test_plain);
 	suite_add_tcase(s, c);
-	r = srunner_create(s);
-	srunner_run_all(r, CK_NORMAL);
-	failed = srunner_ntests_failed(r);
-	srunner_free(r);
-	return failed != 0;
+	return suite_run(s);
 }

@@ -1,7 +1,7 @@
 /* Friction, smooth: c v / sqrt(v^2 + w^2) on the joint's own axis, beside the reference's torques; quotients and roots in
    the evaluator, with their bounds. */
 #include "model.h"
-#include <check.h>
+#include "suite.h"
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -122,15 +122,9 @@ int main(void)
 {
 	Suite *s = suite_create("friction");
 	TCase *c = tcase_create("friction");
-	SRunner *r;
-	int failed;
 
 	tcase_add_test(c, test_width);
 	tcase_add_test(c, test_refused);
 	suite_add_tcase(s, c);
-	r = srunner_create(s);
-	srunner_run_all(r, CK_NORMAL);
-	failed = srunner_ntests_failed(r);
-	srunner_free(r);
-	return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+	return suite_run(s);
 }

@@ -4,8 +4,8 @@
 #include "random_robot.h"
 #include "rneagen.h"
 #include "rng.h"
+#include "suite.h"
 #include "text.h"
-#include <check.h>
 #include <locale.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -255,8 +255,6 @@ int main(void)
 {
 	Suite *suite = suite_create("generate");
 	TCase *c = tcase_create("texts");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 120);
@@ -266,8 +264,5 @@ int main(void)
 	tcase_add_test(c, names_are_only_names);
 	tcase_add_test(c, same_in_every_locale);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

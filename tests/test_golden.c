@@ -1,7 +1,7 @@
 /* The stages of the pipeline for two small robots, as they were when somebody last looked at them: tests/golden/.
    After a change that is meant: RNEAGEN_RENEW=1 test_golden writes them anew; then read what git diff shows. */
 #include "rneagen.h"
-#include <check.h>
+#include "suite.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -75,14 +75,9 @@ int main(void)
 {
 	Suite *suite = suite_create("golden");
 	TCase *c = tcase_create("stages");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_add_loop_test(c, stage, 0, 4 * sizeof robots / sizeof *robots);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

@@ -2,8 +2,8 @@
    as with harmless ones, and the table NAME_info holds the name. */
 #include "identifier.h"
 #include "rneagen.h"
+#include "suite.h"
 #include "text.h"
-#include <check.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -203,15 +203,10 @@ int main(void)
 {
 	Suite *suite = suite_create("hostile names");
 	TCase *c = tcase_create("names");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	tcase_set_timeout(c, 60);
 	tcase_add_checked_fixture(c, open_arena, close_arena);
 	tcase_add_loop_test(c, hostile_name, 0, sizeof hostile / sizeof *hostile);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

@@ -1,9 +1,8 @@
 /* Sums of inertias: the parallel axis theorem against masses added one by one, and what is taken for zero. */
 #include "spatial.h"
 #include "rng.h"
-#include <check.h>
+#include "suite.h"
 #include <math.h>
-#include <stdlib.h>
 
 enum { LINKS = 3, POINTS = 6, ROBOTS = 300 };
 
@@ -199,8 +198,6 @@ int main(void)
 {
 	Suite *suite = suite_create("inertia");
 	TCase *c = tcase_create("inertia");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	tcase_add_test(c, point_masses);
 	tcase_add_test(c, index_is_symmetric);
@@ -208,8 +205,5 @@ int main(void)
 	tcase_add_test(c, tiny_inertias_survive);
 	tcase_add_test(c, cancelled_moments_are_zero);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

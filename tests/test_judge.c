@@ -1,10 +1,9 @@
 /* What rnearun report and choose judge by: the states that they draw and the torques that they compare with, against the
    independent reference in extended precision; and their arithmetic of errors, against the same computed here. */
 #define _DEFAULT_SOURCE /* M_PI */
-#include "../runtime/judge.h"
 #include "eval.h"
-#include "model.h"
-#include <check.h>
+#include "judged.h"
+#include "suite.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,35 +21,13 @@ enum { CASE_COUNT = sizeof CASES / sizeof *CASES };
 
 static const struct sample_options OPTIONS = {.seed = SEED, .count = COUNT, .qd_range = 3, .qdd_range = 10};
 
-struct fixture {
-	struct model model;
-	struct analysis analysis;
-	struct judge judge;
-};
-
-static void open_fixture(struct fixture *f, int i, enum rneagen_precision precision)
+static void open_case(struct judged *f, int i, enum rneagen_precision precision)
 {
-	struct rneagen_options o = rneagen_options_default();
-	struct rneagen_error e;
-	size_t length;
-	char *urdf = read_file(CASES[i].urdf, &length);
-
-	o.base = CASES[i].base;
-	model_open(&f->model, urdf, length, &o, CASES[i].urdf);
-	ck_assert_msg(!analysis_open(&f->analysis, urdf, length, &o, &e), "%s", e.message);
-	ck_assert(judge_open(&f->judge, &f->analysis, precision, &OPTIONS));
-	free(urdf);
-}
-
-static void close_fixture(struct fixture *f)
-{
-	judge_free(&f->judge);
-	analysis_free(&f->analysis);
-	model_close(&f->model);
+	judged_open(f, CASES[i].urdf, CASES[i].base, NULL, precision, &OPTIONS);
 }
 
 /* The reference's torques of state k; returns their norm. */
-static double refer(struct fixture *f, size_t k, wide *tau)
+static double refer(struct judged *f, size_t k, wide *tau)
 {
 	const struct states *s = &f->judge.inputs.states;
 	double sum = 0;
@@ -64,11 +41,11 @@ static double refer(struct fixture *f, size_t k, wide *tau)
 /* The judge's torques are the reference's, for rounded states too. */
 START_TEST(test_reference)
 {
-	struct fixture f;
+	struct judged f;
 	wide tau[64];
 	double worst = 0;
 
-	open_fixture(&f, _i / 2, _i % 2 ? RNEAGEN_F32 : RNEAGEN_F64);
+	open_case(&f, _i / 2, _i % 2 ? RNEAGEN_F32 : RNEAGEN_F64);
 	for (size_t k = 0; k < COUNT; k++) {
 		double size = refer(&f, k, tau);
 
@@ -76,7 +53,7 @@ START_TEST(test_reference)
 			worst = fmax(worst, fabs((double)((wide)f.judge.out[k * f.judge.inputs.states.nv + i] - tau[i])) / size);
 	}
 	ck_assert_msg(worst < 1e-17, "%s: off by %g, seed %d", CASES[_i / 2].urdf, worst, SEED);
-	close_fixture(&f);
+	judged_close(&f);
 }
 END_TEST
 
@@ -91,11 +68,11 @@ static void assert_within(const struct joint *j, double q, double qd)
 /* Within the limits, and all over them; single precision where the numbers in memory are. */
 START_TEST(test_states)
 {
-	struct fixture f;
+	struct judged f;
 	const struct states *s = &f.judge.inputs.states;
 	double most = 0;
 
-	open_fixture(&f, _i, RNEAGEN_F64);
+	open_case(&f, _i, RNEAGEN_F64);
 	for (size_t k = 0; k < COUNT; k++)
 		for (int i = 0; i < f.analysis.tree.joint_count; i++) {
 			const struct tree_joint *t = &f.analysis.tree.joints[i];
@@ -108,11 +85,11 @@ START_TEST(test_states)
 			most = fmax(most, fabs(s->qdd[k * s->nv + (size_t)t->iv]));
 		}
 	ck_assert(most > 9.5 && most <= 10);
-	close_fixture(&f);
-	open_fixture(&f, _i, RNEAGEN_MIXED);
+	judged_close(&f);
+	open_case(&f, _i, RNEAGEN_MIXED);
 	for (size_t i = 0; i < COUNT * s->nq; i++)
 		ck_assert(s->q[i] == (double)(float)s->q[i]);
-	close_fixture(&f);
+	judged_close(&f);
 }
 END_TEST
 
@@ -120,10 +97,10 @@ END_TEST
 START_TEST(test_seed)
 {
 	struct sample_options other = OPTIONS;
-	struct fixture f;
+	struct judged f;
 	struct states s;
 
-	open_fixture(&f, 0, RNEAGEN_F64);
+	open_case(&f, 0, RNEAGEN_F64);
 	ck_assert(sample_states(&s, &f.analysis.robot, &f.analysis.tree, &OPTIONS));
 	ck_assert(!memcmp(s.q, f.judge.inputs.states.q, COUNT * s.nq * sizeof *s.q));
 	sample_free(&s);
@@ -131,20 +108,20 @@ START_TEST(test_seed)
 	ck_assert(sample_states(&s, &f.analysis.robot, &f.analysis.tree, &other));
 	ck_assert(memcmp(s.q, f.judge.inputs.states.q, COUNT * s.nq * sizeof *s.q));
 	sample_free(&s);
-	close_fixture(&f);
+	judged_close(&f);
 }
 END_TEST
 
 /* Torques off by a known amount in one joint of one sample, of the judge's and computed here from the reference. */
 START_TEST(test_errors)
 {
-	struct fixture f;
+	struct judged f;
 	size_t nv, joint = 2, sample = 7;
 	double *tau, size, worst = 0;
 	struct judge_errors e;
 	wide wanted[64];
 
-	open_fixture(&f, 0, RNEAGEN_F64);
+	open_case(&f, 0, RNEAGEN_F64);
 	nv = f.judge.inputs.states.nv;
 	tau = calloc(COUNT * nv, sizeof *tau);
 	for (size_t k = 0; k < COUNT; k++) {
@@ -164,7 +141,7 @@ START_TEST(test_errors)
 	tau[0] = (double)NAN;
 	ck_assert(isinf(judge_results(&f.judge, tau).max));
 	free(tau);
-	close_fixture(&f);
+	judged_close(&f);
 }
 END_TEST
 
@@ -172,12 +149,12 @@ END_TEST
 START_TEST(test_bound)
 {
 	struct rneagen_options o = rneagen_options_default();
-	struct fixture f;
+	struct judged f;
 	double bound, *tau;
 	struct judge_errors e;
 
 	o.precision = _i % 2 ? RNEAGEN_F64 : RNEAGEN_MIXED;
-	open_fixture(&f, _i / 2, o.precision);
+	open_case(&f, _i / 2, o.precision);
 	tau = calloc(COUNT * f.judge.inputs.states.nv, sizeof *tau);
 	for (size_t k = 0; k < COUNT; k++) {
 		const struct states *s = &f.judge.inputs.states;
@@ -193,7 +170,7 @@ START_TEST(test_bound)
 	ck_assert(judge_bound(&f.judge, &f.analysis, &o, 0, &bound));
 	ck_assert_msg(e.max > 0 && e.max <= bound && bound < 1e3 * e.max, "error %g, bound %g, seed %d", e.max, bound, SEED);
 	free(tau);
-	close_fixture(&f);
+	judged_close(&f);
 }
 END_TEST
 
@@ -225,8 +202,6 @@ int main(void)
 {
 	Suite *s = suite_create("judge");
 	TCase *c = tcase_create("judge");
-	SRunner *r;
-	int failed;
 
 	tcase_add_loop_test(c, test_reference, 0, 2 * CASE_COUNT);
 	tcase_add_loop_test(c, test_states, 0, CASE_COUNT);
@@ -235,9 +210,5 @@ int main(void)
 	tcase_add_loop_test(c, test_bound, 0, 2 * CASE_COUNT);
 	tcase_add_test(c, test_zero);
 	suite_add_tcase(s, c);
-	r = srunner_create(s);
-	srunner_run_all(r, CK_NORMAL);
-	failed = srunner_ntests_failed(r);
-	srunner_free(r);
-	return failed != 0;
+	return suite_run(s);
 }

@@ -1,10 +1,9 @@
 /* What rnearun report and choose judge by where a scene frees, folds and wants: what they draw, and the outputs that they
    compare with, against the independent reference changed for each sample; errors by array; what changed constants change. */
-#include "../runtime/judge.h"
 #include "effect.h"
 #include "eval.h"
-#include "model.h"
-#include <check.h>
+#include "judged.h"
+#include "suite.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,35 +17,13 @@ static const struct sample_options OPTIONS = {.seed = SEED, .count = COUNT, .qd_
 static const char SCENE[] = "free payload." LINK "\nfree inertia.iiwa_link_6:sample\nfree mass.iiwa_link_5\nfree gravity:sample\n"
 			    "free offset.iiwa_joint_2\nfext " LINK "\nfold qdd=0\nwant tau,power,twist." LINK "\n";
 
-struct fixture {
-	struct model model;
-	struct analysis analysis;
-	struct judge judge;
-};
-
-static void open_fixture(struct fixture *f, const char *scene, enum rneagen_precision precision)
+static void open_scene(struct judged *f, const char *scene, enum rneagen_precision precision)
 {
-	struct rneagen_options o = rneagen_options_default();
-	struct rneagen_error e;
-	size_t length;
-	char *urdf = read_file(IIWA, &length);
-
-	model_open(&f->model, urdf, length, &o, IIWA);
-	o.scene = scene;
-	ck_assert_msg(!analysis_open(&f->analysis, urdf, length, &o, &e), "%s", e.message);
-	ck_assert(judge_open(&f->judge, &f->analysis, precision, &OPTIONS));
-	free(urdf);
-}
-
-static void close_fixture(struct fixture *f)
-{
-	judge_free(&f->judge);
-	analysis_free(&f->analysis);
-	model_close(&f->model);
+	judged_open(f, IIWA, RNEAGEN_FIXED, scene, precision, &OPTIONS);
 }
 
 /* The rows of an input in sample k. */
-static const double *rows(const struct fixture *f, const char *name, size_t k)
+static const double *rows(const struct judged *f, const char *name, size_t k)
 {
 	const struct dag *d = &f->analysis.dag;
 
@@ -92,12 +69,12 @@ static double length(const double *x)
 /* Near what the URDF says; the states are those of the plain robot. */
 START_TEST(test_draws)
 {
-	struct fixture f, plain;
+	struct judged f, plain;
 	wide own[10];
 	double most = 0, mass = 0;
 
-	open_fixture(&f, SCENE, RNEAGEN_F64);
-	open_fixture(&plain, NULL, RNEAGEN_F64);
+	open_scene(&f, SCENE, RNEAGEN_F64);
+	open_scene(&plain, NULL, RNEAGEN_F64);
 	ck_assert(!memcmp(f.judge.inputs.states.qdd, plain.judge.inputs.states.qdd, COUNT * 7 * sizeof(double)));
 	reference_inertia(f.model.reference, find_link(f.model.reference, "iiwa_link_6"), own);
 	for (size_t k = 0; k < COUNT; k++) {
@@ -117,27 +94,27 @@ START_TEST(test_draws)
 	}
 	ck_assert(most > 9 && most <= 10 && mass > 0.8);
 	ck_assert(length(rows(&f, "gravity", 0)) != length(rows(&f, "gravity", 1)));
-	close_fixture(&f);
-	close_fixture(&plain);
-	open_fixture(&f, SCENE, RNEAGEN_F32);
+	judged_close(&f);
+	judged_close(&plain);
+	open_scene(&f, SCENE, RNEAGEN_F32);
 	for (int i = 0; i < 10; i++)
 		ck_assert((double)(float)rows(&f, "payload_" LINK, 3)[i] == rows(&f, "payload_" LINK, 3)[i]);
-	close_fixture(&f);
+	judged_close(&f);
 }
 END_TEST
 
 /* Vectors that derivatives are multiplied by are no constants of the URDF. */
 START_TEST(test_vectors)
 {
-	struct fixture f;
+	struct judged f;
 	double most = 0;
 
-	open_fixture(&f, "want tau,vjp\n", RNEAGEN_F64);
+	open_scene(&f, "want tau,vjp\n", RNEAGEN_F64);
 	for (size_t k = 0; k < COUNT; k++)
 		for (int i = 0; i < 7; i++)
 			most = fmax(most, fabs(rows(&f, "vjp_v", k)[i]));
 	ck_assert(most > 0.9 && most <= 1);
-	close_fixture(&f);
+	judged_close(&f);
 }
 END_TEST
 
@@ -169,7 +146,7 @@ static void set_mass(struct reference *r, const char *link, wide *own, double m)
 	reference_set_inertia(r, find_link(r, link), p);
 }
 
-static void refer(const struct fixture *f, size_t k, wide own[3][10], wide *tau, wide *twist)
+static void refer(const struct judged *f, size_t k, wide own[3][10], wide *tau, wide *twist)
 {
 	struct reference *r = f->model.reference;
 	static const double zero[7];
@@ -209,11 +186,11 @@ static double off(const exact *x, const wide *ref, int count)
 
 START_TEST(test_reference)
 {
-	struct fixture f;
+	struct judged f;
 	wide own[3][10], tau[7], twist[6];
 	static const char *const links[] = {"iiwa_link_5", "iiwa_link_6", LINK};
 
-	open_fixture(&f, SCENE, _i ? RNEAGEN_F32 : RNEAGEN_F64);
+	open_scene(&f, SCENE, _i ? RNEAGEN_F32 : RNEAGEN_F64);
 	for (int i = 0; i < 3; i++)
 		reference_inertia(f.model.reference, find_link(f.model.reference, links[i]), own[i]);
 	ck_assert(f.judge.rows == 14 && f.judge.output_count == 3);
@@ -231,7 +208,7 @@ START_TEST(test_reference)
 		ck_assert_msg(wide_abs((wide)out[7] - power) < 3e-15L * size, "power, sample %zu, seed %d", k, SEED);
 		ck_assert_msg(off(out + 8, twist, 6) < 3e-15, "twist off by %g, sample %zu", off(out + 8, twist, 6), k);
 	}
-	close_fixture(&f);
+	judged_close(&f);
 }
 END_TEST
 
@@ -240,11 +217,11 @@ END_TEST
 /* One number off in one array of one sample: it is the array's norm that counts; and what is 0 does not. */
 START_TEST(test_errors)
 {
-	struct fixture f;
+	struct judged f;
 	double *out, least;
 	struct judge_errors e;
 
-	open_fixture(&f, SCENE, RNEAGEN_F64);
+	open_scene(&f, SCENE, RNEAGEN_F64);
 	out = calloc(COUNT, 14 * sizeof *out);
 	for (size_t i = 0; i < COUNT * 14; i++)
 		out[i] = (double)f.judge.out[i];
@@ -258,7 +235,7 @@ START_TEST(test_errors)
 	out[9 * 14 + 10] = (double)NAN;
 	ck_assert(isinf(judge_results(&f.judge, out).max));
 	free(out);
-	close_fixture(&f);
+	judged_close(&f);
 }
 END_TEST
 
@@ -266,12 +243,12 @@ END_TEST
 START_TEST(test_bound)
 {
 	struct rneagen_options o = rneagen_options_default();
-	struct fixture f;
+	struct judged f;
 	double bound, *out;
 	struct judge_errors e;
 
 	o.precision = RNEAGEN_F64;
-	open_fixture(&f, _i ? "want tau,dtau_dq,dtau_dqd,M\ndense\n" : SCENE, RNEAGEN_F64);
+	open_scene(&f, _i ? "want tau,dtau_dq,dtau_dqd,M\ndense\n" : SCENE, RNEAGEN_F64);
 	ck_assert_uint_eq(f.judge.rows, _i ? 154 : 14);
 	out = calloc(COUNT, f.judge.rows * sizeof *out);
 	for (size_t k = 0; k < COUNT; k++) {
@@ -289,7 +266,7 @@ START_TEST(test_bound)
 	ck_assert(judge_bound(&f.judge, &f.analysis, &o, 0, &bound));
 	ck_assert_msg(e.max > 0 && e.max <= bound && bound < 1e3 * e.max, "error %g, bound %g, seed %d", e.max, bound, SEED);
 	free(out);
-	close_fixture(&f);
+	judged_close(&f);
 }
 END_TEST
 
@@ -326,8 +303,6 @@ int main(void)
 {
 	Suite *s = suite_create("judge_task");
 	TCase *c = tcase_create("judge_task");
-	SRunner *r;
-	int failed;
 
 	tcase_add_test(c, test_draws);
 	tcase_add_test(c, test_vectors);
@@ -336,9 +311,5 @@ int main(void)
 	tcase_add_loop_test(c, test_bound, 0, 2);
 	tcase_add_test(c, test_change);
 	suite_add_tcase(s, c);
-	r = srunner_create(s);
-	srunner_run_all(r, CK_NORMAL);
-	failed = srunner_ntests_failed(r);
-	srunner_free(r);
-	return failed != 0;
+	return suite_run(s);
 }

@@ -1,8 +1,8 @@
 /* No memory, at every request there is: linked with arena_each.c, where each request asks the allocator. */
 #include "analysis.h"
 #include "rneagen.h"
+#include "suite.h"
 #include "urdf_text.h"
-#include <check.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -127,16 +127,11 @@ int main(void)
 {
 	Suite *suite = suite_create("memory");
 	TCase *c = tcase_create("generate");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 300);
 	tcase_add_loop_test(c, every_request, 0, 9);
 	tcase_add_loop_test(c, every_request_of_a_scene, 0, 4);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

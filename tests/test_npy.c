@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "test_npy.h"
 #include "rng.h"
+#include "suite.h"
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -232,7 +233,6 @@ int main(void)
 {
 	Suite *s = suite_create("npy");
 	TCase *c = tcase_create("npy");
-	SRunner *r;
 	int failed, fd = mkstemp(path);
 
 	if (fd < 0)
@@ -246,10 +246,7 @@ int main(void)
 	tcase_add_test(c, test_long);
 	suite_add_tcase(s, c);
 	suite_add_tcase(s, case_bad());
-	r = srunner_create(s);
-	srunner_run_all(r, CK_NORMAL);
-	failed = srunner_ntests_failed(r);
-	srunner_free(r);
+	failed = suite_run(s);
 	unlink(path);
 	return failed != 0;
 }

@@ -1,6 +1,6 @@
 /* What mechanics says of any robot's torques, on random trees and by the evaluated DAG: no second program is asked. */
+#include "suite.h"
 #include "torque.h"
-#include <check.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -291,8 +291,6 @@ int main(void)
 {
 	Suite *suite = suite_create("properties");
 	TCase *c = tcase_create("mechanics");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 120);
@@ -303,8 +301,5 @@ int main(void)
 	tcase_add_test(c, mass_matrix_is_definite);
 	tcase_add_test(c, power_balance);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

@@ -1,4 +1,5 @@
 #define _POSIX_C_SOURCE 200809L
+#include "suite.h"
 #include "test_reference.h"
 
 #include <dirent.h>
@@ -81,17 +82,11 @@ void each_real_robot(void (*test)(const char *name, const char *urdf))
 int main(void)
 {
 	Suite *suite = suite_create("reference");
-	SRunner *runner;
-	int failed;
 
 	suite_add_tcase(suite, closed_forms());
 	suite_add_tcase(suite, oracle_agreement());
 	suite_add_tcase(suite, properties());
 	suite_add_tcase(suite, equivalences());
 	suite_add_tcase(suite, input_reading());
-	runner = srunner_create(suite);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

@@ -1,7 +1,7 @@
 /* The DAG against the independent reference: robots of our own, real ones, random trees. */
 #include "model.h"
 #include "random_robot.h"
-#include <check.h>
+#include "suite.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -120,8 +120,6 @@ int main(void)
 {
 	Suite *suite = suite_create("rnea");
 	TCase *c = tcase_create("reference");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 600);
@@ -129,8 +127,5 @@ int main(void)
 	tcase_add_test(c, test_real_robots);
 	tcase_add_test(c, test_random_trees);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

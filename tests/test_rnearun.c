@@ -4,56 +4,13 @@
 #include "test_rnearun.h"
 #include "process.h"
 #include "states_file.h"
-#include <dirent.h>
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-const char *rnearun;
 static const char *reference;
-static char folder[] = "rnearun.XXXXXX";
-
-/* rnearun eval WORDS...: its status, and `part` in what it says. */
-static void run(int status, const char *part, const char *const *words)
-{
-	const char *argv[32] = {rnearun, "eval"};
-	struct process p;
-
-	for (int i = 0; words[i]; i++)
-		argv[i + 2] = words[i];
-	p = process_run(argv);
-	ck_assert_msg(p.status == status, "status %d, not %d: %s", p.status, status, p.output);
-	ck_assert_msg(strstr(p.output, part) != NULL, "'%s' does not contain '%s'", p.output, part);
-	if (!*part)
-		ck_assert_msg(!strstr(p.output, "samples"), "progress without a terminal: %s", p.output);
-	process_free(&p);
-}
-
-#define RUN(status, part, ...) run(status, part, (const char *const[]){__VA_ARGS__, NULL})
-
-void run_shell(int status, const char *part, const char *script, const char *urdf)
-{
-	const char *const argv[] = {"sh", "-c", script, "sh", rnearun, urdf, NULL};
-	struct process p = process_run(argv);
-
-	ck_assert_msg(p.status == status, "status %d, not %d: %s", p.status, status, p.output);
-	ck_assert_msg(strstr(p.output, part) != NULL, "'%s' does not contain '%s'", p.output, part);
-	process_free(&p);
-}
-
-int count_files(const char *begins)
-{
-	DIR *d = opendir(".");
-	int n = 0;
-
-	for (struct dirent *f; (f = readdir(d)) != NULL;)
-		n += !strncmp(f->d_name, begins, strlen(begins));
-	closedir(d);
-	return n;
-}
 
 /* q.npy qd.npy qdd.npy tau.npy by the reference, states.npy of the first three, and the same in float32. */
 static void make_states(const char *urdf, const char *count, const char *base, int f32)
@@ -273,32 +230,11 @@ static Suite *suite(void)
 	return s;
 }
 
-static int remove_folder(void)
-{
-	char command[64];
-
-	snprintf(command, sizeof command, "rm -rf %s", folder);
-	return system(command);
-}
-
 int main(int argc, char **argv)
 {
-	char path[PATH_MAX + sizeof folder + 8];
-	SRunner *r;
-	int failed;
-
 	if (argc != 3)
 		return fputs("usage: test_rnearun RNEARUN RNEA_REFERENCE\n", stderr), 2;
 	rnearun = argv[1];
 	reference = argv[2];
-	if (!mkdtemp(folder) || chdir(folder) || !realpath("..", path))
-		return perror(folder), 1;
-	snprintf(path + strlen(path), sizeof path - strlen(path), "/%s/cache", folder);
-	setenv("RNEA_CACHE", path, 1);
-	r = srunner_create(suite());
-	srunner_run_all(r, CK_NORMAL);
-	failed = srunner_ntests_failed(r);
-	srunner_free(r);
-	failed |= chdir("..") | remove_folder();
-	return failed != 0;
+	return run_in_folder(suite(), "rnearun");
 }

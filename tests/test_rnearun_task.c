@@ -6,7 +6,6 @@
 #include "process.h"
 #include "reference.h"
 #include "states_file.h"
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,22 +13,6 @@
 #include <unistd.h>
 
 enum { COUNT = SAMPLES, SEED = 20261121, ROWS = 64, PAYLOAD = 10, PUSH = 6 };
-
-static const char *rnearun;
-static char folder[] = "rnearun_task.XXXXXX";
-
-void run_eval(int status, const char *part, const char *const *words)
-{
-	const char *argv[48] = {rnearun, "eval"};
-	struct process p;
-
-	for (int i = 0; words[i]; i++)
-		argv[i + 2] = words[i];
-	p = process_run(argv);
-	ck_assert_msg(p.status == status, "status %d, not %d: %s", p.status, status, p.output);
-	ck_assert_msg(*part ? strstr(p.output, part) != NULL : !strstr(p.output, "no file"), "'%s' is not '%s'", p.output, part);
-	process_free(&p);
-}
 
 /* ---- a scene with inputs of all kinds ---- */
 
@@ -328,32 +311,11 @@ static Suite *suite(void)
 	return s;
 }
 
-static int remove_folder(void)
-{
-	char command[64];
-
-	snprintf(command, sizeof command, "rm -rf %s", folder);
-	return system(command);
-}
-
 int main(int argc, char **argv)
 {
-	char path[PATH_MAX + sizeof folder + 8];
-	SRunner *r;
-	int failed;
-
 	if (argc != 2)
 		return fputs("usage: test_rnearun_task RNEARUN\n", stderr), 2;
 	rnearun = argv[1];
 	printf("seed %d\n", SEED);
-	if (!mkdtemp(folder) || chdir(folder) || !realpath("..", path))
-		return perror(folder), 1;
-	snprintf(path + strlen(path), sizeof path - strlen(path), "/%s/cache", folder);
-	setenv("RNEA_CACHE", path, 1);
-	r = srunner_create(suite());
-	srunner_run_all(r, CK_NORMAL);
-	failed = srunner_ntests_failed(r);
-	srunner_free(r);
-	failed |= chdir("..") | remove_folder();
-	return failed != 0;
+	return run_in_folder(suite(), "rnearun_task");
 }

@@ -2,16 +2,9 @@
 #define TEST_RNEARUN_TASK_H
 /* What the parts of test_rnearun_task share. */
 
-#include <check.h>
-
-#define ROBOTS TEST_DIR "/robots/"
-#define IIWA ROBOTS "iiwa14.urdf"
+#include "rnearun_command.h"
 
 enum { SAMPLES = 200 };
-
-/* rnearun eval WORDS...: its status, and `part` in what it says; "": nothing of a missing file. */
-void run_eval(int status, const char *part, const char *const *words);
-#define RUN(status, part, ...) run_eval(status, part, (const char *const[]){__VA_ARGS__, NULL})
 
 /* Robot i (0: iiwa14) in a scene with a payload in each sample, gravity for the batch, an external force, no
    accelerations; torques and power. */

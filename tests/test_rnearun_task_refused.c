@@ -2,20 +2,8 @@
 #define _DEFAULT_SOURCE
 #include "test_rnearun_task.h"
 #include "states_file.h"
-#include <dirent.h>
 #include <string.h>
 #include <unistd.h>
-
-static int count_files(const char *begins)
-{
-	DIR *d = opendir(".");
-	int n = 0;
-
-	for (struct dirent *f; (f = readdir(d)) != NULL;)
-		n += !strncmp(f->d_name, begins, strlen(begins));
-	closedir(d);
-	return n;
-}
 
 START_TEST(test_refused)
 {

@@ -1,4 +1,5 @@
 #define _POSIX_C_SOURCE 200809L
+#include "suite.h"
 #include "test_robot.h"
 #include <locale.h>
 #include <stdio.h>
@@ -240,11 +241,6 @@ static Suite *robot_suite(void)
 
 int main(void)
 {
-	SRunner *runner = srunner_create(robot_suite());
-	int failed;
 
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(robot_suite());
 }

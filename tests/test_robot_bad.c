@@ -1,8 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "read.h"
-#include <check.h>
+#include "suite.h"
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -195,15 +194,10 @@ int main(void)
 {
 	Suite *suite = suite_create("robot: bad files");
 	TCase *tc = tcase_create("files");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	tcase_add_loop_test(tc, bad_file, 0, ANSWER_COUNT);
 	tcase_add_test(tc, every_bad_file_has_an_answer);
 	tcase_add_test(tc, nothing_is_printed);
 	suite_add_tcase(suite, tc);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

@@ -1,7 +1,7 @@
 /* Files from outside: the directories that RNEAGEN_BAD_URDF and RNEAGEN_ROBOTS name. */
 #define _POSIX_C_SOURCE 200809L
 #include "read.h"
-#include <check.h>
+#include "suite.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -140,15 +140,10 @@ int main(void)
 {
 	Suite *suite = suite_create("robot: files from outside");
 	TCase *tc = tcase_create("directories");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	tcase_set_timeout(tc, 120);
 	tcase_add_test(tc, bad_urdf);
 	tcase_add_test(tc, robots);
 	suite_add_tcase(suite, tc);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

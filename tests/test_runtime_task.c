@@ -3,7 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "../runtime/urdf.h"
 #include "reference.h"
-#include <check.h>
+#include "suite.h"
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -149,8 +149,6 @@ int main(void)
 {
 	Suite *s = suite_create("runtime_task");
 	TCase *c = tcase_create("runtime_task");
-	SRunner *r;
-	int failed;
 
 	setenv("RNEA_LIBCUDA", FAKE_CUDA, 1);
 	setenv("RNEA_NVRTC", FAKE_NVRTC, 1);
@@ -159,9 +157,5 @@ int main(void)
 	tcase_add_loop_test(c, test_run, 0, 4);
 	tcase_add_loop_test(c, test_refused, 0, 2);
 	suite_add_tcase(s, c);
-	r = srunner_create(s);
-	srunner_run_all(r, CK_NORMAL);
-	failed = srunner_ntests_failed(r);
-	srunner_free(r);
-	return failed != 0;
+	return suite_run(s);
 }

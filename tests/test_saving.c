@@ -1,7 +1,7 @@
 /* What --info says that each choice of a scene saves, against texts made with and without it. */
 #include "model.h"
 #include "rneagen.h"
-#include <check.h>
+#include "suite.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -84,15 +84,9 @@ int main(void)
 {
 	Suite *s = suite_create("saving");
 	TCase *c = tcase_create("saving");
-	SRunner *r;
-	int failed;
 
 	tcase_add_test(c, test_lines);
 	tcase_add_test(c, test_unknown);
 	suite_add_tcase(s, c);
-	r = srunner_create(s);
-	srunner_run_all(r, CK_NORMAL);
-	failed = srunner_ntests_failed(r);
-	srunner_free(r);
-	return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+	return suite_run(s);
 }

@@ -3,9 +3,9 @@
 #include "read.h"
 #include "rng.h"
 #include "rneagen.h"
+#include "suite.h"
 #include "tree.h"
 #include "urdf_text.h"
-#include <check.h>
 #include <locale.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -304,8 +304,6 @@ int main(void)
 {
 	Suite *suite = suite_create("scene");
 	TCase *c = tcase_create("scene");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 60);
@@ -316,8 +314,5 @@ int main(void)
 	tcase_add_test(c, told);
 	tcase_add_test(c, ignored);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

@@ -3,8 +3,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "effect.h"
 #include "scene_model.h"
+#include "suite.h"
 #include "urdf_text.h"
-#include <check.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -341,8 +341,6 @@ int main(void)
 {
 	Suite *suite = suite_create("scene_constants");
 	TCase *c = tcase_create("constants");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 120);
@@ -356,8 +354,5 @@ int main(void)
 	tcase_add_loop_test(c, refuses, 0, sizeof refuseds / sizeof *refuseds);
 	tcase_add_test(c, told);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

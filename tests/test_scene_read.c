@@ -2,8 +2,8 @@
 #include "nearest.h"
 #include "read.h"
 #include "scene.h"
+#include "suite.h"
 #include "urdf_text.h"
-#include <check.h>
 #include <string.h>
 
 static const char robot[] = ROBOT("robot", BALL("base") BALL("hand") BALL("head") BALL("a,b")
@@ -110,16 +110,11 @@ int main(void)
 {
 	Suite *suite = suite_create("scene_read");
 	TCase *c = tcase_create("scene_read");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	tcase_add_test(c, repeats_itself);
 	tcase_add_test(c, lists);
 	tcase_add_test(c, quotes);
 	tcase_add_test(c, nearest);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

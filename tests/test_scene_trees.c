@@ -3,7 +3,7 @@
    and on robots. */
 #define _POSIX_C_SOURCE 200809L
 #include "scene_model.h"
-#include <check.h>
+#include "suite.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -373,8 +373,6 @@ int main(void)
 {
 	Suite *suite = suite_create("scene_trees");
 	TCase *c = tcase_create("trees");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 300);
@@ -386,8 +384,5 @@ int main(void)
 	tcase_add_test(c, roots);
 	tcase_add_loop_test(c, arm_of_its_own, 0, 3);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

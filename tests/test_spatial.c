@@ -1,7 +1,7 @@
 /* Angles, rotations, placements and inertias of the model's constants. */
 #include "spatial.h"
 #include "rng.h"
-#include <check.h>
+#include "suite.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -306,8 +306,6 @@ int main(void)
 {
 	Suite *suite = suite_create("spatial");
 	TCase *c = tcase_create("rotations");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	tcase_add_loop_test(c, angle_as_written, 0, sizeof written / sizeof *written);
 	tcase_add_test(c, angle_snaps_within_5e_15);
@@ -320,8 +318,5 @@ int main(void)
 	tcase_add_test(c, shortest_near_the_poles);
 	tcase_add_test(c, placements_chain);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

@@ -3,7 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "rerun.h"
 #include "states.h"
-#include <check.h>
+#include "suite.h"
 #include <dlfcn.h>
 #include <math.h>
 #include <stdio.h>
@@ -363,27 +363,13 @@ START_TEST(real_robots)
 }
 END_TEST
 
-static void add_case(Suite *suite, const char *name, const TTest *test, int end)
-{
-	TCase *c = tcase_create(name);
-
-	tcase_set_timeout(c, 1200);
-	tcase_add_loop_test(c, test, 0, end);
-	suite_add_tcase(suite, c);
-}
-
 int main(void)
 {
 	Suite *suite = suite_create("strict");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
-	add_case(suite, "settings", every_setting, sizeof CHOICES / sizeof *CHOICES);
-	add_case(suite, "own", own_robots, 1);
-	add_case(suite, "real", real_robots, 1);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	suite_add(suite, "settings", every_setting, sizeof CHOICES / sizeof *CHOICES, 1200);
+	suite_add(suite, "own", own_robots, 1, 1200);
+	suite_add(suite, "real", real_robots, 1, 1200);
+	return suite_run(suite);
 }

@@ -4,8 +4,8 @@
 #include "model.h"
 #include "process.h"
 #include "rng.h"
+#include "suite.h"
 #include "target.h"
-#include <check.h>
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,9 +19,8 @@ static void generate(struct target *t, enum rneagen_target kind, enum rneagen_pr
 {
 	struct rneagen_options o = rneagen_options_default();
 	size_t length;
-	char *urdf = read_file(TEST_DIR "/robots/iiwa14.urdf", &length);
+	char *urdf = target_robot("iiwa14", &length);
 
-	ck_assert_ptr_nonnull(urdf);
 	o.target = kind;
 	o.precision = precision;
 	o.strict = strict;
@@ -164,9 +163,8 @@ START_TEST(refuses_the_fast_sine)
 	struct rneagen_result result;
 	struct rneagen_error e;
 	size_t length;
-	char *urdf = read_file(TEST_DIR "/robots/iiwa14.urdf", &length);
+	char *urdf = target_robot("iiwa14", &length);
 
-	ck_assert_ptr_nonnull(urdf);
 	o.strict = 1;
 	o.trig = RNEAGEN_FAST;
 	ck_assert_int_eq(rneagen_generate(urdf, length, &o, &result, &e), RNEAGEN_USAGE);
@@ -258,8 +256,6 @@ int main(void)
 {
 	Suite *suite = suite_create("strict_texts");
 	TCase *c = tcase_create("strict_texts");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	printf("seed %d\n", SEED);
@@ -269,8 +265,5 @@ int main(void)
 	tcase_add_test(c, refuses_the_fast_sine);
 	tcase_add_loop_test(c, nothing_joined_for_gpus, 0, 2);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

@@ -2,8 +2,8 @@
    Own robots and real ones (RNEAGEN_ROBOTS); fixed and floating; both precisions and layouts; all trigonometry modes.
  */
 #define _POSIX_C_SOURCE 200809L
+#include "suite.h"
 #include "target_check.h"
-#include <check.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -137,26 +137,12 @@ START_TEST(real_robots)
 }
 END_TEST
 
-static void add_case(Suite *suite, const char *name, const TTest *test)
-{
-	TCase *c = tcase_create(name);
-
-	tcase_set_timeout(c, 1200);
-	tcase_add_test(c, test);
-	suite_add_tcase(suite, c);
-}
-
 int main(void)
 {
 	Suite *suite = suite_create("targets");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
-	add_case(suite, "own", own_robots);
-	add_case(suite, "real", real_robots);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	suite_add(suite, "own", own_robots, 1, 1200);
+	suite_add(suite, "real", real_robots, 1, 1200);
+	return suite_run(suite);
 }

@@ -4,8 +4,8 @@
 #include "model.h"
 #include "process.h"
 #include "rng.h"
+#include "suite.h"
 #include "target.h"
-#include <check.h>
 #include <dlfcn.h>
 #include <math.h>
 #include <stdio.h>
@@ -31,20 +31,10 @@ struct both {
 	int f32; /* arrays of float */
 };
 
-static char *read_robot(const char *robot, size_t *length)
-{
-	char path[512], *urdf;
-
-	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", robot);
-	urdf = read_file(path, length);
-	ck_assert_msg(urdf != NULL, "%s cannot be read", path);
-	return urdf;
-}
-
 static void generate(struct target *t, const char *robot, struct rneagen_options o, enum rneagen_target target)
 {
 	size_t length;
-	char *urdf = read_robot(robot, &length);
+	char *urdf = target_robot(robot, &length);
 
 	o.target = target;
 	o.name = target == RNEAGEN_TARGET_C ? "from_c" : "from_cuda";
@@ -267,7 +257,7 @@ static void check_text(const char *robot, const struct rneagen_options *o, const
 	struct both b;
 	struct model m;
 	size_t length;
-	char *urdf = read_robot(robot, &length);
+	char *urdf = target_robot(robot, &length);
 
 	open_both(&b, robot, o, compiler);
 	model_open(&m, urdf, length, o, robot);
@@ -316,25 +306,11 @@ START_TEST(same_bits)
 }
 END_TEST
 
-static void add_case(Suite *suite, const char *name, const TTest *test, int count)
-{
-	TCase *c = tcase_create(name);
-
-	tcase_set_timeout(c, 1200);
-	tcase_add_loop_test(c, test, 0, count);
-	suite_add_tcase(suite, c);
-}
-
 int main(void)
 {
 	Suite *suite = suite_create("both");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
-	add_case(suite, "bits", same_bits, 2);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	suite_add(suite, "bits", same_bits, 2, 1200);
+	return suite_run(suite);
 }

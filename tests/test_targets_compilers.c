@@ -1,7 +1,7 @@
 /* A few robots by every compiler setting, in every precision, layout and trigonometry mode. */
 #define _POSIX_C_SOURCE 200809L
+#include "suite.h"
 #include "target_check.h"
-#include <check.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -92,13 +92,9 @@ static void check_setting(const struct setting *setting, const struct robot_choi
 	struct rneagen_options o = rneagen_options_default();
 	struct states states[2];
 	struct model m;
-	char path[512];
 	size_t length;
-	char *urdf;
+	char *urdf = target_robot(choice->name, &length);
 
-	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", choice->name);
-	urdf = read_file(path, &length);
-	ck_assert_msg(urdf != NULL, "%s cannot be read", path);
 	o.target = RNEAGEN_TARGET_C;
 	o.base = choice->base;
 	model_open(&m, urdf, length, &o, choice->name);
@@ -136,16 +132,11 @@ int main(void)
 {
 	Suite *suite = suite_create("compilers");
 	TCase *c = tcase_create("settings");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	printf("seed %d\n", SEED);
 	tcase_set_timeout(c, 1200);
 	tcase_add_loop_test(c, setting, 0, SETTING_COUNT);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

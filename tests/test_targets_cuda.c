@@ -4,9 +4,9 @@
 #include "model.h"
 #include "process.h"
 #include "ptxas.h"
+#include "suite.h"
 #include "target.h"
 #include "../runtime/jit.h"
-#include <check.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -255,12 +255,9 @@ static void write_header(
 	const char *robot, const char *name, enum rneagen_precision precision, enum rneagen_trig trig, struct target *t)
 {
 	struct rneagen_options o = rneagen_options_default();
-	char path[512], *urdf;
 	size_t length;
+	char *urdf = target_robot(robot, &length);
 
-	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", robot);
-	urdf = read_file(path, &length);
-	ck_assert_ptr_nonnull(urdf);
 	o.target = RNEAGEN_TARGET_HEADER;
 	o.precision = precision;
 	o.trig = trig;
@@ -312,11 +309,10 @@ START_TEST(linked_together)
 	struct target t;
 	struct process p;
 	size_t length;
-	char *urdf = read_file(TEST_DIR "/robots/iiwa14.urdf", &length);
+	char *urdf = target_robot("iiwa14", &length);
 
 	if (!nvcc)
 		return;
-	ck_assert_ptr_nonnull(urdf);
 	o.name = "linked";
 	o.target = RNEAGEN_TARGET_C;
 	target_generate(&t, urdf, length, &o, "linked");
@@ -350,8 +346,6 @@ static void add_case(Suite *suite, const char *name, const TTest *test, void (*s
 int main(void)
 {
 	Suite *suite = suite_create("cuda");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	unsetenv("RNEA_NVRTC");
@@ -361,8 +355,5 @@ int main(void)
 	add_case(suite, "others", other_robots, find_nvcc);
 	add_case(suite, "header", header_in_kernel, find_nvcc);
 	add_case(suite, "linked", linked_together, find_nvcc);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

@@ -2,8 +2,8 @@
    compiler may join products to sums. */
 #define _POSIX_C_SOURCE 200809L
 #include "eval.h"
+#include "suite.h"
 #include "target_check.h"
-#include <check.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -101,11 +101,8 @@ static void check_robot(const char *name, enum rneagen_base base, const struct c
 	struct states states;
 	struct model m;
 	size_t length;
-	char path[512], stem[128], *urdf;
+	char stem[128], *urdf = target_robot(name, &length);
 
-	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", name);
-	urdf = read_file(path, &length);
-	ck_assert_msg(urdf != NULL, "%s cannot be read", path);
 	o.target = RNEAGEN_TARGET_C;
 	o.precision = RNEAGEN_F32X2;
 	o.layout = turn % 2 ? RNEAGEN_AOS : RNEAGEN_SOA;
@@ -171,15 +168,10 @@ int main(void)
 {
 	Suite *s = suite_create("targets_f32x2");
 	TCase *t = tcase_create("f32x2");
-	SRunner *r = srunner_create(s);
-	int failed;
 
 	suite_add_tcase(s, t);
 	tcase_set_timeout(t, 1800);
 	tcase_add_test(t, own_robots);
 	tcase_add_loop_test(t, compilers, 0, SETTING_COUNT);
-	srunner_run_all(r, CK_NORMAL);
-	failed = srunner_ntests_failed(r);
-	srunner_free(r);
-	return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+	return suite_run(s);
 }

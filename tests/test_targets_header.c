@@ -1,8 +1,8 @@
 /* Texts for target header, all in one file with each other, in C and in C++; and the .h that goes with a .c. */
 #define _POSIX_C_SOURCE 200809L
 #include "process.h"
+#include "suite.h"
 #include "target_check.h"
-#include <check.h>
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -39,16 +39,6 @@ static const struct header {
 
 enum { HEADER_COUNT = sizeof HEADERS / sizeof *HEADERS };
 
-static char *read_robot(const char *name, size_t *length)
-{
-	char path[512], *urdf;
-
-	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", name);
-	urdf = read_file(path, length);
-	ck_assert_msg(urdf != NULL, "%s cannot be read", path);
-	return urdf;
-}
-
 static struct rneagen_options options_of(const struct header *h, enum rneagen_target kind)
 {
 	struct rneagen_options o = rneagen_options_default();
@@ -65,7 +55,7 @@ static void generate(const struct header *h, enum rneagen_target kind, struct ta
 {
 	struct rneagen_options o = options_of(h, kind);
 	size_t length;
-	char *urdf = read_robot(h->robot, &length);
+	char *urdf = target_robot(h->robot, &length);
 
 	target_generate(t, urdf, length, &o, h->name);
 	free(urdf);
@@ -163,7 +153,7 @@ static void check_header(const struct header *h, struct target *t, void *handle,
 	struct model m;
 	struct check c = {.target = t, .model = &m, .states = &states, .exact = 1, .worst = worst};
 	size_t length;
-	char *urdf = read_robot(h->robot, &length);
+	char *urdf = target_robot(h->robot, &length);
 
 	model_open(&m, urdf, length, &o, h->robot);
 	states = states_new(&m, SEED, STATES, t->f32, 1);
@@ -267,8 +257,6 @@ int main(void)
 {
 	Suite *suite = suite_create("header");
 	TCase *c = tcase_create("header");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	printf("seed %d\n", SEED);
@@ -276,8 +264,5 @@ int main(void)
 	tcase_add_loop_test(c, headers_together, 0, LANGUAGE_COUNT);
 	tcase_add_loop_test(c, declarations, 0, LANGUAGE_COUNT);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

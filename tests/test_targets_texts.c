@@ -3,8 +3,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "model.h"
 #include "process.h"
+#include "suite.h"
 #include "target.h"
-#include <check.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -181,9 +181,8 @@ START_TEST(zero_is_stored)
 	struct array in[3], tau = array_new(0, 6);
 	struct target t;
 	size_t length;
-	char *urdf = read_file(TEST_DIR "/robots/all_zero_torque.urdf", &length);
+	char *urdf = target_robot("all_zero_torque", &length);
 
-	ck_assert_ptr_nonnull(urdf);
 	o.target = RNEAGEN_TARGET_C;
 	o.precision = RNEAGEN_F64;
 	target_open(&t, urdf, length, &o, &gcc, "zero");
@@ -217,9 +216,8 @@ START_TEST(fast_math_is_refused)
 	const char *flags[] = {"-ffast-math", "-funsafe-math-optimizations"};
 	const char *const argv[] = {"gcc", "-std=c11", "-O2", flags[_i / 3], "-fsyntax-only", source.s, NULL};
 	size_t length;
-	char *urdf = read_file(TEST_DIR "/robots/pendulum.urdf", &length);
+	char *urdf = target_robot("pendulum", &length);
 
-	ck_assert_ptr_nonnull(urdf);
 	o.target = targets[_i % 3];
 	for (int precision = RNEAGEN_F32; precision <= RNEAGEN_F64; precision++) {
 		struct process p;
@@ -238,28 +236,14 @@ START_TEST(fast_math_is_refused)
 }
 END_TEST
 
-static void add_case(Suite *suite, const char *name, const TTest *test, int count)
-{
-	TCase *c = tcase_create(name);
-
-	tcase_set_timeout(c, 1200);
-	tcase_add_loop_test(c, test, 0, count);
-	suite_add_tcase(suite, c);
-}
-
 int main(void)
 {
 	Suite *suite = suite_create("texts");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
-	add_case(suite, "own", own_robots, 1);
-	add_case(suite, "real", real_robots, 1);
-	add_case(suite, "zero", zero_is_stored, 1);
-	add_case(suite, "fast", fast_math_is_refused, 6);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	suite_add(suite, "own", own_robots, 1, 1200);
+	suite_add(suite, "real", real_robots, 1, 1200);
+	suite_add(suite, "zero", zero_is_stored, 1, 1200);
+	suite_add(suite, "fast", fast_math_is_refused, 6, 1200);
+	return suite_run(suite);
 }

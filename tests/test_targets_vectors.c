@@ -2,8 +2,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "model.h"
 #include "process.h"
+#include "suite.h"
 #include "target.h"
-#include <check.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,12 +11,9 @@
 
 static void generate(struct target *t, const char *robot, struct rneagen_options o, enum rneagen_target target)
 {
-	char path[512], *urdf;
 	size_t length;
+	char *urdf = target_robot(robot, &length);
 
-	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", robot);
-	urdf = read_file(path, &length);
-	ck_assert_msg(urdf != NULL, "%s cannot be read", path);
 	o.target = target;
 	target_generate(t, urdf, length, &o, robot);
 	free(urdf);
@@ -108,26 +105,12 @@ START_TEST(plain_cpp_is_refused)
 }
 END_TEST
 
-static void add_case(Suite *suite, const char *name, const TTest *test, int count)
-{
-	TCase *c = tcase_create(name);
-
-	tcase_set_timeout(c, 1200);
-	tcase_add_loop_test(c, test, 0, count);
-	suite_add_tcase(suite, c);
-}
-
 int main(void)
 {
 	Suite *suite = suite_create("vectors");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
-	add_case(suite, "vectors", vectors, 2);
-	add_case(suite, "plain", plain_cpp_is_refused, 1);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	suite_add(suite, "vectors", vectors, 2, 1200);
+	suite_add(suite, "plain", plain_cpp_is_refused, 1, 1200);
+	return suite_run(suite);
 }

@@ -1,8 +1,8 @@
 /* A scene's inputs and outputs on random trees, seeds printed, and on robots: what it gives, frees, pushes and asks for,
    each alone and together, against the reference changed in the same way. */
 #define _POSIX_C_SOURCE 200809L
+#include "suite.h"
 #include "task.h"
-#include <check.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -151,16 +151,11 @@ int main(void)
 {
 	Suite *suite = suite_create("task");
 	TCase *c = tcase_create("equal");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 300);
 	tcase_add_loop_test(c, random_trees, 0, SUBJECT_COUNT);
 	tcase_add_loop_test(c, robots, 0, 2);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

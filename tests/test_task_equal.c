@@ -1,8 +1,8 @@
 /* One thing said in two ways: a freed constant with another value is another URDF, and the parts of the torques make the
    whole. */
 #define _POSIX_C_SOURCE 200809L
+#include "suite.h"
 #include "task.h"
-#include <check.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -205,8 +205,6 @@ int main(void)
 {
 	Suite *suite = suite_create("task_equal");
 	TCase *c = tcase_create("equal");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 300);
@@ -216,8 +214,5 @@ int main(void)
 	tcase_add_test(c, inertia);
 	tcase_add_test(c, parts);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

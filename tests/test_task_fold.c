@@ -1,8 +1,8 @@
 /* What is given costs nothing: rows and whole inputs that are known or unread are no arguments of the text, nothing costs
    more for being known, and torques at rest are those of gravity. On random trees, seeds printed, and on robots. */
 #define _POSIX_C_SOURCE 200809L
+#include "suite.h"
 #include "task.h"
-#include <check.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -261,8 +261,6 @@ int main(void)
 {
 	Suite *suite = suite_create("task_fold");
 	TCase *c = tcase_create("fold");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 300);
@@ -273,8 +271,5 @@ int main(void)
 	tcase_add_test(c, no_dearer);
 	tcase_add_test(c, free_is_dearer);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

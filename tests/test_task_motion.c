@@ -1,8 +1,8 @@
 /* Energies, momentum and forces from outside, by what mechanics says of them: against poses alone and their differences in
    time (reference_oracle.h), and against a Jacobian's columns. On random trees, seeds printed. */
 #define _POSIX_C_SOURCE 200809L
+#include "suite.h"
 #include "task.h"
-#include <check.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -343,8 +343,6 @@ int main(void)
 {
 	Suite *suite = suite_create("task_motion");
 	TCase *c = tcase_create("mechanics");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 300);
@@ -353,8 +351,5 @@ int main(void)
 	tcase_add_test(c, base_wrench_is_rate_of_momentum);
 	tcase_add_test(c, push_by_jacobian);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

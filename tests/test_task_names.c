@@ -1,9 +1,9 @@
 /* What a task's choices are told when they cannot be: every message of gen/task.c and gen/freed.c, with its line; and
    names that are no identifiers, which still find their links, and arrays of their own. */
 #define _POSIX_C_SOURCE 200809L
+#include "suite.h"
 #include "task.h"
 #include "urdf_text.h"
-#include <check.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -199,8 +199,6 @@ int main(void)
 {
 	Suite *suite = suite_create("task_names");
 	TCase *c = tcase_create("names");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_add_loop_test(c, refused, 0, sizeof REFUSALS / sizeof *REFUSALS);
@@ -208,8 +206,5 @@ int main(void)
 	tcase_add_test(c, hostile);
 	tcase_add_test(c, kernels_own);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

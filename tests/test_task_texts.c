@@ -1,11 +1,11 @@
 /* Texts of tasks, run by librnea on the host and on the pretended device, against the evaluated DAG: precisions, layouts,
    modes, both targets, inputs by sample and by batch; compilers have nothing to say of them; and how arrays are bound. */
 #define _POSIX_C_SOURCE 200809L
+#include "suite.h"
 #include "task.h"
 #include "target.h"
 #include "urdf_text.h"
 #include "../runtime/rnea.h"
-#include <check.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -330,8 +330,6 @@ int main(void)
 {
 	Suite *suite = suite_create("task_texts");
 	TCase *c = tcase_create("texts");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 120);
@@ -339,8 +337,5 @@ int main(void)
 	tcase_add_test(c, bound);
 	tcase_add_test(c, bound_twice);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

@@ -1,7 +1,7 @@
 #include "arena.h"
 #include "error.h"
+#include "suite.h"
 #include "text.h"
-#include <check.h>
 #include <limits.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -320,11 +320,6 @@ static Suite *text_suite(void)
 
 int main(void)
 {
-	SRunner *runner = srunner_create(text_suite());
-	int failed;
 
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(text_suite());
 }

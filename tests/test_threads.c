@@ -4,7 +4,7 @@
 #include "files.h"
 #include "read.h"
 #include "rneagen.h"
-#include <check.h>
+#include "suite.h"
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -144,14 +144,9 @@ int main(void)
 {
 	Suite *suite = suite_create("threads");
 	TCase *tc = tcase_create("generate");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	tcase_set_timeout(tc, 500);
 	tcase_add_test(tc, threads_get_what_one_gets);
 	suite_add_tcase(suite, tc);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

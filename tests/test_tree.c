@@ -1,9 +1,8 @@
 /* The tree that is computed: which bodies and joints there are, in which order, and what is refused. */
 #include "read.h"
+#include "suite.h"
 #include "tree.h"
 #include "urdf_text.h"
-#include <check.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define R(name, parent, child) JOINT(name, "revolute", parent, child, "")
@@ -199,16 +198,11 @@ int main(void)
 {
 	Suite *suite = suite_create("tree");
 	TCase *c = tcase_create("shape");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	tcase_add_loop_test(c, shape, 0, sizeof expected / sizeof *expected);
 	tcase_add_loop_test(c, joints_agree_with_bodies, 0, sizeof expected / sizeof *expected);
 	tcase_add_test(c, rows_of_types);
 	tcase_add_test(c, mimic_chains_are_resolved);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

@@ -35,7 +35,7 @@ set_tests_properties(test_picture PROPERTIES SKIP_RETURN_CODE 77)
 
 # The command that evaluates arrays: its files.
 rneagen_add_test(test_npy test_npy_bad.c ${CMAKE_SOURCE_DIR}/runtime/npy.c ${CMAKE_SOURCE_DIR}/runtime/npy_header.c)
-add_executable(test_rnearun test_rnearun.c test_rnearun_limits.c states_file.c process.c)
+add_executable(test_rnearun test_rnearun.c test_rnearun_limits.c rnearun_command.c states_file.c process.c)
 target_link_libraries(test_rnearun PRIVATE PkgConfig::CHECK m)
 target_compile_definitions(test_rnearun PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
 add_test(NAME test_rnearun COMMAND test_rnearun $<TARGET_FILE:rnearun> $<TARGET_FILE:rnea_reference>)
@@ -44,9 +44,9 @@ set_tests_properties(test_rnearun test_rnearun_numpy PROPERTIES TIMEOUT 600 SKIP
 	ENVIRONMENT "RNEA_LIBCUDA=$<TARGET_FILE:fake_cuda>;RNEA_NVRTC=$<TARGET_FILE:fake_nvrtc>")
 
 # The commands that compare variants: what they judge by, and themselves.
-rneagen_add_test(test_judge model.c ${CMAKE_SOURCE_DIR}/runtime/judge.c)
+rneagen_add_test(test_judge judged.c model.c ${CMAKE_SOURCE_DIR}/runtime/judge.c)
 target_link_libraries(test_judge PRIVATE reference m)
-rneagen_add_test(test_judge_task model.c ${CMAKE_SOURCE_DIR}/runtime/judge.c)
+rneagen_add_test(test_judge_task judged.c model.c ${CMAKE_SOURCE_DIR}/runtime/judge.c)
 target_link_libraries(test_judge_task PRIVATE reference m)
 add_test(NAME test_rnearun_report COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_rnearun_report $<TARGET_FILE:rnearun>
 	$<TARGET_FILE:fake_cuda> $<TARGET_FILE:fake_nvrtc>)
@@ -58,7 +58,7 @@ set_tests_properties(test_floor PROPERTIES
 	ENVIRONMENT "RNEA_LIBCUDA=$<TARGET_FILE:fake_cuda>;RNEA_NVRTC=$<TARGET_FILE:fake_nvrtc>")
 
 # rnearun eval over the arrays that a scene makes.
-add_executable(test_rnearun_task test_rnearun_task.c test_rnearun_task_refused.c states_file.c process.c)
+add_executable(test_rnearun_task test_rnearun_task.c test_rnearun_task_refused.c rnearun_command.c states_file.c process.c)
 target_link_libraries(test_rnearun_task PRIVATE reference PkgConfig::CHECK m)
 target_compile_definitions(test_rnearun_task PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
 add_test(NAME test_rnearun_task COMMAND test_rnearun_task $<TARGET_FILE:rnearun>)

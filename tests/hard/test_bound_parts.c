@@ -6,7 +6,7 @@
 #include "f32x2.h"
 #include "rng.h"
 #include "sincos.h"
-#include <check.h>
+#include "suite.h"
 #include <math.h>
 #include <quadmath.h>
 #include <stdio.h>
@@ -242,16 +242,11 @@ int main(void)
 {
 	Suite *suite = suite_create("bound_parts");
 	TCase *c = tcase_create("parts");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	printf("%d samples a part, seed %d\n", SAMPLES, SEED);
 	tcase_set_timeout(c, 600);
 	tcase_add_loop_test(c, parts, 0, PART_COUNT);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

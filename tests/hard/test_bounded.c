@@ -1,10 +1,8 @@
 /* NAME_rnea_bounded as compiled: the torques of NAME_rnea to the bit, each within its bound of the reference in quad
    precision; the bound itself beside gen/eval's. */
 #define _POSIX_C_SOURCE 200809L
-#include "cases.h"
-#include "quad.h"
-#include "target.h"
-#include <check.h>
+#include "compiled.h"
+#include "suite.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,136 +33,82 @@ typedef void double_bounded(const double *q, const double *qd, const double *qdd
 
 struct fixture {
 	const struct kind *kind;
-	struct hard hard;
-	struct target target;
-	struct quad *quad;
+	struct compiled text;
 	struct rng rng;
 	single_bounded *single;
 	double_bounded *wide;
-	int nq, nv;
-	struct array in[3], tau, again, bound;
-	double *state[3], *eval, *noise;
-	__float128 *reference;
+	struct array again, bound;
 	double error, largest, largest_eval; /* error, bound and gen/eval's bound, the largest */
 	int held;
 };
 
-static void *numbers(int n, size_t size)
-{
-	void *p = calloc((size_t)n + 1, size);
-
-	ck_assert_ptr_nonnull(p);
-	return p;
-}
-
 static void find_bounded(struct fixture *x)
 {
+	const struct target *t = &x->text.target;
 	char name[512];
 
-	snprintf(name, sizeof name, "%s_rnea_bounded", x->target.text.name);
-	target_symbol(&x->target, x->target.library, name, x->target.f32 ? (void *)&x->single : (void *)&x->wide);
-}
-
-static void open_arrays(struct fixture *x)
-{
-	for (int i = 0; i < 3; i++) {
-		x->in[i] = array_new(x->target.f32, (size_t)(i ? x->nv : x->nq));
-		x->state[i] = numbers(i ? x->nv : x->nq, sizeof(double));
-	}
-	x->tau = array_new(x->target.f32, (size_t)x->nv);
-	x->again = array_new(x->target.f32, (size_t)x->nv);
-	x->bound = array_new(x->target.f32, (size_t)x->nv);
-	x->eval = numbers(x->nv, sizeof(double));
-	x->noise = numbers(x->nv, sizeof(double));
-	x->reference = numbers(x->nv, sizeof(__float128));
+	snprintf(name, sizeof name, "%s_rnea_bounded", t->text.name);
+	target_symbol(t, t->library, name, t->f32 ? (void *)&x->single : (void *)&x->wide);
 }
 
 static void fixture_open(struct fixture *x, const struct hard_case *c, const struct kind *kind)
 {
-	struct rneagen_options o;
-	char message[256];
+	const struct rneagen_options how = {
+		.precision = kind->precision, .trig = kind->trig, .strict = kind->strict, .bounded = 1};
 
 	*x = (struct fixture){.kind = kind, .rng = rng_seed(SEED)};
-	hard_open(&x->hard, c);
-	x->hard.options.precision = kind->precision;
-	x->hard.options.trig = kind->trig;
-	x->hard.options.strict = kind->strict;
-	o = x->hard.options;
-	o.target = RNEAGEN_TARGET_C;
-	o.bounded = 1;
-	x->nq = x->hard.model.tree.nq;
-	x->nv = x->hard.model.tree.nv;
-	target_open(&x->target, x->hard.urdf, x->hard.length, &o, &kind->compiler, "bounded");
+	compiled_open(&x->text, c, &how, &kind->compiler, "bounded");
 	find_bounded(x);
-	x->quad = quad_open(x->hard.urdf, x->hard.length, c->floating, 0, o.gravity, NULL, message, sizeof message);
-	ck_assert_msg(x->quad != NULL, "%s: %s", c->name, message);
-	open_arrays(x);
+	x->again = array_new(x->text.target.f32, (size_t)x->text.nv);
+	x->bound = array_new(x->text.target.f32, (size_t)x->text.nv);
 }
 
 static void fixture_close(struct fixture *x)
 {
-	for (int i = 0; i < 3; i++) {
-		array_free(&x->in[i]);
-		free(x->state[i]);
-	}
-	array_free(&x->tau);
 	array_free(&x->again);
 	array_free(&x->bound);
-	free(x->eval);
-	free(x->noise);
-	free(x->reference);
-	quad_close(x->quad);
-	target_close(&x->target);
-	hard_close(&x->hard);
-}
-
-static void set_state(struct fixture *x)
-{
-	for (int i = 0; i < 3; i++)
-		for (int k = 0; k < (i ? x->nv : x->nq); k++)
-			array_set(&x->in[i], (size_t)k, x->state[i][k]);
+	compiled_close(&x->text);
 }
 
 static void run_bounded(struct fixture *x)
 {
-	target_rnea(&x->target, &x->in[0], &x->in[1], &x->in[2], &x->again);
-	if (x->target.f32)
-		x->single(x->in[0].data, x->in[1].data, x->in[2].data, x->tau.data, x->bound.data);
+	target_rnea(&x->text.target, &x->text.in[0], &x->text.in[1], &x->text.in[2], &x->again);
+	if (x->text.target.f32)
+		x->single(x->text.in[0].data, x->text.in[1].data, x->text.in[2].data, x->text.tau.data, x->bound.data);
 	else
-		x->wide(x->in[0].data, x->in[1].data, x->in[2].data, x->tau.data, x->bound.data);
-	ck_assert(array_intact(&x->tau) && array_intact(&x->bound));
-	for (int i = 0; i < x->nv; i++)
-		ck_assert_msg(same_number(array_get(&x->tau, (size_t)i), array_get(&x->again, (size_t)i)),
-			"%s: torque %d has other bits", x->target.what, i);
+		x->wide(x->text.in[0].data, x->text.in[1].data, x->text.in[2].data, x->text.tau.data, x->bound.data);
+	ck_assert(array_intact(&x->text.tau) && array_intact(&x->bound));
+	for (int i = 0; i < x->text.nv; i++)
+		ck_assert_msg(same_number(array_get(&x->text.tau, (size_t)i), array_get(&x->again, (size_t)i)),
+			"%s: torque %d has other bits", x->text.target.what, i);
 }
 
 static void judge(struct fixture *x, int i)
 {
-	double tau = array_get(&x->tau, (size_t)i), bound = array_get(&x->bound, (size_t)i);
-	double error = isfinite(tau) ? fabs((double)((__float128)tau - x->reference[i])) : (double)INFINITY;
+	double tau = array_get(&x->text.tau, (size_t)i), bound = array_get(&x->bound, (size_t)i);
+	double error = isfinite(tau) ? fabs((double)((__float128)tau - x->text.reference[i])) : (double)INFINITY;
 
-	ck_assert_msg(error <= bound + 4 * 0x1p-53 * x->noise[i], "%s: torque %d is %g, off by %g, bound %g", x->target.what, i,
+	ck_assert_msg(error <= bound + 4 * 0x1p-53 * x->text.noise[i], "%s: torque %d is %g, off by %g, bound %g", x->text.target.what, i,
 		tau, error, bound);
 	if (!isfinite(bound))
 		return;
 	x->held++;
 	x->error = fmax(x->error, error);
 	x->largest = fmax(x->largest, bound);
-	x->largest_eval = fmax(x->largest_eval, x->eval[i]);
+	x->largest_eval = fmax(x->largest_eval, x->text.eval[i]);
 }
 
 static void check_sample(struct fixture *x)
 {
-	struct eval_model m = eval_model_of(&x->target.options, 0);
+	struct eval_model m = eval_model_of(&x->text.target.options, 0);
 
-	hard_sample(&x->hard, &x->rng, x->target.f32, x->state[0], x->state[1], x->state[2]);
-	set_state(x);
+	compiled_sample(&x->text, &x->rng);
+	compiled_set(&x->text);
 	run_bounded(x);
-	ck_assert(eval_bound(&x->hard.model.dag[PASS_RNEA], &m, (const double *[]){x->state[0], x->state[1], x->state[2], NULL},
-		(double *[]){NULL, NULL, NULL, x->eval}));
-	quad_rnea(x->quad, x->state[0], x->state[1], x->state[2], x->reference);
-	quad_magnitude(x->quad, x->state[0], x->state[1], x->state[2], x->noise);
-	for (int i = 0; i < x->nv; i++)
+	ck_assert(eval_bound(&x->text.hard.model.dag[PASS_RNEA], &m, (const double *[]){x->text.state[0], x->text.state[1],
+		x->text.state[2], NULL}, (double *[]){NULL, NULL, NULL, x->text.eval}));
+	compiled_refer(&x->text);
+	for (int i = 0; i < x->text.nv; i++)
 		judge(x, i);
 }
 
@@ -181,7 +125,7 @@ static void check_case(const struct hard_case *c, const struct kind *kind)
 	fixture_open(&x, c, kind);
 	for (int i = 0; i < SAMPLES && i < c->samples; i++)
 		check_sample(&x);
-	ck_assert_msg(x.held > 0 || is_refused(c, kind) || c->states == STATES_HUGE, "%s: no bound", x.target.what);
+	ck_assert_msg(x.held > 0 || is_refused(c, kind) || c->states == STATES_HUGE, "%s: no bound", x.text.target.what);
 	printf(" %6.1f (%4.1f)", x.error > 0 ? x.largest / x.error : 0, x.largest_eval > 0 ? x.largest / x.largest_eval : 0);
 	fixture_close(&x);
 }
@@ -240,23 +184,23 @@ START_TEST(sharp)
 
 	fixture_open(&x, &c, &KINDS[kinds[_i].kind]);
 	for (int i = 0; i < 10000; i++) {
-		hard_sample(&x.hard, &x.rng, x.target.f32, x.state[0], x.state[1], x.state[2]);
+		compiled_sample(&x.text, &x.rng);
 		for (int k = 0; k < 3; k++)
-			x.state[1][k] = 0;
+			x.text.state[1][k] = 0;
 		/* what is left of the sine's term is its error; `swing` comes last, since children are walked by name */
-		x.state[2][2] = -9.81 * sin(x.state[0][2]);
-		x.state[2][2] = x.target.f32 ? (double)(float)x.state[2][2] : x.state[2][2];
-		set_state(&x);
+		x.text.state[2][2] = -9.81 * sin(x.text.state[0][2]);
+		x.text.state[2][2] = x.text.target.f32 ? (double)(float)x.text.state[2][2] : x.text.state[2][2];
+		compiled_set(&x.text);
 		run_bounded(&x);
-		quad_rnea(x.quad, x.state[0], x.state[1], x.state[2], x.reference);
+		quad_rnea(x.text.quad, x.text.state[0], x.text.state[1], x.text.state[2], x.text.reference);
 		for (int k = 0; k < 3; k++) {
 			judge(&x, k);
-			share[k] = fmax(share[k], fabs((double)((__float128)array_get(&x.tau, (size_t)k) - x.reference[k])) /
+			share[k] = fmax(share[k], fabs((double)((__float128)array_get(&x.text.tau, (size_t)k) - x.text.reference[k])) /
 							  array_get(&x.bound, (size_t)k));
 		}
 	}
 	printf("%s: sum %.2f, sine %.2f of the bound\n", KINDS[kinds[_i].kind].name, share[1], share[2]);
-	ck_assert_msg(share[1] > 0.9 && share[2] > kinds[_i].sine, "%s: bounds are too large", x.target.what);
+	ck_assert_msg(share[1] > 0.9 && share[2] > kinds[_i].sine, "%s: bounds are too large", x.text.target.what);
 	fixture_close(&x);
 }
 END_TEST
@@ -266,10 +210,10 @@ END_TEST
 static double bound_at(struct fixture *x, int which, double value, int torque)
 {
 	for (int i = 0; i < 3; i++)
-		for (int k = 0; k < (i ? x->nv : x->nq); k++)
-			x->state[i][k] = 1;
-	x->state[which][1] = value;
-	set_state(x);
+		for (int k = 0; k < (i ? x->text.nv : x->text.nq); k++)
+			x->text.state[i][k] = 1;
+	x->text.state[which][1] = value;
+	compiled_set(&x->text);
 	run_bounded(x);
 	return array_get(&x->bound, (size_t)torque);
 }
@@ -282,13 +226,13 @@ START_TEST(no_bound)
 
 	fixture_open(&x, &HARD_CASES[0], k);
 	for (int i = 0; i < 3; i++) {
-		ck_assert_msg(isnan(bound_at(&x, i, (double)NAN, 1)), "%s: NaN in array %d", x.target.what, i);
-		ck_assert_msg(isnan(bound_at(&x, i, infinity, 1)), "%s: infinity in array %d", x.target.what, i);
+		ck_assert_msg(isnan(bound_at(&x, i, (double)NAN, 1)), "%s: NaN in array %d", x.text.target.what, i);
+		ck_assert_msg(isnan(bound_at(&x, i, infinity, 1)), "%s: infinity in array %d", x.text.target.what, i);
 		ck_assert(isfinite(bound_at(&x, i, 1, 1)));
 	}
-	ck_assert_msg(isinf(bound_at(&x, 1, huge, 1)), "%s: overflow", x.target.what);
+	ck_assert_msg(isinf(bound_at(&x, 1, huge, 1)), "%s: overflow", x.text.target.what);
 	if (k->trig != RNEAGEN_ACCURATE)
-		ck_assert_msg(isinf(bound_at(&x, 0, 2e7, 1)), "%s: an angle beyond the domain", x.target.what);
+		ck_assert_msg(isinf(bound_at(&x, 0, 2e7, 1)), "%s: an angle beyond the domain", x.text.target.what);
 	fixture_close(&x);
 }
 END_TEST
@@ -300,9 +244,8 @@ START_TEST(other_targets)
 	struct rneagen_result result;
 	struct rneagen_error e;
 	size_t length;
-	char *urdf = read_file(TEST_DIR "/robots/pendulum.urdf", &length);
+	char *urdf = target_robot("pendulum", &length);
 
-	ck_assert_ptr_nonnull(urdf);
 	o.bounded = 1;
 	o.target = _i ? RNEAGEN_TARGET_HEADER : RNEAGEN_TARGET_CUDA;
 	ck_assert_int_eq(rneagen_generate(urdf, length, &o, &result, &e), RNEAGEN_USAGE);
@@ -315,8 +258,6 @@ int main(void)
 {
 	Suite *suite = suite_create("bounded");
 	TCase *cases[] = {tcase_create("hard"), tcase_create("own"), tcase_create("none")};
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	printf("texts with bounds, seed %d: largest bound over largest error (over gen/eval's largest bound):", SEED);
@@ -332,8 +273,5 @@ int main(void)
 		tcase_set_timeout(cases[i], 900);
 		suite_add_tcase(suite, cases[i]);
 	}
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

@@ -4,7 +4,7 @@
 #include "quad.h"
 #include "random_robot.h"
 #include "reference.h"
-#include <check.h>
+#include "suite.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -126,16 +126,11 @@ int main(void)
 {
 	Suite *suite = suite_create("quad");
 	TCase *c = tcase_create("quad");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 600);
 	tcase_add_test(c, own_robots);
 	tcase_add_test(c, random_trees);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

@@ -1,11 +1,8 @@
 /* The hard cases as compiled texts: the evaluated DAG's torques within both bounds, the reference's within one; what a
    sample that is not finite does to its neighbours in a batch. */
-#include "array.h"
-#include "cases.h"
-#include "quad.h"
+#include "compiled.h"
 #include "rerun.h"
-#include "target.h"
-#include <check.h>
+#include "suite.h"
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -14,94 +11,44 @@
 
 enum { SAMPLES = 20, BATCH = 11, SICK = 5 };
 
-/* One state as the text takes it and as double, and torques. */
 struct fixture {
-	struct hard hard;
-	struct target target;
-	struct quad *quad;
-	int f32, nq, nv;
-	struct array in[3], tau;
-	double *state[3], *eval, *bound, *again, *noise;
-	__float128 *reference;
+	struct compiled text;
+	double *bound, *again; /* by torque */
 };
-
-static void *numbers(int n, size_t size)
-{
-	void *p = calloc((size_t)n + 1, size);
-
-	ck_assert_ptr_nonnull(p);
-	return p;
-}
 
 static void fixture_open(struct fixture *x, const struct hard_case *c, int f32, enum rneagen_trig trig)
 {
 	static const struct compiler compiler = {"gcc", {"-O0"}};
-	struct rneagen_options o;
-	char message[256];
+	const struct rneagen_options how = {.precision = f32 ? RNEAGEN_F32 : RNEAGEN_F64, .trig = trig};
 
-	*x = (struct fixture){.f32 = f32};
-	hard_open(&x->hard, c);
-	o = x->hard.options;
-	o.target = RNEAGEN_TARGET_C;
-	o.precision = f32 ? RNEAGEN_F32 : RNEAGEN_F64;
-	o.trig = trig;
-	x->nq = x->hard.model.tree.nq;
-	x->nv = x->hard.model.tree.nv;
-	target_open(&x->target, x->hard.urdf, x->hard.length, &o, &compiler, "hard");
-	x->quad = quad_open(x->hard.urdf, x->hard.length, c->floating, 0, o.gravity, NULL, message, sizeof message);
-	ck_assert_msg(x->quad != NULL, "%s: %s", c->name, message);
-	for (int i = 0; i < 3; i++) {
-		x->in[i] = array_new(f32, (size_t)(i ? x->nv : x->nq));
-		x->state[i] = numbers(i ? x->nv : x->nq, sizeof(double));
-	}
-	x->tau = array_new(f32, (size_t)x->nv);
-	x->eval = numbers(x->nv, sizeof(double));
-	x->bound = numbers(x->nv, sizeof(double));
-	x->again = numbers(x->nv, sizeof(double));
-	x->noise = numbers(x->nv, sizeof(double));
-	x->reference = numbers(x->nv, sizeof(__float128));
+	compiled_open(&x->text, c, &how, &compiler, "hard");
+	x->bound = numbers_new(x->text.nv, sizeof(double));
+	x->again = numbers_new(x->text.nv, sizeof(double));
 }
 
 static void fixture_close(struct fixture *x)
 {
-	for (int i = 0; i < 3; i++) {
-		array_free(&x->in[i]);
-		free(x->state[i]);
-	}
-	array_free(&x->tau);
-	free(x->eval);
 	free(x->bound);
 	free(x->again);
-	free(x->noise);
-	free(x->reference);
-	quad_close(x->quad);
-	target_close(&x->target);
-	hard_close(&x->hard);
-}
-
-static void set_state(struct fixture *x)
-{
-	for (int i = 0; i < 3; i++)
-		for (int k = 0; k < (i ? x->nv : x->nq); k++)
-			array_set(&x->in[i], (size_t)k, x->state[i][k]);
+	compiled_close(&x->text);
 }
 
 /* gen/eval's torques and bounds, by row. */
 static void evaluate(struct fixture *x)
 {
-	const struct dag *d = &x->hard.model.dag[PASS_RNEA];
-	double *bound = numbers(x->nv, sizeof *bound);
+	const struct dag *d = &x->text.hard.model.dag[PASS_RNEA];
+	double *bound = numbers_new(x->text.nv, sizeof *bound);
 	struct eval_terms terms = {NULL, bound};
-	float *tau = numbers(x->nv, sizeof *tau);
+	float *tau = numbers_new(x->text.nv, sizeof *tau);
 
-	if (x->f32)
-		ck_assert(eval_f32(d, (const float *[]){x->in[0].data, x->in[1].data, x->in[2].data, NULL},
+	if (x->text.target.f32)
+		ck_assert(eval_f32(d, (const float *[]){x->text.in[0].data, x->text.in[1].data, x->text.in[2].data, NULL},
 			(float *[]){NULL, NULL, NULL, tau}, &terms));
 	else
-		ck_assert(eval_f64(d, (const double *[]){x->state[0], x->state[1], x->state[2], NULL},
-			(double *[]){NULL, NULL, NULL, x->eval}, &terms));
-	for (int i = 0; x->f32 && i < x->nv; i++)
-		x->eval[i] = (double)tau[i];
+		ck_assert(eval_f64(d, (const double *[]){x->text.state[0], x->text.state[1], x->text.state[2], NULL},
+			(double *[]){NULL, NULL, NULL, x->text.eval}, &terms));
+	for (int i = 0; x->text.target.f32 && i < x->text.nv; i++)
+		x->text.eval[i] = (double)tau[i];
 	for (size_t i = 0; i < d->output_count; i++)
 		x->bound[d->outputs[i].row] = bound[i];
 	free(bound);
@@ -111,42 +58,41 @@ static void evaluate(struct fixture *x)
 /* Returns whether the torque is finite. Where eval's is not, the text's is neither. */
 static int judge(const struct fixture *x, int i)
 {
-	double tau = array_get(&x->tau, (size_t)i), off = fabs((double)((__float128)tau - x->reference[i]));
+	double tau = array_get(&x->text.tau, (size_t)i), off = fabs((double)((__float128)tau - x->text.reference[i]));
 
-	ck_assert_msg(same_number(tau, x->again[i]), "%s: torque %d is %a, its DAG gives %a", x->target.what, i, tau, x->again[i]);
-	if (!isfinite(x->eval[i])) {
-		ck_assert_msg(!isfinite(tau), "%s: torque %d is %g, eval's overflows", x->target.what, i, tau);
+	ck_assert_msg(same_number(tau, x->again[i]), "%s: torque %d is %a, its DAG gives %a", x->text.target.what, i, tau, x->again[i]);
+	if (!isfinite(x->text.eval[i])) {
+		ck_assert_msg(!isfinite(tau), "%s: torque %d is %g, eval's overflows", x->text.target.what, i, tau);
 		return 0;
 	}
-	ck_assert_msg(fabs(tau - x->eval[i]) <= 2 * x->bound[i], "%s: torque %d is %g, eval's %g, bound %g", x->target.what, i,
-		tau, x->eval[i], x->bound[i]);
-	ck_assert_msg(off <= x->bound[i] + 4 * 0x1p-53 * x->noise[i], "%s: torque %d is off by %g, bound %g", x->target.what, i,
+	ck_assert_msg(fabs(tau - x->text.eval[i]) <= 2 * x->bound[i], "%s: torque %d is %g, eval's %g, bound %g", x->text.target.what, i,
+		tau, x->text.eval[i], x->bound[i]);
+	ck_assert_msg(off <= x->bound[i] + 4 * 0x1p-53 * x->text.noise[i], "%s: torque %d is off by %g, bound %g", x->text.target.what, i,
 		off, x->bound[i]);
 	return 1;
 }
 
 static void check_sample(struct fixture *x, int *finite)
 {
-	const double *in[] = {x->state[0], x->state[1], x->state[2], NULL};
+	const double *in[] = {x->text.state[0], x->text.state[1], x->text.state[2], NULL};
 	double *out[] = {NULL, NULL, NULL, x->again};
 
-	set_state(x);
+	compiled_set(&x->text);
 	evaluate(x);
-	quad_rnea(x->quad, x->state[0], x->state[1], x->state[2], x->reference);
-	quad_magnitude(x->quad, x->state[0], x->state[1], x->state[2], x->noise);
-	target_rnea(&x->target, &x->in[0], &x->in[1], &x->in[2], &x->tau);
-	rerun(&x->hard.model.dag[PASS_RNEA], &x->target, 0, in, out);
-	for (int i = 0; i < x->nv; i++)
+	compiled_refer(&x->text);
+	target_rnea(&x->text.target, &x->text.in[0], &x->text.in[1], &x->text.in[2], &x->text.tau);
+	rerun(&x->text.hard.model.dag[PASS_RNEA], &x->text.target, 0, in, out);
+	for (int i = 0; i < x->text.nv; i++)
 		*finite += judge(x, i);
 }
 
 /* An angle beyond what the bounded mode takes: not a number, rather than a wrong one. */
 static void check_refused(struct fixture *x)
 {
-	set_state(x);
-	target_rnea(&x->target, &x->in[0], &x->in[1], &x->in[2], &x->tau);
-	for (int i = 0; i < x->nv; i++)
-		ck_assert_msg(isnan(array_get(&x->tau, (size_t)i)), "%s: torque %d is a number", x->target.what, i);
+	compiled_set(&x->text);
+	target_rnea(&x->text.target, &x->text.in[0], &x->text.in[1], &x->text.in[2], &x->text.tau);
+	for (int i = 0; i < x->text.nv; i++)
+		ck_assert_msg(isnan(array_get(&x->text.tau, (size_t)i)), "%s: torque %d is a number", x->text.target.what, i);
 }
 
 static int large_angles(const struct hard_case *c)
@@ -162,7 +108,7 @@ static int check_text(const struct hard_case *c, int f32, enum rneagen_trig trig
 
 	fixture_open(&x, c, f32, trig);
 	for (int i = 0; i < samples; i++) {
-		hard_sample(&x.hard, &rng, f32, x.state[0], x.state[1], x.state[2]);
+		compiled_sample(&x.text, &rng);
 		if (f32 && trig == RNEAGEN_BOUNDED && large_angles(c))
 			check_refused(&x);
 		else
@@ -190,32 +136,32 @@ END_TEST
 
 static struct array batch_of(const struct fixture *x, int rows)
 {
-	return array_new(x->f32, (size_t)(rows * BATCH));
+	return array_new(x->text.target.f32, (size_t)(rows * BATCH));
 }
 
 static void run_batch(struct fixture *x, const struct array in[3], const struct array *tau)
 {
-	target_batch(&x->target, &in[0], &in[1], &in[2], tau, BATCH);
+	target_batch(&x->text.target, &in[0], &in[1], &in[2], tau, BATCH);
 }
 
 /* Every sample but the sick one as it was. */
 static void compare_batches(const struct fixture *x, const struct array *was, const struct array *is, double poison)
 {
-	for (int i = 0; i < x->nv; i++)
+	for (int i = 0; i < x->text.nv; i++)
 		for (int k = 0; k < BATCH; k++) {
 			size_t at = (size_t)(i * BATCH + k);
 
 			ck_assert_msg(k == SICK || same_number(array_get(was, at), array_get(is, at)),
-				"%s: %g in sample %d changes torque %d of sample %d", x->target.what, poison, SICK, i, k);
+				"%s: %g in sample %d changes torque %d of sample %d", x->text.target.what, poison, SICK, i, k);
 		}
 }
 
 static void poison_each(struct fixture *x, struct array in[3], const struct array *was, double poison)
 {
-	struct array is = batch_of(x, x->nv);
+	struct array is = batch_of(x, x->text.nv);
 
 	for (int i = 0; i < 3; i++)
-		for (int k = 0; k < (i ? x->nv : x->nq); k++) {
+		for (int k = 0; k < (i ? x->text.nv : x->text.nq); k++) {
 			size_t at = (size_t)(k * BATCH + SICK);
 			double old = array_get(&in[i], at);
 
@@ -239,18 +185,18 @@ START_TEST(sick_sample)
 		c++;
 	fixture_open(&x, c, _i % 2, RNEAGEN_ACCURATE);
 	for (int i = 0; i < 3; i++)
-		in[i] = batch_of(&x, i ? x.nv : x.nq);
+		in[i] = batch_of(&x, i ? x.text.nv : x.text.nq);
 	for (int k = 0; k < BATCH; k++) {
-		hard_sample(&x.hard, &rng, x.f32, x.state[0], x.state[1], x.state[2]);
+		compiled_sample(&x.text, &rng);
 		for (int i = 0; i < 3; i++)
-			for (int row = 0; row < (i ? x.nv : x.nq); row++)
-				array_set(&in[i], (size_t)(row * BATCH + k), x.state[i][row]);
+			for (int row = 0; row < (i ? x.text.nv : x.text.nq); row++)
+				array_set(&in[i], (size_t)(row * BATCH + k), x.text.state[i][row]);
 	}
-	was = batch_of(&x, x.nv);
+	was = batch_of(&x, x.text.nv);
 	run_batch(&x, in, &was);
 	poison_each(&x, in, &was, (double)NAN);
 	poison_each(&x, in, &was, (double)-INFINITY);
-	poison_each(&x, in, &was, x.f32 ? (double)FLT_MAX : DBL_MAX);
+	poison_each(&x, in, &was, x.text.target.f32 ? (double)FLT_MAX : DBL_MAX);
 	for (int i = 0; i < 3; i++)
 		array_free(&in[i]);
 	array_free(&was);
@@ -262,8 +208,6 @@ int main(void)
 {
 	Suite *suite = suite_create("hard texts");
 	TCase *c = tcase_create("hard texts");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	printf("hard cases as C texts, seeds 2 and 3\n");
@@ -271,8 +215,5 @@ int main(void)
 	tcase_add_loop_test(c, texts, 0, HARD_CASE_COUNT);
 	tcase_add_loop_test(c, sick_sample, 0, 6);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

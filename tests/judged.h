@@ -1,0 +1,19 @@
+#ifndef TESTS_JUDGED_H
+#define TESTS_JUDGED_H
+/* What rnearun report and choose judge by, with the plain robot's reference beside it. */
+
+#include "../runtime/judge.h"
+#include "model.h"
+
+struct judged {
+	struct model model; /* without the scene */
+	struct analysis analysis;
+	struct judge judge;
+};
+
+/* The robot of this file; a scene may be NULL. The test fails where that cannot be. */
+void judged_open(struct judged *x, const char *path, enum rneagen_base base, const char *scene, enum rneagen_precision precision,
+	const struct sample_options *samples);
+void judged_close(struct judged *x);
+
+#endif
