@@ -2,6 +2,7 @@
    over random trees and the robots of this folder. */
 #include "model.h"
 #include "pattern.h"
+#include "reference_differences.h"
 #include "torque.h"
 #include <check.h>
 #include <math.h>
@@ -11,8 +12,7 @@
 
 enum { TREES = 60, LINKS = 9, SMALL_ROWS = 40 };
 
-/* Half the distance of two states whose torques are subtracted: truncation and rounding are both below TOLERANCE. */
-static const wide STEP = WIDE_C(1e-6);
+/* Above truncation and rounding of the reference's differences. */
 static const double TOLERANCE = 2e-9;
 
 /* One robot with one state: the model that gives, and what the differences say. */
@@ -27,81 +27,27 @@ struct probe {
 
 /* ---- the reference's ---- */
 
-/* q moved by h along row j of the tangent space: a floating joint's by a twist in its own frame, its quaternion as
-   q (x) (h/2, 1). */
-static void move_q(const struct probe *p, int j, wide h, wide *q)
-{
-	for (int i = 0; i < p->nq; i++)
-		q[i] = p->q[i];
-	for (int e = 0; e < p->m.reference->nj; e++) {
-		const struct reference_joint *k = &p->m.reference->joints[e];
-		int row = j - k->iv;
-		wide *x = q + k->iq, u[3], s, w[3] = {0};
-
-		if (k->nv == 0 || row < 0 || row >= k->nv)
-			continue;
-		if (k->type != REFERENCE_FLOATING) {
-			x[row] += h;
-			return;
-		}
-		s = x[6];
-		for (int i = 0; i < 3; i++)
-			u[i] = x[3 + i];
-		if (row < 3) {
-			const wide R[3][3] = {{1 - 2 * (u[1] * u[1] + u[2] * u[2]), 2 * (u[0] * u[1] - u[2] * s), 2 * (u[0] * u[2] + u[1] * s)},
-				{2 * (u[0] * u[1] + u[2] * s), 1 - 2 * (u[0] * u[0] + u[2] * u[2]), 2 * (u[1] * u[2] - u[0] * s)},
-				{2 * (u[0] * u[2] - u[1] * s), 2 * (u[1] * u[2] + u[0] * s), 1 - 2 * (u[0] * u[0] + u[1] * u[1])}};
-
-			for (int i = 0; i < 3; i++)
-				x[i] += h * R[i][row];
-			return;
-		}
-		w[row - 3] = h / 2;
-		for (int i = 0; i < 3; i++) {
-			int a = (i + 1) % 3, b = (i + 2) % 3;
-
-			x[3 + i] = u[i] + s * w[i] + u[a] * w[b] - u[b] * w[a];
-		}
-		x[6] = s - (u[0] * w[0] + u[1] * w[1] + u[2] * w[2]);
-		return;
-	}
-}
-
-static void difference(struct probe *p, int j, int by_q, wide (*to)[SMALL_ROWS])
-{
-	wide q[ROWS], qd[ROWS], qdd[ROWS], tau[2][ROWS];
-
-	for (int side = 0; side < 2; side++) {
-		wide h = side ? -STEP : STEP;
-
-		move_q(p, j, by_q ? h : 0, q);
-		for (int i = 0; i < p->nv; i++) {
-			qd[i] = p->qd[i] + (!by_q && i == j ? h : 0);
-			qdd[i] = p->qdd[i];
-		}
-		reference_rnea_wide(p->m.reference, q, qd, qdd, tau[side]);
-	}
-	for (int i = 0; i < p->nv; i++)
-		to[i][j] = (tau[0][i] - tau[1][i]) / (2 * STEP);
-}
-
-/* M e_j = ID(q, 0, e_j) - ID(q, 0, 0) */
-static void mass_column(struct probe *p, int j)
-{
-	wide q[ROWS], zero[ROWS] = {0}, unit[ROWS] = {0}, with[ROWS], without[ROWS];
-
-	for (int i = 0; i < p->nq; i++)
-		q[i] = p->q[i];
-	unit[j] = 1;
-	reference_rnea_wide(p->m.reference, q, zero, unit, with);
-	reference_rnea_wide(p->m.reference, q, zero, zero, without);
-	for (int i = 0; i < p->nv; i++)
-		p->M[i][j] = with[i] - without[i];
-}
-
 static void grow(double *scale, wide x)
 {
 	*scale = fmax(*scale, fabs((double)x));
+}
+
+/* The reference's matrices, which are nv x nv. */
+static void unpack(struct probe *p)
+{
+	size_t size = (size_t)p->nv * (size_t)p->nv;
+	wide *x = calloc(3 * size + REFERENCE_WORK(p->m.reference), sizeof *x);
+
+	reference_differences(p->m.reference, p->q, p->qd, p->qdd, x, x + size, x + 2 * size, x + 3 * size);
+	for (int i = 0; i < p->nv; i++)
+		for (int j = 0; j < p->nv; j++) {
+			size_t e = (size_t)(i * p->nv + j);
+
+			p->dq[i][j] = x[e];
+			p->dqd[i][j] = x[size + e];
+			p->M[i][j] = x[2 * size + e];
+		}
+	free(x);
 }
 
 static void probe_differences(struct probe *p)
@@ -110,12 +56,9 @@ static void probe_differences(struct probe *p)
 
 	reference_rnea(p->m.reference, p->q, p->qd, p->qdd, tau);
 	p->scale = 1e-3;
-	for (int j = 0; j < p->nv; j++) {
-		difference(p, j, 1, p->dq);
-		difference(p, j, 0, p->dqd);
-		mass_column(p, j);
+	unpack(p);
+	for (int j = 0; j < p->nv; j++)
 		grow(&p->scale, tau[j]);
-	}
 	for (int i = 0; i < p->nv; i++)
 		for (int j = 0; j < p->nv; j++) {
 			grow(&p->scale, p->dq[i][j]);
