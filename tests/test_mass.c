@@ -3,7 +3,7 @@
    and rotors' inertias, and robots of this folder, against the reference or against each other. */
 #include "scene_model.h"
 #include "rng.h"
-#include <check.h>
+#include "suite.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -376,17 +376,11 @@ int main(void)
 {
 	Suite *suite = suite_create("mass");
 	TCase *c = tcase_create("mass");
-	SRunner *r;
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 300);
 	tcase_add_test(c, trees);
 	tcase_add_loop_test(c, robots, 0, (int)(sizeof ROBOTS / sizeof *ROBOTS));
 	suite_add_tcase(suite, c);
-	r = srunner_create(suite);
-	srunner_run_all(r, CK_NORMAL);
-	failed = srunner_ntests_failed(r);
-	srunner_free(r);
-	return failed != 0;
+	return suite_run(suite);
 }

@@ -3,8 +3,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "../runtime/urdf.h"
 #include "rng.h"
+#include "suite.h"
 #include "target.h"
-#include <check.h>
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -250,8 +250,6 @@ int main(void)
 {
 	Suite *s = suite_create("matrices");
 	TCase *c = tcase_create("matrices");
-	SRunner *r;
-	int failed;
 
 	setenv("RNEA_LIBCUDA", FAKE_CUDA, 1);
 	setenv("RNEA_NVRTC", FAKE_NVRTC, 1);
@@ -261,9 +259,5 @@ int main(void)
 	tcase_add_loop_test(c, test_unpacked, 0, 2 * SUBJECT_COUNT);
 	tcase_add_loop_test(c, test_arrays, 0, 2 * SUBJECT_COUNT);
 	suite_add_tcase(s, c);
-	r = srunner_create(s);
-	srunner_run_all(r, CK_NORMAL);
-	failed = srunner_ntests_failed(r);
-	srunner_free(r);
-	return failed != 0;
+	return suite_run(s);
 }

@@ -1,9 +1,9 @@
 /* NAME_rnea_bounded of texts with matrices, as compiled: what NAME_rnea gives to the bit, and every element of every output
    within its bound, seen from the DAG in quad precision and from differences of the reference in quad precision. */
 #define _POSIX_C_SOURCE 200809L
+#include "suite.h"
 #include "target.h"
 #include "varied.h"
-#include <check.h>
 #include <dlfcn.h>
 #include <math.h>
 #include <quadmath.h>
@@ -95,13 +95,9 @@ static void compile(struct fixture *x, const char *urdf, const struct rneagen_op
 static void fixture_open(struct fixture *x, const struct robot_file *robot, const struct kind *kind)
 {
 	struct rneagen_options o = rneagen_options_default();
-	char path[512];
 	size_t length;
-	char *urdf;
+	char *urdf = target_robot(robot->name, &length);
 
-	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, robot->name);
-	urdf = read_file(path, &length);
-	ck_assert_ptr_nonnull(urdf);
 	o.base = robot->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	*x = (struct fixture){.kind = kind};
 	ck_assert(varied_open(&x->v, urdf, &o, SEED, "", robot->name));
@@ -247,16 +243,11 @@ int main(void)
 {
 	Suite *suite = suite_create("bounded_derivatives");
 	TCase *c = tcase_create("bounded_derivatives");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 600);
 	tcase_add_loop_test(c, bounds_hold, 0, KIND_COUNT * ROBOT_COUNT);
 	tcase_add_loop_test(c, no_bound, 0, 2);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

@@ -2,8 +2,8 @@
    worst its model allows, with signs by chance; both against the reference in quad precision. */
 #include "model.h"
 #include "quad.h"
+#include "suite.h"
 #include "worst.h"
-#include <check.h>
 #include <math.h>
 #include <quadmath.h>
 #include <stdio.h>
@@ -252,8 +252,6 @@ int main(void)
 {
 	Suite *suite = suite_create("bounds");
 	TCase *c = tcase_create("bounds");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	printf("bounds of every variant, seed %d\n", SEED);
@@ -262,8 +260,5 @@ int main(void)
 	tcase_add_test(c, real_robots);
 	tcase_add_test(c, unknown);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }

@@ -2,9 +2,9 @@
    and arithmetic that does the worst its model allows, stays within them, seen from the DAG in quad precision and from
    central differences of the reference in quad precision. And no bound is far above the magnitudes that are summed. */
 #include "cases.h"
+#include "suite.h"
 #include "varied.h"
 #include "worst.h"
-#include <check.h>
 #include <math.h>
 #include <quadmath.h>
 #include <stdio.h>
@@ -256,16 +256,11 @@ int main(void)
 {
 	Suite *suite = suite_create("derivative_bounds");
 	TCase *c = tcase_create("derivative_bounds");
-	SRunner *runner = srunner_create(suite);
-	int failed;
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 600);
 	tcase_add_test(c, trees);
 	tcase_add_test(c, hard_cases);
 	suite_add_tcase(suite, c);
-	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
-	srunner_free(runner);
-	return failed != 0;
+	return suite_run(suite);
 }
