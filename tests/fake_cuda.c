@@ -77,13 +77,6 @@ int fake_entry(const char *call, int wants_context)
 	return wants_context && !depth ? FAKE_INVALID_CONTEXT : FAKE_SUCCESS;
 }
 
-#define ENTER(wants_context)                                                                                           \
-	do {                                                                                                           \
-		int entry_status = fake_entry(__func__, wants_context);                                                \
-		if (entry_status)                                                                                      \
-			return entry_status;                                                                           \
-	} while (0)
-
 void fake_run(const struct fake_launch *launch)
 {
 	unsigned long long values[FAKE_PARAMETER_LIMIT];

@@ -34,6 +34,14 @@ struct fake_launch {
 /* Nonzero if RNEA_FAKE_CUDA_FAIL says that `call` fails, or if it wants a current context and there is none. */
 int fake_entry(const char *call, int wants_context);
 
+/* Begin an entry point of the driver with it: what is wrong already is its result. */
+#define ENTER(wants_context)                                                                                           \
+	do {                                                                                                           \
+		int entry_status = fake_entry(__func__, wants_context);                                                \
+		if (entry_status)                                                                                      \
+			return entry_status;                                                                           \
+	} while (0)
+
 /* One more, or fewer, thing that somebody has to give back. */
 void fake_count_live(int change);
 

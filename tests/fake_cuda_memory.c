@@ -32,13 +32,6 @@ static struct {
 } known[LOCKED_LIMIT];
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
-#define ENTER(wants_context)                                                                                           \
-	do {                                                                                                           \
-		int entry_status = fake_entry(__func__, wants_context);                                                \
-		if (entry_status)                                                                                      \
-			return entry_status;                                                                           \
-	} while (0)
-
 static int learn(void *memory, size_t size, int type)
 {
 	int status = FAKE_OUT_OF_MEMORY;

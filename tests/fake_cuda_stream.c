@@ -36,13 +36,6 @@ void fake_cuda_defer(int yes)
 	deferred = yes;
 }
 
-#define ENTER(wants_context)                                                                                           \
-	do {                                                                                                           \
-		int entry_status = fake_entry(__func__, wants_context);                                                \
-		if (entry_status)                                                                                      \
-			return entry_status;                                                                           \
-	} while (0)
-
 static int create(void **handle, size_t size)
 {
 	*handle = calloc(1, size);

@@ -57,7 +57,7 @@ struct state {
 	double q[ROWS], qd[ROWS], qdd[ROWS];
 };
 
-static int entry_named(const struct reference *r, const char *name)
+int entry_named(const struct reference *r, const char *name)
 {
 	for (int j = 0; j < r->nj; j++)
 		if (!strcmp(r->joints[j].name, name))

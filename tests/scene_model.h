@@ -39,4 +39,7 @@ char *scene_urdf(const char *urdf, const char *root, const char *const *gone, in
 
 size_t operation_total(const struct scene_model *m);
 
+/* The number of the joint of this name; the test fails where there is none. */
+int entry_named(const struct reference *r, const char *name);
+
 #endif

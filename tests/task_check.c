@@ -139,15 +139,6 @@ void case_expect(struct task_case *c, const struct task_out *out, struct task_ex
 
 /* ---- arguments ---- */
 
-static int entry_named(const struct reference *r, const char *name)
-{
-	for (int j = 0; j < r->nj; j++)
-		if (!strcmp(r->joints[j].name, name))
-			return j;
-	ck_abort_msg("no joint '%s' in the reference", name);
-	return -1;
-}
-
 /* Rows of q (`which` 0), qd or qdd that the text has are those of joints that are not held. */
 static void feed_rows(const struct task_case *c, const struct tree *t, int which, double *to)
 {

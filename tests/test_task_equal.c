@@ -136,17 +136,9 @@ END_TEST
 
 /* ---- parts of the torques ---- */
 
-static int argument(const struct scene_model *m, const char *name)
-{
-	for (int i = 0; i < m->dag.argument_count; i++)
-		if (!strcmp(m->dag.arguments[i].name, name))
-			return i;
-	return -1;
-}
-
 static void scale(const struct scene_model *m, struct task_arrays *x, const char *name, double factor)
 {
-	int k = argument(m, name);
+	int k = dag_find_argument(&m->dag, name);
 
 	for (int i = 0; i < ROWS && k >= 0; i++)
 		x->in[k][i] *= factor;
@@ -161,7 +153,7 @@ static void near_to(real got, real want, wide size, uint64_t seed, const char *w
 static void check_parts(struct task_case *c, const struct scene_model *m, uint64_t seed)
 {
 	static struct task_arrays once, x;
-	int tau = argument(m, "tau"), bias = argument(m, "tau_bias"), gravity = argument(m, "tau_gravity");
+	int tau = dag_find_argument(&m->dag, "tau"), bias = dag_find_argument(&m->dag, "tau_bias"), gravity = dag_find_argument(&m->dag, "tau_gravity");
 	struct task_expected expected;
 
 	case_expect(c, &c->out[0], &expected);

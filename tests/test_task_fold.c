@@ -13,10 +13,7 @@ enum { ROBOTS = 80, LINKS = 10 };
 /* Is there an argument of this name? */
 static int has(const struct scene_model *m, const char *name)
 {
-	for (int i = 0; i < m->dag.argument_count; i++)
-		if (!strcmp(m->dag.arguments[i].name, name))
-			return 1;
-	return 0;
+	return dag_find_argument(&m->dag, name) >= 0;
 }
 
 static void open_scene(struct task_case *c, struct scene_model *m)

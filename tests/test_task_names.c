@@ -129,14 +129,6 @@ END_TEST
 
 /* ---- hostile names ---- */
 
-static int argument(const struct scene_model *m, const char *name)
-{
-	for (int i = 0; i < m->dag.argument_count; i++)
-		if (!strcmp(m->dag.arguments[i].name, name))
-			return i;
-	return -1;
-}
-
 /* Names that come out the same have arrays of their own, each of its own link. */
 START_TEST(hostile)
 {
@@ -169,7 +161,7 @@ START_TEST(hostile)
 	case_want(c, TASK_TAU, 0);
 	case_check(c, &m, "hostile names");
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-		ck_assert_msg(argument(&m, names[i]) >= 0, "there is no array %s", names[i]);
+		ck_assert_msg(dag_find_argument(&m.dag, names[i]) >= 0, "there is no array %s", names[i]);
 	scene_close(&m);
 	case_close(c);
 }
@@ -186,11 +178,11 @@ START_TEST(kernels_own)
 
 	o.scene = "free mass.a\nfree mass.a_here\nfree mass.a_slice";
 	ck_assert_int_eq(scene_open(&m, text, &o), RNEAGEN_OK);
-	ck_assert_int_ge(argument(&m, "mass_a"), 0);
-	ck_assert_int_eq(argument(&m, "mass_a_here"), -1);
-	ck_assert_int_eq(argument(&m, "mass_a_slice"), -1);
-	ck_assert_int_ge(argument(&m, "mass_a_here_2"), 0);
-	ck_assert_int_ge(argument(&m, "mass_a_slice_2"), 0);
+	ck_assert_int_ge(dag_find_argument(&m.dag, "mass_a"), 0);
+	ck_assert_int_eq(dag_find_argument(&m.dag, "mass_a_here"), -1);
+	ck_assert_int_eq(dag_find_argument(&m.dag, "mass_a_slice"), -1);
+	ck_assert_int_ge(dag_find_argument(&m.dag, "mass_a_here_2"), 0);
+	ck_assert_int_ge(dag_find_argument(&m.dag, "mass_a_slice_2"), 0);
 	scene_close(&m);
 }
 END_TEST
