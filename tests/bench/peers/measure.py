@@ -1,5 +1,6 @@
 """What the programs with_*.py share: states and exact results, the order and the limits of measuring, rows."""
 import argparse
+import itertools
 import json
 import os
 import statistics
@@ -14,6 +15,9 @@ from model import Model
 from spatial import FUNCTIONS
 
 COUNTS = (1048576, 1024, 1, 16384, 65536, 4096, 262144, 256, 64, 16)  # the most important first
+SHOWN = 16384    # samples for which the functions are compared
+CACHED = 65536   # of more, a processor takes seconds for the matrices
+FIRST = COUNTS[:4]  # the sizes of the tables
 COLUMNS = ("library", "version", "route", "function", "device", "precision", "n", "threads", "block", "method",
            "error_max", "error_rms", "import_ms", "cold_ms", "cached_ms", "h2d_us", "kernel_us", "stream_us",
            "call_us", "busy_us", "d2h_us", "launch_count", "note")
@@ -114,12 +118,15 @@ class Bench:
         parser.add_argument("folder", type=Path)
         parser.add_argument("--routes", default="")
         parser.add_argument("--seconds", type=float, default=60)
+        parser.add_argument("--end", type=float, help="by the monotonic clock, in place of --seconds")
         parser.add_argument("--box", type=float, default=0.1)
         parser.add_argument("--largest", type=int, default=max(COUNTS))
         parser.add_argument("--librnea", default="")
         self.options = parser.parse_args()
         self.library, self.version, self.box = library, "", self.options.box
-        self.end = time.monotonic() + self.options.seconds
+        self.end = self.options.end or time.monotonic() + self.options.seconds
+        self.kept = 0  # seconds before the end that are for what comes last
+        self.told = set()
         self.folder = self.options.folder
         self.model = Model(next(self.folder.glob("*.urdf")))
         self.data = {precision: Data(self.folder, self.model, precision) for precision in TYPES}
@@ -129,16 +136,17 @@ class Bench:
     def wants(self, route):
         return not self.options.routes or route in self.options.routes.split(",")
 
-    def late(self):
-        return time.monotonic() > self.end
+    def late(self, needed=0):
+        """Are there less than `needed` seconds until the end, what is kept left out?"""
+        return time.monotonic() + needed > self.end - self.kept
 
     def row(self, **values):
         print(json.dumps({"library": self.library, "version": self.version, **values}), flush=True)
 
-    def attempt(self, make, late=False, **key):
-        """The row that make() fills, or one with the reason why there is none; `late`: also when the time is over. True:
-        there is one."""
-        if self.late() and not late:
+    def attempt(self, make, needed=0, **key):
+        """The row that make() fills, or one with the reason why there is none. True: there is one."""
+        if self.late(needed):
+            self.tell(needed, **key)
             return False
         try:
             self.row(**{**key, **make()})
@@ -148,23 +156,36 @@ class Bench:
             self.row(**key, note=f"failed: {reason}")
             return False
 
-    def steps_large_last(self):
-        """steps() for a processor, on which a million samples of the matrices take seconds."""
-        small, large = ([n for n in self.counts if (n > 65536) == last] for last in (False, True))
-        for functions, counts in ((("rnea",), small), (FUNCTIONS[1:], small), (("rnea",), large), (FUNCTIONS[1:], large)):
-            yield from self.steps(functions, counts=counts)
+    def tell(self, needed, route="", function="", precision="", **more):
+        """Once for a route and function: there was no time to begin."""
+        which = {"route": route, "function": function, "precision": precision}
+        if needed and tuple(which.values()) not in self.told:
+            self.told.add(tuple(which.values()))
+            self.row(**which, note=f"not measured from n = {more['n']} on: less than {needed} s were left")
 
-    def steps(self, functions=FUNCTIONS, precisions=("f32", "f64"), counts=None):
-        """(function, precision, n): first all of rnea, then the others, each size of all of them, until the time is over."""
-        counts = self.counts if counts is None else counts
-        order = [(f, n) for f in functions if f == "rnea" for n in counts]
-        order += [(f, n) for n in counts for f in functions if f != "rnea"]
-        for function, n in order:
-            for precision in precisions:
-                if self.late():
-                    self.row(function=function, precision=precision, n=n, note="not measured: out of time from here on")
-                    return
-                yield function, precision, n
+    def order(self, large):
+        """(functions, sizes): what the tables show comes first; of sizes above `large` the whole RNEA after smaller ones."""
+        few = [n for n in self.counts if n <= large]
+        many = [n for n in self.counts if n > large]
+        shown = [n for n in few if n in FIRST]
+        rest = [n for n in few if n not in FIRST]
+        yield from ((("rnea",), shown), (FUNCTIONS[1:], [n for n in shown if n == SHOWN]))
+        yield from ((("rnea",), rest), (("rnea",), many))
+        yield from ((FUNCTIONS[1:], [n for n in few if n != SHOWN]), (FUNCTIONS[1:], many))
+
+    def steps(self, functions=FUNCTIONS, precisions=("f32", "f64"), large=max(COUNTS)):
+        """(function, precision, n) in order(), until the time is over."""
+        for which, counts in self.order(large):
+            for n, function, precision in itertools.product(counts, which, precisions):
+                if function in functions:
+                    if self.late():
+                        self.row(function=function, precision=precision, n=n, note="not measured: out of time from here on")
+                        return
+                    yield function, precision, n
+
+    def steps_of_processor(self, functions=FUNCTIONS):
+        """steps() where a million samples take seconds; doubles, of which there is a table, first."""
+        return self.steps(functions, ("f64", "f32"), CACHED)
 
 
 def start(library, name):

@@ -7,6 +7,7 @@ PARTS = (f"start-up / {study.CALLS}", "copies", "launches and gaps", "kernels")
 CURVES = (  # title, colour, library, route, device; on the processor dashed
     ("generated, GPU", "black", "generated", "NVRTC", "cuda"),
     ("torch.compile, statements", "red", "PyTorch", "torch.compile, statements", "cuda"),
+    ("torch.compile, one kernel", "dark-red", "PyTorch", "torch.compile, one kernel", "cuda"),
     ("JAX, statements, GPU", "blue", "JAX", "jit, statements", "cuda"),
     ("JAX, matrices, GPU", "skyblue", "JAX", "jit", "cuda"),
     ("PyTorch, graph", "orange", "PyTorch", "CUDA graph", "cuda"),

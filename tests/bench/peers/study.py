@@ -27,18 +27,22 @@ CPU_ROUTES = (  # and the threads; 0: the most that were measured
     ("Pinocchio, `rnea` in Python's loop", "Pinocchio", "rnea, Python's loop", 1),
     ("MuJoCo, `mj_rne` in Python's loop", "MuJoCo", "mj_rne, Python's loop", 1),
     ("NumPy, statements, slices in all threads", "NumPy", "straight, slices", 0),
+    ("NumPy, statements, slices in all processes", "NumPy", "straight, processes", 0),
     ("NumPy, statements", "NumPy", "straight", 1),
     ("NumPy, matrices, slices in all threads", "NumPy", "matrices, slices", 0),
+    ("NumPy, matrices, slices in all processes", "NumPy", "matrices, processes", 0),
     ("NumPy, matrices", "NumPy", "matrices", 1),
     ("PyTorch, eager, one thread", "PyTorch", "eager", 1),
     ("PyTorch, eager, all threads", "PyTorch", "eager", 0),
     ("JAX, jit of the statements", "JAX", "jit, statements", None),
     ("JAX, jit of the matrices", "JAX", "jit", None),
 )
-THREADED = (
+THREADED = (  # a process of one thread is the first of the threads
     ("generated", "generated", "host backend"),
     ("NumPy, statements in slices", "NumPy", "straight, slices"),
+    ("NumPy, statements in slices, processes", "NumPy", "straight, processes"),
     ("NumPy, matrices in slices", "NumPy", "matrices, slices"),
+    ("NumPy, matrices in slices, processes", "NumPy", "matrices, processes"),
     ("Pinocchio", "Pinocchio", "rneaInParallel"),
 )
 NUMBERS = ("n", "threads", "block", "error_max", "error_rms", "import_ms", "cold_ms", "cached_ms", "h2d_us", "kernel_us",
@@ -80,8 +84,9 @@ class Rows:
         rows = self.find(library, route, "cuda", precision=precision)
         return [next((r[c] for r in rows if r[c]), None) for c in ("import_ms", "cold_ms", "cached_ms")]
 
-    def launches(self, library, route):
-        return next((r["launch_count"] for r in self.find(library, route, "cuda") if r["launch_count"]), None)
+    def launches(self, library, route, precision="f32"):
+        """Those of SHARED samples: of more a library may split a batch."""
+        return self.one(library, route, "cuda", precision=precision, n=SHARED).get("launch_count")
 
 
 def number(text):
@@ -136,10 +141,10 @@ def gpu_table(rows, precision):
         if any(at.values()):
             loading, cold, cached = rows.startup_ms(library, route, precision)
             lines.append([name, short(total(loading, cold) and (loading + cold) / 1e3), short(cached and cached / 1e3),
-                          whole(rows.launches(library, route)), short(at[1].get("call_us")),
+                          whole(rows.launches(library, route, precision)), short(at[1].get("call_us")),
                           *(short(at[n].get("kernel_us")) for n in (1024, SHARED, LARGE)), short(with_copies(at[LARGE])),
                           error(at[LARGE].get("error_max") or at[1024].get("error_max"))])
-    return markdown([f"{precision}, on the GPU", "start-up, s", "compiled before, s", "launches",
+    return markdown([f"{precision}, on the GPU", "start-up, s", "compiled before, s", "launches at 16384",
                      "1 sample, waited for, us", "1024, us", "16384, us", "1 M, us", "1 M with copies, us", "error max"], lines)
 
 
@@ -177,6 +182,8 @@ def thread_table(rows):
         for precision in ("f32", "f64"):
             us = [rows.one(library, route, "cpu", precision=precision, n=LARGE, threads=t).get("kernel_us") for t in counts]
             if any(us):
+                alone = rows.one(library, route.replace("processes", "slices"), "cpu", precision=precision, n=LARGE, threads=1)
+                us[0] = alone.get("kernel_us")
                 lines.append([f"{name}, {precision}", *(short(us[0] and u and us[0] / u, 2) for u in us)])
     return markdown(["1 M samples, times as fast as one thread", *(f"{int(t)}" for t in counts)], lines)
 
@@ -261,7 +268,7 @@ def finding(rows):
         return ""
     large, kernel = (rows.one(*r, "cuda", n=LARGE).get("kernel_us") for r in (("PyTorch", "CUDA graph"), ("generated", "NVRTC")))
     _, copies, gaps, busy = parts["PyTorch, eager"]
-    text = (f"**What makes the GPU versions slow.** One RNEA of the matrices is {count:.0f} launches. At {SHARED} samples in f32 "
+    text = (f"**What makes the GPU versions slow.** At {SHARED} samples in f32 one RNEA of the matrices is {count:.0f} launches. "
             f"PyTorch spends {short(eager['kernel_us'])} us on it, of which the GPU computes for {short(busy)} us and waits for "
             f"the host for {100 * gaps / (gaps + busy):.0f} %; the copies take {short(copies)} us, the fused kernel, one launch, "
             f"{short(own['kernel_us'])} us.")
@@ -291,11 +298,22 @@ def rewritten(rows):
     return (f"**Rewritten for torch.compile**, as {routes['statements'][0]['note']} on scalars that a tracer wrote, the RNEA "
             f"takes {first[0]} times as long as the generated one at 1 M samples in f32 and {first[1]} times in f64: Inductor "
             f"joins at most 64 operations, and what lies between its kernels goes through memory. With `max_fusion_size` "
-            f"raised it makes one kernel and comes near: {joined[0]} times in f32, {joined[1]} times in f64. "
+            f"raised it makes one kernel and comes near: {joined[0]} times in f32, {joined[1]} times in f64. Sizes are "
+            f"dynamic, and 1024 samples were compiled first, here and in the tables; from a first size of 1 M Inductor makes "
+            f"blocks that spill. "
             f"It compiles for {short(cold[0] / 1e3)} s and {short(cold[1] / 1e3)} s, for each precision and again for a batch "
             f"of one; one sample, waited for, takes {short(one['call_us'])} us from Python, the generated kernel "
             f"{short(own[1]['call_us'])} us. It has no C interface, needs PyTorch wherever it runs, and somebody has to write "
             "the statements.\n\n")
+
+
+def slices(rows):
+    """How NumPy's threads were measured, where its processes were too."""
+    if not rows.find("NumPy", "straight, processes", "cpu", precision="f64"):
+        return ""
+    return ("NumPy takes slices of the samples, in threads, or in processes that share the arrays: threads wait for Python's "
+            "lock\nbefore every operation. glibc is told to keep freed memory (MALLOC_TRIM_THRESHOLD_), without which NumPy "
+            "takes\nseveral times as long, for fresh pages.\n")
 
 
 def section(rows):
@@ -328,8 +346,8 @@ assignment for every operation on scalars. Everything is in [peers.csv](tests/be
 A dash: not measured; peers.csv says where the run was out of time.
 
 **Threads and blocks.** The study left NumPy in threads and the sizes of blocks to later work. The processor is a virtual
-machine's: the same row differs by a third between runs.
-
+machine's: the same row differed by a factor of two between some runs, so only larger ratios between its rows mean something.
+{slices(rows)}
 {thread_table(rows)}
 {block_table(rows)}
 **The processor alone**, as users have these libraries, from Python; the loops pay for Python's calls.

@@ -15,6 +15,7 @@ import measure
 from spatial import FUNCTIONS
 
 BLOCKS = (32, 64, 128, 256, 512, 1024)
+NEXT = 5  # seconds that are kept for each route that follows
 PASSES = ("rnea", "fpass", "bpass")
 
 
@@ -47,14 +48,20 @@ class Opened:
     """Robots by text and options, each opened twice; what the opening took is for the first row only."""
 
     def __init__(self, bench, backend, cache):
-        self.bench, self.backend, self.cache, self.robots = bench, backend, cache, {}
+        self.bench, self.backend, self.cache, self.robots, self.failed = bench, backend, cache, {}, {}
 
     def robot(self, path, **options):
         which = (path, *sorted(options.items()))
-        if which not in self.robots:
-            self.robots[which] = opened(self.bench, path, self.backend, self.cache, **options)
-            return self.robots[which]
-        return self.robots[which][0], {}
+        if which in self.failed:
+            raise RuntimeError(self.failed[which])
+        if which in self.robots:
+            return self.robots[which], {}
+        try:
+            self.robots[which], took = opened(self.bench, path, self.backend, self.cache, **options)
+        except RuntimeError as e:  # it would fail again, and take its time
+            self.failed[which] = str(e)
+            raise
+        return self.robots[which], took
 
 
 # ---- the processor ----
@@ -155,7 +162,7 @@ def checked(error):
 def by_block(bench, timer, cache):
     robots = Opened(bench, librnea.RNEA_BACKEND_CUDA, cache)
     for _, precision, n in bench.steps(("rnea",)):
-        for block in BLOCKS if n in (1024, 16384, 1048576) else ():
+        for block in BLOCKS if n in measure.FIRST and n > 1 else ():
             bench.attempt(lambda: with_librnea(bench, timer, robots, ("rnea", precision, n), block=block),
                           **key("NVRTC, block", "rnea", "cuda", precision, n, block=block))
 
@@ -199,7 +206,8 @@ def main(bench, cache):
     parts = {"cuda": on_cuda, "ahead": by_nvcc, "host_arrays": from_host_arrays, "blocks": by_block}
     wanted = [part for route, part in parts.items() if bench.wants(route)]
     timer = timer_of(bench) if wanted else None
-    for part in wanted if timer else ():
+    for i, part in enumerate(wanted if timer else ()):
+        bench.kept = NEXT * (len(wanted) - 1 - i)
         part(bench, timer, cache)
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """JAX on the device that it finds: the matrices over batches (jit), over one sample with vmap (vmap), and the
-straight-line text (straight). XLA compiles each size anew."""
+straight-line text (straight). XLA compiles each size anew. On a processor doubles alone, and no vmap."""
 import os
 import tempfile
 import time
@@ -19,7 +19,8 @@ jax.config.update("jax_enable_x64", True)
 jax.config.update("jax_default_matmul_precision", "highest")  # no TF32, which would cost ten bits
 
 MAIN = (1048576, 1024)   # sizes for which everything is measured
-SHOWN = 16384            # the size at which the other functions are compared
+COMPILING = 8            # seconds that must be left to compile
+LARGE = 20               # and for a million samples on a processor
 
 
 def functions(bench):
@@ -77,7 +78,7 @@ def row(bench, make, case, device, axis):
     function, precision, n = case
     host = [x if axis == 0 else np.ascontiguousarray(x.T) for x in bench.data[precision].inputs(function, n)]
     inputs = [jax.device_put(x) for x in host]
-    call, took = compile_twice(lambda: make(function, precision), inputs, n not in MAIN)
+    call, took = compile_twice(lambda: make(function, precision), inputs, device == "cpu" or n not in MAIN)
     outputs = call(*inputs)
     outputs = outputs if isinstance(outputs, tuple) else (outputs,)
     stacked = outputs if axis == 0 else (jnp.stack(outputs),)
@@ -88,15 +89,6 @@ def row(bench, make, case, device, axis):
             "kernel_us": us, "call_us": waited, "launch_count": launches(call)}
 
 
-def in_order(bench):
-    """bench.steps(), what the tables show first: every size is compiled anew, which takes seconds."""
-    main, rest = ([n for n in bench.counts if (n in MAIN) == first] for first in (True, False))
-    shown = [n for n in bench.counts if n == SHOWN]
-    for functions, counts in ((("rnea",), main), (FUNCTIONS[1:], shown), (("rnea",), rest)):
-        yield from bench.steps(functions, counts=counts)
-    yield from bench.steps(FUNCTIONS[1:], counts=[n for n in bench.counts if n != SHOWN])
-
-
 def main(bench):
     began = time.perf_counter()
     device = "cuda" if jax.devices()[0].platform in ("gpu", "cuda") else "cpu"
@@ -104,12 +96,13 @@ def main(bench):
     global import_ms
     import_ms += (time.perf_counter() - began) * 1e3
     bench.version, routes = jax.__version__, functions(bench)
-    for case in in_order(bench):
+    bench.kept = COMPILING
+    for case in bench.steps(precisions=("f64",), large=measure.CACHED) if device == "cpu" else bench.steps():
         for route, make in routes.items():
-            if route == "jit" or case[0] == "rnea" and (case[2] in MAIN or "vmap" not in route):
-                key = dict(zip(("function", "precision", "n"), case))
-                bench.attempt(lambda: row(bench, make, case, device, -1 if "statements" in route else 0),
-                              route=route, device=device, **key)
+            if route == "jit" or case[0] == "rnea" and (case[2] in MAIN and device != "cpu" or "vmap" not in route):
+                key = {"route": route, "device": device, **dict(zip(("function", "precision", "n"), case))}
+                needed = LARGE if device == "cpu" and case[2] > measure.CACHED else 0
+                bench.attempt(lambda: row(bench, make, case, device, -1 if "statements" in route else 0), needed, **key)
 
 
 if __name__ == "__main__":

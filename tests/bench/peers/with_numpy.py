@@ -1,6 +1,10 @@
 #!/usr/bin/env python3
-"""NumPy: with matrices, and straight-line over whole arrays; alone, and in slices by a pool of threads."""
+"""NumPy: with matrices, and straight-line over whole arrays; alone, in slices by a pool of threads, and by one of
+processes that share the arrays: threads wait for Python's lock before every operation."""
 import concurrent.futures
+import itertools
+import mmap
+import multiprocessing
 import os
 import time
 
@@ -13,7 +17,8 @@ import measure
 import spatial
 import straight
 
-SLICE = 8192   # samples that a cache holds with all their intermediate arrays
+SLICE = 2048   # samples whose intermediate arrays, all alive at once, are 16 MB at most
+LARGE = 10     # seconds that must be left for a million samples
 WHOLE = 65536  # of more the intermediate arrays take gigabytes: slices are for that
 
 
@@ -29,7 +34,7 @@ def rows(x):
 
 def alone(bench):
     functions = {p: matrices(bench, p) for p in measure.TYPES}
-    for function, precision, n in bench.steps_large_last():
+    for function, precision, n in bench.steps_of_processor():
         data = bench.data[precision]
 
         def make():
@@ -38,7 +43,7 @@ def alone(bench):
             outputs = outputs if isinstance(outputs, tuple) else (outputs,)
             return result(data.errors(function, n, outputs), us)
 
-        bench.attempt(make, **key("matrices", function, precision, n, 1))
+        bench.attempt(make, LARGE if n > measure.CACHED else 0, **key("matrices", function, precision, n, 1))
 
 
 def written_out(bench):
@@ -55,36 +60,67 @@ def written_out(bench):
             bench.attempt(make, **key("straight", function, precision, n, 1))
 
 
-def sliced(pool, call, inputs, tau, axis, threads):
-    """call() of slices of the samples, in the threads of `pool`, into `tau`."""
-    n = tau.shape[axis]
-    size = max(1, min(SLICE, -(-n // threads)))
+# ---- in slices ----
 
-    def one(first):
-        part = (slice(first, first + size),) if axis == 0 else (slice(None), slice(first, first + size))
-        result = call(*(x[part] for x in inputs))
-        tau[part] = result if axis == 0 else numpy.stack(result)
+task = ()  # of which part() makes one slice; the processes of a pool have it from when they were forked
 
-    list(pool.map(one, range(0, n, size)))
-    return tau
+
+def part(first):
+    call, inputs, tau, axis, size = task
+    here = (slice(first, first + size),) if axis == 0 else (slice(None), slice(first, first + size))
+    made = call(*(x[here] for x in inputs))
+    tau[here] = made if axis == 0 else numpy.stack(made)
+
+
+def shared_like(x):
+    """Zeros that forked processes write for all to see."""
+    return numpy.frombuffer(mmap.mmap(-1, x.nbytes), x.dtype).reshape(x.shape)
+
+
+def pool_of(kind, workers):
+    if kind == "slices":
+        pool = concurrent.futures.ThreadPoolExecutor(workers)
+        return pool, lambda firsts: list(pool.map(part, firsts))
+    pool = multiprocessing.get_context("fork").Pool(workers)
+    return pool, lambda firsts: pool.map(part, firsts, chunksize=1)
+
+
+def in_slices(bench, kind, call, axis, precision, n, workers):
+    """The row of a pool that is there before the clock starts."""
+    global task
+    inputs = bench.data[precision].inputs("rnea", n)
+    inputs = inputs if axis == 0 else [rows(x) for x in inputs]
+    tau, size = shared_like(inputs[0]), max(1, min(SLICE, -(-n // workers)))
+    task = call, inputs, tau, axis, size
+    pool, run = pool_of(kind, workers)
+    with pool:
+        run(range(workers))  # its threads and processes have begun
+        _, us = measure.first_and_clock(lambda: run(range(0, n, size)), bench.box)
+    return result(bench.data[precision].errors("rnea", n, (tau,), axis), us)
+
+
+def pools(bench):
+    """(n, kind, workers): first what the tables show. One worker is one thread."""
+    most = max(bench.threads)
+    few, between = [("slices", 1), ("slices", most), ("processes", most)], [("processes", t) for t in bench.threads[1:-1]]
+    sizes = [n for n in sorted(bench.counts) if n >= 1024]
+    shown, rest = ([n for n in sizes if (n in measure.FIRST) == first] for first in (True, False))
+    for counts, workers in (shown, few), (shown[-1:], between), (rest, few), (shown[:-1], between):
+        for n in counts:
+            yield from ((n, *w) for w in dict.fromkeys(workers) if w != ("processes", 1))
 
 
 def pooled(bench):
     functions, (written, _) = {p: matrices(bench, p) for p in measure.TYPES}, straight.rnea(bench.model, numpy.sin, numpy.cos)
-    for _, precision, n in bench.steps(("rnea",), counts=sorted(bench.counts)):
-        for threads in bench.threads if n >= 1024 else ():
-            for route, axis in ("straight", -1), ("matrices", 0):
-                data, call = bench.data[precision], written if axis else functions[precision].rnea
-
-                def make():
-                    inputs = data.inputs("rnea", n)
-                    inputs = inputs if axis == 0 else [rows(x) for x in inputs]
-                    tau = numpy.empty_like(inputs[0])
-                    with concurrent.futures.ThreadPoolExecutor(threads) as pool:
-                        _, us = measure.first_and_clock(lambda: sliced(pool, call, inputs, tau, axis, threads), bench.box)
-                    return result(data.errors("rnea", n, (tau,), axis), us)
-
-                bench.attempt(make, **key(f"{route}, slices", "rnea", precision, n, threads))
+    for (n, kind, workers), precision in itertools.product(pools(bench), ("f64", "f32")):
+        for route, axis in ("straight", -1), ("matrices", 0):
+            if bench.late():
+                bench.row(function="rnea", precision=precision, n=n, note="not measured: out of time from here on")
+                return
+            call = written if axis else functions[precision].rnea
+            bench.attempt(lambda: in_slices(bench, kind, call, axis, precision, n, workers),
+                          LARGE if n > measure.CACHED and workers == 1 else 0,
+                          **key(f"{route}, {kind}", "rnea", precision, n, workers))
 
 
 def key(route, function, precision, n, threads):

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """PyTorch on a CPU (--routes cpu), on a GPU operation by operation and in a CUDA graph (cuda), and what torch.compile
-makes of the straight-line text (straight_f32, straight_f64) and of the matrices (compiled). Several compile at a time:
-they take turns on the GPU by --lock."""
+makes of the straight-line text (straight_f32, straight_f64; in one kernel: fused_f32, fused_f64) and of the matrices
+(matrices_f32, matrices_f64). Several compile at a time, each route in a process of its own, for a reset throws away what was
+compiled before, and a second route does not find its first compilation on disk; they take turns on the GPU by PEERS_LOCK."""
 import os
 import tempfile
 import time
@@ -12,8 +13,11 @@ import straight
 from spatial import FUNCTIONS, Spatial
 
 torch, import_ms = measure.start("PyTorch", "torch")
+LARGE = 5        # seconds that must be left for a million samples on the processor
 HINT = 1024      # the size that Inductor sees first; from larger ones it makes blocks that spill
 FUSED = 100000   # operations that Inductor may join in a kernel, of which it takes 64 by default
+COMPILING = 25   # seconds that must be left to compile
+PROFILING = {"cuda": 6, "compile": 10}  # seconds that are kept for the profiler, and for waiting for the other programs
 
 
 def dtype(precision):
@@ -41,7 +45,7 @@ def errors(found):
 
 def on_cpu(bench):
     functions = {p: matrices(bench, p, "cpu") for p in measure.TYPES}
-    for function, precision, n in bench.steps_large_last():
+    for function, precision, n in bench.steps_of_processor():
         data = bench.data[precision]
         for threads in {1, max(bench.threads)}:
             def make():
@@ -51,7 +55,8 @@ def on_cpu(bench):
                 return {**errors(data.errors(function, n, gpu.tuple_of(outputs))), "method": "clock", "kernel_us": us,
                         "call_us": us, "h2d_us": 0, "d2h_us": 0}
 
-            bench.attempt(make, **key("eager", function, "cpu", precision, n, threads=threads))
+            needed = LARGE if n > measure.CACHED else 0
+            bench.attempt(make, needed, **key("eager", function, "cpu", precision, n, threads=threads))
 
 
 def operations(call):
@@ -128,36 +133,41 @@ def compiled(bench, timer, make, cases, route, axis=0, note="", options=None):
                 plain = make(precision, function)
                 ready[which] = torch.compile(plain, dynamic=dynamic, options=options)
                 extra["cold_ms"] = gpu.first_call(torch, lambda: ready[which](*inputs))[1]
-                if (function, precision, n) == cases[0][:3]:  # once more with what is on disk
+                if (function, n) == (cases[0][0], cases[0][2]):  # once more with what is on disk
                     torch._dynamo.reset()
                     ready[which] = torch.compile(plain, dynamic=dynamic, options=options)
                     extra["cached_ms"] = gpu.first_call(torch, lambda: ready[which](*inputs))[1]
             else:
                 ready[which](*inputs)
             with gpu.alone(os.environ.get("PEERS_LOCK")):
-                return compiled_row(bench, timer, (function, precision, n), ready[which], inputs, host, axis, extra)
+                made = compiled_row(bench, timer, (function, precision, n), ready[which], inputs, host, axis, extra)
+                torch.cuda.empty_cache()  # the others need memory too
+            return made
 
         which = key(route, function, "cuda", precision, n)
-        if bench.attempt(row, **which):
+        known = (function, precision, dynamic, n == 1) in ready
+        if bench.attempt(row, 0 if known else COMPILING, **which):
             inputs = tensors(bench.data[precision].inputs(function, n), gpu.DEVICE)
             inputs = [x if axis == 0 else x.T.contiguous() for x in inputs]
             call = ready[function, precision, dynamic, n == 1]
             timer.profile_later(which, lambda call=call, inputs=inputs: call(*inputs))
 
 
-def with_straight(bench, timer, precision):
+def sizes(bench):
+    return sorted((n for n in bench.counts if n > 1), key=lambda n: n != HINT)
+
+
+def with_straight(bench, timer, precision, route, options=None):
     call, count = straight.rnea(bench.model, torch.sin, torch.cos)
-    many = sorted((n for n in bench.counts if n > 1), key=lambda n: n != HINT)
-    cases = [("rnea", precision, n, True) for n in many] + [("rnea", precision, 1, None)]
-    for route, options in (("one kernel", {"max_fusion_size": FUSED}), ("statements", None)):
-        compiled(bench, timer, lambda *_: call, cases, f"torch.compile, {route}", -1, f"{count} statements", options)
+    cases = [("rnea", precision, n, True) for n in sizes(bench)]
+    cases.insert(3, ("rnea", precision, 1, None))
+    compiled(bench, timer, lambda *_: call, cases, f"torch.compile, {route}", -1, f"{count} statements", options)
 
 
-def with_matrices(bench, timer):
-    functions = {p: matrices(bench, p, gpu.DEVICE) for p in measure.TYPES}
-    cases = [(f, p, n, True) for f in FUNCTIONS for p in measure.TYPES for n in bench.counts if n > 1]
-    compiled(bench, timer, lambda precision, function: functions[precision].function(function), cases,
-             "torch.compile, matrices")
+def with_matrices(bench, timer, precision):
+    functions = matrices(bench, precision, gpu.DEVICE)
+    cases = [(f, precision, n, True) for f in FUNCTIONS for n in sizes(bench)]
+    compiled(bench, timer, lambda _, function: functions.function(function), cases, "torch.compile, matrices")
 
 
 def start_cuda(bench):
@@ -181,17 +191,19 @@ def main(bench):
         return None
     timer, context_ms = started
     import_ms += context_ms
+    bench.kept = PROFILING["cuda" if bench.wants("cuda") else "compile"]
     if bench.wants("cuda"):
         on_cuda(bench, timer)
     with tempfile.TemporaryDirectory() as cache:
         os.environ["TORCHINDUCTOR_CACHE_DIR"] = cache
         for precision in measure.TYPES:
             if bench.wants(f"straight_{precision}"):
-                with_straight(bench, timer, precision)
-        if bench.wants("compiled"):
-            with_matrices(bench, timer)
-        with gpu.alone(os.environ.get("PEERS_LOCK")):
-            timer.profiled(bench)
+                with_straight(bench, timer, precision, "statements")
+            if bench.wants(f"fused_{precision}"):
+                with_straight(bench, timer, precision, "one kernel", {"max_fusion_size": FUSED})
+            if bench.wants(f"matrices_{precision}"):
+                with_matrices(bench, timer, precision)
+        timer.profiled(bench)
     return None
 
 
