@@ -13,10 +13,11 @@ import straight
 from spatial import FUNCTIONS, Spatial
 
 torch, import_ms = measure.start("PyTorch", "torch")
-LARGE = 5        # seconds that must be left for a million samples on the processor
+LARGE = 10       # seconds that must be left for a million samples on the processor
 HINT = 1024      # the size that Inductor sees first; from larger ones it makes blocks that spill
 FUSED = 100000   # operations that Inductor may join in a kernel, of which it takes 64 by default
 COMPILING = 25   # seconds that must be left to compile
+FOR_ONE = 15     # the same for a batch of one, which takes less
 PROFILING = {"cuda": 6, "compile": 10}  # seconds that are kept for the profiler, and for waiting for the other programs
 
 
@@ -146,7 +147,7 @@ def compiled(bench, timer, make, cases, route, axis=0, note="", options=None):
 
         which = key(route, function, "cuda", precision, n)
         known = (function, precision, dynamic, n == 1) in ready
-        if bench.attempt(row, 0 if known else COMPILING, **which):
+        if bench.attempt(row, 0 if known else COMPILING if n > 1 else FOR_ONE, **which):
             inputs = tensors(bench.data[precision].inputs(function, n), gpu.DEVICE)
             inputs = [x if axis == 0 else x.T.contiguous() for x in inputs]
             call = ready[function, precision, dynamic, n == 1]
