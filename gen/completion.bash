@@ -1,7 +1,7 @@
 # Completion of rneagen and rnearun for bash.
 # shellcheck shell=bash
 
-_rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --fext --fext-frame --armature --damping
+_rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --derivatives --fext --fext-frame --armature --damping
 	--friction --snap-angle --round-constants --drop-below'
 _rneagen_options="-o --output --target --precision --layout --strict --bounded --trig --base --gravity --mimic --order --name --info
 	--info=json --dot --dump --help --version $_rneagen_scene"
@@ -17,6 +17,7 @@ _rneagen_words() {
 	--mimic) echo honour independent ;;
 	--beside) echo lock drop ;;
 	--fext-frame) echo link world ;;
+	--derivatives) echo forward recursion ;;
 	--info) echo json ;;
 	--dump) echo robot tree dag plan ;;
 	--backend) [[ ${COMP_WORDS[1]} == eval ]] && echo cpu cuda any || echo cpu cuda all ;;

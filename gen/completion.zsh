@@ -20,6 +20,7 @@ _rneagen_model=(
 	'*--free=[a constant that becomes an input]:name:'
 	'*--want=[what is computed]:names:'
 	'--dense[matrices with all their zeros]'
+	'--derivatives=[how dtau_dq and dtau_dqd are made]:method:(forward recursion)'
 	'*--fext=[external wrenches on these links]:links:'
 	'--fext-frame=[the axes of external wrenches]:frame:(link world)'
 	'--armature=[rotor inertias]:file:_files'

@@ -199,32 +199,6 @@ static void output_vjp(struct gradient *g, int argument)
 	}
 }
 
-/* The mass matrix, with rotors' inertias. */
-static void output_mass(const struct gradient *g, int argument)
-{
-	const struct task *k = &g->t->task;
-	int nv = g->t->nv;
-	struct ref *M = arena_alloc(g->d->arena, (size_t)nv * (size_t)nv, sizeof *M);
-	struct pattern p;
-
-	if (!M || !pattern_make(&p, g->t, 1, k->dense, g->d->arena)) {
-		g->d->failed = 1;
-		return;
-	}
-	crba_build(g->d, g->t, g->r->in, g->r->parameters, M);
-	for (int b = 0; b < g->t->body_count; b++) {
-		const struct body *x = &g->t->bodies[b];
-		struct ref *e = &M[x->iv * nv + x->iv];
-
-		if (joint_nv(x->type) == 1)
-			*e = dag_add(g->d, *e, dag_const(g->d, x->multiplier * x->multiplier * k->armature[b]));
-	}
-	for (int i = 0; i < nv; i++)
-		for (int j = 0; j < nv; j++)
-			if (p.row[i * nv + j] >= 0)
-				dag_output(g->d, argument, p.row[i * nv + j], M[i * nv + j]);
-}
-
 static int begin(struct gradient *g, const struct tour *r)
 {
 	struct arena *a = r->d->arena;
@@ -241,26 +215,31 @@ static int begin(struct gradient *g, const struct tour *r)
 	return g->dot != NULL;
 }
 
-void gradient_outputs(const struct tour *r, const int *outputs)
+/* Is it this file's? */
+static int is_ours(const struct task *k, int i, const char *done)
+{
+	enum want_kind kind = k->wants[i].kind;
+
+	return !done[i] && (kind == WANT_DTAU_DQ || kind == WANT_DTAU_DQD || kind == WANT_DTAU_DFREED || kind == WANT_JVP || kind == WANT_VJP);
+}
+
+void gradient_outputs(const struct tour *r, const int *outputs, const char *done)
 {
 	const struct task *k = &r->t->task;
-	struct gradient g;
+	struct gradient g = {0};
 
-	if (!r->tau || !begin(&g, r)) {
-		r->d->failed = 1;
-		return;
-	}
-	for (int i = 0; i < k->want_count; i++) {
-		if (k->wants[i].kind == WANT_DTAU_DQ || k->wants[i].kind == WANT_DTAU_DQD)
+	for (int i = 0; i < k->want_count && !r->d->failed; i++) {
+		if (!is_ours(k, i, done))
+			continue;
+		if (!g.d && (!r->tau || !begin(&g, r)))
+			r->d->failed = 1;
+		else if (k->wants[i].kind == WANT_DTAU_DQ || k->wants[i].kind == WANT_DTAU_DQD)
 			output_matrix(&g, k->wants[i].kind == WANT_DTAU_DQ ? VARIED_Q : VARIED_QD, outputs[i]);
 		else if (k->wants[i].kind == WANT_DTAU_DFREED)
 			output_by_freed(&g, &k->wants[i], outputs[i]);
 		else if (k->wants[i].kind == WANT_JVP)
 			output_jvp(&g, outputs[i]);
-		else if (k->wants[i].kind == WANT_VJP)
+		else
 			output_vjp(&g, outputs[i]);
 	}
-	for (int i = 0; i < k->want_count; i++)
-		if (k->wants[i].kind == WANT_MASS)
-			output_mass(&g, outputs[i]);
 }

@@ -27,6 +27,7 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	{"free", required_argument, NULL, OPTION_SCENE + SCENE_FREE},                                                  \
 	{"want", required_argument, NULL, OPTION_SCENE + SCENE_WANT},                                                  \
 	{"dense", no_argument, NULL, OPTION_SCENE + SCENE_DENSE},                                                      \
+	{"derivatives", required_argument, NULL, OPTION_SCENE + SCENE_DERIVATIVES},                                    \
 	{"fext", required_argument, NULL, OPTION_SCENE + SCENE_FEXT},                                                  \
 	{"fext-frame", required_argument, NULL, OPTION_SCENE + SCENE_FEXT_FRAME},                                      \
 	{"armature", required_argument, NULL, OPTION_SCENE + SCENE_ARMATURE},                                          \
@@ -51,6 +52,8 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"  --want N1,N2,...           what is computed: tau, gravity, bias, wrench.JOINT, twist.LINK, accel.LINK, power,\n" \
 	"                             kinetic, potential, dtau_dq, dtau_dqd, M, jvp, vjp; dtau_dNAME by what is free\n" \
 	"  --dense                    matrices with the zeros of joints on different branches, M whole\n"             \
+	"  --derivatives forward|recursion\n"                                                                         \
+	"                             how dtau_dq and dtau_dqd are made; the one with fewer operations unless given\n" \
 	"  --fext L1,L2,...           external wrenches on these links\n"                                              \
 	"  --fext-frame link|world    in whose axes\n"                                                                 \
 	"  --armature FILE            rotor inertias: lines JOINT KG_M2; or --armature JOINT=KG_M2\n"                  \

@@ -1,4 +1,5 @@
 /* What joints take for themselves, beside the rigid bodies. */
+#include "derive.h"
 #include "tour.h"
 #include <math.h>
 
@@ -26,4 +27,30 @@ void own_terms(const struct tour *r, int body, struct ref *tau)
 	if (t->friction[body] != 0 && k->multiplier != 0)
 		tau[0] = dag_add(d, tau[0], smooth_friction(d, fabsl(k->multiplier) * t->friction[body], source_row(d, &r->in.qd, k->iv),
 			t->friction_width / fabsl(k->multiplier)));
+}
+
+static struct ref along_qd(void *context, int argument, int row)
+{
+	const struct tour *r = context;
+	const struct ref zero = {0};
+
+	(void)row; /* the only one that the terms know */
+	return argument == r->in.qd.argument ? dag_const(r->d, 1) : zero;
+}
+
+struct ref own_rate(const struct tour *r, int body)
+{
+	struct ref tau = {0}, *dot;
+	struct derivable x;
+
+	own_terms(r, body, &tau);
+	if (!tau.i || !derive_begin(&x, r->d, &tau, 1))
+		return (struct ref){0};
+	dot = arena_alloc(r->d->arena, x.count, sizeof *dot);
+	if (!dot) {
+		r->d->failed = 1;
+		return (struct ref){0};
+	}
+	derive_forward(&x, along_qd, (struct tour *)r, dot);
+	return dot[tau.i];
 }

@@ -193,6 +193,8 @@ static void leave_and_output(const struct tour *r, int index)
 		leave(r, index);
 	if (!torque_waits(r->t, index))
 		output_torques(r, index);
+	if (r->left)
+		r->left(r, index);
 }
 
 /* Bodies are numbered depth-first: before going out to the next, come back to its parent. */

@@ -124,7 +124,8 @@ static enum rneagen_code check_once(const struct reader *r, const struct scene_c
 static enum rneagen_code check_word(const struct reader *r, const struct scene_choice *c, const char *value)
 {
 	static const char *const words[SCENE_KEY_COUNT][2] = {
-		[SCENE_BESIDE] = {"lock", "drop"}, [SCENE_FEXT_FRAME] = {"link", "world"}};
+		[SCENE_BESIDE] = {"lock", "drop"}, [SCENE_FEXT_FRAME] = {"link", "world"},
+		[SCENE_DERIVATIVES] = {"forward", "recursion"}};
 	const char *const *w = words[c->key];
 
 	if (*w && strcmp(value, w[0]) && strcmp(value, w[1]))

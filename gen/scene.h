@@ -28,6 +28,7 @@
 	X(FREE, "free", 1, SCENE_FREED)                                                                                \
 	X(WANT, "want", 1, SCENE_NAMES)                                                                                \
 	X(DENSE, "dense", 0, SCENE_VALUE)                                                                              \
+	X(DERIVATIVES, "derivatives", 1, SCENE_VALUE)                                                                  \
 	X(FEXT, "fext", 1, SCENE_NAMES)                                                                                \
 	X(FEXT_FRAME, "fext-frame", 1, SCENE_VALUE)                                                                    \
 	X(ARMATURE, "armature", 1, SCENE_PAIR)                                                                         \

@@ -334,11 +334,14 @@ enum rneagen_code task_resolve(struct tree *t, const struct robot *r, struct are
 {
 	struct resolver x = {t, &t->task, &t->scene, r, a, e};
 	const struct scene_choice *frame = scene_next(x.s, SCENE_FEXT_FRAME, NULL);
+	const struct scene_choice *how = scene_next(x.s, SCENE_DERIVATIVES, NULL);
 
 	*x.k = (struct task){.is_plain = !has_choice(x.s)};
 	if (!alloc(&x))
 		return error_memory(e);
 	x.k->dense = scene_next(x.s, SCENE_DENSE, NULL) != NULL;
+	if (how)
+		x.k->derivatives = !strcmp(how->value, "forward") ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION;
 	x.k->in_world = frame && !strcmp(frame->value, "world");
 	if (each(&x, SCENE_FOLD, fold) || each(&x, SCENE_FREE, task_free) || each(&x, SCENE_FEXT, push) ||
 		each(&x, SCENE_ARMATURE, set_armature) || each(&x, SCENE_FRICTION, set_friction) || each(&x, SCENE_WANT, task_want))

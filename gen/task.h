@@ -45,6 +45,9 @@ struct want {
 	struct placement X;
 };
 
+/* By differentiating the torques' expressions; by a recursion over composite bodies; by whichever takes less. */
+enum derivatives { DERIVATIVES_CHEAPER, DERIVATIVES_FORWARD, DERIVATIVES_RECURSION };
+
 struct task {
 	int is_plain;               /* tau = ID(q, qd, qdd) and nothing else */
 	struct row *q, *qd, *qdd;   /* nq, nv and nv of them */
@@ -55,6 +58,7 @@ struct task {
 	struct want *wants;
 	int want_count;
 	int dense;                  /* matrices have their zeros */
+	enum derivatives derivatives; /* how d tau/d q and d tau/d qd are made */
 	real *armature, *damping, *friction; /* by body: of a joint with one row; kg m^2 (kg), N m s (N s/m), N m (N) */
 	real friction_width;                  /* rad/s, m/s */
 };

@@ -28,10 +28,11 @@ struct tour {
 	const struct ref *gravity;              /* three; NULL: the tree's */
 	struct parameters *const *parameters;   /* by body, of those whose parameters are no numbers; NULL: none */
 	/* called where they are not NULL: before the tour; when a body has been entered and has its own wrench; before it is
-	   left, when it has the wrench of its subtree; and to add to the torques of a body's joint */
+	   left, when it has the wrench of its subtree; after that; and to add to the torques of a body's joint */
 	void (*world)(const struct tour *r);
 	void (*entered)(const struct tour *r, int body);
 	void (*leaving)(const struct tour *r, int body);
+	void (*left)(const struct tour *r, int body);
 	void (*own_terms)(const struct tour *r, int body, struct ref *tau);
 	void *context; /* of these */
 };
@@ -48,12 +49,12 @@ struct svec rest_moment(struct dag *d, const struct frame *x); /* C */
 
 /* Adds rotor inertia and friction to the torques of a body's joint, as the tree's task says. */
 void own_terms(const struct tour *r, int body, struct ref *tau);
+/* What these terms of a joint with one row are by qd. */
+struct ref own_rate(const struct tour *r, int body);
 
-/* The mass matrix M[nv][nv], without rotors' inertias; `parameters` by body, NULL where they are the tree's numbers. */
-void crba_build(struct dag *d, const struct tree *t, struct joint_inputs in, struct parameters *const *parameters, struct ref *M);
-
-/* What a scene wants of derivatives: of the torques of a tour that came back, into the arguments `outputs` (by want). */
-void gradient_outputs(const struct tour *r, const int *outputs);
+/* What a scene wants of derivatives, M and the wants in `done` aside: of the torques of a tour that came back, into the
+   arguments `outputs` (both by want). */
+void gradient_outputs(const struct tour *r, const int *outputs, const char *done);
 
 /* The DAG of a tree whose task is not plain. */
 void want_build(struct dag *d, const struct tree *t);

@@ -1,5 +1,6 @@
 /* The task of a scene: torques from what it gives and frees, and whatever else it asks for. The DAG drops what nobody
    needs, so each quantity is simply computed where its operands are at hand. */
+#include "recursion.h"
 #include "tour.h"
 #include <string.h>
 
@@ -10,7 +11,10 @@ struct build {
 	struct ref *offset, *gravity;
 	struct parameters **parameters;
 	int *pushed, *outputs; /* arguments, by push and by want */
+	char *done;            /* by want: the recursion writes it */
 	struct ref kinetic;
+	enum derivatives derivatives;
+	struct recursion recursion;
 };
 
 /* ---- inputs ---- */
@@ -189,6 +193,14 @@ static void leaving(const struct tour *r, int body)
 		}
 }
 
+static void left(const struct tour *r, int body)
+{
+	struct build *b = r->context;
+
+	if (b->recursion.r)
+		recursion_leave(&b->recursion, body);
+}
+
 /* ---- the whole ---- */
 
 /* tau . qd */
@@ -207,6 +219,33 @@ static int output_of(const struct build *b, enum want_kind kind)
 		if (b->k->wants[i].kind == kind)
 			return b->outputs[i];
 	return -1;
+}
+
+/* May the recursion write it? By q, it knows nothing of wrenches that stay as they are in the world; and a body that floats
+   between others it takes to be turned by a quaternion of norm one. */
+static int is_recursive(const struct build *b, enum want_kind kind)
+{
+	for (int i = 0; i < b->t->body_count && kind != WANT_MASS; i++)
+		if (b->t->bodies[i].type == JOINT_FLOATING && b->t->bodies[i].parent >= 0)
+			return 0;
+	if (kind == WANT_DTAU_DQ && b->k->push_count && b->k->in_world)
+		return 0;
+	return kind == WANT_MASS || b->derivatives != DERIVATIVES_FORWARD;
+}
+
+static void begin_recursion(struct build *b, const struct tour *r)
+{
+	static const enum want_kind kinds[BY_COUNT] = {WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_MASS};
+	int arguments[BY_COUNT], is_used = 0;
+
+	for (enum by by = BY_Q; by < BY_COUNT; by++) {
+		arguments[by] = is_recursive(b, kinds[by]) ? output_of(b, kinds[by]) : -1;
+		is_used |= arguments[by] >= 0;
+		for (int i = 0; i < b->k->want_count; i++)
+			b->done[i] |= arguments[by] >= 0 && b->k->wants[i].kind == kinds[by];
+	}
+	if (is_used)
+		recursion_begin(&b->recursion, r, arguments);
 }
 
 static struct tour new_tour(const struct build *b, struct joint_inputs in)
@@ -262,14 +301,17 @@ static void run_main(struct build *b, struct joint_inputs in)
 	r.world = at_world;
 	r.entered = entered;
 	r.leaving = leaving;
+	r.left = left;
 	r.own_terms = own_terms;
 	r.context = b;
 	r.tau_out = output_of(b, WANT_TAU);
 	r.comes_back = task_wants(b->k, WANT_POWER) || task_wants(b->k, WANT_WRENCH) || task_wants_derivative(b->k);
+	begin_recursion(b, &r);
 	tour_run(&r);
+	if (b->recursion.r && !b->d->failed)
+		recursion_end(&b->recursion);
 	output_scalars(b, &r);
-	if (task_wants_derivative(b->k))
-		gradient_outputs(&r, b->outputs);
+	gradient_outputs(&r, b->outputs, b->done);
 }
 
 static int is_zero(const struct row *rows, int count)
@@ -300,13 +342,21 @@ static int alloc(struct build *b)
 	b->parameters = arena_alloc(a, (size_t)b->t->body_count, sizeof(struct parameters *));
 	b->pushed = arena_alloc(a, (size_t)b->k->push_count, sizeof *b->pushed);
 	b->outputs = arena_alloc(a, (size_t)b->k->want_count, sizeof *b->outputs);
+	b->done = arena_alloc(a, (size_t)b->k->want_count, 1);
 	return !a->failed;
 }
 
-/* Where nothing of q, qd or qdd `is_read`, there is no such input. */
-static void build(struct dag *d, const struct tree *t, const int *is_read)
+/* A way to build the DAG: what it reads of q, qd and qdd, and what it takes. */
+struct trial {
+	enum derivatives derivatives;
+	int is_read[3];
+	size_t operations;
+};
+
+/* Where nothing of q, qd or qdd is read, there is no such input. */
+static void build(struct dag *d, const struct tree *t, const struct trial *x)
 {
-	struct build b = {.d = d, .t = t, .k = &t->task};
+	struct build b = {.d = d, .t = t, .k = &t->task, .derivatives = x->derivatives};
 	struct joint_inputs in;
 
 	if (!alloc(&b)) {
@@ -316,9 +366,9 @@ static void build(struct dag *d, const struct tree *t, const int *is_read)
 	dag_section(d, SECTION_FREED, 0);
 	for (int i = 0; i < 3; i++)
 		b.gravity[i] = dag_const(d, t->gravity[i]);
-	in = (struct joint_inputs){.q = source(d, 0, b.k->q, t->nq, is_read[0]), .offset = b.offset};
-	in.qd = source(d, 1, b.k->qd, t->nv, is_read[1]);
-	in.qdd = source(d, 2, b.k->qdd, t->nv, is_read[2]);
+	in = (struct joint_inputs){.q = source(d, 0, b.k->q, t->nq, x->is_read[0]), .offset = b.offset};
+	in.qd = source(d, 1, b.k->qd, t->nv, x->is_read[1]);
+	in.qdd = source(d, 2, b.k->qdd, t->nv, x->is_read[2]);
 	free_constants(&b);
 	for (int i = 0; i < b.k->push_count; i++)
 		b.pushed[i] = dag_argument(d, b.k->pushes[i].argument, 6, 0);
@@ -336,32 +386,50 @@ static void build(struct dag *d, const struct tree *t, const int *is_read)
 	run_gravity(&b, in, output_of(&b, WANT_GRAVITY), output_of(&b, WANT_POTENTIAL));
 }
 
-/* Which of q, qd and qdd an output depends on. */
-static void find_read(const struct dag *d, int *is_read)
+/* What an output depends on, and operations other than signs. */
+static void look(const struct dag *d, struct trial *x)
 {
 	uint32_t *uses = arena_alloc(d->arena, d->count, sizeof *uses);
 
+	memset(x->is_read, 0, sizeof x->is_read);
 	if (!uses)
 		return;
 	dag_uses(d, uses);
-	for (size_t i = 0; i < d->count; i++)
-		for (int k = 0; k < 3 && uses[i] && d->nodes[i].op == OP_INPUT; k++)
-			is_read[k] |= !strcmp(d->arguments[d->nodes[i].arg[0].i].name, INPUTS[k]);
+	for (size_t i = 0; i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+
+		for (int k = 0; k < 3 && uses[i] && n->op == OP_INPUT; k++)
+			x->is_read[k] |= !strcmp(d->arguments[n->arg[0].i].name, INPUTS[k]);
+		x->operations += uses[i] && op_arity[n->op] > 0 && n->op != OP_NEG;
+	}
 }
 
-/* Once to see what is read, and once for good. */
-void want_build(struct dag *d, const struct tree *t)
+static struct trial try(struct dag *d, const struct tree *t, enum derivatives derivatives)
 {
+	struct trial x = {derivatives, {1, 1, 1}, 0};
 	struct dag trial;
-	int is_read[3] = {1, 1, 1};
 
 	dag_init(&trial, d->arena);
-	build(&trial, t, is_read);
-	if (trial.failed) {
+	build(&trial, t, &x);
+	if (trial.failed)
 		d->failed = 1;
-		return;
+	else
+		look(&trial, &x);
+	return x;
+}
+
+/* Once or twice to see what is read and what it takes, and once for good. */
+void want_build(struct dag *d, const struct tree *t)
+{
+	const struct task *k = &t->task;
+	int has_choice = task_wants(k, WANT_DTAU_DQ) || task_wants(k, WANT_DTAU_DQD);
+	struct trial best = try(d, t, k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION), other;
+
+	if (!d->failed && has_choice && k->derivatives == DERIVATIVES_CHEAPER) {
+		other = try(d, t, DERIVATIVES_FORWARD);
+		if (other.operations < best.operations)
+			best = other;
 	}
-	memset(is_read, 0, sizeof is_read);
-	find_read(&trial, is_read);
-	build(d, t, is_read);
+	if (!d->failed)
+		build(d, t, &best);
 }

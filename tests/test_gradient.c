@@ -110,14 +110,16 @@ static void probe_open(struct probe *p, const char *urdf, struct rneagen_options
 	p->nv = p->m.tree.nv;
 }
 
-/* All matrices with their zeros, and M symmetric. */
-static void check_dense(struct probe *p, const char *urdf, struct rneagen_options *o, const char *what)
+/* All matrices with their zeros, and M symmetric; made as `derivatives` says. */
+static void check_dense(struct probe *p, const char *urdf, struct rneagen_options *o, const char *derivatives, const char *what)
 {
 	size_t size = SMALL_ROWS * SMALL_ROWS;
+	char scene[80];
 	real *x = calloc(3 * size, sizeof *x);
 	int nv;
 
-	probe_open(p, urdf, o, "want dtau_dq,dtau_dqd,M\ndense\n", what);
+	snprintf(scene, sizeof scene, "want dtau_dq,dtau_dqd,M\ndense\nderivatives %s\n", derivatives);
+	probe_open(p, urdf, o, scene, what);
 	nv = p->nv;
 	evaluate(p, NULL, (real *[]){x, x + size, x + 2 * size});
 	for (int i = 0; i < nv; i++)
@@ -196,7 +198,8 @@ static void check(const char *urdf, struct rneagen_options *o, uint64_t seed, co
 		reference_sample(p->m.reference, &rng, false, p->q, p->qd, p->qdd);
 		probe_differences(p);
 		model_close(&p->m);
-		check_dense(p, urdf, o, what);
+		check_dense(p, urdf, o, "forward", what);
+		check_dense(p, urdf, o, "recursion", what);
 		check_packed(p, urdf, o, what);
 		check_products(p, urdf, o, &rng, what);
 	} else {
@@ -274,6 +277,81 @@ START_TEST(test_freed)
 }
 END_TEST
 
+/* ---- with joints' own terms, external wrenches and a freed payload ---- */
+
+static const struct {
+	const char *robot, *scene;
+} TERMS[] = {
+	{"iiwa14", "damping\nfriction 0.3\narmature iiwa_joint_3=0.2\n"},
+	{"iiwa14", "fext iiwa_link_5\n"},
+	{"iiwa14", "fext iiwa_link_5\nfext-frame world\n"},
+	{"iiwa14", "free payload.iiwa_link_6\n"},
+	{"mimic_chain", "damping\nfriction 0.2\narmature pinion=0.1\n"},
+	{"hyq", "fext lf_foot,lf_hipassembly\n"},
+	{"panda", "free offset.panda_joint4\ndamping\n"},
+};
+
+/* The matrices of a scene, made in a way, beside differences of the torques of the same scene, which other tests hold against the
+   reference. */
+static void check_terms(const char *urdf, const char *terms, const char *how, struct rng *rng)
+{
+	struct rneagen_options o = rneagen_options_default();
+	struct probe *p = calloc(1, sizeof *p);
+	real *x = calloc(3 * ROWS + 4 * ROWS * ROWS, sizeof *x), *tau[2] = {x, x + ROWS}, *v = x + 2 * ROWS, *to[3];
+	const real h = 1e-5L;
+	char scene[400];
+
+	for (int i = 0; i < 3; i++)
+		to[i] = x + 3 * ROWS + (size_t)i * ROWS * ROWS;
+	for (int i = 0; i < ROWS; i++)
+		v[i] = rng_uniform(rng, -1, 1);
+	snprintf(scene, sizeof scene, "%swant dtau_dq,dtau_dqd,M\ndense\nderivatives %s\n", terms, how);
+	probe_open(p, urdf, &o, scene, terms);
+	for (int i = 0; i < p->nv; i++) {
+		p->q[i] = rng_uniform(rng, -2, 2);
+		p->qd[i] = rng_uniform(rng, -1, 1);
+		p->qdd[i] = rng_uniform(rng, -3, 3);
+	}
+	evaluate(p, v, to);
+	model_close(&p->m);
+	snprintf(scene, sizeof scene, "%swant tau\n", terms);
+	probe_open(p, urdf, &o, scene, terms);
+	for (int b = 0; b < 3; b++) {
+		double *state = b == 0 ? p->q : b == 1 ? p->qd : p->qdd;
+
+		for (int j = 0; j < p->nv; j++) {
+			double at = state[j];
+
+			for (int side = 0; side < 2; side++) {
+				state[j] = at + (side ? -1 : 1) * (double)h;
+				evaluate(p, v, (real *[]){tau[side]});
+			}
+			state[j] = at;
+			for (int i = 0; i < p->nv; i++)
+				compare(p, how, i, j, to[b][i * p->nv + j], (tau[0][i] - tau[1][i]) / (2 * h), 100);
+		}
+	}
+	model_close(&p->m);
+	free(x);
+	free(p);
+}
+
+START_TEST(test_terms)
+{
+	struct rng rng = rng_seed(900 + (uint64_t)_i);
+	char path[256];
+	size_t length;
+	char *urdf;
+
+	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, TERMS[_i].robot);
+	urdf = read_file(path, &length);
+	ck_assert(urdf != NULL);
+	for (int k = 0; k < 4; k++)
+		check_terms(urdf, TERMS[_i].scene, k % 2 ? "forward" : "recursion", &rng);
+	free(urdf);
+}
+END_TEST
+
 static void refuse(const char *scene, const char *text)
 {
 	struct rneagen_options o = rneagen_options_default();
@@ -327,6 +405,7 @@ int main(void)
 	tcase_set_timeout(c, 120);
 	tcase_add_loop_test(c, test_trees, 0, TREES);
 	tcase_add_loop_test(c, test_robots, 0, (int)(sizeof robots / sizeof *robots));
+	tcase_add_loop_test(c, test_terms, 0, (int)(sizeof TERMS / sizeof *TERMS));
 	tcase_add_test(c, test_freed);
 	tcase_add_test(c, test_refused);
 	tcase_add_test(c, test_base);

@@ -5,6 +5,7 @@
 #include "suite.h"
 #include "varied.h"
 #include "worst.h"
+#include <float.h>
 #include <math.h>
 #include <quadmath.h>
 #include <stdio.h>
@@ -63,7 +64,7 @@ static double distance(double a, __float128 b)
 /* An element within its bound; `got` has been rounded to double. Where it overflows the bound says so. */
 static void judge_element(const struct varied *x, struct variant *v, int o, int i, const char *how)
 {
-	double bound = x->bound[o][i] + (how == WORST ? 0x1p-53 * fabs(x->got[o][i]) : 0), off = distance(x->got[o][i], x->exact[o][i]);
+	double bound = x->bound[o][i] + (how == WORST ? 0x1p-53 * fabs(x->got[o][i]) + DBL_TRUE_MIN : 0), off = distance(x->got[o][i], x->exact[o][i]);
 	int row = o == TAU ? i : i / x->nv;
 
 	if (!isfinite(x->got[o][i])) {
@@ -71,8 +72,8 @@ static void judge_element(const struct varied *x, struct variant *v, int o, int 
 		return;
 	}
 	ck_assert_msg(off <= bound, "%s, %s, %s: %s %d is %g off the DAG's, bound %g", x->what, v->name, how, NAMES[o], i, off, bound);
-	ck_assert_msg(distance(x->got[o][i], x->want[o][i]) <= bound + x->noise[row], "%s, %s, %s: %s %d is %g off, bound %g and noise %g",
-		x->what, v->name, how, NAMES[o], i, distance(x->got[o][i], x->want[o][i]), bound, x->noise[row]);
+	ck_assert_msg(distance(x->got[o][i], x->want[o][i]) <= bound + x->noise[row], "%s, %s, %s: %s %d is %g off, bound %g and noise %g (%.17g, not %.17g)",
+		x->what, v->name, how, NAMES[o], i, distance(x->got[o][i], x->want[o][i]), bound, x->noise[row], x->got[o][i], (double)x->want[o][i]);
 	if (bound > 0)
 		v->share = fmax(v->share, off / bound);
 }
