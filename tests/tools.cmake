@@ -28,6 +28,7 @@ set_tests_properties(test_manual PROPERTIES SKIP_RETURN_CODE 77)
 # the README's table and picture are what the results say
 add_test(NAME readme_table COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/gpu/table --check ${PROJECT_SOURCE_DIR}/README.md)
 add_test(NAME readme_scenes COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/gpu/table --scenes --check ${PROJECT_SOURCE_DIR}/README.md)
+add_test(NAME readme_gradients COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/gpu/table --gradients --check ${PROJECT_SOURCE_DIR}/README.md)
 add_test(NAME readme_trajectories COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/gpu/table --trajectories --check
 	${PROJECT_SOURCE_DIR}/README.md)
 add_test(NAME test_picture COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_picture)
