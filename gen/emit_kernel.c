@@ -92,6 +92,8 @@ int emit_min_blocks(const struct emission *e)
 
 	if (e->options->target != RNEAGEN_TARGET_CUDA || e->arithmetic->bytes != 4 || is_staged(e) || emit_is_operation(e))
 		return 0;
+	if (task_wants_derivative(&e->tree->task))
+		return 0; /* they spill */
 	if (e->tree->body_count > ARM_BODIES)
 		return e->tree->body_count >= MANY_BODIES ? 3 : 0;
 	alive = plan_alive(&e->passes[PASS_RNEA].plan, e->arena);
@@ -244,12 +246,21 @@ static const char *kernel_call(const struct emission *e, const struct pass *p, i
 	return emit_call(e, p, "\t", emit_params(e, p, PARAMS_AT_SAMPLE), emit_q_at_sample(e), emit_stride(e));
 }
 
+/* Derivatives may take more values than there are registers. */
+static const char *spill_text(const struct emission *e)
+{
+	return !task_wants_derivative(&e->tree->task) ? "" :
+		"#if defined __CUDACC_VER_MAJOR__ && __CUDACC_VER_MAJOR__ >= 13 && !defined __CUDACC_RDC__ && !defined __CUDACC_DEBUG__\n"
+		"\tasm volatile(\".pragma \\\"enable_smem_spilling\\\";\"); /* what no register holds goes to shared memory first */\n"
+		"#endif\n";
+}
+
 void emit_kernel(const struct emission *e, const struct pass *p, struct text *out)
 {
 	int staged = is_staged(e) && p == &e->passes[PASS_RNEA], is_aos = e->options->layout == RNEAGEN_AOS;
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
-		{"BOUNDS", p == &e->passes[PASS_RNEA] ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
+		{"SPILL", spill_text(e)}, {"BOUNDS", p == &e->passes[PASS_RNEA] ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", kernel_call(e, p, staged)},
 		{"WORDS", emit_int(e, stage_words(e))}, {"SLICES", slices_text(e, is_aos ? "slice" : "here", is_aos ? "slices" : "slices + threadIdx.x")},
 		{"POINTERS", pointers_text(e)}, {"MOVE_IN", is_aos ? move_slices(e, 0) : move_samples(e, 0)},
