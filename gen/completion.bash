@@ -3,7 +3,7 @@
 
 _rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --derivatives --fext --fext-frame --armature --damping
 	--friction --snap-angle --round-constants --drop-below'
-_rneagen_options="-o --output --target --precision --layout --strict --bounded --trig --base --gravity --mimic --order --name --info
+_rneagen_options="-o --output --target --precision --layout --strict --bounded --parts --trig --base --gravity --mimic --order --name --info
 	--info=json --dot --dump --help --version $_rneagen_scene"
 
 # The words that an option takes; returns 1 for an option that takes none, or any.
@@ -18,6 +18,7 @@ _rneagen_words() {
 	--beside) echo lock drop ;;
 	--fext-frame) echo link world ;;
 	--derivatives) echo forward recursion ;;
+	--parts) echo auto ;;
 	--info) echo json ;;
 	--dump) echo robot tree dag plan ;;
 	--backend) [[ ${COMP_WORDS[1]} == eval ]] && echo cpu cuda any || echo cpu cuda all ;;

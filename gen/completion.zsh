@@ -56,6 +56,7 @@ _rneagen_command() {
 		'(-o --output)'{-o,--output}'[write to a file]:file:_files -g "*.(cu|c|h|cuh)"' \
 		'--target=[kernels, C functions, or inline functions]:target:(cuda c header)' \
 		'--layout=[how batches lie in memory]:layout:(soa aos)' \
+		'--parts=[matrices in parts of the grid]:parts:(auto)' \
 		'--bounded[target c: also a function that bounds the error of each torque]' \
 		'--name=[prefix of every function]:identifier:' \
 		'--info=-[tell about the robot]::format:(json)' \

@@ -1,4 +1,5 @@
 #include "emit.h"
+#include "parts.h"
 #include "template.h"
 #include <math.h>
 #include <stdio.h>
@@ -14,6 +15,8 @@ const char *emit_int(const struct emission *e, int value)
 	return text_string(&t);
 }
 
+static const char RETURNS[] = "   Returns whether all angles are small: if not, and `small`, the results mean nothing.\n";
+
 static const char *body_text(const struct emission *e, const struct pass *p)
 {
 	struct text t, body;
@@ -25,11 +28,23 @@ static const char *body_text(const struct emission *e, const struct pass *p)
 		{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"BODY", text_string(&body)}, {"SMALL_PARAM", emit_has_small(e) ? ", const int small" : ""},
 		{"RESULT", emit_has_small(e) ? "int" : "void"},
-		{"RETURNS", emit_has_small(e) ? "   Returns whether all angles are small: if not, and `small`, the results mean nothing.\n" : ""},
+		{"RETURNS", emit_has_small(e) ? RETURNS : ""},
 	};
 	template_expand(&t, template_body_in, slots, sizeof slots / sizeof *slots);
 	t.failed |= body.failed;
 	return t.failed ? NULL : text_string(&t);
+}
+
+/* The blocks of a launch. */
+static const char *grid_text(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_put(&t, "(unsigned)blocks");
+	if (e->part_count)
+		text_printf(&t, ", %d", e->part_count);
+	return text_string(&t);
 }
 
 static const char *enum_text(const struct emission *e)
@@ -146,17 +161,53 @@ static void put_is_small(const struct emission *e, struct text *out)
 	text_put(out, host_only ? "#endif\n" : "");
 }
 
+static void put_text(const char *text, struct text *out)
+{
+	if (text)
+		text_put(out, text);
+	else
+		out->failed = 1;
+}
+
+/* The call of a part's body with the dispatcher's own arguments. */
+static void put_part_call(const struct emission *e, int part, struct text *out)
+{
+	text_printf(out, "%s%s_%s_body(%s, stride%s);", emit_has_small(e) ? "all_small &= " : "", e->options->name,
+		e->parts[part].algorithm.name, emit_params(e, &e->passes[PASS_RNEA], PARAMS_NAMES), emit_has_small(e) ? ", small" : "");
+}
+
+/* The body that calls the parts'. */
+static const char *dispatcher_text(const struct emission *e)
+{
+	const struct pass *p = &e->passes[PASS_RNEA];
+	struct text t, cases, calls;
+
+	text_init(&t, e->arena);
+	text_init(&cases, e->arena);
+	text_init(&calls, e->arena);
+	for (int i = 0; i < e->part_count; i++) {
+		text_printf(&cases, "%s\tcase %d:\n\t\t", i ? "\n" : "", i);
+		put_part_call(e, i, &cases);
+		text_put(&cases, "\n\t\tbreak;");
+		text_put(&calls, i ? "\n\t" : "\t");
+		put_part_call(e, i, &calls);
+	}
+	const struct slot slots[] = {{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"SMALL_PARAM", emit_has_small(e) ? ", const int small" : ""},
+		{"RESULT", emit_has_small(e) ? "int" : "void"}, {"RETURNS", emit_has_small(e) ? RETURNS : ""},
+		{"BEGIN", emit_has_small(e) ? "\tint all_small = 1;" : ""}, {"END", emit_has_small(e) ? "\treturn all_small;" : ""},
+		{"CASES", text_string(&cases)}, {"CALLS", text_string(&calls)}};
+	template_expand(&t, template_parts_in, slots, sizeof slots / sizeof *slots);
+	return t.failed || cases.failed || calls.failed ? NULL : text_string(&t);
+}
+
 static void put_bodies(const struct emission *e, struct text *out)
 {
 	put_is_small(e, out);
-	for (int i = 0; i < e->pass_count; i++) {
-		const char *body = body_text(e, &e->passes[i]);
-
-		if (body)
-			text_put(out, body);
-		else
-			out->failed = 1;
-	}
+	for (int i = 0; i < e->part_count; i++)
+		put_text(body_text(e, &e->parts[i].pass), out);
+	for (int i = 0; i < e->pass_count; i++)
+		put_text(i == 0 && e->part_count ? dispatcher_text(e) : body_text(e, &e->passes[i]), out);
 }
 
 void emit_source(const struct emission *e, struct text *out)
@@ -176,7 +227,7 @@ void emit_source(const struct emission *e, struct text *out)
 		{"ARITHMETIC_CUDA", emit_arithmetic(e, ARITHMETIC_FOR_CUDA)},
 		{"ARITHMETIC_HEADER", emit_arithmetic(e, ARITHMETIC_FOR_HEADER)}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
 		{"UNDEF_STRICT", e->options->strict ? "#undef RNEA_ADD\n#undef RNEA_SUB\n#undef RNEA_MUL\n#undef RNEA_DIV\n#undef RNEA_SQRT\n#undef RNEA_APART\n" : ""},
-		{"BLOCK", emit_int(e, emit_block_size(e))}, {"MIN_BLOCKS", emit_int(e, emit_min_blocks(e))},
+		{"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)}, {"MIN_BLOCKS", emit_int(e, emit_min_blocks(e))},
 		{"SINCOS", sincos_text(e)}, {"BODIES", text_string(&bodies)}, {"STAGE", emit_stage(e)},
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
 		{"ADDRESSES", emit_params(e, &p[PASS_RNEA], PARAMS_ADDRESSES)},
@@ -206,6 +257,8 @@ void emit_info_shape(const struct emission *e, struct text *out)
 	const struct argument *a = e->passes[PASS_RNEA].dag.arguments;
 
 	text_printf(out, "block %d\n", emit_block_size(e));
+	if (e->part_count)
+		text_printf(out, "parts %d\n", e->part_count);
 	for (int i = 0; i < e->passes[PASS_RNEA].dag.argument_count; i++)
 		text_printf(out, "%s %s %d %s %s\n", a[i].is_output ? "output" : "input", a[i].name, a[i].rows,
 			e->memory->name, a[i].per_batch ? "batch" : "sample");

@@ -28,6 +28,8 @@ struct emission {
 	const struct rneagen_options *options; /* defaults resolved: precision, name, file */
 	const struct pass *passes;             /* PASS_COUNT; pass_count of them have a DAG: all, or the first alone, */
 	int pass_count;                        /* which then is a scene's task or one operation of the robot */
+	const struct part *parts;              /* what the first pass does, as parts of the grid; part_count 0: it is whole */
+	int part_count;
 	const char *banner;                    /* the comment at the head, where it is not inverse dynamics; else NULL */
 	const char *const *warnings;
 	size_t warning_count;

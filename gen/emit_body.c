@@ -252,14 +252,16 @@ static void put_assignment(const struct emission *e, const struct plan *p, struc
 	emit_wrapped(out, text_string(&statement));
 }
 
-/* An argument of which nothing is read would be an unused parameter. */
+/* An argument of which nothing is read or written would be an unused parameter. */
 static void put_unused_arguments(const struct plan *p, int has_small, struct text *out)
 {
 	const struct dag *d = p->dag;
 
 	for (int i = 0; i < d->argument_count; i++) {
-		int used = d->arguments[i].is_output;
+		int used = 0;
 
+		for (size_t k = 0; k < d->output_count && !used; k++)
+			used = d->outputs[k].argument == i;
 		for (size_t k = 0; k < d->count && !used; k++)
 			used = d->nodes[k].op == OP_INPUT && d->nodes[k].arg[0].i == (uint32_t)i;
 		if (!used)

@@ -2,6 +2,7 @@
 #include "emit.h"
 #include "pattern.h"
 #include "effect.h"
+#include "parts.h"
 #include "scene_put.h"
 #include "template.h"
 #include <string.h>
@@ -215,11 +216,14 @@ static void put_conventions(const struct emission *e, struct text *out)
 static void put_operations(const struct emission *e, struct text *out)
 {
 	for (int i = 0; i < e->pass_count; i++) {
-		struct operation_count n = plan_operations(&e->passes[i].plan);
+		struct operation_count n = i ? plan_operations(&e->passes[i].plan) : parts_operations(e);
 
 		text_printf(out, " *   %s: %u mul, %u add, %u sub, %u neg, %u fma, %u sincos = %u flops\n", e->passes[i].algorithm->name,
 			n.mul, n.add, n.sub, n.neg, n.fma, n.sincos, plan_flops(n));
 	}
+	if (e->part_count)
+		text_printf(out, " * The rnea kernel is in %d parts: its grid has as many along y, each for the elements of some joints.\n",
+			e->part_count);
 }
 
 void emit_banner(const struct emission *e, struct text *out)
@@ -271,10 +275,11 @@ static void put_name(const char *s, struct text *out)
 
 static void put_info_lines(const struct emission *e, struct text *t)
 {
-	struct operation_count n = plan_operations(&e->passes[PASS_RNEA].plan);
+	struct operation_count n = parts_operations(e);
 	const struct rneagen_options *o = e->options;
 
-	text_printf(t, "rneagen-info 1\nname %s\nprecision %s\narithmetic %s\nlayout %s\ntrig %s\nbase %s\n", o->name,
+	text_printf(t, "rneagen-info %d\nname %s\nprecision %s\narithmetic %s\nlayout %s\ntrig %s\nbase %s\n",
+		e->part_count ? 2 : 1, o->name,
 		e->memory->name, e->arithmetic->name, emit_layout_name(o->layout), emit_trig_name(o->trig),
 		o->base == RNEAGEN_FLOATING ? "floating" : "fixed");
 	text_printf(t, "nq %d\nnv %d\nnb %d\n", e->tree->nq, e->tree->nv, e->tree->body_count);

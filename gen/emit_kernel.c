@@ -62,7 +62,7 @@ static int stage_bytes(const struct emission *e)
    the floor instead of 0.86, fetch 0.94 instead of 0.80; but jvrc1, where 32 just fit, 0.47 instead of 0.63). */
 static int is_staged(const struct emission *e)
 {
-	if (emit_is_operation(e))
+	if (emit_is_operation(e) || e->part_count) /* a part must not write what stands in the others' places */
 		return 0;
 	if (e->options->layout == RNEAGEN_AOS)
 		return SMALLEST_BLOCK * stage_bytes(e) <= SHARED_BYTES;

@@ -1,5 +1,6 @@
 #include "info.h"
 #include "effect.h"
+#include "parts.h"
 #include "saving.h"
 #include "scene_put.h"
 
@@ -35,11 +36,12 @@ static void put_operations(const struct emission *e, struct text *out)
 {
 	text_put(out, "\noperations       mul    add    sub    neg    fma sincos  flops\n");
 	for (int i = 0; i < e->pass_count; i++) {
-		struct operation_count n = plan_operations(&e->passes[i].plan);
+		struct operation_count n = i ? plan_operations(&e->passes[i].plan) : parts_operations(e);
 
 		text_printf(out, "  %-10s %7u %6u %6u %6u %6u %6u %6u\n", e->passes[i].algorithm->name, n.mul, n.add, n.sub, n.neg, n.fma,
 			n.sincos, plan_flops(n));
 	}
+	parts_put_table(e, out);
 }
 
 void info_table(const struct emission *e, struct text *out)
@@ -91,7 +93,7 @@ static void put_json_joints(const struct tree *t, struct text *out)
 
 void info_json(const struct emission *e, struct text *out)
 {
-	struct operation_count n = plan_operations(&e->passes[PASS_RNEA].plan);
+	struct operation_count n = parts_operations(e);
 
 	text_put(out, "{\n  \"name\": ");
 	text_put_json(out, e->options->name);
@@ -104,6 +106,7 @@ void info_json(const struct emission *e, struct text *out)
 	effect_put_json(e->tree, out);
 	scene_put_json_ignored(e->tree, out);
 	emit_pattern_json(e, out);
+	parts_put_json(e, out);
 	text_put(out, "  \"warnings\": [");
 	for (size_t i = 0; i < e->warning_count; i++) {
 		text_put(out, i ? ",\n    " : "\n    ");

@@ -22,6 +22,8 @@ static const char HELP[] =
 	"  --layout soa|aos           batches as [row][sample] (default) or [sample][row]\n"
 	"  --trig accurate|bounded|fast\n"
 	"                             sine and cosine for any finite argument (default), for a stated domain, or in hardware\n"
+	"  --parts N|auto             target cuda: matrices of --want in N parts of the grid, or as many as it takes not to\n"
+	"                             spill registers (default 1)\n"
 	"  --base fixed|floating      floating: q starts with x y z qx qy qz qw, qd and tau with six rows\n"
 	"  --gravity X,Y,Z            m/s^2 in the world (default 0,0,-9.81)\n"
 	"  --mimic honour|independent followers have no entry in q (default), or are joints of their own\n"

@@ -53,6 +53,17 @@ static int parse_gravity(const char *command, const char *word, double gravity[3
 	return 0;
 }
 
+static int parse_parts(const char *command, const char *word, int *parts)
+{
+	char *end;
+	long n = strtol(word, &end, 10);
+
+	*parts = strcmp(word, "auto") ? (int)n : RNEAGEN_PARTS_AUTO;
+	if (*parts != RNEAGEN_PARTS_AUTO && (end == word || *end || n < 1 || n > 65535))
+		return option_refuse(command, "--parts takes a number from 1 to 65535, or auto, not '%s'", word);
+	return 0;
+}
+
 /* Options that take one word of a few, from OPTION_TARGET to OPTION_DUMP. */
 static const struct choice {
 	const char *option;
@@ -237,6 +248,8 @@ int option_generate(const char *command, struct rneagen_options *o, int key, con
 		o->strict = 1;
 		return 0;
 	}
+	if (key == OPTION_PARTS)
+		return parse_parts(command, word, &o->parts);
 	if (key == OPTION_SCENE_FILE)
 		return take_scene_file(command, o, word);
 	if (key == OPTION_SCENE + SCENE_ARMATURE)

@@ -7,6 +7,7 @@
 #include "identifier.h"
 #include "info.h"
 #include "keep.h"
+#include "parts.h"
 #include "rnea.h"
 #include "robot.h"
 #include "saving.h"
@@ -19,6 +20,8 @@ struct generation {
 	struct robot robot;
 	struct tree tree;
 	struct pass passes[PASS_COUNT];
+	struct part *parts;
+	int part_count;
 	char hash[SHA256_DIGEST_STRING_LENGTH];
 	struct emission emission;
 	struct rneagen_result *result;
@@ -84,7 +87,7 @@ static enum rneagen_code make_passes(struct generation *g)
 		if (!plan_build(&p->plan, &p->dag, &g->tree, a))
 			return error_memory(g->error);
 	}
-	return RNEAGEN_OK;
+	return parts_make(&g->parts, &g->part_count, &g->passes[PASS_RNEA], &g->tree, &g->options, a, g->error);
 }
 
 static void make_dump(struct generation *g, struct text *t)
@@ -156,6 +159,8 @@ static enum rneagen_code generate(struct generation *g, const char *urdf, size_t
 		.options = &g->options,
 		.passes = g->passes,
 		.pass_count = pass_count(g),
+		.parts = g->parts,
+		.part_count = g->part_count,
 		.warnings = g->robot.warnings,
 		.warning_count = g->robot.warning_count,
 		.hash = g->hash,

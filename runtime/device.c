@@ -262,10 +262,10 @@ enum rnea_code device_resident(
 	return device_failed(d, status, "cuOccupancyMaxActiveBlocksPerMultiprocessor", e);
 }
 
-enum rnea_code device_launch(const struct device *d, const struct device_kernel *kernel, unsigned grid, unsigned block,
-	void **parameters, void *stream, struct rnea_error *e)
+enum rnea_code device_launch(const struct device *d, const struct device_kernel *kernel, unsigned grid, unsigned parts,
+	unsigned block, void **parameters, void *stream, struct rnea_error *e)
 {
-	int status = d->api.launch_kernel(kernel->function, grid, 1, 1, block, 1, 1, 0, stream, parameters, NULL);
+	int status = d->api.launch_kernel(kernel->function, grid, parts, 1, block, 1, 1, 0, stream, parameters, NULL);
 	char call[320];
 
 	if (!status)

@@ -164,9 +164,9 @@ enum rnea_code device_find(const struct device *d, void *module, struct device_k
 enum rnea_code device_resident(
 	const struct device *d, const struct device_kernel *kernel, unsigned block, int *blocks, struct rnea_error *e);
 
-/* Enqueue a kernel in one dimension. */
-enum rnea_code device_launch(const struct device *d, const struct device_kernel *kernel, unsigned grid, unsigned block,
-	void **parameters, void *stream, struct rnea_error *e);
+/* Enqueue a kernel: `grid` blocks, `parts` times. */
+enum rnea_code device_launch(const struct device *d, const struct device_kernel *kernel, unsigned grid, unsigned parts,
+	unsigned block, void **parameters, void *stream, struct rnea_error *e);
 
 /* Memory of the device, and page-locked memory of the program. Freeing 0 or NULL is a no-op; nothing is reported. */
 enum rnea_code device_alloc(const struct device *d, size_t size, unsigned long long *address, struct rnea_error *e);

@@ -200,6 +200,7 @@ static enum rnea_code read_info(struct driver *c, const struct source *s, struct
 	if (c->block)
 		info->block = c->block; /* the table has the text's default */
 	c->block = info->block;
+	c->parts = info->parts;
 	return RNEA_OK;
 }
 
@@ -232,7 +233,7 @@ static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
 		return e->code;
 	for (int i = 0; i < RNEA_KERNEL_COUNT && !e->code; i++)
 		if (c->kernels[i].function)
-			device_launch(&c->device, &c->kernels[i], 1, c->block, parameters, stream, e);
+			device_launch(&c->device, &c->kernels[i], 1, 1, c->block, parameters, stream, e);
 	return device_finish(&c->device, stream, e);
 }
 
@@ -286,7 +287,8 @@ enum rnea_code driver_launch(const struct driver *c, enum rnea_kernel kernel, vo
 	parameters[n] = &count;
 	if (device_enter(&c->device, &pushed, e))
 		return e->code;
-	device_launch(&c->device, &c->kernels[kernel], (unsigned)grid, c->block, parameters, stream, e);
+	device_launch(&c->device, &c->kernels[kernel], (unsigned)grid, kernel == RNEA_KERNEL_RNEA ? c->parts : 1, c->block, parameters,
+		stream, e);
 	device_leave(&c->device, pushed);
 	return e->code;
 }

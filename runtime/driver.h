@@ -13,6 +13,7 @@ struct driver {
 	void *module;
 	struct device_kernel kernels[RNEA_KERNEL_COUNT];
 	unsigned block;	     /* threads per block of every launch */
+	unsigned parts;      /* of the grid of the rnea kernel */
 	unsigned min_blocks; /* launch bound of the rnea kernel; 0: none */
 	int cached;
 	char compiler[640]; /* "NVRTC 13.0 (libnvrtc.so.13)"; "" if it was cached */

@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { VERSION = 1, BLOCK_LIMIT = 1024 };
+/* A text in parts has the second version and one key more: who knows nothing of parts must not launch it as a whole. */
+enum { VERSION = 1, VERSION_PARTS = 2, BLOCK_LIMIT = 1024, PARTS_LIMIT = 65535 };
 
 /* The keys that stand exactly once. */
 enum key {
@@ -19,16 +20,18 @@ enum key {
 	KEY_NB,
 	KEY_BLOCK,
 	KEY_OPERATIONS,
+	KEY_PARTS,
 	KEY_COUNT
 };
 
 static const char *const keys[KEY_COUNT] = {
-	"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv", "nb", "block", "operations"};
+	"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv", "nb", "block", "operations", "parts"};
 
 struct parser {
 	char *rest;    /* of the text: what is not read yet */
 	char *line;    /* of the current line: what is not read yet; NULL at its end */
 	size_t number; /* of the current line, from 1 */
+	size_t version;
 	int seen[KEY_COUNT];
 	struct rnea_info *info;
 	struct rnea_argument *arguments;
@@ -41,8 +44,8 @@ struct parser {
 
 static enum rnea_code damaged(struct parser *p, const char *what, const char *word)
 {
-	return rnea_error_set(p->error, RNEA_TABLE, "info table, line %zu: %s%s%s%s", p->number, what,
-		word ? " \"" : "", word ? word : "", word ? "\"" : "");
+	return rnea_error_set(p->error, RNEA_TABLE, "info table, line %zu: %s%s%s%s", p->number, what, word ? " \"" : "",
+		word ? word : "", word ? "\"" : "");
 }
 
 /* Move to the next line; 0 at the end of the text. */
@@ -152,8 +155,7 @@ static enum rnea_code read_joint(struct parser *p)
 	struct rnea_joint *j = &p->joints[p->info->joint_count];
 
 	if (read_number(p, &j->iq, 0, SIZE_MAX / 2) || read_number(p, &j->nq, 0, SIZE_MAX / 2) ||
-		read_number(p, &j->iv, 0, SIZE_MAX / 2) || read_number(p, &j->nv, 0, SIZE_MAX / 2) ||
-		read_word(p, &j->type))
+		read_number(p, &j->iv, 0, SIZE_MAX / 2) || read_number(p, &j->nv, 0, SIZE_MAX / 2) || read_word(p, &j->type))
 		return p->error->code;
 	if (!p->line)
 		return damaged(p, "the joint has no name", NULL);
@@ -180,8 +182,7 @@ static enum rnea_code read_matrix(struct parser *p)
 		if (other->argument == i)
 			return damaged(p, "a second matrix of the name", name);
 	*m = (struct rnea_matrix){.argument = i, .row = p->row + p->element_count, .col = p->col + p->element_count};
-	if (read_number(p, &m->rows, 1, INT_MAX) || read_number(p, &m->cols, 1, INT_MAX) ||
-		read_choice(p, &m->lower, "general", "lower"))
+	if (read_number(p, &m->rows, 1, INT_MAX) || read_number(p, &m->cols, 1, INT_MAX) || read_choice(p, &m->lower, "general", "lower"))
 		return p->error->code;
 	info->matrix_count++;
 	return end_line(p);
@@ -233,7 +234,7 @@ static enum rnea_code read_operations(struct parser *p)
 static enum rnea_code read_value(struct parser *p, enum key key)
 {
 	struct rnea_info *info = p->info;
-	size_t block = 0;
+	size_t count = 0;
 	int choice = 0;
 
 	switch (key) {
@@ -258,11 +259,15 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 	case KEY_NB:
 		return read_number(p, &info->nb, 1, SIZE_MAX / 128);
 	case KEY_BLOCK:
-		read_number(p, &block, 1, BLOCK_LIMIT);
-		info->block = (unsigned)block;
+		read_number(p, &count, 1, BLOCK_LIMIT);
+		info->block = (unsigned)count;
 		return p->error->code;
 	case KEY_OPERATIONS:
 		return read_operations(p);
+	case KEY_PARTS:
+		read_number(p, &count, 2, PARTS_LIMIT);
+		info->parts = (unsigned)count;
+		return p->error->code;
 	case KEY_COUNT:
 		break;
 	}
@@ -293,16 +298,14 @@ static enum rnea_code read_line(struct parser *p)
 
 static enum rnea_code read_version(struct parser *p)
 {
-	size_t version = 0;
-
 	if (!next_line(p) || strcmp(next_word(p), "rneagen-info") != 0)
-		return rnea_error_set(
-			p->error, RNEA_TABLE, "info table: it does not start with \"rneagen-info %d\"", VERSION);
-	if (read_number(p, &version, 0, SIZE_MAX) || end_line(p))
+		return rnea_error_set(p->error, RNEA_TABLE, "info table: it does not start with \"rneagen-info %d\" or \"... %d\"",
+			VERSION, VERSION_PARTS);
+	if (read_number(p, &p->version, 0, SIZE_MAX) || end_line(p))
 		return p->error->code;
-	if (version != VERSION)
+	if (p->version != VERSION && p->version != VERSION_PARTS)
 		return rnea_error_set(p->error, RNEA_TABLE,
-			"info table: it has version %zu, and this library reads version %d", version, VERSION);
+			"info table: it has version %zu, and this library reads versions %d and %d", p->version, VERSION, VERSION_PARTS);
 	return RNEA_OK;
 }
 
@@ -312,7 +315,7 @@ static enum rnea_code check(struct parser *p)
 	const struct rnea_info *info = p->info;
 
 	for (int i = 0; i < KEY_COUNT; i++)
-		if (!p->seen[i] && i != KEY_ARITHMETIC)
+		if (!p->seen[i] && i != KEY_ARITHMETIC && (i != KEY_PARTS || p->version == VERSION_PARTS))
 			return rnea_error_set(p->error, RNEA_TABLE, "info table: the key \"%s\" is missing", keys[i]);
 	if (!info->output_count) /* no inputs: a scene may give them all */
 		return rnea_error_set(p->error, RNEA_TABLE, "info table: it lists no outputs");
@@ -320,8 +323,7 @@ static enum rnea_code check(struct parser *p)
 		const struct rnea_joint *j = &info->joints[i];
 
 		if (j->iq + j->nq > info->nq || j->iv + j->nv > info->nv)
-			return rnea_error_set(
-				p->error, RNEA_TABLE, "info table: joint \"%s\" lies outside of q or qd", j->name);
+			return rnea_error_set(p->error, RNEA_TABLE, "info table: joint \"%s\" lies outside of q or qd", j->name);
 	}
 	for (size_t i = 0; i < info->matrix_count; i++) {
 		const struct rnea_argument *a = &info->arguments[info->matrices[i].argument];
@@ -365,6 +367,7 @@ enum rnea_code rnea_info_parse(const char *text, size_t length, struct rnea_info
 	struct parser p = {.info = info, .error = e};
 
 	memset(info, 0, sizeof *info);
+	info->parts = 1;
 	if (take_memory(&p, text, length))
 		return e->code;
 	if (strlen(p.rest) + 1 < length)
@@ -380,8 +383,7 @@ enum rnea_code rnea_info_parse(const char *text, size_t length, struct rnea_info
 	return e->code;
 }
 
-enum rnea_code rnea_info_read(
-	const char *text, size_t length, const char *name, struct rnea_info *info, struct rnea_error *e)
+enum rnea_code rnea_info_read(const char *text, size_t length, const char *name, struct rnea_info *info, struct rnea_error *e)
 {
 	if (rnea_info_parse(text, length, info, e) || strcmp(info->name, name) == 0)
 		return e->code;

@@ -123,6 +123,7 @@ struct rnea_info {
 	void *memory; /* private */
 	const struct rnea_matrix *matrices; /* matrix_count of them: outputs dtau_dq, dtau_dqd, dtau_dNAME and M */
 	size_t matrix_count;
+	unsigned parts; /* of a grid of the rnea kernel, along y: each makes some elements of the matrices; 1: all (--parts) */
 };
 
 /* ---- opening and closing ---- */

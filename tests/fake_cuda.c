@@ -86,7 +86,7 @@ void fake_run(const struct fake_launch *launch)
 	for (unsigned i = 0; i < launch->kernel->count; i++)
 		parameters[i] = &values[i];
 	pthread_mutex_lock(&running);
-	launch->kernel->run(parameters, launch->grid, launch->block);
+	launch->kernel->run(parameters, launch->grid, launch->parts, launch->block);
 	pthread_mutex_unlock(&running);
 }
 

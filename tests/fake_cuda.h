@@ -20,14 +20,14 @@ enum fake_status {
 
 /* As fake_device.h lays it out. */
 struct fake_kernel {
-	void (*run)(void **parameters, unsigned grid, unsigned block);
+	void (*run)(void **parameters, unsigned grid, unsigned parts, unsigned block);
 	unsigned count;
 	unsigned min_blocks;
 };
 
 struct fake_launch {
 	const struct fake_kernel *kernel;
-	unsigned grid, block;
+	unsigned grid, parts, block; /* parts: the grid along y */
 	unsigned long long parameters[FAKE_PARAMETER_LIMIT];
 };
 

@@ -98,7 +98,7 @@ template <class... A, class... B> static void fake_launch(void (*kernel)(A...), 
 		[&](auto &...each) {
 			void *parameters[] = {&each...};
 
-			fake_run_threads(kernel, parameters, grid, block);
+			fake_run_threads(kernel, parameters, grid, 1, block);
 		},
 		kept);
 }

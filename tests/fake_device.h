@@ -60,13 +60,14 @@ static void fake_apply(void (*kernel)(A...), void **p, std::index_sequence<I...>
 }
 
 /* Threads that never wait for each other are run one after another. */
-template <class... A> static void fake_run_serial(void (*kernel)(A...), void **p, unsigned grid, unsigned block)
+template <class... A> static void fake_run_serial(void (*kernel)(A...), void **p, unsigned grid, unsigned parts,
+	unsigned block)
 {
 	blockDim = {block, 1, 1};
-	gridDim = {grid, 1, 1};
-	for (unsigned b = 0; b < grid; b++)
+	gridDim = {grid, parts, 1};
+	for (unsigned b = 0; b < grid * parts; b++)
 		for (unsigned t = 0; t < block; t++) {
-			blockIdx = {b, 0, 0};
+			blockIdx = {b % grid, b / grid, 0};
 			threadIdx = {t, 0, 0};
 			fake_apply(kernel, p, std::index_sequence_for<A...>{});
 		}
@@ -102,7 +103,8 @@ static fake_barrier *fake_block_barrier;
 }
 
 /* Threads that do are real ones; together they go from block to block. */
-template <class... A> static void fake_run_threads(void (*kernel)(A...), void **p, unsigned grid, unsigned block)
+template <class... A> static void fake_run_threads(void (*kernel)(A...), void **p, unsigned grid, unsigned parts,
+	unsigned block)
 {
 	fake_barrier barrier;
 	std::vector<std::thread> threads;
@@ -112,11 +114,11 @@ template <class... A> static void fake_run_threads(void (*kernel)(A...), void **
 	fake_block_barrier = &barrier;
 	for (unsigned t = 0; t < block; t++)
 		threads.emplace_back([=, &barrier] {
-			for (unsigned b = 0; b < grid; b++) {
+			for (unsigned b = 0; b < grid * parts; b++) {
 				threadIdx = {t, 0, 0};
-				blockIdx = {b, 0, 0};
+				blockIdx = {b % grid, b / grid, 0};
 				blockDim = {block, 1, 1};
-				gridDim = {grid, 1, 1};
+				gridDim = {grid, parts, 1};
 				fake_apply(kernel, p, std::index_sequence_for<A...>{});
 				barrier.wait();
 			}
@@ -133,7 +135,7 @@ template <class... A> static constexpr unsigned fake_count(void (*)(A...))
 
 /* What fake_cuda looks up as fake_kernel_NAME. */
 struct fake_kernel {
-	void (*run)(void **parameters, unsigned grid, unsigned block);
+	void (*run)(void **parameters, unsigned grid, unsigned parts, unsigned block);
 	unsigned count; /* parameters, 8 bytes each */
 	unsigned min_blocks; /* the launch bound of the text; 0: none */
 };
@@ -141,5 +143,6 @@ struct fake_kernel {
 #define FAKE_KERNEL(name, how)                                                                                         \
 	extern "C" const fake_kernel fake_kernel_##name;                                                               \
 	const fake_kernel fake_kernel_##name = {                                                                       \
-		[](void **p, unsigned grid, unsigned block) { how(name, p, grid, block); }, fake_count(name),               \
+		[](void **p, unsigned grid, unsigned parts, unsigned block) { how(name, p, grid, parts, block); },          \
+		fake_count(name),                                                                                      \
 		FAKE_MIN_BLOCKS};

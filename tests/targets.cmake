@@ -50,6 +50,11 @@ target_compile_definitions(test_matrices PRIVATE TEST_DIR="${PROJECT_SOURCE_DIR}
 	FAKE_NVRTC="$<TARGET_FILE:fake_nvrtc>")
 target_link_libraries(test_matrices PRIVATE target rnea::urdf ${CMAKE_DL_LIBS})
 add_test(NAME test_matrices COMMAND test_matrices)
+add_executable(test_parts test_parts.c)
+add_dependencies(test_parts fake_cuda fake_nvrtc)
+target_compile_definitions(test_parts PRIVATE FAKE_CUDA="$<TARGET_FILE:fake_cuda>" FAKE_NVRTC="$<TARGET_FILE:fake_nvrtc>")
+target_link_libraries(test_parts PRIVATE target rnea::urdf)
+add_test(NAME test_parts COMMAND test_parts)
 
 # What is committed under generated/ is what the command writes.
 add_test(NAME golden COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/regenerate --check $<TARGET_FILE:rneagen-command>)

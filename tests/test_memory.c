@@ -104,6 +104,11 @@ START_TEST(every_request)
 		o.target = _i % 2 ? RNEAGEN_TARGET_C : RNEAGEN_TARGET_CUDA;
 		o.base = RNEAGEN_FIXED;
 	}
+	if (_i >= 9) {
+		o.target = RNEAGEN_TARGET_CUDA;
+		o.layout = RNEAGEN_SOA;
+		o.parts = 2;
+	}
 	requests = refuse_each(&o, _i % 2, generate);
 	printf("each of %ld requests refused\n", requests);
 	ck_assert_int_gt(requests, 100);
@@ -130,7 +135,7 @@ int main(void)
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 300);
-	tcase_add_loop_test(c, every_request, 0, 9);
+	tcase_add_loop_test(c, every_request, 0, 11);
 	tcase_add_loop_test(c, every_request_of_a_scene, 0, 4);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);

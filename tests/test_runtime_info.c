@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define HEAD "rneagen-info 1\nname arm\nprecision f64\nlayout aos\ntrig bounded\nbase floating\n"
+#define HEAD "rneagen-info 1\n" NAMES
+#define NAMES "name arm\nprecision f64\nlayout aos\ntrig bounded\nbase floating\n"
 #define SIZES "nq 8\nnv 7\nnb 2\nblock 64\n"
 #define ARRAYS "input q 8 f64 sample\ninput gravity 3 f32 batch\noutput tau 7 f64 sample\n"
 #define MATRIX "output M 3 f64 sample\noutput g 2 f64 sample\n"                                                             \
@@ -43,6 +44,20 @@ START_TEST(reads_everything)
 	ck_assert(i.operations.neg == 40 && i.operations.fma == 50 && i.operations.sincos == 60);
 	rnea_info_free(&i);
 	ck_assert_ptr_null(i.memory);
+}
+END_TEST
+
+START_TEST(reads_parts)
+{
+	struct rnea_info i;
+	struct rnea_error e;
+
+	ck_assert_int_eq(parse(HEAD SIZES ARRAYS COUNTS, &i, &e), RNEA_OK);
+	ck_assert_uint_eq(i.parts, 1);
+	rnea_info_free(&i);
+	ck_assert_int_eq(parse("rneagen-info 2\n" NAMES SIZES "parts 3\n" ARRAYS COUNTS, &i, &e), RNEA_OK);
+	ck_assert_uint_eq(i.parts, 3);
+	rnea_info_free(&i);
 }
 END_TEST
 
@@ -110,7 +125,11 @@ static const struct damage {
 	{"rneagen-info\n", "line 1: a number is missing"},
 	{"rneagen-info one\n", "line 1: not a number: \"one\""},
 	{"rneagen-info 1 2\n", "line 1: more than expected: \"2\""},
-	{"rneagen-info 2\n", "it has version 2, and this library reads version 1"},
+	{"rneagen-info 3\n", "it has version 3, and this library reads versions 1 and 2"},
+	{"rneagen-info 2\n" NAMES SIZES ARRAYS COUNTS, "the key \"parts\" is missing"},
+	{"rneagen-info 2\nparts 1\n", "line 2: the number is out of range"},
+	{"rneagen-info 2\nparts 65536\n", "line 2: the number is out of range"},
+	{"rneagen-info 2\nparts 2\nparts 2\n", "line 3: a second line of the key \"parts\""},
 	{"rneagen-info 1\n", "the key \"name\" is missing"},
 	{HEAD ARRAYS COUNTS, "the key \"nq\" is missing"},
 	{HEAD SIZES ARRAYS, "the key \"operations\" is missing"},
@@ -233,6 +252,7 @@ Suite *suite_info(void)
 	TCase *t = tcase_create("info");
 
 	tcase_add_test(t, reads_everything);
+	tcase_add_test(t, reads_parts);
 	tcase_add_test(t, reads_matrices);
 	tcase_add_test(t, accepts_variations);
 	tcase_add_test(t, arithmetic_of_its_own);

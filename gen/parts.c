@@ -1,0 +1,349 @@
+/* Any share of the outputs makes a part: the DAG drops what it does not need. */
+#include "parts.h"
+#include "pattern.h"
+#include <string.h>
+
+/* Values that a thread holds without spilling them in its 255 registers, of which a double takes two (sm_90: atlas in f32, 3 parts
+   of 195, 40 bytes spilled; 2 parts of 209, 732; iiwa14 in f64, 2 parts of 105, none; whole, 137, 308). */
+enum { ALIVE_SINGLE = 195, ALIVE_DOUBLE = 110, MOST = 1 << 20 };
+
+struct splitter {
+	const struct pass *whole;
+	const struct tree *t;
+	const struct rneagen_options *o;
+	struct arena *a;
+	int *owner;    /* by output of the whole: the body to which it belongs, an index into bodies */
+	int *bodies;   /* that own outputs, in order: what is shared out */
+	int count;
+	int *alive;    /* [first][end]: of such a part, and 1; 0: not known yet */
+	int failed;
+};
+
+/* ---- to whom an output belongs ---- */
+
+/* The last body that moves with a row of qd. */
+static int body_of_row(const struct tree *t, int row)
+{
+	int body = 0;
+
+	for (int k = 0; k < t->body_count; k++)
+		if (row >= t->bodies[k].iv && row < t->bodies[k].iv + joint_nv(t->bodies[k].type))
+			body = k;
+	return body;
+}
+
+/* By stored element of a matrix by joints. */
+static void own_elements(const struct splitter *s, enum want_kind kind, int *body)
+{
+	int nv = s->t->nv;
+	struct pattern p;
+
+	if (!pattern_make(&p, s->t, kind == WANT_MASS, s->t->task.dense, s->a))
+		return;
+	for (int i = 0; i < nv; i++)
+		for (int j = 0; j < nv; j++) {
+			int row = body_of_row(s->t, i), column = body_of_row(s->t, j);
+
+			if (p.row[i * nv + j] >= 0)
+				body[p.row[i * nv + j]] = row > column ? row : column;
+		}
+}
+
+static int is_matrix(const struct want *w)
+{
+	return w->kind == WANT_DTAU_DQ || w->kind == WANT_DTAU_DQD || w->kind == WANT_MASS;
+}
+
+static int has_matrix(const struct tree *t)
+{
+	for (int i = 0; i < t->task.want_count; i++)
+		if (is_matrix(&t->task.wants[i]))
+			return 1;
+	return 0;
+}
+
+static void own_want(const struct splitter *s, const struct want *w)
+{
+	const struct dag *d = &s->whole->raw;
+	int *body = arena_alloc(s->a, (size_t)w->rows, sizeof *body), argument = dag_find_argument(d, w->argument);
+
+	if (!body)
+		return;
+	own_elements(s, w->kind, body);
+	for (size_t i = 0; i < d->output_count; i++)
+		if (d->outputs[i].argument == argument)
+			s->owner[i] = body[d->outputs[i].row];
+}
+
+/* From bodies to those of them that own anything. */
+static void list_owners(struct splitter *s)
+{
+	size_t outputs = s->whole->raw.output_count;
+
+	for (int k = 0; k < s->t->body_count; k++) {
+		int owns = 0;
+
+		for (size_t i = 0; i < outputs; i++)
+			if (s->owner[i] == k) {
+				s->owner[i] = s->count;
+				owns = 1;
+			}
+		if (owns)
+			s->bodies[s->count++] = k;
+	}
+}
+
+/* ---- a part ---- */
+
+/* The whole with the outputs of some owners alone; the rest of it is dead. */
+static void choose_outputs(const struct splitter *s, int first, int end, struct dag *d, struct arena *a)
+{
+	const struct dag *whole = &s->whole->raw;
+	size_t section = 0;
+
+	*d = *whole;
+	d->arena = a;
+	d->outputs = arena_alloc(a, whole->output_count, sizeof *d->outputs);
+	d->sections = arena_alloc(a, whole->section_count, sizeof *d->sections);
+	d->output_count = 0;
+	if (!d->outputs || !d->sections) {
+		d->failed = 1;
+		return;
+	}
+	memcpy(d->sections, whole->sections, whole->section_count * sizeof *d->sections);
+	for (size_t i = 0; i <= whole->output_count; i++) {
+		for (; section < whole->section_count && whole->sections[section].output <= i; section++)
+			d->sections[section].output = d->output_count;
+		if (i < whole->output_count && s->owner[i] >= first && s->owner[i] < end)
+			d->outputs[d->output_count++] = whole->outputs[i];
+	}
+}
+
+/* How many values are alive at once in the part of these owners, tried in an arena of its own. */
+static int alive_of(struct splitter *s, int first, int end)
+{
+	int *known = &s->alive[first * (s->count + 1) + end];
+	struct arena a;
+	struct dag raw, fused;
+	struct plan plan = {.dag = &fused};
+
+	if (*known)
+		return *known - 1;
+	arena_init(&a, s->o->allocator);
+	choose_outputs(s, first, end, &raw, &a);
+	dag_init(&fused, &a);
+	dag_fuse(&fused, &raw, s->o->strict);
+	*known = fused.failed ? 1 : 1 + plan_alive(&plan, &a);
+	s->failed |= fused.failed | a.failed;
+	arena_free(&a);
+	return *known - 1;
+}
+
+/* ---- where the parts begin ---- */
+
+/* The first body of a part that ends here, with `most` values alive and `left` bodies left over for others: by bisection, since
+   more bodies mean more values. */
+static int first_body(struct splitter *s, int end, int left, int most)
+{
+	int good = end - 1, bad = left - 1;
+
+	while (good - bad > 1) {
+		int middle = (good + bad) / 2;
+
+		if (alive_of(s, middle, end) <= most)
+			good = middle;
+		else
+			bad = middle;
+	}
+	return good;
+}
+
+/* From the last body on, each part as large as `most` allows: exactly `count` of them, or, where that is 0, as many as it takes,
+   single bodies being parts whatever they hold. Returns how many, 0 where it cannot be; first[0] is of the last part. */
+static int cut(struct splitter *s, int count, int most, int *first)
+{
+	int made = 0, end = s->count;
+
+	while (end > 0 && (made < count || !count)) {
+		first[made] = first_body(s, end, count ? count - made - 1 : 0, most);
+		if (count && alive_of(s, first[made], end) > most)
+			return 0;
+		end = first[made++];
+	}
+	return end > 0 ? 0 : made;
+}
+
+/* So many parts that the one with the most values alive has as few as can be. */
+static int cut_evenly(struct splitter *s, int count, int *first)
+{
+	int bad = 0, good = MOST;
+
+	while (good - bad > 1) {
+		int middle = (good + bad) / 2;
+
+		if (cut(s, count, middle, first))
+			good = middle;
+		else
+			bad = middle;
+	}
+	return cut(s, count, good, first);
+}
+
+/* As few parts as hold little enough for a thread's registers, or not much more than the parts of single bodies do. */
+static int cut_as_needed(struct splitter *s, int *first)
+{
+	int most = s->o->precision == RNEAGEN_F32 ? ALIVE_SINGLE : ALIVE_DOUBLE;
+
+	for (int k = 0; k < s->count; k++) {
+		int single = alive_of(s, k, k + 1);
+
+		most = single + single / 16 > most ? single + single / 16 : most;
+	}
+	return cut_evenly(s, cut(s, 0, most, first), first);
+}
+
+static int make_part(struct splitter *s, int number, int first, int end, struct part *p)
+{
+	struct text name, doc;
+	struct dag raw;
+
+	p->first = s->bodies[first];
+	p->last = s->bodies[end - 1];
+	text_init(&name, s->a);
+	text_init(&doc, s->a);
+	text_printf(&name, "%s_part%d", s->whole->algorithm->name, number);
+	text_printf(&doc, "Part %d of it: elements of matrices by the joints of links %d to %d%s.", number,
+		s->t->bodies[p->first].number, s->t->bodies[p->last].number,
+		first ? "" : ", and all that is no matrix");
+	p->algorithm = (struct algorithm){.name = text_string(&name), .doc = text_string(&doc)};
+	p->pass.algorithm = &p->algorithm;
+	choose_outputs(s, first, end, &raw, s->a);
+	dag_init(&p->pass.dag, s->a);
+	dag_fuse(&p->pass.dag, &raw, s->o->strict);
+	if (!plan_build(&p->pass.plan, &p->pass.dag, s->t, s->a))
+		return 0;
+	p->alive = plan_alive(&p->pass.plan, s->a);
+	return !name.failed && !doc.failed && !s->a->failed;
+}
+
+/* ---- the whole ---- */
+
+static int begin(struct splitter *s)
+{
+	const struct task *k = &s->t->task;
+	size_t bodies = (size_t)s->t->body_count;
+
+	s->owner = arena_alloc(s->a, s->whole->raw.output_count, sizeof *s->owner);
+	s->bodies = arena_alloc(s->a, bodies, sizeof *s->bodies);
+	s->alive = arena_alloc(s->a, (bodies + 1) * (bodies + 1), sizeof *s->alive);
+	for (int i = 0; i < k->want_count && !s->a->failed; i++)
+		if (is_matrix(&k->wants[i]))
+			own_want(s, &k->wants[i]);
+	if (!s->a->failed)
+		list_owners(s);
+	return !s->a->failed;
+}
+
+/* Why a text cannot be in parts; NULL: it can. */
+static const char *obstacle(const struct tree *t, const struct rneagen_options *o)
+{
+	if (o->target != RNEAGEN_TARGET_CUDA)
+		return "is for kernels: take --target cuda";
+	if (o->layout != RNEAGEN_SOA)
+		return "is for --layout soa: in aos each block writes whole samples";
+	if (!has_matrix(t))
+		return "is for matrices: name dtau_dq, dtau_dqd or M in --want";
+	return NULL;
+}
+
+/* Returns how many parts there are; first[0] is where the last of them begins. */
+static int choose(struct splitter *s, int *first, struct rneagen_error *e)
+{
+	int asked = s->o->parts;
+
+	if (asked == RNEAGEN_PARTS_AUTO)
+		return cut_as_needed(s, first);
+	if (asked <= s->count)
+		return cut_evenly(s, asked, first);
+	error_set(e, RNEAGEN_USAGE, "--parts %d: there are elements of %d bodies to share out; take fewer, or auto", asked, s->count);
+	return 0;
+}
+
+static struct part *make_parts(struct splitter *s, int count, const int *first)
+{
+	struct part *parts = arena_alloc(s->a, (size_t)count, sizeof *parts);
+
+	for (int i = 0; i < count && parts; i++)
+		if (!make_part(s, i, first[count - 1 - i], i + 1 < count ? first[count - 2 - i] : s->count, &parts[i]))
+			return NULL;
+	return parts;
+}
+
+enum rneagen_code parts_make(struct part **parts, int *count, const struct pass *whole, const struct tree *t,
+	const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
+{
+	struct splitter s = {.whole = whole, .t = t, .o = o, .a = a};
+	const char *why = obstacle(t, o);
+	int made, *first;
+
+	*count = 0;
+	if (o->parts == 0 || o->parts == 1 || (o->parts == RNEAGEN_PARTS_AUTO && why))
+		return RNEAGEN_OK;
+	if (why)
+		return error_set(e, RNEAGEN_USAGE, "--parts %d %s", o->parts, why);
+	first = arena_alloc(a, (size_t)t->body_count, sizeof *first);
+	if (!first || !begin(&s))
+		return error_memory(e);
+	made = choose(&s, first, e);
+	if (e->code)
+		return e->code;
+	*parts = made > 1 ? make_parts(&s, made, first) : NULL;
+	if (s.failed || (made > 1 && !*parts))
+		return error_memory(e);
+	*count = made > 1 ? made : 0;
+	return RNEAGEN_OK;
+}
+
+/* ---- telling ---- */
+
+struct operation_count parts_operations(const struct emission *e)
+{
+	struct operation_count sum = {0};
+
+	if (!e->part_count)
+		return plan_operations(&e->passes[PASS_RNEA].plan);
+	for (int i = 0; i < e->part_count; i++) {
+		struct operation_count n = plan_operations(&e->parts[i].pass.plan);
+
+		sum.mul += n.mul;
+		sum.add += n.add;
+		sum.sub += n.sub;
+		sum.neg += n.neg;
+		sum.fma += n.fma;
+		sum.sincos += n.sincos;
+	}
+	return sum;
+}
+
+void parts_put_table(const struct emission *e, struct text *out)
+{
+	if (e->part_count)
+		text_put(out, "\nparts           links  flops  alive\n");
+	for (int i = 0; i < e->part_count; i++) {
+		const struct part *p = &e->parts[i];
+
+		text_printf(out, "  %-10d %3d..%-3d %6u %6d\n", i, e->tree->bodies[p->first].number,
+			e->tree->bodies[p->last].number, plan_flops(plan_operations(&p->pass.plan)), p->alive);
+	}
+}
+
+void parts_put_json(const struct emission *e, struct text *out)
+{
+	for (int i = 0; i < e->part_count; i++) {
+		const struct part *p = &e->parts[i];
+
+		text_printf(out, "%s\n    {\"first\": %d, \"last\": %d, \"flops\": %u, \"alive\": %d}", i ? "," : "  \"parts\": [",
+			e->tree->bodies[p->first].number, e->tree->bodies[p->last].number, plan_flops(plan_operations(&p->pass.plan)), p->alive);
+	}
+	text_put(out, e->part_count ? "\n  ],\n" : "");
+}
