@@ -1,21 +1,7 @@
 /* The task of a scene: torques from what it gives and frees, and whatever else it asks for. The DAG drops what nobody
    needs, so each quantity is simply computed where its operands are at hand. */
-#include "recursion.h"
-#include "tour.h"
+#include "want.h"
 #include <string.h>
-
-struct build {
-	struct dag *d;
-	const struct tree *t;
-	const struct task *k;
-	struct ref *offset, *gravity;
-	struct parameters **parameters;
-	int *pushed, *outputs; /* arguments, by push and by want */
-	char *done;            /* by want: the recursion writes it */
-	struct ref kinetic;
-	enum derivatives derivatives;
-	struct recursion recursion;
-};
 
 /* ---- inputs ---- */
 
@@ -73,132 +59,6 @@ static void free_constants(struct build *b)
 		for (int r = 0; r < 3 && f->kind == FREED_GRAVITY; r++)
 			b->gravity[r] = dag_input(b->d, argument, r);
 	}
-}
-
-/* ---- where bodies are ---- */
-
-static int needs_pose(const struct task *k)
-{
-	return k->push_count && k->in_world;
-}
-
-/* The world's frame; gravity is not subtracted from free_a. */
-static void at_world(const struct tour *r)
-{
-	for (int i = 0; i < 3; i++)
-		r->frames[0].R0.m[i][i] = dag_const(r->d, 1);
-}
-
-/* R0 = R0_p R(q), column by column */
-static void place(const struct tour *r, const struct body *k, const struct frame *parent, struct frame *x)
-{
-	struct dag *d = r->d;
-
-	for (int j = 0; j < 3; j++) {
-		struct svec e = {{{0}, {0}, {0}}};
-
-		e.x[j] = dag_const(d, 1);
-		e = smat_mul(d, &x->pose.R, joint_out_of(d, k, &x->pose, e));
-		e = smat_mul(d, &parent->R0, e);
-		for (int i = 0; i < 3; i++)
-			x->R0.m[i][j] = e.x[i];
-	}
-}
-
-/* ---- on the way out ---- */
-
-static void output_motion(struct dag *d, int argument, const struct placement *X, struct svec linear, struct svec angular)
-{
-	struct smat R = smat_const(d, &X->R);
-
-	linear = svec_add(d, linear, svec_cross(d, angular, svec_const(d, X->p)));
-	linear = smat_mul_transposed(d, &R, linear);
-	angular = smat_mul_transposed(d, &R, angular);
-	for (int i = 0; i < 3; i++) {
-		dag_output(d, argument, i, linear.x[i]);
-		dag_output(d, argument, 3 + i, angular.x[i]);
-	}
-}
-
-/* Twist [v; w] and spatial acceleration [a - w x v; dw] at a link's origin, in its frame. */
-static void output_links(const struct tour *r, int body)
-{
-	const struct build *b = r->context;
-	const struct frame *x = &r->frames[body + 1];
-	const struct motion *m = &x->motion;
-
-	for (int i = 0; i < b->k->want_count; i++) {
-		const struct want *w = &b->k->wants[i];
-
-		if (w->body != body)
-			continue;
-		if (w->kind == WANT_TWIST)
-			output_motion(r->d, b->outputs[i], &w->X, m->v, m->w);
-		if (w->kind == WANT_ACCEL)
-			output_motion(r->d, b->outputs[i], &w->X, svec_sub(r->d, x->free_a, svec_cross(r->d, m->w, m->v)), m->dw);
-	}
-}
-
-/* A wrench (f, n) at a link's origin takes R f and R n + p x R f off what the body's joint must bear. */
-static void pull(const struct tour *r, const struct push *p, int argument, struct frame *x)
-{
-	struct dag *d = r->d;
-	const struct build *b = r->context;
-	struct svec f = svec_input(d, argument, 0), n = svec_input(d, argument, 3);
-	struct smat R = smat_const(d, &p->X.R);
-
-	f = b->k->in_world ? smat_mul_transposed(d, &x->R0, f) : smat_mul(d, &R, f);
-	n = b->k->in_world ? smat_mul_transposed(d, &x->R0, n) : smat_mul(d, &R, n);
-	x->f = svec_sub(d, x->f, f);
-	x->n = svec_sub(d, x->n, svec_add(d, n, svec_cross(d, svec_const(d, p->X.p), f)));
-}
-
-static void entered(const struct tour *r, int body)
-{
-	struct build *b = r->context;
-	const struct body *k = &r->t->bodies[body];
-	struct frame *x = &r->frames[body + 1], *parent = &r->frames[k->parent + 1];
-	struct parameters known = load_parameters(r->d, &k->inertia);
-	const struct parameters *p = b->parameters[body] ? b->parameters[body] : &known;
-
-	if (needs_pose(b->k))
-		place(r, k, parent, x);
-	if (task_wants(b->k, WANT_ACCEL))
-		x->free_a = tour_acceleration(r, body, parent->free_a);
-	for (int i = 0; i < b->k->push_count; i++)
-		if (b->k->pushes[i].body == body)
-			pull(r, &b->k->pushes[i], b->pushed[i], x);
-	if (task_wants(b->k, WANT_KINETIC))
-		b->kinetic = dag_add(r->d, b->kinetic, load_kinetic(r->d, p, &x->motion));
-	output_links(r, body);
-}
-
-/* ---- on the way back ---- */
-
-/* The wrench through the joint, in the URDF's frame of its child link. */
-static void leaving(const struct tour *r, int body)
-{
-	const struct build *b = r->context;
-	const struct frame *x = &r->frames[body + 1];
-	struct smat A = smat_const(r->d, &r->t->bodies[body].frame);
-
-	for (int i = 0; i < b->k->want_count; i++)
-		if (b->k->wants[i].kind == WANT_WRENCH && b->k->wants[i].body == body) {
-			struct svec f = smat_mul(r->d, &A, x->f), n = smat_mul(r->d, &A, x->n);
-
-			for (int c = 0; c < 3; c++) {
-				dag_output(r->d, b->outputs[i], c, f.x[c]);
-				dag_output(r->d, b->outputs[i], 3 + c, n.x[c]);
-			}
-		}
-}
-
-static void left(const struct tour *r, int body)
-{
-	struct build *b = r->context;
-
-	if (b->recursion.r)
-		recursion_leave(&b->recursion, body);
 }
 
 /* ---- the whole ---- */
@@ -298,10 +158,10 @@ static void run_main(struct build *b, struct joint_inputs in)
 {
 	struct tour r = new_tour(b, in);
 
-	r.world = at_world;
-	r.entered = entered;
-	r.leaving = leaving;
-	r.left = left;
+	r.world = want_world;
+	r.entered = want_entered;
+	r.leaving = want_leaving;
+	r.left = want_left;
 	r.own_terms = own_terms;
 	r.context = b;
 	r.tau_out = output_of(b, WANT_TAU);
