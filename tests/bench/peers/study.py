@@ -280,31 +280,39 @@ def finding(rows):
     return text + "\n\n"
 
 
+def compiled(rows, route):
+    """(times the generated kernel's time at 1 M samples in f32, in f64, ms to compile, us of one sample that is waited for) of a
+    route of torch.compile; None where one of them was not measured."""
+    found = []
+    for precision in ("f32", "f64"):
+        own = rows.one("generated", "NVRTC", "cuda", precision=precision, n=LARGE)
+        other = rows.one("PyTorch", f"torch.compile, {route}", "cuda", precision=precision, n=LARGE)
+        found.append(own and other and short(other["kernel_us"] / own["kernel_us"], 2))
+    found.append(rows.startup_ms("PyTorch", f"torch.compile, {route}")[1])
+    found.append(rows.one("PyTorch", f"torch.compile, {route}", "cuda", n=1).get("call_us"))
+    return found if all(found) else None
+
+
 def rewritten(rows):
     """What torch.compile of the statements gives, and what not."""
-    own = {n: rows.one("generated", "NVRTC", "cuda", n=n) for n in (1, LARGE)}
-    routes = {r: [rows.one("PyTorch", f"torch.compile, {r}", "cuda", precision=p, n=LARGE) for p in ("f32", "f64")]
-              for r in ("statements", "one kernel")}
-    double = rows.one("generated", "NVRTC", "cuda", precision="f64", n=LARGE)
-    one = rows.one("PyTorch", "torch.compile, one kernel", "cuda", n=1)
-    cold = [rows.startup_ms("PyTorch", f"torch.compile, {r}")[1] for r in routes]
-    if not all([own[1], own[LARGE], double, one, *cold, *routes["statements"], *routes["one kernel"]]):
+    plain, joined = compiled(rows, "statements"), compiled(rows, "one kernel")
+    own = rows.one("generated", "NVRTC", "cuda", n=1)
+    if not plain or not own:
         return ""
-
-    def times(route):
-        return [short(r["kernel_us"] / o["kernel_us"], 2) for r, o in zip(routes[route], (own[LARGE], double))]
-
-    first, joined = times("statements"), times("one kernel")
-    return (f"**Rewritten for torch.compile**, as {routes['statements'][0]['note']} on scalars that a tracer wrote, the RNEA "
-            f"takes {first[0]} times as long as the generated one at 1 M samples in f32 and {first[1]} times in f64: Inductor "
-            f"joins at most 64 operations, and what lies between its kernels goes through memory. With `max_fusion_size` "
-            f"raised it makes one kernel and comes near: {joined[0]} times in f32, {joined[1]} times in f64. Sizes are "
-            f"dynamic, and 1024 samples were compiled first, here and in the tables; from a first size of 1 M Inductor makes "
-            f"blocks that spill. "
-            f"It compiles for {short(cold[0] / 1e3)} s and {short(cold[1] / 1e3)} s, for each precision and again for a batch "
-            f"of one; one sample, waited for, takes {short(one['call_us'])} us from Python, the generated kernel "
-            f"{short(own[1]['call_us'])} us. It has no C interface, needs PyTorch wherever it runs, and somebody has to write "
-            "the statements.\n\n")
+    note = rows.one("PyTorch", "torch.compile, statements", "cuda", n=LARGE)["note"]
+    text = (f"**Rewritten for torch.compile**, as {note} on scalars that a tracer wrote, the RNEA takes {plain[0]} times as long "
+            f"as the generated one at 1 M samples in f32 and {plain[1]} times in f64: Inductor joins at most 64 operations, and "
+            f"what lies between its kernels goes through memory. ")
+    if joined:
+        text += (f"With `max_fusion_size` raised it makes one kernel and comes near: {joined[0]} times in f32, {joined[1]} times "
+                 f"in f64. Sizes are dynamic, and 1024 samples were compiled first, here and in the tables; from a first size of "
+                 f"1 M Inductor makes blocks that spill. ")
+    else:
+        text += "With `max_fusion_size` raised it makes one kernel and comes nearer; this run did not get to that. "
+    cold = " and ".join(f"{short(x[2] / 1e3)} s" for x in (plain, joined) if x)
+    return text + (f"It compiles for {cold}, for each precision and again for a batch of one; one sample, waited for, takes "
+                   f"{short((joined or plain)[3])} us from Python, the generated kernel {short(own['call_us'])} us. It has no C "
+                   "interface, needs PyTorch wherever it runs, and somebody has to write the statements.\n\n")
 
 
 def slices(rows):
