@@ -3,7 +3,7 @@
 #include "pattern.h"
 #include <string.h>
 
-/* Values that a thread holds without spilling them in its 255 registers, of which a double takes two (sm_90: atlas in f32, 3 parts
+/* Values that a thread holds without spilling them in its 255 registers, of which a double takes two (sm_90, nothing in shared memory: atlas in f32, 3 parts
    of 195, 40 bytes spilled; 2 parts of 209, 732; iiwa14 in f64, 2 parts of 105, none; whole, 137, 308). */
 enum { ALIVE_SINGLE = 195, ALIVE_DOUBLE = 110, MOST = 1 << 20 };
 
