@@ -13,7 +13,6 @@
    row (n2, n1, f2) is carried back to the base and meets the fields of the joints on the way. A joint nearer to the base feels
    the wrench itself, which by q turns with the twist as well, (dF + Z x F, dN + Z x N + Y x F), and is carried back too. */
 #include "recursion.h"
-#include "derive.h"
 #include <string.h>
 
 struct field {
