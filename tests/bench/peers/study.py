@@ -51,6 +51,7 @@ NUMBERS = ("n", "threads", "block", "error_max", "error_rms", "import_ms", "cold
 
 class Rows:
     def __init__(self, path):
+        self.path = path
         with open(path, newline="") as file:
             self.head = file.readline().lstrip("# ").strip()
             rows = [{k: number(v) if k in NUMBERS else v for k, v in row.items()} for row in csv.DictReader(file)]
@@ -293,6 +294,25 @@ def compiled(rows, route):
     return found if all(found) else None
 
 
+def one_kernel_alone(rows):
+    """The same statements in one kernel, out of a run of torch.compile alone (`run --only compile`), where there is one."""
+    alone = rows.path.with_name("compile.csv")
+    if not alone.exists():
+        return ""
+    other, times = Rows(alone), []
+    for n in (262144, LARGE):
+        for precision in ("f32", "f64"):
+            own = rows.one("generated", "NVRTC", "cuda", precision=precision, n=n)
+            joined = other.one("PyTorch", "torch.compile, one kernel", "cuda", precision=precision, n=n)
+            if not own or not joined:
+                return ""
+            times.append(short(joined["kernel_us"] / own["kernel_us"], 2))
+    return (f"With `max_fusion_size` raised it makes one kernel and comes near: {times[0]} times in f32 and {times[1]} in f64 at "
+            f"262144 samples, compiled for any size; {times[2]} and {times[3]} at 1 M, compiled for that size, when Inductor makes "
+            f"blocks that spill in f64 (a run of this alone, {other.head.split('; ')[-1]}: "
+            "[compile.csv](tests/bench/peers/results/compile.csv)). ")
+
+
 def rewritten(rows):
     """What torch.compile of the statements gives, and what not."""
     plain, joined = compiled(rows, "statements"), compiled(rows, "one kernel")
@@ -308,7 +328,7 @@ def rewritten(rows):
                  f"in f64. Sizes are dynamic, and 1024 samples were compiled first, here and in the tables; from a first size of "
                  f"1 M Inductor makes blocks that spill. ")
     else:
-        text += "With `max_fusion_size` raised it makes one kernel and comes nearer; this run did not get to that. "
+        text += one_kernel_alone(rows)
     cold = " and ".join(f"{short(x[2] / 1e3)} s" for x in (plain, joined) if x)
     return text + (f"It compiles for {cold}, for each precision and again for a batch of one; one sample, waited for, takes "
                    f"{short((joined or plain)[3])} us from Python, the generated kernel {short(own['call_us'])} us. It has no C "
