@@ -1,10 +1,5 @@
 #include "composite.h"
 
-struct svec joint_to_parent(struct dag *d, const struct body *k, const struct joint_pose *at, struct svec u)
-{
-	return smat_mul(d, &at->R, joint_out_of(d, k, at, u));
-}
-
 static struct svec column(const struct smat *T, int j)
 {
 	return (struct svec){{T->m[0][j], T->m[1][j], T->m[2][j]}};
@@ -16,19 +11,9 @@ static void set_column(struct smat *T, int j, struct svec u)
 		T->m[i][j] = u.x[i];
 }
 
-static struct smat inertia_matrix(const struct parameters *p)
-{
-	struct smat I;
-
-	for (int i = 0; i < 3; i++)
-		for (int j = 0; j < 3; j++)
-			I.m[i][j] = p->I[inertia_index(i < j ? i : j, i < j ? j : i)];
-	return I;
-}
-
 void composite_add_body(struct dag *d, struct composite *to, const struct parameters *p, struct svec w)
 {
-	struct smat G = inertia_matrix(p);
+	struct smat G = load_inertia_matrix(p);
 	struct ref trace = dag_add(d, dag_add(d, G.m[0][0], G.m[1][1]), G.m[2][2]), half = dag_mul(d, dag_const(d, 0.5L), trace);
 
 	for (int i = 0; i < 3; i++)
@@ -93,7 +78,7 @@ void composite_add_child(
 {
 	struct svec h = joint_to_parent(d, child, at, c->p.h), p = at->p;
 	struct svec X = svec_add(d, joint_to_parent(d, child, at, c->P), svec_scale(d, c->p.mass, rate));
-	struct smat I = inertia_matrix(&c->p), K = turned(d, child, at, &c->K);
+	struct smat I = load_inertia_matrix(&c->p), K = turned(d, child, at, &c->K);
 
 	I = turned(d, child, at, &I);
 	add_inertia(d, &parent->p, &I, c->p.mass, h, p);

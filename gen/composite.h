@@ -22,7 +22,4 @@ void composite_add_child(
 	struct dag *d, struct composite *parent, const struct composite *c, const struct body *child, const struct joint_pose *at,
 	struct svec rate);
 
-/* R(q) u of the whole joint: from a body's frame into its parent's. */
-struct svec joint_to_parent(struct dag *d, const struct body *k, const struct joint_pose *at, struct svec u);
-
 #endif

@@ -30,7 +30,7 @@ struct node {
 };
 
 enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END, SECTION_FREED, SECTION_TOTALS, SECTION_BIAS, SECTION_GRAVITY,
-	SECTION_MASS, SECTION_BY, SECTION_PRODUCTS, SECTION_COUNT };
+	SECTION_BY, SECTION_PRODUCTS, SECTION_COUNT };
 
 /* From this node (and this output) on, the text belongs to going out to a body, or back from it. */
 struct section {

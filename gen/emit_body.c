@@ -184,8 +184,8 @@ void emit_section(const struct emission *e, const struct pass *pass, const struc
 		text_printf(out, "\n\t/* ---- %s ---- */\n", SECTION_TITLES[s->kind]);
 		return;
 	}
-	if (s->kind == SECTION_MASS || s->kind == SECTION_BY) {
-		text_printf(out, "\n\t/* ---- %s \"", s->kind == SECTION_MASS ? "mass matrix: column of" : "derivatives by");
+	if (s->kind == SECTION_BY) {
+		text_put(out, "\n\t/* ---- derivatives by \"");
 		text_put_comment(out, *k->joint ? k->joint : "base");
 		text_put(out, "\" ---- */\n");
 		return;

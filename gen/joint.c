@@ -152,6 +152,11 @@ struct svec joint_out_of(struct dag *d, const struct body *k, const struct joint
 	return turns(k) ? svec_turn(d, k->axis, x->s, x->c, u) : u;
 }
 
+struct svec joint_to_parent(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u)
+{
+	return smat_mul(d, &x->R, joint_out_of(d, k, x, u));
+}
+
 void joint_project(struct dag *d, const struct body *k, struct svec f, struct svec n, struct svec f0, struct ref *tau)
 {
 	switch (k->type) {

@@ -43,6 +43,9 @@ struct joint_rates joint_unit(struct dag *d, const struct body *k, int row);
 struct svec joint_into(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u);
 struct svec joint_out_of(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u);
 
+/* R(q) u of the whole joint: from the body's frame into its parent's. */
+struct svec joint_to_parent(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u);
+
 /* The generalized forces of the joint, joint_nv of them: the wrench (f, n) in the body's frame, and its force f0 in the
    joint's, along the joint's axes. */
 void joint_project(struct dag *d, const struct body *k, struct svec f, struct svec n, struct svec f0, struct ref *tau);

@@ -112,13 +112,20 @@ void load_add(struct dag *d, struct parameters *p, struct ref s, const struct in
 		p->I[i] = plus_multiple(d, p->I[i], s, I->I[i]);
 }
 
-struct svec load_inertia_times(struct dag *d, const struct parameters *p, struct svec w)
+struct smat load_inertia_matrix(const struct parameters *p)
 {
 	struct smat I;
 
 	for (int i = 0; i < 3; i++)
 		for (int j = 0; j < 3; j++)
 			I.m[i][j] = p->I[inertia_index(i < j ? i : j, i < j ? j : i)];
+	return I;
+}
+
+struct svec load_inertia_times(struct dag *d, const struct parameters *p, struct svec w)
+{
+	struct smat I = load_inertia_matrix(p);
+
 	return smat_mul(d, &I, w);
 }
 

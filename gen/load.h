@@ -24,7 +24,8 @@ void load_wrench(struct dag *d, const struct body *k, const struct motion *x, st
 /* The same from parameters that are not all numbers. */
 void load_wrench_free(struct dag *d, const struct parameters *p, const struct motion *x, struct svec *f, struct svec *n);
 
-/* I w */
+/* I, and I w */
+struct smat load_inertia_matrix(const struct parameters *p);
 struct svec load_inertia_times(struct dag *d, const struct parameters *p, struct svec w);
 
 struct parameters load_parameters(struct dag *d, const struct inertia *I);

@@ -279,7 +279,7 @@ int plan_alive(const struct plan *p, struct arena *a)
 void plan_dump(const struct plan *p, struct text *t)
 {
 	static const char *const kinds[] = {"section", "input", "value", "sincos", "store"};
-	static const char *const kinds_of_section[SECTION_COUNT] = {"out", "back", "end", "freed", "totals", "bias", "gravity", "mass", "by",
+	static const char *const kinds_of_section[SECTION_COUNT] = {"out", "back", "end", "freed", "totals", "bias", "gravity", "by",
 		"products"};
 
 	for (size_t i = 0; i < p->line_count; i++) {

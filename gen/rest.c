@@ -39,7 +39,7 @@ void rest_leave(const struct tour *r, int body)
 	joint_project(d, k, f, n, joint_out_of(d, k, &x->pose, f), tau);
 	for (int i = 0; i < joint_nv(k->type); i++)
 		r->tau[k->iv + i] = dag_add(d, r->tau[k->iv + i], tau[i]);
-	C = smat_mul(d, &x->pose.R, joint_out_of(d, k, &x->pose, C));
+	C = joint_to_parent(d, k, &x->pose, C);
 	parent->beyond = svec_add(d, parent->beyond, C);
 	parent->own = svec_add(d, parent->own, svec_scale(d, x->mass, x->pose.p));
 	parent->mass = dag_add(d, parent->mass, x->mass);

@@ -23,7 +23,7 @@ static void place(const struct tour *r, const struct body *k, const struct frame
 		struct svec e = {{{0}, {0}, {0}}};
 
 		e.x[j] = dag_const(d, 1);
-		e = smat_mul(d, &x->pose.R, joint_out_of(d, k, &x->pose, e));
+		e = joint_to_parent(d, k, &x->pose, e);
 		e = smat_mul(d, &parent->R0, e);
 		for (int i = 0; i < 3; i++)
 			x->R0.m[i][j] = e.x[i];
