@@ -196,7 +196,7 @@ static const char *dispatcher_text(const struct emission *e)
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"SMALL_PARAM", emit_has_small(e) ? ", const int small" : ""},
 		{"RESULT", emit_has_small(e) ? "int" : "void"}, {"RETURNS", emit_has_small(e) ? RETURNS : ""},
 		{"BEGIN", emit_has_small(e) ? "\tint all_small = 1;" : ""}, {"END", emit_has_small(e) ? "\treturn all_small;" : ""},
-		{"CASES", text_string(&cases)}, {"CALLS", text_string(&calls)}};
+		{"COUNT", emit_int(e, e->part_count)}, {"CASES", text_string(&cases)}, {"CALLS", text_string(&calls)}};
 	template_expand(&t, template_parts_in, slots, sizeof slots / sizeof *slots);
 	return t.failed || cases.failed || calls.failed ? NULL : text_string(&t);
 }

@@ -6,6 +6,11 @@
 /* A block stages its samples in 48 KiB of shared memory, what every device gives without asking. */
 enum { SHARED_BYTES = 48 << 10, BLOCK = 128, SMALLEST_BLOCK = 32 };
 
+/* Of kernels of derivatives, which spill into the same 48 KiB: of each thread twice as much as in blocks of 128 (H100, 1 M samples:
+   both gradients of panda in f64, 2 parts, 0.635 ns instead of 0.674; of iiwa14 in f32, which spills nothing, 0.199 instead of
+   0.205). */
+enum { DERIVATIVE_BLOCK = 64 };
+
 /* Where launch bounds pay: see min_blocks. */
 enum { ARM_BODIES = 12, MANY_BODIES = 24, FEW_ALIVE = 45, MANY_ALIVE = 60 };
 
@@ -76,7 +81,7 @@ int emit_is_optimistic(const struct emission *e)
 
 int emit_block_size(const struct emission *e)
 {
-	int block = BLOCK;
+	int block = task_wants_derivative(&e->tree->task) ? DERIVATIVE_BLOCK : BLOCK;
 
 	while (is_staged(e) && block * stage_bytes(e) > SHARED_BYTES)
 		block /= 2;

@@ -54,9 +54,7 @@ void emit_options(const struct rneagen_options *o, struct text *out)
 		text_put(out, " --strict");
 	if (o->bounded)
 		text_put(out, " --bounded");
-	if (o->parts == RNEAGEN_PARTS_AUTO)
-		text_put(out, " --parts auto");
-	else if (o->parts > 1)
+	if (o->parts != RNEAGEN_PARTS_AUTO)
 		text_printf(out, " --parts %d", o->parts);
 	if (o->mimic == RNEAGEN_MIMIC_INDEPENDENT)
 		text_put(out, " --mimic independent");

@@ -59,7 +59,7 @@ static int parse_parts(const char *command, const char *word, int *parts)
 	long n = strtol(word, &end, 10);
 
 	*parts = strcmp(word, "auto") ? (int)n : RNEAGEN_PARTS_AUTO;
-	if (*parts != RNEAGEN_PARTS_AUTO && (end == word || *end || n < 1 || n > 65535))
+	if (strcmp(word, "auto") && (end == word || *end || n < 1 || n > 65535))
 		return option_refuse(command, "--parts takes a number from 1 to 65535, or auto, not '%s'", word);
 	return 0;
 }

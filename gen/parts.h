@@ -1,7 +1,7 @@
 #ifndef RNEAGEN_PARTS_H
 #define RNEAGEN_PARTS_H
-/* Matrices of long chains in parts of the grid: each part makes the elements of some bodies, and holds less at once than one
-   thread would that makes them all. */
+/* Matrices of long chains in parts of the grid: each part makes the elements of some bodies, holds less at once than one
+   thread would that makes them all, and is shorter. */
 
 #include "emit.h"
 

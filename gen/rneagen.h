@@ -22,7 +22,7 @@ enum rneagen_layout { RNEAGEN_SOA, RNEAGEN_AOS };                               
 enum rneagen_trig { RNEAGEN_ACCURATE, RNEAGEN_BOUNDED, RNEAGEN_FAST };
 enum rneagen_base { RNEAGEN_FIXED, RNEAGEN_FLOATING };
 enum rneagen_mimic { RNEAGEN_MIMIC_HONOUR, RNEAGEN_MIMIC_INDEPENDENT };
-enum { RNEAGEN_PARTS_AUTO = -1 };
+enum { RNEAGEN_PARTS_AUTO = 0 };
 enum rneagen_dump { RNEAGEN_DUMP_NONE, RNEAGEN_DUMP_ROBOT, RNEAGEN_DUMP_TREE, RNEAGEN_DUMP_DAG, RNEAGEN_DUMP_PLAN };
 
 /* What to generate. Start from rneagen_options_default(). Strings belong to the caller and must outlive the call. */
@@ -35,8 +35,8 @@ struct rneagen_options {
 	enum rneagen_mimic mimic;
 	int strict; /* the same bits from every compiler, CPU and GPU, for all results that are not NaN */
 	int bounded; /* target C: also a function that gives a bound of each output's error */
-	int parts; /* of the grid, target CUDA: each makes some elements of the matrices; RNEAGEN_PARTS_AUTO: as many as it takes not to
-		      spill registers, 1 where a text cannot be split; default 0, that is 1 */
+	int parts; /* of the grid, target CUDA: each makes some elements of the matrices; default RNEAGEN_PARTS_AUTO: as few as the
+		      registers and the instruction cache have room for, 1 where a text cannot be split */
 	double gravity[3];  /* m/s^2, in the frame of the root link's parent, the world; default 0 0 -9.81 */
 	const char *order;  /* names of all joints with entries in q, comma-separated; NULL: depth-first, by name */
 	const char *name;   /* a C identifier; NULL: the robot's name made one */

@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* The numbers of a row: name, as printf has it, value; NAN is null. */
-enum { FIELDS = 12 };
+enum { FIELDS = 13 };
 struct field {
 	const char *name;
 	double value;
@@ -19,7 +19,7 @@ static void list_fields(const struct study_row *row, struct field f[FIELDS])
 		{"floor_ratio", row->floor_ratio}, {"error_max", row->errors.max}, {"error_rms", row->errors.rms},
 		{"error_terms_max", row->errors.terms}, {"bound_max", row->bound_max},
 		{"model_change", row->model_change}, {"registers", gpu ? (double)row->registers : none}, {"spill_bytes", gpu ? (double)row->spill_bytes : none},
-		{"compile_ms", row->compile_ms}};
+		{"parts", gpu ? (double)row->parts : none}, {"compile_ms", row->compile_ms}};
 
 	memcpy(f, fields, sizeof fields);
 	f[FIELDS - 1] = (struct field){"batch", (double)row->batch};

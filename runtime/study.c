@@ -302,6 +302,7 @@ static void note_resources(struct variant *v)
 		return;
 	v->row->registers = r.registers;
 	v->row->spill_bytes = r.local_bytes;
+	v->row->parts = rnea_info(v->robot)->parts;
 }
 
 static enum rneagen_code measure_time(struct variant *v, struct study_row *row, size_t batch)

@@ -37,6 +37,7 @@ struct study_row {
 	double bound_max, model_change;
 	int registers;
 	size_t spill_bytes;
+	unsigned parts;
 	double compile_ms;
 };
 

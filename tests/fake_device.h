@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <utility>
 #if FAKE_WAITS
 #include <condition_variable>
@@ -23,6 +24,7 @@
 #define __shared__ static /* one block runs at a time */
 #define __restrict__ __restrict
 #define __sincosf sincosf
+#define __trap abort
 #define __fmaf_rn fmaf
 #define __fadd_rn(a, b) ((float)(a) + (float)(b))
 #define __fsub_rn(a, b) ((float)(a) - (float)(b))

@@ -25,7 +25,7 @@ static const struct subject {
 	{"iiwa14", ALL, 0, RNEAGEN_F32, RNEAGEN_ACCURATE, 3, 3},
 	{"iiwa14", "want dtau_dqd,tau\n", 0, RNEAGEN_F64, RNEAGEN_BOUNDED, 7, 7},
 	{"panda", ALL, 0, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2},
-	{"panda", "want tau,dtau_dq,dtau_dqd\n", 0, RNEAGEN_F64, RNEAGEN_ACCURATE, AUTO, 3},
+	{"panda", "want tau,dtau_dq,dtau_dqd\n", 0, RNEAGEN_F64, RNEAGEN_ACCURATE, AUTO, 2},
 	{"hyq", ALL, 1, RNEAGEN_F32, RNEAGEN_ACCURATE, 3, 3},
 	{"hyq", ALL, 1, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2},
 	{"hyq", ALL "dense\n", 0, RNEAGEN_MIXED, RNEAGEN_ACCURATE, 2, 2},
@@ -33,8 +33,8 @@ static const struct subject {
 	{"mimic_chain", ALL, 1, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2},
 	{"planar_joint", ALL, 1, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2},
 	{"ur5", "want tau,dtau_dq,dtau_dqd,power,jvp\nfree payload.wrist_3_link\n", 0, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2},
-	{"atlas", "want tau,dtau_dq,dtau_dqd\n", 0, RNEAGEN_F64, RNEAGEN_ACCURATE, AUTO, 4},
-	{"atlas", "want tau,dtau_dq,dtau_dqd\n", 0, RNEAGEN_F32, RNEAGEN_ACCURATE, AUTO, 3},
+	{"atlas", "want tau,dtau_dq,dtau_dqd\n", 0, RNEAGEN_F64, RNEAGEN_ACCURATE, AUTO, 5},
+	{"atlas", "want tau,dtau_dq,dtau_dqd\n", 0, RNEAGEN_F32, RNEAGEN_ACCURATE, AUTO, 4},
 };
 enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
 
@@ -162,7 +162,7 @@ START_TEST(test_values)
 {
 	const struct subject *s = &SUBJECTS[_i / 2];
 	enum rnea_backend backend = _i % 2 ? RNEA_BACKEND_CUDA : RNEA_BACKEND_HOST;
-	struct rneagen_options o = options_of(s, s->parts), plain = options_of(s, 0);
+	struct rneagen_options o = options_of(s, s->parts), plain = options_of(s, 1);
 	struct target parts, whole;
 	struct rnea_robot *split, *one;
 	double worst = 0;
@@ -220,7 +220,7 @@ static int check_stores(const char *source, const char *robot)
 START_TEST(test_text)
 {
 	const struct subject *s = &SUBJECTS[_i];
-	struct rneagen_options o = options_of(s, s->parts), plain = options_of(s, 0);
+	struct rneagen_options o = options_of(s, s->parts), plain = options_of(s, 1);
 	struct target parts, whole;
 	char line[64];
 
@@ -229,13 +229,42 @@ START_TEST(test_text)
 	ck_assert_int_gt(check_stores(parts.text.source, s->name), s->expected);
 	snprintf(line, sizeof line, "dim3((unsigned)blocks, %d)", s->expected);
 	ck_assert_ptr_nonnull(strstr(parts.text.source, line));
+	snprintf(line, sizeof line, "if (gridDim.y != %d)", s->expected);
+	ck_assert_ptr_nonnull(strstr(parts.text.source, line));
 	snprintf(line, sizeof line, "parts %d\\n", s->expected);
 	ck_assert_ptr_nonnull(strstr(parts.text.source, line));
 	ck_assert_ptr_nonnull(strstr(parts.text.source, "\"rneagen-info 2\\n\"")); /* for libraries that know nothing of parts */
 	ck_assert_ptr_nonnull(strstr(parts.text.info_json, "\"parts\": ["));
-	ck_assert_ptr_null(strstr(whole.text.source, "parts"));
+	ck_assert_ptr_null(strstr(whole.text.source, "_part0_"));
+	ck_assert_ptr_null(strstr(whole.text.source, "rneagen-info 2"));
 	rneagen_result_free(&parts.text);
 	rneagen_result_free(&whole.text);
+}
+END_TEST
+
+/* What fits stays whole, unless told otherwise. */
+static const struct subject FITS[] = {
+	{"iiwa14", ALL, 0, RNEAGEN_F64, RNEAGEN_ACCURATE, AUTO, 1},
+	{"panda", "want tau,dtau_dq,dtau_dqd\n", 0, RNEAGEN_F32, RNEAGEN_ACCURATE, AUTO, 1},
+	{"hyq", ALL, 0, RNEAGEN_F64, RNEAGEN_ACCURATE, AUTO, 1},
+	{"atlas", "want M\n", 1, RNEAGEN_F32, RNEAGEN_ACCURATE, AUTO, 1},
+};
+
+START_TEST(test_fits)
+{
+	const struct subject *s = &FITS[_i];
+	struct rneagen_options o = options_of(s, AUTO), one = options_of(s, 1), two = options_of(s, 2);
+	struct target by_itself, whole, split;
+
+	generate(s, &o, &by_itself);
+	generate(s, &one, &whole);
+	generate(s, &two, &split);
+	ck_assert_ptr_null(strstr(by_itself.text.source, "_part0_"));
+	ck_assert_str_eq(strstr(by_itself.text.source, "_rnea_body("), strstr(whole.text.source, "_rnea_body("));
+	ck_assert_ptr_nonnull(strstr(split.text.source, "_part1_"));
+	rneagen_result_free(&by_itself.text);
+	rneagen_result_free(&whole.text);
+	rneagen_result_free(&split.text);
 }
 END_TEST
 
@@ -287,6 +316,7 @@ int main(void)
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	suite_add(s, "values", test_values, 2 * SUBJECT_COUNT, 600);
 	suite_add(s, "text", test_text, SUBJECT_COUNT, 300);
+	suite_add(s, "fits", test_fits, sizeof FITS / sizeof *FITS, 60);
 	suite_add(s, "refused", test_refused, sizeof REFUSALS / sizeof *REFUSALS, 60);
 	return suite_run(s);
 }
