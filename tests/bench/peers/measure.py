@@ -16,6 +16,7 @@ from spatial import FUNCTIONS
 
 COUNTS = (1048576, 1024, 1, 16384, 65536, 4096, 262144, 256, 64, 16)  # the most important first
 SHOWN = 16384    # samples for which the functions are compared
+SCALED = 262144  # samples for which numbers of threads are compared
 CACHED = 65536   # of more, a processor takes seconds for the matrices
 FIRST = COUNTS[:4]  # the sizes of the tables
 COLUMNS = ("library", "version", "route", "function", "device", "precision", "n", "threads", "block", "method",

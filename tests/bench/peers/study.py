@@ -6,6 +6,7 @@ TITLE = "Beside the study that started this"
 CALLS = 100000   # over which the shares spread the start-up
 SHARED = 16384  # samples a call, for the shares
 LARGE = 1048576
+SCALED = 262144  # for the numbers of threads: measure.SCALED
 GPU_ROUTES = (  # what the README calls it, library, the route
     ("generated, NVRTC", "generated", "NVRTC"),
     ("generated, nvcc", "generated", "nvcc"),
@@ -176,17 +177,17 @@ def cpu_table(rows):
 
 
 def thread_table(rows):
-    """Speed-up over one thread at a million samples."""
-    counts = sorted({r["threads"] for r in rows.find("generated", "host backend", "cpu", n=LARGE) if r["threads"]})
+    """Speed-up over one thread."""
+    counts = sorted({r["threads"] for r in rows.find("generated", "host backend", "cpu", n=SCALED) if r["threads"]})
     lines = []
     for name, library, route in THREADED:
         for precision in ("f32", "f64"):
-            us = [rows.one(library, route, "cpu", precision=precision, n=LARGE, threads=t).get("kernel_us") for t in counts]
+            us = [rows.one(library, route, "cpu", precision=precision, n=SCALED, threads=t).get("kernel_us") for t in counts]
             if any(us):
-                alone = rows.one(library, route.replace("processes", "slices"), "cpu", precision=precision, n=LARGE, threads=1)
+                alone = rows.one(library, route.replace("processes", "slices"), "cpu", precision=precision, n=SCALED, threads=1)
                 us[0] = alone.get("kernel_us")
                 lines.append([f"{name}, {precision}", *(short(us[0] and u and us[0] / u, 2) for u in us)])
-    return markdown(["1 M samples, times as fast as one thread", *(f"{int(t)}" for t in counts)], lines)
+    return markdown([f"{SCALED} samples, times as fast as one thread", *(f"{int(t)}" for t in counts)], lines)
 
 
 def block_table(rows):
@@ -294,25 +295,6 @@ def compiled(rows, route):
     return found if all(found) else None
 
 
-def one_kernel_alone(rows):
-    """The same statements in one kernel, out of a run of torch.compile alone (`run --only compile`), where there is one."""
-    alone = rows.path.with_name("compile.csv")
-    if not alone.exists():
-        return ""
-    other, times = Rows(alone), []
-    for n in (262144, LARGE):
-        for precision in ("f32", "f64"):
-            own = rows.one("generated", "NVRTC", "cuda", precision=precision, n=n)
-            joined = other.one("PyTorch", "torch.compile, one kernel", "cuda", precision=precision, n=n)
-            if not own or not joined:
-                return ""
-            times.append(short(joined["kernel_us"] / own["kernel_us"], 2))
-    return (f"With `max_fusion_size` raised it makes one kernel and comes near: {times[0]} times in f32 and {times[1]} in f64 at "
-            f"262144 samples, compiled for any size; {times[2]} and {times[3]} at 1 M, compiled for that size, when Inductor makes "
-            f"blocks that spill in f64 (a run of this alone, {other.head.split('; ')[-1]}: "
-            "[compile.csv](tests/bench/peers/results/compile.csv)). ")
-
-
 def rewritten(rows):
     """What torch.compile of the statements gives, and what not."""
     plain, joined = compiled(rows, "statements"), compiled(rows, "one kernel")
@@ -327,8 +309,6 @@ def rewritten(rows):
         text += (f"With `max_fusion_size` raised it makes one kernel and comes near: {joined[0]} times in f32, {joined[1]} times "
                  f"in f64. Sizes are dynamic, and 1024 samples were compiled first, here and in the tables; from a first size of "
                  f"1 M Inductor makes blocks that spill. ")
-    else:
-        text += one_kernel_alone(rows)
     cold = " and ".join(f"{short(x[2] / 1e3)} s" for x in (plain, joined) if x)
     return text + (f"It compiles for {cold}, for each precision and again for a batch of one; one sample, waited for, takes "
                    f"{short((joined or plain)[3])} us from Python, the generated kernel {short(own['call_us'])} us. It has no C "

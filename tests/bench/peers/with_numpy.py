@@ -102,12 +102,16 @@ def in_slices(bench, kind, call, axis, precision, n, workers):
 def pools(bench):
     """(n, kind, workers): first what the tables show. One worker is one thread."""
     most = max(bench.threads)
-    few, between = [("slices", 1), ("slices", most), ("processes", most)], [("processes", t) for t in bench.threads[1:-1]]
+    few = [("slices", 1), ("slices", most), ("processes", most)]
+    every = [(kind, t) for kind in ("processes", "slices") for t in bench.threads]
     sizes = [n for n in sorted(bench.counts) if n >= 1024]
-    shown, rest = ([n for n in sizes if (n in measure.FIRST) == first] for first in (True, False))
-    for counts, workers in (shown, few), (shown[-1:], between), (rest, few), (shown[:-1], between):
+    small = [n for n in sizes if n in measure.FIRST and n <= measure.CACHED]
+    large = [n for n in sizes if n in measure.FIRST and n > measure.CACHED]
+    scaled = [n for n in sizes if n == measure.SCALED]
+    rest = [n for n in sizes if n not in (*small, *large, *scaled)]
+    for counts, workers in (small, few), (scaled, every), (large, few), (rest, few), (small, every):
         for n in counts:
-            yield from ((n, *w) for w in dict.fromkeys(workers) if w != ("processes", 1))
+            yield from ((n, *w) for w in workers if w != ("processes", 1))
 
 
 def pooled(bench):

@@ -22,9 +22,8 @@ def one_by_one(model):
 
 
 def timed(bench, n, call, inputs, tau, axis):
-    call()
+    _, us = measure.first_and_clock(call, bench.box)
     found = bench.data["f64"].errors("rnea", n, (tau,), axis)
-    us = measure.clock(call, bench.box)
     return {"error_max": found[0], "error_rms": found[1], "import_ms": import_ms, "method": "clock", "kernel_us": us,
             "call_us": us, "h2d_us": 0, "d2h_us": 0}
 
@@ -48,7 +47,7 @@ def main(bench):
         bench.row(note="skipped: its q has another order, or continuous joints as two numbers")
         return
     pool = pinocchio.ModelPool(model, max(bench.threads)) if hasattr(pinocchio, "rneaInParallel") else None
-    for _, _, n in bench.steps(("rnea",), ("f64",)):
+    for _, _, n in bench.steps(("rnea",), ("f64",), measure.CACHED):
         if n <= 65536:
             bench.attempt(lambda: loop_row(bench, model, n), **key("rnea, Python's loop", n, 1))
         for threads in bench.threads if pool else ():
