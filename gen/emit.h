@@ -115,6 +115,10 @@ const char *emit_prototypes(const struct emission *e);
    multiprocessor is to have room for, 0: as the compiler likes. */
 void emit_kernel(const struct emission *e, const struct pass *p, struct text *out);
 const char *emit_stage(const struct emission *e);
+
+/* Do the statements store by RNEA_STORE? Then emit_store is what that means, else "". */
+int emit_is_streamed(const struct emission *e);
+const char *emit_store(const struct emission *e);
 int emit_block_size(const struct emission *e);
 int emit_min_blocks(const struct emission *e);
 

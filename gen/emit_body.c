@@ -211,16 +211,18 @@ void emit_section(const struct emission *e, const struct pass *pass, const struc
 
 static void put_store(const struct emission *e, const struct plan *p, const struct output *o, struct text *out)
 {
+	int streamed = emit_is_streamed(e);
 	struct text statement;
 
 	text_init(&statement, e->arena);
-	text_printf(&statement, "%s[%d*stride] = ", p->dag->arguments[o->argument].name, o->row);
+	text_printf(&statement, streamed ? "RNEA_STORE(%s[%d*stride], " : "%s[%d*stride] = ", p->dag->arguments[o->argument].name, o->row);
 	if (e->arithmetic->part)
 		text_put(&statement, "rneagen_join(");
 	else if (emit_converts(e))
 		text_printf(&statement, "(%s)", e->memory->type);
 	put_value(e, p, o->value, emit_converts(e) && !e->arithmetic->part ? op_strength[OP_NEG] : 0, &statement);
-	text_put(&statement, e->arithmetic->part ? ");" : ";");
+	text_put(&statement, e->arithmetic->part ? ")" : "");
+	text_put(&statement, streamed ? ");" : ";");
 	out->failed |= statement.failed;
 	emit_wrapped(out, text_string(&statement));
 }

@@ -194,7 +194,7 @@ static int store_count(const char *source, const char *name, int row)
 	char store[128];
 	int count = 0;
 
-	snprintf(store, sizeof store, "\t%s[%d*stride] = ", name, row);
+	snprintf(store, sizeof store, "\tRNEA_STORE(%s[%d*stride], ", name, row);
 	for (const char *at = source; (at = strstr(at, store)) != NULL; at++)
 		count++;
 	return count;
