@@ -354,7 +354,9 @@ assignment for every operation on scalars. Everything is in [peers.csv](tests/be
 A dash: not measured; peers.csv says where the run was out of time.
 
 **Threads and blocks.** The study left NumPy in threads and the sizes of blocks to later work. The processor is a virtual
-machine's: the same row differed by a factor of two between some runs, so only larger ratios between its rows mean something.
+machine's: the same row differed by a factor of two between some runs, so only larger ratios between its rows mean something;
+and where one of its processors is taken away all threads wait for that one, some milliseconds, which makes of a few microseconds
+a ratio in the thousands.
 {slices(rows)}
 {thread_table(rows)}
 {block_table(rows)}
