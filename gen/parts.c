@@ -11,10 +11,12 @@ enum { ALIVE_SINGLE = 280, ALIVE_DOUBLE = 170, OPERATIONS = 7000 };
 /* A load of FULL is what a part may take; of more than MOST is none. */
 enum { FULL = 1000, MOST = 1 << 20 };
 
+/* How many more parts than the best so far are tried. */
 enum { LOOK_AHEAD = 6 };
 
 struct size {
-	int alive, operations; /* values at once: plan_alive */
+	int alive;      /* values at once: plan_alive */
+	int operations; /* plan_flops, and 1 */
 };
 
 struct splitter {
@@ -167,8 +169,8 @@ static int load_of(struct splitter *s, int first, int end)
 /* What such a part takes, in operations of one that loses nothing. H100, both gradients, us measured, and in brackets
    what this says beside the number of parts that it takes: atlas at 131072 samples in f32, 3 to 6 and 8 parts 300 299
    325 357 411 (348 299 336 372 442), in f64, 4 to 6 and 8 parts 803 802 798 915 (891 802 886 1159); floating hyq at
-   262144 in f32, 1 to 3 parts 350 271 307 (460 271 299). Whole, atlas's warps wait for
-   instructions in three quarters of their cycles. */
+   262144 in f32, 1 to 3 parts 350 271 307 (460 271 299). Whole, atlas's warps wait for instructions in three quarters
+   of their cycles. */
 static double cost_of(struct splitter *s, int first, int end)
 {
 	const struct size *z = size_of(s, first, end);
@@ -198,23 +200,22 @@ static int first_body(struct splitter *s, int end, int left, int most)
 	return good;
 }
 
-/* From the last body on, each part as large as `most` allows: exactly `count` of them, or, where that is 0, as many as
-   it takes, single bodies being parts whatever they hold. Returns how many, 0 where it cannot be; first[0] is of the
-   last part. */
+/* From the last body on, `count` parts, each as large as a load of `most` allows. first[0] is of the last part. Returns 0
+   where they are too few. */
 static int cut(struct splitter *s, int count, int most, int *first)
 {
-	int made = 0, end = s->count;
+	int end = s->count;
 
-	while (end > 0 && (made < count || !count)) {
-		first[made] = first_body(s, end, count ? count - made - 1 : 0, most);
-		if (count && load_of(s, first[made], end) > most)
+	for (int made = 0; made < count; made++) {
+		first[made] = first_body(s, end, count - made - 1, most);
+		if (load_of(s, first[made], end) > most)
 			return 0;
-		end = first[made++];
+		end = first[made];
 	}
-	return end > 0 ? 0 : made;
+	return end == 0;
 }
 
-/* So many parts that the one with the largest load has as little as can be. */
+/* So many parts that the one with the largest load has as little as can be. Returns 0 where no cut was found. */
 static int cut_evenly(struct splitter *s, int count, int *first)
 {
 	int bad = 0, good = MOST;
@@ -239,14 +240,15 @@ static double cost_of_cut(struct splitter *s, int count, const int *first)
 	return sum;
 }
 
-/* As many parts as cost least: more are of use only when all fit, some numbers after fewer were. */
-static int cut_as_needed(struct splitter *s, int *first)
+/* As many parts as cost least. One more need not cost less where a few more do: only when all fit is nothing lost. */
+static int choose_count(struct splitter *s, int *first)
 {
 	double least = cost_of(s, 0, s->count);
 	int best = 1;
 
-	for (int count = 2; count <= s->count && count <= best + LOOK_AHEAD && load_of(s, 0, s->count) > FULL;
-		count++) {
+	if (load_of(s, 0, s->count) <= FULL)
+		return 1;
+	for (int count = 2; count <= s->count && count <= best + LOOK_AHEAD; count++) {
 		double cost = cut_evenly(s, count, first) ? cost_of_cut(s, count, first) : least;
 
 		if (cost < least) {
@@ -254,7 +256,7 @@ static int cut_as_needed(struct splitter *s, int *first)
 			best = count;
 		}
 	}
-	return cut_evenly(s, best, first);
+	return best;
 }
 
 static int make_part(struct splitter *s, int number, int first, int end, struct part *p)
@@ -311,17 +313,14 @@ static const char *obstacle(const struct tree *t, const struct rneagen_options *
 	return NULL;
 }
 
-/* Returns how many parts there are; first[0] is where the last of them begins. */
+/* Returns how many parts there are, 0 after an error; first[0] is where the last of them begins, if there are several. */
 static int choose(struct splitter *s, int *first, struct rneagen_error *e)
 {
-	int asked = s->o->parts;
+	int count = s->o->parts == RNEAGEN_PARTS_AUTO ? choose_count(s, first) : s->o->parts;
 
-	if (asked == RNEAGEN_PARTS_AUTO)
-		return cut_as_needed(s, first);
-	if (asked <= s->count)
-		return cut_evenly(s, asked, first);
-	error_set(e, RNEAGEN_USAGE, "--parts %d: there are elements of %d bodies to share out; take fewer, or auto",
-		asked, s->count);
+	if (count == 1 || (count <= s->count && cut_evenly(s, count, first)))
+		return count;
+	error_set(e, RNEAGEN_USAGE, "--parts %d: there are elements of %d bodies to share out; take fewer, or auto", count, s->count);
 	return 0;
 }
 

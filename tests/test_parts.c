@@ -1,5 +1,6 @@
-/* Matrices in parts of the grid: values as those of the whole text, on the pretended driver and compiled as C; every element
-   written, and by one part alone; what the text and the runtime say of it; what is refused. */
+/* Kernels of matrices. In parts of the grid: values as those of the whole text, on the pretended driver and compiled as C;
+   every element written, and by one part alone; what the text and the runtime say of it; what is refused. Which stores go past
+   the cache. */
 #define _POSIX_C_SOURCE 200809L
 #include "../runtime/urdf.h"
 #include "rng.h"
@@ -268,6 +269,47 @@ START_TEST(test_fits)
 }
 END_TEST
 
+/* Stores past the cache are for global memory alone: not for what is staged in shared memory, and not for scattered words. */
+static const struct stored {
+	const char *robot, *scene;
+	enum rneagen_target target;
+	enum rneagen_layout layout;
+	enum rneagen_precision precision;
+	int streamed;
+} STORED[] = {
+	{"iiwa14", ALL, RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 1},
+	{"iiwa14", ALL, RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 1},
+	{"iiwa14", "want jvp\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 1},
+	{"ur5", "want tau,dtau_dq,dtau_dqd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0}, /* staged */
+	{"iiwa14", ALL, RNEAGEN_TARGET_CUDA, RNEAGEN_AOS, RNEAGEN_F32, 0}, /* staged */
+	{"atlas", "want tau,dtau_dq,dtau_dqd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_AOS, RNEAGEN_F32, 0}, /* too large for that */
+	{"iiwa14", NULL, RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 0},
+	{"iiwa14", ALL, RNEAGEN_TARGET_C, RNEAGEN_SOA, RNEAGEN_F64, 0},
+	{"iiwa14", ALL, RNEAGEN_TARGET_HEADER, RNEAGEN_SOA, RNEAGEN_F32, 0},
+};
+
+START_TEST(test_stores)
+{
+	const struct stored *r = &STORED[_i];
+	struct rneagen_options o = rneagen_options_default();
+	struct rneagen_result result;
+	struct rneagen_error e;
+	size_t length;
+	char *urdf = target_robot(r->robot, &length);
+
+	o.scene = r->scene;
+	o.target = r->target;
+	o.layout = r->layout;
+	o.precision = r->precision;
+	ck_assert_msg(!rneagen_generate(urdf, length, &o, &result, &e), "%s", e.message);
+	ck_assert_int_eq(strstr(result.source, "RNEA_STORE(tau[") || strstr(result.source, "RNEA_STORE(jvp["), r->streamed);
+	ck_assert_int_eq(strstr(result.source, "st.global.cs") != NULL, r->streamed);
+	ck_assert_int_eq(strstr(result.source, "[0*stride] = ") || strstr(result.source, "\ttau[0] = "), !r->streamed);
+	rneagen_result_free(&result);
+	free(urdf);
+}
+END_TEST
+
 /* Where a text cannot be in parts, `auto` leaves it whole, and a number is refused. */
 static const struct refusal {
 	const char *scene, *message;
@@ -317,6 +359,7 @@ int main(void)
 	suite_add(s, "values", test_values, 2 * SUBJECT_COUNT, 600);
 	suite_add(s, "text", test_text, SUBJECT_COUNT, 300);
 	suite_add(s, "fits", test_fits, sizeof FITS / sizeof *FITS, 60);
+	suite_add(s, "stores", test_stores, sizeof STORED / sizeof *STORED, 60);
 	suite_add(s, "refused", test_refused, sizeof REFUSALS / sizeof *REFUSALS, 60);
 	return suite_run(s);
 }
