@@ -155,6 +155,8 @@ static struct rneagen_options generate_options(const struct study *s, const stru
 	g.precision = row->precision;
 	g.trig = row->trig;
 	g.layout = row->layout;
+	if (row->backend == RNEA_BACKEND_HOST && g.parts == RNEAGEN_PARTS_AUTO)
+		g.parts = 1; /* one after another they would only repeat what they share */
 	return g;
 }
 

@@ -43,6 +43,8 @@ enum rnea_code rnea_open_urdf(const char *path, const struct rneagen_options *ge
 	char *urdf;
 
 	g.file = path;
+	if (options && options->backend == RNEA_BACKEND_HOST && g.parts == RNEAGEN_PARTS_AUTO)
+		g.parts = 1; /* one after another they would only repeat what they share */
 	if (check(path, &g, robot, e) || source_bytes(path, &urdf, &length, e))
 		return e->code;
 	if (!generate(urdf, length, &g, &text, e)) {

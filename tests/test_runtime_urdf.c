@@ -125,6 +125,33 @@ START_TEST(computes)
 }
 END_TEST
 
+/* A processor gains nothing from parts: only who asks for them has them there. */
+START_TEST(parts)
+{
+	static const struct {
+		enum rnea_backend backend;
+		unsigned asked, has;
+	} cases[] = {{RNEA_BACKEND_CUDA, RNEAGEN_PARTS_AUTO, 2}, {RNEA_BACKEND_HOST, RNEAGEN_PARTS_AUTO, 1}, {RNEA_BACKEND_HOST, 3, 3}};
+	static const char *const quickly[] = {"-O0"};
+	struct rneagen_options g = rneagen_options_default();
+	struct rnea_options o = {.backend = cases[_i].backend};
+	struct rnea_robot *robot;
+	struct rnea_error e;
+
+	use_fakes();
+	if (o.backend == RNEA_BACKEND_HOST) {
+		o.compile = quickly;
+		o.compile_count = 1;
+	}
+	g.precision = RNEAGEN_F64;
+	g.scene = "want tau,dtau_dq,dtau_dqd";
+	g.parts = (int)cases[_i].asked;
+	ck_assert_msg(!rnea_open_urdf(TEST_DIR "/robots/panda.urdf", &g, &o, &robot, &e), "%s", e.message);
+	ck_assert_uint_eq(rnea_info(robot)->parts, cases[_i].has);
+	rnea_close(robot);
+}
+END_TEST
+
 static void assert_error(const struct rnea_error *e, enum rnea_code code, const char *part)
 {
 	ck_assert_msg(e->code == code, "code %d where %d is right: %s", (int)e->code, (int)code, e->message);
@@ -249,6 +276,7 @@ int main(void)
 	tcase_set_timeout(t, 120);
 	tcase_add_loop_test(t, computes, 0, 2 * (int)(sizeof robots / sizeof *robots));
 	tcase_add_test(t, errors);
+	tcase_add_loop_test(t, parts, 0, 3);
 	tcase_add_loop_test(t, hostile_names, 0, 2 * (int)(sizeof names / sizeof *names));
 	suite_add_tcase(s, t);
 	srunner_run_all(r, CK_ENV);
