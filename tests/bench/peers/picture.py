@@ -58,7 +58,8 @@ def draw_times(rows, path):
             curves.append(f"$c{i} using 1:2 with lines lw 2 dt {dash} lc rgb '{colour}' title '{title}'")
     if curves:
         gnuplot(path, blocks + "set logscale xy\nset grid\nset key outside right\nset xrange [1:2e6]\n"
-                "set format '%.0s%c'\nset xlabel 'samples in a batch'\nset ylabel 'time per sample of the whole RNEA in f32, "
+                "set format '%.0s%c'\nset ytics add ('0.1' 0.1)\nset xlabel 'samples in a batch'\n"
+                "set ylabel 'time per sample of the whole RNEA in f32, "
                 f"times that of the generated kernel at 1 M'\nplot {', '.join(curves)}\n")
 
 
