@@ -3,6 +3,7 @@
 #include "effect.h"
 #include "floor.h"
 #include "signature.h"
+#include "urdf.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -155,9 +156,7 @@ static struct rneagen_options generate_options(const struct study *s, const stru
 	g.precision = row->precision;
 	g.trig = row->trig;
 	g.layout = row->layout;
-	if (row->backend == RNEA_BACKEND_HOST && g.parts == RNEAGEN_PARTS_AUTO)
-		g.parts = 1; /* one after another they would only repeat what they share */
-	return g;
+	return rnea_urdf_options(&g, row->backend);
 }
 
 enum rneagen_code study_bound(struct study *s, struct study_row *row)

@@ -33,6 +33,15 @@ static enum rnea_code generate(const char *urdf, size_t length, const struct rne
 	return rnea_error_set(e, RNEA_URDF, "%s", refused.message);
 }
 
+struct rneagen_options rnea_urdf_options(const struct rneagen_options *generate, enum rnea_backend backend)
+{
+	struct rneagen_options g = *generate;
+
+	if (backend == RNEA_BACKEND_HOST && g.parts == RNEAGEN_PARTS_AUTO)
+		g.parts = 1;
+	return g;
+}
+
 enum rnea_code rnea_open_urdf(const char *path, const struct rneagen_options *generate_options,
 	const struct rnea_options *options, struct rnea_robot **robot, struct rnea_error *error)
 {
@@ -43,8 +52,7 @@ enum rnea_code rnea_open_urdf(const char *path, const struct rneagen_options *ge
 	char *urdf;
 
 	g.file = path;
-	if (options && options->backend == RNEA_BACKEND_HOST && g.parts == RNEAGEN_PARTS_AUTO)
-		g.parts = 1; /* one after another they would only repeat what they share */
+	g = rnea_urdf_options(&g, options ? options->backend : RNEA_BACKEND_ANY);
 	if (check(path, &g, robot, e) || source_bytes(path, &urdf, &length, e))
 		return e->code;
 	if (!generate(urdf, length, &g, &text, e)) {

@@ -9,9 +9,13 @@
 extern "C" {
 #endif
 
+/* `generate` as a text for `backend` wants it: for the host, which would make parts one after another and repeat what they share,
+   none unless asked for. */
+struct rneagen_options rnea_urdf_options(const struct rneagen_options *generate, enum rnea_backend backend);
+
 /* Generate the text for the URDF in the file at `path` and open it as rnea_open does. `generate` chooses what the text
    is (NULL: rneagen_options_default()); its target must be RNEAGEN_TARGET_CUDA, whose text serves both backends, and
-   its dump RNEAGEN_DUMP_NONE; on RNEA_BACKEND_HOST parts are not made unless asked for. `options` may be NULL. Messages call the URDF by `path` and the text by its robot's name.
+   its dump RNEAGEN_DUMP_NONE; it is taken as rnea_urdf_options has it. `options` may be NULL. Messages call the URDF by `path` and the text by its robot's name.
    Errors: READ, URDF (the generator's message: the link, joint or option at fault), and those of rnea_open. */
 enum rnea_code rnea_open_urdf(const char *path, const struct rneagen_options *generate,
 	const struct rnea_options *options, struct rnea_robot **robot, struct rnea_error *error);

@@ -288,18 +288,25 @@ static const struct stored {
 	{"iiwa14", ALL, RNEAGEN_TARGET_HEADER, RNEAGEN_SOA, RNEAGEN_F32, 0},
 };
 
+static struct rneagen_options options_for(const char *scene, enum rneagen_target target, enum rneagen_layout layout)
+{
+	struct rneagen_options o = rneagen_options_default();
+
+	o.scene = scene;
+	o.target = target;
+	o.layout = layout;
+	return o;
+}
+
 START_TEST(test_stores)
 {
 	const struct stored *r = &STORED[_i];
-	struct rneagen_options o = rneagen_options_default();
+	struct rneagen_options o = options_for(r->scene, r->target, r->layout);
 	struct rneagen_result result;
 	struct rneagen_error e;
 	size_t length;
 	char *urdf = target_robot(r->robot, &length);
 
-	o.scene = r->scene;
-	o.target = r->target;
-	o.layout = r->layout;
 	o.precision = r->precision;
 	ck_assert_msg(!rneagen_generate(urdf, length, &o, &result, &e), "%s", e.message);
 	ck_assert_int_eq(strstr(result.source, "RNEA_STORE(tau[") || strstr(result.source, "RNEA_STORE(jvp["), r->streamed);
@@ -328,15 +335,12 @@ static const struct refusal {
 START_TEST(test_refused)
 {
 	const struct refusal *r = &REFUSALS[_i];
-	struct rneagen_options o = rneagen_options_default();
+	struct rneagen_options o = options_for(r->scene, r->target, r->layout);
 	struct rneagen_result result;
 	struct rneagen_error e;
 	size_t length;
 	char *urdf = target_robot("iiwa14", &length);
 
-	o.scene = r->scene;
-	o.target = r->target;
-	o.layout = r->layout;
 	o.parts = r->parts;
 	ck_assert_int_eq(rneagen_generate(urdf, length, &o, &result, &e), RNEAGEN_USAGE);
 	ck_assert_msg(strstr(e.message, r->message) != NULL, "%s", e.message);
