@@ -58,8 +58,11 @@ static int parse_parts(const char *command, const char *word, int *parts)
 	char *end;
 	long n = strtol(word, &end, 10);
 
-	*parts = strcmp(word, "auto") ? (int)n : RNEAGEN_PARTS_AUTO;
-	if (strcmp(word, "auto") && (end == word || *end || n < 1 || n > 65535))
+	*parts = RNEAGEN_PARTS_AUTO;
+	if (!strcmp(word, "auto"))
+		return 0;
+	*parts = (int)n;
+	if (end == word || *end || n < 1 || n > 65535)
 		return option_refuse(command, "--parts takes a number from 1 to 65535, or auto, not '%s'", word);
 	return 0;
 }

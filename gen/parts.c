@@ -131,6 +131,11 @@ static void choose_outputs(const struct splitter *s, int first, int end, struct 
 	}
 }
 
+static struct size size_of_plan(const struct plan *p, struct arena *a)
+{
+	return (struct size){.alive = plan_alive(p, a), .operations = 1 + (int)plan_flops(plan_operations(p))};
+}
+
 /* The size of the part of these owners, made in an arena of its own. */
 static const struct size *size_of(struct splitter *s, int first, int end)
 {
@@ -145,8 +150,7 @@ static const struct size *size_of(struct splitter *s, int first, int end)
 	choose_outputs(s, first, end, &raw, &a);
 	dag_init(&fused, &a);
 	dag_fuse(&fused, &raw, s->o->strict);
-	known->operations = fused.failed ? 1 : 1 + (int)plan_flops(plan_operations(&plan));
-	known->alive = fused.failed ? 0 : plan_alive(&plan, &a);
+	*known = fused.failed ? (struct size){.operations = 1} : size_of_plan(&plan, &a);
 	s->failed |= fused.failed | a.failed;
 	arena_free(&a);
 	return known;
@@ -296,8 +300,10 @@ static int begin(struct splitter *s)
 	for (int i = 0; i < k->want_count && !s->a->failed; i++)
 		if (is_matrix(&k->wants[i]))
 			own_want(s, &k->wants[i]);
-	if (!s->a->failed)
-		list_owners(s);
+	if (s->a->failed)
+		return 0;
+	list_owners(s);
+	s->sizes[s->count] = size_of_plan(&s->whole->plan, s->a); /* from the first to the last: that is made already */
 	return !s->a->failed;
 }
 

@@ -52,7 +52,6 @@ NUMBERS = ("n", "threads", "block", "error_max", "error_rms", "import_ms", "cold
 
 class Rows:
     def __init__(self, path):
-        self.path = path
         with open(path, newline="") as file:
             self.head = file.readline().lstrip("# ").strip()
             rows = [{k: number(v) if k in NUMBERS else v for k, v in row.items()} for row in csv.DictReader(file)]
