@@ -34,6 +34,11 @@ enum rneagen_code adjust_read(struct adjust *x, const struct scene *s, struct rn
 	return RNEAGEN_OK;
 }
 
+int adjust_is_asked(const struct adjust *x)
+{
+	return x->snap > 0 || x->digits > 0 || x->drop > 0;
+}
+
 /* ---- angles ---- */
 
 double adjust_off(double angle)

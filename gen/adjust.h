@@ -21,6 +21,9 @@ struct adjust {
 /* Errors: SCENE. */
 enum rneagen_code adjust_read(struct adjust *x, const struct scene *s, struct rneagen_error *e);
 
+/* Is any constant changed, or term left out? */
+int adjust_is_asked(const struct adjust *x);
+
 /* How far an angle is from the nearest multiple of pi/2; 0 where it counts as one in any case. */
 double adjust_off(double angle);
 

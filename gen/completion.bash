@@ -2,7 +2,7 @@
 # shellcheck shell=bash
 
 _rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --derivatives --fext --fext-frame --armature --damping
-	--friction --snap-angle --round-constants --drop-below'
+	--friction --snap-angle --round-constants --drop-below --range'
 _rneagen_options="-o --output --target --precision --layout --strict --bounded --parts --trig --base --gravity --mimic --order --name --info
 	--info=json --dot --dump --help --version $_rneagen_scene"
 
@@ -60,7 +60,7 @@ _rneagen() {
 	-o | --output) _rneagen_files "$current" .cu .c .h .cuh ;;
 	--gravity | --order | --name) ;;
 	--scene | --armature) _rneagen_files "$current" '' ;;
-	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --fext | --snap-angle | --round-constants | --drop-below) ;;
+	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --fext | --snap-angle | --round-constants | --drop-below | --range) ;;
 	*)
 		if { [[ $option != --info || -n $joined ]]; } && words=$(_rneagen_words "$option"); then
 			mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
@@ -92,7 +92,7 @@ _rnearun() {
 	--plot) _rneagen_files "$current" .svg ;;
 	--scene | --armature) _rneagen_files "$current" '' ;;
 	--input | --output) ;; # NAME=FILE
-	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --fext | --snap-angle | --round-constants | --drop-below) ;;
+	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --fext | --snap-angle | --round-constants | --drop-below | --range) ;;
 	--gravity | --order | --device | --threads | --slice | --samples | --seed | --qd-range | --qdd-range | --batch | --max-error) ;;
 	*)
 		options=_rnearun_${COMP_WORDS[1]}

@@ -29,6 +29,7 @@ _rneagen_model=(
 	'--snap-angle=[angles this near a multiple of pi/2 are that]:rad:'
 	'--round-constants=[significant digits of each constant]:digits:'
 	'--drop-below=[leave out terms of less effect]:fraction:'
+	'*--range=[what an input is drawn from]:NAME=LO,HI:'
 	'(- *)--help[print a summary of the options]'
 )
 _rnearun_common=(
@@ -46,8 +47,8 @@ _rnearun_study=(
 	'--batch=[samples of one launch]:number:'
 	'--samples=[states in which errors are measured]:number:'
 	'--seed=[of the states]:number:'
-	'--qd-range=[largest velocity where the URDF has no limit]:number:'
-	'--qdd-range=[largest acceleration]:number:'
+	'--qd-range=[short for --range qd=-X,X]:number:'
+	'--qdd-range=[short for --range qdd=-X,X]:number:'
 	'1:robot:_files -g "*.urdf"'
 )
 

@@ -5,24 +5,161 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STATES = 3 }; /* q, qd, qdd */
+static const double PI = 3.14159265358979323846;
 
-static double around(unsigned short seed[3], double value, double by)
+const struct draw_options DRAW_EFFECTS = {.seed = 1, .count = 100, .each = 1};
+
+/* ---- ranges ---- */
+
+static struct draw_range between(double lower, double upper)
 {
-	return value + by * (2 * erand48(seed) - 1);
+	return (struct draw_range){DRAW_NUMBER, lower, upper};
 }
 
-/* A box with half sides s and its centre at c: h = m c,  I = m/3 (s.s 1 - s s^T, diagonal) + m (c.c 1 - c c^T). */
-static void draw_box(unsigned short seed[3], double *x)
+static struct draw_range around(double size)
 {
-	double m = 1 - erand48(seed), s[3], c[3];
+	return between(-size, size);
+}
 
+/* Of the row of a revolute, continuous or prismatic joint. */
+static struct draw_range position_range(const struct joint *j)
+{
+	int limited = j->has_limits && j->lower < j->upper && fabs(j->lower) <= DRAW_LIMIT && fabs(j->upper) <= DRAW_LIMIT;
+
+	if (limited && j->type != JOINT_CONTINUOUS)
+		return between(j->lower, j->upper);
+	return around(j->type == JOINT_PRISMATIC ? 1 : PI);
+}
+
+static struct draw_range velocity_range(const struct joint *j)
+{
+	int limited = j && j->has_limits && j->velocity > 0 && j->velocity <= DRAW_LIMIT;
+
+	return around(limited ? j->velocity : 3);
+}
+
+static void range_position(const struct tree_joint *t, const struct joint *j, struct draw_range *q)
+{
+	int lengths = t->type == JOINT_FLOATING ? 3 : t->type == JOINT_PLANAR ? 2 : 0;
+
+	for (int i = 0; i < t->nq; i++)
+		q[i] = i < lengths ? around(1) : around(PI);
+	for (int i = lengths; i < t->nq && t->type == JOINT_FLOATING; i++)
+		q[i].kind = DRAW_ROTATION;
+	if (!lengths)
+		q[0] = position_range(j);
+}
+
+static void range_joints(struct drawn *x, const struct tree *t)
+{
+	for (int i = 0; i < t->joint_count; i++) {
+		const struct tree_joint *k = &t->joints[i];
+		const struct joint *j = tree_joint_of(t->source, t, i);
+
+		range_position(k, j, x->arrays[DRAWN_Q].ranges + k->iq);
+		for (int r = k->iv; r < k->iv + k->nv; r++) {
+			x->arrays[DRAWN_QD].ranges[r] = velocity_range(j);
+			x->arrays[DRAWN_QDD].ranges[r] = around(10);
+		}
+	}
+}
+
+static struct draw_range freed_range(const struct freed *f)
+{
+	double mass = (double)f->nominal[0], length = 0;
+	struct draw_range r = mass > 0 ? between(0.9 * mass, 1.1 * mass) : between(0, 1);
+
+	for (int i = 0; i < 3; i++)
+		length = hypot(length, (double)f->nominal[i]);
+	if (f->kind == FREED_GRAVITY)
+		return around(length > 0 ? length : 9.81);
+	if (f->kind == FREED_OFFSET)
+		return around(0.1);
+	r.kind = f->kind == FREED_MASS ? DRAW_NUMBER : DRAW_BODY;
+	return r;
+}
+
+/* What the scene says, the whole of an input before its joints, these before single rows. */
+static void range_as_said(struct drawn_array *a, const struct task *k)
+{
+	for (int level = 0; level < TASK_RANGE_LEVELS; level++)
+		for (int i = 0; i < k->range_count; i++) {
+			const struct task_range *r = &k->ranges[i];
+
+			for (int row = r->first; r->level == level && !strcmp(r->argument, a->name) && row < r->first + r->count; row++)
+				if (a->ranges[row].kind != DRAW_ROTATION) {
+					a->ranges[row].lower = r->lower;
+					a->ranges[row].upper = r->upper;
+				}
+		}
+}
+
+static void add_array(struct drawn *x, struct drawn_array array, struct draw_range all, struct arena *a)
+{
+	struct drawn_array *to = &x->arrays[x->count++];
+
+	*to = array;
+	to->ranges = arena_alloc(a, (size_t)to->rows, sizeof *to->ranges);
+	for (int i = 0; to->ranges && i < to->rows; i++)
+		to->ranges[i] = all;
+}
+
+int draw_ranges(struct drawn *x, const struct tree *t, struct arena *a)
+{
+	const struct task *k = &t->task;
+
+	*x = (struct drawn){.count = 0};
+	add_array(x, (struct drawn_array){.name = "q", .rows = t->nq}, around(1), a);
+	add_array(x, (struct drawn_array){.name = "qd", .rows = t->nv}, around(1), a);
+	add_array(x, (struct drawn_array){.name = "qdd", .rows = t->nv}, around(1), a);
+	for (int i = 0; i < k->freed_count; i++) {
+		const struct freed *f = &k->freed[i];
+
+		add_array(x, (struct drawn_array){f->argument, f->rows, f->per_batch, f, NULL, NULL}, freed_range(f), a);
+	}
+	for (int i = 0; i < k->push_count; i++)
+		add_array(x, (struct drawn_array){.name = k->pushes[i].argument, .rows = 6}, around(10), a);
+	if (task_wants(k, WANT_JVP))
+		add_array(x, (struct drawn_array){.name = "jvp_v", .rows = 3 * t->nv}, around(1), a);
+	if (task_wants(k, WANT_VJP))
+		add_array(x, (struct drawn_array){.name = "vjp_v", .rows = t->nv}, around(1), a);
+	if (a->failed)
+		return 0;
+	range_joints(x, t);
+	for (int i = 0; i < x->count; i++)
+		range_as_said(&x->arrays[i], k);
+	return 1;
+}
+
+/* ---- drawing ---- */
+
+static double draw(unsigned short seed[3], struct draw_range r)
+{
+	return r.lower + (r.upper - r.lower) * erand48(seed);
+}
+
+/* A uniform rotation from three uniform numbers (Shoemake, Uniform random rotations, Graphics Gems III, 1992). */
+static void draw_quaternion(unsigned short seed[3], double *q)
+{
+	double u = erand48(seed), a = 2 * PI * erand48(seed), b = 2 * PI * erand48(seed);
+
+	q[0] = sqrt(1 - u) * sin(a);
+	q[1] = sqrt(1 - u) * cos(a);
+	q[2] = sqrt(u) * sin(b);
+	q[3] = sqrt(u) * cos(b);
+}
+
+/* A box of mass m with half sides s and its centre at c: h = m c,  I = m/3 (s.s 1 - s s^T, diagonal) + m (c.c 1 - c c^T). */
+static void draw_box(unsigned short seed[3], double m, double *x)
+{
+	double s[3], c[3];
+
+	x[0] = m;
 	for (int i = 0; i < 3; i++) {
 		s[i] = 0.1 * erand48(seed);
-		c[i] = around(seed, 0, 0.1);
+		c[i] = draw(seed, around(0.1));
 		x[1 + i] = m * c[i];
 	}
-	x[0] = m;
 	for (int i = 0; i < 3; i++)
 		for (int j = i; j < 3; j++) {
 			int k = (i + 1) % 3, l = (i + 2) % 3;
@@ -32,112 +169,95 @@ static void draw_box(unsigned short seed[3], double *x)
 		}
 }
 
-static void draw_freed(unsigned short seed[3], const struct freed *f, double *x)
+/* A body that can be, and none of whose ten numbers is 0 in all samples: a box; beside a body that the URDF has. */
+static void draw_body(unsigned short seed[3], const struct freed *f, struct draw_range r, double *x)
 {
-	double length = 0, factor, box[FREED_ROWS];
+	double mass = draw(seed, r), part = f->nominal[0] > 0 ? 0.1 * erand48(seed) : 1;
 
-	for (int i = 0; i < f->rows; i++)
-		length = hypot(length, (double)f->nominal[i]);
-	switch (f->kind) {
-	case FREED_GRAVITY:
-	case FREED_OFFSET:
-		for (int i = 0; i < f->rows; i++)
-			x[i] = around(seed, (double)f->nominal[i], f->kind == FREED_GRAVITY ? 0.1 * length : 0.1);
-		return;
-	default:
-		draw_box(seed, box);
-		factor = around(seed, 1, 0.1);
-		for (int i = 0; i < f->rows; i++)
-			x[i] = f->nominal[0] > 0 ? factor * (double)f->nominal[i] : box[i];
+	draw_box(seed, part * mass, x);
+	for (int i = 0; i < FREED_ROWS && f->nominal[0] > 0; i++)
+		x[i] += (1 - part) * mass * (double)(f->nominal[i] / f->nominal[0]);
+}
+
+/* Rows first to end - 1 of one sample. */
+static void draw_sample(unsigned short seed[3], const struct drawn_array *a, int first, int end, double *x)
+{
+	for (int i = first; i < end; i++)
+		if (a->ranges[i].kind == DRAW_NUMBER) {
+			x[i] = draw(seed, a->ranges[i]);
+		} else if (a->ranges[i].kind == DRAW_ROTATION) {
+			draw_quaternion(seed, x + i);
+			i += 3;
+		} else {
+			draw_body(seed, a->freed, a->ranges[i], x + i);
+			i += FREED_ROWS - 1;
+		}
+}
+
+/* Joint by joint: all states are one sequence. */
+static void draw_state(unsigned short seed[3], const struct drawn *x, const struct tree *t, size_t sample)
+{
+	const struct drawn_array *q = &x->arrays[DRAWN_Q], *qd = &x->arrays[DRAWN_QD], *qdd = &x->arrays[DRAWN_QDD];
+
+	for (int i = 0; i < t->joint_count; i++) {
+		const struct tree_joint *j = &t->joints[i];
+
+		draw_sample(seed, q, j->iq, j->iq + j->nq, q->values + sample * (size_t)q->rows);
+		for (int k = j->iv; k < j->iv + j->nv; k++) {
+			draw_sample(seed, qd, k, k + 1, qd->values + sample * (size_t)qd->rows);
+			draw_sample(seed, qdd, k, k + 1, qdd->values + sample * (size_t)qdd->rows);
+		}
 	}
 }
 
-static double *add_array(struct drawn *x, const char *name, size_t rows, int per_batch)
+static size_t samples_of(const struct drawn *x, const struct drawn_array *a)
 {
-	struct drawn_array *a = &x->arrays[x->count++];
-
-	*a = (struct drawn_array){name, rows, per_batch, calloc(per_batch ? 1 : x->states.count, rows * sizeof *a->values)};
-	return a->values;
+	return a->per_batch ? 1 : x->samples;
 }
 
-static int draw_others(struct drawn *x, const struct task *k, unsigned short seed[3])
+int draw_inputs(struct drawn *x, const struct tree *t, const struct draw_options *o, struct arena *a)
 {
-	for (int i = 0; i < k->freed_count; i++) {
-		const struct freed *f = &k->freed[i];
-		double *values = add_array(x, f->argument, (size_t)f->rows, f->per_batch);
-
-		for (size_t s = 0; values && s < (f->per_batch ? 1 : x->states.count); s++)
-			draw_freed(seed, f, values + s * (size_t)f->rows);
-		if (!values)
-			return 0;
-	}
-	for (int i = 0; i < k->push_count; i++) {
-		double *values = add_array(x, k->pushes[i].argument, 6, 0);
-
-		for (size_t s = 0; values && s < 6 * x->states.count; s++)
-			values[s] = around(seed, 0, 10);
-		if (!values)
-			return 0;
-	}
-	return 1;
-}
-
-/* What is no constant of the URDF's, such as the vectors that derivatives are multiplied by. */
-static int draw_rest(struct drawn *x, const struct dag *d, unsigned short seed[3])
-{
-	for (int i = 0; i < d->argument_count; i++) {
-		const struct argument *a = &d->arguments[i];
-		size_t count = (a->per_batch ? 1 : x->states.count) * (size_t)a->rows;
-		double *values;
-
-		if (a->is_output || draw_rows(x, a, 0))
-			continue;
-		if (x->count == DRAWN_ARRAYS || !(values = add_array(x, a->name, (size_t)a->rows, a->per_batch)))
-			return 0;
-		for (size_t k = 0; k < count; k++)
-			values[k] = around(seed, 0, 1);
-	}
-	return 1;
-}
-
-int draw_inputs(struct drawn *x, const struct robot *r, const struct tree *t, const struct dag *d,
-	const struct sample_options *o)
-{
-	/* another sequence than that of the states */
-	unsigned short seed[3] = {
+	unsigned short states[3] = {(unsigned short)o->seed, (unsigned short)(o->seed >> 16), (unsigned short)(o->seed >> 32)};
+	/* another sequence for what is no state */
+	unsigned short others[3] = {
 		(unsigned short)~o->seed, (unsigned short)~(o->seed >> 16), (unsigned short)~(o->seed >> 32)};
 
-	*x = (struct drawn){.count = STATES};
-	if (!sample_states(&x->states, r, t, o))
+	if (!draw_ranges(x, t, a))
 		return 0;
-	x->arrays[0] = (struct drawn_array){"q", x->states.nq, 0, x->states.q};
-	x->arrays[1] = (struct drawn_array){"qd", x->states.nv, 0, x->states.qd};
-	x->arrays[2] = (struct drawn_array){"qdd", x->states.nv, 0, x->states.qdd};
-	if (draw_others(x, &t->task, seed) && draw_rest(x, d, seed))
-		return 1;
-	draw_free(x);
-	return 0;
+	x->samples = o->count;
+	for (int i = 0; i < x->count; i++) {
+		x->arrays[i].per_batch &= !o->each;
+		x->arrays[i].values = arena_alloc(a, samples_of(x, &x->arrays[i]) * (size_t)x->arrays[i].rows, sizeof(double));
+	}
+	for (size_t s = 0; !a->failed && s < o->count; s++)
+		draw_state(states, x, t, s);
+	for (int i = DRAWN_OTHERS; !a->failed && i < x->count; i++) {
+		const struct drawn_array *y = &x->arrays[i];
+
+		for (size_t s = 0; s < samples_of(x, y); s++)
+			draw_sample(others, y, 0, y->rows, y->values + s * (size_t)y->rows);
+	}
+	return !a->failed;
 }
 
 void draw_round(struct drawn *x)
 {
 	for (int i = 0; i < x->count; i++)
-		for (size_t k = 0; k < (x->arrays[i].per_batch ? 1 : x->states.count) * x->arrays[i].rows; k++)
+		for (size_t k = 0; k < samples_of(x, &x->arrays[i]) * (size_t)x->arrays[i].rows; k++)
 			x->arrays[i].values[k] = (double)(float)x->arrays[i].values[k];
 }
 
-void draw_free(struct drawn *x)
+const struct drawn_array *draw_array(const struct drawn *x, const struct argument *a)
 {
-	for (int i = STATES; i < x->count; i++)
-		free(x->arrays[i].values);
-	sample_free(&x->states);
-	*x = (struct drawn){0};
+	for (int i = 0; i < x->count && !a->is_output; i++)
+		if (!strcmp(x->arrays[i].name, a->name))
+			return &x->arrays[i];
+	return NULL;
 }
 
 const double *draw_rows(const struct drawn *x, const struct argument *a, size_t sample)
 {
-	for (int i = 0; i < x->count && !a->is_output; i++)
-		if (!strcmp(x->arrays[i].name, a->name))
-			return x->arrays[i].values + (x->arrays[i].per_batch ? 0 : sample * x->arrays[i].rows);
-	return NULL;
+	const struct drawn_array *y = draw_array(x, a);
+
+	return y ? y->values + (y->per_batch ? 0 : sample * (size_t)y->rows) : NULL;
 }

@@ -5,10 +5,9 @@
 #include "dag.h"
 #include "tree.h"
 
-/* A copy of `d`, not fused yet, without the operands of sums and differences whose effect on each output, by the
-   derivative in the states of SAMPLE_EFFECTS, stays below this fraction of the largest
-   value that the output has there. Many small terms may add up: effect_measure says to what. out->failed is set when
-   memory runs out. */
+/* A copy of `d`, not fused yet, with all its arguments, without the operands of sums and differences of which no output feels
+   this fraction (felt.h). Many small terms may add up: effect_measure says to what. out->failed is set when memory runs
+   out. */
 void drop_terms(struct dag *out, const struct dag *d, const struct tree *t, double fraction);
 
 #endif

@@ -1,7 +1,7 @@
 #include "effect.h"
 #include "analysis.h"
+#include "draw_put.h"
 #include "eval.h"
-#include "sample.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +9,8 @@
 /* One way to build the scene: the DAG of its torques and what they cost. */
 struct way {
 	struct tree tree;
-	struct dag dag;
+	const struct dag *dag;
+	struct dag own; /* where it is built here */
 	long flops;
 };
 
@@ -18,63 +19,59 @@ struct measuring {
 	const struct rneagen_options *o;
 	struct arena *a; /* for what goes again */
 	struct rneagen_error *e;
-	struct states states;
+	struct drawn inputs;
 };
 
 static enum rneagen_code count(struct way *w, const struct measuring *m)
 {
-	w->flops = analysis_dag(&w->dag, &w->tree, m->o->strict, m->a) ? analysis_flops(&w->dag, &w->tree, m->a) : -1;
+	w->flops = analysis_flops(w->dag, &w->tree, m->a);
 	return w->flops < 0 ? error_memory(m->e) : RNEAGEN_OK;
 }
 
 static enum rneagen_code build(struct way *w, const struct measuring *m, const struct adjust *x)
 {
-	return tree_build_adjusted(&w->tree, m->r, m->o, x, m->a, m->e) ? m->e->code : count(w, m);
+	w->dag = &w->own;
+	if (tree_build_adjusted(&w->tree, m->r, m->o, x, m->a, m->e))
+		return m->e->code;
+	return analysis_dag(&w->own, &w->tree, m->o->strict, m->a) ? count(w, m) : error_memory(m->e);
 }
 
 /* ---- torques ---- */
 
-static size_t total_rows(const struct dag *d, int outputs)
+static size_t output_rows(const struct dag *d)
 {
 	size_t rows = 0;
 
 	for (int k = 0; k < d->argument_count; k++)
-		rows += d->arguments[k].is_output == outputs ? (size_t)d->arguments[k].rows : 0;
+		rows += d->arguments[k].is_output ? (size_t)d->arguments[k].rows : 0;
 	return rows;
 }
 
-/* All outputs in one state, after one another; `rows` is room for the inputs. Returns 0 when memory runs out. */
-static int torques(const struct way *w, const struct measuring *m, size_t state, double *rows, double *out)
+/* All outputs in one sample, after one another. Returns 0 when memory runs out. */
+static int torques(const struct way *w, const struct measuring *m, size_t sample, double *out)
 {
-	const struct dag *d = &w->dag;
+	const struct dag *d = w->dag;
 	const double *in[DAG_ARGUMENTS] = {NULL};
 	double *to[DAG_ARGUMENTS] = {NULL};
 
 	for (int k = 0; k < d->argument_count; k++) {
-		const struct argument *x = &d->arguments[k];
-
-		if (x->is_output) {
-			to[k] = out;
-			out += x->rows;
-		} else {
-			in[k] = rows;
-			for (int i = 0; i < x->rows; i++)
-				*rows++ = sample_input(&m->states, &w->tree, x, i, state);
-		}
+		in[k] = draw_rows(&m->inputs, &d->arguments[k], sample);
+		to[k] = out;
+		out += d->arguments[k].is_output ? d->arguments[k].rows : 0;
 	}
 	return eval_f64(d, in, to, NULL);
 }
 
+/* NAN where nothing is known: an output overflows. */
 static int compare(struct effect *x, const struct way *with, const struct way *without, const struct measuring *m)
 {
-	size_t rows = total_rows(&with->dag, 1);
-	double *in = arena_alloc(m->a, total_rows(&with->dag, 0) + total_rows(&without->dag, 0), sizeof *in);
+	size_t rows = output_rows(with->dag);
 	double *y = arena_alloc(m->a, 2 * rows, sizeof *y), *z = y ? y + rows : NULL, largest = 0, largest_off = 0;
 
-	for (size_t k = 0; k < m->states.count; k++) {
+	for (size_t k = 0; k < m->inputs.samples; k++) {
 		double off = 0, size = 0;
 
-		if (!in || !y || !torques(with, m, k, in, y) || !torques(without, m, k, in, z))
+		if (!y || !torques(with, m, k, y) || !torques(without, m, k, z))
 			return 0;
 		for (size_t i = 0; i < rows; i++) {
 			off = hypot(off, y[i] - z[i]);
@@ -82,9 +79,11 @@ static int compare(struct effect *x, const struct way *with, const struct way *w
 			x->change = fmax(x->change, fabs(y[i] - z[i]));
 		}
 		largest = fmax(largest, size);
-		largest_off = fmax(largest_off, off);
+		largest_off = isfinite(off) ? fmax(largest_off, off) : (double)INFINITY;
 	}
 	x->share = largest_off > 0 ? largest_off / largest : 0;
+	if (isinf(largest_off))
+		x->change = x->share = (double)NAN;
 	return 1;
 }
 
@@ -136,24 +135,23 @@ static enum rneagen_code measure_nearly(struct tree *t, const struct way *now, c
 	return build(&with, m, &other) ? m->e->code : add_effect(t, &x, &with, now, m);
 }
 
-enum rneagen_code effect_measure(
-	struct tree *t, const struct robot *r, const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
+enum rneagen_code effect_measure(struct tree *t, const struct dag *now, const struct robot *r, const struct rneagen_options *o,
+	struct arena *a, struct rneagen_error *e)
 {
-	struct way now = {.tree = *t};
+	struct way way = {.tree = *t, .dag = now};
 	struct arena spare;
 	struct measuring m = {.r = r, .o = o, .a = &spare, .e = e};
 
 	t->effects = arena_alloc(a, 4, sizeof *t->effects);
 	if (!t->effects)
 		return error_memory(e);
-	if (t->adjust.snap == 0 && t->adjust.digits == 0 && t->adjust.drop == 0 && !t->angle_count)
+	if (!adjust_is_asked(&t->adjust) && !t->angle_count)
 		return RNEAGEN_OK;
 	arena_init(&spare, &a->allocator);
-	if (!sample_states(&m.states, r, t, &SAMPLE_EFFECTS))
+	if (!draw_inputs(&m.inputs, t, &DRAW_EFFECTS, &spare))
 		error_memory(e);
-	else if (!count(&now, &m) && !measure_asked(t, &now, &m))
-		measure_nearly(t, &now, &m);
-	sample_free(&m.states);
+	else if (!count(&way, &m) && !measure_asked(t, &way, &m))
+		measure_nearly(t, &way, &m);
 	arena_free(&spare);
 	return e->code;
 }
@@ -172,6 +170,8 @@ static double largest_change(const struct dag *d, const double *y, const double 
 			off = hypot(off, *y - *z);
 			size = hypot(size, *z);
 		}
+		if (!isfinite(off))
+			return (double)INFINITY;
 		if (size > 0)
 			largest = fmax(largest, off / size);
 	}
@@ -180,24 +180,24 @@ static double largest_change(const struct dag *d, const double *y, const double 
 
 static int compare_all(double *change, const struct way *with, const struct way *without, const struct measuring *m)
 {
-	size_t rows = total_rows(&with->dag, 1);
-	double *in = arena_alloc(m->a, total_rows(&with->dag, 0) + total_rows(&without->dag, 0), sizeof *in);
+	size_t rows = output_rows(with->dag);
 	double *y = arena_alloc(m->a, 2 * rows, sizeof *y), *z = y ? y + rows : NULL, largest = -1;
 
-	for (size_t k = 0; k < m->states.count; k++) {
-		if (!in || !y || !torques(with, m, k, in, y) || !torques(without, m, k, in, z))
+	for (size_t k = 0; k < m->inputs.samples; k++) {
+		if (!y || !torques(with, m, k, y) || !torques(without, m, k, z))
 			return 0;
-		largest = fmax(largest, largest_change(&with->dag, y, z));
+		largest = fmax(largest, largest_change(with->dag, y, z));
 	}
 	if (largest >= 0)
 		*change = largest;
 	return 1;
 }
 
-enum rneagen_code effect_total(double *change, const struct tree *t, const struct robot *r, const struct rneagen_options *o,
-	const struct sample_options *sampling, struct rneagen_error *e)
+enum rneagen_code effect_total(double *change, const struct tree *t, const struct dag *now, const struct robot *r,
+	const struct rneagen_options *o, const struct draw_options *drawing, struct rneagen_error *e)
 {
-	struct way with = {.tree = *t}, without;
+	struct way with = {.tree = *t, .dag = now}, without;
+	struct draw_options each = *drawing;
 	struct adjust none = t->adjust;
 	struct arena spare;
 	struct measuring m = {.r = r, .o = o, .a = &spare, .e = e};
@@ -205,14 +205,14 @@ enum rneagen_code effect_total(double *change, const struct tree *t, const struc
 	*change = (double)NAN;
 	none.snap = none.drop = 0;
 	none.digits = 0;
-	if (t->adjust.snap == 0 && t->adjust.digits == 0 && t->adjust.drop == 0)
+	each.each = 1;
+	if (!adjust_is_asked(&t->adjust))
 		return RNEAGEN_OK;
 	arena_init(&spare, NULL);
-	if (!sample_states(&m.states, r, t, sampling))
+	if (!draw_inputs(&m.inputs, t, &each, &spare))
 		error_memory(e);
-	else if (!count(&with, &m) && !build(&without, &m, &none) && !compare_all(change, &with, &without, &m))
+	else if (!build(&without, &m, &none) && !compare_all(change, &with, &without, &m))
 		error_memory(e);
-	sample_free(&m.states);
 	arena_free(&spare);
 	return e->code;
 }
@@ -221,12 +221,24 @@ enum rneagen_code effect_total(double *change, const struct tree *t, const struc
 
 static void put_effect(const struct effect *x, struct text *out)
 {
-	text_printf(out, "--%s %g %s %ld flops of rnea, and torques %s by up to %.2g (%.2g of the largest |tau|), sampled in %zu states", scene_word(x->key),
-		x->argument, x->is_asked ? "saves" : "would save", x->saved, x->is_asked ? "change" : "would change", x->change, x->share,
-		SAMPLE_EFFECTS.count);
+	text_printf(out, "--%s %g %s %ld flops of rnea, and torques ", scene_word(x->key), x->argument,
+		x->is_asked ? "saves" : "would save", x->saved);
+	if (isnan(x->change))
+		text_put(out, "overflow, so that nothing is known of their change");
+	else
+		text_printf(out, "%s by up to %.2g (%.2g of the largest |tau|)", x->is_asked ? "change" : "would change", x->change, x->share);
+	text_printf(out, ", sampled in %zu states", DRAW_EFFECTS.count);
 }
 
-void effect_put_table(const struct tree *t, struct text *out)
+static int is_asked(const struct tree *t)
+{
+	for (int i = 0; i < t->effect_count; i++)
+		if (t->effects[i].is_asked)
+			return 1;
+	return 0;
+}
+
+void effect_put_table(const struct tree *t, const struct dag *d, struct text *out)
 {
 	for (int i = 0; i < t->angle_count; i++)
 		text_printf(out, "%s%s '%s', by %.2g\n", i ? "  " : "\nangles that are nearly right, rad\n  ", t->angles[i].what,
@@ -236,9 +248,14 @@ void effect_put_table(const struct tree *t, struct text *out)
 		put_effect(&t->effects[i], out);
 		text_putc(out, '\n');
 	}
+	if (t->effect_count) {
+		text_put(out, "  drawn are ");
+		draw_put(t, d, "\n    ", out);
+		text_putc(out, '\n');
+	}
 }
 
-void effect_put_comment(const struct tree *t, struct text *out)
+void effect_put_comment(const struct tree *t, const struct dag *d, struct text *out)
 {
 	for (int i = 0; i < t->effect_count; i++)
 		if (t->effects[i].is_asked) {
@@ -246,9 +263,32 @@ void effect_put_comment(const struct tree *t, struct text *out)
 			put_effect(&t->effects[i], out);
 			text_put(out, "\n");
 		}
+	if (is_asked(t)) {
+		text_put(out, " * Drawn are ");
+		draw_put(t, d, "\n *   ", out);
+		text_put(out, "\n");
+	}
 }
 
-void effect_put_json(const struct tree *t, struct text *out)
+/* A number of JSON, or null. */
+static void put_number(const char *name, double x, struct text *out)
+{
+	if (isnan(x))
+		text_printf(out, ", \"%s\": null", name);
+	else
+		text_printf(out, ", \"%s\": %.17g", name, x);
+}
+
+static void put_json_effect(const struct effect *x, struct text *out)
+{
+	text_printf(out, "{\"option\": \"%s\", \"value\": %.17g, \"asked\": %s, \"saved\": %ld", scene_word(x->key), x->argument,
+		x->is_asked ? "true" : "false", x->saved);
+	put_number("change", x->change, out);
+	put_number("share", x->share, out);
+	text_putc(out, '}');
+}
+
+void effect_put_json(const struct tree *t, const struct dag *d, struct text *out)
 {
 	if (t->angle_count)
 		text_put(out, "  \"nearly_right\": [");
@@ -258,13 +298,14 @@ void effect_put_json(const struct tree *t, struct text *out)
 		text_printf(out, ", \"off\": %.17g}", t->angles[i].off);
 	}
 	text_put(out, t->angle_count ? "\n  ],\n" : "");
-	if (t->effect_count)
-		text_put(out, "  \"changed\": [");
+	if (!t->effect_count)
+		return;
+	text_put(out, "  \"changed\": [");
 	for (int i = 0; i < t->effect_count; i++) {
-		const struct effect *x = &t->effects[i];
-
-		text_printf(out, "%s{\"option\": \"%s\", \"value\": %.17g, \"asked\": %s, \"saved\": %ld, \"change\": %.17g, \"share\": %.17g}",
-			i ? ",\n    " : "\n    ", scene_word(x->key), x->argument, x->is_asked ? "true" : "false", x->saved, x->change, x->share);
+		text_put(out, i ? ",\n    " : "\n    ");
+		put_json_effect(&t->effects[i], out);
 	}
-	text_put(out, t->effect_count ? "\n  ],\n" : "");
+	text_printf(out, "\n  ],\n  \"sampled\": {\"states\": %zu, \"inputs\": [\n    ", DRAW_EFFECTS.count);
+	draw_put_json(t, d, ",\n    ", out);
+	text_put(out, "\n  ]},\n");
 }

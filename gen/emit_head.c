@@ -35,6 +35,8 @@ static void put_scene(const struct emission *e, struct text *out)
 	for (int i = 0; i < s->line_count; i++) {
 		struct text option;
 
+		if (!scene_put_matters(e->tree, i))
+			continue;
 		text_init(&option, e->arena);
 		scene_put_option(&s->lines[i], &option);
 		out->failed |= option.failed;
@@ -239,7 +241,7 @@ void emit_banner(const struct emission *e, struct text *out)
 	put_operations(e, out);
 	put_joints(e, out);
 	scene_put_comment(e->tree, out);
-	effect_put_comment(e->tree, out);
+	effect_put_comment(e->tree, &e->passes[PASS_RNEA].dag, out);
 	put_conventions(e, out);
 	for (size_t i = 0; i < e->warning_count; i++) {
 		text_put(out, i ? " *   " : " *\n * Warnings:\n *   ");

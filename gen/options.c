@@ -1,5 +1,6 @@
 #include "options.h"
 #include "files.h"
+#include "number.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -225,6 +226,18 @@ static int take_armature(const char *command, struct rneagen_options *o, const c
 	return bad;
 }
 
+/* --qd-range X is --range qd=-X,X. */
+static int take_short_range(const char *command, struct rneagen_options *o, const char *input, const char *word)
+{
+	char line[256];
+	double x;
+
+	if (strlen(word) > 100 || !strchr("0123456789.", *word) || !number_read(word, &x, 1) || x <= 0)
+		return option_refuse(command, "--%s-range takes a positive number, not '%.255s'", input, word);
+	snprintf(line, sizeof line, "%s=-%s,%s", input, word, word);
+	return take_scene_line(command, o, SCENE_RANGE, line);
+}
+
 void option_free(struct rneagen_options *o)
 {
 	free((char *)o->scene);
@@ -253,6 +266,8 @@ int option_generate(const char *command, struct rneagen_options *o, int key, con
 	}
 	if (key == OPTION_PARTS)
 		return parse_parts(command, word, &o->parts);
+	if (key == OPTION_QD_RANGE || key == OPTION_QDD_RANGE)
+		return take_short_range(command, o, key == OPTION_QD_RANGE ? "qd" : "qdd", word);
 	if (key == OPTION_SCENE_FILE)
 		return take_scene_file(command, o, word);
 	if (key == OPTION_SCENE + SCENE_ARMATURE)

@@ -10,7 +10,7 @@
 /* What getopt_long returns. A command's own options follow from OPTION_OWN on. */
 enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_TRIG, OPTION_BASE, OPTION_MIMIC,
 	OPTION_DUMP, OPTION_GRAVITY, OPTION_ORDER, OPTION_STRICT, OPTION_PARTS, OPTION_HELP, OPTION_VERSION,
-	OPTION_SCENE_FILE, OPTION_SCENE, OPTION_OWN = 512 };
+	OPTION_QD_RANGE, OPTION_QDD_RANGE, OPTION_SCENE_FILE, OPTION_SCENE, OPTION_OWN = 512 };
 
 /* Rows for getopt_long: what torques are wanted, whatever text they come from. */
 #define OPTIONS_MODEL                                                                                                  \
@@ -35,7 +35,8 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	{"friction", optional_argument, NULL, OPTION_SCENE + SCENE_FRICTION},                                          \
 	{"snap-angle", required_argument, NULL, OPTION_SCENE + SCENE_SNAP_ANGLE},                                      \
 	{"round-constants", required_argument, NULL, OPTION_SCENE + SCENE_ROUND_CONSTANTS},                            \
-	{"drop-below", required_argument, NULL, OPTION_SCENE + SCENE_DROP_BELOW}
+	{"drop-below", required_argument, NULL, OPTION_SCENE + SCENE_DROP_BELOW},                                      \
+	{"range", required_argument, NULL, OPTION_SCENE + SCENE_RANGE}
 
 /* The lines of --help for what makes up a scene. */
 #define OPTIONS_SCENE_HELP                                                                                             \
@@ -62,7 +63,10 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"                             of the URDF, smoothed over this width in rad/s or m/s\n"                         \
 	"  --snap-angle TOL           angles within TOL rad of a multiple of pi/2 are that multiple\n"                 \
 	"  --round-constants DIGITS   so many significant digits of each constant\n"                                   \
-	"  --drop-below FRACTION      leave out terms whose sampled effect on the torques is below this fraction\n"
+	"  --drop-below FRACTION      leave out terms whose effect on every output, over drawn inputs, is below this\n"    \
+	"                             fraction of the largest value that it has\n"                                         \
+	"  --range NAME=LO,HI         what an input is drawn from where a text is measured: q, qd, qdd, q.JOINT, gravity,\n" \
+	"                             mass.LINK, fext.LINK, ...; NAME[ROW] for one row\n"
 
 /* Rows for getopt_long: what kind of text. */
 #define OPTIONS_TEXT                                                                                                   \
@@ -81,7 +85,7 @@ int option_refuse(const char *command, const char *fmt, ...) RNEAGEN_PRINTF(2, 3
 int option_choose(const char *command, const char *option, const char *word, const struct option_choice *choices,
 	int *value);
 
-/* Take an option of OPTIONS_MODEL or OPTIONS_TEXT: 0; the exit status, 1 or 2, and a message; -1 if `key` is not one of
+/* Take an option of OPTIONS_MODEL or OPTIONS_TEXT, or OPTION_QD_RANGE or OPTION_QDD_RANGE: 0; the exit status, 1 or 2, and a message; -1 if `key` is not one of
    them. What makes up the scene is gathered in o->scene, which option_free frees. */
 int option_generate(const char *command, struct rneagen_options *o, int key, const char *word);
 

@@ -145,8 +145,8 @@ static enum rneagen_code generate(struct generation *g, const char *urdf, size_t
 
 	if (robot_read(&g->robot, urdf, length, g->options.file, a, g->error) || resolve_options(g) ||
 		keep_build(&g->tree, &g->robot, &g->options, a, g->error) || check_task(g) || make_passes(g) ||
-		effect_measure(&g->tree, &g->robot, &g->options, a, g->error) ||
-		saving_measure(&g->tree, &g->robot, &g->options, a, g->error))
+		effect_measure(&g->tree, &g->passes[PASS_RNEA].dag, &g->robot, &g->options, a, g->error) ||
+		saving_measure(&g->tree, &g->passes[PASS_RNEA].plan, &g->robot, &g->options, a, g->error))
 		return g->error->code;
 	tree_warn(&g->tree, &g->robot, g->options.file, a);
 	if (a->failed)

@@ -16,6 +16,14 @@ static int bytes_of(const struct dag *d, const struct rneagen_options *o)
 	return rows * bytes;
 }
 
+static void note(struct saving *x, const struct plan *p, const struct rneagen_options *o, struct arena *a)
+{
+	x->is_known = 1;
+	x->flops = (long)plan_flops(plan_operations(p));
+	x->alive = plan_alive(p, a);
+	x->bytes = bytes_of(p->dag, o);
+}
+
 /* In an arena of its own, which goes again. */
 static enum rneagen_code count(struct saving *x, const struct robot *r, const struct rneagen_options *o, struct rneagen_error *e)
 {
@@ -27,14 +35,10 @@ static enum rneagen_code count(struct saving *x, const struct robot *r, const st
 
 	arena_init(&a, o->allocator);
 	if (!keep_build(&t, r, o, &a, &refused)) {
-		if (!analysis_dag(&d, &t, o->strict, &a) || !plan_build(&p, &d, &t, &a)) {
+		if (!analysis_dag(&d, &t, o->strict, &a) || !plan_build(&p, &d, &t, &a))
 			error_memory(e);
-		} else {
-			x->is_known = 1;
-			x->flops = analysis_flops(&d, &t, &a);
-			x->alive = plan_alive(&p, &a);
-			x->bytes = bytes_of(&d, o);
-		}
+		else
+			note(x, &p, o, &a);
 	} else if (refused.code == RNEAGEN_MEMORY) {
 		error_memory(e);
 	}
@@ -44,49 +48,69 @@ static enum rneagen_code count(struct saving *x, const struct robot *r, const st
 	return e->code;
 }
 
-/* The text of a scene without its line of this number, from 1. */
-static const char *without_line(const char *scene, int line, struct arena *a)
+/* The text of the scene without its line of this index, and without ranges where these are not wanted either. */
+static const char *without(const struct scene *s, const char *scene, int index, int ranges, struct arena *a)
 {
-	const char *begin = scene, *end;
+	int line = 1, next = 0;
 	struct text t;
 
-	for (int i = 1; i < line; i++)
-		begin = strchr(begin, '\n') + 1;
-	end = strchr(begin, '\n');
 	text_init(&t, a);
-	for (const char *s = scene; s < begin; s++)
-		text_putc(&t, *s);
-	text_put(&t, end ? end + 1 : "");
+	for (const char *at = scene; *at; line++) {
+		size_t length = strcspn(at, "\n");
+		int is_choice = next < s->line_count && s->lines[next].line == line;
+
+		if (!is_choice || (next != index && (ranges || s->lines[next].key != SCENE_RANGE)))
+			text_printf(&t, "%.*s\n", (int)length, at);
+		next += is_choice;
+		at += length + (at[length] != '\0');
+	}
 	return text_string(&t);
 }
 
-static enum rneagen_code add(struct tree *t, int line, const char *scene, const struct robot *r, const struct rneagen_options *o,
+/* A range of what the line makes an input goes with it. */
+static enum rneagen_code add_without(struct tree *t, int index, const struct robot *r, const struct rneagen_options *o, struct arena *a,
 	struct rneagen_error *e)
 {
 	struct saving *x = &t->savings[t->saving_count++];
 	struct rneagen_options other = *o;
 
-	other.scene = scene;
-	x->line = line;
-	if (line == SAVING_FULL)
-		other.order = NULL; /* it need not name what the scene leaves out */
+	x->line = index;
+	for (int ranges = 1; ranges >= 0 && !x->is_known && !e->code; ranges--) {
+		other.scene = without(&t->scene, o->scene, index, ranges, a);
+		if (a->failed || (!ranges && !scene_next(&t->scene, SCENE_RANGE, NULL)))
+			break;
+		count(x, r, &other, e);
+	}
+	return a->failed ? error_memory(e) : e->code;
+}
+
+static enum rneagen_code add_full(struct tree *t, const struct robot *r, const struct rneagen_options *o, struct rneagen_error *e)
+{
+	struct saving *x = &t->savings[t->saving_count++];
+	struct rneagen_options other = *o;
+
+	other.scene = NULL;
+	other.order = NULL; /* it need not name what the scene leaves out */
+	x->line = SAVING_FULL;
 	return count(x, r, &other, e);
 }
 
-enum rneagen_code saving_measure(
-	struct tree *t, const struct robot *r, const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
+enum rneagen_code saving_measure(struct tree *t, const struct plan *now, const struct robot *r, const struct rneagen_options *o,
+	struct arena *a, struct rneagen_error *e)
 {
-	int lines = t->scene.line_count;
+	int lines = scene_choice_count(&t->scene);
 
 	if (!lines)
 		return RNEAGEN_OK;
 	t->savings = arena_alloc(a, (size_t)lines + 2, sizeof *t->savings);
 	if (!t->savings)
 		return error_memory(e);
-	if (add(t, SAVING_FULL, NULL, r, o, e) || add(t, SAVING_SCENE, o->scene, r, o, e))
+	if (add_full(t, r, o, e))
 		return e->code;
-	for (int i = 0; i < lines && lines > 1 && lines <= MOST_LINES; i++)
-		if (add(t, i, without_line(o->scene, t->scene.lines[i].line, a), r, o, e))
+	t->savings[t->saving_count].line = SAVING_SCENE;
+	note(&t->savings[t->saving_count++], now, o, a);
+	for (int i = 0; i < t->scene.line_count && lines > 1 && lines <= MOST_LINES; i++)
+		if (t->scene.lines[i].key != SCENE_RANGE && add_without(t, i, r, o, a, e))
 			return e->code;
 	return a->failed ? error_memory(e) : RNEAGEN_OK;
 }

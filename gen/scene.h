@@ -36,7 +36,8 @@
 	X(FRICTION, "friction", 2, SCENE_VALUE)                                                                        \
 	X(SNAP_ANGLE, "snap-angle", 1, SCENE_VALUE)                                                                    \
 	X(ROUND_CONSTANTS, "round-constants", 1, SCENE_VALUE)                                                          \
-	X(DROP_BELOW, "drop-below", 1, SCENE_VALUE)
+	X(DROP_BELOW, "drop-below", 1, SCENE_VALUE)                                                                    \
+	X(RANGE, "range", 1, SCENE_PAIR)
 
 enum scene_key {
 #define SCENE_KEY_ENUM(key, word, takes, kind) SCENE_##key,
@@ -74,6 +75,9 @@ enum rneagen_code scene_expand(struct scene *s, const struct robot *r, struct ar
 
 /* The next choice of this key after `before` (NULL: the first); NULL when there is none. */
 const struct scene_choice *scene_next(const struct scene *s, enum scene_key key, const struct scene_choice *before);
+
+/* How many lines there are that choose something: ranges do not. */
+int scene_choice_count(const struct scene *s);
 
 /* "lock", "lock-all-but", ... */
 const char *scene_word(enum scene_key key);

@@ -2,6 +2,11 @@
 
 enum { WIDTH = 110 };
 
+int scene_put_matters(const struct tree *t, int line)
+{
+	return t->scene.lines[line].key != SCENE_RANGE || adjust_is_asked(&t->adjust);
+}
+
 void scene_put_options(const struct scene *s, const char *before, struct text *out)
 {
 	for (int i = 0; i < s->line_count; i++) {
@@ -152,7 +157,7 @@ static void put_comment_ignored(const struct tree *t, struct text *out)
 
 void scene_put_comment(const struct tree *t, struct text *out)
 {
-	if (t->scene.line_count)
+	if (scene_choice_count(&t->scene))
 		put_comment_ignored(t, out);
 	for (int i = 0; i < t->held_count; i++) {
 		text_put(out, i ? " *   " : " * Held:\n *   ");

@@ -13,6 +13,9 @@ void scene_put_comment(const struct tree *t, struct text *out);
 void scene_put_ignored(const struct tree *t, struct text *out);
 void scene_put_json_ignored(const struct tree *t, struct text *out);
 
+/* Does a text depend on this line of the scene? On a range only where constants are changed. */
+int scene_put_matters(const struct tree *t, int line);
+
 /* The choices as options of the command line, each after `before`. */
 void scene_put_options(const struct scene *s, const char *before, struct text *out);
 

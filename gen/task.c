@@ -238,7 +238,8 @@ static enum rneagen_code push(const struct resolver *x, const struct scene_choic
 		return scene_refuse(x->s, c, x->e, "the wrench on '%.255s' is an input already", c->name);
 	text_init(&word, x->a);
 	text_printf(&word, "fext.%s", c->name);
-	x->k->pushes[x->k->push_count] = (struct push){task_argument(x, text_string(&word)), x->t->links[link].body, x->t->links[link].X};
+	x->k->pushes[x->k->push_count] = (struct push){
+		text_string(&word), task_argument(x, text_string(&word)), x->t->links[link].body, x->t->links[link].X};
 	x->k->push_count++;
 	return RNEAGEN_OK;
 }
@@ -307,6 +308,7 @@ static int alloc(struct resolver *x)
 	k->freed = arena_alloc(a, most, sizeof *k->freed);
 	k->pushes = arena_alloc(a, most, sizeof *k->pushes);
 	k->wants = arena_alloc(a, most, sizeof *k->wants);
+	k->ranges = arena_alloc(a, most, sizeof *k->ranges);
 	k->armature = arena_alloc(a, nb, sizeof *k->armature);
 	k->damping = arena_alloc(a, nb, sizeof *k->damping);
 	k->friction = arena_alloc(a, nb, sizeof *k->friction);
@@ -344,7 +346,8 @@ enum rneagen_code task_resolve(struct tree *t, const struct robot *r, struct are
 		x.k->derivatives = !strcmp(how->value, "forward") ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION;
 	x.k->in_world = frame && !strcmp(frame->value, "world");
 	if (each(&x, SCENE_FOLD, fold) || each(&x, SCENE_FREE, task_free) || each(&x, SCENE_FEXT, push) ||
-		each(&x, SCENE_ARMATURE, set_armature) || each(&x, SCENE_FRICTION, set_friction) || each(&x, SCENE_WANT, task_want))
+		each(&x, SCENE_ARMATURE, set_armature) || each(&x, SCENE_FRICTION, set_friction) || each(&x, SCENE_WANT, task_want) ||
+		each(&x, SCENE_RANGE, task_range))
 		return e->code;
 	if (scene_next(x.s, SCENE_DAMPING, NULL))
 		set_dynamics(&x, x.k->damping, 0);

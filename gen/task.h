@@ -29,9 +29,20 @@ struct freed {
 
 /* A wrench from outside on a link: force, then moment about the link's origin. */
 struct push {
+	const char *word;     /* "fext.foot" */
 	const char *argument;
 	int body;
 	struct placement X; /* the link's frame in the body's */
+};
+
+/* What the scene says that rows of an input are drawn from. Levels: of a whole input, of a joint, of one row; the highest
+   counts. */
+enum { TASK_RANGE_LEVELS = 3 };
+
+struct task_range {
+	const char *argument; /* of the text */
+	int first, count, level;
+	double lower, upper;
 };
 
 enum want_kind { WANT_TAU, WANT_GRAVITY, WANT_BIAS, WANT_WRENCH, WANT_TWIST, WANT_ACCEL, WANT_POWER, WANT_KINETIC, WANT_POTENTIAL,
@@ -57,6 +68,8 @@ struct task {
 	int push_count, in_world;   /* wrenches in axes of the world, else of the link */
 	struct want *wants;
 	int want_count;
+	struct task_range *ranges;
+	int range_count;
 	int dense;                  /* matrices have their zeros */
 	enum derivatives derivatives; /* how d tau/d q and d tau/d qd are made */
 	real *armature, *damping, *friction; /* by body: of a joint with one row; kg m^2 (kg), N m s (N s/m), N m (N) */

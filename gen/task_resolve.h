@@ -1,6 +1,6 @@
 #ifndef RNEAGEN_TASK_RESOLVE_H
 #define RNEAGEN_TASK_RESOLVE_H
-/* How the choices of a scene find their links and joints: what task.c and freed.c share. */
+/* How the choices of a scene find their links and joints: what task.c, freed.c, task_want.c and task_range.c share. */
 
 #include "tree.h"
 
@@ -35,5 +35,8 @@ enum rneagen_code task_want(const struct resolver *x, const struct scene_choice 
 
 /* A choice of `free`. */
 enum rneagen_code task_free(const struct resolver *x, const struct scene_choice *c);
+
+/* A choice of `range`, after all others. */
+enum rneagen_code task_range(const struct resolver *x, const struct scene_choice *c);
 
 #endif

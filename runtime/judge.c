@@ -117,16 +117,17 @@ static void list_outputs(struct judge *j, const struct dag *d)
 		}
 }
 
-int judge_open(struct judge *j, const struct analysis *a, enum rneagen_precision precision, const struct sample_options *o)
+int judge_open(struct judge *j, const struct analysis *a, enum rneagen_precision precision, const struct draw_options *o)
 {
 	struct trial t = {0};
 	int done;
 
 	*j = (struct judge){.precision = precision, .count = o->count};
+	arena_init(&j->arena, NULL);
 	list_outputs(j, &a->dag);
 	j->out = calloc(o->count, j->rows * sizeof *j->out);
 	j->size = calloc(o->count, j->rows * sizeof *j->size);
-	done = j->out && j->size && draw_inputs(&j->inputs, &a->robot, &a->tree, &a->dag, o) && trial_new(&t, j, &a->dag);
+	done = j->out && j->size && draw_inputs(&j->inputs, &a->tree, o, &j->arena) && trial_new(&t, j, &a->dag);
 	if (done && judge_is_f32(precision))
 		draw_round(&j->inputs);
 	for (size_t k = 0; done && k < o->count; k++)
@@ -141,7 +142,7 @@ void judge_free(struct judge *j)
 {
 	free(j->out);
 	free(j->size);
-	draw_free(&j->inputs);
+	arena_free(&j->arena);
 	*j = (struct judge){0};
 }
 

@@ -22,6 +22,7 @@ struct judge_output {
 /* For one precision; out and size are [sample][row], the rows of all output arrays after one another. */
 struct judge {
 	enum rneagen_precision precision;
+	struct arena arena;  /* of the inputs */
 	struct drawn inputs; /* rounded to the type of numbers in memory */
 	size_t count, rows;
 	struct judge_output outputs[DAG_ARGUMENTS];
@@ -40,7 +41,7 @@ struct judge_errors {
 int judge_is_f32(enum rneagen_precision precision);
 
 /* Draw the inputs, and evaluate. Returns 0 when memory runs out. */
-int judge_open(struct judge *j, const struct analysis *a, enum rneagen_precision precision, const struct sample_options *o);
+int judge_open(struct judge *j, const struct analysis *a, enum rneagen_precision precision, const struct draw_options *o);
 void judge_free(struct judge *j);
 
 /* The largest bound of a sample, of an output array's norm over the reference's, for the text that `o` asks for: NAN where

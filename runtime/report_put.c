@@ -1,4 +1,5 @@
 #include "report_put.h"
+#include "draw_put.h"
 #include "emit.h"
 #include <float.h>
 #include <math.h>
@@ -69,6 +70,19 @@ static void put_row(const struct study_row *r, FILE *out)
 	fputc('\n', out);
 }
 
+static void put_inputs(const struct report *r, FILE *out)
+{
+	const struct analysis *a = &r->study->analysis;
+	struct arena arena;
+	struct text t;
+
+	arena_init(&arena, NULL);
+	text_init(&t, &arena);
+	draw_put(&a->tree, &a->dag, "\n  ", &t);
+	fprintf(out, "drawn: %s\n", t.failed ? "out of memory" : text_string(&t));
+	arena_free(&arena);
+}
+
 void report_put_table(const struct report *r, FILE *out)
 {
 	const struct study *s = r->study;
@@ -77,6 +91,7 @@ void report_put_table(const struct report *r, FILE *out)
 		s->options->sample.seed, s->options->sample.count, JUDGE_TEXT);
 	if (*r->scene)
 		fprintf(out, "scene: %s\n", r->scene);
+	put_inputs(r, out);
 	for (int i = 0; i < s->backend_count; i++)
 		fprintf(out, "%s: %s, %s, %s\n", study_backend_name(s->backends[i].backend), s->backends[i].device,
 			s->backends[i].target, s->backends[i].compiler);
@@ -136,8 +151,10 @@ void report_put_json(const struct report *r, struct text *out)
 	put_json_string(out, "scene", r->scene);
 	put_json_string(out, "date", r->date);
 	put_json_string(out, "reference", JUDGE_TEXT);
-	text_printf(out, "  \"seed\": %llu,\n  \"samples\": %zu,\n  \"backends\": [", s->options->sample.seed,
+	text_printf(out, "  \"seed\": %llu,\n  \"samples\": %zu,\n  \"inputs\": [\n    ", s->options->sample.seed,
 		s->options->sample.count);
+	draw_put_json(&s->analysis.tree, &s->analysis.dag, ",\n    ", out);
+	text_put(out, "\n  ],\n  \"backends\": [");
 	for (int i = 0; i < s->backend_count; i++) {
 		text_put(out, i ? ",\n    " : "\n    ");
 		put_json_backend(&s->backends[i], out);

@@ -111,6 +111,7 @@ static void say(const struct candidate *v, const struct candidate *best)
 static void put_command(const struct choosing *c, const struct study_row *r, const char *name, struct text *out)
 {
 	struct rneagen_options o = c->command.generate;
+	const struct tree *t = &c->study.analysis.tree;
 
 	o.target = r->backend == RNEA_BACKEND_CUDA ? RNEAGEN_TARGET_CUDA : RNEAGEN_TARGET_C;
 	o.precision = r->precision;
@@ -123,7 +124,11 @@ static void put_command(const struct choosing *c, const struct study_row *r, con
 		text_put(out, " --order ");
 		text_put_shell(out, o.order);
 	}
-	scene_put_options(&c->study.analysis.tree.scene, " ", out);
+	for (int i = 0; i < t->scene.line_count; i++)
+		if (scene_put_matters(t, i)) {
+			text_putc(out, ' ');
+			scene_put_option(&t->scene.lines[i], out);
+		}
 	text_printf(out, " -o %s_rnea.%s\n", name, o.target == RNEAGEN_TARGET_CUDA ? "cu" : "c");
 }
 

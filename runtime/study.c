@@ -111,7 +111,8 @@ int study_open(struct study *s, const struct command *c, struct study_options *o
 		return status;
 	for (size_t i = 0; i < s->analysis.robot.warning_count && !c->quiet; i++)
 		fprintf(stderr, "%s: warning: %s\n", c->name, s->analysis.robot.warnings[i]);
-	if (effect_total(&s->model_change, &s->analysis.tree, &s->analysis.robot, &c->generate, &o->sample, &s->error))
+	if (effect_total(&s->model_change, &s->analysis.tree, &s->analysis.dag, &s->analysis.robot, &c->generate, &o->sample,
+		    &s->error))
 		return command_fail(c, s->error.message);
 	for (int i = 0; i < o->backends.count; i++)
 		if (open_backend(s, (enum rnea_backend)o->backends.values[i]))

@@ -22,7 +22,7 @@ struct study_options {
 	int compiles_anew;                                      /* what was compiled before is not used */
 	size_t batches[STUDY_BATCHES];
 	int batch_count;
-	struct sample_options sample;
+	struct draw_options sample;
 };
 
 /* NAN, or a negative number of registers, where there is nothing to say. */
@@ -69,10 +69,10 @@ const char *study_backend_name(enum rnea_backend backend);
 	{"backend", required_argument, NULL, STUDY_BACKEND}, {"precision", required_argument, NULL, STUDY_PRECISION},  \
 	{"trig", required_argument, NULL, STUDY_TRIG}, {"layout", required_argument, NULL, STUDY_LAYOUT},              \
 	{"batch", required_argument, NULL, STUDY_BATCH}, {"samples", required_argument, NULL, STUDY_SAMPLES},          \
-	{"seed", required_argument, NULL, STUDY_SEED}, {"qd-range", required_argument, NULL, STUDY_QD_RANGE},          \
-	{"qdd-range", required_argument, NULL, STUDY_QDD_RANGE}
+	{"seed", required_argument, NULL, STUDY_SEED}, {"qd-range", required_argument, NULL, OPTION_QD_RANGE},         \
+	{"qdd-range", required_argument, NULL, OPTION_QDD_RANGE}
 enum { STUDY_BACKEND = COMMAND_OWN, STUDY_PRECISION, STUDY_TRIG, STUDY_LAYOUT, STUDY_BATCH, STUDY_SAMPLES, STUDY_SEED,
-	STUDY_QD_RANGE, STUDY_QDD_RANGE, STUDY_OWN };
+	STUDY_OWN };
 
 /* Their lines of --help. */
 #define STUDY_HELP                                                                                                     \
@@ -81,12 +81,12 @@ enum { STUDY_BACKEND = COMMAND_OWN, STUDY_PRECISION, STUDY_TRIG, STUDY_LAYOUT, S
 	"                             several, by commas (default: all); so the next two\n"                            \
 	"  --trig accurate|bounded|fast\n"                                                                             \
 	"  --layout soa|aos\n"                                                                                         \
-	"  --samples N                states in which errors are measured (default 1000)\n"                            \
-	"  --seed N                   of the states (default 1)\n"                                                     \
-	"  --qd-range X               largest velocity, rad/s or m/s, where the URDF has no limit (default 3)\n"       \
-	"  --qdd-range X              largest acceleration (default 10)\n"
+	"  --samples N                samples of all inputs in which errors are measured (default 1000)\n"             \
+	"  --seed N                   of the samples (default 1)\n"                                                    \
+	"  --qd-range X               short for --range qd=-X,X\n"                                                     \
+	"  --qdd-range X              short for --range qdd=-X,X\n"
 
-/* Everything, the samples and ranges of STUDY_HELP; no batch. */
+/* Everything, the samples of STUDY_HELP; no batch. */
 struct study_options study_options_default(void);
 
 /* Take an option of STUDY_OPTIONS: 0; 2 and a message; -1 if `key` is none. */

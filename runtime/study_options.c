@@ -16,7 +16,7 @@ struct study_options study_options_default(void)
 		.precisions = {{RNEAGEN_F32, RNEAGEN_MIXED, RNEAGEN_F32X2, RNEAGEN_F64}, 4},
 		.trigs = {{RNEAGEN_ACCURATE, RNEAGEN_BOUNDED, RNEAGEN_FAST}, 3},
 		.layouts = {{RNEAGEN_SOA, RNEAGEN_AOS}, 2},
-		.sample = {.seed = 1, .count = 1000, .qd_range = 3, .qdd_range = 10}};
+		.sample = {.seed = 1, .count = 1000}};
 }
 
 /* One word of a list: 0; 2 and a message. */
@@ -133,10 +133,6 @@ int study_take(struct study_options *o, const char *name, int key, const char *w
 		return bad;
 	case STUDY_SEED:
 		return command_number(name, "seed", word, 0, (1ull << 48) - 1, &o->sample.seed);
-	case STUDY_QD_RANGE:
-		return study_number(name, "qd-range", word, &o->sample.qd_range);
-	case STUDY_QDD_RANGE:
-		return study_number(name, "qdd-range", word, &o->sample.qdd_range);
 	default:
 		return -1;
 	}

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 void judged_open(struct judged *x, const char *path, enum rneagen_base base, const char *scene, enum rneagen_precision precision,
-	const struct sample_options *samples)
+	const struct draw_options *samples)
 {
 	struct rneagen_options o = rneagen_options_default();
 	struct rneagen_error e;
@@ -23,4 +23,11 @@ void judged_close(struct judged *x)
 	judge_free(&x->judge);
 	analysis_free(&x->analysis);
 	model_close(&x->model);
+}
+
+struct states states_of(const struct drawn *x)
+{
+	const struct drawn_array *a = x->arrays;
+
+	return (struct states){(size_t)a[DRAWN_Q].rows, (size_t)a[DRAWN_QD].rows, a[DRAWN_Q].values, a[DRAWN_QD].values, a[DRAWN_QDD].values};
 }

@@ -19,7 +19,7 @@ static const struct {
 
 enum { CASE_COUNT = sizeof CASES / sizeof *CASES };
 
-static const struct sample_options OPTIONS = {.seed = SEED, .count = COUNT, .qd_range = 3, .qdd_range = 10};
+static const struct draw_options OPTIONS = {.seed = SEED, .count = COUNT};
 
 static void open_case(struct judged *f, int i, enum rneagen_precision precision)
 {
@@ -29,11 +29,11 @@ static void open_case(struct judged *f, int i, enum rneagen_precision precision)
 /* The reference's torques of state k; returns their norm. */
 static double refer(struct judged *f, size_t k, wide *tau)
 {
-	const struct states *s = &f->judge.inputs.states;
+	const struct states s = states_of(&f->judge.inputs);
 	double sum = 0;
 
-	reference_rnea(f->model.reference, s->q + k * s->nq, s->qd + k * s->nv, s->qdd + k * s->nv, tau);
-	for (size_t i = 0; i < s->nv; i++)
+	reference_rnea(f->model.reference, s.q + k * s.nq, s.qd + k * s.nv, s.qdd + k * s.nv, tau);
+	for (size_t i = 0; i < s.nv; i++)
 		sum += (double)(tau[i] * tau[i]);
 	return sqrt(sum);
 }
@@ -49,8 +49,8 @@ START_TEST(test_reference)
 	for (size_t k = 0; k < COUNT; k++) {
 		double size = refer(&f, k, tau);
 
-		for (size_t i = 0; i < f.judge.inputs.states.nv; i++)
-			worst = fmax(worst, fabs((double)((wide)f.judge.out[k * f.judge.inputs.states.nv + i] - tau[i])) / size);
+		for (size_t i = 0; i < f.judge.rows; i++)
+			worst = fmax(worst, fabs((double)((wide)f.judge.out[k * f.judge.rows + i] - tau[i])) / size);
 	}
 	ck_assert_msg(worst < 1e-17, "%s: off by %g, seed %d", CASES[_i / 2].urdf, worst, SEED);
 	judged_close(&f);
@@ -69,26 +69,28 @@ static void assert_within(const struct joint *j, double q, double qd)
 START_TEST(test_states)
 {
 	struct judged f;
-	const struct states *s = &f.judge.inputs.states;
+	struct states s;
 	double most = 0;
 
 	open_case(&f, _i, RNEAGEN_F64);
+	s = states_of(&f.judge.inputs);
 	for (size_t k = 0; k < COUNT; k++)
 		for (int i = 0; i < f.analysis.tree.joint_count; i++) {
 			const struct tree_joint *t = &f.analysis.tree.joints[i];
-			const double *q = s->q + k * s->nq + t->iq;
+			const double *q = s.q + k * s.nq + t->iq;
 
 			if (t->type == JOINT_FLOATING)
 				ck_assert_double_eq_tol(q[3] * q[3] + q[4] * q[4] + q[5] * q[5] + q[6] * q[6], 1, 1e-15);
 			else
-				assert_within(tree_joint_of(&f.analysis.robot, &f.analysis.tree, i), q[0], s->qd[k * s->nv + (size_t)t->iv]);
-			most = fmax(most, fabs(s->qdd[k * s->nv + (size_t)t->iv]));
+				assert_within(tree_joint_of(&f.analysis.robot, &f.analysis.tree, i), q[0], s.qd[k * s.nv + (size_t)t->iv]);
+			most = fmax(most, fabs(s.qdd[k * s.nv + (size_t)t->iv]));
 		}
 	ck_assert(most > 9.5 && most <= 10);
 	judged_close(&f);
 	open_case(&f, _i, RNEAGEN_MIXED);
-	for (size_t i = 0; i < COUNT * s->nq; i++)
-		ck_assert(s->q[i] == (double)(float)s->q[i]);
+	s = states_of(&f.judge.inputs);
+	for (size_t i = 0; i < COUNT * s.nq; i++)
+		ck_assert(s.q[i] == (double)(float)s.q[i]);
 	judged_close(&f);
 }
 END_TEST
@@ -96,18 +98,20 @@ END_TEST
 /* The same seed the same states, another one others. */
 START_TEST(test_seed)
 {
-	struct sample_options other = OPTIONS;
+	struct draw_options other = OPTIONS;
 	struct judged f;
-	struct states s;
+	struct drawn x;
+	size_t size;
+	const double *q;
 
 	open_case(&f, 0, RNEAGEN_F64);
-	ck_assert(sample_states(&s, &f.analysis.robot, &f.analysis.tree, &OPTIONS));
-	ck_assert(!memcmp(s.q, f.judge.inputs.states.q, COUNT * s.nq * sizeof *s.q));
-	sample_free(&s);
+	q = f.judge.inputs.arrays[DRAWN_Q].values;
+	size = COUNT * states_of(&f.judge.inputs).nq * sizeof *q;
+	ck_assert(draw_inputs(&x, &f.analysis.tree, &OPTIONS, &f.analysis.arena));
+	ck_assert(!memcmp(x.arrays[DRAWN_Q].values, q, size));
 	other.seed++;
-	ck_assert(sample_states(&s, &f.analysis.robot, &f.analysis.tree, &other));
-	ck_assert(memcmp(s.q, f.judge.inputs.states.q, COUNT * s.nq * sizeof *s.q));
-	sample_free(&s);
+	ck_assert(draw_inputs(&x, &f.analysis.tree, &other, &f.analysis.arena));
+	ck_assert(memcmp(x.arrays[DRAWN_Q].values, q, size));
 	judged_close(&f);
 }
 END_TEST
@@ -122,7 +126,7 @@ START_TEST(test_errors)
 	wide wanted[64];
 
 	open_case(&f, 0, RNEAGEN_F64);
-	nv = f.judge.inputs.states.nv;
+	nv = f.judge.rows;
 	tau = calloc(COUNT * nv, sizeof *tau);
 	for (size_t k = 0; k < COUNT; k++) {
 		double sum = 0;
@@ -155,13 +159,13 @@ START_TEST(test_bound)
 
 	o.precision = _i % 2 ? RNEAGEN_F64 : RNEAGEN_MIXED;
 	open_case(&f, _i / 2, o.precision);
-	tau = calloc(COUNT * f.judge.inputs.states.nv, sizeof *tau);
+	tau = calloc(COUNT * f.judge.rows, sizeof *tau);
 	for (size_t k = 0; k < COUNT; k++) {
-		const struct states *s = &f.judge.inputs.states;
-		const double *in[] = {s->q + k * s->nq, s->qd + k * s->nv, s->qdd + k * s->nv, NULL};
+		const struct states s = states_of(&f.judge.inputs);
+		const double *in[] = {s.q + k * s.nq, s.qd + k * s.nv, s.qdd + k * s.nv, NULL};
 
-		ck_assert(eval_f64(&f.analysis.dag, in, (double *[]){NULL, NULL, NULL, tau + k * s->nv}, NULL));
-		for (size_t i = k * s->nv; i < (k + 1) * s->nv; i++) {
+		ck_assert(eval_f64(&f.analysis.dag, in, (double *[]){NULL, NULL, NULL, tau + k * s.nv}, NULL));
+		for (size_t i = k * s.nv; i < (k + 1) * s.nv; i++) {
 			ck_assert(f.judge.size[i] >= 0.999999 * fabs((double)f.judge.out[i]));
 			tau[i] = o.precision == RNEAGEN_MIXED ? (double)(float)tau[i] : tau[i];
 		}
@@ -186,8 +190,9 @@ START_TEST(test_zero)
 	struct judge j;
 	double tau = 0, bound;
 	struct judge_errors e;
-	const struct sample_options none = {.count = 1, .qd_range = 1, .qdd_range = 0};
+	const struct draw_options none = {.count = 1};
 
+	o.scene = "range qdd=0,0";
 	ck_assert(!analysis_open(&a, urdf, sizeof urdf - 1, &o, &error));
 	ck_assert(judge_open(&j, &a, RNEAGEN_F64, &none));
 	e = judge_results(&j, &tau);

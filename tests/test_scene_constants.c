@@ -27,7 +27,7 @@ static void open_or_fail(struct scene_model *m, const char *urdf, const char *sc
 
 	o.scene = scene;
 	ck_assert_msg(!scene_open(m, urdf, &o), "%s", m->error.message);
-	ck_assert_msg(!effect_measure(&m->tree, &m->robot, &o, &m->arena, &m->error), "%s", m->error.message);
+	ck_assert_msg(!effect_measure(&m->tree, &m->dag, &m->robot, &o, &m->arena, &m->error), "%s", m->error.message);
 }
 
 static void check_same_dag(const struct dag *a, const struct dag *b)
