@@ -139,7 +139,7 @@ static enum rneagen_code check(const struct resolver *x, const struct scene_choi
 	if (!isfinite(r->upper - r->lower))
 		return scene_refuse(x->s, c, x->e, "from %g to %g is farther than a number reaches", r->lower, r->upper);
 	if (kind >= KIND_MASS && kind <= KIND_PAYLOAD && r->lower < 0)
-		return scene_refuse(x->s, c, x->e, "is that of a mass here, kg, which is never %g", r->lower);
+		return scene_refuse(x->s, c, x->e, "'%.255s' has the range of a mass, kg, which is never %g", c->name, r->lower);
 	return RNEAGEN_OK;
 }
 

@@ -98,7 +98,7 @@ START_TEST(every_request)
 	o.order = _i == 1 ? "jd,ja" : NULL;
 	o.scene = _i == 4 ? "# some\nroot base\ntip b,d\nsnap-angle 1e-3" : _i == 5 ? "lock jd=0.5" : NULL;
 	if (_i == 6)
-		o.scene = "fold qdd=0\nfree payload.d\nfext b\nwant tau,power";
+		o.scene = "fold qdd=0\nfree payload.d\nfext b\nwant tau,power\ndrop-below 1e-3\nrange payload.d=0,2";
 	if (_i >= 7) {
 		o.scene = "free gravity\nwant M,dtau_dq,dtau_dgravity,jvp,vjp";
 		o.target = _i % 2 ? RNEAGEN_TARGET_C : RNEAGEN_TARGET_CUDA;

@@ -163,10 +163,8 @@ static void refer(struct fixture *f, size_t k, int is_bare, wide *tau, wide *pow
 }
 
 /* Rows first to first + nv - 1 and `power` of files that are [COUNT][columns]. */
-static void assert_results(struct fixture *f, int is_bare, const double *tau, size_t columns, const double *power, size_t step)
+static void assert_close(struct fixture *f, int is_bare, const double *tau, size_t columns, const double *power, size_t step, double most)
 {
-	double most = f->f32 ? 2e-5 : 1e-12;
-
 	for (size_t k = 0; k < COUNT; k++) {
 		wide ref[ROWS], ref_power, size;
 
@@ -176,6 +174,11 @@ static void assert_results(struct fixture *f, int is_bare, const double *tau, si
 		ck_assert_msg(fabs(power[k * step] - (double)ref_power) <= most * (double)size, "power of sample %zu: %g, not %g, seed %d", k,
 			power[k * step], (double)ref_power, SEED);
 	}
+}
+
+static void assert_results(struct fixture *f, int is_bare, const double *tau, size_t columns, const double *power, size_t step)
+{
+	assert_close(f, is_bare, tau, columns, power, step, f->f32 ? 2e-5 : 1e-12);
 }
 
 void run_scene(const struct fixture *f, int status, const char *part, const char *const *more)
@@ -209,6 +212,56 @@ START_TEST(test_joined)
 	free(x);
 	fixture_free(f);
 	unlink("out.npy");
+}
+END_TEST
+
+/* --drop-below knows that payloads, gravity and wrenches from outside are none of the URDF's; at 1e-12 nothing is seen of what
+   it drops. */
+START_TEST(test_dropped)
+{
+	struct fixture *f = fixture_new(_i, 0);
+	size_t n, width = f->nv + 1;
+	double *x;
+
+	write_inputs(f);
+	RUN_SCENE(f, 0, "", "--in", "in.npy", "--input", "gravity=g.npy", "--out", "out.npy", "--backend", "cpu", "--drop-below", "1e-12");
+	x = file_numbers("out.npy", 0, &n);
+	ck_assert_uint_eq(n, COUNT * width);
+	assert_close(f, 0, x, width, x + f->nv, width, 1e-9);
+	free(x);
+	fixture_free(f);
+}
+END_TEST
+
+/* 5 kg at the hand of a stretched panda: held by the reference, with and without. */
+START_TEST(test_heavy_hand)
+{
+	const double q[8] = {0, 1.5707963267948966, 0, -0.1, 0, 1.5, 0, 0.02}, zero[8] = {0}, load[PAYLOAD] = {5, 0, 0, 0.25, 0.02, 0, 0, 0.02, 0, 0.01};
+	struct reference_options o = {0};
+	char message[512];
+	struct reference *r = reference_open_file(ROBOTS "panda.urdf", &o, message, sizeof message);
+	wide own[PAYLOAD], tau[8];
+	double *x;
+	size_t n;
+
+	ck_assert_msg(r != NULL, "%s", message);
+	reference_rnea(r, q, zero, zero, tau);
+	printf("tau[1] of an empty hand %g", (double)tau[1]);
+	reference_inertia(r, find_entry(r, "panda_hand"), own);
+	for (int i = 0; i < PAYLOAD; i++)
+		own[i] += (wide)load[i];
+	reference_set_inertia(r, find_entry(r, "panda_hand"), own);
+	reference_rnea(r, q, zero, zero, tau);
+	printf(", with 5 kg %g\n", (double)tau[1]);
+	file_put_array("q.npy", q, 1, 8, 0);
+	file_put_array("payload.npy", load, 1, PAYLOAD, 0);
+	RUN(0, "", ROBOTS "panda.urdf", "--free", "payload.panda_hand", "--drop-below", "1e-12", "--fold", "qd=0", "--fold", "qdd=0", "--q", "q.npy",
+		"--input", "payload.panda_hand=payload.npy", "--out", "out.npy", "--backend", "cpu");
+	x = file_numbers("out.npy", 0, &n);
+	ck_assert_uint_eq(n, 8);
+	ck_assert_msg(reference_error(x, tau, 8) < 1e-9, "%g, not %g", x[1], (double)tau[1]);
+	free(x);
+	reference_close(r);
 }
 END_TEST
 
@@ -303,6 +356,8 @@ static Suite *suite(void)
 
 	tcase_set_timeout(c, 120);
 	tcase_add_loop_test(c, test_joined, 0, 4 * CASE_COUNT);
+	tcase_add_loop_test(c, test_dropped, 0, CASE_COUNT);
+	tcase_add_test(c, test_heavy_hand);
 	tcase_add_loop_test(c, test_apart, 0, 2 * CASE_COUNT);
 	tcase_add_test(c, test_mixed);
 	tcase_add_loop_test(c, test_no_samples, 0, 2);

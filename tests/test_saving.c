@@ -63,6 +63,23 @@ START_TEST(test_lines)
 }
 END_TEST
 
+/* A range is no choice, and goes with what makes its input. */
+START_TEST(test_ranges)
+{
+	static const char scene[] = "range payload.iiwa_link_7=0,5\nfree payload.iiwa_link_7\nrange qd=-1,1\nfold qdd=0\n";
+	size_t length;
+	char *urdf = read_file(TEST_DIR "/robots/iiwa14.urdf", &length);
+	struct rneagen_result r = make(urdf, length, scene, RNEAGEN_F64);
+
+	check(r.info_json, "", flops_of(urdf, length, "free payload.iiwa_link_7\nfold qdd=0"), (3 * 7 + 10) * 8);
+	check(r.info_json, "--free payload.iiwa_link_7", flops_of(urdf, length, "fold qdd=0"), 3 * 7 * 8);
+	check(r.info_json, "--fold qdd=0", flops_of(urdf, length, "free payload.iiwa_link_7"), (4 * 7 + 10) * 8);
+	ck_assert_ptr_null(strstr(r.info_json, "{\"without\": \"--range"));
+	rneagen_result_free(&r);
+	free(urdf);
+}
+END_TEST
+
 /* What is no scene without a line, and no scene at all. */
 START_TEST(test_unknown)
 {
@@ -86,6 +103,7 @@ int main(void)
 	TCase *c = tcase_create("saving");
 
 	tcase_add_test(c, test_lines);
+	tcase_add_test(c, test_ranges);
 	tcase_add_test(c, test_unknown);
 	suite_add_tcase(s, c);
 	return suite_run(s);

@@ -211,8 +211,9 @@ START_TEST(random_scenes)
 {
 	static const char *const parts[] = {"root ", "tip ", "beside drop", "beside lock", "lock ", "lock-all-but ", "fold ", "free ", "want ",
 		"fext ", "fext-frame world", "damping", "friction", "friction 0.1", "snap-angle 1e-3", "round-constants 4", "drop-below 1e-3",
+		"range ", "range qd=-1,1",
 		"base", "upper", "fore", "hand", "left", "right", "head", "a,b", "shoulder", "elbow", "wrist", "grip", "follow", "neck", "free",
-		"qd", "qdd", "q.elbow", "tau", "power", "gravity", "mass.", "payload.", "wrench.", "offset.", "=", "=0", "=0.5", "=1,2,3",
+		"qd", "qdd", "q.elbow", "tau", "power", "gravity", "mass.", "payload.", "wrench.", "offset.", "=", "=0", "=0.5", "=1,2,3", "=1,2", "[0]",
 		":batch", ":sample", ",", "\n", "\n", "\n", " ", " #", "\t", "\r\n", "\xc3\xa9", "'", "1e999", "-"};
 	enum { PARTS = sizeof parts / sizeof *parts, SCENES = 1000 };
 	struct rng rng = rng_seed((uint64_t)_i + 1);
@@ -224,10 +225,10 @@ START_TEST(random_scenes)
 		struct tree t;
 
 		for (int n = 1 + rng_below(&rng, 10); n > 0; n--) {
-			int key = rng_below(&rng, 17); /* the first ones begin a line */
+			int key = rng_below(&rng, 19); /* the first ones begin a line */
 
 			strcat(scene, n % 3 == 0 ? "\n" : "");
-			strcat(scene, n % 3 == 0 ? parts[key] : parts[17 + rng_below(&rng, PARTS - 17)]);
+			strcat(scene, n % 3 == 0 ? parts[key] : parts[19 + rng_below(&rng, PARTS - 19)]);
 		}
 		if (build(&r, &t, arm, scene))
 			ck_assert_msg(r.error.message[0] && strlen(r.error.message) > strlen("here: "), "%s", scene);

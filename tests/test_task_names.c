@@ -1,4 +1,5 @@
-/* What a task's choices are told when they cannot be: every message of gen/task.c and gen/freed.c, with its line; and
+/* What a task's choices are told when they cannot be: every message of gen/task.c, gen/freed.c and gen/task_range.c, with its
+   line; and
    names that are no identifiers, which still find their links, and arrays of their own. */
 #define _POSIX_C_SOURCE 200809L
 #include "suite.h"
@@ -81,6 +82,38 @@ static const struct refusal {
 	{"friction 0", "scene line 1, friction: a width of 0 rad/s or m/s is none: friction must be smooth"},
 	{"want tau,tau", "scene line 1, want: 'tau' is wanted already"},
 	{"want twist.x,y\nwant twist.x,y", "scene line 2, want: 'twist.x,y' is wanted already"},
+	/* ranges */
+	{"range qddd=0,1", "scene line 1, range: 'qddd' is not known; did you mean 'qdd'?"},
+	{"range jvp=0,1", "scene line 1, range: 'jvp' is not known; did you mean 'jvp_v'?"},
+	{"range payload=0,1", "scene line 1, range: 'payload' needs a name: payload.NAME"},
+	{"range q.trun=0,1", "scene line 1, range: no joint 'trun'; did you mean 'turn'?"},
+	{"range q.follow=0,1", "scene line 1, range: 'follow' follows another joint: name that"},
+	{"lock comma=0\nrange q.comma=0,1", "scene line 2, range: joint 'comma' does not move in this scene"},
+	{"range gravity=0,1", "scene line 1, range: 'gravity' is no input of this scene; --free gravity makes it one"},
+	{"range payload.arm=0,1", "scene line 1, range: 'payload.arm' is no input of this scene; --free payload.arm makes it one"},
+	{"free gravity,payload.arm\nrange payload.arn=0,1",
+		"scene line 2, range: 'payload.arn' is no input of this scene; did you mean 'payload.arm'?"},
+	{"range fext.arm=0,1", "scene line 1, range: 'fext.arm' is no input of this scene; --fext arm makes it one"},
+	{"range jvp_v=0,1", "scene line 1, range: 'jvp_v' is no input of this scene; --want jvp makes it one"},
+	{"want jvp\nrange vjp_v=0,1", "scene line 2, range: 'vjp_v' is no input of this scene; --want vjp makes it one"},
+	{"range qd", "scene line 1, range: takes NAME=VALUE, not 'qd'"},
+	{"range qd=1", "scene line 1, range: takes 2 finite numbers with commas between, not '1'"},
+	{"range qd=0,inf", "scene line 1, range: takes 2 finite numbers with commas between, not '0,inf'"},
+	{"range qd=0,1,2", "scene line 1, range: takes 2 finite numbers with commas between, not '0,1,2'"},
+	{"range qd=1,-0.5", "scene line 1, range: takes LOWER,UPPER, and 1 is more than -0.5"},
+	{"range qd=-1e308,1e308", "scene line 1, range: from -1e+308 to 1e+308 is farther than a number reaches"},
+	{"free mass.arm\nrange mass.arm=-1,1", "scene line 2, range: 'mass.arm' has the range of a mass, kg, which is never -1"},
+	{"free payload.arm\nrange payload.arm[2]=0,1",
+		"scene line 2, range: ten numbers that no body has apart are drawn together: the range of 'payload.arm' is that of its mass, kg"},
+	{"range q[13]=0,1", "scene line 1, range: 'q' has no row 13: the last is 12"},
+	{"range qd.slide[3]=0,1", "scene line 1, range: 'qd.slide' has no row 3: the last is 2"},
+	{"range q.sail[3]=0,1",
+		"scene line 1, range: row 3 of 'q.sail' is of a quaternion, which is drawn over all orientations: leave it out"},
+	{"fold qd=0\nrange qd.turn=0,1", "scene line 2, range: 'qd.turn' is given by --fold, and nothing of it is drawn: leave one of them out"},
+	{"fold qdd.slide=0,1,2\nrange qdd.slide[1]=0,1",
+		"scene line 2, range: 'qdd.slide[1]' is given by --fold, and nothing of it is drawn: leave one of them out"},
+	{"range qd=0,1\nrange qd=0,1", "scene line 2, range: 'qd' has a range already; give it one"},
+	{"range q.turn[0]=0,1\nrange q[0]=0,2", "scene line 2, range: 'q[0]' has a range already; give it one"},
 };
 
 START_TEST(refused)

@@ -46,10 +46,14 @@ target_link_libraries(test_scene_trees PRIVATE reference)
 rneagen_add_test(test_scene_constants scene_model.c torque.c model.c)
 target_link_libraries(test_scene_constants PRIVATE reference)
 
-# What a scene takes and gives.
+# What inputs are drawn from.
+rneagen_add_test(test_draw scene_model.c torque.c model.c)
+target_link_libraries(test_draw PRIVATE reference m)
+
+# What a scene takes and gives, and what is dropped of it.
 add_library(task STATIC task.c task_check.c task_draw.c reference_oracle.c scene_model.c torque.c model.c)
 target_link_libraries(task PUBLIC rneagen::rneagen reference PkgConfig::CHECK)
-foreach(name test_task test_task_equal test_task_fold test_task_motion test_task_names)
+foreach(name test_drop test_task test_task_equal test_task_fold test_task_motion test_task_names)
 	rneagen_add_test(${name})
 	target_link_libraries(${name} PRIVATE task)
 endforeach()
