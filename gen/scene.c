@@ -338,15 +338,6 @@ const struct scene_choice *scene_next(const struct scene *s, enum scene_key key,
 	return NULL;
 }
 
-int scene_choice_count(const struct scene *s)
-{
-	int count = 0;
-
-	for (int i = 0; i < s->line_count; i++)
-		count += s->lines[i].key != SCENE_RANGE;
-	return count;
-}
-
 /* ---- values, and how a scene is written ---- */
 
 static int read_number(const char **s, double *value)

@@ -77,7 +77,14 @@ enum rneagen_code scene_expand(struct scene *s, const struct robot *r, struct ar
 const struct scene_choice *scene_next(const struct scene *s, enum scene_key key, const struct scene_choice *before);
 
 /* How many lines there are that choose something: ranges do not. */
-int scene_choice_count(const struct scene *s);
+static inline int scene_choice_count(const struct scene *s)
+{
+	int count = 0;
+
+	for (int i = 0; i < s->line_count; i++)
+		count += s->lines[i].key != SCENE_RANGE;
+	return count;
+}
 
 /* "lock", "lock-all-but", ... */
 const char *scene_word(enum scene_key key);
