@@ -112,7 +112,7 @@ const char *emit_functions_c(const struct emission *e);
 const char *emit_prototypes(const struct emission *e);
 
 /* CUDA: a kernel, and the functions by which it stages its slice; the samples of a slice; how many slices a
-   multiprocessor is to have room for, 0: as the compiler likes. */
+   multiprocessor is to have room for, an expression of RNEA_BLOCK, 0: as the compiler likes. */
 void emit_kernel(const struct emission *e, const struct pass *p, struct text *out);
 const char *emit_stage(const struct emission *e);
 
@@ -120,7 +120,7 @@ const char *emit_stage(const struct emission *e);
 int emit_is_streamed(const struct emission *e);
 const char *emit_store(const struct emission *e);
 int emit_block_size(const struct emission *e);
-int emit_min_blocks(const struct emission *e);
+const char *emit_min_blocks(const struct emission *e);
 
 /* Does a sample's first run stand unless an angle turns out to be large? Not where that run fills the registers. */
 int emit_is_optimistic(const struct emission *e);

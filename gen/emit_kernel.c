@@ -100,7 +100,7 @@ static int min_derivative_blocks(const struct emission *e)
 /* Humanoids in f32 soa gain from room for a third block (H100: 168 registers, no spill), arms of some 50 values from room
    for a sixth (80 registers instead of 93 on iiwa14, no spill: 0.93 of the floor instead of 0.90). Elsewhere the compiler's
    own choice spills least: a bound makes it fetch all inputs first. */
-int emit_min_blocks(const struct emission *e)
+static int min_blocks(const struct emission *e)
 {
 	int alive;
 
@@ -114,6 +114,19 @@ int emit_min_blocks(const struct emission *e)
 		return e->tree->body_count >= MANY_BODIES ? 3 : 0;
 	alive = plan_alive(&e->passes[PASS_RNEA].plan, e->arena);
 	return alive >= FEW_ALIVE && alive <= MANY_ALIVE ? 6 : 0;
+}
+
+/* As many threads in blocks of any size; in blocks of a warp there may be no room for so many, and registers for all. */
+const char *emit_min_blocks(const struct emission *e)
+{
+	int blocks = min_blocks(e);
+	struct text t;
+
+	if (!blocks)
+		return "0";
+	text_init(&t, e->arena);
+	text_printf(&t, "(RNEA_BLOCK < 64 ? 0 : %d/RNEA_BLOCK)", blocks * emit_block_size(e));
+	return text_string(&t);
 }
 
 const char *emit_call(const struct emission *e, const struct pass *p, const char *indent, const char *arguments,

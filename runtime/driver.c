@@ -80,7 +80,7 @@ static enum rnea_code attempt_bounds(
 
 	if (attempt(c, r, block, 0, t, e))
 		return e->code;
-	if (t->choices[t->count - 1].local_bytes == 0 || image_is_bound(r) || image_bound(r) == 0)
+	if (t->choices[t->count - 1].local_bytes == 0 || image_is_bound(r) || image_bound(r, block) == 0)
 		return RNEA_OK;
 	if (attempt(c, r, block, 1, t, &unbounded) && !is_unfit(&unbounded))
 		*e = unbounded;

@@ -19,14 +19,14 @@ int image_is_bound(const struct image_request *r)
 	return bound_option(r) != NULL;
 }
 
-unsigned image_bound(const struct image_request *r)
+unsigned image_bound(const struct image_request *r, unsigned block)
 {
 	const char *option = bound_option(r);
 	const char *value = option ? strchr(strstr(option, bound_macro), '=') : NULL;
 
 	if (option)
 		return value ? (unsigned)strtoul(value + 1, NULL, 10) : 1;
-	return source_macro(r->source, bound_macro);
+	return source_min_blocks(r->source, block);
 }
 
 enum rnea_code image_compile(
@@ -55,7 +55,7 @@ enum rnea_code image_compile(
 		options[j.option_count++] = "-DRNEA_MIN_BLOCKS=0";
 	if (!jit_compile(&j, &i->code, e)) {
 		i->block = block;
-		i->min_blocks = unbounded ? 0 : image_bound(r);
+		i->min_blocks = unbounded ? 0 : image_bound(r, block);
 	}
 	free(options);
 	return e->code;

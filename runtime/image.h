@@ -24,8 +24,9 @@ struct image {
 	unsigned min_blocks; /* the launch bound of the rnea kernel; 0: none */
 };
 
-/* The launch bound that the text, or an option of the caller's, gives to the rnea kernel. */
-unsigned image_bound(const struct image_request *r);
+/* The launch bound that the text, or an option of the caller's, gives to the rnea kernel in blocks of `block` threads, 0: the
+   text's own. */
+unsigned image_bound(const struct image_request *r, unsigned block);
 
 /* Whether an option of the caller's speaks of that bound, which is then not ours to change. */
 int image_is_bound(const struct image_request *r);

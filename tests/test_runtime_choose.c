@@ -33,19 +33,18 @@ START_TEST(chooses)
 END_TEST
 
 /* The pendulum with a launch bound. */
-static struct rnea_robot *open_bounded(const struct rnea_options *o, const char *local, const char *resident)
+static struct rnea_robot *open_bounded(const struct rnea_options *o, const char *bound, const char *local, const char *resident)
 {
 	char *text = pendulum_with("__launch_bounds__(RNEA_BLOCK)\npendulum_rnea",
 		"__launch_bounds__(RNEA_BLOCK, RNEA_MIN_BLOCKS)\npendulum_rnea");
-	const char *define = "\n#ifndef RNEA_MIN_BLOCKS\n#define RNEA_MIN_BLOCKS 3\n#endif\n";
-	char *whole = calloc(1, strlen(text) + strlen(define) + 1);
+	char *whole;
 	struct rnea_robot *robot;
 	struct rnea_error e;
 
 	use_fakes();
 	setenv("RNEA_FAKE_CUDA_LOCAL", local, 1);
 	setenv("RNEA_FAKE_CUDA_RESIDENT", resident, 1);
-	strcat(strcpy(whole, define), text);
+	ck_assert_int_gt(asprintf(&whole, "\n#ifndef RNEA_MIN_BLOCKS\n#define RNEA_MIN_BLOCKS %s\n#endif\n%s", bound, text), 0);
 	ck_assert_msg(open_text(whole, o, &robot, &e) == RNEA_OK, "%s", e.message);
 	free(whole);
 	free(text);
@@ -81,7 +80,7 @@ static const struct {
 
 START_TEST(opens_the_best)
 {
-	struct rnea_robot *robot = open_bounded(&openings[_i].options, openings[_i].local, openings[_i].resident);
+	struct rnea_robot *robot = open_bounded(&openings[_i].options, "3", openings[_i].local, openings[_i].resident);
 	float q = 0.25f, qd = 0, qdd = 2, tau = 0;
 	struct rnea_resources r;
 
@@ -93,6 +92,24 @@ START_TEST(opens_the_best)
 	rnea_resources(robot, RNEA_KERNEL_RNEA, &r, NULL);
 	rnea_close(robot);
 	ck_assert_int_eq(fake_live(), 0);
+}
+END_TEST
+
+/* A bound of as many threads in blocks of any size. */
+static const struct {
+	unsigned block, min_blocks;
+	int compilations;
+} threads[] = {{0, 3, 2}, {32, 0, 1}, {64, 6, 2}, {100, 3, 2}, {256, 1, 2}, {512, 0, 1}};
+
+START_TEST(bounds_threads)
+{
+	static const char bound[] = "(RNEA_BLOCK < 64 ? 0 : 384/RNEA_BLOCK)";
+	const struct rnea_options o = {.block = threads[_i].block};
+	struct rnea_robot *robot = open_bounded(&o, bound, "48 96", "0 0 0"); /* what spills is tried without its bound, and spills more */
+
+	ck_assert_uint_eq(rnea_build(robot)->min_blocks, threads[_i].min_blocks);
+	ck_assert_int_eq(compilations(), threads[_i].compilations);
+	rnea_close(robot);
 }
 END_TEST
 
@@ -126,6 +143,7 @@ Suite *suite_choose(void)
 	tcase_set_timeout(t, 120);
 	tcase_add_loop_test(t, chooses, 0, (int)(sizeof table / sizeof *table));
 	tcase_add_loop_test(t, opens_the_best, 0, (int)(sizeof openings / sizeof *openings));
+	tcase_add_loop_test(t, bounds_threads, 0, (int)(sizeof threads / sizeof *threads));
 	tcase_add_test(t, passes_over_what_does_not_compile);
 	suite_add_tcase(s, t);
 	return s;
