@@ -229,6 +229,7 @@ void emit_source(const struct emission *e, struct text *out)
 		{"UNDEF_STRICT", e->options->strict ? "#undef RNEA_ADD\n#undef RNEA_SUB\n#undef RNEA_MUL\n#undef RNEA_DIV\n#undef RNEA_SQRT\n#undef RNEA_APART\n" : ""},
 		{"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)}, {"MIN_BLOCKS", emit_min_blocks(e)},
 		{"SINCOS", sincos_text(e)}, {"BODIES", text_string(&bodies)}, {"STAGE", emit_stage(e)}, {"STORE", emit_store(e)},
+		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e)},
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
 		{"ADDRESSES", emit_params(e, &p[PASS_RNEA], PARAMS_ADDRESSES)},
 		{"RNEA_PARAMS", emit_params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
@@ -257,6 +258,8 @@ void emit_info_shape(const struct emission *e, struct text *out)
 	const struct argument *a = e->passes[PASS_RNEA].dag.arguments;
 
 	text_printf(out, "block %d\n", emit_block_size(e));
+	if (emit_stage_bytes(e))
+		text_printf(out, "stage %d\n", emit_stage_bytes(e));
 	if (e->part_count)
 		text_printf(out, "parts %d\n", e->part_count);
 	for (int i = 0; i < e->passes[PASS_RNEA].dag.argument_count; i++)

@@ -116,6 +116,12 @@ const char *emit_prototypes(const struct emission *e);
 void emit_kernel(const struct emission *e, const struct pass *p, struct text *out);
 const char *emit_stage(const struct emission *e);
 
+/* The function that tells a launch how many bytes of shared memory to give, and its call, "0" where nothing is staged; the bytes in
+   which the kernel stages each thread's sample, 0: it does not. */
+const char *emit_stage_launch(const struct emission *e);
+const char *emit_given(const struct emission *e);
+int emit_stage_bytes(const struct emission *e);
+
 /* Do the statements store by RNEA_STORE? Then emit_store is what that means, else "". */
 int emit_is_streamed(const struct emission *e);
 const char *emit_store(const struct emission *e);

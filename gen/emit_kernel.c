@@ -165,8 +165,8 @@ static const char *optimistic_call(const struct emission *e, const char *argumen
 /* ---- slices in shared memory ---- */
 
 /* `*const q_slice = slices, *const qd_slice = q_slice + RNEA_BLOCK*7, ...`: where the slices of the arrays begin; in soa
-   where this thread's rows do, `suffix` and `first` saying so. */
-static const char *slices_text(const struct emission *e, const char *suffix, const char *first)
+   where this thread's rows do. */
+static const char *slices_text(const struct emission *e)
 {
 	const struct dag *d = arguments_of(e);
 	const struct argument *last = NULL;
@@ -176,11 +176,11 @@ static const char *slices_text(const struct emission *e, const char *suffix, con
 	for (int i = 0; i < d->argument_count; i++) {
 		if (!has_place(d, i))
 			continue;
-		text_printf(&t, "%s*const %s_%s = ", last ? ", " : "", d->arguments[i].name, suffix);
+		text_printf(&t, "%s*const %s_slice = ", last ? ", " : "", d->arguments[i].name);
 		if (last)
-			text_printf(&t, "%s_%s + RNEA_BLOCK*%d", last->name, suffix, pitch(e, last->rows));
+			text_printf(&t, "%s_slice + RNEA_BLOCK*%d", last->name, pitch(e, last->rows));
 		else
-			text_put(&t, first);
+			text_put(&t, e->options->layout == RNEAGEN_AOS ? "slices" : "slices + threadIdx.x");
 		last = &d->arguments[i];
 	}
 	return text_string(&t);
@@ -194,24 +194,29 @@ static const char *here_text(const struct emission *e)
 
 	text_init(&t, e->arena);
 	for (int i = 0; i < d->argument_count; i++)
-		text_printf(&t, "%s%s%s", i ? ", " : "", d->arguments[place_of(d, i)].name, d->arguments[i].per_batch ? "" : "_here");
+		text_printf(&t, "%s%s%s", i ? ", " : "", d->arguments[i].name, d->arguments[i].per_batch ? "" : "_here");
 	return text_string(&t);
 }
 
-/* aos: pointers to this thread's rows. */
+/* Those pointers: to this thread's rows in the slices or, where nothing is staged, in the arrays. */
 static const char *pointers_text(const struct emission *e)
 {
 	const struct dag *d = arguments_of(e);
 	struct text t;
 
 	text_init(&t, e->arena);
-	for (int i = 0; i < d->argument_count; i++)
-		if (has_place(d, i)) {
-			int is_written = d->arguments[i].is_output || place_of(d, dag_find_argument(d, "tau")) == i;
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *a = &d->arguments[i], *place = &d->arguments[place_of(d, i)];
 
-			text_printf(&t, "\t\t%s%s *const %s_here = %s_slice + threadIdx.x*%d;\n", is_written ? "" : "const ", e->memory->type,
-				d->arguments[i].name, d->arguments[i].name, pitch(e, d->arguments[i].rows));
-		}
+		if (a->per_batch)
+			continue;
+		text_printf(&t, "%s%s%s *const %s_here = staged ? %s_slice", e->options->layout == RNEAGEN_AOS ? "\t\t" : "\t",
+			a->is_output ? "" : "const ", e->memory->type, a->name, place->name);
+		if (e->options->layout == RNEAGEN_AOS)
+			text_printf(&t, " + threadIdx.x*%d : %s + k*%d;\n", pitch(e, place->rows), a->name, a->rows);
+		else
+			text_printf(&t, " : %s + k;\n", a->name);
+	}
 	return text_string(&t);
 }
 
@@ -229,10 +234,10 @@ static const char *move_slices(const struct emission *e, int out)
 		if (a->per_batch || a->is_output != out)
 			continue;
 		if (out)
-			text_printf(&t, "\trneagen_stage_out<%d, %d>(%s + first*%d, %s_slice, samples);\n", a->rows, words, a->name, a->rows,
+			text_printf(&t, "\t\trneagen_stage_out<%d, %d>(%s + first*%d, %s_slice, samples);\n", a->rows, words, a->name, a->rows,
 				d->arguments[place_of(d, i)].name);
 		else
-			text_printf(&t, "\trneagen_stage_in<%d, %d>(%s_slice, %s + first*%d, samples);\n", a->rows, words, a->name, a->name,
+			text_printf(&t, "\t\trneagen_stage_in<%d, %d>(%s_slice, %s + first*%d, samples);\n", a->rows, words, a->name, a->name,
 				a->rows);
 	}
 	return text_string(&t);
@@ -253,21 +258,21 @@ static const char *move_samples(const struct emission *e, int out)
 		if (a->per_batch || a->is_output != out)
 			continue;
 		if (a->rows != rows)
-			text_printf(&t, "%s#pragma unroll\n\tfor (unsigned r = 0; r < %d; r++) {\n", rows ? "\t}\n" : "", a->rows);
+			text_printf(&t, "%s#pragma unroll\n\t\tfor (unsigned r = 0; r < %d; r++) {\n", rows ? "\t\t}\n" : "", a->rows);
 		rows = a->rows;
 		if (out)
-			text_printf(&t, "\t\t%s[r*count + k] = %s_here[r*RNEA_BLOCK];\n", a->name, place);
+			text_printf(&t, "\t\t\t%s[r*count + k] = %s_slice[r*RNEA_BLOCK];\n", a->name, place);
 		else
-			text_printf(&t, "\t\trneagen_stage_copy<sizeof *%s>(%s_here + r*RNEA_BLOCK, %s + r*count + k);\n", a->name, a->name, a->name);
+			text_printf(&t, "\t\t\trneagen_stage_copy<sizeof *%s>(%s_slice + r*RNEA_BLOCK, %s + r*count + k);\n", a->name, a->name, a->name);
 	}
-	text_put(&t, rows ? "\t}\n" : "");
+	text_put(&t, rows ? "\t\t}\n" : "");
 	return text_string(&t);
 }
 
 static const char *kernel_call(const struct emission *e, const struct pass *p, int staged)
 {
 	if (staged && e->options->layout == RNEAGEN_SOA)
-		return emit_call(e, p, "\t", here_text(e), "q_here", "RNEA_BLOCK");
+		return emit_call(e, p, "\t", here_text(e), "q_here", "stride");
 	if (staged)
 		return emit_call(e, p, "\t\t", here_text(e), "q_here", "1");
 	if (emit_has_small(e) && emit_is_optimistic(e) && p == &e->passes[PASS_RNEA])
@@ -275,13 +280,30 @@ static const char *kernel_call(const struct emission *e, const struct pass *p, i
 	return emit_call(e, p, "\t", emit_params(e, p, PARAMS_AT_SAMPLE), emit_q_at_sample(e), emit_stride(e));
 }
 
-/* Derivatives may take more values than there are registers. */
+/* Derivatives may take more values than there are registers. ptxas refuses this where the launch gives shared memory. */
 static const char *spill_text(const struct emission *e)
 {
-	return !task_wants_derivative(&e->tree->task) ? "" :
-		"#if defined __CUDACC_VER_MAJOR__ && __CUDACC_VER_MAJOR__ >= 13 && !defined __CUDACC_RDC__ && !defined __CUDACC_DEBUG__\n"
-		"\tasm volatile(\".pragma \\\"enable_smem_spilling\\\";\"); /* what no register holds goes to shared memory first */\n"
-		"#endif\n";
+	struct text t;
+
+	if (!task_wants_derivative(&e->tree->task))
+		return "";
+	text_init(&t, e->arena);
+	text_printf(&t, "#if defined __CUDACC_VER_MAJOR__ && __CUDACC_VER_MAJOR__ >= 13 && !defined __CUDACC_RDC__ && !defined __CUDACC_DEBUG__%s\n",
+		is_staged(e) ? " && !RNEA_GIVEN_BYTES" : "");
+	text_put(&t, "\tasm volatile(\".pragma \\\"enable_smem_spilling\\\";\"); /* what no register holds goes to shared memory first */\n"
+		     "#endif\n");
+	return text_string(&t);
+}
+
+/* The slices' shared memory: the kernel's own, the launch's, or none. */
+static const char *declaration_text(const struct emission *e)
+{
+	const struct slot slots[] = {{"T", e->memory->type}, {"WORDS", emit_int(e, stage_words(e))}};
+	struct text t;
+
+	text_init(&t, e->arena);
+	template_expand(&t, template_slices_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
 }
 
 void emit_kernel(const struct emission *e, const struct pass *p, struct text *out)
@@ -291,9 +313,8 @@ void emit_kernel(const struct emission *e, const struct pass *p, struct text *ou
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
 		{"SPILL", spill_text(e)}, {"BOUNDS", p == &e->passes[PASS_RNEA] ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", kernel_call(e, p, staged)},
-		{"WORDS", emit_int(e, stage_words(e))}, {"SLICES", slices_text(e, is_aos ? "slice" : "here", is_aos ? "slices" : "slices + threadIdx.x")},
-		{"POINTERS", pointers_text(e)}, {"MOVE_IN", is_aos ? move_slices(e, 0) : move_samples(e, 0)},
-		{"MOVE_OUT", is_aos ? move_slices(e, 1) : move_samples(e, 1)},
+		{"DECLARATION", declaration_text(e)}, {"SLICES", slices_text(e)}, {"POINTERS", pointers_text(e)},
+		{"MOVE_IN", is_aos ? move_slices(e, 0) : move_samples(e, 0)}, {"MOVE_OUT", is_aos ? move_slices(e, 1) : move_samples(e, 1)},
 		{"IN_PLACE", place_of(arguments_of(e), dag_find_argument(arguments_of(e), "tau")) == dag_find_argument(arguments_of(e), "tau") ? "" :
 			"\t/* tau takes the place of qdd: a joint's qdd is read before its torque is written */\n"},
 	};
@@ -325,14 +346,34 @@ const char *emit_store(const struct emission *e)
 
 const char *emit_stage(const struct emission *e)
 {
-	const struct slot slots[] = {{"T", e->memory->type}};
+	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}, {"BYTES", emit_int(e, stage_bytes(e))}};
 	struct text t;
 
 	text_init(&t, e->arena);
 	if (is_staged(e))
-		template_expand(&t, template_stage_in, slots, 1);
+		template_expand(&t, template_stage_in, slots, sizeof slots / sizeof *slots);
 	if (is_staged(e) && e->options->layout == RNEAGEN_AOS)
-		template_expand(&t, template_stage_aos_in, slots, 1);
+		template_expand(&t, template_stage_aos_in, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);
 }
 
+const char *emit_stage_launch(const struct emission *e)
+{
+	return is_staged(e) ? template_stage_launch_in : "";
+}
+
+const char *emit_given(const struct emission *e)
+{
+	struct text t;
+
+	if (!is_staged(e))
+		return "0";
+	text_init(&t, e->arena);
+	text_printf(&t, "rneagen_given_bytes((const void *)%s_rnea_kernel)", e->options->name);
+	return text_string(&t);
+}
+
+int emit_stage_bytes(const struct emission *e)
+{
+	return e->options->target == RNEAGEN_TARGET_CUDA && is_staged(e) ? stage_bytes(e) : 0;
+}

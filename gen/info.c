@@ -107,6 +107,8 @@ void info_json(const struct emission *e, struct text *out)
 	scene_put_json_ignored(e->tree, out);
 	emit_pattern_json(e, out);
 	parts_put_json(e, out);
+	if (e->options->target == RNEAGEN_TARGET_CUDA)
+		text_printf(out, "  \"block\": %d,\n  \"stage_bytes\": %d,\n", emit_block_size(e), emit_stage_bytes(e));
 	text_put(out, "  \"warnings\": [");
 	for (size_t i = 0; i < e->warning_count; i++) {
 		text_put(out, i ? ",\n    " : "\n    ");

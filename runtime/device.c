@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { OWN_SHARED = 48 << 10 }; /* bytes of shared memory that a kernel may have of its own */
+
 /* What is to be done where a status means that the context, and all that was in it, is lost; NULL: it is not. */
 static const char *lost_context(int status)
 {
@@ -85,7 +87,7 @@ static enum rnea_code load_api(struct device *d, struct rnea_error *e)
 
 static enum rnea_code choose(struct device *d, int ordinal, struct rnea_error *e)
 {
-	int count = 0, major = 0, minor = 0;
+	int count = 0, major = 0, minor = 0, most_shared = 0;
 	int status = d->api.device_get_count(&count);
 
 	if (status)
@@ -101,9 +103,12 @@ static enum rnea_code choose(struct device *d, int ordinal, struct rnea_error *e
 	status = d->api.device_get_attribute(&major, DEVICE_ATTRIBUTE_MAJOR, d->handle);
 	if (!status)
 		status = d->api.device_get_attribute(&minor, DEVICE_ATTRIBUTE_MINOR, d->handle);
+	if (!status)
+		status = d->api.device_get_attribute(&most_shared, DEVICE_ATTRIBUTE_MOST_SHARED, d->handle);
 	if (status)
 		return device_failed(d, status, "cuDeviceGetAttribute", e);
 	d->arch = 10 * major + minor;
+	d->most_shared = (size_t)most_shared;
 	return RNEA_OK;
 }
 
@@ -223,17 +228,25 @@ static int read_resources(const struct device *d, struct device_kernel *kernel)
 		if (status)
 			return status;
 	}
-	if (!d->api.occupancy_block || d->api.occupancy_block(&grid, &block, kernel->function, NULL, 0, 0) != 0)
+	if (!d->api.occupancy_block || d->api.occupancy_block(&grid, &block, kernel->function, NULL, kernel->given_bytes, 0) != 0)
 		block = 0;
 	kernel->resources = (struct rnea_resources){.registers = got[0],
 		.local_bytes = (size_t)got[1],
-		.shared_bytes = (size_t)got[2],
+		.shared_bytes = (size_t)got[2] + kernel->given_bytes,
 		.max_block = (unsigned)got[3],
 		.busy_block = (unsigned)block};
 	return 0;
 }
 
-enum rnea_code device_find(const struct device *d, void *module, struct device_kernel *kernel, struct rnea_error *e)
+/* Have launches give the kernel what it stages in, unless that is its own or more than there is. */
+static int give(const struct device *d, struct device_kernel *kernel, size_t stage)
+{
+	kernel->given_bytes = stage > OWN_SHARED && stage <= d->most_shared ? stage : 0;
+	return kernel->given_bytes ? d->api.func_set_attribute(kernel->function, DEVICE_FUNC_GIVEN_BYTES, (int)stage) : 0;
+}
+
+enum rnea_code device_find(
+	const struct device *d, void *module, struct device_kernel *kernel, size_t stage, struct rnea_error *e)
 {
 	int status = d->api.module_get_function(&kernel->function, module, kernel->name);
 
@@ -246,6 +259,8 @@ enum rnea_code device_find(const struct device *d, void *module, struct device_k
 	/* CUDA_MODULE_LOADING=LAZY would put this off until the first launch */
 	if (d->api.func_load && (status = d->api.func_load(kernel->function)) != 0)
 		return device_failed(d, status, "cuFuncLoad", e);
+	if ((status = give(d, kernel, stage)) != 0)
+		return device_failed(d, status, "cuFuncSetAttribute", e);
 	if ((status = read_resources(d, kernel)) != 0)
 		return device_failed(d, status, "cuFuncGetAttribute", e);
 	return RNEA_OK;
@@ -254,7 +269,7 @@ enum rnea_code device_find(const struct device *d, void *module, struct device_k
 enum rnea_code device_resident(
 	const struct device *d, const struct device_kernel *kernel, unsigned block, int *blocks, struct rnea_error *e)
 {
-	int status = d->api.occupancy_blocks(blocks, kernel->function, (int)block, 0);
+	int status = d->api.occupancy_blocks(blocks, kernel->function, (int)block, kernel->given_bytes);
 
 	if (!status)
 		return RNEA_OK;
@@ -265,7 +280,8 @@ enum rnea_code device_resident(
 enum rnea_code device_launch(const struct device *d, const struct device_kernel *kernel, unsigned grid, unsigned parts,
 	unsigned block, void **parameters, void *stream, struct rnea_error *e)
 {
-	int status = d->api.launch_kernel(kernel->function, grid, parts, 1, block, 1, 1, 0, stream, parameters, NULL);
+	int status = d->api.launch_kernel(kernel->function, grid, parts, 1, block, 1, 1, (unsigned)kernel->given_bytes, stream,
+		parameters, NULL);
 	char call[320];
 
 	if (!status)

@@ -31,6 +31,7 @@
 		(unsigned long long *address, size_t *size, void *module, const char *name))                           \
 	X(memcpy_dtoh, "cuMemcpyDtoH_v2", 1, (void *to, unsigned long long from, size_t size))                         \
 	X(func_get_attribute, "cuFuncGetAttribute", 1, (int *value, int attribute, void *function))                    \
+	X(func_set_attribute, "cuFuncSetAttribute", 1, (void *function, int attribute, int value))                     \
 	X(func_load, "cuFuncLoad", 0, (void *function))                                                                \
 	X(occupancy_block, "cuOccupancyMaxPotentialBlockSize", 0,                                                      \
 		(int *grid, int *block, void *function, size_t (*shared)(int block), size_t bytes, int limit))         \
@@ -102,6 +103,7 @@ enum device_constant {
 	DEVICE_STATUS_LAUNCH_FAILED = 719,
 	DEVICE_ATTRIBUTE_MAJOR = 75,
 	DEVICE_ATTRIBUTE_MINOR = 76,
+	DEVICE_ATTRIBUTE_MOST_SHARED = 97,
 	DEVICE_JIT_ERROR_LOG = 5,
 	DEVICE_JIT_ERROR_LOG_SIZE = 6,
 	DEVICE_STREAM_NON_BLOCKING = 1,
@@ -109,6 +111,7 @@ enum device_constant {
 	DEVICE_FUNC_SHARED_BYTES = 1,
 	DEVICE_FUNC_LOCAL_BYTES = 3,
 	DEVICE_FUNC_REGISTERS = 4,
+	DEVICE_FUNC_GIVEN_BYTES = 8,
 	DEVICE_POINTER_TYPE = 2,
 	DEVICE_POINTER_MANAGED = 8,
 	DEVICE_MEMORY_HOST = 1,
@@ -121,6 +124,7 @@ struct device {
 	int handle;	/* CUdevice */
 	void *context;	/* its primary context; NULL until it is retained */
 	int arch;	/* 10 major + minor: 90 is sm_90 */
+	size_t most_shared; /* bytes of shared memory that a launch may give to a block */
 	int version;	/* of the driver: 13000 is 13.0 */
 	int absent;	/* device_open failed because this machine has no driver or no device at all */
 	char name[128]; /* "NVIDIA H100 80GB HBM3" */
@@ -129,6 +133,7 @@ struct device {
 struct device_kernel {
 	char name[SOURCE_SYMBOL_SIZE];
 	void *function; /* NULL: the module has no kernel of that name */
+	size_t given_bytes; /* of shared memory, to each block by every launch */
 	struct rnea_resources resources;
 };
 
@@ -157,8 +162,10 @@ void device_unload(const struct device *d, void *module);
 enum rnea_code device_read(
 	const struct device *d, void *module, const char *symbol, char **text, size_t *size, struct rnea_error *e);
 
-/* Look kernel->name up and load its code; a module without it is no error: kernel->function is then NULL. */
-enum rnea_code device_find(const struct device *d, void *module, struct device_kernel *kernel, struct rnea_error *e);
+/* Look kernel->name up and load its code; a module without it is no error: kernel->function is then NULL. A block of it stages
+   `stage` bytes: beyond 48 KiB launches give them, where the device has so many. */
+enum rnea_code device_find(
+	const struct device *d, void *module, struct device_kernel *kernel, size_t stage, struct rnea_error *e);
 
 /* Blocks of `block` threads that one multiprocessor holds at once; 0: the kernel cannot run in such blocks. */
 enum rnea_code device_resident(

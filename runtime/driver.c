@@ -16,12 +16,34 @@ struct trial {
 	size_t count;
 };
 
-static enum rnea_code find_rnea(
-	const struct device *d, void *module, const struct source *s, struct device_kernel *k, struct rnea_error *e)
+/* NAME_info out of a loaded module: what was compiled, not what the text looks like. */
+static enum rnea_code read_table(
+	const struct device *d, void *module, const struct source *s, struct rnea_info *info, struct rnea_error *e)
 {
+	char symbol[SOURCE_NAME_LIMIT + 8];
+	char *text;
+	size_t size;
+
+	snprintf(symbol, sizeof symbol, "%s_info", s->name);
+	if (device_read(d, module, symbol, &text, &size, e))
+		return e->code;
+	rnea_info_read(text, size, s->name, info, e);
+	free(text);
+	return e->code;
+}
+
+/* The rnea kernel in blocks of `block` threads, 0: as the table has it. */
+static enum rnea_code find_rnea(const struct device *d, void *module, const struct source *s, unsigned block,
+	struct device_kernel *k, struct rnea_error *e)
+{
+	struct rnea_info info;
+
+	if (read_table(d, module, s, &info, e))
+		return e->code;
 	source_symbol(s->name, RNEA_KERNEL_RNEA, "kernel", k->name);
-	if (!device_find(d, module, k, e) && !k->function)
+	if (!device_find(d, module, k, info.stage_bytes * (block ? block : info.block), e) && !k->function)
 		rnea_error_set(e, RNEA_TEXT, "the text defines no kernel %s", k->name);
+	rnea_info_free(&info);
 	return e->code;
 }
 
@@ -34,7 +56,7 @@ static enum rnea_code judge(const struct driver *c, const struct image_request *
 	struct device_kernel k;
 	int blocks = 0;
 
-	if (find_rnea(&c->device, module, r->source, &k, e) ||
+	if (find_rnea(&c->device, module, r->source, i->block, &k, e) ||
 		(i->block && device_resident(&c->device, &k, i->block, &blocks, e)))
 		return e->code;
 	*choice = (struct choice){.block = i->block,
@@ -87,8 +109,8 @@ static enum rnea_code attempt_bounds(
 	return e->code;
 }
 
-/* The same for every block size that is asked for; one that does not compile, for want of shared memory, is passed over
-   as long as another does. */
+/* The same for every block size that is asked for; one that does not compile, for want of shared memory in a text of before
+   launches gave it, is passed over as long as another does. */
 static enum rnea_code attempt_blocks(
 	const struct driver *c, const struct image_request *r, struct trial *t, struct rnea_error *e)
 {
@@ -183,19 +205,9 @@ static enum rnea_code load(struct driver *c, const struct image_request *r, stru
 
 /* ---- what was loaded ---- */
 
-/* Read NAME_info back from the loaded module: what was compiled, not what the text looks like. */
 static enum rnea_code read_info(struct driver *c, const struct source *s, struct rnea_info *info, struct rnea_error *e)
 {
-	char symbol[SOURCE_NAME_LIMIT + 8];
-	char *text;
-	size_t size;
-
-	snprintf(symbol, sizeof symbol, "%s_info", s->name);
-	if (device_read(&c->device, c->module, symbol, &text, &size, e))
-		return e->code;
-	rnea_info_read(text, size, s->name, info, e);
-	free(text);
-	if (e->code)
+	if (read_table(&c->device, c->module, s, info, e))
 		return e->code;
 	if (c->block)
 		info->block = c->block; /* the table has the text's default */
@@ -204,13 +216,14 @@ static enum rnea_code read_info(struct driver *c, const struct source *s, struct
 	return RNEA_OK;
 }
 
-static enum rnea_code find_kernels(struct driver *c, const struct source *s, struct rnea_error *e)
+/* Only the rnea kernel stages: `stage` bytes a block. */
+static enum rnea_code find_kernels(struct driver *c, const struct source *s, size_t stage, struct rnea_error *e)
 {
 	for (int i = 0; i < RNEA_KERNEL_COUNT; i++) {
 		struct device_kernel *k = &c->kernels[i];
 
 		source_symbol(s->name, (enum rnea_kernel)i, "kernel", k->name);
-		if (device_find(&c->device, c->module, k, e))
+		if (device_find(&c->device, c->module, k, i == RNEA_KERNEL_RNEA ? stage : 0, e))
 			return e->code;
 		if (k->function && k->resources.max_block < c->block)
 			return rnea_error_set(e, RNEA_ARGUMENT,
@@ -247,7 +260,7 @@ enum rnea_code driver_open(
 	memset(info, 0, sizeof *info);
 	if (!device_open(&c->device, ordinal, e) && !device_enter(&c->device, &pushed, e)) {
 		mine.arch = c->device.arch;
-		if (!load(c, &mine, e) && !read_info(c, r->source, info, e) && !find_kernels(c, r->source, e))
+		if (!load(c, &mine, e) && !read_info(c, r->source, info, e) && !find_kernels(c, r->source, info->stage_bytes * c->block, e))
 			warm(c, e);
 		device_leave(&c->device, pushed);
 	}

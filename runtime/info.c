@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* A text in parts has the second version and one key more: who knows nothing of parts must not launch it as a whole. */
-enum { VERSION = 1, VERSION_PARTS = 2, BLOCK_LIMIT = 1024, PARTS_LIMIT = 65535 };
+enum { VERSION = 1, VERSION_PARTS = 2, BLOCK_LIMIT = 1024, PARTS_LIMIT = 65535, STAGE_LIMIT = 48 << 10 };
 
 /* The keys that stand exactly once. */
 enum key {
@@ -21,11 +21,12 @@ enum key {
 	KEY_BLOCK,
 	KEY_OPERATIONS,
 	KEY_PARTS,
+	KEY_STAGE,
 	KEY_COUNT
 };
 
 static const char *const keys[KEY_COUNT] = {
-	"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv", "nb", "block", "operations", "parts"};
+	"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv", "nb", "block", "operations", "parts", "stage"};
 
 struct parser {
 	char *rest;    /* of the text: what is not read yet */
@@ -259,15 +260,14 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 	case KEY_NB:
 		return read_number(p, &info->nb, 1, SIZE_MAX / 128);
 	case KEY_BLOCK:
-		read_number(p, &count, 1, BLOCK_LIMIT);
-		info->block = (unsigned)count;
+	case KEY_PARTS:
+		read_number(p, &count, key == KEY_BLOCK ? 1 : 2, key == KEY_BLOCK ? BLOCK_LIMIT : PARTS_LIMIT);
+		*(key == KEY_BLOCK ? &info->block : &info->parts) = (unsigned)count;
 		return p->error->code;
 	case KEY_OPERATIONS:
 		return read_operations(p);
-	case KEY_PARTS:
-		read_number(p, &count, 2, PARTS_LIMIT);
-		info->parts = (unsigned)count;
-		return p->error->code;
+	case KEY_STAGE:
+		return read_number(p, &info->stage_bytes, 1, STAGE_LIMIT);
 	case KEY_COUNT:
 		break;
 	}
@@ -315,7 +315,7 @@ static enum rnea_code check(struct parser *p)
 	const struct rnea_info *info = p->info;
 
 	for (int i = 0; i < KEY_COUNT; i++)
-		if (!p->seen[i] && i != KEY_ARITHMETIC && (i != KEY_PARTS || p->version == VERSION_PARTS))
+		if (!p->seen[i] && i != KEY_ARITHMETIC && i != KEY_STAGE && (i != KEY_PARTS || p->version == VERSION_PARTS))
 			return rnea_error_set(p->error, RNEA_TABLE, "info table: the key \"%s\" is missing", keys[i]);
 	if (!info->output_count) /* no inputs: a scene may give them all */
 		return rnea_error_set(p->error, RNEA_TABLE, "info table: it lists no outputs");

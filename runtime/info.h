@@ -3,6 +3,7 @@
 /* The table that a generated text holds about itself: lines `key values`, the first `rneagen-info 1`.
 
 	name NAME | precision f32|f64 | layout soa|aos | trig WORD | base WORD | nq N | nv N | nb N | block N
+	stage BYTES                               (of shared memory in which the rnea kernel stages each sample, where it does)
 	arithmetic WORD                           (where it does not stand, it is the precision)
 	input NAME ROWS f32|f64 sample|batch      (and `output`; one line each, in the order of the signature)
 	operations MUL ADD SUB NEG FMA SINCOS
@@ -11,8 +12,8 @@
 	matrix NAME ROWS COLS general|lower       (an output's; after it its rows, from 0:)
 	row NAME ROW COL COL ...                  (the columns of what is stored; in all, as many as the output has rows)
 
-   Each key of the first line stands once, and so does `operations`; `arithmetic` at most once. A key that is not listed is passed over: what would
-   change the meaning of the rest gets a new version. */
+   Each key of the first line stands once, and so does `operations`; `arithmetic` and `stage` at most once. A key that is not
+   listed is passed over: what would change the meaning of the rest gets a new version. */
 
 #include "error.h"
 

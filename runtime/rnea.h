@@ -124,6 +124,8 @@ struct rnea_info {
 	const struct rnea_matrix *matrices; /* matrix_count of them: outputs dtau_dq, dtau_dqd, dtau_dNAME and M */
 	size_t matrix_count;
 	unsigned parts; /* of a grid of the rnea kernel, along y: each makes some elements of the matrices; 1: all (--parts) */
+	size_t stage_bytes; /* of shared memory in which the rnea kernel stages each sample; 0: none. Where a block of them takes more than
+	                       48 KiB, and at most 227, launches have to give it: rnea_launch does; given less, the kernel is slower */
 };
 
 /* ---- opening and closing ---- */
@@ -208,7 +210,7 @@ enum rnea_kernel {
 struct rnea_resources {
 	int registers;        /* per thread */
 	size_t local_bytes;   /* per thread: stack and spilled registers */
-	size_t shared_bytes;  /* per block, static */
+	size_t shared_bytes;  /* per block: the kernel's own, and what launches give */
 	unsigned max_block;   /* threads per block that can be launched at all */
 	unsigned busy_block;  /* threads per block that keep the most threads resident; 0: the driver does not say */
 };

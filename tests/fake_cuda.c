@@ -5,7 +5,8 @@
    Environment: RNEA_FAKE_CUDA_FAIL="CALL=STATUS" makes that call return STATUS; RNEA_FAKE_CUDA_DEVICES and
    RNEA_FAKE_CUDA_ARCH (default 1 and 90); RNEA_FAKE_CUDA_MAX_BLOCK (default 1024) is what kernels can run with;
    RNEA_FAKE_CUDA_LOCAL="A B" (default 0 0): bytes of local memory of kernels with a launch bound, and without;
-   RNEA_FAKE_CUDA_RESIDENT="A B C" (default all 2048): threads resident in blocks of 64, 128 and 256. */
+   RNEA_FAKE_CUDA_RESIDENT="A B C" (default all 2048): threads resident in blocks of 64, 128 and 256, as far as 228 KiB of shared
+   memory have room for what launches give; RNEA_FAKE_CUDA_SHARED (default 232448): bytes of it that a launch may give to a block. */
 #define _GNU_SOURCE
 #include "fake_cuda.h"
 #include <dlfcn.h>
@@ -86,7 +87,7 @@ void fake_run(const struct fake_launch *launch)
 	for (unsigned i = 0; i < launch->kernel->count; i++)
 		parameters[i] = &values[i];
 	pthread_mutex_lock(&running);
-	launch->kernel->run(parameters, launch->grid, launch->parts, launch->block);
+	launch->kernel->run(parameters, launch->grid, launch->parts, launch->block, launch->given);
 	pthread_mutex_unlock(&running);
 }
 
@@ -149,7 +150,11 @@ int cuDeviceGetAttribute(int *value, int attribute, int device)
 
 	(void)device;
 	ENTER(0);
-	*value = attribute == 75 ? arch / 10 : attribute == 76 ? arch % 10 : attribute == 16 ? 4 : 1 << 20;
+	*value = attribute == 75   ? arch / 10
+		 : attribute == 76 ? arch % 10
+		 : attribute == 16 ? 4
+		 : attribute == 97 ? variable("RNEA_FAKE_CUDA_SHARED", 227 << 10)
+				   : 1 << 20;
 	return FAKE_SUCCESS;
 }
 
@@ -277,6 +282,17 @@ int cuFuncGetAttribute(int *value, int attribute, void *function)
 	return FAKE_SUCCESS;
 }
 
+int cuFuncSetAttribute(void *function, int attribute, int value)
+{
+	const struct fake_kernel *kernel = function;
+
+	ENTER(1);
+	if (attribute != 8 || value < 0 || value > variable("RNEA_FAKE_CUDA_SHARED", 227 << 10))
+		return FAKE_INVALID_VALUE;
+	*kernel->most_given = (unsigned)value;
+	return FAKE_SUCCESS;
+}
+
 int cuFuncLoad(void *function)
 {
 	(void)function;
@@ -300,13 +316,15 @@ int cuOccupancyMaxPotentialBlockSize(
 int cuOccupancyMaxActiveBlocksPerMultiprocessor(int *blocks, void *function, int block, size_t shared)
 {
 	const char *resident = getenv("RNEA_FAKE_CUDA_RESIDENT");
-	int threads[3] = {2048, 2048, 2048};
+	int threads[3] = {2048, 2048, 2048}, room;
 
 	(void)function;
-	(void)shared;
 	ENTER(1);
 	if (resident)
 		sscanf(resident, "%d %d %d", &threads[0], &threads[1], &threads[2]);
 	*blocks = threads[block <= 64 ? 0 : block <= 128 ? 1 : 2] / block;
+	room = (int)((228 << 10) / (shared + 1024));
+	if (*blocks > room)
+		*blocks = room;
 	return FAKE_SUCCESS;
 }

@@ -20,14 +20,16 @@ enum fake_status {
 
 /* As fake_device.h lays it out. */
 struct fake_kernel {
-	void (*run)(void **parameters, unsigned grid, unsigned parts, unsigned block);
+	void (*run)(void **parameters, unsigned grid, unsigned parts, unsigned block, unsigned given);
 	unsigned count;
 	unsigned min_blocks;
+	unsigned *most_given;
 };
 
 struct fake_launch {
 	const struct fake_kernel *kernel;
 	unsigned grid, parts, block; /* parts: the grid along y */
+	unsigned given; /* bytes of shared memory for each block */
 	unsigned long long parameters[FAKE_PARAMETER_LIMIT];
 };
 

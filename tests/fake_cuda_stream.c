@@ -139,12 +139,12 @@ static int record(struct graph *graph, const struct fake_launch *launch)
 int cuLaunchKernel(void *function, unsigned gx, unsigned gy, unsigned gz, unsigned bx, unsigned by, unsigned bz,
 	unsigned shared, void *stream, void **parameters, void **extra)
 {
-	struct fake_launch launch = {.kernel = function, .grid = gx, .parts = gy, .block = bx};
+	struct fake_launch launch = {.kernel = function, .grid = gx, .parts = gy, .block = bx, .given = shared};
 	struct fake_work work = {.is_copy = 0};
 	struct graph *graph = stream ? ((struct stream *)stream)->graph : NULL;
 
 	ENTER(1);
-	if (!function || extra || shared || !gx || !gy || !bx || gy > 65535 || gz != 1 || by != 1 || bz != 1 || gx > 0x7fffffff)
+	if (!function || extra || shared > *launch.kernel->most_given || !gx || !gy || !bx || gy > 65535 || gz != 1 || by != 1 || bz != 1 || gx > 0x7fffffff)
 		return FAKE_INVALID_VALUE;
 	for (unsigned i = 0; i < launch.kernel->count; i++)
 		memcpy(&launch.parameters[i], parameters[i], sizeof launch.parameters[i]);

@@ -21,7 +21,7 @@
 #define __host__
 #define __forceinline__ inline
 #define __launch_bounds__(...)
-#define __shared__ static /* one block runs at a time */
+#define __shared__ static __attribute__((section("fake_shared"))) /* one block runs at a time; fake_nvrtc looks at its size */
 #define __restrict__ __restrict
 #define __sincosf sincosf
 #define __trap abort
@@ -54,6 +54,26 @@ struct alignas(16) int4 {
 struct alignas(16) double2 {
 	double x, y;
 };
+
+/* Shared memory of a launch: fake_nvrtc makes `extern __shared__ T slices[]` refer to it. What was not given must stay as it is. */
+enum { FAKE_MOST_SHARED = 227 << 10, FAKE_UNTOUCHED = 0xa5 };
+extern "C" __attribute__((weak)) unsigned char fake_given_memory[] __asm__("slices");
+static unsigned fake_given;
+#define asm(...) (bytes = fake_given) /* the one instruction that texts name without volatile: how much of it there is */
+
+[[maybe_unused]] static void fake_give(unsigned given)
+{
+	fake_given = given;
+	for (unsigned i = given; fake_given_memory && i < FAKE_MOST_SHARED; i++)
+		fake_given_memory[i] = FAKE_UNTOUCHED;
+}
+
+[[maybe_unused]] static void fake_check_given()
+{
+	for (unsigned i = fake_given; fake_given_memory && i < FAKE_MOST_SHARED; i++)
+		if (fake_given_memory[i] != FAKE_UNTOUCHED)
+			abort();
+}
 
 template <class... A, size_t... I>
 static void fake_apply(void (*kernel)(A...), void **p, std::index_sequence<I...>)
@@ -137,14 +157,21 @@ template <class... A> static constexpr unsigned fake_count(void (*)(A...))
 
 /* What fake_cuda looks up as fake_kernel_NAME. */
 struct fake_kernel {
-	void (*run)(void **parameters, unsigned grid, unsigned parts, unsigned block);
+	void (*run)(void **parameters, unsigned grid, unsigned parts, unsigned block, unsigned given);
 	unsigned count; /* parameters, 8 bytes each */
 	unsigned min_blocks; /* the launch bound of the text; 0: none */
+	unsigned *most_given; /* bytes of shared memory that a launch may give */
 };
 
 #define FAKE_KERNEL(name, how)                                                                                         \
+	static unsigned fake_most_given_##name = 48 << 10;                                                             \
 	extern "C" const fake_kernel fake_kernel_##name;                                                               \
 	const fake_kernel fake_kernel_##name = {                                                                       \
-		[](void **p, unsigned grid, unsigned parts, unsigned block) { how(name, p, grid, parts, block); },          \
+		[](void **p, unsigned grid, unsigned parts, unsigned block, unsigned given) {                          \
+			fake_give(given);                                                                              \
+			how(name, p, grid, parts, block);                                                              \
+			fake_check_given();                                                                            \
+		},                                                                                                     \
 		fake_count(name),                                                                                      \
-		FAKE_MIN_BLOCKS};
+		FAKE_MIN_BLOCKS,                                                                                       \
+		&fake_most_given_##name};

@@ -5,6 +5,7 @@
    architectures it claims to know (default "75 80 90"). */
 #define _GNU_SOURCE
 #include <ctype.h>
+#include <elf.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,7 +18,7 @@ struct program {
 	int is_ptx;
 };
 
-enum { SUCCESS, INVALID_PROGRAM = 4, INVALID_OPTION = 5, COMPILATION = 6, OPTION_LIMIT = 32, COMMAND_LIMIT = 8192 };
+enum { SUCCESS, INVALID_PROGRAM = 4, INVALID_OPTION = 5, COMPILATION = 6, OPTION_LIMIT = 32, COMMAND_LIMIT = 8192, OWN_SHARED_LIMIT = 48 << 10 };
 
 static atomic_int compilations;
 
@@ -108,6 +109,17 @@ static const char *kernel_name(const char *s, size_t *length)
 	}
 }
 
+/* The text; `extern __shared__` names memory of the launch, not of the kernel. */
+static void write_text(FILE *f, const char *text)
+{
+	static const char given[] = "extern __shared__";
+	const char *s;
+
+	for (; (s = strstr(text, given)) != NULL; text = s + strlen(given))
+		fprintf(f, "%.*sextern", (int)(s - text), text);
+	fprintf(f, "%s\n", text);
+}
+
 static void write_source(const struct program *p, const char *path)
 {
 	static const char mark[] = "extern \"C\" __global__ void"; /* a joint may be called __global__ */
@@ -116,8 +128,9 @@ static void write_source(const struct program *p, const char *path)
 	const char *s = p->source;
 	size_t length;
 
-	fprintf(f, "#define FAKE_WAITS %d\n#include \"%s\"\n#line 1 \"%s\"\n%s\n", waits, FAKE_HEADER, p->name,
-		p->source);
+	fprintf(f, "#define FAKE_WAITS %d\n#include \"%s\"\n#line 1 \"%s\"\n", waits, FAKE_HEADER, p->name);
+	write_text(f, p->source);
+	fputs("#if RNEA_GIVEN_BYTES\nalignas(1024) unsigned char fake_given_memory[FAKE_MOST_SHARED];\n#endif\n", f);
 	fputs("#if defined RNEA_MIN_BLOCKS\n#define FAKE_MIN_BLOCKS RNEA_MIN_BLOCKS\n#else\n#define FAKE_MIN_BLOCKS 0\n#endif\n",
 		f);
 	while ((s = strstr(s, mark)) != NULL) {
@@ -154,6 +167,33 @@ static int take_option(struct program *p, const char *option, char *command)
 	return 1;
 }
 
+/* Bytes of shared memory that the kernels have of their own: a section of the image, which is a shared object. */
+static size_t own_shared(const char *image)
+{
+	const Elf64_Ehdr *head = (const void *)image;
+	const Elf64_Shdr *sections = (const void *)(image + head->e_shoff);
+	const char *names = image + sections[head->e_shstrndx].sh_offset;
+
+	for (int i = 0; i < head->e_shnum; i++)
+		if (strcmp(names + sections[i].sh_name, "fake_shared") == 0)
+			return sections[i].sh_size;
+	return 0;
+}
+
+/* As ptxas does, refuse a kernel with more than every device has. */
+static int check_shared(struct program *p)
+{
+	size_t bytes = own_shared(p->image);
+
+	if (bytes <= OWN_SHARED_LIMIT)
+		return SUCCESS;
+	free(p->log);
+	p->log = calloc(1, 256);
+	snprintf(p->log, 256, "ptxas error   : Entry function uses too much shared data (0x%zx bytes, 0x%x max)\n", bytes,
+		OWN_SHARED_LIMIT);
+	return COMPILATION;
+}
+
 static int build(struct program *p, const char *folder, char *command)
 {
 	char path[128];
@@ -172,12 +212,14 @@ static int build(struct program *p, const char *folder, char *command)
 	snprintf(path, sizeof path, "%s/text.so", folder);
 	p->image = read_file(path, &p->image_size);
 	unlink(path);
-	return status ? COMPILATION : SUCCESS;
+	return status ? COMPILATION : check_shared(p);
 }
 
 int nvrtcCompileProgram(void *program, int count, const char *const *options)
 {
-	static const char flags[] = FAKE_CXX " -std=c++17 -shared -fPIC -O1 -w -fno-gnu-unique -pthread";
+	/* what lies where a device cannot read or write it ends the program, as it does there */
+	static const char flags[] = FAKE_CXX " -std=c++17 -shared -fPIC -O1 -w -fno-gnu-unique -pthread -fsanitize=alignment"
+						 " -fsanitize-undefined-trap-on-error";
 	const char *fail = getenv("RNEA_FAKE_NVRTC_FAIL");
 	char folder[] = "/tmp/fake_nvrtc_XXXXXX", command[COMMAND_LIMIT];
 	struct program *p = program;

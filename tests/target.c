@@ -7,6 +7,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -43,9 +44,28 @@ void target_write(struct target_path path, const char *text)
 	ck_assert_int_eq(fclose(f), 0);
 }
 
+static char *chain(int n, size_t *length)
+{
+	char *urdf;
+	FILE *f = open_memstream(&urdf, length);
+
+	fputs("<robot name='chain'><link name='l0'/>", f);
+	for (int i = 1; i <= n; i++)
+		fprintf(f, "<link name='l%d'><inertial><mass value='%d.5'/><inertia ixx='0' ixy='0' ixz='0' iyy='0' iyz='0' izz='0'/></inertial></link>"
+			   "<joint name='j%03d' type='prismatic'><parent link='l%d'/><child link='l%d'/><axis xyz='%d %d %d'/>"
+			   "<limit effort='1' velocity='1' lower='-1' upper='1'/></joint>",
+			i, 1 + i % 5, i, i - 1, i, i % 3 == 0, i % 3 == 1, i % 3 == 2);
+	fputs("</robot>", f);
+	fclose(f);
+	return urdf;
+}
+
 char *target_robot(const char *name, size_t *length)
 {
 	char path[512], *urdf;
+
+	if (strncmp(name, "chain ", 6) == 0)
+		return chain(atoi(name + 6), length);
 
 	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", name);
 	urdf = read_file(path, length);

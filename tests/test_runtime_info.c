@@ -61,6 +61,21 @@ START_TEST(reads_parts)
 }
 END_TEST
 
+/* Of any version; texts of before have none, and are staged all the same in memory of the kernel's own. */
+START_TEST(reads_stage)
+{
+	struct rnea_info i;
+	struct rnea_error e;
+
+	ck_assert_int_eq(parse(HEAD SIZES ARRAYS COUNTS, &i, &e), RNEA_OK);
+	ck_assert_uint_eq(i.stage_bytes, 0);
+	rnea_info_free(&i);
+	ck_assert_int_eq(parse(HEAD SIZES "stage 696\n" ARRAYS COUNTS, &i, &e), RNEA_OK);
+	ck_assert_uint_eq(i.stage_bytes, 696);
+	rnea_info_free(&i);
+}
+END_TEST
+
 START_TEST(reads_matrices)
 {
 	static const int row[] = {0, 1, 0, 1, 1}, col[] = {2, 0, 0, 0, 1};
@@ -151,6 +166,9 @@ static const struct damage {
 	{"rneagen-info 1\nnv 18446744073709551615\n", "line 2: the number is out of range"},
 	{"rneagen-info 1\nblock 0\n", "line 2: the number is out of range"},
 	{"rneagen-info 1\nblock 1025\n", "line 2: the number is out of range"},
+	{"rneagen-info 1\nstage 0\n", "line 2: the number is out of range"},
+	{"rneagen-info 1\nstage 49153\n", "line 2: the number is out of range"},
+	{"rneagen-info 1\nstage 8\nstage 8\n", "line 3: a second line of the key \"stage\""},
 	{HEAD SIZES COUNTS, "it lists no outputs"},
 	{HEAD SIZES "input q 8 f64 sample\n" COUNTS, "it lists no outputs"},
 	{"rneagen-info 1\noutput tau 7 f64 sample\ninput q 7 f64 sample\n", "line 3: an input after an output"},
@@ -253,6 +271,7 @@ Suite *suite_info(void)
 
 	tcase_add_test(t, reads_everything);
 	tcase_add_test(t, reads_parts);
+	tcase_add_test(t, reads_stage);
 	tcase_add_test(t, reads_matrices);
 	tcase_add_test(t, accepts_variations);
 	tcase_add_test(t, arithmetic_of_its_own);
