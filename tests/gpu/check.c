@@ -2,6 +2,7 @@
    Open, verify and time every text that FOLDER/manifest.txt lists. Exit status 0: all is right; 1: something is wrong;
    77: no driver.
      --manifest NAME    another file of FOLDER instead of manifest.txt
+     --aot NAME         another folder of FOLDER instead of aot, of what nvcc has built
      --counts A,B,...   batches whose torques are checked
      --elements N       of tau, for the texts that the manifest calls large; 0: none
      --large N          samples for the time per sample
@@ -111,11 +112,11 @@ static int read_reference(const char *folder, struct item *it, struct reference 
 	return 0;
 }
 
-static void check_aot(const struct gpu *g, const char *folder, struct item *it, const struct reference *r)
+static void check_aot(const struct gpu *g, const struct settings *s, const char *folder, struct item *it, const struct reference *r)
 {
 	char path[1024];
 
-	snprintf(path, sizeof path, "%s/aot/%.*s.so", folder, (int)strcspn(it->text, "."), it->text);
+	snprintf(path, sizeof path, "%s/%s/%.*s.so", folder, s->aot, (int)strcspn(it->text, "."), it->text);
 	if (access(path, R_OK) == 0)
 		verify_aot(g, it, r, path);
 	else
@@ -141,7 +142,7 @@ static void check_item(const struct gpu *g, const struct settings *s, const stru
 	if (it->is_large && s->elements)
 		verify_large(g, it, &r, s->elements);
 	if (it->aot)
-		check_aot(g, folder, it, &r);
+		check_aot(g, s, folder, it, &r);
 	if (s->replays > 0)
 		measure(g, s, f, it, &r);
 	if (s->replays > 0 && it->is_built)
@@ -192,6 +193,8 @@ static int read_options(struct settings *s, int argc, char **argv)
 			s->cache = value;
 		else if (strcmp(argv[i], "--manifest") == 0)
 			s->manifest = value;
+		else if (strcmp(argv[i], "--aot") == 0)
+			s->aot = value;
 		else if (strcmp(argv[i], "--counts") != 0 || !read_counts(s, value))
 			return 0;
 	}
@@ -207,7 +210,8 @@ int main(int argc, char **argv)
 		.large = 1 << 20,
 		.replays = 21,
 		.chain = 200,
-		.manifest = "manifest.txt"};
+		.manifest = "manifest.txt",
+		.aot = "aot"};
 	struct work w = {.items = items, .options = {.backend = RNEA_BACKEND_CUDA, .cache = ""}};
 	struct gpu g;
 	struct floor f;

@@ -17,6 +17,7 @@ struct settings {
 	int replays;               /* of a graph, for the median; 0: no times */
 	unsigned block;            /* threads per block; 0: as each text has it */
 	const char *manifest;      /* a file of the folder of the texts */
+	const char *aot;           /* a folder there, of what nvcc has built of them */
 	int chain;                 /* launches in a graph for the latency, the most for the time per sample */
 };
 
