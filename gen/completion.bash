@@ -4,7 +4,7 @@
 _rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --derivatives --fext --fext-frame --armature --damping
 	--friction --snap-angle --round-constants --drop-below --range'
 _rneagen_options="-o --output --target --precision --layout --strict --bounded --parts --trig --base --gravity --mimic --order --name --info
-	--info=json --dot --dump --help --version $_rneagen_scene"
+	--info=json --dot --dump --quiet --help --version $_rneagen_scene"
 
 # The words that an option takes; returns 1 for an option that takes none, or any.
 _rneagen_words() {
@@ -57,7 +57,7 @@ _rneagen() {
 
 	_rneagen_current
 	case $option in
-	-o | --output) _rneagen_files "$current" .cu .c .h .cuh ;;
+	-o | --output) _rneagen_files "$current" .cu .c .h .hh .hpp .hxx .cuh ;;
 	--gravity | --order | --name) ;;
 	--scene | --armature) _rneagen_files "$current" '' ;;
 	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --fext | --snap-angle | --round-constants | --drop-below | --range) ;;

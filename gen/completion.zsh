@@ -54,7 +54,7 @@ _rnearun_study=(
 
 _rneagen_command() {
 	_arguments "${_rneagen_model[@]}" \
-		'(-o --output)'{-o,--output}'[write to a file]:file:_files -g "*.(cu|c|h|cuh)"' \
+		'(-o --output)'{-o,--output}'[write to a file]:file:_files -g "*.(cu|c|h|hh|hpp|hxx|cuh)"' \
 		'--target=[kernels, C functions, or inline functions]:target:(cuda c header)' \
 		'--layout=[how batches lie in memory]:layout:(soa aos)' \
 		'--parts=[matrices in parts of the grid]:parts:(auto)' \
@@ -63,6 +63,7 @@ _rneagen_command() {
 		'--info=-[tell about the robot]::format:(json)' \
 		'--dot[print the tree as a graph for Graphviz]' \
 		'--dump=[print a stage of the pipeline]:stage:(robot tree dag plan)' \
+		'--quiet[no warnings]' \
 		'(- *)--version[print the version]' \
 		'1:robot:_files -g "*.urdf"'
 }

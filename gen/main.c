@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "files.h"
 #include "options.h"
+#include "pending.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,8 +15,10 @@ static const char HELP[] =
 	"Write straight-line CUDA C or C for the inverse dynamics tau = ID(q, qd, qdd) of one robot.\n"
 	"ROBOT.urdf may be - for standard input; without -o the text goes to standard output.\n"
 	"\n"
-	"  -o, --output FILE          .cu, .c (with the .h that declares it beside it), .h or .cuh\n"
-	"  --target cuda|c|header     kernels, C functions, or inline functions to embed (default: by FILE's suffix, else cuda)\n"
+	"  -o, --output FILE          .cu, .c (with the .h that declares it beside it), .h, .hh, .hpp, .hxx or .cuh;\n"
+	"                             others need --target\n"
+	"  --target cuda|c|header     kernels, C functions, or inline functions to embed (default: by FILE's suffix; cuda for\n"
+	"                             standard output, devices and pipes)\n"
 	"  --precision f32|f64|mixed|f32x2\n"
 	"                             default f32 for cuda and header, f64 for c; mixed: f32 in memory, f64 in arithmetic;\n"
 	"                             f32x2: f64 in memory, pairs of floats in arithmetic, for GPUs whose f64 is slow\n"
@@ -35,6 +38,7 @@ static const char HELP[] =
 	"  --info, --info=json        tell about the robot instead of writing the text (with -o: besides)\n"
 	"  --dot                      print the tree as a graph for Graphviz, with masses and rows in q (with -o: besides)\n"
 	"  --dump robot|tree|dag|plan print a stage of the pipeline instead\n"
+	"  --quiet                    no warnings\n"
 	"  --help, --version\n"
 	"\n"
 	"exit status: 0 done, 1 the robot or a file is at fault, 2 the command line is\n";
@@ -44,17 +48,18 @@ enum info_mode { INFO_NONE, INFO_TABLE, INFO_JSON, INFO_DOT };
 struct command {
 	struct rneagen_options options;
 	const char *input, *output;
-	int has_target;
+	int has_target, quiet;
 	enum info_mode info;
+	struct file_names read;
 };
 
-enum { KEY_NAME = OPTION_OWN, KEY_INFO, KEY_DOT, KEY_BOUNDED };
+enum { KEY_NAME = OPTION_OWN, KEY_INFO, KEY_DOT, KEY_BOUNDED, KEY_QUIET };
 
 static const struct option OPTIONS[] = {
 	OPTIONS_TEXT, OPTIONS_MODEL, {"output", required_argument, NULL, 'o'},
 	{"name", required_argument, NULL, KEY_NAME}, {"info", optional_argument, NULL, KEY_INFO},
-	{"dot", no_argument, NULL, KEY_DOT}, {"bounded", no_argument, NULL, KEY_BOUNDED}, {"help", no_argument, NULL, OPTION_HELP},
-	{"version", no_argument, NULL, OPTION_VERSION}, {NULL, 0, NULL, 0}};
+	{"dot", no_argument, NULL, KEY_DOT}, {"bounded", no_argument, NULL, KEY_BOUNDED}, {"quiet", no_argument, NULL, KEY_QUIET},
+	{"help", no_argument, NULL, OPTION_HELP}, {"version", no_argument, NULL, OPTION_VERSION}, {NULL, 0, NULL, 0}};
 
 /* --info and --dot share standard output. */
 static int set_info(struct command *c, enum info_mode info)
@@ -65,11 +70,22 @@ static int set_info(struct command *c, enum info_mode info)
 	return 0;
 }
 
+static int fail(const struct rneagen_error *e)
+{
+	fprintf(stderr, "%s: %s\n", COMMAND, e->message);
+	return 1 + option_at_fault(e->code);
+}
+
 static int parse_option(struct command *c, int key, const char *word)
 {
+	const char *file = option_file(key, word);
+	struct rneagen_error e = {0};
+
+	if (file && file_note(&c->read, "", file, &e))
+		return fail(&e);
 	switch (key) {
 	case 'o':
-		c->output = word;
+		c->output = strcmp(word, "-") ? word : NULL;
 		return *word ? 0 : option_refuse(COMMAND, "-o takes the name of a file, not an empty word");
 	case KEY_NAME:
 		c->options.name = word;
@@ -83,27 +99,32 @@ static int parse_option(struct command *c, int key, const char *word)
 		return 0;
 	case KEY_DOT:
 		return set_info(c, INFO_DOT);
+	case KEY_QUIET:
+		c->quiet = 1;
+		return 0;
 	default:
 		c->has_target |= key == OPTION_TARGET;
 		return option_generate(COMMAND, &c->options, key, word);
 	}
 }
 
-static int has_suffix(const char *s, const char *suffix)
+/* What a text is for shows in its name, unless --target says it. */
+static int target_from_suffix(struct command *c)
 {
-	size_t n = strlen(s), m = strlen(suffix);
+	static const char *const cuda[] = {".cu", NULL}, *const plain[] = {".c", NULL},
+				*const header[] = {".h", ".hh", ".hpp", ".hxx", ".cuh", NULL};
 
-	return n > m && !strcmp(s + n - m, suffix);
-}
-
-static void target_from_suffix(struct command *c)
-{
-	if (c->has_target || !c->output)
-		return;
-	if (has_suffix(c->output, ".c"))
+	if (c->has_target || !c->output || file_has_suffix(c->output, cuda) || pending_is_in_place(c->output))
+		return -1;
+	if (file_has_suffix(c->output, plain))
 		c->options.target = RNEAGEN_TARGET_C;
-	else if (has_suffix(c->output, ".h") || has_suffix(c->output, ".cuh"))
+	else if (file_has_suffix(c->output, header))
 		c->options.target = RNEAGEN_TARGET_HEADER;
+	else
+		return option_refuse(COMMAND,
+			"-o %s: no text has this suffix: take .cu for CUDA kernels, .c for C functions, .h, .hh, .hpp, .hxx or .cuh "
+			"for inline functions, or say --target cuda, c or header", c->output);
+	return -1;
 }
 
 /* Returns -1 to go on, or the exit status. */
@@ -132,8 +153,25 @@ static int parse_command(struct command *c, int argc, char **argv)
 	if (c->output && c->options.dump != RNEAGEN_DUMP_NONE)
 		return option_refuse(COMMAND, "--dump prints to standard output and goes without -o");
 	c->options.file = strcmp(c->input, "-") ? c->input : "<stdin>";
-	target_from_suffix(c);
-	return -1;
+	return target_from_suffix(c);
+}
+
+/* Nothing that is written takes the place of what is read, nor of something else that is written. */
+static enum rneagen_code check_files(struct command *c, struct rneagen_error *e)
+{
+	struct file_names written = {0};
+
+	file_note(&c->read, "", c->input, e);
+	if (c->output)
+		file_note(&written, "-o", c->output, e);
+	if (c->output && c->options.target == RNEAGEN_TARGET_C)
+		file_note_header(&written, c->output, e);
+	if (!c->output || c->info != INFO_NONE)
+		file_note(&written, "", "-", e);
+	if (!e->code)
+		file_check(&c->read, &written, e);
+	file_forget(&written);
+	return e->code;
 }
 
 /* What goes to standard output, what to files. */
@@ -150,24 +188,22 @@ static int write_results(const struct command *c, const struct rneagen_result *r
 	return file_put_stdout_error(c->info == INFO_JSON ? r->info_json : r->info, e) != RNEAGEN_OK;
 }
 
-static int run(const struct command *c)
+static int run(struct command *c)
 {
 	struct rneagen_error e = {0};
 	struct rneagen_result r;
 	struct file_content urdf = {0};
 	int bad;
 
-	bad = file_read(c->input, &urdf, &e) || rneagen_generate(urdf.bytes, urdf.length, &c->options, &r, &e);
+	bad = check_files(c, &e) || file_read(c->input, &urdf, &e) || rneagen_generate(urdf.bytes, urdf.length, &c->options, &r, &e);
 	if (!bad) {
-		for (size_t i = 0; i < r.warning_count && (c->info == INFO_NONE || c->info == INFO_DOT); i++)
+		for (size_t i = 0; i < r.warning_count && !c->quiet && (c->info == INFO_NONE || c->info == INFO_DOT); i++)
 			fprintf(stderr, "rneagen: warning: %s\n", r.warnings[i]);
 		bad = write_results(c, &r, &e);
 		rneagen_result_free(&r);
 	}
-	if (bad)
-		fprintf(stderr, "rneagen: %s\n", e.message);
 	free(urdf.bytes);
-	return bad ? 1 + option_at_fault(e.code) : 0;
+	return bad ? fail(&e) : 0;
 }
 
 int main(int argc, char **argv)
@@ -178,5 +214,6 @@ int main(int argc, char **argv)
 	if (status < 0)
 		status = run(&c);
 	option_free(&c.options);
+	file_forget(&c.read);
 	return status;
 }

@@ -205,7 +205,7 @@ static int take_armature(const char *command, struct rneagen_options *o, const c
 	int bad = 0, number = 0;
 	char *text, *next;
 
-	if (strchr(path, '='))
+	if (!option_file(OPTION_SCENE + SCENE_ARMATURE, path))
 		return take_scene_line(command, o, SCENE_ARMATURE, path);
 	if (file_read(path, &f, &e)) {
 		fprintf(stderr, "%s: %s\n", command, e.message);
@@ -236,6 +236,13 @@ static int take_short_range(const char *command, struct rneagen_options *o, cons
 		return option_refuse(command, "--%s-range takes a positive number, not '%.255s'", input, word);
 	snprintf(line, sizeof line, "%s=-%s,%s", input, word, word);
 	return take_scene_line(command, o, SCENE_RANGE, line);
+}
+
+const char *option_file(int key, const char *word)
+{
+	if (key == OPTION_SCENE + SCENE_ARMATURE)
+		return strchr(word, '=') ? NULL : word;
+	return key == OPTION_SCENE_FILE ? word : NULL;
 }
 
 void option_free(struct rneagen_options *o)

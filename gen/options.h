@@ -89,6 +89,9 @@ int option_choose(const char *command, const char *option, const char *word, con
    them. What makes up the scene is gathered in o->scene, which option_free frees. */
 int option_generate(const char *command, struct rneagen_options *o, int key, const char *word);
 
+/* The file that an option reads; NULL: none. */
+const char *option_file(int key, const char *word);
+
 void option_free(struct rneagen_options *o);
 
 /* Is the command line at fault, and not the robot or a file? The exit status is 2 then, else 1. */

@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "pending.h"
 #include <errno.h>
+#include <limits.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -123,14 +124,49 @@ static enum rneagen_code open_temporary(struct pending *p, struct rneagen_error 
 	return e->code;
 }
 
-enum rneagen_code pending_open(struct pending *p, const char *path, struct rneagen_error *e)
+/* The number of the open file that a name of /dev or /proc stands for; -1: it is another name. */
+static int find_open(const char *path)
+{
+	static const char *const folders[] = {"/dev/fd/", "/proc/self/fd/"};
+	char *end;
+	long fd = -1;
+
+	if (!strcmp(path, "/dev/stdout") || !strcmp(path, "/dev/stderr"))
+		return !strcmp(path, "/dev/stdout") ? STDOUT_FILENO : STDERR_FILENO;
+	for (size_t i = 0; i < sizeof folders / sizeof *folders; i++)
+		if (!strncmp(path, folders[i], strlen(folders[i]))) {
+			fd = strtol(path + strlen(folders[i]), &end, 10);
+			return *end || end == path + strlen(folders[i]) || fd < 0 || fd > INT_MAX ? -1 : (int)fd;
+		}
+	return -1;
+}
+
+/* Another end of an open file: what is there stays, and what is written follows. */
+static FILE *open_again(int fd)
+{
+	int again = dup(fd);
+	FILE *f = again < 0 ? NULL : fdopen(again, "wb");
+
+	if (!f && again >= 0)
+		close(again);
+	return f;
+}
+
+int pending_is_in_place(const char *path)
 {
 	struct stat st;
 
+	return find_open(path) >= 0 || (!stat(path, &st) && !S_ISREG(st.st_mode));
+}
+
+enum rneagen_code pending_open(struct pending *p, const char *path, struct rneagen_error *e)
+{
+	int fd = find_open(path);
+
 	*p = (struct pending){.path = path};
-	if (stat(path, &st) || S_ISREG(st.st_mode))
+	if (!pending_is_in_place(path))
 		return open_temporary(p, e);
-	p->f = fopen(path, "wb");
+	p->f = fd < 0 ? fopen(path, "wb") : open_again(fd);
 	return p->f ? RNEAGEN_OK : pending_fail(path, e);
 }
 

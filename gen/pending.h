@@ -1,8 +1,9 @@
 #ifndef RNEAGEN_PENDING_H
 #define RNEAGEN_PENDING_H
 /* Output files of the commands that appear whole or not at all: a file is written under a name of its own in the same
-   folder and takes its final name when it is complete. Devices and pipes, such as /dev/null, are written in place. A
-   file that is still pending is removed when SIGINT, SIGTERM or SIGHUP ends the program. */
+   folder and takes its final name when it is complete. Devices and pipes, such as /dev/null, are written in place, and
+   so are open files by their names in /dev, such as /dev/stdout, whatever they are. A file that is still pending is
+   removed when SIGINT, SIGTERM or SIGHUP ends the program. */
 
 #include "error.h"
 #include <stdio.h>
@@ -12,6 +13,9 @@ struct pending {
 	FILE *f;          /* to write to; NULL once closed */
 	char *temporary;  /* private: malloc'ed; NULL if the file is written in place */
 };
+
+/* Would a file of this name be written in place? */
+int pending_is_in_place(const char *path);
 
 /* Begin a file. On failure *p is empty. Errors: WRITE, LIMIT (too many at once), MEMORY. */
 enum rneagen_code pending_open(struct pending *p, const char *path, struct rneagen_error *e);

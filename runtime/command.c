@@ -56,6 +56,33 @@ static int take_common(struct command *c, int key, const char *word)
 	}
 }
 
+static int fail_generator(const struct command *c, const struct rneagen_error *e)
+{
+	command_fail(c, e->message);
+	return 1 + option_at_fault(e->code);
+}
+
+int command_note(const struct command *c, struct file_names *names, const char *what, const char *path)
+{
+	struct rneagen_error e = {0};
+
+	return file_note(names, what, path, &e) ? fail_generator(c, &e) : -1;
+}
+
+int command_check_files(const struct command *c)
+{
+	struct rneagen_error e = {0};
+
+	return file_check(&c->read, &c->written, &e) ? fail_generator(c, &e) : -1;
+}
+
+void command_free(struct command *c)
+{
+	option_free(&c->generate);
+	file_forget(&c->read);
+	file_forget(&c->written);
+}
+
 static int take_urdf(struct command *c, int argc, char **argv)
 {
 	if (optind == argc)
@@ -63,7 +90,7 @@ static int take_urdf(struct command *c, int argc, char **argv)
 	if (optind + 1 < argc)
 		return option_refuse(c->name, "one URDF at a time: '%s', '%s'", argv[optind], argv[optind + 1]);
 	c->urdf = argv[optind];
-	return *c->urdf ? -1 : option_refuse(c->name, "the name of the URDF is empty");
+	return *c->urdf ? command_note(c, &c->read, "", c->urdf) : option_refuse(c->name, "the name of the URDF is empty");
 }
 
 int command_parse(struct command *c, const struct command_kind *kind, void *own, int argc, char **argv)
@@ -77,6 +104,8 @@ int command_parse(struct command *c, const struct command_kind *kind, void *own,
 			return file_put_stdout(kind->help) ? 1 : 0;
 		if (key == ':' || key == '?')
 			return option_refuse_key(c->name, key, argv[optind - 1]);
+		if (option_file(key, optarg) && (bad = command_note(c, &c->read, "", optarg)) > 0)
+			return bad;
 		bad = take_common(c, key, optarg);
 		if (bad < 0)
 			bad = kind->take(own, c->name, key, optarg);
@@ -99,12 +128,6 @@ static struct rneagen_options named_options(const struct command *c)
 
 	o.file = strcmp(c->urdf, "-") ? c->urdf : "<stdin>";
 	return o;
-}
-
-static int fail_generator(const struct command *c, const struct rneagen_error *e)
-{
-	command_fail(c, e->message);
-	return 1 + option_at_fault(e->code);
 }
 
 int command_analyse(const struct command *c, struct file_content *urdf, struct analysis *a)

@@ -14,6 +14,7 @@ struct command {
 	struct rneagen_options generate; /* precision: default unless it was asked for; layout: aos */
 	struct rnea_options open;
 	int quiet;
+	struct file_names read, written; /* the URDF and what options read; what the subcommand notes */
 };
 
 enum { COMMAND_BACKEND = OPTION_OWN, COMMAND_DEVICE, COMMAND_THREADS, COMMAND_QUIET, COMMAND_OWN };
@@ -53,6 +54,14 @@ struct command_kind {
 
 /* Read a whole command line; `own` is handed to kind->take. Returns -1 to go on, or the exit status. */
 int command_parse(struct command *c, const struct command_kind *kind, void *own, int argc, char **argv);
+
+/* Do the files that are noted all have places of their own? -1 to go on, or the exit status and a message. */
+int command_check_files(const struct command *c);
+
+/* Note a file: -1, or the exit status and a message. */
+int command_note(const struct command *c, struct file_names *names, const char *what, const char *path);
+
+void command_free(struct command *c);
 
 /* A whole number from `least` to `most`; 2 and a message if it is none. */
 int command_number(const char *name, const char *option, const char *word, unsigned long long least,

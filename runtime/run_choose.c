@@ -208,7 +208,11 @@ int run_choose(int argc, char **argv)
 	if (status < 0 && c.options.batch_count != 1)
 		status = option_refuse(c.command.name, "--batch takes one number here");
 	if (status < 0)
+		status = command_note(&c.command, &c.command.written, "", "-");
+	if (status < 0)
+		status = command_check_files(&c.command);
+	if (status < 0)
 		status = choose(&c);
-	option_free(&c.command.generate);
+	command_free(&c.command);
 	return status;
 }

@@ -6,7 +6,6 @@
 #include "progress.h"
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 static const char HELP[] =
 	"usage: rnearun eval ROBOT.urdf --in STATES.npy --out TAU.npy [options]\n"
@@ -103,16 +102,30 @@ static int take(void *own, const char *name, int key, const char *word)
 	return 0;
 }
 
+/* A file that is read; NULL is none. */
+static int note_input(struct eval *v, const char *what, const char *path)
+{
+	return path ? command_note(&v->command, &v->command.read, what, path) : -1;
+}
+
+/* One that is written: its name does not promise what is not in it. */
+static int note_output(struct eval *v, const char *what, const char *path)
+{
+	static const char *const others[] = {".npz", ".csv", ".tsv", ".txt", ".json", ".mat", ".h5", ".hdf5", NULL};
+
+	if (path && file_has_suffix(path, others))
+		return option_refuse(v->command.name, "%s %s: arrays are written as .npy; name a file that ends so", what, path);
+	return path ? command_note(&v->command, &v->command.written, what, path) : -1;
+}
+
 /* What can be said before the robot is known. */
-static int check_words(const struct eval *v)
+static int check_words(struct eval *v)
 {
 	const char *name = v->command.name;
-	int given = 0, pipes = !strcmp(v->command.urdf, "-") + (v->arrays.in && !strcmp(v->arrays.in, "-"));
+	int given = 0, status;
 
-	for (int i = 0; i < PARTS; i++) {
+	for (int i = 0; i < PARTS; i++)
 		given += v->parts[i] != NULL;
-		pipes += v->parts[i] && !strcmp(v->parts[i], "-");
-	}
 	if (v->arrays.in && given)
 		return option_refuse(name, "--in takes all of q, qd and qdd from one file; leave out --q, --qd and --qdd");
 	if (!v->arrays.in && !given && !v->inputs.count && !v->command.generate.scene)
@@ -122,7 +135,12 @@ static int check_words(const struct eval *v)
 			return option_refuse(name, "--%s is missing", PART_NAMES[i]);
 	if (!v->arrays.out && !v->outputs.count)
 		return option_refuse(name, "no output named: --out FILE");
-	return pipes > 1 ? option_refuse(name, "standard input, -, can be read once") : -1;
+	status = note_output(v, "--out", v->arrays.out);
+	if (status < 0)
+		status = note_input(v, "--in", v->arrays.in);
+	for (int i = 0; i < PARTS && status < 0; i++)
+		status = note_input(v, PART_NAMES[i], v->parts[i]);
+	return status < 0 ? command_check_files(&v->command) : status;
 }
 
 /* ---- which array is which file ---- */
@@ -141,8 +159,10 @@ static int name_pair(struct eval *v, const char *word, int is_output)
 					v->signature.arrays[i].word);
 			v->arrays.paths[i] = at + 1;
 		}
+	if (i >= 0 && !*v->arrays.paths[i])
+		return option_refuse(v->command.name, "the name of a file is empty");
 	if (i >= 0)
-		return *v->arrays.paths[i] ? -1 : option_refuse(v->command.name, "the name of a file is empty");
+		return is_output ? note_output(v, "--output", v->arrays.paths[i]) : note_input(v, "--input", v->arrays.paths[i]);
 	stem = arena_string(&v->analysis.arena, word, strcspn(word, "="));
 	meant = stem ? signature_nearest(&v->signature, stem, is_output) : NULL;
 	return option_refuse(v->command.name, "--%s %s: '%s' is no %s of this scene%s%s%s", option, word, stem ? stem : "", option,
@@ -202,62 +222,6 @@ static int check_inputs(const struct eval *v)
 	return -1;
 }
 
-/* Standard input and output serve once. */
-static int check_pipes(const struct eval *v)
-{
-	const struct eval_arrays *a = &v->arrays;
-	int in = !strcmp(v->command.urdf, "-") + (a->in && !strcmp(a->in, "-")), out = a->out && !strcmp(a->out, "-");
-
-	for (size_t i = 0; i < v->signature.count; i++)
-		*(v->signature.arrays[i].is_output ? &out : &in) += a->paths[i] && !strcmp(a->paths[i], "-");
-	if (in > 1)
-		return option_refuse(v->command.name, "standard input, -, can be read once");
-	return out > 1 ? option_refuse(v->command.name, "standard output, -, can be written once") : -1;
-}
-
-/* The output takes the place of no input; NULL is none. */
-static int check_same(const struct eval *v, const char *option, const char *output, const char *input)
-{
-	struct stat a, b;
-
-	if (!input || stat(input, &a) || stat(output, &b) || !S_ISREG(a.st_mode) || a.st_dev != b.st_dev ||
-		a.st_ino != b.st_ino)
-		return -1;
-	return option_refuse(v->command.name, "--%s %s is the input %s; name another file", option, output, input);
-}
-
-static int check_output(const struct eval *v, const char *option, const char *output)
-{
-	int status = check_same(v, option, output, v->command.urdf);
-
-	if (status < 0)
-		status = check_same(v, option, output, v->arrays.in);
-	for (size_t i = 0; i < v->signature.count && status < 0; i++)
-		if (!v->signature.arrays[i].is_output)
-			status = check_same(v, option, output, v->arrays.paths[i]);
-	return status;
-}
-
-/* Nor the place of another output. */
-static int check_outputs(const struct eval *v)
-{
-	const struct eval_arrays *a = &v->arrays;
-	int status = a->out ? check_output(v, "out", a->out) : -1;
-
-	for (size_t i = 0; i < v->signature.count && status < 0; i++) {
-		if (!v->signature.arrays[i].is_output || !a->paths[i])
-			continue;
-		status = check_output(v, "output", a->paths[i]);
-		for (size_t k = 0; k <= i && status < 0; k++) {
-			const char *other = k == i ? a->out : v->signature.arrays[k].is_output ? a->paths[k] : NULL;
-
-			if (other && strcmp(other, "-") && !strcmp(other, a->paths[i]))
-				return option_refuse(v->command.name, "two outputs name the file %s", other);
-		}
-	}
-	return status;
-}
-
 /* ---- the run ---- */
 
 static int analyse(struct eval *v)
@@ -272,9 +236,7 @@ static int analyse(struct eval *v)
 	status = name_files(v);
 	if (status < 0)
 		status = check_inputs(v);
-	if (status < 0)
-		status = check_pipes(v);
-	return status < 0 ? check_outputs(v) : status;
+	return status < 0 ? command_check_files(&v->command) : status;
 }
 
 static enum rneagen_code do_slice(struct eval *v, size_t count)
@@ -362,6 +324,6 @@ int run_eval(int argc, char **argv)
 		status = evaluate(&v);
 		release(&v);
 	}
-	option_free(&v.command.generate);
+	command_free(&v.command);
 	return status;
 }

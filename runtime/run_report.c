@@ -44,6 +44,7 @@ static int take(void *own, const char *name, int key, const char *word)
 {
 	static const struct option_choice formats[] = {
 		{"table", FORMAT_TABLE}, {"json", FORMAT_JSON}, {"csv", FORMAT_CSV}, {NULL, 0}};
+	static const char *const pictures[] = {".png", ".pdf", ".eps", ".ps", ".jpg", ".jpeg", ".gif", ".webp", NULL};
 	struct reporting *r = own;
 
 	if (key == KEY_FORMAT)
@@ -51,6 +52,8 @@ static int take(void *own, const char *name, int key, const char *word)
 	if (key != KEY_PLOT)
 		return study_take(&r->options, name, key, word);
 	r->plot = word;
+	if (file_has_suffix(word, pictures))
+		return option_refuse(name, "--plot %s: the picture is SVG; name a file that ends in .svg", word);
 	return *word ? 0 : option_refuse(name, "the name of a file is empty");
 }
 
@@ -142,6 +145,17 @@ static int report(struct reporting *r)
 	return status;
 }
 
+/* The report and the picture take no place of what is read. */
+static int check_files(struct reporting *r)
+{
+	struct command *c = &r->command;
+	int status = command_note(c, &c->written, "", "-");
+
+	if (status < 0 && r->plot)
+		status = command_note(c, &c->written, "--plot", r->plot);
+	return status < 0 ? command_check_files(c) : status;
+}
+
 int run_report(int argc, char **argv)
 {
 	static const struct command_kind kind = {"rnearun report", HELP, OPTIONS, ":", take};
@@ -155,11 +169,13 @@ int run_report(int argc, char **argv)
 	r.options.batch_count = 3;
 	put_command(&r, argc, argv);
 	status = command_parse(&r.command, &kind, &r, argc, argv);
+	if (status < 0)
+		status = check_files(&r);
 	if (status < 0) {
 		status = report(&r);
 		study_close(&r.study);
 	}
-	option_free(&r.command.generate);
+	command_free(&r.command);
 	arena_free(&r.arena);
 	free(r.rows);
 	return status;

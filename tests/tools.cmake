@@ -23,6 +23,7 @@ add_test(NAME test_options COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_options $<TA
 add_test(NAME test_run_options COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_run_options $<TARGET_FILE:rnearun>)
 add_test(NAME test_scene_command COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_scene_command $<TARGET_FILE:rneagen-command>
 	$<TARGET_FILE:rnearun>)
+add_test(NAME test_files COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_files $<TARGET_FILE:rneagen-command> $<TARGET_FILE:rnearun>)
 add_test(NAME test_manual COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_manual)
 set_tests_properties(test_manual PROPERTIES SKIP_RETURN_CODE 77)
 # the README's table and picture are what the results say
