@@ -113,6 +113,7 @@ static void make_dump(struct generation *g, struct text *t)
 static enum rneagen_code make_texts(struct generation *g)
 {
 	struct rneagen_result *r = g->result;
+	int has_source = g->options.dump == RNEAGEN_DUMP_NONE, has_header = has_source && g->options.target == RNEAGEN_TARGET_C;
 	struct text source, header, info, json, dot, dump;
 
 	text_init(&source, &r->arena);
@@ -121,8 +122,9 @@ static enum rneagen_code make_texts(struct generation *g)
 	text_init(&json, &r->arena);
 	text_init(&dot, &r->arena);
 	text_init(&dump, &r->arena);
-	emit_source(&g->emission, &source);
-	if (g->options.target == RNEAGEN_TARGET_C)
+	if (has_source)
+		emit_source(&g->emission, &source);
+	if (has_header)
 		emit_declarations(&g->emission, &header);
 	info_table(&g->emission, &info);
 	info_json(&g->emission, &json);
@@ -130,12 +132,12 @@ static enum rneagen_code make_texts(struct generation *g)
 	make_dump(g, &dump);
 	if (source.failed || header.failed || info.failed || json.failed || dot.failed || dump.failed)
 		return error_memory(g->error);
-	r->source = text_string(&source);
-	r->header = g->options.target == RNEAGEN_TARGET_C ? text_string(&header) : NULL;
+	r->source = has_source ? text_string(&source) : NULL;
+	r->header = has_header ? text_string(&header) : NULL;
 	r->info = text_string(&info);
 	r->info_json = text_string(&json);
 	r->dot = text_string(&dot);
-	r->dump = g->options.dump == RNEAGEN_DUMP_NONE ? NULL : text_string(&dump);
+	r->dump = has_source ? NULL : text_string(&dump);
 	return g->error->code;
 }
 

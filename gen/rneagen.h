@@ -49,8 +49,8 @@ struct rneagen_options {
 /* What was generated; every string is NUL-terminated and owned by the struct (rneagen_result_free). */
 struct rneagen_result {
 	const char *name;      /* the identifier that prefixes every function */
-	const char *source;    /* the .cu, .c or header text; NULL if only a dump was asked for */
-	const char *header;    /* target C: the .h that declares the functions; NULL otherwise */
+	const char *source;    /* the .cu, .c or header text; NULL where a dump is asked for */
+	const char *header;    /* target C, and no dump: the .h that declares the functions; NULL otherwise */
 	const char *info;      /* the table of --info */
 	const char *info_json; /* the object of --info=json */
 	const char *dot;       /* the graph of --dot, for Graphviz */

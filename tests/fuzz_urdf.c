@@ -101,10 +101,11 @@ static void check(const struct rneagen_options *o, const struct rneagen_result *
 	}
 	require(!*e->message, "a success with a message", e);
 	require(r->name && r->info && r->info_json && r->dot, "a success without its texts", e);
-	require(r->source && strstr(r->source, r->name) != NULL, "a source without its name", e);
-	require(!r->header == (o->target != RNEAGEN_TARGET_C), "a header for C, and only for C", e);
-	require(is_plain(r->source) && is_plain(r->header), "a text with other characters than printable ASCII", e);
 	require(!r->dump == (o->dump == RNEAGEN_DUMP_NONE), "a dump where one is asked for", e);
+	require(!r->source == (r->dump != NULL), "a source, or a dump", e);
+	require(!r->source || strstr(r->source, r->name) != NULL, "a source without its name", e);
+	require(!r->header == (r->dump || o->target != RNEAGEN_TARGET_C), "a header for C, and only for C", e);
+	require(is_plain(r->source) && is_plain(r->header), "a text with other characters than printable ASCII", e);
 	for (size_t i = 0; i < r->warning_count; i++)
 		require(*r->warnings[i] && is_line(r->warnings[i]), "a warning of more than one line", e);
 }
