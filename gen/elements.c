@@ -22,6 +22,7 @@ static enum place start_robot(struct walk *w, const char *element, const char *c
 		walk_fail(w, RNEAGEN_URDF, "the root element is <%.100s>, not <robot>; give a URDF", element);
 	else
 		w->outline->name = read_name(w, element, attributes);
+	w->outline->line = walk_line(w);
 	elements_leave(w);
 	return ROBOT;
 }

@@ -1,28 +1,38 @@
 #include "number.h"
+#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static int read_one(const char **s, double *value)
+static enum number_fault read_one(const char **s, double *value)
 {
 	const char *digits = *s + strspn(*s, " \t\r\n+-");
 	char *end;
 
-	if (digits[0] == '0' && (digits[1] == 'x' || digits[1] == 'X'))
-		return 0; /* strtod would take it */
+	/* strtod would take hexadecimal, inf and nan */
+	if ((!isdigit((unsigned char)*digits) && *digits != '.') || (digits[0] == '0' && (digits[1] == 'x' || digits[1] == 'X')))
+		return NUMBER_WORD;
 	*value = strtod(*s, &end);
-	if (end == *s || !isfinite(*value))
-		return 0;
+	if (end == *s)
+		return NUMBER_WORD;
 	*s = end;
-	return 1;
+	return isfinite(*value) ? NUMBER_FINE : NUMBER_LARGE;
 }
 
-int number_read(const char *s, double *values, int count)
+enum number_fault number_read(const char *s, double *values, int count)
 {
-	for (int i = 0; i < count; i++)
-		if (!read_one(&s, &values[i]) || (*s && *s != ' '))
-			return 0;
-	if (count > 1)
-		s += strspn(s, " ");
-	return !*s;
+	enum number_fault fault = NUMBER_FINE;
+	size_t blanks;
+
+	for (int i = 0; i < count; i++) {
+		enum number_fault one = read_one(&s, &values[i]);
+
+		if (one == NUMBER_WORD || (*s && *s != ' '))
+			return NUMBER_WORD;
+		fault = one ? one : fault;
+	}
+	blanks = strspn(s, " ");
+	if (s[blanks])
+		return NUMBER_WORD;
+	return fault ? fault : count == 1 && blanks ? NUMBER_BLANK : NUMBER_FINE;
 }

@@ -11,16 +11,31 @@ long walk_line(const struct walk *w)
 	return (long)XML_GetCurrentLineNumber(w->parser);
 }
 
-void walk_fail(struct walk *w, enum rneagen_code code, const char *fmt, ...)
+static void fail(struct walk *w, long line, enum rneagen_code code, const char *fmt, va_list ap)
 {
 	char what[sizeof w->report->error->message];
+
+	vsnprintf(what, sizeof what, fmt, ap);
+	report_error(w->report, code, line, "%s", what);
+	XML_StopParser(w->parser, XML_FALSE);
+}
+
+void walk_fail(struct walk *w, enum rneagen_code code, const char *fmt, ...)
+{
 	va_list ap;
 
 	va_start(ap, fmt);
-	vsnprintf(what, sizeof what, fmt, ap);
+	fail(w, walk_line(w), code, fmt, ap);
 	va_end(ap);
-	report_error(w->report, code, walk_line(w), "%s", what);
-	XML_StopParser(w->parser, XML_FALSE);
+}
+
+void walk_fail_at(struct walk *w, long line, enum rneagen_code code, const char *fmt, ...)
+{
+	va_list ap;
+
+	va_start(ap, fmt);
+	fail(w, line, code, fmt, ap);
+	va_end(ap);
 }
 
 /* Escaped so that every parser reads back the same value. */
@@ -92,6 +107,8 @@ static void XMLCALL on_end(void *data, const XML_Char *element)
 	place = w->places[w->depth--];
 	if (place == INERTIAL)
 		values_end_inertial(w);
+	if (place == JOINT)
+		values_end_joint(w);
 	if (place == LINK || place == JOINT)
 		elements_leave(w);
 	if (place != SKIPPED)

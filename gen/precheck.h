@@ -27,6 +27,7 @@ struct outline_joint {
 /* Names, and the angles as written: urdfdom keeps only a quaternion, in which pi/2 is no longer exact. */
 struct outline {
 	const char *name;
+	long line; /* of the <robot> */
 	struct outline_link *links;
 	size_t link_count, link_capacity;
 	struct outline_joint *joints;

@@ -68,7 +68,7 @@ enum rneagen_code robot_read(
 	*r = (struct robot){.name = ""};
 	if (!c_locale_enter(&l))
 		return error_memory(e);
-	if (!precheck(&o, xml, length, &p) && !assemble_robot(&o, &p) && !urdf_read(text_string(&o.urdf), &p))
+	if (!precheck(&o, xml, length, &p) && !assemble_robot(&o, &p) && !urdf_read(&o, &p))
 		robot_check(&o, &p);
 	c_locale_leave(&l);
 	return e->code;

@@ -350,7 +350,7 @@ static int read_number(const char **s, double *value)
 	memcpy(word, *s, length);
 	word[length] = '\0';
 	*s += length;
-	return number_read(word, value, 1);
+	return number_read(word, value, 1) == NUMBER_FINE;
 }
 
 enum rneagen_code scene_numbers(

@@ -2,10 +2,11 @@
 #define RNEAGEN_URDF_H
 /* The door to urdfdom, which is C++. */
 
-#include "report.h"
+#include "precheck.h"
 
-/* Parse `xml` with urdfdom and fill the numbers of the robot's links and joints, which are found by their names.
-   Nothing is printed and no exception comes out. Errors: URDF, with urdfdom's own words; MEMORY. */
-enum rneagen_code urdf_read(const char *xml, const struct report *p);
+/* Parse the clean copy with urdfdom and fill the numbers of the robot's links and joints, which are found by their names.
+   Nothing is printed and no exception comes out. Errors: URDF, with urdfdom's own words and the line of what they name;
+   MEMORY. */
+enum rneagen_code urdf_read(const struct outline *o, const struct report *p);
 
 #endif

@@ -125,7 +125,7 @@ void fill_joint(struct joint &j, const urdf::Joint &from)
 	}
 }
 
-rneagen_code fill_robot(const urdf::ModelInterface &model, const struct report *p)
+rneagen_code fill_robot(const urdf::ModelInterface &model, const struct outline *o, const struct report *p)
 {
 	struct robot *r = p->robot;
 
@@ -133,47 +133,68 @@ rneagen_code fill_robot(const urdf::ModelInterface &model, const struct report *
 		const auto from = model.getLink(r->links[i].name);
 
 		if (!from)
-			return report_error(
-				p, RNEAGEN_URDF, 0, "link '%s' is lost in urdfdom; rename it", r->links[i].name);
+			return report_error(p, RNEAGEN_URDF, o->links[i].id.line, "link '%s' is lost in urdfdom; rename it",
+				r->links[i].name);
 		fill_link(r->links[i], *from);
 	}
 	for (int i = 0; i < r->joint_count; i++) {
 		const auto from = model.getJoint(r->joints[i].name);
 
 		if (!from)
-			return report_error(
-				p, RNEAGEN_URDF, 0, "joint '%s' is lost in urdfdom; rename it", r->joints[i].name);
+			return report_error(p, RNEAGEN_URDF, o->joints[i].id.line, "joint '%s' is lost in urdfdom; rename it",
+				r->joints[i].name);
 		fill_joint(r->joints[i], *from);
 	}
 	return RNEAGEN_OK;
 }
 
-rneagen_code parse(const char *xml, const struct report *p)
+/* The joint or link that urdfdom names, as "joint [elbow]", or the robot. */
+long line_of(const std::string &said, const struct outline *o)
+{
+	for (size_t i = 0; i < o->joint_count; i++)
+		if (said.find("oint [" + std::string(o->joints[i].id.name) + "]") != std::string::npos)
+			return o->joints[i].id.line;
+	for (size_t i = 0; i < o->link_count; i++)
+		if (said.find("ink [" + std::string(o->links[i].id.name) + "]") != std::string::npos)
+			return o->links[i].id.line;
+	return o->line;
+}
+
+rneagen_code refuse(const std::string &said, const struct outline *o, const struct report *p)
+{
+	bool is_version = false;
+
+	for (const char *words : {"'version'", "ersion attribute", "ersion number"})
+		is_version |= said.find(words) != std::string::npos;
+	return report_error(p, RNEAGEN_URDF, line_of(said, o), "refused by urdfdom: %s; %s", said.c_str(),
+		is_version ? "write version=\"1.0\", or leave it out" : "correct it, or remove what it names");
+}
+
+rneagen_code parse(const struct outline *o, const struct report *p)
 {
 	std::string said;
 	urdf::ModelInterfaceSharedPtr model;
 	{
 		const Capture capture(&said);
 
-		model = urdf::parseURDF(xml);
+		model = urdf::parseURDF(text_string(&o->urdf));
 	}
 	if (!model || !said.empty())
-		return report_error(
-			p, RNEAGEN_URDF, 0, "refused by urdfdom: %s", said.empty() ? "no reason given" : said.c_str());
-	return fill_robot(*model, p);
+		return refuse(said.empty() ? "no reason given" : said, o, p);
+	return fill_robot(*model, o, p);
 }
 
 } // namespace
 
-extern "C" enum rneagen_code urdf_read(const char *xml, const struct report *p)
+extern "C" enum rneagen_code urdf_read(const struct outline *o, const struct report *p)
 {
 	try {
-		return parse(xml, p);
+		return parse(o, p);
 	} catch (const std::bad_alloc &) {
 		return error_memory(p->error);
 	} catch (const std::exception &x) {
-		return report_error(p, RNEAGEN_URDF, 0, "refused by urdfdom: %s", x.what());
+		return report_error(p, RNEAGEN_URDF, o->line, "refused by urdfdom: %s; correct what it names", x.what());
 	} catch (...) {
-		return report_error(p, RNEAGEN_URDF, 0, "refused by urdfdom: an unknown exception");
+		return report_error(p, RNEAGEN_URDF, o->line, "refused by urdfdom without a reason; does check_urdf read the file?");
 	}
 }

@@ -2,13 +2,16 @@
 #include "walk.h"
 #include <string.h>
 
-/* The elements whose values matter. Each attribute holds `width` numbers; the first `required` must be there. */
+/* The elements whose values matter. Each attribute holds `width` numbers; the first `required` must be there, or, if that
+   is ANY, one of them. */
 struct rule {
 	enum place place;
 	const char *element;
 	int width, required;
 	const char *attributes[7];
 };
+
+enum { ANY = -1 };
 
 static const struct rule rules[] = {
 	{INERTIAL, "origin", 3, 0, {"xyz", "rpy"}},
@@ -17,12 +20,12 @@ static const struct rule rules[] = {
 	{JOINT, "origin", 3, 0, {"xyz", "rpy"}},
 	{JOINT, "axis", 3, 0, {"xyz"}},
 	{JOINT, "limit", 1, 2, {"effort", "velocity", "lower", "upper"}},
-	{JOINT, "dynamics", 1, 0, {"damping", "friction"}},
+	{JOINT, "dynamics", 1, ANY, {"damping", "friction"}},
 	{JOINT, "mimic", 1, 0, {"multiplier", "offset"}},
 	{JOINT, "parent", 1, 0, {0}},
 	{JOINT, "child", 1, 0, {0}},
-	{JOINT, "safety_controller", 1, 0, {0}},
-	{JOINT, "calibration", 1, 0, {0}},
+	{JOINT, "safety_controller", 1, 1, {"k_velocity", "k_position", "soft_lower_limit", "soft_upper_limit"}},
+	{JOINT, "calibration", 1, 0, {"rising", "falling"}},
 };
 
 enum { RULE_COUNT = sizeof rules / sizeof *rules };
@@ -62,11 +65,26 @@ static int tab_in_tag(const struct walk *w)
 	return 0;
 }
 
+/* What a value is, and what to do. */
+static const char *describe(enum number_fault fault, int width)
+{
+	if (fault == NUMBER_LARGE)
+		return width == 1 ? "is too large: numbers go up to 1.79e308; correct it"
+				  : "has a number that is too large: they go up to 1.79e308; correct it";
+	if (fault == NUMBER_BLANK)
+		return "ends with a blank, which urdfdom does not take after a single number; remove it";
+	return width == 1 ? "is not a number; write a finite decimal one, such as 0.25"
+			  : "is not three numbers; write finite decimal ones with blanks between";
+}
+
 static void read_numbers(struct walk *w, const struct rule *rule, const char *const *attributes)
 {
+	int count = 0;
+
 	for (int i = 0; rule->attributes[i]; i++) {
 		const char *name = rule->attributes[i];
 		const char *value = values_attribute(attributes, name);
+		enum number_fault fault;
 		double v[3];
 
 		if (!value && i < rule->required)
@@ -74,14 +92,17 @@ static void read_numbers(struct walk *w, const struct rule *rule, const char *co
 				rule->element, name);
 		if (!value)
 			continue;
-		if (!number_read(value, v, rule->width))
-			walk_fail(w, RNEAGEN_NUMBER, "%s '%s': <%s> %s=\"%.100s\" is not %s", w->owner, w->owner_name,
-				rule->element, name, value,
-				rule->width == 1 ? "a number; write a finite decimal one, such as 0.25"
-						 : "three numbers; write finite decimal ones with blanks between");
+		count++;
+		fault = number_read(value, v, rule->width);
+		if (fault)
+			walk_fail(w, RNEAGEN_NUMBER, "%s '%s': <%s> %s=\"%.100s\" %s", w->owner, w->owner_name, rule->element, name,
+				value, describe(fault, rule->width));
 		else if (!strcmp(name, "rpy"))
 			memcpy(w->rpy, v, sizeof v);
 	}
+	if (rule->required == ANY && !count)
+		walk_fail(w, RNEAGEN_URDF, "%s '%s': <%s> has neither %s nor %s; add one, or remove it", w->owner, w->owner_name,
+			rule->element, rule->attributes[0], rule->attributes[1]);
 }
 
 static void refuse_odd_vectors(struct walk *w, const char *element, const char *const *attributes)
@@ -160,4 +181,13 @@ void values_end_inertial(struct walk *w)
 		if (!(w->seen & 1u << rule_find(INERTIAL, needed[i])))
 			walk_fail(w, RNEAGEN_URDF, "link '%s': <inertial> has no <%s>; add it, or drop the <inertial>",
 				w->owner_name, needed[i]);
+}
+
+void values_end_joint(struct walk *w)
+{
+	const struct outline_joint *j = &w->outline->joints[w->outline->joint_count - 1];
+
+	if ((j->type == JOINT_REVOLUTE || j->type == JOINT_PRISMATIC) && !(w->seen & 1u << rule_find(JOINT, "limit")))
+		walk_fail_at(w, j->id.line, RNEAGEN_URDF, "joint '%s' is %s and has no <limit>; add one with effort and velocity%s",
+			j->id.name, joint_type_name(j->type), j->type == JOINT_REVOLUTE ? ", or make the joint continuous" : "");
 }

@@ -24,8 +24,9 @@ struct walk {
 
 long walk_line(const struct walk *w);
 
-/* Record an error at the current line and stop the parse. */
+/* Record an error at the current line, or at another, and stop the parse. */
 void walk_fail(struct walk *w, enum rneagen_code code, const char *fmt, ...) RNEAGEN_PRINTF(3, 4);
+void walk_fail_at(struct walk *w, long line, enum rneagen_code code, const char *fmt, ...) RNEAGEN_PRINTF(4, 5);
 
 /* What the element is that starts in w->places[w->depth]; a link or joint becomes the owner. */
 enum place elements_enter(struct walk *w, const char *element, const char *const *attributes);
@@ -40,7 +41,8 @@ const char *values_attribute(const char *const *attributes, const char *name);
    no use. */
 enum place values_read(struct walk *w, const char *element, const char *const *attributes);
 
-/* At the end of an inertial: fails if something is missing. */
+/* At the end of an inertial, or a joint: fails if something is missing. */
 void values_end_inertial(struct walk *w);
+void values_end_joint(struct walk *w);
 
 #endif
