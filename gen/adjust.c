@@ -1,4 +1,5 @@
 #include "adjust.h"
+#include "number.h"
 #include "tree.h"
 #include <math.h>
 #include <stdio.h>
@@ -25,11 +26,14 @@ enum rneagen_code adjust_read(struct adjust *x, const struct scene *s, struct rn
 		read_number(&x->drop, s, SCENE_DROP_BELOW, e))
 		return e->code;
 	if (x->snap < 0 || x->snap > 0.1)
-		return scene_refuse(s, scene_next(s, SCENE_SNAP_ANGLE, NULL), e, "takes an angle from 0 to 0.1 rad, not %g", x->snap);
+		return scene_refuse(s, scene_next(s, SCENE_SNAP_ANGLE, NULL), e, "takes an angle from 0 to 0.1 rad, not %s",
+			number_plain(x->snap).s);
 	if (scene_next(s, SCENE_ROUND_CONSTANTS, NULL) && !(digits >= 1 && digits <= 17 && digits == floor(digits)))
-		return scene_refuse(s, scene_next(s, SCENE_ROUND_CONSTANTS, NULL), e, "takes a whole number from 1 to 17, not %g", digits);
+		return scene_refuse(s, scene_next(s, SCENE_ROUND_CONSTANTS, NULL), e, "takes a whole number from 1 to 17, not %s",
+			number_plain(digits).s);
 	if (x->drop < 0 || x->drop >= 1)
-		return scene_refuse(s, scene_next(s, SCENE_DROP_BELOW, NULL), e, "takes a fraction from 0 to below 1, not %g", x->drop);
+		return scene_refuse(s, scene_next(s, SCENE_DROP_BELOW, NULL), e, "takes a fraction from 0 to below 1, not %s",
+			number_plain(x->drop).s);
 	x->digits = (int)digits;
 	return RNEAGEN_OK;
 }

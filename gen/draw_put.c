@@ -1,4 +1,5 @@
 #include "draw_put.h"
+#include "number.h"
 
 enum { WIDTH = 84 }; /* a line goes on by one run at most */
 
@@ -106,7 +107,7 @@ void draw_put_json(const struct tree *t, const struct dag *d, const char *next, 
 		text_printf(out, "%s{\"name\": \"%s\", \"first\": %d, \"count\": %d, \"kind\": \"%s\"", i ? next : "", r->array->name, r->first,
 			r->count, kinds[r->range.kind]);
 		if (r->range.kind != DRAW_ROTATION)
-			text_printf(out, ", \"lower\": %.17g, \"upper\": %.17g", r->range.lower, r->range.upper);
+			text_printf(out, ", \"lower\": %s, \"upper\": %s", number_plain(r->range.lower).s, number_plain(r->range.upper).s);
 		text_putc(out, '}');
 	}
 }

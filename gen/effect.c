@@ -2,6 +2,7 @@
 #include "analysis.h"
 #include "draw_put.h"
 #include "eval.h"
+#include "number.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -221,7 +222,7 @@ enum rneagen_code effect_total(double *change, const struct tree *t, const struc
 
 static void put_effect(const struct effect *x, struct text *out)
 {
-	text_printf(out, "--%s %g %s %ld flops of rnea, and torques ", scene_word(x->key), x->argument,
+	text_printf(out, "--%s %s %s %ld flops of rnea, and torques ", scene_word(x->key), number_plain(x->argument).s,
 		x->is_asked ? "saves" : "would save", x->saved);
 	if (isnan(x->change))
 		text_put(out, "overflow, so that nothing is known of their change");
@@ -276,12 +277,12 @@ static void put_number(const char *name, double x, struct text *out)
 	if (isnan(x))
 		text_printf(out, ", \"%s\": null", name);
 	else
-		text_printf(out, ", \"%s\": %.17g", name, x);
+		text_printf(out, ", \"%s\": %s", name, number_plain(x).s);
 }
 
 static void put_json_effect(const struct effect *x, struct text *out)
 {
-	text_printf(out, "{\"option\": \"%s\", \"value\": %.17g, \"asked\": %s, \"saved\": %ld", scene_word(x->key), x->argument,
+	text_printf(out, "{\"option\": \"%s\", \"value\": %s, \"asked\": %s, \"saved\": %ld", scene_word(x->key), number_plain(x->argument).s,
 		x->is_asked ? "true" : "false", x->saved);
 	put_number("change", x->change, out);
 	put_number("share", x->share, out);
@@ -295,7 +296,7 @@ void effect_put_json(const struct tree *t, const struct dag *d, struct text *out
 	for (int i = 0; i < t->angle_count; i++) {
 		text_printf(out, "%s{\"%s\": ", i ? ",\n    " : "\n    ", *t->angles[i].what == 'j' ? "joint" : "link");
 		text_put_json(out, t->angles[i].name);
-		text_printf(out, ", \"off\": %.17g}", t->angles[i].off);
+		text_printf(out, ", \"off\": %s}", number_plain(t->angles[i].off).s);
 	}
 	text_put(out, t->angle_count ? "\n  ],\n" : "");
 	if (!t->effect_count)

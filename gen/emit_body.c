@@ -1,4 +1,5 @@
 #include "emit.h"
+#include "number.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -6,25 +7,21 @@
 
 enum { WRAP_COLUMN = 100 };
 
-/* The decimal with the fewest digits that the target reads back as the same number (9 or 17 always suffice). */
+/* The decimal with the fewest digits that the target reads back as the same number. */
 void emit_number(const struct emission *e, const struct scalar *type, real value, struct text *out)
 {
 	int f32 = type->bytes == 4;
 	double rounded = f32 ? (double)(float)value : (double)value;
-	char s[64];
+	struct number_text t;
 
 	if (!isfinite(rounded)) {
 		error_set(e->error, RNEAGEN_NUMBER, "%s: a constant of the model, %.6Lg, is no finite number in %s",
-			e->options->file, value, f32 ? "f32; use --precision f64" : "f64");
+			e->options->file, value, f32 ? "f32; take --precision f64, or mixed, whose constants are f64" : "f64");
 		rounded = 0;
 	}
-	for (int digits = 1; digits <= 17; digits++) {
-		snprintf(s, sizeof s, "%.*g", digits, rounded);
-		if (f32 ? strtof(s, NULL) == (float)rounded : strtod(s, NULL) == rounded)
-			break;
-	}
-	text_put(out, s);
-	if (!strpbrk(s, ".e"))
+	t = f32 ? number_shortest_float((float)rounded) : number_shortest(rounded);
+	text_put(out, t.s);
+	if (!strpbrk(t.s, ".e"))
 		text_put(out, ".0");
 	if (f32)
 		text_putc(out, 'f');

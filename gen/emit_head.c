@@ -1,5 +1,6 @@
 /* What a generated text says about itself: the comment at its head, and the table NAME_info. */
 #include "emit.h"
+#include "number.h"
 #include "pattern.h"
 #include "effect.h"
 #include "parts.h"
@@ -184,7 +185,9 @@ static void put_gravity(const struct emission *e, struct text *out)
 			text_put(out, "Gravity, an input, is");
 			return;
 		}
-	text_printf(out, "Gravity (%.9Lg, %.9Lg, %.9Lg)", g[0], g[1], g[2]);
+	for (int i = 0; i < 3; i++)
+		text_printf(out, "%s%s", i ? ", " : "Gravity (", number_plain((double)g[i]).s);
+	text_putc(out, ')');
 }
 
 static void put_conventions(const struct emission *e, struct text *out)

@@ -1,5 +1,6 @@
 /* The arguments of the generated functions, in every form in which a text lists them; the names of choices. */
 #include "emit.h"
+#include "number.h"
 #include <string.h>
 
 static const struct scalar F32 = {"f32", "float", "f", 4, 1e4, NULL}, F64 = {"f64", "double", "", 8, 1e7, NULL},
@@ -59,7 +60,8 @@ void emit_options(const struct rneagen_options *o, struct text *out)
 	if (o->mimic == RNEAGEN_MIMIC_INDEPENDENT)
 		text_put(out, " --mimic independent");
 	if (o->gravity[0] != 0 || o->gravity[1] != 0 || o->gravity[2] != -9.81)
-		text_printf(out, " --gravity %.17g,%.17g,%.17g", o->gravity[0], o->gravity[1], o->gravity[2]);
+		for (int i = 0; i < 3; i++)
+			text_printf(out, "%s%s", i ? "," : " --gravity ", number_plain(o->gravity[i]).s);
 }
 
 int emit_has_small(const struct emission *e)

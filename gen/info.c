@@ -1,5 +1,6 @@
 #include "info.h"
 #include "effect.h"
+#include "number.h"
 #include "parts.h"
 #include "saving.h"
 #include "scene_put.h"
@@ -50,8 +51,10 @@ void info_table(const struct emission *e, struct text *out)
 
 	text_printf(out, "robot %s (functions %s_...): nq %d, nv %d, %d moving bodies, %.6Lg kg, %.6Lg kg of it fixed to the world\n",
 		t->robot, e->options->name, t->nq, t->nv, t->body_count, total_mass(t), t->fixed.mass);
-	text_printf(out, "gravity %.9Lg %.9Lg %.9Lg in the frame of root link %s\n\n", t->gravity[0], t->gravity[1], t->gravity[2],
-		t->root);
+	text_put(out, "gravity ");
+	for (int i = 0; i < 3; i++)
+		text_printf(out, "%s ", number_plain((double)t->gravity[i]).s);
+	text_printf(out, "in the frame of root link %s\n\n", t->root);
 	text_put(out, " link parent  type       row in q         mass  joint -> link\n");
 	for (int k = 0; k < t->body_count; k++)
 		put_body(t, &t->bodies[k], out);
@@ -86,7 +89,8 @@ static void put_json_joints(const struct tree *t, struct text *out)
 		text_put_json(out, m->name);
 		text_put(out, ", \"driver\": ");
 		text_put_json(out, m->driver);
-		text_printf(out, ", \"multiplier\": %.17g, \"offset\": %.17g}", (double)m->multiplier, (double)m->offset);
+		text_printf(out, ", \"multiplier\": %s, \"offset\": %s}", number_plain((double)m->multiplier).s,
+			number_plain((double)m->offset).s);
 	}
 	text_put(out, t->mimic_count ? "\n  ],\n" : "],\n");
 }

@@ -2,6 +2,7 @@
 #include "robot.h"
 #include "assemble.h"
 #include "c_locale.h"
+#include "number.h"
 #include "robot_check.h"
 #include "urdf.h"
 #include <stdarg.h>
@@ -74,9 +75,17 @@ enum rneagen_code robot_read(
 	return e->code;
 }
 
+/* A name and numbers, each as short as it reads back. */
+static void put_numbers(struct text *t, const char *name, const double *x, int count)
+{
+	text_put(t, name);
+	for (int i = 0; i < count; i++)
+		text_printf(t, " %s", number_plain(x[i]).s);
+}
+
 static void dump_link(const struct robot *r, const struct link *l, struct text *t)
 {
-	const double *i = l->inertia;
+	static const char *const elements[] = {" xx", " xy", " xz", " yy", " yz", " zz"};
 
 	text_put(t, "link ");
 	text_put_json(t, l->name);
@@ -87,11 +96,22 @@ static void dump_link(const struct robot *r, const struct link *l, struct text *
 	text_put(t, l->has_inertial ? "\n" : ", no inertial\n");
 	if (!l->has_inertial)
 		return;
-	text_printf(t, "\tmass %.17g\n", l->mass);
-	text_printf(t, "\tcom %.17g %.17g %.17g, rpy %.17g %.17g %.17g\n", l->com[0], l->com[1], l->com[2],
-		l->com_rpy[0], l->com_rpy[1], l->com_rpy[2]);
-	text_printf(t, "\tinertia xx %.17g xy %.17g xz %.17g yy %.17g yz %.17g zz %.17g\n", i[0], i[1], i[2], i[3],
-		i[4], i[5]);
+	put_numbers(t, "\tmass", &l->mass, 1);
+	put_numbers(t, "\n\tcom", l->com, 3);
+	put_numbers(t, ", rpy", l->com_rpy, 3);
+	text_put(t, "\n\tinertia");
+	for (int i = 0; i < 6; i++)
+		put_numbers(t, elements[i], &l->inertia[i], 1);
+	text_putc(t, '\n');
+}
+
+static void dump_limits(const struct joint *j, struct text *t)
+{
+	put_numbers(t, "\tlimits: lower", &j->lower, 1);
+	put_numbers(t, ", upper", &j->upper, 1);
+	put_numbers(t, ", velocity", &j->velocity, 1);
+	put_numbers(t, ", effort", &j->effort, 1);
+	text_putc(t, '\n');
 }
 
 static void dump_joint(const struct robot *r, const struct joint *j, struct text *t)
@@ -102,19 +122,26 @@ static void dump_joint(const struct robot *r, const struct joint *j, struct text
 	text_put_json(t, r->links[j->parent].name);
 	text_put(t, " to ");
 	text_put_json(t, r->links[j->child].name);
-	text_printf(t, "\n\torigin %.17g %.17g %.17g, rpy %.17g %.17g %.17g\n", j->xyz[0], j->xyz[1], j->xyz[2],
-		j->rpy[0], j->rpy[1], j->rpy[2]);
-	if (j->type != JOINT_FIXED && j->type != JOINT_FLOATING)
-		text_printf(t, "\taxis %.17g %.17g %.17g\n", j->axis[0], j->axis[1], j->axis[2]);
+	put_numbers(t, "\n\torigin", j->xyz, 3);
+	put_numbers(t, ", rpy", j->rpy, 3);
+	text_putc(t, '\n');
+	if (j->type != JOINT_FIXED && j->type != JOINT_FLOATING) {
+		put_numbers(t, "\taxis", j->axis, 3);
+		text_putc(t, '\n');
+	}
 	if (j->has_limits)
-		text_printf(t, "\tlimits: lower %.17g, upper %.17g, velocity %.17g, effort %.17g\n", j->lower, j->upper,
-			j->velocity, j->effort);
-	if (j->has_dynamics)
-		text_printf(t, "\tdynamics: damping %.17g, friction %.17g\n", j->damping, j->friction);
+		dump_limits(j, t);
+	if (j->has_dynamics) {
+		put_numbers(t, "\tdynamics: damping", &j->damping, 1);
+		put_numbers(t, ", friction", &j->friction, 1);
+		text_putc(t, '\n');
+	}
 	if (j->driver >= 0) {
 		text_put(t, "\tmimics ");
 		text_put_json(t, r->joints[j->driver].name);
-		text_printf(t, ", multiplier %.17g, offset %.17g\n", j->multiplier, j->offset);
+		put_numbers(t, ", multiplier", &j->multiplier, 1);
+		put_numbers(t, ", offset", &j->offset, 1);
+		text_putc(t, '\n');
 	}
 }
 

@@ -70,7 +70,8 @@ void robot_warn(struct robot *r, struct arena *a, const char *fmt, ...) RNEAGEN_
 /* "revolute", "fixed", ... */
 const char *joint_type_name(enum joint_type type);
 
-/* A listing that a person reads (`--dump robot`): every link and joint with its numbers, %.17g. */
+/* A listing that a person reads (`--dump robot`): every link and joint with its numbers, each with the fewest digits that
+   read back as the same. */
 void robot_dump(const struct robot *r, struct text *t);
 
 #endif

@@ -23,23 +23,26 @@ static void eigenvalues(const double in[6], double out[3])
 	out[1] = fmax(fmin(m[0][0], m[1][1]), fmin(fmax(m[0][0], m[1][1]), m[2][2]));
 }
 
-/* No body has another inertia: its principal moments are positive and none exceeds the sum of the other two; all zero
-   is a point mass. The tolerances forgive the rounding of the file's digits. */
+/* No body has another inertia: no principal moment is negative and none exceeds the sum of the other two. Moments are
+   zero that are no more than rounding beside the largest; a point mass has none, and one alone is given for what turns
+   about one axis, or to fill the place. The last tolerance forgives the rounding of the file's digits. */
 static void check_inertia(const struct link *l, long line, const struct report *p)
 {
 	const char *fault = NULL;
-	double eigen[3];
+	double eigen[3], largest;
 
 	eigenvalues(l->inertia, eigen);
-	if (eigen[0] == 0 && eigen[2] == 0)
-		return;
-	if (eigen[0] <= 1e-14 * eigen[2])
+	largest = fmax(fabs(eigen[0]), fabs(eigen[2]));
+	for (int i = 0; i < 3; i++)
+		if (fabs(eigen[i]) <= 1e-14 * largest)
+			eigen[i] = 0;
+	if (eigen[0] < 0)
 		fault = "is not positive definite";
-	else if (eigen[0] + eigen[1] < (1 - 1e-6) * eigen[2])
+	else if (eigen[1] > 0 && eigen[0] + eigen[1] < (1 - 1e-6) * eigen[2])
 		fault = "violates the triangle inequality";
 	if (fault)
-		report_warning(p, line, "link '%s': its inertia %s (eigenvalues %g %g %g); used as given", l->name,
-			fault, eigen[0], eigen[1], eigen[2]);
+		report_warning(p, line, "link '%s': its inertia %s (eigenvalues %.7g %.7g %.7g); used as given", l->name, fault,
+			eigen[0], eigen[1], eigen[2]);
 }
 
 static void check_link(const struct link *l, long line, const struct report *p)
@@ -68,7 +71,8 @@ static void check_axis(const struct joint *j, long line, const struct report *p)
 	if (norm == 0)
 		report_error(p, RNEAGEN_NUMBER, line, "joint '%s': its axis is 0 0 0; give a direction", j->name);
 	else if (fabs(norm - 1) > 1e-12)
-		report_warning(p, line, "joint '%s': its axis is %.10g long, not 1; normalised", j->name, norm);
+		report_warning(p, line, "joint '%s': its axis is %.*g long, not 1; normalised", j->name,
+			fabs(norm - 1) < 1e-9 ? 13 : 10, norm);
 }
 
 static void check_mimic(struct joint *j, long line, const struct report *p)

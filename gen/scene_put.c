@@ -1,4 +1,5 @@
 #include "scene_put.h"
+#include "number.h"
 
 enum { WIDTH = 110 };
 
@@ -15,10 +16,10 @@ void scene_put_options(const struct scene *s, const char *before, struct text *o
 	}
 }
 
-static void put_value(const struct tree_held *h, int digits, struct text *out)
+static void put_value(const struct tree_held *h, struct text *out)
 {
 	for (int i = 0; i < joint_nq(h->type); i++)
-		text_printf(out, "%s%.*Lg", i ? ", " : "", digits, h->value[i]);
+		text_printf(out, "%s%.9Lg", i ? ", " : "", h->value[i]);
 }
 
 /* ---- --info ---- */
@@ -69,7 +70,7 @@ void scene_put_table(const struct tree *t, struct text *out)
 	text_put(out, t->held_count ? "\nheld\n" : "\n");
 	for (int i = 0; i < t->held_count; i++) {
 		text_printf(out, "  %s = ", t->held[i].name);
-		put_value(&t->held[i], 9, out);
+		put_value(&t->held[i], out);
 		text_printf(out, " (%s)\n", t->held[i].why);
 	}
 	if (t->cut.link_count)
@@ -127,10 +128,11 @@ void scene_put_json(const struct tree *t, struct text *out)
 		text_put(out, i ? ",\n      {\"name\": " : "\n      {\"name\": ");
 		text_put_json(out, t->held[i].name);
 		text_put(out, ", \"value\": [");
-		put_value(&t->held[i], 17, out);
+		for (int k = 0; k < joint_nq(t->held[i].type); k++)
+			text_printf(out, "%s%s", k ? ", " : "", number_plain((double)t->held[i].value[k]).s);
 		text_printf(out, "], \"why\": \"%s\"}", t->held[i].why);
 	}
-	text_printf(out, "],\n    \"cut\": {\"mass\": %.17g, ", (double)t->cut.mass);
+	text_printf(out, "],\n    \"cut\": {\"mass\": %s, ", number_plain((double)t->cut.mass).s);
 	put_json_names("joints", t->cut.joints, t->cut.joint_count, out);
 	text_put(out, ", ");
 	put_json_names("links", t->cut.links, t->cut.link_count, out);
@@ -163,7 +165,7 @@ void scene_put_comment(const struct tree *t, struct text *out)
 		text_put(out, i ? " *   " : " * Held:\n *   ");
 		put_quoted(t->held[i].name, out);
 		text_put(out, " = ");
-		put_value(&t->held[i], 9, out);
+		put_value(&t->held[i], out);
 		text_printf(out, " (%s)\n", t->held[i].why);
 	}
 	if (t->cut.link_count)

@@ -33,13 +33,6 @@
  * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less
  * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.
  * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.
- *
- * Warnings:
- *   hyq.urdf:21: link 'base_link': its inertia is not positive definite (eigenvalues -8.64499e-23 8.64499e-23 3e-06); used as given
- *   hyq.urdf:109: link 'lf_foot': its inertia is not positive definite (eigenvalues -8.64499e-23 8.64499e-23 3e-06); used as given
- *   hyq.urdf:170: link 'lh_foot': its inertia is not positive definite (eigenvalues -8.64499e-23 8.64499e-23 3e-06); used as given
- *   hyq.urdf:231: link 'rf_foot': its inertia is not positive definite (eigenvalues -8.64499e-23 8.64499e-23 3e-06); used as given
- *   hyq.urdf:292: link 'rh_foot': its inertia is not positive definite (eigenvalues -8.64499e-23 8.64499e-23 3e-06); used as given
  */
 #ifndef hyq_RNEA_H
 #define hyq_RNEA_H

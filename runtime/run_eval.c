@@ -3,6 +3,7 @@
 #include "run_eval.h"
 #include "command.h"
 #include "eval_arrays.h"
+#include "number.h"
 #include "progress.h"
 #include <stdlib.h>
 #include <string.h>
@@ -214,7 +215,7 @@ static int check_inputs(const struct eval *v)
 			continue;
 		fprintf(stderr, "%s: %s: no file named:", v->command.name, s->word);
 		for (size_t r = 0; r < (s->nominal ? s->rows : 1); r++)
-			fprintf(stderr, " %g", s->nominal ? (double)s->nominal[r] : 0);
+			fprintf(stderr, " %s", number_plain(s->nominal ? (double)s->nominal[r] : 0).s);
 		fputs(s->nominal ? ", as the URDF has it\n" : "\n", stderr);
 	}
 	if (a->in && !joined)

@@ -6,6 +6,7 @@
 #include "rng.h"
 #include "suite.h"
 #include "text.h"
+#include "urdf_text.h"
 #include <locale.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -201,6 +202,32 @@ START_TEST(names_are_only_names)
 }
 END_TEST
 
+/* What is told of numbers has the fewest digits that read back as the same: the user's own. */
+START_TEST(numbers_are_short)
+{
+	static const char urdf[] = ROBOT("r", BARE("base") BALL("a") BALL("b") BALL("c") JOINT("ja", "continuous", "base", "a", "")
+		JOINT("jb", "continuous", "a", "b", MIMIC("ja", "0.1", "0.3")) JOINT("jc", "continuous", "b", "c", ORIGIN("0 0 1", "1.5708 0 0")));
+	static const char *const in_source[] = {" --gravity 0.573,-10,1e-05 ", "Gravity (0.573, -10, 1e-05) ",
+		" * --snap-angle 0.0012345678 saves "};
+	static const char *const in_json[] = {"\"multiplier\": 0.1, \"offset\": 0.3}", "\"name\": \"jc\", \"value\": [0.1]",
+		"\"option\": \"snap-angle\", \"value\": 0.0012345678,"};
+	struct rneagen_options o = rneagen_options_default();
+	struct rneagen_result r;
+
+	o.gravity[0] = 0.573;
+	o.gravity[1] = -10;
+	o.gravity[2] = 1e-5;
+	o.scene = "lock jc=0.1\nsnap-angle 0.0012345678";
+	r = generate(urdf, &o);
+	for (size_t i = 0; i < sizeof in_source / sizeof *in_source; i++)
+		ck_assert_msg(strstr(r.source, in_source[i]) != NULL, "no '%s' in %.2000s", in_source[i], r.source);
+	for (size_t i = 0; i < sizeof in_json / sizeof *in_json; i++)
+		ck_assert_msg(strstr(r.info_json, in_json[i]) != NULL, "no '%s' in %s", in_json[i], r.info_json);
+	ck_assert_msg(strstr(r.info, "gravity 0.573 -10 1e-05 in") != NULL, "%s", r.info);
+	rneagen_result_free(&r);
+}
+END_TEST
+
 /* ---- locale ---- */
 
 /* A locale with a decimal comma: the system's, or one made in a folder of our own. 0: there is none. */
@@ -269,6 +296,7 @@ int main(void)
 	tcase_add_test(c, equal_input_equal_bytes);
 	tcase_add_test(c, order_of_the_file);
 	tcase_add_test(c, names_are_only_names);
+	tcase_add_test(c, numbers_are_short);
 	tcase_add_test(c, same_in_every_locale);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);

@@ -195,6 +195,48 @@ START_TEST(decimal_comma)
 }
 END_TEST
 
+/* Moments that are zero but for rounding are zero: only what no body can have is told, with digits that show it. */
+START_TEST(inertias)
+{
+	static const struct {
+		const char *xx, *xy, *xz, *yy, *yz, *zz, *says;
+	} cases[] = {{"1e-6", "1e-6", "1e-6", "1e-6", "1e-6", "1e-6", NULL}, {"1", "1", "1", "1", "1", "1", NULL},
+		{"4", "2", "-2", "1", "-1", "1", NULL}, {"0.36e9", "0.48e9", "0", "0.64e9", "0", "0", NULL},
+		{"0", "0", "0", "0", "0", "0", NULL}, {"0", "0", "0", "0", "0", "0.002", NULL}, {"1", "0", "0", "1", "0", "0", NULL},
+		{"1", "0", "0", "2", "0", "3", NULL}, {"1", "0", "0", "2", "0", "3.000001", NULL},
+		{"1", "0", "0", "2", "0", "3.000004", "triangle inequality (eigenvalues 1 2 3.000004)"},
+		{"0", "0", "0", "1", "0", "2", "triangle inequality (eigenvalues 0 1 2)"},
+		{"1", "0", "0", "1", "0", "-1e-12", "not positive definite (eigenvalues -1e-12 1 1)"},
+		{"0", "1e-20", "0", "0", "0", "0", "not positive definite (eigenvalues -1e-20 0 1e-20)"},
+		{"-1", "0", "0", "-1", "0", "-1", "not positive definite (eigenvalues -1 -1 -1)"}};
+	char xml[1024];
+
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct read r;
+
+		snprintf(xml, sizeof xml, "<robot name='r'><link name='l'><inertial><mass value='1'/><inertia ixx='%s' ixy='%s' ixz='%s' "
+			"iyy='%s' iyz='%s' izz='%s'/></inertial></link></robot>", cases[i].xx, cases[i].xy, cases[i].xz, cases[i].yy,
+			cases[i].yz, cases[i].zz);
+		read_string(&r, xml);
+		expect_loaded(&r, cases[i].says != NULL);
+		ck_assert_msg(!cases[i].says || strstr(r.robot.warnings[0], cases[i].says) != NULL, "%zu: %s", i, r.robot.warnings[0]);
+		read_free(&r);
+	}
+}
+END_TEST
+
+/* An axis that is told not to be 1 long is shown so. */
+START_TEST(axis_length)
+{
+	struct read r;
+
+	read_string(&r, ROBOT("<joint name='j' type='continuous'>" ENDS("base", "arm") "<axis xyz='0 0 1.000000000004'/></joint>"));
+	expect_loaded(&r, 1);
+	ck_assert_msg(strstr(r.robot.warnings[0], "its axis is 1.000000000004 long, not 1") != NULL, "%s", r.robot.warnings[0]);
+	read_free(&r);
+}
+END_TEST
+
 START_TEST(dump)
 {
 	struct text t;
@@ -208,13 +250,11 @@ START_TEST(dump)
 		"robot \"r\", 2 links, 1 joints, root link \"base\"\n"
 		"link \"arm\", parent joint \"a\\\"\"\n"
 		"\tmass 4\n"
-		"\tcom 1 2 3, rpy 0.10000000000000001 0.20000000000000001 0.29999999999999999\n"
-		"\tinertia xx 1 xy 0.10000000000000001 xz 0.20000000000000001 yy 2 "
-		"yz 0.29999999999999999 zz 2.5\n"
+		"\tcom 1 2 3, rpy 0.1 0.2 0.3\n"
+		"\tinertia xx 1 xy 0.1 xz 0.2 yy 2 yz 0.3 zz 2.5\n"
 		"link \"base\", no inertial\n"
 		"joint \"a\\\"\", prismatic, from \"base\" to \"arm\"\n"
-		"\torigin 0.10000000000000001 -0.002 0.5, "
-		"rpy 1.5707963267948966 0 -3.1415926535897931\n"
+		"\torigin 0.1 -0.002 0.5, rpy 1.5707963267948966 0 -3.141592653589793\n"
 		"\taxis 1 0 0\n"
 		"\tlimits: lower -1, upper 2, velocity 4, effort 3\n");
 	read_free(&r);
@@ -233,6 +273,8 @@ static Suite *robot_suite(void)
 	tcase_add_test(tc, joints_are_in_byte_order);
 	tcase_add_test(tc, fixed_follower_is_dropped);
 	tcase_add_test(tc, decimal_comma);
+	tcase_add_test(tc, inertias);
+	tcase_add_test(tc, axis_length);
 	tcase_add_test(tc, dump);
 	suite_add_tcase(suite, tc);
 	suite_add_tcase(suite, case_limits());

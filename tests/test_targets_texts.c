@@ -5,6 +5,7 @@
 #include "process.h"
 #include "suite.h"
 #include "target.h"
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -236,6 +237,48 @@ START_TEST(fast_math_is_refused)
 }
 END_TEST
 
+/* Constants beyond float are refused where they are floats, and taken where they are doubles: mixed stores the torque that
+   f64 finds, or infinity where no float holds it. A pendulum of 1e-100 kg under 1e101 m/s^2, and of 1 kg. */
+START_TEST(constants_beyond_float)
+{
+	static const enum rneagen_precision precisions[] = {RNEAGEN_F32, RNEAGEN_F32X2, RNEAGEN_F64, RNEAGEN_MIXED};
+	static const struct compiler gcc = {"gcc", {"-O1"}};
+	struct rneagen_options o = rneagen_options_default();
+	struct array q = array_new(1, 1), zero = array_new(1, 1), tau = array_new(1, 1);
+	char urdf[1024];
+	struct target t;
+
+	o.target = RNEAGEN_TARGET_C;
+	o.gravity[2] = -1e101;
+	for (int heavy = 0; heavy < 2; heavy++) {
+		snprintf(urdf, sizeof urdf,
+			"<robot name='p'><link name='a'/><link name='b'><inertial><origin xyz='0 0 -2'/><mass value='%s'/>"
+			"<inertia ixx='0' ixy='0' ixz='0' iyy='0' iyz='0' izz='0'/></inertial></link><joint name='j' type='continuous'>"
+			"<parent link='a'/><child link='b'/></joint></robot>", heavy ? "1" : "1e-100");
+		for (int i = 0; i < 4; i++) {
+			struct rneagen_result r;
+			struct rneagen_error e;
+
+			o.precision = precisions[i];
+			if (rneagen_generate(urdf, strlen(urdf), &o, &r, &e) == RNEAGEN_OK)
+				rneagen_result_free(&r);
+			ck_assert_int_eq(e.code, i < 2 ? RNEAGEN_NUMBER : RNEAGEN_OK);
+			ck_assert_msg(i >= 2 || strstr(e.message, "take --precision f64, or mixed") != NULL, "%s", e.message);
+		}
+		target_open(&t, urdf, strlen(urdf), &o, &gcc, "beyond");
+		array_set(&q, 0, 0.5);
+		array_set(&zero, 0, 0);
+		target_rnea(&t, &q, &zero, &zero, &tau);
+		ck_assert_msg(heavy ? isinf(array_get(&tau, 0)) : fabs(array_get(&tau, 0) / (20 * sin(0.5)) - 1) < 1e-7, "tau %g",
+			array_get(&tau, 0));
+		target_close(&t);
+	}
+	array_free(&q);
+	array_free(&zero);
+	array_free(&tau);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *suite = suite_create("texts");
@@ -245,5 +288,6 @@ int main(void)
 	suite_add(suite, "real", real_robots, 1, 1200);
 	suite_add(suite, "zero", zero_is_stored, 1, 1200);
 	suite_add(suite, "fast", fast_math_is_refused, 6, 1200);
+	suite_add(suite, "constants", constants_beyond_float, 1, 60);
 	return suite_run(suite);
 }
