@@ -51,17 +51,31 @@ static void put_scene(const struct emission *e, struct text *out)
 	}
 }
 
+/* A word for the shell, in quotes where it needs them or where `quotes` says so. */
+static void put_word(const struct emission *e, const char *word, int quotes, struct text *out)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_put_shell(&t, word);
+	out->failed |= t.failed;
+	quotes = quotes && *text_string(&t) != '\'';
+	text_put(out, quotes ? "'" : "");
+	text_put_comment(out, text_string(&t));
+	text_put(out, quotes ? "'" : "");
+}
+
 /* The command that makes this text again, every choice spelt out, without paths. */
 static void put_command(const struct emission *e, struct text *out)
 {
 	const struct rneagen_options *o = e->options;
+
 	text_put(out, "rneagen ");
-	text_put_comment(out, base_name(o->file));
+	put_word(e, base_name(o->file), 0, out);
 	emit_options(o, out);
 	if (o->order) {
-		text_put(out, " --order '");
-		text_put_comment(out, o->order);
-		text_putc(out, '\'');
+		text_put(out, " --order ");
+		put_word(e, o->order, 1, out);
 	}
 	text_printf(out, " --name %s", o->name);
 	put_scene(e, out);

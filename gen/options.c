@@ -136,20 +136,33 @@ static const char *find_dashes(const char *text)
 	return NULL;
 }
 
+/* A whole file as a string; 1 and a message if it cannot be read, or is no text. */
+static int read_text(const char *command, const char *path, struct file_content *f)
+{
+	struct rneagen_error e = {0};
+	char *text;
+
+	if (file_read(path, f, &e))
+		fprintf(stderr, "%s: %s\n", command, e.message);
+	else if (f->length && memchr(f->bytes, '\0', f->length))
+		fprintf(stderr, "%s: %s: holds a byte of 0, and is to be a text\n", command, path);
+	else if (!(text = realloc(f->bytes, f->length + 1)))
+		fprintf(stderr, "%s: out of memory\n", command);
+	else {
+		text[f->length] = '\0';
+		f->bytes = text;
+		return 0;
+	}
+	return 1;
+}
+
 static int take_scene_file(const char *command, struct rneagen_options *o, const char *path)
 {
 	struct file_content f = {0};
-	struct rneagen_error e = {0};
 	const char *dashes;
 	size_t begin = o->scene ? strlen(o->scene) : 0;
-	int bad = 1;
+	int bad = read_text(command, path, &f) || add_scene(command, o, f.bytes, f.length);
 
-	if (file_read(path, &f, &e))
-		fprintf(stderr, "%s: %s\n", command, e.message);
-	else if (f.length && memchr(f.bytes, '\0', f.length))
-		fprintf(stderr, "%s: %s: holds a byte of 0, and a scene is a text\n", command, path);
-	else
-		bad = add_scene(command, o, f.length ? f.bytes : "", f.length);
 	free(f.bytes);
 	dashes = bad ? NULL : find_dashes(o->scene + begin);
 	return dashes ? option_refuse(command, "%s: '%.*s': in a file choices stand without their dashes", path,
@@ -157,71 +170,105 @@ static int take_scene_file(const char *command, struct rneagen_options *o, const
 		      : bad;
 }
 
-/* A line of the scene, which keeps its dashes and has its value in quotes. */
-static int take_scene_line(const char *command, struct rneagen_options *o, enum scene_key key, const char *value)
+/* A line of the scene, which keeps its dashes: a word, and in quotes a value, which has them escaped. */
+static int take_escaped(const char *command, struct rneagen_options *o, enum scene_key key, const char *value)
 {
 	struct arena a;
 	struct text line;
 	int bad;
 
-	if (value && strchr(value, '\n'))
-		return option_refuse(command, "--%s cannot take '%s': a scene has one choice on a line", scene_word(key), value);
 	arena_init(&a, NULL);
 	text_init(&line, &a);
-	text_printf(&line, value ? "--%s \"" : "--%s", scene_word(key));
-	for (const char *s = value ? value : ""; *s; s++) {
-		if (*s == '"' || *s == '\\')
-			text_putc(&line, '\\');
-		text_putc(&line, *s);
-	}
-	text_put(&line, value ? "\"" : "");
+	text_printf(&line, value ? "--%s \"%s\"" : "--%s", scene_word(key), value);
 	bad = add_scene(command, o, line.failed ? NULL : text_string(&line), line.length);
 	arena_free(&a);
 	return bad;
 }
 
-/* A line "JOINT NUMBER" becomes a line of the scene; what stands after a # at its beginning is a comment. */
+static int take_scene_line(const char *command, struct rneagen_options *o, enum scene_key key, const char *value)
+{
+	struct arena a;
+	struct text escaped;
+	int bad;
+
+	if (!value)
+		return take_escaped(command, o, key, NULL);
+	arena_init(&a, NULL);
+	text_init(&escaped, &a);
+	for (const char *s = value; *s; s++) {
+		if (*s == '"' || *s == '\\' || *s == '\n')
+			text_putc(&escaped, '\\');
+		text_putc(&escaped, *s == '\n' ? 'n' : *s);
+	}
+	bad = escaped.failed ? add_scene(command, o, NULL, 0) : take_escaped(command, o, key, text_string(&escaped));
+	arena_free(&a);
+	return bad;
+}
+
+/* "JOINT" NUMBER, quoted as in a scene, becomes "JOINT=NUMBER"; NULL if it is none. */
+static const char *join_quoted(char *line)
+{
+	char *quote = line + 1, *value;
+
+	for (; *quote && *quote != '"'; quote++)
+		quote += *quote == '\\' && quote[1];
+	value = quote + (*quote == '"');
+	if (*value != ' ' && *value != '\t')
+		return NULL;
+	value += strspn(value, " \t");
+	*quote = '=';
+	memmove(quote + 1, value, strlen(value) + 1);
+	return line + 1;
+}
+
+/* JOINT NUMBER becomes JOINT=NUMBER; NULL if it is none. */
+static const char *join_plain(char *line)
+{
+	char *value = line + strlen(line);
+
+	while (value > line && !strchr(" \t", value[-1]))
+		value--;
+	if (value == line)
+		return NULL;
+	value[-1] = '=';
+	return line;
+}
+
+/* A line of a file of rotor inertias becomes a line of the scene; what stands after a # at its beginning is a comment. */
 static int take_armature_line(const char *command, struct rneagen_options *o, const char *path, int number, char *line)
 {
-	char *end = line + strlen(line), *value;
+	char *end = line + strlen(line);
+	int is_quoted;
+	const char *pair;
 
 	while (end > line && strchr(" \t\r", end[-1]))
 		*--end = '\0';
+	line += strspn(line, " \t");
 	if (!*line || *line == '#')
 		return 0;
-	value = strrchr(line, ' ');
-	value = value ? value : strrchr(line, '\t');
-	if (!value || value == line)
+	is_quoted = *line == '"';
+	pair = is_quoted ? join_quoted(line) : join_plain(line);
+	if (!pair)
 		return option_refuse(command, "%s: line %d: '%s' is not JOINT NUMBER", path, number, line);
-	*value = '=';
-	return take_scene_line(command, o, SCENE_ARMATURE, line);
+	return is_quoted ? take_escaped(command, o, SCENE_ARMATURE, pair) : take_scene_line(command, o, SCENE_ARMATURE, pair);
 }
 
 /* A file of rotor inertias, one joint on a line. */
 static int take_armature(const char *command, struct rneagen_options *o, const char *path)
 {
 	struct file_content f = {0};
-	struct rneagen_error e = {0};
-	int bad = 0, number = 0;
-	char *text, *next;
+	int bad, number = 0;
+	char *next;
 
 	if (!option_file(OPTION_SCENE + SCENE_ARMATURE, path))
 		return take_scene_line(command, o, SCENE_ARMATURE, path);
-	if (file_read(path, &f, &e)) {
-		fprintf(stderr, "%s: %s\n", command, e.message);
-		return 1;
-	}
-	text = calloc(f.length + 1, 1);
-	if (text && f.length)
-		memcpy(text, f.bytes, f.length);
-	for (char *line = text; line && !bad; line = next) {
+	bad = read_text(command, path, &f);
+	for (char *line = f.bytes; line && !bad; line = next) {
 		next = strchr(line, '\n');
 		if (next)
 			*next++ = '\0';
 		bad = take_armature_line(command, o, path, ++number, line);
 	}
-	bad |= !text;
-	free(text);
 	free(f.bytes);
 	return bad;
 }

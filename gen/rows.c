@@ -15,6 +15,21 @@ static int find_joint(const struct tree_joint *joints, int count, const char *na
 	return -1;
 }
 
+/* The length of the name that the list begins with: a name may have commas in it, so the longest that is not chosen yet. */
+static size_t name_length(const struct tree_joint *joints, int total, const struct tree_joint *chosen, int count, const char *list)
+{
+	size_t longest = 0;
+
+	for (int i = 0; i < total; i++) {
+		size_t n = strlen(joints[i].name);
+
+		if (n > longest && !strncmp(list, joints[i].name, n) && (!list[n] || list[n] == ',') &&
+			find_joint(chosen, count, list, n) < 0)
+			longest = n;
+	}
+	return longest ? longest : strcspn(list, ",");
+}
+
 /* Reorder as the option says; every joint (the base of --base floating apart) must be named once. */
 static enum rneagen_code apply_order(
 	struct tree *t, const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
@@ -24,8 +39,8 @@ static enum rneagen_code apply_order(
 
 	if (!chosen)
 		return error_memory(e);
-	for (const char *s = o->order; s; s = strchr(s, ',') ? strchr(s, ',') + 1 : NULL) {
-		size_t length = strcspn(s, ",");
+	for (const char *s = o->order; s;) {
+		size_t length = name_length(t->joints + first, total, chosen, count, s);
 		int i = find_joint(t->joints + first, total, s, length);
 
 		if (i < 0)
@@ -35,6 +50,7 @@ static enum rneagen_code apply_order(
 			return error_set(e, RNEAGEN_USAGE, "%s: --order names joint '%.*s' twice", input_name(o),
 				(int)length, s);
 		chosen[count++] = t->joints[first + i];
+		s = s[length] ? s + length + 1 : NULL;
 	}
 	for (int i = 0; i < total; i++)
 		if (find_joint(chosen, count, t->joints[first + i].name, strlen(t->joints[first + i].name)) < 0)

@@ -1,8 +1,5 @@
-#define _POSIX_C_SOURCE 200809L
 #include "scene.h"
-#include "c_locale.h"
 #include "nearest.h"
-#include "number.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -104,7 +101,7 @@ static enum rneagen_code split(const struct reader *r, struct scene_choice *c, c
 
 	if (!at || at == value || !at[1])
 		return scene_refuse(r->s, c, r->e, "takes NAME=VALUE, not '%.255s'", value);
-	c->name = trimmed(r->a, value, (size_t)(at - value));
+	c->name = arena_string(r->a, value, (size_t)(at - value)); /* blanks at its ends may be the name's: see settled */
 	c->value = trimmed(r->a, at + 1, strlen(at + 1));
 	return c->name && c->value ? RNEAGEN_OK : error_memory(r->e);
 }
@@ -158,7 +155,7 @@ static enum rneagen_code add_choice(struct reader *r, enum scene_key key, const 
 	return r->e->code;
 }
 
-/* What stands between quotes, behind which only a comment may follow; \" is a quote, \\ a backslash. */
+/* What stands between quotes, behind which only a comment may follow; \" is a quote, \\ a backslash, \n a line break. */
 static const char *unquoted(const struct reader *r, enum scene_key key, const char *quoted)
 {
 	const struct scene_choice c = {.key = key, .line = r->line, .told = r->told};
@@ -170,8 +167,10 @@ static const char *unquoted(const struct reader *r, enum scene_key key, const ch
 		return NULL;
 	}
 	for (; *s && *s != '"'; s++) {
-		s += *s == '\\' && (s[1] == '"' || s[1] == '\\');
-		*to++ = *s;
+		int is_break = *s == '\\' && s[1] == 'n';
+
+		s += *s == '\\' && (s[1] == '"' || s[1] == '\\' || s[1] == 'n');
+		*to++ = is_break ? '\n' : *s;
 	}
 	*to = '\0';
 	if (*s && strspn(s + 1, BLANKS) == without_comment(s + 1))
@@ -250,6 +249,22 @@ int scene_joint(const struct scene *s, const struct scene_choice *c, const struc
 	return i < 0 ? refuse_name(s, c, "joint", name, r->joints, r->joint_count, sizeof *r->joints, e) : i;
 }
 
+/* A name without the blanks around it, unless the robot has one with them. What is folded, wanted or freed has the robot's
+   name after a dot. */
+static const char *settled(enum scene_key key, const char *word, size_t length, const struct robot *r, struct arena *a)
+{
+	int has_kind = key == SCENE_FOLD || key == SCENE_WANT || key == SCENE_FREE;
+	const char *whole = arena_string(a, word, length), *name = whole;
+
+	if (whole && has_kind) {
+		name = strchr(whole, '.');
+		name = name ? name + 1 : "";
+	}
+	if (!whole || robot_link(r, name) >= 0 || robot_joint(r, name) >= 0)
+		return whole;
+	return trimmed(a, word, length);
+}
+
 /* Does the whole of a list name one thing? What is wanted or freed has the name after a dot. */
 static int is_one_name(enum scene_key key, const char *list, const struct robot *r)
 {
@@ -265,7 +280,8 @@ static int is_one_name(enum scene_key key, const char *list, const struct robot 
 /* ---- lists ---- */
 
 /* "mass.hand:sample" is a name and a value. */
-static enum rneagen_code split_freed(const struct scene *s, struct scene_choice *c, struct arena *a, struct rneagen_error *e)
+static enum rneagen_code split_freed(const struct scene *s, struct scene_choice *c, const struct robot *r, struct arena *a,
+	struct rneagen_error *e)
 {
 	const char *at = strrchr(c->name, ':');
 
@@ -274,40 +290,43 @@ static enum rneagen_code split_freed(const struct scene *s, struct scene_choice 
 	if (at == c->name)
 		return scene_refuse(s, c, e, "takes NAME, NAME:sample or NAME:batch, not '%.255s'", c->name);
 	c->value = at + 1;
-	c->name = trimmed(a, c->name, (size_t)(at - c->name));
+	c->name = settled(c->key, c->name, (size_t)(at - c->name), r, a);
 	return c->name ? RNEAGEN_OK : error_memory(e);
 }
 
 /* One of the names of a line, or all that it has. */
-static enum rneagen_code put_choice(struct scene *s, const struct scene_choice *line, const char *name, struct arena *a,
-	struct rneagen_error *e)
+static enum rneagen_code put_choice(struct scene *s, const struct scene_choice *line, const char *name, size_t length,
+	const struct robot *r, struct arena *a, struct rneagen_error *e)
 {
 	struct scene_choice *c = &s->choices[s->count++];
 
 	*c = *line;
-	c->name = name;
-	return WORDS[c->key].kind == SCENE_FREED ? split_freed(s, c, a, e) : RNEAGEN_OK;
+	c->name = settled(c->key, name, length, r, a);
+	if (!c->name)
+		return error_memory(e);
+	return WORDS[c->key].kind == SCENE_FREED ? split_freed(s, c, r, a, e) : RNEAGEN_OK;
 }
 
-static enum rneagen_code expand_line(struct scene *s, const struct scene_choice *line, const struct robot *r, struct arena *a,
+static enum rneagen_code expand_line(struct scene *s, struct scene_choice *line, const struct robot *r, struct arena *a,
 	struct rneagen_error *e)
 {
 	enum scene_kind kind = WORDS[line->key].kind;
 	int is_list = kind == SCENE_NAMES || kind == SCENE_FREED;
 
-	if (put_choice(s, line, line->name, a, e) || !is_list || is_one_name(line->key, s->choices[s->count - 1].name, r))
+	if (put_choice(s, line, line->name, strlen(line->name), r, a, e))
 		return e->code;
+	if (!is_list)
+		line->name = s->choices[s->count - 1].name;
+	if (!is_list || is_one_name(line->key, s->choices[s->count - 1].name, r))
+		return RNEAGEN_OK;
 	s->count--;
 	for (const char *at = line->name; at;) {
 		size_t length = strcspn(at, ",");
-		const char *name = trimmed(a, at, length);
 
-		if (!name)
-			return error_memory(e);
-		if (!*name)
-			return scene_refuse(s, line, e, "'%.255s' has an empty name", line->name);
-		if (put_choice(s, line, name, a, e))
+		if (put_choice(s, line, at, length, r, a, e))
 			return e->code;
+		if (!*s->choices[s->count - 1].name)
+			return scene_refuse(s, line, e, "'%.255s' has an empty name", line->name);
 		at = at[length] ? at + length + 1 : NULL;
 	}
 	return RNEAGEN_OK;
@@ -338,41 +357,7 @@ const struct scene_choice *scene_next(const struct scene *s, enum scene_key key,
 	return NULL;
 }
 
-/* ---- values, and how a scene is written ---- */
-
-static int read_number(const char **s, double *value)
-{
-	char word[128];
-	size_t length = strcspn(*s, ",");
-
-	if (length >= sizeof word)
-		return 0;
-	memcpy(word, *s, length);
-	word[length] = '\0';
-	*s += length;
-	return number_read(word, value, 1) == NUMBER_FINE;
-}
-
-enum rneagen_code scene_numbers(
-	const struct scene *s, const struct scene_choice *c, double *values, int count, struct rneagen_error *e)
-{
-	const char *at = c->value ? c->value : "";
-	struct c_locale l;
-	int good = 1;
-
-	if (!c_locale_enter(&l))
-		return error_memory(e);
-	for (int i = 0; i < count && good; i++) {
-		good = read_number(&at, &values[i]) && *at == (i + 1 < count ? ',' : '\0');
-		at += *at == ',';
-	}
-	c_locale_leave(&l);
-	if (good)
-		return RNEAGEN_OK;
-	return count == 1 ? scene_refuse(s, c, e, "takes a finite number, not '%.255s'", c->value ? c->value : "")
-			  : scene_refuse(s, c, e, "takes %d finite numbers with commas between, not '%.255s'", count,
-				    c->value ? c->value : "");
-}
+/* ---- how a scene is written ---- */
 
 void scene_put_option(const struct scene_choice *line, struct text *t)
 {

@@ -9,8 +9,9 @@
        tip r_gripper_tool_frame
        lock r_gripper_joint=0.03
 
-   A value may stand in quotes, "#1 joint=0.03", where \" is a quote and \\ a backslash. The command writes its own options as
-   lines that keep their dashes: messages then name the option, and the numbers of lines are those of files. */
+   A value may stand in quotes, "#1 joint=0.03", where \" is a quote, \\ a backslash and \n a line break; blanks at the ends
+   of a name belong to it if the robot has such a name. The command writes its own options as lines that keep their
+   dashes: messages then name the option, and the numbers of lines are those of files. */
 
 #include "arena.h"
 #include "error.h"

@@ -33,11 +33,25 @@ function(rneagen_add_kernel target urdf)
 			list(APPEND words --${option} "${arg_${choice}}")
 		endif()
 	endforeach()
-	foreach(line IN LISTS arg_SCENE)
-		string(REGEX REPLACE "^([a-z-]+) +(.*)$" "\\1=\\2" word "${line}")
-		list(APPEND words "--${word}")
-	endforeach()
+	set(scene "")
+	if(arg_SCENE)
+		set(scene ${CMAKE_CURRENT_BINARY_DIR}/rneagen/${target}/${arg_NAME}.scene)
+		rneagen_write_scene(${scene} ${arg_SCENE})
+		list(APPEND words --scene ${scene})
+	endif()
 	rneagen_generate(${target} "${urdf}" ${arg_TARGET} ${arg_NAME} ${words} ${arg_OPTIONS})
+endfunction()
+
+# A file that is written only when its lines change, so that what depends on it is not made again for nothing.
+function(rneagen_write_scene file)
+	list(JOIN ARGN "\n" lines)
+	set(before)
+	if(EXISTS ${file})
+		file(READ ${file} before)
+	endif()
+	if(NOT before STREQUAL "${lines}\n")
+		file(WRITE ${file} "${lines}\n")
+	endif()
 endfunction()
 
 # A rule that makes a file is known to its own directory alone.
@@ -92,7 +106,7 @@ function(rneagen_generate target urdf kind name)
 	add_custom_command(OUTPUT ${outputs}
 		COMMAND rneagen::command ${urdf} -o ${source} ${ARGN}
 		${declare}
-		DEPENDS ${urdf} $<TARGET_FILE:rneagen::command>
+		DEPENDS ${urdf} ${scene} $<TARGET_FILE:rneagen::command>
 		COMMENT "rneagen: ${name}_rnea" VERBATIM)
 	target_sources(${target} PRIVATE ${outputs})
 	target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${directory}>)
