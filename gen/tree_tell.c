@@ -1,5 +1,6 @@
 /* What a tree says of itself. */
 #include "tree.h"
+#include <string.h>
 
 const struct joint *tree_joint_of(const struct robot *r, const struct tree *t, int i)
 {
@@ -8,8 +9,73 @@ const struct joint *tree_joint_of(const struct robot *r, const struct tree *t, i
 	return k < 0 ? NULL : &r->joints[k];
 }
 
+/* ---- warnings ---- */
+
+/* Links by these names stand for what a robot stands on (REP 105, Gazebo, Pinocchio). */
+static int is_world(const char *name)
+{
+	static const char *const names[] = {"world", "universe", "map", "odom", "ground"};
+
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+		if (!strcmp(name, names[i]))
+			return 1;
+	return 0;
+}
+
+static int has_mass(const struct link *l)
+{
+	return l->has_inertial && l->mass != 0;
+}
+
+/* Does a link float with the base, by joints that are fixed or held? */
+static int is_of_base(const struct tree *t, int link)
+{
+	int body = t->links[link].body;
+
+	while (body > 0 && t->bodies[body].type == JOINT_FIXED)
+		body = t->bodies[body].parent;
+	return body == 0;
+}
+
+static int count_joints(const struct robot *r, int link)
+{
+	int n = 0;
+
+	for (int up; (up = r->links[link].parent_joint) >= 0; n++)
+		link = r->joints[up].parent;
+	return n;
+}
+
+/* The link with mass that is the fewest joints from the root; -1 where none has any. */
+static int find_base(const struct tree *t, const struct robot *r)
+{
+	int best = -1;
+
+	for (int i = 0; i < r->link_count; i++)
+		if (t->links[i].body >= 0 && has_mass(&r->links[i]) &&
+			(best < 0 || count_joints(r, i) < count_joints(r, best)))
+			best = i;
+	return best;
+}
+
+/* A root without mass may hold the robot's frame, and then floats with the links that are fixed to it; one that is the
+   world, or to which none is fixed, is seldom what floats. */
+static void warn_floating(const struct tree *t, struct robot *r, const char *file, struct arena *a)
+{
+	int root = robot_link(r, t->root), base = find_base(t, r), is_carried = 0;
+
+	if (!t->floating || base < 0 || has_mass(&r->links[root]))
+		return;
+	for (int i = 0; i < r->link_count; i++)
+		is_carried |= has_mass(&r->links[i]) && is_of_base(t, i);
+	if (is_world(t->root) || !is_carried)
+		robot_warn(r, a, "%s: --base floating floats link '%s', which has no mass; --root '%s' floats that link instead", file,
+			t->root, r->links[base].name);
+}
+
 void tree_warn(const struct tree *t, struct robot *r, const char *file, struct arena *a)
 {
+	warn_floating(t, r, file, a);
 	for (int i = 0; i < t->held_count; i++)
 		if (t->held[i].beyond)
 			robot_warn(r, a, "%s: joint '%s' is held at %.9Lg, outside of its limits (%s)", file, t->held[i].name,

@@ -277,6 +277,50 @@ START_TEST(told)
 }
 END_TEST
 
+#define FIXED(parent, child) JOINT(parent child, "fixed", parent, child, "")
+#define LEGS JOINT("left", "revolute", "trunk", "a", "") JOINT("right", "revolute", "trunk", "b", "") BALL("a") BALL("b")
+#define AIR LINK("air", "0", "0 0 0", "0 0 0", "0", "0", "0", "0", "0", "0")
+
+/* --base floating on a root that has no mass. */
+static const struct {
+	const char *urdf, *scene, *base; /* base: what --root is to name; NULL: no warning */
+} FLOATING[] = {
+	{ROBOT("r", BARE("world") FIXED("world", "trunk") BALL("trunk") LEGS), NULL, "trunk"},
+	{ROBOT("r", BARE("world") FIXED("world", "air") AIR FIXED("air", "trunk") BALL("trunk") LEGS), NULL, "trunk"},
+	{ROBOT("r", BARE("world") JOINT("free", "floating", "world", "trunk", "") BALL("trunk") LEGS), NULL, "trunk"},
+	{ROBOT("r", BARE("footprint") JOINT("drive", "planar", "footprint", "trunk", "") BALL("trunk") LEGS), NULL, "trunk"},
+	{ROBOT("r", BARE("footprint") JOINT("lift", "prismatic", "footprint", "air", "") AIR FIXED("air", "trunk") BALL("trunk") LEGS),
+		NULL, "trunk"},
+	{ROBOT("r", BARE("footprint") FIXED("footprint", "trunk") BALL("trunk") LEGS), NULL, NULL},
+	{ROBOT("r", BARE("footprint") JOINT("lift", "prismatic", "footprint", "trunk", "") BALL("trunk") LEGS), "lock lift=0.5", NULL},
+	{ROBOT("r", BARE("footprint") JOINT("turn", "revolute", "footprint", "trunk", "") BALL("trunk") LEGS), "lock turn=0.5", NULL},
+	{ROBOT("r", BALL("world") FIXED("world", "trunk") BALL("trunk") LEGS), NULL, NULL},
+	{ROBOT("r", BARE("world") FIXED("world", "trunk") BALL("trunk") LEGS), "root trunk", NULL},
+};
+
+START_TEST(floating_without_mass)
+{
+	struct rneagen_options o = rneagen_options_default();
+	char want[256];
+
+	o.scene = FLOATING[_i].scene;
+	for (int floats = 0; floats < 2; floats++) {
+		struct rneagen_result r;
+		struct rneagen_error e;
+
+		o.base = floats ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+		ck_assert_msg(!rneagen_generate(FLOATING[_i].urdf, strlen(FLOATING[_i].urdf), &o, &r, &e), "%s", e.message);
+		ck_assert_msg(r.warning_count == (floats && FLOATING[_i].base), "%zu warnings: %s", r.warning_count,
+			r.warning_count ? r.warnings[0] : "");
+		snprintf(want, sizeof want, "which has no mass; --root '%s' floats that link instead",
+			FLOATING[_i].base ? FLOATING[_i].base : "");
+		ck_assert_msg(!r.warning_count || (strstr(r.warnings[0], "--base floating floats link '") && strstr(r.warnings[0], want)),
+			"%s", r.warnings[0]);
+		rneagen_result_free(&r);
+	}
+}
+END_TEST
+
 #define DYNAMIC(name, type, parent, child, damping, friction)                                                                \
 	JOINT(name, type, parent, child, "<dynamics damping='" damping "' friction='" friction "'/>")
 
@@ -313,6 +357,7 @@ int main(void)
 	tcase_add_test(c, other_locale);
 	tcase_add_loop_test(c, random_scenes, 0, 2);
 	tcase_add_test(c, told);
+	tcase_add_loop_test(c, floating_without_mass, 0, sizeof FLOATING / sizeof *FLOATING);
 	tcase_add_test(c, ignored);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);
