@@ -153,25 +153,29 @@ static int parse_command(struct command *c, int argc, char **argv)
 	if (c->output && c->options.dump != RNEAGEN_DUMP_NONE)
 		return option_refuse(COMMAND, "--dump prints to standard output and goes without -o");
 	c->options.file = strcmp(c->input, "-") ? c->input : "<stdin>";
-	return target_from_suffix(c);
+	return -1;
 }
 
-/* Nothing that is written takes the place of what is read, nor of something else that is written. */
-static enum rneagen_code check_files(struct command *c, struct rneagen_error *e)
+/* Nothing that is written takes the place of what is read, nor of something else that is written. Returns -1 to go on, or
+   the exit status. */
+static int check_files(struct command *c)
 {
 	struct file_names written = {0};
+	struct rneagen_error e = {0};
+	int status = -1;
 
-	file_note(&c->read, "", c->input, e);
+	file_note(&c->read, "", c->input, &e);
 	if (c->output)
-		file_note(&written, "-o", c->output, e);
-	if (c->output && c->options.target == RNEAGEN_TARGET_C)
-		file_note_header(&written, c->output, e);
+		file_note(&written, "-o", c->output, &e);
 	if (!c->output || c->info != INFO_NONE)
-		file_note(&written, "", "-", e);
-	if (!e->code)
-		file_check(&c->read, &written, e);
+		file_note(&written, "", "-", &e);
+	if (!e.code && !file_check(&c->read, &written, &e))
+		status = target_from_suffix(c);
+	if (!e.code && status < 0 && c->output && c->options.target == RNEAGEN_TARGET_C &&
+		!file_note_header(&written, c->output, &e))
+		file_check(&c->read, &written, &e);
 	file_forget(&written);
-	return e->code;
+	return e.code ? fail(&e) : status;
 }
 
 /* What goes to standard output, what to files. */
@@ -188,14 +192,14 @@ static int write_results(const struct command *c, const struct rneagen_result *r
 	return file_put_stdout_error(c->info == INFO_JSON ? r->info_json : r->info, e) != RNEAGEN_OK;
 }
 
-static int run(struct command *c)
+static int run(const struct command *c)
 {
 	struct rneagen_error e = {0};
 	struct rneagen_result r;
 	struct file_content urdf = {0};
 	int bad;
 
-	bad = check_files(c, &e) || file_read(c->input, &urdf, &e) || rneagen_generate(urdf.bytes, urdf.length, &c->options, &r, &e);
+	bad = file_read(c->input, &urdf, &e) || rneagen_generate(urdf.bytes, urdf.length, &c->options, &r, &e);
 	if (!bad) {
 		for (size_t i = 0; i < r.warning_count && !c->quiet && (c->info == INFO_NONE || c->info == INFO_DOT); i++)
 			fprintf(stderr, "rneagen: warning: %s\n", r.warnings[i]);
@@ -211,6 +215,8 @@ int main(int argc, char **argv)
 	struct command c = {.options = rneagen_options_default()};
 	int status = parse_command(&c, argc, argv);
 
+	if (status < 0)
+		status = check_files(&c);
 	if (status < 0)
 		status = run(&c);
 	option_free(&c.options);

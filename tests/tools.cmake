@@ -5,10 +5,16 @@ find_program(GRAPHVIZ_DOT dot)
 add_test(NAME test_dot_graphviz COMMAND test_dot "${GRAPHVIZ_DOT}")
 set_tests_properties(test_dot_graphviz PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300)
 
-# tests/fuzz builds this in the preset `fuzz`; a minute of it is a test where asked for.
+# tests/fuzz builds these in the preset `fuzz`; a minute of them is a test where asked for.
+set(scene_trial scene_trial.c scene_grammar.c fuzz_check.c ${CMAKE_SOURCE_DIR}/gen/options.c ${CMAKE_SOURCE_DIR}/gen/files.c
+	${CMAKE_SOURCE_DIR}/gen/pending.c)
 if(RNEAGEN_FUZZ)
-	add_executable(fuzz_urdf fuzz_urdf.c fuzz_mutate.c)
-	target_link_libraries(fuzz_urdf PRIVATE rneagen::rneagen -fsanitize=fuzzer)
+	add_executable(fuzz_urdf fuzz_urdf.c fuzz_mutate.c fuzz_check.c)
+	add_executable(fuzz_scene fuzz_scene.c ${scene_trial})
+	target_compile_definitions(fuzz_scene PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
+	foreach(name fuzz_urdf fuzz_scene)
+		target_link_libraries(${name} PRIVATE rneagen::rneagen -fsanitize=fuzzer)
+	endforeach()
 endif()
 add_test(NAME fuzz_minute COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/fuzz_minute)
 set_tests_properties(fuzz_minute PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 600)
