@@ -352,7 +352,7 @@ static void draw_constants(struct drawing *g)
 
 static void draw_task(struct drawing *g)
 {
-	for (size_t n = dice_below(g->d, 7); n > 0; n--) {
+	for (size_t n = dice_below(g->d, 6); n > 0; n--) {
 		static void (*const draws[])(struct drawing *) = {draw_want, draw_fold, draw_free, draw_want, draw_push, draw_own_terms,
 			draw_constants, draw_want};
 

@@ -1,6 +1,6 @@
 #ifndef TESTS_SCENE_TRIAL_H
 #define TESTS_SCENE_TRIAL_H
-/* A drawn scene generated to the end, and again from the command that its text has at its head. */
+/* A drawn scene generated to the end, and half of them again from the command that their text has at its head. */
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,5 +1,5 @@
 /* Scenes drawn by a grammar, as the fuzzer draws them (scene_trial.h): most are accepted, with every word among them, and
-   generated to the end; the command at the head of each text makes the same text again. */
+   generated to the end; the command at the head of every other text makes the same text again. */
 #include "rng.h"
 #include "scene.h"
 #include "scene_trial.h"
