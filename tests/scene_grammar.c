@@ -16,36 +16,13 @@ struct drawing {
 	int folds_q, folds_qd;
 };
 
-size_t dice_below(struct dice *d, size_t n)
-{
-	size_t x = 0;
-
-	for (size_t most = n; n && most > 1 && d->size; most = (most + 255) / 256) {
-		x = x << 8 | *d->data++;
-		d->size--;
-	}
-	return n ? x % n : 0;
-}
-
-/* One time in n. */
-static int happens(struct dice *d, size_t n)
-{
-	return dice_below(d, n) == n - 1;
-}
-
 /* ---- words and values ---- */
-
-static const char *one_of(struct dice *d, const char *const *words, size_t count)
-{
-	return words[dice_below(d, count)];
-}
-#define ONE_OF(d, ...) one_of(d, (const char *const[]){__VA_ARGS__}, sizeof((const char *const[]){__VA_ARGS__}) / sizeof(char *))
 
 static const char *draw_number(struct dice *d)
 {
-	if (happens(d, 64))
-		return ONE_OF(d, "1e300", "-1e300", "1e-300", "5e-324", "1e999", "nan", "0x10", "1,5", "+-1", "1e");
-	return ONE_OF(d, "0", "0.5", "-1.25", "1.5708", "3.14159265358979", "1e-3", "2", "1e-9", "0.1", "-0", "+.5", "100");
+	if (dice_happen(d, 64))
+		return DICE_WORD(d, "1e300", "-1e300", "1e-300", "5e-324", "1e999", "nan", "0x10", "1,5", "+-1", "1e");
+	return DICE_WORD(d, "0", "0.5", "-1.25", "1.5708", "3.14159265358979", "1e-3", "2", "1e-9", "0.1", "-0", "+.5", "100");
 }
 
 /* Values with commas between; for a floating joint the last four are a quaternion of length 1. */
@@ -77,7 +54,7 @@ static int is_new(struct drawing *g, const char *kind, const char *name)
 
 	text_init(&t, g->a);
 	text_printf(&t, "%s %s", kind, name);
-	if (is_used(g, text_string(&t)) && !happens(g->d, 64))
+	if (is_used(g, text_string(&t)) && !dice_happen(g->d, 64))
 		return 0;
 	text_put(&g->used, text_string(&t));
 	text_putc(&g->used, '\1');
@@ -96,20 +73,20 @@ static int needs_quotes(const char *value)
 /* A line of the scene as a file has it, or as the command writes its own. */
 static void put_line(struct drawing *g, enum scene_key key, const char *value)
 {
-	int is_option = happens(g->d, 8);
+	int is_option = dice_happen(g->d, 8);
 	struct text *t = &g->out;
 
 	text_printf(t, "%s%s", is_option ? "--" : "", scene_word(key));
-	if (value && (is_option || needs_quotes(value) || happens(g->d, 16))) {
+	if (value && (is_option || needs_quotes(value) || dice_happen(g->d, 16))) {
 		text_put(t, " \"");
 		for (const char *s = value; *s; s++)
 			text_printf(t, *s == '"' || *s == '\\' ? "\\%c" : *s == '\n' ? "\\n" : "%c", *s);
 		text_putc(t, '"');
 	} else if (value) {
-		text_printf(t, "%s%s", happens(g->d, 16) ? "\t " : " ", value);
+		text_printf(t, "%s%s", dice_happen(g->d, 16) ? "\t " : " ", value);
 	}
-	if (happens(g->d, 16))
-		text_put(t, ONE_OF(g->d, " # a comment", "\r", "  ", "\n\n# a line\n"));
+	if (dice_happen(g->d, 16))
+		text_put(t, DICE_WORD(g->d, " # a comment", "\r", "  ", "\n\n# a line\n"));
 	text_putc(t, '\n');
 }
 
@@ -152,7 +129,7 @@ static void draw_lock(struct drawing *g)
 
 	if (!j || !is_new(g, "hold", j->name))
 		return;
-	text_printf(&t, "%s%s", j->name, happens(g->d, 16) ? " = " : "=");
+	text_printf(&t, "%s%s", j->name, dice_happen(g->d, 16) ? " = " : "=");
 	put_numbers(g, &t, joint_nq(j->type), j->type == JOINT_FLOATING);
 	put_line(g, SCENE_LOCK, text_string(&t));
 }
@@ -177,16 +154,16 @@ static void draw_moving(struct drawing *g)
 
 static void draw_structure(struct drawing *g)
 {
-	if (happens(g->d, 6))
+	if (dice_happen(g->d, 6))
 		put_line(g, SCENE_ROOT, draw_link(g));
-	if (happens(g->d, 4)) {
+	if (dice_happen(g->d, 4)) {
 		put_line(g, SCENE_TIP, draw_link(g));
-		if (happens(g->d, 2))
-			put_line(g, SCENE_BESIDE, ONE_OF(g->d, "lock", "drop"));
+		if (dice_happen(g->d, 2))
+			put_line(g, SCENE_BESIDE, DICE_WORD(g->d, "lock", "drop"));
 	}
 	for (size_t n = dice_below(g->d, 4); n > 1; n--)
 		draw_lock(g);
-	if (happens(g->d, 8))
+	if (dice_happen(g->d, 8))
 		draw_moving(g);
 }
 
@@ -226,8 +203,8 @@ static int has_floating(const struct tree *t)
 /* One row, or all, of q, qd or qdd; or gravity. */
 static void draw_fold(struct drawing *g)
 {
-	const char *word = ONE_OF(g->d, "qdd", "qd", "q", "gravity");
-	const struct body *k = happens(g->d, 2) ? draw_body(g, 1) : NULL;
+	const char *word = DICE_WORD(g->d, "qdd", "qd", "q", "gravity");
+	const struct body *k = dice_happen(g->d, 2) ? draw_body(g, 1) : NULL;
 	struct text t = new_text(g);
 	int is_gravity = !strcmp(word, "gravity"), count = is_gravity ? 3 : 1;
 
@@ -253,7 +230,7 @@ static int ends_like_rate(const char *name)
 /* A constant, and maybe the derivative by it. */
 static void draw_free(struct drawing *g)
 {
-	const char *word = ONE_OF(g->d, "payload", "mass", "inertia", "offset", "gravity"), *name = NULL;
+	const char *word = DICE_WORD(g->d, "payload", "mass", "inertia", "offset", "gravity"), *name = NULL;
 	const struct body *k = draw_body(g, 1);
 	struct text t = new_text(g), d = new_text(g);
 
@@ -265,10 +242,10 @@ static void draw_free(struct drawing *g)
 		return;
 	text_printf(&t, "%s%s%s", word, name ? "." : "", name ? name : "");
 	text_printf(&d, "dtau_d%s", text_string(&t));
-	if (happens(g->d, 2) || (name && ends_like_rate(name)))
-		text_put(&t, ONE_OF(g->d, ":sample", ":batch"));
+	if (dice_happen(g->d, 2) || (name && ends_like_rate(name)))
+		text_put(&t, DICE_WORD(g->d, ":sample", ":batch"));
 	put_line(g, SCENE_FREE, text_string(&t));
-	if (happens(g->d, 3))
+	if (dice_happen(g->d, 3))
 		put_line(g, SCENE_WANT, text_string(&d));
 }
 
@@ -304,7 +281,7 @@ static void draw_own_terms(struct drawing *g)
 	case 0:
 		if (!k || !is_new(g, "armature", k->joint))
 			return;
-		text_printf(&t, "%s=%s", k->joint, happens(g->d, 32) ? "-1" : ONE_OF(g->d, "0.1", "0", "1e-5"));
+		text_printf(&t, "%s=%s", k->joint, dice_happen(g->d, 32) ? "-1" : DICE_WORD(g->d, "0.1", "0", "1e-5"));
 		put_line(g, SCENE_ARMATURE, text_string(&t));
 		return;
 	case 1:
@@ -313,7 +290,7 @@ static void draw_own_terms(struct drawing *g)
 		return;
 	default:
 		if (!g->o.bounded && is_new(g, "", "friction"))
-			put_line(g, SCENE_FRICTION, ONE_OF(g->d, NULL, "0.1", "1e-3"));
+			put_line(g, SCENE_FRICTION, DICE_WORD(g->d, NULL, "0.1", "1e-3"));
 	}
 }
 
@@ -323,8 +300,8 @@ static void draw_push(struct drawing *g)
 
 	if (link && is_new(g, "fext", link))
 		put_line(g, SCENE_FEXT, link);
-	if (happens(g->d, 3) && is_new(g, "", "frame"))
-		put_line(g, SCENE_FEXT_FRAME, ONE_OF(g->d, "link", "world"));
+	if (dice_happen(g->d, 3) && is_new(g, "", "frame"))
+		put_line(g, SCENE_FEXT_FRAME, DICE_WORD(g->d, "link", "world"));
 }
 
 static void draw_constants(struct drawing *g)
@@ -332,15 +309,15 @@ static void draw_constants(struct drawing *g)
 	switch (dice_below(g->d, 5)) {
 	case 0:
 		if (is_new(g, "", "snap"))
-			put_line(g, SCENE_SNAP_ANGLE, ONE_OF(g->d, "1e-3", "0.1", "0", "1e-9"));
+			put_line(g, SCENE_SNAP_ANGLE, DICE_WORD(g->d, "1e-3", "0.1", "0", "1e-9"));
 		return;
 	case 1:
 		if (is_new(g, "", "round"))
-			put_line(g, SCENE_ROUND_CONSTANTS, happens(g->d, 32) ? "18" : ONE_OF(g->d, "4", "1", "17"));
+			put_line(g, SCENE_ROUND_CONSTANTS, dice_happen(g->d, 32) ? "18" : DICE_WORD(g->d, "4", "1", "17"));
 		return;
 	case 2:
 		if (is_new(g, "", "drop"))
-			put_line(g, SCENE_DROP_BELOW, ONE_OF(g->d, "1e-3", "0", "1e-12", "0.9"));
+			put_line(g, SCENE_DROP_BELOW, DICE_WORD(g->d, "1e-3", "0", "1e-12", "0.9"));
 		return;
 	case 3:
 		if (is_new(g, "", "dense"))
@@ -348,7 +325,7 @@ static void draw_constants(struct drawing *g)
 		return;
 	default:
 		if (is_new(g, "", "derivatives"))
-			put_line(g, SCENE_DERIVATIVES, ONE_OF(g->d, "forward", "recursion"));
+			put_line(g, SCENE_DERIVATIVES, DICE_WORD(g->d, "forward", "recursion"));
 	}
 }
 
@@ -368,41 +345,11 @@ static const char *draw_order(struct drawing *g)
 	int count = g->tree.joint_count - g->tree.floating, first = (int)dice_below(g->d, (size_t)count);
 	struct text t = new_text(g);
 
-	if (!happens(g->d, 8))
+	if (!dice_happen(g->d, 8))
 		return NULL;
 	for (int i = 0; i < count; i++)
 		text_printf(&t, "%s%s", i ? "," : "", g->tree.joints[g->tree.floating + (first + i) % count].name);
 	return count ? text_string(&t) : NULL;
-}
-
-/* ---- what is no scene any more ---- */
-
-/* Bytes are changed, lines repeated, or a piece of noise goes in. */
-static const char *garble(struct drawing *g)
-{
-	const char *s = text_string(&g->out), *line;
-	size_t n = g->out.length, at = dice_below(g->d, n + 1);
-	struct text t = new_text(g);
-
-	text_putn(&t, s, at);
-	switch (dice_below(g->d, 4)) {
-	case 0:
-		text_putc(&t, (char)(1 + dice_below(g->d, 255)));
-		text_put(&t, s + (at < n ? at + 1 : at));
-		break;
-	case 1:
-		line = strchr(s + at, '\n');
-		text_put(&t, line ? line + 1 : "");
-		break;
-	case 2:
-		text_put(&t, s + at);
-		text_put(&t, s);
-		break;
-	default:
-		text_put(&t, ONE_OF(g->d, "=", ",", "\"", "\\", "#", " #", "\n", ".", ":batch", "root ", "lock ", "\xc3\xa9", "*/", "%s", "1e999"));
-		text_put(&t, s + at);
-	}
-	return text_string(&t);
 }
 
 /* Joints and links that leave a robot, after a few tries; 0 if they do not. */
@@ -417,7 +364,7 @@ static int draw_tree(struct drawing *g)
 		g->o.scene = text_string(&g->out);
 		if (!tree_build(&g->tree, g->r, &g->o, g->a, &e))
 			return 1;
-		if (happens(g->d, 8))
+		if (dice_happen(g->d, 8))
 			break;
 	}
 	return 0;
@@ -435,9 +382,9 @@ const char *scene_draw(struct dice *d, const struct robot *r, const struct rneag
 		draw_task(&g);
 		*order = draw_order(&g);
 	}
-	if (happens(d, 8)) {
+	if (dice_happen(d, 8)) {
 		*garbled = 1;
-		return a->failed ? NULL : garble(&g);
+		return a->failed || g.out.failed ? NULL : scene_garble(d, text_string(&g.out), a);
 	}
 	return a->failed || g.out.failed ? NULL : text_string(&g.out);
 }

@@ -6,7 +6,7 @@ add_test(NAME test_dot_graphviz COMMAND test_dot "${GRAPHVIZ_DOT}")
 set_tests_properties(test_dot_graphviz PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300)
 
 # tests/fuzz builds these in the preset `fuzz`; a minute of them is a test where asked for.
-set(scene_trial scene_trial.c scene_grammar.c fuzz_check.c ${CMAKE_SOURCE_DIR}/gen/options.c ${CMAKE_SOURCE_DIR}/gen/files.c
+set(scene_trial scene_trial.c scene_grammar.c scene_garble.c fuzz_check.c ${CMAKE_SOURCE_DIR}/gen/options.c ${CMAKE_SOURCE_DIR}/gen/files.c
 	${CMAKE_SOURCE_DIR}/gen/pending.c)
 if(RNEAGEN_FUZZ)
 	add_executable(fuzz_urdf fuzz_urdf.c fuzz_mutate.c fuzz_check.c)
