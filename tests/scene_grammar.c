@@ -304,29 +304,34 @@ static void draw_push(struct drawing *g)
 		put_line(g, SCENE_FEXT_FRAME, DICE_WORD(g->d, "link", "world"));
 }
 
+/* Of what no other line folds. */
+static void draw_range(struct drawing *g)
+{
+	const char *word = DICE_WORD(g->d, "qdd", "qd", "q");
+	const struct body *k = *word == 'q' && !word[1] ? draw_body(g, 1) : NULL;
+	struct text t = new_text(g);
+
+	if (!is_new(g, "fold", word) || (!k && !word[1]))
+		return;
+	text_printf(&t, k ? "%s.%s=" : "%s=", word, k ? k->joint : "");
+	text_put(&t, dice_happen(g->d, 32) ? "1,-1" : DICE_WORD(g->d, "-1,1", "0,0", "-0.5,3e2"));
+	put_line(g, SCENE_RANGE, text_string(&t));
+}
+
 static void draw_constants(struct drawing *g)
 {
-	switch (dice_below(g->d, 5)) {
-	case 0:
-		if (is_new(g, "", "snap"))
-			put_line(g, SCENE_SNAP_ANGLE, DICE_WORD(g->d, "1e-3", "0.1", "0", "1e-9"));
-		return;
-	case 1:
-		if (is_new(g, "", "round"))
-			put_line(g, SCENE_ROUND_CONSTANTS, dice_happen(g->d, 32) ? "18" : DICE_WORD(g->d, "4", "1", "17"));
-		return;
-	case 2:
-		if (is_new(g, "", "drop"))
-			put_line(g, SCENE_DROP_BELOW, DICE_WORD(g->d, "1e-3", "0", "1e-12", "0.9"));
-		return;
-	case 3:
-		if (is_new(g, "", "dense"))
-			put_line(g, SCENE_DENSE, NULL);
-		return;
-	default:
-		if (is_new(g, "", "derivatives"))
-			put_line(g, SCENE_DERIVATIVES, DICE_WORD(g->d, "forward", "recursion"));
-	}
+	static const struct {
+		enum scene_key key;
+		const char *words[4];
+	} choices[] = {{SCENE_SNAP_ANGLE, {"1e-3", "0.1", "0", "1e-9"}}, {SCENE_ROUND_CONSTANTS, {"4", "1", "17", "9"}},
+		{SCENE_DROP_BELOW, {"1e-3", "0", "1e-12", "0.9"}}, {SCENE_DERIVATIVES, {"forward", "recursion", "forward", "recursion"}},
+		{SCENE_DENSE, {NULL}}};
+	size_t count = sizeof choices / sizeof *choices, i = dice_below(g->d, count + 1);
+
+	if (i == count)
+		draw_range(g);
+	else if (is_new(g, "", scene_word(choices[i].key)))
+		put_line(g, choices[i].key, dice_happen(g->d, 64) ? "18" : choices[i].words[dice_below(g->d, 4)]);
 }
 
 static void draw_task(struct drawing *g)
