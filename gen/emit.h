@@ -46,6 +46,10 @@ void emit_set_precision(struct emission *e);
 enum rneagen_precision emit_precision_of(const struct rneagen_options *o);
 const char *emit_precision_name(enum rneagen_precision precision);
 const char *emit_trig_name(enum rneagen_trig trig);
+
+/* The sine and cosine that the statements call: "fast" is of single precision on a GPU, elsewhere it is "bounded". */
+enum rneagen_trig emit_trig_of(const struct rneagen_options *o);
+
 const char *emit_layout_name(enum rneagen_layout layout);
 
 /* The options of the command line that name these choices, resolved, each after a blank: all but the names of joints, of

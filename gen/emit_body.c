@@ -155,7 +155,7 @@ static void put_sincos(const struct emission *e, const struct plan *p, struct re
 	text_printf(out, "\t%s %s, %s;\n", e->arithmetic->type, sine, cosine);
 	text_printf(out, "\t%srneagen_%ssincos%s_%s(", emit_has_small(e) ? "all_small &= " : "",
 		e->options->strict ? "strict_" : "", emit_sincos_suffix(e),
-		emit_has_small(e) ? "either" : emit_trig_name(e->options->trig));
+		emit_has_small(e) ? "either" : emit_trig_name(emit_trig_of(e->options)));
 	if (e->arithmetic->part)
 		emit_f32x2_angle(e, p, n->arg[0], out);
 	else

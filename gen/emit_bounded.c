@@ -92,7 +92,7 @@ static void put_sincos(const struct emission *e, const struct plan *p, struct re
 	put_name(p, s, p->names[a.i], &sine);
 	put_name(p, c, p->names[a.i], &cosine);
 	text_printf(out, "struct rneagen_within%s %s, %s;\n\t", e->arithmetic->suffix, text_string(&sine), text_string(&cosine));
-	text_printf(out, "rneagen_within%s_sincos_%s(", e->arithmetic->suffix, emit_trig_name(e->options->trig));
+	text_printf(out, "rneagen_within%s_sincos_%s(", e->arithmetic->suffix, emit_trig_name(emit_trig_of(e->options)));
 	put_value(e, p, n->arg[0], out);
 	text_printf(out, ", &%s, &%s)", text_string(&sine), text_string(&cosine));
 }
@@ -201,7 +201,7 @@ void emit_bounded(const struct emission *e, struct text *out)
 	const struct slot slots[] = {
 		{"F", e->arithmetic->suffix}, {"F_UPPER", f32 ? "F" : ""}, {"T", e->arithmetic->type}, {"U", f32 ? "0x1p-24f" : "0x1p-53"},
 		{"TINY", f32 ? "0x1p-146f" : "0x1p-1071"}, {"THREE", f32 ? "3.0f" : "3.0"}, {"MAX", f32 ? "0x1.fffffep127f" : "0x1.fffffffffffffp1023"},
-		{"SINCOS", f32 ? "1.7f*0x1p-24f" : "1.7*0x1p-53"}, {"MODE", emit_trig_name(e->options->trig)},
+		{"SINCOS", f32 ? "1.7f*0x1p-24f" : "1.7*0x1p-53"}, {"MODE", emit_trig_name(emit_trig_of(e->options))},
 		{"FUSED", e->options->strict ? "1" : f32 ? "defined FP_FAST_FMAF" : "defined FP_FAST_FMA"}, {"NAME", e->options->name}, {"STRICT", e->options->strict ? "strict_" : ""}, {"APART", e->options->strict ? "RNEA_APART " : ""},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"M", e->memory->type},
 		{"FACTOR", factor_text(e, way)}, {"BODY", text_string(&body)}, {"ENDS", ends_text(e, &p->dag)},

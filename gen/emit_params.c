@@ -38,6 +38,13 @@ const char *emit_trig_name(enum rneagen_trig trig)
 	return names[trig];
 }
 
+enum rneagen_trig emit_trig_of(const struct rneagen_options *o)
+{
+	int has_unit = emit_precision_of(o) == RNEAGEN_F32 && o->target != RNEAGEN_TARGET_C;
+
+	return o->trig == RNEAGEN_FAST && !has_unit ? RNEAGEN_BOUNDED : o->trig;
+}
+
 const char *emit_layout_name(enum rneagen_layout layout)
 {
 	return layout == RNEAGEN_SOA ? "soa" : "aos";

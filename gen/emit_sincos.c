@@ -14,15 +14,15 @@ static int has_angles(const struct emission *e)
 
 /* The fragments of a type. */
 struct fragments {
-	const char *core, *bounded, *accurate, *either, *fast;
+	const char *core, *bounded, *accurate, *either;
 };
 
 static const struct fragments F32 = {template_sincos_f32_core_in, template_sincos_f32_bounded_in,
-	template_sincos_f32_accurate_in, template_sincos_f32_either_in, template_sincos_f32_fast_in};
+	template_sincos_f32_accurate_in, template_sincos_f32_either_in};
 static const struct fragments F64 = {template_sincos_f64_core_in, template_sincos_f64_bounded_in,
-	template_sincos_f64_accurate_in, template_sincos_f64_either_in, template_sincos_f64_fast_in};
+	template_sincos_f64_accurate_in, template_sincos_f64_either_in};
 static const struct fragments F32X2 = {template_sincos_f32x2_core_in, template_sincos_f32x2_bounded_in,
-	template_sincos_f32x2_accurate_in, template_sincos_f32x2_either_in, template_sincos_f32x2_fast_in};
+	template_sincos_f32x2_accurate_in, template_sincos_f32x2_either_in};
 
 /* Pairs of floats leave large angles to doubles. */
 static void put_large(struct text *out)
@@ -36,24 +36,22 @@ static void put_large(struct text *out)
 static void put_sincos(const struct emission *e, struct text *out)
 {
 	const struct fragments *f = e->arithmetic->part ? &F32X2 : e->arithmetic->bytes == 4 ? &F32 : &F64;
-	enum rneagen_trig trig = e->options->trig;
-	int host_only = f == &F32 && trig == RNEAGEN_FAST;
+	enum rneagen_trig trig = emit_trig_of(e->options);
+	int fast = trig == RNEAGEN_FAST;
 
 	if (!has_angles(e))
 		return;
 	if (f == &F32X2 && trig == RNEAGEN_ACCURATE)
 		put_large(out);
-	text_put(out, host_only ? "#if !defined __CUDA_ARCH__\n" : "");
+	text_put(out, fast ? "#if !defined __CUDA_ARCH__\n" : "");
 	text_put(out, f->core);
 	text_putc(out, '\n');
 	text_put(out, trig == RNEAGEN_ACCURATE ? f->accurate : f->bounded);
 	if (emit_has_small(e))
 		text_put(out, f->either);
-	text_put(out, host_only ? "#endif\n" : "");
-	if (trig == RNEAGEN_FAST) {
-		text_putc(out, '\n');
-		text_put(out, f->fast);
-	}
+	text_put(out, fast ? "#endif\n" : "");
+	text_put(out, fast ? "\n" : "");
+	text_put(out, fast ? template_sincos_f32_fast_in : "");
 }
 
 /* Names of their own where every rounding is prescribed: a header of the other kind may stand before this one. */

@@ -25,8 +25,8 @@ extern const char template_slice_in[], template_batch_in[];
 extern const char template_sincos_f32_core_in[], template_sincos_f32_accurate_in[];
 extern const char template_sincos_f32_bounded_in[], template_sincos_f32_fast_in[], template_sincos_f32_either_in[];
 extern const char template_sincos_f64_core_in[], template_sincos_f64_accurate_in[];
-extern const char template_sincos_f64_bounded_in[], template_sincos_f64_fast_in[], template_sincos_f64_either_in[];
-extern const char template_sincos_f32x2_core_in[], template_sincos_f32x2_accurate_in[], template_sincos_f32x2_fast_in[];
+extern const char template_sincos_f64_bounded_in[], template_sincos_f64_either_in[];
+extern const char template_sincos_f32x2_core_in[], template_sincos_f32x2_accurate_in[];
 extern const char template_sincos_f32x2_bounded_in[], template_sincos_f32x2_either_in[], template_f32x2_in[], template_f32x2_friction_in[];
 
 #endif

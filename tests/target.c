@@ -120,12 +120,13 @@ static void write_sources(const struct target *t, const char *stem)
 			"void test_sincos(double x, double *s, double *c);\n"
 			"void test_sincos(double x, double *s, double *c)\n{\n\tstruct rneagen_f32x2 y, z;\n"
 			"\trneagen_sincos_f32x2_%s(x, &y, &z);\n\t*s = rneagen_join(y);\n\t*c = rneagen_join(z);\n}\n",
-			TRIGS[t->options.trig]);
+			emit_trig_name(emit_trig_of(&t->options)));
 	else if (has_angles(t))
 		snprintf(text + n, sizeof text - (size_t)n,
 			"void test_sincos(%s x, %s *s, %s *c);\n"
 			"void test_sincos(%s x, %s *s, %s *c)\n{\n\trneagen_%ssincos%s_%s(x, s, c);\n}\n",
-			type, type, type, type, type, type, t->options.strict ? "strict_" : "", t->f32_inside ? "f" : "", TRIGS[t->options.trig]);
+			type, type, type, type, type, type, t->options.strict ? "strict_" : "", t->f32_inside ? "f" : "",
+			emit_trig_name(emit_trig_of(&t->options)));
 	target_write(target_path(stem, ".c"), t->text.source);
 	target_write(target_path(stem, ".h"), t->text.header);
 	target_write(target_path(stem, "_with_sincos.c"), text);

@@ -285,6 +285,38 @@ START_TEST(same_in_every_locale)
 }
 END_TEST
 
+/* ---- one code, one text ---- */
+
+/* Where no GPU's own unit computes, --trig fast writes the text of bounded: rnearun takes texts that are the same for one
+   variant. Would catch a text that calls a sine of its own there, or none where there is one. */
+START_TEST(fast_without_a_unit_is_bounded)
+{
+	struct random_robot_knobs knobs = random_robot_knobs(3, LINKS);
+	char *urdf = random_robot(3, &knobs);
+
+	for (int target = RNEAGEN_TARGET_CUDA; target <= RNEAGEN_TARGET_HEADER; target++)
+		for (int precision = RNEAGEN_F32; precision <= RNEAGEN_F32X2; precision++) {
+			int unit = precision == RNEAGEN_F32 && target != RNEAGEN_TARGET_C;
+			struct rneagen_options o = options_of(0);
+			struct rneagen_result bounded, fast;
+
+			o.target = (enum rneagen_target)target;
+			o.precision = (enum rneagen_precision)precision;
+			o.trig = RNEAGEN_BOUNDED;
+			bounded = generate(urdf, &o);
+			o.trig = RNEAGEN_FAST;
+			fast = generate(urdf, &o);
+			ck_assert_ptr_nonnull(strstr(bounded.source, "sincos"));
+			ck_assert_msg(unit == (strcmp(without(bounded.source, "trig", NULL), without(fast.source, "trig", NULL)) != 0),
+				"target %d, precision %d", target, precision);
+			ck_assert_msg(unit == (strstr(fast.source, "__sincosf") != NULL), "target %d, precision %d", target, precision);
+			rneagen_result_free(&bounded);
+			rneagen_result_free(&fast);
+		}
+	free(urdf);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *suite = suite_create("generate");
@@ -298,6 +330,7 @@ int main(void)
 	tcase_add_test(c, names_are_only_names);
 	tcase_add_test(c, numbers_are_short);
 	tcase_add_test(c, same_in_every_locale);
+	tcase_add_test(c, fast_without_a_unit_is_bounded);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);
 }

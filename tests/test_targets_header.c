@@ -1,5 +1,6 @@
 /* Texts for target header, all in one file with each other, in C and in C++; and the .h that goes with a .c. */
 #define _POSIX_C_SOURCE 200809L
+#include "emit.h"
 #include "process.h"
 #include "suite.h"
 #include "target_check.h"
@@ -64,7 +65,6 @@ static void generate(const struct header *h, enum rneagen_target kind, struct ta
 /* Ways from outside to the functions of one header. */
 static void write_calls(FILE *f, const struct target *t)
 {
-	static const char *const trigs[] = {"accurate", "bounded", "fast"};
 	const char *n = t->text.name, *T = t->f32 ? "float" : "double";
 
 	fprintf(f,
@@ -79,7 +79,7 @@ static void write_calls(FILE *f, const struct target *t)
 		n);
 	if (strstr(t->text.source, "\trneagen_sincos"))
 		fprintf(f, "void call_%s_sincos(%s x, %s *s, %s *c)\n{\n\trneagen_sincos%s_%s(x, s, c);\n}\n", n, T, T,
-			T, t->f32 ? "f" : "", trigs[t->options.trig]);
+			T, t->f32 ? "f" : "", emit_trig_name(emit_trig_of(&t->options)));
 	fprintf(f, "int call_%s_rows(int *nq, int *nv)\n{\n\t*nq = %s_nq;\n\t*nv = %s_nv;\n\treturn %s_nb;\n}\n", n, n,
 		n, n);
 }
