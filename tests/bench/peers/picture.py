@@ -1,5 +1,6 @@
 """The two pictures of the README's section, by gnuplot."""
 import subprocess
+import textwrap
 
 import study
 
@@ -22,7 +23,12 @@ CURVES = (  # title, colour, library, route, device; on the processor dashed
 
 def gnuplot(path, commands):
     script = f"set terminal svg size 900,520 dynamic background 'white'\nset output '{path}'\n{commands}"
-    subprocess.run(["gnuplot"], input=script, text=True, check=True)
+    subprocess.run(["gnuplot", "-d"], input=script, text=True, check=True)
+
+
+def in_lines(name):
+    """A bar is as wide as some 14 letters."""
+    return ",\\n".join("\\n".join(textwrap.wrap(part, 14)) for part in name.split(", "))
 
 
 def draw_shares(rows, path):
@@ -30,10 +36,10 @@ def draw_shares(rows, path):
     if not parts:
         return
     block = "$shares << END\n" + "\n".join(" ".join(f"{100 * x / sum(p):.2f}" for x in p) for _, *p in parts) + "\nEND\n"
-    names = ", ".join('"{}" {}'.format(name.replace(", ", ",\\n").replace(" of ", "\\nof "), i) for i, (name, *_) in enumerate(parts))
+    names = ", ".join(f'"{in_lines(name)}" {i}' for i, (name, *_) in enumerate(parts))
     columns = ", ".join(f"$shares using {i + 1} title '{part}'" for i, part in enumerate(PARTS))
     gnuplot(path, block + "set style data histograms\nset style histogram rowstacked\nset style fill solid 0.8 border -1\n"
-            f"set boxwidth 0.7\nset bmargin 5\nset yrange [0:100]\nset key outside top center horizontal\nset xtics ({names})\n"
+            f"set boxwidth 0.7\nset bmargin 7\nset yrange [0:100]\nset key outside top center horizontal\nset xtics ({names})\n"
             f"set ylabel 'percent of a call of {study.SHARED} samples, f32'\nplot {columns}\n")
 
 
@@ -59,8 +65,8 @@ def draw_times(rows, path):
     if curves:
         gnuplot(path, blocks + "set logscale xy\nset grid\nset key outside right\nset xrange [1:2e6]\n"
                 "set format '%.0s%c'\nset ytics add ('0.1' 0.1)\nset xlabel 'samples in a batch'\n"
-                "set ylabel 'time per sample of the whole RNEA in f32, "
-                f"times that of the generated kernel at 1 M'\nplot {', '.join(curves)}\n")
+                'set ylabel "time per sample of the whole RNEA in f32,\\ntimes that of the generated kernel at 1 M"\n'
+                f"plot {', '.join(curves)}\n")
 
 
 def draw(rows, folder):
