@@ -90,7 +90,8 @@ _rnearun_report() {
 
 _rnearun_choose() {
 	_arguments "${_rnearun_study[@]}" \
-		'--max-error=[of all samples]:number:'
+		'--max-error=[of all samples]:number:' \
+		'--measured[judge by the measured errors alone, not by bounds]'
 }
 
 _rnearun() {

@@ -19,6 +19,7 @@ struct work {
 	struct bench *b;
 	const struct rnea_robot *robots[KINDS];
 	size_t bytes[RNEA_ARGUMENT_LIMIT], array_count, count, set_count, launches;
+	size_t next; /* set, on the host: a run goes on where the last one ended */
 	void *arrays[SETS_LIMIT][RNEA_ARGUMENT_LIMIT];
 	void *const *sets[SETS_LIMIT]; /* the rows of `arrays` */
 	void *graphs[KINDS];           /* GPU */
@@ -81,16 +82,19 @@ static void add_set(struct work *w, void *const *arrays)
 static void make_sets(struct work *w, void *const *arrays)
 {
 	const struct rnea_info *info = rnea_info(w->robots[ROBOT]);
-	size_t total = 0, wanted = 1;
+	size_t total = 0, numbers = 0, wanted = 1;
 
 	w->array_count = info->input_count + info->output_count;
 	for (size_t i = 0; i < w->array_count; i++) {
 		const struct rnea_argument *a = &info->arguments[i];
 
-		w->bytes[i] = a->rows * (a->per_batch ? 1 : w->count) * (a->scalar == RNEA_F64 ? 8 : 4);
+		size_t n = a->rows * (a->per_batch ? 1 : w->count);
+
+		w->bytes[i] = n * (a->scalar == RNEA_F64 ? 8 : 4);
 		total += w->bytes[i];
+		numbers += n;
 	}
-	if (total >= BENCH_LARGE)
+	if (numbers >= BENCH_LARGE)
 		wanted += BENCH_ARRAYS / total;
 	while (w->set_count < wanted && w->set_count < SETS_LIMIT && !w->e->code)
 		add_set(w, arrays);
@@ -120,7 +124,7 @@ static double run(struct work *w, int kind)
 	}
 	start = seconds_now();
 	for (size_t i = 0; i < w->launches && !w->e->code; i++)
-		rnea_launch(w->robots[kind], w->sets[i % w->set_count], w->count, NULL, w->e);
+		rnea_launch(w->robots[kind], w->sets[w->next++ % w->set_count], w->count, NULL, w->e);
 	return seconds_now() - start;
 }
 
@@ -141,10 +145,10 @@ static void set_launches(struct work *w, size_t launches)
 			w->b->gpu, w->robots[i], w->sets, w->set_count, w->count, launches, w->e);
 }
 
-/* As many launches as last BENCH_RUN, each set as often as the others; this warms up too. */
+/* As many launches as last BENCH_RUN, in a graph each set as often as the others; this warms up too. */
 static void calibrate(struct work *w)
 {
-	size_t limit = w->b->gpu ? LAUNCHES_GPU : LAUNCHES_HOST, more = w->set_count;
+	size_t limit = w->b->gpu ? LAUNCHES_GPU : LAUNCHES_HOST, step = w->b->gpu ? w->set_count : 1, more = step;
 	double seconds;
 
 	do {
@@ -154,7 +158,7 @@ static void calibrate(struct work *w)
 		run(w, FLOOR);
 		seconds = run(w, ROBOT);
 		more = w->launches * (seconds > BENCH_RUN / 10 ? (size_t)(1.2 * BENCH_RUN / seconds) + 1 : 10);
-		more -= more % w->set_count;
+		more -= more % step;
 	} while (seconds < BENCH_RUN && w->launches < limit && !w->e->code);
 }
 
@@ -172,8 +176,29 @@ static void summarise(struct work *w, int replays, struct bench_time *time)
 	for (int i = 0; i < KINDS; i++)
 		qsort(w->times[i], (size_t)replays, sizeof(double), ascending);
 	time->ns = 1e9 * t[replays / 2] / samples;
+	time->least = 1e9 * t[0] / samples;
 	time->spread = (t[3 * replays / 4] - t[replays / 4]) / t[replays / 2];
 	time->floor = 1e9 * w->times[FLOOR][replays / 2] / samples;
+}
+
+/* Are there runs that nothing disturbed? More than one that is near the least. */
+static int is_settled(const double *times, int replays)
+{
+	double least = times[0];
+	int alike = 0;
+
+	for (int i = 1; i < replays; i++)
+		least = times[i] < least ? times[i] : least;
+	for (int i = 0; i < replays; i++)
+		alike += times[i] <= 1.1 * least;
+	return alike >= BENCH_ALIKE;
+}
+
+static int is_enough(const struct work *w, int replays, double total)
+{
+	if (replays < BENCH_REPLAYS || (total < BENCH_TOTAL && replays < BENCH_REPLAYS_LIMIT))
+		return 0;
+	return replays == BENCH_REPLAYS_LIMIT || total >= BENCH_LIMIT || is_settled(w->times[ROBOT], replays);
 }
 
 enum rnea_code bench_measure(struct bench *b, const struct rnea_robot *robot, const struct rnea_robot *floor,
@@ -189,7 +214,7 @@ enum rnea_code bench_measure(struct bench *b, const struct rnea_robot *robot, co
 	make_sets(w, arrays);
 	if (!e->code)
 		calibrate(w);
-	for (; !e->code && replays < BENCH_REPLAYS_LIMIT && (replays < BENCH_REPLAYS || total < BENCH_TOTAL); replays++)
+	for (; !e->code && !is_enough(w, replays, total); replays++)
 		for (int i = 0; i < KINDS; i++)
 			total += w->times[i][replays] = run(w, i);
 	if (!e->code)

@@ -2,37 +2,77 @@
 #include "child.h"
 #include "emit.h"
 #include "pending.h"
+#include "plot_labels.h"
 #include "scratch.h"
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH = 1000, HEIGHT = 650 };
+/* Pixels, of the picture and of what lies around the frame. */
+enum { WIDTH = 1000, HEIGHT = 650, HEIGHT_MOST = 1250, LEFT = 80, RIGHT = 190, TOP = 60, BOTTOM = 75, KEY = 48, LETTERS = 14 };
 
-/* Errors below are as good as none; logarithms are to base 10. */
+/* Errors below are as good as none. */
 #define LEAST_ERROR 1e-17
 
-struct point {
-	const struct study_row *row;
-	double x, y;       /* log of the error, and of samples per second */
-	double label_y;
+static const char *const COLOURS[] = {"#1f5fbf", "#d9601a"}; /* of the backends, in their order */
+
+struct axis {
+	double from, to; /* logarithms to base 10 */
+	double pixels;
 };
+
+/* Samples a second that memory allows. */
+struct limit {
+	size_t backend; /* of study->backends */
+	int f32;
+	double speed;
+	double label_y; /* pixels */
+};
+
+enum { LIMITS = 2 * STUDY_WORDS };
 
 struct plot {
 	const struct report *report;
-	struct point *points, *front; /* by speed; on the front: what no other variant of the backend beats in both */
-	size_t count, front_count, batch;
-	double x[2], y[2]; /* ranges of the axes */
+	struct plot_point *points;
+	size_t count, batch;
+	struct limit limits[LIMITS];
+	size_t limit_count;
+	struct axis x, y; /* of the error, of samples a second */
+	struct plot_label *labels;
+	size_t label_count;
+	struct plot_line *lines; /* that labels keep off: the fronts, the limits, the arrow */
+	size_t line_count;
+	int height, bottom;
 };
 
 /* ---- points ---- */
 
+static double speed_of(const struct study_row *row)
+{
+	return 1e9 / row->ns;
+}
+
+static double error_of(const struct study_row *row)
+{
+	return fmax(row->errors.max, LEAST_ERROR);
+}
+
+static double pixel(const struct axis *a, double value)
+{
+	return (log10(value) - a->from) / (a->to - a->from) * a->pixels;
+}
+
+/* By backend; the fastest first, of those the closest. */
 static int by_speed(const void *a, const void *b)
 {
-	const struct point *p = a, *q = b;
+	const struct study_row *p = ((const struct plot_point *)a)->row, *q = ((const struct plot_point *)b)->row;
 
-	return p->y != q->y ? (p->y > q->y) - (p->y < q->y) : (p->x > q->x) - (p->x < q->x);
+	if (p->backend != q->backend)
+		return (p->backend > q->backend) - (p->backend < q->backend);
+	if (p->ns != q->ns)
+		return (p->ns > q->ns) - (p->ns < q->ns);
+	return (p->errors.max > q->errors.max) - (p->errors.max < q->errors.max);
 }
 
 static int take_points(struct plot *p)
@@ -40,68 +80,125 @@ static int take_points(struct plot *p)
 	const struct report *r = p->report;
 
 	p->points = calloc(r->count + 1, sizeof *p->points);
-	p->front = calloc(r->count + 1, sizeof *p->front);
+	p->labels = calloc(r->count + 1, sizeof *p->labels);
+	p->lines = calloc(r->count + LIMITS + 1, sizeof *p->lines);
+	if (!p->points || !p->labels || !p->lines)
+		return 0;
 	for (size_t i = 0; i < r->count; i++)
 		p->batch = r->rows[i].batch > p->batch ? r->rows[i].batch : p->batch;
-	for (size_t i = 0; p->points && i < r->count; i++) {
-		const struct study_row *row = &r->rows[i];
-
-		if (row->batch == p->batch && isfinite(row->errors.max))
-			p->points[p->count++] = (struct point){.row = row, .x = log10(fmax(row->errors.max, LEAST_ERROR)),
-				.y = log10(1e9 / row->ns)};
-	}
-	if (p->points)
-		qsort(p->points, p->count, sizeof *p->points, by_speed);
-	return p->points && p->front;
+	for (size_t i = 0; i < r->count; i++)
+		if (r->rows[i].batch == p->batch && isfinite(r->rows[i].errors.max))
+			p->points[p->count++].row = &r->rows[i];
+	qsort(p->points, p->count, sizeof *p->points, by_speed);
+	return 1;
 }
 
-static int is_beaten(const struct plot *p, const struct point *a)
+/* Is it on the front: is nothing of its backend as fast and as close, and better in one? */
+static int is_unbeaten(const struct plot *p, const struct study_row *a)
 {
 	for (size_t i = 0; i < p->count; i++) {
-		const struct point *b = &p->points[i];
+		const struct study_row *b = p->points[i].row;
 
-		if (b->row->backend == a->row->backend && b->x <= a->x && b->y >= a->y && (b->x < a->x || b->y > a->y))
-			return 1;
+		if (b->backend == a->backend && error_of(b) <= error_of(a) && b->ns <= a->ns &&
+			(error_of(b) < error_of(a) || b->ns < a->ns))
+			return 0;
 	}
-	return 0;
+	return 1;
 }
 
-static void take_front(struct plot *p)
+/* ---- limits of memory ---- */
+
+/* The most that was measured beside the variants of a type: what else the machine does only takes away. */
+static void take_limit(struct plot *p, size_t backend, int f32)
 {
-	for (size_t i = 0; i < p->count; i++)
-		if (!is_beaten(p, &p->points[i]))
-			p->front[p->front_count++] = p->points[i];
+	double most = 0;
+
+	for (size_t i = 0; i < p->count; i++) {
+		const struct study_row *r = p->points[i].row;
+
+		if (r->backend == p->report->study->backends[backend].backend && judge_is_f32(r->precision) == f32)
+			most = fmax(most, speed_of(r) / r->floor_ratio);
+	}
+	if (most > 0)
+		p->limits[p->limit_count++] = (struct limit){.backend = backend, .f32 = f32, .speed = most};
+}
+
+/* ---- the frame ---- */
+
+static void widen(struct axis *a, double value, double below, double above)
+{
+	a->from = fmin(a->from, log10(value) - below);
+	a->to = fmax(a->to, log10(value) + above);
 }
 
 static void set_ranges(struct plot *p)
 {
-	p->x[0] = p->y[0] = (double)INFINITY;
-	p->x[1] = p->y[1] = -(double)INFINITY;
+	p->x = (struct axis){(double)INFINITY, -(double)INFINITY, WIDTH - LEFT - RIGHT};
+	p->y = (struct axis){(double)INFINITY, -(double)INFINITY, p->height - TOP - p->bottom};
 	for (size_t i = 0; i < p->count; i++) {
-		p->x[0] = fmin(p->x[0], p->points[i].x - 2.5);
-		p->x[1] = fmax(p->x[1], p->points[i].x + 1);
-		p->y[0] = fmin(p->y[0], p->points[i].y - 0.2);
-		p->y[1] = fmax(p->y[1], p->points[i].y + 0.3);
+		widen(&p->x, error_of(p->points[i].row), 1.5, 1.5);
+		widen(&p->y, speed_of(p->points[i].row), 0.2, 0.3);
+	}
+	for (size_t i = 0; i < p->limit_count; i++)
+		widen(&p->y, p->limits[i].speed, 0.1, 0.3);
+	for (size_t i = 0; i < p->count; i++) {
+		p->points[i].x = pixel(&p->x, error_of(p->points[i].row));
+		p->points[i].y = pixel(&p->y, speed_of(p->points[i].row));
 	}
 }
 
-/* ---- labels ---- */
-
-/* A label stands left of its point on the front and above it, where no other point of the backend is nor the line that joins
-   them, and above the labels that it would cover. */
-static void place_labels(struct plot *p)
+static void add_line(struct plot *p, double x0, double y0, double x1, double y1)
 {
-	double line = 0.03 * (p->y[1] - p->y[0]), width = 0.2 * (p->x[1] - p->x[0]);
+	p->lines[p->line_count++] = (struct plot_line){{x0, x1}, {y0, y1}};
+}
 
-	for (size_t i = 0; i < p->front_count; i++) {
-		struct point *q = &p->front[i];
+/* The fronts, the limits, and "better" with its arrow. */
+static void take_lines(struct plot *p)
+{
+	const struct plot_point *last = NULL;
 
-		q->label_y = q->y + line;
-		for (size_t k = 0; k < i; k++)
-			if (fabs(p->front[k].x - q->x) < width)
-				q->label_y = fmax(q->label_y, p->front[k].label_y + line);
-		p->y[1] = fmax(p->y[1], q->label_y + 2 * line);
+	p->line_count = 0;
+	for (size_t i = 0; i < p->count; i++) {
+		const struct plot_point *q = &p->points[i];
+
+		if (!is_unbeaten(p, q->row))
+			continue;
+		if (last && last->row->backend == q->row->backend)
+			add_line(p, last->x, last->y, q->x, q->y);
+		last = q;
 	}
+	for (size_t i = 0; i < p->limit_count; i++)
+		add_line(p, 0, pixel(&p->y, p->limits[i].speed), p->x.pixels, pixel(&p->y, p->limits[i].speed));
+	add_line(p, 0, p->y.pixels - 20, 120, p->y.pixels - 20);
+}
+
+/* The limits' labels stand right of the frame, apart from each other. */
+static void place_limits(struct plot *p)
+{
+	for (size_t i = 0; i < p->limit_count; i++) {
+		struct limit *l = &p->limits[i];
+
+		l->label_y = pixel(&p->y, l->speed);
+		for (size_t k = 0; k < i; k++)
+			if (fabs(l->label_y - p->limits[k].label_y) < LETTERS) {
+				l->label_y = p->limits[k].label_y + LETTERS;
+				k = (size_t)-1;
+			}
+	}
+}
+
+/* The picture is as high as its labels need. */
+static void arrange(struct plot *p)
+{
+	p->bottom = BOTTOM + KEY * p->report->study->backend_count;
+	for (p->height = HEIGHT;; p->height += 100) {
+		set_ranges(p);
+		take_lines(p);
+		if (plot_place(p->labels, &p->label_count, p->points, p->count, p->lines, p->line_count, p->x.pixels, p->y.pixels) ||
+			p->height >= HEIGHT_MOST)
+			break;
+	}
+	place_limits(p);
 }
 
 /* ---- the script ---- */
@@ -113,49 +210,86 @@ static void put_name(FILE *f, const char *name)
 		fputc(isalnum((unsigned char)*name) || strchr(" .-_", *name) ? *name : ' ', f);
 }
 
-static void put_label(const struct plot *p, const struct point *q, FILE *f)
+static void put_label(const struct plot *p, const struct plot_label *l, FILE *f)
 {
-	double x = pow(10, q->x - 0.012 * (p->x[1] - p->x[0])), y = pow(10, q->label_y);
-	const struct study_row *r = q->row;
+	double side = l->ends_there ? 3 : -3;
 
-	fprintf(f, "set label '%s %s %s' at %.9g,%.9g right noenhanced\n", emit_precision_name(r->precision), emit_trig_name(r->trig),
-		emit_layout_name(r->layout), x, y);
-	fprintf(f, "set arrow from %.9g,%.9g to %.9g,%.9g nohead back lc rgb '#c0c0c0' lw 0.5\n", pow(10, q->x), pow(10, q->y), x, y);
+	fprintf(f, "set label '%s' at graph %.6f,%.6f %s noenhanced front\n", l->text, l->at_x / p->x.pixels, l->at_y / p->y.pixels,
+		l->ends_there ? "right" : "left");
+	fprintf(f, "set arrow from graph %.6f,%.6f to graph %.6f,%.6f nohead back lc rgb '#808080' lw 0.5\n", l->x / p->x.pixels,
+		l->y / p->y.pixels, (l->at_x + side) / p->x.pixels, l->at_y / p->y.pixels);
 }
 
-static void put_data(const struct point *points, size_t count, enum rnea_backend backend, const char *what, FILE *f)
+static void put_limit(const struct plot *p, const struct limit *l, FILE *f)
 {
-	fprintf(f, "$%s_%s << EOD\n", study_backend_name(backend), what);
-	for (size_t i = 0; i < count; i++)
-		if (points[i].row->backend == backend)
-			fprintf(f, "%.9g %.9g\n", pow(10, points[i].x), pow(10, points[i].y));
-	fprintf(f, "EOD\n");
+	const struct study *s = p->report->study;
+	const char *colour = COLOURS[l->backend % 2];
+	double y = pixel(&p->y, l->speed) / p->y.pixels;
+
+	fprintf(f, "set arrow from graph 0,%.6f to graph 1,%.6f nohead back dashtype 2 lc rgb '%s'\n", y, y, colour);
+	fprintf(f, "set label '%s: limit of memory,", study_backend_name(s->backends[l->backend].backend));
+	fprintf(f, " %s' at graph 1.008,%.6f left font ',10' textcolor rgb '%s'\n", l->f32 ? "floats" : "doubles",
+		l->label_y / p->y.pixels, colour);
+}
+
+/* All points of a backend, and those of its front. */
+static void put_data(const struct plot *p, enum rnea_backend backend, FILE *f)
+{
+	for (int front = 0; front < 2; front++) {
+		fprintf(f, "$%s_%s << EOD\n", study_backend_name(backend), front ? "front" : "all");
+		for (size_t i = 0; i < p->count; i++) {
+			const struct study_row *r = p->points[i].row;
+
+			if (r->backend == backend && (!front || is_unbeaten(p, r)))
+				fprintf(f, "%.9g %.9g\n", error_of(r), speed_of(r));
+		}
+		fprintf(f, "EOD\n");
+	}
 }
 
 static void put_frame(const struct plot *p, FILE *f)
 {
-	fprintf(f, "set terminal svg size %d,%d font 'sans-serif,13' background rgb 'white'\n", WIDTH, HEIGHT);
+	fprintf(f, "set terminal svg size %d,%d font 'sans-serif,13' background rgb 'white'\n", WIDTH, p->height);
+	fprintf(f, "set lmargin at screen %.6f\nset rmargin at screen %.6f\n", (double)LEFT / WIDTH, 1 - (double)RIGHT / WIDTH);
+	fprintf(f, "set tmargin at screen %.6f\nset bmargin at screen %.6f\n", 1 - (double)TOP / p->height, (double)p->bottom / p->height);
 	fprintf(f, "set title '");
 	put_name(f, p->report->study->analysis.robot.name);
 	fprintf(f, ": inverse dynamics, speed against error' noenhanced font ',17'\n");
-	fprintf(f, "set logscale xy\nset format x '10^{%%T}'\nset format y '10^{%%T}'\nset grid lc rgb '#e0e0e0'\n");
-	fprintf(f, "set key below maxcolumns 2 spacing 1.2 noenhanced\nset bmargin 6\n");
+	fprintf(f, "set logscale xy\nset format x '1e%%T'\nset format y '%%.0te%%T'\nset grid lc rgb '#e0e0e0'\n");
+	fprintf(f, "set key below maxcolumns 1 spacing 1.2 noenhanced\n");
 	fprintf(f, "set xlabel 'largest error of %zu samples, |tau - ref| / |ref|'\n", p->report->study->options->sample.count);
 	fprintf(f, "set ylabel 'samples per second, in batches of %zu'\n", p->batch);
-	fprintf(f, "set xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\n", pow(10, p->x[0]), pow(10, p->x[1]), pow(10, p->y[0]),
-		pow(10, p->y[1]));
-	fprintf(f, "set label 'better' at graph 0.065,0.945 font ',15' textcolor rgb '#2a7a2a'\n"
-		   "set arrow from graph 0.06,0.93 to graph 0.02,0.98 lw 2 lc rgb '#2a7a2a'\n");
+	fprintf(f, "set xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\n", pow(10, p->x.from), pow(10, p->x.to), pow(10, p->y.from),
+		pow(10, p->y.to));
+	fprintf(f, "set label 'better' at graph %.6f,%.6f font ',15' textcolor rgb '#2a7a2a'\n"
+		   "set arrow from graph %.6f,%.6f to graph %.6f,%.6f lw 2 lc rgb '#2a7a2a'\n", 52 / p->x.pixels,
+		1 - 22 / p->y.pixels, 48 / p->x.pixels, 1 - 34 / p->y.pixels, 12 / p->x.pixels, 1 - 10 / p->y.pixels);
+}
+
+/* 1, 2 and 5 of each decade, where there are few decades. */
+static void put_tics(const struct axis *y, FILE *f)
+{
+	static const int steps[] = {1, 2, 5};
+	const char *comma = "";
+
+	if (y->to - y->from > 2.5)
+		return;
+	fprintf(f, "set ytics (");
+	for (int d = (int)floor(y->from); d <= (int)y->to; d++)
+		for (int i = 0; i < 3; i++) {
+			fprintf(f, "%s%de%d", comma, steps[i], d);
+			comma = ", ";
+		}
+	fprintf(f, ")\n");
 }
 
 static void put_curves(const struct plot *p, FILE *f)
 {
-	static const char *const colours[] = {"#1f5fbf", "#d9601a"};
 	const struct study *s = p->report->study;
 
 	fprintf(f, "plot");
 	for (int i = 0; i < s->backend_count; i++) {
-		const char *name = study_backend_name(s->backends[i].backend), *colour = colours[i % 2];
+		const char *name = study_backend_name(s->backends[i].backend), *colour = COLOURS[i % 2];
 
 		fprintf(f, "%s $%s_all using 1:2 with points pt 6 ps 0.7 lc rgb '%s' title '%s, ", i ? "," : "", name, colour, name);
 		put_name(f, s->backends[i].device);
@@ -175,13 +309,14 @@ static enum rneagen_code put_script(const struct plot *p, const char *path, cons
 	for (const char *c = svg; *c; c++)
 		fputs(*c == '\'' ? "''" : (char[]){*c, '\0'}, f);
 	fprintf(f, "'\n");
-	for (int i = 0; i < p->report->study->backend_count; i++) {
-		put_data(p->points, p->count, p->report->study->backends[i].backend, "all", f);
-		put_data(p->front, p->front_count, p->report->study->backends[i].backend, "front", f);
-	}
+	for (int i = 0; i < p->report->study->backend_count; i++)
+		put_data(p, p->report->study->backends[i].backend, f);
 	put_frame(p, f);
-	for (size_t i = 0; i < p->front_count; i++)
-		put_label(p, &p->front[i], f);
+	put_tics(&p->y, f);
+	for (size_t i = 0; i < p->limit_count; i++)
+		put_limit(p, &p->limits[i], f);
+	for (size_t i = 0; i < p->label_count; i++)
+		put_label(p, &p->labels[i], f);
 	put_curves(p, f);
 	return fclose(f) ? pending_fail(path, e) : RNEAGEN_OK;
 }
@@ -248,12 +383,13 @@ enum rneagen_code plot_write(const struct report *r, const char *path, struct rn
 	else if (!p.count)
 		error_set(e, RNEAGEN_UNSUPPORTED, "--plot: no variant has a finite error");
 	if (!e->code) {
-		take_front(&p);
-		set_ranges(&p);
-		place_labels(&p);
+		for (size_t i = 0; i < 2 * (size_t)r->study->backend_count; i++)
+			take_limit(&p, i / 2, i % 2);
+		arrange(&p);
 		draw(&p, path, e);
 	}
 	free(p.points);
-	free(p.front);
+	free(p.labels);
+	free(p.lines);
 	return e->code;
 }

@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* The numbers of a row: name, as printf has it, value; NAN is null. */
-enum { FIELDS = 13 };
+enum { FIELDS = 13, SAME = 32 };
 struct field {
 	const char *name;
 	double value;
@@ -54,6 +54,8 @@ static void put_cell(FILE *out, int width, int digits, char kind, double x)
 
 static void put_row(const struct study_row *r, FILE *out)
 {
+	char same[SAME];
+
 	fprintf(out, "%-7s %-9s %-8s %-6s %8zu", study_backend_name(r->backend), emit_precision_name(r->precision),
 		emit_trig_name(r->trig), emit_layout_name(r->layout), r->batch);
 	put_cell(out, 10, 4, 'g', r->ns);
@@ -67,7 +69,8 @@ static void put_row(const struct study_row *r, FILE *out)
 	put_cell(out, 4, 0, 'f', r->registers >= 0 ? (double)r->registers : (double)NAN);
 	put_cell(out, 6, 0, 'f', r->registers >= 0 ? (double)r->spill_bytes : (double)NAN);
 	put_cell(out, 8, 0, 'f', r->compile_ms);
-	fputc('\n', out);
+	study_same(r, ", ", same, sizeof same);
+	fprintf(out, "  %s\n", *same ? same : "-");
 }
 
 static void put_inputs(const struct report *r, FILE *out)
@@ -96,7 +99,7 @@ void report_put_table(const struct report *r, FILE *out)
 		fprintf(out, "%s: %s, %s, %s\n", study_backend_name(s->backends[i].backend), s->backends[i].device,
 			s->backends[i].target, s->backends[i].compiler);
 	fprintf(out, "\nbackend precision trig     layout    batch  ns/sample spread  floor error max error rms  terms"
-		     " bound max    model regs  spill  compile\n");
+		     " bound max    model regs  spill  compile  same code\n");
 	for (size_t i = 0; i < r->count; i++)
 		put_row(&r->rows[i], out);
 }
@@ -106,9 +109,10 @@ void report_put_table(const struct report *r, FILE *out)
 static void put_json_row(const struct study_row *row, struct text *out)
 {
 	struct field f[FIELDS];
-	char number[40];
+	char number[40], same[SAME];
 
 	list_fields(row, f);
+	study_same(row, "\", \"", same, sizeof same);
 	text_printf(out, "{\"backend\": \"%s\", \"precision\": \"%s\", \"trig\": \"%s\", \"layout\": \"%s\"",
 		study_backend_name(row->backend), emit_precision_name(row->precision), emit_trig_name(row->trig),
 		emit_layout_name(row->layout));
@@ -116,7 +120,7 @@ static void put_json_row(const struct study_row *row, struct text *out)
 		number_text(f[i].value, "null", number, sizeof number);
 		text_printf(out, ", \"%s\": %s", f[i].name, number);
 	}
-	text_putc(out, '}');
+	text_printf(out, *same ? ", \"same_code\": [\"%s\"]}" : ", \"same_code\": []}", same);
 }
 
 static void put_json_backend(const struct study_backend *b, struct text *out)
@@ -172,13 +176,13 @@ void report_put_json(const struct report *r, struct text *out)
 void report_put_csv(const struct report *r, FILE *out)
 {
 	struct field f[FIELDS];
-	char number[40];
+	char number[40], same[SAME];
 
 	fprintf(out, "backend,precision,trig,layout");
 	list_fields(&(struct study_row){.registers = -1}, f);
 	for (int i = 0; i < FIELDS; i++)
 		fprintf(out, ",%s", f[i].name);
-	fputc('\n', out);
+	fputs(",same_code\n", out);
 	for (size_t k = 0; k < r->count; k++) {
 		const struct study_row *row = &r->rows[k];
 
@@ -189,6 +193,7 @@ void report_put_csv(const struct report *r, FILE *out)
 			number_text(f[i].value, "", number, sizeof number);
 			fprintf(out, ",%s", number);
 		}
-		fputc('\n', out);
+		study_same(row, " ", same, sizeof same);
+		fprintf(out, ",%s\n", same);
 	}
 }

@@ -264,7 +264,7 @@ static enum rneagen_code do_all(struct eval *v)
 		if (do_slice(v, count))
 			break;
 		done += count;
-		progress_show(&progress, done);
+		progress_show(&progress, done, "");
 	}
 	progress_end(&progress);
 	return v->error.code;

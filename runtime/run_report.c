@@ -2,7 +2,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "run_report.h"
 #include "plot.h"
-#include "progress.h"
 #include "scene_put.h"
 #include <stdlib.h>
 #include <string.h>
@@ -57,25 +56,37 @@ static int take(void *own, const char *name, int key, const char *word)
 	return *word ? 0 : option_refuse(name, "the name of a file is empty");
 }
 
-/* Rows for all variants, or NULL and a message. */
+/* Rows of one variant, one for each batch. */
+static enum rneagen_code measure_variant(struct reporting *r, int variant)
+{
+	struct study *s = &r->study;
+	struct study_row *row = &r->rows[variant * r->options.batch_count];
+	struct rnea_robot *robot = NULL;
+
+	*row = s->variants[variant];
+	if (!study_bound(s, row))
+		study_build(s, row, &robot);
+	for (int i = 0; i < r->options.batch_count && !s->error.code; i++) {
+		row[i] = row[0];
+		study_time(s, robot, &row[i], r->options.batches[i]);
+	}
+	rnea_close(robot);
+	return s->error.code;
+}
+
+/* Rows for all variants, or a message. */
 static int measure(struct reporting *r)
 {
 	struct study *s = &r->study;
-	int variants = study_variants(s), batches = r->options.batch_count;
-	struct progress progress;
 
-	r->rows = calloc((size_t)variants * (size_t)batches + 1, sizeof *r->rows);
+	r->rows = calloc((size_t)s->variant_count * (size_t)r->options.batch_count + 1, sizeof *r->rows);
 	if (!r->rows)
-		return command_fail(&r->command, "out of memory");
-	progress_start(&progress, r->command.name, "variants", (uint64_t)variants, r->command.quiet);
-	for (int i = 0; i < variants && !s->error.code; i++) {
-		struct study_row *row = &r->rows[i * batches];
-		struct study_backend *b = study_variant(s, i, row);
-
-		study_measure(s, b, row);
-		progress_show(&progress, (uint64_t)i + 1);
+		error_memory(&s->error);
+	for (int i = 0; i < s->variant_count && !s->error.code; i++) {
+		study_show(s, i, &s->variants[i]);
+		measure_variant(r, i);
 	}
-	progress_end(&progress);
+	progress_end(&s->progress);
 	return s->error.code ? command_fail(&r->command, s->error.message) : 0;
 }
 
@@ -128,7 +139,7 @@ static int report(struct reporting *r)
 	struct tm utc;
 	int status = study_open(&r->study, &r->command, &r->options);
 
-	if (!status && !study_variants(&r->study))
+	if (!status && !r->study.variant_count)
 		status = command_fail(&r->command, "no backend is there");
 	if (!status)
 		status = measure(r);
@@ -137,7 +148,7 @@ static int report(struct reporting *r)
 	report.command = text_string(&r->words);
 	report.scene = scene_of(r);
 	report.rows = r->rows;
-	report.count = (size_t)study_variants(&r->study) * (size_t)r->options.batch_count;
+	report.count = (size_t)r->study.variant_count * (size_t)r->options.batch_count;
 	strftime(report.date, sizeof report.date, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
 	status = print(r, &report);
 	if (!status && r->plot && plot_write(&report, r->plot, &r->study.error))

@@ -7,8 +7,9 @@
 #include "command.h"
 #include "files.h"
 #include "judge.h"
+#include "progress.h"
 
-enum { STUDY_WORDS = 8, STUDY_BATCHES = 16, STUDY_PRECISIONS = 8 };
+enum { STUDY_WORDS = 8, STUDY_BATCHES = 16, STUDY_PRECISIONS = 8, STUDY_TRIGS = 3, STUDY_LAYOUTS = 2 };
 
 struct study_list {
 	int values[STUDY_WORDS], count;
@@ -25,14 +26,16 @@ struct study_options {
 	struct draw_options sample;
 };
 
-/* NAN, or a negative number of registers, where there is nothing to say. */
+/* One variant; what was measured is NAN, or a negative number of registers, where there is nothing to say. */
 struct study_row {
 	enum rnea_backend backend;
 	enum rneagen_precision precision;
 	enum rneagen_trig trig;
+	unsigned same; /* bits 1 << trig: other trigonometries that are the same code here, of which this is the first */
 	enum rneagen_layout layout;
 	size_t batch;
-	double ns, spread, floor_ratio;
+	double ns, least, spread; /* of one sample: the median of the runs, the least; the quartiles' distance over the median */
+	double floor_ratio;
 	struct judge_errors errors;
 	double bound_max, model_change;
 	int registers;
@@ -56,6 +59,9 @@ struct study {
 	struct analysis analysis;
 	struct study_backend backends[STUDY_WORDS];
 	int backend_count;
+	struct study_row *variants; /* variant_count of them: that nothing was measured of yet */
+	int variant_count;
+	struct progress progress;
 	struct judge *judges[STUDY_PRECISIONS]; /* by enum rneagen_precision; NULL: not yet */
 	double bounds[STUDY_PRECISIONS][STUDY_WORDS][2]; /* by precision, trig, and whether on a GPU; 0: not yet */
 	double model_change; /* by constants that the scene changes; NAN: none */
@@ -78,7 +84,7 @@ enum { STUDY_BACKEND = COMMAND_OWN, STUDY_PRECISION, STUDY_TRIG, STUDY_LAYOUT, S
 #define STUDY_HELP                                                                                                     \
 	"  --backend cpu|cuda|all     several, by commas (default: all that are there)\n"                              \
 	"  --precision f32|f64|mixed|f32x2\n"                                                                          \
-	"                             several, by commas (default: all); so the next two\n"                            \
+	"                             several, by commas (default: all, f32x2 on GPUs alone); so the next two\n"       \
 	"  --trig accurate|bounded|fast\n"                                                                             \
 	"  --layout soa|aos\n"                                                                                         \
 	"  --samples N                samples of all inputs in which errors are measured (default 1000)\n"             \
@@ -95,10 +101,28 @@ int study_take(struct study_options *o, const char *name, int key, const char *w
 /* A positive finite number; 2 and a message if it is none. */
 int study_number(const char *name, const char *option, const char *word, double *value);
 
-/* Read the URDF and find the backends; the GPU's own sine leaves the default where --strict is asked for. On failure prints a message and returns the exit status, 1 or 2; else 0. The
-   study is given to study_close in either case. */
+/* Read the URDF, find the backends and list the variants; the GPU's own sine leaves the default where --strict is asked for,
+   and f32x2 on the processor unless it is asked for. On failure prints a message and returns the exit status, 1 or 2; else 0.
+   The study is given to study_close in either case. */
 int study_open(struct study *s, const struct command *c, struct study_options *o);
 void study_close(struct study *s);
+
+/* The part of study_open that fills s->variants, in the order of the options. Errors: those of generating, MEMORY. */
+enum rneagen_code study_plan(struct study *s);
+
+/* "cpu f64 bounded soa"; the trigonometries that are the same code, "fast". */
+void study_name(const struct study_row *row, char *text, size_t size);
+void study_same(const struct study_row *row, const char *between, char *text, size_t size);
+
+/* Show that `done` variants are done and this one is at work. */
+void study_show(struct study *s, int done, const struct study_row *row);
+
+/* What a variant's text is generated with, and how it is opened. */
+struct rneagen_options study_generate(const struct study *s, const struct study_row *row);
+struct rnea_options study_open_options(const struct study *s, enum rnea_backend backend);
+
+/* The runtime's message as the study's. */
+enum rneagen_code study_fail(struct study *s, const struct rnea_error *e);
 
 /* The judge of a precision, made when it is first asked for; NULL when memory runs out. */
 const struct judge *study_judge(struct study *s, enum rneagen_precision precision);
@@ -106,12 +130,11 @@ const struct judge *study_judge(struct study *s, enum rneagen_precision precisio
 /* Fill row->bound_max for the variant that `row` begins with: NAN where no bound is known. Error: MEMORY. */
 enum rneagen_code study_bound(struct study *s, struct study_row *row);
 
-/* Compile the variant that `row` begins with and fill the rest, for each batch of the options: batch_count rows that
-   follow each other. Errors: UNSUPPORTED, with the runtime's message, MEMORY. */
-enum rneagen_code study_measure(struct study *s, struct study_backend *b, struct study_row *row);
+/* Compile the variant that `row` begins with, and fill its errors, registers and what compiling took. The caller closes the
+   robot, which is NULL on failure. Errors: UNSUPPORTED, with the runtime's message, MEMORY. */
+enum rneagen_code study_build(struct study *s, struct study_row *row, struct rnea_robot **robot);
 
-/* How many variants the options ask for; the backend and first fields of number i, in order. */
-int study_variants(const struct study *s);
-struct study_backend *study_variant(struct study *s, int i, struct study_row *row);
+/* Fill the times of batches of `batch` samples. Errors: as study_build. */
+enum rneagen_code study_time(struct study *s, const struct rnea_robot *robot, struct study_row *row, size_t batch);
 
 #endif
