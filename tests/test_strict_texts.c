@@ -157,6 +157,84 @@ START_TEST(refuses_other_arithmetic)
 }
 END_TEST
 
+/* A source that includes or is a text, and whether a compiler takes it with these flags. */
+static int takes(const char *command, const char *const flags[3], const char *source, char said[1000])
+{
+	const char *const argv[] = {command, flags[0], flags[1], flags[2], "-c", "-o", "/dev/null", source, NULL};
+	struct process p = process_run(argv);
+	int status = p.status;
+
+	snprintf(said, 1000, "%s", p.output);
+	process_free(&p);
+	return status == 0;
+}
+
+/* Catches a text that a compiler for a processor with instructions for _Float16 refuses: gcc's default mode then sets
+   __FLT_EVAL_METHOD__ to 16. Nothing is run, so the processor need not be there. */
+START_TEST(for_processors_that_are_not_here)
+{
+#if defined __x86_64__
+	static const char *const cpus[] = {"-mavx512fp16", "-march=sapphirerapids", "-march=native"};
+#else
+	static const char *const cpus[] = {"-mcpu=native"};
+#endif
+	static const struct {
+		const char *command, *mode, *suffix;
+	} modes[] = {{"gcc", "-std=gnu11", ".c"}, {"gcc", "-std=c11", ".c"}, {"clang", "-std=gnu11", ".c"}, {"g++", "-std=gnu++17", ".cpp"}};
+	struct target_path c = target_path("strict_cpu", ".c"), h = target_path("strict_cpu", ".h"),
+			   cpp = target_path("strict_cpu", ".cpp"), nothing = target_path("strict_nothing", ".c");
+	struct target source, header;
+	char said[1000];
+
+	generate(&source, RNEAGEN_TARGET_C, _i ? RNEAGEN_F64 : RNEAGEN_F32, 1, "strict_cpu");
+	generate(&header, RNEAGEN_TARGET_HEADER, _i ? RNEAGEN_F64 : RNEAGEN_F32, 1, "strict_cpu");
+	target_write(c, source.text.source);
+	target_write(h, header.text.source);
+	target_write(cpp, "#include \"strict_cpu.h\"\n");
+	target_write(nothing, "");
+	for (size_t k = 0; k < sizeof modes / sizeof *modes * (sizeof cpus / sizeof *cpus); k++) {
+		const char *command = modes[k % 4].command, *flags[3] = {"-O2", cpus[k / 4], "-xc"};
+
+		if (!takes(command, flags, nothing.s, said)) {
+			printf("skipped: %s %s: %.60s\n", command, flags[1], said);
+			continue;
+		}
+		flags[2] = modes[k % 4].mode;
+		ck_assert_msg(takes(command, flags, modes[k % 4].suffix[2] ? cpp.s : c.s, said), "%s %s %s: %s", command,
+			flags[1], flags[2], said);
+	}
+	unlink(c.s), unlink(h.s), unlink(cpp.s), unlink(nothing.s);
+	target_close(&source);
+	target_close(&header);
+}
+END_TEST
+
+/* Catches a text that is compiled where more digits are kept, or refused where none are, whatever the machine has: 0
+   rounds to the type, 16 does for all types but _Float16; 1 and 2 keep more, -1 does not say. */
+START_TEST(methods_of_evaluation)
+{
+	static const struct {
+		const char *method;
+		int taken;
+	} methods[] = {{"0", 1}, {"16", 1}, {"1", 0}, {"2", 0}, {"-1", 0}};
+	struct target_path path = target_path("strict_method", ".c");
+	struct target t;
+	char define[64], said[1000];
+
+	generate(&t, RNEAGEN_TARGET_C, _i ? RNEAGEN_F32X2 : RNEAGEN_F32, !_i, "strict_method");
+	target_write(path, t.text.source);
+	for (size_t i = 0; i < sizeof methods / sizeof *methods; i++) {
+		const char *const flags[3] = {"-std=c11", "-U__FLT_EVAL_METHOD__", define};
+
+		snprintf(define, sizeof define, "-D__FLT_EVAL_METHOD__=%s", methods[i].method);
+		ck_assert_msg(takes("gcc", flags, path.s, said) == methods[i].taken, "%s: %s", define, said);
+		ck_assert_msg(methods[i].taken || strstr(said, "-mfpmath=sse"), "%s: %s", define, said);
+	}
+	unlink(path.s);
+	target_close(&t);
+}
+END_TEST
+
 START_TEST(refuses_the_fast_sine)
 {
 	struct rneagen_options o = rneagen_options_default();
@@ -262,6 +340,8 @@ int main(void)
 	tcase_set_timeout(c, 600);
 	tcase_add_test(c, header_keeps_its_bits);
 	tcase_add_test(c, refuses_other_arithmetic);
+	tcase_add_loop_test(c, for_processors_that_are_not_here, 0, 2);
+	tcase_add_loop_test(c, methods_of_evaluation, 0, 2);
 	tcase_add_test(c, refuses_the_fast_sine);
 	tcase_add_loop_test(c, nothing_joined_for_gpus, 0, 2);
 	suite_add_tcase(suite, c);
