@@ -262,6 +262,8 @@ void emit_info_shape(const struct emission *e, struct text *out)
 		text_printf(out, "stage %d\n", emit_stage_bytes(e));
 	if (e->part_count)
 		text_printf(out, "parts %d\n", e->part_count);
+	if (e->pass_count < PASS_COUNT)
+		text_printf(out, "kernels %s\n", e->passes[PASS_RNEA].algorithm->name);
 	for (int i = 0; i < e->passes[PASS_RNEA].dag.argument_count; i++)
 		text_printf(out, "%s %s %d %s %s\n", a[i].is_output ? "output" : "input", a[i].name, a[i].rows,
 			e->memory->name, a[i].per_batch ? "batch" : "sample");

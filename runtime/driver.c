@@ -216,15 +216,22 @@ static enum rnea_code read_info(struct driver *c, const struct source *s, struct
 	return RNEA_OK;
 }
 
-/* Only the rnea kernel stages: `stage` bytes a block. */
-static enum rnea_code find_kernels(struct driver *c, const struct source *s, size_t stage, struct rnea_error *e)
+/* Only what the table names, where it names any: a call of the driver that fails is an error to tools that watch them. Only
+   the rnea kernel stages. */
+static enum rnea_code find_kernels(
+	struct driver *c, const struct source *s, const struct rnea_info *info, struct rnea_error *e)
 {
 	for (int i = 0; i < RNEA_KERNEL_COUNT; i++) {
 		struct device_kernel *k = &c->kernels[i];
+		int is_named = (info->kernels >> i & 1) != 0;
 
 		source_symbol(s->name, (enum rnea_kernel)i, "kernel", k->name);
-		if (device_find(&c->device, c->module, k, i == RNEA_KERNEL_RNEA ? stage : 0, e))
+		if (info->kernels && !is_named)
+			continue;
+		if (device_find(&c->device, c->module, k, i == RNEA_KERNEL_RNEA ? info->stage_bytes * c->block : 0, e))
 			return e->code;
+		if (is_named && !k->function)
+			return rnea_error_set(e, RNEA_TEXT, "the text defines no kernel %s, which %s_info names", k->name, s->name);
 		if (k->function && k->resources.max_block < c->block)
 			return rnea_error_set(e, RNEA_ARGUMENT,
 				"%s cannot run in blocks of %u threads: its %d registers allow %u", k->name, c->block,
@@ -260,7 +267,7 @@ enum rnea_code driver_open(
 	memset(info, 0, sizeof *info);
 	if (!device_open(&c->device, ordinal, e) && !device_enter(&c->device, &pushed, e)) {
 		mine.arch = c->device.arch;
-		if (!load(c, &mine, e) && !read_info(c, r->source, info, e) && !find_kernels(c, r->source, info->stage_bytes * c->block, e))
+		if (!load(c, &mine, e) && !read_info(c, r->source, info, e) && !find_kernels(c, r->source, info, e))
 			warm(c, e);
 		device_leave(&c->device, pushed);
 	}

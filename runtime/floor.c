@@ -73,7 +73,7 @@ static void put_info(const struct floor *f, const char *word)
 	text_put(f->out, HEAD);
 	text_printf(f->out, "\t\"precision %s\\n\"\n", word);
 	text_put(f->out, "\t\"layout soa\\n\"\n\t\"trig accurate\\n\"\n\t\"base fixed\\n\"\n");
-	text_put(f->out, "\t\"nq 1\\nnv 1\\nnb 1\\nblock 256\\n\"\n");
+	text_put(f->out, "\t\"nq 1\\nnv 1\\nnb 1\\nblock 256\\nkernels rnea\\n\"\n");
 	for (int i = 0; i < f->count; i++) {
 		const struct argument *a = &f->arrays[i];
 

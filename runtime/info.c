@@ -1,4 +1,6 @@
 #include "info.h"
+#include "source.h"
+#include "words.h"
 #include <limits.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -7,7 +9,7 @@
 /* A text in parts has the second version and one key more: who knows nothing of parts must not launch it as a whole. */
 enum { VERSION = 1, VERSION_PARTS = 2, BLOCK_LIMIT = 1024, PARTS_LIMIT = 65535, STAGE_LIMIT = 48 << 10 };
 
-/* The keys that stand exactly once. */
+/* The keys that stand once. */
 enum key {
 	KEY_NAME,
 	KEY_PRECISION,
@@ -22,16 +24,15 @@ enum key {
 	KEY_OPERATIONS,
 	KEY_PARTS,
 	KEY_STAGE,
+	KEY_KERNELS,
 	KEY_COUNT
 };
 
 static const char *const keys[KEY_COUNT] = {
-	"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv", "nb", "block", "operations", "parts", "stage"};
+	"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv", "nb", "block", "operations", "parts", "stage", "kernels"};
 
 struct parser {
-	char *rest;    /* of the text: what is not read yet */
-	char *line;    /* of the current line: what is not read yet; NULL at its end */
-	size_t number; /* of the current line, from 1 */
+	struct words w; /* of the text: what is not read yet */
 	size_t version;
 	int seen[KEY_COUNT];
 	struct rnea_info *info;
@@ -40,94 +41,14 @@ struct parser {
 	struct rnea_matrix *matrices;
 	int *row, *col; /* of the elements of all matrices */
 	size_t element_count;
-	struct rnea_error *error;
 };
-
-static enum rnea_code damaged(struct parser *p, const char *what, const char *word)
-{
-	return rnea_error_set(p->error, RNEA_TABLE, "info table, line %zu: %s%s%s%s", p->number, what, word ? " \"" : "",
-		word ? word : "", word ? "\"" : "");
-}
-
-/* Move to the next line; 0 at the end of the text. */
-static int next_line(struct parser *p)
-{
-	char *end;
-
-	if (!*p->rest)
-		return 0;
-	p->line = p->rest;
-	end = strchr(p->rest, '\n');
-	p->rest = end ? end + 1 : p->rest + strlen(p->rest);
-	if (end)
-		*end = '\0';
-	p->number++;
-	return 1;
-}
-
-/* The next word of the line, words being separated by one space; "" where there is none. */
-static const char *next_word(struct parser *p)
-{
-	char *word = p->line;
-	char *end;
-
-	if (!word)
-		return "";
-	end = strchr(word, ' ');
-	p->line = end ? end + 1 : NULL;
-	if (end)
-		*end = '\0';
-	return word;
-}
-
-static enum rnea_code end_line(struct parser *p)
-{
-	return p->line ? damaged(p, "more than expected:", p->line) : RNEA_OK;
-}
-
-static enum rnea_code read_word(struct parser *p, const char **word)
-{
-	*word = next_word(p);
-	return **word ? RNEA_OK : damaged(p, "a word is missing", NULL);
-}
-
-static enum rnea_code read_number(struct parser *p, size_t *n, size_t least, size_t most)
-{
-	const char *word = next_word(p);
-	size_t value = 0;
-
-	if (!*word)
-		return damaged(p, "a number is missing", NULL);
-	for (const char *s = word; *s; s++) {
-		size_t digit = (size_t)(*s - '0');
-
-		if (*s < '0' || *s > '9')
-			return damaged(p, "not a number:", word);
-		if (value > (SIZE_MAX - digit) / 10)
-			return damaged(p, "the number is too large:", word);
-		value = 10 * value + digit;
-	}
-	if (value < least || value > most)
-		return damaged(p, "the number is out of range:", word);
-	*n = value;
-	return RNEA_OK;
-}
-
-/* One of two words; *value becomes its index. */
-static enum rnea_code read_choice(struct parser *p, int *value, const char *zero, const char *one)
-{
-	const char *word = next_word(p);
-
-	*value = strcmp(word, one) == 0;
-	return *value || strcmp(word, zero) == 0 ? RNEA_OK : damaged(p, "not a known word:", word);
-}
 
 static enum rnea_code read_scalar(struct parser *p, enum rnea_scalar *scalar)
 {
 	int value;
 
-	if (read_choice(p, &value, "f32", "f64"))
-		return p->error->code;
+	if (words_choice(&p->w, &value, "f32", "f64"))
+		return p->w.error->code;
 	*scalar = value ? RNEA_F64 : RNEA_F32;
 	return RNEA_OK;
 }
@@ -138,29 +59,29 @@ static enum rnea_code read_argument(struct parser *p, int is_output)
 	struct rnea_argument *a = &p->arguments[info->input_count + info->output_count];
 
 	if (info->input_count + info->output_count == RNEA_ARGUMENT_LIMIT)
-		return damaged(p, "more arrays than a kernel can take", NULL);
+		return words_damaged(&p->w, "more arrays than a kernel can take", NULL);
 	if (info->output_count && !is_output)
-		return damaged(p, "an input after an output", NULL);
-	if (read_word(p, &a->name) || read_number(p, &a->rows, 1, SIZE_MAX / 16) || read_scalar(p, &a->scalar) ||
-		read_choice(p, &a->per_batch, "sample", "batch"))
-		return p->error->code;
+		return words_damaged(&p->w, "an input after an output", NULL);
+	if (words_one(&p->w, &a->name) || words_number(&p->w, &a->rows, 1, SIZE_MAX / 16) || read_scalar(p, &a->scalar) ||
+		words_choice(&p->w, &a->per_batch, "sample", "batch"))
+		return p->w.error->code;
 	for (const struct rnea_argument *b = p->arguments; b < a; b++)
 		if (strcmp(a->name, b->name) == 0)
-			return damaged(p, "a second array of the name", a->name);
+			return words_damaged(&p->w, "a second array of the name", a->name);
 	*(is_output ? &info->output_count : &info->input_count) += 1;
-	return end_line(p);
+	return words_end(&p->w);
 }
 
 static enum rnea_code read_joint(struct parser *p)
 {
 	struct rnea_joint *j = &p->joints[p->info->joint_count];
 
-	if (read_number(p, &j->iq, 0, SIZE_MAX / 2) || read_number(p, &j->nq, 0, SIZE_MAX / 2) ||
-		read_number(p, &j->iv, 0, SIZE_MAX / 2) || read_number(p, &j->nv, 0, SIZE_MAX / 2) || read_word(p, &j->type))
-		return p->error->code;
-	if (!p->line)
-		return damaged(p, "the joint has no name", NULL);
-	j->name = p->line;
+	if (words_number(&p->w, &j->iq, 0, SIZE_MAX / 2) || words_number(&p->w, &j->nq, 0, SIZE_MAX / 2) ||
+		words_number(&p->w, &j->iv, 0, SIZE_MAX / 2) || words_number(&p->w, &j->nv, 0, SIZE_MAX / 2) || words_one(&p->w, &j->type))
+		return p->w.error->code;
+	if (!p->w.line)
+		return words_damaged(&p->w, "the joint has no name", NULL);
+	j->name = p->w.line;
 	p->info->joint_count++;
 	return RNEA_OK;
 }
@@ -173,20 +94,20 @@ static enum rnea_code read_matrix(struct parser *p)
 	const char *name;
 	size_t i = info->input_count;
 
-	if (read_word(p, &name))
-		return p->error->code;
+	if (words_one(&p->w, &name))
+		return p->w.error->code;
 	while (i < info->input_count + info->output_count && strcmp(p->arguments[i].name, name) != 0)
 		i++;
 	if (i == info->input_count + info->output_count)
-		return damaged(p, "a matrix, and no output, of the name", name);
+		return words_damaged(&p->w, "a matrix, and no output, of the name", name);
 	for (const struct rnea_matrix *other = p->matrices; other < m; other++)
 		if (other->argument == i)
-			return damaged(p, "a second matrix of the name", name);
+			return words_damaged(&p->w, "a second matrix of the name", name);
 	*m = (struct rnea_matrix){.argument = i, .row = p->row + p->element_count, .col = p->col + p->element_count};
-	if (read_number(p, &m->rows, 1, INT_MAX) || read_number(p, &m->cols, 1, INT_MAX) || read_choice(p, &m->lower, "general", "lower"))
-		return p->error->code;
+	if (words_number(&p->w, &m->rows, 1, INT_MAX) || words_number(&p->w, &m->cols, 1, INT_MAX) || words_choice(&p->w, &m->lower, "general", "lower"))
+		return p->w.error->code;
 	info->matrix_count++;
-	return end_line(p);
+	return words_end(&p->w);
 }
 
 /* How many elements of the matrix have been read. */
@@ -204,17 +125,17 @@ static enum rnea_code read_row(struct parser *p)
 	const char *name;
 	size_t row, col, least = 0;
 
-	if (read_word(p, &name))
-		return p->error->code;
+	if (words_one(&p->w, &name))
+		return p->w.error->code;
 	if (!m || strcmp(p->arguments[m->argument].name, name) != 0)
-		return damaged(p, "a row of no matrix that is begun:", name);
+		return words_damaged(&p->w, "a row of no matrix that is begun:", name);
 	if (stored(p, m))
 		least = (size_t)p->row[p->element_count - 1] + 1;
-	if (read_number(p, &row, least, m->rows - 1))
-		return p->error->code;
-	for (least = 0; p->line; least = col + 1) {
-		if (read_number(p, &col, least, m->lower ? row : m->cols - 1))
-			return p->error->code;
+	if (words_number(&p->w, &row, least, m->rows - 1))
+		return p->w.error->code;
+	for (least = 0; p->w.line; least = col + 1) {
+		if (words_number(&p->w, &col, least, m->lower ? row : m->cols - 1))
+			return p->w.error->code;
 		p->row[p->element_count] = (int)row;
 		p->col[p->element_count++] = (int)col;
 	}
@@ -227,8 +148,23 @@ static enum rnea_code read_operations(struct parser *p)
 	size_t *const counts[] = {&o->mul, &o->add, &o->sub, &o->neg, &o->fma, &o->sincos};
 
 	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
-		if (read_number(p, counts[i], 0, SIZE_MAX))
-			return p->error->code;
+		if (words_number(&p->w, counts[i], 0, SIZE_MAX))
+			return p->w.error->code;
+	return RNEA_OK;
+}
+
+/* A kernel of another name is passed over. */
+static enum rnea_code read_kernels(struct parser *p)
+{
+	const char *name;
+
+	do {
+		if (words_one(&p->w, &name))
+			return p->w.error->code;
+		for (int k = 0; k < RNEA_KERNEL_COUNT; k++)
+			if (strcmp(name, source_kernels[k]) == 0)
+				p->info->kernels |= 1u << k;
+	} while (p->w.line);
 	return RNEA_OK;
 }
 
@@ -240,34 +176,36 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 
 	switch (key) {
 	case KEY_NAME:
-		return read_word(p, &info->name);
+		return words_one(&p->w, &info->name);
 	case KEY_PRECISION:
 		return read_scalar(p, &info->precision);
 	case KEY_ARITHMETIC:
-		return read_word(p, &info->arithmetic);
+		return words_one(&p->w, &info->arithmetic);
 	case KEY_LAYOUT:
-		read_choice(p, &choice, "soa", "aos");
+		words_choice(&p->w, &choice, "soa", "aos");
 		info->layout = choice ? RNEA_AOS : RNEA_SOA;
-		return p->error->code;
+		return p->w.error->code;
 	case KEY_TRIG:
-		return read_word(p, &info->trig);
+		return words_one(&p->w, &info->trig);
 	case KEY_BASE:
-		return read_word(p, &info->base);
+		return words_one(&p->w, &info->base);
 	case KEY_NQ:
-		return read_number(p, &info->nq, 1, SIZE_MAX / 16);
+		return words_number(&p->w, &info->nq, 1, SIZE_MAX / 16);
 	case KEY_NV:
-		return read_number(p, &info->nv, 1, SIZE_MAX / 16);
+		return words_number(&p->w, &info->nv, 1, SIZE_MAX / 16);
 	case KEY_NB:
-		return read_number(p, &info->nb, 1, SIZE_MAX / 128);
+		return words_number(&p->w, &info->nb, 1, SIZE_MAX / 128);
 	case KEY_BLOCK:
 	case KEY_PARTS:
-		read_number(p, &count, key == KEY_BLOCK ? 1 : 2, key == KEY_BLOCK ? BLOCK_LIMIT : PARTS_LIMIT);
+		words_number(&p->w, &count, key == KEY_BLOCK ? 1 : 2, key == KEY_BLOCK ? BLOCK_LIMIT : PARTS_LIMIT);
 		*(key == KEY_BLOCK ? &info->block : &info->parts) = (unsigned)count;
-		return p->error->code;
+		return p->w.error->code;
 	case KEY_OPERATIONS:
 		return read_operations(p);
 	case KEY_STAGE:
-		return read_number(p, &info->stage_bytes, 1, STAGE_LIMIT);
+		return words_number(&p->w, &info->stage_bytes, 1, STAGE_LIMIT);
+	case KEY_KERNELS:
+		return read_kernels(p);
 	case KEY_COUNT:
 		break;
 	}
@@ -276,7 +214,7 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 
 static enum rnea_code read_line(struct parser *p)
 {
-	const char *word = next_word(p);
+	const char *word = words_next(&p->w);
 
 	if (strcmp(word, "input") == 0 || strcmp(word, "output") == 0)
 		return read_argument(p, *word == 'o');
@@ -290,23 +228,29 @@ static enum rnea_code read_line(struct parser *p)
 		if (strcmp(word, keys[i]) != 0)
 			continue;
 		if (p->seen[i]++)
-			return damaged(p, "a second line of the key", word);
-		return read_value(p, (enum key)i) ? p->error->code : end_line(p);
+			return words_damaged(&p->w, "a second line of the key", word);
+		return read_value(p, (enum key)i) ? p->w.error->code : words_end(&p->w);
 	}
 	return RNEA_OK;
 }
 
 static enum rnea_code read_version(struct parser *p)
 {
-	if (!next_line(p) || strcmp(next_word(p), "rneagen-info") != 0)
-		return rnea_error_set(p->error, RNEA_TABLE, "info table: it does not start with \"rneagen-info %d\" or \"... %d\"",
+	if (!words_line(&p->w) || strcmp(words_next(&p->w), "rneagen-info") != 0)
+		return rnea_error_set(p->w.error, RNEA_TABLE, "info table: it does not start with \"rneagen-info %d\" or \"... %d\"",
 			VERSION, VERSION_PARTS);
-	if (read_number(p, &p->version, 0, SIZE_MAX) || end_line(p))
-		return p->error->code;
+	if (words_number(&p->w, &p->version, 0, SIZE_MAX) || words_end(&p->w))
+		return p->w.error->code;
 	if (p->version != VERSION && p->version != VERSION_PARTS)
-		return rnea_error_set(p->error, RNEA_TABLE,
+		return rnea_error_set(p->w.error, RNEA_TABLE,
 			"info table: it has version %zu, and this library reads versions %d and %d", p->version, VERSION, VERSION_PARTS);
 	return RNEA_OK;
+}
+
+/* A table of version 1 has no parts, and `arithmetic` and `kernels` may be left out. */
+static int is_optional(const struct parser *p, enum key key)
+{
+	return key == KEY_ARITHMETIC || key == KEY_STAGE || key == KEY_KERNELS || (key == KEY_PARTS && p->version == VERSION);
 }
 
 /* What no single line can show. */
@@ -315,21 +259,21 @@ static enum rnea_code check(struct parser *p)
 	const struct rnea_info *info = p->info;
 
 	for (int i = 0; i < KEY_COUNT; i++)
-		if (!p->seen[i] && i != KEY_ARITHMETIC && i != KEY_STAGE && (i != KEY_PARTS || p->version == VERSION_PARTS))
-			return rnea_error_set(p->error, RNEA_TABLE, "info table: the key \"%s\" is missing", keys[i]);
+		if (!p->seen[i] && !is_optional(p, (enum key)i))
+			return rnea_error_set(p->w.error, RNEA_TABLE, "info table: the key \"%s\" is missing", keys[i]);
 	if (!info->output_count) /* no inputs: a scene may give them all */
-		return rnea_error_set(p->error, RNEA_TABLE, "info table: it lists no outputs");
+		return rnea_error_set(p->w.error, RNEA_TABLE, "info table: it lists no outputs");
 	for (size_t i = 0; i < info->joint_count; i++) {
 		const struct rnea_joint *j = &info->joints[i];
 
 		if (j->iq + j->nq > info->nq || j->iv + j->nv > info->nv)
-			return rnea_error_set(p->error, RNEA_TABLE, "info table: joint \"%s\" lies outside of q or qd", j->name);
+			return rnea_error_set(p->w.error, RNEA_TABLE, "info table: joint \"%s\" lies outside of q or qd", j->name);
 	}
 	for (size_t i = 0; i < info->matrix_count; i++) {
 		const struct rnea_argument *a = &info->arguments[info->matrices[i].argument];
 
 		if (stored(p, &info->matrices[i]) != a->rows)
-			return rnea_error_set(p->error, RNEA_TABLE, "info table: matrix \"%s\" has %zu elements, and its array %zu rows",
+			return rnea_error_set(p->w.error, RNEA_TABLE, "info table: matrix \"%s\" has %zu elements, and its array %zu rows",
 				a->name, stored(p, &info->matrices[i]), a->rows);
 	}
 	return RNEA_OK;
@@ -347,15 +291,15 @@ static enum rnea_code take_memory(struct parser *p, const char *text, size_t len
 	head = RNEA_ARGUMENT_LIMIT * (sizeof *p->arguments + sizeof *p->matrices) + lines * sizeof *p->joints +
 		2 * words * sizeof *p->row;
 	if (!(memory = calloc(1, head + length + 1)))
-		return rnea_error_memory(p->error);
+		return rnea_error_memory(p->w.error);
 	p->info->memory = memory;
 	p->arguments = (struct rnea_argument *)(void *)memory;
 	p->matrices = (struct rnea_matrix *)(void *)(p->arguments + RNEA_ARGUMENT_LIMIT);
 	p->joints = (struct rnea_joint *)(void *)(p->matrices + RNEA_ARGUMENT_LIMIT);
 	p->row = (int *)(void *)(p->joints + lines);
 	p->col = p->row + words;
-	p->rest = memory + head;
-	memcpy(p->rest, text, length);
+	p->w.rest = memory + head;
+	memcpy(p->w.rest, text, length);
 	p->info->arguments = p->arguments;
 	p->info->joints = p->joints;
 	p->info->matrices = p->matrices;
@@ -364,17 +308,17 @@ static enum rnea_code take_memory(struct parser *p, const char *text, size_t len
 
 enum rnea_code rnea_info_parse(const char *text, size_t length, struct rnea_info *info, struct rnea_error *e)
 {
-	struct parser p = {.info = info, .error = e};
+	struct parser p = {.info = info, .w.error = e};
 
 	memset(info, 0, sizeof *info);
 	info->parts = 1;
 	if (take_memory(&p, text, length))
 		return e->code;
-	if (strlen(p.rest) + 1 < length)
+	if (strlen(p.w.rest) + 1 < length)
 		rnea_error_set(e, RNEA_TABLE, "info table: it holds a NUL");
 	else
 		read_version(&p);
-	while (!e->code && next_line(&p))
+	while (!e->code && words_line(&p.w))
 		read_line(&p);
 	if (e->code || check(&p))
 		rnea_info_free(info);

@@ -126,6 +126,7 @@ struct rnea_info {
 	unsigned parts; /* of a grid of the rnea kernel, along y: each makes some elements of the matrices; 1: all (--parts) */
 	size_t stage_bytes; /* of shared memory in which the rnea kernel stages each sample; 0: none. Where a block of them takes more than
 	                       48 KiB, and at most 227, launches have to give it: rnea_launch does; given less, the kernel is slower */
+	unsigned kernels; /* private: bit k stands for enum rnea_kernel k; 0: the table does not say which the text has */
 };
 
 /* ---- opening and closing ---- */

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+const char *const source_kernels[RNEA_KERNEL_COUNT] = {"rnea", "fpass", "bpass"};
 static const char marker[] = "RNEA_INFO const char ";
 static const char suffix[] = "_info[] =";
 
@@ -149,9 +150,7 @@ unsigned source_min_blocks(const struct source *s, unsigned block)
 
 void source_symbol(const char *name, enum rnea_kernel kernel, const char *kind, char symbol[SOURCE_SYMBOL_SIZE])
 {
-	static const char *const kernels[RNEA_KERNEL_COUNT] = {"rnea", "fpass", "bpass"};
-
-	snprintf(symbol, SOURCE_SYMBOL_SIZE, "%.*s_%s_%s", SOURCE_NAME_LIMIT, name, kernels[kernel], kind);
+	snprintf(symbol, SOURCE_SYMBOL_SIZE, "%.*s_%s_%s", SOURCE_NAME_LIMIT, name, source_kernels[kernel], kind);
 }
 
 void source_free(struct source *s)

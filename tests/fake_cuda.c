@@ -6,7 +6,9 @@
    RNEA_FAKE_CUDA_ARCH (default 1 and 90); RNEA_FAKE_CUDA_MAX_BLOCK (default 1024) is what kernels can run with;
    RNEA_FAKE_CUDA_LOCAL="A B" (default 0 0): bytes of local memory of kernels with a launch bound, and without;
    RNEA_FAKE_CUDA_RESIDENT="A B C" (default all 2048): threads resident in blocks of 64, 128 and 256, as far as 228 KiB of shared
-   memory have room for what launches give; RNEA_FAKE_CUDA_SHARED (default 232448): bytes of it that a launch may give to a block. */
+   memory have room for what launches give; RNEA_FAKE_CUDA_SHARED (default 232448): bytes of it that a launch may give to a block.
+   Who asks a module for what it lacks is aborted, as compute-sanitizer ends with errors then; RNEA_FAKE_CUDA_MAY_MISS=1: is only
+   told. */
 #define _GNU_SOURCE
 #include "fake_cuda.h"
 #include <dlfcn.h>
@@ -241,6 +243,15 @@ int cuModuleUnload(void *module)
 	return FAKE_SUCCESS;
 }
 
+static int missed(const char *call, const char *name)
+{
+	if (!variable("RNEA_FAKE_CUDA_MAY_MISS", 0)) {
+		fprintf(stderr, "pretended driver: %s of %s, which the module lacks\n", call, name);
+		abort();
+	}
+	return FAKE_NOT_FOUND;
+}
+
 int cuModuleGetFunction(void **function, void *module, const char *name)
 {
 	char symbol[512];
@@ -248,7 +259,7 @@ int cuModuleGetFunction(void **function, void *module, const char *name)
 	ENTER(1);
 	snprintf(symbol, sizeof symbol, "fake_kernel_%s", name);
 	*function = dlsym(module, symbol);
-	return *function ? FAKE_SUCCESS : FAKE_NOT_FOUND;
+	return *function ? FAKE_SUCCESS : missed(__func__, name);
 }
 
 int cuModuleGetGlobal_v2(unsigned long long *address, size_t *size, void *module, const char *name)
@@ -260,7 +271,7 @@ int cuModuleGetGlobal_v2(unsigned long long *address, size_t *size, void *module
 	ENTER(1);
 	found = dlsym(module, name);
 	if (!found || !dladdr1(found, &info, (void **)&symbol, RTLD_DL_SYMENT))
-		return FAKE_NOT_FOUND;
+		return missed(__func__, name);
 	*address = (unsigned long long)found;
 	*size = symbol->st_size;
 	return FAKE_SUCCESS;

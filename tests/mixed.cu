@@ -24,6 +24,7 @@ RNEA_INFO const char mixed_info[] =
 	"nv 1\n"
 	"nb 1\n"
 	"block 128\n"
+	"kernels rnea\n"
 	"input a 2 f32 sample\n"
 	"input b 3 f64 sample\n"
 	"input g 4 f32 batch\n"

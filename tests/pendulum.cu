@@ -22,6 +22,7 @@ RNEA_INFO const char pendulum_info[] =
 	"nv 1\n"
 	"nb 1\n"
 	"block 128\n"
+	"kernels rnea fpass bpass\n"
 	"input q 1 f32 sample\n"
 	"input qd 1 f32 sample\n"
 	"input qdd 1 f32 sample\n"

@@ -70,6 +70,7 @@ void use_fakes(void)
 	unsetenv("RNEA_FAKE_CUDA_MAX_BLOCK");
 	unsetenv("RNEA_FAKE_CUDA_LOCAL");
 	unsetenv("RNEA_FAKE_CUDA_RESIDENT");
+	unsetenv("RNEA_FAKE_CUDA_MAY_MISS");
 	setenv("RNEA_CACHE", "", 1);
 	setenv("RNEA_LIBCUDA", FAKE_CUDA, 1);
 	setenv("RNEA_NVRTC", FAKE_NVRTC, 1);

@@ -76,6 +76,24 @@ START_TEST(reads_stage)
 }
 END_TEST
 
+START_TEST(reads_kernels)
+{
+	struct rnea_info i;
+	struct rnea_error e;
+
+	ck_assert_int_eq(parse(HEAD SIZES ARRAYS COUNTS, &i, &e), RNEA_OK);
+	ck_assert_uint_eq(i.kernels, 0);
+	rnea_info_free(&i);
+	ck_assert_int_eq(parse(HEAD SIZES "kernels rnea\n" ARRAYS COUNTS, &i, &e), RNEA_OK);
+	ck_assert_uint_eq(i.kernels, 1u << RNEA_KERNEL_RNEA);
+	rnea_info_free(&i);
+	/* one of a later version, too */
+	ck_assert_int_eq(parse(HEAD SIZES "kernels bpass rnea aba\n" ARRAYS COUNTS, &i, &e), RNEA_OK);
+	ck_assert_uint_eq(i.kernels, 1u << RNEA_KERNEL_RNEA | 1u << RNEA_KERNEL_BPASS);
+	rnea_info_free(&i);
+}
+END_TEST
+
 START_TEST(reads_matrices)
 {
 	static const int row[] = {0, 1, 0, 1, 1}, col[] = {2, 0, 0, 0, 1};
@@ -145,6 +163,9 @@ static const struct damage {
 	{"rneagen-info 2\nparts 1\n", "line 2: the number is out of range"},
 	{"rneagen-info 2\nparts 65536\n", "line 2: the number is out of range"},
 	{"rneagen-info 2\nparts 2\nparts 2\n", "line 3: a second line of the key \"parts\""},
+	{"rneagen-info 1\nkernels\n", "line 2: a word is missing"},
+	{"rneagen-info 1\nkernels rnea  bpass\n", "line 2: a word is missing"},
+	{"rneagen-info 1\nkernels rnea\nkernels rnea\n", "line 3: a second line of the key \"kernels\""},
 	{"rneagen-info 1\n", "the key \"name\" is missing"},
 	{HEAD ARRAYS COUNTS, "the key \"nq\" is missing"},
 	{HEAD SIZES ARRAYS, "the key \"operations\" is missing"},
@@ -272,6 +293,7 @@ Suite *suite_info(void)
 	tcase_add_test(t, reads_everything);
 	tcase_add_test(t, reads_parts);
 	tcase_add_test(t, reads_stage);
+	tcase_add_test(t, reads_kernels);
 	tcase_add_test(t, reads_matrices);
 	tcase_add_test(t, accepts_variations);
 	tcase_add_test(t, arithmetic_of_its_own);

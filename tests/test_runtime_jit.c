@@ -97,7 +97,7 @@ START_TEST(names_the_line)
 	if (skipped("names_the_line", &e))
 		return;
 	assert_error(&e, RNEA_COMPILE,
-		"pendulum.cu(41): error: identifier \"qddd\" is undefined: tau[k] = fmaf(0.5f, qddd[k]");
+		"pendulum.cu(42): error: identifier \"qddd\" is undefined: tau[k] = fmaf(0.5f, qddd[k]");
 	ck_assert_ptr_null(image.data);
 }
 END_TEST

@@ -243,10 +243,11 @@ static const struct wrong {
 	enum rnea_code code;
 	const char *message;
 } wrongs[] = {
-	{"fmaf(0.5f", "fmaf(0.5f +* x", RNEA_COMPILE, "pendulum.cu:41:"},
+	{"fmaf(0.5f", "fmaf(0.5f +* x", RNEA_COMPILE, "pendulum.cu:42:"},
 	{"name pendulum", "name arm", RNEA_TABLE, "pendulum_info calls the robot \"arm\""},
 	{"nq 1\\n", "nq one\\n", RNEA_TABLE, "line 7: not a number: \"one\""},
 	{"pendulum_rnea_kernel", "other_rnea_kernel", RNEA_TEXT, "defines no kernel pendulum_rnea_kernel"},
+	{"pendulum_bpass_kernel", "other_bpass_kernel", RNEA_TEXT, "defines no kernel pendulum_bpass_kernel, which pendulum_info names"},
 	{"_info[] =\n", "_info[] =\n;static const char hidden[] =\n", RNEA_COMPILE, "pendulum.cu:15:"},
 };
 
@@ -257,6 +258,7 @@ START_TEST(wrong_texts)
 	struct rnea_error e;
 
 	use_fakes();
+	setenv("RNEA_FAKE_CUDA_MAY_MISS", "1", 1);
 	e = fail_open(text, &(struct rnea_options){.log = log, .log_size = sizeof log});
 	assert_error(&e, w->code, w->message);
 	if (w->code == RNEA_COMPILE)
