@@ -1,5 +1,3 @@
-/* getpid */
-#define _POSIX_C_SOURCE 200809L
 #include "host.h"
 #include "compiler.h"
 #include "library.h"
@@ -9,10 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
-#if defined _OPENMP
-#include <omp.h>
-#endif
 
 /* ---- the key of the cache ---- */
 
@@ -134,22 +128,6 @@ static enum rnea_code load_compiled(struct host *h, const struct host_request *r
 	return e->code;
 }
 
-/* More threads than a few for each processor serve nobody, and OpenMP ends the program where it cannot start one. */
-static unsigned choose_threads(unsigned wanted)
-{
-#if defined _OPENMP
-	int found = omp_get_num_procs();
-	unsigned processors = found > 0 ? (unsigned)found : 1;
-
-	if (!wanted)
-		return processors;
-	return wanted / 4 < processors ? wanted : 4 * processors;
-#else
-	(void)wanted;
-	return 1;
-#endif
-}
-
 enum rnea_code host_open(struct host *h, const struct host_request *r, struct rnea_error *e)
 {
 	struct key key = {0};
@@ -162,16 +140,18 @@ enum rnea_code host_open(struct host *h, const struct host_request *r, struct rn
 		load_compiled(h, r, c, &key, e);
 	free(key.data);
 	free(c);
+	if (!e->code && (h->workers = workers_open(r->threads)) == NULL)
+		rnea_error_memory(e);
 	if (e->code)
 		host_close(h);
 	else
-		h->threads = choose_threads(r->threads);
-	h->process = (long)getpid();
+		h->threads = workers_limit(h->workers);
 	return e->code;
 }
 
 void host_close(struct host *h)
 {
+	workers_close(h->workers);
 	if (h->handle)
 		dlclose(h->handle);
 	memset(h, 0, sizeof *h);
@@ -179,26 +159,70 @@ void host_close(struct host *h)
 
 /* ---- running ---- */
 
-/* Samples that a thread takes at a time, of which texts check and vectorise 256 together. One slice of an arm takes as
-   long as waking a second thread: two slices in two threads take 0.6 of the time of one thread, two of 256 samples
-   still 0.8, and batches of one slice start no thread. */
-enum { SLICE = 512 };
+/* Nanoseconds of one operation, of a sample among many: where arrays are aos the compiler cannot take several samples at
+   once. Processors are up to three times as fast as this. */
+static const struct cost {
+	const char *arithmetic;
+	double soa, aos;
+} costs[] = {{"f32", 0.04, 0.3}, {"f64", 0.08, 0.3}, {"f32x2", 0.4, 2}};
+
+/* Operations that a sine and cosine take, and nanoseconds of a byte that is read or written. */
+static const double sincos = 40, byte = 0.05;
+
+enum { COSTS = sizeof costs / sizeof *costs };
+
+double host_sample_ns(const struct rnea_info *info)
+{
+	const struct rnea_operations *o = &info->operations;
+	double operations = (double)o->mul + (double)o->add + (double)o->sub + (double)o->fma + sincos * (double)o->sincos, bytes = 0;
+	int i = 0;
+
+	while (i + 1 < COSTS && strcmp(info->arithmetic, costs[i].arithmetic) != 0)
+		i++;
+	for (size_t k = 0; k < info->input_count + info->output_count; k++)
+		if (!info->arguments[k].per_batch)
+			bytes += (double)info->arguments[k].rows * (info->arguments[k].scalar == RNEA_F64 ? 8 : 4);
+	return operations * (info->layout == RNEA_AOS ? costs[i].aos : costs[i].soa) + byte * bytes;
+}
+
+/* Work that is worth a thread, which takes some 10 us to wake. */
+static const double worth_ns = 50e3;
+
+unsigned host_threads(const struct host *h, size_t count)
+{
+	double worth = (double)count * h->sample_ns / worth_ns;
+
+	return worth < 2 ? 1 : worth < (double)h->threads ? (unsigned)worth : h->threads;
+}
+
+/* Samples that a thread takes at a time, of which texts check and vectorise 256 together; fewer of those that take long,
+   for in the end threads wait for each other. */
+enum { PIECE = 512, PIECE_LONG = 256 };
+static const double long_ns = 100;
+
+struct batch {
+	host_slice *slice;
+	void *const *arrays;
+	size_t count, piece;
+};
+
+static void run_piece(void *batch, size_t i)
+{
+	const struct batch *b = batch;
+	size_t first = i * b->piece, rest = b->count - first;
+
+	b->slice(b->arrays, b->count, first, rest < b->piece ? b->count : first + b->piece);
+}
 
 void host_run(const struct host *h, enum rnea_kernel kernel, void *const *arrays, size_t count)
 {
-	host_slice *slice = h->slices[kernel];
-	size_t slices = count / SLICE + (count % SLICE != 0);
+	struct batch b = {h->slices[kernel], arrays, count, h->sample_ns > long_ns ? PIECE_LONG : PIECE};
+	unsigned threads = host_threads(h, count);
 
-	if (!slice || count == 0)
+	if (!b.slice || count == 0)
 		return;
-	/* OpenMP's threads are not there after a fork, and it would wait for them for ever */
-	if (slices == 1 || h->threads == 1 || h->process != (long)getpid()) {
-		slice(arrays, count, 0, count);
-		return;
-	}
-#if defined _OPENMP
-#pragma omp parallel for schedule(dynamic) num_threads(slices < h->threads ? (int)slices : (int)h->threads)
-#endif
-	for (size_t i = 0; i < slices; i++)
-		slice(arrays, count, i * SLICE, i + 1 < slices ? (i + 1) * SLICE : count);
+	if (threads == 1)
+		b.slice(arrays, count, 0, count);
+	else
+		workers_run(h->workers, threads, run_piece, &b, count / b.piece + (count % b.piece != 0));
 }

@@ -4,6 +4,7 @@
 
 #include "cache.h"
 #include "error.h"
+#include "workers.h"
 #include <stddef.h>
 
 struct host_request {
@@ -25,8 +26,9 @@ struct host {
 	void *handle;			       /* of dlopen */
 	const char *info;		       /* NAME_info; belongs to the handle */
 	host_slice *slices[RNEA_KERNEL_COUNT]; /* NAME_rnea_slice, ...; NULL: the text has none */
-	unsigned threads;		       /* that a run may use; 1 where the library was built without OpenMP */
-	long process;			       /* that opened it: another one, forked from it, runs in one thread */
+	struct workers *workers;
+	unsigned threads; /* that a run may use */
+	double sample_ns; /* that a sample takes one thread, about; for the caller to set (host_sample_ns), or 0: one thread */
 	int cached;
 	char compiler[512]; /* "gcc (Debian 12.2.0-14) 12.2.0 (/usr/bin/gcc)"; "": it came from the cache */
 };
@@ -37,7 +39,15 @@ struct host {
 enum rnea_code host_open(struct host *h, const struct host_request *r, struct rnea_error *e);
 void host_close(struct host *h);
 
-/* Run a kernel over a whole batch, its slices shared among the threads; done when it returns. */
+/* Nanoseconds that one sample among many takes one thread of a usual processor: by the operations and arrays that the
+   table states, so that it is the same everywhere and at every run. */
+double host_sample_ns(const struct rnea_info *info);
+
+/* How many threads a batch is worth: one more for every 50 us of work, up to h->threads. */
+unsigned host_threads(const struct host *h, size_t count);
+
+/* Run a kernel over a whole batch, its slices shared among the threads that it is worth; done when it returns. The
+   passes count as much as the whole. */
 void host_run(const struct host *h, enum rnea_kernel kernel, void *const *arrays, size_t count);
 
 #endif

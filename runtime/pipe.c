@@ -1,18 +1,13 @@
 #include "pipe.h"
+#include "packing.h"
 #include <pthread.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#if defined _OPENMP
-#include <omp.h>
-#endif
 
 /* A slice is about SLICE_BYTES, so that copies run at full speed, but no less than SLICE_SAMPLES, so that the kernel
    fills the device. Arrays begin at multiples of ALIGN. */
 enum { STAGES = 3, SLICE_BYTES = 1 << 22, SLICE_SAMPLES = 4096, ALIGN = 256 };
-
-/* Packing is done by up to COPY_THREADS threads, PIECE_BYTES at a time, from THREADS_BYTES on. */
-enum { COPY_THREADS = 8, PIECE_BYTES = 1 << 15, THREADS_BYTES = 1 << 18 };
 
 struct stage {
 	void *stream;		   /* NULL: the stage has not been needed yet */
@@ -28,6 +23,7 @@ struct pipe {
 
 struct pipe_pool {
 	const struct driver *driver;
+	struct workers *workers;
 	const struct rnea_info *info;
 	size_t slice, stage_bytes;
 	pthread_mutex_t lock;
@@ -63,8 +59,8 @@ static size_t array_count(const struct rnea_info *info)
 
 /* ---- the pool ---- */
 
-enum rnea_code pipe_open(
-	struct pipe_pool **pool, const struct driver *driver, const struct rnea_info *info, struct rnea_error *e)
+enum rnea_code pipe_open(struct pipe_pool **pool, const struct driver *driver, const struct rnea_info *info,
+	unsigned threads, struct rnea_error *e)
 {
 	struct pipe_pool *p = *pool = calloc(1, sizeof *p);
 	size_t bytes = 0, whole = 0, n = array_count(info);
@@ -81,8 +77,9 @@ enum rnea_code pipe_open(
 	/* whole blocks */
 	p->slice = (p->slice + info->block - 1) / info->block * info->block;
 	p->stage_bytes = p->slice * bytes + whole + n * ALIGN;
-	if (pthread_mutex_init(&p->lock, NULL) == 0)
+	if ((p->workers = workers_open(threads)) != NULL && pthread_mutex_init(&p->lock, NULL) == 0)
 		return RNEA_OK;
+	workers_close(p->workers);
 	free(p);
 	*pool = NULL;
 	return rnea_error_memory(e);
@@ -117,6 +114,7 @@ void pipe_close(struct pipe_pool *pool, int lost)
 		free(p);
 	}
 	pthread_mutex_destroy(&pool->lock);
+	workers_close(pool->workers);
 	free(pool);
 }
 
@@ -233,47 +231,22 @@ static struct device_lines lines_of(const struct call *c, const struct stage *s,
 	return l;
 }
 
-#if defined _OPENMP
-static int copy_threads(void)
-{
-	int most = omp_get_max_threads();
-
-	return most < COPY_THREADS ? most : COPY_THREADS;
-}
-#endif
-
-/* Copy lines to or from page-locked memory, where they follow one another; large ones by several threads, for one alone
-   cannot keep up with the bus. */
-static void move_lines(const struct device_lines *l, char *locked, int in)
-{
-	size_t pieces = (l->width + PIECE_BYTES - 1) / PIECE_BYTES, jobs = l->lines * pieces;
-
-#if defined _OPENMP
-#pragma omp parallel for num_threads(copy_threads()) if (l->lines * l->width >= THREADS_BYTES) schedule(static)
-#endif
-	for (size_t j = 0; j < jobs; j++) {
-		size_t line = j / pieces, at = j % pieces * PIECE_BYTES;
-		size_t size = l->width - at < PIECE_BYTES ? l->width - at : PIECE_BYTES;
-		char *host = (char *)l->host + line * l->host_pitch + at, *here = locked + line * l->width + at;
-
-		memcpy(in ? here : host, in ? host : here, size);
-	}
-}
-
 /* The inputs of a slice: those that are packed in one copy, the others each in its own. */
 static enum rnea_code send(const struct call *c, const struct stage *s, struct rnea_error *e)
 {
 	const struct device *d = &c->pool->driver->device;
 	struct device_lines packed = {.host = s->locked, .device = s->device, .lines = 1, .width = c->packed_in};
+	struct packing packing = {.in = 1};
 
 	for (size_t i = 0; i < c->pool->info->input_count; i++) {
 		struct device_lines l = lines_of(c, s, i);
 
 		if (!c->direct[i])
-			move_lines(&l, s->locked + c->offsets[i], 1);
+			packing_add(&packing, &l, s->locked + c->offsets[i]);
 		else if (device_copy_in(d, &l, s->stream, e))
 			return e->code;
 	}
+	packing_run(&packing, c->pool->workers);
 	return c->packed_in ? device_copy_in(d, &packed, s->stream, e) : RNEA_OK;
 }
 
@@ -306,6 +279,8 @@ static enum rnea_code launch(const struct call *c, const struct stage *s, struct
 /* Wait for the slice that is under way in a stage, and unpack its outputs. */
 static enum rnea_code finish(const struct call *c, struct stage *s, struct rnea_error *e)
 {
+	struct packing packing = {.in = 0};
+
 	if (!s->count)
 		return RNEA_OK;
 	if (device_wait(&c->pool->driver->device, s->stream, e))
@@ -314,8 +289,9 @@ static enum rnea_code finish(const struct call *c, struct stage *s, struct rnea_
 		struct device_lines l = lines_of(c, s, i);
 
 		if (!c->direct[i])
-			move_lines(&l, s->locked + c->offsets[i], 0);
+			packing_add(&packing, &l, s->locked + c->offsets[i]);
 	}
+	packing_run(&packing, c->pool->workers);
 	s->count = 0;
 	return RNEA_OK;
 }

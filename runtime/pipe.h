@@ -9,9 +9,10 @@
 
 struct pipe_pool;
 
-/* A pool for an open robot; `driver` and `info` must outlive it. On failure *pool is NULL. Errors: MEMORY. */
-enum rnea_code pipe_open(
-	struct pipe_pool **pool, const struct driver *driver, const struct rnea_info *info, struct rnea_error *e);
+/* A pool for an open robot, which packs with up to `threads` threads (0: one for each processor); `driver` and `info`
+   must outlive it. On failure *pool is NULL. Errors: MEMORY. */
+enum rnea_code pipe_open(struct pipe_pool **pool, const struct driver *driver, const struct rnea_info *info,
+	unsigned threads, struct rnea_error *e);
 
 /* NULL is a no-op. The context must be current, unless it is `lost`, and all that was in it. */
 void pipe_close(struct pipe_pool *pool, int lost);

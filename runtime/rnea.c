@@ -35,7 +35,7 @@ static enum rnea_code open_cuda(struct rnea_robot *robot, const struct source *s
 		return rnea_error_set(e, RNEA_ARGUMENT,
 			"%s: a text for target c has no kernel; generate it for target cuda, or open it on the host",
 			file);
-	if (driver_open(c, o->device, &r, &robot->info, e) || pipe_open(&robot->pool, c, &robot->info, e))
+	if (driver_open(c, o->device, &r, &robot->info, e) || pipe_open(&robot->pool, c, &robot->info, o->threads, e))
 		return e->code;
 	robot->build = (struct rnea_build){.backend = RNEA_BACKEND_CUDA,
 		.device = c->device.name,
@@ -64,6 +64,7 @@ static enum rnea_code open_host(struct rnea_robot *robot, const struct source *s
 
 	if (host_open(h, &r, e) || rnea_info_read(h->info, strlen(h->info), s->name, &robot->info, e))
 		return e->code;
+	h->sample_ns = host_sample_ns(&robot->info);
 	snprintf(robot->device, sizeof robot->device, "%s", uname(&machine) < 0 ? "host" : machine.machine);
 	robot->build = (struct rnea_build){.backend = RNEA_BACKEND_HOST,
 		.device = robot->device,

@@ -148,7 +148,8 @@ struct rnea_options {
 	const char *file;    /* what messages call the text; NULL: its robot's name with ".cu", or the file's path */
 	int device;          /* CUDA ordinal, as CUDA_VISIBLE_DEVICES leaves them; default 0. HOST: not used */
 	unsigned block;      /* threads per block, 1 to 1024, or RNEA_BLOCK_OCCUPANCY; 0: what the text says. HOST: not used */
-	unsigned threads;    /* HOST: how many one launch may use; 0: one for each processor. CUDA: not used */
+	unsigned threads;    /* HOST: how many one launch may use; CUDA: rnea_run, of which it takes 8 at most. 0: one for
+				each processor */
 	const char *cache;   /* folder of the cache; NULL: as the environment says; "": no cache */
 	const char *const *compile; /* further options for the compiler, compile_count of them */
 	size_t compile_count;
@@ -190,7 +191,7 @@ struct rnea_build {
 	int cached;           /* 1: nothing had to be compiled */
 	double seconds;       /* that rnea_open took */
 	unsigned min_blocks;  /* CUDA: the launch bound the rnea kernel was compiled with; 0: none */
-	unsigned threads;     /* HOST: the most that a launch uses */
+	unsigned threads;     /* HOST: the most that a launch uses; a small batch uses fewer */
 };
 
 /* Never NULL. Belongs to `robot`. */
@@ -235,7 +236,11 @@ enum rnea_code rnea_resources(const struct rnea_robot *robot, enum rnea_kernel k
    pointers; the array of pointers may be reused as soon as the call returns, the memory that they point to when the
    stream has passed. Allocates nothing, synchronises nothing, may be captured into a CUDA graph. What goes wrong while
    the kernel runs is reported by the stream, as CUDA does.
-   HOST: done when the call returns, on pointers of the program's own; `stream` must be NULL.
+   HOST: done when the call returns, on pointers of the program's own; `stream` must be NULL. A batch is shared among
+   threads of the robot's own, one more for every 50 us of work, by the table's operations: the batches of a control loop
+   stay in the caller's thread. The threads are started by the first batch that is worth them, sleep between launches
+   without spinning, and end in rnea_close; afterwards a launch allocates nothing. Where processors are busy the caller
+   does what no other thread has begun. A process forked from the one that opened the robot uses the caller's thread alone.
    Errors: ARGUMENT (arguments is NULL, a stream on the host), POINTER (names the array), LIMIT (more than (2^31 - 1)
    blocks of samples), DRIVER, CONTEXT. */
 enum rnea_code rnea_launch(const struct rnea_robot *robot, void *const *arguments, size_t count, void *stream,
@@ -249,8 +254,9 @@ enum rnea_code rnea_launch_kernel(const struct rnea_robot *robot, enum rnea_kern
    slices of the batch go through page-locked buffers and several streams, so that copies in both directions overlap with
    each other and with the kernel; arrays that are page-locked already (cuMemAllocHost, cuMemHostRegister) are copied
    from and to directly. The buffers are made by the first call, kept until rnea_close and not shared: each thread that
-   calls at the same time has its own. Other arrays are copied into the buffers by up to 8 threads, or OMP_NUM_THREADS. Not to be called while a stream is being captured. On failure the outputs are
-   undefined. Errors: as rnea_launch, and DEVICE_MEMORY, MEMORY. */
+   calls at the same time has its own. Other arrays are copied into the buffers by up to 8 threads of the robot's own. Not
+   to be called while a stream is being captured. On failure the outputs are undefined. Errors: as rnea_launch, and
+   DEVICE_MEMORY, MEMORY. */
 enum rnea_code rnea_run(
 	const struct rnea_robot *robot, void *const *arguments, size_t count, struct rnea_error *error);
 

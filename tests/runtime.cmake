@@ -33,10 +33,11 @@ add_test(NAME test_runtime_cache COMMAND test_runtime_cache)
 
 # The host backend, with the machine's own C compiler.
 add_executable(test_runtime_host test_runtime_host.c test_runtime_host_compiler.c test_runtime_host_load.c
-	test_runtime_host_names.c test_runtime_host_run.c test_runtime_host_texts.c)
+	test_runtime_host_names.c test_runtime_host_run.c test_runtime_host_texts.c test_runtime_workers.c)
 target_link_libraries(test_runtime_host PRIVATE reference rnea::rnea PkgConfig::CHECK Threads::Threads ${CMAKE_DL_LIBS} m)
 target_link_options(test_runtime_host PRIVATE
-	-Wl,--wrap=malloc,--wrap=calloc,--wrap=memfd_create,--wrap=mkdtemp,--wrap=cache_get)
+	-Wl,--wrap=malloc,--wrap=calloc,--wrap=memfd_create,--wrap=mkdtemp,--wrap=cache_get
+	-Wl,--wrap=pthread_create,--wrap=pthread_join)
 target_compile_definitions(test_runtime_host PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
 add_test(NAME test_runtime_host COMMAND test_runtime_host)
 

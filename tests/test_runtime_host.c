@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <ftw.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,6 +27,10 @@ void *__wrap_calloc(size_t count, size_t size);
 int __wrap_memfd_create(const char *name, unsigned flags);
 char *__wrap_mkdtemp(char *name);
 int __wrap_cache_get(const struct cache *c, const void *key, size_t key_size, char **data, size_t *size);
+int __real_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*start)(void *), void *argument);
+int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*start)(void *), void *argument);
+int __real_pthread_join(pthread_t thread, void **result);
+int __wrap_pthread_join(pthread_t thread, void **result);
 
 static int may_allocate(void)
 {
@@ -70,6 +75,20 @@ int __wrap_cache_get(const struct cache *c, const void *key, size_t key_size, ch
 		if (memcmp(*data + i, "slice", 5) == 0)
 			(*data)[i] = 'S';
 	return hit;
+}
+
+int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*start)(void *), void *argument)
+{
+	if (faults.no_thread)
+		return faults.no_thread;
+	faults.started++;
+	return __real_pthread_create(thread, attributes, start, argument);
+}
+
+int __wrap_pthread_join(pthread_t thread, void **result)
+{
+	faults.joined++;
+	return __real_pthread_join(thread, result);
 }
 
 /* ---- the sandbox ---- */
@@ -203,6 +222,21 @@ struct host open_pendulum(void)
 	return h;
 }
 
+struct host open_pendulum_slow(unsigned threads)
+{
+	char *text = pendulum_with("", "");
+	struct host_request r = pendulum_request(text);
+	struct rnea_error e = {0};
+	struct host h;
+
+	r.threads = threads;
+	ck_assert_msg(host_open(&h, &r, &e) == RNEA_OK, "%s", e.message);
+	ck_assert_uint_eq(h.threads, threads);
+	h.sample_ns = 1e9;
+	free(text);
+	return h;
+}
+
 struct host open_cached(const char *text)
 {
 	struct host_request r = pendulum_request(text);
@@ -264,6 +298,7 @@ int main(void)
 	srunner_add_suite(r, suite_host_compiler());
 	srunner_add_suite(r, suite_host_names());
 	srunner_add_suite(r, suite_host_texts());
+	srunner_add_suite(r, suite_workers());
 	srunner_run_all(r, CK_ENV);
 	bad = srunner_ntests_failed(r);
 	srunner_free(r);

@@ -4,12 +4,14 @@
 
 #include "../runtime/host.h"
 #include <check.h>
+#include <stdatomic.h>
 
 Suite *suite_host_run(void);
 Suite *suite_host_load(void);
 Suite *suite_host_compiler(void);
 Suite *suite_host_names(void);
 Suite *suite_host_texts(void);
+Suite *suite_workers(void);
 
 /* A folder of the test's own, with a folder "tmp" in it that TMPDIR names. At the end nothing may be left in "tmp",
    no descriptor may be open that was not open before, and no text be loaded. */
@@ -33,6 +35,8 @@ char *pendulum_with(const char *from, const char *to);
 /* Open a text of the pendulum, called text.c in messages, with a cache in "SANDBOX/cache" or none. */
 struct host_request pendulum_request(const char *text);
 struct host open_pendulum(void);
+/* For so many threads at most, with samples that take long: a batch of some pieces is worth them all. */
+struct host open_pendulum_slow(unsigned threads);
 struct host open_cached(const char *text);
 
 /* Opening fails; nothing is left. */
@@ -49,6 +53,8 @@ struct faults {
 	int allocation_failed;
 	int no_memfd, no_folder; /* memfd_create and mkdtemp fail with this errno */
 	int damage;		 /* what cache_get finds: 1 garbage, 2 an object without the text's symbols */
+	int no_thread;		 /* pthread_create fails with this errno */
+	atomic_int started, joined; /* how many threads pthread_create and pthread_join have seen */
 };
 extern struct faults faults;
 
