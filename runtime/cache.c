@@ -35,6 +35,21 @@ static uint64_t hash_add(uint64_t h, const void *data, size_t size)
 	return h;
 }
 
+/* ---- what is wrong ---- */
+
+/* In place of an errno: the folder is another user's, or others can write to it. */
+enum { NOT_PRIVATE = -1 };
+
+/* Say what is wrong with the folder, or with the entry `name` in it; 0. */
+static int refuse(struct cache_why *why, const char *folder, const char *name, int error)
+{
+	const char *what = error == NOT_PRIVATE ? "it is not this user's alone, and what lies there is run" : strerror(error);
+
+	if (why)
+		snprintf(why->text, sizeof why->text, "%s%s%s: %s", folder, name ? "/" : "", name ? name : "", what);
+	return 0;
+}
+
 /* ---- the folder ---- */
 
 /* Of this user, and nobody else can write to it. */
@@ -86,16 +101,16 @@ void cache_open(struct cache *c, const char *folder)
 		set_folder_home(c);
 }
 
-/* The folder, checked and held open, so that what was checked is what is used; -1 if there is none to be used. */
-static int open_folder(const char *path)
+/* The folder, checked and held open, so that what was checked is what is used; -1 and *error if there is none to be used. */
+static int open_folder(const char *path, int *error)
 {
 	int folder = *path ? open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
 	struct stat s;
 
+	*error = folder < 0 ? errno : NOT_PRIVATE;
 	if (folder < 0 || (fstat(folder, &s) == 0 && is_private(&s)))
 		return folder;
 	close(folder);
-	errno = EPERM;
 	return -1;
 }
 
@@ -114,14 +129,14 @@ static void make_folder(const char *path)
 	mkdir(part, S_IRWXU);
 }
 
-static int open_or_make_folder(const char *path)
+static int open_or_make_folder(const char *path, int *error)
 {
-	int folder = open_folder(path);
+	int folder = open_folder(path, error);
 
-	if (folder >= 0 || !*path || errno != ENOENT)
+	if (folder >= 0 || *error != ENOENT)
 		return folder;
 	make_folder(path);
-	return open_folder(path);
+	return open_folder(path, error);
 }
 
 /* ---- entries ---- */
@@ -164,7 +179,7 @@ static int read_entry(int file, const void *key, size_t key_size, char **data, s
 int cache_get(const struct cache *c, const void *key, size_t key_size, char **data, size_t *size)
 {
 	char name[CACHE_NAME_SIZE];
-	int folder = open_folder(c->folder), file, found;
+	int error, folder = open_folder(c->folder, &error), file, found;
 
 	*data = NULL;
 	*size = 0;
@@ -196,22 +211,47 @@ static int make_temporary(int folder, char name[CACHE_NAME_SIZE])
 }
 
 /* Not synchronised with the disk: what a crash of the machine leaves behind does not have its checksum. */
-static int write_entry(int folder, const void *key, size_t key_size, const void *data, size_t size)
+static int write_entry(int file, const void *key, size_t key_size, const void *data, size_t size)
 {
 	struct header h = {.magic = magic, .key_size = key_size, .data_size = size};
+	int error;
+
+	h.checksum = hash_add(hash_add(hash_start, key, key_size), data, size);
+	if ((error = scratch_fill(file, &h, sizeof h)) == 0 && (error = scratch_fill(file, key, key_size)) == 0)
+		error = scratch_fill(file, data, size);
+	if (close(file) != 0 && !error)
+		error = errno;
+	return error;
+}
+
+/* A folder in the entry's place would stay there for ever; one that holds something is somebody's. */
+static int put_in_place(int folder, const char *temporary, const char *name)
+{
+	if (renameat(folder, temporary, folder, name) == 0)
+		return 0;
+	if ((errno == EISDIR || errno == ENOTEMPTY || errno == EEXIST) && unlinkat(folder, name, AT_REMOVEDIR) == 0 &&
+		renameat(folder, temporary, folder, name) == 0)
+		return 0;
+	return errno;
+}
+
+static int keep(const char *path, int folder, const void *key, size_t key_size, const void *data, size_t size,
+	struct cache_why *why)
+{
 	char name[CACHE_NAME_SIZE], temporary[CACHE_NAME_SIZE];
-	int file = make_temporary(folder, temporary), kept;
+	int file = make_temporary(folder, temporary), error;
 
 	if (file < 0)
-		return 0;
-	h.checksum = hash_add(hash_add(hash_start, key, key_size), data, size);
-	kept = !scratch_fill(file, &h, sizeof h) && !scratch_fill(file, key, key_size) && !scratch_fill(file, data, size);
-	kept = close(file) == 0 && kept;
+		return refuse(why, path, NULL, errno);
+	if ((error = write_entry(file, key, key_size, data, size)) != 0) {
+		unlinkat(folder, temporary, 0);
+		return refuse(why, path, NULL, error);
+	}
 	cache_name_entry(name, hash_add(hash_start, key, key_size));
-	if (kept && renameat(folder, temporary, folder, name) == 0)
+	if ((error = put_in_place(folder, temporary, name)) == 0)
 		return 1;
 	unlinkat(folder, temporary, 0);
-	return 0;
+	return refuse(why, path, name, error);
 }
 
 /* Writing more than the process may put into a file would not fail but kill it. */
@@ -227,13 +267,19 @@ static int may_write(size_t key_size, size_t size)
 	       (limit.rlim_cur == RLIM_INFINITY || total <= limit.rlim_cur);
 }
 
-int cache_put(const struct cache *c, const void *key, size_t key_size, const void *data, size_t size)
+int cache_put(const struct cache *c, const void *key, size_t key_size, const void *data, size_t size, struct cache_why *why)
 {
-	int folder = may_write(key_size, size) ? open_or_make_folder(c->folder) : -1, kept;
+	int folder, kept, error;
 
-	if (folder < 0)
+	if (why)
+		why->text[0] = '\0';
+	if (!c->folder[0])
 		return 0;
-	kept = write_entry(folder, key, key_size, data, size);
+	if (!may_write(key_size, size))
+		return refuse(why, c->folder, NULL, EFBIG);
+	if ((folder = open_or_make_folder(c->folder, &error)) < 0)
+		return refuse(why, c->folder, NULL, error);
+	kept = keep(c->folder, folder, key, key_size, data, size, why);
 	cache_prune(folder);
 	close(folder);
 	return kept;

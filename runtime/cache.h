@@ -1,7 +1,7 @@
 #ifndef RNEA_CACHE_H
 #define RNEA_CACHE_H
 /* What was compiled before, in files. A cache never fails: what cannot be read is not there, what cannot be written is
-   not kept.
+   not kept, and who asks is told why.
 
    An entry is one file, named by a hash of its key. It holds the key itself, whole, and the image, with their lengths
    and a checksum: a key that only shares the hash, and a file that is damaged or cut short, are misses. Files are
@@ -19,6 +19,10 @@ struct cache {
 	char folder[1024]; /* "": there is none */
 };
 
+struct cache_why {
+	char text[1200];
+};
+
 /* Choose the folder: `folder` if it is not NULL ("": none), else RNEA_CACHE, else XDG_CACHE_HOME/rnea, else
    HOME/.cache/rnea if HOME is this user's. It is made, with its parents, when the first entry is put into it. */
 void cache_open(struct cache *c, const char *folder);
@@ -26,7 +30,8 @@ void cache_open(struct cache *c, const char *folder);
 /* The image kept under `key`: 1 and *data (malloc, *size bytes and a NUL), or 0, NULL and 0. */
 int cache_get(const struct cache *c, const void *key, size_t key_size, char **data, size_t *size);
 
-/* Keep an image; 1 if it was kept. */
-int cache_put(const struct cache *c, const void *key, size_t key_size, const void *data, size_t size);
+/* Keep an image, in place of whatever is there but a folder that is not empty: 1, or 0 and *why (NULL: not wanted) names
+   the folder or file and says what is wrong with it; "" where no folder was chosen. */
+int cache_put(const struct cache *c, const void *key, size_t key_size, const void *data, size_t size, struct cache_why *why);
 
 #endif

@@ -86,7 +86,8 @@ static int look_at(int folder, const char *name, time_t now, struct entries *e)
 	struct entry one;
 	struct stat s;
 
-	if (strncmp(name, prefix, strlen(prefix)) != 0 || fstatat(folder, name, &s, AT_SYMLINK_NOFOLLOW) != 0)
+	if (strncmp(name, prefix, strlen(prefix)) != 0 || fstatat(folder, name, &s, AT_SYMLINK_NOFOLLOW) != 0 ||
+		S_ISDIR(s.st_mode))
 		return 1;
 	one.used = time_used(&s, now);
 	one.size = (uint64_t)s.st_size;

@@ -142,6 +142,14 @@ int command_analyse(const struct command *c, struct file_content *urdf, struct a
 	return 0;
 }
 
+static void tell(const struct command *c, const struct rnea_build *build)
+{
+	if (*build->note)
+		fprintf(stderr, "%s: %s\n", c->name, build->note);
+	if (*build->unkept)
+		fprintf(stderr, "%s: what was compiled is not kept for the next time: %s\n", c->name, build->unkept);
+}
+
 int command_open(const struct command *c, const struct file_content *urdf, struct rnea_robot **robot)
 {
 	struct rneagen_options o = named_options(c);
@@ -156,8 +164,8 @@ int command_open(const struct command *c, const struct file_content *urdf, struc
 		fprintf(stderr, "%s: warning: %s\n", c->name, r.warnings[i]);
 	if (rnea_open(r.source, strlen(r.source), &c->open, robot, &error))
 		status = command_fail(c, error.message);
-	else if (!c->quiet && *rnea_build(*robot)->note && isatty(STDERR_FILENO))
-		fprintf(stderr, "%s: %s\n", c->name, rnea_build(*robot)->note);
+	else if (!c->quiet && isatty(STDERR_FILENO))
+		tell(c, rnea_build(*robot));
 	rneagen_result_free(&r);
 	return status;
 }

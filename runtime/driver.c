@@ -160,7 +160,7 @@ static void keep(const struct image_request *r, const char *key, size_t length, 
 	char *now = key ? image_key(r, &n) : NULL;
 
 	if (now && n == length && memcmp(now, key, n) == 0)
-		image_put(r->cache, key, length, i);
+		image_put(r->cache, key, length, i, r->unkept);
 	free(now);
 }
 

@@ -122,7 +122,7 @@ static enum rnea_code load_compiled(struct host *h, const struct host_request *r
 	if (!load(h, r, data, size, e)) {
 		compiler_describe(c, h->compiler, sizeof h->compiler);
 		if (key->data)
-			cache_put(r->cache, key->data, key->size, data, size);
+			cache_put(r->cache, key->data, key->size, data, size, r->unkept);
 	}
 	free(data);
 	return e->code;

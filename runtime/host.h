@@ -14,6 +14,7 @@ struct host_request {
 	const char *const *options; /* further options for the compiler, option_count of them */
 	size_t option_count;
 	const struct cache *cache;
+	struct cache_why *unkept; /* receives why what is compiled is not kept; may be NULL */
 	unsigned threads; /* 0: one for each processor */
 	char *log;	  /* as in struct rnea_options; the caller has emptied it */
 	size_t log_size;

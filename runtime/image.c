@@ -134,7 +134,7 @@ int image_get(const struct cache *c, const char *key, size_t length, struct imag
 	return 0;
 }
 
-void image_put(const struct cache *c, const char *key, size_t length, const struct image *i)
+void image_put(const struct cache *c, const char *key, size_t length, const struct image *i, struct cache_why *why)
 {
 	char head[128];
 	size_t n =
@@ -145,7 +145,7 @@ void image_put(const struct cache *c, const char *key, size_t length, const stru
 		return;
 	memcpy(data, head, n);
 	memcpy(data + n, i->code.data, i->code.size);
-	cache_put(c, key, length, data, n + i->code.size);
+	cache_put(c, key, length, data, n + i->code.size, why);
 	free(data);
 }
 

@@ -14,6 +14,7 @@ struct image_request {
 	unsigned block; /* as in struct rnea_options */
 	int arch;	/* of the device: 90 is sm_90 */
 	const struct cache *cache;
+	struct cache_why *unkept; /* receives why what is compiled is not kept; may be NULL */
 	char *log; /* as in struct rnea_options */
 	size_t log_size;
 };
@@ -42,7 +43,7 @@ char *image_key(const struct image_request *r, size_t *length);
 
 /* The image that was kept under a key, which may be NULL: 1, or 0 and *i empty. */
 int image_get(const struct cache *c, const char *key, size_t length, struct image *i);
-void image_put(const struct cache *c, const char *key, size_t length, const struct image *i);
+void image_put(const struct cache *c, const char *key, size_t length, const struct image *i, struct cache_why *why);
 
 void image_free(struct image *i);
 

@@ -27,6 +27,7 @@ static enum rnea_code open_cuda(struct rnea_robot *robot, const struct source *s
 		.option_count = o->compile_count,
 		.block = o->block,
 		.cache = cache,
+		.unkept = &robot->unkept,
 		.log = o->log,
 		.log_size = o->log_size};
 	struct driver *c = &robot->driver;
@@ -56,6 +57,7 @@ static enum rnea_code open_host(struct rnea_robot *robot, const struct source *s
 		.options = o->compile,
 		.option_count = o->compile_count,
 		.cache = cache,
+		.unkept = &robot->unkept,
 		.threads = o->threads,
 		.log = o->log,
 		.log_size = o->log_size};
@@ -123,6 +125,7 @@ static enum rnea_code open_source(
 		return e->code;
 	}
 	robot->build.note = robot->note;
+	robot->build.unkept = robot->unkept.text;
 	robot->build.seconds = seconds_now() - start;
 	*out = robot;
 	return RNEA_OK;

@@ -10,7 +10,8 @@
    NULL means that the code alone is wanted; otherwise the struct is overwritten by every call (RNEA_OK and "" on
    success) and belongs to the caller.
 
-   What was compiled is kept in a cache on disk; where that cannot be read or written everything works without it.
+   What was compiled is kept in a cache on disk; where that cannot be read or written everything works without it, and
+   rnea_build()->unkept says why.
 
    Environment: RNEA_LIBCUDA and RNEA_NVRTC name the driver library and the NVRTC library to use instead of the ones
    that would be found; a name that is set and cannot be loaded is an error. RNEA_CC names the C compiler of the host
@@ -192,6 +193,7 @@ struct rnea_build {
 	double seconds;       /* that rnea_open took */
 	unsigned min_blocks;  /* CUDA: the launch bound the rnea kernel was compiled with; 0: none */
 	unsigned threads;     /* HOST: the most that a launch uses; a small batch uses fewer */
+	const char *unkept;   /* why the cache did not keep what was compiled: "FOLDER: Read-only file system"; else "" */
 };
 
 /* Never NULL. Belongs to `robot`. */

@@ -13,6 +13,7 @@ struct rnea_robot {
 	struct host host;
 	struct pipe_pool *pool;						 /* CUDA: for rnea_run */
 	char kernels[RNEA_KERNEL_COUNT][SOURCE_SYMBOL_SIZE];	 /* what messages call them */
+	struct cache_why unkept;
 	char device[128], note[sizeof((struct rnea_error *)0)->message]; /* what build points to */
 };
 

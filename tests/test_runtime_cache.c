@@ -176,7 +176,7 @@ struct cache cache_in(const char *name)
 
 int put_text(const struct cache *c, const char *key, const char *text)
 {
-	return cache_put(c, key, strlen(key), text, strlen(text));
+	return cache_put(c, key, strlen(key), text, strlen(text), NULL);
 }
 
 int get_text(const struct cache *c, const char *key, const char *text)

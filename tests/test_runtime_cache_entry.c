@@ -33,8 +33,8 @@ START_TEST(keeps_images)
 	ck_assert_int_eq(put_text(&c, "", "of no key"), 1);
 	ck_assert_int_eq(get_is(&c, "", "of no key"), 1);
 	/* any bytes; and what follows the last is a NUL */
-	ck_assert_int_eq(cache_put(&c, "a\0b", 3, "\0\377\0", 3), 1);
-	ck_assert_int_eq(cache_put(&c, "a\0c", 3, "x\0", 2), 1);
+	ck_assert_int_eq(cache_put(&c, "a\0b", 3, "\0\377\0", 3, NULL), 1);
+	ck_assert_int_eq(cache_put(&c, "a\0c", 3, "x\0", 2, NULL), 1);
 	ck_assert_int_eq(cache_get(&c, "a\0b", 3, &data, &size), 1);
 	ck_assert_uint_eq(size, 3);
 	ck_assert_mem_eq(data, "\0\377\0\0", 4);
@@ -191,10 +191,65 @@ START_TEST(only_files_of_this_user_alone)
 	ck_assert_int_eq(mkfifo(path, 0600), 0);
 	ck_assert_int_eq(get_is(&c, "key", "image"), 0); /* and does not wait for a writer */
 	ck_assert_int_eq(unlink(path), 0);
-	ck_assert_int_eq(mkdir(path, 0700), 0);
-	ck_assert_int_eq(get_is(&c, "key", "image"), 0);
-	ck_assert_int_eq(put_text(&c, "key", "image"), 0);
+	free(path);
+}
+END_TEST
+
+/* Catches something in an entry's place that would keep the entry from being kept for ever. */
+START_TEST(replaces_what_stands_there)
+{
+	static const char *const kinds[] = {"garbage", "unreadable", "link", "dangling", "link to a folder", "fifo", "folder"};
+	struct cache c = cache_in("c");
+	char *path;
+
+	ck_assert_int_eq(put_text(&c, "other", "of another key"), 1);
+	ck_assert_int_eq(mkdir(inside("elsewhere"), 0700), 0);
+	entry_write(inside("file"), "text", 4);
+	path = strdup(entry_path(&c, "key", 3));
+	for (int i = 0; i < (int)(sizeof kinds / sizeof *kinds); i++) {
+		int made = i < 2 ? (entry_write(path, "garbage", 7), i ? chmod(path, 0) : 0)
+			 : i < 5 ? symlink(i == 2 ? inside("file") : i == 3 ? inside("nowhere") : inside("elsewhere"), path)
+			 : i == 5 ? mkfifo(path, 0600) : mkdir(path, 0700);
+
+		ck_assert_msg(made == 0, "%s: %s", kinds[i], strerror(errno));
+		ck_assert_msg(!get_is(&c, "key", "image"), "%s", kinds[i]);
+		ck_assert_msg(put_text(&c, "key", "image"), "%s", kinds[i]);
+		ck_assert_msg(get_is(&c, "key", "image"), "%s", kinds[i]);
+		ck_assert_int_eq(unlink(path), 0);
+	}
 	ck_assert_int_eq(count_temporaries(c.folder), 0);
+	ck_assert_int_eq(get_is(&c, "other", "of another key"), 1);
+	ck_assert_int_eq(access(inside("nowhere"), F_OK), -1);
+	ck_assert_int_eq(count_files(inside("elsewhere"), "", ""), 2); /* . and .. */
+	free(path);
+}
+END_TEST
+
+/* What somebody keeps in a folder there is not ours to remove: it is said instead. */
+START_TEST(says_what_stands_there)
+{
+	struct cache c = cache_in("c");
+	struct cache_why why = {"untouched"};
+	char *path, file[600];
+
+	ck_assert_int_eq(cache_put(&c, "key", 3, "image", 5, &why), 1);
+	ck_assert_str_eq(why.text, "");
+	path = strdup(entry_path(&c, "key", 3));
+	ck_assert_int_eq(unlink(path), 0);
+	ck_assert_int_eq(mkdir(path, 0700), 0);
+	snprintf(file, sizeof file, "%s/thesis.tex", path);
+	entry_write(file, "text", 4);
+	for (int i = 0; i < 3; i++) {
+		ck_assert_int_eq(cache_put(&c, "key", 3, "image", 5, &why), 0);
+		ck_assert_msg(strncmp(why.text, path, strlen(path)) == 0 && strstr(why.text, "not empty"), "%s", why.text);
+		ck_assert_int_eq(get_is(&c, "key", "image"), 0);
+	}
+	ck_assert_int_eq(access(file, F_OK), 0);
+	ck_assert_int_eq(count_temporaries(c.folder), 0);
+	ck_assert_int_eq(unlink(file), 0);
+	ck_assert_int_eq(cache_put(&c, "key", 3, "image", 5, &why), 1);
+	ck_assert_str_eq(why.text, "");
+	ck_assert_int_eq(get_is(&c, "key", "image"), 1);
 	free(path);
 }
 END_TEST
@@ -241,10 +296,18 @@ START_TEST(removes_the_oldest)
 	ck_assert(has(&c, 0));
 	for (int i = 1; i < CACHE_ENTRIES + 5; i++)
 		ck_assert_msg(has(&c, i) == (i > 5), "entry %d", i);
+	/* a folder is no entry, however old: it takes nobody's place */
+	ck_assert_int_eq(mkdir(inside("c/rnea-0123456789abcdef"), 0700), 0);
+	set_age(inside("c/rnea-0123456789abcdef"), 10000000);
+	put_aged(&c, 3, 0);
+	ck_assert(has(&c, 3) && !has(&c, 6));
+	ck_assert_int_eq(rmdir(inside("c/rnea-0123456789abcdef")), 0);
+	ck_assert_int_eq(unlink(entry_path(&c, key_of(3), 5)), 0);
 	/* of an age below zero: not kept for ever */
 	set_age(entry_path(&c, key_of(100), strlen(key_of(100))), -1000000);
 	put_aged(&c, 1, 0);
-	ck_assert(!has(&c, 100) && has(&c, 6));
+	put_aged(&c, 2, 0);
+	ck_assert(!has(&c, 100) && has(&c, 7));
 }
 END_TEST
 
@@ -264,9 +327,9 @@ START_TEST(removes_bytes)
 	for (int i = 0; i < 6; i++)
 		ck_assert_msg(has(&c, i) == (i > 2), "entry %d", i);
 	ck_assert(has(&c, 7));
-	ck_assert_int_eq(cache_put(&c, "key 8", 5, "", CACHE_BYTES), 0); /* more than all: not even looked at */
-	ck_assert_int_eq(cache_put(&c, "key 8", SIZE_MAX, "", SIZE_MAX), 0);
-	ck_assert_int_eq(cache_put(&c, "", 0, "", SIZE_MAX - 31), 0);
+	ck_assert_int_eq(cache_put(&c, "key 8", 5, "", CACHE_BYTES, NULL), 0); /* more than all: not even looked at */
+	ck_assert_int_eq(cache_put(&c, "key 8", SIZE_MAX, "", SIZE_MAX, NULL), 0);
+	ck_assert_int_eq(cache_put(&c, "", 0, "", SIZE_MAX - 31, NULL), 0);
 	ck_assert(has(&c, 3) && has(&c, 7));
 }
 END_TEST
@@ -324,7 +387,7 @@ START_TEST(is_quick)
 		ck_assert_int_eq(put_text(&c, key_of(i), "image"), 1);
 	memset(image, 'i', SIZE);
 	memset(key, 'k', KEY);
-	ck_assert_int_eq(cache_put(&c, key, KEY, image, SIZE), 1);
+	ck_assert_int_eq(cache_put(&c, key, KEY, image, SIZE, NULL), 1);
 	for (int i = 0; i < 20; i++) {
 		clock_gettime(CLOCK_MONOTONIC, &from);
 		ck_assert_int_eq(cache_get(&c, key, KEY, &data, &size), 1);
@@ -355,6 +418,8 @@ Suite *suite_cache_entry(void)
 	tcase_add_test(t, other_lengths_are_misses);
 	tcase_add_test(t, damaged_sizes_take_no_memory);
 	tcase_add_test(t, only_files_of_this_user_alone);
+	tcase_add_test(t, replaces_what_stands_there);
+	tcase_add_test(t, says_what_stands_there);
 	tcase_add_test(t, removes_the_oldest);
 	tcase_add_test(t, removes_bytes);
 	tcase_add_test(t, removes_temporaries);

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -239,11 +240,71 @@ END_TEST
 
 START_TEST(there_is_none)
 {
+	struct cache_why why = {"untouched"};
 	struct cache c;
 
 	cache_open(&c, "");
 	ck_assert_int_eq(put_text(&c, "key", "image"), 0);
 	ck_assert_int_eq(get_is(&c, "key", "image"), 0);
+	/* which is what was asked for */
+	ck_assert_int_eq(cache_put(&c, "key", 3, "image", 5, &why), 0);
+	ck_assert_str_eq(why.text, "");
+}
+END_TEST
+
+static int says(const struct cache *c, const char *what)
+{
+	struct cache_why why = {"untouched"};
+	char expected[sizeof why.text];
+
+	snprintf(expected, sizeof expected, "%s: %s", c->folder, what);
+	return cache_put(c, "key", 3, "image", 5, &why) == 0 && strcmp(why.text, expected) == 0;
+}
+
+static int work_says(void *context)
+{
+	struct cache c = *(struct cache *)context, forbidden = {"/rnea-test-forbidden"};
+	struct rlimit limit = {10, 10};
+
+	if (geteuid() == 0 && !become_nobody())
+		return CANNOT;
+	if (!says(&forbidden, "No such file or directory") || !put_text(&c, "key", "first") || chmod(c.folder, 0500) != 0)
+		return 2;
+	if (!says(&c, "Permission denied") || chmod(c.folder, 0700) != 0)
+		return 3;
+	return setrlimit(RLIMIT_FSIZE, &limit) == 0 && says(&c, "File too large") ? 0 : 4;
+}
+
+/* Catches a folder that keeps nothing without a word. */
+START_TEST(says_why_it_is_not_used)
+{
+	static const char private[] = "it is not this user's alone, and what lies there is run";
+	struct cache file = cache_in("file"), below = cache_in("file/below"), c = cache_in("c");
+	int status;
+
+	entry_write(file.folder, "text", 4);
+	ck_assert(says(&file, "Not a directory"));
+	ck_assert(says(&below, "Not a directory"));
+	ck_assert_int_eq(put_text(&c, "key", "image"), 1);
+	ck_assert_int_eq(chmod(c.folder, 0770), 0);
+	ck_assert(says(&c, private));
+	ck_assert_int_eq(chmod(c.folder, 0700), 0);
+	if (geteuid() == 0) {
+		ck_assert_int_eq(chown(c.folder, 12345, 12345), 0);
+		ck_assert(says(&c, private));
+		ck_assert_int_eq(chown(c.folder, 0, 0), 0);
+	}
+	faults_clear();
+	faults.fail_at[FAULT_WRITE] = 2;
+	faults.error = ENOSPC;
+	ck_assert(says(&c, "No space left on device"));
+	faults_clear();
+	ck_assert_int_eq(get_is(&c, "key", "image"), 1);
+	c = cache_in("d");
+	if ((status = run_child(work_says, &c)) == CANNOT)
+		puts("skipped: says_why_it_is_not_used: root without the right to become another user");
+	else
+		ck_assert_int_eq(status, 0);
 }
 END_TEST
 
@@ -263,6 +324,7 @@ Suite *suite_cache_folder(void)
 	tcase_add_test(t, is_no_folder);
 	tcase_add_test(t, folder_is_read_only);
 	tcase_add_test(t, there_is_none);
+	tcase_add_test(t, says_why_it_is_not_used);
 	suite_add_tcase(s, t);
 	return s;
 }

@@ -39,7 +39,7 @@ static int put_image(const struct cache *c, const char *key, uint64_t seed, size
 	int kept;
 
 	make_image(image, size, seed, key);
-	kept = cache_put(c, key, strlen(key), image, size);
+	kept = cache_put(c, key, strlen(key), image, size, NULL);
 	free(image);
 	return kept;
 }

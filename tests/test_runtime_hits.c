@@ -1,9 +1,12 @@
 /* What is taken from the cache when a text is opened, and what not. */
 #define _GNU_SOURCE
 #include "test_runtime.h"
+#include <glob.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 static int compilations(void)
 {
@@ -80,6 +83,59 @@ START_TEST(another_text_is_a_miss)
 	ck_assert_int_eq(rnea_build(robot)->cached, 1);
 	rnea_close(robot);
 	free(text);
+}
+END_TEST
+
+/* The one entry of the cache. */
+static char *find_entry(void)
+{
+	char pattern[256], *path;
+	glob_t found;
+
+	snprintf(pattern, sizeof pattern, "%s/rnea-*", getenv("RNEA_CACHE"));
+	ck_assert_int_eq(glob(pattern, 0, NULL, &found), 0);
+	ck_assert_uint_eq(found.gl_pathc, 1);
+	path = strdup(found.gl_pathv[0]);
+	globfree(&found);
+	return path;
+}
+
+static void open_and_say(const struct rnea_options *o, int cached, const char *unkept)
+{
+	const char *file = o->backend == RNEA_BACKEND_HOST ? TEST_DIR "/pendulum.c" : TEST_DIR "/pendulum.cu";
+	const struct rnea_build *b;
+	struct rnea_robot *robot;
+	struct rnea_error e;
+
+	ck_assert_msg(rnea_open_file(file, o, &robot, &e) == RNEA_OK, "%s", e.message);
+	b = rnea_build(robot);
+	ck_assert_int_eq(b->cached, cached);
+	ck_assert_msg(strstr(b->unkept, unkept) && !*b->unkept == !*unkept, "\"%s\", not \"%s\"", b->unkept, unkept);
+	rnea_close(robot);
+}
+
+/* Catches an entry that is disabled for good without a word, on either backend: an empty folder in its place is replaced,
+   one that holds something is told of. */
+START_TEST(folder_in_place_of_an_entry)
+{
+	const struct rnea_options o = {.backend = _i ? RNEA_BACKEND_HOST : RNEA_BACKEND_CUDA}, none = {.backend = o.backend, .cache = ""};
+	char *path, below[300];
+
+	open_and_say(&none, 0, "");
+	open_and_say(&o, 0, "");
+	open_and_say(&o, 1, "");
+	path = find_entry();
+	ck_assert_int_eq(unlink(path), 0);
+	ck_assert_int_eq(mkdir(path, 0700), 0);
+	open_and_say(&o, 0, "");
+	open_and_say(&o, 1, "");
+	ck_assert_int_eq(unlink(path), 0);
+	ck_assert_int_eq(mkdir(path, 0700), 0);
+	snprintf(below, sizeof below, "%s/below", path);
+	ck_assert_int_eq(mkdir(below, 0700), 0);
+	open_and_say(&o, 0, path);
+	open_and_say(&o, 0, "not empty");
+	free(path);
 }
 END_TEST
 
@@ -195,6 +251,7 @@ Suite *suite_hits(void)
 	tcase_add_checked_fixture(t, use_folder, drop_folder);
 	tcase_add_test(t, second_opening_is_a_hit);
 	tcase_add_test(t, another_text_is_a_miss);
+	tcase_add_loop_test(t, folder_in_place_of_an_entry, 0, 2);
 	tcase_add_test(t, moved_texts_are_hits);
 	tcase_add_loop_test(t, choices_are_kept, 0, 2);
 	tcase_add_loop_test(t, refused_images, 0, 4);
