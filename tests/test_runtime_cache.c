@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <ftw.h>
 #include <inttypes.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -42,7 +43,9 @@ void faults_clear(void)
 
 static int fails(enum fault f)
 {
-	if (++faults.calls[f] != faults.fail_at[f])
+	if (++faults.calls[f] == faults.die_at[f])
+		raise(SIGKILL);
+	if (faults.calls[f] != faults.fail_at[f])
 		return 0;
 	errno = faults.error;
 	return 1;

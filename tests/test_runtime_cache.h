@@ -51,10 +51,11 @@ int run_child(int (*work)(void *), void *context);
 /* Become a user without rights and give it the sandbox first; 0 if this process is not root or may not. */
 int become_nobody(void);
 
-/* Linked with --wrap, for the calling thread: the call with number fail_at (from 1; 0: none) fails with `error`. */
+/* Linked with --wrap, for the calling thread: the call with number fail_at (from 1; 0: none) fails with `error`, and that
+   with number die_at is not made: the process is killed. */
 enum fault { FAULT_MALLOC, FAULT_WRITE, FAULT_CLOSE, FAULT_RENAME, FAULT_OPEN, FAULT_READ, FAULT_COUNT };
 struct faults {
-	long fail_at[FAULT_COUNT], calls[FAULT_COUNT];
+	long fail_at[FAULT_COUNT], die_at[FAULT_COUNT], calls[FAULT_COUNT];
 	int error;
 	size_t most;		   /* a read or write moves no more bytes than this; 0: any number */
 	size_t allocated;	   /* the largest request */

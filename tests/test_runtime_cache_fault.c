@@ -194,12 +194,15 @@ static int become_root(unsigned user, unsigned group)
 	       write_file("/proc/self/setgroups", "deny") && write_file("/proc/self/gid_map", groups);
 }
 
-/* A file system of 64 KiB on the sandbox, seen by this process alone. */
+/* A file system of 16 pages on the sandbox, seen by this process alone. */
 static int mount_small(void)
 {
+	char options[64];
+
+	snprintf(options, sizeof options, "size=%ld,mode=0700", 16 * sysconf(_SC_PAGESIZE));
 	return (geteuid() == 0 || become_root(geteuid(), getegid())) && unshare(CLONE_NEWNS) == 0 &&
 	       mount("none", "/", NULL, MS_REC | MS_PRIVATE, NULL) == 0 &&
-	       mount("tmpfs", sandbox, "tmpfs", 0, "size=64k,mode=0700") == 0;
+	       mount("tmpfs", sandbox, "tmpfs", 0, options) == 0;
 }
 
 static int work_full(void *context)

@@ -1,4 +1,4 @@
-/* Processes and threads that read, write, remove and are killed at the same time. Every image says what it is: its
+/* Processes and threads that read, write and remove at the same time, and writers that are killed. Every image says what it is: its
    first bytes are a seed, the rest follows from the seed and the key, so that any that comes back can be judged. */
 #define _GNU_SOURCE
 #include "test_runtime_cache.h"
@@ -163,28 +163,22 @@ START_TEST(threads_at_once)
 }
 END_TEST
 
-static _Noreturn void write_for_ever(const struct cache *c, uint64_t seed)
+/* A writer that is killed in place of the call with number `at` of a kind, the writes being of a quarter of the image. */
+struct writer {
+	const struct cache *c;
+	enum fault call;
+	long at;
+	uint64_t seed;
+};
+
+static int work_killed(void *context)
 {
-	static const char *const keys[] = {"a", "b", "c"};
-	struct rng r = rng_seed(seed);
+	const struct writer *w = context;
 
-	for (;;)
-		put_image(c, keys[rng_below(&r, 3)], rng_next(&r), LARGE);
-}
-
-static void kill_a_writer(const struct cache *c, uint64_t seed, long microseconds)
-{
-	struct timespec wait = {0, 1000 * microseconds};
-	pid_t pid = fork();
-	int status;
-
-	ck_assert_int_ge(pid, 0);
-	if (!pid)
-		write_for_ever(c, seed);
-	nanosleep(&wait, NULL);
-	ck_assert_int_eq(kill(pid, SIGKILL), 0);
-	ck_assert_int_eq(waitpid(pid, &status, 0), pid);
-	ck_assert(WIFSIGNALED(status));
+	faults_clear();
+	faults.most = LARGE / 4;
+	faults.die_at[w->call] = w->at;
+	return put_image(w->c, "key", w->seed, LARGE) ? 0 : 1;
 }
 
 /* Let every temporary seem two hours old. */
@@ -203,26 +197,52 @@ static void age_temporaries(const struct cache *c)
 	ck_assert_int_eq(status, 0);
 }
 
+/* Which image is found after a writer was killed, and what it left: nothing before its file is there and after it is in
+   place, when only the pruning comes. */
+static void check_killed(const struct writer *w, uint64_t before)
+{
+	int left = count_temporaries(w->c->folder), unfinished = 0, done = 0;
+	uint64_t got;
+
+	ck_assert_int_eq(run_child(work_killed, (void *)(uintptr_t)w), 128 + SIGKILL);
+	if (w->call == FAULT_OPEN || w->call == FAULT_CLOSE)
+		done = w->at > 1;
+	unfinished = !done && w->call != FAULT_OPEN;
+	ck_assert_msg(get_image(w->c, "key", &got, LARGE) == 1, "%d %ld: a wrong image", w->call, w->at);
+	ck_assert_msg(got == (done ? w->seed : before), "%d %ld: the image of another writer", w->call, w->at);
+	ck_assert_int_eq(count_temporaries(w->c->folder), left + unfinished);
+}
+
+/* How many calls of each kind a put makes. */
+static void count_calls(const struct cache *c, uint64_t seed, long calls[FAULT_COUNT])
+{
+	faults_clear();
+	faults.most = LARGE / 4;
+	ck_assert_int_eq(put_image(c, "key", seed, LARGE), 1);
+	memcpy(calls, faults.calls, sizeof faults.calls);
+	faults_clear();
+}
+
+/* Catches a cache that a killed writer leaves damaged or fills up: one is killed at each of its calls in turn. */
 START_TEST(killed_writers)
 {
+	static const enum fault kinds[] = {FAULT_OPEN, FAULT_WRITE, FAULT_CLOSE, FAULT_RENAME};
+	const uint64_t first = LARGE - 100, second = first - 1; /* of large images */
 	struct cache c = cache_in("c");
-	uint64_t seed = print_seed("killed_writers"), got;
-	struct rng r = rng_seed(seed);
-	int hits = 0, left;
+	long calls[FAULT_COUNT], killed = 0;
 
-	for (int i = 0; i < 100; i++) {
-		kill_a_writer(&c, rng_next(&r), rng_below(&r, 20000));
-		for (const char *key = "abc"; *key; key++) {
-			int one = get_image(&c, (const char[]){*key, '\0'}, &got, LARGE);
+	count_calls(&c, first, calls);
+	ck_assert_int_eq(calls[FAULT_RENAME], 1);
+	ck_assert_int_ge(calls[FAULT_WRITE], 2 + 4); /* the header, the key, quarters of the image */
+	for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
+		for (long at = 1; at <= calls[kinds[k]]; at++, killed++) {
+			const struct writer w = {&c, kinds[k], at, second};
 
-			ck_assert_msg(one >= 0, "a wrong image after %d writers", i + 1);
-			hits += one;
+			ck_assert_int_eq(put_image(&c, "key", first, LARGE), 1);
+			check_killed(&w, first);
 		}
-	}
-	left = count_temporaries(c.folder);
-	printf("100 writers killed: %d unfinished files, %d entries found\n", left, hits);
-	ck_assert_int_gt(left, 0);
-	ck_assert_int_gt(hits, 0);
+	printf("%ld writers killed: %d unfinished files\n", killed, count_temporaries(c.folder));
+	ck_assert_int_eq(count_temporaries(c.folder), calls[FAULT_WRITE] + 2); /* and at the first close, and at the rename */
 	age_temporaries(&c);
 	ck_assert_int_eq(put_text(&c, "key", "image"), 1);
 	ck_assert_int_eq(count_temporaries(c.folder), 0);
