@@ -33,7 +33,7 @@ static int opened_from_cache(const struct rnea_options *o, unsigned block, const
 	ck_assert_str_eq(b->device, "pretended device 0");
 	ck_assert_str_eq(b->note, "");
 	ck_assert_str_eq(b->compiler, cached ? "" : "NVRTC 0.1 (" FAKE_NVRTC ")");
-	ck_assert(b->seconds > 0 && b->seconds < 600);
+	ck_assert(b->seconds > 0);
 	ck_assert(cached ? compilations() == before : compilations() > before);
 	pendulum_computes(robot);
 	return cached;

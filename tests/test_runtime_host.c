@@ -62,7 +62,11 @@ int __wrap_memfd_create(const char *name, unsigned flags)
 char *__wrap_mkdtemp(char *name)
 {
 	errno = faults.no_folder;
-	return faults.no_folder ? NULL : __real_mkdtemp(name);
+	if (faults.no_folder || !__real_mkdtemp(name))
+		return NULL;
+	faults.folders++;
+	snprintf(faults.last_folder, sizeof faults.last_folder, "%s", name);
+	return name;
 }
 
 int __wrap_cache_get(const struct cache *c, const void *key, size_t key_size, char **data, size_t *size)
