@@ -3,12 +3,12 @@
 #include "test_rnearun.h"
 #include "states_file.h"
 #include <dirent.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 /* Peak memory in KiB of rnearun over IN, and of its children. */
@@ -62,38 +62,48 @@ static off_t pending_size(void)
 	return size;
 }
 
-/* Wait until some torques are out: all that runs other programs, which may hold signals back, is over. */
-static void wait_for_output(pid_t pid)
+/* Write the beginning of a file into a pipe until some torques are out: all that runs other programs, which may hold
+   signals back, is over. The pipe stays open, so that its reader has more to wait for. */
+static int feed(const char *path, const char *pipe, pid_t pid)
 {
-	const struct timespec pause = {.tv_nsec = 10000000};
+	int in = open(path, O_RDONLY | O_CLOEXEC), out = open(pipe, O_WRONLY | O_CLOEXEC);
+	char bytes[4096];
 
-	for (int i = 0; i < 6000 && !pending_size(); i++) {
+	ck_assert(in >= 0 && out >= 0);
+	while (!pending_size()) {
+		ck_assert_int_eq(read(in, bytes, sizeof bytes), sizeof bytes);
+		ck_assert_int_eq(write(out, bytes, sizeof bytes), sizeof bytes);
 		ck_assert_int_eq(waitpid(pid, NULL, WNOHANG), 0);
-		nanosleep(&pause, NULL);
 	}
-	ck_assert_int_gt(pending_size(), 0);
+	close(in);
+	return out;
 }
 
+/* The states come through a pipe that never ends, so that the signal finds the command at work, however slow the test is. */
 START_TEST(test_interrupted)
 {
 	static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
-	int status;
+	int status, out;
 	pid_t pid;
 
 	file_put_sparse("large.npy", 2400000, 21);
+	ck_assert_int_eq(mkfifo("pipe.npy", 0600), 0);
 	pid = fork();
 	ck_assert_int_ge(pid, 0);
 	if (!pid) {
 		/* who runs the test may ignore it */
 		signal(numbers[_i], SIG_DFL);
-		execl(rnearun, rnearun, "eval", IIWA, "--in", "large.npy", "--out", "out.npy", "--slice", "1", NULL);
+		execl(rnearun, rnearun, "eval", IIWA, "--in", "pipe.npy", "--out", "out.npy", "--slice", "1", NULL);
 		_exit(127);
 	}
-	wait_for_output(pid);
+	signal(SIGPIPE, SIG_IGN); /* of a command that has ended, writing says so */
+	out = feed("large.npy", "pipe.npy", pid);
 	ck_assert_int_eq(kill(pid, numbers[_i]), 0);
 	ck_assert_int_eq(waitpid(pid, &status, 0), pid);
 	ck_assert(WIFSIGNALED(status) && WTERMSIG(status) == numbers[_i]);
 	ck_assert_int_eq(count_files("out.npy"), 0);
+	close(out);
+	unlink("pipe.npy");
 }
 END_TEST
 
