@@ -7,4 +7,4 @@ set(outside_environment "CC=${CMAKE_C_COMPILER}" "CXX=${CMAKE_CXX_COMPILER}" "CM
 if(RNEAGEN_SANITIZE)
 	list(APPEND outside_environment "SANITIZE=-fsanitize=address,undefined -fno-sanitize-recover=all")
 endif()
-set_tests_properties(outside_project PROPERTIES ENVIRONMENT "${outside_environment}" TIMEOUT 600)
+set_tests_properties(outside_project PROPERTIES ENVIRONMENT "${outside_environment}" TIMEOUT ${HANGS})

@@ -3,7 +3,7 @@ rneagen_add_test(test_dot read.c)
 target_link_libraries(test_dot PRIVATE EXPAT::EXPAT)
 find_program(GRAPHVIZ_DOT dot)
 add_test(NAME test_dot_graphviz COMMAND test_dot "${GRAPHVIZ_DOT}")
-set_tests_properties(test_dot_graphviz PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300)
+set_tests_properties(test_dot_graphviz PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT ${HANGS})
 
 # tests/fuzz builds these in the preset `fuzz`; a minute of them is a test where asked for.
 set(scene_trial scene_trial.c scene_grammar.c scene_garble.c fuzz_check.c ${CMAKE_SOURCE_DIR}/gen/options.c ${CMAKE_SOURCE_DIR}/gen/files.c
@@ -17,12 +17,12 @@ if(RNEAGEN_FUZZ)
 	endforeach()
 endif()
 add_test(NAME fuzz_minute COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/fuzz_minute)
-set_tests_properties(fuzz_minute PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 600)
+set_tests_properties(fuzz_minute PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT ${HANGS})
 
 # Generation in eight threads at once.
 rneagen_add_test(test_threads read.c ${CMAKE_SOURCE_DIR}/gen/files.c ${CMAKE_SOURCE_DIR}/gen/pending.c)
 target_link_libraries(test_threads PRIVATE Threads::Threads)
-set_tests_properties(test_threads PROPERTIES TIMEOUT 600)
+set_tests_properties(test_threads PROPERTIES TIMEOUT ${HANGS})
 
 # --help, the manual page and the completions say the same; the manual page has no fault.
 add_test(NAME test_options COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_options $<TARGET_FILE:rneagen-command>)
@@ -48,7 +48,7 @@ target_link_libraries(test_rnearun PRIVATE PkgConfig::CHECK m)
 target_compile_definitions(test_rnearun PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
 add_test(NAME test_rnearun COMMAND test_rnearun $<TARGET_FILE:rnearun> $<TARGET_FILE:rnea_reference>)
 add_test(NAME test_rnearun_numpy COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_rnearun_numpy $<TARGET_FILE:rnearun>)
-set_tests_properties(test_rnearun test_rnearun_numpy PROPERTIES TIMEOUT 600 SKIP_RETURN_CODE 77
+set_tests_properties(test_rnearun test_rnearun_numpy PROPERTIES TIMEOUT ${HANGS} SKIP_RETURN_CODE 77
 	ENVIRONMENT "RNEA_LIBCUDA=$<TARGET_FILE:fake_cuda>;RNEA_NVRTC=$<TARGET_FILE:fake_nvrtc>")
 
 # The commands that compare variants: what they judge by, and themselves.
@@ -58,7 +58,7 @@ rneagen_add_test(test_judge_task judged.c model.c ${CMAKE_SOURCE_DIR}/runtime/ju
 target_link_libraries(test_judge_task PRIVATE reference m)
 add_test(NAME test_rnearun_report COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_rnearun_report $<TARGET_FILE:rnearun>
 	$<TARGET_FILE:fake_cuda> $<TARGET_FILE:fake_nvrtc>)
-set_tests_properties(test_rnearun_report PROPERTIES TIMEOUT 1200)
+set_tests_properties(test_rnearun_report PROPERTIES TIMEOUT ${HANGS})
 rneagen_add_test(test_choice ${CMAKE_SOURCE_DIR}/runtime/choice.c)
 target_link_libraries(test_choice PRIVATE rnea::rnea m)
 rneagen_add_test(test_progress ${CMAKE_SOURCE_DIR}/runtime/progress.c)
@@ -80,7 +80,7 @@ add_executable(test_rnearun_task test_rnearun_task.c test_rnearun_task_refused.c
 target_link_libraries(test_rnearun_task PRIVATE reference PkgConfig::CHECK m)
 target_compile_definitions(test_rnearun_task PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
 add_test(NAME test_rnearun_task COMMAND test_rnearun_task $<TARGET_FILE:rnearun>)
-set_tests_properties(test_rnearun_task PROPERTIES TIMEOUT 600
+set_tests_properties(test_rnearun_task PROPERTIES TIMEOUT ${HANGS}
 	ENVIRONMENT "RNEA_LIBCUDA=$<TARGET_FILE:fake_cuda>;RNEA_NVRTC=$<TARGET_FILE:fake_nvrtc>")
 
 # derivatives beside Pinocchio's, where its Python package is
@@ -91,4 +91,4 @@ foreach(name iiwa14 ur5 hyq fetch double_pendulum skew_axis prismatic_skew alleg
 endforeach()
 add_test(NAME test_gradient_pinocchio
 	COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_gradient_pinocchio $<TARGET_FILE:rneagen-command> ${pinocchio_robots})
-set_tests_properties(test_gradient_pinocchio PROPERTIES TIMEOUT 900 SKIP_RETURN_CODE 77)
+set_tests_properties(test_gradient_pinocchio PROPERTIES TIMEOUT ${HANGS} SKIP_RETURN_CODE 77)
