@@ -22,7 +22,7 @@ struct attempt {
 	const struct compiler *compiler;
 	const struct compiler_request *request;
 	struct scratch folder;
-	char source[1100], object[1100], variable[1100];
+	char source[1100], object[1100], variable[1100], path[5 + COMPILER_PATH_SIZE]; /* variable, path: of the environment */
 	char name[NAME_LENGTH + 1];
 };
 
@@ -51,7 +51,7 @@ static enum rnea_code run(const struct attempt *a, int is_native, struct child *
 	const struct compiler_request *r = a->request;
 	const char **argv = calloc(r->option_count + FIXED, sizeof *argv);
 	/* what a compiler that is killed leaves behind is removed with the folder */
-	const char *const variables[] = {"LC_ALL=C", a->variable, NULL};
+	const char *const variables[] = {"LC_ALL=C", a->variable, getenv("PATH") ? NULL : a->path, NULL};
 	size_t n = 0;
 	int why;
 
@@ -92,9 +92,24 @@ static enum rnea_code run_twice(const struct attempt *a, struct child *end, stru
 
 /* ---- what came of it ---- */
 
+/* Whether an error is of a compiler that does not find its assembler or linker, as gcc and clang put it. */
+static int lacks_parts(const struct log_error *found)
+{
+	static const char *const words[] = {"cannot execute", "cannot find 'ld'", "unable to execute command"};
+
+	for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+		const char *at = strstr(found->line, words[i]);
+
+		if (at && at < found->line + found->line_length)
+			return 1;
+	}
+	return 0;
+}
+
 static enum rnea_code compile_error(const struct attempt *a, const struct child *end, struct rnea_error *e)
 {
 	const char *path = a->compiler->path, *file = a->name;
+	char standard[COMPILER_PATH_SIZE];
 	struct log_error found;
 	char *log;
 
@@ -103,7 +118,10 @@ static enum rnea_code compile_error(const struct attempt *a, const struct child 
 			e, RNEA_COMPILER, "%s: killed by signal %d while it compiled %s", path, end->signal, file);
 	if (!(log = log_replace(end->output, a->source, file)))
 		return rnea_error_memory(e);
-	if (log_find_error(log, &found))
+	if (log_find_error(log, &found) && lacks_parts(&found))
+		rnea_error_set(e, RNEA_COMPILER, "%s: %.*s; it looks in PATH (%s)", path, (int)found.line_length, found.line,
+			compiler_path(standard));
+	else if (found.line)
 		rnea_error_set(e, RNEA_COMPILE, "%s: %.*s%s%.*s", path, (int)found.line_length, found.line,
 			found.quoted_length ? ": " : "", (int)found.quoted_length, found.quoted);
 	else if (end->status == CHILD_UNKNOWN)
@@ -157,6 +175,8 @@ static enum rnea_code compile(struct attempt *a, char **object, size_t *size, st
 	snprintf(a->source, sizeof a->source, "%s/text.c", a->folder.folder);
 	snprintf(a->object, sizeof a->object, "%s/text.so", a->folder.folder);
 	snprintf(a->variable, sizeof a->variable, "TMPDIR=%s", a->folder.folder);
+	snprintf(a->path, sizeof a->path, "PATH=");
+	compiler_path(a->path + strlen(a->path));
 	if ((why = scratch_write(a->source, a->request->source, strlen(a->request->source))) != 0)
 		return rnea_error_set(e, RNEA_COMPILER, "%s: cannot be written: %s; TMPDIR names another folder",
 			a->source, strerror(why));

@@ -19,6 +19,11 @@ struct compiler_request {
 	size_t log_size;
 };
 
+/* PATH, along which compilers are looked for, and look for their assembler and linker; where it is not set, what the
+   system has in its place, copied to `standard`: a compiler would look nowhere. */
+enum { COMPILER_PATH_SIZE = 256 };
+const char *compiler_path(char standard[COMPILER_PATH_SIZE]);
+
 /* Choose RNEA_CC, a path or a name to be found along PATH, or else the first of cc, gcc and clang there. Nothing is
    run. Errors: NO_COMPILER. */
 enum rnea_code compiler_find(struct compiler *c, struct rnea_error *e);

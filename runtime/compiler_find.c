@@ -56,13 +56,22 @@ static enum rnea_code find_named(struct compiler *c, const char *name, const cha
 		   : RNEA_OK;
 }
 
+const char *compiler_path(char standard[COMPILER_PATH_SIZE])
+{
+	const char *path = getenv("PATH");
+	size_t length = path ? 0 : confstr(_CS_PATH, standard, COMPILER_PATH_SIZE);
+
+	if (!path && (length == 0 || length > COMPILER_PATH_SIZE))
+		snprintf(standard, COMPILER_PATH_SIZE, "/bin:/usr/bin");
+	return path ? path : standard;
+}
+
 static enum rnea_code find(struct compiler *c, struct rnea_error *e)
 {
 	static const char *const names[] = {"cc", "gcc", "clang"};
-	const char *chosen = getenv("RNEA_CC"), *search = getenv("PATH");
+	char standard[COMPILER_PATH_SIZE];
+	const char *chosen = getenv("RNEA_CC"), *search = compiler_path(standard);
 
-	if (!search)
-		search = "/bin:/usr/bin";
 	if (chosen && *chosen)
 		return find_named(c, chosen, search, e);
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++)

@@ -15,7 +15,7 @@
 
    Environment: RNEA_LIBCUDA and RNEA_NVRTC name the driver library and the NVRTC library to use instead of the ones
    that would be found; a name that is set and cannot be loaded is an error. RNEA_CC names the C compiler of the host
-   backend (default: the first of cc, gcc, clang on PATH). RNEA_CACHE names the folder of the cache (default:
+   backend (default: the first of cc, gcc, clang on PATH, or where PATH is not set in the system's own). RNEA_CACHE names the folder of the cache (default:
    $XDG_CACHE_HOME/rnea or ~/.cache/rnea); set and empty: no cache. */
 
 #include <stddef.h>
