@@ -16,6 +16,7 @@
 /* ---- what fails on purpose ---- */
 
 struct faults faults = {.allocations = -1};
+_Thread_local struct made made;
 
 void *__real_malloc(size_t size);
 void *__real_calloc(size_t count, size_t size);
@@ -64,8 +65,8 @@ char *__wrap_mkdtemp(char *name)
 	errno = faults.no_folder;
 	if (faults.no_folder || !__real_mkdtemp(name))
 		return NULL;
-	faults.folders++;
-	snprintf(faults.last_folder, sizeof faults.last_folder, "%s", name);
+	made.folders++;
+	snprintf(made.last, sizeof made.last, "%s", name);
 	return name;
 }
 

@@ -53,11 +53,16 @@ struct faults {
 	int allocation_failed;
 	int no_memfd, no_folder; /* memfd_create and mkdtemp fail with this errno */
 	int damage;		 /* what cache_get finds: 1 garbage, 2 an object without the text's symbols */
-	int folders;		 /* how many mkdtemp has made, and the last of them */
-	char last_folder[1100];
 	int no_thread;		 /* pthread_create fails with this errno */
 	atomic_int started, joined; /* how many threads pthread_create and pthread_join have seen */
 };
 extern struct faults faults;
+
+/* What mkdtemp has made for this thread: how many folders, and the last of them. */
+struct made {
+	int folders;
+	char last[1100];
+};
+extern _Thread_local struct made made;
 
 #endif

@@ -296,9 +296,9 @@ START_TEST(no_room)
 			unsetenv("TMPDIR");
 		h = open_pendulum();
 		host_close(&h);
-		ck_assert_msg(strncmp(faults.last_folder, "/tmp/rnea-", 10) == 0, "%s", faults.last_folder);
-		ck_assert_int_ne(access(faults.last_folder, F_OK), 0);
-		ck_assert_int_eq(faults.folders, i + 1);
+		ck_assert_msg(strncmp(made.last, "/tmp/rnea-", 10) == 0, "%s", made.last);
+		ck_assert_int_ne(access(made.last, F_OK), 0);
+		ck_assert_int_eq(made.folders, i + 1);
 	}
 	faults.no_folder = EROFS;
 	assert_fails(RNEA_COMPILER,
