@@ -1,4 +1,4 @@
-/* Calls that fail, one after the other; files that may not grow; a disk that is full. */
+/* Calls that fail, one after the other; files that may not grow; a disk that is full; what stands in an entry's place. */
 #define _GNU_SOURCE
 #include "test_runtime_cache.h"
 #include <errno.h>
@@ -246,6 +246,65 @@ START_TEST(disk_is_full)
 }
 END_TEST
 
+/* Catches something in an entry's place that would keep the entry from being kept for ever. */
+START_TEST(replaces_what_stands_there)
+{
+	static const char *const kinds[] = {"garbage", "unreadable", "link", "dangling", "link to a folder", "fifo", "folder"};
+	struct cache c = cache_in("c");
+	char *path;
+
+	ck_assert_int_eq(put_text(&c, "other", "of another key"), 1);
+	ck_assert_int_eq(mkdir(inside("elsewhere"), 0700), 0);
+	entry_write(inside("file"), "text", 4);
+	path = strdup(entry_path(&c, "key", 3));
+	for (int i = 0; i < (int)(sizeof kinds / sizeof *kinds); i++) {
+		int made = i < 2 ? (entry_write(path, "garbage", 7), i ? chmod(path, 0) : 0)
+			 : i < 5 ? symlink(i == 2 ? inside("file") : i == 3 ? inside("nowhere") : inside("elsewhere"), path)
+			 : i == 5 ? mkfifo(path, 0600) : mkdir(path, 0700);
+
+		ck_assert_msg(made == 0, "%s: %s", kinds[i], strerror(errno));
+		ck_assert_msg(!get_is(&c, "key", "image"), "%s", kinds[i]);
+		ck_assert_msg(put_text(&c, "key", "image"), "%s", kinds[i]);
+		ck_assert_msg(get_is(&c, "key", "image"), "%s", kinds[i]);
+		ck_assert_int_eq(unlink(path), 0);
+	}
+	ck_assert_int_eq(count_temporaries(c.folder), 0);
+	ck_assert_int_eq(get_is(&c, "other", "of another key"), 1);
+	ck_assert_int_eq(access(inside("nowhere"), F_OK), -1);
+	ck_assert_int_eq(count_files(inside("elsewhere"), "", ""), 2); /* . and .. */
+	free(path);
+}
+END_TEST
+
+/* What somebody keeps in a folder there is not ours to remove: it is said instead. */
+START_TEST(says_what_stands_there)
+{
+	struct cache c = cache_in("c");
+	struct cache_why why = {"untouched"};
+	char *path, file[600];
+
+	ck_assert_int_eq(cache_put(&c, "key", 3, "image", 5, &why), 1);
+	ck_assert_str_eq(why.text, "");
+	path = strdup(entry_path(&c, "key", 3));
+	ck_assert_int_eq(unlink(path), 0);
+	ck_assert_int_eq(mkdir(path, 0700), 0);
+	snprintf(file, sizeof file, "%s/thesis.tex", path);
+	entry_write(file, "text", 4);
+	for (int i = 0; i < 3; i++) {
+		ck_assert_int_eq(cache_put(&c, "key", 3, "image", 5, &why), 0);
+		ck_assert_msg(strncmp(why.text, path, strlen(path)) == 0 && strstr(why.text, "not empty"), "%s", why.text);
+		ck_assert_int_eq(get_is(&c, "key", "image"), 0);
+	}
+	ck_assert_int_eq(access(file, F_OK), 0);
+	ck_assert_int_eq(count_temporaries(c.folder), 0);
+	ck_assert_int_eq(unlink(file), 0);
+	ck_assert_int_eq(cache_put(&c, "key", 3, "image", 5, &why), 1);
+	ck_assert_str_eq(why.text, "");
+	ck_assert_int_eq(get_is(&c, "key", "image"), 1);
+	free(path);
+}
+END_TEST
+
 Suite *suite_cache_fault(void)
 {
 	Suite *s = suite_create("cache fault");
@@ -257,6 +316,8 @@ Suite *suite_cache_fault(void)
 	tcase_add_test(t, short_and_interrupted);
 	tcase_add_test(t, files_are_limited);
 	tcase_add_test(t, disk_is_full);
+	tcase_add_test(t, replaces_what_stands_there);
+	tcase_add_test(t, says_what_stands_there);
 	suite_add_tcase(s, t);
 	return s;
 }

@@ -284,6 +284,19 @@ void assert_error(const struct rnea_error *e, enum rnea_code code, const char *p
 	ck_assert_ptr_null(strchr(e->message, '\n'));
 }
 
+void assert_fails(enum rnea_code code, const char *part)
+{
+	struct rnea_error e = fail_pendulum();
+
+	assert_error(&e, code, part);
+}
+
+void assert_script_fails(const char *script, enum rnea_code code, const char *part)
+{
+	use_script("compiler", script);
+	assert_fails(code, part);
+}
+
 void assert_torques(const struct host *h, double inertia, double weight)
 {
 	float q[3] = {0, 0.5f, -3}, qd[3] = {1, 2, 3}, qdd[3] = {1, -2, 0.25f}, tau[3] = {NAN, NAN, NAN};

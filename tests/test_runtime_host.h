@@ -44,6 +44,10 @@ struct rnea_error fail_open(const struct host_request *r);
 struct rnea_error fail_pendulum(void);
 void assert_error(const struct rnea_error *e, enum rnea_code code, const char *part);
 
+/* Opening the pendulum with the compiler in RNEA_CC, or with this script, fails so. */
+void assert_fails(enum rnea_code code, const char *part);
+void assert_script_fails(const char *script, enum rnea_code code, const char *part);
+
 /* tau(q, qdd) of a robot at hand for some samples; inertia times qdd and weight times sin q are what it should be. */
 void assert_torques(const struct host *h, double inertia, double weight);
 

@@ -12,20 +12,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* Opening with the compiler in RNEA_CC fails so. */
-static void assert_fails(enum rnea_code code, const char *part)
-{
-	struct rnea_error e = fail_pendulum();
-
-	assert_error(&e, code, part);
-}
-
-static void assert_script_fails(const char *script, enum rnea_code code, const char *part)
-{
-	use_script("compiler", script);
-	assert_fails(code, part);
-}
-
 START_TEST(none)
 {
 	char part[400];
@@ -87,45 +73,6 @@ START_TEST(found)
 	h = open_pendulum();
 	ck_assert_ptr_nonnull(strstr(h.compiler, "/gcc)"));
 	host_close(&h);
-}
-END_TEST
-
-/* Catches a compiler that is found without PATH, and then does not find its linker: it is given the system's own. */
-START_TEST(without_path)
-{
-	char standard[256], part[300];
-	struct rnea_error e = {0};
-	char *text = pendulum_with("", "");
-	struct host_request r = pendulum_request(text);
-	struct host h;
-
-	ck_assert_uint_le(confstr(_CS_PATH, standard, sizeof standard), sizeof standard);
-	unsetenv("PATH");
-	snprintf(part, sizeof part, "x: error: %s", standard);
-	assert_script_fails("echo \"x: error: $PATH\"\nexit 1\n", RNEA_COMPILE, part);
-	unsetenv("RNEA_CC");
-	if (host_open(&h, &r, &e)) {
-		snprintf(part, sizeof part, "tried cc, gcc, clang in PATH (%s)", standard);
-		assert_error(&e, RNEA_NO_COMPILER, part);
-		printf("skipped: without_path: no compiler in %s\n", standard);
-	} else {
-		assert_torques(&h, 0.5, 9.81);
-		host_close(&h);
-	}
-	free(text);
-}
-END_TEST
-
-/* What gcc and clang say where PATH leads nowhere; then it says where it led. */
-START_TEST(without_parts)
-{
-	setenv("PATH", "/nowhere", 1);
-	assert_script_fails("echo \"cc: fatal error: cannot execute 'as': execvp: No such file or directory\"\nexit 1\n",
-		RNEA_COMPILER, "cannot execute 'as': execvp: No such file or directory; it looks in PATH (/nowhere)");
-	assert_script_fails("echo \"collect2: fatal error: cannot find 'ld'\"\nexit 1\n", RNEA_COMPILER,
-		"cannot find 'ld'; it looks in PATH (/nowhere)");
-	assert_script_fails("echo 'clang: error: unable to execute command: Executable \"ld\" does not exist!'\nexit 1\n",
-		RNEA_COMPILER, "does not exist!; it looks in PATH (/nowhere)");
 }
 END_TEST
 
@@ -391,8 +338,6 @@ Suite *suite_host_compiler(void)
 	tcase_add_test(t, none);
 	tcase_add_test(t, chosen);
 	tcase_add_test(t, found);
-	tcase_add_test(t, without_path);
-	tcase_add_test(t, without_parts);
 	tcase_add_test(t, not_a_program);
 	tcase_add_test(t, fails);
 	tcase_add_test(t, lies);

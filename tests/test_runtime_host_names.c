@@ -1,4 +1,5 @@
-/* Names that a shell, a compiler's command line, a C text or a format would make something else of. */
+/* Names that a shell, a compiler's command line, a C text or a format would make something else of; and PATH, where there
+   is none or it leads nowhere. */
 #define _GNU_SOURCE
 #include "test_runtime_host.h"
 #include <stdio.h>
@@ -147,6 +148,45 @@ START_TEST(options)
 }
 END_TEST
 
+/* Catches a compiler that is found without PATH, and then does not find its linker: it is given the system's own. */
+START_TEST(without_path)
+{
+	char standard[256], part[300];
+	struct rnea_error e = {0};
+	char *text = pendulum_with("", "");
+	struct host_request r = pendulum_request(text);
+	struct host h;
+
+	ck_assert_uint_le(confstr(_CS_PATH, standard, sizeof standard), sizeof standard);
+	unsetenv("PATH");
+	snprintf(part, sizeof part, "x: error: %s", standard);
+	assert_script_fails("echo \"x: error: $PATH\"\nexit 1\n", RNEA_COMPILE, part);
+	unsetenv("RNEA_CC");
+	if (host_open(&h, &r, &e)) {
+		snprintf(part, sizeof part, "tried cc, gcc, clang in PATH (%s)", standard);
+		assert_error(&e, RNEA_NO_COMPILER, part);
+		printf("skipped: without_path: no compiler in %s\n", standard);
+	} else {
+		assert_torques(&h, 0.5, 9.81);
+		host_close(&h);
+	}
+	free(text);
+}
+END_TEST
+
+/* What gcc and clang say where PATH leads nowhere; then it says where it led. */
+START_TEST(without_parts)
+{
+	setenv("PATH", "/nowhere", 1);
+	assert_script_fails("echo \"cc: fatal error: cannot execute 'as': execvp: No such file or directory\"\nexit 1\n",
+		RNEA_COMPILER, "cannot execute 'as': execvp: No such file or directory; it looks in PATH (/nowhere)");
+	assert_script_fails("echo \"collect2: fatal error: cannot find 'ld'\"\nexit 1\n", RNEA_COMPILER,
+		"cannot find 'ld'; it looks in PATH (/nowhere)");
+	assert_script_fails("echo 'clang: error: unable to execute command: Executable \"ld\" does not exist!'\nexit 1\n",
+		RNEA_COMPILER, "does not exist!; it looks in PATH (/nowhere)");
+}
+END_TEST
+
 Suite *suite_host_names(void)
 {
 	enum { COUNT = sizeof names / sizeof *names };
@@ -160,6 +200,8 @@ Suite *suite_host_names(void)
 	tcase_add_loop_test(t, compilers, 0, COUNT);
 	tcase_add_loop_test(t, caches, 0, COUNT);
 	tcase_add_loop_test(t, options, 0, COUNT);
+	tcase_add_test(t, without_path);
+	tcase_add_test(t, without_parts);
 	suite_add_tcase(s, t);
 	return s;
 }
