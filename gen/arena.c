@@ -56,7 +56,7 @@ static struct arena_block *block_new(struct arena *a, size_t size)
 	return b;
 }
 
-void *arena_alloc(struct arena *a, size_t count, size_t size)
+void *arena_take(struct arena *a, size_t count, size_t size)
 {
 	const size_t align = sizeof(max_align_t);
 	size_t bytes;
@@ -70,10 +70,33 @@ void *arena_alloc(struct arena *a, size_t count, size_t size)
 			goto fail;
 	p = (char *)a->blocks->data + a->used;
 	a->used += bytes;
-	return memset(p, 0, bytes);
+	return p;
 fail:
 	a->failed = 1;
 	return NULL;
+}
+
+void *arena_alloc(struct arena *a, size_t count, size_t size)
+{
+	void *p = arena_take(a, count, size);
+
+	return p ? memset(p, 0, count * size) : NULL;
+}
+
+/* Larger blocks than BLOCK_SIZE have one owner. */
+void arena_release(struct arena *a, void *p)
+{
+	for (struct arena_block **at = &a->blocks; p && *at; at = &(*at)->next) {
+		struct arena_block *b = *at;
+
+		if ((void *)b->data != p || b->size <= BLOCK_SIZE)
+			continue;
+		if (b == a->blocks)
+			a->used = b->next ? b->next->size : 0; /* how much of that is used is not known */
+		*at = b->next;
+		a->allocator.release(a->allocator.context, b);
+		return;
+	}
 }
 
 char *arena_string(struct arena *a, const char *s, size_t length)
@@ -92,11 +115,12 @@ void *arena_grow(struct arena *a, void *array, size_t count, size_t *capacity, s
 
 	if (count < *capacity)
 		return array;
-	p = arena_alloc(a, wider, size);
+	p = arena_take(a, wider, size);
 	if (!p)
 		return NULL;
 	if (count)
 		memcpy(p, array, count * size);
+	arena_release(a, array);
 	*capacity = wider;
 	return p;
 }

@@ -32,11 +32,18 @@ void arena_free(struct arena *a);
    A count of 0 gives a valid pointer. */
 void *arena_alloc(struct arena *a, size_t count, size_t size);
 
+/* The same, but not zeroed: a program that never writes to what it took need not have memory for it. */
+void *arena_take(struct arena *a, size_t count, size_t size);
+
+/* Give back what arena_alloc, arena_take or arena_grow gave and nobody needs any more (NULL: nothing). What shares a block
+   with others stays until arena_free. */
+void arena_release(struct arena *a, void *p);
+
 /* A NUL-terminated copy of `length` bytes of `s`; NULL on failure. */
 char *arena_string(struct arena *a, const char *s, size_t length);
 
-/* Grow an array of `count` objects that holds `*capacity` of them so that one more fits; returns the array, moved or
-   not, or NULL on failure (the old array is then still valid). */
+/* Grow an array of `count` objects that holds `*capacity` of them so that one more fits, which is not zeroed; returns the
+   array, moved or not: moved, the old one is given back. NULL on failure (the old array is then still valid). */
 void *arena_grow(struct arena *a, void *array, size_t count, size_t *capacity, size_t size);
 
 #ifdef __cplusplus

@@ -62,12 +62,16 @@ static int table_grow(struct dag *d)
 
 	if (!table)
 		return 0;
+	arena_release(d->arena, d->table);
 	d->table = table;
 	d->table_size = size;
 	for (size_t i = 0; i < d->count; i++) {
 		const struct node *n = &d->nodes[i];
+		size_t slot = (size_t)hash_node(n->op, n->arg[0], n->arg[1], n->arg[2], n->value) & (size - 1);
 
-		table[table_slot(d, n->op, n->arg[0], n->arg[1], n->arg[2], n->value)] = (uint32_t)i + 1;
+		while (table[slot]) /* all are different */
+			slot = (slot + 1) & (size - 1);
+		table[slot] = (uint32_t)i + 1;
 	}
 	return 1;
 }
@@ -89,8 +93,10 @@ struct ref dag_node(struct dag *d, enum op op, struct ref a, struct ref b, struc
 	slot = table_slot(d, op, a, b, c, value);
 	if (d->table[slot])
 		return (struct ref){d->table[slot] - 1};
-	nodes = arena_grow(d->arena, d->nodes, d->count, &d->capacity, sizeof *nodes);
-	if (!nodes || d->count >= UINT32_MAX - 1) {
+	nodes = d->count < (d->limit ? d->limit : UINT32_MAX - 1)
+			? arena_grow(d->arena, d->nodes, d->count, &d->capacity, sizeof *nodes)
+			: NULL;
+	if (!nodes) {
 		d->failed = 1;
 		return NONE;
 	}
@@ -108,6 +114,29 @@ void dag_init(struct dag *d, struct arena *a)
 	if (!table_grow(d))
 		d->failed = 1;
 	dag_node(d, OP_CONST, NONE, NONE, NONE, 0);
+}
+
+void dag_limit(struct dag *d, size_t nodes)
+{
+	struct node *room = arena_take(d->arena, nodes, sizeof *room);
+
+	if (!room || d->count > nodes) {
+		d->failed = 1;
+		return;
+	}
+	memcpy(room, d->nodes, d->count * sizeof *room);
+	arena_release(d->arena, d->nodes);
+	d->nodes = room;
+	d->limit = d->capacity = nodes;
+}
+
+void dag_free(struct dag *d)
+{
+	arena_release(d->arena, d->nodes);
+	arena_release(d->arena, d->table);
+	arena_release(d->arena, d->outputs);
+	arena_release(d->arena, d->sections);
+	*d = (struct dag){.failed = 1};
 }
 
 int dag_argument(struct dag *d, const char *name, int rows, int is_output)

@@ -67,10 +67,17 @@ struct dag {
 	size_t output_count, output_capacity;
 	struct section *sections;
 	size_t section_count, section_capacity;
-	int failed; /* sticky: out of memory, or an argument too many */
+	size_t limit; /* nodes; 0: as many as memory holds */
+	int failed;   /* sticky: out of memory, an argument or a node too many */
 };
 
 void dag_init(struct dag *d, struct arena *a);
+
+/* Make room for so many nodes in all; one more makes it fail. */
+void dag_limit(struct dag *d, size_t nodes);
+
+/* Give back what it has taken, and leave it empty; dag_init begins it again. */
+void dag_free(struct dag *d);
 
 /* Declare a parameter of the function; returns its index. Outputs after inputs. */
 int dag_argument(struct dag *d, const char *name, int rows, int is_output);

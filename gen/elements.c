@@ -65,7 +65,7 @@ static enum place start_link(struct walk *w, const char *const *attributes)
 		return SKIPPED;
 	o->links = links;
 	links += o->link_count++;
-	links->id = id_here(w);
+	*links = (struct outline_link){.id = id_here(w)};
 	w->rpy = links->com_rpy;
 	return LINK;
 }
@@ -91,7 +91,7 @@ static enum place start_joint(struct walk *w, const char *const *attributes)
 		return SKIPPED;
 	o->joints = joints;
 	joints += o->joint_count++;
-	joints->id = id_here(w);
+	*joints = (struct outline_joint){.id = id_here(w)};
 	joints->type = read_type(w, values_attribute(attributes, "type"));
 	w->rpy = joints->rpy;
 	return JOINT;

@@ -157,6 +157,10 @@ static void fuse_once(struct dag *out, const struct dag *d, int every)
 	dag_uses(d, uses);
 	mark_absorbed(&f);
 	dag_copy(out, d, f.map, fuse_node, &f);
+	arena_release(out->arena, f.map);
+	arena_release(out->arena, f.absorbed);
+	arena_release(out->arena, f.joined);
+	arena_release(out->arena, uses);
 }
 
 /* A value that several products negate has one use left once these are joined: a second turn sees it. */
@@ -171,4 +175,5 @@ void dag_fuse(struct dag *out, const struct dag *d, int every)
 	dag_init(&joined, out->arena);
 	fuse_once(&joined, d, 1);
 	fuse_once(out, &joined, 1);
+	dag_free(&joined);
 }

@@ -1,24 +1,14 @@
 #include "pattern.h"
 #include "tree.h"
 
-/* Do the wrenches of one body go through the other? */
-static int on_one_branch(const struct tree *t, int a, int b)
-{
-	int low = a < b ? a : b, high = a < b ? b : a;
-
-	while (high > low)
-		high = t->bodies[high].parent;
-	return high == low;
-}
-
-/* Rows of a body in qd; a follower has its driver's. */
+/* Rows of a body in qd, and of one that its wrenches go through; a follower has its driver's. */
 static void mark(unsigned char *related, const struct tree *t, int a, int b)
 {
 	const struct body *x = &t->bodies[a], *y = &t->bodies[b];
 
 	for (int i = x->iv; i < x->iv + joint_nv(x->type); i++)
 		for (int j = y->iv; j < y->iv + joint_nv(y->type); j++)
-			related[i * t->nv + j] = 1;
+			related[i * t->nv + j] = related[j * t->nv + i] = 1;
 }
 
 int pattern_make(struct pattern *p, const struct tree *t, int symmetric, int dense, struct arena *a)
@@ -31,11 +21,11 @@ int pattern_make(struct pattern *p, const struct tree *t, int symmetric, int den
 	if (!related || !p->row)
 		return 0;
 	for (int i = 0; i < t->body_count; i++)
-		for (int j = 0; j < t->body_count; j++)
-			if (on_one_branch(t, i, j))
-				mark(related, t, i, j);
+		for (int up = i; up >= 0; up = t->bodies[up].parent)
+			mark(related, t, i, up);
 	for (int i = 0; i < t->nv; i++)
 		for (int j = 0; j < t->nv; j++)
 			p->row[i * t->nv + j] = dense || (related[i * t->nv + j] && (!symmetric || j <= i)) ? p->rows++ : -1;
+	arena_release(a, related);
 	return 1;
 }

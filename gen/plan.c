@@ -124,8 +124,8 @@ static void name_input(const struct planner *b, const struct node *n, char *name
 	}
 }
 
-/* Keep the name if it is new. */
-static int take(struct planner *b, const char *name)
+/* A copy of the name if it is new; else NULL. */
+static const char *take(struct planner *b, const char *name)
 {
 	size_t h = 5381;
 
@@ -133,9 +133,8 @@ static int take(struct planner *b, const char *name)
 		h = h * 33 + (unsigned char)*s;
 	for (h %= b->taken_size; b->taken[h]; h = (h + 1) % b->taken_size)
 		if (!strcmp(b->taken[h], name))
-			return 0;
-	b->taken[h] = arena_string(b->a, name, strlen(name));
-	return b->taken[h] != NULL;
+			return NULL;
+	return b->taken[h] = arena_string(b->a, name, strlen(name));
 }
 
 /* A sum that grows as children return keeps its name and counts: f1x, f1x_2, f1x_3. */
@@ -143,6 +142,7 @@ static const char *name_value(struct planner *b, size_t i, unsigned *temporaries
 {
 	const struct node *n = &b->d->nodes[i];
 	char first[64] = "", name[80];
+	const char *taken;
 
 	if (n->op == OP_INPUT)
 		name_input(b, n, first, sizeof first);
@@ -151,9 +151,9 @@ static const char *name_value(struct planner *b, size_t i, unsigned *temporaries
 	else
 		snprintf(first, sizeof first, "t%u", ++*temporaries);
 	snprintf(name, sizeof name, "%s", first);
-	for (int again = 2; !take(b, name) && !b->a->failed; again++)
+	for (int again = 2; !(taken = take(b, name)) && !b->a->failed; again++)
 		snprintf(name, sizeof name, "%s_%d", first, again);
-	return arena_string(b->a, name, strlen(name));
+	return taken;
 }
 
 static void add_line(struct plan *p, enum line_kind kind, struct ref value, size_t index)
@@ -205,7 +205,7 @@ int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct
 	b.weight = arena_alloc(a, d->count, 1);
 	b.taken = arena_alloc(a, b.taken_size, sizeof *b.taken);
 	p->names = arena_alloc(a, d->count, sizeof *p->names);
-	p->lines = arena_alloc(a, d->count + d->output_count + d->section_count, sizeof *p->lines);
+	p->lines = arena_take(a, d->count + d->output_count + d->section_count, sizeof *p->lines);
 	if (a->failed || d->failed)
 		return 0;
 	dag_uses(d, b.uses);
@@ -217,6 +217,10 @@ int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct
 			p->names[i] = name_value(&b, i, &temporaries);
 	for (size_t s = 0; s < d->section_count; s++)
 		add_section(&b, s);
+	arena_release(a, b.taken);
+	arena_release(a, b.weight);
+	arena_release(a, b.named);
+	arena_release(a, b.uses);
 	return !a->failed;
 }
 
@@ -273,6 +277,7 @@ int plan_alive(const struct plan *p, struct arena *a)
 			}
 		}
 	}
+	arena_release(a, last);
 	return most;
 }
 

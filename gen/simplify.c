@@ -5,24 +5,25 @@
 
 static const struct ref NONE = {0};
 
-static const struct node *at(const struct dag *d, struct ref a)
+/* A copy: nodes move as they grow in number. */
+static struct node at(const struct dag *d, struct ref a)
 {
-	return &d->nodes[a.i];
+	return d->nodes[a.i];
 }
 
 static int is_const(const struct dag *d, struct ref a)
 {
-	return at(d, a)->op == OP_CONST;
+	return at(d, a).op == OP_CONST;
 }
 
 static int is_value(const struct dag *d, struct ref a, real value)
 {
-	return is_const(d, a) && at(d, a)->value == value;
+	return is_const(d, a) && at(d, a).value == value;
 }
 
 static int is_neg(const struct dag *d, struct ref a)
 {
-	return at(d, a)->op == OP_NEG;
+	return at(d, a).op == OP_NEG;
 }
 
 /* Constants first, then the older node: one text for a*b and b*a. */
@@ -50,11 +51,11 @@ struct ref dag_neg(struct dag *d, struct ref a)
 	if (d->failed)
 		return NONE;
 	if (is_const(d, a))
-		return dag_const(d, -at(d, a)->value);
+		return dag_const(d, -at(d, a).value);
 	if (is_neg(d, a))
-		return at(d, a)->arg[0];
-	if (at(d, a)->op == OP_SUB) {
-		swapped = dag_find(d, OP_SUB, at(d, a)->arg[1], at(d, a)->arg[0], NONE, 0);
+		return at(d, a).arg[0];
+	if (at(d, a).op == OP_SUB) {
+		swapped = dag_find(d, OP_SUB, at(d, a).arg[1], at(d, a).arg[0], NONE, 0);
 		if (swapped.i)
 			return swapped;
 	}
@@ -76,21 +77,21 @@ struct ref dag_add(struct dag *d, struct ref a, struct ref b)
 	if (d->failed)
 		return NONE;
 	if (is_const(d, a) && is_const(d, b))
-		return const_sum(d, at(d, a)->value, at(d, b)->value);
+		return const_sum(d, at(d, a).value, at(d, b).value);
 	if (is_value(d, a, 0))
 		return b;
 	if (is_value(d, b, 0))
 		return a;
 	if (is_neg(d, a) && is_neg(d, b))
-		return dag_neg(d, dag_add(d, at(d, a)->arg[0], at(d, b)->arg[0]));
+		return dag_neg(d, dag_add(d, at(d, a).arg[0], at(d, b).arg[0]));
 	if (is_neg(d, b))
-		return dag_sub(d, a, at(d, b)->arg[0]);
+		return dag_sub(d, a, at(d, b).arg[0]);
 	if (is_neg(d, a))
-		return dag_sub(d, b, at(d, a)->arg[0]);
-	if (is_const(d, a) && at(d, a)->value < 0)
-		return dag_sub(d, b, dag_const(d, -at(d, a)->value));
-	if (is_const(d, b) && at(d, b)->value < 0)
-		return dag_sub(d, a, dag_const(d, -at(d, b)->value));
+		return dag_sub(d, b, at(d, a).arg[0]);
+	if (is_const(d, a) && at(d, a).value < 0)
+		return dag_sub(d, b, dag_const(d, -at(d, a).value));
+	if (is_const(d, b) && at(d, b).value < 0)
+		return dag_sub(d, a, dag_const(d, -at(d, b).value));
 	return in_order(d, a, b) ? dag_node(d, OP_ADD, a, b, NONE, 0) : dag_node(d, OP_ADD, b, a, NONE, 0);
 }
 
@@ -101,17 +102,17 @@ struct ref dag_sub(struct dag *d, struct ref a, struct ref b)
 	if (d->failed || ref_equal(a, b))
 		return NONE;
 	if (is_const(d, a) && is_const(d, b))
-		return const_sum(d, at(d, a)->value, -at(d, b)->value);
+		return const_sum(d, at(d, a).value, -at(d, b).value);
 	if (is_value(d, a, 0))
 		return dag_neg(d, b);
 	if (is_value(d, b, 0))
 		return a;
 	if (is_neg(d, b))
-		return dag_add(d, a, at(d, b)->arg[0]);
+		return dag_add(d, a, at(d, b).arg[0]);
 	if (is_neg(d, a))
-		return dag_neg(d, dag_add(d, at(d, a)->arg[0], b));
-	if (is_const(d, b) && at(d, b)->value < 0)
-		return dag_add(d, a, dag_const(d, -at(d, b)->value));
+		return dag_neg(d, dag_add(d, at(d, a).arg[0], b));
+	if (is_const(d, b) && at(d, b).value < 0)
+		return dag_add(d, a, dag_const(d, -at(d, b).value));
 	swapped = dag_find(d, OP_SUB, b, a, NONE, 0);
 	return swapped.i ? dag_neg(d, swapped) : dag_node(d, OP_SUB, a, b, NONE, 0);
 }
@@ -123,22 +124,22 @@ struct ref dag_mul(struct dag *d, struct ref a, struct ref b)
 	if (!in_order(d, a, b))
 		return dag_mul(d, b, a);
 	if (is_neg(d, a))
-		return dag_neg(d, dag_mul(d, at(d, a)->arg[0], b));
+		return dag_neg(d, dag_mul(d, at(d, a).arg[0], b));
 	if (is_neg(d, b))
-		return dag_neg(d, dag_mul(d, a, at(d, b)->arg[0]));
+		return dag_neg(d, dag_mul(d, a, at(d, b).arg[0]));
 	if (is_const(d, a)) {
-		real c = at(d, a)->value;
+		real c = at(d, a).value;
 
 		if (is_const(d, b))
-			return dag_const(d, c * at(d, b)->value);
+			return dag_const(d, c * at(d, b).value);
 		if (c == 0)
 			return NONE;
 		if (c < 0)
 			return dag_neg(d, dag_mul(d, dag_const(d, -c), b));
 		if (c == 1)
 			return b;
-		if (at(d, b)->op == OP_MUL && is_const(d, at(d, b)->arg[0]))
-			return dag_mul(d, dag_const(d, c * at(d, at(d, b)->arg[0])->value), at(d, b)->arg[1]);
+		if (at(d, b).op == OP_MUL && is_const(d, at(d, b).arg[0]))
+			return dag_mul(d, dag_const(d, c * at(d, at(d, b).arg[0]).value), at(d, b).arg[1]);
 	}
 	return dag_node(d, OP_MUL, a, b, NONE, 0);
 }
@@ -148,9 +149,9 @@ struct ref dag_sin(struct dag *d, struct ref a)
 	if (d->failed)
 		return NONE;
 	if (is_const(d, a))
-		return dag_const(d, sinl(at(d, a)->value));
+		return dag_const(d, sinl(at(d, a).value));
 	if (is_neg(d, a))
-		return dag_neg(d, dag_sin(d, at(d, a)->arg[0]));
+		return dag_neg(d, dag_sin(d, at(d, a).arg[0]));
 	return dag_node(d, OP_SIN, a, NONE, NONE, 0);
 }
 
@@ -159,9 +160,9 @@ struct ref dag_cos(struct dag *d, struct ref a)
 	if (d->failed)
 		return NONE;
 	if (is_const(d, a))
-		return dag_const(d, cosl(at(d, a)->value));
+		return dag_const(d, cosl(at(d, a).value));
 	if (is_neg(d, a))
-		return dag_cos(d, at(d, a)->arg[0]);
+		return dag_cos(d, at(d, a).arg[0]);
 	return dag_node(d, OP_COS, a, NONE, NONE, 0);
 }
 
@@ -173,17 +174,17 @@ struct ref dag_div(struct dag *d, struct ref a, struct ref b)
 	if (is_value(d, a, 0))
 		return a;
 	if (is_const(d, a) && is_const(d, b))
-		return dag_const(d, at(d, a)->value / at(d, b)->value);
+		return dag_const(d, at(d, a).value / at(d, b).value);
 	if (is_neg(d, a))
-		return dag_neg(d, dag_div(d, at(d, a)->arg[0], b));
-	return is_neg(d, b) ? dag_neg(d, dag_div(d, a, at(d, b)->arg[0])) : dag_node(d, OP_DIV, a, b, NONE, 0);
+		return dag_neg(d, dag_div(d, at(d, a).arg[0], b));
+	return is_neg(d, b) ? dag_neg(d, dag_div(d, a, at(d, b).arg[0])) : dag_node(d, OP_DIV, a, b, NONE, 0);
 }
 
 struct ref dag_sqrt(struct dag *d, struct ref a)
 {
 	if (d->failed)
 		return NONE;
-	return is_const(d, a) ? dag_const(d, sqrtl(at(d, a)->value)) : dag_node(d, OP_SQRT, a, NONE, NONE, 0);
+	return is_const(d, a) ? dag_const(d, sqrtl(at(d, a).value)) : dag_node(d, OP_SQRT, a, NONE, NONE, 0);
 }
 
 struct ref dag_fma(struct dag *d, struct ref a, struct ref b, struct ref c)

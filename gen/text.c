@@ -20,13 +20,14 @@ static int text_reserve(struct text *t, size_t extra)
 		return 1;
 	while (wider - t->length <= extra)
 		wider *= 2;
-	s = arena_alloc(t->arena, wider, 1);
+	s = arena_take(t->arena, wider, 1);
 	if (!s) {
 		t->failed = 1;
 		return 0;
 	}
 	if (t->length)
 		memcpy(s, t->s, t->length);
+	arena_release(t->arena, t->s);
 	t->s = s;
 	t->capacity = wider;
 	return 1;
@@ -51,21 +52,33 @@ void text_putc(struct text *t, char c)
 	text_putn(t, &c, 1);
 }
 
+void text_clear(struct text *t)
+{
+	t->length = 0;
+	if (t->s)
+		*t->s = '\0';
+}
+
+/* Into the room that there is, and again where that was too little. */
 void text_printf(struct text *t, const char *fmt, ...)
 {
+	size_t room = t->failed ? 0 : t->capacity - t->length;
 	va_list ap, again;
 	int n;
 
 	va_start(ap, fmt);
 	va_copy(again, ap);
-	n = vsnprintf(NULL, 0, fmt, ap);
+	n = vsnprintf(room ? t->s + t->length : NULL, room, fmt, ap);
 	va_end(ap);
 	if (n < 0)
 		t->failed = 1;
 	else if (text_reserve(t, (size_t)n)) {
-		vsnprintf(t->s + t->length, (size_t)n + 1, fmt, again);
+		if ((size_t)n >= room)
+			vsnprintf(t->s + t->length, (size_t)n + 1, fmt, again);
 		t->length += (size_t)n;
 	}
+	if (t->failed && room)
+		t->s[t->length] = '\0';
 	va_end(again);
 }
 

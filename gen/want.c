@@ -210,7 +210,7 @@ static int alloc(struct build *b)
 struct trial {
 	enum derivatives derivatives;
 	int is_read[3];
-	size_t operations;
+	size_t nodes, operations;
 };
 
 /* Where nothing of q, qd or qdd is read, there is no such input. */
@@ -249,9 +249,10 @@ static void build(struct dag *d, const struct tree *t, const struct trial *x)
 /* What an output depends on, and operations other than signs. */
 static void look(const struct dag *d, struct trial *x)
 {
-	uint32_t *uses = arena_alloc(d->arena, d->count, sizeof *uses);
+	uint32_t *uses = d->failed ? NULL : arena_alloc(d->arena, d->count, sizeof *uses);
 
 	memset(x->is_read, 0, sizeof x->is_read);
+	x->nodes = d->count;
 	if (!uses)
 		return;
 	dag_uses(d, uses);
@@ -262,34 +263,46 @@ static void look(const struct dag *d, struct trial *x)
 			x->is_read[k] |= !strcmp(d->arguments[n->arg[0].i].name, INPUTS[k]);
 		x->operations += uses[i] && op_arity[n->op] > 0 && n->op != OP_NEG;
 	}
+	arena_release(d->arena, uses);
 }
 
-static struct trial try(struct dag *d, const struct tree *t, enum derivatives derivatives)
+/* Nodes more than the recursion's that a trial of forward mode may make: all that it needs where it has ever taken less, which
+   is on short branches; on chains it takes up to three times as much. */
+enum { MORE_NODES = 1 << 16 };
+
+/* In forward mode, if that takes less than the recursion. */
+static struct trial cheaper(struct dag *d, const struct tree *t, const struct trial *recursion)
 {
-	struct trial x = {derivatives, {1, 1, 1}, 0};
+	struct trial x = {.derivatives = DERIVATIVES_FORWARD, .is_read = {1, 1, 1}};
+	struct arena spare;
 	struct dag trial;
 
-	dag_init(&trial, d->arena);
+	arena_init(&spare, &d->arena->allocator);
+	dag_init(&trial, &spare);
+	dag_limit(&trial, recursion->nodes + MORE_NODES);
 	build(&trial, t, &x);
-	if (trial.failed)
-		d->failed = 1;
-	else
-		look(&trial, &x);
-	return x;
+	look(&trial, &x);
+	d->failed |= spare.failed;
+	d->arena->failed |= spare.failed;
+	arena_free(&spare);
+	return trial.failed || x.operations >= recursion->operations ? *recursion : x;
 }
 
-/* Once or twice to see what is read and what it takes, and once for good. */
+/* Once to see what is read and what it takes, and again where another way takes less or there is less to read. */
 void want_build(struct dag *d, const struct tree *t)
 {
 	const struct task *k = &t->task;
 	int has_choice = task_wants(k, WANT_DTAU_DQ) || task_wants(k, WANT_DTAU_DQD);
-	struct trial best = try(d, t, k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION), other;
+	struct trial x = {.derivatives = k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
+		.is_read = {1, 1, 1}}, best;
+	struct arena *a = d->arena;
 
-	if (!d->failed && has_choice && k->derivatives == DERIVATIVES_CHEAPER) {
-		other = try(d, t, DERIVATIVES_FORWARD);
-		if (other.operations < best.operations)
-			best = other;
-	}
-	if (!d->failed)
-		build(d, t, &best);
+	build(d, t, &x);
+	look(d, &x);
+	best = has_choice && !d->failed && k->derivatives == DERIVATIVES_CHEAPER ? cheaper(d, t, &x) : x;
+	if (d->failed || (best.derivatives == x.derivatives && best.is_read[0] && best.is_read[1] && best.is_read[2]))
+		return;
+	dag_free(d);
+	dag_init(d, a);
+	build(d, t, &best);
 }

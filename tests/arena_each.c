@@ -39,7 +39,8 @@ void arena_free(struct arena *a)
 	}
 }
 
-void *arena_alloc(struct arena *a, size_t count, size_t size)
+/* Filled with what is neither 0 nor a pointer. */
+void *arena_take(struct arena *a, size_t count, size_t size)
 {
 	size_t bytes = size && count > (SIZE_MAX - sizeof *a->blocks) / size ? SIZE_MAX : count * size;
 	struct arena_block *b = NULL;
@@ -52,7 +53,27 @@ void *arena_alloc(struct arena *a, size_t count, size_t size)
 	}
 	b->next = a->blocks;
 	a->blocks = b;
-	return memset(b->data, 0, bytes);
+	return memset(b->data, 0xa5, bytes);
+}
+
+void *arena_alloc(struct arena *a, size_t count, size_t size)
+{
+	void *p = arena_take(a, count, size);
+
+	return p ? memset(p, 0, count * size) : NULL;
+}
+
+void arena_release(struct arena *a, void *p)
+{
+	for (struct arena_block **at = &a->blocks; p && *at; at = &(*at)->next) {
+		struct arena_block *b = *at;
+
+		if ((void *)b->data != p)
+			continue;
+		*at = b->next;
+		a->allocator.release(a->allocator.context, b);
+		return;
+	}
 }
 
 char *arena_string(struct arena *a, const char *s, size_t length)
@@ -67,12 +88,13 @@ char *arena_string(struct arena *a, const char *s, size_t length)
 void *arena_grow(struct arena *a, void *array, size_t count, size_t *capacity, size_t size)
 {
 	size_t wider = *capacity ? *capacity * 2 : 2;
-	void *p = count < *capacity ? array : arena_alloc(a, wider, size);
+	void *p = count < *capacity ? array : arena_take(a, wider, size);
 
 	if (!p || p == array)
 		return p;
 	if (count)
 		memcpy(p, array, count * size);
+	arena_release(a, array);
 	*capacity = wider;
 	return p;
 }

@@ -269,6 +269,27 @@ START_TEST(dump_is_readable)
 }
 END_TEST
 
+/* As many nodes as the limit, and what is there already; then an empty one. */
+START_TEST(too_many_nodes_fail)
+{
+	struct dag d;
+	struct ref x;
+
+	dag_init(&d, &arena);
+	dag_limit(&d, 5000);
+	for (int i = 1; i < 5000; i++)
+		x = dag_input(&d, 0, i);
+	ck_assert(!d.failed && d.count == 5000);
+	ck_assert(ref_equal(dag_input(&d, 0, 4999), x) && !d.failed);
+	dag_input(&d, 0, 5000);
+	ck_assert(d.failed && d.count == 5000);
+	dag_free(&d);
+	ck_assert(d.failed && !d.nodes && !d.count);
+	dag_init(&d, &arena);
+	ck_assert(!d.failed && ref_equal(dag_const(&d, 0), (struct ref){0}));
+}
+END_TEST
+
 START_TEST(too_many_arguments_fail)
 {
 	for (int i = dag.argument_count; i < DAG_ARGUMENTS; i++)
@@ -296,6 +317,7 @@ int main(void)
 	tcase_add_test(c, fuse_keeps_places);
 	tcase_add_test(c, fuse_keeps_names);
 	tcase_add_test(c, dump_is_readable);
+	tcase_add_test(c, too_many_nodes_fail);
 	tcase_add_test(c, too_many_arguments_fail);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);

@@ -4,6 +4,7 @@
 #include "text.h"
 #include <limits.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -144,6 +145,42 @@ START_TEST(arena_arrays_grow)
 }
 END_TEST
 
+/* What grows gives back what it leaves; so does what is released, where it has a block of its own. */
+START_TEST(arena_gives_back)
+{
+	struct ration ration;
+	struct arena a;
+	size_t capacity = 0;
+	char(*v)[100000] = NULL, *small, *large[3];
+
+	arena_rationed(&a, &ration, INT_MAX);
+	small = arena_string(&a, "small", 5);
+	for (size_t i = 0; i < 100; i++) {
+		v = arena_grow(&a, v, i, &capacity, sizeof *v);
+		memset(v[i], (int)i, sizeof *v);
+	}
+	ck_assert_int_eq(ration.out, 2);
+	for (int i = 0; i < 100; i++)
+		ck_assert(v[i][0] == (char)i && v[i][99999] == (char)i);
+	for (int i = 0; i < 3; i++)
+		large[i] = arena_take(&a, 1, 100000);
+	arena_release(&a, NULL);
+	arena_release(&a, small); /* shares its block */
+	ck_assert_str_eq(small, "small");
+	arena_release(&a, large[1]); /* neither the first nor the last block */
+	arena_release(&a, large[2]);
+	ck_assert_int_eq(ration.out, 3);
+	memset(large[0], 'x', 100000);
+	ck_assert_ptr_nonnull(arena_alloc(&a, 1, 16));
+	ck_assert_int_eq(large[0][99999], 'x');
+	arena_release(&a, v);
+	arena_release(&a, large[0]);
+	ck_assert(!a.failed);
+	arena_free(&a);
+	ck_assert_int_eq(ration.out, 0);
+}
+END_TEST
+
 START_TEST(failed_growth_keeps_the_array)
 {
 	struct ration ration;
@@ -188,6 +225,49 @@ START_TEST(text_grows)
 	ck_assert_str_eq(text_string(&t) + 4999 * 8, "abcd4999");
 	ck_assert_int_eq(t.failed, 0);
 	arena_free(&a);
+}
+END_TEST
+
+/* Cleared, it is empty, and begins again in the room it has. */
+START_TEST(text_clears)
+{
+	struct arena a;
+	struct text t;
+	const char *s;
+
+	arena_init(&a, NULL);
+	text_init(&t, &a);
+	text_clear(&t);
+	ck_assert_str_eq(text_string(&t), "");
+	text_printf(&t, "%s %d", "some", 7);
+	s = text_string(&t);
+	text_clear(&t);
+	ck_assert_str_eq(text_string(&t), "");
+	text_printf(&t, "%s", "other");
+	ck_assert_ptr_eq(text_string(&t), s);
+	ck_assert_str_eq(s, "other");
+	arena_free(&a);
+}
+END_TEST
+
+/* Into what room there is, and beyond it by as little as the NUL. */
+START_TEST(text_prints_at_any_length)
+{
+	static char s[600];
+
+	for (int first = 0; first < 520; first++) {
+		struct arena a;
+		struct text t;
+
+		arena_init(&a, NULL);
+		text_init(&t, &a);
+		text_printf(&t, "%*s", first, "");
+		text_printf(&t, "%s%d", "ab", 1234);
+		snprintf(s, sizeof s, "%*sab1234", first, "");
+		ck_assert_str_eq(text_string(&t), s);
+		ck_assert_uint_eq(t.length, strlen(s));
+		arena_free(&a);
+	}
 }
 END_TEST
 
@@ -308,8 +388,11 @@ static Suite *text_suite(void)
 	tcase_add_test(tc, arena_refuses_what_size_t_cannot_hold);
 	tcase_add_test(tc, arena_strings);
 	tcase_add_test(tc, arena_arrays_grow);
+	tcase_add_test(tc, arena_gives_back);
 	tcase_add_test(tc, failed_growth_keeps_the_array);
 	tcase_add_test(tc, text_grows);
+	tcase_add_test(tc, text_clears);
+	tcase_add_test(tc, text_prints_at_any_length);
 	tcase_add_test(tc, text_grows_at_any_length);
 	tcase_add_test(tc, text_failure_is_sticky);
 	tcase_add_test(tc, escapes);
