@@ -9,7 +9,7 @@
 /* One generated function on its way to text. */
 struct pass {
 	const struct algorithm *algorithm;
-	struct dag raw, dag; /* as the algorithm made it; fused */
+	struct dag dag; /* fused */
 	struct plan plan;
 };
 

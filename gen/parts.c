@@ -1,7 +1,7 @@
 /* Any share of the outputs makes a part: the DAG drops what it does not need. */
 #include "parts.h"
-#include "pattern.h"
-#include <string.h>
+#include "owners.h"
+#include "share.h"
 
 /* What one part may hold and be without a loss (sm_90): values alive at once, of which registers hold some 250 floats
    or 125 doubles and shared memory, in blocks of 64, 192 or 96 more, less what the compiler's order of things takes;
@@ -11,8 +11,8 @@ enum { ALIVE_SINGLE = 280, ALIVE_DOUBLE = 170, OPERATIONS = 7000 };
 /* A load of FULL is what a part may take; of more than MOST is none. */
 enum { FULL = 1000, MOST = 1 << 20 };
 
-/* How many more parts than the best so far are tried. */
-enum { LOOK_AHEAD = 6 };
+/* How many more parts than the best so far are tried; of a text longer than LONG parts are measured less exactly. */
+enum { LOOK_AHEAD = 6, LONG = 250000 };
 
 struct size {
 	int alive;      /* values at once: plan_alive */
@@ -21,138 +21,57 @@ struct size {
 
 struct splitter {
 	const struct pass *whole;
+	const struct dag *raw; /* the whole as the algorithm made it */
+	struct share share;    /* of it */
 	const struct tree *t;
 	const struct rneagen_options *o;
 	struct arena *a;
-	int *owner;  /* by output of the whole: the body to which it belongs, an index into bodies */
-	int *bodies; /* that own outputs, in order: what is shared out */
-	int count;
+	struct owners owners;
+	int count;          /* of owners */
 	struct size *sizes; /* [first][end]: of such a part; 0 operations: not known yet */
 	int failed;
 };
 
-/* ---- to whom an output belongs ---- */
-
-/* The last body that moves with a row of qd. */
-static int body_of_row(const struct tree *t, int row)
-{
-	int body = 0;
-
-	for (int k = 0; k < t->body_count; k++)
-		if (row >= t->bodies[k].iv && row < t->bodies[k].iv + joint_nv(t->bodies[k].type))
-			body = k;
-	return body;
-}
-
-/* By stored element of a matrix by joints. */
-static void own_elements(const struct splitter *s, enum want_kind kind, int *body)
-{
-	int nv = s->t->nv;
-	struct pattern p;
-
-	if (!pattern_make(&p, s->t, kind == WANT_MASS, s->t->task.dense, s->a))
-		return;
-	for (int i = 0; i < nv; i++)
-		for (int j = 0; j < nv; j++) {
-			int row = body_of_row(s->t, i), column = body_of_row(s->t, j);
-
-			if (p.row[i * nv + j] >= 0)
-				body[p.row[i * nv + j]] = row > column ? row : column;
-		}
-}
-
-static int is_matrix(const struct want *w)
-{
-	return w->kind == WANT_DTAU_DQ || w->kind == WANT_DTAU_DQD || w->kind == WANT_MASS;
-}
-
-static int has_matrix(const struct tree *t)
-{
-	for (int i = 0; i < t->task.want_count; i++)
-		if (is_matrix(&t->task.wants[i]))
-			return 1;
-	return 0;
-}
-
-static void own_want(const struct splitter *s, const struct want *w)
-{
-	const struct dag *d = &s->whole->raw;
-	int *body = arena_alloc(s->a, (size_t)w->rows, sizeof *body), argument = dag_find_argument(d, w->argument);
-
-	if (!body)
-		return;
-	own_elements(s, w->kind, body);
-	for (size_t i = 0; i < d->output_count; i++)
-		if (d->outputs[i].argument == argument)
-			s->owner[i] = body[d->outputs[i].row];
-}
-
-/* From bodies to those of them that own anything. */
-static void list_owners(struct splitter *s)
-{
-	size_t outputs = s->whole->raw.output_count;
-
-	for (int k = 0; k < s->t->body_count; k++) {
-		int owns = 0;
-
-		for (size_t i = 0; i < outputs; i++)
-			if (s->owner[i] == k) {
-				s->owner[i] = s->count;
-				owns = 1;
-			}
-		if (owns)
-			s->bodies[s->count++] = k;
-	}
-}
-
 /* ---- a part ---- */
-
-/* The whole with the outputs of some owners alone; the rest of it is dead. */
-static void choose_outputs(const struct splitter *s, int first, int end, struct dag *d, struct arena *a)
-{
-	const struct dag *whole = &s->whole->raw;
-	size_t section = 0;
-
-	*d = *whole;
-	d->arena = a;
-	d->outputs = arena_alloc(a, whole->output_count, sizeof *d->outputs);
-	d->sections = arena_alloc(a, whole->section_count, sizeof *d->sections);
-	d->output_count = 0;
-	if (!d->outputs || !d->sections) {
-		d->failed = 1;
-		return;
-	}
-	memcpy(d->sections, whole->sections, whole->section_count * sizeof *d->sections);
-	for (size_t i = 0; i <= whole->output_count; i++) {
-		for (; section < whole->section_count && whole->sections[section].output <= i; section++)
-			d->sections[section].output = d->output_count;
-		if (i < whole->output_count && s->owner[i] >= first && s->owner[i] < end)
-			d->outputs[d->output_count++] = whole->outputs[i];
-	}
-}
 
 static struct size size_of_plan(const struct plan *p, struct arena *a)
 {
 	return (struct size){.alive = plan_alive(p, a), .operations = 1 + (int)plan_flops(plan_operations(p))};
 }
 
-/* The size of the part of these owners, made in an arena of its own. */
+/* The size of the part of these owners, made in an arena of its own; before it is fused that takes a sixth of the time and is
+   off by less than 8 % (30 robots, chains). */
+static struct size make_size(struct splitter *s, int first, int end, int is_fused)
+{
+	struct arena a;
+	struct dag raw, fused;
+	struct plan plan = {.dag = is_fused ? &fused : &raw};
+	struct size z = {.operations = 1};
+
+	arena_init(&a, s->o->allocator);
+	share_copy(&s->share, first, end, &raw, &a);
+	if (is_fused) {
+		dag_init(&fused, &a);
+		dag_fuse(&fused, &raw, s->o->strict);
+	}
+	if (!plan.dag->failed)
+		z = size_of_plan(&plan, &a);
+	s->failed |= plan.dag->failed | a.failed;
+	arena_free(&a);
+	return z;
+}
+
+static int is_long(const struct splitter *s)
+{
+	return s->sizes[s->count].operations > LONG;
+}
+
 static const struct size *size_of(struct splitter *s, int first, int end)
 {
 	struct size *known = &s->sizes[first * (s->count + 1) + end];
-	struct arena a;
-	struct dag raw, fused;
-	struct plan plan = {.dag = &fused};
 
-	if (known->operations)
-		return known;
-	arena_init(&a, s->o->allocator);
-	choose_outputs(s, first, end, &raw, &a);
-	dag_init(&fused, &a);
-	dag_fuse(&fused, &raw, s->o->strict);
-	*known = fused.failed ? (struct size){.operations = 1} : size_of_plan(&plan, &a);
-	s->failed |= fused.failed | a.failed;
-	arena_free(&a);
+	if (!known->operations)
+		*known = make_size(s, first, end, !is_long(s));
 	return known;
 }
 
@@ -165,24 +84,48 @@ static int most_alive(const struct splitter *s)
 static int load_of(struct splitter *s, int first, int end)
 {
 	const struct size *z = size_of(s, first, end);
-	int alive = z->alive * FULL / most_alive(s), operations = z->operations * FULL / OPERATIONS;
+	long long alive = (long long)z->alive * FULL / most_alive(s), operations = (long long)z->operations * FULL / OPERATIONS;
+	long long most = alive > operations ? alive : operations;
 
-	return alive > operations ? alive : operations;
+	return most < MOST ? (int)most : MOST;
 }
 
-/* What such a part takes, in operations of one that loses nothing. H100, both gradients, us measured, and in brackets
-   what this says beside the number of parts that it takes: atlas at 131072 samples in f32, 3 to 6 and 8 parts 300 299
-   325 357 411 (348 299 336 372 442), in f64, 4 to 6 and 8 parts 803 802 798 915 (891 802 886 1159); floating hyq at
-   262144 in f32, 1 to 3 parts 350 271 307 (460 271 299). Whole, atlas's warps wait for instructions in three quarters
-   of their cycles. */
-static double cost_of(struct splitter *s, int first, int end)
+/* How many times as much an operation of such a part takes as one of a part that loses nothing. H100, both gradients, us
+   measured, and in brackets what this says, summed, beside the number of parts that it takes: atlas at 131072 samples in
+   f32, 3 to 6 and 8 parts 300 299 325 357 411 (348 299 336 372 442), in f64, 4 to 6 and 8 parts 803 802 798 915 (891 802
+   886 1159); floating hyq at 262144 in f32, 1 to 3 parts 350 271 307 (460 271 299). Whole, atlas's warps wait for
+   instructions in three quarters of their cycles. */
+static double loss_of(const struct splitter *s, const struct size *z)
 {
-	const struct size *z = size_of(s, first, end);
 	double longer = (z->operations - OPERATIONS) / 2000.0, more = (double)z->alive / most_alive(s) - 1;
 
 	longer = longer < 0 ? 0 : longer > 1 ? 1 : longer;
 	more = more < 0 ? 0 : more > 0.6 ? 0.6 : more; /* nothing was measured beyond */
-	return z->operations * (1 + 1.5 * longer) * (1 + 0.8 * more);
+	return (1 + 1.5 * longer) * (1 + 0.8 * more);
+}
+
+static double cost_of(struct splitter *s, int first, int end)
+{
+	const struct size *z = size_of(s, first, end);
+
+	return z->operations * loss_of(s, z);
+}
+
+/* Can a part lose less than the whole, where to look takes long a quarter less? Not on a long chain, where each takes all bodies'
+   motions. No part is smaller than the elements of one of its owners, less a tenth for what these are before they are fused. */
+static int can_gain(struct splitter *s)
+{
+	double most = loss_of(s, size_of(s, 0, s->count)) * (is_long(s) ? 0.75 : 1);
+
+	for (int k = s->count; k-- > 0 && !s->failed;) {
+		struct size z = make_size(s, k, k + 1, 0);
+
+		z.alive -= z.alive / 10;
+		z.operations -= z.operations / 10;
+		if (loss_of(s, &z) < most)
+			return 1;
+	}
+	return 0;
 }
 
 /* ---- where the parts begin ---- */
@@ -222,8 +165,10 @@ static int cut(struct splitter *s, int count, int most, int *first)
 /* So many parts that the one with the largest load has as little as can be. Returns 0 where no cut was found. */
 static int cut_evenly(struct splitter *s, int count, int *first)
 {
-	int bad = 0, good = MOST;
+	int bad = 0, good = load_of(s, 0, s->count);
 
+	if (!cut(s, count, good, first)) /* alone, what a part has in common with others may be a little more than in the whole */
+		good = MOST;
 	while (good - bad > 1) {
 		int middle = (good + bad) / 2;
 
@@ -250,7 +195,7 @@ static int choose_count(struct splitter *s, int *first)
 	double least = cost_of(s, 0, s->count);
 	int best = 1;
 
-	if (load_of(s, 0, s->count) <= FULL)
+	if (load_of(s, 0, s->count) <= FULL || !can_gain(s))
 		return 1;
 	for (int count = 2; count <= s->count && count <= best + LOOK_AHEAD; count++) {
 		double cost = cut_evenly(s, count, first) ? cost_of_cut(s, count, first) : least;
@@ -266,10 +211,11 @@ static int choose_count(struct splitter *s, int *first)
 static int make_part(struct splitter *s, int number, int first, int end, struct part *p)
 {
 	struct text name, doc;
+	struct arena spare;
 	struct dag raw;
 
-	p->first = s->bodies[first];
-	p->last = s->bodies[end - 1];
+	p->first = s->owners.bodies[first];
+	p->last = s->owners.bodies[end - 1];
 	text_init(&name, s->a);
 	text_init(&doc, s->a);
 	text_printf(&name, "%s_part%d", s->whole->algorithm->name, number);
@@ -278,9 +224,11 @@ static int make_part(struct splitter *s, int number, int first, int end, struct 
 		first ? "" : ", and all that is no matrix");
 	p->algorithm = (struct algorithm){.name = text_string(&name), .doc = text_string(&doc)};
 	p->pass.algorithm = &p->algorithm;
-	choose_outputs(s, first, end, &raw, s->a);
+	arena_init(&spare, s->o->allocator);
+	share_copy(&s->share, first, end, &raw, &spare);
 	dag_init(&p->pass.dag, s->a);
 	dag_fuse(&p->pass.dag, &raw, s->o->strict);
+	arena_free(&spare);
 	if (!plan_build(&p->pass.plan, &p->pass.dag, s->t, s->a))
 		return 0;
 	p->alive = plan_alive(&p->pass.plan, s->a);
@@ -291,20 +239,14 @@ static int make_part(struct splitter *s, int number, int first, int end, struct 
 
 static int begin(struct splitter *s)
 {
-	const struct task *k = &s->t->task;
-	size_t bodies = (size_t)s->t->body_count;
-
-	s->owner = arena_alloc(s->a, s->whole->raw.output_count, sizeof *s->owner);
-	s->bodies = arena_alloc(s->a, bodies, sizeof *s->bodies);
-	s->sizes = arena_alloc(s->a, (bodies + 1) * (bodies + 1), sizeof *s->sizes);
-	for (int i = 0; i < k->want_count && !s->a->failed; i++)
-		if (is_matrix(&k->wants[i]))
-			own_want(s, &k->wants[i]);
-	if (s->a->failed)
+	if (!owners_make(&s->owners, s->raw, s->t, s->a))
 		return 0;
-	list_owners(s);
+	s->count = s->owners.count;
+	s->sizes = arena_alloc(s->a, (size_t)(s->count + 1) * (size_t)(s->count + 1), sizeof *s->sizes);
+	if (!s->sizes)
+		return 0;
 	s->sizes[s->count] = size_of_plan(&s->whole->plan, s->a); /* from the first to the last: that is made already */
-	return !s->a->failed;
+	return share_begin(&s->share, s->raw, s->owners.owner, s->a) && !s->a->failed;
 }
 
 /* Why a text cannot be in parts; NULL: it can. */
@@ -314,7 +256,7 @@ static const char *obstacle(const struct tree *t, const struct rneagen_options *
 		return "is for kernels: take --target cuda";
 	if (o->layout != RNEAGEN_SOA)
 		return "is for --layout soa: in aos each block writes whole samples";
-	if (!has_matrix(t))
+	if (!owners_matrix(t))
 		return "is for matrices: name dtau_dq, dtau_dqd or M in --want";
 	return NULL;
 }
@@ -340,10 +282,10 @@ static struct part *make_parts(struct splitter *s, int count, const int *first)
 	return parts;
 }
 
-enum rneagen_code parts_make(struct part **parts, int *count, const struct pass *whole, const struct tree *t,
-	const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
+enum rneagen_code parts_make(struct part **parts, int *count, const struct pass *whole, const struct dag *raw,
+	const struct tree *t, const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
 {
-	struct splitter s = {.whole = whole, .t = t, .o = o, .a = a};
+	struct splitter s = {.whole = whole, .raw = raw, .t = t, .o = o, .a = a};
 	const char *why = obstacle(t, o);
 	int made, *first;
 

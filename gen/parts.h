@@ -5,7 +5,7 @@
 
 #include "emit.h"
 
-/* An element of a matrix belongs to the deeper one of the bodies of its row and its column; all other outputs to body 0. */
+/* With the outputs of some bodies: see owners.h. */
 struct part {
 	int first, last; /* bodies */
 	int alive;       /* values at once: plan_alive */
@@ -13,9 +13,10 @@ struct part {
 	struct pass pass;
 };
 
-/* In the order of the bodies, as the options ask for; *count is 0 where the text stays whole. Errors: USAGE, MEMORY. */
-enum rneagen_code parts_make(struct part **parts, int *count, const struct pass *whole, const struct tree *t,
-	const struct rneagen_options *o, struct arena *a, struct rneagen_error *e);
+/* In the order of the bodies, as the options ask for; *count is 0 where the text stays whole. `raw` is the whole as the
+   algorithm made it. Errors: USAGE, MEMORY. */
+enum rneagen_code parts_make(struct part **parts, int *count, const struct pass *whole, const struct dag *raw,
+	const struct tree *t, const struct rneagen_options *o, struct arena *a, struct rneagen_error *e);
 
 /* What all parts take together, or the whole where there are none. */
 struct operation_count parts_operations(const struct emission *e);

@@ -72,22 +72,33 @@ static enum rneagen_code check_task(const struct generation *g)
 	return RNEAGEN_OK;
 }
 
-static enum rneagen_code make_passes(struct generation *g)
+/* What the algorithm makes goes again once it is fused, and cut into parts. */
+static enum rneagen_code make_pass(struct generation *g, int i, struct dag *raw)
 {
 	struct arena *a = &g->result->arena;
+	struct pass *p = &g->passes[i];
 
-	for (int i = 0; i < pass_count(g); i++) {
-		struct pass *p = &g->passes[i];
+	p->algorithm = &ALGORITHMS[i];
+	p->algorithm->build(raw, &g->tree);
+	dag_init(&p->dag, a);
+	dag_fuse(&p->dag, raw, g->options.strict);
+	if (!plan_build(&p->plan, &p->dag, &g->tree, a))
+		return error_memory(g->error);
+	return i == PASS_RNEA ? parts_make(&g->parts, &g->part_count, p, raw, &g->tree, &g->options, a, g->error) : RNEAGEN_OK;
+}
 
-		p->algorithm = &ALGORITHMS[i];
-		dag_init(&p->raw, a);
-		p->algorithm->build(&p->raw, &g->tree);
-		dag_init(&p->dag, a);
-		dag_fuse(&p->dag, &p->raw, g->options.strict);
-		if (!plan_build(&p->plan, &p->dag, &g->tree, a))
-			return error_memory(g->error);
+static enum rneagen_code make_passes(struct generation *g)
+{
+	for (int i = 0; i < pass_count(g) && !g->error->code; i++) {
+		struct arena spare;
+		struct dag raw;
+
+		arena_init(&spare, g->options.allocator);
+		dag_init(&raw, &spare);
+		make_pass(g, i, &raw);
+		arena_free(&spare);
 	}
-	return parts_make(&g->parts, &g->part_count, &g->passes[PASS_RNEA], &g->tree, &g->options, a, g->error);
+	return g->error->code;
 }
 
 static void make_dump(struct generation *g, struct text *t)

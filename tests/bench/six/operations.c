@@ -160,10 +160,12 @@ static const char *text_name(const char *robot, enum operation operation, struct
 /* The DAG's plan; its inputs are no joint's. */
 static enum rneagen_code make_pass(struct pass *p, const struct tree *t, struct arena *a, struct rneagen_error *e)
 {
-	dag_init(&p->raw, a);
-	p->algorithm->build(&p->raw, t);
+	struct dag raw;
+
+	dag_init(&raw, a);
+	p->algorithm->build(&raw, t);
 	dag_init(&p->dag, a);
-	dag_fuse(&p->dag, &p->raw, 0);
+	dag_fuse(&p->dag, &raw, 0);
 	return plan_build(&p->plan, &p->dag, t, a) ? RNEAGEN_OK : error_memory(e);
 }
 
