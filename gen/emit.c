@@ -17,22 +17,19 @@ const char *emit_int(const struct emission *e, int value)
 
 static const char RETURNS[] = "   Returns whether all angles are small: if not, and `small`, the results mean nothing.\n";
 
-static const char *body_text(const struct emission *e, const struct pass *p)
+static void put_body(const struct emission *e, const struct pass *p, struct text *out)
 {
-	struct text t, body;
-
-	text_init(&t, e->arena);
-	text_init(&body, e->arena);
-	emit_body(e, p, &body);
 	const struct slot slots[] = {
 		{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
-		{"BODY", text_string(&body)}, {"SMALL_PARAM", emit_has_small(e) ? ", const int small" : ""},
+		{"SMALL_PARAM", emit_has_small(e) ? ", const int small" : ""},
 		{"RESULT", emit_has_small(e) ? "int" : "void"},
 		{"RETURNS", emit_has_small(e) ? RETURNS : ""},
 	};
-	template_expand(&t, template_body_in, slots, sizeof slots / sizeof *slots);
-	t.failed |= body.failed;
-	return t.failed ? NULL : text_string(&t);
+	size_t count = sizeof slots / sizeof *slots;
+	const char *rest = template_expand_to(out, template_body_in, "BODY", slots, count);
+
+	emit_body(e, p, out);
+	template_expand(out, rest, slots, count);
 }
 
 /* The blocks of a launch. */
@@ -101,17 +98,6 @@ static const char *sincos_text(const struct emission *e)
 	return text_string(&t);
 }
 
-/* Torques with their bounds, where they are wanted. */
-static const char *bounded_text(const struct emission *e)
-{
-	struct text t;
-
-	text_init(&t, e->arena);
-	if (e->options->bounded)
-		emit_bounded(e, &t);
-	return text_string(&t);
-}
-
 static const char *banner_text(const struct emission *e)
 {
 	struct text t;
@@ -161,14 +147,6 @@ static void put_is_small(const struct emission *e, struct text *out)
 	text_put(out, host_only ? "#endif\n" : "");
 }
 
-static void put_text(const char *text, struct text *out)
-{
-	if (text)
-		text_put(out, text);
-	else
-		out->failed = 1;
-}
-
 /* The call of a part's body with the dispatcher's own arguments. */
 static void put_part_call(const struct emission *e, int part, struct text *out)
 {
@@ -177,12 +155,11 @@ static void put_part_call(const struct emission *e, int part, struct text *out)
 }
 
 /* The body that calls the parts'. */
-static const char *dispatcher_text(const struct emission *e)
+static void put_dispatcher(const struct emission *e, struct text *out)
 {
 	const struct pass *p = &e->passes[PASS_RNEA];
-	struct text t, cases, calls;
+	struct text cases, calls;
 
-	text_init(&t, e->arena);
 	text_init(&cases, e->arena);
 	text_init(&calls, e->arena);
 	for (int i = 0; i < e->part_count; i++) {
@@ -197,17 +174,20 @@ static const char *dispatcher_text(const struct emission *e)
 		{"RESULT", emit_has_small(e) ? "int" : "void"}, {"RETURNS", emit_has_small(e) ? RETURNS : ""},
 		{"BEGIN", emit_has_small(e) ? "\tint all_small = 1;" : ""}, {"END", emit_has_small(e) ? "\treturn all_small;" : ""},
 		{"COUNT", emit_int(e, e->part_count)}, {"CASES", text_string(&cases)}, {"CALLS", text_string(&calls)}};
-	template_expand(&t, template_parts_in, slots, sizeof slots / sizeof *slots);
-	return t.failed || cases.failed || calls.failed ? NULL : text_string(&t);
+	template_expand(out, template_parts_in, slots, sizeof slots / sizeof *slots);
+	out->failed |= cases.failed | calls.failed;
 }
 
 static void put_bodies(const struct emission *e, struct text *out)
 {
 	put_is_small(e, out);
 	for (int i = 0; i < e->part_count; i++)
-		put_text(body_text(e, &e->parts[i].pass), out);
+		put_body(e, &e->parts[i].pass, out);
 	for (int i = 0; i < e->pass_count; i++)
-		put_text(i == 0 && e->part_count ? dispatcher_text(e) : body_text(e, &e->passes[i]), out);
+		if (i == 0 && e->part_count)
+			put_dispatcher(e, out);
+		else
+			put_body(e, &e->passes[i], out);
 }
 
 void emit_source(const struct emission *e, struct text *out)
@@ -215,11 +195,10 @@ void emit_source(const struct emission *e, struct text *out)
 	static const char *const frames[] = {[RNEAGEN_TARGET_CUDA] = template_kernel_cu_in,
 		[RNEAGEN_TARGET_C] = template_function_c_in, [RNEAGEN_TARGET_HEADER] = template_header_h_in};
 	const struct pass *p = e->passes;
-	struct text bodies, kernels;
+	struct text kernels;
+	const char *rest;
 
-	text_init(&bodies, e->arena);
 	text_init(&kernels, e->arena);
-	put_bodies(e, &bodies);
 	for (int i = 0; i < e->pass_count && e->options->target == RNEAGEN_TARGET_CUDA; i++)
 		emit_kernel(e, &p[i], &kernels);
 	const struct slot slots[] = {
@@ -228,19 +207,26 @@ void emit_source(const struct emission *e, struct text *out)
 		{"ARITHMETIC_HEADER", emit_arithmetic(e, ARITHMETIC_FOR_HEADER)}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
 		{"UNDEF_STRICT", e->options->strict ? "#undef RNEA_ADD\n#undef RNEA_SUB\n#undef RNEA_MUL\n#undef RNEA_DIV\n#undef RNEA_SQRT\n#undef RNEA_APART\n" : ""},
 		{"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)}, {"MIN_BLOCKS", emit_min_blocks(e)},
-		{"SINCOS", sincos_text(e)}, {"BODIES", text_string(&bodies)}, {"STAGE", emit_stage(e)}, {"STORE", emit_store(e)},
+		{"SINCOS", sincos_text(e)}, {"STAGE", emit_stage(e)}, {"STORE", emit_store(e)},
 		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e)},
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
 		{"ADDRESSES", emit_params(e, &p[PASS_RNEA], PARAMS_ADDRESSES)},
 		{"RNEA_PARAMS", emit_params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
-		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"BOUNDED", bounded_text(e)},
+		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"BOUNDED", ""},
 		{"RNEA_CALL", emit_call(e, &p[PASS_RNEA], "\t", emit_params(e, &p[PASS_RNEA], PARAMS_NAMES), "q", "1")}, {"HALVES", halves_text(e)},
 		{"SAMPLE", e->tree->task.is_plain ? "tau = ID(q, qd, qdd)" : "Inverse dynamics"},
 		{"PROTOTYPES", emit_prototypes(e)}, {"ENUM", enum_text(e)}, {"DIMENSIONS", emit_dimensions(e)},
 	};
 
-	template_expand(out, frames[e->options->target], slots, sizeof slots / sizeof *slots);
-	out->failed |= bodies.failed | kernels.failed | e->arena->failed;
+	size_t count = sizeof slots / sizeof *slots;
+	rest = template_expand_to(out, frames[e->options->target], "BODIES", slots, count);
+	put_bodies(e, out);
+	if (e->options->bounded) {
+		rest = template_expand_to(out, rest, "BOUNDED", slots, count);
+		emit_bounded(e, out);
+	}
+	template_expand(out, rest, slots, count);
+	out->failed |= kernels.failed | e->arena->failed;
 }
 
 void emit_declarations(const struct emission *e, struct text *out)

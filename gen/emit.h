@@ -37,7 +37,17 @@ struct emission {
 	struct arena *arena;
 	struct rneagen_error *error;
 	const struct scalar *memory, *arithmetic; /* emit_set_precision */
+	struct written_number *written;           /* EMIT_WRITTEN of them; NULL: each number is made anew */
 };
+
+/* A number as it was written last time: a model's few constants come again and again. */
+struct written_number {
+	const struct scalar *type; /* NULL: none yet */
+	double value;
+	char s[40];
+};
+
+enum { EMIT_WRITTEN = 4096 };
 
 /* Memory and arithmetic of the precision that the options name. */
 void emit_set_precision(struct emission *e);

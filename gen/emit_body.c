@@ -1,6 +1,7 @@
 #include "emit.h"
 #include "number.h"
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,23 +9,40 @@
 enum { WRAP_COLUMN = 100 };
 
 /* The decimal with the fewest digits that the target reads back as the same number. */
+static void write_number(double value, int f32, struct written_number *w)
+{
+	struct number_text t = f32 ? number_shortest_float((float)value) : number_shortest(value);
+
+	snprintf(w->s, sizeof w->s, "%s%s%s", t.s, strpbrk(t.s, ".e") ? "" : ".0", f32 ? "f" : "");
+}
+
+/* Where such a number is written, if it is. */
+static struct written_number *place_of(const struct emission *e, double value)
+{
+	uint64_t bits;
+
+	memcpy(&bits, &value, sizeof bits);
+	return &e->written[bits * 0x9e3779b97f4a7c15u >> 32 & (EMIT_WRITTEN - 1)];
+}
+
 void emit_number(const struct emission *e, const struct scalar *type, real value, struct text *out)
 {
 	int f32 = type->bytes == 4;
 	double rounded = f32 ? (double)(float)value : (double)value;
-	struct number_text t;
+	struct written_number here, *w;
 
 	if (!isfinite(rounded)) {
 		error_set(e->error, RNEAGEN_NUMBER, "%s: a constant of the model, %.6Lg, is no finite number in %s",
 			e->options->file, value, f32 ? "f32; take --precision f64, or mixed, whose constants are f64" : "f64");
 		rounded = 0;
 	}
-	t = f32 ? number_shortest_float((float)rounded) : number_shortest(rounded);
-	text_put(out, t.s);
-	if (!strpbrk(t.s, ".e"))
-		text_put(out, ".0");
-	if (f32)
-		text_putc(out, 'f');
+	w = e->written ? place_of(e, rounded) : &here;
+	if (!e->written || w->type != type || w->value != rounded || signbit(w->value) != signbit(rounded)) {
+		w->type = type;
+		w->value = rounded;
+		write_number(rounded, f32, w);
+	}
+	text_put(out, w->s);
 }
 
 static void put_expression(const struct emission *e, const struct plan *p, struct ref a, struct text *out);
@@ -209,19 +227,15 @@ void emit_section(const struct emission *e, const struct pass *pass, const struc
 static void put_store(const struct emission *e, const struct plan *p, const struct output *o, struct text *out)
 {
 	int streamed = emit_is_streamed(e);
-	struct text statement;
 
-	text_init(&statement, e->arena);
-	text_printf(&statement, streamed ? "RNEA_STORE(%s[%d*stride], " : "%s[%d*stride] = ", p->dag->arguments[o->argument].name, o->row);
+	text_printf(out, streamed ? "RNEA_STORE(%s[%d*stride], " : "%s[%d*stride] = ", p->dag->arguments[o->argument].name, o->row);
 	if (e->arithmetic->part)
-		text_put(&statement, "rneagen_join(");
+		text_put(out, "rneagen_join(");
 	else if (emit_converts(e))
-		text_printf(&statement, "(%s)", e->memory->type);
-	put_value(e, p, o->value, emit_converts(e) && !e->arithmetic->part ? op_strength[OP_NEG] : 0, &statement);
-	text_put(&statement, e->arithmetic->part ? ")" : "");
-	text_put(&statement, streamed ? ");" : ";");
-	out->failed |= statement.failed;
-	emit_wrapped(out, text_string(&statement));
+		text_printf(out, "(%s)", e->memory->type);
+	put_value(e, p, o->value, emit_converts(e) && !e->arithmetic->part ? op_strength[OP_NEG] : 0, out);
+	text_put(out, e->arithmetic->part ? ")" : "");
+	text_put(out, streamed ? ");" : ";");
 }
 
 static void put_load(const struct emission *e, const struct plan *p, const struct node *n, struct text *out)
@@ -238,17 +252,25 @@ static void put_load(const struct emission *e, const struct plan *p, const struc
 static void put_assignment(const struct emission *e, const struct plan *p, struct ref a, struct text *out)
 {
 	const struct node *n = &p->dag->nodes[a.i];
-	struct text statement;
 
-	text_init(&statement, e->arena);
-	text_printf(&statement, "const %s %s = ", e->arithmetic->type, p->names[a.i]);
+	text_printf(out, "const %s %s = ", e->arithmetic->type, p->names[a.i]);
 	if (n->op == OP_INPUT)
-		put_load(e, p, n, &statement);
+		put_load(e, p, n, out);
 	else
-		put_expression(e, p, a, &statement);
-	text_putc(&statement, ';');
-	out->failed |= statement.failed;
-	emit_wrapped(out, text_string(&statement));
+		put_expression(e, p, a, out);
+	text_putc(out, ';');
+}
+
+/* A store or an assignment; `statement` is room for it. */
+static void put_statement(const struct emission *e, const struct plan *p, const struct line *l, struct text *statement, struct text *out)
+{
+	text_clear(statement);
+	if (l->kind == LINE_STORE)
+		put_store(e, p, &p->dag->outputs[l->index], statement);
+	else
+		put_assignment(e, p, l->value, statement);
+	out->failed |= statement->failed;
+	emit_wrapped(out, text_string(statement));
 }
 
 /* An argument of which nothing is read or written would be an unused parameter. */
@@ -274,7 +296,9 @@ void emit_body(const struct emission *e, const struct pass *pass, struct text *o
 {
 	const struct plan *p = &pass->plan;
 	const unsigned char *angles = emit_f32x2_angles(e, p);
+	struct text statement;
 
+	text_init(&statement, e->arena);
 	put_unused_arguments(p, emit_has_small(e), out);
 	if (emit_has_small(e))
 		text_put(out, "\tint all_small = 1;\n");
@@ -288,12 +312,9 @@ void emit_body(const struct emission *e, const struct pass *pass, struct text *o
 		case LINE_SINCOS:
 			put_sincos(e, p, l->value, out);
 			break;
-		case LINE_STORE:
-			put_store(e, p, &p->dag->outputs[l->index], out);
-			break;
 		default:
-			if (!angles || !angles[l->value.i])
-				put_assignment(e, p, l->value, out);
+			if (l->kind == LINE_STORE || !angles || !angles[l->value.i])
+				put_statement(e, p, l, &statement, out);
 		}
 	}
 	if (emit_has_small(e))

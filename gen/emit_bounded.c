@@ -110,36 +110,30 @@ static int first_bound(const struct dag *d, int argument)
 /* In memory of another type: one rounding more, of the output, and that of the bound. */
 static void put_store(const struct emission *e, const struct plan *p, const struct output *o, struct text *out)
 {
-	int row = first_bound(p->dag, o->argument) + o->row;
-	struct text value;
-
-	text_init(&value, e->arena);
-	put_value(e, p, o->value, &value);
-	if (emit_converts(e))
-		text_printf(out, "bound[%d] = rneagen_within_f32(%s, factor)", row, text_string(&value));
-	else
-		text_printf(out, "bound[%d] = %s.e*factor", row, text_string(&value));
+	text_printf(out, "bound[%d] = %s", first_bound(p->dag, o->argument) + o->row, emit_converts(e) ? "rneagen_within_f32(" : "");
+	put_value(e, p, o->value, out);
+	text_put(out, emit_converts(e) ? ", factor)" : ".e*factor");
 }
 
-static void put_line(const struct emission *e, const struct pass *pass, const struct line *l, struct text *out)
+/* `statement` is room for one. */
+static void put_line(const struct emission *e, const struct pass *pass, const struct line *l, struct text *statement, struct text *out)
 {
 	const struct plan *p = &pass->plan;
-	struct text statement;
 
-	text_init(&statement, e->arena);
+	text_clear(statement);
 	if (l->kind == LINE_SECTION) {
 		emit_section(e, pass, &p->dag->sections[l->index], out);
 		return;
 	}
 	if (l->kind == LINE_SINCOS)
-		put_sincos(e, p, l->value, &statement);
+		put_sincos(e, p, l->value, statement);
 	else if (l->kind == LINE_STORE)
-		put_store(e, p, &p->dag->outputs[l->index], &statement);
+		put_store(e, p, &p->dag->outputs[l->index], statement);
 	else
-		put_assignment(e, p, l->value, &statement);
-	text_putc(&statement, ';');
-	out->failed |= statement.failed;
-	emit_wrapped(out, text_string(&statement));
+		put_assignment(e, p, l->value, statement);
+	text_putc(statement, ';');
+	out->failed |= statement->failed;
+	emit_wrapped(out, text_string(statement));
 }
 
 /* The most roundings of a bound on any way from an input to an output; -1 when memory runs out. */
@@ -156,6 +150,7 @@ static int longest_way(const struct emission *e, const struct dag *d)
 		way[i] = most + roundings[n->op];
 		longest = way[i] > longest ? way[i] : longest;
 	}
+	arena_release(e->arena, way);
 	return way ? longest + 8 : -1; /* and those of the end */
 }
 
@@ -193,18 +188,15 @@ void emit_bounded(const struct emission *e, struct text *out)
 {
 	const struct pass *p = &e->passes[PASS_RNEA];
 	int f32 = e->arithmetic->bytes == 4, way = longest_way(e, &p->dag);
-	struct text body;
-
-	text_init(&body, e->arena);
-	for (size_t i = 0; i < p->plan.line_count; i++)
-		put_line(e, p, &p->plan.lines[i], &body);
+	struct text statement;
+	const char *rest;
 	const struct slot slots[] = {
 		{"F", e->arithmetic->suffix}, {"F_UPPER", f32 ? "F" : ""}, {"T", e->arithmetic->type}, {"U", f32 ? "0x1p-24f" : "0x1p-53"},
 		{"TINY", f32 ? "0x1p-146f" : "0x1p-1071"}, {"THREE", f32 ? "3.0f" : "3.0"}, {"MAX", f32 ? "0x1.fffffep127f" : "0x1.fffffffffffffp1023"},
 		{"SINCOS", f32 ? "1.7f*0x1p-24f" : "1.7*0x1p-53"}, {"MODE", emit_trig_name(emit_trig_of(e->options))},
 		{"FUSED", e->options->strict ? "1" : f32 ? "defined FP_FAST_FMAF" : "defined FP_FAST_FMA"}, {"NAME", e->options->name}, {"STRICT", e->options->strict ? "strict_" : ""}, {"APART", e->options->strict ? "RNEA_APART " : ""},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"M", e->memory->type},
-		{"FACTOR", factor_text(e, way)}, {"BODY", text_string(&body)}, {"ENDS", ends_text(e, &p->dag)},
+		{"FACTOR", factor_text(e, way)}, {"ENDS", ends_text(e, &p->dag)},
 	};
 	size_t count = sizeof slots / sizeof *slots;
 
@@ -213,6 +205,10 @@ void emit_bounded(const struct emission *e, struct text *out)
 		template_expand(out, template_bounded_sincos_in, slots, count);
 	if (emit_converts(e))
 		template_expand(out, template_bounded_store_in, slots, count);
-	template_expand(out, template_bounded_function_in, slots, count);
-	out->failed |= body.failed | (way < 0);
+	rest = template_expand_to(out, template_bounded_function_in, "BODY", slots, count);
+	text_init(&statement, e->arena);
+	for (size_t i = 0; i < p->plan.line_count; i++)
+		put_line(e, p, &p->plan.lines[i], &statement, out);
+	template_expand(out, rest, slots, count);
+	out->failed |= way < 0;
 }

@@ -177,6 +177,7 @@ static enum rneagen_code generate(struct generation *g, const char *urdf, size_t
 		.warnings = g->robot.warnings,
 		.warning_count = g->robot.warning_count,
 		.hash = g->hash,
+		.written = arena_alloc(a, EMIT_WRITTEN, sizeof(struct written_number)),
 		.arena = a,
 		.error = g->error};
 	emit_set_precision(&g->emission);

@@ -20,7 +20,8 @@ static size_t slot_length(const char *s)
 	return n && s[n + 1] == '@' ? n + 2 : 0;
 }
 
-void template_expand(struct text *out, const char *tmpl, const struct slot *slots, size_t count)
+/* Up to the slot of this name, or, where it is NULL, all. */
+static const char *expand(struct text *out, const char *tmpl, const char *end, const struct slot *slots, size_t count)
 {
 	const char *s = tmpl;
 
@@ -32,14 +33,26 @@ void template_expand(struct text *out, const char *tmpl, const struct slot *slot
 			text_putc(out, *s++);
 			continue;
 		}
+		if (end && strlen(end) == length - 2 && !memcmp(s + 1, end, length - 2))
+			return s + length;
 		value = slot_value(slots, count, s + 1, length - 2);
-		if (!value) {
-			out->failed = 1;
-			return;
-		}
+		if (!value)
+			break;
 		text_put(out, value);
 		if (!*value && s[length] == '\n' && (s == tmpl || s[-1] == '\n'))
 			length++;
 		s += length;
 	}
+	out->failed |= *s || end;
+	return "";
+}
+
+void template_expand(struct text *out, const char *tmpl, const struct slot *slots, size_t count)
+{
+	expand(out, tmpl, NULL, slots, count);
+}
+
+const char *template_expand_to(struct text *out, const char *tmpl, const char *end, const struct slot *slots, size_t count)
+{
+	return expand(out, tmpl, end, slots, count);
 }

@@ -12,6 +12,9 @@ struct slot {
    on its line whose value is empty takes the line with it. */
 void template_expand(struct text *out, const char *tmpl, const struct slot *slots, size_t count);
 
+/* The same up to the slot @end@, for what is too long to be made twice. Returns what follows that slot, "" on failure. */
+const char *template_expand_to(struct text *out, const char *tmpl, const char *end, const struct slot *slots, size_t count);
+
 /* The files of templates/, by name with '.' turned into '_' (made by embed.cmake). */
 extern const char template_kernel_cu_in[], template_kernel_soa_in[], template_kernel_aos_in[], template_stage_aos_in[];
 extern const char template_kernel_soa_staged_in[], template_stage_in[], template_slices_in[], template_stage_launch_in[], template_store_in[];

@@ -35,14 +35,22 @@ static void close(void)
 
 static const char *number(real value, enum rneagen_precision precision)
 {
-	static char buffer[64];
+	static struct number_text written[EMIT_WRITTEN];
+	static char buffer[64], again[64];
 	struct emission e = {.options = &options, .arena = &arena, .error = &error};
 	struct text t = {.arena = &arena, .s = buffer, .capacity = sizeof buffer};
+	struct text same = {.arena = &arena, .s = again, .capacity = sizeof again};
 
 	options.precision = precision;
 	emit_set_precision(&e);
 	emit_number(&e, e.arithmetic, value, &t);
 	ck_assert(!t.failed && t.s == buffer);
+	e.written = written; /* as it was written for whatever came before */
+	for (int i = 0; i < 2; i++) {
+		text_clear(&same);
+		emit_number(&e, e.arithmetic, value, &same);
+		ck_assert_str_eq(again, buffer);
+	}
 	return buffer;
 }
 
@@ -226,6 +234,28 @@ START_TEST(templates)
 }
 END_TEST
 
+/* In two goes, with the long part written in between; a template without its slot fails. */
+START_TEST(templates_in_two)
+{
+	struct slot all[sizeof slots / sizeof *slots + 1] = {{"LONG", "the long\npart"}};
+	size_t count = sizeof slots / sizeof *slots;
+	struct text one, two;
+	const char *rest;
+
+	memcpy(all + 1, slots, sizeof slots);
+	text_init(&one, &arena);
+	text_init(&two, &arena);
+	template_expand(&one, "a@A@\n@LONG@\n@EMPTY@\nb@A@", all, count + 1);
+	rest = template_expand_to(&two, "a@A@\n@LONG@\n@EMPTY@\nb@A@", "LONG", slots, count);
+	text_put(&two, "the long\npart");
+	template_expand(&two, rest, slots, count);
+	ck_assert(!one.failed && !two.failed);
+	ck_assert_str_eq(text_string(&one), text_string(&two));
+	ck_assert_str_eq(template_expand_to(&two, "a@A@", "LONG", slots, count), "");
+	ck_assert(two.failed);
+}
+END_TEST
+
 /* ---- identifiers ---- */
 
 static const struct name {
@@ -346,6 +376,7 @@ int main(void)
 	tcase_add_loop_test(c, number_as_written, 0, sizeof written / sizeof *written);
 	tcase_add_test(c, number_too_large);
 	tcase_add_loop_test(c, templates, 0, sizeof expansions / sizeof *expansions);
+	tcase_add_test(c, templates_in_two);
 	tcase_add_loop_test(c, identifier, 0, sizeof names / sizeof *names);
 	tcase_add_test(c, identifier_of_any_bytes);
 	tcase_add_test(c, names_of_values);
