@@ -194,12 +194,14 @@ static int write_results(const struct command *c, const struct rneagen_result *r
 
 static int run(const struct command *c)
 {
+	struct rneagen_options o = c->options;
 	struct rneagen_error e = {0};
 	struct rneagen_result r;
 	struct file_content urdf = {0};
 	int bad;
 
-	bad = file_read(c->input, &urdf, &e) || rneagen_generate(urdf.bytes, urdf.length, &c->options, &r, &e);
+	o.text_alone = c->info == INFO_NONE;
+	bad = file_read(c->input, &urdf, &e) || rneagen_generate(urdf.bytes, urdf.length, &o, &r, &e);
 	if (!bad) {
 		for (size_t i = 0; i < r.warning_count && !c->quiet && (c->info == INFO_NONE || c->info == INFO_DOT); i++)
 			fprintf(stderr, "rneagen: warning: %s\n", r.warnings[i]);

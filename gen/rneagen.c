@@ -125,31 +125,55 @@ static enum rneagen_code make_texts(struct generation *g)
 {
 	struct rneagen_result *r = g->result;
 	int has_source = g->options.dump == RNEAGEN_DUMP_NONE, has_header = has_source && g->options.target == RNEAGEN_TARGET_C;
-	struct text source, header, info, json, dot, dump;
+	struct text source, header, dump;
 
 	text_init(&source, &r->arena);
 	text_init(&header, &r->arena);
-	text_init(&info, &r->arena);
-	text_init(&json, &r->arena);
-	text_init(&dot, &r->arena);
 	text_init(&dump, &r->arena);
 	if (has_source)
 		emit_source(&g->emission, &source);
 	if (has_header)
 		emit_declarations(&g->emission, &header);
-	info_table(&g->emission, &info);
-	info_json(&g->emission, &json);
-	dot_graph(&g->tree, &dot);
 	make_dump(g, &dump);
-	if (source.failed || header.failed || info.failed || json.failed || dot.failed || dump.failed)
+	if (source.failed || header.failed || dump.failed)
 		return error_memory(g->error);
 	r->source = has_source ? text_string(&source) : NULL;
 	r->header = has_header ? text_string(&header) : NULL;
+	r->dump = has_source ? NULL : text_string(&dump);
+	return g->error->code;
+}
+
+static enum rneagen_code make_reports(struct generation *g)
+{
+	struct rneagen_result *r = g->result;
+	struct text info, json, dot;
+
+	if (g->options.text_alone)
+		return RNEAGEN_OK;
+	text_init(&info, &r->arena);
+	text_init(&json, &r->arena);
+	text_init(&dot, &r->arena);
+	info_table(&g->emission, &info);
+	info_json(&g->emission, &json);
+	dot_graph(&g->tree, &dot);
+	if (info.failed || json.failed || dot.failed)
+		return error_memory(g->error);
 	r->info = text_string(&info);
 	r->info_json = text_string(&json);
 	r->dot = text_string(&dot);
-	r->dump = has_source ? NULL : text_string(&dump);
-	return g->error->code;
+	return RNEAGEN_OK;
+}
+
+/* What reports tell beside the text; the text's head tells of changed constants alone. */
+static enum rneagen_code measure(struct generation *g)
+{
+	const struct pass *p = &g->passes[PASS_RNEA];
+	struct arena *a = &g->result->arena;
+	int is_reported = !g->options.text_alone;
+
+	if ((is_reported || adjust_is_asked(&g->tree.adjust)) && effect_measure(&g->tree, &p->dag, &g->robot, &g->options, a, g->error))
+		return g->error->code;
+	return is_reported ? saving_measure(&g->tree, &p->plan, &g->robot, &g->options, a, g->error) : RNEAGEN_OK;
 }
 
 static enum rneagen_code generate(struct generation *g, const char *urdf, size_t length)
@@ -157,9 +181,7 @@ static enum rneagen_code generate(struct generation *g, const char *urdf, size_t
 	struct arena *a = &g->result->arena;
 
 	if (robot_read(&g->robot, urdf, length, g->options.file, a, g->error) || resolve_options(g) ||
-		keep_build(&g->tree, &g->robot, &g->options, a, g->error) || check_task(g) || make_passes(g) ||
-		effect_measure(&g->tree, &g->passes[PASS_RNEA].dag, &g->robot, &g->options, a, g->error) ||
-		saving_measure(&g->tree, &g->passes[PASS_RNEA].plan, &g->robot, &g->options, a, g->error))
+		keep_build(&g->tree, &g->robot, &g->options, a, g->error) || check_task(g) || make_passes(g) || measure(g))
 		return g->error->code;
 	tree_warn(&g->tree, &g->robot, g->options.file, a);
 	if (a->failed)
@@ -181,7 +203,7 @@ static enum rneagen_code generate(struct generation *g, const char *urdf, size_t
 		.arena = a,
 		.error = g->error};
 	emit_set_precision(&g->emission);
-	return make_texts(g);
+	return make_texts(g) ? g->error->code : make_reports(g);
 }
 
 enum rneagen_code rneagen_generate(const char *urdf, size_t length, const struct rneagen_options *options,

@@ -43,6 +43,7 @@ struct rneagen_options {
 	const char *file;   /* name of the input, for messages and the text's header; NULL: "<input>" */
 	const char *scene;  /* what of the robot is modelled: one choice on a line, as in the command's --scene FILE; NULL: all */
 	enum rneagen_dump dump;
+	int text_alone; /* info, info_json and dot are not wanted, which may take longer to make than the text */
 	const struct rneagen_allocator *allocator; /* NULL: malloc and free */
 };
 
@@ -51,7 +52,7 @@ struct rneagen_result {
 	const char *name;      /* the identifier that prefixes every function */
 	const char *source;    /* the .cu, .c or header text; NULL where a dump is asked for */
 	const char *header;    /* target C, and no dump: the .h that declares the functions; NULL otherwise */
-	const char *info;      /* the table of --info */
+	const char *info;      /* the table of --info; NULL if the text alone was asked for, as the next two */
 	const char *info_json; /* the object of --info=json */
 	const char *dot;       /* the graph of --dot, for Graphviz */
 	const char *dump;      /* NULL unless asked for */

@@ -120,6 +120,32 @@ START_TEST(equal_input_equal_bytes)
 }
 END_TEST
 
+/* What is told beside a text changes nothing in it; changed constants are told in its head. */
+START_TEST(the_text_alone)
+{
+	static const char *const scenes[] = {NULL, "want tau,dtau_dq\ndamping\n", "snap-angle 1e-3\nround-constants 3\n"};
+
+	for (int i = 0; i < 3 * ROBOTS; i++) {
+		struct random_robot_knobs knobs = random_robot_knobs((uint64_t)i, LINKS);
+		struct rneagen_options o = options_of(i);
+		char *urdf = random_robot((uint64_t)i, &knobs);
+		struct rneagen_result all, alone;
+
+		o.scene = scenes[i % 3];
+		all = generate(urdf, &o);
+		o.text_alone = 1;
+		alone = generate(urdf, &o);
+		check_same(in_file(&all), in_file(&alone), "source", (uint64_t)i);
+		check_same(all.header ? all.header : "", alone.header ? alone.header : "", "header", (uint64_t)i);
+		ck_assert_uint_eq(all.warning_count, alone.warning_count);
+		ck_assert(all.info && all.info_json && all.dot && !alone.info && !alone.info_json && !alone.dot);
+		rneagen_result_free(&all);
+		rneagen_result_free(&alone);
+		free(urdf);
+	}
+}
+END_TEST
+
 /* random_robot writes one link or joint a line, between two lines before and one after. */
 static char *shuffle_lines(const char *urdf, struct rng *rng)
 {
@@ -326,6 +352,7 @@ int main(void)
 	tcase_set_timeout(c, 120);
 	tcase_add_checked_fixture(c, open_arena, close_arena);
 	tcase_add_test(c, equal_input_equal_bytes);
+	tcase_add_test(c, the_text_alone);
 	tcase_add_test(c, order_of_the_file);
 	tcase_add_test(c, names_are_only_names);
 	tcase_add_test(c, numbers_are_short);
