@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-/* More are kept or merged all together. */
-enum { CANDIDATES = 32 };
+/* More are kept or merged all together, and so are fewer where each try takes long: operations of all tries. */
+enum { CANDIDATES = 32, WORK = 4000000 };
 
 struct keeping {
 	const struct robot *r;
@@ -61,13 +61,20 @@ static long improve(struct keeping *k, const int *candidates, int count, long le
 	return least;
 }
 
+/* How many of `count` joints are tried one by one. */
+static int tried(int count, long flops)
+{
+	return count <= CANDIDATES && count * flops <= WORK ? count : 0;
+}
+
 /* From all merged on, and, where that is dearer than all kept, from there on. */
 static enum rneagen_code choose(struct keeping *k, const struct tree *t, const int *candidates, int count)
 {
 	int *all = arena_alloc(k->a, (size_t)t->held_count, sizeof *all);
 	char *best = arena_alloc(k->a, (size_t)k->r->joint_count, 1);
-	long merged = improve(k, candidates, count <= CANDIDATES ? count : 0, cost(k)), kept;
+	long merged = cost(k), kept;
 
+	merged = improve(k, candidates, tried(count, merged), merged);
 	if (merged < 0 || !best || !all)
 		return error_memory(k->e);
 	memcpy(best, k->kept, (size_t)k->r->joint_count);
@@ -77,7 +84,7 @@ static enum rneagen_code choose(struct keeping *k, const struct tree *t, const i
 	}
 	kept = cost(k);
 	if (kept >= 0 && kept < merged)
-		kept = improve(k, all, t->held_count <= CANDIDATES ? t->held_count : 0, kept);
+		kept = improve(k, all, tried(t->held_count, kept), kept);
 	if (kept < 0)
 		return k->e->code;
 	if (kept >= merged)

@@ -171,7 +171,24 @@ static int take_scene_file(const char *command, struct rneagen_options *o, const
 }
 
 /* A line of the scene, which keeps its dashes: a word, and in quotes a value, which has them escaped. */
-static int take_escaped(const char *command, struct rneagen_options *o, enum scene_key key, const char *value)
+static void put_escaped(enum scene_key key, const char *value, struct text *t)
+{
+	text_printf(t, value ? "--%s \"%s\"" : "--%s", scene_word(key), value);
+}
+
+/* The same of a value as it is. */
+static void put_scene_line(enum scene_key key, const char *value, struct text *t)
+{
+	text_printf(t, value ? "--%s \"" : "--%s", scene_word(key));
+	for (const char *s = value ? value : ""; *s; s++) {
+		if (*s == '"' || *s == '\\' || *s == '\n')
+			text_putc(t, '\\');
+		text_putc(t, *s == '\n' ? 'n' : *s);
+	}
+	text_put(t, value ? "\"" : "");
+}
+
+static int take_scene_line(const char *command, struct rneagen_options *o, enum scene_key key, const char *value)
 {
 	struct arena a;
 	struct text line;
@@ -179,28 +196,8 @@ static int take_escaped(const char *command, struct rneagen_options *o, enum sce
 
 	arena_init(&a, NULL);
 	text_init(&line, &a);
-	text_printf(&line, value ? "--%s \"%s\"" : "--%s", scene_word(key), value);
+	put_scene_line(key, value, &line);
 	bad = add_scene(command, o, line.failed ? NULL : text_string(&line), line.length);
-	arena_free(&a);
-	return bad;
-}
-
-static int take_scene_line(const char *command, struct rneagen_options *o, enum scene_key key, const char *value)
-{
-	struct arena a;
-	struct text escaped;
-	int bad;
-
-	if (!value)
-		return take_escaped(command, o, key, NULL);
-	arena_init(&a, NULL);
-	text_init(&escaped, &a);
-	for (const char *s = value; *s; s++) {
-		if (*s == '"' || *s == '\\' || *s == '\n')
-			text_putc(&escaped, '\\');
-		text_putc(&escaped, *s == '\n' ? 'n' : *s);
-	}
-	bad = escaped.failed ? add_scene(command, o, NULL, 0) : take_escaped(command, o, key, text_string(&escaped));
 	arena_free(&a);
 	return bad;
 }
@@ -235,7 +232,7 @@ static const char *join_plain(char *line)
 }
 
 /* A line of a file of rotor inertias becomes a line of the scene; what stands after a # at its beginning is a comment. */
-static int take_armature_line(const char *command, struct rneagen_options *o, const char *path, int number, char *line)
+static int put_armature_line(const char *command, const char *path, int number, char *line, struct text *t)
 {
 	char *end = line + strlen(line);
 	int is_quoted;
@@ -250,7 +247,9 @@ static int take_armature_line(const char *command, struct rneagen_options *o, co
 	pair = is_quoted ? join_quoted(line) : join_plain(line);
 	if (!pair)
 		return option_refuse(command, "%s: line %d: '%s' is not JOINT NUMBER", path, number, line);
-	return is_quoted ? take_escaped(command, o, SCENE_ARMATURE, pair) : take_scene_line(command, o, SCENE_ARMATURE, pair);
+	text_put(t, t->length ? "\n" : "");
+	(is_quoted ? put_escaped : put_scene_line)(SCENE_ARMATURE, pair, t);
+	return 0;
 }
 
 /* A file of rotor inertias, one joint on a line. */
@@ -258,17 +257,24 @@ static int take_armature(const char *command, struct rneagen_options *o, const c
 {
 	struct file_content f = {0};
 	int bad, number = 0;
+	struct arena a;
+	struct text lines;
 	char *next;
 
 	if (!option_file(OPTION_SCENE + SCENE_ARMATURE, path))
 		return take_scene_line(command, o, SCENE_ARMATURE, path);
 	bad = read_text(command, path, &f);
+	arena_init(&a, NULL);
+	text_init(&lines, &a);
 	for (char *line = f.bytes; line && !bad; line = next) {
 		next = strchr(line, '\n');
 		if (next)
 			*next++ = '\0';
-		bad = take_armature_line(command, o, path, ++number, line);
+		bad = put_armature_line(command, path, ++number, line, &lines);
 	}
+	if (!bad && (lines.failed || lines.length))
+		bad = add_scene(command, o, lines.failed ? NULL : text_string(&lines), lines.length);
+	arena_free(&a);
 	free(f.bytes);
 	return bad;
 }

@@ -48,10 +48,25 @@ static void copy_value(struct text *t, const char *s)
 			text_putc(t, *s);
 }
 
+/* What urdfdom reads, of whatever element: it looks through all attributes of an element at each new one. */
+static int is_read(const char *attribute)
+{
+	static const char *const known[] = {"name", "version", "type", "link", "joint", "xyz", "rpy", "value", "ixx", "ixy", "ixz", "iyy",
+		"iyz", "izz", "effort", "velocity", "lower", "upper", "damping", "friction", "multiplier", "offset", "soft_lower_limit",
+		"soft_upper_limit", "k_position", "k_velocity", "reference_position", "rising", "falling"};
+
+	for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+		if (!strcmp(attribute, known[i]))
+			return 1;
+	return 0;
+}
+
 static void copy_tag(struct text *t, const char *element, const char *const *attributes)
 {
 	text_printf(t, "<%s", element);
 	for (; *attributes; attributes += 2) {
+		if (!is_read(attributes[0]))
+			continue;
 		text_printf(t, " %s=\"", attributes[0]);
 		copy_value(t, attributes[1]);
 		text_put(t, "\"");

@@ -181,17 +181,19 @@ static const char *unquoted(const struct reader *r, enum scene_key key, const ch
 
 static enum rneagen_code read_line(struct reader *r, const char *line, size_t length)
 {
-	const char *word = trimmed(r->a, line, length), *value;
+	size_t blanks = strspn(line, BLANKS);
+	const char *word, *value;
 	int key, is_option;
 
 	r->line++;
+	if (blanks >= length || line[blanks] == '#')
+		return RNEAGEN_OK;
+	word = trimmed(r->a, line, length);
 	if (!word)
 		return error_memory(r->e);
 	is_option = !strncmp(word, "--", 2);
 	r->options += is_option;
 	r->told = is_option ? 0 : r->line - r->options;
-	if (!*word || *word == '#')
-		return RNEAGEN_OK;
 	word += is_option ? 2 : 0;
 	length = strcspn(word, BLANKS);
 	key = find_key(word, length);
@@ -336,9 +338,13 @@ enum rneagen_code scene_expand(struct scene *s, const struct robot *r, struct ar
 {
 	size_t most = (size_t)s->line_count;
 
-	for (int i = 0; i < s->line_count; i++)
+	for (int i = 0; i < s->line_count; i++) {
 		for (const char *at = s->lines[i].name; *at; at++)
 			most += *at == ',';
+		if (most > LIMIT_CHOICES)
+			return scene_refuse(s, &s->lines[i], e, "a scene holds at most %d choices, of a list each name, and this is one more",
+				LIMIT_CHOICES);
+	}
 	s->count = 0;
 	s->choices = arena_alloc(a, most, sizeof *s->choices);
 	if (!s->choices)

@@ -287,11 +287,25 @@ static enum rneagen_code set_friction(const struct resolver *x, const struct sce
 
 /* ---- all of it ---- */
 
+/* At most: q, qd and qdd, and what the scene adds; a product takes its vector. */
+static int array_count(const struct task *k)
+{
+	return 3 + k->freed_count + k->push_count + task_wants(k, WANT_JVP) + task_wants(k, WANT_VJP) + k->want_count;
+}
+
+static enum rneagen_code check_arrays(const struct resolver *x)
+{
+	if (array_count(x->k) <= ARRAY_LIMIT)
+		return RNEAGEN_OK;
+	return error_set(x->e, RNEAGEN_LIMIT, "%s: the scene makes more than %d arrays, which is all that a kernel takes", x->s->file,
+		ARRAY_LIMIT);
+}
+
 static enum rneagen_code each(const struct resolver *x, enum scene_key key,
 	enum rneagen_code (*resolve)(const struct resolver *x, const struct scene_choice *c))
 {
 	for (const struct scene_choice *c = NULL; (c = scene_next(x->s, key, c));)
-		if (resolve(x, c))
+		if (resolve(x, c) || check_arrays(x))
 			return x->e->code;
 	return RNEAGEN_OK;
 }
@@ -326,12 +340,6 @@ static int has_choice(const struct scene *s)
 	return 0;
 }
 
-/* At most: q, qd and qdd, and what the scene adds; a product takes its vector. */
-static int array_count(const struct task *k)
-{
-	return 3 + k->freed_count + k->push_count + task_wants(k, WANT_JVP) + task_wants(k, WANT_VJP) + k->want_count;
-}
-
 enum rneagen_code task_resolve(struct tree *t, const struct robot *r, struct arena *a, struct rneagen_error *e)
 {
 	struct resolver x = {t, &t->task, &t->scene, r, a, e};
@@ -353,8 +361,7 @@ enum rneagen_code task_resolve(struct tree *t, const struct robot *r, struct are
 		set_dynamics(&x, x.k->damping, 0);
 	if (!x.k->want_count)
 		x.k->wants[x.k->want_count++] = (struct want){.kind = WANT_TAU, .word = "tau", .argument = "tau", .rows = t->nv};
-	if (array_count(x.k) > ARRAY_LIMIT)
-		return error_set(e, RNEAGEN_LIMIT, "%s: the scene makes more than %d arrays, which is all that a kernel takes", x.s->file,
-			ARRAY_LIMIT);
+	if (check_arrays(&x))
+		return e->code;
 	return a->failed ? error_memory(e) : RNEAGEN_OK;
 }
