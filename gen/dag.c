@@ -118,9 +118,9 @@ void dag_init(struct dag *d, struct arena *a)
 
 void dag_limit(struct dag *d, size_t nodes)
 {
-	struct node *room = arena_take(d->arena, nodes, sizeof *room);
+	struct node *room = d->failed || d->count > nodes ? NULL : arena_take(d->arena, nodes, sizeof *room);
 
-	if (!room || d->count > nodes) {
+	if (!room) {
 		d->failed = 1;
 		return;
 	}
