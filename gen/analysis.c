@@ -6,21 +6,23 @@
 int analysis_dag(struct dag *d, const struct tree *t, int strict, struct arena *a)
 {
 	struct dag raw;
+	int good;
 
 	dag_init(&raw, a);
 	ALGORITHMS[PASS_RNEA].build(&raw, t);
+	dag_close(&raw);
 	dag_init(d, a);
 	dag_fuse(d, &raw, strict);
-	return !raw.failed && !d->failed;
+	good = !raw.failed && !d->failed;
+	dag_free(&raw);
+	return good;
 }
 
-long analysis_flops(const struct dag *d, const struct tree *t, struct arena *a)
+long analysis_flops(const struct dag *d)
 {
-	struct plan p;
+	const struct plan p = {.dag = d}; /* without lines: sines and cosines are not counted */
 
-	if (!plan_build(&p, d, t, a))
-		return -1;
-	return (long)plan_flops(plan_operations(&p));
+	return d->failed ? -1 : (long)plan_flops(plan_operations(&p));
 }
 
 enum rneagen_code analysis_open(struct analysis *a, const char *urdf, size_t length, const struct rneagen_options *o,

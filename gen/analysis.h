@@ -22,8 +22,8 @@ enum rneagen_code analysis_open(struct analysis *a, const char *urdf, size_t len
 /* The DAG of a tree's torques, fused. Returns 0 when memory runs out. */
 int analysis_dag(struct dag *d, const struct tree *t, int strict, struct arena *a);
 
-/* What a fused DAG costs, an FMA for two; -1 when memory runs out. */
-long analysis_flops(const struct dag *d, const struct tree *t, struct arena *a);
+/* What a fused DAG costs, an FMA for two; -1 where it has failed. */
+long analysis_flops(const struct dag *d);
 
 void analysis_free(struct analysis *a);
 

@@ -78,7 +78,7 @@ static int table_grow(struct dag *d)
 
 struct ref dag_find(const struct dag *d, enum op op, struct ref a, struct ref b, struct ref c, real value)
 {
-	uint32_t found = d->failed ? 0 : d->table[table_slot(d, op, a, b, c, value)];
+	uint32_t found = d->failed || !d->table ? 0 : d->table[table_slot(d, op, a, b, c, value)];
 
 	return (struct ref){found ? found - 1 : 0};
 }
@@ -88,6 +88,7 @@ struct ref dag_node(struct dag *d, enum op op, struct ref a, struct ref b, struc
 	struct node *nodes;
 	size_t slot;
 
+	d->failed |= !d->table;
 	if (d->failed)
 		return NONE;
 	slot = table_slot(d, op, a, b, c, value);
@@ -128,6 +129,12 @@ void dag_limit(struct dag *d, size_t nodes)
 	arena_release(d->arena, d->nodes);
 	d->nodes = room;
 	d->limit = d->capacity = nodes;
+}
+
+void dag_close(struct dag *d)
+{
+	arena_release(d->arena, d->table);
+	d->table = NULL;
 }
 
 void dag_free(struct dag *d)

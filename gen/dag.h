@@ -76,6 +76,9 @@ void dag_init(struct dag *d, struct arena *a);
 /* Make room for so many nodes in all; one more makes it fail. */
 void dag_limit(struct dag *d, size_t nodes);
 
+/* Give back what only more nodes would need: from now on it can be read and fused, and one more makes it fail. */
+void dag_close(struct dag *d);
+
 /* Give back what it has taken, and leave it empty; dag_init begins it again. */
 void dag_free(struct dag *d);
 

@@ -25,7 +25,7 @@ struct measuring {
 
 static enum rneagen_code count(struct way *w, const struct measuring *m)
 {
-	w->flops = analysis_flops(w->dag, &w->tree, m->a);
+	w->flops = analysis_flops(w->dag);
 	return w->flops < 0 ? error_memory(m->e) : RNEAGEN_OK;
 }
 

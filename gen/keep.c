@@ -38,7 +38,7 @@ static long cost(const struct keeping *k)
 
 	arena_init(&spare, &k->a->allocator);
 	if (!tree_build_adjusted(&t, k->r, k->o, &k->adjust, &spare, k->e) && analysis_dag(&d, &t, k->o->strict, &spare))
-		flops = analysis_flops(&d, &t, &spare);
+		flops = analysis_flops(&d);
 	if (flops < 0)
 		error_memory(k->e);
 	arena_free(&spare);

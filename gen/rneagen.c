@@ -80,6 +80,7 @@ static enum rneagen_code make_pass(struct generation *g, int i, struct dag *raw)
 
 	p->algorithm = &ALGORITHMS[i];
 	p->algorithm->build(raw, &g->tree);
+	dag_close(raw);
 	dag_init(&p->dag, a);
 	dag_fuse(&p->dag, raw, g->options.strict);
 	if (!plan_build(&p->plan, &p->dag, &g->tree, a))

@@ -287,6 +287,10 @@ START_TEST(too_many_nodes_fail)
 	ck_assert(d.failed && !d.nodes && !d.count);
 	dag_init(&d, &arena);
 	ck_assert(!d.failed && ref_equal(dag_const(&d, 0), (struct ref){0}));
+	dag_close(&d);
+	ck_assert(!d.failed && d.count == 1 && !dag_find(&d, OP_INPUT, x, x, x, 0).i);
+	dag_const(&d, 0);
+	ck_assert(d.failed);
 }
 END_TEST
 
