@@ -35,7 +35,7 @@ static void close(void)
 
 static const char *number(real value, enum rneagen_precision precision)
 {
-	static struct number_text written[EMIT_WRITTEN];
+	static struct written_number written[EMIT_WRITTEN];
 	static char buffer[64], again[64];
 	struct emission e = {.options = &options, .arena = &arena, .error = &error};
 	struct text t = {.arena = &arena, .s = buffer, .capacity = sizeof buffer};
