@@ -51,23 +51,23 @@ struct d3_mat d3_about(struct d3_vec axis, wide s, wide c)
 	return r;
 }
 
-static void sincos_snapped(double angle, wide *s, wide *c)
+static void sincos_snapped(wide angle, wide *s, wide *c)
 {
 	static const int sines[4] = {0, 1, 0, -1};
-	wide right = WIDE_PI / 2, k = wide_round((wide)angle / right);
+	wide right = WIDE_PI / 2, k = wide_round(angle / right);
 
-	if (wide_abs(k) < WIDE_C(1e15) && wide_abs((wide)angle - k * right) <= WIDE_C(5e-15)) {
+	if (wide_abs(k) < WIDE_C(1e15) && wide_abs(angle - k * right) <= WIDE_C(5e-15)) {
 		unsigned quarter = (unsigned)(long long)k & 3;
 
 		*s = sines[quarter];
 		*c = sines[(quarter + 1) & 3];
 	} else {
-		*s = wide_sin((wide)angle);
-		*c = wide_cos((wide)angle);
+		*s = wide_sin(angle);
+		*c = wide_cos(angle);
 	}
 }
 
-struct d3_mat d3_rpy(const double rpy[3])
+struct d3_mat d3_rpy(const wide rpy[3])
 {
 	wide s[3], c[3];
 

@@ -32,7 +32,7 @@ struct d3_mat d3_cross(struct d3_vec v);
 struct d3_mat d3_about(struct d3_vec axis, wide s, wide c);
 
 // Rz(yaw) Ry(pitch) Rx(roll); an angle within 5e-15 of a multiple of pi/2 is that multiple.
-struct d3_mat d3_rpy(const double rpy[3]);
+struct d3_mat d3_rpy(const wide rpy[3]);
 
 // Rotation of a quaternion x y z w, as written, not normalised.
 struct d3_mat d3_quaternion(const wide q[4]);

@@ -25,6 +25,7 @@ struct reference_options {
 	bool floating;		// the root link floats: its 7 numbers lead q, its 6 lead v
 	bool independent;	// joints with <mimic> are ordinary joints
 	const double *gravity;	// 3 numbers in the root link's frame (the world, when floating); NULL: 0 0 -9.81
+	bool decimals;		// numbers as the file's decimals in the extended type; else as the doubles nearest to them
 	const char *order;	// names, with commas, of every joint with an entry in q; NULL: depth first
 };
 

@@ -49,13 +49,13 @@ static struct link_pose shift(wide x, wide y, wide z)
 }
 
 // Fixed axes: roll about x first, then pitch about y, then yaw about z.
-static struct link_pose origin(const double *xyz, const double *rpy)
+static struct link_pose origin(const wide *xyz, const wide *rpy)
 {
 	static const wide axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-	struct link_pose t = shift((wide)xyz[0], (wide)xyz[1], (wide)xyz[2]);
+	struct link_pose t = shift(xyz[0], xyz[1], xyz[2]);
 
 	for (int i = 2; i >= 0; i--)
-		t = compose(t, turn(axes[i], (wide)rpy[i]));
+		t = compose(t, turn(axes[i], rpy[i]));
 	return t;
 }
 
@@ -99,9 +99,9 @@ static struct link_pose planar(const wide *n, const wide *q)
 	return compose(shift(slide.m[0][3], slide.m[1][3], slide.m[2][3]), turn(n, q[2]));
 }
 
-static struct link_pose joint_pose(const struct reference_joint *j, const double *axis, const wide *q)
+static struct link_pose joint_pose(const struct reference_joint *j, const wide *axis, const wide *q)
 {
-	wide n[3] = {(wide)axis[0], (wide)axis[1], (wide)axis[2]}, size = length(n);
+	wide n[3] = {axis[0], axis[1], axis[2]}, size = length(n);
 
 	for (int i = 0; i < 3 && size > 0; i++)
 		n[i] /= size;
@@ -131,7 +131,7 @@ static wide follow(const struct oracle *o, int entry, const wide *q)
 		return q[o->r->joints[entry].iq];
 	while (strcmp(o->r->joints[i].name, raw->mimic))
 		i++;
-	return (wide)raw->multiplier * follow(o, i, q) + (wide)raw->offset;
+	return raw->multiplier * follow(o, i, q) + raw->offset;
 }
 
 void oracle_poses(const struct oracle *o, const wide *q, struct link_pose *out)
@@ -221,12 +221,12 @@ static const struct raw_link *find_link(const struct oracle *o, const char *name
 // sum over the mass of (r, 1)(r, 1)^T: in the inertial's own axes the second moments are tr(I)/2 - I.
 static struct link_pose pseudo_inertia(const struct raw_link *l)
 {
-	const double *in = l->inertia;
-	wide half = ((wide)in[0] + (wide)in[3] + (wide)in[5]) / 2;
-	wide xy = -(wide)in[1], xz = -(wide)in[2], yz = -(wide)in[4];
+	const wide *in = l->inertia;
+	wide half = (in[0] + in[3] + in[5]) / 2;
+	wide xy = -in[1], xz = -in[2], yz = -in[4];
 	struct link_pose at = origin(l->xyz, l->rpy), transposed;
-	struct link_pose j = {{{half - (wide)in[0], xy, xz, 0}, {xy, half - (wide)in[3], yz, 0},
-	                  {xz, yz, half - (wide)in[5], 0}, {0, 0, 0, (wide)l->mass}}};
+	struct link_pose j = {{{half - in[0], xy, xz, 0}, {xy, half - in[3], yz, 0},
+	                  {xz, yz, half - in[5], 0}, {0, 0, 0, l->mass}}};
 
 	for (int i = 0; i < 16; i++)
 		transposed.m[i % 4][i / 4] = at.m[i / 4][i % 4];
@@ -277,7 +277,7 @@ struct oracle oracle_open(const struct reference *r, const char *urdf, size_t le
 	struct oracle o = {.r = r};
 	char message[256];
 
-	if (!raw_read(&o.raw, urdf, length_of_text, message, sizeof message))
+	if (!raw_read(&o.raw, urdf, length_of_text, false, message, sizeof message))
 		abort();
 	o.source = raw_memory(NULL, (size_t)r->nj, sizeof *o.source);
 	for (int i = 1; i < r->nj; i++)

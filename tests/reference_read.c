@@ -16,7 +16,7 @@ struct reader {
 	char section[NAME_SIZE], part[NAME_SIZE];	// the open elements at depths 1 and 2
 	char *message;
 	size_t size;
-	bool failed;
+	bool decimals, failed;
 };
 
 void *raw_memory(void *old, size_t count, size_t size)
@@ -59,14 +59,14 @@ static char *needed(struct reader *x, const char **attributes, const char *key)
 	return raw_copy(value ? value : "");
 }
 
-static void numbers(struct reader *x, const char **attributes, const char *key, int n, double *out)
+static void numbers(struct reader *x, const char **attributes, const char *key, int n, wide *out)
 {
 	const char *s = attribute(attributes, key);
 
 	for (int i = 0; s && i < n; i++) {
 		char *end;
 
-		out[i] = strtod(s, &end);
+		out[i] = x->decimals ? wide_read(s, &end) : (wide)strtod(s, &end);
 		if (end == s)
 			fail(x, "not a number", key);
 		s = end;
@@ -191,9 +191,9 @@ static void check_complete(struct reader *x)
 			fail(x, "joint without parent or child", x->raw->joints[i].name);
 }
 
-bool raw_read(struct raw_robot *raw, const char *urdf, size_t length, char *message, size_t size)
+bool raw_read(struct raw_robot *raw, const char *urdf, size_t length, bool decimals, char *message, size_t size)
 {
-	struct reader x = {.raw = raw, .message = message, .size = size};
+	struct reader x = {.raw = raw, .decimals = decimals, .message = message, .size = size};
 	locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0), old = uselocale(c);
 
 	*raw = (struct raw_robot){0};

@@ -4,19 +4,21 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-// What a URDF says, element by element: numbers are the doubles nearest the text, absent elements their defaults.
+#include "wide.h"
+
+// What a URDF says, element by element: absent elements are their defaults.
 struct raw_link {
 	char *name;
-	double mass, xyz[3], rpy[3];
-	double inertia[6];	// xx xy xz yy yz zz
+	wide mass, xyz[3], rpy[3];
+	wide inertia[6];	// xx xy xz yy yz zz
 };
 
 struct raw_joint {
 	char *name, *type, *parent, *child;
-	double xyz[3], rpy[3], axis[3];
-	double lower, upper;
+	wide xyz[3], rpy[3], axis[3];
+	wide lower, upper;
 	char *mimic;		// the joint followed, or NULL
-	double multiplier, offset, damping, friction;
+	wide multiplier, offset, damping, friction;
 };
 
 struct raw_robot {
@@ -25,9 +27,10 @@ struct raw_robot {
 	int nlinks, njoints;
 };
 
-// False, with a text in message[size], where the XML is not well formed or a needed attribute is missing. Needs
+// Numbers are the doubles nearest to the text's or, with `decimals`, rounded to the reference's own type and to no other on
+// the way. False, with a text in message[size], where the XML is not well formed or a needed attribute is missing. Needs
 // raw_free either way.
-bool raw_read(struct raw_robot *raw, const char *urdf, size_t length, char *message, size_t size);
+bool raw_read(struct raw_robot *raw, const char *urdf, size_t length, bool decimals, char *message, size_t size);
 void raw_free(struct raw_robot *raw);
 
 // realloc and strdup that abort without memory: a test has nothing better to do.

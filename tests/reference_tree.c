@@ -154,12 +154,12 @@ static bool set_axis(struct builder *b, const struct raw_joint *raw, struct refe
 	wide largest = 0, sum = 0;
 
 	for (int i = 0; i < 3; i++)
-		if (wide_abs((wide)raw->axis[i]) > largest)
-			largest = wide_abs((wide)raw->axis[i]);
+		if (wide_abs(raw->axis[i]) > largest)
+			largest = wide_abs(raw->axis[i]);
 	if (!(largest > 0))
 		return refuse(b, "joint %s: no axis", raw->name);
 	for (int i = 0; i < 3; i++) {
-		l->axis.x[i] = (wide)raw->axis[i] / largest;
+		l->axis.x[i] = raw->axis[i] / largest;
 		sum += l->axis.x[i] * l->axis.x[i];
 	}
 	for (int i = 0; i < 3; i++)
@@ -168,20 +168,19 @@ static bool set_axis(struct builder *b, const struct raw_joint *raw, struct refe
 	return true;
 }
 
-static struct d3_vec point(const double x[3])
+static struct d3_vec point(const wide x[3])
 {
-	return (struct d3_vec){{(wide)x[0], (wide)x[1], (wide)x[2]}};
+	return (struct d3_vec){{x[0], x[1], x[2]}};
 }
 
 static void set_inertia(const struct raw_link *raw, struct reference_link *l)
 {
-	const double *i = raw->inertia;
+	const wide *i = raw->inertia;
 	struct d3_mat r = d3_rpy(raw->rpy);
-	struct d3_mat ic = {{{(wide)i[0], (wide)i[1], (wide)i[2]}, {(wide)i[1], (wide)i[3], (wide)i[4]},
-	                     {(wide)i[2], (wide)i[4], (wide)i[5]}}};
+	struct d3_mat ic = {{{i[0], i[1], i[2]}, {i[1], i[3], i[4]}, {i[2], i[4], i[5]}}};
 
 	ic = d3_mul(r, d3_mul(ic, d3_transpose(r)));
-	l->inertia = d6_inertia((wide)raw->mass, point(raw->xyz), ic);
+	l->inertia = d6_inertia(raw->mass, point(raw->xyz), ic);
 }
 
 static bool set_entry(struct builder *b, int i, bool floating)
@@ -201,8 +200,8 @@ static bool set_entry(struct builder *b, int i, bool floating)
 	if (type < 0)
 		return refuse(b, "joint %s: unknown type %s", raw->name, raw->type);
 	j->type = (enum reference_type)type;
-	j->lower = raw->lower;
-	j->upper = raw->upper;
+	j->lower = (double)raw->lower;
+	j->upper = (double)raw->upper;
 	l->tree = d6_transform(d3_rpy(raw->rpy), point(raw->xyz));
 	return type == REFERENCE_FIXED || type == REFERENCE_FLOATING || set_axis(b, raw, l);
 }
@@ -224,8 +223,8 @@ static bool set_mimic(struct builder *b, int i)
 		if (!raw->mimic)
 			break;
 		j->driver = find_joint(b->r, raw->mimic);
-		j->offset += j->multiplier * (wide)raw->offset;
-		j->multiplier *= (wide)raw->multiplier;
+		j->offset += j->multiplier * raw->offset;
+		j->multiplier *= raw->multiplier;
 		if (j->driver < 0 || !one_axis(&b->r->joints[j->driver]) || ++steps > b->r->nj)
 			return refuse(b, "joint %s: mimic leads to no movable joint", j->name);
 	}
@@ -329,7 +328,7 @@ struct reference *reference_open(const char *urdf, size_t length, const struct r
 {
 	static const struct reference_options defaults = {0};
 	struct raw_robot raw;
-	bool good = raw_read(&raw, urdf, length, message, size);
+	bool good = raw_read(&raw, urdf, length, o && o->decimals, message, size);
 	struct reference *r = raw_memory(NULL, 1, sizeof *r);
 	struct builder b = {.raw = &raw, .r = r, .message = message, .size = size};
 

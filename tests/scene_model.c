@@ -188,22 +188,22 @@ static const char *const AXES[] = {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
 
 static void put_link(FILE *f, const struct raw_link *l)
 {
-	fprintf(f, "<link name='%s'><inertial><origin xyz='%.17g %.17g %.17g' rpy='%.17g %.17g %.17g'/><mass value='%.17g'/><inertia",
+	fprintf(f, "<link name='%s'><inertial><origin xyz='%.17Lg %.17Lg %.17Lg' rpy='%.17Lg %.17Lg %.17Lg'/><mass value='%.17Lg'/><inertia",
 		l->name, l->xyz[0], l->xyz[1], l->xyz[2], l->rpy[0], l->rpy[1], l->rpy[2], l->mass);
 	for (int i = 0; i < 6; i++)
-		fprintf(f, " %s='%.17g'", AXES[i], l->inertia[i]);
+		fprintf(f, " %s='%.17Lg'", AXES[i], l->inertia[i]);
 	fprintf(f, "/></inertial></link>\n");
 }
 
 static void put_joint(FILE *f, const struct raw_joint *j)
 {
 	fprintf(f, "<joint name='%s' type='%s'><parent link='%s'/><child link='%s'/>"
-		   "<origin xyz='%.17g %.17g %.17g' rpy='%.17g %.17g %.17g'/><axis xyz='%.17g %.17g %.17g'/>"
-		   "<limit effort='1' velocity='1' lower='%.17g' upper='%.17g'/>",
+		   "<origin xyz='%.17Lg %.17Lg %.17Lg' rpy='%.17Lg %.17Lg %.17Lg'/><axis xyz='%.17Lg %.17Lg %.17Lg'/>"
+		   "<limit effort='1' velocity='1' lower='%.17Lg' upper='%.17Lg'/>",
 		j->name, j->type, j->parent, j->child, j->xyz[0], j->xyz[1], j->xyz[2], j->rpy[0], j->rpy[1], j->rpy[2], j->axis[0],
 		j->axis[1], j->axis[2], j->lower, j->upper);
 	if (j->mimic)
-		fprintf(f, "<mimic joint='%s' multiplier='%.17g' offset='%.17g'/>", j->mimic, j->multiplier, j->offset);
+		fprintf(f, "<mimic joint='%s' multiplier='%.17Lg' offset='%.17Lg'/>", j->mimic, j->multiplier, j->offset);
 	fprintf(f, "</joint>\n");
 }
 
@@ -259,7 +259,7 @@ char *scene_urdf(const char *urdf, const char *root, const char *const *gone, in
 	size_t length;
 	FILE *f;
 
-	ck_assert_msg(raw_read(&raw, urdf, strlen(urdf), message, sizeof message), "%s", message);
+	ck_assert_msg(raw_read(&raw, urdf, strlen(urdf), false, message, sizeof message), "%s", message);
 	ck_assert(raw.nlinks <= ROWS);
 	for (int i = 0; i < raw.nlinks; i++)
 		links[i] = !strcmp(raw.links[i].name, root);

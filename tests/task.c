@@ -260,10 +260,10 @@ void case_free_mass(struct task_case *c, int entry, int nominal)
 	while (strcmp(l->name, c->r->joints[entry].link))
 		l++;
 	x->value[0] = nominal ? (double)(float)l->mass : (double)draw(c, 0, 5);
-	s = (wide)x->value[0] - (wide)l->mass;
+	s = (wide)x->value[0] - l->mass;
 	reference_inertia(c->r, entry, p);
 	for (int i = 0; i < 3; i++)
-		r[i] = (wide)l->xyz[i];
+		r[i] = l->xyz[i];
 	p[0] += s;
 	for (int i = 0, k = 4; i < 3; i++) {
 		p[1 + i] += s * r[i];

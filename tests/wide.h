@@ -1,7 +1,8 @@
 #ifndef TESTS_WIDE_H
 #define TESTS_WIDE_H
 
-// The scalar type of the reference: long double, or __float128 with -DREFERENCE_QUAD (then link quadmath).
+// The scalar type of the reference, and its functions: long double, or __float128 with -DREFERENCE_QUAD (then link
+// quadmath).
 #ifdef REFERENCE_QUAD
 #include <quadmath.h>
 
@@ -12,8 +13,10 @@ typedef __float128 wide;
 #define wide_sqrt sqrtq
 #define wide_abs fabsq
 #define wide_round rintq
+#define wide_read strtoflt128
 #else
 #include <math.h>
+#include <stdlib.h>
 
 typedef long double wide;
 #define WIDE_C(x) x##L
@@ -22,6 +25,7 @@ typedef long double wide;
 #define wide_sqrt sqrtl
 #define wide_abs fabsl
 #define wide_round rintl
+#define wide_read strtold
 #endif
 
 #define WIDE_PI WIDE_C(3.14159265358979323846264338327950288)

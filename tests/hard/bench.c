@@ -224,7 +224,7 @@ static void bench_open(struct bench *b, const struct hard_case *c)
 	b->trial = trial_new(b->nq, b->nv);
 	b->ratios = numbers(c->samples, sizeof *b->ratios);
 	b->quad = quad_open(
-		b->hard.urdf, b->hard.length, c->floating, 0, b->hard.options.gravity, NULL, message, sizeof message);
+		b->hard.urdf, b->hard.length, c->floating, 0, QUAD_DECIMALS, b->hard.options.gravity, NULL, message, sizeof message);
 	if (!b->quad)
 		abort();
 	round_constants(b);

@@ -39,7 +39,8 @@ void compiled_open(struct compiled *x, const struct hard_case *c, const struct r
 	x->nq = x->hard.model.tree.nq;
 	x->nv = x->hard.model.tree.nv;
 	target_open(&x->target, x->hard.urdf, x->hard.length, &o, compiler, stem);
-	x->quad = quad_open(x->hard.urdf, x->hard.length, c->floating, 0, o.gravity, NULL, message, sizeof message);
+	x->quad = quad_open(
+		x->hard.urdf, x->hard.length, c->floating, 0, QUAD_DECIMALS, o.gravity, NULL, message, sizeof message);
 	ck_assert_msg(x->quad != NULL, "%s: %s", c->name, message);
 	open_arrays(x);
 }

@@ -10,11 +10,12 @@ struct quad {
 	wide *out;
 };
 
-VISIBLE struct quad *quad_open(const char *urdf, size_t length, int floating, int independent, const double gravity[3],
-	const char *order, char *message, size_t size)
+VISIBLE struct quad *quad_open(const char *urdf, size_t length, int floating, int independent, enum quad_numbers numbers,
+	const double gravity[3], const char *order, char *message, size_t size)
 {
 	struct reference_options o = {
-		.floating = floating, .independent = independent, .gravity = gravity, .order = order};
+		.floating = floating, .independent = independent, .decimals = numbers == QUAD_DECIMALS, .gravity = gravity,
+		.order = order};
 	struct quad *x = calloc(1, sizeof *x);
 
 	if (!x)
@@ -40,6 +41,18 @@ VISIBLE void quad_close(struct quad *x)
 VISIBLE void quad_rnea(struct quad *x, const double *q, const double *qd, const double *qdd, __float128 *tau)
 {
 	reference_rnea(x->reference, q, qd, qdd, tau);
+}
+
+VISIBLE void quad_rnea_wide(
+	struct quad *x, const __float128 *q, const __float128 *qd, const __float128 *qdd, __float128 *tau)
+{
+	reference_rnea_wide(x->reference, q, qd, qdd, tau);
+}
+
+VISIBLE void quad_set_gravity(struct quad *x, const __float128 gravity[3])
+{
+	for (int i = 0; i < 3; i++)
+		x->reference->gravity[i] = gravity[i];
 }
 
 VISIBLE void quad_magnitude(struct quad *x, const double *q, const double *qd, const double *qdd, double *size)

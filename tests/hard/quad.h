@@ -6,13 +6,19 @@
 
 struct quad;
 
-/* NULL and a text in message[size] where the robot is refused. `order` may be NULL. */
-struct quad *quad_open(const char *urdf, size_t length, int floating, int independent, const double gravity[3],
-	const char *order, char *message, size_t size);
+/* NULL and a text in message[size] where the robot is refused. Its numbers are the URDF's decimals, in quad precision too, or
+   the doubles nearest to them. `order` may be NULL. */
+enum quad_numbers { QUAD_DECIMALS, QUAD_DOUBLES };
+struct quad *quad_open(const char *urdf, size_t length, int floating, int independent, enum quad_numbers numbers,
+	const double gravity[3], const char *order, char *message, size_t size);
 void quad_close(struct quad *x);
+
+/* Another gravity from here on, m/s^2. */
+void quad_set_gravity(struct quad *x, const __float128 gravity[3]);
 
 /* tau = ID(q, qd, qdd), the inputs as they are. */
 void quad_rnea(struct quad *x, const double *q, const double *qd, const double *qdd, __float128 *tau);
+void quad_rnea_wide(struct quad *x, const __float128 *q, const __float128 *qd, const __float128 *qdd, __float128 *tau);
 
 /* Its derivatives, [nv][nv], a row for each torque, by central differences: by q, a floating joint's by a twist in its own
    frame, by qd, and by qdd, the mass matrix. */

@@ -64,7 +64,7 @@ static void fixture_open(struct fixture *x, const char *path, const char *name, 
 	o.base = floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	*x = (struct fixture){.what = name, .rng = rng_seed(SEED)};
 	model_open(&x->model, urdf, length, &o, name);
-	x->quad = quad_open(urdf, length, floating, 0, o.gravity, NULL, message, sizeof message);
+	x->quad = quad_open(urdf, length, floating, 0, QUAD_DECIMALS, o.gravity, NULL, message, sizeof message);
 	ck_assert_msg(x->quad != NULL, "%s: %s", name, message);
 	free(urdf);
 	nq = x->model.tree.nq;

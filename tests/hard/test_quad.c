@@ -63,7 +63,7 @@ static void compare_robot(const char *urdf, int floating, int samples, uint64_t 
 	struct rng rng = rng_seed(seed);
 	char message[256];
 	struct reference *r = reference_open(urdf, strlen(urdf), &o, message, sizeof message);
-	struct quad *x = quad_open(urdf, strlen(urdf), floating, 0, gravity, NULL, message, sizeof message);
+	struct quad *x = quad_open(urdf, strlen(urdf), floating, 0, QUAD_DOUBLES, gravity, NULL, message, sizeof message);
 
 	ck_assert_msg(r && x, "%s: %s", what, message);
 	for (int i = 0; i < samples; i++)

@@ -78,7 +78,8 @@ int varied_open(struct varied *x, const char *urdf, const struct rneagen_options
 		return 0;
 	}
 	x->table = scene_reference(urdf, &o);
-	x->quad = quad_open(urdf, strlen(urdf), o.base == RNEAGEN_FLOATING, 0, o.gravity, NULL, message, sizeof message);
+	x->quad = quad_open(
+		urdf, strlen(urdf), o.base == RNEAGEN_FLOATING, 0, QUAD_DECIMALS, o.gravity, NULL, message, sizeof message);
 	ck_assert_msg(x->quad != NULL, "%s: %s", what, message);
 	open_rows(x);
 	return 1;
