@@ -13,8 +13,12 @@ static const real RIGHT = 1.57079632679489661923132169163975144L;
 static enum rneagen_code read_number(double *value, const struct scene *s, enum scene_key key, struct rneagen_error *e)
 {
 	const struct scene_choice *c = scene_next(s, key, NULL);
+	struct within read;
 
-	return c ? scene_numbers(s, c, value, 1, e) : RNEAGEN_OK;
+	if (!c || scene_numbers(s, c, &read, 1, e))
+		return e->code;
+	*value = (double)read.x;
+	return RNEAGEN_OK;
 }
 
 enum rneagen_code adjust_read(struct adjust *x, const struct scene *s, struct rneagen_error *e)
@@ -45,15 +49,16 @@ int adjust_is_asked(const struct adjust *x)
 
 /* ---- angles ---- */
 
-double adjust_off(double angle)
+double adjust_off(struct within angle)
 {
-	real quarter = RIGHT * roundl((real)angle / RIGHT), off = fabsl((real)angle - quarter), s, c;
+	real quarter = RIGHT * roundl(angle.x / RIGHT), off = fabsl(angle.x - quarter);
+	struct within s, c;
 
-	angle_sincos((real)angle, &s, &c);
-	return s == 0 || c == 0 ? 0 : (double)off;
+	angle_sincos(angle, &s, &c);
+	return s.x == 0 || c.x == 0 ? 0 : (double)off;
 }
 
-double adjust_off_rpy(const double rpy[3], double tolerance)
+double adjust_off_rpy(const struct within rpy[3], double tolerance)
 {
 	double largest = 0;
 
@@ -66,11 +71,11 @@ double adjust_off_rpy(const double rpy[3], double tolerance)
 	return largest;
 }
 
-static void snap(double rpy[3], double tolerance)
+static void snap(struct within rpy[3], double tolerance)
 {
 	for (int i = 0; i < 3; i++)
 		if (adjust_off(rpy[i]) <= tolerance)
-			rpy[i] = (double)(RIGHT * roundl((real)rpy[i] / RIGHT));
+			rpy[i] = within_exact((real)(double)(RIGHT * roundl(rpy[i].x / RIGHT)));
 }
 
 struct robot adjust_snap(const struct robot *r, double tolerance, struct arena *a)
@@ -93,14 +98,16 @@ struct robot adjust_snap(const struct robot *r, double tolerance, struct arena *
 
 /* ---- digits ---- */
 
-/* The locale, whatever it is, is the same on the way out and on the way back. */
-static void round_each(real *x, int count, int digits)
+/* The locale, whatever it is, is the same on the way out and on the way back. What is rounded is what is meant. */
+static void round_each(struct within *x, int count, int digits)
 {
 	char text[64];
+	real rounded;
 
 	for (int i = 0; i < count; i++) {
-		snprintf(text, sizeof text, "%.*Le", digits - 1, x[i]);
-		x[i] = strtold(text, NULL);
+		snprintf(text, sizeof text, "%.*Le", digits - 1, x[i].x);
+		rounded = strtold(text, NULL);
+		x[i] = rounded == roundl(rounded) ? within_exact(rounded) : within_decimal(rounded, rounded);
 	}
 }
 

@@ -73,12 +73,12 @@ static enum rneagen_code fill_joint(int index, const struct outline *o, const st
 	struct joint *j = &r->joints[index];
 	struct link *child;
 
+	*j = from->joint;
 	j->name = from->id.name;
 	j->type = from->type;
 	j->parent = find_link(o, from, "parent", from->parent, p);
 	j->child = find_link(o, from, "child", from->child, p);
 	j->driver = find_driver(o, from, p);
-	memcpy(j->rpy, from->rpy, sizeof j->rpy);
 	if (p->error->code)
 		return p->error->code;
 	child = &r->links[j->child];
@@ -141,9 +141,9 @@ enum rneagen_code assemble_robot(struct outline *o, const struct report *p)
 	if (!r->links || !r->joints)
 		return error_memory(p->error);
 	for (int i = 0; i < r->link_count; i++) {
+		r->links[i] = o->links[i].link;
 		r->links[i].name = o->links[i].id.name;
 		r->links[i].parent_joint = -1;
-		memcpy(r->links[i].com_rpy, o->links[i].com_rpy, sizeof r->links[i].com_rpy);
 	}
 	for (int i = 0; i < r->joint_count; i++)
 		if (fill_joint(i, o, p))

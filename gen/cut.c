@@ -19,11 +19,11 @@ struct cutting {
 static void find_leader(const struct robot *r, int joint, enum rneagen_mimic mimic, struct cut_joint *c)
 {
 	c->leader = joint;
-	c->multiplier = 1;
+	c->multiplier = within_exact(1);
 	for (const struct joint *j = &r->joints[joint]; j->driver >= 0 && mimic == RNEAGEN_MIMIC_HONOUR;
 		j = &r->joints[c->leader]) {
-		c->offset += c->multiplier * (real)j->offset;
-		c->multiplier *= (real)j->multiplier;
+		c->offset = within_add(c->offset, within_mul(c->multiplier, j->offset));
+		c->multiplier = within_mul(c->multiplier, j->multiplier);
 		c->leader = j->driver;
 	}
 }
@@ -93,16 +93,14 @@ static enum rneagen_code check_holdable(const struct cutting *k, const struct sc
 static enum rneagen_code read_value(const struct cutting *k, const struct scene_choice *c, int joint)
 {
 	enum joint_type type = k->r->joints[joint].type;
-	double value[CUT_VALUES], norm;
-	real *q = k->c->joints[joint].value;
+	struct within *q = k->c->joints[joint].value;
+	double norm;
 
-	if (scene_numbers(k->s, c, value, joint_nq(type), k->e))
+	if (scene_numbers(k->s, c, q, joint_nq(type), k->e))
 		return k->e->code;
-	for (int i = 0; i < joint_nq(type); i++)
-		q[i] = (real)value[i];
 	if (type != JOINT_FLOATING)
 		return RNEAGEN_OK;
-	norm = sqrt(value[3] * value[3] + value[4] * value[4] + value[5] * value[5] + value[6] * value[6]);
+	norm = (double)sqrtl(q[3].x * q[3].x + q[4].x * q[4].x + q[5].x * q[5].x + q[6].x * q[6].x);
 	if (fabs(norm - 1) > 1e-6)
 		return scene_refuse(k->s, c, k->e, "the quaternion of joint '%s', numbers 4 to 7, is %.9g long, not 1",
 			c->name, norm);
@@ -178,7 +176,7 @@ static void decide(const struct cutting *k, int joint)
 	if (c == leader)
 		return;
 	c->why = "mimic";
-	c->value[0] = c->multiplier * leader->value[0] + c->offset;
+	c->value[0] = within_add(within_mul(c->multiplier, leader->value[0]), c->offset);
 }
 
 static enum rneagen_code cut_all(struct cutting *k)
@@ -208,7 +206,7 @@ enum rneagen_code cut_make(struct cut *c, const struct scene *s, const struct ro
 		return error_memory(e);
 	for (int j = 0; j < r->joint_count; j++) {
 		if (r->joints[j].type == JOINT_FLOATING)
-			c->joints[j].value[6] = 1;
+			c->joints[j].value[6] = within_exact(1);
 		find_leader(r, j, o->mimic, &c->joints[j]);
 	}
 	return cut_all(&k);
@@ -230,5 +228,5 @@ enum rneagen_code cut_check(const struct cut *c, const struct scene *s, const st
 
 int cut_beyond(const struct joint *j, const struct cut_joint *held)
 {
-	return j->has_limits && (held->value[0] < (real)j->lower || held->value[0] > (real)j->upper);
+	return j->has_limits && (held->value[0].x < (real)j->lower || held->value[0].x > (real)j->upper);
 }

@@ -14,10 +14,10 @@ enum cut_state { CUT_MOVES, CUT_HELD, CUT_GONE };
 /* Of a joint of the robot; fixed joints move in this sense. */
 struct cut_joint {
 	enum cut_state state;
-	const char *why;         /* held: the scene's word for it, or "mimic" where the joint that it follows is held */
-	real value[CUT_VALUES];  /* held: its q */
-	int leader;              /* the joint whose q moves it: itself, or the end of a chain of <mimic> that is honoured */
-	real multiplier, offset; /* q = multiplier q_leader + offset */
+	const char *why;                  /* held: the scene's word for it, or "mimic" where the joint that it follows is held */
+	struct within value[CUT_VALUES];  /* held: its q */
+	int leader;                       /* the joint whose q moves it: itself, or the end of a chain of <mimic> that is honoured */
+	struct within multiplier, offset; /* q = multiplier q_leader + offset */
 };
 
 struct cut {

@@ -39,18 +39,38 @@ static uint64_t hash_node(enum op op, struct ref a, struct ref b, struct ref c, 
 	return op == OP_CONST ? mix(h, hash_value(value)) : h;
 }
 
-static int node_is(const struct node *n, enum op op, struct ref a, struct ref b, struct ref c, real value)
+struct within dag_number(const struct dag *d, const struct node *n)
 {
-	return n->op == op && n->arg[0].i == a.i && n->arg[1].i == b.i && n->arg[2].i == c.i &&
-	       (op != OP_CONST || n->value == value);
+	return n->number ? d->numbers[n->number - 1] : within_exact(n->value);
+}
+
+/* What a node is told by. */
+struct key {
+	enum op op;
+	struct ref a, b, c;
+	real value;		     /* CONST */
+	const struct within *number; /* NULL: exactly the value */
+};
+
+static int number_is(const struct dag *d, const struct node *n, const struct key *k)
+{
+	if (!n->number && !k->number)
+		return 1;
+	return within_meets(dag_number(d, n), k->number ? *k->number : within_exact(k->value));
+}
+
+static int node_is(const struct dag *d, const struct node *n, const struct key *k)
+{
+	return n->op == k->op && n->arg[0].i == k->a.i && n->arg[1].i == k->b.i && n->arg[2].i == k->c.i &&
+	       (k->op != OP_CONST || (n->value == k->value && number_is(d, n, k)));
 }
 
 /* The place in the table where the node is or would be. */
-static size_t table_slot(const struct dag *d, enum op op, struct ref a, struct ref b, struct ref c, real value)
+static size_t table_slot(const struct dag *d, const struct key *k)
 {
-	size_t mask = d->table_size - 1, slot = (size_t)hash_node(op, a, b, c, value) & mask;
+	size_t mask = d->table_size - 1, slot = (size_t)hash_node(k->op, k->a, k->b, k->c, k->value) & mask;
 
-	while (d->table[slot] && !node_is(&d->nodes[d->table[slot] - 1], op, a, b, c, value))
+	while (d->table[slot] && !node_is(d, &d->nodes[d->table[slot] - 1], k))
 		slot = (slot + 1) & mask;
 	return slot;
 }
@@ -78,12 +98,14 @@ static int table_grow(struct dag *d)
 
 struct ref dag_find(const struct dag *d, enum op op, struct ref a, struct ref b, struct ref c, real value)
 {
-	uint32_t found = d->failed || !d->table ? 0 : d->table[table_slot(d, op, a, b, c, value)];
+	const struct key k = {op, a, b, c, value, NULL};
+	uint32_t found = d->failed || !d->table ? 0 : d->table[table_slot(d, &k)];
 
 	return (struct ref){found ? found - 1 : 0};
 }
 
-struct ref dag_node(struct dag *d, enum op op, struct ref a, struct ref b, struct ref c, real value)
+/* Look the node up or add it. */
+static struct ref node_of(struct dag *d, const struct key *k)
 {
 	struct node *nodes;
 	size_t slot;
@@ -91,7 +113,7 @@ struct ref dag_node(struct dag *d, enum op op, struct ref a, struct ref b, struc
 	d->failed |= !d->table;
 	if (d->failed)
 		return NONE;
-	slot = table_slot(d, op, a, b, c, value);
+	slot = table_slot(d, k);
 	if (d->table[slot])
 		return (struct ref){d->table[slot] - 1};
 	nodes = d->count < (d->limit ? d->limit : UINT32_MAX - 1)
@@ -102,11 +124,57 @@ struct ref dag_node(struct dag *d, enum op op, struct ref a, struct ref b, struc
 		return NONE;
 	}
 	d->nodes = nodes;
-	d->nodes[d->count] = (struct node){.op = op, .arg = {a, b, c}, .value = value};
+	d->nodes[d->count] = (struct node){.op = k->op, .arg = {k->a, k->b, k->c}, .value = k->value};
 	d->table[slot] = (uint32_t)++d->count;
 	if (d->count > d->table_size / 2 && !table_grow(d))
 		d->failed = 1;
 	return (struct ref){(uint32_t)d->count - 1};
+}
+
+struct ref dag_node(struct dag *d, enum op op, struct ref a, struct ref b, struct ref c, real value)
+{
+	const struct key k = {op, a, b, c, value, NULL};
+
+	return node_of(d, &k);
+}
+
+static void set_number(struct dag *d, struct node *n, struct within c)
+{
+	struct within *numbers = d->numbers;
+
+	if (!n->number) {
+		numbers = arena_grow(d->arena, d->numbers, d->number_count, &d->number_capacity, sizeof *numbers);
+		if (!numbers) {
+			d->failed = 1;
+			return;
+		}
+		n->number = (uint32_t)++d->number_count;
+	}
+	d->numbers = numbers;
+	numbers[n->number - 1] = c;
+}
+
+struct ref dag_const(struct dag *d, real value)
+{
+	struct ref r = dag_node(d, OP_CONST, NONE, NONE, NONE, value + 0);
+
+	if (!d->failed && d->nodes[r.i].number)
+		set_number(d, &d->nodes[r.i], within_exact(value));
+	return r;
+}
+
+struct ref dag_within(struct dag *d, struct within c)
+{
+	const struct key k = {OP_CONST, NONE, NONE, NONE, c.x + 0, &c};
+	size_t count = d->count;
+	struct ref r;
+
+	if (c.x == 0 || (c.near == c.x && c.e == 0))
+		return dag_const(d, c.x);
+	r = node_of(d, &k);
+	if (!d->failed && (d->count > count || c.e < dag_number(d, &d->nodes[r.i]).e))
+		set_number(d, &d->nodes[r.i], c);
+	return r;
 }
 
 void dag_init(struct dag *d, struct arena *a)
@@ -143,6 +211,7 @@ void dag_free(struct dag *d)
 	arena_release(d->arena, d->table);
 	arena_release(d->arena, d->outputs);
 	arena_release(d->arena, d->sections);
+	arena_release(d->arena, d->numbers);
 	*d = (struct dag){.failed = 1};
 }
 

@@ -2,7 +2,8 @@
 #define RNEAGEN_DAG_H
 /* The scalar expression DAG. Nodes stand in one array, operands before users, so that every pass is one loop.
    Constructors fold, order operands and look up before they add: folding and sharing cannot be forgotten.
-   x*0 is 0: inputs are taken to be finite there. Sums are never re-associated. */
+   x*0 is 0: inputs are taken to be finite there. Sums are never re-associated. Constants that have the same value, and may be
+   the same number, are: the one that is known better. */
 
 #include "arena.h"
 #include "ops.h"
@@ -27,6 +28,7 @@ struct node {
 	struct ref arg[3]; /* INPUT: arg[0].i is the argument, arg[1].i the row */
 	real value;        /* CONST */
 	struct tag tag;
+	uint32_t number;   /* CONST: which of the DAG's numbers it is, counted from 1; 0: exactly the value */
 };
 
 enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END, SECTION_FREED, SECTION_TOTALS, SECTION_BIAS, SECTION_GRAVITY,
@@ -61,6 +63,8 @@ struct dag {
 	size_t count, capacity;
 	uint32_t *table; /* hash table of node indices, 0 = empty */
 	size_t table_size;
+	struct within *numbers; /* of constants that are not exactly their value */
+	size_t number_count, number_capacity;
 	struct argument arguments[DAG_ARGUMENTS];
 	int argument_count;
 	struct output *outputs;
@@ -90,6 +94,8 @@ int dag_argument_of(struct dag *d, struct argument a);
 int dag_find_argument(const struct dag *d, const char *name);
 
 struct ref dag_const(struct dag *d, real value);
+/* What is taken for zero is exactly that. */
+struct ref dag_within(struct dag *d, struct within c);
 struct ref dag_input(struct dag *d, int argument, int row);
 struct ref dag_neg(struct dag *d, struct ref a);
 struct ref dag_add(struct dag *d, struct ref a, struct ref b);
@@ -111,6 +117,9 @@ void dag_output(struct dag *d, int argument, int row, struct ref value);
    to each sum, so that no sum has a product for an operand. */
 void dag_fuse(struct dag *out, const struct dag *d, int every);
 
+/* The number that a constant stands for. */
+struct within dag_number(const struct dag *d, const struct node *n);
+
 /* What stands in `out` for node i of another DAG; node 0 where nothing does. */
 typedef struct ref dag_copier(void *context, struct dag *out, size_t i);
 
@@ -123,7 +132,7 @@ void dag_uses(const struct dag *d, uint32_t *uses);
 
 void dag_dump(const struct dag *d, struct text *t);
 
-/* For simplify.c: look the node up or add it, without any rule. */
+/* For simplify.c: look the node up or add it, without any rule. The value is a constant's. */
 struct ref dag_node(struct dag *d, enum op op, struct ref a, struct ref b, struct ref c, real value);
 /* The node if it is there already, else node 0. */
 struct ref dag_find(const struct dag *d, enum op op, struct ref a, struct ref b, struct ref c, real value);

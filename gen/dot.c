@@ -35,14 +35,14 @@ static void put_axis(struct text *out, const struct body *k)
 {
 	text_put(out, k->type == JOINT_PLANAR ? "\\nnormal" : "\\naxis");
 	for (int i = 0; i < 3; i++)
-		text_printf(out, " %.6Lg", k->sign * k->frame.m[i][k->axis] + 0); /* -0 + 0 = 0 */
+		text_printf(out, " %.6Lg", k->sign * k->frame.m[i][k->axis].x + 0); /* -0 + 0 = 0 */
 }
 
 static void put_world(const struct tree *t, struct text *out)
 {
 	text_put(out, "\tworld [peripheries=2, label=\"");
 	put_label(out, t->root);
-	text_printf(out, "\\nbase, fixed to the world\\n%.6Lg kg\"];\n", t->fixed.mass);
+	text_printf(out, "\\nbase, fixed to the world\\n%.6Lg kg\"];\n", t->fixed.mass.x);
 }
 
 static void put_node(const struct body *k, struct text *out)
@@ -56,16 +56,16 @@ static void put_node(const struct body *k, struct text *out)
 		text_put(out, ", floating base\\n");
 		put_rows(out, k);
 	}
-	text_printf(out, "\\n%.6Lg kg\"];\n", k->inertia.mass);
+	text_printf(out, "\\n%.6Lg kg\"];\n", k->inertia.mass.x);
 }
 
 /* q = multiplier q_driver + offset */
 static void put_mimic(const struct tree_mimic *m, const struct body *k, struct text *out)
 {
-	text_printf(out, ", mimic %.9Lg ", m->multiplier);
+	text_printf(out, ", mimic %.9Lg ", m->multiplier.x);
 	put_rows(out, k);
-	if (m->offset != 0)
-		text_printf(out, " %c %.9Lg", m->offset < 0 ? '-' : '+', m->offset < 0 ? -m->offset : m->offset);
+	if (m->offset.x != 0)
+		text_printf(out, " %c %.9Lg", m->offset.x < 0 ? '-' : '+', m->offset.x < 0 ? -m->offset.x : m->offset.x);
 }
 
 static const struct tree_mimic *find_mimic(const struct tree *t, const struct body *k)

@@ -20,7 +20,7 @@ static struct ref copy(void *context, struct dag *out, size_t i)
 	}
 	switch (n->op) {
 	case OP_CONST:
-		return dag_const(out, n->value);
+		return dag_within(out, dag_number(p->d, n));
 	case OP_INPUT:
 		return dag_input(out, (int)n->arg[0].i, (int)n->arg[1].i);
 	case OP_NEG:

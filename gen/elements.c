@@ -66,7 +66,7 @@ static enum place start_link(struct walk *w, const char *const *attributes)
 	o->links = links;
 	links += o->link_count++;
 	*links = (struct outline_link){.id = id_here(w)};
-	w->rpy = links->com_rpy;
+	w->numbers = (char *)&links->link;
 	return LINK;
 }
 
@@ -93,7 +93,7 @@ static enum place start_joint(struct walk *w, const char *const *attributes)
 	joints += o->joint_count++;
 	*joints = (struct outline_joint){.id = id_here(w)};
 	joints->type = read_type(w, values_attribute(attributes, "type"));
-	w->rpy = joints->rpy;
+	w->numbers = (char *)&joints->joint;
 	return JOINT;
 }
 

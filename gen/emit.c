@@ -125,8 +125,8 @@ static const char *small_limit(const struct emission *e)
 	struct text t;
 
 	for (int k = 0; k < e->tree->body_count; k++)
-		if (fabsl(e->tree->bodies[k].multiplier) > most)
-			most = fabsl(e->tree->bodies[k].multiplier);
+		if (fabsl(e->tree->bodies[k].multiplier.x) > most)
+			most = fabsl(e->tree->bodies[k].multiplier.x);
 	text_init(&t, e->arena);
 	emit_number(e, e->memory, (real)e->arithmetic->domain * (most > 1 ? 0.999L / most : 1), &t); /* less the product's rounding */
 	return text_string(&t);

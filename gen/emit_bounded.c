@@ -1,4 +1,5 @@
-/* NAME_rnea_bounded: torques, or what else is wanted, and, by a running error analysis beside them, how far each may be from the exact one. */
+/* NAME_rnea_bounded: torques, or what else is wanted, and, by a running error analysis beside them, how far each may be from
+   what the URDF's decimals give. */
 #include "emit.h"
 #include "template.h"
 #include <math.h>
@@ -15,16 +16,16 @@ static void put_call(const struct emission *e, const char *name, struct text *ou
 	text_printf(out, "rneagen_within%s_%s(", e->arithmetic->suffix, name);
 }
 
-/* What the type takes from the constant, and what its making in extended precision may have; not less when rounded. */
-static void put_constant(const struct emission *e, real value, struct text *out)
+/* What the type takes from the constant, and how far that is from what the file's decimals give; not less when rounded. */
+static void put_constant(const struct emission *e, struct within c, struct text *out)
 {
 	int f32 = e->arithmetic->bytes == 4;
-	real rounded = f32 ? (real)(float)value : (real)(double)value, lost = fabsl(value - rounded);
+	real rounded = f32 ? (real)(float)c.x : (real)(double)c.x, lost = fabsl(rounded - c.x) + (real)within_error(c);
 
 	if (lost > 0)
-		lost = lost * (1 + 1e-6L) + 0x1p-60L * fabsl(value) + (f32 ? 0x1p-148L : 0x1p-1072L);
+		lost = lost * (1 + 1e-6L) + (f32 ? 0x1p-148L : 0x1p-1072L);
 	put_call(e, "const", out);
-	emit_number(e, e->arithmetic, value, out);
+	emit_number(e, e->arithmetic, c.x, out);
 	text_put(out, ", ");
 	emit_number(e, e->arithmetic, lost, out);
 	text_putc(out, ')');
@@ -35,7 +36,7 @@ static void put_expression(const struct emission *e, const struct plan *p, struc
 	const struct node *n = &p->dag->nodes[a.i];
 
 	if (n->op == OP_CONST) {
-		put_constant(e, n->value, out);
+		put_constant(e, dag_number(p->dag, n), out);
 		return;
 	}
 	if (!emit_operation[n->op]) { /* inputs, sines and cosines have names */

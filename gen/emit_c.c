@@ -82,12 +82,15 @@ static void put_slice_prototypes(const struct emission *e, struct text *out)
 			e->options->name, e->passes[i].algorithm->name);
 }
 
-/* What a bound covers, and where there is none. */
+/* What exact means, what a bound covers, and where there is none. */
 #define BOUNDED_DOC                                                                                                    \
-	"   exact arithmetic at these very inputs: rounding of constants and operations, sine and cosine, underflow, and the\n"    \
-	"   bound's own rounding are in it (running error analysis: Higham, Accuracy and Stability of Numerical Algorithms, 2nd\n" \
-	"   ed., SIAM 2002, section 3.3). Infinite where a value may overflow or an angle is beyond the domain of the\n"           \
-	"   trigonometry; NaN where the torque depends on an input that is not finite. bound must not overlap the others."
+	"   Exact is what the command above makes of the URDF's decimals, and of its own, in exact arithmetic at these very\n"     \
+	"   inputs; where an angle within 5e-15 rad of a multiple of pi/2 is that, and constants that are zero, or equal, but for\n" \
+	"   the rounding of the file's numbers are zero, or equal. Rounding of the file's numbers, of constants and operations,\n" \
+	"   sine and cosine, underflow, and the bound's own rounding are in it (running error analysis: Higham, Accuracy and\n"    \
+	"   Stability of Numerical Algorithms, 2nd ed., SIAM 2002, section 3.3). Infinite where a value may overflow or an angle\n" \
+	"   is beyond the domain of the trigonometry; NaN where the torque depends on an input that is not finite. bound must\n"   \
+	"   not overlap the others."
 
 static void put_bounded_prototype(const struct emission *e, struct text *out)
 {
@@ -95,10 +98,9 @@ static void put_bounded_prototype(const struct emission *e, struct text *out)
 	int torques = e->tree->task.want_count == 1 && e->tree->task.wants[0].kind <= WANT_BIAS;
 
 	put_prototype(e, PASS_RNEA, "_bounded", more, torques ?
-		"The same torques, to the bit, and for each a bound[i] of |tau[i] - exact|, where exact is what the URDF's model gives in\n"
-		BOUNDED_DOC :
-		"The same outputs, to the bit, and for each number x of them, one output after the other, a bound[i] of |x - exact|, where\n"
-		"   exact is what the URDF's model gives in\n" BOUNDED_DOC, out);
+		"The same torques, to the bit, and for each a bound[i] of |tau[i] - exact|.\n" BOUNDED_DOC :
+		"The same outputs, to the bit, and for each number x of them, one output after the other, a bound[i] of |x - exact|.\n"
+		BOUNDED_DOC, out);
 }
 
 /* For a text that is one operation alone. */

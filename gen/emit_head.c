@@ -110,9 +110,9 @@ static void put_joints(const struct emission *e, struct text *out)
 
 		text_put(out, " *   \"");
 		text_put_comment(out, m->name);
-		text_printf(out, "\" = %.9Lg \"", m->multiplier);
+		text_printf(out, "\" = %.9Lg \"", m->multiplier.x);
 		text_put_comment(out, m->driver);
-		text_printf(out, "\" + %.9Lg\n", m->offset);
+		text_printf(out, "\" + %.9Lg\n", m->offset.x);
 	}
 }
 
@@ -192,7 +192,7 @@ static void put_task(const struct emission *e, struct text *out)
 static void put_gravity(const struct emission *e, struct text *out)
 {
 	const struct task *k = &e->tree->task;
-	const real *g = e->tree->gravity;
+	const struct within *g = e->tree->gravity;
 
 	for (int i = 0; i < k->freed_count; i++)
 		if (k->freed[i].kind == FREED_GRAVITY) {
@@ -200,7 +200,7 @@ static void put_gravity(const struct emission *e, struct text *out)
 			return;
 		}
 	for (int i = 0; i < 3; i++)
-		text_printf(out, "%s%s", i ? ", " : "Gravity (", number_plain((double)g[i]).s);
+		text_printf(out, "%s%s", i ? ", " : "Gravity (", number_plain((double)g[i].x).s);
 	text_putc(out, ')');
 }
 

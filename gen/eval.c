@@ -249,14 +249,14 @@ static void survey_free(struct survey *x)
 	free(x->spread);
 }
 
-/* What rounding a constant takes from it, and what its own making in extended precision may have. */
-static double constant_error(const struct node *n, real rounded, double tiny)
+/* What rounding takes from a constant, and how far that is from what the file's decimals give. */
+static double constant_error(const struct dag *d, const struct node *n, real rounded, double tiny)
 {
-	double error = (double)fabsl(rounded - n->value);
+	double error = within_error(dag_number(d, n));
 
-	if (n->op != OP_CONST || rounded == n->value)
+	if (n->op != OP_CONST || (rounded == n->value && error == 0))
 		return 0;
-	return error + 0x1p-60 * (double)fabsl(n->value) + 2 * tiny;
+	return (double)fabsl(rounded - n->value) * (1 + DBL_EPSILON) + error + 2 * tiny;
 }
 
 #define T float
@@ -339,10 +339,10 @@ static void evaluate_node(const struct dag *d, size_t i, const double *const *in
 }
 
 /* How far what the text reads is from what was meant: constants and, where arithmetic has fewer bits than memory, inputs. */
-static double given_error(const struct node *n, double value, const struct eval_model *m)
+static double given_error(const struct dag *d, const struct node *n, double value, const struct eval_model *m)
 {
 	if (n->op == OP_CONST)
-		return constant_error(n, m->constant(n->value), m->tiny);
+		return constant_error(d, n, m->constant(n->value), m->tiny);
 	return n->op == OP_INPUT && m->input > 0 ? m->input * fabs(value) + m->tiny : 0;
 }
 
@@ -356,7 +356,7 @@ int eval_bound(const struct dag *d, const struct eval_model *m, const double *co
 	for (size_t i = 0; done && i < d->count; i++) {
 		evaluate_node(d, i, in, v);
 		x.values[i] = (double)v[i];
-		survey_node(&x, i, given_error(&d->nodes[i], x.values[i], m), &wide);
+		survey_node(&x, i, given_error(d, &d->nodes[i], x.values[i], m), &wide);
 	}
 	if (done)
 		put_bounds(&x, m, bound);

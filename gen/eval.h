@@ -11,8 +11,8 @@
 /* Per output, in the order of dag->outputs. Either pointer may be NULL. */
 struct eval_terms {
 	double *size;  /* the sum of the magnitudes of all products that make the value */
-	double *bound; /* |computed - exact| is at most this, whether products joined to sums are rounded once or twice:
-			  constants' rounding, sine and cosine and underflow included; INFINITY after an overflow */
+	double *bound; /* |computed - exact| is at most this, exact as for eval_bound, whether products joined to sums are
+			  rounded once or twice: the rounding of the file's decimals and of constants, sine and cosine and underflow included; INFINITY after an overflow */
 };
 
 /* Evaluate one sample: in[k] points at the rows of argument k (NULL for outputs), out[k] at those of an output (NULL for
@@ -22,8 +22,10 @@ int eval_f64(const struct dag *d, const double *const *in, double *const *out, c
 int eval_real(const struct dag *d, const real *const *in, real *const *out, const struct eval_terms *terms);
 
 /* For one sample, a bound of what any text that computes `d` in arithmetic `m` is off, whichever way its compiler joins
-   products to sums: |tau_i - exact_i| <= bound[k][i], where argument k is the output. Exact is what the URDF's constants
-   give at these very inputs. INFINITY where the text may overflow, or an input is not finite or an angle beyond what the
+   products to sums: |tau_i - exact_i| <= bound[k][i], where argument k is the output. Exact is what the decimals of the URDF
+   and of the scene give in exact arithmetic at these very inputs, after these replacements: an angle within 5e-15 rad of a
+   multiple of pi/2 is that; constants that are zero, or equal, but for the rounding of the file's numbers are so; and what the
+   scene changes (snap-angle, round-constants, drop-below) is as it leaves it. INFINITY where the text may overflow, or an input is not finite or an angle beyond what the
    model knows. Evaluated in extended precision, or in double where there is none: the bound then is up to five times
    larger in f64. Returns 0 when memory runs out. */
 int eval_bound(const struct dag *d, const struct eval_model *m, const double *const *in, double *const *bound);

@@ -6,34 +6,35 @@
    h' = R h + m p,  I' = R I R^T + 2 (p . R h) 1 - R h p^T - p (R h)^T + m (p . p 1 - p p^T). */
 static struct inertia unit_inertia(const struct placement *X, int r)
 {
-	struct inertia out = {.mass = r == 0};
-	real u[3] = {0}; /* R h, or m p / 2 */
+	struct inertia out = {.mass = within_exact(r == 0)};
+	struct within u[3] = {0}; /* R h, or m p / 2 */
 
 	for (int i = 0; i < 3; i++) {
-		u[i] = r == 0 ? X->p[i] / 2 : r < 4 ? X->R.m[i][r - 1] : 0;
+		if (r < 4)
+			u[i] = r == 0 ? within_mul(within_exact(0.5L), X->p[i]) : X->R.m[i][r - 1];
 		out.h[i] = r == 0 ? X->p[i] : u[i];
 	}
 	for (int i = 0; i < 3; i++)
 		for (int j = i; j < 3; j++) {
 			struct sum s = {0};
 
-			sum_add(&s, -u[i] * X->p[j]);
-			sum_add(&s, -X->p[i] * u[j]);
+			sum_add(&s, within_neg(within_mul(u[i], X->p[j])));
+			sum_add(&s, within_neg(within_mul(X->p[i], u[j])));
 			for (int k = 0; k < 3 && i == j; k++)
-				sum_add(&s, 2 * u[k] * X->p[k]);
+				sum_add(&s, within_mul(within_exact(2), within_mul(u[k], X->p[k])));
 			for (int k = 0; k < 3 && r >= 4; k++)
 				for (int l = 0; l < 3; l++)
 					if (inertia_index(k < l ? k : l, k < l ? l : k) == r - 4)
-						sum_add(&s, X->R.m[i][k] * X->R.m[j][l]);
-			out.I[inertia_index(i, j)] = sum_real(s);
+						sum_add(&s, within_mul(X->R.m[i][k], X->R.m[j][l]));
+			out.I[inertia_index(i, j)] = sum_total(s);
 		}
 	return out;
 }
 
 /* A link's inertia about its own origin, with another mass; where the URDF says nothing, a mass there is a point. */
-static struct inertia own_inertia(const struct link *l, const struct placement *X, double mass, int has_inertia)
+static struct inertia own_inertia(const struct link *l, const struct placement *X, struct within mass, int has_inertia)
 {
-	static const double none[6] = {0};
+	static const struct within none[6] = {0};
 	struct inertia_sum s = {0};
 
 	inertia_add(&s, X, mass, l->com, l->com_rpy, has_inertia ? l->inertia : none);
@@ -42,14 +43,16 @@ static struct inertia own_inertia(const struct link *l, const struct placement *
 
 static void set_nominal(struct freed *f, const struct inertia *I)
 {
-	f->nominal[0] = I->mass;
-	memcpy(f->nominal + 1, I->h, sizeof I->h);
-	memcpy(f->nominal + 4, I->I, sizeof I->I);
+	f->nominal[0] = I->mass.x;
+	for (int i = 0; i < 3; i++)
+		f->nominal[1 + i] = I->h[i].x;
+	for (int i = 0; i < 6; i++)
+		f->nominal[4 + i] = I->I[i].x;
 }
 
 static enum rneagen_code free_link(const struct resolver *x, const struct scene_choice *c, struct freed *f)
 {
-	static const struct placement here = {.R = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
+	const struct placement here = {.R = ROTATION_IDENTITY};
 	int link = task_find_link(x, c, strchr(c->name, '.') + 1);
 	const struct carried *at = &x->t->links[link < 0 ? 0 : link];
 	struct inertia I;
@@ -62,9 +65,9 @@ static enum rneagen_code free_link(const struct resolver *x, const struct scene_
 	if (!f->columns)
 		return error_memory(x->e);
 	if (f->kind == FREED_MASS) {
-		f->columns[0] = own_inertia(&x->r->links[link], &at->X, 1, 0);
-		f->rest = own_inertia(&x->r->links[link], &at->X, 0, 1);
-		f->nominal[0] = x->r->links[link].mass;
+		f->columns[0] = own_inertia(&x->r->links[link], &at->X, within_exact(1), 0);
+		f->rest = own_inertia(&x->r->links[link], &at->X, within_exact(0), 1);
+		f->nominal[0] = x->r->links[link].mass.x;
 		return RNEAGEN_OK;
 	}
 	for (int r = 0; r < FREED_ROWS; r++)
@@ -117,7 +120,8 @@ enum rneagen_code task_free(const struct resolver *x, const struct scene_choice 
 	f.per_batch = c->value ? !strcmp(c->value, "batch") : f.kind != FREED_PAYLOAD;
 	if (f.kind == FREED_GRAVITY) {
 		f.rows = 3;
-		memcpy(f.nominal, x->t->gravity, sizeof x->t->gravity);
+		for (int i = 0; i < 3; i++)
+			f.nominal[i] = x->t->gravity[i].x;
 	} else if (f.kind == FREED_OFFSET) {
 		free_offset(x, c, &f);
 	} else {

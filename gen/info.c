@@ -7,10 +7,10 @@
 
 static real total_mass(const struct tree *t)
 {
-	real mass = t->fixed.mass;
+	real mass = t->fixed.mass.x;
 
 	for (int k = 0; k < t->body_count; k++)
-		mass += t->bodies[k].inertia.mass;
+		mass += t->bodies[k].inertia.mass.x;
 	return mass;
 }
 
@@ -26,7 +26,7 @@ static void put_body(const struct tree *t, const struct body *k, struct text *ou
 		text_printf(out, "%4d..%-3d", k->iq, k->iq + joint_nq(k->type) - 1);
 	else
 		text_printf(out, "%9d", k->iq);
-	text_printf(out, " %12.6Lg  ", k->inertia.mass);
+	text_printf(out, " %12.6Lg  ", k->inertia.mass.x);
 	text_put(out, *k->joint ? k->joint : "(base)");
 	text_put(out, " -> ");
 	text_put(out, k->link);
@@ -50,17 +50,17 @@ void info_table(const struct emission *e, struct text *out)
 	const struct tree *t = e->tree;
 
 	text_printf(out, "robot %s (functions %s_...): nq %d, nv %d, %d moving bodies, %.6Lg kg, %.6Lg kg of it fixed to the world\n",
-		t->robot, e->options->name, t->nq, t->nv, t->body_count, total_mass(t), t->fixed.mass);
+		t->robot, e->options->name, t->nq, t->nv, t->body_count, total_mass(t), t->fixed.mass.x);
 	text_put(out, "gravity ");
 	for (int i = 0; i < 3; i++)
-		text_printf(out, "%s ", number_plain((double)t->gravity[i]).s);
+		text_printf(out, "%s ", number_plain((double)t->gravity[i].x).s);
 	text_printf(out, "in the frame of root link %s\n\n", t->root);
 	text_put(out, " link parent  type       row in q         mass  joint -> link\n");
 	for (int k = 0; k < t->body_count; k++)
 		put_body(t, &t->bodies[k], out);
 	for (int i = 0; i < t->mimic_count; i++)
 		text_printf(out, "%s%s = %.9Lg * %s + %.9Lg\n", i ? "  " : "\nmimic\n  ", t->mimics[i].name,
-			t->mimics[i].multiplier, t->mimics[i].driver, t->mimics[i].offset);
+			t->mimics[i].multiplier.x, t->mimics[i].driver, t->mimics[i].offset.x);
 	scene_put_table(t, out);
 	saving_put_table(t, out);
 	effect_put_table(t, &e->passes[PASS_RNEA].dag, out);
@@ -89,8 +89,8 @@ static void put_json_joints(const struct tree *t, struct text *out)
 		text_put_json(out, m->name);
 		text_put(out, ", \"driver\": ");
 		text_put_json(out, m->driver);
-		text_printf(out, ", \"multiplier\": %s, \"offset\": %s}", number_plain((double)m->multiplier).s,
-			number_plain((double)m->offset).s);
+		text_printf(out, ", \"multiplier\": %s, \"offset\": %s}", number_plain((double)m->multiplier.x).s,
+			number_plain((double)m->offset.x).s);
 	}
 	text_put(out, t->mimic_count ? "\n  ],\n" : "],\n");
 }

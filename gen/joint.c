@@ -9,7 +9,7 @@ static struct svec zero3(void)
 
 static int turns(const struct body *k)
 {
-	return k->type == JOINT_REVOLUTE || k->type == JOINT_CONTINUOUS || k->type == JOINT_PLANAR || k->turn != 0;
+	return k->type == JOINT_REVOLUTE || k->type == JOINT_CONTINUOUS || k->type == JOINT_PLANAR || k->turn.x != 0;
 }
 
 struct ref source_row(struct dag *d, const struct source *s, int row)
@@ -17,7 +17,7 @@ struct ref source_row(struct dag *d, const struct source *s, int row)
 	const struct ref zero = {0};
 
 	if (s->given && s->given[row].is_given)
-		return dag_const(d, s->given[row].value);
+		return dag_within(d, s->given[row].value);
 	return s->argument >= 0 ? dag_input(d, s->argument, row) : zero;
 }
 
@@ -37,7 +37,7 @@ static struct ref coordinate(struct dag *d, const struct joint_inputs *in, int r
 /* A number along a single axis: the joint's, its follower's multiple, and in the axis's direction. */
 static struct ref directed(struct dag *d, const struct body *k, struct ref a)
 {
-	return dag_mul(d, dag_const(d, k->sign * k->multiplier), a);
+	return dag_mul(d, dag_within(d, k->sign < 0 ? within_neg(k->multiplier) : k->multiplier), a);
 }
 
 /* R = [1-2(yy+zz), 2(xy-zw), 2(xz+yw); 2(xy+zw), 1-2(xx+zz), 2(yz-xw); 2(xz-yw), 2(yz+xw), 1-2(xx+yy)] */
@@ -74,12 +74,12 @@ struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_
 		x.Q = quaternion_matrix(d, source_rows(d, &in.q, k->iq + 3), source_row(d, &in.q, k->iq + 6));
 	}
 	x.p = svec_add(d, svec_const(d, k->X.p), smat_mul(d, &x.R, slide));
-	if (k->turn != 0) {
-		real s, c;
+	if (k->turn.x != 0) {
+		struct within s, c;
 
 		angle_sincos(k->turn, &s, &c);
-		x.s = dag_const(d, s);
-		x.c = dag_const(d, c);
+		x.s = dag_within(d, s);
+		x.c = dag_within(d, c);
 	} else if (turns(k)) {
 		struct ref angle = directed(d, k, coordinate(d, &in, k->type == JOINT_PLANAR ? k->iq + 2 : k->iq));
 

@@ -18,14 +18,14 @@ struct keeping {
 /* A turn by no right angle: others permute and negate, and cost nothing. */
 static int is_candidate(const struct tree_held *h)
 {
-	real s, c, angle = h->type == JOINT_PLANAR ? h->value[2] : h->value[0];
+	struct within s, c, angle = h->type == JOINT_PLANAR ? h->value[2] : h->value[0];
 
 	if (h->type == JOINT_FLOATING)
-		return h->value[3] != 0 || h->value[4] != 0 || h->value[5] != 0;
+		return h->value[3].x != 0 || h->value[4].x != 0 || h->value[5].x != 0;
 	if (h->type == JOINT_PRISMATIC)
 		return 0;
 	angle_sincos(angle, &s, &c);
-	return s != 0 && c != 0;
+	return s.x != 0 && c.x != 0;
 }
 
 /* Operations of the torques with these joints kept; -1 and an error when memory runs out. */

@@ -12,12 +12,12 @@ static struct svec euler(struct dag *d, const struct inertia *I, const struct mo
 		struct ref squares = dag_sub(d, dag_mul(d, x->w.x[j], x->w.x[j]), dag_mul(d, x->w.x[k], x->w.x[k]));
 
 		sum_add(&spread, I->I[inertia_index(k, k)]);
-		sum_add(&spread, -I->I[inertia_index(j, j)]);
-		n.x[i] = dag_add(d, dag_mul(d, dag_const(d, I->I[inertia_index(i, i)]), x->dw.x[i]),
-			dag_mul(d, dag_const(d, sum_real(spread)), dag_mul(d, x->w.x[j], x->w.x[k])));
-		n.x[i] = dag_sub(d, n.x[i], dag_mul(d, dag_const(d, I->I[inertia_index(i, j)]), x->U.m[k][i]));
-		n.x[i] = dag_add(d, n.x[i], dag_mul(d, dag_const(d, I->I[inertia_index(i, k)]), x->U.m[j][i]));
-		n.x[i] = dag_add(d, n.x[i], dag_mul(d, dag_const(d, I->I[inertia_index(j, k)]), squares));
+		sum_add(&spread, within_neg(I->I[inertia_index(j, j)]));
+		n.x[i] = dag_add(d, dag_mul(d, dag_within(d, I->I[inertia_index(i, i)]), x->dw.x[i]),
+			dag_mul(d, dag_within(d, sum_total(spread)), dag_mul(d, x->w.x[j], x->w.x[k])));
+		n.x[i] = dag_sub(d, n.x[i], dag_mul(d, dag_within(d, I->I[inertia_index(i, j)]), x->U.m[k][i]));
+		n.x[i] = dag_add(d, n.x[i], dag_mul(d, dag_within(d, I->I[inertia_index(i, k)]), x->U.m[j][i]));
+		n.x[i] = dag_add(d, n.x[i], dag_mul(d, dag_within(d, I->I[inertia_index(j, k)]), squares));
 	}
 	return n;
 }
@@ -28,16 +28,16 @@ static struct inertia central(const struct inertia *I)
 	struct inertia J = *I;
 
 	for (int i = 0; i < 3; i++)
-		J.h[i] = I->h[i] / I->mass;
+		J.h[i] = within_div(I->h[i], I->mass);
 	for (int i = 0; i < 3; i++)
 		for (int j = i; j < 3; j++) {
 			struct sum s = {0};
 
 			sum_add(&s, I->I[inertia_index(i, j)]);
-			sum_add(&s, I->h[i] * J.h[j]);
+			sum_add(&s, within_mul(I->h[i], J.h[j]));
 			for (int k = 0; k < 3 && i == j; k++)
-				sum_add(&s, -I->h[k] * J.h[k]);
-			J.I[inertia_index(i, j)] = sum_real(s);
+				sum_add(&s, within_neg(within_mul(I->h[k], J.h[k])));
+			J.I[inertia_index(i, j)] = sum_total(s);
 		}
 	return J;
 }
@@ -48,13 +48,13 @@ static int euler_products(const struct inertia *I)
 	int count = 0;
 
 	for (int i = 0; i < 3; i++) {
-		real other = I->I[inertia_index((i + 1) % 3, (i + 1) % 3)];
+		struct within other = I->I[inertia_index((i + 1) % 3, (i + 1) % 3)];
 		struct sum spread = {0};
 
 		sum_add(&spread, I->I[inertia_index(i, i)]);
-		sum_add(&spread, -other);
-		count += (I->I[inertia_index(i, i)] != 0) + (sum_real(spread) != 0);
-		count += 3 * (I->I[inertia_index(i, (i + 1) % 3)] != 0);
+		sum_add(&spread, within_neg(other));
+		count += (I->I[inertia_index(i, i)].x != 0) + (sum_total(spread).x != 0);
+		count += 3 * (I->I[inertia_index(i, (i + 1) % 3)].x != 0);
 	}
 	return count;
 }
@@ -70,13 +70,13 @@ static int prefers_centre(const struct body *k, const struct inertia *I)
 
 void load_wrench(struct dag *d, const struct body *k, const struct motion *x, struct svec *f, struct svec *n)
 {
-	struct ref mass = dag_const(d, k->inertia.mass);
+	struct ref mass = dag_within(d, k->inertia.mass);
 	struct svec h = svec_const(d, k->inertia.h);
 	struct inertia I_c = {0};
 
-	if (k->inertia.mass != 0)
+	if (k->inertia.mass.x != 0)
 		I_c = central(&k->inertia);
-	if (k->inertia.mass != 0 && prefers_centre(k, &I_c)) {
+	if (k->inertia.mass.x != 0 && prefers_centre(k, &I_c)) {
 		struct svec c = svec_const(d, I_c.h);
 
 		*f = svec_scale(d, mass, svec_add(d, x->a, smat_mul(d, &x->U, c)));
@@ -91,16 +91,16 @@ void load_wrench(struct dag *d, const struct body *k, const struct motion *x, st
 
 struct parameters load_parameters(struct dag *d, const struct inertia *I)
 {
-	struct parameters p = {.mass = dag_const(d, I->mass), .h = svec_const(d, I->h)};
+	struct parameters p = {.mass = dag_within(d, I->mass), .h = svec_const(d, I->h)};
 
 	for (int i = 0; i < 6; i++)
-		p.I[i] = dag_const(d, I->I[i]);
+		p.I[i] = dag_within(d, I->I[i]);
 	return p;
 }
 
-static struct ref plus_multiple(struct dag *d, struct ref sum, struct ref s, real c)
+static struct ref plus_multiple(struct dag *d, struct ref sum, struct ref s, struct within c)
 {
-	return dag_add(d, sum, dag_mul(d, dag_const(d, c), s));
+	return dag_add(d, sum, dag_mul(d, dag_within(d, c), s));
 }
 
 void load_add(struct dag *d, struct parameters *p, struct ref s, const struct inertia *I)

@@ -31,7 +31,9 @@ static const char HELP[] =
 	"  --gravity X,Y,Z            m/s^2 in the world (default 0,0,-9.81)\n"
 	"  --mimic honour|independent followers have no entry in q (default), or are joints of their own\n"
 	"  --strict                   the same bits from every compiler, CPU and GPU\n"
-	"  --bounded                  target c: also a function that gives a bound of each output's error\n"
+	"  --bounded                  target c: also a function that bounds how far each output is from what the URDF's decimals\n"
+	"                             give in exact arithmetic, where angles within 5e-15 rad of a right one are right, and\n"
+	"                             constants that are zero, or equal, but for the rounding of the file's numbers are so\n"
 	"  --order J1,J2,...          rows of q by joint name (default: depth-first, children by name)\n"
 	OPTIONS_SCENE_HELP
 	"  --name NAME                prefix of every function (default: the robot's name)\n"

@@ -1,11 +1,62 @@
 #include "number.h"
 #include <ctype.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static enum number_fault read_one(const char **s, double *value)
+/* The digits as a whole number, and how many of them stand behind the point; 0 where they are too many or too far off. */
+static int read_digits(const char *s, uint64_t *whole, long *behind)
+{
+	int has_point = 0;
+	long exponent;
+
+	*whole = 0;
+	*behind = 0;
+	for (; *s == '.' || (*s >= '0' && *s <= '9'); s++) {
+		if (*s == '.') {
+			has_point = 1;
+			continue;
+		}
+		if (*whole > (UINT64_MAX - 9) / 10)
+			return 0;
+		*whole = *whole * 10 + (uint64_t)(*s - '0');
+		*behind += has_point;
+	}
+	exponent = *s == 'e' || *s == 'E' ? strtol(s + 1, NULL, 10) : 0;
+	if (exponent < -999 || exponent > 999)
+		return 0;
+	*behind -= exponent;
+	return 1;
+}
+
+/* Is a decimal the number of the type that is nearest to it? With `behind` digits behind the point these, as a whole number,
+   must be a multiple of 5^behind. */
+static int is_exact(const char *s, real near)
+{
+	uint64_t whole;
+	long behind;
+
+	if (!read_digits(s + strspn(s, " \t\r\n+-"), &whole, &behind))
+		return 0;
+	if (!whole)
+		return near == 0;
+	for (; behind > 0 && whole % 5 == 0; behind--)
+		whole /= 5;
+	for (; behind < 0 && whole < UINT64_MAX / 10; behind++)
+		whole *= 10;
+	return behind == 0 && (uint64_t)(real)whole == whole;
+}
+
+struct within number_parse(const char *s, char **end)
+{
+	real x = (real)strtod(s, NULL), near = strtold(s, end);
+
+	return is_exact(s, near) ? (struct within){x, near, 0} : within_decimal(x, near);
+}
+
+static enum number_fault read_one(const char **s, struct within *value)
 {
 	const char *digits = *s + strspn(*s, " \t\r\n+-");
 	char *end;
@@ -13,14 +64,14 @@ static enum number_fault read_one(const char **s, double *value)
 	/* strtod would take hexadecimal, inf and nan */
 	if ((!isdigit((unsigned char)*digits) && *digits != '.') || (digits[0] == '0' && (digits[1] == 'x' || digits[1] == 'X')))
 		return NUMBER_WORD;
-	*value = strtod(*s, &end);
+	*value = number_parse(*s, &end);
 	if (end == *s)
 		return NUMBER_WORD;
 	*s = end;
-	return isfinite(*value) ? NUMBER_FINE : NUMBER_LARGE;
+	return isfinite(value->x) ? NUMBER_FINE : NUMBER_LARGE;
 }
 
-enum number_fault number_read(const char *s, double *values, int count)
+enum number_fault number_read(const char *s, struct within *values, int count)
 {
 	enum number_fault fault = NUMBER_FINE;
 	size_t blanks;

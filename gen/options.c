@@ -283,9 +283,9 @@ static int take_armature(const char *command, struct rneagen_options *o, const c
 static int take_short_range(const char *command, struct rneagen_options *o, const char *input, const char *word)
 {
 	char line[256];
-	double x;
+	struct within x;
 
-	if (strlen(word) > 100 || !strchr("0123456789.", *word) || number_read(word, &x, 1) || x <= 0)
+	if (strlen(word) > 100 || !strchr("0123456789.", *word) || number_read(word, &x, 1) || x.x <= 0)
 		return option_refuse(command, "--%s-range takes a positive number, not '%.255s'", input, word);
 	snprintf(line, sizeof line, "%s=-%s,%s", input, word, word);
 	return take_scene_line(command, o, SCENE_RANGE, line);

@@ -13,7 +13,7 @@ struct outline_id {
 
 struct outline_link {
 	struct outline_id id;
-	double com_rpy[3];
+	struct link link; /* its numbers */
 };
 
 struct outline_joint {
@@ -21,10 +21,11 @@ struct outline_joint {
 	enum joint_type type;
 	const char *parent, *child; /* names of links; NULL if absent */
 	const char *driver;         /* name of the joint that is mimicked, or NULL */
-	double rpy[3];
+	struct joint joint;         /* its numbers */
 };
 
-/* Names, and the angles as written: urdfdom keeps only a quaternion, in which pi/2 is no longer exact. */
+/* Names, and the numbers as written: urdfdom rounds them to doubles, and of angles keeps only a quaternion, in which pi/2 is
+   no longer exact. */
 struct outline {
 	const char *name;
 	long line; /* of the <robot> */

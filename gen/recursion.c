@@ -211,7 +211,7 @@ static void add_own(struct recursion *x, int body)
 
 	if (joint_nv(k->type) != 1)
 		return;
-	add(x, BY_QDD, k->iv, k->iv, dag_const(d, k->multiplier * k->multiplier * t->armature[body]));
+	add(x, BY_QDD, k->iv, k->iv, dag_within(d, within_mul(within_mul(k->multiplier, k->multiplier), t->armature[body])));
 	add(x, BY_QD, k->iv, k->iv, own_rate(x->r, body));
 }
 

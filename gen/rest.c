@@ -13,7 +13,7 @@ void rest_enter(const struct tour *r, int body)
 	dag_section(d, SECTION_OUT, body);
 	x->pose = joint_place(d, k, r->in);
 	x->motion.a = joint_into(d, k, &x->pose, smat_mul_transposed(d, &x->pose.R, r->frames[k->parent + 1].motion.a));
-	x->mass = p ? p->mass : dag_const(d, k->inertia.mass);
+	x->mass = p ? p->mass : dag_within(d, k->inertia.mass);
 	x->own = p ? p->h : svec_const(d, k->inertia.h);
 	svec_tag(d, x->motion.a, "a", k->number);
 }

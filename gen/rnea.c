@@ -234,7 +234,7 @@ void tour_run(struct tour *r)
 	if (r->world)
 		r->world(r);
 	for (int i = 0; i < 3; i++) /* all else of the world is node 0, zero */
-		r->frames[0].motion.a.x[i] = dag_neg(d, r->gravity ? r->gravity[i] : dag_const(d, r->t->gravity[i]));
+		r->frames[0].motion.a.x[i] = dag_neg(d, r->gravity ? r->gravity[i] : dag_within(d, r->t->gravity[i]));
 	go(r);
 }
 

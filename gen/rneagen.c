@@ -67,7 +67,7 @@ static int pass_count(const struct generation *g)
 /* What the choices make of each other. */
 static enum rneagen_code check_task(const struct generation *g)
 {
-	if (g->options.bounded && g->tree.task.friction_width > 0)
+	if (g->options.bounded && g->tree.task.friction_width.x > 0)
 		return error_set(g->error, RNEAGEN_USAGE, "--bounded and --friction exclude each other: quotients have no bounded function");
 	return RNEAGEN_OK;
 }

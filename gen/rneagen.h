@@ -34,10 +34,12 @@ struct rneagen_options {
 	enum rneagen_base base;
 	enum rneagen_mimic mimic;
 	int strict; /* the same bits from every compiler, CPU and GPU, for all results that are not NaN */
-	int bounded; /* target C: also a function that gives a bound of each output's error */
+	int bounded; /* target C: also a function that gives a bound of each output's error: of how far it is from what the URDF's
+			decimals give in exact arithmetic (eval.h says it in full) */
 	int parts; /* of the grid, target CUDA: each makes some elements of the matrices; default RNEAGEN_PARTS_AUTO: as few as the
 		      registers and the instruction cache have room for, 1 where a text cannot be split */
-	double gravity[3];  /* m/s^2, in the frame of the root link's parent, the world; default 0 0 -9.81 */
+	double gravity[3];  /* m/s^2, in the frame of the root link's parent, the world; default 0 0 -9.81. Bounds hold for any
+			       decimals that are read as these doubles; a whole number is meant as it is */
 	const char *order;  /* names of all joints with entries in q, comma-separated; NULL: depth-first, by name */
 	const char *name;   /* a C identifier; NULL: the robot's name made one */
 	const char *file;   /* name of the input, for messages and the text's header; NULL: "<input>" */

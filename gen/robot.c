@@ -76,11 +76,11 @@ enum rneagen_code robot_read(
 }
 
 /* A name and numbers, each as short as it reads back. */
-static void put_numbers(struct text *t, const char *name, const double *x, int count)
+static void put_numbers(struct text *t, const char *name, const struct within *x, int count)
 {
 	text_put(t, name);
 	for (int i = 0; i < count; i++)
-		text_printf(t, " %s", number_plain(x[i]).s);
+		text_printf(t, " %s", number_plain((double)x[i].x).s);
 }
 
 static void dump_link(const struct robot *r, const struct link *l, struct text *t)
@@ -107,11 +107,8 @@ static void dump_link(const struct robot *r, const struct link *l, struct text *
 
 static void dump_limits(const struct joint *j, struct text *t)
 {
-	put_numbers(t, "\tlimits: lower", &j->lower, 1);
-	put_numbers(t, ", upper", &j->upper, 1);
-	put_numbers(t, ", velocity", &j->velocity, 1);
-	put_numbers(t, ", effort", &j->effort, 1);
-	text_putc(t, '\n');
+	text_printf(t, "\tlimits: lower %s, upper %s, velocity %s, effort %s\n", number_plain(j->lower).s, number_plain(j->upper).s,
+		number_plain(j->velocity).s, number_plain(j->effort).s);
 }
 
 static void dump_joint(const struct robot *r, const struct joint *j, struct text *t)

@@ -5,6 +5,7 @@
 #include "arena.h"
 #include "error.h"
 #include "text.h"
+#include "within.h"
 
 /* What urdfdom and we can hold; the README states them. */
 enum {
@@ -21,26 +22,26 @@ struct link {
 	const char *name;
 	int parent_joint; /* index into joints; -1 at the root */
 	int has_inertial;
-	double mass;       /* kg */
-	double com[3];     /* centre of mass in the link frame, m */
-	double com_rpy[3]; /* orientation of the inertia's axes in the link frame, rad */
-	double inertia[6]; /* ixx ixy ixz iyy iyz izz about the centre of mass, in those axes, kg m^2 */
+	struct within mass;       /* kg */
+	struct within com[3];     /* centre of mass in the link frame, m */
+	struct within com_rpy[3]; /* orientation of the inertia's axes in the link frame, rad */
+	struct within inertia[6]; /* ixx ixy ixz iyy iyz izz about the centre of mass, in those axes, kg m^2 */
 };
 
 struct joint {
 	const char *name;
 	enum joint_type type;
 	int parent, child; /* links */
-	double xyz[3];     /* origin in the parent link's frame, m */
-	double rpy[3];     /* fixed-axis roll, pitch, yaw: R = Rz(yaw) Ry(pitch) Rx(roll), rad */
-	double axis[3];    /* in the joint frame, as written (not normalised), finite and not zero; 1 0 0 if absent.
+	struct within xyz[3];  /* origin in the parent link's frame, m */
+	struct within rpy[3];  /* fixed-axis roll, pitch, yaw: R = Rz(yaw) Ry(pitch) Rx(roll), rad */
+	struct within axis[3]; /* in the joint frame, as written (not normalised), finite and not zero; 1 0 0 if absent.
 			      Fixed and floating joints: not meaningful */
-	int has_limits;    /* revolute and prismatic: lower, upper, velocity and effort below are the file's */
+	int has_limits;        /* revolute and prismatic: lower, upper, velocity and effort below are the file's */
 	double lower, upper, velocity, effort;
 	int has_dynamics;
-	double damping, friction;
+	struct within damping, friction;
 	int driver; /* the joint named by <mimic>, or -1; not resolved: may itself be a follower */
-	double multiplier, offset;
+	struct within multiplier, offset;
 };
 
 struct robot {

@@ -3,9 +3,10 @@
 
 /* Eigenvalues of a symmetric 3x3 matrix (xx xy xz yy yz zz), ascending, by Jacobi rotations: each takes one
    off-diagonal element to zero; five sweeps are more than doubles need. */
-static void eigenvalues(const double in[6], double out[3])
+static void eigenvalues(const struct within in[6], double out[3])
 {
-	double m[3][3] = {{in[0], in[1], in[2]}, {in[1], in[3], in[4]}, {in[2], in[4], in[5]}};
+	const double xx = (double)in[0].x, xy = (double)in[1].x, xz = (double)in[2].x, yz = (double)in[4].x;
+	double m[3][3] = {{xx, xy, xz}, {xy, (double)in[3].x, yz}, {xz, yz, (double)in[5].x}};
 
 	for (int k = 0; k < 15; k++) {
 		int p = k % 3 == 2, q = k % 3 == 0 ? 1 : 2, other = 3 - p - q;
@@ -47,9 +48,9 @@ static void check_inertia(const struct link *l, long line, const struct report *
 
 static void check_link(const struct link *l, long line, const struct report *p)
 {
-	if (l->mass < 0)
+	if (l->mass.x < 0)
 		report_error(
-			p, RNEAGEN_NUMBER, line, "link '%s': its mass %g is negative; correct it", l->name, l->mass);
+			p, RNEAGEN_NUMBER, line, "link '%s': its mass %g is negative; correct it", l->name, (double)l->mass.x);
 	check_inertia(l, line, p);
 }
 
@@ -66,7 +67,7 @@ static int has_one_coordinate(enum joint_type type)
 
 static void check_axis(const struct joint *j, long line, const struct report *p)
 {
-	double norm = hypot(hypot(j->axis[0], j->axis[1]), j->axis[2]);
+	double norm = hypot(hypot((double)j->axis[0].x, (double)j->axis[1].x), (double)j->axis[2].x);
 
 	if (norm == 0)
 		report_error(p, RNEAGEN_NUMBER, line, "joint '%s': its axis is 0 0 0; give a direction", j->name);

@@ -107,7 +107,7 @@ int scene_joint(const struct scene *s, const struct scene_choice *c, const struc
 	struct rneagen_error *e);
 
 /* Numbers of a choice's value, `count` of them with commas between; an error unless they are all finite. */
-enum rneagen_code scene_numbers(const struct scene *s, const struct scene_choice *c, double *values, int count,
+enum rneagen_code scene_numbers(const struct scene *s, const struct scene_choice *c, struct within *values, int count,
 	struct rneagen_error *e);
 
 /* One line of the scene as a shell takes it: "--lock 'a b=1.5'". */

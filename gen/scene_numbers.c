@@ -5,7 +5,7 @@
 #include "scene.h"
 #include <string.h>
 
-static int read_number(const char **s, double *value)
+static int read_number(const char **s, struct within *value)
 {
 	char word[128];
 	size_t length = strcspn(*s, ",");
@@ -19,7 +19,7 @@ static int read_number(const char **s, double *value)
 }
 
 enum rneagen_code scene_numbers(
-	const struct scene *s, const struct scene_choice *c, double *values, int count, struct rneagen_error *e)
+	const struct scene *s, const struct scene_choice *c, struct within *values, int count, struct rneagen_error *e)
 {
 	const char *at = c->value ? c->value : "";
 	struct c_locale l;

@@ -19,7 +19,7 @@ void scene_put_options(const struct scene *s, const char *before, struct text *o
 static void put_value(const struct tree_held *h, struct text *out)
 {
 	for (int i = 0; i < joint_nq(h->type); i++)
-		text_printf(out, "%s%.9Lg", i ? ", " : "", h->value[i]);
+		text_printf(out, "%s%.9Lg", i ? ", " : "", h->value[i].x);
 }
 
 /* ---- --info ---- */
@@ -129,7 +129,7 @@ void scene_put_json(const struct tree *t, struct text *out)
 		text_put_json(out, t->held[i].name);
 		text_put(out, ", \"value\": [");
 		for (int k = 0; k < joint_nq(t->held[i].type); k++)
-			text_printf(out, "%s%s", k ? ", " : "", number_plain((double)t->held[i].value[k]).s);
+			text_printf(out, "%s%s", k ? ", " : "", number_plain((double)t->held[i].value[k].x).s);
 		text_printf(out, "], \"why\": \"%s\"}", t->held[i].why);
 	}
 	text_printf(out, "],\n    \"cut\": {\"mass\": %s, ", number_plain((double)t->cut.mass).s);

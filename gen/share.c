@@ -97,10 +97,13 @@ void share_copy(struct share *x, int first, int end, struct dag *out, struct are
 	out->nodes = arena_take(a, mark(x, first, end), sizeof *out->nodes);
 	out->outputs = arena_take(a, d->output_count, sizeof *out->outputs);
 	out->sections = arena_take(a, d->section_count, sizeof *out->sections);
-	if (!out->nodes || !out->outputs || !out->sections) {
+	out->numbers = arena_take(a, d->number_count, sizeof *out->numbers);
+	if (!out->nodes || !out->outputs || !out->sections || !out->numbers) {
 		out->failed = 1;
 		return;
 	}
+	if (d->number_count)
+		memcpy(out->numbers, d->numbers, d->number_count * sizeof *d->numbers);
 	memcpy(out->sections, d->sections, d->section_count * sizeof *d->sections);
 	copy_nodes(x, out);
 	copy_outputs(x, first, end, out);

@@ -34,9 +34,14 @@ static int in_order(const struct dag *d, struct ref a, struct ref b)
 	return a.i <= b.i;
 }
 
-struct ref dag_const(struct dag *d, real value)
+static struct within number(const struct dag *d, struct ref a)
 {
-	return dag_node(d, OP_CONST, NONE, NONE, NONE, value + 0);
+	return dag_number(d, &d->nodes[a.i]);
+}
+
+static struct ref negated(struct dag *d, struct ref a)
+{
+	return dag_within(d, within_neg(number(d, a)));
 }
 
 struct ref dag_input(struct dag *d, int argument, int row)
@@ -51,7 +56,7 @@ struct ref dag_neg(struct dag *d, struct ref a)
 	if (d->failed)
 		return NONE;
 	if (is_const(d, a))
-		return dag_const(d, -at(d, a).value);
+		return negated(d, a);
 	if (is_neg(d, a))
 		return at(d, a).arg[0];
 	if (at(d, a).op == OP_SUB) {
@@ -63,13 +68,13 @@ struct ref dag_neg(struct dag *d, struct ref a)
 }
 
 /* The sum of two constants, zero where it is only the rounding of the URDF's numbers. */
-static struct ref const_sum(struct dag *d, real a, real b)
+static struct ref const_sum(struct dag *d, struct within a, struct within b)
 {
 	struct sum s = {0};
 
 	sum_add(&s, a);
 	sum_add(&s, b);
-	return dag_const(d, sum_real(s));
+	return dag_within(d, sum_total(s));
 }
 
 struct ref dag_add(struct dag *d, struct ref a, struct ref b)
@@ -77,7 +82,7 @@ struct ref dag_add(struct dag *d, struct ref a, struct ref b)
 	if (d->failed)
 		return NONE;
 	if (is_const(d, a) && is_const(d, b))
-		return const_sum(d, at(d, a).value, at(d, b).value);
+		return const_sum(d, number(d, a), number(d, b));
 	if (is_value(d, a, 0))
 		return b;
 	if (is_value(d, b, 0))
@@ -89,9 +94,9 @@ struct ref dag_add(struct dag *d, struct ref a, struct ref b)
 	if (is_neg(d, a))
 		return dag_sub(d, b, at(d, a).arg[0]);
 	if (is_const(d, a) && at(d, a).value < 0)
-		return dag_sub(d, b, dag_const(d, -at(d, a).value));
+		return dag_sub(d, b, negated(d, a));
 	if (is_const(d, b) && at(d, b).value < 0)
-		return dag_sub(d, a, dag_const(d, -at(d, b).value));
+		return dag_sub(d, a, negated(d, b));
 	return in_order(d, a, b) ? dag_node(d, OP_ADD, a, b, NONE, 0) : dag_node(d, OP_ADD, b, a, NONE, 0);
 }
 
@@ -102,7 +107,7 @@ struct ref dag_sub(struct dag *d, struct ref a, struct ref b)
 	if (d->failed || ref_equal(a, b))
 		return NONE;
 	if (is_const(d, a) && is_const(d, b))
-		return const_sum(d, at(d, a).value, -at(d, b).value);
+		return const_sum(d, number(d, a), within_neg(number(d, b)));
 	if (is_value(d, a, 0))
 		return dag_neg(d, b);
 	if (is_value(d, b, 0))
@@ -112,7 +117,7 @@ struct ref dag_sub(struct dag *d, struct ref a, struct ref b)
 	if (is_neg(d, a))
 		return dag_neg(d, dag_add(d, at(d, a).arg[0], b));
 	if (is_const(d, b) && at(d, b).value < 0)
-		return dag_add(d, a, dag_const(d, -at(d, b).value));
+		return dag_add(d, a, negated(d, b));
 	swapped = dag_find(d, OP_SUB, b, a, NONE, 0);
 	return swapped.i ? dag_neg(d, swapped) : dag_node(d, OP_SUB, a, b, NONE, 0);
 }
@@ -131,15 +136,15 @@ struct ref dag_mul(struct dag *d, struct ref a, struct ref b)
 		real c = at(d, a).value;
 
 		if (is_const(d, b))
-			return dag_const(d, c * at(d, b).value);
+			return dag_within(d, within_mul(number(d, a), number(d, b)));
 		if (c == 0)
 			return NONE;
 		if (c < 0)
-			return dag_neg(d, dag_mul(d, dag_const(d, -c), b));
-		if (c == 1)
+			return dag_neg(d, dag_mul(d, negated(d, a), b));
+		if (c == 1 && (!at(d, a).number || within_meets(number(d, a), within_exact(1))))
 			return b;
 		if (at(d, b).op == OP_MUL && is_const(d, at(d, b).arg[0]))
-			return dag_mul(d, dag_const(d, c * at(d, at(d, b).arg[0]).value), at(d, b).arg[1]);
+			return dag_mul(d, dag_mul(d, a, at(d, b).arg[0]), at(d, b).arg[1]);
 	}
 	return dag_node(d, OP_MUL, a, b, NONE, 0);
 }
@@ -149,7 +154,7 @@ struct ref dag_sin(struct dag *d, struct ref a)
 	if (d->failed)
 		return NONE;
 	if (is_const(d, a))
-		return dag_const(d, sinl(at(d, a).value));
+		return dag_within(d, within_sin(number(d, a)));
 	if (is_neg(d, a))
 		return dag_neg(d, dag_sin(d, at(d, a).arg[0]));
 	return dag_node(d, OP_SIN, a, NONE, NONE, 0);
@@ -160,7 +165,7 @@ struct ref dag_cos(struct dag *d, struct ref a)
 	if (d->failed)
 		return NONE;
 	if (is_const(d, a))
-		return dag_const(d, cosl(at(d, a).value));
+		return dag_within(d, within_cos(number(d, a)));
 	if (is_neg(d, a))
 		return dag_cos(d, at(d, a).arg[0]);
 	return dag_node(d, OP_COS, a, NONE, NONE, 0);
@@ -174,7 +179,7 @@ struct ref dag_div(struct dag *d, struct ref a, struct ref b)
 	if (is_value(d, a, 0))
 		return a;
 	if (is_const(d, a) && is_const(d, b))
-		return dag_const(d, at(d, a).value / at(d, b).value);
+		return dag_within(d, within_div(number(d, a), number(d, b)));
 	if (is_neg(d, a))
 		return dag_neg(d, dag_div(d, at(d, a).arg[0], b));
 	return is_neg(d, b) ? dag_neg(d, dag_div(d, a, at(d, b).arg[0])) : dag_node(d, OP_DIV, a, b, NONE, 0);
@@ -184,7 +189,7 @@ struct ref dag_sqrt(struct dag *d, struct ref a)
 {
 	if (d->failed)
 		return NONE;
-	return is_const(d, a) ? dag_const(d, sqrtl(at(d, a).value)) : dag_node(d, OP_SQRT, a, NONE, NONE, 0);
+	return is_const(d, a) ? dag_within(d, within_sqrt(number(d, a))) : dag_node(d, OP_SQRT, a, NONE, NONE, 0);
 }
 
 struct ref dag_fma(struct dag *d, struct ref a, struct ref b, struct ref c)

@@ -1,8 +1,8 @@
 #include "svec.h"
 
-struct svec svec_const(struct dag *d, const real v[3])
+struct svec svec_const(struct dag *d, const struct within v[3])
 {
-	return (struct svec){{dag_const(d, v[0]), dag_const(d, v[1]), dag_const(d, v[2])}};
+	return (struct svec){{dag_within(d, v[0]), dag_within(d, v[1]), dag_within(d, v[2])}};
 }
 
 struct svec svec_input(struct dag *d, int argument, int row)
@@ -82,7 +82,7 @@ struct smat smat_const(struct dag *d, const struct rotation *r)
 
 	for (int i = 0; i < 3; i++)
 		for (int j = 0; j < 3; j++)
-			s.m[i][j] = dag_const(d, r->m[i][j]);
+			s.m[i][j] = dag_within(d, r->m[i][j]);
 	return s;
 }
 

@@ -13,7 +13,7 @@ struct smat {
 	struct ref m[3][3];
 };
 
-struct svec svec_const(struct dag *d, const real v[3]);
+struct svec svec_const(struct dag *d, const struct within v[3]);
 /* Rows row, row + 1, row + 2 of an argument. */
 struct svec svec_input(struct dag *d, int argument, int row);
 struct svec svec_add(struct dag *d, struct svec a, struct svec b);

@@ -6,9 +6,6 @@
 /* Arrays that one kernel can take. */
 enum { ARRAY_LIMIT = 64 };
 
-/* rad/s or m/s, of the velocity at which friction has grown to 1/sqrt(2) of its size. */
-#define FRICTION_WIDTH 0.01
-
 /* The rest of "mass.hand" after "mass."; NULL where the word is another. */
 static const char *after(const char *word, const char *kind)
 {
@@ -170,7 +167,7 @@ static int is_said(const struct resolver *x, const struct scene_choice *c)
 static enum rneagen_code give(const struct resolver *x, const struct scene_choice *c, struct row *rows, int first, int count,
 	int one_for_all)
 {
-	double *values = arena_alloc(x->a, (size_t)count, sizeof *values);
+	struct within *values = arena_alloc(x->a, (size_t)count, sizeof *values);
 	int single = one_for_all && !strchr(c->value, ',');
 
 	if (!values)
@@ -200,7 +197,7 @@ static enum rneagen_code fold(const struct resolver *x, const struct scene_choic
 	struct tree *t = x->t;
 	struct row *const rows[] = {t->task.q, t->task.qd, t->task.qdd};
 	int kind = task_find_kind(x, c, kinds, sizeof kinds / sizeof *kinds), body, is_q;
-	double gravity[3];
+	struct within gravity[3];
 
 	if (kind < 0)
 		return x->e->code;
@@ -246,7 +243,7 @@ static enum rneagen_code push(const struct resolver *x, const struct scene_choic
 
 static enum rneagen_code set_armature(const struct resolver *x, const struct scene_choice *c)
 {
-	double value;
+	struct within value;
 	int body = task_find_body(x, c, c->name);
 
 	if (body < 0 || scene_numbers(x->s, c, &value, 1, x->e))
@@ -255,14 +252,14 @@ static enum rneagen_code set_armature(const struct resolver *x, const struct sce
 		return scene_refuse(x->s, c, x->e, "the armature of '%.255s' is given already", c->name);
 	if (joint_nv(x->t->bodies[body].type) != 1)
 		return scene_refuse(x->s, c, x->e, "an armature belongs to a joint with one row in qd, which '%.255s' is not", c->name);
-	if (value < 0)
-		return scene_refuse(x->s, c, x->e, "an armature of %g kg m^2 is less than nothing", value);
+	if (value.x < 0)
+		return scene_refuse(x->s, c, x->e, "an armature of %g kg m^2 is less than nothing", (double)value.x);
 	x->k->armature[body] = value;
 	return RNEAGEN_OK;
 }
 
 /* From the URDF's <dynamics>. */
-static void set_dynamics(const struct resolver *x, real *by_body, int is_friction)
+static void set_dynamics(const struct resolver *x, struct within *by_body, int is_friction)
 {
 	for (int i = 0; i < x->t->body_count; i++) {
 		int j = robot_joint(x->r, x->t->bodies[i].joint);
@@ -272,14 +269,15 @@ static void set_dynamics(const struct resolver *x, real *by_body, int is_frictio
 	}
 }
 
+/* The width, in rad/s or m/s, is the velocity at which friction has grown to 1/sqrt(2) of its size. */
 static enum rneagen_code set_friction(const struct resolver *x, const struct scene_choice *c)
 {
-	double width = FRICTION_WIDTH;
+	struct within width = within_decimal(0.01, 0.01L);
 
 	if (c->value && scene_numbers(x->s, c, &width, 1, x->e))
 		return x->e->code;
-	if (!(width > 0))
-		return scene_refuse(x->s, c, x->e, "a width of %g rad/s or m/s is none: friction must be smooth", width);
+	if (!(width.x > 0))
+		return scene_refuse(x->s, c, x->e, "a width of %g rad/s or m/s is none: friction must be smooth", (double)width.x);
 	x->k->friction_width = width;
 	set_dynamics(x, x->k->friction, 1);
 	return RNEAGEN_OK;

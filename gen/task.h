@@ -9,7 +9,7 @@
 /* A row of q, qd or qdd that the scene may give. */
 struct row {
 	int is_given;
-	real value;
+	struct within value;
 };
 
 enum freed_kind { FREED_GRAVITY, FREED_MASS, FREED_INERTIA, FREED_PAYLOAD, FREED_OFFSET };
@@ -72,8 +72,8 @@ struct task {
 	int range_count;
 	int dense;                  /* matrices have their zeros */
 	enum derivatives derivatives; /* how d tau/d q and d tau/d qd are made */
-	real *armature, *damping, *friction; /* by body: of a joint with one row; kg m^2 (kg), N m s (N s/m), N m (N) */
-	real friction_width;                  /* rad/s, m/s */
+	struct within *armature, *damping, *friction; /* by body: of a joint with one row; kg m^2 (kg), N m s (N s/m), N m (N) */
+	struct within friction_width;         /* rad/s, m/s */
 };
 
 struct tree;

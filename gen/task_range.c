@@ -148,7 +148,7 @@ enum rneagen_code task_range(const struct resolver *x, const struct scene_choice
 	struct scene_choice bare = *c;
 	struct task_range r = {.argument = NULL};
 	int row = split_row(x, &bare), kind = x->e->code ? -1 : task_find_kind(x, &bare, KINDS, sizeof KINDS / sizeof *KINDS);
-	double limits[2];
+	struct within limits[2];
 
 	if (kind < 0)
 		return x->e->code;
@@ -156,8 +156,8 @@ enum rneagen_code task_range(const struct resolver *x, const struct scene_choice
 		return x->e->code;
 	if ((row >= 0 && take_row(x, &bare, (enum kind)kind, row, &r)) || scene_numbers(x->s, c, limits, 2, x->e))
 		return x->e->code;
-	r.lower = limits[0];
-	r.upper = limits[1];
+	r.lower = (double)limits[0].x;
+	r.upper = (double)limits[1].x;
 	if (check(x, c, (enum kind)kind, &r))
 		return x->e->code;
 	x->k->ranges[x->k->range_count++] = r;

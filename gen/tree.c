@@ -44,8 +44,7 @@ int joint_nv(enum joint_type type)
 /* The joint's unit axis: a coordinate axis with a sign where it is one, else z of a turned frame. */
 static void body_set_axis(struct body *k, const struct joint *j)
 {
-	real length = sqrtl((real)j->axis[0] * j->axis[0] + (real)j->axis[1] * j->axis[1] + (real)j->axis[2] * j->axis[2]);
-	real n[3];
+	struct within square = {0}, n[3];
 	int nonzero = 0;
 
 	k->axis = 2;
@@ -53,9 +52,11 @@ static void body_set_axis(struct body *k, const struct joint *j)
 	k->frame = ROTATION_IDENTITY;
 	if (j->type == JOINT_FLOATING)
 		return;
+	for (int i = 0; i < 3; i++)
+		square = within_add(square, within_mul(j->axis[i], j->axis[i]));
 	for (int i = 0; i < 3; i++) {
-		n[i] = (real)j->axis[i] / length;
-		nonzero += n[i] != 0;
+		n[i] = within_div(j->axis[i], within_sqrt(square));
+		nonzero += n[i].x != 0;
 	}
 	if (j->type == JOINT_PLANAR) {
 		k->frame = rotation_shortest(n);
@@ -63,9 +64,9 @@ static void body_set_axis(struct body *k, const struct joint *j)
 		k->frame = rotation_to_axis(n);
 	} else {
 		for (int i = 0; i < 3; i++)
-			if (n[i] != 0)
+			if (n[i].x != 0)
 				k->axis = i;
-		k->sign = n[k->axis] < 0 ? -1 : 1;
+		k->sign = n[k->axis].x < 0 ? -1 : 1;
 	}
 }
 
@@ -74,15 +75,21 @@ static int turns(const struct joint *j)
 	return j->type == JOINT_REVOLUTE || j->type == JOINT_CONTINUOUS;
 }
 
+/* In the direction of the coordinate axis */
+static struct within along(const struct body *k, struct within x)
+{
+	return k->sign < 0 ? within_neg(x) : x;
+}
+
 /* The constant part of a follower's offset goes into the joint's placement, where it is not rounded with q. */
-static void body_add_offset(struct body *k, real offset)
+static void body_add_offset(struct body *k, struct within offset)
 {
 	struct placement shift = {.R = ROTATION_IDENTITY};
 
 	if (k->type == JOINT_PRISMATIC)
-		shift.p[k->axis] = k->sign * offset;
+		shift.p[k->axis] = along(k, offset);
 	else
-		shift.R = rotation_about(k->axis, k->sign * offset);
+		shift.R = rotation_about(k->axis, along(k, offset));
 	k->X = placement_mul(&k->X, &shift);
 }
 
@@ -115,21 +122,21 @@ static int body_add(struct builder *b, int joint, int parent, const struct place
 	k->joint = j->name;
 	k->parent = parent;
 	k->type = b->cut.joints[joint].state == CUT_HELD ? JOINT_FIXED : j->type;
-	k->multiplier = 1;
+	k->multiplier = within_exact(1);
 	k->follower = k->type != JOINT_FIXED && b->cut.joints[joint].leader != joint;
 	if (k->type == JOINT_FIXED && !turns(j))
 		k->frame = ROTATION_IDENTITY;
 	else
 		body_set_axis(k, j);
 	if (k->type == JOINT_FIXED && turns(j))
-		k->turn = k->sign * b->cut.joints[joint].value[0];
+		k->turn = along(k, b->cut.joints[joint].value[0]);
 	body_set_placement(b, k, urdf);
 	if (k->follower) {
 		const struct cut_joint *c = &b->cut.joints[joint];
 		struct tree_mimic m = {j->name, b->r->joints[c->leader].name, index, c->multiplier, c->offset};
 
 		k->multiplier = m.multiplier;
-		if (m.offset != 0)
+		if (m.offset.x != 0)
 			body_add_offset(k, m.offset);
 		b->t->mimics[b->t->mimic_count++] = m;
 	}
@@ -143,11 +150,11 @@ static void body_add_base(struct builder *b)
 	struct body *k = &b->t->bodies[b->t->body_count++];
 
 	*k = (struct body){.link = b->t->root, .joint = "", .parent = -1, .type = JOINT_FLOATING, .axis = 2, .sign = 1,
-		.X = {.R = ROTATION_IDENTITY}, .frame = ROTATION_IDENTITY, .multiplier = 1};
+		.X = {.R = ROTATION_IDENTITY}, .frame = ROTATION_IDENTITY, .multiplier = {1, 1, 0}};
 }
 
 /* What a joint that is held adds to its placement, in its URDF frame: frame (motion about or along its axis) frame^T. */
-static struct placement held_motion(const struct joint *j, const real *q)
+static struct placement held_motion(const struct joint *j, const struct within *q)
 {
 	struct body k = {.type = j->type};
 	struct placement X = {.R = ROTATION_IDENTITY}, turned = {.R = ROTATION_IDENTITY}, back;
@@ -159,9 +166,9 @@ static struct placement held_motion(const struct joint *j, const real *q)
 		return X;
 	}
 	if (j->type == JOINT_PRISMATIC)
-		X.p[k.axis] = k.sign * q[0];
+		X.p[k.axis] = along(&k, q[0]);
 	else if (j->type != JOINT_PLANAR)
-		X.R = rotation_about(k.axis, k.sign * q[0]);
+		X.R = rotation_about(k.axis, along(&k, q[0]));
 	else
 		X = (struct placement){rotation_about(2, q[2]), {q[0], q[1]}};
 	turned.R = k.frame;
@@ -176,10 +183,10 @@ static int is_kept(const struct builder *b, int joint)
 	return b->t->adjust.kept && b->t->adjust.kept[joint];
 }
 
-static int is_zero(const struct joint *j, const real *q)
+static int is_zero(const struct joint *j, const struct within *q)
 {
 	for (int i = 0; i < joint_nq(j->type); i++)
-		if (q[i] != (j->type == JOINT_FLOATING && i == 6 ? 1 : 0))
+		if (q[i].x != (j->type == JOINT_FLOATING && i == 6 ? 1 : 0))
 			return 0;
 	return 1;
 }
@@ -260,7 +267,7 @@ static void list_cut(struct builder *b)
 	for (int i = 0; i < b->r->link_count; i++)
 		if (!b->visited[i]) {
 			c->links[c->link_count++] = b->r->links[i].name;
-			c->mass += (real)b->r->links[i].mass;
+			c->mass += b->r->links[i].mass.x;
 		}
 	for (int j = 0; j < b->r->joint_count; j++)
 		if (b->r->joints[j].type != JOINT_FIXED && !(b->visited[b->r->joints[j].child] && b->visited[b->r->joints[j].parent]))
@@ -293,7 +300,7 @@ static enum rneagen_code allocate(struct builder *b)
 	return a->failed ? error_memory(b->e) : RNEAGEN_OK;
 }
 
-static void list_angle(struct tree *t, const char *what, const char *name, const double rpy[3])
+static void list_angle(struct tree *t, const char *what, const char *name, const struct within rpy[3])
 {
 	double off = adjust_off_rpy(rpy, t->adjust.snap > ADJUST_NEARLY ? t->adjust.snap : ADJUST_NEARLY);
 
@@ -322,9 +329,9 @@ static void list_ignored(struct builder *b)
 
 		if (b->body_of_joint[i] < 0)
 			continue;
-		if (damping && j->has_dynamics && j->damping != 0)
+		if (damping && j->has_dynamics && j->damping.x != 0)
 			x->damping[x->damping_count++] = j->name;
-		if (friction && j->has_dynamics && j->friction != 0)
+		if (friction && j->has_dynamics && j->friction.x != 0)
 			x->friction[x->friction_count++] = j->name;
 		if (j->has_limits)
 			x->limits[x->limit_count++] = j->name;
@@ -356,7 +363,7 @@ enum rneagen_code tree_build_adjusted(struct tree *t, const struct robot *r, con
 
 	*t = (struct tree){.source = r, .robot = r->name, .floating = o->base == RNEAGEN_FLOATING};
 	for (int i = 0; i < 3; i++)
-		t->gravity[i] = o->gravity[i];
+		t->gravity[i] = within_double(o->gravity[i]);
 	if (scene_read(&t->scene, o->scene, o->file ? o->file : "<input>", a, e) || scene_expand(&t->scene, r, a, e) ||
 		adjust_read(&t->adjust, &t->scene, e) || cut_make(&b.cut, &t->scene, r, o, a, e) ||
 		allocate(&b))

@@ -20,14 +20,14 @@ struct body {
 	const char *joint;     /* "" for the floating base */
 	int parent;            /* body index, smaller than the body's own; -1: the world */
 	enum joint_type type;  /* fixed: held, and not merged */
-	real turn;             /* of a fixed one about its axis, not in X */
+	struct within turn;    /* of a fixed one about its axis, not in X */
 	int axis, sign;        /* revolute, continuous, prismatic, planar: coordinate axis, and +1 or -1 along it */
 	struct placement X;    /* the joint's frame at q = 0 in the parent body's frame (the world: root link's frame) */
 	struct rotation frame; /* x_urdf = frame x_body */
 	struct inertia inertia; /* in the body frame, of the link and all that is fixed to it */
 	int iq, iv;            /* first row in q, and in qd, qdd and tau; a follower has its driver's */
 	int follower;          /* q_body = multiplier q_driver (+ an offset, which is part of X) */
-	real multiplier;       /* 1 if not a follower */
+	struct within multiplier; /* 1 if not a follower */
 };
 
 /* A joint with entries in q, in order of iq. */
@@ -40,14 +40,14 @@ struct tree_joint {
 struct tree_mimic {
 	const char *name, *driver;
 	int body;
-	real multiplier, offset; /* chains resolved: driver has entries in q */
+	struct within multiplier, offset; /* chains resolved: driver has entries in q */
 };
 
 /* A joint that the scene holds: fixed at q = value. */
 struct tree_held {
 	const char *name, *why; /* why: the scene's word, or "mimic" where the joint that it follows is held */
 	enum joint_type type;
-	const real *value; /* joint_nq(type) numbers */
+	const struct within *value; /* joint_nq(type) numbers */
 	int joint;         /* of the robot */
 	int beyond;        /* its limits */
 };
@@ -90,7 +90,7 @@ struct tree {
 	struct tree_mimic *mimics;
 	int mimic_count;
 	int nq, nv, floating;
-	real gravity[3];
+	struct within gravity[3];
 	struct scene scene;
 	struct tree_held *held;
 	int held_count;

@@ -24,7 +24,7 @@ static int is_world(const char *name)
 
 static int has_mass(const struct link *l)
 {
-	return l->has_inertial && l->mass != 0;
+	return l->has_inertial && l->mass.x != 0;
 }
 
 /* Does a link float with the base, by joints that are fixed or held? */
@@ -79,13 +79,13 @@ void tree_warn(const struct tree *t, struct robot *r, const char *file, struct a
 	for (int i = 0; i < t->held_count; i++)
 		if (t->held[i].beyond)
 			robot_warn(r, a, "%s: joint '%s' is held at %.9Lg, outside of its limits (%s)", file, t->held[i].name,
-				t->held[i].value[0], t->held[i].why);
+				t->held[i].value[0].x, t->held[i].why);
 }
 
 void tree_dump(const struct tree *t, struct text *out)
 {
 	text_printf(out, "tree \"%s\": root link \"%s\", nb %d, nq %d, nv %d, gravity %.17Lg %.17Lg %.17Lg\n", t->robot,
-		t->root, t->body_count, t->nq, t->nv, t->gravity[0], t->gravity[1], t->gravity[2]);
+		t->root, t->body_count, t->nq, t->nv, t->gravity[0].x, t->gravity[1].x, t->gravity[2].x);
 	for (int i = 0; i < t->body_count; i++) {
 		const struct body *k = &t->bodies[i];
 		const struct inertia *I = &k->inertia;
@@ -94,14 +94,14 @@ void tree_dump(const struct tree *t, struct text *out)
 			k->joint, joint_type_name(k->type), k->parent < 0 ? -1 : t->bodies[k->parent].number,
 			k->sign < 0 ? '-' : '+', "xyz"[k->axis], k->iq, k->iv);
 		if (k->follower)
-			text_printf(out, " follower multiplier %.17Lg", k->multiplier);
-		if (k->turn != 0)
-			text_printf(out, " turn %.17Lg", k->turn);
-		text_printf(out, "\n  p %.17Lg %.17Lg %.17Lg\n", k->X.p[0], k->X.p[1], k->X.p[2]);
+			text_printf(out, " follower multiplier %.17Lg", k->multiplier.x);
+		if (k->turn.x != 0)
+			text_printf(out, " turn %.17Lg", k->turn.x);
+		text_printf(out, "\n  p %.17Lg %.17Lg %.17Lg\n", k->X.p[0].x, k->X.p[1].x, k->X.p[2].x);
 		for (int row = 0; row < 3; row++)
-			text_printf(out, "  R %.17Lg %.17Lg %.17Lg\n", k->X.R.m[row][0], k->X.R.m[row][1], k->X.R.m[row][2]);
-		text_printf(out, "  mass %.17Lg h %.17Lg %.17Lg %.17Lg\n", I->mass, I->h[0], I->h[1], I->h[2]);
-		text_printf(out, "  I xx %.17Lg xy %.17Lg xz %.17Lg yy %.17Lg yz %.17Lg zz %.17Lg\n", I->I[0], I->I[1],
-			I->I[2], I->I[3], I->I[4], I->I[5]);
+			text_printf(out, "  R %.17Lg %.17Lg %.17Lg\n", k->X.R.m[row][0].x, k->X.R.m[row][1].x, k->X.R.m[row][2].x);
+		text_printf(out, "  mass %.17Lg h %.17Lg %.17Lg %.17Lg\n", I->mass.x, I->h[0].x, I->h[1].x, I->h[2].x);
+		text_printf(out, "  I xx %.17Lg xy %.17Lg xz %.17Lg yy %.17Lg yz %.17Lg zz %.17Lg\n", I->I[0].x, I->I[1].x,
+			I->I[2].x, I->I[3].x, I->I[4].x, I->I[5].x);
 	}
 }

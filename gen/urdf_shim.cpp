@@ -82,11 +82,18 @@ private:
 	}
 };
 
-void put(double out[3], const urdf::Vector3 &v)
+/* What was read of the decimal stays, unless urdfdom has another number. */
+void put(struct within &out, double x)
 {
-	out[0] = v.x;
-	out[1] = v.y;
-	out[2] = v.z;
+	if (out.x != static_cast<real>(x))
+		out = within_exact(x);
+}
+
+void put(struct within out[3], const urdf::Vector3 &v)
+{
+	put(out[0], v.x);
+	put(out[1], v.y);
+	put(out[2], v.z);
 }
 
 void fill_link(struct link &l, const urdf::Link &from)
@@ -97,10 +104,10 @@ void fill_link(struct link &l, const urdf::Link &from)
 	const double inertia[] = {i.ixx, i.ixy, i.ixz, i.iyy, i.iyz, i.izz};
 
 	l.has_inertial = 1;
-	l.mass = i.mass;
+	put(l.mass, i.mass);
 	put(l.com, i.origin.position);
 	for (int k = 0; k < 6; k++)
-		l.inertia[k] = inertia[k];
+		put(l.inertia[k], inertia[k]);
 }
 
 void fill_joint(struct joint &j, const urdf::Joint &from)
@@ -116,12 +123,12 @@ void fill_joint(struct joint &j, const urdf::Joint &from)
 	}
 	if (from.dynamics) {
 		j.has_dynamics = 1;
-		j.damping = from.dynamics->damping;
-		j.friction = from.dynamics->friction;
+		put(j.damping, from.dynamics->damping);
+		put(j.friction, from.dynamics->friction);
 	}
 	if (from.mimic) {
-		j.multiplier = from.mimic->multiplier;
-		j.offset = from.mimic->offset;
+		put(j.multiplier, from.mimic->multiplier);
+		put(j.offset, from.mimic->offset);
 	}
 }
 

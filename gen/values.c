@@ -1,6 +1,16 @@
 #include "number.h"
 #include "walk.h"
+#include <stddef.h>
 #include <string.h>
+
+/* An attribute, and where its numbers go in the open link or joint; 0: nowhere. */
+struct kept {
+	const char *name;
+	size_t at;
+};
+
+#define IN_LINK(field) offsetof(struct link, field)
+#define IN_JOINT(field) offsetof(struct joint, field)
 
 /* The elements whose values matter. Each attribute holds `width` numbers; the first `required` must be there, or, if that
    is ANY, one of them. */
@@ -8,24 +18,27 @@ struct rule {
 	enum place place;
 	const char *element;
 	int width, required;
-	const char *attributes[7];
+	struct kept attributes[7];
 };
 
 enum { ANY = -1 };
 
 static const struct rule rules[] = {
-	{INERTIAL, "origin", 3, 0, {"xyz", "rpy"}},
-	{INERTIAL, "mass", 1, 1, {"value"}},
-	{INERTIAL, "inertia", 1, 6, {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}},
-	{JOINT, "origin", 3, 0, {"xyz", "rpy"}},
-	{JOINT, "axis", 3, 0, {"xyz"}},
-	{JOINT, "limit", 1, 2, {"effort", "velocity", "lower", "upper"}},
-	{JOINT, "dynamics", 1, ANY, {"damping", "friction"}},
-	{JOINT, "mimic", 1, 0, {"multiplier", "offset"}},
-	{JOINT, "parent", 1, 0, {0}},
-	{JOINT, "child", 1, 0, {0}},
-	{JOINT, "safety_controller", 1, 1, {"k_velocity", "k_position", "soft_lower_limit", "soft_upper_limit"}},
-	{JOINT, "calibration", 1, 0, {"rising", "falling"}},
+	{INERTIAL, "origin", 3, 0, {{"xyz", IN_LINK(com)}, {"rpy", IN_LINK(com_rpy)}}},
+	{INERTIAL, "mass", 1, 1, {{"value", IN_LINK(mass)}}},
+	{INERTIAL, "inertia", 1, 6,
+		{{"ixx", IN_LINK(inertia[0])}, {"ixy", IN_LINK(inertia[1])}, {"ixz", IN_LINK(inertia[2])}, {"iyy", IN_LINK(inertia[3])},
+			{"iyz", IN_LINK(inertia[4])}, {"izz", IN_LINK(inertia[5])}}},
+	{JOINT, "origin", 3, 0, {{"xyz", IN_JOINT(xyz)}, {"rpy", IN_JOINT(rpy)}}},
+	{JOINT, "axis", 3, 0, {{"xyz", IN_JOINT(axis)}}},
+	{JOINT, "limit", 1, 2, {{"effort", 0}, {"velocity", 0}, {"lower", 0}, {"upper", 0}}},
+	{JOINT, "dynamics", 1, ANY, {{"damping", IN_JOINT(damping)}, {"friction", IN_JOINT(friction)}}},
+	{JOINT, "mimic", 1, 0, {{"multiplier", IN_JOINT(multiplier)}, {"offset", IN_JOINT(offset)}}},
+	{JOINT, "parent", 1, 0, {{0}}},
+	{JOINT, "child", 1, 0, {{0}}},
+	{JOINT, "safety_controller", 1, 1,
+		{{"k_velocity", 0}, {"k_position", 0}, {"soft_lower_limit", 0}, {"soft_upper_limit", 0}}},
+	{JOINT, "calibration", 1, 0, {{"rising", 0}, {"falling", 0}}},
 };
 
 enum { RULE_COUNT = sizeof rules / sizeof *rules };
@@ -81,11 +94,11 @@ static void read_numbers(struct walk *w, const struct rule *rule, const char *co
 {
 	int count = 0;
 
-	for (int i = 0; rule->attributes[i]; i++) {
-		const char *name = rule->attributes[i];
+	for (int i = 0; rule->attributes[i].name; i++) {
+		const char *name = rule->attributes[i].name;
 		const char *value = values_attribute(attributes, name);
 		enum number_fault fault;
-		double v[3];
+		struct within v[3];
 
 		if (!value && i < rule->required)
 			walk_fail(w, RNEAGEN_URDF, "%s '%s': <%s> has no %s; add it", w->owner, w->owner_name,
@@ -97,12 +110,12 @@ static void read_numbers(struct walk *w, const struct rule *rule, const char *co
 		if (fault)
 			walk_fail(w, RNEAGEN_NUMBER, "%s '%s': <%s> %s=\"%.100s\" %s", w->owner, w->owner_name, rule->element, name,
 				value, describe(fault, rule->width));
-		else if (!strcmp(name, "rpy"))
-			memcpy(w->rpy, v, sizeof v);
+		else if (rule->attributes[i].at)
+			memcpy(w->numbers + rule->attributes[i].at, v, (size_t)rule->width * sizeof *v);
 	}
 	if (rule->required == ANY && !count)
 		walk_fail(w, RNEAGEN_URDF, "%s '%s': <%s> has neither %s nor %s; add one, or remove it", w->owner, w->owner_name,
-			rule->element, rule->attributes[0], rule->attributes[1]);
+			rule->element, rule->attributes[0].name, rule->attributes[1].name);
 }
 
 static void refuse_odd_vectors(struct walk *w, const char *element, const char *const *attributes)

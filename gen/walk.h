@@ -17,7 +17,7 @@ struct walk {
 	int depth;
 	enum place places[LIMIT_XML_DEPTH + 1]; /* of the open elements; places[0] is the document */
 	const char *owner, *owner_name;         /* "robot", "link" or "joint", and its name, for messages */
-	double *rpy;                            /* where the angles of the open inertial or joint go */
+	char *numbers;                          /* the open link or joint of the robot, into which they go */
 	unsigned seen, twice;                   /* children of the open inertial or joint: bits, by row of the rules */
 	int inertials;                          /* in the open link */
 };

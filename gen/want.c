@@ -177,7 +177,7 @@ static void run_main(struct build *b, struct joint_inputs in)
 static int is_zero(const struct row *rows, int count)
 {
 	for (int i = 0; i < count; i++)
-		if (!rows[i].is_given || rows[i].value != 0)
+		if (!rows[i].is_given || rows[i].value.x != 0)
 			return 0;
 	return 1;
 }
@@ -225,7 +225,7 @@ static void build(struct dag *d, const struct tree *t, const struct trial *x)
 	}
 	dag_section(d, SECTION_FREED, 0);
 	for (int i = 0; i < 3; i++)
-		b.gravity[i] = dag_const(d, t->gravity[i]);
+		b.gravity[i] = dag_within(d, t->gravity[i]);
 	in = (struct joint_inputs){.q = source(d, 0, b.k->q, t->nq, x->is_read[0]), .offset = b.offset};
 	in.qd = source(d, 1, b.k->qd, t->nv, x->is_read[1]);
 	in.qdd = source(d, 2, b.k->qdd, t->nv, x->is_read[2]);

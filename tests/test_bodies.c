@@ -1,5 +1,6 @@
 /* The numbers of the tree: axes and their frames, placements, offsets of followers, and inertias that were merged. */
 #define _POSIX_C_SOURCE 200809L
+#include "plain.h"
 #include "random_robot.h"
 #include "read.h"
 #include "suite.h"
@@ -33,13 +34,17 @@ static void check_close(real got, real want, real tolerance, const char *what)
 	ck_assert_msg(fabsl(got - want) <= tolerance, "%s: %.20Lg, not %.20Lg", what, got, want);
 }
 
-static void check_inertia(const struct inertia *got, const struct inertia *want, const char *what)
+struct plain_inertia {
+	real mass, h[3], I[6];
+};
+
+static void check_inertia(const struct inertia *got, const struct plain_inertia *want, const char *what)
 {
-	check_close(got->mass, want->mass, 1e-15L, what);
+	check_close(got->mass.x, want->mass, 1e-15L, what);
 	for (int i = 0; i < 3; i++)
-		check_close(got->h[i], want->h[i], 1e-15L, what);
+		check_close(got->h[i].x, want->h[i], 1e-15L, what);
 	for (int i = 0; i < 6; i++)
-		check_close(got->I[i], want->I[i], 1e-15L, what);
+		check_close(got->I[i].x, want->I[i], 1e-15L, what);
 }
 
 /* ---- axes ---- */
@@ -73,7 +78,7 @@ START_TEST(axis_of)
 		ck_assert_int_eq(k->sign, a->sign);
 		ck_assert_int_eq(!rotation_is_identity(&k->frame), a->turned);
 		for (int e = 0; e < 3; e++)
-			check_close(k->frame.m[e][k->axis] * k->sign, a->n[e], 1e-15L, a->xyz);
+			check_close(k->frame.m[e][k->axis].x * k->sign, a->n[e], 1e-15L, a->xyz);
 		read_free(&p.from);
 	}
 }
@@ -83,17 +88,20 @@ END_TEST
 START_TEST(axis_of_planar)
 {
 	const struct axis *a = &axes[_i];
-	struct rotation want = rotation_shortest(a->n);
+	struct rotation want;
+	struct within n[3];
 	char urdf[2048];
 	struct planted p;
 	const struct body *k;
 
 	snprintf(urdf, sizeof urdf, ROBOT("r", BALL("base") BALL("l") JOINT("j", "planar", "base", "l", AXIS("%s"))), a->xyz);
 	plant(&p, urdf, RNEAGEN_FIXED, RNEAGEN_MIMIC_HONOUR);
+	exact(n, a->n, 3);
+	want = rotation_shortest(n);
 	k = &p.t.bodies[0];
 	ck_assert(k->axis == 2 && k->sign == 1);
 	for (int e = 0; e < 9; e++)
-		check_close(k->frame.m[e / 3][e % 3], want.m[e / 3][e % 3], 1e-15L, a->xyz);
+		check_close(k->frame.m[e / 3][e % 3].x, want.m[e / 3][e % 3].x, 1e-15L, a->xyz);
 	read_free(&p.from);
 }
 END_TEST
@@ -143,9 +151,9 @@ static void check_zero_pose(const struct planted *p, uint64_t seed)
 
 		snprintf(what, sizeof what, "seed %llu, body %d", (unsigned long long)seed, k->number);
 		for (int e = 0; e < 3; e++)
-			check_close(body.p[e], link.p[e], 1e-13L, what);
+			check_close(body.p[e].x, link.p[e].x, 1e-13L, what);
 		for (int e = 0; e < 9; e++)
-			check_close(body.R.m[e / 3][e % 3], want.m[e / 3][e % 3], 1e-13L, what);
+			check_close(body.R.m[e / 3][e % 3].x, want.m[e / 3][e % 3].x, 1e-13L, what);
 	}
 }
 
@@ -167,18 +175,20 @@ static struct inertia whole_robot(const struct robot *r)
 /* A body's inertia about its origin goes to the root's frame as one about the centre of mass; 0 mass: as it is. */
 static void add_body(struct inertia_sum *s, const struct inertia *I, const struct placement *at)
 {
-	double com[3] = {0}, about[6];
-	static const double straight[3] = {0};
-	real c[3] = {0};
+	static const struct within straight[3] = {0};
+	struct within com[3] = {0}, about[6];
+	real c[3] = {0}, sum;
 
-	if (I->mass > 0)
+	if (I->mass.x > 0)
 		for (int i = 0; i < 3; i++)
-			com[i] = (double)(c[i] = I->h[i] / I->mass);
+			com[i] = within_exact((real)(double)(c[i] = I->h[i].x / I->mass.x));
 	for (int i = 0; i < 3; i++)
-		for (int j = i; j < 3; j++)
-			about[inertia_index(i, j)] = (double)(I->I[inertia_index(i, j)] -
-				I->mass * ((i == j ? c[0] * c[0] + c[1] * c[1] + c[2] * c[2] : 0) - c[i] * c[j]));
-	inertia_add(s, at, (double)I->mass, com, straight, about);
+		for (int j = i; j < 3; j++) {
+			sum = I->I[inertia_index(i, j)].x -
+			      I->mass.x * ((i == j ? c[0] * c[0] + c[1] * c[1] + c[2] * c[2] : 0) - c[i] * c[j]);
+			about[inertia_index(i, j)] = within_exact((real)(double)sum);
+		}
+	inertia_add(s, at, within_exact((real)(double)I->mass.x), com, straight, about);
 }
 
 static void check_whole(const struct planted *p, uint64_t seed)
@@ -196,11 +206,11 @@ static void check_whole(const struct planted *p, uint64_t seed)
 	}
 	got = inertia_total(&s);
 	snprintf(what, sizeof what, "seed %llu, whole robot", (unsigned long long)seed);
-	check_close(got.mass, want.mass, 1e-13L * want.mass, what);
+	check_close(got.mass.x, want.mass.x, 1e-13L * want.mass.x, what);
 	for (int i = 0; i < 3; i++)
-		check_close(got.h[i], want.h[i], 1e-12L * (want.mass + 1), what);
+		check_close(got.h[i].x, want.h[i].x, 1e-12L * (want.mass.x + 1), what);
 	for (int i = 0; i < 6; i++)
-		check_close(got.I[i], want.I[i], 1e-11L * (want.I[0] + want.I[3] + want.I[5] + 1), what);
+		check_close(got.I[i].x, want.I[i].x, 1e-11L * (want.I[0].x + want.I[3].x + want.I[5].x + 1), what);
 }
 
 START_TEST(random_trees_at_zero)
@@ -231,18 +241,20 @@ START_TEST(offsets_are_placed)
 				JOINT("skew", "prismatic", "c", "d", ORIGIN("0 0 1", "0 0 0") AXIS("3 0 4") MIMIC("slide", "1", "1")));
 	struct placement at;
 	struct planted p;
+	real shift[3];
 
 	plant(&p, urdf, RNEAGEN_FIXED, RNEAGEN_MIMIC_HONOUR);
-	ck_assert(p.t.bodies[1].X.p[0] == 1 && p.t.bodies[1].X.p[1] == 1.5L && p.t.bodies[1].X.p[2] == 3);
+	plain(shift, p.t.bodies[1].X.p, 3);
+	ck_assert(shift[0] == 1 && shift[1] == 1.5L && shift[2] == 3);
 	ck_assert(rotation_is_identity(&p.t.bodies[1].X.R));
 	/* -z by +pi/2 is z by -pi/2, exactly */
-	ck_assert(p.t.bodies[2].X.R.m[0][1] == 1 && p.t.bodies[2].X.R.m[1][0] == -1 && p.t.bodies[2].X.R.m[0][0] == 0);
+	ck_assert(p.t.bodies[2].X.R.m[0][1].x == 1 && p.t.bodies[2].X.R.m[1][0].x == -1 && p.t.bodies[2].X.R.m[0][0].x == 0);
 	ck_assert_str_eq(p.t.bodies[3].joint, "skew");
-	ck_assert(p.t.bodies[3].multiplier == 2);
-	check_close(p.t.bodies[3].X.p[0], 0.6L * 1.5L, 1e-18L, "skew x");
-	check_close(p.t.bodies[3].X.p[2], 1 + 0.8L * 1.5L, 1e-18L, "skew z");
+	ck_assert(p.t.bodies[3].multiplier.x == 2);
+	check_close(p.t.bodies[3].X.p[0].x, 0.6L * 1.5L, 1e-18L, "skew x");
+	check_close(p.t.bodies[3].X.p[2].x, 1 + 0.8L * 1.5L, 1e-18L, "skew z");
 	at = body_at(&p.t, 3);
-	check_close(at.p[1], 1.5L - 0.9L, 1e-18L, "all, y");
+	check_close(at.p[1].x, 1.5L - 0.9L, 1e-18L, "all, y");
 	read_free(&p.from);
 }
 END_TEST
@@ -261,9 +273,9 @@ static const char merged[] = ROBOT("r", POINT("base", "7", "1 0 0") POINT("shelf
 START_TEST(fixed_joints_are_merged)
 {
 	/* base 7 at (1,0,0), shelf 2 at (0,-1,4) */
-	static const struct inertia root = {9, {7, -2, 8}, {2 * 17, 0, 0, 7 + 2 * 16, 2 * 4, 7 + 2 * 1}};
+	static const struct plain_inertia root = {9, {7, -2, 8}, {2 * 17, 0, 0, 7 + 2 * 16, 2 * 4, 7 + 2 * 1}};
 	/* arm 3 at (1,0,0); hand 5 at (-2,0,1); tool 1 at (-1,0,1), its axes turned by pi: xz and yz change sign */
-	static const struct inertia moving = {9, {3 - 10 - 1, 0, 5 + 1},
+	static const struct plain_inertia moving = {9, {3 - 10 - 1, 0, 5 + 1},
 		{5 + 1 + 1, 0.1L, 10 + 1 - 0.2L, 3 + 25 + 2 + 2, -0.3L, 3 + 20 + 1 + 3}};
 	struct planted p;
 
@@ -277,7 +289,7 @@ START_TEST(fixed_joints_are_merged)
 	ck_assert_int_eq(p.t.body_count, 2);
 	ck_assert_str_eq(p.t.bodies[0].link, "base");
 	ck_assert_str_eq(p.t.bodies[0].joint, "");
-	ck_assert(p.t.fixed.mass == 0);
+	ck_assert(p.t.fixed.mass.x == 0);
 	check_inertia(&p.t.bodies[0].inertia, &root, "base");
 	check_inertia(&p.t.bodies[1].inertia, &moving, "arm");
 	read_free(&p.from);
@@ -290,9 +302,9 @@ START_TEST(massless)
 
 	plant(&p, ROBOT("r", BARE("base") BARE("l") JOINT("j", "revolute", "base", "l", "")), RNEAGEN_FLOATING, RNEAGEN_MIMIC_HONOUR);
 	for (int k = 0; k < 2; k++) {
-		ck_assert(p.t.bodies[k].inertia.mass == 0);
+		ck_assert(p.t.bodies[k].inertia.mass.x == 0);
 		for (int i = 0; i < 6; i++)
-			ck_assert(p.t.bodies[k].inertia.I[i] == 0 && p.t.bodies[k].inertia.h[i % 3] == 0);
+			ck_assert(p.t.bodies[k].inertia.I[i].x == 0 && p.t.bodies[k].inertia.h[i % 3].x == 0);
 	}
 	read_free(&p.from);
 }

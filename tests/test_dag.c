@@ -304,6 +304,50 @@ START_TEST(too_many_arguments_fail)
 }
 END_TEST
 
+/* ---- numbers that are not exactly their value ---- */
+
+static struct within numbered(struct ref r)
+{
+	return dag_number(&dag, &dag.nodes[r.i]);
+}
+
+/* Of two that may be the same, that which is known better; two that cannot be are two. */
+START_TEST(what_may_be_the_same_is)
+{
+	const struct within coarse = {0.1L, 0.1L, 1e-12L}, fine = {0.1L, 0.1L + 1e-14L, 1e-15L}, other = {0.1L, 0.1L + 1e-9L, 1e-15L};
+	struct ref a = dag_within(&dag, coarse);
+	size_t count = dag.count;
+
+	ck_assert(numbered(a).e == coarse.e);
+	ck_assert(ref_equal(dag_within(&dag, fine), a) && numbered(a).near == fine.near && numbered(a).e == fine.e);
+	ck_assert(ref_equal(dag_within(&dag, coarse), a) && numbered(a).e == fine.e);
+	ck_assert(dag.count == count);
+	ck_assert(!ref_equal(dag_within(&dag, other), a) && numbered(a).e == fine.e && dag.count == count + 1);
+	ck_assert(ref_equal(dag_within(&dag, other), dag_within(&dag, other)) && !ref_equal(dag_const(&dag, 0.1L), a));
+	for (int i = 0; i < 5000; i++) /* the table grows */
+		dag_const(&dag, 2 + i);
+	count = dag.count;
+	ck_assert(ref_equal(dag_within(&dag, fine), a) && !ref_equal(dag_within(&dag, other), a) && dag.count == count);
+}
+END_TEST
+
+/* Folding carries what its operands are off; taken for zero is zero; a factor that cannot be one stays. */
+START_TEST(folding_carries_errors)
+{
+	const struct within tenth = {0.1L, 0.1L, 1e-20L}, fifth = {0.23L, 0.23L, 2e-20L}, almost = {1, 1 + 1e-17L, 1e-19L}, one = {1, 1, 1e-19L};
+	struct ref x = dag_input(&dag, 0, 0), a = dag_within(&dag, tenth), b = dag_within(&dag, fifth);
+
+	ck_assert(numbered(dag_add(&dag, a, b)).e >= 3e-20L && numbered(dag_sub(&dag, b, a)).e >= 3e-20L);
+	ck_assert(numbered(dag_mul(&dag, a, b)).e >= 4e-21L && numbered(dag_neg(&dag, b)).e == numbered(b).e);
+	ck_assert(numbered(dag_div(&dag, a, b)).e >= 8e-20L && numbered(dag_sqrt(&dag, b)).e > 2e-20L);
+	ck_assert(numbered(dag_sin(&dag, a)).e >= 1e-20L && numbered(dag_cos(&dag, a)).e > 0);
+	ck_assert(numbered(dag_sub(&dag, a, a)).e == 0 && numbered(dag_within(&dag, (struct within){0, 1e-30L, 1e-30L})).e == 0);
+	ck_assert(numbered(dag.nodes[dag_mul(&dag, b, dag_mul(&dag, b, x)).i].arg[0]).e >= 8e-21L);
+	ck_assert(ref_equal(dag_mul(&dag, dag_within(&dag, one), x), x));
+	ck_assert(!ref_equal(dag_mul(&dag, dag_within(&dag, almost), x), x));
+}
+END_TEST
+
 int main(void)
 {
 	Suite *suite = suite_create("dag");
@@ -323,6 +367,8 @@ int main(void)
 	tcase_add_test(c, dump_is_readable);
 	tcase_add_test(c, too_many_nodes_fail);
 	tcase_add_test(c, too_many_arguments_fail);
+	tcase_add_test(c, what_may_be_the_same_is);
+	tcase_add_test(c, folding_carries_errors);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);
 }

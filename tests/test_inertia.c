@@ -1,5 +1,5 @@
 /* Sums of inertias: the parallel axis theorem against masses added one by one, and what is taken for zero. */
-#include "spatial.h"
+#include "plain.h"
 #include "rng.h"
 #include "suite.h"
 #include <math.h>
@@ -19,7 +19,7 @@ struct cloud {
 
 static void cloud_inertia(struct cloud *c, const real com[3])
 {
-	struct rotation R = rotation_rpy(c->rpy), T = rotation_transpose(&R);
+	struct rotation R = exact_rpy(c->rpy), T = rotation_transpose(&R);
 	real I[6] = {0};
 
 	for (int n = 0; n < POINTS; n++) {
@@ -27,7 +27,7 @@ static void cloud_inertia(struct cloud *c, const real com[3])
 
 		for (int i = 0; i < 3; i++)
 			r[i] = (real)c->points[n].at[i] - com[i];
-		rotation_apply(&T, r, r);
+		turned(&T, r, r);
 		for (int i = 0; i < 3; i++)
 			for (int j = i; j < 3; j++)
 				I[inertia_index(i, j)] += (real)c->points[n].mass *
@@ -40,11 +40,11 @@ static void cloud_inertia(struct cloud *c, const real com[3])
 static struct cloud cloud_new(struct rng *rng)
 {
 	double rpy[3] = {rng_uniform(rng, -4, 4), rng_uniform(rng, -4, 4), rng_uniform(rng, -4, 4)};
-	struct cloud c = {.X = {.R = rotation_rpy(rpy)}};
+	struct cloud c = {.X = {.R = exact_rpy(rpy)}};
 	real mass = 0, com[3] = {0};
 
 	for (int i = 0; i < 3; i++) {
-		c.X.p[i] = rng_uniform(rng, -1, 1);
+		c.X.p[i] = within_exact((real)rng_uniform(rng, -1, 1));
 		c.rpy[i] = rng_chance(rng, 0.5) ? 0 : rng_uniform(rng, -4, 4);
 	}
 	for (int n = 0; n < POINTS; n++) {
@@ -62,15 +62,41 @@ static struct cloud cloud_new(struct rng *rng)
 	return c;
 }
 
-static void brute_force(struct inertia *t, const struct cloud *c)
+/* What inertia_add takes, as exact numbers. */
+static void add(struct inertia_sum *s, const struct placement *X, double mass, const double com[3], const double rpy[3],
+	const double inertia[6])
+{
+	struct within c[3], angles[3], I[6];
+
+	exact_doubles(c, com, 3);
+	exact_doubles(angles, rpy, 3);
+	exact_doubles(I, inertia, 6);
+	inertia_add(s, X, within_exact((real)mass), c, angles, I);
+}
+
+struct plain_inertia {
+	real mass, h[3], I[6];
+};
+
+static struct plain_inertia total(const struct inertia_sum *s)
+{
+	struct inertia t = inertia_total(s);
+	struct plain_inertia p = {.mass = t.mass.x};
+
+	plain(p.h, t.h, 3);
+	plain(p.I, t.I, 6);
+	return p;
+}
+
+static void brute_force(struct plain_inertia *t, const struct cloud *c)
 {
 	for (int n = 0; n < POINTS; n++) {
 		const struct point *p = &c->points[n];
 		real m = p->mass, r[3] = {p->at[0], p->at[1], p->at[2]};
 
-		rotation_apply(&c->X.R, r, r);
+		turned(&c->X.R, r, r);
 		for (int i = 0; i < 3; i++)
-			r[i] += c->X.p[i];
+			r[i] += c->X.p[i].x;
 		t->mass += m;
 		for (int i = 0; i < 3; i++) {
 			t->h[i] += m * r[i];
@@ -86,15 +112,15 @@ START_TEST(point_masses)
 	for (uint64_t seed = 1; seed <= ROBOTS; seed++) {
 		struct rng rng = rng_seed(seed);
 		struct inertia_sum sum = {0};
-		struct inertia want = {0}, got;
+		struct plain_inertia want = {0}, got;
 
 		for (int n = 0; n < LINKS; n++) {
 			struct cloud c = cloud_new(&rng);
 
-			inertia_add(&sum, &c.X, c.mass, c.com, c.rpy, c.inertia);
+			add(&sum, &c.X, c.mass, c.com, c.rpy, c.inertia);
 			brute_force(&want, &c);
 		}
-		got = inertia_total(&sum);
+		got = total(&sum);
 		ck_assert(fabsl(got.mass - want.mass) < 1e-14L);
 		for (int i = 0; i < 3; i++)
 			ck_assert_msg(fabsl(got.h[i] - want.h[i]) < 1e-14L, "seed %d: h[%d]", (int)seed, i);
@@ -126,8 +152,8 @@ static real sum_of(const double *terms, int count)
 	struct sum s = {0};
 
 	for (int i = 0; i < count; i++)
-		sum_add(&s, terms[i]);
-	return sum_real(s);
+		sum_add(&s, within_exact((real)terms[i]));
+	return sum_total(s).x;
 }
 
 /* Terms, and whether they leave nothing but the rounding of their doubles. */
@@ -155,17 +181,17 @@ START_TEST(tiny_inertias_survive)
 	static const double tiny[6] = {1e-31, 2e-32, 3e-32, 4e-31, -5e-32, 6e-31};
 	const struct placement X = {.R = ROTATION_IDENTITY};
 	struct inertia_sum sum = {0};
-	struct inertia t;
+	struct plain_inertia t;
 
-	inertia_add(&sum, &X, 1e-25, (double[3]){1e-10, 0, 0}, straight, tiny);
-	t = inertia_total(&sum);
+	add(&sum, &X, 1e-25, (double[3]){1e-10, 0, 0}, straight, tiny);
+	t = total(&sum);
 	ck_assert(t.mass == 1e-25 && fabsl(t.h[0] - 1e-35L) < 1e-50L && t.h[1] == 0 && t.h[2] == 0);
 	for (int i = 0; i < 6; i++)
 		ck_assert(fabsl(t.I[i] - tiny[i]) < 1e-44L);
 	/* y and z change places under a quarter turn about x: xx -> xx, xy -> -xz ... */
 	sum = (struct inertia_sum){0};
-	inertia_add(&sum, &X, 0, straight, turned, tiny);
-	t = inertia_total(&sum);
+	add(&sum, &X, 0, straight, turned, tiny);
+	t = total(&sum);
 	ck_assert(t.I[0] == tiny[0] && t.I[1] == -tiny[2] && t.I[2] == tiny[1]);
 	ck_assert(t.I[3] == tiny[5] && t.I[4] == -tiny[4] && t.I[5] == tiny[3]);
 }
@@ -175,17 +201,17 @@ END_TEST
 START_TEST(cancelled_moments_are_zero)
 {
 	static const double none[6] = {0}, straight[3] = {0, 0, 0};
-	const struct placement X = {.R = ROTATION_IDENTITY}, far = {.R = ROTATION_IDENTITY, .p = {0.1L, 0.2L, 0}};
+	const struct placement X = {.R = ROTATION_IDENTITY}, far = {.R = ROTATION_IDENTITY, .p = {within_exact(0.1L), within_exact(0.2L)}};
 	struct inertia_sum sum = {0};
-	struct inertia t;
+	struct plain_inertia t;
 
-	inertia_add(&sum, &X, 3, (double[3]){0.1, 0.2, 0.3}, straight, none);
-	inertia_add(&sum, &X, 1, (double[3]){-0.3, -0.6, 0.3}, straight, none);
-	t = inertia_total(&sum);
+	add(&sum, &X, 3, (double[3]){0.1, 0.2, 0.3}, straight, none);
+	add(&sum, &X, 1, (double[3]){-0.3, -0.6, 0.3}, straight, none);
+	t = total(&sum);
 	ck_assert(t.h[0] == 0 && t.h[1] == 0 && fabsl(t.h[2] - 1.2L) < 1e-15L);
 	sum = (struct inertia_sum){0};
-	inertia_add(&sum, &far, 2, (double[3]){-0.1, -0.2, 0}, straight, none);
-	t = inertia_total(&sum);
+	add(&sum, &far, 2, (double[3]){-0.1, -0.2, 0}, straight, none);
+	t = total(&sum);
 	ck_assert(t.mass == 2);
 	for (int i = 0; i < 3; i++)
 		ck_assert(t.h[i] == 0);

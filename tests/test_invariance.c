@@ -1,5 +1,6 @@
 /* What must change nothing, or only what it says: links split by fixed joints, the order of rows, followers written out.
    On random trees, seeds printed. */
+#include "plain.h"
 #include "suite.h"
 #include "torque.h"
 #include <math.h>
@@ -54,18 +55,18 @@ static void move_inertial(struct link *to, struct link *from, const struct joint
 
 	A = rotation_mul(&T, &C);
 	for (int i = 0; i < 3; i++)
-		c[i] = (real)from->com[i] - (real)j->xyz[i];
-	rotation_apply(&T, c, c);
+		c[i] = from->com[i].x - j->xyz[i].x;
+	turned(&T, c, c);
 	to->has_inertial = 1;
 	to->mass = from->mass;
 	for (int i = 0; i < 3; i++) {
-		to->com[i] = (double)c[i];
+		to->com[i] = within_exact((real)(double)c[i]);
 		for (int k = i; k < 3; k++) {
 			real sum = 0;
 
 			for (int n = 0; n < 9; n++)
-				sum += A.m[i][n / 3] * A.m[k][n % 3] * (real)from->inertia[inertia_index(n / 3, n % 3)];
-			to->inertia[inertia_index(i, k)] = (double)sum;
+				sum += A.m[i][n / 3].x * A.m[k][n % 3].x * from->inertia[inertia_index(n / 3, n % 3)].x;
+			to->inertia[inertia_index(i, k)] = within_exact((real)(double)sum);
 		}
 	}
 	from->has_inertial = 0;
@@ -88,8 +89,8 @@ static struct robot split(const struct robot *r, struct arena *a, struct rng *rn
 			continue;
 		*j = (struct joint){.name = "fixed", .type = JOINT_FIXED, .parent = i, .child = s.link_count, .driver = -1};
 		for (int k = 0; k < 3; k++) {
-			j->xyz[k] = rng_uniform(rng, -0.3, 0.3);
-			j->rpy[k] = rng_chance(rng, 0.5) ? rng_uniform(rng, -3, 3) : 1.5707963267948966 * rng_below(rng, 3);
+			j->xyz[k] = within_exact((real)rng_uniform(rng, -0.3, 0.3));
+			j->rpy[k] = within_exact((real)(rng_chance(rng, 0.5) ? rng_uniform(rng, -3, 3) : 1.5707963267948966 * rng_below(rng, 3)));
 		}
 		s.links[s.link_count] = (struct link){.name = "part", .parent_joint = s.joint_count};
 		move_inertial(&s.links[s.link_count++], &s.links[i], j);
@@ -205,8 +206,8 @@ static real gathered(const struct tree *t, const struct tree_joint *own, int row
 		if (strcmp(m->driver, own->name))
 			continue;
 		iv = joint_named(t, m->name)->iv;
-		sum += m->multiplier * all->tau[iv];
-		*size += fabsl(m->multiplier) * (real)all->size[iv];
+		sum += m->multiplier.x * all->tau[iv];
+		*size += fabsl(m->multiplier.x) * (real)all->size[iv];
 	}
 	return sum;
 }
@@ -218,9 +219,9 @@ static void move_followers(struct pose *to, const struct tree *t)
 		const struct tree_mimic *m = &model.tree.mimics[i];
 		const struct tree_joint *from = joint_named(&model.tree, m->driver), *follower = joint_named(t, m->name);
 
-		to->q[follower->iq] = m->multiplier * pose.q[from->iq] + m->offset;
-		to->qd[follower->iv] = m->multiplier * pose.qd[from->iv];
-		to->qdd[follower->iv] = m->multiplier * pose.qdd[from->iv];
+		to->q[follower->iq] = m->multiplier.x * pose.q[from->iq] + m->offset.x;
+		to->qd[follower->iv] = m->multiplier.x * pose.qd[from->iv];
+		to->qdd[follower->iv] = m->multiplier.x * pose.qdd[from->iv];
 	}
 }
 

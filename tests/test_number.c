@@ -77,7 +77,7 @@ static const struct {
 
 START_TEST(read_as_urdfdom_does)
 {
-	double v[3];
+	struct within v[3];
 
 	for (size_t i = 0; i < sizeof READ / sizeof *READ; i++)
 		ck_assert_msg(number_read(READ[i].s, v, READ[i].count) == READ[i].fault, "'%s'", READ[i].s);

@@ -13,9 +13,9 @@ static void expect_loaded(const struct read *r, size_t warnings)
 	ck_assert_msg(r->robot.warning_count == warnings, "%s", warnings ? "too few" : r->robot.warnings[0]);
 }
 
-static void expect_vector(const double *v, double x, double y, double z)
+static void expect_vector(const struct within *v, double x, double y, double z)
 {
-	ck_assert(v[0] == x && v[1] == y && v[2] == z);
+	ck_assert(v[0].x == (real)x && v[1].x == (real)y && v[2].x == (real)z);
 }
 
 START_TEST(every_number_arrives)
@@ -51,15 +51,19 @@ START_TEST(every_number_arrives)
 	expect_vector(j->rpy, 1.5707963267948966, 0, -3.141592653589793);
 	expect_vector(j->axis, 0, 0, -1);
 	ck_assert(j->has_limits && j->lower == -1 && j->upper == 2 && j->effort == 3 && j->velocity == 4);
-	ck_assert(j->has_dynamics && j->damping == 0.5 && j->friction == 0.25);
-	ck_assert(j->driver == 0 && j->multiplier == -2 && j->offset == 0.125);
+	ck_assert(j->has_dynamics && j->damping.x == 0.5 && j->friction.x == 0.25);
+	ck_assert(j->driver == 0 && j->multiplier.x == -2 && j->offset.x == 0.125);
 	l = &r.robot.links[j->child];
 	ck_assert_int_eq(l->parent_joint, 1);
-	ck_assert(l->has_inertial && l->mass == 4);
+	ck_assert(l->has_inertial && l->mass.x == 4);
 	expect_vector(l->com, 1, 2, 3);
 	expect_vector(l->com_rpy, 0.1, 0.2, 0.3);
 	expect_vector(l->inertia, 1, 0.1, 0.2);
 	expect_vector(l->inertia + 3, 2, 0.3, 2.5);
+	/* decimals, not the doubles nearest to them; half a unit where they are not numbers of the type */
+	ck_assert(l->com_rpy[0].near == 0.1L && l->com_rpy[0].e > 0 && l->com_rpy[0].e < 1e-18L);
+	ck_assert(l->com[2].near == 3 && l->com[2].e == 0 && j->damping.e == 0 && l->inertia[4].near == 0.3L && l->inertia[4].e > 0);
+	ck_assert(j->xyz[1].near == -2e-3L && j->xyz[1].e > 0 && r.robot.joints[0].axis[0].e == 0);
 	read_free(&r);
 }
 END_TEST
@@ -186,7 +190,7 @@ START_TEST(decimal_comma)
 	read_string(&r, ROBOT("<joint name='j' type='planar'>" ENDS("base", "arm") "<axis xyz='0 0.5 0'/></joint>"));
 	expect_loaded(&r, 1);
 	ck_assert_msg(strstr(r.robot.warnings[0], "0.5 long") != NULL, "%s", r.robot.warnings[0]);
-	ck_assert(r.robot.joints[0].axis[1] == 0.5);
+	ck_assert(r.robot.joints[0].axis[1].x == 0.5);
 	text_init(&t, &r.arena);
 	robot_dump(&r.robot, &t);
 	ck_assert_ptr_nonnull(strstr(text_string(&t), "axis 0 0.5 0\n"));

@@ -74,7 +74,7 @@ static void summarise(const struct tree *t, char *s, size_t size)
 	for (int i = 0; i < t->held_count; i++) {
 		n += (size_t)snprintf(s + n, size - n, " %s=", t->held[i].name);
 		for (int k = 0; k < joint_nq(t->held[i].type); k++)
-			n += (size_t)snprintf(s + n, size - n, "%s%Lg", k ? "," : "", t->held[i].value[k]);
+			n += (size_t)snprintf(s + n, size - n, "%s%Lg", k ? "," : "", t->held[i].value[k].x);
 		n += (size_t)snprintf(s + n, size - n, " %s", t->held[i].why);
 	}
 	n += (size_t)snprintf(s + n, size - n, t->held_count ? " |" : "|");
@@ -198,7 +198,7 @@ START_TEST(other_locale)
 		return;
 	}
 	ck_assert_int_eq(build(&r, &t, arm, "lock elbow=0.5"), RNEAGEN_OK);
-	ck_assert(t.held[0].value[0] == 0.5L);
+	ck_assert(t.held[0].value[0].x == 0.5L);
 	read_free(&r);
 	setlocale(LC_ALL, "C");
 }

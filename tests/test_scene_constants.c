@@ -109,17 +109,17 @@ END_TEST
 
 /* ---- digits ---- */
 
-static void check_digits(const real *x, const real *whole, int count, int digits, uint64_t seed)
+static void check_digits(const struct within *x, const struct within *whole, int count, int digits, uint64_t seed)
 {
 	for (int i = 0; i < count; i++) {
 		char text[64];
 		real back;
 
-		snprintf(text, sizeof text, "%.*Le", digits - 1, x[i]);
+		snprintf(text, sizeof text, "%.*Le", digits - 1, x[i].x);
 		back = strtold(text, NULL);
-		ck_assert_msg(back == x[i], "seed %llu: %.20Lg has more than %d digits", (unsigned long long)seed, x[i], digits);
-		ck_assert_msg(fabsl(x[i] - whole[i]) <= 0.5000001L * fabsl(whole[i]) * powl(10, (real)(1 - digits)),
-			"seed %llu: %.20Lg, not near %.20Lg", (unsigned long long)seed, x[i], whole[i]);
+		ck_assert_msg(back == x[i].x, "seed %llu: %.20Lg has more than %d digits", (unsigned long long)seed, x[i].x, digits);
+		ck_assert_msg(fabsl(x[i].x - whole[i].x) <= 0.5000001L * fabsl(whole[i].x) * powl(10, (real)(1 - digits)),
+			"seed %llu: %.20Lg, not near %.20Lg", (unsigned long long)seed, x[i].x, whole[i].x);
 	}
 }
 

@@ -1,5 +1,5 @@
 /* Angles, rotations, placements and inertias of the model's constants. */
-#include "spatial.h"
+#include "plain.h"
 #include "rng.h"
 #include "suite.h"
 #include <math.h>
@@ -39,7 +39,7 @@ static struct rotation random_rotation(struct rng *rng)
 {
 	const double rpy[3] = {rng_uniform(rng, -4, 4), rng_uniform(rng, -4, 4), rng_uniform(rng, -4, 4)};
 
-	return rotation_rpy(rpy);
+	return exact_rpy(rpy);
 }
 
 /* Equal to rounding, or a zero in place of what is no more than the noise of doubles. */
@@ -52,9 +52,9 @@ static void check_element(real got, real want, const char *what)
 
 static void check_rotation(const struct rotation *r, const char *what)
 {
-	const real(*m)[3] = r->m;
-	real determinant = 0;
+	real m[3][3], determinant = 0;
 
+	plain(m[0], r->m[0], 9);
 	for (int i = 0; i < 3; i++) {
 		int j = (i + 1) % 3, k = (i + 2) % 3;
 
@@ -73,7 +73,7 @@ static int zeros(const struct rotation *r)
 	int n = 0;
 
 	for (int i = 0; i < 9; i++)
-		n += r->m[i / 3][i % 3] == 0;
+		n += r->m[i / 3][i % 3].x == 0;
 	return n;
 }
 
@@ -91,12 +91,21 @@ static const struct written {
 	{3.1415926535897, -1}, {0.00478, -1}, {0.7853981633974483, -1}, {1, -1}, {100, -1},
 };
 
+static void sincos_of(real angle, real *s, real *c)
+{
+	struct within sine, cosine;
+
+	angle_sincos(within_exact(angle), &sine, &cosine);
+	*s = sine.x;
+	*c = cosine.x;
+}
+
 START_TEST(angle_as_written)
 {
 	const struct written *w = &written[_i];
 	real s, c, angle = w->angle;
 
-	angle_sincos(angle, &s, &c);
+	sincos_of(angle, &s, &c);
 	ck_assert(s == (w->quarter < 0 ? sinl(angle) : QUARTER_SIN[w->quarter]));
 	ck_assert(c == (w->quarter < 0 ? cosl(angle) : QUARTER_SIN[(w->quarter + 1) % 4]));
 }
@@ -114,10 +123,10 @@ START_TEST(angle_snaps_within_5e_15)
 		for (int sign = -1; sign <= 1; sign += 2) {
 			real s, c, outside = (real)k * PI_HALF + sign * 5.2e-15L;
 
-			angle_sincos((real)k * PI_HALF + sign * 4.8e-15L, &s, &c);
+			sincos_of((real)k * PI_HALF + sign * 4.8e-15L, &s, &c);
 			ck_assert_msg(s == QUARTER_SIN[quarter] && c == QUARTER_SIN[(quarter + 1) % 4], "%ld pi/2: %Lg %Lg",
 				k, s, c);
-			angle_sincos(outside, &s, &c);
+			sincos_of(outside, &s, &c);
 			ck_assert_msg(s == sinl(outside) && c == cosl(outside), "%ld pi/2, outside: %Lg %Lg", k, s, c);
 			ck_assert(s != 0 && c != 0);
 		}
@@ -134,7 +143,7 @@ START_TEST(angle_large_multiples)
 			int quarter = (int)((sign * turns[i] % 4 + 4) % 4);
 			real s, c;
 
-			angle_sincos((real)(sign * turns[i]) * PI_HALF, &s, &c);
+			sincos_of((real)(sign * turns[i]) * PI_HALF, &s, &c);
 			ck_assert_msg(s == QUARTER_SIN[quarter] && c == QUARTER_SIN[(quarter + 1) % 4], "%lld pi/2: %Lg %Lg",
 				sign * turns[i], s, c);
 		}
@@ -146,16 +155,16 @@ END_TEST
 START_TEST(about_an_axis)
 {
 	for (int axis = 0; axis < 3; axis++) {
-		struct rotation r = rotation_about(axis, 0.3L), right = rotation_about(axis, PI_HALF);
+		struct rotation r = rotation_about(axis, within_exact(0.3L)), right = rotation_about(axis, within_exact(PI_HALF));
 		int j = (axis + 1) % 3, k = (axis + 2) % 3;
 		real e[3] = {0, 0, 0}, out[3];
 
 		e[j] = 1;
-		rotation_apply(&r, e, out);
+		turned(&r, e, out);
 		ck_assert(out[axis] == 0 && out[j] == cosl(0.3L) && out[k] == sinl(0.3L));
-		rotation_apply(&right, e, e);
+		turned(&right, e, e);
 		ck_assert(e[axis] == 0 && e[j] == 0 && e[k] == 1);
-		ck_assert(r.m[axis][axis] == 1);
+		ck_assert(r.m[axis][axis].x == 1);
 		check_rotation(&r, "about");
 	}
 }
@@ -172,10 +181,10 @@ START_TEST(rpy_by_formula)
 		     cy = cosl(rpy[2]);
 		const real want[9] = {cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr, sy * cp,
 			sy * sp * sr + cy * cr, sy * sp * cr - cy * sr, -sp, cp * sr, cp * cr};
-		struct rotation r = rotation_rpy(rpy);
+		struct rotation r = exact_rpy(rpy);
 
 		for (int i = 0; i < 9; i++)
-			check_element(r.m[i / 3][i % 3], want[i], "rpy");
+			check_element(r.m[i / 3][i % 3].x, want[i], "rpy");
 		check_rotation(&r, "rpy");
 	}
 }
@@ -187,7 +196,7 @@ START_TEST(rpy_of_right_angles_is_exact)
 
 	for (int n = 0; n < 64; n++) {
 		const double rpy[3] = {angles[n % 4], angles[n / 4 % 4], angles[n / 16]};
-		struct rotation r = rotation_rpy(rpy), t = rotation_transpose(&r), one = rotation_mul(&r, &t);
+		struct rotation r = exact_rpy(rpy), t = rotation_transpose(&r), one = rotation_mul(&r, &t);
 
 		ck_assert_int_eq(zeros(&r), 6);
 		ck_assert(rotation_is_identity(&one));
@@ -200,8 +209,16 @@ END_TEST
 static void check_third_column(const struct rotation *r, const real n[3], const char *what)
 {
 	for (int i = 0; i < 3; i++)
-		check_element(r->m[i][2], n[i], what);
+		check_element(r->m[i][2].x, n[i], what);
 	check_rotation(r, what);
+}
+
+static struct rotation to(struct rotation (*turn)(const struct within n[3]), const real n[3])
+{
+	struct within axis[3];
+
+	exact(axis, n, 3);
+	return turn(axis);
 }
 
 START_TEST(to_axis)
@@ -213,7 +230,7 @@ START_TEST(to_axis)
 		real n[3];
 
 		random_axis(&rng, n);
-		r = rotation_to_axis(n);
+		r = to(rotation_to_axis, n);
 		check_third_column(&r, n, "to axis");
 		ck_assert_int_ge(zeros(&r), 1);
 	}
@@ -222,12 +239,12 @@ START_TEST(to_axis)
 		struct rotation r;
 
 		n[k % 3] = k < 3 ? 1 : -1;
-		r = rotation_to_axis(n);
+		r = to(rotation_to_axis, n);
 		check_third_column(&r, n, "coordinate axis");
 		ck_assert_int_eq(zeros(&r), 6);
 		in_plane[k % 3] = 0;
 		in_plane[(k + 1) % 3] = k < 3 ? 0.8L : -0.8L;
-		r = rotation_to_axis(in_plane);
+		r = to(rotation_to_axis, in_plane);
 		check_third_column(&r, in_plane, "axis in a coordinate plane");
 		ck_assert_int_eq(zeros(&r), 4);
 	}
@@ -237,26 +254,28 @@ END_TEST
 /* Shortest: what is normal to z and n stays where it is. */
 static void check_shortest(const real n[3])
 {
-	struct rotation r = rotation_shortest(n);
+	struct rotation r = to(rotation_shortest, n);
+	real m[3][3];
 
+	plain(m[0], r.m[0], 9);
 	check_third_column(&r, n, "shortest");
-	check_element(r.m[0][0] + r.m[1][1] + r.m[2][2], 1 + 2 * n[2], "shortest: trace");
-	check_element(r.m[0][0] * -n[1] + r.m[0][1] * n[0], -n[1], "shortest: fixed line, x");
-	check_element(r.m[1][0] * -n[1] + r.m[1][1] * n[0], n[0], "shortest: fixed line, y");
+	check_element(m[0][0] + m[1][1] + m[2][2], 1 + 2 * n[2], "shortest: trace");
+	check_element(m[0][0] * -n[1] + m[0][1] * n[0], -n[1], "shortest: fixed line, x");
+	check_element(m[1][0] * -n[1] + m[1][1] * n[0], n[0], "shortest: fixed line, y");
 }
 
 START_TEST(shortest)
 {
 	static const real up[3] = {0, 0, 1}, down[3] = {0, 0, -1};
-	static const struct rotation half_turn = {{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}};
-	struct rotation r = rotation_shortest(up);
+	static const real half_turn[9] = {1, 0, 0, 0, -1, 0, 0, 0, -1};
+	struct rotation r = to(rotation_shortest, up);
 	struct rng rng = rng_seed(13);
 	real n[3];
 
 	ck_assert(rotation_is_identity(&r));
-	r = rotation_shortest(down);
+	r = to(rotation_shortest, down);
 	for (int i = 0; i < 9; i++)
-		ck_assert(r.m[i / 3][i % 3] == half_turn.m[i / 3][i % 3]);
+		ck_assert(r.m[i / 3][i % 3].x == half_turn[i]);
 	for (int k = 0; k < RANDOM; k++) {
 		random_axis(&rng, n);
 		check_shortest(n);
@@ -286,18 +305,18 @@ START_TEST(placements_chain)
 		real y[3], step[3], both[3];
 
 		for (int i = 0; i < 3; i++) {
-			a.p[i] = uniform(&rng, -1, 1);
-			b.p[i] = uniform(&rng, -1, 1);
+			a.p[i] = within_exact(uniform(&rng, -1, 1));
+			b.p[i] = within_exact(uniform(&rng, -1, 1));
 			y[i] = uniform(&rng, -1, 1);
 		}
 		ab = placement_mul(&a, &b);
-		rotation_apply(&b.R, y, step);
+		turned(&b.R, y, step);
 		for (int i = 0; i < 3; i++)
-			step[i] += b.p[i];
-		rotation_apply(&a.R, step, step);
-		rotation_apply(&ab.R, y, both);
+			step[i] += b.p[i].x;
+		turned(&a.R, step, step);
+		turned(&ab.R, y, both);
 		for (int i = 0; i < 3; i++)
-			ck_assert(fabsl(step[i] + a.p[i] - (both[i] + ab.p[i])) <= 2 * SNAPPED);
+			ck_assert(fabsl(step[i] + a.p[i].x - (both[i] + ab.p[i].x)) <= 2 * SNAPPED);
 	}
 }
 END_TEST

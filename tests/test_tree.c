@@ -146,7 +146,7 @@ START_TEST(joints_agree_with_bodies)
 		ck_assert_int_eq(j->type, k->type);
 		ck_assert_int_eq(j->nq, joint_nq(k->type));
 		ck_assert_int_eq(j->nv, joint_nv(k->type));
-		ck_assert(!k->follower && k->multiplier == 1);
+		ck_assert(!k->follower && k->multiplier.x == 1);
 		nq += j->nq;
 		nv += j->nv;
 	}
@@ -180,16 +180,16 @@ START_TEST(mimic_chains_are_resolved)
 	ck_assert_int_eq(t.mimic_count, 2);
 	ck_assert_str_eq(t.mimics[0].name, "a");
 	ck_assert_str_eq(t.mimics[0].driver, "m");
-	ck_assert(t.mimics[0].multiplier == -6 && t.mimics[0].offset == -1.25L);
-	ck_assert(t.bodies[t.mimics[0].body].multiplier == -6);
+	ck_assert(t.mimics[0].multiplier.x == -6 && t.mimics[0].offset.x == -1.25L);
+	ck_assert(t.bodies[t.mimics[0].body].multiplier.x == -6);
 	ck_assert_str_eq(t.mimics[1].name, "p");
 	ck_assert_str_eq(t.mimics[1].driver, "m");
-	ck_assert(t.mimics[1].multiplier == 2 && t.mimics[1].offset == 0.5L);
+	ck_assert(t.mimics[1].multiplier.x == 2 && t.mimics[1].offset.x == 0.5L);
 	o.mimic = RNEAGEN_MIMIC_INDEPENDENT;
 	ck_assert(!tree_build(&t, &from.robot, &o, &from.arena, &from.error));
 	ck_assert_int_eq(t.mimic_count, 0);
 	for (int k = 0; k < t.body_count; k++)
-		ck_assert(t.bodies[k].multiplier == 1 && !t.bodies[k].follower);
+		ck_assert(t.bodies[k].multiplier.x == 1 && !t.bodies[k].follower);
 	read_free(&from);
 }
 END_TEST

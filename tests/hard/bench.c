@@ -11,7 +11,7 @@
 struct trial {
 	double *q, *qd, *qdd;
 	double *tau, *size, *bound; /* in the precision that is measured; S_i; the running bound */
-	double *noise;		    /* of constants that are as small as the rounding of the URDF's numbers, taken for zero */
+	double *noise;		    /* the magnitudes that the reference sums, and rounds */
 	double *terms;		    /* in the order of the outputs */
 	float *in_f32[3], *tau_f32;
 	__float128 *in_quad[3], *reference, *exact, *rounded; /* the DAG in quad, its constants as made and as rounded */
@@ -171,7 +171,7 @@ static void judge_torque(const struct bench *b, int i, struct outcome *o)
 		o->broken += !isinf(t->bound[i]);
 		return;
 	}
-	if (!(off_dag <= t->bound[i] && off <= t->bound[i] + 4 * 0x1p-53 * t->noise[i])) {
+	if (!(off_dag <= t->bound[i] && off <= t->bound[i] + 0x1p-100 * t->noise[i])) {
 		o->broken++;
 		fprintf(stderr, "%s %s: torque %d is off by %g, from the DAG's by %g, bound %g\n", b->hard.of->name,
 			b->f32 ? "f32" : "f64", i, off, off_dag, t->bound[i]);

@@ -67,7 +67,7 @@ static int judge(const struct fixture *x, int i)
 	}
 	ck_assert_msg(fabs(tau - x->text.eval[i]) <= 2 * x->bound[i], "%s: torque %d is %g, eval's %g, bound %g", x->text.target.what, i,
 		tau, x->text.eval[i], x->bound[i]);
-	ck_assert_msg(off <= x->bound[i] + 4 * 0x1p-53 * x->text.noise[i], "%s: torque %d is off by %g, bound %g", x->text.target.what, i,
+	ck_assert_msg(off <= x->bound[i] + 0x1p-100 * x->text.noise[i], "%s: torque %d is off by %g, bound %g", x->text.target.what, i,
 		off, x->bound[i]);
 	return 1;
 }

@@ -156,8 +156,8 @@ static void evaluate_exact(struct varied *x)
 	ck_assert(eval_quad(&x->model.dag, p.in, p.out, NULL));
 }
 
-/* What zeros that stand for the rounding of the URDF's own numbers, and its rounding, may change in row i of anything: a part
-   of the magnitudes with a unit more of every rate, position and acceleration, which is above all derivatives by them. */
+/* What the reference's differences may be off in row i of anything: a part of the magnitudes with a unit more of every rate,
+   position and acceleration, which is above all derivatives by them. */
 static void refer_noise(struct varied *x)
 {
 	double more[STATE][ROWS], size[ROWS];
@@ -167,7 +167,7 @@ static void refer_noise(struct varied *x)
 			more[a][i] = a ? fabs(x->whole[a][i]) + 1 : x->whole[a][i];
 	quad_magnitude(x->quad, more[0], more[1], more[2], size);
 	for (int i = 0; i < x->nv; i++)
-		x->noise[i] = 8 * 0x1p-53 * size[x->v_row[i]];
+		x->noise[i] = 0x1p-62 * size[x->v_row[i]];
 }
 
 void varied_refer(struct varied *x)

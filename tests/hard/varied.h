@@ -24,7 +24,8 @@ struct varied {
 	float in_f32[STATE][ROWS];
 	/* [row] of torques, [row][by] of matrices; what is computed, and its bounds, are for the test to fill */
 	__float128 *whole_of[OUTPUTS], *want[OUTPUTS], *exact[OUTPUTS];
-	double *got[OUTPUTS], *bound[OUTPUTS], *size, noise[ROWS]; /* size: in the order of the DAG's outputs */
+	double *got[OUTPUTS], *bound[OUTPUTS], *size, noise[ROWS]; /* size: in the order of the DAG's outputs; noise: 2^-62 of
+		the magnitudes of a row */
 	float *got_f32[OUTPUTS];
 };
 

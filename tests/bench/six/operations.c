@@ -72,14 +72,14 @@ static void build_mxs(struct dag *d, const struct tree *t)
 	struct motion x = input_motion(d);
 	int qd = dag_argument(d, "qd", 1, 0), a = dag_argument(d, "a", 6, 1);
 	struct svec u, zero = {{{0}}};
-	real axis[3];
+	struct within axis[3];
 
 	if (!k) {
 		d->failed = 1;
 		return;
 	}
 	for (int i = 0; i < 3; i++)
-		axis[i] = k->sign * k->frame.m[i][k->axis];
+		axis[i] = k->sign < 0 ? within_neg(k->frame.m[i][k->axis]) : k->frame.m[i][k->axis];
 	u = svec_scale(d, dag_input(d, qd, 0), svec_const(d, axis));
 	if (k->type == JOINT_PRISMATIC)
 		output_pair(d, a, svec_cross(d, x.w, u), zero);
@@ -94,7 +94,7 @@ static struct svec inertia_times(struct dag *d, const struct inertia *I, struct 
 
 	for (int i = 0; i < 3; i++)
 		for (int j = 0; j < 3; j++)
-			m.m[i][j] = dag_const(d, I->I[inertia_index(i, j)]);
+			m.m[i][j] = dag_within(d, I->I[inertia_index(i, j)]);
 	return smat_mul(d, &m, w);
 }
 
@@ -117,7 +117,7 @@ static void build_vxiv(struct dag *d, const struct tree *t)
 	v = smat_mul_transposed(d, &A, x.v);
 	w = smat_mul_transposed(d, &A, x.w);
 	wh = svec_cross(d, w, h);
-	p = svec_add(d, svec_scale(d, dag_const(d, k->inertia.mass), v), wh);
+	p = svec_add(d, svec_scale(d, dag_within(d, k->inertia.mass), v), wh);
 	L = svec_add(d, inertia_times(d, &k->inertia, w), svec_cross(d, h, v));
 	force = svec_cross(d, w, p);
 	moment = svec_add(d, svec_cross(d, v, wh), svec_cross(d, w, L));

@@ -1,0 +1,38 @@
+#ifndef RNEAGEN_WITHIN_H
+#define RNEAGEN_WITHIN_H
+/* The model's constants, each of them twice: as it follows from the doubles nearest to the file's decimals, which is what
+   texts are made of, and from the decimals themselves, with how far that may be from exact arithmetic. Texts are made of
+   doubles since these leave room in extended precision: most sums of them are exact, in any order, so that what is equal is
+   found to be equal, and folds. */
+
+typedef long double real;
+
+/* x from doubles; near from decimals, at most e from the exact number. */
+struct within {
+	real x, near, e;
+};
+
+struct within within_exact(real x);
+/* Of a decimal: x the nearest double, near the nearest number in extended precision. */
+struct within within_decimal(real x, real near);
+/* Of any decimal that is read as this double; a whole number is meant as it is. */
+struct within within_double(double x);
+
+/* What near is rounded by is found out and not estimated: what is exact stays so. */
+struct within within_neg(struct within a);
+struct within within_add(struct within a, struct within b);
+struct within within_sub(struct within a, struct within b);
+struct within within_mul(struct within a, struct within b);
+/* No bound is known of a quotient whose divisor is within its error of zero. */
+struct within within_div(struct within a, struct within b);
+struct within within_sqrt(struct within a);
+struct within within_sin(struct within a);
+struct within within_cos(struct within a);
+
+/* May both be the same number? */
+int within_meets(struct within a, struct within b);
+
+/* |x - exact| is at most this. */
+double within_error(struct within a);
+
+#endif
