@@ -189,7 +189,7 @@ static void judge_sizes(struct fixture *x)
 	ck_assert(eval_f64(d, p.in, p.out, &(struct eval_terms){.size = v->size}));
 	for (size_t i = 0; i < d->output_count; i++) {
 		int o = v->number[d->outputs[i].argument], first = o == TAU ? 0 : v->nv + (o - 1) * v->nv * v->nv;
-		double bound = x->bounds[first + d->outputs[i].row];
+		double bound = x->bounds[first + d->outputs[i].row] - varied_half_units(v, o, d->outputs[i].row);
 
 		if (v->size[i] > 1e-20)
 			x->most = fmax(x->most, bound / (unit * v->size[i]));

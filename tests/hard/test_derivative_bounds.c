@@ -99,8 +99,7 @@ static void note_bounds(const struct varied *x, struct variant *v)
 			continue;
 		if (off > 0 && v->count[o] < RATIOS)
 			v->ratios[o][v->count[o]++] = (float)(bound / off);
-		/* of a constant that is next to nothing the file's decimals leave half a unit of what cancelled in it */
-		more = 0x1p9 * x->noise[o == TAU ? out->row : out->row / x->nv] + 1e-30;
+		more = varied_half_units(x, o, out->row) + 1e-30;
 		if (x->size[i] > 1e-30)
 			v->most = fmax(v->most, (bound - more) / (unit * x->size[i]));
 		ck_assert_msg(bound <= CEILING * unit * x->size[i] + more, "%s, %s: the bound %g of %s %d is %g times the rounding of its terms",

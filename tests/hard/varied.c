@@ -170,6 +170,11 @@ static void refer_noise(struct varied *x)
 		x->noise[i] = 0x1p-62 * size[x->v_row[i]];
 }
 
+double varied_half_units(const struct varied *x, int output, int row)
+{
+	return 0x1p9 * x->noise[output == TAU ? row : row / x->nv];
+}
+
 void varied_refer(struct varied *x)
 {
 	quad_rnea(x->quad, x->whole[0], x->whole[1], x->whole[2], x->whole_of[TAU]);

@@ -53,6 +53,10 @@ void varied_draw(struct varied *x);
 /* Fill want, exact and noise. */
 void varied_refer(struct varied *x);
 
+/* What half units of the file's decimals may be in a row of an output: 2^-53 of its magnitudes. Of a constant that is next to
+   nothing they are as large as of what cancelled in it. */
+double varied_half_units(const struct varied *x, int output, int row);
+
 /* How many rows an output has. */
 int varied_rows(const struct varied *x, int output);
 
