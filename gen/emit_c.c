@@ -85,7 +85,7 @@ static void put_slice_prototypes(const struct emission *e, struct text *out)
 /* What exact means, what a bound covers, and where there is none. */
 #define BOUNDED_DOC                                                                                                    \
 	"   Exact is what the command above makes of the URDF's decimals, and of its own, in exact arithmetic at these very\n"     \
-	"   inputs; where an angle within 5e-15 rad of a multiple of pi/2 is that, and constants that are zero, or equal, but for\n" \
+	"   inputs, where an angle within 5e-15 rad of a multiple of pi/2 is that, and constants that are zero, or equal, but for\n" \
 	"   the rounding of the file's numbers are zero, or equal. Rounding of the file's numbers, of constants and operations,\n" \
 	"   sine and cosine, underflow, and the bound's own rounding are in it (running error analysis: Higham, Accuracy and\n"    \
 	"   Stability of Numerical Algorithms, 2nd ed., SIAM 2002, section 3.3). Infinite where a value may overflow or an angle\n" \
