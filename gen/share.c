@@ -102,6 +102,7 @@ void share_copy(struct share *x, int first, int end, struct dag *out, struct are
 		out->failed = 1;
 		return;
 	}
+	out->number_capacity = d->number_count;
 	if (d->number_count)
 		memcpy(out->numbers, d->numbers, d->number_count * sizeof *d->numbers);
 	memcpy(out->sections, d->sections, d->section_count * sizeof *d->sections);
