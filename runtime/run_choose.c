@@ -14,7 +14,6 @@ static const char HELP[] =
 	"usage: rnearun choose ROBOT.urdf --max-error E [options]\n"
 	"\n"
 	"Picks the fastest variant of the robot's inverse dynamics on this machine whose error, ||tau - ref|| / ||ref||, stays\n"
-	"Picks the fastest variant of the robot's inverse dynamics on this machine whose error, ||tau - ref|| / ||ref||, stays\n"
 	"under E in all samples, by the bound of the rounding errors, those of the URDF's decimals included, which holds for every\n"
 	"compiler, and as measured; says why, and prints the rneagen command for it. Where another --trig is as fast, within the\n"
 	"spread of the times, accurate comes before bounded, and bounded before fast.\n"

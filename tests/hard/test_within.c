@@ -21,7 +21,7 @@ static struct pair read(const char *decimal)
 {
 	struct pair p = {.exact = strtoflt128(decimal, NULL)};
 
-	ck_assert_msg(number_read(decimal, &p.near, 1), "%s is refused", decimal);
+	ck_assert_msg(number_read(decimal, &p.near, 1) == NUMBER_FINE, "%s is refused", decimal);
 	return p;
 }
 
