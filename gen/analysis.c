@@ -1,6 +1,6 @@
 #include "analysis.h"
-#include "keep.h"
-#include "plan.h"
+#include "hold.h"
+#include "plan/plan.h"
 #include <string.h>
 
 int analysis_dag(struct dag *d, const struct tree *t, int strict, struct arena *a)

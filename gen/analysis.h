@@ -3,7 +3,7 @@
 /* The robot behind a text, for those who want its numbers: the DAG of its torques, which eval.h evaluates, and the
    URDF's joint behind each row of q. */
 
-#include "rnea.h"
+#include "dynamics/registry.h"
 #include "rneagen.h"
 
 /* Not to be moved once it is open. */

@@ -1,16 +1,16 @@
 /* The pipeline, one arrow after the other: URDF -> robot -> tree -> DAG -> plan -> text. */
 #define _POSIX_C_SOURCE 200809L
 #include "rneagen.h"
-#include "dot.h"
-#include "effect.h"
-#include "emit.h"
-#include "identifier.h"
-#include "info.h"
-#include "keep.h"
-#include "parts.h"
-#include "rnea.h"
-#include "robot.h"
-#include "saving.h"
+#include "tell/dot.h"
+#include "tell/effect.h"
+#include "emit/emit.h"
+#include "base/identifier.h"
+#include "tell/info.h"
+#include "hold.h"
+#include "plan/parts.h"
+#include "dynamics/registry.h"
+#include "urdf/robot.h"
+#include "tell/saving.h"
 #include <locale.h>
 #include <sha256.h>
 #include <string.h>

@@ -4,8 +4,8 @@
    tau = ID(q, qd, qdd), by the recursive Newton-Euler algorithm (Luh, Walker, Paul 1980; Featherstone, Rigid Body
    Dynamics Algorithms, 2008, chapter 5). SI units. Re-entrant: no function keeps state between calls. */
 
-#include "arena.h"
-#include "error.h"
+#include "base/arena.h"
+#include "base/error.h"
 #include <stddef.h>
 
 #ifdef __cplusplus

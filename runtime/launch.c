@@ -1,5 +1,5 @@
 /* The public calls that run a robot. */
-#include "robot.h"
+#include "handle.h"
 #include <limits.h>
 #include <stdint.h>
 

@@ -1,8 +1,8 @@
 /* The public calls that make a robot, and those that ask about it; launch.c has those that run it. */
 #define _POSIX_C_SOURCE 200809L /* clock_gettime, uname */
-#include "robot.h"
-#include "info.h"
-#include "seconds.h"
+#include "handle.h"
+#include "core/info_table.h"
+#include "core/seconds.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

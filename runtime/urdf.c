@@ -1,6 +1,6 @@
 #include "urdf.h"
-#include "error.h"
-#include "source.h"
+#include "core/failure.h"
+#include "core/source.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,6 +1,6 @@
-/* gen/arena.h over again, for tests: every request is a block of its own, so that an allocator can refuse each of them,
+/* gen/base/arena.h over again, for tests: every request is a block of its own, so that an allocator can refuse each of them,
    and a sanitizer sees where each of them ends. */
-#include "arena.h"
+#include "base/arena.h"
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>

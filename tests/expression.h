@@ -4,7 +4,7 @@
      + a b   - a b   * a b   n a (the sign)   s a   c a (sine, cosine)   f a b c (a*b + c)
    Blanks between; several expressions are parted by ';'. */
 
-#include "dag.h"
+#include "dag/dag.h"
 
 /* A DAG with one input argument "in" of rows x y z w and one output argument "out". */
 void expression_init(struct dag *d, struct arena *a);

@@ -2,7 +2,7 @@
 #define TESTS_JUDGED_H
 /* What rnearun report and choose judge by, with the plain robot's reference beside it. */
 
-#include "../runtime/judge.h"
+#include "study/judge.h"
 #include "model.h"
 
 struct judged {

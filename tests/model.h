@@ -2,10 +2,10 @@
 #define TESTS_MODEL_H
 /* A URDF taken through the generator's stages and through the reference, for tests that compare the two. */
 
-#include "emit.h"
-#include "eval.h"
+#include "emit/emit.h"
+#include "dag/eval.h"
 #include "reference.h"
-#include "rnea.h"
+#include "dynamics/registry.h"
 
 struct model {
 	struct arena arena;

@@ -83,7 +83,7 @@ zsh_list() (
 	# shellcheck disable=SC2034 # the file asks which command it is for
 	service=none
 	# shellcheck source=/dev/null
-	source gen/completion.zsh
+	source gen/cli/completion.zsh
 	"$1" | sed -n 's/^([^)]*)//; s/^\*//; /^-/p' | awk '{
 		option = $0
 		sub(/[=[].*/, "", option)

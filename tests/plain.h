@@ -2,7 +2,7 @@
 #define TESTS_PLAIN_H
 /* The model's constants for tests that compute with plain numbers. */
 
-#include "spatial.h"
+#include "tree/spatial.h"
 
 /* Exactly these. */
 static inline void exact(struct within *to, const real *from, int count)

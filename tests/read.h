@@ -2,7 +2,7 @@
 #define READ_H
 /* For tests of the front end: a robot read from a file or a string, and the listing of directories. */
 
-#include "robot.h"
+#include "urdf/robot.h"
 
 struct read {
 	struct arena arena;

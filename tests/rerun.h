@@ -3,7 +3,7 @@
 /* A DAG computed operation by operation as its text says, with the text's own sine and cosine: what the compiled text
    must give to the last bit. */
 
-#include "dag.h"
+#include "dag/dag.h"
 #include "target.h"
 
 /* in[k]: the rows of argument k (NULL for outputs), out[k] those of an output, all of the target's precision though

@@ -1,5 +1,5 @@
 #include "scene_grammar.h"
-#include "text.h"
+#include "base/text.h"
 #include <string.h>
 
 const char *scene_garble(struct dice *d, const char *s, struct arena *a)

@@ -1,6 +1,6 @@
 #include "scene_grammar.h"
-#include "scene.h"
-#include "tree.h"
+#include "scene/scene.h"
+#include "tree/tree.h"
 #include <stdio.h>
 #include <string.h>
 

@@ -1,11 +1,11 @@
 #ifndef TESTS_SCENE_GRAMMAR_H
 #define TESTS_SCENE_GRAMMAR_H
-/* Scenes drawn by a grammar: the words of gen/scene.h with names that the robot has, mostly where they belong, so that most
+/* Scenes drawn by a grammar: the words of gen/scene/scene.h with names that the robot has, mostly where they belong, so that most
    are accepted; some are garbled afterwards. */
 
 #include "dice.h"
 #include "rneagen.h"
-#include "robot.h"
+#include "urdf/robot.h"
 
 /* Draw for a robot and these options, but o->scene and o->order, which are the strings that come out, of `a`; NULL when
    memory runs out. *garbled: what was drawn has been changed, so that it need not be a scene. */

@@ -1,7 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "scene_model.h"
-#include "keep.h"
-#include "plan.h"
+#include "hold.h"
+#include "plan/plan.h"
 #include "reference_read.h"
 #include <check.h>
 #include <math.h>

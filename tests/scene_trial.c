@@ -1,8 +1,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "scene_trial.h"
 #include "fuzz_check.h"
-#include "options.h"
-#include "robot.h"
+#include "cli/options.h"
+#include "urdf/robot.h"
 #include "scene_grammar.h"
 #include "urdf_text.h"
 #include <stdio.h>

@@ -1,7 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "target.h"
 #include "model.h"
-#include "emit.h"
+#include "emit/emit.h"
 #include "process.h"
 #include <check.h>
 #include <dlfcn.h>

@@ -1,7 +1,7 @@
 /* Kernels in blocks of any size, on a pretended device: what a block stages lies in shared memory of the kernel's own, in what a launch
    gives, or nowhere, also where a device has less of it; results are those of the reference, or of the same text compiled as C. */
 #define _GNU_SOURCE
-#include "../runtime/rnea.h"
+#include "rnea.h"
 #include "reference.h"
 #include "rng.h"
 #include "suite.h"

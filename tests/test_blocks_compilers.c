@@ -5,7 +5,7 @@
 #include "rng.h"
 #include "suite.h"
 #include "target.h"
-#include "../runtime/jit.h"
+#include "cuda/jit.h"
 #include <elf.h>
 #include <stdio.h>
 #include <stdlib.h>

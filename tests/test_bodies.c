@@ -4,7 +4,7 @@
 #include "random_robot.h"
 #include "read.h"
 #include "suite.h"
-#include "tree.h"
+#include "tree/tree.h"
 #include "urdf_text.h"
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* What rnearun choose takes, of times that are made up: no clock has a say. */
-#include "../runtime/choice.h"
+#include "study/choice.h"
 #include "suite.h"
 #include <check.h>
 #include <math.h>

@@ -9,7 +9,7 @@
 #include <vector>
 
 extern "C" {
-#include "robot.h"
+#include "urdf/robot.h"
 }
 
 namespace {

@@ -1,6 +1,6 @@
 /* Derivatives of expressions against differences. */
-#include "derive.h"
-#include "eval.h"
+#include "dag/derive.h"
+#include "dag/eval.h"
 #include "suite.h"
 #include <math.h>
 #include <stdlib.h>

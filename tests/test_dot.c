@@ -1,7 +1,7 @@
 /* The graph of --dot. Without arguments: its text. With Graphviz' dot as the argument: every own robot is drawn, and
    each node and edge of the drawing carries the name that the URDF gives it; 77 (skipped) when that is no program. */
 #define _POSIX_C_SOURCE 200809L
-#include "dot.h"
+#include "tell/dot.h"
 #include "read.h"
 #include "suite.h"
 #include <expat.h>

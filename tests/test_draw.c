@@ -1,7 +1,7 @@
 /* What inputs are drawn from: the range of each where the scene says nothing, what --range changes and what it leaves, bodies
    that can be, and how it is told. Seeds are in the options below. */
 #define _DEFAULT_SOURCE /* M_PI */
-#include "draw_put.h"
+#include "tell/draw_put.h"
 #include "scene_model.h"
 #include "suite.h"
 #include "urdf_text.h"

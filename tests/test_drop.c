@@ -2,9 +2,9 @@
    text that has all terms; no other terms than a sweep by each output, one sample after the other, finds; and the text keeps
    its inputs. Seeds are printed or in DROP_SEEDS. */
 #define _POSIX_C_SOURCE 200809L
-#include "effect.h"
-#include "eval.h"
-#include "felt.h"
+#include "tell/effect.h"
+#include "dag/eval.h"
+#include "draw/felt.h"
 #include "suite.h"
 #include "task.h"
 #include "urdf_text.h"

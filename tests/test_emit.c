@@ -1,11 +1,11 @@
 /* Pieces of the text: numbers, templates, identifiers, the names of values. */
-#include "emit.h"
-#include "identifier.h"
+#include "emit/emit.h"
+#include "base/identifier.h"
 #include "model.h"
 #include "random_robot.h"
 #include "rng.h"
 #include "suite.h"
-#include "template.h"
+#include "emit/template.h"
 #include <float.h>
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* The DAG's evaluator: values, magnitudes and error bounds of seeded random DAGs in four precisions, before and after
    fusing; what happens when there is no memory. */
-#include "eval.h"
+#include "dag/eval.h"
 #include "expression.h"
 #include "rng.h"
 #include "suite.h"

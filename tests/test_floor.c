@@ -2,7 +2,7 @@
    arrays there are. So the outputs of a sample add up to its inputs and what all samples share; and where the arrays are
    q, qd, qdd and tau it is their sum. On this machine's processor and on the pretended GPU. */
 #define _POSIX_C_SOURCE 200809L
-#include "../runtime/floor.h"
+#include "study/floor.h"
 #include "rng.h"
 #include "suite.h"
 #include <math.h>

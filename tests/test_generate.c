@@ -5,7 +5,7 @@
 #include "rneagen.h"
 #include "rng.h"
 #include "suite.h"
-#include "text.h"
+#include "base/text.h"
 #include "urdf_text.h"
 #include <locale.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* Derivatives of the torques and the mass matrix, against differences of the independent reference in extended precision,
    over random trees and the robots of this folder. */
 #include "model.h"
-#include "pattern.h"
+#include "tree/pattern.h"
 #include "reference_differences.h"
 #include "torque.h"
 #include <check.h>

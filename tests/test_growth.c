@@ -1,8 +1,8 @@
 /* What a generation takes from its allocator as robots and inputs grow: bytes, not time, so that no machine decides. It catches
    a stage that keeps what it tried, makes a robot's whole DAG again at each try, or hands on what nobody reads. */
-#include "precheck.h"
+#include "urdf/precheck.h"
 #include "rneagen.h"
-#include "scene.h"
+#include "scene/scene.h"
 #include "suite.h"
 #include <stddef.h>
 #include <stdio.h>

@@ -1,9 +1,9 @@
 /* Names that would break out of the comment or string that holds them: beside comments and strings the text is the same
    as with harmless ones, and the table NAME_info holds the name. */
-#include "identifier.h"
+#include "base/identifier.h"
 #include "rneagen.h"
 #include "suite.h"
-#include "text.h"
+#include "base/text.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* What rnearun report and choose judge by: the states that they draw and the torques that they compare with, against the
    independent reference in extended precision; and their arithmetic of errors, against the same computed here. */
 #define _DEFAULT_SOURCE /* M_PI */
-#include "eval.h"
+#include "dag/eval.h"
 #include "judged.h"
 #include "suite.h"
 #include <math.h>

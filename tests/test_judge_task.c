@@ -1,7 +1,7 @@
 /* What rnearun report and choose judge by where a scene frees, folds and wants: what they draw, and the outputs that they
    compare with, against the independent reference changed for each sample; errors by array; what changed constants change. */
-#include "effect.h"
-#include "eval.h"
+#include "tell/effect.h"
+#include "dag/eval.h"
 #include "judged.h"
 #include "suite.h"
 #include <math.h>

@@ -1,7 +1,7 @@
 /* Where the elements of a packed matrix stand, as a host is told: put back by that, they are the full matrix to the bit. On
    the host and on the pretended driver; and the arrays of C texts say the same. */
 #define _POSIX_C_SOURCE 200809L
-#include "../runtime/urdf.h"
+#include "urdf.h"
 #include "rng.h"
 #include "suite.h"
 #include "target.h"

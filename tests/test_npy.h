@@ -2,7 +2,7 @@
 #define TEST_NPY_H
 /* What the parts of test_npy share. */
 
-#include "../runtime/npy.h"
+#include "rnearun/npy.h"
 #include <check.h>
 
 /* The file of every test. */

@@ -1,6 +1,6 @@
 /* Numbers as text: the fewest digits that read back as the same, which no shorter decimal does; and what is read as a
    number, by a table of what urdfdom takes. */
-#include "number.h"
+#include "base/number.h"
 #include "rng.h"
 #include "suite.h"
 #include <math.h>

@@ -2,7 +2,7 @@
    every element written, and by one part alone; what the text and the runtime say of it; what is refused. Which stores go past
    the cache. */
 #define _POSIX_C_SOURCE 200809L
-#include "../runtime/urdf.h"
+#include "urdf.h"
 #include "rng.h"
 #include "suite.h"
 #include "target.h"

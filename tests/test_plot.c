@@ -1,7 +1,7 @@
 /* The picture of rnearun report: where its names stand, over points that are drawn, and that equal rows give equal bytes. */
-#include "files.h"
-#include "../runtime/plot.h"
-#include "../runtime/plot_labels.h"
+#include "cli/files.h"
+#include "study/plot.h"
+#include "study/plot_labels.h"
 #include "rng.h"
 #include "suite.h"
 #include <check.h>

@@ -1,5 +1,5 @@
 /* When progress is shown, and what: by times that are made up, for a log file and for a terminal. */
-#include "../runtime/progress.h"
+#include "rnearun/progress.h"
 #include "suite.h"
 #include <check.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #define TEST_RUNTIME_H
 /* The suites of test_runtime and what they share. */
 
-#include "../runtime/rnea.h"
+#include "rnea.h"
 #include <check.h>
 
 Suite *suite_info(void);

@@ -2,7 +2,7 @@
 #define TEST_RUNTIME_BATCH_H
 /* Batches of the robot of mixed.cu, whose arrays differ in type, in rows, and in what they hold for each sample. */
 
-#include "../runtime/rnea.h"
+#include "rnea.h"
 
 enum { ARRAYS = 5, GUARD = 64, POISON = 0x7b };
 

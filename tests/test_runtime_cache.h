@@ -2,7 +2,7 @@
 #define TEST_RUNTIME_CACHE_H
 /* The suites of test_runtime_cache and what they share. */
 
-#include "../runtime/cache.h"
+#include "cache/cache.h"
 #include <check.h>
 #include <stdint.h>
 #include <sys/types.h>

@@ -2,7 +2,7 @@
 #define TEST_RUNTIME_HOST_H
 /* The suites of test_runtime_host and what they share. */
 
-#include "../runtime/host.h"
+#include "host/host.h"
 #include <check.h>
 #include <stdatomic.h>
 

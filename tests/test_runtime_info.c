@@ -1,6 +1,6 @@
 /* The parser of the info table: what is right, and each way to be wrong. */
 #include "test_runtime.h"
-#include "../runtime/info.h"
+#include "core/info_table.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

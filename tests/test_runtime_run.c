@@ -3,7 +3,7 @@
 #define _GNU_SOURCE
 #include "test_runtime.h"
 #include "test_runtime_batch.h"
-#include "../runtime/robot.h"
+#include "handle.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* Texts that a scene made, through the runtime: what is the same for the whole batch, cut into slices or not, outputs
    beside the torques, no fpass and no bpass. On the host and on the pretended driver, against the reference. */
 #define _POSIX_C_SOURCE 200809L
-#include "../runtime/urdf.h"
+#include "urdf.h"
 #include "reference.h"
 #include "suite.h"
 #include <stdint.h>

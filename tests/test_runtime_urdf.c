@@ -1,7 +1,7 @@
 /* rnea_open_urdf, on the pretended driver and NVRTC and on the host: torques of rnea_run against the reference, errors, and robots and
    files with names that mean something to a shell, to C or to a comment. */
 #define _GNU_SOURCE
-#include "../runtime/urdf.h"
+#include "urdf.h"
 #include "reference.h"
 #include <check.h>
 #include <dirent.h>

@@ -4,7 +4,7 @@
 #include "rng.h"
 #include "rneagen.h"
 #include "suite.h"
-#include "tree.h"
+#include "tree/tree.h"
 #include "urdf_text.h"
 #include <locale.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* Constants that a scene changes: angles that are nearly right become right and no others do, digits go, and what is said
    of both is what the reference finds. Seeds printed. */
 #define _POSIX_C_SOURCE 200809L
-#include "effect.h"
+#include "tell/effect.h"
 #include "scene_model.h"
 #include "suite.h"
 #include "urdf_text.h"

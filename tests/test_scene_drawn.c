@@ -1,7 +1,7 @@
 /* Scenes drawn by a grammar, as the fuzzer draws them (scene_trial.h): most are accepted, with every word among them, and
    generated to the end; the command at the head of every other text makes the same text again. */
 #include "rng.h"
-#include "scene.h"
+#include "scene/scene.h"
 #include "scene_trial.h"
 #include "suite.h"
 #include <stdio.h>

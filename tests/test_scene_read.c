@@ -1,7 +1,7 @@
 /* A scene's text: its lines, lists, quotes and comments, the options that repeat it, and the name that was meant. */
-#include "nearest.h"
+#include "base/nearest.h"
 #include "read.h"
-#include "scene.h"
+#include "scene/scene.h"
 #include "suite.h"
 #include "urdf_text.h"
 #include <string.h>

@@ -1,10 +1,10 @@
 /* A share of a DAG's outputs, against the whole DAG whose other outputs are left out: fused they are the same, node by node,
    with their names, sections and outputs. It catches a node, a name or a section that a copy loses or moves. */
-#include "keep.h"
+#include "hold.h"
 #include "random_robot.h"
-#include "rnea.h"
+#include "dynamics/registry.h"
 #include "rng.h"
-#include "share.h"
+#include "plan/share.h"
 #include "suite.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #include "ptxas.h"
 #include "suite.h"
 #include "target.h"
-#include "../runtime/jit.h"
+#include "cuda/jit.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* Texts in two-float arithmetic, compiled and run: all own robots, and a few by every compiler setting, above all where a
    compiler may join products to sums. */
 #define _POSIX_C_SOURCE 200809L
-#include "eval.h"
+#include "dag/eval.h"
 #include "suite.h"
 #include "target_check.h"
 #include <math.h>

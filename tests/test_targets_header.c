@@ -1,6 +1,6 @@
 /* Texts for target header, all in one file with each other, in C and in C++; and the .h that goes with a .c. */
 #define _POSIX_C_SOURCE 200809L
-#include "emit.h"
+#include "emit/emit.h"
 #include "process.h"
 #include "suite.h"
 #include "target_check.h"

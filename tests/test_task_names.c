@@ -1,4 +1,4 @@
-/* What a task's choices are told when they cannot be: every message of gen/task.c, gen/freed.c and gen/task_range.c, with its
+/* What a task's choices are told when they cannot be: every message of gen/request/request.c, gen/request/resolve_free.c and gen/request/resolve_range.c, with its
    line; and
    names that are no identifiers, which still find their links, and arrays of their own. */
 #define _POSIX_C_SOURCE 200809L

@@ -5,7 +5,7 @@
 #include "task.h"
 #include "target.h"
 #include "urdf_text.h"
-#include "../runtime/rnea.h"
+#include "rnea.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
-#include "arena.h"
-#include "error.h"
+#include "base/arena.h"
+#include "base/error.h"
 #include "suite.h"
-#include "text.h"
+#include "base/text.h"
 #include <limits.h>
 #include <stdint.h>
 #include <stdio.h>

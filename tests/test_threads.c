@@ -1,7 +1,7 @@
 /* Eight threads generate at the same time, from good and from bad files with different options; each result is the one
    that a single thread gets. Worth most under the thread sanitizer (preset tsan). */
 #define _POSIX_C_SOURCE 200809L
-#include "files.h"
+#include "cli/files.h"
 #include "read.h"
 #include "rneagen.h"
 #include "suite.h"

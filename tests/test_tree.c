@@ -1,7 +1,7 @@
 /* The tree that is computed: which bodies and joints there are, in which order, and what is refused. */
 #include "read.h"
 #include "suite.h"
-#include "tree.h"
+#include "tree/tree.h"
 #include "urdf_text.h"
 #include <string.h>
 

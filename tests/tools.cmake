@@ -6,8 +6,8 @@ add_test(NAME test_dot_graphviz COMMAND test_dot "${GRAPHVIZ_DOT}")
 set_tests_properties(test_dot_graphviz PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT ${HANGS})
 
 # tests/fuzz builds these in the preset `fuzz`; a minute of them is a test where asked for.
-set(scene_trial scene_trial.c scene_grammar.c scene_garble.c fuzz_check.c ${CMAKE_SOURCE_DIR}/gen/options.c ${CMAKE_SOURCE_DIR}/gen/files.c
-	${CMAKE_SOURCE_DIR}/gen/pending.c)
+set(scene_trial scene_trial.c scene_grammar.c scene_garble.c fuzz_check.c ${CMAKE_SOURCE_DIR}/gen/cli/options.c ${CMAKE_SOURCE_DIR}/gen/cli/files.c
+	${CMAKE_SOURCE_DIR}/gen/cli/pending.c)
 if(RNEAGEN_FUZZ)
 	add_executable(fuzz_urdf fuzz_urdf.c fuzz_mutate.c fuzz_check.c)
 	add_executable(fuzz_scene fuzz_scene.c ${scene_trial})
@@ -20,7 +20,7 @@ add_test(NAME fuzz_minute COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/fuzz_minute)
 set_tests_properties(fuzz_minute PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT ${HANGS})
 
 # Generation in eight threads at once.
-rneagen_add_test(test_threads read.c ${CMAKE_SOURCE_DIR}/gen/files.c ${CMAKE_SOURCE_DIR}/gen/pending.c)
+rneagen_add_test(test_threads read.c ${CMAKE_SOURCE_DIR}/gen/cli/files.c ${CMAKE_SOURCE_DIR}/gen/cli/pending.c)
 target_link_libraries(test_threads PRIVATE Threads::Threads)
 set_tests_properties(test_threads PROPERTIES TIMEOUT ${HANGS})
 
@@ -42,7 +42,7 @@ add_test(NAME test_picture COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_picture)
 set_tests_properties(test_picture PROPERTIES SKIP_RETURN_CODE 77)
 
 # The command that evaluates arrays: its files.
-rneagen_add_test(test_npy test_npy_bad.c ${CMAKE_SOURCE_DIR}/runtime/npy.c ${CMAKE_SOURCE_DIR}/runtime/npy_header.c)
+rneagen_add_test(test_npy test_npy_bad.c ${CMAKE_SOURCE_DIR}/runtime/rnearun/npy.c ${CMAKE_SOURCE_DIR}/runtime/rnearun/npy_header.c)
 add_executable(test_rnearun test_rnearun.c test_rnearun_limits.c rnearun_command.c states_file.c process.c)
 target_link_libraries(test_rnearun PRIVATE PkgConfig::CHECK m)
 target_compile_definitions(test_rnearun PRIVATE TEST_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
@@ -52,24 +52,24 @@ set_tests_properties(test_rnearun test_rnearun_numpy PROPERTIES TIMEOUT ${HANGS}
 	ENVIRONMENT "RNEA_LIBCUDA=$<TARGET_FILE:fake_cuda>;RNEA_NVRTC=$<TARGET_FILE:fake_nvrtc>")
 
 # The commands that compare variants: what they judge by, and themselves.
-rneagen_add_test(test_judge judged.c model.c ${CMAKE_SOURCE_DIR}/runtime/judge.c)
+rneagen_add_test(test_judge judged.c model.c ${CMAKE_SOURCE_DIR}/runtime/study/judge.c)
 target_link_libraries(test_judge PRIVATE reference m)
-rneagen_add_test(test_judge_task judged.c model.c ${CMAKE_SOURCE_DIR}/runtime/judge.c)
+rneagen_add_test(test_judge_task judged.c model.c ${CMAKE_SOURCE_DIR}/runtime/study/judge.c)
 target_link_libraries(test_judge_task PRIVATE reference m)
 add_test(NAME test_rnearun_report COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_rnearun_report $<TARGET_FILE:rnearun>
 	$<TARGET_FILE:fake_cuda> $<TARGET_FILE:fake_nvrtc>)
 set_tests_properties(test_rnearun_report PROPERTIES TIMEOUT ${HANGS})
-rneagen_add_test(test_choice ${CMAKE_SOURCE_DIR}/runtime/choice.c)
+rneagen_add_test(test_choice ${CMAKE_SOURCE_DIR}/runtime/study/choice.c)
 target_link_libraries(test_choice PRIVATE rnea::rnea m)
-rneagen_add_test(test_progress ${CMAKE_SOURCE_DIR}/runtime/progress.c)
+rneagen_add_test(test_progress ${CMAKE_SOURCE_DIR}/runtime/rnearun/progress.c)
 set(plot_sources)
-foreach(source runtime/plot runtime/plot_labels runtime/study_options runtime/command runtime/judge gen/files gen/options
-		gen/pending)
+foreach(source runtime/study/plot runtime/study/plot_labels runtime/study/study_options runtime/rnearun/command runtime/study/judge
+		gen/cli/files gen/cli/options gen/cli/pending)
 	list(APPEND plot_sources ${CMAKE_SOURCE_DIR}/${source}.c)
 endforeach()
 rneagen_add_test(test_plot ${plot_sources})
 target_link_libraries(test_plot PRIVATE rnea::rnea m)
-rneagen_add_test(test_floor ${CMAKE_SOURCE_DIR}/runtime/floor.c)
+rneagen_add_test(test_floor ${CMAKE_SOURCE_DIR}/runtime/study/floor.c)
 add_dependencies(test_floor fake_cuda fake_nvrtc)
 target_link_libraries(test_floor PRIVATE rnea::rnea m)
 set_tests_properties(test_floor PROPERTIES

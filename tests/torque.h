@@ -2,7 +2,7 @@
 #define TESTS_TORQUE_H
 /* The evaluated DAG as a function tau(q, qd, qdd), in extended precision, for properties of it. */
 
-#include "dag.h"
+#include "dag/dag.h"
 #include "model.h"
 #include "rng.h"
 

@@ -8,7 +8,7 @@ rneagen_add_test(test_bodies read.c)
 target_link_libraries(test_bodies PRIVATE reference)
 
 # The evaluator again, with quad precision where the compiler has it.
-rneagen_add_test(test_eval expression.c ${CMAKE_SOURCE_DIR}/gen/eval.c)
+rneagen_add_test(test_eval expression.c ${CMAKE_SOURCE_DIR}/gen/dag/eval.c)
 include(CheckIncludeFile)
 check_include_file(quadmath.h HAVE_QUADMATH)
 if(HAVE_QUADMATH)

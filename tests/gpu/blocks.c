@@ -1,7 +1,7 @@
 /* gpu_blocks FOLDER LIST BLOCK...
    Every text of FOLDER that LIST, a file there, names on a line, in blocks of these many threads: its outputs on the GPU against those of the
    same text on the processor. Exit status 0: all is right; 1: something is not. */
-#include "../../runtime/rnea.h"
+#include "rnea.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #define CHECK_H
 /* The checks on one generated text, and what they find. */
 
-#include "../../runtime/seconds.h"
+#include "core/seconds.h"
 #include "data.h"
 #include "gpu.h"
 

@@ -2,7 +2,7 @@
 #define DATA_H
 /* Reference data: states and their torques in double precision, written by rnea_reference as NumPy arrays. */
 
-#include "../../runtime/rnea.h"
+#include "rnea.h"
 #include <stddef.h>
 
 /* [count][rows], of the file's little-endian doubles. */

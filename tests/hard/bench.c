@@ -1,6 +1,6 @@
 /* Measuring one case: its robot and states, gen/eval in the precision asked for, and the two references in quad. */
 #include "bench.h"
-#include "plan.h"
+#include "plan/plan.h"
 #include "quad.h"
 #include <math.h>
 #include <stdio.h>

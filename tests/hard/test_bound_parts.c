@@ -1,7 +1,7 @@
 /* Each ingredient of gen/eval's bounds by itself, in expressions of one to three operations computed as a text computes
    them: no error exceeds its bound, and the worst of many operands comes close to it, so that an ingredient left out, or
    too small by more than the share that is asked for, is seen. */
-#include "eval.h"
+#include "dag/eval.h"
 #include "expression.h"
 #include "f32x2.h"
 #include "rng.h"

@@ -1,9 +1,9 @@
 /* gen/within and gen/number against quad precision: no number is further from what the decimals give than it says, and none
    that is exact says that it is not. */
-#include "number.h"
+#include "base/number.h"
 #include "rng.h"
 #include "suite.h"
-#include "within.h"
+#include "base/within.h"
 #include <float.h>
 #include <math.h>
 #include <quadmath.h>

@@ -2,8 +2,8 @@
 #define TESTS_HARD_WORST_H
 /* The arithmetic of a model at its worst: every operation is off by as much as the model allows, with signs by chance. */
 
-#include "dag.h"
-#include "eval_model.h"
+#include "dag/dag.h"
+#include "dag/eval_model.h"
 #include "rng.h"
 
 /* in[k] are the rows of argument k, out[k] those of an output. */

@@ -1,8 +1,8 @@
 #include "operations.h"
-#include "emit.h"
-#include "identifier.h"
-#include "robot.h"
-#include "svec.h"
+#include "emit/emit.h"
+#include "base/identifier.h"
+#include "urdf/robot.h"
+#include "dag/svec.h"
 
 const char *const OPERATION_NAMES[OPERATION_COUNT] = {"cross_operator", "mxS", "vxIv"};
 

@@ -13,7 +13,7 @@
    one) with these arrays in this order, which rnea_info lists. Without it: the kernel ROBOT_OPERATION_rnea_kernel(arrays,
    count) and, built by nvcc, ROBOT_OPERATION_rnea_launch(arrays, count, stream); in C ROBOT_OPERATION_rnea(arrays),
    _rnea_batch(arrays, count) and _rnea_slice(pointers, count, first, end). ROBOT is the robot's name as an identifier. */
-#include "files.h"
+#include "cli/files.h"
 #include "operations.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,0 +1,229 @@
+/* The command `rneagen`: options in, files out. */
+#define _POSIX_C_SOURCE 200809L
+#include "cli/files.h"
+#include "cli/options.h"
+#include "cli/pending.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char COMMAND[] = "rneagen";
+
+static const char HELP[] =
+	"usage: rneagen ROBOT.urdf [-o FILE] [options]\n"
+	"\n"
+	"Write straight-line CUDA C or C for the inverse dynamics tau = ID(q, qd, qdd) of one robot.\n"
+	"ROBOT.urdf may be - for standard input; without -o the text goes to standard output.\n"
+	"\n"
+	"  -o, --output FILE          .cu, .c (with the .h that declares it beside it), .h, .hh, .hpp, .hxx or .cuh;\n"
+	"                             others need --target\n"
+	"  --target cuda|c|header     kernels, C functions, or inline functions to embed (default: by FILE's suffix; cuda for\n"
+	"                             standard output, devices and pipes)\n"
+	"  --precision f32|f64|mixed|f32x2\n"
+	"                             default f32 for cuda and header, f64 for c; mixed: f32 in memory, f64 in arithmetic;\n"
+	"                             f32x2: f64 in memory, pairs of floats in arithmetic, for GPUs whose f64 is slow\n"
+	"  --layout soa|aos           batches as [row][sample] (default) or [sample][row]\n"
+	"  --trig accurate|bounded|fast\n"
+	"                             sine and cosine for any finite argument (default), for a stated domain, or in hardware\n"
+	"  --parts N|auto             target cuda: matrices of --want in N parts of the grid; auto, the default: as few as the\n"
+	"                             registers and the instruction cache have room for\n"
+	"  --base fixed|floating      floating: q starts with x y z qx qy qz qw, qd and tau with six rows\n"
+	"  --gravity X,Y,Z            m/s^2 in the world (default 0,0,-9.81)\n"
+	"  --mimic honour|independent followers have no entry in q (default), or are joints of their own\n"
+	"  --strict                   the same bits from every compiler, CPU and GPU\n"
+	"  --bounded                  target c: also a function that bounds how far each output is from what the URDF's decimals\n"
+	"                             give in exact arithmetic, where angles within 5e-15 rad of a right one are right, and\n"
+	"                             constants that are zero, or equal, but for the rounding of the file's numbers are so\n"
+	"  --order J1,J2,...          rows of q by joint name (default: depth-first, children by name)\n"
+	OPTIONS_SCENE_HELP
+	"  --name NAME                prefix of every function (default: the robot's name)\n"
+	"  --info, --info=json        tell about the robot instead of writing the text (with -o: besides)\n"
+	"  --dot                      print the tree as a graph for Graphviz, with masses and rows in q (with -o: besides)\n"
+	"  --dump robot|tree|dag|plan print a stage of the pipeline instead\n"
+	"  --quiet                    no warnings\n"
+	"  --help, --version\n"
+	"\n"
+	"exit status: 0 done, 1 the robot or a file is at fault, 2 the command line is\n";
+
+enum info_mode { INFO_NONE, INFO_TABLE, INFO_JSON, INFO_DOT };
+
+struct command {
+	struct rneagen_options options;
+	const char *input, *output;
+	int has_target, quiet;
+	enum info_mode info;
+	struct file_names read;
+};
+
+enum { KEY_NAME = OPTION_OWN, KEY_INFO, KEY_DOT, KEY_BOUNDED, KEY_QUIET };
+
+static const struct option OPTIONS[] = {
+	OPTIONS_TEXT, OPTIONS_MODEL, {"output", required_argument, NULL, 'o'},
+	{"name", required_argument, NULL, KEY_NAME}, {"info", optional_argument, NULL, KEY_INFO},
+	{"dot", no_argument, NULL, KEY_DOT}, {"bounded", no_argument, NULL, KEY_BOUNDED}, {"quiet", no_argument, NULL, KEY_QUIET},
+	{"help", no_argument, NULL, OPTION_HELP}, {"version", no_argument, NULL, OPTION_VERSION}, {NULL, 0, NULL, 0}};
+
+/* --info and --dot share standard output. */
+static int set_info(struct command *c, enum info_mode info)
+{
+	if (c->info != INFO_NONE && (c->info == INFO_DOT) != (info == INFO_DOT))
+		return option_refuse(COMMAND, "--info and --dot both print to standard output; take one");
+	c->info = info;
+	return 0;
+}
+
+static int fail(const struct rneagen_error *e)
+{
+	fprintf(stderr, "%s: %s\n", COMMAND, e->message);
+	return 1 + option_at_fault(e->code);
+}
+
+static int parse_option(struct command *c, int key, const char *word)
+{
+	const char *file = option_file(key, word);
+	struct rneagen_error e = {0};
+
+	if (file && file_note(&c->read, "", file, &e))
+		return fail(&e);
+	switch (key) {
+	case 'o':
+		c->output = strcmp(word, "-") ? word : NULL;
+		return *word ? 0 : option_refuse(COMMAND, "-o takes the name of a file, not an empty word");
+	case KEY_NAME:
+		c->options.name = word;
+		return 0;
+	case KEY_INFO:
+		if (word && strcmp(word, "json"))
+			return option_refuse(COMMAND, "--info takes nothing, or =json, not '%s'", word);
+		return set_info(c, word ? INFO_JSON : INFO_TABLE);
+	case KEY_BOUNDED:
+		c->options.bounded = 1;
+		return 0;
+	case KEY_DOT:
+		return set_info(c, INFO_DOT);
+	case KEY_QUIET:
+		c->quiet = 1;
+		return 0;
+	default:
+		c->has_target |= key == OPTION_TARGET;
+		return option_generate(COMMAND, &c->options, key, word);
+	}
+}
+
+/* What a text is for shows in its name, unless --target says it. */
+static int target_from_suffix(struct command *c)
+{
+	static const char *const cuda[] = {".cu", NULL}, *const plain[] = {".c", NULL},
+				*const header[] = {".h", ".hh", ".hpp", ".hxx", ".cuh", NULL};
+
+	if (c->has_target || !c->output || file_has_suffix(c->output, cuda) || pending_is_in_place(c->output))
+		return -1;
+	if (file_has_suffix(c->output, plain))
+		c->options.target = RNEAGEN_TARGET_C;
+	else if (file_has_suffix(c->output, header))
+		c->options.target = RNEAGEN_TARGET_HEADER;
+	else
+		return option_refuse(COMMAND,
+			"-o %s: no text has this suffix: take .cu for CUDA kernels, .c for C functions, .h, .hh, .hpp, .hxx or .cuh "
+			"for inline functions, or say --target cuda, c or header", c->output);
+	return -1;
+}
+
+/* Returns -1 to go on, or the exit status. */
+static int parse_command(struct command *c, int argc, char **argv)
+{
+	int key;
+
+	while ((key = getopt_long(argc, argv, ":o:", OPTIONS, NULL)) != -1) {
+		int bad;
+
+		if (key == OPTION_HELP || key == OPTION_VERSION)
+			return file_put_stdout(key == OPTION_HELP ? HELP : "rneagen " RNEAGEN_VERSION "\n") ? 1 : 0;
+		if (key == ':' || key == '?')
+			return option_refuse_key(COMMAND, key, argv[optind - 1]);
+		bad = parse_option(c, key, optarg);
+		if (bad)
+			return bad;
+	}
+	if (optind == argc)
+		return option_refuse(COMMAND, "no URDF named");
+	if (optind + 1 < argc)
+		return option_refuse(COMMAND, "one URDF at a time: '%s', '%s'", argv[optind], argv[optind + 1]);
+	c->input = argv[optind];
+	if (!*c->input)
+		return option_refuse(COMMAND, "the name of the URDF is empty");
+	if (c->output && c->options.dump != RNEAGEN_DUMP_NONE)
+		return option_refuse(COMMAND, "--dump prints to standard output and goes without -o");
+	c->options.file = strcmp(c->input, "-") ? c->input : "<stdin>";
+	return -1;
+}
+
+/* Nothing that is written takes the place of what is read, nor of something else that is written. Returns -1 to go on, or
+   the exit status. */
+static int check_files(struct command *c)
+{
+	struct file_names written = {0};
+	struct rneagen_error e = {0};
+	int status = -1;
+
+	file_note(&c->read, "", c->input, &e);
+	if (c->output)
+		file_note(&written, "-o", c->output, &e);
+	if (!c->output || c->info != INFO_NONE)
+		file_note(&written, "", "-", &e);
+	if (!e.code && !file_check(&c->read, &written, &e))
+		status = target_from_suffix(c);
+	if (!e.code && status < 0 && c->output && c->options.target == RNEAGEN_TARGET_C &&
+		!file_note_header(&written, c->output, &e))
+		file_check(&c->read, &written, &e);
+	file_forget(&written);
+	return e.code ? fail(&e) : status;
+}
+
+/* What goes to standard output, what to files. */
+static int write_results(const struct command *c, const struct rneagen_result *r, struct rneagen_error *e)
+{
+	if (c->output && file_write_pair(c->output, r->source, r->header, e))
+		return 1;
+	if (r->dump)
+		return file_put_stdout_error(r->dump, e) != RNEAGEN_OK;
+	if (c->info == INFO_NONE)
+		return !c->output && file_put_stdout_error(r->source, e);
+	if (c->info == INFO_DOT)
+		return file_put_stdout_error(r->dot, e) != RNEAGEN_OK;
+	return file_put_stdout_error(c->info == INFO_JSON ? r->info_json : r->info, e) != RNEAGEN_OK;
+}
+
+static int run(const struct command *c)
+{
+	struct rneagen_options o = c->options;
+	struct rneagen_error e = {0};
+	struct rneagen_result r;
+	struct file_content urdf = {0};
+	int bad;
+
+	o.text_alone = c->info == INFO_NONE;
+	bad = file_read(c->input, &urdf, &e) || rneagen_generate(urdf.bytes, urdf.length, &o, &r, &e);
+	if (!bad) {
+		for (size_t i = 0; i < r.warning_count && !c->quiet && (c->info == INFO_NONE || c->info == INFO_DOT); i++)
+			fprintf(stderr, "rneagen: warning: %s\n", r.warnings[i]);
+		bad = write_results(c, &r, &e);
+		rneagen_result_free(&r);
+	}
+	free(urdf.bytes);
+	return bad ? fail(&e) : 0;
+}
+
+int main(int argc, char **argv)
+{
+	struct command c = {.options = rneagen_options_default()};
+	int status = parse_command(&c, argc, argv);
+
+	if (status < 0)
+		status = check_files(&c);
+	if (status < 0)
+		status = run(&c);
+	option_free(&c.options);
+	file_forget(&c.read);
+	return status;
+}

@@ -1,0 +1,344 @@
+#include "cli/options.h"
+#include "cli/files.h"
+#include "base/number.h"
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int option_refuse(const char *command, const char *fmt, ...)
+{
+	va_list ap;
+
+	fprintf(stderr, "%s: ", command);
+	va_start(ap, fmt);
+	vfprintf(stderr, fmt, ap);
+	va_end(ap);
+	fprintf(stderr, "; see %s --help\n", command);
+	return 2;
+}
+
+int option_refuse_key(const char *command, int key, const char *word)
+{
+	return option_refuse(command, key == ':' ? "option '%s' needs a value" : "option '%s' is not known", word);
+}
+
+int option_choose(
+	const char *command, const char *option, const char *word, const struct option_choice *choices, int *value)
+{
+	char known[128] = "";
+
+	for (const struct option_choice *c = choices; c->name; c++) {
+		if (!strcmp(word, c->name)) {
+			*value = c->value;
+			return 0;
+		}
+		strncat(known, *known ? "|" : "", sizeof known - strlen(known) - 1);
+		strncat(known, c->name, sizeof known - strlen(known) - 1);
+	}
+	return option_refuse(command, "--%s takes %s, not '%s'", option, known, word);
+}
+
+static int parse_gravity(const char *command, const char *word, double gravity[3])
+{
+	const char *s = word;
+
+	for (int i = 0; i < 3; i++) {
+		char *end;
+
+		gravity[i] = strtod(s, &end);
+		if (end == s || *end != (i < 2 ? ',' : '\0') || !(gravity[i] - gravity[i] == 0))
+			return option_refuse(command, "--gravity takes three finite numbers X,Y,Z, not '%s'", word);
+		s = end + 1;
+	}
+	return 0;
+}
+
+static int parse_parts(const char *command, const char *word, int *parts)
+{
+	char *end;
+	long n = strtol(word, &end, 10);
+
+	*parts = RNEAGEN_PARTS_AUTO;
+	if (!strcmp(word, "auto"))
+		return 0;
+	*parts = (int)n;
+	if (end == word || *end || n < 1 || n > 65535)
+		return option_refuse(command, "--parts takes a number from 1 to 65535, or auto, not '%s'", word);
+	return 0;
+}
+
+/* Options that take one word of a few, from OPTION_TARGET to OPTION_DUMP. */
+static const struct choice {
+	const char *option;
+	struct option_choice words[5];
+} CHOICES[] = {
+	{"target", {{"cuda", RNEAGEN_TARGET_CUDA}, {"c", RNEAGEN_TARGET_C}, {"header", RNEAGEN_TARGET_HEADER}}},
+	{"precision", {{"f32", RNEAGEN_F32}, {"f64", RNEAGEN_F64}, {"mixed", RNEAGEN_MIXED}, {"f32x2", RNEAGEN_F32X2}}},
+	{"layout", {{"soa", RNEAGEN_SOA}, {"aos", RNEAGEN_AOS}}},
+	{"trig", {{"accurate", RNEAGEN_ACCURATE}, {"bounded", RNEAGEN_BOUNDED}, {"fast", RNEAGEN_FAST}}},
+	{"base", {{"fixed", RNEAGEN_FIXED}, {"floating", RNEAGEN_FLOATING}}},
+	{"mimic", {{"honour", RNEAGEN_MIMIC_HONOUR}, {"independent", RNEAGEN_MIMIC_INDEPENDENT}}},
+	{"dump", {{"robot", RNEAGEN_DUMP_ROBOT}, {"tree", RNEAGEN_DUMP_TREE}, {"dag", RNEAGEN_DUMP_DAG},
+		{"plan", RNEAGEN_DUMP_PLAN}}},
+};
+
+static void set_choice(struct rneagen_options *o, int key, int value)
+{
+	switch (key) {
+	case OPTION_TARGET:
+		o->target = (enum rneagen_target)value;
+		break;
+	case OPTION_PRECISION:
+		o->precision = (enum rneagen_precision)value;
+		break;
+	case OPTION_LAYOUT:
+		o->layout = (enum rneagen_layout)value;
+		break;
+	case OPTION_TRIG:
+		o->trig = (enum rneagen_trig)value;
+		break;
+	case OPTION_BASE:
+		o->base = (enum rneagen_base)value;
+		break;
+	case OPTION_MIMIC:
+		o->mimic = (enum rneagen_mimic)value;
+		break;
+	default:
+		o->dump = (enum rneagen_dump)value;
+	}
+}
+
+/* Lengthen the scene by a line or more. */
+static int add_scene(const char *command, struct rneagen_options *o, const char *lines, size_t length)
+{
+	size_t before = o->scene ? strlen(o->scene) : 0;
+	char *s = lines ? realloc((char *)o->scene, before + length + 2) : NULL;
+
+	if (!s) {
+		fprintf(stderr, "%s: out of memory\n", command);
+		return 1;
+	}
+	memcpy(s + before, lines, length);
+	strcpy(s + before + length, "\n");
+	o->scene = s;
+	return 0;
+}
+
+/* The first line of a text that begins with dashes, as options do; NULL where none does. */
+static const char *find_dashes(const char *text)
+{
+	for (; text; text = strchr(text, '\n')) {
+		text += strspn(text, " \t\r\n");
+		if (!strncmp(text, "--", 2))
+			return text;
+	}
+	return NULL;
+}
+
+/* A whole file as a string; 1 and a message if it cannot be read, or is no text. */
+static int read_text(const char *command, const char *path, struct file_content *f)
+{
+	struct rneagen_error e = {0};
+	char *text;
+
+	if (file_read(path, f, &e))
+		fprintf(stderr, "%s: %s\n", command, e.message);
+	else if (f->length && memchr(f->bytes, '\0', f->length))
+		fprintf(stderr, "%s: %s: holds a byte of 0, and is to be a text\n", command, path);
+	else if (!(text = realloc(f->bytes, f->length + 1)))
+		fprintf(stderr, "%s: out of memory\n", command);
+	else {
+		text[f->length] = '\0';
+		f->bytes = text;
+		return 0;
+	}
+	return 1;
+}
+
+static int take_scene_file(const char *command, struct rneagen_options *o, const char *path)
+{
+	struct file_content f = {0};
+	const char *dashes;
+	size_t begin = o->scene ? strlen(o->scene) : 0;
+	int bad = read_text(command, path, &f) || add_scene(command, o, f.bytes, f.length);
+
+	free(f.bytes);
+	dashes = bad ? NULL : find_dashes(o->scene + begin);
+	return dashes ? option_refuse(command, "%s: '%.*s': in a file choices stand without their dashes", path,
+				(int)strcspn(dashes, " \t\r\n"), dashes)
+		      : bad;
+}
+
+/* A line of the scene, which keeps its dashes: a word, and in quotes a value, which has them escaped. */
+static void put_escaped(enum scene_key key, const char *value, struct text *t)
+{
+	text_printf(t, value ? "--%s \"%s\"" : "--%s", scene_word(key), value);
+}
+
+/* The same of a value as it is. */
+static void put_scene_line(enum scene_key key, const char *value, struct text *t)
+{
+	text_printf(t, value ? "--%s \"" : "--%s", scene_word(key));
+	for (const char *s = value ? value : ""; *s; s++) {
+		if (*s == '"' || *s == '\\' || *s == '\n')
+			text_putc(t, '\\');
+		text_putc(t, *s == '\n' ? 'n' : *s);
+	}
+	text_put(t, value ? "\"" : "");
+}
+
+static int take_scene_line(const char *command, struct rneagen_options *o, enum scene_key key, const char *value)
+{
+	struct arena a;
+	struct text line;
+	int bad;
+
+	arena_init(&a, NULL);
+	text_init(&line, &a);
+	put_scene_line(key, value, &line);
+	bad = add_scene(command, o, line.failed ? NULL : text_string(&line), line.length);
+	arena_free(&a);
+	return bad;
+}
+
+/* "JOINT" NUMBER, quoted as in a scene, becomes "JOINT=NUMBER"; NULL if it is none. */
+static const char *join_quoted(char *line)
+{
+	char *quote = line + 1, *value;
+
+	for (; *quote && *quote != '"'; quote++)
+		quote += *quote == '\\' && quote[1];
+	value = quote + (*quote == '"');
+	if (*value != ' ' && *value != '\t')
+		return NULL;
+	value += strspn(value, " \t");
+	*quote = '=';
+	memmove(quote + 1, value, strlen(value) + 1);
+	return line + 1;
+}
+
+/* JOINT NUMBER becomes JOINT=NUMBER; NULL if it is none. */
+static const char *join_plain(char *line)
+{
+	char *value = line + strlen(line);
+
+	while (value > line && !strchr(" \t", value[-1]))
+		value--;
+	if (value == line)
+		return NULL;
+	value[-1] = '=';
+	return line;
+}
+
+/* A line of a file of rotor inertias becomes a line of the scene; what stands after a # at its beginning is a comment. */
+static int put_armature_line(const char *command, const char *path, int number, char *line, struct text *t)
+{
+	char *end = line + strlen(line);
+	int is_quoted;
+	const char *pair;
+
+	while (end > line && strchr(" \t\r", end[-1]))
+		*--end = '\0';
+	line += strspn(line, " \t");
+	if (!*line || *line == '#')
+		return 0;
+	is_quoted = *line == '"';
+	pair = is_quoted ? join_quoted(line) : join_plain(line);
+	if (!pair)
+		return option_refuse(command, "%s: line %d: '%s' is not JOINT NUMBER", path, number, line);
+	text_put(t, t->length ? "\n" : "");
+	(is_quoted ? put_escaped : put_scene_line)(SCENE_ARMATURE, pair, t);
+	return 0;
+}
+
+/* A file of rotor inertias, one joint on a line. */
+static int take_armature(const char *command, struct rneagen_options *o, const char *path)
+{
+	struct file_content f = {0};
+	int bad, number = 0;
+	struct arena a;
+	struct text lines;
+	char *next;
+
+	if (!option_file(OPTION_SCENE + SCENE_ARMATURE, path))
+		return take_scene_line(command, o, SCENE_ARMATURE, path);
+	bad = read_text(command, path, &f);
+	arena_init(&a, NULL);
+	text_init(&lines, &a);
+	for (char *line = f.bytes; line && !bad; line = next) {
+		next = strchr(line, '\n');
+		if (next)
+			*next++ = '\0';
+		bad = put_armature_line(command, path, ++number, line, &lines);
+	}
+	if (!bad && (lines.failed || lines.length))
+		bad = add_scene(command, o, lines.failed ? NULL : text_string(&lines), lines.length);
+	arena_free(&a);
+	free(f.bytes);
+	return bad;
+}
+
+/* --qd-range X is --range qd=-X,X. */
+static int take_short_range(const char *command, struct rneagen_options *o, const char *input, const char *word)
+{
+	char line[256];
+	struct within x;
+
+	if (strlen(word) > 100 || !strchr("0123456789.", *word) || number_read(word, &x, 1) || x.x <= 0)
+		return option_refuse(command, "--%s-range takes a positive number, not '%.255s'", input, word);
+	snprintf(line, sizeof line, "%s=-%s,%s", input, word, word);
+	return take_scene_line(command, o, SCENE_RANGE, line);
+}
+
+const char *option_file(int key, const char *word)
+{
+	if (key == OPTION_SCENE + SCENE_ARMATURE)
+		return strchr(word, '=') ? NULL : word;
+	return key == OPTION_SCENE_FILE ? word : NULL;
+}
+
+void option_free(struct rneagen_options *o)
+{
+	free((char *)o->scene);
+	o->scene = NULL;
+}
+
+int option_at_fault(enum rneagen_code code)
+{
+	return code == RNEAGEN_USAGE || code == RNEAGEN_NAME || code == RNEAGEN_SCENE;
+}
+
+int option_generate(const char *command, struct rneagen_options *o, int key, const char *word)
+{
+	const struct choice *c;
+	int value = 0, bad;
+
+	if (key == OPTION_GRAVITY)
+		return parse_gravity(command, word, o->gravity);
+	if (key == OPTION_ORDER) {
+		o->order = word;
+		return 0;
+	}
+	if (key == OPTION_STRICT) {
+		o->strict = 1;
+		return 0;
+	}
+	if (key == OPTION_PARTS)
+		return parse_parts(command, word, &o->parts);
+	if (key == OPTION_QD_RANGE || key == OPTION_QDD_RANGE)
+		return take_short_range(command, o, key == OPTION_QD_RANGE ? "qd" : "qdd", word);
+	if (key == OPTION_SCENE_FILE)
+		return take_scene_file(command, o, word);
+	if (key == OPTION_SCENE + SCENE_ARMATURE)
+		return take_armature(command, o, word);
+	if (key >= OPTION_SCENE && key < OPTION_SCENE + SCENE_KEY_COUNT)
+		return take_scene_line(command, o, (enum scene_key)(key - OPTION_SCENE), word);
+	if (key < OPTION_TARGET || key > OPTION_DUMP)
+		return -1;
+	c = &CHOICES[key - OPTION_TARGET];
+	bad = option_choose(command, c->option, word, c->words, &value);
+	if (!bad)
+		set_choice(o, key, value);
+	return bad;
+}

@@ -1,0 +1,103 @@
+#ifndef RNEAGEN_OPTIONS_H
+#define RNEAGEN_OPTIONS_H
+/* What the command lines of all commands share: how options that say what to generate are read, and how what is wrong
+   is told. */
+
+#include "rneagen.h"
+#include "scene/scene.h"
+#include <getopt.h>
+
+/* What getopt_long returns. A command's own options follow from OPTION_OWN on. */
+enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_TRIG, OPTION_BASE, OPTION_MIMIC,
+	OPTION_DUMP, OPTION_GRAVITY, OPTION_ORDER, OPTION_STRICT, OPTION_PARTS, OPTION_HELP, OPTION_VERSION,
+	OPTION_QD_RANGE, OPTION_QDD_RANGE, OPTION_SCENE_FILE, OPTION_SCENE, OPTION_OWN = 512 };
+
+/* Rows for getopt_long: what torques are wanted, whatever text they come from. */
+#define OPTIONS_MODEL                                                                                                  \
+	{"precision", required_argument, NULL, OPTION_PRECISION}, {"trig", required_argument, NULL, OPTION_TRIG},      \
+	{"base", required_argument, NULL, OPTION_BASE}, {"gravity", required_argument, NULL, OPTION_GRAVITY},          \
+	{"mimic", required_argument, NULL, OPTION_MIMIC}, {"order", required_argument, NULL, OPTION_ORDER},            \
+	{"strict", no_argument, NULL, OPTION_STRICT}, {"scene", required_argument, NULL, OPTION_SCENE_FILE},           \
+	{"root", required_argument, NULL, OPTION_SCENE + SCENE_ROOT},                                                  \
+	{"tip", required_argument, NULL, OPTION_SCENE + SCENE_TIP},                                                    \
+	{"beside", required_argument, NULL, OPTION_SCENE + SCENE_BESIDE},                                              \
+	{"lock", required_argument, NULL, OPTION_SCENE + SCENE_LOCK},                                                  \
+	{"lock-all-but", required_argument, NULL, OPTION_SCENE + SCENE_LOCK_ALL_BUT},                                  \
+	{"fold", required_argument, NULL, OPTION_SCENE + SCENE_FOLD},                                                  \
+	{"free", required_argument, NULL, OPTION_SCENE + SCENE_FREE},                                                  \
+	{"want", required_argument, NULL, OPTION_SCENE + SCENE_WANT},                                                  \
+	{"dense", no_argument, NULL, OPTION_SCENE + SCENE_DENSE},                                                      \
+	{"derivatives", required_argument, NULL, OPTION_SCENE + SCENE_DERIVATIVES},                                    \
+	{"fext", required_argument, NULL, OPTION_SCENE + SCENE_FEXT},                                                  \
+	{"fext-frame", required_argument, NULL, OPTION_SCENE + SCENE_FEXT_FRAME},                                      \
+	{"armature", required_argument, NULL, OPTION_SCENE + SCENE_ARMATURE},                                          \
+	{"damping", no_argument, NULL, OPTION_SCENE + SCENE_DAMPING},                                                  \
+	{"friction", optional_argument, NULL, OPTION_SCENE + SCENE_FRICTION},                                          \
+	{"snap-angle", required_argument, NULL, OPTION_SCENE + SCENE_SNAP_ANGLE},                                      \
+	{"round-constants", required_argument, NULL, OPTION_SCENE + SCENE_ROUND_CONSTANTS},                            \
+	{"drop-below", required_argument, NULL, OPTION_SCENE + SCENE_DROP_BELOW},                                      \
+	{"range", required_argument, NULL, OPTION_SCENE + SCENE_RANGE}
+
+/* The lines of --help for what makes up a scene. */
+#define OPTIONS_SCENE_HELP                                                                                             \
+	"  --scene FILE               take the scene, options from here on without dashes, a line each, from a file:\n"      \
+	"                             # begins a comment; a value with a # in it goes into \"quotes\"\n"                    \
+	"  --root LINK                the subtree below LINK, whose frame is the world's\n"                            \
+	"  --tip L1,L2,...            the chains from the root to these links; all joints beside them are held at zero\n" \
+	"  --beside lock|drop         drop: what hangs beside the chains has no mass either\n"                         \
+	"  --lock JOINT=VALUE         hold a joint; planar and floating joints take 3 and 7 numbers by commas\n"       \
+	"  --lock-all-but J1,J2,...   hold all other joints at zero\n"                                                 \
+	"  --fold NAME=VALUE          an input that is known: qdd=0, qd.JOINT=0, gravity=0,0,0\n"                      \
+	"  --free N1,N2,...           constants that become inputs: gravity, mass.LINK, inertia.LINK, payload.LINK,\n" \
+	"                             offset.JOINT; NAME:batch one for all samples, NAME:sample one for each\n"        \
+	"  --want N1,N2,...           what is computed: tau, gravity, bias, wrench.JOINT, twist.LINK, accel.LINK, power,\n" \
+	"                             kinetic, potential, dtau_dq, dtau_dqd, M, jvp, vjp; dtau_dNAME by what is free\n" \
+	"  --dense                    matrices with the zeros of joints on different branches, M whole\n"             \
+	"  --derivatives forward|recursion\n"                                                                         \
+	"                             how dtau_dq and dtau_dqd are made; the one with fewer operations unless given\n" \
+	"  --fext L1,L2,...           external wrenches on these links\n"                                              \
+	"  --fext-frame link|world    in whose axes\n"                                                                 \
+	"  --armature FILE            rotor inertias: lines JOINT KG_M2; or --armature JOINT=KG_M2\n"                  \
+	"  --damping                  of the URDF\n"                                                                   \
+	"  --friction, --friction=WIDTH\n"                                                                             \
+	"                             of the URDF, smoothed over this width in rad/s or m/s\n"                         \
+	"  --snap-angle TOL           angles within TOL rad of a multiple of pi/2 are that multiple\n"                 \
+	"  --round-constants DIGITS   so many significant digits of each constant\n"                                   \
+	"  --drop-below FRACTION      leave out terms whose effect on every output, over drawn inputs, is below this\n"    \
+	"                             fraction of the largest value that it has\n"                                         \
+	"  --range NAME=LO,HI         what an input is drawn from where a text is measured: q, qd, qdd, q.JOINT, gravity,\n" \
+	"                             mass.LINK, fext.LINK, ...; NAME[ROW] for one row\n"
+
+/* Rows for getopt_long: what kind of text. */
+#define OPTIONS_TEXT                                                                                                   \
+	{"target", required_argument, NULL, OPTION_TARGET}, {"layout", required_argument, NULL, OPTION_LAYOUT},        \
+	{"dump", required_argument, NULL, OPTION_DUMP}, {"parts", required_argument, NULL, OPTION_PARTS}
+
+struct option_choice {
+	const char *name; /* NULL ends a list */
+	int value;
+};
+
+/* Print "COMMAND: what is wrong; see COMMAND --help" to standard error; returns 2, the exit status. */
+int option_refuse(const char *command, const char *fmt, ...) RNEAGEN_PRINTF(2, 3);
+
+/* The value that a word stands for; 2 and a message if it stands for none. */
+int option_choose(const char *command, const char *option, const char *word, const struct option_choice *choices,
+	int *value);
+
+/* Take an option of OPTIONS_MODEL or OPTIONS_TEXT, or OPTION_QD_RANGE or OPTION_QDD_RANGE: 0; the exit status, 1 or 2, and a message; -1 if `key` is not one of
+   them. What makes up the scene is gathered in o->scene, which option_free frees. */
+int option_generate(const char *command, struct rneagen_options *o, int key, const char *word);
+
+/* The file that an option reads; NULL: none. */
+const char *option_file(int key, const char *word);
+
+void option_free(struct rneagen_options *o);
+
+/* Is the command line at fault, and not the robot or a file? The exit status is 2 then, else 1. */
+int option_at_fault(enum rneagen_code code);
+
+/* The message for what getopt_long returned as ':' or '?' in an optstring that begins with ':'; returns 2. */
+int option_refuse_key(const char *command, int key, const char *word);
+
+#endif

@@ -1,0 +1,145 @@
+#ifndef RNEAGEN_DAG_H
+#define RNEAGEN_DAG_H
+/* The scalar expression DAG. Nodes stand in one array, operands before users, so that every pass is one loop.
+   Constructors fold, order operands and look up before they add: folding and sharing cannot be forgotten.
+   x*0 is 0: inputs are taken to be finite there. Sums are never re-associated. Constants that have the same value, and may be
+   the same number, are: the one that is known better. */
+
+#include "base/arena.h"
+#include "dag/ops.h"
+#include "tree/spatial.h"
+#include "base/text.h"
+#include <stdint.h>
+
+/* A node, by value. Node 0 is the constant 0. */
+struct ref {
+	uint32_t i;
+};
+
+/* What a value is called in the text; never affects sharing. The quantity is a letter of the textbook's. */
+struct tag {
+	char quantity[4]; /* "w", "dw", "a", ...; "" for none */
+	char component;   /* 'x', 'y', 'z', or 0 */
+	int body;         /* the body's number */
+};
+
+struct node {
+	enum op op;
+	struct ref arg[3]; /* INPUT: arg[0].i is the argument, arg[1].i the row */
+	real value;        /* CONST */
+	struct tag tag;
+	uint32_t number;   /* CONST: which of the DAG's numbers it is, counted from 1; 0: exactly the value */
+};
+
+enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END, SECTION_FREED, SECTION_TOTALS, SECTION_BIAS, SECTION_GRAVITY,
+	SECTION_BY, SECTION_PRODUCTS, SECTION_COUNT };
+
+/* From this node (and this output) on, the text belongs to going out to a body, or back from it. */
+struct section {
+	enum section_kind kind;
+	int body; /* index into the tree */
+	uint32_t node;
+	size_t output;
+};
+
+struct output {
+	int argument, row;
+	struct ref value;
+};
+
+/* A parameter of the generated function: q, qd, ..., tau. */
+struct argument {
+	const char *name;
+	int rows, is_output;
+	int per_batch; /* the same rows for all samples */
+};
+
+/* As many as a kernel takes (RNEA_ARGUMENT_LIMIT). */
+enum { DAG_ARGUMENTS = 64 };
+
+struct dag {
+	struct arena *arena;
+	struct node *nodes;
+	size_t count, capacity;
+	uint32_t *table; /* hash table of node indices, 0 = empty */
+	size_t table_size;
+	struct within *numbers; /* of constants that are not exactly their value */
+	size_t number_count, number_capacity;
+	struct argument arguments[DAG_ARGUMENTS];
+	int argument_count;
+	struct output *outputs;
+	size_t output_count, output_capacity;
+	struct section *sections;
+	size_t section_count, section_capacity;
+	size_t limit; /* nodes; 0: as many as memory holds */
+	int failed;   /* sticky: out of memory, an argument or a node too many */
+};
+
+void dag_init(struct dag *d, struct arena *a);
+
+/* Make room for so many nodes in all; one more makes it fail. */
+void dag_limit(struct dag *d, size_t nodes);
+
+/* Give back what only more nodes would need: from now on it can be read and fused, and one more makes it fail. */
+void dag_close(struct dag *d);
+
+/* Give back what it has taken, and leave it empty; dag_init begins it again. */
+void dag_free(struct dag *d);
+
+/* Declare a parameter of the function; returns its index. Outputs after inputs. */
+int dag_argument(struct dag *d, const char *name, int rows, int is_output);
+int dag_argument_of(struct dag *d, struct argument a);
+
+/* The index of an argument; -1 where there is none of the name. */
+int dag_find_argument(const struct dag *d, const char *name);
+
+struct ref dag_const(struct dag *d, real value);
+/* What is taken for zero is exactly that. */
+struct ref dag_within(struct dag *d, struct within c);
+struct ref dag_input(struct dag *d, int argument, int row);
+struct ref dag_neg(struct dag *d, struct ref a);
+struct ref dag_add(struct dag *d, struct ref a, struct ref b);
+struct ref dag_sub(struct dag *d, struct ref a, struct ref b);
+struct ref dag_mul(struct dag *d, struct ref a, struct ref b);
+struct ref dag_div(struct dag *d, struct ref a, struct ref b);
+struct ref dag_sqrt(struct dag *d, struct ref a);
+struct ref dag_sin(struct dag *d, struct ref a);
+struct ref dag_cos(struct dag *d, struct ref a);
+/* a*b + c, rounded once where the target can */
+struct ref dag_fma(struct dag *d, struct ref a, struct ref b, struct ref c);
+
+/* Name a value unless it has a name already or is a constant. */
+void dag_tag(struct dag *d, struct ref a, const char *quantity, int body, char component);
+void dag_section(struct dag *d, enum section_kind kind, int body);
+void dag_output(struct dag *d, int argument, int row, struct ref value);
+
+/* The live part of a DAG, with a product that has no other use joined to the sum that uses it; with `every`, each product
+   to each sum, so that no sum has a product for an operand. */
+void dag_fuse(struct dag *out, const struct dag *d, int every);
+
+/* The number that a constant stands for. */
+struct within dag_number(const struct dag *d, const struct node *n);
+
+/* What stands in `out` for node i of another DAG; node 0 where nothing does. */
+typedef struct ref dag_copier(void *context, struct dag *out, size_t i);
+
+/* Arguments, sections, tags and outputs of `d`, with nodes as `copy` makes them; map[i] (d->count of them) is what it made of
+   node i. */
+void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier *copy, void *context);
+
+/* How often each node is used by live nodes and outputs, in `uses` (d->count of them); 0 means dead. */
+void dag_uses(const struct dag *d, uint32_t *uses);
+
+void dag_dump(const struct dag *d, struct text *t);
+
+/* For simplify.c: look the node up or add it, without any rule. The value is a constant's. */
+struct ref dag_node(struct dag *d, enum op op, struct ref a, struct ref b, struct ref c, real value);
+/* The node if it is there already, else node 0. */
+struct ref dag_find(const struct dag *d, enum op op, struct ref a, struct ref b, struct ref c, real value);
+
+static inline int ref_equal(struct ref a, struct ref b)
+{
+	return a.i == b.i;
+}
+
+#endif

@@ -1,0 +1,379 @@
+#include "dag/eval.h"
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#if defined __SIZEOF_FLOAT128__ && defined RNEAGEN_QUAD
+#include <quadmath.h>
+#endif
+
+struct spread {
+	double size, bound; /* magnitudes that were summed; running bound */
+	double local;	    /* what this node adds to the error */
+	int swept;	    /* the bound is as close as it gets */
+};
+
+/* A DAG's values and what is known of them so far. */
+struct survey {
+	const struct dag *d;
+	double *values, *slope; /* slope: for swept_bound */
+	struct spread *spread;
+};
+
+/* |fl(x) - x| <= unit |x| + tiny, where x itself may be off by what it inherits from the computed value that stands for it */
+static double rounding(double unit, double tiny, double value, double inherited)
+{
+	return unit * (fabs(value) + inherited) + tiny;
+}
+
+/* What joining a product a b to a sum adds: a rounding of the product, where it has one. */
+static double joined(const struct eval_model *m, double product, double inherited)
+{
+	return m->fused ? 0 : rounding(m->mul, m->tiny, product, inherited);
+}
+
+/* What a sum's error has of its terms' sizes, which may be off by what they inherit. */
+static double of_terms(const struct eval_model *m, double a, double b, double inherited)
+{
+	return m->terms > 0 ? m->terms * (fabs(a) + fabs(b) + inherited) : 0;
+}
+
+/* The sine's or cosine's own error; nothing is known of angles beyond the domain. */
+static double sincos_error(const struct eval_model *m, enum op op, double value, double angle, double inherited)
+{
+	if (!(fabs(angle) + inherited <= m->angle))
+		return (double)INFINITY;
+	return rounding(m->sincos, m->tiny, value, inherited) + (op == OP_SIN ? m->sine : m->cosine);
+}
+
+/* An argument that is a node; an input's arguments are none. */
+static size_t operand(const struct node *n, int k)
+{
+	return k < op_arity[n->op] ? n->arg[k].i : 0;
+}
+
+/* Sine and cosine take their angle as memory has it: an input as it is; what was computed, where arithmetic has other
+   numbers than memory, rounded like a result. */
+static int is_read(const struct survey *v, const struct node *n)
+{
+	return (n->op == OP_SIN || n->op == OP_COS) && v->d->nodes[n->arg[0].i].op == OP_INPUT;
+}
+
+static struct spread spread_of_angle(const struct survey *v, size_t i, const struct eval_model *m)
+{
+	const struct node *n = &v->d->nodes[i];
+	double angle = v->values[operand(n, 0)], inherited = is_read(v, n) ? 0 : v->spread[operand(n, 0)].bound;
+	double local = m->input > 0 && !is_read(v, n) ? rounding(m->store, 0, angle, inherited) : 0, error = inherited + local;
+
+	local += error * error / 2 + sincos_error(m, n->op, v->values[i], angle, error);
+	return (struct spread){fabs(v->values[i]), inherited + local, local, 0};
+}
+
+/* |a/b - a'/b'| <= (e_a + |a/b| e_b) / (|b| - e_b) */
+static double error_of_quotient(double value, double b, double of_a, double of_b)
+{
+	return fabs(b) > of_b ? (of_a + fabs(value) * of_b) / (fabs(b) - of_b) : (double)INFINITY;
+}
+
+/* |sqrt(a) - sqrt(a')| <= e_a / (sqrt(a) + sqrt(a - e_a)) */
+static double error_of_root(double value, double a, double of_a)
+{
+	return of_a < a ? of_a / (value + sqrt(a - of_a)) : sqrt(of_a);
+}
+
+/* Is all that a node inherits in its own share? A sweep ends there. */
+static int ends_sweep(const struct node *n)
+{
+	return n->op == OP_DIV || n->op == OP_SQRT;
+}
+
+/* Magnitudes and error of a node from those of its operands x, y, z, whose values are a, b, c:
+   |fl(a+b) - (a'+b')| <= e_a + e_b + u |a+b|,  |fl(ab) - a'b'| <= |a| e_b + |b| e_a + e_a e_b + u |ab| + tiny,
+   with a second rounding where a product joined to a sum is rounded twice. */
+static struct spread spread_of(const struct survey *v, size_t i, double given_error, const struct eval_model *m)
+{
+	const struct node *n = &v->d->nodes[i];
+	const struct spread *x = &v->spread[operand(n, 0)], *y = &v->spread[operand(n, 1)], *z = &v->spread[operand(n, 2)];
+	double value = v->values[i], a = v->values[operand(n, 0)], b = v->values[operand(n, 1)];
+	double local, sum = x->bound + y->bound, square = x->bound * y->bound;
+	double product = fabs(a) * y->bound + fabs(b) * x->bound;
+
+	switch (n->op) {
+	case OP_CONST:
+	case OP_INPUT:
+		return (struct spread){fabs(value), given_error, given_error, 1};
+	case OP_NEG:
+		return (struct spread){x->size, x->bound, 0, x->swept};
+	case OP_ADD:
+	case OP_SUB:
+		local = of_terms(m, a, b, sum);
+		local += rounding(m->add, m->tiny, value, sum + local);
+		return (struct spread){x->size + y->size, sum + local, local, 0};
+	case OP_MUL:
+		local = square + rounding(m->mul, m->tiny, value, product + square);
+		return (struct spread){x->size * y->size, product + local, local, 0};
+	case OP_FMA:
+		local = square + joined(m, a * b, product + square);
+		local += of_terms(m, a * b, value - a * b, product + z->bound + local);
+		local += rounding(m->add, m->tiny, value, product + z->bound + local);
+		return (struct spread){x->size * y->size + z->size, product + z->bound + local, local, 0};
+	case OP_DIV:
+		local = rounding(m->mul, m->tiny, value, error_of_quotient(value, b, x->bound, y->bound));
+		local += error_of_quotient(value, b, x->bound, y->bound);
+		return (struct spread){x->size / fabs(b), local, local, 0};
+	case OP_SQRT:
+		local = rounding(m->mul, m->tiny, value, error_of_root(value, a, x->bound)) + error_of_root(value, a, x->bound);
+		return (struct spread){fabs(value), local, local, 0};
+	default:
+		return spread_of_angle(v, i, m);
+	}
+}
+
+/* A bound's own rounding; nothing is known of what overflowed. */
+static double bound_closed(double bound)
+{
+	return isfinite(bound) ? bound * (1 + 1e-14) : (double)INFINITY;
+}
+
+void eval_partials(const struct node *n, const double *v, double *out)
+{
+	double a = v[operand(n, 0)], b = v[operand(n, 1)];
+
+	switch (n->op) {
+	case OP_MUL:
+	case OP_FMA:
+		out[0] = b;
+		out[1] = a;
+		out[2] = 1;
+		break;
+	case OP_DIV:
+		out[0] = 1 / b;
+		out[1] = -a / (b * b);
+		break;
+	case OP_SQRT:
+		out[0] = 0.5 / sqrt(a);
+		break;
+	case OP_SIN:
+		out[0] = cos(a);
+		break;
+	case OP_COS:
+		out[0] = -sin(a);
+		break;
+	default:
+		out[0] = n->op == OP_NEG ? -1 : 1;
+		out[1] = n->op == OP_SUB ? -1 : 1;
+	}
+}
+
+/* The error of a value is the sum of what each node adds, times the value's derivative by the node, where products of
+   errors count to the node that multiplies them: unlike the running bound this sees what cancels on different ways. */
+static double swept_bound(const struct survey *x, size_t root)
+{
+	double sum = 0, by[3];
+
+	memset(x->slope, 0, (root + 1) * sizeof *x->slope);
+	x->slope[root] = 1;
+	for (size_t i = root + 1; i-- > 0;) {
+		const struct node *n = &x->d->nodes[i];
+
+		if (x->slope[i] == 0)
+			continue;
+		sum += fabs(x->slope[i]) * x->spread[i].local;
+		eval_partials(n, x->values, by);
+		for (int k = 0; k < op_arity[n->op] && !is_read(x, n) && !ends_sweep(n); k++)
+			x->slope[n->arg[k].i] += x->slope[i] * by[k];
+	}
+	return bound_closed(sum * (1 + 1e-6));
+}
+
+/* The lesser of the running bound, which grows without need along a chain, and the swept one, which takes time. */
+static void sweep(const struct survey *x, size_t i)
+{
+	struct spread *s = &x->spread[i];
+
+	if (!s->swept && isfinite(x->values[i]))
+		s->bound = fmin(s->bound, swept_bound(x, i));
+	s->swept = 1;
+}
+
+/* Where a product of two running bounds is more than the rounding of the node, closer bounds pay. */
+static void survey_node(const struct survey *x, size_t i, double given_error, const struct eval_model *m)
+{
+	const struct node *n = &x->d->nodes[i];
+	size_t a = operand(n, 0), b = operand(n, op_arity[n->op] > 1);
+	int multiplies = n->op != OP_INPUT && n->op != OP_CONST && n->op != OP_NEG && n->op != OP_ADD && n->op != OP_SUB;
+	double value = x->values[i];
+
+	if (multiplies && x->spread[a].bound * x->spread[b].bound > m->mul * fabs(value) + m->tiny) {
+		sweep(x, a);
+		sweep(x, b);
+	}
+	x->spread[i] = spread_of(x, i, given_error, m);
+	x->spread[i].bound = bound_closed(x->spread[i].bound);
+	if (!(fabs(value) + x->spread[i].bound <= m->largest))
+		sweep(x, i);
+	if (!(fabs(value) + x->spread[i].bound <= m->largest)) /* it may overflow */
+		x->spread[i].bound = x->spread[i].local = (double)INFINITY;
+}
+
+/* Of the outputs. */
+static void survey_outputs(const struct survey *x, const struct eval_terms *terms)
+{
+	for (size_t i = 0; i < x->d->output_count; i++) {
+		size_t root = x->d->outputs[i].value.i;
+
+		if (terms->size)
+			terms->size[i] = x->spread[root].size;
+		if (!terms->bound)
+			continue;
+		sweep(x, root);
+		terms->bound[i] = x->spread[root].bound;
+	}
+}
+
+static struct survey survey_new(const struct dag *d)
+{
+	return (struct survey){
+		d, malloc(d->count * sizeof(double)), malloc(d->count * sizeof(double)), calloc(d->count, sizeof(struct spread))};
+}
+
+static int survey_is_made(const struct survey *x)
+{
+	return x->values && x->slope && x->spread;
+}
+
+static void survey_free(struct survey *x)
+{
+	free(x->values);
+	free(x->slope);
+	free(x->spread);
+}
+
+/* What rounding takes from a constant, and how far that is from what the file's decimals give. */
+static double constant_error(const struct dag *d, const struct node *n, real rounded, double tiny)
+{
+	double error = within_error(dag_number(d, n));
+
+	if (n->op != OP_CONST || (rounded == n->value && error == 0))
+		return 0;
+	return (double)fabsl(rounded - n->value) * (1 + DBL_EPSILON) + error + 2 * tiny;
+}
+
+#define T float
+#define EVAL(name) name##_f32
+#define UNIT 0x1p-24
+#define TINY 0x1p-150
+#define LARGEST (double)FLT_MAX
+#define T_FMA fmaf
+#define T_SIN sinf
+#define T_COS cosf
+#define T_SQRT sqrtf
+#include "dag/eval.inc"
+
+#define T double
+#define EVAL(name) name##_f64
+#define UNIT 0x1p-53
+#define TINY 0x1p-1072
+#define LARGEST DBL_MAX
+#define T_FMA fma
+#define T_SIN sin
+#define T_COS cos
+#define T_SQRT sqrt
+#include "dag/eval.inc"
+
+#define T real
+#define EVAL(name) name##_real
+#define UNIT 0x1p-64
+#define TINY 0x1p-1072
+#define LARGEST DBL_MAX
+#define T_FMA fmal
+#define T_SIN sinl
+#define T_COS cosl
+#define T_SQRT sqrtl
+#include "dag/eval.inc"
+
+/* The text's operations, and those in extended precision that stand for the exact ones: what the two may differ by adds
+   up, since the analysis is linear in the errors of operations but for products of them, which only gain. */
+static struct eval_model widened(const struct eval_model *m)
+{
+	struct eval_model wide = *m;
+
+	wide.add += (double)LDBL_EPSILON;
+	wide.mul += (double)LDBL_EPSILON;
+	wide.sincos += 2 * (double)LDBL_EPSILON;
+	return wide;
+}
+
+/* Rounding on the way to memory; nothing is known of what is too large for it. */
+static double stored_bound(const struct eval_model *m, double value, double bound)
+{
+	double most = fabs(value) + bound;
+
+	if (!(most <= m->store_largest))
+		return (double)INFINITY;
+	return m->store > 0 ? bound_closed(bound + m->store * most + m->store_tiny) : bound;
+}
+
+static void put_bounds(const struct survey *x, const struct eval_model *m, double *const *bound)
+{
+	for (size_t i = 0; i < x->d->output_count; i++) {
+		const struct output *o = &x->d->outputs[i];
+
+		sweep(x, o->value.i);
+		bound[o->argument][o->row] = stored_bound(m, x->values[o->value.i], x->spread[o->value.i].bound);
+	}
+}
+
+double eval_node(const struct node *n, const double *v)
+{
+	return node_f64(n, v, NULL);
+}
+
+/* Values in extended precision by node; inputs are exact in it. */
+static void evaluate_node(const struct dag *d, size_t i, const double *const *in, real *v)
+{
+	const struct node *n = &d->nodes[i];
+
+	v[i] = 0;
+	v[i] = n->op == OP_INPUT ? (real)in[n->arg[0].i][n->arg[1].i] : node_real(n, v, NULL);
+}
+
+/* How far what the text reads is from what was meant: constants and, where arithmetic has fewer bits than memory, inputs. */
+static double given_error(const struct dag *d, const struct node *n, double value, const struct eval_model *m)
+{
+	if (n->op == OP_CONST)
+		return constant_error(d, n, m->constant(n->value), m->tiny);
+	return n->op == OP_INPUT && m->input > 0 ? m->input * fabs(value) + m->tiny : 0;
+}
+
+int eval_bound(const struct dag *d, const struct eval_model *m, const double *const *in, double *const *bound)
+{
+	struct eval_model wide = widened(m);
+	struct survey x = survey_new(d);
+	real *v = malloc(d->count * sizeof *v);
+	int done = v && survey_is_made(&x);
+
+	for (size_t i = 0; done && i < d->count; i++) {
+		evaluate_node(d, i, in, v);
+		x.values[i] = (double)v[i];
+		survey_node(&x, i, given_error(d, &d->nodes[i], x.values[i], m), &wide);
+	}
+	if (done)
+		put_bounds(&x, m, bound);
+	survey_free(&x);
+	free(v);
+	return done;
+}
+
+#if defined __SIZEOF_FLOAT128__ && defined RNEAGEN_QUAD
+#define T __float128
+#define EVAL(name) name##_quad
+#define UNIT 0x1p-113
+#define TINY 0x1p-1072
+#define LARGEST DBL_MAX
+#define T_FMA fmaq
+#define T_SIN sinq
+#define T_COS cosq
+#define T_SQRT sqrtq
+#include "dag/eval.inc"
+#endif

@@ -1,0 +1,30 @@
+#ifndef RNEAGEN_EVAL_MODEL_H
+#define RNEAGEN_EVAL_MODEL_H
+/* Arithmetic as the analysis of errors sees it: how far each operation of a text may be from the exact one. */
+
+#include "rneagen.h"
+#include "tree/spatial.h"
+
+struct eval_model {
+	double add, mul;	     /* a sum x is off by at most add |x| + tiny, a product by mul |x| + tiny */
+	double terms;		     /* a sum of a and b by terms (|a| + |b|) more */
+	double tiny;
+	double input;		     /* an input x is off by at most input |x| + tiny where the text rounds it, else 0; not
+					where it is an angle of sine and cosine */
+	int fused;		     /* a product joined to a sum is not rounded by itself */
+	double largest;		     /* what is larger may overflow */
+	double sincos, sine, cosine; /* a sine s is off by at most sincos |s| + sine + tiny, a cosine likewise */
+	double angle;		     /* the largest for which that is known */
+	double store, store_tiny;    /* a result x is off by at most store |x| + store_tiny more where memory rounds it */
+	double store_largest;
+	real (*constant)(real value); /* as the text has it */
+};
+
+/* The arithmetic of a text with these options: its precision and its own sine and cosine, products joined to sums rounded
+   once or twice; on a GPU once, and with its own unit for the trigonometry "fast". Of that the CUDA C++ Programming Guide
+   (Mathematical Functions, Intrinsic Functions) says: for x in [-pi, pi] the maximum absolute error is 2^-21.41 of __sinf
+   and 2^-21.19 of __cosf, "and larger otherwise"; found by extensive tests, not guaranteed. Beyond pi, where it grows
+   with x, the model knows nothing. */
+struct eval_model eval_model_of(const struct rneagen_options *o, int on_gpu);
+
+#endif

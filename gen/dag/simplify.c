@@ -1,0 +1,200 @@
+/* The DAG's constructors with their rules. A sign moves outward through products and into sums, so that it costs
+   nothing and x and -x are computed once; constants meet; a product by a negative constant is the negated product. */
+#include "dag/dag.h"
+#include <math.h>
+
+static const struct ref NONE = {0};
+
+/* A copy: nodes move as they grow in number. */
+static struct node at(const struct dag *d, struct ref a)
+{
+	return d->nodes[a.i];
+}
+
+static int is_const(const struct dag *d, struct ref a)
+{
+	return at(d, a).op == OP_CONST;
+}
+
+static int is_value(const struct dag *d, struct ref a, real value)
+{
+	return is_const(d, a) && at(d, a).value == value;
+}
+
+static int is_neg(const struct dag *d, struct ref a)
+{
+	return at(d, a).op == OP_NEG;
+}
+
+/* Constants first, then the older node: one text for a*b and b*a. */
+static int in_order(const struct dag *d, struct ref a, struct ref b)
+{
+	if (is_const(d, a) != is_const(d, b))
+		return is_const(d, a);
+	return a.i <= b.i;
+}
+
+static struct within number(const struct dag *d, struct ref a)
+{
+	return dag_number(d, &d->nodes[a.i]);
+}
+
+static struct ref negated(struct dag *d, struct ref a)
+{
+	return dag_within(d, within_neg(number(d, a)));
+}
+
+struct ref dag_input(struct dag *d, int argument, int row)
+{
+	return dag_node(d, OP_INPUT, (struct ref){(uint32_t)argument}, (struct ref){(uint32_t)row}, NONE, 0);
+}
+
+struct ref dag_neg(struct dag *d, struct ref a)
+{
+	struct ref swapped;
+
+	if (d->failed)
+		return NONE;
+	if (is_const(d, a))
+		return negated(d, a);
+	if (is_neg(d, a))
+		return at(d, a).arg[0];
+	if (at(d, a).op == OP_SUB) {
+		swapped = dag_find(d, OP_SUB, at(d, a).arg[1], at(d, a).arg[0], NONE, 0);
+		if (swapped.i)
+			return swapped;
+	}
+	return dag_node(d, OP_NEG, a, NONE, NONE, 0);
+}
+
+/* The sum of two constants, zero where it is only the rounding of the URDF's numbers. */
+static struct ref const_sum(struct dag *d, struct within a, struct within b)
+{
+	struct sum s = {0};
+
+	sum_add(&s, a);
+	sum_add(&s, b);
+	return dag_within(d, sum_total(s));
+}
+
+struct ref dag_add(struct dag *d, struct ref a, struct ref b)
+{
+	if (d->failed)
+		return NONE;
+	if (is_const(d, a) && is_const(d, b))
+		return const_sum(d, number(d, a), number(d, b));
+	if (is_value(d, a, 0))
+		return b;
+	if (is_value(d, b, 0))
+		return a;
+	if (is_neg(d, a) && is_neg(d, b))
+		return dag_neg(d, dag_add(d, at(d, a).arg[0], at(d, b).arg[0]));
+	if (is_neg(d, b))
+		return dag_sub(d, a, at(d, b).arg[0]);
+	if (is_neg(d, a))
+		return dag_sub(d, b, at(d, a).arg[0]);
+	if (is_const(d, a) && at(d, a).value < 0)
+		return dag_sub(d, b, negated(d, a));
+	if (is_const(d, b) && at(d, b).value < 0)
+		return dag_sub(d, a, negated(d, b));
+	return in_order(d, a, b) ? dag_node(d, OP_ADD, a, b, NONE, 0) : dag_node(d, OP_ADD, b, a, NONE, 0);
+}
+
+struct ref dag_sub(struct dag *d, struct ref a, struct ref b)
+{
+	struct ref swapped;
+
+	if (d->failed || ref_equal(a, b))
+		return NONE;
+	if (is_const(d, a) && is_const(d, b))
+		return const_sum(d, number(d, a), within_neg(number(d, b)));
+	if (is_value(d, a, 0))
+		return dag_neg(d, b);
+	if (is_value(d, b, 0))
+		return a;
+	if (is_neg(d, b))
+		return dag_add(d, a, at(d, b).arg[0]);
+	if (is_neg(d, a))
+		return dag_neg(d, dag_add(d, at(d, a).arg[0], b));
+	if (is_const(d, b) && at(d, b).value < 0)
+		return dag_add(d, a, negated(d, b));
+	swapped = dag_find(d, OP_SUB, b, a, NONE, 0);
+	return swapped.i ? dag_neg(d, swapped) : dag_node(d, OP_SUB, a, b, NONE, 0);
+}
+
+struct ref dag_mul(struct dag *d, struct ref a, struct ref b)
+{
+	if (d->failed)
+		return NONE;
+	if (!in_order(d, a, b))
+		return dag_mul(d, b, a);
+	if (is_neg(d, a))
+		return dag_neg(d, dag_mul(d, at(d, a).arg[0], b));
+	if (is_neg(d, b))
+		return dag_neg(d, dag_mul(d, a, at(d, b).arg[0]));
+	if (is_const(d, a)) {
+		real c = at(d, a).value;
+
+		if (is_const(d, b))
+			return dag_within(d, within_mul(number(d, a), number(d, b)));
+		if (c == 0)
+			return NONE;
+		if (c < 0)
+			return dag_neg(d, dag_mul(d, negated(d, a), b));
+		if (c == 1 && (!at(d, a).number || within_meets(number(d, a), within_exact(1))))
+			return b;
+		if (at(d, b).op == OP_MUL && is_const(d, at(d, b).arg[0]))
+			return dag_mul(d, dag_mul(d, a, at(d, b).arg[0]), at(d, b).arg[1]);
+	}
+	return dag_node(d, OP_MUL, a, b, NONE, 0);
+}
+
+struct ref dag_sin(struct dag *d, struct ref a)
+{
+	if (d->failed)
+		return NONE;
+	if (is_const(d, a))
+		return dag_within(d, within_sin(number(d, a)));
+	if (is_neg(d, a))
+		return dag_neg(d, dag_sin(d, at(d, a).arg[0]));
+	return dag_node(d, OP_SIN, a, NONE, NONE, 0);
+}
+
+struct ref dag_cos(struct dag *d, struct ref a)
+{
+	if (d->failed)
+		return NONE;
+	if (is_const(d, a))
+		return dag_within(d, within_cos(number(d, a)));
+	if (is_neg(d, a))
+		return dag_cos(d, at(d, a).arg[0]);
+	return dag_node(d, OP_COS, a, NONE, NONE, 0);
+}
+
+/* A sign moves outward. */
+struct ref dag_div(struct dag *d, struct ref a, struct ref b)
+{
+	if (d->failed)
+		return NONE;
+	if (is_value(d, a, 0))
+		return a;
+	if (is_const(d, a) && is_const(d, b))
+		return dag_within(d, within_div(number(d, a), number(d, b)));
+	if (is_neg(d, a))
+		return dag_neg(d, dag_div(d, at(d, a).arg[0], b));
+	return is_neg(d, b) ? dag_neg(d, dag_div(d, a, at(d, b).arg[0])) : dag_node(d, OP_DIV, a, b, NONE, 0);
+}
+
+struct ref dag_sqrt(struct dag *d, struct ref a)
+{
+	if (d->failed)
+		return NONE;
+	return is_const(d, a) ? dag_within(d, within_sqrt(number(d, a))) : dag_node(d, OP_SQRT, a, NONE, NONE, 0);
+}
+
+struct ref dag_fma(struct dag *d, struct ref a, struct ref b, struct ref c)
+{
+	if (d->failed)
+		return NONE;
+	return in_order(d, a, b) ? dag_node(d, OP_FMA, a, b, c, 0) : dag_node(d, OP_FMA, b, a, c, 0);
+}

@@ -1,0 +1,109 @@
+#include "dag/svec.h"
+
+struct svec svec_const(struct dag *d, const struct within v[3])
+{
+	return (struct svec){{dag_within(d, v[0]), dag_within(d, v[1]), dag_within(d, v[2])}};
+}
+
+struct svec svec_input(struct dag *d, int argument, int row)
+{
+	return (struct svec){
+		{dag_input(d, argument, row), dag_input(d, argument, row + 1), dag_input(d, argument, row + 2)}};
+}
+
+struct svec svec_add(struct dag *d, struct svec a, struct svec b)
+{
+	for (int i = 0; i < 3; i++)
+		a.x[i] = dag_add(d, a.x[i], b.x[i]);
+	return a;
+}
+
+struct svec svec_sub(struct dag *d, struct svec a, struct svec b)
+{
+	for (int i = 0; i < 3; i++)
+		a.x[i] = dag_sub(d, a.x[i], b.x[i]);
+	return a;
+}
+
+struct svec svec_scale(struct dag *d, struct ref s, struct svec a)
+{
+	for (int i = 0; i < 3; i++)
+		a.x[i] = dag_mul(d, s, a.x[i]);
+	return a;
+}
+
+/* (a x b)_i = a_j b_k - a_k b_j */
+struct svec svec_cross(struct dag *d, struct svec a, struct svec b)
+{
+	struct svec c;
+
+	for (int i = 0; i < 3; i++) {
+		int j = (i + 1) % 3, k = (i + 2) % 3;
+
+		c.x[i] = dag_sub(d, dag_mul(d, a.x[j], b.x[k]), dag_mul(d, a.x[k], b.x[j]));
+	}
+	return c;
+}
+
+struct ref svec_dot(struct dag *d, struct svec a, struct svec b)
+{
+	struct ref sum = dag_mul(d, a.x[0], b.x[0]);
+
+	for (int i = 1; i < 3; i++)
+		sum = dag_add(d, sum, dag_mul(d, a.x[i], b.x[i]));
+	return sum;
+}
+
+struct svec smat_mul(struct dag *d, const struct smat *m, struct svec v)
+{
+	struct svec w;
+
+	for (int i = 0; i < 3; i++) {
+		w.x[i] = dag_mul(d, m->m[i][0], v.x[0]);
+		for (int j = 1; j < 3; j++)
+			w.x[i] = dag_add(d, w.x[i], dag_mul(d, m->m[i][j], v.x[j]));
+	}
+	return w;
+}
+
+struct svec smat_mul_transposed(struct dag *d, const struct smat *m, struct svec v)
+{
+	struct smat t;
+
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++)
+			t.m[i][j] = m->m[j][i];
+	return smat_mul(d, &t, v);
+}
+
+struct smat smat_const(struct dag *d, const struct rotation *r)
+{
+	struct smat s;
+
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++)
+			s.m[i][j] = dag_within(d, r->m[i][j]);
+	return s;
+}
+
+/* v_j' = c v_j - s v_k, v_k' = s v_j + c v_k */
+struct svec svec_turn(struct dag *d, int axis, struct ref s, struct ref c, struct svec v)
+{
+	int j = (axis + 1) % 3, k = (axis + 2) % 3;
+	struct svec w = v;
+
+	w.x[j] = dag_sub(d, dag_mul(d, c, v.x[j]), dag_mul(d, s, v.x[k]));
+	w.x[k] = dag_add(d, dag_mul(d, s, v.x[j]), dag_mul(d, c, v.x[k]));
+	return w;
+}
+
+struct svec svec_turn_back(struct dag *d, int axis, struct ref s, struct ref c, struct svec v)
+{
+	return svec_turn(d, axis, dag_neg(d, s), c, v);
+}
+
+void svec_tag(struct dag *d, struct svec a, const char *quantity, int body)
+{
+	for (int i = 0; i < 3; i++)
+		dag_tag(d, a.x[i], quantity, body, "xyz"[i]);
+}

@@ -1,0 +1,34 @@
+#ifndef RNEAGEN_SVEC_H
+#define RNEAGEN_SVEC_H
+/* Symbolic 3-vectors over the DAG; zeros and ones of constant operands fold away in the constructors below. */
+
+#include "dag/dag.h"
+
+struct svec {
+	struct ref x[3];
+};
+
+/* A rotation with expressions for elements: x_parent = m x_child. */
+struct smat {
+	struct ref m[3][3];
+};
+
+struct svec svec_const(struct dag *d, const struct within v[3]);
+/* Rows row, row + 1, row + 2 of an argument. */
+struct svec svec_input(struct dag *d, int argument, int row);
+struct svec svec_add(struct dag *d, struct svec a, struct svec b);
+struct svec svec_sub(struct dag *d, struct svec a, struct svec b);
+struct svec svec_scale(struct dag *d, struct ref s, struct svec a);
+struct svec svec_cross(struct dag *d, struct svec a, struct svec b);
+struct ref svec_dot(struct dag *d, struct svec a, struct svec b);
+/* m v and m^T v */
+struct svec smat_mul(struct dag *d, const struct smat *m, struct svec v);
+struct svec smat_mul_transposed(struct dag *d, const struct smat *m, struct svec v);
+struct smat smat_const(struct dag *d, const struct rotation *r);
+/* R(q) v and R(q)^T v for the turn by an angle with this sine and cosine about a coordinate axis. */
+struct svec svec_turn(struct dag *d, int axis, struct ref s, struct ref c, struct svec v);
+struct svec svec_turn_back(struct dag *d, int axis, struct ref s, struct ref c, struct svec v);
+/* Name the components quantity+body+x|y|z. */
+void svec_tag(struct dag *d, struct svec a, const char *quantity, int body);
+
+#endif

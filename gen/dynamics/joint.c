@@ -1,0 +1,182 @@
+#include "dynamics/joint.h"
+
+static struct svec zero3(void)
+{
+	const struct ref zero = {0};
+
+	return (struct svec){{zero, zero, zero}};
+}
+
+static int turns(const struct body *k)
+{
+	return k->type == JOINT_REVOLUTE || k->type == JOINT_CONTINUOUS || k->type == JOINT_PLANAR || k->turn.x != 0;
+}
+
+struct ref source_row(struct dag *d, const struct source *s, int row)
+{
+	const struct ref zero = {0};
+
+	if (s->given && s->given[row].is_given)
+		return dag_within(d, s->given[row].value);
+	return s->argument >= 0 ? dag_input(d, s->argument, row) : zero;
+}
+
+static struct svec source_rows(struct dag *d, const struct source *s, int row)
+{
+	return (struct svec){{source_row(d, s, row), source_row(d, s, row + 1), source_row(d, s, row + 2)}};
+}
+
+/* A row of q with what is added to it. */
+static struct ref coordinate(struct dag *d, const struct joint_inputs *in, int row)
+{
+	struct ref q = source_row(d, &in->q, row);
+
+	return in->offset ? dag_add(d, q, in->offset[row]) : q;
+}
+
+/* A number along a single axis: the joint's, its follower's multiple, and in the axis's direction. */
+static struct ref directed(struct dag *d, const struct body *k, struct ref a)
+{
+	return dag_mul(d, dag_within(d, k->sign < 0 ? within_neg(k->multiplier) : k->multiplier), a);
+}
+
+/* R = [1-2(yy+zz), 2(xy-zw), 2(xz+yw); 2(xy+zw), 1-2(xx+zz), 2(yz-xw); 2(xz-yw), 2(yz+xw), 1-2(xx+yy)] */
+static struct smat quaternion_matrix(struct dag *d, struct svec u, struct ref w)
+{
+	struct ref one = dag_const(d, 1);
+	struct svec u2 = svec_scale(d, dag_const(d, 2), u);
+	struct smat Q;
+
+	for (int i = 0; i < 3; i++) {
+		int j = (i + 1) % 3, k = (i + 2) % 3;
+		struct ref jk = dag_mul(d, u2.x[j], u.x[k]), iw = dag_mul(d, u2.x[i], w);
+		struct ref jj = dag_mul(d, u2.x[j], u.x[j]), kk = dag_mul(d, u2.x[k], u.x[k]);
+
+		Q.m[i][i] = dag_sub(d, one, dag_add(d, jj, kk));
+		Q.m[j][k] = dag_sub(d, jk, iw);
+		Q.m[k][j] = dag_add(d, jk, iw);
+	}
+	return Q;
+}
+
+struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_inputs in)
+{
+	struct joint_pose x = {.R = smat_const(d, &k->X.R)};
+	struct svec slide = zero3();
+
+	if (k->type == JOINT_PRISMATIC) {
+		slide.x[k->axis] = directed(d, k, coordinate(d, &in, k->iq));
+	} else if (k->type == JOINT_PLANAR) {
+		slide.x[0] = source_row(d, &in.q, k->iq);
+		slide.x[1] = source_row(d, &in.q, k->iq + 1);
+	} else if (k->type == JOINT_FLOATING) {
+		slide = source_rows(d, &in.q, k->iq);
+		x.Q = quaternion_matrix(d, source_rows(d, &in.q, k->iq + 3), source_row(d, &in.q, k->iq + 6));
+	}
+	x.p = svec_add(d, svec_const(d, k->X.p), smat_mul(d, &x.R, slide));
+	if (k->turn.x != 0) {
+		struct within s, c;
+
+		angle_sincos(k->turn, &s, &c);
+		x.s = dag_within(d, s);
+		x.c = dag_within(d, c);
+	} else if (turns(k)) {
+		struct ref angle = directed(d, k, coordinate(d, &in, k->type == JOINT_PLANAR ? k->iq + 2 : k->iq));
+
+		x.s = dag_sin(d, angle);
+		x.c = dag_cos(d, angle);
+		dag_tag(d, x.s, "s", k->number, 0);
+		dag_tag(d, x.c, "c", k->number, 0);
+	}
+	return x;
+}
+
+struct joint_rates joint_move(struct dag *d, const struct body *k, struct joint_inputs in)
+{
+	struct joint_rates m = {zero3(), zero3(), zero3(), zero3(), zero3(), zero3()};
+
+	switch (k->type) {
+	case JOINT_FLOATING:
+		m.V = source_rows(d, &in.qd, k->iv);
+		m.W = source_rows(d, &in.qd, k->iv + 3);
+		m.dW = source_rows(d, &in.qdd, k->iv + 3);
+		/* qdd is spatial: the classical acceleration of the origin is a + w x v */
+		m.dV = svec_add(d, source_rows(d, &in.qdd, k->iv), svec_cross(d, m.W, m.V));
+		break;
+	case JOINT_PLANAR:
+		for (int i = 0; i < 2; i++) {
+			m.V0.x[i] = source_row(d, &in.qd, k->iv + i);
+			m.dV0.x[i] = source_row(d, &in.qdd, k->iv + i);
+		}
+		m.W.x[2] = source_row(d, &in.qd, k->iv + 2);
+		m.dW.x[2] = source_row(d, &in.qdd, k->iv + 2);
+		break;
+	case JOINT_FIXED:
+		break;
+	case JOINT_PRISMATIC:
+		m.V0.x[k->axis] = directed(d, k, source_row(d, &in.qd, k->iv));
+		m.dV0.x[k->axis] = directed(d, k, source_row(d, &in.qdd, k->iv));
+		break;
+	default:
+		m.W.x[k->axis] = directed(d, k, source_row(d, &in.qd, k->iv));
+		m.dW.x[k->axis] = directed(d, k, source_row(d, &in.qdd, k->iv));
+	}
+	return m;
+}
+
+struct joint_rates joint_unit(struct dag *d, const struct body *k, int row)
+{
+	struct joint_rates m = {zero3(), zero3(), zero3(), zero3(), zero3(), zero3()};
+	struct ref one = dag_const(d, 1);
+
+	if (k->type == JOINT_FLOATING)
+		(row < 3 ? &m.V : &m.W)->x[row % 3] = one;
+	else if (k->type == JOINT_PLANAR)
+		(row < 2 ? &m.V0 : &m.W)->x[row] = one;
+	else
+		(k->type == JOINT_PRISMATIC ? &m.V0 : &m.W)->x[k->axis] = directed(d, k, one);
+	return m;
+}
+
+struct svec joint_into(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u)
+{
+	if (k->type == JOINT_FLOATING)
+		return smat_mul_transposed(d, &x->Q, u);
+	return turns(k) ? svec_turn_back(d, k->axis, x->s, x->c, u) : u;
+}
+
+struct svec joint_out_of(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u)
+{
+	if (k->type == JOINT_FLOATING)
+		return smat_mul(d, &x->Q, u);
+	return turns(k) ? svec_turn(d, k->axis, x->s, x->c, u) : u;
+}
+
+struct svec joint_to_parent(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u)
+{
+	return smat_mul(d, &x->R, joint_out_of(d, k, x, u));
+}
+
+void joint_project(struct dag *d, const struct body *k, struct svec f, struct svec n, struct svec f0, struct ref *tau)
+{
+	switch (k->type) {
+	case JOINT_PRISMATIC:
+		tau[0] = directed(d, k, f.x[k->axis]);
+		break;
+	case JOINT_PLANAR:
+		tau[0] = f0.x[0];
+		tau[1] = f0.x[1];
+		tau[2] = n.x[2];
+		break;
+	case JOINT_FIXED:
+		break;
+	case JOINT_FLOATING:
+		for (int i = 0; i < 3; i++) {
+			tau[i] = f.x[i];
+			tau[3 + i] = n.x[i];
+		}
+		break;
+	default:
+		tau[0] = directed(d, k, n.x[k->axis]);
+	}
+}

@@ -1,0 +1,53 @@
+#ifndef RNEAGEN_JOINT_H
+#define RNEAGEN_JOINT_H
+/* What the joint types do, in symbols: where a joint puts its body, how it moves it, which part of a wrench it feels. */
+
+#include "dag/svec.h"
+#include "tree/tree.h"
+
+/* Rows of an input: those that the scene gives (NULL: none), else the argument's; -1: zero. */
+struct source {
+	int argument;
+	const struct row *given;
+};
+
+/* Where q, qd and qdd come from; what is added to rows of q (NULL: nothing). */
+struct joint_inputs {
+	struct source q, qd, qdd;
+	const struct ref *offset;
+};
+
+struct ref source_row(struct dag *d, const struct source *s, int row);
+
+/* The joint at q. Its frame is turned by the constant R in the parent's; the body's frame is turned in the joint's by
+   the angle (s, c) or, where the joint floats, by Q; p is the body's origin in the parent's frame. */
+struct joint_pose {
+	struct smat R, Q;
+	struct svec p;
+	struct ref s, c;
+};
+
+/* The rates along the joint's own axes: angular W and dW, and linear V and dV in the body's frame; linear V0 and dV0 in
+   the joint's frame, before its turn. */
+struct joint_rates {
+	struct svec W, dW, V, dV, V0, dV0;
+};
+
+struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_inputs in);
+struct joint_rates joint_move(struct dag *d, const struct body *k, struct joint_inputs in);
+
+/* The velocities that a unit rate of the joint's coordinate `row` makes; a follower's is its driver's coordinate. */
+struct joint_rates joint_unit(struct dag *d, const struct body *k, int row);
+
+/* From the joint's frame into the body's, and back: the variable turn. */
+struct svec joint_into(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u);
+struct svec joint_out_of(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u);
+
+/* R(q) u of the whole joint: from the body's frame into its parent's. */
+struct svec joint_to_parent(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u);
+
+/* The generalized forces of the joint, joint_nv of them: the wrench (f, n) in the body's frame, and its force f0 in the
+   joint's, along the joint's axes. */
+void joint_project(struct dag *d, const struct body *k, struct svec f, struct svec n, struct svec f0, struct ref *tau);
+
+#endif

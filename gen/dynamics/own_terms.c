@@ -1,0 +1,58 @@
+/* What joints take for themselves, beside the rigid bodies. */
+#include "dag/derive.h"
+#include "dynamics/tour.h"
+#include <math.h>
+
+/* c v / sqrt(v^2 + width^2): friction c against sliding at v, smooth where it turns. */
+static struct ref smooth_friction(struct dag *d, struct within c, struct ref v, struct within width)
+{
+	struct ref square = dag_add(d, dag_mul(d, v, v), dag_within(d, within_mul(width, width)));
+
+	return dag_div(d, dag_mul(d, dag_within(d, c), v), dag_sqrt(d, square));
+}
+
+/* Rotor inertia and friction of the joint's own axis, whose coordinate is multiplier q: J qdd + d qd + c sign(qd), and the
+   multiplier once more for the driver's torque. */
+void own_terms(const struct tour *r, int body, struct ref *tau)
+{
+	const struct task *t = &r->t->task;
+	const struct body *k = &r->t->bodies[body];
+	struct dag *d = r->d;
+	struct within square = within_mul(k->multiplier, k->multiplier), size = k->multiplier;
+
+	if (joint_nv(k->type) != 1)
+		return;
+	tau[0] = dag_add(d, tau[0], dag_mul(d, dag_within(d, within_mul(square, t->armature[body])), source_row(d, &r->in.qdd, k->iv)));
+	tau[0] = dag_add(d, tau[0], dag_mul(d, dag_within(d, within_mul(square, t->damping[body])), source_row(d, &r->in.qd, k->iv)));
+	if (size.x < 0)
+		size = within_neg(size);
+	if (t->friction[body].x != 0 && size.x != 0)
+		tau[0] = dag_add(d, tau[0], smooth_friction(d, within_mul(size, t->friction[body]), source_row(d, &r->in.qd, k->iv),
+			within_div(t->friction_width, size)));
+}
+
+static struct ref along_qd(void *context, int argument, int row)
+{
+	const struct tour *r = context;
+	const struct ref zero = {0};
+
+	(void)row; /* the only one that the terms know */
+	return argument == r->in.qd.argument ? dag_const(r->d, 1) : zero;
+}
+
+struct ref own_rate(const struct tour *r, int body)
+{
+	struct ref tau = {0}, *dot;
+	struct derivable x;
+
+	own_terms(r, body, &tau);
+	if (!tau.i || !derive_begin(&x, r->d, &tau, 1))
+		return (struct ref){0};
+	dot = arena_alloc(r->d->arena, x.count, sizeof *dot);
+	if (!dot) {
+		r->d->failed = 1;
+		return (struct ref){0};
+	}
+	derive_forward(&x, along_qd, (struct tour *)r, dot);
+	return dot[tau.i];
+}

@@ -1,0 +1,374 @@
+/* Derivatives of the torques by a recursion of their own, as Carpentier and Mansard (Analytical derivatives of rigid body
+   dynamics algorithms, RSS 2018) and Singh, Russell and Wensing (Efficient analytical derivatives of rigid-body dynamics using
+   spatial vector algebra, RA-L 2022) have them, here with 3-vectors in body frames; by qdd it is the mass matrix, and the
+   recursion that of Walker and Orin (1982).
+
+   A coordinate moves the particles at p beyond its joint by the field Z x (p - o) + Y, its unit twist at the body's origin o.
+   Seen from axes that move with them, their accelerations change by a field alpha x (p - o) + beta x (p' - o') + gamma, and
+   the wrench on the composite body (m, h, I, P, K) beyond the joint by
+
+       dF = alpha x h + beta x P + m gamma,   dN = I alpha + K beta + h x gamma.
+
+   A joint further out, or the joint itself, with the unit twist (Z, Y) feels Z.dN + Y.dF = n2.alpha + n1.beta + f2.gamma: its
+   row (n2, n1, f2) is carried back to the base and meets the fields of the joints on the way. A joint nearer to the base feels
+   the wrench itself, which by q turns with the twist as well, (dF + Z x F, dN + Z x N + Y x F), and is carried back too. */
+#include "dynamics/recursion.h"
+#include <string.h>
+
+struct field {
+	struct svec alpha, beta, gamma;
+};
+
+struct wrench {
+	struct svec f, n;
+};
+
+struct row_vectors {
+	struct svec n2, n1, f2;
+};
+
+static struct svec twice(struct dag *d, struct svec u)
+{
+	return svec_scale(d, dag_const(d, 2), u);
+}
+
+static const struct joint_pose *pose_of(const struct recursion *x, int body)
+{
+	return &x->r->frames[body + 1].pose;
+}
+
+/* ---- the field of a coordinate ---- */
+
+/* The unit twist (Z, Y), in the body's frame. */
+static void unit_twist(const struct recursion *x, int body, int row, struct svec *Z, struct svec *Y)
+{
+	struct dag *d = x->r->d;
+	const struct body *k = &x->r->t->bodies[body];
+	struct joint_rates unit = joint_unit(d, k, row);
+
+	*Z = unit.W;
+	*Y = svec_add(d, joint_into(d, k, pose_of(x, body), unit.V0), unit.V);
+}
+
+/* Axes that move with the body: Z' = w x Z, Z'' = U Z, and Y alike. By q alpha = Z'', beta = 2 Z', gamma = Y'' + a x Z, where a
+   is the acceleration of o less gravity; by qd, since d p''/d qd = 2 d p'/d q, alpha = 2 Z', beta = 2 Z, gamma = 2 Y'. */
+static void joint_fields(const struct recursion *x, int body, struct svec Z, struct svec Y, struct field *by)
+{
+	struct dag *d = x->r->d;
+	const struct motion *m = &x->r->frames[body + 1].motion;
+	struct svec rate = twice(d, svec_cross(d, m->w, Z));
+
+	by[BY_Q] = (struct field){smat_mul(d, &m->U, Z), rate, svec_add(d, smat_mul(d, &m->U, Y), svec_cross(d, m->a, Z))};
+	by[BY_QD] = (struct field){rate, twice(d, Z), twice(d, svec_cross(d, m->w, Y))};
+}
+
+/* The parent's u, in the frame of a body. */
+static struct svec from_parent(const struct recursion *x, int body, struct svec u)
+{
+	struct dag *d = x->r->d;
+	const struct joint_pose *at = pose_of(x, body);
+
+	return joint_into(d, &x->r->t->bodies[body], at, smat_mul_transposed(d, &at->R, u));
+}
+
+/* A planar joint's slides, along axes of the parent's: Y' = w_p x Y, Y'' = w_p' x Y + w_p x Y'. */
+static void slide_fields(const struct recursion *x, int body, struct svec Y, struct field *by)
+{
+	struct dag *d = x->r->d;
+	const struct motion *from = &x->r->frames[x->r->t->bodies[body].parent + 1].motion;
+	struct svec w = from_parent(x, body, from->w), rate = svec_cross(d, w, Y);
+
+	by[BY_Q].gamma = svec_add(d, svec_cross(d, from_parent(x, body, from->dw), Y), svec_cross(d, w, rate));
+	by[BY_QD].gamma = twice(d, rate);
+}
+
+/* The twist (V, W) of a floating base is counted along its own axes. When these turn, it stays what it is, and gravity alone
+   is another one to the body: d(Q^T g) = s.s R^T g x Z for a quaternion of norm s, whose Q is (1 - s.s) 1 + s.s R. By the twist
+   dV + W x V and W x (W x r) change. */
+static void floating_fields(const struct recursion *x, int body, struct svec Z, struct svec Y, struct field *by)
+{
+	struct dag *d = x->r->d;
+	const struct body *k = &x->r->t->bodies[body];
+	const struct joint_rates m = joint_move(d, k, x->r->in);
+	struct svec up = x->r->frames[k->parent + 1].motion.a;
+	struct ref excess = dag_const(d, -1);
+
+	for (int i = 3; i < 7; i++) {
+		struct ref e = source_row(d, &x->r->in.q, k->iq + i);
+
+		excess = dag_add(d, dag_mul(d, e, e), excess);
+	}
+	by[BY_Q].gamma = svec_cross(d, svec_add(d, from_parent(x, body, up), svec_scale(d, excess, up)), Z);
+	by[BY_QD] = (struct field){svec_cross(d, m.W, Z), twice(d, Z), svec_add(d, svec_cross(d, m.W, Y), svec_cross(d, Z, m.V))};
+}
+
+static void fields(const struct recursion *x, int body, int row, struct field *by)
+{
+	enum joint_type type = x->r->t->bodies[body].type;
+	struct svec Z, Y;
+
+	memset(by, 0, BY_QDD * sizeof *by);
+	unit_twist(x, body, row, &Z, &Y);
+	if (type == JOINT_FLOATING)
+		floating_fields(x, body, Z, Y, by);
+	else if (type == JOINT_PLANAR && row < 2)
+		slide_fields(x, body, Y, by);
+	else
+		joint_fields(x, body, Z, Y, by);
+}
+
+/* ---- what feels it ---- */
+
+static struct wrench load_by(struct dag *d, const struct composite *c, const struct field *x)
+{
+	struct wrench w;
+
+	w.f = svec_add(d, svec_cross(d, x->alpha, c->p.h), svec_cross(d, x->beta, c->P));
+	w.f = svec_add(d, w.f, svec_scale(d, c->p.mass, x->gamma));
+	w.n = svec_add(d, load_inertia_times(d, &c->p, x->alpha), smat_mul(d, &c->K, x->beta));
+	w.n = svec_add(d, w.n, svec_cross(d, c->p.h, x->gamma));
+	return w;
+}
+
+/* (Z x F, Z x N + Y x F) */
+static struct wrench turned_by(struct dag *d, const struct frame *x, struct svec Z, struct svec Y)
+{
+	return (struct wrench){svec_cross(d, Z, x->f), svec_add(d, svec_cross(d, Z, x->n), svec_cross(d, Y, x->f))};
+}
+
+static struct row_vectors row_of(struct dag *d, const struct composite *c, struct svec Z, struct svec Y)
+{
+	return (struct row_vectors){.f2 = svec_add(d, svec_cross(d, Z, c->p.h), svec_scale(d, c->p.mass, Y)),
+		.n2 = svec_add(d, load_inertia_times(d, &c->p, Z), svec_cross(d, c->p.h, Y)),
+		.n1 = svec_add(d, smat_mul_transposed(d, &c->K, Z), svec_cross(d, c->P, Y))};
+}
+
+static struct ref meet(struct dag *d, const struct row_vectors *s, const struct field *x)
+{
+	struct ref sum = dag_add(d, svec_dot(d, s->n2, x->alpha), svec_dot(d, s->n1, x->beta));
+
+	return dag_add(d, sum, svec_dot(d, s->f2, x->gamma));
+}
+
+/* p' = w_p x p + R V0 */
+static struct svec origin_rate(const struct tour *r, int body)
+{
+	struct dag *d = r->d;
+	const struct body *k = &r->t->bodies[body];
+	const struct joint_pose *at = &r->frames[body + 1].pose;
+	struct joint_rates m = joint_move(d, k, r->in);
+	struct svec slide = svec_add(d, m.V0, joint_out_of(d, k, at, m.V));
+
+	return svec_add(d, svec_cross(d, r->frames[k->parent + 1].motion.w, at->p), smat_mul(d, &at->R, slide));
+}
+
+static struct wrench wrench_to_parent(const struct recursion *x, int body, struct wrench w)
+{
+	struct dag *d = x->r->d;
+	const struct body *k = &x->r->t->bodies[body];
+	const struct joint_pose *at = pose_of(x, body);
+
+	w.f = joint_to_parent(d, k, at, w.f);
+	w.n = svec_add(d, joint_to_parent(d, k, at, w.n), svec_cross(d, at->p, w.f));
+	return w;
+}
+
+/* f2, n2 + p x f2, n1 + p' x f2 */
+static struct row_vectors row_to_parent(const struct recursion *x, int body, struct row_vectors s)
+{
+	struct dag *d = x->r->d;
+	struct wrench w = wrench_to_parent(x, body, (struct wrench){s.f2, s.n2});
+
+	s.n1 = joint_to_parent(d, &x->r->t->bodies[body], pose_of(x, body), s.n1);
+	return (struct row_vectors){w.n, svec_add(d, s.n1, svec_cross(d, origin_rate(x->r, body), w.f)), w.f};
+}
+
+/* ---- elements ---- */
+
+static void write(struct recursion *x, enum by by, int i, int j)
+{
+	struct by_matrix *m = &x->by[by];
+	int at = i * x->r->t->nv + j;
+
+	if (m->argument >= 0 && m->p.row[at] >= 0 && !m->is_done[at])
+		dag_output(x->r->d, m->argument, m->p.row[at], m->element[at]);
+	m->is_done[at] = 1;
+}
+
+static void add(struct recursion *x, enum by by, int i, int j, struct ref e)
+{
+	struct ref *to = &x->by[by].element[i * x->r->t->nv + j];
+
+	*to = dag_add(x->r->d, *to, e);
+}
+
+/* What the joint's own terms add to its diagonal elements: the rotor by qdd, friction by qd. */
+static void add_own(struct recursion *x, int body)
+{
+	const struct task *t = &x->r->t->task;
+	const struct body *k = &x->r->t->bodies[body];
+	struct dag *d = x->r->d;
+
+	if (joint_nv(k->type) != 1)
+		return;
+	add(x, BY_QDD, k->iv, k->iv, dag_within(d, within_mul(within_mul(k->multiplier, k->multiplier), t->armature[body])));
+	add(x, BY_QD, k->iv, k->iv, own_rate(x->r, body));
+}
+
+/* Row i of the gradients, by the coordinates of body `here`. */
+static void fill_row(struct recursion *x, int i, int here, const struct row_vectors *s)
+{
+	struct dag *d = x->r->d;
+	const struct body *k = &x->r->t->bodies[here];
+	struct field by[BY_QDD];
+
+	for (int j = k->iv; j < k->iv + joint_nv(k->type); j++) {
+		fields(x, here, j - k->iv, by);
+		for (enum by b = BY_Q; b < BY_QDD; b++)
+			add(x, b, i, j, meet(d, s, &by[b]));
+	}
+}
+
+/* M_ij = Z.n2 + Y.f2, the unit acceleration of row i of body `from` felt by the joint of body `here`; it stands for M_ji too,
+   and of a joint's own rows for one half. */
+static void fill_mass(struct recursion *x, int i, int from, int here, const struct row_vectors *s)
+{
+	struct dag *d = x->r->d;
+	const struct body *k = &x->r->t->bodies[here];
+	struct ref e[6];
+
+	joint_project(d, k, s->f2, s->n2, joint_out_of(d, k, pose_of(x, here), s->f2), e);
+	for (int j = k->iv; j < k->iv + joint_nv(k->type) && (here != from || j <= i); j++) {
+		add(x, BY_QDD, i, j, e[j - k->iv]);
+		if (here != from || j != i)
+			add(x, BY_QDD, j, i, e[j - k->iv]);
+	}
+}
+
+/* Column j: what the joint of body `here`, nearer to the base, feels of the wrenches. */
+static void fill_column(struct recursion *x, int j, int here, const struct wrench *w)
+{
+	struct dag *d = x->r->d;
+	const struct body *k = &x->r->t->bodies[here];
+	struct ref e[6];
+
+	for (enum by b = BY_Q; b < BY_QDD; b++) {
+		joint_project(d, k, w[b].f, w[b].n, joint_out_of(d, k, pose_of(x, here), w[b].f), e);
+		for (int i = 0; i < joint_nv(k->type); i++)
+			add(x, b, k->iv + i, j, e[i]);
+	}
+}
+
+/* What is complete: all but what several bodies add to. */
+static void write_between(struct recursion *x, int i, int here)
+{
+	const struct body *k = &x->r->t->bodies[here];
+
+	for (int j = k->iv; j < k->iv + joint_nv(k->type); j++)
+		for (enum by b = BY_Q; b < BY_COUNT && !x->is_shared[i] && !x->is_shared[j]; b++) {
+			write(x, b, i, j);
+			write(x, b, j, i);
+		}
+}
+
+/* A planar joint slides before it turns: by the turn, its slides feel the wrench turn. */
+static void add_to_slides(struct recursion *x, int body, struct wrench turned)
+{
+	struct dag *d = x->r->d;
+	int iv = x->r->t->bodies[body].iv;
+
+	for (int i = 0; i < 2; i++) {
+		struct svec Z, Y;
+
+		unit_twist(x, body, i, &Z, &Y);
+		add(x, BY_Q, iv + i, iv + 2, svec_dot(d, Y, turned.f));
+	}
+}
+
+/* The row and the column of one coordinate, back to the base. */
+static void trace(struct recursion *x, int body, int row)
+{
+	struct dag *d = x->r->d;
+	int i = x->r->t->bodies[body].iv + row;
+	struct wrench w[BY_QDD], turned;
+	struct field by[BY_QDD];
+	struct row_vectors s;
+	struct svec Z, Y;
+
+	unit_twist(x, body, row, &Z, &Y);
+	fields(x, body, row, by);
+	s = row_of(d, &x->bodies[body], Z, Y);
+	for (enum by b = BY_Q; b < BY_QDD; b++)
+		w[b] = load_by(d, &x->bodies[body], &by[b]);
+	turned = turned_by(d, &x->r->frames[body + 1], Z, Y);
+	w[BY_Q] = (struct wrench){svec_add(d, w[BY_Q].f, turned.f), svec_add(d, w[BY_Q].n, turned.n)};
+	fill_row(x, i, body, &s);
+	fill_mass(x, i, body, body, &s);
+	if (x->r->t->bodies[body].type == JOINT_PLANAR && row == 2)
+		add_to_slides(x, body, turned);
+	for (int b = body, parent; (parent = x->r->t->bodies[b].parent) >= 0; b = parent) {
+		s = row_to_parent(x, b, s);
+		w[BY_Q] = wrench_to_parent(x, b, w[BY_Q]);
+		w[BY_QD] = wrench_to_parent(x, b, w[BY_QD]);
+		fill_row(x, i, parent, &s);
+		fill_column(x, i, parent, w);
+		fill_mass(x, i, body, parent, &s);
+		write_between(x, i, parent);
+	}
+}
+
+/* ---- along with the tour ---- */
+
+void recursion_leave(struct recursion *x, int body)
+{
+	const struct tour *r = x->r;
+	const struct body *k = &r->t->bodies[body];
+	struct parameters known = load_parameters(r->d, &k->inertia);
+	const struct parameters *free = r->parameters ? r->parameters[body] : NULL;
+
+	dag_section(r->d, SECTION_BY, body);
+	composite_add_body(r->d, &x->bodies[body], free ? free : &known, r->frames[body + 1].motion.w);
+	for (int row = 0; row < joint_nv(k->type); row++)
+		trace(x, body, row);
+	add_own(x, body);
+	for (int row = 0; row < joint_nv(k->type); row++)
+		write_between(x, k->iv + row, body);
+	if (k->parent >= 0)
+		composite_add_child(r->d, &x->bodies[k->parent], &x->bodies[body], k, pose_of(x, body), origin_rate(r, body));
+}
+
+void recursion_end(struct recursion *x)
+{
+	for (enum by b = BY_Q; b < BY_COUNT; b++)
+		for (int i = 0; i < x->r->t->nv; i++)
+			for (int j = 0; j < x->r->t->nv; j++)
+				write(x, b, i, j);
+}
+
+static int begin_matrix(struct by_matrix *m, const struct tour *r, int argument, int symmetric)
+{
+	struct arena *a = r->d->arena;
+	size_t elements = (size_t)r->t->nv * (size_t)r->t->nv;
+
+	m->argument = argument;
+	m->element = arena_alloc(a, elements, sizeof *m->element);
+	m->is_done = arena_alloc(a, elements, 1);
+	return m->element && m->is_done && pattern_make(&m->p, r->t, symmetric, r->t->task.dense, a);
+}
+
+void recursion_begin(struct recursion *x, const struct tour *r, const int *arguments)
+{
+	struct arena *a = r->d->arena;
+	size_t bodies = (size_t)r->t->body_count;
+
+	*x = (struct recursion){.r = r};
+	x->bodies = arena_alloc(a, bodies, sizeof *x->bodies);
+	x->is_shared = arena_alloc(a, (size_t)r->t->nv, 1);
+	for (enum by b = BY_Q; b < BY_COUNT; b++)
+		if (!begin_matrix(&x->by[b], r, arguments[b], b == BY_QDD))
+			r->d->failed = 1;
+	if (a->failed)
+		r->d->failed = 1;
+	for (int i = 0; i < r->t->mimic_count && !a->failed; i++)
+		x->is_shared[r->t->bodies[r->t->mimics[i].body].iv] = 1;
+}

@@ -1,0 +1,33 @@
+#ifndef RNEAGEN_RECURSION_H
+#define RNEAGEN_RECURSION_H
+/* d tau/d q, d tau/d qd and the mass matrix by a recursion over composite bodies, along with a tour. */
+
+#include "dynamics/composite.h"
+#include "tree/pattern.h"
+#include "dynamics/tour.h"
+
+enum by { BY_Q, BY_QD, BY_QDD, BY_COUNT };
+
+/* A matrix of derivatives of the torques. */
+struct by_matrix {
+	int argument;        /* -1: not asked for */
+	struct pattern p;
+	struct ref *element; /* [nv][nv] */
+	char *is_done;       /* has been written */
+};
+
+struct recursion {
+	const struct tour *r;
+	struct composite *bodies; /* of the subtrees so far */
+	char *is_shared;          /* by row of qd: several bodies move with it */
+	struct by_matrix by[BY_COUNT];
+};
+
+/* `arguments` says where the matrices go. d->failed is set when memory runs out. */
+void recursion_begin(struct recursion *x, const struct tour *r, const int *arguments);
+
+/* When the tour has left a body, with the wrench of its subtree; and when it is back. */
+void recursion_leave(struct recursion *x, int body);
+void recursion_end(struct recursion *x);
+
+#endif

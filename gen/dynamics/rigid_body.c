@@ -1,0 +1,144 @@
+#include "dynamics/rigid_body.h"
+
+/* n = I dw + w x I w, with the products of w that U has already:
+   n_i = I_ii dw_i + (I_kk - I_jj) w_j w_k - I_ij U_ki + I_ik U_ji + I_jk (w_j^2 - w_k^2) */
+static struct svec euler(struct dag *d, const struct inertia *I, const struct motion *x)
+{
+	struct svec n;
+
+	for (int i = 0; i < 3; i++) {
+		int j = (i + 1) % 3, k = (i + 2) % 3;
+		struct sum spread = {0};
+		struct ref squares = dag_sub(d, dag_mul(d, x->w.x[j], x->w.x[j]), dag_mul(d, x->w.x[k], x->w.x[k]));
+
+		sum_add(&spread, I->I[inertia_index(k, k)]);
+		sum_add(&spread, within_neg(I->I[inertia_index(j, j)]));
+		n.x[i] = dag_add(d, dag_mul(d, dag_within(d, I->I[inertia_index(i, i)]), x->dw.x[i]),
+			dag_mul(d, dag_within(d, sum_total(spread)), dag_mul(d, x->w.x[j], x->w.x[k])));
+		n.x[i] = dag_sub(d, n.x[i], dag_mul(d, dag_within(d, I->I[inertia_index(i, j)]), x->U.m[k][i]));
+		n.x[i] = dag_add(d, n.x[i], dag_mul(d, dag_within(d, I->I[inertia_index(i, k)]), x->U.m[j][i]));
+		n.x[i] = dag_add(d, n.x[i], dag_mul(d, dag_within(d, I->I[inertia_index(j, k)]), squares));
+	}
+	return n;
+}
+
+/* I less what the mass makes of it from its centre c = h/m: I_c = I - m (c.c 1 - c c^T), with c in place of h. */
+static struct inertia central(const struct inertia *I)
+{
+	struct inertia J = *I;
+
+	for (int i = 0; i < 3; i++)
+		J.h[i] = within_div(I->h[i], I->mass);
+	for (int i = 0; i < 3; i++)
+		for (int j = i; j < 3; j++) {
+			struct sum s = {0};
+
+			sum_add(&s, I->I[inertia_index(i, j)]);
+			sum_add(&s, within_mul(I->h[i], J.h[j]));
+			for (int k = 0; k < 3 && i == j; k++)
+				sum_add(&s, within_neg(within_mul(I->h[k], J.h[k])));
+			J.I[inertia_index(i, j)] = sum_total(s);
+		}
+	return J;
+}
+
+/* Products that euler needs. */
+static int euler_products(const struct inertia *I)
+{
+	int count = 0;
+
+	for (int i = 0; i < 3; i++) {
+		struct within other = I->I[inertia_index((i + 1) % 3, (i + 1) % 3)];
+		struct sum spread = {0};
+
+		sum_add(&spread, I->I[inertia_index(i, i)]);
+		sum_add(&spread, within_neg(other));
+		count += (I->I[inertia_index(i, i)].x != 0) + (sum_total(spread).x != 0);
+		count += 3 * (I->I[inertia_index(i, (i + 1) % 3)].x != 0);
+	}
+	return count;
+}
+
+/* Is the wrench about the centre of mass cheaper? There the long lever arms of a far centre do not cancel; but it takes
+   all of f, which a body that turns on the ground need not have. */
+static int prefers_centre(const struct body *k, const struct inertia *I)
+{
+	int grounded = k->parent < 0 && (k->type == JOINT_REVOLUTE || k->type == JOINT_CONTINUOUS);
+
+	return !grounded && euler_products(I) < euler_products(&k->inertia);
+}
+
+void load_wrench(struct dag *d, const struct body *k, const struct motion *x, struct svec *f, struct svec *n)
+{
+	struct ref mass = dag_within(d, k->inertia.mass);
+	struct svec h = svec_const(d, k->inertia.h);
+	struct inertia I_c = {0};
+
+	if (k->inertia.mass.x != 0)
+		I_c = central(&k->inertia);
+	if (k->inertia.mass.x != 0 && prefers_centre(k, &I_c)) {
+		struct svec c = svec_const(d, I_c.h);
+
+		*f = svec_scale(d, mass, svec_add(d, x->a, smat_mul(d, &x->U, c)));
+		*n = svec_add(d, euler(d, &I_c, x), svec_cross(d, c, *f));
+	} else {
+		*f = svec_add(d, svec_scale(d, mass, x->a), smat_mul(d, &x->U, h));
+		*n = svec_add(d, euler(d, &k->inertia, x), svec_cross(d, h, x->a));
+	}
+}
+
+/* ---- parameters that are expressions ---- */
+
+struct parameters load_parameters(struct dag *d, const struct inertia *I)
+{
+	struct parameters p = {.mass = dag_within(d, I->mass), .h = svec_const(d, I->h)};
+
+	for (int i = 0; i < 6; i++)
+		p.I[i] = dag_within(d, I->I[i]);
+	return p;
+}
+
+static struct ref plus_multiple(struct dag *d, struct ref sum, struct ref s, struct within c)
+{
+	return dag_add(d, sum, dag_mul(d, dag_within(d, c), s));
+}
+
+void load_add(struct dag *d, struct parameters *p, struct ref s, const struct inertia *I)
+{
+	p->mass = plus_multiple(d, p->mass, s, I->mass);
+	for (int i = 0; i < 3; i++)
+		p->h.x[i] = plus_multiple(d, p->h.x[i], s, I->h[i]);
+	for (int i = 0; i < 6; i++)
+		p->I[i] = plus_multiple(d, p->I[i], s, I->I[i]);
+}
+
+struct smat load_inertia_matrix(const struct parameters *p)
+{
+	struct smat I;
+
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++)
+			I.m[i][j] = p->I[inertia_index(i < j ? i : j, i < j ? j : i)];
+	return I;
+}
+
+struct svec load_inertia_times(struct dag *d, const struct parameters *p, struct svec w)
+{
+	struct smat I = load_inertia_matrix(p);
+
+	return smat_mul(d, &I, w);
+}
+
+void load_wrench_free(struct dag *d, const struct parameters *p, const struct motion *x, struct svec *f, struct svec *n)
+{
+	*f = svec_add(d, svec_scale(d, p->mass, x->a), smat_mul(d, &x->U, p->h));
+	*n = svec_add(d, load_inertia_times(d, p, x->dw), svec_cross(d, x->w, load_inertia_times(d, p, x->w)));
+	*n = svec_add(d, *n, svec_cross(d, p->h, x->a));
+}
+
+struct ref load_kinetic(struct dag *d, const struct parameters *p, const struct motion *x)
+{
+	struct ref twice = dag_add(d, dag_mul(d, p->mass, svec_dot(d, x->v, x->v)), svec_dot(d, x->w, load_inertia_times(d, p, x->w)));
+
+	return dag_add(d, dag_mul(d, dag_const(d, 0.5L), twice), svec_dot(d, x->v, svec_cross(d, x->w, p->h)));
+}

@@ -1,0 +1,303 @@
+/* Newton-Euler with 3-vectors in body frames: angular velocity w, its rate dw, and the classical acceleration a of the
+   body's origin less gravity (Luh, Walker, Paul 1980; Craig, Introduction to Robotics, 6.45 to 6.53). Linear velocity
+   is not needed for the torques; where nobody asks for it, it is dead code.
+
+   The order is a tour of the tree: out to a body, through its children, back from it; what is alive at any time is
+   bounded by the depth of the tree, not by the number of its bodies. */
+#include "dynamics/registry.h"
+#include "draw/prune.h"
+#include "dynamics/tour.h"
+
+/* U = [dw]x + [w]x[w]x */
+static struct smat rate_matrix(struct dag *d, struct svec w, struct svec dw)
+{
+	struct smat U;
+
+	for (int i = 0; i < 3; i++) {
+		int j = (i + 1) % 3, k = (i + 2) % 3;
+		struct ref jk = dag_mul(d, w.x[j], w.x[k]);
+
+		U.m[i][i] = dag_neg(d, dag_add(d, dag_mul(d, w.x[j], w.x[j]), dag_mul(d, w.x[k], w.x[k])));
+		U.m[j][k] = dag_sub(d, jk, dw.x[i]);
+		U.m[k][j] = dag_add(d, jk, dw.x[i]);
+	}
+	return U;
+}
+
+/* dV + 2 w x V, the acceleration that sliding at V adds in a frame that turns with w */
+static struct svec slide_acceleration(struct dag *d, struct svec w, struct svec V, struct svec dV)
+{
+	return svec_add(d, dV, svec_scale(d, dag_const(d, 2), svec_cross(d, w, V)));
+}
+
+/* Velocities and accelerations of a body from its parent's (the world's: at rest, accelerating against gravity):
+   w = E w_p + W,  dw = E dw_p + dW + E w_p x W,  v = E (v_p + w_p x p) + V,  a = E (a_p + U_p p) + dV + 2 w x V. */
+static void move(const struct tour *r, const struct body *k, const struct frame *parent, struct frame *x)
+{
+	struct dag *d = r->d;
+	const struct joint_pose *at = &x->pose;
+	const struct motion *from = &parent->motion;
+	struct motion *to = &x->motion;
+	struct joint_rates m = joint_move(d, k, r->in);
+	struct svec w, dw, v, a;
+
+	/* into the joint's frame */
+	w = smat_mul_transposed(d, &at->R, from->w);
+	dw = smat_mul_transposed(d, &at->R, from->dw);
+	v = smat_mul_transposed(d, &at->R, svec_add(d, from->v, svec_cross(d, from->w, at->p)));
+	a = smat_mul_transposed(d, &at->R, svec_add(d, from->a, smat_mul(d, &from->U, at->p)));
+	v = svec_add(d, v, m.V0);
+	a = svec_add(d, a, slide_acceleration(d, w, m.V0, m.dV0));
+	/* into the body's */
+	w = joint_into(d, k, at, w);
+	to->w = svec_add(d, w, m.W);
+	to->dw = svec_add(d, joint_into(d, k, at, dw), svec_add(d, m.dW, svec_cross(d, w, m.W)));
+	to->v = svec_add(d, joint_into(d, k, at, v), m.V);
+	to->a = svec_add(d, joint_into(d, k, at, a), slide_acceleration(d, w, m.V, m.dV));
+	to->U = rate_matrix(d, to->w, to->dw);
+	svec_tag(d, to->w, "w", k->number);
+	svec_tag(d, to->dw, "dw", k->number);
+	svec_tag(d, to->v, "v", k->number);
+	svec_tag(d, to->a, "a", k->number);
+}
+
+struct svec tour_acceleration(const struct tour *r, int body, struct svec from)
+{
+	struct dag *d = r->d;
+	const struct body *k = &r->t->bodies[body];
+	const struct joint_pose *at = &r->frames[body + 1].pose;
+	const struct motion *parent = &r->frames[k->parent + 1].motion;
+	struct joint_rates m = joint_move(d, k, r->in);
+	struct svec w = smat_mul_transposed(d, &at->R, parent->w);
+	struct svec a = smat_mul_transposed(d, &at->R, svec_add(d, from, smat_mul(d, &parent->U, at->p)));
+
+	a = svec_add(d, a, slide_acceleration(d, w, m.V0, m.dV0));
+	return svec_add(d, joint_into(d, k, at, a), slide_acceleration(d, joint_into(d, k, at, w), m.V, m.dV));
+}
+
+/* The body's own wrench. */
+static void load(const struct tour *r, int index, struct frame *x)
+{
+	const struct body *k = &r->t->bodies[index];
+
+	if (r->parameters && r->parameters[index])
+		load_wrench_free(r->d, r->parameters[index], &x->motion, &x->f, &x->n);
+	else
+		load_wrench(r->d, k, &x->motion, &x->f, &x->n);
+	svec_tag(r->d, x->f, "f", k->number);
+	svec_tag(r->d, x->n, "n", k->number);
+}
+
+static void output_svec(const struct tour *r, int argument, int row, const struct body *k, struct svec u)
+{
+	struct smat A = smat_const(r->d, &k->frame);
+
+	u = smat_mul(r->d, &A, u);
+	for (int i = 0; i < 3; i++)
+		dag_output(r->d, argument, row + i, u.x[i]);
+}
+
+/* fpass: [v; w], the spatial acceleration [a - w x v; dw] and the wrench [f; n], in the URDF's frame. */
+static void output_passes(const struct tour *r, int index, const struct body *k, const struct frame *x)
+{
+	const struct motion *m = &x->motion;
+	struct svec a = svec_sub(r->d, m->a, svec_cross(r->d, m->w, m->v));
+
+	output_svec(r, r->v_out, 6 * index, k, m->v);
+	output_svec(r, r->v_out, 6 * index + 3, k, m->w);
+	output_svec(r, r->a_out, 6 * index, k, a);
+	output_svec(r, r->a_out, 6 * index + 3, k, m->dw);
+	output_svec(r, r->f_out, 6 * index, k, x->f);
+	output_svec(r, r->f_out, 6 * index + 3, k, x->n);
+}
+
+/* bpass: the wrench that fpass wrote, from the URDF's frame into the body's. */
+static void input_wrench(const struct tour *r, int index, const struct body *k, struct frame *x)
+{
+	struct smat A = smat_const(r->d, &k->frame);
+
+	x->f = smat_mul_transposed(r->d, &A, svec_input(r->d, r->f_in, 6 * index));
+	x->n = smat_mul_transposed(r->d, &A, svec_input(r->d, r->f_in, 6 * index + 3));
+}
+
+static void enter(const struct tour *r, int index)
+{
+	const struct body *k = &r->t->bodies[index];
+	struct frame *x = &r->frames[index + 1];
+
+	dag_section(r->d, SECTION_OUT, index);
+	x->pose = joint_place(r->d, k, r->in);
+	if (r->f_in >= 0) {
+		input_wrench(r, index, k, x);
+	} else {
+		move(r, k, &r->frames[k->parent + 1], x);
+		load(r, index, x);
+	}
+	if (r->f_out >= 0)
+		output_passes(r, index, k, x);
+	if (r->entered)
+		r->entered(r, index);
+}
+
+/* f_p += R f, n_p += R n + p x R f; the joint feels its part, a follower's goes to its driver. */
+static void leave(const struct tour *r, int index)
+{
+	struct dag *d = r->d;
+	const struct body *k = &r->t->bodies[index];
+	struct frame *x = &r->frames[index + 1], *parent = &r->frames[k->parent + 1];
+	struct svec f, n;
+	struct ref tau[6];
+
+	dag_section(d, SECTION_BACK, index);
+	if (r->leaving)
+		r->leaving(r, index);
+	f = joint_out_of(d, k, &x->pose, x->f);
+	n = joint_out_of(d, k, &x->pose, x->n);
+	joint_project(d, k, x->f, x->n, f, tau);
+	if (r->own_terms)
+		r->own_terms(r, index, tau);
+	for (int i = 0; i < joint_nv(k->type); i++)
+		r->tau[k->iv + i] = dag_add(d, r->tau[k->iv + i], tau[i]);
+	f = smat_mul(d, &x->pose.R, f);
+	n = smat_mul(d, &x->pose.R, n);
+	parent->f = svec_add(d, parent->f, f);
+	parent->n = svec_add(d, parent->n, svec_add(d, n, svec_cross(d, x->pose.p, f)));
+	if (k->parent >= 0) {
+		svec_tag(d, parent->f, "f", r->t->bodies[k->parent].number);
+		svec_tag(d, parent->n, "n", r->t->bodies[k->parent].number);
+	}
+}
+
+/* A driver's torque is complete when its followers' are added; all others when their body is left. */
+static int torque_waits(const struct tree *t, int index)
+{
+	for (int i = 0; i < t->mimic_count; i++)
+		if (t->bodies[t->mimics[i].body].iv == t->bodies[index].iv)
+			return 1;
+	return 0;
+}
+
+static void output_torques(const struct tour *r, int index)
+{
+	const struct body *k = &r->t->bodies[index];
+
+	for (int i = 0; i < joint_nv(k->type) && r->tau_out >= 0; i++)
+		dag_output(r->d, r->tau_out, k->iv + i, r->tau[k->iv + i]);
+}
+
+static void leave_and_output(const struct tour *r, int index)
+{
+	if (r->at_rest)
+		rest_leave(r, index);
+	else
+		leave(r, index);
+	if (!torque_waits(r->t, index))
+		output_torques(r, index);
+	if (r->left)
+		r->left(r, index);
+}
+
+/* Bodies are numbered depth-first: before going out to the next, come back to its parent. */
+static void go(struct tour *r)
+{
+	const struct tree *t = r->t;
+	int here = -1;
+
+	for (int k = 0; k < t->body_count; k++) {
+		for (; r->tau && here != t->bodies[k].parent; here = t->bodies[here].parent)
+			leave_and_output(r, here);
+		if (r->at_rest)
+			rest_enter(r, k);
+		else
+			enter(r, k);
+		here = k;
+	}
+	for (; r->tau && here >= 0; here = t->bodies[here].parent)
+		leave_and_output(r, here);
+	dag_section(r->d, SECTION_END, 0);
+	for (int k = 0; r->tau && k < t->body_count; k++)
+		if (!t->bodies[k].follower && torque_waits(t, k))
+			output_torques(r, k);
+}
+
+void tour_run(struct tour *r)
+{
+	struct dag *d = r->d;
+
+	r->frames = arena_alloc(d->arena, (size_t)r->t->body_count + 1, sizeof *r->frames);
+	if (r->tau_out >= 0 || r->comes_back)
+		r->tau = arena_alloc(d->arena, (size_t)r->t->nv, sizeof *r->tau);
+	if (d->arena->failed) {
+		d->failed = 1;
+		return;
+	}
+	if (r->world)
+		r->world(r);
+	for (int i = 0; i < 3; i++) /* all else of the world is node 0, zero */
+		r->frames[0].motion.a.x[i] = dag_neg(d, r->gravity ? r->gravity[i] : dag_within(d, r->t->gravity[i]));
+	go(r);
+}
+
+static struct joint_inputs joint_arguments(struct dag *d, const struct tree *t)
+{
+	struct joint_inputs in = {0};
+
+	in.q.argument = dag_argument(d, "q", t->nq, 0);
+	in.qd.argument = dag_argument(d, "qd", t->nv, 0);
+	in.qdd.argument = dag_argument(d, "qdd", t->nv, 0);
+	return in;
+}
+
+static void build_all_terms(struct dag *d, const struct tree *t)
+{
+	struct tour r = {.d = d, .t = t, .f_in = -1, .v_out = -1, .a_out = -1, .f_out = -1};
+
+	if (!t->task.is_plain) {
+		want_build(d, t);
+		return;
+	}
+	r.in = joint_arguments(d, t);
+	r.tau_out = dag_argument(d, "tau", t->nv, 1);
+	tour_run(&r);
+}
+
+static void build_rnea(struct dag *d, const struct tree *t)
+{
+	struct dag all;
+
+	if (t->adjust.drop == 0) {
+		build_all_terms(d, t);
+		return;
+	}
+	dag_init(&all, d->arena);
+	build_all_terms(&all, t);
+	drop_terms(d, &all, t, t->adjust.drop);
+}
+
+static void build_fpass(struct dag *d, const struct tree *t)
+{
+	struct tour r = {.d = d, .t = t, .f_in = -1, .tau_out = -1};
+
+	r.in = joint_arguments(d, t);
+	r.v_out = dag_argument(d, "v", t->body_count * 6, 1);
+	r.a_out = dag_argument(d, "a", t->body_count * 6, 1);
+	r.f_out = dag_argument(d, "f", t->body_count * 6, 1);
+	tour_run(&r);
+}
+
+static void build_bpass(struct dag *d, const struct tree *t)
+{
+	struct tour r = {.d = d, .t = t, .in = {.qd = {-1, NULL}, .qdd = {-1, NULL}}, .v_out = -1, .a_out = -1, .f_out = -1};
+
+	r.in.q.argument = dag_argument(d, "q", t->nq, 0);
+	r.f_in = dag_argument(d, "f", t->body_count * 6, 0);
+	r.tau_out = dag_argument(d, "tau", t->nv, 1);
+	tour_run(&r);
+}
+
+const struct algorithm ALGORITHMS[PASS_COUNT] = {
+	[PASS_RNEA] = {"rnea", "tau = ID(q, qd, qdd)", build_rnea},
+	[PASS_FPASS] = {"fpass", "Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.",
+		build_fpass},
+	[PASS_BPASS] = {"bpass", "Back to the base: torques tau from the wrenches f.", build_bpass},
+};

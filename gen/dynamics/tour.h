@@ -1,0 +1,62 @@
+#ifndef RNEAGEN_TOUR_H
+#define RNEAGEN_TOUR_H
+/* The recursion as a tour of the tree: what rnea.c walks, and where want.c joins in. */
+
+#include "dynamics/joint.h"
+#include "dynamics/rigid_body.h"
+
+/* A body while the tour is beyond it. */
+struct frame {
+	struct joint_pose pose;
+	struct motion motion;
+	struct svec f, n; /* force, and moment about the origin, through the body's joint */
+	struct svec free_a;  /* acceleration of the origin itself: a + g, without the digits lost where these cancel */
+	struct smat R0;      /* the body's frame in the world: orientation */
+	struct ref mass;     /* at rest: of the subtree */
+	struct svec own, beyond; /* at rest: first moments, of the body and of children's masses at their joints; the rest */
+};
+
+struct tour {
+	struct dag *d;
+	const struct tree *t;
+	struct frame *frames; /* frames[0] is the world; body k has frames[k + 1] */
+	struct ref *tau;      /* so far; NULL: the way out alone */
+	struct joint_inputs in;
+	int f_in, v_out, a_out, f_out, tau_out; /* arguments; -1: not there */
+	int comes_back;                         /* also without tau_out */
+	int at_rest;                            /* velocities and accelerations are zero: rest.c */
+	const struct ref *gravity;              /* three; NULL: the tree's */
+	struct parameters *const *parameters;   /* by body, of those whose parameters are no numbers; NULL: none */
+	/* called where they are not NULL: before the tour; when a body has been entered and has its own wrench; before it is
+	   left, when it has the wrench of its subtree; after that; and to add to the torques of a body's joint */
+	void (*world)(const struct tour *r);
+	void (*entered)(const struct tour *r, int body);
+	void (*leaving)(const struct tour *r, int body);
+	void (*left)(const struct tour *r, int body);
+	void (*own_terms)(const struct tour *r, int body, struct ref *tau);
+	void *context; /* of these */
+};
+
+void tour_run(struct tour *r);
+
+/* a = E (a_p + U_p p) + dV + 2 w x V once more, from another a_p than less gravity; for a body that has been entered. */
+struct svec tour_acceleration(const struct tour *r, int body, struct svec from);
+
+/* Going out to a body, and back from it, where nothing moves. */
+void rest_enter(const struct tour *r, int body);
+void rest_leave(const struct tour *r, int body);
+struct svec rest_moment(struct dag *d, const struct frame *x); /* C */
+
+/* Adds rotor inertia and friction to the torques of a body's joint, as the tree's task says. */
+void own_terms(const struct tour *r, int body, struct ref *tau);
+/* What these terms of a joint with one row are by qd. */
+struct ref own_rate(const struct tour *r, int body);
+
+/* What a scene wants of derivatives, M and the wants in `done` aside: of the torques of a tour that came back, into the
+   arguments `outputs` (both by want). */
+void gradient_outputs(const struct tour *r, const int *outputs, const char *done);
+
+/* The DAG of a tree whose task is not plain. */
+void want_build(struct dag *d, const struct tree *t);
+
+#endif

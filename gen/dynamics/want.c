@@ -1,0 +1,308 @@
+/* The task of a scene: torques from what it gives and frees, and whatever else it asks for. The DAG drops what nobody
+   needs, so each quantity is simply computed where its operands are at hand. */
+#include "dynamics/want.h"
+#include <string.h>
+
+/* ---- inputs ---- */
+
+/* Inputs that nothing reads and that torques are differentiated by all the same: nodes of no argument, which die. */
+enum { UNREAD = 1 << 20 };
+
+static const char *const INPUTS[] = {"q", "qd", "qdd"};
+
+static struct source source(struct dag *d, int input, const struct row *rows, int count, int is_read)
+{
+	struct source s = {-1, rows};
+
+	if (!is_read)
+		s.argument = UNREAD + input;
+	else if (!task_has_all(rows, count))
+		s.argument = dag_argument(d, INPUTS[input], count, 0);
+	return s;
+}
+
+static struct parameters *parameters_of(struct build *b, int body)
+{
+	struct parameters *p = b->parameters[body];
+
+	if (p)
+		return p;
+	p = b->parameters[body] = arena_alloc(b->d->arena, 1, sizeof *p);
+	if (p)
+		*p = load_parameters(b->d, &b->t->bodies[body].inertia);
+	return p;
+}
+
+static void add_inertia(struct build *b, const struct freed *f, int argument)
+{
+	struct parameters *p = parameters_of(b, f->body);
+
+	if (!p)
+		return;
+	if (f->kind == FREED_MASS)
+		load_add(b->d, p, dag_const(b->d, 1), &f->rest);
+	for (int r = 0; r < f->rows; r++)
+		load_add(b->d, p, dag_input(b->d, argument, r), &f->columns[r]);
+}
+
+static void free_constants(struct build *b)
+{
+	for (int i = 0; i < b->k->freed_count; i++) {
+		const struct freed *f = &b->k->freed[i];
+		int argument = dag_argument_of(
+			b->d, (struct argument){.name = f->argument, .rows = f->rows, .per_batch = f->per_batch});
+
+		if (f->kind == FREED_OFFSET)
+			b->offset[b->t->bodies[f->body].iq] = dag_input(b->d, argument, 0);
+		else if (f->kind != FREED_GRAVITY)
+			add_inertia(b, f, argument);
+		for (int r = 0; r < 3 && f->kind == FREED_GRAVITY; r++)
+			b->gravity[r] = dag_input(b->d, argument, r);
+	}
+}
+
+/* ---- the whole ---- */
+
+/* tau . qd */
+static struct ref power(const struct tour *r)
+{
+	struct ref sum = {0};
+
+	for (int i = 0; i < r->t->nv; i++)
+		sum = dag_add(r->d, sum, dag_mul(r->d, r->tau[i], source_row(r->d, &r->in.qd, i)));
+	return sum;
+}
+
+static int output_of(const struct build *b, enum want_kind kind)
+{
+	for (int i = 0; i < b->k->want_count; i++)
+		if (b->k->wants[i].kind == kind)
+			return b->outputs[i];
+	return -1;
+}
+
+/* May the recursion write it? By q, it knows nothing of wrenches that stay as they are in the world; and a body that floats
+   between others it takes to be turned by a quaternion of norm one. */
+static int is_recursive(const struct build *b, enum want_kind kind)
+{
+	for (int i = 0; i < b->t->body_count && kind != WANT_MASS; i++)
+		if (b->t->bodies[i].type == JOINT_FLOATING && b->t->bodies[i].parent >= 0)
+			return 0;
+	if (kind == WANT_DTAU_DQ && b->k->push_count && b->k->in_world)
+		return 0;
+	return kind == WANT_MASS || b->derivatives != DERIVATIVES_FORWARD;
+}
+
+static void begin_recursion(struct build *b, const struct tour *r)
+{
+	static const enum want_kind kinds[BY_COUNT] = {WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_MASS};
+	int arguments[BY_COUNT], is_used = 0;
+
+	for (enum by by = BY_Q; by < BY_COUNT; by++) {
+		arguments[by] = is_recursive(b, kinds[by]) ? output_of(b, kinds[by]) : -1;
+		is_used |= arguments[by] >= 0;
+		for (int i = 0; i < b->k->want_count; i++)
+			b->done[i] |= arguments[by] >= 0 && b->k->wants[i].kind == kinds[by];
+	}
+	if (is_used)
+		recursion_begin(&b->recursion, r, arguments);
+}
+
+static struct tour new_tour(const struct build *b, struct joint_inputs in)
+{
+	return (struct tour){.d = b->d, .t = b->t, .in = in, .f_in = -1, .v_out = -1, .a_out = -1, .f_out = -1, .tau_out = -1,
+		.gravity = b->gravity, .parameters = b->parameters};
+}
+
+/* The torques of gravity and velocities, without what the scene adds: a tour of its own. */
+static void run_bias(const struct build *b, struct joint_inputs in)
+{
+	struct tour r = new_tour(b, in);
+
+	r.tau_out = output_of(b, WANT_BIAS);
+	if (r.tau_out < 0)
+		return;
+	dag_section(b->d, SECTION_BIAS, 0);
+	r.in.qdd = (struct source){-1, NULL};
+	tour_run(&r);
+}
+
+/* The torques of gravity, and its potential -g.C, with C = sum of m c of all that moves, in the world. */
+static void run_gravity(const struct build *b, struct joint_inputs in, int tau_out, int potential)
+{
+	struct tour r = new_tour(b, in);
+	const struct svec g = {{b->gravity[0], b->gravity[1], b->gravity[2]}};
+
+	if (tau_out < 0 && potential < 0)
+		return;
+	dag_section(b->d, SECTION_GRAVITY, 0);
+	r.tau_out = tau_out;
+	r.comes_back = r.at_rest = 1;
+	tour_run(&r);
+	if (potential >= 0 && r.frames)
+		dag_output(b->d, potential, 0, dag_neg(b->d, svec_dot(b->d, g, rest_moment(b->d, &r.frames[0]))));
+}
+
+static void output_scalars(const struct build *b, const struct tour *r)
+{
+	int power_out = output_of(b, WANT_POWER), kinetic_out = output_of(b, WANT_KINETIC);
+
+	dag_section(b->d, SECTION_TOTALS, 0);
+	if (power_out >= 0 && r->tau)
+		dag_output(b->d, power_out, 0, power(r));
+	if (kinetic_out >= 0)
+		dag_output(b->d, kinetic_out, 0, b->kinetic);
+}
+
+static void run_main(struct build *b, struct joint_inputs in)
+{
+	struct tour r = new_tour(b, in);
+
+	r.world = want_world;
+	r.entered = want_entered;
+	r.leaving = want_leaving;
+	r.left = want_left;
+	r.own_terms = own_terms;
+	r.context = b;
+	r.tau_out = output_of(b, WANT_TAU);
+	r.comes_back = task_wants(b->k, WANT_POWER) || task_wants(b->k, WANT_WRENCH) || task_wants_derivative(b->k);
+	begin_recursion(b, &r);
+	tour_run(&r);
+	if (b->recursion.r && !b->d->failed)
+		recursion_end(&b->recursion);
+	output_scalars(b, &r);
+	gradient_outputs(&r, b->outputs, b->done);
+}
+
+static int is_zero(const struct row *rows, int count)
+{
+	for (int i = 0; i < count; i++)
+		if (!rows[i].is_given || rows[i].value.x != 0)
+			return 0;
+	return 1;
+}
+
+/* Are the torques those of gravity, and nothing asked for that takes the recursion? */
+static int is_gravity_alone(const struct build *b)
+{
+	const struct task *k = b->k;
+
+	for (int i = 0; i < k->want_count; i++)
+		if (k->wants[i].kind != WANT_TAU && k->wants[i].kind != WANT_GRAVITY && k->wants[i].kind != WANT_POTENTIAL)
+			return 0;
+	return (!task_wants(k, WANT_TAU) || (is_zero(k->qd, b->t->nv) && is_zero(k->qdd, b->t->nv))) && !k->push_count;
+}
+
+static int alloc(struct build *b)
+{
+	struct arena *a = b->d->arena;
+
+	b->offset = arena_alloc(a, (size_t)b->t->nq, sizeof *b->offset);
+	b->gravity = arena_alloc(a, 3, sizeof *b->gravity);
+	b->parameters = arena_alloc(a, (size_t)b->t->body_count, sizeof(struct parameters *));
+	b->pushed = arena_alloc(a, (size_t)b->k->push_count, sizeof *b->pushed);
+	b->outputs = arena_alloc(a, (size_t)b->k->want_count, sizeof *b->outputs);
+	b->done = arena_alloc(a, (size_t)b->k->want_count, 1);
+	return !a->failed;
+}
+
+/* A way to build the DAG: what it reads of q, qd and qdd, and what it takes. */
+struct trial {
+	enum derivatives derivatives;
+	int is_read[3];
+	size_t nodes, operations;
+};
+
+/* Where nothing of q, qd or qdd is read, there is no such input. */
+static void build(struct dag *d, const struct tree *t, const struct trial *x)
+{
+	struct build b = {.d = d, .t = t, .k = &t->task, .derivatives = x->derivatives};
+	struct joint_inputs in;
+
+	if (!alloc(&b)) {
+		d->failed = 1;
+		return;
+	}
+	dag_section(d, SECTION_FREED, 0);
+	for (int i = 0; i < 3; i++)
+		b.gravity[i] = dag_within(d, t->gravity[i]);
+	in = (struct joint_inputs){.q = source(d, 0, b.k->q, t->nq, x->is_read[0]), .offset = b.offset};
+	in.qd = source(d, 1, b.k->qd, t->nv, x->is_read[1]);
+	in.qdd = source(d, 2, b.k->qdd, t->nv, x->is_read[2]);
+	free_constants(&b);
+	for (int i = 0; i < b.k->push_count; i++)
+		b.pushed[i] = dag_argument(d, b.k->pushes[i].argument, 6, 0);
+	if (task_wants(b.k, WANT_JVP))
+		dag_argument(d, "jvp_v", 3 * t->nv, 0);
+	if (task_wants(b.k, WANT_VJP))
+		dag_argument(d, "vjp_v", t->nv, 0);
+	for (int i = 0; i < b.k->want_count; i++)
+		b.outputs[i] = dag_argument(d, b.k->wants[i].argument, b.k->wants[i].rows, 1);
+	if (is_gravity_alone(&b))
+		run_gravity(&b, in, output_of(&b, WANT_TAU), -1);
+	else
+		run_main(&b, in);
+	run_bias(&b, in);
+	run_gravity(&b, in, output_of(&b, WANT_GRAVITY), output_of(&b, WANT_POTENTIAL));
+}
+
+/* What an output depends on, and operations other than signs. */
+static void look(const struct dag *d, struct trial *x)
+{
+	uint32_t *uses = d->failed ? NULL : arena_alloc(d->arena, d->count, sizeof *uses);
+
+	memset(x->is_read, 0, sizeof x->is_read);
+	x->nodes = d->count;
+	if (!uses)
+		return;
+	dag_uses(d, uses);
+	for (size_t i = 0; i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+
+		for (int k = 0; k < 3 && uses[i] && n->op == OP_INPUT; k++)
+			x->is_read[k] |= !strcmp(d->arguments[n->arg[0].i].name, INPUTS[k]);
+		x->operations += uses[i] && op_arity[n->op] > 0 && n->op != OP_NEG;
+	}
+	arena_release(d->arena, uses);
+}
+
+/* A trial of forward mode may make half as many nodes as the recursion, and these: all that it needs where it has ever taken
+   less, on short branches whose recursion makes some 20000; on chains it takes up to three times as much. */
+enum { MORE_NODES = 1 << 16 };
+
+/* In forward mode, if that takes less than the recursion. */
+static struct trial cheaper(struct dag *d, const struct tree *t, const struct trial *recursion)
+{
+	struct trial x = {.derivatives = DERIVATIVES_FORWARD, .is_read = {1, 1, 1}};
+	struct arena spare;
+	struct dag trial;
+
+	arena_init(&spare, &d->arena->allocator);
+	dag_init(&trial, &spare);
+	dag_limit(&trial, recursion->nodes / 2 + MORE_NODES);
+	build(&trial, t, &x);
+	look(&trial, &x);
+	d->failed |= spare.failed;
+	d->arena->failed |= spare.failed;
+	arena_free(&spare);
+	return trial.failed || x.operations >= recursion->operations ? *recursion : x;
+}
+
+/* Once to see what is read and what it takes, and again where another way takes less or there is less to read. */
+void want_build(struct dag *d, const struct tree *t)
+{
+	const struct task *k = &t->task;
+	int has_choice = task_wants(k, WANT_DTAU_DQ) || task_wants(k, WANT_DTAU_DQD);
+	struct trial x = {.derivatives = k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
+		.is_read = {1, 1, 1}}, best;
+	struct arena *a = d->arena;
+
+	build(d, t, &x);
+	look(d, &x);
+	best = has_choice && !d->failed && k->derivatives == DERIVATIVES_CHEAPER ? cheaper(d, t, &x) : x;
+	if (d->failed || (best.derivatives == x.derivatives && best.is_read[0] && best.is_read[1] && best.is_read[2]))
+		return;
+	dag_free(d);
+	dag_init(d, a);
+	build(d, t, &best);
+}

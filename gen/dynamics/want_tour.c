@@ -1,0 +1,127 @@
+/* Where bodies are, the wrenches that pull at them, and what is asked of their motions and joints: what joins a tour on its
+   way out and back. */
+#include "dynamics/want.h"
+
+static int needs_pose(const struct task *k)
+{
+	return k->push_count && k->in_world;
+}
+
+/* The world's frame; gravity is not subtracted from free_a. */
+void want_world(const struct tour *r)
+{
+	for (int i = 0; i < 3; i++)
+		r->frames[0].R0.m[i][i] = dag_const(r->d, 1);
+}
+
+/* R0 = R0_p R(q), column by column */
+static void place(const struct tour *r, const struct body *k, const struct frame *parent, struct frame *x)
+{
+	struct dag *d = r->d;
+
+	for (int j = 0; j < 3; j++) {
+		struct svec e = {{{0}, {0}, {0}}};
+
+		e.x[j] = dag_const(d, 1);
+		e = joint_to_parent(d, k, &x->pose, e);
+		e = smat_mul(d, &parent->R0, e);
+		for (int i = 0; i < 3; i++)
+			x->R0.m[i][j] = e.x[i];
+	}
+}
+
+/* ---- on the way out ---- */
+
+static void output_motion(struct dag *d, int argument, const struct placement *X, struct svec linear, struct svec angular)
+{
+	struct smat R = smat_const(d, &X->R);
+
+	linear = svec_add(d, linear, svec_cross(d, angular, svec_const(d, X->p)));
+	linear = smat_mul_transposed(d, &R, linear);
+	angular = smat_mul_transposed(d, &R, angular);
+	for (int i = 0; i < 3; i++) {
+		dag_output(d, argument, i, linear.x[i]);
+		dag_output(d, argument, 3 + i, angular.x[i]);
+	}
+}
+
+/* Twist [v; w] and spatial acceleration [a - w x v; dw] at a link's origin, in its frame. */
+static void output_links(const struct tour *r, int body)
+{
+	const struct build *b = r->context;
+	const struct frame *x = &r->frames[body + 1];
+	const struct motion *m = &x->motion;
+
+	for (int i = 0; i < b->k->want_count; i++) {
+		const struct want *w = &b->k->wants[i];
+
+		if (w->body != body)
+			continue;
+		if (w->kind == WANT_TWIST)
+			output_motion(r->d, b->outputs[i], &w->X, m->v, m->w);
+		if (w->kind == WANT_ACCEL)
+			output_motion(r->d, b->outputs[i], &w->X, svec_sub(r->d, x->free_a, svec_cross(r->d, m->w, m->v)), m->dw);
+	}
+}
+
+/* A wrench (f, n) at a link's origin takes R f and R n + p x R f off what the body's joint must bear. */
+static void pull(const struct tour *r, const struct push *p, int argument, struct frame *x)
+{
+	struct dag *d = r->d;
+	const struct build *b = r->context;
+	struct svec f = svec_input(d, argument, 0), n = svec_input(d, argument, 3);
+	struct smat R = smat_const(d, &p->X.R);
+
+	f = b->k->in_world ? smat_mul_transposed(d, &x->R0, f) : smat_mul(d, &R, f);
+	n = b->k->in_world ? smat_mul_transposed(d, &x->R0, n) : smat_mul(d, &R, n);
+	x->f = svec_sub(d, x->f, f);
+	x->n = svec_sub(d, x->n, svec_add(d, n, svec_cross(d, svec_const(d, p->X.p), f)));
+}
+
+void want_entered(const struct tour *r, int body)
+{
+	struct build *b = r->context;
+	const struct body *k = &r->t->bodies[body];
+	struct frame *x = &r->frames[body + 1], *parent = &r->frames[k->parent + 1];
+	struct parameters known = load_parameters(r->d, &k->inertia);
+	const struct parameters *p = b->parameters[body] ? b->parameters[body] : &known;
+
+	if (needs_pose(b->k))
+		place(r, k, parent, x);
+	if (task_wants(b->k, WANT_ACCEL))
+		x->free_a = tour_acceleration(r, body, parent->free_a);
+	for (int i = 0; i < b->k->push_count; i++)
+		if (b->k->pushes[i].body == body)
+			pull(r, &b->k->pushes[i], b->pushed[i], x);
+	if (task_wants(b->k, WANT_KINETIC))
+		b->kinetic = dag_add(r->d, b->kinetic, load_kinetic(r->d, p, &x->motion));
+	output_links(r, body);
+}
+
+/* ---- on the way back ---- */
+
+/* The wrench through the joint, in the URDF's frame of its child link. */
+void want_leaving(const struct tour *r, int body)
+{
+	const struct build *b = r->context;
+	const struct frame *x = &r->frames[body + 1];
+	struct smat A = smat_const(r->d, &r->t->bodies[body].frame);
+
+	for (int i = 0; i < b->k->want_count; i++)
+		if (b->k->wants[i].kind == WANT_WRENCH && b->k->wants[i].body == body) {
+			struct svec f = smat_mul(r->d, &A, x->f), n = smat_mul(r->d, &A, x->n);
+
+			for (int c = 0; c < 3; c++) {
+				dag_output(r->d, b->outputs[i], c, f.x[c]);
+				dag_output(r->d, b->outputs[i], 3 + c, n.x[c]);
+			}
+		}
+}
+
+void want_left(const struct tour *r, int body)
+{
+	struct build *b = r->context;
+
+	if (b->recursion.r)
+		recursion_leave(&b->recursion, body);
+}

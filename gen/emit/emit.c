@@ -1,0 +1,256 @@
+#include "emit/emit.h"
+#include "plan/parts.h"
+#include "emit/template.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *emit_int(const struct emission *e, int value)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "%d", value);
+	return text_string(&t);
+}
+
+static const char RETURNS[] = "   Returns whether all angles are small: if not, and `small`, the results mean nothing.\n";
+
+static void put_body(const struct emission *e, const struct pass *p, struct text *out)
+{
+	const struct slot slots[] = {
+		{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
+		{"SMALL_PARAM", emit_has_small(e) ? ", const int small" : ""},
+		{"RESULT", emit_has_small(e) ? "int" : "void"},
+		{"RETURNS", emit_has_small(e) ? RETURNS : ""},
+	};
+	size_t count = sizeof slots / sizeof *slots;
+	const char *rest = template_expand_to(out, template_body_in, "BODY", slots, count);
+
+	emit_body(e, p, out);
+	template_expand(out, rest, slots, count);
+}
+
+/* The blocks of a launch. */
+static const char *grid_text(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_put(&t, "(unsigned)blocks");
+	if (e->part_count)
+		text_printf(&t, ", %d", e->part_count);
+	return text_string(&t);
+}
+
+static const char *enum_text(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "enum { %s_nq = %d, %s_nv = %d, %s_nb = %d };", e->options->name, e->tree->nq, e->options->name,
+		e->tree->nv, e->options->name, e->tree->body_count);
+	return text_string(&t);
+}
+
+const char *emit_dimensions(const struct emission *e)
+{
+	const struct dag *d = &e->passes[PASS_RNEA].dag;
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *a = &d->arguments[i];
+		const char *before = i == 0 ? "" : a->is_output && !a[-1].is_output ? " -> " : ", ";
+
+		text_printf(&t, "%s%s[%d]", before, a->name, a->rows);
+	}
+	text_put(&t, e->tree->task.is_plain && e->options->target == RNEAGEN_TARGET_C ? "; tau may be qdd itself." : ".");
+	return text_string(&t);
+}
+
+/* Header: the halves of the algorithm. */
+static const char *halves_text(const struct emission *e)
+{
+	const struct slot slots[] = {
+		{"NAME", e->options->name}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
+		{"ANY_ANGLE", emit_has_small(e) ? ", 0" : ""}, {"FPASS_PARAMS", emit_params(e, &e->passes[PASS_FPASS], PARAMS_PLAIN)},
+		{"FPASS_NAMES", emit_params(e, &e->passes[PASS_FPASS], PARAMS_NAMES)},
+		{"BPASS_PARAMS", emit_params(e, &e->passes[PASS_BPASS], PARAMS_PLAIN)},
+		{"BPASS_NAMES", emit_params(e, &e->passes[PASS_BPASS], PARAMS_NAMES)}};
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (e->pass_count == PASS_COUNT)
+		template_expand(&t, template_halves_h_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
+/* The arithmetic of the precision where it is not the compiler's, and the sine and cosine of the mode. */
+static const char *sincos_text(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	emit_f32x2(e, &t);
+	emit_sincos(e, &t);
+	return text_string(&t);
+}
+
+static const char *banner_text(const struct emission *e)
+{
+	struct text t;
+
+	if (e->banner)
+		return e->banner;
+	text_init(&t, e->arena);
+	emit_banner(e, &t);
+	return text_string(&t);
+}
+
+static const char *info_text(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	emit_info(e, &t);
+	return text_string(&t);
+}
+
+/* The largest |q| for which no angle leaves the domain of the bounded functions: a follower turns by a multiple of q. */
+static const char *small_limit(const struct emission *e)
+{
+	real most = 1;
+	struct text t;
+
+	for (int k = 0; k < e->tree->body_count; k++)
+		if (fabsl(e->tree->bodies[k].multiplier.x) > most)
+			most = fabsl(e->tree->bodies[k].multiplier.x);
+	text_init(&t, e->arena);
+	emit_number(e, e->memory, (real)e->arithmetic->domain * (most > 1 ? 0.999L / most : 1), &t); /* less the product's rounding */
+	return text_string(&t);
+}
+
+/* The test of a sample's angles, in accurate mode. */
+static void put_is_small(const struct emission *e, struct text *out)
+{
+	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}, {"F", e->memory->suffix},
+		{"NQ", emit_int(e, e->tree->nq)}, {"LIMIT", small_limit(e)}};
+
+	int host_only = e->options->target == RNEAGEN_TARGET_CUDA && emit_is_optimistic(e);
+
+	if (!emit_has_small(e))
+		return;
+	text_put(out, host_only ? "#if !defined __CUDACC__\n" : "");
+	template_expand(out, template_is_small_in, slots, sizeof slots / sizeof *slots);
+	text_put(out, host_only ? "#endif\n" : "");
+}
+
+/* The call of a part's body with the dispatcher's own arguments. */
+static void put_part_call(const struct emission *e, int part, struct text *out)
+{
+	text_printf(out, "%s%s_%s_body(%s, stride%s);", emit_has_small(e) ? "all_small &= " : "", e->options->name,
+		e->parts[part].algorithm.name, emit_params(e, &e->passes[PASS_RNEA], PARAMS_NAMES), emit_has_small(e) ? ", small" : "");
+}
+
+/* The body that calls the parts'. */
+static void put_dispatcher(const struct emission *e, struct text *out)
+{
+	const struct pass *p = &e->passes[PASS_RNEA];
+	struct text cases, calls;
+
+	text_init(&cases, e->arena);
+	text_init(&calls, e->arena);
+	for (int i = 0; i < e->part_count; i++) {
+		text_printf(&cases, "%s\tcase %d:\n\t\t", i ? "\n" : "", i);
+		put_part_call(e, i, &cases);
+		text_put(&cases, "\n\t\tbreak;");
+		text_put(&calls, i ? "\n\t" : "\t");
+		put_part_call(e, i, &calls);
+	}
+	const struct slot slots[] = {{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"SMALL_PARAM", emit_has_small(e) ? ", const int small" : ""},
+		{"RESULT", emit_has_small(e) ? "int" : "void"}, {"RETURNS", emit_has_small(e) ? RETURNS : ""},
+		{"BEGIN", emit_has_small(e) ? "\tint all_small = 1;" : ""}, {"END", emit_has_small(e) ? "\treturn all_small;" : ""},
+		{"COUNT", emit_int(e, e->part_count)}, {"CASES", text_string(&cases)}, {"CALLS", text_string(&calls)}};
+	template_expand(out, template_parts_in, slots, sizeof slots / sizeof *slots);
+	out->failed |= cases.failed | calls.failed;
+}
+
+static void put_bodies(const struct emission *e, struct text *out)
+{
+	put_is_small(e, out);
+	for (int i = 0; i < e->part_count; i++)
+		put_body(e, &e->parts[i].pass, out);
+	for (int i = 0; i < e->pass_count; i++)
+		if (i == 0 && e->part_count)
+			put_dispatcher(e, out);
+		else
+			put_body(e, &e->passes[i], out);
+}
+
+void emit_source(const struct emission *e, struct text *out)
+{
+	static const char *const frames[] = {[RNEAGEN_TARGET_CUDA] = template_kernel_cu_in,
+		[RNEAGEN_TARGET_C] = template_function_c_in, [RNEAGEN_TARGET_HEADER] = template_header_h_in};
+	const struct pass *p = e->passes;
+	struct text kernels;
+	const char *rest;
+
+	text_init(&kernels, e->arena);
+	for (int i = 0; i < e->pass_count && e->options->target == RNEAGEN_TARGET_CUDA; i++)
+		emit_kernel(e, &p[i], &kernels);
+	const struct slot slots[] = {
+		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"INFO", info_text(e)}, {"PATTERNS", emit_patterns(e)},
+		{"ARITHMETIC_CUDA", emit_arithmetic(e, ARITHMETIC_FOR_CUDA)},
+		{"ARITHMETIC_HEADER", emit_arithmetic(e, ARITHMETIC_FOR_HEADER)}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
+		{"UNDEF_STRICT", e->options->strict ? "#undef RNEA_ADD\n#undef RNEA_SUB\n#undef RNEA_MUL\n#undef RNEA_DIV\n#undef RNEA_SQRT\n#undef RNEA_APART\n" : ""},
+		{"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)}, {"MIN_BLOCKS", emit_min_blocks(e)},
+		{"SINCOS", sincos_text(e)}, {"STAGE", emit_stage(e)}, {"STORE", emit_store(e)},
+		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e)},
+		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
+		{"ADDRESSES", emit_params(e, &p[PASS_RNEA], PARAMS_ADDRESSES)},
+		{"RNEA_PARAMS", emit_params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
+		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"BOUNDED", ""},
+		{"RNEA_CALL", emit_call(e, &p[PASS_RNEA], "\t", emit_params(e, &p[PASS_RNEA], PARAMS_NAMES), "q", "1")}, {"HALVES", halves_text(e)},
+		{"SAMPLE", e->tree->task.is_plain ? "tau = ID(q, qd, qdd)" : "Inverse dynamics"},
+		{"PROTOTYPES", emit_prototypes(e)}, {"ENUM", enum_text(e)}, {"DIMENSIONS", emit_dimensions(e)},
+	};
+
+	size_t count = sizeof slots / sizeof *slots;
+	rest = template_expand_to(out, frames[e->options->target], "BODIES", slots, count);
+	put_bodies(e, out);
+	if (e->options->bounded) {
+		rest = template_expand_to(out, rest, "BOUNDED", slots, count);
+		emit_bounded(e, out);
+	}
+	template_expand(out, rest, slots, count);
+	out->failed |= kernels.failed | e->arena->failed;
+}
+
+void emit_declarations(const struct emission *e, struct text *out)
+{
+	const struct slot slots[] = {
+		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"ENUM", enum_text(e)}, {"PROTOTYPES", emit_prototypes(e)}};
+
+	template_expand(out, template_function_h_in, slots, sizeof slots / sizeof *slots);
+	out->failed |= e->arena->failed;
+}
+
+/* `block N` and, as the runtime and the user read them, what the functions take and give. */
+void emit_info_shape(const struct emission *e, struct text *out)
+{
+	const struct argument *a = e->passes[PASS_RNEA].dag.arguments;
+
+	text_printf(out, "block %d\n", emit_block_size(e));
+	if (emit_stage_bytes(e))
+		text_printf(out, "stage %d\n", emit_stage_bytes(e));
+	if (e->part_count)
+		text_printf(out, "parts %d\n", e->part_count);
+	if (e->pass_count < PASS_COUNT)
+		text_printf(out, "kernels %s\n", e->passes[PASS_RNEA].algorithm->name);
+	for (int i = 0; i < e->passes[PASS_RNEA].dag.argument_count; i++)
+		text_printf(out, "%s %s %d %s %s\n", a[i].is_output ? "output" : "input", a[i].name, a[i].rows,
+			e->memory->name, a[i].per_batch ? "batch" : "sample");
+}

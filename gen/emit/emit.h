@@ -1,0 +1,188 @@
+#ifndef RNEAGEN_EMIT_H
+#define RNEAGEN_EMIT_H
+/* Text is made here, and only here: plans become statements, statements fill the templates. */
+
+#include "plan/plan.h"
+#include "dynamics/registry.h"
+#include "rneagen.h"
+
+/* One generated function on its way to text. */
+struct pass {
+	const struct algorithm *algorithm;
+	struct dag dag; /* fused */
+	struct plan plan;
+};
+
+/* A type of numbers. Memory has one, arithmetic another where the precision converts on loads and stores. */
+struct scalar {
+	const char *name;   /* in options and tables: "f32" */
+	const char *type;   /* in the text: "float" */
+	const char *suffix; /* of functions: "f" in fmaf, rneagen_sincosf_... */
+	int bytes;
+	double domain; /* the largest angle of the bounded sine and cosine */
+	const struct scalar *part; /* of a number that is the sum of two: their type; NULL otherwise */
+};
+
+struct emission {
+	const struct tree *tree;
+	const struct rneagen_options *options; /* defaults resolved: precision, name, file */
+	const struct pass *passes;             /* PASS_COUNT; pass_count of them have a DAG: all, or the first alone, */
+	int pass_count;                        /* which then is a scene's task or one operation of the robot */
+	const struct part *parts;              /* what the first pass does, as parts of the grid; part_count 0: it is whole */
+	int part_count;
+	const char *banner;                    /* the comment at the head, where it is not inverse dynamics; else NULL */
+	const char *const *warnings;
+	size_t warning_count;
+	const char *hash; /* SHA-256 of the URDF, in hex */
+	struct arena *arena;
+	struct rneagen_error *error;
+	const struct scalar *memory, *arithmetic; /* emit_set_precision */
+	struct written_number *written;           /* EMIT_WRITTEN of them; NULL: each number is made anew */
+};
+
+/* A number as it was written last time: a model's few constants come again and again. */
+struct written_number {
+	const struct scalar *type; /* NULL: none yet */
+	double value;
+	char s[40];
+};
+
+enum { EMIT_WRITTEN = 4096 };
+
+/* Memory and arithmetic of the precision that the options name. */
+void emit_set_precision(struct emission *e);
+
+/* The precision that the options name, or their target's. */
+enum rneagen_precision emit_precision_of(const struct rneagen_options *o);
+const char *emit_precision_name(enum rneagen_precision precision);
+const char *emit_trig_name(enum rneagen_trig trig);
+
+/* The sine and cosine that the statements call: "fast" is of single precision on a GPU, elsewhere it is "bounded". */
+enum rneagen_trig emit_trig_of(const struct rneagen_options *o);
+
+const char *emit_layout_name(enum rneagen_layout layout);
+
+/* The options of the command line that name these choices, resolved, each after a blank: all but the names of joints, of
+   files and of the functions, which take quotes. */
+void emit_options(const struct rneagen_options *o, struct text *out);
+
+/* The statements of a pass, each indented by one tab. Errors: NUMBER when a constant is no finite number in the
+   target's precision. */
+void emit_body(const struct emission *e, const struct pass *p, struct text *out);
+
+/* A comment that says which part of the algorithm begins; a statement, broken where it is too long for a line. */
+void emit_section(const struct emission *e, const struct pass *p, const struct section *s, struct text *out);
+void emit_wrapped(struct text *out, const char *statement);
+
+/* What an operation is called in the names of functions that do it, "add"; NULL: it is none of arithmetic. */
+extern const char *const emit_operation[OP_COUNT];
+
+/* C: NAME_rnea_bounded and what it calls. */
+void emit_bounded(const struct emission *e, struct text *out);
+
+/* A number that reads back as the same value in the type: the shortest decimal that does. */
+void emit_number(const struct emission *e, const struct scalar *s, real value, struct text *out);
+
+/* Where a number is a pair (e->arithmetic->part): the functions that compute with such numbers, and an expression, by
+   calls of them. */
+void emit_f32x2(const struct emission *e, struct text *out);
+/* Per node: an input that only sines and cosines read, which take it as memory has it. NULL if arithmetic is of no pairs. */
+const unsigned char *emit_f32x2_angles(const struct emission *e, const struct plan *p);
+void emit_f32x2_angle(const struct emission *e, const struct plan *p, struct ref a, struct text *out);
+void emit_f32x2_expression(const struct emission *e, const struct plan *p, struct ref a, struct text *out);
+
+/* The table NAME_info as adjacent string literals. */
+void emit_info(const struct emission *e, struct text *out);
+
+/* Its middle part: the block and the arguments. */
+void emit_info_shape(const struct emission *e, struct text *out);
+
+/* Where the elements of matrices stand in them: lines of the table; arrays of rows and of columns as C declares and defines
+   them, with an empty line before; a member of the object of --info=json. Nothing where no matrix is wanted. */
+void emit_info_matrices(const struct emission *e, struct text *out);
+void emit_pattern_declarations(const struct emission *e, struct text *out);
+const char *emit_patterns(const struct emission *e);
+void emit_pattern_json(const struct emission *e, struct text *out);
+
+/* The macros of the operations, as these compilers take them. */
+enum arithmetic_for { ARITHMETIC_FOR_C, ARITHMETIC_FOR_CUDA, ARITHMETIC_FOR_HEADER };
+const char *emit_arithmetic(const struct emission *e, enum arithmetic_for compiler);
+
+/* The sine and cosine function that the statements call. */
+void emit_sincos(const struct emission *e, struct text *out);
+
+/* A pass's arguments as parameters, as their names, as addresses, out of an array of pointers, or moved on to sample k of
+   a batch. */
+enum params { PARAMS_PLAIN, PARAMS_RESTRICT, PARAMS_CUDA_RESTRICT, PARAMS_NAMES, PARAMS_ADDRESSES, PARAMS_ARRAYS, PARAMS_AT_SAMPLE };
+const char *emit_params(const struct emission *e, const struct pass *p, enum params kind);
+const char *emit_q_at_sample(const struct emission *e);
+
+/* From one row of a batch to the next. */
+const char *emit_stride(const struct emission *e);
+
+/* C: the macros that the bodies use, the functions that call them, and their declarations. */
+const char *emit_head_c(const struct emission *e);
+const char *emit_functions_c(const struct emission *e);
+const char *emit_prototypes(const struct emission *e);
+
+/* CUDA: a kernel, and the functions by which it stages its slice; the samples of a slice; how many slices a
+   multiprocessor is to have room for, an expression of RNEA_BLOCK, 0: as the compiler likes. */
+void emit_kernel(const struct emission *e, const struct pass *p, struct text *out);
+const char *emit_stage(const struct emission *e);
+
+/* The function that tells a launch how many bytes of shared memory to give, and its call, "0" where nothing is staged; the bytes in
+   which the kernel stages each thread's sample, 0: it does not. */
+const char *emit_stage_launch(const struct emission *e);
+const char *emit_given(const struct emission *e);
+int emit_stage_bytes(const struct emission *e);
+
+/* Do the statements store by RNEA_STORE? Then emit_store is what that means, else "". */
+int emit_is_streamed(const struct emission *e);
+const char *emit_store(const struct emission *e);
+int emit_block_size(const struct emission *e);
+const char *emit_min_blocks(const struct emission *e);
+
+/* Does a sample's first run stand unless an angle turns out to be large? Not where that run fills the registers. */
+int emit_is_optimistic(const struct emission *e);
+
+/* The call of a body with these arguments and stride; in accurate mode behind one test of the sample's angles, where that
+   pays: in the whole algorithm. */
+const char *emit_call(const struct emission *e, const struct pass *p, const char *indent, const char *arguments, const char *q,
+	const char *stride);
+
+/* What goes in and what comes out: "q[7], qd[7], qdd[7] -> tau[7]." */
+const char *emit_dimensions(const struct emission *e);
+
+/* The number in digits. */
+const char *emit_int(const struct emission *e, int value);
+
+/* The comment at the head of the text. */
+void emit_banner(const struct emission *e, struct text *out);
+
+/* The whole .cu, .c or header; for target C, also the .h that declares its functions. */
+void emit_source(const struct emission *e, struct text *out);
+void emit_declarations(const struct emission *e, struct text *out);
+
+/* In accurate mode the functions take one argument more, which says whether all angles are small: one branch instead of
+   one for each joint. Not where angles are not q alone. */
+int emit_has_small(const struct emission *e);
+
+/* Is the text one operation alone, rather than the three algorithms? */
+static inline int emit_is_operation(const struct emission *e)
+{
+	return e->banner != NULL;
+}
+
+/* Are numbers converted between memory and arithmetic? */
+static inline int emit_converts(const struct emission *e)
+{
+	return e->memory != e->arithmetic;
+}
+
+/* Of the names of functions of the arithmetic's type, after rneagen_sincos. */
+static inline const char *emit_sincos_suffix(const struct emission *e)
+{
+	return e->arithmetic->part ? "_f32x2" : e->arithmetic->suffix;
+}
+
+#endif

@@ -1,0 +1,145 @@
+/* The C functions around the bodies: of texts for target c, and of texts for CUDA where they are compiled as C. */
+#include "emit/emit.h"
+#include "emit/template.h"
+
+static int is_soa(const struct emission *e)
+{
+	return e->options->layout == RNEAGEN_SOA;
+}
+
+static const char *joined(const struct emission *e, const char *a, const char *b)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "%s, %s", a, b);
+	return text_string(&t);
+}
+
+const char *emit_head_c(const struct emission *e)
+{
+	const struct slot slots[] = {{"ARITHMETIC_C", emit_arithmetic(e, ARITHMETIC_FOR_C)}};
+	struct text t;
+
+	text_init(&t, e->arena);
+	template_expand(&t, template_head_c_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
+/* One function for a sample, one for a part of a batch. */
+static void put_functions(const struct emission *e, const struct pass *p, struct text *out)
+{
+	const struct slot slots[] = {
+		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"APART", e->options->strict ? "RNEA_APART " : ""},
+		{"ONE", emit_has_small(e) ? "any" : "body"},
+		{"COUNT_PARAM", is_soa(e) ? "size_t count, " : ""}, {"COUNT", is_soa(e) ? "count, " : ""},
+		{"UNUSED", is_soa(e) ? "" : "\t(void)count;"}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
+		{"AT_SAMPLE", joined(e, emit_params(e, p, PARAMS_AT_SAMPLE), emit_stride(e))},
+		{"ARRAYS", emit_params(e, p, PARAMS_ARRAYS)},
+	};
+	size_t count = sizeof slots / sizeof *slots;
+
+	template_expand(out, emit_has_small(e) ? template_part_accurate_in : template_part_in, slots, count);
+	template_expand(out, template_slice_in, slots, count);
+	if (p == &e->passes[PASS_RNEA])
+		template_expand(out, template_batch_in, slots, count);
+}
+
+const char *emit_functions_c(const struct emission *e)
+{
+	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type},
+		{"COUNT_PARAM", is_soa(e) ? "size_t count, " : ""},
+		{"Q_AT_SAMPLE", joined(e, emit_q_at_sample(e), emit_stride(e))}};
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (emit_has_small(e))
+		template_expand(&t, template_are_small_in, slots, sizeof slots / sizeof *slots);
+	for (int i = 0; i < e->pass_count; i++) {
+		text_put(&t, i ? "\n" : "");
+		put_functions(e, &e->passes[i], &t);
+	}
+	return text_string(&t);
+}
+
+static void put_prototype(
+	const struct emission *e, int i, const char *suffix, const char *more, const char *doc, struct text *out)
+{
+	const struct pass *p = &e->passes[i];
+
+	text_printf(out, "/* %s */\nvoid %s_%s%s(%s%s);\n", doc, e->options->name, p->algorithm->name, suffix,
+		emit_params(e, p, PARAMS_PLAIN), more);
+}
+
+static void put_slice_prototypes(const struct emission *e, struct text *out)
+{
+	text_put(out, "/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each\n");
+	text_printf(out, "   in a thread of the caller's own. The arrays are those of %s, in that order. */\n",
+		e->tree->task.is_plain ? "rnea, fpass and bpass" : "rnea");
+	for (int i = 0; i < e->pass_count; i++)
+		text_printf(out, "void %s_%s_slice(void *const *arrays, size_t count, size_t first, size_t end);\n",
+			e->options->name, e->passes[i].algorithm->name);
+}
+
+/* What exact means, what a bound covers, and where there is none. */
+#define BOUNDED_DOC                                                                                                    \
+	"   Exact is what the command above makes of the URDF's decimals, and of its own, in exact arithmetic at these very\n"     \
+	"   inputs, where an angle within 5e-15 rad of a multiple of pi/2 is that, and constants that are zero, or equal, but for\n" \
+	"   the rounding of the file's numbers are zero, or equal. Rounding of the file's numbers, of constants and operations,\n" \
+	"   sine and cosine, underflow, and the bound's own rounding are in it (running error analysis: Higham, Accuracy and\n"    \
+	"   Stability of Numerical Algorithms, 2nd ed., SIAM 2002, section 3.3). Infinite where a value may overflow or an angle\n" \
+	"   is beyond the domain of the trigonometry; NaN where the torque depends on an input that is not finite. bound must\n"   \
+	"   not overlap the others."
+
+static void put_bounded_prototype(const struct emission *e, struct text *out)
+{
+	const char *more = e->memory->bytes == 4 ? ", float *bound" : ", double *bound";
+	int torques = e->tree->task.want_count == 1 && e->tree->task.wants[0].kind <= WANT_BIAS;
+
+	put_prototype(e, PASS_RNEA, "_bounded", more, torques ?
+		"The same torques, to the bit, and for each a bound[i] of |tau[i] - exact|.\n" BOUNDED_DOC :
+		"The same outputs, to the bit, and for each number x of them, one output after the other, a bound[i] of |x - exact|.\n"
+		BOUNDED_DOC, out);
+}
+
+/* For a text that is one operation alone. */
+static const char *operation_prototypes(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	put_prototype(e, PASS_RNEA, "", "", e->passes[PASS_RNEA].algorithm->doc, &t);
+	put_prototype(e, PASS_RNEA, "_batch", ", size_t count", "The same for `count` samples; arrays must not overlap.", &t);
+	text_printf(&t, "void %s_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);\n", e->options->name);
+	text_printf(&t, "extern const char %s_info[];", e->options->name);
+	return text_string(&t);
+}
+
+const char *emit_prototypes(const struct emission *e)
+{
+	struct text t, one, many;
+
+	if (emit_is_operation(e))
+		return operation_prototypes(e);
+	text_init(&t, e->arena);
+	text_init(&one, e->arena);
+	text_init(&many, e->arena);
+	text_printf(&one, "%s of one sample: %s", e->tree->task.is_plain ? "tau = ID(q, qd, qdd)" : "Inverse dynamics", emit_dimensions(e));
+	text_printf(&many, "The same for `count` samples, every array %s; arrays must not overlap.",
+		is_soa(e) ? "[row][sample]" : "[sample][row]");
+	put_prototype(e, PASS_RNEA, "", "", text_string(&one), &t);
+	if (e->options->bounded)
+		put_bounded_prototype(e, &t);
+	put_prototype(e, PASS_RNEA, "_batch", ", size_t count", text_string(&many), &t);
+	if (e->tree->task.is_plain) {
+		put_prototype(e, PASS_FPASS, "", "",
+			"The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each.", &t);
+		put_prototype(e, PASS_BPASS, "", "", "The way back alone: torques from q and fpass's wrenches.", &t);
+	}
+	put_slice_prototypes(e, &t);
+	emit_pattern_declarations(e, &t);
+	text_printf(&t, "/* What this text computes, one `key values` a line. */\nextern const char %s_info[];",
+		e->options->name);
+	return text_string(&t);
+}

@@ -1,0 +1,331 @@
+/* What a generated text says about itself: the comment at its head, and the table NAME_info. */
+#include "emit/emit.h"
+#include "base/number.h"
+#include "tree/pattern.h"
+#include "tell/effect.h"
+#include "plan/parts.h"
+#include "tell/scene_put.h"
+#include "emit/template.h"
+#include <string.h>
+
+/* A path's last part. */
+static const char *base_name(const char *path)
+{
+	const char *slash = strrchr(path, '/');
+
+	return slash ? slash + 1 : path;
+}
+
+/* Warnings begin with the name of the file: without its folders, so that equal input gives equal bytes. */
+static void put_warning(const struct emission *e, const char *warning, struct text *out)
+{
+	size_t length = strlen(e->options->file);
+
+	if (!strncmp(warning, e->options->file, length))
+		warning += base_name(e->options->file) - e->options->file;
+	text_put_comment(out, warning);
+	text_putc(out, '\n');
+}
+
+/* The choices of the scene, as many to a line as there is room for. */
+static void put_scene(const struct emission *e, struct text *out)
+{
+	const struct scene *s = &e->tree->scene;
+	size_t width = 100, column = width;
+
+	for (int i = 0; i < s->line_count; i++) {
+		struct text option;
+
+		if (!scene_put_matters(e->tree, i))
+			continue;
+		text_init(&option, e->arena);
+		scene_put_option(&s->lines[i], &option);
+		out->failed |= option.failed;
+		if (column + option.length >= width) {
+			text_put(out, "\n *    ");
+			column = strlen(" *    ");
+		}
+		text_putc(out, ' ');
+		text_put_comment(out, text_string(&option));
+		column += 1 + option.length;
+	}
+}
+
+/* A word for the shell, in quotes where it needs them or where `quotes` says so. */
+static void put_word(const struct emission *e, const char *word, int quotes, struct text *out)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_put_shell(&t, word);
+	out->failed |= t.failed;
+	quotes = quotes && *text_string(&t) != '\'';
+	text_put(out, quotes ? "'" : "");
+	text_put_comment(out, text_string(&t));
+	text_put(out, quotes ? "'" : "");
+}
+
+/* The command that makes this text again, every choice spelt out, without paths. */
+static void put_command(const struct emission *e, struct text *out)
+{
+	const struct rneagen_options *o = e->options;
+
+	text_put(out, "rneagen ");
+	put_word(e, base_name(o->file), 0, out);
+	emit_options(o, out);
+	if (o->order) {
+		text_put(out, " --order ");
+		put_word(e, o->order, 1, out);
+	}
+	text_printf(out, " --name %s", o->name);
+	put_scene(e, out);
+}
+
+static void put_joint_row(const struct tree_joint *j, struct text *out)
+{
+	text_printf(out, " *   q[%d", j->iq);
+	if (j->nq > 1)
+		text_printf(out, "..%d", j->iq + j->nq - 1);
+	text_printf(out, "] qd[%d", j->iv);
+	if (j->nv > 1)
+		text_printf(out, "..%d", j->iv + j->nv - 1);
+	text_printf(out, "] %s", joint_type_name(j->type));
+	if (*j->name) {
+		text_put(out, " \"");
+		text_put_comment(out, j->name);
+		text_putc(out, '"');
+	} else {
+		text_put(out, " base");
+	}
+	text_put(out, j->type == JOINT_PRISMATIC ? ", m\n" : j->nq == 1 ? ", rad\n" : "\n");
+}
+
+static void put_joints(const struct emission *e, struct text *out)
+{
+	text_put(out, " *\n * Joints:\n");
+	for (int i = 0; i < e->tree->joint_count; i++)
+		put_joint_row(&e->tree->joints[i], out);
+	for (int i = 0; i < e->tree->mimic_count; i++) {
+		const struct tree_mimic *m = &e->tree->mimics[i];
+
+		text_put(out, " *   \"");
+		text_put_comment(out, m->name);
+		text_printf(out, "\" = %.9Lg \"", m->multiplier.x);
+		text_put_comment(out, m->driver);
+		text_printf(out, "\" + %.9Lg\n", m->offset.x);
+	}
+}
+
+static int has_type(const struct tree *t, enum joint_type type)
+{
+	for (int k = 0; k < t->body_count; k++)
+		if (t->bodies[k].type == type)
+			return 1;
+	return 0;
+}
+
+/* Which elements of a matrix are stored, in their order; only (i, j) with i >= j of M. */
+static void put_matrix(const struct emission *e, const struct want *w, struct text *out)
+{
+	int nv = e->tree->nv, symmetric = w->kind == WANT_MASS, column = 0;
+	struct pattern p;
+
+	if (w->kind == WANT_VJP)
+		text_put(out, ": by q, by qd, by qdd");
+	if (w->kind == WANT_DTAU_DFREED)
+		text_put(out, ": row by row, a torque each");
+	if (w->kind != WANT_DTAU_DQ && w->kind != WANT_DTAU_DQD && w->kind != WANT_MASS)
+		return;
+	text_put(out, ": row by row, a torque each");
+	if (w->rows == nv * nv || !pattern_make(&p, e->tree, symmetric, 0, e->arena))
+		return;
+	text_put(out, "; elements");
+	for (int i = 0; i < nv; i++)
+		for (int j = 0; j < nv; j++)
+			if (p.row[i * nv + j] >= 0)
+				text_printf(out, "%s%d,%d", column++ % 16 ? " " : "\n *     ", i, j);
+}
+
+/* What an array of the scene's is: "payload.hand", and its rows. */
+static const char *describe(const struct emission *e, const struct argument *a)
+{
+	static const char wrench[] = "force, then moment about the link's origin, from outside on the link, in axes of ";
+	const struct task *k = &e->tree->task;
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (!strcmp(a->name, "jvp_v"))
+		text_put(&t, "along q, along qd, along qdd");
+	for (int i = 0; i < k->freed_count; i++)
+		if (!a->is_output && !strcmp(a->name, k->freed[i].argument)) {
+			text_put_comment(&t, k->freed[i].word);
+			text_put(&t, a->rows == FREED_ROWS ? ": m hx hy hz Ixx Ixy Ixz Iyy Iyz Izz about the link's origin, in its frame" : "");
+		}
+	for (int i = 0; i < k->push_count; i++)
+		if (!a->is_output && !strcmp(a->name, k->pushes[i].argument))
+			text_printf(&t, "%s%s", wrench, k->in_world ? "the world" : "the link");
+	for (int i = 0; i < k->want_count; i++)
+		if (a->is_output && !strcmp(a->name, k->wants[i].argument)) {
+			if (strcmp(k->wants[i].word, a->name))
+				text_put_comment(&t, k->wants[i].word);
+			text_put(&t, a->rows == 6 && k->wants[i].kind >= WANT_WRENCH && k->wants[i].kind < WANT_POWER ? ": linear, then angular" : "");
+			put_matrix(e, &k->wants[i], &t);
+		}
+	return text_string(&t);
+}
+
+/* The arrays of a scene's task, in their order. */
+static void put_task(const struct emission *e, struct text *out)
+{
+	const struct dag *d = &e->passes[PASS_RNEA].dag;
+
+	text_put(out, " *\n * Arrays:\n");
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *a = &d->arguments[i];
+		const char *what = describe(e, a);
+
+		text_printf(out, " *   %s %s[%d]%s%s%s\n", a->is_output ? "out" : "in", a->name, a->rows,
+			a->per_batch ? ", the same for all samples" : "", *what && *what != ':' ? ": " : "", what);
+	}
+}
+
+static void put_gravity(const struct emission *e, struct text *out)
+{
+	const struct task *k = &e->tree->task;
+	const struct within *g = e->tree->gravity;
+
+	for (int i = 0; i < k->freed_count; i++)
+		if (k->freed[i].kind == FREED_GRAVITY) {
+			text_put(out, "Gravity, an input, is");
+			return;
+		}
+	for (int i = 0; i < 3; i++)
+		text_printf(out, "%s%s", i ? ", " : "Gravity (", number_plain((double)g[i].x).s);
+	text_putc(out, ')');
+}
+
+static void put_conventions(const struct emission *e, struct text *out)
+{
+	text_put(out, " *\n * SI units. ");
+	put_gravity(e, out);
+	text_put(out, " in the frame of the root link's parent. Inputs are finite;\n"
+		      " * where one is not, every torque that depends on it is not finite either.\n");
+	if (has_type(e->tree, JOINT_FLOATING))
+		text_put(out, " * Floating: q = x y z qx qy qz qw (position and orientation in the parent); qd and qdd = twist in the\n"
+			      " * body's frame, linear then angular, and its componentwise derivative (spatial acceleration);\n"
+			      " * tau = force then moment about the origin, body's frame. The quaternion is not normalised.\n");
+	if (has_type(e->tree, JOINT_PLANAR))
+		text_put(out, " * Planar: q = x y theta; x and y in the plane normal to the axis; qd = dq/dt.\n");
+	if (e->options->target == RNEAGEN_TARGET_CUDA || e->options->target == RNEAGEN_TARGET_C)
+		text_printf(out, " * Batches: every array is [%s].\n",
+			e->options->layout == RNEAGEN_SOA ? "row][sample" : "sample][row");
+	if (e->arithmetic->part)
+		text_put(out, " * Arrays are double; arithmetic is in pairs of floats, good to 44 bits for magnitudes from 1e-25 to 1e30,\n"
+			      " * and slower than double where double takes less than twenty times as long as float.\n");
+	if (e->options->target == RNEAGEN_TARGET_CUDA)
+		text_put(out, " * Compiled as C, without CUDA, this text holds the functions of target c instead of kernels.\n");
+	text_put(out, " *\n * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less\n"
+		      " * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.\n");
+	if (e->tree->task.is_plain)
+		text_put(out, " * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.\n");
+	else
+		put_task(e, out);
+}
+
+static void put_operations(const struct emission *e, struct text *out)
+{
+	for (int i = 0; i < e->pass_count; i++) {
+		struct operation_count n = i ? plan_operations(&e->passes[i].plan) : parts_operations(e);
+
+		text_printf(out, " *   %s: %u mul, %u add, %u sub, %u neg, %u fma, %u sincos = %u flops\n", e->passes[i].algorithm->name,
+			n.mul, n.add, n.sub, n.neg, n.fma, n.sincos, plan_flops(n));
+	}
+	if (e->part_count)
+		text_printf(out, " * The rnea kernel is in %d parts: its grid has as many along y, each for the elements of some joints.\n",
+			e->part_count);
+}
+
+void emit_banner(const struct emission *e, struct text *out)
+{
+	text_put(out, "/* Inverse dynamics of \"");
+	text_put_comment(out, e->tree->robot);
+	text_put(out, "\": tau = ID(q, qd, qdd) by the recursive Newton-Euler algorithm.\n * Generated by rneagen " RNEAGEN_VERSION
+		      "; do not edit. Made by\n *   ");
+	put_command(e, out);
+	text_printf(out, "\n * from a URDF whose SHA-256 is\n *   %s\n", e->hash);
+	text_printf(out, " * nq = %d, nv = %d, nb = %d (moving bodies). Operations:\n", e->tree->nq, e->tree->nv,
+		e->tree->body_count);
+	put_operations(e, out);
+	put_joints(e, out);
+	scene_put_comment(e->tree, out);
+	effect_put_comment(e->tree, &e->passes[PASS_RNEA].dag, out);
+	put_conventions(e, out);
+	for (size_t i = 0; i < e->warning_count; i++) {
+		text_put(out, i ? " *   " : " *\n * Warnings:\n *   ");
+		put_warning(e, e->warnings[i], out);
+	}
+	text_put(out, " */");
+}
+
+/* One line of the table as a string literal; whatever stands in a name stays inside. */
+static void put_literal_line(const char *s, size_t length, struct text *out)
+{
+	text_put(out, "\t\"");
+	for (size_t i = 0; i < length; i++) {
+		unsigned char c = (unsigned char)s[i];
+
+		if (c == '"' || c == '\\')
+			text_printf(out, "\\%c", c);
+		else if (c < 0x20 || c >= 0x7f || c == '?')
+			text_printf(out, "\\%03o", c); /* '?': no trigraphs */
+		else
+			text_putc(out, (char)c);
+	}
+	text_put(out, "\\n\"");
+}
+
+/* A name may hold a newline, which would end its line of the table. */
+static void put_name(const char *s, struct text *out)
+{
+	for (; *s; s++)
+		text_putc(out, (unsigned char)*s < 0x20 ? '?' : *s);
+	text_putc(out, '\n');
+}
+
+static void put_info_lines(const struct emission *e, struct text *t)
+{
+	struct operation_count n = parts_operations(e);
+	const struct rneagen_options *o = e->options;
+
+	text_printf(t, "rneagen-info %d\nname %s\nprecision %s\narithmetic %s\nlayout %s\ntrig %s\nbase %s\n",
+		e->part_count ? 2 : 1, o->name,
+		e->memory->name, e->arithmetic->name, emit_layout_name(o->layout), emit_trig_name(o->trig),
+		o->base == RNEAGEN_FLOATING ? "floating" : "fixed");
+	text_printf(t, "nq %d\nnv %d\nnb %d\n", e->tree->nq, e->tree->nv, e->tree->body_count);
+	emit_info_shape(e, t);
+	emit_info_matrices(e, t);
+	text_printf(t, "operations %u %u %u %u %u %u\n", n.mul, n.add, n.sub, n.neg, n.fma, n.sincos);
+	for (int i = 0; i < e->tree->joint_count; i++) {
+		const struct tree_joint *j = &e->tree->joints[i];
+
+		text_printf(t, "joint %d %d %d %d %s ", j->iq, j->nq, j->iv, j->nv, joint_type_name(j->type));
+		put_name(j->name, t);
+	}
+}
+
+void emit_info(const struct emission *e, struct text *out)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	put_info_lines(e, &t);
+	out->failed |= t.failed;
+	for (const char *s = t.failed ? "" : text_string(&t); *s;) { /* what failed may end within a line */
+		const char *end = strchr(s, '\n');
+
+		put_literal_line(s, (size_t)(end - s), out);
+		s = end + 1;
+		if (*s)
+			text_putc(out, '\n');
+	}
+}

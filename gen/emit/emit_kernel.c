@@ -1,0 +1,379 @@
+/* CUDA kernels: how a slice of the batch reaches the body, and how many threads there are room for. */
+#include "emit/emit.h"
+#include "emit/template.h"
+#include <string.h>
+
+/* A block stages its samples in 48 KiB of shared memory, what every device gives without asking. */
+enum { SHARED_BYTES = 48 << 10, BLOCK = 128, SMALLEST_BLOCK = 32 };
+
+/* Of kernels of derivatives, which spill into the same 48 KiB: of each thread twice as much as in blocks of 128 (H100, 1 M samples:
+   both gradients of panda in f64, 2 parts, 0.635 ns instead of 0.674; of iiwa14 in f32, which spills nothing, 0.199 instead of
+   0.205). */
+enum { DERIVATIVE_BLOCK = 64 };
+
+/* Where launch bounds pay: see min_blocks. */
+enum { ARM_BODIES = 12, MANY_BODIES = 24, FEW_ALIVE = 45, MANY_ALIVE = 60, MOST_ALIVE = 100 };
+
+static int gcd(int a, int b)
+{
+	return b ? gcd(b, a % b) : a;
+}
+
+/* Words from one sample's rows to the next one's in shared memory. 32 banks of 4 bytes: even eight threads on a bank are
+   cheaper than a gap that breaks the slice up (H100: hyq, 12 rows, 0.93 of the floor instead of 0.78). */
+static int pitch(const struct emission *e, int rows)
+{
+	return e->options->layout == RNEAGEN_SOA || gcd(rows, 128 / e->memory->bytes) <= 8 ? rows : rows | 1;
+}
+
+static const struct dag *arguments_of(const struct emission *e)
+{
+	return &e->passes[PASS_RNEA].dag;
+}
+
+/* Whose place in shared memory an array takes: its own, but tau that of qdd: a joint's qdd is read before its torque is
+   written. */
+static int place_of(const struct dag *d, int argument)
+{
+	int qdd = dag_find_argument(d, "qdd"), tau = dag_find_argument(d, "tau");
+
+	return qdd >= 0 && tau >= 0 && argument == tau ? qdd : argument;
+}
+
+static int has_place(const struct dag *d, int argument)
+{
+	return !d->arguments[argument].per_batch && place_of(d, argument) == argument;
+}
+
+/* Words of shared memory that staging takes for one sample. */
+static int stage_words(const struct emission *e)
+{
+	const struct dag *d = arguments_of(e);
+	int words = 0;
+
+	for (int i = 0; i < d->argument_count; i++)
+		if (has_place(d, i))
+			words += pitch(e, d->arguments[i].rows);
+	return words;
+}
+
+static int stage_bytes(const struct emission *e)
+{
+	return stage_words(e) * e->memory->bytes;
+}
+
+/* Does the rnea kernel fetch its slice into shared memory first? In aos, to move whole lines, wherever 32 samples have
+   room; in soa in f64, where inputs that wait in registers leave few threads, as long as 64 have (H100: iiwa14 0.96 of
+   the floor instead of 0.86, fetch 0.94 instead of 0.80; but jvrc1, where 32 just fit, 0.47 instead of 0.63). */
+static int is_staged(const struct emission *e)
+{
+	if (emit_is_operation(e) || e->part_count) /* a part must not write what stands in the others' places */
+		return 0;
+	if (e->options->layout == RNEAGEN_AOS)
+		return SMALLEST_BLOCK * stage_bytes(e) <= SHARED_BYTES;
+	return e->arithmetic->bytes == 8 && 2 * SMALLEST_BLOCK * stage_bytes(e) <= SHARED_BYTES;
+}
+
+int emit_is_optimistic(const struct emission *e)
+{
+	return e->arithmetic->bytes == 4 && !is_staged(e) && e->tree->body_count < MANY_BODIES;
+}
+
+int emit_block_size(const struct emission *e)
+{
+	int block = task_wants_derivative(&e->tree->task) ? DERIVATIVE_BLOCK : BLOCK;
+
+	while (is_staged(e) && block * stage_bytes(e) > SHARED_BYTES)
+		block /= 2;
+	return block;
+}
+
+/* Derivatives in f64 that need no shared memory to spill into: what the compiler may give each of four blocks it then gives (H100,
+   1 M samples: hyq, 64 values alive, 0.416 ns instead of 0.433; but iiwa14, 137, 0.412 instead of 0.386). */
+static int min_derivative_blocks(const struct emission *e)
+{
+	int alive = plan_alive(&e->passes[PASS_RNEA].plan, e->arena);
+
+	return e->arithmetic->bytes == 8 && alive > MANY_ALIVE && alive <= MOST_ALIVE ? 4 : 0;
+}
+
+/* Humanoids in f32 soa gain from room for a third block (H100: 168 registers, no spill), arms of some 50 values from room
+   for a sixth (80 registers instead of 93 on iiwa14, no spill: 0.93 of the floor instead of 0.90). Elsewhere the compiler's
+   own choice spills least: a bound makes it fetch all inputs first. */
+static int min_blocks(const struct emission *e)
+{
+	int alive;
+
+	if (e->options->target != RNEAGEN_TARGET_CUDA || is_staged(e) || emit_is_operation(e))
+		return 0;
+	if (task_wants_derivative(&e->tree->task))
+		return min_derivative_blocks(e);
+	if (e->arithmetic->bytes != 4)
+		return 0;
+	if (e->tree->body_count > ARM_BODIES)
+		return e->tree->body_count >= MANY_BODIES ? 3 : 0;
+	alive = plan_alive(&e->passes[PASS_RNEA].plan, e->arena);
+	return alive >= FEW_ALIVE && alive <= MANY_ALIVE ? 6 : 0;
+}
+
+/* As many threads in blocks of any size; in blocks of a warp there may be no room for so many, and registers for all. */
+const char *emit_min_blocks(const struct emission *e)
+{
+	int blocks = min_blocks(e);
+	struct text t;
+
+	if (!blocks)
+		return "0";
+	text_init(&t, e->arena);
+	text_printf(&t, "(RNEA_BLOCK < 64 ? 0 : %d/RNEA_BLOCK)", blocks * emit_block_size(e));
+	return text_string(&t);
+}
+
+const char *emit_call(const struct emission *e, const struct pass *p, const char *indent, const char *arguments,
+	const char *q, const char *stride)
+{
+	const char *name = e->options->name, *pass = p->algorithm->name;
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (!emit_has_small(e)) {
+		text_printf(&t, "%s%s_%s_body(%s, %s);\n", indent, name, pass, arguments, stride);
+	} else if (p != &e->passes[PASS_RNEA]) {
+		text_printf(&t, "%s%s_%s_body(%s, %s, 0);\n", indent, name, pass, arguments, stride);
+	} else {
+		text_printf(&t, "%sif (%s_is_small(%s, %s))\n", indent, name, q, stride);
+		text_printf(&t, "%s\t%s_rnea_body(%s, %s, 1);\n%selse\n", indent, name, arguments, stride, indent);
+		text_printf(&t, "%s\t%s_rnea_body(%s, %s, 0);\n", indent, name, arguments, stride);
+	}
+	return text_string(&t);
+}
+
+/* A sample is taken for one of small angles and computed again if it was not: no test comes before the arithmetic, and no
+   input is read twice (H100, 1 M samples: iiwa14 0.96 of the floor instead of 0.94, hyq 0.92 instead of 0.87;
+   but atlas 0.86 instead of 0.88). */
+static const char *optimistic_call(const struct emission *e, const char *arguments)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "\tif (!%s_rnea_body(%s, %s, 1)) {\n", e->options->name, arguments, emit_stride(e));
+	text_put(&t, "\t\tasm volatile(\"\" : \"+l\"(k)); /* another k, for all the compiler knows: it keeps nothing for later */\n");
+	text_printf(&t, "\t\t%s_rnea_body(%s, %s, 0);\n\t}\n", e->options->name, arguments, emit_stride(e));
+	return text_string(&t);
+}
+
+/* ---- slices in shared memory ---- */
+
+/* `*const q_slice = slices, *const qd_slice = q_slice + RNEA_BLOCK*7, ...`: where the slices of the arrays begin; in soa
+   where this thread's rows do. */
+static const char *slices_text(const struct emission *e)
+{
+	const struct dag *d = arguments_of(e);
+	const struct argument *last = NULL;
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < d->argument_count; i++) {
+		if (!has_place(d, i))
+			continue;
+		text_printf(&t, "%s*const %s_slice = ", last ? ", " : "", d->arguments[i].name);
+		if (last)
+			text_printf(&t, "%s_slice + RNEA_BLOCK*%d", last->name, pitch(e, last->rows));
+		else
+			text_put(&t, e->options->layout == RNEAGEN_AOS ? "slices" : "slices + threadIdx.x");
+		last = &d->arguments[i];
+	}
+	return text_string(&t);
+}
+
+/* What the body is called with: q_here, qd_here, ..., and as it is what all samples share. */
+static const char *here_text(const struct emission *e)
+{
+	const struct dag *d = arguments_of(e);
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < d->argument_count; i++)
+		text_printf(&t, "%s%s%s", i ? ", " : "", d->arguments[i].name, d->arguments[i].per_batch ? "" : "_here");
+	return text_string(&t);
+}
+
+/* Those pointers: to this thread's rows in the slices or, where nothing is staged, in the arrays. */
+static const char *pointers_text(const struct emission *e)
+{
+	const struct dag *d = arguments_of(e);
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *a = &d->arguments[i], *place = &d->arguments[place_of(d, i)];
+
+		if (a->per_batch)
+			continue;
+		text_printf(&t, "%s%s%s *const %s_here = staged ? %s_slice", e->options->layout == RNEAGEN_AOS ? "\t\t" : "\t",
+			a->is_output ? "" : "const ", e->memory->type, a->name, place->name);
+		if (e->options->layout == RNEAGEN_AOS)
+			text_printf(&t, " + threadIdx.x*%d : %s + k*%d;\n", pitch(e, place->rows), a->name, a->rows);
+		else
+			text_printf(&t, " : %s + k;\n", a->name);
+	}
+	return text_string(&t);
+}
+
+/* aos: slices come or go. */
+static const char *move_slices(const struct emission *e, int out)
+{
+	const struct dag *d = arguments_of(e);
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *a = &d->arguments[i];
+		int words = pitch(e, a->rows);
+
+		if (a->per_batch || a->is_output != out)
+			continue;
+		if (out)
+			text_printf(&t, "\t\trneagen_stage_out<%d, %d>(%s + first*%d, %s_slice, samples);\n", a->rows, words, a->name, a->rows,
+				d->arguments[place_of(d, i)].name);
+		else
+			text_printf(&t, "\t\trneagen_stage_in<%d, %d>(%s_slice, %s + first*%d, samples);\n", a->rows, words, a->name, a->name,
+				a->rows);
+	}
+	return text_string(&t);
+}
+
+/* soa: a thread fetches or writes its own sample; one loop for arrays of one length that follow each other. */
+static const char *move_samples(const struct emission *e, int out)
+{
+	const struct dag *d = arguments_of(e);
+	struct text t;
+	int rows = 0;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *a = &d->arguments[i];
+		const char *place = d->arguments[place_of(d, i)].name;
+
+		if (a->per_batch || a->is_output != out)
+			continue;
+		if (a->rows != rows)
+			text_printf(&t, "%s#pragma unroll\n\t\tfor (unsigned r = 0; r < %d; r++) {\n", rows ? "\t\t}\n" : "", a->rows);
+		rows = a->rows;
+		if (out)
+			text_printf(&t, "\t\t\t%s[r*count + k] = %s_slice[r*RNEA_BLOCK];\n", a->name, place);
+		else
+			text_printf(&t, "\t\t\trneagen_stage_copy<sizeof *%s>(%s_slice + r*RNEA_BLOCK, %s + r*count + k);\n", a->name, a->name, a->name);
+	}
+	text_put(&t, rows ? "\t\t}\n" : "");
+	return text_string(&t);
+}
+
+static const char *kernel_call(const struct emission *e, const struct pass *p, int staged)
+{
+	if (staged && e->options->layout == RNEAGEN_SOA)
+		return emit_call(e, p, "\t", here_text(e), "q_here", "stride");
+	if (staged)
+		return emit_call(e, p, "\t\t", here_text(e), "q_here", "1");
+	if (emit_has_small(e) && emit_is_optimistic(e) && p == &e->passes[PASS_RNEA])
+		return optimistic_call(e, emit_params(e, p, PARAMS_AT_SAMPLE));
+	return emit_call(e, p, "\t", emit_params(e, p, PARAMS_AT_SAMPLE), emit_q_at_sample(e), emit_stride(e));
+}
+
+/* Derivatives may take more values than there are registers. ptxas refuses this where the launch gives shared memory. */
+static const char *spill_text(const struct emission *e)
+{
+	struct text t;
+
+	if (!task_wants_derivative(&e->tree->task))
+		return "";
+	text_init(&t, e->arena);
+	text_printf(&t, "#if defined __CUDACC_VER_MAJOR__ && __CUDACC_VER_MAJOR__ >= 13 && !defined __CUDACC_RDC__ && !defined __CUDACC_DEBUG__%s\n",
+		is_staged(e) ? " && !RNEA_GIVEN_BYTES" : "");
+	text_put(&t, "\tasm volatile(\".pragma \\\"enable_smem_spilling\\\";\"); /* what no register holds goes to shared memory first */\n"
+		     "#endif\n");
+	return text_string(&t);
+}
+
+/* The slices' shared memory: the kernel's own, the launch's, or none. */
+static const char *declaration_text(const struct emission *e)
+{
+	const struct slot slots[] = {{"T", e->memory->type}, {"WORDS", emit_int(e, stage_words(e))}};
+	struct text t;
+
+	text_init(&t, e->arena);
+	template_expand(&t, template_slices_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
+void emit_kernel(const struct emission *e, const struct pass *p, struct text *out)
+{
+	int staged = is_staged(e) && p == &e->passes[PASS_RNEA], is_aos = e->options->layout == RNEAGEN_AOS;
+	const struct slot slots[] = {
+		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
+		{"SPILL", spill_text(e)}, {"BOUNDS", p == &e->passes[PASS_RNEA] ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", kernel_call(e, p, staged)},
+		{"DECLARATION", declaration_text(e)}, {"SLICES", slices_text(e)}, {"POINTERS", pointers_text(e)},
+		{"MOVE_IN", is_aos ? move_slices(e, 0) : move_samples(e, 0)}, {"MOVE_OUT", is_aos ? move_slices(e, 1) : move_samples(e, 1)},
+		{"IN_PLACE", place_of(arguments_of(e), dag_find_argument(arguments_of(e), "tau")) == dag_find_argument(arguments_of(e), "tau") ? "" :
+			"\t/* tau takes the place of qdd: a joint's qdd is read before its torque is written */\n"},
+	};
+
+	template_expand(out, !staged ? template_kernel_soa_in : is_aos ? template_kernel_aos_in : template_kernel_soa_staged_in, slots,
+		sizeof slots / sizeof *slots);
+}
+
+/* Rows of matrices in soa, in whole lines; not what goes to shared memory. H100, both gradients of floating hyq in f64, 2 parts,
+   16384 samples: 38 us instead of 70, 1 M samples: 1.95 ms instead of 2.34; of iiwa14 in f32, 131072 samples: 26.5 us instead
+   of 31.5, 1 M the same; of atlas in f64 3 % slower, since the compiler orders stores less freely. */
+int emit_is_streamed(const struct emission *e)
+{
+	return e->options->target == RNEAGEN_TARGET_CUDA && e->options->layout == RNEAGEN_SOA && task_wants_derivative(&e->tree->task) &&
+	       !is_staged(e);
+}
+
+const char *emit_store(const struct emission *e)
+{
+	int f32 = e->memory->bytes == 4;
+	const struct slot slots[] = {{"T", e->memory->type}, {"SUFFIX", f32 ? "f32" : "f64"}, {"CONSTRAINT", f32 ? "f" : "d"}};
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (emit_is_streamed(e))
+		template_expand(&t, template_store_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
+const char *emit_stage(const struct emission *e)
+{
+	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}, {"BYTES", emit_int(e, stage_bytes(e))}};
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (is_staged(e))
+		template_expand(&t, template_stage_in, slots, sizeof slots / sizeof *slots);
+	if (is_staged(e) && e->options->layout == RNEAGEN_AOS)
+		template_expand(&t, template_stage_aos_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
+const char *emit_stage_launch(const struct emission *e)
+{
+	return is_staged(e) ? template_stage_launch_in : "";
+}
+
+const char *emit_given(const struct emission *e)
+{
+	struct text t;
+
+	if (!is_staged(e))
+		return "0";
+	text_init(&t, e->arena);
+	text_printf(&t, "rneagen_given_bytes((const void *)%s_rnea_kernel)", e->options->name);
+	return text_string(&t);
+}
+
+int emit_stage_bytes(const struct emission *e)
+{
+	return e->options->target == RNEAGEN_TARGET_CUDA && is_staged(e) ? stage_bytes(e) : 0;
+}

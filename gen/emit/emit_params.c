@@ -1,0 +1,149 @@
+/* The arguments of the generated functions, in every form in which a text lists them; the names of choices. */
+#include "emit/emit.h"
+#include "base/number.h"
+#include <string.h>
+
+static const struct scalar F32 = {"f32", "float", "f", 4, 1e4, NULL}, F64 = {"f64", "double", "", 8, 1e7, NULL},
+			   F32X2 = {"f32x2", "struct rneagen_f32x2", "", 8, 1e4, &F32};
+
+/* What --precision names. */
+static const struct precision {
+	const char *name;
+	const struct scalar *memory, *arithmetic;
+} PRECISIONS[] = {[RNEAGEN_F32] = {"f32", &F32, &F32}, [RNEAGEN_F64] = {"f64", &F64, &F64},
+	[RNEAGEN_MIXED] = {"mixed", &F32, &F64}, [RNEAGEN_F32X2] = {"f32x2", &F64, &F32X2}};
+
+void emit_set_precision(struct emission *e)
+{
+	e->memory = PRECISIONS[e->options->precision].memory;
+	e->arithmetic = PRECISIONS[e->options->precision].arithmetic;
+}
+
+enum rneagen_precision emit_precision_of(const struct rneagen_options *o)
+{
+	if (o->precision != RNEAGEN_PRECISION_DEFAULT)
+		return o->precision;
+	return o->target == RNEAGEN_TARGET_C ? RNEAGEN_F64 : RNEAGEN_F32;
+}
+
+const char *emit_precision_name(enum rneagen_precision precision)
+{
+	return PRECISIONS[precision].name;
+}
+
+const char *emit_trig_name(enum rneagen_trig trig)
+{
+	static const char *const names[] = {"accurate", "bounded", "fast"};
+
+	return names[trig];
+}
+
+enum rneagen_trig emit_trig_of(const struct rneagen_options *o)
+{
+	int has_unit = emit_precision_of(o) == RNEAGEN_F32 && o->target != RNEAGEN_TARGET_C;
+
+	return o->trig == RNEAGEN_FAST && !has_unit ? RNEAGEN_BOUNDED : o->trig;
+}
+
+const char *emit_layout_name(enum rneagen_layout layout)
+{
+	return layout == RNEAGEN_SOA ? "soa" : "aos";
+}
+
+void emit_options(const struct rneagen_options *o, struct text *out)
+{
+	static const char *const targets[] = {"cuda", "c", "header"};
+
+	text_printf(out, " --target %s --precision %s --layout %s --trig %s", targets[o->target],
+		emit_precision_name(o->precision), emit_layout_name(o->layout), emit_trig_name(o->trig));
+	if (o->base == RNEAGEN_FLOATING)
+		text_put(out, " --base floating");
+	if (o->strict)
+		text_put(out, " --strict");
+	if (o->bounded)
+		text_put(out, " --bounded");
+	if (o->parts != RNEAGEN_PARTS_AUTO)
+		text_printf(out, " --parts %d", o->parts);
+	if (o->mimic == RNEAGEN_MIMIC_INDEPENDENT)
+		text_put(out, " --mimic independent");
+	if (o->gravity[0] != 0 || o->gravity[1] != 0 || o->gravity[2] != -9.81)
+		for (int i = 0; i < 3; i++)
+			text_printf(out, "%s%s", i ? "," : " --gravity ", number_plain(o->gravity[i]).s);
+}
+
+int emit_has_small(const struct emission *e)
+{
+	const struct task *k = &e->tree->task;
+
+	if (e->options->trig != RNEAGEN_ACCURATE || strcmp(e->passes[PASS_RNEA].dag.arguments[0].name, "q"))
+		return 0;
+	for (int i = 0; i < k->freed_count; i++)
+		if (k->freed[i].kind == FREED_OFFSET)
+			return 0;
+	return 1;
+}
+
+const char *emit_stride(const struct emission *e)
+{
+	return e->options->layout == RNEAGEN_SOA ? "count" : "1";
+}
+
+static void put_at_sample(const struct emission *e, const struct argument *a, struct text *out)
+{
+	if (a->per_batch)
+		text_put(out, a->name);
+	else if (e->options->layout == RNEAGEN_SOA)
+		text_printf(out, "%s + k", a->name);
+	else
+		text_printf(out, "%s + k*%d", a->name, a->rows);
+}
+
+static void put_declaration(const struct emission *e, const struct argument *a, enum params kind, struct text *out)
+{
+	const char *qualifier = kind == PARAMS_RESTRICT ? "restrict " : kind == PARAMS_CUDA_RESTRICT ? "__restrict__ " : "";
+
+	text_printf(out, "%s%s *%s%s", a->is_output ? "" : "const ", e->memory->type, qualifier, a->name);
+}
+
+static void put_argument(const struct emission *e, const struct pass *p, int i, enum params kind, struct text *out)
+{
+	const struct argument *a = &p->dag.arguments[i];
+
+	switch (kind) {
+	case PARAMS_NAMES:
+		text_put(out, a->name);
+		break;
+	case PARAMS_ADDRESSES:
+		text_printf(out, "&%s", a->name);
+		break;
+	case PARAMS_ARRAYS:
+		text_printf(out, "arrays[%d]", i);
+		break;
+	case PARAMS_AT_SAMPLE:
+		put_at_sample(e, a, out);
+		break;
+	default:
+		put_declaration(e, a, kind, out);
+	}
+}
+
+const char *emit_params(const struct emission *e, const struct pass *p, enum params kind)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < p->dag.argument_count; i++) {
+		text_put(&t, i ? ", " : "");
+		put_argument(e, p, i, kind, &t);
+	}
+	return text_string(&t);
+}
+
+const char *emit_q_at_sample(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	put_argument(e, &e->passes[PASS_RNEA], 0, PARAMS_AT_SAMPLE, &t);
+	return text_string(&t);
+}

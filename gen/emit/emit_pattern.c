@@ -1,0 +1,162 @@
+/* Where the elements of a matrix stand in it, for programs that unpack one: in NAME_info, as arrays of row and column, and
+   in --info=json. */
+#include "emit/emit.h"
+#include "tree/pattern.h"
+
+struct shape {
+	const char *name;
+	int rows, cols, is_lower;
+	const int *at; /* [rows][cols]: where an element is stored; -1: nowhere */
+	int count;
+};
+
+/* By the rows of a freed constant: nothing is left out. */
+static int shape_by_freed(struct shape *s, const struct emission *e)
+{
+	int *at = arena_alloc(e->arena, (size_t)s->count, sizeof *at);
+
+	for (int i = 0; at && i < s->count; i++)
+		at[i] = i;
+	s->at = at;
+	return at != NULL;
+}
+
+/* 0: no matrix, or the arena has failed. */
+static int shape_make(struct shape *s, const struct emission *e, const struct want *w)
+{
+	const struct task *k = &e->tree->task;
+	int nv = e->tree->nv, is_mass = w->kind == WANT_MASS;
+	struct pattern p;
+
+	*s = (struct shape){.name = w->argument, .rows = nv, .cols = nv, .is_lower = is_mass && !k->dense, .count = w->rows};
+	if (w->kind == WANT_DTAU_DFREED) {
+		s->cols = k->freed[w->body].rows;
+		return shape_by_freed(s, e);
+	}
+	if ((!is_mass && w->kind != WANT_DTAU_DQ && w->kind != WANT_DTAU_DQD) ||
+		!pattern_make(&p, e->tree, is_mass, k->dense, e->arena))
+		return 0;
+	s->at = p.row;
+	return 1;
+}
+
+static void put_info_matrix(const struct shape *s, struct text *out)
+{
+	text_printf(out, "matrix %s %d %d %s\n", s->name, s->rows, s->cols, s->is_lower ? "lower" : "general");
+	for (int i = 0; i < s->rows; i++) {
+		text_printf(out, "row %s %d", s->name, i);
+		for (int j = 0; j < s->cols; j++)
+			if (s->at[i * s->cols + j] >= 0)
+				text_printf(out, " %d", j);
+		text_putc(out, '\n');
+	}
+}
+
+void emit_info_matrices(const struct emission *e, struct text *out)
+{
+	const struct task *k = &e->tree->task;
+	struct shape s;
+
+	for (int i = 0; i < k->want_count; i++)
+		if (shape_make(&s, e, &k->wants[i]))
+			put_info_matrix(&s, out);
+}
+
+/* The rows of the elements, or their columns, in the order in which they are stored. */
+static void put_numbers(const struct shape *s, int columns, const char *wrap, struct text *out)
+{
+	int n = 0;
+
+	for (int i = 0; i < s->rows; i++)
+		for (int j = 0; j < s->cols; j++)
+			if (s->at[i * s->cols + j] >= 0) {
+				text_put(out, n == 0 ? "" : n % 24 ? ", " : wrap);
+				text_printf(out, "%d", columns ? j : i);
+				n++;
+			}
+}
+
+static void put_declaration(const struct emission *e, const struct shape *s, const char *qualifier, struct text *out)
+{
+	const char *name = e->options->name;
+
+	text_printf(out, "extern %sconst int %s_%s_row[%d], %s_%s_col[%d];\n", qualifier, name, s->name, s->count, name, s->name,
+		s->count);
+}
+
+void emit_pattern_declarations(const struct emission *e, struct text *out)
+{
+	const struct task *k = &e->tree->task;
+	struct shape s;
+
+	for (int i = 0; i < k->want_count; i++)
+		if (shape_make(&s, e, &k->wants[i])) {
+			text_printf(out, "/* Of each element of %s, in the order in which they are stored: row and column%s. */\n", s.name,
+				s.is_lower ? "; (j, i) is (i, j)" : "");
+			put_declaration(e, &s, "", out);
+		}
+}
+
+static void put_definitions(const struct emission *e, const struct shape *s, struct text *out)
+{
+	for (int columns = 0; columns < 2; columns++) {
+		text_printf(out, "RNEA_INFO const int %s_%s_%s[] = {\n\t", e->options->name, s->name, columns ? "col" : "row");
+		put_numbers(s, columns, ",\n\t", out);
+		text_put(out, "};\n");
+	}
+}
+
+/* A CUDA text is C++, and C without a header. */
+static void put_linkage(const struct text *declarations, struct text *out)
+{
+	text_put(out, "#if defined __cplusplus\nextern \"C\" {\n#endif\n");
+	text_put(out, text_string(declarations));
+	text_put(out, "#if defined __cplusplus\n}\n#endif\n");
+}
+
+const char *emit_patterns(const struct emission *e)
+{
+	const struct task *k = &e->tree->task;
+	int is_cuda = e->options->target == RNEAGEN_TARGET_CUDA;
+	struct text t, declarations, definitions;
+	struct shape s;
+
+	text_init(&t, e->arena);
+	text_init(&declarations, e->arena);
+	text_init(&definitions, e->arena);
+	for (int i = 0; i < k->want_count; i++)
+		if (shape_make(&s, e, &k->wants[i])) {
+			put_declaration(e, &s, "RNEA_INFO ", &declarations);
+			put_definitions(e, &s, &definitions);
+		}
+	if (!definitions.length)
+		return "";
+	text_put(&t, is_cuda ? "\n#if !defined __CUDACC_RTC__\n" : "\n");
+	text_put(&t, "/* where the elements of matrices stand, in the order in which they are stored */\n");
+	if (is_cuda)
+		put_linkage(&declarations, &t);
+	text_put(&t, text_string(&definitions));
+	text_put(&t, is_cuda ? "#endif\n" : "");
+	return text_string(&t);
+}
+
+void emit_pattern_json(const struct emission *e, struct text *out)
+{
+	const struct task *k = &e->tree->task;
+	struct shape s;
+	int count = 0;
+
+	for (int i = 0; i < k->want_count; i++) {
+		if (!shape_make(&s, e, &k->wants[i]))
+			continue;
+		text_put(out, count++ ? ",\n    " : "  \"matrices\": {\n    ");
+		text_printf(out, "\"%s\": {\"shape\": [%d, %d], \"lower\": %s,\n      \"row\": [", s.name, s.rows, s.cols,
+			s.is_lower ? "true" : "false");
+		put_numbers(&s, 0, ",\n        ", out);
+		text_put(out, "],\n      \"col\": [");
+		put_numbers(&s, 1, ",\n        ", out);
+		text_put(out, "]}");
+	}
+	text_put(out, count ? "\n  },\n" : "");
+	out->failed |= e->arena->failed;
+}

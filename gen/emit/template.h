@@ -1,0 +1,35 @@
+#ifndef RNEAGEN_TEMPLATE_H
+#define RNEAGEN_TEMPLATE_H
+/* The frames of the generated texts are real files in templates/, embedded at build time; @SLOT@ marks a place. */
+
+#include "base/text.h"
+
+struct slot {
+	const char *name, *value;
+};
+
+/* Append the template with each @NAME@ replaced; a name that is not among the slots makes the text fail. A slot alone
+   on its line whose value is empty takes the line with it. */
+void template_expand(struct text *out, const char *tmpl, const struct slot *slots, size_t count);
+
+/* The same up to the slot @end@, for what is too long to be made twice. Returns what follows that slot, "" on failure. */
+const char *template_expand_to(struct text *out, const char *tmpl, const char *end, const struct slot *slots, size_t count);
+
+/* The files of templates/, by name with '.' turned into '_' (made by embed.cmake). */
+extern const char template_kernel_cu_in[], template_kernel_soa_in[], template_kernel_aos_in[], template_stage_aos_in[];
+extern const char template_kernel_soa_staged_in[], template_stage_in[], template_slices_in[], template_stage_launch_in[], template_store_in[];
+extern const char template_function_c_in[], template_function_h_in[], template_header_h_in[], template_halves_h_in[], template_body_in[], template_is_small_in[];
+extern const char template_head_c_in[], template_part_in[], template_part_accurate_in[], template_are_small_in[];
+extern const char template_arithmetic_c_in[], template_arithmetic_cuda_in[], template_arithmetic_header_in[];
+extern const char template_arithmetic_strict_c_in[], template_arithmetic_strict_cuda_in[], template_arithmetic_strict_flush_in[];
+extern const char template_bounded_in[], template_bounded_sincos_in[], template_bounded_store_in[], template_bounded_function_in[];
+extern const char template_parts_in[];
+extern const char template_slice_in[], template_batch_in[];
+extern const char template_sincos_f32_core_in[], template_sincos_f32_accurate_in[];
+extern const char template_sincos_f32_bounded_in[], template_sincos_f32_fast_in[], template_sincos_f32_either_in[];
+extern const char template_sincos_f64_core_in[], template_sincos_f64_accurate_in[];
+extern const char template_sincos_f64_bounded_in[], template_sincos_f64_either_in[];
+extern const char template_sincos_f32x2_core_in[], template_sincos_f32x2_accurate_in[];
+extern const char template_sincos_f32x2_bounded_in[], template_sincos_f32x2_either_in[], template_f32x2_in[], template_f32x2_friction_in[];
+
+#endif

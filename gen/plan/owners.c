@@ -1,0 +1,80 @@
+#include "plan/owners.h"
+#include "tree/pattern.h"
+
+/* By row of qd: the last body that moves with it. */
+static int *bodies_of_rows(const struct tree *t, struct arena *a)
+{
+	int *body = arena_alloc(a, (size_t)t->nv, sizeof *body);
+
+	for (int k = 0; k < t->body_count && body; k++)
+		for (int i = 0; i < joint_nv(t->bodies[k].type); i++)
+			body[t->bodies[k].iv + i] = k;
+	return body;
+}
+
+/* By stored element of a matrix by joints. */
+static void own_elements(const struct tree *t, enum want_kind kind, int *body, struct arena *a)
+{
+	int nv = t->nv, *of_row = bodies_of_rows(t, a);
+	struct pattern p;
+
+	if (!of_row || !pattern_make(&p, t, kind == WANT_MASS, t->task.dense, a))
+		return;
+	for (int i = 0; i < nv; i++)
+		for (int j = 0; j < nv; j++)
+			if (p.row[i * nv + j] >= 0)
+				body[p.row[i * nv + j]] = of_row[i] > of_row[j] ? of_row[i] : of_row[j];
+}
+
+static int is_matrix(const struct want *w)
+{
+	return w->kind == WANT_DTAU_DQ || w->kind == WANT_DTAU_DQD || w->kind == WANT_MASS;
+}
+
+int owners_matrix(const struct tree *t)
+{
+	for (int i = 0; i < t->task.want_count; i++)
+		if (is_matrix(&t->task.wants[i]))
+			return 1;
+	return 0;
+}
+
+static void own_want(struct owners *x, const struct dag *d, const struct tree *t, const struct want *w, struct arena *a)
+{
+	int *body = arena_alloc(a, (size_t)w->rows, sizeof *body), argument = dag_find_argument(d, w->argument);
+
+	if (!body)
+		return;
+	own_elements(t, w->kind, body, a);
+	for (size_t i = 0; i < d->output_count; i++)
+		if (d->outputs[i].argument == argument)
+			x->owner[i] = body[d->outputs[i].row];
+}
+
+/* From bodies to those of them that own anything. */
+static void list(struct owners *x, size_t outputs, const struct tree *t, int *place)
+{
+	for (size_t i = 0; i < outputs; i++)
+		place[x->owner[i]] = 1;
+	for (int k = 0; k < t->body_count; k++)
+		if (place[k]) {
+			place[k] = x->count;
+			x->bodies[x->count++] = k;
+		}
+	for (size_t i = 0; i < outputs; i++)
+		x->owner[i] = place[x->owner[i]];
+}
+
+int owners_make(struct owners *x, const struct dag *d, const struct tree *t, struct arena *a)
+{
+	int *place = arena_alloc(a, (size_t)t->body_count, sizeof *place);
+
+	*x = (struct owners){.owner = arena_alloc(a, d->output_count, sizeof *x->owner),
+		.bodies = arena_alloc(a, (size_t)t->body_count, sizeof *x->bodies)};
+	for (int i = 0; i < t->task.want_count && !a->failed; i++)
+		if (is_matrix(&t->task.wants[i]))
+			own_want(x, d, t, &t->task.wants[i], a);
+	if (!a->failed)
+		list(x, d->output_count, t, place);
+	return !a->failed;
+}

@@ -1,0 +1,21 @@
+#ifndef RNEAGEN_OWNERS_H
+#define RNEAGEN_OWNERS_H
+/* To which body each output belongs: an element of a matrix to the deeper one of the bodies of its row and its column, all
+   other outputs to body 0. */
+
+#include "dag/dag.h"
+#include "tree/tree.h"
+
+struct owners {
+	int *owner;  /* by output: an index into bodies */
+	int *bodies; /* that own outputs, in order */
+	int count;
+};
+
+/* Of the outputs of the task's DAG. Returns 0 when memory runs out. */
+int owners_make(struct owners *x, const struct dag *d, const struct tree *t, struct arena *a);
+
+/* Does the task want a matrix by joints? */
+int owners_matrix(const struct tree *t);
+
+#endif

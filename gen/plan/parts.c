@@ -1,0 +1,353 @@
+/* Any share of the outputs makes a part: the DAG drops what it does not need. */
+#include "plan/parts.h"
+#include "plan/owners.h"
+#include "plan/share.h"
+
+/* What one part may hold and be without a loss (sm_90): values alive at once, of which registers hold some 250 floats
+   or 125 doubles and shared memory, in blocks of 64, 192 or 96 more, less what the compiler's order of things takes;
+   and operations, each about an instruction of 16 bytes, for the instruction cache. */
+enum { ALIVE_SINGLE = 280, ALIVE_DOUBLE = 170, OPERATIONS = 7000 };
+
+/* A load of FULL is what a part may take; of more than MOST is none. */
+enum { FULL = 1000, MOST = 1 << 20 };
+
+/* How many more parts than the best so far are tried; of a text longer than LONG parts are measured less exactly. */
+enum { LOOK_AHEAD = 6, LONG = 250000 };
+
+struct size {
+	int alive;      /* values at once: plan_alive */
+	int operations; /* plan_flops, and 1 */
+};
+
+struct splitter {
+	const struct pass *whole;
+	const struct dag *raw; /* the whole as the algorithm made it */
+	struct share share;    /* of it */
+	const struct tree *t;
+	const struct rneagen_options *o;
+	struct arena *a;
+	struct owners owners;
+	int count;          /* of owners */
+	struct size *sizes; /* [first][end]: of such a part; 0 operations: not known yet */
+	int failed;
+};
+
+/* ---- a part ---- */
+
+static struct size size_of_plan(const struct plan *p, struct arena *a)
+{
+	return (struct size){.alive = plan_alive(p, a), .operations = 1 + (int)plan_flops(plan_operations(p))};
+}
+
+/* The size of the part of these owners, made in an arena of its own; before it is fused that takes a sixth of the time and is
+   off by less than 8 % (30 robots, chains). */
+static struct size make_size(struct splitter *s, int first, int end, int is_fused)
+{
+	struct arena a;
+	struct dag raw, fused;
+	struct plan plan = {.dag = is_fused ? &fused : &raw};
+	struct size z = {.operations = 1};
+
+	arena_init(&a, s->o->allocator);
+	share_copy(&s->share, first, end, &raw, &a);
+	if (is_fused) {
+		dag_init(&fused, &a);
+		dag_fuse(&fused, &raw, s->o->strict);
+	}
+	if (!plan.dag->failed)
+		z = size_of_plan(&plan, &a);
+	s->failed |= plan.dag->failed | a.failed;
+	arena_free(&a);
+	return z;
+}
+
+static int is_long(const struct splitter *s)
+{
+	return s->sizes[s->count].operations > LONG;
+}
+
+static const struct size *size_of(struct splitter *s, int first, int end)
+{
+	struct size *known = &s->sizes[first * (s->count + 1) + end];
+
+	if (!known->operations)
+		*known = make_size(s, first, end, !is_long(s));
+	return known;
+}
+
+static int most_alive(const struct splitter *s)
+{
+	return s->o->precision == RNEAGEN_F32 ? ALIVE_SINGLE : ALIVE_DOUBLE;
+}
+
+/* The larger of its shares of what a part may be. */
+static int load_of(struct splitter *s, int first, int end)
+{
+	const struct size *z = size_of(s, first, end);
+	long long alive = (long long)z->alive * FULL / most_alive(s), operations = (long long)z->operations * FULL / OPERATIONS;
+	long long most = alive > operations ? alive : operations;
+
+	return most < MOST ? (int)most : MOST;
+}
+
+/* How many times as much an operation of such a part takes as one of a part that loses nothing. H100, both gradients, us
+   measured, and in brackets what this says, summed, beside the number of parts that it takes: atlas at 131072 samples in
+   f32, 3 to 6 and 8 parts 300 299 325 357 411 (348 299 336 372 442), in f64, 4 to 6 and 8 parts 803 802 798 915 (891 802
+   886 1159); floating hyq at 262144 in f32, 1 to 3 parts 350 271 307 (460 271 299). Whole, atlas's warps wait for
+   instructions in three quarters of their cycles. */
+static double loss_of(const struct splitter *s, const struct size *z)
+{
+	double longer = (z->operations - OPERATIONS) / 2000.0, more = (double)z->alive / most_alive(s) - 1;
+
+	longer = longer < 0 ? 0 : longer > 1 ? 1 : longer;
+	more = more < 0 ? 0 : more > 0.6 ? 0.6 : more; /* nothing was measured beyond */
+	return (1 + 1.5 * longer) * (1 + 0.8 * more);
+}
+
+static double cost_of(struct splitter *s, int first, int end)
+{
+	const struct size *z = size_of(s, first, end);
+
+	return z->operations * loss_of(s, z);
+}
+
+/* Can a part lose less than the whole, where to look takes long a quarter less? Not on a long chain, where each takes all bodies'
+   motions. No part is smaller than the elements of one of its owners, less a tenth for what these are before they are fused. */
+static int can_gain(struct splitter *s)
+{
+	double most = loss_of(s, size_of(s, 0, s->count)) * (is_long(s) ? 0.75 : 1);
+
+	for (int k = s->count; k-- > 0 && !s->failed;) {
+		struct size z = make_size(s, k, k + 1, 0);
+
+		z.alive -= z.alive / 10;
+		z.operations -= z.operations / 10;
+		if (loss_of(s, &z) < most)
+			return 1;
+	}
+	return 0;
+}
+
+/* ---- where the parts begin ---- */
+
+/* The first body of a part that ends here, with a load of `most` and `left` bodies left over for others: by bisection,
+   since more bodies are more load. */
+static int first_body(struct splitter *s, int end, int left, int most)
+{
+	int good = end - 1, bad = left - 1;
+
+	while (good - bad > 1) {
+		int middle = (good + bad) / 2;
+
+		if (load_of(s, middle, end) <= most)
+			good = middle;
+		else
+			bad = middle;
+	}
+	return good;
+}
+
+/* From the last body on, `count` parts, each as large as a load of `most` allows. first[0] is of the last part. Returns 0
+   where they are too few. */
+static int cut(struct splitter *s, int count, int most, int *first)
+{
+	int end = s->count;
+
+	for (int made = 0; made < count; made++) {
+		first[made] = first_body(s, end, count - made - 1, most);
+		if (load_of(s, first[made], end) > most)
+			return 0;
+		end = first[made];
+	}
+	return end == 0;
+}
+
+/* So many parts that the one with the largest load has as little as can be. Returns 0 where no cut was found. */
+static int cut_evenly(struct splitter *s, int count, int *first)
+{
+	int bad = 0, good = load_of(s, 0, s->count);
+
+	if (!cut(s, count, good, first)) /* alone, what a part has in common with others may be a little more than in the whole */
+		good = MOST;
+	while (good - bad > 1) {
+		int middle = (good + bad) / 2;
+
+		if (cut(s, count, middle, first))
+			good = middle;
+		else
+			bad = middle;
+	}
+	return cut(s, count, good, first);
+}
+
+static double cost_of_cut(struct splitter *s, int count, const int *first)
+{
+	double sum = 0;
+
+	for (int i = 0, end = s->count; i < count; end = first[i++])
+		sum += cost_of(s, first[i], end);
+	return sum;
+}
+
+/* As many parts as cost least. One more need not cost less where a few more do: only when all fit is nothing lost. */
+static int choose_count(struct splitter *s, int *first)
+{
+	double least = cost_of(s, 0, s->count);
+	int best = 1;
+
+	if (load_of(s, 0, s->count) <= FULL || !can_gain(s))
+		return 1;
+	for (int count = 2; count <= s->count && count <= best + LOOK_AHEAD; count++) {
+		double cost = cut_evenly(s, count, first) ? cost_of_cut(s, count, first) : least;
+
+		if (cost < least) {
+			least = cost;
+			best = count;
+		}
+	}
+	return best;
+}
+
+static int make_part(struct splitter *s, int number, int first, int end, struct part *p)
+{
+	struct text name, doc;
+	struct arena spare;
+	struct dag raw;
+
+	p->first = s->owners.bodies[first];
+	p->last = s->owners.bodies[end - 1];
+	text_init(&name, s->a);
+	text_init(&doc, s->a);
+	text_printf(&name, "%s_part%d", s->whole->algorithm->name, number);
+	text_printf(&doc, "Part %d of it: elements of matrices by the joints of links %d to %d%s.", number,
+		s->t->bodies[p->first].number, s->t->bodies[p->last].number,
+		first ? "" : ", and all that is no matrix");
+	p->algorithm = (struct algorithm){.name = text_string(&name), .doc = text_string(&doc)};
+	p->pass.algorithm = &p->algorithm;
+	arena_init(&spare, s->o->allocator);
+	share_copy(&s->share, first, end, &raw, &spare);
+	dag_init(&p->pass.dag, s->a);
+	dag_fuse(&p->pass.dag, &raw, s->o->strict);
+	arena_free(&spare);
+	if (!plan_build(&p->pass.plan, &p->pass.dag, s->t, s->a))
+		return 0;
+	p->alive = plan_alive(&p->pass.plan, s->a);
+	return !name.failed && !doc.failed && !s->a->failed;
+}
+
+/* ---- the whole ---- */
+
+static int begin(struct splitter *s)
+{
+	if (!owners_make(&s->owners, s->raw, s->t, s->a))
+		return 0;
+	s->count = s->owners.count;
+	s->sizes = arena_alloc(s->a, (size_t)(s->count + 1) * (size_t)(s->count + 1), sizeof *s->sizes);
+	if (!s->sizes)
+		return 0;
+	s->sizes[s->count] = size_of_plan(&s->whole->plan, s->a); /* from the first to the last: that is made already */
+	return share_begin(&s->share, s->raw, s->owners.owner, s->a) && !s->a->failed;
+}
+
+/* Why a text cannot be in parts; NULL: it can. */
+static const char *obstacle(const struct tree *t, const struct rneagen_options *o)
+{
+	if (o->target != RNEAGEN_TARGET_CUDA)
+		return "is for kernels: take --target cuda";
+	if (o->layout != RNEAGEN_SOA)
+		return "is for --layout soa: in aos each block writes whole samples";
+	if (!owners_matrix(t))
+		return "is for matrices: name dtau_dq, dtau_dqd or M in --want";
+	return NULL;
+}
+
+/* Returns how many parts there are, 0 after an error; first[0] is where the last of them begins, if there are several. */
+static int choose(struct splitter *s, int *first, struct rneagen_error *e)
+{
+	int count = s->o->parts == RNEAGEN_PARTS_AUTO ? choose_count(s, first) : s->o->parts;
+
+	if (count == 1 || (count <= s->count && cut_evenly(s, count, first)))
+		return count;
+	error_set(e, RNEAGEN_USAGE, "--parts %d: there are elements of %d bodies to share out; take fewer, or auto", count, s->count);
+	return 0;
+}
+
+static struct part *make_parts(struct splitter *s, int count, const int *first)
+{
+	struct part *parts = arena_alloc(s->a, (size_t)count, sizeof *parts);
+
+	for (int i = 0; i < count && parts; i++)
+		if (!make_part(s, i, first[count - 1 - i], i + 1 < count ? first[count - 2 - i] : s->count, &parts[i]))
+			return NULL;
+	return parts;
+}
+
+enum rneagen_code parts_make(struct part **parts, int *count, const struct pass *whole, const struct dag *raw,
+	const struct tree *t, const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
+{
+	struct splitter s = {.whole = whole, .raw = raw, .t = t, .o = o, .a = a};
+	const char *why = obstacle(t, o);
+	int made, *first;
+
+	*count = 0;
+	if (o->parts == 1 || (o->parts == RNEAGEN_PARTS_AUTO && why))
+		return RNEAGEN_OK;
+	if (why)
+		return error_set(e, RNEAGEN_USAGE, "--parts %d %s", o->parts, why);
+	first = arena_alloc(a, (size_t)t->body_count, sizeof *first);
+	if (!first || !begin(&s))
+		return error_memory(e);
+	made = choose(&s, first, e);
+	if (e->code)
+		return e->code;
+	*parts = made > 1 ? make_parts(&s, made, first) : NULL;
+	if (s.failed || (made > 1 && !*parts))
+		return error_memory(e);
+	*count = made > 1 ? made : 0;
+	return RNEAGEN_OK;
+}
+
+/* ---- telling ---- */
+
+struct operation_count parts_operations(const struct emission *e)
+{
+	struct operation_count sum = {0};
+
+	if (!e->part_count)
+		return plan_operations(&e->passes[PASS_RNEA].plan);
+	for (int i = 0; i < e->part_count; i++) {
+		struct operation_count n = plan_operations(&e->parts[i].pass.plan);
+
+		sum.mul += n.mul;
+		sum.add += n.add;
+		sum.sub += n.sub;
+		sum.neg += n.neg;
+		sum.fma += n.fma;
+		sum.sincos += n.sincos;
+	}
+	return sum;
+}
+
+void parts_put_table(const struct emission *e, struct text *out)
+{
+	if (e->part_count)
+		text_put(out, "\nparts           links  flops  alive\n");
+	for (int i = 0; i < e->part_count; i++) {
+		const struct part *p = &e->parts[i];
+
+		text_printf(out, "  %-10d %3d..%-3d %6u %6d\n", i, e->tree->bodies[p->first].number,
+			e->tree->bodies[p->last].number, plan_flops(plan_operations(&p->pass.plan)), p->alive);
+	}
+}
+
+void parts_put_json(const struct emission *e, struct text *out)
+{
+	for (int i = 0; i < e->part_count; i++) {
+		const struct part *p = &e->parts[i];
+
+		text_printf(out, "%s\n    {\"first\": %d, \"last\": %d, \"flops\": %u, \"alive\": %d}",
+			i ? "," : "  \"parts\": [", e->tree->bodies[p->first].number, e->tree->bodies[p->last].number,
+			plan_flops(plan_operations(&p->pass.plan)), p->alive);
+	}
+	text_put(out, e->part_count ? "\n  ],\n" : "");
+}

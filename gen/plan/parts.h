@@ -1,0 +1,28 @@
+#ifndef RNEAGEN_PARTS_H
+#define RNEAGEN_PARTS_H
+/* Matrices of long chains in parts of the grid: each part makes the elements of some bodies, holds less at once than one
+   thread would that makes them all, and is shorter. */
+
+#include "emit/emit.h"
+
+/* With the outputs of some bodies: see owners.h. */
+struct part {
+	int first, last; /* bodies */
+	int alive;       /* values at once: plan_alive */
+	struct algorithm algorithm;
+	struct pass pass;
+};
+
+/* In the order of the bodies, as the options ask for; *count is 0 where the text stays whole. `raw` is the whole as the
+   algorithm made it. Errors: USAGE, MEMORY. */
+enum rneagen_code parts_make(struct part **parts, int *count, const struct pass *whole, const struct dag *raw,
+	const struct tree *t, const struct rneagen_options *o, struct arena *a, struct rneagen_error *e);
+
+/* What all parts take together, or the whole where there are none. */
+struct operation_count parts_operations(const struct emission *e);
+
+/* Lines of --info, and a member of --info=json: nothing where there are no parts. */
+void parts_put_table(const struct emission *e, struct text *out);
+void parts_put_json(const struct emission *e, struct text *out);
+
+#endif

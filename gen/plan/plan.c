@@ -1,0 +1,307 @@
+#include "plan/plan.h"
+#include <stdio.h>
+#include <string.h>
+
+/* Operations in one expression; more, and an operand gets a line of its own. */
+enum { LONGEST_EXPRESSION = 5 };
+
+struct planner {
+	struct plan *p;
+	const struct dag *d;
+	struct arena *a;
+	uint32_t *uses;
+	unsigned char *named, *weight; /* weight: operations written in the node's own expression */
+	char **taken;                  /* hash set of names */
+	size_t taken_size;
+};
+
+static int is_leaf(const struct planner *b, struct ref a)
+{
+	return b->named[a.i] || b->d->nodes[a.i].op == OP_CONST;
+}
+
+/* A value gets a line if it is an input, a sine or cosine, named by the algorithm, or used twice. A sign alone never
+   does, unless what it negates would be written twice. */
+static int deserves_line(const struct planner *b, size_t i)
+{
+	const struct node *n = &b->d->nodes[i];
+
+	if (n->op == OP_CONST)
+		return 0;
+	if (n->op == OP_INPUT || n->op == OP_SIN || n->op == OP_COS)
+		return 1;
+	if (n->op == OP_NEG && is_leaf(b, n->arg[0]))
+		return 0;
+	return n->tag.quantity[0] != 0 || b->uses[i] > 1;
+}
+
+/* Weigh the expression at node i; while it is too long, name its heaviest operand. */
+static void weigh(struct planner *b, size_t i)
+{
+	const struct node *n = &b->d->nodes[i];
+
+	for (;;) {
+		int total = 1, heaviest = -1, most = 0;
+
+		for (int k = 0; k < op_arity[n->op]; k++) {
+			uint32_t a = n->arg[k].i;
+			int weight = b->named[a] ? 0 : b->weight[a];
+
+			total += weight;
+			if (weight > most) {
+				most = weight;
+				heaviest = k;
+			}
+		}
+		if (total <= LONGEST_EXPRESSION || heaviest < 0) {
+			b->weight[i] = (unsigned char)(op_arity[n->op] ? total : 0);
+			return;
+		}
+		b->named[n->arg[heaviest].i] = 1;
+	}
+}
+
+static void choose_lines(struct planner *b)
+{
+	for (size_t i = 0; i < b->d->count; i++) {
+		if (!b->uses[i])
+			continue;
+		weigh(b, i);
+		b->named[i] = (unsigned char)deserves_line(b, i);
+	}
+}
+
+/* Rows of the joints: q2, or q0x ... q0qw for a floating joint and q3x q3y q3t for a planar one. */
+static void name_joint_row(const struct body *k, const char *argument, int row, int is_q, char *name, size_t size)
+{
+	static const char *const floating_q[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
+	static const char *const floating_v[] = {"vx", "vy", "vz", "wx", "wy", "wz"};
+	static const char *const planar[] = {"x", "y", "t"};
+	const char *part = "";
+
+	if (k->type == JOINT_FLOATING)
+		part = is_q ? floating_q[row] : floating_v[row];
+	else if (k->type == JOINT_PLANAR)
+		part = planar[row];
+	snprintf(name, size, "%s%d%s", argument, k->number, part);
+}
+
+/* Rows of what a scene adds: vectors, wrenches, inertias; those of jvp_v and vjp_v have numbers alone. */
+static void name_other(const struct argument *a, int row, char *name, size_t size)
+{
+	static const char *const vector[] = {"x", "y", "z"}, *const wrench[] = {"fx", "fy", "fz", "nx", "ny", "nz"};
+	static const char *const inertia[] = {"m", "hx", "hy", "hz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"};
+	int is_direction = !strcmp(a->name, "jvp_v") || !strcmp(a->name, "vjp_v");
+	const char *const *parts = is_direction ? NULL : a->rows == 3 ? vector : a->rows == 6 ? wrench : a->rows == 10 ? inertia : NULL;
+
+	if (parts)
+		snprintf(name, size, "%.40s_%s", a->name, parts[row]);
+	else
+		snprintf(name, size, "%.40s_%d", a->name, row);
+}
+
+static void name_input(const struct planner *b, const struct node *n, char *name, size_t size)
+{
+	const struct tree *t = b->p->tree;
+	const char *argument = b->d->arguments[n->arg[0].i].name;
+	int row = (int)n->arg[1].i;
+
+	if (strcmp(argument, "q") && strcmp(argument, "qd") && strcmp(argument, "qdd") && strcmp(argument, "f")) {
+		name_other(&b->d->arguments[n->arg[0].i], row, name, size);
+		return;
+	}
+	if (!strcmp(argument, "f")) {
+		snprintf(name, size, "own_%s%d%c", row % 6 < 3 ? "f" : "n", t->bodies[row / 6].number, "xyz"[row % 3]);
+		return;
+	}
+	snprintf(name, size, "%s%d", argument, row);
+	for (int i = 0; i < t->joint_count; i++) {
+		const struct tree_joint *j = &t->joints[i];
+		int is_q = !strcmp(argument, "q"), first = is_q ? j->iq : j->iv, rows = is_q ? j->nq : j->nv;
+
+		if (row >= first && row < first + rows)
+			name_joint_row(&t->bodies[j->body], argument, row - first, is_q, name, size);
+	}
+}
+
+/* A copy of the name if it is new; else NULL. */
+static const char *take(struct planner *b, const char *name)
+{
+	size_t h = 5381;
+
+	for (const char *s = name; *s; s++)
+		h = h * 33 + (unsigned char)*s;
+	for (h %= b->taken_size; b->taken[h]; h = (h + 1) % b->taken_size)
+		if (!strcmp(b->taken[h], name))
+			return NULL;
+	return b->taken[h] = arena_string(b->a, name, strlen(name));
+}
+
+/* A sum that grows as children return keeps its name and counts: f1x, f1x_2, f1x_3. */
+static const char *name_value(struct planner *b, size_t i, unsigned *temporaries)
+{
+	const struct node *n = &b->d->nodes[i];
+	char first[64] = "", name[80];
+	const char *taken;
+
+	if (n->op == OP_INPUT)
+		name_input(b, n, first, sizeof first);
+	else if (n->tag.quantity[0])
+		snprintf(first, sizeof first, "%s%d%.1s", n->tag.quantity, n->tag.body, &n->tag.component);
+	else
+		snprintf(first, sizeof first, "t%u", ++*temporaries);
+	snprintf(name, sizeof name, "%s", first);
+	for (int again = 2; !(taken = take(b, name)) && !b->a->failed; again++)
+		snprintf(name, sizeof name, "%s_%d", first, again);
+	return taken;
+}
+
+static void add_line(struct plan *p, enum line_kind kind, struct ref value, size_t index)
+{
+	p->lines[p->line_count++] = (struct line){kind, value, index};
+}
+
+static void add_value(struct planner *b, size_t i)
+{
+	struct ref me = {(uint32_t)i}, partner;
+	enum op op = b->d->nodes[i].op;
+
+	if (op == OP_SIN || op == OP_COS) {
+		partner = plan_partner(b->p, me, op == OP_SIN ? OP_COS : OP_SIN);
+		if (!partner.i || partner.i > i)
+			add_line(b->p, LINE_SINCOS, me, 0);
+	} else {
+		add_line(b->p, op == OP_INPUT ? LINE_INPUT : LINE_VALUE, me, 0);
+	}
+}
+
+static void add_section(struct planner *b, size_t section)
+{
+	const struct dag *d = b->d;
+	int last = section + 1 == d->section_count;
+	size_t end = last ? d->count : d->sections[section + 1].node;
+	size_t outputs = last ? d->output_count : d->sections[section + 1].output;
+	struct ref none = {0};
+	size_t head = b->p->line_count;
+
+	add_line(b->p, LINE_SECTION, none, section);
+	for (size_t i = d->sections[section].node; i < end; i++)
+		if (b->named[i])
+			add_value(b, i);
+	for (size_t i = d->sections[section].output; i < outputs; i++)
+		add_line(b->p, LINE_STORE, d->outputs[i].value, i);
+	if (b->p->line_count == head + 1)
+		b->p->line_count = head; /* nothing to say */
+}
+
+int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct arena *a)
+{
+	struct planner b = {.p = p, .d = d, .a = a, .taken_size = 2 * (d->count + DAG_ARGUMENTS) + 1};
+	unsigned temporaries = 0;
+
+	*p = (struct plan){.dag = d, .tree = t};
+	b.uses = arena_alloc(a, d->count, sizeof *b.uses);
+	b.named = arena_alloc(a, d->count, 1);
+	b.weight = arena_alloc(a, d->count, 1);
+	b.taken = arena_alloc(a, b.taken_size, sizeof *b.taken);
+	p->names = arena_alloc(a, d->count, sizeof *p->names);
+	p->lines = arena_take(a, d->count + d->output_count + d->section_count, sizeof *p->lines);
+	if (a->failed || d->failed)
+		return 0;
+	dag_uses(d, b.uses);
+	choose_lines(&b);
+	for (int i = 0; i < d->argument_count; i++)
+		take(&b, d->arguments[i].name);
+	for (size_t i = 0; i < d->count; i++)
+		if (b.named[i])
+			p->names[i] = name_value(&b, i, &temporaries);
+	for (size_t s = 0; s < d->section_count; s++)
+		add_section(&b, s);
+	arena_release(a, b.taken);
+	arena_release(a, b.weight);
+	arena_release(a, b.named);
+	arena_release(a, b.uses);
+	return !a->failed;
+}
+
+struct ref plan_partner(const struct plan *p, struct ref sincos, enum op op)
+{
+	struct ref none = {0}, found = dag_find(p->dag, op, p->dag->nodes[sincos.i].arg[0], none, none, 0);
+
+	return found.i && p->names[found.i] ? found : none;
+}
+
+struct operation_count plan_operations(const struct plan *p)
+{
+	struct operation_count n = {0};
+
+	for (size_t i = 0; i < p->dag->count; i++) {
+		enum op op = p->dag->nodes[i].op;
+
+		n.mul += op == OP_MUL || op == OP_DIV || op == OP_SQRT;
+		n.add += op == OP_ADD;
+		n.sub += op == OP_SUB;
+		n.neg += op == OP_NEG;
+		n.fma += op == OP_FMA;
+	}
+	for (size_t i = 0; i < p->line_count; i++)
+		n.sincos += p->lines[i].kind == LINE_SINCOS;
+	return n;
+}
+
+unsigned plan_flops(struct operation_count n)
+{
+	return n.mul + n.add + n.sub + 2 * n.fma;
+}
+
+int plan_alive(const struct plan *p, struct arena *a)
+{
+	const struct dag *d = p->dag;
+	uint32_t *last = arena_alloc(a, d->count, sizeof *last);
+	int alive = 0, most = 0;
+
+	for (uint32_t i = 0; last && i < d->count; i++)
+		for (int k = 0; k < op_arity[d->nodes[i].op]; k++)
+			last[d->nodes[i].arg[k].i] = i;
+	for (uint32_t i = 0; last && i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+
+		alive += n->op != OP_CONST && last[i] > i;
+		most = alive > most ? alive : most;
+		for (int k = 0; k < op_arity[n->op]; k++) {
+			uint32_t x = n->arg[k].i;
+
+			if (last[x] == i && d->nodes[x].op != OP_CONST) {
+				alive--;
+				last[x] = 0;
+			}
+		}
+	}
+	arena_release(a, last);
+	return most;
+}
+
+void plan_dump(const struct plan *p, struct text *t)
+{
+	static const char *const kinds[] = {"section", "input", "value", "sincos", "store"};
+	static const char *const kinds_of_section[SECTION_COUNT] = {"out", "back", "end", "freed", "totals", "bias", "gravity", "by",
+		"products"};
+
+	for (size_t i = 0; i < p->line_count; i++) {
+		const struct line *l = &p->lines[i];
+
+		text_printf(t, "%s", kinds[l->kind]);
+		if (l->kind == LINE_SECTION) {
+			const struct section *s = &p->dag->sections[l->index];
+			text_printf(t, " %s %d", kinds_of_section[s->kind],
+				p->tree->bodies[s->body].number);
+		} else {
+			text_printf(t, " node %u %s", (unsigned)l->value.i,
+				p->names[l->value.i] ? p->names[l->value.i] : "-");
+		}
+		if (l->kind == LINE_STORE)
+			text_printf(t, " -> %s[%d]", p->dag->arguments[p->dag->outputs[l->index].argument].name,
+				p->dag->outputs[l->index].row);
+		text_putc(t, '\n');
+	}
+}

@@ -1,0 +1,47 @@
+#ifndef RNEAGEN_PLAN_H
+#define RNEAGEN_PLAN_H
+/* What the text will say, before it is text: which values get a line of their own, what they are called, and the order
+   of the lines. One plan serves every target. */
+
+#include "dag/dag.h"
+#include "tree/tree.h"
+
+enum line_kind { LINE_SECTION, LINE_INPUT, LINE_VALUE, LINE_SINCOS, LINE_STORE };
+
+struct line {
+	enum line_kind kind;
+	struct ref value;   /* INPUT, VALUE; SINCOS: the sine or the cosine, whichever came first */
+	size_t index;       /* SECTION: into dag->sections; STORE: into dag->outputs */
+};
+
+struct plan {
+	const struct dag *dag;
+	const struct tree *tree;
+	const char **names; /* per node; NULL: written where it is used */
+	struct line *lines;
+	size_t line_count;
+};
+
+struct operation_count {
+	unsigned mul, add, sub, neg, fma, sincos;
+};
+
+/* The DAG must be fused. Returns 0 when memory runs out. */
+int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct arena *a);
+
+/* The node that holds the sine (op OP_SIN) or cosine (OP_COS) of the same angle; node 0 if nobody needs it. */
+struct ref plan_partner(const struct plan *p, struct ref sincos, enum op op);
+
+/* Operations of the DAG as it is written; a sine and cosine of one angle count once, a quotient or root as a product. */
+struct operation_count plan_operations(const struct plan *p);
+
+/* A joined product and sum are two; signs, sines and cosines are not counted. */
+unsigned plan_flops(struct operation_count n);
+
+/* The most values that are alive at once, if each is made where it stands and dies with its last use: about the registers
+   that a kernel needs beside its addresses. */
+int plan_alive(const struct plan *p, struct arena *a);
+
+void plan_dump(const struct plan *p, struct text *t);
+
+#endif

@@ -1,0 +1,365 @@
+#include "request/resolve.h"
+#include "base/nearest.h"
+#include <stdio.h>
+#include <string.h>
+
+/* Arrays that one kernel can take. */
+enum { ARRAY_LIMIT = 64 };
+
+/* The rest of "mass.hand" after "mass."; NULL where the word is another. */
+static const char *after(const char *word, const char *kind)
+{
+	size_t length = strlen(kind);
+
+	return !strncmp(word, kind, length) && word[length] == '.' && word[length + 1] ? word + length + 1 : NULL;
+}
+
+int task_frees_link(const struct scene *s, const char *link)
+{
+	for (const struct scene_choice *c = NULL; (c = scene_next(s, SCENE_FREE, c));) {
+		const char *mass = after(c->name, "mass"), *inertia = after(c->name, "inertia");
+
+		if ((mass && !strcmp(mass, link)) || (inertia && !strcmp(inertia, link)))
+			return 1;
+	}
+	return 0;
+}
+
+int task_has_all(const struct row *rows, int count)
+{
+	for (int i = 0; i < count; i++)
+		if (!rows[i].is_given)
+			return 0;
+	return count > 0;
+}
+
+int task_wants(const struct task *k, enum want_kind kind)
+{
+	for (int i = 0; i < k->want_count; i++)
+		if (k->wants[i].kind == kind)
+			return 1;
+	return 0;
+}
+
+int task_wants_derivative(const struct task *k)
+{
+	for (int i = 0; i < k->want_count; i++)
+		if (k->wants[i].kind >= WANT_DTAU_DQ)
+			return 1;
+	return 0;
+}
+
+/* ---- names ---- */
+
+/* Is a word's rest ".hand" where a name belongs to it, and nothing where none does? */
+static int has_rest(const struct kind_word *k, const char *rest)
+{
+	return k->has_name ? rest[0] == '.' && rest[1] : !rest[0];
+}
+
+/* Which of these words a choice has; -1 and an error that names the nearest. */
+int task_find_kind(const struct resolver *x, const struct scene_choice *c, const struct kind_word *kinds, int count)
+{
+	size_t length = strcspn(c->name, ".");
+	const char *stem = arena_string(x->a, c->name, length), *meant;
+
+	if (!stem) {
+		error_memory(x->e);
+		return -1;
+	}
+	for (int i = 0; i < count; i++)
+		if (!strcmp(stem, kinds[i].word) && has_rest(&kinds[i], c->name + length))
+			return i;
+	meant = nearest_name(stem, kinds, (size_t)count, sizeof *kinds);
+	for (int i = 0; i < count; i++)
+		if (!strcmp(stem, kinds[i].word)) {
+			scene_refuse(x->s, c, x->e, kinds[i].has_name ? "'%s' needs a name: %s.NAME" : "'%s' takes no name: write %s",
+				stem, stem);
+			return -1;
+		}
+	scene_refuse(x->s, c, x->e, "'%.255s' is not known%s%s%s", c->name, meant ? "; did you mean '" : "", meant ? meant : "",
+		meant ? "'?" : "");
+	return -1;
+}
+
+/* A kernel calls what it keeps of an array by the array's name with these behind it. */
+static int is_kernels_own(const char *name)
+{
+	const char *last = strrchr(name, '_');
+
+	return last && (!strcmp(last, "_here") || !strcmp(last, "_slice"));
+}
+
+/* "payload.left hand" -> payload_left_hand; two that come out the same, or a kernel's own, differ by a number. */
+const char *task_argument(const struct resolver *x, const char *word)
+{
+	const struct task *k = x->k;
+	char *name = arena_string(x->a, word, strlen(word));
+	struct text t;
+
+	if (!name)
+		return "";
+	for (char *s = name; *s; s++)
+		if (!strchr("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_", *s))
+			*s = '_';
+	for (int again = 1;; again++) {
+		int taken = again == 1 && is_kernels_own(name);
+
+		text_init(&t, x->a);
+		text_put(&t, name);
+		if (again > 1)
+			text_printf(&t, "_%d", again);
+		for (int i = 0; i < k->freed_count; i++)
+			taken |= !strcmp(k->freed[i].argument, text_string(&t));
+		for (int i = 0; i < k->push_count; i++)
+			taken |= !strcmp(k->pushes[i].argument, text_string(&t));
+		for (int i = 0; i < k->want_count; i++)
+			taken |= !strcmp(k->wants[i].argument, text_string(&t));
+		if (!taken || x->a->failed)
+			return text_string(&t);
+	}
+}
+
+/* The link of this name; it must be carried by a body. */
+int task_find_link(const struct resolver *x, const struct scene_choice *c, const char *name)
+{
+	int link = scene_link(x->s, c, x->r, name, x->e);
+
+	if (link < 0)
+		return -1;
+	if (x->t->links[link].body == -2)
+		scene_refuse(x->s, c, x->e, "link '%.255s' is not part of this scene", name);
+	else if (x->t->links[link].body == -1)
+		scene_refuse(x->s, c, x->e, "link '%.255s' does not move in this scene", name);
+	return x->e->code ? -1 : link;
+}
+
+/* The body that the joint of this name moves; "base" is the floating base. */
+int task_find_body(const struct resolver *x, const struct scene_choice *c, const char *name)
+{
+	if (x->t->floating && !strcmp(name, "base")) {
+		if (robot_joint(x->r, name) < 0)
+			return 0;
+		scene_refuse(x->s, c, x->e, "'base' is the floating base, and a joint of the robot: rename the joint");
+		return -1;
+	}
+	if (scene_joint(x->s, c, x->r, name, x->e) < 0)
+		return -1;
+	for (int i = 0; i < x->t->body_count; i++)
+		if (!strcmp(x->t->bodies[i].joint, name))
+			return i;
+	scene_refuse(x->s, c, x->e, "joint '%.255s' does not move in this scene", name);
+	return -1;
+}
+
+/* ---- fold ---- */
+
+/* Has an earlier line said the same of this name? Of two values, none would be the last word. */
+static int is_said(const struct resolver *x, const struct scene_choice *c)
+{
+	for (const struct scene_choice *k = NULL; (k = scene_next(x->s, c->key, k)) && k != c;)
+		if (!strcmp(k->name, c->name))
+			return 1;
+	return 0;
+}
+
+/* Rows first to first + count - 1: one value for all, or one for each. */
+static enum rneagen_code give(const struct resolver *x, const struct scene_choice *c, struct row *rows, int first, int count,
+	int one_for_all)
+{
+	struct within *values = arena_alloc(x->a, (size_t)count, sizeof *values);
+	int single = one_for_all && !strchr(c->value, ',');
+
+	if (!values)
+		return error_memory(x->e);
+	if (scene_numbers(x->s, c, values, single ? 1 : count, x->e))
+		return x->e->code;
+	for (int i = 0; i < count; i++) {
+		if (rows[first + i].is_given)
+			return scene_refuse(x->s, c, x->e, "'%.255s' has a row that is given already", c->name);
+		rows[first + i] = (struct row){1, values[single ? 0 : i]};
+	}
+	return RNEAGEN_OK;
+}
+
+/* q = 0 is no orientation. */
+static int has_quaternion(const struct tree *t, int body)
+{
+	for (int i = 0; i < t->body_count; i++)
+		if (t->bodies[i].type == JOINT_FLOATING && (body < 0 || body == i))
+			return 1;
+	return 0;
+}
+
+static enum rneagen_code fold(const struct resolver *x, const struct scene_choice *c)
+{
+	static const struct kind_word kinds[] = {{"q", 0}, {"qd", 0}, {"qdd", 0}, {"gravity", 0}, {"q", 1}, {"qd", 1}, {"qdd", 1}};
+	struct tree *t = x->t;
+	struct row *const rows[] = {t->task.q, t->task.qd, t->task.qdd};
+	int kind = task_find_kind(x, c, kinds, sizeof kinds / sizeof *kinds), body, is_q;
+	struct within gravity[3];
+
+	if (kind < 0)
+		return x->e->code;
+	if (is_said(x, c))
+		return scene_refuse(x->s, c, x->e, "'%.255s' is given already", c->name);
+	if (kind == 3) {
+		if (scene_numbers(x->s, c, gravity, 3, x->e))
+			return x->e->code;
+		for (int i = 0; i < 3; i++)
+			t->gravity[i] = gravity[i];
+		return RNEAGEN_OK;
+	}
+	if (kind < 3)
+		return give(x, c, rows[kind], 0, kind == 0 ? t->nq : t->nv, kind != 0 || !has_quaternion(t, -1));
+	is_q = kind == 4;
+	body = task_find_body(x, c, strchr(c->name, '.') + 1);
+	if (body < 0)
+		return x->e->code;
+	if (t->bodies[body].follower)
+		return scene_refuse(x->s, c, x->e, "'%.255s' follows another joint: fold that", t->bodies[body].joint);
+	return give(x, c, rows[kind - 4], is_q ? t->bodies[body].iq : t->bodies[body].iv,
+		is_q ? joint_nq(t->bodies[body].type) : joint_nv(t->bodies[body].type), !is_q || !has_quaternion(t, body));
+}
+
+/* ---- forces from outside, terms of the joints' own ---- */
+
+static enum rneagen_code push(const struct resolver *x, const struct scene_choice *c)
+{
+	int link = task_find_link(x, c, c->name);
+	struct text word;
+
+	if (link < 0)
+		return x->e->code;
+	if (is_said(x, c))
+		return scene_refuse(x->s, c, x->e, "the wrench on '%.255s' is an input already", c->name);
+	text_init(&word, x->a);
+	text_printf(&word, "fext.%s", c->name);
+	x->k->pushes[x->k->push_count] = (struct push){
+		text_string(&word), task_argument(x, text_string(&word)), x->t->links[link].body, x->t->links[link].X};
+	x->k->push_count++;
+	return RNEAGEN_OK;
+}
+
+static enum rneagen_code set_armature(const struct resolver *x, const struct scene_choice *c)
+{
+	struct within value;
+	int body = task_find_body(x, c, c->name);
+
+	if (body < 0 || scene_numbers(x->s, c, &value, 1, x->e))
+		return x->e->code;
+	if (is_said(x, c))
+		return scene_refuse(x->s, c, x->e, "the armature of '%.255s' is given already", c->name);
+	if (joint_nv(x->t->bodies[body].type) != 1)
+		return scene_refuse(x->s, c, x->e, "an armature belongs to a joint with one row in qd, which '%.255s' is not", c->name);
+	if (value.x < 0)
+		return scene_refuse(x->s, c, x->e, "an armature of %g kg m^2 is less than nothing", (double)value.x);
+	x->k->armature[body] = value;
+	return RNEAGEN_OK;
+}
+
+/* From the URDF's <dynamics>. */
+static void set_dynamics(const struct resolver *x, struct within *by_body, int is_friction)
+{
+	for (int i = 0; i < x->t->body_count; i++) {
+		int j = robot_joint(x->r, x->t->bodies[i].joint);
+
+		if (j >= 0 && joint_nv(x->t->bodies[i].type) == 1)
+			by_body[i] = is_friction ? x->r->joints[j].friction : x->r->joints[j].damping;
+	}
+}
+
+/* The width, in rad/s or m/s, is the velocity at which friction has grown to 1/sqrt(2) of its size. */
+static enum rneagen_code set_friction(const struct resolver *x, const struct scene_choice *c)
+{
+	struct within width = within_decimal(0.01, 0.01L);
+
+	if (c->value && scene_numbers(x->s, c, &width, 1, x->e))
+		return x->e->code;
+	if (!(width.x > 0))
+		return scene_refuse(x->s, c, x->e, "a width of %g rad/s or m/s is none: friction must be smooth", (double)width.x);
+	x->k->friction_width = width;
+	set_dynamics(x, x->k->friction, 1);
+	return RNEAGEN_OK;
+}
+
+/* ---- all of it ---- */
+
+/* At most: q, qd and qdd, and what the scene adds; a product takes its vector. */
+static int array_count(const struct task *k)
+{
+	return 3 + k->freed_count + k->push_count + task_wants(k, WANT_JVP) + task_wants(k, WANT_VJP) + k->want_count;
+}
+
+static enum rneagen_code check_arrays(const struct resolver *x)
+{
+	if (array_count(x->k) <= ARRAY_LIMIT)
+		return RNEAGEN_OK;
+	return error_set(x->e, RNEAGEN_LIMIT, "%s: the scene makes more than %d arrays, which is all that a kernel takes", x->s->file,
+		ARRAY_LIMIT);
+}
+
+static enum rneagen_code each(const struct resolver *x, enum scene_key key,
+	enum rneagen_code (*resolve)(const struct resolver *x, const struct scene_choice *c))
+{
+	for (const struct scene_choice *c = NULL; (c = scene_next(x->s, key, c));)
+		if (resolve(x, c) || check_arrays(x))
+			return x->e->code;
+	return RNEAGEN_OK;
+}
+
+static int alloc(struct resolver *x)
+{
+	struct task *k = x->k;
+	struct arena *a = x->a;
+	size_t most = (size_t)x->s->count + 1, nq = (size_t)x->t->nq, nv = (size_t)x->t->nv, nb = (size_t)x->t->body_count;
+
+	k->q = arena_alloc(a, nq, sizeof *k->q);
+	k->qd = arena_alloc(a, nv, sizeof *k->qd);
+	k->qdd = arena_alloc(a, nv, sizeof *k->qdd);
+	k->freed = arena_alloc(a, most, sizeof *k->freed);
+	k->pushes = arena_alloc(a, most, sizeof *k->pushes);
+	k->wants = arena_alloc(a, most, sizeof *k->wants);
+	k->ranges = arena_alloc(a, most, sizeof *k->ranges);
+	k->armature = arena_alloc(a, nb, sizeof *k->armature);
+	k->damping = arena_alloc(a, nb, sizeof *k->damping);
+	k->friction = arena_alloc(a, nb, sizeof *k->friction);
+	return !a->failed;
+}
+
+static int has_choice(const struct scene *s)
+{
+	static const enum scene_key keys[] = {SCENE_FOLD, SCENE_FREE, SCENE_WANT, SCENE_FEXT, SCENE_ARMATURE, SCENE_DAMPING,
+		SCENE_FRICTION};
+
+	for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
+		if (scene_next(s, keys[i], NULL))
+			return 1;
+	return 0;
+}
+
+enum rneagen_code task_resolve(struct tree *t, const struct robot *r, struct arena *a, struct rneagen_error *e)
+{
+	struct resolver x = {t, &t->task, &t->scene, r, a, e};
+	const struct scene_choice *frame = scene_next(x.s, SCENE_FEXT_FRAME, NULL);
+	const struct scene_choice *how = scene_next(x.s, SCENE_DERIVATIVES, NULL);
+
+	*x.k = (struct task){.is_plain = !has_choice(x.s)};
+	if (!alloc(&x))
+		return error_memory(e);
+	x.k->dense = scene_next(x.s, SCENE_DENSE, NULL) != NULL;
+	if (how)
+		x.k->derivatives = !strcmp(how->value, "forward") ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION;
+	x.k->in_world = frame && !strcmp(frame->value, "world");
+	if (each(&x, SCENE_FOLD, fold) || each(&x, SCENE_FREE, task_free) || each(&x, SCENE_FEXT, push) ||
+		each(&x, SCENE_ARMATURE, set_armature) || each(&x, SCENE_FRICTION, set_friction) || each(&x, SCENE_WANT, task_want) ||
+		each(&x, SCENE_RANGE, task_range))
+		return e->code;
+	if (scene_next(x.s, SCENE_DAMPING, NULL))
+		set_dynamics(&x, x.k->damping, 0);
+	if (!x.k->want_count)
+		x.k->wants[x.k->want_count++] = (struct want){.kind = WANT_TAU, .word = "tau", .argument = "tau", .rows = t->nv};
+	if (check_arrays(&x))
+		return e->code;
+	return a->failed ? error_memory(e) : RNEAGEN_OK;
+}

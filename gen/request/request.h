@@ -1,0 +1,96 @@
+#ifndef RNEAGEN_REQUEST_H
+#define RNEAGEN_REQUEST_H
+/* What the scene makes of inputs and outputs: rows that it gives, constants that it frees, forces from outside, terms of
+   the joints' own, and the quantities that it asks for. */
+
+#include "scene/scene.h"
+#include "tree/spatial.h"
+
+/* A row of q, qd or qdd that the scene may give. */
+struct row {
+	int is_given;
+	struct within value;
+};
+
+enum freed_kind { FREED_GRAVITY, FREED_MASS, FREED_INERTIA, FREED_PAYLOAD, FREED_OFFSET };
+enum { FREED_ROWS = 10 };
+
+/* A constant that becomes an input. Mass, inertia and payload are linear in the body's ten inertial parameters. */
+struct freed {
+	enum freed_kind kind;
+	const char *word;     /* as the scene has it: "payload.hand" */
+	const char *argument; /* as the text has it: "payload_hand" */
+	int rows, per_batch;
+	int body;                    /* that carries the link, or that the joint moves */
+	real nominal[FREED_ROWS];    /* what the URDF says */
+	struct inertia *columns;     /* in the body frame, what a unit of each row adds */
+	struct inertia rest;         /* a link's inertia about its centre, which its mass does not change */
+};
+
+/* A wrench from outside on a link: force, then moment about the link's origin. */
+struct push {
+	const char *word;     /* "fext.foot" */
+	const char *argument;
+	int body;
+	struct placement X; /* the link's frame in the body's */
+};
+
+/* What the scene says that rows of an input are drawn from. Levels: of a whole input, of a joint, of one row; the highest
+   counts. */
+enum { TASK_RANGE_LEVELS = 3 };
+
+struct task_range {
+	const char *argument; /* of the text */
+	int first, count, level;
+	double lower, upper;
+};
+
+enum want_kind { WANT_TAU, WANT_GRAVITY, WANT_BIAS, WANT_WRENCH, WANT_TWIST, WANT_ACCEL, WANT_POWER, WANT_KINETIC, WANT_POTENTIAL,
+	WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_MASS, WANT_DTAU_DFREED, WANT_JVP, WANT_VJP };
+
+struct want {
+	enum want_kind kind;
+	const char *word, *argument;
+	int rows;
+	int body; /* DTAU_DFREED: the number of the freed constant */
+	struct placement X;
+};
+
+/* By differentiating the torques' expressions; by a recursion over composite bodies; by whichever takes less. */
+enum derivatives { DERIVATIVES_CHEAPER, DERIVATIVES_FORWARD, DERIVATIVES_RECURSION };
+
+struct task {
+	int is_plain;               /* tau = ID(q, qd, qdd) and nothing else */
+	struct row *q, *qd, *qdd;   /* nq, nv and nv of them */
+	struct freed *freed;
+	int freed_count;
+	struct push *pushes;
+	int push_count, in_world;   /* wrenches in axes of the world, else of the link */
+	struct want *wants;
+	int want_count;
+	struct task_range *ranges;
+	int range_count;
+	int dense;                  /* matrices have their zeros */
+	enum derivatives derivatives; /* how d tau/d q and d tau/d qd are made */
+	struct within *armature, *damping, *friction; /* by body: of a joint with one row; kg m^2 (kg), N m s (N s/m), N m (N) */
+	struct within friction_width;         /* rad/s, m/s */
+};
+
+struct tree;
+
+/* Does the scene make the link's mass or inertia an input? */
+int task_frees_link(const struct scene *s, const char *link);
+
+/* Resolve the tree's scene. Errors: SCENE, MEMORY. */
+enum rneagen_code task_resolve(struct tree *t, const struct robot *r, struct arena *a, struct rneagen_error *e);
+
+/* Has every row its value? */
+int task_has_all(const struct row *rows, int count);
+
+/* Is a quantity of this kind asked for? */
+int task_wants(const struct task *k, enum want_kind kind);
+
+/* Is any derivative, M included? */
+int task_wants_derivative(const struct task *k);
+
+#endif

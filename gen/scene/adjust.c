@@ -1,0 +1,125 @@
+#include "scene/adjust.h"
+#include "base/number.h"
+#include "tree/tree.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const real RIGHT = 1.57079632679489661923132169163975144L;
+
+/* ---- what the scene says ---- */
+
+static enum rneagen_code read_number(double *value, const struct scene *s, enum scene_key key, struct rneagen_error *e)
+{
+	const struct scene_choice *c = scene_next(s, key, NULL);
+	struct within read;
+
+	if (!c || scene_numbers(s, c, &read, 1, e))
+		return e->code;
+	*value = (double)read.x;
+	return RNEAGEN_OK;
+}
+
+enum rneagen_code adjust_read(struct adjust *x, const struct scene *s, struct rneagen_error *e)
+{
+	double digits = 0;
+
+	*x = (struct adjust){0};
+	if (read_number(&x->snap, s, SCENE_SNAP_ANGLE, e) || read_number(&digits, s, SCENE_ROUND_CONSTANTS, e) ||
+		read_number(&x->drop, s, SCENE_DROP_BELOW, e))
+		return e->code;
+	if (x->snap < 0 || x->snap > 0.1)
+		return scene_refuse(s, scene_next(s, SCENE_SNAP_ANGLE, NULL), e, "takes an angle from 0 to 0.1 rad, not %s",
+			number_plain(x->snap).s);
+	if (scene_next(s, SCENE_ROUND_CONSTANTS, NULL) && !(digits >= 1 && digits <= 17 && digits == floor(digits)))
+		return scene_refuse(s, scene_next(s, SCENE_ROUND_CONSTANTS, NULL), e, "takes a whole number from 1 to 17, not %s",
+			number_plain(digits).s);
+	if (x->drop < 0 || x->drop >= 1)
+		return scene_refuse(s, scene_next(s, SCENE_DROP_BELOW, NULL), e, "takes a fraction from 0 to below 1, not %s",
+			number_plain(x->drop).s);
+	x->digits = (int)digits;
+	return RNEAGEN_OK;
+}
+
+int adjust_is_asked(const struct adjust *x)
+{
+	return x->snap > 0 || x->digits > 0 || x->drop > 0;
+}
+
+/* ---- angles ---- */
+
+double adjust_off(struct within angle)
+{
+	real quarter = RIGHT * roundl(angle.x / RIGHT), off = fabsl(angle.x - quarter);
+	struct within s, c;
+
+	angle_sincos(angle, &s, &c);
+	return s.x == 0 || c.x == 0 ? 0 : (double)off;
+}
+
+double adjust_off_rpy(const struct within rpy[3], double tolerance)
+{
+	double largest = 0;
+
+	for (int i = 0; i < 3; i++) {
+		double off = adjust_off(rpy[i]);
+
+		if (off <= tolerance)
+			largest = fmax(largest, off);
+	}
+	return largest;
+}
+
+static void snap(struct within rpy[3], double tolerance)
+{
+	for (int i = 0; i < 3; i++)
+		if (adjust_off(rpy[i]) <= tolerance)
+			rpy[i] = within_exact((real)(double)(RIGHT * roundl(rpy[i].x / RIGHT)));
+}
+
+struct robot adjust_snap(const struct robot *r, double tolerance, struct arena *a)
+{
+	struct robot s = *r;
+
+	s.links = arena_alloc(a, (size_t)r->link_count, sizeof *s.links);
+	s.joints = arena_alloc(a, (size_t)r->joint_count, sizeof *s.joints);
+	if (!s.links || !s.joints)
+		return s;
+	memcpy(s.links, r->links, (size_t)r->link_count * sizeof *s.links);
+	if (r->joint_count)
+		memcpy(s.joints, r->joints, (size_t)r->joint_count * sizeof *s.joints);
+	for (int i = 0; i < r->link_count; i++)
+		snap(s.links[i].com_rpy, tolerance);
+	for (int i = 0; i < r->joint_count; i++)
+		snap(s.joints[i].rpy, tolerance);
+	return s;
+}
+
+/* ---- digits ---- */
+
+/* The locale, whatever it is, is the same on the way out and on the way back. What is rounded is what is meant. */
+static void round_each(struct within *x, int count, int digits)
+{
+	char text[64];
+	real rounded;
+
+	for (int i = 0; i < count; i++) {
+		snprintf(text, sizeof text, "%.*Le", digits - 1, x[i].x);
+		rounded = strtold(text, NULL);
+		x[i] = rounded == roundl(rounded) ? within_exact(rounded) : within_decimal(rounded, rounded);
+	}
+}
+
+void adjust_round(struct tree *t, int digits)
+{
+	for (int i = 0; i < t->body_count; i++) {
+		struct body *k = &t->bodies[i];
+
+		round_each(&k->X.R.m[0][0], 9, digits);
+		round_each(k->X.p, 3, digits);
+		round_each(&k->inertia.mass, 1, digits);
+		round_each(k->inertia.h, 3, digits);
+		round_each(k->inertia.I, 6, digits);
+	}
+}

@@ -1,0 +1,40 @@
+#ifndef RNEAGEN_ADJUST_H
+#define RNEAGEN_ADJUST_H
+/* Constants that are changed because the scene says so: angles that are nearly right, digits that are not wanted. */
+
+#include "scene/scene.h"
+#include "tree/spatial.h"
+
+struct tree;
+
+/* 0: not asked for. */
+struct adjust {
+	double snap; /* rad */
+	int digits;
+	double drop; /* of the largest torque of a joint */
+	const char *kept; /* by joint of the robot: held, but not merged; NULL: none. Not the scene's, see keep.h */
+};
+
+/* What is listed as nearly right. */
+#define ADJUST_NEARLY 1e-4
+
+/* Errors: SCENE. */
+enum rneagen_code adjust_read(struct adjust *x, const struct scene *s, struct rneagen_error *e);
+
+/* Is any constant changed, or term left out? */
+int adjust_is_asked(const struct adjust *x);
+
+/* How far an angle is from the nearest multiple of pi/2; 0 where it counts as one in any case. */
+double adjust_off(struct within angle);
+
+/* The largest adjust_off of three angles that is at most `tolerance`; 0 if there is none. */
+double adjust_off_rpy(const struct within rpy[3], double tolerance);
+
+/* A copy of the robot whose angles within the tolerance of a multiple of pi/2 are that multiple; a->failed is set where
+   memory runs out. */
+struct robot adjust_snap(const struct robot *r, double tolerance, struct arena *a);
+
+/* Round the placements and inertias of all bodies to so many significant decimal digits. */
+void adjust_round(struct tree *t, int digits);
+
+#endif

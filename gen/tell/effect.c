@@ -1,0 +1,312 @@
+#include "tell/effect.h"
+#include "analysis.h"
+#include "tell/draw_put.h"
+#include "dag/eval.h"
+#include "base/number.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* One way to build the scene: the DAG of its torques and what they cost. */
+struct way {
+	struct tree tree;
+	const struct dag *dag;
+	struct dag own; /* where it is built here */
+	long flops;
+};
+
+struct measuring {
+	const struct robot *r;
+	const struct rneagen_options *o;
+	struct arena *a; /* for what goes again */
+	struct rneagen_error *e;
+	struct drawn inputs;
+};
+
+static enum rneagen_code count(struct way *w, const struct measuring *m)
+{
+	w->flops = analysis_flops(w->dag);
+	return w->flops < 0 ? error_memory(m->e) : RNEAGEN_OK;
+}
+
+static enum rneagen_code build(struct way *w, const struct measuring *m, const struct adjust *x)
+{
+	w->dag = &w->own;
+	if (tree_build_adjusted(&w->tree, m->r, m->o, x, m->a, m->e))
+		return m->e->code;
+	return analysis_dag(&w->own, &w->tree, m->o->strict, m->a) ? count(w, m) : error_memory(m->e);
+}
+
+/* ---- torques ---- */
+
+static size_t output_rows(const struct dag *d)
+{
+	size_t rows = 0;
+
+	for (int k = 0; k < d->argument_count; k++)
+		rows += d->arguments[k].is_output ? (size_t)d->arguments[k].rows : 0;
+	return rows;
+}
+
+/* All outputs in one sample, after one another. Returns 0 when memory runs out. */
+static int torques(const struct way *w, const struct measuring *m, size_t sample, double *out)
+{
+	const struct dag *d = w->dag;
+	const double *in[DAG_ARGUMENTS] = {NULL};
+	double *to[DAG_ARGUMENTS] = {NULL};
+
+	for (int k = 0; k < d->argument_count; k++) {
+		in[k] = draw_rows(&m->inputs, &d->arguments[k], sample);
+		to[k] = out;
+		out += d->arguments[k].is_output ? d->arguments[k].rows : 0;
+	}
+	return eval_f64(d, in, to, NULL);
+}
+
+/* NAN where nothing is known: an output overflows. */
+static int compare(struct effect *x, const struct way *with, const struct way *without, const struct measuring *m)
+{
+	size_t rows = output_rows(with->dag);
+	double *y = arena_alloc(m->a, 2 * rows, sizeof *y), *z = y ? y + rows : NULL, largest = 0, largest_off = 0;
+
+	for (size_t k = 0; k < m->inputs.samples; k++) {
+		double off = 0, size = 0;
+
+		if (!y || !torques(with, m, k, y) || !torques(without, m, k, z))
+			return 0;
+		for (size_t i = 0; i < rows; i++) {
+			off = hypot(off, y[i] - z[i]);
+			size = hypot(size, z[i]);
+			x->change = fmax(x->change, fabs(y[i] - z[i]));
+		}
+		largest = fmax(largest, size);
+		largest_off = isfinite(off) ? fmax(largest_off, off) : (double)INFINITY;
+	}
+	x->share = largest_off > 0 ? largest_off / largest : 0;
+	if (isinf(largest_off))
+		x->change = x->share = (double)NAN;
+	return 1;
+}
+
+/* ---- each change ---- */
+
+static enum rneagen_code add_effect(struct tree *t, struct effect *x, const struct way *with, const struct way *without,
+	const struct measuring *m)
+{
+	x->saved = without->flops - with->flops;
+	if (!compare(x, with, without, m))
+		return error_memory(m->e);
+	t->effects[t->effect_count++] = *x;
+	return RNEAGEN_OK;
+}
+
+static enum rneagen_code measure_asked(struct tree *t, const struct way *now, const struct measuring *m)
+{
+	for (int key = SCENE_SNAP_ANGLE; key <= SCENE_DROP_BELOW; key++) {
+		struct effect x = {.key = (enum scene_key)key, .is_asked = 1};
+		struct adjust other = t->adjust;
+		struct way without;
+
+		if (key == SCENE_SNAP_ANGLE) {
+			x.argument = other.snap;
+			other.snap = 0;
+		} else if (key == SCENE_ROUND_CONSTANTS) {
+			x.argument = other.digits;
+			other.digits = 0;
+		} else {
+			x.argument = other.drop;
+			other.drop = 0;
+		}
+		if (x.argument > 0 && (build(&without, m, &other) || add_effect(t, &x, now, &without, m)))
+			return m->e->code;
+	}
+	return RNEAGEN_OK;
+}
+
+/* What --snap-angle would do where there is something for it. */
+static enum rneagen_code measure_nearly(struct tree *t, const struct way *now, const struct measuring *m)
+{
+	struct effect x = {.key = SCENE_SNAP_ANGLE, .argument = ADJUST_NEARLY};
+	struct adjust other = t->adjust;
+	struct way with;
+
+	if (other.snap > 0 || !t->angle_count)
+		return RNEAGEN_OK;
+	other.snap = ADJUST_NEARLY;
+	return build(&with, m, &other) ? m->e->code : add_effect(t, &x, &with, now, m);
+}
+
+enum rneagen_code effect_measure(struct tree *t, const struct dag *now, const struct robot *r, const struct rneagen_options *o,
+	struct arena *a, struct rneagen_error *e)
+{
+	struct way way = {.tree = *t, .dag = now};
+	struct arena spare;
+	struct measuring m = {.r = r, .o = o, .a = &spare, .e = e};
+
+	t->effects = arena_alloc(a, 4, sizeof *t->effects);
+	if (!t->effects)
+		return error_memory(e);
+	if (!adjust_is_asked(&t->adjust) && !t->angle_count)
+		return RNEAGEN_OK;
+	arena_init(&spare, &a->allocator);
+	if (!draw_inputs(&m.inputs, t, &DRAW_EFFECTS, &spare))
+		error_memory(e);
+	else if (!count(&way, &m) && !measure_asked(t, &way, &m))
+		measure_nearly(t, &way, &m);
+	arena_free(&spare);
+	return e->code;
+}
+
+/* ---- all of them ---- */
+
+/* The largest of ||y - z|| / ||z|| over the output arrays; what is 0 has nothing to compare with. */
+static double largest_change(const struct dag *d, const double *y, const double *z)
+{
+	double largest = -1;
+
+	for (int k = 0; k < d->argument_count; k++) {
+		double off = 0, size = 0;
+
+		for (int i = 0; d->arguments[k].is_output && i < d->arguments[k].rows; i++, y++, z++) {
+			off = hypot(off, *y - *z);
+			size = hypot(size, *z);
+		}
+		if (!isfinite(off))
+			return (double)INFINITY;
+		if (size > 0)
+			largest = fmax(largest, off / size);
+	}
+	return largest;
+}
+
+static int compare_all(double *change, const struct way *with, const struct way *without, const struct measuring *m)
+{
+	size_t rows = output_rows(with->dag);
+	double *y = arena_alloc(m->a, 2 * rows, sizeof *y), *z = y ? y + rows : NULL, largest = -1;
+
+	for (size_t k = 0; k < m->inputs.samples; k++) {
+		if (!y || !torques(with, m, k, y) || !torques(without, m, k, z))
+			return 0;
+		largest = fmax(largest, largest_change(with->dag, y, z));
+	}
+	if (largest >= 0)
+		*change = largest;
+	return 1;
+}
+
+enum rneagen_code effect_total(double *change, const struct tree *t, const struct dag *now, const struct robot *r,
+	const struct rneagen_options *o, const struct draw_options *drawing, struct rneagen_error *e)
+{
+	struct way with = {.tree = *t, .dag = now}, without;
+	struct draw_options each = *drawing;
+	struct adjust none = t->adjust;
+	struct arena spare;
+	struct measuring m = {.r = r, .o = o, .a = &spare, .e = e};
+
+	*change = (double)NAN;
+	none.snap = none.drop = 0;
+	none.digits = 0;
+	each.each = 1;
+	if (!adjust_is_asked(&t->adjust))
+		return RNEAGEN_OK;
+	arena_init(&spare, NULL);
+	if (!draw_inputs(&m.inputs, t, &each, &spare))
+		error_memory(e);
+	else if (!build(&without, &m, &none) && !compare_all(change, &with, &without, &m))
+		error_memory(e);
+	arena_free(&spare);
+	return e->code;
+}
+
+/* ---- telling ---- */
+
+static void put_effect(const struct effect *x, struct text *out)
+{
+	text_printf(out, "--%s %s %s %ld flops of rnea, and torques ", scene_word(x->key), number_plain(x->argument).s,
+		x->is_asked ? "saves" : "would save", x->saved);
+	if (isnan(x->change))
+		text_put(out, "overflow, so that nothing is known of their change");
+	else
+		text_printf(out, "%s by up to %.2g (%.2g of the largest |tau|)", x->is_asked ? "change" : "would change", x->change, x->share);
+	text_printf(out, ", sampled in %zu states", DRAW_EFFECTS.count);
+}
+
+static int is_asked(const struct tree *t)
+{
+	for (int i = 0; i < t->effect_count; i++)
+		if (t->effects[i].is_asked)
+			return 1;
+	return 0;
+}
+
+void effect_put_table(const struct tree *t, const struct dag *d, struct text *out)
+{
+	for (int i = 0; i < t->angle_count; i++)
+		text_printf(out, "%s%s '%s', by %.2g\n", i ? "  " : "\nangles that are nearly right, rad\n  ", t->angles[i].what,
+			t->angles[i].name, t->angles[i].off);
+	for (int i = 0; i < t->effect_count; i++) {
+		text_put(out, i ? "  " : "\nchanged constants\n  ");
+		put_effect(&t->effects[i], out);
+		text_putc(out, '\n');
+	}
+	if (t->effect_count) {
+		text_put(out, "  drawn are ");
+		draw_put(t, d, "\n    ", out);
+		text_putc(out, '\n');
+	}
+}
+
+void effect_put_comment(const struct tree *t, const struct dag *d, struct text *out)
+{
+	for (int i = 0; i < t->effect_count; i++)
+		if (t->effects[i].is_asked) {
+			text_put(out, " * ");
+			put_effect(&t->effects[i], out);
+			text_put(out, "\n");
+		}
+	if (is_asked(t)) {
+		text_put(out, " * Drawn are ");
+		draw_put(t, d, "\n *   ", out);
+		text_put(out, "\n");
+	}
+}
+
+/* A number of JSON, or null. */
+static void put_number(const char *name, double x, struct text *out)
+{
+	if (isnan(x))
+		text_printf(out, ", \"%s\": null", name);
+	else
+		text_printf(out, ", \"%s\": %s", name, number_plain(x).s);
+}
+
+static void put_json_effect(const struct effect *x, struct text *out)
+{
+	text_printf(out, "{\"option\": \"%s\", \"value\": %s, \"asked\": %s, \"saved\": %ld", scene_word(x->key), number_plain(x->argument).s,
+		x->is_asked ? "true" : "false", x->saved);
+	put_number("change", x->change, out);
+	put_number("share", x->share, out);
+	text_putc(out, '}');
+}
+
+void effect_put_json(const struct tree *t, const struct dag *d, struct text *out)
+{
+	if (t->angle_count)
+		text_put(out, "  \"nearly_right\": [");
+	for (int i = 0; i < t->angle_count; i++) {
+		text_printf(out, "%s{\"%s\": ", i ? ",\n    " : "\n    ", *t->angles[i].what == 'j' ? "joint" : "link");
+		text_put_json(out, t->angles[i].name);
+		text_printf(out, ", \"off\": %s}", number_plain(t->angles[i].off).s);
+	}
+	text_put(out, t->angle_count ? "\n  ],\n" : "");
+	if (!t->effect_count)
+		return;
+	text_put(out, "  \"changed\": [");
+	for (int i = 0; i < t->effect_count; i++) {
+		text_put(out, i ? ",\n    " : "\n    ");
+		put_json_effect(&t->effects[i], out);
+	}
+	text_printf(out, "\n  ],\n  \"sampled\": {\"states\": %zu, \"inputs\": [\n    ", DRAW_EFFECTS.count);
+	draw_put_json(t, d, ",\n    ", out);
+	text_put(out, "\n  ]},\n");
+}

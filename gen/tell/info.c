@@ -1,0 +1,125 @@
+#include "tell/info.h"
+#include "tell/effect.h"
+#include "base/number.h"
+#include "plan/parts.h"
+#include "tell/saving.h"
+#include "tell/scene_put.h"
+
+static real total_mass(const struct tree *t)
+{
+	real mass = t->fixed.mass.x;
+
+	for (int k = 0; k < t->body_count; k++)
+		mass += t->bodies[k].inertia.mass.x;
+	return mass;
+}
+
+static void put_body(const struct tree *t, const struct body *k, struct text *out)
+{
+	text_printf(out, "%5d %6d  %-10s ", k->number, k->parent < 0 ? -1 : t->bodies[k->parent].number,
+		joint_type_name(k->type));
+	if (k->type == JOINT_FIXED)
+		text_printf(out, "%9s", "held");
+	else if (k->follower)
+		text_printf(out, "%9s", "mimic");
+	else if (joint_nq(k->type) > 1)
+		text_printf(out, "%4d..%-3d", k->iq, k->iq + joint_nq(k->type) - 1);
+	else
+		text_printf(out, "%9d", k->iq);
+	text_printf(out, " %12.6Lg  ", k->inertia.mass.x);
+	text_put(out, *k->joint ? k->joint : "(base)");
+	text_put(out, " -> ");
+	text_put(out, k->link);
+	text_putc(out, '\n');
+}
+
+static void put_operations(const struct emission *e, struct text *out)
+{
+	text_put(out, "\noperations       mul    add    sub    neg    fma sincos  flops\n");
+	for (int i = 0; i < e->pass_count; i++) {
+		struct operation_count n = i ? plan_operations(&e->passes[i].plan) : parts_operations(e);
+
+		text_printf(out, "  %-10s %7u %6u %6u %6u %6u %6u %6u\n", e->passes[i].algorithm->name, n.mul, n.add, n.sub, n.neg, n.fma,
+			n.sincos, plan_flops(n));
+	}
+	parts_put_table(e, out);
+}
+
+void info_table(const struct emission *e, struct text *out)
+{
+	const struct tree *t = e->tree;
+
+	text_printf(out, "robot %s (functions %s_...): nq %d, nv %d, %d moving bodies, %.6Lg kg, %.6Lg kg of it fixed to the world\n",
+		t->robot, e->options->name, t->nq, t->nv, t->body_count, total_mass(t), t->fixed.mass.x);
+	text_put(out, "gravity ");
+	for (int i = 0; i < 3; i++)
+		text_printf(out, "%s ", number_plain((double)t->gravity[i].x).s);
+	text_printf(out, "in the frame of root link %s\n\n", t->root);
+	text_put(out, " link parent  type       row in q         mass  joint -> link\n");
+	for (int k = 0; k < t->body_count; k++)
+		put_body(t, &t->bodies[k], out);
+	for (int i = 0; i < t->mimic_count; i++)
+		text_printf(out, "%s%s = %.9Lg * %s + %.9Lg\n", i ? "  " : "\nmimic\n  ", t->mimics[i].name,
+			t->mimics[i].multiplier.x, t->mimics[i].driver, t->mimics[i].offset.x);
+	scene_put_table(t, out);
+	saving_put_table(t, out);
+	effect_put_table(t, &e->passes[PASS_RNEA].dag, out);
+	scene_put_ignored(t, out);
+	put_operations(e, out);
+	for (size_t i = 0; i < e->warning_count; i++)
+		text_printf(out, "%s%s\n", i ? "  " : "\nwarnings\n  ", e->warnings[i]);
+}
+
+static void put_json_joints(const struct tree *t, struct text *out)
+{
+	text_put(out, "  \"joints\": [");
+	for (int i = 0; i < t->joint_count; i++) {
+		const struct tree_joint *j = &t->joints[i];
+
+		text_put(out, i ? ",\n    {\"name\": " : "\n    {\"name\": ");
+		text_put_json(out, j->name);
+		text_printf(out, ", \"type\": \"%s\", \"iq\": %d, \"nq\": %d, \"iv\": %d, \"nv\": %d}", joint_type_name(j->type),
+			j->iq, j->nq, j->iv, j->nv);
+	}
+	text_put(out, "\n  ],\n  \"mimic\": [");
+	for (int i = 0; i < t->mimic_count; i++) {
+		const struct tree_mimic *m = &t->mimics[i];
+
+		text_put(out, i ? ",\n    {\"name\": " : "\n    {\"name\": ");
+		text_put_json(out, m->name);
+		text_put(out, ", \"driver\": ");
+		text_put_json(out, m->driver);
+		text_printf(out, ", \"multiplier\": %s, \"offset\": %s}", number_plain((double)m->multiplier.x).s,
+			number_plain((double)m->offset.x).s);
+	}
+	text_put(out, t->mimic_count ? "\n  ],\n" : "],\n");
+}
+
+void info_json(const struct emission *e, struct text *out)
+{
+	struct operation_count n = parts_operations(e);
+
+	text_put(out, "{\n  \"name\": ");
+	text_put_json(out, e->options->name);
+	text_put(out, ",\n  \"robot\": ");
+	text_put_json(out, e->tree->robot);
+	text_printf(out, ",\n  \"nq\": %d,\n  \"nv\": %d,\n  \"nb\": %d,\n", e->tree->nq, e->tree->nv, e->tree->body_count);
+	put_json_joints(e->tree, out);
+	scene_put_json(e->tree, out);
+	saving_put_json(e->tree, out);
+	effect_put_json(e->tree, &e->passes[PASS_RNEA].dag, out);
+	scene_put_json_ignored(e->tree, out);
+	emit_pattern_json(e, out);
+	parts_put_json(e, out);
+	if (e->options->target == RNEAGEN_TARGET_CUDA)
+		text_printf(out, "  \"block\": %d,\n  \"stage_bytes\": %d,\n", emit_block_size(e), emit_stage_bytes(e));
+	text_put(out, "  \"warnings\": [");
+	for (size_t i = 0; i < e->warning_count; i++) {
+		text_put(out, i ? ",\n    " : "\n    ");
+		text_put_json(out, e->warnings[i]);
+	}
+	text_put(out, e->warning_count ? "\n  ],\n" : "],\n");
+	text_printf(out,
+		"  \"operations\": {\"mul\": %u, \"add\": %u, \"sub\": %u, \"neg\": %u, \"fma\": %u, \"sincos\": %u, \"flops\": %u}\n}\n",
+		n.mul, n.add, n.sub, n.neg, n.fma, n.sincos, plan_flops(n));
+}

@@ -1,0 +1,17 @@
+#ifndef RNEAGEN_PATTERN_H
+#define RNEAGEN_PATTERN_H
+/* Which elements of an nv x nv matrix a tree leaves: joints on different branches do not feel each other. */
+
+#include "base/arena.h"
+
+struct tree;
+
+struct pattern {
+	int *row;  /* [nv][nv]: where an element is stored; -1: nowhere */
+	int rows;
+};
+
+/* Row by row; of a symmetric matrix the lower triangle alone. `dense`: all of it. Returns 0 when memory runs out. */
+int pattern_make(struct pattern *p, const struct tree *t, int symmetric, int dense, struct arena *a);
+
+#endif

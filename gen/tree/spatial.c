@@ -1,0 +1,261 @@
+#include "tree/spatial.h"
+#include <math.h>
+
+/* As initialisers */
+#define ZERO {0, 0, 0}
+#define ONE {1, 1, 0}
+#define MINUS_ONE {-1, -1, 0}
+#define PI_HALF 1.57079632679489661923132169163975144L
+
+const struct rotation ROTATION_IDENTITY = {{{ONE, ZERO, ZERO}, {ZERO, ONE, ZERO}, {ZERO, ZERO, ONE}}};
+
+static struct within product(struct within a, struct within b, struct within c)
+{
+	return within_mul(within_mul(a, b), c);
+}
+
+void sum_add(struct sum *s, struct within term)
+{
+	s->value = within_add(s->value, term);
+	s->size += fabsl(term.x);
+}
+
+struct within sum_total(struct sum s)
+{
+	return fabsl(s.value.x) <= 4 * 0x1p-53L * s.size ? within_exact(0) : s.value;
+}
+
+void angle_sincos(struct within angle, struct within *s, struct within *c)
+{
+	static const real quarter_sin[4] = {0, 1, 0, -1};
+	real turns = roundl(angle.x / PI_HALF);
+
+	if (fabsl(angle.x - turns * PI_HALF) <= 5e-15L) {
+		int quarter = (int)(fmodl(turns, 4) + 4) % 4;
+		*s = within_exact(quarter_sin[quarter]);
+		*c = within_exact(quarter_sin[(quarter + 1) % 4]);
+	} else {
+		*s = within_sin(angle);
+		*c = within_cos(angle);
+	}
+}
+
+struct rotation rotation_about(int axis, struct within angle)
+{
+	struct rotation r = ROTATION_IDENTITY;
+	int j = (axis + 1) % 3, k = (axis + 2) % 3;
+	struct within s, c;
+
+	angle_sincos(angle, &s, &c);
+	r.m[j][j] = c;
+	r.m[j][k] = within_neg(s);
+	r.m[k][j] = s;
+	r.m[k][k] = c;
+	return r;
+}
+
+struct rotation rotation_rpy(const struct within rpy[3])
+{
+	struct rotation x = rotation_about(0, rpy[0]), y = rotation_about(1, rpy[1]), z = rotation_about(2, rpy[2]);
+	struct rotation zy = rotation_mul(&z, &y);
+
+	return rotation_mul(&zy, &x);
+}
+
+/* Columns x, n cross x, n for a unit vector x normal to n. */
+static struct rotation rotation_from_x_and_z(const struct within x[3], const struct within n[3])
+{
+	struct rotation r;
+
+	for (int i = 0; i < 3; i++) {
+		int j = (i + 1) % 3, k = (i + 2) % 3;
+		struct sum y = {0};
+
+		sum_add(&y, within_mul(n[j], x[k]));
+		sum_add(&y, within_neg(within_mul(n[k], x[j])));
+		r.m[i][0] = x[i];
+		r.m[i][1] = sum_total(y);
+		r.m[i][2] = n[i];
+	}
+	return r;
+}
+
+static struct within length(struct within a, struct within b)
+{
+	return within_sqrt(within_add(within_mul(a, a), within_mul(b, b)));
+}
+
+struct rotation rotation_to_axis(const struct within n[3])
+{
+	struct within x[3] = {0};
+	int e = 0;
+
+	for (int i = 1; i < 3; i++)
+		if (fabsl(n[i].x) < fabsl(n[e].x))
+			e = i;
+	if (n[e].x == 0) {
+		x[e] = within_exact(1); /* n lies in the plane normal to e: turning about e suffices */
+	} else {
+		int j = (e + 1) % 3, k = (e + 2) % 3;
+
+		x[j] = within_neg(within_div(n[k], length(n[j], n[k]))); /* e cross n: a zero at e */
+		x[k] = within_div(n[j], length(n[j], n[k]));
+	}
+	return rotation_from_x_and_z(x, n);
+}
+
+/* Rodrigues' formula for axis z cross n = (-ny, nx, 0) with cosine nz, where c = 1/(1+nz), which near -z cancels and is
+   (1-nz)/(nx nx + ny ny) there:
+   R = [1 - c nx nx, -c nx ny, nx; -c nx ny, 1 - c ny ny, ny; -nx, -ny, nz] */
+struct rotation rotation_shortest(const struct within n[3])
+{
+	const struct within one = within_exact(1);
+	struct within square = within_add(within_mul(n[0], n[0]), within_mul(n[1], n[1])), c, xy;
+
+	if (square.x == 0 && n[2].x < 0)
+		return (struct rotation){{{ONE, ZERO, ZERO}, {ZERO, MINUS_ONE, ZERO}, {ZERO, ZERO, MINUS_ONE}}};
+	c = n[2].x < 0 ? within_div(within_sub(one, n[2]), square) : within_div(one, within_add(one, n[2]));
+	xy = within_neg(product(c, n[0], n[1]));
+	return (struct rotation){{
+		{within_sub(one, product(c, n[0], n[0])), xy, n[0]},
+		{xy, within_sub(one, product(c, n[1], n[1])), n[1]},
+		{within_neg(n[0]), within_neg(n[1]), n[2]},
+	}};
+}
+
+/* 1 - 2 (u_j^2 + u_k^2) on the diagonal, 2 (u_j u_k -+ u_i w) beside it */
+struct rotation rotation_quaternion(const struct within q[4])
+{
+	const struct within two = within_exact(2);
+	struct within square = {0}, u[4];
+	struct rotation R;
+
+	for (int i = 0; i < 4; i++)
+		square = within_add(square, within_mul(q[i], q[i]));
+	for (int i = 0; i < 4; i++)
+		u[i] = within_div(q[i], within_sqrt(square));
+	for (int i = 0; i < 3; i++) {
+		int j = (i + 1) % 3, k = (i + 2) % 3;
+		struct within squares = within_add(within_mul(u[j], u[j]), within_mul(u[k], u[k]));
+		struct within jk = within_mul(u[j], u[k]), iw = within_mul(u[i], u[3]);
+
+		R.m[i][i] = within_sub(within_exact(1), within_mul(two, squares));
+		R.m[j][k] = within_mul(two, within_sub(jk, iw));
+		R.m[k][j] = within_mul(two, within_add(jk, iw));
+	}
+	return R;
+}
+
+struct rotation rotation_mul(const struct rotation *a, const struct rotation *b)
+{
+	struct rotation r;
+
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++) {
+			struct sum s = {0};
+
+			for (int k = 0; k < 3; k++)
+				sum_add(&s, within_mul(a->m[i][k], b->m[k][j]));
+			r.m[i][j] = sum_total(s);
+		}
+	return r;
+}
+
+struct rotation rotation_transpose(const struct rotation *a)
+{
+	struct rotation r;
+
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++)
+			r.m[i][j] = a->m[j][i];
+	return r;
+}
+
+void rotation_apply(const struct rotation *r, const struct within v[3], struct within out[3])
+{
+	struct within w[3];
+
+	for (int i = 0; i < 3; i++) {
+		struct sum s = {0};
+
+		for (int k = 0; k < 3; k++)
+			sum_add(&s, within_mul(r->m[i][k], v[k]));
+		w[i] = sum_total(s);
+	}
+	for (int i = 0; i < 3; i++)
+		out[i] = w[i];
+}
+
+int rotation_is_identity(const struct rotation *r)
+{
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++)
+			if (r->m[i][j].x != (i == j))
+				return 0;
+	return 1;
+}
+
+struct placement placement_mul(const struct placement *a, const struct placement *b)
+{
+	struct placement c = {.R = rotation_mul(&a->R, &b->R)};
+
+	for (int i = 0; i < 3; i++) {
+		struct sum s = {0};
+
+		for (int k = 0; k < 3; k++)
+			sum_add(&s, within_mul(a->R.m[i][k], b->p[k]));
+		sum_add(&s, a->p[i]);
+		c.p[i] = sum_total(s);
+	}
+	return c;
+}
+
+int inertia_index(int i, int j)
+{
+	static const int index[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+
+	return index[i][j];
+}
+
+/* One element of m (c.c 1 - c c^T). */
+static void add_parallel_axis(struct sum *s, int i, int j, struct within mass, const struct within c[3])
+{
+	if (i != j) {
+		sum_add(s, within_neg(product(mass, c[i], c[j])));
+		return;
+	}
+	for (int k = 0; k < 3; k++)
+		if (k != i)
+			sum_add(s, product(mass, c[k], c[k]));
+}
+
+void inertia_add(struct inertia_sum *s, const struct placement *X, struct within mass, const struct within com[3],
+	const struct within rpy[3], const struct within inertia[6])
+{
+	struct placement local = {.R = rotation_rpy(rpy), .p = {com[0], com[1], com[2]}};
+	struct placement at = placement_mul(X, &local);
+
+	sum_add(&s->mass, mass);
+	for (int i = 0; i < 3; i++) {
+		sum_add(&s->h[i], within_mul(mass, at.p[i]));
+		for (int j = i; j < 3; j++) {
+			struct sum *e = &s->I[inertia_index(i, j)];
+
+			for (int k = 0; k < 3; k++)
+				for (int l = 0; l < 3; l++)
+					sum_add(e, product(at.R.m[i][k], at.R.m[j][l], inertia[inertia_index(k, l)]));
+			add_parallel_axis(e, i, j, mass, at.p);
+		}
+	}
+}
+
+struct inertia inertia_total(const struct inertia_sum *s)
+{
+	struct inertia t = {.mass = sum_total(s->mass)};
+
+	for (int i = 0; i < 3; i++)
+		t.h[i] = sum_total(s->h[i]);
+	for (int i = 0; i < 6; i++)
+		t.I[i] = sum_total(s->I[i]);
+	return t;
+}

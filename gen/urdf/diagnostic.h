@@ -1,0 +1,19 @@
+#ifndef RNEAGEN_DIAGNOSTIC_H
+#define RNEAGEN_DIAGNOSTIC_H
+/* What every stage of reading a robot is given to say what is wrong: all messages begin with FILE:LINE:. */
+
+#include "urdf/robot.h"
+
+struct report {
+	const char *file;
+	struct robot *robot; /* takes the warnings */
+	struct arena *arena;
+	struct rneagen_error *error;
+};
+
+/* Line 0: none is known. */
+enum rneagen_code report_error(const struct report *p, enum rneagen_code code, long line, const char *fmt, ...)
+	RNEAGEN_PRINTF(4, 5);
+void report_warning(const struct report *p, long line, const char *fmt, ...) RNEAGEN_PRINTF(3, 4);
+
+#endif

@@ -1,0 +1,39 @@
+#ifndef RNEA_SOURCE_H
+#define RNEA_SOURCE_H
+/* A generated text, before anything is compiled. */
+
+#include "core/failure.h"
+
+enum { SOURCE_NAME_LIMIT = 255, SOURCE_SYMBOL_SIZE = SOURCE_NAME_LIMIT + 33 };
+
+struct source {
+	char *text;			  /* NUL-terminated, malloc */
+	char name[SOURCE_NAME_LIMIT + 1]; /* the NAME of its NAME_info */
+	int is_cuda;			  /* target cuda: it has kernels; else target c */
+};
+
+/* Copy `length` bytes of a text and find its name. On success *s is to be released with source_free, on failure it is
+   empty. `file` is for messages. Errors: TEXT, MEMORY. */
+enum rnea_code source_copy(struct source *s, const char *text, size_t length, const char *file, struct rnea_error *e);
+
+/* The same for the file at `path`. Errors: also READ. */
+enum rnea_code source_read(struct source *s, const char *path, struct rnea_error *e);
+
+/* The number of the line "#define MACRO number", or 0 where the text has no such line. */
+unsigned source_macro(const struct source *s, const char *macro);
+
+/* What the text gives RNEA_MIN_BLOCKS in blocks of `block` threads, 0: its own: a number, or "(RNEA_BLOCK < 64 ? 0 : 768/RNEA_BLOCK)". */
+unsigned source_min_blocks(const struct source *s, unsigned block);
+
+/* The bytes of the file at `path` (malloc, *length of them and a NUL). Errors: READ, MEMORY. */
+enum rnea_code source_bytes(const char *path, char **text, size_t *length, struct rnea_error *e);
+
+/* What the table and the names of functions call the kernels. */
+extern const char *const source_kernels[RNEA_KERNEL_COUNT];
+
+/* What the text of robot `name` calls a kernel, or on the host its function: NAME_rnea_kernel, NAME_fpass_slice. */
+void source_symbol(const char *name, enum rnea_kernel kernel, const char *kind, char symbol[SOURCE_SYMBOL_SIZE]);
+
+void source_free(struct source *s);
+
+#endif

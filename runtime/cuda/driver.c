@@ -1,0 +1,314 @@
+#include "cuda/driver.h"
+#include "cuda/choose.h"
+#include "core/info_table.h"
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BLOCK_SIZES = 3, TRIAL_LIMIT = 2 * BLOCK_SIZES };
+
+/* The compilations of one text that were tried, each loaded. */
+struct trial {
+	struct image images[TRIAL_LIMIT];
+	void *modules[TRIAL_LIMIT];
+	struct choice choices[TRIAL_LIMIT];
+	size_t count;
+};
+
+/* NAME_info out of a loaded module: what was compiled, not what the text looks like. */
+static enum rnea_code read_table(
+	const struct device *d, void *module, const struct source *s, struct rnea_info *info, struct rnea_error *e)
+{
+	char symbol[SOURCE_NAME_LIMIT + 8];
+	char *text;
+	size_t size;
+
+	snprintf(symbol, sizeof symbol, "%s_info", s->name);
+	if (device_read(d, module, symbol, &text, &size, e))
+		return e->code;
+	rnea_info_read(text, size, s->name, info, e);
+	free(text);
+	return e->code;
+}
+
+/* The rnea kernel in blocks of `block` threads, 0: as the table has it. */
+static enum rnea_code find_rnea(const struct device *d, void *module, const struct source *s, unsigned block,
+	struct device_kernel *k, struct rnea_error *e)
+{
+	struct rnea_info info;
+
+	if (read_table(d, module, s, &info, e))
+		return e->code;
+	source_symbol(s->name, RNEA_KERNEL_RNEA, "kernel", k->name);
+	if (!device_find(d, module, k, info.stage_bytes * (block ? block : info.block), e) && !k->function)
+		rnea_error_set(e, RNEA_TEXT, "the text defines no kernel %s", k->name);
+	rnea_info_free(&info);
+	return e->code;
+}
+
+/* ---- compiling ---- */
+
+/* The rnea kernel of a module, as a choice. */
+static enum rnea_code judge(const struct driver *c, const struct image_request *r, void *module, const struct image *i,
+	struct choice *choice, struct rnea_error *e)
+{
+	struct device_kernel k;
+	int blocks = 0;
+
+	if (find_rnea(&c->device, module, r->source, i->block, &k, e) ||
+		(i->block && device_resident(&c->device, &k, i->block, &blocks, e)))
+		return e->code;
+	*choice = (struct choice){.block = i->block,
+		.min_blocks = i->min_blocks,
+		.local_bytes = k.resources.local_bytes,
+		.resident = (unsigned)blocks * i->block};
+	return RNEA_OK;
+}
+
+/* Compile and load once more, and see what came of it. */
+static enum rnea_code attempt(const struct driver *c, const struct image_request *r, unsigned block, int unbounded,
+	struct trial *t, struct rnea_error *e)
+{
+	struct image_request mine = *r;
+	struct image *image = &t->images[t->count];
+	void **module = &t->modules[t->count];
+
+	if (t->count)
+		mine.log = NULL; /* it has that of the first */
+	if (!image_compile(&mine, block, unbounded, image, e) &&
+		!device_load(&c->device, image->code.data, r->source->name, module, e) &&
+		!judge(c, r, *module, image, &t->choices[t->count], e)) {
+		t->count++;
+		return RNEA_OK;
+	}
+	device_unload(&c->device, *module);
+	*module = NULL;
+	image_free(image);
+	return e->code;
+}
+
+/* Whether an error only means that these bounds, or this block size, are not for this kernel. */
+static int is_unfit(const struct rnea_error *e)
+{
+	return e->code == RNEA_COMPILE || e->code == RNEA_DRIVER;
+}
+
+/* For one block size: as the text would have it and, if the kernel then spills, without its launch bound. */
+static enum rnea_code attempt_bounds(
+	const struct driver *c, const struct image_request *r, unsigned block, struct trial *t, struct rnea_error *e)
+{
+	struct rnea_error unbounded = {0};
+
+	if (attempt(c, r, block, 0, t, e))
+		return e->code;
+	if (t->choices[t->count - 1].local_bytes == 0 || image_is_bound(r) || image_bound(r, block) == 0)
+		return RNEA_OK;
+	if (attempt(c, r, block, 1, t, &unbounded) && !is_unfit(&unbounded))
+		*e = unbounded;
+	return e->code;
+}
+
+/* The same for every block size that is asked for; one that does not compile, for want of shared memory in a text of before
+   launches gave it, is passed over as long as another does. */
+static enum rnea_code attempt_blocks(
+	const struct driver *c, const struct image_request *r, struct trial *t, struct rnea_error *e)
+{
+	static const unsigned sizes[BLOCK_SIZES] = {64, 128, 256};
+	struct rnea_error first = {0};
+
+	if (r->block != RNEA_BLOCK_OCCUPANCY)
+		return attempt_bounds(c, r, r->block, t, e);
+	for (int i = 0; i < BLOCK_SIZES; i++) {
+		struct rnea_error tried = {0};
+
+		if (attempt_bounds(c, r, sizes[i], t, &tried) && !is_unfit(&tried)) {
+			*e = tried;
+			return e->code;
+		}
+		if (!first.code)
+			first = tried;
+	}
+	if (t->count == 0)
+		*e = first;
+	return e->code;
+}
+
+static void trial_free(const struct driver *c, struct trial *t)
+{
+	for (size_t i = 0; i < t->count; i++) {
+		device_unload(&c->device, t->modules[i]);
+		image_free(&t->images[i]);
+	}
+}
+
+/* Take over a module, and what is to be told of its image. */
+static void take(struct driver *c, void *module, const struct image *i, int cached)
+{
+	c->module = module;
+	c->block = i->block;
+	c->min_blocks = i->min_blocks;
+	c->cached = cached;
+	snprintf(c->target, sizeof c->target, "%s_%d", i->code.is_ptx ? "compute" : "sm", i->code.arch);
+	snprintf(c->compiler, sizeof c->compiler, "%s", i->code.compiler);
+}
+
+/* Keep an image, unless another NVRTC than the one that `key` tells of turns out to have made it. */
+static void keep(const struct image_request *r, const char *key, size_t length, const struct image *i)
+{
+	size_t n;
+	char *now = key ? image_key(r, &n) : NULL;
+
+	if (now && n == length && memcmp(now, key, n) == 0)
+		image_put(r->cache, key, length, i, r->unkept);
+	free(now);
+}
+
+static enum rnea_code compile(
+	struct driver *c, const struct image_request *r, const char *key, size_t length, struct rnea_error *e)
+{
+	struct trial t = {0};
+
+	if (!attempt_blocks(c, r, &t, e)) {
+		size_t best = choose_best(t.choices, t.count, source_macro(r->source, "RNEA_BLOCK"));
+
+		take(c, t.modules[best], &t.images[best], 0);
+		t.modules[best] = NULL;
+		keep(r, key, length, &t.images[best]);
+	}
+	trial_free(c, &t);
+	return e->code;
+}
+
+/* What was kept and the driver refuses is compiled again. */
+static enum rnea_code load(struct driver *c, const struct image_request *r, struct rnea_error *e)
+{
+	size_t length;
+	char *key = image_key(r, &length);
+	struct rnea_error refused = {.code = RNEA_DRIVER};
+	struct image kept;
+	void *module;
+
+	if (image_get(r->cache, key, length, &kept)) {
+		refused.code = RNEA_OK;
+		if (!device_load(&c->device, kept.code.data, r->source->name, &module, &refused))
+			take(c, module, &kept, 1);
+		image_free(&kept);
+	}
+	if (refused.code == RNEA_DRIVER)
+		compile(c, r, key, length, e);
+	else
+		*e = refused;
+	free(key);
+	return e->code;
+}
+
+/* ---- what was loaded ---- */
+
+static enum rnea_code read_info(struct driver *c, const struct source *s, struct rnea_info *info, struct rnea_error *e)
+{
+	if (read_table(&c->device, c->module, s, info, e))
+		return e->code;
+	if (c->block)
+		info->block = c->block; /* the table has the text's default */
+	c->block = info->block;
+	c->parts = info->parts;
+	return RNEA_OK;
+}
+
+/* Only what the table names, where it names any: a call of the driver that fails is an error to tools that watch them. Only
+   the rnea kernel stages. */
+static enum rnea_code find_kernels(
+	struct driver *c, const struct source *s, const struct rnea_info *info, struct rnea_error *e)
+{
+	for (int i = 0; i < RNEA_KERNEL_COUNT; i++) {
+		struct device_kernel *k = &c->kernels[i];
+		int is_named = (info->kernels >> i & 1) != 0;
+
+		source_symbol(s->name, (enum rnea_kernel)i, "kernel", k->name);
+		if (info->kernels && !is_named)
+			continue;
+		if (device_find(&c->device, c->module, k, i == RNEA_KERNEL_RNEA ? info->stage_bytes * c->block : 0, e))
+			return e->code;
+		if (is_named && !k->function)
+			return rnea_error_set(e, RNEA_TEXT, "the text defines no kernel %s, which %s_info names", k->name, s->name);
+		if (k->function && k->resources.max_block < c->block)
+			return rnea_error_set(e, RNEA_ARGUMENT,
+				"%s cannot run in blocks of %u threads: its %d registers allow %u", k->name, c->block,
+				k->resources.registers, k->resources.max_block);
+	}
+	return RNEA_OK;
+}
+
+/* Run every kernel over no samples: the driver makes room for local memory at the first launch, and that must not
+   happen in a launch of the caller's, which may be inside a capture. */
+static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
+{
+	unsigned long long zero = 0; /* a null pointer, and a count of 0 */
+	void *parameters[DRIVER_ARRAY_LIMIT + 1], *stream;
+
+	for (int i = 0; i <= DRIVER_ARRAY_LIMIT; i++)
+		parameters[i] = &zero;
+	if (device_stream(&c->device, &stream, e))
+		return e->code;
+	for (int i = 0; i < RNEA_KERNEL_COUNT && !e->code; i++)
+		if (c->kernels[i].function)
+			device_launch(&c->device, &c->kernels[i], 1, 1, c->block, parameters, stream, e);
+	return device_finish(&c->device, stream, e);
+}
+
+enum rnea_code driver_open(
+	struct driver *c, int ordinal, const struct image_request *r, struct rnea_info *info, struct rnea_error *e)
+{
+	struct image_request mine = *r;
+	int pushed, absent;
+
+	memset(c, 0, sizeof *c);
+	memset(info, 0, sizeof *info);
+	if (!device_open(&c->device, ordinal, e) && !device_enter(&c->device, &pushed, e)) {
+		mine.arch = c->device.arch;
+		if (!load(c, &mine, e) && !read_info(c, r->source, info, e) && !find_kernels(c, r->source, info, e))
+			warm(c, e);
+		device_leave(&c->device, pushed);
+	}
+	if (!e->code)
+		return RNEA_OK;
+	absent = c->device.absent;
+	rnea_info_free(info);
+	driver_close(c);
+	c->device.absent = absent;
+	return e->code;
+}
+
+void driver_close(struct driver *c)
+{
+	struct rnea_error ignored = {0};
+	int pushed;
+
+	/* where the context is dead, so is the module */
+	if (c->module && !device_enter(&c->device, &pushed, &ignored)) {
+		device_unload(&c->device, c->module);
+		device_leave(&c->device, pushed);
+	}
+	device_close(&c->device);
+	memset(c, 0, sizeof *c);
+}
+
+enum rnea_code driver_launch(const struct driver *c, enum rnea_kernel kernel, void *const *arrays, size_t n, size_t count,
+	void *stream, struct rnea_error *e)
+{
+	size_t grid = count / c->block + (count % c->block != 0);
+	void *parameters[DRIVER_ARRAY_LIMIT + 1];
+	int pushed;
+
+	/* the driver only reads through these, though it does not say so */
+	for (size_t i = 0; i < n; i++)
+		parameters[i] = (void *)(uintptr_t)&arrays[i];
+	parameters[n] = &count;
+	if (device_enter(&c->device, &pushed, e))
+		return e->code;
+	device_launch(&c->device, &c->kernels[kernel], (unsigned)grid, kernel == RNEA_KERNEL_RNEA ? c->parts : 1, c->block, parameters,
+		stream, e);
+	device_leave(&c->device, pushed);
+	return e->code;
+}

@@ -1,0 +1,54 @@
+#ifndef RNEA_HOST_H
+#define RNEA_HOST_H
+/* The host backend: a text compiled by the machine's C compiler to a shared object, in this process. */
+
+#include "cache/cache.h"
+#include "core/failure.h"
+#include "core/workers.h"
+#include <stddef.h>
+
+struct host_request {
+	const char *source;	    /* NUL-terminated: target cuda or c */
+	const char *file;	    /* what messages call it */
+	const char *name;	    /* NAME of NAME_info */
+	const char *const *options; /* further options for the compiler, option_count of them */
+	size_t option_count;
+	const struct cache *cache;
+	struct cache_why *unkept; /* receives why what is compiled is not kept; may be NULL */
+	unsigned threads; /* 0: one for each processor */
+	char *log;	  /* as in struct rnea_options; the caller has emptied it */
+	size_t log_size;
+};
+
+/* Samples `first` to `end` - 1 of a batch of `count`; `arrays` in the order stated at enum rnea_kernel. */
+typedef void host_slice(void *const *arrays, size_t count, size_t first, size_t end);
+
+struct host {
+	void *handle;			       /* of dlopen */
+	const char *info;		       /* NAME_info; belongs to the handle */
+	host_slice *slices[RNEA_KERNEL_COUNT]; /* NAME_rnea_slice, ...; NULL: the text has none */
+	struct workers *workers;
+	unsigned threads; /* that a run may use */
+	double sample_ns; /* that a sample takes one thread, about; for the caller to set (host_sample_ns), or 0: one thread */
+	int cached;
+	char compiler[512]; /* "gcc (Debian 12.2.0-14) 12.2.0 (/usr/bin/gcc)"; "": it came from the cache */
+};
+
+/* Compile, or take from the cache, and load. On failure *h is empty. Errors: NO_COMPILER (lists what was tried),
+   COMPILER (it cannot be run, or was killed; the shared object does not load), COMPILE (the message has the first error
+   and its line), TEXT (the object lacks what a text of rneagen has), MEMORY. */
+enum rnea_code host_open(struct host *h, const struct host_request *r, struct rnea_error *e);
+void host_close(struct host *h);
+
+/* Nanoseconds that one sample among many takes one thread of a usual processor: by the operations and arrays that the
+   table states, so that it is the same everywhere and at every run. */
+double host_sample_ns(const struct rnea_info *info);
+
+/* How many threads a batch is worth: one more for every 50 us of work, up to h->threads. */
+unsigned host_threads(const struct host *h, size_t count);
+
+/* Run a kernel over a whole batch, its slices shared among the threads that it is worth; done when it returns. The
+   passes count as much as the whole. */
+void host_run(const struct host *h, enum rnea_kernel kernel, void *const *arrays, size_t count);
+
+#endif

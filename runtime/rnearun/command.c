@@ -1,0 +1,172 @@
+#define _POSIX_C_SOURCE 200809L
+#include "rnearun/command.h"
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+int command_number(const char *name, const char *option, const char *word, unsigned long long least,
+	unsigned long long most, unsigned long long *value)
+{
+	char *end;
+
+	errno = 0;
+	*value = strtoull(word, &end, 10);
+	if (*word < '0' || *word > '9' || *end || errno || *value < least || *value > most)
+		return option_refuse(
+			name, "--%s takes a whole number from %llu to %llu, not '%s'", option, least, most, word);
+	return 0;
+}
+
+static int take_backend(struct command *c, const char *word)
+{
+	static const struct option_choice backends[] = {
+		{"cpu", RNEA_BACKEND_HOST}, {"cuda", RNEA_BACKEND_CUDA}, {"any", RNEA_BACKEND_ANY}, {NULL, 0}};
+	int value = 0, bad = option_choose(c->name, "backend", word, backends, &value);
+
+	if (!bad)
+		c->open.backend = (enum rnea_backend)value;
+	return bad;
+}
+
+/* An option of COMMAND_OPTIONS: 0; 2 and a message; -1: not one of them. */
+static int take_common(struct command *c, int key, const char *word)
+{
+	unsigned long long n = 0;
+	int bad = 0;
+
+	switch (key) {
+	case COMMAND_BACKEND:
+		return take_backend(c, word);
+	case COMMAND_DEVICE:
+		bad = command_number(c->name, "device", word, 0, INT_MAX, &n);
+		c->open.device = (int)n;
+		return bad;
+	case COMMAND_THREADS:
+		bad = command_number(c->name, "threads", word, 1, 65536, &n);
+		c->open.threads = (unsigned)n;
+		return bad;
+	case COMMAND_QUIET:
+		c->quiet = 1;
+		return 0;
+	default:
+		return option_generate(c->name, &c->generate, key, word);
+	}
+}
+
+static int fail_generator(const struct command *c, const struct rneagen_error *e)
+{
+	command_fail(c, e->message);
+	return 1 + option_at_fault(e->code);
+}
+
+int command_note(const struct command *c, struct file_names *names, const char *what, const char *path)
+{
+	struct rneagen_error e = {0};
+
+	return file_note(names, what, path, &e) ? fail_generator(c, &e) : -1;
+}
+
+int command_check_files(const struct command *c)
+{
+	struct rneagen_error e = {0};
+
+	return file_check(&c->read, &c->written, &e) ? fail_generator(c, &e) : -1;
+}
+
+void command_free(struct command *c)
+{
+	option_free(&c->generate);
+	file_forget(&c->read);
+	file_forget(&c->written);
+}
+
+static int take_urdf(struct command *c, int argc, char **argv)
+{
+	if (optind == argc)
+		return option_refuse(c->name, "no URDF named");
+	if (optind + 1 < argc)
+		return option_refuse(c->name, "one URDF at a time: '%s', '%s'", argv[optind], argv[optind + 1]);
+	c->urdf = argv[optind];
+	return *c->urdf ? command_note(c, &c->read, "", c->urdf) : option_refuse(c->name, "the name of the URDF is empty");
+}
+
+int command_parse(struct command *c, const struct command_kind *kind, void *own, int argc, char **argv)
+{
+	int key, bad;
+
+	*c = (struct command){.name = kind->name, .generate = rneagen_options_default()};
+	c->generate.layout = RNEAGEN_AOS;
+	while ((key = getopt_long(argc, argv, kind->letters, kind->options, NULL)) != -1) {
+		if (key == OPTION_HELP)
+			return file_put_stdout(kind->help) ? 1 : 0;
+		if (key == ':' || key == '?')
+			return option_refuse_key(c->name, key, argv[optind - 1]);
+		if (option_file(key, optarg) && (bad = command_note(c, &c->read, "", optarg)) > 0)
+			return bad;
+		bad = take_common(c, key, optarg);
+		if (bad < 0)
+			bad = kind->take(own, c->name, key, optarg);
+		if (bad)
+			return bad;
+	}
+	return take_urdf(c, argc, argv);
+}
+
+int command_fail(const struct command *c, const char *message)
+{
+	fprintf(stderr, "%s: %s\n", c->name, message);
+	return 1;
+}
+
+/* The command's options with the name by which messages call the URDF. */
+static struct rneagen_options named_options(const struct command *c)
+{
+	struct rneagen_options o = c->generate;
+
+	o.file = strcmp(c->urdf, "-") ? c->urdf : "<stdin>";
+	return o;
+}
+
+int command_analyse(const struct command *c, struct file_content *urdf, struct analysis *a)
+{
+	struct rneagen_options o = named_options(c);
+	struct rneagen_error e = {0};
+
+	*a = (struct analysis){0};
+	*urdf = (struct file_content){0};
+	if (file_read(c->urdf, urdf, &e) || analysis_open(a, urdf->bytes, urdf->length, &o, &e))
+		return fail_generator(c, &e);
+	return 0;
+}
+
+static void tell(const struct command *c, const struct rnea_build *build)
+{
+	if (*build->note)
+		fprintf(stderr, "%s: %s\n", c->name, build->note);
+	if (*build->unkept)
+		fprintf(stderr, "%s: what was compiled is not kept for the next time: %s\n", c->name, build->unkept);
+}
+
+int command_open(const struct command *c, const struct file_content *urdf, struct rnea_robot **robot)
+{
+	struct rneagen_options o = named_options(c);
+	struct rneagen_error e = {0};
+	struct rnea_error error;
+	struct rneagen_result r;
+	int status = 0;
+
+	o.text_alone = 1;
+	if (rneagen_generate(urdf->bytes, urdf->length, &o, &r, &e))
+		return fail_generator(c, &e);
+	for (size_t i = 0; i < r.warning_count && !c->quiet; i++)
+		fprintf(stderr, "%s: warning: %s\n", c->name, r.warnings[i]);
+	if (rnea_open(r.source, strlen(r.source), &c->open, robot, &error))
+		status = command_fail(c, error.message);
+	else if (!c->quiet && isatty(STDERR_FILENO))
+		tell(c, rnea_build(*robot));
+	rneagen_result_free(&r);
+	return status;
+}

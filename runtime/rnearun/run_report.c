@@ -1,0 +1,194 @@
+/* rnearun report: every variant of a robot, its speed and its error. */
+#define _POSIX_C_SOURCE 200809L
+#include "rnearun/run_report.h"
+#include "study/plot.h"
+#include "tell/scene_put.h"
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static const char HELP[] =
+	"usage: rnearun report ROBOT.urdf [options]\n"
+	"\n"
+	"Measures every variant of the robot's inverse dynamics on this machine: how long a sample takes, and how far its\n"
+	"torques are off. With a scene, all inputs that it makes are drawn, errors are of the output array that is furthest\n"
+	"off in each sample, and 'model' is what constants that it changes (--snap-angle, --round-constants, --drop-below)\n"
+	"change in the outputs. 'bound' is of the distance from what the URDF's decimals give in exact arithmetic, angles\n"
+	"within 5e-15 rad of a right one and constants that are zero, or equal, but for rounding taken to be so.\n"
+	"\n"
+	"  --format table|json|csv    of what is printed (default: table)\n"
+	"  --plot FILE                draw speed against error, as SVG, by gnuplot\n"
+	"  --batch N,N,...            samples of one launch (default 1,1024,1048576)\n"
+	STUDY_HELP COMMAND_HELP_MODEL
+	"\n"
+	"exit status: 0 done, 1 the robot or a file is at fault, 2 the command line is\n";
+
+enum { KEY_FORMAT = STUDY_OWN, KEY_PLOT };
+enum { FORMAT_TABLE, FORMAT_JSON, FORMAT_CSV };
+
+static const struct option OPTIONS[] = {STUDY_OPTIONS, {"format", required_argument, NULL, KEY_FORMAT},
+	{"plot", required_argument, NULL, KEY_PLOT}, COMMAND_OPTIONS, {NULL, 0, NULL, 0}};
+
+struct reporting {
+	struct command command;
+	struct study_options options;
+	int format;
+	const char *plot;
+	struct study study;
+	struct study_row *rows;
+	struct arena arena; /* of the command line */
+	struct text words;
+};
+
+static int take(void *own, const char *name, int key, const char *word)
+{
+	static const struct option_choice formats[] = {
+		{"table", FORMAT_TABLE}, {"json", FORMAT_JSON}, {"csv", FORMAT_CSV}, {NULL, 0}};
+	static const char *const pictures[] = {".png", ".pdf", ".eps", ".ps", ".jpg", ".jpeg", ".gif", ".webp", NULL};
+	struct reporting *r = own;
+
+	if (key == KEY_FORMAT)
+		return option_choose(name, "format", word, formats, &r->format);
+	if (key != KEY_PLOT)
+		return study_take(&r->options, name, key, word);
+	r->plot = word;
+	if (file_has_suffix(word, pictures))
+		return option_refuse(name, "--plot %s: the picture is SVG; name a file that ends in .svg", word);
+	return *word ? 0 : option_refuse(name, "the name of a file is empty");
+}
+
+/* Rows of one variant, one for each batch. */
+static enum rneagen_code measure_variant(struct reporting *r, int variant)
+{
+	struct study *s = &r->study;
+	struct study_row *row = &r->rows[variant * r->options.batch_count];
+	struct rnea_robot *robot = NULL;
+
+	*row = s->variants[variant];
+	if (!study_bound(s, row))
+		study_build(s, row, &robot);
+	for (int i = 0; i < r->options.batch_count && !s->error.code; i++) {
+		row[i] = row[0];
+		study_time(s, robot, &row[i], r->options.batches[i]);
+	}
+	rnea_close(robot);
+	return s->error.code;
+}
+
+/* Rows for all variants, or a message. */
+static int measure(struct reporting *r)
+{
+	struct study *s = &r->study;
+
+	r->rows = calloc((size_t)s->variant_count * (size_t)r->options.batch_count + 1, sizeof *r->rows);
+	if (!r->rows)
+		error_memory(&s->error);
+	for (int i = 0; i < s->variant_count && !s->error.code; i++) {
+		study_show(s, i, &s->variants[i]);
+		measure_variant(r, i);
+	}
+	progress_end(&s->progress);
+	return s->error.code ? command_fail(&r->command, s->error.message) : 0;
+}
+
+/* The command line as it was given: getopt_long will change the order of its words. */
+static void put_command(struct reporting *r, int argc, char **argv)
+{
+	arena_init(&r->arena, NULL);
+	text_init(&r->words, &r->arena);
+	text_put(&r->words, "rnearun");
+	for (int i = 0; i < argc; i++) {
+		text_putc(&r->words, ' ');
+		text_put(&r->words, argv[i]);
+	}
+}
+
+/* The scene as options of the command line. */
+static const char *scene_of(struct reporting *r)
+{
+	struct text t;
+
+	text_init(&t, &r->study.analysis.arena);
+	scene_put_options(&r->study.analysis.tree.scene, " ", &t);
+	return t.length ? text_string(&t) + 1 : "";
+}
+
+static int print(struct reporting *r, const struct report *report)
+{
+	struct text json;
+
+	text_init(&json, &r->study.analysis.arena);
+	if (r->format == FORMAT_JSON) {
+		report_put_json(report, &json);
+		if (json.failed)
+			return command_fail(&r->command, "out of memory");
+		fputs(text_string(&json), stdout);
+	} else if (r->format == FORMAT_CSV) {
+		report_put_csv(report, stdout);
+	} else {
+		report_put_table(report, stdout);
+	}
+	if (fflush(stdout) || ferror(stdout))
+		return command_fail(&r->command, "standard output: cannot be written");
+	return 0;
+}
+
+static int report(struct reporting *r)
+{
+	struct report report = {.study = &r->study};
+	time_t now = time(NULL);
+	struct tm utc;
+	int status = study_open(&r->study, &r->command, &r->options);
+
+	if (!status && !r->study.variant_count)
+		status = command_fail(&r->command, "no backend is there");
+	if (!status)
+		status = measure(r);
+	if (status)
+		return status;
+	report.command = text_string(&r->words);
+	report.scene = scene_of(r);
+	report.rows = r->rows;
+	report.count = (size_t)r->study.variant_count * (size_t)r->options.batch_count;
+	strftime(report.date, sizeof report.date, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
+	status = print(r, &report);
+	if (!status && r->plot && plot_write(&report, r->plot, &r->study.error))
+		status = command_fail(&r->command, r->study.error.message);
+	return status;
+}
+
+/* The report and the picture take no place of what is read. */
+static int check_files(struct reporting *r)
+{
+	struct command *c = &r->command;
+	int status = command_note(c, &c->written, "", "-");
+
+	if (status < 0 && r->plot)
+		status = command_note(c, &c->written, "--plot", r->plot);
+	return status < 0 ? command_check_files(c) : status;
+}
+
+int run_report(int argc, char **argv)
+{
+	static const struct command_kind kind = {"rnearun report", HELP, OPTIONS, ":", take};
+	struct reporting r = {.options = study_options_default()};
+	int status;
+
+	r.options.compiles_anew = 1; /* its time is reported */
+	r.options.batches[0] = 1;
+	r.options.batches[1] = 1024;
+	r.options.batches[2] = 1048576;
+	r.options.batch_count = 3;
+	put_command(&r, argc, argv);
+	status = command_parse(&r.command, &kind, &r, argc, argv);
+	if (status < 0)
+		status = check_files(&r);
+	if (status < 0) {
+		status = report(&r);
+		study_close(&r.study);
+	}
+	command_free(&r.command);
+	arena_free(&r.arena);
+	free(r.rows);
+	return status;
+}

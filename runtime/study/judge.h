@@ -1,0 +1,54 @@
+#ifndef RUNTIME_JUDGE_H
+#define RUNTIME_JUDGE_H
+/* How far outputs are off: the DAG evaluated in more precision than any text has, over the samples of one set. */
+
+#include "analysis.h"
+#include "draw/draw.h"
+
+#if defined __SIZEOF_FLOAT128__ && defined RNEAGEN_QUAD
+typedef __float128 exact;
+#define JUDGE_TEXT "quad precision, 113 bits"
+#else
+typedef real exact;
+#define JUDGE_TEXT "extended precision: this build has no quad precision"
+#endif
+
+/* One output array: its rows among those of all. */
+struct judge_output {
+	int argument; /* of the DAG */
+	size_t first, rows;
+};
+
+/* For one precision; out and size are [sample][row], the rows of all output arrays after one another. */
+struct judge {
+	enum rneagen_precision precision;
+	struct arena arena;  /* of the inputs */
+	struct drawn inputs; /* rounded to the type of numbers in memory */
+	size_t count, rows;
+	struct judge_output outputs[DAG_ARGUMENTS];
+	int output_count;
+	exact *out;   /* the reference, on the same rounded inputs */
+	double *size; /* S_i: the magnitudes that are summed */
+};
+
+/* Over the samples of a judge, each by its worst output array. NAN where there is nothing to say: all references are 0. */
+struct judge_errors {
+	double max, rms; /* of ||out - ref|| / ||ref||; for the plain torques of a robot, ||tau - ref|| / ||ref|| */
+	double terms;    /* largest |out_i - ref_i| / (eps S_i), eps of the numbers in memory */
+};
+
+/* Whether the numbers in memory are single precision. */
+int judge_is_f32(enum rneagen_precision precision);
+
+/* Draw the inputs, and evaluate. Returns 0 when memory runs out. */
+int judge_open(struct judge *j, const struct analysis *a, enum rneagen_precision precision, const struct draw_options *o);
+void judge_free(struct judge *j);
+
+/* The largest bound of a sample, of an output array's norm over the reference's, for the text that `o` asks for: of the
+   distance from what the URDF's decimals give, as eval_bound has it. NAN where none is known, or all references are 0. Returns 0 when memory runs out. */
+int judge_bound(const struct judge *j, const struct analysis *a, const struct rneagen_options *o, int on_gpu, double *max);
+
+/* Outputs [sample][row] of the judge's samples, as `out` is. What is not finite is off by INFINITY. */
+struct judge_errors judge_results(const struct judge *j, const double *out);
+
+#endif

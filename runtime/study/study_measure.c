@@ -1,0 +1,174 @@
+/* What one variant computes wrong, and how long it takes. */
+#include "rnearun/signature.h"
+#include "study/study.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- arrays ---- */
+
+/* One for each argument of the DAG. */
+struct arrays {
+	void *data[DAG_ARGUMENTS];
+	size_t rows[DAG_ARGUMENTS], count;
+	int f32, aos;
+};
+
+static size_t place(const struct arrays *a, int i, size_t row, size_t sample)
+{
+	return a->aos ? sample * a->rows[i] + row : row * a->count + sample;
+}
+
+static void put(struct arrays *a, int i, size_t at, double x)
+{
+	if (a->f32)
+		((float *)a->data[i])[at] = (float)x;
+	else
+		((double *)a->data[i])[at] = x;
+}
+
+static void arrays_free(struct arrays *a)
+{
+	for (int i = 0; i < DAG_ARGUMENTS; i++)
+		free(a->data[i]);
+}
+
+/* An input's numbers: the samples', again and again, or those of the whole batch. */
+static void fill(struct arrays *a, const struct judge *j, const struct argument *from, int i)
+{
+	for (size_t k = 0; k < (from->per_batch ? 1 : a->count); k++) {
+		const double *x = draw_rows(&j->inputs, from, k % j->count);
+
+		for (size_t r = 0; x && r < a->rows[i]; r++)
+			put(a, i, from->per_batch ? r : place(a, i, r, k), x[r]);
+	}
+}
+
+/* `count` samples. Returns 0 when memory runs out. */
+static int arrays_fill(struct arrays *a, const struct judge *j, const struct dag *d, enum rneagen_layout layout, size_t count)
+{
+	*a = (struct arrays){.count = count, .f32 = judge_is_f32(j->precision), .aos = layout == RNEAGEN_AOS};
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *x = &d->arguments[i];
+
+		a->rows[i] = (size_t)x->rows;
+		a->data[i] = calloc(x->per_batch ? 1 : count, a->rows[i] * (a->f32 ? sizeof(float) : sizeof(double)));
+		if (!a->data[i]) {
+			arrays_free(a);
+			return 0;
+		}
+		fill(a, j, x, i);
+	}
+	return 1;
+}
+
+/* All outputs, [sample][row] one array after another. */
+static void arrays_gather(const struct arrays *a, const struct judge *j, double *out)
+{
+	for (int i = 0; i < j->output_count; i++) {
+		const struct judge_output *o = &j->outputs[i];
+
+		for (size_t k = 0; k < a->count; k++)
+			for (size_t r = 0; r < o->rows; r++) {
+				size_t at = place(a, o->argument, r, k);
+				const void *from = a->data[o->argument];
+
+				out[k * j->rows + o->first + r] = a->f32 ? (double)((const float *)from)[at] : ((const double *)from)[at];
+			}
+	}
+}
+
+/* ---- one variant ---- */
+
+static const struct study_backend *backend_of(const struct study *s, const struct study_row *row)
+{
+	const struct study_backend *b = s->backends;
+
+	while (b->backend != row->backend)
+		b++;
+	return b;
+}
+
+static enum rneagen_code open_robot(struct study *s, const struct study_row *row, struct rnea_robot **robot)
+{
+	struct rneagen_options g = study_generate(s, row);
+	struct rnea_options o = study_open_options(s, row->backend);
+	struct rneagen_result text;
+	struct rnea_error e = {0};
+
+	if (rneagen_generate(s->urdf.bytes, s->urdf.length, &g, &text, &s->error))
+		return s->error.code;
+	if (rnea_open(text.source, strlen(text.source), &o, robot, &e))
+		study_fail(s, &e);
+	else if (!signature_fits(&s->analysis.dag, rnea_info(*robot)))
+		error_set(&s->error, RNEAGEN_UNSUPPORTED, "%s: takes other arrays than its analysis", text.name);
+	rneagen_result_free(&text);
+	return s->error.code;
+}
+
+static enum rneagen_code measure_errors(struct study *s, const struct rnea_robot *robot, struct study_row *row)
+{
+	const struct judge *j = study_judge(s, row->precision);
+	struct arrays a;
+	struct rnea_error e = {0};
+	double *out = j ? calloc(j->count, j->rows * sizeof *out) : NULL;
+
+	if (!out || !arrays_fill(&a, j, &s->analysis.dag, row->layout, j->count)) {
+		free(out);
+		return error_memory(&s->error);
+	}
+	if (rnea_run(robot, a.data, a.count, &e))
+		study_fail(s, &e);
+	arrays_gather(&a, j, out);
+	row->errors = judge_results(j, out);
+	row->model_change = s->model_change;
+	arrays_free(&a);
+	free(out);
+	return s->error.code;
+}
+
+static void note_resources(const struct rnea_robot *robot, struct study_row *row)
+{
+	struct rnea_resources r;
+
+	row->compile_ms = rnea_build(robot)->seconds * 1e3;
+	row->registers = -1;
+	if (row->backend != RNEA_BACKEND_CUDA || rnea_resources(robot, RNEA_KERNEL_RNEA, &r, NULL))
+		return;
+	row->registers = r.registers;
+	row->spill_bytes = r.local_bytes;
+	row->parts = rnea_info(robot)->parts;
+}
+
+enum rneagen_code study_build(struct study *s, struct study_row *row, struct rnea_robot **robot)
+{
+	*robot = NULL;
+	if (!open_robot(s, row, robot) && !measure_errors(s, *robot, row))
+		note_resources(*robot, row);
+	if (s->error.code) {
+		rnea_close(*robot);
+		*robot = NULL;
+	}
+	return s->error.code;
+}
+
+enum rneagen_code study_time(struct study *s, const struct rnea_robot *robot, struct study_row *row, size_t batch)
+{
+	const struct study_backend *b = backend_of(s, row);
+	const struct rnea_robot *floor = b->floors[judge_is_f32(row->precision) ? RNEA_F32 : RNEA_F64];
+	const struct judge *j = study_judge(s, row->precision);
+	struct bench_time t = {0};
+	struct rnea_error e = {0};
+	struct arrays a;
+
+	if (!j || !arrays_fill(&a, j, &s->analysis.dag, row->layout, batch))
+		return error_set(&s->error, RNEAGEN_MEMORY, "no memory for %zu samples; choose a smaller --batch", batch);
+	if (bench_measure(b->bench, robot, floor, a.data, batch, &t, &e))
+		study_fail(s, &e);
+	row->batch = batch;
+	row->ns = t.ns;
+	row->least = t.least;
+	row->spread = t.spread;
+	row->floor_ratio = t.floor / t.ns;
+	arrays_free(&a);
+	return s->error.code;
+}
