@@ -16,7 +16,7 @@ function(rneagen_package target name file)
 		endif()
 	endif()
 	foreach(header IN LISTS ARGN)
-		string(REGEX REPLACE "^[a-z]+/" "" leaf ${header}) # gen/base/error.h -> base/error.h
+		string(REGEX REPLACE "^[a-z]+/(.*)$" "\\1" leaf ${header}) # gen/base/error.h -> base/error.h
 		cmake_path(GET leaf PARENT_PATH folder)
 		file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include/rneagen/${folder})
 		file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${header} ${PROJECT_BINARY_DIR}/include/rneagen/${leaf} SYMBOLIC)
