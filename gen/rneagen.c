@@ -61,13 +61,13 @@ static enum rneagen_code resolve_options(struct generation *g)
 /* The halves of the algorithm go with the whole of it, not with a scene's choice of inputs and outputs. */
 static int pass_count(const struct generation *g)
 {
-	return g->tree.task.is_plain ? PASS_COUNT : 1;
+	return g->tree.request.is_plain ? PASS_COUNT : 1;
 }
 
 /* What the choices make of each other. */
 static enum rneagen_code check_task(const struct generation *g)
 {
-	if (g->options.bounded && g->tree.task.friction_width.x > 0)
+	if (g->options.bounded && g->tree.request.friction_width.x > 0)
 		return error_set(g->error, RNEAGEN_USAGE, "--bounded and --friction exclude each other: quotients have no bounded function");
 	return RNEAGEN_OK;
 }

@@ -137,11 +137,11 @@ static void check_packed(struct probe *p, const char *urdf, struct rneagen_optio
 {
 	size_t size = SMALL_ROWS * SMALL_ROWS;
 	real *x = calloc(2 * size, sizeof *x);
-	const struct task *k;
+	const struct request *k;
 	struct pattern full, low;
 
 	probe_open(p, urdf, o, "want M,dtau_dq\n", what);
-	k = &p->m.tree.task;
+	k = &p->m.tree.request;
 	ck_assert(pattern_make(&full, &p->m.tree, 0, 0, &p->m.arena) && pattern_make(&low, &p->m.tree, 1, 0, &p->m.arena));
 	ck_assert_int_eq(k->wants[0].rows, low.rows);
 	ck_assert_int_eq(k->wants[1].rows, full.rows);

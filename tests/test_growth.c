@@ -150,7 +150,7 @@ static size_t copied(const char *before, const char *after, int count)
 	struct arena a;
 	struct text t;
 	struct outline o;
-	const struct report p = {"here", &r, &a, &e};
+	const struct diagnostic p = {"here", &r, &a, &e};
 	size_t length;
 
 	arena_init(&a, NULL);
@@ -203,7 +203,7 @@ START_TEST(attributes_that_mean_something)
 	struct robot r = {0};
 	struct arena a;
 	struct outline o;
-	const struct report p = {"here", &r, &a, &e};
+	const struct diagnostic p = {"here", &r, &a, &e};
 	char urdf[sizeof text + 32];
 
 	snprintf(urdf, sizeof urdf, "%s</joint></robot>", text);

@@ -1,6 +1,5 @@
-/* What a task's choices are told when they cannot be: every message of gen/request/request.c, gen/request/resolve_free.c and gen/request/resolve_range.c, with its
-   line; and
-   names that are no identifiers, which still find their links, and arrays of their own. */
+/* What a scene's choices are told when they cannot be: every message of gen/request, with its line; and names that are no
+   identifiers, which still find their links, and arrays of their own. */
 #define _POSIX_C_SOURCE 200809L
 #include "suite.h"
 #include "task.h"

@@ -80,11 +80,11 @@ static struct draw_range freed_range(const struct freed *f)
 }
 
 /* What the scene says, the whole of an input before its joints, these before single rows. */
-static void range_as_said(struct drawn_array *a, const struct task *k)
+static void range_as_said(struct drawn_array *a, const struct request *k)
 {
-	for (int level = 0; level < TASK_RANGE_LEVELS; level++)
+	for (int level = 0; level < REQUEST_RANGE_LEVELS; level++)
 		for (int i = 0; i < k->range_count; i++) {
-			const struct task_range *r = &k->ranges[i];
+			const struct request_range *r = &k->ranges[i];
 
 			for (int row = r->first; r->level == level && !strcmp(r->argument, a->name) && row < r->first + r->count; row++)
 				if (a->ranges[row].kind != DRAW_ROTATION) {
@@ -106,7 +106,7 @@ static void add_array(struct drawn *x, struct drawn_array array, struct draw_ran
 
 int draw_ranges(struct drawn *x, const struct tree *t, struct arena *a)
 {
-	const struct task *k = &t->task;
+	const struct request *k = &t->request;
 
 	*x = (struct drawn){.count = 0};
 	add_array(x, (struct drawn_array){.name = "q", .rows = t->nq}, around(1), a);
@@ -119,9 +119,9 @@ int draw_ranges(struct drawn *x, const struct tree *t, struct arena *a)
 	}
 	for (int i = 0; i < k->push_count; i++)
 		add_array(x, (struct drawn_array){.name = k->pushes[i].argument, .rows = 6}, around(10), a);
-	if (task_wants(k, WANT_JVP))
+	if (request_wants(k, WANT_JVP))
 		add_array(x, (struct drawn_array){.name = "jvp_v", .rows = 3 * t->nv}, around(1), a);
-	if (task_wants(k, WANT_VJP))
+	if (request_wants(k, WANT_VJP))
 		add_array(x, (struct drawn_array){.name = "vjp_v", .rows = t->nv}, around(1), a);
 	if (a->failed)
 		return 0;

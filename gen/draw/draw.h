@@ -1,7 +1,7 @@
 #ifndef RNEAGEN_DRAW_H
 #define RNEAGEN_DRAW_H
 /* Inputs of a scene, drawn over ranges: by the limits of the joints, by defaults, or as the scene's `range` says. What
-   measures a text by samples takes them from here: drop.h, effect.h, and rnearun's report and choose. */
+   measures a text by samples takes them from here: prune.h, effect.h, and rnearun's report and choose. */
 
 #include "dag/dag.h"
 #include "tree/tree.h"

@@ -1,7 +1,7 @@
 #include "draw/prune.h"
 #include "draw/felt.h"
 
-struct dropping {
+struct pruning {
 	const struct dag *d;
 	const unsigned char *unfelt;
 	struct ref *map;
@@ -9,7 +9,7 @@ struct dropping {
 
 static struct ref copy(void *context, struct dag *out, size_t i)
 {
-	const struct dropping *p = context;
+	const struct pruning *p = context;
 	const struct node *n = &p->d->nodes[i];
 	struct ref arg[3];
 
@@ -44,9 +44,9 @@ static struct ref copy(void *context, struct dag *out, size_t i)
 	}
 }
 
-void drop_terms(struct dag *out, const struct dag *d, const struct tree *t, double fraction)
+void prune_terms(struct dag *out, const struct dag *d, const struct tree *t, double fraction)
 {
-	struct dropping p = {.d = d};
+	struct pruning p = {.d = d};
 	struct arena spare;
 
 	arena_init(&spare, &out->arena->allocator);

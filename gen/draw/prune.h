@@ -8,6 +8,6 @@
 /* A copy of `d`, not fused yet, with all its arguments, without the operands of sums and differences of which no output feels
    this fraction (felt.h). Many small terms may add up: effect_measure says to what. out->failed is set when memory runs
    out. */
-void drop_terms(struct dag *out, const struct dag *d, const struct tree *t, double fraction);
+void prune_terms(struct dag *out, const struct dag *d, const struct tree *t, double fraction);
 
 #endif

@@ -3,7 +3,7 @@
    moment about the body's origin. So masses and moments come back instead of forces and moments. */
 #include "dynamics/tour.h"
 
-void rest_enter(const struct tour *r, int body)
+void at_rest_enter(const struct tour *r, int body)
 {
 	struct dag *d = r->d;
 	const struct body *k = &r->t->bodies[body];
@@ -18,18 +18,18 @@ void rest_enter(const struct tour *r, int body)
 	svec_tag(d, x->motion.a, "a", k->number);
 }
 
-struct svec rest_moment(struct dag *d, const struct frame *x)
+struct svec at_rest_moment(struct dag *d, const struct frame *x)
 {
 	return svec_add(d, x->own, x->beyond);
 }
 
 /* M_p += M, C_p += R C + M p; the terms M p are constants where joints turn, and are summed by themselves */
-void rest_leave(const struct tour *r, int body)
+void at_rest_leave(const struct tour *r, int body)
 {
 	struct dag *d = r->d;
 	const struct body *k = &r->t->bodies[body];
 	struct frame *x = &r->frames[body + 1], *parent = &r->frames[k->parent + 1];
-	struct svec f, n, C = rest_moment(d, x);
+	struct svec f, n, C = at_rest_moment(d, x);
 	struct ref tau[6];
 
 	dag_section(d, SECTION_BACK, body);

@@ -13,7 +13,7 @@ static void set_column(struct smat *T, int j, struct svec u)
 
 void composite_add_body(struct dag *d, struct composite *to, const struct parameters *p, struct svec w)
 {
-	struct smat G = load_inertia_matrix(p);
+	struct smat G = rigid_body_inertia_matrix(p);
 	struct ref trace = dag_add(d, dag_add(d, G.m[0][0], G.m[1][1]), G.m[2][2]), half = dag_mul(d, dag_const(d, 0.5L), trace);
 
 	for (int i = 0; i < 3; i++)
@@ -78,7 +78,7 @@ void composite_add_child(
 {
 	struct svec h = joint_to_parent(d, child, at, c->p.h), p = at->p;
 	struct svec X = svec_add(d, joint_to_parent(d, child, at, c->P), svec_scale(d, c->p.mass, rate));
-	struct smat I = load_inertia_matrix(&c->p), K = turned(d, child, at, &c->K);
+	struct smat I = rigid_body_inertia_matrix(&c->p), K = turned(d, child, at, &c->K);
 
 	I = turned(d, child, at, &I);
 	add_inertia(d, &parent->p, &I, c->p.mass, h, p);

@@ -92,7 +92,7 @@ static void output_matrix(struct gradient *g, enum varied varied, int argument)
 	struct pattern p;
 	struct ref *unit = arena_alloc(g->d->arena, (size_t)nv, sizeof *unit);
 
-	if (!unit || !pattern_make(&p, g->t, 0, g->t->task.dense, g->d->arena)) {
+	if (!unit || !pattern_make(&p, g->t, 0, g->t->request.dense, g->d->arena)) {
 		g->d->failed = 1;
 		return;
 	}
@@ -115,7 +115,7 @@ static void output_matrix(struct gradient *g, enum varied varied, int argument)
 /* [nv][rows] by the rows of a freed constant. */
 static void output_by_freed(struct gradient *g, const struct want *w, int argument)
 {
-	const struct freed *f = &g->t->task.freed[w->body];
+	const struct freed *f = &g->t->request.freed[w->body];
 
 	dag_section(g->d, SECTION_PRODUCTS, 0);
 	for (int j = 0; j < f->rows; j++) {
@@ -216,7 +216,7 @@ static int begin(struct gradient *g, const struct tour *r)
 }
 
 /* Is it this file's? */
-static int is_ours(const struct task *k, int i, const char *done)
+static int is_ours(const struct request *k, int i, const char *done)
 {
 	enum want_kind kind = k->wants[i].kind;
 
@@ -225,7 +225,7 @@ static int is_ours(const struct task *k, int i, const char *done)
 
 void gradient_outputs(const struct tour *r, const int *outputs, const char *done)
 {
-	const struct task *k = &r->t->task;
+	const struct request *k = &r->t->request;
 	struct gradient g = {0};
 
 	for (int i = 0; i < k->want_count && !r->d->failed; i++) {

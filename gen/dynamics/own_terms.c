@@ -15,7 +15,7 @@ static struct ref smooth_friction(struct dag *d, struct within c, struct ref v, 
    multiplier once more for the driver's torque. */
 void own_terms(const struct tour *r, int body, struct ref *tau)
 {
-	const struct task *t = &r->t->task;
+	const struct request *t = &r->t->request;
 	const struct body *k = &r->t->bodies[body];
 	struct dag *d = r->d;
 	struct within square = within_mul(k->multiplier, k->multiplier), size = k->multiplier;

@@ -125,7 +125,7 @@ static struct wrench load_by(struct dag *d, const struct composite *c, const str
 
 	w.f = svec_add(d, svec_cross(d, x->alpha, c->p.h), svec_cross(d, x->beta, c->P));
 	w.f = svec_add(d, w.f, svec_scale(d, c->p.mass, x->gamma));
-	w.n = svec_add(d, load_inertia_times(d, &c->p, x->alpha), smat_mul(d, &c->K, x->beta));
+	w.n = svec_add(d, rigid_body_inertia_times(d, &c->p, x->alpha), smat_mul(d, &c->K, x->beta));
 	w.n = svec_add(d, w.n, svec_cross(d, c->p.h, x->gamma));
 	return w;
 }
@@ -139,7 +139,7 @@ static struct wrench turned_by(struct dag *d, const struct frame *x, struct svec
 static struct row_vectors row_of(struct dag *d, const struct composite *c, struct svec Z, struct svec Y)
 {
 	return (struct row_vectors){.f2 = svec_add(d, svec_cross(d, Z, c->p.h), svec_scale(d, c->p.mass, Y)),
-		.n2 = svec_add(d, load_inertia_times(d, &c->p, Z), svec_cross(d, c->p.h, Y)),
+		.n2 = svec_add(d, rigid_body_inertia_times(d, &c->p, Z), svec_cross(d, c->p.h, Y)),
 		.n1 = svec_add(d, smat_mul_transposed(d, &c->K, Z), svec_cross(d, c->P, Y))};
 }
 
@@ -205,7 +205,7 @@ static void add(struct recursion *x, enum by by, int i, int j, struct ref e)
 /* What the joint's own terms add to its diagonal elements: the rotor by qdd, friction by qd. */
 static void add_own(struct recursion *x, int body)
 {
-	const struct task *t = &x->r->t->task;
+	const struct request *t = &x->r->t->request;
 	const struct body *k = &x->r->t->bodies[body];
 	struct dag *d = x->r->d;
 
@@ -323,7 +323,7 @@ void recursion_leave(struct recursion *x, int body)
 {
 	const struct tour *r = x->r;
 	const struct body *k = &r->t->bodies[body];
-	struct parameters known = load_parameters(r->d, &k->inertia);
+	struct parameters known = rigid_body_parameters(r->d, &k->inertia);
 	const struct parameters *free = r->parameters ? r->parameters[body] : NULL;
 
 	dag_section(r->d, SECTION_BY, body);
@@ -353,7 +353,7 @@ static int begin_matrix(struct by_matrix *m, const struct tour *r, int argument,
 	m->argument = argument;
 	m->element = arena_alloc(a, elements, sizeof *m->element);
 	m->is_done = arena_alloc(a, elements, 1);
-	return m->element && m->is_done && pattern_make(&m->p, r->t, symmetric, r->t->task.dense, a);
+	return m->element && m->is_done && pattern_make(&m->p, r->t, symmetric, r->t->request.dense, a);
 }
 
 void recursion_begin(struct recursion *x, const struct tour *r, const int *arguments)

@@ -68,7 +68,7 @@ static int prefers_centre(const struct body *k, const struct inertia *I)
 	return !grounded && euler_products(I) < euler_products(&k->inertia);
 }
 
-void load_wrench(struct dag *d, const struct body *k, const struct motion *x, struct svec *f, struct svec *n)
+void rigid_body_wrench(struct dag *d, const struct body *k, const struct motion *x, struct svec *f, struct svec *n)
 {
 	struct ref mass = dag_within(d, k->inertia.mass);
 	struct svec h = svec_const(d, k->inertia.h);
@@ -89,7 +89,7 @@ void load_wrench(struct dag *d, const struct body *k, const struct motion *x, st
 
 /* ---- parameters that are expressions ---- */
 
-struct parameters load_parameters(struct dag *d, const struct inertia *I)
+struct parameters rigid_body_parameters(struct dag *d, const struct inertia *I)
 {
 	struct parameters p = {.mass = dag_within(d, I->mass), .h = svec_const(d, I->h)};
 
@@ -103,7 +103,7 @@ static struct ref plus_multiple(struct dag *d, struct ref sum, struct ref s, str
 	return dag_add(d, sum, dag_mul(d, dag_within(d, c), s));
 }
 
-void load_add(struct dag *d, struct parameters *p, struct ref s, const struct inertia *I)
+void rigid_body_add(struct dag *d, struct parameters *p, struct ref s, const struct inertia *I)
 {
 	p->mass = plus_multiple(d, p->mass, s, I->mass);
 	for (int i = 0; i < 3; i++)
@@ -112,7 +112,7 @@ void load_add(struct dag *d, struct parameters *p, struct ref s, const struct in
 		p->I[i] = plus_multiple(d, p->I[i], s, I->I[i]);
 }
 
-struct smat load_inertia_matrix(const struct parameters *p)
+struct smat rigid_body_inertia_matrix(const struct parameters *p)
 {
 	struct smat I;
 
@@ -122,23 +122,23 @@ struct smat load_inertia_matrix(const struct parameters *p)
 	return I;
 }
 
-struct svec load_inertia_times(struct dag *d, const struct parameters *p, struct svec w)
+struct svec rigid_body_inertia_times(struct dag *d, const struct parameters *p, struct svec w)
 {
-	struct smat I = load_inertia_matrix(p);
+	struct smat I = rigid_body_inertia_matrix(p);
 
 	return smat_mul(d, &I, w);
 }
 
-void load_wrench_free(struct dag *d, const struct parameters *p, const struct motion *x, struct svec *f, struct svec *n)
+void rigid_body_wrench_free(struct dag *d, const struct parameters *p, const struct motion *x, struct svec *f, struct svec *n)
 {
 	*f = svec_add(d, svec_scale(d, p->mass, x->a), smat_mul(d, &x->U, p->h));
-	*n = svec_add(d, load_inertia_times(d, p, x->dw), svec_cross(d, x->w, load_inertia_times(d, p, x->w)));
+	*n = svec_add(d, rigid_body_inertia_times(d, p, x->dw), svec_cross(d, x->w, rigid_body_inertia_times(d, p, x->w)));
 	*n = svec_add(d, *n, svec_cross(d, p->h, x->a));
 }
 
-struct ref load_kinetic(struct dag *d, const struct parameters *p, const struct motion *x)
+struct ref rigid_body_kinetic(struct dag *d, const struct parameters *p, const struct motion *x)
 {
-	struct ref twice = dag_add(d, dag_mul(d, p->mass, svec_dot(d, x->v, x->v)), svec_dot(d, x->w, load_inertia_times(d, p, x->w)));
+	struct ref twice = dag_add(d, dag_mul(d, p->mass, svec_dot(d, x->v, x->v)), svec_dot(d, x->w, rigid_body_inertia_times(d, p, x->w)));
 
 	return dag_add(d, dag_mul(d, dag_const(d, 0.5L), twice), svec_dot(d, x->v, svec_cross(d, x->w, p->h)));
 }

@@ -19,20 +19,20 @@ struct parameters {
 
 /* f = m a + U h, n = I dw + w x I w + h x a, with h = m c; or from the centre of mass: f = m (a + U c),
    n = I_c dw + w x I_c w + c x f (Featherstone 2008, 2.70; Craig 6.49 to 6.51). */
-void load_wrench(struct dag *d, const struct body *k, const struct motion *x, struct svec *f, struct svec *n);
+void rigid_body_wrench(struct dag *d, const struct body *k, const struct motion *x, struct svec *f, struct svec *n);
 
 /* The same from parameters that are not all numbers. */
-void load_wrench_free(struct dag *d, const struct parameters *p, const struct motion *x, struct svec *f, struct svec *n);
+void rigid_body_wrench_free(struct dag *d, const struct parameters *p, const struct motion *x, struct svec *f, struct svec *n);
 
 /* I, and I w */
-struct smat load_inertia_matrix(const struct parameters *p);
-struct svec load_inertia_times(struct dag *d, const struct parameters *p, struct svec w);
+struct smat rigid_body_inertia_matrix(const struct parameters *p);
+struct svec rigid_body_inertia_times(struct dag *d, const struct parameters *p, struct svec w);
 
-struct parameters load_parameters(struct dag *d, const struct inertia *I);
+struct parameters rigid_body_parameters(struct dag *d, const struct inertia *I);
 /* p + s I */
-void load_add(struct dag *d, struct parameters *p, struct ref s, const struct inertia *I);
+void rigid_body_add(struct dag *d, struct parameters *p, struct ref s, const struct inertia *I);
 
 /* (m v.v + w.(I w)) / 2 + v.(w x h) */
-struct ref load_kinetic(struct dag *d, const struct parameters *p, const struct motion *x);
+struct ref rigid_body_kinetic(struct dag *d, const struct parameters *p, const struct motion *x);
 
 #endif

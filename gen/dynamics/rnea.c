@@ -81,9 +81,9 @@ static void load(const struct tour *r, int index, struct frame *x)
 	const struct body *k = &r->t->bodies[index];
 
 	if (r->parameters && r->parameters[index])
-		load_wrench_free(r->d, r->parameters[index], &x->motion, &x->f, &x->n);
+		rigid_body_wrench_free(r->d, r->parameters[index], &x->motion, &x->f, &x->n);
 	else
-		load_wrench(r->d, k, &x->motion, &x->f, &x->n);
+		rigid_body_wrench(r->d, k, &x->motion, &x->f, &x->n);
 	svec_tag(r->d, x->f, "f", k->number);
 	svec_tag(r->d, x->n, "n", k->number);
 }
@@ -188,7 +188,7 @@ static void output_torques(const struct tour *r, int index)
 static void leave_and_output(const struct tour *r, int index)
 {
 	if (r->at_rest)
-		rest_leave(r, index);
+		at_rest_leave(r, index);
 	else
 		leave(r, index);
 	if (!torque_waits(r->t, index))
@@ -207,7 +207,7 @@ static void go(struct tour *r)
 		for (; r->tau && here != t->bodies[k].parent; here = t->bodies[here].parent)
 			leave_and_output(r, here);
 		if (r->at_rest)
-			rest_enter(r, k);
+			at_rest_enter(r, k);
 		else
 			enter(r, k);
 		here = k;
@@ -252,7 +252,7 @@ static void build_all_terms(struct dag *d, const struct tree *t)
 {
 	struct tour r = {.d = d, .t = t, .f_in = -1, .v_out = -1, .a_out = -1, .f_out = -1};
 
-	if (!t->task.is_plain) {
+	if (!t->request.is_plain) {
 		want_build(d, t);
 		return;
 	}
@@ -271,7 +271,7 @@ static void build_rnea(struct dag *d, const struct tree *t)
 	}
 	dag_init(&all, d->arena);
 	build_all_terms(&all, t);
-	drop_terms(d, &all, t, t->adjust.drop);
+	prune_terms(d, &all, t, t->adjust.drop);
 }
 
 static void build_fpass(struct dag *d, const struct tree *t)

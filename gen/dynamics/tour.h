@@ -24,7 +24,7 @@ struct tour {
 	struct joint_inputs in;
 	int f_in, v_out, a_out, f_out, tau_out; /* arguments; -1: not there */
 	int comes_back;                         /* also without tau_out */
-	int at_rest;                            /* velocities and accelerations are zero: rest.c */
+	int at_rest;                            /* velocities and accelerations are zero: at_rest.c */
 	const struct ref *gravity;              /* three; NULL: the tree's */
 	struct parameters *const *parameters;   /* by body, of those whose parameters are no numbers; NULL: none */
 	/* called where they are not NULL: before the tour; when a body has been entered and has its own wrench; before it is
@@ -43,11 +43,11 @@ void tour_run(struct tour *r);
 struct svec tour_acceleration(const struct tour *r, int body, struct svec from);
 
 /* Going out to a body, and back from it, where nothing moves. */
-void rest_enter(const struct tour *r, int body);
-void rest_leave(const struct tour *r, int body);
-struct svec rest_moment(struct dag *d, const struct frame *x); /* C */
+void at_rest_enter(const struct tour *r, int body);
+void at_rest_leave(const struct tour *r, int body);
+struct svec at_rest_moment(struct dag *d, const struct frame *x); /* C */
 
-/* Adds rotor inertia and friction to the torques of a body's joint, as the tree's task says. */
+/* Adds rotor inertia and friction to the torques of a body's joint, as the tree's request says. */
 void own_terms(const struct tour *r, int body, struct ref *tau);
 /* What these terms of a joint with one row are by qd. */
 struct ref own_rate(const struct tour *r, int body);
@@ -56,7 +56,7 @@ struct ref own_rate(const struct tour *r, int body);
    arguments `outputs` (both by want). */
 void gradient_outputs(const struct tour *r, const int *outputs, const char *done);
 
-/* The DAG of a tree whose task is not plain. */
+/* The DAG of a tree whose request is not plain. */
 void want_build(struct dag *d, const struct tree *t);
 
 #endif

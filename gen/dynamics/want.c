@@ -1,4 +1,4 @@
-/* The task of a scene: torques from what it gives and frees, and whatever else it asks for. The DAG drops what nobody
+/* The request of a scene: torques from what it gives and frees, and whatever else it asks for. The DAG drops what nobody
    needs, so each quantity is simply computed where its operands are at hand. */
 #include "dynamics/want.h"
 #include <string.h>
@@ -16,7 +16,7 @@ static struct source source(struct dag *d, int input, const struct row *rows, in
 
 	if (!is_read)
 		s.argument = UNREAD + input;
-	else if (!task_has_all(rows, count))
+	else if (!request_has_all(rows, count))
 		s.argument = dag_argument(d, INPUTS[input], count, 0);
 	return s;
 }
@@ -29,7 +29,7 @@ static struct parameters *parameters_of(struct build *b, int body)
 		return p;
 	p = b->parameters[body] = arena_alloc(b->d->arena, 1, sizeof *p);
 	if (p)
-		*p = load_parameters(b->d, &b->t->bodies[body].inertia);
+		*p = rigid_body_parameters(b->d, &b->t->bodies[body].inertia);
 	return p;
 }
 
@@ -40,9 +40,9 @@ static void add_inertia(struct build *b, const struct freed *f, int argument)
 	if (!p)
 		return;
 	if (f->kind == FREED_MASS)
-		load_add(b->d, p, dag_const(b->d, 1), &f->rest);
+		rigid_body_add(b->d, p, dag_const(b->d, 1), &f->rest);
 	for (int r = 0; r < f->rows; r++)
-		load_add(b->d, p, dag_input(b->d, argument, r), &f->columns[r]);
+		rigid_body_add(b->d, p, dag_input(b->d, argument, r), &f->columns[r]);
 }
 
 static void free_constants(struct build *b)
@@ -140,7 +140,7 @@ static void run_gravity(const struct build *b, struct joint_inputs in, int tau_o
 	r.comes_back = r.at_rest = 1;
 	tour_run(&r);
 	if (potential >= 0 && r.frames)
-		dag_output(b->d, potential, 0, dag_neg(b->d, svec_dot(b->d, g, rest_moment(b->d, &r.frames[0]))));
+		dag_output(b->d, potential, 0, dag_neg(b->d, svec_dot(b->d, g, at_rest_moment(b->d, &r.frames[0]))));
 }
 
 static void output_scalars(const struct build *b, const struct tour *r)
@@ -165,7 +165,7 @@ static void run_main(struct build *b, struct joint_inputs in)
 	r.own_terms = own_terms;
 	r.context = b;
 	r.tau_out = output_of(b, WANT_TAU);
-	r.comes_back = task_wants(b->k, WANT_POWER) || task_wants(b->k, WANT_WRENCH) || task_wants_derivative(b->k);
+	r.comes_back = request_wants(b->k, WANT_POWER) || request_wants(b->k, WANT_WRENCH) || request_wants_derivative(b->k);
 	begin_recursion(b, &r);
 	tour_run(&r);
 	if (b->recursion.r && !b->d->failed)
@@ -185,12 +185,12 @@ static int is_zero(const struct row *rows, int count)
 /* Are the torques those of gravity, and nothing asked for that takes the recursion? */
 static int is_gravity_alone(const struct build *b)
 {
-	const struct task *k = b->k;
+	const struct request *k = b->k;
 
 	for (int i = 0; i < k->want_count; i++)
 		if (k->wants[i].kind != WANT_TAU && k->wants[i].kind != WANT_GRAVITY && k->wants[i].kind != WANT_POTENTIAL)
 			return 0;
-	return (!task_wants(k, WANT_TAU) || (is_zero(k->qd, b->t->nv) && is_zero(k->qdd, b->t->nv))) && !k->push_count;
+	return (!request_wants(k, WANT_TAU) || (is_zero(k->qd, b->t->nv) && is_zero(k->qdd, b->t->nv))) && !k->push_count;
 }
 
 static int alloc(struct build *b)
@@ -216,7 +216,7 @@ struct trial {
 /* Where nothing of q, qd or qdd is read, there is no such input. */
 static void build(struct dag *d, const struct tree *t, const struct trial *x)
 {
-	struct build b = {.d = d, .t = t, .k = &t->task, .derivatives = x->derivatives};
+	struct build b = {.d = d, .t = t, .k = &t->request, .derivatives = x->derivatives};
 	struct joint_inputs in;
 
 	if (!alloc(&b)) {
@@ -232,9 +232,9 @@ static void build(struct dag *d, const struct tree *t, const struct trial *x)
 	free_constants(&b);
 	for (int i = 0; i < b.k->push_count; i++)
 		b.pushed[i] = dag_argument(d, b.k->pushes[i].argument, 6, 0);
-	if (task_wants(b.k, WANT_JVP))
+	if (request_wants(b.k, WANT_JVP))
 		dag_argument(d, "jvp_v", 3 * t->nv, 0);
-	if (task_wants(b.k, WANT_VJP))
+	if (request_wants(b.k, WANT_VJP))
 		dag_argument(d, "vjp_v", t->nv, 0);
 	for (int i = 0; i < b.k->want_count; i++)
 		b.outputs[i] = dag_argument(d, b.k->wants[i].argument, b.k->wants[i].rows, 1);
@@ -291,8 +291,8 @@ static struct trial cheaper(struct dag *d, const struct tree *t, const struct tr
 /* Once to see what is read and what it takes, and again where another way takes less or there is less to read. */
 void want_build(struct dag *d, const struct tree *t)
 {
-	const struct task *k = &t->task;
-	int has_choice = task_wants(k, WANT_DTAU_DQ) || task_wants(k, WANT_DTAU_DQD);
+	const struct request *k = &t->request;
+	int has_choice = request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DTAU_DQD);
 	struct trial x = {.derivatives = k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
 		.is_read = {1, 1, 1}}, best;
 	struct arena *a = d->arena;

@@ -1,6 +1,6 @@
 #ifndef RNEAGEN_WANT_H
 #define RNEAGEN_WANT_H
-/* A scene's task while its DAG is made. */
+/* A scene's request while its DAG is made. */
 
 #include "dynamics/recursion.h"
 #include "dynamics/tour.h"
@@ -8,7 +8,7 @@
 struct build {
 	struct dag *d;
 	const struct tree *t;
-	const struct task *k;
+	const struct request *k;
 	struct ref *offset, *gravity;
 	struct parameters **parameters;
 	int *pushed, *outputs; /* arguments, by push and by want */

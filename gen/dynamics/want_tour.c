@@ -2,7 +2,7 @@
    way out and back. */
 #include "dynamics/want.h"
 
-static int needs_pose(const struct task *k)
+static int needs_pose(const struct request *k)
 {
 	return k->push_count && k->in_world;
 }
@@ -83,18 +83,18 @@ void want_entered(const struct tour *r, int body)
 	struct build *b = r->context;
 	const struct body *k = &r->t->bodies[body];
 	struct frame *x = &r->frames[body + 1], *parent = &r->frames[k->parent + 1];
-	struct parameters known = load_parameters(r->d, &k->inertia);
+	struct parameters known = rigid_body_parameters(r->d, &k->inertia);
 	const struct parameters *p = b->parameters[body] ? b->parameters[body] : &known;
 
 	if (needs_pose(b->k))
 		place(r, k, parent, x);
-	if (task_wants(b->k, WANT_ACCEL))
+	if (request_wants(b->k, WANT_ACCEL))
 		x->free_a = tour_acceleration(r, body, parent->free_a);
 	for (int i = 0; i < b->k->push_count; i++)
 		if (b->k->pushes[i].body == body)
 			pull(r, &b->k->pushes[i], b->pushed[i], x);
-	if (task_wants(b->k, WANT_KINETIC))
-		b->kinetic = dag_add(r->d, b->kinetic, load_kinetic(r->d, p, &x->motion));
+	if (request_wants(b->k, WANT_KINETIC))
+		b->kinetic = dag_add(r->d, b->kinetic, rigid_body_kinetic(r->d, p, &x->motion));
 	output_links(r, body);
 }
 

@@ -27,7 +27,7 @@ struct emission {
 	const struct tree *tree;
 	const struct rneagen_options *options; /* defaults resolved: precision, name, file */
 	const struct pass *passes;             /* PASS_COUNT; pass_count of them have a DAG: all, or the first alone, */
-	int pass_count;                        /* which then is a scene's task or one operation of the robot */
+	int pass_count;                        /* which then is a scene's request or one operation of the robot */
 	const struct part *parts;              /* what the first pass does, as parts of the grid; part_count 0: it is whole */
 	int part_count;
 	const char *banner;                    /* the comment at the head, where it is not inverse dynamics; else NULL */

@@ -76,7 +76,7 @@ static void put_slice_prototypes(const struct emission *e, struct text *out)
 {
 	text_put(out, "/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each\n");
 	text_printf(out, "   in a thread of the caller's own. The arrays are those of %s, in that order. */\n",
-		e->tree->task.is_plain ? "rnea, fpass and bpass" : "rnea");
+		e->tree->request.is_plain ? "rnea, fpass and bpass" : "rnea");
 	for (int i = 0; i < e->pass_count; i++)
 		text_printf(out, "void %s_%s_slice(void *const *arrays, size_t count, size_t first, size_t end);\n",
 			e->options->name, e->passes[i].algorithm->name);
@@ -95,7 +95,7 @@ static void put_slice_prototypes(const struct emission *e, struct text *out)
 static void put_bounded_prototype(const struct emission *e, struct text *out)
 {
 	const char *more = e->memory->bytes == 4 ? ", float *bound" : ", double *bound";
-	int torques = e->tree->task.want_count == 1 && e->tree->task.wants[0].kind <= WANT_BIAS;
+	int torques = e->tree->request.want_count == 1 && e->tree->request.wants[0].kind <= WANT_BIAS;
 
 	put_prototype(e, PASS_RNEA, "_bounded", more, torques ?
 		"The same torques, to the bit, and for each a bound[i] of |tau[i] - exact|.\n" BOUNDED_DOC :
@@ -125,14 +125,14 @@ const char *emit_prototypes(const struct emission *e)
 	text_init(&t, e->arena);
 	text_init(&one, e->arena);
 	text_init(&many, e->arena);
-	text_printf(&one, "%s of one sample: %s", e->tree->task.is_plain ? "tau = ID(q, qd, qdd)" : "Inverse dynamics", emit_dimensions(e));
+	text_printf(&one, "%s of one sample: %s", e->tree->request.is_plain ? "tau = ID(q, qd, qdd)" : "Inverse dynamics", emit_dimensions(e));
 	text_printf(&many, "The same for `count` samples, every array %s; arrays must not overlap.",
 		is_soa(e) ? "[row][sample]" : "[sample][row]");
 	put_prototype(e, PASS_RNEA, "", "", text_string(&one), &t);
 	if (e->options->bounded)
 		put_bounded_prototype(e, &t);
 	put_prototype(e, PASS_RNEA, "_batch", ", size_t count", text_string(&many), &t);
-	if (e->tree->task.is_plain) {
+	if (e->tree->request.is_plain) {
 		put_prototype(e, PASS_FPASS, "", "",
 			"The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each.", &t);
 		put_prototype(e, PASS_BPASS, "", "", "The way back alone: torques from q and fpass's wrenches.", &t);

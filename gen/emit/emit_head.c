@@ -150,7 +150,7 @@ static void put_matrix(const struct emission *e, const struct want *w, struct te
 static const char *describe(const struct emission *e, const struct argument *a)
 {
 	static const char wrench[] = "force, then moment about the link's origin, from outside on the link, in axes of ";
-	const struct task *k = &e->tree->task;
+	const struct request *k = &e->tree->request;
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -174,7 +174,7 @@ static const char *describe(const struct emission *e, const struct argument *a)
 	return text_string(&t);
 }
 
-/* The arrays of a scene's task, in their order. */
+/* The arrays of a scene's request, in their order. */
 static void put_task(const struct emission *e, struct text *out)
 {
 	const struct dag *d = &e->passes[PASS_RNEA].dag;
@@ -191,7 +191,7 @@ static void put_task(const struct emission *e, struct text *out)
 
 static void put_gravity(const struct emission *e, struct text *out)
 {
-	const struct task *k = &e->tree->task;
+	const struct request *k = &e->tree->request;
 	const struct within *g = e->tree->gravity;
 
 	for (int i = 0; i < k->freed_count; i++)
@@ -226,7 +226,7 @@ static void put_conventions(const struct emission *e, struct text *out)
 		text_put(out, " * Compiled as C, without CUDA, this text holds the functions of target c instead of kernels.\n");
 	text_put(out, " *\n * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less\n"
 		      " * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.\n");
-	if (e->tree->task.is_plain)
+	if (e->tree->request.is_plain)
 		text_put(out, " * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.\n");
 	else
 		put_task(e, out);

@@ -73,7 +73,7 @@ void emit_options(const struct rneagen_options *o, struct text *out)
 
 int emit_has_small(const struct emission *e)
 {
-	const struct task *k = &e->tree->task;
+	const struct request *k = &e->tree->request;
 
 	if (e->options->trig != RNEAGEN_ACCURATE || strcmp(e->passes[PASS_RNEA].dag.arguments[0].name, "q"))
 		return 0;

@@ -18,7 +18,7 @@ static void own_elements(const struct tree *t, enum want_kind kind, int *body, s
 	int nv = t->nv, *of_row = bodies_of_rows(t, a);
 	struct pattern p;
 
-	if (!of_row || !pattern_make(&p, t, kind == WANT_MASS, t->task.dense, a))
+	if (!of_row || !pattern_make(&p, t, kind == WANT_MASS, t->request.dense, a))
 		return;
 	for (int i = 0; i < nv; i++)
 		for (int j = 0; j < nv; j++)
@@ -33,8 +33,8 @@ static int is_matrix(const struct want *w)
 
 int owners_matrix(const struct tree *t)
 {
-	for (int i = 0; i < t->task.want_count; i++)
-		if (is_matrix(&t->task.wants[i]))
+	for (int i = 0; i < t->request.want_count; i++)
+		if (is_matrix(&t->request.wants[i]))
 			return 1;
 	return 0;
 }
@@ -71,9 +71,9 @@ int owners_make(struct owners *x, const struct dag *d, const struct tree *t, str
 
 	*x = (struct owners){.owner = arena_alloc(a, d->output_count, sizeof *x->owner),
 		.bodies = arena_alloc(a, (size_t)t->body_count, sizeof *x->bodies)};
-	for (int i = 0; i < t->task.want_count && !a->failed; i++)
-		if (is_matrix(&t->task.wants[i]))
-			own_want(x, d, t, &t->task.wants[i], a);
+	for (int i = 0; i < t->request.want_count && !a->failed; i++)
+		if (is_matrix(&t->request.wants[i]))
+			own_want(x, d, t, &t->request.wants[i], a);
 	if (!a->failed)
 		list(x, d->output_count, t, place);
 	return !a->failed;

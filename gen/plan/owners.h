@@ -12,10 +12,10 @@ struct owners {
 	int count;
 };
 
-/* Of the outputs of the task's DAG. Returns 0 when memory runs out. */
+/* Of the outputs of the request's DAG. Returns 0 when memory runs out. */
 int owners_make(struct owners *x, const struct dag *d, const struct tree *t, struct arena *a);
 
-/* Does the task want a matrix by joints? */
+/* Does the request want a matrix by joints? */
 int owners_matrix(const struct tree *t);
 
 #endif

@@ -14,7 +14,7 @@ static const char *after(const char *word, const char *kind)
 	return !strncmp(word, kind, length) && word[length] == '.' && word[length + 1] ? word + length + 1 : NULL;
 }
 
-int task_frees_link(const struct scene *s, const char *link)
+int request_frees_link(const struct scene *s, const char *link)
 {
 	for (const struct scene_choice *c = NULL; (c = scene_next(s, SCENE_FREE, c));) {
 		const char *mass = after(c->name, "mass"), *inertia = after(c->name, "inertia");
@@ -25,7 +25,7 @@ int task_frees_link(const struct scene *s, const char *link)
 	return 0;
 }
 
-int task_has_all(const struct row *rows, int count)
+int request_has_all(const struct row *rows, int count)
 {
 	for (int i = 0; i < count; i++)
 		if (!rows[i].is_given)
@@ -33,7 +33,7 @@ int task_has_all(const struct row *rows, int count)
 	return count > 0;
 }
 
-int task_wants(const struct task *k, enum want_kind kind)
+int request_wants(const struct request *k, enum want_kind kind)
 {
 	for (int i = 0; i < k->want_count; i++)
 		if (k->wants[i].kind == kind)
@@ -41,7 +41,7 @@ int task_wants(const struct task *k, enum want_kind kind)
 	return 0;
 }
 
-int task_wants_derivative(const struct task *k)
+int request_wants_derivative(const struct request *k)
 {
 	for (int i = 0; i < k->want_count; i++)
 		if (k->wants[i].kind >= WANT_DTAU_DQ)
@@ -58,7 +58,7 @@ static int has_rest(const struct kind_word *k, const char *rest)
 }
 
 /* Which of these words a choice has; -1 and an error that names the nearest. */
-int task_find_kind(const struct resolver *x, const struct scene_choice *c, const struct kind_word *kinds, int count)
+int request_find_kind(const struct resolver *x, const struct scene_choice *c, const struct kind_word *kinds, int count)
 {
 	size_t length = strcspn(c->name, ".");
 	const char *stem = arena_string(x->a, c->name, length), *meant;
@@ -91,9 +91,9 @@ static int is_kernels_own(const char *name)
 }
 
 /* "payload.left hand" -> payload_left_hand; two that come out the same, or a kernel's own, differ by a number. */
-const char *task_argument(const struct resolver *x, const char *word)
+const char *request_argument(const struct resolver *x, const char *word)
 {
-	const struct task *k = x->k;
+	const struct request *k = x->k;
 	char *name = arena_string(x->a, word, strlen(word));
 	struct text t;
 
@@ -121,7 +121,7 @@ const char *task_argument(const struct resolver *x, const char *word)
 }
 
 /* The link of this name; it must be carried by a body. */
-int task_find_link(const struct resolver *x, const struct scene_choice *c, const char *name)
+int request_find_link(const struct resolver *x, const struct scene_choice *c, const char *name)
 {
 	int link = scene_link(x->s, c, x->r, name, x->e);
 
@@ -135,7 +135,7 @@ int task_find_link(const struct resolver *x, const struct scene_choice *c, const
 }
 
 /* The body that the joint of this name moves; "base" is the floating base. */
-int task_find_body(const struct resolver *x, const struct scene_choice *c, const char *name)
+int request_find_body(const struct resolver *x, const struct scene_choice *c, const char *name)
 {
 	if (x->t->floating && !strcmp(name, "base")) {
 		if (robot_joint(x->r, name) < 0)
@@ -195,8 +195,8 @@ static enum rneagen_code fold(const struct resolver *x, const struct scene_choic
 {
 	static const struct kind_word kinds[] = {{"q", 0}, {"qd", 0}, {"qdd", 0}, {"gravity", 0}, {"q", 1}, {"qd", 1}, {"qdd", 1}};
 	struct tree *t = x->t;
-	struct row *const rows[] = {t->task.q, t->task.qd, t->task.qdd};
-	int kind = task_find_kind(x, c, kinds, sizeof kinds / sizeof *kinds), body, is_q;
+	struct row *const rows[] = {t->request.q, t->request.qd, t->request.qdd};
+	int kind = request_find_kind(x, c, kinds, sizeof kinds / sizeof *kinds), body, is_q;
 	struct within gravity[3];
 
 	if (kind < 0)
@@ -213,7 +213,7 @@ static enum rneagen_code fold(const struct resolver *x, const struct scene_choic
 	if (kind < 3)
 		return give(x, c, rows[kind], 0, kind == 0 ? t->nq : t->nv, kind != 0 || !has_quaternion(t, -1));
 	is_q = kind == 4;
-	body = task_find_body(x, c, strchr(c->name, '.') + 1);
+	body = request_find_body(x, c, strchr(c->name, '.') + 1);
 	if (body < 0)
 		return x->e->code;
 	if (t->bodies[body].follower)
@@ -226,7 +226,7 @@ static enum rneagen_code fold(const struct resolver *x, const struct scene_choic
 
 static enum rneagen_code push(const struct resolver *x, const struct scene_choice *c)
 {
-	int link = task_find_link(x, c, c->name);
+	int link = request_find_link(x, c, c->name);
 	struct text word;
 
 	if (link < 0)
@@ -236,7 +236,7 @@ static enum rneagen_code push(const struct resolver *x, const struct scene_choic
 	text_init(&word, x->a);
 	text_printf(&word, "fext.%s", c->name);
 	x->k->pushes[x->k->push_count] = (struct push){
-		text_string(&word), task_argument(x, text_string(&word)), x->t->links[link].body, x->t->links[link].X};
+		text_string(&word), request_argument(x, text_string(&word)), x->t->links[link].body, x->t->links[link].X};
 	x->k->push_count++;
 	return RNEAGEN_OK;
 }
@@ -244,7 +244,7 @@ static enum rneagen_code push(const struct resolver *x, const struct scene_choic
 static enum rneagen_code set_armature(const struct resolver *x, const struct scene_choice *c)
 {
 	struct within value;
-	int body = task_find_body(x, c, c->name);
+	int body = request_find_body(x, c, c->name);
 
 	if (body < 0 || scene_numbers(x->s, c, &value, 1, x->e))
 		return x->e->code;
@@ -286,9 +286,9 @@ static enum rneagen_code set_friction(const struct resolver *x, const struct sce
 /* ---- all of it ---- */
 
 /* At most: q, qd and qdd, and what the scene adds; a product takes its vector. */
-static int array_count(const struct task *k)
+static int array_count(const struct request *k)
 {
-	return 3 + k->freed_count + k->push_count + task_wants(k, WANT_JVP) + task_wants(k, WANT_VJP) + k->want_count;
+	return 3 + k->freed_count + k->push_count + request_wants(k, WANT_JVP) + request_wants(k, WANT_VJP) + k->want_count;
 }
 
 static enum rneagen_code check_arrays(const struct resolver *x)
@@ -310,7 +310,7 @@ static enum rneagen_code each(const struct resolver *x, enum scene_key key,
 
 static int alloc(struct resolver *x)
 {
-	struct task *k = x->k;
+	struct request *k = x->k;
 	struct arena *a = x->a;
 	size_t most = (size_t)x->s->count + 1, nq = (size_t)x->t->nq, nv = (size_t)x->t->nv, nb = (size_t)x->t->body_count;
 
@@ -338,22 +338,22 @@ static int has_choice(const struct scene *s)
 	return 0;
 }
 
-enum rneagen_code task_resolve(struct tree *t, const struct robot *r, struct arena *a, struct rneagen_error *e)
+enum rneagen_code request_resolve(struct tree *t, const struct robot *r, struct arena *a, struct rneagen_error *e)
 {
-	struct resolver x = {t, &t->task, &t->scene, r, a, e};
+	struct resolver x = {t, &t->request, &t->scene, r, a, e};
 	const struct scene_choice *frame = scene_next(x.s, SCENE_FEXT_FRAME, NULL);
 	const struct scene_choice *how = scene_next(x.s, SCENE_DERIVATIVES, NULL);
 
-	*x.k = (struct task){.is_plain = !has_choice(x.s)};
+	*x.k = (struct request){.is_plain = !has_choice(x.s)};
 	if (!alloc(&x))
 		return error_memory(e);
 	x.k->dense = scene_next(x.s, SCENE_DENSE, NULL) != NULL;
 	if (how)
 		x.k->derivatives = !strcmp(how->value, "forward") ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION;
 	x.k->in_world = frame && !strcmp(frame->value, "world");
-	if (each(&x, SCENE_FOLD, fold) || each(&x, SCENE_FREE, task_free) || each(&x, SCENE_FEXT, push) ||
-		each(&x, SCENE_ARMATURE, set_armature) || each(&x, SCENE_FRICTION, set_friction) || each(&x, SCENE_WANT, task_want) ||
-		each(&x, SCENE_RANGE, task_range))
+	if (each(&x, SCENE_FOLD, fold) || each(&x, SCENE_FREE, request_free) || each(&x, SCENE_FEXT, push) ||
+		each(&x, SCENE_ARMATURE, set_armature) || each(&x, SCENE_FRICTION, set_friction) || each(&x, SCENE_WANT, request_want) ||
+		each(&x, SCENE_RANGE, request_range))
 		return e->code;
 	if (scene_next(x.s, SCENE_DAMPING, NULL))
 		set_dynamics(&x, x.k->damping, 0);

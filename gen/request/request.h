@@ -37,9 +37,9 @@ struct push {
 
 /* What the scene says that rows of an input are drawn from. Levels: of a whole input, of a joint, of one row; the highest
    counts. */
-enum { TASK_RANGE_LEVELS = 3 };
+enum { REQUEST_RANGE_LEVELS = 3 };
 
-struct task_range {
+struct request_range {
 	const char *argument; /* of the text */
 	int first, count, level;
 	double lower, upper;
@@ -59,7 +59,7 @@ struct want {
 /* By differentiating the torques' expressions; by a recursion over composite bodies; by whichever takes less. */
 enum derivatives { DERIVATIVES_CHEAPER, DERIVATIVES_FORWARD, DERIVATIVES_RECURSION };
 
-struct task {
+struct request {
 	int is_plain;               /* tau = ID(q, qd, qdd) and nothing else */
 	struct row *q, *qd, *qdd;   /* nq, nv and nv of them */
 	struct freed *freed;
@@ -68,7 +68,7 @@ struct task {
 	int push_count, in_world;   /* wrenches in axes of the world, else of the link */
 	struct want *wants;
 	int want_count;
-	struct task_range *ranges;
+	struct request_range *ranges;
 	int range_count;
 	int dense;                  /* matrices have their zeros */
 	enum derivatives derivatives; /* how d tau/d q and d tau/d qd are made */
@@ -79,18 +79,18 @@ struct task {
 struct tree;
 
 /* Does the scene make the link's mass or inertia an input? */
-int task_frees_link(const struct scene *s, const char *link);
+int request_frees_link(const struct scene *s, const char *link);
 
 /* Resolve the tree's scene. Errors: SCENE, MEMORY. */
-enum rneagen_code task_resolve(struct tree *t, const struct robot *r, struct arena *a, struct rneagen_error *e);
+enum rneagen_code request_resolve(struct tree *t, const struct robot *r, struct arena *a, struct rneagen_error *e);
 
 /* Has every row its value? */
-int task_has_all(const struct row *rows, int count);
+int request_has_all(const struct row *rows, int count);
 
 /* Is a quantity of this kind asked for? */
-int task_wants(const struct task *k, enum want_kind kind);
+int request_wants(const struct request *k, enum want_kind kind);
 
 /* Is any derivative, M included? */
-int task_wants_derivative(const struct task *k);
+int request_wants_derivative(const struct request *k);
 
 #endif

@@ -1,12 +1,12 @@
 #ifndef RNEAGEN_RESOLVE_H
 #define RNEAGEN_RESOLVE_H
-/* How the choices of a scene find their links and joints: what task.c, freed.c, task_want.c and task_range.c share. */
+/* How the choices of a scene find their links and joints: what request.c and resolve_*.c share. */
 
 #include "tree/tree.h"
 
 struct resolver {
 	struct tree *t;
-	struct task *k;
+	struct request *k;
 	const struct scene *s;
 	const struct robot *r;
 	struct arena *a;
@@ -20,23 +20,23 @@ struct kind_word {
 };
 
 /* Which of these words a choice has; -1 and an error that names the nearest. */
-int task_find_kind(const struct resolver *x, const struct scene_choice *c, const struct kind_word *kinds, int count);
+int request_find_kind(const struct resolver *x, const struct scene_choice *c, const struct kind_word *kinds, int count);
 
 /* "payload.left hand" -> payload_left_hand; two that come out the same differ by a number. */
-const char *task_argument(const struct resolver *x, const char *word);
+const char *request_argument(const struct resolver *x, const char *word);
 
 /* The link of this name, carried by a body, and the body that the joint of this name moves ("base": the floating base);
    -1 and an error where there is none. */
-int task_find_link(const struct resolver *x, const struct scene_choice *c, const char *name);
-int task_find_body(const struct resolver *x, const struct scene_choice *c, const char *name);
+int request_find_link(const struct resolver *x, const struct scene_choice *c, const char *name);
+int request_find_body(const struct resolver *x, const struct scene_choice *c, const char *name);
 
 /* A choice of `want`. */
-enum rneagen_code task_want(const struct resolver *x, const struct scene_choice *c);
+enum rneagen_code request_want(const struct resolver *x, const struct scene_choice *c);
 
 /* A choice of `free`. */
-enum rneagen_code task_free(const struct resolver *x, const struct scene_choice *c);
+enum rneagen_code request_free(const struct resolver *x, const struct scene_choice *c);
 
 /* A choice of `range`, after all others. */
-enum rneagen_code task_range(const struct resolver *x, const struct scene_choice *c);
+enum rneagen_code request_range(const struct resolver *x, const struct scene_choice *c);
 
 #endif

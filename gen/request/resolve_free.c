@@ -53,7 +53,7 @@ static void set_nominal(struct freed *f, const struct inertia *I)
 static enum rneagen_code free_link(const struct resolver *x, const struct scene_choice *c, struct freed *f)
 {
 	const struct placement here = {.R = ROTATION_IDENTITY};
-	int link = task_find_link(x, c, strchr(c->name, '.') + 1);
+	int link = request_find_link(x, c, strchr(c->name, '.') + 1);
 	const struct carried *at = &x->t->links[link < 0 ? 0 : link];
 	struct inertia I;
 
@@ -80,7 +80,7 @@ static enum rneagen_code free_link(const struct resolver *x, const struct scene_
 
 static enum rneagen_code free_offset(const struct resolver *x, const struct scene_choice *c, struct freed *f)
 {
-	f->body = task_find_body(x, c, strchr(c->name, '.') + 1);
+	f->body = request_find_body(x, c, strchr(c->name, '.') + 1);
 	f->rows = 1;
 	if (f->body < 0)
 		return x->e->code;
@@ -107,11 +107,11 @@ static enum rneagen_code check_free(const struct resolver *x, const struct scene
 	return RNEAGEN_OK;
 }
 
-enum rneagen_code task_free(const struct resolver *x, const struct scene_choice *c)
+enum rneagen_code request_free(const struct resolver *x, const struct scene_choice *c)
 {
 	static const struct kind_word kinds[] = {[FREED_GRAVITY] = {"gravity", 0}, [FREED_MASS] = {"mass", 1},
 		[FREED_INERTIA] = {"inertia", 1}, [FREED_PAYLOAD] = {"payload", 1}, [FREED_OFFSET] = {"offset", 1}};
-	int kind = task_find_kind(x, c, kinds, sizeof kinds / sizeof *kinds);
+	int kind = request_find_kind(x, c, kinds, sizeof kinds / sizeof *kinds);
 	struct freed f = {.word = c->name};
 
 	if (kind < 0)
@@ -129,7 +129,7 @@ enum rneagen_code task_free(const struct resolver *x, const struct scene_choice 
 	}
 	if (x->e->code || check_free(x, c, &f))
 		return x->e->code;
-	f.argument = task_argument(x, c->name);
+	f.argument = request_argument(x, c->name);
 	x->k->freed[x->k->freed_count++] = f;
 	return RNEAGEN_OK;
 }

@@ -33,7 +33,7 @@ static int split_row(const struct resolver *x, struct scene_choice *c)
 
 /* ---- which rows ---- */
 
-static enum rneagen_code find_states(const struct resolver *x, const struct scene_choice *c, enum kind kind, struct task_range *r)
+static enum rneagen_code find_states(const struct resolver *x, const struct scene_choice *c, enum kind kind, struct request_range *r)
 {
 	const struct tree *t = x->t;
 	int is_q = kind == KIND_Q || kind == KIND_Q_OF, body;
@@ -42,7 +42,7 @@ static enum rneagen_code find_states(const struct resolver *x, const struct scen
 	r->count = is_q ? t->nq : t->nv;
 	if (!KINDS[kind].has_name)
 		return RNEAGEN_OK;
-	body = task_find_body(x, c, strchr(c->name, '.') + 1);
+	body = request_find_body(x, c, strchr(c->name, '.') + 1);
 	if (body < 0)
 		return x->e->code;
 	if (t->bodies[body].follower)
@@ -55,7 +55,7 @@ static enum rneagen_code find_states(const struct resolver *x, const struct scen
 
 static enum rneagen_code refuse_input(const struct resolver *x, const struct scene_choice *c, enum kind kind)
 {
-	const struct task *k = x->k;
+	const struct request *k = x->k;
 	const char **words = arena_alloc(x->a, (size_t)(k->freed_count + k->push_count), sizeof *words), *meant;
 	const char *what = KINDS[kind].has_name && kind == KIND_FEXT ? strchr(c->name, '.') + 1 : c->name;
 
@@ -72,20 +72,20 @@ static enum rneagen_code refuse_input(const struct resolver *x, const struct sce
 		kind < KIND_JVP ? " " : "", kind < KIND_JVP ? what : "");
 }
 
-static enum rneagen_code find_other(const struct resolver *x, const struct scene_choice *c, enum kind kind, struct task_range *r)
+static enum rneagen_code find_other(const struct resolver *x, const struct scene_choice *c, enum kind kind, struct request_range *r)
 {
-	const struct task *k = x->k;
+	const struct request *k = x->k;
 
 	for (int i = 0; i < k->freed_count && kind <= KIND_OFFSET; i++)
 		if (!strcmp(k->freed[i].word, c->name))
-			*r = (struct task_range){.argument = k->freed[i].argument, .count = k->freed[i].rows};
+			*r = (struct request_range){.argument = k->freed[i].argument, .count = k->freed[i].rows};
 	for (int i = 0; i < k->push_count && kind == KIND_FEXT; i++)
 		if (!strcmp(k->pushes[i].word, c->name))
-			*r = (struct task_range){.argument = k->pushes[i].argument, .count = 6};
-	if (kind == KIND_JVP && task_wants(k, WANT_JVP))
-		*r = (struct task_range){.argument = "jvp_v", .count = 3 * x->t->nv};
-	if (kind == KIND_VJP && task_wants(k, WANT_VJP))
-		*r = (struct task_range){.argument = "vjp_v", .count = x->t->nv};
+			*r = (struct request_range){.argument = k->pushes[i].argument, .count = 6};
+	if (kind == KIND_JVP && request_wants(k, WANT_JVP))
+		*r = (struct request_range){.argument = "jvp_v", .count = 3 * x->t->nv};
+	if (kind == KIND_VJP && request_wants(k, WANT_VJP))
+		*r = (struct request_range){.argument = "vjp_v", .count = x->t->nv};
 	return r->argument ? RNEAGEN_OK : refuse_input(x, c, kind);
 }
 
@@ -98,7 +98,7 @@ static int is_rotation(const struct tree *t, int row)
 	return 0;
 }
 
-static enum rneagen_code take_row(const struct resolver *x, const struct scene_choice *c, enum kind kind, int row, struct task_range *r)
+static enum rneagen_code take_row(const struct resolver *x, const struct scene_choice *c, enum kind kind, int row, struct request_range *r)
 {
 	if (kind == KIND_INERTIA || kind == KIND_PAYLOAD)
 		return scene_refuse(x->s, c, x->e, "ten numbers that no body has apart are drawn together: the range of '%.255s' is that of its mass, kg",
@@ -107,7 +107,7 @@ static enum rneagen_code take_row(const struct resolver *x, const struct scene_c
 		return scene_refuse(x->s, c, x->e, "'%.255s' has no row %d: the last is %d", c->name, row, r->count - 1);
 	r->first += row;
 	r->count = 1;
-	r->level = TASK_RANGE_LEVELS - 1;
+	r->level = REQUEST_RANGE_LEVELS - 1;
 	if ((kind == KIND_Q || kind == KIND_Q_OF) && is_rotation(x->t, r->first))
 		return scene_refuse(x->s, c, x->e, "row %d of '%.255s' is of a quaternion, which is drawn over all orientations: leave it out", row,
 			c->name);
@@ -116,19 +116,19 @@ static enum rneagen_code take_row(const struct resolver *x, const struct scene_c
 
 /* ---- what cannot be ---- */
 
-static int is_given(const struct resolver *x, enum kind kind, const struct task_range *r)
+static int is_given(const struct resolver *x, enum kind kind, const struct request_range *r)
 {
 	const struct row *const rows[] = {x->k->q, x->k->qd, x->k->qdd};
 
-	return kind <= KIND_QDD_OF && task_has_all(rows[kind % 3] + r->first, r->count);
+	return kind <= KIND_QDD_OF && request_has_all(rows[kind % 3] + r->first, r->count);
 }
 
-static enum rneagen_code check(const struct resolver *x, const struct scene_choice *c, enum kind kind, const struct task_range *r)
+static enum rneagen_code check(const struct resolver *x, const struct scene_choice *c, enum kind kind, const struct request_range *r)
 {
 	if (is_given(x, kind, r))
 		return scene_refuse(x->s, c, x->e, "'%.255s' is given by --fold, and nothing of it is drawn: leave one of them out", c->name);
 	for (int i = 0; i < x->k->range_count; i++) {
-		const struct task_range *other = &x->k->ranges[i];
+		const struct request_range *other = &x->k->ranges[i];
 
 		if (!strcmp(other->argument, r->argument) && other->level == r->level && other->first < r->first + r->count &&
 			r->first < other->first + other->count)
@@ -143,11 +143,11 @@ static enum rneagen_code check(const struct resolver *x, const struct scene_choi
 	return RNEAGEN_OK;
 }
 
-enum rneagen_code task_range(const struct resolver *x, const struct scene_choice *c)
+enum rneagen_code request_range(const struct resolver *x, const struct scene_choice *c)
 {
 	struct scene_choice bare = *c;
-	struct task_range r = {.argument = NULL};
-	int row = split_row(x, &bare), kind = x->e->code ? -1 : task_find_kind(x, &bare, KINDS, sizeof KINDS / sizeof *KINDS);
+	struct request_range r = {.argument = NULL};
+	int row = split_row(x, &bare), kind = x->e->code ? -1 : request_find_kind(x, &bare, KINDS, sizeof KINDS / sizeof *KINDS);
 	struct within limits[2];
 
 	if (kind < 0)

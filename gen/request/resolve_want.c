@@ -28,7 +28,7 @@ enum { WANT_COUNT = sizeof WANTS / sizeof *WANTS };
 
 static enum rneagen_code want_link(const struct resolver *x, const struct scene_choice *c, struct want *w)
 {
-	int link = task_find_link(x, c, strchr(c->name, '.') + 1);
+	int link = request_find_link(x, c, strchr(c->name, '.') + 1);
 
 	if (link < 0)
 		return x->e->code;
@@ -47,7 +47,7 @@ static enum rneagen_code want_by_freed(const struct resolver *x, const struct sc
 			w->kind = WANT_DTAU_DFREED;
 			w->body = i;
 			w->rows = x->t->nv * x->k->freed[i].rows;
-			w->argument = task_argument(x, c->name);
+			w->argument = request_argument(x, c->name);
 			return RNEAGEN_OK;
 		}
 	if (!strcmp(freed, "qdd"))
@@ -85,7 +85,7 @@ static enum rneagen_code add_want(const struct resolver *x, const struct scene_c
 	return RNEAGEN_OK;
 }
 
-enum rneagen_code task_want(const struct resolver *x, const struct scene_choice *c)
+enum rneagen_code request_want(const struct resolver *x, const struct scene_choice *c)
 {
 	struct kind_word kinds[WANT_COUNT];
 	struct want w = {.word = c->name};
@@ -95,17 +95,17 @@ enum rneagen_code task_want(const struct resolver *x, const struct scene_choice 
 		return want_by_freed(x, c, &w) ? x->e->code : add_want(x, c, &w);
 	for (int i = 0; i < WANT_COUNT; i++)
 		kinds[i] = WANTS[i].kind;
-	kind = task_find_kind(x, c, kinds, WANT_COUNT);
+	kind = request_find_kind(x, c, kinds, WANT_COUNT);
 	if (kind < 0)
 		return x->e->code;
 	w.kind = (enum want_kind)kind;
 	w.rows = WANTS[kind].rows ? WANTS[kind].rows : x->t->nv;
-	if (w.kind == WANT_WRENCH && (w.body = task_find_body(x, c, strchr(c->name, '.') + 1)) < 0)
+	if (w.kind == WANT_WRENCH && (w.body = request_find_body(x, c, strchr(c->name, '.') + 1)) < 0)
 		return x->e->code;
 	if ((w.kind == WANT_TWIST || w.kind == WANT_ACCEL) && want_link(x, c, &w))
 		return x->e->code;
 	if (w.kind >= WANT_DTAU_DQ && want_derivative(x, c, &w))
 		return x->e->code;
-	w.argument = WANTS[kind].argument ? WANTS[kind].argument : task_argument(x, c->name);
+	w.argument = WANTS[kind].argument ? WANTS[kind].argument : request_argument(x, c->name);
 	return add_want(x, c, &w);
 }

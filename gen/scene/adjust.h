@@ -12,7 +12,7 @@ struct adjust {
 	double snap; /* rad */
 	int digits;
 	double drop; /* of the largest torque of a joint */
-	const char *kept; /* by joint of the robot: held, but not merged; NULL: none. Not the scene's, see keep.h */
+	const char *kept; /* by joint of the robot: held, but not merged; NULL: none. Not the scene's, see hold.h */
 };
 
 /* What is listed as nearly right. */

@@ -4,7 +4,7 @@
 #include <string.h>
 
 struct cutting {
-	struct cut *c;
+	struct selection *c;
 	const struct scene *s;
 	const struct robot *r;
 	struct rneagen_error *e;
@@ -16,7 +16,7 @@ struct cutting {
 };
 
 /* q = multiplier q_leader + offset, through followers of followers to a joint that follows none. */
-static void find_leader(const struct robot *r, int joint, enum rneagen_mimic mimic, struct cut_joint *c)
+static void find_leader(const struct robot *r, int joint, enum rneagen_mimic mimic, struct selection_joint *c)
 {
 	c->leader = joint;
 	c->multiplier = within_exact(1);
@@ -161,18 +161,18 @@ static const char *why_held(const struct cutting *k, int leader)
 
 static void decide(const struct cutting *k, int joint)
 {
-	struct cut_joint *c = &k->c->joints[joint], *leader = &k->c->joints[c->leader];
+	struct selection_joint *c = &k->c->joints[joint], *leader = &k->c->joints[c->leader];
 
 	if (k->r->joints[joint].type == JOINT_FIXED)
 		return;
 	if (k->has_tips && k->drop && !k->chain[joint] && !k->locked[joint]) {
-		c->state = CUT_GONE;
+		c->state = SELECTION_GONE;
 		return;
 	}
 	c->why = why_held(k, c->leader);
 	if (!c->why)
 		return;
-	c->state = CUT_HELD;
+	c->state = SELECTION_HELD;
 	if (c == leader)
 		return;
 	c->why = "mimic";
@@ -191,13 +191,13 @@ static enum rneagen_code cut_all(struct cutting *k)
 	return RNEAGEN_OK;
 }
 
-enum rneagen_code cut_make(struct cut *c, const struct scene *s, const struct robot *r, const struct rneagen_options *o,
+enum rneagen_code scene_select(struct selection *c, const struct scene *s, const struct robot *r, const struct rneagen_options *o,
 	struct arena *a, struct rneagen_error *e)
 {
 	size_t links = (size_t)r->link_count, joints = (size_t)r->joint_count;
 	struct cutting k = {.c = c, .s = s, .r = r, .e = e};
 
-	*c = (struct cut){.joints = arena_alloc(a, joints, sizeof *c->joints)};
+	*c = (struct selection){.joints = arena_alloc(a, joints, sizeof *c->joints)};
 	k.below = arena_alloc(a, links, 1);
 	k.chain = arena_alloc(a, joints, 1);
 	k.locked = arena_alloc(a, joints, sizeof(struct scene_choice *));
@@ -212,7 +212,7 @@ enum rneagen_code cut_make(struct cut *c, const struct scene *s, const struct ro
 	return cut_all(&k);
 }
 
-enum rneagen_code cut_check(const struct cut *c, const struct scene *s, const struct robot *r, const char *visited,
+enum rneagen_code scene_select_check(const struct selection *c, const struct scene *s, const struct robot *r, const char *visited,
 	struct rneagen_error *e)
 {
 	for (const struct scene_choice *lock = NULL; (lock = scene_next(s, SCENE_LOCK, lock)) != NULL;) {
@@ -226,7 +226,7 @@ enum rneagen_code cut_check(const struct cut *c, const struct scene *s, const st
 	return RNEAGEN_OK;
 }
 
-int cut_beyond(const struct joint *j, const struct cut_joint *held)
+int selection_beyond(const struct joint *j, const struct selection_joint *held)
 {
 	return j->has_limits && (held->value[0].x < (real)j->lower || held->value[0].x > (real)j->upper);
 }

@@ -12,14 +12,14 @@ struct run {
 
 struct telling {
 	struct drawn drawn;
-	const struct task *task;
+	const struct request *request;
 	struct run *runs;
 	size_t count, capacity;
 };
 
 static int is_given(const struct telling *x, const struct drawn_array *a, int row)
 {
-	const struct row *const rows[] = {x->task->q, x->task->qd, x->task->qdd};
+	const struct row *const rows[] = {x->request->q, x->request->qd, x->request->qdd};
 	size_t i = (size_t)(a - x->drawn.arrays);
 
 	return i < DRAWN_OTHERS && rows[i][row].is_given;
@@ -50,7 +50,7 @@ static void add_row(struct telling *x, const struct drawn_array *a, int row, str
 
 static int begin(struct telling *x, const struct tree *t, const struct dag *d, struct text *out)
 {
-	*x = (struct telling){.task = &t->task};
+	*x = (struct telling){.request = &t->request};
 	if (draw_ranges(&x->drawn, t, out->arena))
 		for (int k = 0; k < d->argument_count; k++) {
 			const struct drawn_array *a = draw_array(&x->drawn, &d->arguments[k]);

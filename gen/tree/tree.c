@@ -24,7 +24,7 @@ struct builder {
 	int depth;
 	int *first_child, *next_sibling; /* joints, by link and by joint */
 	int *body_of_joint;              /* -1: none */
-	struct cut cut;
+	struct selection cut;
 	char *visited; /* by link */
 };
 
@@ -121,7 +121,7 @@ static int body_add(struct builder *b, int joint, int parent, const struct place
 	k->link = b->r->links[j->child].name;
 	k->joint = j->name;
 	k->parent = parent;
-	k->type = b->cut.joints[joint].state == CUT_HELD ? JOINT_FIXED : j->type;
+	k->type = b->cut.joints[joint].state == SELECTION_HELD ? JOINT_FIXED : j->type;
 	k->multiplier = within_exact(1);
 	k->follower = k->type != JOINT_FIXED && b->cut.joints[joint].leader != joint;
 	if (k->type == JOINT_FIXED && !turns(j))
@@ -132,7 +132,7 @@ static int body_add(struct builder *b, int joint, int parent, const struct place
 		k->turn = along(k, b->cut.joints[joint].value[0]);
 	body_set_placement(b, k, urdf);
 	if (k->follower) {
-		const struct cut_joint *c = &b->cut.joints[joint];
+		const struct selection_joint *c = &b->cut.joints[joint];
 		struct tree_mimic m = {j->name, b->r->joints[c->leader].name, index, c->multiplier, c->offset};
 
 		k->multiplier = m.multiplier;
@@ -194,14 +194,14 @@ static int is_zero(const struct joint *j, const struct within *q)
 static void hold(struct builder *b, int joint, struct placement *at)
 {
 	const struct joint *j = &b->r->joints[joint];
-	const struct cut_joint *c = &b->cut.joints[joint];
+	const struct selection_joint *c = &b->cut.joints[joint];
 
 	if (!is_zero(j, c->value) && !(is_kept(b, joint) && turns(j))) {
 		struct placement motion = held_motion(j, c->value);
 
 		*at = placement_mul(at, &motion);
 	}
-	b->t->held[b->t->held_count++] = (struct tree_held){j->name, c->why, j->type, c->value, joint, cut_beyond(j, c)};
+	b->t->held[b->t->held_count++] = (struct tree_held){j->name, c->why, j->type, c->value, joint, selection_beyond(j, c)};
 }
 
 /* A link's inertia goes to the body that carries it; then its joints wait on the stack, first in name order on top. */
@@ -217,10 +217,10 @@ static void visit_link(struct builder *b, int link, int body, const struct place
 		X = placement_mul(&back, at);
 	}
 	b->t->links[link] = (struct carried){body, X};
-	if (l->has_inertial && !task_frees_link(&b->t->scene, l->name))
+	if (l->has_inertial && !request_frees_link(&b->t->scene, l->name))
 		inertia_add(body >= 0 ? &b->sums[body] : &b->fixed, &X, l->mass, l->com, l->com_rpy, l->inertia);
 	for (int j = b->first_child[link]; j >= 0; j = b->next_sibling[j])
-		if (b->cut.joints[j].state != CUT_GONE)
+		if (b->cut.joints[j].state != SELECTION_GONE)
 			b->stack[b->depth++] = (struct step){j, body, *at};
 }
 
@@ -236,9 +236,9 @@ static void walk(struct builder *b)
 		const struct joint *j = &b->r->joints[s.joint];
 		struct placement origin = joint_placement(j), at = placement_mul(&s.parent, &origin);
 
-		if (b->cut.joints[s.joint].state == CUT_HELD)
+		if (b->cut.joints[s.joint].state == SELECTION_HELD)
 			hold(b, s.joint, &at);
-		if (j->type == JOINT_FIXED || (b->cut.joints[s.joint].state == CUT_HELD && !is_kept(b, s.joint)))
+		if (j->type == JOINT_FIXED || (b->cut.joints[s.joint].state == SELECTION_HELD && !is_kept(b, s.joint)))
 			visit_link(b, j->child, s.body, &at);
 		else
 			visit_link(b, j->child, body_add(b, s.joint, s.body, &at), &identity);
@@ -365,7 +365,7 @@ enum rneagen_code tree_build_adjusted(struct tree *t, const struct robot *r, con
 	for (int i = 0; i < 3; i++)
 		t->gravity[i] = within_double(o->gravity[i]);
 	if (scene_read(&t->scene, o->scene, o->file ? o->file : "<input>", a, e) || scene_expand(&t->scene, r, a, e) ||
-		adjust_read(&t->adjust, &t->scene, e) || cut_make(&b.cut, &t->scene, r, o, a, e) ||
+		adjust_read(&t->adjust, &t->scene, e) || scene_select(&b.cut, &t->scene, r, o, a, e) ||
 		allocate(&b))
 		return e->code;
 	if (x)
@@ -380,12 +380,12 @@ enum rneagen_code tree_build_adjusted(struct tree *t, const struct robot *r, con
 	list_cut(&b);
 	list_angles(&b, r);
 	list_ignored(&b);
-	if (cut_check(&b.cut, &t->scene, r, b.visited, e))
+	if (scene_select_check(&b.cut, &t->scene, r, b.visited, e))
 		return e->code;
 	for (int k = 0; k < t->body_count; k++)
 		t->bodies[k].inertia = inertia_total(&b.sums[k]);
 	t->fixed = inertia_total(&b.fixed);
 	if (t->adjust.digits)
 		adjust_round(t, t->adjust.digits);
-	return rows_number(t, o, a, e) ? e->code : task_resolve(t, b.r, a, e);
+	return rows_number(t, o, a, e) ? e->code : request_resolve(t, b.r, a, e);
 }

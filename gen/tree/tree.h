@@ -103,7 +103,7 @@ struct tree {
 	struct saving *savings; /* by saving_measure: the full model, each line of the scene, the scene */
 	int saving_count;
 	int effect_count;
-	struct task task;
+	struct request request;
 	struct carried *links; /* one for each of the robot's */
 	struct inertia fixed; /* what is fixed to the world and so does not matter */
 };

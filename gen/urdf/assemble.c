@@ -24,7 +24,7 @@ static int find_name(const void *entries, size_t count, size_t size, const char 
 }
 
 /* Sort by name; no name may be used twice. */
-static enum rneagen_code sort_names(void *entries, size_t count, size_t size, const char *what, const struct report *p)
+static enum rneagen_code sort_names(void *entries, size_t count, size_t size, const char *what, const struct diagnostic *p)
 {
 	const char *at = entries;
 
@@ -34,7 +34,7 @@ static enum rneagen_code sort_names(void *entries, size_t count, size_t size, co
 		const struct outline_id *a = (const void *)(at + (i - 1) * size), *b = (const void *)(at + i * size);
 
 		if (!strcmp(a->name, b->name))
-			return report_error(p, RNEAGEN_URDF, b->line,
+			return diagnostic_error(p, RNEAGEN_URDF, b->line,
 				"%s '%s' is already defined on line %ld; rename one", what, b->name, a->line);
 	}
 	return RNEAGEN_OK;
@@ -42,31 +42,31 @@ static enum rneagen_code sort_names(void *entries, size_t count, size_t size, co
 
 /* The link at one end of a joint; -1 on failure. */
 static int find_link(const struct outline *o, const struct outline_joint *j, const char *end, const char *link,
-	const struct report *p)
+	const struct diagnostic *p)
 {
 	int i = link ? find_name(o->links, o->link_count, sizeof *o->links, link) : -1;
 
 	if (!link)
-		report_error(p, RNEAGEN_TREE, j->id.line, "joint '%s' has no <%s>; name the link", j->id.name, end);
+		diagnostic_error(p, RNEAGEN_TREE, j->id.line, "joint '%s' has no <%s>; name the link", j->id.name, end);
 	else if (i < 0)
-		report_error(p, RNEAGEN_TREE, j->id.line,
+		diagnostic_error(p, RNEAGEN_TREE, j->id.line,
 			"joint '%s': its %s link '%s' is not defined; add the link or correct the name", j->id.name,
 			end, link);
 	return i;
 }
 
 /* The joint that a joint mimics, or -1. */
-static int find_driver(const struct outline *o, const struct outline_joint *j, const struct report *p)
+static int find_driver(const struct outline *o, const struct outline_joint *j, const struct diagnostic *p)
 {
 	int i = j->driver ? find_name(o->joints, o->joint_count, sizeof *o->joints, j->driver) : -1;
 
 	if (j->driver && i < 0)
-		report_error(p, RNEAGEN_MIMIC, j->id.line,
+		diagnostic_error(p, RNEAGEN_MIMIC, j->id.line,
 			"joint '%s' mimics joint '%s', which is not defined; correct the name", j->id.name, j->driver);
 	return i;
 }
 
-static enum rneagen_code fill_joint(int index, const struct outline *o, const struct report *p)
+static enum rneagen_code fill_joint(int index, const struct outline *o, const struct diagnostic *p)
 {
 	const struct outline_joint *from = &o->joints[index];
 	struct robot *r = p->robot;
@@ -83,10 +83,10 @@ static enum rneagen_code fill_joint(int index, const struct outline *o, const st
 		return p->error->code;
 	child = &r->links[j->child];
 	if (j->parent == j->child)
-		return report_error(p, RNEAGEN_TREE, from->id.line,
+		return diagnostic_error(p, RNEAGEN_TREE, from->id.line,
 			"joint '%s' joins link '%s' to itself; give another parent or child", j->name, child->name);
 	if (child->parent_joint >= 0)
-		return report_error(p, RNEAGEN_TREE, from->id.line,
+		return diagnostic_error(p, RNEAGEN_TREE, from->id.line,
 			"link '%s' is the child of two joints, '%s' and '%s'; remove one: loops are not supported",
 			child->name, r->joints[child->parent_joint].name, j->name);
 	child->parent_joint = index;
@@ -103,7 +103,7 @@ static int climb(const struct robot *r, int link, int steps)
 
 /* One root, and every link leads up to it. A climb that still goes on after as many joints as there are is in a
    cycle. */
-static enum rneagen_code check_tree(const struct outline *o, const struct report *p)
+static enum rneagen_code check_tree(const struct outline *o, const struct diagnostic *p)
 {
 	struct robot *r = p->robot;
 
@@ -112,11 +112,11 @@ static enum rneagen_code check_tree(const struct outline *o, const struct report
 		int top = climb(r, i, r->joint_count), up = r->links[top].parent_joint;
 
 		if (up >= 0)
-			return report_error(p, RNEAGEN_TREE, o->joints[up].id.line,
+			return diagnostic_error(p, RNEAGEN_TREE, o->joints[up].id.line,
 				"links '%s' and '%s' are in a cycle, not reachable from a root; remove joint '%s'",
 				r->links[top].name, r->links[r->joints[up].parent].name, r->joints[up].name);
 		if (r->root >= 0 && top != r->root)
-			return report_error(p, RNEAGEN_TREE, o->links[top].id.line,
+			return diagnostic_error(p, RNEAGEN_TREE, o->links[top].id.line,
 				"links '%s' and '%s' both have no parent joint; join them, or remove one",
 				r->links[r->root].name, r->links[top].name);
 		r->root = top;
@@ -124,13 +124,13 @@ static enum rneagen_code check_tree(const struct outline *o, const struct report
 	return RNEAGEN_OK;
 }
 
-enum rneagen_code assemble_robot(struct outline *o, const struct report *p)
+enum rneagen_code assemble_robot(struct outline *o, const struct diagnostic *p)
 {
 	struct robot *r = p->robot;
 
 	r->name = o->name;
 	if (!o->link_count)
-		return report_error(p, RNEAGEN_URDF, 0, "robot '%s' has no <link>; add at least one", o->name);
+		return diagnostic_error(p, RNEAGEN_URDF, 0, "robot '%s' has no <link>; add at least one", o->name);
 	if (sort_names(o->links, o->link_count, sizeof *o->links, "link", p) ||
 		sort_names(o->joints, o->joint_count, sizeof *o->joints, "joint", p))
 		return p->error->code;

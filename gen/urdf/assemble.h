@@ -6,6 +6,6 @@
 
 /* Fills the names, indices, types and angles of the robot and sorts `o` alike: o->joints[i] is robot->joints[i].
    Errors: MEMORY, URDF (a name is used twice), TREE, MIMIC (the driver is not there). */
-enum rneagen_code assemble_robot(struct outline *o, const struct report *p);
+enum rneagen_code assemble_robot(struct outline *o, const struct diagnostic *p);
 
 #endif

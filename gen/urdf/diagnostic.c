@@ -4,7 +4,7 @@
 
 enum { MESSAGE_BYTES = sizeof((struct rneagen_error *)0)->message };
 
-enum rneagen_code report_error(const struct report *p, enum rneagen_code code, long line, const char *fmt, ...)
+enum rneagen_code diagnostic_error(const struct diagnostic *p, enum rneagen_code code, long line, const char *fmt, ...)
 {
 	char what[MESSAGE_BYTES];
 	va_list ap;
@@ -17,7 +17,7 @@ enum rneagen_code report_error(const struct report *p, enum rneagen_code code, l
 	return error_set(p->error, code, "%s: %s", p->file, what);
 }
 
-void report_warning(const struct report *p, long line, const char *fmt, ...)
+void diagnostic_warning(const struct diagnostic *p, long line, const char *fmt, ...)
 {
 	char what[MESSAGE_BYTES];
 	va_list ap;

@@ -4,7 +4,7 @@
 
 #include "urdf/robot.h"
 
-struct report {
+struct diagnostic {
 	const char *file;
 	struct robot *robot; /* takes the warnings */
 	struct arena *arena;
@@ -12,8 +12,8 @@ struct report {
 };
 
 /* Line 0: none is known. */
-enum rneagen_code report_error(const struct report *p, enum rneagen_code code, long line, const char *fmt, ...)
+enum rneagen_code diagnostic_error(const struct diagnostic *p, enum rneagen_code code, long line, const char *fmt, ...)
 	RNEAGEN_PRINTF(4, 5);
-void report_warning(const struct report *p, long line, const char *fmt, ...) RNEAGEN_PRINTF(3, 4);
+void diagnostic_warning(const struct diagnostic *p, long line, const char *fmt, ...) RNEAGEN_PRINTF(3, 4);
 
 #endif

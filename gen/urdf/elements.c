@@ -12,7 +12,7 @@ static const char *read_name(struct walk *w, const char *element, const char *co
 		walk_fail(w, RNEAGEN_LIMIT, "%s '%.60s...': the name is longer than %d bytes; shorten it", element,
 			name, LIMIT_NAME_BYTES);
 	else
-		return arena_string(w->report->arena, name, strlen(name));
+		return arena_string(w->diagnostic->arena, name, strlen(name));
 	return NULL;
 }
 
@@ -44,7 +44,7 @@ static void *start_named(struct walk *w, const char *element, const char *const 
 	w->seen = w->twice = 0;
 	w->inertials = 0;
 	if (count < LIMIT_LINKS)
-		return arena_grow(w->report->arena, array, count, capacity, size);
+		return arena_grow(w->diagnostic->arena, array, count, capacity, size);
 	walk_fail(w, RNEAGEN_LIMIT, "%s '%s' is one too many: at most %d %ss are supported", element, name, LIMIT_LINKS,
 		element);
 	return NULL;
@@ -102,7 +102,7 @@ static enum place start_inertial(struct walk *w)
 	if (!w->inertials++)
 		return INERTIAL;
 	if (w->inertials == 2)
-		report_warning(w->report, walk_line(w), "link '%s': more than one <inertial>; the first is used",
+		diagnostic_warning(w->diagnostic, walk_line(w), "link '%s': more than one <inertial>; the first is used",
 			w->owner_name);
 	return SKIPPED;
 }
@@ -115,7 +115,7 @@ enum place elements_enter(struct walk *w, const char *element, const char *const
 	case ROBOT:
 		if (!strcmp(element, "link"))
 			return start_link(w, attributes);
-		w->report->robot->transmission_count += !strcmp(element, "transmission");
+		w->diagnostic->robot->transmission_count += !strcmp(element, "transmission");
 		return strcmp(element, "joint") ? SKIPPED : start_joint(w, attributes);
 	case LINK:
 		return strcmp(element, "inertial") ? SKIPPED : start_inertial(w);

@@ -13,10 +13,10 @@ long walk_line(const struct walk *w)
 
 static void fail(struct walk *w, long line, enum rneagen_code code, const char *fmt, va_list ap)
 {
-	char what[sizeof w->report->error->message];
+	char what[sizeof w->diagnostic->error->message];
 
 	vsnprintf(what, sizeof what, fmt, ap);
-	report_error(w->report, code, line, "%s", what);
+	diagnostic_error(w->diagnostic, code, line, "%s", what);
 	XML_StopParser(w->parser, XML_FALSE);
 }
 
@@ -90,7 +90,7 @@ static void XMLCALL on_start(void *data, const XML_Char *element, const XML_Char
 	const char *const *values = (const char *const *)attributes;
 	enum place place = SKIPPED;
 
-	if (w->report->error->code)
+	if (w->diagnostic->error->code)
 		return;
 	if (w->depth == LIMIT_XML_DEPTH) {
 		walk_fail(w, RNEAGEN_LIMIT, "elements are nested more than %d deep; a URDF needs about 5",
@@ -101,13 +101,13 @@ static void XMLCALL on_start(void *data, const XML_Char *element, const XML_Char
 		walk_fail(w, RNEAGEN_XACRO, "<%.100s>: " XACRO_ADVICE, element);
 	if (w->places[w->depth] < VALUE)
 		refuse_expressions(w, element, values);
-	if (!w->report->error->code)
+	if (!w->diagnostic->error->code)
 		place = elements_enter(w, element, values);
 	w->places[++w->depth] = place;
 	if (place != SKIPPED)
 		copy_tag(&w->outline->urdf, element, values);
-	if (w->report->arena->failed) {
-		error_memory(w->report->error);
+	if (w->diagnostic->arena->failed) {
+		error_memory(w->diagnostic->error);
 		XML_StopParser(w->parser, XML_FALSE);
 	}
 }
@@ -117,7 +117,7 @@ static void XMLCALL on_end(void *data, const XML_Char *element)
 	struct walk *w = data;
 	enum place place;
 
-	if (w->report->error->code)
+	if (w->diagnostic->error->code)
 		return;
 	place = w->places[w->depth--];
 	if (place == INERTIAL)
@@ -153,20 +153,20 @@ static void XMLCALL on_declaration(void *data, const XML_Char *version, const XM
 }
 
 /* What can be said of the bytes before any parse. */
-static enum rneagen_code check_bytes(const char *xml, size_t length, const struct report *p)
+static enum rneagen_code check_bytes(const char *xml, size_t length, const struct diagnostic *p)
 {
 	const char *nul = length ? memchr(xml, '\0', length) : NULL;
 
 	if (!length)
-		return report_error(p, RNEAGEN_XML, 0, "the file is empty; give a URDF");
+		return diagnostic_error(p, RNEAGEN_XML, 0, "the file is empty; give a URDF");
 	if (length > LIMIT_FILE_BYTES)
-		return report_error(p, RNEAGEN_LIMIT, 0,
+		return diagnostic_error(p, RNEAGEN_LIMIT, 0,
 			"%zu bytes, and at most %d are read; leave out what is not needed", length, LIMIT_FILE_BYTES);
 	if (length > 1 && (!memcmp(xml, "\xff\xfe", 2) || !memcmp(xml, "\xfe\xff", 2) || !memcmp(xml, "<\0", 2) ||
 				  !memcmp(xml, "\0<", 2)))
-		return report_error(p, RNEAGEN_XML, 0, "the file is UTF-16; convert it to UTF-8");
+		return diagnostic_error(p, RNEAGEN_XML, 0, "the file is UTF-16; convert it to UTF-8");
 	if (nul)
-		return report_error(p, RNEAGEN_XML, 0, "byte %zu is NUL; give plain text", (size_t)(nul - xml));
+		return diagnostic_error(p, RNEAGEN_XML, 0, "byte %zu is NUL; give plain text", (size_t)(nul - xml));
 	return RNEAGEN_OK;
 }
 
@@ -178,7 +178,7 @@ static void fail_expat(struct walk *w, size_t length)
 	int in_file = at >= 0 && (size_t)at < length;
 
 	if (code == XML_ERROR_NO_MEMORY)
-		error_memory(w->report->error);
+		error_memory(w->diagnostic->error);
 	else if (code == XML_ERROR_INVALID_TOKEN && in_file && (unsigned char)w->xml[at] >= 0x80)
 		walk_fail(w, RNEAGEN_XML, "byte 0x%02x is not UTF-8; convert the file to UTF-8",
 			(unsigned char)w->xml[at]);
@@ -187,9 +187,9 @@ static void fail_expat(struct walk *w, size_t length)
 			in_file || !w->depth ? "" : ": the file ends too early");
 }
 
-enum rneagen_code precheck(struct outline *o, const char *xml, size_t length, const struct report *p)
+enum rneagen_code precheck(struct outline *o, const char *xml, size_t length, const struct diagnostic *p)
 {
-	struct walk w = {.outline = o, .xml = xml, .report = p, .owner = "robot", .owner_name = ""};
+	struct walk w = {.outline = o, .xml = xml, .diagnostic = p, .owner = "robot", .owner_name = ""};
 
 	*o = (struct outline){.name = ""};
 	text_init(&o->urdf, p->arena);

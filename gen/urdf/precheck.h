@@ -37,6 +37,6 @@ struct outline {
 };
 
 /* Call in the C locale. Errors: MEMORY, LIMIT, XML, XACRO, URDF, NUMBER, UNSUPPORTED. */
-enum rneagen_code precheck(struct outline *o, const char *xml, size_t length, const struct report *p);
+enum rneagen_code precheck(struct outline *o, const char *xml, size_t length, const struct diagnostic *p);
 
 #endif

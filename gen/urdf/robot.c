@@ -62,7 +62,7 @@ void robot_warn(struct robot *r, struct arena *a, const char *fmt, ...)
 enum rneagen_code robot_read(
 	struct robot *r, const char *xml, size_t length, const char *file, struct arena *a, struct rneagen_error *e)
 {
-	const struct report p = {file, r, a, e};
+	const struct diagnostic p = {file, r, a, e};
 	struct outline o;
 	struct c_locale l;
 

@@ -27,7 +27,7 @@ static void eigenvalues(const struct within in[6], double out[3])
 /* No body has another inertia: no principal moment is negative and none exceeds the sum of the other two. Moments are
    zero that are no more than rounding beside the largest; a point mass has none, and one alone is given for what turns
    about one axis, or to fill the place. The last tolerance forgives the rounding of the file's digits. */
-static void check_inertia(const struct link *l, long line, const struct report *p)
+static void check_inertia(const struct link *l, long line, const struct diagnostic *p)
 {
 	const char *fault = NULL;
 	double eigen[3], largest;
@@ -42,14 +42,14 @@ static void check_inertia(const struct link *l, long line, const struct report *
 	else if (eigen[1] > 0 && eigen[0] + eigen[1] < (1 - 1e-6) * eigen[2])
 		fault = "violates the triangle inequality";
 	if (fault)
-		report_warning(p, line, "link '%s': its inertia %s (eigenvalues %.7g %.7g %.7g); used as given", l->name, fault,
+		diagnostic_warning(p, line, "link '%s': its inertia %s (eigenvalues %.7g %.7g %.7g); used as given", l->name, fault,
 			eigen[0], eigen[1], eigen[2]);
 }
 
-static void check_link(const struct link *l, long line, const struct report *p)
+static void check_link(const struct link *l, long line, const struct diagnostic *p)
 {
 	if (l->mass.x < 0)
-		report_error(
+		diagnostic_error(
 			p, RNEAGEN_NUMBER, line, "link '%s': its mass %g is negative; correct it", l->name, (double)l->mass.x);
 	check_inertia(l, line, p);
 }
@@ -65,51 +65,51 @@ static int has_one_coordinate(enum joint_type type)
 	return type == JOINT_REVOLUTE || type == JOINT_CONTINUOUS || type == JOINT_PRISMATIC;
 }
 
-static void check_axis(const struct joint *j, long line, const struct report *p)
+static void check_axis(const struct joint *j, long line, const struct diagnostic *p)
 {
 	double norm = hypot(hypot((double)j->axis[0].x, (double)j->axis[1].x), (double)j->axis[2].x);
 
 	if (norm == 0)
-		report_error(p, RNEAGEN_NUMBER, line, "joint '%s': its axis is 0 0 0; give a direction", j->name);
+		diagnostic_error(p, RNEAGEN_NUMBER, line, "joint '%s': its axis is 0 0 0; give a direction", j->name);
 	else if (fabs(norm - 1) > 1e-12)
-		report_warning(p, line, "joint '%s': its axis is %.*g long, not 1; normalised", j->name,
+		diagnostic_warning(p, line, "joint '%s': its axis is %.*g long, not 1; normalised", j->name,
 			fabs(norm - 1) < 1e-9 ? 13 : 10, norm);
 }
 
-static void check_mimic(struct joint *j, long line, const struct report *p)
+static void check_mimic(struct joint *j, long line, const struct diagnostic *p)
 {
 	const struct joint *driver = &p->robot->joints[j->driver];
 
 	if (j == driver)
-		report_error(p, RNEAGEN_MIMIC, line, "joint '%s' mimics itself; name another joint", j->name);
+		diagnostic_error(p, RNEAGEN_MIMIC, line, "joint '%s' mimics itself; name another joint", j->name);
 	else if (j->type == JOINT_FIXED) {
-		report_warning(
+		diagnostic_warning(
 			p, line, "joint '%s' is fixed; its <mimic> of joint '%s' is ignored", j->name, driver->name);
 		j->driver = -1;
 	} else if (!has_one_coordinate(j->type))
-		report_error(p, RNEAGEN_MIMIC, line, "joint '%s' is %s and cannot mimic joint '%s'; remove its <mimic>",
+		diagnostic_error(p, RNEAGEN_MIMIC, line, "joint '%s' is %s and cannot mimic joint '%s'; remove its <mimic>",
 			j->name, joint_type_name(j->type), driver->name);
 	else if (!has_one_coordinate(driver->type))
-		report_error(p, RNEAGEN_MIMIC, line,
+		diagnostic_error(p, RNEAGEN_MIMIC, line,
 			"joint '%s' mimics joint '%s', which is %s; name a revolute, continuous or prismatic joint",
 			j->name, driver->name, joint_type_name(driver->type));
 }
 
 /* A chain of drivers that still goes on after as many joints as there are is in a cycle. */
-static void check_mimic_chain(int j, const struct outline *o, const struct report *p)
+static void check_mimic_chain(int j, const struct outline *o, const struct diagnostic *p)
 {
 	const struct joint *joints = p->robot->joints;
 
 	for (int steps = p->robot->joint_count; steps > 0 && joints[j].driver >= 0; steps--)
 		j = joints[j].driver;
 	if (joints[j].driver >= 0)
-		report_error(p, RNEAGEN_MIMIC, o->joints[j].id.line,
+		diagnostic_error(p, RNEAGEN_MIMIC, o->joints[j].id.line,
 			"joints '%s' and '%s' mimic each other in a cycle; let one of them lead", joints[j].name,
 			joints[joints[j].driver].name);
 }
 
 /* A joint that moves no inertial has torque 0: seldom meant. */
-static void check_massless(const struct outline *o, const struct report *p)
+static void check_massless(const struct outline *o, const struct diagnostic *p)
 {
 	struct robot *r = p->robot;
 	char *moves = arena_alloc(p->arena, (size_t)r->joint_count, 1);
@@ -124,12 +124,12 @@ static void check_massless(const struct outline *o, const struct report *p)
 			}
 	for (int i = 0; i < r->joint_count; i++)
 		if (!moves[i] && r->joints[i].type != JOINT_FIXED)
-			report_warning(p, o->joints[i].id.line,
+			diagnostic_warning(p, o->joints[i].id.line,
 				"joint '%s' moves no mass: link '%s' and all beyond have no <inertial>; its torque is 0",
 				r->joints[i].name, r->links[r->joints[i].child].name);
 }
 
-enum rneagen_code robot_check(const struct outline *o, const struct report *p)
+enum rneagen_code robot_check(const struct outline *o, const struct diagnostic *p)
 {
 	struct robot *r = p->robot;
 

@@ -5,6 +5,6 @@
 #include "urdf/precheck.h"
 
 /* `o` lends the line numbers. Errors: MEMORY, NUMBER (negative mass, zero axis), MIMIC. A mimic on a fixed joint is dropped with a warning. */
-enum rneagen_code robot_check(const struct outline *o, const struct report *p);
+enum rneagen_code robot_check(const struct outline *o, const struct diagnostic *p);
 
 #endif

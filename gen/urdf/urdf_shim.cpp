@@ -132,7 +132,7 @@ void fill_joint(struct joint &j, const urdf::Joint &from)
 	}
 }
 
-rneagen_code fill_robot(const urdf::ModelInterface &model, const struct outline *o, const struct report *p)
+rneagen_code fill_robot(const urdf::ModelInterface &model, const struct outline *o, const struct diagnostic *p)
 {
 	struct robot *r = p->robot;
 
@@ -140,7 +140,7 @@ rneagen_code fill_robot(const urdf::ModelInterface &model, const struct outline 
 		const auto from = model.getLink(r->links[i].name);
 
 		if (!from)
-			return report_error(p, RNEAGEN_URDF, o->links[i].id.line, "link '%s' is lost in urdfdom; rename it",
+			return diagnostic_error(p, RNEAGEN_URDF, o->links[i].id.line, "link '%s' is lost in urdfdom; rename it",
 				r->links[i].name);
 		fill_link(r->links[i], *from);
 	}
@@ -148,7 +148,7 @@ rneagen_code fill_robot(const urdf::ModelInterface &model, const struct outline 
 		const auto from = model.getJoint(r->joints[i].name);
 
 		if (!from)
-			return report_error(p, RNEAGEN_URDF, o->joints[i].id.line, "joint '%s' is lost in urdfdom; rename it",
+			return diagnostic_error(p, RNEAGEN_URDF, o->joints[i].id.line, "joint '%s' is lost in urdfdom; rename it",
 				r->joints[i].name);
 		fill_joint(r->joints[i], *from);
 	}
@@ -167,17 +167,17 @@ long line_of(const std::string &said, const struct outline *o)
 	return o->line;
 }
 
-rneagen_code refuse(const std::string &said, const struct outline *o, const struct report *p)
+rneagen_code refuse(const std::string &said, const struct outline *o, const struct diagnostic *p)
 {
 	bool is_version = false;
 
 	for (const char *words : {"'version'", "ersion attribute", "ersion number"})
 		is_version |= said.find(words) != std::string::npos;
-	return report_error(p, RNEAGEN_URDF, line_of(said, o), "refused by urdfdom: %s; %s", said.c_str(),
+	return diagnostic_error(p, RNEAGEN_URDF, line_of(said, o), "refused by urdfdom: %s; %s", said.c_str(),
 		is_version ? "write version=\"1.0\", or leave it out" : "correct it, or remove what it names");
 }
 
-rneagen_code parse(const struct outline *o, const struct report *p)
+rneagen_code parse(const struct outline *o, const struct diagnostic *p)
 {
 	std::string said;
 	urdf::ModelInterfaceSharedPtr model;
@@ -193,15 +193,15 @@ rneagen_code parse(const struct outline *o, const struct report *p)
 
 } // namespace
 
-extern "C" enum rneagen_code urdf_read(const struct outline *o, const struct report *p)
+extern "C" enum rneagen_code urdf_read(const struct outline *o, const struct diagnostic *p)
 {
 	try {
 		return parse(o, p);
 	} catch (const std::bad_alloc &) {
 		return error_memory(p->error);
 	} catch (const std::exception &x) {
-		return report_error(p, RNEAGEN_URDF, o->line, "refused by urdfdom: %s; correct what it names", x.what());
+		return diagnostic_error(p, RNEAGEN_URDF, o->line, "refused by urdfdom: %s; correct what it names", x.what());
 	} catch (...) {
-		return report_error(p, RNEAGEN_URDF, o->line, "refused by urdfdom without a reason; does check_urdf read the file?");
+		return diagnostic_error(p, RNEAGEN_URDF, o->line, "refused by urdfdom without a reason; does check_urdf read the file?");
 	}
 }

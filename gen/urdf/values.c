@@ -135,7 +135,7 @@ static const char *copy_name(struct walk *w, const char *element, const char *co
 
 	if (!value)
 		walk_fail(w, RNEAGEN_URDF, "joint '%s': <%s> has no %s; name one", w->owner_name, element, name);
-	return value ? arena_string(w->report->arena, value, strlen(value)) : NULL;
+	return value ? arena_string(w->diagnostic->arena, value, strlen(value)) : NULL;
 }
 
 static void read_names(struct walk *w, const char *element, const char *const *attributes)
@@ -161,7 +161,7 @@ static int axis_is_idle(const struct walk *w, const char *element)
 static void warn_twice(struct walk *w, const char *element, unsigned bit)
 {
 	if (!(w->twice & bit))
-		report_warning(w->report, walk_line(w), "%s '%s': more than one <%s>; the first is used", w->owner,
+		diagnostic_warning(w->diagnostic, walk_line(w), "%s '%s': more than one <%s>; the first is used", w->owner,
 			w->owner_name, element);
 	w->twice |= bit;
 }

@@ -13,7 +13,7 @@ struct walk {
 	XML_Parser parser;
 	struct outline *outline;
 	const char *xml;
-	const struct report *report;
+	const struct diagnostic *diagnostic;
 	int depth;
 	enum place places[LIMIT_XML_DEPTH + 1]; /* of the open elements; places[0] is the document */
 	const char *owner, *owner_name;         /* "robot", "link" or "joint", and its name, for messages */

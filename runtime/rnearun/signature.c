@@ -2,7 +2,7 @@
 #include "base/nearest.h"
 #include <string.h>
 
-static const struct freed *find_freed(const struct task *k, const char *name)
+static const struct freed *find_freed(const struct request *k, const char *name)
 {
 	for (int i = 0; i < k->freed_count; i++)
 		if (!strcmp(k->freed[i].argument, name))
@@ -10,20 +10,20 @@ static const struct freed *find_freed(const struct task *k, const char *name)
 	return NULL;
 }
 
-/* The scene's choices of links that forces act on, in order, are the task's pushes. */
+/* The scene's choices of links that forces act on, in order, are the request's pushes. */
 static const char *push_word(struct analysis *a, const char *name)
 {
 	const struct scene_choice *c = NULL;
 	struct text word;
 
 	text_init(&word, &a->arena);
-	for (int i = 0; i < a->tree.task.push_count && (c = scene_next(&a->tree.scene, SCENE_FEXT, c)) != NULL; i++)
-		if (!strcmp(a->tree.task.pushes[i].argument, name))
+	for (int i = 0; i < a->tree.request.push_count && (c = scene_next(&a->tree.scene, SCENE_FEXT, c)) != NULL; i++)
+		if (!strcmp(a->tree.request.pushes[i].argument, name))
 			text_printf(&word, "fext.%s", c->name);
 	return word.length ? text_string(&word) : NULL;
 }
 
-static const char *want_word(const struct task *k, const char *name)
+static const char *want_word(const struct request *k, const char *name)
 {
 	for (int i = 0; i < k->want_count; i++)
 		if (!strcmp(k->wants[i].argument, name))
@@ -35,7 +35,7 @@ static struct signature_array describe(struct analysis *a, const struct argument
 {
 	struct signature_array s = {.word = x->name, .name = x->name, .rows = (size_t)x->rows, .is_output = x->is_output,
 		.per_batch = x->per_batch};
-	const struct task *k = &a->tree.task;
+	const struct request *k = &a->tree.request;
 	const struct freed *f = x->is_output ? NULL : find_freed(k, x->name);
 	const char *push = x->is_output || f ? NULL : push_word(a, x->name);
 
@@ -53,7 +53,7 @@ static struct signature_array describe(struct analysis *a, const struct argument
 
 int signature_of(struct signature *s, struct analysis *a)
 {
-	*s = (struct signature){.count = (size_t)a->dag.argument_count, .is_plain = a->tree.task.is_plain};
+	*s = (struct signature){.count = (size_t)a->dag.argument_count, .is_plain = a->tree.request.is_plain};
 	for (size_t i = 0; i < s->count; i++)
 		s->arrays[i] = describe(a, &a->dag.arguments[i]);
 	return !a->arena.failed;
