@@ -6,7 +6,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "iiwa14_rnea.h"
 #include "quickstart.h"
-#include "reference.h"
+#include "reference/reference.h"
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -12,7 +12,7 @@ import random
 import sys
 from ctypes import POINTER, c_char, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 
-# ---- what is used of rnea.h, by its names; tests/torch_call_layout compares with the compiler's layout ----
+# ---- what is used of rnea.h, by its names; tests/examples/torch_call_layout compares with the compiler's layout ----
 
 RNEA_OK, RNEA_F32, RNEA_AOS, RNEA_BACKEND_CUDA = 0, 0, 1, 1
 

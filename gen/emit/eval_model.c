@@ -26,7 +26,7 @@ static real constant_f32x2(real value)
 	return (real)hi + (real)(float)(value - (real)hi);
 }
 
-/* The bounds that templates/f32x2.in and sincos_f32x2_core.in state; tests/test_f32x2 holds them against MPFR. Factors
+/* The bounds that templates/f32x2.in and sincos_f32x2_core.in state; tests/templates/test_f32x2 holds them against MPFR. Factors
    are split into halves by 4097, which must not overflow. */
 static const struct eval_model F32X2 = {.terms = 3.001 * 0x1p-48, .mul = 7 * 0x1p-48, .tiny = 0x1p-146, .input = 0x1p-48,
 	.largest = 0x1p114, .sincos = 0x1p-46, .sine = 0x1p-58, .cosine = 0x1p-58, .store = 0x1p-53, .store_largest = DBL_MAX,

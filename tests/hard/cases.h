@@ -2,7 +2,7 @@
 #define TESTS_HARD_CASES_H
 /* The table of numerically hard cases: a robot, states, and in words what they are and why they are hard. */
 
-#include "model.h"
+#include "support/model.h"
 
 enum hard_states {
 	STATES_ORDINARY, /* reference_sample's: |q| up to pi, |qd| up to 2, |qdd| up to 5 */

@@ -4,7 +4,7 @@
 
 #include "cases.h"
 #include "quad.h"
-#include "target.h"
+#include "target/target.h"
 
 struct compiled {
 	struct hard hard;

@@ -1,6 +1,6 @@
 #include "quad.h"
-#include "reference.h"
-#include "reference_oracle.h"
+#include "reference/reference.h"
+#include "reference/oracle.h"
 #include <stdlib.h>
 
 #define VISIBLE __attribute__((visibility("default")))

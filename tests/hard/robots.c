@@ -1,6 +1,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "robots.h"
-#include "rng.h"
+#include "support/rng.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,9 +2,9 @@
    trees. They differ by no more than rounding in extended precision. */
 #define _POSIX_C_SOURCE 200809L
 #include "quad.h"
-#include "random_robot.h"
-#include "reference.h"
-#include "suite.h"
+#include "support/random_robot.h"
+#include "reference/reference.h"
+#include "support/suite.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* The hard cases as compiled texts: the evaluated DAG's torques within both bounds, the reference's within one; what a
    sample that is not finite does to its neighbours in a batch. */
 #include "compiled.h"
-#include "rerun.h"
-#include "suite.h"
+#include "target/rerun.h"
+#include "support/suite.h"
 #include <float.h>
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #define BENCH_H
 /* The generated C functions of one robot beside Pinocchio's: the same states, one thread, one process. */
 #include "peer.h"
-#include "reference.h"
+#include "reference/reference.h"
 
 enum { STATES = 1024 };
 

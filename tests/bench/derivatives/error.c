@@ -1,7 +1,7 @@
 #include <stdlib.h>
 
 #include "bench.h"
-#include "reference_differences.h"
+#include "reference/differences.h"
 
 /* What the reference says about one state, and which elements a text stores, row by row: those of joints on one branch;
    of M the lower triangle. */

@@ -1,9 +1,9 @@
 /* test_six SIX_TEXTS: the operations' texts, compiled through librnea on the host and on the pretended GPU, against dense
    6x6 algebra over the reference's own reading of the URDF. */
 #define _POSIX_C_SOURCE 200809L
-#include "process.h"
-#include "reference_tree.h"
-#include "urdf_text.h"
+#include "support/process.h"
+#include "reference/tree.h"
+#include "support/urdf_text.h"
 #include <check.h>
 #include <rnea.h>
 #include <stdio.h>

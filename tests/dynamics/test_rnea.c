@@ -1,0 +1,131 @@
+/* The DAG against the independent reference: robots of our own, real ones, random trees. */
+#include "support/model.h"
+#include "support/random_robot.h"
+#include "support/suite.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What the evaluated DAG may be off. A real robot: ||tau - ref|| / ||ref||, worst of the samples. Any robot: each torque
+   by the magnitudes that were summed, since small ones can cancel; and never more than the running error bound. */
+#define LIMIT_F64 5e-14
+#define LIMIT_F32 3e-6
+#define LIMIT_TERMS 4
+
+enum { SAMPLES = 1000, RANDOM_ROBOTS = 400, RANDOM_SAMPLES = 8 };
+
+struct tally {
+	double f64, f32, terms, bound;
+	int count, real;
+};
+
+static void check_error(struct tally *t, const char *what, struct model_error e, double limit)
+{
+	ck_assert_msg(!t->real || e.max <= limit, "%s: relative error %g", what, e.max);
+	ck_assert_msg(e.terms <= LIMIT_TERMS, "%s: %g eps of the magnitudes summed", what, e.terms);
+	ck_assert_msg(e.bound <= 1, "%s: error is %g of its bound", what, e.bound);
+	t->terms = fmax(t->terms, e.terms);
+	t->bound = fmax(t->bound, e.bound);
+}
+
+static void check_model(struct tally *t, const char *urdf, size_t length, const struct rneagen_options *o, const char *what,
+	uint64_t seed, int samples)
+{
+	struct model_error f64, f32;
+	struct model m;
+
+	model_open(&m, urdf, length, o, what);
+	f64 = model_error_f64(&m, seed, samples);
+	f32 = model_error_f32(&m, seed + 1, samples);
+	if (samples == SAMPLES)
+		printf("%-34s %-8s f64 %.1e rms %.1e, %.2f eps S; f32 %.1e rms %.1e, %.2f eps S\n", what,
+			o->base == RNEAGEN_FLOATING ? "floating" : "fixed", f64.max, f64.rms, f64.terms, f32.max, f32.rms,
+			f32.terms);
+	check_error(t, what, f64, LIMIT_F64);
+	check_error(t, what, f32, LIMIT_F32);
+	t->f64 = fmax(t->f64, f64.max);
+	t->f32 = fmax(t->f32, f32.max);
+	t->count++;
+	model_close(&m);
+}
+
+static void check_robot(const char *path, const char *name, void *context)
+{
+	struct rneagen_options o = rneagen_options_default();
+	size_t length;
+	char *urdf;
+
+	if (!strncmp(name, "xfail_", 6))
+		return;
+	urdf = read_file(path, &length);
+	check_model(context, urdf, length, &o, name, 1, SAMPLES);
+	o.base = RNEAGEN_FLOATING;
+	check_model(context, urdf, length, &o, name, 3, SAMPLES);
+	free(urdf);
+}
+
+static void report(const struct tally *t, const char *what)
+{
+	printf("%d %s: worst f64 %.2e, f32 %.2e, %.2f eps of the magnitudes summed, %.2f of the running bound\n", t->count, what,
+		t->f64, t->f32, t->terms, t->bound);
+}
+
+START_TEST(test_own_robots)
+{
+	struct tally t = {0};
+
+	for_each_urdf(TEST_DIR "/robots", check_robot, &t);
+	ck_assert_int_ge(t.count, 2 * 28);
+	report(&t, "models of own robots, seeds 1 to 4");
+}
+END_TEST
+
+START_TEST(test_real_robots)
+{
+	const char *folder = getenv("RNEAGEN_ROBOTS");
+	struct tally t = {.real = 1};
+
+	if (!folder) {
+		printf("skipped: RNEAGEN_ROBOTS is not set\n");
+		return;
+	}
+	for_each_urdf(folder, check_robot, &t);
+	ck_assert_int_eq(t.count, 2 * 41);
+	report(&t, "models of real robots, seeds 1 to 4");
+}
+END_TEST
+
+START_TEST(test_random_trees)
+{
+	struct tally t = {0};
+
+	for (uint64_t seed = 1; seed <= RANDOM_ROBOTS; seed++) {
+		struct random_robot_knobs knobs = random_robot_knobs(seed, 2 + (int)(seed % 24));
+		struct rneagen_options o = rneagen_options_default();
+		char *urdf = random_robot(seed, &knobs), what[64];
+
+		snprintf(what, sizeof what, "random robot, seed %llu", (unsigned long long)seed);
+		o.base = seed % 3 ? RNEAGEN_FIXED : RNEAGEN_FLOATING;
+		o.mimic = seed % 5 ? RNEAGEN_MIMIC_HONOUR : RNEAGEN_MIMIC_INDEPENDENT;
+		o.gravity[0] = seed % 2 ? 0 : 1.5;
+		check_model(&t, urdf, strlen(urdf), &o, what, seed, RANDOM_SAMPLES);
+		free(urdf);
+	}
+	report(&t, "random trees, seeds 1 to 400");
+}
+END_TEST
+
+int main(void)
+{
+	Suite *suite = suite_create("rnea");
+	TCase *c = tcase_create("reference");
+
+	setvbuf(stdout, NULL, _IOLBF, 0);
+	tcase_set_timeout(c, 600);
+	tcase_add_test(c, test_own_robots);
+	tcase_add_test(c, test_real_robots);
+	tcase_add_test(c, test_random_trees);
+	suite_add_tcase(suite, c);
+	return suite_run(suite);
+}

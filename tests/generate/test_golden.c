@@ -1,0 +1,83 @@
+/* The stages of the pipeline for two small robots, as they were when somebody last looked at them: tests/golden/.
+   After a change that is meant: RNEAGEN_RENEW=1 test_golden writes them anew; then read what git diff shows. */
+#include "rneagen.h"
+#include "support/suite.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const robots[] = {"double_pendulum", "mimic_chain"};
+static const char *const stages[] = {[RNEAGEN_DUMP_ROBOT] = "robot", [RNEAGEN_DUMP_TREE] = "tree",
+	[RNEAGEN_DUMP_DAG] = "dag", [RNEAGEN_DUMP_PLAN] = "plan"};
+
+/* The whole file; NULL if there is none. The caller frees it. */
+static char *contents(const char *path, size_t *length)
+{
+	FILE *f = fopen(path, "rb");
+	char *s = calloc(1, 1 << 20);
+
+	ck_assert_ptr_nonnull(s);
+	*length = f ? fread(s, 1, (1 << 20) - 1, f) : 0;
+	if (f)
+		fclose(f);
+	return f ? s : (free(s), NULL);
+}
+
+/* The first line that differs, for the message. */
+static void compare(const char *path, const char *got, const char *want)
+{
+	int line = 1;
+
+	ck_assert_msg(want != NULL, "%s is not there; RNEAGEN_RENEW=1 makes it", path);
+	for (const char *g = got, *w = want; *g && *g == *w; g++, w++)
+		line += *g == '\n';
+	ck_assert_msg(!strcmp(got, want), "%s: line %d differs; if that is meant, RNEAGEN_RENEW=1 and look at git diff", path, line);
+}
+
+static void renew(const char *path, const char *text)
+{
+	FILE *f = fopen(path, "wb");
+
+	ck_assert_msg(f && fputs(text, f) >= 0 && !fclose(f), "%s cannot be written", path);
+	printf("renewed: %s\n", path);
+}
+
+START_TEST(stage)
+{
+	const char *robot = robots[_i / 4], *renewed = getenv("RNEAGEN_RENEW");
+	enum rneagen_dump dump = (enum rneagen_dump)(RNEAGEN_DUMP_ROBOT + _i % 4);
+	struct rneagen_options o = rneagen_options_default();
+	struct rneagen_result r;
+	struct rneagen_error e;
+	char path[1024];
+	size_t length;
+	char *text;
+
+	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", robot);
+	text = contents(path, &length);
+	ck_assert_msg(text != NULL, "cannot read %s", path);
+	o.dump = dump;
+	ck_assert_msg(!rneagen_generate(text, length, &o, &r, &e), "%s", e.message);
+	free(text);
+	snprintf(path, sizeof path, TEST_DIR "/golden/%s.%s", robot, stages[dump]);
+	if (renewed && !strcmp(renewed, "1")) {
+		renew(path, r.dump);
+	} else {
+		text = contents(path, &length);
+		compare(path, r.dump, text);
+		free(text);
+	}
+	rneagen_result_free(&r);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *suite = suite_create("golden");
+	TCase *c = tcase_create("stages");
+
+	setvbuf(stdout, NULL, _IOLBF, 0);
+	tcase_add_loop_test(c, stage, 0, 4 * sizeof robots / sizeof *robots);
+	suite_add_tcase(suite, c);
+	return suite_run(suite);
+}

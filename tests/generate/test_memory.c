@@ -1,0 +1,145 @@
+/* No memory, at every request there is: linked with arena_each.c, where each request asks the allocator. */
+#include "analysis.h"
+#include "rneagen.h"
+#include "support/suite.h"
+#include "support/urdf_text.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A warning, a follower, a fixed joint, a floating joint, names that are escaped. */
+static const char urdf[] = ROBOT("r \"*/\"", BALL("base") BALL("a/*") BALL("b") POINT("c", "1", "1 2 3") BALL("d")
+	JOINT("ja", "revolute", "base", "a/*", AXIS("0 0 2")) JOINT("jb", "prismatic", "a/*", "b", AXIS("0 1 0") MIMIC("ja", "-2", "0.5"))
+		JOINT("jc", "fixed", "b", "c", ORIGIN("0 0 1", "0.1 0.2 0.3")) JOINT("jd", "revolute", "c", "d", AXIS("1 1 0")));
+
+/* One of each of a task's choices. */
+static const char everything[] = "fold q.ja=0.5\nfold qdd=0\nfree gravity\nfree mass.b:sample\nfree inertia.c\nfree payload.d\n"
+				 "free offset.jd\nfext a/*,d\nfext-frame world\narmature ja=1\ndamping\nfriction 0.1\n"
+				 "want tau,bias,gravity,power,kinetic,potential,wrench.jd,twist.c,accel.b\n";
+
+/* Refuses the request with number `refused`, and all later ones where `for_good`. */
+struct warden {
+	long requests, refused, out;
+	int for_good;
+};
+
+static void *warden_alloc(void *context, size_t size)
+{
+	struct warden *w = context;
+	long request = w->requests++;
+	void *p = request == w->refused || (w->for_good && request > w->refused) ? NULL : malloc(size);
+
+	w->out += p != NULL;
+	return p;
+}
+
+static void warden_release(void *context, void *block)
+{
+	((struct warden *)context)->out--;
+	free(block);
+}
+
+/* What is tried: on success everything is given back, on failure there is nothing. */
+static enum rneagen_code generate(const struct rneagen_options *o, struct rneagen_error *e)
+{
+	struct rneagen_result r;
+
+	if (rneagen_generate(urdf, sizeof urdf - 1, o, &r, e))
+		ck_assert(!r.source && !r.header && !r.info && !r.info_json && !r.dump && !r.name && !r.warning_count);
+	else
+		rneagen_result_free(&r);
+	return e->code;
+}
+
+static enum rneagen_code analyse(const struct rneagen_options *o, struct rneagen_error *e)
+{
+	struct analysis a;
+
+	if (analysis_open(&a, urdf, sizeof urdf - 1, o, e))
+		ck_assert(!a.dag.nodes && !a.tree.bodies);
+	else
+		analysis_free(&a);
+	return e->code;
+}
+
+/* Returns the number of requests; every refusal must come out as MEMORY, and nothing be left. */
+static long refuse_each(const struct rneagen_options *options, int for_good,
+	enum rneagen_code (*run)(const struct rneagen_options *o, struct rneagen_error *e))
+{
+	struct rneagen_options o = *options;
+
+	for (long k = 0;; k++) {
+		struct warden w = {.refused = k, .for_good = for_good};
+		struct rneagen_allocator allocator = {warden_alloc, warden_release, &w};
+		struct rneagen_error e;
+		enum rneagen_code code;
+
+		o.allocator = &allocator;
+		code = run(&o, &e);
+		ck_assert_msg(w.out == 0, "request %ld refused: %ld blocks left", k, w.out);
+		if (k >= w.requests) {
+			ck_assert_msg(code == RNEAGEN_OK, "%s", e.message);
+			return k;
+		}
+		ck_assert_msg(code == RNEAGEN_MEMORY, "request %ld refused: code %d, %s", k, code, e.message);
+		ck_assert_str_eq(e.message, "out of memory");
+	}
+}
+
+enum { DUMPS = 11 }; /* tests before those of dumps, which have no text */
+
+START_TEST(every_request)
+{
+	struct rneagen_options o = rneagen_options_default();
+	long requests;
+
+	o.target = (enum rneagen_target)(_i % 3);
+	o.base = _i % 2 ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+	o.layout = _i % 2 ? RNEAGEN_SOA : RNEAGEN_AOS;
+	o.order = _i == 1 ? "jd,ja" : NULL;
+	o.scene = _i == 4 ? "# some\nroot base\ntip b,d\nsnap-angle 1e-3" : _i == 5 ? "lock jd=0.5" : NULL;
+	if (_i == 6)
+		o.scene = "fold qdd=0\nfree payload.d\nfext b\nwant tau,power\ndrop-below 1e-3\nrange payload.d=0,2";
+	if (_i >= 7 && _i < DUMPS) {
+		o.scene = "free gravity\nwant M,dtau_dq,dtau_dgravity,jvp,vjp";
+		o.target = _i % 2 ? RNEAGEN_TARGET_C : RNEAGEN_TARGET_CUDA;
+		o.base = RNEAGEN_FIXED;
+	}
+	if (_i >= 9 && _i < DUMPS) {
+		o.target = RNEAGEN_TARGET_CUDA;
+		o.layout = RNEAGEN_SOA;
+		o.parts = 2;
+	}
+	if (_i >= DUMPS)
+		o.dump = (enum rneagen_dump)(_i - DUMPS + 1);
+	requests = refuse_each(&o, _i % 2, generate);
+	printf("each of %ld requests refused\n", requests);
+	ck_assert_int_gt(requests, 100);
+}
+END_TEST
+
+/* What takes long in a whole generation: a joint that may be kept, terms that may be dropped, all of a task. */
+START_TEST(every_request_of_a_scene)
+{
+	struct rneagen_options o = rneagen_options_default();
+	long requests;
+
+	o.scene = _i < 2 ? "lock jd=0.5\nround-constants 5\ndrop-below 1e-3" : everything;
+	requests = refuse_each(&o, _i % 2, analyse);
+	printf("each of %ld requests refused\n", requests);
+	ck_assert_int_gt(requests, 100);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *suite = suite_create("memory");
+	TCase *c = tcase_create("generate");
+
+	setvbuf(stdout, NULL, _IOLBF, 0);
+	tcase_set_timeout(c, 300);
+	tcase_add_loop_test(c, every_request, 0, DUMPS + 4);
+	tcase_add_loop_test(c, every_request_of_a_scene, 0, 4);
+	suite_add_tcase(suite, c);
+	return suite_run(suite);
+}

@@ -1,0 +1,38 @@
+#ifndef TESTS_MODEL_H
+#define TESTS_MODEL_H
+/* A URDF taken through the generator's stages and through the reference, for tests that compare the two. */
+
+#include "emit/emit.h"
+#include "dag/eval.h"
+#include "reference/reference.h"
+#include "dynamics/registry.h"
+
+struct model {
+	struct arena arena;
+	struct robot robot;
+	struct tree tree;
+	struct dag raw[PASS_COUNT], dag[PASS_COUNT];
+	struct reference *reference;
+};
+
+/* Aborts the test with a message when the text is refused; `what` names it. */
+void model_open(struct model *m, const char *urdf, size_t length, const struct rneagen_options *o, const char *what);
+void model_close(struct model *m);
+
+/* Errors of the DAG evaluated in one precision over seeded samples. */
+struct model_error {
+	double max, rms;    /* of ||tau - ref|| / ||ref||; 0 where both are zero */
+	double terms;       /* largest |tau_i - ref_i| / (eps S_i), S_i the magnitudes that were summed */
+	double bound;       /* largest |tau_i - ref_i| over the running error bound: above 1, the bound is wrong */
+};
+
+struct model_error model_error_f64(struct model *m, uint64_t seed, int samples);
+struct model_error model_error_f32(struct model *m, uint64_t seed, int samples);
+
+/* The whole file, NUL-terminated; the caller frees it. NULL if it cannot be read. */
+char *read_file(const char *path, size_t *length);
+
+/* Call f for every *.urdf in the folder, in byte order; returns how many there were. */
+int for_each_urdf(const char *folder, void (*f)(const char *path, const char *name, void *context), void *context);
+
+#endif

@@ -1,0 +1,348 @@
+/* Kernels in blocks of any size, on a pretended device: what a block stages lies in shared memory of the kernel's own, in what a launch
+   gives, or nowhere, also where a device has less of it; results are those of the reference, or of the same text compiled as C. */
+#define _GNU_SOURCE
+#include "rnea.h"
+#include "reference/reference.h"
+#include "support/rng.h"
+#include "support/suite.h"
+#include "target/target.h"
+#include "block_arrays.h"
+#include <dlfcn.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { ROWS = 80, OWN = 48 << 10, MOST = 227 << 10, FAKE_OWN = 8 };
+
+static const struct subject {
+	const char *robot;
+	enum rneagen_precision precision;
+	enum rneagen_layout layout;
+	const char *scene;
+	unsigned blocks[3]; /* 0: no more */
+	double most;
+} SUBJECTS[] = {
+	{"iiwa14", RNEAGEN_F32, RNEAGEN_AOS, NULL, {33, 128, 1024}, 2e-5},
+	{"iiwa14", RNEAGEN_F64, RNEAGEN_SOA, NULL, {50, 512}, 1e-13},
+	{"chain 29", RNEAGEN_F64, RNEAGEN_SOA, NULL, {64, 256, 512}, 1e-13},
+	{"chain 24", RNEAGEN_MIXED, RNEAGEN_SOA, NULL, {256, 1024}, 1e-6},
+	{"chain 60", RNEAGEN_F64, RNEAGEN_AOS, NULL, {64, 161, 162}, 1e-13}, /* bytes of the last two: 231840, 233280 */
+	{"cartpole", RNEAGEN_F32X2, RNEAGEN_AOS, "free inertia.pole:sample,inertia.cart:sample\n", {256}, 1e-10},
+	{"cartpole", RNEAGEN_F64, RNEAGEN_SOA, "free payload.pole,gravity,inertia.cart:sample\nwant gravity,bias,kinetic\n", {256, 1024}, 1e-13},
+	{"cartpole", RNEAGEN_F32, RNEAGEN_AOS, "free payload.pole,gravity,inertia.cart:sample\nwant tau,dtau_dq,M\n", {128, 1024}, 2e-5},
+	{"pendulum", RNEAGEN_F32, RNEAGEN_SOA, "want tau,dtau_dq\n", {1024}, 2e-5},
+};
+enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
+
+static void generate(const struct subject *s, struct target *t)
+{
+	struct rneagen_options o = rneagen_options_default();
+	size_t length;
+	char *urdf = target_robot(s->robot, &length);
+
+	o.precision = s->precision;
+	o.layout = s->layout;
+	o.scene = s->scene;
+	o.name = "arm";
+	target_generate(t, urdf, length, &o, s->robot);
+	free(urdf);
+}
+
+static struct rnea_robot *open_text(const struct target *t, enum rnea_backend backend, unsigned block)
+{
+	static const char *const quickly[] = {"-O0"};
+	struct rnea_options o = {.backend = backend, .block = block, .threads = 1, .compile = quickly, .compile_count = backend == RNEA_BACKEND_HOST};
+	struct rnea_robot *robot;
+	struct rnea_error e;
+
+	ck_assert_msg(!rnea_open(t->text.source, strlen(t->text.source), &o, &robot, &e), "%s, blocks of %u: %s", t->what, block, e.message);
+	return robot;
+}
+
+/* tau, by the independent reference. */
+static void expect_torques(struct arrays *x, const char *name)
+{
+	static double in[3][ROWS];
+	wide tau[ROWS];
+	char message[512];
+	size_t length;
+	char *urdf = target_robot(name, &length);
+	struct reference *r = reference_open(urdf, length, NULL, message, sizeof message);
+
+	ck_assert_msg(r != NULL, "%s", message);
+	for (size_t k = 0; k < COUNT; k++) {
+		for (size_t i = 0; i < 3; i++)
+			for (size_t row = 0; row < x->a[i].rows; row++)
+				in[i][row] = arrays_get(x, i, k, row);
+		reference_rnea(r, in[0], in[1], in[2], tau);
+		for (size_t row = 0; row < x->a[3].rows; row++)
+			x->expected[3][k * x->a[3].rows + row] = (double)tau[row];
+	}
+	reference_close(r);
+	free(urdf);
+}
+
+/* What a scene asks for, by the same text compiled as C, which stages nothing. */
+static void expect_as_c(struct arrays *x, const struct target *t)
+{
+	struct rnea_robot *robot = open_text(t, RNEA_BACKEND_HOST, 0);
+	struct rnea_error e;
+
+	ck_assert_msg(!rnea_launch(robot, x->data, COUNT, NULL, &e), "%s", e.message);
+	for (size_t i = x->inputs; i < x->count; i++)
+		for (size_t k = 0; k < COUNT; k++)
+			for (size_t row = 0; row < x->a[i].rows; row++)
+				x->expected[i][k * x->a[i].rows + row] = arrays_get(x, i, k, row);
+	rnea_close(robot);
+	arrays_spoil(x);
+}
+
+static void expect(struct arrays *x, const struct subject *s, const struct target *t)
+{
+	if (s->scene)
+		expect_as_c(x, t);
+	else
+		expect_torques(x, s->robot);
+}
+
+/* The largest difference of a sample's rows, by the largest of them. */
+static double distance(const struct arrays *x)
+{
+	double worst = 0;
+
+	for (size_t i = x->inputs; i < x->count; i++)
+		for (size_t k = 0; k < COUNT; k++) {
+			double most = 0, size = 1e-3;
+
+			for (size_t row = 0; row < x->a[i].rows; row++) {
+				double want = x->expected[i][k * x->a[i].rows + row], got = arrays_get(x, i, k, row);
+
+				ck_assert_msg(isfinite(got), "%s[%zu] of sample %zu was not written", x->a[i].name, row, k);
+				most = fmax(most, fabs(got - want));
+				size = fmax(size, fabs(want));
+			}
+			worst = fmax(worst, most / size);
+		}
+	return worst;
+}
+
+/* ---- on the pretended device ---- */
+
+static char folder[64];
+
+static void use_fakes(void)
+{
+	setenv("RNEA_LIBCUDA", FAKE_CUDA, 1);
+	setenv("RNEA_NVRTC", FAKE_NVRTC, 1);
+	strcpy(folder, "/tmp/test_blocks_XXXXXX");
+	ck_assert_ptr_nonnull(mkdtemp(folder));
+	setenv("RNEA_CACHE", folder, 1); /* for another device of the same architecture */
+}
+
+static void drop_folder(void)
+{
+	char command[128];
+
+	snprintf(command, sizeof command, "rm -rf %s", folder);
+	ck_assert_int_eq(system(command), 0);
+}
+
+/* What is staged are the arrays, but tau in the place of qdd; in aos a row may be followed by a gap. --info=json says the same. */
+static void check_table(const struct arrays *x, size_t stage, const struct target *t)
+{
+	size_t least = 0, gaps = 0;
+	char member[64];
+
+	for (size_t i = 0; i < x->count; i++) {
+		size_t bytes = x->a[i].scalar == RNEA_F64 ? 8 : 4;
+
+		if (x->a[i].per_batch || strcmp(x->a[i].name, "tau") == 0)
+			continue;
+		least += x->a[i].rows * bytes;
+		gaps += x->aos ? bytes : 0;
+	}
+	ck_assert_msg(stage == 0 || (least <= stage && stage <= least + gaps), "%s: stage %zu of %zu", t->what, stage, least);
+	ck_assert_int_eq(stage != 0, strstr(t->text.source, "\"stage ") != NULL);
+	snprintf(member, sizeof member, "\"stage_bytes\": %zu,\n", stage);
+	ck_assert_msg(strstr(t->text.info_json, member) != NULL, "%s is not in %s", member, t->text.info_json);
+}
+
+/* One block size on a device that can give a block so much. */
+static void check_block(const struct subject *s, const struct target *t, struct arrays *x, unsigned block, size_t limit)
+{
+	struct rnea_robot *robot;
+	struct rnea_resources r;
+	struct rnea_error e;
+	size_t stage, given;
+	char number[16];
+	double worst;
+
+	snprintf(number, sizeof number, "%zu", limit);
+	setenv("RNEA_FAKE_CUDA_SHARED", number, 1);
+	robot = open_text(t, RNEA_BACKEND_CUDA, block);
+	stage = rnea_info(robot)->stage_bytes * block;
+	given = stage > OWN && stage <= MOST && stage <= limit ? stage : 0;
+	ck_assert_uint_eq(rnea_info(robot)->block, block);
+	rnea_resources(robot, RNEA_KERNEL_RNEA, &r, NULL);
+	ck_assert_msg(r.shared_bytes == FAKE_OWN + given, "%s, %u: %zu bytes instead of %zu", t->what, block, r.shared_bytes - FAKE_OWN, given);
+	ck_assert_msg(!rnea_launch(robot, x->data, COUNT, NULL, &e), "%s", e.message);
+	worst = distance(x);
+	if (limit == MOST)
+		printf("%s in blocks of %u: stages %zu bytes, %zu of the launch, within %.1e\n", t->what, block, stage, given, worst);
+	ck_assert_double_lt(worst, s->most);
+	arrays_spoil(x);
+	rnea_close(robot);
+}
+
+/* Every way to stage, of every subject; on an H100, one of 99 KiB, one that gives nothing. */
+START_TEST(test_values)
+{
+	static const size_t limits[] = {MOST, 99 << 10, OWN};
+	const struct subject *s = &SUBJECTS[_i];
+	struct rnea_robot *robot;
+	struct arrays x;
+	struct target t;
+
+	use_fakes();
+	generate(s, &t);
+	robot = open_text(&t, RNEA_BACKEND_CUDA, s->blocks[0]);
+	arrays_new(&x, rnea_info(robot));
+	check_table(&x, rnea_info(robot)->stage_bytes, &t);
+	expect(&x, s, &t);
+	for (int b = 0; b < 3 && s->blocks[b]; b++)
+		for (size_t l = 0; l < sizeof limits / sizeof *limits; l++)
+			check_block(s, &t, &x, s->blocks[b], limits[l]);
+	for (size_t i = 0; i < x.count; i++)
+		x.a[i].name = NULL; /* the robot's */
+	rnea_close(robot);
+	arrays_free(&x);
+	rneagen_result_free(&t.text);
+	drop_folder();
+}
+END_TEST
+
+/* Threads that are resident together are fewer where launches give a block much: then the text's own blocks win. */
+START_TEST(test_occupancy)
+{
+	static const struct {
+		const char *shared;
+		unsigned block;
+	} devices[] = {{"232448", 128}, {"49152", 256}};
+	static const struct subject s = {.robot = "chain 24", .precision = RNEAGEN_MIXED, .layout = RNEAGEN_SOA};
+	struct rnea_robot *robot;
+	struct target t;
+
+	use_fakes();
+	setenv("RNEA_FAKE_CUDA_RESIDENT", "1024 1024 2048", 1);
+	setenv("RNEA_FAKE_CUDA_SHARED", devices[_i].shared, 1);
+	generate(&s, &t);
+	robot = open_text(&t, RNEA_BACKEND_CUDA, RNEA_BLOCK_OCCUPANCY);
+	ck_assert_uint_eq(rnea_info(robot)->block, devices[_i].block);
+	rnea_close(robot);
+	rneagen_result_free(&t.text);
+	drop_folder();
+}
+END_TEST
+
+/* A driver that has the memory and does not give it is told of, where it is asked for. */
+START_TEST(test_refused)
+{
+	static const struct subject s = {.robot = "chain 24", .precision = RNEAGEN_MIXED, .layout = RNEAGEN_SOA};
+	struct rnea_options o = {.backend = RNEA_BACKEND_CUDA, .block = 128};
+	struct rnea_robot *robot;
+	struct rnea_error e;
+	struct target t;
+
+	use_fakes();
+	setenv("RNEA_FAKE_CUDA_FAIL", "cuFuncSetAttribute=1", 1);
+	generate(&s, &t);
+	ck_assert_int_eq(rnea_open(t.text.source, strlen(t.text.source), &o, &robot, &e), RNEA_OK);
+	rnea_close(robot);
+	o.block = 256;
+	ck_assert_int_eq(rnea_open(t.text.source, strlen(t.text.source), &o, &robot, &e), RNEA_DRIVER);
+	ck_assert_msg(strstr(e.message, "cuFuncSetAttribute: error 1") != NULL, "%s", e.message);
+	rneagen_result_free(&t.text);
+	drop_folder();
+}
+END_TEST
+
+/* ---- NAME_rnea_launch, as nvcc builds it ---- */
+
+/* The text for the C++ compiler, in blocks of `block`, as a library. */
+static void *build_launch(const struct target *t, unsigned block)
+{
+	struct target_path source = target_path("blocks_launch", ".cc"), library = target_path("blocks_launch", ".so");
+	const char *const argv[] = {FAKE_CXX, "-std=c++17", "-shared", "-fPIC", "-O1", "-w", "-fno-gnu-unique", "-pthread", "-o",
+		library.s, source.s, NULL};
+	char *text, *at;
+	size_t length;
+	FILE *f = open_memstream(&text, &length);
+	void *handle;
+
+	fprintf(f, "#define RNEA_BLOCK %u\n#include \"" TEST_DIR "/fake/fake_launch.h\"\n%s\nFAKE_ENTRY(arm_rnea_kernel)\n", block, t->text.source);
+	fclose(f);
+	if ((at = strstr(text, "extern __shared__")) != NULL)
+		memcpy(at, "extern           ", strlen("extern __shared__")); /* memory of the launch, not of the kernel */
+	target_write(source, text);
+	free(text);
+	target_compile(t, argv);
+	handle = dlopen(library.s, RTLD_NOW | RTLD_LOCAL);
+	ck_assert_msg(handle != NULL, "%s", dlerror());
+	unlink(library.s);
+	unlink(source.s);
+	return handle;
+}
+
+static const unsigned launch_blocks[] = {64, 256, 512}; /* of 696 bytes a thread: 43.5 KiB, 174, 348 */
+
+/* It gives what the kernel stages in, on each device as far as it can, and torques are right. */
+START_TEST(test_launch)
+{
+	static const struct subject s = {.robot = "chain 29", .precision = RNEAGEN_F64, .layout = RNEAGEN_SOA};
+	static const size_t limits[] = {MOST, 99 << 10, OWN};
+	size_t stage = 696 * launch_blocks[_i], *limit, *given, *failures;
+	int (*launch)(void *q, void *qd, void *qdd, void *tau, size_t count, void *stream);
+	struct rnea_robot *robot;
+	struct arrays x;
+	struct target t;
+	void *handle;
+
+	use_fakes();
+	generate(&s, &t);
+	robot = open_text(&t, RNEA_BACKEND_CUDA, 0);
+	arrays_new(&x, rnea_info(robot));
+	expect(&x, &s, &t);
+	handle = build_launch(&t, launch_blocks[_i]);
+	target_symbol(&t, handle, "arm_rnea_launch", &launch);
+	target_symbol(&t, handle, "fake_limit", &limit);
+	target_symbol(&t, handle, "fake_launched", &given);
+	target_symbol(&t, handle, "fake_failures", &failures);
+	for (size_t l = 0; l < sizeof limits / sizeof *limits; l++) {
+		*limit = limits[l];
+		ck_assert_int_eq(launch(x.data[0], x.data[1], x.data[2], x.data[3], COUNT, NULL), 0);
+		ck_assert_uint_eq(*given, stage > OWN && stage <= MOST && stage <= limits[l] ? stage : 0);
+		ck_assert_double_lt(distance(&x), 1e-13);
+		arrays_spoil(&x);
+	}
+	ck_assert_uint_eq(*failures, 0);
+	dlclose(handle);
+	rnea_close(robot);
+	rneagen_result_free(&t.text);
+	arrays_free(&x);
+	drop_folder();
+}
+END_TEST
+
+int main(void)
+{
+	Suite *s = suite_create("blocks");
+
+	setvbuf(stdout, NULL, _IOLBF, 0);
+	suite_add(s, "values", test_values, SUBJECT_COUNT, 300);
+	suite_add(s, "occupancy", test_occupancy, 2, 60);
+	suite_add(s, "refused", test_refused, 1, 60);
+	suite_add(s, "launch", test_launch, sizeof launch_blocks / sizeof *launch_blocks, 60);
+	return suite_run(s);
+}

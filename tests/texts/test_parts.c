@@ -1,0 +1,369 @@
+/* Kernels of matrices. In parts of the grid: values as those of the whole text, on the pretended driver and compiled as C;
+   every element written, and by one part alone; what the text and the runtime say of it; what is refused. Which stores go past
+   the cache. */
+#define _POSIX_C_SOURCE 200809L
+#include "urdf.h"
+#include "support/rng.h"
+#include "support/suite.h"
+#include "target/target.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { COUNT = 300, SEED = 20261123, AUTO = RNEAGEN_PARTS_AUTO }; /* two blocks, and a piece of one */
+
+#define ALL "want tau,dtau_dq,dtau_dqd,M\n"
+
+static const struct subject {
+	const char *name, *scene;
+	int floating;
+	enum rneagen_precision precision;
+	enum rneagen_trig trig;
+	int parts, expected; /* expected: how many `auto` makes; 0: not looked at */
+} SUBJECTS[] = {
+	{"iiwa14", ALL, 0, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2},
+	{"iiwa14", ALL, 0, RNEAGEN_F32, RNEAGEN_ACCURATE, 3, 3},
+	{"iiwa14", "want dtau_dqd,tau\n", 0, RNEAGEN_F64, RNEAGEN_BOUNDED, 7, 7},
+	{"panda", ALL, 0, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2},
+	{"panda", "want tau,dtau_dq,dtau_dqd\n", 0, RNEAGEN_F64, RNEAGEN_ACCURATE, AUTO, 2},
+	{"hyq", ALL, 1, RNEAGEN_F32, RNEAGEN_ACCURATE, 3, 3},
+	{"hyq", ALL, 1, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2},
+	{"hyq", ALL "dense\n", 0, RNEAGEN_MIXED, RNEAGEN_ACCURATE, 2, 2},
+	{"hyq", ALL "derivatives forward\n", 0, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2},
+	{"mimic_chain", ALL, 1, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2},
+	{"planar_joint", ALL, 1, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2},
+	{"ur5", "want tau,dtau_dq,dtau_dqd,power,jvp\nfree payload.wrist_3_link\n", 0, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2},
+	{"atlas", "want tau,dtau_dq,dtau_dqd\n", 0, RNEAGEN_F64, RNEAGEN_ACCURATE, AUTO, 5},
+	{"atlas", "want tau,dtau_dq,dtau_dqd\n", 0, RNEAGEN_F32, RNEAGEN_ACCURATE, AUTO, 4},
+};
+enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
+
+static struct rneagen_options options_of(const struct subject *s, int parts)
+{
+	struct rneagen_options o = rneagen_options_default();
+
+	o.scene = s->scene;
+	o.base = s->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+	o.precision = s->precision;
+	o.trig = s->trig;
+	o.parts = parts;
+	return o;
+}
+
+static void generate(const struct subject *s, const struct rneagen_options *o, struct target *t)
+{
+	size_t length;
+	char *urdf = target_robot(s->name, &length);
+
+	target_generate(t, urdf, length, o, s->name);
+	free(urdf);
+}
+
+static struct rnea_robot *open_text(const struct target *t, enum rnea_backend backend)
+{
+	static const char *const quickly[] = {"-O0"};
+	struct rnea_options o = {.backend = backend, .threads = 1, .compile = quickly, .compile_count = backend == RNEA_BACKEND_HOST};
+	struct rnea_robot *robot;
+	struct rnea_error e;
+
+	ck_assert_msg(!rnea_open(t->text.source, strlen(t->text.source), &o, &robot, &e), "%s", e.message);
+	return robot;
+}
+
+/* ---- arrays ---- */
+
+static size_t array_count(const struct rnea_info *info)
+{
+	return info->input_count + info->output_count;
+}
+
+static size_t number_count(const struct rnea_argument *a)
+{
+	return a->rows * COUNT;
+}
+
+static double get(const struct rnea_argument *a, const void *array, size_t i)
+{
+	return a->scalar == RNEA_F64 ? ((const double *)array)[i] : (double)((const float *)array)[i];
+}
+
+static void set(const struct rnea_argument *a, void *array, size_t i, double x)
+{
+	if (a->scalar == RNEA_F64)
+		((double *)array)[i] = x;
+	else
+		((float *)array)[i] = (float)x;
+}
+
+/* Inputs by the seed, with a quaternion of norm one if there is a base, and one angle of each 64th sample large; outputs NaN. */
+static void **new_arrays(const struct subject *s, const struct rnea_info *info)
+{
+	void **x = calloc(array_count(info), sizeof *x);
+	struct rng rng = rng_seed(SEED);
+
+	for (size_t i = 0; i < array_count(info); i++) {
+		const struct rnea_argument *a = &info->arguments[i];
+
+		x[i] = calloc(number_count(a), sizeof(double));
+		for (size_t k = 0; k < number_count(a); k++)
+			set(a, x[i], k, i < info->input_count ? rng_uniform(&rng, -2, 2) : (double)NAN);
+		if (strcmp(a->name, "q"))
+			continue;
+		for (size_t k = 0; k < COUNT && s->floating; k++)
+			for (size_t r = 3; r < 7; r++)
+				set(a, x[i], r * COUNT + k, r == 3 ? 0.6 : r == 6 ? 0.8 : 0);
+		for (size_t k = 5; k < COUNT && s->trig == RNEAGEN_ACCURATE; k += 64)
+			set(a, x[i], (a->rows - 1) * COUNT + k, 1e6 + (double)k);
+	}
+	return x;
+}
+
+static void **run(const struct subject *s, const struct rnea_robot *robot)
+{
+	void **x = new_arrays(s, rnea_info(robot));
+	struct rnea_error e;
+
+	ck_assert_msg(!rnea_launch(robot, x, COUNT, NULL, &e), "%s", e.message);
+	return x;
+}
+
+static void release(void **x, struct rnea_robot *robot)
+{
+	for (size_t i = 0; i < array_count(rnea_info(robot)); i++)
+		free(x[i]);
+	free(x);
+	rnea_close(robot);
+}
+
+/* The largest difference of an output, by its largest element of the same sample; NaN, what nobody wrote, fails. */
+static double distance(const struct rnea_argument *a, const void *x, const void *y, const char *what)
+{
+	double worst = 0;
+
+	for (size_t k = 0; k < COUNT; k++) {
+		double most = 0, size = 0;
+
+		for (size_t r = 0; r < a->rows; r++) {
+			double p = get(a, x, r * COUNT + k), q = get(a, y, r * COUNT + k);
+
+			ck_assert_msg(isfinite(p) && isfinite(q), "%s: %s[%zu] of sample %zu is %g, of the whole %g", what, a->name, r, k, p, q);
+			most = fmax(most, fabs(p - q));
+			size = fmax(size, fabs(q));
+		}
+		worst = fmax(worst, size > 0 ? most / size : most);
+	}
+	return worst;
+}
+
+/* ---- tests ---- */
+
+/* As the whole text compiled as C has it. */
+START_TEST(test_values)
+{
+	const struct subject *s = &SUBJECTS[_i / 2];
+	enum rnea_backend backend = _i % 2 ? RNEA_BACKEND_CUDA : RNEA_BACKEND_HOST;
+	struct rneagen_options o = options_of(s, s->parts), plain = options_of(s, 1);
+	struct target parts, whole;
+	struct rnea_robot *split, *one;
+	double worst = 0;
+	void **x, **y;
+
+	generate(s, &o, &parts);
+	generate(s, &plain, &whole);
+	split = open_text(&parts, backend);
+	one = open_text(&whole, RNEA_BACKEND_HOST);
+	ck_assert_uint_eq(rnea_info(split)->parts, (unsigned)s->expected);
+	ck_assert_uint_eq(rnea_info(one)->parts, 1);
+	x = run(s, split);
+	y = run(s, one);
+	for (size_t i = rnea_info(one)->input_count; i < array_count(rnea_info(one)); i++)
+		worst = fmax(worst, distance(&rnea_info(one)->arguments[i], x[i], y[i], s->name));
+	printf("%s in %u parts on %s: within %.1e, seed %d\n", s->name, rnea_info(split)->parts, _i % 2 ? "the pretended GPU" : "the host",
+		worst, SEED);
+	ck_assert_double_lt(worst, s->precision == RNEAGEN_F32 ? 2e-5 : s->precision == RNEAGEN_MIXED ? 1e-6 : 1e-13);
+	release(x, split);
+	release(y, one);
+	rneagen_result_free(&parts.text);
+	rneagen_result_free(&whole.text);
+}
+END_TEST
+
+/* Statements that store a row of an output. */
+static int store_count(const char *source, const char *name, int row)
+{
+	char store[128];
+	int count = 0;
+
+	snprintf(store, sizeof store, "\tRNEA_STORE(%s[%d*stride], ", name, row);
+	for (const char *at = source; (at = strstr(at, store)) != NULL; at++)
+		count++;
+	return count;
+}
+
+/* One statement for each row of each output that the table names; returns how many. */
+static int check_stores(const char *source, const char *robot)
+{
+	int stores = 0;
+
+	for (const char *at = source; (at = strstr(at, "\"output ")) != NULL; at++) {
+		char name[64];
+		int rows;
+
+		ck_assert_int_eq(sscanf(at, "\"output %63s %d", name, &rows), 2);
+		for (int r = 0; r < rows; r++, stores++)
+			ck_assert_msg(store_count(source, name, r) == 1, "%s: %s[%d] is stored %d times", robot, name, r,
+				store_count(source, name, r));
+	}
+	return stores;
+}
+
+START_TEST(test_text)
+{
+	const struct subject *s = &SUBJECTS[_i];
+	struct rneagen_options o = options_of(s, s->parts), plain = options_of(s, 1);
+	struct target parts, whole;
+	char line[64];
+
+	generate(s, &o, &parts);
+	generate(s, &plain, &whole);
+	ck_assert_int_gt(check_stores(parts.text.source, s->name), s->expected);
+	snprintf(line, sizeof line, "dim3((unsigned)blocks, %d)", s->expected);
+	ck_assert_ptr_nonnull(strstr(parts.text.source, line));
+	snprintf(line, sizeof line, "if (gridDim.y != %d)", s->expected);
+	ck_assert_ptr_nonnull(strstr(parts.text.source, line));
+	snprintf(line, sizeof line, "parts %d\\n", s->expected);
+	ck_assert_ptr_nonnull(strstr(parts.text.source, line));
+	ck_assert_ptr_nonnull(strstr(parts.text.source, "\"rneagen-info 2\\n\"")); /* for libraries that know nothing of parts */
+	ck_assert_ptr_nonnull(strstr(parts.text.info_json, "\"parts\": ["));
+	ck_assert_ptr_null(strstr(whole.text.source, "_part0_"));
+	ck_assert_ptr_null(strstr(whole.text.source, "rneagen-info 2"));
+	rneagen_result_free(&parts.text);
+	rneagen_result_free(&whole.text);
+}
+END_TEST
+
+/* What fits stays whole, unless told otherwise. */
+static const struct subject FITS[] = {
+	{"iiwa14", ALL, 0, RNEAGEN_F64, RNEAGEN_ACCURATE, AUTO, 1},
+	{"panda", "want tau,dtau_dq,dtau_dqd\n", 0, RNEAGEN_F32, RNEAGEN_ACCURATE, AUTO, 1},
+	{"hyq", ALL, 0, RNEAGEN_F64, RNEAGEN_ACCURATE, AUTO, 1},
+	{"atlas", "want M\n", 1, RNEAGEN_F32, RNEAGEN_ACCURATE, AUTO, 1},
+};
+
+START_TEST(test_fits)
+{
+	const struct subject *s = &FITS[_i];
+	struct rneagen_options o = options_of(s, AUTO), one = options_of(s, 1), two = options_of(s, 2);
+	struct target by_itself, whole, split;
+
+	generate(s, &o, &by_itself);
+	generate(s, &one, &whole);
+	generate(s, &two, &split);
+	ck_assert_ptr_null(strstr(by_itself.text.source, "_part0_"));
+	ck_assert_str_eq(strstr(by_itself.text.source, "_rnea_body("), strstr(whole.text.source, "_rnea_body("));
+	ck_assert_ptr_nonnull(strstr(split.text.source, "_part1_"));
+	rneagen_result_free(&by_itself.text);
+	rneagen_result_free(&whole.text);
+	rneagen_result_free(&split.text);
+}
+END_TEST
+
+/* Stores past the cache are for global memory alone: not for what is staged in shared memory, and not for scattered words. */
+static const struct stored {
+	const char *robot, *scene;
+	enum rneagen_target target;
+	enum rneagen_layout layout;
+	enum rneagen_precision precision;
+	int streamed;
+} STORED[] = {
+	{"iiwa14", ALL, RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 1},
+	{"iiwa14", ALL, RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 1},
+	{"iiwa14", "want jvp\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 1},
+	{"ur5", "want tau,dtau_dq,dtau_dqd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0}, /* staged */
+	{"iiwa14", ALL, RNEAGEN_TARGET_CUDA, RNEAGEN_AOS, RNEAGEN_F32, 0}, /* staged */
+	{"atlas", "want tau,dtau_dq,dtau_dqd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_AOS, RNEAGEN_F32, 0}, /* too large for that */
+	{"iiwa14", NULL, RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 0},
+	{"iiwa14", ALL, RNEAGEN_TARGET_C, RNEAGEN_SOA, RNEAGEN_F64, 0},
+	{"iiwa14", ALL, RNEAGEN_TARGET_HEADER, RNEAGEN_SOA, RNEAGEN_F32, 0},
+};
+
+static struct rneagen_options options_for(const char *scene, enum rneagen_target target, enum rneagen_layout layout)
+{
+	struct rneagen_options o = rneagen_options_default();
+
+	o.scene = scene;
+	o.target = target;
+	o.layout = layout;
+	return o;
+}
+
+START_TEST(test_stores)
+{
+	const struct stored *r = &STORED[_i];
+	struct rneagen_options o = options_for(r->scene, r->target, r->layout);
+	struct rneagen_result result;
+	struct rneagen_error e;
+	size_t length;
+	char *urdf = target_robot(r->robot, &length);
+
+	o.precision = r->precision;
+	ck_assert_msg(!rneagen_generate(urdf, length, &o, &result, &e), "%s", e.message);
+	ck_assert_int_eq(strstr(result.source, "RNEA_STORE(tau[") || strstr(result.source, "RNEA_STORE(jvp["), r->streamed);
+	ck_assert_int_eq(strstr(result.source, "st.global.cs") != NULL, r->streamed);
+	ck_assert_int_eq(strstr(result.source, "[0*stride] = ") || strstr(result.source, "\ttau[0] = "), !r->streamed);
+	rneagen_result_free(&result);
+	free(urdf);
+}
+END_TEST
+
+/* Where a text cannot be in parts, `auto` leaves it whole, and a number is refused. */
+static const struct refusal {
+	const char *scene, *message;
+	enum rneagen_target target;
+	enum rneagen_layout layout;
+	int parts;
+} REFUSALS[] = {
+	{NULL, "is for matrices", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, 2},
+	{"want jvp\n", "is for matrices", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, 2},
+	{ALL, "take --target cuda", RNEAGEN_TARGET_C, RNEAGEN_SOA, 2},
+	{ALL, "take --target cuda", RNEAGEN_TARGET_HEADER, RNEAGEN_SOA, 2},
+	{ALL, "is for --layout soa", RNEAGEN_TARGET_CUDA, RNEAGEN_AOS, 2},
+	{ALL, "elements of 7 bodies", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, 8},
+};
+
+START_TEST(test_refused)
+{
+	const struct refusal *r = &REFUSALS[_i];
+	struct rneagen_options o = options_for(r->scene, r->target, r->layout);
+	struct rneagen_result result;
+	struct rneagen_error e;
+	size_t length;
+	char *urdf = target_robot("iiwa14", &length);
+
+	o.parts = r->parts;
+	ck_assert_int_eq(rneagen_generate(urdf, length, &o, &result, &e), RNEAGEN_USAGE);
+	ck_assert_msg(strstr(e.message, r->message) != NULL, "%s", e.message);
+	o.parts = AUTO;
+	ck_assert_msg(!rneagen_generate(urdf, length, &o, &result, &e), "%s", e.message);
+	ck_assert_ptr_null(strstr(result.source, "_part0_"));
+	rneagen_result_free(&result);
+	free(urdf);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *s = suite_create("parts");
+
+	setenv("RNEA_LIBCUDA", FAKE_CUDA, 1);
+	setenv("RNEA_NVRTC", FAKE_NVRTC, 1);
+	setenv("RNEA_CACHE", "", 1);
+	setvbuf(stdout, NULL, _IOLBF, 0);
+	suite_add(s, "values", test_values, 2 * SUBJECT_COUNT, 600);
+	suite_add(s, "text", test_text, SUBJECT_COUNT, 300);
+	suite_add(s, "fits", test_fits, sizeof FITS / sizeof *FITS, 60);
+	suite_add(s, "stores", test_stores, sizeof STORED / sizeof *STORED, 60);
+	suite_add(s, "refused", test_refused, sizeof REFUSALS / sizeof *REFUSALS, 60);
+	return suite_run(s);
+}

@@ -1,0 +1,359 @@
+/* Texts for target cuda, without a GPU: nvcc and NVRTC take them without a word, and what ptxas says of their kernels
+   goes into targets/ptxas.csv. RNEAGEN_CUDA_ALL=1: every robot in both precisions and layouts, which takes long. */
+#define _GNU_SOURCE
+#include "support/model.h"
+#include "support/process.h"
+#include "target/ptxas.h"
+#include "support/suite.h"
+#include "target/target.h"
+#include "cuda/jit.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { SM = 90 };
+
+static const char *nvcc; /* NULL: none here */
+
+static void find_nvcc(void)
+{
+	const char *const places[] = {getenv("NVCC"), "nvcc", "/usr/local/cuda/bin/nvcc"};
+
+	for (size_t i = 0; i < sizeof places / sizeof *places && !nvcc; i++)
+		if (places[i] && process_exists(places[i]))
+			nvcc = places[i];
+	if (!nvcc)
+		printf("skipped: no nvcc\n");
+}
+
+START_TEST(table_begins)
+{
+	target_write(target_path("ptxas", ".csv"),
+		"robot,base,precision,layout,trig,kernel,registers,stack,spill_stores,spill_loads,shared\n");
+}
+END_TEST
+
+static void write_row(const struct target *t, const char *robot, const struct kernel_use *k)
+{
+	static const char *const trigs[] = {"accurate", "bounded", "fast"};
+	FILE *f = fopen(target_path("ptxas", ".csv").s, "a");
+
+	ck_assert_ptr_nonnull(f);
+	fprintf(f, "%s,%s,%s,%s,%s,%s,%d,%d,%d,%d,%d\n", robot,
+		t->options.base == RNEAGEN_FLOATING ? "floating" : "fixed", t->f32 ? "f32" : "f64",
+		t->options.layout == RNEAGEN_SOA ? "soa" : "aos", trigs[t->options.trig],
+		k->name + strlen(t->text.name) + 1, k->registers, k->stack, k->spill_stores, k->spill_loads, k->shared);
+	ck_assert_int_eq(fclose(f), 0);
+}
+
+/* Compile with nvcc; what it said, for the caller to free. */
+static struct process run_nvcc(const struct target *t, struct target_path source, struct target_path object)
+{
+	const char *const argv[] = {
+		nvcc, "-arch=sm_90", "-Werror", "all-warnings", "-Xptxas", "-v", "-c", "-o", object.s, source.s, NULL};
+	struct process p = process_run(argv);
+
+	ck_assert_msg(p.status == 0 && !strstr(p.output, "arning"), "%s: nvcc gives %d and says\n%.3000s", t->what,
+		p.status, p.output);
+	return p;
+}
+
+/* Is the name one of the text's: NAME_rnea_kernel and so on? */
+static int is_kernel(const struct target *t, const char *name)
+{
+	static const char *const kernels[] = {"_rnea_kernel", "_fpass_kernel", "_bpass_kernel"};
+	size_t own = strlen(t->text.name);
+
+	for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
+		if (!strncmp(name, t->text.name, own) && !strcmp(name + own, kernels[i]))
+			return 1;
+	return 0;
+}
+
+static void check_nvcc(const struct target *t, const char *robot, int no_spill)
+{
+	struct target_path source = target_path(t->text.name, ".cu"), object = target_path(t->text.name, ".o");
+	struct kernel_use kernels[4];
+	struct process p;
+	int n;
+
+	target_write(source, t->text.source);
+	p = run_nvcc(t, source, object);
+	n = ptxas_read(p.output, kernels, 4);
+	ck_assert_msg(n == 3, "%s: %d kernels", t->what, n);
+	for (int i = 0; i < n; i++) {
+		const struct kernel_use *k = &kernels[i];
+
+		ck_assert_msg(is_kernel(t, k->name) && k->registers > 0, "%s: kernel '%s'", t->what, k->name);
+		ck_assert_msg(!no_spill || (!k->spill_stores && !k->spill_loads),
+			"%s: %s spills %d and %d bytes in %d registers", t->what, k->name, k->spill_stores,
+			k->spill_loads, k->registers);
+		write_row(t, robot, k);
+		if (strstr(k->name, "_rnea_kernel"))
+			printf("%-50s %3d registers, stack %d, spilled %d, shared %d\n", t->what, k->registers,
+				k->stack, k->spill_stores, k->shared);
+	}
+	process_free(&p);
+	unlink(object.s);
+	unlink(source.s);
+}
+
+static int nvrtc_is_missing;
+
+static void check_nvrtc(const struct target *t)
+{
+	char log[4096] = "", kernel[512];
+	struct jit_request r = {
+		.source = t->text.source, .file = t->what, .arch = SM, .log = log, .log_size = sizeof log};
+	struct jit_image image;
+	struct rnea_error e = {0};
+
+	if (nvrtc_is_missing)
+		return;
+	jit_compile(&r, &image, &e);
+	nvrtc_is_missing = e.code == RNEA_NO_COMPILER;
+	if (nvrtc_is_missing) {
+		printf("skipped: %s\n", e.message);
+		return;
+	}
+	ck_assert_msg(e.code == RNEA_OK, "%s: %s", t->what, e.message);
+	ck_assert_msg(!*log, "%s: NVRTC says %s", t->what, log);
+	snprintf(kernel, sizeof kernel, "%s_rnea_kernel", t->text.name);
+	ck_assert_msg(memmem(image.data, image.size, kernel, strlen(kernel)) != NULL, "%s: no %s in the image", t->what,
+		kernel);
+	jit_free(&image);
+}
+
+/* A text as it is asked for, by both compilers where they are. */
+static void check_text(const char *path, struct rneagen_options *o, const char *robot, int no_spill)
+{
+	struct target t;
+	size_t length;
+	char *urdf = read_file(path, &length), name[64];
+
+	ck_assert_msg(urdf != NULL, "%s cannot be read", path);
+	snprintf(name, sizeof name, "cuda_%s_%d%d%d%d", robot, o->base, o->precision, o->layout, o->trig);
+	o->target = RNEAGEN_TARGET_CUDA;
+	o->name = name;
+	target_generate(&t, urdf, length, o, robot);
+	if (nvcc)
+		check_nvcc(&t, robot, no_spill);
+	check_nvrtc(&t);
+	target_close(&t);
+	free(urdf);
+}
+
+static void check_own(const char *robot, enum rneagen_base base, enum rneagen_precision precision,
+	enum rneagen_layout layout, enum rneagen_trig trig, int no_spill)
+{
+	struct rneagen_options o = rneagen_options_default();
+	char path[512];
+
+	o.base = base;
+	o.precision = precision;
+	o.layout = layout;
+	o.trig = trig;
+	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", robot);
+	check_text(path, &o, robot, no_spill);
+}
+
+/* The robots whose speed is measured: in single precision nothing of them leaves the registers. */
+START_TEST(measured_robots)
+{
+	static const char *const robots[] = {"iiwa14", "ur5", "hyq", "atlas"};
+
+	for (size_t i = 0; i < sizeof robots / sizeof *robots; i++)
+		for (int layout = RNEAGEN_SOA; layout <= RNEAGEN_AOS; layout++) {
+			check_own(robots[i], RNEAGEN_FIXED, RNEAGEN_F32, (enum rneagen_layout)layout, RNEAGEN_ACCURATE,
+				1);
+			check_own(robots[i], RNEAGEN_FIXED, RNEAGEN_F64, (enum rneagen_layout)layout, RNEAGEN_ACCURATE,
+				0);
+		}
+}
+END_TEST
+
+/* The other modes, a floating base, another humanoid. */
+START_TEST(modes)
+{
+	for (int trig = RNEAGEN_BOUNDED; trig <= RNEAGEN_FAST; trig++)
+		for (int precision = RNEAGEN_F32; precision <= RNEAGEN_F64; precision++)
+			check_own("iiwa14", RNEAGEN_FIXED, (enum rneagen_precision)precision, RNEAGEN_SOA,
+				(enum rneagen_trig)trig, 1);
+	check_own("hyq", RNEAGEN_FLOATING, RNEAGEN_F32, RNEAGEN_SOA, RNEAGEN_BOUNDED, 1);
+	check_own("atlas", RNEAGEN_FLOATING, RNEAGEN_F32, RNEAGEN_AOS, RNEAGEN_FAST, 0);
+	check_own("g1_29dof", RNEAGEN_FIXED, RNEAGEN_F32, RNEAGEN_SOA, RNEAGEN_ACCURATE, 0);
+}
+END_TEST
+
+struct tour {
+	int all, turn;
+};
+
+static int is_elsewhere(const char *robot)
+{
+	static const char *const names[] = {"iiwa14", "ur5", "hyq", "atlas", "g1_29dof", "chain_75"};
+
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+		if (!strcmp(robot, names[i]))
+			return 1;
+	return 0;
+}
+
+/* One text of a robot, options taking turns; or, when all are wanted, each precision and layout. */
+static void check_robot(const char *path, const char *name, void *context)
+{
+	struct tour *tour = context;
+	struct rneagen_options o = rneagen_options_default();
+	char robot[48];
+
+	snprintf(robot, sizeof robot, "%.*s", (int)(strlen(name) - 5), name);
+	if (!strncmp(name, "xfail_", 6) || (!tour->all && is_elsewhere(robot)))
+		return;
+	for (int i = 0; i < (tour->all ? 4 : 1); i++) {
+		int turn = tour->all ? i : tour->turn;
+
+		o.precision = turn % 2 ? RNEAGEN_F64 : RNEAGEN_F32;
+		o.layout = turn / 2 % 2 ? RNEAGEN_AOS : RNEAGEN_SOA;
+		o.trig = (enum rneagen_trig)(tour->turn % 3);
+		o.base = tour->turn % 5 == 4 ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+		check_text(path, &o, robot, 0);
+		tour->turn++;
+	}
+}
+
+START_TEST(other_robots)
+{
+	const char *all = getenv("RNEAGEN_CUDA_ALL"), *folder = getenv("RNEAGEN_ROBOTS");
+	struct tour tour = {.all = all && *all};
+
+	for_each_urdf(TEST_DIR "/robots", check_robot, &tour);
+	if (!tour.all)
+		printf("skipped: RNEAGEN_CUDA_ALL is not set: each robot in one precision and layout, real ones not at "
+		       "all\n");
+	else if (!folder)
+		printf("skipped: RNEAGEN_ROBOTS is not set\n");
+	else
+		for_each_urdf(folder, check_robot, &tour);
+	printf("%d texts of other robots\n", tour.turn);
+}
+END_TEST
+
+static const char KERNEL[] =
+	"#include \"cuda_arm.h\"\n"
+	"#include \"cuda_dog.h\"\n\n"
+	"extern \"C\" __global__ void both_kernel(const float *x, float *y, const double *u, double *v)\n{\n"
+	"\tfloat tau[cuda_arm_nv];\n\n"
+	"\tcuda_arm_rnea(x, x + cuda_arm_nq, x + 2*cuda_arm_nq, tau);\n"
+	"\tfor (int i = 0; i < cuda_arm_nv; i++)\n\t\ty[threadIdx.x*cuda_arm_nv + i] = tau[i];\n"
+	"\tcuda_dog_fpass(u, u, u, v, v + 6*cuda_dog_nb, v + 12*cuda_dog_nb);\n"
+	"\tcuda_dog_bpass(u, v + 12*cuda_dog_nb, v);\n}\n\n"
+	"void on_host(const float *x, float *tau);\n"
+	"void on_host(const float *x, float *tau)\n{\n\tcuda_arm_rnea(x, x, x, tau);\n}\n";
+
+static void write_header(
+	const char *robot, const char *name, enum rneagen_precision precision, enum rneagen_trig trig, struct target *t)
+{
+	struct rneagen_options o = rneagen_options_default();
+	size_t length;
+	char *urdf = target_robot(robot, &length);
+
+	o.target = RNEAGEN_TARGET_HEADER;
+	o.precision = precision;
+	o.trig = trig;
+	o.name = name;
+	target_generate(t, urdf, length, &o, robot);
+	target_write(target_path(name, ".h"), t->text.source);
+	free(urdf);
+}
+
+/* Two header texts in a kernel of the user's. */
+START_TEST(header_in_kernel)
+{
+	struct target_path source = target_path("cuda_user", ".cu"), object = target_path("cuda_user", ".o");
+	struct target arm, dog;
+	struct process p;
+
+	if (!nvcc)
+		return;
+	for (int trig = RNEAGEN_ACCURATE; trig <= RNEAGEN_FAST; trig++) {
+		write_header("iiwa14", "cuda_arm", RNEAGEN_F32, (enum rneagen_trig)trig, &arm);
+		write_header("hyq", "cuda_dog", RNEAGEN_F64, RNEAGEN_ACCURATE, &dog);
+		target_write(source, KERNEL);
+		p = run_nvcc(&arm, source, object);
+		process_free(&p);
+		target_close(&arm);
+		target_close(&dog);
+	}
+}
+END_TEST
+
+static const char PROGRAM[] =
+	"#include \"linked.h\"\n"
+	"extern int linked_rnea_launch(const float *q, const float *qd, const float *qdd, float *tau, size_t count, void "
+	"*stream);\n"
+	"int main(void)\n{\n"
+	"\tdouble q[linked_nq] = {0}, tau[linked_nv];\n\n"
+	"\tlinked_rnea(q, q, q, tau);\n"
+	"\treturn linked_info[0] != 'r' || !(tau[0] == tau[0]) || linked_rnea_launch(0, 0, 0, 0, 0, 0);\n}\n";
+
+/* One robot under one name, for CUDA and for C, in one program: both texts have a table of that name. */
+START_TEST(linked_together)
+{
+	struct target_path source = target_path("linked", ".cu"), object = target_path("linked_cu", ".o"),
+			   c = target_path("linked", ".c"), program = target_path("linked_main", ".c"),
+			   executable = target_path("linked", ".exe");
+	const char *const link[] = {nvcc, "-arch=sm_90", "-o", executable.s, program.s, c.s,
+		object.s, "-lm", NULL}, *const run[] = {executable.s, NULL};
+	struct rneagen_options o = rneagen_options_default();
+	struct target t;
+	struct process p;
+	size_t length;
+	char *urdf = target_robot("iiwa14", &length);
+
+	if (!nvcc)
+		return;
+	o.name = "linked";
+	o.target = RNEAGEN_TARGET_C;
+	target_generate(&t, urdf, length, &o, "linked");
+	target_write(c, t.text.source);
+	target_write(target_path("linked", ".h"), t.text.header);
+	target_close(&t);
+	o.target = RNEAGEN_TARGET_CUDA;
+	target_generate(&t, urdf, length, &o, "linked");
+	target_write(source, t.text.source);
+	p = run_nvcc(&t, source, object);
+	process_free(&p);
+	target_write(program, PROGRAM);
+	target_compile(&t, link);
+	target_compile(&t, run);
+	target_close(&t);
+	free(urdf);
+}
+END_TEST
+
+static void add_case(Suite *suite, const char *name, const TTest *test, void (*setup)(void))
+{
+	TCase *c = tcase_create(name);
+
+	tcase_set_timeout(c, 7200);
+	if (setup)
+		tcase_add_unchecked_fixture(c, setup, NULL);
+	tcase_add_test(c, test);
+	suite_add_tcase(suite, c);
+}
+
+int main(void)
+{
+	Suite *suite = suite_create("cuda");
+
+	setvbuf(stdout, NULL, _IOLBF, 0);
+	unsetenv("RNEA_NVRTC");
+	add_case(suite, "table", table_begins, NULL);
+	add_case(suite, "measured", measured_robots, find_nvcc);
+	add_case(suite, "modes", modes, find_nvcc);
+	add_case(suite, "others", other_robots, find_nvcc);
+	add_case(suite, "header", header_in_kernel, find_nvcc);
+	add_case(suite, "linked", linked_together, find_nvcc);
+	return suite_run(suite);
+}
