@@ -96,6 +96,6 @@ setup_build() {
 	shift
 	[[ -t 1 ]] || quiet=(-- --quiet)
 	echo "building: cmake --preset $preset && cmake --build --preset $preset${*:+ $*}"
-	cmake --preset "$preset" >/dev/null
-	cmake --build --preset "$preset" "$@" "${quiet[@]}"
+	cmake --preset "$preset" >/dev/null &&
+		cmake --build --preset "$preset" "$@" "${quiet[@]}"
 }

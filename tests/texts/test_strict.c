@@ -1,8 +1,10 @@
 /* --strict: the same bits from every compiler at every setting, also where it may join products and sums, and those of the
-   DAG computed operation by operation; in ordinary states, at large angles, where numbers are subnormal or overflow. */
+   DAG computed operation by operation; in ordinary states, at large angles, where numbers are subnormal or overflow.
+   Once found: a negation of a joined sum (gcc, the sign of a zero), a product left in fma(1, x, y) (clang): check_dags names both. */
 #define _POSIX_C_SOURCE 200809L
 #include "target/rerun.h"
 #include "target/states.h"
+#include "support/exhaustive.h"
 #include "support/suite.h"
 #include <dlfcn.h>
 #include <math.h>
@@ -307,11 +309,15 @@ static const struct choice {
 
 START_TEST(every_setting)
 {
-	static const int all[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, SETTING_COUNT};
+	/* of the others every fifth, which they take in turns, unless all are asked for */
+	int step = exhaustive() ? 1 : 5, count = 1, all[SETTING_COUNT + 1] = {0};
 	const struct choice *c = &CHOICES[_i];
 	struct rneagen_options o = rneagen_options_default();
 	char path[512];
 
+	for (int i = 1 + _i % step; i < SETTING_COUNT; i += step)
+		all[count++] = i;
+	all[count] = SETTING_COUNT;
 	o.base = c->base;
 	o.precision = c->precision;
 	o.layout = c->layout;
@@ -322,13 +328,14 @@ START_TEST(every_setting)
 }
 END_TEST
 
-/* Each robot in one text, by two settings; options and settings take turns. */
+/* Every third robot, or each, in one text, by two settings; options and settings take turns. */
 static void check_robot(const char *path, const char *file, void *context)
 {
+	static int robots;
 	int *turn = context, settings[] = {0, FUSING + *turn % 2, SETTING_COUNT};
 	struct rneagen_options o = rneagen_options_default();
 
-	if (!strncmp(file, "xfail_", 6))
+	if (!strncmp(file, "xfail_", 6) || (robots++ % 3 && !exhaustive()))
 		return;
 	o.precision = *turn % 3 == 0 ? RNEAGEN_F32 : *turn % 3 == 1 ? RNEAGEN_F64 : RNEAGEN_MIXED;
 	o.layout = (enum rneagen_layout)(*turn / 2 % 2);
@@ -343,7 +350,7 @@ START_TEST(own_robots)
 	int turn = 0;
 
 	for_each_urdf(TEST_DIR "/robots", check_robot, &turn);
-	ck_assert_int_ge(turn, 32);
+	ck_assert_int_ge(turn, exhaustive() ? 32 : 11);
 	report("own robots");
 }
 END_TEST

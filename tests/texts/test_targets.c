@@ -1,7 +1,10 @@
 /* Texts for target C, compiled and run: against the independent reference, the evaluated DAG and themselves.
-   Own robots and real ones (RNEAGEN_ROBOTS); fixed and floating; both precisions and layouts; all trigonometry modes.
- */
+   Own robots and real ones (RNEAGEN_ROBOTS); fixed and floating; both precisions and layouts; all trigonometry modes: each robot
+   in one text, or in three (own) or two (real) where all is asked for, and each pair of options in some text.
+   Once found: a sign of zero (DAG and text), an input that is not finite and reaches another sample of its batch. */
 #define _POSIX_C_SOURCE 200809L
+#include "support/exhaustive.h"
+#include "support/pairs.h"
 #include "support/suite.h"
 #include "target/target_check.h"
 #include <stdio.h>
@@ -9,25 +12,14 @@
 #include <string.h>
 
 /* Compilers take long over the texts of robots with this many bodies. */
-enum { STATES = 1000, SMALL_STATES = 900, SEED = 7, DEEP = 40 };
+enum { STATES = 300, LARGE = 100, SEED = 7, DEEP = 40 };
+enum { PRECISION, LAYOUT, TRIG, BASE, OPTIONS }; /* columns of the table */
 
 struct session {
 	struct worst worst[2]; /* f64, f32 */
-	int real, robots;
+	int real, robots, turn;
+	struct pairs pairs;
 };
-
-/* One text. Robots with many bodies have the first two alone. */
-struct variant {
-	enum rneagen_precision precision;
-	enum rneagen_layout layout;
-	enum rneagen_trig trig;
-};
-
-static const struct variant FIXED[] = {{RNEAGEN_F64, RNEAGEN_SOA, RNEAGEN_ACCURATE},
-	{RNEAGEN_F32, RNEAGEN_AOS, RNEAGEN_ACCURATE}, {RNEAGEN_F64, RNEAGEN_AOS, RNEAGEN_BOUNDED},
-	{RNEAGEN_F32, RNEAGEN_SOA, RNEAGEN_FAST}};
-static const struct variant FLOATING[] = {{RNEAGEN_F64, RNEAGEN_AOS, RNEAGEN_ACCURATE},
-	{RNEAGEN_F32, RNEAGEN_SOA, RNEAGEN_BOUNDED}, {RNEAGEN_F64, RNEAGEN_SOA, RNEAGEN_FAST}};
 
 static int is_legged(const char *name)
 {
@@ -55,42 +47,35 @@ static void check_text(int is_real, struct worst *worst, struct model *m, const 
 	target_close(&t);
 }
 
-static void check_base(struct session *s, const char *urdf, size_t length, const char *name, enum rneagen_base base)
+static void check_options(struct session *s, const char *urdf, size_t length, const char *name, const int *row)
 {
-	const struct variant *variants = base == RNEAGEN_FIXED ? FIXED : FLOATING;
-	size_t count = base == RNEAGEN_FIXED ? sizeof FIXED / sizeof *FIXED : sizeof FLOATING / sizeof *FLOATING;
 	struct rneagen_options o = rneagen_options_default();
-	struct worst worst[2] = {0};
-	struct states states[2];
+	int f32 = row[PRECISION];
+	struct worst worst = {0};
+	struct states states;
 	struct model m;
 	char stem[256];
 
 	o.target = RNEAGEN_TARGET_C;
-	o.base = base;
+	o.base = row[BASE] && (!s->real || is_legged(name)) ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+	o.precision = f32 ? RNEAGEN_F32 : RNEAGEN_F64;
+	o.layout = (enum rneagen_layout)row[LAYOUT];
+	o.trig = (enum rneagen_trig)row[TRIG];
 	model_open(&m, urdf, length, &o, name);
-	for (int f32 = 0; f32 < 2; f32++)
-		states[f32] = states_new(&m, SEED, STATES, f32, !s->real);
-	for (size_t i = 0; i < count && (i < 2 || m.tree.body_count < DEEP); i++) {
-		o.precision = variants[i].precision;
-		o.layout = variants[i].layout;
-		o.trig = variants[i].trig;
-		states[0].count = states[1].count = o.trig == RNEAGEN_ACCURATE ? STATES : SMALL_STATES;
-		snprintf(stem, sizeof stem, "%s_%.*s_%d%zu", s->real ? "real" : "own", (int)(strlen(name) - 5), name,
-			base, i);
-		check_text(s->real, &worst[o.precision == RNEAGEN_F32], &m, &states[o.precision == RNEAGEN_F32], urdf,
-			length, &o, stem);
-	}
-	printf("%-34s %-8s f64 %.1e, f32 %.1e\n", name, base ? "floating" : "fixed", worst[0].norm, worst[1].norm);
-	for (int f32 = 0; f32 < 2; f32++) {
-		worst_merge(&s->worst[f32], &worst[f32]);
-		states_free(&states[f32]);
-	}
+	states = states_new(&m, SEED, STATES, f32, !s->real);
+	states.count = o.trig == RNEAGEN_ACCURATE ? STATES : STATES - LARGE; /* the last have large angles */
+	snprintf(stem, sizeof stem, "%s_%.*s_%d%d", s->real ? "real" : "own", (int)(strlen(name) - 5), name, o.base, s->turn);
+	check_text(s->real, &worst, &m, &states, urdf, length, &o, stem);
+	printf("%-34s %-8s %s %.1e\n", name, o.base ? "floating" : "fixed", f32 ? "f32" : "f64", worst.norm);
+	worst_merge(&s->worst[f32], &worst);
+	states_free(&states);
 	model_close(&m);
 }
 
 static void check_robot(const char *path, const char *name, void *context)
 {
 	struct session *s = context;
+	int texts = !exhaustive() ? 1 : s->real ? 2 : 3;
 	size_t length;
 	char *urdf;
 
@@ -98,16 +83,21 @@ static void check_robot(const char *path, const char *name, void *context)
 		return;
 	urdf = read_file(path, &length);
 	ck_assert_msg(urdf != NULL, "%s cannot be read", path);
-	check_base(s, urdf, length, name, RNEAGEN_FIXED);
-	if (!s->real || is_legged(name))
-		check_base(s, urdf, length, name, RNEAGEN_FLOATING);
+	for (int i = 0; i < texts; i++, s->turn++)
+		check_options(s, urdf, length, name, s->pairs.rows[s->turn % s->pairs.count]);
 	s->robots++;
 	free(urdf);
 }
 
+static void session_begin(struct session *s)
+{
+	s->pairs = (struct pairs){.factors = OPTIONS, .levels = {[PRECISION] = 2, [LAYOUT] = 2, [TRIG] = 3, [BASE] = 2}};
+	pairs_draw(&s->pairs, SEED);
+}
+
 static void report(const struct session *s)
 {
-	printf("%d %s robots, %d states a text, seed %d\n", s->robots, s->real ? "real" : "own", STATES, SEED);
+	printf("%d texts of %d %s robots, %d states a text, seed %d\n", s->turn, s->robots, s->real ? "real" : "own", STATES, SEED);
 	worst_report(&s->worst[0], "c f64");
 	worst_report(&s->worst[1], "c f32");
 }
@@ -116,6 +106,7 @@ START_TEST(own_robots)
 {
 	struct session s = {0};
 
+	session_begin(&s);
 	for_each_urdf(TEST_DIR "/robots", check_robot, &s);
 	ck_assert_int_ge(s.robots, 32);
 	report(&s);
@@ -131,6 +122,7 @@ START_TEST(real_robots)
 		printf("skipped: RNEAGEN_ROBOTS is not set\n");
 		return;
 	}
+	session_begin(&s);
 	for_each_urdf(folder, check_robot, &s);
 	ck_assert_int_gt(s.robots, 0);
 	report(&s);

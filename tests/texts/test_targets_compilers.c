@@ -1,5 +1,8 @@
-/* A few robots by every compiler setting, in every precision, layout and trigonometry mode. */
+/* A few robots by every compiler setting, in every precision, layout and trigonometry mode: each pair of a setting and an option,
+   and where all is asked for of a robot and each of these too. Once found: what a compiler in its own dialect joins. */
 #define _POSIX_C_SOURCE 200809L
+#include "support/exhaustive.h"
+#include "support/pairs.h"
 #include "support/suite.h"
 #include "target/target_check.h"
 #include <stdio.h>
@@ -24,7 +27,8 @@ static const struct setting SETTINGS[] = {
 	{{"clang", {"-O3", "-mfma"}}, 1, 0, 0},
 };
 
-enum { SETTING_COUNT = sizeof SETTINGS / sizeof *SETTINGS, STATES = 300, SEED = 21 };
+enum { SETTING_COUNT = sizeof SETTINGS / sizeof *SETTINGS, STATES = 300, SEED = 21, ROBOT_COUNT = 9 };
+enum { SETTING, PRECISION, LAYOUT, TRIG, ROBOT }; /* columns of the table; the last where all is asked for */
 
 static struct worst worst[2];
 
@@ -63,63 +67,47 @@ static void check_text(struct model *m, const struct states *states, const char 
 struct robot_choice {
 	const char *name;
 	enum rneagen_base base;
-	int all; /* every combination, else two */
 };
 
-static void check_options(struct model *m, struct states *states, const char *urdf, size_t length,
-	struct rneagen_options *o, const struct setting *setting, const struct robot_choice *choice)
-{
-	for (int precision = RNEAGEN_F32; precision <= RNEAGEN_F64; precision++)
-		for (int layout = RNEAGEN_SOA; layout <= RNEAGEN_AOS; layout++)
-			for (int trig = RNEAGEN_ACCURATE; trig <= RNEAGEN_FAST; trig++) {
-				struct states *s = &states[precision == RNEAGEN_F32];
+static const struct robot_choice ROBOTS[ROBOT_COUNT] = {{"iiwa14", RNEAGEN_FIXED}, {"hyq", RNEAGEN_FLOATING}, {"panda", RNEAGEN_FIXED},
+	{"mimic_chain", RNEAGEN_FLOATING}, {"planar_tilted", RNEAGEN_FIXED}, {"floating_joint", RNEAGEN_FIXED},
+	{"prismatic_skew", RNEAGEN_FIXED}, {"all_zero_torque", RNEAGEN_FIXED}, {"odd_names", RNEAGEN_FIXED}};
 
-				if (!choice->all &&
-					(precision == RNEAGEN_F64 ? layout != RNEAGEN_SOA || trig != RNEAGEN_ACCURATE
-								  : layout != RNEAGEN_AOS || trig != RNEAGEN_BOUNDED))
-					continue;
-				o->precision = (enum rneagen_precision)precision;
-				o->layout = (enum rneagen_layout)layout;
-				o->trig = (enum rneagen_trig)trig;
-				s->count = trig == RNEAGEN_ACCURATE ? STATES
-								    : STATES - 100; /* the last have large angles */
-				check_text(m, s, urdf, length, o, setting, choice->name);
-			}
-}
-
-static void check_setting(const struct setting *setting, const struct robot_choice *choice)
+static void check_row(const struct setting *setting, const int *row, const struct robot_choice *choice)
 {
 	struct rneagen_options o = rneagen_options_default();
-	struct states states[2];
+	struct states states;
 	struct model m;
 	size_t length;
 	char *urdf = target_robot(choice->name, &length);
 
 	o.target = RNEAGEN_TARGET_C;
 	o.base = choice->base;
+	o.precision = row[PRECISION] ? RNEAGEN_F32 : RNEAGEN_F64;
+	o.layout = (enum rneagen_layout)row[LAYOUT];
+	o.trig = (enum rneagen_trig)row[TRIG];
 	model_open(&m, urdf, length, &o, choice->name);
-	for (int f32 = 0; f32 < 2; f32++)
-		states[f32] = states_new(&m, SEED, STATES, f32, 1);
-	check_options(&m, states, urdf, length, &o, setting, choice);
-	states_free(&states[0]);
-	states_free(&states[1]);
+	states = states_new(&m, SEED, STATES, row[PRECISION], 1);
+	if (o.trig != RNEAGEN_ACCURATE)
+		states.count -= 100; /* the last have large angles */
+	check_text(&m, &states, urdf, length, &o, setting, choice->name);
+	states_free(&states);
 	model_close(&m);
 	free(urdf);
 }
 
 START_TEST(setting)
 {
-	static const struct robot_choice robots[] = {{"iiwa14", RNEAGEN_FIXED, 1}, {"hyq", RNEAGEN_FLOATING, 0},
-		{"panda", RNEAGEN_FIXED, 0}, {"mimic_chain", RNEAGEN_FLOATING, 0}, {"planar_tilted", RNEAGEN_FIXED, 0},
-		{"floating_joint", RNEAGEN_FIXED, 0}, {"prismatic_skew", RNEAGEN_FIXED, 0},
-		{"all_zero_torque", RNEAGEN_FIXED, 0}, {"odd_names", RNEAGEN_FIXED, 0}};
+	struct pairs p = {.factors = exhaustive() ? 5 : 4, .levels = {SETTING_COUNT, 2, 2, 3, ROBOT_COUNT}};
 	const struct setting *s = &SETTINGS[_i];
 	char what[64];
 
 	if (!is_possible(s))
 		return;
-	for (size_t i = 0; i < sizeof robots / sizeof *robots; i++)
-		check_setting(s, &robots[i]);
+	pairs_draw(&p, SEED);
+	for (int i = 0; i < p.count; i++)
+		if (p.rows[i][SETTING] == _i)
+			check_row(s, p.rows[i], &ROBOTS[p.factors > ROBOT ? p.rows[i][ROBOT] : i % ROBOT_COUNT]);
 	snprintf(what, sizeof what, "%s %s %s f64", s->compiler.command, s->compiler.flags[0],
 		s->compiler.flags[1] ? s->compiler.flags[1] : "");
 	worst_report(&worst[0], what);

@@ -1,6 +1,8 @@
-/* Texts for target header, all in one file with each other, in C and in C++; and the .h that goes with a .c. */
+/* Texts for target header, all in one file with each other, in C and in C++; and the .h that goes with a .c. Each text is called in C by
+   gcc and in C++ by clang; also in C by clang and in C++ by gcc where all is asked for, else these compile half of them. */
 #define _POSIX_C_SOURCE 200809L
 #include "emit/emit.h"
+#include "support/exhaustive.h"
 #include "support/process.h"
 #include "support/suite.h"
 #include "target/target_check.h"
@@ -16,7 +18,7 @@ struct language {
 	const char *command, *standard, *suffix, *level;
 };
 
-static const struct language LANGUAGES[] = {{"gcc", "-std=c11", ".c", "-O2"}, {"g++", "-std=c++17", ".cpp", "-O2"},
+static const struct language LANGUAGES[] = {{"gcc", "-std=c11", ".c", "-O1"}, {"g++", "-std=c++17", ".cpp", "-O1"},
 	{"clang", "-std=c11", ".c", "-O1"}, {"clang++", "-std=c++17", ".cpp", "-O1"}};
 
 enum { LANGUAGE_COUNT = sizeof LANGUAGES / sizeof *LANGUAGES };
@@ -86,7 +88,7 @@ static void write_calls(FILE *f, const struct target *t)
 
 /* One file that holds all headers and shows their functions; and one that holds them in the other order and shows
    nothing of them. */
-static void write_users(struct target *t, const struct language *l, struct target_path paths[2])
+static void write_users(struct target *t, int count, const struct language *l, struct target_path paths[2])
 {
 	for (int i = 0; i < 2; i++) {
 		FILE *f;
@@ -94,11 +96,11 @@ static void write_users(struct target *t, const struct language *l, struct targe
 		paths[i] = target_path(i ? "header_again" : "header_all", l->suffix);
 		f = fopen(paths[i].s, "w");
 		ck_assert_ptr_nonnull(f);
-		for (int k = 0; k < HEADER_COUNT; k++)
-			fprintf(f, "#include \"%s.h\"\n", t[i ? HEADER_COUNT - 1 - k : k].text.name);
+		for (int k = 0; k < count; k++)
+			fprintf(f, "#include \"%s.h\"\n", t[i ? count - 1 - k : k].text.name);
 		fprintf(f, "#include \"%s.h\"\n", t[0].text.name);
 		fputs("#ifdef __cplusplus\nextern \"C\" {\n#endif\n", f);
-		for (int k = 0; k < HEADER_COUNT && !i; k++)
+		for (int k = 0; k < count && !i; k++)
 			write_calls(f, &t[k]);
 		fprintf(f, "int rows_%d(void)\n{\n\treturn %s_nv;\n}\n", i, t[0].text.name);
 		fputs("#ifdef __cplusplus\n}\n#endif\n", f);
@@ -106,14 +108,14 @@ static void write_users(struct target *t, const struct language *l, struct targe
 	}
 }
 
-static void *build(struct target *t, const struct language *l)
+static void *build(struct target *t, int count, const struct language *l)
 {
 	struct target_path sources[2], library = target_path("header_all", ".so");
 	const char *const argv[] = {l->command, l->standard, WARNING_FLAGS, "-Wshadow", l->level, "-fPIC", "-shared",
 		"-o", library.s, sources[0].s, sources[1].s, NULL};
 	void *handle;
 
-	write_users(t, l, sources);
+	write_users(t, count, l, sources);
 	target_compile(&t[0], argv);
 	handle = dlopen(library.s, RTLD_NOW | RTLD_LOCAL);
 	ck_assert_msg(handle != NULL, "%s", dlerror());
@@ -173,19 +175,24 @@ START_TEST(headers_together)
 	const struct language *l = &LANGUAGES[_i];
 	struct target t[HEADER_COUNT];
 	struct worst worst[2] = {0};
+	const struct header *of[HEADER_COUNT];
+	int all = _i % 3 == 0 || exhaustive(), count = 0;
 	void *handle;
 
 	if (!process_exists(l->command)) {
 		printf("skipped: no %s\n", l->command);
 		return;
 	}
-	for (int i = 0; i < HEADER_COUNT; i++) {
-		generate(&HEADERS[i], RNEAGEN_TARGET_HEADER, &t[i]);
-		target_write(target_path(HEADERS[i].name, ".h"), t[i].text.source);
+	for (int i = 0; i < HEADER_COUNT; i++)
+		if (all || i % 2)
+			of[count++] = &HEADERS[i];
+	for (int i = 0; i < count; i++) {
+		generate(of[i], RNEAGEN_TARGET_HEADER, &t[i]);
+		target_write(target_path(of[i]->name, ".h"), t[i].text.source);
 	}
-	handle = build(t, l);
-	for (int i = 0; i < HEADER_COUNT; i++) {
-		check_header(&HEADERS[i], &t[i], handle, &worst[t[i].f32]);
+	handle = build(t, count, l);
+	for (int i = 0; i < count; i++) {
+		check_header(of[i], &t[i], handle, &worst[t[i].f32]);
 		rneagen_result_free(&t[i].text);
 	}
 	dlclose(handle);
