@@ -1,4 +1,4 @@
-"""The two pictures of the README's section, by gnuplot."""
+"""The two pictures of README.md, by gnuplot."""
 import subprocess
 import textwrap
 

@@ -1,13 +1,12 @@
-"""What the results of run say, as the text of the README's section."""
+"""What the results of run say, as the text of README.md."""
 import csv
 import math
 
-TITLE = "Beside the study that started this"
 CALLS = 100000   # over which the shares spread the start-up
 SHARED = 16384  # samples a call, for the shares
 LARGE = 1048576
 SCALED = 262144  # for the numbers of threads: measure.SCALED
-GPU_ROUTES = (  # what the README calls it, library, the route
+GPU_ROUTES = (  # what README.md calls it, library, the route
     ("generated, NVRTC", "generated", "NVRTC"),
     ("generated, nvcc", "generated", "nvcc"),
     ("torch.compile of the statements, all in one kernel", "PyTorch", "torch.compile, one kernel"),
@@ -318,50 +317,48 @@ def slices(rows):
     """How NumPy's threads were measured, where its processes were too."""
     if not rows.find("NumPy", "straight, processes", "cpu", precision="f64"):
         return ""
-    return ("NumPy takes slices of the samples, in threads, or in processes that share the arrays: threads wait for Python's "
-            "lock\nbefore every operation. glibc is told to keep freed memory (MALLOC_TRIM_THRESHOLD_), without which NumPy "
-            "takes\nseveral times as long, for fresh pages.\n")
+    return ("NumPy works on slices of the samples, in threads, or in processes that share the arrays. Threads wait for "
+            "Python's lock\nbefore each operation. glibc is told to keep freed memory (MALLOC_TRIM_THRESHOLD_). Without that NumPy "
+            "takes several times\nas long, because each array gets fresh pages.\n")
 
 
 def section(rows):
-    return f"""## {TITLE}
-
-A study of 2023 timed NumPy, PyTorch, Julia and CUDA.jl on six functions of the iiwa 14 and left open why the GPU versions
-were slow. Its published code does not compute what it times: PyTorch's forward pass returns after the first joint,
-nothing waits for the GPU before the clock is read, X(q) is made outside, products run along the wrong axis, and CUDA.jl
-repeats the batch in every block. Here the same six functions are written for each library as its users would, with X(q)
-inside, and every row's result is held against the reference ([tests/bench/peers](tests/bench/peers)). Julia is on no machine
-here; nothing is claimed about it.
+    return f"""A study of 2023 timed NumPy, PyTorch, Julia and CUDA.jl on six functions of the iiwa 14. It left open why the GPU
+versions were slow. Its published code does not compute what it times. PyTorch's forward pass returns after the first joint.
+Nothing waits for the GPU before the clock is read. X(q) is made outside the timed code. Products run along the wrong axis.
+CUDA.jl repeats the batch in every block. Here the same six functions are written for each library as its users would write
+them, with X(q) inside. Each result is compared with the reference. Julia was not available; nothing is claimed about it.
 
 Measured by `tests/bench/peers/run` in one run: {rows.head}.
-Kernel times are of graphs that are replayed, where work can be captured, of events around repeated calls otherwise, and of
-the host's clock over queued calls for JAX; "waited for" is what a Python program sees that needs each result. Copies are of
-page-locked memory (JAX: pageable). Start-up is import, CUDA context and the first compilation; "compiled before" is the
-compilation alone, with what is kept on disk (nvcc: loading). "Matrices" are batches of 6x6 matrices, "statements" one
-assignment for every operation on scalars. Everything is in [peers.csv](tests/bench/peers/results/peers.csv);
-`tests/bench/peers/prepare`, `run` and `table` make it anew.
+
+- GPU times are of replayed CUDA graphs where the work can be captured. Otherwise they are of events around repeated calls;
+  for JAX they are of the host's clock over queued calls.
+- "Waited for" is what a Python program sees that needs each result before it goes on.
+- Copies are from and to page-locked memory (JAX: pageable).
+- "Start-up" is the import, the CUDA context and the first compilation. "Compiled before" is the compilation alone, when an
+  earlier run has left its result on disk (nvcc: loading).
+- "Matrices" are batches of 6x6 matrices. "Statements" are one assignment for each operation on scalars.
+- A dash: not measured. [peers.csv](results/peers.csv) has every row, and says where a run was out of time.
 
 {gpu_table(rows, "f32")}
 {gpu_table(rows, "f64")}
-{finding(rows)}![Shares of a call](tests/bench/peers/results/shares.svg)
+{finding(rows)}![Shares of a call](results/shares.svg)
 
 {share_table(rows)}
-{rewritten(rows)}![Time per sample](tests/bench/peers/results/times.svg)
+{rewritten(rows)}![Time per sample](results/times.svg)
 
 {six_table(rows, "f32", SHARED)}
 {six_table(rows, "f64", SHARED)}
-A dash: not measured; peers.csv says where the run was out of time.
-
-**Threads and blocks.** The study left NumPy in threads and the sizes of blocks to later work. The processor is a virtual
-machine's: the same row differed by a factor of two between some runs, so only larger ratios between its rows mean something;
-and where one of its processors is taken away all threads wait for that one, some milliseconds, which makes of a few microseconds
-a ratio in the thousands.
+**Threads and blocks.** The study left NumPy in threads and the sizes of blocks to later work. The processor is that of a virtual
+machine. The same row differed by a factor of two between some runs, so only larger ratios between rows mean something. Where
+the machine takes one processor away for some milliseconds, all threads wait for it. A call of a few microseconds then shows a
+ratio in the thousands.
 {slices(rows)}
 {thread_table(rows)}
 {block_table(rows)}
-**The processor alone**, as users have these libraries, from Python; the loops pay for Python's calls.
+**The processor alone**, as these libraries are used from Python. The loops pay for Python's calls.
 
 {cpu_table(rows)}
-**Where the processor is faster**, to a program that waits for each batch: up to so many samples.
+**Up to how many samples the processor is faster**, for a program that waits for each batch.
 
 {crossing_table(rows)}"""
