@@ -49,6 +49,21 @@ setup_missing() {
 	done < <(setup_list) 3>&1 &>/dev/null
 }
 
+# setup_step TEXT COMMAND...: a line; what the command says goes to a log, which is named where it fails.
+setup_step() {
+	local log=$PWD/build/setup.log text=$1
+
+	shift
+	mkdir -p build
+	echo "$text"
+	printf '\n== %s: %s\n' "$text" "$*" >>"$log"
+	if ! "$@" </dev/null >>"$log" 2>&1; then
+		echo "failed: $*; the end of $log:" >&2
+		tail -n 15 "$log" >&2
+		return 1
+	fi
+}
+
 # setup_install PACKAGE...: says why where it cannot.
 setup_install() {
 	local sudo=()
@@ -64,9 +79,8 @@ setup_install() {
 		fi
 		sudo=(sudo)
 	fi
-	echo "installing: $*"
-	"${sudo[@]}" apt-get -q update &&
-		"${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends "$@" </dev/null
+	setup_step "asking apt for its lists" "${sudo[@]}" apt-get -q update &&
+		setup_step "installing: $*" "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends "$@"
 }
 
 # What every build needs; the script ends where it cannot be had.
