@@ -7,7 +7,7 @@
 #include "base/text.h"
 #include "base/within.h"
 
-/* What urdfdom and we can hold; the README states them. */
+/* What urdfdom and we can hold; gen/README.md states them. */
 enum {
 	LIMIT_FILE_BYTES = 16 << 20,
 	LIMIT_XML_DEPTH = 100,

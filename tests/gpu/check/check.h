@@ -33,7 +33,7 @@ struct item {
 	int is_strict;       /* whether its bits are to be those of the same text on the processor */
 	int aot;             /* whether there is a shared object built by nvcc beside it */
 	int is_large;        /* whether it runs over settings->elements */
-	int is_listed;       /* whether it is timed over more samples still, for the README */
+	int is_listed;       /* whether it is timed over more samples still, for the tables */
 	int is_built;        /* whether the time to open is taken with a cache and without */
 	/* what is found */
 	struct rnea_robot *robot; /* NULL: it did not open, and `failure` says why */
