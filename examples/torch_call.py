@@ -28,7 +28,8 @@ class rnea_options(ctypes.Structure):
 
 
 class rnea_argument(ctypes.Structure):
-    _fields_ = [("name", c_char_p), ("rows", c_size_t), ("scalar", c_int), ("per_batch", c_int)]
+    _fields_ = [("name", c_char_p), ("rows", c_size_t), ("scalar", c_int), ("per_batch", c_int),
+                ("role", c_int), ("of", c_char_p)]
 
 
 class rnea_info(ctypes.Structure):  # as far as it is used; only librnea makes one

@@ -40,7 +40,7 @@ static rnea_robot *open_text(const char *path, rnea_backend backend)
 		return NULL;
 	}
 	ours = rnea_info(robot)->nq == N && rnea_info(robot)->layout == RNEA_SOA &&
-	       rnea_argument_count(robot, RNEA_KERNEL_RNEA) == 7;
+	       rnea_argument_count(robot, "rnea") == 7;
 	for (int i = 0; i < 7; i++)
 		ours = ours && rnea_bind(robot, names[i]) == i;
 	if (ours)

@@ -1,110 +1,68 @@
 /* The public calls that make a robot, and those that ask about it; launch.c has those that run it. */
-#define _POSIX_C_SOURCE 200809L /* clock_gettime, uname */
+#define _POSIX_C_SOURCE 200809L /* clock_gettime */
 #include "handle.h"
-#include "core/info_table.h"
 #include "core/seconds.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/utsname.h>
 
 enum { BLOCK_LIMIT = 1024 };
 
 /* ---- opening ---- */
 
-static void name_kernels(struct rnea_robot *robot, const char *suffix)
+/* Open by one backend, whose failure leaves the robot as it was. */
+static enum rnea_code open_by(
+	struct rnea_robot *robot, const struct backend *b, const struct backend_request *r, int *absent, struct rnea_error *e)
 {
-	for (int i = 0; i < RNEA_KERNEL_COUNT; i++)
-		source_symbol(robot->info.name, (enum rnea_kernel)i, suffix, robot->kernels[i]);
-}
-
-static enum rnea_code open_cuda(struct rnea_robot *robot, const struct source *s, const struct rnea_options *o,
-	const char *file, const struct cache *cache, struct rnea_error *e)
-{
-	struct image_request r = {.source = s,
-		.file = file,
-		.options = o->compile,
-		.option_count = o->compile_count,
-		.block = o->block,
-		.cache = cache,
-		.unkept = &robot->unkept,
-		.log = o->log,
-		.log_size = o->log_size};
-	struct driver *c = &robot->driver;
-
-	if (!s->is_cuda)
-		return rnea_error_set(e, RNEA_ARGUMENT,
-			"%s: a text for target c has no kernel; generate it for target cuda, or open it on the host",
-			file);
-	if (driver_open(c, o->device, &r, &robot->info, e) || pipe_open(&robot->pool, c, &robot->info, o->threads, e))
+	*absent = 0;
+	if (b->refusal && !r->source->is_cuda)
+		return rnea_error_set(e, RNEA_ARGUMENT, "%s: %s", r->file, b->refusal);
+	if (b->open(&robot->state, r, &robot->info, &robot->build, absent, e))
 		return e->code;
-	robot->build = (struct rnea_build){.backend = RNEA_BACKEND_CUDA,
-		.device = c->device.name,
-		.compiler = c->compiler,
-		.target = c->target,
-		.cached = c->cached,
-		.min_blocks = c->min_blocks};
-	name_kernels(robot, "kernel");
+	robot->backend = b;
 	return RNEA_OK;
 }
 
-static enum rnea_code open_host(struct rnea_robot *robot, const struct source *s, const struct rnea_options *o,
-	const char *file, const struct cache *cache, struct rnea_error *e)
+/* The first backend that takes the text; the next one, where the machine has nothing of that. If all fail, all are told. */
+static enum rnea_code open_any(struct rnea_robot *robot, const struct backend_request *r, struct rnea_error *e)
 {
-	struct host_request r = {.source = s->text,
-		.file = file,
-		.name = s->name,
-		.options = o->compile,
-		.option_count = o->compile_count,
-		.cache = cache,
-		.unkept = &robot->unkept,
-		.threads = o->threads,
-		.log = o->log,
-		.log_size = o->log_size};
-	struct host *h = &robot->host;
-	struct utsname machine;
+	int absent = 1;
 
-	if (host_open(h, &r, e) || rnea_info_read(h->info, strlen(h->info), s->name, &robot->info, e))
-		return e->code;
-	h->sample_ns = host_sample_ns(&robot->info);
-	snprintf(robot->device, sizeof robot->device, "%s", uname(&machine) < 0 ? "host" : machine.machine);
-	robot->build = (struct rnea_build){.backend = RNEA_BACKEND_HOST,
-		.device = robot->device,
-		.compiler = h->cached ? "" : h->compiler,
-		.target = "native",
-		.cached = h->cached,
-		.threads = h->threads};
-	name_kernels(robot, "slice");
-	return RNEA_OK;
-}
+	for (size_t i = 0; i < backend_count && absent; i++) {
+		const struct backend *b = backends[i];
+		struct rnea_error tried = {0};
 
-/* The host, where there is no CUDA at all; both failures are told if that fails too. */
-static enum rnea_code open_instead(struct rnea_robot *robot, const struct source *s, const struct rnea_options *o,
-	const char *file, const struct cache *cache, struct rnea_error *e)
-{
-	struct rnea_error host = {0};
-
-	snprintf(robot->note, sizeof robot->note, "%s", e->message);
-	if (!open_host(robot, s, o, file, cache, &host)) {
-		rnea_error_start(e, NULL);
-		return RNEA_OK;
+		if (b->refusal && !r->source->is_cuda)
+			continue;
+		if (!open_by(robot, b, r, &absent, &tried)) {
+			rnea_error_start(e, NULL);
+			return RNEA_OK;
+		}
+		if (e->code) {
+			e->code = RNEA_OK;
+			rnea_error_set(e, tried.code, "%.1000s (the host was tried because: %.800s)", tried.message, robot->note);
+		} else {
+			*e = tried;
+		}
+		if (absent)
+			snprintf(robot->note, sizeof robot->note, "%s", tried.message);
 	}
-	e->code = RNEA_OK;
-	return rnea_error_set(e, host.code, "%.1000s (the host was tried because: %.800s)", host.message, robot->note);
+	return e->code;
 }
 
 static enum rnea_code open_backend(struct rnea_robot *robot, const struct source *s, const struct rnea_options *o,
 	const struct cache *cache, struct rnea_error *e)
 {
 	char name[SOURCE_NAME_LIMIT + 4];
-	const char *file = o->file ? o->file : name;
+	const struct backend_request r = {
+		.source = s, .file = o->file ? o->file : name, .options = o, .cache = cache, .unkept = &robot->unkept};
+	int absent;
 
 	snprintf(name, sizeof name, "%s.%s", s->name, s->is_cuda ? "cu" : "c");
-	if (o->backend == RNEA_BACKEND_HOST || (o->backend == RNEA_BACKEND_ANY && !s->is_cuda))
-		return open_host(robot, s, o, file, cache, e);
-	if (open_cuda(robot, s, o, file, cache, e) && o->backend == RNEA_BACKEND_ANY && robot->driver.device.absent)
-		return open_instead(robot, s, o, file, cache, e);
-	return e->code;
+	for (size_t i = 0; i < backend_count; i++)
+		if (backends[i]->name == o->backend)
+			return open_by(robot, backends[i], &r, &absent, e);
+	return open_any(robot, &r, e);
 }
 
 /* Open a text that was read; `s` stays the caller's. */
@@ -202,18 +160,10 @@ enum rnea_code rnea_open_file(
 
 void rnea_close(struct rnea_robot *robot)
 {
-	struct rnea_error ignored = {0};
-	int pushed = 0;
-
 	if (!robot)
 		return;
-	if (robot->pool) {
-		device_enter(&robot->driver.device, &pushed, &ignored);
-		pipe_close(robot->pool, ignored.code != RNEA_OK);
-		device_leave(&robot->driver.device, pushed);
-	}
-	driver_close(&robot->driver);
-	host_close(&robot->host);
+	if (robot->backend)
+		robot->backend->close(robot->state);
 	rnea_info_free(&robot->info);
 	free(robot);
 }
@@ -265,39 +215,13 @@ int rnea_bind(const struct rnea_robot *robot, const char *name)
 	return found;
 }
 
-int rnea_has(const struct rnea_robot *robot, enum rnea_kernel kernel)
+int rnea_bind_role(const struct rnea_robot *robot, const char *function, enum rnea_role role, const char *of)
 {
-	if ((unsigned)kernel >= RNEA_KERNEL_COUNT)
-		return 0;
-	return robot->build.backend == RNEA_BACKEND_CUDA ? robot->driver.kernels[kernel].function != NULL
-							 : robot->host.slices[kernel] != NULL;
-}
+	size_t i = function ? rnea_info_function(&robot->info, function) : robot->info.function_count;
+	const struct rnea_function *f = &robot->info.functions[i];
 
-enum rnea_code rnea_no_kernel(const struct rnea_robot *robot, enum rnea_kernel kernel, struct rnea_error *e)
-{
-	if ((unsigned)kernel >= RNEA_KERNEL_COUNT)
-		return rnea_error_set(e, RNEA_KERNEL, "there is no kernel %d", (int)kernel);
-	return rnea_error_set(
-		e, RNEA_KERNEL, "the text of \"%s\" has no kernel %s", robot->info.name, robot->kernels[kernel]);
-}
-
-size_t rnea_argument_count(const struct rnea_robot *robot, enum rnea_kernel kernel)
-{
-	if (!rnea_has(robot, kernel))
-		return 0;
-	if (kernel == RNEA_KERNEL_RNEA)
-		return robot->info.input_count + robot->info.output_count;
-	return kernel == RNEA_KERNEL_FPASS ? robot->info.input_count + DRIVER_PASS_ARRAYS : DRIVER_PASS_ARRAYS;
-}
-
-enum rnea_code rnea_resources(const struct rnea_robot *robot, enum rnea_kernel kernel, struct rnea_resources *resources,
-	struct rnea_error *error)
-{
-	struct rnea_error spare, *e = rnea_error_start(error, &spare);
-
-	*resources = (struct rnea_resources){0};
-	if (!rnea_has(robot, kernel))
-		return rnea_no_kernel(robot, kernel, e);
-	*resources = robot->driver.kernels[kernel].resources; /* all 0 on the host */
-	return RNEA_OK;
+	for (size_t k = 0; i < robot->info.function_count && k < f->input_count + f->output_count; k++)
+		if (f->arguments[k].role == role && (!of || strcmp(f->arguments[k].of, of) == 0))
+			return (int)k;
+	return -1;
 }

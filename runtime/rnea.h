@@ -46,7 +46,7 @@ extern "C" {
 	X(NO_COMPILER, "the compiler, NVRTC or the machine's own, cannot be found")                                    \
 	X(COMPILER, "the compiler cannot do what is asked of it")                                                      \
 	X(COMPILE, "the text does not compile")                                                                        \
-	X(KERNEL, "the text has no such kernel")
+	X(KERNEL, "the text has no such function")
 
 enum rnea_code {
 #define RNEA_ERROR_ENUM(code, text) RNEA_##code,
@@ -68,17 +68,60 @@ const char *rnea_code_text(enum rnea_code code);
 enum rnea_scalar { RNEA_F32, RNEA_F64 }; /* float, double */
 enum rnea_layout { RNEA_SOA, RNEA_AOS }; /* array[row][sample], array[sample][row] */
 
-enum { RNEA_ARGUMENT_LIMIT = 64 }; /* the most arrays one kernel can take */
+enum { RNEA_ARGUMENT_LIMIT = 64 }; /* the most arrays one function can take */
 
-/* One array of the signature. Sample k of row r is at [r * count + k] in soa and [k * rows + r] in aos: an array has rows x
-   count scalars, or, per batch, as many as it has rows. That it is no shorter is for the caller to see to, by what stands
-   here: nobody can tell by a pointer. A scene (--fold, --free, --want, --fext of rneagen) makes other arrays than q, qd, qdd
-   and tau; a text may have no inputs at all. */
+/* What an array means, and its word in the table. "of" says what rnea_argument.of names: of a link, a joint, or the constant
+   that the torques are differentiated by. Rows of vectors of all bodies are 6 for each, linear then angular. */
+#define RNEA_ROLES(X)                                                                                                  \
+	X(UNKNOWN, "unknown")                            /* the table does not say, or by a word of a later version */ \
+	X(JOINT_POSITION, "joint_position")              /* q */                                                       \
+	X(JOINT_VELOCITY, "joint_velocity")              /* qd */                                                      \
+	X(JOINT_ACCELERATION, "joint_acceleration")      /* qdd */                                                     \
+	X(JOINT_TORQUE, "joint_torque")                  /* tau */                                                     \
+	X(GRAVITY_TORQUE, "gravity_torque")              /* of gravity alone: qd = qdd = 0 */                          \
+	X(BIAS_TORQUE, "bias_torque")                    /* of gravity and velocities: qdd = 0 */                      \
+	X(GRAVITY, "gravity")                            /* m/s^2, in the root link's frame */                         \
+	X(LINK_WRENCH, "link_wrench")                    /* from outside, of a link */                                 \
+	X(LINK_MASS, "link_mass")                        /* of a link */                                               \
+	X(LINK_INERTIA, "link_inertia")                  /* of a link: its ten inertial parameters */                  \
+	X(LINK_PAYLOAD, "link_payload")                  /* of a link: ten inertial parameters on top of its own */    \
+	X(JOINT_OFFSET, "joint_offset")                  /* of a joint: added to its q */                              \
+	X(JOINT_WRENCH, "joint_wrench")                  /* of a joint: what it carries */                             \
+	X(LINK_TWIST, "link_twist")                      /* of a link */                                               \
+	X(LINK_ACCELERATION, "link_acceleration")        /* of a link */                                               \
+	X(BODY_TWISTS, "body_twists")                    /* of all moving bodies */                                    \
+	X(BODY_ACCELERATIONS, "body_accelerations")      /* of all moving bodies */                                    \
+	X(BODY_WRENCHES, "body_wrenches")                /* of all moving bodies: their own */                         \
+	X(POWER, "power")                                                                                              \
+	X(KINETIC_ENERGY, "kinetic_energy")                                                                            \
+	X(POTENTIAL_ENERGY, "potential_energy")                                                                        \
+	X(MASS_MATRIX, "mass_matrix")                    /* M = dtau/dqdd */                                           \
+	X(DTAU_DQ, "dtau_dq")                                                                                          \
+	X(DTAU_DQD, "dtau_dqd")                                                                                        \
+	X(DTAU_DFREED, "dtau_dfreed")                    /* of a constant that the scene makes an input */             \
+	X(TANGENT, "tangent")                            /* 3 nv: what [dtau/dq, dtau/dqd, dtau/dqdd] is multiplied by */ \
+	X(COTANGENT, "cotangent")                        /* nv: its transpose */                                       \
+	X(JVP, "jvp")                                    /* nv: the product with the tangent */                        \
+	X(VJP, "vjp")                                    /* 3 nv: of the transpose with the cotangent */
+
+enum rnea_role {
+#define RNEA_ROLE_ENUM(role, word) RNEA_ROLE_##role,
+	RNEA_ROLES(RNEA_ROLE_ENUM)
+#undef RNEA_ROLE_ENUM
+	RNEA_ROLE_COUNT
+};
+
+/* One array of a signature. Sample k of row r is at [r * count + k] in soa and [k * rows + r] in aos: an array has rows x
+   count scalars, or, per batch, as many as it has rows. The caller sees to it that it is so long: a pointer does not tell. A
+   scene (--fold, --free, --want, --fext of rneagen) makes other arrays than q, qd, qdd and tau; a text may have no inputs at
+   all. */
 struct rnea_argument {
 	const char *name;        /* "q", "qd", "qdd", "tau", ... */
 	size_t rows;             /* scalars per sample; at least 1 */
 	enum rnea_scalar scalar; /* of its elements; an array must be aligned to it, no more */
 	int per_batch;           /* 1: rows scalars for the whole batch, whatever the count; 0: rows for every sample */
+	enum rnea_role role;     /* of tables of versions 1 and 2: those of q, qd, qdd and tau, and of the two halves' arrays */
+	const char *of;          /* the link, joint or constant that the role speaks of, as the URDF and the scene name it; "": none */
 };
 
 /* One joint with entries in q. Units by type: revolute and continuous rad, prismatic m, floating m and a unit
@@ -99,13 +142,29 @@ struct rnea_operations {
    scipy.sparse.coo_matrix has them. What is not stored is zero; but of a `lower` one, which is symmetric, only elements with
    row >= col are stored. */
 struct rnea_matrix {
-	size_t argument;   /* of info->arguments: its array, whose `rows` are how many elements are stored */
+	size_t argument;   /* of the function's arguments: its array, whose `rows` are how many elements are stored */
 	size_t rows, cols; /* a row for each torque */
 	int lower;
 	const int *row, *col;
 };
 
-/* The parsed table. Every pointer belongs to the robot that it was asked of and is valid until rnea_close. */
+/* One function of the text, by which rnea_launch_kernel launches it. A text without a scene has "rnea", tau = ID(q, qd, qdd),
+   and its halves: "fpass", q, qd, qdd -> v, a, f, the twists, accelerations and wrenches of the bodies, 6 nb rows each; and
+   "bpass", q, f -> tau. A text with inputs or outputs of a scene's has "rnea" alone. */
+struct rnea_function {
+	const char *name;
+	const struct rnea_argument *arguments; /* the inputs, then the outputs: the order of its signature */
+	size_t input_count, output_count;
+	struct rnea_operations operations;  /* in tables of versions 1 and 2 those of the first function for all */
+	const struct rnea_matrix *matrices; /* matrix_count of them */
+	size_t matrix_count;
+	unsigned parts;     /* of a CUDA grid, along y: each makes some elements of the matrices; 1: all (--parts) */
+	size_t stage_bytes; /* of shared memory in which its kernel stages each sample; 0: none. Where a block of them takes more
+	                       than 48 KiB, and at most 227, launches have to give it: rnea_launch does; given less, it is slower */
+};
+
+/* The parsed table. Every pointer belongs to the robot that it was asked of and is valid until rnea_close. What stands here of
+   one function is the first one's, the one that rnea_launch and rnea_run launch. */
 struct rnea_info {
 	const char *name; /* the identifier that prefixes the functions of the text */
 	enum rnea_scalar precision; /* of numbers in memory */
@@ -116,18 +175,20 @@ struct rnea_info {
 	size_t nq, nv;    /* rows of q; rows of qd, qdd and tau */
 	size_t nb;        /* moving bodies: v, a and f of the passes have 6 rows for each */
 	unsigned block;   /* threads per block, 1 to 1024: of the text, or of rnea_options */
-	const struct rnea_argument *arguments; /* the inputs, then the outputs: the order of every signature */
+	const struct rnea_argument *arguments; /* the inputs, then the outputs */
 	size_t input_count, output_count;
 	const struct rnea_joint *joints; /* joint_count of them, in the order of q; may be none */
 	size_t joint_count;
 	struct rnea_operations operations;
 	void *memory; /* private */
-	const struct rnea_matrix *matrices; /* matrix_count of them: outputs dtau_dq, dtau_dqd, dtau_dNAME and M */
+	const struct rnea_matrix *matrices; /* matrix_count of them */
 	size_t matrix_count;
-	unsigned parts; /* of a grid of the rnea kernel, along y: each makes some elements of the matrices; 1: all (--parts) */
-	size_t stage_bytes; /* of shared memory in which the rnea kernel stages each sample; 0: none. Where a block of them takes more than
-	                       48 KiB, and at most 227, launches have to give it: rnea_launch does; given less, the kernel is slower */
-	unsigned kernels; /* private: bit k stands for enum rnea_kernel k; 0: the table does not say which the text has */
+	unsigned parts;
+	size_t stage_bytes;
+	int is_guessed; /* private: what stands here of functions but the first may not be in the text */
+	const struct rnea_function *functions; /* function_count of them, at least 1 */
+	size_t function_count;
+	unsigned version; /* of the table: 1, 2 or 3 */
 };
 
 /* ---- opening and closing ---- */
@@ -201,14 +262,11 @@ const struct rnea_build *rnea_build(const struct rnea_robot *robot);
 
 /* ---- launching ---- */
 
-/* The kernels of a text, with the arrays each takes, in order. In and out: [in] read, [out] written. A text with inputs or
-   outputs of a scene's has RNEA_KERNEL_RNEA alone. */
-enum rnea_kernel {
-	RNEA_KERNEL_RNEA,  /* the info's inputs [in], then its outputs [out] */
-	RNEA_KERNEL_FPASS, /* the info's inputs [in], v, a, f [out]: twists, accelerations, wrenches, 6 nb rows each */
-	RNEA_KERNEL_BPASS, /* q, f [in], tau [out] */
-	RNEA_KERNEL_COUNT
-};
+/* Functions were an enumeration once: sources that name its members still compile, and launch the same. Variables of type
+   enum rnea_kernel do not compile: make them const char *. */
+#define RNEA_KERNEL_RNEA "rnea"
+#define RNEA_KERNEL_FPASS "fpass"
+#define RNEA_KERNEL_BPASS "bpass"
 
 /* What the device's compiler made of a kernel; all 0 on the host. */
 struct rnea_resources {
@@ -219,16 +277,21 @@ struct rnea_resources {
 	unsigned busy_block;  /* threads per block that keep the most threads resident; 0: the driver does not say */
 };
 
-/* The index of the array `name` in the order of RNEA_KERNEL_RNEA, or -1 if there is none of that name. A scene's word,
+/* The index of the array `name` in the order of info->arguments, or -1 if there is none of that name. A scene's word,
    "payload.left hand", does for its array, payload_left_hand; but not where there is a payload_left_hand_2 as well, which
    may be of the same word: -1, ask by the array's name then. */
 int rnea_bind(const struct rnea_robot *robot, const char *name);
 
-/* How many arrays `kernel` takes; 0 if the text does not have it. */
-size_t rnea_argument_count(const struct rnea_robot *robot, enum rnea_kernel kernel);
+/* The index of the array of a role in the order of `function`'s arguments, or -1 if there is none, or no such function. `of`
+   names the link, joint or constant; NULL: whatever it is. Of several, the first. Where an input and an output have the role,
+   the input. */
+int rnea_bind_role(const struct rnea_robot *robot, const char *function, enum rnea_role role, const char *of);
 
-/* Fill *resources for `kernel`. Errors: KERNEL (the text does not have it). */
-enum rnea_code rnea_resources(const struct rnea_robot *robot, enum rnea_kernel kernel, struct rnea_resources *resources,
+/* How many arrays `function` takes; 0 if the text does not have it. */
+size_t rnea_argument_count(const struct rnea_robot *robot, const char *function);
+
+/* Fill *resources for `function`. Errors: KERNEL (the text does not have it; the message lists what it has). */
+enum rnea_code rnea_resources(const struct rnea_robot *robot, const char *function, struct rnea_resources *resources,
 	struct rnea_error *error);
 
 /* tau = ID(q, qd, qdd), or what else the text computes, for `count` samples. `arguments` holds one pointer for each array
@@ -248,8 +311,9 @@ enum rnea_code rnea_resources(const struct rnea_robot *robot, enum rnea_kernel k
 enum rnea_code rnea_launch(const struct rnea_robot *robot, void *const *arguments, size_t count, void *stream,
 	struct rnea_error *error);
 
-/* The same for any kernel of the text; `arguments` in the order stated at enum rnea_kernel. Errors: also KERNEL. */
-enum rnea_code rnea_launch_kernel(const struct rnea_robot *robot, enum rnea_kernel kernel, void *const *arguments,
+/* The same for any function of the text, "fpass" for one; `arguments` in the order of its struct rnea_function. Errors: also
+   KERNEL. */
+enum rnea_code rnea_launch_kernel(const struct rnea_robot *robot, const char *function, void *const *arguments,
 	size_t count, void *stream, struct rnea_error *error);
 
 /* The same as rnea_launch for arrays in the program's own memory, on either backend; done when the call returns. CUDA:

@@ -2,24 +2,33 @@
 #define RNEA_INFO_TABLE_H
 /* The table that a generated text holds about itself: lines `key values`, the first `rneagen-info VERSION`.
 
-	name NAME | precision f32|f64 | layout soa|aos | trig WORD | base WORD | nq N | nv N | nb N | block N
-	stage BYTES                               (of shared memory in which the rnea kernel stages each sample, where it does)
-	arithmetic WORD                           (where it does not stand, it is the precision)
-	parts N                                   (version 2 alone: blocks of the rnea kernel's grid along y, 2 and more)
-	input NAME ROWS f32|f64 sample|batch      (and `output`; one line each, in the order of the signature)
-	operations MUL ADD SUB NEG FMA SINCOS     (of the rnea kernel, a sample)
-	kernels rnea|fpass|bpass ...              (those that the text has; where it does not stand, all three may be there)
-	joint IQ NQ IV NV TYPE NAME               (the name goes to the end of the line)
+   Of the text, each once (`arithmetic` at most once: where it does not stand, it is the precision):
 
+	name NAME | precision f32|f64 | arithmetic WORD | layout soa|aos | trig WORD | base WORD | nq N | nv N | nb N | block N
+	joint IQ NQ IV NV TYPE NAME               (one line each; the name goes to the end of the line)
+
+   Of each function, from its line `function` to the next, in the order in which the text has them; the first is what
+   rnea_launch launches:
+
+	function NAME
+	input NAME ROWS f32|f64 sample|batch ROLE [OF]
+	output NAME ROWS f32|f64 sample|batch ROLE [OF]    (one line each, in the order of the signature)
 	matrix NAME ROWS COLS general|lower       (an output's; after it its rows, from 0:)
 	row NAME ROW COL COL ...                  (the columns of what is stored; in all, as many as the output has rows)
+	operations MUL ADD SUB NEG FMA SINCOS     (a sample; once)
+	stage BYTES                               (of shared memory in which the kernel stages each sample, where it does)
+	parts N                                   (blocks of the kernel's grid along y, 2 and more, where it has such)
 
-   Version 1: a launch has one block for each slice of the batch. Version 2: `parts` of them, each of which makes some of
-   the outputs; who knows nothing of parts would launch a text of parts and leave the rest unwritten.
+   ROLE is a word of RNEA_ROLES; OF is the link, joint or constant that it speaks of, and goes to the end of the line. A role
+   that is not known is none.
 
-   Each key of the first line stands once, and so do `operations` and, in version 2, `parts`; `arithmetic`, `stage` and
-   `kernels` at most once. A key that is not listed is passed over: what would change the meaning of the rest gets a new
-   version. */
+   Versions 1 and 2 have no line `function` and no roles: what stands of a function is that of rnea, and a line
+
+	kernels rnea|fpass|bpass ...              (at most once; where it does not stand, all three may be there)
+
+   says which the text has. core/info_old.c makes functions of that. Version 2 has `parts`, version 1 does not: who knows
+   nothing of parts would launch a text of parts and leave the rest unwritten. A key that is not listed is passed over: what
+   would change the meaning of the rest gets a new version. */
 
 #include "core/failure.h"
 
@@ -31,5 +40,11 @@ enum rnea_code rnea_info_parse(const char *text, size_t length, struct rnea_info
 enum rnea_code rnea_info_read(
 	const char *text, size_t length, const char *name, struct rnea_info *info, struct rnea_error *e);
 void rnea_info_free(struct rnea_info *info);
+
+/* Function i is not in the text: leave it out, if the table only guesses that it is. Returns 0 where it must be there. */
+int rnea_info_lacks(struct rnea_info *info, size_t i);
+
+/* The index of the function `name`, info->function_count where there is none. */
+size_t rnea_info_function(const struct rnea_info *info, const char *name);
 
 #endif

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const source_kernels[RNEA_KERNEL_COUNT] = {"rnea", "fpass", "bpass"};
 static const char marker[] = "RNEA_INFO const char ";
 static const char suffix[] = "_info[] =";
 
@@ -148,9 +147,9 @@ unsigned source_min_blocks(const struct source *s, unsigned block)
 	return block < least ? 0 : threads / block;
 }
 
-void source_symbol(const char *name, enum rnea_kernel kernel, const char *kind, char symbol[SOURCE_SYMBOL_SIZE])
+void source_symbol(const char *name, const char *function, const char *kind, char symbol[SOURCE_SYMBOL_SIZE])
 {
-	snprintf(symbol, SOURCE_SYMBOL_SIZE, "%.*s_%s_%s", SOURCE_NAME_LIMIT, name, source_kernels[kernel], kind);
+	snprintf(symbol, SOURCE_SYMBOL_SIZE, "%.*s_%.*s_%s", SOURCE_NAME_LIMIT, name, SOURCE_FUNCTION_LIMIT, function, kind);
 }
 
 void source_free(struct source *s)

@@ -4,7 +4,7 @@
 
 #include "core/failure.h"
 
-enum { SOURCE_NAME_LIMIT = 255, SOURCE_SYMBOL_SIZE = SOURCE_NAME_LIMIT + 33 };
+enum { SOURCE_NAME_LIMIT = 255, SOURCE_FUNCTION_LIMIT = 63, SOURCE_SYMBOL_SIZE = SOURCE_NAME_LIMIT + SOURCE_FUNCTION_LIMIT + 10 };
 
 struct source {
 	char *text;			  /* NUL-terminated, malloc */
@@ -28,11 +28,9 @@ unsigned source_min_blocks(const struct source *s, unsigned block);
 /* The bytes of the file at `path` (malloc, *length of them and a NUL). Errors: READ, MEMORY. */
 enum rnea_code source_bytes(const char *path, char **text, size_t *length, struct rnea_error *e);
 
-/* What the table and the names of functions call the kernels. */
-extern const char *const source_kernels[RNEA_KERNEL_COUNT];
-
-/* What the text of robot `name` calls a kernel, or on the host its function: NAME_rnea_kernel, NAME_fpass_slice. */
-void source_symbol(const char *name, enum rnea_kernel kernel, const char *kind, char symbol[SOURCE_SYMBOL_SIZE]);
+/* What the text of robot `name` calls a function where a backend has it, by the backend's kind: NAME_rnea_kernel,
+   NAME_fpass_slice. */
+void source_symbol(const char *name, const char *function, const char *kind, char symbol[SOURCE_SYMBOL_SIZE]);
 
 void source_free(struct source *s);
 

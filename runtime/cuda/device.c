@@ -282,7 +282,7 @@ enum rnea_code device_launch(const struct device *d, const struct device_kernel 
 {
 	int status = d->api.launch_kernel(kernel->function, grid, parts, 1, block, 1, 1, (unsigned)kernel->given_bytes, stream,
 		parameters, NULL);
-	char call[320];
+	char call[SOURCE_SYMBOL_SIZE + 32];
 
 	if (!status)
 		return RNEA_OK;

@@ -32,15 +32,16 @@ static enum rnea_code read_table(
 	return e->code;
 }
 
-/* The rnea kernel in blocks of `block` threads, 0: as the table has it. */
-static enum rnea_code find_rnea(const struct device *d, void *module, const struct source *s, unsigned block,
+/* The kernel of the table's first function, by which compilations are judged, in blocks of `block` threads, 0: as the table
+   has it. */
+static enum rnea_code find_first(const struct device *d, void *module, const struct source *s, unsigned block,
 	struct device_kernel *k, struct rnea_error *e)
 {
 	struct rnea_info info;
 
 	if (read_table(d, module, s, &info, e))
 		return e->code;
-	source_symbol(s->name, RNEA_KERNEL_RNEA, "kernel", k->name);
+	source_symbol(s->name, info.functions->name, "kernel", k->name);
 	if (!device_find(d, module, k, info.stage_bytes * (block ? block : info.block), e) && !k->function)
 		rnea_error_set(e, RNEA_TEXT, "the text defines no kernel %s", k->name);
 	rnea_info_free(&info);
@@ -49,14 +50,14 @@ static enum rnea_code find_rnea(const struct device *d, void *module, const stru
 
 /* ---- compiling ---- */
 
-/* The rnea kernel of a module, as a choice. */
+/* The first kernel of a module, as a choice. */
 static enum rnea_code judge(const struct driver *c, const struct image_request *r, void *module, const struct image *i,
 	struct choice *choice, struct rnea_error *e)
 {
 	struct device_kernel k;
 	int blocks = 0;
 
-	if (find_rnea(&c->device, module, r->source, i->block, &k, e) ||
+	if (find_first(&c->device, module, r->source, i->block, &k, e) ||
 		(i->block && device_resident(&c->device, &k, i->block, &blocks, e)))
 		return e->code;
 	*choice = (struct choice){.block = i->block,
@@ -212,30 +213,37 @@ static enum rnea_code read_info(struct driver *c, const struct source *s, struct
 	if (c->block)
 		info->block = c->block; /* the table has the text's default */
 	c->block = info->block;
-	c->parts = info->parts;
-	return RNEA_OK;
+	c->info = info;
+	if (!(c->kernels = calloc(info->function_count, sizeof *c->kernels)))
+		rnea_error_memory(e);
+	return e->code;
 }
 
-/* Only what the table names, where it names any: a call of the driver that fails is an error to tools that watch them. Only
-   the rnea kernel stages. */
-static enum rnea_code find_kernels(
-	struct driver *c, const struct source *s, const struct rnea_info *info, struct rnea_error *e)
+static enum rnea_code check_block(const struct driver *c, const struct device_kernel *k, struct rnea_error *e)
 {
-	for (int i = 0; i < RNEA_KERNEL_COUNT; i++) {
-		struct device_kernel *k = &c->kernels[i];
-		int is_named = (info->kernels >> i & 1) != 0;
+	if (k->resources.max_block >= c->block)
+		return RNEA_OK;
+	return rnea_error_set(e, RNEA_ARGUMENT, "%s cannot run in blocks of %u threads: its %d registers allow %u", k->name, c->block,
+		k->resources.registers, k->resources.max_block);
+}
 
-		source_symbol(s->name, (enum rnea_kernel)i, "kernel", k->name);
-		if (info->kernels && !is_named)
-			continue;
-		if (device_find(&c->device, c->module, k, i == RNEA_KERNEL_RNEA ? info->stage_bytes * c->block : 0, e))
+/* Only what the table names, where it names any: a call of the driver that fails is an error to tools that watch them. */
+static enum rnea_code find_kernels(
+	struct driver *c, const struct source *s, struct rnea_info *info, struct rnea_error *e)
+{
+	for (size_t i = 0; i < info->function_count;) {
+		const struct rnea_function *f = &info->functions[i];
+		struct device_kernel *k = &c->kernels[i];
+
+		source_symbol(s->name, f->name, "kernel", k->name);
+		if (device_find(&c->device, c->module, k, f->stage_bytes * c->block, e))
 			return e->code;
-		if (is_named && !k->function)
+		if (k->function && check_block(c, k, e))
+			return e->code;
+		if (k->function)
+			i++;
+		else if (!rnea_info_lacks(info, i))
 			return rnea_error_set(e, RNEA_TEXT, "the text defines no kernel %s, which %s_info names", k->name, s->name);
-		if (k->function && k->resources.max_block < c->block)
-			return rnea_error_set(e, RNEA_ARGUMENT,
-				"%s cannot run in blocks of %u threads: its %d registers allow %u", k->name, c->block,
-				k->resources.registers, k->resources.max_block);
 	}
 	return RNEA_OK;
 }
@@ -245,15 +253,14 @@ static enum rnea_code find_kernels(
 static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
 {
 	unsigned long long zero = 0; /* a null pointer, and a count of 0 */
-	void *parameters[DRIVER_ARRAY_LIMIT + 1], *stream;
+	void *parameters[RNEA_ARGUMENT_LIMIT + 1], *stream;
 
-	for (int i = 0; i <= DRIVER_ARRAY_LIMIT; i++)
+	for (int i = 0; i <= RNEA_ARGUMENT_LIMIT; i++)
 		parameters[i] = &zero;
 	if (device_stream(&c->device, &stream, e))
 		return e->code;
-	for (int i = 0; i < RNEA_KERNEL_COUNT && !e->code; i++)
-		if (c->kernels[i].function)
-			device_launch(&c->device, &c->kernels[i], 1, 1, c->block, parameters, stream, e);
+	for (size_t i = 0; i < c->info->function_count && !e->code; i++)
+		device_launch(&c->device, &c->kernels[i], 1, 1, c->block, parameters, stream, e);
 	return device_finish(&c->device, stream, e);
 }
 
@@ -274,8 +281,8 @@ enum rnea_code driver_open(
 	if (!e->code)
 		return RNEA_OK;
 	absent = c->device.absent;
-	rnea_info_free(info);
 	driver_close(c);
+	rnea_info_free(info);
 	c->device.absent = absent;
 	return e->code;
 }
@@ -291,14 +298,16 @@ void driver_close(struct driver *c)
 		device_leave(&c->device, pushed);
 	}
 	device_close(&c->device);
+	free(c->kernels);
 	memset(c, 0, sizeof *c);
 }
 
-enum rnea_code driver_launch(const struct driver *c, enum rnea_kernel kernel, void *const *arrays, size_t n, size_t count,
-	void *stream, struct rnea_error *e)
+enum rnea_code driver_launch(const struct driver *c, size_t function, void *const *arrays, size_t count, void *stream,
+	struct rnea_error *e)
 {
-	size_t grid = count / c->block + (count % c->block != 0);
-	void *parameters[DRIVER_ARRAY_LIMIT + 1];
+	const struct rnea_function *f = &c->info->functions[function];
+	size_t grid = count / c->block + (count % c->block != 0), n = f->input_count + f->output_count;
+	void *parameters[RNEA_ARGUMENT_LIMIT + 1];
 	int pushed;
 
 	/* the driver only reads through these, though it does not say so */
@@ -307,8 +316,7 @@ enum rnea_code driver_launch(const struct driver *c, enum rnea_kernel kernel, vo
 	parameters[n] = &count;
 	if (device_enter(&c->device, &pushed, e))
 		return e->code;
-	device_launch(&c->device, &c->kernels[kernel], (unsigned)grid, kernel == RNEA_KERNEL_RNEA ? c->parts : 1, c->block, parameters,
-		stream, e);
+	device_launch(&c->device, &c->kernels[function], (unsigned)grid, f->parts, c->block, parameters, stream, e);
 	device_leave(&c->device, pushed);
 	return e->code;
 }

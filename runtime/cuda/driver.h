@@ -5,30 +5,27 @@
 #include "cuda/device.h"
 #include "cuda/image.h"
 
-/* Arrays of a pass besides the inputs of the text. */
-enum { DRIVER_PASS_ARRAYS = 3, DRIVER_ARRAY_LIMIT = RNEA_ARGUMENT_LIMIT + DRIVER_PASS_ARRAYS };
-
 struct driver {
 	struct device device;
 	void *module;
-	struct device_kernel kernels[RNEA_KERNEL_COUNT];
+	const struct rnea_info *info;
+	struct device_kernel *kernels; /* one for each of the info's functions */
 	unsigned block;	     /* threads per block of every launch */
-	unsigned parts;      /* of the grid of the rnea kernel */
-	unsigned min_blocks; /* launch bound of the rnea kernel; 0: none */
+	unsigned min_blocks; /* launch bound of the first function's kernel; 0: none */
 	int cached;
 	char compiler[640]; /* "NVRTC 13.0 (libnvrtc.so.13)"; "" if it was cached */
 	char target[24];    /* "sm_90" */
 };
 
 /* Open device `ordinal`, compile the text of `r` for it (whose arch is not looked at) or take it from the cache, load
-   it, and read its table into *info. On failure both are empty, but for c->device.absent. */
+   it, and read its table into *info, which must outlive it. On failure both are empty, but for c->device.absent. */
 enum rnea_code driver_open(
 	struct driver *c, int ordinal, const struct image_request *r, struct rnea_info *info, struct rnea_error *e);
 void driver_close(struct driver *c);
 
-/* Enqueue a kernel over `count` samples, at least one; `arrays` holds its `n` device pointers. Errors: DRIVER, CONTEXT.
- */
-enum rnea_code driver_launch(const struct driver *c, enum rnea_kernel kernel, void *const *arrays, size_t n, size_t count,
-	void *stream, struct rnea_error *e);
+/* Enqueue a function of the info over `count` samples, at least one; `arrays` holds its device pointers. Errors: DRIVER,
+   CONTEXT. */
+enum rnea_code driver_launch(const struct driver *c, size_t function, void *const *arrays, size_t count, void *stream,
+	struct rnea_error *e);
 
 #endif

@@ -273,7 +273,7 @@ static enum rnea_code launch(const struct call *c, const struct stage *s, struct
 
 	for (size_t i = 0; i < c->array_count; i++)
 		arrays[i] = (void *)(uintptr_t)(s->device + c->offsets[i]);
-	return driver_launch(c->pool->driver, RNEA_KERNEL_RNEA, arrays, c->array_count, s->count, s->stream, e);
+	return driver_launch(c->pool->driver, 0, arrays, s->count, s->stream, e);
 }
 
 /* Wait for the slice that is under way in a stage, and unpack its outputs. */

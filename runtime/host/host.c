@@ -53,15 +53,15 @@ static enum rnea_code make_key(
 
 /* ---- loading ---- */
 
-static void find_slices(struct host *h, const char *name)
+host_slice *host_find(const struct host *h, const char *name, const char *function)
 {
 	const struct library object = {.handle = h->handle};
 	char symbol[SOURCE_SYMBOL_SIZE];
+	host_slice *slice;
 
-	for (int k = 0; k < RNEA_KERNEL_COUNT; k++) {
-		source_symbol(name, (enum rnea_kernel)k, "slice", symbol);
-		library_symbol(&object, symbol, &h->slices[k]);
-	}
+	source_symbol(name, function, "slice", symbol);
+	library_symbol(&object, symbol, &slice);
+	return slice;
 }
 
 static int find_info(struct host *h, const char *name)
@@ -80,11 +80,6 @@ static enum rnea_code load(
 		return e->code;
 	if (!find_info(h, r->name))
 		return rnea_error_set(e, RNEA_TEXT, "%s: compiled, but it has no %s_info", r->file, r->name);
-	find_slices(h, r->name);
-	if (!h->slices[RNEA_KERNEL_RNEA])
-		return rnea_error_set(e, RNEA_TEXT,
-			"%s: compiled, but it has no %s_rnea_slice: write the text again with this version of rneagen",
-			r->file, r->name);
 	return RNEA_OK;
 }
 
@@ -171,26 +166,26 @@ static const double sincos = 40, byte = 0.05;
 
 enum { COSTS = sizeof costs / sizeof *costs };
 
-double host_sample_ns(const struct rnea_info *info)
+double host_sample_ns(const struct rnea_info *info, const struct rnea_function *f)
 {
-	const struct rnea_operations *o = &info->operations;
+	const struct rnea_operations *o = &f->operations;
 	double operations = (double)o->mul + (double)o->add + (double)o->sub + (double)o->fma + sincos * (double)o->sincos, bytes = 0;
 	int i = 0;
 
 	while (i + 1 < COSTS && strcmp(info->arithmetic, costs[i].arithmetic) != 0)
 		i++;
-	for (size_t k = 0; k < info->input_count + info->output_count; k++)
-		if (!info->arguments[k].per_batch)
-			bytes += (double)info->arguments[k].rows * (info->arguments[k].scalar == RNEA_F64 ? 8 : 4);
+	for (size_t k = 0; k < f->input_count + f->output_count; k++)
+		if (!f->arguments[k].per_batch)
+			bytes += (double)f->arguments[k].rows * (f->arguments[k].scalar == RNEA_F64 ? 8 : 4);
 	return operations * (info->layout == RNEA_AOS ? costs[i].aos : costs[i].soa) + byte * bytes;
 }
 
 /* Work that is worth a thread, which takes some 10 us to wake. */
 static const double worth_ns = 50e3;
 
-unsigned host_threads(const struct host *h, size_t count)
+unsigned host_threads(const struct host *h, const struct host_function *f, size_t count)
 {
-	double worth = (double)count * h->sample_ns / worth_ns;
+	double worth = (double)count * f->sample_ns / worth_ns;
 
 	return worth < 2 ? 1 : worth < (double)h->threads ? (unsigned)worth : h->threads;
 }
@@ -214,12 +209,12 @@ static void run_piece(void *batch, size_t i)
 	b->slice(b->arrays, b->count, first, rest < b->piece ? b->count : first + b->piece);
 }
 
-void host_run(const struct host *h, enum rnea_kernel kernel, void *const *arrays, size_t count)
+void host_run(const struct host *h, const struct host_function *f, void *const *arrays, size_t count)
 {
-	struct batch b = {h->slices[kernel], arrays, count, h->sample_ns > long_ns ? PIECE_LONG : PIECE};
-	unsigned threads = host_threads(h, count);
+	struct batch b = {f->slice, arrays, count, f->sample_ns > long_ns ? PIECE_LONG : PIECE};
+	unsigned threads = host_threads(h, f, count);
 
-	if (!b.slice || count == 0)
+	if (count == 0)
 		return;
 	if (threads == 1)
 		b.slice(arrays, count, 0, count);

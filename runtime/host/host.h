@@ -20,16 +20,19 @@ struct host_request {
 	size_t log_size;
 };
 
-/* Samples `first` to `end` - 1 of a batch of `count`; `arrays` in the order stated at enum rnea_kernel. */
+/* Samples `first` to `end` - 1 of a batch of `count`; `arrays` in the order of the function's signature. */
 typedef void host_slice(void *const *arrays, size_t count, size_t first, size_t end);
+
+struct host_function {
+	host_slice *slice;
+	double sample_ns; /* that a sample takes one thread, about (host_sample_ns); 0: a run takes one thread */
+};
 
 struct host {
 	void *handle;			       /* of dlopen */
 	const char *info;		       /* NAME_info; belongs to the handle */
-	host_slice *slices[RNEA_KERNEL_COUNT]; /* NAME_rnea_slice, ...; NULL: the text has none */
 	struct workers *workers;
 	unsigned threads; /* that a run may use */
-	double sample_ns; /* that a sample takes one thread, about; for the caller to set (host_sample_ns), or 0: one thread */
 	int cached;
 	char compiler[512]; /* "gcc (Debian 12.2.0-14) 12.2.0 (/usr/bin/gcc)"; "": it came from the cache */
 };
@@ -40,15 +43,17 @@ struct host {
 enum rnea_code host_open(struct host *h, const struct host_request *r, struct rnea_error *e);
 void host_close(struct host *h);
 
+/* NAME_FUNCTION_slice; NULL: the text has none. */
+host_slice *host_find(const struct host *h, const char *name, const char *function);
+
 /* Nanoseconds that one sample among many takes one thread of a usual processor: by the operations and arrays that the
    table states, so that it is the same everywhere and at every run. */
-double host_sample_ns(const struct rnea_info *info);
+double host_sample_ns(const struct rnea_info *info, const struct rnea_function *f);
 
 /* How many threads a batch is worth: one more for every 50 us of work, up to h->threads. */
-unsigned host_threads(const struct host *h, size_t count);
+unsigned host_threads(const struct host *h, const struct host_function *f, size_t count);
 
-/* Run a kernel over a whole batch, its slices shared among the threads that it is worth; done when it returns. The
-   passes count as much as the whole. */
-void host_run(const struct host *h, enum rnea_kernel kernel, void *const *arrays, size_t count);
+/* Run a function over a whole batch, its slices shared among the threads that it is worth; done when it returns. */
+void host_run(const struct host *h, const struct host_function *f, void *const *arrays, size_t count);
 
 #endif

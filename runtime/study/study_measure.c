@@ -132,7 +132,7 @@ static void note_resources(const struct rnea_robot *robot, struct study_row *row
 
 	row->compile_ms = rnea_build(robot)->seconds * 1e3;
 	row->registers = -1;
-	if (row->backend != RNEA_BACKEND_CUDA || rnea_resources(robot, RNEA_KERNEL_RNEA, &r, NULL))
+	if (row->backend != RNEA_BACKEND_CUDA || rnea_resources(robot, rnea_info(robot)->functions->name, &r, NULL))
 		return;
 	row->registers = r.registers;
 	row->spill_bytes = r.local_bytes;

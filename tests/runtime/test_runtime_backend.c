@@ -161,9 +161,9 @@ START_TEST(tells_about_the_host)
 		ck_assert(*b->device && b->threads >= 1 && b->threads <= 3 && b->min_blocks == 0);
 		ck_assert_str_eq(rnea_info(robot)->joints[0].name, "swing of the rod");
 		ck_assert_uint_eq(rnea_info(robot)->block, 128);
-		ck_assert_int_eq(rnea_resources(robot, RNEA_KERNEL_RNEA, &r, &e), RNEA_OK);
+		ck_assert_int_eq(rnea_resources(robot, "rnea", &r, &e), RNEA_OK);
 		ck_assert(r.registers == 0 && r.max_block == 0 && r.local_bytes == 0);
-		ck_assert_uint_eq(rnea_argument_count(robot, RNEA_KERNEL_RNEA), 4);
+		ck_assert_uint_eq(rnea_argument_count(robot, "rnea"), 4);
 		pendulum_computes(robot);
 	}
 	free(text);
@@ -189,9 +189,9 @@ START_TEST(host_launches)
 	arrays[2] = NULL;
 	rnea_launch(robot, arrays, 1, NULL, &e);
 	assert_error(&e, RNEA_POINTER, "array 2, \"qdd\", is NULL");
-	rnea_launch_kernel(robot, RNEA_KERNEL_FPASS, arrays, 1, NULL, &e);
-	assert_error(&e, RNEA_KERNEL, "the text of \"pendulum\" has no kernel pendulum_fpass_slice");
-	ck_assert_uint_eq(rnea_argument_count(robot, RNEA_KERNEL_BPASS), 3);
+	rnea_launch_kernel(robot, "fpass", arrays, 1, NULL, &e);
+	assert_error(&e, RNEA_KERNEL, "the text of \"pendulum\" has no function \"fpass\"; it has rnea, bpass");
+	ck_assert_uint_eq(rnea_argument_count(robot, "bpass"), 3);
 	rnea_close(robot);
 	free(text);
 }

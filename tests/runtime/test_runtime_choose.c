@@ -89,7 +89,7 @@ START_TEST(opens_the_best)
 	ck_assert_int_eq(compilations(), openings[_i].compilations);
 	ck_assert_int_eq(rnea_launch(robot, (void *[]){&q, &qd, &qdd, &tau}, 1, NULL, NULL), RNEA_OK);
 	ck_assert(tau > 3.4f && tau < 3.5f);
-	rnea_resources(robot, RNEA_KERNEL_RNEA, &r, NULL);
+	rnea_resources(robot, "rnea", &r, NULL);
 	rnea_close(robot);
 	ck_assert_int_eq(fake_live(), 0);
 }

@@ -82,14 +82,49 @@ START_TEST(reads_kernels)
 	struct rnea_error e;
 
 	ck_assert_int_eq(parse(HEAD SIZES ARRAYS COUNTS, &i, &e), RNEA_OK);
-	ck_assert_uint_eq(i.kernels, 0);
+	ck_assert(i.is_guessed && i.function_count == 3);
+	ck_assert_str_eq(i.functions[2].name, "bpass");
+	ck_assert(i.functions[1].input_count == 2 && i.functions[1].output_count == 3 && i.functions[1].arguments[4].rows == 12);
+	ck_assert(i.functions[2].arguments[0].rows == 8 && i.functions[2].arguments[0].role == RNEA_ROLE_JOINT_POSITION);
 	rnea_info_free(&i);
 	ck_assert_int_eq(parse(HEAD SIZES "kernels rnea\n" ARRAYS COUNTS, &i, &e), RNEA_OK);
-	ck_assert_uint_eq(i.kernels, 1u << RNEA_KERNEL_RNEA);
+	ck_assert(!i.is_guessed && i.function_count == 1);
+	ck_assert_str_eq(i.functions[0].name, "rnea");
+	ck_assert(i.functions[0].arguments == i.arguments && i.arguments[2].role == RNEA_ROLE_JOINT_TORQUE);
 	rnea_info_free(&i);
 	/* one of a later version, too */
 	ck_assert_int_eq(parse(HEAD SIZES "kernels bpass rnea aba\n" ARRAYS COUNTS, &i, &e), RNEA_OK);
-	ck_assert_uint_eq(i.kernels, 1u << RNEA_KERNEL_RNEA | 1u << RNEA_KERNEL_BPASS);
+	ck_assert(!i.is_guessed && i.function_count == 2);
+	ck_assert_str_eq(i.functions[1].name, "bpass");
+	rnea_info_free(&i);
+}
+END_TEST
+
+#define THREE "rneagen-info 3\n" NAMES SIZES
+#define FIRST "function rnea\ninput q 8 f64 sample joint_position\ninput p 10 f64 batch link_payload left  hand\n"          \
+	"output tau 7 f64 sample joint_torque\noutput M 3 f64 sample mass_matrix\nmatrix M 2 2 lower\nrow M 0 0\nrow M 1 0 1\n" COUNTS
+#define SECOND "function fd\ninput tau 7 f64 sample joint_torque\noutput x 2 f64 sample of_a_later_version\nstage 72\nparts 2\n" \
+	"operations 1 2 3 4 5 6\n"
+
+/* Any number of functions, each with its own of everything; a role that is not known is none. */
+START_TEST(reads_functions)
+{
+	const struct rnea_function *f;
+	struct rnea_info i;
+	struct rnea_error e;
+
+	ck_assert_msg(parse(THREE FIRST SECOND JOINTS, &i, &e) == RNEA_OK, "%s", e.message);
+	f = i.functions;
+	ck_assert(i.version == 3 && i.function_count == 2 && !i.is_guessed && i.joint_count == 2);
+	ck_assert(i.arguments == f->arguments && i.input_count == 2 && i.output_count == 2 && i.operations.mul == 10);
+	ck_assert(i.parts == 1 && i.stage_bytes == 0 && i.matrices == f->matrices && i.matrix_count == 1);
+	ck_assert(f[0].arguments[0].role == RNEA_ROLE_JOINT_POSITION && f[0].arguments[3].role == RNEA_ROLE_MASS_MATRIX);
+	ck_assert_str_eq(f[0].arguments[0].of, "");
+	ck_assert(f[0].arguments[1].role == RNEA_ROLE_LINK_PAYLOAD && f[0].arguments[1].per_batch);
+	ck_assert_str_eq(f[0].arguments[1].of, "left  hand");
+	ck_assert_str_eq(f[1].name, "fd");
+	ck_assert(f[1].input_count == 1 && f[1].output_count == 1 && f[1].arguments[1].role == RNEA_ROLE_UNKNOWN);
+	ck_assert(f[1].stage_bytes == 72 && f[1].parts == 2 && f[1].operations.sincos == 6 && f[1].matrix_count == 0);
 	rnea_info_free(&i);
 }
 END_TEST
@@ -153,12 +188,27 @@ END_TEST
 static const struct damage {
 	const char *text, *message;
 } damages[] = {
-	{"", "does not start with \"rneagen-info 1\""},
+	{"", "does not start with \"rneagen-info\""},
 	{"hello\n", "does not start with"},
 	{"rneagen-info\n", "line 1: a number is missing"},
 	{"rneagen-info one\n", "line 1: not a number: \"one\""},
 	{"rneagen-info 1 2\n", "line 1: more than expected: \"2\""},
-	{"rneagen-info 3\n", "it has version 3, and this library reads versions 1 and 2"},
+	{"rneagen-info 0\n", "it has version 0, and this library reads versions 1 to 3"},
+	{"rneagen-info 4\n", "it has version 4, and this library reads versions 1 to 3"},
+	{THREE, "it lists no functions"},
+	{"rneagen-info 3\nfunction\n", "line 2: a word is missing"},
+	{"rneagen-info 3\nfunction a b\n", "line 2: more than expected: \"b\""},
+	{"rneagen-info 3\ninput q 8 f64 sample joint_position\n", "line 2: an array before the first function"},
+	{"rneagen-info 3\nparts 2\n", "line 2: before the first function: the key \"parts\""},
+	{"rneagen-info 3\nmatrix M 2 2 lower\n", "a matrix, and no output, of the name \"M\""},
+	{"rneagen-info 3\nrow M 0 0\n", "a row of no matrix that is begun: \"M\""},
+	{"rneagen-info 3\nfunction f\ninput q 8 f64 sample\n", "line 3: a word is missing"},
+	{"rneagen-info 3\nfunction f\nfunction g\n", "the key \"operations\" is missing"},
+	{"rneagen-info 3\nfunction f\n" COUNTS "function g\n", "it lists no outputs of f"},
+	{"rneagen-info 3\n" FIRST "function rnea\n", "a second function of the name \"rnea\""},
+	{"rneagen-info 3\n" FIRST SECOND "row M 1 1\n", "a row of no matrix that is begun: \"M\""},
+	{THREE FIRST SECOND "output y 1 f64 sample power\noutput y 1 f64 sample power\n", "a second array of the name"},
+	{THREE FIRST "function g\n" COUNTS, "it lists no outputs of g"},
 	{"rneagen-info 2\n" NAMES SIZES ARRAYS COUNTS, "the key \"parts\" is missing"},
 	{"rneagen-info 2\nparts 1\n", "line 2: the number is out of range"},
 	{"rneagen-info 2\nparts 65536\n", "line 2: the number is out of range"},
@@ -268,9 +318,10 @@ END_TEST
 /* Every prefix of a good table is refused or, cut in a name or a count, still a table; none is read past its end. */
 START_TEST(survives_any_cut)
 {
-	static const char text[] = HEAD SIZES ARRAYS MATRIX COUNTS JOINTS;
+	static const char *const texts[] = {HEAD SIZES ARRAYS MATRIX COUNTS JOINTS, THREE FIRST SECOND JOINTS};
+	const char *text = texts[_i];
 
-	for (size_t n = 0; n < sizeof text; n++) {
+	for (size_t n = 0; n <= strlen(text); n++) {
 		char *cut = malloc(n ? n : 1);
 		struct rnea_info i;
 		struct rnea_error e = {0};
@@ -294,13 +345,14 @@ Suite *suite_info(void)
 	tcase_add_test(t, reads_parts);
 	tcase_add_test(t, reads_stage);
 	tcase_add_test(t, reads_kernels);
+	tcase_add_test(t, reads_functions);
 	tcase_add_test(t, reads_matrices);
 	tcase_add_test(t, accepts_variations);
 	tcase_add_test(t, arithmetic_of_its_own);
 	tcase_add_loop_test(t, refuses_damage, 0, (int)(sizeof damages / sizeof *damages));
 	tcase_add_test(t, refuses_a_nul);
 	tcase_add_test(t, refuses_too_many_arrays);
-	tcase_add_test(t, survives_any_cut);
+	tcase_add_loop_test(t, survives_any_cut, 0, 2);
 	suite_add_tcase(s, t);
 	return s;
 }

@@ -3,6 +3,7 @@
 #define _GNU_SOURCE
 #include "test_runtime.h"
 #include "test_runtime_batch.h"
+#include "cuda/backend.h"
 #include "handle.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,6 +19,11 @@ static int driver_call(const char *name)
 	return call();
 }
 
+static const struct cuda *state(void)
+{
+	return soa->state;
+}
+
 /* Make the robot's context current, as a program that locks memory has it; or no longer. */
 static void use_context(int yes)
 {
@@ -26,7 +32,7 @@ static void use_context(int yes)
 
 	fake_function(FAKE_CUDA, "cuCtxPushCurrent_v2", &push);
 	fake_function(FAKE_CUDA, "cuCtxPopCurrent_v2", &pop);
-	ck_assert_int_eq(yes ? push(soa->driver.device.context) : pop(&context), 0);
+	ck_assert_int_eq(yes ? push(state()->driver.device.context) : pop(&context), 0);
 }
 
 /* Page-lock `size` bytes, or give them back. */
@@ -66,7 +72,7 @@ static void assert_run(size_t count, int is_aos, unsigned locked)
 
 START_TEST(computes)
 {
-	size_t slice = pipe_slice(soa->pool);
+	size_t slice = pipe_slice(state()->pool);
 	const size_t counts[] = {1, 2, 127, 129, slice - 1, slice, slice + 1, 100003, 3 * slice, 7 * slice + 5};
 	static const unsigned locked[] = {0, 31, 0x15, 0x0a, 0x08};
 
@@ -201,7 +207,7 @@ START_TEST(every_call_fails_once)
 
 	fake_function(FAKE_CUDA, "fake_cuda_fail", &fail_call);
 	fake_function(FAKE_CUDA, "fake_cuda_failed", &failed);
-	batch_make(&b, 5 * pipe_slice(soa->pool) - 7, 0, 9);
+	batch_make(&b, 5 * pipe_slice(state()->pool) - 7, 0, 9);
 	lock_arrays(&b, 0x11, 1);
 	for (;; n++) {
 		struct rnea_robot *robot = n < 60 && n % 4 == 0 ? batch_open(0) : soa;

@@ -128,12 +128,12 @@ START_TEST(test_refused)
 
 	for (int i = 0; i < ARRAYS; i++)
 		arguments[i] = room;
-	ck_assert_uint_eq(rnea_argument_count(robot, RNEA_KERNEL_RNEA), ARRAYS);
-	ck_assert_uint_eq(rnea_argument_count(robot, RNEA_KERNEL_FPASS), 0);
-	ck_assert_uint_eq(rnea_argument_count(robot, RNEA_KERNEL_BPASS), 0);
-	ck_assert_int_eq(rnea_launch_kernel(robot, RNEA_KERNEL_FPASS, arguments, 1, NULL, &e), RNEA_KERNEL);
-	ck_assert_ptr_nonnull(strstr(e.message, "has no kernel iiwa14_fpass"));
-	ck_assert_int_eq(rnea_resources(robot, RNEA_KERNEL_BPASS, &resources, &e), RNEA_KERNEL);
+	ck_assert_uint_eq(rnea_argument_count(robot, "rnea"), ARRAYS);
+	ck_assert_uint_eq(rnea_argument_count(robot, "fpass"), 0);
+	ck_assert_uint_eq(rnea_argument_count(robot, "bpass"), 0);
+	ck_assert_int_eq(rnea_launch_kernel(robot, "fpass", arguments, 1, NULL, &e), RNEA_KERNEL);
+	ck_assert_ptr_nonnull(strstr(e.message, "has no function \"fpass\"; it has rnea"));
+	ck_assert_int_eq(rnea_resources(robot, "bpass", &resources, &e), RNEA_KERNEL);
 	arguments[rnea_bind(robot, "gravity")] = NULL;
 	ck_assert_int_eq(rnea_run(robot, arguments, 1, &e), RNEA_POINTER);
 	ck_assert_ptr_nonnull(strstr(e.message, "\"gravity\", is NULL"));

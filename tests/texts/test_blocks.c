@@ -185,7 +185,7 @@ static void check_block(const struct subject *s, const struct target *t, struct 
 	stage = rnea_info(robot)->stage_bytes * block;
 	given = stage > OWN && stage <= MOST && stage <= limit ? stage : 0;
 	ck_assert_uint_eq(rnea_info(robot)->block, block);
-	rnea_resources(robot, RNEA_KERNEL_RNEA, &r, NULL);
+	rnea_resources(robot, "rnea", &r, NULL);
 	ck_assert_msg(r.shared_bytes == FAKE_OWN + given, "%s, %u: %zu bytes instead of %zu", t->what, block, r.shared_bytes - FAKE_OWN, given);
 	ck_assert_msg(!rnea_launch(robot, x->data, COUNT, NULL, &e), "%s", e.message);
 	worst = distance(x);

@@ -9,7 +9,7 @@
    mxS              v[6], qd[1] in, a[6] out: v x S qd, S being the joint's axis
    vxIv             v[6] in, f[6] out: v x* I v, I being the inertia of the link and all that is fixed to it
 
-   librnea takes a text as it takes any: rnea_open_file, then rnea_launch or rnea_run (kernel RNEA_KERNEL_RNEA, the only
+   librnea takes a text as it takes any: rnea_open_file, then rnea_launch or rnea_run (kernel "rnea", the only
    one) with these arrays in this order, which rnea_info lists. Without it: the kernel ROBOT_OPERATION_rnea_kernel(arrays,
    count) and, built by nvcc, ROBOT_OPERATION_rnea_launch(arrays, count, stream); in C ROBOT_OPERATION_rnea(arrays),
    _rnea_batch(arrays, count) and _rnea_slice(pointers, count, first, end). ROBOT is the robot's name as an identifier. */

@@ -139,8 +139,8 @@ static void check_info(const struct rnea_robot *robot, int operation)
 		ck_assert_str_eq(info->arguments[i].name, arrays[operation][i]);
 		ck_assert_uint_eq(info->arguments[i].rows, rows[operation][i]);
 	}
-	ck_assert_uint_eq(rnea_argument_count(robot, RNEA_KERNEL_FPASS), 0);
-	ck_assert_uint_eq(rnea_argument_count(robot, RNEA_KERNEL_BPASS), 0);
+	ck_assert_uint_eq(rnea_argument_count(robot, "fpass"), 0);
+	ck_assert_uint_eq(rnea_argument_count(robot, "bpass"), 0);
 }
 
 static double element(int f32, const void *array, size_t i)

@@ -104,7 +104,7 @@ static int check(struct text *t, unsigned block)
 		memset(t->gpu_arrays[i], 0xff, COUNT * info->arguments[i].rows * sizeof(double));
 	if (rnea_open_file(t->path, &o, &robot, &e))
 		return printf("FAIL: %s in blocks of %u: %s\n", t->path, block, e.message), 0;
-	rnea_resources(robot, RNEA_KERNEL_RNEA, &r, NULL);
+	rnea_resources(robot, "rnea", &r, NULL);
 	if (rnea_run(robot, t->gpu_arrays, COUNT, &e))
 		printf("FAIL: %s\n", e.message);
 	else

@@ -5,6 +5,8 @@
 #include <string.h>
 #include <time.h>
 
+enum { FUNCTIONS = 3 }; /* the columns of the table */
+
 static const char *of_environment(const char *name)
 {
 	const char *value = getenv(name);
@@ -25,7 +27,7 @@ static void put_row(const struct item *it)
 		printf("%-36.36s did not open\n", it->text);
 		return;
 	}
-	rnea_resources(it->robot, RNEA_KERNEL_RNEA, &r, NULL);
+	rnea_resources(it->robot, "rnea", &r, NULL);
 	printf("%-36.36s %4d %5zu %7.2f %7.2f %7.2f %8.1f %8.1f %5.2f %9.1e%s\n", it->text, r.registers, r.local_bytes,
 		it->host * 1e6, it->latency[0] * 1e6, it->latency[1] * 1e6, it->large.launch * 1e12,
 		it->large.floor * 1e12, of_floor(it->large), it->max_error, *it->failure ? " FAIL" : "");
@@ -43,22 +45,23 @@ static const char *precision_name(const struct rnea_info *info)
 static void put_csv_row(FILE *f, const struct item *it)
 {
 	const struct rnea_info *info;
-	struct rnea_resources k[RNEA_KERNEL_COUNT];
+	static const char *const functions[FUNCTIONS] = {"rnea", "fpass", "bpass"};
+	struct rnea_resources k[FUNCTIONS];
 
 	if (!it->robot) {
 		fprintf(f, "%s,did not open\n", it->text);
 		return;
 	}
 	info = rnea_info(it->robot);
-	for (int i = 0; i < RNEA_KERNEL_COUNT; i++)
-		rnea_resources(it->robot, (enum rnea_kernel)i, &k[i], NULL);
+	for (int i = 0; i < FUNCTIONS; i++)
+		rnea_resources(it->robot, functions[i], &k[i], NULL);
 	fprintf(f, "%s,%s,%s,%s,%s,%s,%s,%zu,%zu,%zu,%u,%u", it->text, *it->failure ? "FAIL" : "ok", info->name,
 		precision_name(info), info->layout == RNEA_AOS ? "aos" : "soa", info->trig,
 		info->base, info->nq, info->nv, info->nb, info->block, k[0].busy_block);
 	fprintf(f, ",%zu,%zu",
 		info->operations.mul + info->operations.add + info->operations.sub + 2 * info->operations.fma,
 		info->operations.sincos);
-	for (int i = 0; i < RNEA_KERNEL_COUNT; i++)
+	for (int i = 0; i < FUNCTIONS; i++)
 		fprintf(f, ",%d,%zu", k[i].registers, k[i].local_bytes);
 	fprintf(f, ",%zu,%.3f,%.4f,%.4f,%.3f,%.3f,%.4f,%.3e,%.3e", k[0].shared_bytes, it->seconds,
 		it->latency[0] * 1e6, it->latency[1] * 1e6, it->large.launch * 1e12, it->large.floor * 1e12,

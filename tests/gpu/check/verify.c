@@ -34,11 +34,11 @@ int item_matches(struct item *it, const struct reference *r)
 	return 1;
 }
 
-static int launched(const struct gpu *g, struct item *it, enum rnea_kernel kernel, void *const *pointers, size_t count)
+static int launched(const struct gpu *g, struct item *it, const char *function, void *const *pointers, size_t count)
 {
 	struct rnea_error e;
 
-	if (rnea_launch_kernel(it->robot, kernel, pointers, count, g->stream, &e) != RNEA_OK) {
+	if (rnea_launch_kernel(it->robot, function, pointers, count, g->stream, &e) != RNEA_OK) {
 		item_fail(it, "%s", e.message);
 		return 0;
 	}
@@ -66,7 +66,7 @@ static void verify_count(const struct gpu *g, struct item *it, const struct refe
 {
 	struct arrays a = arrays_new(g, rnea_info(it->robot), r, count);
 
-	if (launched(g, it, RNEA_KERNEL_RNEA, a.pointers, count)) {
+	if (launched(g, it, "rnea", a.pointers, count)) {
 		check_torque(g, it, &a, a.n - 1, r, "rnea");
 		check_inputs(g, it, &a, r);
 	}
@@ -102,10 +102,10 @@ static void verify_passes(const struct gpu *g, struct item *it, const struct ref
 	memcpy(forward, a.pointers, in * sizeof *forward);
 	for (int i = 0; i < 3; i++)
 		forward[in + (size_t)i] = (void *)(uintptr_t)pass[i].data;
-	if (!rnea_argument_count(it->robot, RNEA_KERNEL_FPASS))
+	if (!rnea_argument_count(it->robot, "fpass"))
 		item_fail(it, "the text has no fpass kernel");
-	else if (launched(g, it, RNEA_KERNEL_FPASS, forward, a.count) &&
-		 launched(g, it, RNEA_KERNEL_BPASS, backward, a.count)) {
+	else if (launched(g, it, "fpass", forward, a.count) &&
+		 launched(g, it, "bpass", backward, a.count)) {
 		for (int i = 0; i < 3; i++)
 			check_written(g, it, &pass[i], names[i]);
 		check_torque(g, it, &a, a.n - 1, r, "fpass and bpass");
@@ -155,7 +155,7 @@ static void verify_bad_sample(const struct gpu *g, struct item *it, const struct
 	size_t bad = a.count / 2, size = info->precision == RNEA_F64 ? sizeof(double) : sizeof(float);
 	char *before = malloc(tau->bytes), *after = malloc(tau->bytes);
 
-	if (launched(g, it, RNEA_KERNEL_RNEA, a.pointers, a.count)) {
+	if (launched(g, it, "rnea", a.pointers, a.count)) {
 		gpu_array_read(g, tau, before);
 		for (size_t row = 0; row < info->nq; row++)
 			GPU(g, cuMemsetD8,
@@ -163,7 +163,7 @@ static void verify_bad_sample(const struct gpu *g, struct item *it, const struct
 										    : row * a.count + bad),
 					0xff, size));
 		gpu_array_poison(g, tau);
-		launched(g, it, RNEA_KERNEL_RNEA, a.pointers, a.count);
+		launched(g, it, "rnea", a.pointers, a.count);
 		gpu_array_read(g, tau, after);
 		if (changed(info, before, after, info->nv, a.count, bad))
 			item_fail(it, "a sample that is not finite changes others");

@@ -237,7 +237,6 @@ struct host open_pendulum_slow(unsigned threads)
 	r.threads = threads;
 	ck_assert_msg(host_open(&h, &r, &e) == RNEA_OK, "%s", e.message);
 	ck_assert_uint_eq(h.threads, threads);
-	h.sample_ns = 1e9;
 	free(text);
 	return h;
 }
@@ -263,7 +262,6 @@ struct rnea_error fail_open(const struct host_request *r)
 
 	ck_assert_int_ne(host_open(&h, r, &e), RNEA_OK);
 	ck_assert_ptr_null(h.handle);
-	ck_assert_ptr_null(h.slices[0]);
 	return e;
 }
 
@@ -302,7 +300,7 @@ void assert_torques(const struct host *h, double inertia, double weight)
 	float q[3] = {0, 0.5f, -3}, qd[3] = {1, 2, 3}, qdd[3] = {1, -2, 0.25f}, tau[3] = {NAN, NAN, NAN};
 	void *arrays[] = {q, qd, qdd, tau};
 
-	host_run(h, RNEA_KERNEL_RNEA, arrays, 3);
+	host_run(h, &(struct host_function){host_find(h, "pendulum", "rnea"), 0}, arrays, 3);
 	for (int k = 0; k < 3; k++)
 		ck_assert_double_eq_tol((double)tau[k], inertia * (double)qdd[k] + weight * sin((double)q[k]), 1e-5);
 }

@@ -35,7 +35,7 @@ char *pendulum_with(const char *from, const char *to);
 /* Open a text of the pendulum, called text.c in messages, with a cache in "SANDBOX/cache" or none. */
 struct host_request pendulum_request(const char *text);
 struct host open_pendulum(void);
-/* For so many threads at most, with samples that take long: a batch of some pieces is worth them all. */
+/* For so many threads at most. */
 struct host open_pendulum_slow(unsigned threads);
 struct host open_cached(const char *text);
 

@@ -59,13 +59,15 @@ END_TEST
 
 START_TEST(other_text)
 {
+	struct rnea_options o = {.backend = RNEA_BACKEND_HOST, .file = "text.c", .cache = ""};
+	struct rnea_robot *robot;
 	struct rnea_error e;
 	char *text =
 		pendulum_with("pendulum_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end)\n{",
 			"pendulum_other(void *const *arrays, size_t count, size_t first, size_t end)\n{");
 	struct host_request r = pendulum_request(text);
 
-	e = fail_open(&r);
+	rnea_open(text, strlen(text), &o, &robot, &e);
 	assert_error(&e, RNEA_TEXT, "text.c: compiled, but it has no pendulum_rnea_slice: write the text again");
 	r.name = "other";
 	e = fail_open(&r);
@@ -129,7 +131,7 @@ START_TEST(cached)
 	h = open_cached(text);
 	ck_assert_int_eq(h.cached, 1);
 	ck_assert_str_eq(h.compiler, "");
-	ck_assert_ptr_nonnull(h.slices[RNEA_KERNEL_BPASS]);
+	ck_assert_ptr_nonnull(host_find(&h, "pendulum", "bpass"));
 	assert_torques(&h, 0.5, 9.81);
 	host_close(&h);
 	ck_assert_int_eq(compilations(), 1);

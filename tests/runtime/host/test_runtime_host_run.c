@@ -31,7 +31,7 @@ static float *run(const struct host *h, float *q, float *qdd, size_t count)
 
 	for (size_t i = 0; i < count + 2 * GUARD; i++)
 		room[i] = -77;
-	host_run(h, RNEA_KERNEL_RNEA, arrays, count);
+	host_run(h, &(struct host_function){host_find(h, "pendulum", "rnea"), 1e9}, arrays, count); /* worth all threads */
 	for (size_t i = 0; i < GUARD; i++)
 		ck_assert(room[i] == -77.0f && tau[count + i] == -77.0f);
 	memmove(room, tau, count * sizeof *tau);
@@ -84,9 +84,9 @@ START_TEST(other_kernels)
 
 	for (int i = 0; i < 12; i++)
 		f[i] = (float)i;
-	ck_assert_ptr_null(h.slices[RNEA_KERNEL_FPASS]);
-	ck_assert_ptr_nonnull(h.slices[RNEA_KERNEL_BPASS]);
-	host_run(&h, RNEA_KERNEL_BPASS, arrays, 2);
+	ck_assert_ptr_null(host_find(&h, "pendulum", "fpass"));
+	ck_assert_ptr_nonnull(host_find(&h, "pendulum", "bpass"));
+	host_run(&h, &(struct host_function){host_find(&h, "pendulum", "bpass"), 0}, arrays, 2);
 	ck_assert(tau[0] == 8 && tau[1] == 9);
 	host_close(&h);
 }
@@ -170,13 +170,14 @@ START_TEST(threads_by_work)
 	} cases[] = {{30, 1, 1}, {30, 64, 1}, {30, 1024, 1}, {30, 3333, 1}, {30, 3334, 2}, {30, 16384, 9}, {30, 26666, 15}, {30, 26667, 16},
 		{30, 262144, 16}, {30, SIZE_MAX, 16}, {0, SIZE_MAX, 1}, {1e5, 1, 2}, {49e3, 2, 1}};
 	struct host h = {.threads = 16};
+	struct host_function f = {NULL, 0};
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		h.sample_ns = cases[i].sample_ns;
-		ck_assert_msg(host_threads(&h, cases[i].count) == cases[i].threads, "case %zu: %u", i, host_threads(&h, cases[i].count));
+		f.sample_ns = cases[i].sample_ns;
+		ck_assert_msg(host_threads(&h, &f, cases[i].count) == cases[i].threads, "case %zu: %u", i, host_threads(&h, &f, cases[i].count));
 	}
 	h.threads = 1;
-	ck_assert_uint_eq(host_threads(&h, SIZE_MAX), 1);
+	ck_assert_uint_eq(host_threads(&h, &f, SIZE_MAX), 1);
 }
 END_TEST
 
@@ -185,23 +186,24 @@ START_TEST(work_of_a_table)
 {
 	struct rnea_argument arrays[] = {{.name = "q", .rows = 7}, {.name = "qd", .rows = 7}, {.name = "qdd", .rows = 7},
 		{.name = "tau", .rows = 7}, {.name = "gravity", .rows = 1000000, .per_batch = 1}};
-	struct rnea_info i = {.arithmetic = "f32", .arguments = arrays, .input_count = 3, .output_count = 1,
-		.operations = {.mul = 125, .add = 60, .sub = 18, .neg = 36, .fma = 163, .sincos = 6}};
-	double f32 = host_sample_ns(&i), before;
+	struct rnea_info i = {.arithmetic = "f32"};
+	struct rnea_function f = {.arguments = arrays, .input_count = 3, .output_count = 1, .operations = {.mul = 125, .add = 60, .sub = 18, .neg = 36, .fma = 163, .sincos = 6}};
+	double f32 = host_sample_ns(&i, &f), before;
 
 	ck_assert_double_gt(1024 * f32, 10e3);
 	ck_assert_double_lt(1024 * f32, 50e3);
 	ck_assert_double_gt(16384 * f32, 200e3);
-	i.output_count = 2; /* for the whole batch: no part of a sample */
-	ck_assert_double_eq(host_sample_ns(&i), f32);
+	f.output_count = 2; /* for the whole batch: no part of a sample */
+	ck_assert_double_eq(host_sample_ns(&i, &f), f32);
 	i.arithmetic = "f64";
-	ck_assert_double_gt(before = host_sample_ns(&i), f32);
+	ck_assert_double_gt(before = host_sample_ns(&i, &f), f32);
 	i.arithmetic = "f32x2";
-	ck_assert_double_gt(host_sample_ns(&i), before);
+	ck_assert_double_gt(host_sample_ns(&i, &f), before);
 	i.layout = RNEA_AOS;
-	ck_assert_double_gt(host_sample_ns(&i), 5e3 / 1024 * 100);
-	i = (struct rnea_info){.arithmetic = "a later one", .arguments = arrays, .output_count = 1};
-	ck_assert_double_gt(host_sample_ns(&i), 0);
+	ck_assert_double_gt(host_sample_ns(&i, &f), 5e3 / 1024 * 100);
+	i = (struct rnea_info){.arithmetic = "a later one"};
+	f = (struct rnea_function){.arguments = arrays, .output_count = 1};
+	ck_assert_double_gt(host_sample_ns(&i, &f), 0);
 }
 END_TEST
 

@@ -1,0 +1,56 @@
+#ifndef RNEA_INFO_PARSER_H
+#define RNEA_INFO_PARSER_H
+/* The info table while it is read; info_array.c has the lines about arrays, info_table.c all others. */
+
+#include "core/info_table.h"
+#include "core/words.h"
+
+/* Who knows nothing of parts, or of functions, must not launch a text that has them: each was a version more. */
+enum { VERSION = 1, VERSION_PARTS = 2, VERSION_FUNCTIONS = 3, BLOCK_LIMIT = 1024, PARTS_LIMIT = 65535, STAGE_LIMIT = 48 << 10 };
+
+/* The keys that stand once: in the text; from KEY_OPERATIONS on for each function. */
+enum key {
+	KEY_NAME,
+	KEY_PRECISION,
+	KEY_ARITHMETIC,
+	KEY_LAYOUT,
+	KEY_TRIG,
+	KEY_BASE,
+	KEY_NQ,
+	KEY_NV,
+	KEY_NB,
+	KEY_BLOCK,
+	KEY_KERNELS,
+	KEY_OPERATIONS,
+	KEY_PARTS,
+	KEY_STAGE,
+	KEY_COUNT
+};
+
+struct parser {
+	struct words w; /* of the text: what is not read yet */
+	size_t version;
+	int seen[KEY_COUNT];
+	unsigned kernels;
+	struct rnea_info *info;
+	struct rnea_function *functions, *f; /* f: the one that is being read; NULL: none is begun */
+	struct rnea_argument *arguments;     /* of all functions, one after the other; those of `f` are the last */
+	struct rnea_joint *joints;
+	struct rnea_matrix *matrices;
+	size_t argument_count, matrix_count;
+	int *row, *col; /* of the elements of all matrices */
+	size_t element_count;
+};
+
+/* "f32" or "f64". */
+enum rnea_code info_scalar(struct parser *p, enum rnea_scalar *scalar);
+
+/* The rest of a line `input`, `output`, `matrix` or `row`. */
+enum rnea_code info_argument(struct parser *p, int is_output);
+enum rnea_code info_matrix(struct parser *p);
+enum rnea_code info_row(struct parser *p);
+
+/* How many elements of the matrix have been read. */
+size_t info_stored(const struct parser *p, const struct rnea_matrix *m);
+
+#endif
