@@ -9,7 +9,7 @@ int analysis_dag(struct dag *d, const struct tree *t, int strict, struct arena *
 	int good;
 
 	dag_init(&raw, a);
-	ALGORITHMS[PASS_RNEA].build(&raw, t);
+	ALGORITHMS[0]->build(&raw, t);
 	dag_close(&raw);
 	dag_init(d, a);
 	dag_fuse(d, &raw, strict);

@@ -19,7 +19,7 @@ struct generation {
 	struct rneagen_options options;
 	struct robot robot;
 	struct tree tree;
-	struct pass passes[PASS_COUNT];
+	struct pass passes[ALGORITHM_COUNT];
 	struct part *parts;
 	int part_count;
 	char hash[SHA256_DIGEST_STRING_LENGTH];
@@ -58,10 +58,9 @@ static enum rneagen_code resolve_options(struct generation *g)
 	return o->name ? RNEAGEN_OK : error_memory(g->error);
 }
 
-/* The halves of the algorithm go with the whole of it, not with a scene's choice of inputs and outputs. */
 static int pass_count(const struct generation *g)
 {
-	return g->tree.request.is_plain ? PASS_COUNT : 1;
+	return algorithms_of(g->tree.request.is_plain);
 }
 
 /* What the choices make of each other. */
@@ -78,14 +77,14 @@ static enum rneagen_code make_pass(struct generation *g, int i, struct dag *raw)
 	struct arena *a = &g->result->arena;
 	struct pass *p = &g->passes[i];
 
-	p->algorithm = &ALGORITHMS[i];
+	p->algorithm = ALGORITHMS[i];
 	p->algorithm->build(raw, &g->tree);
 	dag_close(raw);
 	dag_init(&p->dag, a);
 	dag_fuse(&p->dag, raw, g->options.strict);
 	if (!plan_build(&p->plan, &p->dag, &g->tree, a))
 		return error_memory(g->error);
-	return i == PASS_RNEA ? parts_make(&g->parts, &g->part_count, p, raw, &g->tree, &g->options, a, g->error) : RNEAGEN_OK;
+	return i == 0 ? parts_make(&g->parts, &g->part_count, p, raw, &g->tree, &g->options, a, g->error) : RNEAGEN_OK;
 }
 
 static enum rneagen_code make_passes(struct generation *g)
@@ -112,10 +111,10 @@ static void make_dump(struct generation *g, struct text *t)
 		tree_dump(&g->tree, t);
 		break;
 	case RNEAGEN_DUMP_DAG:
-		dag_dump(&g->passes[PASS_RNEA].dag, t);
+		dag_dump(&g->passes[0].dag, t);
 		break;
 	case RNEAGEN_DUMP_PLAN:
-		plan_dump(&g->passes[PASS_RNEA].plan, t);
+		plan_dump(&g->passes[0].plan, t);
 		break;
 	case RNEAGEN_DUMP_NONE:
 		break;
@@ -168,7 +167,7 @@ static enum rneagen_code make_reports(struct generation *g)
 /* What reports tell beside the text; the text's head tells of changed constants alone. */
 static enum rneagen_code measure(struct generation *g)
 {
-	const struct pass *p = &g->passes[PASS_RNEA];
+	const struct pass *p = g->passes;
 	struct arena *a = &g->result->arena;
 	int is_reported = !g->options.text_alone;
 

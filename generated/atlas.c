@@ -94,7 +94,7 @@ void atlas_bpass_slice(void *const *arrays, size_t count, size_t first, size_t e
 extern const char atlas_info[];
 
 RNEA_INFO const char atlas_info[] =
-	"rneagen-info 1\n"
+	"rneagen-info 3\n"
 	"name atlas\n"
 	"precision f64\n"
 	"arithmetic f64\n"
@@ -105,11 +105,6 @@ RNEA_INFO const char atlas_info[] =
 	"nv 30\n"
 	"nb 30\n"
 	"block 64\n"
-	"input q 30 f64 sample\n"
-	"input qd 30 f64 sample\n"
-	"input qdd 30 f64 sample\n"
-	"output tau 30 f64 sample\n"
-	"operations 618 310 140 129 800 27\n"
 	"joint 0 1 0 1 revolute back_bkz\n"
 	"joint 1 1 1 1 revolute back_bky\n"
 	"joint 2 1 2 1 revolute back_bkx\n"
@@ -139,7 +134,26 @@ RNEA_INFO const char atlas_info[] =
 	"joint 26 1 26 1 revolute r_leg_hpy\n"
 	"joint 27 1 27 1 revolute r_leg_kny\n"
 	"joint 28 1 28 1 revolute r_leg_aky\n"
-	"joint 29 1 29 1 revolute r_leg_akx\n";
+	"joint 29 1 29 1 revolute r_leg_akx\n"
+	"function rnea\n"
+	"input q 30 f64 sample joint_position\n"
+	"input qd 30 f64 sample joint_velocity\n"
+	"input qdd 30 f64 sample joint_acceleration\n"
+	"output tau 30 f64 sample joint_torque\n"
+	"operations 618 310 140 129 800 27\n"
+	"function fpass\n"
+	"input q 30 f64 sample joint_position\n"
+	"input qd 30 f64 sample joint_velocity\n"
+	"input qdd 30 f64 sample joint_acceleration\n"
+	"output v 180 f64 sample body_twists\n"
+	"output a 180 f64 sample body_accelerations\n"
+	"output f 180 f64 sample body_wrenches\n"
+	"operations 710 236 198 180 798 27\n"
+	"function bpass\n"
+	"input q 30 f64 sample joint_position\n"
+	"input f 180 f64 sample body_wrenches\n"
+	"output tau 30 f64 sample joint_torque\n"
+	"operations 121 149 12 36 161 27\n";
 
 #ifndef RNEAGEN_SINCOS_CORE
 #define RNEAGEN_SINCOS_CORE

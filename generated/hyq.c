@@ -80,7 +80,7 @@ void hyq_bpass_slice(void *const *arrays, size_t count, size_t first, size_t end
 extern const char hyq_info[];
 
 RNEA_INFO const char hyq_info[] =
-	"rneagen-info 1\n"
+	"rneagen-info 3\n"
 	"name hyq\n"
 	"precision f64\n"
 	"arithmetic f64\n"
@@ -91,11 +91,6 @@ RNEA_INFO const char hyq_info[] =
 	"nv 18\n"
 	"nb 13\n"
 	"block 64\n"
-	"input q 19 f64 sample\n"
-	"input qd 18 f64 sample\n"
-	"input qdd 18 f64 sample\n"
-	"output tau 18 f64 sample\n"
-	"operations 328 201 106 93 575 12\n"
 	"joint 0 7 0 6 floating \n"
 	"joint 7 1 6 1 revolute lf_haa_joint\n"
 	"joint 8 1 7 1 revolute lf_hfe_joint\n"
@@ -108,7 +103,26 @@ RNEA_INFO const char hyq_info[] =
 	"joint 15 1 14 1 revolute rf_kfe_joint\n"
 	"joint 16 1 15 1 revolute rh_haa_joint\n"
 	"joint 17 1 16 1 revolute rh_hfe_joint\n"
-	"joint 18 1 17 1 revolute rh_kfe_joint\n";
+	"joint 18 1 17 1 revolute rh_kfe_joint\n"
+	"function rnea\n"
+	"input q 19 f64 sample joint_position\n"
+	"input qd 18 f64 sample joint_velocity\n"
+	"input qdd 18 f64 sample joint_acceleration\n"
+	"output tau 18 f64 sample joint_torque\n"
+	"operations 328 201 106 93 575 12\n"
+	"function fpass\n"
+	"input q 19 f64 sample joint_position\n"
+	"input qd 18 f64 sample joint_velocity\n"
+	"input qdd 18 f64 sample joint_acceleration\n"
+	"output v 78 f64 sample body_twists\n"
+	"output a 78 f64 sample body_accelerations\n"
+	"output f 78 f64 sample body_wrenches\n"
+	"operations 339 136 146 120 551 12\n"
+	"function bpass\n"
+	"input q 19 f64 sample joint_position\n"
+	"input f 78 f64 sample body_wrenches\n"
+	"output tau 18 f64 sample joint_torque\n"
+	"operations 56 72 8 29 116 12\n";
 
 #ifndef RNEAGEN_SINCOS_CORE
 #define RNEAGEN_SINCOS_CORE

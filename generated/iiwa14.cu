@@ -84,7 +84,7 @@ extern const char iiwa14_info[];
 #endif
 
 RNEA_INFO const char iiwa14_info[] =
-	"rneagen-info 1\n"
+	"rneagen-info 3\n"
 	"name iiwa14\n"
 	"precision f32\n"
 	"arithmetic f32\n"
@@ -95,18 +95,32 @@ RNEA_INFO const char iiwa14_info[] =
 	"nv 7\n"
 	"nb 7\n"
 	"block 128\n"
-	"input q 7 f32 sample\n"
-	"input qd 7 f32 sample\n"
-	"input qdd 7 f32 sample\n"
-	"output tau 7 f32 sample\n"
-	"operations 125 60 18 36 163 6\n"
 	"joint 0 1 0 1 revolute iiwa_joint_1\n"
 	"joint 1 1 1 1 revolute iiwa_joint_2\n"
 	"joint 2 1 2 1 revolute iiwa_joint_3\n"
 	"joint 3 1 3 1 revolute iiwa_joint_4\n"
 	"joint 4 1 4 1 revolute iiwa_joint_5\n"
 	"joint 5 1 5 1 revolute iiwa_joint_6\n"
-	"joint 6 1 6 1 revolute iiwa_joint_7\n";
+	"joint 6 1 6 1 revolute iiwa_joint_7\n"
+	"function rnea\n"
+	"input q 7 f32 sample joint_position\n"
+	"input qd 7 f32 sample joint_velocity\n"
+	"input qdd 7 f32 sample joint_acceleration\n"
+	"output tau 7 f32 sample joint_torque\n"
+	"operations 125 60 18 36 163 6\n"
+	"function fpass\n"
+	"input q 7 f32 sample joint_position\n"
+	"input qd 7 f32 sample joint_velocity\n"
+	"input qdd 7 f32 sample joint_acceleration\n"
+	"output v 42 f32 sample body_twists\n"
+	"output a 42 f32 sample body_accelerations\n"
+	"output f 42 f32 sample body_wrenches\n"
+	"operations 150 47 29 33 153 6\n"
+	"function bpass\n"
+	"input q 7 f32 sample joint_position\n"
+	"input f 42 f32 sample body_wrenches\n"
+	"output tau 7 f32 sample joint_torque\n"
+	"operations 20 23 4 10 30 6\n";
 
 #ifndef RNEAGEN_SINCOSF_CORE
 #define RNEAGEN_SINCOSF_CORE

@@ -70,7 +70,7 @@ void ur5_bpass_slice(void *const *arrays, size_t count, size_t first, size_t end
 extern const char ur5_info[];
 
 RNEA_INFO const char ur5_info[] =
-	"rneagen-info 1\n"
+	"rneagen-info 3\n"
 	"name ur5\n"
 	"precision f64\n"
 	"arithmetic f64\n"
@@ -81,17 +81,31 @@ RNEA_INFO const char ur5_info[] =
 	"nv 6\n"
 	"nb 6\n"
 	"block 128\n"
-	"input q 6 f64 sample\n"
-	"input qd 6 f64 sample\n"
-	"input qdd 6 f64 sample\n"
-	"output tau 6 f64 sample\n"
-	"operations 91 26 9 24 131 5\n"
 	"joint 0 1 0 1 revolute shoulder_pan_joint\n"
 	"joint 1 1 1 1 revolute shoulder_lift_joint\n"
 	"joint 2 1 2 1 revolute elbow_joint\n"
 	"joint 3 1 3 1 revolute wrist_1_joint\n"
 	"joint 4 1 4 1 revolute wrist_2_joint\n"
-	"joint 5 1 5 1 revolute wrist_3_joint\n";
+	"joint 5 1 5 1 revolute wrist_3_joint\n"
+	"function rnea\n"
+	"input q 6 f64 sample joint_position\n"
+	"input qd 6 f64 sample joint_velocity\n"
+	"input qdd 6 f64 sample joint_acceleration\n"
+	"output tau 6 f64 sample joint_torque\n"
+	"operations 91 26 9 24 131 5\n"
+	"function fpass\n"
+	"input q 6 f64 sample joint_position\n"
+	"input qd 6 f64 sample joint_velocity\n"
+	"input qdd 6 f64 sample joint_acceleration\n"
+	"output v 36 f64 sample body_twists\n"
+	"output a 36 f64 sample body_accelerations\n"
+	"output f 36 f64 sample body_wrenches\n"
+	"operations 110 18 18 33 119 5\n"
+	"function bpass\n"
+	"input q 6 f64 sample joint_position\n"
+	"input f 36 f64 sample body_wrenches\n"
+	"output tau 6 f64 sample joint_torque\n"
+	"operations 21 24 1 8 36 5\n";
 
 #ifndef RNEAGEN_SINCOS_CORE
 #define RNEAGEN_SINCOS_CORE

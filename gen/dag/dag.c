@@ -238,6 +238,14 @@ int dag_find_argument(const struct dag *d, const char *name)
 	return -1;
 }
 
+int dag_find_role(const struct dag *d, enum role role, int is_output)
+{
+	for (int i = 0; i < d->argument_count; i++)
+		if (d->arguments[i].role == role && d->arguments[i].is_output == is_output)
+			return i;
+	return -1;
+}
+
 void dag_tag(struct dag *d, struct ref a, const char *quantity, int body, char component)
 {
 	struct node *n = d->failed ? NULL : &d->nodes[a.i];

@@ -7,6 +7,7 @@
 
 #include "base/arena.h"
 #include "dag/ops.h"
+#include "dag/role.h"
 #include "tree/spatial.h"
 #include "base/text.h"
 #include <stdint.h>
@@ -52,6 +53,8 @@ struct argument {
 	const char *name;
 	int rows, is_output;
 	int per_batch; /* the same rows for all samples */
+	enum role role;
+	const char *of; /* the link, joint or constant that the role speaks of; NULL or "": none */
 };
 
 /* As many as a kernel takes (RNEA_ARGUMENT_LIMIT). */
@@ -92,6 +95,9 @@ int dag_argument_of(struct dag *d, struct argument a);
 
 /* The index of an argument; -1 where there is none of the name. */
 int dag_find_argument(const struct dag *d, const char *name);
+
+/* The first input, or output, of a role; -1 where there is none. */
+int dag_find_role(const struct dag *d, enum role role, int is_output);
 
 struct ref dag_const(struct dag *d, real value);
 /* What is taken for zero is exactly that. */

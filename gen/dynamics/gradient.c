@@ -131,7 +131,7 @@ static void output_by_freed(struct gradient *g, const struct want *w, int argume
 /* (d tau/d q) v_q + (d tau/d qd) v_qd + (d tau/d qdd) v_qdd for given v, in one go. */
 static void output_jvp(struct gradient *g, int argument)
 {
-	int nv = g->t->nv, direction = dag_find_argument(g->d, "jvp_v");
+	int nv = g->t->nv, direction = dag_find_role(g->d, ROLE_TANGENT, 0);
 	struct ref *v = arena_alloc(g->d->arena, 3 * (size_t)nv, sizeof *v);
 
 	if (!v) {
@@ -181,7 +181,7 @@ static struct ref tangent_bar(struct gradient *g, const struct ref *bar, int row
 /* lambda^T d tau/d(q, qd, qdd) for a given lambda, by one sweep back. */
 static void output_vjp(struct gradient *g, int argument)
 {
-	int nv = g->t->nv, weights = dag_find_argument(g->d, "vjp_v");
+	int nv = g->t->nv, weights = dag_find_role(g->d, ROLE_COTANGENT, 0);
 	struct ref *lambda = arena_alloc(g->d->arena, (size_t)nv, sizeof *lambda);
 
 	if (!lambda) {

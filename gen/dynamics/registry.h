@@ -1,21 +1,59 @@
 #ifndef RNEAGEN_REGISTRY_H
 #define RNEAGEN_REGISTRY_H
-/* The recursive Newton-Euler algorithm over symbolic 3-vectors, whole and in its two halves. */
+/* The algorithms: each is a generated function. To add one, write a file in this folder that defines its struct algorithm,
+   and enter its name in ALGORITHM_LIST. What writes texts, what tells of them and the runtime go through this list, by names and
+   roles. */
 
 #include "dag/dag.h"
 #include "tree/tree.h"
 
-/* A generated function: its name, the comment above it, and what fills its DAG (failure is in dag->failed). */
+/* The first is what a scene's request is made of, what --parts divides, what is staged and bounded, and what the calls of one
+   sample and of a batch do. */
+#define ALGORITHM_LIST(X)                                                                                              \
+	X(rnea)                                                                                                        \
+	X(fpass)                                                                                                       \
+	X(bpass)
+
+enum { ALGORITHM_ARRAYS = 8 };
+
 struct algorithm {
-	const char *name, *doc;
+	const char *name; /* of the function: NAME_rnea */
+	const char *doc;  /* the comment above it */
+	const char *brief; /* the comment above its declaration for a caller; of the first, the frames say more */
+	const char *note; /* a line of the comment at the head of the text; NULL: none */
+
+	/* What it takes and gives where the scene does not say otherwise, in the order of its signature: arrays of joints and
+	   bodies (role_rows is not ROWS_ANY). The list ends with a name that is NULL. */
+	struct algorithm_array {
+		const char *name;
+		enum role role;
+		int is_output;
+	} arrays[ALGORITHM_ARRAYS];
+
+	/* It can take a request's inputs and outputs instead; others are not in texts of such requests. */
+	int takes_requests;
+
+	/* Fills an empty DAG, declarations included; failure is in dag->failed. */
 	void (*build)(struct dag *d, const struct tree *t);
 };
 
-/* rnea: q[nq], qd[nv], qdd[nv] -> tau[nv].
-   fpass: q, qd, qdd -> v[nb*6], a[nb*6], f[nb*6], each linear then angular, at the origin and in the URDF frame of the
-   body's link; a is the spatial acceleration with a(world) = -gravity, f = I a + v x* I v the body's own wrench.
-   bpass: q, f -> tau. */
-enum { PASS_RNEA, PASS_FPASS, PASS_BPASS, PASS_COUNT };
-extern const struct algorithm ALGORITHMS[PASS_COUNT];
+#define ALGORITHM_EXTERN(name) extern const struct algorithm algorithm_##name;
+ALGORITHM_LIST(ALGORITHM_EXTERN)
+#undef ALGORITHM_EXTERN
+
+#define ALGORITHM_NUMBER(name) ALGORITHM_##name,
+enum { ALGORITHM_LIST(ALGORITHM_NUMBER) ALGORITHM_COUNT };
+#undef ALGORITHM_NUMBER
+
+extern const struct algorithm *const ALGORITHMS[ALGORITHM_COUNT];
+
+/* How many of them, the first ones, are in the text of a request that is plain, or not. */
+int algorithms_of(int is_plain);
+
+/* By its name; NULL: there is none. */
+const struct algorithm *algorithm_find(const char *name);
+
+/* Declare the arrays of its own. */
+void algorithm_declare(const struct algorithm *x, struct dag *d, const struct tree *t);
 
 #endif

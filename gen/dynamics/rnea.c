@@ -238,27 +238,29 @@ void tour_run(struct tour *r)
 	go(r);
 }
 
-static struct joint_inputs joint_arguments(struct dag *d, const struct tree *t)
+/* The algorithm's own arrays; what is not among them is zero, or not written. */
+static void build_plain(struct dag *d, const struct tree *t, const struct algorithm *x)
 {
-	struct joint_inputs in = {0};
+	struct tour r = {.d = d, .t = t};
 
-	in.q.argument = dag_argument(d, "q", t->nq, 0);
-	in.qd.argument = dag_argument(d, "qd", t->nv, 0);
-	in.qdd.argument = dag_argument(d, "qdd", t->nv, 0);
-	return in;
+	algorithm_declare(x, d, t);
+	r.in.q.argument = dag_find_role(d, ROLE_JOINT_POSITION, 0);
+	r.in.qd.argument = dag_find_role(d, ROLE_JOINT_VELOCITY, 0);
+	r.in.qdd.argument = dag_find_role(d, ROLE_JOINT_ACCELERATION, 0);
+	r.f_in = dag_find_role(d, ROLE_BODY_WRENCHES, 0);
+	r.v_out = dag_find_role(d, ROLE_BODY_TWISTS, 1);
+	r.a_out = dag_find_role(d, ROLE_BODY_ACCELERATIONS, 1);
+	r.f_out = dag_find_role(d, ROLE_BODY_WRENCHES, 1);
+	r.tau_out = dag_find_role(d, ROLE_JOINT_TORQUE, 1);
+	tour_run(&r);
 }
 
 static void build_all_terms(struct dag *d, const struct tree *t)
 {
-	struct tour r = {.d = d, .t = t, .f_in = -1, .v_out = -1, .a_out = -1, .f_out = -1};
-
-	if (!t->request.is_plain) {
+	if (t->request.is_plain)
+		build_plain(d, t, &algorithm_rnea);
+	else
 		want_build(d, t);
-		return;
-	}
-	r.in = joint_arguments(d, t);
-	r.tau_out = dag_argument(d, "tau", t->nv, 1);
-	tour_run(&r);
 }
 
 static void build_rnea(struct dag *d, const struct tree *t)
@@ -276,28 +278,34 @@ static void build_rnea(struct dag *d, const struct tree *t)
 
 static void build_fpass(struct dag *d, const struct tree *t)
 {
-	struct tour r = {.d = d, .t = t, .f_in = -1, .tau_out = -1};
-
-	r.in = joint_arguments(d, t);
-	r.v_out = dag_argument(d, "v", t->body_count * 6, 1);
-	r.a_out = dag_argument(d, "a", t->body_count * 6, 1);
-	r.f_out = dag_argument(d, "f", t->body_count * 6, 1);
-	tour_run(&r);
+	build_plain(d, t, &algorithm_fpass);
 }
 
 static void build_bpass(struct dag *d, const struct tree *t)
 {
-	struct tour r = {.d = d, .t = t, .in = {.qd = {-1, NULL}, .qdd = {-1, NULL}}, .v_out = -1, .a_out = -1, .f_out = -1};
-
-	r.in.q.argument = dag_argument(d, "q", t->nq, 0);
-	r.f_in = dag_argument(d, "f", t->body_count * 6, 0);
-	r.tau_out = dag_argument(d, "tau", t->nv, 1);
-	tour_run(&r);
+	build_plain(d, t, &algorithm_bpass);
 }
 
-const struct algorithm ALGORITHMS[PASS_COUNT] = {
-	[PASS_RNEA] = {"rnea", "tau = ID(q, qd, qdd)", build_rnea},
-	[PASS_FPASS] = {"fpass", "Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.",
-		build_fpass},
-	[PASS_BPASS] = {"bpass", "Back to the base: torques tau from the wrenches f.", build_bpass},
-};
+#define STATE {"q", ROLE_JOINT_POSITION, 0}, {"qd", ROLE_JOINT_VELOCITY, 0}, {"qdd", ROLE_JOINT_ACCELERATION, 0}
+
+const struct algorithm algorithm_rnea = {.name = "rnea",
+	.doc = "tau = ID(q, qd, qdd)",
+	.brief = "tau = ID(q, qd, qdd) of one sample.",
+	.arrays = {STATE, {"tau", ROLE_JOINT_TORQUE, 1}},
+	.takes_requests = 1,
+	.build = build_rnea};
+
+/* Each linear then angular, at the origin and in the URDF frame of the body's link; a is the spatial acceleration with
+   a(world) = -gravity, f = I a + v x* I v the body's own wrench. */
+const struct algorithm algorithm_fpass = {.name = "fpass",
+	.doc = "Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.",
+	.brief = "The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each.",
+	.note = "fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.",
+	.arrays = {STATE, {"v", ROLE_BODY_TWISTS, 1}, {"a", ROLE_BODY_ACCELERATIONS, 1}, {"f", ROLE_BODY_WRENCHES, 1}},
+	.build = build_fpass};
+
+const struct algorithm algorithm_bpass = {.name = "bpass",
+	.doc = "Back to the base: torques tau from the wrenches f.",
+	.brief = "The way back alone: torques from q and fpass's wrenches.",
+	.arrays = {{"q", ROLE_JOINT_POSITION, 0}, {"f", ROLE_BODY_WRENCHES, 0}, {"tau", ROLE_JOINT_TORQUE, 1}},
+	.build = build_bpass};

@@ -8,7 +8,14 @@
 /* Inputs that nothing reads and that torques are differentiated by all the same: nodes of no argument, which die. */
 enum { UNREAD = 1 << 20 };
 
-static const char *const INPUTS[] = {"q", "qd", "qdd"};
+static const struct argument INPUTS[] = {{.name = "q", .role = ROLE_JOINT_POSITION}, {.name = "qd", .role = ROLE_JOINT_VELOCITY},
+	{.name = "qdd", .role = ROLE_JOINT_ACCELERATION}};
+
+static int declare(struct dag *d, struct argument a, int rows)
+{
+	a.rows = rows;
+	return dag_argument_of(d, a);
+}
 
 static struct source source(struct dag *d, int input, const struct row *rows, int count, int is_read)
 {
@@ -17,7 +24,7 @@ static struct source source(struct dag *d, int input, const struct row *rows, in
 	if (!is_read)
 		s.argument = UNREAD + input;
 	else if (!request_has_all(rows, count))
-		s.argument = dag_argument(d, INPUTS[input], count, 0);
+		s.argument = declare(d, INPUTS[input], count);
 	return s;
 }
 
@@ -45,12 +52,23 @@ static void add_inertia(struct build *b, const struct freed *f, int argument)
 		rigid_body_add(b->d, p, dag_input(b->d, argument, r), &f->columns[r]);
 }
 
+/* "hand" of "payload.hand"; "" of "gravity". */
+static const char *after_point(const char *word)
+{
+	const char *point = strchr(word, '.');
+
+	return point ? point + 1 : "";
+}
+
 static void free_constants(struct build *b)
 {
+	static const enum role roles[] = {[FREED_GRAVITY] = ROLE_GRAVITY, [FREED_MASS] = ROLE_LINK_MASS, [FREED_INERTIA] = ROLE_LINK_INERTIA,
+		[FREED_PAYLOAD] = ROLE_LINK_PAYLOAD, [FREED_OFFSET] = ROLE_JOINT_OFFSET};
+
 	for (int i = 0; i < b->k->freed_count; i++) {
 		const struct freed *f = &b->k->freed[i];
-		int argument = dag_argument_of(
-			b->d, (struct argument){.name = f->argument, .rows = f->rows, .per_batch = f->per_batch});
+		int argument = dag_argument_of(b->d, (struct argument){.name = f->argument, .rows = f->rows, .per_batch = f->per_batch,
+			.role = roles[f->kind], .of = after_point(f->word)});
 
 		if (f->kind == FREED_OFFSET)
 			b->offset[b->t->bodies[f->body].iq] = dag_input(b->d, argument, 0);
@@ -213,6 +231,34 @@ struct trial {
 	size_t nodes, operations;
 };
 
+static struct argument output(const struct request *k, const struct want *w)
+{
+	static const enum role roles[] = {[WANT_TAU] = ROLE_JOINT_TORQUE, [WANT_GRAVITY] = ROLE_GRAVITY_TORQUE, [WANT_BIAS] = ROLE_BIAS_TORQUE,
+		[WANT_WRENCH] = ROLE_JOINT_WRENCH, [WANT_TWIST] = ROLE_LINK_TWIST, [WANT_ACCEL] = ROLE_LINK_ACCELERATION,
+		[WANT_POWER] = ROLE_POWER, [WANT_KINETIC] = ROLE_KINETIC_ENERGY, [WANT_POTENTIAL] = ROLE_POTENTIAL_ENERGY,
+		[WANT_DTAU_DQ] = ROLE_DTAU_DQ, [WANT_DTAU_DQD] = ROLE_DTAU_DQD, [WANT_MASS] = ROLE_MASS_MATRIX,
+		[WANT_DTAU_DFREED] = ROLE_DTAU_DFREED, [WANT_JVP] = ROLE_JVP, [WANT_VJP] = ROLE_VJP};
+
+	return (struct argument){.name = w->argument, .rows = w->rows, .is_output = 1, .role = roles[w->kind],
+		.of = w->kind == WANT_DTAU_DFREED ? k->freed[w->body].word : after_point(w->word)};
+}
+
+/* Inputs of the request, besides q, qd and qdd and what is freed; then its outputs. */
+static void declare_request(const struct build *b)
+{
+	int nv = b->t->nv;
+
+	for (int i = 0; i < b->k->push_count; i++)
+		b->pushed[i] = dag_argument_of(b->d, (struct argument){.name = b->k->pushes[i].argument, .rows = 6,
+			.role = ROLE_LINK_WRENCH, .of = after_point(b->k->pushes[i].word)});
+	if (request_wants(b->k, WANT_JVP))
+		dag_argument_of(b->d, (struct argument){.name = "jvp_v", .rows = 3 * nv, .role = ROLE_TANGENT});
+	if (request_wants(b->k, WANT_VJP))
+		dag_argument_of(b->d, (struct argument){.name = "vjp_v", .rows = nv, .role = ROLE_COTANGENT});
+	for (int i = 0; i < b->k->want_count; i++)
+		b->outputs[i] = dag_argument_of(b->d, output(b->k, &b->k->wants[i]));
+}
+
 /* Where nothing of q, qd or qdd is read, there is no such input. */
 static void build(struct dag *d, const struct tree *t, const struct trial *x)
 {
@@ -230,14 +276,7 @@ static void build(struct dag *d, const struct tree *t, const struct trial *x)
 	in.qd = source(d, 1, b.k->qd, t->nv, x->is_read[1]);
 	in.qdd = source(d, 2, b.k->qdd, t->nv, x->is_read[2]);
 	free_constants(&b);
-	for (int i = 0; i < b.k->push_count; i++)
-		b.pushed[i] = dag_argument(d, b.k->pushes[i].argument, 6, 0);
-	if (request_wants(b.k, WANT_JVP))
-		dag_argument(d, "jvp_v", 3 * t->nv, 0);
-	if (request_wants(b.k, WANT_VJP))
-		dag_argument(d, "vjp_v", t->nv, 0);
-	for (int i = 0; i < b.k->want_count; i++)
-		b.outputs[i] = dag_argument(d, b.k->wants[i].argument, b.k->wants[i].rows, 1);
+	declare_request(&b);
 	if (is_gravity_alone(&b))
 		run_gravity(&b, in, output_of(&b, WANT_TAU), -1);
 	else
@@ -260,7 +299,7 @@ static void look(const struct dag *d, struct trial *x)
 		const struct node *n = &d->nodes[i];
 
 		for (int k = 0; k < 3 && uses[i] && n->op == OP_INPUT; k++)
-			x->is_read[k] |= !strcmp(d->arguments[n->arg[0].i].name, INPUTS[k]);
+			x->is_read[k] |= d->arguments[n->arg[0].i].role == INPUTS[k].role;
 		x->operations += uses[i] && op_arity[n->op] > 0 && n->op != OP_NEG;
 	}
 	arena_release(d->arena, uses);

@@ -56,7 +56,7 @@ static const char *enum_text(const struct emission *e)
 
 const char *emit_dimensions(const struct emission *e)
 {
-	const struct dag *d = &e->passes[PASS_RNEA].dag;
+	const struct dag *d = &emit_main(e)->dag;
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -70,20 +70,19 @@ const char *emit_dimensions(const struct emission *e)
 	return text_string(&t);
 }
 
-/* Header: the halves of the algorithm. */
-static const char *halves_text(const struct emission *e)
+/* Header: the functions beside the first. */
+static const char *further_text(const struct emission *e)
 {
-	const struct slot slots[] = {
-		{"NAME", e->options->name}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
-		{"ANY_ANGLE", emit_has_small(e) ? ", 0" : ""}, {"FPASS_PARAMS", emit_params(e, &e->passes[PASS_FPASS], PARAMS_PLAIN)},
-		{"FPASS_NAMES", emit_params(e, &e->passes[PASS_FPASS], PARAMS_NAMES)},
-		{"BPASS_PARAMS", emit_params(e, &e->passes[PASS_BPASS], PARAMS_PLAIN)},
-		{"BPASS_NAMES", emit_params(e, &e->passes[PASS_BPASS], PARAMS_NAMES)}};
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (e->pass_count == PASS_COUNT)
-		template_expand(&t, template_halves_h_in, slots, sizeof slots / sizeof *slots);
+	for (const struct pass *p = emit_main(e) + 1; p < e->passes + e->pass_count; p++) {
+		const struct slot slots[] = {{"BRIEF", p->algorithm->brief}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
+			{"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"}, {"ANY_ANGLE", emit_has_small(e) ? ", 0" : ""},
+			{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)}};
+
+		template_expand(&t, template_further_h_in, slots, sizeof slots / sizeof *slots);
+	}
 	return text_string(&t);
 }
 
@@ -151,13 +150,13 @@ static void put_is_small(const struct emission *e, struct text *out)
 static void put_part_call(const struct emission *e, int part, struct text *out)
 {
 	text_printf(out, "%s%s_%s_body(%s, stride%s);", emit_has_small(e) ? "all_small &= " : "", e->options->name,
-		e->parts[part].algorithm.name, emit_params(e, &e->passes[PASS_RNEA], PARAMS_NAMES), emit_has_small(e) ? ", small" : "");
+		e->parts[part].algorithm.name, emit_params(e, emit_main(e), PARAMS_NAMES), emit_has_small(e) ? ", small" : "");
 }
 
 /* The body that calls the parts'. */
 static void put_dispatcher(const struct emission *e, struct text *out)
 {
-	const struct pass *p = &e->passes[PASS_RNEA];
+	const struct pass *p = emit_main(e);
 	struct text cases, calls;
 
 	text_init(&cases, e->arena);
@@ -209,11 +208,11 @@ void emit_source(const struct emission *e, struct text *out)
 		{"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)}, {"MIN_BLOCKS", emit_min_blocks(e)},
 		{"SINCOS", sincos_text(e)}, {"STAGE", emit_stage(e)}, {"STORE", emit_store(e)},
 		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e)},
-		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
-		{"ADDRESSES", emit_params(e, &p[PASS_RNEA], PARAMS_ADDRESSES)},
-		{"RNEA_PARAMS", emit_params(e, &p[PASS_RNEA], PARAMS_PLAIN)},
+		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
+		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)},
+		{"RNEA_PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"BOUNDED", ""},
-		{"RNEA_CALL", emit_call(e, &p[PASS_RNEA], "\t", emit_params(e, &p[PASS_RNEA], PARAMS_NAMES), "q", "1")}, {"HALVES", halves_text(e)},
+		{"RNEA_CALL", emit_call(e, p, "\t", emit_params(e, p, PARAMS_NAMES), "q", "1")}, {"FURTHER", further_text(e)},
 		{"SAMPLE", e->tree->request.is_plain ? "tau = ID(q, qd, qdd)" : "Inverse dynamics"},
 		{"PROTOTYPES", emit_prototypes(e)}, {"ENUM", enum_text(e)}, {"DIMENSIONS", emit_dimensions(e)},
 	};
@@ -236,21 +235,4 @@ void emit_declarations(const struct emission *e, struct text *out)
 
 	template_expand(out, template_function_h_in, slots, sizeof slots / sizeof *slots);
 	out->failed |= e->arena->failed;
-}
-
-/* `block N` and, as the runtime and the user read them, what the functions take and give. */
-void emit_info_shape(const struct emission *e, struct text *out)
-{
-	const struct argument *a = e->passes[PASS_RNEA].dag.arguments;
-
-	text_printf(out, "block %d\n", emit_block_size(e));
-	if (emit_stage_bytes(e))
-		text_printf(out, "stage %d\n", emit_stage_bytes(e));
-	if (e->part_count)
-		text_printf(out, "parts %d\n", e->part_count);
-	if (e->pass_count < PASS_COUNT)
-		text_printf(out, "kernels %s\n", e->passes[PASS_RNEA].algorithm->name);
-	for (int i = 0; i < e->passes[PASS_RNEA].dag.argument_count; i++)
-		text_printf(out, "%s %s %d %s %s\n", a[i].is_output ? "output" : "input", a[i].name, a[i].rows,
-			e->memory->name, a[i].per_batch ? "batch" : "sample");
 }

@@ -26,8 +26,8 @@ struct scalar {
 struct emission {
 	const struct tree *tree;
 	const struct rneagen_options *options; /* defaults resolved: precision, name, file */
-	const struct pass *passes;             /* PASS_COUNT; pass_count of them have a DAG: all, or the first alone, */
-	int pass_count;                        /* which then is a scene's request or one operation of the robot */
+	const struct pass *passes;             /* pass_count of them: the functions of the text, the first of which is a */
+	int pass_count;                        /* scene's request, or one operation of the robot, where it is such a text */
 	const struct part *parts;              /* what the first pass does, as parts of the grid; part_count 0: it is whole */
 	int part_count;
 	const char *banner;                    /* the comment at the head, where it is not inverse dynamics; else NULL */
@@ -39,6 +39,12 @@ struct emission {
 	const struct scalar *memory, *arithmetic; /* emit_set_precision */
 	struct written_number *written;           /* EMIT_WRITTEN of them; NULL: each number is made anew */
 };
+
+/* The text's first function: what a call of a sample, or of a batch, computes; what may be in parts, staged and bounded. */
+static inline const struct pass *emit_main(const struct emission *e)
+{
+	return e->passes;
+}
 
 /* A number as it was written last time: a model's few constants come again and again. */
 struct written_number {
@@ -93,9 +99,6 @@ void emit_f32x2_expression(const struct emission *e, const struct plan *p, struc
 
 /* The table NAME_info as adjacent string literals. */
 void emit_info(const struct emission *e, struct text *out);
-
-/* Its middle part: the block and the arguments. */
-void emit_info_shape(const struct emission *e, struct text *out);
 
 /* Where the elements of matrices stand in them: lines of the table; arrays of rows and of columns as C declares and defines
    them, with an empty line before; a member of the object of --info=json. Nothing where no matrix is wanted. */
@@ -167,7 +170,7 @@ void emit_declarations(const struct emission *e, struct text *out);
    one for each joint. Not where angles are not q alone. */
 int emit_has_small(const struct emission *e);
 
-/* Is the text one operation alone, rather than the three algorithms? */
+/* Is the text one operation alone, rather than algorithms? */
 static inline int emit_is_operation(const struct emission *e)
 {
 	return e->banner != NULL;

@@ -209,7 +209,7 @@ void emit_section(const struct emission *e, const struct pass *pass, const struc
 	text_put_comment(out, k->link);
 	text_putc(out, '"');
 	if (s->kind == SECTION_OUT) {
-		text_put(out, pass == &e->passes[PASS_BPASS] ? "" : " (fpass)");
+		text_put(out, dag_find_role(&pass->dag, ROLE_BODY_WRENCHES, 0) >= 0 ? "" : " (fpass)");
 	} else {
 		if (k->parent < 0)
 			text_put(out, " to the world (bpass)");

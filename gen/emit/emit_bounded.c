@@ -187,7 +187,7 @@ static const char *ends_text(const struct emission *e, const struct dag *d)
 
 void emit_bounded(const struct emission *e, struct text *out)
 {
-	const struct pass *p = &e->passes[PASS_RNEA];
+	const struct pass *p = emit_main(e);
 	int f32 = e->arithmetic->bytes == 4, way = longest_way(e, &p->dag);
 	struct text statement;
 	const char *rest;

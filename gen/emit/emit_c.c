@@ -42,7 +42,7 @@ static void put_functions(const struct emission *e, const struct pass *p, struct
 
 	template_expand(out, emit_has_small(e) ? template_part_accurate_in : template_part_in, slots, count);
 	template_expand(out, template_slice_in, slots, count);
-	if (p == &e->passes[PASS_RNEA])
+	if (p == emit_main(e))
 		template_expand(out, template_batch_in, slots, count);
 }
 
@@ -64,10 +64,8 @@ const char *emit_functions_c(const struct emission *e)
 }
 
 static void put_prototype(
-	const struct emission *e, int i, const char *suffix, const char *more, const char *doc, struct text *out)
+	const struct emission *e, const struct pass *p, const char *suffix, const char *more, const char *doc, struct text *out)
 {
-	const struct pass *p = &e->passes[i];
-
 	text_printf(out, "/* %s */\nvoid %s_%s%s(%s%s);\n", doc, e->options->name, p->algorithm->name, suffix,
 		emit_params(e, p, PARAMS_PLAIN), more);
 }
@@ -75,8 +73,10 @@ static void put_prototype(
 static void put_slice_prototypes(const struct emission *e, struct text *out)
 {
 	text_put(out, "/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each\n");
-	text_printf(out, "   in a thread of the caller's own. The arrays are those of %s, in that order. */\n",
-		e->tree->request.is_plain ? "rnea, fpass and bpass" : "rnea");
+	text_put(out, "   in a thread of the caller's own. The arrays are those of ");
+	for (int i = 0; i < e->pass_count; i++)
+		text_printf(out, "%s%s", i == 0 ? "" : i + 1 < e->pass_count ? ", " : " and ", e->passes[i].algorithm->name);
+	text_put(out, ", in that order. */\n");
 	for (int i = 0; i < e->pass_count; i++)
 		text_printf(out, "void %s_%s_slice(void *const *arrays, size_t count, size_t first, size_t end);\n",
 			e->options->name, e->passes[i].algorithm->name);
@@ -97,7 +97,7 @@ static void put_bounded_prototype(const struct emission *e, struct text *out)
 	const char *more = e->memory->bytes == 4 ? ", float *bound" : ", double *bound";
 	int torques = e->tree->request.want_count == 1 && e->tree->request.wants[0].kind <= WANT_BIAS;
 
-	put_prototype(e, PASS_RNEA, "_bounded", more, torques ?
+	put_prototype(e, emit_main(e), "_bounded", more, torques ?
 		"The same torques, to the bit, and for each a bound[i] of |tau[i] - exact|.\n" BOUNDED_DOC :
 		"The same outputs, to the bit, and for each number x of them, one output after the other, a bound[i] of |x - exact|.\n"
 		BOUNDED_DOC, out);
@@ -109,8 +109,8 @@ static const char *operation_prototypes(const struct emission *e)
 	struct text t;
 
 	text_init(&t, e->arena);
-	put_prototype(e, PASS_RNEA, "", "", e->passes[PASS_RNEA].algorithm->doc, &t);
-	put_prototype(e, PASS_RNEA, "_batch", ", size_t count", "The same for `count` samples; arrays must not overlap.", &t);
+	put_prototype(e, emit_main(e), "", "", emit_main(e)->algorithm->doc, &t);
+	put_prototype(e, emit_main(e), "_batch", ", size_t count", "The same for `count` samples; arrays must not overlap.", &t);
 	text_printf(&t, "void %s_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);\n", e->options->name);
 	text_printf(&t, "extern const char %s_info[];", e->options->name);
 	return text_string(&t);
@@ -128,15 +128,12 @@ const char *emit_prototypes(const struct emission *e)
 	text_printf(&one, "%s of one sample: %s", e->tree->request.is_plain ? "tau = ID(q, qd, qdd)" : "Inverse dynamics", emit_dimensions(e));
 	text_printf(&many, "The same for `count` samples, every array %s; arrays must not overlap.",
 		is_soa(e) ? "[row][sample]" : "[sample][row]");
-	put_prototype(e, PASS_RNEA, "", "", text_string(&one), &t);
+	put_prototype(e, emit_main(e), "", "", text_string(&one), &t);
 	if (e->options->bounded)
 		put_bounded_prototype(e, &t);
-	put_prototype(e, PASS_RNEA, "_batch", ", size_t count", text_string(&many), &t);
-	if (e->tree->request.is_plain) {
-		put_prototype(e, PASS_FPASS, "", "",
-			"The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each.", &t);
-		put_prototype(e, PASS_BPASS, "", "", "The way back alone: torques from q and fpass's wrenches.", &t);
-	}
+	put_prototype(e, emit_main(e), "_batch", ", size_t count", text_string(&many), &t);
+	for (const struct pass *p = emit_main(e) + 1; p < e->passes + e->pass_count; p++)
+		put_prototype(e, p, "", "", p->algorithm->brief, &t);
 	put_slice_prototypes(e, &t);
 	emit_pattern_declarations(e, &t);
 	text_printf(&t, "/* What this text computes, one `key values` a line. */\nextern const char %s_info[];",

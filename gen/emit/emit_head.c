@@ -154,12 +154,12 @@ static const char *describe(const struct emission *e, const struct argument *a)
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (!strcmp(a->name, "jvp_v"))
+	if (a->role == ROLE_TANGENT)
 		text_put(&t, "along q, along qd, along qdd");
 	for (int i = 0; i < k->freed_count; i++)
 		if (!a->is_output && !strcmp(a->name, k->freed[i].argument)) {
 			text_put_comment(&t, k->freed[i].word);
-			text_put(&t, a->rows == FREED_ROWS ? ": m hx hy hz Ixx Ixy Ixz Iyy Iyz Izz about the link's origin, in its frame" : "");
+			text_put(&t, role_rows(a->role) == ROWS_INERTIA ? ": m hx hy hz Ixx Ixy Ixz Iyy Iyz Izz about the link's origin, in its frame" : "");
 		}
 	for (int i = 0; i < k->push_count; i++)
 		if (!a->is_output && !strcmp(a->name, k->pushes[i].argument))
@@ -168,7 +168,7 @@ static const char *describe(const struct emission *e, const struct argument *a)
 		if (a->is_output && !strcmp(a->name, k->wants[i].argument)) {
 			if (strcmp(k->wants[i].word, a->name))
 				text_put_comment(&t, k->wants[i].word);
-			text_put(&t, a->rows == 6 && k->wants[i].kind >= WANT_WRENCH && k->wants[i].kind < WANT_POWER ? ": linear, then angular" : "");
+			text_put(&t, role_rows(a->role) == ROWS_WRENCH ? ": linear, then angular" : "");
 			put_matrix(e, &k->wants[i], &t);
 		}
 	return text_string(&t);
@@ -177,7 +177,7 @@ static const char *describe(const struct emission *e, const struct argument *a)
 /* The arrays of a scene's request, in their order. */
 static void put_task(const struct emission *e, struct text *out)
 {
-	const struct dag *d = &e->passes[PASS_RNEA].dag;
+	const struct dag *d = &emit_main(e)->dag;
 
 	text_put(out, " *\n * Arrays:\n");
 	for (int i = 0; i < d->argument_count; i++) {
@@ -226,10 +226,11 @@ static void put_conventions(const struct emission *e, struct text *out)
 		text_put(out, " * Compiled as C, without CUDA, this text holds the functions of target c instead of kernels.\n");
 	text_put(out, " *\n * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less\n"
 		      " * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.\n");
-	if (e->tree->request.is_plain)
-		text_put(out, " * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.\n");
-	else
+	if (!e->tree->request.is_plain)
 		put_task(e, out);
+	for (int i = 0; i < e->pass_count; i++)
+		if (e->passes[i].algorithm->note)
+			text_printf(out, " * %s\n", e->passes[i].algorithm->note);
 }
 
 static void put_operations(const struct emission *e, struct text *out)
@@ -258,7 +259,7 @@ void emit_banner(const struct emission *e, struct text *out)
 	put_operations(e, out);
 	put_joints(e, out);
 	scene_put_comment(e->tree, out);
-	effect_put_comment(e->tree, &e->passes[PASS_RNEA].dag, out);
+	effect_put_comment(e->tree, &emit_main(e)->dag, out);
 	put_conventions(e, out);
 	for (size_t i = 0; i < e->warning_count; i++) {
 		text_put(out, i ? " *   " : " *\n * Warnings:\n *   ");
@@ -292,25 +293,45 @@ static void put_name(const char *s, struct text *out)
 	text_putc(out, '\n');
 }
 
+/* A function of the table: what it takes and gives, and what it costs. Only the first has matrices, stages or is in parts. */
+static void put_function(const struct emission *e, const struct pass *p, struct text *out)
+{
+	int is_main = p == emit_main(e);
+	struct operation_count n = is_main ? parts_operations(e) : plan_operations(&p->plan);
+
+	text_printf(out, "function %s\n", p->algorithm->name);
+	for (const struct argument *a = p->dag.arguments; a < p->dag.arguments + p->dag.argument_count; a++) {
+		int is_of = a->of && *a->of;
+
+		text_printf(out, "%s %s %d %s %s %s%s", a->is_output ? "output" : "input", a->name, a->rows, e->memory->name,
+			a->per_batch ? "batch" : "sample", role_word(a->role), is_of ? " " : "");
+		put_name(is_of ? a->of : "", out);
+	}
+	if (is_main)
+		emit_info_matrices(e, out);
+	text_printf(out, "operations %u %u %u %u %u %u\n", n.mul, n.add, n.sub, n.neg, n.fma, n.sincos);
+	if (is_main && emit_stage_bytes(e))
+		text_printf(out, "stage %d\n", emit_stage_bytes(e));
+	if (is_main && e->part_count)
+		text_printf(out, "parts %d\n", e->part_count);
+}
+
 static void put_info_lines(const struct emission *e, struct text *t)
 {
-	struct operation_count n = parts_operations(e);
 	const struct rneagen_options *o = e->options;
 
-	text_printf(t, "rneagen-info %d\nname %s\nprecision %s\narithmetic %s\nlayout %s\ntrig %s\nbase %s\n",
-		e->part_count ? 2 : 1, o->name,
+	text_printf(t, "rneagen-info 3\nname %s\nprecision %s\narithmetic %s\nlayout %s\ntrig %s\nbase %s\n", o->name,
 		e->memory->name, e->arithmetic->name, emit_layout_name(o->layout), emit_trig_name(o->trig),
 		o->base == RNEAGEN_FLOATING ? "floating" : "fixed");
-	text_printf(t, "nq %d\nnv %d\nnb %d\n", e->tree->nq, e->tree->nv, e->tree->body_count);
-	emit_info_shape(e, t);
-	emit_info_matrices(e, t);
-	text_printf(t, "operations %u %u %u %u %u %u\n", n.mul, n.add, n.sub, n.neg, n.fma, n.sincos);
+	text_printf(t, "nq %d\nnv %d\nnb %d\nblock %d\n", e->tree->nq, e->tree->nv, e->tree->body_count, emit_block_size(e));
 	for (int i = 0; i < e->tree->joint_count; i++) {
 		const struct tree_joint *j = &e->tree->joints[i];
 
 		text_printf(t, "joint %d %d %d %d %s ", j->iq, j->nq, j->iv, j->nv, joint_type_name(j->type));
 		put_name(j->name, t);
 	}
+	for (int i = 0; i < e->pass_count; i++)
+		put_function(e, &e->passes[i], t);
 }
 
 void emit_info(const struct emission *e, struct text *out)

@@ -28,16 +28,23 @@ static int pitch(const struct emission *e, int rows)
 
 static const struct dag *arguments_of(const struct emission *e)
 {
-	return &e->passes[PASS_RNEA].dag;
+	return &emit_main(e)->dag;
 }
 
 /* Whose place in shared memory an array takes: its own, but tau that of qdd: a joint's qdd is read before its torque is
    written. */
 static int place_of(const struct dag *d, int argument)
 {
-	int qdd = dag_find_argument(d, "qdd"), tau = dag_find_argument(d, "tau");
+	int qdd = dag_find_role(d, ROLE_JOINT_ACCELERATION, 0), tau = dag_find_role(d, ROLE_JOINT_TORQUE, 1);
 
 	return qdd >= 0 && tau >= 0 && argument == tau ? qdd : argument;
+}
+
+static int is_in_place(const struct dag *d)
+{
+	int tau = dag_find_role(d, ROLE_JOINT_TORQUE, 1);
+
+	return place_of(d, tau) != tau;
 }
 
 static int has_place(const struct dag *d, int argument)
@@ -92,7 +99,7 @@ int emit_block_size(const struct emission *e)
    1 M samples: hyq, 64 values alive, 0.416 ns instead of 0.433; but iiwa14, 137, 0.412 instead of 0.386). */
 static int min_derivative_blocks(const struct emission *e)
 {
-	int alive = plan_alive(&e->passes[PASS_RNEA].plan, e->arena);
+	int alive = plan_alive(&emit_main(e)->plan, e->arena);
 
 	return e->arithmetic->bytes == 8 && alive > MANY_ALIVE && alive <= MOST_ALIVE ? 4 : 0;
 }
@@ -112,7 +119,7 @@ static int min_blocks(const struct emission *e)
 		return 0;
 	if (e->tree->body_count > ARM_BODIES)
 		return e->tree->body_count >= MANY_BODIES ? 3 : 0;
-	alive = plan_alive(&e->passes[PASS_RNEA].plan, e->arena);
+	alive = plan_alive(&emit_main(e)->plan, e->arena);
 	return alive >= FEW_ALIVE && alive <= MANY_ALIVE ? 6 : 0;
 }
 
@@ -138,7 +145,7 @@ const char *emit_call(const struct emission *e, const struct pass *p, const char
 	text_init(&t, e->arena);
 	if (!emit_has_small(e)) {
 		text_printf(&t, "%s%s_%s_body(%s, %s);\n", indent, name, pass, arguments, stride);
-	} else if (p != &e->passes[PASS_RNEA]) {
+	} else if (p != emit_main(e)) {
 		text_printf(&t, "%s%s_%s_body(%s, %s, 0);\n", indent, name, pass, arguments, stride);
 	} else {
 		text_printf(&t, "%sif (%s_is_small(%s, %s))\n", indent, name, q, stride);
@@ -275,7 +282,7 @@ static const char *kernel_call(const struct emission *e, const struct pass *p, i
 		return emit_call(e, p, "\t", here_text(e), "q_here", "stride");
 	if (staged)
 		return emit_call(e, p, "\t\t", here_text(e), "q_here", "1");
-	if (emit_has_small(e) && emit_is_optimistic(e) && p == &e->passes[PASS_RNEA])
+	if (emit_has_small(e) && emit_is_optimistic(e) && p == emit_main(e))
 		return optimistic_call(e, emit_params(e, p, PARAMS_AT_SAMPLE));
 	return emit_call(e, p, "\t", emit_params(e, p, PARAMS_AT_SAMPLE), emit_q_at_sample(e), emit_stride(e));
 }
@@ -308,14 +315,14 @@ static const char *declaration_text(const struct emission *e)
 
 void emit_kernel(const struct emission *e, const struct pass *p, struct text *out)
 {
-	int staged = is_staged(e) && p == &e->passes[PASS_RNEA], is_aos = e->options->layout == RNEAGEN_AOS;
+	int staged = is_staged(e) && p == emit_main(e), is_aos = e->options->layout == RNEAGEN_AOS;
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
-		{"SPILL", spill_text(e)}, {"BOUNDS", p == &e->passes[PASS_RNEA] ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
+		{"SPILL", spill_text(e)}, {"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", kernel_call(e, p, staged)},
 		{"DECLARATION", declaration_text(e)}, {"SLICES", slices_text(e)}, {"POINTERS", pointers_text(e)},
 		{"MOVE_IN", is_aos ? move_slices(e, 0) : move_samples(e, 0)}, {"MOVE_OUT", is_aos ? move_slices(e, 1) : move_samples(e, 1)},
-		{"IN_PLACE", place_of(arguments_of(e), dag_find_argument(arguments_of(e), "tau")) == dag_find_argument(arguments_of(e), "tau") ? "" :
+		{"IN_PLACE", !is_in_place(arguments_of(e)) ? "" :
 			"\t/* tau takes the place of qdd: a joint's qdd is read before its torque is written */\n"},
 	};
 

@@ -75,7 +75,7 @@ int emit_has_small(const struct emission *e)
 {
 	const struct request *k = &e->tree->request;
 
-	if (e->options->trig != RNEAGEN_ACCURATE || strcmp(e->passes[PASS_RNEA].dag.arguments[0].name, "q"))
+	if (e->options->trig != RNEAGEN_ACCURATE || emit_main(e)->dag.arguments[0].role != ROLE_JOINT_POSITION)
 		return 0;
 	for (int i = 0; i < k->freed_count; i++)
 		if (k->freed[i].kind == FREED_OFFSET)
@@ -144,6 +144,6 @@ const char *emit_q_at_sample(const struct emission *e)
 	struct text t;
 
 	text_init(&t, e->arena);
-	put_argument(e, &e->passes[PASS_RNEA], 0, PARAMS_AT_SAMPLE, &t);
+	put_argument(e, emit_main(e), 0, PARAMS_AT_SAMPLE, &t);
 	return text_string(&t);
 }

@@ -314,7 +314,7 @@ struct operation_count parts_operations(const struct emission *e)
 	struct operation_count sum = {0};
 
 	if (!e->part_count)
-		return plan_operations(&e->passes[PASS_RNEA].plan);
+		return plan_operations(&emit_main(e)->plan);
 	for (int i = 0; i < e->part_count; i++) {
 		struct operation_count n = plan_operations(&e->parts[i].pass.plan);
 

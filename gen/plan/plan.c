@@ -86,16 +86,16 @@ static void name_joint_row(const struct body *k, const char *argument, int row, 
 	snprintf(name, size, "%s%d%s", argument, k->number, part);
 }
 
-/* Rows of what a scene adds: vectors, wrenches, inertias; those of jvp_v and vjp_v have numbers alone. */
+/* Rows of what is neither of joints nor of bodies: vectors, wrenches and inertias have names, others numbers. */
 static void name_other(const struct argument *a, int row, char *name, size_t size)
 {
 	static const char *const vector[] = {"x", "y", "z"}, *const wrench[] = {"fx", "fy", "fz", "nx", "ny", "nz"};
 	static const char *const inertia[] = {"m", "hx", "hy", "hz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"};
-	int is_direction = !strcmp(a->name, "jvp_v") || !strcmp(a->name, "vjp_v");
-	const char *const *parts = is_direction ? NULL : a->rows == 3 ? vector : a->rows == 6 ? wrench : a->rows == 10 ? inertia : NULL;
+	static const char *const *const parts[] = {[ROWS_VECTOR] = vector, [ROWS_WRENCH] = wrench, [ROWS_INERTIA] = inertia};
+	enum role_rows rows = role_rows(a->role);
 
-	if (parts)
-		snprintf(name, size, "%.40s_%s", a->name, parts[row]);
+	if (parts[rows])
+		snprintf(name, size, "%.40s_%s", a->name, parts[rows][row]);
 	else
 		snprintf(name, size, "%.40s_%d", a->name, row);
 }
@@ -103,24 +103,24 @@ static void name_other(const struct argument *a, int row, char *name, size_t siz
 static void name_input(const struct planner *b, const struct node *n, char *name, size_t size)
 {
 	const struct tree *t = b->p->tree;
-	const char *argument = b->d->arguments[n->arg[0].i].name;
-	int row = (int)n->arg[1].i;
+	const struct argument *a = &b->d->arguments[n->arg[0].i];
+	int row = (int)n->arg[1].i, is_q = role_rows(a->role) == ROWS_NQ;
 
-	if (strcmp(argument, "q") && strcmp(argument, "qd") && strcmp(argument, "qdd") && strcmp(argument, "f")) {
-		name_other(&b->d->arguments[n->arg[0].i], row, name, size);
-		return;
-	}
-	if (!strcmp(argument, "f")) {
+	if (a->role == ROLE_BODY_WRENCHES) {
 		snprintf(name, size, "own_%s%d%c", row % 6 < 3 ? "f" : "n", t->bodies[row / 6].number, "xyz"[row % 3]);
 		return;
 	}
-	snprintf(name, size, "%s%d", argument, row);
+	if (!is_q && role_rows(a->role) != ROWS_NV) {
+		name_other(a, row, name, size);
+		return;
+	}
+	snprintf(name, size, "%s%d", a->name, row);
 	for (int i = 0; i < t->joint_count; i++) {
 		const struct tree_joint *j = &t->joints[i];
-		int is_q = !strcmp(argument, "q"), first = is_q ? j->iq : j->iv, rows = is_q ? j->nq : j->nv;
+		int first = is_q ? j->iq : j->iv, rows = is_q ? j->nq : j->nv;
 
 		if (row >= first && row < first + rows)
-			name_joint_row(&t->bodies[j->body], argument, row - first, is_q, name, size);
+			name_joint_row(&t->bodies[j->body], a->name, row - first, is_q, name, size);
 	}
 }
 

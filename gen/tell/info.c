@@ -63,7 +63,7 @@ void info_table(const struct emission *e, struct text *out)
 			t->mimics[i].multiplier.x, t->mimics[i].driver, t->mimics[i].offset.x);
 	scene_put_table(t, out);
 	saving_put_table(t, out);
-	effect_put_table(t, &e->passes[PASS_RNEA].dag, out);
+	effect_put_table(t, &emit_main(e)->dag, out);
 	scene_put_ignored(t, out);
 	put_operations(e, out);
 	for (size_t i = 0; i < e->warning_count; i++)
@@ -107,7 +107,7 @@ void info_json(const struct emission *e, struct text *out)
 	put_json_joints(e->tree, out);
 	scene_put_json(e->tree, out);
 	saving_put_json(e->tree, out);
-	effect_put_json(e->tree, &e->passes[PASS_RNEA].dag, out);
+	effect_put_json(e->tree, &emit_main(e)->dag, out);
 	scene_put_json_ignored(e->tree, out);
 	emit_pattern_json(e, out);
 	parts_put_json(e, out);

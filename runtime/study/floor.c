@@ -65,7 +65,7 @@ static const char HEAD[] =
 	"#define RNEA_INFO\n"
 	"#endif\n"
 	"RNEA_INFO const char floor_info[] =\n"
-	"\t\"rneagen-info 1\\n\"\n"
+	"\t\"rneagen-info 3\\n\"\n"
 	"\t\"name floor\\n\"\n";
 
 static void put_info(const struct floor *f, const char *word)
@@ -73,12 +73,12 @@ static void put_info(const struct floor *f, const char *word)
 	text_put(f->out, HEAD);
 	text_printf(f->out, "\t\"precision %s\\n\"\n", word);
 	text_put(f->out, "\t\"layout soa\\n\"\n\t\"trig accurate\\n\"\n\t\"base fixed\\n\"\n");
-	text_put(f->out, "\t\"nq 1\\nnv 1\\nnb 1\\nblock 256\\nkernels rnea\\n\"\n");
+	text_put(f->out, "\t\"nq 1\\nnv 1\\nnb 1\\nblock 256\\nfunction rnea\\n\"\n");
 	for (int i = 0; i < f->count; i++) {
 		const struct argument *a = &f->arrays[i];
 
-		text_printf(f->out, "\t\"%s %s %d %s %s\\n\"\n", a->is_output ? "output" : "input", a->name, a->rows, word,
-			a->per_batch ? "batch" : "sample");
+		text_printf(f->out, "\t\"%s %s %d %s %s %s\\n\"\n", a->is_output ? "output" : "input", a->name, a->rows, word,
+			a->per_batch ? "batch" : "sample", role_word(a->role));
 	}
 	text_put(f->out, "\t\"operations 0 0 0 0 0 0\\n\";\n");
 }

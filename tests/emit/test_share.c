@@ -92,7 +92,7 @@ START_TEST(shares)
 	ck_assert_msg(!robot_read(&robot, urdf, strlen(urdf), "here", &a, &e) && !keep_build(&tree, &robot, &o, &a, &e), "%llu: %s",
 		(unsigned long long)seed, e.message);
 	dag_init(&whole, &a);
-	ALGORITHMS[PASS_RNEA].build(&whole, &tree);
+	algorithm_find("rnea")->build(&whole, &tree);
 	ck_assert(!whole.failed);
 	compare(&whole, &rng, seed, &a);
 	arena_free(&a);

@@ -137,7 +137,7 @@ static void open_model(struct hard *h)
 		tree_build(&m->tree, &m->robot, &h->options, &m->arena, &e))
 		refuse(h, e.message);
 	dag_init(&m->raw[PASS_RNEA], &m->arena);
-	ALGORITHMS[PASS_RNEA].build(&m->raw[PASS_RNEA], &m->tree);
+	algorithm_find("rnea")->build(&m->raw[PASS_RNEA], &m->tree);
 	dag_init(&m->dag[PASS_RNEA], &m->arena);
 	dag_fuse(&m->dag[PASS_RNEA], &m->raw[PASS_RNEA], 0);
 	if (m->dag[PASS_RNEA].failed)

@@ -12,13 +12,19 @@
 enum { COUNT = 1000, SEED = 20261121, ARRAYS = 8 };
 
 static const struct argument CASES[][ARRAYS] = {
-	{{"q", 7, 0, 0}, {"qd", 7, 0, 0}, {"qdd", 7, 0, 0}, {"tau", 7, 1, 0}},
-	{{"q", 13, 0, 0}, {"qd", 12, 0, 0}, {"qdd", 12, 0, 0}, {"tau", 12, 1, 0}},
-	{{"q", 7, 0, 0}, {"tau", 7, 1, 0}, {"power", 1, 1, 0}, {"twist_hand", 6, 1, 0}},
-	{{"q", 3, 0, 0}, {"payload_hand", 10, 0, 0}, {"gravity", 3, 0, 1}, {"tau", 3, 1, 0}, {"power", 1, 1, 0}},
-	{{"inertia_hand", 10, 0, 1}, {"q", 2, 0, 0}, {"fext_foot", 6, 0, 0}, {"wrench_a", 6, 1, 0}, {"wrench_b", 6, 1, 0}},
-	{{"gravity", 3, 0, 1}, {"tau", 2, 1, 0}},
-	{{"tau", 5, 1, 0}},
+	{{.name = "q", .rows = 7}, {.name = "qd", .rows = 7}, {.name = "qdd", .rows = 7},
+		{.name = "tau", .rows = 7, .is_output = 1}},
+	{{.name = "q", .rows = 13}, {.name = "qd", .rows = 12}, {.name = "qdd", .rows = 12},
+		{.name = "tau", .rows = 12, .is_output = 1}},
+	{{.name = "q", .rows = 7}, {.name = "tau", .rows = 7, .is_output = 1},
+		{.name = "power", .rows = 1, .is_output = 1}, {.name = "twist_hand", .rows = 6, .is_output = 1}},
+	{{.name = "q", .rows = 3}, {.name = "payload_hand", .rows = 10}, {.name = "gravity", .rows = 3, .per_batch = 1},
+		{.name = "tau", .rows = 3, .is_output = 1}, {.name = "power", .rows = 1, .is_output = 1}},
+	{{.name = "inertia_hand", .rows = 10, .per_batch = 1}, {.name = "q", .rows = 2},
+		{.name = "fext_foot", .rows = 6}, {.name = "wrench_a", .rows = 6, .is_output = 1},
+		{.name = "wrench_b", .rows = 6, .is_output = 1}},
+	{{.name = "gravity", .rows = 3, .per_batch = 1}, {.name = "tau", .rows = 2, .is_output = 1}},
+	{{.name = "tau", .rows = 5, .is_output = 1}},
 };
 
 enum { CASE_COUNT = sizeof CASES / sizeof *CASES };

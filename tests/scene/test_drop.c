@@ -345,7 +345,7 @@ START_TEST(exact)
 
 	open_scene(&m, text, EXACTS[_i].base, EXACTS[_i].scene, "");
 	dag_init(&raw, &m.arena);
-	ALGORITHMS[PASS_RNEA].build(&raw, &m.tree);
+	algorithm_find("rnea")->build(&raw, &m.tree);
 	ck_assert(draw_inputs(&x, &m.tree, &FELT_SAMPLES, &m.arena));
 	n = (struct naive){.d = &raw, .value = arena_alloc(&m.arena, raw.count, sizeof(double)),
 		.slope = arena_alloc(&m.arena, raw.count, sizeof(double)), .scale = arena_alloc(&m.arena, raw.output_count, sizeof(double)),

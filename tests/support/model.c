@@ -27,7 +27,7 @@ void model_open(struct model *m, const char *urdf, size_t length, const struct r
 	ck_assert_msg(!tree_build(&m->tree, &m->robot, o, &m->arena, &e), "%s", e.message);
 	for (int i = 0; i < PASS_COUNT; i++) {
 		dag_init(&m->raw[i], &m->arena);
-		ALGORITHMS[i].build(&m->raw[i], &m->tree);
+		ALGORITHMS[i]->build(&m->raw[i], &m->tree);
 		dag_init(&m->dag[i], &m->arena);
 		dag_fuse(&m->dag[i], &m->raw[i], o->strict);
 		ck_assert(!m->dag[i].failed);

@@ -19,7 +19,7 @@ enum rneagen_code scene_open(struct scene_model *m, const char *urdf, const stru
 		keep_build(&m->tree, &m->robot, o, &m->arena, &m->error))
 		return m->error.code;
 	dag_init(&raw, &m->arena);
-	ALGORITHMS[PASS_RNEA].build(&raw, &m->tree);
+	algorithm_find("rnea")->build(&raw, &m->tree);
 	dag_init(&m->dag, &m->arena);
 	dag_fuse(&m->dag, &raw, 0);
 	ck_assert(!raw.failed && !m->dag.failed);

@@ -51,7 +51,7 @@ int torque_dag(struct dag *d, struct tree *t, const struct robot *r, const struc
 	if (tree_build(t, r, o, a, &e))
 		return 0;
 	dag_init(&raw, a);
-	ALGORITHMS[PASS_RNEA].build(&raw, t);
+	algorithm_find("rnea")->build(&raw, t);
 	dag_init(d, a);
 	dag_fuse(d, &raw, 0);
 	ck_assert(!d->failed);

@@ -13,7 +13,7 @@ struct motion {
 
 static struct motion input_motion(struct dag *d)
 {
-	int v = dag_argument(d, "v", 6, 0);
+	int v = dag_argument_of(d, (struct argument){.name = "v", .rows = 6, .role = ROLE_LINK_TWIST});
 
 	dag_section(d, SECTION_OUT, 0); /* all of it is one section */
 	return (struct motion){svec_input(d, v, 0), svec_input(d, v, 3)};
@@ -70,7 +70,8 @@ static void build_mxs(struct dag *d, const struct tree *t)
 {
 	const struct body *k = chosen(t);
 	struct motion x = input_motion(d);
-	int qd = dag_argument(d, "qd", 1, 0), a = dag_argument(d, "a", 6, 1);
+	int qd = dag_argument_of(d, (struct argument){.name = "qd", .rows = 1, .role = ROLE_JOINT_VELOCITY});
+	int a = dag_argument(d, "a", 6, 1);
 	struct svec u, zero = {{{0}}};
 	struct within axis[3];
 
@@ -126,15 +127,15 @@ static void build_vxiv(struct dag *d, const struct tree *t)
 
 /* The runtime starts what a text calls rnea. */
 static const struct algorithm OPERATIONS[OPERATION_COUNT] = {
-	[OPERATION_CROSS_OPERATOR] = {"rnea", "The motion cross operator: v[6], linear then angular, -> crm[36], row by row.",
-		build_cross_operator},
-	[OPERATION_MXS] = {"rnea", "v[6] x S qd[1] -> a[6], linear then angular; S is the joint's axis.", build_mxs},
-	[OPERATION_VXIV] = {"rnea", "v[6] x* I v -> f[6], linear then angular; I is the body's inertia.", build_vxiv},
+	[OPERATION_CROSS_OPERATOR] = {.name = "rnea", .doc = "The motion cross operator: v[6], linear then angular, -> crm[36], row by row.",
+		.build = build_cross_operator},
+	[OPERATION_MXS] = {.name = "rnea", .doc = "v[6] x S qd[1] -> a[6], linear then angular; S is the joint's axis.", .build = build_mxs},
+	[OPERATION_VXIV] = {.name = "rnea", .doc = "v[6] x* I v -> f[6], linear then angular; I is the body's inertia.", .build = build_vxiv},
 };
 
 static const char *banner(const struct emission *e, const struct body *k, enum operation operation)
 {
-	struct operation_count n = plan_operations(&e->passes[PASS_RNEA].plan);
+	struct operation_count n = plan_operations(&emit_main(e)->plan);
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -172,13 +173,13 @@ static enum rneagen_code make_pass(struct pass *p, const struct tree *t, struct 
 static enum rneagen_code emit(struct tree *t, enum operation operation, struct rneagen_options *o, struct arena *a,
 	const char **text, struct rneagen_error *e)
 {
-	struct pass passes[PASS_COUNT] = {{.algorithm = &OPERATIONS[operation]}};
+	struct pass pass = {.algorithm = &OPERATIONS[operation]};
 	struct emission emission = {
-		.tree = t, .options = o, .passes = passes, .pass_count = 1, .arena = a, .error = e};
+		.tree = t, .options = o, .passes = &pass, .pass_count = 1, .arena = a, .error = e};
 	struct text source;
 
 	t->joint_count = t->mimic_count = 0;
-	if (make_pass(&passes[PASS_RNEA], t, a, e))
+	if (make_pass(&pass, t, a, e))
 		return e->code;
 	emission.banner = banner(&emission, chosen(t), operation);
 	emit_set_precision(&emission);

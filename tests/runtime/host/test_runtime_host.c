@@ -76,9 +76,9 @@ int __wrap_cache_get(const struct cache *c, const void *key, size_t key_size, ch
 
 	if (hit && faults.damage == 1)
 		memset(*data, 'x', *size);
-	for (size_t i = 0; hit && faults.damage == 2 && i + 5 < *size; i++)
-		if (memcmp(*data + i, "slice", 5) == 0)
-			(*data)[i] = 'S';
+	for (size_t i = 0; hit && faults.damage == 2 && i + 13 < *size; i++)
+		if (memcmp(*data + i, "pendulum_info", 13) == 0)
+			(*data)[i] = 'P';
 	return hit;
 }
 
