@@ -1,31 +1,30 @@
-/* The pipeline, one arrow after the other: URDF -> robot -> tree -> DAG -> plan -> text. */
+/* From the text of a URDF to the text of a program: every pass, in order, is a line of PASSES. */
 #define _POSIX_C_SOURCE 200809L
 #include "rneagen.h"
+#include "base/identifier.h"
+#include "emit/emit.h"
+#include "passes/analysis.h"
+#include "plan/parts.h"
 #include "tell/dot.h"
 #include "tell/effect.h"
-#include "emit/emit.h"
-#include "base/identifier.h"
 #include "tell/info.h"
-#include "hold.h"
-#include "plan/parts.h"
-#include "dynamics/registry.h"
-#include "urdf/robot.h"
 #include "tell/saving.h"
+#include "tell/scene_put.h"
 #include <locale.h>
 #include <sha256.h>
 #include <string.h>
 
 struct generation {
-	struct rneagen_options options;
-	struct robot robot;
-	struct tree tree;
+	struct analysis analysis; /* up to the fused DAG */
+	struct dag raw[ALGORITHM_COUNT]; /* of the halves, until they are fused; the analysis has that of the whole */
+	struct arena raw_arena;
 	struct pass passes[ALGORITHM_COUNT];
 	struct part *parts;
 	int part_count;
 	char hash[SHA256_DIGEST_STRING_LENGTH];
 	struct emission emission;
+	struct report report;
 	struct rneagen_result *result;
-	struct rneagen_error *error;
 };
 
 struct rneagen_options rneagen_options_default(void)
@@ -33,194 +32,326 @@ struct rneagen_options rneagen_options_default(void)
 	return (struct rneagen_options){.gravity = {0, 0, -9.81}};
 }
 
+/* ---- passes beyond those of the analysis ---- */
+
 /* Defaults that depend on other choices, and the name of everything. */
-static enum rneagen_code resolve_options(struct generation *g)
+static enum rneagen_code options_resolve(struct generation *g)
 {
-	struct rneagen_options *o = &g->options;
+	struct rneagen_options *o = &g->analysis.options;
+	struct rneagen_error *e = g->analysis.error;
 
 	o->precision = emit_precision_of(o);
 	if (o->strict && o->trig == RNEAGEN_FAST)
-		return error_set(g->error, RNEAGEN_USAGE,
+		return error_set(e, RNEAGEN_USAGE,
 			"--strict and --trig fast exclude each other: the sine of a GPU's own unit has other bits; take bounded");
 	if (o->strict && o->precision == RNEAGEN_F32X2)
-		return error_set(g->error, RNEAGEN_USAGE,
+		return error_set(e, RNEAGEN_USAGE,
 			"--strict and --precision f32x2 exclude each other: its products have other bits where no fused multiply-add is; take f64");
 	if (o->bounded && o->target != RNEAGEN_TARGET_C)
-		return error_set(g->error, RNEAGEN_USAGE, "--bounded is for target c: take --target c, or an output whose name ends in .c");
+		return error_set(e, RNEAGEN_USAGE, "--bounded is for target c: take --target c, or an output whose name ends in .c");
 	if (o->bounded && o->precision == RNEAGEN_F32X2)
-		return error_set(g->error, RNEAGEN_USAGE,
+		return error_set(e, RNEAGEN_USAGE,
 			"--bounded and --precision f32x2 exclude each other: pairs of floats have no bounded function; take f64");
 	if (!o->name)
-		o->name = identifier_from(g->robot.name, &g->result->arena);
+		o->name = identifier_from(g->analysis.robot.name, &g->result->arena);
 	else if (!identifier_is(o->name))
-		return error_set(g->error, RNEAGEN_NAME,
+		return error_set(e, RNEAGEN_NAME,
 			"--name '%.255s' is no C identifier: letters, digits and underscores, no digit first, no keyword", o->name);
-	return o->name ? RNEAGEN_OK : error_memory(g->error);
-}
-
-static int pass_count(const struct generation *g)
-{
-	return algorithms_of(g->tree.request.is_plain);
+	return o->name ? RNEAGEN_OK : error_memory(e);
 }
 
 /* What the choices make of each other. */
-static enum rneagen_code check_task(const struct generation *g)
+static enum rneagen_code options_check(struct generation *g)
 {
-	if (g->options.bounded && g->tree.request.friction_width.x > 0)
-		return error_set(g->error, RNEAGEN_USAGE, "--bounded and --friction exclude each other: quotients have no bounded function");
+	if (g->analysis.options.bounded && g->analysis.request.friction_width.x > 0)
+		return error_set(g->analysis.error, RNEAGEN_USAGE,
+			"--bounded and --friction exclude each other: quotients have no bounded function");
 	return RNEAGEN_OK;
 }
 
-/* What the algorithm makes goes again once it is fused, and cut into parts. */
-static enum rneagen_code make_pass(struct generation *g, int i, struct dag *raw)
+/* The halves of the algorithm go with the whole of it, not with a scene's choice of inputs and outputs. */
+static int function_count(const struct generation *g)
 {
-	struct arena *a = &g->result->arena;
-	struct pass *p = &g->passes[i];
-
-	p->algorithm = ALGORITHMS[i];
-	p->algorithm->build(raw, &g->tree);
-	dag_close(raw);
-	dag_init(&p->dag, a);
-	dag_fuse(&p->dag, raw, g->options.strict);
-	if (!plan_build(&p->plan, &p->dag, &g->tree, a))
-		return error_memory(g->error);
-	return i == 0 ? parts_make(&g->parts, &g->part_count, p, raw, &g->tree, &g->options, a, g->error) : RNEAGEN_OK;
+	return algorithms_of(g->analysis.request.is_plain);
 }
 
-static enum rneagen_code make_passes(struct generation *g)
+static enum rneagen_code dag_build_all(struct generation *g)
 {
-	for (int i = 0; i < pass_count(g) && !g->error->code; i++) {
-		struct arena spare;
-		struct dag raw;
+	struct analysis *a = &g->analysis;
 
-		arena_init(&spare, g->options.allocator);
-		dag_init(&raw, &spare);
-		make_pass(g, i, &raw);
-		arena_free(&spare);
+	if (pass_dag_build(a))
+		return a->error->code;
+	arena_init(&g->raw_arena, &a->arena->allocator);
+	for (int i = 1; i < function_count(g); i++) {
+		dag_init(&g->raw[i], &g->raw_arena);
+		ALGORITHMS[i]->build(&g->raw[i], &a->tree, &a->request);
+		dag_close(&g->raw[i]);
+		if (g->raw[i].failed)
+			error_memory(a->error);
 	}
-	return g->error->code;
+	return a->error->code;
 }
 
-static void make_dump(struct generation *g, struct text *t)
+static enum rneagen_code dag_fuse_all(struct generation *g)
 {
-	switch (g->options.dump) {
-	case RNEAGEN_DUMP_ROBOT:
-		robot_dump(&g->robot, t);
-		break;
-	case RNEAGEN_DUMP_TREE:
-		tree_dump(&g->tree, t);
-		break;
-	case RNEAGEN_DUMP_DAG:
-		dag_dump(&g->passes[0].dag, t);
-		break;
-	case RNEAGEN_DUMP_PLAN:
-		plan_dump(&g->passes[0].plan, t);
-		break;
-	case RNEAGEN_DUMP_NONE:
-		break;
+	struct analysis *a = &g->analysis;
+
+	if (pass_dag_fuse(a))
+		return a->error->code;
+	g->passes[0].dag = a->dag;
+	for (int i = 1; i < function_count(g); i++) {
+		dag_init(&g->passes[i].dag, a->arena);
+		dag_fuse(&g->passes[i].dag, &g->raw[i], a->options.strict);
 	}
+	arena_free(&g->raw_arena);
+	return RNEAGEN_OK;
 }
 
-static enum rneagen_code make_texts(struct generation *g)
+static enum rneagen_code plan_build_all(struct generation *g)
 {
-	struct rneagen_result *r = g->result;
-	int has_source = g->options.dump == RNEAGEN_DUMP_NONE, has_header = has_source && g->options.target == RNEAGEN_TARGET_C;
-	struct text source, header, dump;
+	struct analysis *a = &g->analysis;
 
-	text_init(&source, &r->arena);
-	text_init(&header, &r->arena);
-	text_init(&dump, &r->arena);
-	if (has_source)
+	for (int i = 0; i < function_count(g); i++) {
+		g->passes[i].algorithm = ALGORITHMS[i];
+		if (!plan_build(&g->passes[i].plan, &g->passes[i].dag, &a->tree, a->arena))
+			return error_memory(a->error);
+	}
+	return RNEAGEN_OK;
+}
+
+/* The last that needs the DAG as it was before it was fused. */
+static enum rneagen_code parts_choose(struct generation *g)
+{
+	struct analysis *a = &g->analysis;
+
+	parts_make(&g->parts, &g->part_count, &g->passes[0], &a->raw, &a->tree, &a->request, &a->options, a->arena, a->error);
+	analysis_free_raw(a);
+	return a->error->code;
+}
+
+static enum rneagen_code warn(struct generation *g)
+{
+	g->result->name = g->analysis.options.name;
+	if (analysis_warn(&g->analysis))
+		return g->analysis.error->code;
+	g->result->warnings = g->analysis.robot.warnings;
+	g->result->warning_count = g->analysis.robot.warning_count;
+	return RNEAGEN_OK;
+}
+
+/* What changed constants change, which the head of the text tells too; what choices save, for reports alone. */
+static enum rneagen_code measure(struct generation *g)
+{
+	struct analysis *a = &g->analysis;
+	int is_reported = !a->options.text_alone;
+
+	if ((is_reported || adjust_is_asked(&a->adjust)) && effect_measure(&g->report.effects, a))
+		return a->error->code;
+	return is_reported ? saving_measure(&g->report.savings, a, &g->passes[0].plan) : RNEAGEN_OK;
+}
+
+static struct emission new_emission(struct generation *g, const char *told)
+{
+	struct analysis *a = &g->analysis;
+
+	return (struct emission){.tree = &a->tree,
+		.request = &a->request,
+		.scene = &a->scene,
+		.adjust = &a->adjust,
+		.options = &a->options,
+		.passes = g->passes,
+		.pass_count = function_count(g),
+		.parts = g->parts,
+		.part_count = g->part_count,
+		.warnings = g->result->warnings,
+		.warning_count = g->result->warning_count,
+		.told = told,
+		.hash = g->hash,
+		.written = arena_alloc(a->arena, EMIT_WRITTEN, sizeof(struct written_number)),
+		.arena = a->arena,
+		.error = a->error};
+}
+
+static enum rneagen_code emit(struct generation *g)
+{
+	struct analysis *a = &g->analysis;
+	int is_dumped = a->options.dump != RNEAGEN_DUMP_NONE, has_header = !is_dumped && a->options.target == RNEAGEN_TARGET_C;
+	struct text told, source, header;
+
+	text_init(&told, a->arena);
+	text_init(&source, a->arena);
+	text_init(&header, a->arena);
+	scene_put_comment(&a->scene, &a->outcome, &told);
+	effect_put_comment(&g->report.effects, a, &told);
+	SHA256Data((const uint8_t *)a->urdf, a->length, g->hash);
+	g->emission = new_emission(g, text_string(&told));
+	emit_set_precision(&g->emission);
+	if (!is_dumped)
 		emit_source(&g->emission, &source);
 	if (has_header)
 		emit_declarations(&g->emission, &header);
-	make_dump(g, &dump);
-	if (source.failed || header.failed || dump.failed)
-		return error_memory(g->error);
-	r->source = has_source ? text_string(&source) : NULL;
-	r->header = has_header ? text_string(&header) : NULL;
-	r->dump = has_source ? NULL : text_string(&dump);
-	return g->error->code;
+	if (told.failed || source.failed || header.failed)
+		return error_memory(a->error);
+	g->result->source = is_dumped ? NULL : text_string(&source);
+	g->result->header = has_header ? text_string(&header) : NULL;
+	return a->error->code;
 }
 
-static enum rneagen_code make_reports(struct generation *g)
+static enum rneagen_code report(struct generation *g)
 {
+	struct analysis *a = &g->analysis;
 	struct rneagen_result *r = g->result;
 	struct text info, json, dot;
 
-	if (g->options.text_alone)
+	if (a->options.text_alone)
 		return RNEAGEN_OK;
-	text_init(&info, &r->arena);
-	text_init(&json, &r->arena);
-	text_init(&dot, &r->arena);
-	info_table(&g->emission, &info);
-	info_json(&g->emission, &json);
-	dot_graph(&g->tree, &dot);
+	text_init(&info, a->arena);
+	text_init(&json, a->arena);
+	text_init(&dot, a->arena);
+	g->report.analysis = a;
+	g->report.emission = &g->emission;
+	info_table(&g->report, &info);
+	info_json(&g->report, &json);
+	dot_graph(&a->tree, &dot);
 	if (info.failed || json.failed || dot.failed)
-		return error_memory(g->error);
+		return error_memory(a->error);
 	r->info = text_string(&info);
 	r->info_json = text_string(&json);
 	r->dot = text_string(&dot);
 	return RNEAGEN_OK;
 }
 
-/* What reports tell beside the text; the text's head tells of changed constants alone. */
-static enum rneagen_code measure(struct generation *g)
-{
-	const struct pass *p = g->passes;
-	struct arena *a = &g->result->arena;
-	int is_reported = !g->options.text_alone;
+/* ---- what --dump prints ---- */
 
-	if ((is_reported || adjust_is_asked(&g->tree.adjust)) && effect_measure(&g->tree, &p->dag, &g->robot, &g->options, a, g->error))
-		return g->error->code;
-	return is_reported ? saving_measure(&g->tree, &p->plan, &g->robot, &g->options, a, g->error) : RNEAGEN_OK;
+static void put_robot(const struct generation *g, struct text *out)
+{
+	robot_dump(&g->analysis.robot, out);
 }
 
-static enum rneagen_code generate(struct generation *g, const char *urdf, size_t length)
+static void put_scene(const struct generation *g, struct text *out)
 {
-	struct arena *a = &g->result->arena;
+	scene_dump(&g->analysis.scene, &g->analysis.selection, &g->analysis.robot, out);
+}
 
-	if (robot_read(&g->robot, urdf, length, g->options.file, a, g->error) || resolve_options(g) ||
-		keep_build(&g->tree, &g->robot, &g->options, a, g->error) || check_task(g) || make_passes(g) || measure(g))
-		return g->error->code;
-	tree_warn(&g->tree, &g->robot, g->options.file, a);
-	if (a->failed)
-		return error_memory(g->error);
-	SHA256Data((const uint8_t *)urdf, length, g->hash);
-	g->result->name = g->options.name;
-	g->result->warnings = g->robot.warnings;
-	g->result->warning_count = g->robot.warning_count;
-	g->emission = (struct emission){.tree = &g->tree,
-		.options = &g->options,
-		.passes = g->passes,
-		.pass_count = pass_count(g),
-		.parts = g->parts,
-		.part_count = g->part_count,
-		.warnings = g->robot.warnings,
-		.warning_count = g->robot.warning_count,
-		.hash = g->hash,
-		.written = arena_alloc(a, EMIT_WRITTEN, sizeof(struct written_number)),
-		.arena = a,
-		.error = g->error};
-	emit_set_precision(&g->emission);
-	return make_texts(g) ? g->error->code : make_reports(g);
+static void put_request(const struct generation *g, struct text *out)
+{
+	request_dump(&g->analysis.request, &g->analysis.tree, out);
+}
+
+static void put_parts(const struct generation *g, struct text *out)
+{
+	parts_dump(g->parts, g->part_count, &g->passes[0], &g->analysis.tree, out);
+}
+
+static void put_tree(const struct generation *g, struct text *out)
+{
+	tree_dump(&g->analysis.tree, out);
+}
+
+static void put_dag(const struct generation *g, struct text *out)
+{
+	dag_dump(&g->analysis.dag, out);
+}
+
+static void put_plan(const struct generation *g, struct text *out)
+{
+	plan_dump(&g->passes[0].plan, out);
+}
+
+/* ---- all of them ---- */
+
+/* A pass is the analysis's or the generation's. */
+struct stage {
+	const char *name, *makes;
+	enum rneagen_code (*analyse)(struct analysis *a);
+	enum rneagen_code (*generate)(struct generation *g);
+	const char *word; /* of --dump; NULL: there is nothing to print */
+	enum rneagen_dump dump;
+	void (*put)(const struct generation *g, struct text *out);
+};
+
+#define FIRST_HALF(pass) pass_##pass, NULL
+#define SECOND_HALF(pass) NULL, pass
+#define DUMPED(word, name) #word, RNEAGEN_DUMP_##name, put_##word
+#define SILENT NULL, RNEAGEN_DUMP_NONE, NULL
+
+static const struct stage PASSES[] = {
+	{"urdf_read", "the robot, as its file states it", FIRST_HALF(urdf_read), DUMPED(robot, ROBOT)},
+	{"options_resolve", "options, with their defaults", SECOND_HALF(options_resolve), SILENT},
+	{"scene_parse", "the scene's choices", FIRST_HALF(scene_parse), SILENT},
+	{"scene_select", "joints that move, are held, are cut away", FIRST_HALF(scene_select), SILENT},
+	{"holds_choose", "of held joints, those that are bodies of their own", FIRST_HALF(holds_choose), DUMPED(scene, SCENE)},
+	{"robot_snap", "the robot, angles snapped", FIRST_HALF(robot_snap), SILENT},
+	{"tree_build", "bodies that move, every constant placed", FIRST_HALF(tree_build), DUMPED(tree, TREE)},
+	{"request_resolve", "inputs and outputs", FIRST_HALF(request_resolve), DUMPED(request, REQUEST)},
+	{"options_check", "options that go with the request", SECOND_HALF(options_check), SILENT},
+	{"dag_build", "expressions of the outputs", SECOND_HALF(dag_build_all), SILENT},
+	{"dag_prune", "the same, without terms that no output feels", FIRST_HALF(dag_prune), SILENT},
+	{"dag_fuse", "the same, products joined to sums", SECOND_HALF(dag_fuse_all), DUMPED(dag, DAG)},
+	{"plan_build", "names and lines", SECOND_HALF(plan_build_all), DUMPED(plan, PLAN)},
+	{"parts_choose", "parts of the grid", SECOND_HALF(parts_choose), DUMPED(parts, PARTS)},
+	{"measure", "what choices change and save", SECOND_HALF(measure), SILENT},
+	{"warn", "warnings", SECOND_HALF(warn), SILENT},
+	{"emit", "the text, and its header", SECOND_HALF(emit), SILENT},
+	{"report", "--info and --dot", SECOND_HALF(report), SILENT},
+};
+enum { STAGES = sizeof PASSES / sizeof *PASSES };
+
+static void put_passes(struct text *out)
+{
+	for (int i = 0; i < STAGES; i++) {
+		const struct stage *p = &PASSES[i];
+
+		text_printf(out, p->word ? "%-16s %-51s --dump %s\n" : "%-16s %s\n", p->name, p->makes, p->word);
+	}
+}
+
+static enum rneagen_code dump(struct generation *g)
+{
+	struct analysis *a = &g->analysis;
+	struct text out;
+
+	if (a->options.dump == RNEAGEN_DUMP_NONE)
+		return RNEAGEN_OK;
+	text_init(&out, a->arena);
+	if (a->options.dump == RNEAGEN_DUMP_PASSES)
+		put_passes(&out);
+	for (int i = 0; i < STAGES; i++)
+		if (PASSES[i].put && PASSES[i].dump == a->options.dump)
+			PASSES[i].put(g, &out);
+	if (out.failed)
+		return error_memory(a->error);
+	g->result->dump = text_string(&out);
+	return RNEAGEN_OK;
+}
+
+static enum rneagen_code generate(struct generation *g)
+{
+	enum rneagen_code code = RNEAGEN_OK;
+
+	for (int i = 0; i < STAGES && !code; i++)
+		code = PASSES[i].analyse ? PASSES[i].analyse(&g->analysis) : PASSES[i].generate(g);
+	analysis_free_raw(&g->analysis);
+	arena_free(&g->raw_arena);
+	return code ? code : dump(g);
 }
 
 enum rneagen_code rneagen_generate(const char *urdf, size_t length, const struct rneagen_options *options,
 	struct rneagen_result *result, struct rneagen_error *error)
 {
-	struct generation g = {.options = *options, .result = result, .error = error};
+	struct generation g = {.analysis = {.urdf = urdf, .length = length, .options = *options, .arena = &result->arena, .error = error},
+		.result = result};
 	locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0), before; /* numbers are printed with a point everywhere */
 
 	*result = (struct rneagen_result){0};
 	*error = (struct rneagen_error){0};
 	if (!c)
 		return error_memory(error);
-	if (!g.options.file)
-		g.options.file = "<input>";
+	if (!g.analysis.options.file)
+		g.analysis.options.file = "<input>";
 	before = uselocale(c);
 	arena_init(&result->arena, options->allocator);
-	if (generate(&g, urdf, length))
+	if (generate(&g))
 		rneagen_result_free(result);
 	uselocale(before);
 	freelocale(c);

@@ -23,7 +23,9 @@ enum rneagen_trig { RNEAGEN_ACCURATE, RNEAGEN_BOUNDED, RNEAGEN_FAST };
 enum rneagen_base { RNEAGEN_FIXED, RNEAGEN_FLOATING };
 enum rneagen_mimic { RNEAGEN_MIMIC_HONOUR, RNEAGEN_MIMIC_INDEPENDENT };
 enum { RNEAGEN_PARTS_AUTO = 0 };
-enum rneagen_dump { RNEAGEN_DUMP_NONE, RNEAGEN_DUMP_ROBOT, RNEAGEN_DUMP_TREE, RNEAGEN_DUMP_DAG, RNEAGEN_DUMP_PLAN };
+/* What a pass has made, or PASSES: the list of them. */
+enum rneagen_dump { RNEAGEN_DUMP_NONE, RNEAGEN_DUMP_ROBOT, RNEAGEN_DUMP_TREE, RNEAGEN_DUMP_DAG, RNEAGEN_DUMP_PLAN, RNEAGEN_DUMP_SCENE,
+	RNEAGEN_DUMP_REQUEST, RNEAGEN_DUMP_PARTS, RNEAGEN_DUMP_PASSES };
 
 /* What to generate. Start from rneagen_options_default(). Strings belong to the caller and must outlive the call. */
 struct rneagen_options {

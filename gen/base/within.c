@@ -5,6 +5,8 @@
 /* Half a unit in the last place of 1. */
 static const real UNIT = LDBL_EPSILON / 2;
 
+static const real RIGHT_ANGLE = 1.57079632679489661923132169163975144L;
+
 /* What makes up for the rounding of e itself: no operation has more than eight. */
 static struct within closed(real x, real near, real e)
 {
@@ -92,6 +94,21 @@ struct within within_cos(struct within a)
 	real cosine = cosl(a.near);
 
 	return a.near == 0 && a.e == 0 ? within_exact(1) : closed(cosl(a.x), cosine, a.e + 2 * UNIT * fabsl(cosine));
+}
+
+void angle_sincos(struct within angle, struct within *s, struct within *c)
+{
+	static const real quarter_sin[4] = {0, 1, 0, -1};
+	real turns = roundl(angle.x / RIGHT_ANGLE);
+
+	if (fabsl(angle.x - turns * RIGHT_ANGLE) <= 5e-15L) {
+		int quarter = (int)(fmodl(turns, 4) + 4) % 4;
+		*s = within_exact(quarter_sin[quarter]);
+		*c = within_exact(quarter_sin[(quarter + 1) % 4]);
+	} else {
+		*s = within_sin(angle);
+		*c = within_cos(angle);
+	}
 }
 
 int within_meets(struct within a, struct within b)

@@ -29,6 +29,10 @@ struct within within_sqrt(struct within a);
 struct within within_sin(struct within a);
 struct within within_cos(struct within a);
 
+/* Sine and cosine; exact where the angle lies within 5e-15 rad of a multiple of pi/2 (iiwa14 writes 1.570796326794897
+   for pi/2). Nothing else is snapped. */
+void angle_sincos(struct within angle, struct within *s, struct within *c);
+
 /* May both be the same number? */
 int within_meets(struct within a, struct within b);
 

@@ -20,7 +20,7 @@ _rneagen_words() {
 	--derivatives) echo forward recursion ;;
 	--parts) echo auto ;;
 	--info) echo json ;;
-	--dump) echo robot tree dag plan ;;
+	--dump) echo robot scene tree request dag plan parts passes ;;
 	--backend) [[ ${COMP_WORDS[1]} == eval ]] && echo cpu cuda any || echo cpu cuda all ;;
 	--format) echo table json csv ;;
 	*) return 1 ;;

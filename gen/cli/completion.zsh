@@ -62,7 +62,7 @@ _rneagen_command() {
 		'--name=[prefix of every function]:identifier:' \
 		'--info=-[tell about the robot]::format:(json)' \
 		'--dot[print the tree as a graph for Graphviz]' \
-		'--dump=[print a stage of the pipeline]:stage:(robot tree dag plan)' \
+		'--dump=[print a stage of the pipeline]:stage:(robot scene tree request dag plan parts passes)' \
 		'--quiet[no warnings]' \
 		'(- *)--version[print the version]' \
 		'1:robot:_files -g "*.urdf"'

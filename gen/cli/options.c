@@ -71,7 +71,7 @@ static int parse_parts(const char *command, const char *word, int *parts)
 /* Options that take one word of a few, from OPTION_TARGET to OPTION_DUMP. */
 static const struct choice {
 	const char *option;
-	struct option_choice words[5];
+	struct option_choice words[9];
 } CHOICES[] = {
 	{"target", {{"cuda", RNEAGEN_TARGET_CUDA}, {"c", RNEAGEN_TARGET_C}, {"header", RNEAGEN_TARGET_HEADER}}},
 	{"precision", {{"f32", RNEAGEN_F32}, {"f64", RNEAGEN_F64}, {"mixed", RNEAGEN_MIXED}, {"f32x2", RNEAGEN_F32X2}}},
@@ -79,8 +79,9 @@ static const struct choice {
 	{"trig", {{"accurate", RNEAGEN_ACCURATE}, {"bounded", RNEAGEN_BOUNDED}, {"fast", RNEAGEN_FAST}}},
 	{"base", {{"fixed", RNEAGEN_FIXED}, {"floating", RNEAGEN_FLOATING}}},
 	{"mimic", {{"honour", RNEAGEN_MIMIC_HONOUR}, {"independent", RNEAGEN_MIMIC_INDEPENDENT}}},
-	{"dump", {{"robot", RNEAGEN_DUMP_ROBOT}, {"tree", RNEAGEN_DUMP_TREE}, {"dag", RNEAGEN_DUMP_DAG},
-		{"plan", RNEAGEN_DUMP_PLAN}}},
+	{"dump", {{"robot", RNEAGEN_DUMP_ROBOT}, {"scene", RNEAGEN_DUMP_SCENE}, {"tree", RNEAGEN_DUMP_TREE},
+		{"request", RNEAGEN_DUMP_REQUEST}, {"dag", RNEAGEN_DUMP_DAG}, {"plan", RNEAGEN_DUMP_PLAN}, {"parts", RNEAGEN_DUMP_PARTS},
+		{"passes", RNEAGEN_DUMP_PASSES}}},
 };
 
 static void set_choice(struct rneagen_options *o, int key, int value)

@@ -6,10 +6,10 @@
    the same number, are: the one that is known better. */
 
 #include "base/arena.h"
+#include "base/text.h"
+#include "base/within.h"
 #include "dag/ops.h"
 #include "dag/role.h"
-#include "tree/spatial.h"
-#include "base/text.h"
 #include <stdint.h>
 
 /* A node, by value. Node 0 is the constant 0. */

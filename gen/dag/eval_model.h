@@ -3,7 +3,7 @@
 /* Arithmetic as the analysis of errors sees it: how far each operation of a text may be from the exact one. */
 
 #include "rneagen.h"
-#include "tree/spatial.h"
+#include "base/within.h"
 
 struct eval_model {
 	double add, mul;	     /* a sum x is off by at most add |x| + tiny, a product by mul |x| + tiny */

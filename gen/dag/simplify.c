@@ -1,6 +1,7 @@
 /* The DAG's constructors with their rules. A sign moves outward through products and into sums, so that it costs
    nothing and x and -x are computed once; constants meet; a product by a negative constant is the negated product. */
 #include "dag/dag.h"
+#include "tree/spatial.h"
 #include <math.h>
 
 static const struct ref NONE = {0};

@@ -3,6 +3,7 @@
 /* Symbolic 3-vectors over the DAG; zeros and ones of constant operands fold away in the constructors below. */
 
 #include "dag/dag.h"
+#include "tree/spatial.h"
 
 struct svec {
 	struct ref x[3];

@@ -104,10 +104,8 @@ static void add_array(struct drawn *x, struct drawn_array array, struct draw_ran
 		to->ranges[i] = all;
 }
 
-int draw_ranges(struct drawn *x, const struct tree *t, struct arena *a)
+int draw_ranges(struct drawn *x, const struct tree *t, const struct request *k, struct arena *a)
 {
-	const struct request *k = &t->request;
-
 	*x = (struct drawn){.count = 0};
 	add_array(x, (struct drawn_array){.name = "q", .rows = t->nq}, around(1), a);
 	add_array(x, (struct drawn_array){.name = "qd", .rows = t->nv}, around(1), a);
@@ -215,14 +213,14 @@ static size_t samples_of(const struct drawn *x, const struct drawn_array *a)
 	return a->per_batch ? 1 : x->samples;
 }
 
-int draw_inputs(struct drawn *x, const struct tree *t, const struct draw_options *o, struct arena *a)
+int draw_inputs(struct drawn *x, const struct tree *t, const struct request *k, const struct draw_options *o, struct arena *a)
 {
 	unsigned short states[3] = {(unsigned short)o->seed, (unsigned short)(o->seed >> 16), (unsigned short)(o->seed >> 32)};
 	/* another sequence for what is no state */
 	unsigned short others[3] = {
 		(unsigned short)~o->seed, (unsigned short)~(o->seed >> 16), (unsigned short)~(o->seed >> 32)};
 
-	if (!draw_ranges(x, t, a))
+	if (!draw_ranges(x, t, k, a))
 		return 0;
 	x->samples = o->count;
 	for (int i = 0; i < x->count; i++) {

@@ -4,7 +4,7 @@
    measures a text by samples takes them from here: prune.h, effect.h, and rnearun's report and choose. */
 
 #include "dag/dag.h"
-#include "tree/tree.h"
+#include "request/request.h"
 
 /* NUMBER: uniform from lower to upper. ROTATION: of a unit quaternion, uniform over all orientations. BODY: one of the
    ten numbers of a body whose mass is uniform from lower to upper. */
@@ -52,8 +52,8 @@ enum { DRAW_LIMIT = 1000 };
    any other inertia has the URDF's mass within a tenth, of which such a box has up to a tenth, and the rest is spread as
    the URDF says. Arrays live in `a`. Return 0 when memory runs out. The same seed gives the same samples, and those of
    an input do not depend on ranges of others. */
-int draw_ranges(struct drawn *x, const struct tree *t, struct arena *a);
-int draw_inputs(struct drawn *x, const struct tree *t, const struct draw_options *o, struct arena *a);
+int draw_ranges(struct drawn *x, const struct tree *t, const struct request *k, struct arena *a);
+int draw_inputs(struct drawn *x, const struct tree *t, const struct request *k, const struct draw_options *o, struct arena *a);
 
 /* Round every number to single precision. */
 void draw_round(struct drawn *x);

@@ -345,7 +345,7 @@ static void list_derivatives(struct finding *f)
 	}
 }
 
-static int alloc(struct finding *f, const struct tree *t, struct arena *a)
+static int alloc(struct finding *f, const struct tree *t, const struct request *k, struct arena *a)
 {
 	size_t count = f->d->count;
 
@@ -359,7 +359,7 @@ static int alloc(struct finding *f, const struct tree *t, struct arena *a)
 	f->edges = arena_alloc(a, 3 * count, sizeof *f->edges);
 	f->terms = arena_alloc(a, 2 * count, sizeof *f->terms);
 	f->free_slots = arena_alloc(a, count, sizeof *f->free_slots);
-	if (a->failed || !draw_inputs(&f->inputs, t, &FELT_SAMPLES, a))
+	if (a->failed || !draw_inputs(&f->inputs, t, k, &FELT_SAMPLES, a))
 		return 0;
 	list_derivatives(f);
 	begin(f);
@@ -373,7 +373,7 @@ static int alloc(struct finding *f, const struct tree *t, struct arena *a)
 	return 1;
 }
 
-unsigned char *felt_find(const struct dag *d, const struct tree *t, double fraction, struct arena *a)
+unsigned char *felt_find(const struct dag *d, const struct tree *t, const struct request *k, double fraction, struct arena *a)
 {
 	struct finding f = {.d = d, .fraction = fraction, .unfelt = arena_alloc(a, d->count, 1)};
 	struct arena spare;
@@ -382,7 +382,7 @@ unsigned char *felt_find(const struct dag *d, const struct tree *t, double fract
 	if (!f.unfelt)
 		return NULL;
 	arena_init(&spare, &a->allocator);
-	done = alloc(&f, t, &spare);
+	done = alloc(&f, t, k, &spare);
 	if (done)
 		examine(&f);
 	arena_free(&spare);

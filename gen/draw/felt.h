@@ -8,7 +8,7 @@
    output by the operand times its value| stays below this fraction of the largest magnitude of the output, each in all
    samples of FELT_SAMPLES. Felt are operands of what a root is taken of or that divides, and all whose part of an output is
    no finite number in some sample. In memory of `a`; NULL when that runs out. */
-unsigned char *felt_find(const struct dag *d, const struct tree *t, double fraction, struct arena *a);
+unsigned char *felt_find(const struct dag *d, const struct tree *t, const struct request *k, double fraction, struct arena *a);
 
 /* Inputs drawn over their ranges, each for itself; others than those that effects are measured by. */
 extern const struct draw_options FELT_SAMPLES;

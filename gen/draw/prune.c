@@ -44,14 +44,14 @@ static struct ref copy(void *context, struct dag *out, size_t i)
 	}
 }
 
-void prune_terms(struct dag *out, const struct dag *d, const struct tree *t, double fraction)
+void prune_terms(struct dag *out, const struct dag *d, const struct tree *t, const struct request *k, double fraction)
 {
 	struct pruning p = {.d = d};
 	struct arena spare;
 
 	arena_init(&spare, &out->arena->allocator);
 	p.map = arena_alloc(&spare, d->count, sizeof *p.map);
-	p.unfelt = d->failed || !p.map ? NULL : felt_find(d, t, fraction, &spare);
+	p.unfelt = d->failed || !p.map ? NULL : felt_find(d, t, k, fraction, &spare);
 	if (p.unfelt)
 		dag_copy(out, d, p.map, copy, &p);
 	else

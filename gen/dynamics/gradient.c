@@ -92,7 +92,7 @@ static void output_matrix(struct gradient *g, enum varied varied, int argument)
 	struct pattern p;
 	struct ref *unit = arena_alloc(g->d->arena, (size_t)nv, sizeof *unit);
 
-	if (!unit || !pattern_make(&p, g->t, 0, g->t->request.dense, g->d->arena)) {
+	if (!unit || !pattern_make(&p, g->t, 0, g->r->request->dense, g->d->arena)) {
 		g->d->failed = 1;
 		return;
 	}
@@ -115,7 +115,7 @@ static void output_matrix(struct gradient *g, enum varied varied, int argument)
 /* [nv][rows] by the rows of a freed constant. */
 static void output_by_freed(struct gradient *g, const struct want *w, int argument)
 {
-	const struct freed *f = &g->t->request.freed[w->body];
+	const struct freed *f = &g->r->request->freed[w->body];
 
 	dag_section(g->d, SECTION_PRODUCTS, 0);
 	for (int j = 0; j < f->rows; j++) {
@@ -225,7 +225,7 @@ static int is_ours(const struct request *k, int i, const char *done)
 
 void gradient_outputs(const struct tour *r, const int *outputs, const char *done)
 {
-	const struct request *k = &r->t->request;
+	const struct request *k = r->request;
 	struct gradient g = {0};
 
 	for (int i = 0; i < k->want_count && !r->d->failed; i++) {

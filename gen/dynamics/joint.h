@@ -3,7 +3,7 @@
 /* What the joint types do, in symbols: where a joint puts its body, how it moves it, which part of a wrench it feels. */
 
 #include "dag/svec.h"
-#include "tree/tree.h"
+#include "request/request.h"
 
 /* Rows of an input: those that the scene gives (NULL: none), else the argument's; -1: zero. */
 struct source {

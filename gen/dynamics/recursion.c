@@ -205,7 +205,7 @@ static void add(struct recursion *x, enum by by, int i, int j, struct ref e)
 /* What the joint's own terms add to its diagonal elements: the rotor by qdd, friction by qd. */
 static void add_own(struct recursion *x, int body)
 {
-	const struct request *t = &x->r->t->request;
+	const struct request *t = x->r->request;
 	const struct body *k = &x->r->t->bodies[body];
 	struct dag *d = x->r->d;
 
@@ -353,7 +353,7 @@ static int begin_matrix(struct by_matrix *m, const struct tour *r, int argument,
 	m->argument = argument;
 	m->element = arena_alloc(a, elements, sizeof *m->element);
 	m->is_done = arena_alloc(a, elements, 1);
-	return m->element && m->is_done && pattern_make(&m->p, r->t, symmetric, r->t->request.dense, a);
+	return m->element && m->is_done && pattern_make(&m->p, r->t, symmetric, r->request->dense, a);
 }
 
 void recursion_begin(struct recursion *x, const struct tour *r, const int *arguments)

@@ -5,7 +5,7 @@
    roles. */
 
 #include "dag/dag.h"
-#include "tree/tree.h"
+#include "request/request.h"
 
 /* The first is what a scene's request is made of, what --parts divides, what is staged and bounded, and what the calls of one
    sample and of a batch do. */
@@ -34,7 +34,7 @@ struct algorithm {
 	int takes_requests;
 
 	/* Fills an empty DAG, declarations included; failure is in dag->failed. */
-	void (*build)(struct dag *d, const struct tree *t);
+	void (*build)(struct dag *d, const struct tree *t, const struct request *k);
 };
 
 #define ALGORITHM_EXTERN(name) extern const struct algorithm algorithm_##name;

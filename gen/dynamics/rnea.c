@@ -5,7 +5,6 @@
    The order is a tour of the tree: out to a body, through its children, back from it; what is alive at any time is
    bounded by the depth of the tree, not by the number of its bodies. */
 #include "dynamics/registry.h"
-#include "draw/prune.h"
 #include "dynamics/tour.h"
 
 /* U = [dw]x + [w]x[w]x */
@@ -239,9 +238,9 @@ void tour_run(struct tour *r)
 }
 
 /* The algorithm's own arrays; what is not among them is zero, or not written. */
-static void build_plain(struct dag *d, const struct tree *t, const struct algorithm *x)
+static void build_plain(struct dag *d, const struct tree *t, const struct request *k, const struct algorithm *x)
 {
-	struct tour r = {.d = d, .t = t};
+	struct tour r = {.d = d, .t = t, .request = k};
 
 	algorithm_declare(x, d, t);
 	r.in.q.argument = dag_find_role(d, ROLE_JOINT_POSITION, 0);
@@ -255,35 +254,22 @@ static void build_plain(struct dag *d, const struct tree *t, const struct algori
 	tour_run(&r);
 }
 
-static void build_all_terms(struct dag *d, const struct tree *t)
+static void build_rnea(struct dag *d, const struct tree *t, const struct request *k)
 {
-	if (t->request.is_plain)
-		build_plain(d, t, &algorithm_rnea);
+	if (k->is_plain)
+		build_plain(d, t, k, &algorithm_rnea);
 	else
-		want_build(d, t);
+		want_build(d, t, k);
 }
 
-static void build_rnea(struct dag *d, const struct tree *t)
+static void build_fpass(struct dag *d, const struct tree *t, const struct request *k)
 {
-	struct dag all;
-
-	if (t->adjust.drop == 0) {
-		build_all_terms(d, t);
-		return;
-	}
-	dag_init(&all, d->arena);
-	build_all_terms(&all, t);
-	prune_terms(d, &all, t, t->adjust.drop);
+	build_plain(d, t, k, &algorithm_fpass);
 }
 
-static void build_fpass(struct dag *d, const struct tree *t)
+static void build_bpass(struct dag *d, const struct tree *t, const struct request *k)
 {
-	build_plain(d, t, &algorithm_fpass);
-}
-
-static void build_bpass(struct dag *d, const struct tree *t)
-{
-	build_plain(d, t, &algorithm_bpass);
+	build_plain(d, t, k, &algorithm_bpass);
 }
 
 #define STATE {"q", ROLE_JOINT_POSITION, 0}, {"qd", ROLE_JOINT_VELOCITY, 0}, {"qdd", ROLE_JOINT_ACCELERATION, 0}

@@ -19,6 +19,7 @@ struct frame {
 struct tour {
 	struct dag *d;
 	const struct tree *t;
+	const struct request *request;
 	struct frame *frames; /* frames[0] is the world; body k has frames[k + 1] */
 	struct ref *tau;      /* so far; NULL: the way out alone */
 	struct joint_inputs in;
@@ -47,7 +48,7 @@ void at_rest_enter(const struct tour *r, int body);
 void at_rest_leave(const struct tour *r, int body);
 struct svec at_rest_moment(struct dag *d, const struct frame *x); /* C */
 
-/* Adds rotor inertia and friction to the torques of a body's joint, as the tree's request says. */
+/* Adds rotor inertia and friction to the torques of a body's joint, as the request says. */
 void own_terms(const struct tour *r, int body, struct ref *tau);
 /* What these terms of a joint with one row are by qd. */
 struct ref own_rate(const struct tour *r, int body);
@@ -56,7 +57,7 @@ struct ref own_rate(const struct tour *r, int body);
    arguments `outputs` (both by want). */
 void gradient_outputs(const struct tour *r, const int *outputs, const char *done);
 
-/* The DAG of a tree whose request is not plain. */
-void want_build(struct dag *d, const struct tree *t);
+/* The DAG of a request that is not plain. */
+void want_build(struct dag *d, const struct tree *t, const struct request *k);
 
 #endif

@@ -128,7 +128,7 @@ static void begin_recursion(struct build *b, const struct tour *r)
 
 static struct tour new_tour(const struct build *b, struct joint_inputs in)
 {
-	return (struct tour){.d = b->d, .t = b->t, .in = in, .f_in = -1, .v_out = -1, .a_out = -1, .f_out = -1, .tau_out = -1,
+	return (struct tour){.d = b->d, .t = b->t, .request = b->k, .in = in, .f_in = -1, .v_out = -1, .a_out = -1, .f_out = -1, .tau_out = -1,
 		.gravity = b->gravity, .parameters = b->parameters};
 }
 
@@ -260,9 +260,9 @@ static void declare_request(const struct build *b)
 }
 
 /* Where nothing of q, qd or qdd is read, there is no such input. */
-static void build(struct dag *d, const struct tree *t, const struct trial *x)
+static void build(struct dag *d, const struct tree *t, const struct request *k, const struct trial *x)
 {
-	struct build b = {.d = d, .t = t, .k = &t->request, .derivatives = x->derivatives};
+	struct build b = {.d = d, .t = t, .k = k, .derivatives = x->derivatives};
 	struct joint_inputs in;
 
 	if (!alloc(&b)) {
@@ -310,7 +310,7 @@ static void look(const struct dag *d, struct trial *x)
 enum { MORE_NODES = 1 << 16 };
 
 /* In forward mode, if that takes less than the recursion. */
-static struct trial cheaper(struct dag *d, const struct tree *t, const struct trial *recursion)
+static struct trial cheaper(struct dag *d, const struct tree *t, const struct request *k, const struct trial *recursion)
 {
 	struct trial x = {.derivatives = DERIVATIVES_FORWARD, .is_read = {1, 1, 1}};
 	struct arena spare;
@@ -319,7 +319,7 @@ static struct trial cheaper(struct dag *d, const struct tree *t, const struct tr
 	arena_init(&spare, &d->arena->allocator);
 	dag_init(&trial, &spare);
 	dag_limit(&trial, recursion->nodes / 2 + MORE_NODES);
-	build(&trial, t, &x);
+	build(&trial, t, k, &x);
 	look(&trial, &x);
 	d->failed |= spare.failed;
 	d->arena->failed |= spare.failed;
@@ -328,20 +328,19 @@ static struct trial cheaper(struct dag *d, const struct tree *t, const struct tr
 }
 
 /* Once to see what is read and what it takes, and again where another way takes less or there is less to read. */
-void want_build(struct dag *d, const struct tree *t)
+void want_build(struct dag *d, const struct tree *t, const struct request *k)
 {
-	const struct request *k = &t->request;
 	int has_choice = request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DTAU_DQD);
 	struct trial x = {.derivatives = k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
 		.is_read = {1, 1, 1}}, best;
 	struct arena *a = d->arena;
 
-	build(d, t, &x);
+	build(d, t, k, &x);
 	look(d, &x);
-	best = has_choice && !d->failed && k->derivatives == DERIVATIVES_CHEAPER ? cheaper(d, t, &x) : x;
+	best = has_choice && !d->failed && k->derivatives == DERIVATIVES_CHEAPER ? cheaper(d, t, k, &x) : x;
 	if (d->failed || (best.derivatives == x.derivatives && best.is_read[0] && best.is_read[1] && best.is_read[2]))
 		return;
 	dag_free(d);
 	dag_init(d, a);
-	build(d, t, &best);
+	build(d, t, k, &best);
 }

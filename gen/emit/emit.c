@@ -66,7 +66,7 @@ const char *emit_dimensions(const struct emission *e)
 
 		text_printf(&t, "%s%s[%d]", before, a->name, a->rows);
 	}
-	text_put(&t, e->tree->request.is_plain && e->options->target == RNEAGEN_TARGET_C ? "; tau may be qdd itself." : ".");
+	text_put(&t, e->request->is_plain && e->options->target == RNEAGEN_TARGET_C ? "; tau may be qdd itself." : ".");
 	return text_string(&t);
 }
 
@@ -213,7 +213,7 @@ void emit_source(const struct emission *e, struct text *out)
 		{"RNEA_PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"BOUNDED", ""},
 		{"RNEA_CALL", emit_call(e, p, "\t", emit_params(e, p, PARAMS_NAMES), "q", "1")}, {"FURTHER", further_text(e)},
-		{"SAMPLE", e->tree->request.is_plain ? "tau = ID(q, qd, qdd)" : "Inverse dynamics"},
+		{"SAMPLE", e->request->is_plain ? "tau = ID(q, qd, qdd)" : "Inverse dynamics"},
 		{"PROTOTYPES", emit_prototypes(e)}, {"ENUM", enum_text(e)}, {"DIMENSIONS", emit_dimensions(e)},
 	};
 

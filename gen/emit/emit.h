@@ -2,16 +2,9 @@
 #define RNEAGEN_EMIT_H
 /* Text is made here, and only here: plans become statements, statements fill the templates. */
 
-#include "plan/plan.h"
-#include "dynamics/registry.h"
+#include "plan/parts.h"
+#include "scene/adjust.h"
 #include "rneagen.h"
-
-/* One generated function on its way to text. */
-struct pass {
-	const struct algorithm *algorithm;
-	struct dag dag; /* fused */
-	struct plan plan;
-};
 
 /* A type of numbers. Memory has one, arithmetic another where the precision converts on loads and stores. */
 struct scalar {
@@ -25,6 +18,9 @@ struct scalar {
 
 struct emission {
 	const struct tree *tree;
+	const struct request *request;
+	const struct scene *scene;   /* for the command at the head; NULL: none, as its */
+	const struct adjust *adjust;
 	const struct rneagen_options *options; /* defaults resolved: precision, name, file */
 	const struct pass *passes;             /* pass_count of them: the functions of the text, the first of which is a */
 	int pass_count;                        /* scene's request, or one operation of the robot, where it is such a text */
@@ -33,6 +29,7 @@ struct emission {
 	const char *banner;                    /* the comment at the head, where it is not inverse dynamics; else NULL */
 	const char *const *warnings;
 	size_t warning_count;
+	const char *told; /* lines of the comment at the head: what the scene made of the robot; NULL: none */
 	const char *hash; /* SHA-256 of the URDF, in hex */
 	struct arena *arena;
 	struct rneagen_error *error;

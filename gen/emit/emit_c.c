@@ -95,7 +95,7 @@ static void put_slice_prototypes(const struct emission *e, struct text *out)
 static void put_bounded_prototype(const struct emission *e, struct text *out)
 {
 	const char *more = e->memory->bytes == 4 ? ", float *bound" : ", double *bound";
-	int torques = e->tree->request.want_count == 1 && e->tree->request.wants[0].kind <= WANT_BIAS;
+	int torques = e->request->want_count == 1 && e->request->wants[0].kind <= WANT_BIAS;
 
 	put_prototype(e, emit_main(e), "_bounded", more, torques ?
 		"The same torques, to the bit, and for each a bound[i] of |tau[i] - exact|.\n" BOUNDED_DOC :
@@ -125,7 +125,7 @@ const char *emit_prototypes(const struct emission *e)
 	text_init(&t, e->arena);
 	text_init(&one, e->arena);
 	text_init(&many, e->arena);
-	text_printf(&one, "%s of one sample: %s", e->tree->request.is_plain ? "tau = ID(q, qd, qdd)" : "Inverse dynamics", emit_dimensions(e));
+	text_printf(&one, "%s of one sample: %s", e->request->is_plain ? "tau = ID(q, qd, qdd)" : "Inverse dynamics", emit_dimensions(e));
 	text_printf(&many, "The same for `count` samples, every array %s; arrays must not overlap.",
 		is_soa(e) ? "[row][sample]" : "[sample][row]");
 	put_prototype(e, emit_main(e), "", "", text_string(&one), &t);

@@ -106,7 +106,7 @@ void emit_f32x2(const struct emission *e, struct text *out)
 	if (!e->arithmetic->part)
 		return;
 	text_put(out, template_f32x2_in);
-	if (e->tree->request.friction_width.x > 0)
+	if (e->request->friction_width.x > 0)
 		text_put(out, template_f32x2_friction_in);
 	text_putc(out, '\n');
 }

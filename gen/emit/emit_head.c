@@ -2,9 +2,6 @@
 #include "emit/emit.h"
 #include "base/number.h"
 #include "tree/pattern.h"
-#include "tell/effect.h"
-#include "plan/parts.h"
-#include "tell/scene_put.h"
 #include "emit/template.h"
 #include <string.h>
 
@@ -30,13 +27,13 @@ static void put_warning(const struct emission *e, const char *warning, struct te
 /* The choices of the scene, as many to a line as there is room for. */
 static void put_scene(const struct emission *e, struct text *out)
 {
-	const struct scene *s = &e->tree->scene;
+	const struct scene *s = e->scene;
 	size_t width = 100, column = width;
 
 	for (int i = 0; i < s->line_count; i++) {
 		struct text option;
 
-		if (!scene_put_matters(e->tree, i))
+		if (!adjust_matters(e->adjust, s, i))
 			continue;
 		text_init(&option, e->arena);
 		scene_put_option(&s->lines[i], &option);
@@ -150,7 +147,7 @@ static void put_matrix(const struct emission *e, const struct want *w, struct te
 static const char *describe(const struct emission *e, const struct argument *a)
 {
 	static const char wrench[] = "force, then moment about the link's origin, from outside on the link, in axes of ";
-	const struct request *k = &e->tree->request;
+	const struct request *k = e->request;
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -191,7 +188,7 @@ static void put_task(const struct emission *e, struct text *out)
 
 static void put_gravity(const struct emission *e, struct text *out)
 {
-	const struct request *k = &e->tree->request;
+	const struct request *k = e->request;
 	const struct within *g = e->tree->gravity;
 
 	for (int i = 0; i < k->freed_count; i++)
@@ -226,7 +223,7 @@ static void put_conventions(const struct emission *e, struct text *out)
 		text_put(out, " * Compiled as C, without CUDA, this text holds the functions of target c instead of kernels.\n");
 	text_put(out, " *\n * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less\n"
 		      " * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.\n");
-	if (!e->tree->request.is_plain)
+	if (!e->request->is_plain)
 		put_task(e, out);
 	for (int i = 0; i < e->pass_count; i++)
 		if (e->passes[i].algorithm->note)
@@ -236,7 +233,7 @@ static void put_conventions(const struct emission *e, struct text *out)
 static void put_operations(const struct emission *e, struct text *out)
 {
 	for (int i = 0; i < e->pass_count; i++) {
-		struct operation_count n = i ? plan_operations(&e->passes[i].plan) : parts_operations(e);
+		struct operation_count n = i ? plan_operations(&e->passes[i].plan) : parts_operations(e->parts, e->part_count, &emit_main(e)->plan);
 
 		text_printf(out, " *   %s: %u mul, %u add, %u sub, %u neg, %u fma, %u sincos = %u flops\n", e->passes[i].algorithm->name,
 			n.mul, n.add, n.sub, n.neg, n.fma, n.sincos, plan_flops(n));
@@ -258,8 +255,7 @@ void emit_banner(const struct emission *e, struct text *out)
 		e->tree->body_count);
 	put_operations(e, out);
 	put_joints(e, out);
-	scene_put_comment(e->tree, out);
-	effect_put_comment(e->tree, &emit_main(e)->dag, out);
+	text_put(out, e->told ? e->told : "");
 	put_conventions(e, out);
 	for (size_t i = 0; i < e->warning_count; i++) {
 		text_put(out, i ? " *   " : " *\n * Warnings:\n *   ");
@@ -297,7 +293,7 @@ static void put_name(const char *s, struct text *out)
 static void put_function(const struct emission *e, const struct pass *p, struct text *out)
 {
 	int is_main = p == emit_main(e);
-	struct operation_count n = is_main ? parts_operations(e) : plan_operations(&p->plan);
+	struct operation_count n = is_main ? parts_operations(e->parts, e->part_count, &p->plan) : plan_operations(&p->plan);
 
 	text_printf(out, "function %s\n", p->algorithm->name);
 	for (const struct argument *a = p->dag.arguments; a < p->dag.arguments + p->dag.argument_count; a++) {

@@ -88,7 +88,7 @@ int emit_is_optimistic(const struct emission *e)
 
 int emit_block_size(const struct emission *e)
 {
-	int block = request_wants_derivative(&e->tree->request) ? DERIVATIVE_BLOCK : BLOCK;
+	int block = request_wants_derivative(e->request) ? DERIVATIVE_BLOCK : BLOCK;
 
 	while (is_staged(e) && block * stage_bytes(e) > SHARED_BYTES)
 		block /= 2;
@@ -113,7 +113,7 @@ static int min_blocks(const struct emission *e)
 
 	if (e->options->target != RNEAGEN_TARGET_CUDA || is_staged(e) || emit_is_operation(e))
 		return 0;
-	if (request_wants_derivative(&e->tree->request))
+	if (request_wants_derivative(e->request))
 		return min_derivative_blocks(e);
 	if (e->arithmetic->bytes != 4)
 		return 0;
@@ -292,7 +292,7 @@ static const char *spill_text(const struct emission *e)
 {
 	struct text t;
 
-	if (!request_wants_derivative(&e->tree->request))
+	if (!request_wants_derivative(e->request))
 		return "";
 	text_init(&t, e->arena);
 	text_printf(&t, "#if defined __CUDACC_VER_MAJOR__ && __CUDACC_VER_MAJOR__ >= 13 && !defined __CUDACC_RDC__ && !defined __CUDACC_DEBUG__%s\n",
@@ -335,7 +335,7 @@ void emit_kernel(const struct emission *e, const struct pass *p, struct text *ou
    of 31.5, 1 M the same; of atlas in f64 3 % slower, since the compiler orders stores less freely. */
 int emit_is_streamed(const struct emission *e)
 {
-	return e->options->target == RNEAGEN_TARGET_CUDA && e->options->layout == RNEAGEN_SOA && request_wants_derivative(&e->tree->request) &&
+	return e->options->target == RNEAGEN_TARGET_CUDA && e->options->layout == RNEAGEN_SOA && request_wants_derivative(e->request) &&
 	       !is_staged(e);
 }
 

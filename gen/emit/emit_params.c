@@ -73,7 +73,7 @@ void emit_options(const struct rneagen_options *o, struct text *out)
 
 int emit_has_small(const struct emission *e)
 {
-	const struct request *k = &e->tree->request;
+	const struct request *k = e->request;
 
 	if (e->options->trig != RNEAGEN_ACCURATE || emit_main(e)->dag.arguments[0].role != ROLE_JOINT_POSITION)
 		return 0;

@@ -24,7 +24,7 @@ static int shape_by_freed(struct shape *s, const struct emission *e)
 /* 0: no matrix, or the arena has failed. */
 static int shape_make(struct shape *s, const struct emission *e, const struct want *w)
 {
-	const struct request *k = &e->tree->request;
+	const struct request *k = e->request;
 	int nv = e->tree->nv, is_mass = w->kind == WANT_MASS;
 	struct pattern p;
 
@@ -54,7 +54,7 @@ static void put_info_matrix(const struct shape *s, struct text *out)
 
 void emit_info_matrices(const struct emission *e, struct text *out)
 {
-	const struct request *k = &e->tree->request;
+	const struct request *k = e->request;
 	struct shape s;
 
 	for (int i = 0; i < k->want_count; i++)
@@ -86,7 +86,7 @@ static void put_declaration(const struct emission *e, const struct shape *s, con
 
 void emit_pattern_declarations(const struct emission *e, struct text *out)
 {
-	const struct request *k = &e->tree->request;
+	const struct request *k = e->request;
 	struct shape s;
 
 	for (int i = 0; i < k->want_count; i++)
@@ -116,7 +116,7 @@ static void put_linkage(const struct text *declarations, struct text *out)
 
 const char *emit_patterns(const struct emission *e)
 {
-	const struct request *k = &e->tree->request;
+	const struct request *k = e->request;
 	int is_cuda = e->options->target == RNEAGEN_TARGET_CUDA;
 	struct text t, declarations, definitions;
 	struct shape s;
@@ -142,7 +142,7 @@ const char *emit_patterns(const struct emission *e)
 
 void emit_pattern_json(const struct emission *e, struct text *out)
 {
-	const struct request *k = &e->tree->request;
+	const struct request *k = e->request;
 	struct shape s;
 	int count = 0;
 

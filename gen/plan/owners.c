@@ -13,12 +13,12 @@ static int *bodies_of_rows(const struct tree *t, struct arena *a)
 }
 
 /* By stored element of a matrix by joints. */
-static void own_elements(const struct tree *t, enum want_kind kind, int *body, struct arena *a)
+static void own_elements(const struct tree *t, const struct want *w, int dense, int *body, struct arena *a)
 {
 	int nv = t->nv, *of_row = bodies_of_rows(t, a);
 	struct pattern p;
 
-	if (!of_row || !pattern_make(&p, t, kind == WANT_MASS, t->request.dense, a))
+	if (!of_row || !pattern_make(&p, t, w->kind == WANT_MASS, dense, a))
 		return;
 	for (int i = 0; i < nv; i++)
 		for (int j = 0; j < nv; j++)
@@ -31,21 +31,21 @@ static int is_matrix(const struct want *w)
 	return w->kind == WANT_DTAU_DQ || w->kind == WANT_DTAU_DQD || w->kind == WANT_MASS;
 }
 
-int owners_matrix(const struct tree *t)
+int owners_matrix(const struct request *k)
 {
-	for (int i = 0; i < t->request.want_count; i++)
-		if (is_matrix(&t->request.wants[i]))
+	for (int i = 0; i < k->want_count; i++)
+		if (is_matrix(&k->wants[i]))
 			return 1;
 	return 0;
 }
 
-static void own_want(struct owners *x, const struct dag *d, const struct tree *t, const struct want *w, struct arena *a)
+static void own_want(struct owners *x, const struct dag *d, const struct tree *t, const struct want *w, int dense, struct arena *a)
 {
 	int *body = arena_alloc(a, (size_t)w->rows, sizeof *body), argument = dag_find_argument(d, w->argument);
 
 	if (!body)
 		return;
-	own_elements(t, w->kind, body, a);
+	own_elements(t, w, dense, body, a);
 	for (size_t i = 0; i < d->output_count; i++)
 		if (d->outputs[i].argument == argument)
 			x->owner[i] = body[d->outputs[i].row];
@@ -65,15 +65,15 @@ static void list(struct owners *x, size_t outputs, const struct tree *t, int *pl
 		x->owner[i] = place[x->owner[i]];
 }
 
-int owners_make(struct owners *x, const struct dag *d, const struct tree *t, struct arena *a)
+int owners_make(struct owners *x, const struct dag *d, const struct tree *t, const struct request *k, struct arena *a)
 {
 	int *place = arena_alloc(a, (size_t)t->body_count, sizeof *place);
 
 	*x = (struct owners){.owner = arena_alloc(a, d->output_count, sizeof *x->owner),
 		.bodies = arena_alloc(a, (size_t)t->body_count, sizeof *x->bodies)};
-	for (int i = 0; i < t->request.want_count && !a->failed; i++)
-		if (is_matrix(&t->request.wants[i]))
-			own_want(x, d, t, &t->request.wants[i], a);
+	for (int i = 0; i < k->want_count && !a->failed; i++)
+		if (is_matrix(&k->wants[i]))
+			own_want(x, d, t, &k->wants[i], k->dense, a);
 	if (!a->failed)
 		list(x, d->output_count, t, place);
 	return !a->failed;

@@ -4,7 +4,7 @@
    other outputs to body 0. */
 
 #include "dag/dag.h"
-#include "tree/tree.h"
+#include "request/request.h"
 
 struct owners {
 	int *owner;  /* by output: an index into bodies */
@@ -13,9 +13,9 @@ struct owners {
 };
 
 /* Of the outputs of the request's DAG. Returns 0 when memory runs out. */
-int owners_make(struct owners *x, const struct dag *d, const struct tree *t, struct arena *a);
+int owners_make(struct owners *x, const struct dag *d, const struct tree *t, const struct request *k, struct arena *a);
 
 /* Does the request want a matrix by joints? */
-int owners_matrix(const struct tree *t);
+int owners_matrix(const struct request *k);
 
 #endif

@@ -24,6 +24,7 @@ struct splitter {
 	const struct dag *raw; /* the whole as the algorithm made it */
 	struct share share;    /* of it */
 	const struct tree *t;
+	const struct request *request;
 	const struct rneagen_options *o;
 	struct arena *a;
 	struct owners owners;
@@ -239,7 +240,7 @@ static int make_part(struct splitter *s, int number, int first, int end, struct 
 
 static int begin(struct splitter *s)
 {
-	if (!owners_make(&s->owners, s->raw, s->t, s->a))
+	if (!owners_make(&s->owners, s->raw, s->t, s->request, s->a))
 		return 0;
 	s->count = s->owners.count;
 	s->sizes = arena_alloc(s->a, (size_t)(s->count + 1) * (size_t)(s->count + 1), sizeof *s->sizes);
@@ -250,13 +251,13 @@ static int begin(struct splitter *s)
 }
 
 /* Why a text cannot be in parts; NULL: it can. */
-static const char *obstacle(const struct tree *t, const struct rneagen_options *o)
+static const char *obstacle(const struct request *k, const struct rneagen_options *o)
 {
 	if (o->target != RNEAGEN_TARGET_CUDA)
 		return "is for kernels: take --target cuda";
 	if (o->layout != RNEAGEN_SOA)
 		return "is for --layout soa: in aos each block writes whole samples";
-	if (!owners_matrix(t))
+	if (!owners_matrix(k))
 		return "is for matrices: name dtau_dq, dtau_dqd or M in --want";
 	return NULL;
 }
@@ -283,10 +284,10 @@ static struct part *make_parts(struct splitter *s, int count, const int *first)
 }
 
 enum rneagen_code parts_make(struct part **parts, int *count, const struct pass *whole, const struct dag *raw,
-	const struct tree *t, const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
+	const struct tree *t, const struct request *k, const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
 {
-	struct splitter s = {.whole = whole, .raw = raw, .t = t, .o = o, .a = a};
-	const char *why = obstacle(t, o);
+	struct splitter s = {.whole = whole, .raw = raw, .t = t, .request = k, .o = o, .a = a};
+	const char *why = obstacle(k, o);
 	int made, *first;
 
 	*count = 0;
@@ -307,16 +308,14 @@ enum rneagen_code parts_make(struct part **parts, int *count, const struct pass 
 	return RNEAGEN_OK;
 }
 
-/* ---- telling ---- */
-
-struct operation_count parts_operations(const struct emission *e)
+struct operation_count parts_operations(const struct part *parts, int count, const struct plan *whole)
 {
 	struct operation_count sum = {0};
 
-	if (!e->part_count)
-		return plan_operations(&emit_main(e)->plan);
-	for (int i = 0; i < e->part_count; i++) {
-		struct operation_count n = plan_operations(&e->parts[i].pass.plan);
+	if (!count)
+		return plan_operations(whole);
+	for (int i = 0; i < count; i++) {
+		struct operation_count n = plan_operations(&parts[i].pass.plan);
 
 		sum.mul += n.mul;
 		sum.add += n.add;
@@ -328,26 +327,11 @@ struct operation_count parts_operations(const struct emission *e)
 	return sum;
 }
 
-void parts_put_table(const struct emission *e, struct text *out)
+void parts_dump(const struct part *parts, int count, const struct pass *whole, const struct tree *t, struct text *out)
 {
-	if (e->part_count)
-		text_put(out, "\nparts           links  flops  alive\n");
-	for (int i = 0; i < e->part_count; i++) {
-		const struct part *p = &e->parts[i];
-
-		text_printf(out, "  %-10d %3d..%-3d %6u %6d\n", i, e->tree->bodies[p->first].number,
-			e->tree->bodies[p->last].number, plan_flops(plan_operations(&p->pass.plan)), p->alive);
-	}
-}
-
-void parts_put_json(const struct emission *e, struct text *out)
-{
-	for (int i = 0; i < e->part_count; i++) {
-		const struct part *p = &e->parts[i];
-
-		text_printf(out, "%s\n    {\"first\": %d, \"last\": %d, \"flops\": %u, \"alive\": %d}",
-			i ? "," : "  \"parts\": [", e->tree->bodies[p->first].number, e->tree->bodies[p->last].number,
-			plan_flops(plan_operations(&p->pass.plan)), p->alive);
-	}
-	text_put(out, e->part_count ? "\n  ],\n" : "");
+	if (!count)
+		text_printf(out, "whole: %u flops\n", plan_flops(plan_operations(&whole->plan)));
+	for (int i = 0; i < count; i++)
+		text_printf(out, "part %d: links %d..%d, %u flops, %d values at once\n", i, t->bodies[parts[i].first].number,
+			t->bodies[parts[i].last].number, plan_flops(plan_operations(&parts[i].pass.plan)), parts[i].alive);
 }

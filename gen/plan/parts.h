@@ -3,7 +3,8 @@
 /* Matrices of long chains in parts of the grid: each part makes the elements of some bodies, holds less at once than one
    thread would that makes them all, and is shorter. */
 
-#include "emit/emit.h"
+#include "plan/plan.h"
+#include "rneagen.h"
 
 /* With the outputs of some bodies: see owners.h. */
 struct part {
@@ -16,13 +17,12 @@ struct part {
 /* In the order of the bodies, as the options ask for; *count is 0 where the text stays whole. `raw` is the whole as the
    algorithm made it. Errors: USAGE, MEMORY. */
 enum rneagen_code parts_make(struct part **parts, int *count, const struct pass *whole, const struct dag *raw,
-	const struct tree *t, const struct rneagen_options *o, struct arena *a, struct rneagen_error *e);
+	const struct tree *t, const struct request *k, const struct rneagen_options *o, struct arena *a, struct rneagen_error *e);
 
 /* What all parts take together, or the whole where there are none. */
-struct operation_count parts_operations(const struct emission *e);
+struct operation_count parts_operations(const struct part *parts, int count, const struct plan *whole);
 
-/* Lines of --info, and a member of --info=json: nothing where there are no parts. */
-void parts_put_table(const struct emission *e, struct text *out);
-void parts_put_json(const struct emission *e, struct text *out);
+/* A line for each part, or for the whole where there are none. */
+void parts_dump(const struct part *parts, int count, const struct pass *whole, const struct tree *t, struct text *out);
 
 #endif

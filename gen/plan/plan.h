@@ -3,8 +3,7 @@
 /* What the text will say, before it is text: which values get a line of their own, what they are called, and the order
    of the lines. One plan serves every target. */
 
-#include "dag/dag.h"
-#include "tree/tree.h"
+#include "dynamics/registry.h"
 
 enum line_kind { LINE_SECTION, LINE_INPUT, LINE_VALUE, LINE_SINCOS, LINE_STORE };
 
@@ -20,6 +19,13 @@ struct plan {
 	const char **names; /* per node; NULL: written where it is used */
 	struct line *lines;
 	size_t line_count;
+};
+
+/* One generated function on its way to text. */
+struct pass {
+	const struct algorithm *algorithm;
+	struct dag dag; /* fused */
+	struct plan plan;
 };
 
 struct operation_count {

@@ -6,25 +6,6 @@
 /* Arrays that one kernel can take. */
 enum { ARRAY_LIMIT = 64 };
 
-/* The rest of "mass.hand" after "mass."; NULL where the word is another. */
-static const char *after(const char *word, const char *kind)
-{
-	size_t length = strlen(kind);
-
-	return !strncmp(word, kind, length) && word[length] == '.' && word[length + 1] ? word + length + 1 : NULL;
-}
-
-int request_frees_link(const struct scene *s, const char *link)
-{
-	for (const struct scene_choice *c = NULL; (c = scene_next(s, SCENE_FREE, c));) {
-		const char *mass = after(c->name, "mass"), *inertia = after(c->name, "inertia");
-
-		if ((mass && !strcmp(mass, link)) || (inertia && !strcmp(inertia, link)))
-			return 1;
-	}
-	return 0;
-}
-
 int request_has_all(const struct row *rows, int count)
 {
 	for (int i = 0; i < count; i++)
@@ -195,7 +176,7 @@ static enum rneagen_code fold(const struct resolver *x, const struct scene_choic
 {
 	static const struct kind_word kinds[] = {{"q", 0}, {"qd", 0}, {"qdd", 0}, {"gravity", 0}, {"q", 1}, {"qd", 1}, {"qdd", 1}};
 	struct tree *t = x->t;
-	struct row *const rows[] = {t->request.q, t->request.qd, t->request.qdd};
+	struct row *const rows[] = {x->k->q, x->k->qd, x->k->qdd};
 	int kind = request_find_kind(x, c, kinds, sizeof kinds / sizeof *kinds), body, is_q;
 	struct within gravity[3];
 
@@ -338,9 +319,10 @@ static int has_choice(const struct scene *s)
 	return 0;
 }
 
-enum rneagen_code request_resolve(struct tree *t, const struct robot *r, struct arena *a, struct rneagen_error *e)
+enum rneagen_code request_resolve(struct request *k, struct tree *t, const struct scene *s, const struct robot *r, struct arena *a,
+	struct rneagen_error *e)
 {
-	struct resolver x = {t, &t->request, &t->scene, r, a, e};
+	struct resolver x = {t, k, s, r, a, e};
 	const struct scene_choice *frame = scene_next(x.s, SCENE_FEXT_FRAME, NULL);
 	const struct scene_choice *how = scene_next(x.s, SCENE_DERIVATIVES, NULL);
 

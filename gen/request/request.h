@@ -4,7 +4,7 @@
    the joints' own, and the quantities that it asks for. */
 
 #include "scene/scene.h"
-#include "tree/spatial.h"
+#include "tree/tree.h"
 
 /* A row of q, qd or qdd that the scene may give. */
 struct row {
@@ -76,13 +76,11 @@ struct request {
 	struct within friction_width;         /* rad/s, m/s */
 };
 
-struct tree;
+/* What a scene asks of the tree that was made for it; gravity that it folds goes into the tree. Errors: SCENE, LIMIT, MEMORY. */
+enum rneagen_code request_resolve(struct request *k, struct tree *t, const struct scene *s, const struct robot *r, struct arena *a,
+	struct rneagen_error *e);
 
-/* Does the scene make the link's mass or inertia an input? */
-int request_frees_link(const struct scene *s, const char *link);
-
-/* Resolve the tree's scene. Errors: SCENE, MEMORY. */
-enum rneagen_code request_resolve(struct tree *t, const struct robot *r, struct arena *a, struct rneagen_error *e);
+void request_dump(const struct request *k, const struct tree *t, struct text *out);
 
 /* Has every row its value? */
 int request_has_all(const struct row *rows, int count);

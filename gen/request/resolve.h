@@ -2,7 +2,7 @@
 #define RNEAGEN_RESOLVE_H
 /* How the choices of a scene find their links and joints: what request.c and resolve_*.c share. */
 
-#include "tree/tree.h"
+#include "request/request.h"
 
 struct resolver {
 	struct tree *t;

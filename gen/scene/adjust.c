@@ -1,9 +1,6 @@
 #include "scene/adjust.h"
 #include "base/number.h"
-#include "tree/tree.h"
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const real RIGHT = 1.57079632679489661923132169163975144L;
@@ -45,6 +42,11 @@ enum rneagen_code adjust_read(struct adjust *x, const struct scene *s, struct rn
 int adjust_is_asked(const struct adjust *x)
 {
 	return x->snap > 0 || x->digits > 0 || x->drop > 0;
+}
+
+int adjust_matters(const struct adjust *x, const struct scene *s, int line)
+{
+	return s->lines[line].key != SCENE_RANGE || adjust_is_asked(x);
 }
 
 /* ---- angles ---- */
@@ -94,32 +96,4 @@ struct robot adjust_snap(const struct robot *r, double tolerance, struct arena *
 	for (int i = 0; i < r->joint_count; i++)
 		snap(s.joints[i].rpy, tolerance);
 	return s;
-}
-
-/* ---- digits ---- */
-
-/* The locale, whatever it is, is the same on the way out and on the way back. What is rounded is what is meant. */
-static void round_each(struct within *x, int count, int digits)
-{
-	char text[64];
-	real rounded;
-
-	for (int i = 0; i < count; i++) {
-		snprintf(text, sizeof text, "%.*Le", digits - 1, x[i].x);
-		rounded = strtold(text, NULL);
-		x[i] = rounded == roundl(rounded) ? within_exact(rounded) : within_decimal(rounded, rounded);
-	}
-}
-
-void adjust_round(struct tree *t, int digits)
-{
-	for (int i = 0; i < t->body_count; i++) {
-		struct body *k = &t->bodies[i];
-
-		round_each(&k->X.R.m[0][0], 9, digits);
-		round_each(k->X.p, 3, digits);
-		round_each(&k->inertia.mass, 1, digits);
-		round_each(k->inertia.h, 3, digits);
-		round_each(k->inertia.I, 6, digits);
-	}
 }

@@ -3,16 +3,12 @@
 /* Constants that are changed because the scene says so: angles that are nearly right, digits that are not wanted. */
 
 #include "scene/scene.h"
-#include "tree/spatial.h"
-
-struct tree;
 
 /* 0: not asked for. */
 struct adjust {
 	double snap; /* rad */
 	int digits;
 	double drop; /* of the largest torque of a joint */
-	const char *kept; /* by joint of the robot: held, but not merged; NULL: none. Not the scene's, see hold.h */
 };
 
 /* What is listed as nearly right. */
@@ -34,7 +30,7 @@ double adjust_off_rpy(const struct within rpy[3], double tolerance);
    memory runs out. */
 struct robot adjust_snap(const struct robot *r, double tolerance, struct arena *a);
 
-/* Round the placements and inertias of all bodies to so many significant decimal digits. */
-void adjust_round(struct tree *t, int digits);
+/* Does a text depend on this line of the scene? On a range only where constants are changed. */
+int adjust_matters(const struct adjust *x, const struct scene *s, int line);
 
 #endif

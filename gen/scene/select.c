@@ -1,9 +1,8 @@
 #include "scene/select.h"
-#include "tree/tree.h"
 #include <math.h>
 #include <string.h>
 
-struct cutting {
+struct choosing {
 	struct selection *c;
 	const struct scene *s;
 	const struct robot *r;
@@ -12,7 +11,7 @@ struct cutting {
 	char *chain;                        /* by joint: on a chain to a tip */
 	const struct scene_choice **locked; /* by joint */
 	char *moving;                       /* by joint: named by lock-all-but */
-	int has_tips, has_moving, drop;
+	int has_tips, has_moving, cuts;
 };
 
 /* q = multiplier q_leader + offset, through followers of followers to a joint that follows none. */
@@ -30,7 +29,7 @@ static void find_leader(const struct robot *r, int joint, enum rneagen_mimic mim
 
 /* ---- root and tips ---- */
 
-static enum rneagen_code find_root(struct cutting *k)
+static enum rneagen_code find_root(struct choosing *k)
 {
 	const struct scene_choice *root = scene_next(k->s, SCENE_ROOT, NULL);
 
@@ -45,7 +44,7 @@ static enum rneagen_code find_root(struct cutting *k)
 	return k->e->code;
 }
 
-static void mark_chain(struct cutting *k, int link)
+static void mark_chain(struct choosing *k, int link)
 {
 	while (link != k->c->root && !k->chain[k->r->links[link].parent_joint]) {
 		k->chain[k->r->links[link].parent_joint] = 1;
@@ -53,7 +52,7 @@ static void mark_chain(struct cutting *k, int link)
 	}
 }
 
-static enum rneagen_code find_tips(struct cutting *k)
+static enum rneagen_code find_tips(struct choosing *k)
 {
 	for (const struct scene_choice *tip = NULL; (tip = scene_next(k->s, SCENE_TIP, tip)) != NULL;) {
 		int link = scene_link(k->s, tip, k->r, tip->name, k->e);
@@ -78,7 +77,7 @@ static enum rneagen_code find_tips(struct cutting *k)
 
 /* ---- which joints are named ---- */
 
-static enum rneagen_code check_holdable(const struct cutting *k, const struct scene_choice *c, int joint)
+static enum rneagen_code check_holdable(const struct choosing *k, const struct scene_choice *c, int joint)
 {
 	int leader = k->c->joints[joint].leader;
 
@@ -90,7 +89,7 @@ static enum rneagen_code check_holdable(const struct cutting *k, const struct sc
 	return RNEAGEN_OK;
 }
 
-static enum rneagen_code read_value(const struct cutting *k, const struct scene_choice *c, int joint)
+static enum rneagen_code read_value(const struct choosing *k, const struct scene_choice *c, int joint)
 {
 	enum joint_type type = k->r->joints[joint].type;
 	struct within *q = k->c->joints[joint].value;
@@ -107,7 +106,7 @@ static enum rneagen_code read_value(const struct cutting *k, const struct scene_
 	return RNEAGEN_OK;
 }
 
-static enum rneagen_code find_locked(struct cutting *k)
+static enum rneagen_code find_locked(struct choosing *k)
 {
 	for (const struct scene_choice *c = NULL; (c = scene_next(k->s, SCENE_LOCK, c)) != NULL;) {
 		int j = scene_joint(k->s, c, k->r, c->name, k->e);
@@ -124,7 +123,7 @@ static enum rneagen_code find_locked(struct cutting *k)
 	return RNEAGEN_OK;
 }
 
-static enum rneagen_code find_moving(struct cutting *k)
+static enum rneagen_code find_moving(struct choosing *k)
 {
 	for (const struct scene_choice *c = NULL; (c = scene_next(k->s, SCENE_LOCK_ALL_BUT, c)) != NULL;) {
 		int j = scene_joint(k->s, c, k->r, c->name, k->e);
@@ -148,7 +147,7 @@ static enum rneagen_code find_moving(struct cutting *k)
 /* ---- what becomes of each ---- */
 
 /* Why a joint that others may follow is held; NULL if it moves. */
-static const char *why_held(const struct cutting *k, int leader)
+static const char *why_held(const struct choosing *k, int leader)
 {
 	if (k->locked[leader])
 		return scene_word(SCENE_LOCK);
@@ -159,13 +158,13 @@ static const char *why_held(const struct cutting *k, int leader)
 	return k->has_moving && !k->moving[leader] ? scene_word(SCENE_LOCK_ALL_BUT) : NULL;
 }
 
-static void decide(const struct cutting *k, int joint)
+static void decide(const struct choosing *k, int joint)
 {
 	struct selection_joint *c = &k->c->joints[joint], *leader = &k->c->joints[c->leader];
 
 	if (k->r->joints[joint].type == JOINT_FIXED)
 		return;
-	if (k->has_tips && k->drop && !k->chain[joint] && !k->locked[joint]) {
+	if (k->has_tips && k->cuts && !k->chain[joint] && !k->locked[joint]) {
 		c->state = SELECTION_GONE;
 		return;
 	}
@@ -179,11 +178,98 @@ static void decide(const struct cutting *k, int joint)
 	c->value[0] = within_add(within_mul(c->multiplier, leader->value[0]), c->offset);
 }
 
-static enum rneagen_code cut_all(struct cutting *k)
+/* The name in "mass.hand"; NULL where the word is another. */
+static const char *name_after(const char *word, const char *kind)
+{
+	size_t length = strlen(kind);
+
+	return !strncmp(word, kind, length) && word[length] == '.' && word[length + 1] ? word + length + 1 : NULL;
+}
+
+static int frees_link(const struct scene *s, const char *link)
+{
+	for (const struct scene_choice *c = NULL; (c = scene_next(s, SCENE_FREE, c));) {
+		const char *mass = name_after(c->name, "mass"), *inertia = name_after(c->name, "inertia");
+
+		if ((mass && !strcmp(mass, link)) || (inertia && !strcmp(inertia, link)))
+			return 1;
+	}
+	return 0;
+}
+
+/* ---- what is modelled ---- */
+
+/* The joints below each link, linked so that pushing them one by one leaves the first name on top of the stack. */
+struct children {
+	int *first, *next; /* by link, by joint; -1: none */
+};
+
+static void find_children(struct children *x, const struct robot *r)
+{
+	for (int i = 0; i < r->link_count; i++)
+		x->first[i] = -1;
+	for (int j = 0; j < r->joint_count; j++) {
+		int parent = r->joints[j].parent;
+
+		x->next[j] = x->first[parent];
+		x->first[parent] = j;
+	}
+}
+
+static enum rneagen_code walk(struct selection *c, const struct robot *r, struct arena *a, struct rneagen_error *e)
+{
+	size_t links = (size_t)r->link_count, joints = (size_t)r->joint_count;
+	struct children below = {arena_alloc(a, links, sizeof(int)), arena_alloc(a, joints, sizeof(int))};
+	int *stack = arena_alloc(a, joints, sizeof *stack), depth = 0;
+
+	c->walk = arena_alloc(a, joints, sizeof *c->walk);
+	c->reached = arena_alloc(a, links, 1);
+	if (a->failed)
+		return error_memory(e);
+	find_children(&below, r);
+	for (int link = c->root;; link = r->joints[c->walk[c->walk_count - 1]].child) {
+		c->reached[link] = 1;
+		for (int j = below.first[link]; j >= 0; j = below.next[j])
+			if (c->joints[j].state != SELECTION_GONE)
+				stack[depth++] = j;
+		if (!depth)
+			return RNEAGEN_OK;
+		c->walk[c->walk_count++] = stack[--depth];
+	}
+}
+
+static enum rneagen_code check_locks(const struct selection *c, const struct scene *s, const struct robot *r, struct rneagen_error *e)
+{
+	for (const struct scene_choice *lock = NULL; (lock = scene_next(s, SCENE_LOCK, lock)) != NULL;) {
+		int j = scene_joint(s, lock, r, lock->name, e), counts = 0;
+
+		for (int i = 0; i < c->walk_count; i++)
+			counts |= c->joints[c->walk[i]].leader == j;
+		if (!counts)
+			return scene_refuse(s, lock, e, "joint '%s' is cut away; leave it out", lock->name);
+	}
+	return RNEAGEN_OK;
+}
+
+/* ---- all of it ---- */
+
+static enum rneagen_code select_joints(struct choosing *k, enum rneagen_mimic mimic, struct arena *a)
 {
 	const struct scene_choice *beside = scene_next(k->s, SCENE_BESIDE, NULL);
+	size_t links = (size_t)k->r->link_count, joints = (size_t)k->r->joint_count;
 
-	k->drop = beside && !strcmp(beside->value, "drop");
+	k->below = arena_alloc(a, links, 1);
+	k->chain = arena_alloc(a, joints, 1);
+	k->locked = arena_alloc(a, joints, sizeof(struct scene_choice *));
+	k->moving = arena_alloc(a, joints, 1);
+	if (a->failed)
+		return error_memory(k->e);
+	for (int j = 0; j < k->r->joint_count; j++) {
+		if (k->r->joints[j].type == JOINT_FLOATING)
+			k->c->joints[j].value[6] = within_exact(1);
+		find_leader(k->r, j, mimic, &k->c->joints[j]);
+	}
+	k->cuts = beside && !strcmp(beside->value, "drop");
 	if (find_root(k) || find_tips(k) || find_locked(k) || find_moving(k))
 		return k->e->code;
 	for (int j = 0; j < k->r->joint_count; j++)
@@ -191,39 +277,25 @@ static enum rneagen_code cut_all(struct cutting *k)
 	return RNEAGEN_OK;
 }
 
-enum rneagen_code scene_select(struct selection *c, const struct scene *s, const struct robot *r, const struct rneagen_options *o,
+enum rneagen_code scene_select(struct selection *c, const struct scene *s, const struct robot *r, enum rneagen_mimic mimic,
 	struct arena *a, struct rneagen_error *e)
 {
-	size_t links = (size_t)r->link_count, joints = (size_t)r->joint_count;
-	struct cutting k = {.c = c, .s = s, .r = r, .e = e};
+	struct choosing k = {.c = c, .s = s, .r = r, .e = e};
 
-	*c = (struct selection){.joints = arena_alloc(a, joints, sizeof *c->joints)};
-	k.below = arena_alloc(a, links, 1);
-	k.chain = arena_alloc(a, joints, 1);
-	k.locked = arena_alloc(a, joints, sizeof(struct scene_choice *));
-	k.moving = arena_alloc(a, joints, 1);
+	*c = (struct selection){.joints = arena_alloc(a, (size_t)r->joint_count, sizeof *c->joints),
+		.freed = arena_alloc(a, (size_t)r->link_count, 1)};
 	if (a->failed)
 		return error_memory(e);
-	for (int j = 0; j < r->joint_count; j++) {
-		if (r->joints[j].type == JOINT_FLOATING)
-			c->joints[j].value[6] = within_exact(1);
-		find_leader(r, j, o->mimic, &c->joints[j]);
-	}
-	return cut_all(&k);
+	if (select_joints(&k, mimic, a) || walk(c, r, a, e))
+		return e->code;
+	for (int i = 0; i < r->link_count; i++)
+		c->freed[i] = (char)frees_link(s, r->links[i].name);
+	return check_locks(c, s, r, e);
 }
 
-enum rneagen_code scene_select_check(const struct selection *c, const struct scene *s, const struct robot *r, const char *visited,
-	struct rneagen_error *e)
+int selection_moves(const struct selection *c, const struct robot *r, int joint)
 {
-	for (const struct scene_choice *lock = NULL; (lock = scene_next(s, SCENE_LOCK, lock)) != NULL;) {
-		int j = scene_joint(s, lock, r, lock->name, e), counts = 0;
-
-		for (int i = 0; i < r->joint_count; i++)
-			counts |= c->joints[i].leader == j && visited[r->joints[i].child] && visited[r->joints[i].parent];
-		if (!counts)
-			return scene_refuse(s, lock, e, "joint '%s' is cut away; leave it out", lock->name);
-	}
-	return RNEAGEN_OK;
+	return r->joints[joint].type != JOINT_FIXED && c->joints[joint].state == SELECTION_MOVES && c->reached[r->joints[joint].parent];
 }
 
 int selection_beyond(const struct joint *j, const struct selection_joint *held)

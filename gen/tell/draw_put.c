@@ -1,5 +1,6 @@
 #include "tell/draw_put.h"
 #include "base/number.h"
+#include "draw/draw.h"
 
 enum { WIDTH = 84 }; /* a line goes on by one run at most */
 
@@ -48,10 +49,12 @@ static void add_row(struct telling *x, const struct drawn_array *a, int row, str
 	x->runs[x->count++] = (struct run){a, row, 1, a->ranges[row]};
 }
 
-static int begin(struct telling *x, const struct tree *t, const struct dag *d, struct text *out)
+static int begin(struct telling *x, const struct analysis *of, struct text *out)
 {
-	*x = (struct telling){.request = &t->request};
-	if (draw_ranges(&x->drawn, t, out->arena))
+	const struct dag *d = &of->dag;
+
+	*x = (struct telling){.request = &of->request};
+	if (draw_ranges(&x->drawn, &of->tree, &of->request, out->arena))
 		for (int k = 0; k < d->argument_count; k++) {
 			const struct drawn_array *a = draw_array(&x->drawn, &d->arguments[k]);
 
@@ -75,12 +78,12 @@ static void put_run(const struct run *r, struct text *out)
 		text_printf(out, r->range.kind == DRAW_BODY ? " a body of %.6g..%.6g kg" : " %.6g..%.6g", r->range.lower, r->range.upper);
 }
 
-void draw_put(const struct tree *t, const struct dag *d, const char *next, struct text *out)
+void draw_put(const struct analysis *a, const char *next, struct text *out)
 {
 	struct telling x;
 	size_t line = out->length;
 
-	if (!begin(&x, t, d, out))
+	if (!begin(&x, a, out))
 		return;
 	for (size_t i = 0; i < x.count; i++) {
 		text_put(out, i ? "," : "");
@@ -94,12 +97,12 @@ void draw_put(const struct tree *t, const struct dag *d, const char *next, struc
 	}
 }
 
-void draw_put_json(const struct tree *t, const struct dag *d, const char *next, struct text *out)
+void draw_put_json(const struct analysis *a, const char *next, struct text *out)
 {
 	static const char *const kinds[] = {[DRAW_NUMBER] = "number", [DRAW_ROTATION] = "rotation", [DRAW_BODY] = "body"};
 	struct telling x;
 
-	if (!begin(&x, t, d, out))
+	if (!begin(&x, a, out))
 		return;
 	for (size_t i = 0; i < x.count; i++) {
 		const struct run *r = &x.runs[i];

@@ -1,5 +1,4 @@
 #include "tell/effect.h"
-#include "analysis.h"
 #include "tell/draw_put.h"
 #include "dag/eval.h"
 #include "base/number.h"
@@ -7,34 +6,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One way to build the scene: the DAG of its torques and what they cost. */
-struct way {
-	struct tree tree;
-	const struct dag *dag;
-	struct dag own; /* where it is built here */
-	long flops;
-};
-
 struct measuring {
-	const struct robot *r;
-	const struct rneagen_options *o;
+	const struct analysis *now;
 	struct arena *a; /* for what goes again */
 	struct rneagen_error *e;
 	struct drawn inputs;
 };
 
-static enum rneagen_code count(struct way *w, const struct measuring *m)
+/* The same scene with constants changed in another way. */
+static enum rneagen_code build(struct analysis *x, const struct measuring *m, const struct adjust *adjust)
 {
-	w->flops = analysis_flops(w->dag);
-	return w->flops < 0 ? error_memory(m->e) : RNEAGEN_OK;
-}
-
-static enum rneagen_code build(struct way *w, const struct measuring *m, const struct adjust *x)
-{
-	w->dag = &w->own;
-	if (tree_build_adjusted(&w->tree, m->r, m->o, x, m->a, m->e))
-		return m->e->code;
-	return analysis_dag(&w->own, &w->tree, m->o->strict, m->a) ? count(w, m) : error_memory(m->e);
+	analysis_copy(x, m->now, m->a, m->e);
+	x->adjust = *adjust;
+	return analysis_run(x, PASS_ROBOT_SNAP, PASS_DAG_FUSE);
 }
 
 /* ---- torques ---- */
@@ -49,9 +33,9 @@ static size_t output_rows(const struct dag *d)
 }
 
 /* All outputs in one sample, after one another. Returns 0 when memory runs out. */
-static int torques(const struct way *w, const struct measuring *m, size_t sample, double *out)
+static int torques(const struct analysis *w, const struct measuring *m, size_t sample, double *out)
 {
-	const struct dag *d = w->dag;
+	const struct dag *d = &w->dag;
 	const double *in[DAG_ARGUMENTS] = {NULL};
 	double *to[DAG_ARGUMENTS] = {NULL};
 
@@ -64,9 +48,9 @@ static int torques(const struct way *w, const struct measuring *m, size_t sample
 }
 
 /* NAN where nothing is known: an output overflows. */
-static int compare(struct effect *x, const struct way *with, const struct way *without, const struct measuring *m)
+static int compare(struct effect *x, const struct analysis *with, const struct analysis *without, const struct measuring *m)
 {
-	size_t rows = output_rows(with->dag);
+	size_t rows = output_rows(&with->dag);
 	double *y = arena_alloc(m->a, 2 * rows, sizeof *y), *z = y ? y + rows : NULL, largest = 0, largest_off = 0;
 
 	for (size_t k = 0; k < m->inputs.samples; k++) {
@@ -90,22 +74,22 @@ static int compare(struct effect *x, const struct way *with, const struct way *w
 
 /* ---- each change ---- */
 
-static enum rneagen_code add_effect(struct tree *t, struct effect *x, const struct way *with, const struct way *without,
+static enum rneagen_code add_effect(struct effects *all, struct effect *x, const struct analysis *with, const struct analysis *without,
 	const struct measuring *m)
 {
-	x->saved = without->flops - with->flops;
+	x->saved = analysis_flops(without) - analysis_flops(with);
 	if (!compare(x, with, without, m))
 		return error_memory(m->e);
-	t->effects[t->effect_count++] = *x;
+	all->of[all->count++] = *x;
 	return RNEAGEN_OK;
 }
 
-static enum rneagen_code measure_asked(struct tree *t, const struct way *now, const struct measuring *m)
+static enum rneagen_code measure_asked(struct effects *all, const struct measuring *m)
 {
 	for (int key = SCENE_SNAP_ANGLE; key <= SCENE_DROP_BELOW; key++) {
 		struct effect x = {.key = (enum scene_key)key, .is_asked = 1};
-		struct adjust other = t->adjust;
-		struct way without;
+		struct adjust other = m->now->adjust;
+		struct analysis without;
 
 		if (key == SCENE_SNAP_ANGLE) {
 			x.argument = other.snap;
@@ -117,44 +101,40 @@ static enum rneagen_code measure_asked(struct tree *t, const struct way *now, co
 			x.argument = other.drop;
 			other.drop = 0;
 		}
-		if (x.argument > 0 && (build(&without, m, &other) || add_effect(t, &x, now, &without, m)))
+		if (x.argument > 0 && (build(&without, m, &other) || add_effect(all, &x, m->now, &without, m)))
 			return m->e->code;
 	}
 	return RNEAGEN_OK;
 }
 
 /* What --snap-angle would do where there is something for it. */
-static enum rneagen_code measure_nearly(struct tree *t, const struct way *now, const struct measuring *m)
+static enum rneagen_code measure_nearly(struct effects *all, const struct measuring *m)
 {
 	struct effect x = {.key = SCENE_SNAP_ANGLE, .argument = ADJUST_NEARLY};
-	struct adjust other = t->adjust;
-	struct way with;
+	struct adjust other = m->now->adjust;
+	struct analysis with;
 
-	if (other.snap > 0 || !t->angle_count)
+	if (other.snap > 0 || !m->now->outcome.angle_count)
 		return RNEAGEN_OK;
 	other.snap = ADJUST_NEARLY;
-	return build(&with, m, &other) ? m->e->code : add_effect(t, &x, &with, now, m);
+	return build(&with, m, &other) ? m->e->code : add_effect(all, &x, &with, m->now, m);
 }
 
-enum rneagen_code effect_measure(struct tree *t, const struct dag *now, const struct robot *r, const struct rneagen_options *o,
-	struct arena *a, struct rneagen_error *e)
+enum rneagen_code effect_measure(struct effects *x, const struct analysis *a)
 {
-	struct way way = {.tree = *t, .dag = now};
 	struct arena spare;
-	struct measuring m = {.r = r, .o = o, .a = &spare, .e = e};
+	struct measuring m = {.now = a, .a = &spare, .e = a->error};
 
-	t->effects = arena_alloc(a, 4, sizeof *t->effects);
-	if (!t->effects)
-		return error_memory(e);
-	if (!adjust_is_asked(&t->adjust) && !t->angle_count)
+	x->count = 0;
+	if (!adjust_is_asked(&a->adjust) && !a->outcome.angle_count)
 		return RNEAGEN_OK;
-	arena_init(&spare, &a->allocator);
-	if (!draw_inputs(&m.inputs, t, &DRAW_EFFECTS, &spare))
-		error_memory(e);
-	else if (!count(&way, &m) && !measure_asked(t, &way, &m))
-		measure_nearly(t, &way, &m);
+	arena_init(&spare, &a->arena->allocator);
+	if (!draw_inputs(&m.inputs, &a->tree, &a->request, &DRAW_EFFECTS, &spare))
+		error_memory(a->error);
+	else if (!measure_asked(x, &m))
+		measure_nearly(x, &m);
 	arena_free(&spare);
-	return e->code;
+	return a->error->code;
 }
 
 /* ---- all of them ---- */
@@ -179,40 +159,38 @@ static double largest_change(const struct dag *d, const double *y, const double 
 	return largest;
 }
 
-static int compare_all(double *change, const struct way *with, const struct way *without, const struct measuring *m)
+static int compare_all(double *change, const struct analysis *with, const struct analysis *without, const struct measuring *m)
 {
-	size_t rows = output_rows(with->dag);
+	size_t rows = output_rows(&with->dag);
 	double *y = arena_alloc(m->a, 2 * rows, sizeof *y), *z = y ? y + rows : NULL, largest = -1;
 
 	for (size_t k = 0; k < m->inputs.samples; k++) {
 		if (!y || !torques(with, m, k, y) || !torques(without, m, k, z))
 			return 0;
-		largest = fmax(largest, largest_change(with->dag, y, z));
+		largest = fmax(largest, largest_change(&with->dag, y, z));
 	}
 	if (largest >= 0)
 		*change = largest;
 	return 1;
 }
 
-enum rneagen_code effect_total(double *change, const struct tree *t, const struct dag *now, const struct robot *r,
-	const struct rneagen_options *o, const struct draw_options *drawing, struct rneagen_error *e)
+enum rneagen_code effect_total(double *change, const struct analysis *a, const struct draw_options *drawing,
+	struct rneagen_error *e)
 {
-	struct way with = {.tree = *t, .dag = now}, without;
+	const struct adjust none = {0};
 	struct draw_options each = *drawing;
-	struct adjust none = t->adjust;
+	struct analysis without;
 	struct arena spare;
-	struct measuring m = {.r = r, .o = o, .a = &spare, .e = e};
+	struct measuring m = {.now = a, .a = &spare, .e = e};
 
 	*change = (double)NAN;
-	none.snap = none.drop = 0;
-	none.digits = 0;
 	each.each = 1;
-	if (!adjust_is_asked(&t->adjust))
+	if (!adjust_is_asked(&a->adjust))
 		return RNEAGEN_OK;
 	arena_init(&spare, NULL);
-	if (!draw_inputs(&m.inputs, t, &each, &spare))
+	if (!draw_inputs(&m.inputs, &a->tree, &a->request, &each, &spare))
 		error_memory(e);
-	else if (!build(&without, &m, &none) && !compare_all(change, &with, &without, &m))
+	else if (!build(&without, &m, &none) && !compare_all(change, a, &without, &m))
 		error_memory(e);
 	arena_free(&spare);
 	return e->code;
@@ -231,42 +209,42 @@ static void put_effect(const struct effect *x, struct text *out)
 	text_printf(out, ", sampled in %zu states", DRAW_EFFECTS.count);
 }
 
-static int is_asked(const struct tree *t)
+static int is_asked(const struct effects *all)
 {
-	for (int i = 0; i < t->effect_count; i++)
-		if (t->effects[i].is_asked)
+	for (int i = 0; i < all->count; i++)
+		if (all->of[i].is_asked)
 			return 1;
 	return 0;
 }
 
-void effect_put_table(const struct tree *t, const struct dag *d, struct text *out)
+void effect_put_table(const struct effects *all, const struct analysis *a, struct text *out)
 {
-	for (int i = 0; i < t->angle_count; i++)
-		text_printf(out, "%s%s '%s', by %.2g\n", i ? "  " : "\nangles that are nearly right, rad\n  ", t->angles[i].what,
-			t->angles[i].name, t->angles[i].off);
-	for (int i = 0; i < t->effect_count; i++) {
+	for (int i = 0; i < a->outcome.angle_count; i++)
+		text_printf(out, "%s%s '%s', by %.2g\n", i ? "  " : "\nangles that are nearly right, rad\n  ", a->outcome.angles[i].what,
+			a->outcome.angles[i].name, a->outcome.angles[i].off);
+	for (int i = 0; i < all->count; i++) {
 		text_put(out, i ? "  " : "\nchanged constants\n  ");
-		put_effect(&t->effects[i], out);
+		put_effect(&all->of[i], out);
 		text_putc(out, '\n');
 	}
-	if (t->effect_count) {
+	if (all->count) {
 		text_put(out, "  drawn are ");
-		draw_put(t, d, "\n    ", out);
+		draw_put(a, "\n    ", out);
 		text_putc(out, '\n');
 	}
 }
 
-void effect_put_comment(const struct tree *t, const struct dag *d, struct text *out)
+void effect_put_comment(const struct effects *all, const struct analysis *a, struct text *out)
 {
-	for (int i = 0; i < t->effect_count; i++)
-		if (t->effects[i].is_asked) {
+	for (int i = 0; i < all->count; i++)
+		if (all->of[i].is_asked) {
 			text_put(out, " * ");
-			put_effect(&t->effects[i], out);
+			put_effect(&all->of[i], out);
 			text_put(out, "\n");
 		}
-	if (is_asked(t)) {
+	if (is_asked(all)) {
 		text_put(out, " * Drawn are ");
-		draw_put(t, d, "\n *   ", out);
+		draw_put(a, "\n *   ", out);
 		text_put(out, "\n");
 	}
 }
@@ -289,24 +267,24 @@ static void put_json_effect(const struct effect *x, struct text *out)
 	text_putc(out, '}');
 }
 
-void effect_put_json(const struct tree *t, const struct dag *d, struct text *out)
+void effect_put_json(const struct effects *all, const struct analysis *a, struct text *out)
 {
-	if (t->angle_count)
+	if (a->outcome.angle_count)
 		text_put(out, "  \"nearly_right\": [");
-	for (int i = 0; i < t->angle_count; i++) {
-		text_printf(out, "%s{\"%s\": ", i ? ",\n    " : "\n    ", *t->angles[i].what == 'j' ? "joint" : "link");
-		text_put_json(out, t->angles[i].name);
-		text_printf(out, ", \"off\": %s}", number_plain(t->angles[i].off).s);
+	for (int i = 0; i < a->outcome.angle_count; i++) {
+		text_printf(out, "%s{\"%s\": ", i ? ",\n    " : "\n    ", *a->outcome.angles[i].what == 'j' ? "joint" : "link");
+		text_put_json(out, a->outcome.angles[i].name);
+		text_printf(out, ", \"off\": %s}", number_plain(a->outcome.angles[i].off).s);
 	}
-	text_put(out, t->angle_count ? "\n  ],\n" : "");
-	if (!t->effect_count)
+	text_put(out, a->outcome.angle_count ? "\n  ],\n" : "");
+	if (!all->count)
 		return;
 	text_put(out, "  \"changed\": [");
-	for (int i = 0; i < t->effect_count; i++) {
+	for (int i = 0; i < all->count; i++) {
 		text_put(out, i ? ",\n    " : "\n    ");
-		put_json_effect(&t->effects[i], out);
+		put_json_effect(&all->of[i], out);
 	}
 	text_printf(out, "\n  ],\n  \"sampled\": {\"states\": %zu, \"inputs\": [\n    ", DRAW_EFFECTS.count);
-	draw_put_json(t, d, ",\n    ", out);
+	draw_put_json(a, ",\n    ", out);
 	text_put(out, "\n  ]},\n");
 }

@@ -4,8 +4,7 @@
    torques by sampling. */
 
 #include "draw/draw.h"
-#include "dynamics/registry.h"
-#include "rneagen.h"
+#include "passes/analysis.h"
 
 struct effect {
 	enum scene_key key;
@@ -16,21 +15,25 @@ struct effect {
 	double share;    /* and of |tau| over the largest |tau|, in the samples of DRAW_EFFECTS; NAN where one overflows */
 };
 
-/* Of each of snap-angle, round-constants and drop-below that the tree was built with, and that made the fused DAG `now`;
-   of snap-angle ADJUST_NEARLY where it was not and there is an angle for it. Fills t->effects. Errors: MEMORY. */
-enum rneagen_code effect_measure(struct tree *t, const struct dag *now, const struct robot *r, const struct rneagen_options *o,
-	struct arena *a, struct rneagen_error *e);
+struct effects {
+	struct effect of[4];
+	int count;
+};
 
-/* What all that the tree was built with of these three change together: the largest ||y - z|| / ||z|| of an output array, y
+/* Of each of snap-angle, round-constants and drop-below that the analysis was made with; of snap-angle ADJUST_NEARLY where it was
+   not and there is an angle for it. Errors: MEMORY. */
+enum rneagen_code effect_measure(struct effects *x, const struct analysis *a);
+
+/* What all that the analysis was made with of these three change together: the largest ||y - z|| / ||z|| of an output array, y
    with and z without, over drawn inputs, those of a batch drawn for each sample, too; NAN where there is none of the three,
    or nothing but 0 to compare with. Errors: MEMORY. */
-enum rneagen_code effect_total(double *change, const struct tree *t, const struct dag *now, const struct robot *r,
-	const struct rneagen_options *o, const struct draw_options *drawing, struct rneagen_error *e);
+enum rneagen_code effect_total(double *change, const struct analysis *a, const struct draw_options *drawing,
+	struct rneagen_error *e);
 
 /* Lines of --info, a member of --info=json, and lines of a text's head (what is asked for alone), with the ranges of the
    inputs of its DAG. */
-void effect_put_table(const struct tree *t, const struct dag *d, struct text *out);
-void effect_put_json(const struct tree *t, const struct dag *d, struct text *out);
-void effect_put_comment(const struct tree *t, const struct dag *d, struct text *out);
+void effect_put_table(const struct effects *x, const struct analysis *a, struct text *out);
+void effect_put_json(const struct effects *x, const struct analysis *a, struct text *out);
+void effect_put_comment(const struct effects *x, const struct analysis *a, struct text *out);
 
 #endif

@@ -1,8 +1,6 @@
 #include "tell/info.h"
-#include "tell/effect.h"
 #include "base/number.h"
-#include "plan/parts.h"
-#include "tell/saving.h"
+#include "tell/parts_put.h"
 #include "tell/scene_put.h"
 
 static real total_mass(const struct tree *t)
@@ -37,7 +35,7 @@ static void put_operations(const struct emission *e, struct text *out)
 {
 	text_put(out, "\noperations       mul    add    sub    neg    fma sincos  flops\n");
 	for (int i = 0; i < e->pass_count; i++) {
-		struct operation_count n = i ? plan_operations(&e->passes[i].plan) : parts_operations(e);
+		struct operation_count n = i ? plan_operations(&e->passes[i].plan) : parts_operations(e->parts, e->part_count, &emit_main(e)->plan);
 
 		text_printf(out, "  %-10s %7u %6u %6u %6u %6u %6u %6u\n", e->passes[i].algorithm->name, n.mul, n.add, n.sub, n.neg, n.fma,
 			n.sincos, plan_flops(n));
@@ -45,9 +43,11 @@ static void put_operations(const struct emission *e, struct text *out)
 	parts_put_table(e, out);
 }
 
-void info_table(const struct emission *e, struct text *out)
+void info_table(const struct report *r, struct text *out)
 {
-	const struct tree *t = e->tree;
+	const struct analysis *a = r->analysis;
+	const struct emission *e = r->emission;
+	const struct tree *t = &a->tree;
 
 	text_printf(out, "robot %s (functions %s_...): nq %d, nv %d, %d moving bodies, %.6Lg kg, %.6Lg kg of it fixed to the world\n",
 		t->robot, e->options->name, t->nq, t->nv, t->body_count, total_mass(t), t->fixed.mass.x);
@@ -61,10 +61,10 @@ void info_table(const struct emission *e, struct text *out)
 	for (int i = 0; i < t->mimic_count; i++)
 		text_printf(out, "%s%s = %.9Lg * %s + %.9Lg\n", i ? "  " : "\nmimic\n  ", t->mimics[i].name,
 			t->mimics[i].multiplier.x, t->mimics[i].driver, t->mimics[i].offset.x);
-	scene_put_table(t, out);
-	saving_put_table(t, out);
-	effect_put_table(t, &emit_main(e)->dag, out);
-	scene_put_ignored(t, out);
+	scene_put_table(&a->scene, &a->outcome, out);
+	saving_put_table(&r->savings, &a->scene, out);
+	effect_put_table(&r->effects, a, out);
+	scene_put_ignored(&a->outcome, out);
 	put_operations(e, out);
 	for (size_t i = 0; i < e->warning_count; i++)
 		text_printf(out, "%s%s\n", i ? "  " : "\nwarnings\n  ", e->warnings[i]);
@@ -95,9 +95,11 @@ static void put_json_joints(const struct tree *t, struct text *out)
 	text_put(out, t->mimic_count ? "\n  ],\n" : "],\n");
 }
 
-void info_json(const struct emission *e, struct text *out)
+void info_json(const struct report *r, struct text *out)
 {
-	struct operation_count n = parts_operations(e);
+	const struct analysis *a = r->analysis;
+	const struct emission *e = r->emission;
+	struct operation_count n = parts_operations(e->parts, e->part_count, &emit_main(e)->plan);
 
 	text_put(out, "{\n  \"name\": ");
 	text_put_json(out, e->options->name);
@@ -105,10 +107,10 @@ void info_json(const struct emission *e, struct text *out)
 	text_put_json(out, e->tree->robot);
 	text_printf(out, ",\n  \"nq\": %d,\n  \"nv\": %d,\n  \"nb\": %d,\n", e->tree->nq, e->tree->nv, e->tree->body_count);
 	put_json_joints(e->tree, out);
-	scene_put_json(e->tree, out);
-	saving_put_json(e->tree, out);
-	effect_put_json(e->tree, &emit_main(e)->dag, out);
-	scene_put_json_ignored(e->tree, out);
+	scene_put_json(&a->scene, &a->outcome, out);
+	saving_put_json(&r->savings, &a->scene, out);
+	effect_put_json(&r->effects, a, out);
+	scene_put_json_ignored(&a->outcome, out);
 	emit_pattern_json(e, out);
 	parts_put_json(e, out);
 	if (e->options->target == RNEAGEN_TARGET_CUDA)

@@ -3,12 +3,21 @@
 /* What --info says of a robot and of what was generated for it. */
 
 #include "emit/emit.h"
-#include "urdf/robot.h"
+#include "tell/effect.h"
+#include "tell/saving.h"
+
+/* All that there is to tell. */
+struct report {
+	const struct analysis *analysis;
+	const struct emission *emission;
+	struct effects effects;
+	struct savings savings;
+};
 
 /* A table that a person reads. */
-void info_table(const struct emission *e, struct text *out);
+void info_table(const struct report *r, struct text *out);
 
 /* One JSON object: name, nq, nv, joints, mimic, warnings, operations. */
-void info_json(const struct emission *e, struct text *out);
+void info_json(const struct report *r, struct text *out);
 
 #endif

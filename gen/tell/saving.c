@@ -1,7 +1,4 @@
 #include "tell/saving.h"
-#include "analysis.h"
-#include "hold.h"
-#include "plan/plan.h"
 #include <string.h>
 
 /* With more lines than these the scene is compared with the full model alone. */
@@ -24,28 +21,25 @@ static void note(struct saving *x, const struct plan *p, const struct rneagen_op
 	x->bytes = bytes_of(p->dag, o);
 }
 
-/* In an arena of its own, which goes again. */
-static enum rneagen_code count(struct saving *x, const struct robot *r, const struct rneagen_options *o, struct rneagen_error *e)
+/* Of another scene of the robot. */
+static enum rneagen_code count(struct saving *x, const struct analysis *of, const struct rneagen_options *o)
 {
 	struct rneagen_error refused = {0};
-	struct arena a;
-	struct tree t;
-	struct dag d;
+	struct arena spare;
+	struct analysis other;
 	struct plan p;
 
-	arena_init(&a, o->allocator);
-	if (!keep_build(&t, r, o, &a, &refused)) {
-		if (!analysis_dag(&d, &t, o->strict, &a) || !plan_build(&p, &d, &t, &a))
-			error_memory(e);
-		else
-			note(x, &p, o, &a);
-	} else if (refused.code == RNEAGEN_MEMORY) {
-		error_memory(e);
+	arena_init(&spare, o->allocator);
+	analysis_copy(&other, of, &spare, &refused);
+	other.options = *o;
+	if (!analysis_run(&other, PASS_SCENE_PARSE, PASS_DAG_FUSE)) {
+		if (plan_build(&p, &other.dag, &other.tree, &spare))
+			note(x, &p, o, &spare);
 	}
-	if (a.failed)
-		error_memory(e);
-	arena_free(&a);
-	return e->code;
+	if (spare.failed || refused.code == RNEAGEN_MEMORY)
+		error_memory(of->error);
+	arena_free(&spare);
+	return of->error->code;
 }
 
 /* The text of the scene without its line of this index, and without ranges where these are not wanted either. */
@@ -68,51 +62,49 @@ static const char *without(const struct scene *s, const char *scene, int index, 
 }
 
 /* A range of what the line makes an input goes with it. */
-static enum rneagen_code add_without(struct tree *t, int index, const struct robot *r, const struct rneagen_options *o, struct arena *a,
-	struct rneagen_error *e)
+static enum rneagen_code add_without(struct savings *s, const struct analysis *a, int index)
 {
-	struct saving *x = &t->savings[t->saving_count++];
-	struct rneagen_options other = *o;
+	struct saving *x = &s->of[s->count++];
+	struct rneagen_options other = a->options;
 
 	x->line = index;
-	for (int ranges = 1; ranges >= 0 && !x->is_known && !e->code; ranges--) {
-		other.scene = without(&t->scene, o->scene, index, ranges, a);
-		if (a->failed || (!ranges && !scene_next(&t->scene, SCENE_RANGE, NULL)))
+	for (int ranges = 1; ranges >= 0 && !x->is_known && !a->error->code; ranges--) {
+		other.scene = without(&a->scene, a->options.scene, index, ranges, a->arena);
+		if (a->arena->failed || (!ranges && !scene_next(&a->scene, SCENE_RANGE, NULL)))
 			break;
-		count(x, r, &other, e);
+		count(x, a, &other);
 	}
-	return a->failed ? error_memory(e) : e->code;
+	return a->arena->failed ? error_memory(a->error) : a->error->code;
 }
 
-static enum rneagen_code add_full(struct tree *t, const struct robot *r, const struct rneagen_options *o, struct rneagen_error *e)
+static enum rneagen_code add_full(struct savings *s, const struct analysis *a)
 {
-	struct saving *x = &t->savings[t->saving_count++];
-	struct rneagen_options other = *o;
+	struct saving *x = &s->of[s->count++];
+	struct rneagen_options other = a->options;
 
 	other.scene = NULL;
 	other.order = NULL; /* it need not name what the scene leaves out */
 	x->line = SAVING_FULL;
-	return count(x, r, &other, e);
+	return count(x, a, &other);
 }
 
-enum rneagen_code saving_measure(struct tree *t, const struct plan *now, const struct robot *r, const struct rneagen_options *o,
-	struct arena *a, struct rneagen_error *e)
+enum rneagen_code saving_measure(struct savings *x, const struct analysis *a, const struct plan *now)
 {
-	int lines = scene_choice_count(&t->scene);
+	int lines = scene_choice_count(&a->scene);
 
+	*x = (struct savings){.of = arena_alloc(a->arena, (size_t)lines + 2, sizeof *x->of)};
+	if (!x->of)
+		return error_memory(a->error);
 	if (!lines)
 		return RNEAGEN_OK;
-	t->savings = arena_alloc(a, (size_t)lines + 2, sizeof *t->savings);
-	if (!t->savings)
-		return error_memory(e);
-	if (add_full(t, r, o, e))
-		return e->code;
-	t->savings[t->saving_count].line = SAVING_SCENE;
-	note(&t->savings[t->saving_count++], now, o, a);
-	for (int i = 0; i < t->scene.line_count && lines > 1 && lines <= MOST_LINES; i++)
-		if (t->scene.lines[i].key != SCENE_RANGE && add_without(t, i, r, o, a, e))
-			return e->code;
-	return a->failed ? error_memory(e) : RNEAGEN_OK;
+	if (add_full(x, a))
+		return a->error->code;
+	x->of[x->count].line = SAVING_SCENE;
+	note(&x->of[x->count++], now, &a->options, a->arena);
+	for (int i = 0; i < a->scene.line_count && lines > 1 && lines <= MOST_LINES; i++)
+		if (a->scene.lines[i].key != SCENE_RANGE && add_without(x, a, i))
+			return a->error->code;
+	return a->arena->failed ? error_memory(a->error) : RNEAGEN_OK;
 }
 
 /* ---- telling ---- */
@@ -122,13 +114,13 @@ static double floor_ps(const struct saving *x)
 	return x->bytes / SAVING_BANDWIDTH * 1e12;
 }
 
-void saving_put_table(const struct tree *t, struct text *out)
+void saving_put_table(const struct savings *all, const struct scene *s, struct text *out)
 {
-	if (!t->saving_count)
+	if (!all->count)
 		return;
 	text_put(out, "\nof a sample        flops   alive   bytes   ps at 3 TB/s\n");
-	for (int i = 0; i < t->saving_count; i++) {
-		const struct saving *x = &t->savings[i];
+	for (int i = 0; i < all->count; i++) {
+		const struct saving *x = &all->of[i];
 
 		text_put(out, x->line == SAVING_FULL ? "  full model  " : x->line == SAVING_SCENE ? "  this scene  " : "  without it  ");
 		if (x->is_known)
@@ -137,25 +129,25 @@ void saving_put_table(const struct tree *t, struct text *out)
 			text_printf(out, "%10s %7s %7s %14s", "-", "-", "-", "-");
 		if (x->line >= 0) {
 			text_put(out, "   ");
-			scene_put_option(&t->scene.lines[x->line], out);
+			scene_put_option(&s->lines[x->line], out);
 		}
 		text_putc(out, '\n');
 	}
 }
 
-void saving_put_json(const struct tree *t, struct text *out)
+void saving_put_json(const struct savings *all, const struct scene *s, struct text *out)
 {
 	struct text option;
 
-	if (!t->saving_count)
+	if (!all->count)
 		return;
 	text_put(out, "  \"savings\": [");
-	for (int i = 0; i < t->saving_count; i++) {
-		const struct saving *x = &t->savings[i];
+	for (int i = 0; i < all->count; i++) {
+		const struct saving *x = &all->of[i];
 
 		text_init(&option, out->arena);
 		if (x->line >= 0)
-			scene_put_option(&t->scene.lines[x->line], &option);
+			scene_put_option(&s->lines[x->line], &option);
 		out->failed |= option.failed;
 		text_put(out, i ? ",\n    {\"without\": " : "\n    {\"without\": ");
 		text_put_json(out, x->line == SAVING_FULL ? "the scene" : x->line == SAVING_SCENE ? "" : text_string(&option));

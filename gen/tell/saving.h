@@ -3,8 +3,8 @@
 /* What each choice of a scene saves, or costs: the text with the scene beside the one without, and beside those where a
    single choice is left out. */
 
+#include "passes/analysis.h"
 #include "plan/plan.h"
-#include "rneagen.h"
 
 /* What a sample costs. */
 struct saving {
@@ -20,13 +20,16 @@ enum { SAVING_FULL = -2, SAVING_SCENE = -1 };
 /* Memory of an H100 moves 3 TB/s; on another device the floor is another. */
 #define SAVING_BANDWIDTH 3e12
 
-/* Fills t->savings where there is a scene, which `now` is the plan of. A range that inputs are drawn from chooses nothing.
-   Errors: MEMORY. */
-enum rneagen_code saving_measure(struct tree *t, const struct plan *now, const struct robot *r, const struct rneagen_options *o,
-	struct arena *a, struct rneagen_error *e);
+struct savings {
+	struct saving *of; /* the full model, the scene, and what is left of it without each of its lines */
+	int count;         /* 0: there is no scene */
+};
+
+/* Of a scene that `now` is the plan of, in memory of a->arena. A range that inputs are drawn from chooses nothing. Errors: MEMORY. */
+enum rneagen_code saving_measure(struct savings *x, const struct analysis *a, const struct plan *now);
 
 /* Lines of --info, and a member of --info=json. */
-void saving_put_table(const struct tree *t, struct text *out);
-void saving_put_json(const struct tree *t, struct text *out);
+void saving_put_table(const struct savings *x, const struct scene *s, struct text *out);
+void saving_put_json(const struct savings *x, const struct scene *s, struct text *out);
 
 #endif

@@ -3,11 +3,6 @@
 
 enum { WIDTH = 110 };
 
-int scene_put_matters(const struct tree *t, int line)
-{
-	return t->scene.lines[line].key != SCENE_RANGE || adjust_is_asked(&t->adjust);
-}
-
 void scene_put_options(const struct scene *s, const char *before, struct text *out)
 {
 	for (int i = 0; i < s->line_count; i++) {
@@ -16,7 +11,7 @@ void scene_put_options(const struct scene *s, const char *before, struct text *o
 	}
 }
 
-static void put_value(const struct tree_held *h, struct text *out)
+static void put_value(const struct outcome_held *h, struct text *out)
 {
 	for (int i = 0; i < joint_nq(h->type); i++)
 		text_printf(out, "%s%.9Lg", i ? ", " : "", h->value[i].x);
@@ -48,9 +43,9 @@ static void put_plain(const char *name, struct text *out)
 	text_put(out, name);
 }
 
-void scene_put_ignored(const struct tree *t, struct text *out)
+void scene_put_ignored(const struct outcome *o, struct text *out)
 {
-	const struct tree_ignored *x = &t->ignored;
+	const struct outcome_ignored *x = &o->ignored;
 
 	if (x->damping_count || x->friction_count || x->limit_count || x->transmission_count)
 		text_put(out, "\nin the URDF and not modelled\n");
@@ -61,22 +56,22 @@ void scene_put_ignored(const struct tree *t, struct text *out)
 		text_printf(out, "  %d transmissions\n", x->transmission_count);
 }
 
-void scene_put_table(const struct tree *t, struct text *out)
+void scene_put_table(const struct scene *s, const struct outcome *o, struct text *out)
 {
-	if (!t->scene.line_count)
+	if (!s->line_count)
 		return;
 	text_put(out, "\nscene");
-	scene_put_options(&t->scene, "\n  ", out);
-	text_put(out, t->held_count ? "\nheld\n" : "\n");
-	for (int i = 0; i < t->held_count; i++) {
-		text_printf(out, "  %s = ", t->held[i].name);
-		put_value(&t->held[i], out);
-		text_printf(out, " (%s)\n", t->held[i].why);
+	scene_put_options(s, "\n  ", out);
+	text_put(out, o->held_count ? "\nheld\n" : "\n");
+	for (int i = 0; i < o->held_count; i++) {
+		text_printf(out, "  %s = ", o->held[i].name);
+		put_value(&o->held[i], out);
+		text_printf(out, " (%s)\n", o->held[i].why);
 	}
-	if (t->cut.link_count)
-		text_printf(out, "cut away: %d links of %.6Lg kg, %d joints\n", t->cut.link_count, t->cut.mass, t->cut.joint_count);
-	put_names("  joints: ", ",\n    ", put_plain, t->cut.joints, t->cut.joint_count, out);
-	put_names("  links: ", ",\n    ", put_plain, t->cut.links, t->cut.link_count, out);
+	if (o->cut.link_count)
+		text_printf(out, "cut away: %d links of %.6Lg kg, %d joints\n", o->cut.link_count, o->cut.mass, o->cut.joint_count);
+	put_names("  joints: ", ",\n    ", put_plain, o->cut.joints, o->cut.joint_count, out);
+	put_names("  links: ", ",\n    ", put_plain, o->cut.links, o->cut.link_count, out);
 }
 
 /* ---- --info=json ---- */
@@ -104,9 +99,9 @@ static void put_json_options(const struct scene *s, struct text *out)
 	}
 }
 
-void scene_put_json_ignored(const struct tree *t, struct text *out)
+void scene_put_json_ignored(const struct outcome *o, struct text *out)
 {
-	const struct tree_ignored *x = &t->ignored;
+	const struct outcome_ignored *x = &o->ignored;
 
 	text_put(out, "  \"ignored\": {");
 	put_json_names("damping", x->damping, x->damping_count, out);
@@ -117,25 +112,25 @@ void scene_put_json_ignored(const struct tree *t, struct text *out)
 	text_printf(out, ", \"transmissions\": %d},\n", x->transmission_count);
 }
 
-void scene_put_json(const struct tree *t, struct text *out)
+void scene_put_json(const struct scene *s, const struct outcome *o, struct text *out)
 {
-	if (!t->scene.line_count)
+	if (!s->line_count)
 		return;
 	text_put(out, "  \"scene\": {\n    \"options\": [");
-	put_json_options(&t->scene, out);
+	put_json_options(s, out);
 	text_put(out, "],\n    \"held\": [");
-	for (int i = 0; i < t->held_count; i++) {
+	for (int i = 0; i < o->held_count; i++) {
 		text_put(out, i ? ",\n      {\"name\": " : "\n      {\"name\": ");
-		text_put_json(out, t->held[i].name);
+		text_put_json(out, o->held[i].name);
 		text_put(out, ", \"value\": [");
-		for (int k = 0; k < joint_nq(t->held[i].type); k++)
-			text_printf(out, "%s%s", k ? ", " : "", number_plain((double)t->held[i].value[k].x).s);
-		text_printf(out, "], \"why\": \"%s\"}", t->held[i].why);
+		for (int k = 0; k < joint_nq(o->held[i].type); k++)
+			text_printf(out, "%s%s", k ? ", " : "", number_plain((double)o->held[i].value[k].x).s);
+		text_printf(out, "], \"why\": \"%s\"}", o->held[i].why);
 	}
-	text_printf(out, "],\n    \"cut\": {\"mass\": %s, ", number_plain((double)t->cut.mass).s);
-	put_json_names("joints", t->cut.joints, t->cut.joint_count, out);
+	text_printf(out, "],\n    \"cut\": {\"mass\": %s, ", number_plain((double)o->cut.mass).s);
+	put_json_names("joints", o->cut.joints, o->cut.joint_count, out);
 	text_put(out, ", ");
-	put_json_names("links", t->cut.links, t->cut.link_count, out);
+	put_json_names("links", o->cut.links, o->cut.link_count, out);
 	text_put(out, "}\n  },\n");
 }
 
@@ -148,29 +143,29 @@ static void put_quoted(const char *name, struct text *out)
 	text_putc(out, '"');
 }
 
-static void put_comment_ignored(const struct tree *t, struct text *out)
+static void put_comment_ignored(const struct outcome *o, struct text *out)
 {
-	const struct tree_ignored *x = &t->ignored;
+	const struct outcome_ignored *x = &o->ignored;
 
 	if (x->damping_count + x->friction_count + x->limit_count)
 		text_printf(out, " * In the URDF and not modelled: damping of %d joints, friction of %d, limits of %d\n", x->damping_count,
 			x->friction_count, x->limit_count);
 }
 
-void scene_put_comment(const struct tree *t, struct text *out)
+void scene_put_comment(const struct scene *s, const struct outcome *o, struct text *out)
 {
-	if (scene_choice_count(&t->scene))
-		put_comment_ignored(t, out);
-	for (int i = 0; i < t->held_count; i++) {
+	if (scene_choice_count(s))
+		put_comment_ignored(o, out);
+	for (int i = 0; i < o->held_count; i++) {
 		text_put(out, i ? " *   " : " * Held:\n *   ");
-		put_quoted(t->held[i].name, out);
+		put_quoted(o->held[i].name, out);
 		text_put(out, " = ");
-		put_value(&t->held[i], out);
-		text_printf(out, " (%s)\n", t->held[i].why);
+		put_value(&o->held[i], out);
+		text_printf(out, " (%s)\n", o->held[i].why);
 	}
-	if (t->cut.link_count)
-		text_printf(out, " * Cut away: %d links of %.6Lg kg, %d joints\n", t->cut.link_count, t->cut.mass,
-			t->cut.joint_count);
-	put_names(" *   joints: ", ",\n *     ", put_quoted, t->cut.joints, t->cut.joint_count, out);
-	put_names(" *   links: ", ",\n *     ", put_quoted, t->cut.links, t->cut.link_count, out);
+	if (o->cut.link_count)
+		text_printf(out, " * Cut away: %d links of %.6Lg kg, %d joints\n", o->cut.link_count, o->cut.mass,
+			o->cut.joint_count);
+	put_names(" *   joints: ", ",\n *     ", put_quoted, o->cut.joints, o->cut.joint_count, out);
+	put_names(" *   links: ", ",\n *     ", put_quoted, o->cut.links, o->cut.link_count, out);
 }

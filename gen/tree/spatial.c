@@ -5,7 +5,6 @@
 #define ZERO {0, 0, 0}
 #define ONE {1, 1, 0}
 #define MINUS_ONE {-1, -1, 0}
-#define PI_HALF 1.57079632679489661923132169163975144L
 
 const struct rotation ROTATION_IDENTITY = {{{ONE, ZERO, ZERO}, {ZERO, ONE, ZERO}, {ZERO, ZERO, ONE}}};
 
@@ -23,21 +22,6 @@ void sum_add(struct sum *s, struct within term)
 struct within sum_total(struct sum s)
 {
 	return fabsl(s.value.x) <= 4 * 0x1p-53L * s.size ? within_exact(0) : s.value;
-}
-
-void angle_sincos(struct within angle, struct within *s, struct within *c)
-{
-	static const real quarter_sin[4] = {0, 1, 0, -1};
-	real turns = roundl(angle.x / PI_HALF);
-
-	if (fabsl(angle.x - turns * PI_HALF) <= 5e-15L) {
-		int quarter = (int)(fmodl(turns, 4) + 4) % 4;
-		*s = within_exact(quarter_sin[quarter]);
-		*c = within_exact(quarter_sin[(quarter + 1) % 4]);
-	} else {
-		*s = within_sin(angle);
-		*c = within_cos(angle);
-	}
 }
 
 struct rotation rotation_about(int axis, struct within angle)

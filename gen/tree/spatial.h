@@ -32,10 +32,6 @@ void sum_add(struct sum *s, struct within term);
 /* The value, or exactly 0 when |value| <= 4 * 2^-53 * (sum of |terms|), the noise that doubles in the URDF leave. */
 struct within sum_total(struct sum s);
 
-/* Sine and cosine; exact where the angle lies within 5e-15 rad of a multiple of pi/2 (iiwa14 writes 1.570796326794897
-   for pi/2). Nothing else is snapped. */
-void angle_sincos(struct within angle, struct within *s, struct within *c);
-
 extern const struct rotation ROTATION_IDENTITY;
 
 /* Rz(yaw) Ry(pitch) Rx(roll), the URDF's rpy. */

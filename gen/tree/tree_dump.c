@@ -60,7 +60,7 @@ static int find_base(const struct tree *t, const struct robot *r)
 
 /* A root without mass may hold the robot's frame, and then floats with the links that are fixed to it; one that is the
    world, or to which none is fixed, is seldom what floats. */
-static void warn_floating(const struct tree *t, struct robot *r, const char *file, struct arena *a)
+void tree_warn(const struct tree *t, struct robot *r, const char *file, struct arena *a)
 {
 	int root = robot_link(r, t->root), base = find_base(t, r), is_carried = 0;
 
@@ -71,15 +71,6 @@ static void warn_floating(const struct tree *t, struct robot *r, const char *fil
 	if (is_world(t->root) || !is_carried)
 		robot_warn(r, a, "%s: --base floating floats link '%s', which has no mass; --root '%s' floats that link instead", file,
 			t->root, r->links[base].name);
-}
-
-void tree_warn(const struct tree *t, struct robot *r, const char *file, struct arena *a)
-{
-	warn_floating(t, r, file, a);
-	for (int i = 0; i < t->held_count; i++)
-		if (t->held[i].beyond)
-			robot_warn(r, a, "%s: joint '%s' is held at %.9Lg, outside of its limits (%s)", file, t->held[i].name,
-				t->held[i].value[0].x, t->held[i].why);
 }
 
 void tree_dump(const struct tree *t, struct text *out)

@@ -16,6 +16,19 @@ const char *joint_type_name(enum joint_type type)
 	return (unsigned)type <= JOINT_FLOATING ? names[type] : "unknown";
 }
 
+int joint_nq(enum joint_type type)
+{
+	static const int rows[] = {
+		[JOINT_REVOLUTE] = 1, [JOINT_CONTINUOUS] = 1, [JOINT_PRISMATIC] = 1, [JOINT_PLANAR] = 3, [JOINT_FLOATING] = 7};
+
+	return rows[type];
+}
+
+int joint_nv(enum joint_type type)
+{
+	return type == JOINT_FLOATING ? 6 : joint_nq(type);
+}
+
 int robot_link(const struct robot *r, const char *name)
 {
 	for (int i = 0; i < r->link_count; i++)

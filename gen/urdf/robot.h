@@ -72,6 +72,10 @@ void robot_warn(struct robot *r, struct arena *a, const char *fmt, ...) RNEAGEN_
 /* "revolute", "fixed", ... */
 const char *joint_type_name(enum joint_type type);
 
+/* Rows of q and of qd that a joint type takes. */
+int joint_nq(enum joint_type type);
+int joint_nv(enum joint_type type);
+
 /* A listing that a person reads (`--dump robot`): every link and joint with its numbers, each with the fewest digits that
    read back as the same. */
 void robot_dump(const struct robot *r, struct text *t);

@@ -2,7 +2,7 @@
 #define RUNTIME_COMMAND_H
 /* What the subcommands of rnearun share: the options that say which robot runs where, and how they end. */
 
-#include "analysis.h"
+#include "passes/analysis.h"
 #include "cli/files.h"
 #include "cli/options.h"
 #include "rnea.h"

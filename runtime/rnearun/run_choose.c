@@ -4,7 +4,6 @@
 #include "study/choice.h"
 #include "emit/emit.h"
 #include "base/identifier.h"
-#include "tell/scene_put.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -171,7 +170,7 @@ static void say_measured(const struct choosing *c)
 static void put_command(const struct choosing *c, const struct study_row *r, const char *name, struct text *out)
 {
 	struct rneagen_options o = study_generate(&c->study, r);
-	const struct tree *t = &c->study.analysis.tree;
+	const struct analysis *a = &c->study.analysis;
 
 	text_put(out, "rneagen ");
 	text_put_shell(out, c->command.urdf);
@@ -180,10 +179,10 @@ static void put_command(const struct choosing *c, const struct study_row *r, con
 		text_put(out, " --order ");
 		text_put_shell(out, o.order);
 	}
-	for (int i = 0; i < t->scene.line_count; i++)
-		if (scene_put_matters(t, i)) {
+	for (int i = 0; i < a->scene.line_count; i++)
+		if (adjust_matters(&a->adjust, &a->scene, i)) {
 			text_putc(out, ' ');
-			scene_put_option(&t->scene.lines[i], out);
+			scene_put_option(&a->scene.lines[i], out);
 		}
 	text_printf(out, " -o %s_rnea.%s\n", name, o.target == RNEAGEN_TARGET_CUDA ? "cu" : "c");
 }
@@ -218,12 +217,12 @@ static int refuse(const struct choosing *c)
 static int print(struct choosing *c)
 {
 	const struct candidate *fastest = choice_fastest(c->candidates, c->count), *best = choice_best(c->candidates, c->count);
-	const char *name = identifier_from(c->study.analysis.robot.name, &c->study.analysis.arena);
+	const char *name = identifier_from(c->study.analysis.robot.name, c->study.analysis.arena);
 	struct text command;
 
 	if (!best)
 		return refuse(c);
-	text_init(&command, &c->study.analysis.arena);
+	text_init(&command, c->study.analysis.arena);
 	put_command(c, &best->row, name ? name : "", &command);
 	if (!name || command.failed)
 		return command_fail(&c->command, "out of memory");

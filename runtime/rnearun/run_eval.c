@@ -164,7 +164,7 @@ static int name_pair(struct eval *v, const char *word, int is_output)
 		return option_refuse(v->command.name, "the name of a file is empty");
 	if (i >= 0)
 		return is_output ? note_output(v, "--output", v->arrays.paths[i]) : note_input(v, "--input", v->arrays.paths[i]);
-	stem = arena_string(&v->analysis.arena, word, strcspn(word, "="));
+	stem = arena_string(v->analysis.arena, word, strcspn(word, "="));
 	meant = stem ? signature_nearest(&v->signature, stem, is_output) : NULL;
 	return option_refuse(v->command.name, "--%s %s: '%s' is no %s of this scene%s%s%s", option, word, stem ? stem : "", option,
 		meant ? "; did you mean '" : "", meant ? meant : "", meant ? "'?" : "");

@@ -108,8 +108,8 @@ static const char *scene_of(struct reporting *r)
 {
 	struct text t;
 
-	text_init(&t, &r->study.analysis.arena);
-	scene_put_options(&r->study.analysis.tree.scene, " ", &t);
+	text_init(&t, r->study.analysis.arena);
+	scene_put_options(&r->study.analysis.scene, " ", &t);
 	return t.length ? text_string(&t) + 1 : "";
 }
 
@@ -117,7 +117,7 @@ static int print(struct reporting *r, const struct report *report)
 {
 	struct text json;
 
-	text_init(&json, &r->study.analysis.arena);
+	text_init(&json, r->study.analysis.arena);
 	if (r->format == FORMAT_JSON) {
 		report_put_json(report, &json);
 		if (json.failed)

@@ -16,9 +16,9 @@ static const char *push_word(struct analysis *a, const char *name)
 	const struct scene_choice *c = NULL;
 	struct text word;
 
-	text_init(&word, &a->arena);
-	for (int i = 0; i < a->tree.request.push_count && (c = scene_next(&a->tree.scene, SCENE_FEXT, c)) != NULL; i++)
-		if (!strcmp(a->tree.request.pushes[i].argument, name))
+	text_init(&word, a->arena);
+	for (int i = 0; i < a->request.push_count && (c = scene_next(&a->scene, SCENE_FEXT, c)) != NULL; i++)
+		if (!strcmp(a->request.pushes[i].argument, name))
 			text_printf(&word, "fext.%s", c->name);
 	return word.length ? text_string(&word) : NULL;
 }
@@ -35,7 +35,7 @@ static struct signature_array describe(struct analysis *a, const struct argument
 {
 	struct signature_array s = {.word = x->name, .name = x->name, .rows = (size_t)x->rows, .is_output = x->is_output,
 		.per_batch = x->per_batch};
-	const struct request *k = &a->tree.request;
+	const struct request *k = &a->request;
 	const struct freed *f = x->is_output ? NULL : find_freed(k, x->name);
 	const char *push = x->is_output || f ? NULL : push_word(a, x->name);
 
@@ -53,10 +53,10 @@ static struct signature_array describe(struct analysis *a, const struct argument
 
 int signature_of(struct signature *s, struct analysis *a)
 {
-	*s = (struct signature){.count = (size_t)a->dag.argument_count, .is_plain = a->tree.request.is_plain};
+	*s = (struct signature){.count = (size_t)a->dag.argument_count, .is_plain = a->request.is_plain};
 	for (size_t i = 0; i < s->count; i++)
 		s->arrays[i] = describe(a, &a->dag.arguments[i]);
-	return !a->arena.failed;
+	return !a->arena->failed;
 }
 
 static int is_word(const char *word, const char *text, size_t length)

@@ -2,7 +2,7 @@
 #define RUNTIME_SIGNATURE_H
 /* What a text takes and gives, in the order of rnea_info(), by the names that the scene and the text have for it. */
 
-#include "analysis.h"
+#include "passes/analysis.h"
 #include "rnea.h"
 
 struct signature_array {

@@ -127,7 +127,7 @@ int judge_open(struct judge *j, const struct analysis *a, enum rneagen_precision
 	list_outputs(j, &a->dag);
 	j->out = calloc(o->count, j->rows * sizeof *j->out);
 	j->size = calloc(o->count, j->rows * sizeof *j->size);
-	done = j->out && j->size && draw_inputs(&j->inputs, &a->tree, o, &j->arena) && trial_new(&t, j, &a->dag);
+	done = j->out && j->size && draw_inputs(&j->inputs, &a->tree, &a->request, o, &j->arena) && trial_new(&t, j, &a->dag);
 	if (done && judge_is_f32(precision))
 		draw_round(&j->inputs);
 	for (size_t k = 0; done && k < o->count; k++)

@@ -2,7 +2,7 @@
 #define RUNTIME_JUDGE_H
 /* How far outputs are off: the DAG evaluated in more precision than any text has, over the samples of one set. */
 
-#include "analysis.h"
+#include "passes/analysis.h"
 #include "draw/draw.h"
 
 #if defined __SIZEOF_FLOAT128__ && defined RNEAGEN_QUAD

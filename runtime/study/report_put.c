@@ -81,7 +81,7 @@ static void put_inputs(const struct report *r, FILE *out)
 
 	arena_init(&arena, NULL);
 	text_init(&t, &arena);
-	draw_put(&a->tree, &a->dag, "\n  ", &t);
+	draw_put(a, "\n  ", &t);
 	fprintf(out, "drawn: %s\n", t.failed ? "out of memory" : text_string(&t));
 	arena_free(&arena);
 }
@@ -157,7 +157,7 @@ void report_put_json(const struct report *r, struct text *out)
 	put_json_string(out, "reference", JUDGE_TEXT);
 	text_printf(out, "  \"seed\": %llu,\n  \"samples\": %zu,\n  \"inputs\": [\n    ", s->options->sample.seed,
 		s->options->sample.count);
-	draw_put_json(&s->analysis.tree, &s->analysis.dag, ",\n    ", out);
+	draw_put_json(&s->analysis, ",\n    ", out);
 	text_put(out, "\n  ],\n  \"backends\": [");
 	for (int i = 0; i < s->backend_count; i++) {
 		text_put(out, i ? ",\n    " : "\n    ");

@@ -34,7 +34,7 @@ static enum rneagen_code open_floor(struct study *s, struct study_backend *b, en
 	struct rnea_error e = {0};
 	struct text text;
 
-	text_init(&text, &s->analysis.arena);
+	text_init(&text, s->analysis.arena);
 	floor_text(d->arguments, d->argument_count, scalar, &text);
 	o.file = "the floor";
 	if (text.failed)
@@ -119,8 +119,7 @@ int study_open(struct study *s, const struct command *c, struct study_options *o
 		return status;
 	for (size_t i = 0; i < s->analysis.robot.warning_count && !c->quiet; i++)
 		fprintf(stderr, "%s: warning: %s\n", c->name, s->analysis.robot.warnings[i]);
-	if (effect_total(&s->model_change, &s->analysis.tree, &s->analysis.dag, &s->analysis.robot, &c->generate, &o->sample,
-		    &s->error))
+	if (effect_total(&s->model_change, &s->analysis, &o->sample, &s->error))
 		return command_fail(c, s->error.message);
 	for (int i = 0; i < o->backends.count; i++)
 		if (open_backend(s, (enum rnea_backend)o->backends.values[i]))

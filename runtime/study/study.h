@@ -2,7 +2,7 @@
 #define RUNTIME_STUDY_H
 /* One robot in many variants: what each computes wrong, and how long it takes. For the commands report and choose. */
 
-#include "analysis.h"
+#include "passes/analysis.h"
 #include "study/bench.h"
 #include "rnearun/command.h"
 #include "cli/files.h"

@@ -1,6 +1,6 @@
 /* Bounds against decimals that stand in a scene: joints held, inputs folded, gravity and what joints take for themselves. The
    reference knows no scenes: it is given the same robot written out, or the same numbers as inputs, in quad precision. */
-#include "analysis.h"
+#include "passes/analysis.h"
 #include "dag/eval.h"
 #include "hard/quad.h"
 #include "support/rng.h"

@@ -142,7 +142,7 @@ static void check_packed(struct probe *p, const char *urdf, struct rneagen_optio
 	struct pattern full, low;
 
 	probe_open(p, urdf, o, "want M,dtau_dq\n", what);
-	k = &p->m.tree.request;
+	k = &p->m.request;
 	ck_assert(pattern_make(&full, &p->m.tree, 0, 0, &p->m.arena) && pattern_make(&low, &p->m.tree, 1, 0, &p->m.arena));
 	ck_assert_int_eq(k->wants[0].rows, low.rows);
 	ck_assert_int_eq(k->wants[1].rows, full.rows);

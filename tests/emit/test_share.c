@@ -1,6 +1,6 @@
 /* A share of a DAG's outputs, against the whole DAG whose other outputs are left out: fused they are the same, node by node,
    with their names, sections and outputs. It catches a node, a name or a section that a copy loses or moves. */
-#include "hold.h"
+#include "support/merged.h"
 #include "support/random_robot.h"
 #include "dynamics/registry.h"
 #include "support/rng.h"
@@ -84,15 +84,16 @@ START_TEST(shares)
 	struct robot robot;
 	struct arena a;
 	struct tree tree;
+	struct request k;
 	struct dag whole;
 
 	o.scene = _i % 3 ? "want tau,dtau_dq,dtau_dqd,M,power\n" : "want tau,jvp,M,bias\n";
 	o.base = _i % 2 ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	arena_init(&a, NULL);
-	ck_assert_msg(!robot_read(&robot, urdf, strlen(urdf), "here", &a, &e) && !keep_build(&tree, &robot, &o, &a, &e), "%llu: %s",
+	ck_assert_msg(!robot_read(&robot, urdf, strlen(urdf), "here", &a, &e) && !merged_tree(&tree, &k, &robot, &o, &a, &e), "%llu: %s",
 		(unsigned long long)seed, e.message);
 	dag_init(&whole, &a);
-	algorithm_find("rnea")->build(&whole, &tree);
+	algorithm_find("rnea")->build(&whole, &tree, &k);
 	ck_assert(!whole.failed);
 	compare(&whole, &rng, seed, &a);
 	arena_free(&a);

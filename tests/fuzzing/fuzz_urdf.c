@@ -35,7 +35,7 @@ static struct rneagen_options options_from(const uint8_t head[HEADER])
 	o.base = (enum rneagen_base)(head[0] >> 7);
 	o.mimic = (enum rneagen_mimic)(head[1] & 1);
 	memcpy(o.gravity, gravities[head[1] >> 1 & 3], sizeof o.gravity);
-	o.dump = (enum rneagen_dump)((head[1] >> 3 & 7) % 5);
+	o.dump = (enum rneagen_dump)(head[1] >> 3 & 7);
 	o.file = "fuzz.urdf";
 	return o;
 }

@@ -1,6 +1,6 @@
 #include "scene_grammar.h"
 #include "scene/scene.h"
-#include "tree/tree.h"
+#include "support/merged.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -362,12 +362,13 @@ static int draw_tree(struct drawing *g)
 {
 	for (int tries = 0; tries < 4; tries++) {
 		struct rneagen_error e = {0};
+		struct request k;
 
 		text_init(&g->out, g->a);
 		text_init(&g->used, g->a);
 		draw_structure(g);
 		g->o.scene = text_string(&g->out);
-		if (!tree_build(&g->tree, g->r, &g->o, g->a, &e))
+		if (!merged_tree(&g->tree, &k, g->r, &g->o, g->a, &e))
 			return 1;
 		if (dice_happen(g->d, 8))
 			break;

@@ -47,7 +47,7 @@ static struct rneagen_options options_of(int i)
 	o.layout = i / 3 % 2 ? RNEAGEN_AOS : RNEAGEN_SOA;
 	o.trig = (enum rneagen_trig)(i / 2 % 3);
 	o.precision = i % 5 ? RNEAGEN_PRECISION_DEFAULT : RNEAGEN_F64;
-	o.dump = i % 4 == 3 ? (enum rneagen_dump)(1 + i / 4 % 4) : RNEAGEN_DUMP_NONE;
+	o.dump = i % 4 == 3 ? (enum rneagen_dump)(1 + i / 4 % RNEAGEN_DUMP_PASSES) : RNEAGEN_DUMP_NONE;
 	return o;
 }
 

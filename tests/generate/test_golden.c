@@ -8,7 +8,13 @@
 
 static const char *const robots[] = {"double_pendulum", "mimic_chain"};
 static const char *const stages[] = {[RNEAGEN_DUMP_ROBOT] = "robot", [RNEAGEN_DUMP_TREE] = "tree",
-	[RNEAGEN_DUMP_DAG] = "dag", [RNEAGEN_DUMP_PLAN] = "plan"};
+	[RNEAGEN_DUMP_DAG] = "dag", [RNEAGEN_DUMP_PLAN] = "plan", [RNEAGEN_DUMP_SCENE] = "scene", [RNEAGEN_DUMP_REQUEST] = "request",
+	[RNEAGEN_DUMP_PARTS] = "parts", [RNEAGEN_DUMP_PASSES] = "passes"};
+enum { STAGES = RNEAGEN_DUMP_PASSES };
+
+/* By robot: for what there is to see of a scene. */
+static const char *const scenes[] = {"fold qdd=0\nfree mass.lower:batch\nwant tau,M\nrange q.elbow=-0.5,0.25\n",
+	"tip arm\nlock motor=0.5\ntip hand\nfree gravity:sample\nfext hand\narmature wrist=0.125\nwant tau,power\n"};
 
 /* The whole file; NULL if there is none. The caller frees it. */
 static char *contents(const char *path, size_t *length)
@@ -44,8 +50,8 @@ static void renew(const char *path, const char *text)
 
 START_TEST(stage)
 {
-	const char *robot = robots[_i / 4], *renewed = getenv("RNEAGEN_RENEW");
-	enum rneagen_dump dump = (enum rneagen_dump)(RNEAGEN_DUMP_ROBOT + _i % 4);
+	const char *robot = robots[_i / STAGES], *renewed = getenv("RNEAGEN_RENEW");
+	enum rneagen_dump dump = (enum rneagen_dump)(RNEAGEN_DUMP_ROBOT + _i % STAGES);
 	struct rneagen_options o = rneagen_options_default();
 	struct rneagen_result r;
 	struct rneagen_error e;
@@ -57,6 +63,7 @@ START_TEST(stage)
 	text = contents(path, &length);
 	ck_assert_msg(text != NULL, "cannot read %s", path);
 	o.dump = dump;
+	o.scene = dump >= RNEAGEN_DUMP_SCENE && dump <= RNEAGEN_DUMP_PARTS ? scenes[_i / STAGES] : NULL;
 	ck_assert_msg(!rneagen_generate(text, length, &o, &r, &e), "%s", e.message);
 	free(text);
 	snprintf(path, sizeof path, TEST_DIR "/golden/%s.%s", robot, stages[dump]);
@@ -77,7 +84,7 @@ int main(void)
 	TCase *c = tcase_create("stages");
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
-	tcase_add_loop_test(c, stage, 0, 4 * sizeof robots / sizeof *robots);
+	tcase_add_loop_test(c, stage, 0, STAGES * sizeof robots / sizeof *robots);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);
 }

@@ -1,5 +1,5 @@
 /* No memory, at every request there is: linked with arena_each.c, where each request asks the allocator. */
-#include "analysis.h"
+#include "passes/analysis.h"
 #include "rneagen.h"
 #include "support/suite.h"
 #include "support/urdf_text.h"
@@ -138,7 +138,7 @@ int main(void)
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 300);
-	tcase_add_loop_test(c, every_request, 0, DUMPS + 4);
+	tcase_add_loop_test(c, every_request, 0, DUMPS + RNEAGEN_DUMP_PASSES);
 	tcase_add_loop_test(c, every_request_of_a_scene, 0, 4);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);

@@ -34,7 +34,7 @@ static struct rneagen_options options_of(int index, const char *file)
 	o.trig = (enum rneagen_trig)(index / 2 % 3);
 	o.layout = (enum rneagen_layout)(index % 2);
 	o.base = (enum rneagen_base)(index / 2 % 2);
-	o.dump = (enum rneagen_dump)(index % 7 < 5 ? 0 : 1 + index / 7 % 4);
+	o.dump = (enum rneagen_dump)(index % 7 < 5 ? 0 : 1 + index / 7 % RNEAGEN_DUMP_PASSES);
 	o.file = file;
 	return o;
 }

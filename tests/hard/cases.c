@@ -1,4 +1,5 @@
 #include "cases.h"
+#include "support/merged.h"
 #include "robots.h"
 #include <math.h>
 #include <stdio.h>
@@ -134,10 +135,10 @@ static void open_model(struct hard *h)
 
 	arena_init(&m->arena, NULL);
 	if (robot_read(&m->robot, h->urdf, h->length, h->of->name, &m->arena, &e) ||
-		tree_build(&m->tree, &m->robot, &h->options, &m->arena, &e))
+		merged_tree(&m->tree, &m->request, &m->robot, &h->options, &m->arena, &e))
 		refuse(h, e.message);
 	dag_init(&m->raw[PASS_RNEA], &m->arena);
-	algorithm_find("rnea")->build(&m->raw[PASS_RNEA], &m->tree);
+	algorithm_find("rnea")->build(&m->raw[PASS_RNEA], &m->tree, &m->request);
 	dag_init(&m->dag[PASS_RNEA], &m->arena);
 	dag_fuse(&m->dag[PASS_RNEA], &m->raw[PASS_RNEA], 0);
 	if (m->dag[PASS_RNEA].failed)

@@ -107,10 +107,10 @@ START_TEST(test_seed)
 	open_case(&f, 0, RNEAGEN_F64);
 	q = f.judge.inputs.arrays[DRAWN_Q].values;
 	size = COUNT * states_of(&f.judge.inputs).nq * sizeof *q;
-	ck_assert(draw_inputs(&x, &f.analysis.tree, &OPTIONS, &f.analysis.arena));
+	ck_assert(draw_inputs(&x, &f.analysis.tree, &f.analysis.request, &OPTIONS, f.analysis.arena));
 	ck_assert(!memcmp(x.arrays[DRAWN_Q].values, q, size));
 	other.seed++;
-	ck_assert(draw_inputs(&x, &f.analysis.tree, &other, &f.analysis.arena));
+	ck_assert(draw_inputs(&x, &f.analysis.tree, &f.analysis.request, &other, f.analysis.arena));
 	ck_assert(memcmp(x.arrays[DRAWN_Q].values, q, size));
 	judged_close(&f);
 }

@@ -298,7 +298,7 @@ static double change_of(const char *scene)
 
 	o.scene = scene;
 	ck_assert_msg(!analysis_open(&a, urdf, sizeof urdf - 1, &o, &e), "%s", e.message);
-	ck_assert(!effect_total(&change, &a.tree, &a.dag, &a.robot, &o, &OPTIONS, &e));
+	ck_assert(!effect_total(&change, &a, &OPTIONS, &e));
 	analysis_free(&a);
 	return change;
 }

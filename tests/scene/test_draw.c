@@ -38,7 +38,7 @@ static void open_drawn(struct fixture *f, const char *scene, const char *more, c
 	snprintf(text, sizeof text, "%s%s", scene, more);
 	options.scene = text;
 	ck_assert_msg(!scene_open(&f->m, urdf, &options), "%s", f->m.error.message);
-	ck_assert(draw_inputs(&f->x, &f->m.tree, o, &f->m.arena));
+	ck_assert(draw_inputs(&f->x, &f->m.tree, &f->m.analysis.request, o, &f->m.arena));
 }
 
 static const struct drawn_array *array_of(const struct fixture *f, const char *name)
@@ -181,7 +181,7 @@ START_TEST(names_with_brackets)
 
 	o.scene = "fext a[1]\nrange q.j[0]=0.5,1\nrange qd.j[0][0]=2,3\nrange fext.a[1]=1,2\nrange fext.a[1][5]=4,5";
 	ck_assert_msg(!scene_open(&f.m, text, &o), "%s", f.m.error.message);
-	ck_assert(draw_inputs(&f.x, &f.m.tree, &EACH, &f.m.arena));
+	ck_assert(draw_inputs(&f.x, &f.m.tree, &f.m.analysis.request, &EACH, &f.m.arena));
 	assert_fills(&f, "q", 0, 0.5, 1);
 	assert_fills(&f, "qd", 0, 2, 3);
 	assert_fills(&f, "fext_a_1_", 4, 1, 2);
@@ -255,14 +255,14 @@ START_TEST(told)
 
 	open_drawn(&f, everything, "fold qd.sail=0\nfold qdd=0\nrange q.sail=-2,2\nrange gravity[1]=0.25,0.5\n", &EACH);
 	text_init(&t, &f.m.arena);
-	draw_put(&f.m.tree, &f.m.dag, "\n  ", &t);
+	draw_put(&f.m.analysis, "\n  ", &t);
 	ck_assert_str_eq(text_string(&t), "q[0] -1..1, q[1] -3.14159..3.14159, q[2] -1..1, q[3..5] -2..2, q[6..9] a rotation, q[10..11] -1..1,\n"
 		"  q[12] -3.14159..3.14159, qd[0] -1..1, qd[1..2] -3..3, qd[9..11] -3..3, gravity[0] -9.81..9.81,\n"
 		"  gravity[1] 0.25..0.5, gravity[2] -9.81..9.81, mass_hand 1.8..2.2, mass_nail 0..1, inertia_arm a body of 0.9..1.1 kg,\n"
 		"  inertia_tip a body of 0..1 kg, payload_ball a body of 0..1 kg, offset_turn -0.1..0.1,\n"
 		"  inertia_ball a body of 2.7..3.3 kg, fext_hand -10..10, jvp_v -1..1, vjp_v -1..1");
 	text_init(&t, &f.m.arena);
-	draw_put_json(&f.m.tree, &f.m.dag, " ", &t);
+	draw_put_json(&f.m.analysis, " ", &t);
 	expect(text_string(&t), "{\"name\": \"q\", \"first\": 3, \"count\": 3, \"kind\": \"number\", \"lower\": -2, \"upper\": 2} "
 				"{\"name\": \"q\", \"first\": 6, \"count\": 4, \"kind\": \"rotation\"} ");
 	expect(text_string(&t), "{\"name\": \"payload_ball\", \"first\": 0, \"count\": 10, \"kind\": \"body\", \"lower\": 0, \"upper\": 1} ");

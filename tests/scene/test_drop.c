@@ -93,7 +93,7 @@ static void open_scene(struct scene_model *m, const char *text, enum rneagen_bas
 	o.scene = all;
 	o.base = base;
 	ck_assert_msg(!scene_open(m, text, &o), "%s", m->error.message);
-	ck_assert_msg(!effect_measure(&m->tree, &m->dag, &m->robot, &o, &m->arena, &m->error), "%s", m->error.message);
+	ck_assert_msg(!effect_measure(&m->effects, &m->analysis), "%s", m->error.message);
 }
 
 static void check_same_arguments(const struct dag *a, const struct dag *b)
@@ -166,7 +166,7 @@ START_TEST(beside_all)
 	check_same_arguments(&m.dag, &whole.dag);
 	off = difference(&m.dag, &whole.dag, &m.tree, SEED);
 	ck_assert_msg(off < 1e-7, "%s, %s: off by %g, seed %d", b->robot ? b->robot : "even", b->scene, off, SEED);
-	ck_assert(m.tree.effects[m.tree.effect_count - 1].share < 1e-8);
+	ck_assert(m.effects.of[m.effects.count - 1].share < 1e-8);
 	scene_close(&m);
 	scene_close(&whole);
 	free(text);
@@ -176,7 +176,6 @@ END_TEST
 /* What is dropped from what is freed is told: a payload of next to nothing; and its ten numbers are still an input. */
 START_TEST(told)
 {
-	struct rneagen_options o = rneagen_options_default();
 	char *text = robot_text("panda");
 	struct scene_model m, whole;
 	double change;
@@ -187,9 +186,8 @@ START_TEST(told)
 	for (size_t i = 0; i < m.dag.count; i++)
 		ck_assert(m.dag.nodes[i].op != OP_INPUT || strcmp(m.dag.arguments[m.dag.nodes[i].arg[0].i].name, "payload_panda_hand") != 0);
 	ck_assert_uint_lt(operation_total(&m), operation_total(&whole));
-	ck_assert_msg(m.tree.effects[0].share > 1e-10 && m.tree.effects[0].share < 1e-5, "%g", m.tree.effects[0].share);
-	o.scene = "free payload.panda_hand\ndrop-below 1e-6\nrange payload.panda_hand=0,1e-7";
-	ck_assert(!effect_total(&change, &m.tree, &m.dag, &m.robot, &o, &(struct draw_options){.seed = 7, .count = 100}, &m.error));
+	ck_assert_msg(m.effects.of[0].share > 1e-10 && m.effects.of[0].share < 1e-5, "%g", m.effects.of[0].share);
+	ck_assert(!effect_total(&change, &m.analysis, &(struct draw_options){.seed = 7, .count = 100}, &m.error));
 	ck_assert_msg(change > 1e-10 && change < 1e-5, "%g", change);
 	scene_close(&m);
 	scene_close(&whole);
@@ -225,9 +223,8 @@ START_TEST(overflow)
 	open_scene(&m, text, RNEAGEN_FIXED, "range qd=-1e200,1e200", "drop-below 1e-3");
 	open_scene(&whole, text, RNEAGEN_FIXED, "", "");
 	ck_assert_uint_eq(operation_total(&m), operation_total(&whole));
-	ck_assert(isnan(m.tree.effects[0].share) && isnan(m.tree.effects[0].change));
-	ck_assert(!effect_total(&change, &m.tree, &m.dag, &m.robot, &(struct rneagen_options){.scene = "range qd=-1e200,1e200"},
-		&(struct draw_options){.seed = 7, .count = 10}, &m.error));
+	ck_assert(isnan(m.effects.of[0].share) && isnan(m.effects.of[0].change));
+	ck_assert(!effect_total(&change, &m.analysis, &(struct draw_options){.seed = 7, .count = 10}, &m.error));
 	ck_assert(isinf(change));
 	scene_close(&m);
 	scene_close(&whole);
@@ -345,15 +342,15 @@ START_TEST(exact)
 
 	open_scene(&m, text, EXACTS[_i].base, EXACTS[_i].scene, "");
 	dag_init(&raw, &m.arena);
-	algorithm_find("rnea")->build(&raw, &m.tree);
-	ck_assert(draw_inputs(&x, &m.tree, &FELT_SAMPLES, &m.arena));
+	algorithm_find("rnea")->build(&raw, &m.tree, &m.analysis.request);
+	ck_assert(draw_inputs(&x, &m.tree, &m.analysis.request, &FELT_SAMPLES, &m.arena));
 	n = (struct naive){.d = &raw, .value = arena_alloc(&m.arena, raw.count, sizeof(double)),
 		.slope = arena_alloc(&m.arena, raw.count, sizeof(double)), .scale = arena_alloc(&m.arena, raw.output_count, sizeof(double)),
 		.effect = arena_alloc(&m.arena, raw.count, sizeof *n.effect), .is_kept = arena_alloc(&m.arena, raw.count, 1)};
 	mark_kept(&n, &m.arena);
 	find_effects(&n, &x);
 	for (size_t i = 0; i < sizeof fractions / sizeof *fractions; i++) {
-		unsigned char *unfelt = felt_find(&raw, &m.tree, fractions[i], &m.arena);
+		unsigned char *unfelt = felt_find(&raw, &m.tree, &m.analysis.request, fractions[i], &m.arena);
 
 		ck_assert(unfelt != NULL);
 		most = check_terms(&n, unfelt, fractions[i]);

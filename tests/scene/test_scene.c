@@ -1,10 +1,10 @@
 /* The scene: which names it takes, what it leaves and says; what is refused, and how. How its text is read is in
    test_scene_read.c. */
+#include "support/merged.h"
 #include "support/read.h"
 #include "support/rng.h"
 #include "rneagen.h"
 #include "support/suite.h"
-#include "tree/tree.h"
 #include "support/urdf_text.h"
 #include <locale.h>
 #include <stdio.h>
@@ -64,29 +64,29 @@ static const struct left {
 	{chains, "lock n=2", "m o z' | a=7 mimic n=2 lock |"},
 };
 
-static void summarise(const struct tree *t, char *s, size_t size)
+static void summarise(const struct analysis *a, char *s, size_t size)
 {
 	size_t n = 0;
 
-	for (int k = 0; k < t->body_count; k++)
-		n += (size_t)snprintf(s + n, size - n, "%s%s ", t->bodies[k].joint, t->bodies[k].follower ? "'" : "");
+	for (int k = 0; k < a->tree.body_count; k++)
+		n += (size_t)snprintf(s + n, size - n, "%s%s ", a->tree.bodies[k].joint, a->tree.bodies[k].follower ? "'" : "");
 	n += (size_t)snprintf(s + n, size - n, "|");
-	for (int i = 0; i < t->held_count; i++) {
-		n += (size_t)snprintf(s + n, size - n, " %s=", t->held[i].name);
-		for (int k = 0; k < joint_nq(t->held[i].type); k++)
-			n += (size_t)snprintf(s + n, size - n, "%s%Lg", k ? "," : "", t->held[i].value[k].x);
-		n += (size_t)snprintf(s + n, size - n, " %s", t->held[i].why);
+	for (int i = 0; i < a->outcome.held_count; i++) {
+		n += (size_t)snprintf(s + n, size - n, " %s=", a->outcome.held[i].name);
+		for (int k = 0; k < joint_nq(a->outcome.held[i].type); k++)
+			n += (size_t)snprintf(s + n, size - n, "%s%Lg", k ? "," : "", a->outcome.held[i].value[k].x);
+		n += (size_t)snprintf(s + n, size - n, " %s", a->outcome.held[i].why);
 	}
-	n += (size_t)snprintf(s + n, size - n, t->held_count ? " |" : "|");
-	for (int i = 0; i < t->cut.link_count; i++)
-		n += (size_t)snprintf(s + n, size - n, " %s", t->cut.links[i]);
-	n += (size_t)snprintf(s + n, size - n, t->cut.joint_count ? ";" : "");
-	for (int i = 0; i < t->cut.joint_count; i++)
-		n += (size_t)snprintf(s + n, size - n, " %s", t->cut.joints[i]);
+	n += (size_t)snprintf(s + n, size - n, a->outcome.held_count ? " |" : "|");
+	for (int i = 0; i < a->outcome.cut.link_count; i++)
+		n += (size_t)snprintf(s + n, size - n, " %s", a->outcome.cut.links[i]);
+	n += (size_t)snprintf(s + n, size - n, a->outcome.cut.joint_count ? ";" : "");
+	for (int i = 0; i < a->outcome.cut.joint_count; i++)
+		n += (size_t)snprintf(s + n, size - n, " %s", a->outcome.cut.joints[i]);
 	ck_assert(n < size);
 }
 
-static enum rneagen_code build(struct read *r, struct tree *t, const char *urdf, const char *scene)
+static enum rneagen_code build(struct read *r, struct analysis **a, const char *urdf, const char *scene)
 {
 	struct rneagen_options o = rneagen_options_default();
 
@@ -94,7 +94,7 @@ static enum rneagen_code build(struct read *r, struct tree *t, const char *urdf,
 	o.scene = scene;
 	read_memory(r, urdf, strlen(urdf), "here");
 	ck_assert_msg(!r->error.code, "%s", r->error.message);
-	return tree_build(t, &r->robot, &o, &r->arena, &r->error);
+	return merged_analysis(a, &r->robot, &o, &r->arena, &r->error);
 }
 
 START_TEST(leaves)
@@ -102,14 +102,14 @@ START_TEST(leaves)
 	const struct left *x = &lefts[_i];
 	char summary[2048];
 	struct read r;
-	struct tree t;
+	struct analysis *a;
 
-	build(&r, &t, x->urdf, x->scene);
+	build(&r, &a, x->urdf, x->scene);
 	if (!x->summary) {
 		ck_assert_str_eq(r.error.message, "here: scene line 1, tip: no link 'a'; did you mean 'a,b'?");
 	} else {
 		ck_assert_msg(!r.error.code, "%s", r.error.message);
-		summarise(&t, summary, sizeof summary);
+		summarise(a, summary, sizeof summary);
 		ck_assert_str_eq(summary, x->summary);
 	}
 	read_free(&r);
@@ -178,8 +178,8 @@ START_TEST(refuses)
 {
 	const struct refused *x = &refuseds[_i];
 	struct read r;
-	struct tree t;
-	enum rneagen_code code = build(&r, &t, arm, x->scene);
+	struct analysis *a;
+	enum rneagen_code code = build(&r, &a, arm, x->scene);
 
 	ck_assert_str_eq(r.error.message, x->message);
 	ck_assert_int_eq(code, strstr(x->message, "movable") ? RNEAGEN_NO_JOINTS : RNEAGEN_SCENE);
@@ -191,14 +191,14 @@ END_TEST
 START_TEST(other_locale)
 {
 	struct read r;
-	struct tree t;
+	struct analysis *a;
 
 	if (!setlocale(LC_ALL, "de_DE.UTF-8") && !setlocale(LC_ALL, "fr_FR.UTF-8")) {
 		printf("skipped: a locale with a decimal comma; neither de_DE.UTF-8 nor fr_FR.UTF-8 is installed\n");
 		return;
 	}
-	ck_assert_int_eq(build(&r, &t, arm, "lock elbow=0.5"), RNEAGEN_OK);
-	ck_assert(t.held[0].value[0].x == 0.5L);
+	ck_assert_int_eq(build(&r, &a, arm, "lock elbow=0.5"), RNEAGEN_OK);
+	ck_assert(a->outcome.held[0].value[0].x == 0.5L);
 	read_free(&r);
 	setlocale(LC_ALL, "C");
 }
@@ -222,7 +222,7 @@ START_TEST(random_scenes)
 	for (int k = 0; k < SCENES; k++) {
 		char scene[512] = "";
 		struct read r;
-		struct tree t;
+		struct analysis *a;
 
 		for (int n = 1 + rng_below(&rng, 10); n > 0; n--) {
 			int key = rng_below(&rng, 19); /* the first ones begin a line */
@@ -230,7 +230,7 @@ START_TEST(random_scenes)
 			strcat(scene, n % 3 == 0 ? "\n" : "");
 			strcat(scene, n % 3 == 0 ? parts[key] : parts[19 + rng_below(&rng, PARTS - 19)]);
 		}
-		if (build(&r, &t, arm, scene))
+		if (build(&r, &a, arm, scene))
 			ck_assert_msg(r.error.message[0] && strlen(r.error.message) > strlen("here: "), "%s", scene);
 		else
 			built++;

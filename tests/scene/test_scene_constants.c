@@ -27,7 +27,7 @@ static void open_or_fail(struct scene_model *m, const char *urdf, const char *sc
 
 	o.scene = scene;
 	ck_assert_msg(!scene_open(m, urdf, &o), "%s", m->error.message);
-	ck_assert_msg(!effect_measure(&m->tree, &m->dag, &m->robot, &o, &m->arena, &m->error), "%s", m->error.message);
+	ck_assert_msg(!effect_measure(&m->effects, &m->analysis), "%s", m->error.message);
 }
 
 static void check_same_dag(const struct dag *a, const struct dag *b)
@@ -49,18 +49,18 @@ START_TEST(snapped)
 	check_same_dag(&below.dag, &plain.dag);
 	ck_assert_uint_gt(operation_total(&plain), operation_total(&exact));
 	/* all three are listed while they stand, and what there is to win */
-	ck_assert_int_eq(plain.tree.angle_count, 3);
-	ck_assert_int_eq(exact.tree.angle_count, 0);
-	ck_assert_int_eq(exact.tree.effect_count, 0);
-	ck_assert_str_eq(plain.tree.angles[2].what, "inertial of link");
-	ck_assert(fabs(plain.tree.angles[0].off - (1.5707963267948966 - 1.57075)) < 1e-12);
-	ck_assert_int_eq(plain.tree.effect_count, 1);
-	ck_assert(!plain.tree.effects[0].is_asked && plain.tree.effects[0].argument == 1e-4);
-	ck_assert(at.tree.effects[0].is_asked && at.tree.effects[0].argument == 5e-5);
-	ck_assert(at.tree.effects[0].saved == plain.tree.effects[0].saved && at.tree.effects[0].change == plain.tree.effects[0].change);
-	ck_assert_int_eq(below.tree.effects[0].saved, 0);
-	ck_assert_int_eq(at.tree.effects[0].saved, (long)(operation_total(&plain) - operation_total(&exact)));
-	ck_assert(below.tree.effects[0].change == 0);
+	ck_assert_int_eq(plain.analysis.outcome.angle_count, 3);
+	ck_assert_int_eq(exact.analysis.outcome.angle_count, 0);
+	ck_assert_int_eq(exact.effects.count, 0);
+	ck_assert_str_eq(plain.analysis.outcome.angles[2].what, "inertial of link");
+	ck_assert(fabs(plain.analysis.outcome.angles[0].off - (1.5707963267948966 - 1.57075)) < 1e-12);
+	ck_assert_int_eq(plain.effects.count, 1);
+	ck_assert(!plain.effects.of[0].is_asked && plain.effects.of[0].argument == 1e-4);
+	ck_assert(at.effects.of[0].is_asked && at.effects.of[0].argument == 5e-5);
+	ck_assert(at.effects.of[0].saved == plain.effects.of[0].saved && at.effects.of[0].change == plain.effects.of[0].change);
+	ck_assert_int_eq(below.effects.of[0].saved, 0);
+	ck_assert_int_eq(at.effects.of[0].saved, (long)(operation_total(&plain) - operation_total(&exact)));
+	ck_assert(below.effects.of[0].change == 0);
 	scene_close(&plain);
 	scene_close(&at);
 	scene_close(&below);
@@ -98,9 +98,9 @@ START_TEST(change_is_sampled)
 		largest = fmax(largest, size);
 	}
 	share = most / largest;
-	printf("seed 5: %g and %g of |tau|, sampled %g and %g\n", change, share, m.tree.effects[0].change, m.tree.effects[0].share);
-	ck_assert(m.tree.effects[0].change > 0.7 * change && m.tree.effects[0].change < 1.05 * change);
-	ck_assert(m.tree.effects[0].share > 0.5 * share && m.tree.effects[0].share < 2 * share);
+	printf("seed 5: %g and %g of |tau|, sampled %g and %g\n", change, share, m.effects.of[0].change, m.effects.of[0].share);
+	ck_assert(m.effects.of[0].change > 0.7 * change && m.effects.of[0].change < 1.05 * change);
+	ck_assert(m.effects.of[0].share > 0.5 * share && m.effects.of[0].share < 2 * share);
 	scene_close(&m);
 	reference_close(a);
 	reference_close(b);
@@ -143,8 +143,8 @@ START_TEST(rounded)
 			check_digits(x->inertia.h, y->inertia.h, 3, digits, seed);
 			check_digits(x->inertia.I, y->inertia.I, 6, digits, seed);
 		}
-		ck_assert_msg(m.tree.effects[0].share < (_i ? 1e-13 : 0.05), "seed %llu: %g", (unsigned long long)seed,
-			m.tree.effects[0].share);
+		ck_assert_msg(m.effects.of[0].share < (_i ? 1e-13 : 0.05), "seed %llu: %g", (unsigned long long)seed,
+			m.effects.of[0].share);
 		scene_close(&m);
 		scene_close(&whole);
 		free(urdf);
@@ -170,8 +170,8 @@ START_TEST(dropped_as_if_zero)
 	ck_assert_uint_eq(operation_total(&tiny), operation_total(&none));
 	ck_assert_uint_gt(operation_total(&felt), operation_total(&none));
 	ck_assert_uint_gt(operation_total(&kept), operation_total(&none));
-	ck_assert_int_eq(tiny.tree.effects[0].saved, (long)(operation_total(&kept) - operation_total(&tiny)));
-	ck_assert(tiny.tree.effects[0].share > 0 && tiny.tree.effects[0].share < 1e-6);
+	ck_assert_int_eq(tiny.effects.of[0].saved, (long)(operation_total(&kept) - operation_total(&tiny)));
+	ck_assert(tiny.effects.of[0].share > 0 && tiny.effects.of[0].share < 1e-6);
 	scene_close(&tiny);
 	scene_close(&none);
 	scene_close(&felt);
@@ -271,7 +271,7 @@ START_TEST(dropped)
 		ck_assert_msg(share < limits[_i], "%s, seed %llu: %g", scenes[_i], (unsigned long long)seed, share);
 		ck_assert_msg(operation_total(&m) <= operation_total(&whole), "%s, seed %llu", scenes[_i], (unsigned long long)seed);
 		worst = fmax(worst, share);
-		saved += m.tree.effects[m.tree.effect_count - 1].saved;
+		saved += m.effects.of[m.effects.count - 1].saved;
 		scene_close(&m);
 		scene_close(&whole);
 		reference_close(r);

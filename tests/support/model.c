@@ -1,5 +1,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "support/model.h"
+#include "support/merged.h"
 #include <check.h>
 #include <dirent.h>
 #include <math.h>
@@ -24,10 +25,10 @@ void model_open(struct model *m, const char *urdf, size_t length, const struct r
 	*m = (struct model){0};
 	arena_init(&m->arena, NULL);
 	ck_assert_msg(!robot_read(&m->robot, urdf, length, what, &m->arena, &e), "%s", e.message);
-	ck_assert_msg(!tree_build(&m->tree, &m->robot, o, &m->arena, &e), "%s", e.message);
+	ck_assert_msg(!merged_tree(&m->tree, &m->request, &m->robot, o, &m->arena, &e), "%s", e.message);
 	for (int i = 0; i < PASS_COUNT; i++) {
 		dag_init(&m->raw[i], &m->arena);
-		ALGORITHMS[i]->build(&m->raw[i], &m->tree);
+		ALGORITHMS[i]->build(&m->raw[i], &m->tree, &m->request);
 		dag_init(&m->dag[i], &m->arena);
 		dag_fuse(&m->dag[i], &m->raw[i], o->strict);
 		ck_assert(!m->dag[i].failed);

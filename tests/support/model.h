@@ -14,6 +14,7 @@ struct model {
 	struct arena arena;
 	struct robot robot;
 	struct tree tree;
+	struct request request;
 	struct dag raw[PASS_COUNT], dag[PASS_COUNT];
 	struct reference *reference;
 };

@@ -1,6 +1,5 @@
 #define _POSIX_C_SOURCE 200809L
 #include "support/scene_model.h"
-#include "hold.h"
 #include "plan/plan.h"
 #include "reference/read.h"
 #include <check.h>
@@ -11,18 +10,18 @@
 
 enum rneagen_code scene_open(struct scene_model *m, const char *urdf, const struct rneagen_options *o)
 {
-	struct dag raw;
+	struct analysis *a = &m->analysis;
 
 	*m = (struct scene_model){0};
 	arena_init(&m->arena, NULL);
-	if (robot_read(&m->robot, urdf, strlen(urdf), "here", &m->arena, &m->error) ||
-		keep_build(&m->tree, &m->robot, o, &m->arena, &m->error))
+	*a = (struct analysis){.options = *o, .arena = &m->arena, .error = &m->error};
+	a->options.file = o->file ? o->file : "<input>";
+	a->options.strict = 0;
+	if (robot_read(&a->robot, urdf, strlen(urdf), "here", &m->arena, &m->error) || analysis_run(a, PASS_SCENE_PARSE, PASS_DAG_FUSE))
 		return m->error.code;
-	dag_init(&raw, &m->arena);
-	algorithm_find("rnea")->build(&raw, &m->tree);
-	dag_init(&m->dag, &m->arena);
-	dag_fuse(&m->dag, &raw, 0);
-	ck_assert(!raw.failed && !m->dag.failed);
+	m->robot = a->robot;
+	m->tree = a->tree;
+	m->dag = a->dag;
 	return RNEAGEN_OK;
 }
 

@@ -3,6 +3,7 @@
 /* A robot cut down by a scene, held against the reference of a whole one. */
 
 #include "support/model.h"
+#include "tell/effect.h"
 #include "support/torque.h"
 
 struct scene_model {
@@ -11,6 +12,8 @@ struct scene_model {
 	struct tree tree;
 	struct dag dag;
 	struct rneagen_error error;
+	struct analysis analysis; /* the same, and what else there is of it */
+	struct effects effects;   /* for those who measure them */
 };
 
 /* Read and build with options; returns the code. scene_close in either case. */

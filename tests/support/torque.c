@@ -1,4 +1,5 @@
 #include "support/torque.h"
+#include "support/merged.h"
 #include "support/random_robot.h"
 #include <check.h>
 #include <stdlib.h>
@@ -46,12 +47,13 @@ char *torque_robot(uint64_t seed, int links, int flags)
 int torque_dag(struct dag *d, struct tree *t, const struct robot *r, const struct rneagen_options *o, struct arena *a)
 {
 	struct rneagen_error e = {0};
+	struct request k;
 	struct dag raw;
 
-	if (tree_build(t, r, o, a, &e))
+	if (merged_tree(t, &k, r, o, a, &e))
 		return 0;
 	dag_init(&raw, a);
-	algorithm_find("rnea")->build(&raw, t);
+	algorithm_find("rnea")->build(&raw, t, &k);
 	dag_init(d, a);
 	dag_fuse(d, &raw, 0);
 	ck_assert(!d->failed);

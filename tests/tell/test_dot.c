@@ -2,6 +2,7 @@
    each node and edge of the drawing carries the name that the URDF gives it; 77 (skipped) when that is no program. */
 #define _POSIX_C_SOURCE 200809L
 #include "tell/dot.h"
+#include "support/merged.h"
 #include "support/read.h"
 #include "support/suite.h"
 #include <expat.h>
@@ -25,12 +26,13 @@ static void draw(struct drawn *d, enum rneagen_base base, enum rneagen_mimic mim
 {
 	struct rneagen_options o = rneagen_options_default();
 	struct arena *a = &d->from.arena;
+	struct request k;
 
 	ck_assert_msg(d->from.error.code == RNEAGEN_OK, "%s", d->from.error.message);
 	o.base = base;
 	o.mimic = mimic;
 	text_init(&d->dot, a);
-	if (tree_build(&d->tree, &d->from.robot, &o, a, &d->from.error) == RNEAGEN_OK)
+	if (merged_tree(&d->tree, &k, &d->from.robot, &o, a, &d->from.error) == RNEAGEN_OK)
 		dot_graph(&d->tree, &d->dot);
 	ck_assert(!d->dot.failed);
 }

@@ -4,7 +4,7 @@
 #include "support/random_robot.h"
 #include "support/read.h"
 #include "support/suite.h"
-#include "tree/tree.h"
+#include "support/merged.h"
 #include "support/urdf_text.h"
 #include <math.h>
 #include <stdio.h>
@@ -21,11 +21,12 @@ struct planted {
 static void plant(struct planted *p, const char *urdf, enum rneagen_base base, enum rneagen_mimic mimic)
 {
 	struct rneagen_options o = rneagen_options_default();
+	struct request k;
 
 	o.base = base;
 	o.mimic = mimic;
 	read_memory(&p->from, urdf, strlen(urdf), "here");
-	tree_build(&p->t, &p->from.robot, &o, &p->from.arena, &p->from.error);
+	merged_tree(&p->t, &k, &p->from.robot, &o, &p->from.arena, &p->from.error);
 	ck_assert_msg(!p->from.error.code, "%s", p->from.error.message);
 }
 

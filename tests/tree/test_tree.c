@@ -1,7 +1,7 @@
 /* The tree that is computed: which bodies and joints there are, in which order, and what is refused. */
 #include "support/read.h"
 #include "support/suite.h"
-#include "tree/tree.h"
+#include "support/merged.h"
 #include "support/urdf_text.h"
 #include <string.h>
 
@@ -105,12 +105,13 @@ START_TEST(shape)
 	struct rneagen_options o = options_of(x);
 	struct read from;
 	struct tree t;
+	struct request k;
 	struct text s;
 
 	read_memory(&from, x->urdf, strlen(x->urdf), "here");
 	ck_assert_msg(!from.error.code, "%s", from.error.message);
 	text_init(&s, &from.arena);
-	ck_assert_msg(tree_build(&t, &from.robot, &o, &from.arena, &from.error) == x->code, "row %d: %s", _i, from.error.message);
+	ck_assert_msg(merged_tree(&t, &k, &from.robot, &o, &from.arena, &from.error) == x->code, "row %d: %s", _i, from.error.message);
 	if (x->code) {
 		ck_assert_msg(!strncmp(from.error.message, x->summary, strlen(x->summary)), "row %d: %s", _i, from.error.message);
 	} else {
@@ -128,25 +129,26 @@ START_TEST(joints_agree_with_bodies)
 	struct rneagen_options o = options_of(x);
 	struct read from;
 	struct tree t;
+	struct request k;
 	int nq = 0, nv = 0;
 
 	if (x->code)
 		return;
 	read_memory(&from, x->urdf, strlen(x->urdf), "here");
-	ck_assert(!tree_build(&t, &from.robot, &o, &from.arena, &from.error));
+	ck_assert(!merged_tree(&t, &k, &from.robot, &o, &from.arena, &from.error));
 	for (int i = 0; i < t.joint_count; i++) {
 		const struct tree_joint *j = &t.joints[i];
-		const struct body *k = &t.bodies[j->body];
+		const struct body *b = &t.bodies[j->body];
 
 		ck_assert_int_eq(j->iq, nq);
 		ck_assert_int_eq(j->iv, nv);
-		ck_assert_int_eq(k->iq, nq);
-		ck_assert_int_eq(k->iv, nv);
-		ck_assert_str_eq(j->name, k->joint);
-		ck_assert_int_eq(j->type, k->type);
-		ck_assert_int_eq(j->nq, joint_nq(k->type));
-		ck_assert_int_eq(j->nv, joint_nv(k->type));
-		ck_assert(!k->follower && k->multiplier.x == 1);
+		ck_assert_int_eq(b->iq, nq);
+		ck_assert_int_eq(b->iv, nv);
+		ck_assert_str_eq(j->name, b->joint);
+		ck_assert_int_eq(j->type, b->type);
+		ck_assert_int_eq(j->nq, joint_nq(b->type));
+		ck_assert_int_eq(j->nv, joint_nv(b->type));
+		ck_assert(!b->follower && b->multiplier.x == 1);
 		nq += j->nq;
 		nv += j->nv;
 	}
@@ -174,9 +176,10 @@ START_TEST(mimic_chains_are_resolved)
 	struct rneagen_options o = rneagen_options_default();
 	struct read from;
 	struct tree t;
+	struct request k;
 
 	read_memory(&from, CHAIN, strlen(CHAIN), "here");
-	ck_assert(!tree_build(&t, &from.robot, &o, &from.arena, &from.error));
+	ck_assert(!merged_tree(&t, &k, &from.robot, &o, &from.arena, &from.error));
 	ck_assert_int_eq(t.mimic_count, 2);
 	ck_assert_str_eq(t.mimics[0].name, "a");
 	ck_assert_str_eq(t.mimics[0].driver, "m");
@@ -186,10 +189,10 @@ START_TEST(mimic_chains_are_resolved)
 	ck_assert_str_eq(t.mimics[1].driver, "m");
 	ck_assert(t.mimics[1].multiplier.x == 2 && t.mimics[1].offset.x == 0.5L);
 	o.mimic = RNEAGEN_MIMIC_INDEPENDENT;
-	ck_assert(!tree_build(&t, &from.robot, &o, &from.arena, &from.error));
+	ck_assert(!merged_tree(&t, &k, &from.robot, &o, &from.arena, &from.error));
 	ck_assert_int_eq(t.mimic_count, 0);
-	for (int k = 0; k < t.body_count; k++)
-		ck_assert(t.bodies[k].multiplier.x == 1 && !t.bodies[k].follower);
+	for (int i = 0; i < t.body_count; i++)
+		ck_assert(t.bodies[i].multiplier.x == 1 && !t.bodies[i].follower);
 	read_free(&from);
 }
 END_TEST

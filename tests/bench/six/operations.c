@@ -1,4 +1,5 @@
 #include "operations.h"
+#include "passes/analysis.h"
 #include "emit/emit.h"
 #include "base/identifier.h"
 #include "urdf/robot.h"
@@ -51,13 +52,14 @@ static void put_cross(struct ref m[6][6], struct dag *d, struct svec u, int row,
 }
 
 /* crm(v) = [[w], [v]; 0, [w]] */
-static void build_cross_operator(struct dag *d, const struct tree *t)
+static void build_cross_operator(struct dag *d, const struct tree *t, const struct request *request)
 {
 	struct motion x = input_motion(d);
 	int crm = dag_argument(d, "crm", 36, 1);
 	struct ref m[6][6] = {{{0}}}; /* node 0 is zero */
 
 	(void)t;
+	(void)request;
 	put_cross(m, d, x.w, 0, 0);
 	put_cross(m, d, x.v, 0, 3);
 	put_cross(m, d, x.w, 3, 3);
@@ -66,7 +68,7 @@ static void build_cross_operator(struct dag *d, const struct tree *t)
 }
 
 /* v x S qd: for an axis u that turns [v x u qd; w x u qd], for one that slides [w x u qd; 0] */
-static void build_mxs(struct dag *d, const struct tree *t)
+static void build_mxs(struct dag *d, const struct tree *t, const struct request *request)
 {
 	const struct body *k = chosen(t);
 	struct motion x = input_motion(d);
@@ -75,6 +77,7 @@ static void build_mxs(struct dag *d, const struct tree *t)
 	struct svec u, zero = {{{0}}};
 	struct within axis[3];
 
+	(void)request;
 	if (!k) {
 		d->failed = 1;
 		return;
@@ -101,7 +104,7 @@ static struct svec inertia_times(struct dag *d, const struct inertia *I, struct 
 
 /* v x* I v, with p = m v + w x h and L = I w + h x v: [w x p; v x p + w x L]; v x p = v x (w x h), as v x v = 0.
    The inertia is that of the generator's frame of the body, which is turned in the URDF's. */
-static void build_vxiv(struct dag *d, const struct tree *t)
+static void build_vxiv(struct dag *d, const struct tree *t, const struct request *request)
 {
 	const struct body *k = chosen(t);
 	struct motion x = input_motion(d);
@@ -109,6 +112,7 @@ static void build_vxiv(struct dag *d, const struct tree *t)
 	struct svec h, v, w, wh, p, L, force, moment;
 	struct smat A;
 
+	(void)request;
 	if (!k) {
 		d->failed = 1;
 		return;
@@ -159,27 +163,27 @@ static const char *text_name(const char *robot, enum operation operation, struct
 }
 
 /* The DAG's plan; its inputs are no joint's. */
-static enum rneagen_code make_pass(struct pass *p, const struct tree *t, struct arena *a, struct rneagen_error *e)
+static enum rneagen_code make_pass(struct pass *p, const struct tree *t, const struct request *k, struct arena *a, struct rneagen_error *e)
 {
 	struct dag raw;
 
 	dag_init(&raw, a);
-	p->algorithm->build(&raw, t);
+	p->algorithm->build(&raw, t, k);
 	dag_init(&p->dag, a);
 	dag_fuse(&p->dag, &raw, 0);
 	return plan_build(&p->plan, &p->dag, t, a) ? RNEAGEN_OK : error_memory(e);
 }
 
-static enum rneagen_code emit(struct tree *t, enum operation operation, struct rneagen_options *o, struct arena *a,
+static enum rneagen_code emit(struct tree *t, const struct request *k, enum operation operation, struct rneagen_options *o, struct arena *a,
 	const char **text, struct rneagen_error *e)
 {
 	struct pass pass = {.algorithm = &OPERATIONS[operation]};
 	struct emission emission = {
-		.tree = t, .options = o, .passes = &pass, .pass_count = 1, .arena = a, .error = e};
+		.tree = t, .request = k, .options = o, .passes = &pass, .pass_count = 1, .arena = a, .error = e};
 	struct text source;
 
 	t->joint_count = t->mimic_count = 0;
-	if (make_pass(&pass, t, a, e))
+	if (make_pass(&pass, t, k, a, e))
 		return e->code;
 	emission.banner = banner(&emission, chosen(t), operation);
 	emit_set_precision(&emission);
@@ -193,15 +197,14 @@ enum rneagen_code operation_text(const char *urdf, size_t length, enum operation
 	const struct rneagen_options *options, struct arena *a, const char **text, struct rneagen_error *e)
 {
 	struct rneagen_options o = *options;
-	struct robot robot = {0};
-	struct tree t = {0};
+	struct analysis x = {.urdf = urdf, .length = length, .options = *options, .arena = a, .error = e};
 
 	o.trig = RNEAGEN_BOUNDED; /* there are no angles */
 	o.strict = o.bounded = 0;
-	if (robot_read(&robot, urdf, length, o.file, a, e) || tree_build(&t, &robot, &o, a, e))
+	if (analysis_run(&x, PASS_URDF_READ, PASS_REQUEST_RESOLVE))
 		return e->code;
-	if (!chosen(&t))
+	if (!chosen(&x.tree))
 		return error_set(e, RNEAGEN_NO_JOINTS, "%s: no joint has an axis: take a robot with one that turns or slides", o.file);
-	o.name = text_name(o.name ? o.name : identifier_from(robot.name, a), operation, a);
-	return emit(&t, operation, &o, a, text, e);
+	o.name = text_name(o.name ? o.name : identifier_from(x.robot.name, a), operation, a);
+	return emit(&x.tree, &x.request, operation, &o, a, text, e);
 }

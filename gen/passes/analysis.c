@@ -1,0 +1,138 @@
+#include "passes/analysis.h"
+#include "draw/prune.h"
+#include "plan/plan.h"
+
+enum rneagen_code pass_urdf_read(struct analysis *a)
+{
+	return robot_read(&a->robot, a->urdf, a->length, a->options.file, a->arena, a->error);
+}
+
+enum rneagen_code pass_scene_parse(struct analysis *a)
+{
+	if (scene_read(&a->scene, a->options.scene, a->options.file, a->arena, a->error) ||
+		scene_expand(&a->scene, &a->robot, a->arena, a->error))
+		return a->error->code;
+	return adjust_read(&a->adjust, &a->scene, a->error);
+}
+
+enum rneagen_code pass_scene_select(struct analysis *a)
+{
+	if (scene_select(&a->selection, &a->scene, &a->robot, a->options.mimic, a->arena, a->error))
+		return a->error->code;
+	return outcome_list(&a->outcome, &a->scene, &a->adjust, &a->selection, &a->robot, a->arena, a->error);
+}
+
+enum rneagen_code pass_robot_snap(struct analysis *a)
+{
+	a->snapped = a->adjust.snap == 0 ? a->robot : adjust_snap(&a->robot, a->adjust.snap, a->arena);
+	return a->arena->failed ? error_memory(a->error) : RNEAGEN_OK;
+}
+
+enum rneagen_code pass_tree_build(struct analysis *a)
+{
+	if (tree_build(&a->tree, &a->snapped, &a->selection, &a->options, a->arena, a->error))
+		return a->error->code;
+	if (a->adjust.digits)
+		tree_round(&a->tree, a->adjust.digits);
+	return RNEAGEN_OK;
+}
+
+enum rneagen_code pass_request_resolve(struct analysis *a)
+{
+	return request_resolve(&a->request, &a->tree, &a->scene, &a->snapped, a->arena, a->error);
+}
+
+/* In an arena of its own, which goes again. */
+enum rneagen_code pass_dag_build(struct analysis *a)
+{
+	arena_init(&a->raw_arena, &a->arena->allocator);
+	dag_init(&a->raw, &a->raw_arena);
+	ALGORITHMS[0]->build(&a->raw, &a->tree, &a->request);
+	dag_close(&a->raw);
+	return a->raw.failed ? error_memory(a->error) : RNEAGEN_OK;
+}
+
+/* What --drop-below leaves out. */
+enum rneagen_code pass_dag_prune(struct analysis *a)
+{
+	struct dag all = a->raw;
+
+	if (a->adjust.drop == 0)
+		return RNEAGEN_OK;
+	dag_init(&a->raw, &a->raw_arena);
+	prune_terms(&a->raw, &all, &a->tree, &a->request, a->adjust.drop);
+	dag_free(&all);
+	dag_close(&a->raw);
+	return a->raw.failed ? error_memory(a->error) : RNEAGEN_OK;
+}
+
+enum rneagen_code pass_dag_fuse(struct analysis *a)
+{
+	dag_init(&a->dag, a->arena);
+	dag_fuse(&a->dag, &a->raw, a->options.strict);
+	return a->dag.failed ? error_memory(a->error) : RNEAGEN_OK;
+}
+
+enum rneagen_code analysis_run(struct analysis *a, enum analysis_pass first, enum analysis_pass last)
+{
+	static enum rneagen_code (*const passes[ANALYSIS_PASSES])(struct analysis *a) = {
+		[PASS_URDF_READ] = pass_urdf_read, [PASS_SCENE_PARSE] = pass_scene_parse, [PASS_SCENE_SELECT] = pass_scene_select,
+		[PASS_HOLDS_CHOOSE] = pass_holds_choose, [PASS_ROBOT_SNAP] = pass_robot_snap, [PASS_TREE_BUILD] = pass_tree_build,
+		[PASS_REQUEST_RESOLVE] = pass_request_resolve, [PASS_DAG_BUILD] = pass_dag_build, [PASS_DAG_PRUNE] = pass_dag_prune,
+		[PASS_DAG_FUSE] = pass_dag_fuse};
+	enum rneagen_code code = RNEAGEN_OK;
+
+	for (enum analysis_pass i = first; i <= last && !code; i++)
+		code = passes[i](a);
+	if (last == PASS_DAG_FUSE)
+		analysis_free_raw(a);
+	return code;
+}
+
+void analysis_copy(struct analysis *x, const struct analysis *a, struct arena *arena, struct rneagen_error *e)
+{
+	*x = *a;
+	x->arena = arena;
+	x->error = e;
+	x->raw_arena = x->own = (struct arena){0};
+	x->raw = x->dag = (struct dag){0};
+}
+
+enum rneagen_code analysis_open(struct analysis *a, const char *urdf, size_t length, const struct rneagen_options *o,
+	struct rneagen_error *e)
+{
+	*a = (struct analysis){.urdf = urdf, .length = length, .options = *o, .arena = &a->own, .error = e};
+	*e = (struct rneagen_error){0};
+	a->options.file = o->file ? o->file : "<input>";
+	arena_init(&a->own, o->allocator);
+	if (analysis_run(a, PASS_URDF_READ, PASS_DAG_FUSE) || analysis_warn(a))
+		analysis_free(a);
+	return e->code;
+}
+
+void analysis_free_raw(struct analysis *a)
+{
+	arena_free(&a->raw_arena);
+	a->raw = (struct dag){0};
+}
+
+void analysis_free(struct analysis *a)
+{
+	analysis_free_raw(a);
+	arena_free(&a->own);
+	*a = (struct analysis){0};
+}
+
+enum rneagen_code analysis_warn(struct analysis *a)
+{
+	tree_warn(&a->tree, &a->robot, a->options.file, a->arena);
+	outcome_warn(&a->outcome, &a->robot, a->options.file, a->arena);
+	return a->arena->failed ? error_memory(a->error) : RNEAGEN_OK;
+}
+
+long analysis_flops(const struct analysis *a)
+{
+	const struct plan p = {.dag = &a->dag}; /* without lines */
+
+	return (long)plan_flops(plan_operations(&p));
+}

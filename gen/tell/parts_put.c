@@ -1,0 +1,25 @@
+#include "tell/parts_put.h"
+
+void parts_put_table(const struct emission *e, struct text *out)
+{
+	if (e->part_count)
+		text_put(out, "\nparts           links  flops  alive\n");
+	for (int i = 0; i < e->part_count; i++) {
+		const struct part *p = &e->parts[i];
+
+		text_printf(out, "  %-10d %3d..%-3d %6u %6d\n", i, e->tree->bodies[p->first].number,
+			e->tree->bodies[p->last].number, plan_flops(plan_operations(&p->pass.plan)), p->alive);
+	}
+}
+
+void parts_put_json(const struct emission *e, struct text *out)
+{
+	for (int i = 0; i < e->part_count; i++) {
+		const struct part *p = &e->parts[i];
+
+		text_printf(out, "%s\n    {\"first\": %d, \"last\": %d, \"flops\": %u, \"alive\": %d}",
+			i ? "," : "  \"parts\": [", e->tree->bodies[p->first].number, e->tree->bodies[p->last].number,
+			plan_flops(plan_operations(&p->pass.plan)), p->alive);
+	}
+	text_put(out, e->part_count ? "\n  ],\n" : "");
+}
