@@ -2,9 +2,9 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/files.h"
 #include "cli/options.h"
-#include "rnearun/run_choose.h"
+#include "study/run_choose.h"
 #include "rnearun/run_eval.h"
-#include "rnearun/run_report.h"
+#include "study/run_report.h"
 #include <signal.h>
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* rnearun report: every variant of a robot, its speed and its error. */
 #define _POSIX_C_SOURCE 200809L
-#include "rnearun/run_report.h"
+#include "study/run_report.h"
 #include "study/plot.h"
 #include "tell/scene_put.h"
 #include <stdlib.h>

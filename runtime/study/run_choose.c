@@ -1,6 +1,6 @@
 /* rnearun choose: the fastest variant that is close enough. */
 #define _POSIX_C_SOURCE 200809L
-#include "rnearun/run_choose.h"
+#include "study/run_choose.h"
 #include "study/choice.h"
 #include "emit/emit.h"
 #include "base/identifier.h"
