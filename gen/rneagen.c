@@ -143,7 +143,7 @@ static enum rneagen_code warn(struct generation *g)
 static enum rneagen_code measure(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
-	int is_reported = !a->options.text_alone;
+	int is_reported = (a->options.reports & (RNEAGEN_REPORT_INFO | RNEAGEN_REPORT_JSON)) != 0;
 
 	if ((is_reported || adjust_is_asked(&a->adjust)) && effect_measure(&g->report.effects, a))
 		return a->error->code;
@@ -203,21 +203,22 @@ static enum rneagen_code report(struct generation *g)
 	struct rneagen_result *r = g->result;
 	struct text info, json, dot;
 
-	if (a->options.text_alone)
-		return RNEAGEN_OK;
 	text_init(&info, a->arena);
 	text_init(&json, a->arena);
 	text_init(&dot, a->arena);
 	g->report.analysis = a;
 	g->report.emission = &g->emission;
-	info_table(&g->report, &info);
-	info_json(&g->report, &json);
-	dot_graph(&a->tree, &dot);
+	if (a->options.reports & RNEAGEN_REPORT_INFO)
+		info_table(&g->report, &info);
+	if (a->options.reports & RNEAGEN_REPORT_JSON)
+		info_json(&g->report, &json);
+	if (a->options.reports & RNEAGEN_REPORT_DOT)
+		dot_graph(&a->tree, &dot);
 	if (info.failed || json.failed || dot.failed)
 		return error_memory(a->error);
-	r->info = text_string(&info);
-	r->info_json = text_string(&json);
-	r->dot = text_string(&dot);
+	r->info = info.length ? text_string(&info) : NULL;
+	r->info_json = json.length ? text_string(&json) : NULL;
+	r->dot = dot.length ? text_string(&dot) : NULL;
 	return RNEAGEN_OK;
 }
 

@@ -23,6 +23,10 @@ enum rneagen_trig { RNEAGEN_ACCURATE, RNEAGEN_BOUNDED, RNEAGEN_FAST };
 enum rneagen_base { RNEAGEN_FIXED, RNEAGEN_FLOATING };
 enum rneagen_mimic { RNEAGEN_MIMIC_HONOUR, RNEAGEN_MIMIC_INDEPENDENT };
 enum { RNEAGEN_PARTS_AUTO = 0 };
+/* What there is to tell beside the text. */
+enum rneagen_report { RNEAGEN_REPORT_INFO = 1, RNEAGEN_REPORT_JSON = 2, RNEAGEN_REPORT_DOT = 4,
+	RNEAGEN_REPORT_ALL = RNEAGEN_REPORT_INFO | RNEAGEN_REPORT_JSON | RNEAGEN_REPORT_DOT };
+
 /* What a pass has made, or PASSES: the list of them. */
 enum rneagen_dump { RNEAGEN_DUMP_NONE, RNEAGEN_DUMP_ROBOT, RNEAGEN_DUMP_TREE, RNEAGEN_DUMP_DAG, RNEAGEN_DUMP_PLAN, RNEAGEN_DUMP_SCENE,
 	RNEAGEN_DUMP_REQUEST, RNEAGEN_DUMP_PARTS, RNEAGEN_DUMP_PASSES };
@@ -47,7 +51,7 @@ struct rneagen_options {
 	const char *file;   /* name of the input, for messages and the text's header; NULL: "<input>" */
 	const char *scene;  /* what of the robot is modelled: one choice on a line, as in the command's --scene FILE; NULL: all */
 	enum rneagen_dump dump;
-	int text_alone; /* info, info_json and dot are not wanted, which may take longer to make than the text */
+	unsigned reports; /* which of rneagen_report are wanted, added; default none: they may take longer to make than the text */
 	const struct rneagen_allocator *allocator; /* NULL: malloc and free */
 };
 
@@ -56,7 +60,7 @@ struct rneagen_result {
 	const char *name;      /* the identifier that prefixes every function */
 	const char *source;    /* the .cu, .c or header text; NULL where a dump is asked for */
 	const char *header;    /* target C, and no dump: the .h that declares the functions; NULL otherwise */
-	const char *info;      /* the table of --info; NULL if the text alone was asked for, as the next two */
+	const char *info;      /* the table of --info; NULL unless asked for, as the next two */
 	const char *info_json; /* the object of --info=json */
 	const char *dot;       /* the graph of --dot, for Graphviz */
 	const char *dump;      /* NULL unless asked for */

@@ -37,7 +37,6 @@ struct rneagen_options rnea_urdf_options(const struct rneagen_options *generate,
 {
 	struct rneagen_options g = *generate;
 
-	g.text_alone = 1;
 	if (backend == RNEA_BACKEND_HOST && g.parts == RNEAGEN_PARTS_AUTO)
 		g.parts = 1;
 	return g;

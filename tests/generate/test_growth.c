@@ -103,6 +103,7 @@ START_TEST(chains)
 	struct meter half, whole;
 
 	o.scene = g->scene;
+	o.reports = RNEAGEN_REPORT_ALL;
 	o.target = g->target;
 	o.base = g->base;
 	half = generate(30, o);
@@ -129,7 +130,6 @@ START_TEST(held_joints)
 	for (int i = 1; i <= 25; i++)
 		text_printf(&scene, "lock j%d=0.%d\n", 3 * i, i);
 	o.target = RNEAGEN_TARGET_C;
-	o.text_alone = 1;
 	o.scene = GRADIENTS;
 	none = generate(75, o);
 	o.scene = text_string(&scene);
