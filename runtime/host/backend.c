@@ -1,5 +1,5 @@
 #define _POSIX_C_SOURCE 200809L /* uname */
-#include "core/backend.h"
+#include "backend.h"
 #include "core/info_table.h"
 #include "host/host.h"
 #include <stdio.h>
