@@ -2,7 +2,7 @@
 #define RNEA_HANDLE_H
 /* struct rnea_robot, for the files that make up the public interface. */
 
-#include "backend.h"
+#include "backends.h"
 #include "core/info_table.h"
 
 struct rnea_robot {

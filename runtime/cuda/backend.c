@@ -1,4 +1,4 @@
-#include "backend.h"
+#include "backends.h"
 #include "cuda/backend.h"
 #include <stdlib.h>
 

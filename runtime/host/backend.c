@@ -1,5 +1,5 @@
 #define _POSIX_C_SOURCE 200809L /* uname */
-#include "backend.h"
+#include "backends.h"
 #include "core/info_table.h"
 #include "host/host.h"
 #include <stdio.h>

@@ -1,5 +1,5 @@
-#ifndef RNEA_BACKEND_H
-#define RNEA_BACKEND_H
+#ifndef RNEA_BACKENDS_H
+#define RNEA_BACKENDS_H
 /* What compiles a text and runs its functions: one record each, in backends.c. To add one is a folder with such a record, and
    an entry there; nothing else asks which it is. */
 
