@@ -26,12 +26,26 @@ const char *emit_head_c(const struct emission *e)
 	return text_string(&t);
 }
 
+/* Whether the angles of some samples are small: what reads no angle does not ask. */
+static const char *are_small(const struct emission *e, const struct pass *p)
+{
+	int q = dag_find_role(&p->dag, ROLE_JOINT_POSITION, 0);
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (q < 0)
+		text_put(&t, "1");
+	else
+		text_printf(&t, "%s_are_small(%s, %sfirst, next)", e->options->name, p->dag.arguments[q].name, is_soa(e) ? "count, " : "");
+	return text_string(&t);
+}
+
 /* One function for a sample, one for a part of a batch. */
 static void put_functions(const struct emission *e, const struct pass *p, struct text *out)
 {
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"APART", e->options->strict ? "RNEA_APART " : ""},
-		{"ONE", emit_has_small(e) ? "any" : "body"},
+		{"ARE_SMALL", are_small(e, p)}, {"ONE", emit_has_small(e) ? "any" : "body"},
 		{"COUNT_PARAM", is_soa(e) ? "size_t count, " : ""}, {"COUNT", is_soa(e) ? "count, " : ""},
 		{"UNUSED", is_soa(e) ? "" : "\t(void)count;"}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},

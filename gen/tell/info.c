@@ -95,6 +95,38 @@ static void put_json_joints(const struct tree *t, struct text *out)
 	text_put(out, t->mimic_count ? "\n  ],\n" : "],\n");
 }
 
+static void put_json_array(const struct argument *a, int is_first, struct text *out)
+{
+	text_printf(out, "%s\n      {\"name\": \"%s\", \"rows\": %d, \"role\": \"%s\", \"of\": ", is_first ? "" : ",", a->name, a->rows,
+		role_word(a->role));
+	text_put_json(out, a->of ? a->of : "");
+	text_printf(out, ", \"per_batch\": %s}", a->per_batch ? "true" : "false");
+}
+
+static void put_json_arrays(const struct dag *d, int is_output, struct text *out)
+{
+	int count = 0;
+
+	for (int i = 0; i < d->argument_count; i++)
+		if (d->arguments[i].is_output == is_output)
+			put_json_array(&d->arguments[i], count++ == 0, out);
+	text_put(out, count ? "\n    ]" : "]");
+}
+
+/* What the text has, by the names and with the arrays that its table lists. */
+static void put_json_functions(const struct emission *e, struct text *out)
+{
+	text_put(out, "  \"functions\": [");
+	for (int i = 0; i < e->pass_count; i++) {
+		text_printf(out, "%s\n    {\"name\": \"%s\", \"inputs\": [", i ? "," : "", e->passes[i].algorithm->name);
+		put_json_arrays(&e->passes[i].dag, 0, out);
+		text_put(out, ", \"outputs\": [");
+		put_json_arrays(&e->passes[i].dag, 1, out);
+		text_putc(out, '}');
+	}
+	text_put(out, "\n  ],\n");
+}
+
 void info_json(const struct report *r, struct text *out)
 {
 	const struct analysis *a = r->analysis;
@@ -111,6 +143,7 @@ void info_json(const struct report *r, struct text *out)
 	saving_put_json(&r->savings, &a->scene, out);
 	effect_put_json(&r->effects, a, out);
 	scene_put_json_ignored(&a->outcome, out);
+	put_json_functions(e, out);
 	emit_pattern_json(e, out);
 	parts_put_json(e, out);
 	if (e->options->target == RNEAGEN_TARGET_CUDA)

@@ -1,5 +1,5 @@
 #include "cuda/driver.h"
-#include "cuda/choose.h"
+#include "cuda/compilation.h"
 #include "core/info_table.h"
 #include <stdint.h>
 #include <stdio.h>
@@ -12,7 +12,7 @@ enum { BLOCK_SIZES = 3, TRIAL_LIMIT = 2 * BLOCK_SIZES };
 struct trial {
 	struct image images[TRIAL_LIMIT];
 	void *modules[TRIAL_LIMIT];
-	struct choice choices[TRIAL_LIMIT];
+	struct compilation compilations[TRIAL_LIMIT];
 	size_t count;
 };
 
@@ -50,9 +50,9 @@ static enum rnea_code find_first(const struct device *d, void *module, const str
 
 /* ---- compiling ---- */
 
-/* The first kernel of a module, as a choice. */
+/* The first kernel of a module, as a compilation to choose from. */
 static enum rnea_code judge(const struct driver *c, const struct image_request *r, void *module, const struct image *i,
-	struct choice *choice, struct rnea_error *e)
+	struct compilation *made, struct rnea_error *e)
 {
 	struct device_kernel k;
 	int blocks = 0;
@@ -60,7 +60,7 @@ static enum rnea_code judge(const struct driver *c, const struct image_request *
 	if (find_first(&c->device, module, r->source, i->block, &k, e) ||
 		(i->block && device_resident(&c->device, &k, i->block, &blocks, e)))
 		return e->code;
-	*choice = (struct choice){.block = i->block,
+	*made = (struct compilation){.block = i->block,
 		.min_blocks = i->min_blocks,
 		.local_bytes = k.resources.local_bytes,
 		.resident = (unsigned)blocks * i->block};
@@ -79,7 +79,7 @@ static enum rnea_code attempt(const struct driver *c, const struct image_request
 		mine.log = NULL; /* it has that of the first */
 	if (!image_compile(&mine, block, unbounded, image, e) &&
 		!device_load(&c->device, image->code.data, r->source->name, module, e) &&
-		!judge(c, r, *module, image, &t->choices[t->count], e)) {
+		!judge(c, r, *module, image, &t->compilations[t->count], e)) {
 		t->count++;
 		return RNEA_OK;
 	}
@@ -103,7 +103,7 @@ static enum rnea_code attempt_bounds(
 
 	if (attempt(c, r, block, 0, t, e))
 		return e->code;
-	if (t->choices[t->count - 1].local_bytes == 0 || image_is_bound(r) || image_bound(r, block) == 0)
+	if (t->compilations[t->count - 1].local_bytes == 0 || image_is_bound(r) || image_bound(r, block) == 0)
 		return RNEA_OK;
 	if (attempt(c, r, block, 1, t, &unbounded) && !is_unfit(&unbounded))
 		*e = unbounded;
@@ -171,7 +171,7 @@ static enum rnea_code compile(
 	struct trial t = {0};
 
 	if (!attempt_blocks(c, r, &t, e)) {
-		size_t best = choose_best(t.choices, t.count, source_macro(r->source, "RNEA_BLOCK"));
+		size_t best = compilation_best(t.compilations, t.count, source_macro(r->source, "RNEA_BLOCK"));
 
 		take(c, t.modules[best], &t.images[best], 0);
 		t.modules[best] = NULL;

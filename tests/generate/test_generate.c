@@ -187,13 +187,21 @@ START_TEST(order_of_the_file)
 }
 END_TEST
 
+/* A name ends in '_' here, and a number follows: "joint_position" is none. */
+static int is_name(const char *s, const char *from)
+{
+	size_t length = strlen(from);
+
+	return !strncmp(s, from, length) && (from[length - 1] != '_' || (s[length] >= '0' && s[length] <= '9'));
+}
+
 static char *replace(const char *s, const char *from, const char *to)
 {
 	struct text t;
 
 	text_init(&t, &arena);
 	while (*s)
-		if (!strncmp(s, from, strlen(from))) {
+		if (is_name(s, from)) {
 			text_put(&t, to);
 			s += strlen(from);
 		} else {

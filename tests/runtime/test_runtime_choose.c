@@ -1,13 +1,13 @@
 /* Which of several compilations is kept: the choice alone, and what rnea_open makes of it. */
 #define _GNU_SOURCE
 #include "test_runtime.h"
-#include "cuda/choose.h"
+#include "cuda/compilation.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const struct {
-	struct choice choices[6];
+	struct compilation choices[6];
 	size_t count, best;
 	unsigned own;
 } table[] = {
@@ -28,7 +28,7 @@ static const struct {
 
 START_TEST(chooses)
 {
-	ck_assert_uint_eq(choose_best(table[_i].choices, table[_i].count, table[_i].own), table[_i].best);
+	ck_assert_uint_eq(compilation_best(table[_i].choices, table[_i].count, table[_i].own), table[_i].best);
 }
 END_TEST
 
