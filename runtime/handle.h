@@ -2,7 +2,8 @@
 #define RNEA_HANDLE_H
 /* struct rnea_robot, for the files that make up the public interface. */
 
-#include "backends.h"
+#include "cache/cache.h"
+#include "core/backend.h"
 #include "core/info_table.h"
 
 struct rnea_robot {

@@ -2,11 +2,26 @@
 #define _POSIX_C_SOURCE 200809L /* clock_gettime */
 #include "handle.h"
 #include "core/seconds.h"
+#include "cuda/backend.h"
+#include "host/backend.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { BLOCK_LIMIT = 1024 };
+
+/* In the order in which RNEA_BACKEND_ANY tries them: the next one where a machine has nothing of the one before. */
+static const struct backend *const backends[] = {&backend_cuda, &backend_host};
+
+enum { BACKENDS = sizeof backends / sizeof *backends };
+
+static const struct backend *find_backend(enum rnea_backend name)
+{
+	for (int i = 0; i < BACKENDS; i++)
+		if (backends[i]->name == name)
+			return backends[i];
+	return NULL;
+}
 
 /* ---- opening ---- */
 
@@ -28,7 +43,7 @@ static enum rnea_code open_any(struct rnea_robot *robot, const struct backend_re
 {
 	int absent = 1;
 
-	for (size_t i = 0; i < backend_count && absent; i++) {
+	for (int i = 0; i < BACKENDS && absent; i++) {
 		const struct backend *b = backends[i];
 		struct rnea_error tried = {0};
 
@@ -59,10 +74,9 @@ static enum rnea_code open_backend(struct rnea_robot *robot, const struct source
 	int absent;
 
 	snprintf(name, sizeof name, "%s.%s", s->name, s->is_cuda ? "cu" : "c");
-	for (size_t i = 0; i < backend_count; i++)
-		if (backends[i]->name == o->backend)
-			return open_by(robot, backends[i], &r, &absent, e);
-	return open_any(robot, &r, e);
+	if (o->backend == RNEA_BACKEND_ANY)
+		return open_any(robot, &r, e);
+	return open_by(robot, find_backend(o->backend), &r, &absent, e);
 }
 
 /* Open a text that was read; `s` stays the caller's. */
@@ -112,7 +126,7 @@ static enum rnea_code check_options(const struct rnea_options *o, struct rnea_ro
 	if (!robot)
 		return rnea_error_set(e, RNEA_ARGUMENT, "there is no place for the robot (robot is NULL)");
 	*robot = NULL;
-	if ((unsigned)o->backend > RNEA_BACKEND_HOST)
+	if (o->backend != RNEA_BACKEND_ANY && !find_backend(o->backend))
 		return rnea_error_set(e, RNEA_ARGUMENT, "there is no backend %d", (int)o->backend);
 	if (o->block > BLOCK_LIMIT && o->block != RNEA_BLOCK_OCCUPANCY)
 		return rnea_error_set(

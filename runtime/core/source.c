@@ -117,36 +117,6 @@ enum rnea_code source_read(struct source *s, const char *path, struct rnea_error
 	return source_bytes(path, &text, &length, e) ? e->code : take(s, text, length, path, e);
 }
 
-/* What stands after "#define MACRO " at the beginning of a line; NULL: there is no such line. */
-static const char *find_macro(const struct source *s, const char *macro)
-{
-	char line[64];
-	int length = snprintf(line, sizeof line, "\n#define %s ", macro);
-	const char *at = strstr(s->text, line);
-
-	return at ? at + length : NULL;
-}
-
-unsigned source_macro(const struct source *s, const char *macro)
-{
-	const char *at = find_macro(s, macro);
-	unsigned long value = at ? strtoul(at, NULL, 10) : 0;
-
-	return value <= 1024 ? (unsigned)value : 0;
-}
-
-unsigned source_min_blocks(const struct source *s, unsigned block)
-{
-	const char *at = find_macro(s, "RNEA_MIN_BLOCKS");
-	unsigned least, threads;
-
-	if (!block)
-		block = source_macro(s, "RNEA_BLOCK");
-	if (!at || !block || sscanf(at, "(RNEA_BLOCK < %4u ? 0 : %4u/RNEA_BLOCK)", &least, &threads) != 2)
-		return source_macro(s, "RNEA_MIN_BLOCKS");
-	return block < least ? 0 : threads / block;
-}
-
 void source_symbol(const char *name, const char *function, const char *kind, char symbol[SOURCE_SYMBOL_SIZE])
 {
 	snprintf(symbol, SOURCE_SYMBOL_SIZE, "%.*s_%.*s_%s", SOURCE_NAME_LIMIT, name, SOURCE_FUNCTION_LIMIT, function, kind);

@@ -19,12 +19,6 @@ enum rnea_code source_copy(struct source *s, const char *text, size_t length, co
 /* The same for the file at `path`. Errors: also READ. */
 enum rnea_code source_read(struct source *s, const char *path, struct rnea_error *e);
 
-/* The number of the line "#define MACRO number", or 0 where the text has no such line. */
-unsigned source_macro(const struct source *s, const char *macro);
-
-/* What the text gives RNEA_MIN_BLOCKS in blocks of `block` threads, 0: its own: a number, or "(RNEA_BLOCK < 64 ? 0 : 768/RNEA_BLOCK)". */
-unsigned source_min_blocks(const struct source *s, unsigned block);
-
 /* The bytes of the file at `path` (malloc, *length of them and a NUL). Errors: READ, MEMORY. */
 enum rnea_code source_bytes(const char *path, char **text, size_t *length, struct rnea_error *e);
 

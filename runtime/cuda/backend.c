@@ -1,4 +1,3 @@
-#include "backends.h"
 #include "cuda/backend.h"
 #include <stdlib.h>
 

@@ -1,8 +1,11 @@
 #ifndef RNEA_CUDA_BACKEND_H
 #define RNEA_CUDA_BACKEND_H
-/* The state of backend_cuda. */
+/* The record of CUDA, and its state. */
 
+#include "core/backend.h"
 #include "cuda/pipe.h"
+
+extern const struct backend backend_cuda;
 
 struct cuda {
 	struct driver driver;

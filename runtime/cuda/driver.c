@@ -1,5 +1,6 @@
 #include "cuda/driver.h"
 #include "cuda/compilation.h"
+#include "cuda/macros.h"
 #include "core/info_table.h"
 #include <stdint.h>
 #include <stdio.h>
@@ -171,7 +172,7 @@ static enum rnea_code compile(
 	struct trial t = {0};
 
 	if (!attempt_blocks(c, r, &t, e)) {
-		size_t best = compilation_best(t.compilations, t.count, source_macro(r->source, "RNEA_BLOCK"));
+		size_t best = compilation_best(t.compilations, t.count, macro_value(r->source, "RNEA_BLOCK"));
 
 		take(c, t.modules[best], &t.images[best], 0);
 		t.modules[best] = NULL;

@@ -1,4 +1,5 @@
 #include "cuda/image.h"
+#include "cuda/macros.h"
 #include "cuda/nvrtc.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,7 +27,7 @@ unsigned image_bound(const struct image_request *r, unsigned block)
 
 	if (option)
 		return value ? (unsigned)strtoul(value + 1, NULL, 10) : 1;
-	return source_min_blocks(r->source, block);
+	return macro_min_blocks(r->source, block);
 }
 
 enum rnea_code image_compile(

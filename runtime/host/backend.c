@@ -1,5 +1,5 @@
 #define _POSIX_C_SOURCE 200809L /* uname */
-#include "backends.h"
+#include "host/backend.h"
 #include "core/info_table.h"
 #include "host/host.h"
 #include <stdio.h>

@@ -125,7 +125,7 @@ static enum rneagen_code check_one(const struct eval_arrays *a, size_t i, const 
 {
 	const struct signature_array *s = &a->s->arrays[i];
 	const struct npy *n = &a->files[i];
-	const char *word = !strcmp(s->name, "q") ? "nq = " : !strcmp(s->name, "qd") || !strcmp(s->name, "qdd") ? "nv = " : "";
+	const char *word = role_rows(s->role) == ROWS_NQ ? "nq = " : role_rows(s->role) == ROWS_NV ? "nv = " : "";
 	char shape[64];
 
 	if (s->per_batch && (n->samples != 1 || n->columns != s->rows)) {

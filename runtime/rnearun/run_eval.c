@@ -191,9 +191,9 @@ static int name_files(struct eval *v)
 }
 
 /* Does it have an option of its own? */
-static int is_state(const char *name)
+static int is_state(enum role role)
 {
-	return !strcmp(name, "q") || !strcmp(name, "qd") || !strcmp(name, "qdd");
+	return role == ROLE_JOINT_POSITION || role == ROLE_JOINT_VELOCITY || role == ROLE_JOINT_ACCELERATION;
 }
 
 /* What must have a file has one; what has none, and need not, is told. */
@@ -210,7 +210,7 @@ static int check_inputs(const struct eval *v)
 			continue;
 		if (!s->has_default)
 			return option_refuse(
-				v->command.name, is_state(s->name) ? "--%s is missing" : "--input %s=FILE is missing", s->word);
+				v->command.name, is_state(s->role) ? "--%s is missing" : "--input %s=FILE is missing", s->word);
 		if (v->command.quiet)
 			continue;
 		fprintf(stderr, "%s: %s: no file named:", v->command.name, s->word);

@@ -33,8 +33,8 @@ static const char *want_word(const struct request *k, const char *name)
 
 static struct signature_array describe(struct analysis *a, const struct argument *x)
 {
-	struct signature_array s = {.word = x->name, .name = x->name, .rows = (size_t)x->rows, .is_output = x->is_output,
-		.per_batch = x->per_batch};
+	struct signature_array s = {.word = x->name, .name = x->name, .rows = (size_t)x->rows, .role = x->role,
+		.is_output = x->is_output, .per_batch = x->per_batch};
 	const struct request *k = &a->request;
 	const struct freed *f = x->is_output ? NULL : find_freed(k, x->name);
 	const char *push = x->is_output || f ? NULL : push_word(a, x->name);

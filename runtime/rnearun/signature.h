@@ -8,6 +8,7 @@
 struct signature_array {
 	const char *word, *name; /* of the scene, of the text: "payload.left hand", "payload_left_hand" */
 	size_t rows;
+	enum role role;
 	int is_output, per_batch;
 	int has_default;     /* the input may be left out */
 	const real *nominal; /* its rows are these then; NULL: 0 */

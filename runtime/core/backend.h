@@ -1,10 +1,12 @@
-#ifndef RNEA_BACKENDS_H
-#define RNEA_BACKENDS_H
-/* What compiles a text and runs its functions: one record each, in backends.c. To add one is a folder with such a record, and
-   an entry there; nothing else asks which it is. */
+#ifndef RNEA_BACKEND_H
+#define RNEA_BACKEND_H
+/* What compiles a text and runs its functions: one record each. To add one, write a folder that defines such a record, name it
+   in enum rnea_backend, and enter it in the list of rnea.c; nothing else asks which it is. */
 
-#include "cache/cache.h"
 #include "core/source.h"
+
+struct cache;
+struct cache_why;
 
 struct backend_request {
 	const struct source *source;
@@ -36,11 +38,5 @@ struct backend {
 
 	struct rnea_resources (*resources)(const void *state, size_t function);
 };
-
-/* In the order in which RNEA_BACKEND_ANY tries them: the next one where a machine has nothing of the one before. */
-extern const struct backend *const backends[];
-extern const size_t backend_count;
-
-extern const struct backend backend_cuda, backend_host;
 
 #endif
