@@ -111,6 +111,9 @@ START_TEST(launched)
 	g.precision = RNEAGEN_F64;
 	ck_assert_msg(!rnea_open_urdf(ROBOT, &g, &o, &robot, &e), "%s", e.message);
 	ck_assert_uint_eq(rnea_info(robot)->function_count, ALGORITHM_COUNT);
+	ck_assert_int_eq(rnea_bind_role(robot, "rnea", RNEA_ROLE_JOINT_POSITION, NULL), rnea_bind(robot, "q"));
+	ck_assert_int_eq(rnea_bind_role(robot, "rnea", RNEA_ROLE_JOINT_VELOCITY, NULL), rnea_bind(robot, "qd"));
+	ck_assert_int_eq(rnea_bind_role(robot, "rnea", RNEA_ROLE_JOINT_ACCELERATION, NULL), rnea_bind(robot, "qdd"));
 	for (int i = 0; i < ALGORITHM_COUNT; i++)
 		check_function(robot, ALGORITHMS[i], &rnea_info(robot)->functions[i]);
 	rnea_close(robot);
