@@ -175,21 +175,34 @@ static void add_value(struct planner *b, size_t i)
 	}
 }
 
+/* Nodes and outputs that stand before a section; after the last one, all of them. */
+struct stretch {
+	size_t node, output;
+};
+
+static struct stretch before(const struct dag *d, size_t section)
+{
+	if (section == d->section_count)
+		return (struct stretch){d->count, d->output_count};
+	return (struct stretch){d->sections[section].node, d->sections[section].output};
+}
+
+static void add_stretch(struct planner *b, struct stretch first, struct stretch end)
+{
+	for (size_t i = first.node; i < end.node; i++)
+		if (b->named[i])
+			add_value(b, i);
+	for (size_t i = first.output; i < end.output; i++)
+		add_line(b->p, LINE_STORE, b->d->outputs[i].value, i);
+}
+
 static void add_section(struct planner *b, size_t section)
 {
-	const struct dag *d = b->d;
-	int last = section + 1 == d->section_count;
-	size_t end = last ? d->count : d->sections[section + 1].node;
-	size_t outputs = last ? d->output_count : d->sections[section + 1].output;
 	struct ref none = {0};
 	size_t head = b->p->line_count;
 
 	add_line(b->p, LINE_SECTION, none, section);
-	for (size_t i = d->sections[section].node; i < end; i++)
-		if (b->named[i])
-			add_value(b, i);
-	for (size_t i = d->sections[section].output; i < outputs; i++)
-		add_line(b->p, LINE_STORE, d->outputs[i].value, i);
+	add_stretch(b, before(b->d, section), before(b->d, section + 1));
 	if (b->p->line_count == head + 1)
 		b->p->line_count = head; /* nothing to say */
 }
@@ -215,6 +228,7 @@ int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct
 	for (size_t i = 0; i < d->count; i++)
 		if (b.named[i])
 			p->names[i] = name_value(&b, i, &temporaries);
+	add_stretch(&b, (struct stretch){0, 0}, before(d, 0));
 	for (size_t s = 0; s < d->section_count; s++)
 		add_section(&b, s);
 	arena_release(a, b.taken);
