@@ -2,6 +2,7 @@
    precision; the bound itself beside gen/eval's. */
 #define _POSIX_C_SOURCE 200809L
 #include "hard/compiled.h"
+#include "support/exhaustive.h"
 #include "support/suite.h"
 #include <math.h>
 #include <stdio.h>
@@ -130,31 +131,38 @@ static void check_case(const struct hard_case *c, const struct kind *kind)
 	fixture_close(&x);
 }
 
-/* Every kind on some cases, f32 and f64 in turn on the others; with RNEAGEN_LONG both, which takes a minute more. */
+/* Every kind on some cases where all is asked for, else on one of these; f32 and f64 in turn on the others. */
 START_TEST(hard_cases)
 {
+	if (hard_is_long(&HARD_CASES[_i]) && !exhaustive())
+		return;
 	printf("%-14s", HARD_CASES[_i].name);
 	for (int k = 0; k < KIND_COUNT; k++)
-		if (_i < 3 || (k < 2 && (k == _i % 2 || getenv("RNEAGEN_LONG"))) || is_refused(&HARD_CASES[_i], &KINDS[k]))
+		if ((_i < 3 ? exhaustive() || k % 3 == _i : k == _i % 2) || (is_refused(&HARD_CASES[_i], &KINDS[k]) && (exhaustive() || k == 5)))
 			check_case(&HARD_CASES[_i], &KINDS[k]);
 	putchar('\n');
 }
 END_TEST
 
-static void check_own(const char *path, const char *name, void *floating)
+static void check_own(const char *path, const char *name, void *turn)
 {
-	struct hard_case c = {.name = name, .file = name, .floating = floating != NULL, .samples = SAMPLES};
+	struct hard_case c = {.name = name, .file = name, .samples = SAMPLES};
 
 	(void)path;
 	printf("%-28s", name);
 	for (int k = 0; k < 2; k++)
-		check_case(&c, &KINDS[k]);
+		if (exhaustive() || *(int *)turn % 2 == k)
+			check_case(&c, &KINDS[k]);
+	++*(int *)turn;
 	putchar('\n');
 }
 
+/* In f32 and f64 in turn, or in both. */
 START_TEST(own_robots)
 {
-	ck_assert_int_gt(for_each_urdf(TEST_DIR "/robots", check_own, NULL), 0);
+	int turn = 0;
+
+	ck_assert_int_gt(for_each_urdf(TEST_DIR "/robots", check_own, &turn), 0);
 }
 END_TEST
 

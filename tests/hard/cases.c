@@ -119,6 +119,16 @@ const struct hard_case HARD_CASES[] = {
 };
 const int HARD_CASE_COUNT = (int)(sizeof HARD_CASES / sizeof *HARD_CASES);
 
+int hard_is_long(const struct hard_case *c)
+{
+	static const char *const names[] = {"atlas", "g1_29dof", "chain_64", "chain_200", "star"};
+
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+		if (!strcmp(c->name, names[i]))
+			return 1;
+	return 0;
+}
+
 static void refuse(const struct hard *h, const char *message)
 {
 	fprintf(stderr, "%s: %s\n", h->of->name, message);

@@ -3,12 +3,14 @@
    and on robots. */
 #define _POSIX_C_SOURCE 200809L
 #include "support/scene_model.h"
+#include "support/exhaustive.h"
 #include "support/suite.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROBOTS = 150, LINKS = 14 };
+enum { LINKS = 14 };
+#define ROBOTS (exhaustive() ? 150 : 50) /* random trees */
 
 static struct rneagen_options options;
 static struct reference *whole;
@@ -132,7 +134,7 @@ START_TEST(locked)
 {
 	int tried = 0, joints = 0;
 
-	for (uint64_t seed = 1; seed <= ROBOTS; seed++) {
+	for (uint64_t seed = 1; seed <= (uint64_t)ROBOTS; seed++) {
 		set_up(seed);
 		sample_values(seed);
 		for (int j = 0; j < whole->nj; j++)
@@ -154,7 +156,7 @@ START_TEST(all_but)
 {
 	int tried = 0;
 
-	for (uint64_t seed = 1; seed <= ROBOTS; seed++) {
+	for (uint64_t seed = 1; seed <= (uint64_t)ROBOTS; seed++) {
 		int kept = 0;
 
 		set_up(seed);
@@ -250,7 +252,7 @@ START_TEST(tips)
 {
 	int tried = 0;
 
-	for (uint64_t seed = 1; seed <= ROBOTS; seed++) {
+	for (uint64_t seed = 1; seed <= (uint64_t)ROBOTS; seed++) {
 		char chain[ROWS] = {0};
 
 		set_up(seed);
@@ -269,7 +271,7 @@ START_TEST(dropped)
 {
 	int tried = 0;
 
-	for (uint64_t seed = 1; seed <= ROBOTS; seed++) {
+	for (uint64_t seed = 1; seed <= (uint64_t)ROBOTS; seed++) {
 		char chain[ROWS] = {0}, *part;
 		const char *gone[ROWS];
 		int count = 0;
@@ -300,7 +302,7 @@ START_TEST(roots)
 {
 	int tried = 0;
 
-	for (uint64_t seed = 1; seed <= ROBOTS; seed++) {
+	for (uint64_t seed = 1; seed <= (uint64_t)ROBOTS; seed++) {
 		char *part;
 		int root;
 

@@ -4,6 +4,7 @@
 #include "rnea.h"
 #include "reference/reference.h"
 #include "support/rng.h"
+#include "support/exhaustive.h"
 #include "support/suite.h"
 #include "target/target.h"
 #include "block_arrays.h"
@@ -196,7 +197,8 @@ static void check_block(const struct subject *s, const struct target *t, struct 
 	rnea_close(robot);
 }
 
-/* Every way to stage, of every subject; on an H100, one of 99 KiB, one that gives nothing. */
+/* Every way to stage, of every subject; on an H100, one of 99 KiB, one that gives nothing: each block on one of these in turn, or on all
+   where all is asked for. */
 START_TEST(test_values)
 {
 	static const size_t limits[] = {MOST, 99 << 10, OWN};
@@ -213,7 +215,8 @@ START_TEST(test_values)
 	expect(&x, s, &t);
 	for (int b = 0; b < 3 && s->blocks[b]; b++)
 		for (size_t l = 0; l < sizeof limits / sizeof *limits; l++)
-			check_block(s, &t, &x, s->blocks[b], limits[l]);
+			if (exhaustive() || ((size_t)(b + _i) + l) % 3 == 0)
+				check_block(s, &t, &x, s->blocks[b], limits[l]);
 	for (size_t i = 0; i < x.count; i++)
 		x.a[i].name = NULL; /* the robot's */
 	rnea_close(robot);
