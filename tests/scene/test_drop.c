@@ -6,7 +6,7 @@
 #include "dag/eval.h"
 #include "draw/felt.h"
 #include "support/suite.h"
-#include "support/task.h"
+#include "support/task/task.h"
 #include "support/urdf_text.h"
 #include <math.h>
 #include <stdio.h>

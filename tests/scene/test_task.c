@@ -2,7 +2,7 @@
    each alone and together, against the reference changed in the same way. */
 #define _POSIX_C_SOURCE 200809L
 #include "support/suite.h"
-#include "support/task.h"
+#include "support/task/task.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

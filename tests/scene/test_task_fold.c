@@ -2,7 +2,7 @@
    more for being known, and torques at rest are those of gravity. On random trees, seeds printed, and on robots. */
 #define _POSIX_C_SOURCE 200809L
 #include "support/suite.h"
-#include "support/task.h"
+#include "support/task/task.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

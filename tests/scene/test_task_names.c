@@ -2,7 +2,7 @@
    identifiers, which still find their links, and arrays of their own. */
 #define _POSIX_C_SOURCE 200809L
 #include "support/suite.h"
-#include "support/task.h"
+#include "support/task/task.h"
 #include "support/urdf_text.h"
 #include <stdio.h>
 #include <stdlib.h>

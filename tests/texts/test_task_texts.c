@@ -2,7 +2,7 @@
    modes, both targets, inputs by sample and by batch; compilers have nothing to say of them; and how arrays are bound. */
 #define _POSIX_C_SOURCE 200809L
 #include "support/suite.h"
-#include "support/task.h"
+#include "support/task/task.h"
 #include "target/target.h"
 #include "support/urdf_text.h"
 #include "rnea.h"

@@ -1,5 +1,5 @@
 /* What the reference makes of a task, and the comparison. */
-#include "support/task.h"
+#include "support/task/task.h"
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>

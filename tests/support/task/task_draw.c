@@ -1,5 +1,5 @@
 /* Choices drawn at random. */
-#include "support/task.h"
+#include "support/task/task.h"
 #include <math.h>
 
 void case_draw_locks(struct task_case *c)

@@ -1,5 +1,5 @@
 #define _POSIX_C_SOURCE 200809L
-#include "support/task.h"
+#include "support/task/task.h"
 #include <check.h>
 #include <math.h>
 #include <stdarg.h>
