@@ -124,7 +124,8 @@ static enum rneagen_code parts_choose(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
 
-	parts_make(&g->parts, &g->part_count, &g->passes[0], &a->raw, &a->tree, &a->request, &a->options, a->arena, a->error);
+	parts_make(&g->parts, &g->part_count, &g->passes[0], &a->raw, &a->tree, &a->request, &a->options,
+		target_type_of(a->options.target)->kernel != NULL, a->arena, a->error);
 	analysis_free_raw(a);
 	return a->error->code;
 }

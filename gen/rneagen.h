@@ -14,10 +14,18 @@ extern "C" {
 
 #define RNEAGEN_VERSION "0.1.0"
 
-enum rneagen_target { RNEAGEN_TARGET_CUDA, RNEAGEN_TARGET_C, RNEAGEN_TARGET_HEADER };
-enum rneagen_precision { RNEAGEN_PRECISION_DEFAULT, RNEAGEN_F32, RNEAGEN_F64,
-	RNEAGEN_MIXED, RNEAGEN_F32X2 }; /* default: f64 for C, else f32; mixed: f32 in memory, f64 in arithmetic;
-					   f32x2: f64 in memory, pairs of floats in arithmetic */
+/* RNEAGEN_TARGET_CUDA, ..., and the words of --target. */
+#define RNEAGEN_TARGETS(X) X(CUDA, "cuda") X(C, "c") X(HEADER, "header")
+/* RNEAGEN_F32, ..., and the words of --precision. mixed: f32 in memory, f64 in arithmetic; f32x2: f64 in memory, pairs of
+   floats in arithmetic. */
+#define RNEAGEN_PRECISIONS(X) X(F32, "f32") X(F64, "f64") X(MIXED, "mixed") X(F32X2, "f32x2")
+
+#define RNEAGEN_TARGET_ENUM(name, word) RNEAGEN_TARGET_##name,
+enum rneagen_target { RNEAGEN_TARGETS(RNEAGEN_TARGET_ENUM) RNEAGEN_TARGET_COUNT };
+#undef RNEAGEN_TARGET_ENUM
+#define RNEAGEN_PRECISION_ENUM(name, word) RNEAGEN_##name,
+enum rneagen_precision { RNEAGEN_PRECISION_DEFAULT, RNEAGEN_PRECISIONS(RNEAGEN_PRECISION_ENUM) }; /* default: f64 for C, else f32 */
+#undef RNEAGEN_PRECISION_ENUM
 enum rneagen_layout { RNEAGEN_SOA, RNEAGEN_AOS };                                /* [row][sample], [sample][row] */
 enum rneagen_trig { RNEAGEN_ACCURATE, RNEAGEN_BOUNDED, RNEAGEN_FAST };
 enum rneagen_base { RNEAGEN_FIXED, RNEAGEN_FLOATING };

@@ -3,6 +3,7 @@
 #include "cli/files.h"
 #include "cli/options.h"
 #include "cli/pending.h"
+#include "emit/target_type.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -114,20 +115,16 @@ static int parse_option(struct command *c, int key, const char *word)
 /* What a text is for shows in its name, unless --target says it. */
 static int target_from_suffix(struct command *c)
 {
-	static const char *const cuda[] = {".cu", NULL}, *const plain[] = {".c", NULL},
-				*const header[] = {".h", ".hh", ".hpp", ".hxx", ".cuh", NULL};
-
-	if (c->has_target || !c->output || file_has_suffix(c->output, cuda) || pending_is_in_place(c->output))
+	if (c->has_target || !c->output || pending_is_in_place(c->output))
 		return -1;
-	if (file_has_suffix(c->output, plain))
-		c->options.target = RNEAGEN_TARGET_C;
-	else if (file_has_suffix(c->output, header))
-		c->options.target = RNEAGEN_TARGET_HEADER;
-	else
-		return option_refuse(COMMAND,
-			"-o %s: no text has this suffix: take .cu for CUDA kernels, .c for C functions, .h, .hh, .hpp, .hxx or .cuh "
-			"for inline functions, or say --target cuda, c or header", c->output);
-	return -1;
+	for (int i = 0; i < RNEAGEN_TARGET_COUNT; i++)
+		if (file_has_suffix(c->output, target_type_of((enum rneagen_target)i)->suffixes)) {
+			c->options.target = (enum rneagen_target)i;
+			return -1;
+		}
+	return option_refuse(COMMAND,
+		"-o %s: no text has this suffix: take .cu for CUDA kernels, .c for C functions, .h, .hh, .hpp, .hxx or .cuh "
+		"for inline functions, or say --target cuda, c or header", c->output);
 }
 
 /* Returns -1 to go on, or the exit status. */
@@ -174,7 +171,7 @@ static int check_files(struct command *c)
 		file_note(&written, "", "-", &e);
 	if (!e.code && !file_check(&c->read, &written, &e))
 		status = target_from_suffix(c);
-	if (!e.code && status < 0 && c->output && c->options.target == RNEAGEN_TARGET_C &&
+	if (!e.code && status < 0 && c->output && target_type_of(c->options.target)->declarations &&
 		!file_note_header(&written, c->output, &e))
 		file_check(&c->read, &written, &e);
 	file_forget(&written);

@@ -73,8 +73,12 @@ static const struct choice {
 	const char *option;
 	struct option_choice words[9];
 } CHOICES[] = {
-	{"target", {{"cuda", RNEAGEN_TARGET_CUDA}, {"c", RNEAGEN_TARGET_C}, {"header", RNEAGEN_TARGET_HEADER}}},
-	{"precision", {{"f32", RNEAGEN_F32}, {"f64", RNEAGEN_F64}, {"mixed", RNEAGEN_MIXED}, {"f32x2", RNEAGEN_F32X2}}},
+#define TARGET_WORD(name, word) {word, RNEAGEN_TARGET_##name},
+#define PRECISION_WORD(name, word) {word, RNEAGEN_##name},
+	{"target", {RNEAGEN_TARGETS(TARGET_WORD)}},
+	{"precision", {RNEAGEN_PRECISIONS(PRECISION_WORD)}},
+#undef TARGET_WORD
+#undef PRECISION_WORD
 	{"layout", {{"soa", RNEAGEN_SOA}, {"aos", RNEAGEN_AOS}}},
 	{"trig", {{"accurate", RNEAGEN_ACCURATE}, {"bounded", RNEAGEN_BOUNDED}, {"fast", RNEAGEN_FAST}}},
 	{"base", {{"fixed", RNEAGEN_FIXED}, {"floating", RNEAGEN_FLOATING}}},

@@ -2,7 +2,6 @@
 #define RNEAGEN_EVAL_MODEL_H
 /* Arithmetic as the analysis of errors sees it: how far each operation of a text may be from the exact one. */
 
-#include "rneagen.h"
 #include "base/within.h"
 
 struct eval_model {
@@ -19,12 +18,5 @@ struct eval_model {
 	double store_largest;
 	real (*constant)(real value); /* as the text has it */
 };
-
-/* The arithmetic of a text with these options: its precision and its own sine and cosine, products joined to sums rounded
-   once or twice; on a GPU once, and with its own unit for the trigonometry "fast". Of that the CUDA C++ Programming Guide
-   (Mathematical Functions, Intrinsic Functions) says: for x in [-pi, pi] the maximum absolute error is 2^-21.41 of __sinf
-   and 2^-21.19 of __cosf, "and larger otherwise"; found by extensive tests, not guaranteed. Beyond pi, where it grows
-   with x, the model knows nothing. */
-struct eval_model eval_model_of(const struct rneagen_options *o, int on_gpu);
 
 #endif

@@ -1,4 +1,4 @@
-#include "emit/emit.h"
+#include "emit/unparse.h"
 #include "plan/parts.h"
 #include "emit/template.h"
 #include <math.h>
@@ -15,7 +15,50 @@ const char *emit_int(const struct emission *e, int value)
 	return text_string(&t);
 }
 
+int emit_pass_uses(const struct pass *p, enum op op)
+{
+	for (size_t i = 0; i < p->dag.count; i++)
+		if (p->dag.nodes[i].op == op)
+			return 1;
+	return 0;
+}
+
+int emit_uses(const struct emission *e, enum op op)
+{
+	for (int i = 0; i < e->pass_count; i++)
+		if (emit_pass_uses(&e->passes[i], op))
+			return 1;
+	return 0;
+}
+
 static const char RETURNS[] = "   Returns whether all angles are small: if not, and `small`, the results mean nothing.\n";
+
+/* An argument of which nothing is read or written would be an unused parameter. */
+static void put_unused_arguments(const struct plan *p, int has_small, struct text *out)
+{
+	const struct dag *d = p->dag;
+
+	for (int i = 0; i < d->argument_count; i++) {
+		int used = 0;
+
+		for (size_t k = 0; k < d->output_count && !used; k++)
+			used = d->outputs[k].argument == i;
+		for (size_t k = 0; k < d->count && !used; k++)
+			used = d->nodes[k].op == OP_INPUT && d->nodes[k].arg[0].i == (uint32_t)i;
+		if (!used)
+			text_printf(out, "\t(void)%s;\n", d->arguments[i].name);
+	}
+	if (has_small && !plan_operations(p).sincos)
+		text_put(out, "\t(void)small;\n");
+}
+
+static void put_statements(const struct emission *e, const struct pass *p, struct text *out)
+{
+	put_unused_arguments(&p->plan, emit_has_small(e), out);
+	text_put(out, emit_has_small(e) ? "\tint all_small = 1;\n" : "");
+	unparse(e, p, e->numbers, out);
+	text_put(out, emit_has_small(e) ? "\treturn all_small;\n" : "");
+}
 
 static void put_body(const struct emission *e, const struct pass *p, struct text *out)
 {
@@ -28,7 +71,7 @@ static void put_body(const struct emission *e, const struct pass *p, struct text
 	size_t count = sizeof slots / sizeof *slots;
 	const char *rest = template_expand_to(out, template_body_in, "BODY", slots, count);
 
-	emit_body(e, p, out);
+	put_statements(e, p, out);
 	template_expand(out, rest, slots, count);
 }
 
@@ -66,7 +109,7 @@ const char *emit_dimensions(const struct emission *e)
 
 		text_printf(&t, "%s%s[%d]", before, a->name, a->rows);
 	}
-	text_put(&t, e->request->is_plain && e->options->target == RNEAGEN_TARGET_C ? "; tau may be qdd itself." : ".");
+	text_put(&t, e->request->is_plain ? e->target->aliases : ".");
 	return text_string(&t);
 }
 
@@ -92,7 +135,8 @@ static const char *sincos_text(const struct emission *e)
 	struct text t;
 
 	text_init(&t, e->arena);
-	emit_f32x2(e, &t);
+	if (e->numbers->put_functions)
+		e->numbers->put_functions(e, &t);
 	emit_sincos(e, &t);
 	return text_string(&t);
 }
@@ -137,11 +181,12 @@ static void put_is_small(const struct emission *e, struct text *out)
 	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}, {"F", e->memory->suffix},
 		{"NQ", emit_int(e, e->tree->nq)}, {"LIMIT", small_limit(e)}};
 
-	int host_only = e->options->target == RNEAGEN_TARGET_CUDA && emit_is_optimistic(e);
+	int host_only = e->target->kernel && emit_is_optimistic(e);
 
 	if (!emit_has_small(e))
 		return;
-	text_put(out, host_only ? "#if !defined __CUDACC__\n" : "");
+	if (host_only)
+		text_printf(out, "#if !defined %s\n", e->target->kernel->compiler);
 	template_expand(out, template_is_small_in, slots, sizeof slots / sizeof *slots);
 	text_put(out, host_only ? "#endif\n" : "");
 }
@@ -173,7 +218,7 @@ static void put_dispatcher(const struct emission *e, struct text *out)
 		{"RESULT", emit_has_small(e) ? "int" : "void"}, {"RETURNS", emit_has_small(e) ? RETURNS : ""},
 		{"BEGIN", emit_has_small(e) ? "\tint all_small = 1;" : ""}, {"END", emit_has_small(e) ? "\treturn all_small;" : ""},
 		{"COUNT", emit_int(e, e->part_count)}, {"CASES", text_string(&cases)}, {"CALLS", text_string(&calls)}};
-	template_expand(out, template_parts_in, slots, sizeof slots / sizeof *slots);
+	template_expand(out, e->target->kernel->parts, slots, sizeof slots / sizeof *slots);
 	out->failed |= cases.failed | calls.failed;
 }
 
@@ -191,19 +236,16 @@ static void put_bodies(const struct emission *e, struct text *out)
 
 void emit_source(const struct emission *e, struct text *out)
 {
-	static const char *const frames[] = {[RNEAGEN_TARGET_CUDA] = template_kernel_cu_in,
-		[RNEAGEN_TARGET_C] = template_function_c_in, [RNEAGEN_TARGET_HEADER] = template_header_h_in};
 	const struct pass *p = e->passes;
 	struct text kernels;
 	const char *rest;
 
 	text_init(&kernels, e->arena);
-	for (int i = 0; i < e->pass_count && e->options->target == RNEAGEN_TARGET_CUDA; i++)
+	for (int i = 0; i < e->pass_count && e->target->kernel; i++)
 		emit_kernel(e, &p[i], &kernels);
 	const struct slot slots[] = {
 		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"INFO", info_text(e)}, {"PATTERNS", emit_patterns(e)},
-		{"ARITHMETIC_CUDA", emit_arithmetic(e, ARITHMETIC_FOR_CUDA)},
-		{"ARITHMETIC_HEADER", emit_arithmetic(e, ARITHMETIC_FOR_HEADER)}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
+		{"ARITHMETIC", emit_arithmetic(e, e->target)}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
 		{"UNDEF_STRICT", e->options->strict ? "#undef RNEA_ADD\n#undef RNEA_SUB\n#undef RNEA_MUL\n#undef RNEA_DIV\n#undef RNEA_SQRT\n#undef RNEA_APART\n" : ""},
 		{"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)}, {"MIN_BLOCKS", emit_min_blocks(e)},
 		{"SINCOS", sincos_text(e)}, {"STAGE", emit_stage(e)}, {"STORE", emit_store(e)},
@@ -218,7 +260,7 @@ void emit_source(const struct emission *e, struct text *out)
 	};
 
 	size_t count = sizeof slots / sizeof *slots;
-	rest = template_expand_to(out, frames[e->options->target], "BODIES", slots, count);
+	rest = template_expand_to(out, e->target->frame, "BODIES", slots, count);
 	put_bodies(e, out);
 	if (e->options->bounded) {
 		rest = template_expand_to(out, rest, "BOUNDED", slots, count);
@@ -233,6 +275,6 @@ void emit_declarations(const struct emission *e, struct text *out)
 	const struct slot slots[] = {
 		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"ENUM", enum_text(e)}, {"PROTOTYPES", emit_prototypes(e)}};
 
-	template_expand(out, template_function_h_in, slots, sizeof slots / sizeof *slots);
+	template_expand(out, e->target->declarations, slots, sizeof slots / sizeof *slots);
 	out->failed |= e->arena->failed;
 }

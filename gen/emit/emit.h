@@ -2,19 +2,11 @@
 #define RNEAGEN_EMIT_H
 /* Text is made here, and only here: plans become statements, statements fill the templates. */
 
+#include "emit/number_type.h"
+#include "emit/target_type.h"
 #include "plan/parts.h"
-#include "scene/adjust.h"
 #include "rneagen.h"
-
-/* A type of numbers. Memory has one, arithmetic another where the precision converts on loads and stores. */
-struct scalar {
-	const char *name;   /* in options and tables: "f32" */
-	const char *type;   /* in the text: "float" */
-	const char *suffix; /* of functions: "f" in fmaf, rneagen_sincosf_... */
-	int bytes;
-	double domain; /* the largest angle of the bounded sine and cosine */
-	const struct scalar *part; /* of a number that is the sum of two: their type; NULL otherwise */
-};
+#include "scene/adjust.h"
 
 struct emission {
 	const struct tree *tree;
@@ -33,7 +25,10 @@ struct emission {
 	const char *hash; /* SHA-256 of the URDF, in hex */
 	struct arena *arena;
 	struct rneagen_error *error;
-	const struct scalar *memory, *arithmetic; /* emit_set_precision */
+	/* of the options, by emit_set_precision */
+	const struct target_type *target;
+	const struct number_type *numbers;
+	const struct scalar *memory, *arithmetic; /* the numbers' */
 	struct written_number *written;           /* EMIT_WRITTEN of them; NULL: each number is made anew */
 };
 
@@ -52,7 +47,7 @@ struct written_number {
 
 enum { EMIT_WRITTEN = 4096 };
 
-/* Memory and arithmetic of the precision that the options name. */
+/* The records of the target and of the precision that the options name. */
 void emit_set_precision(struct emission *e);
 
 /* The precision that the options name, or their target's. */
@@ -69,30 +64,18 @@ const char *emit_layout_name(enum rneagen_layout layout);
    files and of the functions, which take quotes. */
 void emit_options(const struct rneagen_options *o, struct text *out);
 
-/* The statements of a pass, each indented by one tab. Errors: NUMBER when a constant is no finite number in the
-   target's precision. */
-void emit_body(const struct emission *e, const struct pass *p, struct text *out);
-
-/* A comment that says which part of the algorithm begins; a statement, broken where it is too long for a line. */
+/* A comment that says which part of the algorithm begins. */
 void emit_section(const struct emission *e, const struct pass *p, const struct section *s, struct text *out);
-void emit_wrapped(struct text *out, const char *statement);
 
-/* What an operation is called in the names of functions that do it, "add"; NULL: it is none of arithmetic. */
-extern const char *const emit_operation[OP_COUNT];
+/* Is there such an operation in a pass; in the text? */
+int emit_pass_uses(const struct pass *p, enum op op);
+int emit_uses(const struct emission *e, enum op op);
 
 /* C: NAME_rnea_bounded and what it calls. */
 void emit_bounded(const struct emission *e, struct text *out);
 
 /* A number that reads back as the same value in the type: the shortest decimal that does. */
 void emit_number(const struct emission *e, const struct scalar *s, real value, struct text *out);
-
-/* Where a number is a pair (e->arithmetic->part): the functions that compute with such numbers, and an expression, by
-   calls of them. */
-void emit_f32x2(const struct emission *e, struct text *out);
-/* Per node: an input that only sines and cosines read, which take it as memory has it. NULL if arithmetic is of no pairs. */
-const unsigned char *emit_f32x2_angles(const struct emission *e, const struct plan *p);
-void emit_f32x2_angle(const struct emission *e, const struct plan *p, struct ref a, struct text *out);
-void emit_f32x2_expression(const struct emission *e, const struct plan *p, struct ref a, struct text *out);
 
 /* The table NAME_info as adjacent string literals. */
 void emit_info(const struct emission *e, struct text *out);
@@ -104,9 +87,8 @@ void emit_pattern_declarations(const struct emission *e, struct text *out);
 const char *emit_patterns(const struct emission *e);
 void emit_pattern_json(const struct emission *e, struct text *out);
 
-/* The macros of the operations, as these compilers take them. */
-enum arithmetic_for { ARITHMETIC_FOR_C, ARITHMETIC_FOR_CUDA, ARITHMETIC_FOR_HEADER };
-const char *emit_arithmetic(const struct emission *e, enum arithmetic_for compiler);
+/* The macros of the operations, as compilers of such texts take them. */
+const char *emit_arithmetic(const struct emission *e, const struct target_type *target);
 
 /* The sine and cosine function that the statements call. */
 void emit_sincos(const struct emission *e, struct text *out);
@@ -171,18 +153,6 @@ int emit_has_small(const struct emission *e);
 static inline int emit_is_operation(const struct emission *e)
 {
 	return e->banner != NULL;
-}
-
-/* Are numbers converted between memory and arithmetic? */
-static inline int emit_converts(const struct emission *e)
-{
-	return e->memory != e->arithmetic;
-}
-
-/* Of the names of functions of the arithmetic's type, after rneagen_sincos. */
-static inline const char *emit_sincos_suffix(const struct emission *e)
-{
-	return e->arithmetic->part ? "_f32x2" : e->arithmetic->suffix;
 }
 
 #endif

@@ -18,7 +18,7 @@ static const char *joined(const struct emission *e, const char *a, const char *b
 
 const char *emit_head_c(const struct emission *e)
 {
-	const struct slot slots[] = {{"ARITHMETIC_C", emit_arithmetic(e, ARITHMETIC_FOR_C)}};
+	const struct slot slots[] = {{"ARITHMETIC_C", emit_arithmetic(e, &TARGET_C)}};
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -108,10 +108,12 @@ static void put_slice_prototypes(const struct emission *e, struct text *out)
 
 static void put_bounded_prototype(const struct emission *e, struct text *out)
 {
-	const char *more = e->memory->bytes == 4 ? ", float *bound" : ", double *bound";
 	int torques = e->request->want_count == 1 && e->request->wants[0].kind <= WANT_BIAS;
+	struct text more;
 
-	put_prototype(e, emit_main(e), "_bounded", more, torques ?
+	text_init(&more, e->arena);
+	text_printf(&more, ", %s *bound", e->memory->type);
+	put_prototype(e, emit_main(e), "_bounded", text_string(&more), torques ?
 		"The same torques, to the bit, and for each a bound[i] of |tau[i] - exact|.\n" BOUNDED_DOC :
 		"The same outputs, to the bit, and for each number x of them, one output after the other, a bound[i] of |x - exact|.\n"
 		BOUNDED_DOC, out);

@@ -213,14 +213,11 @@ static void put_conventions(const struct emission *e, struct text *out)
 			      " * tau = force then moment about the origin, body's frame. The quaternion is not normalised.\n");
 	if (has_type(e->tree, JOINT_PLANAR))
 		text_put(out, " * Planar: q = x y theta; x and y in the plane normal to the axis; qd = dq/dt.\n");
-	if (e->options->target == RNEAGEN_TARGET_CUDA || e->options->target == RNEAGEN_TARGET_C)
+	if (e->target->has_batches)
 		text_printf(out, " * Batches: every array is [%s].\n",
 			e->options->layout == RNEAGEN_SOA ? "row][sample" : "sample][row");
-	if (e->arithmetic->part)
-		text_put(out, " * Arrays are double; arithmetic is in pairs of floats, good to 44 bits for magnitudes from 1e-25 to 1e30,\n"
-			      " * and slower than double where double takes less than twenty times as long as float.\n");
-	if (e->options->target == RNEAGEN_TARGET_CUDA)
-		text_put(out, " * Compiled as C, without CUDA, this text holds the functions of target c instead of kernels.\n");
+	text_put(out, e->numbers->note);
+	text_put(out, e->target->note);
 	text_put(out, " *\n * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less\n"
 		      " * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.\n");
 	if (!e->request->is_plain)

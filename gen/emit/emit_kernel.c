@@ -111,7 +111,7 @@ static int min_blocks(const struct emission *e)
 {
 	int alive;
 
-	if (e->options->target != RNEAGEN_TARGET_CUDA || is_staged(e) || emit_is_operation(e))
+	if (!e->target->kernel || is_staged(e) || emit_is_operation(e))
 		return 0;
 	if (request_wants_derivative(e->request))
 		return min_derivative_blocks(e);
@@ -160,12 +160,11 @@ const char *emit_call(const struct emission *e, const struct pass *p, const char
    but atlas 0.86 instead of 0.88). */
 static const char *optimistic_call(const struct emission *e, const char *arguments)
 {
+	const struct slot slots[] = {{"NAME", e->options->name}, {"ARGUMENTS", arguments}, {"STRIDE", emit_stride(e)}};
 	struct text t;
 
 	text_init(&t, e->arena);
-	text_printf(&t, "\tif (!%s_rnea_body(%s, %s, 1)) {\n", e->options->name, arguments, emit_stride(e));
-	text_put(&t, "\t\tasm volatile(\"\" : \"+l\"(k)); /* another k, for all the compiler knows: it keeps nothing for later */\n");
-	text_printf(&t, "\t\t%s_rnea_body(%s, %s, 0);\n\t}\n", e->options->name, arguments, emit_stride(e));
+	template_expand(&t, e->target->kernel->again, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);
 }
 
@@ -290,15 +289,12 @@ static const char *kernel_call(const struct emission *e, const struct pass *p, i
 /* Derivatives may take more values than there are registers. ptxas refuses this where the launch gives shared memory. */
 static const char *spill_text(const struct emission *e)
 {
+	const struct slot slots[] = {{"UNLESS_GIVEN", is_staged(e) ? " && !RNEA_GIVEN_BYTES" : ""}};
 	struct text t;
 
-	if (!request_wants_derivative(e->request))
-		return "";
 	text_init(&t, e->arena);
-	text_printf(&t, "#if defined __CUDACC_VER_MAJOR__ && __CUDACC_VER_MAJOR__ >= 13 && !defined __CUDACC_RDC__ && !defined __CUDACC_DEBUG__%s\n",
-		is_staged(e) ? " && !RNEA_GIVEN_BYTES" : "");
-	text_put(&t, "\tasm volatile(\".pragma \\\"enable_smem_spilling\\\";\"); /* what no register holds goes to shared memory first */\n"
-		     "#endif\n");
+	if (request_wants_derivative(e->request))
+		template_expand(&t, e->target->kernel->spill, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);
 }
 
@@ -309,7 +305,7 @@ static const char *declaration_text(const struct emission *e)
 	struct text t;
 
 	text_init(&t, e->arena);
-	template_expand(&t, template_slices_in, slots, sizeof slots / sizeof *slots);
+	template_expand(&t, e->target->kernel->slices, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);
 }
 
@@ -326,8 +322,8 @@ void emit_kernel(const struct emission *e, const struct pass *p, struct text *ou
 			"\t/* tau takes the place of qdd: a joint's qdd is read before its torque is written */\n"},
 	};
 
-	template_expand(out, !staged ? template_kernel_soa_in : is_aos ? template_kernel_aos_in : template_kernel_soa_staged_in, slots,
-		sizeof slots / sizeof *slots);
+	const struct kernel_frames *f = e->target->kernel;
+	template_expand(out, !staged ? f->direct : is_aos ? f->staged_aos : f->staged_soa, slots, sizeof slots / sizeof *slots);
 }
 
 /* Rows of matrices in soa, in whole lines; not what goes to shared memory. H100, both gradients of floating hyq in f64, 2 parts,
@@ -335,19 +331,19 @@ void emit_kernel(const struct emission *e, const struct pass *p, struct text *ou
    of 31.5, 1 M the same; of atlas in f64 3 % slower, since the compiler orders stores less freely. */
 int emit_is_streamed(const struct emission *e)
 {
-	return e->options->target == RNEAGEN_TARGET_CUDA && e->options->layout == RNEAGEN_SOA && request_wants_derivative(e->request) &&
+	return e->target->kernel && e->options->layout == RNEAGEN_SOA && request_wants_derivative(e->request) &&
 	       !is_staged(e);
 }
 
 const char *emit_store(const struct emission *e)
 {
-	int f32 = e->memory->bytes == 4;
-	const struct slot slots[] = {{"T", e->memory->type}, {"SUFFIX", f32 ? "f32" : "f64"}, {"CONSTRAINT", f32 ? "f" : "d"}};
+	const struct scalar *s = e->memory;
+	const struct slot slots[] = {{"T", s->type}, {"SUFFIX", s->name}, {"CONSTRAINT", s->letter}};
 	struct text t;
 
 	text_init(&t, e->arena);
 	if (emit_is_streamed(e))
-		template_expand(&t, template_store_in, slots, sizeof slots / sizeof *slots);
+		template_expand(&t, e->target->kernel->store, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);
 }
 
@@ -357,16 +353,16 @@ const char *emit_stage(const struct emission *e)
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (is_staged(e))
-		template_expand(&t, template_stage_in, slots, sizeof slots / sizeof *slots);
-	if (is_staged(e) && e->options->layout == RNEAGEN_AOS)
-		template_expand(&t, template_stage_aos_in, slots, sizeof slots / sizeof *slots);
+	if (e->target->kernel && is_staged(e))
+		template_expand(&t, e->target->kernel->stage, slots, sizeof slots / sizeof *slots);
+	if (e->target->kernel && is_staged(e) && e->options->layout == RNEAGEN_AOS)
+		template_expand(&t, e->target->kernel->stage_aos, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);
 }
 
 const char *emit_stage_launch(const struct emission *e)
 {
-	return is_staged(e) ? template_stage_launch_in : "";
+	return e->target->kernel && is_staged(e) ? e->target->kernel->stage_launch : "";
 }
 
 const char *emit_given(const struct emission *e)
@@ -382,5 +378,5 @@ const char *emit_given(const struct emission *e)
 
 int emit_stage_bytes(const struct emission *e)
 {
-	return e->options->target == RNEAGEN_TARGET_CUDA && is_staged(e) ? stage_bytes(e) : 0;
+	return e->target->kernel && is_staged(e) ? stage_bytes(e) : 0;
 }

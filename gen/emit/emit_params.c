@@ -3,34 +3,6 @@
 #include "base/number.h"
 #include <string.h>
 
-static const struct scalar F32 = {"f32", "float", "f", 4, 1e4, NULL}, F64 = {"f64", "double", "", 8, 1e7, NULL},
-			   F32X2 = {"f32x2", "struct rneagen_f32x2", "", 8, 1e4, &F32};
-
-/* What --precision names. */
-static const struct precision {
-	const char *name;
-	const struct scalar *memory, *arithmetic;
-} PRECISIONS[] = {[RNEAGEN_F32] = {"f32", &F32, &F32}, [RNEAGEN_F64] = {"f64", &F64, &F64},
-	[RNEAGEN_MIXED] = {"mixed", &F32, &F64}, [RNEAGEN_F32X2] = {"f32x2", &F64, &F32X2}};
-
-void emit_set_precision(struct emission *e)
-{
-	e->memory = PRECISIONS[e->options->precision].memory;
-	e->arithmetic = PRECISIONS[e->options->precision].arithmetic;
-}
-
-enum rneagen_precision emit_precision_of(const struct rneagen_options *o)
-{
-	if (o->precision != RNEAGEN_PRECISION_DEFAULT)
-		return o->precision;
-	return o->target == RNEAGEN_TARGET_C ? RNEAGEN_F64 : RNEAGEN_F32;
-}
-
-const char *emit_precision_name(enum rneagen_precision precision)
-{
-	return PRECISIONS[precision].name;
-}
-
 const char *emit_trig_name(enum rneagen_trig trig)
 {
 	static const char *const names[] = {"accurate", "bounded", "fast"};
@@ -40,7 +12,7 @@ const char *emit_trig_name(enum rneagen_trig trig)
 
 enum rneagen_trig emit_trig_of(const struct rneagen_options *o)
 {
-	int has_unit = emit_precision_of(o) == RNEAGEN_F32 && o->target != RNEAGEN_TARGET_C;
+	int has_unit = number_type_of(emit_precision_of(o))->frames->fast && target_type_of(o->target)->has_unit;
 
 	return o->trig == RNEAGEN_FAST && !has_unit ? RNEAGEN_BOUNDED : o->trig;
 }
@@ -52,9 +24,7 @@ const char *emit_layout_name(enum rneagen_layout layout)
 
 void emit_options(const struct rneagen_options *o, struct text *out)
 {
-	static const char *const targets[] = {"cuda", "c", "header"};
-
-	text_printf(out, " --target %s --precision %s --layout %s --trig %s", targets[o->target],
+	text_printf(out, " --target %s --precision %s --layout %s --trig %s", emit_target_name(o->target),
 		emit_precision_name(o->precision), emit_layout_name(o->layout), emit_trig_name(o->trig));
 	if (o->base == RNEAGEN_FLOATING)
 		text_put(out, " --base floating");

@@ -1,6 +1,7 @@
 /* Where the elements of a matrix stand in it, for programs that unpack one: in NAME_info, as arrays of row and column, and
    in --info=json. */
 #include "emit/emit.h"
+#include "emit/template.h"
 #include "tree/pattern.h"
 
 struct shape {
@@ -106,37 +107,23 @@ static void put_definitions(const struct emission *e, const struct shape *s, str
 	}
 }
 
-/* A CUDA text is C++, and C without a header. */
-static void put_linkage(const struct text *declarations, struct text *out)
-{
-	text_put(out, "#if defined __cplusplus\nextern \"C\" {\n#endif\n");
-	text_put(out, text_string(declarations));
-	text_put(out, "#if defined __cplusplus\n}\n#endif\n");
-}
-
 const char *emit_patterns(const struct emission *e)
 {
 	const struct request *k = e->request;
-	int is_cuda = e->options->target == RNEAGEN_TARGET_CUDA;
 	struct text t, declarations, definitions;
 	struct shape s;
 
 	text_init(&t, e->arena);
 	text_init(&declarations, e->arena);
 	text_init(&definitions, e->arena);
-	for (int i = 0; i < k->want_count; i++)
+	for (int i = 0; i < k->want_count && e->target->patterns; i++)
 		if (shape_make(&s, e, &k->wants[i])) {
 			put_declaration(e, &s, "RNEA_INFO ", &declarations);
 			put_definitions(e, &s, &definitions);
 		}
-	if (!definitions.length)
-		return "";
-	text_put(&t, is_cuda ? "\n#if !defined __CUDACC_RTC__\n" : "\n");
-	text_put(&t, "/* where the elements of matrices stand, in the order in which they are stored */\n");
-	if (is_cuda)
-		put_linkage(&declarations, &t);
-	text_put(&t, text_string(&definitions));
-	text_put(&t, is_cuda ? "#endif\n" : "");
+	const struct slot slots[] = {{"DECLARATIONS", text_string(&declarations)}, {"DEFINITIONS", text_string(&definitions)}};
+	if (definitions.length)
+		template_expand(&t, e->target->patterns, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);
 }
 

@@ -4,45 +4,16 @@
 #include <string.h>
 
 /* A robot of sliding joints alone calls none, and a function that nobody calls is a warning. */
-static int has_angles(const struct emission *e)
-{
-	for (int i = 0; i < e->pass_count; i++)
-		if (plan_operations(&e->passes[i].plan).sincos)
-			return 1;
-	return 0;
-}
-
-/* The fragments of a type. */
-struct fragments {
-	const char *core, *bounded, *accurate, *either;
-};
-
-static const struct fragments F32 = {template_sincos_f32_core_in, template_sincos_f32_bounded_in,
-	template_sincos_f32_accurate_in, template_sincos_f32_either_in};
-static const struct fragments F64 = {template_sincos_f64_core_in, template_sincos_f64_bounded_in,
-	template_sincos_f64_accurate_in, template_sincos_f64_either_in};
-static const struct fragments F32X2 = {template_sincos_f32x2_core_in, template_sincos_f32x2_bounded_in,
-	template_sincos_f32x2_accurate_in, template_sincos_f32x2_either_in};
-
-/* Pairs of floats leave large angles to doubles. */
-static void put_large(struct text *out)
-{
-	text_put(out, F64.core);
-	text_putc(out, '\n');
-	text_put(out, F64.accurate);
-	text_putc(out, '\n');
-}
-
 static void put_sincos(const struct emission *e, struct text *out)
 {
-	const struct fragments *f = e->arithmetic->part ? &F32X2 : e->arithmetic->bytes == 4 ? &F32 : &F64;
+	const struct sincos_frames *f = e->numbers->frames;
 	enum rneagen_trig trig = emit_trig_of(e->options);
 	int fast = trig == RNEAGEN_FAST;
 
-	if (!has_angles(e))
+	if (!emit_uses(e, OP_SIN) && !emit_uses(e, OP_COS))
 		return;
-	if (f == &F32X2 && trig == RNEAGEN_ACCURATE)
-		put_large(out);
+	if (f->large && trig == RNEAGEN_ACCURATE)
+		text_printf(out, "%s\n%s\n", f->large->core, f->large->accurate);
 	text_put(out, fast ? "#if !defined __CUDA_ARCH__\n" : "");
 	text_put(out, f->core);
 	text_putc(out, '\n');
@@ -51,7 +22,7 @@ static void put_sincos(const struct emission *e, struct text *out)
 		text_put(out, f->either);
 	text_put(out, fast ? "#endif\n" : "");
 	text_put(out, fast ? "\n" : "");
-	text_put(out, fast ? template_sincos_f32_fast_in : "");
+	text_put(out, fast ? f->fast : "");
 }
 
 /* Names of their own where every rounding is prescribed: a header of the other kind may stand before this one. */

@@ -30,6 +30,8 @@ extern const char template_sincos_f32_bounded_in[], template_sincos_f32_fast_in[
 extern const char template_sincos_f64_core_in[], template_sincos_f64_accurate_in[];
 extern const char template_sincos_f64_bounded_in[], template_sincos_f64_either_in[];
 extern const char template_sincos_f32x2_core_in[], template_sincos_f32x2_accurate_in[];
-extern const char template_sincos_f32x2_bounded_in[], template_sincos_f32x2_either_in[], template_f32x2_in[], template_f32x2_friction_in[];
+extern const char template_sincos_f32x2_bounded_in[], template_sincos_f32x2_either_in[], template_f32x2_in[], template_f32x2_quotient_in[];
+extern const char template_kernel_again_in[], template_spill_in[];
+extern const char template_patterns_c_in[], template_patterns_cu_in[], template_arithmetic_strict_header_in[];
 
 #endif

@@ -251,9 +251,9 @@ static int begin(struct splitter *s)
 }
 
 /* Why a text cannot be in parts; NULL: it can. */
-static const char *obstacle(const struct request *k, const struct rneagen_options *o)
+static const char *obstacle(const struct request *k, const struct rneagen_options *o, int has_kernels)
 {
-	if (o->target != RNEAGEN_TARGET_CUDA)
+	if (!has_kernels)
 		return "is for kernels: take --target cuda";
 	if (o->layout != RNEAGEN_SOA)
 		return "is for --layout soa: in aos each block writes whole samples";
@@ -284,10 +284,11 @@ static struct part *make_parts(struct splitter *s, int count, const int *first)
 }
 
 enum rneagen_code parts_make(struct part **parts, int *count, const struct pass *whole, const struct dag *raw,
-	const struct tree *t, const struct request *k, const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
+	const struct tree *t, const struct request *k, const struct rneagen_options *o, int has_kernels, struct arena *a,
+	struct rneagen_error *e)
 {
 	struct splitter s = {.whole = whole, .raw = raw, .t = t, .request = k, .o = o, .a = a};
-	const char *why = obstacle(k, o);
+	const char *why = obstacle(k, o, has_kernels);
 	int made, *first;
 
 	*count = 0;

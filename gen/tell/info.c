@@ -146,7 +146,7 @@ void info_json(const struct report *r, struct text *out)
 	put_json_functions(e, out);
 	emit_pattern_json(e, out);
 	parts_put_json(e, out);
-	if (e->options->target == RNEAGEN_TARGET_CUDA)
+	if (e->target->kernel)
 		text_printf(out, "  \"block\": %d,\n  \"stage_bytes\": %d,\n", emit_block_size(e), emit_stage_bytes(e));
 	text_put(out, "  \"warnings\": [");
 	for (size_t i = 0; i < e->warning_count; i++) {

@@ -1,5 +1,6 @@
 #include "study/judge.h"
 #include "dag/eval.h"
+#include "emit/number_type.h"
 #include <math.h>
 #include <stdlib.h>
 

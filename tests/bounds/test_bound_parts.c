@@ -2,6 +2,7 @@
    them: no error exceeds its bound, and the worst of many operands comes close to it, so that an ingredient left out, or
    too small by more than the share that is asked for, is seen. */
 #include "dag/eval.h"
+#include "emit/number_type.h"
 #include "support/expression.h"
 #include "templates/f32x2.h"
 #include "support/rng.h"

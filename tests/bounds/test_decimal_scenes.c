@@ -2,6 +2,7 @@
    reference knows no scenes: it is given the same robot written out, or the same numbers as inputs, in quad precision. */
 #include "passes/analysis.h"
 #include "dag/eval.h"
+#include "emit/number_type.h"
 #include "hard/quad.h"
 #include "support/rng.h"
 #include "support/suite.h"

@@ -3,6 +3,7 @@
    floating. */
 #define _POSIX_C_SOURCE 200809L
 #include "dag/eval.h"
+#include "emit/number_type.h"
 #include "support/exhaustive.h"
 #include "support/suite.h"
 #include "target/target_check.h"

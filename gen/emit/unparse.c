@@ -1,0 +1,241 @@
+#include "emit/unparse.h"
+#include <math.h>
+#include <stdio.h>
+
+enum { WRAP_COLUMN = 100 };
+
+/* Of operations that have one. */
+static const char *const SIGNS[OP_COUNT] = {[OP_ADD] = " + ", [OP_SUB] = " - ", [OP_MUL] = "*", [OP_DIV] = "/"};
+
+static void put_expression(const struct unparser *u, struct ref a, struct text *out);
+
+/* Binding strength of what put_value writes for a node. */
+static int strength(const struct unparser *u, struct ref a)
+{
+	const struct node *n = &u->plan->dag->nodes[a.i];
+
+	if (u->plan->names[a.i])
+		return op_strength[OP_INPUT];
+	if (n->op == OP_CONST && signbit(n->value))
+		return op_strength[OP_NEG];
+	return op_strength[u->calls[n->op] ? OP_FMA : n->op];
+}
+
+/* A name, a number, or the expression itself, in parentheses where it binds less than `least`. */
+static void put_value(const struct unparser *u, struct ref a, int least, struct text *out)
+{
+	int enclose = strength(u, a) < least;
+
+	text_put(out, enclose ? "(" : "");
+	if (u->plan->names[a.i])
+		text_put(out, u->plan->names[a.i]);
+	else
+		put_expression(u, a, out);
+	text_put(out, enclose ? ")" : "");
+}
+
+void unparse_value(const struct unparser *u, struct ref a, struct text *out)
+{
+	put_value(u, a, 0, out);
+}
+
+static void put_binary(const struct unparser *u, const struct node *n, struct text *out)
+{
+	int own = op_strength[n->op];
+
+	put_value(u, n->arg[0], own, out);
+	text_put(out, SIGNS[n->op]);
+	put_value(u, n->arg[1], own + 1, out); /* no re-association: a - (b - c), a*(b*c) */
+}
+
+static void put_call(const struct unparser *u, const struct node *n, struct text *out)
+{
+	if (u->numbers->put_cheaper && u->numbers->put_cheaper(u, n, out))
+		return;
+	text_put(out, u->calls[n->op]);
+	text_putc(out, '(');
+	for (int k = 0; k < op_arity[n->op]; k++) {
+		text_put(out, k ? ", " : "");
+		put_value(u, n->arg[k], 0, out);
+	}
+	text_putc(out, ')');
+}
+
+static void put_expression(const struct unparser *u, struct ref a, struct text *out)
+{
+	const struct node *n = &u->plan->dag->nodes[a.i];
+
+	if (n->op == OP_CONST) {
+		u->numbers->put_constant(u, n, out);
+	} else if (u->calls[n->op]) {
+		put_call(u, n, out);
+	} else if (n->op == OP_NEG) {
+		text_putc(out, '-');
+		put_value(u, n->arg[0], op_strength[OP_NEG] + 1, out);
+	} else if (SIGNS[n->op]) {
+		put_binary(u, n, out);
+	} else { /* inputs, sines and cosines have names */
+		out->failed = 1;
+	}
+}
+
+/* Append a statement, breaking it after a comma where it grows past the margin. */
+static void put_wrapped(const char *statement, struct text *out)
+{
+	size_t column = 8;
+
+	text_putc(out, '\t');
+	for (const char *s = statement; *s; s++) {
+		text_putc(out, *s);
+		column++;
+		if (column > WRAP_COLUMN && s[0] == ',' && s[1] == ' ') {
+			text_put(out, "\n\t\t");
+			column = 16;
+			s++;
+		}
+	}
+	text_putc(out, '\n');
+}
+
+/* A row of an argument: in a batch the rows have a stride, but not of what all samples share. */
+static void put_element(const struct unparser *u, int argument, int row, struct text *out)
+{
+	const struct argument *a = &u->plan->dag->arguments[argument];
+
+	text_printf(out, a->per_batch || u->numbers->is_beside ? "%s[%d]" : "%s[%d*stride]", a->name, row);
+}
+
+static void put_around(const struct around *x, int is_end, struct text *out)
+{
+	text_put(out, is_end ? x->after : x->before);
+}
+
+static void put_load(const struct unparser *u, const struct node *n, struct text *out)
+{
+	put_around(&u->numbers->load, 0, out);
+	put_element(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
+	put_around(&u->numbers->load, 1, out);
+}
+
+static void put_angle(const struct unparser *u, struct ref a, struct text *out)
+{
+	const struct node *n = &u->plan->dag->nodes[a.i];
+
+	if (u->numbers->angle_is_memory && n->op == OP_INPUT) {
+		put_element(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
+		return;
+	}
+	put_around(&u->numbers->angle, 0, out);
+	put_value(u, a, 0, out);
+	put_around(&u->numbers->angle, 1, out);
+}
+
+static void put_sincos(const struct unparser *u, struct ref a, struct text *statement, struct text *out)
+{
+	const struct emission *e = u->emission;
+	const struct plan *p = u->plan;
+	const struct node *n = &p->dag->nodes[a.i];
+	struct ref s = n->op == OP_SIN ? a : plan_partner(p, a, OP_SIN), c = n->op == OP_COS ? a : plan_partner(p, a, OP_COS);
+	int asks = emit_has_small(e) && !u->numbers->is_beside;
+	const char *sine = p->names[s.i], *cosine = p->names[c.i];
+	char unused[80];
+
+	snprintf(unused, sizeof unused, "unused_%s", sine ? sine : cosine);
+	sine = sine ? sine : unused;
+	cosine = cosine ? cosine : unused;
+	text_printf(out, "\t%s %s, %s;\n", u->numbers->value, sine, cosine);
+	text_printf(statement, "%s%s%s(", asks ? "all_small &= " : "",
+		e->options->strict ? u->numbers->strict_sincos : u->numbers->sincos,
+		asks ? "either" : emit_trig_name(emit_trig_of(e->options)));
+	put_angle(u, n->arg[0], statement);
+	text_printf(statement, "%s, &%s, &%s)", asks ? ", small" : "", sine, cosine);
+}
+
+int unparse_first_bound(const struct dag *d, int argument)
+{
+	int first = 0;
+
+	for (int i = 0; i < argument; i++)
+		first += d->arguments[i].is_output ? d->arguments[i].rows : 0;
+	return first;
+}
+
+static void put_store(const struct unparser *u, const struct output *o, struct text *out)
+{
+	int streamed = !u->numbers->is_beside && emit_is_streamed(u->emission);
+
+	if (u->numbers->is_beside) {
+		text_printf(out, "bound[%d]", unparse_first_bound(u->plan->dag, o->argument) + o->row);
+	} else {
+		text_put(out, streamed ? "RNEA_STORE(" : "");
+		put_element(u, o->argument, o->row, out);
+	}
+	text_put(out, streamed ? ", " : " = ");
+	put_around(&u->numbers->store, 0, out);
+	put_value(u, o->value, u->numbers->store_is_cast ? op_strength[OP_NEG] : 0, out);
+	put_around(&u->numbers->store, 1, out);
+	text_put(out, streamed ? ")" : "");
+}
+
+static void put_assignment(const struct unparser *u, struct ref a, struct text *out)
+{
+	const struct node *n = &u->plan->dag->nodes[a.i];
+
+	text_printf(out, "const %s %s = ", u->numbers->value, u->plan->names[a.i]);
+	if (n->op == OP_INPUT)
+		put_load(u, n, out);
+	else
+		put_expression(u, a, out);
+}
+
+/* `statement` is room for one. */
+static void put_line(const struct unparser *u, const struct line *l, struct text *statement, struct text *out)
+{
+	text_clear(statement);
+	if (l->kind == LINE_SECTION) {
+		emit_section(u->emission, u->pass, &u->plan->dag->sections[l->index], out);
+		return;
+	}
+	if (l->kind == LINE_SINCOS)
+		put_sincos(u, l->value, statement, out);
+	else if (l->kind == LINE_STORE)
+		put_store(u, &u->plan->dag->outputs[l->index], statement);
+	else if (u->angles && u->angles[l->value.i])
+		return;
+	else
+		put_assignment(u, l->value, statement);
+	text_putc(statement, ';');
+	out->failed |= statement->failed;
+	put_wrapped(text_string(statement), out);
+}
+
+/* Per node: an input that only sines and cosines read. */
+static const unsigned char *only_angles(const struct dag *d, struct arena *a)
+{
+	uint32_t *uses = arena_alloc(a, d->count, sizeof *uses);
+	unsigned char *is_angle = uses ? arena_alloc(a, d->count, 1) : NULL;
+
+	if (!is_angle)
+		return NULL;
+	dag_uses(d, uses);
+	for (size_t i = 0; i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+
+		if (uses[i] && (n->op == OP_SIN || n->op == OP_COS) && d->nodes[n->arg[0].i].op == OP_INPUT)
+			is_angle[n->arg[0].i] = --uses[n->arg[0].i] == 0;
+	}
+	return is_angle;
+}
+
+void unparse(const struct emission *e, const struct pass *pass, const struct number_type *numbers, struct text *out)
+{
+	const struct plan *p = &pass->plan;
+	struct unparser u = {e, pass, p, numbers, e->options->strict ? numbers->strict_calls : numbers->calls, NULL};
+	struct text statement;
+
+	if (numbers->angle_is_memory)
+		u.angles = only_angles(p->dag, e->arena);
+	text_init(&statement, e->arena);
+	for (size_t i = 0; i < p->line_count; i++)
+		put_line(&u, &p->lines[i], &statement, out);
+}

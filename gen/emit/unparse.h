@@ -1,0 +1,27 @@
+#ifndef RNEAGEN_UNPARSE_H
+#define RNEAGEN_UNPARSE_H
+/* The one walk over a plan that writes it: sections, loads, statements and stores. What numbers look like it asks the record
+   of their type. */
+
+#include "emit/emit.h"
+
+struct unparser {
+	const struct emission *emission;
+	const struct pass *pass;
+	const struct plan *plan;
+	const struct number_type *numbers;
+	const char *const *calls;    /* of the type, as the options choose them */
+	const unsigned char *angles; /* per node: an input that sines and cosines alone read, as memory has it; NULL: none */
+};
+
+/* The statements of a pass in numbers of a type, each indented by one tab. Errors: NUMBER when a constant is no finite
+   number in the target's precision. */
+void unparse(const struct emission *e, const struct pass *p, const struct number_type *numbers, struct text *out);
+
+/* Where the bounds of an output begin in those of all: one output's come after the other's. */
+int unparse_first_bound(const struct dag *d, int argument);
+
+/* A name, a number, or an expression: for a record that writes an operation in its own way. */
+void unparse_value(const struct unparser *u, struct ref a, struct text *out);
+
+#endif
