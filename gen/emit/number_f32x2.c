@@ -57,7 +57,7 @@ static int put_product_by_float(const struct unparser *u, const struct node *n, 
 static void put_functions(const struct emission *e, struct text *out)
 {
 	text_put(out, template_f32x2_in);
-	if (e->request->friction_width.x > 0)
+	if (emit_uses(e, OP_DIV) || emit_uses(e, OP_SQRT))
 		text_put(out, template_f32x2_quotient_in);
 	text_putc(out, '\n');
 }
