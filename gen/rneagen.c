@@ -72,7 +72,7 @@ static enum rneagen_code options_check(struct generation *g)
 /* The halves of the algorithm go with the whole of it, not with a scene's choice of inputs and outputs. */
 static int function_count(const struct generation *g)
 {
-	return algorithms_of(g->analysis.request.is_plain);
+	return g->analysis.options.only_rnea ? 1 : algorithms_of(g->analysis.request.is_plain);
 }
 
 static enum rneagen_code dag_build_all(struct generation *g)

@@ -50,6 +50,7 @@ struct rneagen_options {
 	int strict; /* the same bits from every compiler, CPU and GPU, for all results that are not NaN */
 	int bounded; /* target C: also a function that gives a bound of each output's error: of how far it is from what the URDF's
 			decimals give in exact arithmetic (eval.h says it in full) */
+	int only_rnea; /* without the halves of the algorithm and, in target c, without the functions that take batches */
 	int parts; /* of the grid, target CUDA: each makes some elements of the matrices; default RNEAGEN_PARTS_AUTO: as few as the
 		      registers and the instruction cache have room for, 1 where a text cannot be split */
 	double gravity[3];  /* m/s^2, in the frame of the root link's parent, the world; default 0 0 -9.81. Bounds hold for any

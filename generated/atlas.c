@@ -43,10 +43,27 @@
  * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
  * Batches: every array is [row][sample].
- *
- * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less
- * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.
  * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.
+ *
+ * Names in the statements: a quantity, the number of a link, and x y z for the component in the link's frame.
+ *   q qd qdd         position, velocity and acceleration of the link's joint
+ *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
+ *   s c              sine and cosine of the joint's angle
+ *   w                angular velocity
+ *   dw               rate of the angular velocity
+ *   v                velocity of the origin
+ *   a                acceleration of the origin, less gravity
+ *   f                force: the link's own, then with its children's
+ *   n                moment about the origin, as f
+ *   t                with a number of its own: a value that has no name in the textbook
+ *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
+ *   stride           from one row of an array to the next
+ *   small all_small  the caller takes all angles for small; they are
+ *   RNEA_FMA         a*b + c, rounded once where the machine can
+ *   rneagen_...      functions and types that this text brings along
+ * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
+ * x cross product; z the joint's axis; U = [dw]x + [w]x[w]x; m, h = m c, I mass, first moment and inertia about the
+ * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
 #include <math.h>
 #include <stddef.h>
@@ -59,258 +76,38 @@
 #else
 #define RNEA_INLINE inline
 #endif
-/* samples do not depend on each other: the compiler may compute several at once */
-#if defined __clang__
-#define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
-#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
-#elif defined __GNUC__
-#define RNEA_INDEPENDENT _Pragma("GCC ivdep")
-#else
-#define RNEA_INDEPENDENT
-#endif
 /* where the machine has no fused multiply-add, fma() would be a slow library call */
 #if defined FP_FAST_FMA
 #define RNEA_FMA(a, b, c) fma(a, b, c)
 #else
 #define RNEA_FMA(a, b, c) ((a)*(b) + (c))
 #endif
-/* librnea finds the table by this word */
-#define RNEA_INFO
 
-/* tau = ID(q, qd, qdd) of one sample: q[30], qd[30], qdd[30] -> tau[30]; tau may be qdd itself. */
-void atlas_rnea(const double *q, const double *qd, const double *qdd, double *tau);
-/* The same for `count` samples, every array [row][sample]; arrays must not overlap. */
-void atlas_rnea_batch(const double *q, const double *qd, const double *qdd, double *tau, size_t count);
-/* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */
-void atlas_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
-/* The way back alone: torques from q and fpass's wrenches. */
-void atlas_bpass(const double *q, const double *f, double *tau);
-/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
-   in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
-void atlas_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);
-void atlas_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
-void atlas_bpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
-/* What this text computes, one `key values` a line. */
-extern const char atlas_info[];
 
-RNEA_INFO const char atlas_info[] =
-	"rneagen-info 3\n"
-	"name atlas\n"
-	"precision f64\n"
-	"arithmetic f64\n"
-	"layout soa\n"
-	"trig accurate\n"
-	"base fixed\n"
-	"nq 30\n"
-	"nv 30\n"
-	"nb 30\n"
-	"block 64\n"
-	"joint 0 1 0 1 revolute back_bkz\n"
-	"joint 1 1 1 1 revolute back_bky\n"
-	"joint 2 1 2 1 revolute back_bkx\n"
-	"joint 3 1 3 1 revolute l_arm_shz\n"
-	"joint 4 1 4 1 revolute l_arm_shx\n"
-	"joint 5 1 5 1 revolute l_arm_ely\n"
-	"joint 6 1 6 1 revolute l_arm_elx\n"
-	"joint 7 1 7 1 revolute l_arm_uwy\n"
-	"joint 8 1 8 1 revolute l_arm_mwx\n"
-	"joint 9 1 9 1 revolute l_arm_lwy\n"
-	"joint 10 1 10 1 revolute neck_ay\n"
-	"joint 11 1 11 1 revolute r_arm_shz\n"
-	"joint 12 1 12 1 revolute r_arm_shx\n"
-	"joint 13 1 13 1 revolute r_arm_ely\n"
-	"joint 14 1 14 1 revolute r_arm_elx\n"
-	"joint 15 1 15 1 revolute r_arm_uwy\n"
-	"joint 16 1 16 1 revolute r_arm_mwx\n"
-	"joint 17 1 17 1 revolute r_arm_lwy\n"
-	"joint 18 1 18 1 revolute l_leg_hpz\n"
-	"joint 19 1 19 1 revolute l_leg_hpx\n"
-	"joint 20 1 20 1 revolute l_leg_hpy\n"
-	"joint 21 1 21 1 revolute l_leg_kny\n"
-	"joint 22 1 22 1 revolute l_leg_aky\n"
-	"joint 23 1 23 1 revolute l_leg_akx\n"
-	"joint 24 1 24 1 revolute r_leg_hpz\n"
-	"joint 25 1 25 1 revolute r_leg_hpx\n"
-	"joint 26 1 26 1 revolute r_leg_hpy\n"
-	"joint 27 1 27 1 revolute r_leg_kny\n"
-	"joint 28 1 28 1 revolute r_leg_aky\n"
-	"joint 29 1 29 1 revolute r_leg_akx\n"
-	"function rnea\n"
-	"input q 30 f64 sample joint_position\n"
-	"input qd 30 f64 sample joint_velocity\n"
-	"input qdd 30 f64 sample joint_acceleration\n"
-	"output tau 30 f64 sample joint_torque\n"
-	"operations 618 310 140 129 800 27\n"
-	"function fpass\n"
-	"input q 30 f64 sample joint_position\n"
-	"input qd 30 f64 sample joint_velocity\n"
-	"input qdd 30 f64 sample joint_acceleration\n"
-	"output v 180 f64 sample body_twists\n"
-	"output a 180 f64 sample body_accelerations\n"
-	"output f 180 f64 sample body_wrenches\n"
-	"operations 710 236 198 180 798 27\n"
-	"function bpass\n"
-	"input q 30 f64 sample joint_position\n"
-	"input f 180 f64 sample body_wrenches\n"
-	"output tau 30 f64 sample joint_torque\n"
-	"operations 121 149 12 36 161 27\n";
-
-#ifndef RNEAGEN_SINCOS_CORE
-#define RNEAGEN_SINCOS_CORE
-union rneagen_f64 {
-	double f;
-	unsigned long long u;
-};
-
-/* x = k*(pi/2) + r - e for |x| <= 1e7: e is the rounding error of r. Returns k modulo 4 in its low two bits.
- * pi/2 is split so that k*C1, k*C2, k*C3 are exact, and x - k*C1 - k*C2 too. */
-static RNEA_INLINE unsigned long long rneagen_sincos_reduce(double x, double *r, double *e)
-{
-	union rneagen_f64 t;
-	t.f = RNEA_FMA(x, 0x1.45f306dc9c883p-1, 0x1.8p52); /* 1.5*2^52 + k: rounds x*2/pi to the nearest integer */
-	const double k = t.f - 0x1.8p52;
-	const double r2 = RNEA_FMA(-k, 0x1.10b46p-30, RNEA_FMA(-k, 0x1.921fb54p0, x));
-	*r = RNEA_FMA(-k, 0x1.1a62633p-54, r2);
-	*e = RNEA_FMA(k, 0x1.45c06e0e68948p-86, RNEA_FMA(k, 0x1.1a62633p-54, *r - r2));
-	return t.u;
-}
-
-/* Sine and cosine of q*(pi/2) + r - e, |r| <= pi/4. With z = r*r and w = fl(1 - z/2):
- *   sin = r - (r*z*S(z) + e*w),  cos = w + ((1 - w - z/2) + r*e + z*z*C(z))
- * Sollya, I = [2^-40; pi/4*(1 + 2^-8)]:
- *  -S: fpminimax(sin(x), [|3,5,7,9,11,13|], [|D...|], I, relative, x), relative error of sin 2^-57.8
- *   C: fpminimax(cos(x), [|4,6,8,10,12,14|], [|D...|], I, absolute, 1 - x^2/2), error of cos 2^-64.1 */
-static RNEA_INLINE void rneagen_sincos_turn(unsigned long long q, double r, double e, double *s, double *c)
-{
-	union rneagen_f64 a, b;
-	const double z = r * r;
-	const double w = RNEA_FMA(-0.5, z, 1.0);
-	double ps = RNEA_FMA(-0x1.5d89831c5e141p-33, z, 0x1.ae5e45d454538p-26);
-	double pc = RNEA_FMA(-0x1.8fa590d9cc29fp-37, z, 0x1.1ee9daa2259f5p-29);
-	ps = RNEA_FMA(ps, z, -0x1.71de354edf2bfp-19);
-	pc = RNEA_FMA(pc, z, -0x1.27e4f7f0c068dp-22);
-	ps = RNEA_FMA(ps, z, 0x1.a01a019be359dp-13);
-	pc = RNEA_FMA(pc, z, 0x1.a01a019c8f106p-16);
-	ps = RNEA_FMA(ps, z, -0x1.111111110f713p-7);
-	pc = RNEA_FMA(pc, z, -0x1.6c16c16c1501ap-10);
-	ps = RNEA_FMA(ps, z, 0x1.5555555555548p-3);
-	pc = RNEA_FMA(pc, z, 0x1.555555555554bp-5);
-	a.f = r - RNEA_FMA(r * z, ps, e * w);
-	b.f = w + RNEA_FMA(z * z, pc, RNEA_FMA(r, e, RNEA_FMA(-0.5, z, 1.0 - w)));
-	const unsigned long long swap = (a.u ^ b.u) & (0 - (q & 1)); /* odd quarter turns exchange sine and cosine */
-	a.u ^= swap ^ (q & 2) << 62;
-	b.u ^= swap ^ ((q + 1) & 2) << 62;
-	*s = a.f;
-	*c = b.f;
-}
-#endif
-
-#ifndef RNEAGEN_SINCOS_ACCURATE
-#define RNEAGEN_SINCOS_ACCURATE
-/* High half of the product a*b. */
-static RNEA_INLINE unsigned long long rneagen_mulhi(unsigned long long a, unsigned long long b)
-{
-	const unsigned long long al = a & 0xffffffffu, ah = a >> 32, bl = b & 0xffffffffu, bh = b >> 32;
-	const unsigned long long t = ah * bl + (al * bl >> 32), u = al * bh + (t & 0xffffffffu);
-	return ah * bh + (t >> 32) + (u >> 32);
-}
-
-/* rneagen_sincos_reduce for |x| > 1e7, in integers (Payne and Hanek): |x| = m*2^p with a 53-bit m, and of the bits of
- * 2/pi those that only give multiples of 4 are skipped and the next 192 multiplied by m. NaN if x is not finite. */
-static RNEA_INLINE unsigned long long rneagen_sincos_reduce_large(double x, double *r, double *e)
-{
-	static const unsigned long long two_over_pi[] = {0, 0xa2f9836e4e441529ull, 0xfc2757d1f534ddc0ull,
-		0xdb6295993c439041ull, 0xfe5163abdebbc561ull, 0xb7246e3a424dd2e0ull, 0x06492eea09d1921cull,
-		0xfe1deb1cb129a73eull, 0xe88235f52ebb4484ull, 0xe99c7026b45f7e41ull, 0x3991d639835339f4ull,
-		0x9c845f8bbdf9283bull, 0x1ff897ffde05980full, 0xef2f118b5a0a6d1full, 0x6d367ecf27cb09b7ull,
-		0x4f463f669e5fea2dull, 0x7527bac7ebe5f17bull, 0x3d0739f78a5292eaull, 0x6bfb5fb11f8d5d08ull,
-		0x56033046fc7b6babull};
-	union rneagen_f64 t;
-	t.f = x;
-	const unsigned int bit = (unsigned int)(t.u >> 52 & 2047) - 1013, i = bit >> 6, shift = bit & 63;
-	const unsigned long long m = (t.u & 0xfffffffffffffull) | 0x10000000000000ull;
-	const unsigned long long w1 = two_over_pi[i + 1], w2 = two_over_pi[i + 2];
-	const unsigned long long a = two_over_pi[i] << shift | w1 >> 1 >> (63 - shift);
-	const unsigned long long b = w1 << shift | w2 >> 1 >> (63 - shift);
-	const unsigned long long c = w2 << shift | two_over_pi[i + 3] >> 1 >> (63 - shift);
-	unsigned long long lo = m * b + rneagen_mulhi(m, c);
-	unsigned long long f = m * a + rneagen_mulhi(m, b) + (lo < m * b);
-	f = x < 0 ? ~f : f; /* x*(2/pi) modulo 4, times 2^62; lo: its next 64 bits */
-	lo = x < 0 ? ~lo : lo;
-	const unsigned long long past_half = f >> 61 & 1, q = (f >> 62) + past_half;
-	double scale = RNEA_FMA(0.0, x, past_half ? -0x1p-63 : 0x1p-63); /* NaN where x is not finite */
-	f = f << 2 | lo >> 62; /* what is left of x*(2/pi) - q, times 2^64 */
-	f = past_half ? ~f : f;
-	lo = past_half ? ~(lo << 2) : lo << 2;
-	for (; !(f >> 63) && (f | lo); lo <<= 1) {
-		f = f << 1 | lo >> 63;
-		scale *= 0.5;
-	}
-	f = rneagen_mulhi(f, 0xc90fdaa22168c235ull); /* times pi/2*2^63 */
-	const double g = (double)f;
-	*r = g * scale;
-	*e = (double)(long long)((unsigned long long)g - f) * scale;
-	return q;
-}
-
-/* Sine and cosine of any finite x, error below 0.85 ulp; NaN if x is not finite. */
-static RNEA_INLINE void rneagen_sincos_accurate(double x, double *s, double *c)
-{
-	double r, e;
-	unsigned long long q;
-	if (fabs(x) <= 1e7)
-		q = rneagen_sincos_reduce(x, &r, &e);
-	else
-		q = rneagen_sincos_reduce_large(x, &r, &e);
-	rneagen_sincos_turn(q, r, e, s, c);
-}
-#endif
 #ifndef RNEAGEN_SINCOS_EITHER
-#define RNEAGEN_SINCOS_EITHER
-
-/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not, and
-   `small`, sine and cosine mean nothing. */
-static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c)
-{
-	if (small) {
-		double r, e;
-		const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
-		rneagen_sincos_turn(q, r, e, s, c);
-	} else {
-		rneagen_sincos_accurate(x, s, c);
-	}
-	return fabs(x) <= 1e7;
-}
+static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c); /* below */
 #endif
-
-/* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves the
-   rest a straight line; the results have the same bits either way. */
-static RNEA_INLINE int atlas_is_small(const double *q, const size_t stride)
-{
-	int small = 1;
-
-	for (size_t i = 0; i < 30; i++)
-		small &= fabs(q[i*stride]) <= 1e+07;
-	return small;
-}
 
 /* tau = ID(q, qd, qdd)
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride, const int small)
+static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 1 "ltorso" (fpass) ---- */
-	const double qd1 = qd[0*stride];
-	const double qdd1 = qdd[0*stride];
+	/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);
+	   f = m a + U h;  n = I dw + w x I w + h x a */
+	const double qd1 = qd[0];
+	const double qdd1 = qdd[0];
 
 	/* ---- out to link 2 "mtorso" (fpass) ---- */
-	const double q2 = q[1*stride];
+	const double q2 = q[stride];
 	double s2, c2;
 	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
-	const double qd2 = qd[1*stride];
-	const double qdd2 = qdd[1*stride];
+	const double qd2 = qd[stride];
+	const double qdd2 = qdd[stride];
 	const double w2z = qd1*c2;
 	const double t1 = qd1*s2;
 	const double t2 = qd2*w2z;
@@ -324,19 +121,17 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double t8 = w2z*t1;
 	const double t9 = t1*t1;
 	const double t10 = qdd2 - t8;
-	const double t11 = -RNEA_FMA(0.00014667393410483002, qdd2 + t8, RNEA_FMA(0.0013398352562209901,
-		t4, 0.0006494617608214901*t2));
-	const double t12 = RNEA_FMA(0.00037360518546370006, t3 + dw2z, RNEA_FMA(-0.0007047539229190357,
-		t8, 0.0012845430941234445*qdd2));
-	const double t13 = RNEA_FMA(0.00023895608229411601, t5 - t9, RNEA_FMA(-0.00014667393410483002,
-		t2 - t4, t12));
+	const double t11 = -RNEA_FMA(0.00014667393410483002, qdd2 + t8, RNEA_FMA(0.0013398352562209901, t4,
+		0.0006494617608214901*t2));
+	const double t12 = RNEA_FMA(0.00037360518546370006, t3 + dw2z, RNEA_FMA(-0.0007047539229190357, t8,
+		0.0012845430941234445*qdd2));
+	const double t13 = RNEA_FMA(0.00023895608229411601, t5 - t9, RNEA_FMA(-0.00014667393410483002, t2 - t4, t12));
 	const double t14 = RNEA_FMA(0.00037360518546370006, t10, RNEA_FMA(-0.00023895608229411601, t7,
 		RNEA_FMA(0.0006350813333019544, dw2z, 5.5292162097545597e-05*t3)));
 	const double n2x = RNEA_FMA(-0.10287232465500001, c2, RNEA_FMA(0.00037360518546370006, t6 - t5,
 		RNEA_FMA(0.00023895608229411601, dw2z - t3, t11)));
 	const double n2y = RNEA_FMA(-0.23982823470600004, s2, 0.0639804799854*c2) + t13;
-	const double n2z = RNEA_FMA(-0.10287232465500001, s2, RNEA_FMA(-0.00014667393410483002, t9 - t6,
-		t14));
+	const double n2z = RNEA_FMA(-0.10287232465500001, s2, RNEA_FMA(-0.00014667393410483002, t9 - t6, t14));
 
 	/* ---- out to link 3 "utorso" (fpass) ---- */
 	const double q3 = q[2*stride];
@@ -370,22 +165,20 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double t29 = t19 + t24;
 	const double t30 = t28 - dw3z;
 	const double t31 = dw3z + t28;
-	const double f3x = RNEA_FMA(84.60900000000001, a3x, RNEA_FMA(26.8049213, t27, RNEA_FMA(0.1941407,
-		t30, 5.2192398*t20)));
-	const double f3y = RNEA_FMA(84.60900000000001, a3y, RNEA_FMA(26.8049213, t21, -RNEA_FMA(0.1941407,
-		t25, 5.2192398*t31)));
-	const double f3z = RNEA_FMA(84.60900000000001, a3z, RNEA_FMA(-26.8049213, t29, RNEA_FMA(-5.2192398,
-		t26, 0.1941407*t22)));
-	const double t32 = RNEA_FMA(1.73516570486, t31, RNEA_FMA(0.01992444846, t26, RNEA_FMA(-9.5696190308,
-		t17, 10.11638847802*dw3x)));
+	const double f3x = RNEA_FMA(84.60900000000001, a3x, RNEA_FMA(26.8049213, t27, RNEA_FMA(0.1941407, t30,
+		5.2192398*t20)));
+	const double f3y = RNEA_FMA(84.60900000000001, a3y, RNEA_FMA(26.8049213, t21, -RNEA_FMA(0.1941407, t25,
+		5.2192398*t31)));
+	const double f3z = RNEA_FMA(84.60900000000001, a3z, RNEA_FMA(-26.8049213, t29, RNEA_FMA(-5.2192398, t26,
+		0.1941407*t22)));
+	const double t32 = RNEA_FMA(1.73516570486, t31, RNEA_FMA(0.01992444846, t26, RNEA_FMA(-9.5696190308, t17,
+		10.11638847802*dw3x)));
 	const double t33 = RNEA_FMA(-0.01992444846, t22, RNEA_FMA(0.014290218989999999, t30, RNEA_FMA(10.46938366997,
 		dw3y, 9.21662383885*t23)));
-	const double t34 = RNEA_FMA(-0.014290218989999999, t27, RNEA_FMA(-1.73516570486, t21, RNEA_FMA(0.8997646391699999,
-		dw3z, 0.3529951919500001*t28)));
-	const double n3x = RNEA_FMA(-26.8049213, a3y, 0.1941407*a3z) + RNEA_FMA(-0.014290218989999999,
-		t19 - t18, t32);
-	const double n3y = RNEA_FMA(26.8049213, a3x, 5.2192398*a3z) + RNEA_FMA(1.73516570486, t18 - t24,
-		t33);
+	const double t34 = RNEA_FMA(-0.014290218989999999, t27, RNEA_FMA(-1.73516570486, t21,
+		RNEA_FMA(0.8997646391699999, dw3z, 0.3529951919500001*t28)));
+	const double n3x = RNEA_FMA(-26.8049213, a3y, 0.1941407*a3z) + RNEA_FMA(-0.014290218989999999, t19 - t18, t32);
+	const double n3y = RNEA_FMA(26.8049213, a3x, 5.2192398*a3z) + RNEA_FMA(1.73516570486, t18 - t24, t33);
 	const double n3z = RNEA_FMA(-0.01992444846, t24 - t19, t34) - RNEA_FMA(5.2192398, a3y, 0.1941407*a3x);
 
 	/* ---- out to link 4 "l_clav" (fpass) ---- */
@@ -551,12 +344,12 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double t106 = a8x + RNEA_FMA(0.00037, dw8y - t100, t103);
 	const double t107 = a8y + RNEA_FMA(-0.00037, dw8x + t97, t104);
 	const double t108 = RNEA_FMA(-0.00037, t99 + t101, t105) - t96;
-	const double n8x = RNEA_FMA(-0.000917526, t107, 0.20572420800000002*t108) + RNEA_FMA(-0.009091,
-		t97, 0.012731*dw8x);
+	const double n8x = RNEA_FMA(-0.000917526, t107, 0.20572420800000002*t108) + RNEA_FMA(-0.009091, t97,
+		0.012731*dw8x);
 	const double n8y = RNEA_FMA(-0.00037196999999999995, t108, 0.000917526*t106) + RNEA_FMA(-0.000782999999999999,
 		t100, 0.002857*dw8y);
-	const double n8z = RNEA_FMA(-0.20572420800000002, t106, 0.00037196999999999995*t107) - RNEA_FMA(0.011948,
-		t95, 0.009873999999999999*t102);
+	const double n8z = RNEA_FMA(-0.20572420800000002, t106, 0.00037196999999999995*t107) - RNEA_FMA(0.011948, t95,
+		0.009873999999999999*t102);
 
 	/* ---- out to link 9 "l_lfarm" (fpass) ---- */
 	const double q9 = q[8*stride];
@@ -585,10 +378,10 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double t122 = a9y + RNEA_FMA(-0.00163, dw9x + t112, t119);
 	const double t123 = t111 + RNEA_FMA(0.00163, t114 + t116, t120);
 	const double n9x = RNEA_FMA(-0.00105624, t122, 0.0162972*t123) + RNEA_FMA(-0.000396, t112, 0.000764*dw9x);
-	const double n9y = RNEA_FMA(0.00105624, t121, 0.00011016000000000002*t123) + RNEA_FMA(0.000429,
-		dw9y, 6.0999999999999965e-05*t115);
-	const double n9z = RNEA_FMA(0.00011016000000000002, t122, 0.0162972*t121) - RNEA_FMA(0.000825,
-		t110, 0.000335*t117);
+	const double n9y = RNEA_FMA(0.00105624, t121, 0.00011016000000000002*t123) + RNEA_FMA(0.000429, dw9y,
+		6.0999999999999965e-05*t115);
+	const double n9z = RNEA_FMA(0.00011016000000000002, t122, 0.0162972*t121) - RNEA_FMA(0.000825, t110,
+		0.000335*t117);
 
 	/* ---- out to link 10 "l_hand" (fpass) ---- */
 	const double q10 = q[9*stride];
@@ -624,8 +417,8 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double t142 = dw10z + t140;
 	const double t143 = RNEA_FMA(1.1678e-05, t139, -RNEA_FMA(0.060090400999999995, t141, 9.3424e-05*(t132 + t133)));
 	const double f10x = RNEA_FMA(0.6839, a10x, t143);
-	const double f10y = RNEA_FMA(0.6839, a9y, RNEA_FMA(1.1678e-05, t134, RNEA_FMA(0.060090400999999995,
-		t132 + t137, 9.3424e-05*t142)));
+	const double f10y = RNEA_FMA(0.6839, a9y, RNEA_FMA(1.1678e-05, t134, RNEA_FMA(0.060090400999999995, t132 + t137,
+		9.3424e-05*t142)));
 	const double f10z = RNEA_FMA(0.6839, a10z, RNEA_FMA(-1.1678e-05, t133 + t137, RNEA_FMA(-0.060090400999999995,
 		t135, 9.3424e-05*t138)));
 	const double t144 = RNEA_FMA(-1.86848e-09, t142, RNEA_FMA(-7.62246416e-06, t138, RNEA_FMA(0.00583500555115,
@@ -634,14 +427,14 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 		dw10y, 8.985285720000002e-06*t136)));
 	const double t146 = RNEA_FMA(9.5280802e-07, t139, RNEA_FMA(1.86848e-09, t134, RNEA_FMA(-0.005347990369749999,
 		t140, 0.0058260202654299995*dw10z)));
-	const double n10x = RNEA_FMA(9.5280802e-07, t133 - t132, t144) - RNEA_FMA(0.060090400999999995,
-		a10z, 1.1678e-05*a9y);
-	const double n10y = RNEA_FMA(-9.3424e-05, a10z, 1.1678e-05*a10x) + RNEA_FMA(-1.86848e-09, t132 - t137,
-		t145);
-	const double n10z = RNEA_FMA(9.3424e-05, a9y, 0.060090400999999995*a10x) + RNEA_FMA(7.62246416e-06,
-		t137 - t133, t146);
+	const double n10x = RNEA_FMA(9.5280802e-07, t133 - t132, t144) - RNEA_FMA(0.060090400999999995, a10z,
+		1.1678e-05*a9y);
+	const double n10y = RNEA_FMA(-9.3424e-05, a10z, 1.1678e-05*a10x) + RNEA_FMA(-1.86848e-09, t132 - t137, t145);
+	const double n10z = RNEA_FMA(9.3424e-05, a9y, 0.060090400999999995*a10x) + RNEA_FMA(7.62246416e-06, t137 - t133,
+		t146);
 
 	/* ---- back from link 10 "l_hand" to link 9 (bpass): torque of "l_arm_lwy" ---- */
+	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
 	const double t147 = RNEA_FMA(c10, f10z, t124*f10x);
 	const double t148 = RNEA_FMA(f10z, -t124, c10*f10x);
 	const double t149 = RNEA_FMA(c10, n10z, t124*n10x);
@@ -673,8 +466,8 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double f7x = RNEA_FMA(3.248, a7x, -t155);
 	const double f7y = RNEA_FMA(3.248, a7y, f8y);
 	const double f7z = RNEA_FMA(3.248, a7z, t156);
-	const double n7x = RNEA_FMA(0.00265, dw7x, RNEA_FMA(-0.29955, t156, 0.00921*f8y) - RNEA_FMA(2.0682310711021444e-13,
-		t153, t154));
+	const double n7x = RNEA_FMA(0.00265, dw7x, RNEA_FMA(-0.29955, t156, 0.00921*f8y)
+		- RNEA_FMA(2.0682310711021444e-13, t153, t154));
 	const double n7y_2 = n7y + RNEA_FMA(0.00921, t155, n8y_2);
 	const double n7z_2 = n7z + RNEA_FMA(-0.29955, t155, RNEA_FMA(2.0682310711021444e-13, t154, -t153));
 	tau[7*stride] = -n8y_2;
@@ -725,8 +518,8 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double f3z_2 = f3z + f4z_2;
 	const double t170 = RNEA_FMA(2.0682310711021444e-13, t167, -t166) + RNEA_FMA(0.2256, f4z_2, 0.4776*t169);
 	const double n3x_2 = n3x + t170;
-	const double n3y_2 = n3y + (RNEA_FMA(-0.1406, f4z_2, 0.4776*t168) - RNEA_FMA(2.0682310711021444e-13,
-		t166, t167));
+	const double n3y_2 = n3y + (RNEA_FMA(-0.1406, f4z_2, 0.4776*t168) - RNEA_FMA(2.0682310711021444e-13, t166,
+		t167));
 	const double n3z_2 = n3z + (n4z_2 - RNEA_FMA(0.1406, t169, 0.2256*t168));
 	tau[3*stride] = n4z_2;
 
@@ -760,8 +553,8 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double t183 = t182 - dw11z;
 	const double t184 = dw11z + t182;
 	const double t185 = RNEA_FMA(0.054420420656, t176, -RNEA_FMA(7.09504993e-05, t174 + t179, 0.109829676908*t184));
-	const double f11x = RNEA_FMA(2.087564, a11x, RNEA_FMA(0.054420420656, t181, RNEA_FMA(7.09504993e-05,
-		t183, 0.109829676908*(t174 + t175))));
+	const double f11x = RNEA_FMA(2.087564, a11x, RNEA_FMA(0.054420420656, t181, RNEA_FMA(7.09504993e-05, t183,
+		0.109829676908*(t174 + t175))));
 	const double f11y = RNEA_FMA(2.087564, a11y, t185);
 	const double f11z = RNEA_FMA(2.087564, a11z, RNEA_FMA(-0.054420420656, t175 + t179, RNEA_FMA(-0.109829676908,
 		t180, 7.09504993e-05*t177)));
@@ -771,12 +564,12 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 		RNEA_FMA(-0.005634444453194253, t178, 0.0205378789418435*dw11y)));
 	const double t188 = RNEA_FMA(-3.9827336694684e-06, t181, RNEA_FMA(-0.0024130603412908323, t176,
 		RNEA_FMA(0.019152684977701343, dw11z, 0.007019638417336408*t182)));
-	const double n11x = RNEA_FMA(-0.054420420656, a11y, 7.09504993e-05*a11z) + RNEA_FMA(-3.9827336694684e-06,
-		t175 - t174, t186);
-	const double n11y = RNEA_FMA(0.054420420656, a11x, 0.109829676908*a11z) + RNEA_FMA(0.0024130603412908323,
-		t174 - t179, t187);
-	const double n11z = RNEA_FMA(2.8062844640453003e-06, t179 - t175, t188) - RNEA_FMA(0.109829676908,
-		a11y, 7.09504993e-05*a11x);
+	const double n11x = RNEA_FMA(-0.054420420656, a11y, 7.09504993e-05*a11z) + RNEA_FMA(-3.9827336694684e-06, t175
+		- t174, t186);
+	const double n11y = RNEA_FMA(0.054420420656, a11x, 0.109829676908*a11z) + RNEA_FMA(0.0024130603412908323, t174
+		- t179, t187);
+	const double n11z = RNEA_FMA(2.8062844640453003e-06, t179 - t175, t188) - RNEA_FMA(0.109829676908, a11y,
+		7.09504993e-05*a11x);
 
 	/* ---- back from link 11 "head" to link 3 (bpass): torque of "neck_ay" ---- */
 	const double t189 = RNEA_FMA(-s11, f11x, c11*f11z);
@@ -820,8 +613,8 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double f12y = RNEA_FMA(-0.37514400000000003, t196, 4.466*a12y);
 	const double f12z = RNEA_FMA(4.466, a12z, 0.37514400000000003*t201);
 	const double n12z = RNEA_FMA(0.004, t199, RNEA_FMA(-0.002, t200, 0.004*dw12z));
-	const double n12x = RNEA_FMA(0.37514400000000003, a12y, RNEA_FMA(0.004, t195 - t194, RNEA_FMA(-0.03651209600000001,
-		t193, 0.042512096000000006*dw12x)));
+	const double n12x = RNEA_FMA(0.37514400000000003, a12y, RNEA_FMA(0.004, t195 - t194,
+		RNEA_FMA(-0.03651209600000001, t193, 0.042512096000000006*dw12x)));
 	const double n12y = RNEA_FMA(-0.37514400000000003, a12x, RNEA_FMA(-0.004, t202, RNEA_FMA(0.040512096000000004,
 		dw12y, 0.038512096*t197)));
 
@@ -931,12 +724,12 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double t234 = a16x + RNEA_FMA(0.00037, dw16y + t228, t231);
 	const double t235 = a16y + RNEA_FMA(0.00037, t225 - dw16x, t232);
 	const double t236 = a16z + RNEA_FMA(-0.00037, t227 + t229, t233);
-	const double n16x = RNEA_FMA(-0.000917526, t235, 0.20572420800000002*t236) + RNEA_FMA(0.012731,
-		dw16x, 0.009091*t225);
-	const double n16y = RNEA_FMA(-0.00037196999999999995, t236, 0.000917526*t234) + RNEA_FMA(0.002857,
-		dw16y, 0.000782999999999999*t228);
-	const double n16z = RNEA_FMA(-0.20572420800000002, t234, 0.00037196999999999995*t235) + RNEA_FMA(-0.009873999999999999,
-		t230, 0.011948*dw16z);
+	const double n16x = RNEA_FMA(-0.000917526, t235, 0.20572420800000002*t236) + RNEA_FMA(0.012731, dw16x,
+		0.009091*t225);
+	const double n16y = RNEA_FMA(-0.00037196999999999995, t236, 0.000917526*t234) + RNEA_FMA(0.002857, dw16y,
+		0.000782999999999999*t228);
+	const double n16z = RNEA_FMA(-0.20572420800000002, t234, 0.00037196999999999995*t235)
+		+ RNEA_FMA(-0.009873999999999999, t230, 0.011948*dw16z);
 
 	/* ---- out to link 17 "r_lfarm" (fpass) ---- */
 	const double q17 = q[16*stride];
@@ -967,8 +760,8 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double n17x = RNEA_FMA(0.000764, dw17x, 0.000396*t237) - RNEA_FMA(0.0162972, t248, 0.00105624*t247);
 	const double n17y = RNEA_FMA(-0.00011016000000000002, t248, 0.00105624*t246) + RNEA_FMA(-6.0999999999999965e-05,
 		t240, 0.000429*dw17y);
-	const double n17z = RNEA_FMA(0.00011016000000000002, t247, 0.0162972*t246) + RNEA_FMA(-0.000335,
-		t242, 0.000825*dw17z);
+	const double n17z = RNEA_FMA(0.00011016000000000002, t247, 0.0162972*t246) + RNEA_FMA(-0.000335, t242,
+		0.000825*dw17z);
 
 	/* ---- out to link 18 "r_hand" (fpass) ---- */
 	const double q18 = q[17*stride];
@@ -998,8 +791,8 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double t260 = dw18z + t258;
 	const double t261 = RNEA_FMA(1.1678e-05, t257, -RNEA_FMA(0.060090400999999995, t259, 9.3424e-05*(t250 + t251)));
 	const double f18x = RNEA_FMA(0.6839, a18x, t261);
-	const double f18y = RNEA_FMA(0.6839, a17y, RNEA_FMA(1.1678e-05, t252, RNEA_FMA(0.060090400999999995,
-		t250 + t255, 9.3424e-05*t260)));
+	const double f18y = RNEA_FMA(0.6839, a17y, RNEA_FMA(1.1678e-05, t252, RNEA_FMA(0.060090400999999995, t250
+		+ t255, 9.3424e-05*t260)));
 	const double f18z = RNEA_FMA(0.6839, a18z, RNEA_FMA(-1.1678e-05, t251 + t255, RNEA_FMA(-0.060090400999999995,
 		t253, 9.3424e-05*t256)));
 	const double t262 = RNEA_FMA(-1.86848e-09, t260, RNEA_FMA(-7.62246416e-06, t256, RNEA_FMA(0.00583500555115,
@@ -1008,12 +801,11 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 		dw18y, 8.985285720000002e-06*t254)));
 	const double t264 = RNEA_FMA(9.5280802e-07, t257, RNEA_FMA(1.86848e-09, t252, RNEA_FMA(-0.005347990369749999,
 		t258, 0.0058260202654299995*dw18z)));
-	const double n18x = RNEA_FMA(9.5280802e-07, t251 - t250, t262) - RNEA_FMA(0.060090400999999995,
-		a18z, 1.1678e-05*a17y);
-	const double n18y = RNEA_FMA(-9.3424e-05, a18z, 1.1678e-05*a18x) + RNEA_FMA(-1.86848e-09, t250 - t255,
-		t263);
-	const double n18z = RNEA_FMA(9.3424e-05, a17y, 0.060090400999999995*a18x) + RNEA_FMA(7.62246416e-06,
-		t255 - t251, t264);
+	const double n18x = RNEA_FMA(9.5280802e-07, t251 - t250, t262) - RNEA_FMA(0.060090400999999995, a18z,
+		1.1678e-05*a17y);
+	const double n18y = RNEA_FMA(-9.3424e-05, a18z, 1.1678e-05*a18x) + RNEA_FMA(-1.86848e-09, t250 - t255, t263);
+	const double n18z = RNEA_FMA(9.3424e-05, a17y, 0.060090400999999995*a18x) + RNEA_FMA(7.62246416e-06, t255
+		- t251, t264);
 
 	/* ---- back from link 18 "r_hand" to link 17 (bpass): torque of "r_arm_lwy" ---- */
 	const double f17x = RNEA_FMA(0.648, t246, RNEA_FMA(s18, f18z, c18*f18x));
@@ -1100,10 +892,10 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 
 	/* ---- back from link 2 "mtorso" to link 1 (bpass): torque of "back_bky" ---- */
 	const double n1z = RNEA_FMA(0.002034694245187647, qdd1, RNEA_FMA(n2x_2, -s2, c2*n2z_2));
-	tau[1*stride] = n2y_2;
+	tau[stride] = n2y_2;
 
 	/* ---- back from link 1 "ltorso" to the world (bpass): torque of "back_bkz" ---- */
-	tau[0*stride] = n1z;
+	tau[0] = n1z;
 
 	/* ---- out to link 19 "l_uglut" (fpass) ---- */
 	const double qd19 = qd[18*stride];
@@ -1135,14 +927,12 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 		RNEA_FMA(-0.0008171286749030399, t281, 0.0018267683797407999*qdd20)));
 	const double t292 = RNEA_FMA(-0.00022657231325511998, t285, RNEA_FMA(-0.00061559686104864, t289,
 		RNEA_FMA(0.0023026633314053, dw20y, 0.0003412337232385399*t279)));
-	const double t293 = RNEA_FMA(0.00061559686104864, t288, RNEA_FMA(-0.00037615682507336, t284, RNEA_FMA(0.00148553465650226,
-		dw20z, 0.00047589495166449995*t280)));
-	const double n20x = RNEA_FMA(0.150185833992, c20, 0.274898464776*s20) + RNEA_FMA(0.00061559686104864,
-		t283 - t282, t291);
-	const double n20y = RNEA_FMA(-0.11746515385800001, c20, RNEA_FMA(0.00037615682507336, t282 - t286,
-		t292));
-	const double n20z = RNEA_FMA(0.11746515385800001, s20, RNEA_FMA(-0.00022657231325511998, t286 - t283,
-		t293));
+	const double t293 = RNEA_FMA(0.00061559686104864, t288, RNEA_FMA(-0.00037615682507336, t284,
+		RNEA_FMA(0.00148553465650226, dw20z, 0.00047589495166449995*t280)));
+	const double n20x = RNEA_FMA(0.150185833992, c20, 0.274898464776*s20) + RNEA_FMA(0.00061559686104864, t283
+		- t282, t291);
+	const double n20y = RNEA_FMA(-0.11746515385800001, c20, RNEA_FMA(0.00037615682507336, t282 - t286, t292));
+	const double n20z = RNEA_FMA(0.11746515385800001, s20, RNEA_FMA(-0.00022657231325511998, t286 - t283, t293));
 
 	/* ---- out to link 21 "l_uleg" (fpass) ---- */
 	const double q21 = q[20*stride];
@@ -1151,8 +941,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double qd21 = qd[20*stride];
 	const double qdd21 = qdd[20*stride];
 	const double t294 = RNEA_FMA(-0.066, t288, RNEA_FMA(-0.05, t282 + t283, 0.0225*t289));
-	const double a21y = RNEA_FMA(9.81, s20, RNEA_FMA(-0.066, t284, RNEA_FMA(-0.0225, t282 + t286,
-		0.05*t290)));
+	const double a21y = RNEA_FMA(9.81, s20, RNEA_FMA(-0.066, t284, RNEA_FMA(-0.0225, t282 + t286, 0.05*t290)));
 	const double t295 = RNEA_FMA(9.81, c20, RNEA_FMA(0.066, t283 + t286, RNEA_FMA(0.0225, t285, 0.05*t287)));
 	const double w21z = RNEA_FMA(w20z, c21, qd20*s21);
 	const double w21x = RNEA_FMA(s21, -w20z, qd20*c21);
@@ -1205,11 +994,11 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double f22y = RNEA_FMA(4.515, a22y, RNEA_FMA(-0.844305, t307, 0.004515*t313));
 	const double f22z = RNEA_FMA(4.515, a22z, RNEA_FMA(0.844305, t312, 0.004515*(t308 - dw22y)));
 	const double t314 = RNEA_FMA(-0.002155695, t305 - t309, RNEA_FMA(0.23388954999999997, dw22y, 0.22488052*t308));
-	const double n22x = RNEA_FMA(0.844305, a22y, RNEA_FMA(-0.002155695, t313, RNEA_FMA(-0.22388503499999998,
-		t304, 0.234885035*dw22x)));
+	const double n22x = RNEA_FMA(0.844305, a22y, RNEA_FMA(-0.002155695, t313, RNEA_FMA(-0.22388503499999998, t304,
+		0.234885035*dw22x)));
 	const double n22y = t314 - RNEA_FMA(0.844305, a22x, 0.004515*a22z);
-	const double n22z = RNEA_FMA(0.004515, a22y, RNEA_FMA(0.002155695, t307, RNEA_FMA(-0.0009954850000000008,
-		t311, 0.010004515*dw22z)));
+	const double n22z = RNEA_FMA(0.004515, a22y, RNEA_FMA(0.002155695, t307, RNEA_FMA(-0.0009954850000000008, t311,
+		0.010004515*dw22z)));
 
 	/* ---- out to link 23 "l_talus" (fpass) ---- */
 	const double q23 = q[22*stride];
@@ -1257,8 +1046,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double f24y = 2.41*t322;
 	const double f24z = 2.41*t323;
 	const double n24x = RNEA_FMA(0.16147000000000003, t322, RNEA_FMA(0.002, dw24x, 0.001*t317));
-	const double n24y = RNEA_FMA(-0.006, t319, 0.007*dw24y) - RNEA_FMA(0.16147000000000003, t321,
-		0.06507*t323);
+	const double n24y = RNEA_FMA(-0.006, t319, 0.007*dw24y) - RNEA_FMA(0.16147000000000003, t321, 0.06507*t323);
 	const double n24z = RNEA_FMA(0.06507, t322, RNEA_FMA(0.008, dw24z, 0.005*t320));
 
 	/* ---- back from link 24 "l_foot" to link 23 (bpass): torque of "l_leg_akx" ---- */
@@ -1340,12 +1128,10 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 		RNEA_FMA(0.0023026633314053, dw26y, 0.0003412337232385399*t331)));
 	const double t345 = RNEA_FMA(-0.00061559686104864, t340, RNEA_FMA(-0.00037615682507336, t336,
 		RNEA_FMA(0.00148553465650226, dw26z, 0.00047589495166449995*t332)));
-	const double n26x = RNEA_FMA(-0.150185833992, c26, 0.274898464776*s26) + RNEA_FMA(-0.00061559686104864,
-		t335 - t334, t343);
-	const double n26y = RNEA_FMA(-0.11746515385800001, c26, RNEA_FMA(0.00037615682507336, t334 - t338,
-		t344));
-	const double n26z = RNEA_FMA(0.11746515385800001, s26, RNEA_FMA(0.00022657231325511998, t338 - t335,
-		t345));
+	const double n26x = RNEA_FMA(-0.150185833992, c26, 0.274898464776*s26) + RNEA_FMA(-0.00061559686104864, t335
+		- t334, t343);
+	const double n26y = RNEA_FMA(-0.11746515385800001, c26, RNEA_FMA(0.00037615682507336, t334 - t338, t344));
+	const double n26z = RNEA_FMA(0.11746515385800001, s26, RNEA_FMA(0.00022657231325511998, t338 - t335, t345));
 
 	/* ---- out to link 27 "r_uleg" (fpass) ---- */
 	const double q27 = q[26*stride];
@@ -1406,11 +1192,11 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double f28y = RNEA_FMA(4.515, a28y, RNEA_FMA(-0.844305, t360, 0.004515*t366));
 	const double f28z = RNEA_FMA(4.515, a28z, RNEA_FMA(0.844305, t365, 0.004515*(t361 - dw28y)));
 	const double t367 = RNEA_FMA(-0.002155695, t358 - t362, RNEA_FMA(0.23388954999999997, dw28y, 0.22488052*t361));
-	const double n28x = RNEA_FMA(0.844305, a28y, RNEA_FMA(-0.002155695, t366, RNEA_FMA(-0.22388503499999998,
-		t357, 0.234885035*dw28x)));
+	const double n28x = RNEA_FMA(0.844305, a28y, RNEA_FMA(-0.002155695, t366, RNEA_FMA(-0.22388503499999998, t357,
+		0.234885035*dw28x)));
 	const double n28y = t367 - RNEA_FMA(0.844305, a28x, 0.004515*a28z);
-	const double n28z = RNEA_FMA(0.004515, a28y, RNEA_FMA(0.002155695, t360, RNEA_FMA(-0.0009954850000000008,
-		t364, 0.010004515*dw28z)));
+	const double n28z = RNEA_FMA(0.004515, a28y, RNEA_FMA(0.002155695, t360, RNEA_FMA(-0.0009954850000000008, t364,
+		0.010004515*dw28z)));
 
 	/* ---- out to link 29 "r_talus" (fpass) ---- */
 	const double q29 = q[28*stride];
@@ -1458,8 +1244,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	const double f30y = 2.41*t375;
 	const double f30z = 2.41*t376;
 	const double n30x = RNEA_FMA(0.16147000000000003, t375, RNEA_FMA(0.002, dw30x, 0.001*t370));
-	const double n30y = RNEA_FMA(-0.006, t372, 0.007*dw30y) - RNEA_FMA(0.16147000000000003, t374,
-		0.06507*t376);
+	const double n30y = RNEA_FMA(-0.006, t372, 0.007*dw30y) - RNEA_FMA(0.16147000000000003, t374, 0.06507*t376);
 	const double n30z = RNEA_FMA(0.06507, t375, RNEA_FMA(0.008, dw30z, 0.005*t373));
 
 	/* ---- back from link 30 "r_foot" to link 29 (bpass): torque of "r_leg_akx" ---- */
@@ -1514,44 +1299,47 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f, const size_t stride, const int small)
+static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 1 "ltorso" (fpass) ---- */
-	const double qd1 = qd[0*stride];
-	const double qdd1 = qdd[0*stride];
+	/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);  v = R'(v_p + w_p x p);
+	   f = m a + U h;  n = I dw + w x I w + h x a */
+	const double qd1 = qd[0];
+	const double qdd1 = qdd[0];
 	const double t1 = qd1*qd1;
 	const double f1x = RNEA_FMA(7.1588082e-06, qdd1, 0.025647368*t1);
 	const double f1y = RNEA_FMA(-0.025647368, qdd1, 7.1588082e-06*t1);
 	const double n1z = 0.002034694245187647*qdd1;
 	const double n1x = RNEA_FMA(-1.0217638522047e-06, t1, 0.001573278208028*qdd1) - 7.0227908442e-05;
 	const double n1y = 0.25160068008 + RNEA_FMA(0.001573278208028, t1, 1.0217638522047e-06*qdd1);
-	v[0*stride] = 0.0;
-	v[1*stride] = 0.0;
+	v[0] = 0.0;
+	v[stride] = 0.0;
 	v[2*stride] = 0.0;
 	v[3*stride] = 0.0;
 	v[4*stride] = 0.0;
 	v[5*stride] = qd1;
-	a[0*stride] = 0.0;
-	a[1*stride] = 0.0;
+	a[0] = 0.0;
+	a[stride] = 0.0;
 	a[2*stride] = 9.81;
 	a[3*stride] = 0.0;
 	a[4*stride] = 0.0;
 	a[5*stride] = qdd1;
-	f[0*stride] = f1x;
-	f[1*stride] = f1y;
+	f[0] = f1x;
+	f[stride] = f1y;
 	f[2*stride] = 22.268700000000003;
 	f[3*stride] = n1x;
 	f[4*stride] = n1y;
 	f[5*stride] = n1z;
 
 	/* ---- out to link 2 "mtorso" (fpass) ---- */
-	const double q2 = q[1*stride];
+	const double q2 = q[stride];
 	double s2, c2;
 	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
-	const double qd2 = qd[1*stride];
-	const double qdd2 = qdd[1*stride];
+	const double qd2 = qd[stride];
+	const double qdd2 = qdd[stride];
 	const double w2z = qd1*c2;
 	const double t2 = qd1*s2;
 	const double t3 = qd2*w2z;
@@ -1571,7 +1359,8 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double t14 = t7 + t11;
 	const double t15 = t4 + dw2z;
 	const double t16 = dw2z - t4;
-	const double f2y = RNEA_FMA(0.0244473226, t8, RNEA_FMA(-0.006521965340000001, t16, 0.010486475500000002*(t6 + t11)));
+	const double f2y = RNEA_FMA(0.0244473226, t8, RNEA_FMA(-0.006521965340000001, t16, 0.010486475500000002*(t6
+		+ t11)));
 	const double f2x = RNEA_FMA(-7.838190000000001, s2, RNEA_FMA(0.0244473226, t13, RNEA_FMA(0.010486475500000002,
 		t15, 0.006521965340000001*(t6 + t7))));
 	const double f2z = RNEA_FMA(7.838190000000001, c2, RNEA_FMA(-0.0244473226, t14, RNEA_FMA(-0.010486475500000002,
@@ -1582,12 +1371,10 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 		RNEA_FMA(-0.0007047539229190357, t10, 0.0012845430941234445*qdd2)));
 	const double t19 = RNEA_FMA(0.00037360518546370006, t13, RNEA_FMA(-0.00023895608229411601, t8,
 		RNEA_FMA(0.0006350813333019544, dw2z, 5.5292162097545597e-05*t4)));
-	const double n2x = RNEA_FMA(-0.10287232465500001, c2, RNEA_FMA(0.00037360518546370006, t7 - t6,
-		t17));
-	const double n2y = RNEA_FMA(-0.23982823470600004, s2, 0.0639804799854*c2) + RNEA_FMA(0.00023895608229411601,
-		t6 - t11, t18);
-	const double n2z = RNEA_FMA(-0.10287232465500001, s2, RNEA_FMA(-0.00014667393410483002, t11 - t7,
-		t19));
+	const double n2x = RNEA_FMA(-0.10287232465500001, c2, RNEA_FMA(0.00037360518546370006, t7 - t6, t17));
+	const double n2y = RNEA_FMA(-0.23982823470600004, s2, 0.0639804799854*c2) + RNEA_FMA(0.00023895608229411601, t6
+		- t11, t18);
+	const double n2z = RNEA_FMA(-0.10287232465500001, s2, RNEA_FMA(-0.00014667393410483002, t11 - t7, t19));
 	v[6*stride] = 0.0;
 	v[7*stride] = 0.0;
 	v[8*stride] = 0.0;
@@ -1643,22 +1430,20 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double t36 = t26 + t31;
 	const double t37 = t35 - dw3z;
 	const double t38 = dw3z + t35;
-	const double f3x = RNEA_FMA(84.60900000000001, a3x, RNEA_FMA(26.8049213, t34, RNEA_FMA(0.1941407,
-		t37, 5.2192398*t27)));
-	const double f3y = RNEA_FMA(84.60900000000001, a3y, RNEA_FMA(26.8049213, t28, -RNEA_FMA(0.1941407,
-		t32, 5.2192398*t38)));
-	const double f3z = RNEA_FMA(84.60900000000001, a3z, RNEA_FMA(-26.8049213, t36, RNEA_FMA(-5.2192398,
-		t33, 0.1941407*t29)));
-	const double t39 = RNEA_FMA(1.73516570486, t38, RNEA_FMA(0.01992444846, t33, RNEA_FMA(-9.5696190308,
-		t24, 10.11638847802*dw3x)));
+	const double f3x = RNEA_FMA(84.60900000000001, a3x, RNEA_FMA(26.8049213, t34, RNEA_FMA(0.1941407, t37,
+		5.2192398*t27)));
+	const double f3y = RNEA_FMA(84.60900000000001, a3y, RNEA_FMA(26.8049213, t28, -RNEA_FMA(0.1941407, t32,
+		5.2192398*t38)));
+	const double f3z = RNEA_FMA(84.60900000000001, a3z, RNEA_FMA(-26.8049213, t36, RNEA_FMA(-5.2192398, t33,
+		0.1941407*t29)));
+	const double t39 = RNEA_FMA(1.73516570486, t38, RNEA_FMA(0.01992444846, t33, RNEA_FMA(-9.5696190308, t24,
+		10.11638847802*dw3x)));
 	const double t40 = RNEA_FMA(-0.01992444846, t29, RNEA_FMA(0.014290218989999999, t37, RNEA_FMA(10.46938366997,
 		dw3y, 9.21662383885*t30)));
-	const double t41 = RNEA_FMA(-0.014290218989999999, t34, RNEA_FMA(-1.73516570486, t28, RNEA_FMA(0.8997646391699999,
-		dw3z, 0.3529951919500001*t35)));
-	const double n3x = RNEA_FMA(-26.8049213, a3y, 0.1941407*a3z) + RNEA_FMA(-0.014290218989999999,
-		t26 - t25, t39);
-	const double n3y = RNEA_FMA(26.8049213, a3x, 5.2192398*a3z) + RNEA_FMA(1.73516570486, t25 - t31,
-		t40);
+	const double t41 = RNEA_FMA(-0.014290218989999999, t34, RNEA_FMA(-1.73516570486, t28,
+		RNEA_FMA(0.8997646391699999, dw3z, 0.3529951919500001*t35)));
+	const double n3x = RNEA_FMA(-26.8049213, a3y, 0.1941407*a3z) + RNEA_FMA(-0.014290218989999999, t26 - t25, t39);
+	const double n3y = RNEA_FMA(26.8049213, a3x, 5.2192398*a3z) + RNEA_FMA(1.73516570486, t25 - t31, t40);
 	const double n3z = RNEA_FMA(-0.01992444846, t31 - t26, t41) - RNEA_FMA(5.2192398, a3y, 0.1941407*a3x);
 	v[12*stride] = v3x;
 	v[13*stride] = v3y;
@@ -1959,12 +1744,12 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double f8x = 2.4798*t132;
 	const double f8y = 2.4798*t133;
 	const double f8z = 2.4798*t134;
-	const double n8x = RNEA_FMA(-0.000917526, t133, 0.20572420800000002*t134) + RNEA_FMA(-0.009091,
-		t123, 0.012731*dw8x);
+	const double n8x = RNEA_FMA(-0.000917526, t133, 0.20572420800000002*t134) + RNEA_FMA(-0.009091, t123,
+		0.012731*dw8x);
 	const double n8y = RNEA_FMA(-0.00037196999999999995, t134, 0.000917526*t132) + RNEA_FMA(-0.000782999999999999,
 		t126, 0.002857*dw8y);
-	const double n8z = RNEA_FMA(-0.20572420800000002, t132, 0.00037196999999999995*t133) - RNEA_FMA(0.011948,
-		t120, 0.009873999999999999*t128);
+	const double n8z = RNEA_FMA(-0.20572420800000002, t132, 0.00037196999999999995*t133) - RNEA_FMA(0.011948, t120,
+		0.009873999999999999*t128);
 	v[42*stride] = v8x;
 	v[43*stride] = v8y;
 	v[44*stride] = -t121;
@@ -2016,10 +1801,10 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double f9y = 0.648*t149;
 	const double f9z = -0.648*t150;
 	const double n9x = RNEA_FMA(-0.00105624, t149, 0.0162972*t150) + RNEA_FMA(-0.000396, t139, 0.000764*dw9x);
-	const double n9y = RNEA_FMA(0.00105624, t148, 0.00011016000000000002*t150) + RNEA_FMA(0.000429,
-		dw9y, 6.0999999999999965e-05*t142);
-	const double n9z = RNEA_FMA(0.00011016000000000002, t149, 0.0162972*t148) - RNEA_FMA(0.000825,
-		t136, 0.000335*t144);
+	const double n9y = RNEA_FMA(0.00105624, t148, 0.00011016000000000002*t150) + RNEA_FMA(0.000429, dw9y,
+		6.0999999999999965e-05*t142);
+	const double n9z = RNEA_FMA(0.00011016000000000002, t149, 0.0162972*t148) - RNEA_FMA(0.000825, t136,
+		0.000335*t144);
 	v[48*stride] = v8x;
 	v[49*stride] = v9y;
 	v[50*stride] = -t137;
@@ -2077,8 +1862,8 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double t171 = dw10z + t169;
 	const double t172 = RNEA_FMA(1.1678e-05, t168, -RNEA_FMA(0.060090400999999995, t170, 9.3424e-05*(t161 + t162)));
 	const double f10x = RNEA_FMA(0.6839, a10x, t172);
-	const double f10y = RNEA_FMA(0.6839, a9y, RNEA_FMA(1.1678e-05, t163, RNEA_FMA(0.060090400999999995,
-		t161 + t166, 9.3424e-05*t171)));
+	const double f10y = RNEA_FMA(0.6839, a9y, RNEA_FMA(1.1678e-05, t163, RNEA_FMA(0.060090400999999995, t161 + t166,
+		9.3424e-05*t171)));
 	const double f10z = RNEA_FMA(0.6839, a10z, RNEA_FMA(-1.1678e-05, t162 + t166, RNEA_FMA(-0.060090400999999995,
 		t164, 9.3424e-05*t167)));
 	const double t173 = RNEA_FMA(-1.86848e-09, t171, RNEA_FMA(-7.62246416e-06, t167, RNEA_FMA(0.00583500555115,
@@ -2087,12 +1872,11 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 		dw10y, 8.985285720000002e-06*t165)));
 	const double t175 = RNEA_FMA(9.5280802e-07, t168, RNEA_FMA(1.86848e-09, t163, RNEA_FMA(-0.005347990369749999,
 		t169, 0.0058260202654299995*dw10z)));
-	const double n10x = RNEA_FMA(9.5280802e-07, t162 - t161, t173) - RNEA_FMA(0.060090400999999995,
-		a10z, 1.1678e-05*a9y);
-	const double n10y = RNEA_FMA(-9.3424e-05, a10z, 1.1678e-05*a10x) + RNEA_FMA(-1.86848e-09, t161 - t166,
-		t174);
-	const double n10z = RNEA_FMA(9.3424e-05, a9y, 0.060090400999999995*a10x) + RNEA_FMA(7.62246416e-06,
-		t166 - t162, t175);
+	const double n10x = RNEA_FMA(9.5280802e-07, t162 - t161, t173) - RNEA_FMA(0.060090400999999995, a10z,
+		1.1678e-05*a9y);
+	const double n10y = RNEA_FMA(-9.3424e-05, a10z, 1.1678e-05*a10x) + RNEA_FMA(-1.86848e-09, t161 - t166, t174);
+	const double n10z = RNEA_FMA(9.3424e-05, a9y, 0.060090400999999995*a10x) + RNEA_FMA(7.62246416e-06, t166 - t162,
+		t175);
 	v[54*stride] = v10x;
 	v[55*stride] = v9y;
 	v[56*stride] = v10z;
@@ -2147,8 +1931,8 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double t190 = t189 - dw11z;
 	const double t191 = dw11z + t189;
 	const double t192 = RNEA_FMA(0.054420420656, t183, -RNEA_FMA(7.09504993e-05, t181 + t186, 0.109829676908*t191));
-	const double f11x = RNEA_FMA(2.087564, a11x, RNEA_FMA(0.054420420656, t188, RNEA_FMA(7.09504993e-05,
-		t190, 0.109829676908*(t181 + t182))));
+	const double f11x = RNEA_FMA(2.087564, a11x, RNEA_FMA(0.054420420656, t188, RNEA_FMA(7.09504993e-05, t190,
+		0.109829676908*(t181 + t182))));
 	const double f11y = RNEA_FMA(2.087564, a11y, t192);
 	const double f11z = RNEA_FMA(2.087564, a11z, RNEA_FMA(-0.054420420656, t182 + t186, RNEA_FMA(-0.109829676908,
 		t187, 7.09504993e-05*t184)));
@@ -2158,12 +1942,12 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 		RNEA_FMA(-0.005634444453194253, t185, 0.0205378789418435*dw11y)));
 	const double t195 = RNEA_FMA(-3.9827336694684e-06, t188, RNEA_FMA(-0.0024130603412908323, t183,
 		RNEA_FMA(0.019152684977701343, dw11z, 0.007019638417336408*t189)));
-	const double n11x = RNEA_FMA(-0.054420420656, a11y, 7.09504993e-05*a11z) + RNEA_FMA(-3.9827336694684e-06,
-		t182 - t181, t193);
-	const double n11y = RNEA_FMA(0.054420420656, a11x, 0.109829676908*a11z) + RNEA_FMA(0.0024130603412908323,
-		t181 - t186, t194);
-	const double n11z = RNEA_FMA(2.8062844640453003e-06, t186 - t182, t195) - RNEA_FMA(0.109829676908,
-		a11y, 7.09504993e-05*a11x);
+	const double n11x = RNEA_FMA(-0.054420420656, a11y, 7.09504993e-05*a11z) + RNEA_FMA(-3.9827336694684e-06, t182
+		- t181, t193);
+	const double n11y = RNEA_FMA(0.054420420656, a11x, 0.109829676908*a11z) + RNEA_FMA(0.0024130603412908323, t181
+		- t186, t194);
+	const double n11z = RNEA_FMA(2.8062844640453003e-06, t186 - t182, t195) - RNEA_FMA(0.109829676908, a11y,
+		7.09504993e-05*a11x);
 	v[60*stride] = v11x;
 	v[61*stride] = v11y;
 	v[62*stride] = v11z;
@@ -2218,8 +2002,8 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double f12y = RNEA_FMA(-0.37514400000000003, t203, 4.466*a12y);
 	const double f12z = RNEA_FMA(4.466, a12z, 0.37514400000000003*t208);
 	const double n12z = RNEA_FMA(0.004, t206, RNEA_FMA(-0.002, t207, 0.004*dw12z));
-	const double n12x = RNEA_FMA(0.37514400000000003, a12y, RNEA_FMA(0.004, t202 - t201, RNEA_FMA(-0.03651209600000001,
-		t200, 0.042512096000000006*dw12x)));
+	const double n12x = RNEA_FMA(0.37514400000000003, a12y, RNEA_FMA(0.004, t202 - t201,
+		RNEA_FMA(-0.03651209600000001, t200, 0.042512096000000006*dw12x)));
 	const double n12y = RNEA_FMA(-0.37514400000000003, a12x, RNEA_FMA(-0.004, t209, RNEA_FMA(0.040512096000000004,
 		dw12y, 0.038512096*t204)));
 	v[66*stride] = v12x;
@@ -2433,12 +2217,12 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double f16x = 2.4798*t250;
 	const double f16y = 2.4798*t251;
 	const double f16z = 2.4798*t252;
-	const double n16x = RNEA_FMA(-0.000917526, t251, 0.20572420800000002*t252) + RNEA_FMA(0.012731,
-		dw16x, 0.009091*t241);
-	const double n16y = RNEA_FMA(-0.00037196999999999995, t252, 0.000917526*t250) + RNEA_FMA(0.002857,
-		dw16y, 0.000782999999999999*t244);
-	const double n16z = RNEA_FMA(-0.20572420800000002, t250, 0.00037196999999999995*t251) + RNEA_FMA(-0.009873999999999999,
-		t246, 0.011948*dw16z);
+	const double n16x = RNEA_FMA(-0.000917526, t251, 0.20572420800000002*t252) + RNEA_FMA(0.012731, dw16x,
+		0.009091*t241);
+	const double n16y = RNEA_FMA(-0.00037196999999999995, t252, 0.000917526*t250) + RNEA_FMA(0.002857, dw16y,
+		0.000782999999999999*t244);
+	const double n16z = RNEA_FMA(-0.20572420800000002, t250, 0.00037196999999999995*t251)
+		+ RNEA_FMA(-0.009873999999999999, t246, 0.011948*dw16z);
 	v[90*stride] = v16x;
 	v[91*stride] = v16y;
 	v[92*stride] = v16z;
@@ -2492,8 +2276,8 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double n17x = RNEA_FMA(0.000764, dw17x, 0.000396*t253) - RNEA_FMA(0.0162972, t264, 0.00105624*t263);
 	const double n17y = RNEA_FMA(-0.00011016000000000002, t264, 0.00105624*t262) + RNEA_FMA(-6.0999999999999965e-05,
 		t256, 0.000429*dw17y);
-	const double n17z = RNEA_FMA(0.00011016000000000002, t263, 0.0162972*t262) + RNEA_FMA(-0.000335,
-		t258, 0.000825*dw17z);
+	const double n17z = RNEA_FMA(0.00011016000000000002, t263, 0.0162972*t262) + RNEA_FMA(-0.000335, t258,
+		0.000825*dw17z);
 	v[96*stride] = v16x;
 	v[97*stride] = v17y;
 	v[98*stride] = v17z;
@@ -2543,8 +2327,8 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double t276 = dw18z + t274;
 	const double t277 = RNEA_FMA(1.1678e-05, t273, -RNEA_FMA(0.060090400999999995, t275, 9.3424e-05*(t266 + t267)));
 	const double f18x = RNEA_FMA(0.6839, a18x, t277);
-	const double f18y = RNEA_FMA(0.6839, a17y, RNEA_FMA(1.1678e-05, t268, RNEA_FMA(0.060090400999999995,
-		t266 + t271, 9.3424e-05*t276)));
+	const double f18y = RNEA_FMA(0.6839, a17y, RNEA_FMA(1.1678e-05, t268, RNEA_FMA(0.060090400999999995, t266
+		+ t271, 9.3424e-05*t276)));
 	const double f18z = RNEA_FMA(0.6839, a18z, RNEA_FMA(-1.1678e-05, t267 + t271, RNEA_FMA(-0.060090400999999995,
 		t269, 9.3424e-05*t272)));
 	const double t278 = RNEA_FMA(-1.86848e-09, t276, RNEA_FMA(-7.62246416e-06, t272, RNEA_FMA(0.00583500555115,
@@ -2553,12 +2337,11 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 		dw18y, 8.985285720000002e-06*t270)));
 	const double t280 = RNEA_FMA(9.5280802e-07, t273, RNEA_FMA(1.86848e-09, t268, RNEA_FMA(-0.005347990369749999,
 		t274, 0.0058260202654299995*dw18z)));
-	const double n18x = RNEA_FMA(9.5280802e-07, t267 - t266, t278) - RNEA_FMA(0.060090400999999995,
-		a18z, 1.1678e-05*a17y);
-	const double n18y = RNEA_FMA(-9.3424e-05, a18z, 1.1678e-05*a18x) + RNEA_FMA(-1.86848e-09, t266 - t271,
-		t279);
-	const double n18z = RNEA_FMA(9.3424e-05, a17y, 0.060090400999999995*a18x) + RNEA_FMA(7.62246416e-06,
-		t271 - t267, t280);
+	const double n18x = RNEA_FMA(9.5280802e-07, t267 - t266, t278) - RNEA_FMA(0.060090400999999995, a18z,
+		1.1678e-05*a17y);
+	const double n18y = RNEA_FMA(-9.3424e-05, a18z, 1.1678e-05*a18x) + RNEA_FMA(-1.86848e-09, t266 - t271, t279);
+	const double n18z = RNEA_FMA(9.3424e-05, a17y, 0.060090400999999995*a18x) + RNEA_FMA(7.62246416e-06, t271
+		- t267, t280);
 	v[102*stride] = v18x;
 	v[103*stride] = v17y;
 	v[104*stride] = v18z;
@@ -2634,22 +2417,20 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double t295 = t283 - dw20z;
 	const double t296 = t283 + dw20z;
 	const double f20x = RNEA_FMA(-0.0280222696, t293, RNEA_FMA(-0.0119740218, t287, 0.015309463199999998*t295));
-	const double f20y = RNEA_FMA(8.80938, s20, RNEA_FMA(-0.0280222696, t288, RNEA_FMA(-0.015309463199999998,
-		t291, 0.0119740218*t296)));
-	const double f20z = RNEA_FMA(8.80938, c20, RNEA_FMA(0.0280222696, t294, RNEA_FMA(0.015309463199999998,
-		t289, 0.0119740218*t292)));
+	const double f20y = RNEA_FMA(8.80938, s20, RNEA_FMA(-0.0280222696, t288, RNEA_FMA(-0.015309463199999998, t291,
+		0.0119740218*t296)));
+	const double f20z = RNEA_FMA(8.80938, c20, RNEA_FMA(0.0280222696, t294, RNEA_FMA(0.015309463199999998, t289,
+		0.0119740218*t292)));
 	const double t297 = RNEA_FMA(0.00037615682507336, t296, RNEA_FMA(0.00022657231325511998, t292,
 		RNEA_FMA(-0.0008171286749030399, t284, 0.0018267683797407999*qdd20)));
 	const double t298 = RNEA_FMA(-0.00022657231325511998, t289, RNEA_FMA(-0.00061559686104864, t295,
 		RNEA_FMA(0.0023026633314053, dw20y, 0.0003412337232385399*t282)));
-	const double t299 = RNEA_FMA(0.00061559686104864, t293, RNEA_FMA(-0.00037615682507336, t288, RNEA_FMA(0.00148553465650226,
-		dw20z, 0.00047589495166449995*t283)));
-	const double n20x = RNEA_FMA(0.150185833992, c20, 0.274898464776*s20) + RNEA_FMA(0.00061559686104864,
-		t286 - t285, t297);
-	const double n20y = RNEA_FMA(-0.11746515385800001, c20, RNEA_FMA(0.00037615682507336, t285 - t290,
-		t298));
-	const double n20z = RNEA_FMA(0.11746515385800001, s20, RNEA_FMA(-0.00022657231325511998, t290 - t286,
-		t299));
+	const double t299 = RNEA_FMA(0.00061559686104864, t293, RNEA_FMA(-0.00037615682507336, t288,
+		RNEA_FMA(0.00148553465650226, dw20z, 0.00047589495166449995*t283)));
+	const double n20x = RNEA_FMA(0.150185833992, c20, 0.274898464776*s20) + RNEA_FMA(0.00061559686104864, t286
+		- t285, t297);
+	const double n20y = RNEA_FMA(-0.11746515385800001, c20, RNEA_FMA(0.00037615682507336, t285 - t290, t298));
+	const double n20z = RNEA_FMA(0.11746515385800001, s20, RNEA_FMA(-0.00022657231325511998, t290 - t286, t299));
 	v[114*stride] = 0.0;
 	v[115*stride] = 0.0;
 	v[116*stride] = 0.0;
@@ -2758,11 +2539,11 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double f22y = RNEA_FMA(4.515, a22y, RNEA_FMA(-0.844305, t319, 0.004515*t325));
 	const double f22z = RNEA_FMA(4.515, a22z, RNEA_FMA(0.844305, t324, 0.004515*(t320 - dw22y)));
 	const double t326 = RNEA_FMA(-0.002155695, t317 - t321, RNEA_FMA(0.23388954999999997, dw22y, 0.22488052*t320));
-	const double n22x = RNEA_FMA(0.844305, a22y, RNEA_FMA(-0.002155695, t325, RNEA_FMA(-0.22388503499999998,
-		t316, 0.234885035*dw22x)));
+	const double n22x = RNEA_FMA(0.844305, a22y, RNEA_FMA(-0.002155695, t325, RNEA_FMA(-0.22388503499999998, t316,
+		0.234885035*dw22x)));
 	const double n22y = t326 - RNEA_FMA(0.844305, a22x, 0.004515*a22z);
-	const double n22z = RNEA_FMA(0.004515, a22y, RNEA_FMA(0.002155695, t319, RNEA_FMA(-0.0009954850000000008,
-		t323, 0.010004515*dw22z)));
+	const double n22z = RNEA_FMA(0.004515, a22y, RNEA_FMA(0.002155695, t319, RNEA_FMA(-0.0009954850000000008, t323,
+		0.010004515*dw22z)));
 	v[126*stride] = -t315;
 	v[127*stride] = v22y;
 	v[128*stride] = v22z;
@@ -2855,8 +2636,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double f24y = 2.41*t336;
 	const double f24z = 2.41*t337;
 	const double n24x = RNEA_FMA(0.16147000000000003, t336, RNEA_FMA(0.002, dw24x, 0.001*t331));
-	const double n24y = RNEA_FMA(-0.006, t333, 0.007*dw24y) - RNEA_FMA(0.16147000000000003, t335,
-		0.06507*t337);
+	const double n24y = RNEA_FMA(-0.006, t333, 0.007*dw24y) - RNEA_FMA(0.16147000000000003, t335, 0.06507*t337);
 	const double n24z = RNEA_FMA(0.06507, t336, RNEA_FMA(0.008, dw24z, 0.005*t334));
 	v[138*stride] = -t330;
 	v[139*stride] = v24y;
@@ -2933,22 +2713,20 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double t352 = t340 - dw26z;
 	const double t353 = t340 + dw26z;
 	const double f26x = -RNEA_FMA(0.0280222696, t350, RNEA_FMA(0.015309463199999998, t352, 0.0119740218*t344));
-	const double f26y = RNEA_FMA(8.80938, s26, RNEA_FMA(-0.0280222696, t345, RNEA_FMA(0.015309463199999998,
-		t348, 0.0119740218*t353)));
-	const double f26z = RNEA_FMA(8.80938, c26, RNEA_FMA(0.0280222696, t351, RNEA_FMA(-0.015309463199999998,
-		t346, 0.0119740218*t349)));
+	const double f26y = RNEA_FMA(8.80938, s26, RNEA_FMA(-0.0280222696, t345, RNEA_FMA(0.015309463199999998, t348,
+		0.0119740218*t353)));
+	const double f26z = RNEA_FMA(8.80938, c26, RNEA_FMA(0.0280222696, t351, RNEA_FMA(-0.015309463199999998, t346,
+		0.0119740218*t349)));
 	const double t354 = RNEA_FMA(0.00037615682507336, t353, RNEA_FMA(-0.00022657231325511998, t349,
 		RNEA_FMA(-0.0008171286749030399, t341, 0.0018267683797407999*qdd26)));
 	const double t355 = RNEA_FMA(0.00022657231325511998, t346, RNEA_FMA(0.00061559686104864, t352,
 		RNEA_FMA(0.0023026633314053, dw26y, 0.0003412337232385399*t339)));
 	const double t356 = RNEA_FMA(-0.00061559686104864, t350, RNEA_FMA(-0.00037615682507336, t345,
 		RNEA_FMA(0.00148553465650226, dw26z, 0.00047589495166449995*t340)));
-	const double n26x = RNEA_FMA(-0.150185833992, c26, 0.274898464776*s26) + RNEA_FMA(-0.00061559686104864,
-		t343 - t342, t354);
-	const double n26y = RNEA_FMA(-0.11746515385800001, c26, RNEA_FMA(0.00037615682507336, t342 - t347,
-		t355));
-	const double n26z = RNEA_FMA(0.11746515385800001, s26, RNEA_FMA(0.00022657231325511998, t347 - t343,
-		t356));
+	const double n26x = RNEA_FMA(-0.150185833992, c26, 0.274898464776*s26) + RNEA_FMA(-0.00061559686104864, t343
+		- t342, t354);
+	const double n26y = RNEA_FMA(-0.11746515385800001, c26, RNEA_FMA(0.00037615682507336, t342 - t347, t355));
+	const double n26z = RNEA_FMA(0.11746515385800001, s26, RNEA_FMA(0.00022657231325511998, t347 - t343, t356));
 	v[150*stride] = 0.0;
 	v[151*stride] = 0.0;
 	v[152*stride] = 0.0;
@@ -3057,11 +2835,11 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double f28y = RNEA_FMA(4.515, a28y, RNEA_FMA(-0.844305, t375, 0.004515*t381));
 	const double f28z = RNEA_FMA(4.515, a28z, RNEA_FMA(0.844305, t380, 0.004515*(t376 - dw28y)));
 	const double t382 = RNEA_FMA(-0.002155695, t373 - t377, RNEA_FMA(0.23388954999999997, dw28y, 0.22488052*t376));
-	const double n28x = RNEA_FMA(0.844305, a28y, RNEA_FMA(-0.002155695, t381, RNEA_FMA(-0.22388503499999998,
-		t372, 0.234885035*dw28x)));
+	const double n28x = RNEA_FMA(0.844305, a28y, RNEA_FMA(-0.002155695, t381, RNEA_FMA(-0.22388503499999998, t372,
+		0.234885035*dw28x)));
 	const double n28y = t382 - RNEA_FMA(0.844305, a28x, 0.004515*a28z);
-	const double n28z = RNEA_FMA(0.004515, a28y, RNEA_FMA(0.002155695, t375, RNEA_FMA(-0.0009954850000000008,
-		t379, 0.010004515*dw28z)));
+	const double n28z = RNEA_FMA(0.004515, a28y, RNEA_FMA(0.002155695, t375, RNEA_FMA(-0.0009954850000000008, t379,
+		0.010004515*dw28z)));
 	v[162*stride] = v28x;
 	v[163*stride] = v28y;
 	v[164*stride] = v28z;
@@ -3154,8 +2932,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	const double f30y = 2.41*t391;
 	const double f30z = 2.41*t392;
 	const double n30x = RNEA_FMA(0.16147000000000003, t391, RNEA_FMA(0.002, dw30x, 0.001*t386));
-	const double n30y = RNEA_FMA(-0.006, t388, 0.007*dw30y) - RNEA_FMA(0.16147000000000003, t390,
-		0.06507*t392);
+	const double n30y = RNEA_FMA(-0.006, t388, 0.007*dw30y) - RNEA_FMA(0.16147000000000003, t390, 0.06507*t392);
 	const double n30z = RNEA_FMA(0.06507, t391, RNEA_FMA(0.008, dw30z, 0.005*t389));
 	v[174*stride] = v29x;
 	v[175*stride] = v30y;
@@ -3181,15 +2958,17 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 /* Back to the base: torques tau from the wrenches f.
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double *tau, const size_t stride, const int small)
+static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double *tau, const size_t stride,
+	const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 1 "ltorso" ---- */
+	/* f, n = what fpass wrote, in the link's frame here */
 	const double own_n1z = f[5*stride];
 
 	/* ---- out to link 2 "mtorso" ---- */
-	const double q2 = q[1*stride];
+	const double q2 = q[stride];
 	double s2, c2;
 	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
 	const double own_n2x = f[9*stride];
@@ -3285,6 +3064,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	const double own_n10z = f[59*stride];
 
 	/* ---- back from link 10 "l_hand" to link 9 (bpass): torque of "l_arm_lwy" ---- */
+	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
 	const double t6 = RNEA_FMA(c10, own_f10z, t5*own_f10x);
 	const double t7 = RNEA_FMA(own_f10z, -t5, c10*own_f10x);
 	const double t8 = RNEA_FMA(c10, own_n10z, t5*own_n10x);
@@ -3316,8 +3096,8 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	const double f7x = own_f7x - t14;
 	const double f7y = own_f7y + f8y;
 	const double f7z = own_f7z + t15;
-	const double n7x = own_n7x + (RNEA_FMA(-0.29955, t15, 0.00921*f8y) - RNEA_FMA(2.0682310711021444e-13,
-		t12, t13));
+	const double n7x = own_n7x + (RNEA_FMA(-0.29955, t15, 0.00921*f8y) - RNEA_FMA(2.0682310711021444e-13, t12,
+		t13));
 	const double n7y = own_n7y + RNEA_FMA(0.00921, t14, n8y);
 	const double n7z = own_n7z + RNEA_FMA(-0.29955, t14, RNEA_FMA(2.0682310711021444e-13, t13, -t12));
 	tau[7*stride] = -n8y;
@@ -3368,8 +3148,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	const double f3z = own_f3z + f4z;
 	const double t29 = RNEA_FMA(2.0682310711021444e-13, t26, -t25) + RNEA_FMA(0.2256, f4z, 0.4776*t28);
 	const double n3x = own_n3x + t29;
-	const double n3y = own_n3y + (RNEA_FMA(-0.1406, f4z, 0.4776*t27) - RNEA_FMA(2.0682310711021444e-13,
-		t25, t26));
+	const double n3y = own_n3y + (RNEA_FMA(-0.1406, f4z, 0.4776*t27) - RNEA_FMA(2.0682310711021444e-13, t25, t26));
 	const double n3z = own_n3z + (n4z - RNEA_FMA(0.1406, t28, 0.2256*t27));
 	tau[3*stride] = n4z;
 
@@ -3557,10 +3336,10 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 
 	/* ---- back from link 2 "mtorso" to link 1 (bpass): torque of "back_bky" ---- */
 	const double n1z = own_n1z + RNEA_FMA(n2x, -s2, c2*n2z);
-	tau[1*stride] = n2y;
+	tau[stride] = n2y;
 
 	/* ---- back from link 1 "ltorso" to the world (bpass): torque of "back_bkz" ---- */
-	tau[0*stride] = n1z;
+	tau[0] = n1z;
 
 	/* ---- out to link 19 "l_uglut" ---- */
 	const double own_n19z = f[113*stride];
@@ -3769,6 +3548,237 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 }
 
 
+#ifndef RNEAGEN_SINCOS_CORE
+#define RNEAGEN_SINCOS_CORE
+union rneagen_f64 {
+	double f;
+	unsigned long long u;
+};
+
+/* x = k*(pi/2) + r - e for |x| <= 1e7: e is the rounding error of r. Returns k modulo 4 in its low two bits.
+ * pi/2 is split so that k*C1, k*C2, k*C3 are exact, and x - k*C1 - k*C2 too. */
+static RNEA_INLINE unsigned long long rneagen_sincos_reduce(double x, double *r, double *e)
+{
+	union rneagen_f64 t;
+	t.f = RNEA_FMA(x, 0x1.45f306dc9c883p-1, 0x1.8p52); /* 1.5*2^52 + k: rounds x*2/pi to the nearest integer */
+	const double k = t.f - 0x1.8p52;
+	const double r2 = RNEA_FMA(-k, 0x1.10b46p-30, RNEA_FMA(-k, 0x1.921fb54p0, x));
+	*r = RNEA_FMA(-k, 0x1.1a62633p-54, r2);
+	*e = RNEA_FMA(k, 0x1.45c06e0e68948p-86, RNEA_FMA(k, 0x1.1a62633p-54, *r - r2));
+	return t.u;
+}
+
+/* Sine and cosine of q*(pi/2) + r - e, |r| <= pi/4. With z = r*r and w = fl(1 - z/2):
+ *   sin = r - (r*z*S(z) + e*w),  cos = w + ((1 - w - z/2) + r*e + z*z*C(z))
+ * Sollya, I = [2^-40; pi/4*(1 + 2^-8)]:
+ *  -S: fpminimax(sin(x), [|3,5,7,9,11,13|], [|D...|], I, relative, x), relative error of sin 2^-57.8
+ *   C: fpminimax(cos(x), [|4,6,8,10,12,14|], [|D...|], I, absolute, 1 - x^2/2), error of cos 2^-64.1 */
+static RNEA_INLINE void rneagen_sincos_turn(unsigned long long q, double r, double e, double *s, double *c)
+{
+	union rneagen_f64 a, b;
+	const double z = r * r;
+	const double w = RNEA_FMA(-0.5, z, 1.0);
+	double ps = RNEA_FMA(-0x1.5d89831c5e141p-33, z, 0x1.ae5e45d454538p-26);
+	double pc = RNEA_FMA(-0x1.8fa590d9cc29fp-37, z, 0x1.1ee9daa2259f5p-29);
+	ps = RNEA_FMA(ps, z, -0x1.71de354edf2bfp-19);
+	pc = RNEA_FMA(pc, z, -0x1.27e4f7f0c068dp-22);
+	ps = RNEA_FMA(ps, z, 0x1.a01a019be359dp-13);
+	pc = RNEA_FMA(pc, z, 0x1.a01a019c8f106p-16);
+	ps = RNEA_FMA(ps, z, -0x1.111111110f713p-7);
+	pc = RNEA_FMA(pc, z, -0x1.6c16c16c1501ap-10);
+	ps = RNEA_FMA(ps, z, 0x1.5555555555548p-3);
+	pc = RNEA_FMA(pc, z, 0x1.555555555554bp-5);
+	a.f = r - RNEA_FMA(r * z, ps, e * w);
+	b.f = w + RNEA_FMA(z * z, pc, RNEA_FMA(r, e, RNEA_FMA(-0.5, z, 1.0 - w)));
+	const unsigned long long swap = (a.u ^ b.u) & (0 - (q & 1)); /* odd quarter turns exchange sine and cosine */
+	a.u ^= swap ^ (q & 2) << 62;
+	b.u ^= swap ^ ((q + 1) & 2) << 62;
+	*s = a.f;
+	*c = b.f;
+}
+#endif
+
+#ifndef RNEAGEN_SINCOS_ACCURATE
+#define RNEAGEN_SINCOS_ACCURATE
+/* High half of the product a*b. */
+static RNEA_INLINE unsigned long long rneagen_mulhi(unsigned long long a, unsigned long long b)
+{
+	const unsigned long long al = a & 0xffffffffu, ah = a >> 32, bl = b & 0xffffffffu, bh = b >> 32;
+	const unsigned long long t = ah * bl + (al * bl >> 32), u = al * bh + (t & 0xffffffffu);
+	return ah * bh + (t >> 32) + (u >> 32);
+}
+
+/* rneagen_sincos_reduce for |x| > 1e7, in integers (Payne and Hanek): |x| = m*2^p with a 53-bit m, and of the bits of
+ * 2/pi those that only give multiples of 4 are skipped and the next 192 multiplied by m. NaN if x is not finite. */
+static RNEA_INLINE unsigned long long rneagen_sincos_reduce_large(double x, double *r, double *e)
+{
+	static const unsigned long long two_over_pi[] = {0, 0xa2f9836e4e441529ull, 0xfc2757d1f534ddc0ull,
+		0xdb6295993c439041ull, 0xfe5163abdebbc561ull, 0xb7246e3a424dd2e0ull, 0x06492eea09d1921cull,
+		0xfe1deb1cb129a73eull, 0xe88235f52ebb4484ull, 0xe99c7026b45f7e41ull, 0x3991d639835339f4ull,
+		0x9c845f8bbdf9283bull, 0x1ff897ffde05980full, 0xef2f118b5a0a6d1full, 0x6d367ecf27cb09b7ull,
+		0x4f463f669e5fea2dull, 0x7527bac7ebe5f17bull, 0x3d0739f78a5292eaull, 0x6bfb5fb11f8d5d08ull,
+		0x56033046fc7b6babull};
+	union rneagen_f64 t;
+	t.f = x;
+	const unsigned int bit = (unsigned int)(t.u >> 52 & 2047) - 1013, i = bit >> 6, shift = bit & 63;
+	const unsigned long long m = (t.u & 0xfffffffffffffull) | 0x10000000000000ull;
+	const unsigned long long w1 = two_over_pi[i + 1], w2 = two_over_pi[i + 2];
+	const unsigned long long a = two_over_pi[i] << shift | w1 >> 1 >> (63 - shift);
+	const unsigned long long b = w1 << shift | w2 >> 1 >> (63 - shift);
+	const unsigned long long c = w2 << shift | two_over_pi[i + 3] >> 1 >> (63 - shift);
+	unsigned long long lo = m * b + rneagen_mulhi(m, c);
+	unsigned long long f = m * a + rneagen_mulhi(m, b) + (lo < m * b);
+	f = x < 0 ? ~f : f; /* x*(2/pi) modulo 4, times 2^62; lo: its next 64 bits */
+	lo = x < 0 ? ~lo : lo;
+	const unsigned long long past_half = f >> 61 & 1, q = (f >> 62) + past_half;
+	double scale = RNEA_FMA(0.0, x, past_half ? -0x1p-63 : 0x1p-63); /* NaN where x is not finite */
+	f = f << 2 | lo >> 62; /* what is left of x*(2/pi) - q, times 2^64 */
+	f = past_half ? ~f : f;
+	lo = past_half ? ~(lo << 2) : lo << 2;
+	for (; !(f >> 63) && (f | lo); lo <<= 1) {
+		f = f << 1 | lo >> 63;
+		scale *= 0.5;
+	}
+	f = rneagen_mulhi(f, 0xc90fdaa22168c235ull); /* times pi/2*2^63 */
+	const double g = (double)f;
+	*r = g * scale;
+	*e = (double)(long long)((unsigned long long)g - f) * scale;
+	return q;
+}
+
+/* Sine and cosine of any finite x, error below 0.85 ulp; NaN if x is not finite. */
+static RNEA_INLINE void rneagen_sincos_accurate(double x, double *s, double *c)
+{
+	double r, e;
+	unsigned long long q;
+	if (fabs(x) <= 1e7)
+		q = rneagen_sincos_reduce(x, &r, &e);
+	else
+		q = rneagen_sincos_reduce_large(x, &r, &e);
+	rneagen_sincos_turn(q, r, e, s, c);
+}
+#endif
+#ifndef RNEAGEN_SINCOS_EITHER
+#define RNEAGEN_SINCOS_EITHER
+
+/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not,
+   and `small`, sine and cosine mean nothing. */
+static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c)
+{
+	if (small) {
+		double r, e;
+		const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
+		rneagen_sincos_turn(q, r, e, s, c);
+	} else {
+		rneagen_sincos_accurate(x, s, c);
+	}
+	return fabs(x) <= 1e7;
+}
+#endif
+
+/* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves
+   the rest a straight line; the results have the same bits either way. */
+static RNEA_INLINE int atlas_is_small(const double *q, const size_t stride)
+{
+	int small = 1;
+
+	for (size_t i = 0; i < 30; i++)
+		small &= fabs(q[i*stride]) <= 1e+07;
+	return small;
+}
+
+
+/* ---- the functions of the header, and the table that librnea reads ---- */
+/* tau = ID(q, qd, qdd) of one sample: q[30], qd[30], qdd[30] -> tau[30]; tau may be qdd itself. */
+void atlas_rnea(const double *q, const double *qd, const double *qdd, double *tau);
+/* The same for `count` samples, every array [row][sample]; arrays must not overlap. */
+void atlas_rnea_batch(const double *q, const double *qd, const double *qdd, double *tau, size_t count);
+/* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */
+void atlas_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
+/* The way back alone: torques from q and fpass's wrenches. */
+void atlas_bpass(const double *q, const double *f, double *tau);
+/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
+   in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
+void atlas_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);
+void atlas_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
+void atlas_bpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
+/* What this text computes, one `key values` a line. */
+extern const char atlas_info[];
+
+/* librnea finds the table by this word */
+#define RNEA_INFO
+RNEA_INFO const char atlas_info[] =
+	"rneagen-info 3\n"
+	"name atlas\n"
+	"precision f64\n"
+	"arithmetic f64\n"
+	"layout soa\n"
+	"trig accurate\n"
+	"base fixed\n"
+	"nq 30\n"
+	"nv 30\n"
+	"nb 30\n"
+	"block 64\n"
+	"joint 0 1 0 1 revolute back_bkz\n"
+	"joint 1 1 1 1 revolute back_bky\n"
+	"joint 2 1 2 1 revolute back_bkx\n"
+	"joint 3 1 3 1 revolute l_arm_shz\n"
+	"joint 4 1 4 1 revolute l_arm_shx\n"
+	"joint 5 1 5 1 revolute l_arm_ely\n"
+	"joint 6 1 6 1 revolute l_arm_elx\n"
+	"joint 7 1 7 1 revolute l_arm_uwy\n"
+	"joint 8 1 8 1 revolute l_arm_mwx\n"
+	"joint 9 1 9 1 revolute l_arm_lwy\n"
+	"joint 10 1 10 1 revolute neck_ay\n"
+	"joint 11 1 11 1 revolute r_arm_shz\n"
+	"joint 12 1 12 1 revolute r_arm_shx\n"
+	"joint 13 1 13 1 revolute r_arm_ely\n"
+	"joint 14 1 14 1 revolute r_arm_elx\n"
+	"joint 15 1 15 1 revolute r_arm_uwy\n"
+	"joint 16 1 16 1 revolute r_arm_mwx\n"
+	"joint 17 1 17 1 revolute r_arm_lwy\n"
+	"joint 18 1 18 1 revolute l_leg_hpz\n"
+	"joint 19 1 19 1 revolute l_leg_hpx\n"
+	"joint 20 1 20 1 revolute l_leg_hpy\n"
+	"joint 21 1 21 1 revolute l_leg_kny\n"
+	"joint 22 1 22 1 revolute l_leg_aky\n"
+	"joint 23 1 23 1 revolute l_leg_akx\n"
+	"joint 24 1 24 1 revolute r_leg_hpz\n"
+	"joint 25 1 25 1 revolute r_leg_hpx\n"
+	"joint 26 1 26 1 revolute r_leg_hpy\n"
+	"joint 27 1 27 1 revolute r_leg_kny\n"
+	"joint 28 1 28 1 revolute r_leg_aky\n"
+	"joint 29 1 29 1 revolute r_leg_akx\n"
+	"function rnea\n"
+	"input q 30 f64 sample joint_position\n"
+	"input qd 30 f64 sample joint_velocity\n"
+	"input qdd 30 f64 sample joint_acceleration\n"
+	"output tau 30 f64 sample joint_torque\n"
+	"operations 618 310 140 129 800 27\n"
+	"function fpass\n"
+	"input q 30 f64 sample joint_position\n"
+	"input qd 30 f64 sample joint_velocity\n"
+	"input qdd 30 f64 sample joint_acceleration\n"
+	"output v 180 f64 sample body_twists\n"
+	"output a 180 f64 sample body_accelerations\n"
+	"output f 180 f64 sample body_wrenches\n"
+	"operations 710 236 198 180 798 27\n"
+	"function bpass\n"
+	"input q 30 f64 sample joint_position\n"
+	"input f 180 f64 sample body_wrenches\n"
+	"output tau 30 f64 sample joint_torque\n"
+	"operations 121 149 12 36 161 27\n";
+
+/* samples do not depend on each other: the compiler may compute several at once */
+#if defined __clang__
+#define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
+#elif defined __GNUC__
+#define RNEA_INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define RNEA_INDEPENDENT
+#endif
+
 static int atlas_are_small(const double *q, size_t count, size_t first, size_t end)
 {
 	int small = 1;
@@ -3785,7 +3795,8 @@ static void atlas_rnea_any(const double *q, const double *qd, const double *qdd,
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void atlas_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd, double *restrict tau, size_t count, size_t first, size_t end)
+static void atlas_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict tau, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;
@@ -3816,13 +3827,15 @@ void atlas_rnea_batch(const double *q, const double *qd, const double *qdd, doub
 }
 
 /* One sample, whatever its angles. */
-static void atlas_fpass_any(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f, const size_t stride)
+static void atlas_fpass_any(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f,
+	const size_t stride)
 {
 	atlas_fpass_body(q, qd, qdd, v, a, f, stride, 0);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void atlas_fpass_part(const double *restrict q, const double *restrict qd, const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count, size_t first, size_t end)
+static void atlas_fpass_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict v, double *restrict a, double *restrict f, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;
@@ -3854,7 +3867,8 @@ static void atlas_bpass_any(const double *q, const double *f, double *tau, const
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void atlas_bpass_part(const double *restrict q, const double *restrict f, double *restrict tau, size_t count, size_t first, size_t end)
+static void atlas_bpass_part(const double *restrict q, const double *restrict f, double *restrict tau, size_t count,
+	size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;

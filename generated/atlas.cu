@@ -44,33 +44,31 @@
  * where one is not, every torque that depends on it is not finite either.
  * Batches: every array is [row][sample].
  * Compiled as C, without CUDA, this text holds the functions of target c instead of kernels.
- *
- * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less
- * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.
  * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.
+ *
+ * Names in the statements: a quantity, the number of a link, and x y z for the component in the link's frame.
+ *   q qd qdd         position, velocity and acceleration of the link's joint
+ *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
+ *   s c              sine and cosine of the joint's angle
+ *   w                angular velocity
+ *   dw               rate of the angular velocity
+ *   v                velocity of the origin
+ *   a                acceleration of the origin, less gravity
+ *   f                force: the link's own, then with its children's
+ *   n                moment about the origin, as f
+ *   t                with a number of its own: a value that has no name in the textbook
+ *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
+ *   stride           from one row of an array to the next
+ *   small all_small  the caller takes all angles for small; they are
+ *   RNEA_FMA         a*b + c, rounded once where the machine can
+ *   rneagen_...      functions and types that this text brings along
+ * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
+ * x cross product; z the joint's axis; U = [dw]x + [w]x[w]x; m, h = m c, I mass, first moment and inertia about the
+ * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
 #if defined __CUDACC__
-#if defined __CUDACC_RTC__
-#define RNEA_INFO __device__
-#elif defined __GNUC__
-#define RNEA_INFO __attribute__((weak)) /* a program may hold the text for target c too, with a table of this name */
-#else
-#define RNEA_INFO
-#endif
 #define RNEA_INLINE __device__ __forceinline__
 #define RNEA_FMA(a, b, c) fmaf(a, b, c)
-/* threads in a block: the samples of one slice of the batch */
-#ifndef RNEA_BLOCK
-#define RNEA_BLOCK 128
-#endif
-/* blocks that one multiprocessor should hold at once: bounds the registers of the rnea kernel; 0: the compiler's choice */
-#ifndef RNEA_MIN_BLOCKS
-#define RNEA_MIN_BLOCKS (RNEA_BLOCK < 64 ? 0 : 384/RNEA_BLOCK)
-#endif
-
-extern "C" {
-extern RNEA_INFO const char atlas_info[];
-}
 #elif defined __cplusplus
 #error "compile this text as CUDA, by nvcc or NVRTC, or as C: cc -x c"
 #else
@@ -85,219 +83,38 @@ extern RNEA_INFO const char atlas_info[];
 #else
 #define RNEA_INLINE inline
 #endif
-/* samples do not depend on each other: the compiler may compute several at once */
-#if defined __clang__
-#define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
-#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
-#elif defined __GNUC__
-#define RNEA_INDEPENDENT _Pragma("GCC ivdep")
-#else
-#define RNEA_INDEPENDENT
-#endif
 /* where the machine has no fused multiply-add, fma() would be a slow library call */
 #if defined FP_FAST_FMAF
 #define RNEA_FMA(a, b, c) fmaf(a, b, c)
 #else
 #define RNEA_FMA(a, b, c) ((a)*(b) + (c))
 #endif
-/* librnea finds the table by this word */
-#define RNEA_INFO
-
-extern const char atlas_info[];
 #endif
 
-RNEA_INFO const char atlas_info[] =
-	"rneagen-info 3\n"
-	"name atlas\n"
-	"precision f32\n"
-	"arithmetic f32\n"
-	"layout soa\n"
-	"trig accurate\n"
-	"base fixed\n"
-	"nq 30\n"
-	"nv 30\n"
-	"nb 30\n"
-	"block 128\n"
-	"joint 0 1 0 1 revolute back_bkz\n"
-	"joint 1 1 1 1 revolute back_bky\n"
-	"joint 2 1 2 1 revolute back_bkx\n"
-	"joint 3 1 3 1 revolute l_arm_shz\n"
-	"joint 4 1 4 1 revolute l_arm_shx\n"
-	"joint 5 1 5 1 revolute l_arm_ely\n"
-	"joint 6 1 6 1 revolute l_arm_elx\n"
-	"joint 7 1 7 1 revolute l_arm_uwy\n"
-	"joint 8 1 8 1 revolute l_arm_mwx\n"
-	"joint 9 1 9 1 revolute l_arm_lwy\n"
-	"joint 10 1 10 1 revolute neck_ay\n"
-	"joint 11 1 11 1 revolute r_arm_shz\n"
-	"joint 12 1 12 1 revolute r_arm_shx\n"
-	"joint 13 1 13 1 revolute r_arm_ely\n"
-	"joint 14 1 14 1 revolute r_arm_elx\n"
-	"joint 15 1 15 1 revolute r_arm_uwy\n"
-	"joint 16 1 16 1 revolute r_arm_mwx\n"
-	"joint 17 1 17 1 revolute r_arm_lwy\n"
-	"joint 18 1 18 1 revolute l_leg_hpz\n"
-	"joint 19 1 19 1 revolute l_leg_hpx\n"
-	"joint 20 1 20 1 revolute l_leg_hpy\n"
-	"joint 21 1 21 1 revolute l_leg_kny\n"
-	"joint 22 1 22 1 revolute l_leg_aky\n"
-	"joint 23 1 23 1 revolute l_leg_akx\n"
-	"joint 24 1 24 1 revolute r_leg_hpz\n"
-	"joint 25 1 25 1 revolute r_leg_hpx\n"
-	"joint 26 1 26 1 revolute r_leg_hpy\n"
-	"joint 27 1 27 1 revolute r_leg_kny\n"
-	"joint 28 1 28 1 revolute r_leg_aky\n"
-	"joint 29 1 29 1 revolute r_leg_akx\n"
-	"function rnea\n"
-	"input q 30 f32 sample joint_position\n"
-	"input qd 30 f32 sample joint_velocity\n"
-	"input qdd 30 f32 sample joint_acceleration\n"
-	"output tau 30 f32 sample joint_torque\n"
-	"operations 618 310 140 129 800 27\n"
-	"function fpass\n"
-	"input q 30 f32 sample joint_position\n"
-	"input qd 30 f32 sample joint_velocity\n"
-	"input qdd 30 f32 sample joint_acceleration\n"
-	"output v 180 f32 sample body_twists\n"
-	"output a 180 f32 sample body_accelerations\n"
-	"output f 180 f32 sample body_wrenches\n"
-	"operations 710 236 198 180 798 27\n"
-	"function bpass\n"
-	"input q 30 f32 sample joint_position\n"
-	"input f 180 f32 sample body_wrenches\n"
-	"output tau 30 f32 sample joint_torque\n"
-	"operations 121 149 12 36 161 27\n";
-
-#ifndef RNEAGEN_SINCOSF_CORE
-#define RNEAGEN_SINCOSF_CORE
-union rneagen_f32 {
-	float f;
-	unsigned int u;
-};
-
-/* x = k*(pi/2) + r - e for |x| <= 1e4: e is the rounding error of r. Returns k modulo 4 in its low two bits.
- * pi/2 is split so that k*C1, k*C2, k*C3 are exact, and x - k*C1 - k*C2 too. */
-static RNEA_INLINE unsigned int rneagen_sincosf_reduce(float x, float *r, float *e)
-{
-	union rneagen_f32 t;
-	t.f = RNEA_FMA(x, 0x1.45f306p-1f, 0x1.8p23f); /* 1.5*2^23 + k: rounds x*2/pi to the nearest integer */
-	const float k = t.f - 0x1.8p23f;
-	const float r2 = RNEA_FMA(-k, 0x1.fb4p-12f, RNEA_FMA(-k, 0x1.92p0f, x));
-	*r = RNEA_FMA(-k, 0x1.444p-24f, r2);
-	*e = RNEA_FMA(k, 0x1.68c234p-39f, RNEA_FMA(k, 0x1.444p-24f, *r - r2));
-	return t.u;
-}
-
-/* Sine and cosine of q*(pi/2) + r - e, |r| <= pi/4. With z = r*r and w = fl(1 - z/2):
- *   sin = r - (r*z*S(z) + e*w),  cos = w + ((1 - w - z/2) + r*e + z*z*C(z))
- * Sollya, I = [2^-20; pi/4*(1 + 2^-8)]:
- *  -S: fpminimax(sin(x), [|3,5,7|], [|SG...|], I, relative, x), relative error of sin 2^-27.8
- *   C: fpminimax(cos(x), [|4,6,8|], [|SG...|], I, absolute, 1 - x^2/2), error of cos 2^-33.1 */
-static RNEA_INLINE void rneagen_sincosf_turn(unsigned int q, float r, float e, float *s, float *c)
-{
-	union rneagen_f32 a, b;
-	const float z = r * r;
-	const float w = RNEA_FMA(-0.5f, z, 1.0f);
-	const float ps = RNEA_FMA(RNEA_FMA(0x1.99278ap-13f, z, -0x1.1106dcp-7f), z, 0x1.555544p-3f);
-	const float pc = RNEA_FMA(RNEA_FMA(0x1.99e7cp-16f, z, -0x1.6c0c28p-10f), z, 0x1.55554ap-5f);
-	a.f = r - RNEA_FMA(r * z, ps, e * w);
-	b.f = w + RNEA_FMA(z * z, pc, RNEA_FMA(r, e, RNEA_FMA(-0.5f, z, 1.0f - w)));
-	const unsigned int swap = (a.u ^ b.u) & (0 - (q & 1)); /* odd quarter turns exchange sine and cosine */
-	a.u ^= swap ^ (q & 2) << 30;
-	b.u ^= swap ^ ((q + 1) & 2) << 30;
-	*s = a.f;
-	*c = b.f;
-}
-#endif
-
-#ifndef RNEAGEN_SINCOSF_ACCURATE
-#define RNEAGEN_SINCOSF_ACCURATE
-/* rneagen_sincosf_reduce for |x| > 1e4, in integers (Payne and Hanek): |x| = m*2^p with a 24-bit m, and of the bits of
- * 2/pi those that only give multiples of 4 are skipped and the next 96 multiplied by m. NaN if x is not finite. */
-static RNEA_INLINE unsigned int rneagen_sincosf_reduce_large(float x, float *r, float *e)
-{
-	static const unsigned int two_over_pi[] = {0, 0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u,
-		0x3c439041u, 0xfe5163abu};
-	union rneagen_f32 t;
-	t.f = x;
-	const unsigned int bit = (t.u >> 23 & 255) - 120, i = bit >> 5, shift = bit & 31;
-	const unsigned long long m = (t.u & 0x7fffffu) | 0x800000u;
-	const unsigned long long w0 = two_over_pi[i], w1 = two_over_pi[i + 1];
-	const unsigned long long w2 = two_over_pi[i + 2], w3 = two_over_pi[i + 3];
-	const unsigned long long a = (w0 << 32 | w1) << shift >> 32, b = (w1 << 32 | w2) << shift >> 32;
-	const unsigned long long c = (w2 << 32 | w3) << shift >> 32;
-	unsigned long long f = (m * a << 32) + m * b + (m * c >> 32);
-	f = x < 0 ? ~f : f; /* x*(2/pi) modulo 4, times 2^62 */
-	const unsigned int past_half = f >> 61 & 1, q = (unsigned int)(f >> 62) + past_half;
-	float scale = RNEA_FMA(0.0f, x, past_half ? -0x1p-63f : 0x1p-63f); /* NaN where x is not finite */
-	f = past_half ? ~(f << 2) : f << 2; /* what is left of x*(2/pi) - q, times 2^64 */
-	for (; f && !(f >> 63); f <<= 1)
-		scale *= 0.5f;
-	f = (f >> 32) * 0xc90fdaa2u; /* times pi/2*2^31 */
-	const float g = (float)f;
-	*r = g * scale;
-	*e = (float)(long long)((unsigned long long)g - f) * scale;
-	return q;
-}
-
-/* Sine and cosine of any finite x, error below 0.85 ulp; NaN if x is not finite. */
-static RNEA_INLINE void rneagen_sincosf_accurate(float x, float *s, float *c)
-{
-	float r, e;
-	unsigned int q;
-	if (fabsf(x) <= 1e4f)
-		q = rneagen_sincosf_reduce(x, &r, &e);
-	else
-		q = rneagen_sincosf_reduce_large(x, &r, &e);
-	rneagen_sincosf_turn(q, r, e, s, c);
-}
-#endif
 #ifndef RNEAGEN_SINCOSF_EITHER
-#define RNEAGEN_SINCOSF_EITHER
-
-/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not, and
-   `small`, sine and cosine mean nothing. */
-static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c)
-{
-	if (small) {
-		float r, e;
-		const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
-		rneagen_sincosf_turn(q, r, e, s, c);
-	} else {
-		rneagen_sincosf_accurate(x, s, c);
-	}
-	return fabsf(x) <= 1e4f;
-}
+static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c); /* below */
 #endif
-
-/* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves the
-   rest a straight line; the results have the same bits either way. */
-static RNEA_INLINE int atlas_is_small(const float *q, const size_t stride)
-{
-	int small = 1;
-
-	for (size_t i = 0; i < 30; i++)
-		small &= fabsf(q[i*stride]) <= 1e+04f;
-	return small;
-}
 
 /* tau = ID(q, qd, qdd)
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride, const int small)
+static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const float *qdd, float *tau,
+	const size_t stride, const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 1 "ltorso" (fpass) ---- */
-	const float qd1 = qd[0*stride];
-	const float qdd1 = qdd[0*stride];
+	/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);
+	   f = m a + U h;  n = I dw + w x I w + h x a */
+	const float qd1 = qd[0];
+	const float qdd1 = qdd[0];
 
 	/* ---- out to link 2 "mtorso" (fpass) ---- */
-	const float q2 = q[1*stride];
+	const float q2 = q[stride];
 	float s2, c2;
 	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
-	const float qd2 = qd[1*stride];
-	const float qdd2 = qdd[1*stride];
+	const float qd2 = qd[stride];
+	const float qdd2 = qdd[stride];
 	const float w2z = qd1*c2;
 	const float t1 = qd1*s2;
 	const float t2 = qd2*w2z;
@@ -314,10 +131,10 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float t11 = -RNEA_FMA(0.00014667393f, qdd2 + t8, RNEA_FMA(0.0013398352f, t4, 0.00064946176f*t2));
 	const float t12 = RNEA_FMA(0.00037360517f, t3 + dw2z, RNEA_FMA(-0.0007047539f, t8, 0.0012845431f*qdd2));
 	const float t13 = RNEA_FMA(0.00023895608f, t5 - t9, RNEA_FMA(-0.00014667393f, t2 - t4, t12));
-	const float t14 = RNEA_FMA(0.00037360517f, t10, RNEA_FMA(-0.00023895608f, t7, RNEA_FMA(0.0006350813f,
-		dw2z, 5.5292163e-05f*t3)));
-	const float n2x = RNEA_FMA(-0.10287233f, c2, RNEA_FMA(0.00037360517f, t6 - t5, RNEA_FMA(0.00023895608f,
-		dw2z - t3, t11)));
+	const float t14 = RNEA_FMA(0.00037360517f, t10, RNEA_FMA(-0.00023895608f, t7, RNEA_FMA(0.0006350813f, dw2z,
+		5.5292163e-05f*t3)));
+	const float n2x = RNEA_FMA(-0.10287233f, c2, RNEA_FMA(0.00037360517f, t6 - t5, RNEA_FMA(0.00023895608f, dw2z
+		- t3, t11)));
 	const float n2y = RNEA_FMA(-0.23982823f, s2, 0.06398048f*c2) + t13;
 	const float n2z = RNEA_FMA(-0.10287233f, s2, RNEA_FMA(-0.00014667393f, t9 - t6, t14));
 
@@ -354,20 +171,17 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float t30 = t28 - dw3z;
 	const float t31 = dw3z + t28;
 	const float f3x = RNEA_FMA(84.609f, a3x, RNEA_FMA(26.804922f, t27, RNEA_FMA(0.1941407f, t30, 5.2192397f*t20)));
-	const float f3y = RNEA_FMA(84.609f, a3y, RNEA_FMA(26.804922f, t21, -RNEA_FMA(0.1941407f, t25,
-		5.2192397f*t31)));
+	const float f3y = RNEA_FMA(84.609f, a3y, RNEA_FMA(26.804922f, t21, -RNEA_FMA(0.1941407f, t25, 5.2192397f*t31)));
 	const float f3z = RNEA_FMA(84.609f, a3z, RNEA_FMA(-26.804922f, t29, RNEA_FMA(-5.2192397f, t26,
 		0.1941407f*t22)));
 	const float t32 = RNEA_FMA(1.7351657f, t31, RNEA_FMA(0.019924449f, t26, RNEA_FMA(-9.569619f, t17,
 		10.116388f*dw3x)));
-	const float t33 = RNEA_FMA(-0.019924449f, t22, RNEA_FMA(0.014290219f, t30, RNEA_FMA(10.469383f,
-		dw3y, 9.216624f*t23)));
-	const float t34 = RNEA_FMA(-0.014290219f, t27, RNEA_FMA(-1.7351657f, t21, RNEA_FMA(0.89976466f,
-		dw3z, 0.3529952f*t28)));
-	const float n3x = RNEA_FMA(-26.804922f, a3y, 0.1941407f*a3z) + RNEA_FMA(-0.014290219f, t19 - t18,
-		t32);
-	const float n3y = RNEA_FMA(26.804922f, a3x, 5.2192397f*a3z) + RNEA_FMA(1.7351657f, t18 - t24,
-		t33);
+	const float t33 = RNEA_FMA(-0.019924449f, t22, RNEA_FMA(0.014290219f, t30, RNEA_FMA(10.469383f, dw3y,
+		9.216624f*t23)));
+	const float t34 = RNEA_FMA(-0.014290219f, t27, RNEA_FMA(-1.7351657f, t21, RNEA_FMA(0.89976466f, dw3z,
+		0.3529952f*t28)));
+	const float n3x = RNEA_FMA(-26.804922f, a3y, 0.1941407f*a3z) + RNEA_FMA(-0.014290219f, t19 - t18, t32);
+	const float n3y = RNEA_FMA(26.804922f, a3x, 5.2192397f*a3z) + RNEA_FMA(1.7351657f, t18 - t24, t33);
 	const float n3z = RNEA_FMA(-0.019924449f, t24 - t19, t34) - RNEA_FMA(5.2192397f, a3y, 0.1941407f*a3x);
 
 	/* ---- out to link 4 "l_clav" (fpass) ---- */
@@ -416,8 +230,8 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float f4y = RNEA_FMA(-0.375144f, t55, 4.466f*a4y);
 	const float f4z = RNEA_FMA(4.466f, a4z, 0.375144f*t60);
 	const float n4z = RNEA_FMA(0.004f, t58, RNEA_FMA(-0.002f, t59, 0.004f*dw4z));
-	const float n4x = RNEA_FMA(0.375144f, a4y, RNEA_FMA(0.004f, t54 - t53, RNEA_FMA(-0.036512095f,
-		t52, 0.042512096f*dw4x)));
+	const float n4x = RNEA_FMA(0.375144f, a4y, RNEA_FMA(0.004f, t54 - t53, RNEA_FMA(-0.036512095f, t52,
+		0.042512096f*dw4x)));
 	const float n4y = RNEA_FMA(-0.375144f, a4x, RNEA_FMA(-0.004f, t61, RNEA_FMA(0.040512096f, dw4y,
 		0.038512096f*t56)));
 
@@ -533,10 +347,8 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float t106 = a8x + RNEA_FMA(0.00037f, dw8y - t100, t103);
 	const float t107 = a8y + RNEA_FMA(-0.00037f, dw8x + t97, t104);
 	const float t108 = RNEA_FMA(-0.00037f, t99 + t101, t105) - t96;
-	const float n8x = RNEA_FMA(-0.000917526f, t107, 0.20572421f*t108) + RNEA_FMA(-0.009091f, t97,
-		0.012731f*dw8x);
-	const float n8y = RNEA_FMA(-0.00037197f, t108, 0.000917526f*t106) + RNEA_FMA(-0.000783f, t100,
-		0.002857f*dw8y);
+	const float n8x = RNEA_FMA(-0.000917526f, t107, 0.20572421f*t108) + RNEA_FMA(-0.009091f, t97, 0.012731f*dw8x);
+	const float n8y = RNEA_FMA(-0.00037197f, t108, 0.000917526f*t106) + RNEA_FMA(-0.000783f, t100, 0.002857f*dw8y);
 	const float n8z = RNEA_FMA(-0.20572421f, t106, 0.00037197f*t107) - RNEA_FMA(0.011948f, t95, 0.009874f*t102);
 
 	/* ---- out to link 9 "l_lfarm" (fpass) ---- */
@@ -605,21 +417,20 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float f10x = RNEA_FMA(0.6839f, a10x, t143);
 	const float f10y = RNEA_FMA(0.6839f, a9y, RNEA_FMA(1.1678e-05f, t134, RNEA_FMA(0.0600904f, t132 + t137,
 		9.3424e-05f*t142)));
-	const float f10z = RNEA_FMA(0.6839f, a10z, RNEA_FMA(-1.1678e-05f, t133 + t137, RNEA_FMA(-0.0600904f,
-		t135, 9.3424e-05f*t138)));
-	const float t144 = RNEA_FMA(-1.86848e-09f, t142, RNEA_FMA(-7.622464e-06f, t138, RNEA_FMA(0.0058350055f,
-		dw10x, 0.005339005f*t131)));
-	const float t145 = RNEA_FMA(7.622464e-06f, t135, RNEA_FMA(-9.52808e-07f, t141, RNEA_FMA(0.00048701518f,
-		dw10y, 8.985286e-06f*t136)));
-	const float t146 = RNEA_FMA(9.52808e-07f, t139, RNEA_FMA(1.86848e-09f, t134, RNEA_FMA(-0.0053479904f,
-		t140, 0.00582602f*dw10z)));
+	const float f10z = RNEA_FMA(0.6839f, a10z, RNEA_FMA(-1.1678e-05f, t133 + t137, RNEA_FMA(-0.0600904f, t135,
+		9.3424e-05f*t138)));
+	const float t144 = RNEA_FMA(-1.86848e-09f, t142, RNEA_FMA(-7.622464e-06f, t138, RNEA_FMA(0.0058350055f, dw10x,
+		0.005339005f*t131)));
+	const float t145 = RNEA_FMA(7.622464e-06f, t135, RNEA_FMA(-9.52808e-07f, t141, RNEA_FMA(0.00048701518f, dw10y,
+		8.985286e-06f*t136)));
+	const float t146 = RNEA_FMA(9.52808e-07f, t139, RNEA_FMA(1.86848e-09f, t134, RNEA_FMA(-0.0053479904f, t140,
+		0.00582602f*dw10z)));
 	const float n10x = RNEA_FMA(9.52808e-07f, t133 - t132, t144) - RNEA_FMA(0.0600904f, a10z, 1.1678e-05f*a9y);
-	const float n10y = RNEA_FMA(-9.3424e-05f, a10z, 1.1678e-05f*a10x) + RNEA_FMA(-1.86848e-09f, t132 - t137,
-		t145);
-	const float n10z = RNEA_FMA(9.3424e-05f, a9y, 0.0600904f*a10x) + RNEA_FMA(7.622464e-06f, t137 - t133,
-		t146);
+	const float n10y = RNEA_FMA(-9.3424e-05f, a10z, 1.1678e-05f*a10x) + RNEA_FMA(-1.86848e-09f, t132 - t137, t145);
+	const float n10z = RNEA_FMA(9.3424e-05f, a9y, 0.0600904f*a10x) + RNEA_FMA(7.622464e-06f, t137 - t133, t146);
 
 	/* ---- back from link 10 "l_hand" to link 9 (bpass): torque of "l_arm_lwy" ---- */
+	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
 	const float t147 = RNEA_FMA(c10, f10z, t124*f10x);
 	const float t148 = RNEA_FMA(f10z, -t124, c10*f10x);
 	const float t149 = RNEA_FMA(c10, n10z, t124*n10x);
@@ -703,8 +514,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float f3z_2 = f3z + f4z_2;
 	const float t170 = RNEA_FMA(2.0682311e-13f, t167, -t166) + RNEA_FMA(0.2256f, f4z_2, 0.4776f*t169);
 	const float n3x_2 = n3x + t170;
-	const float n3y_2 = n3y + (RNEA_FMA(-0.1406f, f4z_2, 0.4776f*t168) - RNEA_FMA(2.0682311e-13f,
-		t166, t167));
+	const float n3y_2 = n3y + (RNEA_FMA(-0.1406f, f4z_2, 0.4776f*t168) - RNEA_FMA(2.0682311e-13f, t166, t167));
 	const float n3z_2 = n3z + (n4z_2 - RNEA_FMA(0.1406f, t169, 0.2256f*t168));
 	tau[3*stride] = n4z_2;
 
@@ -738,21 +548,20 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float t183 = t182 - dw11z;
 	const float t184 = dw11z + t182;
 	const float t185 = RNEA_FMA(0.05442042f, t176, -RNEA_FMA(7.09505e-05f, t174 + t179, 0.10982968f*t184));
-	const float f11x = RNEA_FMA(2.087564f, a11x, RNEA_FMA(0.05442042f, t181, RNEA_FMA(7.09505e-05f,
-		t183, 0.10982968f*(t174 + t175))));
+	const float f11x = RNEA_FMA(2.087564f, a11x, RNEA_FMA(0.05442042f, t181, RNEA_FMA(7.09505e-05f, t183,
+		0.10982968f*(t174 + t175))));
 	const float f11y = RNEA_FMA(2.087564f, a11y, t185);
-	const float f11z = RNEA_FMA(2.087564f, a11z, RNEA_FMA(-0.05442042f, t175 + t179, RNEA_FMA(-0.10982968f,
-		t180, 7.09505e-05f*t177)));
-	const float t186 = RNEA_FMA(0.0024130603f, t184, RNEA_FMA(-2.8062846e-06f, t180, RNEA_FMA(-0.001385194f,
-		t173, 0.01351824f*dw11x)));
-	const float t187 = RNEA_FMA(2.8062846e-06f, t177, RNEA_FMA(3.9827337e-06f, t183, RNEA_FMA(-0.0056344443f,
-		t178, 0.02053788f*dw11y)));
-	const float t188 = RNEA_FMA(-3.9827337e-06f, t181, RNEA_FMA(-0.0024130603f, t176, RNEA_FMA(0.019152684f,
-		dw11z, 0.0070196385f*t182)));
-	const float n11x = RNEA_FMA(-0.05442042f, a11y, 7.09505e-05f*a11z) + RNEA_FMA(-3.9827337e-06f,
-		t175 - t174, t186);
-	const float n11y = RNEA_FMA(0.05442042f, a11x, 0.10982968f*a11z) + RNEA_FMA(0.0024130603f, t174 - t179,
-		t187);
+	const float f11z = RNEA_FMA(2.087564f, a11z, RNEA_FMA(-0.05442042f, t175 + t179, RNEA_FMA(-0.10982968f, t180,
+		7.09505e-05f*t177)));
+	const float t186 = RNEA_FMA(0.0024130603f, t184, RNEA_FMA(-2.8062846e-06f, t180, RNEA_FMA(-0.001385194f, t173,
+		0.01351824f*dw11x)));
+	const float t187 = RNEA_FMA(2.8062846e-06f, t177, RNEA_FMA(3.9827337e-06f, t183, RNEA_FMA(-0.0056344443f, t178,
+		0.02053788f*dw11y)));
+	const float t188 = RNEA_FMA(-3.9827337e-06f, t181, RNEA_FMA(-0.0024130603f, t176, RNEA_FMA(0.019152684f, dw11z,
+		0.0070196385f*t182)));
+	const float n11x = RNEA_FMA(-0.05442042f, a11y, 7.09505e-05f*a11z) + RNEA_FMA(-3.9827337e-06f, t175 - t174,
+		t186);
+	const float n11y = RNEA_FMA(0.05442042f, a11x, 0.10982968f*a11z) + RNEA_FMA(0.0024130603f, t174 - t179, t187);
 	const float n11z = RNEA_FMA(2.8062846e-06f, t179 - t175, t188) - RNEA_FMA(0.10982968f, a11y, 7.09505e-05f*a11x);
 
 	/* ---- back from link 11 "head" to link 3 (bpass): torque of "neck_ay" ---- */
@@ -797,8 +606,8 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float f12y = RNEA_FMA(-0.375144f, t196, 4.466f*a12y);
 	const float f12z = RNEA_FMA(4.466f, a12z, 0.375144f*t201);
 	const float n12z = RNEA_FMA(0.004f, t199, RNEA_FMA(-0.002f, t200, 0.004f*dw12z));
-	const float n12x = RNEA_FMA(0.375144f, a12y, RNEA_FMA(0.004f, t195 - t194, RNEA_FMA(-0.036512095f,
-		t193, 0.042512096f*dw12x)));
+	const float n12x = RNEA_FMA(0.375144f, a12y, RNEA_FMA(0.004f, t195 - t194, RNEA_FMA(-0.036512095f, t193,
+		0.042512096f*dw12x)));
 	const float n12y = RNEA_FMA(-0.375144f, a12x, RNEA_FMA(-0.004f, t202, RNEA_FMA(0.040512096f, dw12y,
 		0.038512096f*t197)));
 
@@ -908,12 +717,9 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float t234 = a16x + RNEA_FMA(0.00037f, dw16y + t228, t231);
 	const float t235 = a16y + RNEA_FMA(0.00037f, t225 - dw16x, t232);
 	const float t236 = a16z + RNEA_FMA(-0.00037f, t227 + t229, t233);
-	const float n16x = RNEA_FMA(-0.000917526f, t235, 0.20572421f*t236) + RNEA_FMA(0.012731f, dw16x,
-		0.009091f*t225);
-	const float n16y = RNEA_FMA(-0.00037197f, t236, 0.000917526f*t234) + RNEA_FMA(0.002857f, dw16y,
-		0.000783f*t228);
-	const float n16z = RNEA_FMA(-0.20572421f, t234, 0.00037197f*t235) + RNEA_FMA(-0.009874f, t230,
-		0.011948f*dw16z);
+	const float n16x = RNEA_FMA(-0.000917526f, t235, 0.20572421f*t236) + RNEA_FMA(0.012731f, dw16x, 0.009091f*t225);
+	const float n16y = RNEA_FMA(-0.00037197f, t236, 0.000917526f*t234) + RNEA_FMA(0.002857f, dw16y, 0.000783f*t228);
+	const float n16z = RNEA_FMA(-0.20572421f, t234, 0.00037197f*t235) + RNEA_FMA(-0.009874f, t230, 0.011948f*dw16z);
 
 	/* ---- out to link 17 "r_lfarm" (fpass) ---- */
 	const float q17 = q[16*stride];
@@ -942,8 +748,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float t247 = a17y + RNEA_FMA(0.00163f, t237 - dw17x, t244);
 	const float t248 = a17z + RNEA_FMA(-0.00163f, t239 + t241, t245);
 	const float n17x = RNEA_FMA(0.000764f, dw17x, 0.000396f*t237) - RNEA_FMA(0.0162972f, t248, 0.00105624f*t247);
-	const float n17y = RNEA_FMA(-0.00011016f, t248, 0.00105624f*t246) + RNEA_FMA(-6.1e-05f, t240,
-		0.000429f*dw17y);
+	const float n17y = RNEA_FMA(-0.00011016f, t248, 0.00105624f*t246) + RNEA_FMA(-6.1e-05f, t240, 0.000429f*dw17y);
 	const float n17z = RNEA_FMA(0.00011016f, t247, 0.0162972f*t246) + RNEA_FMA(-0.000335f, t242, 0.000825f*dw17z);
 
 	/* ---- out to link 18 "r_hand" (fpass) ---- */
@@ -976,19 +781,17 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float f18x = RNEA_FMA(0.6839f, a18x, t261);
 	const float f18y = RNEA_FMA(0.6839f, a17y, RNEA_FMA(1.1678e-05f, t252, RNEA_FMA(0.0600904f, t250 + t255,
 		9.3424e-05f*t260)));
-	const float f18z = RNEA_FMA(0.6839f, a18z, RNEA_FMA(-1.1678e-05f, t251 + t255, RNEA_FMA(-0.0600904f,
-		t253, 9.3424e-05f*t256)));
-	const float t262 = RNEA_FMA(-1.86848e-09f, t260, RNEA_FMA(-7.622464e-06f, t256, RNEA_FMA(0.0058350055f,
-		dw18x, 0.005339005f*t249)));
-	const float t263 = RNEA_FMA(7.622464e-06f, t253, RNEA_FMA(-9.52808e-07f, t259, RNEA_FMA(0.00048701518f,
-		dw18y, 8.985286e-06f*t254)));
-	const float t264 = RNEA_FMA(9.52808e-07f, t257, RNEA_FMA(1.86848e-09f, t252, RNEA_FMA(-0.0053479904f,
-		t258, 0.00582602f*dw18z)));
+	const float f18z = RNEA_FMA(0.6839f, a18z, RNEA_FMA(-1.1678e-05f, t251 + t255, RNEA_FMA(-0.0600904f, t253,
+		9.3424e-05f*t256)));
+	const float t262 = RNEA_FMA(-1.86848e-09f, t260, RNEA_FMA(-7.622464e-06f, t256, RNEA_FMA(0.0058350055f, dw18x,
+		0.005339005f*t249)));
+	const float t263 = RNEA_FMA(7.622464e-06f, t253, RNEA_FMA(-9.52808e-07f, t259, RNEA_FMA(0.00048701518f, dw18y,
+		8.985286e-06f*t254)));
+	const float t264 = RNEA_FMA(9.52808e-07f, t257, RNEA_FMA(1.86848e-09f, t252, RNEA_FMA(-0.0053479904f, t258,
+		0.00582602f*dw18z)));
 	const float n18x = RNEA_FMA(9.52808e-07f, t251 - t250, t262) - RNEA_FMA(0.0600904f, a18z, 1.1678e-05f*a17y);
-	const float n18y = RNEA_FMA(-9.3424e-05f, a18z, 1.1678e-05f*a18x) + RNEA_FMA(-1.86848e-09f, t250 - t255,
-		t263);
-	const float n18z = RNEA_FMA(9.3424e-05f, a17y, 0.0600904f*a18x) + RNEA_FMA(7.622464e-06f, t255 - t251,
-		t264);
+	const float n18y = RNEA_FMA(-9.3424e-05f, a18z, 1.1678e-05f*a18x) + RNEA_FMA(-1.86848e-09f, t250 - t255, t263);
+	const float n18z = RNEA_FMA(9.3424e-05f, a17y, 0.0600904f*a18x) + RNEA_FMA(7.622464e-06f, t255 - t251, t264);
 
 	/* ---- back from link 18 "r_hand" to link 17 (bpass): torque of "r_arm_lwy" ---- */
 	const float f17x = RNEA_FMA(0.648f, t246, RNEA_FMA(s18, f18z, c18*f18x));
@@ -1075,10 +878,10 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 
 	/* ---- back from link 2 "mtorso" to link 1 (bpass): torque of "back_bky" ---- */
 	const float n1z = RNEA_FMA(0.0020346942f, qdd1, RNEA_FMA(n2x_2, -s2, c2*n2z_2));
-	tau[1*stride] = n2y_2;
+	tau[stride] = n2y_2;
 
 	/* ---- back from link 1 "ltorso" to the world (bpass): torque of "back_bkz" ---- */
-	tau[0*stride] = n1z;
+	tau[0] = n1z;
 
 	/* ---- out to link 19 "l_uglut" (fpass) ---- */
 	const float qd19 = qd[18*stride];
@@ -1106,14 +909,13 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float t288 = t279 + dw20y;
 	const float t289 = t280 - dw20z;
 	const float t290 = t280 + dw20z;
-	const float t291 = RNEA_FMA(0.00037615682f, t290, RNEA_FMA(0.00022657232f, t287, RNEA_FMA(-0.0008171287f,
-		t281, 0.0018267684f*qdd20)));
-	const float t292 = RNEA_FMA(-0.00022657232f, t285, RNEA_FMA(-0.0006155969f, t289, RNEA_FMA(0.0023026634f,
-		dw20y, 0.0003412337f*t279)));
-	const float t293 = RNEA_FMA(0.0006155969f, t288, RNEA_FMA(-0.00037615682f, t284, RNEA_FMA(0.0014855347f,
-		dw20z, 0.00047589495f*t280)));
-	const float n20x = RNEA_FMA(0.15018584f, c20, 0.27489847f*s20) + RNEA_FMA(0.0006155969f, t283 - t282,
-		t291);
+	const float t291 = RNEA_FMA(0.00037615682f, t290, RNEA_FMA(0.00022657232f, t287, RNEA_FMA(-0.0008171287f, t281,
+		0.0018267684f*qdd20)));
+	const float t292 = RNEA_FMA(-0.00022657232f, t285, RNEA_FMA(-0.0006155969f, t289, RNEA_FMA(0.0023026634f, dw20y,
+		0.0003412337f*t279)));
+	const float t293 = RNEA_FMA(0.0006155969f, t288, RNEA_FMA(-0.00037615682f, t284, RNEA_FMA(0.0014855347f, dw20z,
+		0.00047589495f*t280)));
+	const float n20x = RNEA_FMA(0.15018584f, c20, 0.27489847f*s20) + RNEA_FMA(0.0006155969f, t283 - t282, t291);
 	const float n20y = RNEA_FMA(-0.11746515f, c20, RNEA_FMA(0.00037615682f, t282 - t286, t292));
 	const float n20z = RNEA_FMA(0.11746515f, s20, RNEA_FMA(-0.00022657232f, t286 - t283, t293));
 
@@ -1124,10 +926,8 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float qd21 = qd[20*stride];
 	const float qdd21 = qdd[20*stride];
 	const float t294 = RNEA_FMA(-0.066f, t288, RNEA_FMA(-0.05f, t282 + t283, 0.0225f*t289));
-	const float a21y = RNEA_FMA(9.81f, s20, RNEA_FMA(-0.066f, t284, RNEA_FMA(-0.0225f, t282 + t286,
-		0.05f*t290)));
-	const float t295 = RNEA_FMA(9.81f, c20, RNEA_FMA(0.066f, t283 + t286, RNEA_FMA(0.0225f, t285,
-		0.05f*t287)));
+	const float a21y = RNEA_FMA(9.81f, s20, RNEA_FMA(-0.066f, t284, RNEA_FMA(-0.0225f, t282 + t286, 0.05f*t290)));
+	const float t295 = RNEA_FMA(9.81f, c20, RNEA_FMA(0.066f, t283 + t286, RNEA_FMA(0.0225f, t285, 0.05f*t287)));
 	const float w21z = RNEA_FMA(w20z, c21, qd20*s21);
 	const float w21x = RNEA_FMA(s21, -w20z, qd20*c21);
 	const float w21y = w20y + qd21;
@@ -1179,11 +979,11 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float f22y = RNEA_FMA(4.515f, a22y, RNEA_FMA(-0.844305f, t307, 0.004515f*t313));
 	const float f22z = RNEA_FMA(4.515f, a22z, RNEA_FMA(0.844305f, t312, 0.004515f*(t308 - dw22y)));
 	const float t314 = RNEA_FMA(-0.002155695f, t305 - t309, RNEA_FMA(0.23388955f, dw22y, 0.22488052f*t308));
-	const float n22x = RNEA_FMA(0.844305f, a22y, RNEA_FMA(-0.002155695f, t313, RNEA_FMA(-0.22388503f,
-		t304, 0.23488504f*dw22x)));
+	const float n22x = RNEA_FMA(0.844305f, a22y, RNEA_FMA(-0.002155695f, t313, RNEA_FMA(-0.22388503f, t304,
+		0.23488504f*dw22x)));
 	const float n22y = t314 - RNEA_FMA(0.844305f, a22x, 0.004515f*a22z);
-	const float n22z = RNEA_FMA(0.004515f, a22y, RNEA_FMA(0.002155695f, t307, RNEA_FMA(-0.000995485f,
-		t311, 0.010004515f*dw22z)));
+	const float n22z = RNEA_FMA(0.004515f, a22y, RNEA_FMA(0.002155695f, t307, RNEA_FMA(-0.000995485f, t311,
+		0.010004515f*dw22z)));
 
 	/* ---- out to link 23 "l_talus" (fpass) ---- */
 	const float q23 = q[22*stride];
@@ -1307,14 +1107,13 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float t340 = t331 + dw26y;
 	const float t341 = t332 - dw26z;
 	const float t342 = t332 + dw26z;
-	const float t343 = RNEA_FMA(0.00037615682f, t342, RNEA_FMA(-0.00022657232f, t339, RNEA_FMA(-0.0008171287f,
-		t333, 0.0018267684f*qdd26)));
-	const float t344 = RNEA_FMA(0.00022657232f, t337, RNEA_FMA(0.0006155969f, t341, RNEA_FMA(0.0023026634f,
-		dw26y, 0.0003412337f*t331)));
-	const float t345 = RNEA_FMA(-0.0006155969f, t340, RNEA_FMA(-0.00037615682f, t336, RNEA_FMA(0.0014855347f,
-		dw26z, 0.00047589495f*t332)));
-	const float n26x = RNEA_FMA(-0.15018584f, c26, 0.27489847f*s26) + RNEA_FMA(-0.0006155969f, t335 - t334,
-		t343);
+	const float t343 = RNEA_FMA(0.00037615682f, t342, RNEA_FMA(-0.00022657232f, t339, RNEA_FMA(-0.0008171287f, t333,
+		0.0018267684f*qdd26)));
+	const float t344 = RNEA_FMA(0.00022657232f, t337, RNEA_FMA(0.0006155969f, t341, RNEA_FMA(0.0023026634f, dw26y,
+		0.0003412337f*t331)));
+	const float t345 = RNEA_FMA(-0.0006155969f, t340, RNEA_FMA(-0.00037615682f, t336, RNEA_FMA(0.0014855347f, dw26z,
+		0.00047589495f*t332)));
+	const float n26x = RNEA_FMA(-0.15018584f, c26, 0.27489847f*s26) + RNEA_FMA(-0.0006155969f, t335 - t334, t343);
 	const float n26y = RNEA_FMA(-0.11746515f, c26, RNEA_FMA(0.00037615682f, t334 - t338, t344));
 	const float n26z = RNEA_FMA(0.11746515f, s26, RNEA_FMA(0.00022657232f, t338 - t335, t345));
 
@@ -1325,10 +1124,8 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float qd27 = qd[26*stride];
 	const float qdd27 = qdd[26*stride];
 	const float t346 = RNEA_FMA(0.066f, t340, RNEA_FMA(0.0225f, t341, 0.05f*(t334 + t335)));
-	const float a27y = RNEA_FMA(9.81f, s26, RNEA_FMA(-0.066f, t336, RNEA_FMA(0.0225f, t334 + t338,
-		0.05f*t342)));
-	const float t347 = RNEA_FMA(9.81f, c26, RNEA_FMA(0.066f, t335 + t338, RNEA_FMA(-0.0225f, t337,
-		0.05f*t339)));
+	const float a27y = RNEA_FMA(9.81f, s26, RNEA_FMA(-0.066f, t336, RNEA_FMA(0.0225f, t334 + t338, 0.05f*t342)));
+	const float t347 = RNEA_FMA(9.81f, c26, RNEA_FMA(0.066f, t335 + t338, RNEA_FMA(-0.0225f, t337, 0.05f*t339)));
 	const float w27z = RNEA_FMA(w26z, c27, qd26*s27);
 	const float w27x = RNEA_FMA(s27, -w26z, qd26*c27);
 	const float w27y = w26y + qd27;
@@ -1379,11 +1176,11 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	const float f28y = RNEA_FMA(4.515f, a28y, RNEA_FMA(-0.844305f, t360, 0.004515f*t366));
 	const float f28z = RNEA_FMA(4.515f, a28z, RNEA_FMA(0.844305f, t365, 0.004515f*(t361 - dw28y)));
 	const float t367 = RNEA_FMA(-0.002155695f, t358 - t362, RNEA_FMA(0.23388955f, dw28y, 0.22488052f*t361));
-	const float n28x = RNEA_FMA(0.844305f, a28y, RNEA_FMA(-0.002155695f, t366, RNEA_FMA(-0.22388503f,
-		t357, 0.23488504f*dw28x)));
+	const float n28x = RNEA_FMA(0.844305f, a28y, RNEA_FMA(-0.002155695f, t366, RNEA_FMA(-0.22388503f, t357,
+		0.23488504f*dw28x)));
 	const float n28y = t367 - RNEA_FMA(0.844305f, a28x, 0.004515f*a28z);
-	const float n28z = RNEA_FMA(0.004515f, a28y, RNEA_FMA(0.002155695f, t360, RNEA_FMA(-0.000995485f,
-		t364, 0.010004515f*dw28z)));
+	const float n28z = RNEA_FMA(0.004515f, a28y, RNEA_FMA(0.002155695f, t360, RNEA_FMA(-0.000995485f, t364,
+		0.010004515f*dw28z)));
 
 	/* ---- out to link 29 "r_talus" (fpass) ---- */
 	const float q29 = q[28*stride];
@@ -1486,44 +1283,47 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f, const size_t stride, const int small)
+static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f,
+	const size_t stride, const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 1 "ltorso" (fpass) ---- */
-	const float qd1 = qd[0*stride];
-	const float qdd1 = qdd[0*stride];
+	/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);  v = R'(v_p + w_p x p);
+	   f = m a + U h;  n = I dw + w x I w + h x a */
+	const float qd1 = qd[0];
+	const float qdd1 = qdd[0];
 	const float t1 = qd1*qd1;
 	const float f1x = RNEA_FMA(7.1588083e-06f, qdd1, 0.025647368f*t1);
 	const float f1y = RNEA_FMA(-0.025647368f, qdd1, 7.1588083e-06f*t1);
 	const float n1z = 0.0020346942f*qdd1;
 	const float n1x = RNEA_FMA(-1.0217639e-06f, t1, 0.0015732782f*qdd1) - 7.022791e-05f;
 	const float n1y = 0.25160068f + RNEA_FMA(0.0015732782f, t1, 1.0217639e-06f*qdd1);
-	v[0*stride] = 0.0f;
-	v[1*stride] = 0.0f;
+	v[0] = 0.0f;
+	v[stride] = 0.0f;
 	v[2*stride] = 0.0f;
 	v[3*stride] = 0.0f;
 	v[4*stride] = 0.0f;
 	v[5*stride] = qd1;
-	a[0*stride] = 0.0f;
-	a[1*stride] = 0.0f;
+	a[0] = 0.0f;
+	a[stride] = 0.0f;
 	a[2*stride] = 9.81f;
 	a[3*stride] = 0.0f;
 	a[4*stride] = 0.0f;
 	a[5*stride] = qdd1;
-	f[0*stride] = f1x;
-	f[1*stride] = f1y;
+	f[0] = f1x;
+	f[stride] = f1y;
 	f[2*stride] = 22.2687f;
 	f[3*stride] = n1x;
 	f[4*stride] = n1y;
 	f[5*stride] = n1z;
 
 	/* ---- out to link 2 "mtorso" (fpass) ---- */
-	const float q2 = q[1*stride];
+	const float q2 = q[stride];
 	float s2, c2;
 	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
-	const float qd2 = qd[1*stride];
-	const float qdd2 = qdd[1*stride];
+	const float qd2 = qd[stride];
+	const float qdd2 = qdd[stride];
 	const float w2z = qd1*c2;
 	const float t2 = qd1*s2;
 	const float t3 = qd2*w2z;
@@ -1546,17 +1346,16 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float f2y = RNEA_FMA(0.024447322f, t8, RNEA_FMA(-0.0065219654f, t16, 0.010486475f*(t6 + t11)));
 	const float f2x = RNEA_FMA(-7.83819f, s2, RNEA_FMA(0.024447322f, t13, RNEA_FMA(0.010486475f, t15,
 		0.0065219654f*(t6 + t7))));
-	const float f2z = RNEA_FMA(7.83819f, c2, RNEA_FMA(-0.024447322f, t14, RNEA_FMA(-0.010486475f,
-		t9, 0.0065219654f*t12)));
-	const float t17 = RNEA_FMA(0.00023895608f, t16, -RNEA_FMA(0.00014667393f, t12, RNEA_FMA(0.0013398352f,
-		t5, 0.00064946176f*t3)));
-	const float t18 = RNEA_FMA(-0.00014667393f, t9, RNEA_FMA(0.00037360517f, t15, RNEA_FMA(-0.0007047539f,
-		t10, 0.0012845431f*qdd2)));
-	const float t19 = RNEA_FMA(0.00037360517f, t13, RNEA_FMA(-0.00023895608f, t8, RNEA_FMA(0.0006350813f,
-		dw2z, 5.5292163e-05f*t4)));
+	const float f2z = RNEA_FMA(7.83819f, c2, RNEA_FMA(-0.024447322f, t14, RNEA_FMA(-0.010486475f, t9,
+		0.0065219654f*t12)));
+	const float t17 = RNEA_FMA(0.00023895608f, t16, -RNEA_FMA(0.00014667393f, t12, RNEA_FMA(0.0013398352f, t5,
+		0.00064946176f*t3)));
+	const float t18 = RNEA_FMA(-0.00014667393f, t9, RNEA_FMA(0.00037360517f, t15, RNEA_FMA(-0.0007047539f, t10,
+		0.0012845431f*qdd2)));
+	const float t19 = RNEA_FMA(0.00037360517f, t13, RNEA_FMA(-0.00023895608f, t8, RNEA_FMA(0.0006350813f, dw2z,
+		5.5292163e-05f*t4)));
 	const float n2x = RNEA_FMA(-0.10287233f, c2, RNEA_FMA(0.00037360517f, t7 - t6, t17));
-	const float n2y = RNEA_FMA(-0.23982823f, s2, 0.06398048f*c2) + RNEA_FMA(0.00023895608f, t6 - t11,
-		t18);
+	const float n2y = RNEA_FMA(-0.23982823f, s2, 0.06398048f*c2) + RNEA_FMA(0.00023895608f, t6 - t11, t18);
 	const float n2z = RNEA_FMA(-0.10287233f, s2, RNEA_FMA(-0.00014667393f, t11 - t7, t19));
 	v[6*stride] = 0.0f;
 	v[7*stride] = 0.0f;
@@ -1614,20 +1413,17 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float t37 = t35 - dw3z;
 	const float t38 = dw3z + t35;
 	const float f3x = RNEA_FMA(84.609f, a3x, RNEA_FMA(26.804922f, t34, RNEA_FMA(0.1941407f, t37, 5.2192397f*t27)));
-	const float f3y = RNEA_FMA(84.609f, a3y, RNEA_FMA(26.804922f, t28, -RNEA_FMA(0.1941407f, t32,
-		5.2192397f*t38)));
+	const float f3y = RNEA_FMA(84.609f, a3y, RNEA_FMA(26.804922f, t28, -RNEA_FMA(0.1941407f, t32, 5.2192397f*t38)));
 	const float f3z = RNEA_FMA(84.609f, a3z, RNEA_FMA(-26.804922f, t36, RNEA_FMA(-5.2192397f, t33,
 		0.1941407f*t29)));
 	const float t39 = RNEA_FMA(1.7351657f, t38, RNEA_FMA(0.019924449f, t33, RNEA_FMA(-9.569619f, t24,
 		10.116388f*dw3x)));
-	const float t40 = RNEA_FMA(-0.019924449f, t29, RNEA_FMA(0.014290219f, t37, RNEA_FMA(10.469383f,
-		dw3y, 9.216624f*t30)));
-	const float t41 = RNEA_FMA(-0.014290219f, t34, RNEA_FMA(-1.7351657f, t28, RNEA_FMA(0.89976466f,
-		dw3z, 0.3529952f*t35)));
-	const float n3x = RNEA_FMA(-26.804922f, a3y, 0.1941407f*a3z) + RNEA_FMA(-0.014290219f, t26 - t25,
-		t39);
-	const float n3y = RNEA_FMA(26.804922f, a3x, 5.2192397f*a3z) + RNEA_FMA(1.7351657f, t25 - t31,
-		t40);
+	const float t40 = RNEA_FMA(-0.019924449f, t29, RNEA_FMA(0.014290219f, t37, RNEA_FMA(10.469383f, dw3y,
+		9.216624f*t30)));
+	const float t41 = RNEA_FMA(-0.014290219f, t34, RNEA_FMA(-1.7351657f, t28, RNEA_FMA(0.89976466f, dw3z,
+		0.3529952f*t35)));
+	const float n3x = RNEA_FMA(-26.804922f, a3y, 0.1941407f*a3z) + RNEA_FMA(-0.014290219f, t26 - t25, t39);
+	const float n3y = RNEA_FMA(26.804922f, a3x, 5.2192397f*a3z) + RNEA_FMA(1.7351657f, t25 - t31, t40);
 	const float n3z = RNEA_FMA(-0.019924449f, t31 - t26, t41) - RNEA_FMA(5.2192397f, a3y, 0.1941407f*a3x);
 	v[12*stride] = v3x;
 	v[13*stride] = v3y;
@@ -1705,8 +1501,8 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float f4y = RNEA_FMA(-0.375144f, t70, 4.466f*a4y);
 	const float f4z = RNEA_FMA(4.466f, a4z, 0.375144f*t75);
 	const float n4z = RNEA_FMA(0.004f, t73, RNEA_FMA(-0.002f, t74, 0.004f*dw4z));
-	const float n4x = RNEA_FMA(0.375144f, a4y, RNEA_FMA(0.004f, t69 - t68, RNEA_FMA(-0.036512095f,
-		t67, 0.042512096f*dw4x)));
+	const float n4x = RNEA_FMA(0.375144f, a4y, RNEA_FMA(0.004f, t69 - t68, RNEA_FMA(-0.036512095f, t67,
+		0.042512096f*dw4x)));
 	const float n4y = RNEA_FMA(-0.375144f, a4x, RNEA_FMA(-0.004f, t76, RNEA_FMA(0.040512096f, dw4y,
 		0.038512096f*t71)));
 	v[18*stride] = v4x;
@@ -1928,10 +1724,8 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float f8x = 2.4798f*t132;
 	const float f8y = 2.4798f*t133;
 	const float f8z = 2.4798f*t134;
-	const float n8x = RNEA_FMA(-0.000917526f, t133, 0.20572421f*t134) + RNEA_FMA(-0.009091f, t123,
-		0.012731f*dw8x);
-	const float n8y = RNEA_FMA(-0.00037197f, t134, 0.000917526f*t132) + RNEA_FMA(-0.000783f, t126,
-		0.002857f*dw8y);
+	const float n8x = RNEA_FMA(-0.000917526f, t133, 0.20572421f*t134) + RNEA_FMA(-0.009091f, t123, 0.012731f*dw8x);
+	const float n8y = RNEA_FMA(-0.00037197f, t134, 0.000917526f*t132) + RNEA_FMA(-0.000783f, t126, 0.002857f*dw8y);
 	const float n8z = RNEA_FMA(-0.20572421f, t132, 0.00037197f*t133) - RNEA_FMA(0.011948f, t120, 0.009874f*t128);
 	v[42*stride] = v8x;
 	v[43*stride] = v8y;
@@ -2045,19 +1839,17 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float f10x = RNEA_FMA(0.6839f, a10x, t172);
 	const float f10y = RNEA_FMA(0.6839f, a9y, RNEA_FMA(1.1678e-05f, t163, RNEA_FMA(0.0600904f, t161 + t166,
 		9.3424e-05f*t171)));
-	const float f10z = RNEA_FMA(0.6839f, a10z, RNEA_FMA(-1.1678e-05f, t162 + t166, RNEA_FMA(-0.0600904f,
-		t164, 9.3424e-05f*t167)));
-	const float t173 = RNEA_FMA(-1.86848e-09f, t171, RNEA_FMA(-7.622464e-06f, t167, RNEA_FMA(0.0058350055f,
-		dw10x, 0.005339005f*t160)));
-	const float t174 = RNEA_FMA(7.622464e-06f, t164, RNEA_FMA(-9.52808e-07f, t170, RNEA_FMA(0.00048701518f,
-		dw10y, 8.985286e-06f*t165)));
-	const float t175 = RNEA_FMA(9.52808e-07f, t168, RNEA_FMA(1.86848e-09f, t163, RNEA_FMA(-0.0053479904f,
-		t169, 0.00582602f*dw10z)));
+	const float f10z = RNEA_FMA(0.6839f, a10z, RNEA_FMA(-1.1678e-05f, t162 + t166, RNEA_FMA(-0.0600904f, t164,
+		9.3424e-05f*t167)));
+	const float t173 = RNEA_FMA(-1.86848e-09f, t171, RNEA_FMA(-7.622464e-06f, t167, RNEA_FMA(0.0058350055f, dw10x,
+		0.005339005f*t160)));
+	const float t174 = RNEA_FMA(7.622464e-06f, t164, RNEA_FMA(-9.52808e-07f, t170, RNEA_FMA(0.00048701518f, dw10y,
+		8.985286e-06f*t165)));
+	const float t175 = RNEA_FMA(9.52808e-07f, t168, RNEA_FMA(1.86848e-09f, t163, RNEA_FMA(-0.0053479904f, t169,
+		0.00582602f*dw10z)));
 	const float n10x = RNEA_FMA(9.52808e-07f, t162 - t161, t173) - RNEA_FMA(0.0600904f, a10z, 1.1678e-05f*a9y);
-	const float n10y = RNEA_FMA(-9.3424e-05f, a10z, 1.1678e-05f*a10x) + RNEA_FMA(-1.86848e-09f, t161 - t166,
-		t174);
-	const float n10z = RNEA_FMA(9.3424e-05f, a9y, 0.0600904f*a10x) + RNEA_FMA(7.622464e-06f, t166 - t162,
-		t175);
+	const float n10y = RNEA_FMA(-9.3424e-05f, a10z, 1.1678e-05f*a10x) + RNEA_FMA(-1.86848e-09f, t161 - t166, t174);
+	const float n10z = RNEA_FMA(9.3424e-05f, a9y, 0.0600904f*a10x) + RNEA_FMA(7.622464e-06f, t166 - t162, t175);
 	v[54*stride] = v10x;
 	v[55*stride] = v9y;
 	v[56*stride] = v10z;
@@ -2112,21 +1904,20 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float t190 = t189 - dw11z;
 	const float t191 = dw11z + t189;
 	const float t192 = RNEA_FMA(0.05442042f, t183, -RNEA_FMA(7.09505e-05f, t181 + t186, 0.10982968f*t191));
-	const float f11x = RNEA_FMA(2.087564f, a11x, RNEA_FMA(0.05442042f, t188, RNEA_FMA(7.09505e-05f,
-		t190, 0.10982968f*(t181 + t182))));
+	const float f11x = RNEA_FMA(2.087564f, a11x, RNEA_FMA(0.05442042f, t188, RNEA_FMA(7.09505e-05f, t190,
+		0.10982968f*(t181 + t182))));
 	const float f11y = RNEA_FMA(2.087564f, a11y, t192);
-	const float f11z = RNEA_FMA(2.087564f, a11z, RNEA_FMA(-0.05442042f, t182 + t186, RNEA_FMA(-0.10982968f,
-		t187, 7.09505e-05f*t184)));
-	const float t193 = RNEA_FMA(0.0024130603f, t191, RNEA_FMA(-2.8062846e-06f, t187, RNEA_FMA(-0.001385194f,
-		t180, 0.01351824f*dw11x)));
-	const float t194 = RNEA_FMA(2.8062846e-06f, t184, RNEA_FMA(3.9827337e-06f, t190, RNEA_FMA(-0.0056344443f,
-		t185, 0.02053788f*dw11y)));
-	const float t195 = RNEA_FMA(-3.9827337e-06f, t188, RNEA_FMA(-0.0024130603f, t183, RNEA_FMA(0.019152684f,
-		dw11z, 0.0070196385f*t189)));
-	const float n11x = RNEA_FMA(-0.05442042f, a11y, 7.09505e-05f*a11z) + RNEA_FMA(-3.9827337e-06f,
-		t182 - t181, t193);
-	const float n11y = RNEA_FMA(0.05442042f, a11x, 0.10982968f*a11z) + RNEA_FMA(0.0024130603f, t181 - t186,
-		t194);
+	const float f11z = RNEA_FMA(2.087564f, a11z, RNEA_FMA(-0.05442042f, t182 + t186, RNEA_FMA(-0.10982968f, t187,
+		7.09505e-05f*t184)));
+	const float t193 = RNEA_FMA(0.0024130603f, t191, RNEA_FMA(-2.8062846e-06f, t187, RNEA_FMA(-0.001385194f, t180,
+		0.01351824f*dw11x)));
+	const float t194 = RNEA_FMA(2.8062846e-06f, t184, RNEA_FMA(3.9827337e-06f, t190, RNEA_FMA(-0.0056344443f, t185,
+		0.02053788f*dw11y)));
+	const float t195 = RNEA_FMA(-3.9827337e-06f, t188, RNEA_FMA(-0.0024130603f, t183, RNEA_FMA(0.019152684f, dw11z,
+		0.0070196385f*t189)));
+	const float n11x = RNEA_FMA(-0.05442042f, a11y, 7.09505e-05f*a11z) + RNEA_FMA(-3.9827337e-06f, t182 - t181,
+		t193);
+	const float n11y = RNEA_FMA(0.05442042f, a11x, 0.10982968f*a11z) + RNEA_FMA(0.0024130603f, t181 - t186, t194);
 	const float n11z = RNEA_FMA(2.8062846e-06f, t186 - t182, t195) - RNEA_FMA(0.10982968f, a11y, 7.09505e-05f*a11x);
 	v[60*stride] = v11x;
 	v[61*stride] = v11y;
@@ -2182,8 +1973,8 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float f12y = RNEA_FMA(-0.375144f, t203, 4.466f*a12y);
 	const float f12z = RNEA_FMA(4.466f, a12z, 0.375144f*t208);
 	const float n12z = RNEA_FMA(0.004f, t206, RNEA_FMA(-0.002f, t207, 0.004f*dw12z));
-	const float n12x = RNEA_FMA(0.375144f, a12y, RNEA_FMA(0.004f, t202 - t201, RNEA_FMA(-0.036512095f,
-		t200, 0.042512096f*dw12x)));
+	const float n12x = RNEA_FMA(0.375144f, a12y, RNEA_FMA(0.004f, t202 - t201, RNEA_FMA(-0.036512095f, t200,
+		0.042512096f*dw12x)));
 	const float n12y = RNEA_FMA(-0.375144f, a12x, RNEA_FMA(-0.004f, t209, RNEA_FMA(0.040512096f, dw12y,
 		0.038512096f*t204)));
 	v[66*stride] = v12x;
@@ -2397,12 +2188,9 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float f16x = 2.4798f*t250;
 	const float f16y = 2.4798f*t251;
 	const float f16z = 2.4798f*t252;
-	const float n16x = RNEA_FMA(-0.000917526f, t251, 0.20572421f*t252) + RNEA_FMA(0.012731f, dw16x,
-		0.009091f*t241);
-	const float n16y = RNEA_FMA(-0.00037197f, t252, 0.000917526f*t250) + RNEA_FMA(0.002857f, dw16y,
-		0.000783f*t244);
-	const float n16z = RNEA_FMA(-0.20572421f, t250, 0.00037197f*t251) + RNEA_FMA(-0.009874f, t246,
-		0.011948f*dw16z);
+	const float n16x = RNEA_FMA(-0.000917526f, t251, 0.20572421f*t252) + RNEA_FMA(0.012731f, dw16x, 0.009091f*t241);
+	const float n16y = RNEA_FMA(-0.00037197f, t252, 0.000917526f*t250) + RNEA_FMA(0.002857f, dw16y, 0.000783f*t244);
+	const float n16z = RNEA_FMA(-0.20572421f, t250, 0.00037197f*t251) + RNEA_FMA(-0.009874f, t246, 0.011948f*dw16z);
 	v[90*stride] = v16x;
 	v[91*stride] = v16y;
 	v[92*stride] = v16z;
@@ -2454,8 +2242,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float f17y = 0.648f*t263;
 	const float f17z = 0.648f*t264;
 	const float n17x = RNEA_FMA(0.000764f, dw17x, 0.000396f*t253) - RNEA_FMA(0.0162972f, t264, 0.00105624f*t263);
-	const float n17y = RNEA_FMA(-0.00011016f, t264, 0.00105624f*t262) + RNEA_FMA(-6.1e-05f, t256,
-		0.000429f*dw17y);
+	const float n17y = RNEA_FMA(-0.00011016f, t264, 0.00105624f*t262) + RNEA_FMA(-6.1e-05f, t256, 0.000429f*dw17y);
 	const float n17z = RNEA_FMA(0.00011016f, t263, 0.0162972f*t262) + RNEA_FMA(-0.000335f, t258, 0.000825f*dw17z);
 	v[96*stride] = v16x;
 	v[97*stride] = v17y;
@@ -2508,19 +2295,17 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float f18x = RNEA_FMA(0.6839f, a18x, t277);
 	const float f18y = RNEA_FMA(0.6839f, a17y, RNEA_FMA(1.1678e-05f, t268, RNEA_FMA(0.0600904f, t266 + t271,
 		9.3424e-05f*t276)));
-	const float f18z = RNEA_FMA(0.6839f, a18z, RNEA_FMA(-1.1678e-05f, t267 + t271, RNEA_FMA(-0.0600904f,
-		t269, 9.3424e-05f*t272)));
-	const float t278 = RNEA_FMA(-1.86848e-09f, t276, RNEA_FMA(-7.622464e-06f, t272, RNEA_FMA(0.0058350055f,
-		dw18x, 0.005339005f*t265)));
-	const float t279 = RNEA_FMA(7.622464e-06f, t269, RNEA_FMA(-9.52808e-07f, t275, RNEA_FMA(0.00048701518f,
-		dw18y, 8.985286e-06f*t270)));
-	const float t280 = RNEA_FMA(9.52808e-07f, t273, RNEA_FMA(1.86848e-09f, t268, RNEA_FMA(-0.0053479904f,
-		t274, 0.00582602f*dw18z)));
+	const float f18z = RNEA_FMA(0.6839f, a18z, RNEA_FMA(-1.1678e-05f, t267 + t271, RNEA_FMA(-0.0600904f, t269,
+		9.3424e-05f*t272)));
+	const float t278 = RNEA_FMA(-1.86848e-09f, t276, RNEA_FMA(-7.622464e-06f, t272, RNEA_FMA(0.0058350055f, dw18x,
+		0.005339005f*t265)));
+	const float t279 = RNEA_FMA(7.622464e-06f, t269, RNEA_FMA(-9.52808e-07f, t275, RNEA_FMA(0.00048701518f, dw18y,
+		8.985286e-06f*t270)));
+	const float t280 = RNEA_FMA(9.52808e-07f, t273, RNEA_FMA(1.86848e-09f, t268, RNEA_FMA(-0.0053479904f, t274,
+		0.00582602f*dw18z)));
 	const float n18x = RNEA_FMA(9.52808e-07f, t267 - t266, t278) - RNEA_FMA(0.0600904f, a18z, 1.1678e-05f*a17y);
-	const float n18y = RNEA_FMA(-9.3424e-05f, a18z, 1.1678e-05f*a18x) + RNEA_FMA(-1.86848e-09f, t266 - t271,
-		t279);
-	const float n18z = RNEA_FMA(9.3424e-05f, a17y, 0.0600904f*a18x) + RNEA_FMA(7.622464e-06f, t271 - t267,
-		t280);
+	const float n18y = RNEA_FMA(-9.3424e-05f, a18z, 1.1678e-05f*a18x) + RNEA_FMA(-1.86848e-09f, t266 - t271, t279);
+	const float n18z = RNEA_FMA(9.3424e-05f, a17y, 0.0600904f*a18x) + RNEA_FMA(7.622464e-06f, t271 - t267, t280);
 	v[102*stride] = v18x;
 	v[103*stride] = v17y;
 	v[104*stride] = v18z;
@@ -2596,18 +2381,17 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float t295 = t283 - dw20z;
 	const float t296 = t283 + dw20z;
 	const float f20x = RNEA_FMA(-0.028022269f, t293, RNEA_FMA(-0.011974022f, t287, 0.015309463f*t295));
-	const float f20y = RNEA_FMA(8.80938f, s20, RNEA_FMA(-0.028022269f, t288, RNEA_FMA(-0.015309463f,
-		t291, 0.011974022f*t296)));
-	const float f20z = RNEA_FMA(8.80938f, c20, RNEA_FMA(0.028022269f, t294, RNEA_FMA(0.015309463f,
-		t289, 0.011974022f*t292)));
-	const float t297 = RNEA_FMA(0.00037615682f, t296, RNEA_FMA(0.00022657232f, t292, RNEA_FMA(-0.0008171287f,
-		t284, 0.0018267684f*qdd20)));
-	const float t298 = RNEA_FMA(-0.00022657232f, t289, RNEA_FMA(-0.0006155969f, t295, RNEA_FMA(0.0023026634f,
-		dw20y, 0.0003412337f*t282)));
-	const float t299 = RNEA_FMA(0.0006155969f, t293, RNEA_FMA(-0.00037615682f, t288, RNEA_FMA(0.0014855347f,
-		dw20z, 0.00047589495f*t283)));
-	const float n20x = RNEA_FMA(0.15018584f, c20, 0.27489847f*s20) + RNEA_FMA(0.0006155969f, t286 - t285,
-		t297);
+	const float f20y = RNEA_FMA(8.80938f, s20, RNEA_FMA(-0.028022269f, t288, RNEA_FMA(-0.015309463f, t291,
+		0.011974022f*t296)));
+	const float f20z = RNEA_FMA(8.80938f, c20, RNEA_FMA(0.028022269f, t294, RNEA_FMA(0.015309463f, t289,
+		0.011974022f*t292)));
+	const float t297 = RNEA_FMA(0.00037615682f, t296, RNEA_FMA(0.00022657232f, t292, RNEA_FMA(-0.0008171287f, t284,
+		0.0018267684f*qdd20)));
+	const float t298 = RNEA_FMA(-0.00022657232f, t289, RNEA_FMA(-0.0006155969f, t295, RNEA_FMA(0.0023026634f, dw20y,
+		0.0003412337f*t282)));
+	const float t299 = RNEA_FMA(0.0006155969f, t293, RNEA_FMA(-0.00037615682f, t288, RNEA_FMA(0.0014855347f, dw20z,
+		0.00047589495f*t283)));
+	const float n20x = RNEA_FMA(0.15018584f, c20, 0.27489847f*s20) + RNEA_FMA(0.0006155969f, t286 - t285, t297);
 	const float n20y = RNEA_FMA(-0.11746515f, c20, RNEA_FMA(0.00037615682f, t285 - t290, t298));
 	const float n20z = RNEA_FMA(0.11746515f, s20, RNEA_FMA(-0.00022657232f, t290 - t286, t299));
 	v[114*stride] = 0.0f;
@@ -2718,11 +2502,11 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float f22y = RNEA_FMA(4.515f, a22y, RNEA_FMA(-0.844305f, t319, 0.004515f*t325));
 	const float f22z = RNEA_FMA(4.515f, a22z, RNEA_FMA(0.844305f, t324, 0.004515f*(t320 - dw22y)));
 	const float t326 = RNEA_FMA(-0.002155695f, t317 - t321, RNEA_FMA(0.23388955f, dw22y, 0.22488052f*t320));
-	const float n22x = RNEA_FMA(0.844305f, a22y, RNEA_FMA(-0.002155695f, t325, RNEA_FMA(-0.22388503f,
-		t316, 0.23488504f*dw22x)));
+	const float n22x = RNEA_FMA(0.844305f, a22y, RNEA_FMA(-0.002155695f, t325, RNEA_FMA(-0.22388503f, t316,
+		0.23488504f*dw22x)));
 	const float n22y = t326 - RNEA_FMA(0.844305f, a22x, 0.004515f*a22z);
-	const float n22z = RNEA_FMA(0.004515f, a22y, RNEA_FMA(0.002155695f, t319, RNEA_FMA(-0.000995485f,
-		t323, 0.010004515f*dw22z)));
+	const float n22z = RNEA_FMA(0.004515f, a22y, RNEA_FMA(0.002155695f, t319, RNEA_FMA(-0.000995485f, t323,
+		0.010004515f*dw22z)));
 	v[126*stride] = -t315;
 	v[127*stride] = v22y;
 	v[128*stride] = v22z;
@@ -2892,18 +2676,17 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float t352 = t340 - dw26z;
 	const float t353 = t340 + dw26z;
 	const float f26x = -RNEA_FMA(0.028022269f, t350, RNEA_FMA(0.015309463f, t352, 0.011974022f*t344));
-	const float f26y = RNEA_FMA(8.80938f, s26, RNEA_FMA(-0.028022269f, t345, RNEA_FMA(0.015309463f,
-		t348, 0.011974022f*t353)));
-	const float f26z = RNEA_FMA(8.80938f, c26, RNEA_FMA(0.028022269f, t351, RNEA_FMA(-0.015309463f,
-		t346, 0.011974022f*t349)));
-	const float t354 = RNEA_FMA(0.00037615682f, t353, RNEA_FMA(-0.00022657232f, t349, RNEA_FMA(-0.0008171287f,
-		t341, 0.0018267684f*qdd26)));
-	const float t355 = RNEA_FMA(0.00022657232f, t346, RNEA_FMA(0.0006155969f, t352, RNEA_FMA(0.0023026634f,
-		dw26y, 0.0003412337f*t339)));
-	const float t356 = RNEA_FMA(-0.0006155969f, t350, RNEA_FMA(-0.00037615682f, t345, RNEA_FMA(0.0014855347f,
-		dw26z, 0.00047589495f*t340)));
-	const float n26x = RNEA_FMA(-0.15018584f, c26, 0.27489847f*s26) + RNEA_FMA(-0.0006155969f, t343 - t342,
-		t354);
+	const float f26y = RNEA_FMA(8.80938f, s26, RNEA_FMA(-0.028022269f, t345, RNEA_FMA(0.015309463f, t348,
+		0.011974022f*t353)));
+	const float f26z = RNEA_FMA(8.80938f, c26, RNEA_FMA(0.028022269f, t351, RNEA_FMA(-0.015309463f, t346,
+		0.011974022f*t349)));
+	const float t354 = RNEA_FMA(0.00037615682f, t353, RNEA_FMA(-0.00022657232f, t349, RNEA_FMA(-0.0008171287f, t341,
+		0.0018267684f*qdd26)));
+	const float t355 = RNEA_FMA(0.00022657232f, t346, RNEA_FMA(0.0006155969f, t352, RNEA_FMA(0.0023026634f, dw26y,
+		0.0003412337f*t339)));
+	const float t356 = RNEA_FMA(-0.0006155969f, t350, RNEA_FMA(-0.00037615682f, t345, RNEA_FMA(0.0014855347f, dw26z,
+		0.00047589495f*t340)));
+	const float n26x = RNEA_FMA(-0.15018584f, c26, 0.27489847f*s26) + RNEA_FMA(-0.0006155969f, t343 - t342, t354);
 	const float n26y = RNEA_FMA(-0.11746515f, c26, RNEA_FMA(0.00037615682f, t342 - t347, t355));
 	const float n26z = RNEA_FMA(0.11746515f, s26, RNEA_FMA(0.00022657232f, t347 - t343, t356));
 	v[150*stride] = 0.0f;
@@ -3014,11 +2797,11 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	const float f28y = RNEA_FMA(4.515f, a28y, RNEA_FMA(-0.844305f, t375, 0.004515f*t381));
 	const float f28z = RNEA_FMA(4.515f, a28z, RNEA_FMA(0.844305f, t380, 0.004515f*(t376 - dw28y)));
 	const float t382 = RNEA_FMA(-0.002155695f, t373 - t377, RNEA_FMA(0.23388955f, dw28y, 0.22488052f*t376));
-	const float n28x = RNEA_FMA(0.844305f, a28y, RNEA_FMA(-0.002155695f, t381, RNEA_FMA(-0.22388503f,
-		t372, 0.23488504f*dw28x)));
+	const float n28x = RNEA_FMA(0.844305f, a28y, RNEA_FMA(-0.002155695f, t381, RNEA_FMA(-0.22388503f, t372,
+		0.23488504f*dw28x)));
 	const float n28y = t382 - RNEA_FMA(0.844305f, a28x, 0.004515f*a28z);
-	const float n28z = RNEA_FMA(0.004515f, a28y, RNEA_FMA(0.002155695f, t375, RNEA_FMA(-0.000995485f,
-		t379, 0.010004515f*dw28z)));
+	const float n28z = RNEA_FMA(0.004515f, a28y, RNEA_FMA(0.002155695f, t375, RNEA_FMA(-0.000995485f, t379,
+		0.010004515f*dw28z)));
 	v[162*stride] = v28x;
 	v[163*stride] = v28y;
 	v[164*stride] = v28z;
@@ -3137,15 +2920,17 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 /* Back to the base: torques tau from the wrenches f.
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *tau, const size_t stride, const int small)
+static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *tau, const size_t stride,
+	const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 1 "ltorso" ---- */
+	/* f, n = what fpass wrote, in the link's frame here */
 	const float own_n1z = f[5*stride];
 
 	/* ---- out to link 2 "mtorso" ---- */
-	const float q2 = q[1*stride];
+	const float q2 = q[stride];
 	float s2, c2;
 	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
 	const float own_n2x = f[9*stride];
@@ -3241,6 +3026,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	const float own_n10z = f[59*stride];
 
 	/* ---- back from link 10 "l_hand" to link 9 (bpass): torque of "l_arm_lwy" ---- */
+	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
 	const float t6 = RNEA_FMA(c10, own_f10z, t5*own_f10x);
 	const float t7 = RNEA_FMA(own_f10z, -t5, c10*own_f10x);
 	const float t8 = RNEA_FMA(c10, own_n10z, t5*own_n10x);
@@ -3272,8 +3058,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	const float f7x = own_f7x - t14;
 	const float f7y = own_f7y + f8y;
 	const float f7z = own_f7z + t15;
-	const float n7x = own_n7x + (RNEA_FMA(-0.29955f, t15, 0.00921f*f8y) - RNEA_FMA(2.0682311e-13f,
-		t12, t13));
+	const float n7x = own_n7x + (RNEA_FMA(-0.29955f, t15, 0.00921f*f8y) - RNEA_FMA(2.0682311e-13f, t12, t13));
 	const float n7y = own_n7y + RNEA_FMA(0.00921f, t14, n8y);
 	const float n7z = own_n7z + RNEA_FMA(-0.29955f, t14, RNEA_FMA(2.0682311e-13f, t13, -t12));
 	tau[7*stride] = -n8y;
@@ -3324,8 +3109,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	const float f3z = own_f3z + f4z;
 	const float t29 = RNEA_FMA(2.0682311e-13f, t26, -t25) + RNEA_FMA(0.2256f, f4z, 0.4776f*t28);
 	const float n3x = own_n3x + t29;
-	const float n3y = own_n3y + (RNEA_FMA(-0.1406f, f4z, 0.4776f*t27) - RNEA_FMA(2.0682311e-13f, t25,
-		t26));
+	const float n3y = own_n3y + (RNEA_FMA(-0.1406f, f4z, 0.4776f*t27) - RNEA_FMA(2.0682311e-13f, t25, t26));
 	const float n3z = own_n3z + (n4z - RNEA_FMA(0.1406f, t28, 0.2256f*t27));
 	tau[3*stride] = n4z;
 
@@ -3513,10 +3297,10 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 
 	/* ---- back from link 2 "mtorso" to link 1 (bpass): torque of "back_bky" ---- */
 	const float n1z = own_n1z + RNEA_FMA(n2x, -s2, c2*n2z);
-	tau[1*stride] = n2y;
+	tau[stride] = n2y;
 
 	/* ---- back from link 1 "ltorso" to the world (bpass): torque of "back_bkz" ---- */
-	tau[0*stride] = n1z;
+	tau[0] = n1z;
 
 	/* ---- out to link 19 "l_uglut" ---- */
 	const float own_n19z = f[113*stride];
@@ -3725,9 +3509,212 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 }
 
 
+#ifndef RNEAGEN_SINCOSF_CORE
+#define RNEAGEN_SINCOSF_CORE
+union rneagen_f32 {
+	float f;
+	unsigned int u;
+};
+
+/* x = k*(pi/2) + r - e for |x| <= 1e4: e is the rounding error of r. Returns k modulo 4 in its low two bits.
+ * pi/2 is split so that k*C1, k*C2, k*C3 are exact, and x - k*C1 - k*C2 too. */
+static RNEA_INLINE unsigned int rneagen_sincosf_reduce(float x, float *r, float *e)
+{
+	union rneagen_f32 t;
+	t.f = RNEA_FMA(x, 0x1.45f306p-1f, 0x1.8p23f); /* 1.5*2^23 + k: rounds x*2/pi to the nearest integer */
+	const float k = t.f - 0x1.8p23f;
+	const float r2 = RNEA_FMA(-k, 0x1.fb4p-12f, RNEA_FMA(-k, 0x1.92p0f, x));
+	*r = RNEA_FMA(-k, 0x1.444p-24f, r2);
+	*e = RNEA_FMA(k, 0x1.68c234p-39f, RNEA_FMA(k, 0x1.444p-24f, *r - r2));
+	return t.u;
+}
+
+/* Sine and cosine of q*(pi/2) + r - e, |r| <= pi/4. With z = r*r and w = fl(1 - z/2):
+ *   sin = r - (r*z*S(z) + e*w),  cos = w + ((1 - w - z/2) + r*e + z*z*C(z))
+ * Sollya, I = [2^-20; pi/4*(1 + 2^-8)]:
+ *  -S: fpminimax(sin(x), [|3,5,7|], [|SG...|], I, relative, x), relative error of sin 2^-27.8
+ *   C: fpminimax(cos(x), [|4,6,8|], [|SG...|], I, absolute, 1 - x^2/2), error of cos 2^-33.1 */
+static RNEA_INLINE void rneagen_sincosf_turn(unsigned int q, float r, float e, float *s, float *c)
+{
+	union rneagen_f32 a, b;
+	const float z = r * r;
+	const float w = RNEA_FMA(-0.5f, z, 1.0f);
+	const float ps = RNEA_FMA(RNEA_FMA(0x1.99278ap-13f, z, -0x1.1106dcp-7f), z, 0x1.555544p-3f);
+	const float pc = RNEA_FMA(RNEA_FMA(0x1.99e7cp-16f, z, -0x1.6c0c28p-10f), z, 0x1.55554ap-5f);
+	a.f = r - RNEA_FMA(r * z, ps, e * w);
+	b.f = w + RNEA_FMA(z * z, pc, RNEA_FMA(r, e, RNEA_FMA(-0.5f, z, 1.0f - w)));
+	const unsigned int swap = (a.u ^ b.u) & (0 - (q & 1)); /* odd quarter turns exchange sine and cosine */
+	a.u ^= swap ^ (q & 2) << 30;
+	b.u ^= swap ^ ((q + 1) & 2) << 30;
+	*s = a.f;
+	*c = b.f;
+}
+#endif
+
+#ifndef RNEAGEN_SINCOSF_ACCURATE
+#define RNEAGEN_SINCOSF_ACCURATE
+/* rneagen_sincosf_reduce for |x| > 1e4, in integers (Payne and Hanek): |x| = m*2^p with a 24-bit m, and of the bits of
+ * 2/pi those that only give multiples of 4 are skipped and the next 96 multiplied by m. NaN if x is not finite. */
+static RNEA_INLINE unsigned int rneagen_sincosf_reduce_large(float x, float *r, float *e)
+{
+	static const unsigned int two_over_pi[] = {0, 0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u,
+		0x3c439041u, 0xfe5163abu};
+	union rneagen_f32 t;
+	t.f = x;
+	const unsigned int bit = (t.u >> 23 & 255) - 120, i = bit >> 5, shift = bit & 31;
+	const unsigned long long m = (t.u & 0x7fffffu) | 0x800000u;
+	const unsigned long long w0 = two_over_pi[i], w1 = two_over_pi[i + 1];
+	const unsigned long long w2 = two_over_pi[i + 2], w3 = two_over_pi[i + 3];
+	const unsigned long long a = (w0 << 32 | w1) << shift >> 32, b = (w1 << 32 | w2) << shift >> 32;
+	const unsigned long long c = (w2 << 32 | w3) << shift >> 32;
+	unsigned long long f = (m * a << 32) + m * b + (m * c >> 32);
+	f = x < 0 ? ~f : f; /* x*(2/pi) modulo 4, times 2^62 */
+	const unsigned int past_half = f >> 61 & 1, q = (unsigned int)(f >> 62) + past_half;
+	float scale = RNEA_FMA(0.0f, x, past_half ? -0x1p-63f : 0x1p-63f); /* NaN where x is not finite */
+	f = past_half ? ~(f << 2) : f << 2; /* what is left of x*(2/pi) - q, times 2^64 */
+	for (; f && !(f >> 63); f <<= 1)
+		scale *= 0.5f;
+	f = (f >> 32) * 0xc90fdaa2u; /* times pi/2*2^31 */
+	const float g = (float)f;
+	*r = g * scale;
+	*e = (float)(long long)((unsigned long long)g - f) * scale;
+	return q;
+}
+
+/* Sine and cosine of any finite x, error below 0.85 ulp; NaN if x is not finite. */
+static RNEA_INLINE void rneagen_sincosf_accurate(float x, float *s, float *c)
+{
+	float r, e;
+	unsigned int q;
+	if (fabsf(x) <= 1e4f)
+		q = rneagen_sincosf_reduce(x, &r, &e);
+	else
+		q = rneagen_sincosf_reduce_large(x, &r, &e);
+	rneagen_sincosf_turn(q, r, e, s, c);
+}
+#endif
+#ifndef RNEAGEN_SINCOSF_EITHER
+#define RNEAGEN_SINCOSF_EITHER
+
+/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not,
+   and `small`, sine and cosine mean nothing. */
+static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c)
+{
+	if (small) {
+		float r, e;
+		const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
+		rneagen_sincosf_turn(q, r, e, s, c);
+	} else {
+		rneagen_sincosf_accurate(x, s, c);
+	}
+	return fabsf(x) <= 1e4f;
+}
+#endif
+
+/* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves
+   the rest a straight line; the results have the same bits either way. */
+static RNEA_INLINE int atlas_is_small(const float *q, const size_t stride)
+{
+	int small = 1;
+
+	for (size_t i = 0; i < 30; i++)
+		small &= fabsf(q[i*stride]) <= 1e+04f;
+	return small;
+}
+
+
+/* ---- what this text computes, one `key values` a line: librnea reads it ---- */
+#if defined __CUDACC_RTC__
+#define RNEA_INFO __device__
+#elif defined __CUDACC__ && defined __GNUC__
+#define RNEA_INFO __attribute__((weak)) /* a program may hold the text for target c too, with a table of this name */
+#else
+#define RNEA_INFO
+#endif
+#if defined __cplusplus
+extern "C" {
+#endif
+extern RNEA_INFO const char atlas_info[];
+#if defined __cplusplus
+}
+#endif
+RNEA_INFO const char atlas_info[] =
+	"rneagen-info 3\n"
+	"name atlas\n"
+	"precision f32\n"
+	"arithmetic f32\n"
+	"layout soa\n"
+	"trig accurate\n"
+	"base fixed\n"
+	"nq 30\n"
+	"nv 30\n"
+	"nb 30\n"
+	"block 128\n"
+	"joint 0 1 0 1 revolute back_bkz\n"
+	"joint 1 1 1 1 revolute back_bky\n"
+	"joint 2 1 2 1 revolute back_bkx\n"
+	"joint 3 1 3 1 revolute l_arm_shz\n"
+	"joint 4 1 4 1 revolute l_arm_shx\n"
+	"joint 5 1 5 1 revolute l_arm_ely\n"
+	"joint 6 1 6 1 revolute l_arm_elx\n"
+	"joint 7 1 7 1 revolute l_arm_uwy\n"
+	"joint 8 1 8 1 revolute l_arm_mwx\n"
+	"joint 9 1 9 1 revolute l_arm_lwy\n"
+	"joint 10 1 10 1 revolute neck_ay\n"
+	"joint 11 1 11 1 revolute r_arm_shz\n"
+	"joint 12 1 12 1 revolute r_arm_shx\n"
+	"joint 13 1 13 1 revolute r_arm_ely\n"
+	"joint 14 1 14 1 revolute r_arm_elx\n"
+	"joint 15 1 15 1 revolute r_arm_uwy\n"
+	"joint 16 1 16 1 revolute r_arm_mwx\n"
+	"joint 17 1 17 1 revolute r_arm_lwy\n"
+	"joint 18 1 18 1 revolute l_leg_hpz\n"
+	"joint 19 1 19 1 revolute l_leg_hpx\n"
+	"joint 20 1 20 1 revolute l_leg_hpy\n"
+	"joint 21 1 21 1 revolute l_leg_kny\n"
+	"joint 22 1 22 1 revolute l_leg_aky\n"
+	"joint 23 1 23 1 revolute l_leg_akx\n"
+	"joint 24 1 24 1 revolute r_leg_hpz\n"
+	"joint 25 1 25 1 revolute r_leg_hpx\n"
+	"joint 26 1 26 1 revolute r_leg_hpy\n"
+	"joint 27 1 27 1 revolute r_leg_kny\n"
+	"joint 28 1 28 1 revolute r_leg_aky\n"
+	"joint 29 1 29 1 revolute r_leg_akx\n"
+	"function rnea\n"
+	"input q 30 f32 sample joint_position\n"
+	"input qd 30 f32 sample joint_velocity\n"
+	"input qdd 30 f32 sample joint_acceleration\n"
+	"output tau 30 f32 sample joint_torque\n"
+	"operations 618 310 140 129 800 27\n"
+	"function fpass\n"
+	"input q 30 f32 sample joint_position\n"
+	"input qd 30 f32 sample joint_velocity\n"
+	"input qdd 30 f32 sample joint_acceleration\n"
+	"output v 180 f32 sample body_twists\n"
+	"output a 180 f32 sample body_accelerations\n"
+	"output f 180 f32 sample body_wrenches\n"
+	"operations 710 236 198 180 798 27\n"
+	"function bpass\n"
+	"input q 30 f32 sample joint_position\n"
+	"input f 180 f32 sample body_wrenches\n"
+	"output tau 30 f32 sample joint_torque\n"
+	"operations 121 149 12 36 161 27\n";
+
 #if defined __CUDACC__
+/* ---- kernels ---- */
+/* threads in a block: the samples of one slice of the batch */
+#ifndef RNEA_BLOCK
+#define RNEA_BLOCK 128
+#endif
+/* blocks that one multiprocessor should hold at once: bounds the registers of the rnea kernel; 0: the compiler's choice
+   */
+#ifndef RNEA_MIN_BLOCKS
+#define RNEA_MIN_BLOCKS (RNEA_BLOCK < 64 ? 0 : 384/RNEA_BLOCK)
+#endif
+
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK, RNEA_MIN_BLOCKS)
-atlas_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd, float *__restrict__ tau, size_t count)
+atlas_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
+	float *__restrict__ tau, size_t count)
 {
 	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
 
@@ -3740,7 +3727,8 @@ atlas_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, con
 }
 
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK)
-atlas_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd, float *__restrict__ v, float *__restrict__ a, float *__restrict__ f, size_t count)
+atlas_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
+	float *__restrict__ v, float *__restrict__ a, float *__restrict__ f, size_t count)
 {
 	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
 
@@ -3762,7 +3750,8 @@ atlas_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, flo
 
 #if !defined __CUDACC_RTC__
 /* Run the kernel on device pointers in the caller's stream (a cudaStream_t); returns the cudaError_t. */
-extern "C" int atlas_rnea_launch(const float *q, const float *qd, const float *qdd, float *tau, size_t count, void *stream)
+extern "C" int atlas_rnea_launch(const float *q, const float *qd, const float *qdd, float *tau, size_t count,
+	void *stream)
 {
 	const size_t blocks = count/RNEA_BLOCK + (count%RNEA_BLOCK != 0);
 	void *arguments[] = {&q, &qd, &qdd, &tau, &count};
@@ -3777,6 +3766,16 @@ extern "C" int atlas_rnea_launch(const float *q, const float *qd, const float *q
 #endif
 #else
 /* ---- compiled as C: the functions of target c ---- */
+/* samples do not depend on each other: the compiler may compute several at once */
+#if defined __clang__
+#define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
+#elif defined __GNUC__
+#define RNEA_INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define RNEA_INDEPENDENT
+#endif
+
 static int atlas_are_small(const float *q, size_t count, size_t first, size_t end)
 {
 	int small = 1;
@@ -3793,7 +3792,8 @@ static void atlas_rnea_any(const float *q, const float *qd, const float *qdd, fl
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void atlas_rnea_part(const float *restrict q, const float *restrict qd, const float *restrict qdd, float *restrict tau, size_t count, size_t first, size_t end)
+static void atlas_rnea_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+	float *restrict tau, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;
@@ -3824,13 +3824,15 @@ void atlas_rnea_batch(const float *q, const float *qd, const float *qdd, float *
 }
 
 /* One sample, whatever its angles. */
-static void atlas_fpass_any(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f, const size_t stride)
+static void atlas_fpass_any(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f,
+	const size_t stride)
 {
 	atlas_fpass_body(q, qd, qdd, v, a, f, stride, 0);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void atlas_fpass_part(const float *restrict q, const float *restrict qd, const float *restrict qdd, float *restrict v, float *restrict a, float *restrict f, size_t count, size_t first, size_t end)
+static void atlas_fpass_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+	float *restrict v, float *restrict a, float *restrict f, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;
@@ -3862,7 +3864,8 @@ static void atlas_bpass_any(const float *q, const float *f, float *tau, const si
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void atlas_bpass_part(const float *restrict q, const float *restrict f, float *restrict tau, size_t count, size_t first, size_t end)
+static void atlas_bpass_part(const float *restrict q, const float *restrict f, float *restrict tau, size_t count,
+	size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;

@@ -43,13 +43,31 @@
  * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
  * Batches: every array is [row][sample].
- *
- * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less
- * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.
  * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.
+ *
+ * Names in the statements: a quantity, the number of a link, and x y z for the component in the link's frame.
+ *   q qd qdd         position, velocity and acceleration of the link's joint
+ *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
+ *   s c              sine and cosine of the joint's angle
+ *   w                angular velocity
+ *   dw               rate of the angular velocity
+ *   v                velocity of the origin
+ *   a                acceleration of the origin, less gravity
+ *   f                force: the link's own, then with its children's
+ *   n                moment about the origin, as f
+ *   t                with a number of its own: a value that has no name in the textbook
+ *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
+ *   stride           from one row of an array to the next
+ *   small all_small  the caller takes all angles for small; they are
+ *   RNEA_FMA         a*b + c, rounded once where the machine can
+ *   rneagen_...      functions and types that this text brings along
+ * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
+ * x cross product; z the joint's axis; U = [dw]x + [w]x[w]x; m, h = m c, I mass, first moment and inertia about the
+ * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
 #ifndef atlas_RNEA_H
 #define atlas_RNEA_H
+#include <math.h>
 #include <stddef.h>
 
 #ifdef __cplusplus
@@ -77,4 +95,41 @@ extern const char atlas_info[];
 #ifdef __cplusplus
 }
 #endif
+
+/* The joints of this text, by the rows of q, and by those of qd, qdd and tau. A joint of several rows stands at each of
+   them; the floating base is "". */
+#if defined __GNUC__
+#define RNEA_TABLE static const __attribute__((unused))
+#else
+#define RNEA_TABLE static const
+#endif
+RNEA_TABLE char *const atlas_q_joint[atlas_nq] = {
+	"back_bkz", "back_bky", "back_bkx", "l_arm_shz", "l_arm_shx", "l_arm_ely", "l_arm_elx", "l_arm_uwy",
+		"l_arm_mwx", "l_arm_lwy", "neck_ay", "r_arm_shz", "r_arm_shx", "r_arm_ely", "r_arm_elx", "r_arm_uwy",
+		"r_arm_mwx", "r_arm_lwy", "l_leg_hpz", "l_leg_hpx", "l_leg_hpy", "l_leg_kny", "l_leg_aky", "l_leg_akx",
+		"r_leg_hpz", "r_leg_hpx", "r_leg_hpy", "r_leg_kny", "r_leg_aky", "r_leg_akx"};
+RNEA_TABLE char *const atlas_qd_joint[atlas_nv] = {
+	"back_bkz", "back_bky", "back_bkx", "l_arm_shz", "l_arm_shx", "l_arm_ely", "l_arm_elx", "l_arm_uwy",
+		"l_arm_mwx", "l_arm_lwy", "neck_ay", "r_arm_shz", "r_arm_shx", "r_arm_ely", "r_arm_elx", "r_arm_uwy",
+		"r_arm_mwx", "r_arm_lwy", "l_leg_hpz", "l_leg_hpx", "l_leg_hpy", "l_leg_kny", "l_leg_aky", "l_leg_akx",
+		"r_leg_hpz", "r_leg_hpx", "r_leg_hpy", "r_leg_kny", "r_leg_aky", "r_leg_akx"};
+/* Limits that the URDF states: q_min <= q <= q_max in rad or m, |qd| <= qd_max in rad/s or m/s, |tau| <= tau_max in
+   N m or N. Where it states none, HUGE_VAL stands, which no number is beyond; in q_min -HUGE_VAL. The functions do not
+   look at limits. */
+RNEA_TABLE double atlas_q_min[atlas_nq] = {
+	-0.663225, -0.219388, -0.523599, -1.5708, -1.5708, 0.0, 0.0, -3.011, -1.7628, -2.9671, -0.602139, -0.785398,
+		-1.5708, 0.0, -2.35619, -3.011, -1.7628, -2.9671, -0.174358, -0.523599, -1.61234, 0.0, -1.0, -0.8,
+		-0.786794, -0.523599, -1.61234, 0.0, -1.0, -0.8};
+RNEA_TABLE double atlas_q_max[atlas_nq] = {
+	0.663225, 0.538783, 0.523599, 0.785398, 1.5708, 3.14159, 2.35619, 3.011, 1.7628, 2.9671, 1.14319, 1.5708,
+		1.5708, 3.14159, 0.0, 3.011, 1.7628, 2.9671, 0.786794, 0.523599, 0.65764, 2.35637, 0.7, 0.8, 0.174358,
+		0.523599, 0.65764, 2.35637, 0.7, 0.8};
+RNEA_TABLE double atlas_qd_max[atlas_nv] = {
+	12.0, 9.0, 12.0, 12.0, 12.0, 12.0, 12.0, 1e+01, 1e+01, 1e+01, 6.28, 12.0, 12.0, 12.0, 12.0, 1e+01, 1e+01, 1e+01,
+		12.0, 12.0, 12.0, 12.0, 12.0, 12.0, 12.0, 12.0, 12.0, 12.0, 12.0, 12.0};
+RNEA_TABLE double atlas_tau_max[atlas_nv] = {
+	106.0, 445.0, 3e+02, 87.0, 99.0, 63.0, 112.0, 25.0, 25.0, 25.0, 25.0, 87.0, 99.0, 63.0, 112.0, 25.0, 25.0, 25.0,
+		275.0, 5.3e+02, 8.4e+02, 8.9e+02, 7.4e+02, 3.6e+02, 275.0, 5.3e+02, 8.4e+02, 8.9e+02, 7.4e+02, 3.6e+02};
+#undef RNEA_TABLE
+
 #endif

@@ -29,10 +29,28 @@
  * body's frame, linear then angular, and its componentwise derivative (spatial acceleration);
  * tau = force then moment about the origin, body's frame. The quaternion is not normalised.
  * Batches: every array is [row][sample].
- *
- * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less
- * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.
  * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.
+ *
+ * Names in the statements: a quantity, the number of a link, and x y z for the component in the link's frame.
+ *   q qd qdd         position, velocity and acceleration of the link's joint
+ *                    floating: with x y z qx qy qz qw after the number, and vx vy vz wx wy wz
+ *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
+ *   s c              sine and cosine of the joint's angle
+ *   w                angular velocity
+ *   dw               rate of the angular velocity
+ *   v                velocity of the origin
+ *   a                acceleration of the origin, less gravity
+ *   f                force: the link's own, then with its children's
+ *   n                moment about the origin, as f
+ *   t                with a number of its own: a value that has no name in the textbook
+ *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
+ *   stride           from one row of an array to the next
+ *   small all_small  the caller takes all angles for small; they are
+ *   RNEA_FMA         a*b + c, rounded once where the machine can
+ *   rneagen_...      functions and types that this text brings along
+ * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
+ * x cross product; z the joint's axis; U = [dw]x + [w]x[w]x; m, h = m c, I mass, first moment and inertia about the
+ * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
 #include <math.h>
 #include <stddef.h>
@@ -45,232 +63,30 @@
 #else
 #define RNEA_INLINE inline
 #endif
-/* samples do not depend on each other: the compiler may compute several at once */
-#if defined __clang__
-#define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
-#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
-#elif defined __GNUC__
-#define RNEA_INDEPENDENT _Pragma("GCC ivdep")
-#else
-#define RNEA_INDEPENDENT
-#endif
 /* where the machine has no fused multiply-add, fma() would be a slow library call */
 #if defined FP_FAST_FMA
 #define RNEA_FMA(a, b, c) fma(a, b, c)
 #else
 #define RNEA_FMA(a, b, c) ((a)*(b) + (c))
 #endif
-/* librnea finds the table by this word */
-#define RNEA_INFO
 
-/* tau = ID(q, qd, qdd) of one sample: q[19], qd[18], qdd[18] -> tau[18]; tau may be qdd itself. */
-void hyq_rnea(const double *q, const double *qd, const double *qdd, double *tau);
-/* The same for `count` samples, every array [row][sample]; arrays must not overlap. */
-void hyq_rnea_batch(const double *q, const double *qd, const double *qdd, double *tau, size_t count);
-/* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */
-void hyq_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
-/* The way back alone: torques from q and fpass's wrenches. */
-void hyq_bpass(const double *q, const double *f, double *tau);
-/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
-   in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
-void hyq_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);
-void hyq_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
-void hyq_bpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
-/* What this text computes, one `key values` a line. */
-extern const char hyq_info[];
 
-RNEA_INFO const char hyq_info[] =
-	"rneagen-info 3\n"
-	"name hyq\n"
-	"precision f64\n"
-	"arithmetic f64\n"
-	"layout soa\n"
-	"trig accurate\n"
-	"base floating\n"
-	"nq 19\n"
-	"nv 18\n"
-	"nb 13\n"
-	"block 64\n"
-	"joint 0 7 0 6 floating \n"
-	"joint 7 1 6 1 revolute lf_haa_joint\n"
-	"joint 8 1 7 1 revolute lf_hfe_joint\n"
-	"joint 9 1 8 1 revolute lf_kfe_joint\n"
-	"joint 10 1 9 1 revolute lh_haa_joint\n"
-	"joint 11 1 10 1 revolute lh_hfe_joint\n"
-	"joint 12 1 11 1 revolute lh_kfe_joint\n"
-	"joint 13 1 12 1 revolute rf_haa_joint\n"
-	"joint 14 1 13 1 revolute rf_hfe_joint\n"
-	"joint 15 1 14 1 revolute rf_kfe_joint\n"
-	"joint 16 1 15 1 revolute rh_haa_joint\n"
-	"joint 17 1 16 1 revolute rh_hfe_joint\n"
-	"joint 18 1 17 1 revolute rh_kfe_joint\n"
-	"function rnea\n"
-	"input q 19 f64 sample joint_position\n"
-	"input qd 18 f64 sample joint_velocity\n"
-	"input qdd 18 f64 sample joint_acceleration\n"
-	"output tau 18 f64 sample joint_torque\n"
-	"operations 328 201 106 93 575 12\n"
-	"function fpass\n"
-	"input q 19 f64 sample joint_position\n"
-	"input qd 18 f64 sample joint_velocity\n"
-	"input qdd 18 f64 sample joint_acceleration\n"
-	"output v 78 f64 sample body_twists\n"
-	"output a 78 f64 sample body_accelerations\n"
-	"output f 78 f64 sample body_wrenches\n"
-	"operations 339 136 146 120 551 12\n"
-	"function bpass\n"
-	"input q 19 f64 sample joint_position\n"
-	"input f 78 f64 sample body_wrenches\n"
-	"output tau 18 f64 sample joint_torque\n"
-	"operations 56 72 8 29 116 12\n";
-
-#ifndef RNEAGEN_SINCOS_CORE
-#define RNEAGEN_SINCOS_CORE
-union rneagen_f64 {
-	double f;
-	unsigned long long u;
-};
-
-/* x = k*(pi/2) + r - e for |x| <= 1e7: e is the rounding error of r. Returns k modulo 4 in its low two bits.
- * pi/2 is split so that k*C1, k*C2, k*C3 are exact, and x - k*C1 - k*C2 too. */
-static RNEA_INLINE unsigned long long rneagen_sincos_reduce(double x, double *r, double *e)
-{
-	union rneagen_f64 t;
-	t.f = RNEA_FMA(x, 0x1.45f306dc9c883p-1, 0x1.8p52); /* 1.5*2^52 + k: rounds x*2/pi to the nearest integer */
-	const double k = t.f - 0x1.8p52;
-	const double r2 = RNEA_FMA(-k, 0x1.10b46p-30, RNEA_FMA(-k, 0x1.921fb54p0, x));
-	*r = RNEA_FMA(-k, 0x1.1a62633p-54, r2);
-	*e = RNEA_FMA(k, 0x1.45c06e0e68948p-86, RNEA_FMA(k, 0x1.1a62633p-54, *r - r2));
-	return t.u;
-}
-
-/* Sine and cosine of q*(pi/2) + r - e, |r| <= pi/4. With z = r*r and w = fl(1 - z/2):
- *   sin = r - (r*z*S(z) + e*w),  cos = w + ((1 - w - z/2) + r*e + z*z*C(z))
- * Sollya, I = [2^-40; pi/4*(1 + 2^-8)]:
- *  -S: fpminimax(sin(x), [|3,5,7,9,11,13|], [|D...|], I, relative, x), relative error of sin 2^-57.8
- *   C: fpminimax(cos(x), [|4,6,8,10,12,14|], [|D...|], I, absolute, 1 - x^2/2), error of cos 2^-64.1 */
-static RNEA_INLINE void rneagen_sincos_turn(unsigned long long q, double r, double e, double *s, double *c)
-{
-	union rneagen_f64 a, b;
-	const double z = r * r;
-	const double w = RNEA_FMA(-0.5, z, 1.0);
-	double ps = RNEA_FMA(-0x1.5d89831c5e141p-33, z, 0x1.ae5e45d454538p-26);
-	double pc = RNEA_FMA(-0x1.8fa590d9cc29fp-37, z, 0x1.1ee9daa2259f5p-29);
-	ps = RNEA_FMA(ps, z, -0x1.71de354edf2bfp-19);
-	pc = RNEA_FMA(pc, z, -0x1.27e4f7f0c068dp-22);
-	ps = RNEA_FMA(ps, z, 0x1.a01a019be359dp-13);
-	pc = RNEA_FMA(pc, z, 0x1.a01a019c8f106p-16);
-	ps = RNEA_FMA(ps, z, -0x1.111111110f713p-7);
-	pc = RNEA_FMA(pc, z, -0x1.6c16c16c1501ap-10);
-	ps = RNEA_FMA(ps, z, 0x1.5555555555548p-3);
-	pc = RNEA_FMA(pc, z, 0x1.555555555554bp-5);
-	a.f = r - RNEA_FMA(r * z, ps, e * w);
-	b.f = w + RNEA_FMA(z * z, pc, RNEA_FMA(r, e, RNEA_FMA(-0.5, z, 1.0 - w)));
-	const unsigned long long swap = (a.u ^ b.u) & (0 - (q & 1)); /* odd quarter turns exchange sine and cosine */
-	a.u ^= swap ^ (q & 2) << 62;
-	b.u ^= swap ^ ((q + 1) & 2) << 62;
-	*s = a.f;
-	*c = b.f;
-}
-#endif
-
-#ifndef RNEAGEN_SINCOS_ACCURATE
-#define RNEAGEN_SINCOS_ACCURATE
-/* High half of the product a*b. */
-static RNEA_INLINE unsigned long long rneagen_mulhi(unsigned long long a, unsigned long long b)
-{
-	const unsigned long long al = a & 0xffffffffu, ah = a >> 32, bl = b & 0xffffffffu, bh = b >> 32;
-	const unsigned long long t = ah * bl + (al * bl >> 32), u = al * bh + (t & 0xffffffffu);
-	return ah * bh + (t >> 32) + (u >> 32);
-}
-
-/* rneagen_sincos_reduce for |x| > 1e7, in integers (Payne and Hanek): |x| = m*2^p with a 53-bit m, and of the bits of
- * 2/pi those that only give multiples of 4 are skipped and the next 192 multiplied by m. NaN if x is not finite. */
-static RNEA_INLINE unsigned long long rneagen_sincos_reduce_large(double x, double *r, double *e)
-{
-	static const unsigned long long two_over_pi[] = {0, 0xa2f9836e4e441529ull, 0xfc2757d1f534ddc0ull,
-		0xdb6295993c439041ull, 0xfe5163abdebbc561ull, 0xb7246e3a424dd2e0ull, 0x06492eea09d1921cull,
-		0xfe1deb1cb129a73eull, 0xe88235f52ebb4484ull, 0xe99c7026b45f7e41ull, 0x3991d639835339f4ull,
-		0x9c845f8bbdf9283bull, 0x1ff897ffde05980full, 0xef2f118b5a0a6d1full, 0x6d367ecf27cb09b7ull,
-		0x4f463f669e5fea2dull, 0x7527bac7ebe5f17bull, 0x3d0739f78a5292eaull, 0x6bfb5fb11f8d5d08ull,
-		0x56033046fc7b6babull};
-	union rneagen_f64 t;
-	t.f = x;
-	const unsigned int bit = (unsigned int)(t.u >> 52 & 2047) - 1013, i = bit >> 6, shift = bit & 63;
-	const unsigned long long m = (t.u & 0xfffffffffffffull) | 0x10000000000000ull;
-	const unsigned long long w1 = two_over_pi[i + 1], w2 = two_over_pi[i + 2];
-	const unsigned long long a = two_over_pi[i] << shift | w1 >> 1 >> (63 - shift);
-	const unsigned long long b = w1 << shift | w2 >> 1 >> (63 - shift);
-	const unsigned long long c = w2 << shift | two_over_pi[i + 3] >> 1 >> (63 - shift);
-	unsigned long long lo = m * b + rneagen_mulhi(m, c);
-	unsigned long long f = m * a + rneagen_mulhi(m, b) + (lo < m * b);
-	f = x < 0 ? ~f : f; /* x*(2/pi) modulo 4, times 2^62; lo: its next 64 bits */
-	lo = x < 0 ? ~lo : lo;
-	const unsigned long long past_half = f >> 61 & 1, q = (f >> 62) + past_half;
-	double scale = RNEA_FMA(0.0, x, past_half ? -0x1p-63 : 0x1p-63); /* NaN where x is not finite */
-	f = f << 2 | lo >> 62; /* what is left of x*(2/pi) - q, times 2^64 */
-	f = past_half ? ~f : f;
-	lo = past_half ? ~(lo << 2) : lo << 2;
-	for (; !(f >> 63) && (f | lo); lo <<= 1) {
-		f = f << 1 | lo >> 63;
-		scale *= 0.5;
-	}
-	f = rneagen_mulhi(f, 0xc90fdaa22168c235ull); /* times pi/2*2^63 */
-	const double g = (double)f;
-	*r = g * scale;
-	*e = (double)(long long)((unsigned long long)g - f) * scale;
-	return q;
-}
-
-/* Sine and cosine of any finite x, error below 0.85 ulp; NaN if x is not finite. */
-static RNEA_INLINE void rneagen_sincos_accurate(double x, double *s, double *c)
-{
-	double r, e;
-	unsigned long long q;
-	if (fabs(x) <= 1e7)
-		q = rneagen_sincos_reduce(x, &r, &e);
-	else
-		q = rneagen_sincos_reduce_large(x, &r, &e);
-	rneagen_sincos_turn(q, r, e, s, c);
-}
-#endif
 #ifndef RNEAGEN_SINCOS_EITHER
-#define RNEAGEN_SINCOS_EITHER
-
-/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not, and
-   `small`, sine and cosine mean nothing. */
-static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c)
-{
-	if (small) {
-		double r, e;
-		const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
-		rneagen_sincos_turn(q, r, e, s, c);
-	} else {
-		rneagen_sincos_accurate(x, s, c);
-	}
-	return fabs(x) <= 1e7;
-}
+static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c); /* below */
 #endif
-
-/* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves the
-   rest a straight line; the results have the same bits either way. */
-static RNEA_INLINE int hyq_is_small(const double *q, const size_t stride)
-{
-	int small = 1;
-
-	for (size_t i = 0; i < 19; i++)
-		small &= fabs(q[i*stride]) <= 1e+07;
-	return small;
-}
 
 /* tau = ID(q, qd, qdd)
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride, const int small)
+static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 0 "base_link" (fpass) ---- */
+	/* w = R'w_p + qd_w;  dw = R'dw_p + qdd_w + R'w_p x qd_w;  a = R'(a_p + U_p p) + dV + 2 R'w_p x V,  V = qd_v, 
+	   dV = qdd_v + qd_w x qd_v;  v = R'(v_p + w_p x p) + V;
+	   f = m a + U h;  n = I dw + w x I w + h x a */
 	const double q0qw = q[6*stride];
 	const double q0qx = q[3*stride];
 	const double q0qy = q[4*stride];
@@ -278,8 +94,8 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double t1 = 2.0*q0qx;
 	const double t2 = 2.0*q0qy;
 	const double t3 = RNEA_FMA(t2, -q0qw, q0qx*(2.0*q0qz));
-	const double qd0vx = qd[0*stride];
-	const double qd0vy = qd[1*stride];
+	const double qd0vx = qd[0];
+	const double qd0vy = qd[stride];
 	const double qd0vz = qd[2*stride];
 	const double qd0wx = qd[3*stride];
 	const double qd0wy = qd[4*stride];
@@ -287,8 +103,8 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double qdd0wx = qdd[3*stride];
 	const double qdd0wy = qdd[4*stride];
 	const double qdd0wz = qdd[5*stride];
-	const double qdd0vx = qdd[0*stride];
-	const double qdd0vy = qdd[1*stride];
+	const double qdd0vx = qdd[0];
+	const double qdd0vy = qdd[stride];
 	const double qdd0vz = qdd[2*stride];
 	const double t4 = RNEA_FMA(qd0wx, -qd0vz, qd0vx*qd0wz) + qdd0vy;
 	const double t5 = RNEA_FMA(qd0wy, -qd0vx, qd0vy*qd0wx) + qdd0vz;
@@ -309,26 +125,27 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double t17 = qd0wx*qd0wy;
 	const double t18 = t17 - qdd0wz;
 	const double t19 = qdd0wz + t17;
-	const double f0x = RNEA_FMA(60.978001, a0x, RNEA_FMA(0.2200155852, t16, RNEA_FMA(-3.4189836000000002,
-		t9, 1.3106418*t18)));
+	const double f0x = RNEA_FMA(60.978001, a0x, RNEA_FMA(0.2200155852, t16, RNEA_FMA(-3.4189836000000002, t9,
+		1.3106418*t18)));
 	const double f0y = RNEA_FMA(60.978001, a0y, RNEA_FMA(0.2200155852, t10, RNEA_FMA(-1.3106418, t14,
 		3.4189836000000002*t19)));
-	const double f0z = RNEA_FMA(60.978001, a0z, RNEA_FMA(-0.2200155852, t8 + t13, RNEA_FMA(1.3106418,
-		t11, 3.4189836000000002*t15)));
-	const double t20 = RNEA_FMA(-0.21587546426503998, t19, RNEA_FMA(0.045020362359999996, t15, RNEA_FMA(1.6017305299677633,
-		qdd0wx, 0.7211199903922375*t6)));
-	const double t21 = RNEA_FMA(-0.045020362359999996, t11, RNEA_FMA(0.00915326907852, t18, RNEA_FMA(-7.814626778932237,
-		t12, 8.695237318507763*qdd0wy)));
+	const double f0z = RNEA_FMA(60.978001, a0z, RNEA_FMA(-0.2200155852, t8 + t13, RNEA_FMA(1.3106418, t11,
+		3.4189836000000002*t15)));
+	const double t20 = RNEA_FMA(-0.21587546426503998, t19, RNEA_FMA(0.045020362359999996, t15,
+		RNEA_FMA(1.6017305299677633, qdd0wx, 0.7211199903922375*t6)));
+	const double t21 = RNEA_FMA(-0.045020362359999996, t11, RNEA_FMA(0.00915326907852, t18,
+		RNEA_FMA(-7.814626778932237, t12, 8.695237318507763*qdd0wy)));
 	const double t22 = RNEA_FMA(-0.00915326907852, t16, RNEA_FMA(0.21587546426503998, t10, RNEA_FMA(9.4163573089,
 		qdd0wz, 7.093506788539999*t17)));
-	const double n0x = RNEA_FMA(-0.2200155852, a0y, 1.3106418*a0z) + RNEA_FMA(-0.00915326907852, t8 - t7,
-		t20);
-	const double n0y = RNEA_FMA(-3.4189836000000002, a0z, 0.2200155852*a0x) + RNEA_FMA(-0.21587546426503998,
-		t7 - t13, t21);
-	const double n0z = RNEA_FMA(-1.3106418, a0x, 3.4189836000000002*a0y) + RNEA_FMA(-0.045020362359999996,
-		t13 - t8, t22);
+	const double n0x = RNEA_FMA(-0.2200155852, a0y, 1.3106418*a0z) + RNEA_FMA(-0.00915326907852, t8 - t7, t20);
+	const double n0y = RNEA_FMA(-3.4189836000000002, a0z, 0.2200155852*a0x) + RNEA_FMA(-0.21587546426503998, t7
+		- t13, t21);
+	const double n0z = RNEA_FMA(-1.3106418, a0x, 3.4189836000000002*a0y) + RNEA_FMA(-0.045020362359999996, t13 - t8,
+		t22);
 
 	/* ---- out to link 1 "lf_hipassembly" (fpass) ---- */
+	/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);  v = R'(v_p + w_p x p);
+	   f = m a + U h;  n = I dw + w x I w + h x a */
 	const double q1 = q[7*stride];
 	double s1, c1;
 	all_small &= rneagen_sincos_either(q1, small, &s1, &c1);
@@ -358,8 +175,7 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double t44 = a0z + t41;
 	const double t45 = t44 + RNEA_FMA(1.0127277222968137e-24, t43, 4.8965888601467475e-12*t42);
 	const double t46 = RNEA_FMA(2.0682310711021444e-13, t42, -t43);
-	const double a1z = RNEA_FMA(4.8965888601467475e-12, t44, -RNEA_FMA(2.0682310711021444e-13, t43,
-		t42));
+	const double a1z = RNEA_FMA(4.8965888601467475e-12, t44, -RNEA_FMA(2.0682310711021444e-13, t43, t42));
 	const double w1x = RNEA_FMA(t24, -c1, s1*t25);
 	const double w1y = RNEA_FMA(s1, t24, c1*t25);
 	const double w1z = qd1 + t27;
@@ -382,12 +198,12 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double f1x = RNEA_FMA(2.93, a1x, RNEA_FMA(-0.12490590000000001, t50, 0.49607829999999997*t55));
 	const double f1y = RNEA_FMA(2.93, a1y, RNEA_FMA(0.49607829999999997, t51, 0.12490590000000001*t57));
 	const double f1z = RNEA_FMA(2.93, a1z, RNEA_FMA(-0.49607829999999997, t49 + t53, 0.12490590000000001*t54));
-	const double t58 = RNEA_FMA(-0.022737817929, t57, RNEA_FMA(4e-05, t54, RNEA_FMA(-0.133141016973,
-		t47, 0.134701016973*dw1x)));
+	const double t58 = RNEA_FMA(-0.022737817929, t57, RNEA_FMA(4e-05, t54, RNEA_FMA(-0.133141016973, t47,
+		0.134701016973*dw1x)));
 	const double t59 = RNEA_FMA(5e-05, t56 - dw1z, RNEA_FMA(0.14417575549, dw1y, 0.12366627845599999*t52));
 	const double t60 = RNEA_FMA(-0.022737817929, t48 - t53, RNEA_FMA(-4e-05, dw1x + t47, t59));
-	const double t61 = RNEA_FMA(-5e-05, t55, RNEA_FMA(0.022737817929, t51, RNEA_FMA(0.011034738517,
-		dw1z, 0.009474738517000002*t56)));
+	const double t61 = RNEA_FMA(-5e-05, t55, RNEA_FMA(0.022737817929, t51, RNEA_FMA(0.011034738517, dw1z,
+		0.009474738517000002*t56)));
 	const double n1x = RNEA_FMA(-0.49607829999999997, a1y, RNEA_FMA(-5e-05, t49 - t48, t58));
 	const double n1y = RNEA_FMA(-0.12490590000000001, a1z, 0.49607829999999997*a1x) + t60;
 	const double n1z = RNEA_FMA(0.12490590000000001, a1y, RNEA_FMA(-4e-05, t53 - t49, t61));
@@ -427,10 +243,10 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double f2x = RNEA_FMA(2.638, a2x, -RNEA_FMA(0.06924749999999999, t77, 0.39765212*t71));
 	const double f2y = RNEA_FMA(2.638, a2y, RNEA_FMA(0.06924749999999999, t69 + t74, 0.39765212*t78));
 	const double f2z = RNEA_FMA(2.638, a2z, RNEA_FMA(-0.06924749999999999, t72, 0.39765212*t75));
-	const double t79 = RNEA_FMA(0.0001, t78, RNEA_FMA(-0.00741836815, t75, RNEA_FMA(0.005497746875,
-		dw2x, 0.0027377468750000005*t68)));
-	const double t80 = RNEA_FMA(0.00741836815, t72, RNEA_FMA(-2e-05, t77, RNEA_FMA(-0.08437208056880001,
-		t73, 0.08713208056880001*dw2y)));
+	const double t79 = RNEA_FMA(0.0001, t78, RNEA_FMA(-0.00741836815, t75, RNEA_FMA(0.005497746875, dw2x,
+		0.0027377468750000005*t68)));
+	const double t80 = RNEA_FMA(0.00741836815, t72, RNEA_FMA(-2e-05, t77, RNEA_FMA(-0.08437208056880001, t73,
+		0.08713208056880001*dw2y)));
 	const double t81 = RNEA_FMA(-0.0001, t68 - dw2x, RNEA_FMA(0.08986982744380001, dw2z, 0.0816343336938*t76));
 	const double t82 = RNEA_FMA(0.00741836815, t74 - t70, RNEA_FMA(2e-05, dw2y + t73, t81));
 	const double n2x = RNEA_FMA(-0.06924749999999999, a2z, RNEA_FMA(2e-05, t70 - t69, t79));
@@ -466,25 +282,26 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double t94 = w3x*w3y;
 	const double t95 = t94 - dw3z;
 	const double t96 = dw3z + t94;
-	const double f3x = RNEA_FMA(0.881001, a3x, RNEA_FMA(-8.81e-05, t93, RNEA_FMA(-0.11047774600000002,
-		t86 + t87, 3.524e-05*t95)));
+	const double f3x = RNEA_FMA(0.881001, a3x, RNEA_FMA(-8.81e-05, t93, RNEA_FMA(-0.11047774600000002, t86 + t87,
+		3.524e-05*t95)));
 	const double f3y = RNEA_FMA(0.881001, a3y, RNEA_FMA(-8.81e-05, t88, RNEA_FMA(-3.524e-05, t86 + t91,
 		0.11047774600000002*t96)));
 	const double f3z = RNEA_FMA(0.881001, a3z, RNEA_FMA(8.81e-05, t87 + t91, RNEA_FMA(3.524e-05, t89,
 		0.11047774600000002*t92)));
 	const double t97 = RNEA_FMA(4.774000000489742e-08, t96, RNEA_FMA(-5.6580903999995104e-05, t92,
 		RNEA_FMA(-0.0002300074003999993, t85, 0.0004710102195999804*dw3x)));
-	const double t98 = RNEA_FMA(5.6580903999995104e-05, t89, RNEA_FMA(9.96476000009793e-07, t95, RNEA_FMA(-0.02571397686600003,
-		t90, 0.026414994486000012*dw3y)));
+	const double t98 = RNEA_FMA(5.6580903999995104e-05, t89, RNEA_FMA(9.96476000009793e-07, t95,
+		RNEA_FMA(-0.02571397686600003, t90, 0.026414994486000012*dw3y)));
 	const double t99 = RNEA_FMA(-9.96476000009793e-07, t93, RNEA_FMA(-4.774000000489742e-08, t88,
 		RNEA_FMA(0.026184987085600013, dw3z, 0.02594398426640003*t94)));
-	const double n3x = RNEA_FMA(3.524e-05, a3z, 8.81e-05*a3y) + RNEA_FMA(-9.96476000009793e-07, t87 - t86,
-		t97);
-	const double n3y = RNEA_FMA(4.774000000489742e-08, t86 - t91, t98) - RNEA_FMA(8.81e-05, a3x, 0.11047774600000002*a3z);
-	const double n3z = RNEA_FMA(-3.524e-05, a3x, 0.11047774600000002*a3y) + RNEA_FMA(5.6580903999995104e-05,
-		t91 - t87, t99);
+	const double n3x = RNEA_FMA(3.524e-05, a3z, 8.81e-05*a3y) + RNEA_FMA(-9.96476000009793e-07, t87 - t86, t97);
+	const double n3y = RNEA_FMA(4.774000000489742e-08, t86 - t91, t98) - RNEA_FMA(8.81e-05, a3x,
+		0.11047774600000002*a3z);
+	const double n3z = RNEA_FMA(-3.524e-05, a3x, 0.11047774600000002*a3y) + RNEA_FMA(5.6580903999995104e-05, t91
+		- t87, t99);
 
 	/* ---- back from link 3 "lf_lowerleg" to link 2 (bpass): torque of "lf_kfe_joint" ---- */
+	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
 	const double t100 = RNEA_FMA(s3, f3x, c3*f3y);
 	const double f2x_2 = f2x + RNEA_FMA(-s3, f3y, c3*f3x);
 	const double f2y_2 = f2y + t100;
@@ -513,16 +330,16 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double t107 = RNEA_FMA(n1y_2, -s1, c1*n1x_2);
 	const double t108 = RNEA_FMA(s1, n1x_2, c1*n1y_2);
 	const double t109 = RNEA_FMA(-4.8965888601467475e-12, t105, 2.0682310711021444e-13*t106) - f1z_2;
-	const double t110 = RNEA_FMA(2.0682310711021444e-13, f1z_2, RNEA_FMA(1.0127277222968137e-24, t105,
-		t106));
+	const double t110 = RNEA_FMA(2.0682310711021444e-13, f1z_2, RNEA_FMA(1.0127277222968137e-24, t105, t106));
 	const double t111 = RNEA_FMA(4.8965888601467475e-12, f1z_2, -t105);
 	const double f0x_2 = f0x + t109;
 	const double f0y_2 = f0y - t110;
 	const double f0z_2 = f0z + t111;
 	const double t112 = RNEA_FMA(4.8965888601467475e-12, n1z_2, -t107) - RNEA_FMA(0.3735, t110, 0.207*t109);
-	const double n0x_2 = n0x + RNEA_FMA(0.207, t111, RNEA_FMA(-4.8965888601467475e-12, t107, 2.0682310711021444e-13*t108) - n1z_2);
-	const double n0y_2 = n0y - RNEA_FMA(0.3735, t111, RNEA_FMA(2.0682310711021444e-13, n1z_2, RNEA_FMA(1.0127277222968137e-24,
-		t107, t108)));
+	const double n0x_2 = n0x + RNEA_FMA(0.207, t111, RNEA_FMA(-4.8965888601467475e-12, t107,
+		2.0682310711021444e-13*t108) - n1z_2);
+	const double n0y_2 = n0y - RNEA_FMA(0.3735, t111, RNEA_FMA(2.0682310711021444e-13, n1z_2,
+		RNEA_FMA(1.0127277222968137e-24, t107, t108)));
 	const double n0z_2 = n0z + t112;
 	tau[6*stride] = n1z_2;
 
@@ -540,8 +357,7 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double t118 = a0z + t115;
 	const double t119 = t118 + RNEA_FMA(1.0127277222968137e-24, t117, 4.8965888601467475e-12*t116);
 	const double t120 = RNEA_FMA(2.0682310711021444e-13, t116, -t117);
-	const double a4z = RNEA_FMA(4.8965888601467475e-12, t118, -RNEA_FMA(2.0682310711021444e-13, t117,
-		t116));
+	const double a4z = RNEA_FMA(4.8965888601467475e-12, t118, -RNEA_FMA(2.0682310711021444e-13, t117, t116));
 	const double w4x = RNEA_FMA(c4, -t24, t25*s4);
 	const double w4y = RNEA_FMA(t24, s4, t25*c4);
 	const double w4z = t27 + qd4;
@@ -564,12 +380,12 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double f4x = RNEA_FMA(2.93, a4x, -RNEA_FMA(0.49607829999999997, t129, 0.12490590000000001*t124));
 	const double f4y = RNEA_FMA(2.93, a4y, RNEA_FMA(-0.49607829999999997, t125, 0.12490590000000001*t131));
 	const double f4z = RNEA_FMA(2.93, a4z, RNEA_FMA(0.49607829999999997, t123 + t127, 0.12490590000000001*t128));
-	const double t132 = RNEA_FMA(0.022737817929, t131, RNEA_FMA(-4e-05, t128, RNEA_FMA(-0.133141016973,
-		t121, 0.134701016973*dw4x)));
+	const double t132 = RNEA_FMA(0.022737817929, t131, RNEA_FMA(-4e-05, t128, RNEA_FMA(-0.133141016973, t121,
+		0.134701016973*dw4x)));
 	const double t133 = RNEA_FMA(5e-05, t130 - dw4z, RNEA_FMA(0.14417575549, dw4y, 0.12366627845599999*t126));
 	const double t134 = RNEA_FMA(0.022737817929, t122 - t127, RNEA_FMA(4e-05, dw4x + t121, t133));
-	const double t135 = RNEA_FMA(-5e-05, t129, RNEA_FMA(-0.022737817929, t125, RNEA_FMA(0.011034738517,
-		dw4z, 0.009474738517000002*t130)));
+	const double t135 = RNEA_FMA(-5e-05, t129, RNEA_FMA(-0.022737817929, t125, RNEA_FMA(0.011034738517, dw4z,
+		0.009474738517000002*t130)));
 	const double n4x = RNEA_FMA(0.49607829999999997, a4y, RNEA_FMA(-5e-05, t123 - t122, t132));
 	const double n4y = t134 - RNEA_FMA(0.49607829999999997, a4x, 0.12490590000000001*a4z);
 	const double n4z = RNEA_FMA(0.12490590000000001, a4y, RNEA_FMA(4e-05, t127 - t123, t135));
@@ -609,10 +425,10 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double f5x = RNEA_FMA(2.638, a5x, RNEA_FMA(-0.39765212, t145, 0.06924749999999999*t151));
 	const double f5y = RNEA_FMA(2.638, a5y, RNEA_FMA(-0.06924749999999999, t143 + t148, 0.39765212*t152));
 	const double f5z = RNEA_FMA(2.638, a5z, RNEA_FMA(0.06924749999999999, t146, 0.39765212*t149));
-	const double t153 = RNEA_FMA(-0.0001, t152, RNEA_FMA(0.00741836815, t149, RNEA_FMA(0.005497746875,
-		dw5x, 0.0027377468750000005*t142)));
-	const double t154 = RNEA_FMA(-0.00741836815, t146, RNEA_FMA(-2e-05, t151, RNEA_FMA(-0.08437208056880001,
-		t147, 0.08713208056880001*dw5y)));
+	const double t153 = RNEA_FMA(-0.0001, t152, RNEA_FMA(0.00741836815, t149, RNEA_FMA(0.005497746875, dw5x,
+		0.0027377468750000005*t142)));
+	const double t154 = RNEA_FMA(-0.00741836815, t146, RNEA_FMA(-2e-05, t151, RNEA_FMA(-0.08437208056880001, t147,
+		0.08713208056880001*dw5y)));
 	const double t155 = RNEA_FMA(0.0001, t142 - dw5x, RNEA_FMA(0.08986982744380001, dw5z, 0.0816343336938*t150));
 	const double t156 = RNEA_FMA(-0.00741836815, t148 - t144, RNEA_FMA(2e-05, dw5y + t147, t155));
 	const double n5x = RNEA_FMA(0.06924749999999999, a5z, RNEA_FMA(2e-05, t144 - t143, t153));
@@ -652,20 +468,19 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double f6x = RNEA_FMA(0.881001, a6x, t171);
 	const double f6y = RNEA_FMA(0.881001, a6y, RNEA_FMA(8.81e-05, t162, RNEA_FMA(3.524e-05, t160 + t165,
 		0.11047774600000002*t170)));
-	const double f6z = RNEA_FMA(0.881001, a6z, RNEA_FMA(-8.81e-05, t161 + t165, RNEA_FMA(-3.524e-05,
-		t163, 0.11047774600000002*t166)));
+	const double f6z = RNEA_FMA(0.881001, a6z, RNEA_FMA(-8.81e-05, t161 + t165, RNEA_FMA(-3.524e-05, t163,
+		0.11047774600000002*t166)));
 	const double t172 = RNEA_FMA(-2.0477399999951043e-06, t170, RNEA_FMA(5.4580904000004895e-05, t166,
 		RNEA_FMA(-0.0002300074003999993, t159, 0.0004710102195999804*dw6x)));
 	const double t173 = RNEA_FMA(-5.4580904000004895e-05, t163, RNEA_FMA(9.96476000009793e-07, t169,
 		RNEA_FMA(-0.02571397686600003, t164, 0.026414994486000012*dw6y)));
 	const double t174 = RNEA_FMA(-9.96476000009793e-07, t167, RNEA_FMA(2.0477399999951043e-06, t162,
 		RNEA_FMA(0.026184987085600013, dw6z, 0.02594398426640003*t168)));
-	const double n6x = RNEA_FMA(-9.96476000009793e-07, t161 - t160, t172) - RNEA_FMA(3.524e-05, a6z,
-		8.81e-05*a6y);
-	const double n6y = RNEA_FMA(-0.11047774600000002, a6z, 8.81e-05*a6x) + RNEA_FMA(-2.0477399999951043e-06,
-		t160 - t165, t173);
-	const double n6z = RNEA_FMA(0.11047774600000002, a6y, 3.524e-05*a6x) + RNEA_FMA(-5.4580904000004895e-05,
-		t165 - t161, t174);
+	const double n6x = RNEA_FMA(-9.96476000009793e-07, t161 - t160, t172) - RNEA_FMA(3.524e-05, a6z, 8.81e-05*a6y);
+	const double n6y = RNEA_FMA(-0.11047774600000002, a6z, 8.81e-05*a6x) + RNEA_FMA(-2.0477399999951043e-06, t160
+		- t165, t173);
+	const double n6z = RNEA_FMA(0.11047774600000002, a6y, 3.524e-05*a6x) + RNEA_FMA(-5.4580904000004895e-05, t165
+		- t161, t174);
 
 	/* ---- back from link 6 "lh_lowerleg" to link 5 (bpass): torque of "lh_kfe_joint" ---- */
 	const double t175 = RNEA_FMA(s6, f6x, c6*f6y);
@@ -696,16 +511,16 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double t182 = RNEA_FMA(n4y_2, -s4, c4*n4x_2);
 	const double t183 = RNEA_FMA(s4, n4x_2, c4*n4y_2);
 	const double t184 = RNEA_FMA(-4.8965888601467475e-12, t180, 2.0682310711021444e-13*t181) - f4z_2;
-	const double t185 = RNEA_FMA(2.0682310711021444e-13, f4z_2, RNEA_FMA(1.0127277222968137e-24, t180,
-		t181));
+	const double t185 = RNEA_FMA(2.0682310711021444e-13, f4z_2, RNEA_FMA(1.0127277222968137e-24, t180, t181));
 	const double t186 = RNEA_FMA(4.8965888601467475e-12, f4z_2, -t180);
 	const double f0x_3 = f0x_2 + t184;
 	const double f0y_3 = f0y_2 - t185;
 	const double f0z_3 = f0z_2 + t186;
 	const double t187 = RNEA_FMA(4.8965888601467475e-12, n4z_2, -t182) + RNEA_FMA(-0.207, t184, 0.3735*t185);
-	const double n0x_3 = n0x_2 + RNEA_FMA(0.207, t186, RNEA_FMA(-4.8965888601467475e-12, t182, 2.0682310711021444e-13*t183) - n4z_2);
-	const double n0y_3 = n0y_2 + RNEA_FMA(0.3735, t186, -RNEA_FMA(2.0682310711021444e-13, n4z_2, RNEA_FMA(1.0127277222968137e-24,
-		t182, t183)));
+	const double n0x_3 = n0x_2 + RNEA_FMA(0.207, t186, RNEA_FMA(-4.8965888601467475e-12, t182,
+		2.0682310711021444e-13*t183) - n4z_2);
+	const double n0y_3 = n0y_2 + RNEA_FMA(0.3735, t186, -RNEA_FMA(2.0682310711021444e-13, n4z_2,
+		RNEA_FMA(1.0127277222968137e-24, t182, t183)));
 	const double n0z_3 = n0z_2 + t187;
 	tau[9*stride] = n4z_2;
 
@@ -746,12 +561,12 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double f7x = RNEA_FMA(2.93, a7x, -RNEA_FMA(0.49607829999999997, t204, 0.12490590000000001*t199));
 	const double f7y = RNEA_FMA(2.93, a7y, RNEA_FMA(-0.49607829999999997, t200, 0.12490590000000001*t206));
 	const double f7z = RNEA_FMA(2.93, a7z, RNEA_FMA(0.49607829999999997, t198 + t202, 0.12490590000000001*t203));
-	const double t207 = RNEA_FMA(0.022737817929, t206, RNEA_FMA(-4e-05, t203, RNEA_FMA(-0.133141016973,
-		t196, 0.134701016973*dw7x)));
+	const double t207 = RNEA_FMA(0.022737817929, t206, RNEA_FMA(-4e-05, t203, RNEA_FMA(-0.133141016973, t196,
+		0.134701016973*dw7x)));
 	const double t208 = RNEA_FMA(5e-05, t205 - dw7z, RNEA_FMA(0.14417575549, dw7y, 0.12366627845599999*t201));
 	const double t209 = RNEA_FMA(0.022737817929, t197 - t202, RNEA_FMA(4e-05, dw7x + t196, t208));
-	const double t210 = RNEA_FMA(-5e-05, t204, RNEA_FMA(-0.022737817929, t200, RNEA_FMA(0.011034738517,
-		dw7z, 0.009474738517000002*t205)));
+	const double t210 = RNEA_FMA(-5e-05, t204, RNEA_FMA(-0.022737817929, t200, RNEA_FMA(0.011034738517, dw7z,
+		0.009474738517000002*t205)));
 	const double n7x = RNEA_FMA(0.49607829999999997, a7y, RNEA_FMA(-5e-05, t198 - t197, t207));
 	const double n7y = t209 - RNEA_FMA(0.49607829999999997, a7x, 0.12490590000000001*a7z);
 	const double n7z = RNEA_FMA(0.12490590000000001, a7y, RNEA_FMA(4e-05, t202 - t198, t210));
@@ -791,10 +606,10 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double f8x = RNEA_FMA(2.638, a8x, -RNEA_FMA(0.06924749999999999, t226, 0.39765212*t220));
 	const double f8y = RNEA_FMA(2.638, a8y, RNEA_FMA(0.06924749999999999, t218 + t223, 0.39765212*t227));
 	const double f8z = RNEA_FMA(2.638, a8z, RNEA_FMA(-0.06924749999999999, t221, 0.39765212*t224));
-	const double t228 = RNEA_FMA(0.0001, t227, RNEA_FMA(-0.00741836815, t224, RNEA_FMA(0.005497746875,
-		dw8x, 0.0027377468750000005*t217)));
-	const double t229 = RNEA_FMA(0.00741836815, t221, RNEA_FMA(-2e-05, t226, RNEA_FMA(-0.08437208056880001,
-		t222, 0.08713208056880001*dw8y)));
+	const double t228 = RNEA_FMA(0.0001, t227, RNEA_FMA(-0.00741836815, t224, RNEA_FMA(0.005497746875, dw8x,
+		0.0027377468750000005*t217)));
+	const double t229 = RNEA_FMA(0.00741836815, t221, RNEA_FMA(-2e-05, t226, RNEA_FMA(-0.08437208056880001, t222,
+		0.08713208056880001*dw8y)));
 	const double t230 = RNEA_FMA(-0.0001, t217 - dw8x, RNEA_FMA(0.08986982744380001, dw8z, 0.0816343336938*t225));
 	const double t231 = RNEA_FMA(0.00741836815, t223 - t219, RNEA_FMA(2e-05, dw8y + t222, t230));
 	const double n8x = RNEA_FMA(-0.06924749999999999, a8z, RNEA_FMA(2e-05, t219 - t218, t228));
@@ -830,24 +645,23 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double t243 = w9x*w9y;
 	const double t244 = t243 - dw9z;
 	const double t245 = dw9z + t243;
-	const double f9x = RNEA_FMA(0.881001, a9x, RNEA_FMA(-8.81e-05, t242, RNEA_FMA(-0.11047774600000002,
-		t235 + t236, 3.524e-05*t244)));
+	const double f9x = RNEA_FMA(0.881001, a9x, RNEA_FMA(-8.81e-05, t242, RNEA_FMA(-0.11047774600000002, t235 + t236,
+		3.524e-05*t244)));
 	const double f9y = RNEA_FMA(0.881001, a9y, RNEA_FMA(-8.81e-05, t237, RNEA_FMA(-3.524e-05, t235 + t240,
 		0.11047774600000002*t245)));
-	const double f9z = RNEA_FMA(0.881001, a9z, RNEA_FMA(8.81e-05, t236 + t240, RNEA_FMA(3.524e-05,
-		t238, 0.11047774600000002*t241)));
+	const double f9z = RNEA_FMA(0.881001, a9z, RNEA_FMA(8.81e-05, t236 + t240, RNEA_FMA(3.524e-05, t238,
+		0.11047774600000002*t241)));
 	const double t246 = RNEA_FMA(4.774000000489742e-08, t245, RNEA_FMA(-5.6580903999995104e-05, t241,
 		RNEA_FMA(-0.0002300074003999993, t234, 0.0004710102195999804*dw9x)));
 	const double t247 = RNEA_FMA(5.6580903999995104e-05, t238, RNEA_FMA(9.96476000009793e-07, t244,
 		RNEA_FMA(-0.02571397686600003, t239, 0.026414994486000012*dw9y)));
 	const double t248 = RNEA_FMA(-9.96476000009793e-07, t242, RNEA_FMA(-4.774000000489742e-08, t237,
 		RNEA_FMA(0.026184987085600013, dw9z, 0.02594398426640003*t243)));
-	const double n9x = RNEA_FMA(3.524e-05, a9z, 8.81e-05*a9y) + RNEA_FMA(-9.96476000009793e-07, t236 - t235,
-		t246);
+	const double n9x = RNEA_FMA(3.524e-05, a9z, 8.81e-05*a9y) + RNEA_FMA(-9.96476000009793e-07, t236 - t235, t246);
 	const double n9y = RNEA_FMA(4.774000000489742e-08, t235 - t240, t247) - RNEA_FMA(8.81e-05, a9x,
 		0.11047774600000002*a9z);
-	const double n9z = RNEA_FMA(-3.524e-05, a9x, 0.11047774600000002*a9y) + RNEA_FMA(5.6580903999995104e-05,
-		t240 - t236, t248);
+	const double n9z = RNEA_FMA(-3.524e-05, a9x, 0.11047774600000002*a9y) + RNEA_FMA(5.6580903999995104e-05, t240
+		- t236, t248);
 
 	/* ---- back from link 9 "rf_lowerleg" to link 8 (bpass): torque of "rf_kfe_joint" ---- */
 	const double t249 = RNEA_FMA(s9, f9x, c9*f9y);
@@ -920,12 +734,12 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double f10x = RNEA_FMA(2.93, a10x, RNEA_FMA(-0.12490590000000001, t267, 0.49607829999999997*t272));
 	const double f10y = RNEA_FMA(2.93, a10y, RNEA_FMA(0.49607829999999997, t268, 0.12490590000000001*t274));
 	const double f10z = RNEA_FMA(2.93, a10z, RNEA_FMA(-0.49607829999999997, t266 + t270, 0.12490590000000001*t271));
-	const double t275 = RNEA_FMA(-0.022737817929, t274, RNEA_FMA(4e-05, t271, RNEA_FMA(-0.133141016973,
-		t264, 0.134701016973*dw10x)));
+	const double t275 = RNEA_FMA(-0.022737817929, t274, RNEA_FMA(4e-05, t271, RNEA_FMA(-0.133141016973, t264,
+		0.134701016973*dw10x)));
 	const double t276 = RNEA_FMA(5e-05, t273 - dw10z, RNEA_FMA(0.14417575549, dw10y, 0.12366627845599999*t269));
 	const double t277 = RNEA_FMA(-0.022737817929, t265 - t270, RNEA_FMA(-4e-05, dw10x + t264, t276));
-	const double t278 = RNEA_FMA(-5e-05, t272, RNEA_FMA(0.022737817929, t268, RNEA_FMA(0.011034738517,
-		dw10z, 0.009474738517000002*t273)));
+	const double t278 = RNEA_FMA(-5e-05, t272, RNEA_FMA(0.022737817929, t268, RNEA_FMA(0.011034738517, dw10z,
+		0.009474738517000002*t273)));
 	const double n10x = RNEA_FMA(-0.49607829999999997, a10y, RNEA_FMA(-5e-05, t266 - t265, t275));
 	const double n10y = RNEA_FMA(-0.12490590000000001, a10z, 0.49607829999999997*a10x) + t277;
 	const double n10z = RNEA_FMA(0.12490590000000001, a10y, RNEA_FMA(-4e-05, t270 - t266, t278));
@@ -965,10 +779,10 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double f11x = RNEA_FMA(2.638, a11x, RNEA_FMA(-0.39765212, t288, 0.06924749999999999*t294));
 	const double f11y = RNEA_FMA(2.638, a11y, RNEA_FMA(-0.06924749999999999, t286 + t291, 0.39765212*t295));
 	const double f11z = RNEA_FMA(2.638, a11z, RNEA_FMA(0.06924749999999999, t289, 0.39765212*t292));
-	const double t296 = RNEA_FMA(-0.0001, t295, RNEA_FMA(0.00741836815, t292, RNEA_FMA(0.005497746875,
-		dw11x, 0.0027377468750000005*t285)));
-	const double t297 = RNEA_FMA(-0.00741836815, t289, RNEA_FMA(-2e-05, t294, RNEA_FMA(-0.08437208056880001,
-		t290, 0.08713208056880001*dw11y)));
+	const double t296 = RNEA_FMA(-0.0001, t295, RNEA_FMA(0.00741836815, t292, RNEA_FMA(0.005497746875, dw11x,
+		0.0027377468750000005*t285)));
+	const double t297 = RNEA_FMA(-0.00741836815, t289, RNEA_FMA(-2e-05, t294, RNEA_FMA(-0.08437208056880001, t290,
+		0.08713208056880001*dw11y)));
 	const double t298 = RNEA_FMA(0.0001, t285 - dw11x, RNEA_FMA(0.08986982744380001, dw11z, 0.0816343336938*t293));
 	const double t299 = RNEA_FMA(-0.00741836815, t291 - t287, RNEA_FMA(2e-05, dw11y + t290, t298));
 	const double n11x = RNEA_FMA(0.06924749999999999, a11z, RNEA_FMA(2e-05, t287 - t286, t296));
@@ -1008,8 +822,8 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double f12x = RNEA_FMA(0.881001, a12x, t314);
 	const double f12y = RNEA_FMA(0.881001, a12y, RNEA_FMA(8.81e-05, t305, RNEA_FMA(3.524e-05, t303 + t308,
 		0.11047774600000002*t313)));
-	const double f12z = RNEA_FMA(0.881001, a12z, RNEA_FMA(-8.81e-05, t304 + t308, RNEA_FMA(-3.524e-05,
-		t306, 0.11047774600000002*t309)));
+	const double f12z = RNEA_FMA(0.881001, a12z, RNEA_FMA(-8.81e-05, t304 + t308, RNEA_FMA(-3.524e-05, t306,
+		0.11047774600000002*t309)));
 	const double t315 = RNEA_FMA(-2.0477399999951043e-06, t313, RNEA_FMA(5.4580904000004895e-05, t309,
 		RNEA_FMA(-0.0002300074003999993, t302, 0.0004710102195999804*dw12x)));
 	const double t316 = RNEA_FMA(-5.4580904000004895e-05, t306, RNEA_FMA(9.96476000009793e-07, t312,
@@ -1018,10 +832,10 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 		RNEA_FMA(0.026184987085600013, dw12z, 0.02594398426640003*t311)));
 	const double n12x = RNEA_FMA(-9.96476000009793e-07, t304 - t303, t315) - RNEA_FMA(3.524e-05, a12z,
 		8.81e-05*a12y);
-	const double n12y = RNEA_FMA(-0.11047774600000002, a12z, 8.81e-05*a12x) + RNEA_FMA(-2.0477399999951043e-06,
-		t303 - t308, t316);
-	const double n12z = RNEA_FMA(0.11047774600000002, a12y, 3.524e-05*a12x) + RNEA_FMA(-5.4580904000004895e-05,
-		t308 - t304, t317);
+	const double n12y = RNEA_FMA(-0.11047774600000002, a12z, 8.81e-05*a12x) + RNEA_FMA(-2.0477399999951043e-06, t303
+		- t308, t316);
+	const double n12z = RNEA_FMA(0.11047774600000002, a12y, 3.524e-05*a12x) + RNEA_FMA(-5.4580904000004895e-05, t308
+		- t304, t317);
 
 	/* ---- back from link 12 "rh_lowerleg" to link 11 (bpass): torque of "rh_kfe_joint" ---- */
 	const double t318 = RNEA_FMA(s12, f12x, c12*f12y);
@@ -1055,16 +869,16 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	const double f0x_5 = f0x_4 + t326;
 	const double f0y_5 = f0y_4 + t324;
 	const double f0z_5 = f0z_4 + t327;
-	const double t328 = RNEA_FMA(4.8965888601467475e-12, n10z_2, -t325) + RNEA_FMA(-0.3735, t324,
-		0.207*t326);
+	const double t328 = RNEA_FMA(4.8965888601467475e-12, n10z_2, -t325) + RNEA_FMA(-0.3735, t324, 0.207*t326);
 	const double n0x_5 = n0x_4 + RNEA_FMA(-0.207, t327, RNEA_FMA(4.8965888601467475e-12, t325, n10z_2));
 	const double n0y_5 = n0y_4 + RNEA_FMA(0.3735, t327, RNEA_FMA(s10, n10x_2, c10*n10y_2));
 	const double n0z_5 = n0z_4 + t328;
 	tau[15*stride] = n10z_2;
 
 	/* ---- back from link 0 "base_link" to the world (bpass) ---- */
-	tau[0*stride] = f0x_5;
-	tau[1*stride] = f0y_5;
+	/* f_p += R f;  n_p += R n + p x R f;  tau = (f, n) */
+	tau[0] = f0x_5;
+	tau[stride] = f0y_5;
 	tau[2*stride] = f0z_5;
 	tau[3*stride] = n0x_5;
 	tau[4*stride] = n0y_5;
@@ -1075,11 +889,15 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f, const size_t stride, const int small)
+static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 0 "base_link" (fpass) ---- */
+	/* w = R'w_p + qd_w;  dw = R'dw_p + qdd_w + R'w_p x qd_w;  a = R'(a_p + U_p p) + dV + 2 R'w_p x V,  V = qd_v, 
+	   dV = qdd_v + qd_w x qd_v;  v = R'(v_p + w_p x p) + V;
+	   f = m a + U h;  n = I dw + w x I w + h x a */
 	const double q0qw = q[6*stride];
 	const double q0qx = q[3*stride];
 	const double q0qy = q[4*stride];
@@ -1087,8 +905,8 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double t1 = 2.0*q0qx;
 	const double t2 = 2.0*q0qy;
 	const double t3 = RNEA_FMA(t2, -q0qw, q0qx*(2.0*q0qz));
-	const double qd0vx = qd[0*stride];
-	const double qd0vy = qd[1*stride];
+	const double qd0vx = qd[0];
+	const double qd0vy = qd[stride];
 	const double qd0vz = qd[2*stride];
 	const double qd0wx = qd[3*stride];
 	const double qd0wy = qd[4*stride];
@@ -1099,8 +917,8 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double t4 = RNEA_FMA(qd0wz, -qd0vy, qd0vz*qd0wy);
 	const double t5 = RNEA_FMA(qd0wx, -qd0vz, qd0vx*qd0wz);
 	const double t6 = RNEA_FMA(qd0wy, -qd0vx, qd0vy*qd0wx);
-	const double qdd0vx = qdd[0*stride];
-	const double qdd0vy = qdd[1*stride];
+	const double qdd0vx = qdd[0];
+	const double qdd0vy = qdd[stride];
 	const double qdd0vz = qdd[2*stride];
 	const double a0x = RNEA_FMA(9.81, t3, t4 + qdd0vx);
 	const double a0y = RNEA_FMA(9.81, RNEA_FMA(q0qw, t1, q0qz*t2), t5 + qdd0vy);
@@ -1119,44 +937,45 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double t18 = qd0wx*qd0wy;
 	const double t19 = t18 - qdd0wz;
 	const double t20 = qdd0wz + t18;
-	const double f0x = RNEA_FMA(60.978001, a0x, RNEA_FMA(0.2200155852, t17, RNEA_FMA(-3.4189836000000002,
-		t10, 1.3106418*t19)));
+	const double f0x = RNEA_FMA(60.978001, a0x, RNEA_FMA(0.2200155852, t17, RNEA_FMA(-3.4189836000000002, t10,
+		1.3106418*t19)));
 	const double f0y = RNEA_FMA(60.978001, a0y, RNEA_FMA(0.2200155852, t11, RNEA_FMA(-1.3106418, t15,
 		3.4189836000000002*t20)));
-	const double f0z = RNEA_FMA(60.978001, a0z, RNEA_FMA(-0.2200155852, t9 + t14, RNEA_FMA(1.3106418,
-		t12, 3.4189836000000002*t16)));
-	const double t21 = RNEA_FMA(-0.21587546426503998, t20, RNEA_FMA(0.045020362359999996, t16, RNEA_FMA(1.6017305299677633,
-		qdd0wx, 0.7211199903922375*t7)));
-	const double t22 = RNEA_FMA(-0.045020362359999996, t12, RNEA_FMA(0.00915326907852, t19, RNEA_FMA(-7.814626778932237,
-		t13, 8.695237318507763*qdd0wy)));
+	const double f0z = RNEA_FMA(60.978001, a0z, RNEA_FMA(-0.2200155852, t9 + t14, RNEA_FMA(1.3106418, t12,
+		3.4189836000000002*t16)));
+	const double t21 = RNEA_FMA(-0.21587546426503998, t20, RNEA_FMA(0.045020362359999996, t16,
+		RNEA_FMA(1.6017305299677633, qdd0wx, 0.7211199903922375*t7)));
+	const double t22 = RNEA_FMA(-0.045020362359999996, t12, RNEA_FMA(0.00915326907852, t19,
+		RNEA_FMA(-7.814626778932237, t13, 8.695237318507763*qdd0wy)));
 	const double t23 = RNEA_FMA(-0.00915326907852, t17, RNEA_FMA(0.21587546426503998, t11, RNEA_FMA(9.4163573089,
 		qdd0wz, 7.093506788539999*t18)));
-	const double n0x = RNEA_FMA(-0.2200155852, a0y, 1.3106418*a0z) + RNEA_FMA(-0.00915326907852, t9 - t8,
-		t21);
-	const double n0y = RNEA_FMA(-3.4189836000000002, a0z, 0.2200155852*a0x) + RNEA_FMA(-0.21587546426503998,
-		t8 - t14, t22);
-	const double n0z = RNEA_FMA(-1.3106418, a0x, 3.4189836000000002*a0y) + RNEA_FMA(-0.045020362359999996,
-		t14 - t9, t23);
-	v[0*stride] = qd0vx;
-	v[1*stride] = qd0vy;
+	const double n0x = RNEA_FMA(-0.2200155852, a0y, 1.3106418*a0z) + RNEA_FMA(-0.00915326907852, t9 - t8, t21);
+	const double n0y = RNEA_FMA(-3.4189836000000002, a0z, 0.2200155852*a0x) + RNEA_FMA(-0.21587546426503998, t8
+		- t14, t22);
+	const double n0z = RNEA_FMA(-1.3106418, a0x, 3.4189836000000002*a0y) + RNEA_FMA(-0.045020362359999996, t14 - t9,
+		t23);
+	v[0] = qd0vx;
+	v[stride] = qd0vy;
 	v[2*stride] = qd0vz;
 	v[3*stride] = qd0wx;
 	v[4*stride] = qd0wy;
 	v[5*stride] = qd0wz;
-	a[0*stride] = a0x - t4;
-	a[1*stride] = a0y - t5;
+	a[0] = a0x - t4;
+	a[stride] = a0y - t5;
 	a[2*stride] = a0z - t6;
 	a[3*stride] = qdd0wx;
 	a[4*stride] = qdd0wy;
 	a[5*stride] = qdd0wz;
-	f[0*stride] = f0x;
-	f[1*stride] = f0y;
+	f[0] = f0x;
+	f[stride] = f0y;
 	f[2*stride] = f0z;
 	f[3*stride] = n0x;
 	f[4*stride] = n0y;
 	f[5*stride] = n0z;
 
 	/* ---- out to link 1 "lf_hipassembly" (fpass) ---- */
+	/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);  v = R'(v_p + w_p x p);
+	   f = m a + U h;  n = I dw + w x I w + h x a */
 	const double q1 = q[7*stride];
 	double s1, c1;
 	all_small &= rneagen_sincos_either(q1, small, &s1, &c1);
@@ -1184,8 +1003,7 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double t43 = t41 + RNEA_FMA(1.0127277222968137e-24, t40, t42);
 	const double t44 = 2.0682310711021444e-13*t39;
 	const double t45 = t44 - t40;
-	const double v1z = RNEA_FMA(4.8965888601467475e-12, t41, -RNEA_FMA(2.0682310711021444e-13, t40,
-		t39));
+	const double v1z = RNEA_FMA(4.8965888601467475e-12, t41, -RNEA_FMA(2.0682310711021444e-13, t40, t39));
 	const double t46 = 0.3735*t10;
 	const double t47 = 0.207*t19;
 	const double t48 = t47 - t46;
@@ -1200,8 +1018,7 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double t57 = a0z + t54;
 	const double t58 = t57 + RNEA_FMA(1.0127277222968137e-24, t56, 4.8965888601467475e-12*t55);
 	const double t59 = RNEA_FMA(2.0682310711021444e-13, t55, -t56);
-	const double a1z = RNEA_FMA(4.8965888601467475e-12, t57, -RNEA_FMA(2.0682310711021444e-13, t56,
-		t55));
+	const double a1z = RNEA_FMA(4.8965888601467475e-12, t57, -RNEA_FMA(2.0682310711021444e-13, t56, t55));
 	const double w1x = RNEA_FMA(t25, -c1, s1*t26);
 	const double w1y = RNEA_FMA(s1, t25, c1*t26);
 	const double w1z = qd1 + t28;
@@ -1226,12 +1043,12 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double f1x = RNEA_FMA(2.93, a1x, RNEA_FMA(-0.12490590000000001, t63, 0.49607829999999997*t68));
 	const double f1y = RNEA_FMA(2.93, a1y, RNEA_FMA(0.49607829999999997, t64, 0.12490590000000001*t70));
 	const double f1z = RNEA_FMA(2.93, a1z, RNEA_FMA(-0.49607829999999997, t62 + t66, 0.12490590000000001*t67));
-	const double t71 = RNEA_FMA(-0.022737817929, t70, RNEA_FMA(4e-05, t67, RNEA_FMA(-0.133141016973,
-		t60, 0.134701016973*dw1x)));
+	const double t71 = RNEA_FMA(-0.022737817929, t70, RNEA_FMA(4e-05, t67, RNEA_FMA(-0.133141016973, t60,
+		0.134701016973*dw1x)));
 	const double t72 = RNEA_FMA(5e-05, t69 - dw1z, RNEA_FMA(0.14417575549, dw1y, 0.12366627845599999*t65));
 	const double t73 = RNEA_FMA(-0.022737817929, t61 - t66, RNEA_FMA(-4e-05, dw1x + t60, t72));
-	const double t74 = RNEA_FMA(-5e-05, t68, RNEA_FMA(0.022737817929, t64, RNEA_FMA(0.011034738517,
-		dw1z, 0.009474738517000002*t69)));
+	const double t74 = RNEA_FMA(-5e-05, t68, RNEA_FMA(0.022737817929, t64, RNEA_FMA(0.011034738517, dw1z,
+		0.009474738517000002*t69)));
 	const double n1x = RNEA_FMA(-0.49607829999999997, a1y, RNEA_FMA(-5e-05, t62 - t61, t71));
 	const double n1y = RNEA_FMA(-0.12490590000000001, a1z, 0.49607829999999997*a1x) + t73;
 	const double n1z = RNEA_FMA(0.12490590000000001, a1y, RNEA_FMA(-4e-05, t66 - t62, t74));
@@ -1295,10 +1112,10 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double f2x = RNEA_FMA(2.638, a2x, -RNEA_FMA(0.06924749999999999, t93, 0.39765212*t87));
 	const double f2y = RNEA_FMA(2.638, a2y, RNEA_FMA(0.06924749999999999, t85 + t90, 0.39765212*t94));
 	const double f2z = RNEA_FMA(2.638, a2z, RNEA_FMA(-0.06924749999999999, t88, 0.39765212*t91));
-	const double t95 = RNEA_FMA(0.0001, t94, RNEA_FMA(-0.00741836815, t91, RNEA_FMA(0.005497746875,
-		dw2x, 0.0027377468750000005*t84)));
-	const double t96 = RNEA_FMA(0.00741836815, t88, RNEA_FMA(-2e-05, t93, RNEA_FMA(-0.08437208056880001,
-		t89, 0.08713208056880001*dw2y)));
+	const double t95 = RNEA_FMA(0.0001, t94, RNEA_FMA(-0.00741836815, t91, RNEA_FMA(0.005497746875, dw2x,
+		0.0027377468750000005*t84)));
+	const double t96 = RNEA_FMA(0.00741836815, t88, RNEA_FMA(-2e-05, t93, RNEA_FMA(-0.08437208056880001, t89,
+		0.08713208056880001*dw2y)));
 	const double t97 = RNEA_FMA(-0.0001, t84 - dw2x, RNEA_FMA(0.08986982744380001, dw2z, 0.0816343336938*t92));
 	const double t98 = RNEA_FMA(0.00741836815, t90 - t86, RNEA_FMA(2e-05, dw2y + t89, t97));
 	const double n2x = RNEA_FMA(-0.06924749999999999, a2z, RNEA_FMA(2e-05, t86 - t85, t95));
@@ -1356,24 +1173,23 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double t111 = w3x*w3y;
 	const double t112 = t111 - dw3z;
 	const double t113 = dw3z + t111;
-	const double f3x = RNEA_FMA(0.881001, a3x, RNEA_FMA(-8.81e-05, t110, RNEA_FMA(-0.11047774600000002,
-		t103 + t104, 3.524e-05*t112)));
+	const double f3x = RNEA_FMA(0.881001, a3x, RNEA_FMA(-8.81e-05, t110, RNEA_FMA(-0.11047774600000002, t103 + t104,
+		3.524e-05*t112)));
 	const double f3y = RNEA_FMA(0.881001, a3y, RNEA_FMA(-8.81e-05, t105, RNEA_FMA(-3.524e-05, t103 + t108,
 		0.11047774600000002*t113)));
-	const double f3z = RNEA_FMA(0.881001, a3z, RNEA_FMA(8.81e-05, t104 + t108, RNEA_FMA(3.524e-05,
-		t106, 0.11047774600000002*t109)));
+	const double f3z = RNEA_FMA(0.881001, a3z, RNEA_FMA(8.81e-05, t104 + t108, RNEA_FMA(3.524e-05, t106,
+		0.11047774600000002*t109)));
 	const double t114 = RNEA_FMA(4.774000000489742e-08, t113, RNEA_FMA(-5.6580903999995104e-05, t109,
 		RNEA_FMA(-0.0002300074003999993, t102, 0.0004710102195999804*dw3x)));
 	const double t115 = RNEA_FMA(5.6580903999995104e-05, t106, RNEA_FMA(9.96476000009793e-07, t112,
 		RNEA_FMA(-0.02571397686600003, t107, 0.026414994486000012*dw3y)));
 	const double t116 = RNEA_FMA(-9.96476000009793e-07, t110, RNEA_FMA(-4.774000000489742e-08, t105,
 		RNEA_FMA(0.026184987085600013, dw3z, 0.02594398426640003*t111)));
-	const double n3x = RNEA_FMA(3.524e-05, a3z, 8.81e-05*a3y) + RNEA_FMA(-9.96476000009793e-07, t104 - t103,
-		t114);
+	const double n3x = RNEA_FMA(3.524e-05, a3z, 8.81e-05*a3y) + RNEA_FMA(-9.96476000009793e-07, t104 - t103, t114);
 	const double n3y = RNEA_FMA(4.774000000489742e-08, t103 - t108, t115) - RNEA_FMA(8.81e-05, a3x,
 		0.11047774600000002*a3z);
-	const double n3z = RNEA_FMA(-3.524e-05, a3x, 0.11047774600000002*a3y) + RNEA_FMA(5.6580903999995104e-05,
-		t108 - t104, t116);
+	const double n3z = RNEA_FMA(-3.524e-05, a3x, 0.11047774600000002*a3y) + RNEA_FMA(5.6580903999995104e-05, t108
+		- t104, t116);
 	v[18*stride] = v3x;
 	v[19*stride] = v3y;
 	v[20*stride] = v3z;
@@ -1404,8 +1220,7 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double t119 = qd0vz + t117;
 	const double t120 = t119 + RNEA_FMA(1.0127277222968137e-24, t118, t42);
 	const double t121 = t44 - t118;
-	const double v4z = RNEA_FMA(4.8965888601467475e-12, t119, -RNEA_FMA(2.0682310711021444e-13, t118,
-		t39));
+	const double v4z = RNEA_FMA(4.8965888601467475e-12, t119, -RNEA_FMA(2.0682310711021444e-13, t118, t39));
 	const double t122 = t46 + t47;
 	const double t123 = t49 + t50;
 	const double t124 = t53 - t52;
@@ -1414,8 +1229,7 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double t127 = a0z + t124;
 	const double t128 = t127 + RNEA_FMA(1.0127277222968137e-24, t126, 4.8965888601467475e-12*t125);
 	const double t129 = RNEA_FMA(2.0682310711021444e-13, t125, -t126);
-	const double a4z = RNEA_FMA(4.8965888601467475e-12, t127, -RNEA_FMA(2.0682310711021444e-13, t126,
-		t125));
+	const double a4z = RNEA_FMA(4.8965888601467475e-12, t127, -RNEA_FMA(2.0682310711021444e-13, t126, t125));
 	const double w4x = RNEA_FMA(c4, -t25, t26*s4);
 	const double w4y = RNEA_FMA(t25, s4, t26*c4);
 	const double w4z = t28 + qd4;
@@ -1440,12 +1254,12 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double f4x = RNEA_FMA(2.93, a4x, -RNEA_FMA(0.49607829999999997, t138, 0.12490590000000001*t133));
 	const double f4y = RNEA_FMA(2.93, a4y, RNEA_FMA(-0.49607829999999997, t134, 0.12490590000000001*t140));
 	const double f4z = RNEA_FMA(2.93, a4z, RNEA_FMA(0.49607829999999997, t132 + t136, 0.12490590000000001*t137));
-	const double t141 = RNEA_FMA(0.022737817929, t140, RNEA_FMA(-4e-05, t137, RNEA_FMA(-0.133141016973,
-		t130, 0.134701016973*dw4x)));
+	const double t141 = RNEA_FMA(0.022737817929, t140, RNEA_FMA(-4e-05, t137, RNEA_FMA(-0.133141016973, t130,
+		0.134701016973*dw4x)));
 	const double t142 = RNEA_FMA(5e-05, t139 - dw4z, RNEA_FMA(0.14417575549, dw4y, 0.12366627845599999*t135));
 	const double t143 = RNEA_FMA(0.022737817929, t131 - t136, RNEA_FMA(4e-05, dw4x + t130, t142));
-	const double t144 = RNEA_FMA(-5e-05, t138, RNEA_FMA(-0.022737817929, t134, RNEA_FMA(0.011034738517,
-		dw4z, 0.009474738517000002*t139)));
+	const double t144 = RNEA_FMA(-5e-05, t138, RNEA_FMA(-0.022737817929, t134, RNEA_FMA(0.011034738517, dw4z,
+		0.009474738517000002*t139)));
 	const double n4x = RNEA_FMA(0.49607829999999997, a4y, RNEA_FMA(-5e-05, t132 - t131, t141));
 	const double n4y = t143 - RNEA_FMA(0.49607829999999997, a4x, 0.12490590000000001*a4z);
 	const double n4z = RNEA_FMA(0.12490590000000001, a4y, RNEA_FMA(4e-05, t136 - t132, t144));
@@ -1509,10 +1323,10 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double f5x = RNEA_FMA(2.638, a5x, RNEA_FMA(-0.39765212, t157, 0.06924749999999999*t163));
 	const double f5y = RNEA_FMA(2.638, a5y, RNEA_FMA(-0.06924749999999999, t155 + t160, 0.39765212*t164));
 	const double f5z = RNEA_FMA(2.638, a5z, RNEA_FMA(0.06924749999999999, t158, 0.39765212*t161));
-	const double t165 = RNEA_FMA(-0.0001, t164, RNEA_FMA(0.00741836815, t161, RNEA_FMA(0.005497746875,
-		dw5x, 0.0027377468750000005*t154)));
-	const double t166 = RNEA_FMA(-0.00741836815, t158, RNEA_FMA(-2e-05, t163, RNEA_FMA(-0.08437208056880001,
-		t159, 0.08713208056880001*dw5y)));
+	const double t165 = RNEA_FMA(-0.0001, t164, RNEA_FMA(0.00741836815, t161, RNEA_FMA(0.005497746875, dw5x,
+		0.0027377468750000005*t154)));
+	const double t166 = RNEA_FMA(-0.00741836815, t158, RNEA_FMA(-2e-05, t163, RNEA_FMA(-0.08437208056880001, t159,
+		0.08713208056880001*dw5y)));
 	const double t167 = RNEA_FMA(0.0001, t154 - dw5x, RNEA_FMA(0.08986982744380001, dw5z, 0.0816343336938*t162));
 	const double t168 = RNEA_FMA(-0.00741836815, t160 - t156, RNEA_FMA(2e-05, dw5y + t159, t167));
 	const double n5x = RNEA_FMA(0.06924749999999999, a5z, RNEA_FMA(2e-05, t156 - t155, t165));
@@ -1574,20 +1388,19 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double f6x = RNEA_FMA(0.881001, a6x, t184);
 	const double f6y = RNEA_FMA(0.881001, a6y, RNEA_FMA(8.81e-05, t175, RNEA_FMA(3.524e-05, t173 + t178,
 		0.11047774600000002*t183)));
-	const double f6z = RNEA_FMA(0.881001, a6z, RNEA_FMA(-8.81e-05, t174 + t178, RNEA_FMA(-3.524e-05,
-		t176, 0.11047774600000002*t179)));
+	const double f6z = RNEA_FMA(0.881001, a6z, RNEA_FMA(-8.81e-05, t174 + t178, RNEA_FMA(-3.524e-05, t176,
+		0.11047774600000002*t179)));
 	const double t185 = RNEA_FMA(-2.0477399999951043e-06, t183, RNEA_FMA(5.4580904000004895e-05, t179,
 		RNEA_FMA(-0.0002300074003999993, t172, 0.0004710102195999804*dw6x)));
 	const double t186 = RNEA_FMA(-5.4580904000004895e-05, t176, RNEA_FMA(9.96476000009793e-07, t182,
 		RNEA_FMA(-0.02571397686600003, t177, 0.026414994486000012*dw6y)));
 	const double t187 = RNEA_FMA(-9.96476000009793e-07, t180, RNEA_FMA(2.0477399999951043e-06, t175,
 		RNEA_FMA(0.026184987085600013, dw6z, 0.02594398426640003*t181)));
-	const double n6x = RNEA_FMA(-9.96476000009793e-07, t174 - t173, t185) - RNEA_FMA(3.524e-05, a6z,
-		8.81e-05*a6y);
-	const double n6y = RNEA_FMA(-0.11047774600000002, a6z, 8.81e-05*a6x) + RNEA_FMA(-2.0477399999951043e-06,
-		t173 - t178, t186);
-	const double n6z = RNEA_FMA(0.11047774600000002, a6y, 3.524e-05*a6x) + RNEA_FMA(-5.4580904000004895e-05,
-		t178 - t174, t187);
+	const double n6x = RNEA_FMA(-9.96476000009793e-07, t174 - t173, t185) - RNEA_FMA(3.524e-05, a6z, 8.81e-05*a6y);
+	const double n6y = RNEA_FMA(-0.11047774600000002, a6z, 8.81e-05*a6x) + RNEA_FMA(-2.0477399999951043e-06, t173
+		- t178, t186);
+	const double n6z = RNEA_FMA(0.11047774600000002, a6y, 3.524e-05*a6x) + RNEA_FMA(-5.4580904000004895e-05, t178
+		- t174, t187);
 	v[36*stride] = v6x;
 	v[37*stride] = v6y;
 	v[38*stride] = v6z;
@@ -1651,12 +1464,12 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double f7x = RNEA_FMA(2.93, a7x, -RNEA_FMA(0.49607829999999997, t208, 0.12490590000000001*t203));
 	const double f7y = RNEA_FMA(2.93, a7y, RNEA_FMA(-0.49607829999999997, t204, 0.12490590000000001*t210));
 	const double f7z = RNEA_FMA(2.93, a7z, RNEA_FMA(0.49607829999999997, t202 + t206, 0.12490590000000001*t207));
-	const double t211 = RNEA_FMA(0.022737817929, t210, RNEA_FMA(-4e-05, t207, RNEA_FMA(-0.133141016973,
-		t200, 0.134701016973*dw7x)));
+	const double t211 = RNEA_FMA(0.022737817929, t210, RNEA_FMA(-4e-05, t207, RNEA_FMA(-0.133141016973, t200,
+		0.134701016973*dw7x)));
 	const double t212 = RNEA_FMA(5e-05, t209 - dw7z, RNEA_FMA(0.14417575549, dw7y, 0.12366627845599999*t205));
 	const double t213 = RNEA_FMA(0.022737817929, t201 - t206, RNEA_FMA(4e-05, dw7x + t200, t212));
-	const double t214 = RNEA_FMA(-5e-05, t208, RNEA_FMA(-0.022737817929, t204, RNEA_FMA(0.011034738517,
-		dw7z, 0.009474738517000002*t209)));
+	const double t214 = RNEA_FMA(-5e-05, t208, RNEA_FMA(-0.022737817929, t204, RNEA_FMA(0.011034738517, dw7z,
+		0.009474738517000002*t209)));
 	const double n7x = RNEA_FMA(0.49607829999999997, a7y, RNEA_FMA(-5e-05, t202 - t201, t211));
 	const double n7y = t213 - RNEA_FMA(0.49607829999999997, a7x, 0.12490590000000001*a7z);
 	const double n7z = RNEA_FMA(0.12490590000000001, a7y, RNEA_FMA(4e-05, t206 - t202, t214));
@@ -1720,10 +1533,10 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double f8x = RNEA_FMA(2.638, a8x, -RNEA_FMA(0.06924749999999999, t233, 0.39765212*t227));
 	const double f8y = RNEA_FMA(2.638, a8y, RNEA_FMA(0.06924749999999999, t225 + t230, 0.39765212*t234));
 	const double f8z = RNEA_FMA(2.638, a8z, RNEA_FMA(-0.06924749999999999, t228, 0.39765212*t231));
-	const double t235 = RNEA_FMA(0.0001, t234, RNEA_FMA(-0.00741836815, t231, RNEA_FMA(0.005497746875,
-		dw8x, 0.0027377468750000005*t224)));
-	const double t236 = RNEA_FMA(0.00741836815, t228, RNEA_FMA(-2e-05, t233, RNEA_FMA(-0.08437208056880001,
-		t229, 0.08713208056880001*dw8y)));
+	const double t235 = RNEA_FMA(0.0001, t234, RNEA_FMA(-0.00741836815, t231, RNEA_FMA(0.005497746875, dw8x,
+		0.0027377468750000005*t224)));
+	const double t236 = RNEA_FMA(0.00741836815, t228, RNEA_FMA(-2e-05, t233, RNEA_FMA(-0.08437208056880001, t229,
+		0.08713208056880001*dw8y)));
 	const double t237 = RNEA_FMA(-0.0001, t224 - dw8x, RNEA_FMA(0.08986982744380001, dw8z, 0.0816343336938*t232));
 	const double t238 = RNEA_FMA(0.00741836815, t230 - t226, RNEA_FMA(2e-05, dw8y + t229, t237));
 	const double n8x = RNEA_FMA(-0.06924749999999999, a8z, RNEA_FMA(2e-05, t226 - t225, t235));
@@ -1781,24 +1594,23 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double t251 = w9x*w9y;
 	const double t252 = t251 - dw9z;
 	const double t253 = dw9z + t251;
-	const double f9x = RNEA_FMA(0.881001, a9x, RNEA_FMA(-8.81e-05, t250, RNEA_FMA(-0.11047774600000002,
-		t243 + t244, 3.524e-05*t252)));
+	const double f9x = RNEA_FMA(0.881001, a9x, RNEA_FMA(-8.81e-05, t250, RNEA_FMA(-0.11047774600000002, t243 + t244,
+		3.524e-05*t252)));
 	const double f9y = RNEA_FMA(0.881001, a9y, RNEA_FMA(-8.81e-05, t245, RNEA_FMA(-3.524e-05, t243 + t248,
 		0.11047774600000002*t253)));
-	const double f9z = RNEA_FMA(0.881001, a9z, RNEA_FMA(8.81e-05, t244 + t248, RNEA_FMA(3.524e-05,
-		t246, 0.11047774600000002*t249)));
+	const double f9z = RNEA_FMA(0.881001, a9z, RNEA_FMA(8.81e-05, t244 + t248, RNEA_FMA(3.524e-05, t246,
+		0.11047774600000002*t249)));
 	const double t254 = RNEA_FMA(4.774000000489742e-08, t253, RNEA_FMA(-5.6580903999995104e-05, t249,
 		RNEA_FMA(-0.0002300074003999993, t242, 0.0004710102195999804*dw9x)));
 	const double t255 = RNEA_FMA(5.6580903999995104e-05, t246, RNEA_FMA(9.96476000009793e-07, t252,
 		RNEA_FMA(-0.02571397686600003, t247, 0.026414994486000012*dw9y)));
 	const double t256 = RNEA_FMA(-9.96476000009793e-07, t250, RNEA_FMA(-4.774000000489742e-08, t245,
 		RNEA_FMA(0.026184987085600013, dw9z, 0.02594398426640003*t251)));
-	const double n9x = RNEA_FMA(3.524e-05, a9z, 8.81e-05*a9y) + RNEA_FMA(-9.96476000009793e-07, t244 - t243,
-		t254);
+	const double n9x = RNEA_FMA(3.524e-05, a9z, 8.81e-05*a9y) + RNEA_FMA(-9.96476000009793e-07, t244 - t243, t254);
 	const double n9y = RNEA_FMA(4.774000000489742e-08, t243 - t248, t255) - RNEA_FMA(8.81e-05, a9x,
 		0.11047774600000002*a9z);
-	const double n9z = RNEA_FMA(-3.524e-05, a9x, 0.11047774600000002*a9y) + RNEA_FMA(5.6580903999995104e-05,
-		t248 - t244, t256);
+	const double n9z = RNEA_FMA(-3.524e-05, a9x, 0.11047774600000002*a9y) + RNEA_FMA(5.6580903999995104e-05, t248
+		- t244, t256);
 	v[54*stride] = v9x;
 	v[55*stride] = v9y;
 	v[56*stride] = v9z;
@@ -1856,12 +1668,12 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double f10x = RNEA_FMA(2.93, a10x, RNEA_FMA(-0.12490590000000001, t266, 0.49607829999999997*t271));
 	const double f10y = RNEA_FMA(2.93, a10y, RNEA_FMA(0.49607829999999997, t267, 0.12490590000000001*t273));
 	const double f10z = RNEA_FMA(2.93, a10z, RNEA_FMA(-0.49607829999999997, t265 + t269, 0.12490590000000001*t270));
-	const double t274 = RNEA_FMA(-0.022737817929, t273, RNEA_FMA(4e-05, t270, RNEA_FMA(-0.133141016973,
-		t263, 0.134701016973*dw10x)));
+	const double t274 = RNEA_FMA(-0.022737817929, t273, RNEA_FMA(4e-05, t270, RNEA_FMA(-0.133141016973, t263,
+		0.134701016973*dw10x)));
 	const double t275 = RNEA_FMA(5e-05, t272 - dw10z, RNEA_FMA(0.14417575549, dw10y, 0.12366627845599999*t268));
 	const double t276 = RNEA_FMA(-0.022737817929, t264 - t269, RNEA_FMA(-4e-05, dw10x + t263, t275));
-	const double t277 = RNEA_FMA(-5e-05, t271, RNEA_FMA(0.022737817929, t267, RNEA_FMA(0.011034738517,
-		dw10z, 0.009474738517000002*t272)));
+	const double t277 = RNEA_FMA(-5e-05, t271, RNEA_FMA(0.022737817929, t267, RNEA_FMA(0.011034738517, dw10z,
+		0.009474738517000002*t272)));
 	const double n10x = RNEA_FMA(-0.49607829999999997, a10y, RNEA_FMA(-5e-05, t265 - t264, t274));
 	const double n10y = RNEA_FMA(-0.12490590000000001, a10z, 0.49607829999999997*a10x) + t276;
 	const double n10z = RNEA_FMA(0.12490590000000001, a10y, RNEA_FMA(-4e-05, t269 - t265, t277));
@@ -1925,10 +1737,10 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double f11x = RNEA_FMA(2.638, a11x, RNEA_FMA(-0.39765212, t290, 0.06924749999999999*t296));
 	const double f11y = RNEA_FMA(2.638, a11y, RNEA_FMA(-0.06924749999999999, t288 + t293, 0.39765212*t297));
 	const double f11z = RNEA_FMA(2.638, a11z, RNEA_FMA(0.06924749999999999, t291, 0.39765212*t294));
-	const double t298 = RNEA_FMA(-0.0001, t297, RNEA_FMA(0.00741836815, t294, RNEA_FMA(0.005497746875,
-		dw11x, 0.0027377468750000005*t287)));
-	const double t299 = RNEA_FMA(-0.00741836815, t291, RNEA_FMA(-2e-05, t296, RNEA_FMA(-0.08437208056880001,
-		t292, 0.08713208056880001*dw11y)));
+	const double t298 = RNEA_FMA(-0.0001, t297, RNEA_FMA(0.00741836815, t294, RNEA_FMA(0.005497746875, dw11x,
+		0.0027377468750000005*t287)));
+	const double t299 = RNEA_FMA(-0.00741836815, t291, RNEA_FMA(-2e-05, t296, RNEA_FMA(-0.08437208056880001, t292,
+		0.08713208056880001*dw11y)));
 	const double t300 = RNEA_FMA(0.0001, t287 - dw11x, RNEA_FMA(0.08986982744380001, dw11z, 0.0816343336938*t295));
 	const double t301 = RNEA_FMA(-0.00741836815, t293 - t289, RNEA_FMA(2e-05, dw11y + t292, t300));
 	const double n11x = RNEA_FMA(0.06924749999999999, a11z, RNEA_FMA(2e-05, t289 - t288, t298));
@@ -1990,8 +1802,8 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	const double f12x = RNEA_FMA(0.881001, a12x, t317);
 	const double f12y = RNEA_FMA(0.881001, a12y, RNEA_FMA(8.81e-05, t308, RNEA_FMA(3.524e-05, t306 + t311,
 		0.11047774600000002*t316)));
-	const double f12z = RNEA_FMA(0.881001, a12z, RNEA_FMA(-8.81e-05, t307 + t311, RNEA_FMA(-3.524e-05,
-		t309, 0.11047774600000002*t312)));
+	const double f12z = RNEA_FMA(0.881001, a12z, RNEA_FMA(-8.81e-05, t307 + t311, RNEA_FMA(-3.524e-05, t309,
+		0.11047774600000002*t312)));
 	const double t318 = RNEA_FMA(-2.0477399999951043e-06, t316, RNEA_FMA(5.4580904000004895e-05, t312,
 		RNEA_FMA(-0.0002300074003999993, t305, 0.0004710102195999804*dw12x)));
 	const double t319 = RNEA_FMA(-5.4580904000004895e-05, t309, RNEA_FMA(9.96476000009793e-07, t315,
@@ -2000,10 +1812,10 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 		RNEA_FMA(0.026184987085600013, dw12z, 0.02594398426640003*t314)));
 	const double n12x = RNEA_FMA(-9.96476000009793e-07, t307 - t306, t318) - RNEA_FMA(3.524e-05, a12z,
 		8.81e-05*a12y);
-	const double n12y = RNEA_FMA(-0.11047774600000002, a12z, 8.81e-05*a12x) + RNEA_FMA(-2.0477399999951043e-06,
-		t306 - t311, t319);
-	const double n12z = RNEA_FMA(0.11047774600000002, a12y, 3.524e-05*a12x) + RNEA_FMA(-5.4580904000004895e-05,
-		t311 - t307, t320);
+	const double n12y = RNEA_FMA(-0.11047774600000002, a12z, 8.81e-05*a12x) + RNEA_FMA(-2.0477399999951043e-06, t306
+		- t311, t319);
+	const double n12z = RNEA_FMA(0.11047774600000002, a12y, 3.524e-05*a12x) + RNEA_FMA(-5.4580904000004895e-05, t311
+		- t307, t320);
 	v[72*stride] = v12x;
 	v[73*stride] = v12y;
 	v[74*stride] = v12z;
@@ -2028,19 +1840,22 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 /* Back to the base: torques tau from the wrenches f.
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *tau, const size_t stride, const int small)
+static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *tau, const size_t stride,
+	const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 0 "base_link" ---- */
-	const double own_f0x = f[0*stride];
-	const double own_f0y = f[1*stride];
+	/* f, n = what fpass wrote, in the link's frame here */
+	const double own_f0x = f[0];
+	const double own_f0y = f[stride];
 	const double own_f0z = f[2*stride];
 	const double own_n0x = f[3*stride];
 	const double own_n0y = f[4*stride];
 	const double own_n0z = f[5*stride];
 
 	/* ---- out to link 1 "lf_hipassembly" ---- */
+	/* f, n = what fpass wrote, in the link's frame here */
 	const double q1 = q[7*stride];
 	double s1, c1;
 	all_small &= rneagen_sincos_either(q1, small, &s1, &c1);
@@ -2074,6 +1889,7 @@ static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *
 	const double own_n3z = f[23*stride];
 
 	/* ---- back from link 3 "lf_lowerleg" to link 2 (bpass): torque of "lf_kfe_joint" ---- */
+	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
 	const double t1 = RNEA_FMA(s3, own_f3x, c3*own_f3y);
 	const double f2x = own_f2x + RNEA_FMA(own_f3y, -s3, c3*own_f3x);
 	const double f2y = own_f2y + t1;
@@ -2102,16 +1918,16 @@ static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *
 	const double t8 = RNEA_FMA(n1y, -s1, c1*n1x);
 	const double t9 = RNEA_FMA(s1, n1x, c1*n1y);
 	const double t10 = RNEA_FMA(-4.8965888601467475e-12, t6, 2.0682310711021444e-13*t7) - f1z;
-	const double t11 = RNEA_FMA(2.0682310711021444e-13, f1z, RNEA_FMA(1.0127277222968137e-24, t6,
-		t7));
+	const double t11 = RNEA_FMA(2.0682310711021444e-13, f1z, RNEA_FMA(1.0127277222968137e-24, t6, t7));
 	const double t12 = RNEA_FMA(4.8965888601467475e-12, f1z, -t6);
 	const double f0x = own_f0x + t10;
 	const double f0y = own_f0y - t11;
 	const double f0z = own_f0z + t12;
 	const double t13 = RNEA_FMA(4.8965888601467475e-12, n1z, -t8) - RNEA_FMA(0.3735, t11, 0.207*t10);
-	const double n0x = own_n0x + RNEA_FMA(0.207, t12, RNEA_FMA(-4.8965888601467475e-12, t8, 2.0682310711021444e-13*t9) - n1z);
-	const double n0y = own_n0y - RNEA_FMA(0.3735, t12, RNEA_FMA(2.0682310711021444e-13, n1z, RNEA_FMA(1.0127277222968137e-24,
-		t8, t9)));
+	const double n0x = own_n0x + RNEA_FMA(0.207, t12, RNEA_FMA(-4.8965888601467475e-12, t8,
+		2.0682310711021444e-13*t9) - n1z);
+	const double n0y = own_n0y - RNEA_FMA(0.3735, t12, RNEA_FMA(2.0682310711021444e-13, n1z,
+		RNEA_FMA(1.0127277222968137e-24, t8, t9)));
 	const double n0z = own_n0z + t13;
 	tau[6*stride] = n1z;
 
@@ -2177,16 +1993,16 @@ static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *
 	const double t21 = RNEA_FMA(n4y, -s4, c4*n4x);
 	const double t22 = RNEA_FMA(s4, n4x, c4*n4y);
 	const double t23 = RNEA_FMA(-4.8965888601467475e-12, t19, 2.0682310711021444e-13*t20) - f4z;
-	const double t24 = RNEA_FMA(2.0682310711021444e-13, f4z, RNEA_FMA(1.0127277222968137e-24, t19,
-		t20));
+	const double t24 = RNEA_FMA(2.0682310711021444e-13, f4z, RNEA_FMA(1.0127277222968137e-24, t19, t20));
 	const double t25 = RNEA_FMA(4.8965888601467475e-12, f4z, -t19);
 	const double f0x_2 = f0x + t23;
 	const double f0y_2 = f0y - t24;
 	const double f0z_2 = f0z + t25;
 	const double t26 = RNEA_FMA(4.8965888601467475e-12, n4z, -t21) + RNEA_FMA(-0.207, t23, 0.3735*t24);
-	const double n0x_2 = n0x + RNEA_FMA(0.207, t25, RNEA_FMA(-4.8965888601467475e-12, t21, 2.0682310711021444e-13*t22) - n4z);
-	const double n0y_2 = n0y + RNEA_FMA(0.3735, t25, -RNEA_FMA(2.0682310711021444e-13, n4z, RNEA_FMA(1.0127277222968137e-24,
-		t21, t22)));
+	const double n0x_2 = n0x + RNEA_FMA(0.207, t25, RNEA_FMA(-4.8965888601467475e-12, t21,
+		2.0682310711021444e-13*t22) - n4z);
+	const double n0y_2 = n0y + RNEA_FMA(0.3735, t25, -RNEA_FMA(2.0682310711021444e-13, n4z,
+		RNEA_FMA(1.0127277222968137e-24, t21, t22)));
 	const double n0z_2 = n0z + t26;
 	tau[9*stride] = n4z;
 
@@ -2333,8 +2149,9 @@ static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *
 	tau[15*stride] = n10z;
 
 	/* ---- back from link 0 "base_link" to the world (bpass) ---- */
-	tau[0*stride] = f0x_4;
-	tau[1*stride] = f0y_4;
+	/* f_p += R f;  n_p += R n + p x R f;  tau = (f, n) */
+	tau[0] = f0x_4;
+	tau[stride] = f0y_4;
 	tau[2*stride] = f0z_4;
 	tau[3*stride] = n0x_4;
 	tau[4*stride] = n0y_4;
@@ -2342,6 +2159,220 @@ static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *
 	return all_small;
 }
 
+
+#ifndef RNEAGEN_SINCOS_CORE
+#define RNEAGEN_SINCOS_CORE
+union rneagen_f64 {
+	double f;
+	unsigned long long u;
+};
+
+/* x = k*(pi/2) + r - e for |x| <= 1e7: e is the rounding error of r. Returns k modulo 4 in its low two bits.
+ * pi/2 is split so that k*C1, k*C2, k*C3 are exact, and x - k*C1 - k*C2 too. */
+static RNEA_INLINE unsigned long long rneagen_sincos_reduce(double x, double *r, double *e)
+{
+	union rneagen_f64 t;
+	t.f = RNEA_FMA(x, 0x1.45f306dc9c883p-1, 0x1.8p52); /* 1.5*2^52 + k: rounds x*2/pi to the nearest integer */
+	const double k = t.f - 0x1.8p52;
+	const double r2 = RNEA_FMA(-k, 0x1.10b46p-30, RNEA_FMA(-k, 0x1.921fb54p0, x));
+	*r = RNEA_FMA(-k, 0x1.1a62633p-54, r2);
+	*e = RNEA_FMA(k, 0x1.45c06e0e68948p-86, RNEA_FMA(k, 0x1.1a62633p-54, *r - r2));
+	return t.u;
+}
+
+/* Sine and cosine of q*(pi/2) + r - e, |r| <= pi/4. With z = r*r and w = fl(1 - z/2):
+ *   sin = r - (r*z*S(z) + e*w),  cos = w + ((1 - w - z/2) + r*e + z*z*C(z))
+ * Sollya, I = [2^-40; pi/4*(1 + 2^-8)]:
+ *  -S: fpminimax(sin(x), [|3,5,7,9,11,13|], [|D...|], I, relative, x), relative error of sin 2^-57.8
+ *   C: fpminimax(cos(x), [|4,6,8,10,12,14|], [|D...|], I, absolute, 1 - x^2/2), error of cos 2^-64.1 */
+static RNEA_INLINE void rneagen_sincos_turn(unsigned long long q, double r, double e, double *s, double *c)
+{
+	union rneagen_f64 a, b;
+	const double z = r * r;
+	const double w = RNEA_FMA(-0.5, z, 1.0);
+	double ps = RNEA_FMA(-0x1.5d89831c5e141p-33, z, 0x1.ae5e45d454538p-26);
+	double pc = RNEA_FMA(-0x1.8fa590d9cc29fp-37, z, 0x1.1ee9daa2259f5p-29);
+	ps = RNEA_FMA(ps, z, -0x1.71de354edf2bfp-19);
+	pc = RNEA_FMA(pc, z, -0x1.27e4f7f0c068dp-22);
+	ps = RNEA_FMA(ps, z, 0x1.a01a019be359dp-13);
+	pc = RNEA_FMA(pc, z, 0x1.a01a019c8f106p-16);
+	ps = RNEA_FMA(ps, z, -0x1.111111110f713p-7);
+	pc = RNEA_FMA(pc, z, -0x1.6c16c16c1501ap-10);
+	ps = RNEA_FMA(ps, z, 0x1.5555555555548p-3);
+	pc = RNEA_FMA(pc, z, 0x1.555555555554bp-5);
+	a.f = r - RNEA_FMA(r * z, ps, e * w);
+	b.f = w + RNEA_FMA(z * z, pc, RNEA_FMA(r, e, RNEA_FMA(-0.5, z, 1.0 - w)));
+	const unsigned long long swap = (a.u ^ b.u) & (0 - (q & 1)); /* odd quarter turns exchange sine and cosine */
+	a.u ^= swap ^ (q & 2) << 62;
+	b.u ^= swap ^ ((q + 1) & 2) << 62;
+	*s = a.f;
+	*c = b.f;
+}
+#endif
+
+#ifndef RNEAGEN_SINCOS_ACCURATE
+#define RNEAGEN_SINCOS_ACCURATE
+/* High half of the product a*b. */
+static RNEA_INLINE unsigned long long rneagen_mulhi(unsigned long long a, unsigned long long b)
+{
+	const unsigned long long al = a & 0xffffffffu, ah = a >> 32, bl = b & 0xffffffffu, bh = b >> 32;
+	const unsigned long long t = ah * bl + (al * bl >> 32), u = al * bh + (t & 0xffffffffu);
+	return ah * bh + (t >> 32) + (u >> 32);
+}
+
+/* rneagen_sincos_reduce for |x| > 1e7, in integers (Payne and Hanek): |x| = m*2^p with a 53-bit m, and of the bits of
+ * 2/pi those that only give multiples of 4 are skipped and the next 192 multiplied by m. NaN if x is not finite. */
+static RNEA_INLINE unsigned long long rneagen_sincos_reduce_large(double x, double *r, double *e)
+{
+	static const unsigned long long two_over_pi[] = {0, 0xa2f9836e4e441529ull, 0xfc2757d1f534ddc0ull,
+		0xdb6295993c439041ull, 0xfe5163abdebbc561ull, 0xb7246e3a424dd2e0ull, 0x06492eea09d1921cull,
+		0xfe1deb1cb129a73eull, 0xe88235f52ebb4484ull, 0xe99c7026b45f7e41ull, 0x3991d639835339f4ull,
+		0x9c845f8bbdf9283bull, 0x1ff897ffde05980full, 0xef2f118b5a0a6d1full, 0x6d367ecf27cb09b7ull,
+		0x4f463f669e5fea2dull, 0x7527bac7ebe5f17bull, 0x3d0739f78a5292eaull, 0x6bfb5fb11f8d5d08ull,
+		0x56033046fc7b6babull};
+	union rneagen_f64 t;
+	t.f = x;
+	const unsigned int bit = (unsigned int)(t.u >> 52 & 2047) - 1013, i = bit >> 6, shift = bit & 63;
+	const unsigned long long m = (t.u & 0xfffffffffffffull) | 0x10000000000000ull;
+	const unsigned long long w1 = two_over_pi[i + 1], w2 = two_over_pi[i + 2];
+	const unsigned long long a = two_over_pi[i] << shift | w1 >> 1 >> (63 - shift);
+	const unsigned long long b = w1 << shift | w2 >> 1 >> (63 - shift);
+	const unsigned long long c = w2 << shift | two_over_pi[i + 3] >> 1 >> (63 - shift);
+	unsigned long long lo = m * b + rneagen_mulhi(m, c);
+	unsigned long long f = m * a + rneagen_mulhi(m, b) + (lo < m * b);
+	f = x < 0 ? ~f : f; /* x*(2/pi) modulo 4, times 2^62; lo: its next 64 bits */
+	lo = x < 0 ? ~lo : lo;
+	const unsigned long long past_half = f >> 61 & 1, q = (f >> 62) + past_half;
+	double scale = RNEA_FMA(0.0, x, past_half ? -0x1p-63 : 0x1p-63); /* NaN where x is not finite */
+	f = f << 2 | lo >> 62; /* what is left of x*(2/pi) - q, times 2^64 */
+	f = past_half ? ~f : f;
+	lo = past_half ? ~(lo << 2) : lo << 2;
+	for (; !(f >> 63) && (f | lo); lo <<= 1) {
+		f = f << 1 | lo >> 63;
+		scale *= 0.5;
+	}
+	f = rneagen_mulhi(f, 0xc90fdaa22168c235ull); /* times pi/2*2^63 */
+	const double g = (double)f;
+	*r = g * scale;
+	*e = (double)(long long)((unsigned long long)g - f) * scale;
+	return q;
+}
+
+/* Sine and cosine of any finite x, error below 0.85 ulp; NaN if x is not finite. */
+static RNEA_INLINE void rneagen_sincos_accurate(double x, double *s, double *c)
+{
+	double r, e;
+	unsigned long long q;
+	if (fabs(x) <= 1e7)
+		q = rneagen_sincos_reduce(x, &r, &e);
+	else
+		q = rneagen_sincos_reduce_large(x, &r, &e);
+	rneagen_sincos_turn(q, r, e, s, c);
+}
+#endif
+#ifndef RNEAGEN_SINCOS_EITHER
+#define RNEAGEN_SINCOS_EITHER
+
+/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not,
+   and `small`, sine and cosine mean nothing. */
+static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c)
+{
+	if (small) {
+		double r, e;
+		const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
+		rneagen_sincos_turn(q, r, e, s, c);
+	} else {
+		rneagen_sincos_accurate(x, s, c);
+	}
+	return fabs(x) <= 1e7;
+}
+#endif
+
+/* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves
+   the rest a straight line; the results have the same bits either way. */
+static RNEA_INLINE int hyq_is_small(const double *q, const size_t stride)
+{
+	int small = 1;
+
+	for (size_t i = 0; i < 19; i++)
+		small &= fabs(q[i*stride]) <= 1e+07;
+	return small;
+}
+
+
+/* ---- the functions of the header, and the table that librnea reads ---- */
+/* tau = ID(q, qd, qdd) of one sample: q[19], qd[18], qdd[18] -> tau[18]; tau may be qdd itself. */
+void hyq_rnea(const double *q, const double *qd, const double *qdd, double *tau);
+/* The same for `count` samples, every array [row][sample]; arrays must not overlap. */
+void hyq_rnea_batch(const double *q, const double *qd, const double *qdd, double *tau, size_t count);
+/* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */
+void hyq_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
+/* The way back alone: torques from q and fpass's wrenches. */
+void hyq_bpass(const double *q, const double *f, double *tau);
+/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
+   in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
+void hyq_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);
+void hyq_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
+void hyq_bpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
+/* What this text computes, one `key values` a line. */
+extern const char hyq_info[];
+
+/* librnea finds the table by this word */
+#define RNEA_INFO
+RNEA_INFO const char hyq_info[] =
+	"rneagen-info 3\n"
+	"name hyq\n"
+	"precision f64\n"
+	"arithmetic f64\n"
+	"layout soa\n"
+	"trig accurate\n"
+	"base floating\n"
+	"nq 19\n"
+	"nv 18\n"
+	"nb 13\n"
+	"block 64\n"
+	"joint 0 7 0 6 floating \n"
+	"joint 7 1 6 1 revolute lf_haa_joint\n"
+	"joint 8 1 7 1 revolute lf_hfe_joint\n"
+	"joint 9 1 8 1 revolute lf_kfe_joint\n"
+	"joint 10 1 9 1 revolute lh_haa_joint\n"
+	"joint 11 1 10 1 revolute lh_hfe_joint\n"
+	"joint 12 1 11 1 revolute lh_kfe_joint\n"
+	"joint 13 1 12 1 revolute rf_haa_joint\n"
+	"joint 14 1 13 1 revolute rf_hfe_joint\n"
+	"joint 15 1 14 1 revolute rf_kfe_joint\n"
+	"joint 16 1 15 1 revolute rh_haa_joint\n"
+	"joint 17 1 16 1 revolute rh_hfe_joint\n"
+	"joint 18 1 17 1 revolute rh_kfe_joint\n"
+	"function rnea\n"
+	"input q 19 f64 sample joint_position\n"
+	"input qd 18 f64 sample joint_velocity\n"
+	"input qdd 18 f64 sample joint_acceleration\n"
+	"output tau 18 f64 sample joint_torque\n"
+	"operations 328 201 106 93 575 12\n"
+	"function fpass\n"
+	"input q 19 f64 sample joint_position\n"
+	"input qd 18 f64 sample joint_velocity\n"
+	"input qdd 18 f64 sample joint_acceleration\n"
+	"output v 78 f64 sample body_twists\n"
+	"output a 78 f64 sample body_accelerations\n"
+	"output f 78 f64 sample body_wrenches\n"
+	"operations 339 136 146 120 551 12\n"
+	"function bpass\n"
+	"input q 19 f64 sample joint_position\n"
+	"input f 78 f64 sample body_wrenches\n"
+	"output tau 18 f64 sample joint_torque\n"
+	"operations 56 72 8 29 116 12\n";
+
+/* samples do not depend on each other: the compiler may compute several at once */
+#if defined __clang__
+#define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
+#elif defined __GNUC__
+#define RNEA_INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define RNEA_INDEPENDENT
+#endif
 
 static int hyq_are_small(const double *q, size_t count, size_t first, size_t end)
 {
@@ -2359,7 +2390,8 @@ static void hyq_rnea_any(const double *q, const double *qd, const double *qdd, d
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void hyq_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd, double *restrict tau, size_t count, size_t first, size_t end)
+static void hyq_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict tau, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;
@@ -2390,13 +2422,15 @@ void hyq_rnea_batch(const double *q, const double *qd, const double *qdd, double
 }
 
 /* One sample, whatever its angles. */
-static void hyq_fpass_any(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f, const size_t stride)
+static void hyq_fpass_any(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f,
+	const size_t stride)
 {
 	hyq_fpass_body(q, qd, qdd, v, a, f, stride, 0);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void hyq_fpass_part(const double *restrict q, const double *restrict qd, const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count, size_t first, size_t end)
+static void hyq_fpass_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict v, double *restrict a, double *restrict f, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;
@@ -2428,7 +2462,8 @@ static void hyq_bpass_any(const double *q, const double *f, double *tau, const s
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void hyq_bpass_part(const double *restrict q, const double *restrict f, double *restrict tau, size_t count, size_t first, size_t end)
+static void hyq_bpass_part(const double *restrict q, const double *restrict f, double *restrict tau, size_t count,
+	size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;

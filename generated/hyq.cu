@@ -30,33 +30,32 @@
  * tau = force then moment about the origin, body's frame. The quaternion is not normalised.
  * Batches: every array is [row][sample].
  * Compiled as C, without CUDA, this text holds the functions of target c instead of kernels.
- *
- * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less
- * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.
  * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.
+ *
+ * Names in the statements: a quantity, the number of a link, and x y z for the component in the link's frame.
+ *   q qd qdd         position, velocity and acceleration of the link's joint
+ *                    floating: with x y z qx qy qz qw after the number, and vx vy vz wx wy wz
+ *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
+ *   s c              sine and cosine of the joint's angle
+ *   w                angular velocity
+ *   dw               rate of the angular velocity
+ *   v                velocity of the origin
+ *   a                acceleration of the origin, less gravity
+ *   f                force: the link's own, then with its children's
+ *   n                moment about the origin, as f
+ *   t                with a number of its own: a value that has no name in the textbook
+ *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
+ *   stride           from one row of an array to the next
+ *   small all_small  the caller takes all angles for small; they are
+ *   RNEA_FMA         a*b + c, rounded once where the machine can
+ *   rneagen_...      functions and types that this text brings along
+ * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
+ * x cross product; z the joint's axis; U = [dw]x + [w]x[w]x; m, h = m c, I mass, first moment and inertia about the
+ * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
 #if defined __CUDACC__
-#if defined __CUDACC_RTC__
-#define RNEA_INFO __device__
-#elif defined __GNUC__
-#define RNEA_INFO __attribute__((weak)) /* a program may hold the text for target c too, with a table of this name */
-#else
-#define RNEA_INFO
-#endif
 #define RNEA_INLINE __device__ __forceinline__
 #define RNEA_FMA(a, b, c) fmaf(a, b, c)
-/* threads in a block: the samples of one slice of the batch */
-#ifndef RNEA_BLOCK
-#define RNEA_BLOCK 128
-#endif
-/* blocks that one multiprocessor should hold at once: bounds the registers of the rnea kernel; 0: the compiler's choice */
-#ifndef RNEA_MIN_BLOCKS
-#define RNEA_MIN_BLOCKS 0
-#endif
-
-extern "C" {
-extern RNEA_INFO const char hyq_info[];
-}
 #elif defined __cplusplus
 #error "compile this text as CUDA, by nvcc or NVRTC, or as C: cc -x c"
 #else
@@ -71,195 +70,30 @@ extern RNEA_INFO const char hyq_info[];
 #else
 #define RNEA_INLINE inline
 #endif
-/* samples do not depend on each other: the compiler may compute several at once */
-#if defined __clang__
-#define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
-#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
-#elif defined __GNUC__
-#define RNEA_INDEPENDENT _Pragma("GCC ivdep")
-#else
-#define RNEA_INDEPENDENT
-#endif
 /* where the machine has no fused multiply-add, fma() would be a slow library call */
 #if defined FP_FAST_FMAF
 #define RNEA_FMA(a, b, c) fmaf(a, b, c)
 #else
 #define RNEA_FMA(a, b, c) ((a)*(b) + (c))
 #endif
-/* librnea finds the table by this word */
-#define RNEA_INFO
-
-extern const char hyq_info[];
 #endif
 
-RNEA_INFO const char hyq_info[] =
-	"rneagen-info 3\n"
-	"name hyq\n"
-	"precision f32\n"
-	"arithmetic f32\n"
-	"layout soa\n"
-	"trig accurate\n"
-	"base floating\n"
-	"nq 19\n"
-	"nv 18\n"
-	"nb 13\n"
-	"block 128\n"
-	"joint 0 7 0 6 floating \n"
-	"joint 7 1 6 1 revolute lf_haa_joint\n"
-	"joint 8 1 7 1 revolute lf_hfe_joint\n"
-	"joint 9 1 8 1 revolute lf_kfe_joint\n"
-	"joint 10 1 9 1 revolute lh_haa_joint\n"
-	"joint 11 1 10 1 revolute lh_hfe_joint\n"
-	"joint 12 1 11 1 revolute lh_kfe_joint\n"
-	"joint 13 1 12 1 revolute rf_haa_joint\n"
-	"joint 14 1 13 1 revolute rf_hfe_joint\n"
-	"joint 15 1 14 1 revolute rf_kfe_joint\n"
-	"joint 16 1 15 1 revolute rh_haa_joint\n"
-	"joint 17 1 16 1 revolute rh_hfe_joint\n"
-	"joint 18 1 17 1 revolute rh_kfe_joint\n"
-	"function rnea\n"
-	"input q 19 f32 sample joint_position\n"
-	"input qd 18 f32 sample joint_velocity\n"
-	"input qdd 18 f32 sample joint_acceleration\n"
-	"output tau 18 f32 sample joint_torque\n"
-	"operations 328 201 106 93 575 12\n"
-	"function fpass\n"
-	"input q 19 f32 sample joint_position\n"
-	"input qd 18 f32 sample joint_velocity\n"
-	"input qdd 18 f32 sample joint_acceleration\n"
-	"output v 78 f32 sample body_twists\n"
-	"output a 78 f32 sample body_accelerations\n"
-	"output f 78 f32 sample body_wrenches\n"
-	"operations 339 136 146 120 551 12\n"
-	"function bpass\n"
-	"input q 19 f32 sample joint_position\n"
-	"input f 78 f32 sample body_wrenches\n"
-	"output tau 18 f32 sample joint_torque\n"
-	"operations 56 72 8 29 116 12\n";
-
-#ifndef RNEAGEN_SINCOSF_CORE
-#define RNEAGEN_SINCOSF_CORE
-union rneagen_f32 {
-	float f;
-	unsigned int u;
-};
-
-/* x = k*(pi/2) + r - e for |x| <= 1e4: e is the rounding error of r. Returns k modulo 4 in its low two bits.
- * pi/2 is split so that k*C1, k*C2, k*C3 are exact, and x - k*C1 - k*C2 too. */
-static RNEA_INLINE unsigned int rneagen_sincosf_reduce(float x, float *r, float *e)
-{
-	union rneagen_f32 t;
-	t.f = RNEA_FMA(x, 0x1.45f306p-1f, 0x1.8p23f); /* 1.5*2^23 + k: rounds x*2/pi to the nearest integer */
-	const float k = t.f - 0x1.8p23f;
-	const float r2 = RNEA_FMA(-k, 0x1.fb4p-12f, RNEA_FMA(-k, 0x1.92p0f, x));
-	*r = RNEA_FMA(-k, 0x1.444p-24f, r2);
-	*e = RNEA_FMA(k, 0x1.68c234p-39f, RNEA_FMA(k, 0x1.444p-24f, *r - r2));
-	return t.u;
-}
-
-/* Sine and cosine of q*(pi/2) + r - e, |r| <= pi/4. With z = r*r and w = fl(1 - z/2):
- *   sin = r - (r*z*S(z) + e*w),  cos = w + ((1 - w - z/2) + r*e + z*z*C(z))
- * Sollya, I = [2^-20; pi/4*(1 + 2^-8)]:
- *  -S: fpminimax(sin(x), [|3,5,7|], [|SG...|], I, relative, x), relative error of sin 2^-27.8
- *   C: fpminimax(cos(x), [|4,6,8|], [|SG...|], I, absolute, 1 - x^2/2), error of cos 2^-33.1 */
-static RNEA_INLINE void rneagen_sincosf_turn(unsigned int q, float r, float e, float *s, float *c)
-{
-	union rneagen_f32 a, b;
-	const float z = r * r;
-	const float w = RNEA_FMA(-0.5f, z, 1.0f);
-	const float ps = RNEA_FMA(RNEA_FMA(0x1.99278ap-13f, z, -0x1.1106dcp-7f), z, 0x1.555544p-3f);
-	const float pc = RNEA_FMA(RNEA_FMA(0x1.99e7cp-16f, z, -0x1.6c0c28p-10f), z, 0x1.55554ap-5f);
-	a.f = r - RNEA_FMA(r * z, ps, e * w);
-	b.f = w + RNEA_FMA(z * z, pc, RNEA_FMA(r, e, RNEA_FMA(-0.5f, z, 1.0f - w)));
-	const unsigned int swap = (a.u ^ b.u) & (0 - (q & 1)); /* odd quarter turns exchange sine and cosine */
-	a.u ^= swap ^ (q & 2) << 30;
-	b.u ^= swap ^ ((q + 1) & 2) << 30;
-	*s = a.f;
-	*c = b.f;
-}
-#endif
-
-#ifndef RNEAGEN_SINCOSF_ACCURATE
-#define RNEAGEN_SINCOSF_ACCURATE
-/* rneagen_sincosf_reduce for |x| > 1e4, in integers (Payne and Hanek): |x| = m*2^p with a 24-bit m, and of the bits of
- * 2/pi those that only give multiples of 4 are skipped and the next 96 multiplied by m. NaN if x is not finite. */
-static RNEA_INLINE unsigned int rneagen_sincosf_reduce_large(float x, float *r, float *e)
-{
-	static const unsigned int two_over_pi[] = {0, 0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u,
-		0x3c439041u, 0xfe5163abu};
-	union rneagen_f32 t;
-	t.f = x;
-	const unsigned int bit = (t.u >> 23 & 255) - 120, i = bit >> 5, shift = bit & 31;
-	const unsigned long long m = (t.u & 0x7fffffu) | 0x800000u;
-	const unsigned long long w0 = two_over_pi[i], w1 = two_over_pi[i + 1];
-	const unsigned long long w2 = two_over_pi[i + 2], w3 = two_over_pi[i + 3];
-	const unsigned long long a = (w0 << 32 | w1) << shift >> 32, b = (w1 << 32 | w2) << shift >> 32;
-	const unsigned long long c = (w2 << 32 | w3) << shift >> 32;
-	unsigned long long f = (m * a << 32) + m * b + (m * c >> 32);
-	f = x < 0 ? ~f : f; /* x*(2/pi) modulo 4, times 2^62 */
-	const unsigned int past_half = f >> 61 & 1, q = (unsigned int)(f >> 62) + past_half;
-	float scale = RNEA_FMA(0.0f, x, past_half ? -0x1p-63f : 0x1p-63f); /* NaN where x is not finite */
-	f = past_half ? ~(f << 2) : f << 2; /* what is left of x*(2/pi) - q, times 2^64 */
-	for (; f && !(f >> 63); f <<= 1)
-		scale *= 0.5f;
-	f = (f >> 32) * 0xc90fdaa2u; /* times pi/2*2^31 */
-	const float g = (float)f;
-	*r = g * scale;
-	*e = (float)(long long)((unsigned long long)g - f) * scale;
-	return q;
-}
-
-/* Sine and cosine of any finite x, error below 0.85 ulp; NaN if x is not finite. */
-static RNEA_INLINE void rneagen_sincosf_accurate(float x, float *s, float *c)
-{
-	float r, e;
-	unsigned int q;
-	if (fabsf(x) <= 1e4f)
-		q = rneagen_sincosf_reduce(x, &r, &e);
-	else
-		q = rneagen_sincosf_reduce_large(x, &r, &e);
-	rneagen_sincosf_turn(q, r, e, s, c);
-}
-#endif
 #ifndef RNEAGEN_SINCOSF_EITHER
-#define RNEAGEN_SINCOSF_EITHER
-
-/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not, and
-   `small`, sine and cosine mean nothing. */
-static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c)
-{
-	if (small) {
-		float r, e;
-		const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
-		rneagen_sincosf_turn(q, r, e, s, c);
-	} else {
-		rneagen_sincosf_accurate(x, s, c);
-	}
-	return fabsf(x) <= 1e4f;
-}
+static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c); /* below */
 #endif
 
-#if !defined __CUDACC__
-/* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves the
-   rest a straight line; the results have the same bits either way. */
-static RNEA_INLINE int hyq_is_small(const float *q, const size_t stride)
-{
-	int small = 1;
-
-	for (size_t i = 0; i < 19; i++)
-		small &= fabsf(q[i*stride]) <= 1e+04f;
-	return small;
-}
-
-#endif
 /* tau = ID(q, qd, qdd)
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride, const int small)
+static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride,
+	const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 0 "base_link" (fpass) ---- */
+	/* w = R'w_p + qd_w;  dw = R'dw_p + qdd_w + R'w_p x qd_w;  a = R'(a_p + U_p p) + dV + 2 R'w_p x V,  V = qd_v, 
+	   dV = qdd_v + qd_w x qd_v;  v = R'(v_p + w_p x p) + V;
+	   f = m a + U h;  n = I dw + w x I w + h x a */
 	const float q0qw = q[6*stride];
 	const float q0qx = q[3*stride];
 	const float q0qy = q[4*stride];
@@ -267,8 +101,8 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	const float t1 = 2.0f*q0qx;
 	const float t2 = 2.0f*q0qy;
 	const float t3 = RNEA_FMA(t2, -q0qw, q0qx*(2.0f*q0qz));
-	const float qd0vx = qd[0*stride];
-	const float qd0vy = qd[1*stride];
+	const float qd0vx = qd[0];
+	const float qd0vy = qd[stride];
 	const float qd0vz = qd[2*stride];
 	const float qd0wx = qd[3*stride];
 	const float qd0wy = qd[4*stride];
@@ -276,8 +110,8 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	const float qdd0wx = qdd[3*stride];
 	const float qdd0wy = qdd[4*stride];
 	const float qdd0wz = qdd[5*stride];
-	const float qdd0vx = qdd[0*stride];
-	const float qdd0vy = qdd[1*stride];
+	const float qdd0vx = qdd[0];
+	const float qdd0vy = qdd[stride];
 	const float qdd0vz = qdd[2*stride];
 	const float t4 = RNEA_FMA(qd0wx, -qd0vz, qd0vx*qd0wz) + qdd0vy;
 	const float t5 = RNEA_FMA(qd0wy, -qd0vx, qd0vy*qd0wx) + qdd0vz;
@@ -298,26 +132,24 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	const float t17 = qd0wx*qd0wy;
 	const float t18 = t17 - qdd0wz;
 	const float t19 = qdd0wz + t17;
-	const float f0x = RNEA_FMA(60.978f, a0x, RNEA_FMA(0.22001559f, t16, RNEA_FMA(-3.4189837f, t9,
-		1.3106418f*t18)));
+	const float f0x = RNEA_FMA(60.978f, a0x, RNEA_FMA(0.22001559f, t16, RNEA_FMA(-3.4189837f, t9, 1.3106418f*t18)));
 	const float f0y = RNEA_FMA(60.978f, a0y, RNEA_FMA(0.22001559f, t10, RNEA_FMA(-1.3106418f, t14,
 		3.4189837f*t19)));
-	const float f0z = RNEA_FMA(60.978f, a0z, RNEA_FMA(-0.22001559f, t8 + t13, RNEA_FMA(1.3106418f,
-		t11, 3.4189837f*t15)));
-	const float t20 = RNEA_FMA(-0.21587546f, t19, RNEA_FMA(0.04502036f, t15, RNEA_FMA(1.6017306f,
-		qdd0wx, 0.72112f*t6)));
-	const float t21 = RNEA_FMA(-0.04502036f, t11, RNEA_FMA(0.009153269f, t18, RNEA_FMA(-7.8146267f,
-		t12, 8.695237f*qdd0wy)));
-	const float t22 = RNEA_FMA(-0.009153269f, t16, RNEA_FMA(0.21587546f, t10, RNEA_FMA(9.416357f,
-		qdd0wz, 7.093507f*t17)));
-	const float n0x = RNEA_FMA(-0.22001559f, a0y, 1.3106418f*a0z) + RNEA_FMA(-0.009153269f, t8 - t7,
-		t20);
-	const float n0y = RNEA_FMA(-3.4189837f, a0z, 0.22001559f*a0x) + RNEA_FMA(-0.21587546f, t7 - t13,
-		t21);
-	const float n0z = RNEA_FMA(-1.3106418f, a0x, 3.4189837f*a0y) + RNEA_FMA(-0.04502036f, t13 - t8,
-		t22);
+	const float f0z = RNEA_FMA(60.978f, a0z, RNEA_FMA(-0.22001559f, t8 + t13, RNEA_FMA(1.3106418f, t11,
+		3.4189837f*t15)));
+	const float t20 = RNEA_FMA(-0.21587546f, t19, RNEA_FMA(0.04502036f, t15, RNEA_FMA(1.6017306f, qdd0wx,
+		0.72112f*t6)));
+	const float t21 = RNEA_FMA(-0.04502036f, t11, RNEA_FMA(0.009153269f, t18, RNEA_FMA(-7.8146267f, t12,
+		8.695237f*qdd0wy)));
+	const float t22 = RNEA_FMA(-0.009153269f, t16, RNEA_FMA(0.21587546f, t10, RNEA_FMA(9.416357f, qdd0wz,
+		7.093507f*t17)));
+	const float n0x = RNEA_FMA(-0.22001559f, a0y, 1.3106418f*a0z) + RNEA_FMA(-0.009153269f, t8 - t7, t20);
+	const float n0y = RNEA_FMA(-3.4189837f, a0z, 0.22001559f*a0x) + RNEA_FMA(-0.21587546f, t7 - t13, t21);
+	const float n0z = RNEA_FMA(-1.3106418f, a0x, 3.4189837f*a0y) + RNEA_FMA(-0.04502036f, t13 - t8, t22);
 
 	/* ---- out to link 1 "lf_hipassembly" (fpass) ---- */
+	/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);  v = R'(v_p + w_p x p);
+	   f = m a + U h;  n = I dw + w x I w + h x a */
 	const float q1 = q[7*stride];
 	float s1, c1;
 	all_small &= rneagen_sincosf_either(q1, small, &s1, &c1);
@@ -458,21 +290,20 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 		3.524e-05f*t95)));
 	const float f3y = RNEA_FMA(0.881001f, a3y, RNEA_FMA(-8.81e-05f, t88, RNEA_FMA(-3.524e-05f, t86 + t91,
 		0.110477746f*t96)));
-	const float f3z = RNEA_FMA(0.881001f, a3z, RNEA_FMA(8.81e-05f, t87 + t91, RNEA_FMA(3.524e-05f,
-		t89, 0.110477746f*t92)));
-	const float t97 = RNEA_FMA(4.774e-08f, t96, RNEA_FMA(-5.6580902e-05f, t92, RNEA_FMA(-0.0002300074f,
-		t85, 0.00047101022f*dw3x)));
-	const float t98 = RNEA_FMA(5.6580902e-05f, t89, RNEA_FMA(9.96476e-07f, t95, RNEA_FMA(-0.025713976f,
-		t90, 0.026414994f*dw3y)));
-	const float t99 = RNEA_FMA(-9.96476e-07f, t93, RNEA_FMA(-4.774e-08f, t88, RNEA_FMA(0.026184987f,
-		dw3z, 0.025943983f*t94)));
-	const float n3x = RNEA_FMA(3.524e-05f, a3z, 8.81e-05f*a3y) + RNEA_FMA(-9.96476e-07f, t87 - t86,
-		t97);
+	const float f3z = RNEA_FMA(0.881001f, a3z, RNEA_FMA(8.81e-05f, t87 + t91, RNEA_FMA(3.524e-05f, t89,
+		0.110477746f*t92)));
+	const float t97 = RNEA_FMA(4.774e-08f, t96, RNEA_FMA(-5.6580902e-05f, t92, RNEA_FMA(-0.0002300074f, t85,
+		0.00047101022f*dw3x)));
+	const float t98 = RNEA_FMA(5.6580902e-05f, t89, RNEA_FMA(9.96476e-07f, t95, RNEA_FMA(-0.025713976f, t90,
+		0.026414994f*dw3y)));
+	const float t99 = RNEA_FMA(-9.96476e-07f, t93, RNEA_FMA(-4.774e-08f, t88, RNEA_FMA(0.026184987f, dw3z,
+		0.025943983f*t94)));
+	const float n3x = RNEA_FMA(3.524e-05f, a3z, 8.81e-05f*a3y) + RNEA_FMA(-9.96476e-07f, t87 - t86, t97);
 	const float n3y = RNEA_FMA(4.774e-08f, t86 - t91, t98) - RNEA_FMA(8.81e-05f, a3x, 0.110477746f*a3z);
-	const float n3z = RNEA_FMA(-3.524e-05f, a3x, 0.110477746f*a3y) + RNEA_FMA(5.6580902e-05f, t91 - t87,
-		t99);
+	const float n3z = RNEA_FMA(-3.524e-05f, a3x, 0.110477746f*a3y) + RNEA_FMA(5.6580902e-05f, t91 - t87, t99);
 
 	/* ---- back from link 3 "lf_lowerleg" to link 2 (bpass): torque of "lf_kfe_joint" ---- */
+	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
 	const float t100 = RNEA_FMA(s3, f3x, c3*f3y);
 	const float f2x_2 = f2x + RNEA_FMA(-s3, f3y, c3*f3x);
 	const float f2y_2 = f2y + t100;
@@ -508,8 +339,8 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	const float f0z_2 = f0z + t111;
 	const float t112 = RNEA_FMA(4.8965888e-12f, n1z_2, -t107) - RNEA_FMA(0.3735f, t110, 0.207f*t109);
 	const float n0x_2 = n0x + RNEA_FMA(0.207f, t111, RNEA_FMA(-4.8965888e-12f, t107, 2.0682311e-13f*t108) - n1z_2);
-	const float n0y_2 = n0y - RNEA_FMA(0.3735f, t111, RNEA_FMA(2.0682311e-13f, n1z_2, RNEA_FMA(1.0127277e-24f,
-		t107, t108)));
+	const float n0y_2 = n0y - RNEA_FMA(0.3735f, t111, RNEA_FMA(2.0682311e-13f, n1z_2, RNEA_FMA(1.0127277e-24f, t107,
+		t108)));
 	const float n0z_2 = n0z + t112;
 	tau[6*stride] = n1z_2;
 
@@ -550,12 +381,12 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	const float f4x = RNEA_FMA(2.93f, a4x, -RNEA_FMA(0.4960783f, t129, 0.1249059f*t124));
 	const float f4y = RNEA_FMA(2.93f, a4y, RNEA_FMA(-0.4960783f, t125, 0.1249059f*t131));
 	const float f4z = RNEA_FMA(2.93f, a4z, RNEA_FMA(0.4960783f, t123 + t127, 0.1249059f*t128));
-	const float t132 = RNEA_FMA(0.022737818f, t131, RNEA_FMA(-4e-05f, t128, RNEA_FMA(-0.13314101f,
-		t121, 0.13470101f*dw4x)));
+	const float t132 = RNEA_FMA(0.022737818f, t131, RNEA_FMA(-4e-05f, t128, RNEA_FMA(-0.13314101f, t121,
+		0.13470101f*dw4x)));
 	const float t133 = RNEA_FMA(5e-05f, t130 - dw4z, RNEA_FMA(0.14417575f, dw4y, 0.12366628f*t126));
 	const float t134 = RNEA_FMA(0.022737818f, t122 - t127, RNEA_FMA(4e-05f, dw4x + t121, t133));
-	const float t135 = RNEA_FMA(-5e-05f, t129, RNEA_FMA(-0.022737818f, t125, RNEA_FMA(0.011034738f,
-		dw4z, 0.0094747385f*t130)));
+	const float t135 = RNEA_FMA(-5e-05f, t129, RNEA_FMA(-0.022737818f, t125, RNEA_FMA(0.011034738f, dw4z,
+		0.0094747385f*t130)));
 	const float n4x = RNEA_FMA(0.4960783f, a4y, RNEA_FMA(-5e-05f, t123 - t122, t132));
 	const float n4y = t134 - RNEA_FMA(0.4960783f, a4x, 0.1249059f*a4z);
 	const float n4z = RNEA_FMA(0.1249059f, a4y, RNEA_FMA(4e-05f, t127 - t123, t135));
@@ -595,10 +426,10 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	const float f5x = RNEA_FMA(2.638f, a5x, RNEA_FMA(-0.39765212f, t145, 0.0692475f*t151));
 	const float f5y = RNEA_FMA(2.638f, a5y, RNEA_FMA(-0.0692475f, t143 + t148, 0.39765212f*t152));
 	const float f5z = RNEA_FMA(2.638f, a5z, RNEA_FMA(0.0692475f, t146, 0.39765212f*t149));
-	const float t153 = RNEA_FMA(-0.0001f, t152, RNEA_FMA(0.007418368f, t149, RNEA_FMA(0.005497747f,
-		dw5x, 0.0027377468f*t142)));
-	const float t154 = RNEA_FMA(-0.007418368f, t146, RNEA_FMA(-2e-05f, t151, RNEA_FMA(-0.08437208f,
-		t147, 0.08713208f*dw5y)));
+	const float t153 = RNEA_FMA(-0.0001f, t152, RNEA_FMA(0.007418368f, t149, RNEA_FMA(0.005497747f, dw5x,
+		0.0027377468f*t142)));
+	const float t154 = RNEA_FMA(-0.007418368f, t146, RNEA_FMA(-2e-05f, t151, RNEA_FMA(-0.08437208f, t147,
+		0.08713208f*dw5y)));
 	const float t155 = RNEA_FMA(0.0001f, t142 - dw5x, RNEA_FMA(0.08986983f, dw5z, 0.081634335f*t150));
 	const float t156 = RNEA_FMA(-0.007418368f, t148 - t144, RNEA_FMA(2e-05f, dw5y + t147, t155));
 	const float n5x = RNEA_FMA(0.0692475f, a5z, RNEA_FMA(2e-05f, t144 - t143, t153));
@@ -638,19 +469,17 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	const float f6x = RNEA_FMA(0.881001f, a6x, t171);
 	const float f6y = RNEA_FMA(0.881001f, a6y, RNEA_FMA(8.81e-05f, t162, RNEA_FMA(3.524e-05f, t160 + t165,
 		0.110477746f*t170)));
-	const float f6z = RNEA_FMA(0.881001f, a6z, RNEA_FMA(-8.81e-05f, t161 + t165, RNEA_FMA(-3.524e-05f,
-		t163, 0.110477746f*t166)));
-	const float t172 = RNEA_FMA(-2.04774e-06f, t170, RNEA_FMA(5.4580905e-05f, t166, RNEA_FMA(-0.0002300074f,
-		t159, 0.00047101022f*dw6x)));
-	const float t173 = RNEA_FMA(-5.4580905e-05f, t163, RNEA_FMA(9.96476e-07f, t169, RNEA_FMA(-0.025713976f,
-		t164, 0.026414994f*dw6y)));
-	const float t174 = RNEA_FMA(-9.96476e-07f, t167, RNEA_FMA(2.04774e-06f, t162, RNEA_FMA(0.026184987f,
-		dw6z, 0.025943983f*t168)));
+	const float f6z = RNEA_FMA(0.881001f, a6z, RNEA_FMA(-8.81e-05f, t161 + t165, RNEA_FMA(-3.524e-05f, t163,
+		0.110477746f*t166)));
+	const float t172 = RNEA_FMA(-2.04774e-06f, t170, RNEA_FMA(5.4580905e-05f, t166, RNEA_FMA(-0.0002300074f, t159,
+		0.00047101022f*dw6x)));
+	const float t173 = RNEA_FMA(-5.4580905e-05f, t163, RNEA_FMA(9.96476e-07f, t169, RNEA_FMA(-0.025713976f, t164,
+		0.026414994f*dw6y)));
+	const float t174 = RNEA_FMA(-9.96476e-07f, t167, RNEA_FMA(2.04774e-06f, t162, RNEA_FMA(0.026184987f, dw6z,
+		0.025943983f*t168)));
 	const float n6x = RNEA_FMA(-9.96476e-07f, t161 - t160, t172) - RNEA_FMA(3.524e-05f, a6z, 8.81e-05f*a6y);
-	const float n6y = RNEA_FMA(-0.110477746f, a6z, 8.81e-05f*a6x) + RNEA_FMA(-2.04774e-06f, t160 - t165,
-		t173);
-	const float n6z = RNEA_FMA(0.110477746f, a6y, 3.524e-05f*a6x) + RNEA_FMA(-5.4580905e-05f, t165 - t161,
-		t174);
+	const float n6y = RNEA_FMA(-0.110477746f, a6z, 8.81e-05f*a6x) + RNEA_FMA(-2.04774e-06f, t160 - t165, t173);
+	const float n6z = RNEA_FMA(0.110477746f, a6y, 3.524e-05f*a6x) + RNEA_FMA(-5.4580905e-05f, t165 - t161, t174);
 
 	/* ---- back from link 6 "lh_lowerleg" to link 5 (bpass): torque of "lh_kfe_joint" ---- */
 	const float t175 = RNEA_FMA(s6, f6x, c6*f6y);
@@ -687,7 +516,8 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	const float f0y_3 = f0y_2 - t185;
 	const float f0z_3 = f0z_2 + t186;
 	const float t187 = RNEA_FMA(4.8965888e-12f, n4z_2, -t182) + RNEA_FMA(-0.207f, t184, 0.3735f*t185);
-	const float n0x_3 = n0x_2 + RNEA_FMA(0.207f, t186, RNEA_FMA(-4.8965888e-12f, t182, 2.0682311e-13f*t183) - n4z_2);
+	const float n0x_3 = n0x_2 + RNEA_FMA(0.207f, t186, RNEA_FMA(-4.8965888e-12f, t182, 2.0682311e-13f*t183)
+		- n4z_2);
 	const float n0y_3 = n0y_2 + RNEA_FMA(0.3735f, t186, -RNEA_FMA(2.0682311e-13f, n4z_2, RNEA_FMA(1.0127277e-24f,
 		t182, t183)));
 	const float n0z_3 = n0z_2 + t187;
@@ -730,12 +560,12 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	const float f7x = RNEA_FMA(2.93f, a7x, -RNEA_FMA(0.4960783f, t204, 0.1249059f*t199));
 	const float f7y = RNEA_FMA(2.93f, a7y, RNEA_FMA(-0.4960783f, t200, 0.1249059f*t206));
 	const float f7z = RNEA_FMA(2.93f, a7z, RNEA_FMA(0.4960783f, t198 + t202, 0.1249059f*t203));
-	const float t207 = RNEA_FMA(0.022737818f, t206, RNEA_FMA(-4e-05f, t203, RNEA_FMA(-0.13314101f,
-		t196, 0.13470101f*dw7x)));
+	const float t207 = RNEA_FMA(0.022737818f, t206, RNEA_FMA(-4e-05f, t203, RNEA_FMA(-0.13314101f, t196,
+		0.13470101f*dw7x)));
 	const float t208 = RNEA_FMA(5e-05f, t205 - dw7z, RNEA_FMA(0.14417575f, dw7y, 0.12366628f*t201));
 	const float t209 = RNEA_FMA(0.022737818f, t197 - t202, RNEA_FMA(4e-05f, dw7x + t196, t208));
-	const float t210 = RNEA_FMA(-5e-05f, t204, RNEA_FMA(-0.022737818f, t200, RNEA_FMA(0.011034738f,
-		dw7z, 0.0094747385f*t205)));
+	const float t210 = RNEA_FMA(-5e-05f, t204, RNEA_FMA(-0.022737818f, t200, RNEA_FMA(0.011034738f, dw7z,
+		0.0094747385f*t205)));
 	const float n7x = RNEA_FMA(0.4960783f, a7y, RNEA_FMA(-5e-05f, t198 - t197, t207));
 	const float n7y = t209 - RNEA_FMA(0.4960783f, a7x, 0.1249059f*a7z);
 	const float n7z = RNEA_FMA(0.1249059f, a7y, RNEA_FMA(4e-05f, t202 - t198, t210));
@@ -775,10 +605,10 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	const float f8x = RNEA_FMA(2.638f, a8x, -RNEA_FMA(0.0692475f, t226, 0.39765212f*t220));
 	const float f8y = RNEA_FMA(2.638f, a8y, RNEA_FMA(0.0692475f, t218 + t223, 0.39765212f*t227));
 	const float f8z = RNEA_FMA(2.638f, a8z, RNEA_FMA(-0.0692475f, t221, 0.39765212f*t224));
-	const float t228 = RNEA_FMA(0.0001f, t227, RNEA_FMA(-0.007418368f, t224, RNEA_FMA(0.005497747f,
-		dw8x, 0.0027377468f*t217)));
-	const float t229 = RNEA_FMA(0.007418368f, t221, RNEA_FMA(-2e-05f, t226, RNEA_FMA(-0.08437208f,
-		t222, 0.08713208f*dw8y)));
+	const float t228 = RNEA_FMA(0.0001f, t227, RNEA_FMA(-0.007418368f, t224, RNEA_FMA(0.005497747f, dw8x,
+		0.0027377468f*t217)));
+	const float t229 = RNEA_FMA(0.007418368f, t221, RNEA_FMA(-2e-05f, t226, RNEA_FMA(-0.08437208f, t222,
+		0.08713208f*dw8y)));
 	const float t230 = RNEA_FMA(-0.0001f, t217 - dw8x, RNEA_FMA(0.08986983f, dw8z, 0.081634335f*t225));
 	const float t231 = RNEA_FMA(0.007418368f, t223 - t219, RNEA_FMA(2e-05f, dw8y + t222, t230));
 	const float n8x = RNEA_FMA(-0.0692475f, a8z, RNEA_FMA(2e-05f, t219 - t218, t228));
@@ -814,23 +644,21 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	const float t243 = w9x*w9y;
 	const float t244 = t243 - dw9z;
 	const float t245 = dw9z + t243;
-	const float f9x = RNEA_FMA(0.881001f, a9x, RNEA_FMA(-8.81e-05f, t242, RNEA_FMA(-0.110477746f,
-		t235 + t236, 3.524e-05f*t244)));
+	const float f9x = RNEA_FMA(0.881001f, a9x, RNEA_FMA(-8.81e-05f, t242, RNEA_FMA(-0.110477746f, t235 + t236,
+		3.524e-05f*t244)));
 	const float f9y = RNEA_FMA(0.881001f, a9y, RNEA_FMA(-8.81e-05f, t237, RNEA_FMA(-3.524e-05f, t235 + t240,
 		0.110477746f*t245)));
-	const float f9z = RNEA_FMA(0.881001f, a9z, RNEA_FMA(8.81e-05f, t236 + t240, RNEA_FMA(3.524e-05f,
-		t238, 0.110477746f*t241)));
-	const float t246 = RNEA_FMA(4.774e-08f, t245, RNEA_FMA(-5.6580902e-05f, t241, RNEA_FMA(-0.0002300074f,
-		t234, 0.00047101022f*dw9x)));
-	const float t247 = RNEA_FMA(5.6580902e-05f, t238, RNEA_FMA(9.96476e-07f, t244, RNEA_FMA(-0.025713976f,
-		t239, 0.026414994f*dw9y)));
-	const float t248 = RNEA_FMA(-9.96476e-07f, t242, RNEA_FMA(-4.774e-08f, t237, RNEA_FMA(0.026184987f,
-		dw9z, 0.025943983f*t243)));
-	const float n9x = RNEA_FMA(3.524e-05f, a9z, 8.81e-05f*a9y) + RNEA_FMA(-9.96476e-07f, t236 - t235,
-		t246);
+	const float f9z = RNEA_FMA(0.881001f, a9z, RNEA_FMA(8.81e-05f, t236 + t240, RNEA_FMA(3.524e-05f, t238,
+		0.110477746f*t241)));
+	const float t246 = RNEA_FMA(4.774e-08f, t245, RNEA_FMA(-5.6580902e-05f, t241, RNEA_FMA(-0.0002300074f, t234,
+		0.00047101022f*dw9x)));
+	const float t247 = RNEA_FMA(5.6580902e-05f, t238, RNEA_FMA(9.96476e-07f, t244, RNEA_FMA(-0.025713976f, t239,
+		0.026414994f*dw9y)));
+	const float t248 = RNEA_FMA(-9.96476e-07f, t242, RNEA_FMA(-4.774e-08f, t237, RNEA_FMA(0.026184987f, dw9z,
+		0.025943983f*t243)));
+	const float n9x = RNEA_FMA(3.524e-05f, a9z, 8.81e-05f*a9y) + RNEA_FMA(-9.96476e-07f, t236 - t235, t246);
 	const float n9y = RNEA_FMA(4.774e-08f, t235 - t240, t247) - RNEA_FMA(8.81e-05f, a9x, 0.110477746f*a9z);
-	const float n9z = RNEA_FMA(-3.524e-05f, a9x, 0.110477746f*a9y) + RNEA_FMA(5.6580902e-05f, t240 - t236,
-		t248);
+	const float n9z = RNEA_FMA(-3.524e-05f, a9x, 0.110477746f*a9y) + RNEA_FMA(5.6580902e-05f, t240 - t236, t248);
 
 	/* ---- back from link 9 "rf_lowerleg" to link 8 (bpass): torque of "rf_kfe_joint" ---- */
 	const float t249 = RNEA_FMA(s9, f9x, c9*f9y);
@@ -903,12 +731,12 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	const float f10x = RNEA_FMA(2.93f, a10x, RNEA_FMA(-0.1249059f, t267, 0.4960783f*t272));
 	const float f10y = RNEA_FMA(2.93f, a10y, RNEA_FMA(0.4960783f, t268, 0.1249059f*t274));
 	const float f10z = RNEA_FMA(2.93f, a10z, RNEA_FMA(-0.4960783f, t266 + t270, 0.1249059f*t271));
-	const float t275 = RNEA_FMA(-0.022737818f, t274, RNEA_FMA(4e-05f, t271, RNEA_FMA(-0.13314101f,
-		t264, 0.13470101f*dw10x)));
+	const float t275 = RNEA_FMA(-0.022737818f, t274, RNEA_FMA(4e-05f, t271, RNEA_FMA(-0.13314101f, t264,
+		0.13470101f*dw10x)));
 	const float t276 = RNEA_FMA(5e-05f, t273 - dw10z, RNEA_FMA(0.14417575f, dw10y, 0.12366628f*t269));
 	const float t277 = RNEA_FMA(-0.022737818f, t265 - t270, RNEA_FMA(-4e-05f, dw10x + t264, t276));
-	const float t278 = RNEA_FMA(-5e-05f, t272, RNEA_FMA(0.022737818f, t268, RNEA_FMA(0.011034738f,
-		dw10z, 0.0094747385f*t273)));
+	const float t278 = RNEA_FMA(-5e-05f, t272, RNEA_FMA(0.022737818f, t268, RNEA_FMA(0.011034738f, dw10z,
+		0.0094747385f*t273)));
 	const float n10x = RNEA_FMA(-0.4960783f, a10y, RNEA_FMA(-5e-05f, t266 - t265, t275));
 	const float n10y = RNEA_FMA(-0.1249059f, a10z, 0.4960783f*a10x) + t277;
 	const float n10z = RNEA_FMA(0.1249059f, a10y, RNEA_FMA(-4e-05f, t270 - t266, t278));
@@ -948,10 +776,10 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	const float f11x = RNEA_FMA(2.638f, a11x, RNEA_FMA(-0.39765212f, t288, 0.0692475f*t294));
 	const float f11y = RNEA_FMA(2.638f, a11y, RNEA_FMA(-0.0692475f, t286 + t291, 0.39765212f*t295));
 	const float f11z = RNEA_FMA(2.638f, a11z, RNEA_FMA(0.0692475f, t289, 0.39765212f*t292));
-	const float t296 = RNEA_FMA(-0.0001f, t295, RNEA_FMA(0.007418368f, t292, RNEA_FMA(0.005497747f,
-		dw11x, 0.0027377468f*t285)));
-	const float t297 = RNEA_FMA(-0.007418368f, t289, RNEA_FMA(-2e-05f, t294, RNEA_FMA(-0.08437208f,
-		t290, 0.08713208f*dw11y)));
+	const float t296 = RNEA_FMA(-0.0001f, t295, RNEA_FMA(0.007418368f, t292, RNEA_FMA(0.005497747f, dw11x,
+		0.0027377468f*t285)));
+	const float t297 = RNEA_FMA(-0.007418368f, t289, RNEA_FMA(-2e-05f, t294, RNEA_FMA(-0.08437208f, t290,
+		0.08713208f*dw11y)));
 	const float t298 = RNEA_FMA(0.0001f, t285 - dw11x, RNEA_FMA(0.08986983f, dw11z, 0.081634335f*t293));
 	const float t299 = RNEA_FMA(-0.007418368f, t291 - t287, RNEA_FMA(2e-05f, dw11y + t290, t298));
 	const float n11x = RNEA_FMA(0.0692475f, a11z, RNEA_FMA(2e-05f, t287 - t286, t296));
@@ -991,19 +819,17 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	const float f12x = RNEA_FMA(0.881001f, a12x, t314);
 	const float f12y = RNEA_FMA(0.881001f, a12y, RNEA_FMA(8.81e-05f, t305, RNEA_FMA(3.524e-05f, t303 + t308,
 		0.110477746f*t313)));
-	const float f12z = RNEA_FMA(0.881001f, a12z, RNEA_FMA(-8.81e-05f, t304 + t308, RNEA_FMA(-3.524e-05f,
-		t306, 0.110477746f*t309)));
-	const float t315 = RNEA_FMA(-2.04774e-06f, t313, RNEA_FMA(5.4580905e-05f, t309, RNEA_FMA(-0.0002300074f,
-		t302, 0.00047101022f*dw12x)));
-	const float t316 = RNEA_FMA(-5.4580905e-05f, t306, RNEA_FMA(9.96476e-07f, t312, RNEA_FMA(-0.025713976f,
-		t307, 0.026414994f*dw12y)));
-	const float t317 = RNEA_FMA(-9.96476e-07f, t310, RNEA_FMA(2.04774e-06f, t305, RNEA_FMA(0.026184987f,
-		dw12z, 0.025943983f*t311)));
+	const float f12z = RNEA_FMA(0.881001f, a12z, RNEA_FMA(-8.81e-05f, t304 + t308, RNEA_FMA(-3.524e-05f, t306,
+		0.110477746f*t309)));
+	const float t315 = RNEA_FMA(-2.04774e-06f, t313, RNEA_FMA(5.4580905e-05f, t309, RNEA_FMA(-0.0002300074f, t302,
+		0.00047101022f*dw12x)));
+	const float t316 = RNEA_FMA(-5.4580905e-05f, t306, RNEA_FMA(9.96476e-07f, t312, RNEA_FMA(-0.025713976f, t307,
+		0.026414994f*dw12y)));
+	const float t317 = RNEA_FMA(-9.96476e-07f, t310, RNEA_FMA(2.04774e-06f, t305, RNEA_FMA(0.026184987f, dw12z,
+		0.025943983f*t311)));
 	const float n12x = RNEA_FMA(-9.96476e-07f, t304 - t303, t315) - RNEA_FMA(3.524e-05f, a12z, 8.81e-05f*a12y);
-	const float n12y = RNEA_FMA(-0.110477746f, a12z, 8.81e-05f*a12x) + RNEA_FMA(-2.04774e-06f, t303 - t308,
-		t316);
-	const float n12z = RNEA_FMA(0.110477746f, a12y, 3.524e-05f*a12x) + RNEA_FMA(-5.4580905e-05f, t308 - t304,
-		t317);
+	const float n12y = RNEA_FMA(-0.110477746f, a12z, 8.81e-05f*a12x) + RNEA_FMA(-2.04774e-06f, t303 - t308, t316);
+	const float n12z = RNEA_FMA(0.110477746f, a12y, 3.524e-05f*a12x) + RNEA_FMA(-5.4580905e-05f, t308 - t304, t317);
 
 	/* ---- back from link 12 "rh_lowerleg" to link 11 (bpass): torque of "rh_kfe_joint" ---- */
 	const float t318 = RNEA_FMA(s12, f12x, c12*f12y);
@@ -1044,8 +870,9 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	tau[15*stride] = n10z_2;
 
 	/* ---- back from link 0 "base_link" to the world (bpass) ---- */
-	tau[0*stride] = f0x_5;
-	tau[1*stride] = f0y_5;
+	/* f_p += R f;  n_p += R n + p x R f;  tau = (f, n) */
+	tau[0] = f0x_5;
+	tau[stride] = f0y_5;
 	tau[2*stride] = f0z_5;
 	tau[3*stride] = n0x_5;
 	tau[4*stride] = n0y_5;
@@ -1056,11 +883,15 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f, const size_t stride, const int small)
+static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f,
+	const size_t stride, const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 0 "base_link" (fpass) ---- */
+	/* w = R'w_p + qd_w;  dw = R'dw_p + qdd_w + R'w_p x qd_w;  a = R'(a_p + U_p p) + dV + 2 R'w_p x V,  V = qd_v, 
+	   dV = qdd_v + qd_w x qd_v;  v = R'(v_p + w_p x p) + V;
+	   f = m a + U h;  n = I dw + w x I w + h x a */
 	const float q0qw = q[6*stride];
 	const float q0qx = q[3*stride];
 	const float q0qy = q[4*stride];
@@ -1068,8 +899,8 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	const float t1 = 2.0f*q0qx;
 	const float t2 = 2.0f*q0qy;
 	const float t3 = RNEA_FMA(t2, -q0qw, q0qx*(2.0f*q0qz));
-	const float qd0vx = qd[0*stride];
-	const float qd0vy = qd[1*stride];
+	const float qd0vx = qd[0];
+	const float qd0vy = qd[stride];
 	const float qd0vz = qd[2*stride];
 	const float qd0wx = qd[3*stride];
 	const float qd0wy = qd[4*stride];
@@ -1080,8 +911,8 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	const float t4 = RNEA_FMA(qd0wz, -qd0vy, qd0vz*qd0wy);
 	const float t5 = RNEA_FMA(qd0wx, -qd0vz, qd0vx*qd0wz);
 	const float t6 = RNEA_FMA(qd0wy, -qd0vx, qd0vy*qd0wx);
-	const float qdd0vx = qdd[0*stride];
-	const float qdd0vy = qdd[1*stride];
+	const float qdd0vx = qdd[0];
+	const float qdd0vy = qdd[stride];
 	const float qdd0vz = qdd[2*stride];
 	const float a0x = RNEA_FMA(9.81f, t3, t4 + qdd0vx);
 	const float a0y = RNEA_FMA(9.81f, RNEA_FMA(q0qw, t1, q0qz*t2), t5 + qdd0vy);
@@ -1104,40 +935,39 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 		1.3106418f*t19)));
 	const float f0y = RNEA_FMA(60.978f, a0y, RNEA_FMA(0.22001559f, t11, RNEA_FMA(-1.3106418f, t15,
 		3.4189837f*t20)));
-	const float f0z = RNEA_FMA(60.978f, a0z, RNEA_FMA(-0.22001559f, t9 + t14, RNEA_FMA(1.3106418f,
-		t12, 3.4189837f*t16)));
-	const float t21 = RNEA_FMA(-0.21587546f, t20, RNEA_FMA(0.04502036f, t16, RNEA_FMA(1.6017306f,
-		qdd0wx, 0.72112f*t7)));
-	const float t22 = RNEA_FMA(-0.04502036f, t12, RNEA_FMA(0.009153269f, t19, RNEA_FMA(-7.8146267f,
-		t13, 8.695237f*qdd0wy)));
-	const float t23 = RNEA_FMA(-0.009153269f, t17, RNEA_FMA(0.21587546f, t11, RNEA_FMA(9.416357f,
-		qdd0wz, 7.093507f*t18)));
-	const float n0x = RNEA_FMA(-0.22001559f, a0y, 1.3106418f*a0z) + RNEA_FMA(-0.009153269f, t9 - t8,
-		t21);
-	const float n0y = RNEA_FMA(-3.4189837f, a0z, 0.22001559f*a0x) + RNEA_FMA(-0.21587546f, t8 - t14,
-		t22);
-	const float n0z = RNEA_FMA(-1.3106418f, a0x, 3.4189837f*a0y) + RNEA_FMA(-0.04502036f, t14 - t9,
-		t23);
-	v[0*stride] = qd0vx;
-	v[1*stride] = qd0vy;
+	const float f0z = RNEA_FMA(60.978f, a0z, RNEA_FMA(-0.22001559f, t9 + t14, RNEA_FMA(1.3106418f, t12,
+		3.4189837f*t16)));
+	const float t21 = RNEA_FMA(-0.21587546f, t20, RNEA_FMA(0.04502036f, t16, RNEA_FMA(1.6017306f, qdd0wx,
+		0.72112f*t7)));
+	const float t22 = RNEA_FMA(-0.04502036f, t12, RNEA_FMA(0.009153269f, t19, RNEA_FMA(-7.8146267f, t13,
+		8.695237f*qdd0wy)));
+	const float t23 = RNEA_FMA(-0.009153269f, t17, RNEA_FMA(0.21587546f, t11, RNEA_FMA(9.416357f, qdd0wz,
+		7.093507f*t18)));
+	const float n0x = RNEA_FMA(-0.22001559f, a0y, 1.3106418f*a0z) + RNEA_FMA(-0.009153269f, t9 - t8, t21);
+	const float n0y = RNEA_FMA(-3.4189837f, a0z, 0.22001559f*a0x) + RNEA_FMA(-0.21587546f, t8 - t14, t22);
+	const float n0z = RNEA_FMA(-1.3106418f, a0x, 3.4189837f*a0y) + RNEA_FMA(-0.04502036f, t14 - t9, t23);
+	v[0] = qd0vx;
+	v[stride] = qd0vy;
 	v[2*stride] = qd0vz;
 	v[3*stride] = qd0wx;
 	v[4*stride] = qd0wy;
 	v[5*stride] = qd0wz;
-	a[0*stride] = a0x - t4;
-	a[1*stride] = a0y - t5;
+	a[0] = a0x - t4;
+	a[stride] = a0y - t5;
 	a[2*stride] = a0z - t6;
 	a[3*stride] = qdd0wx;
 	a[4*stride] = qdd0wy;
 	a[5*stride] = qdd0wz;
-	f[0*stride] = f0x;
-	f[1*stride] = f0y;
+	f[0] = f0x;
+	f[stride] = f0y;
 	f[2*stride] = f0z;
 	f[3*stride] = n0x;
 	f[4*stride] = n0y;
 	f[5*stride] = n0z;
 
 	/* ---- out to link 1 "lf_hipassembly" (fpass) ---- */
+	/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);  v = R'(v_p + w_p x p);
+	   f = m a + U h;  n = I dw + w x I w + h x a */
 	const float q1 = q[7*stride];
 	float s1, c1;
 	all_small &= rneagen_sincosf_either(q1, small, &s1, &c1);
@@ -1335,23 +1165,21 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	const float t111 = w3x*w3y;
 	const float t112 = t111 - dw3z;
 	const float t113 = dw3z + t111;
-	const float f3x = RNEA_FMA(0.881001f, a3x, RNEA_FMA(-8.81e-05f, t110, RNEA_FMA(-0.110477746f,
-		t103 + t104, 3.524e-05f*t112)));
+	const float f3x = RNEA_FMA(0.881001f, a3x, RNEA_FMA(-8.81e-05f, t110, RNEA_FMA(-0.110477746f, t103 + t104,
+		3.524e-05f*t112)));
 	const float f3y = RNEA_FMA(0.881001f, a3y, RNEA_FMA(-8.81e-05f, t105, RNEA_FMA(-3.524e-05f, t103 + t108,
 		0.110477746f*t113)));
-	const float f3z = RNEA_FMA(0.881001f, a3z, RNEA_FMA(8.81e-05f, t104 + t108, RNEA_FMA(3.524e-05f,
-		t106, 0.110477746f*t109)));
-	const float t114 = RNEA_FMA(4.774e-08f, t113, RNEA_FMA(-5.6580902e-05f, t109, RNEA_FMA(-0.0002300074f,
-		t102, 0.00047101022f*dw3x)));
-	const float t115 = RNEA_FMA(5.6580902e-05f, t106, RNEA_FMA(9.96476e-07f, t112, RNEA_FMA(-0.025713976f,
-		t107, 0.026414994f*dw3y)));
-	const float t116 = RNEA_FMA(-9.96476e-07f, t110, RNEA_FMA(-4.774e-08f, t105, RNEA_FMA(0.026184987f,
-		dw3z, 0.025943983f*t111)));
-	const float n3x = RNEA_FMA(3.524e-05f, a3z, 8.81e-05f*a3y) + RNEA_FMA(-9.96476e-07f, t104 - t103,
-		t114);
+	const float f3z = RNEA_FMA(0.881001f, a3z, RNEA_FMA(8.81e-05f, t104 + t108, RNEA_FMA(3.524e-05f, t106,
+		0.110477746f*t109)));
+	const float t114 = RNEA_FMA(4.774e-08f, t113, RNEA_FMA(-5.6580902e-05f, t109, RNEA_FMA(-0.0002300074f, t102,
+		0.00047101022f*dw3x)));
+	const float t115 = RNEA_FMA(5.6580902e-05f, t106, RNEA_FMA(9.96476e-07f, t112, RNEA_FMA(-0.025713976f, t107,
+		0.026414994f*dw3y)));
+	const float t116 = RNEA_FMA(-9.96476e-07f, t110, RNEA_FMA(-4.774e-08f, t105, RNEA_FMA(0.026184987f, dw3z,
+		0.025943983f*t111)));
+	const float n3x = RNEA_FMA(3.524e-05f, a3z, 8.81e-05f*a3y) + RNEA_FMA(-9.96476e-07f, t104 - t103, t114);
 	const float n3y = RNEA_FMA(4.774e-08f, t103 - t108, t115) - RNEA_FMA(8.81e-05f, a3x, 0.110477746f*a3z);
-	const float n3z = RNEA_FMA(-3.524e-05f, a3x, 0.110477746f*a3y) + RNEA_FMA(5.6580902e-05f, t108 - t104,
-		t116);
+	const float n3z = RNEA_FMA(-3.524e-05f, a3x, 0.110477746f*a3y) + RNEA_FMA(5.6580902e-05f, t108 - t104, t116);
 	v[18*stride] = v3x;
 	v[19*stride] = v3y;
 	v[20*stride] = v3z;
@@ -1416,12 +1244,12 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	const float f4x = RNEA_FMA(2.93f, a4x, -RNEA_FMA(0.4960783f, t138, 0.1249059f*t133));
 	const float f4y = RNEA_FMA(2.93f, a4y, RNEA_FMA(-0.4960783f, t134, 0.1249059f*t140));
 	const float f4z = RNEA_FMA(2.93f, a4z, RNEA_FMA(0.4960783f, t132 + t136, 0.1249059f*t137));
-	const float t141 = RNEA_FMA(0.022737818f, t140, RNEA_FMA(-4e-05f, t137, RNEA_FMA(-0.13314101f,
-		t130, 0.13470101f*dw4x)));
+	const float t141 = RNEA_FMA(0.022737818f, t140, RNEA_FMA(-4e-05f, t137, RNEA_FMA(-0.13314101f, t130,
+		0.13470101f*dw4x)));
 	const float t142 = RNEA_FMA(5e-05f, t139 - dw4z, RNEA_FMA(0.14417575f, dw4y, 0.12366628f*t135));
 	const float t143 = RNEA_FMA(0.022737818f, t131 - t136, RNEA_FMA(4e-05f, dw4x + t130, t142));
-	const float t144 = RNEA_FMA(-5e-05f, t138, RNEA_FMA(-0.022737818f, t134, RNEA_FMA(0.011034738f,
-		dw4z, 0.0094747385f*t139)));
+	const float t144 = RNEA_FMA(-5e-05f, t138, RNEA_FMA(-0.022737818f, t134, RNEA_FMA(0.011034738f, dw4z,
+		0.0094747385f*t139)));
 	const float n4x = RNEA_FMA(0.4960783f, a4y, RNEA_FMA(-5e-05f, t132 - t131, t141));
 	const float n4y = t143 - RNEA_FMA(0.4960783f, a4x, 0.1249059f*a4z);
 	const float n4z = RNEA_FMA(0.1249059f, a4y, RNEA_FMA(4e-05f, t136 - t132, t144));
@@ -1485,10 +1313,10 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	const float f5x = RNEA_FMA(2.638f, a5x, RNEA_FMA(-0.39765212f, t157, 0.0692475f*t163));
 	const float f5y = RNEA_FMA(2.638f, a5y, RNEA_FMA(-0.0692475f, t155 + t160, 0.39765212f*t164));
 	const float f5z = RNEA_FMA(2.638f, a5z, RNEA_FMA(0.0692475f, t158, 0.39765212f*t161));
-	const float t165 = RNEA_FMA(-0.0001f, t164, RNEA_FMA(0.007418368f, t161, RNEA_FMA(0.005497747f,
-		dw5x, 0.0027377468f*t154)));
-	const float t166 = RNEA_FMA(-0.007418368f, t158, RNEA_FMA(-2e-05f, t163, RNEA_FMA(-0.08437208f,
-		t159, 0.08713208f*dw5y)));
+	const float t165 = RNEA_FMA(-0.0001f, t164, RNEA_FMA(0.007418368f, t161, RNEA_FMA(0.005497747f, dw5x,
+		0.0027377468f*t154)));
+	const float t166 = RNEA_FMA(-0.007418368f, t158, RNEA_FMA(-2e-05f, t163, RNEA_FMA(-0.08437208f, t159,
+		0.08713208f*dw5y)));
 	const float t167 = RNEA_FMA(0.0001f, t154 - dw5x, RNEA_FMA(0.08986983f, dw5z, 0.081634335f*t162));
 	const float t168 = RNEA_FMA(-0.007418368f, t160 - t156, RNEA_FMA(2e-05f, dw5y + t159, t167));
 	const float n5x = RNEA_FMA(0.0692475f, a5z, RNEA_FMA(2e-05f, t156 - t155, t165));
@@ -1550,19 +1378,17 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	const float f6x = RNEA_FMA(0.881001f, a6x, t184);
 	const float f6y = RNEA_FMA(0.881001f, a6y, RNEA_FMA(8.81e-05f, t175, RNEA_FMA(3.524e-05f, t173 + t178,
 		0.110477746f*t183)));
-	const float f6z = RNEA_FMA(0.881001f, a6z, RNEA_FMA(-8.81e-05f, t174 + t178, RNEA_FMA(-3.524e-05f,
-		t176, 0.110477746f*t179)));
-	const float t185 = RNEA_FMA(-2.04774e-06f, t183, RNEA_FMA(5.4580905e-05f, t179, RNEA_FMA(-0.0002300074f,
-		t172, 0.00047101022f*dw6x)));
-	const float t186 = RNEA_FMA(-5.4580905e-05f, t176, RNEA_FMA(9.96476e-07f, t182, RNEA_FMA(-0.025713976f,
-		t177, 0.026414994f*dw6y)));
-	const float t187 = RNEA_FMA(-9.96476e-07f, t180, RNEA_FMA(2.04774e-06f, t175, RNEA_FMA(0.026184987f,
-		dw6z, 0.025943983f*t181)));
+	const float f6z = RNEA_FMA(0.881001f, a6z, RNEA_FMA(-8.81e-05f, t174 + t178, RNEA_FMA(-3.524e-05f, t176,
+		0.110477746f*t179)));
+	const float t185 = RNEA_FMA(-2.04774e-06f, t183, RNEA_FMA(5.4580905e-05f, t179, RNEA_FMA(-0.0002300074f, t172,
+		0.00047101022f*dw6x)));
+	const float t186 = RNEA_FMA(-5.4580905e-05f, t176, RNEA_FMA(9.96476e-07f, t182, RNEA_FMA(-0.025713976f, t177,
+		0.026414994f*dw6y)));
+	const float t187 = RNEA_FMA(-9.96476e-07f, t180, RNEA_FMA(2.04774e-06f, t175, RNEA_FMA(0.026184987f, dw6z,
+		0.025943983f*t181)));
 	const float n6x = RNEA_FMA(-9.96476e-07f, t174 - t173, t185) - RNEA_FMA(3.524e-05f, a6z, 8.81e-05f*a6y);
-	const float n6y = RNEA_FMA(-0.110477746f, a6z, 8.81e-05f*a6x) + RNEA_FMA(-2.04774e-06f, t173 - t178,
-		t186);
-	const float n6z = RNEA_FMA(0.110477746f, a6y, 3.524e-05f*a6x) + RNEA_FMA(-5.4580905e-05f, t178 - t174,
-		t187);
+	const float n6y = RNEA_FMA(-0.110477746f, a6z, 8.81e-05f*a6x) + RNEA_FMA(-2.04774e-06f, t173 - t178, t186);
+	const float n6z = RNEA_FMA(0.110477746f, a6y, 3.524e-05f*a6x) + RNEA_FMA(-5.4580905e-05f, t178 - t174, t187);
 	v[36*stride] = v6x;
 	v[37*stride] = v6y;
 	v[38*stride] = v6z;
@@ -1626,12 +1452,12 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	const float f7x = RNEA_FMA(2.93f, a7x, -RNEA_FMA(0.4960783f, t208, 0.1249059f*t203));
 	const float f7y = RNEA_FMA(2.93f, a7y, RNEA_FMA(-0.4960783f, t204, 0.1249059f*t210));
 	const float f7z = RNEA_FMA(2.93f, a7z, RNEA_FMA(0.4960783f, t202 + t206, 0.1249059f*t207));
-	const float t211 = RNEA_FMA(0.022737818f, t210, RNEA_FMA(-4e-05f, t207, RNEA_FMA(-0.13314101f,
-		t200, 0.13470101f*dw7x)));
+	const float t211 = RNEA_FMA(0.022737818f, t210, RNEA_FMA(-4e-05f, t207, RNEA_FMA(-0.13314101f, t200,
+		0.13470101f*dw7x)));
 	const float t212 = RNEA_FMA(5e-05f, t209 - dw7z, RNEA_FMA(0.14417575f, dw7y, 0.12366628f*t205));
 	const float t213 = RNEA_FMA(0.022737818f, t201 - t206, RNEA_FMA(4e-05f, dw7x + t200, t212));
-	const float t214 = RNEA_FMA(-5e-05f, t208, RNEA_FMA(-0.022737818f, t204, RNEA_FMA(0.011034738f,
-		dw7z, 0.0094747385f*t209)));
+	const float t214 = RNEA_FMA(-5e-05f, t208, RNEA_FMA(-0.022737818f, t204, RNEA_FMA(0.011034738f, dw7z,
+		0.0094747385f*t209)));
 	const float n7x = RNEA_FMA(0.4960783f, a7y, RNEA_FMA(-5e-05f, t202 - t201, t211));
 	const float n7y = t213 - RNEA_FMA(0.4960783f, a7x, 0.1249059f*a7z);
 	const float n7z = RNEA_FMA(0.1249059f, a7y, RNEA_FMA(4e-05f, t206 - t202, t214));
@@ -1695,10 +1521,10 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	const float f8x = RNEA_FMA(2.638f, a8x, -RNEA_FMA(0.0692475f, t233, 0.39765212f*t227));
 	const float f8y = RNEA_FMA(2.638f, a8y, RNEA_FMA(0.0692475f, t225 + t230, 0.39765212f*t234));
 	const float f8z = RNEA_FMA(2.638f, a8z, RNEA_FMA(-0.0692475f, t228, 0.39765212f*t231));
-	const float t235 = RNEA_FMA(0.0001f, t234, RNEA_FMA(-0.007418368f, t231, RNEA_FMA(0.005497747f,
-		dw8x, 0.0027377468f*t224)));
-	const float t236 = RNEA_FMA(0.007418368f, t228, RNEA_FMA(-2e-05f, t233, RNEA_FMA(-0.08437208f,
-		t229, 0.08713208f*dw8y)));
+	const float t235 = RNEA_FMA(0.0001f, t234, RNEA_FMA(-0.007418368f, t231, RNEA_FMA(0.005497747f, dw8x,
+		0.0027377468f*t224)));
+	const float t236 = RNEA_FMA(0.007418368f, t228, RNEA_FMA(-2e-05f, t233, RNEA_FMA(-0.08437208f, t229,
+		0.08713208f*dw8y)));
 	const float t237 = RNEA_FMA(-0.0001f, t224 - dw8x, RNEA_FMA(0.08986983f, dw8z, 0.081634335f*t232));
 	const float t238 = RNEA_FMA(0.007418368f, t230 - t226, RNEA_FMA(2e-05f, dw8y + t229, t237));
 	const float n8x = RNEA_FMA(-0.0692475f, a8z, RNEA_FMA(2e-05f, t226 - t225, t235));
@@ -1756,23 +1582,21 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	const float t251 = w9x*w9y;
 	const float t252 = t251 - dw9z;
 	const float t253 = dw9z + t251;
-	const float f9x = RNEA_FMA(0.881001f, a9x, RNEA_FMA(-8.81e-05f, t250, RNEA_FMA(-0.110477746f,
-		t243 + t244, 3.524e-05f*t252)));
+	const float f9x = RNEA_FMA(0.881001f, a9x, RNEA_FMA(-8.81e-05f, t250, RNEA_FMA(-0.110477746f, t243 + t244,
+		3.524e-05f*t252)));
 	const float f9y = RNEA_FMA(0.881001f, a9y, RNEA_FMA(-8.81e-05f, t245, RNEA_FMA(-3.524e-05f, t243 + t248,
 		0.110477746f*t253)));
-	const float f9z = RNEA_FMA(0.881001f, a9z, RNEA_FMA(8.81e-05f, t244 + t248, RNEA_FMA(3.524e-05f,
-		t246, 0.110477746f*t249)));
-	const float t254 = RNEA_FMA(4.774e-08f, t253, RNEA_FMA(-5.6580902e-05f, t249, RNEA_FMA(-0.0002300074f,
-		t242, 0.00047101022f*dw9x)));
-	const float t255 = RNEA_FMA(5.6580902e-05f, t246, RNEA_FMA(9.96476e-07f, t252, RNEA_FMA(-0.025713976f,
-		t247, 0.026414994f*dw9y)));
-	const float t256 = RNEA_FMA(-9.96476e-07f, t250, RNEA_FMA(-4.774e-08f, t245, RNEA_FMA(0.026184987f,
-		dw9z, 0.025943983f*t251)));
-	const float n9x = RNEA_FMA(3.524e-05f, a9z, 8.81e-05f*a9y) + RNEA_FMA(-9.96476e-07f, t244 - t243,
-		t254);
+	const float f9z = RNEA_FMA(0.881001f, a9z, RNEA_FMA(8.81e-05f, t244 + t248, RNEA_FMA(3.524e-05f, t246,
+		0.110477746f*t249)));
+	const float t254 = RNEA_FMA(4.774e-08f, t253, RNEA_FMA(-5.6580902e-05f, t249, RNEA_FMA(-0.0002300074f, t242,
+		0.00047101022f*dw9x)));
+	const float t255 = RNEA_FMA(5.6580902e-05f, t246, RNEA_FMA(9.96476e-07f, t252, RNEA_FMA(-0.025713976f, t247,
+		0.026414994f*dw9y)));
+	const float t256 = RNEA_FMA(-9.96476e-07f, t250, RNEA_FMA(-4.774e-08f, t245, RNEA_FMA(0.026184987f, dw9z,
+		0.025943983f*t251)));
+	const float n9x = RNEA_FMA(3.524e-05f, a9z, 8.81e-05f*a9y) + RNEA_FMA(-9.96476e-07f, t244 - t243, t254);
 	const float n9y = RNEA_FMA(4.774e-08f, t243 - t248, t255) - RNEA_FMA(8.81e-05f, a9x, 0.110477746f*a9z);
-	const float n9z = RNEA_FMA(-3.524e-05f, a9x, 0.110477746f*a9y) + RNEA_FMA(5.6580902e-05f, t248 - t244,
-		t256);
+	const float n9z = RNEA_FMA(-3.524e-05f, a9x, 0.110477746f*a9y) + RNEA_FMA(5.6580902e-05f, t248 - t244, t256);
 	v[54*stride] = v9x;
 	v[55*stride] = v9y;
 	v[56*stride] = v9z;
@@ -1830,12 +1654,12 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	const float f10x = RNEA_FMA(2.93f, a10x, RNEA_FMA(-0.1249059f, t266, 0.4960783f*t271));
 	const float f10y = RNEA_FMA(2.93f, a10y, RNEA_FMA(0.4960783f, t267, 0.1249059f*t273));
 	const float f10z = RNEA_FMA(2.93f, a10z, RNEA_FMA(-0.4960783f, t265 + t269, 0.1249059f*t270));
-	const float t274 = RNEA_FMA(-0.022737818f, t273, RNEA_FMA(4e-05f, t270, RNEA_FMA(-0.13314101f,
-		t263, 0.13470101f*dw10x)));
+	const float t274 = RNEA_FMA(-0.022737818f, t273, RNEA_FMA(4e-05f, t270, RNEA_FMA(-0.13314101f, t263,
+		0.13470101f*dw10x)));
 	const float t275 = RNEA_FMA(5e-05f, t272 - dw10z, RNEA_FMA(0.14417575f, dw10y, 0.12366628f*t268));
 	const float t276 = RNEA_FMA(-0.022737818f, t264 - t269, RNEA_FMA(-4e-05f, dw10x + t263, t275));
-	const float t277 = RNEA_FMA(-5e-05f, t271, RNEA_FMA(0.022737818f, t267, RNEA_FMA(0.011034738f,
-		dw10z, 0.0094747385f*t272)));
+	const float t277 = RNEA_FMA(-5e-05f, t271, RNEA_FMA(0.022737818f, t267, RNEA_FMA(0.011034738f, dw10z,
+		0.0094747385f*t272)));
 	const float n10x = RNEA_FMA(-0.4960783f, a10y, RNEA_FMA(-5e-05f, t265 - t264, t274));
 	const float n10y = RNEA_FMA(-0.1249059f, a10z, 0.4960783f*a10x) + t276;
 	const float n10z = RNEA_FMA(0.1249059f, a10y, RNEA_FMA(-4e-05f, t269 - t265, t277));
@@ -1899,10 +1723,10 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	const float f11x = RNEA_FMA(2.638f, a11x, RNEA_FMA(-0.39765212f, t290, 0.0692475f*t296));
 	const float f11y = RNEA_FMA(2.638f, a11y, RNEA_FMA(-0.0692475f, t288 + t293, 0.39765212f*t297));
 	const float f11z = RNEA_FMA(2.638f, a11z, RNEA_FMA(0.0692475f, t291, 0.39765212f*t294));
-	const float t298 = RNEA_FMA(-0.0001f, t297, RNEA_FMA(0.007418368f, t294, RNEA_FMA(0.005497747f,
-		dw11x, 0.0027377468f*t287)));
-	const float t299 = RNEA_FMA(-0.007418368f, t291, RNEA_FMA(-2e-05f, t296, RNEA_FMA(-0.08437208f,
-		t292, 0.08713208f*dw11y)));
+	const float t298 = RNEA_FMA(-0.0001f, t297, RNEA_FMA(0.007418368f, t294, RNEA_FMA(0.005497747f, dw11x,
+		0.0027377468f*t287)));
+	const float t299 = RNEA_FMA(-0.007418368f, t291, RNEA_FMA(-2e-05f, t296, RNEA_FMA(-0.08437208f, t292,
+		0.08713208f*dw11y)));
 	const float t300 = RNEA_FMA(0.0001f, t287 - dw11x, RNEA_FMA(0.08986983f, dw11z, 0.081634335f*t295));
 	const float t301 = RNEA_FMA(-0.007418368f, t293 - t289, RNEA_FMA(2e-05f, dw11y + t292, t300));
 	const float n11x = RNEA_FMA(0.0692475f, a11z, RNEA_FMA(2e-05f, t289 - t288, t298));
@@ -1964,19 +1788,17 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	const float f12x = RNEA_FMA(0.881001f, a12x, t317);
 	const float f12y = RNEA_FMA(0.881001f, a12y, RNEA_FMA(8.81e-05f, t308, RNEA_FMA(3.524e-05f, t306 + t311,
 		0.110477746f*t316)));
-	const float f12z = RNEA_FMA(0.881001f, a12z, RNEA_FMA(-8.81e-05f, t307 + t311, RNEA_FMA(-3.524e-05f,
-		t309, 0.110477746f*t312)));
-	const float t318 = RNEA_FMA(-2.04774e-06f, t316, RNEA_FMA(5.4580905e-05f, t312, RNEA_FMA(-0.0002300074f,
-		t305, 0.00047101022f*dw12x)));
-	const float t319 = RNEA_FMA(-5.4580905e-05f, t309, RNEA_FMA(9.96476e-07f, t315, RNEA_FMA(-0.025713976f,
-		t310, 0.026414994f*dw12y)));
-	const float t320 = RNEA_FMA(-9.96476e-07f, t313, RNEA_FMA(2.04774e-06f, t308, RNEA_FMA(0.026184987f,
-		dw12z, 0.025943983f*t314)));
+	const float f12z = RNEA_FMA(0.881001f, a12z, RNEA_FMA(-8.81e-05f, t307 + t311, RNEA_FMA(-3.524e-05f, t309,
+		0.110477746f*t312)));
+	const float t318 = RNEA_FMA(-2.04774e-06f, t316, RNEA_FMA(5.4580905e-05f, t312, RNEA_FMA(-0.0002300074f, t305,
+		0.00047101022f*dw12x)));
+	const float t319 = RNEA_FMA(-5.4580905e-05f, t309, RNEA_FMA(9.96476e-07f, t315, RNEA_FMA(-0.025713976f, t310,
+		0.026414994f*dw12y)));
+	const float t320 = RNEA_FMA(-9.96476e-07f, t313, RNEA_FMA(2.04774e-06f, t308, RNEA_FMA(0.026184987f, dw12z,
+		0.025943983f*t314)));
 	const float n12x = RNEA_FMA(-9.96476e-07f, t307 - t306, t318) - RNEA_FMA(3.524e-05f, a12z, 8.81e-05f*a12y);
-	const float n12y = RNEA_FMA(-0.110477746f, a12z, 8.81e-05f*a12x) + RNEA_FMA(-2.04774e-06f, t306 - t311,
-		t319);
-	const float n12z = RNEA_FMA(0.110477746f, a12y, 3.524e-05f*a12x) + RNEA_FMA(-5.4580905e-05f, t311 - t307,
-		t320);
+	const float n12y = RNEA_FMA(-0.110477746f, a12z, 8.81e-05f*a12x) + RNEA_FMA(-2.04774e-06f, t306 - t311, t319);
+	const float n12z = RNEA_FMA(0.110477746f, a12y, 3.524e-05f*a12x) + RNEA_FMA(-5.4580905e-05f, t311 - t307, t320);
 	v[72*stride] = v12x;
 	v[73*stride] = v12y;
 	v[74*stride] = v12z;
@@ -2006,14 +1828,16 @@ static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau
 	int all_small = 1;
 
 	/* ---- out to link 0 "base_link" ---- */
-	const float own_f0x = f[0*stride];
-	const float own_f0y = f[1*stride];
+	/* f, n = what fpass wrote, in the link's frame here */
+	const float own_f0x = f[0];
+	const float own_f0y = f[stride];
 	const float own_f0z = f[2*stride];
 	const float own_n0x = f[3*stride];
 	const float own_n0y = f[4*stride];
 	const float own_n0z = f[5*stride];
 
 	/* ---- out to link 1 "lf_hipassembly" ---- */
+	/* f, n = what fpass wrote, in the link's frame here */
 	const float q1 = q[7*stride];
 	float s1, c1;
 	all_small &= rneagen_sincosf_either(q1, small, &s1, &c1);
@@ -2047,6 +1871,7 @@ static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau
 	const float own_n3z = f[23*stride];
 
 	/* ---- back from link 3 "lf_lowerleg" to link 2 (bpass): torque of "lf_kfe_joint" ---- */
+	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
 	const float t1 = RNEA_FMA(s3, own_f3x, c3*own_f3y);
 	const float f2x = own_f2x + RNEA_FMA(own_f3y, -s3, c3*own_f3x);
 	const float f2y = own_f2y + t1;
@@ -2082,8 +1907,8 @@ static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau
 	const float f0z = own_f0z + t12;
 	const float t13 = RNEA_FMA(4.8965888e-12f, n1z, -t8) - RNEA_FMA(0.3735f, t11, 0.207f*t10);
 	const float n0x = own_n0x + RNEA_FMA(0.207f, t12, RNEA_FMA(-4.8965888e-12f, t8, 2.0682311e-13f*t9) - n1z);
-	const float n0y = own_n0y - RNEA_FMA(0.3735f, t12, RNEA_FMA(2.0682311e-13f, n1z, RNEA_FMA(1.0127277e-24f,
-		t8, t9)));
+	const float n0y = own_n0y - RNEA_FMA(0.3735f, t12, RNEA_FMA(2.0682311e-13f, n1z, RNEA_FMA(1.0127277e-24f, t8,
+		t9)));
 	const float n0z = own_n0z + t13;
 	tau[6*stride] = n1z;
 
@@ -2156,8 +1981,8 @@ static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau
 	const float f0z_2 = f0z + t25;
 	const float t26 = RNEA_FMA(4.8965888e-12f, n4z, -t21) + RNEA_FMA(-0.207f, t23, 0.3735f*t24);
 	const float n0x_2 = n0x + RNEA_FMA(0.207f, t25, RNEA_FMA(-4.8965888e-12f, t21, 2.0682311e-13f*t22) - n4z);
-	const float n0y_2 = n0y + RNEA_FMA(0.3735f, t25, -RNEA_FMA(2.0682311e-13f, n4z, RNEA_FMA(1.0127277e-24f,
-		t21, t22)));
+	const float n0y_2 = n0y + RNEA_FMA(0.3735f, t25, -RNEA_FMA(2.0682311e-13f, n4z, RNEA_FMA(1.0127277e-24f, t21,
+		t22)));
 	const float n0z_2 = n0z + t26;
 	tau[9*stride] = n4z;
 
@@ -2304,8 +2129,9 @@ static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau
 	tau[15*stride] = n10z;
 
 	/* ---- back from link 0 "base_link" to the world (bpass) ---- */
-	tau[0*stride] = f0x_4;
-	tau[1*stride] = f0y_4;
+	/* f_p += R f;  n_p += R n + p x R f;  tau = (f, n) */
+	tau[0] = f0x_4;
+	tau[stride] = f0y_4;
 	tau[2*stride] = f0z_4;
 	tau[3*stride] = n0x_4;
 	tau[4*stride] = n0y_4;
@@ -2314,9 +2140,197 @@ static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau
 }
 
 
+#ifndef RNEAGEN_SINCOSF_CORE
+#define RNEAGEN_SINCOSF_CORE
+union rneagen_f32 {
+	float f;
+	unsigned int u;
+};
+
+/* x = k*(pi/2) + r - e for |x| <= 1e4: e is the rounding error of r. Returns k modulo 4 in its low two bits.
+ * pi/2 is split so that k*C1, k*C2, k*C3 are exact, and x - k*C1 - k*C2 too. */
+static RNEA_INLINE unsigned int rneagen_sincosf_reduce(float x, float *r, float *e)
+{
+	union rneagen_f32 t;
+	t.f = RNEA_FMA(x, 0x1.45f306p-1f, 0x1.8p23f); /* 1.5*2^23 + k: rounds x*2/pi to the nearest integer */
+	const float k = t.f - 0x1.8p23f;
+	const float r2 = RNEA_FMA(-k, 0x1.fb4p-12f, RNEA_FMA(-k, 0x1.92p0f, x));
+	*r = RNEA_FMA(-k, 0x1.444p-24f, r2);
+	*e = RNEA_FMA(k, 0x1.68c234p-39f, RNEA_FMA(k, 0x1.444p-24f, *r - r2));
+	return t.u;
+}
+
+/* Sine and cosine of q*(pi/2) + r - e, |r| <= pi/4. With z = r*r and w = fl(1 - z/2):
+ *   sin = r - (r*z*S(z) + e*w),  cos = w + ((1 - w - z/2) + r*e + z*z*C(z))
+ * Sollya, I = [2^-20; pi/4*(1 + 2^-8)]:
+ *  -S: fpminimax(sin(x), [|3,5,7|], [|SG...|], I, relative, x), relative error of sin 2^-27.8
+ *   C: fpminimax(cos(x), [|4,6,8|], [|SG...|], I, absolute, 1 - x^2/2), error of cos 2^-33.1 */
+static RNEA_INLINE void rneagen_sincosf_turn(unsigned int q, float r, float e, float *s, float *c)
+{
+	union rneagen_f32 a, b;
+	const float z = r * r;
+	const float w = RNEA_FMA(-0.5f, z, 1.0f);
+	const float ps = RNEA_FMA(RNEA_FMA(0x1.99278ap-13f, z, -0x1.1106dcp-7f), z, 0x1.555544p-3f);
+	const float pc = RNEA_FMA(RNEA_FMA(0x1.99e7cp-16f, z, -0x1.6c0c28p-10f), z, 0x1.55554ap-5f);
+	a.f = r - RNEA_FMA(r * z, ps, e * w);
+	b.f = w + RNEA_FMA(z * z, pc, RNEA_FMA(r, e, RNEA_FMA(-0.5f, z, 1.0f - w)));
+	const unsigned int swap = (a.u ^ b.u) & (0 - (q & 1)); /* odd quarter turns exchange sine and cosine */
+	a.u ^= swap ^ (q & 2) << 30;
+	b.u ^= swap ^ ((q + 1) & 2) << 30;
+	*s = a.f;
+	*c = b.f;
+}
+#endif
+
+#ifndef RNEAGEN_SINCOSF_ACCURATE
+#define RNEAGEN_SINCOSF_ACCURATE
+/* rneagen_sincosf_reduce for |x| > 1e4, in integers (Payne and Hanek): |x| = m*2^p with a 24-bit m, and of the bits of
+ * 2/pi those that only give multiples of 4 are skipped and the next 96 multiplied by m. NaN if x is not finite. */
+static RNEA_INLINE unsigned int rneagen_sincosf_reduce_large(float x, float *r, float *e)
+{
+	static const unsigned int two_over_pi[] = {0, 0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u,
+		0x3c439041u, 0xfe5163abu};
+	union rneagen_f32 t;
+	t.f = x;
+	const unsigned int bit = (t.u >> 23 & 255) - 120, i = bit >> 5, shift = bit & 31;
+	const unsigned long long m = (t.u & 0x7fffffu) | 0x800000u;
+	const unsigned long long w0 = two_over_pi[i], w1 = two_over_pi[i + 1];
+	const unsigned long long w2 = two_over_pi[i + 2], w3 = two_over_pi[i + 3];
+	const unsigned long long a = (w0 << 32 | w1) << shift >> 32, b = (w1 << 32 | w2) << shift >> 32;
+	const unsigned long long c = (w2 << 32 | w3) << shift >> 32;
+	unsigned long long f = (m * a << 32) + m * b + (m * c >> 32);
+	f = x < 0 ? ~f : f; /* x*(2/pi) modulo 4, times 2^62 */
+	const unsigned int past_half = f >> 61 & 1, q = (unsigned int)(f >> 62) + past_half;
+	float scale = RNEA_FMA(0.0f, x, past_half ? -0x1p-63f : 0x1p-63f); /* NaN where x is not finite */
+	f = past_half ? ~(f << 2) : f << 2; /* what is left of x*(2/pi) - q, times 2^64 */
+	for (; f && !(f >> 63); f <<= 1)
+		scale *= 0.5f;
+	f = (f >> 32) * 0xc90fdaa2u; /* times pi/2*2^31 */
+	const float g = (float)f;
+	*r = g * scale;
+	*e = (float)(long long)((unsigned long long)g - f) * scale;
+	return q;
+}
+
+/* Sine and cosine of any finite x, error below 0.85 ulp; NaN if x is not finite. */
+static RNEA_INLINE void rneagen_sincosf_accurate(float x, float *s, float *c)
+{
+	float r, e;
+	unsigned int q;
+	if (fabsf(x) <= 1e4f)
+		q = rneagen_sincosf_reduce(x, &r, &e);
+	else
+		q = rneagen_sincosf_reduce_large(x, &r, &e);
+	rneagen_sincosf_turn(q, r, e, s, c);
+}
+#endif
+#ifndef RNEAGEN_SINCOSF_EITHER
+#define RNEAGEN_SINCOSF_EITHER
+
+/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not,
+   and `small`, sine and cosine mean nothing. */
+static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c)
+{
+	if (small) {
+		float r, e;
+		const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
+		rneagen_sincosf_turn(q, r, e, s, c);
+	} else {
+		rneagen_sincosf_accurate(x, s, c);
+	}
+	return fabsf(x) <= 1e4f;
+}
+#endif
+
+#if !defined __CUDACC__
+/* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves
+   the rest a straight line; the results have the same bits either way. */
+static RNEA_INLINE int hyq_is_small(const float *q, const size_t stride)
+{
+	int small = 1;
+
+	for (size_t i = 0; i < 19; i++)
+		small &= fabsf(q[i*stride]) <= 1e+04f;
+	return small;
+}
+
+#endif
+
+/* ---- what this text computes, one `key values` a line: librnea reads it ---- */
+#if defined __CUDACC_RTC__
+#define RNEA_INFO __device__
+#elif defined __CUDACC__ && defined __GNUC__
+#define RNEA_INFO __attribute__((weak)) /* a program may hold the text for target c too, with a table of this name */
+#else
+#define RNEA_INFO
+#endif
+#if defined __cplusplus
+extern "C" {
+#endif
+extern RNEA_INFO const char hyq_info[];
+#if defined __cplusplus
+}
+#endif
+RNEA_INFO const char hyq_info[] =
+	"rneagen-info 3\n"
+	"name hyq\n"
+	"precision f32\n"
+	"arithmetic f32\n"
+	"layout soa\n"
+	"trig accurate\n"
+	"base floating\n"
+	"nq 19\n"
+	"nv 18\n"
+	"nb 13\n"
+	"block 128\n"
+	"joint 0 7 0 6 floating \n"
+	"joint 7 1 6 1 revolute lf_haa_joint\n"
+	"joint 8 1 7 1 revolute lf_hfe_joint\n"
+	"joint 9 1 8 1 revolute lf_kfe_joint\n"
+	"joint 10 1 9 1 revolute lh_haa_joint\n"
+	"joint 11 1 10 1 revolute lh_hfe_joint\n"
+	"joint 12 1 11 1 revolute lh_kfe_joint\n"
+	"joint 13 1 12 1 revolute rf_haa_joint\n"
+	"joint 14 1 13 1 revolute rf_hfe_joint\n"
+	"joint 15 1 14 1 revolute rf_kfe_joint\n"
+	"joint 16 1 15 1 revolute rh_haa_joint\n"
+	"joint 17 1 16 1 revolute rh_hfe_joint\n"
+	"joint 18 1 17 1 revolute rh_kfe_joint\n"
+	"function rnea\n"
+	"input q 19 f32 sample joint_position\n"
+	"input qd 18 f32 sample joint_velocity\n"
+	"input qdd 18 f32 sample joint_acceleration\n"
+	"output tau 18 f32 sample joint_torque\n"
+	"operations 328 201 106 93 575 12\n"
+	"function fpass\n"
+	"input q 19 f32 sample joint_position\n"
+	"input qd 18 f32 sample joint_velocity\n"
+	"input qdd 18 f32 sample joint_acceleration\n"
+	"output v 78 f32 sample body_twists\n"
+	"output a 78 f32 sample body_accelerations\n"
+	"output f 78 f32 sample body_wrenches\n"
+	"operations 339 136 146 120 551 12\n"
+	"function bpass\n"
+	"input q 19 f32 sample joint_position\n"
+	"input f 78 f32 sample body_wrenches\n"
+	"output tau 18 f32 sample joint_torque\n"
+	"operations 56 72 8 29 116 12\n";
+
 #if defined __CUDACC__
+/* ---- kernels ---- */
+/* threads in a block: the samples of one slice of the batch */
+#ifndef RNEA_BLOCK
+#define RNEA_BLOCK 128
+#endif
+/* blocks that one multiprocessor should hold at once: bounds the registers of the rnea kernel; 0: the compiler's choice
+   */
+#ifndef RNEA_MIN_BLOCKS
+#define RNEA_MIN_BLOCKS 0
+#endif
+
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK, RNEA_MIN_BLOCKS)
-hyq_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd, float *__restrict__ tau, size_t count)
+hyq_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
+	float *__restrict__ tau, size_t count)
 {
 	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
 
@@ -2329,7 +2343,8 @@ hyq_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const
 }
 
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK)
-hyq_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd, float *__restrict__ v, float *__restrict__ a, float *__restrict__ f, size_t count)
+hyq_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
+	float *__restrict__ v, float *__restrict__ a, float *__restrict__ f, size_t count)
 {
 	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
 
@@ -2351,7 +2366,8 @@ hyq_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, float
 
 #if !defined __CUDACC_RTC__
 /* Run the kernel on device pointers in the caller's stream (a cudaStream_t); returns the cudaError_t. */
-extern "C" int hyq_rnea_launch(const float *q, const float *qd, const float *qdd, float *tau, size_t count, void *stream)
+extern "C" int hyq_rnea_launch(const float *q, const float *qd, const float *qdd, float *tau, size_t count,
+	void *stream)
 {
 	const size_t blocks = count/RNEA_BLOCK + (count%RNEA_BLOCK != 0);
 	void *arguments[] = {&q, &qd, &qdd, &tau, &count};
@@ -2366,6 +2382,16 @@ extern "C" int hyq_rnea_launch(const float *q, const float *qd, const float *qdd
 #endif
 #else
 /* ---- compiled as C: the functions of target c ---- */
+/* samples do not depend on each other: the compiler may compute several at once */
+#if defined __clang__
+#define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
+#elif defined __GNUC__
+#define RNEA_INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define RNEA_INDEPENDENT
+#endif
+
 static int hyq_are_small(const float *q, size_t count, size_t first, size_t end)
 {
 	int small = 1;
@@ -2382,7 +2408,8 @@ static void hyq_rnea_any(const float *q, const float *qd, const float *qdd, floa
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void hyq_rnea_part(const float *restrict q, const float *restrict qd, const float *restrict qdd, float *restrict tau, size_t count, size_t first, size_t end)
+static void hyq_rnea_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+	float *restrict tau, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;
@@ -2413,13 +2440,15 @@ void hyq_rnea_batch(const float *q, const float *qd, const float *qdd, float *ta
 }
 
 /* One sample, whatever its angles. */
-static void hyq_fpass_any(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f, const size_t stride)
+static void hyq_fpass_any(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f,
+	const size_t stride)
 {
 	hyq_fpass_body(q, qd, qdd, v, a, f, stride, 0);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void hyq_fpass_part(const float *restrict q, const float *restrict qd, const float *restrict qdd, float *restrict v, float *restrict a, float *restrict f, size_t count, size_t first, size_t end)
+static void hyq_fpass_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+	float *restrict v, float *restrict a, float *restrict f, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;
@@ -2451,7 +2480,8 @@ static void hyq_bpass_any(const float *q, const float *f, float *tau, const size
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void hyq_bpass_part(const float *restrict q, const float *restrict f, float *restrict tau, size_t count, size_t first, size_t end)
+static void hyq_bpass_part(const float *restrict q, const float *restrict f, float *restrict tau, size_t count,
+	size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;

@@ -29,13 +29,32 @@
  * body's frame, linear then angular, and its componentwise derivative (spatial acceleration);
  * tau = force then moment about the origin, body's frame. The quaternion is not normalised.
  * Batches: every array is [row][sample].
- *
- * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less
- * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.
  * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.
+ *
+ * Names in the statements: a quantity, the number of a link, and x y z for the component in the link's frame.
+ *   q qd qdd         position, velocity and acceleration of the link's joint
+ *                    floating: with x y z qx qy qz qw after the number, and vx vy vz wx wy wz
+ *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
+ *   s c              sine and cosine of the joint's angle
+ *   w                angular velocity
+ *   dw               rate of the angular velocity
+ *   v                velocity of the origin
+ *   a                acceleration of the origin, less gravity
+ *   f                force: the link's own, then with its children's
+ *   n                moment about the origin, as f
+ *   t                with a number of its own: a value that has no name in the textbook
+ *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
+ *   stride           from one row of an array to the next
+ *   small all_small  the caller takes all angles for small; they are
+ *   RNEA_FMA         a*b + c, rounded once where the machine can
+ *   rneagen_...      functions and types that this text brings along
+ * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
+ * x cross product; z the joint's axis; U = [dw]x + [w]x[w]x; m, h = m c, I mass, first moment and inertia about the
+ * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
 #ifndef hyq_RNEA_H
 #define hyq_RNEA_H
+#include <math.h>
 #include <stddef.h>
 
 #ifdef __cplusplus
@@ -63,4 +82,39 @@ extern const char hyq_info[];
 #ifdef __cplusplus
 }
 #endif
+
+/* The joints of this text, by the rows of q, and by those of qd, qdd and tau. A joint of several rows stands at each of
+   them; the floating base is "". */
+#if defined __GNUC__
+#define RNEA_TABLE static const __attribute__((unused))
+#else
+#define RNEA_TABLE static const
+#endif
+RNEA_TABLE char *const hyq_q_joint[hyq_nq] = {
+	"", "", "", "", "", "", "", "lf_haa_joint", "lf_hfe_joint", "lf_kfe_joint", "lh_haa_joint", "lh_hfe_joint",
+		"lh_kfe_joint", "rf_haa_joint", "rf_hfe_joint", "rf_kfe_joint", "rh_haa_joint", "rh_hfe_joint",
+		"rh_kfe_joint"};
+RNEA_TABLE char *const hyq_qd_joint[hyq_nv] = {
+	"", "", "", "", "", "", "lf_haa_joint", "lf_hfe_joint", "lf_kfe_joint", "lh_haa_joint", "lh_hfe_joint",
+		"lh_kfe_joint", "rf_haa_joint", "rf_hfe_joint", "rf_kfe_joint", "rh_haa_joint", "rh_hfe_joint",
+		"rh_kfe_joint"};
+/* Limits that the URDF states: q_min <= q <= q_max in rad or m, |qd| <= qd_max in rad/s or m/s, |tau| <= tau_max in
+   N m or N. Where it states none, HUGE_VAL stands, which no number is beyond; in q_min -HUGE_VAL. The functions do not
+   look at limits. */
+RNEA_TABLE double hyq_q_min[hyq_nq] = {
+	-HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -1.2217304764, -0.872664625997,
+		-2.44346095279, -1.2217304764, -1.2217304764, 0.349065850399, -1.2217304764, -0.872664625997,
+		-2.44346095279, -1.2217304764, -1.2217304764, 0.349065850399};
+RNEA_TABLE double hyq_q_max[hyq_nq] = {
+	HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, 0.436332312999, 1.2217304764,
+		-0.349065850399, 0.436332312999, 0.872664625997, 2.44346095279, 0.436332312999, 1.2217304764,
+		-0.349065850399, 0.436332312999, 0.872664625997, 2.44346095279};
+RNEA_TABLE double hyq_qd_max[hyq_nv] = {
+	HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, 12.0, 12.0, 12.0, 12.0, 12.0, 12.0, 12.0, 12.0,
+		12.0, 12.0, 12.0, 12.0};
+RNEA_TABLE double hyq_tau_max[hyq_nv] = {
+	HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, 1.5e+02, 1.5e+02, 1.5e+02, 1.5e+02, 1.5e+02,
+		1.5e+02, 1.5e+02, 1.5e+02, 1.5e+02, 1.5e+02, 1.5e+02, 1.5e+02};
+#undef RNEA_TABLE
+
 #endif

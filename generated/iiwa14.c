@@ -20,10 +20,27 @@
  * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
  * Batches: every array is [row][sample].
- *
- * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less
- * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.
  * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.
+ *
+ * Names in the statements: a quantity, the number of a link, and x y z for the component in the link's frame.
+ *   q qd qdd         position, velocity and acceleration of the link's joint
+ *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
+ *   s c              sine and cosine of the joint's angle
+ *   w                angular velocity
+ *   dw               rate of the angular velocity
+ *   v                velocity of the origin
+ *   a                acceleration of the origin, less gravity
+ *   f                force: the link's own, then with its children's
+ *   n                moment about the origin, as f
+ *   t                with a number of its own: a value that has no name in the textbook
+ *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
+ *   stride           from one row of an array to the next
+ *   small all_small  the caller takes all angles for small; they are
+ *   RNEA_FMA         a*b + c, rounded once where the machine can
+ *   rneagen_...      functions and types that this text brings along
+ * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
+ * x cross product; z the joint's axis; U = [dw]x + [w]x[w]x; m, h = m c, I mass, first moment and inertia about the
+ * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
 #include <math.h>
 #include <stddef.h>
@@ -36,78 +53,789 @@
 #else
 #define RNEA_INLINE inline
 #endif
-/* samples do not depend on each other: the compiler may compute several at once */
-#if defined __clang__
-#define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
-#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
-#elif defined __GNUC__
-#define RNEA_INDEPENDENT _Pragma("GCC ivdep")
-#else
-#define RNEA_INDEPENDENT
-#endif
 /* where the machine has no fused multiply-add, fma() would be a slow library call */
 #if defined FP_FAST_FMA
 #define RNEA_FMA(a, b, c) fma(a, b, c)
 #else
 #define RNEA_FMA(a, b, c) ((a)*(b) + (c))
 #endif
-/* librnea finds the table by this word */
-#define RNEA_INFO
 
-/* tau = ID(q, qd, qdd) of one sample: q[7], qd[7], qdd[7] -> tau[7]; tau may be qdd itself. */
-void iiwa14_rnea(const double *q, const double *qd, const double *qdd, double *tau);
-/* The same for `count` samples, every array [row][sample]; arrays must not overlap. */
-void iiwa14_rnea_batch(const double *q, const double *qd, const double *qdd, double *tau, size_t count);
-/* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */
-void iiwa14_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
-/* The way back alone: torques from q and fpass's wrenches. */
-void iiwa14_bpass(const double *q, const double *f, double *tau);
-/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
-   in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
-void iiwa14_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);
-void iiwa14_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
-void iiwa14_bpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
-/* What this text computes, one `key values` a line. */
-extern const char iiwa14_info[];
 
-RNEA_INFO const char iiwa14_info[] =
-	"rneagen-info 3\n"
-	"name iiwa14\n"
-	"precision f64\n"
-	"arithmetic f64\n"
-	"layout soa\n"
-	"trig accurate\n"
-	"base fixed\n"
-	"nq 7\n"
-	"nv 7\n"
-	"nb 7\n"
-	"block 128\n"
-	"joint 0 1 0 1 revolute iiwa_joint_1\n"
-	"joint 1 1 1 1 revolute iiwa_joint_2\n"
-	"joint 2 1 2 1 revolute iiwa_joint_3\n"
-	"joint 3 1 3 1 revolute iiwa_joint_4\n"
-	"joint 4 1 4 1 revolute iiwa_joint_5\n"
-	"joint 5 1 5 1 revolute iiwa_joint_6\n"
-	"joint 6 1 6 1 revolute iiwa_joint_7\n"
-	"function rnea\n"
-	"input q 7 f64 sample joint_position\n"
-	"input qd 7 f64 sample joint_velocity\n"
-	"input qdd 7 f64 sample joint_acceleration\n"
-	"output tau 7 f64 sample joint_torque\n"
-	"operations 125 60 18 36 163 6\n"
-	"function fpass\n"
-	"input q 7 f64 sample joint_position\n"
-	"input qd 7 f64 sample joint_velocity\n"
-	"input qdd 7 f64 sample joint_acceleration\n"
-	"output v 42 f64 sample body_twists\n"
-	"output a 42 f64 sample body_accelerations\n"
-	"output f 42 f64 sample body_wrenches\n"
-	"operations 150 47 29 33 153 6\n"
-	"function bpass\n"
-	"input q 7 f64 sample joint_position\n"
-	"input f 42 f64 sample body_wrenches\n"
-	"output tau 7 f64 sample joint_torque\n"
-	"operations 20 23 4 10 30 6\n";
+#ifndef RNEAGEN_SINCOS_EITHER
+static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c); /* below */
+#endif
+
+/* tau = ID(q, qd, qdd)
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   Row r of an array is at [r*stride]. */
+static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, const int small)
+{
+	int all_small = 1;
+
+	/* ---- out to link 1 "iiwa_link_1" (fpass) ---- */
+	/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);
+	   f = m a + U h;  n = I dw + w x I w + h x a */
+	const double qd1 = qd[0];
+	const double qdd1 = qdd[0];
+
+	/* ---- out to link 2 "iiwa_link_2" (fpass) ---- */
+	const double q2 = q[stride];
+	double s2, c2;
+	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
+	const double qd2 = qd[stride];
+	const double qdd2 = qdd[stride];
+	const double w2x = qd1*s2;
+	const double w2y = qd1*c2;
+	const double t1 = qd2*w2y;
+	const double t2 = qd2*w2x;
+	const double dw2x = RNEA_FMA(qdd1, s2, t1);
+	const double dw2y = RNEA_FMA(qdd1, c2, -t2);
+	const double a2x = 9.81*s2;
+	const double a2y = 9.81*c2;
+	const double t3 = qd2*qd2;
+	const double t4 = w2y*w2y;
+	const double t5 = t1 + dw2x;
+	const double t6 = w2x*w2x;
+	const double t7 = t3 + t6;
+	const double t8 = w2x*w2y;
+	const double t9 = t8 - qdd2;
+	const double t10 = RNEA_FMA(0.042, t2 + dw2y, RNEA_FMA(-0.0003, t3 + t4, 0.059*t9));
+	const double t11 = RNEA_FMA(0.042, t1 - dw2x, RNEA_FMA(-0.059, t7, 0.0003*(qdd2 + t8)));
+	const double t12 = RNEA_FMA(-0.042, t4 + t6, RNEA_FMA(0.059, t5, 0.0003*(t2 - dw2y)));
+	const double t13 = a2x + t10;
+	const double t14 = a2y + t11;
+	const double n2x = RNEA_FMA(-0.2667, t14, 0.37465*t12) + RNEA_FMA(0.0305, dw2x, 0.0194*t1);
+	const double n2y = RNEA_FMA(-0.0019049999999999998, t12, 0.2667*t13) + RNEA_FMA(0.011, dw2y,
+		9.99999999999994e-05*t2);
+	const double n2z = RNEA_FMA(-0.37465, t13, 0.0019049999999999998*t14) + RNEA_FMA(-0.0195, t8, 0.0304*qdd2);
+
+	/* ---- out to link 3 "iiwa_link_3" (fpass) ---- */
+	const double q3 = q[2*stride];
+	double s3, c3;
+	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
+	const double qd3 = qd[2*stride];
+	const double qdd3 = qdd[2*stride];
+	const double t15 = 0.2045*t5;
+	const double t16 = RNEA_FMA(0.2045, t9, a2x);
+	const double a3z = RNEA_FMA(-0.2045, t7, a2y);
+	const double w3x = RNEA_FMA(c3, -w2x, qd2*s3);
+	const double w3y = RNEA_FMA(w2x, s3, qd2*c3);
+	const double w3z = w2y + qd3;
+	const double dw3x = RNEA_FMA(qd3, w3y, RNEA_FMA(c3, -dw2x, qdd2*s3));
+	const double dw3y = RNEA_FMA(w3x, -qd3, RNEA_FMA(dw2x, s3, qdd2*c3));
+	const double dw3z = dw2y + qdd3;
+	const double a3x = RNEA_FMA(t16, -c3, s3*t15);
+	const double a3y = RNEA_FMA(s3, t16, c3*t15);
+	const double t17 = w3y*w3z;
+	const double t18 = t17 - dw3x;
+	const double t19 = w3x*w3z;
+	const double t20 = w3x*w3x;
+	const double t21 = dw3y + t19;
+	const double t22 = w3x*w3y;
+	const double t23 = RNEA_FMA(w3y, w3y, t20);
+	const double t24 = a3x + RNEA_FMA(0.13, t21, 0.03*(t22 - dw3z));
+	const double t25 = a3y + RNEA_FMA(-0.03, RNEA_FMA(w3z, w3z, t20), 0.13*t18);
+	const double t26 = 0.105*(a3z + RNEA_FMA(-0.13, t23, 0.03*(dw3x + t17)));
+	const double n3x = RNEA_FMA(-0.455, t25, t26) + RNEA_FMA(-0.016200000000000003, t17, 0.025*dw3x);
+	const double n3y = RNEA_FMA(0.455, t24, RNEA_FMA(0.0238, dw3y, 0.017400000000000002*t19));
+	const double n3z = RNEA_FMA(-0.105, t24, RNEA_FMA(-0.0011999999999999997, t22, 0.0076*dw3z));
+
+	/* ---- out to link 4 "iiwa_link_4" (fpass) ---- */
+	const double q4 = q[3*stride];
+	double s4, c4;
+	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
+	const double qd4 = qd[3*stride];
+	const double qdd4 = qdd[3*stride];
+	const double t27 = RNEA_FMA(0.2155, t21, a3x);
+	const double t28 = RNEA_FMA(0.2155, t18, a3y);
+	const double t29 = RNEA_FMA(-0.2155, t23, a3z);
+	const double w4x = RNEA_FMA(w3x, c4, w3z*s4);
+	const double w4y = RNEA_FMA(s4, -w3x, w3z*c4);
+	const double w4z = qd4 - w3y;
+	const double dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(dw3x, c4, dw3z*s4));
+	const double dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(s4, -dw3x, dw3z*c4));
+	const double dw4z = qdd4 - dw3y;
+	const double a4x = RNEA_FMA(c4, t27, s4*t29);
+	const double a4y = RNEA_FMA(t27, -s4, c4*t29);
+	const double t30 = w4y*w4z;
+	const double t31 = dw4x + t30;
+	const double t32 = w4x*w4z;
+	const double t33 = w4x*w4x;
+	const double t34 = RNEA_FMA(w4z, w4z, t33);
+	const double t35 = w4x*w4y;
+	const double t36 = t35 - dw4z;
+	const double t37 = a4x + RNEA_FMA(0.034, dw4y + t32, 0.067*t36);
+	const double t38 = a4y + RNEA_FMA(-0.067, t34, 0.034*(t30 - dw4x));
+	const double t39 = RNEA_FMA(-0.034, RNEA_FMA(w4y, w4y, t33), 0.067*t31) - t28;
+	const double n4x = RNEA_FMA(-0.11900000000000001, t38, 0.23450000000000001*t39) + RNEA_FMA(0.017, dw4x,
+		0.010400000000000001*t30);
+	const double n4y = RNEA_FMA(0.11900000000000001, t37, RNEA_FMA(0.006, dw4y, 0.0005999999999999998*t32));
+	const double n4z = RNEA_FMA(-0.23450000000000001, t37, RNEA_FMA(-0.011000000000000001, t35, 0.0164*dw4z));
+
+	/* ---- out to link 5 "iiwa_link_5" (fpass) ---- */
+	const double q5 = q[4*stride];
+	double s5, c5;
+	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
+	const double qd5 = qd[4*stride];
+	const double qdd5 = qdd[4*stride];
+	const double t40 = RNEA_FMA(0.1845, t36, a4x);
+	const double a5z = RNEA_FMA(-0.1845, t34, a4y);
+	const double t41 = RNEA_FMA(0.1845, t31, -t28);
+	const double w5x = RNEA_FMA(c5, -w4x, w4z*s5);
+	const double w5y = RNEA_FMA(w4x, s5, w4z*c5);
+	const double w5z = w4y + qd5;
+	const double dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(c5, -dw4x, dw4z*s5));
+	const double dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(dw4x, s5, dw4z*c5));
+	const double dw5z = dw4y + qdd5;
+	const double a5x = RNEA_FMA(t40, -c5, s5*t41);
+	const double a5y = RNEA_FMA(s5, t40, c5*t41);
+	const double t42 = w5y*w5z;
+	const double t43 = w5z*w5z;
+	const double t44 = w5y*w5y;
+	const double t45 = t42 - dw5x;
+	const double t46 = w5x*w5z;
+	const double t47 = w5x*w5x;
+	const double t48 = dw5y + t46;
+	const double t49 = w5x*w5y;
+	const double t50 = t44 + t47;
+	const double t51 = RNEA_FMA(0.076, t48, RNEA_FMA(-0.0001, t43 + t44, 0.021*(t49 - dw5z)));
+	const double t52 = RNEA_FMA(0.076, t45, RNEA_FMA(-0.021, t43 + t47, 0.0001*(dw5z + t49)));
+	const double t53 = RNEA_FMA(-0.076, t50, RNEA_FMA(0.021, dw5x + t42, 0.0001*(t46 - dw5y)));
+	const double t54 = a5x + t51;
+	const double t55 = a5y + t52;
+	const double t56 = a5z + t53;
+	const double n5x = RNEA_FMA(-0.266, t55, 0.07350000000000001*t56) + RNEA_FMA(-0.004209999999999999, t42,
+		0.01*dw5x);
+	const double n5y = RNEA_FMA(-0.00035, t56, 0.266*t54) + RNEA_FMA(0.0087, dw5y, 0.00551*t46);
+	const double n5z = RNEA_FMA(-0.07350000000000001, t54, 0.00035*t55) + RNEA_FMA(-0.0013000000000000008, t49,
+		0.00449*dw5z);
+
+	/* ---- out to link 6 "iiwa_link_6" (fpass) ---- */
+	const double q6 = q[5*stride];
+	double s6, c6;
+	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
+	const double qd6 = qd[5*stride];
+	const double qdd6 = qdd[5*stride];
+	const double t57 = RNEA_FMA(0.2155, t48, a5x);
+	const double t58 = RNEA_FMA(0.2155, t45, a5y);
+	const double t59 = RNEA_FMA(-0.2155, t50, a5z);
+	const double w6x = RNEA_FMA(w5x, c6, w5z*s6);
+	const double w6y = RNEA_FMA(s6, -w5x, w5z*c6);
+	const double w6z = qd6 - w5y;
+	const double dw6x = RNEA_FMA(qd6, w6y, RNEA_FMA(dw5x, c6, dw5z*s6));
+	const double dw6y = RNEA_FMA(w6x, -qd6, RNEA_FMA(s6, -dw5x, dw5z*c6));
+	const double dw6z = qdd6 - dw5y;
+	const double a6x = RNEA_FMA(c6, t57, s6*t59);
+	const double a6y = RNEA_FMA(t57, -s6, c6*t59);
+	const double t60 = w6y*w6z;
+	const double t61 = dw6x + t60;
+	const double t62 = w6x*w6z;
+	const double t63 = w6x*w6x;
+	const double t64 = RNEA_FMA(w6z, w6z, t63);
+	const double t65 = w6x*w6y;
+	const double t66 = t65 - dw6z;
+	const double t67 = a6x + RNEA_FMA(0.0004, dw6y + t62, 0.0006*t66);
+	const double t68 = a6y + RNEA_FMA(-0.0006, t64, 0.0004*(t60 - dw6x));
+	const double t69 = RNEA_FMA(-0.0004, RNEA_FMA(w6y, w6y, t63), 0.0006*t61) - t58;
+	const double f6y = 1.8*t68;
+	const double n6x = RNEA_FMA(-0.00072, t68, 0.00108*t69) + RNEA_FMA(-0.0011000000000000003, t60, 0.0049*dw6x);
+	const double n6y = RNEA_FMA(0.00072, t67, RNEA_FMA(0.0047, dw6y, 0.0013*t62));
+	const double n6z = RNEA_FMA(-0.00108, t67, RNEA_FMA(-0.00019999999999999966, t65, 0.0036*dw6z));
+
+	/* ---- out to link 7 "iiwa_link_7" (fpass) ---- */
+	const double q7 = q[6*stride];
+	double s7, c7;
+	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
+	const double qd7 = qd[6*stride];
+	const double qdd7 = qdd[6*stride];
+	const double t70 = RNEA_FMA(0.081, t66, a6x);
+	const double a7z = RNEA_FMA(-0.081, t64, a6y);
+	const double t71 = RNEA_FMA(0.081, t61, -t58);
+	const double w7x = RNEA_FMA(c7, -w6x, w6z*s7);
+	const double w7y = RNEA_FMA(w6x, s7, w6z*c7);
+	const double w7z = w6y + qd7;
+	const double dw7x = RNEA_FMA(qd7, w7y, RNEA_FMA(c7, -dw6x, dw6z*s7));
+	const double dw7y = RNEA_FMA(w7x, -qd7, RNEA_FMA(dw6x, s7, dw6z*c7));
+	const double dw7z = dw6y + qdd7;
+	const double a7x = RNEA_FMA(t70, -c7, s7*t71);
+	const double a7y = RNEA_FMA(s7, t70, c7*t71);
+	const double t72 = RNEA_FMA(0.02, RNEA_FMA(w7x, w7z, dw7y), a7x);
+	const double t73 = RNEA_FMA(0.02, RNEA_FMA(w7y, w7z, -dw7x), a7y);
+	const double f7x = 1.2*t72;
+	const double f7y = 1.2*t73;
+	const double n7z = 0.001*dw7z;
+	const double n7x = RNEA_FMA(-0.024, t73, 0.001*dw7x);
+	const double n7y = RNEA_FMA(0.001, dw7y, 0.024*t72);
+
+	/* ---- back from link 7 "iiwa_link_7" to link 6 (bpass): torque of "iiwa_joint_7" ---- */
+	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
+	const double t74 = RNEA_FMA(f7y, -s7, c7*f7x);
+	const double t75 = RNEA_FMA(s7, f7x, c7*f7y);
+	const double f6x = RNEA_FMA(1.8, t67, -t74);
+	const double f6y_2 = RNEA_FMA(1.2, RNEA_FMA(-0.02, RNEA_FMA(w7x, w7x, w7y*w7y), a7z), f6y);
+	const double f6z = RNEA_FMA(1.8, t69, t75);
+	const double t76 = RNEA_FMA(0.081, t75, -RNEA_FMA(n7y, -s7, c7*n7x));
+	const double n6x_2 = n6x + t76;
+	const double n6y_2 = n6y + n7z;
+	const double n6z_2 = n6z + RNEA_FMA(0.081, t74, RNEA_FMA(s7, n7x, c7*n7y));
+	tau[6*stride] = n7z;
+
+	/* ---- back from link 6 "iiwa_link_6" to link 5 (bpass): torque of "iiwa_joint_6" ---- */
+	const double t77 = RNEA_FMA(-s6, f6y_2, c6*f6x);
+	const double f5x = RNEA_FMA(3.5, t54, t77);
+	const double f5y = RNEA_FMA(3.5, t55, -f6z);
+	const double f5z = RNEA_FMA(3.5, t56, RNEA_FMA(s6, f6x, c6*f6y_2));
+	const double n5x_2 = n5x + RNEA_FMA(0.2155, f6z, RNEA_FMA(-s6, n6y_2, c6*n6x_2));
+	const double n5y_2 = n5y + RNEA_FMA(0.2155, t77, -n6z_2);
+	const double n5z_2 = n5z + RNEA_FMA(s6, n6x_2, c6*n6y_2);
+	tau[5*stride] = n6z_2;
+
+	/* ---- back from link 5 "iiwa_link_5" to link 4 (bpass): torque of "iiwa_joint_5" ---- */
+	const double t78 = RNEA_FMA(f5y, -s5, c5*f5x);
+	const double t79 = RNEA_FMA(s5, f5x, c5*f5y);
+	const double f4x = RNEA_FMA(3.5, t37, -t78);
+	const double f4y = RNEA_FMA(3.5, t38, f5z);
+	const double f4z = RNEA_FMA(3.5, t39, t79);
+	const double t80 = RNEA_FMA(0.1845, t79, -RNEA_FMA(n5y_2, -s5, c5*n5x_2));
+	const double n4x_2 = n4x + t80;
+	const double n4y_2 = n4y + n5z_2;
+	const double n4z_2 = n4z + RNEA_FMA(0.1845, t78, RNEA_FMA(s5, n5x_2, c5*n5y_2));
+	tau[4*stride] = n5z_2;
+
+	/* ---- back from link 4 "iiwa_link_4" to link 3 (bpass): torque of "iiwa_joint_4" ---- */
+	const double t81 = RNEA_FMA(-s4, f4y, c4*f4x);
+	const double f3x = RNEA_FMA(3.5, t24, t81);
+	const double f3y = RNEA_FMA(3.5, t25, -f4z);
+	const double n3x_2 = n3x + RNEA_FMA(0.2155, f4z, RNEA_FMA(-s4, n4y_2, c4*n4x_2));
+	const double n3y_2 = n3y + RNEA_FMA(0.2155, t81, -n4z_2);
+	const double n3z_2 = n3z + RNEA_FMA(s4, n4x_2, c4*n4y_2);
+	tau[3*stride] = n4z_2;
+
+	/* ---- back from link 3 "iiwa_link_3" to link 2 (bpass): torque of "iiwa_joint_3" ---- */
+	const double t82 = RNEA_FMA(f3y, -s3, c3*f3x);
+	const double t83 = -RNEA_FMA(n3y_2, -s3, c3*n3x_2);
+	const double n2x_2 = n2x + RNEA_FMA(0.2045, RNEA_FMA(s3, f3x, c3*f3y), t83);
+	const double n2y_2 = n2y + n3z_2;
+	const double n2z_2 = n2z + RNEA_FMA(0.2045, t82, RNEA_FMA(s3, n3x_2, c3*n3y_2));
+	tau[2*stride] = n3z_2;
+
+	/* ---- back from link 2 "iiwa_link_2" to link 1 (bpass): torque of "iiwa_joint_2" ---- */
+	const double n1z = RNEA_FMA(0.017484, qdd1, RNEA_FMA(s2, n2x_2, c2*n2y_2));
+	tau[stride] = n2z_2;
+
+	/* ---- back from link 1 "iiwa_link_1" to the world (bpass): torque of "iiwa_joint_1" ---- */
+	tau[0] = n1z;
+	return all_small;
+}
+
+/* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   Row r of an array is at [r*stride]. */
+static RNEA_INLINE int iiwa14_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, const int small)
+{
+	int all_small = 1;
+
+	/* ---- out to link 1 "iiwa_link_1" (fpass) ---- */
+	/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);  v = R'(v_p + w_p x p);
+	   f = m a + U h;  n = I dw + w x I w + h x a */
+	const double qd1 = qd[0];
+	const double qdd1 = qdd[0];
+	const double t1 = qd1*qd1;
+	const double f1x = 0.17279999999999998*qdd1;
+	const double f1y = 0.17279999999999998*t1;
+	const double n1y = 0.020735999999999997*qdd1;
+	const double n1z = 0.017484*qdd1;
+	const double n1x = RNEA_FMA(-0.020735999999999997, t1, -1.695168);
+	v[0] = 0.0;
+	v[stride] = 0.0;
+	v[2*stride] = 0.0;
+	v[3*stride] = 0.0;
+	v[4*stride] = 0.0;
+	v[5*stride] = qd1;
+	a[0] = 0.0;
+	a[stride] = 0.0;
+	a[2*stride] = 9.81;
+	a[3*stride] = 0.0;
+	a[4*stride] = 0.0;
+	a[5*stride] = qdd1;
+	f[0] = f1x;
+	f[stride] = f1y;
+	f[2*stride] = 56.5056;
+	f[3*stride] = n1x;
+	f[4*stride] = n1y;
+	f[5*stride] = n1z;
+
+	/* ---- out to link 2 "iiwa_link_2" (fpass) ---- */
+	const double q2 = q[stride];
+	double s2, c2;
+	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
+	const double qd2 = qd[stride];
+	const double qdd2 = qdd[stride];
+	const double w2x = qd1*s2;
+	const double w2y = qd1*c2;
+	const double t2 = qd2*w2y;
+	const double t3 = qd2*w2x;
+	const double dw2x = RNEA_FMA(qdd1, s2, t2);
+	const double dw2y = RNEA_FMA(qdd1, c2, -t3);
+	const double a2x = 9.81*s2;
+	const double a2y = 9.81*c2;
+	const double t4 = qd2*qd2;
+	const double t5 = w2y*w2y;
+	const double t6 = t2 + dw2x;
+	const double t7 = w2x*w2x;
+	const double t8 = t4 + t7;
+	const double t9 = w2x*w2y;
+	const double t10 = t9 - qdd2;
+	const double t11 = RNEA_FMA(0.042, t3 + dw2y, RNEA_FMA(-0.0003, t4 + t5, 0.059*t10));
+	const double t12 = RNEA_FMA(0.042, t2 - dw2x, RNEA_FMA(-0.059, t8, 0.0003*(qdd2 + t9)));
+	const double t13 = RNEA_FMA(-0.042, t5 + t7, RNEA_FMA(0.059, t6, 0.0003*(t3 - dw2y)));
+	const double t14 = a2x + t11;
+	const double t15 = a2y + t12;
+	const double f2x = 6.35*t14;
+	const double f2y = 6.35*t15;
+	const double f2z = 6.35*t13;
+	const double n2x = RNEA_FMA(-0.2667, t15, 0.37465*t13) + RNEA_FMA(0.0305, dw2x, 0.0194*t2);
+	const double n2y = RNEA_FMA(-0.0019049999999999998, t13, 0.2667*t14) + RNEA_FMA(0.011, dw2y,
+		9.99999999999994e-05*t3);
+	const double n2z = RNEA_FMA(-0.37465, t14, 0.0019049999999999998*t15) + RNEA_FMA(-0.0195, t9, 0.0304*qdd2);
+	v[6*stride] = 0.0;
+	v[7*stride] = 0.0;
+	v[8*stride] = 0.0;
+	v[9*stride] = w2x;
+	v[10*stride] = w2y;
+	v[11*stride] = qd2;
+	a[6*stride] = a2x;
+	a[7*stride] = a2y;
+	a[8*stride] = 0.0;
+	a[9*stride] = dw2x;
+	a[10*stride] = dw2y;
+	a[11*stride] = qdd2;
+	f[6*stride] = f2x;
+	f[7*stride] = f2y;
+	f[8*stride] = f2z;
+	f[9*stride] = n2x;
+	f[10*stride] = n2y;
+	f[11*stride] = n2z;
+
+	/* ---- out to link 3 "iiwa_link_3" (fpass) ---- */
+	const double q3 = q[2*stride];
+	double s3, c3;
+	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
+	const double qd3 = qd[2*stride];
+	const double qdd3 = qdd[2*stride];
+	const double t16 = 0.2045*qd2;
+	const double t17 = 0.2045*w2x;
+	const double t18 = 0.2045*t6;
+	const double t19 = RNEA_FMA(0.2045, t10, a2x);
+	const double a3z = RNEA_FMA(-0.2045, t8, a2y);
+	const double w3x = RNEA_FMA(c3, -w2x, qd2*s3);
+	const double w3y = RNEA_FMA(w2x, s3, qd2*c3);
+	const double w3z = w2y + qd3;
+	const double dw3x = RNEA_FMA(qd3, w3y, RNEA_FMA(c3, -dw2x, qdd2*s3));
+	const double dw3y = RNEA_FMA(w3x, -qd3, RNEA_FMA(dw2x, s3, qdd2*c3));
+	const double dw3z = dw2y + qdd3;
+	const double v3x = RNEA_FMA(c3, t16, s3*t17);
+	const double v3y = RNEA_FMA(t16, -s3, c3*t17);
+	const double a3x = RNEA_FMA(t19, -c3, s3*t18);
+	const double a3y = RNEA_FMA(s3, t19, c3*t18);
+	const double t20 = w3y*w3z;
+	const double t21 = t20 - dw3x;
+	const double t22 = w3x*w3z;
+	const double t23 = w3x*w3x;
+	const double t24 = dw3y + t22;
+	const double t25 = w3x*w3y;
+	const double t26 = RNEA_FMA(w3y, w3y, t23);
+	const double t27 = a3x + RNEA_FMA(0.13, t24, 0.03*(t25 - dw3z));
+	const double t28 = a3y + RNEA_FMA(-0.03, RNEA_FMA(w3z, w3z, t23), 0.13*t21);
+	const double t29 = a3z + RNEA_FMA(-0.13, t26, 0.03*(dw3x + t20));
+	const double f3x = 3.5*t27;
+	const double f3y = 3.5*t28;
+	const double f3z = 3.5*t29;
+	const double n3x = RNEA_FMA(-0.455, t28, 0.105*t29) + RNEA_FMA(-0.016200000000000003, t20, 0.025*dw3x);
+	const double n3y = RNEA_FMA(0.455, t27, RNEA_FMA(0.0238, dw3y, 0.017400000000000002*t22));
+	const double n3z = RNEA_FMA(-0.105, t27, RNEA_FMA(-0.0011999999999999997, t25, 0.0076*dw3z));
+	v[12*stride] = v3x;
+	v[13*stride] = v3y;
+	v[14*stride] = 0.0;
+	v[15*stride] = w3x;
+	v[16*stride] = w3y;
+	v[17*stride] = w3z;
+	a[12*stride] = RNEA_FMA(w3z, v3y, a3x);
+	a[13*stride] = RNEA_FMA(v3x, -w3z, a3y);
+	a[14*stride] = a3z - RNEA_FMA(v3x, -w3y, w3x*v3y);
+	a[15*stride] = dw3x;
+	a[16*stride] = dw3y;
+	a[17*stride] = dw3z;
+	f[12*stride] = f3x;
+	f[13*stride] = f3y;
+	f[14*stride] = f3z;
+	f[15*stride] = n3x;
+	f[16*stride] = n3y;
+	f[17*stride] = n3z;
+
+	/* ---- out to link 4 "iiwa_link_4" (fpass) ---- */
+	const double q4 = q[3*stride];
+	double s4, c4;
+	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
+	const double qd4 = qd[3*stride];
+	const double qdd4 = qdd[3*stride];
+	const double t30 = RNEA_FMA(0.2155, w3y, v3x);
+	const double t31 = RNEA_FMA(-0.2155, w3x, v3y);
+	const double t32 = RNEA_FMA(0.2155, t24, a3x);
+	const double t33 = RNEA_FMA(0.2155, t21, a3y);
+	const double t34 = RNEA_FMA(-0.2155, t26, a3z);
+	const double w4x = RNEA_FMA(w3x, c4, w3z*s4);
+	const double w4y = RNEA_FMA(s4, -w3x, w3z*c4);
+	const double w4z = qd4 - w3y;
+	const double dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(dw3x, c4, dw3z*s4));
+	const double dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(s4, -dw3x, dw3z*c4));
+	const double dw4z = qdd4 - dw3y;
+	const double v4x = c4*t30;
+	const double t35 = s4*t30;
+	const double a4x = RNEA_FMA(c4, t32, s4*t34);
+	const double a4y = RNEA_FMA(t32, -s4, c4*t34);
+	const double t36 = w4y*w4z;
+	const double t37 = dw4x + t36;
+	const double t38 = w4x*w4z;
+	const double t39 = w4x*w4x;
+	const double t40 = RNEA_FMA(w4z, w4z, t39);
+	const double t41 = w4x*w4y;
+	const double t42 = t41 - dw4z;
+	const double t43 = a4x + RNEA_FMA(0.034, dw4y + t38, 0.067*t42);
+	const double t44 = a4y + RNEA_FMA(-0.067, t40, 0.034*(t36 - dw4x));
+	const double t45 = RNEA_FMA(-0.034, RNEA_FMA(w4y, w4y, t39), 0.067*t37) - t33;
+	const double f4x = 3.5*t43;
+	const double f4y = 3.5*t44;
+	const double f4z = 3.5*t45;
+	const double n4x = RNEA_FMA(-0.11900000000000001, t44, 0.23450000000000001*t45) + RNEA_FMA(0.017, dw4x,
+		0.010400000000000001*t36);
+	const double n4y = RNEA_FMA(0.11900000000000001, t43, RNEA_FMA(0.006, dw4y, 0.0005999999999999998*t38));
+	const double n4z = RNEA_FMA(-0.23450000000000001, t43, RNEA_FMA(-0.011000000000000001, t41, 0.0164*dw4z));
+	v[18*stride] = v4x;
+	v[19*stride] = -t35;
+	v[20*stride] = -t31;
+	v[21*stride] = w4x;
+	v[22*stride] = w4y;
+	v[23*stride] = w4z;
+	a[18*stride] = a4x - RNEA_FMA(-t31, w4y, w4z*t35);
+	a[19*stride] = a4y - RNEA_FMA(w4z, v4x, t31*w4x);
+	a[20*stride] = RNEA_FMA(w4x, t35, w4y*v4x) - t33;
+	a[21*stride] = dw4x;
+	a[22*stride] = dw4y;
+	a[23*stride] = dw4z;
+	f[18*stride] = f4x;
+	f[19*stride] = f4y;
+	f[20*stride] = f4z;
+	f[21*stride] = n4x;
+	f[22*stride] = n4y;
+	f[23*stride] = n4z;
+
+	/* ---- out to link 5 "iiwa_link_5" (fpass) ---- */
+	const double q5 = q[4*stride];
+	double s5, c5;
+	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
+	const double qd5 = qd[4*stride];
+	const double qdd5 = qdd[4*stride];
+	const double t46 = RNEA_FMA(-0.1845, w4z, v4x);
+	const double t47 = RNEA_FMA(0.1845, w4x, -t31);
+	const double t48 = RNEA_FMA(0.1845, t42, a4x);
+	const double a5z = RNEA_FMA(-0.1845, t40, a4y);
+	const double t49 = RNEA_FMA(0.1845, t37, -t33);
+	const double w5x = RNEA_FMA(c5, -w4x, w4z*s5);
+	const double w5y = RNEA_FMA(w4x, s5, w4z*c5);
+	const double w5z = w4y + qd5;
+	const double dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(c5, -dw4x, dw4z*s5));
+	const double dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(dw4x, s5, dw4z*c5));
+	const double dw5z = dw4y + qdd5;
+	const double v5x = RNEA_FMA(t46, -c5, s5*t47);
+	const double v5y = RNEA_FMA(s5, t46, c5*t47);
+	const double a5x = RNEA_FMA(t48, -c5, s5*t49);
+	const double a5y = RNEA_FMA(s5, t48, c5*t49);
+	const double t50 = w5y*w5z;
+	const double t51 = w5z*w5z;
+	const double t52 = w5y*w5y;
+	const double t53 = t50 - dw5x;
+	const double t54 = w5x*w5z;
+	const double t55 = w5x*w5x;
+	const double t56 = dw5y + t54;
+	const double t57 = w5x*w5y;
+	const double t58 = t52 + t55;
+	const double t59 = RNEA_FMA(0.076, t56, RNEA_FMA(-0.0001, t51 + t52, 0.021*(t57 - dw5z)));
+	const double t60 = RNEA_FMA(0.076, t53, RNEA_FMA(-0.021, t51 + t55, 0.0001*(dw5z + t57)));
+	const double t61 = RNEA_FMA(-0.076, t58, RNEA_FMA(0.021, dw5x + t50, 0.0001*(t54 - dw5y)));
+	const double t62 = a5x + t59;
+	const double t63 = a5y + t60;
+	const double t64 = a5z + t61;
+	const double f5x = 3.5*t62;
+	const double f5y = 3.5*t63;
+	const double f5z = 3.5*t64;
+	const double n5x = RNEA_FMA(-0.266, t63, 0.07350000000000001*t64) + RNEA_FMA(-0.004209999999999999, t50,
+		0.01*dw5x);
+	const double n5y = RNEA_FMA(-0.00035, t64, 0.266*t62) + RNEA_FMA(0.0087, dw5y, 0.00551*t54);
+	const double n5z = RNEA_FMA(-0.07350000000000001, t62, 0.00035*t63) + RNEA_FMA(-0.0013000000000000008, t57,
+		0.00449*dw5z);
+	v[24*stride] = v5x;
+	v[25*stride] = v5y;
+	v[26*stride] = -t35;
+	v[27*stride] = w5x;
+	v[28*stride] = w5y;
+	v[29*stride] = w5z;
+	a[24*stride] = a5x + RNEA_FMA(t35, w5y, w5z*v5y);
+	a[25*stride] = a5y - RNEA_FMA(w5z, v5x, t35*w5x);
+	a[26*stride] = a5z - RNEA_FMA(v5x, -w5y, w5x*v5y);
+	a[27*stride] = dw5x;
+	a[28*stride] = dw5y;
+	a[29*stride] = dw5z;
+	f[24*stride] = f5x;
+	f[25*stride] = f5y;
+	f[26*stride] = f5z;
+	f[27*stride] = n5x;
+	f[28*stride] = n5y;
+	f[29*stride] = n5z;
+
+	/* ---- out to link 6 "iiwa_link_6" (fpass) ---- */
+	const double q6 = q[5*stride];
+	double s6, c6;
+	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
+	const double qd6 = qd[5*stride];
+	const double qdd6 = qdd[5*stride];
+	const double t65 = RNEA_FMA(0.2155, w5y, v5x);
+	const double t66 = RNEA_FMA(-0.2155, w5x, v5y);
+	const double t67 = RNEA_FMA(0.2155, t56, a5x);
+	const double t68 = RNEA_FMA(0.2155, t53, a5y);
+	const double t69 = RNEA_FMA(-0.2155, t58, a5z);
+	const double w6x = RNEA_FMA(w5x, c6, w5z*s6);
+	const double w6y = RNEA_FMA(s6, -w5x, w5z*c6);
+	const double w6z = qd6 - w5y;
+	const double dw6x = RNEA_FMA(qd6, w6y, RNEA_FMA(dw5x, c6, dw5z*s6));
+	const double dw6y = RNEA_FMA(w6x, -qd6, RNEA_FMA(s6, -dw5x, dw5z*c6));
+	const double dw6z = qdd6 - dw5y;
+	const double v6x = RNEA_FMA(-t35, s6, c6*t65);
+	const double t70 = RNEA_FMA(s6, t65, t35*c6);
+	const double a6x = RNEA_FMA(c6, t67, s6*t69);
+	const double a6y = RNEA_FMA(t67, -s6, c6*t69);
+	const double t71 = w6y*w6z;
+	const double t72 = dw6x + t71;
+	const double t73 = w6x*w6z;
+	const double t74 = w6x*w6x;
+	const double t75 = RNEA_FMA(w6z, w6z, t74);
+	const double t76 = w6x*w6y;
+	const double t77 = t76 - dw6z;
+	const double t78 = a6x + RNEA_FMA(0.0004, dw6y + t73, 0.0006*t77);
+	const double t79 = a6y + RNEA_FMA(-0.0006, t75, 0.0004*(t71 - dw6x));
+	const double t80 = RNEA_FMA(-0.0004, RNEA_FMA(w6y, w6y, t74), 0.0006*t72) - t68;
+	const double f6x = 1.8*t78;
+	const double f6y = 1.8*t79;
+	const double f6z = 1.8*t80;
+	const double n6x = RNEA_FMA(-0.00072, t79, 0.00108*t80) + RNEA_FMA(-0.0011000000000000003, t71, 0.0049*dw6x);
+	const double n6y = RNEA_FMA(0.00072, t78, RNEA_FMA(0.0047, dw6y, 0.0013*t73));
+	const double n6z = RNEA_FMA(-0.00108, t78, RNEA_FMA(-0.00019999999999999966, t76, 0.0036*dw6z));
+	v[30*stride] = v6x;
+	v[31*stride] = -t70;
+	v[32*stride] = -t66;
+	v[33*stride] = w6x;
+	v[34*stride] = w6y;
+	v[35*stride] = w6z;
+	a[30*stride] = a6x - RNEA_FMA(-t66, w6y, w6z*t70);
+	a[31*stride] = a6y - RNEA_FMA(w6z, v6x, t66*w6x);
+	a[32*stride] = RNEA_FMA(w6x, t70, w6y*v6x) - t68;
+	a[33*stride] = dw6x;
+	a[34*stride] = dw6y;
+	a[35*stride] = dw6z;
+	f[30*stride] = f6x;
+	f[31*stride] = f6y;
+	f[32*stride] = f6z;
+	f[33*stride] = n6x;
+	f[34*stride] = n6y;
+	f[35*stride] = n6z;
+
+	/* ---- out to link 7 "iiwa_link_7" (fpass) ---- */
+	const double q7 = q[6*stride];
+	double s7, c7;
+	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
+	const double qd7 = qd[6*stride];
+	const double qdd7 = qdd[6*stride];
+	const double t81 = RNEA_FMA(-0.081, w6z, v6x);
+	const double t82 = RNEA_FMA(0.081, w6x, -t66);
+	const double t83 = RNEA_FMA(0.081, t77, a6x);
+	const double a7z = RNEA_FMA(-0.081, t75, a6y);
+	const double t84 = RNEA_FMA(0.081, t72, -t68);
+	const double w7x = RNEA_FMA(c7, -w6x, w6z*s7);
+	const double w7y = RNEA_FMA(w6x, s7, w6z*c7);
+	const double w7z = w6y + qd7;
+	const double dw7x = RNEA_FMA(qd7, w7y, RNEA_FMA(c7, -dw6x, dw6z*s7));
+	const double dw7y = RNEA_FMA(w7x, -qd7, RNEA_FMA(dw6x, s7, dw6z*c7));
+	const double dw7z = dw6y + qdd7;
+	const double v7x = RNEA_FMA(t81, -c7, s7*t82);
+	const double v7y = RNEA_FMA(s7, t81, c7*t82);
+	const double a7x = RNEA_FMA(t83, -c7, s7*t84);
+	const double a7y = RNEA_FMA(s7, t83, c7*t84);
+	const double t85 = RNEA_FMA(0.02, RNEA_FMA(w7x, w7z, dw7y), a7x);
+	const double t86 = RNEA_FMA(0.02, RNEA_FMA(w7y, w7z, -dw7x), a7y);
+	const double f7x = 1.2*t85;
+	const double f7y = 1.2*t86;
+	const double f7z = 1.2*RNEA_FMA(-0.02, RNEA_FMA(w7x, w7x, w7y*w7y), a7z);
+	const double n7z = 0.001*dw7z;
+	const double n7x = RNEA_FMA(-0.024, t86, 0.001*dw7x);
+	const double n7y = RNEA_FMA(0.001, dw7y, 0.024*t85);
+	v[36*stride] = v7x;
+	v[37*stride] = v7y;
+	v[38*stride] = -t70;
+	v[39*stride] = w7x;
+	v[40*stride] = w7y;
+	v[41*stride] = w7z;
+	a[36*stride] = a7x + RNEA_FMA(t70, w7y, w7z*v7y);
+	a[37*stride] = a7y - RNEA_FMA(w7z, v7x, t70*w7x);
+	a[38*stride] = a7z - RNEA_FMA(v7x, -w7y, w7x*v7y);
+	a[39*stride] = dw7x;
+	a[40*stride] = dw7y;
+	a[41*stride] = dw7z;
+	f[36*stride] = f7x;
+	f[37*stride] = f7y;
+	f[38*stride] = f7z;
+	f[39*stride] = n7x;
+	f[40*stride] = n7y;
+	f[41*stride] = n7z;
+	return all_small;
+}
+
+/* Back to the base: torques tau from the wrenches f.
+   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   Row r of an array is at [r*stride]. */
+static RNEA_INLINE int iiwa14_bpass_body(const double *q, const double *f, double *tau, const size_t stride,
+	const int small)
+{
+	int all_small = 1;
+
+	/* ---- out to link 1 "iiwa_link_1" ---- */
+	/* f, n = what fpass wrote, in the link's frame here */
+	const double own_n1z = f[5*stride];
+
+	/* ---- out to link 2 "iiwa_link_2" ---- */
+	const double q2 = q[stride];
+	double s2, c2;
+	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
+	const double own_n2x = f[9*stride];
+	const double own_n2y = f[10*stride];
+	const double own_n2z = f[11*stride];
+
+	/* ---- out to link 3 "iiwa_link_3" ---- */
+	const double q3 = q[2*stride];
+	double s3, c3;
+	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
+	const double own_f3x = f[12*stride];
+	const double own_f3y = f[13*stride];
+	const double own_n3x = f[15*stride];
+	const double own_n3y = f[16*stride];
+	const double own_n3z = f[17*stride];
+
+	/* ---- out to link 4 "iiwa_link_4" ---- */
+	const double q4 = q[3*stride];
+	double s4, c4;
+	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
+	const double own_f4x = f[18*stride];
+	const double own_f4y = f[19*stride];
+	const double own_f4z = f[20*stride];
+	const double own_n4x = f[21*stride];
+	const double own_n4y = f[22*stride];
+	const double own_n4z = f[23*stride];
+
+	/* ---- out to link 5 "iiwa_link_5" ---- */
+	const double q5 = q[4*stride];
+	double s5, c5;
+	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
+	const double own_f5x = f[24*stride];
+	const double own_f5y = f[25*stride];
+	const double own_f5z = f[26*stride];
+	const double own_n5x = f[27*stride];
+	const double own_n5y = f[28*stride];
+	const double own_n5z = f[29*stride];
+
+	/* ---- out to link 6 "iiwa_link_6" ---- */
+	const double q6 = q[5*stride];
+	double s6, c6;
+	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
+	const double own_f6x = f[30*stride];
+	const double own_f6y = f[31*stride];
+	const double own_f6z = f[32*stride];
+	const double own_n6x = f[33*stride];
+	const double own_n6y = f[34*stride];
+	const double own_n6z = f[35*stride];
+
+	/* ---- out to link 7 "iiwa_link_7" ---- */
+	const double q7 = q[6*stride];
+	double s7, c7;
+	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
+	const double own_f7x = f[36*stride];
+	const double own_f7y = f[37*stride];
+	const double own_f7z = f[38*stride];
+	const double own_n7x = f[39*stride];
+	const double own_n7y = f[40*stride];
+	const double own_n7z = f[41*stride];
+
+	/* ---- back from link 7 "iiwa_link_7" to link 6 (bpass): torque of "iiwa_joint_7" ---- */
+	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
+	const double t1 = RNEA_FMA(own_f7y, -s7, c7*own_f7x);
+	const double t2 = RNEA_FMA(s7, own_f7x, c7*own_f7y);
+	const double f6x = own_f6x - t1;
+	const double f6y = own_f6y + own_f7z;
+	const double f6z = own_f6z + t2;
+	const double t3 = RNEA_FMA(0.081, t2, -RNEA_FMA(own_n7y, -s7, c7*own_n7x));
+	const double n6x = own_n6x + t3;
+	const double n6y = own_n6y + own_n7z;
+	const double n6z = own_n6z + RNEA_FMA(0.081, t1, RNEA_FMA(s7, own_n7x, c7*own_n7y));
+	tau[6*stride] = own_n7z;
+
+	/* ---- back from link 6 "iiwa_link_6" to link 5 (bpass): torque of "iiwa_joint_6" ---- */
+	const double t4 = RNEA_FMA(f6y, -s6, c6*f6x);
+	const double f5x = own_f5x + t4;
+	const double f5y = own_f5y - f6z;
+	const double f5z = own_f5z + RNEA_FMA(s6, f6x, c6*f6y);
+	const double n5x = own_n5x + RNEA_FMA(0.2155, f6z, RNEA_FMA(n6y, -s6, c6*n6x));
+	const double n5y = own_n5y + RNEA_FMA(0.2155, t4, -n6z);
+	const double n5z = own_n5z + RNEA_FMA(s6, n6x, c6*n6y);
+	tau[5*stride] = n6z;
+
+	/* ---- back from link 5 "iiwa_link_5" to link 4 (bpass): torque of "iiwa_joint_5" ---- */
+	const double t5 = RNEA_FMA(f5y, -s5, c5*f5x);
+	const double t6 = RNEA_FMA(s5, f5x, c5*f5y);
+	const double f4x = own_f4x - t5;
+	const double f4y = own_f4y + f5z;
+	const double f4z = own_f4z + t6;
+	const double t7 = RNEA_FMA(0.1845, t6, -RNEA_FMA(n5y, -s5, c5*n5x));
+	const double n4x = own_n4x + t7;
+	const double n4y = own_n4y + n5z;
+	const double n4z = own_n4z + RNEA_FMA(0.1845, t5, RNEA_FMA(s5, n5x, c5*n5y));
+	tau[4*stride] = n5z;
+
+	/* ---- back from link 4 "iiwa_link_4" to link 3 (bpass): torque of "iiwa_joint_4" ---- */
+	const double t8 = RNEA_FMA(f4y, -s4, c4*f4x);
+	const double f3x = own_f3x + t8;
+	const double f3y = own_f3y - f4z;
+	const double n3x = own_n3x + RNEA_FMA(0.2155, f4z, RNEA_FMA(n4y, -s4, c4*n4x));
+	const double n3y = own_n3y + RNEA_FMA(0.2155, t8, -n4z);
+	const double n3z = own_n3z + RNEA_FMA(s4, n4x, c4*n4y);
+	tau[3*stride] = n4z;
+
+	/* ---- back from link 3 "iiwa_link_3" to link 2 (bpass): torque of "iiwa_joint_3" ---- */
+	const double t9 = RNEA_FMA(f3y, -s3, c3*f3x);
+	const double t10 = -RNEA_FMA(n3y, -s3, c3*n3x);
+	const double n2x = own_n2x + RNEA_FMA(0.2045, RNEA_FMA(s3, f3x, c3*f3y), t10);
+	const double n2y = own_n2y + n3z;
+	const double n2z = own_n2z + RNEA_FMA(0.2045, t9, RNEA_FMA(s3, n3x, c3*n3y));
+	tau[2*stride] = n3z;
+
+	/* ---- back from link 2 "iiwa_link_2" to link 1 (bpass): torque of "iiwa_joint_2" ---- */
+	const double n1z = own_n1z + RNEA_FMA(s2, n2x, c2*n2y);
+	tau[stride] = n2z;
+
+	/* ---- back from link 1 "iiwa_link_1" to the world (bpass): torque of "iiwa_joint_1" ---- */
+	tau[0] = n1z;
+	return all_small;
+}
+
 
 #ifndef RNEAGEN_SINCOS_CORE
 #define RNEAGEN_SINCOS_CORE
@@ -222,8 +950,8 @@ static RNEA_INLINE void rneagen_sincos_accurate(double x, double *s, double *c)
 #ifndef RNEAGEN_SINCOS_EITHER
 #define RNEAGEN_SINCOS_EITHER
 
-/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not, and
-   `small`, sine and cosine mean nothing. */
+/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not,
+   and `small`, sine and cosine mean nothing. */
 static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c)
 {
 	if (small) {
@@ -237,8 +965,8 @@ static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *
 }
 #endif
 
-/* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves the
-   rest a straight line; the results have the same bits either way. */
+/* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves
+   the rest a straight line; the results have the same bits either way. */
 static RNEA_INLINE int iiwa14_is_small(const double *q, const size_t stride)
 {
 	int small = 1;
@@ -248,769 +976,74 @@ static RNEA_INLINE int iiwa14_is_small(const double *q, const size_t stride)
 	return small;
 }
 
-/* tau = ID(q, qd, qdd)
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
-   Row r of an array is at [r*stride]. */
-static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride, const int small)
-{
-	int all_small = 1;
 
-	/* ---- out to link 1 "iiwa_link_1" (fpass) ---- */
-	const double qd1 = qd[0*stride];
-	const double qdd1 = qdd[0*stride];
+/* ---- the functions of the header, and the table that librnea reads ---- */
+/* tau = ID(q, qd, qdd) of one sample: q[7], qd[7], qdd[7] -> tau[7]; tau may be qdd itself. */
+void iiwa14_rnea(const double *q, const double *qd, const double *qdd, double *tau);
+/* The same for `count` samples, every array [row][sample]; arrays must not overlap. */
+void iiwa14_rnea_batch(const double *q, const double *qd, const double *qdd, double *tau, size_t count);
+/* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */
+void iiwa14_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
+/* The way back alone: torques from q and fpass's wrenches. */
+void iiwa14_bpass(const double *q, const double *f, double *tau);
+/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
+   in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
+void iiwa14_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);
+void iiwa14_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
+void iiwa14_bpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
+/* What this text computes, one `key values` a line. */
+extern const char iiwa14_info[];
 
-	/* ---- out to link 2 "iiwa_link_2" (fpass) ---- */
-	const double q2 = q[1*stride];
-	double s2, c2;
-	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
-	const double qd2 = qd[1*stride];
-	const double qdd2 = qdd[1*stride];
-	const double w2x = qd1*s2;
-	const double w2y = qd1*c2;
-	const double t1 = qd2*w2y;
-	const double t2 = qd2*w2x;
-	const double dw2x = RNEA_FMA(qdd1, s2, t1);
-	const double dw2y = RNEA_FMA(qdd1, c2, -t2);
-	const double a2x = 9.81*s2;
-	const double a2y = 9.81*c2;
-	const double t3 = qd2*qd2;
-	const double t4 = w2y*w2y;
-	const double t5 = t1 + dw2x;
-	const double t6 = w2x*w2x;
-	const double t7 = t3 + t6;
-	const double t8 = w2x*w2y;
-	const double t9 = t8 - qdd2;
-	const double t10 = RNEA_FMA(0.042, t2 + dw2y, RNEA_FMA(-0.0003, t3 + t4, 0.059*t9));
-	const double t11 = RNEA_FMA(0.042, t1 - dw2x, RNEA_FMA(-0.059, t7, 0.0003*(qdd2 + t8)));
-	const double t12 = RNEA_FMA(-0.042, t4 + t6, RNEA_FMA(0.059, t5, 0.0003*(t2 - dw2y)));
-	const double t13 = a2x + t10;
-	const double t14 = a2y + t11;
-	const double n2x = RNEA_FMA(-0.2667, t14, 0.37465*t12) + RNEA_FMA(0.0305, dw2x, 0.0194*t1);
-	const double n2y = RNEA_FMA(-0.0019049999999999998, t12, 0.2667*t13) + RNEA_FMA(0.011, dw2y, 9.99999999999994e-05*t2);
-	const double n2z = RNEA_FMA(-0.37465, t13, 0.0019049999999999998*t14) + RNEA_FMA(-0.0195, t8,
-		0.0304*qdd2);
+/* librnea finds the table by this word */
+#define RNEA_INFO
+RNEA_INFO const char iiwa14_info[] =
+	"rneagen-info 3\n"
+	"name iiwa14\n"
+	"precision f64\n"
+	"arithmetic f64\n"
+	"layout soa\n"
+	"trig accurate\n"
+	"base fixed\n"
+	"nq 7\n"
+	"nv 7\n"
+	"nb 7\n"
+	"block 128\n"
+	"joint 0 1 0 1 revolute iiwa_joint_1\n"
+	"joint 1 1 1 1 revolute iiwa_joint_2\n"
+	"joint 2 1 2 1 revolute iiwa_joint_3\n"
+	"joint 3 1 3 1 revolute iiwa_joint_4\n"
+	"joint 4 1 4 1 revolute iiwa_joint_5\n"
+	"joint 5 1 5 1 revolute iiwa_joint_6\n"
+	"joint 6 1 6 1 revolute iiwa_joint_7\n"
+	"function rnea\n"
+	"input q 7 f64 sample joint_position\n"
+	"input qd 7 f64 sample joint_velocity\n"
+	"input qdd 7 f64 sample joint_acceleration\n"
+	"output tau 7 f64 sample joint_torque\n"
+	"operations 125 60 18 36 163 6\n"
+	"function fpass\n"
+	"input q 7 f64 sample joint_position\n"
+	"input qd 7 f64 sample joint_velocity\n"
+	"input qdd 7 f64 sample joint_acceleration\n"
+	"output v 42 f64 sample body_twists\n"
+	"output a 42 f64 sample body_accelerations\n"
+	"output f 42 f64 sample body_wrenches\n"
+	"operations 150 47 29 33 153 6\n"
+	"function bpass\n"
+	"input q 7 f64 sample joint_position\n"
+	"input f 42 f64 sample body_wrenches\n"
+	"output tau 7 f64 sample joint_torque\n"
+	"operations 20 23 4 10 30 6\n";
 
-	/* ---- out to link 3 "iiwa_link_3" (fpass) ---- */
-	const double q3 = q[2*stride];
-	double s3, c3;
-	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
-	const double qd3 = qd[2*stride];
-	const double qdd3 = qdd[2*stride];
-	const double t15 = 0.2045*t5;
-	const double t16 = RNEA_FMA(0.2045, t9, a2x);
-	const double a3z = RNEA_FMA(-0.2045, t7, a2y);
-	const double w3x = RNEA_FMA(c3, -w2x, qd2*s3);
-	const double w3y = RNEA_FMA(w2x, s3, qd2*c3);
-	const double w3z = w2y + qd3;
-	const double dw3x = RNEA_FMA(qd3, w3y, RNEA_FMA(c3, -dw2x, qdd2*s3));
-	const double dw3y = RNEA_FMA(w3x, -qd3, RNEA_FMA(dw2x, s3, qdd2*c3));
-	const double dw3z = dw2y + qdd3;
-	const double a3x = RNEA_FMA(t16, -c3, s3*t15);
-	const double a3y = RNEA_FMA(s3, t16, c3*t15);
-	const double t17 = w3y*w3z;
-	const double t18 = t17 - dw3x;
-	const double t19 = w3x*w3z;
-	const double t20 = w3x*w3x;
-	const double t21 = dw3y + t19;
-	const double t22 = w3x*w3y;
-	const double t23 = RNEA_FMA(w3y, w3y, t20);
-	const double t24 = a3x + RNEA_FMA(0.13, t21, 0.03*(t22 - dw3z));
-	const double t25 = a3y + RNEA_FMA(-0.03, RNEA_FMA(w3z, w3z, t20), 0.13*t18);
-	const double t26 = 0.105*(a3z + RNEA_FMA(-0.13, t23, 0.03*(dw3x + t17)));
-	const double n3x = RNEA_FMA(-0.455, t25, t26) + RNEA_FMA(-0.016200000000000003, t17, 0.025*dw3x);
-	const double n3y = RNEA_FMA(0.455, t24, RNEA_FMA(0.0238, dw3y, 0.017400000000000002*t19));
-	const double n3z = RNEA_FMA(-0.105, t24, RNEA_FMA(-0.0011999999999999997, t22, 0.0076*dw3z));
-
-	/* ---- out to link 4 "iiwa_link_4" (fpass) ---- */
-	const double q4 = q[3*stride];
-	double s4, c4;
-	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
-	const double qd4 = qd[3*stride];
-	const double qdd4 = qdd[3*stride];
-	const double t27 = RNEA_FMA(0.2155, t21, a3x);
-	const double t28 = RNEA_FMA(0.2155, t18, a3y);
-	const double t29 = RNEA_FMA(-0.2155, t23, a3z);
-	const double w4x = RNEA_FMA(w3x, c4, w3z*s4);
-	const double w4y = RNEA_FMA(s4, -w3x, w3z*c4);
-	const double w4z = qd4 - w3y;
-	const double dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(dw3x, c4, dw3z*s4));
-	const double dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(s4, -dw3x, dw3z*c4));
-	const double dw4z = qdd4 - dw3y;
-	const double a4x = RNEA_FMA(c4, t27, s4*t29);
-	const double a4y = RNEA_FMA(t27, -s4, c4*t29);
-	const double t30 = w4y*w4z;
-	const double t31 = dw4x + t30;
-	const double t32 = w4x*w4z;
-	const double t33 = w4x*w4x;
-	const double t34 = RNEA_FMA(w4z, w4z, t33);
-	const double t35 = w4x*w4y;
-	const double t36 = t35 - dw4z;
-	const double t37 = a4x + RNEA_FMA(0.034, dw4y + t32, 0.067*t36);
-	const double t38 = a4y + RNEA_FMA(-0.067, t34, 0.034*(t30 - dw4x));
-	const double t39 = RNEA_FMA(-0.034, RNEA_FMA(w4y, w4y, t33), 0.067*t31) - t28;
-	const double n4x = RNEA_FMA(-0.11900000000000001, t38, 0.23450000000000001*t39) + RNEA_FMA(0.017,
-		dw4x, 0.010400000000000001*t30);
-	const double n4y = RNEA_FMA(0.11900000000000001, t37, RNEA_FMA(0.006, dw4y, 0.0005999999999999998*t32));
-	const double n4z = RNEA_FMA(-0.23450000000000001, t37, RNEA_FMA(-0.011000000000000001, t35, 0.0164*dw4z));
-
-	/* ---- out to link 5 "iiwa_link_5" (fpass) ---- */
-	const double q5 = q[4*stride];
-	double s5, c5;
-	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
-	const double qd5 = qd[4*stride];
-	const double qdd5 = qdd[4*stride];
-	const double t40 = RNEA_FMA(0.1845, t36, a4x);
-	const double a5z = RNEA_FMA(-0.1845, t34, a4y);
-	const double t41 = RNEA_FMA(0.1845, t31, -t28);
-	const double w5x = RNEA_FMA(c5, -w4x, w4z*s5);
-	const double w5y = RNEA_FMA(w4x, s5, w4z*c5);
-	const double w5z = w4y + qd5;
-	const double dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(c5, -dw4x, dw4z*s5));
-	const double dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(dw4x, s5, dw4z*c5));
-	const double dw5z = dw4y + qdd5;
-	const double a5x = RNEA_FMA(t40, -c5, s5*t41);
-	const double a5y = RNEA_FMA(s5, t40, c5*t41);
-	const double t42 = w5y*w5z;
-	const double t43 = w5z*w5z;
-	const double t44 = w5y*w5y;
-	const double t45 = t42 - dw5x;
-	const double t46 = w5x*w5z;
-	const double t47 = w5x*w5x;
-	const double t48 = dw5y + t46;
-	const double t49 = w5x*w5y;
-	const double t50 = t44 + t47;
-	const double t51 = RNEA_FMA(0.076, t48, RNEA_FMA(-0.0001, t43 + t44, 0.021*(t49 - dw5z)));
-	const double t52 = RNEA_FMA(0.076, t45, RNEA_FMA(-0.021, t43 + t47, 0.0001*(dw5z + t49)));
-	const double t53 = RNEA_FMA(-0.076, t50, RNEA_FMA(0.021, dw5x + t42, 0.0001*(t46 - dw5y)));
-	const double t54 = a5x + t51;
-	const double t55 = a5y + t52;
-	const double t56 = a5z + t53;
-	const double n5x = RNEA_FMA(-0.266, t55, 0.07350000000000001*t56) + RNEA_FMA(-0.004209999999999999,
-		t42, 0.01*dw5x);
-	const double n5y = RNEA_FMA(-0.00035, t56, 0.266*t54) + RNEA_FMA(0.0087, dw5y, 0.00551*t46);
-	const double n5z = RNEA_FMA(-0.07350000000000001, t54, 0.00035*t55) + RNEA_FMA(-0.0013000000000000008,
-		t49, 0.00449*dw5z);
-
-	/* ---- out to link 6 "iiwa_link_6" (fpass) ---- */
-	const double q6 = q[5*stride];
-	double s6, c6;
-	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
-	const double qd6 = qd[5*stride];
-	const double qdd6 = qdd[5*stride];
-	const double t57 = RNEA_FMA(0.2155, t48, a5x);
-	const double t58 = RNEA_FMA(0.2155, t45, a5y);
-	const double t59 = RNEA_FMA(-0.2155, t50, a5z);
-	const double w6x = RNEA_FMA(w5x, c6, w5z*s6);
-	const double w6y = RNEA_FMA(s6, -w5x, w5z*c6);
-	const double w6z = qd6 - w5y;
-	const double dw6x = RNEA_FMA(qd6, w6y, RNEA_FMA(dw5x, c6, dw5z*s6));
-	const double dw6y = RNEA_FMA(w6x, -qd6, RNEA_FMA(s6, -dw5x, dw5z*c6));
-	const double dw6z = qdd6 - dw5y;
-	const double a6x = RNEA_FMA(c6, t57, s6*t59);
-	const double a6y = RNEA_FMA(t57, -s6, c6*t59);
-	const double t60 = w6y*w6z;
-	const double t61 = dw6x + t60;
-	const double t62 = w6x*w6z;
-	const double t63 = w6x*w6x;
-	const double t64 = RNEA_FMA(w6z, w6z, t63);
-	const double t65 = w6x*w6y;
-	const double t66 = t65 - dw6z;
-	const double t67 = a6x + RNEA_FMA(0.0004, dw6y + t62, 0.0006*t66);
-	const double t68 = a6y + RNEA_FMA(-0.0006, t64, 0.0004*(t60 - dw6x));
-	const double t69 = RNEA_FMA(-0.0004, RNEA_FMA(w6y, w6y, t63), 0.0006*t61) - t58;
-	const double f6y = 1.8*t68;
-	const double n6x = RNEA_FMA(-0.00072, t68, 0.00108*t69) + RNEA_FMA(-0.0011000000000000003, t60,
-		0.0049*dw6x);
-	const double n6y = RNEA_FMA(0.00072, t67, RNEA_FMA(0.0047, dw6y, 0.0013*t62));
-	const double n6z = RNEA_FMA(-0.00108, t67, RNEA_FMA(-0.00019999999999999966, t65, 0.0036*dw6z));
-
-	/* ---- out to link 7 "iiwa_link_7" (fpass) ---- */
-	const double q7 = q[6*stride];
-	double s7, c7;
-	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
-	const double qd7 = qd[6*stride];
-	const double qdd7 = qdd[6*stride];
-	const double t70 = RNEA_FMA(0.081, t66, a6x);
-	const double a7z = RNEA_FMA(-0.081, t64, a6y);
-	const double t71 = RNEA_FMA(0.081, t61, -t58);
-	const double w7x = RNEA_FMA(c7, -w6x, w6z*s7);
-	const double w7y = RNEA_FMA(w6x, s7, w6z*c7);
-	const double w7z = w6y + qd7;
-	const double dw7x = RNEA_FMA(qd7, w7y, RNEA_FMA(c7, -dw6x, dw6z*s7));
-	const double dw7y = RNEA_FMA(w7x, -qd7, RNEA_FMA(dw6x, s7, dw6z*c7));
-	const double dw7z = dw6y + qdd7;
-	const double a7x = RNEA_FMA(t70, -c7, s7*t71);
-	const double a7y = RNEA_FMA(s7, t70, c7*t71);
-	const double t72 = RNEA_FMA(0.02, RNEA_FMA(w7x, w7z, dw7y), a7x);
-	const double t73 = RNEA_FMA(0.02, RNEA_FMA(w7y, w7z, -dw7x), a7y);
-	const double f7x = 1.2*t72;
-	const double f7y = 1.2*t73;
-	const double n7z = 0.001*dw7z;
-	const double n7x = RNEA_FMA(-0.024, t73, 0.001*dw7x);
-	const double n7y = RNEA_FMA(0.001, dw7y, 0.024*t72);
-
-	/* ---- back from link 7 "iiwa_link_7" to link 6 (bpass): torque of "iiwa_joint_7" ---- */
-	const double t74 = RNEA_FMA(f7y, -s7, c7*f7x);
-	const double t75 = RNEA_FMA(s7, f7x, c7*f7y);
-	const double f6x = RNEA_FMA(1.8, t67, -t74);
-	const double f6y_2 = RNEA_FMA(1.2, RNEA_FMA(-0.02, RNEA_FMA(w7x, w7x, w7y*w7y), a7z), f6y);
-	const double f6z = RNEA_FMA(1.8, t69, t75);
-	const double t76 = RNEA_FMA(0.081, t75, -RNEA_FMA(n7y, -s7, c7*n7x));
-	const double n6x_2 = n6x + t76;
-	const double n6y_2 = n6y + n7z;
-	const double n6z_2 = n6z + RNEA_FMA(0.081, t74, RNEA_FMA(s7, n7x, c7*n7y));
-	tau[6*stride] = n7z;
-
-	/* ---- back from link 6 "iiwa_link_6" to link 5 (bpass): torque of "iiwa_joint_6" ---- */
-	const double t77 = RNEA_FMA(-s6, f6y_2, c6*f6x);
-	const double f5x = RNEA_FMA(3.5, t54, t77);
-	const double f5y = RNEA_FMA(3.5, t55, -f6z);
-	const double f5z = RNEA_FMA(3.5, t56, RNEA_FMA(s6, f6x, c6*f6y_2));
-	const double n5x_2 = n5x + RNEA_FMA(0.2155, f6z, RNEA_FMA(-s6, n6y_2, c6*n6x_2));
-	const double n5y_2 = n5y + RNEA_FMA(0.2155, t77, -n6z_2);
-	const double n5z_2 = n5z + RNEA_FMA(s6, n6x_2, c6*n6y_2);
-	tau[5*stride] = n6z_2;
-
-	/* ---- back from link 5 "iiwa_link_5" to link 4 (bpass): torque of "iiwa_joint_5" ---- */
-	const double t78 = RNEA_FMA(f5y, -s5, c5*f5x);
-	const double t79 = RNEA_FMA(s5, f5x, c5*f5y);
-	const double f4x = RNEA_FMA(3.5, t37, -t78);
-	const double f4y = RNEA_FMA(3.5, t38, f5z);
-	const double f4z = RNEA_FMA(3.5, t39, t79);
-	const double t80 = RNEA_FMA(0.1845, t79, -RNEA_FMA(n5y_2, -s5, c5*n5x_2));
-	const double n4x_2 = n4x + t80;
-	const double n4y_2 = n4y + n5z_2;
-	const double n4z_2 = n4z + RNEA_FMA(0.1845, t78, RNEA_FMA(s5, n5x_2, c5*n5y_2));
-	tau[4*stride] = n5z_2;
-
-	/* ---- back from link 4 "iiwa_link_4" to link 3 (bpass): torque of "iiwa_joint_4" ---- */
-	const double t81 = RNEA_FMA(-s4, f4y, c4*f4x);
-	const double f3x = RNEA_FMA(3.5, t24, t81);
-	const double f3y = RNEA_FMA(3.5, t25, -f4z);
-	const double n3x_2 = n3x + RNEA_FMA(0.2155, f4z, RNEA_FMA(-s4, n4y_2, c4*n4x_2));
-	const double n3y_2 = n3y + RNEA_FMA(0.2155, t81, -n4z_2);
-	const double n3z_2 = n3z + RNEA_FMA(s4, n4x_2, c4*n4y_2);
-	tau[3*stride] = n4z_2;
-
-	/* ---- back from link 3 "iiwa_link_3" to link 2 (bpass): torque of "iiwa_joint_3" ---- */
-	const double t82 = RNEA_FMA(f3y, -s3, c3*f3x);
-	const double t83 = -RNEA_FMA(n3y_2, -s3, c3*n3x_2);
-	const double n2x_2 = n2x + RNEA_FMA(0.2045, RNEA_FMA(s3, f3x, c3*f3y), t83);
-	const double n2y_2 = n2y + n3z_2;
-	const double n2z_2 = n2z + RNEA_FMA(0.2045, t82, RNEA_FMA(s3, n3x_2, c3*n3y_2));
-	tau[2*stride] = n3z_2;
-
-	/* ---- back from link 2 "iiwa_link_2" to link 1 (bpass): torque of "iiwa_joint_2" ---- */
-	const double n1z = RNEA_FMA(0.017484, qdd1, RNEA_FMA(s2, n2x_2, c2*n2y_2));
-	tau[1*stride] = n2z_2;
-
-	/* ---- back from link 1 "iiwa_link_1" to the world (bpass): torque of "iiwa_joint_1" ---- */
-	tau[0*stride] = n1z;
-	return all_small;
-}
-
-/* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
-   Row r of an array is at [r*stride]. */
-static RNEA_INLINE int iiwa14_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f, const size_t stride, const int small)
-{
-	int all_small = 1;
-
-	/* ---- out to link 1 "iiwa_link_1" (fpass) ---- */
-	const double qd1 = qd[0*stride];
-	const double qdd1 = qdd[0*stride];
-	const double t1 = qd1*qd1;
-	const double f1x = 0.17279999999999998*qdd1;
-	const double f1y = 0.17279999999999998*t1;
-	const double n1y = 0.020735999999999997*qdd1;
-	const double n1z = 0.017484*qdd1;
-	const double n1x = RNEA_FMA(-0.020735999999999997, t1, -1.695168);
-	v[0*stride] = 0.0;
-	v[1*stride] = 0.0;
-	v[2*stride] = 0.0;
-	v[3*stride] = 0.0;
-	v[4*stride] = 0.0;
-	v[5*stride] = qd1;
-	a[0*stride] = 0.0;
-	a[1*stride] = 0.0;
-	a[2*stride] = 9.81;
-	a[3*stride] = 0.0;
-	a[4*stride] = 0.0;
-	a[5*stride] = qdd1;
-	f[0*stride] = f1x;
-	f[1*stride] = f1y;
-	f[2*stride] = 56.5056;
-	f[3*stride] = n1x;
-	f[4*stride] = n1y;
-	f[5*stride] = n1z;
-
-	/* ---- out to link 2 "iiwa_link_2" (fpass) ---- */
-	const double q2 = q[1*stride];
-	double s2, c2;
-	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
-	const double qd2 = qd[1*stride];
-	const double qdd2 = qdd[1*stride];
-	const double w2x = qd1*s2;
-	const double w2y = qd1*c2;
-	const double t2 = qd2*w2y;
-	const double t3 = qd2*w2x;
-	const double dw2x = RNEA_FMA(qdd1, s2, t2);
-	const double dw2y = RNEA_FMA(qdd1, c2, -t3);
-	const double a2x = 9.81*s2;
-	const double a2y = 9.81*c2;
-	const double t4 = qd2*qd2;
-	const double t5 = w2y*w2y;
-	const double t6 = t2 + dw2x;
-	const double t7 = w2x*w2x;
-	const double t8 = t4 + t7;
-	const double t9 = w2x*w2y;
-	const double t10 = t9 - qdd2;
-	const double t11 = RNEA_FMA(0.042, t3 + dw2y, RNEA_FMA(-0.0003, t4 + t5, 0.059*t10));
-	const double t12 = RNEA_FMA(0.042, t2 - dw2x, RNEA_FMA(-0.059, t8, 0.0003*(qdd2 + t9)));
-	const double t13 = RNEA_FMA(-0.042, t5 + t7, RNEA_FMA(0.059, t6, 0.0003*(t3 - dw2y)));
-	const double t14 = a2x + t11;
-	const double t15 = a2y + t12;
-	const double f2x = 6.35*t14;
-	const double f2y = 6.35*t15;
-	const double f2z = 6.35*t13;
-	const double n2x = RNEA_FMA(-0.2667, t15, 0.37465*t13) + RNEA_FMA(0.0305, dw2x, 0.0194*t2);
-	const double n2y = RNEA_FMA(-0.0019049999999999998, t13, 0.2667*t14) + RNEA_FMA(0.011, dw2y, 9.99999999999994e-05*t3);
-	const double n2z = RNEA_FMA(-0.37465, t14, 0.0019049999999999998*t15) + RNEA_FMA(-0.0195, t9,
-		0.0304*qdd2);
-	v[6*stride] = 0.0;
-	v[7*stride] = 0.0;
-	v[8*stride] = 0.0;
-	v[9*stride] = w2x;
-	v[10*stride] = w2y;
-	v[11*stride] = qd2;
-	a[6*stride] = a2x;
-	a[7*stride] = a2y;
-	a[8*stride] = 0.0;
-	a[9*stride] = dw2x;
-	a[10*stride] = dw2y;
-	a[11*stride] = qdd2;
-	f[6*stride] = f2x;
-	f[7*stride] = f2y;
-	f[8*stride] = f2z;
-	f[9*stride] = n2x;
-	f[10*stride] = n2y;
-	f[11*stride] = n2z;
-
-	/* ---- out to link 3 "iiwa_link_3" (fpass) ---- */
-	const double q3 = q[2*stride];
-	double s3, c3;
-	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
-	const double qd3 = qd[2*stride];
-	const double qdd3 = qdd[2*stride];
-	const double t16 = 0.2045*qd2;
-	const double t17 = 0.2045*w2x;
-	const double t18 = 0.2045*t6;
-	const double t19 = RNEA_FMA(0.2045, t10, a2x);
-	const double a3z = RNEA_FMA(-0.2045, t8, a2y);
-	const double w3x = RNEA_FMA(c3, -w2x, qd2*s3);
-	const double w3y = RNEA_FMA(w2x, s3, qd2*c3);
-	const double w3z = w2y + qd3;
-	const double dw3x = RNEA_FMA(qd3, w3y, RNEA_FMA(c3, -dw2x, qdd2*s3));
-	const double dw3y = RNEA_FMA(w3x, -qd3, RNEA_FMA(dw2x, s3, qdd2*c3));
-	const double dw3z = dw2y + qdd3;
-	const double v3x = RNEA_FMA(c3, t16, s3*t17);
-	const double v3y = RNEA_FMA(t16, -s3, c3*t17);
-	const double a3x = RNEA_FMA(t19, -c3, s3*t18);
-	const double a3y = RNEA_FMA(s3, t19, c3*t18);
-	const double t20 = w3y*w3z;
-	const double t21 = t20 - dw3x;
-	const double t22 = w3x*w3z;
-	const double t23 = w3x*w3x;
-	const double t24 = dw3y + t22;
-	const double t25 = w3x*w3y;
-	const double t26 = RNEA_FMA(w3y, w3y, t23);
-	const double t27 = a3x + RNEA_FMA(0.13, t24, 0.03*(t25 - dw3z));
-	const double t28 = a3y + RNEA_FMA(-0.03, RNEA_FMA(w3z, w3z, t23), 0.13*t21);
-	const double t29 = a3z + RNEA_FMA(-0.13, t26, 0.03*(dw3x + t20));
-	const double f3x = 3.5*t27;
-	const double f3y = 3.5*t28;
-	const double f3z = 3.5*t29;
-	const double n3x = RNEA_FMA(-0.455, t28, 0.105*t29) + RNEA_FMA(-0.016200000000000003, t20, 0.025*dw3x);
-	const double n3y = RNEA_FMA(0.455, t27, RNEA_FMA(0.0238, dw3y, 0.017400000000000002*t22));
-	const double n3z = RNEA_FMA(-0.105, t27, RNEA_FMA(-0.0011999999999999997, t25, 0.0076*dw3z));
-	v[12*stride] = v3x;
-	v[13*stride] = v3y;
-	v[14*stride] = 0.0;
-	v[15*stride] = w3x;
-	v[16*stride] = w3y;
-	v[17*stride] = w3z;
-	a[12*stride] = RNEA_FMA(w3z, v3y, a3x);
-	a[13*stride] = RNEA_FMA(v3x, -w3z, a3y);
-	a[14*stride] = a3z - RNEA_FMA(v3x, -w3y, w3x*v3y);
-	a[15*stride] = dw3x;
-	a[16*stride] = dw3y;
-	a[17*stride] = dw3z;
-	f[12*stride] = f3x;
-	f[13*stride] = f3y;
-	f[14*stride] = f3z;
-	f[15*stride] = n3x;
-	f[16*stride] = n3y;
-	f[17*stride] = n3z;
-
-	/* ---- out to link 4 "iiwa_link_4" (fpass) ---- */
-	const double q4 = q[3*stride];
-	double s4, c4;
-	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
-	const double qd4 = qd[3*stride];
-	const double qdd4 = qdd[3*stride];
-	const double t30 = RNEA_FMA(0.2155, w3y, v3x);
-	const double t31 = RNEA_FMA(-0.2155, w3x, v3y);
-	const double t32 = RNEA_FMA(0.2155, t24, a3x);
-	const double t33 = RNEA_FMA(0.2155, t21, a3y);
-	const double t34 = RNEA_FMA(-0.2155, t26, a3z);
-	const double w4x = RNEA_FMA(w3x, c4, w3z*s4);
-	const double w4y = RNEA_FMA(s4, -w3x, w3z*c4);
-	const double w4z = qd4 - w3y;
-	const double dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(dw3x, c4, dw3z*s4));
-	const double dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(s4, -dw3x, dw3z*c4));
-	const double dw4z = qdd4 - dw3y;
-	const double v4x = c4*t30;
-	const double t35 = s4*t30;
-	const double a4x = RNEA_FMA(c4, t32, s4*t34);
-	const double a4y = RNEA_FMA(t32, -s4, c4*t34);
-	const double t36 = w4y*w4z;
-	const double t37 = dw4x + t36;
-	const double t38 = w4x*w4z;
-	const double t39 = w4x*w4x;
-	const double t40 = RNEA_FMA(w4z, w4z, t39);
-	const double t41 = w4x*w4y;
-	const double t42 = t41 - dw4z;
-	const double t43 = a4x + RNEA_FMA(0.034, dw4y + t38, 0.067*t42);
-	const double t44 = a4y + RNEA_FMA(-0.067, t40, 0.034*(t36 - dw4x));
-	const double t45 = RNEA_FMA(-0.034, RNEA_FMA(w4y, w4y, t39), 0.067*t37) - t33;
-	const double f4x = 3.5*t43;
-	const double f4y = 3.5*t44;
-	const double f4z = 3.5*t45;
-	const double n4x = RNEA_FMA(-0.11900000000000001, t44, 0.23450000000000001*t45) + RNEA_FMA(0.017,
-		dw4x, 0.010400000000000001*t36);
-	const double n4y = RNEA_FMA(0.11900000000000001, t43, RNEA_FMA(0.006, dw4y, 0.0005999999999999998*t38));
-	const double n4z = RNEA_FMA(-0.23450000000000001, t43, RNEA_FMA(-0.011000000000000001, t41, 0.0164*dw4z));
-	v[18*stride] = v4x;
-	v[19*stride] = -t35;
-	v[20*stride] = -t31;
-	v[21*stride] = w4x;
-	v[22*stride] = w4y;
-	v[23*stride] = w4z;
-	a[18*stride] = a4x - RNEA_FMA(-t31, w4y, w4z*t35);
-	a[19*stride] = a4y - RNEA_FMA(w4z, v4x, t31*w4x);
-	a[20*stride] = RNEA_FMA(w4x, t35, w4y*v4x) - t33;
-	a[21*stride] = dw4x;
-	a[22*stride] = dw4y;
-	a[23*stride] = dw4z;
-	f[18*stride] = f4x;
-	f[19*stride] = f4y;
-	f[20*stride] = f4z;
-	f[21*stride] = n4x;
-	f[22*stride] = n4y;
-	f[23*stride] = n4z;
-
-	/* ---- out to link 5 "iiwa_link_5" (fpass) ---- */
-	const double q5 = q[4*stride];
-	double s5, c5;
-	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
-	const double qd5 = qd[4*stride];
-	const double qdd5 = qdd[4*stride];
-	const double t46 = RNEA_FMA(-0.1845, w4z, v4x);
-	const double t47 = RNEA_FMA(0.1845, w4x, -t31);
-	const double t48 = RNEA_FMA(0.1845, t42, a4x);
-	const double a5z = RNEA_FMA(-0.1845, t40, a4y);
-	const double t49 = RNEA_FMA(0.1845, t37, -t33);
-	const double w5x = RNEA_FMA(c5, -w4x, w4z*s5);
-	const double w5y = RNEA_FMA(w4x, s5, w4z*c5);
-	const double w5z = w4y + qd5;
-	const double dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(c5, -dw4x, dw4z*s5));
-	const double dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(dw4x, s5, dw4z*c5));
-	const double dw5z = dw4y + qdd5;
-	const double v5x = RNEA_FMA(t46, -c5, s5*t47);
-	const double v5y = RNEA_FMA(s5, t46, c5*t47);
-	const double a5x = RNEA_FMA(t48, -c5, s5*t49);
-	const double a5y = RNEA_FMA(s5, t48, c5*t49);
-	const double t50 = w5y*w5z;
-	const double t51 = w5z*w5z;
-	const double t52 = w5y*w5y;
-	const double t53 = t50 - dw5x;
-	const double t54 = w5x*w5z;
-	const double t55 = w5x*w5x;
-	const double t56 = dw5y + t54;
-	const double t57 = w5x*w5y;
-	const double t58 = t52 + t55;
-	const double t59 = RNEA_FMA(0.076, t56, RNEA_FMA(-0.0001, t51 + t52, 0.021*(t57 - dw5z)));
-	const double t60 = RNEA_FMA(0.076, t53, RNEA_FMA(-0.021, t51 + t55, 0.0001*(dw5z + t57)));
-	const double t61 = RNEA_FMA(-0.076, t58, RNEA_FMA(0.021, dw5x + t50, 0.0001*(t54 - dw5y)));
-	const double t62 = a5x + t59;
-	const double t63 = a5y + t60;
-	const double t64 = a5z + t61;
-	const double f5x = 3.5*t62;
-	const double f5y = 3.5*t63;
-	const double f5z = 3.5*t64;
-	const double n5x = RNEA_FMA(-0.266, t63, 0.07350000000000001*t64) + RNEA_FMA(-0.004209999999999999,
-		t50, 0.01*dw5x);
-	const double n5y = RNEA_FMA(-0.00035, t64, 0.266*t62) + RNEA_FMA(0.0087, dw5y, 0.00551*t54);
-	const double n5z = RNEA_FMA(-0.07350000000000001, t62, 0.00035*t63) + RNEA_FMA(-0.0013000000000000008,
-		t57, 0.00449*dw5z);
-	v[24*stride] = v5x;
-	v[25*stride] = v5y;
-	v[26*stride] = -t35;
-	v[27*stride] = w5x;
-	v[28*stride] = w5y;
-	v[29*stride] = w5z;
-	a[24*stride] = a5x + RNEA_FMA(t35, w5y, w5z*v5y);
-	a[25*stride] = a5y - RNEA_FMA(w5z, v5x, t35*w5x);
-	a[26*stride] = a5z - RNEA_FMA(v5x, -w5y, w5x*v5y);
-	a[27*stride] = dw5x;
-	a[28*stride] = dw5y;
-	a[29*stride] = dw5z;
-	f[24*stride] = f5x;
-	f[25*stride] = f5y;
-	f[26*stride] = f5z;
-	f[27*stride] = n5x;
-	f[28*stride] = n5y;
-	f[29*stride] = n5z;
-
-	/* ---- out to link 6 "iiwa_link_6" (fpass) ---- */
-	const double q6 = q[5*stride];
-	double s6, c6;
-	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
-	const double qd6 = qd[5*stride];
-	const double qdd6 = qdd[5*stride];
-	const double t65 = RNEA_FMA(0.2155, w5y, v5x);
-	const double t66 = RNEA_FMA(-0.2155, w5x, v5y);
-	const double t67 = RNEA_FMA(0.2155, t56, a5x);
-	const double t68 = RNEA_FMA(0.2155, t53, a5y);
-	const double t69 = RNEA_FMA(-0.2155, t58, a5z);
-	const double w6x = RNEA_FMA(w5x, c6, w5z*s6);
-	const double w6y = RNEA_FMA(s6, -w5x, w5z*c6);
-	const double w6z = qd6 - w5y;
-	const double dw6x = RNEA_FMA(qd6, w6y, RNEA_FMA(dw5x, c6, dw5z*s6));
-	const double dw6y = RNEA_FMA(w6x, -qd6, RNEA_FMA(s6, -dw5x, dw5z*c6));
-	const double dw6z = qdd6 - dw5y;
-	const double v6x = RNEA_FMA(-t35, s6, c6*t65);
-	const double t70 = RNEA_FMA(s6, t65, t35*c6);
-	const double a6x = RNEA_FMA(c6, t67, s6*t69);
-	const double a6y = RNEA_FMA(t67, -s6, c6*t69);
-	const double t71 = w6y*w6z;
-	const double t72 = dw6x + t71;
-	const double t73 = w6x*w6z;
-	const double t74 = w6x*w6x;
-	const double t75 = RNEA_FMA(w6z, w6z, t74);
-	const double t76 = w6x*w6y;
-	const double t77 = t76 - dw6z;
-	const double t78 = a6x + RNEA_FMA(0.0004, dw6y + t73, 0.0006*t77);
-	const double t79 = a6y + RNEA_FMA(-0.0006, t75, 0.0004*(t71 - dw6x));
-	const double t80 = RNEA_FMA(-0.0004, RNEA_FMA(w6y, w6y, t74), 0.0006*t72) - t68;
-	const double f6x = 1.8*t78;
-	const double f6y = 1.8*t79;
-	const double f6z = 1.8*t80;
-	const double n6x = RNEA_FMA(-0.00072, t79, 0.00108*t80) + RNEA_FMA(-0.0011000000000000003, t71,
-		0.0049*dw6x);
-	const double n6y = RNEA_FMA(0.00072, t78, RNEA_FMA(0.0047, dw6y, 0.0013*t73));
-	const double n6z = RNEA_FMA(-0.00108, t78, RNEA_FMA(-0.00019999999999999966, t76, 0.0036*dw6z));
-	v[30*stride] = v6x;
-	v[31*stride] = -t70;
-	v[32*stride] = -t66;
-	v[33*stride] = w6x;
-	v[34*stride] = w6y;
-	v[35*stride] = w6z;
-	a[30*stride] = a6x - RNEA_FMA(-t66, w6y, w6z*t70);
-	a[31*stride] = a6y - RNEA_FMA(w6z, v6x, t66*w6x);
-	a[32*stride] = RNEA_FMA(w6x, t70, w6y*v6x) - t68;
-	a[33*stride] = dw6x;
-	a[34*stride] = dw6y;
-	a[35*stride] = dw6z;
-	f[30*stride] = f6x;
-	f[31*stride] = f6y;
-	f[32*stride] = f6z;
-	f[33*stride] = n6x;
-	f[34*stride] = n6y;
-	f[35*stride] = n6z;
-
-	/* ---- out to link 7 "iiwa_link_7" (fpass) ---- */
-	const double q7 = q[6*stride];
-	double s7, c7;
-	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
-	const double qd7 = qd[6*stride];
-	const double qdd7 = qdd[6*stride];
-	const double t81 = RNEA_FMA(-0.081, w6z, v6x);
-	const double t82 = RNEA_FMA(0.081, w6x, -t66);
-	const double t83 = RNEA_FMA(0.081, t77, a6x);
-	const double a7z = RNEA_FMA(-0.081, t75, a6y);
-	const double t84 = RNEA_FMA(0.081, t72, -t68);
-	const double w7x = RNEA_FMA(c7, -w6x, w6z*s7);
-	const double w7y = RNEA_FMA(w6x, s7, w6z*c7);
-	const double w7z = w6y + qd7;
-	const double dw7x = RNEA_FMA(qd7, w7y, RNEA_FMA(c7, -dw6x, dw6z*s7));
-	const double dw7y = RNEA_FMA(w7x, -qd7, RNEA_FMA(dw6x, s7, dw6z*c7));
-	const double dw7z = dw6y + qdd7;
-	const double v7x = RNEA_FMA(t81, -c7, s7*t82);
-	const double v7y = RNEA_FMA(s7, t81, c7*t82);
-	const double a7x = RNEA_FMA(t83, -c7, s7*t84);
-	const double a7y = RNEA_FMA(s7, t83, c7*t84);
-	const double t85 = RNEA_FMA(0.02, RNEA_FMA(w7x, w7z, dw7y), a7x);
-	const double t86 = RNEA_FMA(0.02, RNEA_FMA(w7y, w7z, -dw7x), a7y);
-	const double f7x = 1.2*t85;
-	const double f7y = 1.2*t86;
-	const double f7z = 1.2*RNEA_FMA(-0.02, RNEA_FMA(w7x, w7x, w7y*w7y), a7z);
-	const double n7z = 0.001*dw7z;
-	const double n7x = RNEA_FMA(-0.024, t86, 0.001*dw7x);
-	const double n7y = RNEA_FMA(0.001, dw7y, 0.024*t85);
-	v[36*stride] = v7x;
-	v[37*stride] = v7y;
-	v[38*stride] = -t70;
-	v[39*stride] = w7x;
-	v[40*stride] = w7y;
-	v[41*stride] = w7z;
-	a[36*stride] = a7x + RNEA_FMA(t70, w7y, w7z*v7y);
-	a[37*stride] = a7y - RNEA_FMA(w7z, v7x, t70*w7x);
-	a[38*stride] = a7z - RNEA_FMA(v7x, -w7y, w7x*v7y);
-	a[39*stride] = dw7x;
-	a[40*stride] = dw7y;
-	a[41*stride] = dw7z;
-	f[36*stride] = f7x;
-	f[37*stride] = f7y;
-	f[38*stride] = f7z;
-	f[39*stride] = n7x;
-	f[40*stride] = n7y;
-	f[41*stride] = n7z;
-	return all_small;
-}
-
-/* Back to the base: torques tau from the wrenches f.
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
-   Row r of an array is at [r*stride]. */
-static RNEA_INLINE int iiwa14_bpass_body(const double *q, const double *f, double *tau, const size_t stride, const int small)
-{
-	int all_small = 1;
-
-	/* ---- out to link 1 "iiwa_link_1" ---- */
-	const double own_n1z = f[5*stride];
-
-	/* ---- out to link 2 "iiwa_link_2" ---- */
-	const double q2 = q[1*stride];
-	double s2, c2;
-	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
-	const double own_n2x = f[9*stride];
-	const double own_n2y = f[10*stride];
-	const double own_n2z = f[11*stride];
-
-	/* ---- out to link 3 "iiwa_link_3" ---- */
-	const double q3 = q[2*stride];
-	double s3, c3;
-	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
-	const double own_f3x = f[12*stride];
-	const double own_f3y = f[13*stride];
-	const double own_n3x = f[15*stride];
-	const double own_n3y = f[16*stride];
-	const double own_n3z = f[17*stride];
-
-	/* ---- out to link 4 "iiwa_link_4" ---- */
-	const double q4 = q[3*stride];
-	double s4, c4;
-	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
-	const double own_f4x = f[18*stride];
-	const double own_f4y = f[19*stride];
-	const double own_f4z = f[20*stride];
-	const double own_n4x = f[21*stride];
-	const double own_n4y = f[22*stride];
-	const double own_n4z = f[23*stride];
-
-	/* ---- out to link 5 "iiwa_link_5" ---- */
-	const double q5 = q[4*stride];
-	double s5, c5;
-	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
-	const double own_f5x = f[24*stride];
-	const double own_f5y = f[25*stride];
-	const double own_f5z = f[26*stride];
-	const double own_n5x = f[27*stride];
-	const double own_n5y = f[28*stride];
-	const double own_n5z = f[29*stride];
-
-	/* ---- out to link 6 "iiwa_link_6" ---- */
-	const double q6 = q[5*stride];
-	double s6, c6;
-	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
-	const double own_f6x = f[30*stride];
-	const double own_f6y = f[31*stride];
-	const double own_f6z = f[32*stride];
-	const double own_n6x = f[33*stride];
-	const double own_n6y = f[34*stride];
-	const double own_n6z = f[35*stride];
-
-	/* ---- out to link 7 "iiwa_link_7" ---- */
-	const double q7 = q[6*stride];
-	double s7, c7;
-	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
-	const double own_f7x = f[36*stride];
-	const double own_f7y = f[37*stride];
-	const double own_f7z = f[38*stride];
-	const double own_n7x = f[39*stride];
-	const double own_n7y = f[40*stride];
-	const double own_n7z = f[41*stride];
-
-	/* ---- back from link 7 "iiwa_link_7" to link 6 (bpass): torque of "iiwa_joint_7" ---- */
-	const double t1 = RNEA_FMA(own_f7y, -s7, c7*own_f7x);
-	const double t2 = RNEA_FMA(s7, own_f7x, c7*own_f7y);
-	const double f6x = own_f6x - t1;
-	const double f6y = own_f6y + own_f7z;
-	const double f6z = own_f6z + t2;
-	const double t3 = RNEA_FMA(0.081, t2, -RNEA_FMA(own_n7y, -s7, c7*own_n7x));
-	const double n6x = own_n6x + t3;
-	const double n6y = own_n6y + own_n7z;
-	const double n6z = own_n6z + RNEA_FMA(0.081, t1, RNEA_FMA(s7, own_n7x, c7*own_n7y));
-	tau[6*stride] = own_n7z;
-
-	/* ---- back from link 6 "iiwa_link_6" to link 5 (bpass): torque of "iiwa_joint_6" ---- */
-	const double t4 = RNEA_FMA(f6y, -s6, c6*f6x);
-	const double f5x = own_f5x + t4;
-	const double f5y = own_f5y - f6z;
-	const double f5z = own_f5z + RNEA_FMA(s6, f6x, c6*f6y);
-	const double n5x = own_n5x + RNEA_FMA(0.2155, f6z, RNEA_FMA(n6y, -s6, c6*n6x));
-	const double n5y = own_n5y + RNEA_FMA(0.2155, t4, -n6z);
-	const double n5z = own_n5z + RNEA_FMA(s6, n6x, c6*n6y);
-	tau[5*stride] = n6z;
-
-	/* ---- back from link 5 "iiwa_link_5" to link 4 (bpass): torque of "iiwa_joint_5" ---- */
-	const double t5 = RNEA_FMA(f5y, -s5, c5*f5x);
-	const double t6 = RNEA_FMA(s5, f5x, c5*f5y);
-	const double f4x = own_f4x - t5;
-	const double f4y = own_f4y + f5z;
-	const double f4z = own_f4z + t6;
-	const double t7 = RNEA_FMA(0.1845, t6, -RNEA_FMA(n5y, -s5, c5*n5x));
-	const double n4x = own_n4x + t7;
-	const double n4y = own_n4y + n5z;
-	const double n4z = own_n4z + RNEA_FMA(0.1845, t5, RNEA_FMA(s5, n5x, c5*n5y));
-	tau[4*stride] = n5z;
-
-	/* ---- back from link 4 "iiwa_link_4" to link 3 (bpass): torque of "iiwa_joint_4" ---- */
-	const double t8 = RNEA_FMA(f4y, -s4, c4*f4x);
-	const double f3x = own_f3x + t8;
-	const double f3y = own_f3y - f4z;
-	const double n3x = own_n3x + RNEA_FMA(0.2155, f4z, RNEA_FMA(n4y, -s4, c4*n4x));
-	const double n3y = own_n3y + RNEA_FMA(0.2155, t8, -n4z);
-	const double n3z = own_n3z + RNEA_FMA(s4, n4x, c4*n4y);
-	tau[3*stride] = n4z;
-
-	/* ---- back from link 3 "iiwa_link_3" to link 2 (bpass): torque of "iiwa_joint_3" ---- */
-	const double t9 = RNEA_FMA(f3y, -s3, c3*f3x);
-	const double t10 = -RNEA_FMA(n3y, -s3, c3*n3x);
-	const double n2x = own_n2x + RNEA_FMA(0.2045, RNEA_FMA(s3, f3x, c3*f3y), t10);
-	const double n2y = own_n2y + n3z;
-	const double n2z = own_n2z + RNEA_FMA(0.2045, t9, RNEA_FMA(s3, n3x, c3*n3y));
-	tau[2*stride] = n3z;
-
-	/* ---- back from link 2 "iiwa_link_2" to link 1 (bpass): torque of "iiwa_joint_2" ---- */
-	const double n1z = own_n1z + RNEA_FMA(s2, n2x, c2*n2y);
-	tau[1*stride] = n2z;
-
-	/* ---- back from link 1 "iiwa_link_1" to the world (bpass): torque of "iiwa_joint_1" ---- */
-	tau[0*stride] = n1z;
-	return all_small;
-}
-
+/* samples do not depend on each other: the compiler may compute several at once */
+#if defined __clang__
+#define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
+#elif defined __GNUC__
+#define RNEA_INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define RNEA_INDEPENDENT
+#endif
 
 static int iiwa14_are_small(const double *q, size_t count, size_t first, size_t end)
 {
@@ -1028,7 +1061,8 @@ static void iiwa14_rnea_any(const double *q, const double *qd, const double *qdd
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void iiwa14_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd, double *restrict tau, size_t count, size_t first, size_t end)
+static void iiwa14_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict tau, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;
@@ -1059,13 +1093,15 @@ void iiwa14_rnea_batch(const double *q, const double *qd, const double *qdd, dou
 }
 
 /* One sample, whatever its angles. */
-static void iiwa14_fpass_any(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f, const size_t stride)
+static void iiwa14_fpass_any(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f,
+	const size_t stride)
 {
 	iiwa14_fpass_body(q, qd, qdd, v, a, f, stride, 0);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void iiwa14_fpass_part(const double *restrict q, const double *restrict qd, const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count, size_t first, size_t end)
+static void iiwa14_fpass_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict v, double *restrict a, double *restrict f, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;
@@ -1097,7 +1133,8 @@ static void iiwa14_bpass_any(const double *q, const double *f, double *tau, cons
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void iiwa14_bpass_part(const double *restrict q, const double *restrict f, double *restrict tau, size_t count, size_t first, size_t end)
+static void iiwa14_bpass_part(const double *restrict q, const double *restrict f, double *restrict tau, size_t count,
+	size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;

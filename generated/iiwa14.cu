@@ -21,33 +21,31 @@
  * where one is not, every torque that depends on it is not finite either.
  * Batches: every array is [row][sample].
  * Compiled as C, without CUDA, this text holds the functions of target c instead of kernels.
- *
- * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less
- * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.
  * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.
+ *
+ * Names in the statements: a quantity, the number of a link, and x y z for the component in the link's frame.
+ *   q qd qdd         position, velocity and acceleration of the link's joint
+ *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
+ *   s c              sine and cosine of the joint's angle
+ *   w                angular velocity
+ *   dw               rate of the angular velocity
+ *   v                velocity of the origin
+ *   a                acceleration of the origin, less gravity
+ *   f                force: the link's own, then with its children's
+ *   n                moment about the origin, as f
+ *   t                with a number of its own: a value that has no name in the textbook
+ *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
+ *   stride           from one row of an array to the next
+ *   small all_small  the caller takes all angles for small; they are
+ *   RNEA_FMA         a*b + c, rounded once where the machine can
+ *   rneagen_...      functions and types that this text brings along
+ * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
+ * x cross product; z the joint's axis; U = [dw]x + [w]x[w]x; m, h = m c, I mass, first moment and inertia about the
+ * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
 #if defined __CUDACC__
-#if defined __CUDACC_RTC__
-#define RNEA_INFO __device__
-#elif defined __GNUC__
-#define RNEA_INFO __attribute__((weak)) /* a program may hold the text for target c too, with a table of this name */
-#else
-#define RNEA_INFO
-#endif
 #define RNEA_INLINE __device__ __forceinline__
 #define RNEA_FMA(a, b, c) fmaf(a, b, c)
-/* threads in a block: the samples of one slice of the batch */
-#ifndef RNEA_BLOCK
-#define RNEA_BLOCK 128
-#endif
-/* blocks that one multiprocessor should hold at once: bounds the registers of the rnea kernel; 0: the compiler's choice */
-#ifndef RNEA_MIN_BLOCKS
-#define RNEA_MIN_BLOCKS (RNEA_BLOCK < 64 ? 0 : 768/RNEA_BLOCK)
-#endif
-
-extern "C" {
-extern RNEA_INFO const char iiwa14_info[];
-}
 #elif defined __cplusplus
 #error "compile this text as CUDA, by nvcc or NVRTC, or as C: cc -x c"
 #else
@@ -62,198 +60,38 @@ extern RNEA_INFO const char iiwa14_info[];
 #else
 #define RNEA_INLINE inline
 #endif
-/* samples do not depend on each other: the compiler may compute several at once */
-#if defined __clang__
-#define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
-#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
-#elif defined __GNUC__
-#define RNEA_INDEPENDENT _Pragma("GCC ivdep")
-#else
-#define RNEA_INDEPENDENT
-#endif
 /* where the machine has no fused multiply-add, fma() would be a slow library call */
 #if defined FP_FAST_FMAF
 #define RNEA_FMA(a, b, c) fmaf(a, b, c)
 #else
 #define RNEA_FMA(a, b, c) ((a)*(b) + (c))
 #endif
-/* librnea finds the table by this word */
-#define RNEA_INFO
-
-extern const char iiwa14_info[];
 #endif
 
-RNEA_INFO const char iiwa14_info[] =
-	"rneagen-info 3\n"
-	"name iiwa14\n"
-	"precision f32\n"
-	"arithmetic f32\n"
-	"layout soa\n"
-	"trig accurate\n"
-	"base fixed\n"
-	"nq 7\n"
-	"nv 7\n"
-	"nb 7\n"
-	"block 128\n"
-	"joint 0 1 0 1 revolute iiwa_joint_1\n"
-	"joint 1 1 1 1 revolute iiwa_joint_2\n"
-	"joint 2 1 2 1 revolute iiwa_joint_3\n"
-	"joint 3 1 3 1 revolute iiwa_joint_4\n"
-	"joint 4 1 4 1 revolute iiwa_joint_5\n"
-	"joint 5 1 5 1 revolute iiwa_joint_6\n"
-	"joint 6 1 6 1 revolute iiwa_joint_7\n"
-	"function rnea\n"
-	"input q 7 f32 sample joint_position\n"
-	"input qd 7 f32 sample joint_velocity\n"
-	"input qdd 7 f32 sample joint_acceleration\n"
-	"output tau 7 f32 sample joint_torque\n"
-	"operations 125 60 18 36 163 6\n"
-	"function fpass\n"
-	"input q 7 f32 sample joint_position\n"
-	"input qd 7 f32 sample joint_velocity\n"
-	"input qdd 7 f32 sample joint_acceleration\n"
-	"output v 42 f32 sample body_twists\n"
-	"output a 42 f32 sample body_accelerations\n"
-	"output f 42 f32 sample body_wrenches\n"
-	"operations 150 47 29 33 153 6\n"
-	"function bpass\n"
-	"input q 7 f32 sample joint_position\n"
-	"input f 42 f32 sample body_wrenches\n"
-	"output tau 7 f32 sample joint_torque\n"
-	"operations 20 23 4 10 30 6\n";
-
-#ifndef RNEAGEN_SINCOSF_CORE
-#define RNEAGEN_SINCOSF_CORE
-union rneagen_f32 {
-	float f;
-	unsigned int u;
-};
-
-/* x = k*(pi/2) + r - e for |x| <= 1e4: e is the rounding error of r. Returns k modulo 4 in its low two bits.
- * pi/2 is split so that k*C1, k*C2, k*C3 are exact, and x - k*C1 - k*C2 too. */
-static RNEA_INLINE unsigned int rneagen_sincosf_reduce(float x, float *r, float *e)
-{
-	union rneagen_f32 t;
-	t.f = RNEA_FMA(x, 0x1.45f306p-1f, 0x1.8p23f); /* 1.5*2^23 + k: rounds x*2/pi to the nearest integer */
-	const float k = t.f - 0x1.8p23f;
-	const float r2 = RNEA_FMA(-k, 0x1.fb4p-12f, RNEA_FMA(-k, 0x1.92p0f, x));
-	*r = RNEA_FMA(-k, 0x1.444p-24f, r2);
-	*e = RNEA_FMA(k, 0x1.68c234p-39f, RNEA_FMA(k, 0x1.444p-24f, *r - r2));
-	return t.u;
-}
-
-/* Sine and cosine of q*(pi/2) + r - e, |r| <= pi/4. With z = r*r and w = fl(1 - z/2):
- *   sin = r - (r*z*S(z) + e*w),  cos = w + ((1 - w - z/2) + r*e + z*z*C(z))
- * Sollya, I = [2^-20; pi/4*(1 + 2^-8)]:
- *  -S: fpminimax(sin(x), [|3,5,7|], [|SG...|], I, relative, x), relative error of sin 2^-27.8
- *   C: fpminimax(cos(x), [|4,6,8|], [|SG...|], I, absolute, 1 - x^2/2), error of cos 2^-33.1 */
-static RNEA_INLINE void rneagen_sincosf_turn(unsigned int q, float r, float e, float *s, float *c)
-{
-	union rneagen_f32 a, b;
-	const float z = r * r;
-	const float w = RNEA_FMA(-0.5f, z, 1.0f);
-	const float ps = RNEA_FMA(RNEA_FMA(0x1.99278ap-13f, z, -0x1.1106dcp-7f), z, 0x1.555544p-3f);
-	const float pc = RNEA_FMA(RNEA_FMA(0x1.99e7cp-16f, z, -0x1.6c0c28p-10f), z, 0x1.55554ap-5f);
-	a.f = r - RNEA_FMA(r * z, ps, e * w);
-	b.f = w + RNEA_FMA(z * z, pc, RNEA_FMA(r, e, RNEA_FMA(-0.5f, z, 1.0f - w)));
-	const unsigned int swap = (a.u ^ b.u) & (0 - (q & 1)); /* odd quarter turns exchange sine and cosine */
-	a.u ^= swap ^ (q & 2) << 30;
-	b.u ^= swap ^ ((q + 1) & 2) << 30;
-	*s = a.f;
-	*c = b.f;
-}
-#endif
-
-#ifndef RNEAGEN_SINCOSF_ACCURATE
-#define RNEAGEN_SINCOSF_ACCURATE
-/* rneagen_sincosf_reduce for |x| > 1e4, in integers (Payne and Hanek): |x| = m*2^p with a 24-bit m, and of the bits of
- * 2/pi those that only give multiples of 4 are skipped and the next 96 multiplied by m. NaN if x is not finite. */
-static RNEA_INLINE unsigned int rneagen_sincosf_reduce_large(float x, float *r, float *e)
-{
-	static const unsigned int two_over_pi[] = {0, 0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u,
-		0x3c439041u, 0xfe5163abu};
-	union rneagen_f32 t;
-	t.f = x;
-	const unsigned int bit = (t.u >> 23 & 255) - 120, i = bit >> 5, shift = bit & 31;
-	const unsigned long long m = (t.u & 0x7fffffu) | 0x800000u;
-	const unsigned long long w0 = two_over_pi[i], w1 = two_over_pi[i + 1];
-	const unsigned long long w2 = two_over_pi[i + 2], w3 = two_over_pi[i + 3];
-	const unsigned long long a = (w0 << 32 | w1) << shift >> 32, b = (w1 << 32 | w2) << shift >> 32;
-	const unsigned long long c = (w2 << 32 | w3) << shift >> 32;
-	unsigned long long f = (m * a << 32) + m * b + (m * c >> 32);
-	f = x < 0 ? ~f : f; /* x*(2/pi) modulo 4, times 2^62 */
-	const unsigned int past_half = f >> 61 & 1, q = (unsigned int)(f >> 62) + past_half;
-	float scale = RNEA_FMA(0.0f, x, past_half ? -0x1p-63f : 0x1p-63f); /* NaN where x is not finite */
-	f = past_half ? ~(f << 2) : f << 2; /* what is left of x*(2/pi) - q, times 2^64 */
-	for (; f && !(f >> 63); f <<= 1)
-		scale *= 0.5f;
-	f = (f >> 32) * 0xc90fdaa2u; /* times pi/2*2^31 */
-	const float g = (float)f;
-	*r = g * scale;
-	*e = (float)(long long)((unsigned long long)g - f) * scale;
-	return q;
-}
-
-/* Sine and cosine of any finite x, error below 0.85 ulp; NaN if x is not finite. */
-static RNEA_INLINE void rneagen_sincosf_accurate(float x, float *s, float *c)
-{
-	float r, e;
-	unsigned int q;
-	if (fabsf(x) <= 1e4f)
-		q = rneagen_sincosf_reduce(x, &r, &e);
-	else
-		q = rneagen_sincosf_reduce_large(x, &r, &e);
-	rneagen_sincosf_turn(q, r, e, s, c);
-}
-#endif
 #ifndef RNEAGEN_SINCOSF_EITHER
-#define RNEAGEN_SINCOSF_EITHER
-
-/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not, and
-   `small`, sine and cosine mean nothing. */
-static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c)
-{
-	if (small) {
-		float r, e;
-		const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
-		rneagen_sincosf_turn(q, r, e, s, c);
-	} else {
-		rneagen_sincosf_accurate(x, s, c);
-	}
-	return fabsf(x) <= 1e4f;
-}
+static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c); /* below */
 #endif
 
-#if !defined __CUDACC__
-/* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves the
-   rest a straight line; the results have the same bits either way. */
-static RNEA_INLINE int iiwa14_is_small(const float *q, const size_t stride)
-{
-	int small = 1;
-
-	for (size_t i = 0; i < 7; i++)
-		small &= fabsf(q[i*stride]) <= 1e+04f;
-	return small;
-}
-
-#endif
 /* tau = ID(q, qd, qdd)
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int iiwa14_rnea_body(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride, const int small)
+static RNEA_INLINE int iiwa14_rnea_body(const float *q, const float *qd, const float *qdd, float *tau,
+	const size_t stride, const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 1 "iiwa_link_1" (fpass) ---- */
-	const float qd1 = qd[0*stride];
-	const float qdd1 = qdd[0*stride];
+	/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);
+	   f = m a + U h;  n = I dw + w x I w + h x a */
+	const float qd1 = qd[0];
+	const float qdd1 = qdd[0];
 
 	/* ---- out to link 2 "iiwa_link_2" (fpass) ---- */
-	const float q2 = q[1*stride];
+	const float q2 = q[stride];
 	float s2, c2;
 	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
-	const float qd2 = qd[1*stride];
-	const float qdd2 = qdd[1*stride];
+	const float qd2 = qd[stride];
+	const float qdd2 = qdd[stride];
 	const float w2x = qd1*s2;
 	const float w2y = qd1*c2;
 	const float t1 = qd2*w2y;
@@ -434,6 +272,7 @@ static RNEA_INLINE int iiwa14_rnea_body(const float *q, const float *qd, const f
 	const float n7y = RNEA_FMA(0.001f, dw7y, 0.024f*t72);
 
 	/* ---- back from link 7 "iiwa_link_7" to link 6 (bpass): torque of "iiwa_joint_7" ---- */
+	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
 	const float t74 = RNEA_FMA(f7y, -s7, c7*f7x);
 	const float t75 = RNEA_FMA(s7, f7x, c7*f7y);
 	const float f6x = RNEA_FMA(1.8f, t67, -t74);
@@ -486,54 +325,57 @@ static RNEA_INLINE int iiwa14_rnea_body(const float *q, const float *qd, const f
 
 	/* ---- back from link 2 "iiwa_link_2" to link 1 (bpass): torque of "iiwa_joint_2" ---- */
 	const float n1z = RNEA_FMA(0.017484f, qdd1, RNEA_FMA(s2, n2x_2, c2*n2y_2));
-	tau[1*stride] = n2z_2;
+	tau[stride] = n2z_2;
 
 	/* ---- back from link 1 "iiwa_link_1" to the world (bpass): torque of "iiwa_joint_1" ---- */
-	tau[0*stride] = n1z;
+	tau[0] = n1z;
 	return all_small;
 }
 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int iiwa14_fpass_body(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f, const size_t stride, const int small)
+static RNEA_INLINE int iiwa14_fpass_body(const float *q, const float *qd, const float *qdd, float *v, float *a,
+	float *f, const size_t stride, const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 1 "iiwa_link_1" (fpass) ---- */
-	const float qd1 = qd[0*stride];
-	const float qdd1 = qdd[0*stride];
+	/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);  v = R'(v_p + w_p x p);
+	   f = m a + U h;  n = I dw + w x I w + h x a */
+	const float qd1 = qd[0];
+	const float qdd1 = qdd[0];
 	const float t1 = qd1*qd1;
 	const float f1x = 0.1728f*qdd1;
 	const float f1y = 0.1728f*t1;
 	const float n1y = 0.020736f*qdd1;
 	const float n1z = 0.017484f*qdd1;
 	const float n1x = RNEA_FMA(-0.020736f, t1, -1.695168f);
-	v[0*stride] = 0.0f;
-	v[1*stride] = 0.0f;
+	v[0] = 0.0f;
+	v[stride] = 0.0f;
 	v[2*stride] = 0.0f;
 	v[3*stride] = 0.0f;
 	v[4*stride] = 0.0f;
 	v[5*stride] = qd1;
-	a[0*stride] = 0.0f;
-	a[1*stride] = 0.0f;
+	a[0] = 0.0f;
+	a[stride] = 0.0f;
 	a[2*stride] = 9.81f;
 	a[3*stride] = 0.0f;
 	a[4*stride] = 0.0f;
 	a[5*stride] = qdd1;
-	f[0*stride] = f1x;
-	f[1*stride] = f1y;
+	f[0] = f1x;
+	f[stride] = f1y;
 	f[2*stride] = 56.5056f;
 	f[3*stride] = n1x;
 	f[4*stride] = n1y;
 	f[5*stride] = n1z;
 
 	/* ---- out to link 2 "iiwa_link_2" (fpass) ---- */
-	const float q2 = q[1*stride];
+	const float q2 = q[stride];
 	float s2, c2;
 	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
-	const float qd2 = qd[1*stride];
-	const float qdd2 = qdd[1*stride];
+	const float qd2 = qd[stride];
+	const float qdd2 = qdd[stride];
 	const float w2x = qd1*s2;
 	const float w2y = qd1*c2;
 	const float t2 = qd2*w2y;
@@ -861,15 +703,17 @@ static RNEA_INLINE int iiwa14_fpass_body(const float *q, const float *qd, const 
 /* Back to the base: torques tau from the wrenches f.
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int iiwa14_bpass_body(const float *q, const float *f, float *tau, const size_t stride, const int small)
+static RNEA_INLINE int iiwa14_bpass_body(const float *q, const float *f, float *tau, const size_t stride,
+	const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 1 "iiwa_link_1" ---- */
+	/* f, n = what fpass wrote, in the link's frame here */
 	const float own_n1z = f[5*stride];
 
 	/* ---- out to link 2 "iiwa_link_2" ---- */
-	const float q2 = q[1*stride];
+	const float q2 = q[stride];
 	float s2, c2;
 	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
 	const float own_n2x = f[9*stride];
@@ -931,6 +775,7 @@ static RNEA_INLINE int iiwa14_bpass_body(const float *q, const float *f, float *
 	const float own_n7z = f[41*stride];
 
 	/* ---- back from link 7 "iiwa_link_7" to link 6 (bpass): torque of "iiwa_joint_7" ---- */
+	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
 	const float t1 = RNEA_FMA(own_f7y, -s7, c7*own_f7x);
 	const float t2 = RNEA_FMA(s7, own_f7x, c7*own_f7y);
 	const float f6x = own_f6x - t1;
@@ -983,17 +828,199 @@ static RNEA_INLINE int iiwa14_bpass_body(const float *q, const float *f, float *
 
 	/* ---- back from link 2 "iiwa_link_2" to link 1 (bpass): torque of "iiwa_joint_2" ---- */
 	const float n1z = own_n1z + RNEA_FMA(s2, n2x, c2*n2y);
-	tau[1*stride] = n2z;
+	tau[stride] = n2z;
 
 	/* ---- back from link 1 "iiwa_link_1" to the world (bpass): torque of "iiwa_joint_1" ---- */
-	tau[0*stride] = n1z;
+	tau[0] = n1z;
 	return all_small;
 }
 
 
+#ifndef RNEAGEN_SINCOSF_CORE
+#define RNEAGEN_SINCOSF_CORE
+union rneagen_f32 {
+	float f;
+	unsigned int u;
+};
+
+/* x = k*(pi/2) + r - e for |x| <= 1e4: e is the rounding error of r. Returns k modulo 4 in its low two bits.
+ * pi/2 is split so that k*C1, k*C2, k*C3 are exact, and x - k*C1 - k*C2 too. */
+static RNEA_INLINE unsigned int rneagen_sincosf_reduce(float x, float *r, float *e)
+{
+	union rneagen_f32 t;
+	t.f = RNEA_FMA(x, 0x1.45f306p-1f, 0x1.8p23f); /* 1.5*2^23 + k: rounds x*2/pi to the nearest integer */
+	const float k = t.f - 0x1.8p23f;
+	const float r2 = RNEA_FMA(-k, 0x1.fb4p-12f, RNEA_FMA(-k, 0x1.92p0f, x));
+	*r = RNEA_FMA(-k, 0x1.444p-24f, r2);
+	*e = RNEA_FMA(k, 0x1.68c234p-39f, RNEA_FMA(k, 0x1.444p-24f, *r - r2));
+	return t.u;
+}
+
+/* Sine and cosine of q*(pi/2) + r - e, |r| <= pi/4. With z = r*r and w = fl(1 - z/2):
+ *   sin = r - (r*z*S(z) + e*w),  cos = w + ((1 - w - z/2) + r*e + z*z*C(z))
+ * Sollya, I = [2^-20; pi/4*(1 + 2^-8)]:
+ *  -S: fpminimax(sin(x), [|3,5,7|], [|SG...|], I, relative, x), relative error of sin 2^-27.8
+ *   C: fpminimax(cos(x), [|4,6,8|], [|SG...|], I, absolute, 1 - x^2/2), error of cos 2^-33.1 */
+static RNEA_INLINE void rneagen_sincosf_turn(unsigned int q, float r, float e, float *s, float *c)
+{
+	union rneagen_f32 a, b;
+	const float z = r * r;
+	const float w = RNEA_FMA(-0.5f, z, 1.0f);
+	const float ps = RNEA_FMA(RNEA_FMA(0x1.99278ap-13f, z, -0x1.1106dcp-7f), z, 0x1.555544p-3f);
+	const float pc = RNEA_FMA(RNEA_FMA(0x1.99e7cp-16f, z, -0x1.6c0c28p-10f), z, 0x1.55554ap-5f);
+	a.f = r - RNEA_FMA(r * z, ps, e * w);
+	b.f = w + RNEA_FMA(z * z, pc, RNEA_FMA(r, e, RNEA_FMA(-0.5f, z, 1.0f - w)));
+	const unsigned int swap = (a.u ^ b.u) & (0 - (q & 1)); /* odd quarter turns exchange sine and cosine */
+	a.u ^= swap ^ (q & 2) << 30;
+	b.u ^= swap ^ ((q + 1) & 2) << 30;
+	*s = a.f;
+	*c = b.f;
+}
+#endif
+
+#ifndef RNEAGEN_SINCOSF_ACCURATE
+#define RNEAGEN_SINCOSF_ACCURATE
+/* rneagen_sincosf_reduce for |x| > 1e4, in integers (Payne and Hanek): |x| = m*2^p with a 24-bit m, and of the bits of
+ * 2/pi those that only give multiples of 4 are skipped and the next 96 multiplied by m. NaN if x is not finite. */
+static RNEA_INLINE unsigned int rneagen_sincosf_reduce_large(float x, float *r, float *e)
+{
+	static const unsigned int two_over_pi[] = {0, 0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u,
+		0x3c439041u, 0xfe5163abu};
+	union rneagen_f32 t;
+	t.f = x;
+	const unsigned int bit = (t.u >> 23 & 255) - 120, i = bit >> 5, shift = bit & 31;
+	const unsigned long long m = (t.u & 0x7fffffu) | 0x800000u;
+	const unsigned long long w0 = two_over_pi[i], w1 = two_over_pi[i + 1];
+	const unsigned long long w2 = two_over_pi[i + 2], w3 = two_over_pi[i + 3];
+	const unsigned long long a = (w0 << 32 | w1) << shift >> 32, b = (w1 << 32 | w2) << shift >> 32;
+	const unsigned long long c = (w2 << 32 | w3) << shift >> 32;
+	unsigned long long f = (m * a << 32) + m * b + (m * c >> 32);
+	f = x < 0 ? ~f : f; /* x*(2/pi) modulo 4, times 2^62 */
+	const unsigned int past_half = f >> 61 & 1, q = (unsigned int)(f >> 62) + past_half;
+	float scale = RNEA_FMA(0.0f, x, past_half ? -0x1p-63f : 0x1p-63f); /* NaN where x is not finite */
+	f = past_half ? ~(f << 2) : f << 2; /* what is left of x*(2/pi) - q, times 2^64 */
+	for (; f && !(f >> 63); f <<= 1)
+		scale *= 0.5f;
+	f = (f >> 32) * 0xc90fdaa2u; /* times pi/2*2^31 */
+	const float g = (float)f;
+	*r = g * scale;
+	*e = (float)(long long)((unsigned long long)g - f) * scale;
+	return q;
+}
+
+/* Sine and cosine of any finite x, error below 0.85 ulp; NaN if x is not finite. */
+static RNEA_INLINE void rneagen_sincosf_accurate(float x, float *s, float *c)
+{
+	float r, e;
+	unsigned int q;
+	if (fabsf(x) <= 1e4f)
+		q = rneagen_sincosf_reduce(x, &r, &e);
+	else
+		q = rneagen_sincosf_reduce_large(x, &r, &e);
+	rneagen_sincosf_turn(q, r, e, s, c);
+}
+#endif
+#ifndef RNEAGEN_SINCOSF_EITHER
+#define RNEAGEN_SINCOSF_EITHER
+
+/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not,
+   and `small`, sine and cosine mean nothing. */
+static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c)
+{
+	if (small) {
+		float r, e;
+		const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
+		rneagen_sincosf_turn(q, r, e, s, c);
+	} else {
+		rneagen_sincosf_accurate(x, s, c);
+	}
+	return fabsf(x) <= 1e4f;
+}
+#endif
+
+#if !defined __CUDACC__
+/* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves
+   the rest a straight line; the results have the same bits either way. */
+static RNEA_INLINE int iiwa14_is_small(const float *q, const size_t stride)
+{
+	int small = 1;
+
+	for (size_t i = 0; i < 7; i++)
+		small &= fabsf(q[i*stride]) <= 1e+04f;
+	return small;
+}
+
+#endif
+
+/* ---- what this text computes, one `key values` a line: librnea reads it ---- */
+#if defined __CUDACC_RTC__
+#define RNEA_INFO __device__
+#elif defined __CUDACC__ && defined __GNUC__
+#define RNEA_INFO __attribute__((weak)) /* a program may hold the text for target c too, with a table of this name */
+#else
+#define RNEA_INFO
+#endif
+#if defined __cplusplus
+extern "C" {
+#endif
+extern RNEA_INFO const char iiwa14_info[];
+#if defined __cplusplus
+}
+#endif
+RNEA_INFO const char iiwa14_info[] =
+	"rneagen-info 3\n"
+	"name iiwa14\n"
+	"precision f32\n"
+	"arithmetic f32\n"
+	"layout soa\n"
+	"trig accurate\n"
+	"base fixed\n"
+	"nq 7\n"
+	"nv 7\n"
+	"nb 7\n"
+	"block 128\n"
+	"joint 0 1 0 1 revolute iiwa_joint_1\n"
+	"joint 1 1 1 1 revolute iiwa_joint_2\n"
+	"joint 2 1 2 1 revolute iiwa_joint_3\n"
+	"joint 3 1 3 1 revolute iiwa_joint_4\n"
+	"joint 4 1 4 1 revolute iiwa_joint_5\n"
+	"joint 5 1 5 1 revolute iiwa_joint_6\n"
+	"joint 6 1 6 1 revolute iiwa_joint_7\n"
+	"function rnea\n"
+	"input q 7 f32 sample joint_position\n"
+	"input qd 7 f32 sample joint_velocity\n"
+	"input qdd 7 f32 sample joint_acceleration\n"
+	"output tau 7 f32 sample joint_torque\n"
+	"operations 125 60 18 36 163 6\n"
+	"function fpass\n"
+	"input q 7 f32 sample joint_position\n"
+	"input qd 7 f32 sample joint_velocity\n"
+	"input qdd 7 f32 sample joint_acceleration\n"
+	"output v 42 f32 sample body_twists\n"
+	"output a 42 f32 sample body_accelerations\n"
+	"output f 42 f32 sample body_wrenches\n"
+	"operations 150 47 29 33 153 6\n"
+	"function bpass\n"
+	"input q 7 f32 sample joint_position\n"
+	"input f 42 f32 sample body_wrenches\n"
+	"output tau 7 f32 sample joint_torque\n"
+	"operations 20 23 4 10 30 6\n";
+
 #if defined __CUDACC__
+/* ---- kernels ---- */
+/* threads in a block: the samples of one slice of the batch */
+#ifndef RNEA_BLOCK
+#define RNEA_BLOCK 128
+#endif
+/* blocks that one multiprocessor should hold at once: bounds the registers of the rnea kernel; 0: the compiler's choice
+   */
+#ifndef RNEA_MIN_BLOCKS
+#define RNEA_MIN_BLOCKS (RNEA_BLOCK < 64 ? 0 : 768/RNEA_BLOCK)
+#endif
+
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK, RNEA_MIN_BLOCKS)
-iiwa14_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd, float *__restrict__ tau, size_t count)
+iiwa14_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
+	float *__restrict__ tau, size_t count)
 {
 	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
 
@@ -1006,7 +1033,8 @@ iiwa14_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, co
 }
 
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK)
-iiwa14_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd, float *__restrict__ v, float *__restrict__ a, float *__restrict__ f, size_t count)
+iiwa14_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
+	float *__restrict__ v, float *__restrict__ a, float *__restrict__ f, size_t count)
 {
 	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
 
@@ -1028,7 +1056,8 @@ iiwa14_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, fl
 
 #if !defined __CUDACC_RTC__
 /* Run the kernel on device pointers in the caller's stream (a cudaStream_t); returns the cudaError_t. */
-extern "C" int iiwa14_rnea_launch(const float *q, const float *qd, const float *qdd, float *tau, size_t count, void *stream)
+extern "C" int iiwa14_rnea_launch(const float *q, const float *qd, const float *qdd, float *tau, size_t count,
+	void *stream)
 {
 	const size_t blocks = count/RNEA_BLOCK + (count%RNEA_BLOCK != 0);
 	void *arguments[] = {&q, &qd, &qdd, &tau, &count};
@@ -1037,12 +1066,23 @@ extern "C" int iiwa14_rnea_launch(const float *q, const float *qd, const float *
 		return cudaSuccess;
 	if (blocks > 0x7fffffff)
 		return cudaErrorInvalidValue;
-	return cudaLaunchKernel((const void *)iiwa14_rnea_kernel, dim3((unsigned)blocks), dim3(RNEA_BLOCK), arguments, 0,
+	return cudaLaunchKernel((const void *)iiwa14_rnea_kernel, dim3((unsigned)blocks), dim3(RNEA_BLOCK), arguments,
+		0,
 		(cudaStream_t)stream);
 }
 #endif
 #else
 /* ---- compiled as C: the functions of target c ---- */
+/* samples do not depend on each other: the compiler may compute several at once */
+#if defined __clang__
+#define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
+#elif defined __GNUC__
+#define RNEA_INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define RNEA_INDEPENDENT
+#endif
+
 static int iiwa14_are_small(const float *q, size_t count, size_t first, size_t end)
 {
 	int small = 1;
@@ -1059,7 +1099,8 @@ static void iiwa14_rnea_any(const float *q, const float *qd, const float *qdd, f
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void iiwa14_rnea_part(const float *restrict q, const float *restrict qd, const float *restrict qdd, float *restrict tau, size_t count, size_t first, size_t end)
+static void iiwa14_rnea_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+	float *restrict tau, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;
@@ -1090,13 +1131,15 @@ void iiwa14_rnea_batch(const float *q, const float *qd, const float *qdd, float 
 }
 
 /* One sample, whatever its angles. */
-static void iiwa14_fpass_any(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f, const size_t stride)
+static void iiwa14_fpass_any(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f,
+	const size_t stride)
 {
 	iiwa14_fpass_body(q, qd, qdd, v, a, f, stride, 0);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void iiwa14_fpass_part(const float *restrict q, const float *restrict qd, const float *restrict qdd, float *restrict v, float *restrict a, float *restrict f, size_t count, size_t first, size_t end)
+static void iiwa14_fpass_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+	float *restrict v, float *restrict a, float *restrict f, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;
@@ -1128,7 +1171,8 @@ static void iiwa14_bpass_any(const float *q, const float *f, float *tau, const s
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void iiwa14_bpass_part(const float *restrict q, const float *restrict f, float *restrict tau, size_t count, size_t first, size_t end)
+static void iiwa14_bpass_part(const float *restrict q, const float *restrict f, float *restrict tau, size_t count,
+	size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;

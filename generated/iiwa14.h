@@ -20,13 +20,31 @@
  * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
  * Batches: every array is [row][sample].
- *
- * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less
- * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.
  * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.
+ *
+ * Names in the statements: a quantity, the number of a link, and x y z for the component in the link's frame.
+ *   q qd qdd         position, velocity and acceleration of the link's joint
+ *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
+ *   s c              sine and cosine of the joint's angle
+ *   w                angular velocity
+ *   dw               rate of the angular velocity
+ *   v                velocity of the origin
+ *   a                acceleration of the origin, less gravity
+ *   f                force: the link's own, then with its children's
+ *   n                moment about the origin, as f
+ *   t                with a number of its own: a value that has no name in the textbook
+ *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
+ *   stride           from one row of an array to the next
+ *   small all_small  the caller takes all angles for small; they are
+ *   RNEA_FMA         a*b + c, rounded once where the machine can
+ *   rneagen_...      functions and types that this text brings along
+ * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
+ * x cross product; z the joint's axis; U = [dw]x + [w]x[w]x; m, h = m c, I mass, first moment and inertia about the
+ * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
 #ifndef iiwa14_RNEA_H
 #define iiwa14_RNEA_H
+#include <math.h>
 #include <stddef.h>
 
 #ifdef __cplusplus
@@ -54,4 +72,30 @@ extern const char iiwa14_info[];
 #ifdef __cplusplus
 }
 #endif
+
+/* The joints of this text, by the rows of q, and by those of qd, qdd and tau. A joint of several rows stands at each of
+   them; the floating base is "". */
+#if defined __GNUC__
+#define RNEA_TABLE static const __attribute__((unused))
+#else
+#define RNEA_TABLE static const
+#endif
+RNEA_TABLE char *const iiwa14_q_joint[iiwa14_nq] = {
+	"iiwa_joint_1", "iiwa_joint_2", "iiwa_joint_3", "iiwa_joint_4", "iiwa_joint_5", "iiwa_joint_6", "iiwa_joint_7"};
+RNEA_TABLE char *const iiwa14_qd_joint[iiwa14_nv] = {
+	"iiwa_joint_1", "iiwa_joint_2", "iiwa_joint_3", "iiwa_joint_4", "iiwa_joint_5", "iiwa_joint_6", "iiwa_joint_7"};
+/* Limits that the URDF states: q_min <= q <= q_max in rad or m, |qd| <= qd_max in rad/s or m/s, |tau| <= tau_max in
+   N m or N. Where it states none, HUGE_VAL stands, which no number is beyond; in q_min -HUGE_VAL. The functions do not
+   look at limits. */
+RNEA_TABLE double iiwa14_q_min[iiwa14_nq] = {
+	-2.96705972839, -2.09439510239, -2.96705972839, -2.09439510239, -2.96705972839, -2.09439510239, -3.05432619099};
+RNEA_TABLE double iiwa14_q_max[iiwa14_nq] = {
+	2.96705972839, 2.09439510239, 2.96705972839, 2.09439510239, 2.96705972839, 2.09439510239, 3.05432619099};
+RNEA_TABLE double iiwa14_qd_max[iiwa14_nv] = {
+	1.4835298641951802, 1.4835298641951802, 1.7453292519943295, 1.3089969389957472, 2.2689280275926285,
+		2.356194490192345, 2.356194490192345};
+RNEA_TABLE double iiwa14_tau_max[iiwa14_nv] = {
+	3.2e+02, 3.2e+02, 176.0, 176.0, 1.1e+02, 4e+01, 4e+01};
+#undef RNEA_TABLE
+
 #endif

@@ -19,10 +19,27 @@
  * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
  * Batches: every array is [row][sample].
- *
- * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less
- * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.
  * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.
+ *
+ * Names in the statements: a quantity, the number of a link, and x y z for the component in the link's frame.
+ *   q qd qdd         position, velocity and acceleration of the link's joint
+ *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
+ *   s c              sine and cosine of the joint's angle
+ *   w                angular velocity
+ *   dw               rate of the angular velocity
+ *   v                velocity of the origin
+ *   a                acceleration of the origin, less gravity
+ *   f                force: the link's own, then with its children's
+ *   n                moment about the origin, as f
+ *   t                with a number of its own: a value that has no name in the textbook
+ *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
+ *   stride           from one row of an array to the next
+ *   small all_small  the caller takes all angles for small; they are
+ *   RNEA_FMA         a*b + c, rounded once where the machine can
+ *   rneagen_...      functions and types that this text brings along
+ * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
+ * x cross product; z the joint's axis; U = [dw]x + [w]x[w]x; m, h = m c, I mass, first moment and inertia about the
+ * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
 #include <math.h>
 #include <stddef.h>
@@ -35,235 +52,39 @@
 #else
 #define RNEA_INLINE inline
 #endif
-/* samples do not depend on each other: the compiler may compute several at once */
-#if defined __clang__
-#define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
-#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
-#elif defined __GNUC__
-#define RNEA_INDEPENDENT _Pragma("GCC ivdep")
-#else
-#define RNEA_INDEPENDENT
-#endif
 /* where the machine has no fused multiply-add, fma() would be a slow library call */
 #if defined FP_FAST_FMA
 #define RNEA_FMA(a, b, c) fma(a, b, c)
 #else
 #define RNEA_FMA(a, b, c) ((a)*(b) + (c))
 #endif
-/* librnea finds the table by this word */
-#define RNEA_INFO
 
-/* tau = ID(q, qd, qdd) of one sample: q[6], qd[6], qdd[6] -> tau[6]; tau may be qdd itself. */
-void ur5_rnea(const double *q, const double *qd, const double *qdd, double *tau);
-/* The same for `count` samples, every array [row][sample]; arrays must not overlap. */
-void ur5_rnea_batch(const double *q, const double *qd, const double *qdd, double *tau, size_t count);
-/* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */
-void ur5_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
-/* The way back alone: torques from q and fpass's wrenches. */
-void ur5_bpass(const double *q, const double *f, double *tau);
-/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
-   in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
-void ur5_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);
-void ur5_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
-void ur5_bpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
-/* What this text computes, one `key values` a line. */
-extern const char ur5_info[];
 
-RNEA_INFO const char ur5_info[] =
-	"rneagen-info 3\n"
-	"name ur5\n"
-	"precision f64\n"
-	"arithmetic f64\n"
-	"layout soa\n"
-	"trig accurate\n"
-	"base fixed\n"
-	"nq 6\n"
-	"nv 6\n"
-	"nb 6\n"
-	"block 128\n"
-	"joint 0 1 0 1 revolute shoulder_pan_joint\n"
-	"joint 1 1 1 1 revolute shoulder_lift_joint\n"
-	"joint 2 1 2 1 revolute elbow_joint\n"
-	"joint 3 1 3 1 revolute wrist_1_joint\n"
-	"joint 4 1 4 1 revolute wrist_2_joint\n"
-	"joint 5 1 5 1 revolute wrist_3_joint\n"
-	"function rnea\n"
-	"input q 6 f64 sample joint_position\n"
-	"input qd 6 f64 sample joint_velocity\n"
-	"input qdd 6 f64 sample joint_acceleration\n"
-	"output tau 6 f64 sample joint_torque\n"
-	"operations 91 26 9 24 131 5\n"
-	"function fpass\n"
-	"input q 6 f64 sample joint_position\n"
-	"input qd 6 f64 sample joint_velocity\n"
-	"input qdd 6 f64 sample joint_acceleration\n"
-	"output v 36 f64 sample body_twists\n"
-	"output a 36 f64 sample body_accelerations\n"
-	"output f 36 f64 sample body_wrenches\n"
-	"operations 110 18 18 33 119 5\n"
-	"function bpass\n"
-	"input q 6 f64 sample joint_position\n"
-	"input f 36 f64 sample body_wrenches\n"
-	"output tau 6 f64 sample joint_torque\n"
-	"operations 21 24 1 8 36 5\n";
-
-#ifndef RNEAGEN_SINCOS_CORE
-#define RNEAGEN_SINCOS_CORE
-union rneagen_f64 {
-	double f;
-	unsigned long long u;
-};
-
-/* x = k*(pi/2) + r - e for |x| <= 1e7: e is the rounding error of r. Returns k modulo 4 in its low two bits.
- * pi/2 is split so that k*C1, k*C2, k*C3 are exact, and x - k*C1 - k*C2 too. */
-static RNEA_INLINE unsigned long long rneagen_sincos_reduce(double x, double *r, double *e)
-{
-	union rneagen_f64 t;
-	t.f = RNEA_FMA(x, 0x1.45f306dc9c883p-1, 0x1.8p52); /* 1.5*2^52 + k: rounds x*2/pi to the nearest integer */
-	const double k = t.f - 0x1.8p52;
-	const double r2 = RNEA_FMA(-k, 0x1.10b46p-30, RNEA_FMA(-k, 0x1.921fb54p0, x));
-	*r = RNEA_FMA(-k, 0x1.1a62633p-54, r2);
-	*e = RNEA_FMA(k, 0x1.45c06e0e68948p-86, RNEA_FMA(k, 0x1.1a62633p-54, *r - r2));
-	return t.u;
-}
-
-/* Sine and cosine of q*(pi/2) + r - e, |r| <= pi/4. With z = r*r and w = fl(1 - z/2):
- *   sin = r - (r*z*S(z) + e*w),  cos = w + ((1 - w - z/2) + r*e + z*z*C(z))
- * Sollya, I = [2^-40; pi/4*(1 + 2^-8)]:
- *  -S: fpminimax(sin(x), [|3,5,7,9,11,13|], [|D...|], I, relative, x), relative error of sin 2^-57.8
- *   C: fpminimax(cos(x), [|4,6,8,10,12,14|], [|D...|], I, absolute, 1 - x^2/2), error of cos 2^-64.1 */
-static RNEA_INLINE void rneagen_sincos_turn(unsigned long long q, double r, double e, double *s, double *c)
-{
-	union rneagen_f64 a, b;
-	const double z = r * r;
-	const double w = RNEA_FMA(-0.5, z, 1.0);
-	double ps = RNEA_FMA(-0x1.5d89831c5e141p-33, z, 0x1.ae5e45d454538p-26);
-	double pc = RNEA_FMA(-0x1.8fa590d9cc29fp-37, z, 0x1.1ee9daa2259f5p-29);
-	ps = RNEA_FMA(ps, z, -0x1.71de354edf2bfp-19);
-	pc = RNEA_FMA(pc, z, -0x1.27e4f7f0c068dp-22);
-	ps = RNEA_FMA(ps, z, 0x1.a01a019be359dp-13);
-	pc = RNEA_FMA(pc, z, 0x1.a01a019c8f106p-16);
-	ps = RNEA_FMA(ps, z, -0x1.111111110f713p-7);
-	pc = RNEA_FMA(pc, z, -0x1.6c16c16c1501ap-10);
-	ps = RNEA_FMA(ps, z, 0x1.5555555555548p-3);
-	pc = RNEA_FMA(pc, z, 0x1.555555555554bp-5);
-	a.f = r - RNEA_FMA(r * z, ps, e * w);
-	b.f = w + RNEA_FMA(z * z, pc, RNEA_FMA(r, e, RNEA_FMA(-0.5, z, 1.0 - w)));
-	const unsigned long long swap = (a.u ^ b.u) & (0 - (q & 1)); /* odd quarter turns exchange sine and cosine */
-	a.u ^= swap ^ (q & 2) << 62;
-	b.u ^= swap ^ ((q + 1) & 2) << 62;
-	*s = a.f;
-	*c = b.f;
-}
-#endif
-
-#ifndef RNEAGEN_SINCOS_ACCURATE
-#define RNEAGEN_SINCOS_ACCURATE
-/* High half of the product a*b. */
-static RNEA_INLINE unsigned long long rneagen_mulhi(unsigned long long a, unsigned long long b)
-{
-	const unsigned long long al = a & 0xffffffffu, ah = a >> 32, bl = b & 0xffffffffu, bh = b >> 32;
-	const unsigned long long t = ah * bl + (al * bl >> 32), u = al * bh + (t & 0xffffffffu);
-	return ah * bh + (t >> 32) + (u >> 32);
-}
-
-/* rneagen_sincos_reduce for |x| > 1e7, in integers (Payne and Hanek): |x| = m*2^p with a 53-bit m, and of the bits of
- * 2/pi those that only give multiples of 4 are skipped and the next 192 multiplied by m. NaN if x is not finite. */
-static RNEA_INLINE unsigned long long rneagen_sincos_reduce_large(double x, double *r, double *e)
-{
-	static const unsigned long long two_over_pi[] = {0, 0xa2f9836e4e441529ull, 0xfc2757d1f534ddc0ull,
-		0xdb6295993c439041ull, 0xfe5163abdebbc561ull, 0xb7246e3a424dd2e0ull, 0x06492eea09d1921cull,
-		0xfe1deb1cb129a73eull, 0xe88235f52ebb4484ull, 0xe99c7026b45f7e41ull, 0x3991d639835339f4ull,
-		0x9c845f8bbdf9283bull, 0x1ff897ffde05980full, 0xef2f118b5a0a6d1full, 0x6d367ecf27cb09b7ull,
-		0x4f463f669e5fea2dull, 0x7527bac7ebe5f17bull, 0x3d0739f78a5292eaull, 0x6bfb5fb11f8d5d08ull,
-		0x56033046fc7b6babull};
-	union rneagen_f64 t;
-	t.f = x;
-	const unsigned int bit = (unsigned int)(t.u >> 52 & 2047) - 1013, i = bit >> 6, shift = bit & 63;
-	const unsigned long long m = (t.u & 0xfffffffffffffull) | 0x10000000000000ull;
-	const unsigned long long w1 = two_over_pi[i + 1], w2 = two_over_pi[i + 2];
-	const unsigned long long a = two_over_pi[i] << shift | w1 >> 1 >> (63 - shift);
-	const unsigned long long b = w1 << shift | w2 >> 1 >> (63 - shift);
-	const unsigned long long c = w2 << shift | two_over_pi[i + 3] >> 1 >> (63 - shift);
-	unsigned long long lo = m * b + rneagen_mulhi(m, c);
-	unsigned long long f = m * a + rneagen_mulhi(m, b) + (lo < m * b);
-	f = x < 0 ? ~f : f; /* x*(2/pi) modulo 4, times 2^62; lo: its next 64 bits */
-	lo = x < 0 ? ~lo : lo;
-	const unsigned long long past_half = f >> 61 & 1, q = (f >> 62) + past_half;
-	double scale = RNEA_FMA(0.0, x, past_half ? -0x1p-63 : 0x1p-63); /* NaN where x is not finite */
-	f = f << 2 | lo >> 62; /* what is left of x*(2/pi) - q, times 2^64 */
-	f = past_half ? ~f : f;
-	lo = past_half ? ~(lo << 2) : lo << 2;
-	for (; !(f >> 63) && (f | lo); lo <<= 1) {
-		f = f << 1 | lo >> 63;
-		scale *= 0.5;
-	}
-	f = rneagen_mulhi(f, 0xc90fdaa22168c235ull); /* times pi/2*2^63 */
-	const double g = (double)f;
-	*r = g * scale;
-	*e = (double)(long long)((unsigned long long)g - f) * scale;
-	return q;
-}
-
-/* Sine and cosine of any finite x, error below 0.85 ulp; NaN if x is not finite. */
-static RNEA_INLINE void rneagen_sincos_accurate(double x, double *s, double *c)
-{
-	double r, e;
-	unsigned long long q;
-	if (fabs(x) <= 1e7)
-		q = rneagen_sincos_reduce(x, &r, &e);
-	else
-		q = rneagen_sincos_reduce_large(x, &r, &e);
-	rneagen_sincos_turn(q, r, e, s, c);
-}
-#endif
 #ifndef RNEAGEN_SINCOS_EITHER
-#define RNEAGEN_SINCOS_EITHER
-
-/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not, and
-   `small`, sine and cosine mean nothing. */
-static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c)
-{
-	if (small) {
-		double r, e;
-		const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
-		rneagen_sincos_turn(q, r, e, s, c);
-	} else {
-		rneagen_sincos_accurate(x, s, c);
-	}
-	return fabs(x) <= 1e7;
-}
+static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c); /* below */
 #endif
-
-/* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves the
-   rest a straight line; the results have the same bits either way. */
-static RNEA_INLINE int ur5_is_small(const double *q, const size_t stride)
-{
-	int small = 1;
-
-	for (size_t i = 0; i < 6; i++)
-		small &= fabs(q[i*stride]) <= 1e+07;
-	return small;
-}
 
 /* tau = ID(q, qd, qdd)
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int ur5_rnea_body(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride, const int small)
+static RNEA_INLINE int ur5_rnea_body(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 1 "shoulder_link" (fpass) ---- */
-	const double qd1 = qd[0*stride];
-	const double qdd1 = qdd[0*stride];
+	/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);
+	   f = m a + U h;  n = I dw + w x I w + h x a */
+	const double qd1 = qd[0];
+	const double qdd1 = qdd[0];
 	const double t1 = qd1*qd1;
 
 	/* ---- out to link 2 "upper_arm_link" (fpass) ---- */
-	const double q2 = q[1*stride];
+	const double q2 = q[stride];
 	double s2, c2;
 	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
-	const double qd2 = qd[1*stride];
-	const double qdd2 = qdd[1*stride];
+	const double qd2 = qd[stride];
+	const double qdd2 = qdd[stride];
 	const double t2 = 4.8965888601467475e-12*qd1;
 	const double t3 = 4.8965888601467475e-12*qdd1;
 	const double t4 = RNEA_FMA(-6.652015966509357e-13, qdd1, -9.81);
@@ -283,7 +104,8 @@ static RNEA_INLINE int ur5_rnea_body(const double *q, const double *qd, const do
 	const double f2x = RNEA_FMA(8.393, a2x, 2.3500400000000004*t12);
 	const double f2z = RNEA_FMA(-2.3500400000000004, t13, 8.393*a2z);
 	const double n2x = RNEA_FMA(0.31925293400000004, t1, -RNEA_FMA(0.8849018759100001, t9, 0.8697944759100001*t7));
-	const double n2y = RNEA_FMA(2.3500400000000004, a2x, RNEA_FMA(-0.8697944759100001, t10, 0.8849018759100001*qdd2));
+	const double n2y = RNEA_FMA(2.3500400000000004, a2x, RNEA_FMA(-0.8697944759100001, t10,
+		0.8849018759100001*qdd2));
 
 	/* ---- out to link 3 "forearm_link" (fpass) ---- */
 	const double q3 = q[2*stride];
@@ -387,6 +209,7 @@ static RNEA_INLINE int ur5_rnea_body(const double *q, const double *qd, const do
 	const double n6z = 0.033822*dw6z;
 
 	/* ---- back from link 6 "wrist_3_link" to link 5 (bpass): torque of "wrist_3_joint" ---- */
+	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
 	const double t41 = RNEA_FMA(s6, f6z, c6*f6x);
 	const double f5x = RNEA_FMA(1.219, a5x, t41);
 	const double f5y_2 = RNEA_FMA(0.1879, a6y, f5y);
@@ -435,53 +258,55 @@ static RNEA_INLINE int ur5_rnea_body(const double *q, const double *qd, const do
 	const double t51 = RNEA_FMA(-s2, f2x_2, c2*f2z_2);
 	const double t52 = RNEA_FMA(-s2, n2x_2, c2*n2z);
 	const double f1x = RNEA_FMA(4.8965888601467475e-12, RNEA_FMA(s2, f2z_2, c2*f2x_2), t51);
-	const double t53 = RNEA_FMA(-0.13585, f1x, RNEA_FMA(4.8965888601467475e-12, t52, -RNEA_FMA(s2,
-		n2z, c2*n2x_2)));
+	const double t53 = RNEA_FMA(-0.13585, f1x, RNEA_FMA(4.8965888601467475e-12, t52, -RNEA_FMA(s2, n2z, c2*n2x_2)));
 	const double n1z = RNEA_FMA(0.00666, qdd1, t53);
-	tau[1*stride] = n2y_2;
+	tau[stride] = n2y_2;
 
 	/* ---- back from link 1 "shoulder_link" to the world (bpass): torque of "shoulder_pan_joint" ---- */
-	tau[0*stride] = n1z;
+	tau[0] = n1z;
 	return all_small;
 }
 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int ur5_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f, const size_t stride, const int small)
+static RNEA_INLINE int ur5_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 1 "shoulder_link" (fpass) ---- */
-	const double qd1 = qd[0*stride];
-	const double qdd1 = qdd[0*stride];
+	/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);  v = R'(v_p + w_p x p);
+	   f = m a + U h;  n = I dw + w x I w + h x a */
+	const double qd1 = qd[0];
+	const double qdd1 = qdd[0];
 	const double t1 = qd1*qd1;
 	const double n1z = 0.00666*qdd1;
-	v[0*stride] = 0.0;
-	v[1*stride] = 0.0;
+	v[0] = 0.0;
+	v[stride] = 0.0;
 	v[2*stride] = 0.0;
 	v[3*stride] = 0.0;
 	v[4*stride] = 0.0;
 	v[5*stride] = qd1;
-	a[0*stride] = 0.0;
-	a[1*stride] = 0.0;
+	a[0] = 0.0;
+	a[stride] = 0.0;
 	a[2*stride] = 9.81;
 	a[3*stride] = 0.0;
 	a[4*stride] = 0.0;
 	a[5*stride] = qdd1;
-	f[0*stride] = 0.0;
-	f[1*stride] = 0.0;
+	f[0] = 0.0;
+	f[stride] = 0.0;
 	f[2*stride] = 36.297000000000004;
 	f[3*stride] = 0.0;
 	f[4*stride] = 0.0;
 	f[5*stride] = n1z;
 
 	/* ---- out to link 2 "upper_arm_link" (fpass) ---- */
-	const double q2 = q[1*stride];
+	const double q2 = q[stride];
 	double s2, c2;
 	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
-	const double qd2 = qd[1*stride];
-	const double qdd2 = qdd[1*stride];
+	const double qd2 = qd[stride];
+	const double qdd2 = qdd[stride];
 	const double t2 = 4.8965888601467475e-12*qd1;
 	const double t3 = 4.8965888601467475e-12*qdd1;
 	const double t4 = 0.13585*qd1;
@@ -508,8 +333,10 @@ static RNEA_INLINE int ur5_fpass_body(const double *q, const double *qd, const d
 	const double f2y = RNEA_FMA(-1.14018905, t1, 2.3500400000000004*t14);
 	const double f2z = RNEA_FMA(-2.3500400000000004, t18, 8.393*a2z);
 	const double n2z = 0.0151074*dw2z;
-	const double n2x = RNEA_FMA(0.31925293400000004, t1, -RNEA_FMA(0.8849018759100001, t12, 0.8697944759100001*t10));
-	const double n2y = RNEA_FMA(2.3500400000000004, a2x, RNEA_FMA(-0.8697944759100001, t15, 0.8849018759100001*qdd2));
+	const double n2x = RNEA_FMA(0.31925293400000004, t1, -RNEA_FMA(0.8849018759100001, t12,
+		0.8697944759100001*t10));
+	const double n2y = RNEA_FMA(2.3500400000000004, a2x, RNEA_FMA(-0.8697944759100001, t15,
+		0.8849018759100001*qdd2));
 	v[6*stride] = v2x;
 	v[7*stride] = 0.0;
 	v[8*stride] = -t13;
@@ -735,15 +562,17 @@ static RNEA_INLINE int ur5_fpass_body(const double *q, const double *qd, const d
 /* Back to the base: torques tau from the wrenches f.
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int ur5_bpass_body(const double *q, const double *f, double *tau, const size_t stride, const int small)
+static RNEA_INLINE int ur5_bpass_body(const double *q, const double *f, double *tau, const size_t stride,
+	const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 1 "shoulder_link" ---- */
+	/* f, n = what fpass wrote, in the link's frame here */
 	const double own_n1z = f[5*stride];
 
 	/* ---- out to link 2 "upper_arm_link" ---- */
-	const double q2 = q[1*stride];
+	const double q2 = q[stride];
 	double s2, c2;
 	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
 	const double own_f2x = f[6*stride];
@@ -797,6 +626,7 @@ static RNEA_INLINE int ur5_bpass_body(const double *q, const double *f, double *
 	const double own_n6z = f[35*stride];
 
 	/* ---- back from link 6 "wrist_3_link" to link 5 (bpass): torque of "wrist_3_joint" ---- */
+	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
 	const double t1 = RNEA_FMA(s6, own_f6z, c6*own_f6x);
 	const double f5x = own_f5x + t1;
 	const double f5y = own_f5y + own_f6y;
@@ -845,15 +675,222 @@ static RNEA_INLINE int ur5_bpass_body(const double *q, const double *f, double *
 	const double t11 = RNEA_FMA(f2x, -s2, c2*f2z);
 	const double t12 = RNEA_FMA(n2x, -s2, c2*n2z);
 	const double t13 = RNEA_FMA(4.8965888601467475e-12, t12, -RNEA_FMA(s2, n2z, c2*n2x));
-	const double n1z = own_n1z + RNEA_FMA(-0.13585, RNEA_FMA(4.8965888601467475e-12, RNEA_FMA(s2,
-		f2z, c2*f2x), t11), t13);
-	tau[1*stride] = n2y;
+	const double n1z = own_n1z + RNEA_FMA(-0.13585, RNEA_FMA(4.8965888601467475e-12, RNEA_FMA(s2, f2z, c2*f2x),
+		t11), t13);
+	tau[stride] = n2y;
 
 	/* ---- back from link 1 "shoulder_link" to the world (bpass): torque of "shoulder_pan_joint" ---- */
-	tau[0*stride] = n1z;
+	tau[0] = n1z;
 	return all_small;
 }
 
+
+#ifndef RNEAGEN_SINCOS_CORE
+#define RNEAGEN_SINCOS_CORE
+union rneagen_f64 {
+	double f;
+	unsigned long long u;
+};
+
+/* x = k*(pi/2) + r - e for |x| <= 1e7: e is the rounding error of r. Returns k modulo 4 in its low two bits.
+ * pi/2 is split so that k*C1, k*C2, k*C3 are exact, and x - k*C1 - k*C2 too. */
+static RNEA_INLINE unsigned long long rneagen_sincos_reduce(double x, double *r, double *e)
+{
+	union rneagen_f64 t;
+	t.f = RNEA_FMA(x, 0x1.45f306dc9c883p-1, 0x1.8p52); /* 1.5*2^52 + k: rounds x*2/pi to the nearest integer */
+	const double k = t.f - 0x1.8p52;
+	const double r2 = RNEA_FMA(-k, 0x1.10b46p-30, RNEA_FMA(-k, 0x1.921fb54p0, x));
+	*r = RNEA_FMA(-k, 0x1.1a62633p-54, r2);
+	*e = RNEA_FMA(k, 0x1.45c06e0e68948p-86, RNEA_FMA(k, 0x1.1a62633p-54, *r - r2));
+	return t.u;
+}
+
+/* Sine and cosine of q*(pi/2) + r - e, |r| <= pi/4. With z = r*r and w = fl(1 - z/2):
+ *   sin = r - (r*z*S(z) + e*w),  cos = w + ((1 - w - z/2) + r*e + z*z*C(z))
+ * Sollya, I = [2^-40; pi/4*(1 + 2^-8)]:
+ *  -S: fpminimax(sin(x), [|3,5,7,9,11,13|], [|D...|], I, relative, x), relative error of sin 2^-57.8
+ *   C: fpminimax(cos(x), [|4,6,8,10,12,14|], [|D...|], I, absolute, 1 - x^2/2), error of cos 2^-64.1 */
+static RNEA_INLINE void rneagen_sincos_turn(unsigned long long q, double r, double e, double *s, double *c)
+{
+	union rneagen_f64 a, b;
+	const double z = r * r;
+	const double w = RNEA_FMA(-0.5, z, 1.0);
+	double ps = RNEA_FMA(-0x1.5d89831c5e141p-33, z, 0x1.ae5e45d454538p-26);
+	double pc = RNEA_FMA(-0x1.8fa590d9cc29fp-37, z, 0x1.1ee9daa2259f5p-29);
+	ps = RNEA_FMA(ps, z, -0x1.71de354edf2bfp-19);
+	pc = RNEA_FMA(pc, z, -0x1.27e4f7f0c068dp-22);
+	ps = RNEA_FMA(ps, z, 0x1.a01a019be359dp-13);
+	pc = RNEA_FMA(pc, z, 0x1.a01a019c8f106p-16);
+	ps = RNEA_FMA(ps, z, -0x1.111111110f713p-7);
+	pc = RNEA_FMA(pc, z, -0x1.6c16c16c1501ap-10);
+	ps = RNEA_FMA(ps, z, 0x1.5555555555548p-3);
+	pc = RNEA_FMA(pc, z, 0x1.555555555554bp-5);
+	a.f = r - RNEA_FMA(r * z, ps, e * w);
+	b.f = w + RNEA_FMA(z * z, pc, RNEA_FMA(r, e, RNEA_FMA(-0.5, z, 1.0 - w)));
+	const unsigned long long swap = (a.u ^ b.u) & (0 - (q & 1)); /* odd quarter turns exchange sine and cosine */
+	a.u ^= swap ^ (q & 2) << 62;
+	b.u ^= swap ^ ((q + 1) & 2) << 62;
+	*s = a.f;
+	*c = b.f;
+}
+#endif
+
+#ifndef RNEAGEN_SINCOS_ACCURATE
+#define RNEAGEN_SINCOS_ACCURATE
+/* High half of the product a*b. */
+static RNEA_INLINE unsigned long long rneagen_mulhi(unsigned long long a, unsigned long long b)
+{
+	const unsigned long long al = a & 0xffffffffu, ah = a >> 32, bl = b & 0xffffffffu, bh = b >> 32;
+	const unsigned long long t = ah * bl + (al * bl >> 32), u = al * bh + (t & 0xffffffffu);
+	return ah * bh + (t >> 32) + (u >> 32);
+}
+
+/* rneagen_sincos_reduce for |x| > 1e7, in integers (Payne and Hanek): |x| = m*2^p with a 53-bit m, and of the bits of
+ * 2/pi those that only give multiples of 4 are skipped and the next 192 multiplied by m. NaN if x is not finite. */
+static RNEA_INLINE unsigned long long rneagen_sincos_reduce_large(double x, double *r, double *e)
+{
+	static const unsigned long long two_over_pi[] = {0, 0xa2f9836e4e441529ull, 0xfc2757d1f534ddc0ull,
+		0xdb6295993c439041ull, 0xfe5163abdebbc561ull, 0xb7246e3a424dd2e0ull, 0x06492eea09d1921cull,
+		0xfe1deb1cb129a73eull, 0xe88235f52ebb4484ull, 0xe99c7026b45f7e41ull, 0x3991d639835339f4ull,
+		0x9c845f8bbdf9283bull, 0x1ff897ffde05980full, 0xef2f118b5a0a6d1full, 0x6d367ecf27cb09b7ull,
+		0x4f463f669e5fea2dull, 0x7527bac7ebe5f17bull, 0x3d0739f78a5292eaull, 0x6bfb5fb11f8d5d08ull,
+		0x56033046fc7b6babull};
+	union rneagen_f64 t;
+	t.f = x;
+	const unsigned int bit = (unsigned int)(t.u >> 52 & 2047) - 1013, i = bit >> 6, shift = bit & 63;
+	const unsigned long long m = (t.u & 0xfffffffffffffull) | 0x10000000000000ull;
+	const unsigned long long w1 = two_over_pi[i + 1], w2 = two_over_pi[i + 2];
+	const unsigned long long a = two_over_pi[i] << shift | w1 >> 1 >> (63 - shift);
+	const unsigned long long b = w1 << shift | w2 >> 1 >> (63 - shift);
+	const unsigned long long c = w2 << shift | two_over_pi[i + 3] >> 1 >> (63 - shift);
+	unsigned long long lo = m * b + rneagen_mulhi(m, c);
+	unsigned long long f = m * a + rneagen_mulhi(m, b) + (lo < m * b);
+	f = x < 0 ? ~f : f; /* x*(2/pi) modulo 4, times 2^62; lo: its next 64 bits */
+	lo = x < 0 ? ~lo : lo;
+	const unsigned long long past_half = f >> 61 & 1, q = (f >> 62) + past_half;
+	double scale = RNEA_FMA(0.0, x, past_half ? -0x1p-63 : 0x1p-63); /* NaN where x is not finite */
+	f = f << 2 | lo >> 62; /* what is left of x*(2/pi) - q, times 2^64 */
+	f = past_half ? ~f : f;
+	lo = past_half ? ~(lo << 2) : lo << 2;
+	for (; !(f >> 63) && (f | lo); lo <<= 1) {
+		f = f << 1 | lo >> 63;
+		scale *= 0.5;
+	}
+	f = rneagen_mulhi(f, 0xc90fdaa22168c235ull); /* times pi/2*2^63 */
+	const double g = (double)f;
+	*r = g * scale;
+	*e = (double)(long long)((unsigned long long)g - f) * scale;
+	return q;
+}
+
+/* Sine and cosine of any finite x, error below 0.85 ulp; NaN if x is not finite. */
+static RNEA_INLINE void rneagen_sincos_accurate(double x, double *s, double *c)
+{
+	double r, e;
+	unsigned long long q;
+	if (fabs(x) <= 1e7)
+		q = rneagen_sincos_reduce(x, &r, &e);
+	else
+		q = rneagen_sincos_reduce_large(x, &r, &e);
+	rneagen_sincos_turn(q, r, e, s, c);
+}
+#endif
+#ifndef RNEAGEN_SINCOS_EITHER
+#define RNEAGEN_SINCOS_EITHER
+
+/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not,
+   and `small`, sine and cosine mean nothing. */
+static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c)
+{
+	if (small) {
+		double r, e;
+		const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
+		rneagen_sincos_turn(q, r, e, s, c);
+	} else {
+		rneagen_sincos_accurate(x, s, c);
+	}
+	return fabs(x) <= 1e7;
+}
+#endif
+
+/* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves
+   the rest a straight line; the results have the same bits either way. */
+static RNEA_INLINE int ur5_is_small(const double *q, const size_t stride)
+{
+	int small = 1;
+
+	for (size_t i = 0; i < 6; i++)
+		small &= fabs(q[i*stride]) <= 1e+07;
+	return small;
+}
+
+
+/* ---- the functions of the header, and the table that librnea reads ---- */
+/* tau = ID(q, qd, qdd) of one sample: q[6], qd[6], qdd[6] -> tau[6]; tau may be qdd itself. */
+void ur5_rnea(const double *q, const double *qd, const double *qdd, double *tau);
+/* The same for `count` samples, every array [row][sample]; arrays must not overlap. */
+void ur5_rnea_batch(const double *q, const double *qd, const double *qdd, double *tau, size_t count);
+/* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */
+void ur5_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
+/* The way back alone: torques from q and fpass's wrenches. */
+void ur5_bpass(const double *q, const double *f, double *tau);
+/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
+   in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
+void ur5_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);
+void ur5_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
+void ur5_bpass_slice(void *const *arrays, size_t count, size_t first, size_t end);
+/* What this text computes, one `key values` a line. */
+extern const char ur5_info[];
+
+/* librnea finds the table by this word */
+#define RNEA_INFO
+RNEA_INFO const char ur5_info[] =
+	"rneagen-info 3\n"
+	"name ur5\n"
+	"precision f64\n"
+	"arithmetic f64\n"
+	"layout soa\n"
+	"trig accurate\n"
+	"base fixed\n"
+	"nq 6\n"
+	"nv 6\n"
+	"nb 6\n"
+	"block 128\n"
+	"joint 0 1 0 1 revolute shoulder_pan_joint\n"
+	"joint 1 1 1 1 revolute shoulder_lift_joint\n"
+	"joint 2 1 2 1 revolute elbow_joint\n"
+	"joint 3 1 3 1 revolute wrist_1_joint\n"
+	"joint 4 1 4 1 revolute wrist_2_joint\n"
+	"joint 5 1 5 1 revolute wrist_3_joint\n"
+	"function rnea\n"
+	"input q 6 f64 sample joint_position\n"
+	"input qd 6 f64 sample joint_velocity\n"
+	"input qdd 6 f64 sample joint_acceleration\n"
+	"output tau 6 f64 sample joint_torque\n"
+	"operations 91 26 9 24 131 5\n"
+	"function fpass\n"
+	"input q 6 f64 sample joint_position\n"
+	"input qd 6 f64 sample joint_velocity\n"
+	"input qdd 6 f64 sample joint_acceleration\n"
+	"output v 36 f64 sample body_twists\n"
+	"output a 36 f64 sample body_accelerations\n"
+	"output f 36 f64 sample body_wrenches\n"
+	"operations 110 18 18 33 119 5\n"
+	"function bpass\n"
+	"input q 6 f64 sample joint_position\n"
+	"input f 36 f64 sample body_wrenches\n"
+	"output tau 6 f64 sample joint_torque\n"
+	"operations 21 24 1 8 36 5\n";
+
+/* samples do not depend on each other: the compiler may compute several at once */
+#if defined __clang__
+#define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
+#elif defined __GNUC__
+#define RNEA_INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define RNEA_INDEPENDENT
+#endif
 
 static int ur5_are_small(const double *q, size_t count, size_t first, size_t end)
 {
@@ -871,7 +908,8 @@ static void ur5_rnea_any(const double *q, const double *qd, const double *qdd, d
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void ur5_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd, double *restrict tau, size_t count, size_t first, size_t end)
+static void ur5_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict tau, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;
@@ -902,13 +940,15 @@ void ur5_rnea_batch(const double *q, const double *qd, const double *qdd, double
 }
 
 /* One sample, whatever its angles. */
-static void ur5_fpass_any(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f, const size_t stride)
+static void ur5_fpass_any(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f,
+	const size_t stride)
 {
 	ur5_fpass_body(q, qd, qdd, v, a, f, stride, 0);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void ur5_fpass_part(const double *restrict q, const double *restrict qd, const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count, size_t first, size_t end)
+static void ur5_fpass_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict v, double *restrict a, double *restrict f, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;
@@ -940,7 +980,8 @@ static void ur5_bpass_any(const double *q, const double *f, double *tau, const s
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void ur5_bpass_part(const double *restrict q, const double *restrict f, double *restrict tau, size_t count, size_t first, size_t end)
+static void ur5_bpass_part(const double *restrict q, const double *restrict f, double *restrict tau, size_t count,
+	size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;

@@ -20,33 +20,31 @@
  * where one is not, every torque that depends on it is not finite either.
  * Batches: every array is [row][sample].
  * Compiled as C, without CUDA, this text holds the functions of target c instead of kernels.
- *
- * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less
- * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.
  * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.
+ *
+ * Names in the statements: a quantity, the number of a link, and x y z for the component in the link's frame.
+ *   q qd qdd         position, velocity and acceleration of the link's joint
+ *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
+ *   s c              sine and cosine of the joint's angle
+ *   w                angular velocity
+ *   dw               rate of the angular velocity
+ *   v                velocity of the origin
+ *   a                acceleration of the origin, less gravity
+ *   f                force: the link's own, then with its children's
+ *   n                moment about the origin, as f
+ *   t                with a number of its own: a value that has no name in the textbook
+ *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
+ *   stride           from one row of an array to the next
+ *   small all_small  the caller takes all angles for small; they are
+ *   RNEA_FMA         a*b + c, rounded once where the machine can
+ *   rneagen_...      functions and types that this text brings along
+ * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
+ * x cross product; z the joint's axis; U = [dw]x + [w]x[w]x; m, h = m c, I mass, first moment and inertia about the
+ * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
 #if defined __CUDACC__
-#if defined __CUDACC_RTC__
-#define RNEA_INFO __device__
-#elif defined __GNUC__
-#define RNEA_INFO __attribute__((weak)) /* a program may hold the text for target c too, with a table of this name */
-#else
-#define RNEA_INFO
-#endif
 #define RNEA_INLINE __device__ __forceinline__
 #define RNEA_FMA(a, b, c) fmaf(a, b, c)
-/* threads in a block: the samples of one slice of the batch */
-#ifndef RNEA_BLOCK
-#define RNEA_BLOCK 128
-#endif
-/* blocks that one multiprocessor should hold at once: bounds the registers of the rnea kernel; 0: the compiler's choice */
-#ifndef RNEA_MIN_BLOCKS
-#define RNEA_MIN_BLOCKS (RNEA_BLOCK < 64 ? 0 : 768/RNEA_BLOCK)
-#endif
-
-extern "C" {
-extern RNEA_INFO const char ur5_info[];
-}
 #elif defined __cplusplus
 #error "compile this text as CUDA, by nvcc or NVRTC, or as C: cc -x c"
 #else
@@ -61,198 +59,39 @@ extern RNEA_INFO const char ur5_info[];
 #else
 #define RNEA_INLINE inline
 #endif
-/* samples do not depend on each other: the compiler may compute several at once */
-#if defined __clang__
-#define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
-#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
-#elif defined __GNUC__
-#define RNEA_INDEPENDENT _Pragma("GCC ivdep")
-#else
-#define RNEA_INDEPENDENT
-#endif
 /* where the machine has no fused multiply-add, fma() would be a slow library call */
 #if defined FP_FAST_FMAF
 #define RNEA_FMA(a, b, c) fmaf(a, b, c)
 #else
 #define RNEA_FMA(a, b, c) ((a)*(b) + (c))
 #endif
-/* librnea finds the table by this word */
-#define RNEA_INFO
-
-extern const char ur5_info[];
 #endif
 
-RNEA_INFO const char ur5_info[] =
-	"rneagen-info 3\n"
-	"name ur5\n"
-	"precision f32\n"
-	"arithmetic f32\n"
-	"layout soa\n"
-	"trig accurate\n"
-	"base fixed\n"
-	"nq 6\n"
-	"nv 6\n"
-	"nb 6\n"
-	"block 128\n"
-	"joint 0 1 0 1 revolute shoulder_pan_joint\n"
-	"joint 1 1 1 1 revolute shoulder_lift_joint\n"
-	"joint 2 1 2 1 revolute elbow_joint\n"
-	"joint 3 1 3 1 revolute wrist_1_joint\n"
-	"joint 4 1 4 1 revolute wrist_2_joint\n"
-	"joint 5 1 5 1 revolute wrist_3_joint\n"
-	"function rnea\n"
-	"input q 6 f32 sample joint_position\n"
-	"input qd 6 f32 sample joint_velocity\n"
-	"input qdd 6 f32 sample joint_acceleration\n"
-	"output tau 6 f32 sample joint_torque\n"
-	"operations 91 26 9 24 131 5\n"
-	"function fpass\n"
-	"input q 6 f32 sample joint_position\n"
-	"input qd 6 f32 sample joint_velocity\n"
-	"input qdd 6 f32 sample joint_acceleration\n"
-	"output v 36 f32 sample body_twists\n"
-	"output a 36 f32 sample body_accelerations\n"
-	"output f 36 f32 sample body_wrenches\n"
-	"operations 110 18 18 33 119 5\n"
-	"function bpass\n"
-	"input q 6 f32 sample joint_position\n"
-	"input f 36 f32 sample body_wrenches\n"
-	"output tau 6 f32 sample joint_torque\n"
-	"operations 21 24 1 8 36 5\n";
-
-#ifndef RNEAGEN_SINCOSF_CORE
-#define RNEAGEN_SINCOSF_CORE
-union rneagen_f32 {
-	float f;
-	unsigned int u;
-};
-
-/* x = k*(pi/2) + r - e for |x| <= 1e4: e is the rounding error of r. Returns k modulo 4 in its low two bits.
- * pi/2 is split so that k*C1, k*C2, k*C3 are exact, and x - k*C1 - k*C2 too. */
-static RNEA_INLINE unsigned int rneagen_sincosf_reduce(float x, float *r, float *e)
-{
-	union rneagen_f32 t;
-	t.f = RNEA_FMA(x, 0x1.45f306p-1f, 0x1.8p23f); /* 1.5*2^23 + k: rounds x*2/pi to the nearest integer */
-	const float k = t.f - 0x1.8p23f;
-	const float r2 = RNEA_FMA(-k, 0x1.fb4p-12f, RNEA_FMA(-k, 0x1.92p0f, x));
-	*r = RNEA_FMA(-k, 0x1.444p-24f, r2);
-	*e = RNEA_FMA(k, 0x1.68c234p-39f, RNEA_FMA(k, 0x1.444p-24f, *r - r2));
-	return t.u;
-}
-
-/* Sine and cosine of q*(pi/2) + r - e, |r| <= pi/4. With z = r*r and w = fl(1 - z/2):
- *   sin = r - (r*z*S(z) + e*w),  cos = w + ((1 - w - z/2) + r*e + z*z*C(z))
- * Sollya, I = [2^-20; pi/4*(1 + 2^-8)]:
- *  -S: fpminimax(sin(x), [|3,5,7|], [|SG...|], I, relative, x), relative error of sin 2^-27.8
- *   C: fpminimax(cos(x), [|4,6,8|], [|SG...|], I, absolute, 1 - x^2/2), error of cos 2^-33.1 */
-static RNEA_INLINE void rneagen_sincosf_turn(unsigned int q, float r, float e, float *s, float *c)
-{
-	union rneagen_f32 a, b;
-	const float z = r * r;
-	const float w = RNEA_FMA(-0.5f, z, 1.0f);
-	const float ps = RNEA_FMA(RNEA_FMA(0x1.99278ap-13f, z, -0x1.1106dcp-7f), z, 0x1.555544p-3f);
-	const float pc = RNEA_FMA(RNEA_FMA(0x1.99e7cp-16f, z, -0x1.6c0c28p-10f), z, 0x1.55554ap-5f);
-	a.f = r - RNEA_FMA(r * z, ps, e * w);
-	b.f = w + RNEA_FMA(z * z, pc, RNEA_FMA(r, e, RNEA_FMA(-0.5f, z, 1.0f - w)));
-	const unsigned int swap = (a.u ^ b.u) & (0 - (q & 1)); /* odd quarter turns exchange sine and cosine */
-	a.u ^= swap ^ (q & 2) << 30;
-	b.u ^= swap ^ ((q + 1) & 2) << 30;
-	*s = a.f;
-	*c = b.f;
-}
-#endif
-
-#ifndef RNEAGEN_SINCOSF_ACCURATE
-#define RNEAGEN_SINCOSF_ACCURATE
-/* rneagen_sincosf_reduce for |x| > 1e4, in integers (Payne and Hanek): |x| = m*2^p with a 24-bit m, and of the bits of
- * 2/pi those that only give multiples of 4 are skipped and the next 96 multiplied by m. NaN if x is not finite. */
-static RNEA_INLINE unsigned int rneagen_sincosf_reduce_large(float x, float *r, float *e)
-{
-	static const unsigned int two_over_pi[] = {0, 0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u,
-		0x3c439041u, 0xfe5163abu};
-	union rneagen_f32 t;
-	t.f = x;
-	const unsigned int bit = (t.u >> 23 & 255) - 120, i = bit >> 5, shift = bit & 31;
-	const unsigned long long m = (t.u & 0x7fffffu) | 0x800000u;
-	const unsigned long long w0 = two_over_pi[i], w1 = two_over_pi[i + 1];
-	const unsigned long long w2 = two_over_pi[i + 2], w3 = two_over_pi[i + 3];
-	const unsigned long long a = (w0 << 32 | w1) << shift >> 32, b = (w1 << 32 | w2) << shift >> 32;
-	const unsigned long long c = (w2 << 32 | w3) << shift >> 32;
-	unsigned long long f = (m * a << 32) + m * b + (m * c >> 32);
-	f = x < 0 ? ~f : f; /* x*(2/pi) modulo 4, times 2^62 */
-	const unsigned int past_half = f >> 61 & 1, q = (unsigned int)(f >> 62) + past_half;
-	float scale = RNEA_FMA(0.0f, x, past_half ? -0x1p-63f : 0x1p-63f); /* NaN where x is not finite */
-	f = past_half ? ~(f << 2) : f << 2; /* what is left of x*(2/pi) - q, times 2^64 */
-	for (; f && !(f >> 63); f <<= 1)
-		scale *= 0.5f;
-	f = (f >> 32) * 0xc90fdaa2u; /* times pi/2*2^31 */
-	const float g = (float)f;
-	*r = g * scale;
-	*e = (float)(long long)((unsigned long long)g - f) * scale;
-	return q;
-}
-
-/* Sine and cosine of any finite x, error below 0.85 ulp; NaN if x is not finite. */
-static RNEA_INLINE void rneagen_sincosf_accurate(float x, float *s, float *c)
-{
-	float r, e;
-	unsigned int q;
-	if (fabsf(x) <= 1e4f)
-		q = rneagen_sincosf_reduce(x, &r, &e);
-	else
-		q = rneagen_sincosf_reduce_large(x, &r, &e);
-	rneagen_sincosf_turn(q, r, e, s, c);
-}
-#endif
 #ifndef RNEAGEN_SINCOSF_EITHER
-#define RNEAGEN_SINCOSF_EITHER
-
-/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not, and
-   `small`, sine and cosine mean nothing. */
-static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c)
-{
-	if (small) {
-		float r, e;
-		const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
-		rneagen_sincosf_turn(q, r, e, s, c);
-	} else {
-		rneagen_sincosf_accurate(x, s, c);
-	}
-	return fabsf(x) <= 1e4f;
-}
+static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c); /* below */
 #endif
 
-#if !defined __CUDACC__
-/* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves the
-   rest a straight line; the results have the same bits either way. */
-static RNEA_INLINE int ur5_is_small(const float *q, const size_t stride)
-{
-	int small = 1;
-
-	for (size_t i = 0; i < 6; i++)
-		small &= fabsf(q[i*stride]) <= 1e+04f;
-	return small;
-}
-
-#endif
 /* tau = ID(q, qd, qdd)
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int ur5_rnea_body(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride, const int small)
+static RNEA_INLINE int ur5_rnea_body(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride,
+	const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 1 "shoulder_link" (fpass) ---- */
-	const float qd1 = qd[0*stride];
-	const float qdd1 = qdd[0*stride];
+	/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);
+	   f = m a + U h;  n = I dw + w x I w + h x a */
+	const float qd1 = qd[0];
+	const float qdd1 = qdd[0];
 	const float t1 = qd1*qd1;
 
 	/* ---- out to link 2 "upper_arm_link" (fpass) ---- */
-	const float q2 = q[1*stride];
+	const float q2 = q[stride];
 	float s2, c2;
 	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
-	const float qd2 = qd[1*stride];
-	const float qdd2 = qdd[1*stride];
+	const float qd2 = qd[stride];
+	const float qdd2 = qdd[stride];
 	const float t2 = 4.8965888e-12f*qd1;
 	const float t3 = 4.8965888e-12f*qdd1;
 	const float t4 = RNEA_FMA(-6.652016e-13f, qdd1, -9.81f);
@@ -281,8 +120,7 @@ static RNEA_INLINE int ur5_rnea_body(const float *q, const float *qd, const floa
 	const float qd3 = qd[2*stride];
 	const float qdd3 = qdd[2*stride];
 	const float t14 = a2x + RNEA_FMA(0.425f, t12, 0.1197f*(t8 + dw2z));
-	const float a3y = RNEA_FMA(-0.13585f, t1, RNEA_FMA(0.425f, t7 + t9, 0.1197f*RNEA_FMA(w2z, w2z,
-		t11)));
+	const float a3y = RNEA_FMA(-0.13585f, t1, RNEA_FMA(0.425f, t7 + t9, 0.1197f*RNEA_FMA(w2z, w2z, t11)));
 	const float t15 = a2z - RNEA_FMA(0.425f, t13, 0.1197f*(t7 - t9));
 	const float w3z = RNEA_FMA(s3, -t6, w2z*c3);
 	const float t16 = RNEA_FMA(w2z, s3, t6*c3);
@@ -377,6 +215,7 @@ static RNEA_INLINE int ur5_rnea_body(const float *q, const float *qd, const floa
 	const float n6z = 0.033822f*dw6z;
 
 	/* ---- back from link 6 "wrist_3_link" to link 5 (bpass): torque of "wrist_3_joint" ---- */
+	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
 	const float t41 = RNEA_FMA(s6, f6z, c6*f6x);
 	const float f5x = RNEA_FMA(1.219f, a5x, t41);
 	const float f5y_2 = RNEA_FMA(0.1879f, a6y, f5y);
@@ -427,50 +266,53 @@ static RNEA_INLINE int ur5_rnea_body(const float *q, const float *qd, const floa
 	const float f1x = RNEA_FMA(4.8965888e-12f, RNEA_FMA(s2, f2z_2, c2*f2x_2), t51);
 	const float t53 = RNEA_FMA(-0.13585f, f1x, RNEA_FMA(4.8965888e-12f, t52, -RNEA_FMA(s2, n2z, c2*n2x_2)));
 	const float n1z = RNEA_FMA(0.00666f, qdd1, t53);
-	tau[1*stride] = n2y_2;
+	tau[stride] = n2y_2;
 
 	/* ---- back from link 1 "shoulder_link" to the world (bpass): torque of "shoulder_pan_joint" ---- */
-	tau[0*stride] = n1z;
+	tau[0] = n1z;
 	return all_small;
 }
 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
    Returns whether all angles are small: if not, and `small`, the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int ur5_fpass_body(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f, const size_t stride, const int small)
+static RNEA_INLINE int ur5_fpass_body(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f,
+	const size_t stride, const int small)
 {
 	int all_small = 1;
 
 	/* ---- out to link 1 "shoulder_link" (fpass) ---- */
-	const float qd1 = qd[0*stride];
-	const float qdd1 = qdd[0*stride];
+	/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);  v = R'(v_p + w_p x p);
+	   f = m a + U h;  n = I dw + w x I w + h x a */
+	const float qd1 = qd[0];
+	const float qdd1 = qdd[0];
 	const float t1 = qd1*qd1;
 	const float n1z = 0.00666f*qdd1;
-	v[0*stride] = 0.0f;
-	v[1*stride] = 0.0f;
+	v[0] = 0.0f;
+	v[stride] = 0.0f;
 	v[2*stride] = 0.0f;
 	v[3*stride] = 0.0f;
 	v[4*stride] = 0.0f;
 	v[5*stride] = qd1;
-	a[0*stride] = 0.0f;
-	a[1*stride] = 0.0f;
+	a[0] = 0.0f;
+	a[stride] = 0.0f;
 	a[2*stride] = 9.81f;
 	a[3*stride] = 0.0f;
 	a[4*stride] = 0.0f;
 	a[5*stride] = qdd1;
-	f[0*stride] = 0.0f;
-	f[1*stride] = 0.0f;
+	f[0] = 0.0f;
+	f[stride] = 0.0f;
 	f[2*stride] = 36.297f;
 	f[3*stride] = 0.0f;
 	f[4*stride] = 0.0f;
 	f[5*stride] = n1z;
 
 	/* ---- out to link 2 "upper_arm_link" (fpass) ---- */
-	const float q2 = q[1*stride];
+	const float q2 = q[stride];
 	float s2, c2;
 	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
-	const float qd2 = qd[1*stride];
-	const float qdd2 = qdd[1*stride];
+	const float qd2 = qd[stride];
+	const float qdd2 = qdd[stride];
 	const float t2 = 4.8965888e-12f*qd1;
 	const float t3 = 4.8965888e-12f*qdd1;
 	const float t4 = 0.13585f*qd1;
@@ -729,10 +571,11 @@ static RNEA_INLINE int ur5_bpass_body(const float *q, const float *f, float *tau
 	int all_small = 1;
 
 	/* ---- out to link 1 "shoulder_link" ---- */
+	/* f, n = what fpass wrote, in the link's frame here */
 	const float own_n1z = f[5*stride];
 
 	/* ---- out to link 2 "upper_arm_link" ---- */
-	const float q2 = q[1*stride];
+	const float q2 = q[stride];
 	float s2, c2;
 	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
 	const float own_f2x = f[6*stride];
@@ -786,6 +629,7 @@ static RNEA_INLINE int ur5_bpass_body(const float *q, const float *f, float *tau
 	const float own_n6z = f[35*stride];
 
 	/* ---- back from link 6 "wrist_3_link" to link 5 (bpass): torque of "wrist_3_joint" ---- */
+	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
 	const float t1 = RNEA_FMA(s6, own_f6z, c6*own_f6x);
 	const float f5x = own_f5x + t1;
 	const float f5y = own_f5y + own_f6y;
@@ -834,19 +678,199 @@ static RNEA_INLINE int ur5_bpass_body(const float *q, const float *f, float *tau
 	const float t11 = RNEA_FMA(f2x, -s2, c2*f2z);
 	const float t12 = RNEA_FMA(n2x, -s2, c2*n2z);
 	const float t13 = RNEA_FMA(4.8965888e-12f, t12, -RNEA_FMA(s2, n2z, c2*n2x));
-	const float n1z = own_n1z + RNEA_FMA(-0.13585f, RNEA_FMA(4.8965888e-12f, RNEA_FMA(s2, f2z, c2*f2x),
-		t11), t13);
-	tau[1*stride] = n2y;
+	const float n1z = own_n1z + RNEA_FMA(-0.13585f, RNEA_FMA(4.8965888e-12f, RNEA_FMA(s2, f2z, c2*f2x), t11), t13);
+	tau[stride] = n2y;
 
 	/* ---- back from link 1 "shoulder_link" to the world (bpass): torque of "shoulder_pan_joint" ---- */
-	tau[0*stride] = n1z;
+	tau[0] = n1z;
 	return all_small;
 }
 
 
+#ifndef RNEAGEN_SINCOSF_CORE
+#define RNEAGEN_SINCOSF_CORE
+union rneagen_f32 {
+	float f;
+	unsigned int u;
+};
+
+/* x = k*(pi/2) + r - e for |x| <= 1e4: e is the rounding error of r. Returns k modulo 4 in its low two bits.
+ * pi/2 is split so that k*C1, k*C2, k*C3 are exact, and x - k*C1 - k*C2 too. */
+static RNEA_INLINE unsigned int rneagen_sincosf_reduce(float x, float *r, float *e)
+{
+	union rneagen_f32 t;
+	t.f = RNEA_FMA(x, 0x1.45f306p-1f, 0x1.8p23f); /* 1.5*2^23 + k: rounds x*2/pi to the nearest integer */
+	const float k = t.f - 0x1.8p23f;
+	const float r2 = RNEA_FMA(-k, 0x1.fb4p-12f, RNEA_FMA(-k, 0x1.92p0f, x));
+	*r = RNEA_FMA(-k, 0x1.444p-24f, r2);
+	*e = RNEA_FMA(k, 0x1.68c234p-39f, RNEA_FMA(k, 0x1.444p-24f, *r - r2));
+	return t.u;
+}
+
+/* Sine and cosine of q*(pi/2) + r - e, |r| <= pi/4. With z = r*r and w = fl(1 - z/2):
+ *   sin = r - (r*z*S(z) + e*w),  cos = w + ((1 - w - z/2) + r*e + z*z*C(z))
+ * Sollya, I = [2^-20; pi/4*(1 + 2^-8)]:
+ *  -S: fpminimax(sin(x), [|3,5,7|], [|SG...|], I, relative, x), relative error of sin 2^-27.8
+ *   C: fpminimax(cos(x), [|4,6,8|], [|SG...|], I, absolute, 1 - x^2/2), error of cos 2^-33.1 */
+static RNEA_INLINE void rneagen_sincosf_turn(unsigned int q, float r, float e, float *s, float *c)
+{
+	union rneagen_f32 a, b;
+	const float z = r * r;
+	const float w = RNEA_FMA(-0.5f, z, 1.0f);
+	const float ps = RNEA_FMA(RNEA_FMA(0x1.99278ap-13f, z, -0x1.1106dcp-7f), z, 0x1.555544p-3f);
+	const float pc = RNEA_FMA(RNEA_FMA(0x1.99e7cp-16f, z, -0x1.6c0c28p-10f), z, 0x1.55554ap-5f);
+	a.f = r - RNEA_FMA(r * z, ps, e * w);
+	b.f = w + RNEA_FMA(z * z, pc, RNEA_FMA(r, e, RNEA_FMA(-0.5f, z, 1.0f - w)));
+	const unsigned int swap = (a.u ^ b.u) & (0 - (q & 1)); /* odd quarter turns exchange sine and cosine */
+	a.u ^= swap ^ (q & 2) << 30;
+	b.u ^= swap ^ ((q + 1) & 2) << 30;
+	*s = a.f;
+	*c = b.f;
+}
+#endif
+
+#ifndef RNEAGEN_SINCOSF_ACCURATE
+#define RNEAGEN_SINCOSF_ACCURATE
+/* rneagen_sincosf_reduce for |x| > 1e4, in integers (Payne and Hanek): |x| = m*2^p with a 24-bit m, and of the bits of
+ * 2/pi those that only give multiples of 4 are skipped and the next 96 multiplied by m. NaN if x is not finite. */
+static RNEA_INLINE unsigned int rneagen_sincosf_reduce_large(float x, float *r, float *e)
+{
+	static const unsigned int two_over_pi[] = {0, 0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u,
+		0x3c439041u, 0xfe5163abu};
+	union rneagen_f32 t;
+	t.f = x;
+	const unsigned int bit = (t.u >> 23 & 255) - 120, i = bit >> 5, shift = bit & 31;
+	const unsigned long long m = (t.u & 0x7fffffu) | 0x800000u;
+	const unsigned long long w0 = two_over_pi[i], w1 = two_over_pi[i + 1];
+	const unsigned long long w2 = two_over_pi[i + 2], w3 = two_over_pi[i + 3];
+	const unsigned long long a = (w0 << 32 | w1) << shift >> 32, b = (w1 << 32 | w2) << shift >> 32;
+	const unsigned long long c = (w2 << 32 | w3) << shift >> 32;
+	unsigned long long f = (m * a << 32) + m * b + (m * c >> 32);
+	f = x < 0 ? ~f : f; /* x*(2/pi) modulo 4, times 2^62 */
+	const unsigned int past_half = f >> 61 & 1, q = (unsigned int)(f >> 62) + past_half;
+	float scale = RNEA_FMA(0.0f, x, past_half ? -0x1p-63f : 0x1p-63f); /* NaN where x is not finite */
+	f = past_half ? ~(f << 2) : f << 2; /* what is left of x*(2/pi) - q, times 2^64 */
+	for (; f && !(f >> 63); f <<= 1)
+		scale *= 0.5f;
+	f = (f >> 32) * 0xc90fdaa2u; /* times pi/2*2^31 */
+	const float g = (float)f;
+	*r = g * scale;
+	*e = (float)(long long)((unsigned long long)g - f) * scale;
+	return q;
+}
+
+/* Sine and cosine of any finite x, error below 0.85 ulp; NaN if x is not finite. */
+static RNEA_INLINE void rneagen_sincosf_accurate(float x, float *s, float *c)
+{
+	float r, e;
+	unsigned int q;
+	if (fabsf(x) <= 1e4f)
+		q = rneagen_sincosf_reduce(x, &r, &e);
+	else
+		q = rneagen_sincosf_reduce_large(x, &r, &e);
+	rneagen_sincosf_turn(q, r, e, s, c);
+}
+#endif
+#ifndef RNEAGEN_SINCOSF_EITHER
+#define RNEAGEN_SINCOSF_EITHER
+
+/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not,
+   and `small`, sine and cosine mean nothing. */
+static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c)
+{
+	if (small) {
+		float r, e;
+		const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
+		rneagen_sincosf_turn(q, r, e, s, c);
+	} else {
+		rneagen_sincosf_accurate(x, s, c);
+	}
+	return fabsf(x) <= 1e4f;
+}
+#endif
+
+#if !defined __CUDACC__
+/* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves
+   the rest a straight line; the results have the same bits either way. */
+static RNEA_INLINE int ur5_is_small(const float *q, const size_t stride)
+{
+	int small = 1;
+
+	for (size_t i = 0; i < 6; i++)
+		small &= fabsf(q[i*stride]) <= 1e+04f;
+	return small;
+}
+
+#endif
+
+/* ---- what this text computes, one `key values` a line: librnea reads it ---- */
+#if defined __CUDACC_RTC__
+#define RNEA_INFO __device__
+#elif defined __CUDACC__ && defined __GNUC__
+#define RNEA_INFO __attribute__((weak)) /* a program may hold the text for target c too, with a table of this name */
+#else
+#define RNEA_INFO
+#endif
+#if defined __cplusplus
+extern "C" {
+#endif
+extern RNEA_INFO const char ur5_info[];
+#if defined __cplusplus
+}
+#endif
+RNEA_INFO const char ur5_info[] =
+	"rneagen-info 3\n"
+	"name ur5\n"
+	"precision f32\n"
+	"arithmetic f32\n"
+	"layout soa\n"
+	"trig accurate\n"
+	"base fixed\n"
+	"nq 6\n"
+	"nv 6\n"
+	"nb 6\n"
+	"block 128\n"
+	"joint 0 1 0 1 revolute shoulder_pan_joint\n"
+	"joint 1 1 1 1 revolute shoulder_lift_joint\n"
+	"joint 2 1 2 1 revolute elbow_joint\n"
+	"joint 3 1 3 1 revolute wrist_1_joint\n"
+	"joint 4 1 4 1 revolute wrist_2_joint\n"
+	"joint 5 1 5 1 revolute wrist_3_joint\n"
+	"function rnea\n"
+	"input q 6 f32 sample joint_position\n"
+	"input qd 6 f32 sample joint_velocity\n"
+	"input qdd 6 f32 sample joint_acceleration\n"
+	"output tau 6 f32 sample joint_torque\n"
+	"operations 91 26 9 24 131 5\n"
+	"function fpass\n"
+	"input q 6 f32 sample joint_position\n"
+	"input qd 6 f32 sample joint_velocity\n"
+	"input qdd 6 f32 sample joint_acceleration\n"
+	"output v 36 f32 sample body_twists\n"
+	"output a 36 f32 sample body_accelerations\n"
+	"output f 36 f32 sample body_wrenches\n"
+	"operations 110 18 18 33 119 5\n"
+	"function bpass\n"
+	"input q 6 f32 sample joint_position\n"
+	"input f 36 f32 sample body_wrenches\n"
+	"output tau 6 f32 sample joint_torque\n"
+	"operations 21 24 1 8 36 5\n";
+
 #if defined __CUDACC__
+/* ---- kernels ---- */
+/* threads in a block: the samples of one slice of the batch */
+#ifndef RNEA_BLOCK
+#define RNEA_BLOCK 128
+#endif
+/* blocks that one multiprocessor should hold at once: bounds the registers of the rnea kernel; 0: the compiler's choice
+   */
+#ifndef RNEA_MIN_BLOCKS
+#define RNEA_MIN_BLOCKS (RNEA_BLOCK < 64 ? 0 : 768/RNEA_BLOCK)
+#endif
+
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK, RNEA_MIN_BLOCKS)
-ur5_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd, float *__restrict__ tau, size_t count)
+ur5_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
+	float *__restrict__ tau, size_t count)
 {
 	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
 
@@ -859,7 +883,8 @@ ur5_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const
 }
 
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK)
-ur5_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd, float *__restrict__ v, float *__restrict__ a, float *__restrict__ f, size_t count)
+ur5_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
+	float *__restrict__ v, float *__restrict__ a, float *__restrict__ f, size_t count)
 {
 	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
 
@@ -881,7 +906,8 @@ ur5_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, float
 
 #if !defined __CUDACC_RTC__
 /* Run the kernel on device pointers in the caller's stream (a cudaStream_t); returns the cudaError_t. */
-extern "C" int ur5_rnea_launch(const float *q, const float *qd, const float *qdd, float *tau, size_t count, void *stream)
+extern "C" int ur5_rnea_launch(const float *q, const float *qd, const float *qdd, float *tau, size_t count,
+	void *stream)
 {
 	const size_t blocks = count/RNEA_BLOCK + (count%RNEA_BLOCK != 0);
 	void *arguments[] = {&q, &qd, &qdd, &tau, &count};
@@ -896,6 +922,16 @@ extern "C" int ur5_rnea_launch(const float *q, const float *qd, const float *qdd
 #endif
 #else
 /* ---- compiled as C: the functions of target c ---- */
+/* samples do not depend on each other: the compiler may compute several at once */
+#if defined __clang__
+#define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
+#elif defined __GNUC__
+#define RNEA_INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define RNEA_INDEPENDENT
+#endif
+
 static int ur5_are_small(const float *q, size_t count, size_t first, size_t end)
 {
 	int small = 1;
@@ -912,7 +948,8 @@ static void ur5_rnea_any(const float *q, const float *qd, const float *qdd, floa
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void ur5_rnea_part(const float *restrict q, const float *restrict qd, const float *restrict qdd, float *restrict tau, size_t count, size_t first, size_t end)
+static void ur5_rnea_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+	float *restrict tau, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;
@@ -943,13 +980,15 @@ void ur5_rnea_batch(const float *q, const float *qd, const float *qdd, float *ta
 }
 
 /* One sample, whatever its angles. */
-static void ur5_fpass_any(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f, const size_t stride)
+static void ur5_fpass_any(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f,
+	const size_t stride)
 {
 	ur5_fpass_body(q, qd, qdd, v, a, f, stride, 0);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void ur5_fpass_part(const float *restrict q, const float *restrict qd, const float *restrict qdd, float *restrict v, float *restrict a, float *restrict f, size_t count, size_t first, size_t end)
+static void ur5_fpass_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+	float *restrict v, float *restrict a, float *restrict f, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;
@@ -981,7 +1020,8 @@ static void ur5_bpass_any(const float *q, const float *f, float *tau, const size
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void ur5_bpass_part(const float *restrict q, const float *restrict f, float *restrict tau, size_t count, size_t first, size_t end)
+static void ur5_bpass_part(const float *restrict q, const float *restrict f, float *restrict tau, size_t count,
+	size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;

@@ -19,13 +19,31 @@
  * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
  * Batches: every array is [row][sample].
- *
- * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less
- * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.
  * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.
+ *
+ * Names in the statements: a quantity, the number of a link, and x y z for the component in the link's frame.
+ *   q qd qdd         position, velocity and acceleration of the link's joint
+ *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
+ *   s c              sine and cosine of the joint's angle
+ *   w                angular velocity
+ *   dw               rate of the angular velocity
+ *   v                velocity of the origin
+ *   a                acceleration of the origin, less gravity
+ *   f                force: the link's own, then with its children's
+ *   n                moment about the origin, as f
+ *   t                with a number of its own: a value that has no name in the textbook
+ *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
+ *   stride           from one row of an array to the next
+ *   small all_small  the caller takes all angles for small; they are
+ *   RNEA_FMA         a*b + c, rounded once where the machine can
+ *   rneagen_...      functions and types that this text brings along
+ * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
+ * x cross product; z the joint's axis; U = [dw]x + [w]x[w]x; m, h = m c, I mass, first moment and inertia about the
+ * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
 #ifndef ur5_RNEA_H
 #define ur5_RNEA_H
+#include <math.h>
 #include <stddef.h>
 
 #ifdef __cplusplus
@@ -53,4 +71,29 @@ extern const char ur5_info[];
 #ifdef __cplusplus
 }
 #endif
+
+/* The joints of this text, by the rows of q, and by those of qd, qdd and tau. A joint of several rows stands at each of
+   them; the floating base is "". */
+#if defined __GNUC__
+#define RNEA_TABLE static const __attribute__((unused))
+#else
+#define RNEA_TABLE static const
+#endif
+RNEA_TABLE char *const ur5_q_joint[ur5_nq] = {
+	"shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint", "wrist_3_joint"};
+RNEA_TABLE char *const ur5_qd_joint[ur5_nv] = {
+	"shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint", "wrist_3_joint"};
+/* Limits that the URDF states: q_min <= q <= q_max in rad or m, |qd| <= qd_max in rad/s or m/s, |tau| <= tau_max in
+   N m or N. Where it states none, HUGE_VAL stands, which no number is beyond; in q_min -HUGE_VAL. The functions do not
+   look at limits. */
+RNEA_TABLE double ur5_q_min[ur5_nq] = {
+	-6.28318530718, -6.28318530718, -3.14159265359, -6.28318530718, -6.28318530718, -6.28318530718};
+RNEA_TABLE double ur5_q_max[ur5_nq] = {
+	6.28318530718, 6.28318530718, 3.14159265359, 6.28318530718, 6.28318530718, 6.28318530718};
+RNEA_TABLE double ur5_qd_max[ur5_nv] = {
+	3.15, 3.15, 3.15, 3.2, 3.2, 3.2};
+RNEA_TABLE double ur5_tau_max[ur5_nv] = {
+	1.5e+02, 1.5e+02, 1.5e+02, 28.0, 28.0, 28.0};
+#undef RNEA_TABLE
+
 #endif

@@ -3,7 +3,7 @@
 
 _rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --derivatives --fext --fext-frame --armature --damping
 	--friction --snap-angle --round-constants --drop-below --range'
-_rneagen_options="-o --output --target --precision --layout --strict --bounded --parts --trig --base --gravity --mimic --order --name --info
+_rneagen_options="-o --output --target --precision --layout --strict --bounded --only --parts --trig --base --gravity --mimic --order --name --info
 	--info=json --dot --dump --quiet --help --version $_rneagen_scene"
 
 # The words that an option takes; returns 1 for an option that takes none, or any.
@@ -19,6 +19,7 @@ _rneagen_words() {
 	--fext-frame) echo link world ;;
 	--derivatives) echo forward recursion ;;
 	--parts) echo auto ;;
+	--only) echo rnea ;;
 	--info) echo json ;;
 	--dump) echo robot scene tree request dag plan parts passes ;;
 	--backend) [[ ${COMP_WORDS[1]} == eval ]] && echo cpu cuda any || echo cpu cuda all ;;

@@ -59,6 +59,7 @@ _rneagen_command() {
 		'--layout=[how batches lie in memory]:layout:(soa aos)' \
 		'--parts=[matrices in parts of the grid]:parts:(auto)' \
 		'--bounded[target c: also a function that bounds the error of each torque]' \
+		'--only=[the algorithm without its halves and batches]:algorithm:(rnea)' \
 		'--name=[prefix of every function]:identifier:' \
 		'--info=-[tell about the robot]::format:(json)' \
 		'--dot[print the tree as a graph for Graphviz]' \

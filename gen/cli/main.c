@@ -35,6 +35,8 @@ static const char HELP[] =
 	"  --bounded                  target c: also a function that bounds how far each output is from what the URDF's decimals\n"
 	"                             give in exact arithmetic, where angles within 5e-15 rad of a right one are right, and\n"
 	"                             constants that are zero, or equal, but for the rounding of the file's numbers are so\n"
+	"  --only rnea                the algorithm alone: without its halves fpass and bpass and, for target c, without the\n"
+	"                             functions that take batches\n"
 	"  --order J1,J2,...          rows of q by joint name (default: depth-first, children by name)\n"
 	OPTIONS_SCENE_HELP
 	"  --name NAME                prefix of every function (default: the robot's name)\n"
@@ -57,13 +59,16 @@ struct command {
 	struct file_names read;
 };
 
-enum { KEY_NAME = OPTION_OWN, KEY_INFO, KEY_DOT, KEY_BOUNDED, KEY_QUIET };
+enum { KEY_NAME = OPTION_OWN, KEY_INFO, KEY_DOT, KEY_BOUNDED, KEY_ONLY, KEY_QUIET };
 
 static const struct option OPTIONS[] = {
 	OPTIONS_TEXT, OPTIONS_MODEL, {"output", required_argument, NULL, 'o'},
 	{"name", required_argument, NULL, KEY_NAME}, {"info", optional_argument, NULL, KEY_INFO},
-	{"dot", no_argument, NULL, KEY_DOT}, {"bounded", no_argument, NULL, KEY_BOUNDED}, {"quiet", no_argument, NULL, KEY_QUIET},
+	{"dot", no_argument, NULL, KEY_DOT}, {"bounded", no_argument, NULL, KEY_BOUNDED}, {"only", required_argument, NULL, KEY_ONLY},
+	{"quiet", no_argument, NULL, KEY_QUIET},
 	{"help", no_argument, NULL, OPTION_HELP}, {"version", no_argument, NULL, OPTION_VERSION}, {NULL, 0, NULL, 0}};
+
+static const struct option_choice ONLY[] = {{"rnea", 1}, {NULL, 0}};
 
 /* --info and --dot share standard output. */
 static int set_info(struct command *c, enum info_mode info)
@@ -101,6 +106,8 @@ static int parse_option(struct command *c, int key, const char *word)
 	case KEY_BOUNDED:
 		c->options.bounded = 1;
 		return 0;
+	case KEY_ONLY:
+		return option_choose(COMMAND, "only", word, ONLY, &c->options.only_rnea);
 	case KEY_DOT:
 		return set_info(c, INFO_DOT);
 	case KEY_QUIET:

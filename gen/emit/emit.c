@@ -1,4 +1,5 @@
 #include "emit/unparse.h"
+#include "base/fold.h"
 #include "plan/parts.h"
 #include "emit/template.h"
 #include <math.h>
@@ -69,8 +70,10 @@ static void put_body(const struct emission *e, const struct pass *p, struct text
 		{"RETURNS", emit_has_small(e) ? RETURNS : ""},
 	};
 	size_t count = sizeof slots / sizeof *slots;
+	size_t from = out->length;
 	const char *rest = template_expand_to(out, template_body_in, "BODY", slots, count);
 
+	fold(out, from);
 	put_statements(e, p, out);
 	template_expand(out, rest, slots, count);
 }
@@ -129,15 +132,14 @@ static const char *further_text(const struct emission *e)
 	return text_string(&t);
 }
 
-/* The arithmetic of the precision where it is not the compiler's, and the sine and cosine of the mode. */
-static const char *sincos_text(const struct emission *e)
+/* The arithmetic of the precision where it is not the compiler's. */
+static const char *numbers_text(const struct emission *e)
 {
 	struct text t;
 
 	text_init(&t, e->arena);
 	if (e->numbers->put_functions)
 		e->numbers->put_functions(e, &t);
-	emit_sincos(e, &t);
 	return text_string(&t);
 }
 
@@ -175,20 +177,29 @@ static const char *small_limit(const struct emission *e)
 	return text_string(&t);
 }
 
+/* Does a function ask whether a sample's angles are small, before it computes? */
+static int tests_angles(const struct emission *e)
+{
+	return emit_has_batches(e) || !e->target->has_batches;
+}
+
 /* The test of a sample's angles, in accurate mode. */
-static void put_is_small(const struct emission *e, struct text *out)
+static const char *is_small_text(const struct emission *e)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}, {"F", e->memory->suffix},
 		{"NQ", emit_int(e, e->tree->nq)}, {"LIMIT", small_limit(e)}};
 
 	int host_only = e->target->kernel && emit_is_optimistic(e);
+	struct text t;
 
-	if (!emit_has_small(e))
-		return;
+	text_init(&t, e->arena);
+	if (!emit_has_small(e) || !tests_angles(e))
+		return "";
 	if (host_only)
-		text_printf(out, "#if !defined %s\n", e->target->kernel->compiler);
-	template_expand(out, template_is_small_in, slots, sizeof slots / sizeof *slots);
-	text_put(out, host_only ? "#endif\n" : "");
+		text_printf(&t, "#if !defined %s\n", e->target->kernel->compiler);
+	template_expand(&t, template_is_small_in, slots, sizeof slots / sizeof *slots);
+	text_put(&t, host_only ? "#endif\n" : "");
+	return text_string(&t);
 }
 
 /* The call of a part's body with the dispatcher's own arguments. */
@@ -218,13 +229,15 @@ static void put_dispatcher(const struct emission *e, struct text *out)
 		{"RESULT", emit_has_small(e) ? "int" : "void"}, {"RETURNS", emit_has_small(e) ? RETURNS : ""},
 		{"BEGIN", emit_has_small(e) ? "\tint all_small = 1;" : ""}, {"END", emit_has_small(e) ? "\treturn all_small;" : ""},
 		{"COUNT", emit_int(e, e->part_count)}, {"CASES", text_string(&cases)}, {"CALLS", text_string(&calls)}};
+	size_t from = out->length;
+
 	template_expand(out, e->target->kernel->parts, slots, sizeof slots / sizeof *slots);
+	fold(out, from);
 	out->failed |= cases.failed | calls.failed;
 }
 
 static void put_bodies(const struct emission *e, struct text *out)
 {
-	put_is_small(e, out);
 	for (int i = 0; i < e->part_count; i++)
 		put_body(e, &e->parts[i].pass, out);
 	for (int i = 0; i < e->pass_count; i++)
@@ -248,7 +261,8 @@ void emit_source(const struct emission *e, struct text *out)
 		{"ARITHMETIC", emit_arithmetic(e, e->target)}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
 		{"UNDEF_STRICT", e->options->strict ? "#undef RNEA_ADD\n#undef RNEA_SUB\n#undef RNEA_MUL\n#undef RNEA_DIV\n#undef RNEA_SQRT\n#undef RNEA_APART\n" : ""},
 		{"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)}, {"MIN_BLOCKS", emit_min_blocks(e)},
-		{"SINCOS", sincos_text(e)}, {"STAGE", emit_stage(e)}, {"STORE", emit_store(e)},
+		{"NUMBERS", numbers_text(e)}, {"SINCOS_DECLARATION", emit_sincos_declaration(e)}, {"SINCOS", emit_sincos(e)},
+		{"IS_SMALL", is_small_text(e)}, {"JOINTS", emit_joints(e)}, {"STAGE", emit_stage(e)}, {"STORE", emit_store(e)},
 		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e)},
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)},
@@ -260,21 +274,31 @@ void emit_source(const struct emission *e, struct text *out)
 	};
 
 	size_t count = sizeof slots / sizeof *slots;
+	size_t from = out->length;
+
 	rest = template_expand_to(out, e->target->frame, "BODIES", slots, count);
+	fold(out, from);
 	put_bodies(e, out);
+	from = out->length;
 	if (e->options->bounded) {
 		rest = template_expand_to(out, rest, "BOUNDED", slots, count);
+		fold(out, from);
 		emit_bounded(e, out);
+		from = out->length;
 	}
 	template_expand(out, rest, slots, count);
+	fold(out, from);
 	out->failed |= kernels.failed | e->arena->failed;
 }
 
 void emit_declarations(const struct emission *e, struct text *out)
 {
 	const struct slot slots[] = {
-		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"ENUM", enum_text(e)}, {"PROTOTYPES", emit_prototypes(e)}};
+		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"ENUM", enum_text(e)}, {"PROTOTYPES", emit_prototypes(e)},
+		{"JOINTS", emit_joints(e)}};
+	size_t from = out->length;
 
 	template_expand(out, e->target->declarations, slots, sizeof slots / sizeof *slots);
+	fold(out, from);
 	out->failed |= e->arena->failed;
 }

@@ -64,9 +64,6 @@ const char *emit_layout_name(enum rneagen_layout layout);
    files and of the functions, which take quotes. */
 void emit_options(const struct rneagen_options *o, struct text *out);
 
-/* A comment that says which part of the algorithm begins. */
-void emit_section(const struct emission *e, const struct pass *p, const struct section *s, struct text *out);
-
 /* Is there such an operation in a pass; in the text? */
 int emit_pass_uses(const struct pass *p, enum op op);
 int emit_uses(const struct emission *e, enum op op);
@@ -90,8 +87,15 @@ void emit_pattern_json(const struct emission *e, struct text *out);
 /* The macros of the operations, as compilers of such texts take them. */
 const char *emit_arithmetic(const struct emission *e, const struct target_type *target);
 
-/* The sine and cosine function that the statements call. */
-void emit_sincos(const struct emission *e, struct text *out);
+/* The sine and cosine function that the statements call; its declaration, which stands before them. */
+const char *emit_sincos(const struct emission *e);
+const char *emit_sincos_declaration(const struct emission *e);
+
+/* Headers: names and limits of the joints. */
+const char *emit_joints(const struct emission *e);
+
+/* What can stand in a string of C, whatever `s` holds. */
+void emit_literal(const char *s, size_t length, struct text *out);
 
 /* A pass's arguments as parameters, as their names, as addresses, out of an array of pointers, or moved on to sample k of
    a batch. */
@@ -106,6 +110,9 @@ const char *emit_stride(const struct emission *e);
 const char *emit_head_c(const struct emission *e);
 const char *emit_functions_c(const struct emission *e);
 const char *emit_prototypes(const struct emission *e);
+
+/* Are there functions, or kernels, that take batches? */
+int emit_has_batches(const struct emission *e);
 
 /* CUDA: a kernel, and the functions by which it stages its slice; the samples of a slice; how many slices a
    multiprocessor is to have room for, an expression of RNEA_BLOCK, 0: as the compiler likes. */
@@ -137,6 +144,12 @@ const char *emit_dimensions(const struct emission *e);
 
 /* The number in digits. */
 const char *emit_int(const struct emission *e, int value);
+
+/* Is there a value of the quantity that has a name, "w" in w3x? */
+int emit_names(const struct plan *p, const char *quantity);
+
+/* The part of it that explains the names of the statements. */
+void emit_legend(const struct emission *e, struct text *out);
 
 /* The comment at the head of the text. */
 void emit_banner(const struct emission *e, struct text *out);

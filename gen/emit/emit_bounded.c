@@ -1,6 +1,7 @@
 /* NAME_rnea_bounded: torques, or what else is wanted, and, by a running error analysis beside them, how far each may be from
    what the URDF's decimals give. */
 #include "emit/unparse.h"
+#include "base/fold.h"
 #include "emit/template.h"
 
 /* Roundings of a bound from an operation's operands to its result, three times u for the factor 1 + 3u included. */
@@ -69,7 +70,7 @@ void emit_bounded(const struct emission *e, struct text *out)
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"M", e->memory->type},
 		{"FACTOR", factor_text(e, way)}, {"ENDS", ends_text(e, &p->dag)},
 	};
-	size_t count = sizeof slots / sizeof *slots;
+	size_t count = sizeof slots / sizeof *slots, from = out->length;
 
 	template_expand(out, template_bounded_in, slots, count);
 	if (emit_pass_uses(p, OP_SIN) || emit_pass_uses(p, OP_COS))
@@ -77,7 +78,10 @@ void emit_bounded(const struct emission *e, struct text *out)
 	if (e->memory != s)
 		template_expand(out, template_bounded_store_in, slots, count);
 	rest = template_expand_to(out, template_bounded_function_in, "BODY", slots, count);
+	fold(out, from);
 	unparse(e, p, e->numbers->bounded, out);
+	from = out->length;
 	template_expand(out, rest, slots, count);
+	fold(out, from);
 	out->failed |= way < 0;
 }

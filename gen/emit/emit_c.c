@@ -26,6 +26,11 @@ const char *emit_head_c(const struct emission *e)
 	return text_string(&t);
 }
 
+int emit_has_batches(const struct emission *e)
+{
+	return e->target->kernel || (e->target->has_batches && !e->options->only_rnea);
+}
+
 /* Whether the angles of some samples are small: what reads no angle does not ask. */
 static const char *are_small(const struct emission *e, const struct pass *p)
 {
@@ -45,7 +50,7 @@ static void put_functions(const struct emission *e, const struct pass *p, struct
 {
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"APART", e->options->strict ? "RNEA_APART " : ""},
-		{"ARE_SMALL", are_small(e, p)}, {"ONE", emit_has_small(e) ? "any" : "body"},
+		{"ARE_SMALL", are_small(e, p)}, {"ONE", emit_has_small(e) ? "any" : "body"}, {"ANY_ANGLE", emit_has_small(e) ? ", 0" : ""},
 		{"COUNT_PARAM", is_soa(e) ? "size_t count, " : ""}, {"COUNT", is_soa(e) ? "count, " : ""},
 		{"UNUSED", is_soa(e) ? "" : "\t(void)count;"}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
@@ -54,6 +59,10 @@ static void put_functions(const struct emission *e, const struct pass *p, struct
 	};
 	size_t count = sizeof slots / sizeof *slots;
 
+	if (!emit_has_batches(e)) {
+		template_expand(out, template_function_only_in, slots, count);
+		return;
+	}
 	template_expand(out, emit_has_small(e) ? template_part_accurate_in : template_part_in, slots, count);
 	template_expand(out, template_slice_in, slots, count);
 	if (p == emit_main(e))
@@ -68,7 +77,8 @@ const char *emit_functions_c(const struct emission *e)
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (emit_has_small(e))
+	text_put(&t, emit_has_batches(e) ? template_independent_in : "");
+	if (emit_has_small(e) && emit_has_batches(e))
 		template_expand(&t, template_are_small_in, slots, sizeof slots / sizeof *slots);
 	for (int i = 0; i < e->pass_count; i++) {
 		text_put(&t, i ? "\n" : "");
@@ -147,10 +157,12 @@ const char *emit_prototypes(const struct emission *e)
 	put_prototype(e, emit_main(e), "", "", text_string(&one), &t);
 	if (e->options->bounded)
 		put_bounded_prototype(e, &t);
-	put_prototype(e, emit_main(e), "_batch", ", size_t count", text_string(&many), &t);
+	if (emit_has_batches(e))
+		put_prototype(e, emit_main(e), "_batch", ", size_t count", text_string(&many), &t);
 	for (const struct pass *p = emit_main(e) + 1; p < e->passes + e->pass_count; p++)
 		put_prototype(e, p, "", "", p->algorithm->brief, &t);
-	put_slice_prototypes(e, &t);
+	if (emit_has_batches(e))
+		put_slice_prototypes(e, &t);
 	emit_pattern_declarations(e, &t);
 	text_printf(&t, "/* What this text computes, one `key values` a line. */\nextern const char %s_info[];",
 		e->options->name);

@@ -213,18 +213,17 @@ static void put_conventions(const struct emission *e, struct text *out)
 			      " * tau = force then moment about the origin, body's frame. The quaternion is not normalised.\n");
 	if (has_type(e->tree, JOINT_PLANAR))
 		text_put(out, " * Planar: q = x y theta; x and y in the plane normal to the axis; qd = dq/dt.\n");
-	if (e->target->has_batches)
+	if (emit_has_batches(e))
 		text_printf(out, " * Batches: every array is [%s].\n",
 			e->options->layout == RNEAGEN_SOA ? "row][sample" : "sample][row");
 	text_put(out, e->numbers->note);
 	text_put(out, e->target->note);
-	text_put(out, " *\n * Names: link number after w angular velocity, dw its rate, v velocity, a acceleration of the origin less\n"
-		      " * gravity, f force, n moment about the origin, s c sine and cosine; then the component in the link's frame.\n");
 	if (!e->request->is_plain)
 		put_task(e, out);
 	for (int i = 0; i < e->pass_count; i++)
 		if (e->passes[i].algorithm->note)
 			text_printf(out, " * %s\n", e->passes[i].algorithm->note);
+	emit_legend(e, out);
 }
 
 static void put_operations(const struct emission *e, struct text *out)
@@ -261,10 +260,8 @@ void emit_banner(const struct emission *e, struct text *out)
 	text_put(out, " */");
 }
 
-/* One line of the table as a string literal; whatever stands in a name stays inside. */
-static void put_literal_line(const char *s, size_t length, struct text *out)
+void emit_literal(const char *s, size_t length, struct text *out)
 {
-	text_put(out, "\t\"");
 	for (size_t i = 0; i < length; i++) {
 		unsigned char c = (unsigned char)s[i];
 
@@ -275,6 +272,13 @@ static void put_literal_line(const char *s, size_t length, struct text *out)
 		else
 			text_putc(out, (char)c);
 	}
+}
+
+/* One line of the table as a string literal; whatever stands in a name stays inside. */
+static void put_literal_line(const char *s, size_t length, struct text *out)
+{
+	text_put(out, "\t\"");
+	emit_literal(s, length, out);
 	text_put(out, "\\n\"");
 }
 

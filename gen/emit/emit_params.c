@@ -32,6 +32,8 @@ void emit_options(const struct rneagen_options *o, struct text *out)
 		text_put(out, " --strict");
 	if (o->bounded)
 		text_put(out, " --bounded");
+	if (o->only_rnea)
+		text_put(out, " --only rnea");
 	if (o->parts != RNEAGEN_PARTS_AUTO)
 		text_printf(out, " --parts %d", o->parts);
 	if (o->mimic == RNEAGEN_MIMIC_INDEPENDENT)

@@ -44,15 +44,51 @@ static void put_renamed(const char *s, struct text *out)
 	}
 }
 
-void emit_sincos(const struct emission *e, struct text *out)
+/* As the options have it. */
+static const char *renamed(const struct emission *e, const struct text *t)
+{
+	struct text other;
+
+	text_init(&other, e->arena);
+	other.failed = t->failed;
+	if (e->options->strict)
+		put_renamed(text_string(t), &other);
+	return e->options->strict ? text_string(&other) : text_string(t);
+}
+
+const char *emit_sincos(const struct emission *e)
 {
 	struct text t;
 
 	text_init(&t, e->arena);
 	put_sincos(e, &t);
-	out->failed |= t.failed;
-	if (e->options->strict)
-		put_renamed(text_string(&t), out);
-	else
-		text_put(out, text_string(&t));
+	return renamed(e, &t);
+}
+
+/* The macro that guards a function's definition: its name in capitals. */
+static const char *guard_of(const struct emission *e, const char *function)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (; *function; function++)
+		text_putc(&t, *function >= 'a' && *function <= 'z' ? (char)(*function - 'a' + 'A') : *function);
+	return text_string(&t);
+}
+
+const char *emit_sincos_declaration(const struct emission *e)
+{
+	const struct number_type *n = e->numbers;
+	int either = emit_has_small(e);
+	struct text function, t;
+
+	text_init(&function, e->arena);
+	text_init(&t, e->arena);
+	text_printf(&function, "%s%s", n->sincos, either ? "either" : emit_trig_name(emit_trig_of(e->options)));
+	const struct slot slots[] = {{"GUARD", guard_of(e, text_string(&function))}, {"FUNCTION", text_string(&function)},
+		{"RESULT", either ? "int" : "void"}, {"SMALL", either ? ", const int small" : ""}, {"VALUE", n->value},
+		{"ANGLE", n->angle_is_memory ? e->memory->type : n->value}};
+	if (emit_uses(e, OP_SIN) || emit_uses(e, OP_COS))
+		template_expand(&t, template_sincos_declaration_in, slots, sizeof slots / sizeof *slots);
+	return renamed(e, &t);
 }

@@ -1,5 +1,94 @@
-/* The comment at which a part of the algorithm begins. */
-#include "emit/emit.h"
+/* The comment at which a part of the algorithm begins, and below it, where it is the first of its kind, the formula. */
+#include "emit/unparse.h"
+
+/* As joint types have them in common. */
+enum kind_of_joint { TURNS, SLIDES, HOLDS, FLOATS, PLANE, JOINT_KINDS };
+
+static enum kind_of_joint kind_of(const struct body *k)
+{
+	switch (k->type) {
+	case JOINT_PRISMATIC:
+		return SLIDES;
+	case JOINT_FIXED:
+		return HOLDS;
+	case JOINT_FLOATING:
+		return FLOATS;
+	case JOINT_PLANAR:
+		return PLANE;
+	default:
+		return TURNS;
+	}
+}
+
+/* dynamics/rnea.c, move. V is how fast the joint slides, dV its rate. */
+static const char *const OUT[JOINT_KINDS] = {
+	[TURNS] = "w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p)",
+	[SLIDES] = "w = R'w_p;  dw = R'dw_p;  a = R'(a_p + U_p p) + z qdd + 2 w x z qd",
+	[HOLDS] = "w = R'w_p;  dw = R'dw_p;  a = R'(a_p + U_p p)",
+	[FLOATS] = "w = R'w_p + qd_w;  dw = R'dw_p + qdd_w + R'w_p x qd_w;  a = R'(a_p + U_p p) + dV + 2 R'w_p x V,  V = qd_v,  "
+		"dV = qdd_v + qd_w x qd_v",
+	[PLANE] = "w = R'w_p + z qd_t;  dw = R'dw_p + z qdd_t + R'w_p x z qd_t;  a = R'(a_p + U_p p + dV + 2 w_p x V),  V = qd_xy,  "
+		"dV = qdd_xy in the joint's plane"};
+
+static const char *const VELOCITY[JOINT_KINDS] = {[TURNS] = "v = R'(v_p + w_p x p)", [SLIDES] = "v = R'(v_p + w_p x p) + z qd",
+	[HOLDS] = "v = R'(v_p + w_p x p)", [FLOATS] = "v = R'(v_p + w_p x p) + V", [PLANE] = "v = R'(v_p + w_p x p + V)"};
+
+/* The same file, leave; dynamics/at_rest.c, at_rest_leave. */
+static const char BACK[] = "f_p += R f;  n_p += R n + p x R f", REST_BACK[] = "f = M a;  n = mc x a;  M_p += M;  mc_p += R mc + M p";
+
+static const char *const TORQUE[JOINT_KINDS] = {[TURNS] = ";  tau = z.n", [SLIDES] = ";  tau = z.f", [HOLDS] = "",
+	[FLOATS] = ";  tau = (f, n)", [PLANE] = ";  tau = (f_x, f_y, n_z)"};
+
+static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driver += multiplier tau of each follower",
+	[SECTION_TOTALS] = "power = qd.tau;  kinetic = sum of (v.(m v + 2 w x h) + w.I w)/2",
+	[SECTION_BIAS] = "bias = ID(q, qd, 0)", [SECTION_GRAVITY] = "gravity = ID(q, 0, 0);  potential = -g.mc of all that moves",
+	[SECTION_BY] = "column j, or row j, of d tau/d q, d tau/d qd and M = d tau/d qdd, for the rows j of the joint",
+	[SECTION_PRODUCTS] = "jvp = d tau/d q v_q + d tau/d qd v_qd + M v_qdd;  vjp = v' d tau/d q, v' d tau/d qd, v' M"};
+
+/* A tour of gravity alone comes last. */
+static int is_at_rest(const struct dag *d, const struct section *s)
+{
+	for (const struct section *x = d->sections; x <= s; x++)
+		if (x->kind == SECTION_GRAVITY)
+			return 1;
+	return 0;
+}
+
+static void put_out(const struct pass *p, enum kind_of_joint joint, int rests, struct text *out)
+{
+	if (dag_find_role(&p->dag, ROLE_BODY_WRENCHES, 0) >= 0) {
+		text_put(out, "f, n = what fpass wrote, in the link's frame here");
+		return;
+	}
+	if (rests) {
+		text_put(out, "a = R'a_p");
+		return;
+	}
+	text_put(out, OUT[joint]);
+	if (dag_find_role(&p->dag, ROLE_BODY_TWISTS, 1) >= 0 || emit_names(&p->plan, "v"))
+		text_printf(out, ";  %s", VELOCITY[joint]);
+	text_put(out, ";\n\t   f = m a + U h;  n = I dw + w x I w + h x a");
+}
+
+/* Once for each way in which it is written. */
+static void put_formula(struct unparser *u, const struct section *s, struct text *out)
+{
+	int rests = is_at_rest(u->plan->dag, s), about_body = s->kind == SECTION_OUT || s->kind == SECTION_BACK;
+	enum kind_of_joint joint = about_body ? kind_of(&u->emission->tree->bodies[s->body]) : TURNS;
+	unsigned char *written = &u->written[s->kind][joint];
+
+	if (*written & (1 << rests) || (!about_body && !OTHERS[s->kind]))
+		return;
+	*written |= (unsigned char)(1 << rests);
+	text_put(out, "\t/* ");
+	if (s->kind == SECTION_OUT)
+		put_out(u->pass, joint, rests, out);
+	else if (s->kind == SECTION_BACK)
+		text_printf(out, "%s%s", rests ? REST_BACK : BACK, TORQUE[joint]);
+	else
+		text_put(out, OTHERS[s->kind]);
+	text_put(out, " */\n");
+}
 
 /* Of sections that are about no body. */
 static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torques of joints that others mimic",
@@ -9,12 +98,10 @@ static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torqu
 	[SECTION_PRODUCTS] = "derivatives times vectors, and by what is freed"};
 
 /* "out to link 2 "lower" (fpass)"; "back from link 2 "lower" to link 1 (bpass): torque of "elbow"" */
-void emit_section(const struct emission *e, const struct pass *pass, const struct section *s, struct text *out)
+static void put_title(const struct emission *e, const struct pass *pass, const struct section *s, struct text *out)
 {
 	const struct body *k = &e->tree->bodies[s->body];
 
-	if (emit_is_operation(e))
-		return;
 	if (SECTION_TITLES[s->kind]) {
 		text_printf(out, "\n\t/* ---- %s ---- */\n", SECTION_TITLES[s->kind]);
 		return;
@@ -42,4 +129,24 @@ void emit_section(const struct emission *e, const struct pass *pass, const struc
 		}
 	}
 	text_put(out, " ---- */\n");
+}
+
+/* A section that has no lines of its own, but for those that it begins. */
+static int begins_tour(const struct section *s)
+{
+	return s->kind == SECTION_BIAS || s->kind == SECTION_GRAVITY;
+}
+
+void unparse_section(struct unparser *u, const struct section *s, struct text *out)
+{
+	const struct section *first = u->plan->dag->sections;
+
+	if (emit_is_operation(u->emission))
+		return;
+	for (const struct section *x = first + u->sections; x <= s; x++)
+		if (x == s || begins_tour(x)) {
+			put_title(u->emission, u->pass, x, out);
+			put_formula(u, x, out);
+		}
+	u->sections = (size_t)(s - first) + 1;
 }

@@ -31,6 +31,7 @@ extern const char template_sincos_f64_core_in[], template_sincos_f64_accurate_in
 extern const char template_sincos_f64_bounded_in[], template_sincos_f64_either_in[];
 extern const char template_sincos_f32x2_core_in[], template_sincos_f32x2_accurate_in[];
 extern const char template_sincos_f32x2_bounded_in[], template_sincos_f32x2_either_in[], template_f32x2_in[], template_f32x2_quotient_in[];
+extern const char template_joints_in[], template_independent_in[], template_function_only_in[], template_sincos_declaration_in[];
 extern const char template_kernel_again_in[], template_spill_in[];
 extern const char template_patterns_c_in[], template_patterns_cu_in[], template_arithmetic_strict_header_in[];
 

@@ -1,8 +1,7 @@
 #include "emit/unparse.h"
+#include "base/fold.h"
 #include <math.h>
 #include <stdio.h>
-
-enum { WRAP_COLUMN = 100 };
 
 /* Of operations that have one. */
 static const char *const SIGNS[OP_COUNT] = {[OP_ADD] = " + ", [OP_SUB] = " - ", [OP_MUL] = "*", [OP_DIV] = "/"};
@@ -79,30 +78,17 @@ static void put_expression(const struct unparser *u, struct ref a, struct text *
 	}
 }
 
-/* Append a statement, breaking it after a comma where it grows past the margin. */
-static void put_wrapped(const char *statement, struct text *out)
-{
-	size_t column = 8;
-
-	text_putc(out, '\t');
-	for (const char *s = statement; *s; s++) {
-		text_putc(out, *s);
-		column++;
-		if (column > WRAP_COLUMN && s[0] == ',' && s[1] == ' ') {
-			text_put(out, "\n\t\t");
-			column = 16;
-			s++;
-		}
-	}
-	text_putc(out, '\n');
-}
-
 /* A row of an argument: in a batch the rows have a stride, but not of what all samples share. */
 static void put_element(const struct unparser *u, int argument, int row, struct text *out)
 {
 	const struct argument *a = &u->plan->dag->arguments[argument];
 
-	text_printf(out, a->per_batch || u->numbers->is_beside ? "%s[%d]" : "%s[%d*stride]", a->name, row);
+	if (a->per_batch || u->numbers->is_beside || row == 0)
+		text_printf(out, "%s[%d]", a->name, row);
+	else if (row == 1)
+		text_printf(out, "%s[stride]", a->name);
+	else
+		text_printf(out, "%s[%d*stride]", a->name, row);
 }
 
 static void put_around(const struct around *x, int is_end, struct text *out)
@@ -130,7 +116,7 @@ static void put_angle(const struct unparser *u, struct ref a, struct text *out)
 	put_around(&u->numbers->angle, 1, out);
 }
 
-static void put_sincos(const struct unparser *u, struct ref a, struct text *statement, struct text *out)
+static void put_sincos(const struct unparser *u, struct ref a, struct text *out)
 {
 	const struct emission *e = u->emission;
 	const struct plan *p = u->plan;
@@ -143,12 +129,12 @@ static void put_sincos(const struct unparser *u, struct ref a, struct text *stat
 	snprintf(unused, sizeof unused, "unused_%s", sine ? sine : cosine);
 	sine = sine ? sine : unused;
 	cosine = cosine ? cosine : unused;
-	text_printf(out, "\t%s %s, %s;\n", u->numbers->value, sine, cosine);
-	text_printf(statement, "%s%s%s(", asks ? "all_small &= " : "",
+	text_printf(out, "%s %s, %s;\n\t", u->numbers->value, sine, cosine);
+	text_printf(out, "%s%s%s(", asks ? "all_small &= " : "",
 		e->options->strict ? u->numbers->strict_sincos : u->numbers->sincos,
 		asks ? "either" : emit_trig_name(emit_trig_of(e->options)));
-	put_angle(u, n->arg[0], statement);
-	text_printf(statement, "%s, &%s, &%s)", asks ? ", small" : "", sine, cosine);
+	put_angle(u, n->arg[0], out);
+	text_printf(out, "%s, &%s, &%s)", asks ? ", small" : "", sine, cosine);
 }
 
 int unparse_first_bound(const struct dag *d, int argument)
@@ -188,25 +174,23 @@ static void put_assignment(const struct unparser *u, struct ref a, struct text *
 		put_expression(u, a, out);
 }
 
-/* `statement` is room for one. */
-static void put_line(const struct unparser *u, const struct line *l, struct text *statement, struct text *out)
+static void put_line(struct unparser *u, const struct line *l, struct text *out)
 {
-	text_clear(statement);
+	size_t from = out->length;
+
 	if (l->kind == LINE_SECTION) {
-		emit_section(u->emission, u->pass, &u->plan->dag->sections[l->index], out);
-		return;
+		unparse_section(u, &u->plan->dag->sections[l->index], out);
+	} else if (l->kind == LINE_STORE || l->kind == LINE_SINCOS || !u->angles || !u->angles[l->value.i]) {
+		text_putc(out, '\t');
+		if (l->kind == LINE_SINCOS)
+			put_sincos(u, l->value, out);
+		else if (l->kind == LINE_STORE)
+			put_store(u, &u->plan->dag->outputs[l->index], out);
+		else
+			put_assignment(u, l->value, out);
+		text_put(out, ";\n");
 	}
-	if (l->kind == LINE_SINCOS)
-		put_sincos(u, l->value, statement, out);
-	else if (l->kind == LINE_STORE)
-		put_store(u, &u->plan->dag->outputs[l->index], statement);
-	else if (u->angles && u->angles[l->value.i])
-		return;
-	else
-		put_assignment(u, l->value, statement);
-	text_putc(statement, ';');
-	out->failed |= statement->failed;
-	put_wrapped(text_string(statement), out);
+	fold(out, from);
 }
 
 /* Per node: an input that only sines and cosines read. */
@@ -230,12 +214,10 @@ static const unsigned char *only_angles(const struct dag *d, struct arena *a)
 void unparse(const struct emission *e, const struct pass *pass, const struct number_type *numbers, struct text *out)
 {
 	const struct plan *p = &pass->plan;
-	struct unparser u = {e, pass, p, numbers, e->options->strict ? numbers->strict_calls : numbers->calls, NULL};
-	struct text statement;
+	struct unparser u = {e, pass, p, numbers, e->options->strict ? numbers->strict_calls : numbers->calls, NULL, 0, {{0}}};
 
 	if (numbers->angle_is_memory)
 		u.angles = only_angles(p->dag, e->arena);
-	text_init(&statement, e->arena);
 	for (size_t i = 0; i < p->line_count; i++)
-		put_line(&u, &p->lines[i], &statement, out);
+		put_line(&u, &p->lines[i], out);
 }

@@ -12,6 +12,8 @@ struct unparser {
 	const struct number_type *numbers;
 	const char *const *calls;    /* of the type, as the options choose them */
 	const unsigned char *angles; /* per node: an input that sines and cosines alone read, as memory has it; NULL: none */
+	size_t sections; /* so many of the plan's DAG are behind */
+	unsigned char written[SECTION_COUNT][5]; /* whose formula stands there already: section.c */
 };
 
 /* The statements of a pass in numbers of a type, each indented by one tab. Errors: NUMBER when a constant is no finite
@@ -20,6 +22,9 @@ void unparse(const struct emission *e, const struct pass *p, const struct number
 
 /* Where the bounds of an output begin in those of all: one output's come after the other's. */
 int unparse_first_bound(const struct dag *d, int argument);
+
+/* A comment that says which part of the algorithm begins, and how it goes where it is the first of its kind. */
+void unparse_section(struct unparser *u, const struct section *s, struct text *out);
 
 /* A name, a number, or an expression: for a record that writes an operation in its own way. */
 void unparse_value(const struct unparser *u, struct ref a, struct text *out);

@@ -36,7 +36,8 @@ struct joint {
 	struct within rpy[3];  /* fixed-axis roll, pitch, yaw: R = Rz(yaw) Ry(pitch) Rx(roll), rad */
 	struct within axis[3]; /* in the joint frame, as written (not normalised), finite and not zero; 1 0 0 if absent.
 			      Fixed and floating joints: not meaningful */
-	int has_limits;        /* revolute and prismatic: lower, upper, velocity and effort below are the file's */
+	int has_limits;        /* revolute and prismatic: lower and upper below are the file's */
+	int has_rates;         /* continuous ones too: velocity and effort */
 	double lower, upper, velocity, effort;
 	int has_dynamics;
 	struct within damping, friction;

@@ -118,6 +118,9 @@ void fill_joint(struct joint &j, const urdf::Joint &from)
 		j.has_limits = 1;
 		j.lower = from.limits->lower;
 		j.upper = from.limits->upper;
+	}
+	if (from.limits && (j.has_limits || j.type == JOINT_CONTINUOUS)) {
+		j.has_rates = 1;
 		j.velocity = from.limits->velocity;
 		j.effort = from.limits->effort;
 	}

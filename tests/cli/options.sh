@@ -25,7 +25,7 @@ help_list() {
 					print part[1], part[2]
 				else
 					print option
-			} else if (last == i - 1 && ($i ~ /\|/ || $i ~ /^[A-Z][A-Z0-9,.=]*$/)) {
+			} else if (last == i - 1 && ($i ~ /\|/ || $i ~ /^[A-Z][A-Z0-9,.=]*$/ || index($0, $last " " $i "  "))) {
 				n = split($i, word, "|")
 				for (k = 1; k <= n; k++)
 					print part[1], word[k]

@@ -212,10 +212,10 @@ static char *replace(const char *s, const char *from, const char *to)
 
 static char *translate(const char *s)
 {
-	return replace(replace(replace(s, "link_", "Glied-Nr. "), "joint_", "gelenk$"), "\"random\"", "\"zufall\"");
+	return replace(replace(replace(s, "link_", "G-l. "), "joint_", "gel.k$"), "\"random\"", "\"zufall\"");
 }
 
-/* Other names in the same order: nothing changes but the names. */
+/* Other names in the same order and of the same lengths, so that lines break alike: nothing changes but the names. */
 START_TEST(names_are_only_names)
 {
 	for (int i = 0; i < ROBOTS; i++) {

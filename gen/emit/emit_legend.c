@@ -1,0 +1,168 @@
+/* What the names in the statements mean: of each kind that this text uses, a line in its head. */
+#include "emit/emit.h"
+#include "plan/parts.h"
+#include <ctype.h>
+#include <string.h>
+
+int emit_names(const struct plan *p, const char *quantity)
+{
+	for (size_t i = 0; i < p->dag->count; i++)
+		if (p->names[i] && !strcmp(p->dag->nodes[i].tag.quantity, quantity))
+			return 1;
+	return 0;
+}
+
+/* Those of the passes, and of the parts of the first. */
+static const struct plan *plan_at(const struct emission *e, int i)
+{
+	return i < e->pass_count ? &e->passes[i].plan : &e->parts[i - e->pass_count].pass.plan;
+}
+
+static int any_names(const struct emission *e, const char *quantity)
+{
+	for (int i = 0; i < e->pass_count + e->part_count; i++)
+		if (emit_names(plan_at(e, i), quantity))
+			return 1;
+	return 0;
+}
+
+typedef int is_there(const struct plan *p, size_t node);
+
+static int somewhere(const struct emission *e, is_there *test)
+{
+	for (int i = 0; i < e->pass_count + e->part_count; i++) {
+		const struct plan *p = plan_at(e, i);
+
+		for (size_t k = 0; k < p->dag->count; k++)
+			if (p->names[k] && test(p, k))
+				return 1;
+	}
+	return 0;
+}
+
+static int is_temporary(const struct plan *p, size_t node)
+{
+	return p->names[node][0] == 't' && isdigit((unsigned char)p->names[node][1]);
+}
+
+/* f1x_2: a name that was taken. */
+static int is_again(const struct plan *p, size_t node)
+{
+	const char *last = strrchr(p->names[node], '_');
+
+	return p->dag->nodes[node].op != OP_INPUT && last && isdigit((unsigned char)last[1]);
+}
+
+static int is_half(const struct plan *p, size_t node)
+{
+	enum op op = p->dag->nodes[node].op;
+
+	return (op == OP_SIN && !plan_partner(p, (struct ref){(uint32_t)node}, OP_COS).i) ||
+	       (op == OP_COS && !plan_partner(p, (struct ref){(uint32_t)node}, OP_SIN).i);
+}
+
+static const char *argument_of(const struct plan *p, size_t node)
+{
+	const struct node *n = &p->dag->nodes[node];
+
+	return n->op == OP_INPUT ? p->dag->arguments[n->arg[0].i].name : "";
+}
+
+static int is_joint_row(const struct plan *p, size_t node)
+{
+	const char *name = argument_of(p, node);
+
+	return !strcmp(name, "q") || !strcmp(name, "qd") || !strcmp(name, "qdd");
+}
+
+static int is_own_wrench(const struct plan *p, size_t node)
+{
+	return !strcmp(argument_of(p, node), "f");
+}
+
+static int is_other_row(const struct plan *p, size_t node)
+{
+	return *argument_of(p, node) && !is_joint_row(p, node) && !is_own_wrench(p, node);
+}
+
+static void put_entry(const char *names, const char *meaning, struct text *out)
+{
+	text_printf(out, " *   %-15s  %s\n", names, meaning);
+}
+
+static int has_type(const struct tree *t, enum joint_type type)
+{
+	for (int i = 0; i < t->joint_count; i++)
+		if (t->joints[i].type == type)
+			return 1;
+	return 0;
+}
+
+static void put_inputs(const struct emission *e, struct text *out)
+{
+	if (somewhere(e, is_joint_row)) {
+		put_entry("q qd qdd", "position, velocity and acceleration of the link's joint", out);
+		if (has_type(e->tree, JOINT_FLOATING))
+			put_entry("", "floating: with x y z qx qy qz qw after the number, and vx vy vz wx wy wz", out);
+		if (has_type(e->tree, JOINT_PLANAR))
+			put_entry("", "planar: with x y t after the number, in the plane and about its normal", out);
+	}
+	if (somewhere(e, is_own_wrench))
+		put_entry("own_f own_n", "force and moment that fpass wrote, in the URDF's frame of the link", out);
+	if (somewhere(e, is_other_row))
+		put_entry("ARRAY_...", "a row of another array: number, x y z, fx fy fz nx ny nz, or m hx hy hz Ixx Ixy Ixz Iyy Iyz Izz", out);
+}
+
+static void put_quantities(const struct emission *e, struct text *out)
+{
+	static const char *const quantities[][2] = {{"w", "angular velocity"}, {"dw", "rate of the angular velocity"},
+		{"v", "velocity of the origin"}, {"a", "acceleration of the origin, less gravity"},
+		{"f", "force: the link's own, then with its children's"}, {"n", "moment about the origin, as f"},
+		{"mc", "first moment about the origin of all masses from the link on"}};
+
+	if (any_names(e, "s") || any_names(e, "c"))
+		put_entry("s c", "sine and cosine of the joint's angle", out);
+	for (size_t i = 0; i < sizeof quantities / sizeof *quantities; i++)
+		if (any_names(e, quantities[i][0]))
+			put_entry(quantities[i][0], quantities[i][1], out);
+	if (somewhere(e, is_half))
+		put_entry("unused_...", "of a sine and a cosine the one that nobody needs", out);
+	if (somewhere(e, is_temporary))
+		put_entry("t", "with a number of its own: a value that has no name in the textbook", out);
+	if (somewhere(e, is_again))
+		put_entry("..._2 ..._3", "the same quantity again, as it grows or in another part of the text", out);
+}
+
+static void put_functions(const struct emission *e, struct text *out)
+{
+	put_entry("stride", "from one row of an array to the next", out);
+	if (emit_has_small(e))
+		put_entry("small all_small", "the caller takes all angles for small; they are", out);
+	if (e->options->bounded)
+		put_entry("bound factor", "of each output, how far it may be off; what the bounds' own rounding is made good by", out);
+	if (emit_uses(e, OP_FMA) && e->numbers->calls[OP_MUL] == NULL)
+		put_entry("RNEA_FMA", "a*b + c, rounded once where the machine can", out);
+	if (e->options->strict)
+		put_entry("RNEA_...", "an operation that is rounded once, and as it stands", out);
+	if (emit_is_streamed(e))
+		put_entry("RNEA_STORE", "a store that nobody reads again here", out);
+	put_entry("rneagen_...", "functions and types that this text brings along", out);
+}
+
+static void put_symbols(const struct emission *e, struct text *out)
+{
+	if (emit_is_operation(e))
+		return;
+	text_put(out, " * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;\n"
+		      " * x cross product; z the joint's axis; U = [dw]x + [w]x[w]x; m, h = m c, I mass, first moment and inertia about the\n"
+		      " * origin; M, in sections at rest, the mass from the link on; += what each child adds.\n");
+}
+
+void emit_legend(const struct emission *e, struct text *out)
+{
+	text_put(out, " *\n * Names in the statements: a quantity, the number of a link, and x y z for the component in the link's frame.\n");
+	put_inputs(e, out);
+	put_quantities(e, out);
+	put_functions(e, out);
+	put_symbols(e, out);
+}
