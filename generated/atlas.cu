@@ -3760,8 +3760,8 @@ extern "C" int atlas_rnea_launch(const float *q, const float *qd, const float *q
 		return cudaSuccess;
 	if (blocks > 0x7fffffff)
 		return cudaErrorInvalidValue;
-	return cudaLaunchKernel((const void *)atlas_rnea_kernel, dim3((unsigned)blocks), dim3(RNEA_BLOCK), arguments, 0,
-		(cudaStream_t)stream);
+	return cudaLaunchKernel((const void *)atlas_rnea_kernel, dim3((unsigned)blocks), dim3(RNEA_BLOCK),
+		arguments, 0, (cudaStream_t)stream);
 }
 #endif
 #else

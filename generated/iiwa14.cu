@@ -1066,9 +1066,8 @@ extern "C" int iiwa14_rnea_launch(const float *q, const float *qd, const float *
 		return cudaSuccess;
 	if (blocks > 0x7fffffff)
 		return cudaErrorInvalidValue;
-	return cudaLaunchKernel((const void *)iiwa14_rnea_kernel, dim3((unsigned)blocks), dim3(RNEA_BLOCK), arguments,
-		0,
-		(cudaStream_t)stream);
+	return cudaLaunchKernel((const void *)iiwa14_rnea_kernel, dim3((unsigned)blocks), dim3(RNEA_BLOCK),
+		arguments, 0, (cudaStream_t)stream);
 }
 #endif
 #else

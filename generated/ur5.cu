@@ -916,8 +916,8 @@ extern "C" int ur5_rnea_launch(const float *q, const float *qd, const float *qdd
 		return cudaSuccess;
 	if (blocks > 0x7fffffff)
 		return cudaErrorInvalidValue;
-	return cudaLaunchKernel((const void *)ur5_rnea_kernel, dim3((unsigned)blocks), dim3(RNEA_BLOCK), arguments, 0,
-		(cudaStream_t)stream);
+	return cudaLaunchKernel((const void *)ur5_rnea_kernel, dim3((unsigned)blocks), dim3(RNEA_BLOCK),
+		arguments, 0, (cudaStream_t)stream);
 }
 #endif
 #else
