@@ -191,7 +191,7 @@ static enum rneagen_code emit(struct generation *g)
 		emit_source(&g->emission, &source);
 	if (has_header)
 		emit_declarations(&g->emission, &header);
-	if (told.failed || source.failed || header.failed)
+	if (told.failed || source.failed || header.failed || a->arena->failed)
 		return error_memory(a->error);
 	g->result->source = is_dumped ? NULL : text_string(&source);
 	g->result->header = has_header ? text_string(&header) : NULL;

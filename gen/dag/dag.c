@@ -215,6 +215,51 @@ void dag_free(struct dag *d)
 	*d = (struct dag){.failed = 1};
 }
 
+static void *copy_of(struct arena *a, const void *from, size_t count, size_t size)
+{
+	void *to = arena_take(a, count, size);
+
+	if (to && count)
+		memcpy(to, from, count * size);
+	return to;
+}
+
+void dag_take(struct dag *d, const struct dag *from)
+{
+	struct arena *a = d->arena;
+
+	*d = *from;
+	d->arena = a;
+	d->table = NULL;
+	d->limit = 0;
+	d->nodes = copy_of(a, from->nodes, from->count, sizeof *d->nodes);
+	d->outputs = copy_of(a, from->outputs, from->output_count, sizeof *d->outputs);
+	d->sections = copy_of(a, from->sections, from->section_count, sizeof *d->sections);
+	d->numbers = copy_of(a, from->numbers, from->number_count, sizeof *d->numbers);
+	d->capacity = d->count;
+	d->output_capacity = d->output_count;
+	d->section_capacity = d->section_count;
+	d->number_capacity = d->number_count;
+	d->failed |= a->failed;
+}
+
+void dag_strike(struct dag *d, int argument)
+{
+	const uint32_t gone = (uint32_t)argument;
+
+	dag_close(d);
+	for (size_t i = 0; i < d->count; i++) {
+		uint32_t *of = &d->nodes[i].arg[0].i;
+
+		if (d->nodes[i].op == OP_INPUT && *of >= gone && *of != DAG_STRUCK)
+			*of = *of == gone ? DAG_STRUCK : *of - 1;
+	}
+	for (size_t i = 0; i < d->output_count; i++)
+		d->outputs[i].argument -= d->outputs[i].argument > argument;
+	d->argument_count--;
+	memmove(d->arguments + argument, d->arguments + argument + 1, (size_t)(d->argument_count - argument) * sizeof *d->arguments);
+}
+
 int dag_argument(struct dag *d, const char *name, int rows, int is_output)
 {
 	return dag_argument_of(d, (struct argument){.name = name, .rows = rows, .is_output = is_output});

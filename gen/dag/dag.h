@@ -58,7 +58,7 @@ struct argument {
 };
 
 /* As many as a kernel takes (RNEA_ARGUMENT_LIMIT). */
-enum { DAG_ARGUMENTS = 64 };
+enum { DAG_ARGUMENTS = 64, DAG_STRUCK = 1 << 20 };
 
 struct dag {
 	struct arena *arena;
@@ -88,6 +88,13 @@ void dag_close(struct dag *d);
 
 /* Give back what it has taken, and leave it empty; dag_init begins it again. */
 void dag_free(struct dag *d);
+
+/* Make `d`, which has an arena and nothing else, a closed copy of another arena's DAG. */
+void dag_take(struct dag *d, const struct dag *from);
+
+/* Strike a parameter that nothing alive reads; those after it move up, and dead inputs are of DAG_STRUCK, which is none. It closes
+   the DAG. */
+void dag_strike(struct dag *d, int argument);
 
 /* Declare a parameter of the function; returns its index. Outputs after inputs. */
 int dag_argument(struct dag *d, const char *name, int rows, int is_output);

@@ -5,9 +5,6 @@
 
 /* ---- inputs ---- */
 
-/* Inputs that nothing reads and that torques are differentiated by all the same: nodes of no argument, which die. */
-enum { UNREAD = 1 << 20 };
-
 static const struct argument INPUTS[] = {{.name = "q", .role = ROLE_JOINT_POSITION}, {.name = "qd", .role = ROLE_JOINT_VELOCITY},
 	{.name = "qdd", .role = ROLE_JOINT_ACCELERATION}};
 
@@ -17,15 +14,9 @@ static int declare(struct dag *d, struct argument a, int rows)
 	return dag_argument_of(d, a);
 }
 
-static struct source source(struct dag *d, int input, const struct row *rows, int count, int is_read)
+static struct source source(struct dag *d, int input, const struct row *rows, int count)
 {
-	struct source s = {-1, rows};
-
-	if (!is_read)
-		s.argument = UNREAD + input;
-	else if (!request_has_all(rows, count))
-		s.argument = declare(d, INPUTS[input], count);
-	return s;
+	return (struct source){request_has_all(rows, count) ? -1 : declare(d, INPUTS[input], count), rows};
 }
 
 static struct parameters *parameters_of(struct build *b, int body)
@@ -224,13 +215,6 @@ static int alloc(struct build *b)
 	return !a->failed;
 }
 
-/* A way to build the DAG: what it reads of q, qd and qdd, and what it takes. */
-struct trial {
-	enum derivatives derivatives;
-	int is_read[3];
-	size_t nodes, operations;
-};
-
 static struct argument output(const struct request *k, const struct want *w)
 {
 	static const enum role roles[] = {[WANT_TAU] = ROLE_JOINT_TORQUE, [WANT_GRAVITY] = ROLE_GRAVITY_TORQUE, [WANT_BIAS] = ROLE_BIAS_TORQUE,
@@ -259,10 +243,9 @@ static void declare_request(const struct build *b)
 		b->outputs[i] = dag_argument_of(b->d, output(b->k, &b->k->wants[i]));
 }
 
-/* Where nothing of q, qd or qdd is read, there is no such input. */
-static void build(struct dag *d, const struct tree *t, const struct request *k, const struct trial *x)
+static void build(struct dag *d, const struct tree *t, const struct request *k, enum derivatives derivatives)
 {
-	struct build b = {.d = d, .t = t, .k = k, .derivatives = x->derivatives};
+	struct build b = {.d = d, .t = t, .k = k, .derivatives = derivatives};
 	struct joint_inputs in;
 
 	if (!alloc(&b)) {
@@ -272,9 +255,9 @@ static void build(struct dag *d, const struct tree *t, const struct request *k, 
 	dag_section(d, SECTION_FREED, 0);
 	for (int i = 0; i < 3; i++)
 		b.gravity[i] = dag_within(d, t->gravity[i]);
-	in = (struct joint_inputs){.q = source(d, 0, b.k->q, t->nq, x->is_read[0]), .offset = b.offset};
-	in.qd = source(d, 1, b.k->qd, t->nv, x->is_read[1]);
-	in.qdd = source(d, 2, b.k->qdd, t->nv, x->is_read[2]);
+	in = (struct joint_inputs){.q = source(d, 0, k->q, t->nq), .offset = b.offset};
+	in.qd = source(d, 1, k->qd, t->nv);
+	in.qdd = source(d, 2, k->qdd, t->nv);
 	free_constants(&b);
 	declare_request(&b);
 	if (is_gravity_alone(&b))
@@ -285,62 +268,75 @@ static void build(struct dag *d, const struct tree *t, const struct request *k, 
 	run_gravity(&b, in, output_of(&b, WANT_GRAVITY), output_of(&b, WANT_POTENTIAL));
 }
 
-/* What an output depends on, and operations other than signs. */
-static void look(const struct dag *d, struct trial *x)
+/* What is alive: operations other than signs, and which of q, qd and qdd are read. */
+struct use {
+	size_t operations;
+	int is_read[3];
+};
+
+static struct use use_of(struct dag *d)
 {
 	uint32_t *uses = d->failed ? NULL : arena_alloc(d->arena, d->count, sizeof *uses);
+	struct use x = {0};
 
-	memset(x->is_read, 0, sizeof x->is_read);
-	x->nodes = d->count;
-	if (!uses)
-		return;
+	if (!uses) {
+		d->failed = 1;
+		return x;
+	}
 	dag_uses(d, uses);
 	for (size_t i = 0; i < d->count; i++) {
 		const struct node *n = &d->nodes[i];
 
 		for (int k = 0; k < 3 && uses[i] && n->op == OP_INPUT; k++)
-			x->is_read[k] |= d->arguments[n->arg[0].i].role == INPUTS[k].role;
-		x->operations += uses[i] && op_arity[n->op] > 0 && n->op != OP_NEG;
+			x.is_read[k] |= d->arguments[n->arg[0].i].role == INPUTS[k].role;
+		x.operations += uses[i] && op_arity[n->op] > 0 && n->op != OP_NEG;
 	}
 	arena_release(d->arena, uses);
+	return x;
 }
 
 /* A trial of forward mode may make half as many nodes as the recursion, and these: all that it needs where it has ever taken
    less, on short branches whose recursion makes some 20000; on chains it takes up to three times as much. */
 enum { MORE_NODES = 1 << 16 };
 
-/* In forward mode, if that takes less than the recursion. */
-static struct trial cheaper(struct dag *d, const struct tree *t, const struct request *k, const struct trial *recursion)
+/* Forward mode instead of the recursion, if that takes less. */
+static void take_cheaper(struct dag *d, const struct tree *t, const struct request *k)
 {
-	struct trial x = {.derivatives = DERIVATIVES_FORWARD, .is_read = {1, 1, 1}};
+	size_t operations = use_of(d).operations;
 	struct arena spare;
 	struct dag trial;
 
 	arena_init(&spare, &d->arena->allocator);
 	dag_init(&trial, &spare);
-	dag_limit(&trial, recursion->nodes / 2 + MORE_NODES);
-	build(&trial, t, k, &x);
-	look(&trial, &x);
+	dag_limit(&trial, d->count / 2 + MORE_NODES);
+	build(&trial, t, k, DERIVATIVES_FORWARD);
+	if (use_of(&trial).operations < operations && !trial.failed) {
+		struct arena *a = d->arena;
+
+		dag_free(d);
+		d->arena = a;
+		dag_take(d, &trial);
+	}
 	d->failed |= spare.failed;
 	d->arena->failed |= spare.failed;
 	arena_free(&spare);
-	return trial.failed || x.operations >= recursion->operations ? *recursion : x;
 }
 
-/* Once to see what is read and what it takes, and again where another way takes less or there is less to read. */
+/* Where nothing of q, qd or qdd is read, there is no such input: torques are differentiated by it all the same, so that is known
+   when all is made. */
 void want_build(struct dag *d, const struct tree *t, const struct request *k)
 {
-	int has_choice = request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DTAU_DQD);
-	struct trial x = {.derivatives = k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
-		.is_read = {1, 1, 1}}, best;
-	struct arena *a = d->arena;
+	int has_choice = k->derivatives == DERIVATIVES_CHEAPER && (request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DTAU_DQD));
+	struct use x;
 
-	build(d, t, k, &x);
-	look(d, &x);
-	best = has_choice && !d->failed && k->derivatives == DERIVATIVES_CHEAPER ? cheaper(d, t, k, &x) : x;
-	if (d->failed || (best.derivatives == x.derivatives && best.is_read[0] && best.is_read[1] && best.is_read[2]))
-		return;
-	dag_free(d);
-	dag_init(d, a);
-	build(d, t, k, &best);
+	build(d, t, k, k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION);
+	if (has_choice && !d->failed)
+		take_cheaper(d, t, k);
+	x = use_of(d);
+	for (int i = 0; i < 3 && !d->failed; i++) {
+		int argument = dag_find_role(d, INPUTS[i].role, 0);
+
+		if (argument >= 0 && !x.is_read[i])
+			dag_strike(d, argument);
+	}
 }
