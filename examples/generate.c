@@ -51,7 +51,7 @@ int main(int argc, char **argv)
 	options.precision = RNEAGEN_F64;
 	options.file = argv[1]; /* for messages and the comment at the head of the text */
 	options.name = argv[2];
-	options.reports = RNEAGEN_REPORT_INFO; /* result.info */
+	options.tell = RNEAGEN_TELL_INFO; /* result.info */
 
 	/* on failure there is nothing to free but what is ours; the message names the file, and the link or joint */
 	if (rneagen_generate(urdf, length, &options, &result, &error)) {

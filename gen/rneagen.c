@@ -23,7 +23,7 @@ struct generation {
 	int part_count;
 	char hash[SHA256_DIGEST_STRING_LENGTH];
 	struct emission emission;
-	struct report report;
+	struct info info;
 	struct rneagen_result *result;
 };
 
@@ -140,15 +140,15 @@ static enum rneagen_code warn(struct generation *g)
 	return RNEAGEN_OK;
 }
 
-/* What changed constants change, which the head of the text tells too; what choices save, for reports alone. */
+/* What changed constants change, which the head of the text tells too; what choices save, for --info alone. */
 static enum rneagen_code measure(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
-	int is_reported = (a->options.reports & (RNEAGEN_REPORT_INFO | RNEAGEN_REPORT_JSON)) != 0;
+	int is_told = (a->options.tell & (RNEAGEN_TELL_INFO | RNEAGEN_TELL_JSON)) != 0;
 
-	if ((is_reported || adjust_is_asked(&a->adjust)) && effect_measure(&g->report.effects, a))
+	if ((is_told || adjust_is_asked(&a->adjust)) && effect_measure(&g->info.effects, a))
 		return a->error->code;
-	return is_reported ? saving_measure(&g->report.savings, a, &g->passes[0].plan) : RNEAGEN_OK;
+	return is_told ? saving_measure(&g->info.savings, a, &g->passes[0].plan) : RNEAGEN_OK;
 }
 
 static struct emission new_emission(struct generation *g, const char *told)
@@ -183,7 +183,7 @@ static enum rneagen_code emit(struct generation *g)
 	text_init(&source, a->arena);
 	text_init(&header, a->arena);
 	scene_put_comment(&a->scene, &a->outcome, &told);
-	effect_put_comment(&g->report.effects, a, &told);
+	effect_put_comment(&g->info.effects, a, &told);
 	SHA256Data((const uint8_t *)a->urdf, a->length, g->hash);
 	g->emission = new_emission(g, text_string(&told));
 	emit_set_precision(&g->emission);
@@ -198,7 +198,7 @@ static enum rneagen_code emit(struct generation *g)
 	return a->error->code;
 }
 
-static enum rneagen_code report(struct generation *g)
+static enum rneagen_code tell(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
 	struct rneagen_result *r = g->result;
@@ -207,13 +207,13 @@ static enum rneagen_code report(struct generation *g)
 	text_init(&info, a->arena);
 	text_init(&json, a->arena);
 	text_init(&dot, a->arena);
-	g->report.analysis = a;
-	g->report.emission = &g->emission;
-	if (a->options.reports & RNEAGEN_REPORT_INFO)
-		info_table(&g->report, &info);
-	if (a->options.reports & RNEAGEN_REPORT_JSON)
-		info_json(&g->report, &json);
-	if (a->options.reports & RNEAGEN_REPORT_DOT)
+	g->info.analysis = a;
+	g->info.emission = &g->emission;
+	if (a->options.tell & RNEAGEN_TELL_INFO)
+		info_table(&g->info, &info);
+	if (a->options.tell & RNEAGEN_TELL_JSON)
+		info_json(&g->info, &json);
+	if (a->options.tell & RNEAGEN_TELL_DOT)
 		dot_graph(&a->tree, &dot);
 	if (info.failed || json.failed || dot.failed)
 		return error_memory(a->error);
@@ -295,7 +295,7 @@ static const struct stage PASSES[] = {
 	{"measure", "what choices change and save", SECOND_HALF(measure), SILENT},
 	{"warn", "warnings", SECOND_HALF(warn), SILENT},
 	{"emit", "the text, and its header", SECOND_HALF(emit), SILENT},
-	{"report", "--info and --dot", SECOND_HALF(report), SILENT},
+	{"tell", "--info and --dot", SECOND_HALF(tell), SILENT},
 };
 enum { STAGES = sizeof PASSES / sizeof *PASSES };
 

@@ -32,8 +32,8 @@ enum rneagen_base { RNEAGEN_FIXED, RNEAGEN_FLOATING };
 enum rneagen_mimic { RNEAGEN_MIMIC_HONOUR, RNEAGEN_MIMIC_INDEPENDENT };
 enum { RNEAGEN_PARTS_AUTO = 0 };
 /* What there is to tell beside the text. */
-enum rneagen_report { RNEAGEN_REPORT_INFO = 1, RNEAGEN_REPORT_JSON = 2, RNEAGEN_REPORT_DOT = 4,
-	RNEAGEN_REPORT_ALL = RNEAGEN_REPORT_INFO | RNEAGEN_REPORT_JSON | RNEAGEN_REPORT_DOT };
+enum rneagen_tell { RNEAGEN_TELL_INFO = 1, RNEAGEN_TELL_JSON = 2, RNEAGEN_TELL_DOT = 4,
+	RNEAGEN_TELL_ALL = RNEAGEN_TELL_INFO | RNEAGEN_TELL_JSON | RNEAGEN_TELL_DOT };
 
 /* What a pass has made, or PASSES: the list of them. */
 enum rneagen_dump { RNEAGEN_DUMP_NONE, RNEAGEN_DUMP_ROBOT, RNEAGEN_DUMP_TREE, RNEAGEN_DUMP_DAG, RNEAGEN_DUMP_PLAN, RNEAGEN_DUMP_SCENE,
@@ -60,7 +60,7 @@ struct rneagen_options {
 	const char *file;   /* name of the input, for messages and the text's header; NULL: "<input>" */
 	const char *scene;  /* what of the robot is modelled: one choice on a line, as in the command's --scene FILE; NULL: all */
 	enum rneagen_dump dump;
-	unsigned reports; /* which of rneagen_report are wanted, added; default none: they may take longer to make than the text */
+	unsigned tell; /* which of rneagen_tell are wanted, added; default none: they may take longer to make than the text */
 	const struct rneagen_allocator *allocator; /* NULL: malloc and free */
 };
 

@@ -201,15 +201,15 @@ static int write_results(const struct command *c, const struct rneagen_result *r
 
 static int run(const struct command *c)
 {
-	static const unsigned reports[] = {[INFO_NONE] = 0, [INFO_TABLE] = RNEAGEN_REPORT_INFO, [INFO_JSON] = RNEAGEN_REPORT_JSON,
-		[INFO_DOT] = RNEAGEN_REPORT_DOT};
+	static const unsigned told[] = {[INFO_NONE] = 0, [INFO_TABLE] = RNEAGEN_TELL_INFO, [INFO_JSON] = RNEAGEN_TELL_JSON,
+		[INFO_DOT] = RNEAGEN_TELL_DOT};
 	struct rneagen_options o = c->options;
 	struct rneagen_error e = {0};
 	struct rneagen_result r;
 	struct file_content urdf = {0};
 	int bad;
 
-	o.reports = reports[c->info];
+	o.tell = told[c->info];
 	bad = file_read(c->input, &urdf, &e) || rneagen_generate(urdf.bytes, urdf.length, &o, &r, &e);
 	if (!bad) {
 		for (size_t i = 0; i < r.warning_count && !c->quiet && (c->info == INFO_NONE || c->info == INFO_DOT); i++)

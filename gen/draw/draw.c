@@ -170,11 +170,11 @@ static void draw_box(unsigned short seed[3], double m, double *x)
 /* A body that can be, and none of whose ten numbers is 0 in all samples: a box; beside a body that the URDF has. */
 static void draw_body(unsigned short seed[3], const struct freed *f, struct draw_range r, double *x)
 {
-	double mass = draw(seed, r), part = f->nominal[0] > 0 ? 0.1 * erand48(seed) : 1;
+	double mass = draw(seed, r), box = f->nominal[0] > 0 ? 0.1 * erand48(seed) : 1;
 
-	draw_box(seed, part * mass, x);
+	draw_box(seed, box * mass, x);
 	for (int i = 0; i < FREED_ROWS && f->nominal[0] > 0; i++)
-		x[i] += (1 - part) * mass * (double)(f->nominal[i] / f->nominal[0]);
+		x[i] += (1 - box) * mass * (double)(f->nominal[i] / f->nominal[0]);
 }
 
 /* Rows first to end - 1 of one sample. */

@@ -75,7 +75,7 @@ struct svec tour_acceleration(const struct tour *r, int body, struct svec from)
 }
 
 /* The body's own wrench. */
-static void load(const struct tour *r, int index, struct frame *x)
+static void own_wrench(const struct tour *r, int index, struct frame *x)
 {
 	const struct body *k = &r->t->bodies[index];
 
@@ -130,7 +130,7 @@ static void enter(const struct tour *r, int index)
 		input_wrench(r, index, k, x);
 	} else {
 		move(r, k, &r->frames[k->parent + 1], x);
-		load(r, index, x);
+		own_wrench(r, index, x);
 	}
 	if (r->f_out >= 0)
 		output_passes(r, index, k, x);

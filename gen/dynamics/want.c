@@ -38,7 +38,7 @@ static void add_inertia(struct build *b, const struct freed *f, int argument)
 	if (!p)
 		return;
 	if (f->kind == FREED_MASS)
-		rigid_body_add(b->d, p, dag_const(b->d, 1), &f->rest);
+		rigid_body_add(b->d, p, dag_const(b->d, 1), &f->massless);
 	for (int r = 0; r < f->rows; r++)
 		rigid_body_add(b->d, p, dag_input(b->d, argument, r), &f->columns[r]);
 }

@@ -57,10 +57,10 @@ enum rneagen_code pass_dag_prune(struct analysis *a)
 {
 	struct dag all = a->raw;
 
-	if (a->adjust.drop == 0)
+	if (a->adjust.prune == 0)
 		return RNEAGEN_OK;
 	dag_init(&a->raw, &a->raw_arena);
-	prune_terms(&a->raw, &all, &a->tree, &a->request, a->adjust.drop);
+	prune_terms(&a->raw, &all, &a->tree, &a->request, a->adjust.prune);
 	dag_free(&all);
 	dag_close(&a->raw);
 	return a->raw.failed ? error_memory(a->error) : RNEAGEN_OK;

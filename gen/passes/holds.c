@@ -102,6 +102,6 @@ enum rneagen_code pass_holds_choose(struct analysis *a)
 		if (is_candidate(&x->held[i]))
 			candidates[count++] = held[i];
 	}
-	k.adjust.drop = 0; /* its sampling takes long, and does not depend on this */
+	k.adjust.prune = 0; /* its sampling takes long, and does not depend on this */
 	return choose(&k, held, x->held_count, candidates, count, best);
 }

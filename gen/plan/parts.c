@@ -8,7 +8,7 @@
    and operations, each about an instruction of 16 bytes, for the instruction cache. */
 enum { ALIVE_SINGLE = 280, ALIVE_DOUBLE = 170, OPERATIONS = 7000 };
 
-/* A load of FULL is what a part may take; of more than MOST is none. */
+/* A part of fullness FULL has all that it may take; of more than MOST there is none. */
 enum { FULL = 1000, MOST = 1 << 20 };
 
 /* How many more parts than the best so far are tried; of a text longer than LONG parts are measured less exactly. */
@@ -82,7 +82,7 @@ static int most_alive(const struct splitter *s)
 }
 
 /* The larger of its shares of what a part may be. */
-static int load_of(struct splitter *s, int first, int end)
+static int fullness_of(struct splitter *s, int first, int end)
 {
 	const struct size *z = size_of(s, first, end);
 	long long alive = (long long)z->alive * FULL / most_alive(s), operations = (long long)z->operations * FULL / OPERATIONS;
@@ -131,8 +131,8 @@ static int can_gain(struct splitter *s)
 
 /* ---- where the parts begin ---- */
 
-/* The first body of a part that ends here, with a load of `most` and `left` bodies left over for others: by bisection,
-   since more bodies are more load. */
+/* The first body of a part that ends here, of fullness `most`, with `left` bodies left over for others: by bisection,
+   since more bodies fill more. */
 static int first_body(struct splitter *s, int end, int left, int most)
 {
 	int good = end - 1, bad = left - 1;
@@ -140,7 +140,7 @@ static int first_body(struct splitter *s, int end, int left, int most)
 	while (good - bad > 1) {
 		int middle = (good + bad) / 2;
 
-		if (load_of(s, middle, end) <= most)
+		if (fullness_of(s, middle, end) <= most)
 			good = middle;
 		else
 			bad = middle;
@@ -148,40 +148,40 @@ static int first_body(struct splitter *s, int end, int left, int most)
 	return good;
 }
 
-/* From the last body on, `count` parts, each as large as a load of `most` allows. first[0] is of the last part. Returns 0
+/* From the last body on, `count` parts, each as large as a fullness of `most` allows. first[0] is of the last part. Returns 0
    where they are too few. */
-static int cut(struct splitter *s, int count, int most, int *first)
+static int split(struct splitter *s, int count, int most, int *first)
 {
 	int end = s->count;
 
 	for (int made = 0; made < count; made++) {
 		first[made] = first_body(s, end, count - made - 1, most);
-		if (load_of(s, first[made], end) > most)
+		if (fullness_of(s, first[made], end) > most)
 			return 0;
 		end = first[made];
 	}
 	return end == 0;
 }
 
-/* So many parts that the one with the largest load has as little as can be. Returns 0 where no cut was found. */
-static int cut_evenly(struct splitter *s, int count, int *first)
+/* So many parts that the fullest is as little full as can be. Returns 0 where there is no such split. */
+static int split_evenly(struct splitter *s, int count, int *first)
 {
-	int bad = 0, good = load_of(s, 0, s->count);
+	int bad = 0, good = fullness_of(s, 0, s->count);
 
-	if (!cut(s, count, good, first)) /* alone, what a part has in common with others may be a little more than in the whole */
+	if (!split(s, count, good, first)) /* alone, what a part has in common with others may be a little more than in the whole */
 		good = MOST;
 	while (good - bad > 1) {
 		int middle = (good + bad) / 2;
 
-		if (cut(s, count, middle, first))
+		if (split(s, count, middle, first))
 			good = middle;
 		else
 			bad = middle;
 	}
-	return cut(s, count, good, first);
+	return split(s, count, good, first);
 }
 
-static double cost_of_cut(struct splitter *s, int count, const int *first)
+static double cost_of_split(struct splitter *s, int count, const int *first)
 {
 	double sum = 0;
 
@@ -196,10 +196,10 @@ static int choose_count(struct splitter *s, int *first)
 	double least = cost_of(s, 0, s->count);
 	int best = 1;
 
-	if (load_of(s, 0, s->count) <= FULL || !can_gain(s))
+	if (fullness_of(s, 0, s->count) <= FULL || !can_gain(s))
 		return 1;
 	for (int count = 2; count <= s->count && count <= best + LOOK_AHEAD; count++) {
-		double cost = cut_evenly(s, count, first) ? cost_of_cut(s, count, first) : least;
+		double cost = split_evenly(s, count, first) ? cost_of_split(s, count, first) : least;
 
 		if (cost < least) {
 			least = cost;
@@ -267,7 +267,7 @@ static int choose(struct splitter *s, int *first, struct rneagen_error *e)
 {
 	int count = s->o->parts == RNEAGEN_PARTS_AUTO ? choose_count(s, first) : s->o->parts;
 
-	if (count == 1 || (count <= s->count && cut_evenly(s, count, first)))
+	if (count == 1 || (count <= s->count && split_evenly(s, count, first)))
 		return count;
 	error_set(e, RNEAGEN_USAGE, "--parts %d: there are elements of %d bodies to share out; take fewer, or auto", count, s->count);
 	return 0;

@@ -32,10 +32,10 @@ int request_wants_derivative(const struct request *k)
 
 /* ---- names ---- */
 
-/* Is a word's rest ".hand" where a name belongs to it, and nothing where none does? */
-static int has_rest(const struct kind_word *k, const char *rest)
+/* Is what stands after a word ".hand" where a name belongs to it, and nothing where none does? */
+static int has_its_name(const struct kind_word *k, const char *after)
 {
-	return k->has_name ? rest[0] == '.' && rest[1] : !rest[0];
+	return k->has_name ? after[0] == '.' && after[1] : !after[0];
 }
 
 /* Which of these words a choice has; -1 and an error that names the nearest. */
@@ -49,7 +49,7 @@ int request_find_kind(const struct resolver *x, const struct scene_choice *c, co
 		return -1;
 	}
 	for (int i = 0; i < count; i++)
-		if (!strcmp(stem, kinds[i].word) && has_rest(&kinds[i], c->name + length))
+		if (!strcmp(stem, kinds[i].word) && has_its_name(&kinds[i], c->name + length))
 			return i;
 	meant = nearest_name(stem, kinds, (size_t)count, sizeof *kinds);
 	for (int i = 0; i < count; i++)

@@ -24,7 +24,7 @@ struct freed {
 	int body;                    /* that carries the link, or that the joint moves */
 	real nominal[FREED_ROWS];    /* what the URDF says */
 	struct inertia *columns;     /* in the body frame, what a unit of each row adds */
-	struct inertia rest;         /* a link's inertia about its centre, which its mass does not change */
+	struct inertia massless;        /* a link's inertia about its centre, which its mass does not change */
 };
 
 /* A wrench from outside on a link: force, then moment about the link's origin. */

@@ -66,7 +66,7 @@ static enum rneagen_code free_link(const struct resolver *x, const struct scene_
 		return error_memory(x->e);
 	if (f->kind == FREED_MASS) {
 		f->columns[0] = own_inertia(&x->r->links[link], &at->X, within_exact(1), 0);
-		f->rest = own_inertia(&x->r->links[link], &at->X, within_exact(0), 1);
+		f->massless = own_inertia(&x->r->links[link], &at->X, within_exact(0), 1);
 		f->nominal[0] = x->r->links[link].mass.x;
 		return RNEAGEN_OK;
 	}

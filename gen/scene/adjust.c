@@ -24,7 +24,7 @@ enum rneagen_code adjust_read(struct adjust *x, const struct scene *s, struct rn
 
 	*x = (struct adjust){0};
 	if (read_number(&x->snap, s, SCENE_SNAP_ANGLE, e) || read_number(&digits, s, SCENE_ROUND_CONSTANTS, e) ||
-		read_number(&x->drop, s, SCENE_DROP_BELOW, e))
+		read_number(&x->prune, s, SCENE_DROP_BELOW, e))
 		return e->code;
 	if (x->snap < 0 || x->snap > 0.1)
 		return scene_refuse(s, scene_next(s, SCENE_SNAP_ANGLE, NULL), e, "takes an angle from 0 to 0.1 rad, not %s",
@@ -32,16 +32,16 @@ enum rneagen_code adjust_read(struct adjust *x, const struct scene *s, struct rn
 	if (scene_next(s, SCENE_ROUND_CONSTANTS, NULL) && !(digits >= 1 && digits <= 17 && digits == floor(digits)))
 		return scene_refuse(s, scene_next(s, SCENE_ROUND_CONSTANTS, NULL), e, "takes a whole number from 1 to 17, not %s",
 			number_plain(digits).s);
-	if (x->drop < 0 || x->drop >= 1)
+	if (x->prune < 0 || x->prune >= 1)
 		return scene_refuse(s, scene_next(s, SCENE_DROP_BELOW, NULL), e, "takes a fraction from 0 to below 1, not %s",
-			number_plain(x->drop).s);
+			number_plain(x->prune).s);
 	x->digits = (int)digits;
 	return RNEAGEN_OK;
 }
 
 int adjust_is_asked(const struct adjust *x)
 {
-	return x->snap > 0 || x->digits > 0 || x->drop > 0;
+	return x->snap > 0 || x->digits > 0 || x->prune > 0;
 }
 
 int adjust_matters(const struct adjust *x, const struct scene *s, int line)

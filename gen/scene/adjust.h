@@ -8,7 +8,7 @@
 struct adjust {
 	double snap; /* rad */
 	int digits;
-	double drop; /* of the largest torque of a joint */
+	double prune; /* terms that no output feels by this fraction */
 };
 
 /* What is listed as nearly right. */

@@ -98,8 +98,8 @@ static enum rneagen_code measure_asked(struct effects *all, const struct measuri
 			x.argument = other.digits;
 			other.digits = 0;
 		} else {
-			x.argument = other.drop;
-			other.drop = 0;
+			x.argument = other.prune;
+			other.prune = 0;
 		}
 		if (x.argument > 0 && (build(&without, m, &other) || add_effect(all, &x, m->now, &without, m)))
 			return m->e->code;

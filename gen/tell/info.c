@@ -43,10 +43,10 @@ static void put_operations(const struct emission *e, struct text *out)
 	parts_put_table(e, out);
 }
 
-void info_table(const struct report *r, struct text *out)
+void info_table(const struct info *x, struct text *out)
 {
-	const struct analysis *a = r->analysis;
-	const struct emission *e = r->emission;
+	const struct analysis *a = x->analysis;
+	const struct emission *e = x->emission;
 	const struct tree *t = &a->tree;
 
 	text_printf(out, "robot %s (functions %s_...): nq %d, nv %d, %d moving bodies, %.6Lg kg, %.6Lg kg of it fixed to the world\n",
@@ -62,8 +62,8 @@ void info_table(const struct report *r, struct text *out)
 		text_printf(out, "%s%s = %.9Lg * %s + %.9Lg\n", i ? "  " : "\nmimic\n  ", t->mimics[i].name,
 			t->mimics[i].multiplier.x, t->mimics[i].driver, t->mimics[i].offset.x);
 	scene_put_table(&a->scene, &a->outcome, out);
-	saving_put_table(&r->savings, &a->scene, out);
-	effect_put_table(&r->effects, a, out);
+	saving_put_table(&x->savings, &a->scene, out);
+	effect_put_table(&x->effects, a, out);
 	scene_put_ignored(&a->outcome, out);
 	put_operations(e, out);
 	for (size_t i = 0; i < e->warning_count; i++)
@@ -127,10 +127,10 @@ static void put_json_functions(const struct emission *e, struct text *out)
 	text_put(out, "\n  ],\n");
 }
 
-void info_json(const struct report *r, struct text *out)
+void info_json(const struct info *x, struct text *out)
 {
-	const struct analysis *a = r->analysis;
-	const struct emission *e = r->emission;
+	const struct analysis *a = x->analysis;
+	const struct emission *e = x->emission;
 	struct operation_count n = parts_operations(e->parts, e->part_count, &emit_main(e)->plan);
 
 	text_put(out, "{\n  \"name\": ");
@@ -140,8 +140,8 @@ void info_json(const struct report *r, struct text *out)
 	text_printf(out, ",\n  \"nq\": %d,\n  \"nv\": %d,\n  \"nb\": %d,\n", e->tree->nq, e->tree->nv, e->tree->body_count);
 	put_json_joints(e->tree, out);
 	scene_put_json(&a->scene, &a->outcome, out);
-	saving_put_json(&r->savings, &a->scene, out);
-	effect_put_json(&r->effects, a, out);
+	saving_put_json(&x->savings, &a->scene, out);
+	effect_put_json(&x->effects, a, out);
 	scene_put_json_ignored(&a->outcome, out);
 	put_json_functions(e, out);
 	emit_pattern_json(e, out);

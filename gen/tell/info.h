@@ -7,7 +7,7 @@
 #include "tell/saving.h"
 
 /* All that there is to tell. */
-struct report {
+struct info {
 	const struct analysis *analysis;
 	const struct emission *emission;
 	struct effects effects;
@@ -15,9 +15,9 @@ struct report {
 };
 
 /* A table that a person reads. */
-void info_table(const struct report *r, struct text *out);
+void info_table(const struct info *x, struct text *out);
 
 /* One JSON object: name, nq, nv, joints, mimic, warnings, operations. */
-void info_json(const struct report *r, struct text *out);
+void info_json(const struct info *x, struct text *out);
 
 #endif

@@ -37,7 +37,7 @@ static struct rneagen_options options_from(const uint8_t head[HEADER])
 	memcpy(o.gravity, gravities[head[1] >> 1 & 3], sizeof o.gravity);
 	o.dump = (enum rneagen_dump)(head[1] >> 3 & 7);
 	o.file = "fuzz.urdf";
-	o.reports = RNEAGEN_REPORT_ALL;
+	o.tell = RNEAGEN_TELL_ALL;
 	return o;
 }
 

@@ -80,7 +80,7 @@ static struct rneagen_options draw_options(struct dice *d)
 	size_t gravity = dice_below(d, 16);
 
 	o.file = FILE_NAME;
-	o.reports = RNEAGEN_REPORT_ALL;
+	o.tell = RNEAGEN_TELL_ALL;
 	o.target = (enum rneagen_target)dice_below(d, 3);
 	o.precision = (enum rneagen_precision)dice_below(d, 5);
 	o.layout = (enum rneagen_layout)dice_below(d, 2);

@@ -42,7 +42,7 @@ static struct rneagen_options options_of(int i)
 
 	o.file = "here";
 	o.name = "r";
-	o.reports = RNEAGEN_REPORT_ALL;
+	o.tell = RNEAGEN_TELL_ALL;
 	o.target = (enum rneagen_target)(i % 3);
 	o.base = i % 2 ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	o.layout = i / 3 % 2 ? RNEAGEN_AOS : RNEAGEN_SOA;
@@ -134,7 +134,7 @@ START_TEST(the_text_alone)
 
 		o.scene = scenes[i % 3];
 		all = generate(urdf, &o);
-		o.reports = 0;
+		o.tell = 0;
 		alone = generate(urdf, &o);
 		check_same(in_file(&all), in_file(&alone), "source", (uint64_t)i);
 		check_same(all.header ? all.header : "", alone.header ? alone.header : "", "header", (uint64_t)i);
@@ -252,7 +252,7 @@ START_TEST(numbers_are_short)
 	o.gravity[0] = 0.573;
 	o.gravity[1] = -10;
 	o.gravity[2] = 1e-5;
-	o.reports = RNEAGEN_REPORT_ALL;
+	o.tell = RNEAGEN_TELL_ALL;
 	o.scene = "lock jc=0.1\nsnap-angle 0.0012345678";
 	r = generate(urdf, &o);
 	for (size_t i = 0; i < sizeof in_source / sizeof *in_source; i++)

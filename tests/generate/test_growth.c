@@ -103,7 +103,7 @@ START_TEST(chains)
 	struct meter half, whole;
 
 	o.scene = g->scene;
-	o.reports = RNEAGEN_REPORT_ALL;
+	o.tell = RNEAGEN_TELL_ALL;
 	o.target = g->target;
 	o.base = g->base;
 	half = generate(30, o);

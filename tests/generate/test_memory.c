@@ -98,7 +98,7 @@ START_TEST(every_request)
 	o.base = _i % 2 ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	o.layout = _i % 2 ? RNEAGEN_SOA : RNEAGEN_AOS;
 	o.order = _i == 1 ? "jd,ja" : NULL;
-	o.reports = _i < DUMPS ? RNEAGEN_REPORT_ALL : 0;
+	o.tell = _i < DUMPS ? RNEAGEN_TELL_ALL : 0;
 	o.scene = _i == 4 ? "# some\nroot base\ntip b,d\nsnap-angle 1e-3" : _i == 5 ? "lock jd=0.5" : NULL;
 	if (_i == 6)
 		o.scene = "fold qdd=0\nfree payload.d\nfext b\nwant tau,power\ndrop-below 1e-3\nrange payload.d=0,2";

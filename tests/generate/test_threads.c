@@ -36,7 +36,7 @@ static struct rneagen_options options_of(int index, const char *file)
 	o.base = (enum rneagen_base)(index / 2 % 2);
 	o.dump = (enum rneagen_dump)(index % 7 < 5 ? 0 : 1 + index / 7 % RNEAGEN_DUMP_PASSES);
 	o.file = file;
-	o.reports = RNEAGEN_REPORT_ALL;
+	o.tell = RNEAGEN_TELL_ALL;
 	return o;
 }
 

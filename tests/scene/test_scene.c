@@ -248,7 +248,7 @@ static struct rneagen_result generate(const char *scene)
 	struct rneagen_error e;
 
 	o.target = RNEAGEN_TARGET_C;
-	o.reports = RNEAGEN_REPORT_ALL;
+	o.tell = RNEAGEN_TELL_ALL;
 	o.scene = scene;
 	ck_assert_msg(!rneagen_generate(arm, sizeof arm - 1, &o, &r, &e), "%s", e.message);
 	return r;
@@ -334,7 +334,7 @@ START_TEST(ignored)
 	struct rneagen_result r;
 	struct rneagen_error e;
 
-	o.reports = RNEAGEN_REPORT_ALL;
+	o.tell = RNEAGEN_TELL_ALL;
 	ck_assert_msg(!rneagen_generate(text, sizeof text - 1, &o, &r, &e), "%s", e.message);
 	expect(r.info, "\nin the URDF and not modelled\n  damping of ja, jc\n  friction of jb, jc\n  limits of ja, jb\n  1 transmissions\n");
 	expect(r.info_json, "  \"ignored\": {\"damping\": [\"ja\", \"jc\"], \"friction\": [\"jb\", \"jc\"], \"limits\": [\"ja\", \"jb\"], "

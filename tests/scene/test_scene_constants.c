@@ -321,7 +321,7 @@ START_TEST(told)
 	struct rneagen_result r;
 	struct rneagen_error e;
 
-	o.reports = RNEAGEN_REPORT_ALL;
+	o.tell = RNEAGEN_TELL_ALL;
 	ck_assert(!rneagen_generate(nearly, sizeof nearly - 1, &o, &r, &e));
 	expect(r.info, "\nangles that are nearly right, rad\n  joint 'ja', by 4.6e-05\n  joint 'jb', by 4.6e-05\n  inertial of link 'b', by 4.6e-05\n");
 	expect(r.info, "\nchanged constants\n  --snap-angle 0.0001 would save ");

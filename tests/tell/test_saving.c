@@ -14,7 +14,7 @@ static struct rneagen_result make(const char *urdf, size_t length, const char *s
 
 	o.scene = scene;
 	o.precision = precision;
-	o.reports = RNEAGEN_REPORT_ALL;
+	o.tell = RNEAGEN_TELL_ALL;
 	ck_assert_msg(!rneagen_generate(urdf, length, &o, &r, &e), "%s", e.message);
 	return r;
 }
