@@ -332,35 +332,39 @@ START_TEST(every_setting)
 }
 END_TEST
 
-/* The DAGs of each robot; every third, or each, in one text by two settings; options and settings take turns. */
+struct tour {
+	int step, robots, turn;
+};
+
+/* The DAGs of each robot; one in `step`, or each, in one text by two settings; options and settings take turns. */
 static void check_robot(const char *path, const char *file, void *context)
 {
-	static int robots;
-	int *turn = context, settings[] = {0, FUSING + *turn % 2, SETTING_COUNT};
-	int left = robots++ % 3 && !exhaustive();
+	struct tour *tour = context;
+	int turn = tour->turn, settings[] = {0, FUSING + turn % 2, SETTING_COUNT};
+	int left = tour->robots++ % tour->step && !exhaustive();
 	struct rneagen_options o = rneagen_options_default();
 
 	if (!strncmp(file, "xfail_", 6))
 		return;
-	o.precision = *turn % 3 == 0 ? RNEAGEN_F32 : *turn % 3 == 1 ? RNEAGEN_F64 : RNEAGEN_MIXED;
-	o.layout = (enum rneagen_layout)(*turn / 2 % 2);
-	o.trig = *turn % 5 ? RNEAGEN_ACCURATE : RNEAGEN_BOUNDED;
-	o.base = *turn % 4 == 3 ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+	o.precision = turn % 3 == 0 ? RNEAGEN_F32 : turn % 3 == 1 ? RNEAGEN_F64 : RNEAGEN_MIXED;
+	o.layout = (enum rneagen_layout)(turn / 2 % 2);
+	o.trig = turn % 5 ? RNEAGEN_ACCURATE : RNEAGEN_BOUNDED;
+	o.base = turn % 4 == 3 ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	for (int base = RNEAGEN_FIXED; base <= RNEAGEN_FLOATING; base++) {
 		struct rneagen_options other = o;
 
 		other.base = (enum rneagen_base)base;
 		check_file(path, file, &other, left || other.base != o.base ? NULL : settings);
 	}
-	*turn += !left;
+	tour->turn += !left;
 }
 
 START_TEST(own_robots)
 {
-	int turn = 0;
+	struct tour tour = {.step = 3};
 
-	for_each_urdf(TEST_DIR "/robots", check_robot, &turn);
-	ck_assert_int_ge(turn, exhaustive() ? 32 : 11);
+	for_each_urdf(TEST_DIR "/robots", check_robot, &tour);
+	ck_assert_int_ge(tour.turn, exhaustive() ? 32 : 11);
 	report("own robots");
 }
 END_TEST
@@ -368,14 +372,14 @@ END_TEST
 START_TEST(real_robots)
 {
 	const char *folder = getenv("RNEAGEN_ROBOTS");
-	int turn = 0;
+	struct tour tour = {.step = 6};
 
 	if (!folder) {
 		printf("skipped: RNEAGEN_ROBOTS is not set\n");
 		return;
 	}
-	for_each_urdf(folder, check_robot, &turn);
-	ck_assert_int_gt(turn, 0);
+	for_each_urdf(folder, check_robot, &tour);
+	ck_assert_int_gt(tour.turn, 0);
 	report("real robots");
 }
 END_TEST
