@@ -11,7 +11,7 @@ fail() {
 
 "$gravity"
 lines=$(wc -l <"$text")
-((lines < 200)) || fail "$text has $lines lines, not fewer than 200"
+((lines < 250)) || fail "$text has $lines lines, not fewer than 250"
 if grep -nE 'malloc|calloc|realloc|alloca|\bstatic [^R]' "$text"; then
 	fail "$text keeps or allocates something"
 fi
