@@ -34,6 +34,18 @@ int emit_uses(const struct emission *e, enum op op)
 
 static const char RETURNS[] = "   Returns whether all angles are small: if not, and `small`, the results mean nothing.\n";
 
+/* Is a row written with the stride: one that is not the first, nor the same for all samples? */
+static int has_stride(const struct dag *d)
+{
+	for (size_t k = 0; k < d->output_count; k++)
+		if (d->outputs[k].row > 0)
+			return 1;
+	for (size_t k = 0; k < d->count; k++)
+		if (d->nodes[k].op == OP_INPUT && d->nodes[k].arg[1].i > 0 && !d->arguments[d->nodes[k].arg[0].i].per_batch)
+			return 1;
+	return 0;
+}
+
 /* An argument of which nothing is read or written would be an unused parameter. */
 static void put_unused_arguments(const struct plan *p, int has_small, struct text *out)
 {
@@ -49,6 +61,8 @@ static void put_unused_arguments(const struct plan *p, int has_small, struct tex
 		if (!used)
 			text_printf(out, "\t(void)%s;\n", d->arguments[i].name);
 	}
+	if (!has_stride(d))
+		text_put(out, "\t(void)stride;\n");
 	if (has_small && !plan_operations(p).sincos)
 		text_put(out, "\t(void)small;\n");
 }
