@@ -37,6 +37,7 @@ struct rneagen_options rnea_urdf_options(const struct rneagen_options *generate,
 {
 	struct rneagen_options g = *generate;
 
+	g.tell = 0;
 	if (backend == RNEA_BACKEND_HOST && g.parts == RNEAGEN_PARTS_AUTO)
 		g.parts = 1;
 	return g;

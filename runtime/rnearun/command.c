@@ -158,6 +158,7 @@ int command_open(const struct command *c, const struct file_content *urdf, struc
 	struct rneagen_result r;
 	int status = 0;
 
+	o.tell = 0;
 	if (rneagen_generate(urdf->bytes, urdf->length, &o, &r, &e))
 		return fail_generator(c, &e);
 	for (size_t i = 0; i < r.warning_count && !c->quiet; i++)

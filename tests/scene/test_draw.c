@@ -277,6 +277,7 @@ static struct rneagen_result make(const char *scene)
 	struct rneagen_error e;
 
 	o.scene = scene;
+	o.tell = RNEAGEN_TELL_ALL;
 	ck_assert_msg(!rneagen_generate(urdf, sizeof urdf - 1, &o, &r, &e), "%s", e.message);
 	return r;
 }

@@ -47,6 +47,7 @@ static void generate(const struct subject *s, struct target *t)
 	o.layout = s->layout;
 	o.scene = s->scene;
 	o.name = "arm";
+	o.tell = RNEAGEN_TELL_JSON;
 	target_generate(t, urdf, length, &o, s->robot);
 	free(urdf);
 }

@@ -44,6 +44,7 @@ static struct rneagen_options options_of(const struct subject *s, int dense, cha
 	o.precision = RNEAGEN_F64;
 	o.layout = RNEAGEN_AOS;
 	o.strict = 1;
+	o.tell = RNEAGEN_TELL_JSON;
 	return o;
 }
 

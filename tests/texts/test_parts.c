@@ -49,6 +49,7 @@ static struct rneagen_options options_of(const struct subject *s, int parts)
 	o.precision = s->precision;
 	o.trig = s->trig;
 	o.parts = parts;
+	o.tell = RNEAGEN_TELL_JSON;
 	return o;
 }
 
