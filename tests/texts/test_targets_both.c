@@ -49,8 +49,8 @@ static void open_both(struct both *b, const char *robot, const struct rneagen_op
 	b->sources[0] = target_path("both", ".c");
 	b->sources[1] = target_path("both", ".cu");
 	b->library = target_path("both", ".so");
-	/* pairs of floats in line take compilers long */
-	const char *level = o->precision == RNEAGEN_F32X2 && !exhaustive() ? "-O0" : "-O1";
+	/* pairs of floats in line take compilers long, and many bodies do */
+	const char *level = !exhaustive() && (o->precision == RNEAGEN_F32X2 || !strcmp(robot, "hyq")) ? "-O0" : "-O1";
 	const char *const argv[] = {compiler, "-std=c11", WARNING_FLAGS, "-Wshadow", level, "-fPIC", "-shared", "-o",
 		b->library.s, b->sources[0].s, "-x", "c", b->sources[1].s, "-lm", NULL};
 
