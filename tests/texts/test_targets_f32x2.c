@@ -162,7 +162,7 @@ START_TEST(compilers)
 		return;
 	check_robot("double_pendulum", RNEAGEN_FIXED, &s->compiler, 0, &worst);
 	check_robot("pendulum", RNEAGEN_FLOATING, &s->compiler, 1, &worst);
-	if (s->is_long && (s->needs_fma || exhaustive()))
+	if (s->is_long && exhaustive())
 		check_robot("iiwa14", RNEAGEN_FIXED, &s->compiler, 0, &worst);
 	worst_report(&worst, s->compiler.command);
 }
