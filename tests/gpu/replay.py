@@ -40,7 +40,8 @@ class Text:
         source, began = path.read_text(), time.perf_counter()
         self.name = path.stem
         self.block, self.parts = (int((re.findall(rf'"{word} (\d+)\\n"', source) or [1])[0]) for word in ("block", "parts"))
-        self.arrays = [(name, int(rows)) for name, rows in re.findall(r'"(?:input|output) (\w+) (\d+) f32 sample\\n"', source)]
+        table = source.split('"function rnea\\n"')[1].split('"function ')[0]
+        self.arrays = [(name, int(rows)) for name, rows in re.findall(r'"(?:input|output) (\w+) (\d+) f32 sample', table)]
         self.kernel = cupy.RawModule(code=source, backend="nvrtc").get_function(re.search(r"^(\w+_rnea_kernel)\(", source, re.M)[1])
         print(f"{self.name}: compiled in {time.perf_counter() - began:.1f} s, {self.kernel.num_regs} registers", flush=True)
 
