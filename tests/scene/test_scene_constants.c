@@ -315,6 +315,21 @@ static void expect(const char *text, const char *part)
 	ck_assert_msg(strstr(text, part) != NULL, "no '%s' in\n%.4000s", part, text);
 }
 
+/* A comment's lines as one: they go on where a line is full. */
+static void expect_in_comment(const char *text, const char *part)
+{
+	char *line = malloc(strlen(text) + 1), *to = line;
+
+	for (const char *s = text; *s; s++) {
+		if (!strncmp(s, "\n *", 3))
+			s += 3 + strspn(s + 3, " ") - 1;
+		*to++ = *s;
+	}
+	*to = '\0';
+	expect(line, part);
+	free(line);
+}
+
 START_TEST(told)
 {
 	struct rneagen_options o = rneagen_options_default();
@@ -333,7 +348,7 @@ START_TEST(told)
 	ck_assert(!rneagen_generate(nearly, sizeof nearly - 1, &o, &r, &e));
 	expect(r.source, "\n * --snap-angle 0.0001 saves ");
 	expect(r.source, "\n * --round-constants 5 saves ");
-	expect(r.source, ", sampled in 100 states\n");
+	expect_in_comment(r.source, ", sampled in 100 states ");
 	rneagen_result_free(&r);
 }
 END_TEST
