@@ -16,6 +16,7 @@
 
 struct generation {
 	struct analysis analysis; /* up to the fused DAG */
+	const struct algorithm *algorithms[ALGORITHM_COUNT];
 	struct dag raw[ALGORITHM_COUNT]; /* of the halves, until they are fused; the analysis has that of the whole */
 	struct arena raw_arena;
 	struct pass passes[ALGORITHM_COUNT];
@@ -70,9 +71,11 @@ static enum rneagen_code options_check(struct generation *g)
 }
 
 /* The halves of the algorithm go with the whole of it, not with a scene's choice of inputs and outputs. */
-static int function_count(const struct generation *g)
+static int function_count(struct generation *g)
 {
-	return g->analysis.options.only_rnea ? 1 : algorithms_of(g->analysis.request.is_plain);
+	int count = algorithms_for(&g->analysis.request, g->algorithms);
+
+	return g->analysis.options.only_rnea ? 1 : count;
 }
 
 static enum rneagen_code dag_build_all(struct generation *g)
@@ -84,7 +87,7 @@ static enum rneagen_code dag_build_all(struct generation *g)
 	arena_init(&g->raw_arena, &a->arena->allocator);
 	for (int i = 1; i < function_count(g); i++) {
 		dag_init(&g->raw[i], &g->raw_arena);
-		ALGORITHMS[i]->build(&g->raw[i], &a->tree, &a->request);
+		g->algorithms[i]->build(&g->raw[i], &a->tree, &a->request);
 		dag_close(&g->raw[i]);
 		if (g->raw[i].failed)
 			error_memory(a->error);
@@ -112,7 +115,7 @@ static enum rneagen_code plan_build_all(struct generation *g)
 	struct analysis *a = &g->analysis;
 
 	for (int i = 0; i < function_count(g); i++) {
-		g->passes[i].algorithm = ALGORITHMS[i];
+		g->passes[i].algorithm = g->algorithms[i];
 		if (!plan_build(&g->passes[i].plan, &g->passes[i].dag, &a->tree, a->arena))
 			return error_memory(a->error);
 	}

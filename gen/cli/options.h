@@ -28,6 +28,9 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	{"want", required_argument, NULL, OPTION_SCENE + SCENE_WANT},                                                  \
 	{"dense", no_argument, NULL, OPTION_SCENE + SCENE_DENSE},                                                      \
 	{"derivatives", required_argument, NULL, OPTION_SCENE + SCENE_DERIVATIVES},                                    \
+	{"dynamics", required_argument, NULL, OPTION_SCENE + SCENE_DYNAMICS},                                          \
+	{"jvp", required_argument, NULL, OPTION_SCENE + SCENE_JVP},                                                    \
+	{"vjp", required_argument, NULL, OPTION_SCENE + SCENE_VJP},                                                    \
 	{"fext", required_argument, NULL, OPTION_SCENE + SCENE_FEXT},                                                  \
 	{"fext-frame", required_argument, NULL, OPTION_SCENE + SCENE_FEXT_FRAME},                                      \
 	{"armature", required_argument, NULL, OPTION_SCENE + SCENE_ARMATURE},                                          \

@@ -33,7 +33,7 @@ struct node {
 };
 
 enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END, SECTION_FREED, SECTION_TOTALS, SECTION_BIAS, SECTION_GRAVITY,
-	SECTION_BY, SECTION_PRODUCTS, SECTION_COUNT };
+	SECTION_BY, SECTION_PRODUCTS, SECTION_FACTORS, SECTION_ARTICULATED, SECTION_INVERSE, SECTION_COUNT };
 
 /* From this node (and this output) on, the text belongs to going out to a body, or back from it. */
 struct section {
@@ -75,7 +75,8 @@ struct dag {
 	struct section *sections;
 	size_t section_count, section_capacity;
 	size_t limit; /* nodes; 0: as many as memory holds */
-	int failed;   /* sticky: out of memory, an argument or a node too many */
+	int failed;   /* sticky: out of memory, an argument or a node too many, a matrix that cannot be solved */
+	int singular; /* 1 + the row of qd whose joint moves no mass, where that made it fail */
 };
 
 void dag_init(struct dag *d, struct arena *a);

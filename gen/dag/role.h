@@ -45,7 +45,11 @@ enum role_rows {
 	X(TANGENT, "tangent", ROWS_ANY)                                                                                \
 	X(COTANGENT, "cotangent", ROWS_ANY)                                                                            \
 	X(JVP, "jvp", ROWS_ANY)                                                                                        \
-	X(VJP, "vjp", ROWS_ANY)
+	X(VJP, "vjp", ROWS_ANY)                                                                                        \
+	X(MASS_MATRIX_INVERSE, "mass_matrix_inverse", ROWS_ANY)                                                        \
+	X(DQDD_DQ, "dqdd_dq", ROWS_ANY)                                                                                \
+	X(DQDD_DQD, "dqdd_dqd", ROWS_ANY)                                                                              \
+	X(DQDD_DFREED, "dqdd_dfreed", ROWS_ANY)
 
 enum role {
 #define ROLE_ENUM(role, word, rows) ROLE_##role,

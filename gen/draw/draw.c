@@ -38,6 +38,13 @@ static struct draw_range velocity_range(const struct joint *j)
 	return around(limited ? j->velocity : 3);
 }
 
+static struct draw_range torque_range(const struct joint *j)
+{
+	int limited = j && j->has_limits && j->effort > 0 && j->effort <= DRAW_LIMIT;
+
+	return around(limited ? j->effort : 10);
+}
+
 static void range_position(const struct tree_joint *t, const struct joint *j, struct draw_range *q)
 {
 	int lengths = t->type == JOINT_FLOATING ? 3 : t->type == JOINT_PLANAR ? 2 : 0;
@@ -50,7 +57,7 @@ static void range_position(const struct tree_joint *t, const struct joint *j, st
 		q[0] = position_range(j);
 }
 
-static void range_joints(struct drawn *x, const struct tree *t)
+static void range_joints(struct drawn *x, const struct tree *t, int is_forward)
 {
 	for (int i = 0; i < t->joint_count; i++) {
 		const struct tree_joint *k = &t->joints[i];
@@ -59,7 +66,7 @@ static void range_joints(struct drawn *x, const struct tree *t)
 		range_position(k, j, x->arrays[DRAWN_Q].ranges + k->iq);
 		for (int r = k->iv; r < k->iv + k->nv; r++) {
 			x->arrays[DRAWN_QD].ranges[r] = velocity_range(j);
-			x->arrays[DRAWN_QDD].ranges[r] = around(10);
+			x->arrays[DRAWN_DRIVE].ranges[r] = is_forward ? torque_range(j) : around(10);
 		}
 	}
 }
@@ -109,7 +116,7 @@ int draw_ranges(struct drawn *x, const struct tree *t, const struct request *k, 
 	*x = (struct drawn){.count = 0};
 	add_array(x, (struct drawn_array){.name = "q", .rows = t->nq}, around(1), a);
 	add_array(x, (struct drawn_array){.name = "qd", .rows = t->nv}, around(1), a);
-	add_array(x, (struct drawn_array){.name = "qdd", .rows = t->nv}, around(1), a);
+	add_array(x, (struct drawn_array){.name = k->is_forward ? "tau" : "qdd", .rows = t->nv}, around(1), a);
 	for (int i = 0; i < k->freed_count; i++) {
 		const struct freed *f = &k->freed[i];
 
@@ -123,7 +130,7 @@ int draw_ranges(struct drawn *x, const struct tree *t, const struct request *k, 
 		add_array(x, (struct drawn_array){.name = "vjp_v", .rows = t->nv}, around(1), a);
 	if (a->failed)
 		return 0;
-	range_joints(x, t);
+	range_joints(x, t, k->is_forward);
 	for (int i = 0; i < x->count; i++)
 		range_as_said(&x->arrays[i], k);
 	return 1;
@@ -195,7 +202,7 @@ static void draw_sample(unsigned short seed[3], const struct drawn_array *a, int
 /* Joint by joint: all states are one sequence. */
 static void draw_state(unsigned short seed[3], const struct drawn *x, const struct tree *t, size_t sample)
 {
-	const struct drawn_array *q = &x->arrays[DRAWN_Q], *qd = &x->arrays[DRAWN_QD], *qdd = &x->arrays[DRAWN_QDD];
+	const struct drawn_array *q = &x->arrays[DRAWN_Q], *qd = &x->arrays[DRAWN_QD], *drive = &x->arrays[DRAWN_DRIVE];
 
 	for (int i = 0; i < t->joint_count; i++) {
 		const struct tree_joint *j = &t->joints[i];
@@ -203,7 +210,7 @@ static void draw_state(unsigned short seed[3], const struct drawn *x, const stru
 		draw_sample(seed, q, j->iq, j->iq + j->nq, q->values + sample * (size_t)q->rows);
 		for (int k = j->iv; k < j->iv + j->nv; k++) {
 			draw_sample(seed, qd, k, k + 1, qd->values + sample * (size_t)qd->rows);
-			draw_sample(seed, qdd, k, k + 1, qdd->values + sample * (size_t)qdd->rows);
+			draw_sample(seed, drive, k, k + 1, drive->values + sample * (size_t)drive->rows);
 		}
 	}
 }

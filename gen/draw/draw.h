@@ -23,8 +23,8 @@ struct drawn_array {
 	double *values;             /* [sample][row], or [row] where it is for the whole batch; NULL: not drawn yet */
 };
 
-/* q, qd and qdd come first, whether the text reads them or not. */
-enum { DRAWN_Q, DRAWN_QD, DRAWN_QDD, DRAWN_OTHERS };
+/* q, qd and what drives the joints, qdd or tau, come first, whether the text reads them or not. */
+enum { DRAWN_Q, DRAWN_QD, DRAWN_DRIVE, DRAWN_OTHERS };
 
 struct drawn {
 	struct drawn_array arrays[DAG_ARGUMENTS];
@@ -45,7 +45,7 @@ extern const struct draw_options DRAW_EFFECTS;
 enum { DRAW_LIMIT = 1000 };
 
 /* Where the scene says nothing: q within the limits of the joint, or where there are none within pi of 0 for angles, 1 m
-   for lengths; qd within the limit, or 3 of 0; qdd within 10 of 0. Gravity in each axis within its length of 0 (9.81
+   for lengths; qd within the limit, or 3 of 0; qdd within 10 of 0; tau within the effort limit, or 10 of 0. Gravity in each axis within its length of 0 (9.81
    where it is none), a mass within a tenth of the URDF's, an offset within 0.1 of 0, forces and moments within 10 of 0,
    the vectors that derivatives are multiplied by within 1 of 0. A payload, and the mass or inertia of a link that has no
    mass, is a box of 0 to 1 kg, no side over 0.2 m, its centre no farther than 0.1 m from the link's origin in each axis;

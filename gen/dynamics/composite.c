@@ -27,22 +27,6 @@ void composite_add_body(struct dag *d, struct composite *to, const struct parame
 	to->p.mass = dag_add(d, to->p.mass, p->mass);
 }
 
-/* A T A^T for the joint's rotation A */
-static struct smat turned(struct dag *d, const struct body *k, const struct joint_pose *at, const struct smat *T)
-{
-	struct smat B, out;
-
-	for (int j = 0; j < 3; j++)
-		set_column(&B, j, joint_to_parent(d, k, at, column(T, j)));
-	for (int i = 0; i < 3; i++) {
-		struct svec row = joint_to_parent(d, k, at, (struct svec){{B.m[i][0], B.m[i][1], B.m[i][2]}});
-
-		for (int j = 0; j < 3; j++)
-			out.m[i][j] = row.x[j];
-	}
-	return out;
-}
-
 /* I' = A I A^T + 2 p.w 1 - w p^T - p w^T with w = A h + m p/2 */
 static void add_inertia(struct dag *d, struct parameters *to, const struct smat *I, struct ref mass, struct svec h, struct svec p)
 {
@@ -78,9 +62,9 @@ void composite_add_child(
 {
 	struct svec h = joint_to_parent(d, child, at, c->p.h), p = at->p;
 	struct svec X = svec_add(d, joint_to_parent(d, child, at, c->P), svec_scale(d, c->p.mass, rate));
-	struct smat I = rigid_body_inertia_matrix(&c->p), K = turned(d, child, at, &c->K);
+	struct smat I = rigid_body_inertia_matrix(&c->p), K = joint_turn(d, child, at, &c->K);
 
-	I = turned(d, child, at, &I);
+	I = joint_turn(d, child, at, &I);
 	add_inertia(d, &parent->p, &I, c->p.mass, h, p);
 	add_rate(d, &parent->K, &K, h, X, p, rate);
 	parent->P = svec_add(d, parent->P, X);

@@ -2,6 +2,7 @@
    twist in the body's frame, linear then angular, as Pinocchio does; the quaternion q as q (x) (d/2, 1). */
 #include "dag/derive.h"
 #include "tree/pattern.h"
+#include "dynamics/forward.h"
 #include "dynamics/tour.h"
 #include <string.h>
 
@@ -9,6 +10,7 @@ enum varied { VARIED_Q, VARIED_QD, VARIED_QDD, VARIED_COUNT };
 
 struct gradient {
 	const struct tour *r;
+	const struct forward *forward; /* NULL: qdd is an input */
 	struct dag *d;
 	const struct tree *t;
 	struct derivable x;
@@ -85,8 +87,8 @@ static int body_of_row(const struct tree *t, int row)
 	return 0;
 }
 
-/* Column by column: d tau/d q or d tau/d qd. */
-static void output_matrix(struct gradient *g, enum varied varied, int argument)
+/* Column by column: d tau/d q or d tau/d qd, or what is solved with it, d qdd. */
+static void output_matrix(struct gradient *g, enum varied varied, int is_solved, int argument)
 {
 	int nv = g->t->nv;
 	struct pattern p;
@@ -107,8 +109,12 @@ static void output_matrix(struct gradient *g, enum varied varied, int argument)
 			g->along[varied][j] = unit[j];
 		derive_forward(&g->x, seed, g, g->dot);
 		for (int i = 0; i < nv; i++)
+			unit[i] = along(g, i);
+		if (is_solved)
+			forward_column(g->forward, unit, j, argument);
+		for (int i = 0; i < nv && !is_solved; i++)
 			if (p.row[i * nv + j] >= 0)
-				dag_output(g->d, argument, p.row[i * nv + j], along(g, i));
+				dag_output(g->d, argument, p.row[i * nv + j], unit[i]);
 	}
 }
 
@@ -116,7 +122,13 @@ static void output_matrix(struct gradient *g, enum varied varied, int argument)
 static void output_by_freed(struct gradient *g, const struct want *w, int argument)
 {
 	const struct freed *f = &g->r->request->freed[w->body];
+	struct ref *column = arena_alloc(g->d->arena, (size_t)g->t->nv, sizeof *column);
+	int is_solved = w->kind == WANT_DQDD_DFREED;
 
+	if (!column) {
+		g->d->failed = 1;
+		return;
+	}
 	dag_section(g->d, SECTION_PRODUCTS, 0);
 	for (int j = 0; j < f->rows; j++) {
 		clear(g);
@@ -124,8 +136,22 @@ static void output_by_freed(struct gradient *g, const struct want *w, int argume
 		g->other_row = j;
 		derive_forward(&g->x, seed, g, g->dot);
 		for (int i = 0; i < g->t->nv; i++)
-			dag_output(g->d, argument, i * f->rows + j, along(g, i));
+			column[i] = is_solved ? dag_neg(g->d, along(g, i)) : along(g, i);
+		if (is_solved)
+			forward_solve(g->forward, column);
+		for (int i = 0; i < g->t->nv; i++)
+			dag_output(g->d, argument, i * f->rows + j, column[i]);
 	}
+}
+
+/* M^-1 (v_tau - (d tau/d q) v_q - (d tau/d qd) v_qd), from what derive_forward made at the qdd found. */
+static void solve_product(struct gradient *g, struct ref *v_tau, int argument)
+{
+	for (int i = 0; i < g->t->nv; i++)
+		v_tau[i] = dag_sub(g->d, v_tau[i], along(g, i));
+	forward_solve(g->forward, v_tau);
+	for (int i = 0; i < g->t->nv; i++)
+		dag_output(g->d, argument, i, v_tau[i]);
 }
 
 /* (d tau/d q) v_q + (d tau/d qd) v_qd + (d tau/d qdd) v_qdd for given v, in one go. */
@@ -146,6 +172,10 @@ static void output_jvp(struct gradient *g, int argument)
 	memcpy(g->along[VARIED_QD], v + nv, (size_t)nv * sizeof *v);
 	memcpy(g->along[VARIED_QDD], v + 2 * nv, (size_t)nv * sizeof *v);
 	derive_forward(&g->x, seed, g, g->dot);
+	if (g->forward) {
+		solve_product(g, v + 2 * nv, argument);
+		return;
+	}
 	for (int i = 0; i < nv; i++)
 		dag_output(g->d, argument, i, along(g, i));
 }
@@ -178,7 +208,8 @@ static struct ref tangent_bar(struct gradient *g, const struct ref *bar, int row
 	return sum;
 }
 
-/* lambda^T d tau/d(q, qd, qdd) for a given lambda, by one sweep back. */
+/* lambda^T d tau/d(q, qd, qdd) for a given lambda, by one sweep back. Of qdd: with mu = M^-1 lambda, which is the derivative by
+   tau, -mu^T d tau/d(q, qd) at the qdd found. */
 static void output_vjp(struct gradient *g, int argument)
 {
 	int nv = g->t->nv, weights = dag_find_role(g->d, ROLE_COTANGENT, 0);
@@ -191,26 +222,35 @@ static void output_vjp(struct gradient *g, int argument)
 	dag_section(g->d, SECTION_PRODUCTS, 0);
 	for (int i = 0; i < nv; i++)
 		lambda[i] = dag_input(g->d, weights, i);
+	if (g->forward)
+		forward_solve(g->forward, lambda);
+	for (int i = 0; i < nv && g->forward; i++) {
+		dag_output(g->d, argument, 2 * nv + i, lambda[i]);
+		lambda[i] = dag_neg(g->d, lambda[i]);
+	}
 	derive_backward(&g->x, lambda, g->dot);
 	for (int i = 0; i < nv; i++) {
 		dag_output(g->d, argument, i, tangent_bar(g, g->dot, i));
 		dag_output(g->d, argument, nv + i, bar_of(g, g->dot, VARIED_QD, i));
-		dag_output(g->d, argument, 2 * nv + i, bar_of(g, g->dot, VARIED_QDD, i));
+		if (!g->forward)
+			dag_output(g->d, argument, 2 * nv + i, bar_of(g, g->dot, VARIED_QDD, i));
 	}
 }
 
-static int begin(struct gradient *g, const struct tour *r)
+static int begin(struct gradient *g, const struct tour *r, const struct forward *forward)
 {
 	struct arena *a = r->d->arena;
 	const struct tree *t = r->t;
 
-	*g = (struct gradient){.r = r, .d = r->d, .t = t,
+	*g = (struct gradient){.r = r, .forward = forward, .d = r->d, .t = t,
 		.arguments = {r->in.q.argument, r->in.qd.argument, r->in.qdd.argument}, .other = -1};
 	g->along[VARIED_Q] = arena_alloc(a, (size_t)t->nq, sizeof(struct ref));
 	g->along[VARIED_QD] = arena_alloc(a, (size_t)t->nv, sizeof(struct ref));
 	g->along[VARIED_QDD] = arena_alloc(a, (size_t)t->nv, sizeof(struct ref));
 	if (a->failed || !derive_begin(&g->x, g->d, r->tau, t->nv))
 		return 0;
+	for (int i = 0; i < t->nv && forward; i++)
+		g->x.live[forward->qdd[i].i] = 0; /* it stays as it is found */
 	g->dot = arena_alloc(a, g->x.count, sizeof *g->dot);
 	return g->dot != NULL;
 }
@@ -220,10 +260,32 @@ static int is_ours(const struct request *k, int i, const char *done)
 {
 	enum want_kind kind = k->wants[i].kind;
 
-	return !done[i] && (kind == WANT_DTAU_DQ || kind == WANT_DTAU_DQD || kind == WANT_DTAU_DFREED || kind == WANT_JVP || kind == WANT_VJP);
+	return !done[i] && kind >= WANT_DTAU_DQ && kind != WANT_MASS && kind != WANT_MINV;
 }
 
-void gradient_outputs(const struct tour *r, const int *outputs, const char *done)
+static void output(struct gradient *g, const struct want *w, int argument)
+{
+	switch (w->kind) {
+	case WANT_DTAU_DQ:
+	case WANT_DQDD_DQ:
+		output_matrix(g, VARIED_Q, w->kind == WANT_DQDD_DQ, argument);
+		break;
+	case WANT_DTAU_DQD:
+	case WANT_DQDD_DQD:
+		output_matrix(g, VARIED_QD, w->kind == WANT_DQDD_DQD, argument);
+		break;
+	case WANT_JVP:
+		output_jvp(g, argument);
+		break;
+	case WANT_VJP:
+		output_vjp(g, argument);
+		break;
+	default:
+		output_by_freed(g, w, argument);
+	}
+}
+
+void gradient_outputs(const struct tour *r, const struct forward *forward, const int *outputs, const char *done)
 {
 	const struct request *k = r->request;
 	struct gradient g = {0};
@@ -231,15 +293,9 @@ void gradient_outputs(const struct tour *r, const int *outputs, const char *done
 	for (int i = 0; i < k->want_count && !r->d->failed; i++) {
 		if (!is_ours(k, i, done))
 			continue;
-		if (!g.d && (!r->tau || !begin(&g, r)))
+		if (!g.d && (!r->tau || !begin(&g, r, forward)))
 			r->d->failed = 1;
-		else if (k->wants[i].kind == WANT_DTAU_DQ || k->wants[i].kind == WANT_DTAU_DQD)
-			output_matrix(&g, k->wants[i].kind == WANT_DTAU_DQ ? VARIED_Q : VARIED_QD, outputs[i]);
-		else if (k->wants[i].kind == WANT_DTAU_DFREED)
-			output_by_freed(&g, &k->wants[i], outputs[i]);
-		else if (k->wants[i].kind == WANT_JVP)
-			output_jvp(&g, outputs[i]);
 		else
-			output_vjp(&g, outputs[i]);
+			output(&g, &k->wants[i], outputs[i]);
 	}
 }

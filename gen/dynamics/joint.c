@@ -18,6 +18,8 @@ struct ref source_row(struct dag *d, const struct source *s, int row)
 
 	if (s->given && s->given[row].is_given)
 		return dag_within(d, s->given[row].value);
+	if (s->found)
+		return s->found[row];
 	return s->argument >= 0 ? dag_input(d, s->argument, row) : zero;
 }
 
@@ -155,6 +157,25 @@ struct svec joint_out_of(struct dag *d, const struct body *k, const struct joint
 struct svec joint_to_parent(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u)
 {
 	return smat_mul(d, &x->R, joint_out_of(d, k, x, u));
+}
+
+struct smat joint_turn(struct dag *d, const struct body *k, const struct joint_pose *x, const struct smat *T)
+{
+	struct smat B, out;
+
+	for (int j = 0; j < 3; j++) {
+		struct svec column = joint_to_parent(d, k, x, (struct svec){{T->m[0][j], T->m[1][j], T->m[2][j]}});
+
+		for (int i = 0; i < 3; i++)
+			B.m[i][j] = column.x[i];
+	}
+	for (int i = 0; i < 3; i++) {
+		struct svec row = joint_to_parent(d, k, x, (struct svec){{B.m[i][0], B.m[i][1], B.m[i][2]}});
+
+		for (int j = 0; j < 3; j++)
+			out.m[i][j] = row.x[j];
+	}
+	return out;
 }
 
 void joint_project(struct dag *d, const struct body *k, struct svec f, struct svec n, struct svec f0, struct ref *tau)

@@ -5,10 +5,12 @@
 #include "dag/svec.h"
 #include "request/request.h"
 
-/* Rows of an input: those that the scene gives (NULL: none), else the argument's; -1: zero. */
+/* Rows of an input: those that the scene gives (NULL: none), else those that were found (NULL: none), else the argument's;
+   -1: zero. */
 struct source {
 	int argument;
 	const struct row *given;
+	const struct ref *found;
 };
 
 /* Where q, qd and qdd come from; what is added to rows of q (NULL: nothing). */
@@ -45,6 +47,9 @@ struct svec joint_out_of(struct dag *d, const struct body *k, const struct joint
 
 /* R(q) u of the whole joint: from the body's frame into its parent's. */
 struct svec joint_to_parent(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u);
+
+/* A T A^T for that rotation A */
+struct smat joint_turn(struct dag *d, const struct body *k, const struct joint_pose *x, const struct smat *T);
 
 /* The generalized forces of the joint, joint_nv of them: the wrench (f, n) in the body's frame, and its force f0 in the
    joint's, along the joint's axes. */

@@ -285,6 +285,26 @@ static void add_to_slides(struct recursion *x, int body, struct wrench turned)
 	}
 }
 
+/* The row of M of one coordinate, back to the base. */
+static void trace_mass(struct recursion *x, int body, int row)
+{
+	int i = x->r->t->bodies[body].iv + row;
+	struct row_vectors s;
+	struct svec Z, Y;
+
+	unit_twist(x, body, row, &Z, &Y);
+	s = row_of(x->r->d, &x->bodies[body], Z, Y);
+	fill_mass(x, i, body, body, &s);
+	for (int b = body, parent; (parent = x->r->t->bodies[b].parent) >= 0; b = parent) {
+		struct wrench w = wrench_to_parent(x, b, (struct wrench){s.f2, s.n2});
+
+		s.f2 = w.f;
+		s.n2 = w.n;
+		fill_mass(x, i, body, parent, &s);
+		write_between(x, i, parent);
+	}
+}
+
 /* The row and the column of one coordinate, back to the base. */
 static void trace(struct recursion *x, int body, int row)
 {
@@ -295,6 +315,10 @@ static void trace(struct recursion *x, int body, int row)
 	struct row_vectors s;
 	struct svec Z, Y;
 
+	if (x->is_mass_alone) {
+		trace_mass(x, body, row);
+		return;
+	}
 	unit_twist(x, body, row, &Z, &Y);
 	fields(x, body, row, by);
 	s = row_of(d, &x->bodies[body], Z, Y);

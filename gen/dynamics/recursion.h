@@ -21,6 +21,7 @@ struct recursion {
 	struct composite *bodies; /* of the subtrees so far */
 	char *is_shared;          /* by row of qd: several bodies move with it */
 	struct by_matrix by[BY_COUNT];
+	int is_mass_alone;        /* no gradients */
 };
 
 /* `arguments` says where the matrices go. d->failed is set when memory runs out. */

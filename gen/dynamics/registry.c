@@ -5,12 +5,13 @@
 const struct algorithm *const ALGORITHMS[ALGORITHM_COUNT] = {ALGORITHM_LIST(ALGORITHM_ADDRESS)};
 #undef ALGORITHM_ADDRESS
 
-int algorithms_of(int is_plain)
+int algorithms_for(const struct request *k, const struct algorithm *found[ALGORITHM_COUNT])
 {
 	int count = 0;
 
-	while (count < ALGORITHM_COUNT && (is_plain || ALGORITHMS[count]->takes_requests))
-		count++;
+	for (int i = 0; i < ALGORITHM_COUNT; i++)
+		if (ALGORITHMS[i]->is_made_for(k))
+			found[count++] = ALGORITHMS[i];
 	return count;
 }
 

@@ -7,18 +7,21 @@
 #include "dag/dag.h"
 #include "request/request.h"
 
-/* The first is what a scene's request is made of, what --parts divides, what is staged and bounded, and what the calls of one
-   sample and of a batch do. */
+/* The first that is made for a request is the text's main function: what --parts divides, what is staged and bounded, and what
+   the calls of one sample and of a batch do. */
 #define ALGORITHM_LIST(X)                                                                                              \
 	X(rnea)                                                                                                        \
 	X(fpass)                                                                                                       \
-	X(bpass)
+	X(bpass)                                                                                                       \
+	X(fd)
 
 enum { ALGORITHM_ARRAYS = 8 };
 
 struct algorithm {
 	const char *name; /* of the function: NAME_rnea */
 	const char *doc;  /* the comment above it */
+	const char *what; /* of a scene that asks for more than its own arrays: "Inverse dynamics"; NULL: it is in no such text */
+	const char *how;  /* behind it, in the head of a text */
 	const char *brief; /* the comment above its declaration for a caller; of the first, the frames say more */
 	const char *note; /* a line of the comment at the head of the text; NULL: none */
 
@@ -30,8 +33,8 @@ struct algorithm {
 		int is_output;
 	} arrays[ALGORITHM_ARRAYS];
 
-	/* It can take a request's inputs and outputs instead; others are not in texts of such requests. */
-	int takes_requests;
+	/* Is it in the text of this request? */
+	int (*is_made_for)(const struct request *k);
 
 	/* Fills an empty DAG, declarations included; failure is in dag->failed. */
 	void (*build)(struct dag *d, const struct tree *t, const struct request *k);
@@ -47,8 +50,8 @@ enum { ALGORITHM_LIST(ALGORITHM_NUMBER) ALGORITHM_COUNT };
 
 extern const struct algorithm *const ALGORITHMS[ALGORITHM_COUNT];
 
-/* How many of them, the first ones, are in the text of a request that is plain, or not. */
-int algorithms_of(int is_plain);
+/* Those in the text of a request, in order; returns their count. */
+int algorithms_for(const struct request *k, const struct algorithm *found[ALGORITHM_COUNT]);
 
 /* By its name; NULL: there is none. */
 const struct algorithm *algorithm_find(const char *name);

@@ -272,13 +272,25 @@ static void build_bpass(struct dag *d, const struct tree *t, const struct reques
 	build_plain(d, t, k, &algorithm_bpass);
 }
 
+static int is_inverse(const struct request *k)
+{
+	return !k->is_forward;
+}
+
+static int is_plain(const struct request *k)
+{
+	return k->is_plain;
+}
+
 #define STATE {"q", ROLE_JOINT_POSITION, 0}, {"qd", ROLE_JOINT_VELOCITY, 0}, {"qdd", ROLE_JOINT_ACCELERATION, 0}
 
 const struct algorithm algorithm_rnea = {.name = "rnea",
 	.doc = "tau = ID(q, qd, qdd)",
 	.brief = "tau = ID(q, qd, qdd) of one sample.",
 	.arrays = {STATE, {"tau", ROLE_JOINT_TORQUE, 1}},
-	.takes_requests = 1,
+	.what = "Inverse dynamics",
+	.how = "by the recursive Newton-Euler algorithm",
+	.is_made_for = is_inverse,
 	.build = build_rnea};
 
 /* Each linear then angular, at the origin and in the URDF frame of the body's link; a is the spatial acceleration with
@@ -288,10 +300,12 @@ const struct algorithm algorithm_fpass = {.name = "fpass",
 	.brief = "The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each.",
 	.note = "fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.",
 	.arrays = {STATE, {"v", ROLE_BODY_TWISTS, 1}, {"a", ROLE_BODY_ACCELERATIONS, 1}, {"f", ROLE_BODY_WRENCHES, 1}},
+	.is_made_for = is_plain,
 	.build = build_fpass};
 
 const struct algorithm algorithm_bpass = {.name = "bpass",
 	.doc = "Back to the base: torques tau from the wrenches f.",
 	.brief = "The way back alone: torques from q and fpass's wrenches.",
 	.arrays = {{"q", ROLE_JOINT_POSITION, 0}, {"f", ROLE_BODY_WRENCHES, 0}, {"tau", ROLE_JOINT_TORQUE, 1}},
+	.is_made_for = is_plain,
 	.build = build_bpass};

@@ -38,6 +38,8 @@ struct tour {
 	void *context; /* of these */
 };
 
+struct forward;
+
 void tour_run(struct tour *r);
 
 /* a = E (a_p + U_p p) + dV + 2 w x V once more, from another a_p than less gravity; for a body that has been entered. */
@@ -54,8 +56,8 @@ void own_terms(const struct tour *r, int body, struct ref *tau);
 struct ref own_rate(const struct tour *r, int body);
 
 /* What a scene wants of derivatives, M and the wants in `done` aside: of the torques of a tour that came back, into the
-   arguments `outputs` (both by want). */
-void gradient_outputs(const struct tour *r, const int *outputs, const char *done);
+   arguments `outputs` (both by want); where qdd was found, at that qdd, and of it. */
+void gradient_outputs(const struct tour *r, const struct forward *forward, const int *outputs, const char *done);
 
 /* The DAG of a request that is not plain. */
 void want_build(struct dag *d, const struct tree *t, const struct request *k);

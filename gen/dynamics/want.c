@@ -6,7 +6,8 @@
 /* ---- inputs ---- */
 
 static const struct argument INPUTS[] = {{.name = "q", .role = ROLE_JOINT_POSITION}, {.name = "qd", .role = ROLE_JOINT_VELOCITY},
-	{.name = "qdd", .role = ROLE_JOINT_ACCELERATION}};
+	{.name = "qdd", .role = ROLE_JOINT_ACCELERATION}, {.name = "tau", .role = ROLE_JOINT_TORQUE}};
+enum { INPUT_Q, INPUT_QD, INPUT_QDD, INPUT_TAU, INPUT_COUNT };
 
 static int declare(struct dag *d, struct argument a, int rows)
 {
@@ -16,7 +17,7 @@ static int declare(struct dag *d, struct argument a, int rows)
 
 static struct source source(struct dag *d, int input, const struct row *rows, int count)
 {
-	return (struct source){request_has_all(rows, count) ? -1 : declare(d, INPUTS[input], count), rows};
+	return (struct source){.argument = request_has_all(rows, count) ? -1 : declare(d, INPUTS[input], count), .given = rows};
 }
 
 static struct parameters *parameters_of(struct build *b, int body)
@@ -102,44 +103,49 @@ static int is_recursive(const struct build *b, enum want_kind kind)
 	return kind == WANT_MASS || b->derivatives != DERIVATIVES_FORWARD;
 }
 
+/* What a recursion by q, qd and qdd writes, or what is solved with it. */
+static const enum want_kind BY_RECURSION[BY_COUNT] = {WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_MASS};
+static const enum want_kind SOLVED[BY_COUNT] = {WANT_DQDD_DQ, WANT_DQDD_DQD, WANT_MASS};
+
 static void begin_recursion(struct build *b, const struct tour *r)
 {
-	static const enum want_kind kinds[BY_COUNT] = {WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_MASS};
 	int arguments[BY_COUNT], is_used = 0;
 
 	for (enum by by = BY_Q; by < BY_COUNT; by++) {
-		arguments[by] = is_recursive(b, kinds[by]) ? output_of(b, kinds[by]) : -1;
-		is_used |= arguments[by] >= 0;
-		for (int i = 0; i < b->k->want_count; i++)
-			b->done[i] |= arguments[by] >= 0 && b->k->wants[i].kind == kinds[by];
+		int serves = is_recursive(b, BY_RECURSION[by]);
+
+		arguments[by] = serves ? output_of(b, BY_RECURSION[by]) : -1;
+		is_used |= arguments[by] >= 0 || (serves && output_of(b, SOLVED[by]) >= 0);
+		for (int i = 0; i < b->k->want_count && serves; i++)
+			b->done[i] |= b->k->wants[i].kind == BY_RECURSION[by] || b->k->wants[i].kind == SOLVED[by];
 	}
 	if (is_used)
 		recursion_begin(&b->recursion, r, arguments);
 }
 
-static struct tour new_tour(const struct build *b, struct joint_inputs in)
+struct tour want_tour(struct build *b, struct joint_inputs in)
 {
 	return (struct tour){.d = b->d, .t = b->t, .request = b->k, .in = in, .f_in = -1, .v_out = -1, .a_out = -1, .f_out = -1, .tau_out = -1,
-		.gravity = b->gravity, .parameters = b->parameters};
+		.gravity = b->gravity, .parameters = b->parameters, .context = b};
 }
 
 /* The torques of gravity and velocities, without what the scene adds: a tour of its own. */
-static void run_bias(const struct build *b, struct joint_inputs in)
+static void run_bias(struct build *b, struct joint_inputs in)
 {
-	struct tour r = new_tour(b, in);
+	struct tour r = want_tour(b, in);
 
 	r.tau_out = output_of(b, WANT_BIAS);
 	if (r.tau_out < 0)
 		return;
 	dag_section(b->d, SECTION_BIAS, 0);
-	r.in.qdd = (struct source){-1, NULL};
+	r.in.qdd = (struct source){.argument = -1};
 	tour_run(&r);
 }
 
 /* The torques of gravity, and its potential -g.C, with C = sum of m c of all that moves, in the world. */
-static void run_gravity(const struct build *b, struct joint_inputs in, int tau_out, int potential)
+static void run_gravity(struct build *b, struct joint_inputs in, int tau_out, int potential)
 {
-	struct tour r = new_tour(b, in);
+	struct tour r = want_tour(b, in);
 	const struct svec g = {{b->gravity[0], b->gravity[1], b->gravity[2]}};
 
 	if (tau_out < 0 && potential < 0)
@@ -163,16 +169,34 @@ static void output_scalars(const struct build *b, const struct tour *r)
 		dag_output(b->d, kinetic_out, 0, b->kinetic);
 }
 
+/* d qdd = -M^-1 d tau, column by column, from what the recursion made. */
+static void output_solved(struct build *b)
+{
+	int nv = b->t->nv;
+	struct ref *column = arena_alloc(b->d->arena, (size_t)nv, sizeof *column);
+
+	for (enum by by = BY_Q; by < BY_QDD && b->recursion.r && column; by++) {
+		int argument = output_of(b, SOLVED[by]);
+
+		for (int j = 0; j < nv && argument >= 0 && is_recursive(b, BY_RECURSION[by]); j++) {
+			for (int i = 0; i < nv; i++)
+				column[i] = b->recursion.by[by].element[i * nv + j];
+			forward_column(b->forward, column, j, argument);
+		}
+	}
+	if (!column)
+		b->d->failed = 1;
+}
+
 static void run_main(struct build *b, struct joint_inputs in)
 {
-	struct tour r = new_tour(b, in);
+	struct tour r = want_tour(b, in);
 
 	r.world = want_world;
 	r.entered = want_entered;
 	r.leaving = want_leaving;
 	r.left = want_left;
 	r.own_terms = own_terms;
-	r.context = b;
 	r.tau_out = output_of(b, WANT_TAU);
 	r.comes_back = request_wants(b->k, WANT_POWER) || request_wants(b->k, WANT_WRENCH) || request_wants_derivative(b->k);
 	begin_recursion(b, &r);
@@ -180,7 +204,8 @@ static void run_main(struct build *b, struct joint_inputs in)
 	if (b->recursion.r && !b->d->failed)
 		recursion_end(&b->recursion);
 	output_scalars(b, &r);
-	gradient_outputs(&r, b->outputs, b->done);
+	output_solved(b);
+	gradient_outputs(&r, b->forward, b->outputs, b->done);
 }
 
 static int is_zero(const struct row *rows, int count)
@@ -221,10 +246,13 @@ static struct argument output(const struct request *k, const struct want *w)
 		[WANT_WRENCH] = ROLE_JOINT_WRENCH, [WANT_TWIST] = ROLE_LINK_TWIST, [WANT_ACCEL] = ROLE_LINK_ACCELERATION,
 		[WANT_POWER] = ROLE_POWER, [WANT_KINETIC] = ROLE_KINETIC_ENERGY, [WANT_POTENTIAL] = ROLE_POTENTIAL_ENERGY,
 		[WANT_DTAU_DQ] = ROLE_DTAU_DQ, [WANT_DTAU_DQD] = ROLE_DTAU_DQD, [WANT_MASS] = ROLE_MASS_MATRIX,
-		[WANT_DTAU_DFREED] = ROLE_DTAU_DFREED, [WANT_JVP] = ROLE_JVP, [WANT_VJP] = ROLE_VJP};
+		[WANT_DTAU_DFREED] = ROLE_DTAU_DFREED, [WANT_JVP] = ROLE_JVP, [WANT_VJP] = ROLE_VJP, [WANT_QDD] = ROLE_JOINT_ACCELERATION,
+		[WANT_MINV] = ROLE_MASS_MATRIX_INVERSE, [WANT_DQDD_DQ] = ROLE_DQDD_DQ, [WANT_DQDD_DQD] = ROLE_DQDD_DQD,
+		[WANT_DQDD_DFREED] = ROLE_DQDD_DFREED};
+	int by_freed = w->kind == WANT_DTAU_DFREED || w->kind == WANT_DQDD_DFREED;
 
 	return (struct argument){.name = w->argument, .rows = w->rows, .is_output = 1, .role = roles[w->kind],
-		.of = w->kind == WANT_DTAU_DFREED ? k->freed[w->body].word : after_point(w->word)};
+		.of = by_freed ? k->freed[w->body].word : after_point(w->word)};
 }
 
 /* Inputs of the request, besides q, qd and qdd and what is freed; then its outputs. */
@@ -243,10 +271,25 @@ static void declare_request(const struct build *b)
 		b->outputs[i] = dag_argument_of(b->d, output(b->k, &b->k->wants[i]));
 }
 
-static void build(struct dag *d, const struct tree *t, const struct request *k, enum derivatives derivatives)
+/* Ways to make the same outputs. */
+struct ways {
+	enum derivatives derivatives;
+	enum dynamics dynamics;
+};
+
+/* Where tau is an input, qdd is what it makes. */
+static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x)
 {
-	struct build b = {.d = d, .t = t, .k = k, .derivatives = derivatives};
+	forward_find(x, b, *in);
+	forward_outputs(x, output_of(b, WANT_QDD), output_of(b, WANT_MINV));
+	in->qdd = (struct source){.argument = -1, .found = x->qdd};
+}
+
+static void build(struct dag *d, const struct tree *t, const struct request *k, struct ways ways)
+{
+	struct build b = {.d = d, .t = t, .k = k, .derivatives = ways.derivatives, .dynamics = ways.dynamics};
 	struct joint_inputs in;
+	struct forward forward = {.b = &b};
 
 	if (!alloc(&b)) {
 		d->failed = 1;
@@ -255,11 +298,16 @@ static void build(struct dag *d, const struct tree *t, const struct request *k, 
 	dag_section(d, SECTION_FREED, 0);
 	for (int i = 0; i < 3; i++)
 		b.gravity[i] = dag_within(d, t->gravity[i]);
-	in = (struct joint_inputs){.q = source(d, 0, k->q, t->nq), .offset = b.offset};
-	in.qd = source(d, 1, k->qd, t->nv);
-	in.qdd = source(d, 2, k->qdd, t->nv);
+	in = (struct joint_inputs){.q = source(d, INPUT_Q, k->q, t->nq), .offset = b.offset};
+	in.qd = source(d, INPUT_QD, k->qd, t->nv);
+	if (k->is_forward)
+		forward.torques = source(d, INPUT_TAU, k->tau, t->nv);
+	else
+		in.qdd = source(d, INPUT_QDD, k->qdd, t->nv);
 	free_constants(&b);
 	declare_request(&b);
+	if (k->is_forward)
+		find_qdd(&b, &in, &forward);
 	if (is_gravity_alone(&b))
 		run_gravity(&b, in, output_of(&b, WANT_TAU), -1);
 	else
@@ -299,18 +347,20 @@ static struct use use_of(struct dag *d)
    less, on short branches whose recursion makes some 20000; on chains it takes up to three times as much. */
 enum { MORE_NODES = 1 << 16 };
 
-/* Forward mode instead of the recursion, if that takes less. */
-static void take_cheaper(struct dag *d, const struct tree *t, const struct request *k)
+/* Other ways instead, if these take less; `most` nodes, 0: as many as it takes. */
+static int take_cheaper(struct dag *d, const struct tree *t, const struct request *k, struct ways other, size_t most)
 {
+	int is_taken;
 	size_t operations = use_of(d).operations;
 	struct arena spare;
 	struct dag trial;
 
 	arena_init(&spare, &d->arena->allocator);
 	dag_init(&trial, &spare);
-	dag_limit(&trial, d->count / 2 + MORE_NODES);
-	build(&trial, t, k, DERIVATIVES_FORWARD);
-	if (use_of(&trial).operations < operations && !trial.failed) {
+	dag_limit(&trial, most);
+	build(&trial, t, k, other);
+	is_taken = use_of(&trial).operations < operations && !trial.failed;
+	if (is_taken) {
 		struct arena *a = d->arena;
 
 		dag_free(d);
@@ -320,20 +370,33 @@ static void take_cheaper(struct dag *d, const struct tree *t, const struct reque
 	d->failed |= spare.failed;
 	d->arena->failed |= spare.failed;
 	arena_free(&spare);
+	return is_taken;
+}
+
+static void build_cheapest(struct dag *d, const struct tree *t, const struct request *k)
+{
+	int has_derivatives = request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DTAU_DQD) || request_wants(k, WANT_DQDD_DQ) ||
+		request_wants(k, WANT_DQDD_DQD);
+	struct ways now = {k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
+		k->dynamics == DYNAMICS_ARTICULATED ? DYNAMICS_ARTICULATED : DYNAMICS_FACTOR};
+
+	build(d, t, k, now);
+	if (has_derivatives && k->derivatives == DERIVATIVES_CHEAPER && !d->failed)
+		if (take_cheaper(d, t, k, (struct ways){DERIVATIVES_FORWARD, now.dynamics}, d->count / 2 + MORE_NODES))
+			now.derivatives = DERIVATIVES_FORWARD;
+	if (k->is_forward && k->dynamics == DYNAMICS_CHEAPER && articulated_serves(t) && !d->failed)
+		take_cheaper(d, t, k, (struct ways){now.derivatives, DYNAMICS_ARTICULATED}, 0);
 }
 
 /* Where nothing of q, qd or qdd is read, there is no such input: torques are differentiated by it all the same, so that is known
-   when all is made. */
+   when all is made. Forward dynamics always takes q, qd and tau. */
 void want_build(struct dag *d, const struct tree *t, const struct request *k)
 {
-	int has_choice = k->derivatives == DERIVATIVES_CHEAPER && (request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DTAU_DQD));
 	struct use x;
 
-	build(d, t, k, k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION);
-	if (has_choice && !d->failed)
-		take_cheaper(d, t, k);
+	build_cheapest(d, t, k);
 	x = use_of(d);
-	for (int i = 0; i < 3 && !d->failed; i++) {
+	for (int i = 0; i < INPUT_TAU && !k->is_forward && !d->failed; i++) {
 		int argument = dag_find_role(d, INPUTS[i].role, 0);
 
 		if (argument >= 0 && !x.is_read[i])

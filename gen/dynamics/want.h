@@ -2,6 +2,7 @@
 #define RNEAGEN_WANT_H
 /* A scene's request while its DAG is made. */
 
+#include "dynamics/forward.h"
 #include "dynamics/recursion.h"
 #include "dynamics/tour.h"
 
@@ -15,8 +16,16 @@ struct build {
 	char *done;            /* by want: the recursion writes it */
 	struct ref kinetic;
 	enum derivatives derivatives;
+	enum dynamics dynamics;
 	struct recursion recursion;
+	struct forward *forward; /* NULL: qdd is an input */
 };
+
+/* A tour of the scene's robot, with what it frees and gravity as it has it. */
+struct tour want_tour(struct build *b, struct joint_inputs in);
+
+/* The wrenches from outside on a body that has been entered; where they are in axes of the world, the body's orientation. */
+void want_pull(const struct tour *r, int body);
 
 /* What joins a tour: the tour's context is a struct build. */
 void want_world(const struct tour *r);

@@ -78,6 +78,19 @@ static void pull(const struct tour *r, const struct push *p, int argument, struc
 	x->n = svec_sub(d, x->n, svec_add(d, n, svec_cross(d, svec_const(d, p->X.p), f)));
 }
 
+void want_pull(const struct tour *r, int body)
+{
+	const struct build *b = r->context;
+	const struct body *k = &r->t->bodies[body];
+	struct frame *x = &r->frames[body + 1];
+
+	if (needs_pose(b->k))
+		place(r, k, &r->frames[k->parent + 1], x);
+	for (int i = 0; i < b->k->push_count; i++)
+		if (b->k->pushes[i].body == body)
+			pull(r, &b->k->pushes[i], b->pushed[i], x);
+}
+
 void want_entered(const struct tour *r, int body)
 {
 	struct build *b = r->context;
@@ -86,13 +99,9 @@ void want_entered(const struct tour *r, int body)
 	struct parameters known = rigid_body_parameters(r->d, &k->inertia);
 	const struct parameters *p = b->parameters[body] ? b->parameters[body] : &known;
 
-	if (needs_pose(b->k))
-		place(r, k, parent, x);
 	if (request_wants(b->k, WANT_ACCEL))
 		x->free_a = tour_acceleration(r, body, parent->free_a);
-	for (int i = 0; i < b->k->push_count; i++)
-		if (b->k->pushes[i].body == body)
-			pull(r, &b->k->pushes[i], b->pushed[i], x);
+	want_pull(r, body);
 	if (request_wants(b->k, WANT_KINETIC))
 		b->kinetic = dag_add(r->d, b->kinetic, rigid_body_kinetic(r->d, p, &x->motion));
 	output_links(r, body);

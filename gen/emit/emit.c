@@ -114,6 +114,23 @@ static const char *enum_text(const struct emission *e)
 	return text_string(&t);
 }
 
+/* What a scene can choose without a word in the text's name: nothing but what is wanted. */
+static int is_bare(const struct request *k)
+{
+	return k->is_plain || (k->is_forward && k->want_count == 1 && !k->freed_count && !k->push_count);
+}
+
+const char *emit_what(const struct emission *e)
+{
+	const struct pass *p = emit_main(e);
+	int i = 0;
+
+	for (const struct algorithm_array *a = p->algorithm->arrays; a->name; a++, i++)
+		if (i >= p->dag.argument_count || strcmp(a->name, p->dag.arguments[i].name) || !is_bare(e->request))
+			return p->algorithm->what;
+	return i == p->dag.argument_count ? p->algorithm->doc : p->algorithm->what;
+}
+
 const char *emit_dimensions(const struct emission *e)
 {
 	const struct dag *d = &emit_main(e)->dag;
@@ -283,7 +300,7 @@ void emit_source(const struct emission *e, struct text *out)
 		{"RNEA_PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"BOUNDED", ""},
 		{"RNEA_CALL", emit_call(e, p, "\t", emit_params(e, p, PARAMS_NAMES), "q", "1")}, {"FURTHER", further_text(e)},
-		{"SAMPLE", e->request->is_plain ? "tau = ID(q, qd, qdd)" : "Inverse dynamics"},
+		{"SAMPLE", emit_what(e)}, {"PASS", p->algorithm->name},
 		{"PROTOTYPES", emit_prototypes(e)}, {"ENUM", enum_text(e)}, {"DIMENSIONS", emit_dimensions(e)},
 	};
 

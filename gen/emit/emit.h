@@ -140,6 +140,8 @@ const char *emit_call(const struct emission *e, const struct pass *p, const char
 	const char *stride);
 
 /* What goes in and what comes out: "q[7], qd[7], qdd[7] -> tau[7]." */
+/* What the main function computes: its algorithm's formula, or in words where a scene asks for other arrays. */
+const char *emit_what(const struct emission *e);
 const char *emit_dimensions(const struct emission *e);
 
 /* The number in digits. */

@@ -137,7 +137,8 @@ static const char *operation_prototypes(const struct emission *e)
 	text_init(&t, e->arena);
 	put_prototype(e, emit_main(e), "", "", emit_main(e)->algorithm->doc, &t);
 	put_prototype(e, emit_main(e), "_batch", ", size_t count", "The same for `count` samples; arrays must not overlap.", &t);
-	text_printf(&t, "void %s_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);\n", e->options->name);
+	text_printf(&t, "void %s_%s_slice(void *const *arrays, size_t count, size_t first, size_t end);\n", e->options->name,
+		emit_main(e)->algorithm->name);
 	text_printf(&t, "extern const char %s_info[];", e->options->name);
 	return text_string(&t);
 }
@@ -151,7 +152,7 @@ const char *emit_prototypes(const struct emission *e)
 	text_init(&t, e->arena);
 	text_init(&one, e->arena);
 	text_init(&many, e->arena);
-	text_printf(&one, "%s of one sample: %s", e->request->is_plain ? "tau = ID(q, qd, qdd)" : "Inverse dynamics", emit_dimensions(e));
+	text_printf(&one, "%s of one sample: %s", emit_what(e), emit_dimensions(e));
 	text_printf(&many, "The same for `count` samples, every array %s; arrays must not overlap.",
 		is_soa(e) ? "[row][sample]" : "[sample][row]");
 	put_prototype(e, emit_main(e), "", "", text_string(&one), &t);

@@ -72,7 +72,7 @@ static int is_joint_row(const struct plan *p, size_t node)
 {
 	const char *name = argument_of(p, node);
 
-	return !strcmp(name, "q") || !strcmp(name, "qd") || !strcmp(name, "qdd");
+	return !strcmp(name, "q") || !strcmp(name, "qd") || !strcmp(name, "qdd") || !strcmp(name, "tau");
 }
 
 static int is_own_wrench(const struct plan *p, size_t node)
@@ -101,7 +101,10 @@ static int has_type(const struct tree *t, enum joint_type type)
 static void put_inputs(const struct emission *e, struct text *out)
 {
 	if (somewhere(e, is_joint_row)) {
-		put_entry("q qd qdd", "position, velocity and acceleration of the link's joint", out);
+		if (e->request->is_forward)
+			put_entry("q qd tau qdd", "position, velocity, torque and acceleration of the link's joint", out);
+		else
+			put_entry("q qd qdd", "position, velocity and acceleration of the link's joint", out);
 		if (has_type(e->tree, JOINT_FLOATING))
 			put_entry("", "floating: with x y z qx qy qz qw after the number, and vx vy vz wx wy wz", out);
 		if (has_type(e->tree, JOINT_PLANAR))
@@ -118,6 +121,7 @@ static void put_quantities(const struct emission *e, struct text *out)
 	static const char *const quantities[][2] = {{"w", "angular velocity"}, {"dw", "rate of the angular velocity"},
 		{"v", "velocity of the origin"}, {"a", "acceleration of the origin, less gravity"},
 		{"f", "force: the link's own, then with its children's"}, {"n", "moment about the origin, as f"},
+		{"u", "what of the joint's torque is left for its acceleration"}, {"iD", "1/D: the inverse of the inertia that the joint feels"},
 		{"mc", "first moment about the origin of all masses from the link on"}};
 
 	if (any_names(e, "s") || any_names(e, "c"))

@@ -26,16 +26,15 @@ static int shape_by_freed(struct shape *s, const struct emission *e)
 static int shape_make(struct shape *s, const struct emission *e, const struct want *w)
 {
 	const struct request *k = e->request;
-	int nv = e->tree->nv, is_mass = w->kind == WANT_MASS;
+	int nv = e->tree->nv, is_mass = w->kind == WANT_MASS || w->kind == WANT_MINV;
 	struct pattern p;
 
 	*s = (struct shape){.name = w->argument, .rows = nv, .cols = nv, .is_lower = is_mass && !k->dense, .count = w->rows};
-	if (w->kind == WANT_DTAU_DFREED) {
+	if (w->kind == WANT_DTAU_DFREED || w->kind == WANT_DQDD_DFREED) {
 		s->cols = k->freed[w->body].rows;
 		return shape_by_freed(s, e);
 	}
-	if ((!is_mass && w->kind != WANT_DTAU_DQ && w->kind != WANT_DTAU_DQD) ||
-		!pattern_make(&p, e->tree, is_mass, k->dense, e->arena))
+	if (!request_is_matrix(w->kind) || !request_pattern(&p, e->tree, w->kind, k->dense, e->arena))
 		return 0;
 	s->at = p.row;
 	return 1;

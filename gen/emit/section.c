@@ -43,6 +43,10 @@ static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driv
 	[SECTION_TOTALS] = "power = qd.tau;  kinetic = sum of (v.(m v + 2 w x h) + w.I w)/2",
 	[SECTION_BIAS] = "bias = ID(q, qd, 0)", [SECTION_GRAVITY] = "gravity = ID(q, 0, 0);  potential = -g.mc of all that moves",
 	[SECTION_BY] = "column j, or row j, of d tau/d q, d tau/d qd and M = d tau/d qdd, for the rows j of the joint",
+	[SECTION_FACTORS] = "M = L'D L;  L'y = tau - bias;  L qdd = y/D",
+	[SECTION_ARTICULATED] = "U = I S, D = S'U, I_p += R (I - U U'/D) R' on the way back above;  now back: u = tau - bias - S'p,\n\t   "
+		"p_p += R (p + U u/D);  and out: qdd = (u - U'a)/D, a = R'a_p + S qdd",
+	[SECTION_INVERSE] = "L Minv = D^-1 L'^-1, or as qdd from the columns of 1 for tau - bias",
 	[SECTION_PRODUCTS] = "jvp = d tau/d q v_q + d tau/d qd v_qd + M v_qdd;  vjp = v' d tau/d q, v' d tau/d qd, v' M"};
 
 /* A tour of gravity alone comes last. */
@@ -95,6 +99,8 @@ static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torqu
 	[SECTION_FREED] = "what the scene frees", [SECTION_TOTALS] = "power and energies",
 	[SECTION_BIAS] = "from here on without accelerations: torques of gravity and velocities",
 	[SECTION_GRAVITY] = "from here on at rest: torques of gravity",
+	[SECTION_FACTORS] = "qdd, by factors of the mass matrix", [SECTION_ARTICULATED] = "qdd, by articulated bodies",
+	[SECTION_INVERSE] = "inverse of the mass matrix",
 	[SECTION_PRODUCTS] = "derivatives times vectors, and by what is freed"};
 
 /* "out to link 2 "lower" (fpass)"; "back from link 2 "lower" to link 1 (bpass): torque of "elbow"" */

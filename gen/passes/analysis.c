@@ -42,13 +42,28 @@ enum rneagen_code pass_request_resolve(struct analysis *a)
 	return request_resolve(&a->request, &a->tree, &a->scene, &a->snapped, a->arena, a->error);
 }
 
+static enum rneagen_code refuse_singular(const struct analysis *a, int row)
+{
+	for (int i = 0; i < a->tree.joint_count; i++)
+		if (row < a->tree.joints[i].iv + a->tree.joints[i].nv)
+			return error_set(a->error, RNEAGEN_TREE,
+				"%s: M is singular: joint \"%.255s\" moves no mass: lock it (--lock), or give it an armature (--armature)",
+				a->options.file, a->tree.joints[i].name);
+	return error_memory(a->error);
+}
+
 /* In an arena of its own, which goes again. */
 enum rneagen_code pass_dag_build(struct analysis *a)
 {
+	const struct algorithm *found[ALGORITHM_COUNT];
+
 	arena_init(&a->raw_arena, &a->arena->allocator);
 	dag_init(&a->raw, &a->raw_arena);
-	ALGORITHMS[0]->build(&a->raw, &a->tree, &a->request);
+	algorithms_for(&a->request, found);
+	found[0]->build(&a->raw, &a->tree, &a->request);
 	dag_close(&a->raw);
+	if (a->raw.singular)
+		return refuse_singular(a, a->raw.singular - 1);
 	return a->raw.failed ? error_memory(a->error) : RNEAGEN_OK;
 }
 

@@ -18,7 +18,7 @@ static void own_elements(const struct tree *t, const struct want *w, int dense, 
 	int nv = t->nv, *of_row = bodies_of_rows(t, a);
 	struct pattern p;
 
-	if (!of_row || !pattern_make(&p, t, w->kind == WANT_MASS, dense, a))
+	if (!of_row || !request_pattern(&p, t, w->kind, dense, a))
 		return;
 	for (int i = 0; i < nv; i++)
 		for (int j = 0; j < nv; j++)
@@ -26,15 +26,10 @@ static void own_elements(const struct tree *t, const struct want *w, int dense, 
 				body[p.row[i * nv + j]] = of_row[i] > of_row[j] ? of_row[i] : of_row[j];
 }
 
-static int is_matrix(const struct want *w)
-{
-	return w->kind == WANT_DTAU_DQ || w->kind == WANT_DTAU_DQD || w->kind == WANT_MASS;
-}
-
 int owners_matrix(const struct request *k)
 {
 	for (int i = 0; i < k->want_count; i++)
-		if (is_matrix(&k->wants[i]))
+		if (request_is_matrix(k->wants[i].kind))
 			return 1;
 	return 0;
 }
@@ -72,7 +67,7 @@ int owners_make(struct owners *x, const struct dag *d, const struct tree *t, con
 	*x = (struct owners){.owner = arena_alloc(a, d->output_count, sizeof *x->owner),
 		.bodies = arena_alloc(a, (size_t)t->body_count, sizeof *x->bodies)};
 	for (int i = 0; i < k->want_count && !a->failed; i++)
-		if (is_matrix(&k->wants[i]))
+		if (request_is_matrix(k->wants[i].kind))
 			own_want(x, d, t, &k->wants[i], k->dense, a);
 	if (!a->failed)
 		list(x, d->output_count, t, place);

@@ -174,9 +174,11 @@ static int has_quaternion(const struct tree *t, int body)
 
 static enum rneagen_code fold(const struct resolver *x, const struct scene_choice *c)
 {
-	static const struct kind_word kinds[] = {{"q", 0}, {"qd", 0}, {"qdd", 0}, {"gravity", 0}, {"q", 1}, {"qd", 1}, {"qdd", 1}};
+	enum { GRAVITY = 4, OF_JOINT };
+	static const struct kind_word kinds[] = {{"q", 0}, {"qd", 0}, {"qdd", 0}, {"tau", 0}, [GRAVITY] = {"gravity", 0},
+		[OF_JOINT] = {"q", 1}, {"qd", 1}, {"qdd", 1}, {"tau", 1}};
 	struct tree *t = x->t;
-	struct row *const rows[] = {x->k->q, x->k->qd, x->k->qdd};
+	struct row *const rows[] = {x->k->q, x->k->qd, x->k->qdd, x->k->tau};
 	int kind = request_find_kind(x, c, kinds, sizeof kinds / sizeof *kinds), body, is_q;
 	struct within gravity[3];
 
@@ -184,22 +186,22 @@ static enum rneagen_code fold(const struct resolver *x, const struct scene_choic
 		return x->e->code;
 	if (is_said(x, c))
 		return scene_refuse(x->s, c, x->e, "'%.255s' is given already", c->name);
-	if (kind == 3) {
+	if (kind == GRAVITY) {
 		if (scene_numbers(x->s, c, gravity, 3, x->e))
 			return x->e->code;
 		for (int i = 0; i < 3; i++)
 			t->gravity[i] = gravity[i];
 		return RNEAGEN_OK;
 	}
-	if (kind < 3)
+	if (kind < GRAVITY)
 		return give(x, c, rows[kind], 0, kind == 0 ? t->nq : t->nv, kind != 0 || !has_quaternion(t, -1));
-	is_q = kind == 4;
+	is_q = kind == OF_JOINT;
 	body = request_find_body(x, c, strchr(c->name, '.') + 1);
 	if (body < 0)
 		return x->e->code;
 	if (t->bodies[body].follower)
 		return scene_refuse(x->s, c, x->e, "'%.255s' follows another joint: fold that", t->bodies[body].joint);
-	return give(x, c, rows[kind - 4], is_q ? t->bodies[body].iq : t->bodies[body].iv,
+	return give(x, c, rows[kind - OF_JOINT], is_q ? t->bodies[body].iq : t->bodies[body].iv,
 		is_q ? joint_nq(t->bodies[body].type) : joint_nv(t->bodies[body].type), !is_q || !has_quaternion(t, body));
 }
 
@@ -298,6 +300,7 @@ static int alloc(struct resolver *x)
 	k->q = arena_alloc(a, nq, sizeof *k->q);
 	k->qd = arena_alloc(a, nv, sizeof *k->qd);
 	k->qdd = arena_alloc(a, nv, sizeof *k->qdd);
+	k->tau = arena_alloc(a, nv, sizeof *k->tau);
 	k->freed = arena_alloc(a, most, sizeof *k->freed);
 	k->pushes = arena_alloc(a, most, sizeof *k->pushes);
 	k->wants = arena_alloc(a, most, sizeof *k->wants);
@@ -310,8 +313,8 @@ static int alloc(struct resolver *x)
 
 static int has_choice(const struct scene *s)
 {
-	static const enum scene_key keys[] = {SCENE_FOLD, SCENE_FREE, SCENE_WANT, SCENE_FEXT, SCENE_ARMATURE, SCENE_DAMPING,
-		SCENE_FRICTION};
+	static const enum scene_key keys[] = {SCENE_FOLD, SCENE_FREE, SCENE_WANT, SCENE_JVP, SCENE_VJP, SCENE_FEXT, SCENE_ARMATURE,
+		SCENE_DAMPING, SCENE_FRICTION};
 
 	for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
 		if (scene_next(s, keys[i], NULL))
@@ -319,12 +322,45 @@ static int has_choice(const struct scene *s)
 	return 0;
 }
 
+/* What is found is not given, and what is given not wanted. */
+static enum rneagen_code check_forward(const struct resolver *x)
+{
+	static const enum scene_key keys[] = {SCENE_WANT, SCENE_JVP, SCENE_VJP};
+
+	for (const struct scene_choice *c = NULL; (c = scene_next(x->s, SCENE_FOLD, c));) {
+		const char *stem = arena_string(x->a, c->name, strcspn(c->name, "."));
+
+		if (stem && !strcmp(stem, x->k->is_forward ? "qdd" : "tau"))
+			return scene_refuse(x->s, c, x->e,
+				x->k->is_forward ? "qdd is found from q, qd and tau: leave it out" : "tau is an output here; where qdd is wanted, it is an input");
+	}
+	for (size_t i = 0; i < sizeof keys / sizeof *keys && x->k->is_forward; i++)
+		for (const struct scene_choice *c = NULL; (c = scene_next(x->s, keys[i], c));) {
+			if (!strcmp(c->name, "tau"))
+				return scene_refuse(x->s, c, x->e, "tau is an input where qdd is wanted: leave it out");
+			if (keys[i] == SCENE_WANT && (!strcmp(c->name, "jvp") || !strcmp(c->name, "vjp")))
+				return scene_refuse(x->s, c, x->e, "'%s' is of tau, an input where qdd is wanted: take --%s qdd", c->name, c->name);
+		}
+	return RNEAGEN_OK;
+}
+
+/* Bodies that move with one coordinate have no articulated inertia of their own. */
+static enum rneagen_code check_dynamics(const struct resolver *x)
+{
+	const struct scene_choice *c = scene_next(x->s, SCENE_DYNAMICS, NULL);
+
+	if (x->k->dynamics == DYNAMICS_ARTICULATED && x->t->mimic_count)
+		return scene_refuse(x->s, c, x->e, "articulated bodies do not serve joint '%.255s', which follows another: take factor",
+			x->t->bodies[x->t->mimics[0].body].joint);
+	return RNEAGEN_OK;
+}
+
 enum rneagen_code request_resolve(struct request *k, struct tree *t, const struct scene *s, const struct robot *r, struct arena *a,
 	struct rneagen_error *e)
 {
 	struct resolver x = {t, k, s, r, a, e};
 	const struct scene_choice *frame = scene_next(x.s, SCENE_FEXT_FRAME, NULL);
-	const struct scene_choice *how = scene_next(x.s, SCENE_DERIVATIVES, NULL);
+	const struct scene_choice *how = scene_next(x.s, SCENE_DERIVATIVES, NULL), *way = scene_next(x.s, SCENE_DYNAMICS, NULL);
 
 	*x.k = (struct request){.is_plain = !has_choice(x.s)};
 	if (!alloc(&x))
@@ -332,16 +368,19 @@ enum rneagen_code request_resolve(struct request *k, struct tree *t, const struc
 	x.k->dense = scene_next(x.s, SCENE_DENSE, NULL) != NULL;
 	if (how)
 		x.k->derivatives = !strcmp(how->value, "forward") ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION;
+	if (way && strcmp(way->value, "auto"))
+		x.k->dynamics = !strcmp(way->value, "factor") ? DYNAMICS_FACTOR : DYNAMICS_ARTICULATED;
 	x.k->in_world = frame && !strcmp(frame->value, "world");
 	if (each(&x, SCENE_FOLD, fold) || each(&x, SCENE_FREE, request_free) || each(&x, SCENE_FEXT, push) ||
 		each(&x, SCENE_ARMATURE, set_armature) || each(&x, SCENE_FRICTION, set_friction) || each(&x, SCENE_WANT, request_want) ||
+		each(&x, SCENE_JVP, request_product) || each(&x, SCENE_VJP, request_product) ||
 		each(&x, SCENE_RANGE, request_range))
 		return e->code;
 	if (scene_next(x.s, SCENE_DAMPING, NULL))
 		set_dynamics(&x, x.k->damping, 0);
 	if (!x.k->want_count)
 		x.k->wants[x.k->want_count++] = (struct want){.kind = WANT_TAU, .word = "tau", .argument = "tau", .rows = t->nv};
-	if (check_arrays(&x))
+	if (check_arrays(&x) || check_forward(&x) || check_dynamics(&x))
 		return e->code;
 	return a->failed ? error_memory(e) : RNEAGEN_OK;
 }

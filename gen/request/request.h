@@ -6,7 +6,7 @@
 #include "scene/scene.h"
 #include "tree/tree.h"
 
-/* A row of q, qd or qdd that the scene may give. */
+/* A row of q, qd, qdd or tau that the scene may give. */
 struct row {
 	int is_given;
 	struct within value;
@@ -46,7 +46,8 @@ struct request_range {
 };
 
 enum want_kind { WANT_TAU, WANT_GRAVITY, WANT_BIAS, WANT_WRENCH, WANT_TWIST, WANT_ACCEL, WANT_POWER, WANT_KINETIC, WANT_POTENTIAL,
-	WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_MASS, WANT_DTAU_DFREED, WANT_JVP, WANT_VJP };
+	WANT_QDD, WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_MASS, WANT_DTAU_DFREED, WANT_JVP, WANT_VJP, WANT_MINV, WANT_DQDD_DQ, WANT_DQDD_DQD,
+	WANT_DQDD_DFREED };
 
 struct want {
 	enum want_kind kind;
@@ -59,9 +60,12 @@ struct want {
 /* By differentiating the torques' expressions; by a recursion over composite bodies; by whichever takes less. */
 enum derivatives { DERIVATIVES_CHEAPER, DERIVATIVES_FORWARD, DERIVATIVES_RECURSION };
 
+/* M qdd = tau - bias by factors of M, by articulated bodies, or by whichever takes less. */
+enum dynamics { DYNAMICS_CHEAPER, DYNAMICS_FACTOR, DYNAMICS_ARTICULATED };
+
 struct request {
 	int is_plain;               /* tau = ID(q, qd, qdd) and nothing else */
-	struct row *q, *qd, *qdd;   /* nq, nv and nv of them */
+	struct row *q, *qd, *qdd, *tau; /* nq, nv, nv and nv of them */
 	struct freed *freed;
 	int freed_count;
 	struct push *pushes;
@@ -71,6 +75,8 @@ struct request {
 	struct request_range *ranges;
 	int range_count;
 	int dense;                  /* matrices have their zeros */
+	int is_forward;             /* tau is an input, and qdd is found */
+	enum dynamics dynamics;
 	enum derivatives derivatives; /* how d tau/d q and d tau/d qd are made */
 	struct within *armature, *damping, *friction; /* by body: of a joint with one row; kg m^2 (kg), N m s (N s/m), N m (N) */
 	struct within friction_width;         /* rad/s, m/s */
@@ -87,6 +93,11 @@ int request_has_all(const struct row *rows, int count);
 
 /* Is a quantity of this kind asked for? */
 int request_wants(const struct request *k, enum want_kind kind);
+
+/* Is it a matrix by joints, and which of its elements are stored? Returns 0 when memory runs out. */
+int request_is_matrix(enum want_kind kind);
+struct pattern;
+int request_pattern(struct pattern *p, const struct tree *t, enum want_kind kind, int dense, struct arena *a);
 
 /* Is any derivative, M included? */
 int request_wants_derivative(const struct request *k);

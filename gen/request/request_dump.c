@@ -38,10 +38,11 @@ static void dump_own_terms(const char *what, const struct within *by_body, const
 void request_dump(const struct request *k, const struct tree *t, struct text *out)
 {
 	text_printf(out, "request of \"%s\": %s, gravity %.17Lg %.17Lg %.17Lg\n", t->robot,
-		k->is_plain ? "tau = ID(q, qd, qdd)" : "a scene's", t->gravity[0].x, t->gravity[1].x, t->gravity[2].x);
+		k->is_plain ? "tau = ID(q, qd, qdd)" : k->is_forward ? "qdd = FD(q, qd, tau)" : "a scene's", t->gravity[0].x, t->gravity[1].x, t->gravity[2].x);
 	dump_given("q", k->q, t->nq, out);
 	dump_given("qd", k->qd, t->nv, out);
 	dump_given("qdd", k->qdd, t->nv, out);
+	dump_given("tau", k->tau, t->nv, out);
 	dump_inputs(k, t, out);
 	dump_own_terms("armature", k->armature, t, out);
 	dump_own_terms("damping", k->damping, t, out);

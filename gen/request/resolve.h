@@ -33,6 +33,9 @@ int request_find_body(const struct resolver *x, const struct scene_choice *c, co
 /* A choice of `want`. */
 enum rneagen_code request_want(const struct resolver *x, const struct scene_choice *c);
 
+/* A choice of `jvp` or `vjp`. */
+enum rneagen_code request_product(const struct resolver *x, const struct scene_choice *c);
+
 /* A choice of `free`. */
 enum rneagen_code request_free(const struct resolver *x, const struct scene_choice *c);
 

@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum kind { KIND_Q, KIND_QD, KIND_QDD, KIND_Q_OF, KIND_QD_OF, KIND_QDD_OF, KIND_GRAVITY, KIND_MASS, KIND_INERTIA, KIND_PAYLOAD,
+enum kind { KIND_Q, KIND_QD, KIND_QDD, KIND_TAU, KIND_Q_OF, KIND_QD_OF, KIND_QDD_OF, KIND_TAU_OF, KIND_GRAVITY, KIND_MASS, KIND_INERTIA, KIND_PAYLOAD,
 	KIND_OFFSET, KIND_FEXT, KIND_JVP, KIND_VJP };
 
-static const struct kind_word KINDS[] = {[KIND_Q] = {"q", 0}, [KIND_QD] = {"qd", 0}, [KIND_QDD] = {"qdd", 0},
-	[KIND_Q_OF] = {"q", 1}, [KIND_QD_OF] = {"qd", 1}, [KIND_QDD_OF] = {"qdd", 1}, [KIND_GRAVITY] = {"gravity", 0},
+static const struct kind_word KINDS[] = {[KIND_Q] = {"q", 0}, [KIND_QD] = {"qd", 0}, [KIND_QDD] = {"qdd", 0}, [KIND_TAU] = {"tau", 0},
+	[KIND_Q_OF] = {"q", 1}, [KIND_QD_OF] = {"qd", 1}, [KIND_QDD_OF] = {"qdd", 1}, [KIND_TAU_OF] = {"tau", 1}, [KIND_GRAVITY] = {"gravity", 0},
 	[KIND_MASS] = {"mass", 1}, [KIND_INERTIA] = {"inertia", 1}, [KIND_PAYLOAD] = {"payload", 1}, [KIND_OFFSET] = {"offset", 1},
 	[KIND_FEXT] = {"fext", 1}, [KIND_JVP] = {"jvp_v", 0}, [KIND_VJP] = {"vjp_v", 0}};
 
@@ -38,6 +38,8 @@ static enum rneagen_code find_states(const struct resolver *x, const struct scen
 	const struct tree *t = x->t;
 	int is_q = kind == KIND_Q || kind == KIND_Q_OF, body;
 
+	if (kind % KIND_Q_OF == (x->k->is_forward ? KIND_QDD : KIND_TAU))
+		return scene_refuse(x->s, c, x->e, "'%.255s' is no input of this scene; %s is", c->name, x->k->is_forward ? "tau" : "qdd");
 	r->argument = KINDS[kind].word;
 	r->count = is_q ? t->nq : t->nv;
 	if (!KINDS[kind].has_name)
@@ -118,9 +120,9 @@ static enum rneagen_code take_row(const struct resolver *x, const struct scene_c
 
 static int is_given(const struct resolver *x, enum kind kind, const struct request_range *r)
 {
-	const struct row *const rows[] = {x->k->q, x->k->qd, x->k->qdd};
+	const struct row *const rows[] = {x->k->q, x->k->qd, x->k->qdd, x->k->tau};
 
-	return kind <= KIND_QDD_OF && request_has_all(rows[kind % 3] + r->first, r->count);
+	return kind <= KIND_TAU_OF && request_has_all(rows[kind % KIND_Q_OF] + r->first, r->count);
 }
 
 static enum rneagen_code check(const struct resolver *x, const struct scene_choice *c, enum kind kind, const struct request_range *r)
@@ -152,7 +154,7 @@ enum rneagen_code request_range(const struct resolver *x, const struct scene_cho
 
 	if (kind < 0)
 		return x->e->code;
-	if (kind <= KIND_QDD_OF ? find_states(x, &bare, (enum kind)kind, &r) : find_other(x, &bare, (enum kind)kind, &r))
+	if (kind <= KIND_TAU_OF ? find_states(x, &bare, (enum kind)kind, &r) : find_other(x, &bare, (enum kind)kind, &r))
 		return x->e->code;
 	if ((row >= 0 && take_row(x, &bare, (enum kind)kind, row, &r)) || scene_numbers(x->s, c, limits, 2, x->e))
 		return x->e->code;

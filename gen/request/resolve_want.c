@@ -17,14 +17,25 @@ static const struct want_word {
 	[WANT_POWER] = {{"power", 0}, "power", 1},
 	[WANT_KINETIC] = {{"kinetic", 0}, "kinetic", 1},
 	[WANT_POTENTIAL] = {{"potential", 0}, "potential", 1},
+	[WANT_QDD] = {{"qdd", 0}, "qdd", 0},
 	[WANT_DTAU_DQ] = {{"dtau_dq", 0}, "dtau_dq", 0},
 	[WANT_DTAU_DQD] = {{"dtau_dqd", 0}, "dtau_dqd", 0},
 	[WANT_MASS] = {{"M", 0}, "M", 0},
 	[WANT_DTAU_DFREED] = {{"dtau_dNAME", 0}, NULL, 0}, /* see want_by_freed */
 	[WANT_JVP] = {{"jvp", 0}, "jvp", 0},
 	[WANT_VJP] = {{"vjp", 0}, "vjp", 0},
+	[WANT_MINV] = {{"Minv", 0}, "Minv", 0},
+	[WANT_DQDD_DQ] = {{"dqdd_dq", 0}, "dqdd_dq", 0},
+	[WANT_DQDD_DQD] = {{"dqdd_dqd", 0}, "dqdd_dqd", 0},
+	[WANT_DQDD_DFREED] = {{"dqdd_dNAME", 0}, NULL, 0},
 };
 enum { WANT_COUNT = sizeof WANTS / sizeof *WANTS };
+
+/* Of these qdd is found, and tau an input. */
+static int is_forward(enum want_kind kind)
+{
+	return kind == WANT_QDD || kind >= WANT_MINV;
+}
 
 static enum rneagen_code want_link(const struct resolver *x, const struct scene_choice *c, struct want *w)
 {
@@ -40,11 +51,11 @@ static enum rneagen_code want_link(const struct resolver *x, const struct scene_
 /* "dtau_dpayload.hand": by what the scene frees. */
 static enum rneagen_code want_by_freed(const struct resolver *x, const struct scene_choice *c, struct want *w)
 {
-	const char *freed = c->name + strlen("dtau_d");
+	const char *freed = strstr(c->name, "_d") + strlen("_d");
 
 	for (int i = 0; i < x->k->freed_count; i++)
 		if (!strcmp(x->k->freed[i].word, freed)) {
-			w->kind = WANT_DTAU_DFREED;
+			w->kind = c->name[1] == 'q' ? WANT_DQDD_DFREED : WANT_DTAU_DFREED;
 			w->body = i;
 			w->rows = x->t->nv * x->k->freed[i].rows;
 			w->argument = request_argument(x, c->name);
@@ -59,7 +70,7 @@ static enum rneagen_code want_by_freed(const struct resolver *x, const struct sc
 /* Rows of matrices and products; what is given does not vary. */
 static enum rneagen_code want_derivative(const struct resolver *x, const struct scene_choice *c, struct want *w)
 {
-	int is_q = w->kind == WANT_DTAU_DQ, count = is_q ? x->t->nq : x->t->nv, nv = x->t->nv;
+	int is_q = w->kind == WANT_DTAU_DQ || w->kind == WANT_DQDD_DQ, count = is_q ? x->t->nq : x->t->nv, nv = x->t->nv;
 	const struct row *rows = is_q ? x->k->q : x->k->qd;
 	struct pattern p;
 
@@ -67,13 +78,36 @@ static enum rneagen_code want_derivative(const struct resolver *x, const struct 
 		w->rows = w->kind == WANT_VJP ? 3 * nv : nv;
 		return RNEAGEN_OK;
 	}
-	for (int i = 0; i < count && w->kind != WANT_MASS; i++)
+	for (int i = 0; i < count && w->kind != WANT_MASS && w->kind != WANT_MINV; i++)
 		if (rows[i].is_given)
 			return scene_refuse(x->s, c, x->e, "row %d of %s is given: no derivative by it", i, is_q ? "q" : "qd");
-	if (!pattern_make(&p, x->t, w->kind == WANT_MASS, x->k->dense, x->a))
+	if (!request_pattern(&p, x->t, w->kind, x->k->dense, x->a))
 		return error_memory(x->e);
 	w->rows = p.rows;
 	return RNEAGEN_OK;
+}
+
+/* "dtau_dNAME", "dqdd_dNAME" */
+static int is_by_freed(const char *word)
+{
+	static const char *const others[] = {"dtau_dq", "dtau_dqd", "dqdd_dq", "dqdd_dqd", "dqdd_dtau"};
+
+	for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+		if (!strcmp(word, others[i]))
+			return 0;
+	return !strncmp(word, "dtau_d", 6) || !strncmp(word, "dqdd_d", 6);
+}
+
+int request_pattern(struct pattern *p, const struct tree *t, enum want_kind kind, int dense, struct arena *a)
+{
+	int symmetric = kind == WANT_MASS || kind == WANT_MINV;
+
+	return kind >= WANT_MINV ? pattern_coupled(p, t, symmetric, dense, a) : pattern_make(p, t, symmetric, dense, a);
+}
+
+int request_is_matrix(enum want_kind kind)
+{
+	return kind == WANT_DTAU_DQ || kind == WANT_DTAU_DQD || kind == WANT_MASS || (kind >= WANT_MINV && kind <= WANT_DQDD_DQD);
 }
 
 static enum rneagen_code add_want(const struct resolver *x, const struct scene_choice *c, const struct want *w)
@@ -82,6 +116,21 @@ static enum rneagen_code add_want(const struct resolver *x, const struct scene_c
 		if (!strcmp(x->k->wants[i].word, w->word))
 			return scene_refuse(x->s, c, x->e, "'%.255s' is wanted already", w->word);
 	x->k->wants[x->k->want_count++] = *w;
+	x->k->is_forward |= is_forward(w->kind);
+	return RNEAGEN_OK;
+}
+
+/* What a product is of, tau or qdd, decides which way the dynamics goes: the other is an input. */
+enum rneagen_code request_product(const struct resolver *x, const struct scene_choice *c)
+{
+	static const struct kind_word of[] = {{"tau", 0}, {"qdd", 0}};
+	enum want_kind kind = c->key == SCENE_JVP ? WANT_JVP : WANT_VJP;
+	struct want w = {.kind = kind, .word = WANTS[kind].kind.word, .argument = WANTS[kind].argument};
+	int which = request_find_kind(x, c, of, sizeof of / sizeof *of);
+
+	if (which < 0 || want_derivative(x, c, &w) || add_want(x, c, &w))
+		return x->e->code;
+	x->k->is_forward |= which;
 	return RNEAGEN_OK;
 }
 
@@ -91,11 +140,11 @@ enum rneagen_code request_want(const struct resolver *x, const struct scene_choi
 	struct want w = {.word = c->name};
 	int kind;
 
-	if (!strncmp(c->name, "dtau_d", 6) && strcmp(c->name, "dtau_dq") && strcmp(c->name, "dtau_dqd"))
+	if (is_by_freed(c->name))
 		return want_by_freed(x, c, &w) ? x->e->code : add_want(x, c, &w);
 	for (int i = 0; i < WANT_COUNT; i++)
 		kinds[i] = WANTS[i].kind;
-	kind = request_find_kind(x, c, kinds, WANT_COUNT);
+	kind = strcmp(c->name, "dqdd_dtau") ? request_find_kind(x, c, kinds, WANT_COUNT) : WANT_MINV;
 	if (kind < 0)
 		return x->e->code;
 	w.kind = (enum want_kind)kind;
@@ -106,6 +155,6 @@ enum rneagen_code request_want(const struct resolver *x, const struct scene_choi
 		return x->e->code;
 	if (w.kind >= WANT_DTAU_DQ && want_derivative(x, c, &w))
 		return x->e->code;
-	w.argument = WANTS[kind].argument ? WANTS[kind].argument : request_argument(x, c->name);
+	w.argument = WANTS[kind].argument && kind != WANT_MINV ? WANTS[kind].argument : request_argument(x, c->name);
 	return add_want(x, c, &w);
 }

@@ -117,17 +117,20 @@ static enum rneagen_code check_once(const struct reader *r, const struct scene_c
 	return RNEAGEN_OK;
 }
 
-/* One of two words. */
+/* One of a few words. */
 static enum rneagen_code check_word(const struct reader *r, const struct scene_choice *c, const char *value)
 {
-	static const char *const words[SCENE_KEY_COUNT][2] = {
+	static const char *const words[SCENE_KEY_COUNT][3] = {
 		[SCENE_BESIDE] = {"lock", "drop"}, [SCENE_FEXT_FRAME] = {"link", "world"},
-		[SCENE_DERIVATIVES] = {"forward", "recursion"}};
+		[SCENE_DERIVATIVES] = {"forward", "recursion"}, [SCENE_DYNAMICS] = {"auto", "factor", "articulated"}};
 	const char *const *w = words[c->key];
 
-	if (*w && strcmp(value, w[0]) && strcmp(value, w[1]))
-		return scene_refuse(r->s, c, r->e, "takes %s or %s, not '%.255s'", w[0], w[1], value);
-	return RNEAGEN_OK;
+	for (int i = 0; i < 3 && w[i]; i++)
+		if (!strcmp(value, w[i]))
+			return RNEAGEN_OK;
+	if (!*w)
+		return RNEAGEN_OK;
+	return scene_refuse(r->s, c, r->e, "takes %s%s%s or %s, not '%.255s'", w[2] ? w[2] : "", w[2] ? ", " : "", w[0], w[1], value);
 }
 
 static enum rneagen_code add_choice(struct reader *r, enum scene_key key, const char *value)

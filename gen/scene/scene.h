@@ -30,6 +30,9 @@
 	X(WANT, "want", 1, SCENE_NAMES)                                                                                \
 	X(DENSE, "dense", 0, SCENE_VALUE)                                                                              \
 	X(DERIVATIVES, "derivatives", 1, SCENE_VALUE)                                                                  \
+	X(DYNAMICS, "dynamics", 1, SCENE_VALUE)                                                                        \
+	X(JVP, "jvp", 1, SCENE_NAMES)                                                                                  \
+	X(VJP, "vjp", 1, SCENE_NAMES)                                                                                  \
 	X(FEXT, "fext", 1, SCENE_NAMES)                                                                                \
 	X(FEXT_FRAME, "fext-frame", 1, SCENE_VALUE)                                                                    \
 	X(ARMATURE, "armature", 1, SCENE_PAIR)                                                                         \

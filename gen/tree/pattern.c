@@ -11,7 +11,16 @@ static void mark(unsigned char *related, const struct tree *t, int a, int b)
 			related[i * t->nv + j] = related[j * t->nv + i] = 1;
 }
 
-int pattern_make(struct pattern *p, const struct tree *t, int symmetric, int dense, struct arena *a)
+/* What is related to the same is. */
+static void close_over(unsigned char *related, int n)
+{
+	for (int k = 0; k < n; k++)
+		for (int i = 0; i < n; i++)
+			for (int j = 0; j < n && related[i * n + k]; j++)
+				related[i * n + j] |= related[k * n + j];
+}
+
+static int make(struct pattern *p, const struct tree *t, int is_coupled, int symmetric, int dense, struct arena *a)
 {
 	size_t size = (size_t)t->nv * (size_t)t->nv;
 	unsigned char *related = arena_alloc(a, size, 1);
@@ -23,9 +32,21 @@ int pattern_make(struct pattern *p, const struct tree *t, int symmetric, int den
 	for (int i = 0; i < t->body_count; i++)
 		for (int up = i; up >= 0; up = t->bodies[up].parent)
 			mark(related, t, i, up);
+	if (is_coupled)
+		close_over(related, t->nv);
 	for (int i = 0; i < t->nv; i++)
 		for (int j = 0; j < t->nv; j++)
 			p->row[i * t->nv + j] = dense || (related[i * t->nv + j] && (!symmetric || j <= i)) ? p->rows++ : -1;
 	arena_release(a, related);
 	return 1;
+}
+
+int pattern_make(struct pattern *p, const struct tree *t, int symmetric, int dense, struct arena *a)
+{
+	return make(p, t, 0, symmetric, dense, a);
+}
+
+int pattern_coupled(struct pattern *p, const struct tree *t, int symmetric, int dense, struct arena *a)
+{
+	return make(p, t, 1, symmetric, dense, a);
 }

@@ -1,0 +1,31 @@
+#ifndef RNEAGEN_ARTICULATED_H
+#define RNEAGEN_ARTICULATED_H
+/* M x = b by articulated bodies, without M (Featherstone 2008, sections 7.2 and 7.3, at rest: the velocities are in b). A tree
+   whose joints follow others has no such bodies: there several move with one coordinate. */
+
+#include "dynamics/factor.h"
+#include "dynamics/tour.h"
+
+/* What a body's own acceleration takes, all beyond it moving freely: n = A dw + B a, f = B^T dw + C a. */
+struct articulated_body {
+	struct smat A, B, C;
+	struct svec Un[6], Uf[6]; /* of each row of the joint: the wrench that its unit acceleration takes */
+	struct factor D;          /* of the joint: what it feels of these */
+};
+
+struct articulated {
+	const struct tour *r;
+	struct articulated_body *bodies;
+};
+
+/* May the tree be solved so? */
+int articulated_serves(const struct tree *t);
+
+/* Before a tour, and when it leaves a body. d->failed is set when memory runs out. */
+void articulated_begin(struct articulated *x, const struct tour *r);
+void articulated_leave(struct articulated *x, int body, int *singular);
+
+/* M x = b in place, by rows of qd, after the tour. */
+void articulated_solve(const struct articulated *x, struct ref *b);
+
+#endif

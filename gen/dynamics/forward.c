@@ -1,0 +1,161 @@
+#include "dynamics/forward.h"
+#include "dynamics/registry.h"
+#include "dynamics/want.h"
+#include <string.h>
+
+static void entered(const struct tour *r, int body)
+{
+	want_pull(r, body);
+}
+
+static void left(const struct tour *r, int body)
+{
+	struct build *b = r->context;
+	struct forward *x = b->forward;
+
+	if (b->dynamics == DYNAMICS_ARTICULATED)
+		articulated_leave(&x->bodies, body, &x->singular);
+	else
+		recursion_leave(&x->mass, body);
+}
+
+/* Rows of qd, each body's after those of what carries it; a follower's are its driver's. */
+static int *tree_order(const struct tree *t, struct arena *a)
+{
+	int *order = arena_alloc(a, (size_t)t->nv, sizeof *order), n = 0;
+
+	for (int b = 0; b < t->body_count && order; b++)
+		for (int i = 0; i < joint_nv(t->bodies[b].type) && !t->bodies[b].follower; i++)
+			order[n++] = t->bodies[b].iv + i;
+	return order;
+}
+
+static void factor(struct forward *x, struct dag *d)
+{
+	int *order = tree_order(x->tour.t, d->arena);
+
+	if (!order || !factor_make(&x->M, d, x->tour.t->nv, order, x->mass.by[BY_QDD].element, &x->singular))
+		d->failed = 1;
+}
+
+void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
+{
+	static const int nowhere[BY_COUNT] = {-1, -1, -1};
+	struct dag *d = b->d;
+	int nv = b->t->nv;
+
+	*x = (struct forward){.b = b, .torques = x->torques, .tour = want_tour(b, in), .singular = -1,
+		.qdd = arena_alloc(d->arena, (size_t)nv, sizeof *x->qdd)};
+	b->forward = x;
+	x->tour.in.qdd = (struct source){.argument = -1};
+	x->tour.comes_back = 1;
+	x->tour.world = want_world;
+	x->tour.entered = entered;
+	x->tour.left = left;
+	x->tour.own_terms = own_terms;
+	if (b->dynamics == DYNAMICS_ARTICULATED)
+		articulated_begin(&x->bodies, &x->tour);
+	else
+		recursion_begin(&x->mass, &x->tour, nowhere);
+	x->mass.is_mass_alone = 1;
+	if (!x->qdd || d->failed) {
+		d->failed = 1;
+		return;
+	}
+	tour_run(&x->tour);
+	if (b->dynamics != DYNAMICS_ARTICULATED && !d->failed)
+		factor(x, d);
+	if (x->singular >= 0)
+		d->failed = d->singular = 1 + x->singular;
+	for (int i = 0; i < nv && !d->failed; i++)
+		x->qdd[i] = dag_sub(d, source_row(d, &x->torques, i), x->tour.tau[i]);
+	forward_solve(x, x->qdd);
+}
+
+void forward_solve(const struct forward *x, struct ref *rhs)
+{
+	if (x->b->d->failed)
+		return;
+	if (x->b->dynamics == DYNAMICS_ARTICULATED)
+		articulated_solve(&x->bodies, rhs);
+	else
+		factor_solve(&x->M, rhs);
+}
+
+static void inverse(const struct forward *x, struct ref *X)
+{
+	struct dag *d = x->b->d;
+	int nv = x->b->t->nv;
+
+	if (x->b->dynamics != DYNAMICS_ARTICULATED) {
+		factor_inverse(&x->M, X);
+		return;
+	}
+	for (int j = 0; j < nv; j++) {
+		X[j * nv + j] = dag_const(d, 1);
+		articulated_solve(&x->bodies, X + j * nv); /* a row is a column */
+	}
+}
+
+static int body_of_row(const struct tree *t, int row)
+{
+	for (int i = 0; i < t->joint_count; i++)
+		if (row >= t->joints[i].iv && row < t->joints[i].iv + t->joints[i].nv)
+			return t->joints[i].body;
+	return 0;
+}
+
+void forward_column(const struct forward *x, struct ref *column, int j, int argument)
+{
+	struct dag *d = x->b->d;
+	int nv = x->b->t->nv;
+	struct pattern p;
+
+	dag_section(d, SECTION_BY, body_of_row(x->b->t, j));
+	for (int i = 0; i < nv; i++)
+		column[i] = dag_neg(d, column[i]);
+	forward_solve(x, column);
+	if (!pattern_coupled(&p, x->b->t, 0, x->b->k->dense, d->arena)) {
+		d->failed = 1;
+		return;
+	}
+	for (int i = 0; i < nv; i++)
+		if (p.row[i * nv + j] >= 0)
+			dag_output(d, argument, p.row[i * nv + j], column[i]);
+}
+
+void forward_outputs(const struct forward *x, int qdd_out, int inverse_out)
+{
+	struct dag *d = x->b->d;
+	int nv = x->b->t->nv;
+	struct ref *X = arena_alloc(d->arena, (size_t)nv * (size_t)nv, sizeof *X);
+	struct pattern p;
+
+	if (!X || !pattern_coupled(&p, x->b->t, 1, x->b->k->dense, d->arena))
+		d->failed = 1;
+	if (d->failed)
+		return;
+	for (int i = 0; i < nv && qdd_out >= 0; i++)
+		dag_output(d, qdd_out, i, x->qdd[i]);
+	if (inverse_out < 0)
+		return;
+	inverse(x, X);
+	for (int i = 0; i < nv * nv; i++)
+		if (p.row[i] >= 0)
+			dag_output(d, inverse_out, p.row[i], X[i]);
+}
+
+static int is_forward(const struct request *k)
+{
+	return k->is_forward;
+}
+
+const struct algorithm algorithm_fd = {.name = "fd",
+	.doc = "qdd = FD(q, qd, tau)",
+	.brief = "qdd = FD(q, qd, tau) of one sample.",
+	.what = "Forward dynamics",
+	.how = "from M qdd = tau - bias",
+	.arrays = {{"q", ROLE_JOINT_POSITION, 0}, {"qd", ROLE_JOINT_VELOCITY, 0}, {"tau", ROLE_JOINT_TORQUE, 0},
+		{"qdd", ROLE_JOINT_ACCELERATION, 1}},
+	.is_made_for = is_forward,
+	.build = want_build};

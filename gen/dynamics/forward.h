@@ -1,0 +1,34 @@
+#ifndef RNEAGEN_FORWARD_H
+#define RNEAGEN_FORWARD_H
+/* Forward dynamics: qdd = M^-1 (tau - bias), where bias is the torque of a state that does not accelerate. */
+
+#include "dynamics/articulated.h"
+#include "dynamics/recursion.h"
+
+struct build;
+
+struct forward {
+	struct build *b;
+	struct source torques;  /* tau */
+	struct tour tour;       /* the bias; M, or the articulated bodies, along with it */
+	struct recursion mass;
+	struct articulated bodies;
+	struct factor M;
+	struct ref *qdd;        /* [nv] */
+	int singular;           /* the row of qd that moves no mass, -1 where all do */
+};
+
+/* Find qdd of x->torques. `in` says where q and qd are. d->failed is set when memory runs out, or a joint moves no mass:
+   d->singular then says which. */
+void forward_find(struct forward *x, struct build *b, struct joint_inputs in);
+
+/* Write qdd and M^-1 where these are wanted; -1: they are not. */
+void forward_outputs(const struct forward *x, int qdd_out, int inverse_out);
+
+/* From column j of d tau at this qdd, [nv], that of d qdd = -M^-1 d tau, and write it; in place. */
+void forward_column(const struct forward *x, struct ref *column, int j, int argument);
+
+/* M y = rhs in place, by rows of qd. */
+void forward_solve(const struct forward *x, struct ref *rhs);
+
+#endif
