@@ -30,12 +30,31 @@ static int *tree_order(const struct tree *t, struct arena *a)
 	return order;
 }
 
+/* Of joints with one row. */
+static void tag_rows(const struct forward *x, const char *quantity, const struct ref *rows)
+{
+	struct dag *d = x->b->d;
+
+	for (int i = 0; i < x->b->t->body_count && !d->failed; i++) {
+		const struct body *k = &x->b->t->bodies[i];
+
+		if (joint_nv(k->type) == 1 && !k->follower)
+			dag_tag(d, rows[k->iv], quantity, k->number, 0);
+	}
+}
+
 static void factor(struct forward *x, struct dag *d)
 {
-	int *order = tree_order(x->tour.t, d->arena);
+	int *order = tree_order(x->tour.t, d->arena), n = x->tour.t->nv;
+	struct ref *rows = arena_alloc(d->arena, (size_t)n, sizeof *rows);
 
-	if (!order || !factor_make(&x->M, d, x->tour.t->nv, order, x->mass.by[BY_QDD].element, &x->singular))
+	if (!order || !rows || !factor_make(&x->M, d, n, order, x->mass.by[BY_QDD].element, &x->singular)) {
 		d->failed = 1;
+		return;
+	}
+	for (int i = 0; i < n; i++)
+		rows[x->M.row[i]] = x->M.inverse[i];
+	tag_rows(x, "iD", rows);
 }
 
 void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
@@ -63,6 +82,7 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 		return;
 	}
 	tour_run(&x->tour);
+	dag_section(d, b->dynamics == DYNAMICS_ARTICULATED ? SECTION_ARTICULATED : SECTION_FACTORS, 0);
 	if (b->dynamics != DYNAMICS_ARTICULATED && !d->failed)
 		factor(x, d);
 	if (x->singular >= 0)
@@ -70,6 +90,7 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 	for (int i = 0; i < nv && !d->failed; i++)
 		x->qdd[i] = dag_sub(d, source_row(d, &x->torques, i), x->tour.tau[i]);
 	forward_solve(x, x->qdd);
+	tag_rows(x, "qdd", x->qdd);
 }
 
 void forward_solve(const struct forward *x, struct ref *rhs)
@@ -139,6 +160,7 @@ void forward_outputs(const struct forward *x, int qdd_out, int inverse_out)
 		dag_output(d, qdd_out, i, x->qdd[i]);
 	if (inverse_out < 0)
 		return;
+	dag_section(d, SECTION_INVERSE, 0);
 	inverse(x, X);
 	for (int i = 0; i < nv * nv; i++)
 		if (p.row[i] >= 0)

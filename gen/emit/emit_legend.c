@@ -121,7 +121,7 @@ static void put_quantities(const struct emission *e, struct text *out)
 	static const char *const quantities[][2] = {{"w", "angular velocity"}, {"dw", "rate of the angular velocity"},
 		{"v", "velocity of the origin"}, {"a", "acceleration of the origin, less gravity"},
 		{"f", "force: the link's own, then with its children's"}, {"n", "moment about the origin, as f"},
-		{"u", "what of the joint's torque is left for its acceleration"}, {"iD", "1/D: the inverse of the inertia that the joint feels"},
+		{"qdd", "acceleration of the link's joint, as it is found"}, {"iD", "1/D: the inverse of the inertia that the joint feels"},
 		{"mc", "first moment about the origin of all masses from the link on"}};
 
 	if (any_names(e, "s") || any_names(e, "c"))
