@@ -42,6 +42,7 @@ static enum rneagen_code options_resolve(struct generation *g)
 	struct rneagen_error *e = g->analysis.error;
 
 	o->precision = emit_precision_of(o);
+	g->analysis.model = eval_model_of(o, 0);
 	if (o->strict && o->trig == RNEAGEN_FAST)
 		return error_set(e, RNEAGEN_USAGE,
 			"--strict and --trig fast exclude each other: the sine of a GPU's own unit has other bits; take bounded");

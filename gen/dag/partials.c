@@ -19,6 +19,9 @@ void eval_partials(const struct node *n, const double *v, double *out)
 	case OP_SQRT:
 		out[0] = 0.5 / sqrt(a);
 		break;
+	case OP_ABS:
+		out[0] = a < 0 ? -1 : 1;
+		break;
 	case OP_SIN:
 		out[0] = cos(a);
 		break;

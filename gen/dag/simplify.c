@@ -193,6 +193,23 @@ struct ref dag_sqrt(struct dag *d, struct ref a)
 	return is_const(d, a) ? dag_within(d, within_sqrt(number(d, a))) : dag_node(d, OP_SQRT, a, NONE, NONE, 0);
 }
 
+/* Squares and roots have no sign. */
+struct ref dag_abs(struct dag *d, struct ref a)
+{
+	struct node n;
+
+	if (d->failed)
+		return NONE;
+	n = at(d, a);
+	if (n.op == OP_CONST)
+		return n.value < 0 ? negated(d, a) : a;
+	if (n.op == OP_NEG)
+		return dag_abs(d, n.arg[0]);
+	if (n.op == OP_ABS || n.op == OP_SQRT || (n.op == OP_MUL && ref_equal(n.arg[0], n.arg[1])))
+		return a;
+	return dag_node(d, OP_ABS, a, NONE, NONE, 0);
+}
+
 struct ref dag_fma(struct dag *d, struct ref a, struct ref b, struct ref c)
 {
 	if (d->failed)
