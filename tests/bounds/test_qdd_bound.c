@@ -3,7 +3,6 @@
    factors would be of no use. */
 #define _POSIX_C_SOURCE 200809L
 #include "forward_eval.h"
-#include "forward_text.h"
 #include "support/exhaustive.h"
 #include "support/model.h"
 #include "support/random_robot.h"
@@ -130,6 +129,139 @@ START_TEST(real_robots)
 }
 END_TEST
 
+/* ---- trees drawn by chance ---- */
+
+/* Every joint has a rotor, since links without mass may be at the end; nothing follows another joint. */
+static char *drawn(uint64_t seed, char **rotors)
+{
+	struct random_robot_knobs knobs = random_robot_knobs(seed, 9);
+	struct reference *r;
+	size_t size = 0;
+	char message[256], *urdf;
+	FILE *f;
+
+	knobs.mimic = knobs.odd_names = knobs.floating = 0;
+	urdf = random_robot(seed, &knobs);
+	r = reference_open(urdf, strlen(urdf), NULL, message, sizeof message);
+	f = open_memstream(rotors, &size);
+	ck_assert(r && f);
+	for (int j = 0; j < r->nj; j++)
+		if (r->joints[j].nv == 1)
+			fprintf(f, "armature %s=0.03125\n", r->joints[j].name);
+	fclose(f);
+	reference_close(r);
+	return urdf;
+}
+
+START_TEST(random_trees)
+{
+	int trees = exhaustive() ? 200 : 24, finite = 0;
+
+	for (uint64_t seed = 0; seed < (uint64_t)trees; seed++) {
+		char *rotors, *urdf = drawn(seed, &rotors), name[32];
+		struct forward_scene s = {PRECISIONS[seed % 2], seed / 2 % 3 == 0, rotors, 0, 0.03125Q};
+
+		snprintf(name, sizeof name, "tree %d", (int)seed);
+		finite += check(urdf, NULL, &s, name, 10, NULL).finite > 0;
+		free(rotors);
+		free(urdf);
+	}
+	ck_assert_int_gt(finite, trees / 2);
+}
+END_TEST
+
+/* ---- what a scene adds ---- */
+
+static char *robot(const char *name)
+{
+	char path[512], *urdf;
+	size_t length;
+
+	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", name);
+	urdf = read_file(path, &length);
+	ck_assert_msg(urdf != NULL, "%s cannot be read", path);
+	return urdf;
+}
+
+/* 0.5 kg at (0.25, 0, -0.5) in a hand's frame, with 0.125 kg m^2 about each axis through it. */
+static const double *payload(const char *name)
+{
+	static const double rows[] = {0.5, 0.125, 0, -0.25, 0.25, 0, 0.0625, 0.28125, 0, 0.15625};
+
+	ck_assert_str_eq(name, "payload_iiwa_link_7");
+	return rows;
+}
+
+START_TEST(carried)
+{
+	static const char more[] = "<link name='load'><inertial><origin xyz='0.25 0 -0.5'/><mass value='0.5'/><inertia ixx='0.125' iyy='0.125' "
+		"izz='0.125' ixy='0' ixz='0' iyz='0'/></inertial></link><joint name='hold' type='fixed'><parent link='iiwa_link_7'/>"
+		"<child link='load'/></joint></robot>";
+	char *urdf = robot("iiwa14"), *loaded = calloc(1, strlen(urdf) + sizeof more), *end;
+
+	ck_assert_ptr_nonnull(loaded);
+	end = strstr(strcpy(loaded, urdf), "</robot>");
+	strcpy(end, more);
+	for (int p = 0; p < 3; p++)
+		ck_assert_int_eq(check(urdf, loaded, &(struct forward_scene){PRECISIONS[p], 0, "free payload.iiwa_link_7\n", 0, 0}, "iiwa14 with a payload",
+			SAMPLES, payload).finite, SAMPLES);
+	free(loaded);
+	free(urdf);
+}
+END_TEST
+
+/* Friction has a quotient and a root; articulated bodies make another qdd. */
+START_TEST(scenes)
+{
+	static const struct {
+		const char *robot;
+		struct forward_scene scene;
+	} cases[] = {{"cartpole", {RNEAGEN_F32, 0, "friction 0.25\n", 0.25Q, 0}}, {"cartpole", {RNEAGEN_F64, 0, "friction 0.25\n", 0.25Q, 0}},
+		{"hyq", {RNEAGEN_F32, 1, "dynamics articulated\n", 0, 0}}, {"iiwa14", {RNEAGEN_F64, 0, "dynamics articulated\n", 0, 0}}};
+	char *urdf = robot(cases[_i].robot);
+
+	ck_assert_int_eq(check(urdf, NULL, &cases[_i].scene, cases[_i].robot, SAMPLES, NULL).finite, SAMPLES);
+	free(urdf);
+}
+END_TEST
+
+/* What a bound is worth: below 1e-6 of the norm in f64, and 1e-2 in f32, of an arm, a quadruped and a humanoid. */
+START_TEST(of_use)
+{
+	static const struct {
+		const char *robot;
+		double f32, f64;
+	} cases[] = {{"iiwa14", 2e-3, 4e-12}, {"hyq", 1e-4, 2e-13}, {"atlas", 6e-3, 1e-11}};
+	char *urdf = robot(cases[_i].robot);
+
+	for (int p = 0; p < 2; p++) {
+		struct tally t = check(urdf, NULL, &(struct forward_scene){PRECISIONS[p], 0, "", 0, 0}, cases[_i].robot, SAMPLES, NULL);
+
+		ck_assert_int_eq(t.finite, t.samples);
+		ck_assert_msg(t.norm < (p ? cases[_i].f64 : cases[_i].f32), "%s: a bound is %g of the norm", cases[_i].robot, t.norm);
+	}
+	free(urdf);
+}
+END_TEST
+
+/* ---- where there is none ---- */
+
+/* A weight on two rods, next to stretched out, whose M is singular but for 1e-18 of it. */
+START_TEST(nearly_singular)
+{
+	static const char urdf[] =
+		"<robot name='rods'><link name='a'/><link name='b'/><link name='c'><inertial><origin xyz='1 0 0'/><mass value='0.7'/>"
+		"<inertia ixx='0' iyy='0' izz='0' ixy='0' ixz='0' iyz='0'/></inertial></link>"
+		"<joint name='one' type='continuous'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/></joint>"
+		"<joint name='two' type='revolute'><parent link='b'/><child link='c'/><origin xyz='1 0 0'/><axis xyz='0 0 1'/>"
+		"<limit lower='1e-10' upper='1e-9' effort='1' velocity='1'/></joint></robot>";
+	struct tally t = check(urdf, NULL, &(struct forward_scene){PRECISIONS[_i], 0, "", 0, 0}, "rods", SAMPLES, NULL);
+
+	ck_assert_int_eq(t.samples, SAMPLES);
+	ck_assert_int_eq(t.finite, 0);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *suite = suite_create("qdd_bound");
@@ -138,5 +270,10 @@ int main(void)
 	printf("qdd within its bound, seed %d, %d states each\n", SEED, SAMPLES);
 	suite_add(suite, "own_robots", own_robots, 2, 120);
 	suite_add(suite, "real_robots", real_robots, 1, 600);
+	suite_add(suite, "random_trees", random_trees, 1, 300);
+	suite_add(suite, "carried", carried, 1, 60);
+	suite_add(suite, "scenes", scenes, 4, 60);
+	suite_add(suite, "of_use", of_use, 3, 60);
+	suite_add(suite, "nearly_singular", nearly_singular, 2, 60);
 	return suite_run(suite);
 }
