@@ -71,7 +71,7 @@ static void evaluate(struct forward_eval *x, const double *(*more)(const char *n
 			out[a][i] = is_single ? (double)out_f32[a][i] : (double)(float)out[a][i];
 }
 
-void forward_eval_run(struct forward_eval *x, struct rng *rng, const double *(*more)(const char *name))
+void forward_eval_run(struct forward_eval *x, struct rng *rng, const double *(*more)(const char *name), int is_referred)
 {
 	struct solved *s = &x->solved;
 
@@ -80,5 +80,6 @@ void forward_eval_run(struct forward_eval *x, struct rng *rng, const double *(*m
 	for (int i = 0; i < s->nv; i++)
 		x->in[2][i] = (double)(float)x->want[i];
 	evaluate(x, more);
-	solved_accelerations(s, x->in[0], x->in[1], x->in[2], x->want);
+	if (is_referred)
+		solved_accelerations(s, x->in[0], x->in[1], x->in[2], x->want);
 }
