@@ -12,6 +12,8 @@ struct forward_scene {
 	int floating;
 	const char *more;    /* further lines of the scene */
 	__float128 width, armature; /* of friction, and of rotors that `more` gives to all joints; 0: none */
+	int swept;           /* the bound is eval_bound's, and the text has none */
+	int worst;           /* every operation is off by as much as it may be, by chance up or down: in f32 */
 };
 
 struct forward_eval {

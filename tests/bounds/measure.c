@@ -117,9 +117,9 @@ START_TEST(table)
 
 		if (!urdf)
 			continue;
-		measure(urdf, ROBOTS[i].name, &(struct forward_scene){RNEAGEN_F32, ROBOTS[i].floating, "", 0, 0});
+		measure(urdf, ROBOTS[i].name, &(struct forward_scene){RNEAGEN_F32, ROBOTS[i].floating, "", 0, 0, 0, 0});
 		if (i % 4 == 0 || i == 5)
-			measure(urdf, ROBOTS[i].name, &(struct forward_scene){RNEAGEN_F64, ROBOTS[i].floating, "", 0, 0});
+			measure(urdf, ROBOTS[i].name, &(struct forward_scene){RNEAGEN_F64, ROBOTS[i].floating, "", 0, 0, 0, 0});
 		free(urdf);
 	}
 }

@@ -103,7 +103,7 @@ static void check_file(const char *path, const char *name, void *context)
 	urdf = read_file(path, &length);
 	for (int p = 0; p < 3; p++)
 		if (exhaustive() || p == w->turn % 3)
-			check(urdf, NULL, &(struct forward_scene){PRECISIONS[p], w->floating, "", 0, 0}, name, SAMPLES, NULL);
+			check(urdf, NULL, &(struct forward_scene){PRECISIONS[p], w->floating, "", 0, 0, 0, 0}, name, SAMPLES, NULL);
 	w->turn++;
 	free(urdf);
 }
@@ -159,7 +159,7 @@ START_TEST(random_trees)
 
 	for (uint64_t seed = 0; seed < (uint64_t)trees; seed++) {
 		char *rotors, *urdf = drawn(seed, &rotors), name[32];
-		struct forward_scene s = {PRECISIONS[seed % 2], seed / 2 % 3 == 0, rotors, 0, 0.03125Q};
+		struct forward_scene s = {PRECISIONS[seed % 2], seed / 2 % 3 == 0, rotors, 0, 0.03125Q, 0, 0};
 
 		snprintf(name, sizeof name, "tree %d", (int)seed);
 		finite += check(urdf, NULL, &s, name, 10, NULL).finite > 0;
@@ -203,21 +203,23 @@ START_TEST(carried)
 	end = strstr(strcpy(loaded, urdf), "</robot>");
 	strcpy(end, more);
 	for (int p = 0; p < 3; p++)
-		ck_assert_int_eq(check(urdf, loaded, &(struct forward_scene){PRECISIONS[p], 0, "free payload.iiwa_link_7\n", 0, 0}, "iiwa14 with a payload",
+		ck_assert_int_eq(check(urdf, loaded, &(struct forward_scene){PRECISIONS[p], 0, "free payload.iiwa_link_7\n", 0, 0, 0, 0}, "iiwa14 with a payload",
 			SAMPLES, payload).finite, SAMPLES);
 	free(loaded);
 	free(urdf);
 }
 END_TEST
 
-/* Friction has a quotient and a root; articulated bodies make another qdd. */
+/* Friction has a quotient and a root; articulated bodies make another qdd; arithmetic at its worst, of the bound too. */
 START_TEST(scenes)
 {
 	static const struct {
 		const char *robot;
 		struct forward_scene scene;
-	} cases[] = {{"cartpole", {RNEAGEN_F32, 0, "friction 0.25\n", 0.25Q, 0}}, {"cartpole", {RNEAGEN_F64, 0, "friction 0.25\n", 0.25Q, 0}},
-		{"hyq", {RNEAGEN_F32, 1, "dynamics articulated\n", 0, 0}}, {"iiwa14", {RNEAGEN_F64, 0, "dynamics articulated\n", 0, 0}}};
+	} cases[] = {{"cartpole", {RNEAGEN_F32, 0, "friction 0.25\n", 0.25Q, 0, 0, 0}}, {"cartpole", {RNEAGEN_F64, 0, "friction 0.25\n", 0.25Q, 0, 0, 0}},
+		{"hyq", {RNEAGEN_F32, 1, "dynamics articulated\n", 0, 0, 0, 0}}, {"iiwa14", {RNEAGEN_F64, 0, "dynamics articulated\n", 0, 0, 0, 0}},
+		{"iiwa14", {RNEAGEN_F32, 0, "", 0, 0, 0, 1}}, {"hyq", {RNEAGEN_F32, 1, "", 0, 0, 0, 1}},
+		{"cartpole", {RNEAGEN_F32, 0, "friction 0.25\n", 0.25Q, 0, 0, 1}}};
 	char *urdf = robot(cases[_i].robot);
 
 	ck_assert_int_eq(check(urdf, NULL, &cases[_i].scene, cases[_i].robot, SAMPLES, NULL).finite, SAMPLES);
@@ -235,7 +237,7 @@ START_TEST(of_use)
 	char *urdf = robot(cases[_i].robot);
 
 	for (int p = 0; p < 2; p++) {
-		struct tally t = check(urdf, NULL, &(struct forward_scene){PRECISIONS[p], 0, "", 0, 0}, cases[_i].robot, SAMPLES, NULL);
+		struct tally t = check(urdf, NULL, &(struct forward_scene){PRECISIONS[p], 0, "", 0, 0, 0, 0}, cases[_i].robot, SAMPLES, NULL);
 
 		ck_assert_int_eq(t.finite, t.samples);
 		ck_assert_msg(t.norm < (p ? cases[_i].f64 : cases[_i].f32), "%s: a bound is %g of the norm", cases[_i].robot, t.norm);
@@ -253,7 +255,7 @@ START_TEST(wrong)
 	struct tally t = {0};
 	struct dag *d;
 
-	ck_assert(x && forward_eval_open(x, urdf, NULL, &(struct forward_scene){PRECISIONS[_i], 0, "", 0, 0}, "iiwa14"));
+	ck_assert(x && forward_eval_open(x, urdf, NULL, &(struct forward_scene){PRECISIONS[_i], 0, "", 0, 0, 0, 0}, "iiwa14"));
 	d = &x->analysis.dag;
 	for (size_t i = 0; i < d->output_count; i++)
 		if (!strcmp(d->arguments[d->outputs[i].argument].name, "qdd") && d->outputs[i].row == 0)
@@ -267,6 +269,26 @@ START_TEST(wrong)
 	ck_assert_int_eq(t.finite, SAMPLES);
 	forward_eval_close(x);
 	free(x);
+	free(urdf);
+}
+END_TEST
+
+/* The evaluator's bound, whose sweeps go back through quotients and roots. */
+START_TEST(swept)
+{
+	static const struct {
+		const char *robot;
+		struct forward_scene scene;
+		double worth; /* of the norm */
+	} cases[] = {{"iiwa14", {RNEAGEN_F32, 0, "", 0, 0, 1, 0}, 2e-3}, {"iiwa14", {RNEAGEN_F64, 0, "", 0, 0, 1, 0}, 4e-12},
+		{"hyq", {RNEAGEN_F32, 1, "", 0, 0, 1, 0}, 1e-3}, {"ur5", {RNEAGEN_F64, 0, "dynamics articulated\n", 0, 0, 1, 0}, 1e-12},
+		{"mimic_chain", {RNEAGEN_MIXED, 1, "", 0, 0, 1, 0}, 1e-7}, {"cartpole", {RNEAGEN_F32, 0, "friction 0.25\n", 0.25Q, 0, 1, 0}, 1e-4},
+		{"iiwa14", {RNEAGEN_F32, 0, "", 0, 0, 1, 1}, 2e-3}, {"cartpole", {RNEAGEN_F32, 0, "friction 0.25\n", 0.25Q, 0, 1, 1}, 1e-4}};
+	char *urdf = robot(cases[_i].robot);
+	struct tally t = check(urdf, NULL, &cases[_i].scene, cases[_i].robot, SAMPLES, NULL);
+
+	ck_assert_int_eq(t.finite, SAMPLES);
+	ck_assert_msg(t.norm < cases[_i].worth, "%s: a bound is %g of the norm", cases[_i].robot, t.norm);
 	free(urdf);
 }
 END_TEST
@@ -289,7 +311,7 @@ START_TEST(nearly_singular)
 	struct tally t;
 
 	snprintf(urdf, sizeof urdf, RODS, limit[0], limit[1]);
-	t = check(urdf, NULL, &(struct forward_scene){PRECISIONS[_i % 2], 0, "", 0, 0}, "rods", 5 * SAMPLES, NULL);
+	t = check(urdf, NULL, &(struct forward_scene){PRECISIONS[_i % 2], 0, "", 0, 0, 0, 0}, "rods", 5 * SAMPLES, NULL);
 	ck_assert_int_eq(t.samples, 5 * SAMPLES);
 	ck_assert(_i < 2 ? t.finite == 0 : t.finite > t.samples / 2);
 }
@@ -305,8 +327,9 @@ int main(void)
 	suite_add(suite, "real_robots", real_robots, 1, 600);
 	suite_add(suite, "random_trees", random_trees, 1, 300);
 	suite_add(suite, "carried", carried, 1, 60);
-	suite_add(suite, "scenes", scenes, 4, 60);
+	suite_add(suite, "scenes", scenes, 7, 60);
 	suite_add(suite, "of_use", of_use, 3, 60);
+	suite_add(suite, "swept", swept, 8, 60);
 	suite_add(suite, "wrong", wrong, 2, 60);
 	suite_add(suite, "nearly_singular", nearly_singular, 4, 60);
 	return suite_run(suite);
