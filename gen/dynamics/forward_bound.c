@@ -51,7 +51,7 @@ static void bound_all(struct forward_bound *y, const struct forward *x)
 {
 	int n = y->n;
 
-	if (y->d->failed || !bound_make(&y->of, y->d, y->m, y->r, n + n * n, x->qdd, n)) {
+	if (y->d->failed || !bound_make(&y->of, y->d, y->m, y->r, n + n * n, x->qdd, x->qdd, n)) {
 		y->d->failed = 1;
 		return;
 	}
