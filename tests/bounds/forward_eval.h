@@ -12,6 +12,8 @@ struct forward_scene {
 	int floating;
 	const char *more;    /* further lines of the scene */
 	__float128 width, armature; /* of friction, and of rotors that `more` gives to all joints; 0: none */
+	int swept;           /* the bound is eval_bound's, and the text has none */
+	int worst;           /* every operation is off by as much as it may be, by chance up or down: in f32 */
 };
 
 struct forward_eval {
@@ -29,7 +31,8 @@ int forward_eval_open(struct forward_eval *x, const char *urdf, const char *refe
 void forward_eval_close(struct forward_eval *x);
 
 /* The next state, with torques of accelerations that the file's states have, rounded to floats; qdd, its bound, and what is right.
-   Numbers of other inputs, by name of the argument, come from `more`; NULL: there are none. */
-void forward_eval_run(struct forward_eval *x, struct rng *rng, const double *(*more)(const char *name));
+   Numbers of other inputs, by name of the argument, come from `more`; NULL: there are none. What is right only where
+   it is asked for: it takes the longest. */
+void forward_eval_run(struct forward_eval *x, struct rng *rng, const double *(*more)(const char *name), int is_referred);
 
 #endif
