@@ -58,7 +58,7 @@ struct argument {
 };
 
 /* As many as a kernel takes (RNEA_ARGUMENT_LIMIT). */
-enum { DAG_ARGUMENTS = 64, DAG_STRUCK = 1 << 20 };
+enum { DAG_ARGUMENTS = 64, DAG_STRUCK = 1 << 20, DAG_HELD };
 
 struct dag {
 	struct arena *arena;
@@ -96,6 +96,10 @@ void dag_take(struct dag *d, const struct dag *from);
 /* Strike a parameter that nothing alive reads; those after it move up, and dead inputs are of DAG_STRUCK, which is none. It closes
    the DAG. */
 void dag_strike(struct dag *d, int argument);
+
+/* Put by[row] where dag_input(d, DAG_HELD, row) stands for it: a value that is known, and that the rules of the constructors and
+   derivatives take for an input. by[row] is made before that is first used. It leaves live nodes, and closes the DAG. */
+void dag_substitute(struct dag *d, const struct ref *by);
 
 /* Declare a parameter of the function; returns its index. Outputs after inputs. */
 int dag_argument(struct dag *d, const char *name, int rows, int is_output);
