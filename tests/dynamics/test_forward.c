@@ -314,11 +314,44 @@ START_TEST(trees)
 }
 END_TEST
 
+/* ---- one sample's mass ---- */
+
+static const char SLIDES[] = "<robot name='r'><link name='rail'/><link name='cart'><inertial><mass value='2'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/>"
+	"</inertial></link><link name='tool'><inertial><mass value='1'/><inertia ixx='0' iyy='0' izz='0' ixy='0' ixz='0' iyz='0'/></inertial></link>"
+	"<joint name='a' type='prismatic'><parent link='rail'/><child link='cart'/><axis xyz='1 0 0'/><limit effort='1' velocity='1' lower='-1' upper='1'/></joint>"
+	"<joint name='b' type='prismatic'><parent link='cart'/><child link='tool'/><axis xyz='0.6 0 0.8'/><limit effort='1' velocity='1' lower='-1' upper='1'/></joint></robot>";
+
+/* qdd of both joints for a mass of the tool: not finite where it is nothing, and else M qdd = tau. */
+START_TEST(freed_mass)
+{
+	struct rneagen_options o = rneagen_options_default();
+	char scene[128];
+	struct scene_model m;
+
+	snprintf(scene, sizeof scene, "free mass.tool\nwant qdd\nfold gravity=0,0,0\ndynamics %s\n", _i ? "factor" : "articulated");
+	o.scene = scene;
+	ck_assert_msg(!scene_open(&m, SLIDES, &o), "%s", m.error.message);
+	for (int empty = 0; empty < 2; empty++) {
+		double mass = empty ? 0 : 0.5, in[2] = {0}, tau[2] = {1, 0.25}, qdd[2];
+
+		ck_assert(eval_f64(&m.dag, (const double *[]){in, in, tau, &mass, NULL}, (double *[]){NULL, NULL, NULL, NULL, qdd}, NULL));
+		if (empty) {
+			ck_assert_msg(!isfinite(qdd[1]), "%g of a joint that moves nothing", qdd[1]);
+			continue;
+		}
+		ck_assert_double_eq_tol(2.5 * qdd[0] + 0.3 * qdd[1], 1, 1e-15);
+		ck_assert_double_eq_tol(0.3 * qdd[0] + 0.5 * qdd[1], 0.25, 1e-15);
+	}
+	scene_close(&m);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *suite = suite_create("forward");
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	suite_add(suite, "trees", trees, 1, 300);
+	suite_add(suite, "a mass of nothing", freed_mass, 2, 60);
 	return suite_run(suite);
 }
