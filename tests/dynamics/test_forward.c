@@ -346,6 +346,45 @@ START_TEST(freed_mass)
 }
 END_TEST
 
+/* ---- the cheaper way ---- */
+
+static size_t operations_by(const char *urdf, enum rneagen_base base, const char *way)
+{
+	struct rneagen_options o = rneagen_options_default();
+	char scene[64];
+	struct scene_model m;
+	size_t n;
+
+	snprintf(scene, sizeof scene, "want qdd\ndynamics %s\n", way);
+	o.scene = scene;
+	o.base = base;
+	ck_assert_msg(!scene_open(&m, urdf, &o), "%s", m.error.message);
+	n = operation_total(&m);
+	scene_close(&m);
+	return n;
+}
+
+/* Factors where branches are short, articulated bodies where they are long. */
+START_TEST(cheaper)
+{
+	static const char *const robots[] = {"iiwa14", "hyq", "chain_75"};
+	char path[512];
+	size_t length, factor, articulated, taken;
+	char *urdf;
+
+	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, robots[_i]);
+	urdf = read_file(path, &length);
+	ck_assert_ptr_nonnull(urdf);
+	factor = operations_by(urdf, RNEAGEN_FIXED, "factor");
+	articulated = operations_by(urdf, RNEAGEN_FIXED, "articulated");
+	taken = operations_by(urdf, RNEAGEN_FIXED, "auto");
+	printf("%s: %zu operations by factors, %zu by articulated bodies\n", robots[_i], factor, articulated);
+	ck_assert_int_eq(articulated < factor, _i == 2);
+	ck_assert_uint_eq(taken, articulated < factor ? articulated : factor);
+	free(urdf);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *suite = suite_create("forward");
@@ -353,5 +392,6 @@ int main(void)
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	suite_add(suite, "trees", trees, 1, 300);
 	suite_add(suite, "a mass of nothing", freed_mass, 2, 60);
+	suite_add(suite, "the cheaper way", cheaper, 3, 60);
 	return suite_run(suite);
 }
