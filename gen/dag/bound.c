@@ -106,6 +106,7 @@ static struct ref error_of(const struct bound *x, uint32_t i)
 		return of_constant(x, &n);
 	case OP_NEG:
 	case OP_ABS:
+	case OP_ANEW:
 		return e[0];
 	case OP_ADD:
 	case OP_SUB:
@@ -130,7 +131,7 @@ static uint32_t way_of(const struct bound *x, uint32_t i)
 	const struct node *n = &x->d->nodes[i];
 	uint32_t a = op_arity[n->op] > 0 ? x->way[n->arg[0].i] : 0, b = op_arity[n->op] > 1 ? x->way[n->arg[1].i] : 0;
 
-	if (op_arity[n->op] == 0 || n->op == OP_NEG || n->op == OP_ABS)
+	if (op_arity[n->op] == 0 || n->op == OP_NEG || n->op == OP_ABS || n->op == OP_ANEW)
 		return a;
 	if (n->op == OP_MUL || n->op == OP_DIV)
 		return a + b + 12;
@@ -138,11 +139,12 @@ static uint32_t way_of(const struct bound *x, uint32_t i)
 }
 
 /* A value as it is stored and read again; a product may enter a sum before it is rounded. */
-static struct ref error_of_given(const struct bound *x, struct ref a)
+static struct ref error_of_given(const struct bound *x, struct ref given, struct ref made)
 {
-	uint32_t i = x->d->nodes[a.i].op == OP_NEG ? x->d->nodes[a.i].arg[0].i : a.i;
+	const struct node *n = &x->d->nodes[made.i];
 
-	return x->d->nodes[i].op == OP_MUL ? rounding(x, x->m->mul, i, bound_tiny(x->m)) : (struct ref){0};
+	n = n->op == OP_NEG ? &x->d->nodes[n->arg[0].i] : n;
+	return n->op == OP_MUL ? rounding(x, x->m->mul, given.i, bound_tiny(x->m)) : (struct ref){0};
 }
 
 static void mark_live(struct dag *d, uint32_t count, unsigned char *live, const unsigned char *is_given)
@@ -153,7 +155,7 @@ static void mark_live(struct dag *d, uint32_t count, unsigned char *live, const 
 }
 
 int bound_make(struct bound *x, struct dag *d, const struct eval_model *m, const struct ref *roots, int root_count,
-	const struct ref *given, int given_count)
+	const struct ref *given, const struct ref *made, int given_count)
 {
 	unsigned char *live = arena_alloc(d->arena, d->count, 2), *is_given = live + d->count;
 
@@ -167,11 +169,15 @@ int bound_make(struct bound *x, struct dag *d, const struct eval_model *m, const
 	for (int k = 0; k < given_count; k++)
 		is_given[given[k].i] = 1;
 	mark_live(d, x->count, live, is_given);
+	for (int k = 0; k < given_count && !d->failed; k++) {
+		x->error[given[k].i] = error_of_given(x, given[k], made[k]);
+		x->way[given[k].i] = 8;
+	}
 	for (uint32_t i = 0; i < x->count && !d->failed; i++) {
-		if (!live[i])
+		if (!live[i] || is_given[i])
 			continue;
-		x->error[i] = is_given[i] ? error_of_given(x, (struct ref){i}) : error_of(x, i);
-		x->way[i] = is_given[i] ? 8 : way_of(x, i);
+		x->error[i] = error_of(x, i);
+		x->way[i] = way_of(x, i);
 	}
 	return !d->failed;
 }

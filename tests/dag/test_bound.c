@@ -117,7 +117,7 @@ static void open_rule(struct dag *d, struct arena *a, const struct rule *rule)
 	for (int i = 0; i < INPUTS; i++)
 		x[i] = dag_input(d, in, i);
 	value = rule->make(d, x);
-	ck_assert(bound_make(&b, d, &FLOATS, &value, 1, NULL, 0));
+	ck_assert(bound_make(&b, d, &FLOATS, &value, 1, NULL, NULL, 0));
 	dag_output(d, out, 0, value);
 	dag_output(d, out, 1, dag_mul(d, dag_const(d, bound_factor(&FLOATS, b.way[value.i])), b.error[value.i]));
 	ck_assert(!d->failed);
