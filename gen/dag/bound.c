@@ -106,6 +106,7 @@ static struct ref error_of(const struct bound *x, uint32_t i)
 		return of_constant(x, &n);
 	case OP_NEG:
 	case OP_ABS:
+	case OP_ANEW:
 		return e[0];
 	case OP_ADD:
 	case OP_SUB:
@@ -130,7 +131,7 @@ static uint32_t way_of(const struct bound *x, uint32_t i)
 	const struct node *n = &x->d->nodes[i];
 	uint32_t a = op_arity[n->op] > 0 ? x->way[n->arg[0].i] : 0, b = op_arity[n->op] > 1 ? x->way[n->arg[1].i] : 0;
 
-	if (op_arity[n->op] == 0 || n->op == OP_NEG || n->op == OP_ABS)
+	if (op_arity[n->op] == 0 || n->op == OP_NEG || n->op == OP_ABS || n->op == OP_ANEW)
 		return a;
 	if (n->op == OP_MUL || n->op == OP_DIV)
 		return a + b + 12;

@@ -83,7 +83,7 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 	if (takes_mass(b))
 		recursion_begin(&x->mass, &x->tour, nowhere);
 	x->mass.is_mass_alone = 1;
-	if (!x->qdd || d->failed) {
+	if (!x->qdd || d->failed || !pattern_coupled(&x->coupled, b->t, 0, b->k->dense, d->arena)) {
 		d->failed = 1;
 		return;
 	}
@@ -99,6 +99,22 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 	if (request_wants(b->k, WANT_QDD_BOUND))
 		forward_part(d, x->qdd, nv);
 	tag_rows(x, "qdd", x->qdd);
+}
+
+void forward_pivots(const struct forward *x)
+{
+	struct dag *d = x->b->d;
+	int nv = x->b->t->nv, argument;
+
+	if (d->failed)
+		return;
+	argument = dag_argument(d, "pivots", 2 * nv, 1);
+	for (int i = 0; i < nv; i++) {
+		int row = x->M.row[i];
+
+		dag_output(d, argument, row, x->M.D[i]);
+		dag_output(d, argument, nv + row, x->mass.by[BY_QDD].element[row * nv + row]);
+	}
 }
 
 void forward_solve(const struct forward *x, struct ref *rhs)
@@ -123,6 +139,8 @@ void forward_inverse(const struct forward *x, struct ref *X)
 	for (int j = 0; j < nv; j++) {
 		X[j * nv + j] = dag_const(d, 1);
 		articulated_solve(&x->bodies, X + j * nv); /* a row is a column */
+		for (int i = 0; i < j; i++)
+			X[j * nv + i] = X[i * nv + j];
 	}
 }
 
@@ -138,19 +156,15 @@ void forward_column(const struct forward *x, struct ref *column, int j, int argu
 {
 	struct dag *d = x->b->d;
 	int nv = x->b->t->nv;
-	struct pattern p;
+	const struct pattern *p = &x->coupled;
 
 	dag_section(d, SECTION_BY, body_of_row(x->b->t, j));
 	for (int i = 0; i < nv; i++)
 		column[i] = dag_neg(d, column[i]);
 	forward_solve(x, column);
-	if (!pattern_coupled(&p, x->b->t, 0, x->b->k->dense, d->arena)) {
-		d->failed = 1;
-		return;
-	}
 	for (int i = 0; i < nv; i++)
-		if (p.row[i * nv + j] >= 0)
-			dag_output(d, argument, p.row[i * nv + j], column[i]);
+		if (p->row[i * nv + j] >= 0)
+			dag_output(d, argument, p->row[i * nv + j], column[i]);
 }
 
 void forward_outputs(const struct forward *x, int qdd_out, int inverse_out)

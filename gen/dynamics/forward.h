@@ -4,6 +4,7 @@
 
 #include "dynamics/articulated.h"
 #include "dynamics/recursion.h"
+#include "tree/pattern.h"
 
 struct build;
 
@@ -14,6 +15,7 @@ struct forward {
 	struct recursion mass;
 	struct articulated bodies;
 	struct factor M;
+	struct pattern coupled; /* of the derivatives of qdd */
 	struct ref *qdd;        /* [nv] */
 	int singular;           /* the row of qd that moves no mass, -1 where all do */
 };
@@ -21,6 +23,9 @@ struct forward {
 /* Find qdd of x->torques. `in` says where q and qd are. d->failed is set when memory runs out, or a joint moves no mass:
    d->singular then says which. */
 void forward_find(struct forward *x, struct build *b, struct joint_inputs in);
+
+/* Of factors, as an output "pivots" by rows of qd: D, then M's diagonal. */
+void forward_pivots(const struct forward *x);
 
 /* Write qdd and M^-1 where these are wanted; -1: they are not. */
 void forward_outputs(const struct forward *x, int qdd_out, int inverse_out);

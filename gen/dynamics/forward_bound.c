@@ -13,11 +13,12 @@ struct forward_bound {
 	const struct eval_model *m;
 	int n;
 	struct ref *r, *M, *X; /* [n], [n][n], [n][n] */
+	struct ref *qdd;       /* [n]: where it is held */
 	struct bound of;       /* r and M */
 	uint32_t way;
 };
 
-/* m (c x) is (m c) x, which is not what the stored c x gives. */
+/* Where qdd = c x is put for what holds its place, m qdd would become (m c) x, which is not what the stored c x gives. */
 void forward_part(struct dag *d, struct ref *values, int count)
 {
 	for (int i = 0; i < count && !d->failed; i++) {
@@ -51,7 +52,7 @@ static void bound_all(struct forward_bound *y, const struct forward *x)
 {
 	int n = y->n;
 
-	if (y->d->failed || !bound_make(&y->of, y->d, y->m, y->r, n + n * n, x->qdd, x->qdd, n)) {
+	if (y->d->failed || !bound_make(&y->of, y->d, y->m, y->r, n + n * n, y->qdd, x->qdd, n)) {
 		y->d->failed = 1;
 		return;
 	}
@@ -199,13 +200,16 @@ void forward_bound(const struct forward *x, struct joint_inputs in, int argument
 
 	if (argument < 0 || d->failed)
 		return;
-	y.r = arena_alloc(d->arena, n + 2 * n * n, sizeof *y.r);
+	y.r = arena_alloc(d->arena, 2 * n + 2 * n * n, sizeof *y.r);
 	if (!y.r) {
 		d->failed = 1;
 		return;
 	}
 	y.M = y.r + n;
 	y.X = y.M + n * n;
+	y.qdd = y.X + n * n;
+	for (int i = 0; i < y.n; i++)
+		y.qdd[i] = source_row(d, &in.qdd, i);
 	residual(&y, x, in);
 	for (size_t i = 0; i < n * n && !d->failed; i++)
 		y.M[i] = x->mass.by[BY_QDD].element[i];

@@ -5,18 +5,17 @@
 #include "dag/svec.h"
 #include "request/request.h"
 
-/* Rows of an input: those that the scene gives (NULL: none), else those that were found (NULL: none), else the argument's;
-   -1: zero. */
+/* Rows of an input: those that the scene gives (NULL: none), else the argument's; -1: zero. */
 struct source {
 	int argument;
 	const struct row *given;
-	const struct ref *found;
 };
 
 /* Where q, qd and qdd come from; what is added to rows of q (NULL: nothing). */
 struct joint_inputs {
 	struct source q, qd, qdd;
 	const struct ref *offset;
+	int is_again; /* what is made of orientations is made again: see dag_anew */
 };
 
 struct ref source_row(struct dag *d, const struct source *s, int row);

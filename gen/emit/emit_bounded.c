@@ -1,4 +1,4 @@
-/* NAME_rnea_bounded: torques, or what else is wanted, and, by a running error analysis beside them, how far each may be from
+/* NAME_rnea_bounded, NAME_fd_bounded: torques, or what else is wanted, and, by a running error analysis beside them, how far each may be from
    what the URDF's decimals give. */
 #include "emit/unparse.h"
 #include "base/fold.h"

@@ -45,10 +45,12 @@ const struct sincos_frames SINCOS_F64 = {template_sincos_f64_core_in, template_s
 
 #define STRICT_CALLS                                                                                                   \
 	[OP_ADD] = "RNEA_ADD", [OP_SUB] = "RNEA_SUB", [OP_MUL] = "RNEA_MUL", [OP_FMA] = "RNEA_FMA", [OP_DIV] = "RNEA_DIV", \
-	[OP_SQRT] = "RNEA_SQRT"
+	[OP_SQRT] = "RNEA_SQRT", [OP_ANEW] = "RNEA_ANEW"
 
-static const char *const CALLS_F32[OP_COUNT] = {[OP_FMA] = "RNEA_FMA", [OP_SQRT] = "sqrtf", [OP_ABS] = "fabsf"},
-			 *const CALLS_F64[OP_COUNT] = {[OP_FMA] = "RNEA_FMA", [OP_SQRT] = "sqrt", [OP_ABS] = "fabs"},
+static const char *const CALLS_F32[OP_COUNT] = {[OP_FMA] = "RNEA_FMA", [OP_SQRT] = "sqrtf", [OP_ABS] = "fabsf",
+	[OP_ANEW] = "RNEA_ANEW"},
+			 *const CALLS_F64[OP_COUNT] = {[OP_FMA] = "RNEA_FMA", [OP_SQRT] = "sqrt", [OP_ABS] = "fabs",
+	[OP_ANEW] = "RNEA_ANEW"},
 			 *const STRICT_CALLS_F32[OP_COUNT] = {STRICT_CALLS, [OP_ABS] = "fabsf"},
 			 *const STRICT_CALLS_F64[OP_COUNT] = {STRICT_CALLS, [OP_ABS] = "fabs"};
 

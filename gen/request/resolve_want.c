@@ -32,10 +32,15 @@ static const struct want_word {
 };
 enum { WANT_COUNT = sizeof WANTS / sizeof *WANTS };
 
+int request_is_solved(enum want_kind kind)
+{
+	return kind >= WANT_MINV;
+}
+
 /* Of these qdd is found, and tau an input. */
 static int is_forward(enum want_kind kind)
 {
-	return kind == WANT_QDD || kind == WANT_QDD_BOUND || kind >= WANT_MINV;
+	return kind == WANT_QDD || kind == WANT_QDD_BOUND || request_is_solved(kind);
 }
 
 static enum rneagen_code want_link(const struct resolver *x, const struct scene_choice *c, struct want *w)
@@ -103,7 +108,7 @@ int request_pattern(struct pattern *p, const struct tree *t, enum want_kind kind
 {
 	int symmetric = kind == WANT_MASS || kind == WANT_MINV;
 
-	return kind >= WANT_MINV ? pattern_coupled(p, t, symmetric, dense, a) : pattern_make(p, t, symmetric, dense, a);
+	return request_is_solved(kind) ? pattern_coupled(p, t, symmetric, dense, a) : pattern_make(p, t, symmetric, dense, a);
 }
 
 int request_is_matrix(enum want_kind kind)
@@ -124,12 +129,13 @@ static enum rneagen_code add_want(const struct resolver *x, const struct scene_c
 /* What a product is of, tau or qdd, decides which way the dynamics goes: the other is an input. */
 enum rneagen_code request_product(const struct resolver *x, const struct scene_choice *c)
 {
-	static const struct kind_word of[] = {{"tau", 0}, {"qdd", 0}};
 	enum want_kind kind = c->key == SCENE_JVP ? WANT_JVP : WANT_VJP;
 	struct want w = {.kind = kind, .word = WANTS[kind].kind.word, .argument = WANTS[kind].argument};
-	int which = request_find_kind(x, c, of, sizeof of / sizeof *of);
+	int which = !strcmp(c->name, "qdd");
 
-	if (which < 0 || want_derivative(x, c, &w) || add_want(x, c, &w))
+	if (!which && strcmp(c->name, "tau"))
+		return scene_refuse(x->s, c, x->e, "there is the product of tau and that of qdd, none of '%.255s'", c->name);
+	if (want_derivative(x, c, &w) || add_want(x, c, &w))
 		return x->e->code;
 	x->k->is_forward |= which;
 	return RNEAGEN_OK;
