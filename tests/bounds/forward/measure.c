@@ -1,5 +1,5 @@
 /* How close the bounds of --want qdd_bound are, and how often there is none, as a table in Markdown:
-   build/tests/qdd_bound_measure FOLDER... >tests/bounds/qdd_bound.md, with folders of robots. */
+   build/tests/qdd_bound_measure FOLDER... >tests/bounds/forward/qdd_bound.md, with folders of robots. */
 #include "forward_eval.h"
 #include "plan/plan.h"
 #include "support/model.h"

@@ -1,5 +1,5 @@
 #include "forward_eval.h"
-#include "worst.h"
+#include "bounds/worst.h"
 #include "dag/eval.h"
 #include "emit/emit.h"
 #include <check.h>
