@@ -157,12 +157,12 @@ static void mark_live(struct dag *d, uint32_t count, unsigned char *live, const 
 int bound_make(struct bound *x, struct dag *d, const struct eval_model *m, const struct ref *roots, int root_count,
 	const struct ref *given, const struct ref *made, int given_count)
 {
-	unsigned char *live = arena_alloc(d->arena, d->count, 2), *is_given = live + d->count;
+	unsigned char *live = arena_alloc(d->arena, d->count, 1), *is_given = arena_alloc(d->arena, d->count, 1);
 
 	*x = (struct bound){.d = d, .m = m, .count = (uint32_t)d->count};
 	x->error = arena_alloc(d->arena, d->count, sizeof *x->error);
 	x->way = arena_alloc(d->arena, d->count, sizeof *x->way);
-	if (!live || !x->error || !x->way)
+	if (!live || !is_given || !x->error || !x->way)
 		return 0;
 	for (int k = 0; k < root_count; k++)
 		live[roots[k].i] = 1;

@@ -105,10 +105,10 @@ static void apply_error(const struct forward_bound *x, const struct ref *y, stru
 {
 	struct dag *d = x->d;
 	int n = x->n;
-	struct ref *work = arena_alloc(d->arena, (size_t)(2 * n * n + n), sizeof *work), *P = work, *G = work + n * n, *z = G + n * n;
-	struct ref all = {0};
+	struct ref *P = arena_alloc(d->arena, (size_t)(n * n), sizeof *P), *G = arena_alloc(d->arena, (size_t)(n * n), sizeof *G);
+	struct ref *z = arena_alloc(d->arena, (size_t)n, sizeof *z), all = {0};
 
-	if (!work) {
+	if (!P || !G || !z) {
 		d->failed = 1;
 		return;
 	}
@@ -173,9 +173,10 @@ static void output_bound(const struct forward_bound *x, const struct ref *qdd, i
 	struct dag *d = x->d;
 	int n = x->n;
 	real factor = bound_factor(x->m, 2 * x->way + 12 * (uint32_t)n + 60);
-	struct ref *work = arena_alloc(d->arena, 3 * (size_t)n, sizeof *work), *g = work, *y = work + n, *Ey = y + n, by;
+	struct ref *g = arena_alloc(d->arena, (size_t)n, sizeof *g), *y = arena_alloc(d->arena, (size_t)n, sizeof *y), by;
+	struct ref *Ey = arena_alloc(d->arena, (size_t)n, sizeof *Ey);
 
-	if (!work || factor == 0) {
+	if (!g || !y || !Ey || factor == 0) {
 		d->failed = 1;
 		return;
 	}

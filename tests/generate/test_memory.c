@@ -120,13 +120,13 @@ START_TEST(every_request)
 }
 END_TEST
 
-/* What takes long in a whole generation: a joint that may be kept, terms that may be dropped, all of a task. */
+/* What takes long in a whole generation: a joint that may be kept, terms that may be dropped, all of a task, a bound. */
 START_TEST(every_request_of_a_scene)
 {
 	struct rneagen_options o = rneagen_options_default();
 	long requests;
 
-	o.scene = _i < 2 ? "lock jd=0.5\nround-constants 5\ndrop-below 1e-3" : everything;
+	o.scene = _i < 2 ? "lock jd=0.5\nround-constants 5\ndrop-below 1e-3" : _i < 4 ? everything : "want qdd_bound";
 	requests = refuse_each(&o, _i % 2, analyse);
 	printf("%s of %ld requests refused\n", exhaustive() ? "each" : "one in seven", requests);
 	ck_assert_int_gt(requests, 100);
@@ -141,7 +141,7 @@ int main(void)
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 300);
 	tcase_add_loop_test(c, every_request, 0, DUMPS + RNEAGEN_DUMP_PASSES);
-	tcase_add_loop_test(c, every_request_of_a_scene, 0, 4);
+	tcase_add_loop_test(c, every_request_of_a_scene, 0, 6);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);
 }
