@@ -121,10 +121,15 @@ struct ref dag_sub(struct dag *d, struct ref a, struct ref b);
 struct ref dag_mul(struct dag *d, struct ref a, struct ref b);
 struct ref dag_div(struct dag *d, struct ref a, struct ref b);
 struct ref dag_sqrt(struct dag *d, struct ref a);
+/* The same value, which counts as another one: what is made of it is made again, where keeping it would cost more. */
+struct ref dag_anew(struct dag *d, struct ref a);
 struct ref dag_sin(struct dag *d, struct ref a);
 struct ref dag_cos(struct dag *d, struct ref a);
 /* a*b + c, rounded once where the target can */
 struct ref dag_fma(struct dag *d, struct ref a, struct ref b, struct ref c);
+
+/* Any of these, by its name. */
+struct ref dag_operation(struct dag *d, enum op op, struct ref a, struct ref b, struct ref c);
 
 /* Name a value unless it has a name already or is a constant. */
 void dag_tag(struct dag *d, struct ref a, const char *quantity, int body, char component);

@@ -30,32 +30,6 @@ static void mark(struct substitution *s)
 	}
 }
 
-static struct ref operation(struct dag *out, enum op op, struct ref a, struct ref b, struct ref c)
-{
-	switch (op) {
-	case OP_NEG:
-		return dag_neg(out, a);
-	case OP_ADD:
-		return dag_add(out, a, b);
-	case OP_SUB:
-		return dag_sub(out, a, b);
-	case OP_MUL:
-		return dag_mul(out, a, b);
-	case OP_FMA:
-		return dag_fma(out, a, b, c);
-	case OP_DIV:
-		return dag_div(out, a, b);
-	case OP_SQRT:
-		return dag_sqrt(out, a);
-	case OP_SIN:
-		return dag_sin(out, a);
-	case OP_COS:
-		return dag_cos(out, a);
-	default:
-		return (struct ref){0};
-	}
-}
-
 static struct ref again(void *context, struct dag *out, size_t i)
 {
 	const struct substitution *s = context;
@@ -72,7 +46,7 @@ static struct ref again(void *context, struct dag *out, size_t i)
 		return dag_input(out, (int)n->arg[0].i, (int)n->arg[1].i);
 	for (int k = 0; k < op_arity[n->op]; k++)
 		args[k] = s->map[n->arg[k].i];
-	return operation(out, n->op, args[0], args[1], args[2]);
+	return dag_operation(out, n->op, args[0], args[1], args[2]);
 }
 
 void dag_substitute(struct dag *d, const struct ref *by)

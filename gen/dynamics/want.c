@@ -2,6 +2,7 @@
    needs, so each quantity is simply computed where its operands are at hand. */
 #include "dynamics/want.h"
 #include <string.h>
+#include <stdlib.h>
 
 /* ---- inputs ---- */
 
@@ -291,6 +292,13 @@ static void declare_request(const struct build *b)
 		b->outputs[i] = dag_argument_of(b->d, output(b->k, &b->k->wants[i]));
 }
 
+/* Derivatives of qdd take a tour of their own at the qdd found. What both tours have in common waits from one to the other, where
+   it is not made again. */
+static int is_made_again(const struct build *b)
+{
+	return b->forward && (request_wants(b->k, WANT_DQDD_DQ) || request_wants(b->k, WANT_DQDD_DQD)) && getenv("AGAIN");
+}
+
 /* Where tau is an input, qdd is what it makes: held while torques are differentiated, until all is made. */
 static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x)
 {
@@ -327,6 +335,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	}
 	if (k->is_forward)
 		find_qdd(&b, &in, &forward);
+	in.is_again = is_made_again(&b);
 	if (is_gravity_alone(&b))
 		run_gravity(&b, in, output_of(&b, WANT_TAU), -1);
 	else

@@ -14,10 +14,24 @@ static const char *expanded(const struct emission *e, const char *tmpl, const ch
 	return text_string(&t);
 }
 
+static const char *with_anew(const struct emission *e, const char *arithmetic)
+{
+	const struct scalar *s = e->arithmetic;
+	const struct slot slots[] = {{"T", s->type}, {"F", s->suffix}, {"UPPER", s->upper}, {"CONSTRAINT", s->letter}};
+	struct text t;
+
+	if (!emit_uses(e, OP_ANEW) || e->numbers->calls[OP_MUL])
+		return arithmetic;
+	text_init(&t, e->arena);
+	text_put(&t, arithmetic);
+	template_expand(&t, template_anew_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
 const char *emit_arithmetic(const struct emission *e, const struct target_type *target)
 {
 	if (!e->options->strict)
-		return expanded(e, target->arithmetic, "", "");
-	return expanded(e, target->strict_arithmetic, expanded(e, template_arithmetic_strict_cuda_in, "", ""),
-		expanded(e, template_arithmetic_strict_c_in, "", ""));
+		return with_anew(e, expanded(e, target->arithmetic, "", ""));
+	return with_anew(e, expanded(e, target->strict_arithmetic, expanded(e, template_arithmetic_strict_cuda_in, "", ""),
+		expanded(e, template_arithmetic_strict_c_in, "", "")));
 }
