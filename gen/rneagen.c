@@ -42,6 +42,7 @@ static enum rneagen_code options_resolve(struct generation *g)
 	struct rneagen_error *e = g->analysis.error;
 
 	o->precision = emit_precision_of(o);
+	g->analysis.model = eval_model_of(o, 0);
 	if (o->strict && o->trig == RNEAGEN_FAST)
 		return error_set(e, RNEAGEN_USAGE,
 			"--strict and --trig fast exclude each other: the sine of a GPU's own unit has other bits; take bounded");
@@ -59,15 +60,6 @@ static enum rneagen_code options_resolve(struct generation *g)
 		return error_set(e, RNEAGEN_NAME,
 			"--name '%.255s' is no C identifier: letters, digits and underscores, no digit first, no keyword", o->name);
 	return o->name ? RNEAGEN_OK : error_memory(e);
-}
-
-/* What the choices make of each other. */
-static enum rneagen_code options_check(struct generation *g)
-{
-	if (g->analysis.options.bounded && g->analysis.request.friction_width.x > 0)
-		return error_set(g->analysis.error, RNEAGEN_USAGE,
-			"--bounded and --friction exclude each other: quotients have no bounded function");
-	return RNEAGEN_OK;
 }
 
 /* The halves of the algorithm go with the whole of it, not with a scene's choice of inputs and outputs. */
@@ -289,7 +281,6 @@ static const struct stage PASSES[] = {
 	{"robot_snap", "the robot, angles snapped", FIRST_HALF(robot_snap), SILENT},
 	{"tree_build", "bodies that move, every constant placed", FIRST_HALF(tree_build), DUMPED(tree, TREE)},
 	{"request_resolve", "inputs and outputs", FIRST_HALF(request_resolve), DUMPED(request, REQUEST)},
-	{"options_check", "options that go with the request", SECOND_HALF(options_check), SILENT},
 	{"dag_build", "expressions of the outputs", SECOND_HALF(dag_build_all), SILENT},
 	{"dag_prune", "the same, without terms that no output feels", FIRST_HALF(dag_prune), SILENT},
 	{"dag_fuse", "the same, products joined to sums", SECOND_HALF(dag_fuse_all), DUMPED(dag, DAG)},
