@@ -2,7 +2,6 @@
    needs, so each quantity is simply computed where its operands are at hand. */
 #include "dynamics/want.h"
 #include <string.h>
-#include <stdlib.h>
 
 /* ---- inputs ---- */
 
@@ -296,7 +295,7 @@ static void declare_request(const struct build *b)
    it is not made again. */
 static int is_made_again(const struct build *b)
 {
-	return b->forward && (request_wants(b->k, WANT_DQDD_DQ) || request_wants(b->k, WANT_DQDD_DQD)) && getenv("AGAIN");
+	return b->forward && (request_wants(b->k, WANT_DQDD_DQ) || request_wants(b->k, WANT_DQDD_DQD));
 }
 
 /* Where tau is an input, qdd is what it makes: held while torques are differentiated, until all is made. */
