@@ -64,6 +64,15 @@ static enum rneagen_code options_resolve(struct generation *g)
 /* What the choices make of each other. */
 static enum rneagen_code options_check(struct generation *g)
 {
+	const struct request *k = &g->analysis.request;
+
+	if (g->analysis.options.strict && k->refine_steps && k->refine == REFINE_F32X2)
+		return error_set(g->analysis.error, RNEAGEN_USAGE,
+			"--strict and --refine %d:f32x2 exclude each other: products of pairs of floats have other bits where no fused multiply-add "
+			"is; take %d:f64", k->refine_steps, k->refine_steps);
+	if (g->analysis.options.bounded && k->refine_steps)
+		return error_set(g->analysis.error, RNEAGEN_USAGE,
+			"--bounded and --refine exclude each other: a bound beside the statements does not see what refinement takes off");
 	if (g->analysis.options.bounded && g->analysis.request.friction_width.x > 0)
 		return error_set(g->analysis.error, RNEAGEN_USAGE,
 			"--bounded and --friction exclude each other: quotients have no bounded function");

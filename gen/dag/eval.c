@@ -87,6 +87,12 @@ static int ends_sweep(const struct node *n)
 	return n->op == OP_DIV || n->op == OP_SQRT;
 }
 
+/* Of the type that a node is of. */
+static const struct eval_model *model_of(const struct node *n, const struct eval_model *m)
+{
+	return n->is_wide && m->wide ? m->wide : m;
+}
+
 /* Magnitudes and error of a node from those of its operands x, y, z, whose values are a, b, c:
    |fl(a+b) - (a'+b')| <= e_a + e_b + u |a+b|,  |fl(ab) - a'b'| <= |a| e_b + |b| e_a + e_a e_b + u |ab| + tiny,
    with a second rounding where a product joined to a sum is rounded twice. */
@@ -103,7 +109,11 @@ static struct spread spread_of(const struct survey *v, size_t i, double given_er
 	case OP_INPUT:
 		return (struct spread){fabs(value), given_error, given_error, 1};
 	case OP_NEG:
+	case OP_WIDEN:
 		return (struct spread){x->size, x->bound, 0, x->swept};
+	case OP_NARROW:
+		local = m->wide ? rounding(m->add, m->tiny, value, x->bound) : 0;
+		return (struct spread){x->size, x->bound + local, local, 0};
 	case OP_ADD:
 	case OP_SUB:
 		local = of_terms(m, a, b, sum);
@@ -159,6 +169,10 @@ void eval_partials(const struct node *n, const double *v, double *out)
 	case OP_COS:
 		out[0] = -sin(a);
 		break;
+	case OP_WIDEN:
+	case OP_NARROW:
+		out[0] = 1;
+		break;
 	default:
 		out[0] = n->op == OP_NEG ? -1 : 1;
 		out[1] = n->op == OP_SUB ? -1 : 1;
@@ -201,7 +215,7 @@ static void survey_node(const struct survey *x, size_t i, double given_error, co
 {
 	const struct node *n = &x->d->nodes[i];
 	size_t a = operand(n, 0), b = operand(n, op_arity[n->op] > 1);
-	int multiplies = n->op != OP_INPUT && n->op != OP_CONST && n->op != OP_NEG && n->op != OP_ADD && n->op != OP_SUB;
+	int multiplies = op_arity[n->op] && n->op != OP_NEG && n->op != OP_ADD && n->op != OP_SUB && n->op != OP_WIDEN && n->op != OP_NARROW;
 	double value = x->values[i];
 
 	if (multiplies && x->spread[a].bound * x->spread[b].bound > m->mul * fabs(value) + m->tiny) {
@@ -259,19 +273,10 @@ static double constant_error(const struct dag *d, const struct node *n, real rou
 	return (double)fabsl(rounded - n->value) * (1 + DBL_EPSILON) + error + 2 * tiny;
 }
 
-#define T float
-#define EVAL(name) name##_f32
-#define UNIT 0x1p-24
-#define TINY 0x1p-150
-#define LARGEST (double)FLT_MAX
-#define T_FMA fmaf
-#define T_SIN sinf
-#define T_COS cosf
-#define T_SQRT sqrtf
-#include "dag/eval.inc"
-
 #define T double
 #define EVAL(name) name##_f64
+#define T_WIDE double
+#define EVAL_WIDE EVAL
 #define UNIT 0x1p-53
 #define TINY 0x1p-1072
 #define LARGEST DBL_MAX
@@ -281,8 +286,23 @@ static double constant_error(const struct dag *d, const struct node *n, real rou
 #define T_SQRT sqrt
 #include "dag/eval.inc"
 
+#define T float
+#define EVAL(name) name##_f32
+#define T_WIDE double
+#define EVAL_WIDE(name) name##_f64
+#define UNIT 0x1p-24
+#define TINY 0x1p-150
+#define LARGEST (double)FLT_MAX
+#define T_FMA fmaf
+#define T_SIN sinf
+#define T_COS cosf
+#define T_SQRT sqrtf
+#include "dag/eval.inc"
+
 #define T real
 #define EVAL(name) name##_real
+#define T_WIDE real
+#define EVAL_WIDE EVAL
 #define UNIT 0x1p-64
 #define TINY 0x1p-1072
 #define LARGEST DBL_MAX
@@ -294,14 +314,14 @@ static double constant_error(const struct dag *d, const struct node *n, real rou
 
 /* The text's operations, and those in extended precision that stand for the exact ones: what the two may differ by adds
    up, since the analysis is linear in the errors of operations but for products of them, which only gain. */
-static struct eval_model widened(const struct eval_model *m)
+static struct eval_model with_own(const struct eval_model *m)
 {
-	struct eval_model wide = *m;
+	struct eval_model both = *m;
 
-	wide.add += (double)LDBL_EPSILON;
-	wide.mul += (double)LDBL_EPSILON;
-	wide.sincos += 2 * (double)LDBL_EPSILON;
-	return wide;
+	both.add += (double)LDBL_EPSILON;
+	both.mul += (double)LDBL_EPSILON;
+	both.sincos += 2 * (double)LDBL_EPSILON;
+	return both;
 }
 
 /* Rounding on the way to memory; nothing is known of what is too large for it. */
@@ -348,15 +368,18 @@ static double given_error(const struct dag *d, const struct node *n, double valu
 
 int eval_bound(const struct dag *d, const struct eval_model *m, const double *const *in, double *const *bound)
 {
-	struct eval_model wide = widened(m);
+	struct eval_model both = with_own(m), wide = with_own(m->wide ? m->wide : m);
 	struct survey x = survey_new(d);
 	real *v = malloc(d->count * sizeof *v);
 	int done = v && survey_is_made(&x);
 
+	both.wide = m->wide ? &wide : NULL;
 	for (size_t i = 0; done && i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+
 		evaluate_node(d, i, in, v);
 		x.values[i] = (double)v[i];
-		survey_node(&x, i, given_error(d, &d->nodes[i], x.values[i], m), &wide);
+		survey_node(&x, i, given_error(d, n, x.values[i], model_of(n, m)), model_of(n, &both));
 	}
 	if (done)
 		put_bounds(&x, m, bound);
@@ -368,6 +391,8 @@ int eval_bound(const struct dag *d, const struct eval_model *m, const double *co
 #if defined __SIZEOF_FLOAT128__ && defined RNEAGEN_QUAD
 #define T __float128
 #define EVAL(name) name##_quad
+#define T_WIDE __float128
+#define EVAL_WIDE EVAL
 #define UNIT 0x1p-113
 #define TINY 0x1p-1072
 #define LARGEST DBL_MAX

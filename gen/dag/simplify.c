@@ -47,7 +47,41 @@ static struct ref negated(struct dag *d, struct ref a)
 
 struct ref dag_input(struct dag *d, int argument, int row)
 {
-	return dag_node(d, OP_INPUT, (struct ref){(uint32_t)argument}, (struct ref){(uint32_t)row}, NONE, 0);
+	struct ref x = dag_node(d, OP_INPUT, (struct ref){(uint32_t)argument}, (struct ref){(uint32_t)row}, NONE, 0);
+
+	return d->is_wide ? dag_widen(d, x) : x;
+}
+
+/* The same constant in another type. */
+static struct ref converted(struct dag *d, struct ref a, int is_wide)
+{
+	int before = d->is_wide;
+	struct ref x;
+
+	d->is_wide = is_wide;
+	x = dag_within(d, number(d, a));
+	d->is_wide = before;
+	return x;
+}
+
+struct ref dag_widen(struct dag *d, struct ref a)
+{
+	if (d->failed || at(d, a).is_wide)
+		return a;
+	if (is_const(d, a))
+		return converted(d, a, 1);
+	return is_neg(d, a) ? dag_neg(d, dag_widen(d, at(d, a).arg[0])) : dag_node(d, OP_WIDEN, a, NONE, NONE, 0);
+}
+
+struct ref dag_narrow(struct dag *d, struct ref a)
+{
+	if (d->failed || !at(d, a).is_wide)
+		return a;
+	if (is_const(d, a))
+		return converted(d, a, 0);
+	if (is_neg(d, a))
+		return dag_neg(d, dag_narrow(d, at(d, a).arg[0]));
+	return at(d, a).op == OP_WIDEN ? at(d, a).arg[0] : dag_node(d, OP_NARROW, a, NONE, NONE, 0);
 }
 
 struct ref dag_neg(struct dag *d, struct ref a)

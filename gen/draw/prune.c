@@ -39,6 +39,10 @@ static struct ref copy(void *context, struct dag *out, size_t i)
 		return dag_sin(out, arg[0]);
 	case OP_COS:
 		return dag_cos(out, arg[0]);
+	case OP_WIDEN:
+		return dag_widen(out, arg[0]);
+	case OP_NARROW:
+		return dag_narrow(out, arg[0]);
 	default:
 		return dag_fma(out, arg[0], arg[1], arg[2]);
 	}

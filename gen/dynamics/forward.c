@@ -91,6 +91,10 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 		x->qdd[i] = dag_sub(d, source_row(d, &x->torques, i), x->tour.tau[i]);
 	forward_solve(x, x->qdd);
 	tag_rows(x, "qdd", x->qdd);
+	for (int step = 0; step < b->k->refine_steps && !d->failed; step++) {
+		refine_step(x, in);
+		tag_rows(x, "qdd", x->qdd);
+	}
 }
 
 void forward_solve(const struct forward *x, struct ref *rhs)

@@ -56,11 +56,19 @@ static int put_product_by_float(const struct unparser *u, const struct node *n, 
 
 static void put_functions(const struct emission *e, struct text *out)
 {
+	int is_wide = e->numbers->put_functions != put_functions;
+
 	text_put(out, template_f32x2_in);
-	if (emit_uses(e, OP_DIV) || emit_uses(e, OP_SQRT))
+	if (emit_uses_in(e, OP_DIV, is_wide) || emit_uses_in(e, OP_SQRT, is_wide))
 		text_put(out, template_f32x2_quotient_in);
 	text_putc(out, '\n');
 }
+
+/* Beside floats: a float is a pair, and the first of a pair is the pair rounded to a float. */
+const struct number_type WIDE_F32X2 = {.memory = &SCALAR_F64, .arithmetic = &SCALAR_F32X2, .value = "struct rneagen_f32x2",
+	.calls = CALLS, .sincos = "rneagen_sincos_f32x2_", .angle = {"rneagen_join(", ")"}, .angle_is_memory = 1,
+	.widen = {"rneagen_pair(", ", 0.0f)"}, .narrow = {"", ".hi"}, .put_constant = put_constant,
+	.put_cheaper = put_product_by_float, .put_functions = put_functions, .frames = &SINCOS_F32X2};
 
 /* Sine and cosine of a large angle need all of its bits: they take a double. The bounds of the model are those that
    templates/f32x2.in and sincos_f32x2_core.in state; tests/test_f32x2 holds them against MPFR. Factors are split into

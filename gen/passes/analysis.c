@@ -39,7 +39,9 @@ enum rneagen_code pass_tree_build(struct analysis *a)
 
 enum rneagen_code pass_request_resolve(struct analysis *a)
 {
-	return request_resolve(&a->request, &a->tree, &a->scene, &a->snapped, a->arena, a->error);
+	if (request_resolve(&a->request, &a->tree, &a->scene, &a->snapped, a->arena, a->error))
+		return a->error->code;
+	return request_refine(&a->request, &a->scene, a->options.precision, a->error);
 }
 
 static enum rneagen_code refuse_singular(const struct analysis *a, int row)

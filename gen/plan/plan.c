@@ -146,6 +146,10 @@ static const char *name_value(struct planner *b, size_t i, unsigned *temporaries
 
 	if (n->op == OP_INPUT)
 		name_input(b, n, first, sizeof first);
+	else if (n->op == OP_WIDEN && b->p->names[n->arg[0].i])
+		snprintf(first, sizeof first, "%.55s_wide", b->p->names[n->arg[0].i]);
+	else if (n->is_wide && n->tag.quantity[0])
+		snprintf(first, sizeof first, "%s%d%.1s_wide", n->tag.quantity, n->tag.body, &n->tag.component);
 	else if (n->tag.quantity[0])
 		snprintf(first, sizeof first, "%s%d%.1s", n->tag.quantity, n->tag.body, &n->tag.component);
 	else
