@@ -25,8 +25,9 @@ int factor_make(struct factor *f, struct dag *d, int n, const int *order, const 
 
 	*singular = -1;
 	*f = (struct factor){.d = d, .n = n, .row = arena_alloc(d->arena, rows, sizeof *f->row),
-		.L = arena_alloc(d->arena, rows * rows, sizeof *f->L), .inverse = arena_alloc(d->arena, rows, sizeof *f->inverse)};
-	if (!f->row || !f->L || !f->inverse)
+		.L = arena_alloc(d->arena, rows * rows, sizeof *f->L), .D = arena_alloc(d->arena, rows, sizeof *f->D),
+		.inverse = arena_alloc(d->arena, rows, sizeof *f->inverse)};
+	if (!f->row || !f->L || !f->D || !f->inverse)
 		return 0;
 	for (int i = 0; i < n; i++)
 		f->row[i] = order ? order[i] : i;
@@ -34,11 +35,12 @@ int factor_make(struct factor *f, struct dag *d, int n, const int *order, const 
 		for (int j = 0; j <= i; j++)
 			f->L[i * f->n + j] = M[f->row[i] * f->n + f->row[j]];
 	for (int k = f->n - 1; k >= 0; k--) {
-		if (!f->L[k * f->n + k].i) {
+		f->D[k] = f->L[k * f->n + k];
+		if (!f->D[k].i) {
 			*singular = f->row[k];
 			return 0;
 		}
-		f->inverse[k] = dag_div(d, dag_const(d, 1), f->L[k * f->n + k]);
+		f->inverse[k] = dag_div(d, dag_const(d, 1), f->D[k]);
 		eliminate(f, k);
 	}
 	return 1;

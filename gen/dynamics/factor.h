@@ -8,9 +8,9 @@
 struct factor {
 	struct dag *d;
 	int n;
-	int *row;             /* [n]: by place in the order */
-	struct ref *L;        /* [n][n], below the diagonal, which is 1 */
-	struct ref *inverse;  /* [n]: 1/D */
+	int *row;                /* [n]: by place in the order */
+	struct ref *L;           /* [n][n], below the diagonal, which is 1 */
+	struct ref *D, *inverse; /* [n]: and 1/D */
 };
 
 /* From all elements of M, [n][n]; `order`: its rows, one after the other, NULL: as they come. Returns 0 when memory runs out,

@@ -97,6 +97,22 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 	}
 }
 
+void forward_pivots(const struct forward *x)
+{
+	struct dag *d = x->b->d;
+	int nv = x->b->t->nv, argument;
+
+	if (d->failed)
+		return;
+	argument = dag_argument(d, "pivots", 2 * nv, 1);
+	for (int i = 0; i < nv; i++) {
+		int row = x->M.row[i];
+
+		dag_output(d, argument, row, x->M.D[i]);
+		dag_output(d, argument, nv + row, x->mass.by[BY_QDD].element[row * nv + row]);
+	}
+}
+
 void forward_solve(const struct forward *x, struct ref *rhs)
 {
 	if (x->b->d->failed)

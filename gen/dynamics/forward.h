@@ -25,6 +25,9 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in);
 /* qdd + M^-1 (tau - ID(q, qd, qdd)) in place of x->qdd; `in` as for forward_find. */
 void refine_step(struct forward *x, struct joint_inputs in);
 
+/* Of factors, as an output "pivots" by rows of qd: D, then M's diagonal. */
+void forward_pivots(const struct forward *x);
+
 /* Write qdd and M^-1 where these are wanted; -1: they are not. */
 void forward_outputs(const struct forward *x, int qdd_out, int inverse_out);
 

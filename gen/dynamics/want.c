@@ -275,12 +275,6 @@ static void declare_request(const struct build *b)
 		b->outputs[i] = dag_argument_of(b->d, output(b->k, &b->k->wants[i]));
 }
 
-/* Ways to make the same outputs. */
-struct ways {
-	enum derivatives derivatives;
-	enum dynamics dynamics;
-};
-
 /* Where tau is an input, qdd is what it makes. */
 static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x)
 {
@@ -289,7 +283,7 @@ static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x
 	in->qdd = (struct source){.argument = -1, .found = x->qdd};
 }
 
-static void build(struct dag *d, const struct tree *t, const struct request *k, struct ways ways)
+void want_build_in(struct dag *d, const struct tree *t, const struct request *k, struct ways ways)
 {
 	struct build b = {.d = d, .t = t, .k = k, .derivatives = ways.derivatives, .dynamics = ways.dynamics};
 	struct joint_inputs in;
@@ -308,6 +302,11 @@ static void build(struct dag *d, const struct tree *t, const struct request *k, 
 		in.qdd = source(d, INPUT_QDD, k->qdd, t->nv);
 	want_constants(&b);
 	declare_request(&b);
+	if (ways.pivots_alone) {
+		forward_find(&forward, &b, in);
+		forward_pivots(&forward);
+		return;
+	}
 	if (k->is_forward)
 		find_qdd(&b, &in, &forward);
 	if (is_gravity_alone(&b))
@@ -316,92 +315,4 @@ static void build(struct dag *d, const struct tree *t, const struct request *k, 
 		run_main(&b, in);
 	run_bias(&b, in);
 	run_gravity(&b, in, output_of(&b, WANT_GRAVITY), output_of(&b, WANT_POTENTIAL));
-}
-
-/* What is alive: operations other than signs, and which of q, qd and qdd are read. */
-struct use {
-	size_t operations;
-	int is_read[3];
-};
-
-static struct use use_of(struct dag *d)
-{
-	uint32_t *uses = d->failed ? NULL : arena_alloc(d->arena, d->count, sizeof *uses);
-	struct use x = {0};
-
-	if (!uses) {
-		d->failed = 1;
-		return x;
-	}
-	dag_uses(d, uses);
-	for (size_t i = 0; i < d->count; i++) {
-		const struct node *n = &d->nodes[i];
-
-		for (int k = 0; k < 3 && uses[i] && n->op == OP_INPUT; k++)
-			x.is_read[k] |= d->arguments[n->arg[0].i].role == INPUTS[k].role;
-		x.operations += uses[i] && op_arity[n->op] > 0 && n->op != OP_NEG;
-	}
-	arena_release(d->arena, uses);
-	return x;
-}
-
-/* A trial of forward mode may make half as many nodes as the recursion, and these: all that it needs where it has ever taken
-   less, on short branches whose recursion makes some 20000; on chains it takes up to three times as much. */
-enum { MORE_NODES = 1 << 16 };
-
-/* Other ways instead, if these take less; `most` nodes, 0: as many as it takes. */
-static int take_cheaper(struct dag *d, const struct tree *t, const struct request *k, struct ways other, size_t most)
-{
-	int is_taken;
-	size_t operations = use_of(d).operations;
-	struct arena spare;
-	struct dag trial;
-
-	arena_init(&spare, &d->arena->allocator);
-	dag_init(&trial, &spare);
-	dag_limit(&trial, most);
-	build(&trial, t, k, other);
-	is_taken = use_of(&trial).operations < operations && !trial.failed;
-	if (is_taken) {
-		struct arena *a = d->arena;
-
-		dag_free(d);
-		d->arena = a;
-		dag_take(d, &trial);
-	}
-	d->failed |= spare.failed;
-	d->arena->failed |= spare.failed;
-	arena_free(&spare);
-	return is_taken;
-}
-
-static void build_cheapest(struct dag *d, const struct tree *t, const struct request *k)
-{
-	int has_derivatives = request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DTAU_DQD) || request_wants(k, WANT_DQDD_DQ) ||
-		request_wants(k, WANT_DQDD_DQD);
-	struct ways now = {k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
-		k->dynamics == DYNAMICS_ARTICULATED ? DYNAMICS_ARTICULATED : DYNAMICS_FACTOR};
-
-	build(d, t, k, now);
-	if (has_derivatives && k->derivatives == DERIVATIVES_CHEAPER && !d->failed)
-		if (take_cheaper(d, t, k, (struct ways){DERIVATIVES_FORWARD, now.dynamics}, d->count / 2 + MORE_NODES))
-			now.derivatives = DERIVATIVES_FORWARD;
-	if (k->is_forward && k->dynamics == DYNAMICS_CHEAPER && articulated_serves(t) && !d->failed)
-		take_cheaper(d, t, k, (struct ways){now.derivatives, DYNAMICS_ARTICULATED}, 0);
-}
-
-/* Where nothing of q, qd or qdd is read, there is no such input: torques are differentiated by it all the same, so that is known
-   when all is made. Forward dynamics always takes q, qd and tau. */
-void want_build(struct dag *d, const struct tree *t, const struct request *k)
-{
-	struct use x;
-
-	build_cheapest(d, t, k);
-	x = use_of(d);
-	for (int i = 0; i < INPUT_TAU && !k->is_forward && !d->failed; i++) {
-		int argument = dag_find_role(d, INPUTS[i].role, 0);
-
-		if (argument >= 0 && !x.is_read[i])
-			dag_strike(d, argument);
-	}
 }

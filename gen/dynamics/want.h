@@ -21,6 +21,15 @@ struct build {
 	struct forward *forward; /* NULL: qdd is an input */
 };
 
+/* How it is made. */
+struct ways {
+	enum derivatives derivatives;
+	enum dynamics dynamics;
+	int pivots_alone; /* see forward_pivots */
+};
+
+void want_build_in(struct dag *d, const struct tree *t, const struct request *k, struct ways ways);
+
 /* A tour of the scene's robot, with what it frees and gravity as it has it. */
 struct tour want_tour(struct build *b, struct joint_inputs in);
 

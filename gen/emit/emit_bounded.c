@@ -1,4 +1,4 @@
-/* NAME_rnea_bounded: torques, or what else is wanted, and, by a running error analysis beside them, how far each may be from
+/* NAME_rnea_bounded, NAME_fd_bounded: torques, or what else is wanted, and, by a running error analysis beside them, how far each may be from
    what the URDF's decimals give. */
 #include "emit/unparse.h"
 #include "base/fold.h"
@@ -66,7 +66,7 @@ void emit_bounded(const struct emission *e, struct text *out)
 		{"F", s->suffix}, {"F_UPPER", s->upper}, {"T", s->type}, {"U", s->unit_text}, {"TINY", s->tiny_text},
 		{"MAX", s->largest}, {"MODE", emit_trig_name(emit_trig_of(e->options))},
 		{"FUSED", e->options->strict ? "1" : *s->upper ? "defined FP_FAST_FMAF" : "defined FP_FAST_FMA"},
-		{"NAME", e->options->name}, {"STRICT", e->options->strict ? "strict_" : ""}, {"APART", e->options->strict ? "RNEA_APART " : ""},
+		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"STRICT", e->options->strict ? "strict_" : ""}, {"APART", e->options->strict ? "RNEA_APART " : ""},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"M", e->memory->type},
 		{"FACTOR", factor_text(e, way)}, {"ENDS", ends_text(e, &p->dag)},
 	};

@@ -124,16 +124,18 @@ static int has_type(const struct tree *t, enum joint_type type)
 /* Which elements of a matrix are stored, in their order; only (i, j) with i >= j of M. */
 static void put_matrix(const struct emission *e, const struct want *w, struct text *out)
 {
+	const struct request *k = e->request;
+	const char *what = w->kind >= WANT_MINV ? "an acceleration" : "a torque";
 	int nv = e->tree->nv, column = 0;
 	struct pattern p;
 
 	if (w->kind == WANT_VJP)
-		text_put(out, ": by q, by qd, by qdd");
+		text_printf(out, ": by q, by qd, by %s", k->is_forward ? "tau" : "qdd");
 	if (w->kind == WANT_DTAU_DFREED || w->kind == WANT_DQDD_DFREED)
-		text_put(out, ": row by row, a torque each");
+		text_printf(out, ": row by row, %s each", what);
 	if (!request_is_matrix(w->kind))
 		return;
-	text_put(out, ": row by row, a torque each");
+	text_printf(out, ": row by row, %s each", what);
 	if (w->rows == nv * nv || !request_pattern(&p, e->tree, w->kind, 0, e->arena))
 		return;
 	text_put(out, "; elements");
@@ -152,7 +154,7 @@ static const char *describe(const struct emission *e, const struct argument *a)
 
 	text_init(&t, e->arena);
 	if (a->role == ROLE_TANGENT)
-		text_put(&t, "along q, along qd, along qdd");
+		text_printf(&t, "along q, along qd, along %s", k->is_forward ? "tau" : "qdd");
 	for (int i = 0; i < k->freed_count; i++)
 		if (!a->is_output && !strcmp(a->name, k->freed[i].argument)) {
 			text_put_comment(&t, k->freed[i].word);

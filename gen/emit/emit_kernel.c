@@ -69,7 +69,7 @@ static int stage_bytes(const struct emission *e)
 	return stage_words(e) * e->memory->bytes;
 }
 
-/* Does the rnea kernel fetch its slice into shared memory first? In aos, to move whole lines, wherever 32 samples have
+/* Does the main kernel fetch its slice into shared memory first? In aos, to move whole lines, wherever 32 samples have
    room; in soa in f64, where inputs that wait in registers leave few threads, as long as 64 have (H100: iiwa14 0.96 of
    the floor instead of 0.86, fetch 0.94 instead of 0.80; but jvrc1, where 32 just fit, 0.47 instead of 0.63). */
 static int is_staged(const struct emission *e)
@@ -149,8 +149,8 @@ const char *emit_call(const struct emission *e, const struct pass *p, const char
 		text_printf(&t, "%s%s_%s_body(%s, %s, 0);\n", indent, name, pass, arguments, stride);
 	} else {
 		text_printf(&t, "%sif (%s_is_small(%s, %s))\n", indent, name, q, stride);
-		text_printf(&t, "%s\t%s_rnea_body(%s, %s, 1);\n%selse\n", indent, name, arguments, stride, indent);
-		text_printf(&t, "%s\t%s_rnea_body(%s, %s, 0);\n", indent, name, arguments, stride);
+		text_printf(&t, "%s\t%s_%s_body(%s, %s, 1);\n%selse\n", indent, name, pass, arguments, stride, indent);
+		text_printf(&t, "%s\t%s_%s_body(%s, %s, 0);\n", indent, name, pass, arguments, stride);
 	}
 	return text_string(&t);
 }
@@ -160,7 +160,7 @@ const char *emit_call(const struct emission *e, const struct pass *p, const char
    but atlas 0.86 instead of 0.88). */
 static const char *optimistic_call(const struct emission *e, const char *arguments)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"ARGUMENTS", arguments}, {"STRIDE", emit_stride(e)}};
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"ARGUMENTS", arguments}, {"STRIDE", emit_stride(e)}};
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -349,7 +349,7 @@ const char *emit_store(const struct emission *e)
 
 const char *emit_stage(const struct emission *e)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}, {"BYTES", emit_int(e, stage_bytes(e))}};
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"T", e->memory->type}, {"BYTES", emit_int(e, stage_bytes(e))}};
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -372,7 +372,7 @@ const char *emit_given(const struct emission *e)
 	if (!is_staged(e))
 		return "0";
 	text_init(&t, e->arena);
-	text_printf(&t, "rneagen_given_bytes((const void *)%s_rnea_kernel)", e->options->name);
+	text_printf(&t, "rneagen_given_bytes((const void *)%s_%s_kernel)", e->options->name, emit_main(e)->algorithm->name);
 	return text_string(&t);
 }
 

@@ -43,7 +43,8 @@ static const char *expand(struct text *out, const char *tmpl, const char *end, c
 			length++;
 		s += length;
 	}
-	out->failed |= *s || end;
+	if (*s || end)
+		out->failed = out->arena->failed = 1; /* whoever takes the string of an inner text sees it too */
 	return "";
 }
 

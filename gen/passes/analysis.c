@@ -46,12 +46,17 @@ enum rneagen_code pass_request_resolve(struct analysis *a)
 
 static enum rneagen_code refuse_singular(const struct analysis *a, int row)
 {
-	for (int i = 0; i < a->tree.joint_count; i++)
-		if (row < a->tree.joints[i].iv + a->tree.joints[i].nv)
-			return error_set(a->error, RNEAGEN_TREE,
-				"%s: M is singular: joint \"%.255s\" moves no mass: lock it (--lock), or give it an armature (--armature)",
-				a->options.file, a->tree.joints[i].name);
-	return error_memory(a->error);
+	const struct tree_joint *j = a->tree.joints;
+
+	while (row >= j->iv + j->nv)
+		j++;
+	if (a->tree.floating && j->body == 0)
+		return error_set(a->error, RNEAGEN_TREE,
+			"%s: M is singular: the floating base, link \"%.255s\", has no mass of its own: give it an inertia, or take --base fixed",
+			a->options.file, a->tree.bodies[0].link);
+	return error_set(a->error, RNEAGEN_TREE,
+		"%s: M is singular: joint \"%.255s\" moves no mass: lock it (--lock)%s", a->options.file, j->name,
+		j->nv == 1 ? ", or give it an armature (--armature)" : "");
 }
 
 /* In an arena of its own, which goes again. */

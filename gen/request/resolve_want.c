@@ -123,12 +123,13 @@ static enum rneagen_code add_want(const struct resolver *x, const struct scene_c
 /* What a product is of, tau or qdd, decides which way the dynamics goes: the other is an input. */
 enum rneagen_code request_product(const struct resolver *x, const struct scene_choice *c)
 {
-	static const struct kind_word of[] = {{"tau", 0}, {"qdd", 0}};
 	enum want_kind kind = c->key == SCENE_JVP ? WANT_JVP : WANT_VJP;
 	struct want w = {.kind = kind, .word = WANTS[kind].kind.word, .argument = WANTS[kind].argument};
-	int which = request_find_kind(x, c, of, sizeof of / sizeof *of);
+	int which = !strcmp(c->name, "qdd");
 
-	if (which < 0 || want_derivative(x, c, &w) || add_want(x, c, &w))
+	if (!which && strcmp(c->name, "tau"))
+		return scene_refuse(x->s, c, x->e, "there is the product of tau and that of qdd, none of '%.255s'", c->name);
+	if (want_derivative(x, c, &w) || add_want(x, c, &w))
 		return x->e->code;
 	x->k->is_forward |= which;
 	return RNEAGEN_OK;

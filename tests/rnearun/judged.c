@@ -29,5 +29,5 @@ struct states states_of(const struct drawn *x)
 {
 	const struct drawn_array *a = x->arrays;
 
-	return (struct states){(size_t)a[DRAWN_Q].rows, (size_t)a[DRAWN_QD].rows, a[DRAWN_Q].values, a[DRAWN_QD].values, a[DRAWN_QDD].values};
+	return (struct states){(size_t)a[DRAWN_Q].rows, (size_t)a[DRAWN_QD].rows, a[DRAWN_Q].values, a[DRAWN_QD].values, a[DRAWN_DRIVE].values};
 }

@@ -43,8 +43,26 @@ START_TEST(entries)
 		ck_assert_msg(outputs, "%s: no outputs", x->name);
 	}
 	ck_assert_ptr_null(algorithm_find("none"));
-	ck_assert_int_eq(algorithms_of(1), ALGORITHM_COUNT);
-	ck_assert_int_eq(algorithms_of(0), 1);
+}
+END_TEST
+
+static void check_made_for(struct request k, const char *const *names, int count)
+{
+	const struct algorithm *found[ALGORITHM_COUNT];
+
+	ck_assert_int_eq(algorithms_for(&k, found), count);
+	for (int i = 0; i < count; i++)
+		ck_assert_str_eq(found[i]->name, names[i]);
+}
+
+/* A text has the functions of what was asked for, its main one first. */
+START_TEST(made_for)
+{
+	static const char *const plain[] = {"rnea", "fpass", "bpass"}, *const scene[] = {"rnea"}, *const forward[] = {"fd"};
+
+	check_made_for((struct request){.is_plain = 1}, plain, 3);
+	check_made_for((struct request){.is_plain = 0}, scene, 1);
+	check_made_for((struct request){.is_forward = 1}, forward, 1);
 }
 END_TEST
 
@@ -158,6 +176,7 @@ int main(void)
 	tcase_set_timeout(c, 60);
 	tcase_add_test(c, words);
 	tcase_add_test(c, entries);
+	tcase_add_test(c, made_for);
 	tcase_add_test(c, declared);
 	tcase_add_test(c, launched);
 	tcase_add_test(c, bound);

@@ -1,0 +1,76 @@
+#include "dynamics/singular.h"
+#include "dag/eval.h"
+#include "draw/draw.h"
+#include "dynamics/want.h"
+#include <math.h>
+
+/* A number of D is zero where M is singular; computed, some 1e-19 of the element of M that it is what is left of. Of robots that
+   can move it is no less than the ratio of a joint's own inertia to that of all that it carries. */
+static const real NOTHING_LEFT = 1e-15L;
+
+enum { SAMPLES = 3 };
+
+static const struct draw_options DRAWN = {.seed = 1, .count = SAMPLES, .each = 1};
+
+/* Evaluate the pivots, [2][nv], in one sample. */
+static int evaluate(const struct dag *d, const struct drawn *x, size_t sample, real *pivots, struct arena *a)
+{
+	const real *in[DAG_ARGUMENTS] = {NULL};
+	real *out[DAG_ARGUMENTS] = {NULL};
+
+	for (int i = 0; i < d->argument_count; i++) {
+		const double *rows = draw_rows(x, &d->arguments[i], sample);
+		real *copy = arena_alloc(a, (size_t)d->arguments[i].rows, sizeof *copy);
+
+		if (!copy)
+			return 0;
+		for (int r = 0; rows && r < d->arguments[i].rows; r++)
+			copy[r] = (real)rows[r];
+		in[i] = rows ? copy : NULL;
+		out[i] = rows ? NULL : i == d->outputs[0].argument ? pivots : copy;
+	}
+	return eval_real(d, in, out, NULL);
+}
+
+/* Rows are eliminated one after the other. The first that leaves nothing spoils the others, which are then no small numbers. */
+static void judge(struct dag *d, const struct dag *trial, const struct tree *t, const struct request *k, struct arena *a)
+{
+	int nv = t->nv;
+	struct drawn x;
+	real *pivots = arena_alloc(a, SAMPLES * 2 * (size_t)nv, sizeof *pivots);
+
+	if (!pivots || !draw_inputs(&x, t, k, &DRAWN, a)) {
+		d->failed = 1;
+		return;
+	}
+	for (int s = 0; s < SAMPLES && !d->failed; s++)
+		d->failed = !evaluate(trial, &x, (size_t)s, pivots + s * 2 * nv, a);
+	for (int i = 0; i < nv && !d->failed; i++) {
+		int is_nothing = 1;
+
+		for (int s = 0; s < SAMPLES; s++) {
+			const real *p = pivots + s * 2 * nv;
+
+			is_nothing &= fabsl(p[i]) <= NOTHING_LEFT * fabsl(p[nv + i]);
+		}
+		if (is_nothing)
+			d->failed = d->singular = 1 + i;
+	}
+}
+
+int singular_find(struct dag *d, const struct tree *t, const struct request *k)
+{
+	struct arena spare;
+	struct dag trial;
+
+	arena_init(&spare, &d->arena->allocator);
+	dag_init(&trial, &spare);
+	want_build_in(&trial, t, k, (struct ways){DERIVATIVES_RECURSION, DYNAMICS_FACTOR, 1});
+	d->failed |= trial.failed;
+	d->singular = trial.singular;
+	if (!d->failed)
+		judge(d, &trial, t, k, &spare);
+	d->arena->failed |= spare.failed;
+	arena_free(&spare);
+	return d->failed;
+}

@@ -1,0 +1,95 @@
+/* Of the ways to make the same outputs, the one that takes less. */
+#include "dynamics/singular.h"
+#include "dynamics/want.h"
+
+static const enum role STATE[] = {ROLE_JOINT_POSITION, ROLE_JOINT_VELOCITY, ROLE_JOINT_ACCELERATION};
+
+/* What is alive: operations other than signs, and which of q, qd and qdd are read. */
+struct use {
+	size_t operations;
+	int is_read[3];
+};
+
+static struct use use_of(struct dag *d)
+{
+	uint32_t *uses = d->failed ? NULL : arena_alloc(d->arena, d->count, sizeof *uses);
+	struct use x = {0};
+
+	if (!uses) {
+		d->failed = 1;
+		return x;
+	}
+	dag_uses(d, uses);
+	for (size_t i = 0; i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+
+		for (int k = 0; k < 3 && uses[i] && n->op == OP_INPUT; k++)
+			x.is_read[k] |= d->arguments[n->arg[0].i].role == STATE[k];
+		x.operations += uses[i] && op_arity[n->op] > 0 && n->op != OP_NEG;
+	}
+	arena_release(d->arena, uses);
+	return x;
+}
+
+/* A trial of forward mode may make half as many nodes as the recursion, and these: all that it needs where it has ever taken
+   less, on short branches whose recursion makes some 20000; on chains it takes up to three times as much. */
+enum { MORE_NODES = 1 << 16 };
+
+/* Other ways instead, if these take less; `most` nodes, 0: as many as it takes. */
+static int take_cheaper(struct dag *d, const struct tree *t, const struct request *k, struct ways other, size_t most)
+{
+	size_t operations = use_of(d).operations;
+	int is_taken;
+	struct arena spare;
+	struct dag trial;
+
+	arena_init(&spare, &d->arena->allocator);
+	dag_init(&trial, &spare);
+	dag_limit(&trial, most);
+	want_build_in(&trial, t, k, other);
+	is_taken = use_of(&trial).operations < operations && !trial.failed;
+	if (is_taken) {
+		struct arena *a = d->arena;
+
+		dag_free(d);
+		d->arena = a;
+		dag_take(d, &trial);
+	}
+	d->failed |= spare.failed;
+	d->arena->failed |= spare.failed;
+	arena_free(&spare);
+	return is_taken;
+}
+
+static void build_cheapest(struct dag *d, const struct tree *t, const struct request *k)
+{
+	int has_derivatives = request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DTAU_DQD) || request_wants(k, WANT_DQDD_DQ) ||
+		request_wants(k, WANT_DQDD_DQD);
+	struct ways now = {k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
+		k->dynamics == DYNAMICS_ARTICULATED ? DYNAMICS_ARTICULATED : DYNAMICS_FACTOR, 0};
+
+	want_build_in(d, t, k, now);
+	if (has_derivatives && k->derivatives == DERIVATIVES_CHEAPER && !d->failed)
+		if (take_cheaper(d, t, k, (struct ways){DERIVATIVES_FORWARD, now.dynamics, 0}, d->count / 2 + MORE_NODES))
+			now.derivatives = DERIVATIVES_FORWARD;
+	if (k->is_forward && k->dynamics == DYNAMICS_CHEAPER && articulated_serves(t) && !d->failed)
+		take_cheaper(d, t, k, (struct ways){now.derivatives, DYNAMICS_ARTICULATED, 0}, 0);
+}
+
+/* Where nothing of q, qd or qdd is read, there is no such input: torques are differentiated by it all the same, so that is known
+   when all is made. Forward dynamics always takes q, qd and tau. */
+void want_build(struct dag *d, const struct tree *t, const struct request *k)
+{
+	struct use x;
+
+	if (k->is_forward && singular_find(d, t, k))
+		return;
+	build_cheapest(d, t, k);
+	x = use_of(d);
+	for (int i = 0; i < 3 && !k->is_forward && !d->failed; i++) {
+		int argument = dag_find_role(d, STATE[i], 0);
+
+		if (argument >= 0 && !x.is_read[i])
+			dag_strike(d, argument);
+	}
+}
