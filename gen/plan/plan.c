@@ -255,12 +255,14 @@ struct operation_count plan_operations(const struct plan *p)
 
 	for (size_t i = 0; i < p->dag->count; i++) {
 		enum op op = p->dag->nodes[i].op;
+		unsigned before = plan_flops(n);
 
 		n.mul += op == OP_MUL || op == OP_DIV || op == OP_SQRT;
 		n.add += op == OP_ADD;
 		n.sub += op == OP_SUB;
 		n.neg += op == OP_NEG;
 		n.fma += op == OP_FMA;
+		n.wide += p->dag->nodes[i].is_wide ? plan_flops(n) - before : 0;
 	}
 	for (size_t i = 0; i < p->line_count; i++)
 		n.sincos += p->lines[i].kind == LINE_SINCOS;
@@ -303,7 +305,7 @@ void plan_dump(const struct plan *p, struct text *t)
 {
 	static const char *const kinds[] = {"section", "input", "value", "sincos", "store"};
 	static const char *const kinds_of_section[SECTION_COUNT] = {"out", "back", "end", "freed", "totals", "bias", "gravity", "by",
-		"products"};
+		"products", "factors", "articulated", "inverse", "residual", "refined"};
 
 	for (size_t i = 0; i < p->line_count; i++) {
 		const struct line *l = &p->lines[i];
