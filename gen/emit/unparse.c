@@ -129,8 +129,9 @@ static void put_angle(const struct unparser *u, struct ref a, struct text *out)
 		put_element(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
 		return;
 	}
-	if (u->numbers->angle_is_memory && n->op == OP_WIDEN) { /* a float is a double */
-		put_value(u->narrow, n->arg[0], 0, out);
+	if (u->numbers->angle_is_memory && n->op == OP_WIDEN) { /* what was widened is a float */
+		text_put(out, "(double)");
+		put_value(u->narrow, n->arg[0], op_strength[OP_NEG], out);
 		return;
 	}
 	put_around(&u->numbers->angle, 0, out);

@@ -29,10 +29,14 @@
 #define __fadd_rn(a, b) ((float)(a) + (float)(b))
 #define __fsub_rn(a, b) ((float)(a) - (float)(b))
 #define __fmul_rn(a, b) ((float)(a) * (float)(b))
+#define __fdiv_rn(a, b) ((float)(a) / (float)(b))
+#define __fsqrt_rn sqrtf
 #define __fma_rn fma
 #define __dadd_rn(a, b) ((double)(a) + (double)(b))
 #define __dsub_rn(a, b) ((double)(a) - (double)(b))
 #define __dmul_rn(a, b) ((double)(a) * (double)(b))
+#define __ddiv_rn(a, b) ((double)(a) / (double)(b))
+#define __dsqrt_rn sqrt
 
 struct fake_dim {
 	unsigned x, y, z;
