@@ -249,8 +249,8 @@ static int begin(struct gradient *g, const struct tour *r, const struct forward 
 	g->along[VARIED_QDD] = arena_alloc(a, (size_t)t->nv, sizeof(struct ref));
 	if (a->failed || !derive_begin(&g->x, g->d, r->tau, t->nv))
 		return 0;
-	for (int i = 0; i < t->nv && forward; i++)
-		g->x.live[forward->qdd[i].i] = 0; /* it stays as it is found */
+	if (forward)
+		derive_hold(&g->x, forward->qdd, t->nv); /* it stays as it is found */
 	g->dot = arena_alloc(a, g->x.count, sizeof *g->dot);
 	return g->dot != NULL;
 }
