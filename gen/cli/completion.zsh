@@ -21,6 +21,7 @@ _rneagen_model=(
 	'*--want=[what is computed]:names:'
 	'--dense[matrices with all their zeros]'
 	'--derivatives=[how dtau_dq and dtau_dqd are made]:method:(forward recursion)'
+	'--refine=[qdd after steps of refinement]:steps:(0 1 1\:f64 1\:f32x2 1\:same)'
 	'*--fext=[external wrenches on these links]:links:'
 	'--fext-frame=[the axes of external wrenches]:frame:(link world)'
 	'--armature=[rotor inertias]:file:_files'

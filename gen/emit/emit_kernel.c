@@ -115,7 +115,7 @@ static int min_blocks(const struct emission *e)
 		return 0;
 	if (request_wants_derivative(e->request))
 		return min_derivative_blocks(e);
-	if (e->arithmetic->bytes != 4)
+	if (e->arithmetic->bytes != 4 || e->wide) /* atlas, refined: 168 registers and 4.6 KB of spills, or 255 and 2.3 KB */
 		return 0;
 	if (e->tree->body_count > ARM_BODIES)
 		return e->tree->body_count >= MANY_BODIES ? 3 : 0;

@@ -47,6 +47,8 @@ enum rneagen_code request_refine(struct request *k, const struct scene *s, enum 
 			MOST_STEPS, c->value);
 	if (steps && !k->is_forward)
 		return scene_refuse(s, c, e, "no qdd is found here that could be refined: take --want qdd, or leave it out");
+	if (steps && scene_next(s, SCENE_DROP_BELOW, NULL))
+		return scene_refuse(s, c, e, "refinement makes good what drop-below leaves out, so that no term is felt: leave one of the two out");
 	if (named == NAME_COUNT)
 		named = is_float ? REFINE_F64 : REFINE_SAME;
 	if (!is_float && !is_own((enum refine)named, precision))

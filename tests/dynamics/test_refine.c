@@ -293,6 +293,7 @@ static const struct {
 } REFUSED[] = {
 	{RNEAGEN_F32, "refine 1", "--want qdd"}, {RNEAGEN_F32, "want qdd\nrefine 4", "0 to 3 steps"},
 	{RNEAGEN_F32, "want qdd\nrefine 1:f16", "not '1:f16'"}, {RNEAGEN_F32, "want qdd\nrefine f64", "not 'f64'"},
+	{RNEAGEN_F32, "want qdd\nrefine 1\ndrop-below 1e-6", "drop-below"},
 	{RNEAGEN_F64, "want qdd\nrefine 1:f32x2", "take 1:same"}, {RNEAGEN_MIXED, "want qdd\nrefine 2:f32x2", "take 2:same"},
 	{RNEAGEN_F32X2, "want qdd\nrefine 1:f64", "take 1:same"}};
 enum { REFUSED_COUNT = sizeof REFUSED / sizeof *REFUSED };
