@@ -339,14 +339,6 @@ void dag_output(struct dag *d, int argument, int row, struct ref value)
 	d->outputs[d->output_count++] = (struct output){argument, row, value};
 }
 
-int dag_has_wide(const struct dag *d)
-{
-	for (size_t i = 0; i < d->count; i++)
-		if (d->nodes[i].is_wide)
-			return 1;
-	return 0;
-}
-
 void dag_uses(const struct dag *d, uint32_t *uses)
 {
 	memset(uses, 0, d->count * sizeof *uses);

@@ -275,8 +275,6 @@ static double constant_error(const struct dag *d, const struct node *n, real rou
 
 #define T double
 #define EVAL(name) name##_f64
-#define T_WIDE double
-#define EVAL_WIDE EVAL
 #define UNIT 0x1p-53
 #define TINY 0x1p-1072
 #define LARGEST DBL_MAX
@@ -301,8 +299,6 @@ static double constant_error(const struct dag *d, const struct node *n, real rou
 
 #define T real
 #define EVAL(name) name##_real
-#define T_WIDE real
-#define EVAL_WIDE EVAL
 #define UNIT 0x1p-64
 #define TINY 0x1p-1072
 #define LARGEST DBL_MAX
@@ -391,8 +387,6 @@ int eval_bound(const struct dag *d, const struct eval_model *m, const double *co
 #if defined __SIZEOF_FLOAT128__ && defined RNEAGEN_QUAD
 #define T __float128
 #define EVAL(name) name##_quad
-#define T_WIDE __float128
-#define EVAL_WIDE EVAL
 #define UNIT 0x1p-113
 #define TINY 0x1p-1072
 #define LARGEST DBL_MAX
