@@ -129,11 +129,6 @@ static void put_angle(const struct unparser *u, struct ref a, struct text *out)
 		put_element(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
 		return;
 	}
-	if (u->numbers->angle_is_memory && n->op == OP_WIDEN) { /* what was widened is a float */
-		text_put(out, "(double)");
-		put_value(u->narrow, n->arg[0], op_strength[OP_NEG], out);
-		return;
-	}
 	put_around(&u->numbers->angle, 0, out);
 	put_value(u, a, 0, out);
 	put_around(&u->numbers->angle, 1, out);
@@ -214,8 +209,8 @@ static void put_line(struct unparser *u, const struct line *l, struct text *out)
 	fold(out, from);
 }
 
-/* Per node: one of this kind, an input, that only sines and cosines read. */
-static const unsigned char *only_angles(const struct dag *d, enum op kind, struct arena *a)
+/* Per node: an input that only sines and cosines read. */
+static const unsigned char *only_angles(const struct dag *d, struct arena *a)
 {
 	uint32_t *uses = arena_alloc(a, d->count, sizeof *uses);
 	unsigned char *is_angle = uses ? arena_alloc(a, d->count, 1) : NULL;
@@ -226,7 +221,7 @@ static const unsigned char *only_angles(const struct dag *d, enum op kind, struc
 	for (size_t i = 0; i < d->count; i++) {
 		const struct node *n = &d->nodes[i];
 
-		if (uses[i] && (n->op == OP_SIN || n->op == OP_COS) && d->nodes[n->arg[0].i].op == kind)
+		if (uses[i] && (n->op == OP_SIN || n->op == OP_COS) && d->nodes[n->arg[0].i].op == OP_INPUT)
 			is_angle[n->arg[0].i] = --uses[n->arg[0].i] == 0;
 	}
 	return is_angle;
@@ -246,9 +241,7 @@ void unparse(const struct emission *e, const struct pass *pass, const struct num
 	u.narrow = wide.narrow = &u;
 	u.wide = wide.wide = e->wide ? &wide : NULL;
 	if (numbers->angle_is_memory)
-		u.angles = only_angles(p->dag, OP_INPUT, e->arena);
-	else if (e->wide && e->wide->angle_is_memory)
-		u.angles = only_angles(p->dag, OP_WIDEN, e->arena);
+		u.angles = only_angles(p->dag, e->arena);
 	for (size_t i = 0; i < p->line_count; i++)
 		put_line(&u, &p->lines[i], out);
 }
