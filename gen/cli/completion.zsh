@@ -21,6 +21,9 @@ _rneagen_model=(
 	'*--want=[what is computed]:names:'
 	'--dense[matrices with all their zeros]'
 	'--derivatives=[how dtau_dq and dtau_dqd are made]:method:(forward recursion)'
+	'--dynamics=[how qdd is found]:method:(auto factor articulated)'
+	'--jvp=[derivatives times a vector]:output:(tau qdd)'
+	'--vjp=[a vector times derivatives]:output:(tau qdd)'
 	'--refine=[qdd after steps of refinement]:steps:(0 1 1\:f64 1\:f32x2 1\:same)'
 	'*--fext=[external wrenches on these links]:links:'
 	'--fext-frame=[the axes of external wrenches]:frame:(link world)'
@@ -60,7 +63,7 @@ _rneagen_command() {
 		'--layout=[how batches lie in memory]:layout:(soa aos)' \
 		'--parts=[matrices in parts of the grid]:parts:(auto)' \
 		'--bounded[target c: also a function that bounds the error of each torque]' \
-		'--only=[the algorithm without its halves and batches]:algorithm:(rnea)' \
+		'--only=[the algorithm without its halves and batches]:algorithm:(rnea fd)' \
 		'--name=[prefix of every function]:identifier:' \
 		'--info=-[tell about the robot]::format:(json)' \
 		'--dot[print the tree as a graph for Graphviz]' \

@@ -51,14 +51,20 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"  --beside lock|drop         drop: what hangs beside the chains has no mass either\n"                         \
 	"  --lock JOINT=VALUE         hold a joint; planar and floating joints take 3 and 7 numbers by commas\n"       \
 	"  --lock-all-but J1,J2,...   hold all other joints at zero\n"                                                 \
-	"  --fold NAME=VALUE          an input that is known: qdd=0, qd.JOINT=0, gravity=0,0,0\n"                      \
+	"  --fold NAME=VALUE          an input that is known: qdd=0, qd.JOINT=0, tau=0, gravity=0,0,0\n"                      \
 	"  --free N1,N2,...           constants that become inputs: gravity, mass.LINK, inertia.LINK, payload.LINK,\n" \
 	"                             offset.JOINT; NAME:batch one for all samples, NAME:sample one for each\n"        \
 	"  --want N1,N2,...           what is computed: tau, gravity, bias, wrench.JOINT, twist.LINK, accel.LINK, power,\n" \
-	"                             kinetic, potential, dtau_dq, dtau_dqd, M, jvp, vjp; dtau_dNAME by what is free\n" \
+	"                             kinetic, potential, dtau_dq, dtau_dqd, M, jvp, vjp; dtau_dNAME by what is free;\n" \
+	"                             forward dynamics, with tau for an input: qdd, Minv, dqdd_dq, dqdd_dqd, dqdd_dNAME\n" \
+	"  --jvp tau|qdd              its derivatives times the input jvp_v\n"                                        \
+	"  --vjp tau|qdd              the input vjp_v times its derivatives\n"                                        \
 	"  --dense                    matrices with the zeros of joints on different branches, M whole\n"             \
 	"  --derivatives forward|recursion\n"                                                                         \
 	"                             how dtau_dq and dtau_dqd are made; the one with fewer operations unless given\n" \
+	"  --dynamics auto|factor|articulated\n"                                                                     \
+	"                             how qdd is found: by factors of the mass matrix, by articulated bodies, or, auto,\n" \
+	"                             by the one with fewer operations\n"                                              \
 	"  --refine STEPS[:f64|f32x2|same]\n"                                                                         \
 	"                             qdd after so many steps of refinement, 0 to 3; the residual in f64, in pairs of floats, or\n" \
 	"                             in the text's own numbers; unless named in f64 where the text computes in f32\n" \
@@ -72,8 +78,8 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"  --round-constants DIGITS   so many significant digits of each constant\n"                                   \
 	"  --drop-below FRACTION      leave out terms whose effect on every output, over drawn inputs, is below this\n"    \
 	"                             fraction of the largest value that it has\n"                                         \
-	"  --range NAME=LO,HI         what an input is drawn from where a text is measured: q, qd, qdd, q.JOINT, gravity,\n" \
-	"                             mass.LINK, fext.LINK, ...; NAME[ROW] for one row\n"
+	"  --range NAME=LO,HI         what an input is drawn from where a text is measured: q, qd, qdd, tau, q.JOINT,\n" \
+	"                             gravity, mass.LINK, fext.LINK, ...; NAME[ROW] for one row\n"
 
 /* Rows for getopt_long: what kind of text. */
 #define OPTIONS_TEXT                                                                                                   \

@@ -120,6 +120,8 @@ struct ref dag_sub(struct dag *d, struct ref a, struct ref b);
 struct ref dag_mul(struct dag *d, struct ref a, struct ref b);
 struct ref dag_div(struct dag *d, struct ref a, struct ref b);
 struct ref dag_sqrt(struct dag *d, struct ref a);
+/* The same value, which counts as another one: what is made of it is made again, where keeping it would cost more. */
+struct ref dag_anew(struct dag *d, struct ref a);
 struct ref dag_sin(struct dag *d, struct ref a);
 struct ref dag_cos(struct dag *d, struct ref a);
 /* Both leave a constant one: of the other type. */

@@ -109,6 +109,7 @@ static struct spread spread_of(const struct survey *v, size_t i, double given_er
 	case OP_INPUT:
 		return (struct spread){fabs(value), given_error, given_error, 1};
 	case OP_NEG:
+	case OP_ANEW:
 	case OP_WIDEN:
 		return (struct spread){x->size, x->bound, 0, x->swept};
 	case OP_NARROW:

@@ -235,6 +235,13 @@ struct ref dag_sqrt(struct dag *d, struct ref a)
 	return is_const(d, a) ? dag_within(d, within_sqrt(number(d, a))) : dag_node(d, OP_SQRT, a, NONE, NONE, 0);
 }
 
+struct ref dag_anew(struct dag *d, struct ref a)
+{
+	if (d->failed)
+		return NONE;
+	return is_const(d, a) || at(d, a).op == OP_ANEW ? a : dag_node(d, OP_ANEW, a, NONE, NONE, 0);
+}
+
 struct ref dag_fma(struct dag *d, struct ref a, struct ref b, struct ref c)
 {
 	if (d->failed)

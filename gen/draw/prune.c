@@ -35,6 +35,8 @@ static struct ref copy(void *context, struct dag *out, size_t i)
 		return dag_div(out, arg[0], arg[1]);
 	case OP_SQRT:
 		return dag_sqrt(out, arg[0]);
+	case OP_ANEW:
+		return dag_anew(out, arg[0]);
 	case OP_SIN:
 		return dag_sin(out, arg[0]);
 	case OP_COS:

@@ -77,7 +77,7 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 	else
 		recursion_begin(&x->mass, &x->tour, nowhere);
 	x->mass.is_mass_alone = 1;
-	if (!x->qdd || d->failed) {
+	if (!x->qdd || d->failed || !pattern_coupled(&x->coupled, b->t, 0, b->k->dense, d->arena)) {
 		d->failed = 1;
 		return;
 	}
@@ -150,19 +150,15 @@ void forward_column(const struct forward *x, struct ref *column, int j, int argu
 {
 	struct dag *d = x->b->d;
 	int nv = x->b->t->nv;
-	struct pattern p;
+	const struct pattern *p = &x->coupled;
 
 	dag_section(d, SECTION_BY, body_of_row(x->b->t, j));
 	for (int i = 0; i < nv; i++)
 		column[i] = dag_neg(d, column[i]);
 	forward_solve(x, column);
-	if (!pattern_coupled(&p, x->b->t, 0, x->b->k->dense, d->arena)) {
-		d->failed = 1;
-		return;
-	}
 	for (int i = 0; i < nv; i++)
-		if (p.row[i * nv + j] >= 0)
-			dag_output(d, argument, p.row[i * nv + j], column[i]);
+		if (p->row[i * nv + j] >= 0)
+			dag_output(d, argument, p->row[i * nv + j], column[i]);
 }
 
 void forward_outputs(const struct forward *x, int qdd_out, int inverse_out)

@@ -4,6 +4,7 @@
 
 #include "dynamics/articulated.h"
 #include "dynamics/recursion.h"
+#include "tree/pattern.h"
 
 struct build;
 
@@ -14,6 +15,7 @@ struct forward {
 	struct recursion mass;
 	struct articulated bodies;
 	struct factor M;
+	struct pattern coupled; /* of the derivatives of qdd */
 	struct ref *qdd;        /* [nv] */
 	int singular;           /* the row of qd that moves no mass, -1 where all do */
 };

@@ -74,6 +74,8 @@ struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_
 	} else if (k->type == JOINT_FLOATING) {
 		slide = source_rows(d, &in.q, k->iq);
 		x.Q = quaternion_matrix(d, source_rows(d, &in.q, k->iq + 3), source_row(d, &in.q, k->iq + 6));
+		for (int i = 0; i < 9 && in.is_again; i++)
+			x.Q.m[i / 3][i % 3] = dag_anew(d, x.Q.m[i / 3][i % 3]);
 	}
 	x.p = svec_add(d, svec_const(d, k->X.p), smat_mul(d, &x.R, slide));
 	if (k->turn.x != 0) {
@@ -89,6 +91,10 @@ struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_
 		x.c = dag_cos(d, angle);
 		dag_tag(d, x.s, "s", k->number, 0);
 		dag_tag(d, x.c, "c", k->number, 0);
+		if (in.is_again) {
+			x.s = dag_anew(d, x.s);
+			x.c = dag_anew(d, x.c);
+		}
 	}
 	return x;
 }

@@ -17,6 +17,7 @@ struct source {
 struct joint_inputs {
 	struct source q, qd, qdd;
 	const struct ref *offset;
+	int is_again; /* what is made of orientations is made again: see dag_anew */
 };
 
 struct ref source_row(struct dag *d, const struct source *s, int row);

@@ -2,6 +2,7 @@
    needs, so each quantity is simply computed where its operands are at hand. */
 #include "dynamics/want.h"
 #include <string.h>
+#include <stdlib.h>
 
 /* ---- inputs ---- */
 
@@ -173,16 +174,16 @@ static void output_scalars(const struct build *b, const struct tour *r)
 		dag_output(b->d, kinetic_out, 0, b->kinetic);
 }
 
-/* d qdd = -M^-1 d tau, column by column, from what the recursion made. */
-static void output_solved(struct build *b)
+/* d qdd = -M^-1 d tau, from what the recursion made: the columns of a body. */
+static void solve_columns(struct build *b, int body)
 {
-	int nv = b->t->nv;
+	int nv = b->t->nv, iv = b->t->bodies[body].iv, end = iv + joint_nv(b->t->bodies[body].type);
 	struct ref *column = arena_alloc(b->d->arena, (size_t)nv, sizeof *column);
 
-	for (enum by by = BY_Q; by < BY_QDD && b->recursion.r && column; by++) {
-		int argument = output_of(b, SOLVED[by]);
+	for (enum by by = BY_Q; by < BY_QDD && column; by++) {
+		int argument = is_recursive(b, BY_RECURSION[by]) ? output_of(b, SOLVED[by]) : -1;
 
-		for (int j = 0; j < nv && argument >= 0 && is_recursive(b, BY_RECURSION[by]); j++) {
+		for (int j = iv; j < end && argument >= 0; j++) {
 			for (int i = 0; i < nv; i++)
 				column[i] = b->recursion.by[by].element[i * nv + j];
 			forward_column(b->forward, column, j, argument);
@@ -190,6 +191,27 @@ static void output_solved(struct build *b)
 	}
 	if (!column)
 		b->d->failed = 1;
+}
+
+/* A column is complete when its body is left, and solved at once, before others wait beside it; where bodies follow others,
+   columns grow to the end. */
+void want_left(const struct tour *r, int body)
+{
+	struct build *b = r->context;
+
+	if (!b->recursion.r)
+		return;
+	recursion_leave(&b->recursion, body);
+	if (b->forward && !b->t->mimic_count)
+		solve_columns(b, body);
+}
+
+static void end_recursion(struct build *b)
+{
+	recursion_end(&b->recursion);
+	for (int k = 0; k < b->t->body_count && b->forward && b->t->mimic_count; k++)
+		if (!b->t->bodies[k].follower)
+			solve_columns(b, k);
 }
 
 static void run_main(struct build *b, struct joint_inputs in)
@@ -206,9 +228,8 @@ static void run_main(struct build *b, struct joint_inputs in)
 	begin_recursion(b, &r);
 	tour_run(&r);
 	if (b->recursion.r && !b->d->failed)
-		recursion_end(&b->recursion);
+		end_recursion(b);
 	output_scalars(b, &r);
-	output_solved(b);
 	gradient_outputs(&r, b->forward, b->outputs, b->done);
 }
 
@@ -275,6 +296,13 @@ static void declare_request(const struct build *b)
 		b->outputs[i] = dag_argument_of(b->d, output(b->k, &b->k->wants[i]));
 }
 
+/* Derivatives of qdd take a tour of their own at the qdd found. What both tours have in common waits from one to the other, where
+   it is not made again. */
+static int is_made_again(const struct build *b)
+{
+	return b->forward && (request_wants(b->k, WANT_DQDD_DQ) || request_wants(b->k, WANT_DQDD_DQD)) && getenv("AGAIN");
+}
+
 /* Where tau is an input, qdd is what it makes. */
 static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x)
 {
@@ -309,6 +337,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	}
 	if (k->is_forward)
 		find_qdd(&b, &in, &forward);
+	in.is_again = is_made_again(&b);
 	if (is_gravity_alone(&b))
 		run_gravity(&b, in, output_of(&b, WANT_TAU), -1);
 	else

@@ -126,11 +126,3 @@ void want_leaving(const struct tour *r, int body)
 			}
 		}
 }
-
-void want_left(const struct tour *r, int body)
-{
-	struct build *b = r->context;
-
-	if (b->recursion.r)
-		recursion_leave(&b->recursion, body);
-}

@@ -45,7 +45,8 @@ static int take_cheaper(struct dag *d, const struct tree *t, const struct reques
 
 	arena_init(&spare, &d->arena->allocator);
 	dag_init(&trial, &spare);
-	dag_limit(&trial, most);
+	if (most)
+		dag_limit(&trial, most);
 	want_build_in(&trial, t, k, other);
 	is_taken = use_of(&trial).operations < operations && !trial.failed;
 	if (is_taken) {

@@ -33,15 +33,29 @@ static const char *both(const struct emission *e, const char *tmpl)
 	return text_string(&t);
 }
 
+static const char *with_anew(const struct emission *e, const char *arithmetic)
+{
+	const struct scalar *s = e->arithmetic;
+	const struct slot slots[] = {{"T", s->type}, {"F", s->suffix}, {"UPPER", s->upper}, {"CONSTRAINT", s->letter}};
+	struct text t;
+
+	if (!emit_uses(e, OP_ANEW) || e->numbers->calls[OP_MUL])
+		return arithmetic;
+	text_init(&t, e->arena);
+	text_put(&t, arithmetic);
+	template_expand(&t, template_anew_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
 const char *emit_arithmetic(const struct emission *e, const struct target_type *target)
 {
 	struct inner x = {"", "", "", ""};
 
 	if (!e->options->strict)
-		return both(e, target->arithmetic);
+		return with_anew(e, both(e, target->arithmetic));
 	x.operations_cuda = both(e, template_arithmetic_strict_cuda_operations_in);
 	x.operations_c = both(e, template_arithmetic_strict_c_operations_in);
 	x.cuda = expanded(e, e->arithmetic, template_arithmetic_strict_cuda_in, x);
 	x.c = expanded(e, e->arithmetic, template_arithmetic_strict_c_in, x);
-	return expanded(e, e->arithmetic, target->strict_arithmetic, x);
+	return with_anew(e, expanded(e, e->arithmetic, target->strict_arithmetic, x));
 }

@@ -22,7 +22,7 @@ static const struct sincos_frames SINCOS_PAIR = {template_sincos_f32x2_core_in, 
 	template_sincos_pair_accurate_in, template_sincos_pair_either_in, NULL, &SINCOS_F64};
 
 static const char *const CALLS[OP_COUNT] = {[OP_NEG] = "rneagen_neg", [OP_ADD] = "rneagen_add", [OP_SUB] = "rneagen_sub",
-	[OP_MUL] = "rneagen_mul", [OP_FMA] = "rneagen_fma", [OP_DIV] = "rneagen_div", [OP_SQRT] = "rneagen_sqrt"};
+	[OP_MUL] = "rneagen_mul", [OP_FMA] = "rneagen_fma", [OP_DIV] = "rneagen_div", [OP_SQRT] = "rneagen_sqrt", [OP_ANEW] = ""};
 
 /* The constant's float, and what the float leaves of it. */
 static void put_constant(const struct unparser *u, const struct node *n, struct text *out)

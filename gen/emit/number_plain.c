@@ -43,10 +43,11 @@ static const struct sincos_frames SINCOS_F32 = {template_sincos_f32_core_in, tem
 const struct sincos_frames SINCOS_F64 = {template_sincos_f64_core_in, template_sincos_f64_bounded_in,
 	template_sincos_f64_accurate_in, template_sincos_f64_either_in, NULL, NULL};
 
-static const char *const CALLS_F32[OP_COUNT] = {[OP_FMA] = "RNEA_FMA", [OP_SQRT] = "sqrtf"},
-			 *const CALLS_F64[OP_COUNT] = {[OP_FMA] = "RNEA_FMA", [OP_SQRT] = "sqrt"},
+static const char *const CALLS_F32[OP_COUNT] = {[OP_FMA] = "RNEA_FMA", [OP_SQRT] = "sqrtf", [OP_ANEW] = "RNEA_ANEW"},
+			 *const CALLS_F64[OP_COUNT] = {[OP_FMA] = "RNEA_FMA", [OP_SQRT] = "sqrt", [OP_ANEW] = "RNEA_ANEW"},
 			 *const STRICT_CALLS[OP_COUNT] = {[OP_ADD] = "RNEA_ADD", [OP_SUB] = "RNEA_SUB", [OP_MUL] = "RNEA_MUL",
-				 [OP_FMA] = "RNEA_FMA", [OP_DIV] = "RNEA_DIV", [OP_SQRT] = "RNEA_SQRT"};
+				 [OP_FMA] = "RNEA_FMA", [OP_DIV] = "RNEA_DIV", [OP_SQRT] = "RNEA_SQRT",
+				 [OP_ANEW] = "RNEA_ANEW"};
 
 /* Beside those of another type. */
 static const char *const WIDE_CALLS[OP_COUNT] = {[OP_FMA] = "RNEA_WIDE_FMA", [OP_SQRT] = "sqrt"},

@@ -20,7 +20,7 @@ extern const char template_kernel_cu_in[], template_kernel_soa_in[], template_ke
 extern const char template_kernel_soa_staged_in[], template_stage_in[], template_slices_in[], template_stage_launch_in[], template_store_in[];
 extern const char template_function_c_in[], template_function_h_in[], template_header_h_in[], template_further_h_in[], template_body_in[], template_is_small_in[];
 extern const char template_head_c_in[], template_part_in[], template_part_accurate_in[], template_are_small_in[];
-extern const char template_arithmetic_c_in[], template_arithmetic_cuda_in[], template_arithmetic_header_in[];
+extern const char template_anew_in[], template_arithmetic_c_in[], template_arithmetic_cuda_in[], template_arithmetic_header_in[];
 extern const char template_arithmetic_strict_c_in[], template_arithmetic_strict_cuda_in[], template_arithmetic_strict_flush_in[];
 extern const char template_bounded_in[], template_bounded_sincos_in[], template_bounded_store_in[], template_bounded_function_in[];
 extern const char template_parts_in[];

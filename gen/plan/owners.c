@@ -12,10 +12,10 @@ static int *bodies_of_rows(const struct tree *t, struct arena *a)
 	return body;
 }
 
-/* By stored element of a matrix by joints. */
+/* By stored element of a matrix by joints: the body that is further out; of what is solved column by column, the column's. */
 static void own_elements(const struct tree *t, const struct want *w, int dense, int *body, struct arena *a)
 {
-	int nv = t->nv, *of_row = bodies_of_rows(t, a);
+	int nv = t->nv, by_column = request_is_solved(w->kind), *of_row = bodies_of_rows(t, a);
 	struct pattern p;
 
 	if (!of_row || !request_pattern(&p, t, w->kind, dense, a))
@@ -23,7 +23,7 @@ static void own_elements(const struct tree *t, const struct want *w, int dense, 
 	for (int i = 0; i < nv; i++)
 		for (int j = 0; j < nv; j++)
 			if (p.row[i * nv + j] >= 0)
-				body[p.row[i * nv + j]] = of_row[i] > of_row[j] ? of_row[i] : of_row[j];
+				body[p.row[i * nv + j]] = !by_column && of_row[i] > of_row[j] ? of_row[i] : of_row[j];
 }
 
 int owners_matrix(const struct request *k)

@@ -108,6 +108,9 @@ int request_wants(const struct request *k, enum want_kind kind);
 
 /* Is it a matrix by joints, and which of its elements are stored? Returns 0 when memory runs out. */
 int request_is_matrix(enum want_kind kind);
+
+/* Is it made by solving with the mass matrix? */
+int request_is_solved(enum want_kind kind);
 struct pattern;
 int request_pattern(struct pattern *p, const struct tree *t, enum want_kind kind, int dense, struct arena *a);
 

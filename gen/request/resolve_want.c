@@ -31,10 +31,15 @@ static const struct want_word {
 };
 enum { WANT_COUNT = sizeof WANTS / sizeof *WANTS };
 
+int request_is_solved(enum want_kind kind)
+{
+	return kind >= WANT_MINV;
+}
+
 /* Of these qdd is found, and tau an input. */
 static int is_forward(enum want_kind kind)
 {
-	return kind == WANT_QDD || kind >= WANT_MINV;
+	return kind == WANT_QDD || request_is_solved(kind);
 }
 
 static enum rneagen_code want_link(const struct resolver *x, const struct scene_choice *c, struct want *w)
@@ -102,7 +107,7 @@ int request_pattern(struct pattern *p, const struct tree *t, enum want_kind kind
 {
 	int symmetric = kind == WANT_MASS || kind == WANT_MINV;
 
-	return kind >= WANT_MINV ? pattern_coupled(p, t, symmetric, dense, a) : pattern_make(p, t, symmetric, dense, a);
+	return request_is_solved(kind) ? pattern_coupled(p, t, symmetric, dense, a) : pattern_make(p, t, symmetric, dense, a);
 }
 
 int request_is_matrix(enum want_kind kind)
