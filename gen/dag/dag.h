@@ -60,7 +60,7 @@ struct argument {
 };
 
 /* As many as a kernel takes (RNEA_ARGUMENT_LIMIT). */
-enum { DAG_ARGUMENTS = 64, DAG_STRUCK = 1 << 20 };
+enum { DAG_ARGUMENTS = 64, DAG_STRUCK = 1 << 20, DAG_HELD };
 
 struct dag {
 	struct arena *arena;
@@ -100,6 +100,10 @@ void dag_take(struct dag *d, const struct dag *from);
    the DAG. */
 void dag_strike(struct dag *d, int argument);
 
+/* Put by[row] where dag_input(d, DAG_HELD, row) stands for it: a value that is known, and that the rules of the constructors and
+   derivatives take for an input. by[row] is made before that is first used. It leaves live nodes, and closes the DAG. */
+void dag_substitute(struct dag *d, const struct ref *by);
+
 /* Declare a parameter of the function; returns its index. Outputs after inputs. */
 int dag_argument(struct dag *d, const char *name, int rows, int is_output);
 int dag_argument_of(struct dag *d, struct argument a);
@@ -129,6 +133,9 @@ struct ref dag_widen(struct dag *d, struct ref a);
 struct ref dag_narrow(struct dag *d, struct ref a);
 /* a*b + c, rounded once where the target can */
 struct ref dag_fma(struct dag *d, struct ref a, struct ref b, struct ref c);
+
+/* Any of these, by its name. */
+struct ref dag_operation(struct dag *d, enum op op, struct ref a, struct ref b, struct ref c);
 
 /* Name a value unless it has a name already or is a constant. */
 void dag_tag(struct dag *d, struct ref a, const char *quantity, int body, char component);

@@ -7,28 +7,12 @@ int derive_begin(struct derivable *x, struct dag *d, const struct ref *roots, in
 	x->live = arena_alloc(d->arena, d->count, 1);
 	if (!x->live)
 		return 0;
-	derive_hold(x, NULL, 0);
-	return 1;
-}
-
-void derive_hold(struct derivable *x, const struct ref *held, int count)
-{
-	enum { LIVE = 1, HELD };
-	const struct node *nodes = x->d->nodes;
-
-	memset(x->live, 0, x->count);
-	for (int k = 0; k < x->root_count; k++)
-		x->live[x->roots[k].i] = LIVE;
-	for (int k = 0; k < count; k++) {
-		x->live[held[k].i] = HELD;
-		if (nodes[held[k].i].op == OP_NEG) /* signs move outward: who reads -y reads y */
-			x->live[nodes[held[k].i].arg[0].i] = HELD;
-	}
+	for (int k = 0; k < root_count; k++)
+		x->live[roots[k].i] = 1;
 	for (uint32_t i = x->count; i-- > 0;)
-		for (int k = 0; k < op_arity[nodes[i].op] && x->live[i] == LIVE; k++)
-			x->live[nodes[i].arg[k].i] |= !x->live[nodes[i].arg[k].i];
-	for (uint32_t i = 0; i < x->count; i++)
-		x->live[i] = x->live[i] == LIVE;
+		for (int k = 0; k < op_arity[d->nodes[i].op] && x->live[i]; k++)
+			x->live[d->nodes[i].arg[k].i] = 1;
+	return 1;
 }
 
 /* The derivative of node i by its operand k; d(a/b) = (da - a/b db)/b, d sqrt(a) = da/(2 sqrt(a)). */
@@ -88,7 +72,7 @@ void derive_backward(const struct derivable *x, const struct ref *weights, struc
 	for (uint32_t i = x->count; i-- > 0 && !d->failed;) {
 		const struct node n = d->nodes[i];
 
-		for (int k = 0; k < op_arity[n.op] && bar[i].i && x->live[i]; k++)
+		for (int k = 0; k < op_arity[n.op] && bar[i].i; k++)
 			bar[n.arg[k].i] = dag_add(d, bar[n.arg[k].i], dag_mul(d, partial(d, i, k), bar[i]));
 	}
 }

@@ -17,9 +17,6 @@ struct derivable {
 /* The DAG as it stands. Returns 0 when memory runs out. */
 int derive_begin(struct derivable *x, struct dag *d, const struct ref *roots, int root_count);
 
-/* These nodes do not vary, nor what only they depend on. */
-void derive_hold(struct derivable *x, const struct ref *held, int count);
-
 /* Along one direction: `seed` gives an input's derivative. dot[i] becomes that of node i; dot has x->count elements. */
 void derive_forward(
 	const struct derivable *x, struct ref (*seed)(void *context, int argument, int row), void *context, struct ref *dot);

@@ -248,3 +248,39 @@ struct ref dag_fma(struct dag *d, struct ref a, struct ref b, struct ref c)
 		return NONE;
 	return in_order(d, a, b) ? dag_node(d, OP_FMA, a, b, c, 0) : dag_node(d, OP_FMA, b, a, c, 0);
 }
+
+struct ref dag_operation(struct dag *d, enum op op, struct ref a, struct ref b, struct ref c)
+{
+	switch (op) {
+	case OP_NEG:
+		return dag_neg(d, a);
+	case OP_ADD:
+		return dag_add(d, a, b);
+	case OP_SUB:
+		return dag_sub(d, a, b);
+	case OP_MUL:
+		return dag_mul(d, a, b);
+	case OP_FMA:
+		return dag_fma(d, a, b, c);
+	case OP_DIV:
+		return dag_div(d, a, b);
+	case OP_SQRT:
+		return dag_sqrt(d, a);
+	case OP_ANEW:
+		return dag_anew(d, a);
+	case OP_WIDEN:
+		return dag_widen(d, a);
+	case OP_NARROW:
+		return dag_narrow(d, a);
+	case OP_SIN:
+		return dag_sin(d, a);
+	case OP_COS:
+		return dag_cos(d, a);
+	case OP_CONST:
+	case OP_INPUT:
+	case OP_COUNT:
+		break;
+	}
+	d->failed = 1;
+	return NONE;
+}

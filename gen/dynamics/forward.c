@@ -135,6 +135,8 @@ static void inverse(const struct forward *x, struct ref *X)
 	for (int j = 0; j < nv; j++) {
 		X[j * nv + j] = dag_const(d, 1);
 		articulated_solve(&x->bodies, X + j * nv); /* a row is a column */
+		for (int i = 0; i < j; i++)
+			X[j * nv + i] = X[i * nv + j];
 	}
 }
 

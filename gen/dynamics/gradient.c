@@ -243,14 +243,12 @@ static int begin(struct gradient *g, const struct tour *r, const struct forward 
 	const struct tree *t = r->t;
 
 	*g = (struct gradient){.r = r, .forward = forward, .d = r->d, .t = t,
-		.arguments = {r->in.q.argument, r->in.qd.argument, r->in.qdd.argument}, .other = -1};
+		.arguments = {r->in.q.argument, r->in.qd.argument, forward ? -1 : r->in.qdd.argument}, .other = -1};
 	g->along[VARIED_Q] = arena_alloc(a, (size_t)t->nq, sizeof(struct ref));
 	g->along[VARIED_QD] = arena_alloc(a, (size_t)t->nv, sizeof(struct ref));
 	g->along[VARIED_QDD] = arena_alloc(a, (size_t)t->nv, sizeof(struct ref));
 	if (a->failed || !derive_begin(&g->x, g->d, r->tau, t->nv))
 		return 0;
-	if (forward)
-		derive_hold(&g->x, forward->qdd, t->nv); /* it stays as it is found */
 	g->dot = arena_alloc(a, g->x.count, sizeof *g->dot);
 	return g->dot != NULL;
 }

@@ -5,8 +5,8 @@
 #include "dag/svec.h"
 #include "request/request.h"
 
-/* Rows of an input: those that the scene gives (NULL: none), else those that were found (NULL: none), else the argument's;
-   -1: zero. */
+/* Rows of an input: those that the scene gives (NULL: none), else those that were found (NULL: none), else the argument's; -1:
+   zero. */
 struct source {
 	int argument;
 	const struct row *given;

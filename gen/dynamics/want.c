@@ -303,12 +303,12 @@ static int is_made_again(const struct build *b)
 	return b->forward && (request_wants(b->k, WANT_DQDD_DQ) || request_wants(b->k, WANT_DQDD_DQD)) && getenv("AGAIN");
 }
 
-/* Where tau is an input, qdd is what it makes. */
+/* Where tau is an input, qdd is what it makes: held while torques are differentiated, until all is made. */
 static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x)
 {
 	forward_find(x, b, *in);
 	forward_outputs(x, output_of(b, WANT_QDD), output_of(b, WANT_MINV));
-	in->qdd = (struct source){.argument = -1, .found = x->qdd};
+	in->qdd = (struct source){.argument = DAG_HELD};
 }
 
 void want_build_in(struct dag *d, const struct tree *t, const struct request *k, struct ways ways)
@@ -344,4 +344,6 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 		run_main(&b, in);
 	run_bias(&b, in);
 	run_gravity(&b, in, output_of(&b, WANT_GRAVITY), output_of(&b, WANT_POTENTIAL));
+	if (k->is_forward)
+		dag_substitute(d, forward.qdd);
 }

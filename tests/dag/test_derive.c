@@ -58,38 +58,6 @@ START_TEST(test_rules)
 }
 END_TEST
 
-/* d (h y) = h dy where h = -y^2 is held, forwards and backwards, though the product reads y^2. */
-START_TEST(test_held)
-{
-	struct arena a;
-	struct dag d;
-	struct derivable x;
-	struct ref in, held, root, *dot, *bar, one;
-	real out[2];
-
-	arena_init(&a, NULL);
-	dag_init(&d, &a);
-	dag_argument(&d, "in", 1, 0);
-	dag_argument(&d, "out", 2, 1);
-	in = dag_input(&d, 0, 0);
-	one = dag_const(&d, 1);
-	held = dag_neg(&d, dag_mul(&d, in, in));
-	root = dag_mul(&d, held, in);
-	ck_assert(derive_begin(&x, &d, &root, 1));
-	derive_hold(&x, &held, 1);
-	dot = arena_alloc(&a, x.count, sizeof *dot);
-	bar = arena_alloc(&a, x.count, sizeof *bar);
-	derive_forward(&x, unit, &one, dot);
-	derive_backward(&x, &one, bar);
-	dag_output(&d, 1, 0, dot[root.i]);
-	dag_output(&d, 1, 1, bar[in.i]);
-	ck_assert(eval_real(&d, (const real *[]){&AT, NULL}, (real *[]){NULL, out}, NULL));
-	for (int i = 0; i < 2; i++)
-		ck_assert_msg(out[i] == -AT * AT, "%s: %.15Lg", i ? "backwards" : "forwards", out[i]);
-	arena_free(&a);
-}
-END_TEST
-
 /* The same rules in numbers, from the root back. */
 START_TEST(test_partials)
 {
@@ -125,7 +93,6 @@ int main(void)
 	TCase *c = tcase_create("derive");
 
 	tcase_add_test(c, test_rules);
-	tcase_add_test(c, test_held);
 	tcase_add_test(c, test_partials);
 	suite_add_tcase(s, c);
 	return suite_run(s);

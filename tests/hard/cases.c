@@ -223,6 +223,13 @@ static void ring(int nv, double *q, double *qd, double *qdd)
 	}
 }
 
+static void close_fist(const struct reference *r, double *q, struct rng *rng)
+{
+	for (int j = 0; j < r->nj; j++)
+		if (r->joints[j].nq == 1)
+			q[r->joints[j].iq] = r->joints[j].upper - rng_uniform(rng, 0, 0.05);
+}
+
 static void adapt(const struct hard *h, struct rng *rng, int f32, double *q, double *qd, double *qdd)
 {
 	int nv = h->model.tree.nv;
@@ -264,6 +271,12 @@ static void adapt(const struct hard *h, struct rng *rng, int f32, double *q, dou
 		break;
 	case STATES_HUGE:
 		fill(qd, nv, rng, f32 ? 1e20 : 1e160);
+		break;
+	case STATES_STRETCHED:
+		fill(q, h->model.tree.nq, rng, 1e-4);
+		break;
+	case STATES_FIST:
+		close_fist(h->model.reference, q, rng);
 		break;
 	}
 }

@@ -15,7 +15,9 @@ enum hard_states {
 	STATES_SCALED,	 /* quaternions of length 0.5 to 2 */
 	STATES_SLOW,	 /* rates and accelerations up to 1e-3 */
 	STATES_RING,	 /* robot_star: every arm as the first, and the hub turning */
-	STATES_HUGE	 /* rates whose squares no float (no double) can hold */
+	STATES_HUGE,	 /* rates whose squares no float (no double) can hold */
+	STATES_STRETCHED, /* angles up to 1e-4 rad */
+	STATES_FIST	 /* within 0.05 rad of the upper limits */
 };
 
 struct hard_case {

@@ -1,6 +1,7 @@
 #include "quad.h"
 #include "reference/reference.h"
 #include "reference/oracle.h"
+#include "reference/forward.h"
 #include <stdlib.h>
 
 #define VISIBLE __attribute__((visibility("default")))
@@ -111,4 +112,41 @@ VISIBLE void quad_derivatives(struct quad *x, const double *q, const double *qd,
 			difference(x, (const double *[]){q, qd, qdd}, by, j, (wide *[]){room, room + nq, room + nq + nv},
 				by == BY_Q ? dq : by == BY_QD ? dqd : M);
 	free(room);
+}
+
+static wide *widened(const double *from, int n, size_t room)
+{
+	wide *x = calloc((size_t)n + room, sizeof *x);
+
+	if (!x)
+		abort();
+	for (int i = 0; i < n; i++)
+		x[i] = from[i];
+	return x;
+}
+
+VISIBLE int quad_forward(struct quad *x, const double *q, const double *qd, const double *tau, __float128 *qdd)
+{
+	struct reference *r = x->reference;
+	wide *p = widened(q, r->nq, 0), *v = widened(qd, r->nv, 0), *t = widened(tau, r->nv, (size_t)r->nv * (size_t)r->nv);
+	int is_definite = reference_inverse(r, NULL, p, t + r->nv) > 0;
+
+	if (is_definite)
+		reference_forward(r, t + r->nv, p, v, t, qdd);
+	free(p);
+	free(v);
+	free(t);
+	return is_definite;
+}
+
+VISIBLE double quad_condition(struct quad *x, const double *q)
+{
+	struct reference *r = x->reference;
+	wide *p = widened(q, r->nq, (size_t)r->nv * (size_t)r->nv);
+	double condition;
+
+	reference_mass(r, NULL, p, p + r->nq);
+	condition = (double)reference_condition(r->nv, p + r->nq);
+	free(p);
+	return condition;
 }

@@ -25,6 +25,12 @@ void quad_rnea_wide(struct quad *x, const __float128 *q, const __float128 *qd, c
 void quad_derivatives(struct quad *x, const double *q, const double *qd, const double *qdd, __float128 *dq, __float128 *dqd,
 	__float128 *M);
 
+/* qdd = FD(q, qd, tau) by a factorisation of M, column by column, refined; returns 0 where M is not positive definite. */
+int quad_forward(struct quad *x, const double *q, const double *qd, const double *tau, __float128 *qdd);
+
+/* The condition number of M. */
+double quad_condition(struct quad *x, const double *q);
+
 /* The magnitudes of all products that the reference sums, per torque. */
 void quad_magnitude(struct quad *x, const double *q, const double *qd, const double *qdd, double *size);
 

@@ -246,3 +246,51 @@ char *robot_star(int arms)
 	}
 	return urdf_close(&u);
 }
+
+char *robot_finger(void)
+{
+	struct part finger = part_link(7, 1, 1e-3, 0.03);
+	struct urdf u;
+
+	urdf_open(&u, "finger");
+	for (int i = 1; i <= 6; i++) {
+		struct part p = part_link(i, i % 2 ? 2 : 1, 100 / 6.0, 0.4);
+
+		put_part(&u, i, &p);
+	}
+	finger.xyz[0] = 0.4;
+	put_part(&u, 7, &finger);
+	return urdf_close(&u);
+}
+
+char *robot_needle(void)
+{
+	struct urdf u;
+
+	urdf_open(&u, "needle");
+	for (int i = 1; i <= 6; i++) {
+		struct part p = part_link(i, i % 3, 1, 0.2);
+
+		if (i == 6) {
+			p = (struct part){.parent = 5, .type = "revolute", .xyz = {0.2, 0, 0}, .axis = {1, 0, 0}, .mass = 0.01, .com = {0.05, 0, 0},
+				.inertia = {1e-8, 1e-5, 1e-5}};
+		}
+		put_part(&u, i, &p);
+	}
+	return urdf_close(&u);
+}
+
+char *robot_satellite(void)
+{
+	struct part base = {.type = "fixed", .axis = {1, 0, 0}, .mass = 1000, .com = {0.1, 0.2, -0.1}, .inertia = {400, 500, 600}};
+	struct urdf u;
+
+	urdf_open(&u, "satellite");
+	put_part(&u, 1, &base);
+	for (int i = 2; i <= 4; i++) {
+		struct part p = part_link(i, i % 3, 1e-3, 0.1);
+
+		put_part(&u, i, &p);
+	}
+	return urdf_close(&u);
+}

@@ -33,4 +33,13 @@ char *robot_skew(void);
 /* A hub that turns, and around it `arms` equal arms, each with a joint of its own. */
 char *robot_star(int arms);
 
+/* An arm of 100 kg in six links of 0.4 m, and on its tip a finger of 1 g and 3 cm. */
+char *robot_finger(void);
+
+/* Six joints of ordinary links; the last one's link has 1e-8 kg m^2 about its axis. */
+char *robot_needle(void);
+
+/* A base of 1000 kg, to be floated, with an arm of three links of 1 g. */
+char *robot_satellite(void);
+
 #endif

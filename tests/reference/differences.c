@@ -24,8 +24,7 @@ static void move_floating(wide *x, int row, wide h)
 	x[6] -= h / 2 * u[a];
 }
 
-// q moved by h along row j of the tangent space.
-static void move(const struct reference *r, int j, wide h, wide *q)
+void reference_move(const struct reference *r, int j, wide h, wide *q)
 {
 	for (int e = 0; e < r->nj; e++) {
 		const struct reference_joint *k = &r->joints[e];
@@ -82,10 +81,10 @@ void reference_differences(struct reference *r, const double *q, const double *q
 	widen(qd, r->nv, p.qd);
 	widen(qdd, r->nv, p.qdd);
 	for (int j = 0; j < r->nv; j++) {
-		move(r, j, h, p.q);
+		reference_move(r, j, h, p.q);
 		reference_rnea_wide(r, p.q, p.qd, p.qdd, p.ahead);
 		widen(q, r->nq, p.q);
-		move(r, j, -h, p.q);
+		reference_move(r, j, -h, p.q);
 		reference_rnea_wide(r, p.q, p.qd, p.qdd, p.behind);
 		widen(q, r->nq, p.q);
 		column(r, &p, j, 2 * h, dq);

@@ -11,6 +11,9 @@
 #define DIFFERENCE_STEP WIDE_C(1e-6)
 #endif
 
+// q moved by h along row j of the tangent space.
+void reference_move(const struct reference *r, int j, wide h, wide *q);
+
 // Derivatives of the reference's torques as central differences, and its mass matrix column by column, each
 // [torque][by], nv x nv. A floating joint's position varies by a twist in the body's frame. `work` is for
 // REFERENCE_WORK(r) numbers.

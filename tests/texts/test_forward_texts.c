@@ -1,0 +1,344 @@
+/* Texts of forward dynamics by drawn pairs of options: no compiler has a word to say of them, and run by librnea, on the host and on
+   the pretended device, they give what the evaluated DAG gives; by --strict several compilers give the same bits. Robots take turns;
+   where all is asked for, they are one more option. */
+#define _POSIX_C_SOURCE 200809L
+#include "rnea.h"
+#include "support/exhaustive.h"
+#include "support/pairs.h"
+#include "support/rng.h"
+#include "support/scene_model.h"
+#include "support/suite.h"
+#include "target/target.h"
+#include <dlfcn.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* More than one block, and a last one that is not full; so many states, in turn. */
+enum { COUNT = 150, STATES = 7, SEED = 77, LARGEST = 20 * 20 };
+enum { WAY, TARGET, PRECISION, LAYOUT, MODE, ROBOT, FACTORS };
+
+static const struct subject {
+	const char *name, *scene;
+	int floating;
+} SUBJECTS[] = {
+	{"double_pendulum", "free mass.lower\narmature elbow=0.01\nwant qdd,dqdd_dq,dqdd_dmass.lower\n", 0},
+	{"mimic_chain", "free offset.wrist\ndamping\nfriction 0.3\nwant qdd,Minv,dqdd_dqd,M\njvp qdd\n", 0},
+	{"planar_tilted", "free gravity\nfext disc\nfold tau.mast=0.5\nwant Minv,dqdd_dq,dqdd_dgravity,dtau_dq\n", 0},
+	{"floating_joint", "fext left_arm\nfext-frame world\nwant qdd,accel.left_arm,power\nvjp qdd\n", 0},
+	{"root_with_mass", "free mass.leg:sample\nwant qdd,dqdd_dqd,dqdd_dmass.leg\njvp qdd\nvjp qdd\n", 1},
+};
+static const char *const WAYS[] = {"dynamics factor\n", "dynamics articulated\n", "dense\n"};
+static const enum rneagen_target TARGETS[] = {RNEAGEN_TARGET_C, RNEAGEN_TARGET_CUDA, RNEAGEN_TARGET_HEADER};
+static const enum rneagen_precision PRECISIONS[] = {RNEAGEN_F64, RNEAGEN_F32, RNEAGEN_MIXED, RNEAGEN_F32X2};
+static const struct {
+	enum rneagen_trig trig;
+	int strict;
+} MODES[] = {{RNEAGEN_ACCURATE, 0}, {RNEAGEN_BOUNDED, 1}, {RNEAGEN_FAST, 0}};
+enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
+static const int LEVELS[FACTORS] = {3, 3, 4, 2, 3, SUBJECT_COUNT};
+
+static struct rneagen_options options_of(const int *row, char *scene, size_t size)
+{
+	const struct subject *s = &SUBJECTS[row[ROBOT]];
+	struct rneagen_options o = rneagen_options_default();
+	int is_mimic = !strcmp(s->name, "mimic_chain");
+
+	snprintf(scene, size, "%s%s", s->scene, is_mimic && row[WAY] == 1 ? "" : WAYS[row[WAY]]);
+	o.scene = scene;
+	o.base = s->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+	o.target = TARGETS[row[TARGET]];
+	o.precision = PRECISIONS[row[PRECISION]];
+	o.layout = row[LAYOUT] ? RNEAGEN_AOS : RNEAGEN_SOA;
+	o.trig = MODES[row[MODE]].trig;
+	o.strict = MODES[row[MODE]].strict && o.precision != RNEAGEN_F32X2; /* these exclude each other */
+	return o;
+}
+
+/* ---- what compilers say ---- */
+
+/* A header stands beside what includes it. nvcc takes long. */
+static void compile(const struct target *t, enum rneagen_target kind, int by_nvcc_too, const char *stem)
+{
+	static const char *const c_commands[] = {"gcc", "clang"}, *const nvcc[] = {"nvcc", "/usr/local/cuda/bin/nvcc"};
+	struct target_path source = target_path(stem, kind == RNEAGEN_TARGET_CUDA ? ".cu" : ".c"), header = target_path(stem, ".h");
+	struct target_path object = target_path(stem, ".o");
+	char include[600];
+
+	snprintf(include, sizeof include, "#include \"%s\"\ntypedef int nothing;\n", header.s);
+	target_write(source, kind == RNEAGEN_TARGET_HEADER ? include : t->text.source);
+	if (kind != RNEAGEN_TARGET_CUDA)
+		target_write(header, kind == RNEAGEN_TARGET_HEADER ? t->text.source : t->text.header);
+	for (int i = 0; i < 2; i++) {
+		const char *const by_c[] = {c_commands[i], "-std=c11", WARNING_FLAGS, "-Wshadow", "-fsyntax-only", "-x", "c", source.s, NULL};
+		const char *const by_nvcc[] = {nvcc[i], "-arch=sm_90", "-Werror", "all-warnings", "-ptx", "-o", object.s, source.s, NULL};
+		const struct compiler c = {c_commands[i], {NULL}}, n = {nvcc[i], {NULL}};
+
+		if (!compiler_lacks(&c, 0))
+			target_compile(t, by_c);
+		if (by_nvcc_too && !compiler_lacks(&n, 0)) {
+			target_compile(t, by_nvcc);
+			by_nvcc_too = 0;
+		}
+	}
+	unlink(source.s);
+	unlink(header.s);
+	unlink(object.s);
+}
+
+/* ---- run ---- */
+
+struct arrays {
+	void *at[DAG_ARGUMENTS];                          /* as the text has them */
+	double in[DAG_ARGUMENTS][LARGEST], out[DAG_ARGUMENTS][LARGEST];
+	double expected[DAG_ARGUMENTS][STATES][LARGEST], allowed[DAG_ARGUMENTS][STATES][LARGEST];
+};
+
+static void draw(const struct scene_model *m, struct rng *rng, int is_first, struct arrays *x)
+{
+	const struct dag *d = &m->dag;
+
+	for (int k = 0; k < d->argument_count; k++)
+		for (int i = 0; i < d->arguments[k].rows && (is_first || !d->arguments[k].per_batch) && !d->arguments[k].is_output; i++)
+			x->in[k][i] = (double)(float)(rng_uniform(rng, -1, 1) + (d->arguments[k].role == ROLE_LINK_MASS ? 2 : 0));
+	for (int j = 0; j < m->tree.joint_count; j++) {
+		double *u = x->in[0] + m->tree.joints[j].iq + 3, size = 0;
+
+		for (int i = 0; i < 4 && m->tree.joints[j].nq == 7; i++)
+			size += u[i] * u[i];
+		for (int i = 0; i < 4 && m->tree.joints[j].nq == 7; i++)
+			u[i] = (double)(float)(u[i] / sqrt(size));
+	}
+}
+
+/* What the text computes, within twice the evaluator's own bound. */
+static void expect(const struct dag *d, const struct rneagen_options *o, int sample, struct arrays *x)
+{
+	static float in_f32[DAG_ARGUMENTS][LARGEST], out_f32[DAG_ARGUMENTS][LARGEST];
+	static double bound[DAG_ARGUMENTS * LARGEST];
+	const double *in[DAG_ARGUMENTS] = {0};
+	double *out[DAG_ARGUMENTS] = {0}, more = o->precision == RNEAGEN_F32X2 ? 64 : o->trig == RNEAGEN_FAST ? 16 : 2;
+	const float *ins[DAG_ARGUMENTS] = {0};
+	float *outs[DAG_ARGUMENTS] = {0};
+	int is_f32 = o->precision == RNEAGEN_F32;
+
+	for (int k = 0; k < d->argument_count; k++) {
+		for (int i = 0; i < d->arguments[k].rows; i++)
+			in_f32[k][i] = (float)x->in[k][i];
+		in[k] = d->arguments[k].is_output ? NULL : x->in[k];
+		ins[k] = d->arguments[k].is_output ? NULL : in_f32[k];
+		out[k] = d->arguments[k].is_output ? x->out[k] : NULL;
+		outs[k] = d->arguments[k].is_output ? out_f32[k] : NULL;
+	}
+	ck_assert(is_f32 ? eval_f32(d, ins, outs, &(struct eval_terms){.bound = bound}) : eval_f64(d, in, out, &(struct eval_terms){.bound = bound}));
+	for (size_t i = 0; i < d->output_count; i++) {
+		int k = d->outputs[i].argument, row = d->outputs[i].row;
+		double value = is_f32 ? (double)out_f32[k][row] : x->out[k][row];
+
+		ck_assert_msg(isfinite(value), "%s[%d] is %g", d->arguments[k].name, row, value);
+		x->expected[k][sample][row] = value;
+		x->allowed[k][sample][row] = more * bound[i] + (o->precision == RNEAGEN_MIXED ? fabs(value) * 0x1p-23 : 0);
+	}
+}
+
+static size_t place(const struct rnea_info *info, int k, int rows, int sample, int row)
+{
+	return (size_t)(info->arguments[k].per_batch ? row : info->layout == RNEA_AOS ? sample * rows + row : row * COUNT + sample);
+}
+
+static void put(const struct scene_model *m, const struct rnea_info *info, int sample, struct arrays *x)
+{
+	for (int k = 0; k < m->dag.argument_count; k++)
+		for (int i = 0; i < m->dag.arguments[k].rows && !m->dag.arguments[k].is_output; i++) {
+			size_t at = place(info, k, m->dag.arguments[k].rows, sample, i);
+
+			if (info->precision == RNEA_F64)
+				((double *)x->at[k])[at] = x->in[k][i];
+			else
+				((float *)x->at[k])[at] = (float)x->in[k][i];
+		}
+}
+
+static void fill(const struct scene_model *m, const struct rneagen_options *o, const struct rnea_info *info, uint64_t seed, struct arrays *x)
+{
+	struct rng rng = rng_seed(seed);
+
+	ck_assert_int_eq((int)(info->input_count + info->output_count), m->dag.argument_count);
+	for (int k = 0; k < m->dag.argument_count; k++) {
+		ck_assert_str_eq(info->arguments[k].name, m->dag.arguments[k].name);
+		ck_assert_int_le(m->dag.arguments[k].rows, LARGEST);
+		x->at[k] = calloc((size_t)(COUNT * m->dag.arguments[k].rows), sizeof(double));
+	}
+	for (int state = 0; state < STATES; state++) {
+		draw(m, &rng, !state, x);
+		expect(&m->dag, o, state, x);
+		for (int s = state; s < COUNT; s += STATES)
+			put(m, info, s, x);
+	}
+}
+
+static void compare(const struct dag *d, const struct rnea_info *info, const struct arrays *x, const char *what)
+{
+	for (int k = 0; k < d->argument_count; k++)
+		for (int i = 0; i < d->arguments[k].rows && d->arguments[k].is_output; i++)
+			for (int s = 0; s < COUNT; s++) {
+				size_t at = place(info, k, d->arguments[k].rows, s, i);
+				double got = info->precision == RNEA_F64 ? ((double *)x->at[k])[at] : (double)((float *)x->at[k])[at];
+
+				ck_assert_msg(fabs(got - x->expected[k][s % STATES][i]) <= x->allowed[k][s % STATES][i], "%s: %s[%d] of sample %d: %.17g, not %.17g (%.3g)",
+					what, d->arguments[k].name, i, s, got, x->expected[k][s % STATES][i], x->allowed[k][s % STATES][i]);
+			}
+}
+
+static void run_on(const struct scene_model *m, const struct rneagen_options *o, const struct target *t, enum rnea_backend backend, uint64_t seed)
+{
+	struct rnea_options how = {.backend = backend, .cache = ""};
+	struct arrays *x = calloc(1, sizeof *x);
+	struct rnea_robot *robot;
+	struct rnea_error e;
+
+	ck_assert(x != NULL);
+	ck_assert_msg(!rnea_open(t->text.source, strlen(t->text.source), &how, &robot, &e), "%s: %s", t->what, e.message);
+	fill(m, o, rnea_info(robot), seed, x);
+	ck_assert_msg(!rnea_run(robot, x->at, COUNT, &e), "%s: %s", t->what, e.message);
+	compare(&m->dag, rnea_info(robot), x, t->what);
+	for (int k = 0; k < m->dag.argument_count; k++)
+		free(x->at[k]);
+	free(x);
+	rnea_close(robot);
+}
+
+static void check_row(const int *row, uint64_t seed)
+{
+	const struct subject *s = &SUBJECTS[row[ROBOT]];
+	char scene[512], stem[64];
+	struct rneagen_options o = options_of(row, scene, sizeof scene);
+	struct scene_model m;
+	struct target t;
+	size_t length;
+	char *urdf = target_robot(s->name, &length);
+
+	snprintf(stem, sizeof stem, "forward_%s_%d", s->name, (int)seed);
+	o.name = stem;
+	ck_assert_msg(!scene_open(&m, urdf, &o), "%s: %s", s->name, m.error.message);
+	target_generate(&t, urdf, length, &o, stem);
+	snprintf(t.what + strlen(t.what), sizeof t.what - strlen(t.what), ", way %d, seed %d", row[WAY], (int)seed);
+	compile(&t, o.target, o.target == RNEAGEN_TARGET_CUDA && row[PRECISION] == row[ROBOT] % 4, stem);
+	if (o.target != RNEAGEN_TARGET_HEADER)
+		run_on(&m, &o, &t, RNEA_BACKEND_HOST, seed);
+	if (o.target == RNEAGEN_TARGET_CUDA)
+		run_on(&m, &o, &t, RNEA_BACKEND_CUDA, seed);
+	target_close(&t);
+	scene_close(&m);
+	free(urdf);
+}
+
+START_TEST(texts)
+{
+	static struct pairs p;
+
+	setenv("RNEA_LIBCUDA", FAKE_CUDA, 1);
+	setenv("RNEA_NVRTC", FAKE_NVRTC, 1);
+	p.factors = exhaustive() ? FACTORS : ROBOT;
+	memcpy(p.levels, LEVELS, sizeof LEVELS);
+	pairs_draw(&p, SEED);
+	for (int i = 0; i < p.count; i++) {
+		p.rows[i][ROBOT] = exhaustive() ? p.rows[i][ROBOT] : i % SUBJECT_COUNT;
+		check_row(p.rows[i], (uint64_t)(SEED + i));
+	}
+	printf("%d texts, seed %d\n", p.count, SEED);
+}
+END_TEST
+
+/* ---- the same bits ---- */
+
+/* The first sets them. */
+static const struct compiler STRICT[] = {{"gcc", {"-O0", "-std=c11"}}, {"clang", {"-O0", "-std=c11"}},
+	{"gcc", {"-O3", "-std=gnu11", "-ffp-contract=fast", "-march=x86-64-v3"}}, {"clang", {"-O3", "-std=c11", "-ffp-contract=fast", "-march=x86-64-v3"}},
+	{"gcc", {"-O2", "-std=c11"}}};
+
+enum { STRICT_COUNT = sizeof STRICT / sizeof *STRICT, NV = 6 };
+
+static void run_strict(const struct target *t, const struct compiler *c, int f32, double *out)
+{
+	struct target_path source = target_path("forward_strict", ".c"), library = target_path("forward_strict", ".so");
+	const char *argv[20] = {c->command, "-fPIC", "-shared", "-o", library.s, source.s};
+	void (*as_f64)(const double *q, const double *qd, const double *tau, double *qdd, double *X);
+	void (*as_f32)(const float *q, const float *qd, const float *tau, float *qdd, float *X);
+	struct rng rng = rng_seed(SEED);
+	void *handle;
+	int n = 6;
+
+	for (int i = 0; c->flags[i]; i++)
+		argv[n++] = c->flags[i];
+	argv[n] = "-lm";
+	target_compile(t, argv);
+	handle = dlopen(library.s, RTLD_NOW | RTLD_LOCAL);
+	ck_assert_msg(handle != NULL, "%s", dlerror());
+	target_symbol(t, handle, "forward_strict_fd", &as_f64);
+	target_symbol(t, handle, "forward_strict_fd", &as_f32);
+	for (int s = 0; s < COUNT; s++, out += NV + NV * NV) {
+		double in[3 * NV];
+		float in_f32[3 * NV], out_f32[NV + NV * NV];
+
+		for (int i = 0; i < 3 * NV; i++)
+			in_f32[i] = (float)(in[i] = rng_uniform(&rng, -2, 2));
+		if (!f32) {
+			as_f64(in, in + NV, in + 2 * NV, out, out + NV);
+			continue;
+		}
+		as_f32(in_f32, in_f32 + NV, in_f32 + 2 * NV, out_f32, out_f32 + NV);
+		for (int i = 0; i < NV + NV * NV; i++)
+			out[i] = (double)out_f32[i];
+	}
+	dlclose(handle);
+	unlink(library.s);
+}
+
+START_TEST(strict)
+{
+	static double first[COUNT * (NV + NV * NV)], now[COUNT * (NV + NV * NV)];
+	struct rneagen_options o = rneagen_options_default();
+	char scene[128];
+	struct target t;
+	size_t length;
+	char *urdf = target_robot("ur5", &length);
+	int f32 = _i;
+
+	snprintf(scene, sizeof scene, "dense\nwant qdd,Minv\n%s", WAYS[_i]);
+	o.scene = scene;
+	o.target = RNEAGEN_TARGET_C;
+	o.precision = f32 ? RNEAGEN_F32 : RNEAGEN_F64;
+	o.strict = 1;
+	o.name = "forward_strict";
+	target_generate(&t, urdf, length, &o, "ur5");
+	target_write(target_path("forward_strict", ".c"), t.text.source);
+	for (int i = 0; i < STRICT_COUNT; i++) {
+		const char *why = compiler_lacks(&STRICT[i], STRICT[i].flags[3] != NULL);
+
+		if (why) {
+			printf("skipped: %s: %s\n", STRICT[i].command, why);
+			continue;
+		}
+		run_strict(&t, &STRICT[i], f32, i ? now : first);
+		for (int k = 0; k < COUNT * (NV + NV * NV) && i; k++)
+			ck_assert_msg(same_number(first[k], now[k]), "%s by %s %s: number %d is %a, not %a", t.what, STRICT[i].command,
+				STRICT[i].flags[0], k, now[k], first[k]);
+	}
+	unlink(target_path("forward_strict", ".c").s);
+	target_close(&t);
+	free(urdf);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *suite = suite_create("forward texts");
+
+	setvbuf(stdout, NULL, _IOLBF, 0);
+	suite_add(suite, "texts", texts, 1, 300);
+	suite_add(suite, "strict", strict, 2, 120);
+	return suite_run(suite);
+}
