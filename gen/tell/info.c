@@ -156,10 +156,10 @@ void info_json(const struct info *x, struct text *out)
 		text_put_json(out, e->warnings[i]);
 	}
 	text_put(out, e->warning_count ? "\n  ],\n" : "],\n");
-	text_printf(out,
-		"  \"operations\": {\"mul\": %u, \"add\": %u, \"sub\": %u, \"neg\": %u, \"fma\": %u, \"sincos\": %u, \"flops\": %u",
-		n.mul, n.add, n.sub, n.neg, n.fma, n.sincos, plan_flops(n));
 	if (e->wide)
-		text_printf(out, ", \"flops_%s\": %u", e->wide->arithmetic->name, n.wide);
-	text_put(out, "}\n}\n");
+		text_printf(out, "  \"refinement\": {\"steps\": %d, \"residual\": \"%s\", \"flops\": %u},\n", e->request->refine_steps,
+			e->wide->arithmetic->name, n.wide);
+	text_printf(out,
+		"  \"operations\": {\"mul\": %u, \"add\": %u, \"sub\": %u, \"neg\": %u, \"fma\": %u, \"sincos\": %u, \"flops\": %u}\n}\n",
+		n.mul, n.add, n.sub, n.neg, n.fma, n.sincos, plan_flops(n));
 }
