@@ -62,6 +62,21 @@ static enum rneagen_code options_resolve(struct generation *g)
 	return o->name ? RNEAGEN_OK : error_memory(e);
 }
 
+/* What the choices make of each other. */
+static enum rneagen_code options_check(struct generation *g)
+{
+	const struct request *k = &g->analysis.request;
+
+	if (g->analysis.options.strict && k->refine_steps && k->refine == REFINE_F32X2)
+		return error_set(g->analysis.error, RNEAGEN_USAGE,
+			"--strict and --refine %d:f32x2 exclude each other: products of pairs of floats have other bits where no fused multiply-add "
+			"is; take %d:f64", k->refine_steps, k->refine_steps);
+	if (g->analysis.options.bounded && k->refine_steps)
+		return error_set(g->analysis.error, RNEAGEN_USAGE,
+			"--bounded and --refine exclude each other: a bound beside the statements does not see what refinement takes off");
+	return RNEAGEN_OK;
+}
+
 /* The halves of the algorithm go with the whole of it, not with a scene's choice of inputs and outputs. */
 static int function_count(struct generation *g)
 {
@@ -281,6 +296,7 @@ static const struct stage PASSES[] = {
 	{"robot_snap", "the robot, angles snapped", FIRST_HALF(robot_snap), SILENT},
 	{"tree_build", "bodies that move, every constant placed", FIRST_HALF(tree_build), DUMPED(tree, TREE)},
 	{"request_resolve", "inputs and outputs", FIRST_HALF(request_resolve), DUMPED(request, REQUEST)},
+	{"options_check", "options that go with the request", SECOND_HALF(options_check), SILENT},
 	{"dag_build", "expressions of the outputs", SECOND_HALF(dag_build_all), SILENT},
 	{"dag_prune", "the same, without terms that no output feels", FIRST_HALF(dag_prune), SILENT},
 	{"dag_fuse", "the same, products joined to sums", SECOND_HALF(dag_fuse_all), DUMPED(dag, DAG)},

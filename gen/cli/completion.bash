@@ -1,7 +1,7 @@
 # Completion of rneagen and rnearun for bash.
 # shellcheck shell=bash
 
-_rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --derivatives --dynamics --jvp --vjp --fext --fext-frame --armature --damping
+_rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --derivatives --dynamics --refine --jvp --vjp --fext --fext-frame --armature --damping
 	--friction --snap-angle --round-constants --drop-below --range'
 _rneagen_options="-o --output --target --precision --layout --strict --bounded --only --parts --trig --base --gravity --mimic --order --name --info
 	--info=json --dot --dump --quiet --help --version $_rneagen_scene"
@@ -20,6 +20,7 @@ _rneagen_words() {
 	--derivatives) echo forward recursion ;;
 	--dynamics) echo auto factor articulated ;;
 	--jvp | --vjp) echo tau qdd ;;
+	--refine) echo 0 1 1:f64 1:f32x2 1:same ;;
 	--parts) echo auto ;;
 	--only) echo rnea fd ;;
 	--info) echo json ;;

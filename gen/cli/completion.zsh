@@ -24,6 +24,7 @@ _rneagen_model=(
 	'--dynamics=[how qdd is found]:method:(auto factor articulated)'
 	'--jvp=[derivatives times a vector]:output:(tau qdd)'
 	'--vjp=[a vector times derivatives]:output:(tau qdd)'
+	'--refine=[qdd after steps of refinement]:steps:(0 1 1\:f64 1\:f32x2 1\:same)'
 	'*--fext=[external wrenches on these links]:links:'
 	'--fext-frame=[the axes of external wrenches]:frame:(link world)'
 	'--armature=[rotor inertias]:file:_files'

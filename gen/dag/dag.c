@@ -50,6 +50,7 @@ struct key {
 	struct ref a, b, c;
 	real value;		     /* CONST */
 	const struct within *number; /* NULL: exactly the value */
+	int is_wide;		     /* CONST */
 };
 
 static int number_is(const struct dag *d, const struct node *n, const struct key *k)
@@ -62,7 +63,7 @@ static int number_is(const struct dag *d, const struct node *n, const struct key
 static int node_is(const struct dag *d, const struct node *n, const struct key *k)
 {
 	return n->op == k->op && n->arg[0].i == k->a.i && n->arg[1].i == k->b.i && n->arg[2].i == k->c.i &&
-	       (k->op != OP_CONST || (n->value == k->value && number_is(d, n, k)));
+	       (k->op != OP_CONST || (n->value == k->value && (int)n->is_wide == k->is_wide && number_is(d, n, k)));
 }
 
 /* The place in the table where the node is or would be. */
@@ -98,10 +99,21 @@ static int table_grow(struct dag *d)
 
 struct ref dag_find(const struct dag *d, enum op op, struct ref a, struct ref b, struct ref c, real value)
 {
-	const struct key k = {op, a, b, c, value, NULL};
+	const struct key k = {op, a, b, c, value, NULL, 0};
 	uint32_t found = d->failed || !d->table ? 0 : d->table[table_slot(d, &k)];
 
 	return (struct ref){found ? found - 1 : 0};
+}
+
+/* Of a node that is not there yet. The constant 0, which has one node, is of both types. */
+static int is_wide(const struct dag *d, const struct key *k)
+{
+	const struct ref args[] = {k->a, k->b, k->c};
+	int wide = k->op == OP_WIDEN || k->is_wide;
+
+	for (int i = 0; i < op_arity[k->op] && k->op != OP_NARROW; i++)
+		wide |= (int)d->nodes[args[i].i].is_wide;
+	return wide;
 }
 
 /* Look the node up or add it. */
@@ -124,7 +136,7 @@ static struct ref node_of(struct dag *d, const struct key *k)
 		return NONE;
 	}
 	d->nodes = nodes;
-	d->nodes[d->count] = (struct node){.op = k->op, .arg = {k->a, k->b, k->c}, .value = k->value};
+	d->nodes[d->count] = (struct node){.op = k->op, .arg = {k->a, k->b, k->c}, .value = k->value, .is_wide = is_wide(d, k) != 0};
 	d->table[slot] = (uint32_t)++d->count;
 	if (d->count > d->table_size / 2 && !table_grow(d))
 		d->failed = 1;
@@ -133,7 +145,7 @@ static struct ref node_of(struct dag *d, const struct key *k)
 
 struct ref dag_node(struct dag *d, enum op op, struct ref a, struct ref b, struct ref c, real value)
 {
-	const struct key k = {op, a, b, c, value, NULL};
+	const struct key k = {op, a, b, c, value, NULL, op == OP_CONST && d->is_wide && value != 0};
 
 	return node_of(d, &k);
 }
@@ -148,7 +160,7 @@ static void set_number(struct dag *d, struct node *n, struct within c)
 			d->failed = 1;
 			return;
 		}
-		n->number = (uint32_t)++d->number_count;
+		n->number = (uint32_t)++d->number_count & 0x7fffffff;
 	}
 	d->numbers = numbers;
 	numbers[n->number - 1] = c;
@@ -165,7 +177,7 @@ struct ref dag_const(struct dag *d, real value)
 
 struct ref dag_within(struct dag *d, struct within c)
 {
-	const struct key k = {OP_CONST, NONE, NONE, NONE, c.x + 0, &c};
+	const struct key k = {OP_CONST, NONE, NONE, NONE, c.x + 0, &c, d->is_wide};
 	size_t count = d->count;
 	struct ref r;
 
@@ -349,10 +361,12 @@ void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier 
 
 		for (; section < d->section_count && d->sections[section].node <= i; section++)
 			dag_section(out, d->sections[section].kind, d->sections[section].body);
+		out->is_wide = d->nodes[i].is_wide;
 		map[i] = copy(context, out, i);
 		if (tag->quantity[0])
 			dag_tag(out, map[i], tag->quantity, tag->body, tag->component);
 	}
+	out->is_wide = 0;
 	for (; section < d->section_count; section++)
 		dag_section(out, d->sections[section].kind, d->sections[section].body);
 	for (size_t i = 0; i < d->output_count; i++)

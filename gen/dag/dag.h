@@ -29,11 +29,13 @@ struct node {
 	struct ref arg[3]; /* INPUT: arg[0].i is the argument, arg[1].i the row */
 	real value;        /* CONST */
 	struct tag tag;
-	uint32_t number;   /* CONST: which of the DAG's numbers it is, counted from 1; 0: exactly the value */
+	uint32_t number : 31; /* CONST: which of the DAG's numbers it is, counted from 1; 0: exactly the value */
+	uint32_t is_wide : 1; /* it is of the type with more bits: WIDEN, and what is made of wide operands */
 };
 
 enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END, SECTION_FREED, SECTION_TOTALS, SECTION_BIAS, SECTION_GRAVITY,
-	SECTION_BY, SECTION_PRODUCTS, SECTION_FACTORS, SECTION_ARTICULATED, SECTION_INVERSE, SECTION_RESIDUAL, SECTION_BOUND, SECTION_COUNT };
+	SECTION_BY, SECTION_PRODUCTS, SECTION_FACTORS, SECTION_ARTICULATED, SECTION_INVERSE, SECTION_RESIDUAL, SECTION_REFINED, SECTION_BOUND,
+	SECTION_COUNT };
 
 /* From this node (and this output) on, the text belongs to going out to a body, or back from it. */
 struct section {
@@ -74,6 +76,7 @@ struct dag {
 	size_t output_count, output_capacity;
 	struct section *sections;
 	size_t section_count, section_capacity;
+	int is_wide;  /* while it is set, inputs are widened where they are read, and constants are wide */
 	size_t limit; /* nodes; 0: as many as memory holds */
 	int failed;   /* sticky: out of memory, an argument or a node too many, a matrix that cannot be solved */
 	int singular; /* 1 + the row of qd whose joint moves no mass, where that made it fail */
@@ -126,6 +129,9 @@ struct ref dag_abs(struct dag *d, struct ref a);
 struct ref dag_anew(struct dag *d, struct ref a);
 struct ref dag_sin(struct dag *d, struct ref a);
 struct ref dag_cos(struct dag *d, struct ref a);
+/* Both leave a constant one: of the other type. */
+struct ref dag_widen(struct dag *d, struct ref a);
+struct ref dag_narrow(struct dag *d, struct ref a);
 /* a*b + c, rounded once where the target can */
 struct ref dag_fma(struct dag *d, struct ref a, struct ref b, struct ref c);
 
@@ -150,6 +156,9 @@ typedef struct ref dag_copier(void *context, struct dag *out, size_t i);
 /* Arguments, sections, tags and outputs of `d`, with nodes as `copy` makes them; map[i] (d->count of them) is what it made of
    node i. */
 void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier *copy, void *context);
+
+/* Is any node wide? */
+int dag_has_wide(const struct dag *d);
 
 /* How often each node is used by live nodes and outputs, in `uses` (d->count of them); 0 means dead. */
 void dag_uses(const struct dag *d, uint32_t *uses);

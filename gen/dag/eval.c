@@ -90,6 +90,12 @@ static double rest_of_root(double value, double a, double of_a)
 	return of_a > 0 ? of_a * of_a / (2 * value * both * both) : 0;
 }
 
+/* Of the type that a node is of. */
+static const struct eval_model *model_of(const struct node *n, const struct eval_model *m)
+{
+	return n->is_wide && m->wide ? m->wide : m;
+}
+
 /* Magnitudes and error of a node from those of its operands x, y, z, whose values are a, b, c:
    |fl(a+b) - (a'+b')| <= e_a + e_b + u |a+b|,  |fl(ab) - a'b'| <= |a| e_b + |b| e_a + e_a e_b + u |ab| + tiny,
    with a second rounding where a product joined to a sum is rounded twice. */
@@ -108,7 +114,11 @@ static struct spread spread_of(const struct survey *v, size_t i, double given_er
 	case OP_NEG:
 	case OP_ABS:
 	case OP_ANEW:
+	case OP_WIDEN:
 		return (struct spread){x->size, x->bound, 0, x->swept};
+	case OP_NARROW:
+		local = m->wide ? rounding(m->add, m->tiny, value, x->bound) : 0;
+		return (struct spread){x->size, x->bound + local, local, 0};
 	case OP_ADD:
 	case OP_SUB:
 		local = of_terms(m, a, b, sum);
@@ -257,17 +267,6 @@ static double constant_error(const struct dag *d, const struct node *n, real rou
 	return (double)fabsl(rounded - n->value) * (1 + DBL_EPSILON) + error + 2 * tiny;
 }
 
-#define T float
-#define EVAL(name) name##_f32
-#define UNIT 0x1p-24
-#define TINY 0x1p-150
-#define LARGEST (double)FLT_MAX
-#define T_FMA fmaf
-#define T_SIN sinf
-#define T_COS cosf
-#define T_SQRT sqrtf
-#include "dag/eval.inc"
-
 #define T double
 #define EVAL(name) name##_f64
 #define UNIT 0x1p-53
@@ -277,6 +276,19 @@ static double constant_error(const struct dag *d, const struct node *n, real rou
 #define T_SIN sin
 #define T_COS cos
 #define T_SQRT sqrt
+#include "dag/eval.inc"
+
+#define T float
+#define EVAL(name) name##_f32
+#define T_WIDE double
+#define EVAL_WIDE(name) name##_f64
+#define UNIT 0x1p-24
+#define TINY 0x1p-150
+#define LARGEST (double)FLT_MAX
+#define T_FMA fmaf
+#define T_SIN sinf
+#define T_COS cosf
+#define T_SQRT sqrtf
 #include "dag/eval.inc"
 
 #define T real
@@ -292,14 +304,14 @@ static double constant_error(const struct dag *d, const struct node *n, real rou
 
 /* The text's operations, and those in extended precision that stand for the exact ones: what the two may differ by adds
    up, since the analysis is linear in the errors of operations but for products of them, which only gain. */
-static struct eval_model widened(const struct eval_model *m)
+static struct eval_model with_own(const struct eval_model *m)
 {
-	struct eval_model wide = *m;
+	struct eval_model both = *m;
 
-	wide.add += (double)LDBL_EPSILON;
-	wide.mul += (double)LDBL_EPSILON;
-	wide.sincos += 2 * (double)LDBL_EPSILON;
-	return wide;
+	both.add += (double)LDBL_EPSILON;
+	both.mul += (double)LDBL_EPSILON;
+	both.sincos += 2 * (double)LDBL_EPSILON;
+	return both;
 }
 
 /* Rounding on the way to memory; nothing is known of what is too large for it. */
@@ -346,15 +358,18 @@ static double given_error(const struct dag *d, const struct node *n, double valu
 
 int eval_bound(const struct dag *d, const struct eval_model *m, const double *const *in, double *const *bound)
 {
-	struct eval_model wide = widened(m);
+	struct eval_model both = with_own(m), wide = with_own(m->wide ? m->wide : m);
 	struct survey x = survey_new(d);
 	real *v = malloc(d->count * sizeof *v);
 	int done = v && survey_is_made(&x);
 
+	both.wide = m->wide ? &wide : NULL;
 	for (size_t i = 0; done && i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+
 		evaluate_node(d, i, in, v);
 		x.values[i] = (double)v[i];
-		survey_node(&x, i, given_error(d, &d->nodes[i], x.values[i], m), &wide);
+		survey_node(&x, i, given_error(d, n, x.values[i], model_of(n, m)), model_of(n, &both));
 	}
 	if (done)
 		put_bounds(&x, m, bound);

@@ -1,6 +1,7 @@
 #ifndef RNEAGEN_OPS_H
 #define RNEAGEN_OPS_H
-/* The operations of the expression DAG, one row each:
+/* The operations of the expression DAG, one row each. WIDEN takes a number over into a type with more bits, without an error,
+   and NARROW rounds it back:
    X(name, arguments, commutes, binding strength of the text that shows it) */
 #define DAG_OPS(X)                                                                                                     \
 	X(CONST, 0, 0, 4)                                                                                              \
@@ -15,7 +16,9 @@
 	X(ABS, 1, 0, 4)                                                                                                \
 	X(ANEW, 1, 0, 4)                                                                                               \
 	X(SIN, 1, 0, 4)                                                                                                \
-	X(COS, 1, 0, 4)
+	X(COS, 1, 0, 4)                                                                                                \
+	X(WIDEN, 1, 0, 3)                                                                                              \
+	X(NARROW, 1, 0, 3)
 
 enum op {
 #define DAG_OP_ENUM(name, arity, commutes, strength) OP_##name,

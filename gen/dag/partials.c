@@ -30,6 +30,7 @@ void eval_partials(const struct node *n, const double *v, double *out)
 		break;
 	default:
 		out[0] = n->op == OP_NEG ? -1 : 1;
-		out[1] = n->op == OP_SUB ? -1 : 1;
+		if (op_arity[n->op] > 1)
+			out[1] = n->op == OP_SUB ? -1 : 1;
 	}
 }

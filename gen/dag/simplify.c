@@ -47,7 +47,49 @@ static struct ref negated(struct dag *d, struct ref a)
 
 struct ref dag_input(struct dag *d, int argument, int row)
 {
-	return dag_node(d, OP_INPUT, (struct ref){(uint32_t)argument}, (struct ref){(uint32_t)row}, NONE, 0);
+	struct ref x = dag_node(d, OP_INPUT, (struct ref){(uint32_t)argument}, (struct ref){(uint32_t)row}, NONE, 0);
+
+	return d->is_wide ? dag_widen(d, x) : x;
+}
+
+/* The same constant in another type. */
+static struct ref converted(struct dag *d, struct ref a, int is_wide)
+{
+	int before = d->is_wide;
+	struct ref x;
+
+	d->is_wide = is_wide;
+	x = dag_within(d, number(d, a));
+	d->is_wide = before;
+	return x;
+}
+
+struct ref dag_widen(struct dag *d, struct ref a)
+{
+	if (d->failed || at(d, a).is_wide)
+		return a;
+	if (is_const(d, a))
+		return converted(d, a, 1);
+	return is_neg(d, a) ? dag_neg(d, dag_widen(d, at(d, a).arg[0])) : dag_node(d, OP_WIDEN, a, NONE, NONE, 0);
+}
+
+struct ref dag_narrow(struct dag *d, struct ref a)
+{
+	if (d->failed || !at(d, a).is_wide)
+		return a;
+	if (is_const(d, a))
+		return converted(d, a, 0);
+	if (is_neg(d, a))
+		return dag_neg(d, dag_narrow(d, at(d, a).arg[0]));
+	return at(d, a).op == OP_WIDEN ? at(d, a).arg[0] : dag_node(d, OP_NARROW, a, NONE, NONE, 0);
+}
+
+int dag_has_wide(const struct dag *d)
+{
+	for (size_t i = 0; i < d->count; i++)
+		if (d->nodes[i].is_wide)
+			return 1;
+	return 0;
 }
 
 struct ref dag_neg(struct dag *d, struct ref a)
@@ -245,6 +287,10 @@ struct ref dag_operation(struct dag *d, enum op op, struct ref a, struct ref b, 
 		return dag_abs(d, a);
 	case OP_ANEW:
 		return dag_anew(d, a);
+	case OP_WIDEN:
+		return dag_widen(d, a);
+	case OP_NARROW:
+		return dag_narrow(d, a);
 	case OP_SIN:
 		return dag_sin(d, a);
 	case OP_COS:

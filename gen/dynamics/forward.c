@@ -99,6 +99,10 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 	if (request_wants(b->k, WANT_QDD_BOUND))
 		forward_part(d, x->qdd, nv);
 	tag_rows(x, "qdd", x->qdd);
+	for (int step = 0; step < b->k->refine_steps && !d->failed; step++) {
+		refine_step(x, in);
+		tag_rows(x, "qdd", x->qdd);
+	}
 }
 
 void forward_pivots(const struct forward *x)

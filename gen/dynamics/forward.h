@@ -24,6 +24,9 @@ struct forward {
    d->singular then says which. */
 void forward_find(struct forward *x, struct build *b, struct joint_inputs in);
 
+/* qdd + M^-1 (tau - ID(q, qd, qdd)) in place of x->qdd; `in` as for forward_find. */
+void refine_step(struct forward *x, struct joint_inputs in);
+
 /* Of factors, as an output "pivots" by rows of qd: D, then M's diagonal. */
 void forward_pivots(const struct forward *x);
 

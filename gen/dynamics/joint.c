@@ -18,6 +18,8 @@ struct ref source_row(struct dag *d, const struct source *s, int row)
 
 	if (s->given && s->given[row].is_given)
 		return dag_within(d, s->given[row].value);
+	if (s->found)
+		return s->found[row];
 	return s->argument >= 0 ? dag_input(d, s->argument, row) : zero;
 }
 

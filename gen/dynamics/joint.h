@@ -5,10 +5,12 @@
 #include "dag/svec.h"
 #include "request/request.h"
 
-/* Rows of an input: those that the scene gives (NULL: none), else the argument's; -1: zero. */
+/* Rows of an input: those that the scene gives (NULL: none), else those that were found (NULL: none), else the argument's; -1:
+   zero. */
 struct source {
 	int argument;
 	const struct row *given;
+	const struct ref *found;
 };
 
 /* Where q, qd and qdd come from; what is added to rows of q (NULL: nothing). */

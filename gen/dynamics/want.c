@@ -52,16 +52,20 @@ static const char *after_point(const char *word)
 	return point ? point + 1 : "";
 }
 
-static void free_constants(struct build *b)
+void want_constants(struct build *b)
 {
 	static const enum role roles[] = {[FREED_GRAVITY] = ROLE_GRAVITY, [FREED_MASS] = ROLE_LINK_MASS, [FREED_INERTIA] = ROLE_LINK_INERTIA,
 		[FREED_PAYLOAD] = ROLE_LINK_PAYLOAD, [FREED_OFFSET] = ROLE_JOINT_OFFSET};
 
+	for (int i = 0; i < 3; i++)
+		b->gravity[i] = dag_within(b->d, b->t->gravity[i]);
 	for (int i = 0; i < b->k->freed_count; i++) {
 		const struct freed *f = &b->k->freed[i];
-		int argument = dag_argument_of(b->d, (struct argument){.name = f->argument, .rows = f->rows, .per_batch = f->per_batch,
-			.role = roles[f->kind], .of = after_point(f->word)});
+		int argument = dag_find_argument(b->d, f->argument);
 
+		if (argument < 0)
+			argument = dag_argument_of(b->d, (struct argument){.name = f->argument, .rows = f->rows, .per_batch = f->per_batch,
+				.role = roles[f->kind], .of = after_point(f->word)});
 		if (f->kind == FREED_OFFSET)
 			b->offset[b->t->bodies[f->body].iq] = dag_input(b->d, argument, 0);
 		else if (f->kind != FREED_GRAVITY)
@@ -318,15 +322,13 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 		return;
 	}
 	dag_section(d, SECTION_FREED, 0);
-	for (int i = 0; i < 3; i++)
-		b.gravity[i] = dag_within(d, t->gravity[i]);
 	in = (struct joint_inputs){.q = source(d, INPUT_Q, k->q, t->nq), .offset = b.offset};
 	in.qd = source(d, INPUT_QD, k->qd, t->nv);
 	if (k->is_forward)
 		forward.torques = source(d, INPUT_TAU, k->tau, t->nv);
 	else
 		in.qdd = source(d, INPUT_QDD, k->qdd, t->nv);
-	free_constants(&b);
+	want_constants(&b);
 	declare_request(&b);
 	if (ways.pivots_alone) {
 		forward_find(&forward, &b, in);

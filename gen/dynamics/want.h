@@ -33,6 +33,9 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 /* A tour of the scene's robot, with what it frees and gravity as it has it. */
 struct tour want_tour(struct build *b, struct joint_inputs in);
 
+/* Gravity, offsets and parameters of bodies: the tree's, and what the scene frees as arguments, which are declared the first time. */
+void want_constants(struct build *b);
+
 /* The wrenches from outside on a body that has been entered; where they are in axes of the world, the body's orientation. */
 void want_pull(const struct tour *r, int body);
 

@@ -32,6 +32,15 @@ int emit_uses(const struct emission *e, enum op op)
 	return 0;
 }
 
+int emit_uses_in(const struct emission *e, enum op op, int is_wide)
+{
+	for (int i = 0; i < e->pass_count; i++)
+		for (size_t k = 0; k < e->passes[i].dag.count; k++)
+			if (e->passes[i].dag.nodes[k].op == op && (int)e->passes[i].dag.nodes[k].is_wide == is_wide)
+				return 1;
+	return 0;
+}
+
 static const char RETURNS[] = "   Returns whether all angles are small: if not, and `small`, the results mean nothing.\n";
 
 /* Is a row written with the stride: one that is not the first, nor the same for all samples? */
@@ -171,6 +180,8 @@ static const char *numbers_text(const struct emission *e)
 	text_init(&t, e->arena);
 	if (e->numbers->put_functions)
 		e->numbers->put_functions(e, &t);
+	if (e->wide && e->wide->put_functions)
+		e->wide->put_functions(e, &t);
 	return text_string(&t);
 }
 
@@ -291,6 +302,8 @@ void emit_source(const struct emission *e, struct text *out)
 		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"INFO", info_text(e)}, {"PATTERNS", emit_patterns(e)},
 		{"ARITHMETIC", emit_arithmetic(e, e->target)}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
 		{"UNDEF_STRICT", e->options->strict ? "#undef RNEA_ADD\n#undef RNEA_SUB\n#undef RNEA_MUL\n#undef RNEA_DIV\n#undef RNEA_SQRT\n#undef RNEA_APART\n" : ""},
+		{"UNDEF_WIDE", !e->wide ? "" : !e->options->strict ? "#undef RNEA_WIDE_FMA\n" :
+			"#undef RNEA_WIDE_FMA\n#undef RNEA_WIDE_ADD\n#undef RNEA_WIDE_SUB\n#undef RNEA_WIDE_MUL\n#undef RNEA_WIDE_DIV\n#undef RNEA_WIDE_SQRT\n"},
 		{"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)}, {"MIN_BLOCKS", emit_min_blocks(e)},
 		{"NUMBERS", numbers_text(e)}, {"SINCOS_DECLARATION", emit_sincos_declaration(e)}, {"SINCOS", emit_sincos(e)},
 		{"IS_SMALL", is_small_text(e)}, {"JOINTS", emit_joints(e)}, {"STAGE", emit_stage(e)}, {"STORE", emit_store(e)},

@@ -28,6 +28,7 @@ struct emission {
 	/* of the options, by emit_set_precision */
 	const struct target_type *target;
 	const struct number_type *numbers;
+	const struct number_type *wide;           /* of the nodes with more bits; NULL: there are none */
 	const struct scalar *memory, *arithmetic; /* the numbers' */
 	struct written_number *written;           /* EMIT_WRITTEN of them; NULL: each number is made anew */
 };
@@ -67,6 +68,8 @@ void emit_options(const struct rneagen_options *o, struct text *out);
 /* Is there such an operation in a pass; in the text? */
 int emit_pass_uses(const struct pass *p, enum op op);
 int emit_uses(const struct emission *e, enum op op);
+/* The same of wide nodes, or of the others. */
+int emit_uses_in(const struct emission *e, enum op op, int is_wide);
 
 /* C: NAME_rnea_bounded and what it calls. */
 void emit_bounded(const struct emission *e, struct text *out);
@@ -87,7 +90,9 @@ void emit_pattern_json(const struct emission *e, struct text *out);
 /* The macros of the operations, as compilers of such texts take them. */
 const char *emit_arithmetic(const struct emission *e, const struct target_type *target);
 
-/* The sine and cosine function that the statements call; its declaration, which stands before them. */
+/* The sine and cosine function that the statements call; its declaration, which stands before them; its name, by the type of
+   numbers. */
+const char *emit_sincos_name(const struct emission *e, const struct number_type *n);
 const char *emit_sincos(const struct emission *e);
 const char *emit_sincos_declaration(const struct emission *e);
 

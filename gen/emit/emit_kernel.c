@@ -131,7 +131,7 @@ static int min_blocks(const struct emission *e)
 		return 0;
 	if (request_wants_derivative(e->request))
 		return min_derivative_blocks(e);
-	if (e->arithmetic->bytes != 4 || (e->request->is_forward && e->tree->body_count > ARM_BODIES))
+	if (e->arithmetic->bytes != 4 || e->wide || (e->request->is_forward && e->tree->body_count > ARM_BODIES))
 		return 0;
 	if (e->tree->body_count > ARM_BODIES)
 		return e->tree->body_count >= MANY_BODIES ? 3 : 0;

@@ -133,6 +133,8 @@ static void put_quantities(const struct emission *e, struct text *out)
 		put_entry("unused_...", "of a sine and a cosine the one that nobody needs", out);
 	if (somewhere(e, is_temporary))
 		put_entry("t", "with a number of its own: a value that has no name in the textbook", out);
+	if (e->wide)
+		put_entry("..._wide", "the same quantity in the residual's numbers, which have more bits", out);
 	if (somewhere(e, is_again))
 		put_entry("..._2 ..._3", "the same quantity again, as it grows or in another part of the text", out);
 }
@@ -146,6 +148,8 @@ static void put_functions(const struct emission *e, struct text *out)
 		put_entry("bound factor", "of each output, how far it may be off; what the bounds' own rounding is made good by", out);
 	if (emit_uses(e, OP_FMA) && e->numbers->calls[OP_MUL] == NULL)
 		put_entry("RNEA_FMA", "a*b + c, rounded once where the machine can", out);
+	if (e->wide && e->wide->calls[OP_MUL] == NULL && !e->options->strict)
+		put_entry("RNEA_WIDE_FMA", "the same in the residual's numbers", out);
 	if (e->options->strict)
 		put_entry("RNEA_...", "an operation that is rounded once, and as it stands", out);
 	if (emit_is_streamed(e))

@@ -3,15 +3,36 @@
 #include "emit/template.h"
 #include <string.h>
 
-/* A robot of sliding joints alone calls none, and a function that nobody calls is a warning. */
-static void put_sincos(const struct emission *e, struct text *out)
+/* What the options name, and the type of numbers has. */
+static enum rneagen_trig trig_of(const struct emission *e, const struct number_type *n)
 {
-	const struct sincos_frames *f = e->numbers->frames;
 	enum rneagen_trig trig = emit_trig_of(e->options);
+
+	return trig == RNEAGEN_FAST && !n->frames->fast ? RNEAGEN_BOUNDED : trig;
+}
+
+/* A robot of sliding joints alone calls none, and a function that nobody calls is a warning. */
+static int has_sincos(const struct emission *e, const struct number_type *n)
+{
+	return n && (emit_uses_in(e, OP_SIN, n == e->wide) || emit_uses_in(e, OP_COS, n == e->wide));
+}
+
+const char *emit_sincos_name(const struct emission *e, const struct number_type *n)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "%s%s", e->options->strict ? n->strict_sincos : n->sincos,
+		emit_has_small(e) && !n->is_beside ? "either" : emit_trig_name(n->is_beside ? emit_trig_of(e->options) : trig_of(e, n)));
+	return text_string(&t);
+}
+
+static void put_sincos(const struct emission *e, const struct number_type *n, struct text *out)
+{
+	const struct sincos_frames *f = n->frames;
+	enum rneagen_trig trig = trig_of(e, n);
 	int fast = trig == RNEAGEN_FAST;
 
-	if (!emit_uses(e, OP_SIN) && !emit_uses(e, OP_COS))
-		return;
 	if (f->large && trig == RNEAGEN_ACCURATE)
 		text_printf(out, "%s\n%s\n", f->large->core, f->large->accurate);
 	text_put(out, fast ? "#if !defined __CUDA_ARCH__\n" : "");
@@ -25,43 +46,54 @@ static void put_sincos(const struct emission *e, struct text *out)
 	text_put(out, fast ? f->fast : "");
 }
 
-/* Names of their own where every rounding is prescribed: a header of the other kind may stand before this one. */
-static void put_renamed(const char *s, struct text *out)
-{
-	static const char *const prefixes[][2] = {{"rneagen_", "rneagen_strict_"}, {"RNEAGEN_", "RNEAGEN_STRICT_"}};
+struct renaming {
+	const char *from, *to;
+};
 
+/* Up to a renaming without `from`. */
+static void put_renamed(const char *s, const struct renaming *prefixes, struct text *out)
+{
 	while (*s) {
 		int found = -1;
 
-		for (int i = 0; i < 2; i++)
-			if (!strncmp(s, prefixes[i][0], strlen(prefixes[i][0])))
+		for (int i = 0; prefixes[i].from; i++)
+			if (!strncmp(s, prefixes[i].from, strlen(prefixes[i].from)))
 				found = i;
 		if (found >= 0)
-			text_put(out, prefixes[found][1]);
+			text_put(out, prefixes[found].to);
 		else
 			text_putc(out, *s);
-		s += found >= 0 ? strlen(prefixes[found][0]) : 1;
+		s += found >= 0 ? strlen(prefixes[found].from) : 1;
 	}
 }
 
-/* As the options have it. */
+/* Names of their own where every rounding is prescribed: a header of the other kind may stand before this one. */
 static const char *renamed(const struct emission *e, const struct text *t)
 {
+	static const struct renaming strict[] = {{"rneagen_", "rneagen_strict_"}, {"RNEAGEN_", "RNEAGEN_STRICT_"}, {NULL, NULL}};
 	struct text other;
 
 	text_init(&other, e->arena);
 	other.failed = t->failed;
 	if (e->options->strict)
-		put_renamed(text_string(t), &other);
+		put_renamed(text_string(t), strict, &other);
 	return e->options->strict ? text_string(&other) : text_string(t);
 }
 
 const char *emit_sincos(const struct emission *e)
 {
-	struct text t;
+	static const struct renaming beside[] = {{"RNEA_FMA", "RNEA_WIDE_FMA"}, {NULL, NULL}};
+	struct text t, wide;
 
 	text_init(&t, e->arena);
-	put_sincos(e, &t);
+	text_init(&wide, e->arena);
+	if (has_sincos(e, e->numbers))
+		put_sincos(e, e->numbers, &t);
+	if (has_sincos(e, e->wide))
+		put_sincos(e, e->wide, &wide);
+	if (wide.length)
+		put_renamed(text_string(&wide), beside, &t);
+	t.failed |= wide.failed;
 	return renamed(e, &t);
 }
 
@@ -76,19 +108,28 @@ static const char *guard_of(const struct emission *e, const char *function)
 	return text_string(&t);
 }
 
-const char *emit_sincos_declaration(const struct emission *e)
+static void put_declaration(const struct emission *e, const struct number_type *n, struct text *out)
 {
-	const struct number_type *n = e->numbers;
 	int either = emit_has_small(e);
-	struct text function, t;
+	struct text function;
 
 	text_init(&function, e->arena);
-	text_init(&t, e->arena);
-	text_printf(&function, "%s%s", n->sincos, either ? "either" : emit_trig_name(emit_trig_of(e->options)));
+	text_printf(&function, "%s%s", n->sincos, either ? "either" : emit_trig_name(trig_of(e, n)));
 	const struct slot slots[] = {{"GUARD", guard_of(e, text_string(&function))}, {"FUNCTION", text_string(&function)},
 		{"RESULT", either ? "int" : "void"}, {"SMALL", either ? ", const int small" : ""}, {"VALUE", n->value},
-		{"ANGLE", n->angle_is_memory ? e->memory->type : n->value}};
-	if (emit_uses(e, OP_SIN) || emit_uses(e, OP_COS))
-		template_expand(&t, template_sincos_declaration_in, slots, sizeof slots / sizeof *slots);
+		{"ANGLE", n->angle_is_memory ? n->memory->type : n->value}};
+
+	template_expand(out, template_sincos_declaration_in, slots, sizeof slots / sizeof *slots);
+}
+
+const char *emit_sincos_declaration(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (has_sincos(e, e->numbers))
+		put_declaration(e, e->numbers, &t);
+	if (has_sincos(e, e->wide))
+		put_declaration(e, e->wide, &t);
 	return renamed(e, &t);
 }

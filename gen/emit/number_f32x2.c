@@ -17,6 +17,10 @@ static const struct scalar SCALAR_F32X2 = {.name = "f32x2", .type = "struct rnea
 static const struct sincos_frames SINCOS_F32X2 = {template_sincos_f32x2_core_in, template_sincos_f32x2_bounded_in,
 	template_sincos_f32x2_accurate_in, template_sincos_f32x2_either_in, NULL, &SINCOS_F64};
 
+/* Of angles that are pairs. */
+static const struct sincos_frames SINCOS_PAIR = {template_sincos_f32x2_core_in, template_sincos_pair_bounded_in,
+	template_sincos_pair_accurate_in, template_sincos_pair_either_in, NULL, &SINCOS_F64};
+
 static const char *const CALLS[OP_COUNT] = {[OP_NEG] = "rneagen_neg", [OP_ADD] = "rneagen_add", [OP_SUB] = "rneagen_sub",
 	[OP_MUL] = "rneagen_mul", [OP_FMA] = "rneagen_fma", [OP_DIV] = "rneagen_div", [OP_SQRT] = "rneagen_sqrt", [OP_ANEW] = ""};
 
@@ -56,11 +60,19 @@ static int put_product_by_float(const struct unparser *u, const struct node *n, 
 
 static void put_functions(const struct emission *e, struct text *out)
 {
+	int is_wide = e->numbers->put_functions != put_functions;
+
 	text_put(out, template_f32x2_in);
-	if (emit_uses(e, OP_DIV) || emit_uses(e, OP_SQRT))
+	if (emit_uses_in(e, OP_DIV, is_wide) || emit_uses_in(e, OP_SQRT, is_wide))
 		text_put(out, template_f32x2_quotient_in);
 	text_putc(out, '\n');
 }
+
+/* Beside floats: a float is a pair, and the first of a pair is the pair rounded to a float. */
+const struct number_type WIDE_F32X2 = {.memory = &SCALAR_F64, .arithmetic = &SCALAR_F32X2, .value = "struct rneagen_f32x2",
+	.calls = CALLS, .sincos = "rneagen_sincos_pair_", .angle = {"", ""},
+	.widen = {"rneagen_pair(", ", 0.0f)"}, .narrow = {"", ".hi"}, .put_constant = put_constant,
+	.put_cheaper = put_product_by_float, .put_functions = put_functions, .frames = &SINCOS_PAIR};
 
 /* Sine and cosine of a large angle need all of its bits: they take a double. The bounds of the model are those that
    templates/f32x2.in and sincos_f32x2_core.in state; tests/test_f32x2 holds them against MPFR. Factors are split into

@@ -54,9 +54,15 @@ static const char *const CALLS_F32[OP_COUNT] = {[OP_FMA] = "RNEA_FMA", [OP_SQRT]
 			 *const STRICT_CALLS_F32[OP_COUNT] = {STRICT_CALLS, [OP_ABS] = "fabsf"},
 			 *const STRICT_CALLS_F64[OP_COUNT] = {STRICT_CALLS, [OP_ABS] = "fabs"};
 
+/* Beside those of another type. */
+static const char *const WIDE_CALLS[OP_COUNT] = {[OP_FMA] = "RNEA_WIDE_FMA", [OP_SQRT] = "sqrt"},
+			 *const WIDE_STRICT_CALLS[OP_COUNT] = {[OP_ADD] = "RNEA_WIDE_ADD", [OP_SUB] = "RNEA_WIDE_SUB",
+				 [OP_MUL] = "RNEA_WIDE_MUL", [OP_FMA] = "RNEA_WIDE_FMA", [OP_DIV] = "RNEA_WIDE_DIV",
+				 [OP_SQRT] = "RNEA_WIDE_SQRT"};
+
 static void put_constant(const struct unparser *u, const struct node *n, struct text *out)
 {
-	emit_number(u->emission, u->emission->arithmetic, n->value, out);
+	emit_number(u->emission, u->numbers->arithmetic, n->value, out);
 }
 
 /* 0.85 units in the last place are 1.7 of rounding. No result of sine and cosine underflows but for tiny angles. */
@@ -86,3 +92,8 @@ const struct number_type NUMBER_MIXED = {.memory = &SCALAR_F32, .arithmetic = &S
 	.strict_sincos = "rneagen_strict_sincos_", .load = {"(double)", ""}, .store = {"(float)", ""}, .store_is_cast = 1,
 	.angle = {"", ""}, .note = "", .put_constant = put_constant, .frames = &SINCOS_F64, .bounded = &WITHIN_MIXED, .fuses = 1,
 	.model = {MODEL_F64, .store = 0x1p-24, .store_tiny = 0x1p-150, .store_largest = (double)FLT_MAX}};
+
+const struct number_type WIDE_F64 = {.memory = &SCALAR_F64, .arithmetic = &SCALAR_F64, .value = "double",
+	.calls = WIDE_CALLS, .strict_calls = WIDE_STRICT_CALLS, .sincos = "rneagen_sincos_",
+	.strict_sincos = "rneagen_strict_sincos_", .angle = {"", ""}, .widen = {"(double)", ""}, .narrow = {"(float)", ""},
+	.put_constant = put_constant, .frames = &SINCOS_F64};

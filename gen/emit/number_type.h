@@ -58,6 +58,7 @@ struct number_type {
 	/* a cheaper way to write an operation, and 1; or nothing, and 0; NULL: there is none */
 	int (*put_cheaper)(const struct unparser *u, const struct node *n, struct text *out);
 	void (*put_functions)(const struct emission *e, struct text *out); /* that the operations call; NULL: none */
+	struct around widen, narrow;                  /* as wide numbers of a text in f32: from a float, and rounded to one */
 	const char *note;                             /* for the head of a text */
 	const struct sincos_frames *frames;
 	const struct number_type *bounded;            /* pairs of such a number and a bound of its error; NULL: none */
@@ -73,6 +74,8 @@ RNEAGEN_PRECISIONS(NUMBER_TYPE_DECLARATION)
 
 extern const struct scalar SCALAR_F32, SCALAR_F64;
 extern const struct sincos_frames SINCOS_F64;
+/* Wide numbers in a text whose numbers have fewer bits: the same types, with functions of their own names. */
+extern const struct number_type WIDE_F64, WIDE_F32X2;
 extern const struct number_type WITHIN_F32, WITHIN_F64, WITHIN_MIXED;
 
 const struct number_type *number_type_of(enum rneagen_precision precision);

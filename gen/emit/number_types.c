@@ -19,6 +19,8 @@ void emit_set_precision(struct emission *e)
 {
 	e->target = target_type_of(e->options->target);
 	e->numbers = number_type_of(e->options->precision);
+	if (e->request->refine_steps)
+		e->wide = (const struct number_type *const[]){[REFINE_SAME] = NULL, [REFINE_F64] = &WIDE_F64, [REFINE_F32X2] = &WIDE_F32X2}[e->request->refine];
 	e->memory = e->numbers->memory;
 	e->arithmetic = e->numbers->arithmetic;
 }

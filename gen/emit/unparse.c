@@ -8,6 +8,12 @@ static const char *const SIGNS[OP_COUNT] = {[OP_ADD] = " + ", [OP_SUB] = " - ", 
 
 static void put_expression(const struct unparser *u, struct ref a, struct text *out);
 
+/* Of a node's own type. */
+static const struct unparser *unparser_of(const struct unparser *u, struct ref a)
+{
+	return u->plan->dag->nodes[a.i].is_wide && u->wide ? u->wide : u->narrow;
+}
+
 /* Binding strength of what put_value writes for a node. */
 static int strength(const struct unparser *u, struct ref a)
 {
@@ -60,12 +66,29 @@ static void put_call(const struct unparser *u, const struct node *n, struct text
 	text_putc(out, ')');
 }
 
+static void put_around(const struct around *x, int is_end, struct text *out)
+{
+	text_put(out, is_end ? x->after : x->before);
+}
+
+/* From one type of numbers to the other; within an expression of the type that it gives. */
+static void put_conversion(const struct unparser *u, const struct node *n, struct text *out)
+{
+	const struct around *x = n->op == OP_WIDEN ? &u->wide->numbers->widen : &u->wide->numbers->narrow;
+
+	put_around(x, 0, out);
+	put_value(unparser_of(u, n->arg[0]), n->arg[0], op_strength[n->op], out);
+	put_around(x, 1, out);
+}
+
 static void put_expression(const struct unparser *u, struct ref a, struct text *out)
 {
 	const struct node *n = &u->plan->dag->nodes[a.i];
 
 	if (n->op == OP_CONST) {
 		u->numbers->put_constant(u, n, out);
+	} else if (n->op == OP_WIDEN || n->op == OP_NARROW) {
+		put_conversion(u, n, out);
 	} else if (u->calls[n->op]) {
 		put_call(u, n, out);
 	} else if (n->op == OP_NEG) {
@@ -89,11 +112,6 @@ static void put_element(const struct unparser *u, int argument, int row, struct 
 		text_printf(out, "%s[stride]", a->name);
 	else
 		text_printf(out, "%s[%d*stride]", a->name, row);
-}
-
-static void put_around(const struct around *x, int is_end, struct text *out)
-{
-	text_put(out, is_end ? x->after : x->before);
 }
 
 static void put_load(const struct unparser *u, const struct node *n, struct text *out)
@@ -130,9 +148,7 @@ static void put_sincos(const struct unparser *u, struct ref a, struct text *out)
 	sine = sine ? sine : unused;
 	cosine = cosine ? cosine : unused;
 	text_printf(out, "%s %s, %s;\n\t", u->numbers->value, sine, cosine);
-	text_printf(out, "%s%s%s(", asks ? "all_small &= " : "",
-		e->options->strict ? u->numbers->strict_sincos : u->numbers->sincos,
-		asks ? "either" : emit_trig_name(emit_trig_of(e->options)));
+	text_printf(out, "%s%s(", asks ? "all_small &= " : "", emit_sincos_name(e, u->numbers));
 	put_angle(u, n->arg[0], out);
 	text_printf(out, "%s, &%s, &%s)", asks ? ", small" : "", sine, cosine);
 }
@@ -183,11 +199,11 @@ static void put_line(struct unparser *u, const struct line *l, struct text *out)
 	} else if (l->kind == LINE_STORE || l->kind == LINE_SINCOS || !u->angles || !u->angles[l->value.i]) {
 		text_putc(out, '\t');
 		if (l->kind == LINE_SINCOS)
-			put_sincos(u, l->value, out);
+			put_sincos(unparser_of(u, l->value), l->value, out);
 		else if (l->kind == LINE_STORE)
 			put_store(u, &u->plan->dag->outputs[l->index], out);
 		else
-			put_assignment(u, l->value, out);
+			put_assignment(unparser_of(u, l->value), l->value, out);
 		text_put(out, ";\n");
 	}
 	fold(out, from);
@@ -211,11 +227,19 @@ static const unsigned char *only_angles(const struct dag *d, struct arena *a)
 	return is_angle;
 }
 
+static struct unparser unparser_new(const struct emission *e, const struct pass *pass, const struct number_type *numbers)
+{
+	return (struct unparser){.emission = e, .pass = pass, .plan = &pass->plan, .numbers = numbers,
+		.calls = e->options->strict ? numbers->strict_calls : numbers->calls};
+}
+
 void unparse(const struct emission *e, const struct pass *pass, const struct number_type *numbers, struct text *out)
 {
 	const struct plan *p = &pass->plan;
-	struct unparser u = {e, pass, p, numbers, e->options->strict ? numbers->strict_calls : numbers->calls, NULL, 0, {{0}}};
+	struct unparser u = unparser_new(e, pass, numbers), wide = unparser_new(e, pass, e->wide ? e->wide : numbers);
 
+	u.narrow = wide.narrow = &u;
+	u.wide = wide.wide = e->wide ? &wide : NULL;
 	if (numbers->angle_is_memory)
 		u.angles = only_angles(p->dag, e->arena);
 	for (size_t i = 0; i < p->line_count; i++)

@@ -69,6 +69,8 @@ enum rneagen_code pass_request_resolve(struct analysis *a)
 {
 	if (request_resolve(&a->request, &a->tree, &a->scene, &a->snapped, a->arena, a->error))
 		return a->error->code;
+	if (request_refine(&a->request, &a->scene, a->options.precision, a->error))
+		return a->error->code;
 	return check_bound(a);
 }
 

@@ -337,6 +337,7 @@ struct operation_count parts_operations(const struct part *parts, int count, con
 		sum.neg += n.neg;
 		sum.fma += n.fma;
 		sum.sincos += n.sincos;
+		sum.wide += n.wide;
 	}
 	return sum;
 }

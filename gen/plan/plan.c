@@ -146,6 +146,10 @@ static const char *name_value(struct planner *b, size_t i, unsigned *temporaries
 
 	if (n->op == OP_INPUT)
 		name_input(b, n, first, sizeof first);
+	else if (n->op == OP_WIDEN && b->p->names[n->arg[0].i])
+		snprintf(first, sizeof first, "%.55s_wide", b->p->names[n->arg[0].i]);
+	else if (n->is_wide && n->tag.quantity[0])
+		snprintf(first, sizeof first, "%s%d%.1s_wide", n->tag.quantity, n->tag.body, &n->tag.component);
 	else if (n->tag.quantity[0])
 		snprintf(first, sizeof first, "%s%d%.1s", n->tag.quantity, n->tag.body, &n->tag.component);
 	else
@@ -251,12 +255,14 @@ struct operation_count plan_operations(const struct plan *p)
 
 	for (size_t i = 0; i < p->dag->count; i++) {
 		enum op op = p->dag->nodes[i].op;
+		unsigned before = plan_flops(n);
 
 		n.mul += op == OP_MUL || op == OP_DIV || op == OP_SQRT;
 		n.add += op == OP_ADD;
 		n.sub += op == OP_SUB;
 		n.neg += op == OP_NEG;
 		n.fma += op == OP_FMA;
+		n.wide += p->dag->nodes[i].is_wide ? plan_flops(n) - before : 0;
 	}
 	for (size_t i = 0; i < p->line_count; i++)
 		n.sincos += p->lines[i].kind == LINE_SINCOS;
@@ -299,7 +305,7 @@ void plan_dump(const struct plan *p, struct text *t)
 {
 	static const char *const kinds[] = {"section", "input", "value", "sincos", "store"};
 	static const char *const kinds_of_section[SECTION_COUNT] = {"out", "back", "end", "freed", "totals", "bias", "gravity", "by",
-		"products", "factors", "articulated", "inverse", "residual", "bound"};
+		"products", "factors", "articulated", "inverse", "residual", "refined", "bound"};
 
 	for (size_t i = 0; i < p->line_count; i++) {
 		const struct line *l = &p->lines[i];

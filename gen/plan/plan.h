@@ -30,6 +30,7 @@ struct pass {
 
 struct operation_count {
 	unsigned mul, add, sub, neg, fma, sincos;
+	unsigned wide; /* flops of them that are in wide numbers */
 };
 
 /* The DAG must be fused. Returns 0 when memory runs out. */

@@ -3,6 +3,7 @@
 /* What the scene makes of inputs and outputs: rows that it gives, constants that it frees, forces from outside, terms of
    the joints' own, and the quantities that it asks for. */
 
+#include "rneagen.h"
 #include "scene/scene.h"
 #include "tree/tree.h"
 
@@ -64,6 +65,8 @@ enum derivatives { DERIVATIVES_CHEAPER, DERIVATIVES_FORWARD, DERIVATIVES_RECURSI
 enum dynamics { DYNAMICS_CHEAPER, DYNAMICS_FACTOR, DYNAMICS_ARTICULATED };
 
 struct eval_model;
+/* What the residual of a step of refinement is computed in: the text's numbers, or numbers with more bits. */
+enum refine { REFINE_SAME, REFINE_F64, REFINE_F32X2 };
 
 struct request {
 	int is_plain;               /* tau = ID(q, qd, qdd) and nothing else */
@@ -80,6 +83,8 @@ struct request {
 	int dense;                  /* matrices have their zeros */
 	int is_forward;             /* tau is an input, and qdd is found */
 	enum dynamics dynamics;
+	int refine_steps;           /* of the qdd found */
+	enum refine refine;
 	enum derivatives derivatives; /* how d tau/d q and d tau/d qd are made */
 	struct within *armature, *damping, *friction; /* by body: of a joint with one row; kg m^2 (kg), N m s (N s/m), N m (N) */
 	struct within friction_width;         /* rad/s, m/s */
@@ -88,6 +93,12 @@ struct request {
 /* What a scene asks of the tree that was made for it; gravity that it folds goes into the tree. Errors: SCENE, LIMIT, MEMORY. */
 enum rneagen_code request_resolve(struct request *k, struct tree *t, const struct scene *s, const struct robot *r, struct arena *a,
 	struct rneagen_error *e);
+
+/* What `refine` asks of a text of this precision, into a request that is resolved. Errors: SCENE. */
+enum rneagen_code request_refine(struct request *k, const struct scene *s, enum rneagen_precision precision, struct rneagen_error *e);
+
+/* "f64", "f32x2"; "same". */
+const char *request_refine_name(enum refine refine);
 
 void request_dump(const struct request *k, const struct tree *t, struct text *out);
 

@@ -39,6 +39,8 @@ void request_dump(const struct request *k, const struct tree *t, struct text *ou
 {
 	text_printf(out, "request of \"%s\": %s, gravity %.17Lg %.17Lg %.17Lg\n", t->robot,
 		k->is_plain ? "tau = ID(q, qd, qdd)" : k->is_forward ? "qdd = FD(q, qd, tau)" : "a scene's", t->gravity[0].x, t->gravity[1].x, t->gravity[2].x);
+	if (k->refine_steps)
+		text_printf(out, "steps of refinement: %d, residual in %s\n", k->refine_steps, request_refine_name(k->refine));
 	dump_given("q", k->q, t->nq, out);
 	dump_given("qd", k->qd, t->nv, out);
 	dump_given("qdd", k->qdd, t->nv, out);

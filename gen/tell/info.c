@@ -39,6 +39,8 @@ static void put_operations(const struct emission *e, struct text *out)
 
 		text_printf(out, "  %-10s %7u %6u %6u %6u %6u %6u %6u\n", e->passes[i].algorithm->name, n.mul, n.add, n.sub, n.neg, n.fma,
 			n.sincos, plan_flops(n));
+		if (e->wide)
+			text_printf(out, "  %u of the flops in %s: residuals of refinement\n", n.wide, e->wide->arithmetic->name);
 	}
 	parts_put_table(e, out);
 }
@@ -154,6 +156,9 @@ void info_json(const struct info *x, struct text *out)
 		text_put_json(out, e->warnings[i]);
 	}
 	text_put(out, e->warning_count ? "\n  ],\n" : "],\n");
+	if (e->wide)
+		text_printf(out, "  \"refinement\": {\"steps\": %d, \"residual\": \"%s\", \"flops\": %u},\n", e->request->refine_steps,
+			e->wide->arithmetic->name, n.wide);
 	text_printf(out,
 		"  \"operations\": {\"mul\": %u, \"add\": %u, \"sub\": %u, \"neg\": %u, \"fma\": %u, \"sincos\": %u, \"flops\": %u}\n}\n",
 		n.mul, n.add, n.sub, n.neg, n.fma, n.sincos, plan_flops(n));

@@ -170,12 +170,25 @@ static int bound_sample(const struct judge *j, const struct dag *d, const struct
 	return 1;
 }
 
+/* Of the residual in a step of refinement, where it is of another type than the text's numbers. */
+static struct eval_model wide_model(const struct analysis *a, const struct rneagen_options *o, int on_gpu)
+{
+	struct rneagen_options wide = *o;
+
+	wide.precision = a->request.refine == REFINE_F64 ? RNEAGEN_F64 : RNEAGEN_F32X2;
+	return eval_model_of(&wide, on_gpu);
+}
+
 int judge_bound(const struct judge *j, const struct analysis *a, const struct rneagen_options *o, int on_gpu, double *max)
 {
-	struct eval_model m = eval_model_of(o, on_gpu);
+	struct eval_model m = eval_model_of(o, on_gpu), wide;
 	double *bound = calloc(j->rows, sizeof *bound);
 	int done = bound != NULL;
 
+	if (o->precision == RNEAGEN_F32 && a->request.refine != REFINE_SAME) {
+		wide = wide_model(a, o, on_gpu);
+		m.wide = &wide;
+	}
 	*max = -1;
 	for (size_t k = 0; done && k < j->count; k++)
 		done = bound_sample(j, &a->dag, &m, k, bound, max);

@@ -30,7 +30,7 @@ static const struct subject {
 	{"floating_joint", "fext left_arm\nfext-frame world\nwant qdd,accel.left_arm,power\nvjp qdd\n", 0},
 	{"root_with_mass", "free mass.leg:sample\nwant qdd,dqdd_dqd,dqdd_dmass.leg\njvp qdd\nvjp qdd\n", 1},
 };
-static const char *const WAYS[] = {"dynamics factor\n", "dynamics articulated\n", "dense\n"};
+static const char *const WAYS[] = {"dynamics factor\n", "dynamics articulated\n", "dense\nrefine 1\n"};
 static const enum rneagen_target TARGETS[] = {RNEAGEN_TARGET_C, RNEAGEN_TARGET_CUDA, RNEAGEN_TARGET_HEADER};
 static const enum rneagen_precision PRECISIONS[] = {RNEAGEN_F64, RNEAGEN_F32, RNEAGEN_MIXED, RNEAGEN_F32X2};
 static const struct {
@@ -307,7 +307,7 @@ START_TEST(strict)
 	char *urdf = target_robot("ur5", &length);
 	int f32 = _i;
 
-	snprintf(scene, sizeof scene, "dense\nwant qdd,Minv\n%s", WAYS[_i]);
+	snprintf(scene, sizeof scene, "dense\nrefine 1\nwant qdd,Minv\n%s", WAYS[_i]);
 	o.scene = scene;
 	o.target = RNEAGEN_TARGET_C;
 	o.precision = f32 ? RNEAGEN_F32 : RNEAGEN_F64;
