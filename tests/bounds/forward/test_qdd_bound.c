@@ -219,7 +219,8 @@ START_TEST(scenes)
 	} cases[] = {{"cartpole", {RNEAGEN_F32, 0, "friction 0.25\n", 0.25Q, 0, 0, 0}}, {"cartpole", {RNEAGEN_F64, 0, "friction 0.25\n", 0.25Q, 0, 0, 0}},
 		{"hyq", {RNEAGEN_F32, 1, "dynamics articulated\n", 0, 0, 0, 0}}, {"iiwa14", {RNEAGEN_F64, 0, "dynamics articulated\n", 0, 0, 0, 0}},
 		{"iiwa14", {RNEAGEN_F32, 0, "", 0, 0, 0, 1}}, {"hyq", {RNEAGEN_F32, 1, "", 0, 0, 0, 1}},
-		{"cartpole", {RNEAGEN_F32, 0, "friction 0.25\n", 0.25Q, 0, 0, 1}}};
+		{"cartpole", {RNEAGEN_F32, 0, "friction 0.25\n", 0.25Q, 0, 0, 1}}, {"iiwa14", {RNEAGEN_F32, 0, "refine 1\n", 0, 0, 0, 0}},
+		{"hyq", {RNEAGEN_F32, 1, "refine 1\n", 0, 0, 0, 0}}};
 	char *urdf = robot(cases[_i].robot);
 
 	ck_assert_int_eq(check(urdf, NULL, &cases[_i].scene, cases[_i].robot, SAMPLES, NULL).finite, SAMPLES);
@@ -328,7 +329,7 @@ int main(void)
 	suite_add(suite, "real_robots", real_robots, 1, 600);
 	suite_add(suite, "random_trees", random_trees, 1, 300);
 	suite_add(suite, "carried", carried, 1, 60);
-	suite_add(suite, "scenes", scenes, 7, 60);
+	suite_add(suite, "scenes", scenes, 9, 60);
 	suite_add(suite, "of_use", of_use, 3, 60);
 	suite_add(suite, "swept", swept, 8, 60);
 	suite_add(suite, "wrong", wrong, 2, 60);
