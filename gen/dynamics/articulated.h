@@ -3,7 +3,7 @@
 /* M x = b by articulated bodies, without M (Featherstone 2008, sections 7.2 and 7.3, at rest: the velocities are in b). A tree
    whose joints follow others has no such bodies: there several move with one coordinate. */
 
-#include "dynamics/factor.h"
+#include "mechanics/factor.h"
 #include "dynamics/tour.h"
 
 /* What a body's own acceleration takes, all beyond it moving freely: n = A dw + B a, f = B^T dw + C a. */

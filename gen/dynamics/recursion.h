@@ -2,7 +2,7 @@
 #define RNEAGEN_RECURSION_H
 /* d tau/d q, d tau/d qd and the mass matrix by a recursion over composite bodies, along with a tour. */
 
-#include "dynamics/composite.h"
+#include "mechanics/composite.h"
 #include "tree/pattern.h"
 #include "dynamics/tour.h"
 

@@ -2,8 +2,8 @@
 #define RNEAGEN_TOUR_H
 /* The recursion as a tour of the tree: what rnea.c walks, and where want.c joins in. */
 
-#include "dynamics/joint.h"
-#include "dynamics/rigid_body.h"
+#include "mechanics/joint.h"
+#include "mechanics/rigid_body.h"
 
 /* A body while the tour is beyond it. */
 struct frame {

@@ -3,8 +3,8 @@
 /* A subtree as one composite body: its inertial parameters about the origin of the body that carries it, in that body's frame,
    and how they move. */
 
-#include "dynamics/joint.h"
-#include "dynamics/rigid_body.h"
+#include "mechanics/joint.h"
+#include "mechanics/rigid_body.h"
 
 /* Over the particles m at r, which move with r' (relative to the origin, in the body's axes): */
 struct composite {

@@ -1,4 +1,4 @@
-#include "dynamics/joint.h"
+#include "mechanics/joint.h"
 
 static struct svec zero3(void)
 {

@@ -1,4 +1,4 @@
-#include "dynamics/factor.h"
+#include "mechanics/factor.h"
 
 static struct ref minus_product(struct dag *d, struct ref a, struct ref b, struct ref c)
 {

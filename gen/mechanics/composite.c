@@ -1,4 +1,4 @@
-#include "dynamics/composite.h"
+#include "mechanics/composite.h"
 
 static struct svec column(const struct smat *T, int j)
 {

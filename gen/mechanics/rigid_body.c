@@ -1,4 +1,4 @@
-#include "dynamics/rigid_body.h"
+#include "mechanics/rigid_body.h"
 
 /* n = I dw + w x I w, with the products of w that U has already:
    n_i = I_ii dw_i + (I_kk - I_jj) w_j w_k - I_ij U_ki + I_ik U_ji + I_jk (w_j^2 - w_k^2) */
