@@ -42,6 +42,7 @@ static enum rneagen_code options_resolve(struct generation *g)
 	struct rneagen_error *e = g->analysis.error;
 
 	o->precision = emit_precision_of(o);
+	g->analysis.model = eval_model_of(o, 0);
 	if (o->strict && o->trig == RNEAGEN_FAST)
 		return error_set(e, RNEAGEN_USAGE,
 			"--strict and --trig fast exclude each other: the sine of a GPU's own unit has other bits; take bounded");
@@ -73,9 +74,6 @@ static enum rneagen_code options_check(struct generation *g)
 	if (g->analysis.options.bounded && k->refine_steps)
 		return error_set(g->analysis.error, RNEAGEN_USAGE,
 			"--bounded and --refine exclude each other: a bound beside the statements does not see what refinement takes off");
-	if (g->analysis.options.bounded && g->analysis.request.friction_width.x > 0)
-		return error_set(g->analysis.error, RNEAGEN_USAGE,
-			"--bounded and --friction exclude each other: quotients have no bounded function");
 	return RNEAGEN_OK;
 }
 

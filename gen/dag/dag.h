@@ -34,7 +34,7 @@ struct node {
 };
 
 enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END, SECTION_FREED, SECTION_TOTALS, SECTION_BIAS, SECTION_GRAVITY,
-	SECTION_BY, SECTION_PRODUCTS, SECTION_FACTORS, SECTION_ARTICULATED, SECTION_INVERSE, SECTION_RESIDUAL, SECTION_REFINED,
+	SECTION_BY, SECTION_PRODUCTS, SECTION_FACTORS, SECTION_ARTICULATED, SECTION_INVERSE, SECTION_RESIDUAL, SECTION_REFINED, SECTION_BOUND,
 	SECTION_COUNT };
 
 /* From this node (and this output) on, the text belongs to going out to a body, or back from it. */
@@ -124,6 +124,7 @@ struct ref dag_sub(struct dag *d, struct ref a, struct ref b);
 struct ref dag_mul(struct dag *d, struct ref a, struct ref b);
 struct ref dag_div(struct dag *d, struct ref a, struct ref b);
 struct ref dag_sqrt(struct dag *d, struct ref a);
+struct ref dag_abs(struct dag *d, struct ref a);
 /* The same value, which counts as another one: what is made of it is made again, where keeping it would cost more. */
 struct ref dag_anew(struct dag *d, struct ref a);
 struct ref dag_sin(struct dag *d, struct ref a);

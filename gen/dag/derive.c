@@ -15,7 +15,7 @@ int derive_begin(struct derivable *x, struct dag *d, const struct ref *roots, in
 	return 1;
 }
 
-/* The derivative of node i by its operand k; d(a/b) = (da - a/b db)/b, d sqrt(a) = da/(2 sqrt(a)). */
+/* The derivative of node i by its operand k; d(a/b) = (da - a/b db)/b, d sqrt(a) = da/(2 sqrt(a)), d |a| = a/|a| da. */
 static struct ref partial(struct dag *d, uint32_t i, int k)
 {
 	const struct node n = d->nodes[i]; /* a copy: nodes move as they grow in number */
@@ -34,6 +34,8 @@ static struct ref partial(struct dag *d, uint32_t i, int k)
 		return k == 0 ? dag_div(d, dag_const(d, 1), n.arg[1]) : dag_neg(d, dag_div(d, me, n.arg[1]));
 	case OP_SQRT:
 		return dag_div(d, dag_const(d, 0.5L), me);
+	case OP_ABS:
+		return dag_div(d, n.arg[0], me);
 	case OP_SIN:
 		return dag_cos(d, n.arg[0]);
 	case OP_COS:

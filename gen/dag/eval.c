@@ -75,16 +75,19 @@ static double error_of_quotient(double value, double b, double of_a, double of_b
 	return fabs(b) > of_b ? (of_a + fabs(value) * of_b) / (fabs(b) - of_b) : (double)INFINITY;
 }
 
-/* |sqrt(a) - sqrt(a')| <= e_a / (sqrt(a) + sqrt(a - e_a)) */
-static double error_of_root(double value, double a, double of_a)
+/* What that leaves of (e_a + |a/b| e_b) / |b|, which is linear in the errors. */
+static double rest_of_quotient(double value, double b, double of_a, double of_b)
 {
-	return of_a < a ? of_a / (value + sqrt(a - of_a)) : sqrt(of_a);
+	return of_b > 0 ? error_of_quotient(value, b, of_a, of_b) * of_b / fabs(b) : 0;
 }
 
-/* Is all that a node inherits in its own share? A sweep ends there. */
-static int ends_sweep(const struct node *n)
+/* The same of |sqrt(a) - sqrt(a')| beside e_a / (2 sqrt(a)): e_a^2 / (2 sqrt(a) (sqrt(a) + sqrt(a - e_a))^2). The text's a' may
+   have no root. */
+static double rest_of_root(double value, double a, double of_a)
 {
-	return n->op == OP_DIV || n->op == OP_SQRT;
+	double both = of_a <= a ? value + sqrt(a - of_a) : 0;
+
+	return of_a > 0 ? of_a * of_a / (2 * value * both * both) : 0;
 }
 
 /* Of the type that a node is of. */
@@ -109,6 +112,7 @@ static struct spread spread_of(const struct survey *v, size_t i, double given_er
 	case OP_INPUT:
 		return (struct spread){fabs(value), given_error, given_error, 1};
 	case OP_NEG:
+	case OP_ABS:
 	case OP_ANEW:
 	case OP_WIDEN:
 		return (struct spread){x->size, x->bound, 0, x->swept};
@@ -129,12 +133,15 @@ static struct spread spread_of(const struct survey *v, size_t i, double given_er
 		local += rounding(m->add, m->tiny, value, product + z->bound + local);
 		return (struct spread){x->size * y->size + z->size, product + z->bound + local, local, 0};
 	case OP_DIV:
-		local = rounding(m->mul, m->tiny, value, error_of_quotient(value, b, x->bound, y->bound));
-		local += error_of_quotient(value, b, x->bound, y->bound);
-		return (struct spread){x->size / fabs(b), local, local, 0};
+		sum = (x->bound + fabs(value) * y->bound) / fabs(b);
+		local = rest_of_quotient(value, b, x->bound, y->bound);
+		local += rounding(m->mul, m->tiny, value, sum + local);
+		return (struct spread){x->size / fabs(b), sum + local, local, 0};
 	case OP_SQRT:
-		local = rounding(m->mul, m->tiny, value, error_of_root(value, a, x->bound)) + error_of_root(value, a, x->bound);
-		return (struct spread){fabs(value), local, local, 0};
+		sum = x->bound > 0 ? x->bound / (2 * value) : 0;
+		local = rest_of_root(value, a, x->bound);
+		local += rounding(m->mul, m->tiny, value, sum + local);
+		return (struct spread){fabs(value), sum + local, local, 0};
 	default:
 		return spread_of_angle(v, i, m);
 	}
@@ -144,40 +151,6 @@ static struct spread spread_of(const struct survey *v, size_t i, double given_er
 static double bound_closed(double bound)
 {
 	return isfinite(bound) ? bound * (1 + 1e-14) : (double)INFINITY;
-}
-
-void eval_partials(const struct node *n, const double *v, double *out)
-{
-	double a = v[operand(n, 0)], b = v[operand(n, 1)];
-
-	switch (n->op) {
-	case OP_MUL:
-	case OP_FMA:
-		out[0] = b;
-		out[1] = a;
-		out[2] = 1;
-		break;
-	case OP_DIV:
-		out[0] = 1 / b;
-		out[1] = -a / (b * b);
-		break;
-	case OP_SQRT:
-		out[0] = 0.5 / sqrt(a);
-		break;
-	case OP_SIN:
-		out[0] = cos(a);
-		break;
-	case OP_COS:
-		out[0] = -sin(a);
-		break;
-	case OP_WIDEN:
-	case OP_NARROW:
-		out[0] = 1;
-		break;
-	default:
-		out[0] = n->op == OP_NEG ? -1 : 1;
-		out[1] = n->op == OP_SUB ? -1 : 1;
-	}
 }
 
 /* The error of a value is the sum of what each node adds, times the value's derivative by the node, where products of
@@ -195,7 +168,7 @@ static double swept_bound(const struct survey *x, size_t root)
 			continue;
 		sum += fabs(x->slope[i]) * x->spread[i].local;
 		eval_partials(n, x->values, by);
-		for (int k = 0; k < op_arity[n->op] && !is_read(x, n) && !ends_sweep(n); k++)
+		for (int k = 0; k < op_arity[n->op] && !is_read(x, n); k++)
 			x->slope[n->arg[k].i] += x->slope[i] * by[k];
 	}
 	return bound_closed(sum * (1 + 1e-6));
@@ -211,15 +184,35 @@ static void sweep(const struct survey *x, size_t i)
 	s->swept = 1;
 }
 
-/* Where a product of two running bounds is more than the rounding of the node, closer bounds pay. */
+/* Of a node's error what is not linear in those of its operands, about. */
+static double rest_of(const struct survey *x, const struct node *n, double value)
+{
+	size_t a = operand(n, 0), b = operand(n, op_arity[n->op] > 1);
+	double of_a = x->spread[a].bound, of_b = x->spread[b].bound;
+
+	switch (n->op) {
+	case OP_MUL:
+	case OP_FMA:
+	case OP_SIN:
+	case OP_COS:
+		return of_a * of_b;
+	case OP_DIV:
+		return rest_of_quotient(value, x->values[b], of_a, of_b);
+	case OP_SQRT:
+		return rest_of_root(value, x->values[a], of_a);
+	default:
+		return 0;
+	}
+}
+
+/* Where that is more than the rounding of the node, closer bounds of the operands pay. */
 static void survey_node(const struct survey *x, size_t i, double given_error, const struct eval_model *m)
 {
 	const struct node *n = &x->d->nodes[i];
 	size_t a = operand(n, 0), b = operand(n, op_arity[n->op] > 1);
-	int multiplies = op_arity[n->op] && n->op != OP_NEG && n->op != OP_ADD && n->op != OP_SUB && n->op != OP_WIDEN && n->op != OP_NARROW;
 	double value = x->values[i];
 
-	if (multiplies && x->spread[a].bound * x->spread[b].bound > m->mul * fabs(value) + m->tiny) {
+	if (rest_of(x, n, value) > m->mul * fabs(value) + m->tiny) {
 		sweep(x, a);
 		sweep(x, b);
 	}

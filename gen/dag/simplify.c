@@ -235,6 +235,23 @@ struct ref dag_sqrt(struct dag *d, struct ref a)
 	return is_const(d, a) ? dag_within(d, within_sqrt(number(d, a))) : dag_node(d, OP_SQRT, a, NONE, NONE, 0);
 }
 
+/* Squares and roots have no sign. */
+struct ref dag_abs(struct dag *d, struct ref a)
+{
+	struct node n;
+
+	if (d->failed)
+		return NONE;
+	n = at(d, a);
+	if (n.op == OP_CONST)
+		return n.value < 0 ? negated(d, a) : a;
+	if (n.op == OP_NEG)
+		return dag_abs(d, n.arg[0]);
+	if (n.op == OP_ABS || n.op == OP_SQRT || (n.op == OP_MUL && ref_equal(n.arg[0], n.arg[1])))
+		return a;
+	return dag_node(d, OP_ABS, a, NONE, NONE, 0);
+}
+
 struct ref dag_anew(struct dag *d, struct ref a)
 {
 	if (d->failed)
@@ -266,6 +283,8 @@ struct ref dag_operation(struct dag *d, enum op op, struct ref a, struct ref b, 
 		return dag_div(d, a, b);
 	case OP_SQRT:
 		return dag_sqrt(d, a);
+	case OP_ABS:
+		return dag_abs(d, a);
 	case OP_ANEW:
 		return dag_anew(d, a);
 	case OP_WIDEN:

@@ -3,9 +3,15 @@
 #include "dynamics/want.h"
 #include <string.h>
 
-static void entered(const struct tour *r, int body)
+void forward_enter(const struct tour *r, int body)
 {
 	want_pull(r, body);
+}
+
+/* M itself, for its factors or to bound an error with. */
+static int takes_mass(const struct build *b)
+{
+	return b->dynamics != DYNAMICS_ARTICULATED || request_wants(b->k, WANT_QDD_BOUND);
 }
 
 static void left(const struct tour *r, int body)
@@ -15,7 +21,7 @@ static void left(const struct tour *r, int body)
 
 	if (b->dynamics == DYNAMICS_ARTICULATED)
 		articulated_leave(&x->bodies, body, &x->singular);
-	else
+	if (takes_mass(b))
 		recursion_leave(&x->mass, body);
 }
 
@@ -69,12 +75,12 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 	x->tour.in.qdd = (struct source){.argument = -1};
 	x->tour.comes_back = 1;
 	x->tour.world = want_world;
-	x->tour.entered = entered;
+	x->tour.entered = forward_enter;
 	x->tour.left = left;
 	x->tour.own_terms = own_terms;
 	if (b->dynamics == DYNAMICS_ARTICULATED)
 		articulated_begin(&x->bodies, &x->tour);
-	else
+	if (takes_mass(b))
 		recursion_begin(&x->mass, &x->tour, nowhere);
 	x->mass.is_mass_alone = 1;
 	if (!x->qdd || d->failed || !pattern_coupled(&x->coupled, b->t, 0, b->k->dense, d->arena)) {
@@ -90,6 +96,8 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 	for (int i = 0; i < nv && !d->failed; i++)
 		x->qdd[i] = dag_sub(d, source_row(d, &x->torques, i), x->tour.tau[i]);
 	forward_solve(x, x->qdd);
+	if (request_wants(b->k, WANT_QDD_BOUND))
+		forward_part(d, x->qdd, nv);
 	tag_rows(x, "qdd", x->qdd);
 	for (int step = 0; step < b->k->refine_steps && !d->failed; step++) {
 		refine_step(x, in);
@@ -123,7 +131,7 @@ void forward_solve(const struct forward *x, struct ref *rhs)
 		factor_solve(&x->M, rhs);
 }
 
-static void inverse(const struct forward *x, struct ref *X)
+void forward_inverse(const struct forward *x, struct ref *X)
 {
 	struct dag *d = x->b->d;
 	int nv = x->b->t->nv;
@@ -179,7 +187,7 @@ void forward_outputs(const struct forward *x, int qdd_out, int inverse_out)
 	if (inverse_out < 0)
 		return;
 	dag_section(d, SECTION_INVERSE, 0);
-	inverse(x, X);
+	forward_inverse(x, X);
 	for (int i = 0; i < nv * nv; i++)
 		if (p.row[i] >= 0)
 			dag_output(d, inverse_out, p.row[i], X[i]);

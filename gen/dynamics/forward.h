@@ -33,6 +33,18 @@ void forward_pivots(const struct forward *x);
 /* Write qdd and M^-1 where these are wanted; -1: they are not. */
 void forward_outputs(const struct forward *x, int qdd_out, int inverse_out);
 
+/* Nothing folds these values with what they are made of: a product by a constant becomes a quotient. */
+void forward_part(struct dag *d, struct ref *values, int count);
+
+/* Write how far each qdd may be off; -1: it is not wanted. `in`: as before, with the qdd that was found. */
+void forward_bound(const struct forward *x, struct joint_inputs in, int argument);
+
+/* The wrenches from outside; the terms of joints join in by own_terms. */
+void forward_enter(const struct tour *r, int body);
+
+/* M^-1, [nv][nv], as far as the elements are not zero for all states. */
+void forward_inverse(const struct forward *x, struct ref *X);
+
 /* From column j of d tau at this qdd, [nv], that of d qdd = -M^-1 d tau, and write it; in place. */
 void forward_column(const struct forward *x, struct ref *column, int j, int argument);
 

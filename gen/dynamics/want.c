@@ -2,7 +2,6 @@
    needs, so each quantity is simply computed where its operands are at hand. */
 #include "dynamics/want.h"
 #include <string.h>
-#include <stdlib.h>
 
 /* ---- inputs ---- */
 
@@ -273,7 +272,7 @@ static struct argument output(const struct request *k, const struct want *w)
 		[WANT_DTAU_DQ] = ROLE_DTAU_DQ, [WANT_DTAU_DQD] = ROLE_DTAU_DQD, [WANT_MASS] = ROLE_MASS_MATRIX,
 		[WANT_DTAU_DFREED] = ROLE_DTAU_DFREED, [WANT_JVP] = ROLE_JVP, [WANT_VJP] = ROLE_VJP, [WANT_QDD] = ROLE_JOINT_ACCELERATION,
 		[WANT_MINV] = ROLE_MASS_MATRIX_INVERSE, [WANT_DQDD_DQ] = ROLE_DQDD_DQ, [WANT_DQDD_DQD] = ROLE_DQDD_DQD,
-		[WANT_DQDD_DFREED] = ROLE_DQDD_DFREED};
+		[WANT_DQDD_DFREED] = ROLE_DQDD_DFREED, [WANT_QDD_BOUND] = ROLE_JOINT_ACCELERATION_BOUND};
 	int by_freed = w->kind == WANT_DTAU_DFREED || w->kind == WANT_DQDD_DFREED;
 
 	return (struct argument){.name = w->argument, .rows = w->rows, .is_output = 1, .role = roles[w->kind],
@@ -300,7 +299,7 @@ static void declare_request(const struct build *b)
    it is not made again. */
 static int is_made_again(const struct build *b)
 {
-	return b->forward && (request_wants(b->k, WANT_DQDD_DQ) || request_wants(b->k, WANT_DQDD_DQD)) && getenv("AGAIN");
+	return b->forward && (request_wants(b->k, WANT_DQDD_DQ) || request_wants(b->k, WANT_DQDD_DQD));
 }
 
 /* Where tau is an input, qdd is what it makes: held while torques are differentiated, until all is made. */
@@ -309,6 +308,7 @@ static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x
 	forward_find(x, b, *in);
 	forward_outputs(x, output_of(b, WANT_QDD), output_of(b, WANT_MINV));
 	in->qdd = (struct source){.argument = DAG_HELD};
+	forward_bound(x, *in, output_of(b, WANT_QDD_BOUND));
 }
 
 void want_build_in(struct dag *d, const struct tree *t, const struct request *k, struct ways ways)

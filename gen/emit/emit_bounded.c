@@ -6,7 +6,8 @@
 
 /* Roundings of a bound from an operation's operands to its result, three times u for the factor 1 + 3u included. */
 static const int roundings[OP_COUNT] = {
-	[OP_ADD] = 7, [OP_SUB] = 7, [OP_MUL] = 10, [OP_FMA] = 14, [OP_SIN] = 12, [OP_COS] = 12};
+	[OP_ADD] = 7, [OP_SUB] = 7, [OP_MUL] = 10, [OP_FMA] = 14, [OP_DIV] = 18, [OP_SQRT] = 12,
+	[OP_SIN] = 12, [OP_COS] = 12};
 
 /* The most roundings of a bound on any way from an input to an output; -1 when memory runs out. */
 static int longest_way(const struct emission *e, const struct dag *d)
@@ -26,11 +27,15 @@ static int longest_way(const struct emission *e, const struct dag *d)
 	return way ? longest + 8 : -1; /* and those of the end */
 }
 
+/* bounded_quotient.in counts on at most 1.25. */
 static const char *factor_text(const struct emission *e, int way)
 {
 	struct text t;
 
 	text_init(&t, e->arena);
+	if (8 * way * e->arithmetic->unit > 1)
+		error_set(e->error, RNEAGEN_LIMIT, "%s: more operations one after the other than --bounded can add up in %s%s",
+			e->options->file, e->arithmetic->name, e->arithmetic->more);
 	emit_number(e, e->arithmetic, 1 + 2 * way * (real)e->arithmetic->unit, &t);
 	return text_string(&t);
 }
@@ -75,6 +80,8 @@ void emit_bounded(const struct emission *e, struct text *out)
 	template_expand(out, template_bounded_in, slots, count);
 	if (emit_pass_uses(p, OP_SIN) || emit_pass_uses(p, OP_COS))
 		template_expand(out, template_bounded_sincos_in, slots, count);
+	if (emit_pass_uses(p, OP_DIV) || emit_pass_uses(p, OP_SQRT))
+		template_expand(out, template_bounded_quotient_in, slots, count);
 	if (e->memory != s)
 		template_expand(out, template_bounded_store_in, slots, count);
 	rest = template_expand_to(out, template_bounded_function_in, "BODY", slots, count);

@@ -12,7 +12,7 @@ enum { SHARED_BYTES = 48 << 10, BLOCK = 128, SMALLEST_BLOCK = 32 };
 enum { DERIVATIVE_BLOCK = 64 };
 
 /* Where launch bounds pay: see min_blocks. */
-enum { ARM_BODIES = 12, MANY_BODIES = 24, FEW_ALIVE = 45, MANY_ALIVE = 60, MOST_ALIVE = 100 };
+enum { ARM_BODIES = 12, MANY_BODIES = 24, FEW_ALIVE = 45, MANY_ALIVE = 60, MOST_ALIVE = 100, FULL_SINGLE = 220, FULL_DOUBLE = 170 };
 
 static int gcd(int a, int b)
 {
@@ -69,6 +69,19 @@ static int stage_bytes(const struct emission *e)
 	return stage_words(e) * e->memory->bytes;
 }
 
+/* Accelerations of which more floats wait than registers hold (H100, 1 M samples: floating atlas 0.93 ns instead of 1.29; but in
+   f64 floating hyq 0.55 instead of 0.43). */
+static int is_full_forward(const struct emission *e)
+{
+	return e->request->is_forward && e->arithmetic->bytes == 4 && plan_alive(&emit_main(e)->plan, e->arena) > FULL_SINGLE;
+}
+
+/* Does the kernel hold so much at once that it takes smaller blocks, and shared memory beside its registers? */
+static int is_full(const struct emission *e)
+{
+	return request_wants_derivative(e->request) || is_full_forward(e);
+}
+
 /* Does the main kernel fetch its slice into shared memory first? In aos, to move whole lines, wherever 32 samples have
    room; in soa in f64, where inputs that wait in registers leave few threads, as long as 64 have (H100: iiwa14 0.96 of
    the floor instead of 0.86, fetch 0.94 instead of 0.80; but jvrc1, where 32 just fit, 0.47 instead of 0.63). */
@@ -88,7 +101,7 @@ int emit_is_optimistic(const struct emission *e)
 
 int emit_block_size(const struct emission *e)
 {
-	int block = request_wants_derivative(e->request) ? DERIVATIVE_BLOCK : BLOCK;
+	int block = is_full(e) ? DERIVATIVE_BLOCK : BLOCK;
 
 	while (is_staged(e) && block * stage_bytes(e) > SHARED_BYTES)
 		block /= 2;
@@ -96,12 +109,15 @@ int emit_block_size(const struct emission *e)
 }
 
 /* Derivatives in f64 that need no shared memory to spill into: what the compiler may give each of four blocks it then gives (H100,
-   1 M samples: hyq, 64 values alive, 0.416 ns instead of 0.433; but iiwa14, 137, 0.412 instead of 0.386). */
+   1 M samples: hyq, 64 values alive, 0.416 ns instead of 0.433; but iiwa14, 137, 0.412 instead of 0.386). Of accelerations, where
+   far more wait than registers hold, the compiler's own choice has 168 registers and spills twice as much. */
 static int min_derivative_blocks(const struct emission *e)
 {
 	int alive = plan_alive(&emit_main(e)->plan, e->arena);
 
-	return e->arithmetic->bytes == 8 && alive > MANY_ALIVE && alive <= MOST_ALIVE ? 4 : 0;
+	if (e->arithmetic->bytes != 8)
+		return 0;
+	return (alive > MANY_ALIVE && alive <= MOST_ALIVE) || (e->request->is_forward && alive > FULL_DOUBLE) ? 4 : 0;
 }
 
 /* Humanoids in f32 soa gain from room for a third block (H100: 168 registers, no spill), arms of some 50 values from room
@@ -115,7 +131,7 @@ static int min_blocks(const struct emission *e)
 		return 0;
 	if (request_wants_derivative(e->request))
 		return min_derivative_blocks(e);
-	if (e->arithmetic->bytes != 4 || e->wide) /* atlas, refined: 168 registers and 4.6 KB of spills, or 255 and 2.3 KB */
+	if (e->arithmetic->bytes != 4 || e->wide || (e->request->is_forward && e->tree->body_count > ARM_BODIES))
 		return 0;
 	if (e->tree->body_count > ARM_BODIES)
 		return e->tree->body_count >= MANY_BODIES ? 3 : 0;
@@ -293,7 +309,7 @@ static const char *spill_text(const struct emission *e)
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (request_wants_derivative(e->request))
+	if (is_full(e))
 		template_expand(&t, e->target->kernel->spill, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);
 }

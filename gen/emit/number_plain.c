@@ -43,11 +43,16 @@ static const struct sincos_frames SINCOS_F32 = {template_sincos_f32_core_in, tem
 const struct sincos_frames SINCOS_F64 = {template_sincos_f64_core_in, template_sincos_f64_bounded_in,
 	template_sincos_f64_accurate_in, template_sincos_f64_either_in, NULL, NULL};
 
-static const char *const CALLS_F32[OP_COUNT] = {[OP_FMA] = "RNEA_FMA", [OP_SQRT] = "sqrtf", [OP_ANEW] = "RNEA_ANEW"},
-			 *const CALLS_F64[OP_COUNT] = {[OP_FMA] = "RNEA_FMA", [OP_SQRT] = "sqrt", [OP_ANEW] = "RNEA_ANEW"},
-			 *const STRICT_CALLS[OP_COUNT] = {[OP_ADD] = "RNEA_ADD", [OP_SUB] = "RNEA_SUB", [OP_MUL] = "RNEA_MUL",
-				 [OP_FMA] = "RNEA_FMA", [OP_DIV] = "RNEA_DIV", [OP_SQRT] = "RNEA_SQRT",
-				 [OP_ANEW] = "RNEA_ANEW"};
+#define STRICT_CALLS                                                                                                   \
+	[OP_ADD] = "RNEA_ADD", [OP_SUB] = "RNEA_SUB", [OP_MUL] = "RNEA_MUL", [OP_FMA] = "RNEA_FMA", [OP_DIV] = "RNEA_DIV", \
+	[OP_SQRT] = "RNEA_SQRT", [OP_ANEW] = "RNEA_ANEW"
+
+static const char *const CALLS_F32[OP_COUNT] = {[OP_FMA] = "RNEA_FMA", [OP_SQRT] = "sqrtf", [OP_ABS] = "fabsf",
+	[OP_ANEW] = "RNEA_ANEW"},
+			 *const CALLS_F64[OP_COUNT] = {[OP_FMA] = "RNEA_FMA", [OP_SQRT] = "sqrt", [OP_ABS] = "fabs",
+	[OP_ANEW] = "RNEA_ANEW"},
+			 *const STRICT_CALLS_F32[OP_COUNT] = {STRICT_CALLS, [OP_ABS] = "fabsf"},
+			 *const STRICT_CALLS_F64[OP_COUNT] = {STRICT_CALLS, [OP_ABS] = "fabs"};
 
 /* Beside those of another type. */
 static const char *const WIDE_CALLS[OP_COUNT] = {[OP_FMA] = "RNEA_WIDE_FMA", [OP_SQRT] = "sqrt"},
@@ -69,21 +74,21 @@ static void put_constant(const struct unparser *u, const struct node *n, struct 
 	.constant = round_f64
 
 const struct number_type NUMBER_F32 = {.memory = &SCALAR_F32, .arithmetic = &SCALAR_F32, .value = "float",
-	.calls = CALLS_F32, .strict_calls = STRICT_CALLS, .sincos = "rneagen_sincosf_",
+	.calls = CALLS_F32, .strict_calls = STRICT_CALLS_F32, .sincos = "rneagen_sincosf_",
 	.strict_sincos = "rneagen_strict_sincosf_", .load = {"", ""}, .store = {"", ""}, .angle = {"", ""},
 	.note = "", .put_constant = put_constant, .frames = &SINCOS_F32, .bounded = &WITHIN_F32, .fuses = 1,
 	.model = {MODEL_F32, .store_largest = DBL_MAX},
 	.fast_sine = -21.41, .fast_cosine = -21.19, .fast_angle = (double)3.14159265f};
 
 const struct number_type NUMBER_F64 = {.memory = &SCALAR_F64, .arithmetic = &SCALAR_F64, .value = "double",
-	.calls = CALLS_F64, .strict_calls = STRICT_CALLS, .sincos = "rneagen_sincos_",
+	.calls = CALLS_F64, .strict_calls = STRICT_CALLS_F64, .sincos = "rneagen_sincos_",
 	.strict_sincos = "rneagen_strict_sincos_", .load = {"", ""}, .store = {"", ""}, .angle = {"", ""},
 	.note = "", .put_constant = put_constant, .frames = &SINCOS_F64, .bounded = &WITHIN_F64, .fuses = 1,
 	.model = {MODEL_F64, .store_largest = DBL_MAX}};
 
 /* Results are rounded to float when they are stored. */
 const struct number_type NUMBER_MIXED = {.memory = &SCALAR_F32, .arithmetic = &SCALAR_F64, .value = "double",
-	.calls = CALLS_F64, .strict_calls = STRICT_CALLS, .sincos = "rneagen_sincos_",
+	.calls = CALLS_F64, .strict_calls = STRICT_CALLS_F64, .sincos = "rneagen_sincos_",
 	.strict_sincos = "rneagen_strict_sincos_", .load = {"(double)", ""}, .store = {"(float)", ""}, .store_is_cast = 1,
 	.angle = {"", ""}, .note = "", .put_constant = put_constant, .frames = &SINCOS_F64, .bounded = &WITHIN_MIXED, .fuses = 1,
 	.model = {MODEL_F64, .store = 0x1p-24, .store_tiny = 0x1p-150, .store_largest = (double)FLT_MAX}};

@@ -4,7 +4,8 @@
 
 #define WITHIN_CALLS(prefix)                                                                                           \
 	{[OP_NEG] = prefix "neg", [OP_ADD] = prefix "add", [OP_SUB] = prefix "sub", [OP_MUL] = prefix "mul", [OP_FMA] = prefix "fma", \
-		[OP_DIV] = prefix "div", [OP_SQRT] = prefix "sqrt", [OP_ANEW] = ""}
+		[OP_DIV] = prefix "div", [OP_SQRT] = prefix "sqrt", [OP_ABS] = prefix "abs",\
+		[OP_ANEW] = ""}
 
 static const char *const CALLS_F32[OP_COUNT] = WITHIN_CALLS("rneagen_withinf_"),
 			 *const CALLS_F64[OP_COUNT] = WITHIN_CALLS("rneagen_within_");

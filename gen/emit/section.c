@@ -47,6 +47,8 @@ static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driv
 	[SECTION_ARTICULATED] = "U = I S, D = S'U, I_p += R (I - U U'/D) R' on the way back above;  now back: u = tau - bias - S'p,\n\t   "
 		"p_p += R (p + U u/D);  and out: qdd = (u - U'a)/D, a = R'a_p + S qdd",
 	[SECTION_INVERSE] = "L Minv = D^-1 L'^-1, or as qdd from the columns of 1 for tau - bias",
+	[SECTION_BOUND] = "with X near M^-1, d and e how far r and M may be off by rounding, and E >= |I - X M|:\n\t   "
+		"y = |X| (|r| + d);  E y = |I - X M| y + |X| (e + rounding) y;  k = the largest E y/y;  |qdd - exact| <= y/(1 - k)",
 	[SECTION_RESIDUAL] = "r = tau - ID(q, qd, qdd) at the qdd found, from inputs and constants in more bits where the head says so",
 	[SECTION_REFINED] = "M d = r;  qdd += d",
 	[SECTION_PRODUCTS] = "jvp = d tau/d q v_q + d tau/d qd v_qd + M v_qdd;  vjp = v' d tau/d q, v' d tau/d qd, v' M"};
@@ -103,6 +105,7 @@ static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torqu
 	[SECTION_GRAVITY] = "from here on at rest: torques of gravity",
 	[SECTION_FACTORS] = "qdd, by factors of the mass matrix", [SECTION_ARTICULATED] = "qdd, by articulated bodies",
 	[SECTION_INVERSE] = "inverse of the mass matrix",
+	[SECTION_BOUND] = "how far qdd may be off",
 	[SECTION_RESIDUAL] = "from here on once more: the residual of the qdd found",
 	[SECTION_REFINED] = "qdd, refined",
 	[SECTION_PRODUCTS] = "derivatives times vectors, and by what is freed"};
@@ -144,7 +147,7 @@ static void put_title(const struct emission *e, const struct pass *pass, const s
 /* A section that has no lines of its own, but for those that it begins. */
 static int begins_tour(const struct section *s)
 {
-	return s->kind == SECTION_RESIDUAL || s->kind == SECTION_BIAS || s->kind == SECTION_GRAVITY;
+	return s->kind == SECTION_BIAS || s->kind == SECTION_GRAVITY || s->kind == SECTION_RESIDUAL;
 }
 
 void unparse_section(struct unparser *u, const struct section *s, struct text *out)

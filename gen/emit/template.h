@@ -22,7 +22,7 @@ extern const char template_function_c_in[], template_function_h_in[], template_h
 extern const char template_head_c_in[], template_part_in[], template_part_accurate_in[], template_are_small_in[];
 extern const char template_anew_in[], template_arithmetic_c_in[], template_arithmetic_cuda_in[], template_arithmetic_header_in[];
 extern const char template_arithmetic_strict_c_in[], template_arithmetic_strict_cuda_in[], template_arithmetic_strict_flush_in[];
-extern const char template_bounded_in[], template_bounded_sincos_in[], template_bounded_store_in[], template_bounded_function_in[];
+extern const char template_bounded_in[], template_bounded_sincos_in[], template_bounded_store_in[], template_bounded_quotient_in[], template_bounded_function_in[];
 extern const char template_parts_in[];
 extern const char template_slice_in[], template_batch_in[];
 extern const char template_sincos_f32_core_in[], template_sincos_f32_accurate_in[];

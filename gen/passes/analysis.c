@@ -37,11 +37,41 @@ enum rneagen_code pass_tree_build(struct analysis *a)
 	return RNEAGEN_OK;
 }
 
+static real round_double(real x)
+{
+	return (real)(double)x;
+}
+
+/* What a bound of qdd does not know of. */
+static enum rneagen_code check_bound(struct analysis *a)
+{
+	static const struct eval_model doubles = {.add = 0x1p-53, .mul = 0x1p-53, .tiny = 0x1p-1072, .sincos = 1.7 * 0x1p-53,
+		.sine = 0x1p-1072, .cosine = 0x1p-1072, .constant = round_double};
+
+	if (!request_wants(&a->request, WANT_QDD_BOUND))
+		return RNEAGEN_OK;
+	if (!a->model.constant)
+		a->model = doubles;
+	a->request.arithmetic = &a->model;
+	if (a->options.trig == RNEAGEN_FAST)
+		return error_set(a->error, RNEAGEN_USAGE,
+			"--want qdd_bound and --trig fast exclude each other: the sine of a GPU's own unit has no bound beyond pi; take bounded");
+	if (a->options.precision == RNEAGEN_F32X2)
+		return error_set(a->error, RNEAGEN_USAGE,
+			"--want qdd_bound and --precision f32x2 exclude each other: pairs of floats have no magnitudes in texts; take f64");
+	if (a->adjust.prune != 0)
+		return error_set(a->error, RNEAGEN_USAGE,
+			"--want qdd_bound and --drop-below exclude each other: what is left out of M and of the torques differs");
+	return RNEAGEN_OK;
+}
+
 enum rneagen_code pass_request_resolve(struct analysis *a)
 {
 	if (request_resolve(&a->request, &a->tree, &a->scene, &a->snapped, a->arena, a->error))
 		return a->error->code;
-	return request_refine(&a->request, &a->scene, a->options.precision, a->error);
+	if (request_refine(&a->request, &a->scene, a->options.precision, a->error))
+		return a->error->code;
+	return check_bound(a);
 }
 
 static enum rneagen_code refuse_singular(const struct analysis *a, int row)

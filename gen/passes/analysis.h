@@ -4,6 +4,7 @@
    the members beside its name. rneagen.c runs them one by one; whoever compares a choice with another runs those that the choice
    changes once more. */
 
+#include "dag/eval_model.h"
 #include "dynamics/registry.h"
 #include "rneagen.h"
 #include "scene/outcome.h"
@@ -18,6 +19,7 @@ struct analysis {
 	struct rneagen_options options; /* `file` is never NULL */
 	struct arena *arena;            /* of all that is made, but of `raw` */
 	struct rneagen_error *error;
+	struct eval_model model;        /* the text's arithmetic, of which wanted bounds speak; NULL constant: doubles */
 	struct robot robot;             /* urdf_read: as the file states it, and its warnings */
 	struct scene scene;             /* scene_parse */
 	struct adjust adjust;

@@ -47,7 +47,7 @@ struct request_range {
 };
 
 enum want_kind { WANT_TAU, WANT_GRAVITY, WANT_BIAS, WANT_WRENCH, WANT_TWIST, WANT_ACCEL, WANT_POWER, WANT_KINETIC, WANT_POTENTIAL,
-	WANT_QDD, WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_MASS, WANT_DTAU_DFREED, WANT_JVP, WANT_VJP, WANT_MINV, WANT_DQDD_DQ, WANT_DQDD_DQD,
+	WANT_QDD, WANT_QDD_BOUND, WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_MASS, WANT_DTAU_DFREED, WANT_JVP, WANT_VJP, WANT_MINV, WANT_DQDD_DQ, WANT_DQDD_DQD,
 	WANT_DQDD_DFREED };
 
 struct want {
@@ -64,11 +64,13 @@ enum derivatives { DERIVATIVES_CHEAPER, DERIVATIVES_FORWARD, DERIVATIVES_RECURSI
 /* M qdd = tau - bias by factors of M, by articulated bodies, or by whichever takes less. */
 enum dynamics { DYNAMICS_CHEAPER, DYNAMICS_FACTOR, DYNAMICS_ARTICULATED };
 
+struct eval_model;
 /* What the residual of a step of refinement is computed in: the text's numbers, or numbers with more bits. */
 enum refine { REFINE_SAME, REFINE_F64, REFINE_F32X2 };
 
 struct request {
 	int is_plain;               /* tau = ID(q, qd, qdd) and nothing else */
+	const struct eval_model *arithmetic; /* of the text, of which a bound speaks */
 	struct row *q, *qd, *qdd, *tau; /* nq, nv, nv and nv of them */
 	struct freed *freed;
 	int freed_count;

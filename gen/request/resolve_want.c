@@ -18,6 +18,7 @@ static const struct want_word {
 	[WANT_KINETIC] = {{"kinetic", 0}, "kinetic", 1},
 	[WANT_POTENTIAL] = {{"potential", 0}, "potential", 1},
 	[WANT_QDD] = {{"qdd", 0}, "qdd", 0},
+	[WANT_QDD_BOUND] = {{"qdd_bound", 0}, "qdd_bound", 0},
 	[WANT_DTAU_DQ] = {{"dtau_dq", 0}, "dtau_dq", 0},
 	[WANT_DTAU_DQD] = {{"dtau_dqd", 0}, "dtau_dqd", 0},
 	[WANT_MASS] = {{"M", 0}, "M", 0},
@@ -39,7 +40,7 @@ int request_is_solved(enum want_kind kind)
 /* Of these qdd is found, and tau an input. */
 static int is_forward(enum want_kind kind)
 {
-	return kind == WANT_QDD || request_is_solved(kind);
+	return kind == WANT_QDD || kind == WANT_QDD_BOUND || request_is_solved(kind);
 }
 
 static enum rneagen_code want_link(const struct resolver *x, const struct scene_choice *c, struct want *w)

@@ -12,7 +12,7 @@ static __float128 off(struct rng *rng, __float128 value, double relative, double
 static __float128 worst_node(
 	const struct node *n, const struct eval_model *m, struct rng *rng, const double *const *in, const __float128 *v)
 {
-	__float128 a = n->op == OP_INPUT ? 0 : v[n->arg[0].i], b = n->op == OP_INPUT ? 0 : v[n->arg[1].i];
+	__float128 a = op_arity[n->op] > 0 ? v[n->arg[0].i] : 0, b = op_arity[n->op] > 1 ? v[n->arg[1].i] : 0;
 
 	switch (n->op) {
 	case OP_CONST:
@@ -30,6 +30,12 @@ static __float128 worst_node(
 	case OP_FMA:
 		a = m->fused ? a * b : off(rng, a * b, m->mul, m->tiny);
 		return off(rng, a + v[n->arg[2].i], m->add, m->tiny);
+	case OP_DIV:
+		return off(rng, a / b, m->mul, m->tiny);
+	case OP_SQRT:
+		return off(rng, sqrtq(a), m->mul, m->tiny);
+	case OP_ABS:
+		return fabsq(a);
 	case OP_SIN:
 		return off(rng, sinq(a), m->sincos, m->sine);
 	default:

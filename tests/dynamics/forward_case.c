@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "test_forward.h"
 #include "reference/differences.h"
+#include "tree/pattern.h"
 #include <check.h>
 #include <math.h>
 #include <stdio.h>
@@ -224,6 +225,20 @@ void forward_case_refer(struct forward_case *f, int derivatives)
 	reference_forward(c->r, f->X, f->q, f->qd, f->tau, f->qdd);
 	if (derivatives)
 		refer_derivatives(f, held);
+}
+
+int forward_case_left_out(struct forward_case *f)
+{
+	struct pattern p;
+	int count = 0;
+
+	ck_assert(pattern_coupled(&p, &f->m.tree, 0, 0, &f->m.arena));
+	for (int i = 0; i < f->nv * f->nv; i++) {
+		count += p.row[i] < 0;
+		ck_assert_msg(p.row[i] >= 0 || (f->out[OUT_DQ][i] == 0 && f->out[OUT_DQD][i] == 0 && f->out[OUT_MINV][i] == 0),
+			"%s: element %d is left out, and not zero; scene:\n%s", f->what, i, f->c->scene);
+	}
+	return count;
 }
 
 wide forward_case_at(const struct forward_case *f, const wide *matrix, int i, int j)

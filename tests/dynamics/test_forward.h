@@ -32,6 +32,9 @@ enum rneagen_code forward_case_evaluate(struct forward_case *f);
 /* What the reference says: qdd and X always, derivatives where asked. */
 void forward_case_refer(struct forward_case *f, int derivatives);
 
+/* Returns how many elements of d qdd/d q and of the inverse are not stored without --dense; all of these are zero. */
+int forward_case_left_out(struct forward_case *f);
+
 void forward_case_close(struct forward_case *f);
 
 /* An element of a matrix of the reference, of rows of the scene. */

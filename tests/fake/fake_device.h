@@ -1,15 +1,14 @@
 /* Lets a C++ compiler build CUDA C for the processor: put before a text by fake_nvrtc, run by fake_cuda.
    Enough of CUDA for the texts of rneagen and the kernels of the tests, and no more. */
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <cstdlib>
+#define _GLIBCXX_INCLUDE_NEXT_C_HEADERS /* C's own, where libstdc++ would put a long <cmath> before each text */
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#undef _GLIBCXX_INCLUDE_NEXT_C_HEADERS
 #include <utility>
 #if FAKE_WAITS
-#include <condition_variable>
-#include <mutex>
-#include <thread>
-#include <vector>
+#include <pthread.h>
 #endif
 
 #define __CUDACC__ 1
@@ -100,57 +99,55 @@ template <class... A> static void fake_run_serial(void (*kernel)(A...), void **p
 }
 
 #if FAKE_WAITS
-/* A barrier for the threads of a block; each call of wait() returns when all of them are there. */
-struct fake_barrier {
-	std::mutex mutex;
-	std::condition_variable all;
-	unsigned threads, waiting, round;
+static pthread_barrier_t fake_block_barrier; /* of the threads of a block */
 
-	void wait()
+[[maybe_unused]] static void __syncthreads()
+{
+	pthread_barrier_wait(&fake_block_barrier);
+}
+
+/* Where in a launch a thread is. */
+template <class... A> struct fake_place {
+	pthread_t thread;
+	void (*kernel)(A...);
+	void **p;
+	unsigned grid, parts, block, index;
+
+	void run() const
 	{
-		std::unique_lock<std::mutex> lock(mutex);
-		unsigned mine = round;
-
-		if (++waiting == threads) {
-			waiting = 0;
-			round++;
-			all.notify_all();
-		} else {
-			all.wait(lock, [&] { return round != mine; });
+		for (unsigned b = 0; b < grid * parts; b++) {
+			threadIdx = {index, 0, 0};
+			blockIdx = {b % grid, b / grid, 0};
+			blockDim = {block, 1, 1};
+			gridDim = {grid, parts, 1};
+			fake_apply(kernel, p, std::index_sequence_for<A...>{});
+			__syncthreads();
 		}
 	}
 };
 
-static fake_barrier *fake_block_barrier;
-
-[[maybe_unused]] static void __syncthreads()
+template <class... A> static void *fake_run_place(void *place)
 {
-	fake_block_barrier->wait();
+	static_cast<const fake_place<A...> *>(place)->run();
+	return nullptr;
 }
 
 /* Threads that do are real ones; together they go from block to block. */
 template <class... A> static void fake_run_threads(void (*kernel)(A...), void **p, unsigned grid, unsigned parts,
 	unsigned block)
 {
-	fake_barrier barrier;
-	std::vector<std::thread> threads;
+	fake_place<A...> *places = new fake_place<A...>[block];
 
-	barrier.threads = block;
-	barrier.waiting = barrier.round = 0;
-	fake_block_barrier = &barrier;
+	pthread_barrier_init(&fake_block_barrier, nullptr, block);
+	for (unsigned t = 0; t < block; t++) {
+		places[t] = {0, kernel, p, grid, parts, block, t};
+		if (pthread_create(&places[t].thread, nullptr, fake_run_place<A...>, &places[t]))
+			abort();
+	}
 	for (unsigned t = 0; t < block; t++)
-		threads.emplace_back([=, &barrier] {
-			for (unsigned b = 0; b < grid * parts; b++) {
-				threadIdx = {t, 0, 0};
-				blockIdx = {b % grid, b / grid, 0};
-				blockDim = {block, 1, 1};
-				gridDim = {grid, parts, 1};
-				fake_apply(kernel, p, std::index_sequence_for<A...>{});
-				barrier.wait();
-			}
-		});
-	for (std::thread &t : threads)
-		t.join();
+		pthread_join(places[t].thread, nullptr);
+	pthread_barrier_destroy(&fake_block_barrier);
+	delete[] places;
 }
 #endif
 

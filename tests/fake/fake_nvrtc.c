@@ -1,9 +1,12 @@
 /* An NVRTC for machines without one, chosen by RNEA_NVRTC: builds CUDA C for the processor with the C++ compiler, as a
    shared object that the driver in fake_cuda.c runs. FAKE_CXX, FAKE_HEADER: the compiler, and fake_device.h.
 
+   What was built once is kept in FAKE_CACHE, by the text, the command and fake_device.h, for tests of the same text.
+
    Environment: RNEA_FAKE_NVRTC_FAIL=CODE makes nvrtcCompileProgram return CODE; RNEA_FAKE_ARCHS="75 80" are the
    architectures it claims to know (default "75 80 90"). */
 #define _GNU_SOURCE
+#include "fake_cache.h"
 #include <ctype.h>
 #include <elf.h>
 #include <stdatomic.h>
@@ -194,23 +197,42 @@ static int check_shared(struct program *p)
 	return COMPILATION;
 }
 
-static int build(struct program *p, const char *folder, char *command)
+/* Into the file, which is of the folder alone. */
+static int run_compiler(struct program *p, const char *folder, char *command, const char *path)
 {
-	char path[128];
+	char result[128];
 	size_t size, used = strlen(command);
 	int status;
 
-	snprintf(path, sizeof path, "%s/text.cc", folder);
-	write_source(p, path);
 	snprintf(command + used, COMMAND_LIMIT - used, " -o %s/text.so %s 2>%s/log", folder, path, folder);
 	status = system(command);
-	unlink(path);
-	snprintf(path, sizeof path, "%s/log", folder);
+	command[used] = '\0';
+	snprintf(result, sizeof result, "%s/log", folder);
 	free(p->log);
-	p->log = read_file(path, &size);
-	unlink(path);
-	snprintf(path, sizeof path, "%s/text.so", folder);
-	p->image = read_file(path, &p->image_size);
+	p->log = read_file(result, &size);
+	unlink(result);
+	snprintf(result, sizeof result, "%s/text.so", folder);
+	p->image = read_file(result, &p->image_size);
+	unlink(result);
+	return status;
+}
+
+static int build(struct program *p, const char *folder, char *command)
+{
+	struct fake_cache cache;
+	char path[128];
+	int status = 0;
+
+	snprintf(path, sizeof path, "%s/text.cc", folder);
+	write_source(p, path);
+	cache = fake_cache_open(command, path, FAKE_HEADER);
+	p->image = fake_cache_read(&cache, &p->image_size);
+	if (!p->image) {
+		status = run_compiler(p, folder, command, path);
+		if (!status)
+			fake_cache_write(&cache, p->image, p->image_size);
+	}
+	fake_cache_close(&cache);
 	unlink(path);
 	return status ? COMPILATION : check_shared(p);
 }

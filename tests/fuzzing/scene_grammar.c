@@ -14,6 +14,7 @@ struct drawing {
 	struct tree tree;
 	struct text used; /* names that were drawn for something that takes each once, one on a line */
 	int folds_q, folds_qd;
+	int is_forward; /* qdd is wanted, and tau an input */
 };
 
 /* ---- words and values ---- */
@@ -200,10 +201,10 @@ static int has_floating(const struct tree *t)
 	return 0;
 }
 
-/* One row, or all, of q, qd or qdd; or gravity. */
+/* One row, or all, of q, qd, and qdd or tau; or gravity. */
 static void draw_fold(struct drawing *g)
 {
-	const char *word = DICE_WORD(g->d, "qdd", "qd", "q", "gravity");
+	const char *word = DICE_WORD(g->d, g->is_forward ? "tau" : "qdd", "qd", "q", "gravity");
 	const struct body *k = dice_happen(g->d, 2) ? draw_body(g, 1) : NULL;
 	struct text t = new_text(g);
 	int is_gravity = !strcmp(word, "gravity"), count = is_gravity ? 3 : 1;
@@ -241,12 +242,23 @@ static void draw_free(struct drawing *g)
 	if ((!name && strcmp(word, "gravity") != 0) || !is_new(g, *word == 'm' || *word == 'i' ? "own" : word, name ? name : ""))
 		return;
 	text_printf(&t, "%s%s%s", word, name ? "." : "", name ? name : "");
-	text_printf(&d, "dtau_d%s", text_string(&t));
+	text_printf(&d, "%s_d%s", g->is_forward ? "dqdd" : "dtau", text_string(&t));
 	if (dice_happen(g->d, 2) || (name && ends_like_rate(name)))
 		text_put(&t, DICE_WORD(g->d, ":sample", ":batch"));
 	put_line(g, SCENE_FREE, text_string(&t));
 	if (dice_happen(g->d, 3))
 		put_line(g, SCENE_WANT, text_string(&d));
+}
+
+/* What is asked of qdd in place of M, jvp, vjp, dtau_dq and dtau_dqd. */
+static void draw_forward(struct drawing *g, size_t matrix)
+{
+	static const char *const words[] = {"Minv", "qdd", "qdd", "dqdd_dq", "dqdd_dqd"};
+	static const enum scene_key keys[] = {SCENE_WANT, SCENE_JVP, SCENE_VJP, SCENE_WANT, SCENE_WANT};
+
+	put_line(g, keys[matrix], words[matrix]);
+	if (dice_happen(g->d, 2) && is_new(g, "", "dynamics"))
+		put_line(g, SCENE_DYNAMICS, g->tree.mimic_count ? "factor" : DICE_WORD(g->d, "articulated", "factor", "auto"));
 }
 
 static void draw_want(struct drawing *g)
@@ -263,7 +275,11 @@ static void draw_want(struct drawing *g)
 		return;
 	if ((!strcmp(words[kind], "dtau_dq") && g->folds_q) || (!strcmp(words[kind], "dtau_dqd") && g->folds_qd))
 		return;
-	text_put(&t, words[kind]);
+	if (g->is_forward && kind >= MATRICES && kind < WRENCH) {
+		draw_forward(g, kind - MATRICES);
+		return;
+	}
+	text_put(&t, g->is_forward && kind == 0 ? "qdd" : words[kind]);
 	if (kind >= WRENCH && !name)
 		return;
 	if (kind >= WRENCH)
@@ -307,7 +323,7 @@ static void draw_push(struct drawing *g)
 /* Of what no other line folds. */
 static void draw_range(struct drawing *g)
 {
-	const char *word = DICE_WORD(g->d, "qdd", "qd", "q");
+	const char *word = DICE_WORD(g->d, g->is_forward ? "tau" : "qdd", "qd", "q");
 	const struct body *k = *word == 'q' && !word[1] ? draw_body(g, 1) : NULL;
 	struct text t = new_text(g);
 
@@ -336,6 +352,11 @@ static void draw_constants(struct drawing *g)
 
 static void draw_task(struct drawing *g)
 {
+	g->is_forward = dice_happen(g->d, 3);
+	if (g->is_forward) {
+		is_new(g, "want", "qdd");
+		put_line(g, SCENE_WANT, "qdd");
+	}
 	for (size_t n = dice_below(g->d, 5); n > 0; n--) {
 		static void (*const draws[])(struct drawing *) = {draw_want, draw_fold, draw_free, draw_want, draw_push, draw_own_terms,
 			draw_constants, draw_want};

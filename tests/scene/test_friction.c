@@ -97,14 +97,13 @@ START_TEST(test_width)
 END_TEST
 
 /* The message of a scene that is refused. */
-static void refuse(const char *scene, int bounded, const char *text)
+static void refuse(const char *scene, const char *text)
 {
 	struct rneagen_options o = rneagen_options_default();
 	struct rneagen_result r;
 	struct rneagen_error e;
 
 	o.scene = scene;
-	o.bounded = bounded;
 	o.target = RNEAGEN_TARGET_C;
 	ck_assert(rneagen_generate(urdf, strlen(urdf), &o, &r, &e));
 	ck_assert_msg(strstr(e.message, text) != NULL, "%s", e.message);
@@ -112,9 +111,8 @@ static void refuse(const char *scene, int bounded, const char *text)
 
 START_TEST(test_refused)
 {
-	refuse("friction 0\n", 0, "friction must be smooth");
-	refuse("friction wide\n", 0, "takes a finite number");
-	refuse("friction\n", 1, "--bounded and --friction exclude each other");
+	refuse("friction 0\n", "friction must be smooth");
+	refuse("friction wide\n", "takes a finite number");
 }
 END_TEST
 

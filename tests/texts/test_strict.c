@@ -255,7 +255,7 @@ static void check_text(const char *urdf, size_t length, const struct rneagen_opt
 	first = run_new(&m, o->precision != RNEAGEN_F64);
 	r = run_new(&m, o->precision != RNEAGEN_F64);
 	for (int i = 0; settings[i] < SETTING_COUNT; i++) {
-		const struct compiler *c = &SETTINGS[i && m.tree.body_count >= DEEP ? QUICK : settings[i]];
+		const struct compiler *c = &SETTINGS[i && m.tree.body_count >= (exhaustive() ? DEEP : DEEP / 2) ? QUICK : settings[i]];
 		struct run *now = i ? &r : &first;
 
 		if (!is_possible(c))

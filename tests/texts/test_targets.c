@@ -35,11 +35,12 @@ static int is_legged(const char *name)
 static void check_text(int is_real, int optimise, struct worst *worst, struct model *m, const struct states *states, const char *urdf,
 	size_t length, const struct rneagen_options *o, const char *stem)
 {
-	static const struct compiler optimising = {"gcc", {"-O1"}}, quick = {"gcc", {"-O0"}};
+	static const struct compiler optimising = {"gcc", {"-O1"}}, slow = {"gcc", {"-O0"}}, quick = {"clang", {"-O0"}};
+	const int deep = exhaustive() ? DEEP : DEEP / 2;
 	struct target t;
 	struct check c = {.target = &t, .model = m, .states = states, .real = is_real, .exact = 1, .worst = worst};
 
-	target_open(&t, urdf, length, o, m->tree.body_count < DEEP && optimise ? &optimising : &quick, stem);
+	target_open(&t, urdf, length, o, m->tree.body_count < deep && optimise ? &optimising : compiler_lacks(&quick, 0) ? &slow : &quick, stem);
 	check_rnea(&c);
 	check_batch(&c);
 	check_passes(&c);

@@ -76,7 +76,7 @@ struct tally {
 /* What looks at control flow needs optimising, which takes long over long texts. */
 static void compile_by_all(const struct tally *tally, const struct target *t, const char *stem)
 {
-	static const char *const commands[] = {"clang", "gcc", "clang"}, *const levels[] = {"-O0", "-O2", "-O2"};
+	static const char *const commands[] = {"clang", "gcc", "clang"}, *const levels[] = {"-O0", "-O1", "-O1"};
 	int is_long = strlen(t->text.source) > (exhaustive() ? 300000 : 80000);
 
 	for (int i = 0; i < 3; i++) {
@@ -85,7 +85,7 @@ static void compile_by_all(const struct tally *tally, const struct target *t, co
 
 		if (tally->own && exhaustive() ? 0 : i != (tally->own ? tally->turn % 3 : 0))
 			continue;
-		compile_object(t, command, is_long ? "-O0" : levels[i], target_path(stem, ".c"), object);
+		compile_object(t, command, is_long ? "-O0" : exhaustive() && i ? "-O2" : levels[i], target_path(stem, ".c"), object);
 		check_symbols(t, object);
 		unlink(object.s);
 	}

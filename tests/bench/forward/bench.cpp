@@ -1,5 +1,6 @@
 /* bench MODEL STATES REPEATS: speeds and differences of the generated functions that this program is linked with, beside Pinocchio's on
    MODEL, which Pinocchio wrote, and a plain Cholesky factorisation of the generated M. STATES holds COUNT times q, qd, tau. */
+#include "all.h" /* the text of that name */
 #include "peer.h"
 #include <algorithm>
 #include <cmath>
@@ -10,7 +11,6 @@
 
 extern "C" {
 void qdd_fd(const double *q, const double *qd, const double *tau, double *qdd);
-void all_fd(const double *q, const double *qd, const double *tau, double *qdd, double *dq, double *dqd);
 void mass_rnea(const double *q, const double *qd, double *tau_bias, double *M);
 void gradients_rnea(const double *q, const double *qd, const double *qdd, double *dq, double *dqd);
 }
@@ -155,6 +155,17 @@ static double apart(const double *x, const double *y, int n)
 	return off / size;
 }
 
+/* From the elements that are stored to the whole matrix, row by row. */
+static void unpack(double *matrix, const int *row, const int *col, size_t count)
+{
+	static double full[NV * NV];
+
+	std::fill(full, full + NV * NV, 0.0);
+	for (size_t k = 0; k < count; k++)
+		full[row[k] * NV + col[k]] = matrix[k];
+	std::copy(full, full + NV * NV, matrix);
+}
+
 /* Of this way's results, in parts of the largest element of Pinocchio's. */
 static double difference(bench &b, int f, int way)
 {
@@ -164,6 +175,10 @@ static double difference(bench &b, int f, int way)
 	for (int s = 0; s < COUNT; s++) {
 		by_pinocchio(b, f, b.q(s));
 		call(b, f, way, s);
+		if (way == OURS && f == DERIVATIVES) {
+			unpack(b.dq, all_dqdd_dq_row, all_dqdd_dq_col, sizeof all_dqdd_dq_row / sizeof(int));
+			unpack(b.dqd, all_dqdd_dqd_row, all_dqdd_dqd_col, sizeof all_dqdd_dqd_row / sizeof(int));
+		}
 		for (int i = 0; i < NV; i++)
 			wanted[i] = peer_qdd(b.peer, i);
 		worst = std::max(worst, apart(b.qdd, wanted, NV));
