@@ -17,10 +17,12 @@ const struct number_type *number_type_of(enum rneagen_precision precision)
 
 void emit_set_precision(struct emission *e)
 {
+	static const struct number_type *const wide[] = {[REFINE_SAME] = NULL, [REFINE_F64] = &WIDE_F64, [REFINE_F32X2] = &WIDE_F32X2};
+
 	e->target = target_type_of(e->options->target);
 	e->numbers = number_type_of(e->options->precision);
-	if (e->request->refine_steps)
-		e->wide = (const struct number_type *const[]){[REFINE_SAME] = NULL, [REFINE_F64] = &WIDE_F64, [REFINE_F32X2] = &WIDE_F32X2}[e->request->refine];
+	if (e->request && e->request->refine_steps)
+		e->wide = wide[e->request->refine];
 	e->memory = e->numbers->memory;
 	e->arithmetic = e->numbers->arithmetic;
 }

@@ -100,6 +100,10 @@ START_TEST(every_request)
 	o.order = _i == 1 ? "jd,ja" : NULL;
 	o.tell = _i < DUMPS ? RNEAGEN_TELL_ALL : 0;
 	o.scene = _i == 4 ? "# some\nroot base\ntip b,d\nsnap-angle 1e-3" : _i == 5 ? "lock jd=0.5" : NULL;
+	if (_i == 3) { /* CUDA in f32 */
+		o.scene = "free payload.d\nwant qdd\nrefine 1:f32x2";
+		o.base = RNEAGEN_FIXED;
+	}
 	if (_i == 6)
 		o.scene = "fold qdd=0\nfree payload.d\nfext b\nwant tau,power\ndrop-below 1e-3\nrange payload.d=0,2";
 	if (_i >= 7 && _i < DUMPS) {
