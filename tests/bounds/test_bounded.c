@@ -20,8 +20,8 @@ static const struct kind {
 	struct compiler compiler;
 } KINDS[] = {
 	{"f32", RNEAGEN_F32, RNEAGEN_ACCURATE, 0, {"gcc", {"-O0", "-Dalways_inline=unused"}}},
-	{"f64", RNEAGEN_F64, RNEAGEN_ACCURATE, 0, {"gcc", {"-O0", "-Dalways_inline=unused"}}},
-	{"mixed", RNEAGEN_MIXED, RNEAGEN_ACCURATE, 0, {"gcc", {"-O0", "-Dalways_inline=unused"}}},
+	{"f64", RNEAGEN_F64, RNEAGEN_ACCURATE, 0, {"clang", {"-O0", "-Dalways_inline=unused"}}},
+	{"mixed", RNEAGEN_MIXED, RNEAGEN_ACCURATE, 0, {"clang", {"-O0", "-Dalways_inline=unused"}}},
 	{"f32 bounded", RNEAGEN_F32, RNEAGEN_BOUNDED, 0, {"gcc", {"-O2", "-march=native", "-ffp-contract=fast"}}},
 	{"f64 bounded", RNEAGEN_F64, RNEAGEN_BOUNDED, 0, {"gcc", {"-O2", "-march=native", "-ffp-contract=fast"}}},
 	{"f32 strict", RNEAGEN_F32, RNEAGEN_BOUNDED, 1, {"gcc", {"-O1"}}},

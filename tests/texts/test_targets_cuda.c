@@ -1,6 +1,6 @@
 /* Texts for target cuda, without a GPU: nvcc and NVRTC take them without a word, and what ptxas says of their kernels
-   goes into targets/ptxas.csv. The other robots of this folder by NVRTC, which has the same front end, and every fourth by nvcc too; of
-   all where that is asked for, else of every third. RNEAGEN_CUDA_ALL=1: every robot in both precisions and layouts, for half an hour. */
+   goes into targets/ptxas.csv. The other robots of this folder by NVRTC, which has the same front end, and every fourth by nvcc too:
+   every third of them, or where all is asked for each, and the real ones (RNEAGEN_ROBOTS). */
 #define _GNU_SOURCE
 #include "support/exhaustive.h"
 #include "support/model.h"
@@ -194,7 +194,7 @@ START_TEST(modes)
 END_TEST
 
 struct tour {
-	int all, robots, turn;
+	int robots, turn;
 };
 
 static int is_elsewhere(const char *robot)
@@ -207,7 +207,7 @@ static int is_elsewhere(const char *robot)
 	return 0;
 }
 
-/* One text of a robot, options taking turns; or, when all are wanted, each precision and layout. */
+/* One text of a robot, options taking turns. */
 static void check_robot(const char *path, const char *name, void *context)
 {
 	struct tour *tour = context;
@@ -215,35 +215,26 @@ static void check_robot(const char *path, const char *name, void *context)
 	char robot[48];
 
 	snprintf(robot, sizeof robot, "%.*s", (int)(strlen(name) - 5), name);
-	if (!strncmp(name, "xfail_", 6) || (!tour->all && is_elsewhere(robot)))
+	if (!strncmp(name, "xfail_", 6) || is_elsewhere(robot) || (!exhaustive() && tour->robots++ % 3))
 		return;
-	if (!exhaustive() && !tour->all && tour->robots++ % 3)
-		return;
-	for (int i = 0; i < (tour->all ? 4 : 1); i++) {
-		int turn = tour->all ? i : tour->turn;
-
-		o.precision = turn % 2 ? RNEAGEN_F64 : RNEAGEN_F32;
-		o.layout = turn / 2 % 2 ? RNEAGEN_AOS : RNEAGEN_SOA;
-		o.trig = (enum rneagen_trig)(tour->turn % 3);
-		o.base = tour->turn % 5 == 4 ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
-		check_text(path, &o, robot, 0, tour->turn % 4 == 0);
-		tour->turn++;
-	}
+	o.precision = tour->turn % 2 ? RNEAGEN_F64 : RNEAGEN_F32;
+	o.layout = tour->turn / 2 % 2 ? RNEAGEN_AOS : RNEAGEN_SOA;
+	o.trig = (enum rneagen_trig)(tour->turn % 3);
+	o.base = tour->turn % 5 == 4 ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+	check_text(path, &o, robot, 0, tour->turn % 4 == 0);
+	tour->turn++;
 }
 
 START_TEST(other_robots)
 {
-	const char *all = getenv("RNEAGEN_CUDA_ALL"), *folder = getenv("RNEAGEN_ROBOTS");
-	struct tour tour = {.all = all && *all};
+	const char *folder = getenv("RNEAGEN_ROBOTS");
+	struct tour tour = {0};
 
 	for_each_urdf(TEST_DIR "/robots", check_robot, &tour);
-	if (!tour.all)
-		printf("skipped: RNEAGEN_CUDA_ALL is not set: each robot in one precision and layout, real ones not at "
-		       "all\n");
-	else if (!folder)
-		printf("skipped: RNEAGEN_ROBOTS is not set\n");
-	else
+	if (exhaustive() && folder)
 		for_each_urdf(folder, check_robot, &tour);
+	else if (exhaustive())
+		printf("skipped: RNEAGEN_ROBOTS is not set\n");
 	printf("%d texts of other robots\n", tour.turn);
 }
 END_TEST
