@@ -259,6 +259,8 @@ static void draw_forward(struct drawing *g, size_t matrix)
 	put_line(g, keys[matrix], words[matrix]);
 	if (dice_happen(g->d, 2) && is_new(g, "", "dynamics"))
 		put_line(g, SCENE_DYNAMICS, g->tree.mimic_count ? "factor" : DICE_WORD(g->d, "articulated", "factor", "auto"));
+	if (dice_happen(g->d, 4) && is_new(g, "", "refine"))
+		put_line(g, SCENE_REFINE, DICE_WORD(g->d, "1", "2:same", "0", "1:f64"));
 }
 
 static void draw_want(struct drawing *g)
