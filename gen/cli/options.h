@@ -66,9 +66,9 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"  --dynamics auto|factor|articulated\n"                                                                     \
 	"                             how qdd is found: by factors of the mass matrix, by articulated bodies, or, auto,\n" \
 	"                             by the one with fewer operations\n"                                              \
-	"  --refine STEPS[:f64|f32x2|same]\n"                                                                         \
-	"                             qdd after so many steps of refinement, 0 to 3; the residual in f64, in pairs of floats, or\n" \
-	"                             in the text's own numbers; unless named in f64 where the text computes in f32\n" \
+	"  --refine 0|1|1:f64|1:f32x2|1:same\n"                                                                      \
+	"                             qdd after so many steps of refinement, up to 3; the residual in f64, in pairs of\n" \
+	"                             floats, or in the text's own numbers; unless named in f64 where the text is in f32\n" \
 	"  --fext L1,L2,...           external wrenches on these links\n"                                              \
 	"  --fext-frame link|world    in whose axes\n"                                                                 \
 	"  --armature FILE            rotor inertias: lines JOINT KG_M2; or --armature JOINT=KG_M2\n"                  \
