@@ -271,7 +271,7 @@ static const char *obstacle(const struct request *k, const struct rneagen_option
 	if (o->layout != RNEAGEN_SOA)
 		return "is for --layout soa: in aos each block writes whole samples";
 	if (!owners_matrix(k))
-		return "is for matrices: name dtau_dq, dtau_dqd or M in --want";
+		return "is for matrices: name one in --want, such as dtau_dq, M or dqdd_dq";
 	return NULL;
 }
 

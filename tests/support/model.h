@@ -8,7 +8,7 @@
 #include "dynamics/registry.h"
 
 /* The DAGs of a model, in the order of the registry. */
-enum { PASS_RNEA = ALGORITHM_rnea, PASS_FPASS = ALGORITHM_fpass, PASS_BPASS = ALGORITHM_bpass, PASS_COUNT = ALGORITHM_COUNT };
+enum { PASS_RNEA = ALGORITHM_rnea, PASS_FPASS = ALGORITHM_fpass, PASS_BPASS = ALGORITHM_bpass, PASS_COUNT };
 
 struct model {
 	struct arena arena;
