@@ -5,6 +5,7 @@
 #include "emit/emit.h"
 #include "passes/analysis.h"
 #include "plan/parts.h"
+#include "plan/segments.h"
 #include "tell/dot.h"
 #include "tell/effect.h"
 #include "tell/info.h"
@@ -13,6 +14,7 @@
 #include <locale.h>
 #include <sha256.h>
 #include <string.h>
+#include <stdio.h>
 
 struct generation {
 	struct analysis analysis; /* up to the fused DAG */
@@ -140,6 +142,22 @@ static enum rneagen_code parts_choose(struct generation *g)
 	return a->error->code;
 }
 
+#include <stdlib.h>
+static enum rneagen_code segments_choose(struct generation *g)
+{
+	struct analysis *a = &g->analysis;
+	const char *env = getenv("SEG");
+	unsigned ops = 0, over = 8, cross = 100000;
+	struct segment_limits limits;
+	if (env)
+		sscanf(env, "%u,%u,%u", &ops, &over, &cross);
+	limits = (struct segment_limits){ops, over, cross};
+	for (int i = 0; i < function_count(g); i++)
+		if (ops && plan_flops(plan_operations(&g->passes[i].plan)) > 1000 && !segments_make(&g->passes[i].segments, &g->passes[i].plan, &limits, a->arena))
+			return error_memory(a->error);
+	return a->error->code;
+}
+
 static enum rneagen_code warn(struct generation *g)
 {
 	g->result->name = g->analysis.options.name;
@@ -255,6 +273,12 @@ static void put_parts(const struct generation *g, struct text *out)
 	parts_dump(g->parts, g->part_count, &g->passes[0], &g->analysis.tree, out);
 }
 
+static void put_segments(const struct generation *g, struct text *out)
+{
+	for (int i = 0; i < function_count((struct generation *)(uintptr_t)g); i++)
+		segments_dump(&g->passes[i].segments, out);
+}
+
 static void put_tree(const struct generation *g, struct text *out)
 {
 	tree_dump(&g->analysis.tree, out);
@@ -302,6 +326,7 @@ static const struct stage PASSES[] = {
 	{"dag_fuse", "the same, products joined to sums", SECOND_HALF(dag_fuse_all), DUMPED(dag, DAG)},
 	{"plan_build", "names and lines", SECOND_HALF(plan_build_all), DUMPED(plan, PLAN)},
 	{"parts_choose", "parts of the grid", SECOND_HALF(parts_choose), DUMPED(parts, PARTS)},
+	{"segments_choose", "stretches that run for several samples", SECOND_HALF(segments_choose), DUMPED(segments, SEGMENTS)},
 	{"measure", "what choices change and save", SECOND_HALF(measure), SILENT},
 	{"warn", "warnings", SECOND_HALF(warn), SILENT},
 	{"emit", "the text, and its header", SECOND_HALF(emit), SILENT},

@@ -82,6 +82,16 @@ void text_printf(struct text *t, const char *fmt, ...)
 	va_end(again);
 }
 
+void text_put_indented(struct text *t, const char *s)
+{
+	for (size_t length; *s; s += length) {
+		length = strcspn(s, "\n");
+		text_put(t, length ? "\t" : "");
+		length += s[length] != '\0';
+		text_putn(t, s, length);
+	}
+}
+
 const char *text_string(const struct text *t)
 {
 	return t->s ? t->s : "";

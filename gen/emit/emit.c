@@ -41,44 +41,47 @@ int emit_uses_in(const struct emission *e, enum op op, int is_wide)
 	return 0;
 }
 
-static const char RETURNS[] = "   Returns whether all angles are small: if not, and `small`, the results mean nothing.\n";
-
-/* Is a row written with the stride: one that is not the first, nor the same for all samples? */
-static int has_stride(const struct dag *d)
+/* Is a row of a batch read or written with the stride: one that is not the first? */
+static int has_stride(const struct plan *p, const struct line *l)
 {
-	for (size_t k = 0; k < d->output_count; k++)
-		if (d->outputs[k].row > 0)
-			return 1;
-	for (size_t k = 0; k < d->count; k++)
-		if (d->nodes[k].op == OP_INPUT && d->nodes[k].arg[1].i > 0 && !d->arguments[d->nodes[k].arg[0].i].per_batch)
-			return 1;
-	return 0;
+	const struct node *n = &p->dag->nodes[l->value.i];
+
+	if (l->kind == LINE_STORE)
+		return p->dag->outputs[l->index].row > 0;
+	return l->kind == LINE_INPUT && n->arg[1].i > 0 && !p->dag->arguments[n->arg[0].i].per_batch;
+}
+
+int emit_mark_arguments(const struct plan *p, unsigned char *used)
+{
+	const struct dag *d = p->dag;
+	int stride = 0;
+
+	for (const struct line *l = p->lines; l < p->lines + p->line_count; l++) {
+		if (l->kind == LINE_STORE)
+			used[d->outputs[l->index].argument] = 1;
+		else if (l->kind == LINE_INPUT)
+			used[d->nodes[l->value.i].arg[0].i] = 1;
+		stride |= has_stride(p, l);
+	}
+	return stride;
 }
 
 /* An argument of which nothing is read or written would be an unused parameter. */
-static void put_unused_arguments(const struct plan *p, int has_small, struct text *out)
+static void put_unused_arguments(const struct plan *p, struct text *out)
 {
-	const struct dag *d = p->dag;
+	unsigned char used[DAG_ARGUMENTS] = {0};
+	int stride = emit_mark_arguments(p, used);
 
-	for (int i = 0; i < d->argument_count; i++) {
-		int used = 0;
-
-		for (size_t k = 0; k < d->output_count && !used; k++)
-			used = d->outputs[k].argument == i;
-		for (size_t k = 0; k < d->count && !used; k++)
-			used = d->nodes[k].op == OP_INPUT && d->nodes[k].arg[0].i == (uint32_t)i;
-		if (!used)
-			text_printf(out, "\t(void)%s;\n", d->arguments[i].name);
-	}
-	if (!has_stride(d))
-		text_put(out, "\t(void)stride;\n");
-	if (has_small && !plan_operations(p).sincos)
-		text_put(out, "\t(void)small;\n");
+	for (int i = 0; i < p->dag->argument_count; i++)
+		if (!used[i])
+			text_printf(out, "\t(void)%s;\n", p->dag->arguments[i].name);
+	text_put(out, stride ? "" : "\t(void)stride;\n");
 }
 
 static void put_statements(const struct emission *e, const struct pass *p, struct text *out)
 {
-	put_unused_arguments(&p->plan, emit_has_small(e), out);
+	put_unused_arguments(&p->plan, out);
+	text_put(out, emit_has_small(e) && !plan_operations(&p->plan).sincos ? "\t(void)small;\n" : "");
 	text_put(out, emit_has_small(e) ? "\tint all_small = 1;\n" : "");
 	unparse(e, p, e->numbers, out);
 	text_put(out, emit_has_small(e) ? "\treturn all_small;\n" : "");
@@ -90,7 +93,7 @@ static void put_body(const struct emission *e, const struct pass *p, struct text
 		{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"SMALL_PARAM", emit_has_small(e) ? ", const int small" : ""},
 		{"RESULT", emit_has_small(e) ? "int" : "void"},
-		{"RETURNS", emit_has_small(e) ? RETURNS : ""},
+		{"RETURNS", emit_has_small(e) ? EMIT_RETURNS : ""},
 	};
 	size_t count = sizeof slots / sizeof *slots;
 	size_t from = out->length;
@@ -268,7 +271,7 @@ static void put_dispatcher(const struct emission *e, struct text *out)
 	}
 	const struct slot slots[] = {{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"SMALL_PARAM", emit_has_small(e) ? ", const int small" : ""},
-		{"RESULT", emit_has_small(e) ? "int" : "void"}, {"RETURNS", emit_has_small(e) ? RETURNS : ""},
+		{"RESULT", emit_has_small(e) ? "int" : "void"}, {"RETURNS", emit_has_small(e) ? EMIT_RETURNS : ""},
 		{"BEGIN", emit_has_small(e) ? "\tint all_small = 1;" : ""}, {"END", emit_has_small(e) ? "\treturn all_small;" : ""},
 		{"COUNT", emit_int(e, e->part_count)}, {"CASES", text_string(&cases)}, {"CALLS", text_string(&calls)}};
 	size_t from = out->length;
@@ -278,13 +281,24 @@ static void put_dispatcher(const struct emission *e, struct text *out)
 	out->failed |= cases.failed | calls.failed;
 }
 
+int emit_has_segments(const struct emission *e)
+{
+	for (int i = 0; i < e->pass_count; i++)
+		if (e->passes[i].segments.count)
+			return 1;
+	return 0;
+}
+
 static void put_bodies(const struct emission *e, struct text *out)
 {
+	text_put(out, emit_has_segments(e) ? template_independent_in : "");
 	for (int i = 0; i < e->part_count; i++)
 		put_body(e, &e->parts[i].pass, out);
 	for (int i = 0; i < e->pass_count; i++)
 		if (i == 0 && e->part_count)
 			put_dispatcher(e, out);
+		else if (e->passes[i].segments.count)
+			emit_segments(e, &e->passes[i], out);
 		else
 			put_body(e, &e->passes[i], out);
 }

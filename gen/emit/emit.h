@@ -119,6 +119,16 @@ const char *emit_prototypes(const struct emission *e);
 /* Are there functions, or kernels, that take batches? */
 int emit_has_batches(const struct emission *e);
 
+/* Mark the arguments that these lines read or write. Returns whether they need the stride from row to row. */
+int emit_mark_arguments(const struct plan *p, unsigned char *used);
+
+/* A pass in segments: the body of each, and the body that runs them one after the other; target C: the function of a part of a
+   batch. */
+#define EMIT_RETURNS "   Returns whether all angles are small: if not, and `small`, the results mean nothing.\n"
+int emit_has_segments(const struct emission *e);
+void emit_segments(const struct emission *e, const struct pass *p, struct text *out);
+void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *at_sample, struct text *out);
+
 /* CUDA: a kernel, and the functions by which it stages its slice; the samples of a slice; how many slices a
    multiprocessor is to have room for, an expression of RNEA_BLOCK, 0: as the compiler likes. */
 void emit_kernel(const struct emission *e, const struct pass *p, struct text *out);

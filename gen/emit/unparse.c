@@ -190,20 +190,66 @@ static void put_assignment(const struct unparser *u, struct ref a, struct text *
 		put_expression(u, a, out);
 }
 
+/* Where a value stands between segments. */
+static void put_slot(const struct unparser *u, const struct line *l, struct text *out)
+{
+	const char *array = u->plan->dag->nodes[l->value.i].is_wide ? "wide_across" : "across";
+
+	if (l->index == 0)
+		text_printf(out, "%s[0]", array);
+	else if (l->index == 1)
+		text_printf(out, "%s[step]", array);
+	else
+		text_printf(out, "%s[%u*step]", array, (unsigned)l->index);
+}
+
+static void put_fetch(const struct unparser *u, const struct line *l, struct text *out)
+{
+	text_printf(out, "const %s %s = ", u->numbers->value, u->plan->names[l->value.i]);
+	put_slot(u, l, out);
+}
+
+static void put_keep(const struct unparser *u, const struct line *l, struct text *out)
+{
+	put_slot(u, l, out);
+	text_printf(out, " = %s", u->plan->names[l->value.i]);
+}
+
+static void put_statement(const struct unparser *u, const struct line *l, struct text *out)
+{
+	switch (l->kind) {
+	case LINE_SINCOS:
+		put_sincos(unparser_of(u, l->value), l->value, out);
+		break;
+	case LINE_STORE:
+		put_store(u, &u->plan->dag->outputs[l->index], out);
+		break;
+	case LINE_FETCH:
+		put_fetch(unparser_of(u, l->value), l, out);
+		break;
+	case LINE_KEEP:
+		put_keep(u, l, out);
+		break;
+	default:
+		put_assignment(unparser_of(u, l->value), l->value, out);
+	}
+}
+
+/* An angle that sines and cosines read where memory has it has no line. */
+static int is_silent(const struct unparser *u, const struct line *l)
+{
+	return l->kind == LINE_INPUT && u->angles && u->angles[l->value.i];
+}
+
 static void put_line(struct unparser *u, const struct line *l, struct text *out)
 {
 	size_t from = out->length;
 
 	if (l->kind == LINE_SECTION) {
 		unparse_section(u, &u->plan->dag->sections[l->index], out);
-	} else if (l->kind == LINE_STORE || l->kind == LINE_SINCOS || !u->angles || !u->angles[l->value.i]) {
+	} else if (!is_silent(u, l)) {
 		text_putc(out, '\t');
-		if (l->kind == LINE_SINCOS)
-			put_sincos(unparser_of(u, l->value), l->value, out);
-		else if (l->kind == LINE_STORE)
-			put_store(u, &u->plan->dag->outputs[l->index], out);
-		else
-			put_assignment(unparser_of(u, l->value), l->value, out);
+		put_statement(u, l, out);
 		text_put(out, ";\n");
 	}
 	fold(out, from);
@@ -233,15 +279,26 @@ static struct unparser unparser_new(const struct emission *e, const struct pass 
 		.calls = e->options->strict ? numbers->strict_calls : numbers->calls};
 }
 
+void unparse_begin(struct writer *w, const struct emission *e, const struct pass *pass, const struct number_type *numbers)
+{
+	w->own = unparser_new(e, pass, numbers);
+	w->wide = unparser_new(e, pass, e->wide ? e->wide : numbers);
+	w->own.narrow = w->wide.narrow = &w->own;
+	w->own.wide = w->wide.wide = e->wide ? &w->wide : NULL;
+	if (numbers->angle_is_memory)
+		w->own.angles = only_angles(pass->plan.dag, e->arena);
+}
+
+void unparse_lines(struct writer *w, const struct plan *p, struct text *out)
+{
+	for (size_t i = 0; i < p->line_count; i++)
+		put_line(&w->own, &p->lines[i], out);
+}
+
 void unparse(const struct emission *e, const struct pass *pass, const struct number_type *numbers, struct text *out)
 {
-	const struct plan *p = &pass->plan;
-	struct unparser u = unparser_new(e, pass, numbers), wide = unparser_new(e, pass, e->wide ? e->wide : numbers);
+	struct writer w;
 
-	u.narrow = wide.narrow = &u;
-	u.wide = wide.wide = e->wide ? &wide : NULL;
-	if (numbers->angle_is_memory)
-		u.angles = only_angles(p->dag, e->arena);
-	for (size_t i = 0; i < p->line_count; i++)
-		put_line(&u, &p->lines[i], out);
+	unparse_begin(&w, e, pass, numbers);
+	unparse_lines(&w, &pass->plan, out);
 }

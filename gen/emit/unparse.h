@@ -21,6 +21,13 @@ struct unparser {
    number in the target's precision. */
 void unparse(const struct emission *e, const struct pass *p, const struct number_type *numbers, struct text *out);
 
+/* The same in steps, for a pass in segments: what was said once is not said again. A writer stays where it began. */
+struct writer {
+	struct unparser own, wide;
+};
+void unparse_begin(struct writer *w, const struct emission *e, const struct pass *p, const struct number_type *numbers);
+void unparse_lines(struct writer *w, const struct plan *lines, struct text *out);
+
 /* Where the bounds of an output begin in those of all: one output's come after the other's. */
 int unparse_first_bound(const struct dag *d, int argument);
 

@@ -5,12 +5,12 @@
 
 #include "dynamics/registry.h"
 
-enum line_kind { LINE_SECTION, LINE_INPUT, LINE_VALUE, LINE_SINCOS, LINE_STORE };
+enum line_kind { LINE_SECTION, LINE_INPUT, LINE_VALUE, LINE_SINCOS, LINE_STORE, LINE_FETCH, LINE_KEEP };
 
 struct line {
 	enum line_kind kind;
-	struct ref value;   /* INPUT, VALUE; SINCOS: the sine or the cosine, whichever came first */
-	size_t index;       /* SECTION: into dag->sections; STORE: into dag->outputs */
+	struct ref value;   /* INPUT, VALUE, FETCH, KEEP; SINCOS: the sine or the cosine, whichever came first */
+	size_t index;       /* SECTION: into dag->sections; STORE: into dag->outputs; FETCH, KEEP: the slot */
 };
 
 struct plan {
@@ -21,11 +21,19 @@ struct plan {
 	size_t line_count;
 };
 
+/* The plan once more, in stretches that each run for several samples before the next one does (segments.h). */
+struct segments {
+	int count;          /* 0: the plan is whole */
+	struct plan *plans; /* each the lines of one, what it fetches and keeps among them */
+	int slots[2];       /* of a sample across the cuts: of numbers, of wide numbers */
+};
+
 /* One generated function on its way to text. */
 struct pass {
 	const struct algorithm *algorithm;
 	struct dag dag; /* fused */
 	struct plan plan;
+	struct segments segments;
 };
 
 struct operation_count {

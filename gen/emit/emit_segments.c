@@ -1,0 +1,263 @@
+/* Functions of passes in segments: a body for each, a loop over some samples for each, and what calls them. */
+#include "base/fold.h"
+#include "emit/emit.h"
+#include "emit/template.h"
+#include "emit/unparse.h"
+
+/* Values across cuts take at most so many bytes for the samples of a loop, within a core's first cache; no loop is shorter than the
+   one, none longer than the other. */
+enum { ACROSS_BYTES = 16384, FEWEST_LANES = 16, MOST_LANES = 64 };
+
+static int across_bytes(const struct emission *e, const struct segments *s)
+{
+	return s->slots[0] * e->arithmetic->bytes + s->slots[1] * 8;
+}
+
+static int lanes_of(const struct emission *e, const struct segments *s)
+{
+	int lanes = MOST_LANES;
+
+	while (lanes > FEWEST_LANES && lanes * across_bytes(e, s) > ACROSS_BYTES)
+		lanes /= 2;
+	return lanes;
+}
+
+/* What is said of both arrays, or of the one that there is: a format with the type and the name of the array, or with its name and the
+   number of slots. */
+static const char *across(const struct emission *e, const struct segments *s, const char *separator,
+	void (*put)(const char *type, const char *array, int slots, int lanes, struct text *out), int lanes)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	put(e->numbers->value, "across", s->slots[0], lanes, &t);
+	if (s->slots[1]) {
+		text_put(&t, separator);
+		put(e->wide->value, "wide_across", s->slots[1], lanes, &t);
+	}
+	return text_string(&t);
+}
+
+static void put_first_parameter(const char *type, const char *array, int slots, int lanes, struct text *out)
+{
+	(void)slots;
+	(void)lanes;
+	text_printf(out, "%s *const first_%s", type, array);
+}
+
+static void put_restrict_parameter(const char *type, const char *array, int slots, int lanes, struct text *out)
+{
+	(void)slots;
+	(void)lanes;
+	text_printf(out, "%s *restrict %s", type, array);
+}
+
+static void put_name(const char *type, const char *array, int slots, int lanes, struct text *out)
+{
+	(void)type;
+	(void)slots;
+	(void)lanes;
+	text_put(out, array);
+}
+
+static void put_array(const char *type, const char *array, int slots, int lanes, struct text *out)
+{
+	text_printf(out, "\t%s %s[%d];", type, array, (slots ? slots : 1) * lanes);
+}
+
+/* ---- bodies ---- */
+
+/* The arrays as a segment takes them: at the first of its samples. */
+static const char *first_params(const struct emission *e, const struct pass *p)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < p->dag.argument_count; i++) {
+		const struct argument *a = &p->dag.arguments[i];
+
+		text_printf(&t, "%s%s%s *%s%s", i ? ", " : "", a->is_output ? "" : "const ", e->memory->type, a->per_batch ? "" : "first_",
+			a->name);
+	}
+	return text_string(&t);
+}
+
+/* What a segment reads and writes. */
+struct touched {
+	unsigned char arguments[DAG_ARGUMENTS];
+	int stride, across[2], sincos;
+};
+
+static struct touched touched_by(const struct plan *p)
+{
+	struct touched t = {.stride = 0};
+
+	for (const struct line *l = p->lines; l < p->lines + p->line_count; l++) {
+		t.across[p->dag->nodes[l->value.i].is_wide] |= l->kind == LINE_FETCH || l->kind == LINE_KEEP;
+		t.sincos |= l->kind == LINE_SINCOS;
+	}
+	t.stride = emit_mark_arguments(p, t.arguments);
+	return t;
+}
+
+/* Parameters that it does not touch. */
+static void put_unused(const struct emission *e, const struct pass *p, const struct touched *t, struct text *out)
+{
+	for (int i = 0; i < p->dag.argument_count; i++)
+		if (!t->arguments[i])
+			text_printf(out, "\t(void)%s%s;\n", p->dag.arguments[i].per_batch ? "" : "first_", p->dag.arguments[i].name);
+	text_put(out, t->stride ? "" : "\t(void)stride;\n");
+	text_put(out, t->across[0] ? "" : "\t(void)first_across;\n");
+	text_put(out, p->segments.slots[1] && !t->across[1] ? "\t(void)first_wide_across;\n" : "");
+	text_put(out, t->across[0] || t->across[1] ? "" : "\t(void)step;\n");
+	text_put(out, emit_has_small(e) && !t->sincos ? "\t(void)small;\n" : "");
+}
+
+/* This lane's place in the arrays. */
+static void put_lane(const struct emission *e, const struct pass *p, const struct touched *t, struct text *out)
+{
+	for (int i = 0; i < p->dag.argument_count; i++) {
+		const struct argument *a = &p->dag.arguments[i];
+
+		if (!t->arguments[i] || a->per_batch)
+			continue;
+		text_printf(out, "\t%s%s *const %s = first_%s + l", a->is_output ? "" : "const ", e->memory->type, a->name, a->name);
+		if (e->options->layout == RNEAGEN_AOS)
+			text_printf(out, "*%d", a->rows);
+		text_put(out, ";\n");
+	}
+	if (t->across[0])
+		text_printf(out, "\t%s *const across = first_across + l;\n", e->numbers->value);
+	if (t->across[1])
+		text_printf(out, "\t%s *const wide_across = first_wide_across + l;\n", e->wide->value);
+}
+
+static const char *body_of(const struct emission *e, const struct pass *p, int k, const struct touched *touched, struct writer *w)
+{
+	struct text t, indented;
+
+	text_init(&t, e->arena);
+	text_init(&indented, e->arena);
+	put_lane(e, p, touched, &t);
+	unparse_lines(w, &p->segments.plans[k], &t);
+	text_put_indented(&indented, text_string(&t));
+	return text_string(&indented);
+}
+
+static void put_segment(const struct emission *e, const struct pass *p, int k, struct writer *w, struct text *out)
+{
+	const struct segments *s = &p->segments;
+	struct touched touched = touched_by(&s->plans[k]);
+	struct text begin;
+
+	text_init(&begin, e->arena);
+	put_unused(e, p, &touched, &begin);
+	text_put(&begin, emit_has_small(e) ? "\tint all_small = 1;\n" : "");
+	const struct slot slots[] = {
+		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)}, {"COUNT", emit_int(e, s->count)},
+		{"FIRST_PARAMS", first_params(e, p)}, {"ACROSS_PARAMS", across(e, s, ", ", put_first_parameter, 0)},
+		{"SMALL_PARAM", emit_has_small(e) ? ", const int small" : ""}, {"RESULT", emit_has_small(e) ? "int" : "void"},
+		{"BEGIN", text_string(&begin)}, {"BODY", body_of(e, p, k, &touched, w)}, {"END", emit_has_small(e) ? "\treturn all_small;\n" : ""},
+	};
+	size_t from = out->length;
+
+	template_expand(out, template_segment_in, slots, sizeof slots / sizeof *slots);
+	fold(out, from);
+}
+
+static const char *calls_in_body(const struct emission *e, const struct pass *p)
+{
+	const struct segments *s = &p->segments;
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int k = 0; k < s->count; k++)
+		text_printf(&t, "%s\t%s%s_%s_segment%d(%s, stride, %s, 1%s, 1);", k ? "\n" : "", emit_has_small(e) ? "all_small &= " : "",
+			e->options->name, p->algorithm->name, k, emit_params(e, p, PARAMS_NAMES), across(e, s, ", ", put_name, 0),
+			emit_has_small(e) ? ", small" : "");
+	return text_string(&t);
+}
+
+static const char *declarations_in_body(const struct emission *e, const struct segments *s)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "%s%s", across(e, s, "\n", put_array, 1), emit_has_small(e) ? "\n\tint all_small = 1;" : "");
+	return text_string(&t);
+}
+
+void emit_segments(const struct emission *e, const struct pass *p, struct text *out)
+{
+	const struct slot slots[] = {{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"SMALL_PARAM", emit_has_small(e) ? ", const int small" : ""},
+		{"RESULT", emit_has_small(e) ? "int" : "void"}, {"RETURNS", emit_has_small(e) ? EMIT_RETURNS : ""},
+		{"DECLARATIONS", declarations_in_body(e, &p->segments)}, {"CALLS", calls_in_body(e, p)},
+		{"END", emit_has_small(e) ? "\treturn all_small;\n" : ""}};
+	struct writer w;
+	size_t from;
+
+	unparse_begin(&w, e, p, e->numbers);
+	for (int k = 0; k < p->segments.count; k++)
+		put_segment(e, p, k, &w, out);
+	from = out->length;
+	template_expand(out, template_segments_in, slots, sizeof slots / sizeof *slots);
+	fold(out, from);
+}
+
+/* ---- batches ---- */
+
+static const char *lanes_functions(const struct emission *e, const struct pass *p, const char *count_param, const char *at_sample)
+{
+	const struct segments *s = &p->segments;
+	int lanes = lanes_of(e, s);
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int k = 0; k < s->count; k++) {
+		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
+			{"LANES", emit_int(e, lanes)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", count_param},
+			{"ACROSS_PARAMS", across(e, s, ", ", put_restrict_parameter, 0)}, {"AT_SAMPLE", at_sample},
+			{"ACROSS_NAMES", across(e, s, ", ", put_name, 0)}, {"SMALL", emit_has_small(e) ? ", 1" : ""}};
+
+		template_expand(&t, template_segment_lanes_in, slots, sizeof slots / sizeof *slots);
+	}
+	return text_string(&t);
+}
+
+static const char *calls_in_part(const struct emission *e, const struct pass *p, const char *count)
+{
+	const struct segments *s = &p->segments;
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int k = 0; k < s->count; k++)
+		text_printf(&t, "%s\t\t\t%s_%s_lanes%d(%s, %sfirst, %s);", k ? "\n" : "", e->options->name, p->algorithm->name, k,
+			emit_params(e, p, PARAMS_NAMES), count, across(e, s, ", ", put_name, 0));
+	return text_string(&t);
+}
+
+static const char *and_small(const struct emission *e, const char *are_small)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (emit_has_small(e))
+		text_printf(&t, " && %s", are_small);
+	return text_string(&t);
+}
+
+void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *at_sample, struct text *out)
+{
+	int is_soa = e->options->layout == RNEAGEN_SOA, lanes = lanes_of(e, &p->segments);
+	const char *count_param = is_soa ? "size_t count, " : "";
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
+		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
+		{"ANY_ANGLE", emit_has_small(e) ? ", 0" : ""}, {"WHATEVER", emit_has_small(e) ? ", whatever its angles" : ""},
+		{"WHERE_SMALL", emit_has_small(e) ? " where their angles are small, which is the rule" : ""},
+		{"AND_SMALL", and_small(e, are_small)}, {"COUNT_PARAM", count_param}, {"AT_SAMPLE", at_sample}, {"LANES", emit_int(e, lanes)},
+		{"LANES_FUNCTIONS", lanes_functions(e, p, count_param, at_sample)}, {"CALLS", calls_in_part(e, p, is_soa ? "count, " : "")},
+		{"DECLARATIONS", across(e, &p->segments, "\n", put_array, lanes)}};
+
+	template_expand(out, template_part_segments_in, slots, sizeof slots / sizeof *slots);
+}

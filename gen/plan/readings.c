@@ -1,0 +1,97 @@
+#include "plan/readings.h"
+
+/* A sine and cosine of one angle: some operations. */
+enum { SINCOS_OPERATIONS = 24 };
+
+int readings_made(const struct plan *p, const struct line *l, struct ref made[2])
+{
+	enum op op = p->dag->nodes[l->value.i].op;
+	int count = 0;
+
+	if (l->kind == LINE_INPUT || l->kind == LINE_VALUE)
+		made[count++] = l->value;
+	if (l->kind != LINE_SINCOS)
+		return count;
+	for (enum op k = OP_SIN;; k = OP_COS) {
+		struct ref x = k == op ? l->value : plan_partner(p, l->value, k);
+
+		if (x.i)
+			made[count++] = x;
+		if (k == OP_COS)
+			return count;
+	}
+}
+
+static void read_value(struct readings *r, struct ref x, uint32_t line);
+
+static void read_operands(struct readings *r, struct ref x, uint32_t line)
+{
+	const struct node *n = &r->plan->dag->nodes[x.i];
+
+	r->weight[line] += n->op == OP_SIN ? SINCOS_OPERATIONS : n->op != OP_INPUT;
+	for (int k = 0; k < op_arity[n->op]; k++)
+		read_value(r, n->arg[k], line);
+}
+
+static void read_value(struct readings *r, struct ref x, uint32_t line)
+{
+	if (r->plan->dag->nodes[x.i].op == OP_CONST)
+		return;
+	if (!r->plan->names[x.i]) {
+		read_operands(r, x, line);
+		return;
+	}
+	for (uint32_t i = r->begin[line]; i < r->begin[line + 1]; i++)
+		if (r->list[i].node == x.i)
+			return;
+	r->list[r->begin[line + 1]++] = (struct reading){x.i, r->last[x.i]};
+}
+
+static void read_line(struct readings *r, uint32_t i)
+{
+	const struct line *l = &r->plan->lines[i];
+	struct ref made[2];
+
+	r->begin[i + 1] = r->begin[i];
+	if (l->kind == LINE_STORE)
+		read_value(r, l->value, i);
+	else if (l->kind == LINE_VALUE || l->kind == LINE_SINCOS)
+		read_operands(r, l->value, i);
+	for (uint32_t k = r->begin[i]; k < r->begin[i + 1]; k++)
+		r->last[r->list[k].node] = i;
+	for (int k = readings_made(r->plan, l, made); k-- > 0;)
+		r->made[made[k].i] = r->last[made[k].i] = i;
+}
+
+/* An operand is read once by each that has it. */
+static size_t most_readings(const struct dag *d)
+{
+	size_t count = d->output_count;
+
+	for (size_t i = 0; i < d->count; i++)
+		count += (size_t)op_arity[d->nodes[i].op];
+	return count;
+}
+
+int readings_make(struct readings *r, const struct plan *p, struct arena *a)
+{
+	size_t nodes = p->dag->count;
+
+	*r = (struct readings){.plan = p, .begin = arena_alloc(a, p->line_count + 1, sizeof *r->begin),
+		.list = arena_take(a, most_readings(p->dag), sizeof *r->list), .made = arena_alloc(a, nodes, sizeof *r->made),
+		.last = arena_alloc(a, nodes, sizeof *r->last), .weight = arena_alloc(a, p->line_count, sizeof *r->weight)};
+	if (a->failed)
+		return 0;
+	for (uint32_t i = 0; i < p->line_count; i++)
+		read_line(r, i);
+	return 1;
+}
+
+void readings_free(struct readings *r, struct arena *a)
+{
+	arena_release(a, r->weight);
+	arena_release(a, r->last);
+	arena_release(a, r->made);
+	arena_release(a, r->list);
+	arena_release(a, r->begin);
+}

@@ -1,0 +1,27 @@
+#ifndef RNEAGEN_READINGS_H
+#define RNEAGEN_READINGS_H
+/* What each line of a plan reads: values that have names. */
+
+#include "plan/plan.h"
+
+/* A line reads a value, which the line `previous` was the last one before it to read or make. */
+struct reading {
+	uint32_t node, previous;
+};
+
+struct readings {
+	const struct plan *plan;
+	uint32_t *begin;         /* of a line's readings; line_count + 1 of them */
+	struct reading *list;
+	uint32_t *made, *last;   /* by node: the line that makes a named value, and the last that reads it, or that line */
+	uint32_t *weight;        /* by line: operations */
+};
+
+/* Returns 0 when memory runs out. */
+int readings_make(struct readings *r, const struct plan *p, struct arena *a);
+void readings_free(struct readings *r, struct arena *a);
+
+/* The values that a line makes: 0 to 2, the sine before the cosine. Returns how many. */
+int readings_made(const struct plan *p, const struct line *l, struct ref made[2]);
+
+#endif

@@ -1,0 +1,22 @@
+#ifndef RNEAGEN_SEGMENTS_H
+#define RNEAGEN_SEGMENTS_H
+/* A plan in segments: each runs for several samples before the next one does, so that a processor holds its code, and a
+   compiler its loop. What one makes and a later one reads crosses the cut between them in a slot of memory; inputs are read
+   again. */
+
+#include "plan/plan.h"
+
+struct segment_limits {
+	unsigned operations; /* of a segment */
+	unsigned overhead;   /* of one more segment, in values fetched or kept */
+	unsigned across;     /* values alive at a cut */
+};
+
+/* Cut where the fewest values are fetched and kept, within the limits as far as one line allows. Values of the plan's two types of
+   numbers have slots of their own. Returns 0 when memory runs out. */
+int segments_make(struct segments *s, const struct plan *p, const struct segment_limits *limits, struct arena *a);
+
+/* A line for each. */
+void segments_dump(const struct segments *s, struct text *out);
+
+#endif
