@@ -153,7 +153,7 @@ static enum rneagen_code segments_choose(struct generation *g)
 		sscanf(env, "%u,%u,%u", &ops, &over, &cross);
 	limits = (struct segment_limits){ops, over, cross};
 	for (int i = 0; i < function_count(g); i++)
-		if (ops && plan_flops(plan_operations(&g->passes[i].plan)) > 1000 && !segments_make(&g->passes[i].segments, &g->passes[i].plan, &limits, a->arena))
+		if (ops && plan_flops(plan_operations(&g->passes[i].plan)) > (unsigned)atoi(getenv("SEGMIN") ? getenv("SEGMIN") : "1000") && !segments_make(&g->passes[i].segments, &g->passes[i].plan, &limits, a->arena))
 			return error_memory(a->error);
 	return a->error->code;
 }

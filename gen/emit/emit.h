@@ -129,6 +129,8 @@ int emit_has_segments(const struct emission *e);
 void emit_segments(const struct emission *e, const struct pass *p, struct text *out);
 void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *at_sample, struct text *out);
 
+void emit_segments_kernel(const struct emission *e, const struct pass *p, const char *at_sample, struct text *out);
+
 /* CUDA: a kernel, and the functions by which it stages its slice; the samples of a slice; how many slices a
    multiprocessor is to have room for, an expression of RNEA_BLOCK, 0: as the compiler likes. */
 void emit_kernel(const struct emission *e, const struct pass *p, struct text *out);

@@ -339,6 +339,13 @@ void emit_kernel(const struct emission *e, const struct pass *p, struct text *ou
 	};
 
 	const struct kernel_frames *f = e->target->kernel;
+	if (p->segments.count) {
+		struct text t;
+		text_init(&t, e->arena);
+		text_printf(&t, "%s, %s", emit_params(e, p, PARAMS_AT_SAMPLE), emit_stride(e));
+		emit_segments_kernel(e, p, text_string(&t), out);
+		return;
+	}
 	template_expand(out, !staged ? f->direct : is_aos ? f->staged_aos : f->staged_soa, slots, sizeof slots / sizeof *slots);
 }
 

@@ -217,6 +217,7 @@ static const char *lanes_functions(const struct emission *e, const struct pass *
 	for (int k = 0; k < s->count; k++) {
 		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
 			{"LANES", emit_int(e, lanes)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", count_param},
+			{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"ANY_ANGLE", emit_has_small(e) ? ", 0" : ""},
 			{"ACROSS_PARAMS", across(e, s, ", ", put_restrict_parameter, 0)}, {"AT_SAMPLE", at_sample},
 			{"ACROSS_NAMES", across(e, s, ", ", put_name, 0)}, {"SMALL", emit_has_small(e) ? ", 1" : ""}};
 
@@ -225,15 +226,15 @@ static const char *lanes_functions(const struct emission *e, const struct pass *
 	return text_string(&t);
 }
 
-static const char *calls_in_part(const struct emission *e, const struct pass *p, const char *count)
+static const char *calls_of(const struct emission *e, const struct pass *p, const char *indent, const char *what, const char *where)
 {
 	const struct segments *s = &p->segments;
 	struct text t;
 
 	text_init(&t, e->arena);
 	for (int k = 0; k < s->count; k++)
-		text_printf(&t, "%s\t\t\t%s_%s_lanes%d(%s, %sfirst, %s);", k ? "\n" : "", e->options->name, p->algorithm->name, k,
-			emit_params(e, p, PARAMS_NAMES), count, across(e, s, ", ", put_name, 0));
+		text_printf(&t, "%s%s%s_%s_%s%d(%s, %s, %s);", k ? "\n" : "", indent, e->options->name, p->algorithm->name, what, k,
+			emit_params(e, p, PARAMS_NAMES), where, across(e, s, ", ", put_name, 0));
 	return text_string(&t);
 }
 
@@ -256,8 +257,46 @@ void emit_segments_part(const struct emission *e, const struct pass *p, const ch
 		{"ANY_ANGLE", emit_has_small(e) ? ", 0" : ""}, {"WHATEVER", emit_has_small(e) ? ", whatever its angles" : ""},
 		{"WHERE_SMALL", emit_has_small(e) ? " where their angles are small, which is the rule" : ""},
 		{"AND_SMALL", and_small(e, are_small)}, {"COUNT_PARAM", count_param}, {"AT_SAMPLE", at_sample}, {"LANES", emit_int(e, lanes)},
-		{"LANES_FUNCTIONS", lanes_functions(e, p, count_param, at_sample)}, {"CALLS", calls_in_part(e, p, is_soa ? "count, " : "")},
+		{"LANES_FUNCTIONS", lanes_functions(e, p, count_param, at_sample)}, {"CALLS", calls_of(e, p, "\t\t\t", "lanes", is_soa ? "count, first" : "first")},
+		{"ONE_CALLS", calls_of(e, p, "\t", "one", "stride")}, {"ONE_DECLARATIONS", across(e, &p->segments, "\n", put_array, 1)},
 		{"DECLARATIONS", across(e, &p->segments, "\n", put_array, lanes)}};
 
 	template_expand(out, template_part_segments_in, slots, sizeof slots / sizeof *slots);
+}
+
+/* ---- kernels ---- */
+
+static void put_shared(const char *type, const char *array, int slots, int lanes, struct text *out)
+{
+	(void)lanes;
+	text_printf(out, "\t__shared__ %s %s[%d*RNEA_SAMPLES*RNEA_BLOCK];", type, array, slots ? slots : 1);
+}
+
+static void put_at_thread(const char *type, const char *array, int slots, int lanes, struct text *out)
+{
+	put_name(type, array, slots, lanes, out);
+	text_put(out, " + threadIdx.x + j*RNEA_BLOCK");
+}
+
+static const char *calls_in_kernel(const struct emission *e, const struct pass *p, const char *at_sample)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int k = 0; k < p->segments.count; k++) {
+		text_printf(&t, "%s\t\t#pragma unroll 1\n\t\tfor (unsigned j = 0; j < each; j++) {\n\t\t\tconst size_t k = first + j*RNEA_BLOCK;\n\n", k ? "\n" : "");
+		text_printf(&t, "\t\t\tif (k < count)\n\t\t\t\t%s_%s_segment%d(%s, %s, RNEA_SAMPLES*RNEA_BLOCK%s, 1);\n\t\t}", e->options->name,
+			p->algorithm->name, k, at_sample, across(e, &p->segments, ", ", put_at_thread, 0), emit_has_small(e) ? ", 1" : "");
+	}
+	return text_string(&t);
+}
+
+void emit_segments_kernel(const struct emission *e, const struct pass *p, const char *at_sample, struct text *out)
+{
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
+		{"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"SHARED", across(e, &p->segments, "\n", put_shared, 0)},
+		{"CALLS", calls_in_kernel(e, p, at_sample)}};
+
+	template_expand(out, template_kernel_segments_in, slots, sizeof slots / sizeof *slots);
 }
