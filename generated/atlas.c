@@ -58,7 +58,7 @@
  *   t                with a number of its own: a value that has no name in the textbook
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
- *   small all_small  the caller takes all angles for small; they are
+ *   known sines all_small  the angles' sines and cosines are known; they; all angles are small
  *   RNEA_FMA         a*b + c, rounded once where the machine can
  *   rneagen_...      functions and types that this text brings along
  * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
@@ -84,15 +84,17 @@
 #endif
 
 
-#ifndef RNEAGEN_SINCOS_EITHER
-static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c); /* below */
+#ifndef RNEAGEN_SINCOS_KNOWN
+static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const double *sines, double *s, double *c); /*
+below */
 #endif
 
 /* tau = ID(q, qd, qdd)
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, const int small)
+	const size_t stride, const int known, const double *sines)
 {
 	int all_small = 1;
 
@@ -105,7 +107,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 2 "mtorso" (fpass) ---- */
 	const double q2 = q[stride];
 	double s2, c2;
-	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_known(q2, known, sines, &s2, &c2);
 	const double qd2 = qd[stride];
 	const double qdd2 = qdd[stride];
 	const double w2z = qd1*c2;
@@ -136,7 +138,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 3 "utorso" (fpass) ---- */
 	const double q3 = q[2*stride];
 	double s3, c3;
-	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_known(q3, known, sines + 2, &s3, &c3);
 	const double qd3 = qd[2*stride];
 	const double qdd3 = qdd[2*stride];
 	const double t15 = 0.05*t7;
@@ -184,7 +186,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 4 "l_clav" (fpass) ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
-	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_known(q4, known, sines + 4, &s4, &c4);
 	const double qd4 = qd[3*stride];
 	const double qdd4 = qdd[3*stride];
 	const double t35 = RNEA_FMA(2.0682310711021444e-13, w3y, w3x);
@@ -235,7 +237,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 5 "l_scap" (fpass) ---- */
 	const double q5 = q[4*stride];
 	double t62, c5;
-	all_small &= rneagen_sincos_either(q5, small, &t62, &c5);
+	all_small &= rneagen_sincos_known(q5, known, sines + 6, &t62, &c5);
 	const double qd5 = qd[4*stride];
 	const double qdd5 = qdd[4*stride];
 	const double a5x = a4x - RNEA_FMA(0.245, t58, 0.11*t61);
@@ -259,7 +261,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 6 "l_uarm" (fpass) ---- */
 	const double q6 = q[5*stride];
 	double t69, c6;
-	all_small &= rneagen_sincos_either(q6, small, &t69, &c6);
+	all_small &= rneagen_sincos_known(q6, known, sines + 8, &t69, &c6);
 	const double qd6 = qd[5*stride];
 	const double qdd6 = qdd[5*stride];
 	const double t70 = a5x - RNEA_FMA(0.016, dw5y + t66, 0.187*(t68 - dw5z));
@@ -288,7 +290,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 7 "l_larm" (fpass) ---- */
 	const double q7 = q[6*stride];
 	double t78, c7;
-	all_small &= rneagen_sincos_either(q7, small, &t78, &c7);
+	all_small &= rneagen_sincos_known(q7, known, sines + 10, &t78, &c7);
 	const double qd7 = qd[6*stride];
 	const double qdd7 = qdd[6*stride];
 	const double a7x = a6x + RNEA_FMA(-0.119, t77, 0.0092*RNEA_FMA(w6z, w6x, dw6y));
@@ -312,7 +314,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 8 "l_ufarm" (fpass) ---- */
 	const double q8 = q[7*stride];
 	double t85, c8;
-	all_small &= rneagen_sincos_either(q8, small, &t85, &c8);
+	all_small &= rneagen_sincos_known(q8, known, sines + 12, &t85, &c8);
 	const double qd8 = qd[7*stride];
 	const double qdd8 = qdd[7*stride];
 	const double t86 = RNEA_FMA(2.0682310711021444e-13, w7z, -w7x);
@@ -354,7 +356,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 9 "l_lfarm" (fpass) ---- */
 	const double q9 = q[8*stride];
 	double s9, c9;
-	all_small &= rneagen_sincos_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincos_known(q9, known, sines + 14, &s9, &c9);
 	const double qd9 = qd[8*stride];
 	const double qdd9 = qdd[8*stride];
 	const double w9y = RNEA_FMA(s9, -t94, w8y*c9);
@@ -386,7 +388,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 10 "l_hand" (fpass) ---- */
 	const double q10 = q[9*stride];
 	double t124, c10;
-	all_small &= rneagen_sincos_either(q10, small, &t124, &c10);
+	all_small &= rneagen_sincos_known(q10, known, sines + 16, &t124, &c10);
 	const double qd10 = qd[9*stride];
 	const double qdd10 = qdd[9*stride];
 	const double t125 = RNEA_FMA(2.0682310711021444e-13, t109, w9x);
@@ -526,7 +528,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 11 "head" (fpass) ---- */
 	const double q11 = q[10*stride];
 	double s11, c11;
-	all_small &= rneagen_sincos_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincos_known(q11, known, sines + 18, &s11, &c11);
 	const double qd11 = qd[10*stride];
 	const double qdd11 = qdd[10*stride];
 	const double t171 = a3x + RNEA_FMA(-0.2546, t20, 0.6215*t27);
@@ -585,7 +587,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 12 "r_clav" (fpass) ---- */
 	const double q12 = q[11*stride];
 	double s12, c12;
-	all_small &= rneagen_sincos_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincos_known(q12, known, sines + 20, &s12, &c12);
 	const double qd12 = qd[11*stride];
 	const double qdd12 = qdd[11*stride];
 	const double t191 = a3x + (t41 - (t39 + t40));
@@ -621,7 +623,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 13 "r_scap" (fpass) ---- */
 	const double q13 = q[12*stride];
 	double s13, c13;
-	all_small &= rneagen_sincos_either(q13, small, &s13, &c13);
+	all_small &= rneagen_sincos_known(q13, known, sines + 22, &s13, &c13);
 	const double qd13 = qd[12*stride];
 	const double qdd13 = qdd[12*stride];
 	const double a13x = a12x - RNEA_FMA(0.245, t199, 0.11*t202);
@@ -645,7 +647,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 14 "r_uarm" (fpass) ---- */
 	const double q14 = q[13*stride];
 	double s14, c14;
-	all_small &= rneagen_sincos_either(q14, small, &s14, &c14);
+	all_small &= rneagen_sincos_known(q14, known, sines + 24, &s14, &c14);
 	const double qd14 = qd[13*stride];
 	const double qdd14 = qdd[13*stride];
 	const double t209 = a13x - RNEA_FMA(0.016, dw13y + t206, 0.187*(t208 - dw13z));
@@ -674,7 +676,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 15 "r_larm" (fpass) ---- */
 	const double q15 = q[14*stride];
 	double s15, c15;
-	all_small &= rneagen_sincos_either(q15, small, &s15, &c15);
+	all_small &= rneagen_sincos_known(q15, known, sines + 26, &s15, &c15);
 	const double qd15 = qd[14*stride];
 	const double qdd15 = qdd[14*stride];
 	const double a15x = a14x + RNEA_FMA(-0.119, t216, 0.0092*RNEA_FMA(w14z, w14x, dw14y));
@@ -698,7 +700,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 16 "r_ufarm" (fpass) ---- */
 	const double q16 = q[15*stride];
 	double s16, c16;
-	all_small &= rneagen_sincos_either(q16, small, &s16, &c16);
+	all_small &= rneagen_sincos_known(q16, known, sines + 28, &s16, &c16);
 	const double qd16 = qd[15*stride];
 	const double qdd16 = qdd[15*stride];
 	const double t223 = a15x - RNEA_FMA(0.00921, dw15y + t220, 0.29955*(t222 - dw15z));
@@ -734,7 +736,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 17 "r_lfarm" (fpass) ---- */
 	const double q17 = q[16*stride];
 	double s17, c17;
-	all_small &= rneagen_sincos_either(q17, small, &s17, &c17);
+	all_small &= rneagen_sincos_known(q17, known, sines + 30, &s17, &c17);
 	const double qd17 = qd[16*stride];
 	const double qdd17 = qdd[16*stride];
 	const double w17y = RNEA_FMA(w16y, c17, w16z*s17);
@@ -766,7 +768,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 18 "r_hand" (fpass) ---- */
 	const double q18 = q[17*stride];
 	double s18, c18;
-	all_small &= rneagen_sincos_either(q18, small, &s18, &c18);
+	all_small &= rneagen_sincos_known(q18, known, sines + 32, &s18, &c18);
 	const double qd18 = qd[17*stride];
 	const double qdd18 = qdd[17*stride];
 	const double w18z = RNEA_FMA(w17z, c18, w17x*s18);
@@ -904,7 +906,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 20 "l_lglut" (fpass) ---- */
 	const double q20 = q[19*stride];
 	double s20, c20;
-	all_small &= rneagen_sincos_either(q20, small, &s20, &c20);
+	all_small &= rneagen_sincos_known(q20, known, sines + 34, &s20, &c20);
 	const double qd20 = qd[19*stride];
 	const double qdd20 = qdd[19*stride];
 	const double w20y = qd19*s20;
@@ -937,7 +939,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 21 "l_uleg" (fpass) ---- */
 	const double q21 = q[20*stride];
 	double s21, c21;
-	all_small &= rneagen_sincos_either(q21, small, &s21, &c21);
+	all_small &= rneagen_sincos_known(q21, known, sines + 36, &s21, &c21);
 	const double qd21 = qd[20*stride];
 	const double qdd21 = qdd[20*stride];
 	const double t294 = RNEA_FMA(-0.066, t288, RNEA_FMA(-0.05, t282 + t283, 0.0225*t289));
@@ -966,7 +968,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 22 "l_lleg" (fpass) ---- */
 	const double q22 = q[21*stride];
 	double s22, c22;
-	all_small &= rneagen_sincos_either(q22, small, &s22, &c22);
+	all_small &= rneagen_sincos_known(q22, known, sines + 38, &s22, &c22);
 	const double qd22 = qd[21*stride];
 	const double qdd22 = qdd[21*stride];
 	const double t302 = a21x + RNEA_FMA(-0.374, t300, 0.05*RNEA_FMA(w21z, w21z, t297));
@@ -1003,7 +1005,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 23 "l_talus" (fpass) ---- */
 	const double q23 = q[22*stride];
 	double s23, c23;
-	all_small &= rneagen_sincos_either(q23, small, &s23, &c23);
+	all_small &= rneagen_sincos_known(q23, known, sines + 40, &s23, &c23);
 	const double qd23 = qd[22*stride];
 	const double qdd23 = qdd[22*stride];
 	const double t315 = RNEA_FMA(-0.422, t310, a22x);
@@ -1025,7 +1027,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 24 "l_foot" (fpass) ---- */
 	const double q24 = q[23*stride];
 	double s24, c24;
-	all_small &= rneagen_sincos_either(q24, small, &s24, &c24);
+	all_small &= rneagen_sincos_known(q24, known, sines + 42, &s24, &c24);
 	const double qd24 = qd[23*stride];
 	const double qdd24 = qdd[23*stride];
 	const double w24y = RNEA_FMA(w23y, c24, w23z*s24);
@@ -1103,7 +1105,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 26 "r_lglut" (fpass) ---- */
 	const double q26 = q[25*stride];
 	double s26, c26;
-	all_small &= rneagen_sincos_either(q26, small, &s26, &c26);
+	all_small &= rneagen_sincos_known(q26, known, sines + 44, &s26, &c26);
 	const double qd26 = qd[25*stride];
 	const double qdd26 = qdd[25*stride];
 	const double w26y = qd25*s26;
@@ -1136,7 +1138,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 27 "r_uleg" (fpass) ---- */
 	const double q27 = q[26*stride];
 	double s27, c27;
-	all_small &= rneagen_sincos_either(q27, small, &s27, &c27);
+	all_small &= rneagen_sincos_known(q27, known, sines + 46, &s27, &c27);
 	const double qd27 = qd[26*stride];
 	const double qdd27 = qdd[26*stride];
 	const double t346 = RNEA_FMA(0.066, t340, RNEA_FMA(0.0225, t341, 0.05*(t334 + t335)));
@@ -1164,7 +1166,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 28 "r_lleg" (fpass) ---- */
 	const double q28 = q[27*stride];
 	double s28, c28;
-	all_small &= rneagen_sincos_either(q28, small, &s28, &c28);
+	all_small &= rneagen_sincos_known(q28, known, sines + 48, &s28, &c28);
 	const double qd28 = qd[27*stride];
 	const double qdd28 = qdd[27*stride];
 	const double t355 = RNEA_FMA(-0.374, t353, 0.05*RNEA_FMA(w27z, w27z, t350)) - t348;
@@ -1201,7 +1203,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 29 "r_talus" (fpass) ---- */
 	const double q29 = q[28*stride];
 	double s29, c29;
-	all_small &= rneagen_sincos_either(q29, small, &s29, &c29);
+	all_small &= rneagen_sincos_known(q29, known, sines + 50, &s29, &c29);
 	const double qd29 = qd[28*stride];
 	const double qdd29 = qdd[28*stride];
 	const double t368 = RNEA_FMA(-0.422, t363, a28x);
@@ -1223,7 +1225,7 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 	/* ---- out to link 30 "r_foot" (fpass) ---- */
 	const double q30 = q[29*stride];
 	double s30, c30;
-	all_small &= rneagen_sincos_either(q30, small, &s30, &c30);
+	all_small &= rneagen_sincos_known(q30, known, sines + 52, &s30, &c30);
 	const double qd30 = qd[29*stride];
 	const double qdd30 = qdd[29*stride];
 	const double w30y = RNEA_FMA(w29y, c30, w29z*s30);
@@ -1297,10 +1299,11 @@ static RNEA_INLINE int atlas_rnea_body(const double *q, const double *qd, const 
 }
 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a,
-	double *f, const size_t stride, const int small)
+	double *f, const size_t stride, const int known, const double *sines)
 {
 	int all_small = 1;
 
@@ -1337,7 +1340,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 2 "mtorso" (fpass) ---- */
 	const double q2 = q[stride];
 	double s2, c2;
-	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_known(q2, known, sines, &s2, &c2);
 	const double qd2 = qd[stride];
 	const double qdd2 = qdd[stride];
 	const double w2z = qd1*c2;
@@ -1397,7 +1400,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 3 "utorso" (fpass) ---- */
 	const double q3 = q[2*stride];
 	double s3, c3;
-	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_known(q3, known, sines + 2, &s3, &c3);
 	const double qd3 = qd[2*stride];
 	const double qdd3 = qdd[2*stride];
 	const double v3x = 0.05*qd2;
@@ -1467,7 +1470,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 4 "l_clav" (fpass) ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
-	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_known(q4, known, sines + 4, &s4, &c4);
 	const double qd4 = qd[3*stride];
 	const double qdd4 = qdd[3*stride];
 	const double t42 = RNEA_FMA(2.0682310711021444e-13, w3y, w3x);
@@ -1547,7 +1550,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 5 "l_scap" (fpass) ---- */
 	const double q5 = q[4*stride];
 	double t77, c5;
-	all_small &= rneagen_sincos_either(q5, small, &t77, &c5);
+	all_small &= rneagen_sincos_known(q5, known, sines + 6, &t77, &c5);
 	const double qd5 = qd[4*stride];
 	const double qdd5 = qdd[4*stride];
 	const double v5x = v4x + RNEA_FMA(-0.245, w4y, 0.11*w4z);
@@ -1598,7 +1601,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 6 "l_uarm" (fpass) ---- */
 	const double q6 = q[5*stride];
 	double t86, c6;
-	all_small &= rneagen_sincos_either(q6, small, &t86, &c6);
+	all_small &= rneagen_sincos_known(q6, known, sines + 8, &t86, &c6);
 	const double qd6 = qd[5*stride];
 	const double qdd6 = qdd[5*stride];
 	const double t87 = v5x + RNEA_FMA(-0.016, w5y, 0.187*w5z);
@@ -1651,7 +1654,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 7 "l_larm" (fpass) ---- */
 	const double q7 = q[6*stride];
 	double t97, c7;
-	all_small &= rneagen_sincos_either(q7, small, &t97, &c7);
+	all_small &= rneagen_sincos_known(q7, known, sines + 10, &t97, &c7);
 	const double qd7 = qd[6*stride];
 	const double qdd7 = qdd[6*stride];
 	const double v7x = v6x + RNEA_FMA(0.0092, w6y, 0.119*w6z);
@@ -1702,7 +1705,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 8 "l_ufarm" (fpass) ---- */
 	const double q8 = q[7*stride];
 	double t106, c8;
-	all_small &= rneagen_sincos_either(q8, small, &t106, &c8);
+	all_small &= rneagen_sincos_known(q8, known, sines + 12, &t106, &c8);
 	const double qd8 = qd[7*stride];
 	const double qdd8 = qdd[7*stride];
 	const double t107 = RNEA_FMA(2.0682310711021444e-13, w7z, -w7x);
@@ -1772,7 +1775,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 9 "l_lfarm" (fpass) ---- */
 	const double q9 = q[8*stride];
 	double s9, c9;
-	all_small &= rneagen_sincos_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincos_known(q9, known, sines + 14, &s9, &c9);
 	const double qd9 = qd[8*stride];
 	const double qdd9 = qdd[8*stride];
 	const double w9y = RNEA_FMA(-t119, s9, w8y*c9);
@@ -1827,7 +1830,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 10 "l_hand" (fpass) ---- */
 	const double q10 = q[9*stride];
 	double t151, c10;
-	all_small &= rneagen_sincos_either(q10, small, &t151, &c10);
+	all_small &= rneagen_sincos_known(q10, known, sines + 16, &t151, &c10);
 	const double qd10 = qd[9*stride];
 	const double qdd10 = qdd[9*stride];
 	const double t152 = RNEA_FMA(2.0682310711021444e-13, t135, w9x);
@@ -1899,7 +1902,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 11 "head" (fpass) ---- */
 	const double q11 = q[10*stride];
 	double s11, c11;
-	all_small &= rneagen_sincos_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincos_known(q11, known, sines + 18, &s11, &c11);
 	const double qd11 = qd[10*stride];
 	const double qdd11 = qdd[10*stride];
 	const double t176 = RNEA_FMA(0.6215, w3y, v3x);
@@ -1970,7 +1973,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 12 "r_clav" (fpass) ---- */
 	const double q12 = q[11*stride];
 	double s12, c12;
-	all_small &= rneagen_sincos_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincos_known(q12, known, sines + 20, &s12, &c12);
 	const double qd12 = qd[11*stride];
 	const double qdd12 = qdd[11*stride];
 	const double t196 = v3x + (t46 + t47);
@@ -2028,7 +2031,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 13 "r_scap" (fpass) ---- */
 	const double q13 = q[12*stride];
 	double s13, c13;
-	all_small &= rneagen_sincos_either(q13, small, &s13, &c13);
+	all_small &= rneagen_sincos_known(q13, known, sines + 22, &s13, &c13);
 	const double qd13 = qd[12*stride];
 	const double qdd13 = qdd[12*stride];
 	const double v13x = v12x + RNEA_FMA(-0.245, w12y, 0.11*w12z);
@@ -2079,7 +2082,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 14 "r_uarm" (fpass) ---- */
 	const double q14 = q[13*stride];
 	double s14, c14;
-	all_small &= rneagen_sincos_either(q14, small, &s14, &c14);
+	all_small &= rneagen_sincos_known(q14, known, sines + 24, &s14, &c14);
 	const double qd14 = qd[13*stride];
 	const double qdd14 = qdd[13*stride];
 	const double t219 = v13x + RNEA_FMA(-0.016, w13y, 0.187*w13z);
@@ -2132,7 +2135,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 15 "r_larm" (fpass) ---- */
 	const double q15 = q[14*stride];
 	double s15, c15;
-	all_small &= rneagen_sincos_either(q15, small, &s15, &c15);
+	all_small &= rneagen_sincos_known(q15, known, sines + 26, &s15, &c15);
 	const double qd15 = qd[14*stride];
 	const double qdd15 = qdd[14*stride];
 	const double v15x = v14x + RNEA_FMA(0.0092, w14y, 0.119*w14z);
@@ -2183,7 +2186,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 16 "r_ufarm" (fpass) ---- */
 	const double q16 = q[15*stride];
 	double s16, c16;
-	all_small &= rneagen_sincos_either(q16, small, &s16, &c16);
+	all_small &= rneagen_sincos_known(q16, known, sines + 28, &s16, &c16);
 	const double qd16 = qd[15*stride];
 	const double qdd16 = qdd[15*stride];
 	const double t237 = v15x + RNEA_FMA(-0.00921, w15y, 0.29955*w15z);
@@ -2245,7 +2248,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 17 "r_lfarm" (fpass) ---- */
 	const double q17 = q[16*stride];
 	double s17, c17;
-	all_small &= rneagen_sincos_either(q17, small, &s17, &c17);
+	all_small &= rneagen_sincos_known(q17, known, sines + 30, &s17, &c17);
 	const double qd17 = qd[16*stride];
 	const double qdd17 = qdd[16*stride];
 	const double w17y = RNEA_FMA(w16y, c17, w16z*s17);
@@ -2300,7 +2303,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 18 "r_hand" (fpass) ---- */
 	const double q18 = q[17*stride];
 	double s18, c18;
-	all_small &= rneagen_sincos_either(q18, small, &s18, &c18);
+	all_small &= rneagen_sincos_known(q18, known, sines + 32, &s18, &c18);
 	const double qd18 = qd[17*stride];
 	const double qdd18 = qdd[17*stride];
 	const double w18z = RNEA_FMA(w17z, c18, w17x*s18);
@@ -2392,7 +2395,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 20 "l_lglut" (fpass) ---- */
 	const double q20 = q[19*stride];
 	double s20, c20;
-	all_small &= rneagen_sincos_either(q20, small, &s20, &c20);
+	all_small &= rneagen_sincos_known(q20, known, sines + 34, &s20, &c20);
 	const double qd20 = qd[19*stride];
 	const double qdd20 = qdd[19*stride];
 	const double w20y = qd19*s20;
@@ -2453,7 +2456,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 21 "l_uleg" (fpass) ---- */
 	const double q21 = q[20*stride];
 	double s21, c21;
-	all_small &= rneagen_sincos_either(q21, small, &s21, &c21);
+	all_small &= rneagen_sincos_known(q21, known, sines + 36, &s21, &c21);
 	const double qd21 = qd[20*stride];
 	const double qdd21 = qdd[20*stride];
 	const double t300 = RNEA_FMA(0.066, w20y, 0.0225*w20z);
@@ -2506,7 +2509,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 22 "l_lleg" (fpass) ---- */
 	const double q22 = q[21*stride];
 	double s22, c22;
-	all_small &= rneagen_sincos_either(q22, small, &s22, &c22);
+	all_small &= rneagen_sincos_known(q22, known, sines + 38, &s22, &c22);
 	const double qd22 = qd[21*stride];
 	const double qdd22 = qdd[21*stride];
 	const double t311 = RNEA_FMA(0.374, w21y, t304);
@@ -2566,7 +2569,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 23 "l_talus" (fpass) ---- */
 	const double q23 = q[22*stride];
 	double s23, c23;
-	all_small &= rneagen_sincos_either(q23, small, &s23, &c23);
+	all_small &= rneagen_sincos_known(q23, known, sines + 40, &s23, &c23);
 	const double qd23 = qd[22*stride];
 	const double qdd23 = qdd[22*stride];
 	const double t327 = RNEA_FMA(0.422, w22y, t315);
@@ -2612,7 +2615,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 24 "l_foot" (fpass) ---- */
 	const double q24 = q[23*stride];
 	double s24, c24;
-	all_small &= rneagen_sincos_either(q24, small, &s24, &c24);
+	all_small &= rneagen_sincos_known(q24, known, sines + 42, &s24, &c24);
 	const double qd24 = qd[23*stride];
 	const double qdd24 = qdd[23*stride];
 	const double w24y = RNEA_FMA(w23y, c24, w23z*s24);
@@ -2688,7 +2691,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 26 "r_lglut" (fpass) ---- */
 	const double q26 = q[25*stride];
 	double s26, c26;
-	all_small &= rneagen_sincos_either(q26, small, &s26, &c26);
+	all_small &= rneagen_sincos_known(q26, known, sines + 44, &s26, &c26);
 	const double qd26 = qd[25*stride];
 	const double qdd26 = qdd[25*stride];
 	const double w26y = qd25*s26;
@@ -2749,7 +2752,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 27 "r_uleg" (fpass) ---- */
 	const double q27 = q[26*stride];
 	double s27, c27;
-	all_small &= rneagen_sincos_either(q27, small, &s27, &c27);
+	all_small &= rneagen_sincos_known(q27, known, sines + 46, &s27, &c27);
 	const double qd27 = qd[26*stride];
 	const double qdd27 = qdd[26*stride];
 	const double t357 = RNEA_FMA(-0.066, w26y, 0.0225*w26z);
@@ -2802,7 +2805,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 28 "r_lleg" (fpass) ---- */
 	const double q28 = q[27*stride];
 	double s28, c28;
-	all_small &= rneagen_sincos_either(q28, small, &s28, &c28);
+	all_small &= rneagen_sincos_known(q28, known, sines + 48, &s28, &c28);
 	const double qd28 = qd[27*stride];
 	const double qdd28 = qdd[27*stride];
 	const double t368 = RNEA_FMA(-0.374, w27y, v27x);
@@ -2862,7 +2865,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 29 "r_talus" (fpass) ---- */
 	const double q29 = q[28*stride];
 	double s29, c29;
-	all_small &= rneagen_sincos_either(q29, small, &s29, &c29);
+	all_small &= rneagen_sincos_known(q29, known, sines + 50, &s29, &c29);
 	const double qd29 = qd[28*stride];
 	const double qdd29 = qdd[28*stride];
 	const double t383 = RNEA_FMA(-0.422, w28y, v28x);
@@ -2908,7 +2911,7 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 	/* ---- out to link 30 "r_foot" (fpass) ---- */
 	const double q30 = q[29*stride];
 	double s30, c30;
-	all_small &= rneagen_sincos_either(q30, small, &s30, &c30);
+	all_small &= rneagen_sincos_known(q30, known, sines + 52, &s30, &c30);
 	const double qd30 = qd[29*stride];
 	const double qdd30 = qdd[29*stride];
 	const double w30y = RNEA_FMA(w29y, c30, w29z*s30);
@@ -2956,10 +2959,11 @@ static RNEA_INLINE int atlas_fpass_body(const double *q, const double *qd, const
 }
 
 /* Back to the base: torques tau from the wrenches f.
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double *tau, const size_t stride,
-	const int small)
+	const int known, const double *sines)
 {
 	int all_small = 1;
 
@@ -2970,7 +2974,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 2 "mtorso" ---- */
 	const double q2 = q[stride];
 	double s2, c2;
-	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_known(q2, known, sines, &s2, &c2);
 	const double own_n2x = f[9*stride];
 	const double own_n2y = f[10*stride];
 	const double own_n2z = f[11*stride];
@@ -2978,7 +2982,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 3 "utorso" ---- */
 	const double q3 = q[2*stride];
 	double s3, c3;
-	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_known(q3, known, sines + 2, &s3, &c3);
 	const double own_f3x = f[12*stride];
 	const double own_f3y = f[13*stride];
 	const double own_f3z = f[14*stride];
@@ -2989,7 +2993,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 4 "l_clav" ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
-	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_known(q4, known, sines + 4, &s4, &c4);
 	const double own_f4x = f[18*stride];
 	const double own_f4y = f[19*stride];
 	const double own_f4z = f[20*stride];
@@ -3000,7 +3004,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 5 "l_scap" ---- */
 	const double q5 = q[4*stride];
 	double t1, c5;
-	all_small &= rneagen_sincos_either(q5, small, &t1, &c5);
+	all_small &= rneagen_sincos_known(q5, known, sines + 6, &t1, &c5);
 	const double own_f5x = f[24*stride];
 	const double own_f5y = f[25*stride];
 	const double own_f5z = f[26*stride];
@@ -3011,7 +3015,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 6 "l_uarm" ---- */
 	const double q6 = q[5*stride];
 	double t2, c6;
-	all_small &= rneagen_sincos_either(q6, small, &t2, &c6);
+	all_small &= rneagen_sincos_known(q6, known, sines + 8, &t2, &c6);
 	const double own_f6x = f[30*stride];
 	const double own_f6y = f[31*stride];
 	const double own_f6z = f[32*stride];
@@ -3022,7 +3026,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 7 "l_larm" ---- */
 	const double q7 = q[6*stride];
 	double t3, c7;
-	all_small &= rneagen_sincos_either(q7, small, &t3, &c7);
+	all_small &= rneagen_sincos_known(q7, known, sines + 10, &t3, &c7);
 	const double own_f7x = f[36*stride];
 	const double own_f7y = f[37*stride];
 	const double own_f7z = f[38*stride];
@@ -3033,7 +3037,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 8 "l_ufarm" ---- */
 	const double q8 = q[7*stride];
 	double t4, c8;
-	all_small &= rneagen_sincos_either(q8, small, &t4, &c8);
+	all_small &= rneagen_sincos_known(q8, known, sines + 12, &t4, &c8);
 	const double own_f8x = f[42*stride];
 	const double own_f8y = f[43*stride];
 	const double own_f8z = f[44*stride];
@@ -3044,7 +3048,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 9 "l_lfarm" ---- */
 	const double q9 = q[8*stride];
 	double s9, c9;
-	all_small &= rneagen_sincos_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincos_known(q9, known, sines + 14, &s9, &c9);
 	const double own_f9x = f[48*stride];
 	const double own_f9y = f[49*stride];
 	const double own_f9z = f[50*stride];
@@ -3055,7 +3059,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 10 "l_hand" ---- */
 	const double q10 = q[9*stride];
 	double t5, c10;
-	all_small &= rneagen_sincos_either(q10, small, &t5, &c10);
+	all_small &= rneagen_sincos_known(q10, known, sines + 16, &t5, &c10);
 	const double own_f10x = f[54*stride];
 	const double own_f10y = f[55*stride];
 	const double own_f10z = f[56*stride];
@@ -3155,7 +3159,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 11 "head" ---- */
 	const double q11 = q[10*stride];
 	double s11, c11;
-	all_small &= rneagen_sincos_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincos_known(q11, known, sines + 18, &s11, &c11);
 	const double own_f11x = f[60*stride];
 	const double own_f11y = f[61*stride];
 	const double own_f11z = f[62*stride];
@@ -3177,7 +3181,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 12 "r_clav" ---- */
 	const double q12 = q[11*stride];
 	double s12, c12;
-	all_small &= rneagen_sincos_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincos_known(q12, known, sines + 20, &s12, &c12);
 	const double own_f12x = f[66*stride];
 	const double own_f12y = f[67*stride];
 	const double own_f12z = f[68*stride];
@@ -3188,7 +3192,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 13 "r_scap" ---- */
 	const double q13 = q[12*stride];
 	double s13, c13;
-	all_small &= rneagen_sincos_either(q13, small, &s13, &c13);
+	all_small &= rneagen_sincos_known(q13, known, sines + 22, &s13, &c13);
 	const double own_f13x = f[72*stride];
 	const double own_f13y = f[73*stride];
 	const double own_f13z = f[74*stride];
@@ -3199,7 +3203,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 14 "r_uarm" ---- */
 	const double q14 = q[13*stride];
 	double s14, c14;
-	all_small &= rneagen_sincos_either(q14, small, &s14, &c14);
+	all_small &= rneagen_sincos_known(q14, known, sines + 24, &s14, &c14);
 	const double own_f14x = f[78*stride];
 	const double own_f14y = f[79*stride];
 	const double own_f14z = f[80*stride];
@@ -3210,7 +3214,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 15 "r_larm" ---- */
 	const double q15 = q[14*stride];
 	double s15, c15;
-	all_small &= rneagen_sincos_either(q15, small, &s15, &c15);
+	all_small &= rneagen_sincos_known(q15, known, sines + 26, &s15, &c15);
 	const double own_f15x = f[84*stride];
 	const double own_f15y = f[85*stride];
 	const double own_f15z = f[86*stride];
@@ -3221,7 +3225,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 16 "r_ufarm" ---- */
 	const double q16 = q[15*stride];
 	double s16, c16;
-	all_small &= rneagen_sincos_either(q16, small, &s16, &c16);
+	all_small &= rneagen_sincos_known(q16, known, sines + 28, &s16, &c16);
 	const double own_f16x = f[90*stride];
 	const double own_f16y = f[91*stride];
 	const double own_f16z = f[92*stride];
@@ -3232,7 +3236,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 17 "r_lfarm" ---- */
 	const double q17 = q[16*stride];
 	double s17, c17;
-	all_small &= rneagen_sincos_either(q17, small, &s17, &c17);
+	all_small &= rneagen_sincos_known(q17, known, sines + 30, &s17, &c17);
 	const double own_f17x = f[96*stride];
 	const double own_f17y = f[97*stride];
 	const double own_f17z = f[98*stride];
@@ -3243,7 +3247,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 18 "r_hand" ---- */
 	const double q18 = q[17*stride];
 	double s18, c18;
-	all_small &= rneagen_sincos_either(q18, small, &s18, &c18);
+	all_small &= rneagen_sincos_known(q18, known, sines + 32, &s18, &c18);
 	const double own_f18x = f[102*stride];
 	const double own_f18y = f[103*stride];
 	const double own_f18z = f[104*stride];
@@ -3347,7 +3351,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 20 "l_lglut" ---- */
 	const double q20 = q[19*stride];
 	double s20, c20;
-	all_small &= rneagen_sincos_either(q20, small, &s20, &c20);
+	all_small &= rneagen_sincos_known(q20, known, sines + 34, &s20, &c20);
 	const double own_n20x = f[117*stride];
 	const double own_n20y = f[118*stride];
 	const double own_n20z = f[119*stride];
@@ -3355,7 +3359,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 21 "l_uleg" ---- */
 	const double q21 = q[20*stride];
 	double s21, c21;
-	all_small &= rneagen_sincos_either(q21, small, &s21, &c21);
+	all_small &= rneagen_sincos_known(q21, known, sines + 36, &s21, &c21);
 	const double own_f21x = f[120*stride];
 	const double own_f21y = f[121*stride];
 	const double own_f21z = f[122*stride];
@@ -3366,7 +3370,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 22 "l_lleg" ---- */
 	const double q22 = q[21*stride];
 	double s22, c22;
-	all_small &= rneagen_sincos_either(q22, small, &s22, &c22);
+	all_small &= rneagen_sincos_known(q22, known, sines + 38, &s22, &c22);
 	const double own_f22x = f[126*stride];
 	const double own_f22y = f[127*stride];
 	const double own_f22z = f[128*stride];
@@ -3377,7 +3381,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 23 "l_talus" ---- */
 	const double q23 = q[22*stride];
 	double s23, c23;
-	all_small &= rneagen_sincos_either(q23, small, &s23, &c23);
+	all_small &= rneagen_sincos_known(q23, known, sines + 40, &s23, &c23);
 	const double own_f23x = f[132*stride];
 	const double own_f23y = f[133*stride];
 	const double own_f23z = f[134*stride];
@@ -3388,7 +3392,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 24 "l_foot" ---- */
 	const double q24 = q[23*stride];
 	double s24, c24;
-	all_small &= rneagen_sincos_either(q24, small, &s24, &c24);
+	all_small &= rneagen_sincos_known(q24, known, sines + 42, &s24, &c24);
 	const double own_f24x = f[138*stride];
 	const double own_f24y = f[139*stride];
 	const double own_f24z = f[140*stride];
@@ -3449,7 +3453,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 26 "r_lglut" ---- */
 	const double q26 = q[25*stride];
 	double s26, c26;
-	all_small &= rneagen_sincos_either(q26, small, &s26, &c26);
+	all_small &= rneagen_sincos_known(q26, known, sines + 44, &s26, &c26);
 	const double own_n26x = f[153*stride];
 	const double own_n26y = f[154*stride];
 	const double own_n26z = f[155*stride];
@@ -3457,7 +3461,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 27 "r_uleg" ---- */
 	const double q27 = q[26*stride];
 	double s27, c27;
-	all_small &= rneagen_sincos_either(q27, small, &s27, &c27);
+	all_small &= rneagen_sincos_known(q27, known, sines + 46, &s27, &c27);
 	const double own_f27x = f[156*stride];
 	const double own_f27y = f[157*stride];
 	const double own_f27z = f[158*stride];
@@ -3468,7 +3472,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 28 "r_lleg" ---- */
 	const double q28 = q[27*stride];
 	double s28, c28;
-	all_small &= rneagen_sincos_either(q28, small, &s28, &c28);
+	all_small &= rneagen_sincos_known(q28, known, sines + 48, &s28, &c28);
 	const double own_f28x = f[162*stride];
 	const double own_f28y = f[163*stride];
 	const double own_f28z = f[164*stride];
@@ -3479,7 +3483,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 29 "r_talus" ---- */
 	const double q29 = q[28*stride];
 	double s29, c29;
-	all_small &= rneagen_sincos_either(q29, small, &s29, &c29);
+	all_small &= rneagen_sincos_known(q29, known, sines + 50, &s29, &c29);
 	const double own_f29x = f[168*stride];
 	const double own_f29y = f[169*stride];
 	const double own_f29z = f[170*stride];
@@ -3490,7 +3494,7 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	/* ---- out to link 30 "r_foot" ---- */
 	const double q30 = q[29*stride];
 	double s30, c30;
-	all_small &= rneagen_sincos_either(q30, small, &s30, &c30);
+	all_small &= rneagen_sincos_known(q30, known, sines + 52, &s30, &c30);
 	const double own_f30x = f[174*stride];
 	const double own_f30y = f[175*stride];
 	const double own_f30z = f[176*stride];
@@ -3658,21 +3662,45 @@ static RNEA_INLINE void rneagen_sincos_accurate(double x, double *s, double *c)
 	rneagen_sincos_turn(q, r, e, s, c);
 }
 #endif
-#ifndef RNEAGEN_SINCOS_EITHER
-#define RNEAGEN_SINCOS_EITHER
+#ifndef RNEAGEN_SINCOS_KNOWN
+#define RNEAGEN_SINCOS_KNOWN
 
-/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not,
-   and `small`, sine and cosine mean nothing. */
-static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c)
+/* Sine and cosine as they stand at sines[0] and sines[1] where they are known, else of a small x, without a branch.
+   Returns whether |x| is small: if not, and not `known`, they mean nothing. */
+static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const double *sines, double *s, double *c)
 {
-	if (small) {
-		double r, e;
-		const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
-		rneagen_sincos_turn(q, r, e, s, c);
-	} else {
-		rneagen_sincos_accurate(x, s, c);
+	double r, e;
+	const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
+	rneagen_sincos_turn(q, r, e, s, c);
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750 /* no branch */
+	asm volatile("{ .reg .pred p; setp.ne.s32 p, %2, 0; @p ld.local.f64 %0, [%3]; @p ld.local.f64 %1, [%3+8]; }"
+		: "+d"(*s), "+d"(*c) : "r"(known), "l"(__cvta_generic_to_local(sines)));
+#else
+	if (known) {
+		*s = sines[0];
+		*c = sines[1];
 	}
+#endif
 	return fabs(x) <= 1e7;
+}
+
+/* Sines and cosines of any angles, one after the other. */
+static RNEA_INLINE void rneagen_sincos_each(const double *x, const int angles, double *sines)
+{
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750
+#pragma unroll 1
+	for (int i = 0; i < angles; i++) {
+		asm volatile("" : "+r"(i)); /* one copy */
+		rneagen_sincos_accurate(x[i], &sines[2 * i], &sines[2 * i + 1]);
+	}
+	asm volatile("" ::"l"(sines) : "memory"); /* they are read */
+#else
+	int small = 1;
+	for (int i = 0; i < angles; i++)
+		small &= rneagen_sincos_known(x[i], 0, sines, &sines[2 * i], &sines[2 * i + 1]);
+	for (int i = 0; !small && i < angles; i++)
+		rneagen_sincos_accurate(x[i], &sines[2 * i], &sines[2 * i + 1]);
+#endif
 }
 #endif
 
@@ -3685,6 +3713,108 @@ static RNEA_INLINE int atlas_is_small(const double *q, const size_t stride)
 	for (size_t i = 0; i < 30; i++)
 		small &= fabs(q[i*stride]) <= 1e+07;
 	return small;
+}
+
+/* Sines and cosines for atlas_rnea_body, of any angles. */
+static RNEA_INLINE void atlas_rnea_sines(const double *q, const size_t stride, double *sines)
+{
+	double x[27];
+	x[0] = q[stride];
+	x[1] = q[2*stride];
+	x[2] = q[3*stride];
+	x[3] = q[4*stride];
+	x[4] = q[5*stride];
+	x[5] = q[6*stride];
+	x[6] = q[7*stride];
+	x[7] = q[8*stride];
+	x[8] = q[9*stride];
+	x[9] = q[10*stride];
+	x[10] = q[11*stride];
+	x[11] = q[12*stride];
+	x[12] = q[13*stride];
+	x[13] = q[14*stride];
+	x[14] = q[15*stride];
+	x[15] = q[16*stride];
+	x[16] = q[17*stride];
+	x[17] = q[19*stride];
+	x[18] = q[20*stride];
+	x[19] = q[21*stride];
+	x[20] = q[22*stride];
+	x[21] = q[23*stride];
+	x[22] = q[25*stride];
+	x[23] = q[26*stride];
+	x[24] = q[27*stride];
+	x[25] = q[28*stride];
+	x[26] = q[29*stride];
+	rneagen_sincos_each(x, 27, sines);
+}
+
+/* Sines and cosines for atlas_fpass_body, of any angles. */
+static RNEA_INLINE void atlas_fpass_sines(const double *q, const size_t stride, double *sines)
+{
+	double x[27];
+	x[0] = q[stride];
+	x[1] = q[2*stride];
+	x[2] = q[3*stride];
+	x[3] = q[4*stride];
+	x[4] = q[5*stride];
+	x[5] = q[6*stride];
+	x[6] = q[7*stride];
+	x[7] = q[8*stride];
+	x[8] = q[9*stride];
+	x[9] = q[10*stride];
+	x[10] = q[11*stride];
+	x[11] = q[12*stride];
+	x[12] = q[13*stride];
+	x[13] = q[14*stride];
+	x[14] = q[15*stride];
+	x[15] = q[16*stride];
+	x[16] = q[17*stride];
+	x[17] = q[19*stride];
+	x[18] = q[20*stride];
+	x[19] = q[21*stride];
+	x[20] = q[22*stride];
+	x[21] = q[23*stride];
+	x[22] = q[25*stride];
+	x[23] = q[26*stride];
+	x[24] = q[27*stride];
+	x[25] = q[28*stride];
+	x[26] = q[29*stride];
+	rneagen_sincos_each(x, 27, sines);
+}
+
+/* Sines and cosines for atlas_bpass_body, of any angles. */
+static RNEA_INLINE void atlas_bpass_sines(const double *q, const size_t stride, double *sines)
+{
+	double x[27];
+	x[0] = q[stride];
+	x[1] = q[2*stride];
+	x[2] = q[3*stride];
+	x[3] = q[4*stride];
+	x[4] = q[5*stride];
+	x[5] = q[6*stride];
+	x[6] = q[7*stride];
+	x[7] = q[8*stride];
+	x[8] = q[9*stride];
+	x[9] = q[10*stride];
+	x[10] = q[11*stride];
+	x[11] = q[12*stride];
+	x[12] = q[13*stride];
+	x[13] = q[14*stride];
+	x[14] = q[15*stride];
+	x[15] = q[16*stride];
+	x[16] = q[17*stride];
+	x[17] = q[19*stride];
+	x[18] = q[20*stride];
+	x[19] = q[21*stride];
+	x[20] = q[22*stride];
+	x[21] = q[23*stride];
+	x[22] = q[25*stride];
+	x[23] = q[26*stride];
+	x[24] = q[27*stride];
+	x[25] = q[28*stride];
+	x[26] = q[29*stride];
+	rneagen_sincos_each(x, 27, sines);
 }
 
 
@@ -3791,7 +3921,10 @@ static int atlas_are_small(const double *q, size_t count, size_t first, size_t e
 /* One sample, whatever its angles. */
 static void atlas_rnea_any(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride)
 {
-	atlas_rnea_body(q, qd, qdd, tau, stride, 0);
+	double sines[54];
+
+	atlas_rnea_sines(q, stride, sines);
+	atlas_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -3803,7 +3936,7 @@ static void atlas_rnea_part(const double *restrict q, const double *restrict qd,
 		if (atlas_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				atlas_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1);
+				atlas_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				atlas_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
@@ -3830,7 +3963,10 @@ void atlas_rnea_batch(const double *q, const double *qd, const double *qdd, doub
 static void atlas_fpass_any(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f,
 	const size_t stride)
 {
-	atlas_fpass_body(q, qd, qdd, v, a, f, stride, 0);
+	double sines[54];
+
+	atlas_fpass_sines(q, stride, sines);
+	atlas_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -3842,7 +3978,7 @@ static void atlas_fpass_part(const double *restrict q, const double *restrict qd
 		if (atlas_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				atlas_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 1);
+				atlas_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				atlas_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
@@ -3863,7 +3999,10 @@ void atlas_fpass_slice(void *const *arrays, size_t count, size_t first, size_t e
 /* One sample, whatever its angles. */
 static void atlas_bpass_any(const double *q, const double *f, double *tau, const size_t stride)
 {
-	atlas_bpass_body(q, f, tau, stride, 0);
+	double sines[54];
+
+	atlas_bpass_sines(q, stride, sines);
+	atlas_bpass_body(q, f, tau, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -3875,7 +4014,7 @@ static void atlas_bpass_part(const double *restrict q, const double *restrict f,
 		if (atlas_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				atlas_bpass_body(q + k, f + k, tau + k, count, 1);
+				atlas_bpass_body(q + k, f + k, tau + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				atlas_bpass_any(q + k, f + k, tau + k, count);

@@ -59,7 +59,7 @@
  *   t                with a number of its own: a value that has no name in the textbook
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
- *   small all_small  the caller takes all angles for small; they are
+ *   known sines all_small  the angles' sines and cosines are known; they; all angles are small
  *   RNEA_FMA         a*b + c, rounded once where the machine can
  *   rneagen_...      functions and types that this text brings along
  * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
@@ -91,15 +91,17 @@
 #endif
 #endif
 
-#ifndef RNEAGEN_SINCOSF_EITHER
-static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c); /* below */
+#ifndef RNEAGEN_SINCOSF_KNOWN
+static RNEA_INLINE int rneagen_sincosf_known(float x, const int known, const float *sines, float *s, float *c); /* below
+*/
 #endif
 
 /* tau = ID(q, qd, qdd)
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const float *qdd, float *tau,
-	const size_t stride, const int small)
+	const size_t stride, const int known, const float *sines)
 {
 	int all_small = 1;
 
@@ -112,7 +114,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 2 "mtorso" (fpass) ---- */
 	const float q2 = q[stride];
 	float s2, c2;
-	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_known(q2, known, sines, &s2, &c2);
 	const float qd2 = qd[stride];
 	const float qdd2 = qdd[stride];
 	const float w2z = qd1*c2;
@@ -141,7 +143,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 3 "utorso" (fpass) ---- */
 	const float q3 = q[2*stride];
 	float s3, c3;
-	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_known(q3, known, sines + 2, &s3, &c3);
 	const float qd3 = qd[2*stride];
 	const float qdd3 = qdd[2*stride];
 	const float t15 = 0.05f*t7;
@@ -187,7 +189,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 4 "l_clav" (fpass) ---- */
 	const float q4 = q[3*stride];
 	float s4, c4;
-	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_known(q4, known, sines + 4, &s4, &c4);
 	const float qd4 = qd[3*stride];
 	const float qdd4 = qdd[3*stride];
 	const float t35 = RNEA_FMA(2.0682311e-13f, w3y, w3x);
@@ -238,7 +240,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 5 "l_scap" (fpass) ---- */
 	const float q5 = q[4*stride];
 	float t62, c5;
-	all_small &= rneagen_sincosf_either(q5, small, &t62, &c5);
+	all_small &= rneagen_sincosf_known(q5, known, sines + 6, &t62, &c5);
 	const float qd5 = qd[4*stride];
 	const float qdd5 = qdd[4*stride];
 	const float a5x = a4x - RNEA_FMA(0.245f, t58, 0.11f*t61);
@@ -262,7 +264,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 6 "l_uarm" (fpass) ---- */
 	const float q6 = q[5*stride];
 	float t69, c6;
-	all_small &= rneagen_sincosf_either(q6, small, &t69, &c6);
+	all_small &= rneagen_sincosf_known(q6, known, sines + 8, &t69, &c6);
 	const float qd6 = qd[5*stride];
 	const float qdd6 = qdd[5*stride];
 	const float t70 = a5x - RNEA_FMA(0.016f, dw5y + t66, 0.187f*(t68 - dw5z));
@@ -291,7 +293,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 7 "l_larm" (fpass) ---- */
 	const float q7 = q[6*stride];
 	float t78, c7;
-	all_small &= rneagen_sincosf_either(q7, small, &t78, &c7);
+	all_small &= rneagen_sincosf_known(q7, known, sines + 10, &t78, &c7);
 	const float qd7 = qd[6*stride];
 	const float qdd7 = qdd[6*stride];
 	const float a7x = a6x + RNEA_FMA(-0.119f, t77, 0.0092f*RNEA_FMA(w6z, w6x, dw6y));
@@ -315,7 +317,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 8 "l_ufarm" (fpass) ---- */
 	const float q8 = q[7*stride];
 	float t85, c8;
-	all_small &= rneagen_sincosf_either(q8, small, &t85, &c8);
+	all_small &= rneagen_sincosf_known(q8, known, sines + 12, &t85, &c8);
 	const float qd8 = qd[7*stride];
 	const float qdd8 = qdd[7*stride];
 	const float t86 = RNEA_FMA(2.0682311e-13f, w7z, -w7x);
@@ -354,7 +356,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 9 "l_lfarm" (fpass) ---- */
 	const float q9 = q[8*stride];
 	float s9, c9;
-	all_small &= rneagen_sincosf_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincosf_known(q9, known, sines + 14, &s9, &c9);
 	const float qd9 = qd[8*stride];
 	const float qdd9 = qdd[8*stride];
 	const float w9y = RNEA_FMA(s9, -t94, w8y*c9);
@@ -384,7 +386,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 10 "l_hand" (fpass) ---- */
 	const float q10 = q[9*stride];
 	float t124, c10;
-	all_small &= rneagen_sincosf_either(q10, small, &t124, &c10);
+	all_small &= rneagen_sincosf_known(q10, known, sines + 16, &t124, &c10);
 	const float qd10 = qd[9*stride];
 	const float qdd10 = qdd[9*stride];
 	const float t125 = RNEA_FMA(2.0682311e-13f, t109, w9x);
@@ -521,7 +523,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 11 "head" (fpass) ---- */
 	const float q11 = q[10*stride];
 	float s11, c11;
-	all_small &= rneagen_sincosf_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincosf_known(q11, known, sines + 18, &s11, &c11);
 	const float qd11 = qd[10*stride];
 	const float qdd11 = qdd[10*stride];
 	const float t171 = a3x + RNEA_FMA(-0.2546f, t20, 0.6215f*t27);
@@ -578,7 +580,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 12 "r_clav" (fpass) ---- */
 	const float q12 = q[11*stride];
 	float s12, c12;
-	all_small &= rneagen_sincosf_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincosf_known(q12, known, sines + 20, &s12, &c12);
 	const float qd12 = qd[11*stride];
 	const float qdd12 = qdd[11*stride];
 	const float t191 = a3x + (t41 - (t39 + t40));
@@ -614,7 +616,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 13 "r_scap" (fpass) ---- */
 	const float q13 = q[12*stride];
 	float s13, c13;
-	all_small &= rneagen_sincosf_either(q13, small, &s13, &c13);
+	all_small &= rneagen_sincosf_known(q13, known, sines + 22, &s13, &c13);
 	const float qd13 = qd[12*stride];
 	const float qdd13 = qdd[12*stride];
 	const float a13x = a12x - RNEA_FMA(0.245f, t199, 0.11f*t202);
@@ -638,7 +640,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 14 "r_uarm" (fpass) ---- */
 	const float q14 = q[13*stride];
 	float s14, c14;
-	all_small &= rneagen_sincosf_either(q14, small, &s14, &c14);
+	all_small &= rneagen_sincosf_known(q14, known, sines + 24, &s14, &c14);
 	const float qd14 = qd[13*stride];
 	const float qdd14 = qdd[13*stride];
 	const float t209 = a13x - RNEA_FMA(0.016f, dw13y + t206, 0.187f*(t208 - dw13z));
@@ -667,7 +669,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 15 "r_larm" (fpass) ---- */
 	const float q15 = q[14*stride];
 	float s15, c15;
-	all_small &= rneagen_sincosf_either(q15, small, &s15, &c15);
+	all_small &= rneagen_sincosf_known(q15, known, sines + 26, &s15, &c15);
 	const float qd15 = qd[14*stride];
 	const float qdd15 = qdd[14*stride];
 	const float a15x = a14x + RNEA_FMA(-0.119f, t216, 0.0092f*RNEA_FMA(w14z, w14x, dw14y));
@@ -691,7 +693,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 16 "r_ufarm" (fpass) ---- */
 	const float q16 = q[15*stride];
 	float s16, c16;
-	all_small &= rneagen_sincosf_either(q16, small, &s16, &c16);
+	all_small &= rneagen_sincosf_known(q16, known, sines + 28, &s16, &c16);
 	const float qd16 = qd[15*stride];
 	const float qdd16 = qdd[15*stride];
 	const float t223 = a15x - RNEA_FMA(0.00921f, dw15y + t220, 0.29955f*(t222 - dw15z));
@@ -724,7 +726,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 17 "r_lfarm" (fpass) ---- */
 	const float q17 = q[16*stride];
 	float s17, c17;
-	all_small &= rneagen_sincosf_either(q17, small, &s17, &c17);
+	all_small &= rneagen_sincosf_known(q17, known, sines + 30, &s17, &c17);
 	const float qd17 = qd[16*stride];
 	const float qdd17 = qdd[16*stride];
 	const float w17y = RNEA_FMA(w16y, c17, w16z*s17);
@@ -754,7 +756,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 18 "r_hand" (fpass) ---- */
 	const float q18 = q[17*stride];
 	float s18, c18;
-	all_small &= rneagen_sincosf_either(q18, small, &s18, &c18);
+	all_small &= rneagen_sincosf_known(q18, known, sines + 32, &s18, &c18);
 	const float qd18 = qd[17*stride];
 	const float qdd18 = qdd[17*stride];
 	const float w18z = RNEA_FMA(w17z, c18, w17x*s18);
@@ -890,7 +892,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 20 "l_lglut" (fpass) ---- */
 	const float q20 = q[19*stride];
 	float s20, c20;
-	all_small &= rneagen_sincosf_either(q20, small, &s20, &c20);
+	all_small &= rneagen_sincosf_known(q20, known, sines + 34, &s20, &c20);
 	const float qd20 = qd[19*stride];
 	const float qdd20 = qdd[19*stride];
 	const float w20y = qd19*s20;
@@ -922,7 +924,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 21 "l_uleg" (fpass) ---- */
 	const float q21 = q[20*stride];
 	float s21, c21;
-	all_small &= rneagen_sincosf_either(q21, small, &s21, &c21);
+	all_small &= rneagen_sincosf_known(q21, known, sines + 36, &s21, &c21);
 	const float qd21 = qd[20*stride];
 	const float qdd21 = qdd[20*stride];
 	const float t294 = RNEA_FMA(-0.066f, t288, RNEA_FMA(-0.05f, t282 + t283, 0.0225f*t289));
@@ -951,7 +953,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 22 "l_lleg" (fpass) ---- */
 	const float q22 = q[21*stride];
 	float s22, c22;
-	all_small &= rneagen_sincosf_either(q22, small, &s22, &c22);
+	all_small &= rneagen_sincosf_known(q22, known, sines + 38, &s22, &c22);
 	const float qd22 = qd[21*stride];
 	const float qdd22 = qdd[21*stride];
 	const float t302 = a21x + RNEA_FMA(-0.374f, t300, 0.05f*RNEA_FMA(w21z, w21z, t297));
@@ -988,7 +990,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 23 "l_talus" (fpass) ---- */
 	const float q23 = q[22*stride];
 	float s23, c23;
-	all_small &= rneagen_sincosf_either(q23, small, &s23, &c23);
+	all_small &= rneagen_sincosf_known(q23, known, sines + 40, &s23, &c23);
 	const float qd23 = qd[22*stride];
 	const float qdd23 = qdd[22*stride];
 	const float t315 = RNEA_FMA(-0.422f, t310, a22x);
@@ -1010,7 +1012,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 24 "l_foot" (fpass) ---- */
 	const float q24 = q[23*stride];
 	float s24, c24;
-	all_small &= rneagen_sincosf_either(q24, small, &s24, &c24);
+	all_small &= rneagen_sincosf_known(q24, known, sines + 42, &s24, &c24);
 	const float qd24 = qd[23*stride];
 	const float qdd24 = qdd[23*stride];
 	const float w24y = RNEA_FMA(w23y, c24, w23z*s24);
@@ -1088,7 +1090,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 26 "r_lglut" (fpass) ---- */
 	const float q26 = q[25*stride];
 	float s26, c26;
-	all_small &= rneagen_sincosf_either(q26, small, &s26, &c26);
+	all_small &= rneagen_sincosf_known(q26, known, sines + 44, &s26, &c26);
 	const float qd26 = qd[25*stride];
 	const float qdd26 = qdd[25*stride];
 	const float w26y = qd25*s26;
@@ -1120,7 +1122,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 27 "r_uleg" (fpass) ---- */
 	const float q27 = q[26*stride];
 	float s27, c27;
-	all_small &= rneagen_sincosf_either(q27, small, &s27, &c27);
+	all_small &= rneagen_sincosf_known(q27, known, sines + 46, &s27, &c27);
 	const float qd27 = qd[26*stride];
 	const float qdd27 = qdd[26*stride];
 	const float t346 = RNEA_FMA(0.066f, t340, RNEA_FMA(0.0225f, t341, 0.05f*(t334 + t335)));
@@ -1148,7 +1150,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 28 "r_lleg" (fpass) ---- */
 	const float q28 = q[27*stride];
 	float s28, c28;
-	all_small &= rneagen_sincosf_either(q28, small, &s28, &c28);
+	all_small &= rneagen_sincosf_known(q28, known, sines + 48, &s28, &c28);
 	const float qd28 = qd[27*stride];
 	const float qdd28 = qdd[27*stride];
 	const float t355 = RNEA_FMA(-0.374f, t353, 0.05f*RNEA_FMA(w27z, w27z, t350)) - t348;
@@ -1185,7 +1187,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 29 "r_talus" (fpass) ---- */
 	const float q29 = q[28*stride];
 	float s29, c29;
-	all_small &= rneagen_sincosf_either(q29, small, &s29, &c29);
+	all_small &= rneagen_sincosf_known(q29, known, sines + 50, &s29, &c29);
 	const float qd29 = qd[28*stride];
 	const float qdd29 = qdd[28*stride];
 	const float t368 = RNEA_FMA(-0.422f, t363, a28x);
@@ -1207,7 +1209,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	/* ---- out to link 30 "r_foot" (fpass) ---- */
 	const float q30 = q[29*stride];
 	float s30, c30;
-	all_small &= rneagen_sincosf_either(q30, small, &s30, &c30);
+	all_small &= rneagen_sincosf_known(q30, known, sines + 52, &s30, &c30);
 	const float qd30 = qd[29*stride];
 	const float qdd30 = qdd[29*stride];
 	const float w30y = RNEA_FMA(w29y, c30, w29z*s30);
@@ -1281,10 +1283,11 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 }
 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f,
-	const size_t stride, const int small)
+	const size_t stride, const int known, const float *sines)
 {
 	int all_small = 1;
 
@@ -1321,7 +1324,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 2 "mtorso" (fpass) ---- */
 	const float q2 = q[stride];
 	float s2, c2;
-	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_known(q2, known, sines, &s2, &c2);
 	const float qd2 = qd[stride];
 	const float qdd2 = qdd[stride];
 	const float w2z = qd1*c2;
@@ -1379,7 +1382,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 3 "utorso" (fpass) ---- */
 	const float q3 = q[2*stride];
 	float s3, c3;
-	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_known(q3, known, sines + 2, &s3, &c3);
 	const float qd3 = qd[2*stride];
 	const float qdd3 = qdd[2*stride];
 	const float v3x = 0.05f*qd2;
@@ -1447,7 +1450,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 4 "l_clav" (fpass) ---- */
 	const float q4 = q[3*stride];
 	float s4, c4;
-	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_known(q4, known, sines + 4, &s4, &c4);
 	const float qd4 = qd[3*stride];
 	const float qdd4 = qdd[3*stride];
 	const float t42 = RNEA_FMA(2.0682311e-13f, w3y, w3x);
@@ -1527,7 +1530,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 5 "l_scap" (fpass) ---- */
 	const float q5 = q[4*stride];
 	float t77, c5;
-	all_small &= rneagen_sincosf_either(q5, small, &t77, &c5);
+	all_small &= rneagen_sincosf_known(q5, known, sines + 6, &t77, &c5);
 	const float qd5 = qd[4*stride];
 	const float qdd5 = qdd[4*stride];
 	const float v5x = v4x + RNEA_FMA(-0.245f, w4y, 0.11f*w4z);
@@ -1578,7 +1581,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 6 "l_uarm" (fpass) ---- */
 	const float q6 = q[5*stride];
 	float t86, c6;
-	all_small &= rneagen_sincosf_either(q6, small, &t86, &c6);
+	all_small &= rneagen_sincosf_known(q6, known, sines + 8, &t86, &c6);
 	const float qd6 = qd[5*stride];
 	const float qdd6 = qdd[5*stride];
 	const float t87 = v5x + RNEA_FMA(-0.016f, w5y, 0.187f*w5z);
@@ -1631,7 +1634,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 7 "l_larm" (fpass) ---- */
 	const float q7 = q[6*stride];
 	float t97, c7;
-	all_small &= rneagen_sincosf_either(q7, small, &t97, &c7);
+	all_small &= rneagen_sincosf_known(q7, known, sines + 10, &t97, &c7);
 	const float qd7 = qd[6*stride];
 	const float qdd7 = qdd[6*stride];
 	const float v7x = v6x + RNEA_FMA(0.0092f, w6y, 0.119f*w6z);
@@ -1682,7 +1685,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 8 "l_ufarm" (fpass) ---- */
 	const float q8 = q[7*stride];
 	float t106, c8;
-	all_small &= rneagen_sincosf_either(q8, small, &t106, &c8);
+	all_small &= rneagen_sincosf_known(q8, known, sines + 12, &t106, &c8);
 	const float qd8 = qd[7*stride];
 	const float qdd8 = qdd[7*stride];
 	const float t107 = RNEA_FMA(2.0682311e-13f, w7z, -w7x);
@@ -1749,7 +1752,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 9 "l_lfarm" (fpass) ---- */
 	const float q9 = q[8*stride];
 	float s9, c9;
-	all_small &= rneagen_sincosf_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincosf_known(q9, known, sines + 14, &s9, &c9);
 	const float qd9 = qd[8*stride];
 	const float qdd9 = qdd[8*stride];
 	const float w9y = RNEA_FMA(-t119, s9, w8y*c9);
@@ -1802,7 +1805,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 10 "l_hand" (fpass) ---- */
 	const float q10 = q[9*stride];
 	float t151, c10;
-	all_small &= rneagen_sincosf_either(q10, small, &t151, &c10);
+	all_small &= rneagen_sincosf_known(q10, known, sines + 16, &t151, &c10);
 	const float qd10 = qd[9*stride];
 	const float qdd10 = qdd[9*stride];
 	const float t152 = RNEA_FMA(2.0682311e-13f, t135, w9x);
@@ -1872,7 +1875,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 11 "head" (fpass) ---- */
 	const float q11 = q[10*stride];
 	float s11, c11;
-	all_small &= rneagen_sincosf_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincosf_known(q11, known, sines + 18, &s11, &c11);
 	const float qd11 = qd[10*stride];
 	const float qdd11 = qdd[10*stride];
 	const float t176 = RNEA_FMA(0.6215f, w3y, v3x);
@@ -1941,7 +1944,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 12 "r_clav" (fpass) ---- */
 	const float q12 = q[11*stride];
 	float s12, c12;
-	all_small &= rneagen_sincosf_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincosf_known(q12, known, sines + 20, &s12, &c12);
 	const float qd12 = qd[11*stride];
 	const float qdd12 = qdd[11*stride];
 	const float t196 = v3x + (t46 + t47);
@@ -1999,7 +2002,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 13 "r_scap" (fpass) ---- */
 	const float q13 = q[12*stride];
 	float s13, c13;
-	all_small &= rneagen_sincosf_either(q13, small, &s13, &c13);
+	all_small &= rneagen_sincosf_known(q13, known, sines + 22, &s13, &c13);
 	const float qd13 = qd[12*stride];
 	const float qdd13 = qdd[12*stride];
 	const float v13x = v12x + RNEA_FMA(-0.245f, w12y, 0.11f*w12z);
@@ -2050,7 +2053,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 14 "r_uarm" (fpass) ---- */
 	const float q14 = q[13*stride];
 	float s14, c14;
-	all_small &= rneagen_sincosf_either(q14, small, &s14, &c14);
+	all_small &= rneagen_sincosf_known(q14, known, sines + 24, &s14, &c14);
 	const float qd14 = qd[13*stride];
 	const float qdd14 = qdd[13*stride];
 	const float t219 = v13x + RNEA_FMA(-0.016f, w13y, 0.187f*w13z);
@@ -2103,7 +2106,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 15 "r_larm" (fpass) ---- */
 	const float q15 = q[14*stride];
 	float s15, c15;
-	all_small &= rneagen_sincosf_either(q15, small, &s15, &c15);
+	all_small &= rneagen_sincosf_known(q15, known, sines + 26, &s15, &c15);
 	const float qd15 = qd[14*stride];
 	const float qdd15 = qdd[14*stride];
 	const float v15x = v14x + RNEA_FMA(0.0092f, w14y, 0.119f*w14z);
@@ -2154,7 +2157,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 16 "r_ufarm" (fpass) ---- */
 	const float q16 = q[15*stride];
 	float s16, c16;
-	all_small &= rneagen_sincosf_either(q16, small, &s16, &c16);
+	all_small &= rneagen_sincosf_known(q16, known, sines + 28, &s16, &c16);
 	const float qd16 = qd[15*stride];
 	const float qdd16 = qdd[15*stride];
 	const float t237 = v15x + RNEA_FMA(-0.00921f, w15y, 0.29955f*w15z);
@@ -2213,7 +2216,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 17 "r_lfarm" (fpass) ---- */
 	const float q17 = q[16*stride];
 	float s17, c17;
-	all_small &= rneagen_sincosf_either(q17, small, &s17, &c17);
+	all_small &= rneagen_sincosf_known(q17, known, sines + 30, &s17, &c17);
 	const float qd17 = qd[16*stride];
 	const float qdd17 = qdd[16*stride];
 	const float w17y = RNEA_FMA(w16y, c17, w16z*s17);
@@ -2266,7 +2269,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 18 "r_hand" (fpass) ---- */
 	const float q18 = q[17*stride];
 	float s18, c18;
-	all_small &= rneagen_sincosf_either(q18, small, &s18, &c18);
+	all_small &= rneagen_sincosf_known(q18, known, sines + 32, &s18, &c18);
 	const float qd18 = qd[17*stride];
 	const float qdd18 = qdd[17*stride];
 	const float w18z = RNEA_FMA(w17z, c18, w17x*s18);
@@ -2356,7 +2359,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 20 "l_lglut" (fpass) ---- */
 	const float q20 = q[19*stride];
 	float s20, c20;
-	all_small &= rneagen_sincosf_either(q20, small, &s20, &c20);
+	all_small &= rneagen_sincosf_known(q20, known, sines + 34, &s20, &c20);
 	const float qd20 = qd[19*stride];
 	const float qdd20 = qdd[19*stride];
 	const float w20y = qd19*s20;
@@ -2416,7 +2419,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 21 "l_uleg" (fpass) ---- */
 	const float q21 = q[20*stride];
 	float s21, c21;
-	all_small &= rneagen_sincosf_either(q21, small, &s21, &c21);
+	all_small &= rneagen_sincosf_known(q21, known, sines + 36, &s21, &c21);
 	const float qd21 = qd[20*stride];
 	const float qdd21 = qdd[20*stride];
 	const float t300 = RNEA_FMA(0.066f, w20y, 0.0225f*w20z);
@@ -2469,7 +2472,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 22 "l_lleg" (fpass) ---- */
 	const float q22 = q[21*stride];
 	float s22, c22;
-	all_small &= rneagen_sincosf_either(q22, small, &s22, &c22);
+	all_small &= rneagen_sincosf_known(q22, known, sines + 38, &s22, &c22);
 	const float qd22 = qd[21*stride];
 	const float qdd22 = qdd[21*stride];
 	const float t311 = RNEA_FMA(0.374f, w21y, t304);
@@ -2529,7 +2532,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 23 "l_talus" (fpass) ---- */
 	const float q23 = q[22*stride];
 	float s23, c23;
-	all_small &= rneagen_sincosf_either(q23, small, &s23, &c23);
+	all_small &= rneagen_sincosf_known(q23, known, sines + 40, &s23, &c23);
 	const float qd23 = qd[22*stride];
 	const float qdd23 = qdd[22*stride];
 	const float t327 = RNEA_FMA(0.422f, w22y, t315);
@@ -2575,7 +2578,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 24 "l_foot" (fpass) ---- */
 	const float q24 = q[23*stride];
 	float s24, c24;
-	all_small &= rneagen_sincosf_either(q24, small, &s24, &c24);
+	all_small &= rneagen_sincosf_known(q24, known, sines + 42, &s24, &c24);
 	const float qd24 = qd[23*stride];
 	const float qdd24 = qdd[23*stride];
 	const float w24y = RNEA_FMA(w23y, c24, w23z*s24);
@@ -2651,7 +2654,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 26 "r_lglut" (fpass) ---- */
 	const float q26 = q[25*stride];
 	float s26, c26;
-	all_small &= rneagen_sincosf_either(q26, small, &s26, &c26);
+	all_small &= rneagen_sincosf_known(q26, known, sines + 44, &s26, &c26);
 	const float qd26 = qd[25*stride];
 	const float qdd26 = qdd[25*stride];
 	const float w26y = qd25*s26;
@@ -2711,7 +2714,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 27 "r_uleg" (fpass) ---- */
 	const float q27 = q[26*stride];
 	float s27, c27;
-	all_small &= rneagen_sincosf_either(q27, small, &s27, &c27);
+	all_small &= rneagen_sincosf_known(q27, known, sines + 46, &s27, &c27);
 	const float qd27 = qd[26*stride];
 	const float qdd27 = qdd[26*stride];
 	const float t357 = RNEA_FMA(-0.066f, w26y, 0.0225f*w26z);
@@ -2764,7 +2767,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 28 "r_lleg" (fpass) ---- */
 	const float q28 = q[27*stride];
 	float s28, c28;
-	all_small &= rneagen_sincosf_either(q28, small, &s28, &c28);
+	all_small &= rneagen_sincosf_known(q28, known, sines + 48, &s28, &c28);
 	const float qd28 = qd[27*stride];
 	const float qdd28 = qdd[27*stride];
 	const float t368 = RNEA_FMA(-0.374f, w27y, v27x);
@@ -2824,7 +2827,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 29 "r_talus" (fpass) ---- */
 	const float q29 = q[28*stride];
 	float s29, c29;
-	all_small &= rneagen_sincosf_either(q29, small, &s29, &c29);
+	all_small &= rneagen_sincosf_known(q29, known, sines + 50, &s29, &c29);
 	const float qd29 = qd[28*stride];
 	const float qdd29 = qdd[28*stride];
 	const float t383 = RNEA_FMA(-0.422f, w28y, v28x);
@@ -2870,7 +2873,7 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 	/* ---- out to link 30 "r_foot" (fpass) ---- */
 	const float q30 = q[29*stride];
 	float s30, c30;
-	all_small &= rneagen_sincosf_either(q30, small, &s30, &c30);
+	all_small &= rneagen_sincosf_known(q30, known, sines + 52, &s30, &c30);
 	const float qd30 = qd[29*stride];
 	const float qdd30 = qdd[29*stride];
 	const float w30y = RNEA_FMA(w29y, c30, w29z*s30);
@@ -2918,10 +2921,11 @@ static RNEA_INLINE int atlas_fpass_body(const float *q, const float *qd, const f
 }
 
 /* Back to the base: torques tau from the wrenches f.
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *tau, const size_t stride,
-	const int small)
+	const int known, const float *sines)
 {
 	int all_small = 1;
 
@@ -2932,7 +2936,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 2 "mtorso" ---- */
 	const float q2 = q[stride];
 	float s2, c2;
-	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_known(q2, known, sines, &s2, &c2);
 	const float own_n2x = f[9*stride];
 	const float own_n2y = f[10*stride];
 	const float own_n2z = f[11*stride];
@@ -2940,7 +2944,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 3 "utorso" ---- */
 	const float q3 = q[2*stride];
 	float s3, c3;
-	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_known(q3, known, sines + 2, &s3, &c3);
 	const float own_f3x = f[12*stride];
 	const float own_f3y = f[13*stride];
 	const float own_f3z = f[14*stride];
@@ -2951,7 +2955,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 4 "l_clav" ---- */
 	const float q4 = q[3*stride];
 	float s4, c4;
-	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_known(q4, known, sines + 4, &s4, &c4);
 	const float own_f4x = f[18*stride];
 	const float own_f4y = f[19*stride];
 	const float own_f4z = f[20*stride];
@@ -2962,7 +2966,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 5 "l_scap" ---- */
 	const float q5 = q[4*stride];
 	float t1, c5;
-	all_small &= rneagen_sincosf_either(q5, small, &t1, &c5);
+	all_small &= rneagen_sincosf_known(q5, known, sines + 6, &t1, &c5);
 	const float own_f5x = f[24*stride];
 	const float own_f5y = f[25*stride];
 	const float own_f5z = f[26*stride];
@@ -2973,7 +2977,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 6 "l_uarm" ---- */
 	const float q6 = q[5*stride];
 	float t2, c6;
-	all_small &= rneagen_sincosf_either(q6, small, &t2, &c6);
+	all_small &= rneagen_sincosf_known(q6, known, sines + 8, &t2, &c6);
 	const float own_f6x = f[30*stride];
 	const float own_f6y = f[31*stride];
 	const float own_f6z = f[32*stride];
@@ -2984,7 +2988,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 7 "l_larm" ---- */
 	const float q7 = q[6*stride];
 	float t3, c7;
-	all_small &= rneagen_sincosf_either(q7, small, &t3, &c7);
+	all_small &= rneagen_sincosf_known(q7, known, sines + 10, &t3, &c7);
 	const float own_f7x = f[36*stride];
 	const float own_f7y = f[37*stride];
 	const float own_f7z = f[38*stride];
@@ -2995,7 +2999,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 8 "l_ufarm" ---- */
 	const float q8 = q[7*stride];
 	float t4, c8;
-	all_small &= rneagen_sincosf_either(q8, small, &t4, &c8);
+	all_small &= rneagen_sincosf_known(q8, known, sines + 12, &t4, &c8);
 	const float own_f8x = f[42*stride];
 	const float own_f8y = f[43*stride];
 	const float own_f8z = f[44*stride];
@@ -3006,7 +3010,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 9 "l_lfarm" ---- */
 	const float q9 = q[8*stride];
 	float s9, c9;
-	all_small &= rneagen_sincosf_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincosf_known(q9, known, sines + 14, &s9, &c9);
 	const float own_f9x = f[48*stride];
 	const float own_f9y = f[49*stride];
 	const float own_f9z = f[50*stride];
@@ -3017,7 +3021,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 10 "l_hand" ---- */
 	const float q10 = q[9*stride];
 	float t5, c10;
-	all_small &= rneagen_sincosf_either(q10, small, &t5, &c10);
+	all_small &= rneagen_sincosf_known(q10, known, sines + 16, &t5, &c10);
 	const float own_f10x = f[54*stride];
 	const float own_f10y = f[55*stride];
 	const float own_f10z = f[56*stride];
@@ -3116,7 +3120,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 11 "head" ---- */
 	const float q11 = q[10*stride];
 	float s11, c11;
-	all_small &= rneagen_sincosf_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincosf_known(q11, known, sines + 18, &s11, &c11);
 	const float own_f11x = f[60*stride];
 	const float own_f11y = f[61*stride];
 	const float own_f11z = f[62*stride];
@@ -3138,7 +3142,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 12 "r_clav" ---- */
 	const float q12 = q[11*stride];
 	float s12, c12;
-	all_small &= rneagen_sincosf_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincosf_known(q12, known, sines + 20, &s12, &c12);
 	const float own_f12x = f[66*stride];
 	const float own_f12y = f[67*stride];
 	const float own_f12z = f[68*stride];
@@ -3149,7 +3153,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 13 "r_scap" ---- */
 	const float q13 = q[12*stride];
 	float s13, c13;
-	all_small &= rneagen_sincosf_either(q13, small, &s13, &c13);
+	all_small &= rneagen_sincosf_known(q13, known, sines + 22, &s13, &c13);
 	const float own_f13x = f[72*stride];
 	const float own_f13y = f[73*stride];
 	const float own_f13z = f[74*stride];
@@ -3160,7 +3164,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 14 "r_uarm" ---- */
 	const float q14 = q[13*stride];
 	float s14, c14;
-	all_small &= rneagen_sincosf_either(q14, small, &s14, &c14);
+	all_small &= rneagen_sincosf_known(q14, known, sines + 24, &s14, &c14);
 	const float own_f14x = f[78*stride];
 	const float own_f14y = f[79*stride];
 	const float own_f14z = f[80*stride];
@@ -3171,7 +3175,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 15 "r_larm" ---- */
 	const float q15 = q[14*stride];
 	float s15, c15;
-	all_small &= rneagen_sincosf_either(q15, small, &s15, &c15);
+	all_small &= rneagen_sincosf_known(q15, known, sines + 26, &s15, &c15);
 	const float own_f15x = f[84*stride];
 	const float own_f15y = f[85*stride];
 	const float own_f15z = f[86*stride];
@@ -3182,7 +3186,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 16 "r_ufarm" ---- */
 	const float q16 = q[15*stride];
 	float s16, c16;
-	all_small &= rneagen_sincosf_either(q16, small, &s16, &c16);
+	all_small &= rneagen_sincosf_known(q16, known, sines + 28, &s16, &c16);
 	const float own_f16x = f[90*stride];
 	const float own_f16y = f[91*stride];
 	const float own_f16z = f[92*stride];
@@ -3193,7 +3197,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 17 "r_lfarm" ---- */
 	const float q17 = q[16*stride];
 	float s17, c17;
-	all_small &= rneagen_sincosf_either(q17, small, &s17, &c17);
+	all_small &= rneagen_sincosf_known(q17, known, sines + 30, &s17, &c17);
 	const float own_f17x = f[96*stride];
 	const float own_f17y = f[97*stride];
 	const float own_f17z = f[98*stride];
@@ -3204,7 +3208,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 18 "r_hand" ---- */
 	const float q18 = q[17*stride];
 	float s18, c18;
-	all_small &= rneagen_sincosf_either(q18, small, &s18, &c18);
+	all_small &= rneagen_sincosf_known(q18, known, sines + 32, &s18, &c18);
 	const float own_f18x = f[102*stride];
 	const float own_f18y = f[103*stride];
 	const float own_f18z = f[104*stride];
@@ -3308,7 +3312,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 20 "l_lglut" ---- */
 	const float q20 = q[19*stride];
 	float s20, c20;
-	all_small &= rneagen_sincosf_either(q20, small, &s20, &c20);
+	all_small &= rneagen_sincosf_known(q20, known, sines + 34, &s20, &c20);
 	const float own_n20x = f[117*stride];
 	const float own_n20y = f[118*stride];
 	const float own_n20z = f[119*stride];
@@ -3316,7 +3320,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 21 "l_uleg" ---- */
 	const float q21 = q[20*stride];
 	float s21, c21;
-	all_small &= rneagen_sincosf_either(q21, small, &s21, &c21);
+	all_small &= rneagen_sincosf_known(q21, known, sines + 36, &s21, &c21);
 	const float own_f21x = f[120*stride];
 	const float own_f21y = f[121*stride];
 	const float own_f21z = f[122*stride];
@@ -3327,7 +3331,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 22 "l_lleg" ---- */
 	const float q22 = q[21*stride];
 	float s22, c22;
-	all_small &= rneagen_sincosf_either(q22, small, &s22, &c22);
+	all_small &= rneagen_sincosf_known(q22, known, sines + 38, &s22, &c22);
 	const float own_f22x = f[126*stride];
 	const float own_f22y = f[127*stride];
 	const float own_f22z = f[128*stride];
@@ -3338,7 +3342,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 23 "l_talus" ---- */
 	const float q23 = q[22*stride];
 	float s23, c23;
-	all_small &= rneagen_sincosf_either(q23, small, &s23, &c23);
+	all_small &= rneagen_sincosf_known(q23, known, sines + 40, &s23, &c23);
 	const float own_f23x = f[132*stride];
 	const float own_f23y = f[133*stride];
 	const float own_f23z = f[134*stride];
@@ -3349,7 +3353,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 24 "l_foot" ---- */
 	const float q24 = q[23*stride];
 	float s24, c24;
-	all_small &= rneagen_sincosf_either(q24, small, &s24, &c24);
+	all_small &= rneagen_sincosf_known(q24, known, sines + 42, &s24, &c24);
 	const float own_f24x = f[138*stride];
 	const float own_f24y = f[139*stride];
 	const float own_f24z = f[140*stride];
@@ -3410,7 +3414,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 26 "r_lglut" ---- */
 	const float q26 = q[25*stride];
 	float s26, c26;
-	all_small &= rneagen_sincosf_either(q26, small, &s26, &c26);
+	all_small &= rneagen_sincosf_known(q26, known, sines + 44, &s26, &c26);
 	const float own_n26x = f[153*stride];
 	const float own_n26y = f[154*stride];
 	const float own_n26z = f[155*stride];
@@ -3418,7 +3422,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 27 "r_uleg" ---- */
 	const float q27 = q[26*stride];
 	float s27, c27;
-	all_small &= rneagen_sincosf_either(q27, small, &s27, &c27);
+	all_small &= rneagen_sincosf_known(q27, known, sines + 46, &s27, &c27);
 	const float own_f27x = f[156*stride];
 	const float own_f27y = f[157*stride];
 	const float own_f27z = f[158*stride];
@@ -3429,7 +3433,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 28 "r_lleg" ---- */
 	const float q28 = q[27*stride];
 	float s28, c28;
-	all_small &= rneagen_sincosf_either(q28, small, &s28, &c28);
+	all_small &= rneagen_sincosf_known(q28, known, sines + 48, &s28, &c28);
 	const float own_f28x = f[162*stride];
 	const float own_f28y = f[163*stride];
 	const float own_f28z = f[164*stride];
@@ -3440,7 +3444,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 29 "r_talus" ---- */
 	const float q29 = q[28*stride];
 	float s29, c29;
-	all_small &= rneagen_sincosf_either(q29, small, &s29, &c29);
+	all_small &= rneagen_sincosf_known(q29, known, sines + 50, &s29, &c29);
 	const float own_f29x = f[168*stride];
 	const float own_f29y = f[169*stride];
 	const float own_f29z = f[170*stride];
@@ -3451,7 +3455,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	/* ---- out to link 30 "r_foot" ---- */
 	const float q30 = q[29*stride];
 	float s30, c30;
-	all_small &= rneagen_sincosf_either(q30, small, &s30, &c30);
+	all_small &= rneagen_sincosf_known(q30, known, sines + 52, &s30, &c30);
 	const float own_f30x = f[174*stride];
 	const float own_f30y = f[175*stride];
 	const float own_f30z = f[176*stride];
@@ -3593,21 +3597,45 @@ static RNEA_INLINE void rneagen_sincosf_accurate(float x, float *s, float *c)
 	rneagen_sincosf_turn(q, r, e, s, c);
 }
 #endif
-#ifndef RNEAGEN_SINCOSF_EITHER
-#define RNEAGEN_SINCOSF_EITHER
+#ifndef RNEAGEN_SINCOSF_KNOWN
+#define RNEAGEN_SINCOSF_KNOWN
 
-/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not,
-   and `small`, sine and cosine mean nothing. */
-static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c)
+/* Sine and cosine as they stand at sines[0] and sines[1] where they are known, else of a small x, without a branch.
+   Returns whether |x| is small: if not, and not `known`, they mean nothing. */
+static RNEA_INLINE int rneagen_sincosf_known(float x, const int known, const float *sines, float *s, float *c)
 {
-	if (small) {
-		float r, e;
-		const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
-		rneagen_sincosf_turn(q, r, e, s, c);
-	} else {
-		rneagen_sincosf_accurate(x, s, c);
+	float r, e;
+	const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
+	rneagen_sincosf_turn(q, r, e, s, c);
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750 /* no branch */
+	asm volatile("{ .reg .pred p; setp.ne.s32 p, %2, 0; @p ld.local.f32 %0, [%3]; @p ld.local.f32 %1, [%3+4]; }"
+		: "+f"(*s), "+f"(*c) : "r"(known), "l"(__cvta_generic_to_local(sines)));
+#else
+	if (known) {
+		*s = sines[0];
+		*c = sines[1];
 	}
+#endif
 	return fabsf(x) <= 1e4f;
+}
+
+/* Sines and cosines of any angles, one after the other. */
+static RNEA_INLINE void rneagen_sincosf_each(const float *x, const int angles, float *sines)
+{
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750
+#pragma unroll 1
+	for (int i = 0; i < angles; i++) {
+		asm volatile("" : "+r"(i)); /* one copy */
+		rneagen_sincosf_accurate(x[i], &sines[2 * i], &sines[2 * i + 1]);
+	}
+	asm volatile("" ::"l"(sines) : "memory"); /* they are read */
+#else
+	int small = 1;
+	for (int i = 0; i < angles; i++)
+		small &= rneagen_sincosf_known(x[i], 0, sines, &sines[2 * i], &sines[2 * i + 1]);
+	for (int i = 0; !small && i < angles; i++)
+		rneagen_sincosf_accurate(x[i], &sines[2 * i], &sines[2 * i + 1]);
+#endif
 }
 #endif
 
@@ -3620,6 +3648,108 @@ static RNEA_INLINE int atlas_is_small(const float *q, const size_t stride)
 	for (size_t i = 0; i < 30; i++)
 		small &= fabsf(q[i*stride]) <= 1e+04f;
 	return small;
+}
+
+/* Sines and cosines for atlas_rnea_body, of any angles. */
+static RNEA_INLINE void atlas_rnea_sines(const float *q, const size_t stride, float *sines)
+{
+	float x[27];
+	x[0] = q[stride];
+	x[1] = q[2*stride];
+	x[2] = q[3*stride];
+	x[3] = q[4*stride];
+	x[4] = q[5*stride];
+	x[5] = q[6*stride];
+	x[6] = q[7*stride];
+	x[7] = q[8*stride];
+	x[8] = q[9*stride];
+	x[9] = q[10*stride];
+	x[10] = q[11*stride];
+	x[11] = q[12*stride];
+	x[12] = q[13*stride];
+	x[13] = q[14*stride];
+	x[14] = q[15*stride];
+	x[15] = q[16*stride];
+	x[16] = q[17*stride];
+	x[17] = q[19*stride];
+	x[18] = q[20*stride];
+	x[19] = q[21*stride];
+	x[20] = q[22*stride];
+	x[21] = q[23*stride];
+	x[22] = q[25*stride];
+	x[23] = q[26*stride];
+	x[24] = q[27*stride];
+	x[25] = q[28*stride];
+	x[26] = q[29*stride];
+	rneagen_sincosf_each(x, 27, sines);
+}
+
+/* Sines and cosines for atlas_fpass_body, of any angles. */
+static RNEA_INLINE void atlas_fpass_sines(const float *q, const size_t stride, float *sines)
+{
+	float x[27];
+	x[0] = q[stride];
+	x[1] = q[2*stride];
+	x[2] = q[3*stride];
+	x[3] = q[4*stride];
+	x[4] = q[5*stride];
+	x[5] = q[6*stride];
+	x[6] = q[7*stride];
+	x[7] = q[8*stride];
+	x[8] = q[9*stride];
+	x[9] = q[10*stride];
+	x[10] = q[11*stride];
+	x[11] = q[12*stride];
+	x[12] = q[13*stride];
+	x[13] = q[14*stride];
+	x[14] = q[15*stride];
+	x[15] = q[16*stride];
+	x[16] = q[17*stride];
+	x[17] = q[19*stride];
+	x[18] = q[20*stride];
+	x[19] = q[21*stride];
+	x[20] = q[22*stride];
+	x[21] = q[23*stride];
+	x[22] = q[25*stride];
+	x[23] = q[26*stride];
+	x[24] = q[27*stride];
+	x[25] = q[28*stride];
+	x[26] = q[29*stride];
+	rneagen_sincosf_each(x, 27, sines);
+}
+
+/* Sines and cosines for atlas_bpass_body, of any angles. */
+static RNEA_INLINE void atlas_bpass_sines(const float *q, const size_t stride, float *sines)
+{
+	float x[27];
+	x[0] = q[stride];
+	x[1] = q[2*stride];
+	x[2] = q[3*stride];
+	x[3] = q[4*stride];
+	x[4] = q[5*stride];
+	x[5] = q[6*stride];
+	x[6] = q[7*stride];
+	x[7] = q[8*stride];
+	x[8] = q[9*stride];
+	x[9] = q[10*stride];
+	x[10] = q[11*stride];
+	x[11] = q[12*stride];
+	x[12] = q[13*stride];
+	x[13] = q[14*stride];
+	x[14] = q[15*stride];
+	x[15] = q[16*stride];
+	x[16] = q[17*stride];
+	x[17] = q[19*stride];
+	x[18] = q[20*stride];
+	x[19] = q[21*stride];
+	x[20] = q[22*stride];
+	x[21] = q[23*stride];
+	x[22] = q[25*stride];
+	x[23] = q[26*stride];
+	x[24] = q[27*stride];
+	x[25] = q[28*stride];
+	x[26] = q[29*stride];
+	rneagen_sincosf_each(x, 27, sines);
 }
 
 
@@ -3711,6 +3841,8 @@ RNEA_INFO const char atlas_info[] =
 #ifndef RNEA_MIN_BLOCKS
 #define RNEA_MIN_BLOCKS (RNEA_BLOCK < 64 ? 0 : 384/RNEA_BLOCK)
 #endif
+/* a thread's stack for the sines of large angles: librnea does not take it for spilled registers */
+#define RNEA_SINES_BYTES 336
 
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK, RNEA_MIN_BLOCKS)
 atlas_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
@@ -3720,10 +3852,12 @@ atlas_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, con
 
 	if (k >= count)
 		return;
-	if (atlas_is_small(q + k, count))
-		atlas_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1);
-	else
-		atlas_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0);
+	float sines[54];
+	const int known = !atlas_is_small(q + k, count);
+
+	if (known)
+		atlas_rnea_sines(q + k, count, sines);
+	atlas_rnea_body(q + k, qd + k, qdd + k, tau + k, count, known, sines);
 }
 
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK)
@@ -3734,7 +3868,12 @@ atlas_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, co
 
 	if (k >= count)
 		return;
-	atlas_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0);
+	float sines[54];
+	const int known = !atlas_is_small(q + k, count);
+
+	if (known)
+		atlas_fpass_sines(q + k, count, sines);
+	atlas_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, known, sines);
 }
 
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK)
@@ -3744,7 +3883,12 @@ atlas_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, flo
 
 	if (k >= count)
 		return;
-	atlas_bpass_body(q + k, f + k, tau + k, count, 0);
+	float sines[54];
+	const int known = !atlas_is_small(q + k, count);
+
+	if (known)
+		atlas_bpass_sines(q + k, count, sines);
+	atlas_bpass_body(q + k, f + k, tau + k, count, known, sines);
 }
 
 
@@ -3788,7 +3932,10 @@ static int atlas_are_small(const float *q, size_t count, size_t first, size_t en
 /* One sample, whatever its angles. */
 static void atlas_rnea_any(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride)
 {
-	atlas_rnea_body(q, qd, qdd, tau, stride, 0);
+	float sines[54];
+
+	atlas_rnea_sines(q, stride, sines);
+	atlas_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -3800,7 +3947,7 @@ static void atlas_rnea_part(const float *restrict q, const float *restrict qd, c
 		if (atlas_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				atlas_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1);
+				atlas_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				atlas_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
@@ -3827,7 +3974,10 @@ void atlas_rnea_batch(const float *q, const float *qd, const float *qdd, float *
 static void atlas_fpass_any(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f,
 	const size_t stride)
 {
-	atlas_fpass_body(q, qd, qdd, v, a, f, stride, 0);
+	float sines[54];
+
+	atlas_fpass_sines(q, stride, sines);
+	atlas_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -3839,7 +3989,7 @@ static void atlas_fpass_part(const float *restrict q, const float *restrict qd, 
 		if (atlas_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				atlas_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 1);
+				atlas_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				atlas_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
@@ -3860,7 +4010,10 @@ void atlas_fpass_slice(void *const *arrays, size_t count, size_t first, size_t e
 /* One sample, whatever its angles. */
 static void atlas_bpass_any(const float *q, const float *f, float *tau, const size_t stride)
 {
-	atlas_bpass_body(q, f, tau, stride, 0);
+	float sines[54];
+
+	atlas_bpass_sines(q, stride, sines);
+	atlas_bpass_body(q, f, tau, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -3872,7 +4025,7 @@ static void atlas_bpass_part(const float *restrict q, const float *restrict f, f
 		if (atlas_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				atlas_bpass_body(q + k, f + k, tau + k, count, 1);
+				atlas_bpass_body(q + k, f + k, tau + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				atlas_bpass_any(q + k, f + k, tau + k, count);

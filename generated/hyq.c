@@ -45,7 +45,7 @@
  *   t                with a number of its own: a value that has no name in the textbook
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
- *   small all_small  the caller takes all angles for small; they are
+ *   known sines all_small  the angles' sines and cosines are known; they; all angles are small
  *   RNEA_FMA         a*b + c, rounded once where the machine can
  *   rneagen_...      functions and types that this text brings along
  * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
@@ -71,15 +71,17 @@
 #endif
 
 
-#ifndef RNEAGEN_SINCOS_EITHER
-static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c); /* below */
+#ifndef RNEAGEN_SINCOS_KNOWN
+static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const double *sines, double *s, double *c); /*
+below */
 #endif
 
 /* tau = ID(q, qd, qdd)
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, const int small)
+	const size_t stride, const int known, const double *sines)
 {
 	int all_small = 1;
 
@@ -148,7 +150,7 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	   f = m a + U h;  n = I dw + w x I w + h x a */
 	const double q1 = q[7*stride];
 	double s1, c1;
-	all_small &= rneagen_sincos_either(q1, small, &s1, &c1);
+	all_small &= rneagen_sincos_known(q1, known, sines, &s1, &c1);
 	const double qd1 = qd[6*stride];
 	const double qdd1 = qdd[6*stride];
 	const double t23 = 4.8965888601467475e-12*qd0wx;
@@ -211,7 +213,7 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	/* ---- out to link 2 "lf_upperleg" (fpass) ---- */
 	const double q2 = q[8*stride];
 	double s2, c2;
-	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_known(q2, known, sines + 2, &s2, &c2);
 	const double qd2 = qd[7*stride];
 	const double qdd2 = qdd[7*stride];
 	const double t62 = RNEA_FMA(4.8965888601467475e-12, w1y, w1z);
@@ -256,7 +258,7 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	/* ---- out to link 3 "lf_lowerleg" (fpass) ---- */
 	const double q3 = q[9*stride];
 	double s3, c3;
-	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_known(q3, known, sines + 4, &s3, &c3);
 	const double qd3 = qd[8*stride];
 	const double qdd3 = qdd[8*stride];
 	const double t83 = RNEA_FMA(-0.35, t71, a2x);
@@ -346,7 +348,7 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	/* ---- out to link 4 "lh_hipassembly" (fpass) ---- */
 	const double q4 = q[10*stride];
 	double s4, c4;
-	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_known(q4, known, sines + 6, &s4, &c4);
 	const double qd4 = qd[9*stride];
 	const double qdd4 = qdd[9*stride];
 	const double t113 = t33 + t34;
@@ -393,7 +395,7 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	/* ---- out to link 5 "lh_upperleg" (fpass) ---- */
 	const double q5 = q[11*stride];
 	double s5, c5;
-	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincos_known(q5, known, sines + 8, &s5, &c5);
 	const double qd5 = qd[10*stride];
 	const double qdd5 = qdd[10*stride];
 	const double t136 = RNEA_FMA(4.8965888601467475e-12, w4y, w4z);
@@ -438,7 +440,7 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	/* ---- out to link 6 "lh_lowerleg" (fpass) ---- */
 	const double q6 = q[12*stride];
 	double s6, c6;
-	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincos_known(q6, known, sines + 10, &s6, &c6);
 	const double qd6 = qd[11*stride];
 	const double qdd6 = qdd[11*stride];
 	const double t157 = RNEA_FMA(-0.35, t145, a5x);
@@ -527,7 +529,7 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	/* ---- out to link 7 "rf_hipassembly" (fpass) ---- */
 	const double q7 = q[13*stride];
 	double s7, c7;
-	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincos_known(q7, known, sines + 12, &s7, &c7);
 	const double qd7 = qd[12*stride];
 	const double qdd7 = qdd[12*stride];
 	const double t188 = t23 - qd0wz;
@@ -574,7 +576,7 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	/* ---- out to link 8 "rf_upperleg" (fpass) ---- */
 	const double q8 = q[14*stride];
 	double s8, c8;
-	all_small &= rneagen_sincos_either(q8, small, &s8, &c8);
+	all_small &= rneagen_sincos_known(q8, known, sines + 14, &s8, &c8);
 	const double qd8 = qd[13*stride];
 	const double qdd8 = qdd[13*stride];
 	const double t211 = RNEA_FMA(4.8965888601467475e-12, w7y, -w7z);
@@ -619,7 +621,7 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	/* ---- out to link 9 "rf_lowerleg" (fpass) ---- */
 	const double q9 = q[15*stride];
 	double s9, c9;
-	all_small &= rneagen_sincos_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincos_known(q9, known, sines + 16, &s9, &c9);
 	const double qd9 = qd[14*stride];
 	const double qdd9 = qdd[14*stride];
 	const double t232 = RNEA_FMA(-0.35, t220, a8x);
@@ -704,7 +706,7 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	/* ---- out to link 10 "rh_hipassembly" (fpass) ---- */
 	const double q10 = q[16*stride];
 	double s10, c10;
-	all_small &= rneagen_sincos_either(q10, small, &s10, &c10);
+	all_small &= rneagen_sincos_known(q10, known, sines + 18, &s10, &c10);
 	const double qd10 = qd[15*stride];
 	const double qdd10 = qdd[15*stride];
 	const double t260 = a0x - t35;
@@ -747,7 +749,7 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	/* ---- out to link 11 "rh_upperleg" (fpass) ---- */
 	const double q11 = q[17*stride];
 	double s11, c11;
-	all_small &= rneagen_sincos_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincos_known(q11, known, sines + 20, &s11, &c11);
 	const double qd11 = qd[16*stride];
 	const double qdd11 = qdd[16*stride];
 	const double t279 = RNEA_FMA(4.8965888601467475e-12, w10y, -w10z);
@@ -792,7 +794,7 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 	/* ---- out to link 12 "rh_lowerleg" (fpass) ---- */
 	const double q12 = q[18*stride];
 	double s12, c12;
-	all_small &= rneagen_sincos_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincos_known(q12, known, sines + 22, &s12, &c12);
 	const double qd12 = qd[17*stride];
 	const double qdd12 = qdd[17*stride];
 	const double t300 = RNEA_FMA(-0.35, t288, a11x);
@@ -887,10 +889,11 @@ static RNEA_INLINE int hyq_rnea_body(const double *q, const double *qd, const do
 }
 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a,
-	double *f, const size_t stride, const int small)
+	double *f, const size_t stride, const int known, const double *sines)
 {
 	int all_small = 1;
 
@@ -978,7 +981,7 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	   f = m a + U h;  n = I dw + w x I w + h x a */
 	const double q1 = q[7*stride];
 	double s1, c1;
-	all_small &= rneagen_sincos_either(q1, small, &s1, &c1);
+	all_small &= rneagen_sincos_known(q1, known, sines, &s1, &c1);
 	const double qd1 = qd[6*stride];
 	const double qdd1 = qdd[6*stride];
 	const double t24 = 4.8965888601467475e-12*qd0wx;
@@ -1074,7 +1077,7 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	/* ---- out to link 2 "lf_upperleg" (fpass) ---- */
 	const double q2 = q[8*stride];
 	double s2, c2;
-	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_known(q2, known, sines + 2, &s2, &c2);
 	const double qd2 = qd[7*stride];
 	const double qdd2 = qdd[7*stride];
 	const double t75 = RNEA_FMA(4.8965888601467475e-12, w1y, w1z);
@@ -1143,7 +1146,7 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	/* ---- out to link 3 "lf_lowerleg" (fpass) ---- */
 	const double q3 = q[9*stride];
 	double s3, c3;
-	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_known(q3, known, sines + 4, &s3, &c3);
 	const double qd3 = qd[8*stride];
 	const double qdd3 = qdd[8*stride];
 	const double t99 = RNEA_FMA(0.35, w2z, v2y);
@@ -1212,7 +1215,7 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	/* ---- out to link 4 "lh_hipassembly" (fpass) ---- */
 	const double q4 = q[10*stride];
 	double s4, c4;
-	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_known(q4, known, sines + 6, &s4, &c4);
 	const double qd4 = qd[9*stride];
 	const double qdd4 = qdd[9*stride];
 	const double t117 = t36 + t37;
@@ -1285,7 +1288,7 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	/* ---- out to link 5 "lh_upperleg" (fpass) ---- */
 	const double q5 = q[11*stride];
 	double s5, c5;
-	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincos_known(q5, known, sines + 8, &s5, &c5);
 	const double qd5 = qd[10*stride];
 	const double qdd5 = qdd[10*stride];
 	const double t145 = RNEA_FMA(4.8965888601467475e-12, w4y, w4z);
@@ -1354,7 +1357,7 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	/* ---- out to link 6 "lh_lowerleg" (fpass) ---- */
 	const double q6 = q[12*stride];
 	double s6, c6;
-	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincos_known(q6, known, sines + 10, &s6, &c6);
 	const double qd6 = qd[11*stride];
 	const double qdd6 = qdd[11*stride];
 	const double t169 = RNEA_FMA(0.35, w5z, v5y);
@@ -1423,7 +1426,7 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	/* ---- out to link 7 "rf_hipassembly" (fpass) ---- */
 	const double q7 = q[13*stride];
 	double s7, c7;
-	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincos_known(q7, known, sines + 12, &s7, &c7);
 	const double qd7 = qd[12*stride];
 	const double qdd7 = qdd[12*stride];
 	const double t188 = t24 - qd0wz;
@@ -1495,7 +1498,7 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	/* ---- out to link 8 "rf_upperleg" (fpass) ---- */
 	const double q8 = q[14*stride];
 	double s8, c8;
-	all_small &= rneagen_sincos_either(q8, small, &s8, &c8);
+	all_small &= rneagen_sincos_known(q8, known, sines + 14, &s8, &c8);
 	const double qd8 = qd[13*stride];
 	const double qdd8 = qdd[13*stride];
 	const double t215 = RNEA_FMA(4.8965888601467475e-12, w7y, -w7z);
@@ -1564,7 +1567,7 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	/* ---- out to link 9 "rf_lowerleg" (fpass) ---- */
 	const double q9 = q[15*stride];
 	double s9, c9;
-	all_small &= rneagen_sincos_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincos_known(q9, known, sines + 16, &s9, &c9);
 	const double qd9 = qd[14*stride];
 	const double qdd9 = qdd[14*stride];
 	const double t239 = RNEA_FMA(0.35, w8z, v8y);
@@ -1633,7 +1636,7 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	/* ---- out to link 10 "rh_hipassembly" (fpass) ---- */
 	const double q10 = q[16*stride];
 	double s10, c10;
-	all_small &= rneagen_sincos_either(q10, small, &s10, &c10);
+	all_small &= rneagen_sincos_known(q10, known, sines + 18, &s10, &c10);
 	const double qd10 = qd[15*stride];
 	const double qdd10 = qdd[15*stride];
 	const double t257 = qd0vz - t38;
@@ -1699,7 +1702,7 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	/* ---- out to link 11 "rh_upperleg" (fpass) ---- */
 	const double q11 = q[17*stride];
 	double s11, c11;
-	all_small &= rneagen_sincos_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincos_known(q11, known, sines + 20, &s11, &c11);
 	const double qd11 = qd[16*stride];
 	const double qdd11 = qdd[16*stride];
 	const double t278 = RNEA_FMA(4.8965888601467475e-12, w10y, -w10z);
@@ -1768,7 +1771,7 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 	/* ---- out to link 12 "rh_lowerleg" (fpass) ---- */
 	const double q12 = q[18*stride];
 	double s12, c12;
-	all_small &= rneagen_sincos_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincos_known(q12, known, sines + 22, &s12, &c12);
 	const double qd12 = qd[17*stride];
 	const double qdd12 = qdd[17*stride];
 	const double t302 = RNEA_FMA(0.35, w11z, v11y);
@@ -1838,10 +1841,11 @@ static RNEA_INLINE int hyq_fpass_body(const double *q, const double *qd, const d
 }
 
 /* Back to the base: torques tau from the wrenches f.
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *tau, const size_t stride,
-	const int small)
+	const int known, const double *sines)
 {
 	int all_small = 1;
 
@@ -1858,7 +1862,7 @@ static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *
 	/* f, n = what fpass wrote, in the link's frame here */
 	const double q1 = q[7*stride];
 	double s1, c1;
-	all_small &= rneagen_sincos_either(q1, small, &s1, &c1);
+	all_small &= rneagen_sincos_known(q1, known, sines, &s1, &c1);
 	const double own_f1x = f[6*stride];
 	const double own_f1y = f[7*stride];
 	const double own_f1z = f[8*stride];
@@ -1869,7 +1873,7 @@ static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *
 	/* ---- out to link 2 "lf_upperleg" ---- */
 	const double q2 = q[8*stride];
 	double s2, c2;
-	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_known(q2, known, sines + 2, &s2, &c2);
 	const double own_f2x = f[12*stride];
 	const double own_f2y = f[13*stride];
 	const double own_f2z = f[14*stride];
@@ -1880,7 +1884,7 @@ static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *
 	/* ---- out to link 3 "lf_lowerleg" ---- */
 	const double q3 = q[9*stride];
 	double s3, c3;
-	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_known(q3, known, sines + 4, &s3, &c3);
 	const double own_f3x = f[18*stride];
 	const double own_f3y = f[19*stride];
 	const double own_f3z = f[20*stride];
@@ -1934,7 +1938,7 @@ static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *
 	/* ---- out to link 4 "lh_hipassembly" ---- */
 	const double q4 = q[10*stride];
 	double s4, c4;
-	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_known(q4, known, sines + 6, &s4, &c4);
 	const double own_f4x = f[24*stride];
 	const double own_f4y = f[25*stride];
 	const double own_f4z = f[26*stride];
@@ -1945,7 +1949,7 @@ static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *
 	/* ---- out to link 5 "lh_upperleg" ---- */
 	const double q5 = q[11*stride];
 	double s5, c5;
-	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincos_known(q5, known, sines + 8, &s5, &c5);
 	const double own_f5x = f[30*stride];
 	const double own_f5y = f[31*stride];
 	const double own_f5z = f[32*stride];
@@ -1956,7 +1960,7 @@ static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *
 	/* ---- out to link 6 "lh_lowerleg" ---- */
 	const double q6 = q[12*stride];
 	double s6, c6;
-	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincos_known(q6, known, sines + 10, &s6, &c6);
 	const double own_f6x = f[36*stride];
 	const double own_f6y = f[37*stride];
 	const double own_f6z = f[38*stride];
@@ -2009,7 +2013,7 @@ static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *
 	/* ---- out to link 7 "rf_hipassembly" ---- */
 	const double q7 = q[13*stride];
 	double s7, c7;
-	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincos_known(q7, known, sines + 12, &s7, &c7);
 	const double own_f7x = f[42*stride];
 	const double own_f7y = f[43*stride];
 	const double own_f7z = f[44*stride];
@@ -2020,7 +2024,7 @@ static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *
 	/* ---- out to link 8 "rf_upperleg" ---- */
 	const double q8 = q[14*stride];
 	double s8, c8;
-	all_small &= rneagen_sincos_either(q8, small, &s8, &c8);
+	all_small &= rneagen_sincos_known(q8, known, sines + 14, &s8, &c8);
 	const double own_f8x = f[48*stride];
 	const double own_f8y = f[49*stride];
 	const double own_f8z = f[50*stride];
@@ -2031,7 +2035,7 @@ static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *
 	/* ---- out to link 9 "rf_lowerleg" ---- */
 	const double q9 = q[15*stride];
 	double s9, c9;
-	all_small &= rneagen_sincos_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincos_known(q9, known, sines + 16, &s9, &c9);
 	const double own_f9x = f[54*stride];
 	const double own_f9y = f[55*stride];
 	const double own_f9z = f[56*stride];
@@ -2080,7 +2084,7 @@ static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *
 	/* ---- out to link 10 "rh_hipassembly" ---- */
 	const double q10 = q[16*stride];
 	double s10, c10;
-	all_small &= rneagen_sincos_either(q10, small, &s10, &c10);
+	all_small &= rneagen_sincos_known(q10, known, sines + 18, &s10, &c10);
 	const double own_f10x = f[60*stride];
 	const double own_f10y = f[61*stride];
 	const double own_f10z = f[62*stride];
@@ -2091,7 +2095,7 @@ static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *
 	/* ---- out to link 11 "rh_upperleg" ---- */
 	const double q11 = q[17*stride];
 	double s11, c11;
-	all_small &= rneagen_sincos_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincos_known(q11, known, sines + 20, &s11, &c11);
 	const double own_f11x = f[66*stride];
 	const double own_f11y = f[67*stride];
 	const double own_f11z = f[68*stride];
@@ -2102,7 +2106,7 @@ static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *
 	/* ---- out to link 12 "rh_lowerleg" ---- */
 	const double q12 = q[18*stride];
 	double s12, c12;
-	all_small &= rneagen_sincos_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincos_known(q12, known, sines + 22, &s12, &c12);
 	const double own_f12x = f[72*stride];
 	const double own_f12y = f[73*stride];
 	const double own_f12z = f[74*stride];
@@ -2270,21 +2274,45 @@ static RNEA_INLINE void rneagen_sincos_accurate(double x, double *s, double *c)
 	rneagen_sincos_turn(q, r, e, s, c);
 }
 #endif
-#ifndef RNEAGEN_SINCOS_EITHER
-#define RNEAGEN_SINCOS_EITHER
+#ifndef RNEAGEN_SINCOS_KNOWN
+#define RNEAGEN_SINCOS_KNOWN
 
-/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not,
-   and `small`, sine and cosine mean nothing. */
-static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c)
+/* Sine and cosine as they stand at sines[0] and sines[1] where they are known, else of a small x, without a branch.
+   Returns whether |x| is small: if not, and not `known`, they mean nothing. */
+static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const double *sines, double *s, double *c)
 {
-	if (small) {
-		double r, e;
-		const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
-		rneagen_sincos_turn(q, r, e, s, c);
-	} else {
-		rneagen_sincos_accurate(x, s, c);
+	double r, e;
+	const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
+	rneagen_sincos_turn(q, r, e, s, c);
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750 /* no branch */
+	asm volatile("{ .reg .pred p; setp.ne.s32 p, %2, 0; @p ld.local.f64 %0, [%3]; @p ld.local.f64 %1, [%3+8]; }"
+		: "+d"(*s), "+d"(*c) : "r"(known), "l"(__cvta_generic_to_local(sines)));
+#else
+	if (known) {
+		*s = sines[0];
+		*c = sines[1];
 	}
+#endif
 	return fabs(x) <= 1e7;
+}
+
+/* Sines and cosines of any angles, one after the other. */
+static RNEA_INLINE void rneagen_sincos_each(const double *x, const int angles, double *sines)
+{
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750
+#pragma unroll 1
+	for (int i = 0; i < angles; i++) {
+		asm volatile("" : "+r"(i)); /* one copy */
+		rneagen_sincos_accurate(x[i], &sines[2 * i], &sines[2 * i + 1]);
+	}
+	asm volatile("" ::"l"(sines) : "memory"); /* they are read */
+#else
+	int small = 1;
+	for (int i = 0; i < angles; i++)
+		small &= rneagen_sincos_known(x[i], 0, sines, &sines[2 * i], &sines[2 * i + 1]);
+	for (int i = 0; !small && i < angles; i++)
+		rneagen_sincos_accurate(x[i], &sines[2 * i], &sines[2 * i + 1]);
+#endif
 }
 #endif
 
@@ -2297,6 +2325,63 @@ static RNEA_INLINE int hyq_is_small(const double *q, const size_t stride)
 	for (size_t i = 0; i < 19; i++)
 		small &= fabs(q[i*stride]) <= 1e+07;
 	return small;
+}
+
+/* Sines and cosines for hyq_rnea_body, of any angles. */
+static RNEA_INLINE void hyq_rnea_sines(const double *q, const size_t stride, double *sines)
+{
+	double x[12];
+	x[0] = q[7*stride];
+	x[1] = q[8*stride];
+	x[2] = q[9*stride];
+	x[3] = q[10*stride];
+	x[4] = q[11*stride];
+	x[5] = q[12*stride];
+	x[6] = q[13*stride];
+	x[7] = q[14*stride];
+	x[8] = q[15*stride];
+	x[9] = q[16*stride];
+	x[10] = q[17*stride];
+	x[11] = q[18*stride];
+	rneagen_sincos_each(x, 12, sines);
+}
+
+/* Sines and cosines for hyq_fpass_body, of any angles. */
+static RNEA_INLINE void hyq_fpass_sines(const double *q, const size_t stride, double *sines)
+{
+	double x[12];
+	x[0] = q[7*stride];
+	x[1] = q[8*stride];
+	x[2] = q[9*stride];
+	x[3] = q[10*stride];
+	x[4] = q[11*stride];
+	x[5] = q[12*stride];
+	x[6] = q[13*stride];
+	x[7] = q[14*stride];
+	x[8] = q[15*stride];
+	x[9] = q[16*stride];
+	x[10] = q[17*stride];
+	x[11] = q[18*stride];
+	rneagen_sincos_each(x, 12, sines);
+}
+
+/* Sines and cosines for hyq_bpass_body, of any angles. */
+static RNEA_INLINE void hyq_bpass_sines(const double *q, const size_t stride, double *sines)
+{
+	double x[12];
+	x[0] = q[7*stride];
+	x[1] = q[8*stride];
+	x[2] = q[9*stride];
+	x[3] = q[10*stride];
+	x[4] = q[11*stride];
+	x[5] = q[12*stride];
+	x[6] = q[13*stride];
+	x[7] = q[14*stride];
+	x[8] = q[15*stride];
+	x[9] = q[16*stride];
+	x[10] = q[17*stride];
+	x[11] = q[18*stride];
+	rneagen_sincos_each(x, 12, sines);
 }
 
 
@@ -2386,7 +2471,10 @@ static int hyq_are_small(const double *q, size_t count, size_t first, size_t end
 /* One sample, whatever its angles. */
 static void hyq_rnea_any(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride)
 {
-	hyq_rnea_body(q, qd, qdd, tau, stride, 0);
+	double sines[24];
+
+	hyq_rnea_sines(q, stride, sines);
+	hyq_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -2398,7 +2486,7 @@ static void hyq_rnea_part(const double *restrict q, const double *restrict qd, c
 		if (hyq_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				hyq_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1);
+				hyq_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				hyq_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
@@ -2425,7 +2513,10 @@ void hyq_rnea_batch(const double *q, const double *qd, const double *qdd, double
 static void hyq_fpass_any(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f,
 	const size_t stride)
 {
-	hyq_fpass_body(q, qd, qdd, v, a, f, stride, 0);
+	double sines[24];
+
+	hyq_fpass_sines(q, stride, sines);
+	hyq_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -2437,7 +2528,7 @@ static void hyq_fpass_part(const double *restrict q, const double *restrict qd, 
 		if (hyq_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				hyq_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 1);
+				hyq_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				hyq_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
@@ -2458,7 +2549,10 @@ void hyq_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end
 /* One sample, whatever its angles. */
 static void hyq_bpass_any(const double *q, const double *f, double *tau, const size_t stride)
 {
-	hyq_bpass_body(q, f, tau, stride, 0);
+	double sines[24];
+
+	hyq_bpass_sines(q, stride, sines);
+	hyq_bpass_body(q, f, tau, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -2470,7 +2564,7 @@ static void hyq_bpass_part(const double *restrict q, const double *restrict f, d
 		if (hyq_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				hyq_bpass_body(q + k, f + k, tau + k, count, 1);
+				hyq_bpass_body(q + k, f + k, tau + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				hyq_bpass_any(q + k, f + k, tau + k, count);

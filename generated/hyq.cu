@@ -46,7 +46,7 @@
  *   t                with a number of its own: a value that has no name in the textbook
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
- *   small all_small  the caller takes all angles for small; they are
+ *   known sines all_small  the angles' sines and cosines are known; they; all angles are small
  *   RNEA_FMA         a*b + c, rounded once where the machine can
  *   rneagen_...      functions and types that this text brings along
  * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
@@ -78,15 +78,17 @@
 #endif
 #endif
 
-#ifndef RNEAGEN_SINCOSF_EITHER
-static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c); /* below */
+#ifndef RNEAGEN_SINCOSF_KNOWN
+static RNEA_INLINE int rneagen_sincosf_known(float x, const int known, const float *sines, float *s, float *c); /* below
+*/
 #endif
 
 /* tau = ID(q, qd, qdd)
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride,
-	const int small)
+	const int known, const float *sines)
 {
 	int all_small = 1;
 
@@ -152,7 +154,7 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	   f = m a + U h;  n = I dw + w x I w + h x a */
 	const float q1 = q[7*stride];
 	float s1, c1;
-	all_small &= rneagen_sincosf_either(q1, small, &s1, &c1);
+	all_small &= rneagen_sincosf_known(q1, known, sines, &s1, &c1);
 	const float qd1 = qd[6*stride];
 	const float qdd1 = qdd[6*stride];
 	const float t23 = 4.8965888e-12f*qd0wx;
@@ -215,7 +217,7 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	/* ---- out to link 2 "lf_upperleg" (fpass) ---- */
 	const float q2 = q[8*stride];
 	float s2, c2;
-	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_known(q2, known, sines + 2, &s2, &c2);
 	const float qd2 = qd[7*stride];
 	const float qdd2 = qdd[7*stride];
 	const float t62 = RNEA_FMA(4.8965888e-12f, w1y, w1z);
@@ -260,7 +262,7 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	/* ---- out to link 3 "lf_lowerleg" (fpass) ---- */
 	const float q3 = q[9*stride];
 	float s3, c3;
-	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_known(q3, known, sines + 4, &s3, &c3);
 	const float qd3 = qd[8*stride];
 	const float qdd3 = qdd[8*stride];
 	const float t83 = RNEA_FMA(-0.35f, t71, a2x);
@@ -347,7 +349,7 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	/* ---- out to link 4 "lh_hipassembly" (fpass) ---- */
 	const float q4 = q[10*stride];
 	float s4, c4;
-	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_known(q4, known, sines + 6, &s4, &c4);
 	const float qd4 = qd[9*stride];
 	const float qdd4 = qdd[9*stride];
 	const float t113 = t33 + t34;
@@ -394,7 +396,7 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	/* ---- out to link 5 "lh_upperleg" (fpass) ---- */
 	const float q5 = q[11*stride];
 	float s5, c5;
-	all_small &= rneagen_sincosf_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincosf_known(q5, known, sines + 8, &s5, &c5);
 	const float qd5 = qd[10*stride];
 	const float qdd5 = qdd[10*stride];
 	const float t136 = RNEA_FMA(4.8965888e-12f, w4y, w4z);
@@ -439,7 +441,7 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	/* ---- out to link 6 "lh_lowerleg" (fpass) ---- */
 	const float q6 = q[12*stride];
 	float s6, c6;
-	all_small &= rneagen_sincosf_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincosf_known(q6, known, sines + 10, &s6, &c6);
 	const float qd6 = qd[11*stride];
 	const float qdd6 = qdd[11*stride];
 	const float t157 = RNEA_FMA(-0.35f, t145, a5x);
@@ -526,7 +528,7 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	/* ---- out to link 7 "rf_hipassembly" (fpass) ---- */
 	const float q7 = q[13*stride];
 	float s7, c7;
-	all_small &= rneagen_sincosf_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincosf_known(q7, known, sines + 12, &s7, &c7);
 	const float qd7 = qd[12*stride];
 	const float qdd7 = qdd[12*stride];
 	const float t188 = t23 - qd0wz;
@@ -573,7 +575,7 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	/* ---- out to link 8 "rf_upperleg" (fpass) ---- */
 	const float q8 = q[14*stride];
 	float s8, c8;
-	all_small &= rneagen_sincosf_either(q8, small, &s8, &c8);
+	all_small &= rneagen_sincosf_known(q8, known, sines + 14, &s8, &c8);
 	const float qd8 = qd[13*stride];
 	const float qdd8 = qdd[13*stride];
 	const float t211 = RNEA_FMA(4.8965888e-12f, w7y, -w7z);
@@ -618,7 +620,7 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	/* ---- out to link 9 "rf_lowerleg" (fpass) ---- */
 	const float q9 = q[15*stride];
 	float s9, c9;
-	all_small &= rneagen_sincosf_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincosf_known(q9, known, sines + 16, &s9, &c9);
 	const float qd9 = qd[14*stride];
 	const float qdd9 = qdd[14*stride];
 	const float t232 = RNEA_FMA(-0.35f, t220, a8x);
@@ -701,7 +703,7 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	/* ---- out to link 10 "rh_hipassembly" (fpass) ---- */
 	const float q10 = q[16*stride];
 	float s10, c10;
-	all_small &= rneagen_sincosf_either(q10, small, &s10, &c10);
+	all_small &= rneagen_sincosf_known(q10, known, sines + 18, &s10, &c10);
 	const float qd10 = qd[15*stride];
 	const float qdd10 = qdd[15*stride];
 	const float t260 = a0x - t35;
@@ -744,7 +746,7 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	/* ---- out to link 11 "rh_upperleg" (fpass) ---- */
 	const float q11 = q[17*stride];
 	float s11, c11;
-	all_small &= rneagen_sincosf_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincosf_known(q11, known, sines + 20, &s11, &c11);
 	const float qd11 = qd[16*stride];
 	const float qdd11 = qdd[16*stride];
 	const float t279 = RNEA_FMA(4.8965888e-12f, w10y, -w10z);
@@ -789,7 +791,7 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	/* ---- out to link 12 "rh_lowerleg" (fpass) ---- */
 	const float q12 = q[18*stride];
 	float s12, c12;
-	all_small &= rneagen_sincosf_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincosf_known(q12, known, sines + 22, &s12, &c12);
 	const float qd12 = qd[17*stride];
 	const float qdd12 = qdd[17*stride];
 	const float t300 = RNEA_FMA(-0.35f, t288, a11x);
@@ -881,10 +883,11 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 }
 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f,
-	const size_t stride, const int small)
+	const size_t stride, const int known, const float *sines)
 {
 	int all_small = 1;
 
@@ -970,7 +973,7 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	   f = m a + U h;  n = I dw + w x I w + h x a */
 	const float q1 = q[7*stride];
 	float s1, c1;
-	all_small &= rneagen_sincosf_either(q1, small, &s1, &c1);
+	all_small &= rneagen_sincosf_known(q1, known, sines, &s1, &c1);
 	const float qd1 = qd[6*stride];
 	const float qdd1 = qdd[6*stride];
 	const float t24 = 4.8965888e-12f*qd0wx;
@@ -1066,7 +1069,7 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	/* ---- out to link 2 "lf_upperleg" (fpass) ---- */
 	const float q2 = q[8*stride];
 	float s2, c2;
-	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_known(q2, known, sines + 2, &s2, &c2);
 	const float qd2 = qd[7*stride];
 	const float qdd2 = qdd[7*stride];
 	const float t75 = RNEA_FMA(4.8965888e-12f, w1y, w1z);
@@ -1135,7 +1138,7 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	/* ---- out to link 3 "lf_lowerleg" (fpass) ---- */
 	const float q3 = q[9*stride];
 	float s3, c3;
-	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_known(q3, known, sines + 4, &s3, &c3);
 	const float qd3 = qd[8*stride];
 	const float qdd3 = qdd[8*stride];
 	const float t99 = RNEA_FMA(0.35f, w2z, v2y);
@@ -1202,7 +1205,7 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	/* ---- out to link 4 "lh_hipassembly" (fpass) ---- */
 	const float q4 = q[10*stride];
 	float s4, c4;
-	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_known(q4, known, sines + 6, &s4, &c4);
 	const float qd4 = qd[9*stride];
 	const float qdd4 = qdd[9*stride];
 	const float t117 = t36 + t37;
@@ -1275,7 +1278,7 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	/* ---- out to link 5 "lh_upperleg" (fpass) ---- */
 	const float q5 = q[11*stride];
 	float s5, c5;
-	all_small &= rneagen_sincosf_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincosf_known(q5, known, sines + 8, &s5, &c5);
 	const float qd5 = qd[10*stride];
 	const float qdd5 = qdd[10*stride];
 	const float t145 = RNEA_FMA(4.8965888e-12f, w4y, w4z);
@@ -1344,7 +1347,7 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	/* ---- out to link 6 "lh_lowerleg" (fpass) ---- */
 	const float q6 = q[12*stride];
 	float s6, c6;
-	all_small &= rneagen_sincosf_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincosf_known(q6, known, sines + 10, &s6, &c6);
 	const float qd6 = qd[11*stride];
 	const float qdd6 = qdd[11*stride];
 	const float t169 = RNEA_FMA(0.35f, w5z, v5y);
@@ -1411,7 +1414,7 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	/* ---- out to link 7 "rf_hipassembly" (fpass) ---- */
 	const float q7 = q[13*stride];
 	float s7, c7;
-	all_small &= rneagen_sincosf_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincosf_known(q7, known, sines + 12, &s7, &c7);
 	const float qd7 = qd[12*stride];
 	const float qdd7 = qdd[12*stride];
 	const float t188 = t24 - qd0wz;
@@ -1483,7 +1486,7 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	/* ---- out to link 8 "rf_upperleg" (fpass) ---- */
 	const float q8 = q[14*stride];
 	float s8, c8;
-	all_small &= rneagen_sincosf_either(q8, small, &s8, &c8);
+	all_small &= rneagen_sincosf_known(q8, known, sines + 14, &s8, &c8);
 	const float qd8 = qd[13*stride];
 	const float qdd8 = qdd[13*stride];
 	const float t215 = RNEA_FMA(4.8965888e-12f, w7y, -w7z);
@@ -1552,7 +1555,7 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	/* ---- out to link 9 "rf_lowerleg" (fpass) ---- */
 	const float q9 = q[15*stride];
 	float s9, c9;
-	all_small &= rneagen_sincosf_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincosf_known(q9, known, sines + 16, &s9, &c9);
 	const float qd9 = qd[14*stride];
 	const float qdd9 = qdd[14*stride];
 	const float t239 = RNEA_FMA(0.35f, w8z, v8y);
@@ -1619,7 +1622,7 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	/* ---- out to link 10 "rh_hipassembly" (fpass) ---- */
 	const float q10 = q[16*stride];
 	float s10, c10;
-	all_small &= rneagen_sincosf_either(q10, small, &s10, &c10);
+	all_small &= rneagen_sincosf_known(q10, known, sines + 18, &s10, &c10);
 	const float qd10 = qd[15*stride];
 	const float qdd10 = qdd[15*stride];
 	const float t257 = qd0vz - t38;
@@ -1685,7 +1688,7 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	/* ---- out to link 11 "rh_upperleg" (fpass) ---- */
 	const float q11 = q[17*stride];
 	float s11, c11;
-	all_small &= rneagen_sincosf_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincosf_known(q11, known, sines + 20, &s11, &c11);
 	const float qd11 = qd[16*stride];
 	const float qdd11 = qdd[16*stride];
 	const float t278 = RNEA_FMA(4.8965888e-12f, w10y, -w10z);
@@ -1754,7 +1757,7 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 	/* ---- out to link 12 "rh_lowerleg" (fpass) ---- */
 	const float q12 = q[18*stride];
 	float s12, c12;
-	all_small &= rneagen_sincosf_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincosf_known(q12, known, sines + 22, &s12, &c12);
 	const float qd12 = qd[17*stride];
 	const float qdd12 = qdd[17*stride];
 	const float t302 = RNEA_FMA(0.35f, w11z, v11y);
@@ -1821,9 +1824,11 @@ static RNEA_INLINE int hyq_fpass_body(const float *q, const float *qd, const flo
 }
 
 /* Back to the base: torques tau from the wrenches f.
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau, const size_t stride, const int small)
+static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau, const size_t stride, const int known,
+	const float *sines)
 {
 	int all_small = 1;
 
@@ -1840,7 +1845,7 @@ static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau
 	/* f, n = what fpass wrote, in the link's frame here */
 	const float q1 = q[7*stride];
 	float s1, c1;
-	all_small &= rneagen_sincosf_either(q1, small, &s1, &c1);
+	all_small &= rneagen_sincosf_known(q1, known, sines, &s1, &c1);
 	const float own_f1x = f[6*stride];
 	const float own_f1y = f[7*stride];
 	const float own_f1z = f[8*stride];
@@ -1851,7 +1856,7 @@ static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau
 	/* ---- out to link 2 "lf_upperleg" ---- */
 	const float q2 = q[8*stride];
 	float s2, c2;
-	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_known(q2, known, sines + 2, &s2, &c2);
 	const float own_f2x = f[12*stride];
 	const float own_f2y = f[13*stride];
 	const float own_f2z = f[14*stride];
@@ -1862,7 +1867,7 @@ static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau
 	/* ---- out to link 3 "lf_lowerleg" ---- */
 	const float q3 = q[9*stride];
 	float s3, c3;
-	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_known(q3, known, sines + 4, &s3, &c3);
 	const float own_f3x = f[18*stride];
 	const float own_f3y = f[19*stride];
 	const float own_f3z = f[20*stride];
@@ -1915,7 +1920,7 @@ static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau
 	/* ---- out to link 4 "lh_hipassembly" ---- */
 	const float q4 = q[10*stride];
 	float s4, c4;
-	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_known(q4, known, sines + 6, &s4, &c4);
 	const float own_f4x = f[24*stride];
 	const float own_f4y = f[25*stride];
 	const float own_f4z = f[26*stride];
@@ -1926,7 +1931,7 @@ static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau
 	/* ---- out to link 5 "lh_upperleg" ---- */
 	const float q5 = q[11*stride];
 	float s5, c5;
-	all_small &= rneagen_sincosf_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincosf_known(q5, known, sines + 8, &s5, &c5);
 	const float own_f5x = f[30*stride];
 	const float own_f5y = f[31*stride];
 	const float own_f5z = f[32*stride];
@@ -1937,7 +1942,7 @@ static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau
 	/* ---- out to link 6 "lh_lowerleg" ---- */
 	const float q6 = q[12*stride];
 	float s6, c6;
-	all_small &= rneagen_sincosf_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincosf_known(q6, known, sines + 10, &s6, &c6);
 	const float own_f6x = f[36*stride];
 	const float own_f6y = f[37*stride];
 	const float own_f6z = f[38*stride];
@@ -1989,7 +1994,7 @@ static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau
 	/* ---- out to link 7 "rf_hipassembly" ---- */
 	const float q7 = q[13*stride];
 	float s7, c7;
-	all_small &= rneagen_sincosf_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincosf_known(q7, known, sines + 12, &s7, &c7);
 	const float own_f7x = f[42*stride];
 	const float own_f7y = f[43*stride];
 	const float own_f7z = f[44*stride];
@@ -2000,7 +2005,7 @@ static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau
 	/* ---- out to link 8 "rf_upperleg" ---- */
 	const float q8 = q[14*stride];
 	float s8, c8;
-	all_small &= rneagen_sincosf_either(q8, small, &s8, &c8);
+	all_small &= rneagen_sincosf_known(q8, known, sines + 14, &s8, &c8);
 	const float own_f8x = f[48*stride];
 	const float own_f8y = f[49*stride];
 	const float own_f8z = f[50*stride];
@@ -2011,7 +2016,7 @@ static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau
 	/* ---- out to link 9 "rf_lowerleg" ---- */
 	const float q9 = q[15*stride];
 	float s9, c9;
-	all_small &= rneagen_sincosf_either(q9, small, &s9, &c9);
+	all_small &= rneagen_sincosf_known(q9, known, sines + 16, &s9, &c9);
 	const float own_f9x = f[54*stride];
 	const float own_f9y = f[55*stride];
 	const float own_f9z = f[56*stride];
@@ -2060,7 +2065,7 @@ static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau
 	/* ---- out to link 10 "rh_hipassembly" ---- */
 	const float q10 = q[16*stride];
 	float s10, c10;
-	all_small &= rneagen_sincosf_either(q10, small, &s10, &c10);
+	all_small &= rneagen_sincosf_known(q10, known, sines + 18, &s10, &c10);
 	const float own_f10x = f[60*stride];
 	const float own_f10y = f[61*stride];
 	const float own_f10z = f[62*stride];
@@ -2071,7 +2076,7 @@ static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau
 	/* ---- out to link 11 "rh_upperleg" ---- */
 	const float q11 = q[17*stride];
 	float s11, c11;
-	all_small &= rneagen_sincosf_either(q11, small, &s11, &c11);
+	all_small &= rneagen_sincosf_known(q11, known, sines + 20, &s11, &c11);
 	const float own_f11x = f[66*stride];
 	const float own_f11y = f[67*stride];
 	const float own_f11z = f[68*stride];
@@ -2082,7 +2087,7 @@ static RNEA_INLINE int hyq_bpass_body(const float *q, const float *f, float *tau
 	/* ---- out to link 12 "rh_lowerleg" ---- */
 	const float q12 = q[18*stride];
 	float s12, c12;
-	all_small &= rneagen_sincosf_either(q12, small, &s12, &c12);
+	all_small &= rneagen_sincosf_known(q12, known, sines + 22, &s12, &c12);
 	const float own_f12x = f[72*stride];
 	const float own_f12y = f[73*stride];
 	const float own_f12z = f[74*stride];
@@ -2224,21 +2229,45 @@ static RNEA_INLINE void rneagen_sincosf_accurate(float x, float *s, float *c)
 	rneagen_sincosf_turn(q, r, e, s, c);
 }
 #endif
-#ifndef RNEAGEN_SINCOSF_EITHER
-#define RNEAGEN_SINCOSF_EITHER
+#ifndef RNEAGEN_SINCOSF_KNOWN
+#define RNEAGEN_SINCOSF_KNOWN
 
-/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not,
-   and `small`, sine and cosine mean nothing. */
-static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c)
+/* Sine and cosine as they stand at sines[0] and sines[1] where they are known, else of a small x, without a branch.
+   Returns whether |x| is small: if not, and not `known`, they mean nothing. */
+static RNEA_INLINE int rneagen_sincosf_known(float x, const int known, const float *sines, float *s, float *c)
 {
-	if (small) {
-		float r, e;
-		const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
-		rneagen_sincosf_turn(q, r, e, s, c);
-	} else {
-		rneagen_sincosf_accurate(x, s, c);
+	float r, e;
+	const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
+	rneagen_sincosf_turn(q, r, e, s, c);
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750 /* no branch */
+	asm volatile("{ .reg .pred p; setp.ne.s32 p, %2, 0; @p ld.local.f32 %0, [%3]; @p ld.local.f32 %1, [%3+4]; }"
+		: "+f"(*s), "+f"(*c) : "r"(known), "l"(__cvta_generic_to_local(sines)));
+#else
+	if (known) {
+		*s = sines[0];
+		*c = sines[1];
 	}
+#endif
 	return fabsf(x) <= 1e4f;
+}
+
+/* Sines and cosines of any angles, one after the other. */
+static RNEA_INLINE void rneagen_sincosf_each(const float *x, const int angles, float *sines)
+{
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750
+#pragma unroll 1
+	for (int i = 0; i < angles; i++) {
+		asm volatile("" : "+r"(i)); /* one copy */
+		rneagen_sincosf_accurate(x[i], &sines[2 * i], &sines[2 * i + 1]);
+	}
+	asm volatile("" ::"l"(sines) : "memory"); /* they are read */
+#else
+	int small = 1;
+	for (int i = 0; i < angles; i++)
+		small &= rneagen_sincosf_known(x[i], 0, sines, &sines[2 * i], &sines[2 * i + 1]);
+	for (int i = 0; !small && i < angles; i++)
+		rneagen_sincosf_accurate(x[i], &sines[2 * i], &sines[2 * i + 1]);
+#endif
 }
 #endif
 
@@ -2255,6 +2284,63 @@ static RNEA_INLINE int hyq_is_small(const float *q, const size_t stride)
 }
 
 #endif
+/* Sines and cosines for hyq_rnea_body, of any angles. */
+static RNEA_INLINE void hyq_rnea_sines(const float *q, const size_t stride, float *sines)
+{
+	float x[12];
+	x[0] = q[7*stride];
+	x[1] = q[8*stride];
+	x[2] = q[9*stride];
+	x[3] = q[10*stride];
+	x[4] = q[11*stride];
+	x[5] = q[12*stride];
+	x[6] = q[13*stride];
+	x[7] = q[14*stride];
+	x[8] = q[15*stride];
+	x[9] = q[16*stride];
+	x[10] = q[17*stride];
+	x[11] = q[18*stride];
+	rneagen_sincosf_each(x, 12, sines);
+}
+
+/* Sines and cosines for hyq_fpass_body, of any angles. */
+static RNEA_INLINE void hyq_fpass_sines(const float *q, const size_t stride, float *sines)
+{
+	float x[12];
+	x[0] = q[7*stride];
+	x[1] = q[8*stride];
+	x[2] = q[9*stride];
+	x[3] = q[10*stride];
+	x[4] = q[11*stride];
+	x[5] = q[12*stride];
+	x[6] = q[13*stride];
+	x[7] = q[14*stride];
+	x[8] = q[15*stride];
+	x[9] = q[16*stride];
+	x[10] = q[17*stride];
+	x[11] = q[18*stride];
+	rneagen_sincosf_each(x, 12, sines);
+}
+
+/* Sines and cosines for hyq_bpass_body, of any angles. */
+static RNEA_INLINE void hyq_bpass_sines(const float *q, const size_t stride, float *sines)
+{
+	float x[12];
+	x[0] = q[7*stride];
+	x[1] = q[8*stride];
+	x[2] = q[9*stride];
+	x[3] = q[10*stride];
+	x[4] = q[11*stride];
+	x[5] = q[12*stride];
+	x[6] = q[13*stride];
+	x[7] = q[14*stride];
+	x[8] = q[15*stride];
+	x[9] = q[16*stride];
+	x[10] = q[17*stride];
+	x[11] = q[18*stride];
+	rneagen_sincosf_each(x, 12, sines);
+}
+
 
 /* ---- what this text computes, one `key values` a line: librnea reads it ---- */
 #if defined __CUDACC_RTC__
@@ -2327,6 +2413,8 @@ RNEA_INFO const char hyq_info[] =
 #ifndef RNEA_MIN_BLOCKS
 #define RNEA_MIN_BLOCKS 0
 #endif
+/* a thread's stack for the sines of large angles: librnea does not take it for spilled registers */
+#define RNEA_SINES_BYTES 144
 
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK, RNEA_MIN_BLOCKS)
 hyq_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
@@ -2336,9 +2424,16 @@ hyq_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const
 
 	if (k >= count)
 		return;
-	if (!hyq_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1)) {
-		asm volatile("" : "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for later */
-		hyq_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0);
+	float sines[24];
+	int known = 0;
+
+	for (;;) {
+		asm volatile("" : "+r"(known), "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for
+		later */
+		if (hyq_rnea_body(q + k, qd + k, qdd + k, tau + k, count, known, sines) | known)
+			break;
+		hyq_rnea_sines(q + k, count, sines);
+		known = 1;
 	}
 }
 
@@ -2350,7 +2445,17 @@ hyq_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, cons
 
 	if (k >= count)
 		return;
-	hyq_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0);
+	float sines[24];
+	int known = 0;
+
+	for (;;) {
+		asm volatile("" : "+r"(known), "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for
+		later */
+		if (hyq_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, known, sines) | known)
+			break;
+		hyq_fpass_sines(q + k, count, sines);
+		known = 1;
+	}
 }
 
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK)
@@ -2360,7 +2465,17 @@ hyq_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, float
 
 	if (k >= count)
 		return;
-	hyq_bpass_body(q + k, f + k, tau + k, count, 0);
+	float sines[24];
+	int known = 0;
+
+	for (;;) {
+		asm volatile("" : "+r"(known), "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for
+		later */
+		if (hyq_bpass_body(q + k, f + k, tau + k, count, known, sines) | known)
+			break;
+		hyq_bpass_sines(q + k, count, sines);
+		known = 1;
+	}
 }
 
 
@@ -2404,7 +2519,10 @@ static int hyq_are_small(const float *q, size_t count, size_t first, size_t end)
 /* One sample, whatever its angles. */
 static void hyq_rnea_any(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride)
 {
-	hyq_rnea_body(q, qd, qdd, tau, stride, 0);
+	float sines[24];
+
+	hyq_rnea_sines(q, stride, sines);
+	hyq_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -2416,7 +2534,7 @@ static void hyq_rnea_part(const float *restrict q, const float *restrict qd, con
 		if (hyq_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				hyq_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1);
+				hyq_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				hyq_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
@@ -2443,7 +2561,10 @@ void hyq_rnea_batch(const float *q, const float *qd, const float *qdd, float *ta
 static void hyq_fpass_any(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f,
 	const size_t stride)
 {
-	hyq_fpass_body(q, qd, qdd, v, a, f, stride, 0);
+	float sines[24];
+
+	hyq_fpass_sines(q, stride, sines);
+	hyq_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -2455,7 +2576,7 @@ static void hyq_fpass_part(const float *restrict q, const float *restrict qd, co
 		if (hyq_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				hyq_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 1);
+				hyq_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				hyq_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
@@ -2476,7 +2597,10 @@ void hyq_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end
 /* One sample, whatever its angles. */
 static void hyq_bpass_any(const float *q, const float *f, float *tau, const size_t stride)
 {
-	hyq_bpass_body(q, f, tau, stride, 0);
+	float sines[24];
+
+	hyq_bpass_sines(q, stride, sines);
+	hyq_bpass_body(q, f, tau, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -2488,7 +2612,7 @@ static void hyq_bpass_part(const float *restrict q, const float *restrict f, flo
 		if (hyq_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				hyq_bpass_body(q + k, f + k, tau + k, count, 1);
+				hyq_bpass_body(q + k, f + k, tau + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				hyq_bpass_any(q + k, f + k, tau + k, count);

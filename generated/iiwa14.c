@@ -35,7 +35,7 @@
  *   t                with a number of its own: a value that has no name in the textbook
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
- *   small all_small  the caller takes all angles for small; they are
+ *   known sines all_small  the angles' sines and cosines are known; they; all angles are small
  *   RNEA_FMA         a*b + c, rounded once where the machine can
  *   rneagen_...      functions and types that this text brings along
  * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
@@ -61,15 +61,17 @@
 #endif
 
 
-#ifndef RNEAGEN_SINCOS_EITHER
-static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c); /* below */
+#ifndef RNEAGEN_SINCOS_KNOWN
+static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const double *sines, double *s, double *c); /*
+below */
 #endif
 
 /* tau = ID(q, qd, qdd)
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, const int small)
+	const size_t stride, const int known, const double *sines)
 {
 	int all_small = 1;
 
@@ -82,7 +84,7 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 2 "iiwa_link_2" (fpass) ---- */
 	const double q2 = q[stride];
 	double s2, c2;
-	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_known(q2, known, sines, &s2, &c2);
 	const double qd2 = qd[stride];
 	const double qdd2 = qdd[stride];
 	const double w2x = qd1*s2;
@@ -113,7 +115,7 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 3 "iiwa_link_3" (fpass) ---- */
 	const double q3 = q[2*stride];
 	double s3, c3;
-	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_known(q3, known, sines + 2, &s3, &c3);
 	const double qd3 = qd[2*stride];
 	const double qdd3 = qdd[2*stride];
 	const double t15 = 0.2045*t5;
@@ -144,7 +146,7 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 4 "iiwa_link_4" (fpass) ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
-	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_known(q4, known, sines + 4, &s4, &c4);
 	const double qd4 = qd[3*stride];
 	const double qdd4 = qdd[3*stride];
 	const double t27 = RNEA_FMA(0.2155, t21, a3x);
@@ -176,7 +178,7 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 5 "iiwa_link_5" (fpass) ---- */
 	const double q5 = q[4*stride];
 	double s5, c5;
-	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincos_known(q5, known, sines + 6, &s5, &c5);
 	const double qd5 = qd[4*stride];
 	const double qdd5 = qdd[4*stride];
 	const double t40 = RNEA_FMA(0.1845, t36, a4x);
@@ -214,7 +216,7 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 6 "iiwa_link_6" (fpass) ---- */
 	const double q6 = q[5*stride];
 	double s6, c6;
-	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincos_known(q6, known, sines + 8, &s6, &c6);
 	const double qd6 = qd[5*stride];
 	const double qdd6 = qdd[5*stride];
 	const double t57 = RNEA_FMA(0.2155, t48, a5x);
@@ -246,7 +248,7 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	/* ---- out to link 7 "iiwa_link_7" (fpass) ---- */
 	const double q7 = q[6*stride];
 	double s7, c7;
-	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincos_known(q7, known, sines + 10, &s7, &c7);
 	const double qd7 = qd[6*stride];
 	const double qdd7 = qdd[6*stride];
 	const double t70 = RNEA_FMA(0.081, t66, a6x);
@@ -330,10 +332,11 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 }
 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int iiwa14_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a,
-	double *f, const size_t stride, const int small)
+	double *f, const size_t stride, const int known, const double *sines)
 {
 	int all_small = 1;
 
@@ -370,7 +373,7 @@ static RNEA_INLINE int iiwa14_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 2 "iiwa_link_2" (fpass) ---- */
 	const double q2 = q[stride];
 	double s2, c2;
-	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_known(q2, known, sines, &s2, &c2);
 	const double qd2 = qd[stride];
 	const double qdd2 = qdd[stride];
 	const double w2x = qd1*s2;
@@ -422,7 +425,7 @@ static RNEA_INLINE int iiwa14_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 3 "iiwa_link_3" (fpass) ---- */
 	const double q3 = q[2*stride];
 	double s3, c3;
-	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_known(q3, known, sines + 2, &s3, &c3);
 	const double qd3 = qd[2*stride];
 	const double qdd3 = qdd[2*stride];
 	const double t16 = 0.2045*qd2;
@@ -478,7 +481,7 @@ static RNEA_INLINE int iiwa14_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 4 "iiwa_link_4" (fpass) ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
-	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_known(q4, known, sines + 4, &s4, &c4);
 	const double qd4 = qd[3*stride];
 	const double qdd4 = qdd[3*stride];
 	const double t30 = RNEA_FMA(0.2155, w3y, v3x);
@@ -535,7 +538,7 @@ static RNEA_INLINE int iiwa14_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 5 "iiwa_link_5" (fpass) ---- */
 	const double q5 = q[4*stride];
 	double s5, c5;
-	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincos_known(q5, known, sines + 6, &s5, &c5);
 	const double qd5 = qd[4*stride];
 	const double qdd5 = qdd[4*stride];
 	const double t46 = RNEA_FMA(-0.1845, w4z, v4x);
@@ -598,7 +601,7 @@ static RNEA_INLINE int iiwa14_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 6 "iiwa_link_6" (fpass) ---- */
 	const double q6 = q[5*stride];
 	double s6, c6;
-	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincos_known(q6, known, sines + 8, &s6, &c6);
 	const double qd6 = qd[5*stride];
 	const double qdd6 = qdd[5*stride];
 	const double t65 = RNEA_FMA(0.2155, w5y, v5x);
@@ -654,7 +657,7 @@ static RNEA_INLINE int iiwa14_fpass_body(const double *q, const double *qd, cons
 	/* ---- out to link 7 "iiwa_link_7" (fpass) ---- */
 	const double q7 = q[6*stride];
 	double s7, c7;
-	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincos_known(q7, known, sines + 10, &s7, &c7);
 	const double qd7 = qd[6*stride];
 	const double qdd7 = qdd[6*stride];
 	const double t81 = RNEA_FMA(-0.081, w6z, v6x);
@@ -702,10 +705,11 @@ static RNEA_INLINE int iiwa14_fpass_body(const double *q, const double *qd, cons
 }
 
 /* Back to the base: torques tau from the wrenches f.
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int iiwa14_bpass_body(const double *q, const double *f, double *tau, const size_t stride,
-	const int small)
+	const int known, const double *sines)
 {
 	int all_small = 1;
 
@@ -716,7 +720,7 @@ static RNEA_INLINE int iiwa14_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 2 "iiwa_link_2" ---- */
 	const double q2 = q[stride];
 	double s2, c2;
-	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_known(q2, known, sines, &s2, &c2);
 	const double own_n2x = f[9*stride];
 	const double own_n2y = f[10*stride];
 	const double own_n2z = f[11*stride];
@@ -724,7 +728,7 @@ static RNEA_INLINE int iiwa14_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 3 "iiwa_link_3" ---- */
 	const double q3 = q[2*stride];
 	double s3, c3;
-	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_known(q3, known, sines + 2, &s3, &c3);
 	const double own_f3x = f[12*stride];
 	const double own_f3y = f[13*stride];
 	const double own_n3x = f[15*stride];
@@ -734,7 +738,7 @@ static RNEA_INLINE int iiwa14_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 4 "iiwa_link_4" ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
-	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_known(q4, known, sines + 4, &s4, &c4);
 	const double own_f4x = f[18*stride];
 	const double own_f4y = f[19*stride];
 	const double own_f4z = f[20*stride];
@@ -745,7 +749,7 @@ static RNEA_INLINE int iiwa14_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 5 "iiwa_link_5" ---- */
 	const double q5 = q[4*stride];
 	double s5, c5;
-	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincos_known(q5, known, sines + 6, &s5, &c5);
 	const double own_f5x = f[24*stride];
 	const double own_f5y = f[25*stride];
 	const double own_f5z = f[26*stride];
@@ -756,7 +760,7 @@ static RNEA_INLINE int iiwa14_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 6 "iiwa_link_6" ---- */
 	const double q6 = q[5*stride];
 	double s6, c6;
-	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincos_known(q6, known, sines + 8, &s6, &c6);
 	const double own_f6x = f[30*stride];
 	const double own_f6y = f[31*stride];
 	const double own_f6z = f[32*stride];
@@ -767,7 +771,7 @@ static RNEA_INLINE int iiwa14_bpass_body(const double *q, const double *f, doubl
 	/* ---- out to link 7 "iiwa_link_7" ---- */
 	const double q7 = q[6*stride];
 	double s7, c7;
-	all_small &= rneagen_sincos_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincos_known(q7, known, sines + 10, &s7, &c7);
 	const double own_f7x = f[36*stride];
 	const double own_f7y = f[37*stride];
 	const double own_f7z = f[38*stride];
@@ -947,21 +951,45 @@ static RNEA_INLINE void rneagen_sincos_accurate(double x, double *s, double *c)
 	rneagen_sincos_turn(q, r, e, s, c);
 }
 #endif
-#ifndef RNEAGEN_SINCOS_EITHER
-#define RNEAGEN_SINCOS_EITHER
+#ifndef RNEAGEN_SINCOS_KNOWN
+#define RNEAGEN_SINCOS_KNOWN
 
-/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not,
-   and `small`, sine and cosine mean nothing. */
-static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c)
+/* Sine and cosine as they stand at sines[0] and sines[1] where they are known, else of a small x, without a branch.
+   Returns whether |x| is small: if not, and not `known`, they mean nothing. */
+static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const double *sines, double *s, double *c)
 {
-	if (small) {
-		double r, e;
-		const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
-		rneagen_sincos_turn(q, r, e, s, c);
-	} else {
-		rneagen_sincos_accurate(x, s, c);
+	double r, e;
+	const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
+	rneagen_sincos_turn(q, r, e, s, c);
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750 /* no branch */
+	asm volatile("{ .reg .pred p; setp.ne.s32 p, %2, 0; @p ld.local.f64 %0, [%3]; @p ld.local.f64 %1, [%3+8]; }"
+		: "+d"(*s), "+d"(*c) : "r"(known), "l"(__cvta_generic_to_local(sines)));
+#else
+	if (known) {
+		*s = sines[0];
+		*c = sines[1];
 	}
+#endif
 	return fabs(x) <= 1e7;
+}
+
+/* Sines and cosines of any angles, one after the other. */
+static RNEA_INLINE void rneagen_sincos_each(const double *x, const int angles, double *sines)
+{
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750
+#pragma unroll 1
+	for (int i = 0; i < angles; i++) {
+		asm volatile("" : "+r"(i)); /* one copy */
+		rneagen_sincos_accurate(x[i], &sines[2 * i], &sines[2 * i + 1]);
+	}
+	asm volatile("" ::"l"(sines) : "memory"); /* they are read */
+#else
+	int small = 1;
+	for (int i = 0; i < angles; i++)
+		small &= rneagen_sincos_known(x[i], 0, sines, &sines[2 * i], &sines[2 * i + 1]);
+	for (int i = 0; !small && i < angles; i++)
+		rneagen_sincos_accurate(x[i], &sines[2 * i], &sines[2 * i + 1]);
+#endif
 }
 #endif
 
@@ -974,6 +1002,45 @@ static RNEA_INLINE int iiwa14_is_small(const double *q, const size_t stride)
 	for (size_t i = 0; i < 7; i++)
 		small &= fabs(q[i*stride]) <= 1e+07;
 	return small;
+}
+
+/* Sines and cosines for iiwa14_rnea_body, of any angles. */
+static RNEA_INLINE void iiwa14_rnea_sines(const double *q, const size_t stride, double *sines)
+{
+	double x[6];
+	x[0] = q[stride];
+	x[1] = q[2*stride];
+	x[2] = q[3*stride];
+	x[3] = q[4*stride];
+	x[4] = q[5*stride];
+	x[5] = q[6*stride];
+	rneagen_sincos_each(x, 6, sines);
+}
+
+/* Sines and cosines for iiwa14_fpass_body, of any angles. */
+static RNEA_INLINE void iiwa14_fpass_sines(const double *q, const size_t stride, double *sines)
+{
+	double x[6];
+	x[0] = q[stride];
+	x[1] = q[2*stride];
+	x[2] = q[3*stride];
+	x[3] = q[4*stride];
+	x[4] = q[5*stride];
+	x[5] = q[6*stride];
+	rneagen_sincos_each(x, 6, sines);
+}
+
+/* Sines and cosines for iiwa14_bpass_body, of any angles. */
+static RNEA_INLINE void iiwa14_bpass_sines(const double *q, const size_t stride, double *sines)
+{
+	double x[6];
+	x[0] = q[stride];
+	x[1] = q[2*stride];
+	x[2] = q[3*stride];
+	x[3] = q[4*stride];
+	x[4] = q[5*stride];
+	x[5] = q[6*stride];
+	rneagen_sincos_each(x, 6, sines);
 }
 
 
@@ -1057,7 +1124,10 @@ static int iiwa14_are_small(const double *q, size_t count, size_t first, size_t 
 /* One sample, whatever its angles. */
 static void iiwa14_rnea_any(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride)
 {
-	iiwa14_rnea_body(q, qd, qdd, tau, stride, 0);
+	double sines[12];
+
+	iiwa14_rnea_sines(q, stride, sines);
+	iiwa14_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -1069,7 +1139,7 @@ static void iiwa14_rnea_part(const double *restrict q, const double *restrict qd
 		if (iiwa14_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				iiwa14_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1);
+				iiwa14_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				iiwa14_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
@@ -1096,7 +1166,10 @@ void iiwa14_rnea_batch(const double *q, const double *qd, const double *qdd, dou
 static void iiwa14_fpass_any(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f,
 	const size_t stride)
 {
-	iiwa14_fpass_body(q, qd, qdd, v, a, f, stride, 0);
+	double sines[12];
+
+	iiwa14_fpass_sines(q, stride, sines);
+	iiwa14_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -1108,7 +1181,7 @@ static void iiwa14_fpass_part(const double *restrict q, const double *restrict q
 		if (iiwa14_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				iiwa14_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 1);
+				iiwa14_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				iiwa14_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
@@ -1129,7 +1202,10 @@ void iiwa14_fpass_slice(void *const *arrays, size_t count, size_t first, size_t 
 /* One sample, whatever its angles. */
 static void iiwa14_bpass_any(const double *q, const double *f, double *tau, const size_t stride)
 {
-	iiwa14_bpass_body(q, f, tau, stride, 0);
+	double sines[12];
+
+	iiwa14_bpass_sines(q, stride, sines);
+	iiwa14_bpass_body(q, f, tau, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -1141,7 +1217,7 @@ static void iiwa14_bpass_part(const double *restrict q, const double *restrict f
 		if (iiwa14_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				iiwa14_bpass_body(q + k, f + k, tau + k, count, 1);
+				iiwa14_bpass_body(q + k, f + k, tau + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				iiwa14_bpass_any(q + k, f + k, tau + k, count);

@@ -36,7 +36,7 @@
  *   t                with a number of its own: a value that has no name in the textbook
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
- *   small all_small  the caller takes all angles for small; they are
+ *   known sines all_small  the angles' sines and cosines are known; they; all angles are small
  *   RNEA_FMA         a*b + c, rounded once where the machine can
  *   rneagen_...      functions and types that this text brings along
  * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
@@ -68,15 +68,17 @@
 #endif
 #endif
 
-#ifndef RNEAGEN_SINCOSF_EITHER
-static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c); /* below */
+#ifndef RNEAGEN_SINCOSF_KNOWN
+static RNEA_INLINE int rneagen_sincosf_known(float x, const int known, const float *sines, float *s, float *c); /* below
+*/
 #endif
 
 /* tau = ID(q, qd, qdd)
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int iiwa14_rnea_body(const float *q, const float *qd, const float *qdd, float *tau,
-	const size_t stride, const int small)
+	const size_t stride, const int known, const float *sines)
 {
 	int all_small = 1;
 
@@ -89,7 +91,7 @@ static RNEA_INLINE int iiwa14_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 2 "iiwa_link_2" (fpass) ---- */
 	const float q2 = q[stride];
 	float s2, c2;
-	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_known(q2, known, sines, &s2, &c2);
 	const float qd2 = qd[stride];
 	const float qdd2 = qdd[stride];
 	const float w2x = qd1*s2;
@@ -119,7 +121,7 @@ static RNEA_INLINE int iiwa14_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 3 "iiwa_link_3" (fpass) ---- */
 	const float q3 = q[2*stride];
 	float s3, c3;
-	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_known(q3, known, sines + 2, &s3, &c3);
 	const float qd3 = qd[2*stride];
 	const float qdd3 = qdd[2*stride];
 	const float t15 = 0.2045f*t5;
@@ -150,7 +152,7 @@ static RNEA_INLINE int iiwa14_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 4 "iiwa_link_4" (fpass) ---- */
 	const float q4 = q[3*stride];
 	float s4, c4;
-	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_known(q4, known, sines + 4, &s4, &c4);
 	const float qd4 = qd[3*stride];
 	const float qdd4 = qdd[3*stride];
 	const float t27 = RNEA_FMA(0.2155f, t21, a3x);
@@ -181,7 +183,7 @@ static RNEA_INLINE int iiwa14_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 5 "iiwa_link_5" (fpass) ---- */
 	const float q5 = q[4*stride];
 	float s5, c5;
-	all_small &= rneagen_sincosf_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincosf_known(q5, known, sines + 6, &s5, &c5);
 	const float qd5 = qd[4*stride];
 	const float qdd5 = qdd[4*stride];
 	const float t40 = RNEA_FMA(0.1845f, t36, a4x);
@@ -217,7 +219,7 @@ static RNEA_INLINE int iiwa14_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 6 "iiwa_link_6" (fpass) ---- */
 	const float q6 = q[5*stride];
 	float s6, c6;
-	all_small &= rneagen_sincosf_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincosf_known(q6, known, sines + 8, &s6, &c6);
 	const float qd6 = qd[5*stride];
 	const float qdd6 = qdd[5*stride];
 	const float t57 = RNEA_FMA(0.2155f, t48, a5x);
@@ -249,7 +251,7 @@ static RNEA_INLINE int iiwa14_rnea_body(const float *q, const float *qd, const f
 	/* ---- out to link 7 "iiwa_link_7" (fpass) ---- */
 	const float q7 = q[6*stride];
 	float s7, c7;
-	all_small &= rneagen_sincosf_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincosf_known(q7, known, sines + 10, &s7, &c7);
 	const float qd7 = qd[6*stride];
 	const float qdd7 = qdd[6*stride];
 	const float t70 = RNEA_FMA(0.081f, t66, a6x);
@@ -333,10 +335,11 @@ static RNEA_INLINE int iiwa14_rnea_body(const float *q, const float *qd, const f
 }
 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int iiwa14_fpass_body(const float *q, const float *qd, const float *qdd, float *v, float *a,
-	float *f, const size_t stride, const int small)
+	float *f, const size_t stride, const int known, const float *sines)
 {
 	int all_small = 1;
 
@@ -373,7 +376,7 @@ static RNEA_INLINE int iiwa14_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 2 "iiwa_link_2" (fpass) ---- */
 	const float q2 = q[stride];
 	float s2, c2;
-	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_known(q2, known, sines, &s2, &c2);
 	const float qd2 = qd[stride];
 	const float qdd2 = qdd[stride];
 	const float w2x = qd1*s2;
@@ -424,7 +427,7 @@ static RNEA_INLINE int iiwa14_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 3 "iiwa_link_3" (fpass) ---- */
 	const float q3 = q[2*stride];
 	float s3, c3;
-	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_known(q3, known, sines + 2, &s3, &c3);
 	const float qd3 = qd[2*stride];
 	const float qdd3 = qdd[2*stride];
 	const float t16 = 0.2045f*qd2;
@@ -480,7 +483,7 @@ static RNEA_INLINE int iiwa14_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 4 "iiwa_link_4" (fpass) ---- */
 	const float q4 = q[3*stride];
 	float s4, c4;
-	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_known(q4, known, sines + 4, &s4, &c4);
 	const float qd4 = qd[3*stride];
 	const float qdd4 = qdd[3*stride];
 	const float t30 = RNEA_FMA(0.2155f, w3y, v3x);
@@ -536,7 +539,7 @@ static RNEA_INLINE int iiwa14_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 5 "iiwa_link_5" (fpass) ---- */
 	const float q5 = q[4*stride];
 	float s5, c5;
-	all_small &= rneagen_sincosf_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincosf_known(q5, known, sines + 6, &s5, &c5);
 	const float qd5 = qd[4*stride];
 	const float qdd5 = qdd[4*stride];
 	const float t46 = RNEA_FMA(-0.1845f, w4z, v4x);
@@ -597,7 +600,7 @@ static RNEA_INLINE int iiwa14_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 6 "iiwa_link_6" (fpass) ---- */
 	const float q6 = q[5*stride];
 	float s6, c6;
-	all_small &= rneagen_sincosf_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincosf_known(q6, known, sines + 8, &s6, &c6);
 	const float qd6 = qd[5*stride];
 	const float qdd6 = qdd[5*stride];
 	const float t65 = RNEA_FMA(0.2155f, w5y, v5x);
@@ -653,7 +656,7 @@ static RNEA_INLINE int iiwa14_fpass_body(const float *q, const float *qd, const 
 	/* ---- out to link 7 "iiwa_link_7" (fpass) ---- */
 	const float q7 = q[6*stride];
 	float s7, c7;
-	all_small &= rneagen_sincosf_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincosf_known(q7, known, sines + 10, &s7, &c7);
 	const float qd7 = qd[6*stride];
 	const float qdd7 = qdd[6*stride];
 	const float t81 = RNEA_FMA(-0.081f, w6z, v6x);
@@ -701,10 +704,11 @@ static RNEA_INLINE int iiwa14_fpass_body(const float *q, const float *qd, const 
 }
 
 /* Back to the base: torques tau from the wrenches f.
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int iiwa14_bpass_body(const float *q, const float *f, float *tau, const size_t stride,
-	const int small)
+	const int known, const float *sines)
 {
 	int all_small = 1;
 
@@ -715,7 +719,7 @@ static RNEA_INLINE int iiwa14_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 2 "iiwa_link_2" ---- */
 	const float q2 = q[stride];
 	float s2, c2;
-	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_known(q2, known, sines, &s2, &c2);
 	const float own_n2x = f[9*stride];
 	const float own_n2y = f[10*stride];
 	const float own_n2z = f[11*stride];
@@ -723,7 +727,7 @@ static RNEA_INLINE int iiwa14_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 3 "iiwa_link_3" ---- */
 	const float q3 = q[2*stride];
 	float s3, c3;
-	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_known(q3, known, sines + 2, &s3, &c3);
 	const float own_f3x = f[12*stride];
 	const float own_f3y = f[13*stride];
 	const float own_n3x = f[15*stride];
@@ -733,7 +737,7 @@ static RNEA_INLINE int iiwa14_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 4 "iiwa_link_4" ---- */
 	const float q4 = q[3*stride];
 	float s4, c4;
-	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_known(q4, known, sines + 4, &s4, &c4);
 	const float own_f4x = f[18*stride];
 	const float own_f4y = f[19*stride];
 	const float own_f4z = f[20*stride];
@@ -744,7 +748,7 @@ static RNEA_INLINE int iiwa14_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 5 "iiwa_link_5" ---- */
 	const float q5 = q[4*stride];
 	float s5, c5;
-	all_small &= rneagen_sincosf_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincosf_known(q5, known, sines + 6, &s5, &c5);
 	const float own_f5x = f[24*stride];
 	const float own_f5y = f[25*stride];
 	const float own_f5z = f[26*stride];
@@ -755,7 +759,7 @@ static RNEA_INLINE int iiwa14_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 6 "iiwa_link_6" ---- */
 	const float q6 = q[5*stride];
 	float s6, c6;
-	all_small &= rneagen_sincosf_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincosf_known(q6, known, sines + 8, &s6, &c6);
 	const float own_f6x = f[30*stride];
 	const float own_f6y = f[31*stride];
 	const float own_f6z = f[32*stride];
@@ -766,7 +770,7 @@ static RNEA_INLINE int iiwa14_bpass_body(const float *q, const float *f, float *
 	/* ---- out to link 7 "iiwa_link_7" ---- */
 	const float q7 = q[6*stride];
 	float s7, c7;
-	all_small &= rneagen_sincosf_either(q7, small, &s7, &c7);
+	all_small &= rneagen_sincosf_known(q7, known, sines + 10, &s7, &c7);
 	const float own_f7x = f[36*stride];
 	const float own_f7y = f[37*stride];
 	const float own_f7z = f[38*stride];
@@ -920,21 +924,45 @@ static RNEA_INLINE void rneagen_sincosf_accurate(float x, float *s, float *c)
 	rneagen_sincosf_turn(q, r, e, s, c);
 }
 #endif
-#ifndef RNEAGEN_SINCOSF_EITHER
-#define RNEAGEN_SINCOSF_EITHER
+#ifndef RNEAGEN_SINCOSF_KNOWN
+#define RNEAGEN_SINCOSF_KNOWN
 
-/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not,
-   and `small`, sine and cosine mean nothing. */
-static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c)
+/* Sine and cosine as they stand at sines[0] and sines[1] where they are known, else of a small x, without a branch.
+   Returns whether |x| is small: if not, and not `known`, they mean nothing. */
+static RNEA_INLINE int rneagen_sincosf_known(float x, const int known, const float *sines, float *s, float *c)
 {
-	if (small) {
-		float r, e;
-		const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
-		rneagen_sincosf_turn(q, r, e, s, c);
-	} else {
-		rneagen_sincosf_accurate(x, s, c);
+	float r, e;
+	const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
+	rneagen_sincosf_turn(q, r, e, s, c);
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750 /* no branch */
+	asm volatile("{ .reg .pred p; setp.ne.s32 p, %2, 0; @p ld.local.f32 %0, [%3]; @p ld.local.f32 %1, [%3+4]; }"
+		: "+f"(*s), "+f"(*c) : "r"(known), "l"(__cvta_generic_to_local(sines)));
+#else
+	if (known) {
+		*s = sines[0];
+		*c = sines[1];
 	}
+#endif
 	return fabsf(x) <= 1e4f;
+}
+
+/* Sines and cosines of any angles, one after the other. */
+static RNEA_INLINE void rneagen_sincosf_each(const float *x, const int angles, float *sines)
+{
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750
+#pragma unroll 1
+	for (int i = 0; i < angles; i++) {
+		asm volatile("" : "+r"(i)); /* one copy */
+		rneagen_sincosf_accurate(x[i], &sines[2 * i], &sines[2 * i + 1]);
+	}
+	asm volatile("" ::"l"(sines) : "memory"); /* they are read */
+#else
+	int small = 1;
+	for (int i = 0; i < angles; i++)
+		small &= rneagen_sincosf_known(x[i], 0, sines, &sines[2 * i], &sines[2 * i + 1]);
+	for (int i = 0; !small && i < angles; i++)
+		rneagen_sincosf_accurate(x[i], &sines[2 * i], &sines[2 * i + 1]);
+#endif
 }
 #endif
 
@@ -951,6 +979,45 @@ static RNEA_INLINE int iiwa14_is_small(const float *q, const size_t stride)
 }
 
 #endif
+/* Sines and cosines for iiwa14_rnea_body, of any angles. */
+static RNEA_INLINE void iiwa14_rnea_sines(const float *q, const size_t stride, float *sines)
+{
+	float x[6];
+	x[0] = q[stride];
+	x[1] = q[2*stride];
+	x[2] = q[3*stride];
+	x[3] = q[4*stride];
+	x[4] = q[5*stride];
+	x[5] = q[6*stride];
+	rneagen_sincosf_each(x, 6, sines);
+}
+
+/* Sines and cosines for iiwa14_fpass_body, of any angles. */
+static RNEA_INLINE void iiwa14_fpass_sines(const float *q, const size_t stride, float *sines)
+{
+	float x[6];
+	x[0] = q[stride];
+	x[1] = q[2*stride];
+	x[2] = q[3*stride];
+	x[3] = q[4*stride];
+	x[4] = q[5*stride];
+	x[5] = q[6*stride];
+	rneagen_sincosf_each(x, 6, sines);
+}
+
+/* Sines and cosines for iiwa14_bpass_body, of any angles. */
+static RNEA_INLINE void iiwa14_bpass_sines(const float *q, const size_t stride, float *sines)
+{
+	float x[6];
+	x[0] = q[stride];
+	x[1] = q[2*stride];
+	x[2] = q[3*stride];
+	x[3] = q[4*stride];
+	x[4] = q[5*stride];
+	x[5] = q[6*stride];
+	rneagen_sincosf_each(x, 6, sines);
+}
+
 
 /* ---- what this text computes, one `key values` a line: librnea reads it ---- */
 #if defined __CUDACC_RTC__
@@ -1017,6 +1084,8 @@ RNEA_INFO const char iiwa14_info[] =
 #ifndef RNEA_MIN_BLOCKS
 #define RNEA_MIN_BLOCKS (RNEA_BLOCK < 64 ? 0 : 768/RNEA_BLOCK)
 #endif
+/* a thread's stack for the sines of large angles: librnea does not take it for spilled registers */
+#define RNEA_SINES_BYTES 80
 
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK, RNEA_MIN_BLOCKS)
 iiwa14_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
@@ -1026,9 +1095,16 @@ iiwa14_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, co
 
 	if (k >= count)
 		return;
-	if (!iiwa14_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1)) {
-		asm volatile("" : "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for later */
-		iiwa14_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0);
+	float sines[12];
+	int known = 0;
+
+	for (;;) {
+		asm volatile("" : "+r"(known), "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for
+		later */
+		if (iiwa14_rnea_body(q + k, qd + k, qdd + k, tau + k, count, known, sines) | known)
+			break;
+		iiwa14_rnea_sines(q + k, count, sines);
+		known = 1;
 	}
 }
 
@@ -1040,7 +1116,17 @@ iiwa14_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, c
 
 	if (k >= count)
 		return;
-	iiwa14_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0);
+	float sines[12];
+	int known = 0;
+
+	for (;;) {
+		asm volatile("" : "+r"(known), "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for
+		later */
+		if (iiwa14_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, known, sines) | known)
+			break;
+		iiwa14_fpass_sines(q + k, count, sines);
+		known = 1;
+	}
 }
 
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK)
@@ -1050,7 +1136,17 @@ iiwa14_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, fl
 
 	if (k >= count)
 		return;
-	iiwa14_bpass_body(q + k, f + k, tau + k, count, 0);
+	float sines[12];
+	int known = 0;
+
+	for (;;) {
+		asm volatile("" : "+r"(known), "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for
+		later */
+		if (iiwa14_bpass_body(q + k, f + k, tau + k, count, known, sines) | known)
+			break;
+		iiwa14_bpass_sines(q + k, count, sines);
+		known = 1;
+	}
 }
 
 
@@ -1094,7 +1190,10 @@ static int iiwa14_are_small(const float *q, size_t count, size_t first, size_t e
 /* One sample, whatever its angles. */
 static void iiwa14_rnea_any(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride)
 {
-	iiwa14_rnea_body(q, qd, qdd, tau, stride, 0);
+	float sines[12];
+
+	iiwa14_rnea_sines(q, stride, sines);
+	iiwa14_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -1106,7 +1205,7 @@ static void iiwa14_rnea_part(const float *restrict q, const float *restrict qd, 
 		if (iiwa14_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				iiwa14_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1);
+				iiwa14_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				iiwa14_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
@@ -1133,7 +1232,10 @@ void iiwa14_rnea_batch(const float *q, const float *qd, const float *qdd, float 
 static void iiwa14_fpass_any(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f,
 	const size_t stride)
 {
-	iiwa14_fpass_body(q, qd, qdd, v, a, f, stride, 0);
+	float sines[12];
+
+	iiwa14_fpass_sines(q, stride, sines);
+	iiwa14_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -1145,7 +1247,7 @@ static void iiwa14_fpass_part(const float *restrict q, const float *restrict qd,
 		if (iiwa14_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				iiwa14_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 1);
+				iiwa14_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				iiwa14_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
@@ -1166,7 +1268,10 @@ void iiwa14_fpass_slice(void *const *arrays, size_t count, size_t first, size_t 
 /* One sample, whatever its angles. */
 static void iiwa14_bpass_any(const float *q, const float *f, float *tau, const size_t stride)
 {
-	iiwa14_bpass_body(q, f, tau, stride, 0);
+	float sines[12];
+
+	iiwa14_bpass_sines(q, stride, sines);
+	iiwa14_bpass_body(q, f, tau, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -1178,7 +1283,7 @@ static void iiwa14_bpass_part(const float *restrict q, const float *restrict f, 
 		if (iiwa14_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				iiwa14_bpass_body(q + k, f + k, tau + k, count, 1);
+				iiwa14_bpass_body(q + k, f + k, tau + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				iiwa14_bpass_any(q + k, f + k, tau + k, count);

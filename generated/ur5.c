@@ -34,7 +34,7 @@
  *   t                with a number of its own: a value that has no name in the textbook
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
- *   small all_small  the caller takes all angles for small; they are
+ *   known sines all_small  the angles' sines and cosines are known; they; all angles are small
  *   RNEA_FMA         a*b + c, rounded once where the machine can
  *   rneagen_...      functions and types that this text brings along
  * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
@@ -60,15 +60,17 @@
 #endif
 
 
-#ifndef RNEAGEN_SINCOS_EITHER
-static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c); /* below */
+#ifndef RNEAGEN_SINCOS_KNOWN
+static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const double *sines, double *s, double *c); /*
+below */
 #endif
 
 /* tau = ID(q, qd, qdd)
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int ur5_rnea_body(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, const int small)
+	const size_t stride, const int known, const double *sines)
 {
 	int all_small = 1;
 
@@ -82,7 +84,7 @@ static RNEA_INLINE int ur5_rnea_body(const double *q, const double *qd, const do
 	/* ---- out to link 2 "upper_arm_link" (fpass) ---- */
 	const double q2 = q[stride];
 	double s2, c2;
-	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_known(q2, known, sines, &s2, &c2);
 	const double qd2 = qd[stride];
 	const double qdd2 = qdd[stride];
 	const double t2 = 4.8965888601467475e-12*qd1;
@@ -110,7 +112,7 @@ static RNEA_INLINE int ur5_rnea_body(const double *q, const double *qd, const do
 	/* ---- out to link 3 "forearm_link" (fpass) ---- */
 	const double q3 = q[2*stride];
 	double s3, c3;
-	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_known(q3, known, sines + 2, &s3, &c3);
 	const double qd3 = qd[2*stride];
 	const double qdd3 = qdd[2*stride];
 	const double t14 = a2x + RNEA_FMA(0.425, t12, 0.1197*(t8 + dw2z));
@@ -138,7 +140,7 @@ static RNEA_INLINE int ur5_rnea_body(const double *q, const double *qd, const do
 	/* ---- out to link 4 "wrist_1_link" (fpass) ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
-	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_known(q4, known, sines + 4, &s4, &c4);
 	const double qd4 = qd[3*stride];
 	const double qdd4 = qdd[3*stride];
 	const double t24 = RNEA_FMA(4.8965888601467475e-12, t16, w3z);
@@ -165,7 +167,7 @@ static RNEA_INLINE int ur5_rnea_body(const double *q, const double *qd, const do
 	/* ---- out to link 5 "wrist_2_link" (fpass) ---- */
 	const double q5 = q[4*stride];
 	double s5, c5;
-	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincos_known(q5, known, sines + 6, &s5, &c5);
 	const double qd5 = qd[4*stride];
 	const double qdd5 = qdd[4*stride];
 	const double t35 = RNEA_FMA(-0.093, RNEA_FMA(t32, w4y, dw4z), a4x);
@@ -188,7 +190,7 @@ static RNEA_INLINE int ur5_rnea_body(const double *q, const double *qd, const do
 	/* ---- out to link 6 "wrist_3_link" (fpass) ---- */
 	const double q6 = q[5*stride];
 	double s6, c6;
-	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincos_known(q6, known, sines + 8, &s6, &c6);
 	const double qd6 = qd[5*stride];
 	const double qdd6 = qdd[5*stride];
 	const double t39 = RNEA_FMA(0.09465, dw5y + t38, a5x);
@@ -268,10 +270,11 @@ static RNEA_INLINE int ur5_rnea_body(const double *q, const double *qd, const do
 }
 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int ur5_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a,
-	double *f, const size_t stride, const int small)
+	double *f, const size_t stride, const int known, const double *sines)
 {
 	int all_small = 1;
 
@@ -304,7 +307,7 @@ static RNEA_INLINE int ur5_fpass_body(const double *q, const double *qd, const d
 	/* ---- out to link 2 "upper_arm_link" (fpass) ---- */
 	const double q2 = q[stride];
 	double s2, c2;
-	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_known(q2, known, sines, &s2, &c2);
 	const double qd2 = qd[stride];
 	const double qdd2 = qdd[stride];
 	const double t2 = 4.8965888601467475e-12*qd1;
@@ -359,7 +362,7 @@ static RNEA_INLINE int ur5_fpass_body(const double *q, const double *qd, const d
 	/* ---- out to link 3 "forearm_link" (fpass) ---- */
 	const double q3 = q[2*stride];
 	double s3, c3;
-	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_known(q3, known, sines + 2, &s3, &c3);
 	const double qd3 = qd[2*stride];
 	const double qdd3 = qdd[2*stride];
 	const double v3y = 0.425*t9;
@@ -411,7 +414,7 @@ static RNEA_INLINE int ur5_fpass_body(const double *q, const double *qd, const d
 	/* ---- out to link 4 "wrist_1_link" (fpass) ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
-	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_known(q4, known, sines + 4, &s4, &c4);
 	const double qd4 = qd[3*stride];
 	const double qdd4 = qdd[3*stride];
 	const double t30 = RNEA_FMA(4.8965888601467475e-12, t23, w3z);
@@ -466,7 +469,7 @@ static RNEA_INLINE int ur5_fpass_body(const double *q, const double *qd, const d
 	/* ---- out to link 5 "wrist_2_link" (fpass) ---- */
 	const double q5 = q[4*stride];
 	double s5, c5;
-	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincos_known(q5, known, sines + 6, &s5, &c5);
 	const double qd5 = qd[4*stride];
 	const double qdd5 = qdd[4*stride];
 	const double t44 = RNEA_FMA(-0.093, w4z, v4x);
@@ -514,7 +517,7 @@ static RNEA_INLINE int ur5_fpass_body(const double *q, const double *qd, const d
 	/* ---- out to link 6 "wrist_3_link" (fpass) ---- */
 	const double q6 = q[5*stride];
 	double s6, c6;
-	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincos_known(q6, known, sines + 8, &s6, &c6);
 	const double qd6 = qd[5*stride];
 	const double qdd6 = qdd[5*stride];
 	const double t49 = RNEA_FMA(0.09465, w5y, v5x);
@@ -560,10 +563,11 @@ static RNEA_INLINE int ur5_fpass_body(const double *q, const double *qd, const d
 }
 
 /* Back to the base: torques tau from the wrenches f.
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int ur5_bpass_body(const double *q, const double *f, double *tau, const size_t stride,
-	const int small)
+	const int known, const double *sines)
 {
 	int all_small = 1;
 
@@ -574,7 +578,7 @@ static RNEA_INLINE int ur5_bpass_body(const double *q, const double *f, double *
 	/* ---- out to link 2 "upper_arm_link" ---- */
 	const double q2 = q[stride];
 	double s2, c2;
-	all_small &= rneagen_sincos_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincos_known(q2, known, sines, &s2, &c2);
 	const double own_f2x = f[6*stride];
 	const double own_f2z = f[8*stride];
 	const double own_n2x = f[9*stride];
@@ -584,7 +588,7 @@ static RNEA_INLINE int ur5_bpass_body(const double *q, const double *f, double *
 	/* ---- out to link 3 "forearm_link" ---- */
 	const double q3 = q[2*stride];
 	double s3, c3;
-	all_small &= rneagen_sincos_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincos_known(q3, known, sines + 2, &s3, &c3);
 	const double own_f3x = f[12*stride];
 	const double own_f3y = f[13*stride];
 	const double own_f3z = f[14*stride];
@@ -595,7 +599,7 @@ static RNEA_INLINE int ur5_bpass_body(const double *q, const double *f, double *
 	/* ---- out to link 4 "wrist_1_link" ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
-	all_small &= rneagen_sincos_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincos_known(q4, known, sines + 4, &s4, &c4);
 	const double own_f4x = f[18*stride];
 	const double own_f4y = f[19*stride];
 	const double own_f4z = f[20*stride];
@@ -606,7 +610,7 @@ static RNEA_INLINE int ur5_bpass_body(const double *q, const double *f, double *
 	/* ---- out to link 5 "wrist_2_link" ---- */
 	const double q5 = q[4*stride];
 	double s5, c5;
-	all_small &= rneagen_sincos_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincos_known(q5, known, sines + 6, &s5, &c5);
 	const double own_f5x = f[24*stride];
 	const double own_f5y = f[25*stride];
 	const double own_f5z = f[26*stride];
@@ -617,7 +621,7 @@ static RNEA_INLINE int ur5_bpass_body(const double *q, const double *f, double *
 	/* ---- out to link 6 "wrist_3_link" ---- */
 	const double q6 = q[5*stride];
 	double s6, c6;
-	all_small &= rneagen_sincos_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincos_known(q6, known, sines + 8, &s6, &c6);
 	const double own_f6x = f[30*stride];
 	const double own_f6y = f[31*stride];
 	const double own_f6z = f[32*stride];
@@ -795,21 +799,45 @@ static RNEA_INLINE void rneagen_sincos_accurate(double x, double *s, double *c)
 	rneagen_sincos_turn(q, r, e, s, c);
 }
 #endif
-#ifndef RNEAGEN_SINCOS_EITHER
-#define RNEAGEN_SINCOS_EITHER
+#ifndef RNEAGEN_SINCOS_KNOWN
+#define RNEAGEN_SINCOS_KNOWN
 
-/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not,
-   and `small`, sine and cosine mean nothing. */
-static RNEA_INLINE int rneagen_sincos_either(double x, const int small, double *s, double *c)
+/* Sine and cosine as they stand at sines[0] and sines[1] where they are known, else of a small x, without a branch.
+   Returns whether |x| is small: if not, and not `known`, they mean nothing. */
+static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const double *sines, double *s, double *c)
 {
-	if (small) {
-		double r, e;
-		const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
-		rneagen_sincos_turn(q, r, e, s, c);
-	} else {
-		rneagen_sincos_accurate(x, s, c);
+	double r, e;
+	const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
+	rneagen_sincos_turn(q, r, e, s, c);
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750 /* no branch */
+	asm volatile("{ .reg .pred p; setp.ne.s32 p, %2, 0; @p ld.local.f64 %0, [%3]; @p ld.local.f64 %1, [%3+8]; }"
+		: "+d"(*s), "+d"(*c) : "r"(known), "l"(__cvta_generic_to_local(sines)));
+#else
+	if (known) {
+		*s = sines[0];
+		*c = sines[1];
 	}
+#endif
 	return fabs(x) <= 1e7;
+}
+
+/* Sines and cosines of any angles, one after the other. */
+static RNEA_INLINE void rneagen_sincos_each(const double *x, const int angles, double *sines)
+{
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750
+#pragma unroll 1
+	for (int i = 0; i < angles; i++) {
+		asm volatile("" : "+r"(i)); /* one copy */
+		rneagen_sincos_accurate(x[i], &sines[2 * i], &sines[2 * i + 1]);
+	}
+	asm volatile("" ::"l"(sines) : "memory"); /* they are read */
+#else
+	int small = 1;
+	for (int i = 0; i < angles; i++)
+		small &= rneagen_sincos_known(x[i], 0, sines, &sines[2 * i], &sines[2 * i + 1]);
+	for (int i = 0; !small && i < angles; i++)
+		rneagen_sincos_accurate(x[i], &sines[2 * i], &sines[2 * i + 1]);
+#endif
 }
 #endif
 
@@ -822,6 +850,42 @@ static RNEA_INLINE int ur5_is_small(const double *q, const size_t stride)
 	for (size_t i = 0; i < 6; i++)
 		small &= fabs(q[i*stride]) <= 1e+07;
 	return small;
+}
+
+/* Sines and cosines for ur5_rnea_body, of any angles. */
+static RNEA_INLINE void ur5_rnea_sines(const double *q, const size_t stride, double *sines)
+{
+	double x[5];
+	x[0] = q[stride];
+	x[1] = q[2*stride];
+	x[2] = q[3*stride];
+	x[3] = q[4*stride];
+	x[4] = q[5*stride];
+	rneagen_sincos_each(x, 5, sines);
+}
+
+/* Sines and cosines for ur5_fpass_body, of any angles. */
+static RNEA_INLINE void ur5_fpass_sines(const double *q, const size_t stride, double *sines)
+{
+	double x[5];
+	x[0] = q[stride];
+	x[1] = q[2*stride];
+	x[2] = q[3*stride];
+	x[3] = q[4*stride];
+	x[4] = q[5*stride];
+	rneagen_sincos_each(x, 5, sines);
+}
+
+/* Sines and cosines for ur5_bpass_body, of any angles. */
+static RNEA_INLINE void ur5_bpass_sines(const double *q, const size_t stride, double *sines)
+{
+	double x[5];
+	x[0] = q[stride];
+	x[1] = q[2*stride];
+	x[2] = q[3*stride];
+	x[3] = q[4*stride];
+	x[4] = q[5*stride];
+	rneagen_sincos_each(x, 5, sines);
 }
 
 
@@ -904,7 +968,10 @@ static int ur5_are_small(const double *q, size_t count, size_t first, size_t end
 /* One sample, whatever its angles. */
 static void ur5_rnea_any(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride)
 {
-	ur5_rnea_body(q, qd, qdd, tau, stride, 0);
+	double sines[10];
+
+	ur5_rnea_sines(q, stride, sines);
+	ur5_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -916,7 +983,7 @@ static void ur5_rnea_part(const double *restrict q, const double *restrict qd, c
 		if (ur5_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				ur5_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1);
+				ur5_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				ur5_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
@@ -943,7 +1010,10 @@ void ur5_rnea_batch(const double *q, const double *qd, const double *qdd, double
 static void ur5_fpass_any(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f,
 	const size_t stride)
 {
-	ur5_fpass_body(q, qd, qdd, v, a, f, stride, 0);
+	double sines[10];
+
+	ur5_fpass_sines(q, stride, sines);
+	ur5_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -955,7 +1025,7 @@ static void ur5_fpass_part(const double *restrict q, const double *restrict qd, 
 		if (ur5_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				ur5_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 1);
+				ur5_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				ur5_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
@@ -976,7 +1046,10 @@ void ur5_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end
 /* One sample, whatever its angles. */
 static void ur5_bpass_any(const double *q, const double *f, double *tau, const size_t stride)
 {
-	ur5_bpass_body(q, f, tau, stride, 0);
+	double sines[10];
+
+	ur5_bpass_sines(q, stride, sines);
+	ur5_bpass_body(q, f, tau, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -988,7 +1061,7 @@ static void ur5_bpass_part(const double *restrict q, const double *restrict f, d
 		if (ur5_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				ur5_bpass_body(q + k, f + k, tau + k, count, 1);
+				ur5_bpass_body(q + k, f + k, tau + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				ur5_bpass_any(q + k, f + k, tau + k, count);

@@ -35,7 +35,7 @@
  *   t                with a number of its own: a value that has no name in the textbook
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
- *   small all_small  the caller takes all angles for small; they are
+ *   known sines all_small  the angles' sines and cosines are known; they; all angles are small
  *   RNEA_FMA         a*b + c, rounded once where the machine can
  *   rneagen_...      functions and types that this text brings along
  * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
@@ -67,15 +67,17 @@
 #endif
 #endif
 
-#ifndef RNEAGEN_SINCOSF_EITHER
-static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c); /* below */
+#ifndef RNEAGEN_SINCOSF_KNOWN
+static RNEA_INLINE int rneagen_sincosf_known(float x, const int known, const float *sines, float *s, float *c); /* below
+*/
 #endif
 
 /* tau = ID(q, qd, qdd)
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int ur5_rnea_body(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride,
-	const int small)
+	const int known, const float *sines)
 {
 	int all_small = 1;
 
@@ -89,7 +91,7 @@ static RNEA_INLINE int ur5_rnea_body(const float *q, const float *qd, const floa
 	/* ---- out to link 2 "upper_arm_link" (fpass) ---- */
 	const float q2 = q[stride];
 	float s2, c2;
-	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_known(q2, known, sines, &s2, &c2);
 	const float qd2 = qd[stride];
 	const float qdd2 = qdd[stride];
 	const float t2 = 4.8965888e-12f*qd1;
@@ -116,7 +118,7 @@ static RNEA_INLINE int ur5_rnea_body(const float *q, const float *qd, const floa
 	/* ---- out to link 3 "forearm_link" (fpass) ---- */
 	const float q3 = q[2*stride];
 	float s3, c3;
-	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_known(q3, known, sines + 2, &s3, &c3);
 	const float qd3 = qd[2*stride];
 	const float qdd3 = qdd[2*stride];
 	const float t14 = a2x + RNEA_FMA(0.425f, t12, 0.1197f*(t8 + dw2z));
@@ -144,7 +146,7 @@ static RNEA_INLINE int ur5_rnea_body(const float *q, const float *qd, const floa
 	/* ---- out to link 4 "wrist_1_link" (fpass) ---- */
 	const float q4 = q[3*stride];
 	float s4, c4;
-	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_known(q4, known, sines + 4, &s4, &c4);
 	const float qd4 = qd[3*stride];
 	const float qdd4 = qdd[3*stride];
 	const float t24 = RNEA_FMA(4.8965888e-12f, t16, w3z);
@@ -171,7 +173,7 @@ static RNEA_INLINE int ur5_rnea_body(const float *q, const float *qd, const floa
 	/* ---- out to link 5 "wrist_2_link" (fpass) ---- */
 	const float q5 = q[4*stride];
 	float s5, c5;
-	all_small &= rneagen_sincosf_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincosf_known(q5, known, sines + 6, &s5, &c5);
 	const float qd5 = qd[4*stride];
 	const float qdd5 = qdd[4*stride];
 	const float t35 = RNEA_FMA(-0.093f, RNEA_FMA(t32, w4y, dw4z), a4x);
@@ -194,7 +196,7 @@ static RNEA_INLINE int ur5_rnea_body(const float *q, const float *qd, const floa
 	/* ---- out to link 6 "wrist_3_link" (fpass) ---- */
 	const float q6 = q[5*stride];
 	float s6, c6;
-	all_small &= rneagen_sincosf_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincosf_known(q6, known, sines + 8, &s6, &c6);
 	const float qd6 = qd[5*stride];
 	const float qdd6 = qdd[5*stride];
 	const float t39 = RNEA_FMA(0.09465f, dw5y + t38, a5x);
@@ -274,10 +276,11 @@ static RNEA_INLINE int ur5_rnea_body(const float *q, const float *qd, const floa
 }
 
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
 static RNEA_INLINE int ur5_fpass_body(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f,
-	const size_t stride, const int small)
+	const size_t stride, const int known, const float *sines)
 {
 	int all_small = 1;
 
@@ -310,7 +313,7 @@ static RNEA_INLINE int ur5_fpass_body(const float *q, const float *qd, const flo
 	/* ---- out to link 2 "upper_arm_link" (fpass) ---- */
 	const float q2 = q[stride];
 	float s2, c2;
-	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_known(q2, known, sines, &s2, &c2);
 	const float qd2 = qd[stride];
 	const float qdd2 = qdd[stride];
 	const float t2 = 4.8965888e-12f*qd1;
@@ -363,7 +366,7 @@ static RNEA_INLINE int ur5_fpass_body(const float *q, const float *qd, const flo
 	/* ---- out to link 3 "forearm_link" (fpass) ---- */
 	const float q3 = q[2*stride];
 	float s3, c3;
-	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_known(q3, known, sines + 2, &s3, &c3);
 	const float qd3 = qd[2*stride];
 	const float qdd3 = qdd[2*stride];
 	const float v3y = 0.425f*t9;
@@ -415,7 +418,7 @@ static RNEA_INLINE int ur5_fpass_body(const float *q, const float *qd, const flo
 	/* ---- out to link 4 "wrist_1_link" (fpass) ---- */
 	const float q4 = q[3*stride];
 	float s4, c4;
-	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_known(q4, known, sines + 4, &s4, &c4);
 	const float qd4 = qd[3*stride];
 	const float qdd4 = qdd[3*stride];
 	const float t30 = RNEA_FMA(4.8965888e-12f, t23, w3z);
@@ -470,7 +473,7 @@ static RNEA_INLINE int ur5_fpass_body(const float *q, const float *qd, const flo
 	/* ---- out to link 5 "wrist_2_link" (fpass) ---- */
 	const float q5 = q[4*stride];
 	float s5, c5;
-	all_small &= rneagen_sincosf_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincosf_known(q5, known, sines + 6, &s5, &c5);
 	const float qd5 = qd[4*stride];
 	const float qdd5 = qdd[4*stride];
 	const float t44 = RNEA_FMA(-0.093f, w4z, v4x);
@@ -518,7 +521,7 @@ static RNEA_INLINE int ur5_fpass_body(const float *q, const float *qd, const flo
 	/* ---- out to link 6 "wrist_3_link" (fpass) ---- */
 	const float q6 = q[5*stride];
 	float s6, c6;
-	all_small &= rneagen_sincosf_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincosf_known(q6, known, sines + 8, &s6, &c6);
 	const float qd6 = qd[5*stride];
 	const float qdd6 = qdd[5*stride];
 	const float t49 = RNEA_FMA(0.09465f, w5y, v5x);
@@ -564,9 +567,11 @@ static RNEA_INLINE int ur5_fpass_body(const float *q, const float *qd, const flo
 }
 
 /* Back to the base: torques tau from the wrenches f.
-   Returns whether all angles are small: if not, and `small`, the results mean nothing.
+   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
+   the results mean nothing.
    Row r of an array is at [r*stride]. */
-static RNEA_INLINE int ur5_bpass_body(const float *q, const float *f, float *tau, const size_t stride, const int small)
+static RNEA_INLINE int ur5_bpass_body(const float *q, const float *f, float *tau, const size_t stride, const int known,
+	const float *sines)
 {
 	int all_small = 1;
 
@@ -577,7 +582,7 @@ static RNEA_INLINE int ur5_bpass_body(const float *q, const float *f, float *tau
 	/* ---- out to link 2 "upper_arm_link" ---- */
 	const float q2 = q[stride];
 	float s2, c2;
-	all_small &= rneagen_sincosf_either(q2, small, &s2, &c2);
+	all_small &= rneagen_sincosf_known(q2, known, sines, &s2, &c2);
 	const float own_f2x = f[6*stride];
 	const float own_f2z = f[8*stride];
 	const float own_n2x = f[9*stride];
@@ -587,7 +592,7 @@ static RNEA_INLINE int ur5_bpass_body(const float *q, const float *f, float *tau
 	/* ---- out to link 3 "forearm_link" ---- */
 	const float q3 = q[2*stride];
 	float s3, c3;
-	all_small &= rneagen_sincosf_either(q3, small, &s3, &c3);
+	all_small &= rneagen_sincosf_known(q3, known, sines + 2, &s3, &c3);
 	const float own_f3x = f[12*stride];
 	const float own_f3y = f[13*stride];
 	const float own_f3z = f[14*stride];
@@ -598,7 +603,7 @@ static RNEA_INLINE int ur5_bpass_body(const float *q, const float *f, float *tau
 	/* ---- out to link 4 "wrist_1_link" ---- */
 	const float q4 = q[3*stride];
 	float s4, c4;
-	all_small &= rneagen_sincosf_either(q4, small, &s4, &c4);
+	all_small &= rneagen_sincosf_known(q4, known, sines + 4, &s4, &c4);
 	const float own_f4x = f[18*stride];
 	const float own_f4y = f[19*stride];
 	const float own_f4z = f[20*stride];
@@ -609,7 +614,7 @@ static RNEA_INLINE int ur5_bpass_body(const float *q, const float *f, float *tau
 	/* ---- out to link 5 "wrist_2_link" ---- */
 	const float q5 = q[4*stride];
 	float s5, c5;
-	all_small &= rneagen_sincosf_either(q5, small, &s5, &c5);
+	all_small &= rneagen_sincosf_known(q5, known, sines + 6, &s5, &c5);
 	const float own_f5x = f[24*stride];
 	const float own_f5y = f[25*stride];
 	const float own_f5z = f[26*stride];
@@ -620,7 +625,7 @@ static RNEA_INLINE int ur5_bpass_body(const float *q, const float *f, float *tau
 	/* ---- out to link 6 "wrist_3_link" ---- */
 	const float q6 = q[5*stride];
 	float s6, c6;
-	all_small &= rneagen_sincosf_either(q6, small, &s6, &c6);
+	all_small &= rneagen_sincosf_known(q6, known, sines + 8, &s6, &c6);
 	const float own_f6x = f[30*stride];
 	const float own_f6y = f[31*stride];
 	const float own_f6z = f[32*stride];
@@ -771,21 +776,45 @@ static RNEA_INLINE void rneagen_sincosf_accurate(float x, float *s, float *c)
 	rneagen_sincosf_turn(q, r, e, s, c);
 }
 #endif
-#ifndef RNEAGEN_SINCOSF_EITHER
-#define RNEAGEN_SINCOSF_EITHER
+#ifndef RNEAGEN_SINCOSF_KNOWN
+#define RNEAGEN_SINCOSF_KNOWN
 
-/* The same bits either way: without a branch where the caller says that |x| is small. Returns whether it is: if not,
-   and `small`, sine and cosine mean nothing. */
-static RNEA_INLINE int rneagen_sincosf_either(float x, const int small, float *s, float *c)
+/* Sine and cosine as they stand at sines[0] and sines[1] where they are known, else of a small x, without a branch.
+   Returns whether |x| is small: if not, and not `known`, they mean nothing. */
+static RNEA_INLINE int rneagen_sincosf_known(float x, const int known, const float *sines, float *s, float *c)
 {
-	if (small) {
-		float r, e;
-		const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
-		rneagen_sincosf_turn(q, r, e, s, c);
-	} else {
-		rneagen_sincosf_accurate(x, s, c);
+	float r, e;
+	const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
+	rneagen_sincosf_turn(q, r, e, s, c);
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750 /* no branch */
+	asm volatile("{ .reg .pred p; setp.ne.s32 p, %2, 0; @p ld.local.f32 %0, [%3]; @p ld.local.f32 %1, [%3+4]; }"
+		: "+f"(*s), "+f"(*c) : "r"(known), "l"(__cvta_generic_to_local(sines)));
+#else
+	if (known) {
+		*s = sines[0];
+		*c = sines[1];
 	}
+#endif
 	return fabsf(x) <= 1e4f;
+}
+
+/* Sines and cosines of any angles, one after the other. */
+static RNEA_INLINE void rneagen_sincosf_each(const float *x, const int angles, float *sines)
+{
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750
+#pragma unroll 1
+	for (int i = 0; i < angles; i++) {
+		asm volatile("" : "+r"(i)); /* one copy */
+		rneagen_sincosf_accurate(x[i], &sines[2 * i], &sines[2 * i + 1]);
+	}
+	asm volatile("" ::"l"(sines) : "memory"); /* they are read */
+#else
+	int small = 1;
+	for (int i = 0; i < angles; i++)
+		small &= rneagen_sincosf_known(x[i], 0, sines, &sines[2 * i], &sines[2 * i + 1]);
+	for (int i = 0; !small && i < angles; i++)
+		rneagen_sincosf_accurate(x[i], &sines[2 * i], &sines[2 * i + 1]);
+#endif
 }
 #endif
 
@@ -802,6 +831,42 @@ static RNEA_INLINE int ur5_is_small(const float *q, const size_t stride)
 }
 
 #endif
+/* Sines and cosines for ur5_rnea_body, of any angles. */
+static RNEA_INLINE void ur5_rnea_sines(const float *q, const size_t stride, float *sines)
+{
+	float x[5];
+	x[0] = q[stride];
+	x[1] = q[2*stride];
+	x[2] = q[3*stride];
+	x[3] = q[4*stride];
+	x[4] = q[5*stride];
+	rneagen_sincosf_each(x, 5, sines);
+}
+
+/* Sines and cosines for ur5_fpass_body, of any angles. */
+static RNEA_INLINE void ur5_fpass_sines(const float *q, const size_t stride, float *sines)
+{
+	float x[5];
+	x[0] = q[stride];
+	x[1] = q[2*stride];
+	x[2] = q[3*stride];
+	x[3] = q[4*stride];
+	x[4] = q[5*stride];
+	rneagen_sincosf_each(x, 5, sines);
+}
+
+/* Sines and cosines for ur5_bpass_body, of any angles. */
+static RNEA_INLINE void ur5_bpass_sines(const float *q, const size_t stride, float *sines)
+{
+	float x[5];
+	x[0] = q[stride];
+	x[1] = q[2*stride];
+	x[2] = q[3*stride];
+	x[3] = q[4*stride];
+	x[4] = q[5*stride];
+	rneagen_sincosf_each(x, 5, sines);
+}
+
 
 /* ---- what this text computes, one `key values` a line: librnea reads it ---- */
 #if defined __CUDACC_RTC__
@@ -867,6 +932,8 @@ RNEA_INFO const char ur5_info[] =
 #ifndef RNEA_MIN_BLOCKS
 #define RNEA_MIN_BLOCKS (RNEA_BLOCK < 64 ? 0 : 768/RNEA_BLOCK)
 #endif
+/* a thread's stack for the sines of large angles: librnea does not take it for spilled registers */
+#define RNEA_SINES_BYTES 64
 
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK, RNEA_MIN_BLOCKS)
 ur5_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
@@ -876,9 +943,16 @@ ur5_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const
 
 	if (k >= count)
 		return;
-	if (!ur5_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1)) {
-		asm volatile("" : "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for later */
-		ur5_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0);
+	float sines[10];
+	int known = 0;
+
+	for (;;) {
+		asm volatile("" : "+r"(known), "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for
+		later */
+		if (ur5_rnea_body(q + k, qd + k, qdd + k, tau + k, count, known, sines) | known)
+			break;
+		ur5_rnea_sines(q + k, count, sines);
+		known = 1;
 	}
 }
 
@@ -890,7 +964,17 @@ ur5_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, cons
 
 	if (k >= count)
 		return;
-	ur5_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0);
+	float sines[10];
+	int known = 0;
+
+	for (;;) {
+		asm volatile("" : "+r"(known), "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for
+		later */
+		if (ur5_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, known, sines) | known)
+			break;
+		ur5_fpass_sines(q + k, count, sines);
+		known = 1;
+	}
 }
 
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK)
@@ -900,7 +984,17 @@ ur5_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, float
 
 	if (k >= count)
 		return;
-	ur5_bpass_body(q + k, f + k, tau + k, count, 0);
+	float sines[10];
+	int known = 0;
+
+	for (;;) {
+		asm volatile("" : "+r"(known), "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for
+		later */
+		if (ur5_bpass_body(q + k, f + k, tau + k, count, known, sines) | known)
+			break;
+		ur5_bpass_sines(q + k, count, sines);
+		known = 1;
+	}
 }
 
 
@@ -944,7 +1038,10 @@ static int ur5_are_small(const float *q, size_t count, size_t first, size_t end)
 /* One sample, whatever its angles. */
 static void ur5_rnea_any(const float *q, const float *qd, const float *qdd, float *tau, const size_t stride)
 {
-	ur5_rnea_body(q, qd, qdd, tau, stride, 0);
+	float sines[10];
+
+	ur5_rnea_sines(q, stride, sines);
+	ur5_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -956,7 +1053,7 @@ static void ur5_rnea_part(const float *restrict q, const float *restrict qd, con
 		if (ur5_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				ur5_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1);
+				ur5_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				ur5_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
@@ -983,7 +1080,10 @@ void ur5_rnea_batch(const float *q, const float *qd, const float *qdd, float *ta
 static void ur5_fpass_any(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f,
 	const size_t stride)
 {
-	ur5_fpass_body(q, qd, qdd, v, a, f, stride, 0);
+	float sines[10];
+
+	ur5_fpass_sines(q, stride, sines);
+	ur5_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -995,7 +1095,7 @@ static void ur5_fpass_part(const float *restrict q, const float *restrict qd, co
 		if (ur5_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				ur5_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 1);
+				ur5_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				ur5_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
@@ -1016,7 +1116,10 @@ void ur5_fpass_slice(void *const *arrays, size_t count, size_t first, size_t end
 /* One sample, whatever its angles. */
 static void ur5_bpass_any(const float *q, const float *f, float *tau, const size_t stride)
 {
-	ur5_bpass_body(q, f, tau, stride, 0);
+	float sines[10];
+
+	ur5_bpass_sines(q, stride, sines);
+	ur5_bpass_body(q, f, tau, stride, 1, sines);
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
@@ -1028,7 +1131,7 @@ static void ur5_bpass_part(const float *restrict q, const float *restrict f, flo
 		if (ur5_are_small(q, count, first, next)) {
 			RNEA_INDEPENDENT
 			for (size_t k = first; k < next; k++)
-				ur5_bpass_body(q + k, f + k, tau + k, count, 1);
+				ur5_bpass_body(q + k, f + k, tau + k, count, 0, 0);
 		} else {
 			for (size_t k = first; k < next; k++)
 				ur5_bpass_any(q + k, f + k, tau + k, count);

@@ -66,9 +66,24 @@ int emit_mark_arguments(const struct plan *p, unsigned char *used)
 	return stride;
 }
 
-/* An argument of which nothing is read or written would be an unused parameter. */
-static void put_unused_arguments(const struct plan *p, struct text *out)
+void emit_unused_sines(const struct emission *e, const struct plan *p, struct text *out)
 {
+	int narrow = 0, wide = 0;
+
+	for (size_t i = 0; i < p->line_count; i++)
+		if (p->lines[i].kind == LINE_SINCOS && p->dag->nodes[p->lines[i].value.i].is_wide)
+			wide = 1;
+		else if (p->lines[i].kind == LINE_SINCOS)
+			narrow = 1;
+	text_put(out, narrow || wide ? "" : "\t(void)known;\n");
+	text_put(out, narrow ? "" : "\t(void)sines;\n");
+	text_put(out, wide || !e->wide ? "" : "\t(void)sines_wide;\n");
+}
+
+/* An argument of which nothing is read or written would be an unused parameter. */
+static void put_unused_arguments(const struct emission *e, const struct pass *pass, struct text *out)
+{
+	const struct plan *p = &pass->plan;
 	unsigned char used[DAG_ARGUMENTS] = {0};
 	int stride = emit_mark_arguments(p, used);
 
@@ -76,24 +91,25 @@ static void put_unused_arguments(const struct plan *p, struct text *out)
 		if (!used[i])
 			text_printf(out, "\t(void)%s;\n", p->dag->arguments[i].name);
 	text_put(out, stride ? "" : "\t(void)stride;\n");
+	if (emit_has_known(e))
+		emit_unused_sines(e, p, out);
 }
 
 static void put_statements(const struct emission *e, const struct pass *p, struct text *out)
 {
-	put_unused_arguments(&p->plan, out);
-	text_put(out, emit_has_small(e) && !plan_operations(&p->plan).sincos ? "\t(void)small;\n" : "");
-	text_put(out, emit_has_small(e) ? "\tint all_small = 1;\n" : "");
+	put_unused_arguments(e, p, out);
+	text_put(out, emit_has_known(e) ? "\tint all_small = 1;\n" : "");
 	unparse(e, p, e->numbers, out);
-	text_put(out, emit_has_small(e) ? "\treturn all_small;\n" : "");
+	text_put(out, emit_has_known(e) ? "\treturn all_small;\n" : "");
 }
 
 static void put_body(const struct emission *e, const struct pass *p, struct text *out)
 {
 	const struct slot slots[] = {
 		{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
-		{"SMALL_PARAM", emit_has_small(e) ? ", const int small" : ""},
-		{"RESULT", emit_has_small(e) ? "int" : "void"},
-		{"RETURNS", emit_has_small(e) ? EMIT_RETURNS : ""},
+		{"KNOWN_PARAM", emit_known_params(e)},
+		{"RESULT", emit_has_known(e) ? "int" : "void"},
+		{"RETURNS", emit_has_known(e) ? EMIT_RETURNS : ""},
 	};
 	size_t count = sizeof slots / sizeof *slots;
 	size_t from = out->length;
@@ -166,8 +182,9 @@ static const char *further_text(const struct emission *e)
 
 	text_init(&t, e->arena);
 	for (const struct pass *p = emit_main(e) + 1; p < e->passes + e->pass_count; p++) {
+		const struct call c = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_NAMES), .q = "q", .stride = "1"};
 		const struct slot slots[] = {{"BRIEF", p->algorithm->brief}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
-			{"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"}, {"ANY_ANGLE", emit_has_small(e) ? ", 0" : ""},
+			{"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"}, {"CALL", emit_call(e, p, &c)},
 			{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)}};
 
 		template_expand(&t, template_further_h_in, slots, sizeof slots / sizeof *slots);
@@ -238,20 +255,24 @@ static const char *is_small_text(const struct emission *e)
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (!emit_has_small(e) || !tests_angles(e))
+	if (!emit_has_known(e))
 		return "";
+	if (!tests_angles(e))
+		return emit_sines(e);
 	if (host_only)
 		text_printf(&t, "#if !defined %s\n", e->target->kernel->compiler);
 	template_expand(&t, template_is_small_in, slots, sizeof slots / sizeof *slots);
 	text_put(&t, host_only ? "#endif\n" : "");
+	text_put(&t, emit_sines(e));
 	return text_string(&t);
 }
 
 /* The call of a part's body with the dispatcher's own arguments. */
 static void put_part_call(const struct emission *e, int part, struct text *out)
 {
-	text_printf(out, "%s%s_%s_body(%s, stride%s);", emit_has_small(e) ? "all_small &= " : "", e->options->name,
-		e->parts[part].algorithm.name, emit_params(e, emit_main(e), PARAMS_NAMES), emit_has_small(e) ? ", small" : "");
+	text_printf(out, "%s%s_%s_body(%s, stride%s%s);", emit_has_known(e) ? "all_small &= " : "", e->options->name,
+		e->parts[part].algorithm.name, emit_params(e, emit_main(e), PARAMS_NAMES),
+		emit_has_known(e) ? ", " : "", emit_has_known(e) ? emit_known_names(e) : "");
 }
 
 /* The body that calls the parts'. */
@@ -270,9 +291,9 @@ static void put_dispatcher(const struct emission *e, struct text *out)
 		put_part_call(e, i, &calls);
 	}
 	const struct slot slots[] = {{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
-		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"SMALL_PARAM", emit_has_small(e) ? ", const int small" : ""},
-		{"RESULT", emit_has_small(e) ? "int" : "void"}, {"RETURNS", emit_has_small(e) ? EMIT_RETURNS : ""},
-		{"BEGIN", emit_has_small(e) ? "\tint all_small = 1;" : ""}, {"END", emit_has_small(e) ? "\treturn all_small;" : ""},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)},
+		{"RESULT", emit_has_known(e) ? "int" : "void"}, {"RETURNS", emit_has_known(e) ? EMIT_RETURNS : ""},
+		{"BEGIN", emit_has_known(e) ? "\tint all_small = 1;" : ""}, {"END", emit_has_known(e) ? "\treturn all_small;" : ""},
 		{"COUNT", emit_int(e, e->part_count)}, {"CASES", text_string(&cases)}, {"CALLS", text_string(&calls)}};
 	size_t from = out->length;
 
@@ -306,6 +327,8 @@ static void put_bodies(const struct emission *e, struct text *out)
 void emit_source(const struct emission *e, struct text *out)
 {
 	const struct pass *p = e->passes;
+	const struct call call = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_NAMES), .q = "q", .stride = "1",
+		.is_any = e->target->has_batches};
 	struct text kernels;
 	const char *rest;
 
@@ -315,18 +338,20 @@ void emit_source(const struct emission *e, struct text *out)
 	const struct slot slots[] = {
 		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"INFO", info_text(e)}, {"PATTERNS", emit_patterns(e)},
 		{"ARITHMETIC", emit_arithmetic(e, e->target)}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
+		{"KNOWN_MACROS", emit_has_known(e) ? template_header_known_in : ""},
+		{"UNDEF_KNOWN", emit_has_known(e) ? "#undef RNEA_KNOWN\n" : ""},
 		{"UNDEF_STRICT", e->options->strict ? "#undef RNEA_ADD\n#undef RNEA_SUB\n#undef RNEA_MUL\n#undef RNEA_DIV\n#undef RNEA_SQRT\n#undef RNEA_APART\n" : ""},
 		{"UNDEF_WIDE", !e->wide ? "" : !e->options->strict ? "#undef RNEA_WIDE_FMA\n" :
 			"#undef RNEA_WIDE_FMA\n#undef RNEA_WIDE_ADD\n#undef RNEA_WIDE_SUB\n#undef RNEA_WIDE_MUL\n#undef RNEA_WIDE_DIV\n#undef RNEA_WIDE_SQRT\n"},
 		{"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)}, {"MIN_BLOCKS", emit_min_blocks(e)},
 		{"NUMBERS", numbers_text(e)}, {"SINCOS_DECLARATION", emit_sincos_declaration(e)}, {"SINCOS", emit_sincos(e)},
-		{"IS_SMALL", is_small_text(e)}, {"JOINTS", emit_joints(e)}, {"STAGE", emit_stage(e)}, {"STORE", emit_store(e)},
+		{"IS_SMALL", is_small_text(e)}, {"JOINTS", emit_joints(e)}, {"STAGE", emit_stage(e)}, {"SINES_BYTES", emit_sines_bytes(e)}, {"STORE", emit_store(e)},
 		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e)},
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)},
 		{"RNEA_PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"BOUNDED", ""},
-		{"RNEA_CALL", emit_call(e, p, "\t", emit_params(e, p, PARAMS_NAMES), "q", "1")}, {"FURTHER", further_text(e)},
+		{"RNEA_CALL", emit_call(e, p, &call)}, {"FURTHER", further_text(e)},
 		{"SAMPLE", emit_what(e)}, {"PASS", p->algorithm->name},
 		{"PROTOTYPES", emit_prototypes(e)}, {"ENUM", enum_text(e)}, {"DIMENSIONS", emit_dimensions(e)},
 	};

@@ -122,12 +122,17 @@ int emit_has_batches(const struct emission *e);
 /* Mark the arguments that these lines read or write. Returns whether they need the stride from row to row. */
 int emit_mark_arguments(const struct plan *p, unsigned char *used);
 
-/* A pass in segments: the body of each, and the body that runs them one after the other; target C: the function of a part of a
-   batch. */
-#define EMIT_RETURNS "   Returns whether all angles are small: if not, and `small`, the results mean nothing.\n"
+/* What `p` of sines and of whether they are known does not read. */
+void emit_unused_sines(const struct emission *e, const struct plan *p, struct text *out);
+
+/* A pass in segments: the body of each; target C: the functions of a sample and of a part of a batch; CUDA: its kernel. */
+#define EMIT_RETURNS                                                                                                   \
+	"   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,\n" \
+	"   the results mean nothing.\n"
 int emit_has_segments(const struct emission *e);
 void emit_segments(const struct emission *e, const struct pass *p, struct text *out);
-void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *at_sample, struct text *out);
+void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *call_any, const char *at_sample,
+	struct text *out);
 
 void emit_segments_kernel(const struct emission *e, const struct pass *p, const char *at_sample, struct text *out);
 
@@ -151,10 +156,15 @@ const char *emit_min_blocks(const struct emission *e);
 /* Does a sample's first run stand unless an angle turns out to be large? Not where that run fills the registers. */
 int emit_is_optimistic(const struct emission *e);
 
-/* The call of a body with these arguments and stride; in accurate mode behind one test of the sample's angles, where that
-   pays: in the whole algorithm. */
-const char *emit_call(const struct emission *e, const struct pass *p, const char *indent, const char *arguments, const char *q,
-	const char *stride);
+/* A call of a body. */
+struct call {
+	const char *indent, *arguments, *q, *stride;
+	int is_any;        /* the sines of all angles come first, as on a processor; else only where one is large */
+	int is_optimistic; /* in a kernel, on sample k: they come where one turned out to be large, and the body then runs again */
+};
+
+/* The call, and what comes before and after it so that the results are right whatever the angles. */
+const char *emit_call(const struct emission *e, const struct pass *p, const struct call *c);
 
 /* What goes in and what comes out: "q[7], qd[7], qdd[7] -> tau[7]." */
 /* What the main function computes: its algorithm's formula, or in words where a scene asks for other arrays. */
@@ -177,9 +187,37 @@ void emit_banner(const struct emission *e, struct text *out);
 void emit_source(const struct emission *e, struct text *out);
 void emit_declarations(const struct emission *e, struct text *out);
 
-/* In accurate mode the functions take one argument more, which says whether all angles are small: one branch instead of
-   one for each joint. Not where angles are not q alone. */
-int emit_has_small(const struct emission *e);
+/* In accurate mode the bodies take two arguments more, which say whether sines and cosines are known, and what they are: the
+   statements have no branch, and large angles are taken care of before them. Not where angles are not q alone. */
+int emit_has_known(const struct emission *e);
+
+/* The angles of a pass, each once, in the order of the statements: those whose sines are wide numbers, or the others. A part
+   has those of the whole. */
+struct angles {
+	const struct dag *dag;
+	struct ref *angle;
+	int count;
+};
+struct angles emit_angles(const struct emission *e, const struct pass *p, int is_wide);
+int emit_has_angles(const struct emission *e, const struct pass *p);
+
+/* Where an angle of a DAG stands in the list; -1: nowhere. */
+int emit_angle_place(const struct angles *list, const struct dag *d, struct ref angle);
+
+/* Those two arguments: as parameters after others, "" where there are none; as they are handed on; as they are where nothing
+   is known. */
+const char *emit_known_params(const struct emission *e);
+const char *emit_known_names(const struct emission *e);
+const char *emit_unknown_names(const struct emission *e);
+
+/* `known` and the tables that a pass has, after it was declared by emit_rounds: a kernel's loops over the segments, and again for each
+   sample of which an angle is large. */
+const char *emit_known_tables(const struct emission *e, const struct pass *p);
+void emit_rounds(const struct emission *e, const struct pass *p, const char *loops, struct text *out);
+
+/* The functions that fill the tables of sines; the macro that tells the runtime what stack they take. */
+const char *emit_sines(const struct emission *e);
+const char *emit_sines_bytes(const struct emission *e);
 
 /* Is the text one operation alone, rather than algorithms? */
 static inline int emit_is_operation(const struct emission *e)

@@ -48,9 +48,12 @@ static const char *are_small(const struct emission *e, const struct pass *p)
 /* One function for a sample, one for a part of a batch. */
 static void put_functions(const struct emission *e, const struct pass *p, struct text *out)
 {
+	const struct call any = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_NAMES), .q = "q", .stride = "stride", .is_any = 1};
+	const struct call one = {.indent = "\t", .arguments = any.arguments, .q = "q", .stride = "1", .is_any = 1};
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"APART", e->options->strict ? "RNEA_APART " : ""},
-		{"ARE_SMALL", are_small(e, p)}, {"ONE", emit_has_small(e) || p->segments.count ? "any" : "body"}, {"ANY_ANGLE", emit_has_small(e) ? ", 0" : ""},
+		{"ARE_SMALL", are_small(e, p)}, {"ONE", emit_has_known(e) || p->segments.count ? "any" : "body"}, {"CALL_ONE", emit_call(e, p, &one)},
+		{"CALL_ANY", emit_call(e, p, &any)}, {"UNKNOWN", emit_unknown_names(e)},
 		{"COUNT_PARAM", is_soa(e) ? "size_t count, " : ""}, {"COUNT", is_soa(e) ? "count, " : ""},
 		{"UNUSED", is_soa(e) ? "" : "\t(void)count;"}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
@@ -64,9 +67,9 @@ static void put_functions(const struct emission *e, const struct pass *p, struct
 		return;
 	}
 	if (p->segments.count)
-		emit_segments_part(e, p, are_small(e, p), joined(e, emit_params(e, p, PARAMS_AT_SAMPLE), emit_stride(e)), out);
+		emit_segments_part(e, p, are_small(e, p), emit_call(e, p, &any), joined(e, emit_params(e, p, PARAMS_AT_SAMPLE), emit_stride(e)), out);
 	else
-		template_expand(out, emit_has_small(e) ? template_part_accurate_in : template_part_in, slots, count);
+		template_expand(out, emit_has_known(e) ? template_part_accurate_in : template_part_in, slots, count);
 	template_expand(out, template_slice_in, slots, count);
 	if (p == emit_main(e))
 		template_expand(out, template_batch_in, slots, count);
@@ -81,7 +84,7 @@ const char *emit_functions_c(const struct emission *e)
 
 	text_init(&t, e->arena);
 	text_put(&t, emit_has_batches(e) && !emit_has_segments(e) ? template_independent_in : "");
-	if (emit_has_small(e) && emit_has_batches(e))
+	if (emit_has_known(e) && emit_has_batches(e))
 		template_expand(&t, template_are_small_in, slots, sizeof slots / sizeof *slots);
 	for (int i = 0; i < e->pass_count; i++) {
 		text_put(&t, i ? "\n" : "");

@@ -94,6 +94,9 @@ static int is_staged(const struct emission *e)
 	return e->arithmetic->bytes == 8 && 2 * SMALLEST_BLOCK * stage_bytes(e) <= SHARED_BYTES;
 }
 
+/* A sample is taken for one of small angles and computed again if it was not: no test comes before the arithmetic, and no
+   input is read twice (H100, 1 M samples: iiwa14 0.96 of the floor instead of 0.94, hyq 0.92 instead of 0.87;
+   but atlas 0.86 instead of 0.88). */
 int emit_is_optimistic(const struct emission *e)
 {
 	return e->arithmetic->bytes == 4 && !is_staged(e) && e->tree->body_count < MANY_BODIES;
@@ -149,38 +152,6 @@ const char *emit_min_blocks(const struct emission *e)
 		return "0";
 	text_init(&t, e->arena);
 	text_printf(&t, "(RNEA_BLOCK < 64 ? 0 : %d/RNEA_BLOCK)", blocks * emit_block_size(e));
-	return text_string(&t);
-}
-
-const char *emit_call(const struct emission *e, const struct pass *p, const char *indent, const char *arguments,
-	const char *q, const char *stride)
-{
-	const char *name = e->options->name, *pass = p->algorithm->name;
-	struct text t;
-
-	text_init(&t, e->arena);
-	if (!emit_has_small(e)) {
-		text_printf(&t, "%s%s_%s_body(%s, %s);\n", indent, name, pass, arguments, stride);
-	} else if (p != emit_main(e)) {
-		text_printf(&t, "%s%s_%s_body(%s, %s, 0);\n", indent, name, pass, arguments, stride);
-	} else {
-		text_printf(&t, "%sif (%s_is_small(%s, %s))\n", indent, name, q, stride);
-		text_printf(&t, "%s\t%s_%s_body(%s, %s, 1);\n%selse\n", indent, name, pass, arguments, stride, indent);
-		text_printf(&t, "%s\t%s_%s_body(%s, %s, 0);\n", indent, name, pass, arguments, stride);
-	}
-	return text_string(&t);
-}
-
-/* A sample is taken for one of small angles and computed again if it was not: no test comes before the arithmetic, and no
-   input is read twice (H100, 1 M samples: iiwa14 0.96 of the floor instead of 0.94, hyq 0.92 instead of 0.87;
-   but atlas 0.86 instead of 0.88). */
-static const char *optimistic_call(const struct emission *e, const char *arguments)
-{
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"ARGUMENTS", arguments}, {"STRIDE", emit_stride(e)}};
-	struct text t;
-
-	text_init(&t, e->arena);
-	template_expand(&t, e->target->kernel->again, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);
 }
 
@@ -293,13 +264,12 @@ static const char *move_samples(const struct emission *e, int out)
 
 static const char *kernel_call(const struct emission *e, const struct pass *p, int staged)
 {
-	if (staged && e->options->layout == RNEAGEN_SOA)
-		return emit_call(e, p, "\t", here_text(e), "q_here", "stride");
-	if (staged)
-		return emit_call(e, p, "\t\t", here_text(e), "q_here", "1");
-	if (emit_has_small(e) && emit_is_optimistic(e) && p == emit_main(e))
-		return optimistic_call(e, emit_params(e, p, PARAMS_AT_SAMPLE));
-	return emit_call(e, p, "\t", emit_params(e, p, PARAMS_AT_SAMPLE), emit_q_at_sample(e), emit_stride(e));
+	int is_soa = e->options->layout == RNEAGEN_SOA;
+	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = here_text(e), .q = "q_here", .stride = is_soa ? "stride" : "1"};
+	const struct call there = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
+		.stride = emit_stride(e), .is_optimistic = emit_is_optimistic(e)};
+
+	return emit_call(e, p, staged ? &here : &there);
 }
 
 /* Derivatives may take more values than there are registers. ptxas refuses this where the launch gives shared memory. */

@@ -142,8 +142,8 @@ static void put_quantities(const struct emission *e, struct text *out)
 static void put_functions(const struct emission *e, struct text *out)
 {
 	put_entry("stride", "from one row of an array to the next", out);
-	if (emit_has_small(e))
-		put_entry("small all_small", "the caller takes all angles for small; they are", out);
+	if (emit_has_known(e))
+		put_entry("known sines all_small", "the angles' sines and cosines are known; they; all angles are small", out);
 	if (e->options->bounded)
 		put_entry("bound factor", "of each output, how far it may be off; what the bounds' own rounding is made good by", out);
 	if (emit_uses(e, OP_FMA) && e->numbers->calls[OP_MUL] == NULL)

@@ -43,18 +43,6 @@ void emit_options(const struct rneagen_options *o, struct text *out)
 			text_printf(out, "%s%s", i ? "," : " --gravity ", number_plain(o->gravity[i]).s);
 }
 
-int emit_has_small(const struct emission *e)
-{
-	const struct request *k = e->request;
-
-	if (e->options->trig != RNEAGEN_ACCURATE || emit_main(e)->dag.arguments[0].role != ROLE_JOINT_POSITION)
-		return 0;
-	for (int i = 0; i < k->freed_count; i++)
-		if (k->freed[i].kind == FREED_OFFSET)
-			return 0;
-	return 1;
-}
-
 const char *emit_stride(const struct emission *e)
 {
 	return e->options->layout == RNEAGEN_SOA ? "count" : "1";

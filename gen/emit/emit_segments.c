@@ -38,6 +38,13 @@ static const char *across(const struct emission *e, const struct segments *s, co
 	return text_string(&t);
 }
 
+static void put_parameter(const char *type, const char *array, int slots, int lanes, struct text *out)
+{
+	(void)slots;
+	(void)lanes;
+	text_printf(out, "%s *const %s", type, array);
+}
+
 static void put_first_parameter(const char *type, const char *array, int slots, int lanes, struct text *out)
 {
 	(void)slots;
@@ -85,7 +92,7 @@ static const char *first_params(const struct emission *e, const struct pass *p)
 /* What a segment reads and writes. */
 struct touched {
 	unsigned char arguments[DAG_ARGUMENTS];
-	int stride, across[2], sincos;
+	int stride, across[2];
 };
 
 static struct touched touched_by(const struct plan *p)
@@ -94,14 +101,13 @@ static struct touched touched_by(const struct plan *p)
 
 	for (const struct line *l = p->lines; l < p->lines + p->line_count; l++) {
 		t.across[p->dag->nodes[l->value.i].is_wide] |= l->kind == LINE_FETCH || l->kind == LINE_KEEP;
-		t.sincos |= l->kind == LINE_SINCOS;
 	}
 	t.stride = emit_mark_arguments(p, t.arguments);
 	return t;
 }
 
 /* Parameters that it does not touch. */
-static void put_unused(const struct emission *e, const struct pass *p, const struct touched *t, struct text *out)
+static void put_unused(const struct emission *e, const struct pass *p, const struct plan *lines, const struct touched *t, struct text *out)
 {
 	for (int i = 0; i < p->dag.argument_count; i++)
 		if (!t->arguments[i])
@@ -110,7 +116,8 @@ static void put_unused(const struct emission *e, const struct pass *p, const str
 	text_put(out, t->across[0] ? "" : "\t(void)first_across;\n");
 	text_put(out, p->segments.slots[1] && !t->across[1] ? "\t(void)first_wide_across;\n" : "");
 	text_put(out, t->across[0] || t->across[1] ? "" : "\t(void)step;\n");
-	text_put(out, emit_has_small(e) && !t->sincos ? "\t(void)small;\n" : "");
+	if (emit_has_known(e))
+		emit_unused_sines(e, lines, out);
 }
 
 /* This lane's place in the arrays. */
@@ -151,13 +158,13 @@ static void put_segment(const struct emission *e, const struct pass *p, int k, s
 	struct text begin;
 
 	text_init(&begin, e->arena);
-	put_unused(e, p, &touched, &begin);
-	text_put(&begin, emit_has_small(e) ? "\tint all_small = 1;\n" : "");
+	put_unused(e, p, &s->plans[k], &touched, &begin);
+	text_put(&begin, emit_has_known(e) ? "\tint all_small = 1;\n" : "");
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)}, {"COUNT", emit_int(e, s->count)},
 		{"FIRST_PARAMS", first_params(e, p)}, {"ACROSS_PARAMS", across(e, s, ", ", put_first_parameter, 0)},
-		{"SMALL_PARAM", emit_has_small(e) ? ", const int small" : ""}, {"RESULT", emit_has_small(e) ? "int" : "void"},
-		{"BEGIN", text_string(&begin)}, {"BODY", body_of(e, p, k, &touched, w)}, {"END", emit_has_small(e) ? "\treturn all_small;\n" : ""},
+		{"KNOWN_PARAM", emit_known_params(e)}, {"RESULT", emit_has_known(e) ? "int" : "void"},
+		{"BEGIN", text_string(&begin)}, {"BODY", body_of(e, p, k, &touched, w)}, {"END", emit_has_known(e) ? "\treturn all_small;\n" : ""},
 	};
 	size_t from = out->length;
 
@@ -165,47 +172,28 @@ static void put_segment(const struct emission *e, const struct pass *p, int k, s
 	fold(out, from);
 }
 
-static const char *calls_in_body(const struct emission *e, const struct pass *p)
-{
-	const struct segments *s = &p->segments;
-	struct text t;
-
-	text_init(&t, e->arena);
-	for (int k = 0; k < s->count; k++)
-		text_printf(&t, "%s\t%s%s_%s_segment%d(%s, stride, %s, 1%s, 1);", k ? "\n" : "", emit_has_small(e) ? "all_small &= " : "",
-			e->options->name, p->algorithm->name, k, emit_params(e, p, PARAMS_NAMES), across(e, s, ", ", put_name, 0),
-			emit_has_small(e) ? ", small" : "");
-	return text_string(&t);
-}
-
-static const char *declarations_in_body(const struct emission *e, const struct segments *s)
-{
-	struct text t;
-
-	text_init(&t, e->arena);
-	text_printf(&t, "%s%s", across(e, s, "\n", put_array, 1), emit_has_small(e) ? "\n\tint all_small = 1;" : "");
-	return text_string(&t);
-}
-
 void emit_segments(const struct emission *e, const struct pass *p, struct text *out)
 {
-	const struct slot slots[] = {{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
-		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"SMALL_PARAM", emit_has_small(e) ? ", const int small" : ""},
-		{"RESULT", emit_has_small(e) ? "int" : "void"}, {"RETURNS", emit_has_small(e) ? EMIT_RETURNS : ""},
-		{"DECLARATIONS", declarations_in_body(e, &p->segments)}, {"CALLS", calls_in_body(e, p)},
-		{"END", emit_has_small(e) ? "\treturn all_small;\n" : ""}};
 	struct writer w;
-	size_t from;
 
 	unparse_begin(&w, e, p, e->numbers);
 	for (int k = 0; k < p->segments.count; k++)
 		put_segment(e, p, k, &w, out);
-	from = out->length;
-	template_expand(out, template_segments_in, slots, sizeof slots / sizeof *slots);
-	fold(out, from);
 }
 
 /* ---- batches ---- */
+
+/* More arguments: of a segment that is told what its caller is, and of one whose angles are small. */
+static const char *handed_on(const struct emission *e, const char *names)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (emit_has_known(e))
+		text_printf(&t, ", %s", names);
+	return text_string(&t);
+}
+
 
 static const char *lanes_functions(const struct emission *e, const struct pass *p, const char *count_param, const char *at_sample)
 {
@@ -217,24 +205,25 @@ static const char *lanes_functions(const struct emission *e, const struct pass *
 	for (int k = 0; k < s->count; k++) {
 		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
 			{"LANES", emit_int(e, lanes)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", count_param},
-			{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"ANY_ANGLE", emit_has_small(e) ? ", 0" : ""},
-			{"ACROSS_PARAMS", across(e, s, ", ", put_restrict_parameter, 0)}, {"AT_SAMPLE", at_sample},
-			{"ACROSS_NAMES", across(e, s, ", ", put_name, 0)}, {"SMALL", emit_has_small(e) ? ", 1" : ""}};
+			{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"KNOWN", handed_on(e, emit_known_names(e))}, {"KNOWN_PARAM", emit_known_params(e)},
+			{"ACROSS_PARAMS", across(e, s, ", ", put_parameter, 0)}, {"RESTRICT_ACROSS", across(e, s, ", ", put_restrict_parameter, 0)},
+			{"AT_SAMPLE", at_sample},
+			{"ACROSS_NAMES", across(e, s, ", ", put_name, 0)}, {"UNKNOWN", handed_on(e, emit_unknown_names(e))}};
 
 		template_expand(&t, template_segment_lanes_in, slots, sizeof slots / sizeof *slots);
 	}
 	return text_string(&t);
 }
 
-static const char *calls_of(const struct emission *e, const struct pass *p, const char *indent, const char *what, const char *where)
+static const char *calls_of(const struct emission *e, const struct pass *p, const char *indent, const char *what, const char *where, const char *more)
 {
 	const struct segments *s = &p->segments;
 	struct text t;
 
 	text_init(&t, e->arena);
 	for (int k = 0; k < s->count; k++)
-		text_printf(&t, "%s%s%s_%s_%s%d(%s, %s, %s);", k ? "\n" : "", indent, e->options->name, p->algorithm->name, what, k,
-			emit_params(e, p, PARAMS_NAMES), where, across(e, s, ", ", put_name, 0));
+		text_printf(&t, "%s%s%s_%s_%s%d(%s, %s, %s%s);", k ? "\n" : "", indent, e->options->name, p->algorithm->name, what, k,
+			emit_params(e, p, PARAMS_NAMES), where, across(e, s, ", ", put_name, 0), more);
 	return text_string(&t);
 }
 
@@ -243,28 +232,33 @@ static const char *and_small(const struct emission *e, const char *are_small)
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (emit_has_small(e))
+	if (emit_has_known(e))
 		text_printf(&t, " && %s", are_small);
 	return text_string(&t);
 }
 
-void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *at_sample, struct text *out)
+void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *call_any, const char *at_sample,
+	struct text *out)
 {
 	int is_soa = e->options->layout == RNEAGEN_SOA, lanes = lanes_of(e, &p->segments);
 	const char *count_param = is_soa ? "size_t count, " : "";
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
-		{"ANY_ANGLE", emit_has_small(e) ? ", 0" : ""}, {"WHATEVER", emit_has_small(e) ? ", whatever its angles" : ""},
-		{"WHERE_SMALL", emit_has_small(e) ? " where their angles are small, which is the rule" : ""},
-		{"AND_SMALL", and_small(e, are_small)}, {"COUNT_PARAM", count_param}, {"AT_SAMPLE", at_sample}, {"LANES", emit_int(e, lanes)},
-		{"LANES_FUNCTIONS", lanes_functions(e, p, count_param, at_sample)}, {"CALLS", calls_of(e, p, "\t\t\t", "lanes", is_soa ? "count, first" : "first")},
-		{"ONE_CALLS", calls_of(e, p, "\t", "one", "stride")}, {"ONE_DECLARATIONS", across(e, &p->segments, "\n", put_array, 1)},
+		{"KNOWN", handed_on(e, emit_known_names(e))}, {"KNOWN_PARAM", emit_known_params(e)}, {"WHATEVER", emit_has_known(e) ? ", whatever its angles" : ""},
+		{"WHERE_SMALL", emit_has_known(e) ? " where their angles are small, which is the rule" : ""},
+		{"AND_SMALL", and_small(e, are_small)}, {"CALL_ANY", call_any}, {"COUNT_PARAM", count_param}, {"AT_SAMPLE", at_sample}, {"LANES", emit_int(e, lanes)},
+		{"LANES_FUNCTIONS", lanes_functions(e, p, count_param, at_sample)}, {"CALLS", calls_of(e, p, "\t\t\t", "lanes", is_soa ? "count, first" : "first", "")},
+		{"ONE_CALLS", calls_of(e, p, "\t", "one", "stride", handed_on(e, emit_known_names(e)))}, {"ONE_DECLARATIONS", across(e, &p->segments, "\n", put_array, 1)},
 		{"DECLARATIONS", across(e, &p->segments, "\n", put_array, lanes)}};
 
 	template_expand(out, template_part_segments_in, slots, sizeof slots / sizeof *slots);
 }
 
 /* ---- kernels ---- */
+
+/* Samples of a thread: more are not faster (H100, g1_brainco with its 61 bodies, f32, 1 M samples: 1, 2 and 4 take 1338, 742 and
+   643 ps). */
+enum { MOST_SAMPLES = 4 };
 
 static void put_shared(const char *type, const char *array, int slots, int lanes, struct text *out)
 {
@@ -275,28 +269,46 @@ static void put_shared(const char *type, const char *array, int slots, int lanes
 static void put_at_thread(const char *type, const char *array, int slots, int lanes, struct text *out)
 {
 	put_name(type, array, slots, lanes, out);
-	text_put(out, " + threadIdx.x + j*RNEA_BLOCK");
+	text_put(out, " + here + j*RNEA_BLOCK");
 }
 
-static const char *calls_in_kernel(const struct emission *e, const struct pass *p, const char *at_sample)
+static const char *loops_in_kernel(const struct emission *e, const struct pass *p, const char *at_sample)
 {
+	int has_angles = emit_has_known(e) && emit_has_angles(e, p);
 	struct text t;
 
 	text_init(&t, e->arena);
 	for (int k = 0; k < p->segments.count; k++) {
-		text_printf(&t, "%s\t\t#pragma unroll 1\n\t\tfor (unsigned j = 0; j < each; j++) {\n\t\t\tconst size_t k = first + j*RNEA_BLOCK;\n\n", k ? "\n" : "");
-		text_printf(&t, "\t\t\tif (k < count)\n\t\t\t\t%s_%s_segment%d(%s, %s, RNEA_SAMPLES*RNEA_BLOCK%s, 1);\n\t\t}", e->options->name,
-			p->algorithm->name, k, at_sample, across(e, &p->segments, ", ", put_at_thread, 0), emit_has_small(e) ? ", 1" : "");
+		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
+			{"FROM", has_angles ? "from" : "0"}, {"TO", has_angles ? "to" : "each"}, {"LARGE", has_angles ? "large |= (unsigned)!" : ""},
+			{"SHIFT", has_angles ? " << j" : ""}, {"AT_SAMPLE", at_sample}, {"ACROSS", across(e, &p->segments, ", ", put_at_thread, 0)},
+			{"KNOWN", handed_on(e, has_angles ? emit_known_tables(e, p) : emit_unknown_names(e))}};
+
+		template_expand(&t, template_kernel_segment_in, slots, sizeof slots / sizeof *slots);
 	}
+	return text_string(&t);
+}
+
+static const char *rounds_in_kernel(const struct emission *e, const struct pass *p, const char *at_sample)
+{
+	const char *loops = loops_in_kernel(e, p, at_sample);
+	struct text t;
+
+	if (!emit_has_known(e) || !emit_has_angles(e, p))
+		return loops;
+	text_init(&t, e->arena);
+	emit_rounds(e, p, loops, &t);
 	return text_string(&t);
 }
 
 void emit_segments_kernel(const struct emission *e, const struct pass *p, const char *at_sample, struct text *out)
 {
+	int bytes = across_bytes(e, &p->segments);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
-		{"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
+		{"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"}, {"MOST", emit_int(e, MOST_SAMPLES)},
+		{"BYTES", emit_int(e, bytes ? bytes : e->arithmetic->bytes)},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"SHARED", across(e, &p->segments, "\n", put_shared, 0)},
-		{"CALLS", calls_in_kernel(e, p, at_sample)}};
+		{"LOCAL", across(e, &p->segments, "\n", put_array, 1)}, {"ROUNDS", rounds_in_kernel(e, p, at_sample)}};
 
 	template_expand(out, template_kernel_segments_in, slots, sizeof slots / sizeof *slots);
 }

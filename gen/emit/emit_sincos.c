@@ -23,7 +23,7 @@ const char *emit_sincos_name(const struct emission *e, const struct number_type 
 
 	text_init(&t, e->arena);
 	text_printf(&t, "%s%s", e->options->strict ? n->strict_sincos : n->sincos,
-		emit_has_small(e) && !n->is_beside ? "either" : emit_trig_name(n->is_beside ? emit_trig_of(e->options) : trig_of(e, n)));
+		emit_has_known(e) && !n->is_beside ? "known" : emit_trig_name(n->is_beside ? emit_trig_of(e->options) : trig_of(e, n)));
 	return text_string(&t);
 }
 
@@ -39,8 +39,8 @@ static void put_sincos(const struct emission *e, const struct number_type *n, st
 	text_put(out, f->core);
 	text_putc(out, '\n');
 	text_put(out, trig == RNEAGEN_ACCURATE ? f->accurate : f->bounded);
-	if (emit_has_small(e))
-		text_put(out, f->either);
+	if (emit_has_known(e))
+		text_put(out, f->known);
 	text_put(out, fast ? "#endif\n" : "");
 	text_put(out, fast ? "\n" : "");
 	text_put(out, fast ? f->fast : "");
@@ -110,13 +110,17 @@ static const char *guard_of(const struct emission *e, const char *function)
 
 static void put_declaration(const struct emission *e, const struct number_type *n, struct text *out)
 {
-	int either = emit_has_small(e);
+	int known = emit_has_known(e);
+	struct text more;
 	struct text function;
 
 	text_init(&function, e->arena);
-	text_printf(&function, "%s%s", n->sincos, either ? "either" : emit_trig_name(trig_of(e, n)));
+	text_printf(&function, "%s%s", n->sincos, known ? "known" : emit_trig_name(trig_of(e, n)));
+	text_init(&more, e->arena);
+	if (known)
+		text_printf(&more, ", const int known, const %s *sines", n->value);
 	const struct slot slots[] = {{"GUARD", guard_of(e, text_string(&function))}, {"FUNCTION", text_string(&function)},
-		{"RESULT", either ? "int" : "void"}, {"SMALL", either ? ", const int small" : ""}, {"VALUE", n->value},
+		{"RESULT", known ? "int" : "void"}, {"KNOWN", text_string(&more)}, {"VALUE", n->value},
 		{"ANGLE", n->angle_is_memory ? n->memory->type : n->value}};
 
 	template_expand(out, template_sincos_declaration_in, slots, sizeof slots / sizeof *slots);

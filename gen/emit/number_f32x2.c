@@ -15,11 +15,11 @@ static const struct scalar SCALAR_F32X2 = {.name = "f32x2", .type = "struct rnea
 	.bytes = 8, .domain = 1e4, .more = "", .round = round_f32x2};
 
 static const struct sincos_frames SINCOS_F32X2 = {template_sincos_f32x2_core_in, template_sincos_f32x2_bounded_in,
-	template_sincos_f32x2_accurate_in, template_sincos_f32x2_either_in, NULL, &SINCOS_F64};
+	template_sincos_f32x2_accurate_in, template_sincos_f32x2_known_in, NULL, &SINCOS_F64};
 
 /* Of angles that are pairs. */
 static const struct sincos_frames SINCOS_PAIR = {template_sincos_f32x2_core_in, template_sincos_pair_bounded_in,
-	template_sincos_pair_accurate_in, template_sincos_pair_either_in, NULL, &SINCOS_F64};
+	template_sincos_pair_accurate_in, template_sincos_pair_known_in, NULL, &SINCOS_F64};
 
 static const char *const CALLS[OP_COUNT] = {[OP_NEG] = "rneagen_neg", [OP_ADD] = "rneagen_add", [OP_SUB] = "rneagen_sub",
 	[OP_MUL] = "rneagen_mul", [OP_FMA] = "rneagen_fma", [OP_DIV] = "rneagen_div", [OP_SQRT] = "rneagen_sqrt", [OP_ANEW] = ""};

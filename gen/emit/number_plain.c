@@ -39,9 +39,9 @@ const struct scalar SCALAR_F64 = {.name = "f64", .type = "double", .suffix = "",
 	.round = round_f64, .write = write_f64};
 
 static const struct sincos_frames SINCOS_F32 = {template_sincos_f32_core_in, template_sincos_f32_bounded_in,
-	template_sincos_f32_accurate_in, template_sincos_f32_either_in, template_sincos_f32_fast_in, NULL};
+	template_sincos_f32_accurate_in, template_sincos_f32_known_in, template_sincos_f32_fast_in, NULL};
 const struct sincos_frames SINCOS_F64 = {template_sincos_f64_core_in, template_sincos_f64_bounded_in,
-	template_sincos_f64_accurate_in, template_sincos_f64_either_in, NULL, NULL};
+	template_sincos_f64_accurate_in, template_sincos_f64_known_in, NULL, NULL};
 
 #define STRICT_CALLS                                                                                                   \
 	[OP_ADD] = "RNEA_ADD", [OP_SUB] = "RNEA_SUB", [OP_MUL] = "RNEA_MUL", [OP_FMA] = "RNEA_FMA", [OP_DIV] = "RNEA_DIV", \

@@ -37,7 +37,7 @@ struct around {
 
 /* Templates of sine and cosine. Each text has the core, and what its --trig takes. */
 struct sincos_frames {
-	const char *core, *bounded, *accurate, *either;
+	const char *core, *bounded, *accurate, *known;
 	const char *fast;  /* a GPU's own unit; NULL: it has none for this type */
 	const struct sincos_frames *large; /* of the type that takes the large angles in accurate mode; NULL: this one */
 };

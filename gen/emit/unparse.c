@@ -134,13 +134,22 @@ static void put_angle(const struct unparser *u, struct ref a, struct text *out)
 	put_around(&u->numbers->angle, 1, out);
 }
 
+/* `, known, sines + 2`: where sine and cosine stand if they are known. */
+static void put_known(const struct unparser *u, int place, struct text *out)
+{
+	text_printf(out, ", known, sines%s", u == u->wide ? "_wide" : "");
+	if (place > 0)
+		text_printf(out, " + %d", 2 * place);
+	out->failed |= place < 0;
+}
+
 static void put_sincos(const struct unparser *u, struct ref a, struct text *out)
 {
 	const struct emission *e = u->emission;
 	const struct plan *p = u->plan;
 	const struct node *n = &p->dag->nodes[a.i];
 	struct ref s = n->op == OP_SIN ? a : plan_partner(p, a, OP_SIN), c = n->op == OP_COS ? a : plan_partner(p, a, OP_COS);
-	int asks = emit_has_small(e) && !u->numbers->is_beside;
+	int asks = emit_has_known(e) && !u->numbers->is_beside, place = asks ? emit_angle_place(&u->sines, p->dag, n->arg[0]) : 0;
 	const char *sine = p->names[s.i], *cosine = p->names[c.i];
 	char unused[80];
 
@@ -150,7 +159,9 @@ static void put_sincos(const struct unparser *u, struct ref a, struct text *out)
 	text_printf(out, "%s %s, %s;\n\t", u->numbers->value, sine, cosine);
 	text_printf(out, "%s%s(", asks ? "all_small &= " : "", emit_sincos_name(e, u->numbers));
 	put_angle(u, n->arg[0], out);
-	text_printf(out, "%s, &%s, &%s)", asks ? ", small" : "", sine, cosine);
+	if (asks)
+		put_known(u, place, out);
+	text_printf(out, ", &%s, &%s)", sine, cosine);
 }
 
 int unparse_first_bound(const struct dag *d, int argument)
@@ -285,6 +296,10 @@ void unparse_begin(struct writer *w, const struct emission *e, const struct pass
 	w->wide = unparser_new(e, pass, e->wide ? e->wide : numbers);
 	w->own.narrow = w->wide.narrow = &w->own;
 	w->own.wide = w->wide.wide = e->wide ? &w->wide : NULL;
+	if (emit_has_known(e)) {
+		w->own.sines = emit_angles(e, pass, 0);
+		w->wide.sines = emit_angles(e, pass, 1);
+	}
 	if (numbers->angle_is_memory)
 		w->own.angles = only_angles(pass->plan.dag, e->arena);
 }
@@ -293,6 +308,43 @@ void unparse_lines(struct writer *w, const struct plan *p, struct text *out)
 {
 	for (size_t i = 0; i < p->line_count; i++)
 		put_line(&w->own, &p->lines[i], out);
+}
+
+/* Each input as its load; nothing else has a name. */
+static const char **names_of_inputs(const struct unparser *u)
+{
+	const struct dag *d = u->plan->dag;
+	const char **names = arena_alloc(u->emission->arena, d->count, sizeof *names);
+
+	for (size_t i = 0; names && i < d->count; i++) {
+		struct text t;
+
+		if (d->nodes[i].op != OP_INPUT)
+			continue;
+		text_init(&t, u->emission->arena);
+		put_load(u, &d->nodes[i], &t);
+		names[i] = text_string(&t);
+	}
+	return names;
+}
+
+void unparse_angles(const struct emission *e, const struct pass *pass, const struct number_type *numbers, const struct angles *list,
+	const char *suffix, struct text *out)
+{
+	struct unparser u = unparser_new(e, pass, e->numbers), wide = unparser_new(e, pass, e->wide ? e->wide : e->numbers);
+	struct plan plan = pass->plan;
+
+	plan.names = names_of_inputs(&u);
+	if (!plan.names)
+		return;
+	u.plan = wide.plan = &plan;
+	u.narrow = wide.narrow = &u;
+	u.wide = wide.wide = e->wide ? &wide : NULL;
+	for (int i = 0; i < list->count; i++) {
+		text_printf(out, "\tx%s[%d] = ", suffix, i);
+		put_angle(numbers == e->wide ? &wide : &u, list->angle[i], out);
+		text_put(out, ";\n");
+	}
 }
 
 void unparse(const struct emission *e, const struct pass *pass, const struct number_type *numbers, struct text *out)

@@ -13,6 +13,7 @@ struct unparser {
 	const char *const *calls;    /* of the type, as the options choose them */
 	const struct unparser *narrow, *wide; /* of the two types of numbers in the text; wide: NULL where there is one */
 	const unsigned char *angles; /* per node: an input that sines and cosines alone read, as memory has it; NULL: none */
+	struct angles sines; /* where the table of known ones has them */
 	size_t sections; /* so many of the plan's DAG are behind */
 	unsigned char written[SECTION_COUNT][5]; /* whose formula stands there already: section.c */
 };
@@ -27,6 +28,10 @@ struct writer {
 };
 void unparse_begin(struct writer *w, const struct emission *e, const struct pass *p, const struct number_type *numbers);
 void unparse_lines(struct writer *w, const struct plan *lines, struct text *out);
+
+/* Lines `x[i] = ...`, one for each angle of the list. `suffix` goes after x. */
+void unparse_angles(const struct emission *e, const struct pass *p, const struct number_type *numbers, const struct angles *list,
+	const char *suffix, struct text *out);
 
 /* Where the bounds of an output begin in those of all: one output's come after the other's. */
 int unparse_first_bound(const struct dag *d, int argument);

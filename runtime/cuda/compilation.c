@@ -15,8 +15,8 @@ static int is_beaten(const struct compilation *tried, size_t count, size_t i)
 {
 	for (size_t j = 0; j < count; j++)
 		if (tried[j].block == tried[i].block &&
-			(tried[j].local_bytes < tried[i].local_bytes ||
-				(tried[j].local_bytes == tried[i].local_bytes && j < i)))
+			(tried[j].spilled_bytes < tried[i].spilled_bytes ||
+				(tried[j].spilled_bytes == tried[i].spilled_bytes && j < i)))
 			return 1;
 	return 0;
 }

@@ -51,6 +51,14 @@ static enum rnea_code find_first(const struct device *d, void *module, const str
 
 /* ---- compiling ---- */
 
+/* Local memory beyond the text's own tables of sines, which it only uses for large angles. */
+static size_t spilled_bytes(const struct device_kernel *k, const struct source *s)
+{
+	size_t own = macro_bytes(s, "RNEA_SINES_BYTES");
+
+	return k->resources.local_bytes > own ? k->resources.local_bytes - own : 0;
+}
+
 /* The first kernel of a module, as a compilation to choose from. */
 static enum rnea_code judge(const struct driver *c, const struct image_request *r, void *module, const struct image *i,
 	struct compilation *made, struct rnea_error *e)
@@ -63,7 +71,7 @@ static enum rnea_code judge(const struct driver *c, const struct image_request *
 		return e->code;
 	*made = (struct compilation){.block = i->block,
 		.min_blocks = i->min_blocks,
-		.local_bytes = k.resources.local_bytes,
+		.spilled_bytes = spilled_bytes(&k, r->source),
 		.resident = (unsigned)blocks * i->block};
 	return RNEA_OK;
 }
@@ -104,7 +112,7 @@ static enum rnea_code attempt_bounds(
 
 	if (attempt(c, r, block, 0, t, e))
 		return e->code;
-	if (t->compilations[t->count - 1].local_bytes == 0 || image_is_bound(r) || image_bound(r, block) == 0)
+	if (t->compilations[t->count - 1].spilled_bytes == 0 || image_is_bound(r) || image_bound(r, block) == 0)
 		return RNEA_OK;
 	if (attempt(c, r, block, 1, t, &unbounded) && !is_unfit(&unbounded))
 		*e = unbounded;

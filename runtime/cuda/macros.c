@@ -13,10 +13,16 @@ static const char *find_macro(const struct source *s, const char *macro)
 	return at ? at + length : NULL;
 }
 
-unsigned macro_value(const struct source *s, const char *macro)
+size_t macro_bytes(const struct source *s, const char *macro)
 {
 	const char *at = find_macro(s, macro);
-	unsigned long value = at ? strtoul(at, NULL, 10) : 0;
+
+	return at ? strtoul(at, NULL, 10) : 0;
+}
+
+unsigned macro_value(const struct source *s, const char *macro)
+{
+	size_t value = macro_bytes(s, macro);
 
 	return value <= 1024 ? (unsigned)value : 0;
 }

@@ -1,0 +1,274 @@
+/* Angles and their sines in accurate mode: the arguments and tables by which a body is told the sines of large angles, the
+   functions that make them, and the calls. */
+#include "emit/emit.h"
+#include "emit/template.h"
+#include "emit/unparse.h"
+
+int emit_has_known(const struct emission *e)
+{
+	const struct request *k = e->request;
+
+	if (e->options->trig != RNEAGEN_ACCURATE || emit_main(e)->dag.arguments[0].role != ROLE_JOINT_POSITION)
+		return 0;
+	for (int i = 0; i < k->freed_count; i++)
+		if (k->freed[i].kind == FREED_OFFSET)
+			return 0;
+	return 1;
+}
+
+/* Parts have the table of the whole. */
+static const struct pass *table_of(const struct emission *e, const struct pass *p)
+{
+	for (int i = 0; i < e->part_count; i++)
+		if (p == &e->parts[i].pass)
+			return emit_main(e);
+	return p;
+}
+
+struct angles emit_angles(const struct emission *e, const struct pass *p, int is_wide)
+{
+	const struct pass *table = table_of(e, p);
+	struct angles list = {.dag = &table->dag};
+
+	list.angle = arena_alloc(e->arena, plan_operations(&table->plan).sincos, sizeof *list.angle);
+	for (size_t i = 0; list.angle && i < table->plan.line_count; i++) {
+		const struct line *l = &table->plan.lines[i];
+
+		if (l->kind == LINE_SINCOS && (int)table->dag.nodes[l->value.i].is_wide == is_wide)
+			list.angle[list.count++] = table->dag.nodes[l->value.i].arg[0];
+	}
+	return list;
+}
+
+static int is_same(const struct dag *d, struct ref a, const struct dag *other, struct ref b)
+{
+	const struct node *x = &d->nodes[a.i], *y = &other->nodes[b.i];
+	int same = x->op == y->op && x->value == y->value;
+
+	if (same && x->op == OP_INPUT)
+		return x->arg[0].i == y->arg[0].i && x->arg[1].i == y->arg[1].i;
+	for (int k = 0; same && k < op_arity[x->op]; k++)
+		same = is_same(d, x->arg[k], other, y->arg[k]);
+	return same;
+}
+
+int emit_angle_place(const struct angles *list, const struct dag *d, struct ref angle)
+{
+	for (int i = 0; i < list->count; i++)
+		if (list->dag == d ? list->angle[i].i == angle.i : is_same(list->dag, list->angle[i], d, angle))
+			return i;
+	return -1;
+}
+
+/* ---- arguments ---- */
+
+static const char *joined(const struct emission *e, const char *first, const char *format, const char *wide)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_put(&t, first);
+	if (e->wide)
+		text_printf(&t, format, wide);
+	return text_string(&t);
+}
+
+const char *emit_known_params(const struct emission *e)
+{
+	struct text t;
+
+	if (!emit_has_known(e))
+		return "";
+	text_init(&t, e->arena);
+	text_printf(&t, ", const int known, const %s *sines", e->numbers->value);
+	return joined(e, text_string(&t), ", const %s *sines_wide", e->wide ? e->wide->value : "");
+}
+
+const char *emit_known_names(const struct emission *e)
+{
+	return joined(e, "known, sines", ", sines%s", "_wide");
+}
+
+const char *emit_unknown_names(const struct emission *e)
+{
+	return joined(e, "0, 0", ", %s", "0");
+}
+
+/* A pass may have angles of one type of numbers alone. */
+static const char *tables_text(const struct emission *e, const struct pass *p, const char *known)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "%s%s", known, emit_angles(e, p, 0).count ? "sines" : "0");
+	if (e->wide)
+		text_printf(&t, ", %s", emit_angles(e, p, 1).count ? "sines_wide" : "0");
+	return text_string(&t);
+}
+
+static void put_table(const struct number_type *n, const char *name, int angles, const char *indent, struct text *out)
+{
+	if (angles)
+		text_printf(out, "%s%s%s %s[%d];", out->length ? "\n" : "", out->length ? indent : "", n->value, name, 2 * angles);
+}
+
+/* Their declarations: two numbers for each angle. */
+static const char *declarations_text(const struct emission *e, const struct pass *p, const char *indent)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	put_table(e->numbers, "sines", emit_angles(e, p, 0).count, indent, &t);
+	if (e->wide)
+		put_table(e->wide, "sines_wide", emit_angles(e, p, 1).count, indent, &t);
+	return text_string(&t);
+}
+
+int emit_has_angles(const struct emission *e, const struct pass *p)
+{
+	return emit_angles(e, p, 0).count || (e->wide && emit_angles(e, p, 1).count);
+}
+
+/* Of a type: the angle, its sine and cosine. */
+static int bytes_of(const struct emission *e, const struct number_type *n)
+{
+	return n ? 3 * n->arithmetic->bytes * emit_angles(e, emit_main(e), n == e->wide).count : 0;
+}
+
+const char *emit_sines_bytes(const struct emission *e)
+{
+	const struct slot slots[] = {{"BYTES", emit_int(e, (bytes_of(e, e->numbers) + bytes_of(e, e->wide) + 15) / 16 * 16)}};
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (emit_has_known(e) && emit_has_angles(e, emit_main(e)))
+		template_expand(&t, template_sines_bytes_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
+/* ---- functions ---- */
+
+static void put_each(const struct emission *e, const struct pass *p, const struct number_type *n, const char *suffix,
+	struct text *out)
+{
+	const struct angles list = emit_angles(e, p, n == e->wide);
+
+	if (!list.count)
+		return;
+	text_printf(out, "\t%s x%s[%d];\n", n->angle_is_memory ? n->memory->type : n->value, suffix, list.count);
+	unparse_angles(e, p, n, &list, suffix, out);
+	text_printf(out, "\t%seach(x%s, %d, sines%s);\n", e->options->strict ? n->strict_sincos : n->sincos, suffix, list.count, suffix);
+}
+
+/* Is a row read with the stride: one that is not the first? */
+static int has_stride(const struct dag *d, struct ref a)
+{
+	const struct node *n = &d->nodes[a.i];
+	int found = n->op == OP_INPUT && n->arg[1].i > 0;
+
+	for (int k = 0; !found && k < op_arity[n->op]; k++)
+		found = has_stride(d, n->arg[k]);
+	return found;
+}
+
+static int any_has_stride(const struct angles list)
+{
+	for (int i = 0; i < list.count; i++)
+		if (has_stride(list.dag, list.angle[i]))
+			return 1;
+	return 0;
+}
+
+static const char *each_text(const struct emission *e, const struct pass *p)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	put_each(e, p, e->numbers, "", &t);
+	if (e->wide)
+		put_each(e, p, e->wide, "_wide", &t);
+	if (!any_has_stride(emit_angles(e, p, 0)) && !(e->wide && any_has_stride(emit_angles(e, p, 1))))
+		text_put(&t, "\t(void)stride;\n");
+	if (!emit_angles(e, p, 0).count)
+		text_put(&t, "\t(void)sines;\n");
+	if (e->wide && !emit_angles(e, p, 1).count)
+		text_put(&t, "\t(void)sines_wide;\n");
+	return text_string(&t);
+}
+
+const char *emit_sines(const struct emission *e)
+{
+	struct text t, params;
+
+	text_init(&t, e->arena);
+	text_init(&params, e->arena);
+	if (!emit_has_known(e))
+		return "";
+	text_printf(&params, "%s *sines", e->numbers->value);
+	const char *outputs = joined(e, text_string(&params), ", %s *sines_wide", e->wide ? e->wide->value : "");
+	for (const struct pass *p = e->passes; p < e->passes + e->pass_count; p++) {
+		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
+			{"PARAMS", outputs}, {"EACH", each_text(e, p)}};
+
+		if (emit_has_angles(e, p))
+			template_expand(&t, template_sines_in, slots, sizeof slots / sizeof *slots);
+	}
+	return text_string(&t);
+}
+
+/* ---- calls ---- */
+
+static const char *body_call(const struct emission *e, const struct pass *p, const char *indent, const char *arguments,
+	const char *stride, const char *more)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "%s%s_%s_body(%s, %s%s);\n", indent, e->options->name, p->algorithm->name, arguments, stride, more);
+	return text_string(&t);
+}
+
+static const char *call_expanded(const struct emission *e, const struct pass *p, const char *frame, const char *asked,
+	const struct call *c)
+{
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"INDENT", c->indent}, {"Q", c->q},
+		{"STRIDE", c->stride}, {"ARGUMENTS", c->arguments}, {"SINES", declarations_text(e, p, c->indent)},
+		{"ASKED", asked}, {"TABLES", tables_text(e, p, "")}, {"KNOWN", tables_text(e, p, "known, ")}};
+	struct text t;
+
+	text_init(&t, e->arena);
+	template_expand(&t, frame, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
+const char *emit_call(const struct emission *e, const struct pass *p, const struct call *c)
+{
+	struct text unknown, asked;
+
+	text_init(&unknown, e->arena);
+	if (emit_has_known(e))
+		text_printf(&unknown, ", %s", emit_unknown_names(e));
+	if (!emit_has_known(e) || !emit_has_angles(e, p))
+		return body_call(e, p, c->indent, c->arguments, c->stride, text_string(&unknown));
+	if (c->is_any)
+		return call_expanded(e, p, template_call_any_in, "", c);
+	if (c->is_optimistic)
+		return call_expanded(e, p, e->target->kernel->again, "", c);
+	text_init(&asked, e->arena);
+	text_printf(&asked, e->target->kernel ? "!%s_is_small(%s, %s)" : "RNEA_KNOWN(%s_is_small(%s, %s))", e->options->name, c->q,
+		c->stride);
+	return call_expanded(e, p, template_call_known_in, text_string(&asked), c);
+}
+
+const char *emit_known_tables(const struct emission *e, const struct pass *p)
+{
+	return tables_text(e, p, "known, ");
+}
+
+void emit_rounds(const struct emission *e, const struct pass *p, const char *loops, struct text *out)
+{
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"SINES", declarations_text(e, p, "\t\t")},
+		{"SEGMENTS", loops}, {"Q", emit_q_at_sample(e)}, {"STRIDE", emit_stride(e)}, {"TABLES", tables_text(e, p, "")}};
+
+	template_expand(out, template_kernel_segments_rounds_in, slots, sizeof slots / sizeof *slots);
+}
