@@ -1,5 +1,5 @@
 # cmake -DOUTPUT=templates.c -DINPUTS=a.in;b.in -P embed.cmake: each file as a NUL-terminated array template_<name>
-set(text "/* made by embed.cmake from templates/ */\n#include \"emit/template.h\"\n")
+set(text "/* made by embed.cmake from templates/ */\n#include \"base/template.h\"\n")
 foreach(input IN LISTS INPUTS)
 	get_filename_component(name ${input} NAME)
 	string(REGEX REPLACE "[^A-Za-z0-9]" "_" name ${name})

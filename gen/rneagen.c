@@ -5,7 +5,7 @@
 #include "emit/emit.h"
 #include "passes/analysis.h"
 #include "plan/parts.h"
-#include "plan/segments.h"
+#include "plan/segment_limits.h"
 #include "tell/dot.h"
 #include "tell/effect.h"
 #include "tell/info.h"
@@ -14,7 +14,6 @@
 #include <locale.h>
 #include <sha256.h>
 #include <string.h>
-#include <stdio.h>
 
 struct generation {
 	struct analysis analysis; /* up to the fused DAG */
@@ -142,18 +141,23 @@ static enum rneagen_code parts_choose(struct generation *g)
 	return a->error->code;
 }
 
-#include <stdlib.h>
-static enum rneagen_code segments_choose(struct generation *g)
+/* Batches are loops of target c; on a GPU the main kernel alone is long enough, and its grid may have parts instead. */
+static enum segment_use segment_use(const struct generation *g, int pass)
+{
+	const struct rneagen_options *o = &g->analysis.options;
+	const struct target_type *target = target_type_of(o->target);
+
+	if (target->kernel)
+		return pass == 0 && !g->part_count ? SEGMENT_KERNEL : SEGMENT_NONE;
+	return target->has_batches && !o->only_rnea ? SEGMENT_LOOPS : SEGMENT_NONE;
+}
+
+static enum rneagen_code segments_make_all(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
-	const char *env = getenv("SEG");
-	unsigned ops = 0, over = 8, cross = 100000;
-	struct segment_limits limits;
-	if (env)
-		sscanf(env, "%u,%u,%u", &ops, &over, &cross);
-	limits = (struct segment_limits){ops, over, cross};
+
 	for (int i = 0; i < function_count(g); i++)
-		if (ops && plan_flops(plan_operations(&g->passes[i].plan)) > (unsigned)atoi(getenv("SEGMIN") ? getenv("SEGMIN") : "1000") && !segments_make(&g->passes[i].segments, &g->passes[i].plan, &limits, a->arena))
+		if (!segments_choose(&g->passes[i], segment_use(g, i), &a->request, &a->options, a->arena))
 			return error_memory(a->error);
 	return a->error->code;
 }
@@ -275,8 +279,9 @@ static void put_parts(const struct generation *g, struct text *out)
 
 static void put_segments(const struct generation *g, struct text *out)
 {
-	for (int i = 0; i < function_count((struct generation *)(uintptr_t)g); i++)
-		segments_dump(&g->passes[i].segments, out);
+	for (int i = 0; i < ALGORITHM_COUNT; i++)
+		if (g->passes[i].algorithm)
+			segments_dump(&g->passes[i], out);
 }
 
 static void put_tree(const struct generation *g, struct text *out)
@@ -326,7 +331,7 @@ static const struct stage PASSES[] = {
 	{"dag_fuse", "the same, products joined to sums", SECOND_HALF(dag_fuse_all), DUMPED(dag, DAG)},
 	{"plan_build", "names and lines", SECOND_HALF(plan_build_all), DUMPED(plan, PLAN)},
 	{"parts_choose", "parts of the grid", SECOND_HALF(parts_choose), DUMPED(parts, PARTS)},
-	{"segments_choose", "stretches that run for several samples", SECOND_HALF(segments_choose), DUMPED(segments, SEGMENTS)},
+	{"segments_choose", "stretches that run for several samples", SECOND_HALF(segments_make_all), DUMPED(segments, SEGMENTS)},
 	{"measure", "what choices change and save", SECOND_HALF(measure), SILENT},
 	{"warn", "warnings", SECOND_HALF(warn), SILENT},
 	{"emit", "the text, and its header", SECOND_HALF(emit), SILENT},

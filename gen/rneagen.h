@@ -30,7 +30,7 @@ enum rneagen_layout { RNEAGEN_SOA, RNEAGEN_AOS };                               
 enum rneagen_trig { RNEAGEN_ACCURATE, RNEAGEN_BOUNDED, RNEAGEN_FAST };
 enum rneagen_base { RNEAGEN_FIXED, RNEAGEN_FLOATING };
 enum rneagen_mimic { RNEAGEN_MIMIC_HONOUR, RNEAGEN_MIMIC_INDEPENDENT };
-enum { RNEAGEN_PARTS_AUTO = 0 };
+enum { RNEAGEN_PARTS_AUTO = 0, RNEAGEN_SEGMENTS_AUTO = 0, RNEAGEN_SEGMENTS_WHOLE = 1 };
 /* What there is to tell beside the text. */
 enum rneagen_tell { RNEAGEN_TELL_INFO = 1, RNEAGEN_TELL_JSON = 2, RNEAGEN_TELL_DOT = 4,
 	RNEAGEN_TELL_ALL = RNEAGEN_TELL_INFO | RNEAGEN_TELL_JSON | RNEAGEN_TELL_DOT };
@@ -53,6 +53,8 @@ struct rneagen_options {
 	int only_rnea; /* without the halves of the algorithm and, in target c, without the functions that take batches */
 	int parts; /* of the grid, target CUDA: each makes some elements of the matrices; default RNEAGEN_PARTS_AUTO: as few as the
 		      registers and the instruction cache have room for, 1 where a text cannot be split */
+	int segments; /* operations of a segment at most: a stretch of a text that runs for several samples before the next one does;
+			 default RNEAGEN_SEGMENTS_AUTO: where that is faster, or compiles faster; RNEAGEN_SEGMENTS_WHOLE: none */
 	double gravity[3];  /* m/s^2, in the frame of the root link's parent, the world; default 0 0 -9.81. Bounds hold for any
 			       decimals that are read as these doubles; a whole number is meant as it is */
 	const char *order;  /* names of all joints with entries in q, comma-separated; NULL: depth-first, by name */

@@ -166,6 +166,9 @@ struct rnea_function {
 	unsigned parts;     /* of a CUDA grid, along y: each makes some elements of the matrices; 1: all (--parts) */
 	size_t stage_bytes; /* of shared memory in which its kernel stages each sample; 0: none. Where a block of them takes more
 	                       than 48 KiB, and at most 227, launches have to give it: rnea_launch does; given less, it is slower */
+	size_t across_bytes;   /* of a kernel in segments: what a sample keeps in the block's own 48 KiB of shared memory; else 0 */
+	unsigned most_samples; /* of such a kernel: samples that a thread takes at most, as far as they have room. A grid of any size is
+				  right; the fewer blocks, the more samples each thread takes. 1 of all other kernels */
 };
 
 /* The parsed table. Every pointer belongs to the robot that it was asked of and is valid until rnea_close. What stands here of

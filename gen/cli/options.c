@@ -68,10 +68,24 @@ static int parse_parts(const char *command, const char *word, int *parts)
 	return 0;
 }
 
+static int parse_segments(const char *command, const char *word, int *segments)
+{
+	char *end;
+	long n = strtol(word, &end, 10);
+
+	*segments = !strcmp(word, "whole") ? RNEAGEN_SEGMENTS_WHOLE : RNEAGEN_SEGMENTS_AUTO;
+	if (!strcmp(word, "auto") || !strcmp(word, "whole"))
+		return 0;
+	*segments = (int)n;
+	if (end == word || *end || n < 20 || n > 1000000)
+		return option_refuse(command, "--segments takes a number of operations from 20 to 1000000, auto or whole, not '%s'", word);
+	return 0;
+}
+
 /* Options that take one word of a few, from OPTION_TARGET to OPTION_DUMP. */
 static const struct choice {
 	const char *option;
-	struct option_choice words[9];
+	struct option_choice words[10];
 } CHOICES[] = {
 #define TARGET_WORD(name, word) {word, RNEAGEN_TARGET_##name},
 #define PRECISION_WORD(name, word) {word, RNEAGEN_##name},
@@ -84,8 +98,8 @@ static const struct choice {
 	{"base", {{"fixed", RNEAGEN_FIXED}, {"floating", RNEAGEN_FLOATING}}},
 	{"mimic", {{"honour", RNEAGEN_MIMIC_HONOUR}, {"independent", RNEAGEN_MIMIC_INDEPENDENT}}},
 	{"dump", {{"robot", RNEAGEN_DUMP_ROBOT}, {"scene", RNEAGEN_DUMP_SCENE}, {"tree", RNEAGEN_DUMP_TREE},
-		{"request", RNEAGEN_DUMP_REQUEST}, {"dag", RNEAGEN_DUMP_DAG}, {"plan", RNEAGEN_DUMP_PLAN}, {"parts", RNEAGEN_DUMP_PARTS}, {"segments", RNEAGEN_DUMP_SEGMENTS},
-		{"passes", RNEAGEN_DUMP_PASSES}}},
+		{"request", RNEAGEN_DUMP_REQUEST}, {"dag", RNEAGEN_DUMP_DAG}, {"plan", RNEAGEN_DUMP_PLAN}, {"parts", RNEAGEN_DUMP_PARTS},
+		{"segments", RNEAGEN_DUMP_SEGMENTS}, {"passes", RNEAGEN_DUMP_PASSES}}},
 };
 
 static void set_choice(struct rneagen_options *o, int key, int value)
@@ -331,6 +345,8 @@ int option_generate(const char *command, struct rneagen_options *o, int key, con
 	}
 	if (key == OPTION_PARTS)
 		return parse_parts(command, word, &o->parts);
+	if (key == OPTION_SEGMENTS)
+		return parse_segments(command, word, &o->segments);
 	if (key == OPTION_QD_RANGE || key == OPTION_QDD_RANGE)
 		return take_short_range(command, o, key == OPTION_QD_RANGE ? "qd" : "qdd", word);
 	if (key == OPTION_SCENE_FILE)

@@ -1,7 +1,7 @@
 #include "emit/unparse.h"
 #include "base/fold.h"
 #include "plan/parts.h"
-#include "emit/template.h"
+#include "base/template.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -343,7 +343,8 @@ void emit_source(const struct emission *e, struct text *out)
 		{"UNDEF_STRICT", e->options->strict ? "#undef RNEA_ADD\n#undef RNEA_SUB\n#undef RNEA_MUL\n#undef RNEA_DIV\n#undef RNEA_SQRT\n#undef RNEA_APART\n" : ""},
 		{"UNDEF_WIDE", !e->wide ? "" : !e->options->strict ? "#undef RNEA_WIDE_FMA\n" :
 			"#undef RNEA_WIDE_FMA\n#undef RNEA_WIDE_ADD\n#undef RNEA_WIDE_SUB\n#undef RNEA_WIDE_MUL\n#undef RNEA_WIDE_DIV\n#undef RNEA_WIDE_SQRT\n"},
-		{"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)}, {"MIN_BLOCKS", emit_min_blocks(e)},
+		{"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)}, {"EACH", p->segments.count ? template_launch_segments_in : ""},
+		{"SAMPLES", p->segments.count ? "samples" : "RNEA_BLOCK"}, {"MIN_BLOCKS", emit_min_blocks(e)},
 		{"NUMBERS", numbers_text(e)}, {"SINCOS_DECLARATION", emit_sincos_declaration(e)}, {"SINCOS", emit_sincos(e)},
 		{"IS_SMALL", is_small_text(e)}, {"JOINTS", emit_joints(e)}, {"STAGE", emit_stage(e)}, {"SINES_BYTES", emit_sines_bytes(e)}, {"STORE", emit_store(e)},
 		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e)},

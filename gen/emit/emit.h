@@ -134,6 +134,11 @@ void emit_segments(const struct emission *e, const struct pass *p, struct text *
 void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *call_any, const char *at_sample,
 	struct text *out);
 
+/* Bytes that a sample keeps across cuts, at least those of a number; samples that a thread takes at most; threads of a block, so that
+   each has room for two. */
+int emit_segments_bytes(const struct emission *e, const struct pass *p);
+int emit_segments_samples(const struct emission *e);
+int emit_segments_block(const struct emission *e, const struct pass *p);
 void emit_segments_kernel(const struct emission *e, const struct pass *p, const char *at_sample, struct text *out);
 
 /* CUDA: a kernel, and the functions by which it stages its slice; the samples of a slice; how many slices a

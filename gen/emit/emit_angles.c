@@ -1,7 +1,7 @@
 /* Angles and their sines in accurate mode: the arguments and tables by which a body is told the sines of large angles, the
    functions that make them, and the calls. */
 #include "emit/emit.h"
-#include "emit/template.h"
+#include "base/template.h"
 #include "emit/unparse.h"
 
 int emit_has_known(const struct emission *e)

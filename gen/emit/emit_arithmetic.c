@@ -1,7 +1,7 @@
 /* What RNEA_FMA and, where the same bits are wanted everywhere, every other operation of the statements means. Those of wide
    numbers stand beside them, as RNEA_WIDE_FMA. */
 #include "emit/emit.h"
-#include "emit/template.h"
+#include "base/template.h"
 
 /* What a frame is filled with: the operations of both kinds of numbers, and frames filled before. */
 struct inner {

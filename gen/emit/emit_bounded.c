@@ -2,7 +2,7 @@
    what the URDF's decimals give. */
 #include "emit/unparse.h"
 #include "base/fold.h"
-#include "emit/template.h"
+#include "base/template.h"
 
 /* Roundings of a bound from an operation's operands to its result, three times u for the factor 1 + 3u included. */
 static const int roundings[OP_COUNT] = {

@@ -1,6 +1,6 @@
 /* The C functions around the bodies: of texts for target c, and of texts for CUDA where they are compiled as C. */
 #include "emit/emit.h"
-#include "emit/template.h"
+#include "base/template.h"
 
 static int is_soa(const struct emission *e)
 {

@@ -2,7 +2,7 @@
 #include "emit/emit.h"
 #include "base/number.h"
 #include "tree/pattern.h"
-#include "emit/template.h"
+#include "base/template.h"
 #include <string.h>
 
 /* A path's last part. */
@@ -315,6 +315,8 @@ static void put_function(const struct emission *e, const struct pass *p, struct 
 	if (is_main)
 		emit_info_matrices(e, out);
 	text_printf(out, "operations %u %u %u %u %u %u\n", n.mul, n.add, n.sub, n.neg, n.fma, n.sincos);
+	if (e->target->kernel && p->segments.count)
+		text_printf(out, "segments %d %d\n", emit_segments_bytes(e, p), emit_segments_samples(e));
 	if (is_main && emit_stage_bytes(e))
 		text_printf(out, "stage %d\n", emit_stage_bytes(e));
 	if (is_main && e->part_count)

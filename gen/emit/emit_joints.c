@@ -1,6 +1,6 @@
 /* Headers: the joints' names and limits, by the rows of q and of qd. */
 #include "emit/emit.h"
-#include "emit/template.h"
+#include "base/template.h"
 #include <math.h>
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* CUDA kernels: how a slice of the batch reaches the body, and how many threads there are room for. */
 #include "emit/emit.h"
-#include "emit/template.h"
+#include "base/template.h"
 #include <string.h>
 
 /* A block stages its samples in 48 KiB of shared memory, what every device gives without asking. */
@@ -87,7 +87,8 @@ static int is_full(const struct emission *e)
    the floor instead of 0.86, fetch 0.94 instead of 0.80; but jvrc1, where 32 just fit, 0.47 instead of 0.63). */
 static int is_staged(const struct emission *e)
 {
-	if (emit_is_operation(e) || e->part_count) /* a part must not write what stands in the others' places */
+	/* a part must not write what stands in the others' places; segments have shared memory of their own */
+	if (emit_is_operation(e) || e->part_count || emit_main(e)->segments.count)
 		return 0;
 	if (e->options->layout == RNEAGEN_AOS)
 		return SMALLEST_BLOCK * stage_bytes(e) <= SHARED_BYTES;
@@ -105,6 +106,9 @@ int emit_is_optimistic(const struct emission *e)
 int emit_block_size(const struct emission *e)
 {
 	int block = is_full(e) ? DERIVATIVE_BLOCK : BLOCK;
+
+	if (emit_main(e)->segments.count)
+		return emit_segments_block(e, emit_main(e));
 
 	while (is_staged(e) && block * stage_bytes(e) > SHARED_BYTES)
 		block /= 2;
@@ -132,6 +136,8 @@ static int min_blocks(const struct emission *e)
 
 	if (!e->target->kernel || is_staged(e) || emit_is_operation(e))
 		return 0;
+	if (emit_main(e)->segments.count)
+		return e->arithmetic->bytes == 4 ? 6 : 0;
 	if (request_wants_derivative(e->request))
 		return min_derivative_blocks(e);
 	if (e->arithmetic->bytes != 4 || e->wide || (e->request->is_forward && e->tree->body_count > ARM_BODIES))
@@ -279,7 +285,7 @@ static const char *spill_text(const struct emission *e)
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (is_full(e))
+	if (is_full(e) && !emit_main(e)->segments.count)
 		template_expand(&t, e->target->kernel->spill, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);
 }
@@ -295,7 +301,7 @@ static const char *declaration_text(const struct emission *e)
 	return text_string(&t);
 }
 
-void emit_kernel(const struct emission *e, const struct pass *p, struct text *out)
+static void put_kernel(const struct emission *e, const struct pass *p, struct text *out)
 {
 	int staged = is_staged(e) && p == emit_main(e), is_aos = e->options->layout == RNEAGEN_AOS;
 	const struct slot slots[] = {
@@ -309,14 +315,24 @@ void emit_kernel(const struct emission *e, const struct pass *p, struct text *ou
 	};
 
 	const struct kernel_frames *f = e->target->kernel;
-	if (p->segments.count) {
-		struct text t;
-		text_init(&t, e->arena);
-		text_printf(&t, "%s, %s", emit_params(e, p, PARAMS_AT_SAMPLE), emit_stride(e));
-		emit_segments_kernel(e, p, text_string(&t), out);
-		return;
-	}
 	template_expand(out, !staged ? f->direct : is_aos ? f->staged_aos : f->staged_soa, slots, sizeof slots / sizeof *slots);
+}
+
+static const char *at_sample(const struct emission *e, const struct pass *p)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "%s, %s", emit_params(e, p, PARAMS_AT_SAMPLE), emit_stride(e));
+	return text_string(&t);
+}
+
+void emit_kernel(const struct emission *e, const struct pass *p, struct text *out)
+{
+	if (p->segments.count)
+		emit_segments_kernel(e, p, at_sample(e, p), out);
+	else
+		put_kernel(e, p, out);
 }
 
 /* Rows of matrices in soa, in whole lines; not what goes to shared memory. H100, both gradients of floating hyq in f64, 2 parts,

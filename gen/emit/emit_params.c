@@ -36,6 +36,10 @@ void emit_options(const struct rneagen_options *o, struct text *out)
 		text_put(out, " --only rnea");
 	if (o->parts != RNEAGEN_PARTS_AUTO)
 		text_printf(out, " --parts %d", o->parts);
+	if (o->segments == RNEAGEN_SEGMENTS_WHOLE)
+		text_put(out, " --segments whole");
+	else if (o->segments != RNEAGEN_SEGMENTS_AUTO)
+		text_printf(out, " --segments %d", o->segments);
 	if (o->mimic == RNEAGEN_MIMIC_INDEPENDENT)
 		text_put(out, " --mimic independent");
 	if (o->gravity[0] != 0 || o->gravity[1] != 0 || o->gravity[2] != -9.81)

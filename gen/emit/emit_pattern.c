@@ -1,7 +1,7 @@
 /* Where the elements of a matrix stand in it, for programs that unpack one: in NAME_info, as arrays of row and column, and
    in --info=json. */
 #include "emit/emit.h"
-#include "emit/template.h"
+#include "base/template.h"
 #include "tree/pattern.h"
 
 struct shape {

@@ -1,7 +1,7 @@
 /* Functions of passes in segments: a body for each, a loop over some samples for each, and what calls them. */
 #include "base/fold.h"
 #include "emit/emit.h"
-#include "emit/template.h"
+#include "base/template.h"
 #include "emit/unparse.h"
 
 /* Values across cuts take at most so many bytes for the samples of a loop, within a core's first cache; no loop is shorter than the
@@ -256,9 +256,26 @@ void emit_segments_part(const struct emission *e, const struct pass *p, const ch
 
 /* ---- kernels ---- */
 
-/* Samples of a thread: more are not faster (H100, g1_brainco with its 61 bodies, f32, 1 M samples: 1, 2 and 4 take 1338, 742 and
-   643 ps). */
-enum { MOST_SAMPLES = 4 };
+/* Samples of a thread (H100, 1 M samples, ps): g1_brainco in f32, 1, 2 and 4 take 1338, 742 and 643; in f64, 1 and 2 take 3254 and 2487;
+   romeo in f64, 2 and 4 take 526 and 546. A block's own shared memory. */
+enum { MOST_SINGLE = 4, MOST_DOUBLE = 2, LARGEST_BLOCK = 64, SMALLEST_BLOCK = 32, OWN_SHARED = 49152 };
+
+int emit_segments_bytes(const struct emission *e, const struct pass *p)
+{
+	int bytes = across_bytes(e, &p->segments);
+
+	return bytes ? bytes : e->arithmetic->bytes;
+}
+
+int emit_segments_samples(const struct emission *e)
+{
+	return e->arithmetic->bytes == 4 ? MOST_SINGLE : MOST_DOUBLE;
+}
+
+int emit_segments_block(const struct emission *e, const struct pass *p)
+{
+	return LARGEST_BLOCK * 2 * emit_segments_bytes(e, p) > OWN_SHARED ? SMALLEST_BLOCK : LARGEST_BLOCK;
+}
 
 static void put_shared(const char *type, const char *array, int slots, int lanes, struct text *out)
 {
@@ -303,10 +320,9 @@ static const char *rounds_in_kernel(const struct emission *e, const struct pass 
 
 void emit_segments_kernel(const struct emission *e, const struct pass *p, const char *at_sample, struct text *out)
 {
-	int bytes = across_bytes(e, &p->segments);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
-		{"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"}, {"MOST", emit_int(e, MOST_SAMPLES)},
-		{"BYTES", emit_int(e, bytes ? bytes : e->arithmetic->bytes)},
+		{"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"}, {"MOST", emit_int(e, emit_segments_samples(e))},
+		{"BYTES", emit_int(e, emit_segments_bytes(e, p))},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"SHARED", across(e, &p->segments, "\n", put_shared, 0)},
 		{"LOCAL", across(e, &p->segments, "\n", put_array, 1)}, {"ROUNDS", rounds_in_kernel(e, p, at_sample)}};
 

@@ -1,6 +1,6 @@
 /* Sine and cosine: functions that the text carries, so that their domain and error are known and the same everywhere. */
 #include "emit/emit.h"
-#include "emit/template.h"
+#include "base/template.h"
 #include <string.h>
 
 /* What the options name, and the type of numbers has. */

@@ -1,5 +1,5 @@
 /* f32x2: numbers that are pairs of floats, in memory doubles; calls instead of operators. */
-#include "emit/template.h"
+#include "base/template.h"
 #include "emit/unparse.h"
 #include <float.h>
 

@@ -1,6 +1,6 @@
 /* f32, f64 and mixed: numbers that the language has, written with its signs. */
 #include "emit/unparse.h"
-#include "emit/template.h"
+#include "base/template.h"
 #include "base/number.h"
 #include <float.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* The targets: a record each. */
 #include "emit/target_type.h"
-#include "emit/template.h"
+#include "base/template.h"
 #include <stddef.h>
 
 static const struct kernel_frames KERNEL_CUDA = {.direct = template_kernel_soa_in, .staged_aos = template_kernel_aos_in,

@@ -276,18 +276,27 @@ int segments_make(struct segments *s, const struct plan *p, const struct segment
 	return !a->failed;
 }
 
-void segments_dump(const struct segments *s, struct text *out)
+static void put_segment(const struct pass *p, int k, struct text *out)
 {
-	for (int k = 0; k < s->count; k++) {
-		const struct plan *p = &s->plans[k];
-		int fetched = 0, kept = 0;
+	const struct plan *lines = &p->segments.plans[k];
+	int fetched = 0, kept = 0;
 
-		for (size_t i = 0; i < p->line_count; i++) {
-			fetched += p->lines[i].kind == LINE_FETCH;
-			kept += p->lines[i].kind == LINE_KEEP;
-		}
-		text_printf(out, "segment %d: %u lines, %d values fetched, %d kept\n", k, (unsigned)p->line_count, fetched, kept);
+	for (size_t i = 0; i < lines->line_count; i++) {
+		fetched += lines->lines[i].kind == LINE_FETCH;
+		kept += lines->lines[i].kind == LINE_KEEP;
 	}
+	text_printf(out, "%s segment %d: %u lines, %d values fetched, %d kept\n", p->algorithm->name, k, (unsigned)lines->line_count, fetched,
+		kept);
+}
+
+void segments_dump(const struct pass *p, struct text *out)
+{
+	const struct segments *s = &p->segments;
+
+	if (!s->count)
+		text_printf(out, "%s whole: %u lines\n", p->algorithm->name, (unsigned)p->plan.line_count);
+	for (int k = 0; k < s->count; k++)
+		put_segment(p, k, out);
 	if (s->count)
-		text_printf(out, "%d slots, %d of wide numbers\n", s->slots[0], s->slots[1]);
+		text_printf(out, "%s: %d values across, and %d wide ones\n", p->algorithm->name, s->slots[0], s->slots[1]);
 }

@@ -16,7 +16,7 @@ struct segment_limits {
    numbers have slots of their own. Returns 0 when memory runs out. */
 int segments_make(struct segments *s, const struct plan *p, const struct segment_limits *limits, struct arena *a);
 
-/* A line for each. */
-void segments_dump(const struct segments *s, struct text *out);
+/* A line for each segment of the pass, or for the whole where there are none. */
+void segments_dump(const struct pass *p, struct text *out);
 
 #endif

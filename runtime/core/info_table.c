@@ -5,7 +5,7 @@
 #include <string.h>
 
 static const char *const keys[KEY_COUNT] = {
-	"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv", "nb", "block", "kernels", "operations", "parts", "stage"};
+	"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv", "nb", "block", "kernels", "operations", "parts", "stage", "segments"};
 
 static enum rnea_code read_joint(struct parser *p)
 {
@@ -90,6 +90,9 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 		return words_number(&p->w, &p->f->stage_bytes, 1, STAGE_LIMIT);
 	case KEY_KERNELS:
 		return read_kernels(p);
+	case KEY_SEGMENTS:
+		words_number(&p->w, &p->f->across_bytes, 1, SIZE_MAX / 2048);
+		return read_count(p, &p->f->most_samples, 1, SAMPLES_LIMIT);
 	case KEY_COUNT:
 		break;
 	}
@@ -99,7 +102,7 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 /* A table of version 1 has no parts, and `arithmetic`, `stage` and `kernels` may be left out. */
 static int is_optional(const struct parser *p, enum key key)
 {
-	return key == KEY_ARITHMETIC || key == KEY_STAGE || key == KEY_KERNELS || (key == KEY_PARTS && p->version != VERSION_PARTS);
+	return key == KEY_ARITHMETIC || key == KEY_STAGE || key == KEY_SEGMENTS || key == KEY_KERNELS || (key == KEY_PARTS && p->version != VERSION_PARTS);
 }
 
 /* Whether a key that has to be there is. */
@@ -136,7 +139,7 @@ static void begin_function(struct parser *p, const char *name)
 {
 	p->f = &p->functions[p->info->function_count++];
 	*p->f = (struct rnea_function){
-		.name = name, .parts = 1, .arguments = p->arguments + p->argument_count, .matrices = p->matrices + p->matrix_count};
+		.name = name, .parts = 1, .most_samples = 1, .arguments = p->arguments + p->argument_count, .matrices = p->matrices + p->matrix_count};
 	for (int i = KEY_OPERATIONS; i < KEY_COUNT; i++)
 		p->seen[i] = 0;
 }

@@ -17,6 +17,8 @@
 	row NAME ROW COL COL ...                  (the columns of what is stored; in all, as many as the output has rows)
 	operations MUL ADD SUB NEG FMA SINCOS     (a sample; once)
 	stage BYTES                               (of shared memory in which the kernel stages each sample, where it does)
+	segments BYTES SAMPLES                    (of a kernel in segments: what a sample keeps in the block's own shared memory, and
+	                                           how many samples a thread takes at most: as many as have room in 48 KiB)
 	parts N                                   (blocks of the kernel's grid along y, 2 and more, where it has such)
 
    ROLE is a word of RNEA_ROLES; OF is the link, joint or constant that it speaks of, and goes to the end of the line. A role

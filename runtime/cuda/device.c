@@ -3,8 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { OWN_SHARED = 48 << 10 }; /* bytes of shared memory that a kernel may have of its own */
-
 /* What is to be done where a status means that the context, and all that was in it, is lost; NULL: it is not. */
 static const char *lost_context(int status)
 {

@@ -162,6 +162,9 @@ void device_unload(const struct device *d, void *module);
 enum rnea_code device_read(
 	const struct device *d, void *module, const char *symbol, char **text, size_t *size, struct rnea_error *e);
 
+/* Bytes of shared memory that a kernel may have of its own. */
+enum { OWN_SHARED = 48 << 10 };
+
 /* Look kernel->name up and load its code; a module without it is no error: kernel->function is then NULL. A block of it stages
    `stage` bytes: beyond 48 KiB launches give them, where the device has so many. */
 enum rnea_code device_find(

@@ -9,6 +9,9 @@
 
 enum { BLOCK_SIZES = 3, TRIAL_LIMIT = 2 * BLOCK_SIZES };
 
+/* With so many blocks all multiprocessors have enough of them; the generated launch function counts on as many. */
+enum { ENOUGH_BLOCKS = 512 };
+
 /* The compilations of one text that were tried, each loaded. */
 struct trial {
 	struct image images[TRIAL_LIMIT];
@@ -311,11 +314,21 @@ void driver_close(struct driver *c)
 	memset(c, 0, sizeof *c);
 }
 
+/* Samples of a block. In segments each thread takes several, where there are enough for all multiprocessors. */
+static size_t samples_of_block(const struct rnea_function *f, unsigned block, size_t count)
+{
+	size_t room = f->across_bytes ? OWN_SHARED / (block * f->across_bytes) : 1, most = count / ((size_t)block * ENOUGH_BLOCKS);
+
+	room = room < f->most_samples ? room : f->most_samples;
+	most = most < room ? most : room;
+	return block * (most ? most : 1);
+}
+
 enum rnea_code driver_launch(const struct driver *c, size_t function, void *const *arrays, size_t count, void *stream,
 	struct rnea_error *e)
 {
 	const struct rnea_function *f = &c->info->functions[function];
-	size_t grid = count / c->block + (count % c->block != 0), n = f->input_count + f->output_count;
+	size_t samples = samples_of_block(f, c->block, count), grid = count / samples + (count % samples != 0), n = f->input_count + f->output_count;
 	void *parameters[RNEA_ARGUMENT_LIMIT + 1];
 	int pushed;
 

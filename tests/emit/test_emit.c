@@ -5,7 +5,7 @@
 #include "support/random_robot.h"
 #include "support/rng.h"
 #include "support/suite.h"
-#include "emit/template.h"
+#include "base/template.h"
 #include <float.h>
 #include <math.h>
 #include <stdio.h>

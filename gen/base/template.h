@@ -24,7 +24,7 @@ extern const char template_anew_in[], template_arithmetic_c_in[], template_arith
 extern const char template_arithmetic_strict_c_in[], template_arithmetic_strict_cuda_in[], template_arithmetic_strict_flush_in[];
 extern const char template_bounded_in[], template_bounded_sincos_in[], template_bounded_store_in[], template_bounded_quotient_in[], template_bounded_function_in[];
 extern const char template_parts_in[];
-extern const char template_segment_in[], template_segment_lanes_in[], template_part_segments_in[], template_kernel_segments_in[], template_kernel_segment_in[], template_kernel_segments_rounds_in[];
+extern const char template_segment_in[], template_segment_lanes_in[], template_part_segments_in[], template_kernel_segments_in[], template_kernel_segment_in[], template_kernel_segments_rounds_in[], template_launch_segments_in[];
 extern const char template_slice_in[], template_batch_in[];
 extern const char template_sincos_f32_core_in[], template_sincos_f32_accurate_in[];
 extern const char template_sincos_f32_bounded_in[], template_sincos_f32_fast_in[], template_sincos_f32_known_in[];

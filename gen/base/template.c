@@ -1,4 +1,4 @@
-#include "emit/template.h"
+#include "base/template.h"
 #include <string.h>
 
 static const char *slot_value(const struct slot *slots, size_t count, const char *name, size_t length)

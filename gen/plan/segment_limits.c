@@ -1,0 +1,80 @@
+#include "plan/segment_limits.h"
+#include <limits.h>
+
+/* Loops on a processor. gcc 12 takes 65 s for the whole of atlas' torques at -O3 and 10 s for segments of 800 operations, and batches take
+   0.89 of the time; of 400 and 1600 as well, within 4 %. */
+enum { LOOP_LEAST = 1500, LOOP_OPERATIONS = 800, LOOP_OVERHEAD = 8 };
+
+/* Kernels (H100, 1 M samples, ps). f32: g1_brainco, 5700 operations in 2 segments, 643 instead of 1256; what the instruction cache holds
+   is better whole: atlas 204 instead of 189, romeo 205 instead of 197. f64, where registers spill: jvrc1 515 instead of 653, romeo 526
+   instead of 574, g1_brainco 2487 instead of 3743; but not where the slice has room in shared memory: g1_29dof 540 instead of 438. */
+enum { KERNEL_LEAST_SINGLE = 5000, KERNEL_LEAST_DOUBLE = 2500, KERNEL_LONG = 5000, KERNEL_OPERATIONS = 1500, KERNEL_LONG_OPERATIONS = 6000 };
+
+/* Bytes that a block's own shared memory has for each of two samples of 64, or 32, threads; rows that it stages instead. */
+enum { ROOM_SINGLE = 384, ROOM_DOUBLE = 768, STAGED_ROWS = 96 };
+
+static struct segment_limits loop_limits(unsigned flops)
+{
+	struct segment_limits none = {0}, x = {LOOP_OPERATIONS, LOOP_OVERHEAD, UINT_MAX};
+
+	return flops > LOOP_LEAST ? x : none;
+}
+
+/* Rows of a sample, the torques in the place of the accelerations. */
+static int staged_rows(const struct dag *d)
+{
+	int rows = 0, in_place = dag_find_role(d, ROLE_JOINT_ACCELERATION, 0) >= 0 ? dag_find_role(d, ROLE_JOINT_TORQUE, 1) : -1;
+
+	for (int i = 0; i < d->argument_count; i++)
+		rows += d->arguments[i].per_batch || i == in_place ? 0 : d->arguments[i].rows;
+	return rows;
+}
+
+static int wants_matrix(const struct request *k)
+{
+	for (int i = 0; i < k->want_count; i++)
+		if (request_is_matrix(k->wants[i].kind))
+			return 1;
+	return 0;
+}
+
+static struct segment_limits kernel_limits(const struct pass *p, unsigned flops, const struct request *k, const struct rneagen_options *o)
+{
+	struct segment_limits none = {0};
+	int is_single = o->precision == RNEAGEN_F32;
+
+	if (o->layout != RNEAGEN_SOA || o->precision == RNEAGEN_F32X2 || request_wants_derivative(k) || wants_matrix(k))
+		return none;
+	if (is_single)
+		return flops > KERNEL_LEAST_SINGLE && !k->is_forward ? (struct segment_limits){KERNEL_LONG_OPERATIONS, 0, ROOM_SINGLE / 4} : none;
+	if (flops <= KERNEL_LEAST_DOUBLE || staged_rows(&p->dag) <= STAGED_ROWS)
+		return none;
+	return (struct segment_limits){flops > KERNEL_LONG ? KERNEL_LONG_OPERATIONS : KERNEL_OPERATIONS, 0, ROOM_DOUBLE / 8};
+}
+
+static struct segment_limits limits_for(const struct pass *p, enum segment_use use, const struct request *k, const struct rneagen_options *o)
+{
+	unsigned flops = plan_flops(plan_operations(&p->plan));
+	struct segment_limits asked = {(unsigned)o->segments, 0, UINT_MAX};
+
+	if (o->segments != RNEAGEN_SEGMENTS_AUTO)
+		return asked;
+	return use == SEGMENT_LOOPS ? loop_limits(flops) : kernel_limits(p, flops, k, o);
+}
+
+int segments_choose(struct pass *p, enum segment_use use, const struct request *k, const struct rneagen_options *o, struct arena *a)
+{
+	struct segment_limits limits;
+
+	p->segments = (struct segments){0};
+	if (use == SEGMENT_NONE || o->segments == RNEAGEN_SEGMENTS_WHOLE)
+		return 1;
+	limits = limits_for(p, use, k, o);
+	if (!limits.operations)
+		return 1;
+	if (!segments_make(&p->segments, &p->plan, &limits, a))
+		return 0;
+	if (p->segments.count < 2 || (o->segments == RNEAGEN_SEGMENTS_AUTO && (unsigned)p->segments.slots[0] > limits.across))
+		p->segments = (struct segments){0};
+	return 1;
+}
