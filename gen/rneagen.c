@@ -94,7 +94,7 @@ static enum rneagen_code dag_build_all(struct generation *g)
 	arena_init(&g->raw_arena, &a->arena->allocator);
 	for (int i = 1; i < function_count(g); i++) {
 		dag_init(&g->raw[i], &g->raw_arena);
-		g->algorithms[i]->build(&g->raw[i], &a->tree, &a->request);
+		g->algorithms[i]->build(&g->raw[i], &a->stated, &a->request); /* they write by the URDF's frames */
 		dag_close(&g->raw[i]);
 		if (g->raw[i].failed)
 			error_memory(a->error);
@@ -257,6 +257,11 @@ static void put_parts(const struct generation *g, struct text *out)
 
 static void put_tree(const struct generation *g, struct text *out)
 {
+	tree_dump(&g->analysis.stated, out);
+}
+
+static void put_params(const struct generation *g, struct text *out)
+{
 	tree_dump(&g->analysis.tree, out);
 }
 
@@ -295,6 +300,7 @@ static const struct stage PASSES[] = {
 	{"holds_choose", "of held joints, those that are bodies of their own", FIRST_HALF(holds_choose), DUMPED(scene, SCENE)},
 	{"robot_snap", "the robot, angles snapped", FIRST_HALF(robot_snap), SILENT},
 	{"tree_build", "bodies that move, every constant placed", FIRST_HALF(tree_build), DUMPED(tree, TREE)},
+	{"params_choose", "the same bodies by frames and inertias that cost less", FIRST_HALF(params_choose), DUMPED(params, PARAMS)},
 	{"request_resolve", "inputs and outputs", FIRST_HALF(request_resolve), DUMPED(request, REQUEST)},
 	{"options_check", "options that go with the request", SECOND_HALF(options_check), SILENT},
 	{"dag_build", "expressions of the outputs", SECOND_HALF(dag_build_all), SILENT},

@@ -84,7 +84,7 @@ static const struct choice {
 	{"base", {{"fixed", RNEAGEN_FIXED}, {"floating", RNEAGEN_FLOATING}}},
 	{"mimic", {{"honour", RNEAGEN_MIMIC_HONOUR}, {"independent", RNEAGEN_MIMIC_INDEPENDENT}}},
 	{"dump", {{"robot", RNEAGEN_DUMP_ROBOT}, {"scene", RNEAGEN_DUMP_SCENE}, {"tree", RNEAGEN_DUMP_TREE},
-		{"request", RNEAGEN_DUMP_REQUEST}, {"dag", RNEAGEN_DUMP_DAG}, {"plan", RNEAGEN_DUMP_PLAN}, {"parts", RNEAGEN_DUMP_PARTS},
+		{"params", RNEAGEN_DUMP_PARAMS}, {"request", RNEAGEN_DUMP_REQUEST}, {"dag", RNEAGEN_DUMP_DAG}, {"plan", RNEAGEN_DUMP_PLAN}, {"parts", RNEAGEN_DUMP_PARTS},
 		{"passes", RNEAGEN_DUMP_PASSES}}},
 };
 

@@ -29,6 +29,7 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	{"dense", no_argument, NULL, OPTION_SCENE + SCENE_DENSE},                                                      \
 	{"derivatives", required_argument, NULL, OPTION_SCENE + SCENE_DERIVATIVES},                                    \
 	{"dynamics", required_argument, NULL, OPTION_SCENE + SCENE_DYNAMICS},                                          \
+	{"params", required_argument, NULL, OPTION_SCENE + SCENE_PARAMS},                                              \
 	{"refine", required_argument, NULL, OPTION_SCENE + SCENE_REFINE},                                              \
 	{"jvp", required_argument, NULL, OPTION_SCENE + SCENE_JVP},                                                    \
 	{"vjp", required_argument, NULL, OPTION_SCENE + SCENE_VJP},                                                    \

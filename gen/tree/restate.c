@@ -1,0 +1,162 @@
+#include "tree/restate.h"
+#include <string.h>
+
+static int is_revolute(const struct body *k)
+{
+	return k->type == JOINT_REVOLUTE || k->type == JOINT_CONTINUOUS;
+}
+
+int restate_turns(const struct body *k)
+{
+	return is_revolute(k) || k->type == JOINT_PRISMATIC;
+}
+
+int restate_slides(const struct body *k)
+{
+	return restate_turns(k) || k->type == JOINT_PLANAR;
+}
+
+int restate_floats(const struct body *k)
+{
+	return k->type == JOINT_PRISMATIC;
+}
+
+/* ---- frames ---- */
+
+/* Exactly 1 where nothing else is in a row and a column, and one sine and cosine for the other four. */
+static void tidy(struct rotation *r)
+{
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++) {
+			int a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
+
+			if (r->m[i][c].x != 0 || r->m[i][d].x != 0 || r->m[a][j].x != 0 || r->m[b][j].x != 0)
+				continue;
+			r->m[i][j] = within_exact(r->m[i][j].x < 0 ? -1 : 1);
+			r->m[b][d] = r->m[i][j].x < 0 ? within_neg(r->m[a][c]) : r->m[a][c];
+			r->m[b][c] = r->m[i][j].x < 0 ? r->m[a][d] : within_neg(r->m[a][d]);
+		}
+}
+
+static struct placement moved(const struct placement *a, const struct placement *b)
+{
+	struct placement c = placement_mul(a, b);
+
+	tidy(&c.R);
+	return c;
+}
+
+/* x = Y x' for a body's frame: X' = X Y, of children and links Y^-1 X, inertia as seen from Y. */
+static void reframe(struct tree *t, int body, const struct restatement *by)
+{
+	struct body *k = &t->bodies[body];
+	struct placement Y = {.R = rotation_by(k->axis, by->turn)}, at = {.R = rotation_by(k->axis, turn_sub(by->turn, by->ahead))}, back;
+	struct placement urdf = {.R = k->frame};
+	struct inertia_sum s = {0};
+
+	memcpy(Y.p, by->slide, sizeof Y.p);
+	memcpy(at.p, by->slide, sizeof at.p);
+	memcpy(urdf.p, k->origin, sizeof urdf.p);
+	back = placement_inverse(&Y);
+	k->X = moved(&k->X, &at);
+	k->ahead = by->ahead;
+	urdf = moved(&urdf, &Y);
+	k->frame = urdf.R;
+	memcpy(k->origin, urdf.p, sizeof k->origin);
+	inertia_add_from(&s, &back, &k->inertia);
+	k->inertia = inertia_total(&s);
+	for (int i = body + 1; i < t->body_count; i++)
+		if (t->bodies[i].parent == body)
+			t->bodies[i].X = moved(&back, &t->bodies[i].X);
+	for (int i = 0; i < t->source->link_count; i++)
+		if (t->links[i].body == body)
+			t->links[i].X = moved(&back, &t->links[i].X);
+}
+
+static int is_moved(const struct restatement *by)
+{
+	return by->slide[0].x != 0 || by->slide[1].x != 0 || by->slide[2].x != 0 || !turn_is_none(by->turn) || !turn_is_none(by->ahead);
+}
+
+/* ---- inertial parameters ---- */
+
+/* What moves alike with body and parent: of a joint that turns, what lies on its axis, as mass, dipole and rod; of one that
+   slides, what has neither mass nor first moment; of one that does both, such a rod; of one that is fixed, all. */
+static struct inertia common(const struct body *k, enum regroup how)
+{
+	int i = (k->axis + (how == REGROUP_FIRST ? 1 : 2)) % 3;
+	struct inertia I = {0};
+
+	if (how == REGROUP_NOTHING || k->type == JOINT_FLOATING)
+		return I;
+	if (k->type == JOINT_FIXED)
+		return k->inertia;
+	if (k->type == JOINT_PRISMATIC) {
+		memcpy(I.I, k->inertia.I, sizeof I.I);
+		return I;
+	}
+	if (is_revolute(k)) {
+		I.mass = k->inertia.mass;
+		I.h[k->axis] = k->inertia.h[k->axis];
+	}
+	for (int j = 0; j < 3; j++)
+		if (j != k->axis)
+			I.I[inertia_index(j, j)] = k->inertia.I[inertia_index(i, i)];
+	return I;
+}
+
+/* In the frame at X as it is. */
+static void add(struct inertia *to, const struct inertia *I, const struct placement *X)
+{
+	const struct placement here = {.R = ROTATION_IDENTITY};
+	struct inertia_sum s = {0};
+
+	inertia_add_from(&s, &here, to);
+	inertia_add_from(&s, X, I);
+	*to = inertia_total(&s);
+}
+
+static struct inertia negative(struct inertia I)
+{
+	I.mass = within_neg(I.mass);
+	for (int i = 0; i < 3; i++)
+		I.h[i] = within_neg(I.h[i]);
+	for (int i = 0; i < 6; i++)
+		I.I[i] = within_neg(I.I[i]);
+	return I;
+}
+
+/* At the ground it has no effect. */
+static void regroup(struct tree *t, int body, enum regroup how)
+{
+	const struct placement here = {.R = ROTATION_IDENTITY};
+	struct body *k = &t->bodies[body];
+	struct inertia I = common(k, how), less = negative(I);
+	struct placement X = k->X, turn = {.R = rotation_about(k->axis, k->turn)};
+
+	add(&k->inertia, &less, &here);
+	if (k->type == JOINT_FIXED)
+		X = placement_mul(&X, &turn);
+	if (k->parent >= 0)
+		add(&t->bodies[k->parent].inertia, &I, &X);
+}
+
+int tree_restate(struct tree *out, const struct tree *t, const struct restatement *by, struct arena *a)
+{
+	size_t bodies = (size_t)t->body_count, links = (size_t)t->source->link_count;
+
+	*out = *t;
+	out->bodies = arena_alloc(a, bodies, sizeof *out->bodies);
+	out->links = arena_alloc(a, links, sizeof *out->links);
+	if (!out->bodies || !out->links)
+		return 0;
+	memcpy(out->bodies, t->bodies, bodies * sizeof *out->bodies);
+	memcpy(out->links, t->links, links * sizeof *out->links);
+	for (int k = 0; k < t->body_count; k++)
+		if (is_moved(&by[k]))
+			reframe(out, k, &by[k]);
+	for (int k = t->body_count - 1; k >= 0; k--)
+		if (by[k].regroup)
+			regroup(out, k, by[k].regroup);
+	return 1;
+}
