@@ -16,6 +16,7 @@ enum analysis_pass { PASS_URDF_READ, PASS_SCENE_PARSE, PASS_SCENE_SELECT, PASS_H
    which of these costs less. */
 struct params_choice {
 	int is_base, is_auto;
+	int is_left; /* set before the pass: the URDF's are taken whatever the scene says */
 	long flops[2]; /* is_auto: of the request, by the URDF's and by base parameters */
 };
 

@@ -71,12 +71,13 @@ static int is_child(const struct listing *x, int i)
 static void list_half(const struct listing *x, struct within u, struct within v)
 {
 	real size = hypotl(u.x, v.x), angle = atan2l(v.x, u.x) / 2;
-	struct turn half = {within_exact(sinl(angle)), within_exact(cosl(angle))}, eighth = {within_exact(sqrtl(0.5L)), within_exact(sqrtl(0.5L))};
+	struct turn half = {within_sin(within_exact(angle)), within_cos(within_exact(angle))};
+	struct within root = within_sqrt(within_exact(0.5L));
 
 	if (size == 0 || v.x == 0)
 		return;
 	list_turn(x, half);
-	list_turn(x, turn_add(half, eighth));
+	list_turn(x, turn_add(half, (struct turn){root, root}));
 }
 
 void frames_turned(struct frames *f, const struct tree *now, const struct restatement *by, int body)
@@ -140,7 +141,7 @@ static void list_slide(const struct listing *x, struct within by)
 		return;
 	sum_add(&s, r.slide[x->k->axis]);
 	sum_add(&s, by);
-	r.slide[x->k->axis] = sum_total(s);
+	r.slide[x->k->axis] = within_exact(sum_total(s).x); /* any will do: this one, exactly */
 	list(x, r);
 }
 

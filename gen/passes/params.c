@@ -1,24 +1,12 @@
-/* Which constants the model is computed by: the URDF's, or base inertial parameters in frames of their own, chosen by counted
-   operations. */
+/* Which constants the model is computed by: the URDF's inertias in its frames, or base parameters in frames of their own. */
 #include "passes/analysis.h"
-#include "passes/frames.h"
+#include "passes/search.h"
 #include <string.h>
-#include <stdio.h>
 #include <stdlib.h>
+#include <stdio.h>
 
-struct search {
-	const struct analysis *of;
-	struct restatement *by; /* by body */
-	char *keeps;            /* by body: nothing goes to its parent */
-	struct adjust adjust;
-	struct tree now;
-	struct arena now_arena;
-	long least;
-	int trials;
-};
-
-/* Operations of the torques, or of what is asked for; -1 and an error. */
-static long cost(const struct analysis *a, const struct tree *t, const struct adjust *adjust)
+/* Operations of what is asked for, of a tree; -1 and an error. */
+static long cost(const struct analysis *a, const struct tree *t)
 {
 	struct arena spare;
 	struct analysis x;
@@ -27,117 +15,71 @@ static long cost(const struct analysis *a, const struct tree *t, const struct ad
 	arena_init(&spare, &a->arena->allocator);
 	analysis_copy(&x, a, &spare, a->error);
 	x.tree = *t;
-	x.adjust = *adjust;
+	x.adjust.prune = 0; /* its sampling takes long */
 	if (!analysis_run(&x, PASS_REQUEST_RESOLVE, PASS_DAG_FUSE))
 		flops = analysis_flops(&x);
 	arena_free(&spare);
 	return flops;
 }
 
-static long try(struct search *s)
+/* What is read of a joint's wrench, or is an input of a body's inertia, is the body's own; what is dropped at the ground has a
+   potential. */
+static enum rneagen_code find_kept(const struct analysis *a, char *keeps)
 {
 	struct arena spare;
-	struct tree t;
-	long flops = -1;
+	struct analysis x;
+	const struct request *k = &x.request;
 
-	arena_init(&spare, &s->of->arena->allocator);
-	s->trials++;
-	if (tree_restate(&t, &s->of->stated, s->by, &spare))
-		flops = cost(s->of, &t, &s->adjust);
-	else
-		error_memory(s->of->error);
+	arena_init(&spare, &a->arena->allocator);
+	analysis_copy(&x, a, &spare, a->error);
+	if (!pass_request_resolve(&x)) {
+		for (int i = 0; i < k->freed_count; i++)
+			if (k->freed[i].kind != FREED_GRAVITY && k->freed[i].kind != FREED_OFFSET)
+				keeps[k->freed[i].body] = 1;
+		for (int i = 0; i < k->want_count; i++)
+			if (k->wants[i].kind == WANT_WRENCH)
+				keeps[k->wants[i].body] = 1;
+		for (int i = 0; i < a->tree.body_count && request_wants(k, WANT_POTENTIAL); i++)
+			keeps[i] |= a->tree.bodies[i].parent < 0;
+	}
 	arena_free(&spare);
-	return flops;
+	return a->error->code;
 }
 
-static int take(struct search *s)
+/* The cheaper of both for what is asked for. */
+static enum rneagen_code choose(struct analysis *a, const struct tree *base, int is_auto)
 {
-	arena_free(&s->now_arena);
-	arena_init(&s->now_arena, &s->of->arena->allocator);
-	return tree_restate(&s->now, &s->of->stated, s->by, &s->now_arena);
-}
+	struct params_choice *p = &a->params;
 
-static int improve(struct search *s, int body, const struct frames *f)
-{
-	struct restatement best = s->by[body];
-	int found = 0;
-
-	for (int i = 0; i < f->count; i++) {
-		long flops;
-
-		s->by[body] = f->of[i];
-		flops = try(s);
-		if (flops < 0)
-			return -1;
-		if (flops < s->least) {
-			s->least = flops;
-			best = f->of[i];
-			found = 1;
-		}
+	p->is_auto = is_auto;
+	p->is_base = 1;
+	if (is_auto) {
+		p->flops[0] = cost(a, &a->stated);
+		p->flops[1] = p->flops[0] < 0 ? -1 : cost(a, base);
+		p->is_base = p->flops[1] >= 0 && p->flops[1] < p->flops[0];
 	}
-	s->by[body] = best;
-	if (found && !take(s))
-		return -1;
-	return found;
-}
-
-static int improve_regroup(struct search *s, int body)
-{
-	struct frames f = {.count = 0};
-
-	for (int i = 0; i < REGROUP_COUNT; i++)
-		if (i != (int)s->by[body].regroup && (!s->keeps[body] || !i)) {
-			f.of[f.count] = s->by[body];
-			f.of[f.count++].regroup = (enum regroup)i;
-		}
-	return improve(s, body, &f);
-}
-
-static int sweep(struct search *s)
-{
-	struct frames f;
-	int found = 0;
-
-	for (int b = s->now.body_count - 1; b >= 0; b--) {
-		frames_turned(&f, &s->now, s->by, b);
-		found |= improve(s, b, &f) > 0;
-		frames_split(&f, &s->now, s->by, b);
-		found |= improve(s, b, &f) > 0;
-		frames_slid(&f, &s->now, s->by, b);
-		found |= improve(s, b, &f) > 0;
-		found |= improve_regroup(s, b) > 0;
-	}
-	return found;
+	if (p->is_base)
+		a->tree = *base;
+	return a->error->code;
 }
 
 enum rneagen_code pass_params_choose(struct analysis *a)
 {
 	const struct scene_choice *c = scene_next(&a->scene, SCENE_PARAMS, NULL);
-	struct search s = {.of = a, .adjust = a->adjust};
-	size_t n = (size_t)a->tree.body_count;
+	size_t bodies = (size_t)a->tree.body_count;
+	struct restatement *by;
+	struct tree base;
+	char *keeps;
 
-	if (!c || !strcmp(c->value, "urdf"))
+	if (!c || !strcmp(c->value, "urdf") || a->params.is_left)
 		return RNEAGEN_OK;
-	s.by = arena_alloc(a->arena, n, sizeof *s.by);
-	s.keeps = arena_alloc(a->arena, n, 1);
-	for (size_t i = 0; i < n; i++)
-		s.by[i] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE, .regroup = REGROUP_SECOND};
-	s.adjust.prune = 0;
-	take(&s);
-	s.least = try(&s);
-	if (getenv("P_TRACE"))
-		fprintf(stderr, "urdf %ld regrouped %ld\n", cost(a, &a->stated, &s.adjust), s.least);
-	if (!getenv("P_NOFRAMES"))
-		for (int i = 0; i < 4; i++) {
-			int found = sweep(&s);
-
-			if (getenv("P_TRACE"))
-				fprintf(stderr, "sweep %d: %ld after %d trials\n", i, s.least, s.trials);
-			if (!found)
-				break;
-		}
-	if (!tree_restate(&a->tree, &a->stated, s.by, a->arena))
+	by = arena_alloc(a->arena, bodies, sizeof *by);
+	keeps = arena_alloc(a->arena, bodies, 1);
+	if (!by || !keeps)
 		return error_memory(a->error);
-	arena_free(&s.now_arena);
-	return a->error->code;
+	if (find_kept(a, keeps) || search_params(by, &a->stated, keeps, &a->arena->allocator, a->error))
+		return a->error->code;
+	if (!tree_restate(&base, &a->stated, by, a->arena))
+		return error_memory(a->error);
+	return choose(a, &base, !strcmp(c->value, "auto"));
 }

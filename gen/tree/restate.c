@@ -105,40 +105,50 @@ static struct inertia common(const struct body *k, enum regroup how)
 	return I;
 }
 
-/* In the frame at X as it is. */
-static void add(struct inertia *to, const struct inertia *I, const struct placement *X)
+static struct sum sum_of(struct within a)
 {
-	const struct placement here = {.R = ROTATION_IDENTITY};
-	struct inertia_sum s = {0};
+	struct sum s = {0};
 
-	inertia_add_from(&s, &here, to);
-	inertia_add_from(&s, X, I);
-	*to = inertia_total(&s);
+	sum_add(&s, a);
+	return s;
 }
 
-static struct inertia negative(struct inertia I)
+static struct inertia_sum inertia_sum_of(const struct inertia *I)
 {
-	I.mass = within_neg(I.mass);
+	struct inertia_sum s = {.mass = sum_of(I->mass)};
+
 	for (int i = 0; i < 3; i++)
-		I.h[i] = within_neg(I.h[i]);
+		s.h[i] = sum_of(I->h[i]);
 	for (int i = 0; i < 6; i++)
-		I.I[i] = within_neg(I.I[i]);
-	return I;
+		s.I[i] = sum_of(I->I[i]);
+	return s;
+}
+
+static void take_off(struct inertia_sum *s, const struct inertia *I)
+{
+	sum_add(&s->mass, within_neg(I->mass));
+	for (int i = 0; i < 3; i++)
+		sum_add(&s->h[i], within_neg(I->h[i]));
+	for (int i = 0; i < 6; i++)
+		sum_add(&s->I[i], within_neg(I->I[i]));
 }
 
 /* At the ground it has no effect. */
 static void regroup(struct tree *t, int body, enum regroup how)
 {
-	const struct placement here = {.R = ROTATION_IDENTITY};
-	struct body *k = &t->bodies[body];
-	struct inertia I = common(k, how), less = negative(I);
+	struct body *k = &t->bodies[body], *parent = &t->bodies[k->parent < 0 ? 0 : k->parent];
+	struct inertia I = common(k, how);
+	struct inertia_sum own = inertia_sum_of(&k->inertia), taken = inertia_sum_of(&parent->inertia);
 	struct placement X = k->X, turn = {.R = rotation_about(k->axis, k->turn)};
 
-	add(&k->inertia, &less, &here);
+	take_off(&own, &I);
+	k->inertia = inertia_total(&own);
+	if (k->parent < 0)
+		return;
 	if (k->type == JOINT_FIXED)
 		X = placement_mul(&X, &turn);
-	if (k->parent >= 0)
-		add(&t->bodies[k->parent].inertia, &I, &X);
+	inertia_add_from(&taken, &X, &I);
+	parent->inertia = inertia_total(&taken);
 }
 
 int tree_restate(struct tree *out, const struct tree *t, const struct restatement *by, struct arena *a)

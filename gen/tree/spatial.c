@@ -104,6 +104,8 @@ struct turn turn_of(struct sum x, struct sum y)
 
 	if (s.x == 0 || c.x == 0)
 		return (struct turn){within_exact((s.x > 0) - (s.x < 0)), within_exact(s.x == 0 ? (c.x < 0 ? -1 : 1) : 0)};
+	s = within_exact(s.x); /* any angle will do: this one, exactly */
+	c = within_exact(c.x);
 	return (struct turn){within_div(s, length(c, s)), within_div(c, length(c, s))};
 }
 
@@ -281,6 +283,18 @@ void inertia_add(struct inertia_sum *s, const struct placement *X, struct within
 	}
 }
 
+static int is_nothing(struct within a)
+{
+	return a.x == 0 && a.near == 0 && a.e == 0;
+}
+
+/* Most are nothing. */
+static void sum_add_product(struct sum *s, struct within a, struct within b, struct within c)
+{
+	if (!is_nothing(a) && !is_nothing(b) && !is_nothing(c))
+		sum_add(s, product(a, b, c));
+}
+
 /* One element of R I R^T + 2 (p . u) 1 - u p^T - p u^T, with u = R h. */
 static void add_turned(struct sum *s, int i, int j, const struct placement *X, const struct inertia *I, const struct within u[3])
 {
@@ -288,13 +302,13 @@ static void add_turned(struct sum *s, int i, int j, const struct placement *X, c
 
 	for (int k = 0; k < 3; k++)
 		for (int l = 0; l < 3; l++)
-			sum_add(s, product(X->R.m[i][k], X->R.m[j][l], I->I[inertia_index(k, l)]));
+			sum_add_product(s, X->R.m[i][k], X->R.m[j][l], I->I[inertia_index(k, l)]);
 	for (int k = 0; k < 3 && i == j; k++)
 		if (k != i)
-			sum_add(s, product(two, p[k], u[k]));
+			sum_add_product(s, two, p[k], u[k]);
 	if (i != j) {
-		sum_add(s, within_neg(within_mul(u[i], p[j])));
-		sum_add(s, within_neg(within_mul(p[i], u[j])));
+		sum_add_product(s, within_exact(-1), u[i], p[j]);
+		sum_add_product(s, within_exact(-1), p[i], u[j]);
 	}
 }
 
@@ -306,12 +320,13 @@ void inertia_add_from(struct inertia_sum *s, const struct placement *X, const st
 	sum_add(&s->mass, I->mass);
 	for (int i = 0; i < 3; i++) {
 		sum_add(&s->h[i], u[i]);
-		sum_add(&s->h[i], within_mul(I->mass, X->p[i]));
+		sum_add_product(&s->h[i], within_exact(1), I->mass, X->p[i]);
 		for (int j = i; j < 3; j++) {
 			struct sum *e = &s->I[inertia_index(i, j)];
 
 			add_turned(e, i, j, X, I, u);
-			add_parallel_axis(e, i, j, I->mass, X->p);
+			if (I->mass.x != 0)
+				add_parallel_axis(e, i, j, I->mass, X->p);
 		}
 	}
 }
