@@ -63,14 +63,14 @@ long search_flops(const struct tree *t, struct arena *spare)
 /* ---- trials ---- */
 
 /* Of the path to a body that is restated so. */
-static long path_flops(const struct search *s, int body)
+static long path_flops(const struct search *s, const struct tree *around, int body)
 {
 	struct arena spare;
 	struct tree t, path;
 	long flops = -1;
 
 	arena_init(&spare, s->allocator);
-	if (tree_restate(&t, s->t, s->by, &spare) && path_make(&path, &t, body, &spare))
+	if (tree_restate_body(&t, around, s->by, body, &spare) && path_make(&path, &t, body, &spare))
 		flops = search_flops(&path, &spare);
 	arena_free(&spare);
 	if (flops < 0)
@@ -135,15 +135,21 @@ static void wait(struct search *s, int body)
 /* The cheapest of some choices for a body, where one is cheaper than what it has. */
 static void improve(struct search *s, int body, const struct frames *f)
 {
-	struct restatement before = s->by[body];
-	long least = f->count ? path_flops(s, body) : 0;
+	struct arena spare;
+	struct tree around;
+	long least = 0;
 
+	arena_init(&spare, s->allocator);
+	if (f->count && !tree_restate_around(&around, s->t, s->by, body, &spare))
+		error_memory(s->e);
+	if (f->count && !s->e->code)
+		least = path_flops(s, &around, body);
 	for (int i = 0; i < f->count && !s->e->code; i++) {
 		struct restatement best = s->by[body];
 		long flops;
 
 		s->by[body] = f->of[i];
-		flops = is_near(s, &f->of[i]) ? path_flops(s, body) : least;
+		flops = is_near(s, &f->of[i]) ? path_flops(s, &around, body) : least;
 		if (flops < least && !s->e->code && take(s)) {
 			least = flops;
 			wait(s, body);
@@ -151,8 +157,7 @@ static void improve(struct search *s, int body, const struct frames *f)
 			s->by[body] = best;
 		}
 	}
-	if (s->e->code)
-		s->by[body] = before;
+	arena_free(&spare);
 }
 
 static void improve_regroup(struct search *s, int body)

@@ -46,18 +46,24 @@ static struct placement moved(const struct placement *a, const struct placement 
 	return c;
 }
 
-/* x = Y x' for a body's frame: X' = X Y, of children and links Y^-1 X, inertia as seen from Y. */
+/* Y: the new frame in the one that the body has. */
+static struct placement frame_of(const struct body *k, const struct restatement *by)
+{
+	struct placement Y = {.R = rotation_by(k->axis, by->turn)};
+
+	memcpy(Y.p, by->slide, sizeof Y.p);
+	return Y;
+}
+
+/* X' = X Y, of children and links Y^-1 X, inertia as seen from Y. */
 static void reframe(struct tree *t, int body, const struct restatement *by)
 {
 	struct body *k = &t->bodies[body];
-	struct placement Y = {.R = rotation_by(k->axis, by->turn)}, at = {.R = rotation_by(k->axis, turn_sub(by->turn, by->ahead))}, back;
-	struct placement urdf = {.R = k->frame};
+	struct placement Y = frame_of(k, by), back = placement_inverse(&Y), at = Y, urdf = {.R = k->frame};
 	struct inertia_sum s = {0};
 
-	memcpy(Y.p, by->slide, sizeof Y.p);
-	memcpy(at.p, by->slide, sizeof at.p);
+	at.R = rotation_by(k->axis, turn_sub(by->turn, by->ahead));
 	memcpy(urdf.p, k->origin, sizeof urdf.p);
-	back = placement_inverse(&Y);
 	k->X = moved(&k->X, &at);
 	k->ahead = by->ahead;
 	urdf = moved(&urdf, &Y);
@@ -68,6 +74,12 @@ static void reframe(struct tree *t, int body, const struct restatement *by)
 	for (int i = body + 1; i < t->body_count; i++)
 		if (t->bodies[i].parent == body)
 			t->bodies[i].X = moved(&back, &t->bodies[i].X);
+}
+
+static void move_links(struct tree *t, int body, const struct restatement *by)
+{
+	struct placement Y = frame_of(&t->bodies[body], by), back = placement_inverse(&Y);
+
 	for (int i = 0; i < t->source->link_count; i++)
 		if (t->links[i].body == body)
 			t->links[i].X = moved(&back, &t->links[i].X);
@@ -151,22 +163,72 @@ static void regroup(struct tree *t, int body, enum regroup how)
 	parent->inertia = inertia_total(&taken);
 }
 
-int tree_restate(struct tree *out, const struct tree *t, const struct restatement *by, struct arena *a)
+/* ---- the whole ---- */
+
+/* Bodies of its own, and links of its own where there are to be any. */
+static int copy(struct tree *out, const struct tree *t, int has_links, struct arena *a)
 {
 	size_t bodies = (size_t)t->body_count, links = (size_t)t->source->link_count;
 
 	*out = *t;
 	out->bodies = arena_alloc(a, bodies, sizeof *out->bodies);
-	out->links = arena_alloc(a, links, sizeof *out->links);
-	if (!out->bodies || !out->links)
+	if (!out->bodies)
 		return 0;
 	memcpy(out->bodies, t->bodies, bodies * sizeof *out->bodies);
-	memcpy(out->links, t->links, links * sizeof *out->links);
+	if (!has_links)
+		return 1;
+	out->links = arena_alloc(a, links, sizeof *out->links);
+	if (out->links)
+		memcpy(out->links, t->links, links * sizeof *out->links);
+	return out->links != NULL;
+}
+
+int tree_restate(struct tree *out, const struct tree *t, const struct restatement *by, struct arena *a)
+{
+	if (!copy(out, t, 1, a))
+		return 0;
 	for (int k = 0; k < t->body_count; k++)
-		if (is_moved(&by[k]))
+		if (is_moved(&by[k])) {
 			reframe(out, k, &by[k]);
+			move_links(out, k, &by[k]);
+		}
 	for (int k = t->body_count - 1; k >= 0; k--)
 		if (by[k].regroup)
+			regroup(out, k, by[k].regroup);
+	return 1;
+}
+
+/* Does what a body's parent takes depend on the frame of another? */
+static int depends(const struct tree *t, int k, int body)
+{
+	if (t->bodies[k].parent == body)
+		return 1;
+	while (body > k)
+		body = t->bodies[body].parent;
+	return body == k;
+}
+
+int tree_restate_around(struct tree *out, const struct tree *t, const struct restatement *by, int body, struct arena *a)
+{
+	if (!copy(out, t, 0, a))
+		return 0;
+	for (int k = 0; k < t->body_count; k++)
+		if (k != body && is_moved(&by[k]))
+			reframe(out, k, &by[k]);
+	for (int k = t->body_count - 1; k >= 0; k--)
+		if (by[k].regroup && !depends(t, k, body))
+			regroup(out, k, by[k].regroup);
+	return 1;
+}
+
+int tree_restate_body(struct tree *out, const struct tree *around, const struct restatement *by, int body, struct arena *a)
+{
+	if (!copy(out, around, 0, a))
+		return 0;
+	if (is_moved(&by[body]))
+		reframe(out, body, &by[body]);
+	for (int k = around->body_count - 1; k >= 0; k--)
+		if (by[k].regroup && depends(around, k, body))
 			regroup(out, k, by[k].regroup);
 	return 1;
 }
