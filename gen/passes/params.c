@@ -2,8 +2,6 @@
 #include "passes/analysis.h"
 #include "passes/search.h"
 #include <string.h>
-#include <stdlib.h>
-#include <stdio.h>
 
 /* Operations of what is asked for, of a tree; -1 and an error. */
 static long cost(const struct analysis *a, const struct tree *t)

@@ -3,20 +3,20 @@
 #include "passes/accuracy.h"
 #include "passes/frames.h"
 #include "passes/path.h"
+#include <limits.h>
 #include <math.h>
-#include <string.h>
 
 /* Sweeps over all bodies; how far off a frame may be of what the tree's own are, and how far from the link. */
 enum { SWEEPS = 4, FARTHEST = 2 };
-static const double WORST = 1.5;
-static const struct draw_options SAMPLES = {.seed = 16, .count = 32, .each = 1};
+static const double WORST = 1.2;
+static const struct draw_options SAMPLES = {.seed = 16, .count = 64, .each = 1};
 
 struct search {
 	const struct tree *t;
 	const char *keeps;
 	struct restatement *by;
 	char *waits;      /* by body: it or its neighbours have changed since it was tried */
-	struct tree now;  /* as `by` has it */
+	struct tree around, now; /* as `by` has it: of all bodies but the one that is tried; of all */
 	long least;
 	real farthest;
 	struct accuracy worst;
@@ -63,14 +63,14 @@ long search_flops(const struct tree *t, struct arena *spare)
 /* ---- trials ---- */
 
 /* Of the path to a body that is restated so. */
-static long path_flops(const struct search *s, const struct tree *around, int body)
+static long path_flops(const struct search *s, int body)
 {
 	struct arena spare;
 	struct tree t, path;
 	long flops = -1;
 
 	arena_init(&spare, s->allocator);
-	if (tree_restate_body(&t, around, s->by, body, &spare) && path_make(&path, &t, body, &spare))
+	if (tree_restate_body(&t, &s->around, s->by, body, &spare) && path_make(&path, &t, body, &spare))
 		flops = search_flops(&path, &spare);
 	arena_free(&spare);
 	if (flops < 0)
@@ -135,21 +135,14 @@ static void wait(struct search *s, int body)
 /* The cheapest of some choices for a body, where one is cheaper than what it has. */
 static void improve(struct search *s, int body, const struct frames *f)
 {
-	struct arena spare;
-	struct tree around;
-	long least = 0;
+	long least = f->count ? path_flops(s, body) : 0;
 
-	arena_init(&spare, s->allocator);
-	if (f->count && !tree_restate_around(&around, s->t, s->by, body, &spare))
-		error_memory(s->e);
-	if (f->count && !s->e->code)
-		least = path_flops(s, &around, body);
 	for (int i = 0; i < f->count && !s->e->code; i++) {
 		struct restatement best = s->by[body];
 		long flops;
 
 		s->by[body] = f->of[i];
-		flops = is_near(s, &f->of[i]) ? path_flops(s, &around, body) : least;
+		flops = is_near(s, &f->of[i]) ? path_flops(s, body) : least;
 		if (flops < least && !s->e->code && take(s)) {
 			least = flops;
 			wait(s, body);
@@ -157,7 +150,6 @@ static void improve(struct search *s, int body, const struct frames *f)
 			s->by[body] = best;
 		}
 	}
-	arena_free(&spare);
 }
 
 static void improve_regroup(struct search *s, int body)
@@ -176,14 +168,20 @@ static void improve_body(struct search *s, int body)
 {
 	static void (*const listings[])(struct frames *f, const struct tree *now, const struct restatement *by, int body) = {
 		frames_turned, frames_split, frames_slid};
+	struct arena around;
 	struct frames f;
 
+	arena_init(&around, s->allocator);
 	s->waits[body] = 0;
+	if (!tree_restate_around(&s->around, s->t, s->by, body, &around))
+		error_memory(s->e);
 	for (size_t i = 0; i < sizeof listings / sizeof *listings && !s->e->code; i++) {
 		listings[i](&f, &s->now, s->by, body);
 		improve(s, body, &f);
 	}
-	improve_regroup(s, body);
+	if (!s->e->code)
+		improve_regroup(s, body);
+	arena_free(&around);
 }
 
 /* ---- the whole ---- */
@@ -192,36 +190,55 @@ static real farthest(const struct tree *t)
 {
 	real most = 0;
 
-	for (int k = 0; k < t->body_count; k++)
-		most = fmaxl(most, sqrtl(t->bodies[k].X.p[0].x * t->bodies[k].X.p[0].x + t->bodies[k].X.p[1].x * t->bodies[k].X.p[1].x +
-			t->bodies[k].X.p[2].x * t->bodies[k].X.p[2].x));
+	for (int k = 0; k < t->body_count; k++) {
+		const struct within *p = t->bodies[k].X.p;
+
+		most = fmaxl(most, sqrtl(p[0].x * p[0].x + p[1].x * p[1].x + p[2].x * p[2].x));
+	}
 	return most;
 }
 
-/* All that can be regrouped is, in the frames that there are. */
-static int begin(struct search *s)
+/* How accurate the tree is as it stands. */
+static int measure(struct search *s)
 {
 	struct arena spare;
 	struct dag d;
 	int done;
 
 	arena_init(&spare, s->allocator);
-	s->waits = arena_alloc(&s->own, (size_t)s->t->body_count, 1);
 	build(&d, s->t, &spare);
-	done = s->waits && draw_inputs(&s->inputs, s->t, &TORQUES, &SAMPLES, &s->own) && !d.failed &&
+	s->least = flops_of(&d, &spare);
+	done = s->least >= 0 && draw_inputs(&s->inputs, s->t, &TORQUES, &SAMPLES, &s->own) &&
 		accuracy_measure(&s->worst, &d, &s->inputs, &spare);
 	arena_free(&spare);
-	for (int k = 0; k < s->t->body_count && done; k++) {
-		s->by[k] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE,
-			.regroup = s->keeps[k] ? REGROUP_NOTHING : REGROUP_SECOND};
+	return done;
+}
+
+/* All that can be regrouped is, in the frames that there are, where that is accurate: whether it pays is seen when all of it is. */
+static void begin(struct search *s)
+{
+	long stated;
+	int bodies = s->t->body_count;
+
+	s->waits = arena_alloc(&s->own, (size_t)bodies, 1);
+	for (int k = 0; k < bodies; k++)
+		s->by[k] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE};
+	if (!s->waits || !measure(s) || !tree_restate(&s->now, s->t, s->by, &s->of_now)) {
+		error_memory(s->e);
+		return;
+	}
+	s->farthest = farthest(s->t);
+	stated = s->least;
+	s->least = LONG_MAX;
+	for (int k = 0; k < bodies; k++) {
+		s->by[k].regroup = s->keeps[k] ? REGROUP_NOTHING : REGROUP_SECOND;
 		s->waits[k] = 1;
 	}
-	arena_init(&spare, s->allocator);
-	if (done && tree_restate(&s->now, s->t, s->by, &s->of_now))
-		s->least = search_flops(&s->now, &spare);
-	arena_free(&spare);
-	s->farthest = farthest(s->t);
-	return done && s->least >= 0;
+	if (take(s))
+		return;
+	s->least = stated;
+	for (int k = 0; k < bodies; k++)
+		s->by[k].regroup = REGROUP_NOTHING;
 }
 
 enum rneagen_code search_params(struct restatement *by, const struct tree *t, const char *keeps, const struct rneagen_allocator *allocator,
@@ -232,8 +249,7 @@ enum rneagen_code search_params(struct restatement *by, const struct tree *t, co
 
 	arena_init(&s.own, allocator);
 	arena_init(&s.of_now, allocator);
-	if (!begin(&s))
-		error_memory(e);
+	begin(&s);
 	for (int sweep = 0; sweep < SWEEPS && waiting && !e->code; sweep++) {
 		waiting = 0;
 		for (int b = t->body_count - 1; b >= 0 && !e->code; b--)
