@@ -8,6 +8,7 @@
 #include "tell/dot.h"
 #include "tell/effect.h"
 #include "tell/info.h"
+#include "tell/params_put.h"
 #include "tell/saving.h"
 #include "tell/scene_put.h"
 #include <locale.h>
@@ -193,6 +194,7 @@ static enum rneagen_code emit(struct generation *g)
 	text_init(&source, a->arena);
 	text_init(&header, a->arena);
 	scene_put_comment(&a->scene, &a->outcome, &told);
+	params_put_comment(a, &told);
 	effect_put_comment(&g->info.effects, a, &told);
 	SHA256Data((const uint8_t *)a->urdf, a->length, g->hash);
 	g->emission = new_emission(g, text_string(&told));
@@ -224,7 +226,7 @@ static enum rneagen_code tell(struct generation *g)
 	if (a->options.tell & RNEAGEN_TELL_JSON)
 		info_json(&g->info, &json);
 	if (a->options.tell & RNEAGEN_TELL_DOT)
-		dot_graph(&a->tree, &dot);
+		dot_graph(&a->stated, &dot);
 	if (info.failed || json.failed || dot.failed)
 		return error_memory(a->error);
 	r->info = info.length ? text_string(&info) : NULL;

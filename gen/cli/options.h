@@ -67,6 +67,9 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"  --dynamics auto|factor|articulated\n"                                                                     \
 	"                             how qdd is found: by factors of the mass matrix, by articulated bodies, or, auto,\n" \
 	"                             by the one with fewer operations\n"                                              \
+	"  --params urdf|base|auto    by which constants the model is computed: the URDF's inertias in its frames, unless\n" \
+	"                             given; base inertial parameters in frames that cost less; auto: those of both that\n" \
+	"                             take fewer operations\n"                                                           \
 	"  --refine 0|1|1:f64|1:f32x2|1:same\n"                                                                      \
 	"                             qdd after so many steps of refinement, up to 3; the residual in f64, in pairs of\n" \
 	"                             floats, or in the text's own numbers; unless named in f64 where the text is in f32\n" \
