@@ -52,7 +52,8 @@ static long flops_of(const struct dag *d, struct arena *a)
 	return flops;
 }
 
-long search_flops(const struct tree *t, struct arena *spare)
+/* Of the torques of a tree. */
+static long tree_flops(const struct tree *t, struct arena *spare)
 {
 	struct dag d;
 
@@ -71,7 +72,7 @@ static long path_flops(const struct search *s, int body)
 
 	arena_init(&spare, s->allocator);
 	if (tree_restate_body(&t, &s->around, s->by, body, &spare) && path_make(&path, &t, body, &spare))
-		flops = search_flops(&path, &spare);
+		flops = tree_flops(&path, &spare);
 	arena_free(&spare);
 	if (flops < 0)
 		error_memory(s->e);
@@ -214,50 +215,54 @@ static int measure(struct search *s)
 	return done;
 }
 
-/* All that can be regrouped is, in the frames that there are, where that is accurate: whether it pays is seen when all of it is. */
-static void begin(struct search *s)
+static int alloc(struct search *s)
 {
-	long stated;
 	int bodies = s->t->body_count;
 
 	s->waits = arena_alloc(&s->own, (size_t)bodies, 1);
 	for (int k = 0; k < bodies; k++)
 		s->by[k] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE};
-	if (!s->waits || !measure(s) || !tree_restate(&s->now, s->t, s->by, &s->of_now)) {
-		error_memory(s->e);
-		return;
-	}
 	s->farthest = farthest(s->t);
-	stated = s->least;
-	s->least = LONG_MAX;
-	for (int k = 0; k < bodies; k++) {
-		s->by[k].regroup = s->keeps[k] ? REGROUP_NOTHING : REGROUP_SECOND;
-		s->waits[k] = 1;
-	}
-	if (take(s))
-		return;
-	s->least = stated;
-	for (int k = 0; k < bodies; k++)
-		s->by[k].regroup = REGROUP_NOTHING;
+	return s->waits && measure(s) && tree_restate(&s->now, s->t, s->by, &s->of_now);
 }
 
-enum rneagen_code search_params(struct restatement *by, const struct tree *t, const char *keeps, const struct rneagen_allocator *allocator,
-	struct rneagen_error *e)
+/* Each body regrouped so, where it may be, in the frame that it has; then all that is cheaper. Returns 0 where that is not accurate. */
+static int run(struct search *s, enum regroup how)
 {
-	struct search s = {.t = t, .keeps = keeps, .by = by, .least = -1, .allocator = allocator, .e = e};
 	int waiting = 1;
+
+	for (int k = 0; k < s->t->body_count; k++) {
+		s->by[k] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE, .regroup = s->keeps[k] ? REGROUP_NOTHING : how};
+		s->waits[k] = 1;
+	}
+	s->least = LONG_MAX;
+	if (!take(s))
+		return 0;
+	for (int sweep = 0; sweep < SWEEPS && waiting && !s->e->code; sweep++) {
+		waiting = 0;
+		for (int b = s->t->body_count - 1; b >= 0 && !s->e->code; b--)
+			if (s->waits[b])
+				improve_body(s, b);
+		for (int b = 0; b < s->t->body_count; b++)
+			waiting |= s->waits[b];
+	}
+	return 1;
+}
+
+/* Whether regrouping pays is seen when all is; where it does not, each body is tried by itself. */
+enum rneagen_code search_params(struct restatement *by, const struct tree *t, const char *keeps,
+	const struct rneagen_allocator *allocator, struct rneagen_error *e)
+{
+	struct search s = {.t = t, .keeps = keeps, .by = by, .allocator = allocator, .e = e};
+	long stated;
 
 	arena_init(&s.own, allocator);
 	arena_init(&s.of_now, allocator);
-	begin(&s);
-	for (int sweep = 0; sweep < SWEEPS && waiting && !e->code; sweep++) {
-		waiting = 0;
-		for (int b = t->body_count - 1; b >= 0 && !e->code; b--)
-			if (s.waits[b])
-				improve_body(&s, b);
-		for (int b = 0; b < t->body_count; b++)
-			waiting |= s.waits[b];
-	}
+	if (!alloc(&s))
+		error_memory(e);
+	stated = s.least;
+	if (!e->code && (!run(&s, REGROUP_SECOND) || s.least > stated) && !e->code)
+		run(&s, REGROUP_NOTHING);
 	arena_free(&s.own);
 	arena_free(&s.of_now);
 	return e->code;
