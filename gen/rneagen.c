@@ -302,7 +302,7 @@ static const struct stage PASSES[] = {
 	{"holds_choose", "of held joints, those that are bodies of their own", FIRST_HALF(holds_choose), DUMPED(scene, SCENE)},
 	{"robot_snap", "the robot, angles snapped", FIRST_HALF(robot_snap), SILENT},
 	{"tree_build", "bodies that move, every constant placed", FIRST_HALF(tree_build), DUMPED(tree, TREE)},
-	{"params_choose", "the same bodies by frames and inertias that cost less", FIRST_HALF(params_choose), DUMPED(params, PARAMS)},
+	{"params_choose", "the same bodies by constants that cost less", FIRST_HALF(params_choose), DUMPED(params, PARAMS)},
 	{"request_resolve", "inputs and outputs", FIRST_HALF(request_resolve), DUMPED(request, REQUEST)},
 	{"options_check", "options that go with the request", SECOND_HALF(options_check), SILENT},
 	{"dag_build", "expressions of the outputs", SECOND_HALF(dag_build_all), SILENT},
