@@ -1,5 +1,4 @@
 #include "passes/frames.h"
-#include <math.h>
 
 struct listing {
 	struct frames *f;
@@ -67,15 +66,20 @@ static int is_child(const struct listing *x, int i)
 	return x->now->bodies[i].parent == x->body;
 }
 
-/* Half the angle of (u, v), and 45 degrees more. */
+/* Half the angle of (u, v), and 45 degrees more: cos^2 = (1 + u)/2, sin^2 = (1 - u)/2, 2 sin cos = v for a unit vector; the root is
+   taken of the larger. */
 static void list_half(const struct listing *x, struct within u, struct within v)
 {
-	real size = hypotl(u.x, v.x), angle = atan2l(v.x, u.x) / 2;
-	struct turn half = {within_sin(within_exact(angle)), within_cos(within_exact(angle))};
-	struct within root = within_sqrt(within_exact(0.5L));
+	struct within root = within_sqrt(within_exact(0.5L)), larger, other;
+	struct turn unit, half;
 
-	if (size == 0 || v.x == 0)
+	if (v.x == 0)
 		return;
+	unit = turn_of(sum_of(u), sum_of(v));
+	larger = u.x < 0 ? within_sub(within_exact(1), unit.c) : within_add(within_exact(1), unit.c);
+	larger = within_mul(root, within_sqrt(larger));
+	other = within_div(unit.s, within_mul(within_exact(2), larger));
+	half = u.x < 0 ? (struct turn){larger, other} : (struct turn){other, larger};
 	list_turn(x, half);
 	list_turn(x, turn_add(half, (struct turn){root, root}));
 }
@@ -141,7 +145,7 @@ static void list_slide(const struct listing *x, struct within by)
 		return;
 	sum_add(&s, r.slide[x->k->axis]);
 	sum_add(&s, by);
-	r.slide[x->k->axis] = within_exact(sum_total(s).x); /* any will do: this one, exactly */
+	r.slide[x->k->axis] = sum_total(s);
 	list(x, r);
 }
 

@@ -6,9 +6,12 @@
 #include <limits.h>
 #include <math.h>
 
-/* Sweeps over all bodies; how far off a frame may be of what the tree's own are, and how far from the link. */
-enum { SWEEPS = 4, FARTHEST = 2 };
+/* Sweeps over all bodies; how far a frame may be from its link, in longest distances between joints; bodies times operations, beyond
+   which frames stay where they are, since trying others takes long; how far off torques may be, in what they are off as the tree is. */
+enum { SWEEPS = 4, FARTHEST = 2, WORK = 1500000 };
 static const double WORST = 1.2;
+/* How far a frame may be from where the file's decimals have it, in radians, or longest distances. */
+static const double VAGUE = 1e-14;
 static const struct draw_options SAMPLES = {.seed = 16, .count = 64, .each = 1};
 
 struct search {
@@ -79,12 +82,18 @@ static long path_flops(const struct search *s, int body)
 	return flops;
 }
 
+static int is_known(const struct turn *a)
+{
+	return within_error(a->s) <= VAGUE && within_error(a->c) <= VAGUE;
+}
+
+/* A frame that is neither far off nor, by the decimals of the file, here as well as there. */
 static int is_near(const struct search *s, const struct restatement *r)
 {
 	for (int i = 0; i < 3; i++)
-		if (!(fabsl(r->slide[i].x) <= FARTHEST * s->farthest))
+		if (!(fabsl(r->slide[i].x) <= FARTHEST * s->farthest) || within_error(r->slide[i]) > VAGUE * (double)s->farthest)
 			return 0;
-	return 1;
+	return is_known(&r->turn) && is_known(&r->ahead);
 }
 
 static int is_accurate(const struct accuracy *x, const struct accuracy *worst)
@@ -229,7 +238,7 @@ static int alloc(struct search *s)
 /* Each body regrouped so, where it may be, in the frame that it has; then all that is cheaper. Returns 0 where that is not accurate. */
 static int run(struct search *s, enum regroup how)
 {
-	int waiting = 1;
+	int waiting = s->t->body_count * s->least <= WORK;
 
 	for (int k = 0; k < s->t->body_count; k++) {
 		s->by[k] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE, .regroup = s->keeps[k] ? REGROUP_NOTHING : how};
@@ -261,8 +270,10 @@ enum rneagen_code search_params(struct restatement *by, const struct tree *t, co
 	if (!alloc(&s))
 		error_memory(e);
 	stated = s.least;
-	if (!e->code && (!run(&s, REGROUP_SECOND) || s.least > stated) && !e->code)
+	if (!e->code && (!run(&s, REGROUP_SECOND) || s.least > stated) && !e->code) {
+		s.least = stated;
 		run(&s, REGROUP_NOTHING);
+	}
 	arena_free(&s.own);
 	arena_free(&s.of_now);
 	return e->code;

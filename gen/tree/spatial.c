@@ -104,8 +104,6 @@ struct turn turn_of(struct sum x, struct sum y)
 
 	if (s.x == 0 || c.x == 0)
 		return (struct turn){within_exact((s.x > 0) - (s.x < 0)), within_exact(s.x == 0 ? (c.x < 0 ? -1 : 1) : 0)};
-	s = within_exact(s.x); /* any angle will do: this one, exactly */
-	c = within_exact(c.x);
 	return (struct turn){within_div(s, length(c, s)), within_div(c, length(c, s))};
 }
 
