@@ -7,8 +7,10 @@
 #include "plan/parts.h"
 #include "plan/segment_limits.h"
 #include "tell/dot.h"
+#include "tell/dump.h"
 #include "tell/effect.h"
 #include "tell/info.h"
+#include "tell/params_put.h"
 #include "tell/saving.h"
 #include "tell/scene_put.h"
 #include <locale.h>
@@ -95,7 +97,7 @@ static enum rneagen_code dag_build_all(struct generation *g)
 	arena_init(&g->raw_arena, &a->arena->allocator);
 	for (int i = 1; i < function_count(g); i++) {
 		dag_init(&g->raw[i], &g->raw_arena);
-		g->algorithms[i]->build(&g->raw[i], &a->tree, &a->request);
+		g->algorithms[i]->build(&g->raw[i], &a->stated, &a->request); /* they write by the URDF's frames */
 		dag_close(&g->raw[i]);
 		if (g->raw[i].failed)
 			error_memory(a->error);
@@ -215,6 +217,7 @@ static enum rneagen_code emit(struct generation *g)
 	text_init(&source, a->arena);
 	text_init(&header, a->arena);
 	scene_put_comment(&a->scene, &a->outcome, &told);
+	params_put_comment(a, &told);
 	effect_put_comment(&g->info.effects, a, &told);
 	SHA256Data((const uint8_t *)a->urdf, a->length, g->hash);
 	g->emission = new_emission(g, text_string(&told));
@@ -246,57 +249,13 @@ static enum rneagen_code tell(struct generation *g)
 	if (a->options.tell & RNEAGEN_TELL_JSON)
 		info_json(&g->info, &json);
 	if (a->options.tell & RNEAGEN_TELL_DOT)
-		dot_graph(&a->tree, &dot);
+		dot_graph(&a->stated, &dot);
 	if (info.failed || json.failed || dot.failed)
 		return error_memory(a->error);
 	r->info = info.length ? text_string(&info) : NULL;
 	r->info_json = json.length ? text_string(&json) : NULL;
 	r->dot = dot.length ? text_string(&dot) : NULL;
 	return RNEAGEN_OK;
-}
-
-/* ---- what --dump prints ---- */
-
-static void put_robot(const struct generation *g, struct text *out)
-{
-	robot_dump(&g->analysis.robot, out);
-}
-
-static void put_scene(const struct generation *g, struct text *out)
-{
-	scene_dump(&g->analysis.scene, &g->analysis.selection, &g->analysis.robot, out);
-}
-
-static void put_request(const struct generation *g, struct text *out)
-{
-	request_dump(&g->analysis.request, &g->analysis.tree, out);
-}
-
-static void put_parts(const struct generation *g, struct text *out)
-{
-	parts_dump(g->parts, g->part_count, &g->passes[0], &g->analysis.tree, out);
-}
-
-static void put_segments(const struct generation *g, struct text *out)
-{
-	for (int i = 0; i < ALGORITHM_COUNT; i++)
-		if (g->passes[i].algorithm)
-			segments_dump(&g->passes[i], out);
-}
-
-static void put_tree(const struct generation *g, struct text *out)
-{
-	tree_dump(&g->analysis.tree, out);
-}
-
-static void put_dag(const struct generation *g, struct text *out)
-{
-	dag_dump(&g->analysis.dag, out);
-}
-
-static void put_plan(const struct generation *g, struct text *out)
-{
-	plan_dump(&g->passes[0].plan, out);
 }
 
 /* ---- all of them ---- */
@@ -308,12 +267,12 @@ struct stage {
 	enum rneagen_code (*generate)(struct generation *g);
 	const char *word; /* of --dump; NULL: there is nothing to print */
 	enum rneagen_dump dump;
-	void (*put)(const struct generation *g, struct text *out);
+	dump_function *put;
 };
 
 #define FIRST_HALF(pass) pass_##pass, NULL
 #define SECOND_HALF(pass) NULL, pass
-#define DUMPED(word, name) #word, RNEAGEN_DUMP_##name, put_##word
+#define DUMPED(word, name) #word, RNEAGEN_DUMP_##name, dump_##word
 #define SILENT NULL, RNEAGEN_DUMP_NONE, NULL
 
 static const struct stage PASSES[] = {
@@ -324,6 +283,7 @@ static const struct stage PASSES[] = {
 	{"holds_choose", "of held joints, those that are bodies of their own", FIRST_HALF(holds_choose), DUMPED(scene, SCENE)},
 	{"robot_snap", "the robot, angles snapped", FIRST_HALF(robot_snap), SILENT},
 	{"tree_build", "bodies that move, every constant placed", FIRST_HALF(tree_build), DUMPED(tree, TREE)},
+	{"params_choose", "the same bodies by constants that cost less", FIRST_HALF(params_choose), DUMPED(params, PARAMS)},
 	{"request_resolve", "inputs and outputs", FIRST_HALF(request_resolve), DUMPED(request, REQUEST)},
 	{"options_check", "options that go with the request", SECOND_HALF(options_check), SILENT},
 	{"dag_build", "expressions of the outputs", SECOND_HALF(dag_build_all), SILENT},
@@ -351,6 +311,7 @@ static void put_passes(struct text *out)
 static enum rneagen_code dump(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
+	const struct dumped d = {a, g->passes, function_count(g), g->parts, g->part_count};
 	struct text out;
 
 	if (a->options.dump == RNEAGEN_DUMP_NONE)
@@ -360,7 +321,7 @@ static enum rneagen_code dump(struct generation *g)
 		put_passes(&out);
 	for (int i = 0; i < STAGES; i++)
 		if (PASSES[i].put && PASSES[i].dump == a->options.dump)
-			PASSES[i].put(g, &out);
+			PASSES[i].put(&d, &out);
 	if (out.failed)
 		return error_memory(a->error);
 	g->result->dump = text_string(&out);

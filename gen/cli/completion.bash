@@ -1,7 +1,7 @@
 # Completion of rneagen and rnearun for bash.
 # shellcheck shell=bash
 
-_rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --derivatives --dynamics --refine --jvp --vjp --fext --fext-frame --armature --damping
+_rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --derivatives --dynamics --params --refine --jvp --vjp --fext --fext-frame --armature --damping
 	--friction --snap-angle --round-constants --drop-below --range'
 _rneagen_options="-o --output --target --precision --layout --strict --bounded --only --parts --segments --trig --base --gravity --mimic --order --name --info
 	--info=json --dot --dump --quiet --help --version $_rneagen_scene"
@@ -19,13 +19,14 @@ _rneagen_words() {
 	--fext-frame) echo link world ;;
 	--derivatives) echo forward recursion ;;
 	--dynamics) echo auto factor articulated ;;
+	--params) echo urdf base auto ;;
 	--jvp | --vjp) echo tau qdd ;;
 	--refine) echo 0 1 1:f64 1:f32x2 1:same ;;
 	--parts) echo auto ;;
 	--segments) echo auto whole ;;
 	--only) echo rnea fd ;;
 	--info) echo json ;;
-	--dump) echo robot scene tree request dag plan parts segments passes ;;
+	--dump) echo robot scene tree params request dag plan parts segments passes ;;
 	--backend) [[ ${COMP_WORDS[1]} == eval ]] && echo cpu cuda any || echo cpu cuda all ;;
 	--format) echo table json csv ;;
 	*) return 1 ;;

@@ -22,6 +22,7 @@ _rneagen_model=(
 	'--dense[matrices with all their zeros]'
 	'--derivatives=[how dtau_dq and dtau_dqd are made]:method:(forward recursion)'
 	'--dynamics=[how qdd is found]:method:(auto factor articulated)'
+	'--params=[by which constants the model is computed]:constants:(urdf base auto)'
 	'--jvp=[derivatives times a vector]:output:(tau qdd)'
 	'--vjp=[a vector times derivatives]:output:(tau qdd)'
 	'--refine=[qdd after steps of refinement]:steps:(0 1 1\:f64 1\:f32x2 1\:same)'
@@ -68,7 +69,7 @@ _rneagen_command() {
 		'--name=[prefix of every function]:identifier:' \
 		'--info=-[tell about the robot]::format:(json)' \
 		'--dot[print the tree as a graph for Graphviz]' \
-		'--dump=[print a stage of the pipeline]:stage:(robot scene tree request dag plan parts segments passes)' \
+		'--dump=[print a stage of the pipeline]:stage:(robot scene tree params request dag plan parts segments passes)' \
 		'--quiet[no warnings]' \
 		'(- *)--version[print the version]' \
 		'1:robot:_files -g "*.urdf"'

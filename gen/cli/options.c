@@ -85,7 +85,7 @@ static int parse_segments(const char *command, const char *word, int *segments)
 /* Options that take one word of a few, from OPTION_TARGET to OPTION_DUMP. */
 static const struct choice {
 	const char *option;
-	struct option_choice words[10];
+	struct option_choice words[11];
 } CHOICES[] = {
 #define TARGET_WORD(name, word) {word, RNEAGEN_TARGET_##name},
 #define PRECISION_WORD(name, word) {word, RNEAGEN_##name},
@@ -98,7 +98,7 @@ static const struct choice {
 	{"base", {{"fixed", RNEAGEN_FIXED}, {"floating", RNEAGEN_FLOATING}}},
 	{"mimic", {{"honour", RNEAGEN_MIMIC_HONOUR}, {"independent", RNEAGEN_MIMIC_INDEPENDENT}}},
 	{"dump", {{"robot", RNEAGEN_DUMP_ROBOT}, {"scene", RNEAGEN_DUMP_SCENE}, {"tree", RNEAGEN_DUMP_TREE},
-		{"request", RNEAGEN_DUMP_REQUEST}, {"dag", RNEAGEN_DUMP_DAG}, {"plan", RNEAGEN_DUMP_PLAN}, {"parts", RNEAGEN_DUMP_PARTS},
+		{"params", RNEAGEN_DUMP_PARAMS}, {"request", RNEAGEN_DUMP_REQUEST}, {"dag", RNEAGEN_DUMP_DAG}, {"plan", RNEAGEN_DUMP_PLAN}, {"parts", RNEAGEN_DUMP_PARTS},
 		{"segments", RNEAGEN_DUMP_SEGMENTS}, {"passes", RNEAGEN_DUMP_PASSES}}},
 };
 

@@ -29,6 +29,7 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	{"dense", no_argument, NULL, OPTION_SCENE + SCENE_DENSE},                                                      \
 	{"derivatives", required_argument, NULL, OPTION_SCENE + SCENE_DERIVATIVES},                                    \
 	{"dynamics", required_argument, NULL, OPTION_SCENE + SCENE_DYNAMICS},                                          \
+	{"params", required_argument, NULL, OPTION_SCENE + SCENE_PARAMS},                                              \
 	{"refine", required_argument, NULL, OPTION_SCENE + SCENE_REFINE},                                              \
 	{"jvp", required_argument, NULL, OPTION_SCENE + SCENE_JVP},                                                    \
 	{"vjp", required_argument, NULL, OPTION_SCENE + SCENE_VJP},                                                    \
@@ -66,6 +67,9 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"  --dynamics auto|factor|articulated\n"                                                                     \
 	"                             how qdd is found: by factors of the mass matrix, by articulated bodies, or, auto,\n" \
 	"                             by the one with fewer operations\n"                                              \
+	"  --params urdf|base|auto    by which constants the model is computed: the URDF's inertias in its frames, unless\n" \
+	"                             given; base inertial parameters in frames that cost less; auto: those of both that\n" \
+	"                             take fewer operations\n"                                                           \
 	"  --refine 0|1|1:f64|1:f32x2|1:same\n"                                                                      \
 	"                             qdd after so many steps of refinement, up to 3; the residual in f64, in pairs of\n" \
 	"                             floats, or in the text's own numbers; unless named in f64 where the text is in f32\n" \

@@ -120,6 +120,8 @@ void want_leaving(const struct tour *r, int body)
 		if (b->k->wants[i].kind == WANT_WRENCH && b->k->wants[i].body == body) {
 			struct svec f = smat_mul(r->d, &A, x->f), n = smat_mul(r->d, &A, x->n);
 
+			n = svec_add(r->d, n, svec_cross(r->d, svec_const(r->d, r->t->bodies[body].origin), f));
+
 			for (int c = 0; c < 3; c++) {
 				dag_output(r->d, b->outputs[i], c, f.x[c]);
 				dag_output(r->d, b->outputs[i], 3 + c, n.x[c]);

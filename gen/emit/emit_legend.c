@@ -126,6 +126,8 @@ static void put_quantities(const struct emission *e, struct text *out)
 
 	if (any_names(e, "s") || any_names(e, "c"))
 		put_entry("s c", "sine and cosine of the joint's angle", out);
+	if (any_names(e, "sa") || any_names(e, "ca"))
+		put_entry("sa ca", "of the joint's angle and a constant one, by which the link's frame is turned ahead", out);
 	for (size_t i = 0; i < sizeof quantities / sizeof *quantities; i++)
 		if (any_names(e, quantities[i][0]))
 			put_entry(quantities[i][0], quantities[i][1], out);

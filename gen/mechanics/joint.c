@@ -61,6 +61,19 @@ static struct smat quaternion_matrix(struct dag *d, struct svec u, struct ref w)
 	return Q;
 }
 
+/* s' = s cos b + c sin b, c' = c cos b - s sin b: no angle is added to q, where it would be rounded with it. */
+static void turn_ahead(struct dag *d, const struct body *k, struct joint_pose *x)
+{
+	struct ref sine = dag_within(d, k->ahead.s), cosine = dag_within(d, k->ahead.c), s = x->s, c = x->c;
+
+	if (k->ahead.s.x == 0 && k->ahead.c.x >= 0)
+		return;
+	x->s = dag_add(d, dag_mul(d, cosine, s), dag_mul(d, sine, c));
+	x->c = dag_sub(d, dag_mul(d, cosine, c), dag_mul(d, sine, s));
+	dag_tag(d, x->s, "sa", k->number, 0);
+	dag_tag(d, x->c, "ca", k->number, 0);
+}
+
 struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_inputs in)
 {
 	struct joint_pose x = {.R = smat_const(d, &k->X.R)};
@@ -91,6 +104,7 @@ struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_
 		x.c = dag_cos(d, angle);
 		dag_tag(d, x.s, "s", k->number, 0);
 		dag_tag(d, x.c, "c", k->number, 0);
+		turn_ahead(d, k, &x);
 		if (in.is_again) {
 			x.s = dag_anew(d, x.s);
 			x.c = dag_anew(d, x.c);

@@ -10,7 +10,15 @@
 #include "scene/outcome.h"
 
 enum analysis_pass { PASS_URDF_READ, PASS_SCENE_PARSE, PASS_SCENE_SELECT, PASS_HOLDS_CHOOSE, PASS_ROBOT_SNAP, PASS_TREE_BUILD,
-	PASS_REQUEST_RESOLVE, PASS_DAG_BUILD, PASS_DAG_PRUNE, PASS_DAG_FUSE, ANALYSIS_PASSES };
+	PASS_PARAMS_CHOOSE, PASS_REQUEST_RESOLVE, PASS_DAG_BUILD, PASS_DAG_PRUNE, PASS_DAG_FUSE, ANALYSIS_PASSES };
+
+/* By which constants the model is computed: the URDF's, or base parameters in frames of their own; and whether it was found out
+   which of these costs less. */
+struct params_choice {
+	int is_base, is_auto;
+	int is_left; /* set before the pass: the URDF's are taken whatever the scene says */
+	long flops[2]; /* is_auto: of the request, by the URDF's and by base parameters */
+};
 
 /* Not to be moved once it has a tree. */
 struct analysis {
@@ -26,7 +34,9 @@ struct analysis {
 	struct selection selection;     /* scene_select; is_body of its joints: holds_choose */
 	struct outcome outcome;
 	struct robot snapped;           /* robot_snap: what the tree is built from */
-	struct tree tree;               /* tree_build; its gravity: request_resolve */
+	struct tree stated;             /* tree_build: of the URDF's own frames and inertias */
+	struct tree tree;               /* tree_build, params_choose; its gravity: request_resolve */
+	struct params_choice params;          /* params_choose */
 	struct request request;         /* request_resolve */
 	struct dag raw;                 /* dag_build, dag_prune; until analysis_free_raw */
 	struct dag dag;                 /* dag_fuse: q, qd, qdd -> tau or what else is asked for, products joined to sums as in the text */
@@ -40,6 +50,7 @@ enum rneagen_code pass_scene_select(struct analysis *a);
 enum rneagen_code pass_holds_choose(struct analysis *a);
 enum rneagen_code pass_robot_snap(struct analysis *a);
 enum rneagen_code pass_tree_build(struct analysis *a);
+enum rneagen_code pass_params_choose(struct analysis *a);
 enum rneagen_code pass_request_resolve(struct analysis *a);
 enum rneagen_code pass_dag_build(struct analysis *a);
 enum rneagen_code pass_dag_prune(struct analysis *a);

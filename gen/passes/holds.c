@@ -35,6 +35,7 @@ static long cost(const struct trials *k)
 	arena_init(&spare, &k->of->arena->allocator);
 	analysis_copy(&x, k->of, &spare, k->of->error);
 	x.adjust = k->adjust;
+	x.params.is_left = 1;
 	if (!analysis_run(&x, PASS_ROBOT_SNAP, PASS_DAG_FUSE))
 		flops = analysis_flops(&x);
 	arena_free(&spare);

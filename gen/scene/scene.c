@@ -122,7 +122,8 @@ static enum rneagen_code check_word(const struct reader *r, const struct scene_c
 {
 	static const char *const words[SCENE_KEY_COUNT][3] = {
 		[SCENE_BESIDE] = {"lock", "drop"}, [SCENE_FEXT_FRAME] = {"link", "world"},
-		[SCENE_DERIVATIVES] = {"forward", "recursion"}, [SCENE_DYNAMICS] = {"auto", "factor", "articulated"}};
+		[SCENE_DERIVATIVES] = {"forward", "recursion"}, [SCENE_DYNAMICS] = {"auto", "factor", "articulated"},
+		[SCENE_PARAMS] = {"base", "auto", "urdf"}};
 	const char *const *w = words[c->key];
 
 	for (int i = 0; i < 3 && w[i]; i++)

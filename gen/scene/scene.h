@@ -31,6 +31,7 @@
 	X(DENSE, "dense", 0, SCENE_VALUE)                                                                              \
 	X(DERIVATIVES, "derivatives", 1, SCENE_VALUE)                                                                  \
 	X(DYNAMICS, "dynamics", 1, SCENE_VALUE)                                                                        \
+	X(PARAMS, "params", 1, SCENE_VALUE)                                                                            \
 	X(REFINE, "refine", 1, SCENE_VALUE)                                                                            \
 	X(JVP, "jvp", 1, SCENE_NAMES)                                                                                  \
 	X(VJP, "vjp", 1, SCENE_NAMES)                                                                                  \

@@ -1,5 +1,6 @@
 #include "tell/info.h"
 #include "base/number.h"
+#include "tell/params_put.h"
 #include "tell/parts_put.h"
 #include "tell/scene_put.h"
 
@@ -52,18 +53,19 @@ void info_table(const struct info *x, struct text *out)
 	const struct tree *t = &a->tree;
 
 	text_printf(out, "robot %s (functions %s_...): nq %d, nv %d, %d moving bodies, %.6Lg kg, %.6Lg kg of it fixed to the world\n",
-		t->robot, e->options->name, t->nq, t->nv, t->body_count, total_mass(t), t->fixed.mass.x);
+		t->robot, e->options->name, t->nq, t->nv, t->body_count, total_mass(&a->stated), t->fixed.mass.x);
 	text_put(out, "gravity ");
 	for (int i = 0; i < 3; i++)
 		text_printf(out, "%s ", number_plain((double)t->gravity[i].x).s);
 	text_printf(out, "in the frame of root link %s\n\n", t->root);
 	text_put(out, " link parent  type       row in q         mass  joint -> link\n");
 	for (int k = 0; k < t->body_count; k++)
-		put_body(t, &t->bodies[k], out);
+		put_body(t, &a->stated.bodies[k], out);
 	for (int i = 0; i < t->mimic_count; i++)
 		text_printf(out, "%s%s = %.9Lg * %s + %.9Lg\n", i ? "  " : "\nmimic\n  ", t->mimics[i].name,
 			t->mimics[i].multiplier.x, t->mimics[i].driver, t->mimics[i].offset.x);
 	scene_put_table(&a->scene, &a->outcome, out);
+	params_put_table(a, out);
 	saving_put_table(&x->savings, &a->scene, out);
 	effect_put_table(&x->effects, a, out);
 	scene_put_ignored(&a->outcome, out);
@@ -142,6 +144,7 @@ void info_json(const struct info *x, struct text *out)
 	text_printf(out, ",\n  \"nq\": %d,\n  \"nv\": %d,\n  \"nb\": %d,\n", e->tree->nq, e->tree->nv, e->tree->body_count);
 	put_json_joints(e->tree, out);
 	scene_put_json(&a->scene, &a->outcome, out);
+	params_put_json(a, out);
 	saving_put_json(&x->savings, &a->scene, out);
 	effect_put_json(&x->effects, a, out);
 	scene_put_json_ignored(&a->outcome, out);

@@ -24,18 +24,24 @@ struct within sum_total(struct sum s)
 	return fabsl(s.value.x) <= 4 * 0x1p-53L * s.size ? within_exact(0) : s.value;
 }
 
-struct rotation rotation_about(int axis, struct within angle)
+struct rotation rotation_by(int axis, struct turn angle)
 {
 	struct rotation r = ROTATION_IDENTITY;
 	int j = (axis + 1) % 3, k = (axis + 2) % 3;
-	struct within s, c;
 
-	angle_sincos(angle, &s, &c);
-	r.m[j][j] = c;
-	r.m[j][k] = within_neg(s);
-	r.m[k][j] = s;
-	r.m[k][k] = c;
+	r.m[j][j] = angle.c;
+	r.m[j][k] = within_neg(angle.s);
+	r.m[k][j] = angle.s;
+	r.m[k][k] = angle.c;
 	return r;
+}
+
+struct rotation rotation_about(int axis, struct within angle)
+{
+	struct turn by;
+
+	angle_sincos(angle, &by.s, &by.c);
+	return rotation_by(axis, by);
 }
 
 struct rotation rotation_rpy(const struct within rpy[3])
@@ -64,9 +70,41 @@ static struct rotation rotation_from_x_and_z(const struct within x[3], const str
 	return r;
 }
 
+const struct turn TURN_NONE = {ZERO, ONE};
+
+struct turn turn_add(struct turn a, struct turn b)
+{
+	struct sum s = {0}, c = {0};
+
+	sum_add(&s, within_mul(a.s, b.c));
+	sum_add(&s, within_mul(a.c, b.s));
+	sum_add(&c, within_mul(a.c, b.c));
+	sum_add(&c, within_neg(within_mul(a.s, b.s)));
+	return turn_of(c, s);
+}
+
+struct turn turn_sub(struct turn a, struct turn b)
+{
+	return turn_add(a, (struct turn){within_neg(b.s), b.c});
+}
+
+int turn_is_none(struct turn a)
+{
+	return a.s.x == 0 && a.c.x > 0;
+}
+
 static struct within length(struct within a, struct within b)
 {
 	return within_sqrt(within_add(within_mul(a, a), within_mul(b, b)));
+}
+
+struct turn turn_of(struct sum x, struct sum y)
+{
+	struct within c = sum_total(x), s = sum_total(y);
+
+	if (s.x == 0 || c.x == 0)
+		return (struct turn){within_exact((s.x > 0) - (s.x < 0)), within_exact(s.x == 0 ? (c.x < 0 ? -1 : 1) : 0)};
+	return (struct turn){within_div(s, length(c, s)), within_div(c, length(c, s))};
 }
 
 struct rotation rotation_to_axis(const struct within n[3])
@@ -194,6 +232,16 @@ struct placement placement_mul(const struct placement *a, const struct placement
 	return c;
 }
 
+struct placement placement_inverse(const struct placement *a)
+{
+	struct placement back = {.R = rotation_transpose(&a->R)};
+
+	rotation_apply(&back.R, a->p, back.p);
+	for (int i = 0; i < 3; i++)
+		back.p[i] = within_neg(back.p[i]);
+	return back;
+}
+
 int inertia_index(int i, int j)
 {
 	static const int index[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
@@ -229,6 +277,54 @@ void inertia_add(struct inertia_sum *s, const struct placement *X, struct within
 				for (int l = 0; l < 3; l++)
 					sum_add(e, product(at.R.m[i][k], at.R.m[j][l], inertia[inertia_index(k, l)]));
 			add_parallel_axis(e, i, j, mass, at.p);
+		}
+	}
+}
+
+static int is_nothing(struct within a)
+{
+	return a.x == 0 && a.near == 0 && a.e == 0;
+}
+
+/* Most are nothing. */
+static void sum_add_product(struct sum *s, struct within a, struct within b, struct within c)
+{
+	if (!is_nothing(a) && !is_nothing(b) && !is_nothing(c))
+		sum_add(s, product(a, b, c));
+}
+
+/* One element of R I R^T + 2 (p . u) 1 - u p^T - p u^T, with u = R h. */
+static void add_turned(struct sum *s, int i, int j, const struct placement *X, const struct inertia *I, const struct within u[3])
+{
+	const struct within two = within_exact(2), *p = X->p;
+
+	for (int k = 0; k < 3; k++)
+		for (int l = 0; l < 3; l++)
+			sum_add_product(s, X->R.m[i][k], X->R.m[j][l], I->I[inertia_index(k, l)]);
+	for (int k = 0; k < 3 && i == j; k++)
+		if (k != i)
+			sum_add_product(s, two, p[k], u[k]);
+	if (i != j) {
+		sum_add_product(s, within_exact(-1), u[i], p[j]);
+		sum_add_product(s, within_exact(-1), p[i], u[j]);
+	}
+}
+
+void inertia_add_from(struct inertia_sum *s, const struct placement *X, const struct inertia *I)
+{
+	struct within u[3];
+
+	rotation_apply(&X->R, I->h, u);
+	sum_add(&s->mass, I->mass);
+	for (int i = 0; i < 3; i++) {
+		sum_add(&s->h[i], u[i]);
+		sum_add_product(&s->h[i], within_exact(1), I->mass, X->p[i]);
+		for (int j = i; j < 3; j++) {
+			struct sum *e = &s->I[inertia_index(i, j)];
+
+			add_turned(e, i, j, X, I, u);
+			if (I->mass.x != 0)
+				add_parallel_axis(e, i, j, I->mass, X->p);
 		}
 	}
 }

@@ -37,8 +37,23 @@ extern const struct rotation ROTATION_IDENTITY;
 /* Rz(yaw) Ry(pitch) Rx(roll), the URDF's rpy. */
 struct rotation rotation_rpy(const struct within rpy[3]);
 
+/* An angle, by its sine and cosine. */
+struct turn {
+	struct within s, c;
+};
+
+extern const struct turn TURN_NONE;
+
+/* The angle of the vector (x, y); none where that is rounding. */
+struct turn turn_of(struct sum x, struct sum y);
+/* a + b, a - b */
+struct turn turn_add(struct turn a, struct turn b);
+struct turn turn_sub(struct turn a, struct turn b);
+int turn_is_none(struct turn a);
+
 /* About a coordinate axis (0, 1, 2) by an angle. */
 struct rotation rotation_about(int axis, struct within angle);
+struct rotation rotation_by(int axis, struct turn angle);
 
 /* A rotation whose third column is the unit vector n and which has as many zeros as possible. */
 struct rotation rotation_to_axis(const struct within n[3]);
@@ -56,6 +71,7 @@ int rotation_is_identity(const struct rotation *r);
 
 /* a after b: x = a.R (b.R y + b.p) + a.p */
 struct placement placement_mul(const struct placement *a, const struct placement *b);
+struct placement placement_inverse(const struct placement *a);
 
 /* A sum of inertias in one frame: the ten numbers with the sizes of their terms. */
 struct inertia_sum {
@@ -66,6 +82,9 @@ struct inertia_sum {
    I_o = R Ic R^T + m (c.c 1 - c c^T), h = m c (Featherstone 2008, 2.63). */
 void inertia_add(struct inertia_sum *s, const struct placement *X, struct within mass, const struct within com[3],
 	const struct within rpy[3], const struct within inertia[6]);
+
+/* Add what stands in a frame at X: h' = R h + m p, I' = R I R^T + 2 (p . R h) 1 - R h p^T - p (R h)^T + m (p . p 1 - p p^T). */
+void inertia_add_from(struct inertia_sum *s, const struct placement *X, const struct inertia *I);
 
 struct inertia inertia_total(const struct inertia_sum *s);
 

@@ -19,9 +19,11 @@ struct body {
 	int parent;            /* body index, smaller than the body's own; -1: the world */
 	enum joint_type type;  /* fixed: held, and not merged */
 	struct within turn;    /* of a fixed one about its axis, not in X */
+	struct turn ahead;     /* of one that turns: added to its angle, by sine and cosine; 0, 0 stands for none */
 	int axis, sign;        /* revolute, continuous, prismatic, planar: coordinate axis, and +1 or -1 along it */
 	struct placement X;    /* the joint's frame at q = 0 in the parent body's frame (the world: root link's frame) */
-	struct rotation frame; /* x_urdf = frame x_body */
+	struct rotation frame; /* x_urdf = frame x_body + origin */
+	struct within origin[3];
 	struct inertia inertia; /* in the body frame, of the link and all that is fixed to it */
 	int iq, iv;            /* first row in q, and in qd, qdd and tau; a follower has its driver's */
 	int follower;          /* q_body = multiplier q_driver (+ an offset, which is part of X) */

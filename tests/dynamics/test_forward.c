@@ -15,8 +15,8 @@ static const wide NOISE = 32 * 0x1p-53L;
 /* Least scaled pivots of M: below the first, M may be taken for singular; above the other, differences say something. */
 static const wide NONE = 1e-12L, FAIR = 1e-5L;
 
-static const char *const WAYS[] = {"dynamics factor\nderivatives forward\n", "dynamics articulated\nderivatives recursion\n",
-	"dynamics factor\nderivatives recursion\n", "dynamics articulated\nderivatives forward\n"};
+static const char *const WAYS[] = {"dynamics factor\nderivatives forward\n", "dynamics articulated\nderivatives recursion\nparams base\n",
+	"dynamics factor\nderivatives recursion\nparams base\n", "dynamics articulated\nderivatives forward\n"};
 
 /* Of what is solved with M, and above truncation and rounding of the reference's differences. */
 static wide solved(const struct forward_case *f, wide size)

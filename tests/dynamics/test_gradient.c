@@ -112,14 +112,15 @@ static void probe_open(struct probe *p, const char *urdf, struct rneagen_options
 }
 
 /* All matrices with their zeros, and M symmetric; made as `derivatives` says. */
-static void check_dense(struct probe *p, const char *urdf, struct rneagen_options *o, const char *derivatives, const char *what)
+static void check_dense(struct probe *p, const char *urdf, struct rneagen_options *o, const char *derivatives, const char *params,
+	const char *what)
 {
 	size_t size = SMALL_ROWS * SMALL_ROWS;
 	char scene[80];
 	real *x = calloc(3 * size, sizeof *x);
 	int nv;
 
-	snprintf(scene, sizeof scene, "want dtau_dq,dtau_dqd,M\ndense\nderivatives %s\n", derivatives);
+	snprintf(scene, sizeof scene, "want dtau_dq,dtau_dqd,M\ndense\nderivatives %s\nparams %s\n", derivatives, params);
 	probe_open(p, urdf, o, scene, what);
 	nv = p->nv;
 	evaluate(p, NULL, (real *[]){x, x + size, x + 2 * size});
@@ -199,8 +200,9 @@ static void check(const char *urdf, struct rneagen_options *o, uint64_t seed, co
 		reference_sample(p->m.reference, &rng, false, p->q, p->qd, p->qdd);
 		probe_differences(p);
 		model_close(&p->m);
-		check_dense(p, urdf, o, "forward", what);
-		check_dense(p, urdf, o, "recursion", what);
+		check_dense(p, urdf, o, "forward", "urdf", what);
+		check_dense(p, urdf, o, "recursion", "urdf", what);
+		check_dense(p, urdf, o, "recursion", "base", what);
 		check_packed(p, urdf, o, what);
 		check_products(p, urdf, o, &rng, what);
 	} else {

@@ -63,13 +63,14 @@ static enum rneagen_code analyse(const struct rneagen_options *o, struct rneagen
 	return e->code;
 }
 
-/* Returns the number of requests; of those after the first hundred each seventh is refused, unless all are; every refusal must come out as MEMORY, and nothing be left. */
-static long refuse_each(const struct rneagen_options *options, int for_good,
+/* Returns the number of requests; of those after the first hundred each `step`th is refused, unless all are; every refusal must come out
+   as MEMORY, and nothing be left. */
+static long refuse_each(const struct rneagen_options *options, int for_good, long step,
 	enum rneagen_code (*run)(const struct rneagen_options *o, struct rneagen_error *e))
 {
 	struct rneagen_options o = *options;
 
-	for (long k = 0;; k += exhaustive() || k < 100 ? 1 : 7) {
+	for (long k = 0;; k += exhaustive() || k < 100 ? 1 : step) {
 		struct warden w = {.refused = k, .for_good = for_good};
 		struct rneagen_allocator allocator = {warden_alloc, warden_release, &w};
 		struct rneagen_error e;
@@ -118,21 +119,21 @@ START_TEST(every_request)
 	}
 	if (_i >= DUMPS)
 		o.dump = (enum rneagen_dump)(_i - DUMPS + 1);
-	requests = refuse_each(&o, _i % 2, generate);
+	requests = refuse_each(&o, _i % 2, 7, generate);
 	printf("%s of %ld requests refused\n", exhaustive() ? "each" : "one in seven", requests);
 	ck_assert_int_gt(requests, 100);
 }
 END_TEST
 
-/* What takes long in a whole generation: a joint that may be kept, terms that may be dropped, all of a task, a bound. */
+/* What takes long in a whole generation: a joint that may be kept, terms that may be dropped, all of a task, a bound, a search for constants. */
 START_TEST(every_request_of_a_scene)
 {
 	struct rneagen_options o = rneagen_options_default();
 	long requests;
 
-	o.scene = _i < 2 ? "lock jd=0.5\nround-constants 5\ndrop-below 1e-3" : _i < 4 ? everything : "want qdd_bound";
-	requests = refuse_each(&o, _i % 2, analyse);
-	printf("%s of %ld requests refused\n", exhaustive() ? "each" : "one in seven", requests);
+	o.scene = _i < 2 ? "lock jd=0.5\nround-constants 5\ndrop-below 1e-3" : _i < 4 ? everything : _i < 6 ? "want qdd_bound" : "params auto\nfree mass.d";
+	requests = refuse_each(&o, _i % 2, _i < 6 ? 7 : 53, analyse);
+	printf("%s of %ld requests refused\n", exhaustive() ? "each" : _i < 6 ? "one in 7" : "one in 53", requests);
 	ck_assert_int_gt(requests, 100);
 }
 END_TEST
@@ -144,8 +145,8 @@ int main(void)
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 300);
-	tcase_add_loop_test(c, every_request, 0, DUMPS + RNEAGEN_DUMP_PASSES);
-	tcase_add_loop_test(c, every_request_of_a_scene, 0, 6);
+	tcase_add_loop_test(c, every_request, 0, DUMPS + RNEAGEN_DUMP_PARAMS);
+	tcase_add_loop_test(c, every_request_of_a_scene, 0, 8);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);
 }

@@ -164,6 +164,7 @@ void hard_open(struct hard *h, const struct hard_case *c)
 
 	*h = (struct hard){.of = c, .options = rneagen_options_default()};
 	h->options.base = c->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+	h->options.scene = c->scene;
 	if (c->weightless)
 		h->options.gravity[2] = 0;
 	if (c->build) {

@@ -27,6 +27,7 @@ struct hard_case {
 	int floating, weightless;
 	enum hard_states states;
 	int samples;
+	const char *scene;     /* NULL: none */
 };
 
 extern const struct hard_case HARD_CASES[];

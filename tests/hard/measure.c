@@ -1,7 +1,8 @@
 /* Errors of the hard cases.
    usage: hard_measure                          writes the results, as CSV, to standard output
           hard_measure --check FILE [CASE...]   (by default, of the short ones every third, or with RNEAGEN_ALL=1 all) do they agree with the file's, the numbers within a quarter?
-   In both gen/eval's bound must hold in every sample; else the exit status is 1. */
+          hard_measure --base ...               the same by base parameters
+   In all gen/eval's bound must hold in every sample; else the exit status is 1. */
 #define _POSIX_C_SOURCE 200809L
 #include "bench.h"
 #include "support/exhaustive.h"
@@ -76,6 +77,15 @@ static void find_line(const char *text, const char *name, char *line, size_t siz
 		}
 }
 
+/* The case by the URDF's constants, or by others. */
+static struct hard_case by_params(const struct hard_case *c, const char *scene)
+{
+	struct hard_case x = *c;
+
+	x.scene = scene;
+	return x;
+}
+
 static int check_case(const char *text, const struct hard_case *c)
 {
 	char line[4096], *now;
@@ -108,7 +118,7 @@ static int wanted(int i, char **names)
 	return 0;
 }
 
-static int check(const char *path, char **names)
+static int check(const char *path, char **names, const char *scene)
 {
 	size_t length;
 	char *text = read_file(path, &length);
@@ -120,7 +130,9 @@ static int check(const char *path, char **names)
 	}
 	for (int i = 0; i < HARD_CASE_COUNT; i++)
 		if (wanted(i, names)) {
-			broken += check_case(text, &HARD_CASES[i]);
+			struct hard_case c = by_params(&HARD_CASES[i], scene);
+
+			broken += check_case(text, &c);
 			count++;
 		}
 	free(text);
@@ -130,12 +142,18 @@ static int check(const char *path, char **names)
 
 int main(int argc, char **argv)
 {
+	const char *scene = argc > 1 && !strcmp(argv[1], "--base") ? "params base\n" : NULL;
 	int broken = 0;
 
+	argv += scene != NULL;
+	argc -= scene != NULL;
 	if (argc > 2 && !strcmp(argv[1], "--check"))
-		return check(argv[2], argv + 3);
+		return check(argv[2], argv + 3, scene);
 	put_head(stdout);
-	for (int i = 0; i < HARD_CASE_COUNT; i++)
-		broken += put_case(stdout, &HARD_CASES[i]);
+	for (int i = 0; i < HARD_CASE_COUNT; i++) {
+		struct hard_case c = by_params(&HARD_CASES[i], scene);
+
+		broken += put_case(stdout, &c);
+	}
 	return broken != 0;
 }

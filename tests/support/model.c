@@ -21,14 +21,17 @@ static void open_reference(struct model *m, const char *urdf, size_t length, con
 void model_open(struct model *m, const char *urdf, size_t length, const struct rneagen_options *o, const char *what)
 {
 	struct rneagen_error e = {0};
+	struct analysis *x;
 
 	*m = (struct model){0};
 	arena_init(&m->arena, NULL);
 	ck_assert_msg(!robot_read(&m->robot, urdf, length, what, &m->arena, &e), "%s", e.message);
-	ck_assert_msg(!merged_tree(&m->tree, &m->request, &m->robot, o, &m->arena, &e), "%s", e.message);
+	ck_assert_msg(!merged_analysis(&x, &m->robot, o, &m->arena, &e), "%s", e.message);
+	m->tree = x->stated;
+	m->request = x->request;
 	for (int i = 0; i < PASS_COUNT; i++) {
 		dag_init(&m->raw[i], &m->arena);
-		ALGORITHMS[i]->build(&m->raw[i], &m->tree, &m->request);
+		ALGORITHMS[i]->build(&m->raw[i], i == PASS_RNEA ? &x->tree : &m->tree, &m->request);
 		dag_init(&m->dag[i], &m->arena);
 		dag_fuse(&m->dag[i], &m->raw[i], o->strict);
 		ck_assert(!m->dag[i].failed);

@@ -1,0 +1,280 @@
+#include "passes/search.h"
+#include "dynamics/registry.h"
+#include "passes/accuracy.h"
+#include "passes/frames.h"
+#include "passes/path.h"
+#include <limits.h>
+#include <math.h>
+
+/* Sweeps over all bodies; how far a frame may be from its link, in longest distances between joints; bodies times operations, beyond
+   which frames stay where they are, since trying others takes long; how far off torques may be, in what they are off as the tree is. */
+enum { SWEEPS = 4, FARTHEST = 2, WORK = 1500000 };
+static const double WORST = 1.2;
+/* How far a frame may be from where the file's decimals have it, in radians, or longest distances. */
+static const double VAGUE = 1e-14;
+static const struct draw_options SAMPLES = {.seed = 16, .count = 64, .each = 1};
+
+struct search {
+	const struct tree *t;
+	const char *keeps;
+	struct restatement *by;
+	char *waits;      /* by body: it or its neighbours have changed since it was tried */
+	struct tree around, now; /* as `by` has it: of all bodies but the one that is tried; of all */
+	long least;
+	real farthest;
+	struct accuracy worst;
+	struct drawn inputs;
+	struct arena own, of_now; /* of `now` */
+	const struct rneagen_allocator *allocator;
+	struct rneagen_error *e;
+};
+
+/* ---- counting ---- */
+
+static const struct request TORQUES = {.is_plain = 1};
+
+static void build(struct dag *d, const struct tree *t, struct arena *a)
+{
+	dag_init(d, a);
+	algorithm_rnea.build(d, t, &TORQUES);
+}
+
+static long flops_of(const struct dag *d, struct arena *a)
+{
+	uint32_t *uses = d->failed ? NULL : arena_alloc(a, d->count, sizeof *uses);
+	long flops = 0;
+
+	if (!uses)
+		return -1;
+	dag_uses(d, uses);
+	for (size_t i = 0; i < d->count; i++) {
+		enum op op = d->nodes[i].op;
+
+		flops += uses[i] && (op == OP_MUL || op == OP_ADD || op == OP_SUB);
+	}
+	return flops;
+}
+
+/* Of the torques of a tree. */
+static long tree_flops(const struct tree *t, struct arena *spare)
+{
+	struct dag d;
+
+	build(&d, t, spare);
+	return flops_of(&d, spare);
+}
+
+/* ---- trials ---- */
+
+/* Of the path to a body that is restated so. */
+static long path_flops(const struct search *s, int body)
+{
+	struct arena spare;
+	struct tree t, path;
+	long flops = -1;
+
+	arena_init(&spare, s->allocator);
+	if (tree_restate_body(&t, &s->around, s->by, body, &spare) && path_make(&path, &t, body, &spare))
+		flops = tree_flops(&path, &spare);
+	arena_free(&spare);
+	if (flops < 0)
+		error_memory(s->e);
+	return flops;
+}
+
+static int is_known(const struct turn *a)
+{
+	return within_error(a->s) <= VAGUE && within_error(a->c) <= VAGUE;
+}
+
+/* A frame that is neither far off nor, by the decimals of the file, here as well as there. */
+static int is_near(const struct search *s, const struct restatement *r)
+{
+	for (int i = 0; i < 3; i++)
+		if (!(fabsl(r->slide[i].x) <= FARTHEST * s->farthest) || within_error(r->slide[i]) > VAGUE * (double)s->farthest)
+			return 0;
+	return is_known(&r->turn) && is_known(&r->ahead);
+}
+
+static int is_accurate(const struct accuracy *x, const struct accuracy *worst)
+{
+	return x->whole <= WORST * worst->whole && x->each <= WORST * worst->each;
+}
+
+/* The choices as they are now, if the whole tree costs less with them and is accurate enough. */
+static int take(struct search *s)
+{
+	struct arena spare, of_now;
+	struct tree now;
+	struct dag d;
+	struct accuracy x;
+	long flops = -1;
+	int is_taken = 0;
+
+	arena_init(&spare, s->allocator);
+	arena_init(&of_now, s->allocator);
+	if (tree_restate(&now, s->t, s->by, &of_now)) {
+		build(&d, &now, &spare);
+		flops = flops_of(&d, &spare);
+	}
+	if (flops < 0 || (flops < s->least && !accuracy_measure(&x, &d, &s->inputs, &spare)))
+		error_memory(s->e);
+	else
+		is_taken = flops < s->least && is_accurate(&x, &s->worst);
+	arena_free(&spare);
+	if (is_taken) {
+		arena_free(&s->of_now);
+		s->of_now = of_now;
+		s->now = now;
+		s->least = flops;
+	} else {
+		arena_free(&of_now);
+	}
+	return is_taken;
+}
+
+static void wait(struct search *s, int body)
+{
+	s->waits[body] = 1;
+	if (s->t->bodies[body].parent >= 0)
+		s->waits[s->t->bodies[body].parent] = 1;
+	for (int i = body + 1; i < s->t->body_count; i++)
+		s->waits[i] |= s->t->bodies[i].parent == body;
+}
+
+/* The cheapest of some choices for a body, where one is cheaper than what it has. */
+static void improve(struct search *s, int body, const struct frames *f)
+{
+	long least = f->count ? path_flops(s, body) : 0;
+
+	for (int i = 0; i < f->count && !s->e->code; i++) {
+		struct restatement best = s->by[body];
+		long flops;
+
+		s->by[body] = f->of[i];
+		flops = is_near(s, &f->of[i]) ? path_flops(s, body) : least;
+		if (flops < least && !s->e->code && take(s)) {
+			least = flops;
+			wait(s, body);
+		} else {
+			s->by[body] = best;
+		}
+	}
+}
+
+static void improve_regroup(struct search *s, int body)
+{
+	struct frames f = {.count = 0};
+
+	for (int i = 0; i < REGROUP_COUNT; i++)
+		if (i != (int)s->by[body].regroup && !s->keeps[body]) {
+			f.of[f.count] = s->by[body];
+			f.of[f.count++].regroup = (enum regroup)i;
+		}
+	improve(s, body, &f);
+}
+
+static void improve_body(struct search *s, int body)
+{
+	static void (*const listings[])(struct frames *f, const struct tree *now, const struct restatement *by, int body) = {
+		frames_turned, frames_split, frames_slid};
+	struct arena around;
+	struct frames f;
+
+	arena_init(&around, s->allocator);
+	s->waits[body] = 0;
+	if (!tree_restate_around(&s->around, s->t, s->by, body, &around))
+		error_memory(s->e);
+	for (size_t i = 0; i < sizeof listings / sizeof *listings && !s->e->code; i++) {
+		listings[i](&f, &s->now, s->by, body);
+		improve(s, body, &f);
+	}
+	if (!s->e->code)
+		improve_regroup(s, body);
+	arena_free(&around);
+}
+
+/* ---- the whole ---- */
+
+static real farthest(const struct tree *t)
+{
+	real most = 0;
+
+	for (int k = 0; k < t->body_count; k++) {
+		const struct within *p = t->bodies[k].X.p;
+
+		most = fmaxl(most, sqrtl(p[0].x * p[0].x + p[1].x * p[1].x + p[2].x * p[2].x));
+	}
+	return most;
+}
+
+/* How accurate the tree is as it stands. */
+static int measure(struct search *s)
+{
+	struct arena spare;
+	struct dag d;
+	int done;
+
+	arena_init(&spare, s->allocator);
+	build(&d, s->t, &spare);
+	s->least = flops_of(&d, &spare);
+	done = s->least >= 0 && draw_inputs(&s->inputs, s->t, &TORQUES, &SAMPLES, &s->own) &&
+		accuracy_measure(&s->worst, &d, &s->inputs, &spare);
+	arena_free(&spare);
+	return done;
+}
+
+static int alloc(struct search *s)
+{
+	int bodies = s->t->body_count;
+
+	s->waits = arena_alloc(&s->own, (size_t)bodies, 1);
+	for (int k = 0; k < bodies; k++)
+		s->by[k] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE};
+	s->farthest = farthest(s->t);
+	return s->waits && measure(s) && tree_restate(&s->now, s->t, s->by, &s->of_now);
+}
+
+/* Each body regrouped so, where it may be, in the frame that it has; then all that is cheaper. Returns 0 where that is not accurate. */
+static int run(struct search *s, enum regroup how)
+{
+	int waiting = s->t->body_count * s->least <= WORK;
+
+	for (int k = 0; k < s->t->body_count; k++) {
+		s->by[k] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE, .regroup = s->keeps[k] ? REGROUP_NOTHING : how};
+		s->waits[k] = 1;
+	}
+	s->least = LONG_MAX;
+	if (!take(s))
+		return 0;
+	for (int sweep = 0; sweep < SWEEPS && waiting && !s->e->code; sweep++) {
+		waiting = 0;
+		for (int b = s->t->body_count - 1; b >= 0 && !s->e->code; b--)
+			if (s->waits[b])
+				improve_body(s, b);
+		for (int b = 0; b < s->t->body_count; b++)
+			waiting |= s->waits[b];
+	}
+	return 1;
+}
+
+/* Whether regrouping pays is seen when all is; where it does not, each body is tried by itself. */
+enum rneagen_code search_params(struct restatement *by, const struct tree *t, const char *keeps,
+	const struct rneagen_allocator *allocator, struct rneagen_error *e)
+{
+	struct search s = {.t = t, .keeps = keeps, .by = by, .allocator = allocator, .e = e};
+	long stated;
+
+	arena_init(&s.own, allocator);
+	arena_init(&s.of_now, allocator);
+	if (!alloc(&s))
+		error_memory(e);
+	stated = s.least;
+	if (!e->code && (!run(&s, REGROUP_SECOND) || s.least > stated) && !e->code) {
+		s.least = stated;
+		run(&s, REGROUP_NOTHING);
+	}
+	arena_free(&s.own);
+	arena_free(&s.of_now);
+	return e->code;
+}

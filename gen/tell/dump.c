@@ -1,0 +1,48 @@
+#include "tell/dump.h"
+#include "plan/segments.h"
+
+void dump_robot(const struct dumped *d, struct text *out)
+{
+	robot_dump(&d->analysis->robot, out);
+}
+
+void dump_scene(const struct dumped *d, struct text *out)
+{
+	scene_dump(&d->analysis->scene, &d->analysis->selection, &d->analysis->robot, out);
+}
+
+void dump_tree(const struct dumped *d, struct text *out)
+{
+	tree_dump(&d->analysis->stated, out);
+}
+
+void dump_params(const struct dumped *d, struct text *out)
+{
+	tree_dump(&d->analysis->tree, out);
+}
+
+void dump_request(const struct dumped *d, struct text *out)
+{
+	request_dump(&d->analysis->request, &d->analysis->tree, out);
+}
+
+void dump_dag(const struct dumped *d, struct text *out)
+{
+	dag_dump(&d->analysis->dag, out);
+}
+
+void dump_plan(const struct dumped *d, struct text *out)
+{
+	plan_dump(&d->passes->plan, out);
+}
+
+void dump_parts(const struct dumped *d, struct text *out)
+{
+	parts_dump(d->parts, d->part_count, d->passes, &d->analysis->tree, out);
+}
+
+void dump_segments(const struct dumped *d, struct text *out)
+{
+	for (int i = 0; i < d->pass_count; i++)
+		segments_dump(&d->passes[i], out);
+}

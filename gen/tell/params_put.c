@@ -1,0 +1,38 @@
+#include "tell/params_put.h"
+
+static const char *word(const struct params_choice *p)
+{
+	return p->is_base ? "base" : "urdf";
+}
+
+void params_put_table(const struct analysis *a, struct text *out)
+{
+	const struct params_choice *p = &a->params;
+
+	if (!scene_next(&a->scene, SCENE_PARAMS, NULL))
+		return;
+	text_printf(out, "\nparameters: %s", word(p));
+	if (p->is_auto)
+		text_printf(out, ", of urdf with %ld flops and base with %ld", p->flops[0], p->flops[1]);
+	text_putc(out, '\n');
+}
+
+void params_put_comment(const struct analysis *a, struct text *out)
+{
+	const struct params_choice *p = &a->params;
+
+	if (p->is_auto)
+		text_printf(out, " * Parameters: %s, of urdf with %ld flops and base with %ld.\n", word(p), p->flops[0], p->flops[1]);
+	if (p->is_base)
+		text_put(out, " * Base parameters: what is named below is in frames of the text's own, and the inertia of a link is what the outputs\n"
+			      " * feel of it. What the functions take and write is in the URDF's frames.\n");
+}
+
+void params_put_json(const struct analysis *a, struct text *out)
+{
+	const struct params_choice *p = &a->params;
+
+	text_printf(out, "  \"params\": \"%s\",\n", word(p));
+	if (p->is_auto)
+		text_printf(out, "  \"params_flops\": {\"urdf\": %ld, \"base\": %ld},\n", p->flops[0], p->flops[1]);
+}

@@ -1,0 +1,233 @@
+/* Torques by base parameters in frames of their own: against the independent reference, within the running bound, and with no more
+   operations than the URDF's constants take. It would catch a part of an inertia that is regrouped though it is felt, a frame whose
+   turn, slide or links are not taken along, and a frame so far away that it costs accuracy. */
+#define _POSIX_C_SOURCE 200809L
+#include "passes/search.h"
+#include "support/model.h"
+#include "support/random_robot.h"
+#include "support/suite.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define LIMIT_F64 5e-14
+#define LIMIT_F32 8e-6
+#define LIMIT_TERMS 4
+
+enum { SAMPLES = 100, RANDOM_ROBOTS = 60, RANDOM_SAMPLES = 8 };
+
+struct tally {
+	double f64, f32, terms, bound;
+	int count, real;
+	long stated, base;
+};
+
+static void check_error(struct tally *t, const char *what, struct model_error e, double limit)
+{
+	ck_assert_msg(!t->real || e.max <= limit, "%s: relative error %g", what, e.max);
+	ck_assert_msg(e.terms <= LIMIT_TERMS, "%s: %g eps of the magnitudes summed", what, e.terms);
+	ck_assert_msg(e.bound <= 1, "%s: error is %g of its bound", what, e.bound);
+	t->terms = fmax(t->terms, e.terms);
+	t->bound = fmax(t->bound, e.bound);
+}
+
+static long flops_of(const struct dag *d)
+{
+	struct plan p = {.dag = d};
+
+	return plan_flops(plan_operations(&p));
+}
+
+/* As the file states it and by base parameters. */
+static void check_model(struct tally *t, const char *urdf, size_t length, struct rneagen_options o, const char *what, uint64_t seed,
+	int samples)
+{
+	struct model_error f64, f32;
+	struct model m;
+	long stated, base;
+
+	model_open(&m, urdf, length, &o, what);
+	stated = flops_of(&m.dag[PASS_RNEA]);
+	model_close(&m);
+	o.scene = "params base\n";
+	model_open(&m, urdf, length, &o, what);
+	base = flops_of(&m.dag[PASS_RNEA]);
+	ck_assert_msg(base <= stated, "%s: %ld flops, more than %ld", what, base, stated);
+	f64 = model_error_f64(&m, seed, samples);
+	f32 = model_error_f32(&m, seed + 1, samples);
+	check_error(t, what, f64, LIMIT_F64);
+	check_error(t, what, f32, LIMIT_F32);
+	t->f64 = fmax(t->f64, f64.max);
+	t->f32 = fmax(t->f32, f32.max);
+	t->stated += stated;
+	t->base += base;
+	t->count++;
+	model_close(&m);
+}
+
+static void check_robot(const char *path, const char *name, void *context)
+{
+	struct rneagen_options o = rneagen_options_default();
+	size_t length;
+	char *urdf;
+
+	if (!strncmp(name, "xfail_", 6) || !strncmp(name, "chain_", 6) || strstr(name, "brainco")) /* they take long */
+		return;
+	urdf = read_file(path, &length);
+	for (int base = RNEAGEN_FIXED; base <= RNEAGEN_FLOATING; base++) {
+		o.base = (enum rneagen_base)base;
+		check_model(context, urdf, length, o, name, 11, SAMPLES);
+	}
+	free(urdf);
+}
+
+static void report(const struct tally *t, const char *what)
+{
+	printf("%d %s: %ld flops instead of %ld; worst f64 %.2e, f32 %.2e, %.2f eps of the magnitudes summed, %.2f of the running bound\n",
+		t->count, what, t->base, t->stated, t->f64, t->f32, t->terms, t->bound);
+	ck_assert_int_lt(t->base, t->stated);
+}
+
+START_TEST(test_robots)
+{
+	const char *folder = _i ? getenv("RNEAGEN_ROBOTS") : TEST_DIR "/robots";
+	struct tally t = {.real = _i};
+
+	if (!folder) {
+		printf("skipped: RNEAGEN_ROBOTS is not set\n");
+		return;
+	}
+	for_each_urdf(folder, check_robot, &t);
+	ck_assert_int_ge(t.count, 2 * 28);
+	report(&t, _i ? "models of real robots, seeds 11 and 12" : "models of own robots, seeds 11 and 12");
+}
+END_TEST
+
+START_TEST(test_random_trees)
+{
+	struct tally t = {0};
+
+	for (uint64_t seed = 1; seed <= RANDOM_ROBOTS; seed++) {
+		struct random_robot_knobs knobs = random_robot_knobs(seed, 2 + (int)(seed % 16));
+		struct rneagen_options o = rneagen_options_default();
+		char *urdf = random_robot(seed, &knobs), what[64];
+
+		snprintf(what, sizeof what, "random robot, seed %llu", (unsigned long long)seed);
+		o.base = seed % 3 ? RNEAGEN_FIXED : RNEAGEN_FLOATING;
+		o.mimic = seed % 5 ? RNEAGEN_MIMIC_HONOUR : RNEAGEN_MIMIC_INDEPENDENT;
+		o.gravity[0] = seed % 2 ? 0 : 1.5;
+		check_model(&t, urdf, strlen(urdf), o, what, seed, RANDOM_SAMPLES);
+		free(urdf);
+	}
+	report(&t, "random trees, seeds from 1");
+}
+END_TEST
+
+/* Axes 1e-7 rad apart, whose common normals are 700 km away, on a chain of links of 0.1 m; the last is skew. */
+static char *nearly_parallel(void)
+{
+	size_t size;
+	char *urdf;
+	FILE *f = open_memstream(&urdf, &size);
+
+	fprintf(f, "<robot name='near'><link name='l0'/>");
+	for (int i = 1; i <= 6; i++) {
+		fprintf(f, "<link name='l%d'><inertial><origin xyz='0.05 0.01 0.02'/><mass value='0.3'/><inertia ixx='0.001' iyy='0.002' "
+			   "izz='0.0015' ixy='0.0001' ixz='0.0002' iyz='-0.0001'/></inertial></link>", i);
+		fprintf(f, "<joint name='j%d' type='continuous'><parent link='l%d'/><child link='l%d'/><origin xyz='0.1 0.02 0.03' rpy='%s 0 0'/>"
+			   "<axis xyz='%s 0 1'/></joint>", i, i - 1, i, i % 2 ? "0" : "1e-7", i == 6 ? "0.3" : i % 3 ? "0" : "1e-7");
+	}
+	fprintf(f, "</robot>");
+	fclose(f);
+	return urdf;
+}
+
+static real length(const struct within p[3])
+{
+	return sqrtl(p[0].x * p[0].x + p[1].x * p[1].x + p[2].x * p[2].x);
+}
+
+/* No frame is farther from its link than twice the longest distance between joints. */
+START_TEST(test_nearly_parallel)
+{
+	struct rneagen_options o = rneagen_options_default();
+	struct rneagen_error e = {0};
+	struct tally t = {.real = 1};
+	struct restatement by[16] = {0};
+	char *urdf = nearly_parallel(), keeps[16] = {0};
+	struct model m;
+	real most = 0;
+
+	check_model(&t, urdf, strlen(urdf), o, "near", 1, SAMPLES);
+	report(&t, "robot with axes that are nearly parallel");
+	model_open(&m, urdf, strlen(urdf), &o, "near");
+	ck_assert_int_eq(search_params(by, &m.tree, keeps, NULL, &e), RNEAGEN_OK);
+	for (int k = 0; k < m.tree.body_count; k++)
+		most = fmaxl(most, length(m.tree.bodies[k].X.p));
+	for (int k = 0; k < m.tree.body_count; k++)
+		ck_assert_msg(length(by[k].slide) <= 2 * most, "body %d slides by %Lg m", k, length(by[k].slide));
+	model_close(&m);
+	free(urdf);
+}
+END_TEST
+
+/* Whatever joint: the tree restated by frames that nobody would choose has the same torques. */
+static void check_restated(uint64_t seed)
+{
+	struct random_robot_knobs knobs = random_robot_knobs(seed, 9);
+	struct rneagen_options o = rneagen_options_default();
+	char *urdf = random_robot(seed, &knobs);
+	struct rng rng = rng_seed(seed);
+	struct restatement by[64] = {0};
+	struct model_error e;
+	struct model m;
+	struct tree other;
+
+	o.base = seed % 3 ? RNEAGEN_FIXED : RNEAGEN_FLOATING;
+	model_open(&m, urdf, strlen(urdf), &o, "restated");
+	ck_assert_int_lt(m.tree.body_count, 64);
+	for (int k = 0; k < m.tree.body_count; k++) {
+		const struct body *b = &m.tree.bodies[k];
+
+		by[k] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE, .regroup = (enum regroup)rng_below(&rng, REGROUP_COUNT)};
+		for (int i = 0; i < 3; i++)
+			if (restate_slides(b) && (i == b->axis || restate_floats(b)))
+				by[k].slide[i] = within_exact((real)rng_uniform(&rng, -1, 1));
+		if (restate_turns(b))
+			by[k].turn = turn_of((struct sum){within_exact((real)rng_uniform(&rng, -1, 1)), 1}, (struct sum){within_exact(1), 1});
+		if (restate_turns(b) && !restate_floats(b))
+			by[k].ahead = turn_of((struct sum){within_exact((real)rng_uniform(&rng, -1, 1)), 1}, (struct sum){within_exact(1), 1});
+	}
+	ck_assert(tree_restate(&other, &m.tree, by, &m.arena));
+	dag_init(&m.dag[PASS_RNEA], &m.arena);
+	ALGORITHMS[PASS_RNEA]->build(&m.dag[PASS_RNEA], &other, &m.request);
+	e = model_error_f64(&m, seed, RANDOM_SAMPLES);
+	ck_assert_msg(e.terms <= LIMIT_TERMS && e.bound <= 1, "seed %llu: %g eps of the magnitudes, %g of the bound", (unsigned long long)seed,
+		e.terms, e.bound);
+	model_close(&m);
+	free(urdf);
+}
+
+START_TEST(test_restated)
+{
+	for (uint64_t seed = 1; seed <= 2 * RANDOM_ROBOTS; seed++)
+		check_restated(seed);
+	printf("%d random trees in random frames, seeds from 1\n", 2 * RANDOM_ROBOTS);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *suite = suite_create("params");
+	TCase *c = tcase_create("reference");
+
+	setvbuf(stdout, NULL, _IOLBF, 0);
+	tcase_set_timeout(c, 600);
+	tcase_add_loop_test(c, test_robots, 0, 2);
+	tcase_add_test(c, test_random_trees);
+	tcase_add_test(c, test_nearly_parallel);
+	tcase_add_test(c, test_restated);
+	suite_add_tcase(suite, c);
+	return suite_run(suite);
+}
