@@ -58,6 +58,11 @@ struct alignas(16) double2 {
 	double x, y;
 };
 
+[[maybe_unused]] static int __ffs(int x)
+{
+	return __builtin_ffs(x);
+}
+
 /* Shared memory of a launch: fake_nvrtc makes `extern __shared__ T slices[]` refer to it. What was not given must stay as it is. */
 enum { FAKE_MOST_SHARED = 227 << 10, FAKE_UNTOUCHED = 0xa5 };
 extern "C" __attribute__((weak)) unsigned char fake_given_memory[] __asm__("slices");

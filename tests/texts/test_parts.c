@@ -2,11 +2,9 @@
    every element written, and by one part alone; what the text and the runtime say of it; what is refused. Which stores go past
    the cache. */
 #define _POSIX_C_SOURCE 200809L
-#include "urdf.h"
+#include "launched.h"
 #include "support/exhaustive.h"
-#include "support/rng.h"
 #include "support/suite.h"
-#include "target/target.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -64,102 +62,6 @@ static void generate(const struct subject *s, const struct rneagen_options *o, s
 	free(urdf);
 }
 
-static struct rnea_robot *open_text(const struct target *t, enum rnea_backend backend)
-{
-	static const char *const quickly[] = {"-O0"};
-	struct rnea_options o = {.backend = backend, .threads = 1, .compile = quickly, .compile_count = backend == RNEA_BACKEND_HOST};
-	struct rnea_robot *robot;
-	struct rnea_error e;
-
-	ck_assert_msg(!rnea_open(t->text.source, strlen(t->text.source), &o, &robot, &e), "%s", e.message);
-	return robot;
-}
-
-/* ---- arrays ---- */
-
-static size_t array_count(const struct rnea_info *info)
-{
-	return info->input_count + info->output_count;
-}
-
-static size_t number_count(const struct rnea_argument *a)
-{
-	return a->rows * COUNT;
-}
-
-static double get(const struct rnea_argument *a, const void *array, size_t i)
-{
-	return a->scalar == RNEA_F64 ? ((const double *)array)[i] : (double)((const float *)array)[i];
-}
-
-static void set(const struct rnea_argument *a, void *array, size_t i, double x)
-{
-	if (a->scalar == RNEA_F64)
-		((double *)array)[i] = x;
-	else
-		((float *)array)[i] = (float)x;
-}
-
-/* Inputs by the seed, with a quaternion of norm one if there is a base, and one angle of each 64th sample large; outputs NaN. */
-static void **new_arrays(const struct subject *s, const struct rnea_info *info)
-{
-	void **x = calloc(array_count(info), sizeof *x);
-	struct rng rng = rng_seed(SEED);
-
-	for (size_t i = 0; i < array_count(info); i++) {
-		const struct rnea_argument *a = &info->arguments[i];
-
-		x[i] = calloc(number_count(a), sizeof(double));
-		for (size_t k = 0; k < number_count(a); k++)
-			set(a, x[i], k, i < info->input_count ? rng_uniform(&rng, -2, 2) : (double)NAN);
-		if (strcmp(a->name, "q"))
-			continue;
-		for (size_t k = 0; k < COUNT && s->floating; k++)
-			for (size_t r = 3; r < 7; r++)
-				set(a, x[i], r * COUNT + k, r == 3 ? 0.6 : r == 6 ? 0.8 : 0);
-		for (size_t k = 5; k < COUNT && s->trig == RNEAGEN_ACCURATE; k += 64)
-			set(a, x[i], (a->rows - 1) * COUNT + k, 1e6 + (double)k);
-	}
-	return x;
-}
-
-static void **run(const struct subject *s, const struct rnea_robot *robot)
-{
-	void **x = new_arrays(s, rnea_info(robot));
-	struct rnea_error e;
-
-	ck_assert_msg(!rnea_launch(robot, x, COUNT, NULL, &e), "%s", e.message);
-	return x;
-}
-
-static void release(void **x, struct rnea_robot *robot)
-{
-	for (size_t i = 0; i < array_count(rnea_info(robot)); i++)
-		free(x[i]);
-	free(x);
-	rnea_close(robot);
-}
-
-/* The largest difference of an output, by its largest element of the same sample; NaN, what nobody wrote, fails. */
-static double distance(const struct rnea_argument *a, const void *x, const void *y, const char *what)
-{
-	double worst = 0;
-
-	for (size_t k = 0; k < COUNT; k++) {
-		double most = 0, size = 0;
-
-		for (size_t r = 0; r < a->rows; r++) {
-			double p = get(a, x, r * COUNT + k), q = get(a, y, r * COUNT + k);
-
-			ck_assert_msg(isfinite(p) && isfinite(q), "%s: %s[%zu] of sample %zu is %g, of the whole %g", what, a->name, r, k, p, q);
-			most = fmax(most, fabs(p - q));
-			size = fmax(size, fabs(q));
-		}
-		worst = fmax(worst, size > 0 ? most / size : most);
-	}
-	return worst;
-}
-
 /* ---- tests ---- */
 
 /* As the whole text compiled as C has it. */
@@ -169,28 +71,23 @@ START_TEST(test_values)
 	enum rnea_backend backend = _i % 2 ? RNEA_BACKEND_CUDA : RNEA_BACKEND_HOST;
 	struct rneagen_options o = options_of(s, s->parts), plain = options_of(s, 1);
 	struct target parts, whole;
-	struct rnea_robot *split, *one;
-	double worst = 0;
-	void **x, **y;
+	struct launch split, one;
+	double worst;
 
 	/* by one backend, in turns, unless all is asked for; atlas in one precision */
 	if (!exhaustive() && (_i / 2 % 2 != _i % 2 || _i / 2 == SUBJECT_COUNT - 1))
 		return;
 	generate(s, &o, &parts);
 	generate(s, &plain, &whole);
-	split = open_text(&parts, backend);
-	one = open_text(&whole, RNEA_BACKEND_HOST);
-	ck_assert_uint_eq(rnea_info(split)->parts, (unsigned)s->expected);
-	ck_assert_uint_eq(rnea_info(one)->parts, 1);
-	x = run(s, split);
-	y = run(s, one);
-	for (size_t i = rnea_info(one)->input_count; i < array_count(rnea_info(one)); i++)
-		worst = fmax(worst, distance(&rnea_info(one)->arguments[i], x[i], y[i], s->name));
-	printf("%s in %u parts on %s: within %.1e, seed %d\n", s->name, rnea_info(split)->parts, _i % 2 ? "the pretended GPU" : "the host",
-		worst, SEED);
+	split = launched_run(launched_open(&parts, backend, 0), COUNT, SEED, s->floating);
+	one = launched_run(launched_open(&whole, RNEA_BACKEND_HOST, 0), COUNT, SEED, s->floating);
+	ck_assert_uint_eq(split.info->parts, (unsigned)s->expected);
+	ck_assert_uint_eq(one.info->parts, 1);
+	worst = launched_distance(&split, &one, s->name);
+	printf("%s in %u parts on %s: within %.1e, seed %d\n", s->name, split.info->parts, _i % 2 ? "the pretended GPU" : "the host", worst, SEED);
 	ck_assert_double_lt(worst, s->precision == RNEAGEN_F32 ? 2e-5 : s->precision == RNEAGEN_MIXED ? 1e-6 : 1e-13);
-	release(x, split);
-	release(y, one);
+	launched_free(&split);
+	launched_free(&one);
 	rneagen_result_free(&parts.text);
 	rneagen_result_free(&whole.text);
 }

@@ -1,5 +1,6 @@
 /* Texts for target C, compiled and run: against the independent reference, the evaluated DAG and themselves.
-   Own robots and real ones (RNEAGEN_ROBOTS); fixed and floating; both precisions and layouts; all trigonometry modes: each robot
+   Own robots and real ones (RNEAGEN_ROBOTS); fixed and floating; both precisions and layouts; all trigonometry modes; whole and in
+   short segments: each robot
    in one text, or in three (own) or two (real) where all is asked for, and each pair of options in some text.
    Once found: a sign of zero (DAG and text), an input that is not finite and reaches another sample of its batch. */
 #define _POSIX_C_SOURCE 200809L
@@ -12,8 +13,8 @@
 #include <string.h>
 
 /* Compilers take long over the texts of robots with this many bodies; of the others every third is optimised, or every second where all is asked for. */
-enum { STATES = 300, LARGE = 100, SEED = 7, DEEP = 40 };
-enum { PRECISION, LAYOUT, TRIG, BASE, OPTIONS }; /* columns of the table */
+enum { STATES = 300, LARGE = 100, SEED = 7, DEEP = 40, SHORT = 40 };
+enum { PRECISION, LAYOUT, TRIG, BASE, SEGMENTS, OPTIONS }; /* columns of the table */
 
 struct session {
 	struct worst worst[2]; /* f64, f32 */
@@ -62,6 +63,7 @@ static void check_options(struct session *s, const char *urdf, size_t length, co
 	o.precision = f32 ? RNEAGEN_F32 : RNEAGEN_F64;
 	o.layout = (enum rneagen_layout)row[LAYOUT];
 	o.trig = (enum rneagen_trig)row[TRIG];
+	o.segments = row[SEGMENTS] ? SHORT : RNEAGEN_SEGMENTS_AUTO;
 	model_open(&m, urdf, length, &o, name);
 	states = states_new(&m, SEED, STATES, f32, !s->real);
 	states.count = o.trig == RNEAGEN_ACCURATE ? STATES : STATES - LARGE; /* the last have large angles */
@@ -92,7 +94,7 @@ static void check_robot(const char *path, const char *name, void *context)
 
 static void session_begin(struct session *s)
 {
-	s->pairs = (struct pairs){.factors = OPTIONS, .levels = {[PRECISION] = 2, [LAYOUT] = 2, [TRIG] = 3, [BASE] = 2}};
+	s->pairs = (struct pairs){.factors = OPTIONS, .levels = {[PRECISION] = 2, [LAYOUT] = 2, [TRIG] = 3, [BASE] = 2, [SEGMENTS] = 2}};
 	pairs_draw(&s->pairs, SEED);
 }
 

@@ -1,0 +1,92 @@
+#include "launched.h"
+#include "support/rng.h"
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct rnea_robot *launched_open(const struct target *t, enum rnea_backend backend, unsigned block)
+{
+	static const char *const quickly[] = {"-O0"};
+	struct rnea_options o = {.backend = backend, .threads = 1, .block = block, .compile = quickly, .compile_count = backend == RNEA_BACKEND_HOST};
+	struct rnea_robot *robot;
+	struct rnea_error e;
+
+	ck_assert_msg(!rnea_open(t->text.source, strlen(t->text.source), &o, &robot, &e), "%s", e.message);
+	return robot;
+}
+
+static double get(const struct rnea_argument *a, const void *array, size_t i)
+{
+	return a->scalar == RNEA_F64 ? ((const double *)array)[i] : (double)((const float *)array)[i];
+}
+
+static void set(const struct rnea_argument *a, void *array, size_t i, double x)
+{
+	if (a->scalar == RNEA_F64)
+		((double *)array)[i] = x;
+	else
+		((float *)array)[i] = (float)x;
+}
+
+static void set_q(const struct launch *x, const struct rnea_argument *a, void *array, int floating)
+{
+	for (size_t k = 0; k < x->count && floating; k++)
+		for (size_t r = 3; r < 7; r++)
+			set(a, array, r * x->count + k, r == 3 ? 0.6 : r == 6 ? 0.8 : 0);
+	for (size_t k = 5; k < x->count && !strcmp(x->info->trig, "accurate"); k += 64)
+		set(a, array, (a->rows - 1) * x->count + k, 1e6 + (double)(k % 1000));
+}
+
+struct launch launched_run(struct rnea_robot *robot, size_t count, unsigned seed, int floating)
+{
+	struct launch x = {robot, rnea_info(robot), count, NULL};
+	struct rng rng = rng_seed(seed);
+	struct rnea_error e;
+
+	x.arrays = calloc(x.info->input_count + x.info->output_count, sizeof *x.arrays);
+	for (size_t i = 0; i < x.info->input_count + x.info->output_count; i++) {
+		const struct rnea_argument *a = &x.info->arguments[i];
+
+		x.arrays[i] = calloc(a->rows * count, sizeof(double));
+		for (size_t k = 0; k < a->rows * count; k++)
+			set(a, x.arrays[i], k, i < x.info->input_count ? rng_uniform(&rng, -2, 2) : (double)NAN);
+		if (!strcmp(a->name, "q"))
+			set_q(&x, a, x.arrays[i], floating);
+	}
+	ck_assert_msg(!rnea_launch(robot, x.arrays, count, NULL, &e), "%s", e.message);
+	return x;
+}
+
+void launched_free(struct launch *x)
+{
+	for (size_t i = 0; i < x->info->input_count + x->info->output_count; i++)
+		free(x->arrays[i]);
+	free(x->arrays);
+	rnea_close(x->robot);
+}
+
+static double distance(const struct launch *x, const struct launch *y, size_t i, size_t k, const char *what)
+{
+	const struct rnea_argument *a = &x->info->arguments[i], *b = &y->info->arguments[i];
+	double most = 0, size = 0;
+
+	for (size_t r = 0; r < a->rows; r++) {
+		double p = get(a, x->arrays[i], r * x->count + k), q = get(b, y->arrays[i], r * y->count + k);
+
+		ck_assert_msg(isfinite(p) && isfinite(q), "%s: %s[%zu] of sample %zu is %g, and %g", what, a->name, r, k, p, q);
+		most = fmax(most, fabs(p - q));
+		size = fmax(size, fabs(q));
+	}
+	return size > 0 ? most / size : most;
+}
+
+double launched_distance(const struct launch *x, const struct launch *y, const char *what)
+{
+	double worst = 0;
+
+	for (size_t i = x->info->input_count; i < x->info->input_count + x->info->output_count; i++)
+		for (size_t k = 0; k < x->count; k++)
+			worst = fmax(worst, distance(x, y, i, k, what));
+	return worst;
+}

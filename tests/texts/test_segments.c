@@ -1,0 +1,131 @@
+/* Kernels in segments: values as those of the whole text compiled as C, on the pretended driver, where each thread takes one sample or
+   several, where a block's shared memory has room for their values and where it has not, and where an angle of one of them is large;
+   what the runtime says of it, and which texts are cut.
+   This would catch a value fetched from another's slot, a sample that a grid leaves out, and a second round that loses a sample.
+   Texts for target C in segments: test_targets, against the independent reference. */
+#define _POSIX_C_SOURCE 200809L
+#include "launched.h"
+#include "support/suite.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* With blocks of 32 threads: so many samples that a thread takes three, or four, and that some blocks are not full; with blocks of
+   1024 one block, and a piece of one. */
+enum { SMALL = 32, MANY = 32 * 512 * 3 + 77, LARGE = 1024, FEW = 1400, SEED = 20261124 };
+
+static const struct subject {
+	const char *name, *scene;
+	int floating, segments;
+	enum rneagen_precision precision;
+	enum rneagen_trig trig;
+	unsigned samples; /* of a thread, at most */
+} SUBJECTS[] = {
+	{"iiwa14", "", 0, 60, RNEAGEN_F32, RNEAGEN_ACCURATE, 4},
+	{"iiwa14", "want wrench.iiwa_joint_3,tau\n", 0, 100, RNEAGEN_F64, RNEAGEN_BOUNDED, 2},
+	{"mimic_chain", "", 1, 40, RNEAGEN_F64, RNEAGEN_ACCURATE, 2},
+	{"planar_joint", "free gravity\n", 1, 50, RNEAGEN_MIXED, RNEAGEN_ACCURATE, 2},
+	{"ur5", "want qdd\nrefine 1\n", 0, 90, RNEAGEN_F32, RNEAGEN_ACCURATE, 4},
+	{"double_pendulum", "want tau,M\n", 0, 20, RNEAGEN_F32X2, RNEAGEN_ACCURATE, 2},
+};
+enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
+
+static void generate(const struct subject *s, int segments, struct target *t)
+{
+	struct rneagen_options o = rneagen_options_default();
+	size_t length;
+	char *urdf = target_robot(s->name, &length);
+
+	o.scene = *s->scene ? s->scene : NULL;
+	o.base = s->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+	o.precision = s->precision;
+	o.trig = s->trig;
+	o.segments = segments;
+	o.parts = 1;
+	target_generate(t, urdf, length, &o, s->name);
+	free(urdf);
+}
+
+START_TEST(test_values)
+{
+	const struct subject *s = &SUBJECTS[_i / 2];
+	int is_small = _i % 2;
+	size_t count = is_small ? MANY : FEW;
+	struct target cut, whole;
+	struct launch x, y;
+	double worst;
+
+	generate(s, s->segments, &cut);
+	generate(s, RNEAGEN_SEGMENTS_WHOLE, &whole);
+	x = launched_run(launched_open(&cut, RNEA_BACKEND_CUDA, is_small ? SMALL : LARGE), count, SEED, s->floating);
+	y = launched_run(launched_open(&whole, RNEA_BACKEND_HOST, 0), count, SEED, s->floating);
+	ck_assert_uint_eq(x.info->functions[0].most_samples, s->samples);
+	ck_assert_uint_gt(x.info->functions[0].across_bytes, 0);
+	ck_assert_uint_eq(y.info->functions[0].most_samples, 1);
+	ck_assert_uint_eq(y.info->functions[0].across_bytes, 0);
+	worst = launched_distance(&x, &y, s->name);
+	printf("%s, %zu bytes across, blocks of %u: within %.1e, seed %d\n", s->name, x.info->functions[0].across_bytes, x.info->block, worst, SEED);
+	ck_assert_double_lt(worst, s->precision == RNEAGEN_F32 ? 2e-5 : s->precision == RNEAGEN_MIXED ? 1e-6 : 1e-12);
+	launched_free(&x);
+	launched_free(&y);
+	rneagen_result_free(&cut.text);
+	rneagen_result_free(&whole.text);
+}
+END_TEST
+
+/* What is cut where nobody says. */
+static const struct choice {
+	const char *name, *scene;
+	enum rneagen_target target;
+	enum rneagen_layout layout;
+	enum rneagen_precision precision;
+	int only_rnea, is_cut;
+} CHOICES[] = {
+	{"iiwa14", "", RNEAGEN_TARGET_C, RNEAGEN_SOA, RNEAGEN_F64, 0, 0},
+	{"atlas", "", RNEAGEN_TARGET_C, RNEAGEN_SOA, RNEAGEN_F64, 0, 1},
+	{"atlas", "", RNEAGEN_TARGET_C, RNEAGEN_AOS, RNEAGEN_F32, 0, 1},
+	{"atlas", "", RNEAGEN_TARGET_C, RNEAGEN_SOA, RNEAGEN_F64, 1, 0}, /* no batches */
+	{"atlas", "", RNEAGEN_TARGET_HEADER, RNEAGEN_SOA, RNEAGEN_F64, 0, 0},
+	{"atlas", "", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 0, 0},
+	{"atlas", "", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0, 0},       /* staged */
+	{"atlas", "want qdd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0, 1},
+	{"atlas", "want tau,dtau_dq,dtau_dqd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 0, 0}, /* parts */
+};
+
+START_TEST(test_chosen)
+{
+	const struct choice *c = &CHOICES[_i];
+	struct rneagen_options o = rneagen_options_default();
+	size_t length;
+	char *urdf = target_robot(c->name, &length);
+	struct target t, whole;
+
+	o.scene = *c->scene ? c->scene : NULL;
+	o.target = c->target;
+	o.layout = c->layout;
+	o.precision = c->precision;
+	o.only_rnea = c->only_rnea;
+	target_generate(&t, urdf, length, &o, c->name);
+	ck_assert_int_eq(strstr(t.text.source, "_segment1(") != NULL, c->is_cut);
+	o.segments = RNEAGEN_SEGMENTS_WHOLE;
+	target_generate(&whole, urdf, length, &o, c->name);
+	ck_assert_ptr_null(strstr(whole.text.source, "_segment1("));
+	rneagen_result_free(&t.text);
+	rneagen_result_free(&whole.text);
+	free(urdf);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *s = suite_create("segments");
+
+	setenv("RNEA_LIBCUDA", FAKE_CUDA, 1);
+	setenv("RNEA_NVRTC", FAKE_NVRTC, 1);
+	setenv("RNEA_CACHE", "", 1);
+	setvbuf(stdout, NULL, _IOLBF, 0);
+	suite_add(s, "values", test_values, 2 * SUBJECT_COUNT, 600);
+	suite_add(s, "chosen", test_chosen, sizeof CHOICES / sizeof *CHOICES, 60);
+	return suite_run(s);
+}
