@@ -239,6 +239,11 @@ static void put_operations(const struct emission *e, struct text *out)
 			text_printf(out, " *   %u of these flops in %s: the residual tau - ID(q, qd, qdd), by which the qdd found is refined\n", n.wide,
 				e->wide->arithmetic->name);
 	}
+	for (int i = 0; i < e->pass_count; i++)
+		if (e->passes[i].segments.count)
+			text_printf(out, " *   %s is in %d segments, each for several samples before the next; %d values go across cuts\n",
+				e->passes[i].algorithm->name, e->passes[i].segments.count,
+				e->passes[i].segments.slots[0] + e->passes[i].segments.slots[1]);
 	if (e->part_count)
 		text_printf(out, " * The %s kernel is in %d parts: its grid has as many along y, each for the elements of some joints.\n",
 			emit_main(e)->algorithm->name, e->part_count);

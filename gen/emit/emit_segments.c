@@ -22,54 +22,61 @@ static int lanes_of(const struct emission *e, const struct segments *s)
 	return lanes;
 }
 
-/* What is said of both arrays, or of the one that there is: a format with the type and the name of the array, or with its name and the
-   number of slots. */
-static const char *across(const struct emission *e, const struct segments *s, const char *separator,
-	void (*put)(const char *type, const char *array, int slots, int lanes, struct text *out), int lanes)
+/* An array of what goes across: of numbers, or of wide numbers. */
+struct across {
+	const char *type, *name;
+	int slots;
+};
+
+/* How it is written: as a parameter; the same where compilers are to know that it overlaps nothing; as that of a segment, for its first
+   sample; its name; its declaration with room for a sample, or for some lanes; in a kernel, for all threads; where a thread's sample
+   has it. */
+enum form { PARAMETER, RESTRICT, FIRST, NAME, LOCAL, LANES, SHARED, AT_THREAD };
+
+static void put_form(const struct across *x, enum form form, int lanes, struct text *out)
 {
+	int slots = x->slots ? x->slots : 1;
+
+	switch (form) {
+	case PARAMETER:
+		text_printf(out, "%s *const %s", x->type, x->name);
+		break;
+	case RESTRICT:
+		text_printf(out, "%s *restrict %s", x->type, x->name);
+		break;
+	case FIRST:
+		text_printf(out, "%s *const first_%s", x->type, x->name);
+		break;
+	case NAME:
+		text_put(out, x->name);
+		break;
+	case LOCAL:
+	case LANES:
+		text_printf(out, "\t%s %s[%d];", x->type, x->name, slots * lanes);
+		break;
+	case SHARED:
+		text_printf(out, "\t__shared__ %s %s[%d*RNEA_SAMPLES*RNEA_BLOCK];", x->type, x->name, slots);
+		break;
+	case AT_THREAD:
+		text_printf(out, "%s + here + j*RNEA_BLOCK", x->name);
+	}
+}
+
+/* Of both arrays, or of the one that there is. */
+static const char *across(const struct emission *e, const struct segments *s, enum form form)
+{
+	const struct across narrow = {e->numbers->value, "across", s->slots[0]};
+	const struct across wide = {e->wide ? e->wide->value : "", "wide_across", s->slots[1]};
+	int lanes = form == LANES ? lanes_of(e, s) : 1, is_line = form == LOCAL || form == LANES || form == SHARED;
 	struct text t;
 
 	text_init(&t, e->arena);
-	put(e->numbers->value, "across", s->slots[0], lanes, &t);
-	if (s->slots[1]) {
-		text_put(&t, separator);
-		put(e->wide->value, "wide_across", s->slots[1], lanes, &t);
+	put_form(&narrow, form, lanes, &t);
+	if (wide.slots) {
+		text_put(&t, is_line ? "\n" : ", ");
+		put_form(&wide, form, lanes, &t);
 	}
 	return text_string(&t);
-}
-
-static void put_parameter(const char *type, const char *array, int slots, int lanes, struct text *out)
-{
-	(void)slots;
-	(void)lanes;
-	text_printf(out, "%s *const %s", type, array);
-}
-
-static void put_first_parameter(const char *type, const char *array, int slots, int lanes, struct text *out)
-{
-	(void)slots;
-	(void)lanes;
-	text_printf(out, "%s *const first_%s", type, array);
-}
-
-static void put_restrict_parameter(const char *type, const char *array, int slots, int lanes, struct text *out)
-{
-	(void)slots;
-	(void)lanes;
-	text_printf(out, "%s *restrict %s", type, array);
-}
-
-static void put_name(const char *type, const char *array, int slots, int lanes, struct text *out)
-{
-	(void)type;
-	(void)slots;
-	(void)lanes;
-	text_put(out, array);
-}
-
-static void put_array(const char *type, const char *array, int slots, int lanes, struct text *out)
-{
-	text_printf(out, "\t%s %s[%d];", type, array, (slots ? slots : 1) * lanes);
 }
 
 /* ---- bodies ---- */
@@ -99,9 +106,8 @@ static struct touched touched_by(const struct plan *p)
 {
 	struct touched t = {.stride = 0};
 
-	for (const struct line *l = p->lines; l < p->lines + p->line_count; l++) {
+	for (const struct line *l = p->lines; l < p->lines + p->line_count; l++)
 		t.across[p->dag->nodes[l->value.i].is_wide] |= l->kind == LINE_FETCH || l->kind == LINE_KEEP;
-	}
 	t.stride = emit_mark_arguments(p, t.arguments);
 	return t;
 }
@@ -162,7 +168,7 @@ static void put_segment(const struct emission *e, const struct pass *p, int k, s
 	text_put(&begin, emit_has_known(e) ? "\tint all_small = 1;\n" : "");
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)}, {"COUNT", emit_int(e, s->count)},
-		{"FIRST_PARAMS", first_params(e, p)}, {"ACROSS_PARAMS", across(e, s, ", ", put_first_parameter, 0)},
+		{"FIRST_PARAMS", first_params(e, p)}, {"ACROSS_PARAMS", across(e, s, FIRST)},
 		{"KNOWN_PARAM", emit_known_params(e)}, {"RESULT", emit_has_known(e) ? "int" : "void"},
 		{"BEGIN", text_string(&begin)}, {"BODY", body_of(e, p, k, &touched, w)}, {"END", emit_has_known(e) ? "\treturn all_small;\n" : ""},
 	};
@@ -198,17 +204,16 @@ static const char *handed_on(const struct emission *e, const char *names)
 static const char *lanes_functions(const struct emission *e, const struct pass *p, const char *count_param, const char *at_sample)
 {
 	const struct segments *s = &p->segments;
-	int lanes = lanes_of(e, s);
 	struct text t;
 
 	text_init(&t, e->arena);
 	for (int k = 0; k < s->count; k++) {
 		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
-			{"LANES", emit_int(e, lanes)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", count_param},
+			{"LANES", emit_int(e, lanes_of(e, s))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", count_param},
 			{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"KNOWN", handed_on(e, emit_known_names(e))}, {"KNOWN_PARAM", emit_known_params(e)},
-			{"ACROSS_PARAMS", across(e, s, ", ", put_parameter, 0)}, {"RESTRICT_ACROSS", across(e, s, ", ", put_restrict_parameter, 0)},
+			{"ACROSS_PARAMS", across(e, s, PARAMETER)}, {"RESTRICT_ACROSS", across(e, s, RESTRICT)},
 			{"AT_SAMPLE", at_sample},
-			{"ACROSS_NAMES", across(e, s, ", ", put_name, 0)}, {"UNKNOWN", handed_on(e, emit_unknown_names(e))}};
+			{"ACROSS_NAMES", across(e, s, NAME)}, {"UNKNOWN", handed_on(e, emit_unknown_names(e))}};
 
 		template_expand(&t, template_segment_lanes_in, slots, sizeof slots / sizeof *slots);
 	}
@@ -223,7 +228,7 @@ static const char *calls_of(const struct emission *e, const struct pass *p, cons
 	text_init(&t, e->arena);
 	for (int k = 0; k < s->count; k++)
 		text_printf(&t, "%s%s%s_%s_%s%d(%s, %s, %s%s);", k ? "\n" : "", indent, e->options->name, p->algorithm->name, what, k,
-			emit_params(e, p, PARAMS_NAMES), where, across(e, s, ", ", put_name, 0), more);
+			emit_params(e, p, PARAMS_NAMES), where, across(e, s, NAME), more);
 	return text_string(&t);
 }
 
@@ -240,16 +245,16 @@ static const char *and_small(const struct emission *e, const char *are_small)
 void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *call_any, const char *at_sample,
 	struct text *out)
 {
-	int is_soa = e->options->layout == RNEAGEN_SOA, lanes = lanes_of(e, &p->segments);
+	int is_soa = e->options->layout == RNEAGEN_SOA;
 	const char *count_param = is_soa ? "size_t count, " : "";
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
 		{"KNOWN", handed_on(e, emit_known_names(e))}, {"KNOWN_PARAM", emit_known_params(e)}, {"WHATEVER", emit_has_known(e) ? ", whatever its angles" : ""},
 		{"WHERE_SMALL", emit_has_known(e) ? " where their angles are small, which is the rule" : ""},
-		{"AND_SMALL", and_small(e, are_small)}, {"CALL_ANY", call_any}, {"COUNT_PARAM", count_param}, {"AT_SAMPLE", at_sample}, {"LANES", emit_int(e, lanes)},
+		{"AND_SMALL", and_small(e, are_small)}, {"CALL_ANY", call_any}, {"COUNT_PARAM", count_param}, {"AT_SAMPLE", at_sample}, {"LANES", emit_int(e, lanes_of(e, &p->segments))},
 		{"LANES_FUNCTIONS", lanes_functions(e, p, count_param, at_sample)}, {"CALLS", calls_of(e, p, "\t\t\t", "lanes", is_soa ? "count, first" : "first", "")},
-		{"ONE_CALLS", calls_of(e, p, "\t", "one", "stride", handed_on(e, emit_known_names(e)))}, {"ONE_DECLARATIONS", across(e, &p->segments, "\n", put_array, 1)},
-		{"DECLARATIONS", across(e, &p->segments, "\n", put_array, lanes)}};
+		{"ONE_CALLS", calls_of(e, p, "\t", "one", "stride", handed_on(e, emit_known_names(e)))}, {"ONE_DECLARATIONS", across(e, &p->segments, LOCAL)},
+		{"DECLARATIONS", across(e, &p->segments, LANES)}};
 
 	template_expand(out, template_part_segments_in, slots, sizeof slots / sizeof *slots);
 }
@@ -277,18 +282,6 @@ int emit_segments_block(const struct emission *e, const struct pass *p)
 	return LARGEST_BLOCK * 2 * emit_segments_bytes(e, p) > OWN_SHARED ? SMALLEST_BLOCK : LARGEST_BLOCK;
 }
 
-static void put_shared(const char *type, const char *array, int slots, int lanes, struct text *out)
-{
-	(void)lanes;
-	text_printf(out, "\t__shared__ %s %s[%d*RNEA_SAMPLES*RNEA_BLOCK];", type, array, slots ? slots : 1);
-}
-
-static void put_at_thread(const char *type, const char *array, int slots, int lanes, struct text *out)
-{
-	put_name(type, array, slots, lanes, out);
-	text_put(out, " + here + j*RNEA_BLOCK");
-}
-
 static const char *loops_in_kernel(const struct emission *e, const struct pass *p, const char *at_sample)
 {
 	int has_angles = emit_has_known(e) && emit_has_angles(e, p);
@@ -298,7 +291,7 @@ static const char *loops_in_kernel(const struct emission *e, const struct pass *
 	for (int k = 0; k < p->segments.count; k++) {
 		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
 			{"FROM", has_angles ? "from" : "0"}, {"TO", has_angles ? "to" : "each"}, {"LARGE", has_angles ? "large |= (unsigned)!" : ""},
-			{"SHIFT", has_angles ? " << j" : ""}, {"AT_SAMPLE", at_sample}, {"ACROSS", across(e, &p->segments, ", ", put_at_thread, 0)},
+			{"SHIFT", has_angles ? " << j" : ""}, {"AT_SAMPLE", at_sample}, {"ACROSS", across(e, &p->segments, AT_THREAD)},
 			{"KNOWN", handed_on(e, has_angles ? emit_known_tables(e, p) : emit_unknown_names(e))}};
 
 		template_expand(&t, template_kernel_segment_in, slots, sizeof slots / sizeof *slots);
@@ -323,8 +316,8 @@ void emit_segments_kernel(const struct emission *e, const struct pass *p, const 
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
 		{"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"}, {"MOST", emit_int(e, emit_segments_samples(e))},
 		{"BYTES", emit_int(e, emit_segments_bytes(e, p))},
-		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"SHARED", across(e, &p->segments, "\n", put_shared, 0)},
-		{"LOCAL", across(e, &p->segments, "\n", put_array, 1)}, {"ROUNDS", rounds_in_kernel(e, p, at_sample)}};
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"SHARED", across(e, &p->segments, SHARED)},
+		{"LOCAL", across(e, &p->segments, LOCAL)}, {"ROUNDS", rounds_in_kernel(e, p, at_sample)}};
 
 	template_expand(out, template_kernel_segments_in, slots, sizeof slots / sizeof *slots);
 }
