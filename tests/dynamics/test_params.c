@@ -1,6 +1,7 @@
 /* Torques by base parameters in frames of their own: against the independent reference, within the running bound, and with no more
-   operations than the URDF's constants take; of the robots from outside every fourth where not all is asked for. It would catch a part of an inertia that is regrouped though it is felt, a frame whose
-   turn, slide or links are not taken along, and a frame so far away that it costs accuracy. */
+   operations than the URDF's constants take; of the robots from outside every fourth where not all is asked for. It would catch a
+   part of an inertia that is regrouped though it is felt, a frame whose turn, slide or links are not taken along, and a frame so far
+   away that it costs accuracy. */
 #define _POSIX_C_SOURCE 200809L
 #include "passes/search.h"
 #include "support/exhaustive.h"
