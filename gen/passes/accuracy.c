@@ -2,35 +2,51 @@
 #include "dag/eval.h"
 #include <math.h>
 
-struct measure {
-	const struct dag *d;
-	int rows;
-	double *tau, *off, *size; /* of one sample; by row, summed squares */
-	real *in[3], *ref;
-};
+static int rows_of(const struct dag *d)
+{
+	for (int k = 0; k < d->argument_count; k++)
+		if (d->arguments[k].is_output)
+			return d->arguments[k].rows;
+	return 0;
+}
 
-/* One sample both ways. */
-static int both(const struct measure *m, const struct drawn *inputs, size_t sample)
+real *accuracy_reference(const struct dag *d, const struct drawn *inputs, struct arena *a)
+{
+	size_t rows = (size_t)rows_of(d);
+	real *tau = arena_alloc(a, inputs->samples * rows, sizeof *tau), *wide[DAG_ARGUMENTS] = {NULL};
+
+	for (int k = 0; k < d->argument_count && tau; k++)
+		if (!d->arguments[k].is_output)
+			wide[k] = arena_alloc(a, (size_t)d->arguments[k].rows, sizeof *wide[k]);
+	for (size_t s = 0; s < inputs->samples && !a->failed; s++) {
+		const real *in[DAG_ARGUMENTS] = {NULL};
+		real *out[DAG_ARGUMENTS] = {NULL};
+
+		for (int k = 0; k < d->argument_count; k++) {
+			const double *x = draw_rows(inputs, &d->arguments[k], s);
+
+			for (int i = 0; x && i < d->arguments[k].rows; i++)
+				wide[k][i] = (real)x[i];
+			in[k] = wide[k];
+			out[k] = d->arguments[k].is_output ? tau + s * rows : NULL;
+		}
+		if (!eval_real(d, in, out, NULL))
+			return NULL;
+	}
+	return a->failed ? NULL : tau;
+}
+
+/* One sample. */
+static int torques(const struct dag *d, const struct drawn *inputs, size_t sample, double *tau)
 {
 	const double *in[DAG_ARGUMENTS] = {NULL};
 	double *out[DAG_ARGUMENTS] = {NULL};
-	const real *wide_in[DAG_ARGUMENTS] = {NULL};
-	real *wide_out[DAG_ARGUMENTS] = {NULL};
 
-	for (int k = 0; k < m->d->argument_count; k++) {
-		const struct argument *x = &m->d->arguments[k];
-
-		if (x->is_output) {
-			out[k] = m->tau;
-			wide_out[k] = m->ref;
-			continue;
-		}
-		in[k] = draw_rows(inputs, x, sample);
-		for (int i = 0; i < x->rows; i++)
-			m->in[k][i] = (real)in[k][i];
-		wide_in[k] = m->in[k];
+	for (int k = 0; k < d->argument_count; k++) {
+		in[k] = draw_rows(inputs, &d->arguments[k], sample);
+		out[k] = d->arguments[k].is_output ? tau : NULL;
 	}
-	return eval_f64(m->d, in, out, NULL) && eval_real(m->d, wide_in, wide_out, NULL);
+	return eval_f64(d, in, out, NULL);
 }
 
 static double share(double off, double size)
@@ -38,49 +54,31 @@ static double share(double off, double size)
 	return size > 0 ? off / size : 0;
 }
 
-static int alloc(struct measure *m, struct arena *a)
+int accuracy_measure(struct accuracy *x, const struct dag *d, const struct drawn *inputs, const real *reference, struct arena *spare)
 {
-	for (int k = 0; k < m->d->argument_count; k++) {
-		size_t rows = (size_t)m->d->arguments[k].rows;
-
-		if (m->d->arguments[k].is_output) {
-			m->rows = m->d->arguments[k].rows;
-			m->tau = arena_alloc(a, 3 * rows, sizeof *m->tau);
-			m->ref = arena_alloc(a, rows, sizeof *m->ref);
-			m->off = m->tau + rows;
-			m->size = m->off + rows;
-		} else {
-			m->in[k] = arena_alloc(a, rows, sizeof *m->in[k]);
-		}
-	}
-	return !a->failed;
-}
-
-int accuracy_measure(struct accuracy *x, const struct dag *d, const struct drawn *inputs, struct arena *spare)
-{
-	struct measure m = {.d = d};
+	int rows = rows_of(d);
+	/* of one sample; by row, summed squares */
+	double *tau = arena_alloc(spare, 3 * (size_t)rows, sizeof *tau), *offs = tau ? tau + rows : NULL, *sizes = tau ? offs + rows : NULL;
 
 	*x = (struct accuracy){0};
-	if (!alloc(&m, spare))
-		return 0;
-	for (size_t s = 0; s < inputs->samples; s++) {
+	for (size_t s = 0; s < inputs->samples; s++, reference += rows) {
 		double off = 0, size = 0;
 
-		if (!both(&m, inputs, s))
+		if (!tau || !torques(d, inputs, s, tau))
 			return 0;
-		for (int i = 0; i < m.rows; i++) {
-			double ref = (double)m.ref[i], e = (double)((real)m.tau[i] - m.ref[i]);
+		for (int i = 0; i < rows; i++) {
+			double ref = (double)reference[i], e = (double)((real)tau[i] - reference[i]);
 
-			m.off[i] += e * e;
-			m.size[i] += ref * ref;
+			offs[i] += e * e;
+			sizes[i] += ref * ref;
 			off += e * e;
 			size += ref * ref;
 		}
 		x->whole += share(off, size) / (double)inputs->samples;
 	}
 	x->whole = sqrt(x->whole);
-	for (int i = 0; i < m.rows; i++)
-		x->each += share(m.off[i], m.size[i]) / m.rows;
+	for (int i = 0; i < rows; i++)
+		x->each += share(offs[i], sizes[i]) / rows;
 	x->each = sqrt(x->each);
 	return 1;
 }

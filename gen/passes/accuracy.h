@@ -10,7 +10,10 @@ struct accuracy {
 	double whole, each;
 };
 
-/* Of a DAG from q, qd and qdd to tau in double, beside the same in extended precision. Returns 0 when memory runs out. */
-int accuracy_measure(struct accuracy *x, const struct dag *d, const struct drawn *inputs, struct arena *spare);
+/* The torques of a DAG from q, qd and qdd to tau in extended precision, [sample][row]; NULL when memory runs out. */
+real *accuracy_reference(const struct dag *d, const struct drawn *inputs, struct arena *a);
+
+/* Of such a DAG in double, beside that of the same robot. Returns 0 when memory runs out. */
+int accuracy_measure(struct accuracy *x, const struct dag *d, const struct drawn *inputs, const real *reference, struct arena *spare);
 
 #endif

@@ -24,6 +24,7 @@ struct search {
 	real farthest;
 	struct accuracy worst;
 	struct drawn inputs;
+	const real *reference; /* torques of the inputs, by the tree as it is */
 	struct arena own, of_now; /* of `now` */
 	const struct rneagen_allocator *allocator;
 	struct rneagen_error *e;
@@ -117,7 +118,7 @@ static int take(struct search *s)
 		build(&d, &now, &spare);
 		flops = flops_of(&d, &spare);
 	}
-	if (flops < 0 || (flops < s->least && !accuracy_measure(&x, &d, &s->inputs, &spare)))
+	if (flops < 0 || (flops < s->least && !accuracy_measure(&x, &d, &s->inputs, s->reference, &spare)))
 		error_memory(s->e);
 	else
 		is_taken = flops < s->least && is_accurate(&x, &s->worst);
@@ -218,8 +219,9 @@ static int measure(struct search *s)
 	arena_init(&spare, s->allocator);
 	build(&d, s->t, &spare);
 	s->least = flops_of(&d, &spare);
-	done = s->least >= 0 && draw_inputs(&s->inputs, s->t, &TORQUES, &SAMPLES, &s->own) &&
-		accuracy_measure(&s->worst, &d, &s->inputs, &spare);
+	done = s->least >= 0 && draw_inputs(&s->inputs, s->t, &TORQUES, &SAMPLES, &s->own);
+	s->reference = done ? accuracy_reference(&d, &s->inputs, &s->own) : NULL;
+	done = s->reference && accuracy_measure(&s->worst, &d, &s->inputs, s->reference, &spare);
 	arena_free(&spare);
 	return done;
 }

@@ -32,6 +32,8 @@ void params_put_json(const struct analysis *a, struct text *out)
 {
 	const struct params_choice *p = &a->params;
 
+	if (!scene_next(&a->scene, SCENE_PARAMS, NULL))
+		return;
 	text_printf(out, "  \"params\": \"%s\",\n", word(p));
 	if (p->is_auto)
 		text_printf(out, "  \"params_flops\": {\"urdf\": %ld, \"base\": %ld},\n", p->flops[0], p->flops[1]);

@@ -6,10 +6,9 @@
 
 /* Nothing where the scene does not say. */
 void params_put_table(const struct analysis *a, struct text *out);
+void params_put_json(const struct analysis *a, struct text *out);
 
 /* Nothing where they are the URDF's, and nobody asked for a choice. */
 void params_put_comment(const struct analysis *a, struct text *out);
-
-void params_put_json(const struct analysis *a, struct text *out);
 
 #endif

@@ -1,8 +1,10 @@
 /* Torques by base parameters in frames of their own: against the independent reference, within the running bound, and with no more
-   operations than the URDF's constants take. It would catch a part of an inertia that is regrouped though it is felt, a frame whose
-   turn, slide or links are not taken along, and a frame so far away that it costs accuracy. */
+   operations than the URDF's constants take; of the robots from outside every fourth where not all is asked for. It would catch a
+   part of an inertia that is regrouped though it is felt, a frame whose turn, slide or links are not taken along, and a frame so far
+   away that it costs accuracy. */
 #define _POSIX_C_SOURCE 200809L
 #include "passes/search.h"
+#include "support/exhaustive.h"
 #include "support/model.h"
 #include "support/random_robot.h"
 #include "support/suite.h"
@@ -19,7 +21,7 @@ enum { SAMPLES = 100, RANDOM_ROBOTS = 60, RANDOM_SAMPLES = 8 };
 
 struct tally {
 	double f64, f32, terms, bound;
-	int count, real;
+	int count, real, seen;
 	long stated, base;
 };
 
@@ -69,15 +71,18 @@ static void check_model(struct tally *t, const char *urdf, size_t length, struct
 static void check_robot(const char *path, const char *name, void *context)
 {
 	struct rneagen_options o = rneagen_options_default();
+	struct tally *t = context;
 	size_t length;
 	char *urdf;
 
+	if (t->real && !exhaustive() && t->seen++ % 4)
+		return;
 	if (!strncmp(name, "xfail_", 6) || !strncmp(name, "chain_", 6) || strstr(name, "brainco")) /* they take long */
 		return;
 	urdf = read_file(path, &length);
 	for (int base = RNEAGEN_FIXED; base <= RNEAGEN_FLOATING; base++) {
 		o.base = (enum rneagen_base)base;
-		check_model(context, urdf, length, o, name, 11, SAMPLES);
+		check_model(t, urdf, length, o, name, 11, SAMPLES);
 	}
 	free(urdf);
 }
@@ -99,7 +104,7 @@ START_TEST(test_robots)
 		return;
 	}
 	for_each_urdf(folder, check_robot, &t);
-	ck_assert_int_ge(t.count, 2 * 28);
+	ck_assert_int_ge(t.count, _i ? 2 * 9 : 2 * 28);
 	report(&t, _i ? "models of real robots, seeds 11 and 12" : "models of own robots, seeds 11 and 12");
 }
 END_TEST

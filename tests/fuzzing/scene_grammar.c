@@ -343,7 +343,7 @@ static void draw_constants(struct drawing *g)
 		const char *words[4];
 	} choices[] = {{SCENE_SNAP_ANGLE, {"1e-3", "0.1", "0", "1e-9"}}, {SCENE_ROUND_CONSTANTS, {"4", "1", "17", "9"}},
 		{SCENE_DROP_BELOW, {"1e-3", "0", "1e-12", "0.9"}}, {SCENE_DERIVATIVES, {"forward", "recursion", "forward", "recursion"}},
-		{SCENE_PARAMS, {"base", "auto", "urdf", "base"}}, {SCENE_DENSE, {NULL}}};
+		{SCENE_DENSE, {NULL}}};
 	size_t count = sizeof choices / sizeof *choices, i = dice_below(g->d, count + 1);
 
 	if (i == count)
@@ -365,6 +365,8 @@ static void draw_task(struct drawing *g)
 
 		draws[dice_below(g->d, sizeof draws / sizeof *draws)](g);
 	}
+	if (dice_happen(g->d, 6))
+		put_line(g, SCENE_PARAMS, DICE_WORD(g->d, "base", "auto", "urdf"));
 }
 
 /* The joints with entries in q in another order, their names with commas between. */
