@@ -127,7 +127,7 @@ static void check_nvrtc(const struct target *t)
 	jit_free(&image);
 }
 
-/* A text as it is asked for, by NVRTC and by nvcc if that is asked for, where they are. */
+/* A text as it is asked for, by NVRTC and by nvcc if that is asked for, where they are; in the long form, by one of them. */
 static void check_text(const char *path, struct rneagen_options *o, const char *robot, int no_spill, int by_nvcc)
 {
 	struct target t;
@@ -141,7 +141,8 @@ static void check_text(const char *path, struct rneagen_options *o, const char *
 	target_generate(&t, urdf, length, o, robot);
 	if (nvcc && (by_nvcc || nvrtc_is_missing))
 		check_nvcc(&t, robot, no_spill);
-	check_nvrtc(&t);
+	if (!by_nvcc || !nvcc || !exhaustive())
+		check_nvrtc(&t);
 	target_close(&t);
 	free(urdf);
 }
