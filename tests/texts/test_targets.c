@@ -35,7 +35,8 @@ static int is_legged(const char *name)
 static void check_text(int is_real, int optimise, struct worst *worst, struct model *m, const struct states *states, const char *urdf,
 	size_t length, const struct rneagen_options *o, const char *stem)
 {
-	static const struct compiler optimising = {"gcc", {"-O1"}}, slow = {"gcc", {"-O0"}}, quick = {"clang", {"-O0"}};
+	static const struct compiler optimising = {"gcc", {"-O1"}}, slow = {"gcc", {"-O0", "-Dalways_inline=unused"}},
+				     quick = {"clang", {"-O0", "-Dalways_inline=unused"}};
 	const int deep = exhaustive() ? DEEP : DEEP / 2;
 	struct target t;
 	struct check c = {.target = &t, .model = m, .states = states, .real = is_real, .exact = 1, .worst = worst};

@@ -16,8 +16,10 @@
 static void compile_object(const struct target *t, const char *command, const char *level, struct target_path source,
 	struct target_path object)
 {
+	/* the algorithm is compiled once, and not in line wherever it is called, where nothing is optimised anyway */
+	const char *once = strcmp(level, "-O0") ? NULL : "-Dalways_inline=unused";
 	const char *const argv[] = {
-		command, "-std=c11", WARNING_FLAGS, "-Wshadow", level, "-c", "-o", object.s, source.s, NULL};
+		command, "-std=c11", WARNING_FLAGS, "-Wshadow", level, "-c", "-o", object.s, source.s, once, NULL};
 
 	target_compile(t, argv);
 }
