@@ -151,13 +151,13 @@ static void check_own(const char *path, const char *name, void *turn)
 	(void)path;
 	printf("%-28s", name);
 	for (int k = 0; k < 2; k++)
-		if (exhaustive() || *(int *)turn % 2 == k)
+		if ((*(int *)turn + exhaustive()) % 2 == k)
 			check_case(&c, &KINDS[k]);
 	++*(int *)turn;
 	putchar('\n');
 }
 
-/* In f32 and f64 in turn, or in both. */
+/* In f32 and f64 in turn; where all is asked for, in the other one than else. */
 START_TEST(own_robots)
 {
 	int turn = 0;

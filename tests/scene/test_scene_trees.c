@@ -10,7 +10,7 @@
 #include <string.h>
 
 enum { LINKS = 14 };
-#define ROBOTS (exhaustive() ? 150 : 50) /* random trees */
+#define ROBOTS (exhaustive() ? 100 : sanitized() ? 20 : 50) /* random trees */
 
 static struct rneagen_options options;
 static struct reference *whole;

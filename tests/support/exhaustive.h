@@ -11,4 +11,17 @@ static inline int exhaustive(void)
 	return all && *all && *all != '0';
 }
 
+/* Under the sanitizers, which slow a test ten times and see in few states what they see in many. */
+static inline int sanitized(void)
+{
+#if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
+	return 1;
+#elif defined __has_feature
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+	return 1;
+#endif
+#endif
+	return 0;
+}
+
 #endif

@@ -194,7 +194,9 @@ static void compare(const struct dag *d, const struct rnea_info *info, const str
 
 static void run_on(const struct scene_model *m, const struct rneagen_options *o, const struct target *t, enum rnea_backend backend, uint64_t seed)
 {
-	struct rnea_options how = {.backend = backend, .cache = ""};
+	static const char *const as_calls[] = {"-Dalways_inline=unused"}; /* in line, pairs of floats take a compiler long */
+	size_t is_pair = o->precision == RNEAGEN_F32X2 && backend == RNEA_BACKEND_HOST;
+	struct rnea_options how = {.backend = backend, .cache = "", .compile = as_calls, .compile_count = is_pair};
 	struct arrays *x = calloc(1, sizeof *x);
 	struct rnea_robot *robot;
 	struct rnea_error e;

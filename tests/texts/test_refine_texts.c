@@ -2,7 +2,7 @@
    expressions in extended precision, in every layout, mode and target, angles of 1e5 rad among the drawn; what the evaluator makes
    of the refined expressions is as near. Compilers have nothing to say of the texts, nor of headers of all kinds in one file. It
    would catch a function or a constant of one type of numbers taken for that of the other, and an angle too large for the fast way
-   of either. Three compilers go over eleven texts: half a minute. */
+   of either. */
 #define _POSIX_C_SOURCE 200809L
 #include "support/suite.h"
 #include "support/scene_model.h"

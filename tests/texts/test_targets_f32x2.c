@@ -24,7 +24,7 @@ struct setting {
 
 static const struct setting SETTINGS[] = {
 	{{"gcc", {"-O0"}}, 0, 0},
-	{{"gcc", {"-O2"}}, 0, 1},
+	{{"gcc", {"-O2"}}, 0, 0},
 	{{"gcc", {"-O3", "-mfma"}}, 1, 0},
 	{{"gcc", {"-O3", "-march=x86-64-v3", "-std=gnu11", "-ffp-contract=fast"}}, 1, 1},
 	{{"gcc", {"-O1", "-fsanitize=undefined", "-fno-sanitize-recover=all"}}, 0, 0},
