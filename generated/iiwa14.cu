@@ -1177,6 +1177,12 @@ extern "C" int iiwa14_rnea_launch(const float *q, const float *qd, const float *
 #else
 #define RNEA_INDEPENDENT
 #endif
+/* gcc does so for short texts at -O2 too, as at -O3 */
+#if defined __GNUC__ && !defined __clang__ && defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
+#define RNEA_VECTORS __attribute__((optimize("tree-vectorize", "vect-cost-model=dynamic")))
+#else
+#define RNEA_VECTORS
+#endif
 
 static int iiwa14_are_small(const float *q, size_t count, size_t first, size_t end)
 {
@@ -1197,7 +1203,7 @@ static void iiwa14_rnea_any(const float *q, const float *qd, const float *qdd, f
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void iiwa14_rnea_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+RNEA_VECTORS static void iiwa14_rnea_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
 	float *restrict tau, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
@@ -1239,7 +1245,7 @@ static void iiwa14_fpass_any(const float *q, const float *qd, const float *qdd, 
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void iiwa14_fpass_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+RNEA_VECTORS static void iiwa14_fpass_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
 	float *restrict v, float *restrict a, float *restrict f, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
@@ -1275,8 +1281,8 @@ static void iiwa14_bpass_any(const float *q, const float *f, float *tau, const s
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void iiwa14_bpass_part(const float *restrict q, const float *restrict f, float *restrict tau, size_t count,
-	size_t first, size_t end)
+RNEA_VECTORS static void iiwa14_bpass_part(const float *restrict q, const float *restrict f, float *restrict tau,
+	size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;

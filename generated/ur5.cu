@@ -1025,6 +1025,12 @@ extern "C" int ur5_rnea_launch(const float *q, const float *qd, const float *qdd
 #else
 #define RNEA_INDEPENDENT
 #endif
+/* gcc does so for short texts at -O2 too, as at -O3 */
+#if defined __GNUC__ && !defined __clang__ && defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
+#define RNEA_VECTORS __attribute__((optimize("tree-vectorize", "vect-cost-model=dynamic")))
+#else
+#define RNEA_VECTORS
+#endif
 
 static int ur5_are_small(const float *q, size_t count, size_t first, size_t end)
 {
@@ -1045,7 +1051,7 @@ static void ur5_rnea_any(const float *q, const float *qd, const float *qdd, floa
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void ur5_rnea_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+RNEA_VECTORS static void ur5_rnea_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
 	float *restrict tau, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
@@ -1087,7 +1093,7 @@ static void ur5_fpass_any(const float *q, const float *qd, const float *qdd, flo
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void ur5_fpass_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+RNEA_VECTORS static void ur5_fpass_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
 	float *restrict v, float *restrict a, float *restrict f, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
@@ -1123,8 +1129,8 @@ static void ur5_bpass_any(const float *q, const float *f, float *tau, const size
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void ur5_bpass_part(const float *restrict q, const float *restrict f, float *restrict tau, size_t count,
-	size_t first, size_t end)
+RNEA_VECTORS static void ur5_bpass_part(const float *restrict q, const float *restrict f, float *restrict tau,
+	size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;
