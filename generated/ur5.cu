@@ -818,7 +818,6 @@ static RNEA_INLINE void rneagen_sincosf_each(const float *x, const int angles, f
 }
 #endif
 
-#if !defined __CUDACC__
 /* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves
    the rest a straight line; the results have the same bits either way. */
 static RNEA_INLINE int ur5_is_small(const float *q, const size_t stride)
@@ -830,7 +829,6 @@ static RNEA_INLINE int ur5_is_small(const float *q, const size_t stride)
 	return small;
 }
 
-#endif
 /* Sines and cosines for ur5_rnea_body, of any angles. */
 static RNEA_INLINE void ur5_rnea_sines(const float *q, const size_t stride, float *sines)
 {
@@ -965,16 +963,11 @@ ur5_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, cons
 	if (k >= count)
 		return;
 	float sines[10];
-	int known = 0;
+	const int known = !ur5_is_small(q + k, count);
 
-	for (;;) {
-		asm volatile("" : "+r"(known), "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for
-		later */
-		if (ur5_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, known, sines) | known)
-			break;
+	if (known)
 		ur5_fpass_sines(q + k, count, sines);
-		known = 1;
-	}
+	ur5_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, known, sines);
 }
 
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK)
@@ -985,16 +978,11 @@ ur5_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, float
 	if (k >= count)
 		return;
 	float sines[10];
-	int known = 0;
+	const int known = !ur5_is_small(q + k, count);
 
-	for (;;) {
-		asm volatile("" : "+r"(known), "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for
-		later */
-		if (ur5_bpass_body(q + k, f + k, tau + k, count, known, sines) | known)
-			break;
+	if (known)
 		ur5_bpass_sines(q + k, count, sines);
-		known = 1;
-	}
+	ur5_bpass_body(q + k, f + k, tau + k, count, known, sines);
 }
 
 

@@ -268,7 +268,7 @@ static const char *kernel_call(const struct emission *e, const struct pass *p, i
 	int is_soa = e->options->layout == RNEAGEN_SOA;
 	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = here_text(e), .q = "q_here", .stride = is_soa ? "stride" : "1"};
 	const struct call there = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
-		.stride = emit_stride(e), .is_optimistic = emit_is_optimistic(e)};
+		.stride = emit_stride(e), .is_optimistic = p == emit_main(e) && emit_is_optimistic(e)};
 
 	return emit_call(e, p, staged ? &here : &there);
 }
