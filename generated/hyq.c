@@ -2458,6 +2458,12 @@ RNEA_INFO const char hyq_info[] =
 #else
 #define RNEA_INDEPENDENT
 #endif
+/* gcc does so for short texts at -O2 too, as at -O3 */
+#if defined __GNUC__ && !defined __clang__ && defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
+#define RNEA_VECTORS __attribute__((optimize("tree-vectorize", "vect-cost-model=dynamic")))
+#else
+#define RNEA_VECTORS
+#endif
 
 static int hyq_are_small(const double *q, size_t count, size_t first, size_t end)
 {
@@ -2556,8 +2562,8 @@ static void hyq_bpass_any(const double *q, const double *f, double *tau, const s
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void hyq_bpass_part(const double *restrict q, const double *restrict f, double *restrict tau, size_t count,
-	size_t first, size_t end)
+RNEA_VECTORS static void hyq_bpass_part(const double *restrict q, const double *restrict f, double *restrict tau,
+	size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;

@@ -2271,7 +2271,6 @@ static RNEA_INLINE void rneagen_sincosf_each(const float *x, const int angles, f
 }
 #endif
 
-#if !defined __CUDACC__
 /* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves
    the rest a straight line; the results have the same bits either way. */
 static RNEA_INLINE int hyq_is_small(const float *q, const size_t stride)
@@ -2283,7 +2282,6 @@ static RNEA_INLINE int hyq_is_small(const float *q, const size_t stride)
 	return small;
 }
 
-#endif
 /* Sines and cosines for hyq_rnea_body, of any angles. */
 static RNEA_INLINE void hyq_rnea_sines(const float *q, const size_t stride, float *sines)
 {
@@ -2446,16 +2444,11 @@ hyq_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, cons
 	if (k >= count)
 		return;
 	float sines[24];
-	int known = 0;
+	const int known = !hyq_is_small(q + k, count);
 
-	for (;;) {
-		asm volatile("" : "+r"(known), "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for
-		later */
-		if (hyq_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, known, sines) | known)
-			break;
+	if (known)
 		hyq_fpass_sines(q + k, count, sines);
-		known = 1;
-	}
+	hyq_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, known, sines);
 }
 
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK)
@@ -2466,16 +2459,11 @@ hyq_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, float
 	if (k >= count)
 		return;
 	float sines[24];
-	int known = 0;
+	const int known = !hyq_is_small(q + k, count);
 
-	for (;;) {
-		asm volatile("" : "+r"(known), "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for
-		later */
-		if (hyq_bpass_body(q + k, f + k, tau + k, count, known, sines) | known)
-			break;
+	if (known)
 		hyq_bpass_sines(q + k, count, sines);
-		known = 1;
-	}
+	hyq_bpass_body(q + k, f + k, tau + k, count, known, sines);
 }
 
 
@@ -2505,6 +2493,12 @@ extern "C" int hyq_rnea_launch(const float *q, const float *qd, const float *qdd
 #define RNEA_INDEPENDENT _Pragma("GCC ivdep")
 #else
 #define RNEA_INDEPENDENT
+#endif
+/* gcc does so for short texts at -O2 too, as at -O3 */
+#if defined __GNUC__ && !defined __clang__ && defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
+#define RNEA_VECTORS __attribute__((optimize("tree-vectorize", "vect-cost-model=dynamic")))
+#else
+#define RNEA_VECTORS
 #endif
 
 static int hyq_are_small(const float *q, size_t count, size_t first, size_t end)
@@ -2604,8 +2598,8 @@ static void hyq_bpass_any(const float *q, const float *f, float *tau, const size
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void hyq_bpass_part(const float *restrict q, const float *restrict f, float *restrict tau, size_t count,
-	size_t first, size_t end)
+RNEA_VECTORS static void hyq_bpass_part(const float *restrict q, const float *restrict f, float *restrict tau,
+	size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;

@@ -966,7 +966,6 @@ static RNEA_INLINE void rneagen_sincosf_each(const float *x, const int angles, f
 }
 #endif
 
-#if !defined __CUDACC__
 /* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves
    the rest a straight line; the results have the same bits either way. */
 static RNEA_INLINE int iiwa14_is_small(const float *q, const size_t stride)
@@ -978,7 +977,6 @@ static RNEA_INLINE int iiwa14_is_small(const float *q, const size_t stride)
 	return small;
 }
 
-#endif
 /* Sines and cosines for iiwa14_rnea_body, of any angles. */
 static RNEA_INLINE void iiwa14_rnea_sines(const float *q, const size_t stride, float *sines)
 {
@@ -1117,16 +1115,11 @@ iiwa14_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, c
 	if (k >= count)
 		return;
 	float sines[12];
-	int known = 0;
+	const int known = !iiwa14_is_small(q + k, count);
 
-	for (;;) {
-		asm volatile("" : "+r"(known), "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for
-		later */
-		if (iiwa14_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, known, sines) | known)
-			break;
+	if (known)
 		iiwa14_fpass_sines(q + k, count, sines);
-		known = 1;
-	}
+	iiwa14_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, known, sines);
 }
 
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK)
@@ -1137,16 +1130,11 @@ iiwa14_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, fl
 	if (k >= count)
 		return;
 	float sines[12];
-	int known = 0;
+	const int known = !iiwa14_is_small(q + k, count);
 
-	for (;;) {
-		asm volatile("" : "+r"(known), "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for
-		later */
-		if (iiwa14_bpass_body(q + k, f + k, tau + k, count, known, sines) | known)
-			break;
+	if (known)
 		iiwa14_bpass_sines(q + k, count, sines);
-		known = 1;
-	}
+	iiwa14_bpass_body(q + k, f + k, tau + k, count, known, sines);
 }
 
 
@@ -1177,6 +1165,12 @@ extern "C" int iiwa14_rnea_launch(const float *q, const float *qd, const float *
 #else
 #define RNEA_INDEPENDENT
 #endif
+/* gcc does so for short texts at -O2 too, as at -O3 */
+#if defined __GNUC__ && !defined __clang__ && defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
+#define RNEA_VECTORS __attribute__((optimize("tree-vectorize", "vect-cost-model=dynamic")))
+#else
+#define RNEA_VECTORS
+#endif
 
 static int iiwa14_are_small(const float *q, size_t count, size_t first, size_t end)
 {
@@ -1197,7 +1191,7 @@ static void iiwa14_rnea_any(const float *q, const float *qd, const float *qdd, f
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void iiwa14_rnea_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+RNEA_VECTORS static void iiwa14_rnea_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
 	float *restrict tau, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
@@ -1239,7 +1233,7 @@ static void iiwa14_fpass_any(const float *q, const float *qd, const float *qdd, 
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void iiwa14_fpass_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+RNEA_VECTORS static void iiwa14_fpass_part(const float *restrict q, const float *restrict qd, const float *restrict qdd,
 	float *restrict v, float *restrict a, float *restrict f, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
@@ -1275,8 +1269,8 @@ static void iiwa14_bpass_any(const float *q, const float *f, float *tau, const s
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void iiwa14_bpass_part(const float *restrict q, const float *restrict f, float *restrict tau, size_t count,
-	size_t first, size_t end)
+RNEA_VECTORS static void iiwa14_bpass_part(const float *restrict q, const float *restrict f, float *restrict tau,
+	size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;

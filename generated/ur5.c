@@ -955,6 +955,12 @@ RNEA_INFO const char ur5_info[] =
 #else
 #define RNEA_INDEPENDENT
 #endif
+/* gcc does so for short texts at -O2 too, as at -O3 */
+#if defined __GNUC__ && !defined __clang__ && defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
+#define RNEA_VECTORS __attribute__((optimize("tree-vectorize", "vect-cost-model=dynamic")))
+#else
+#define RNEA_VECTORS
+#endif
 
 static int ur5_are_small(const double *q, size_t count, size_t first, size_t end)
 {
@@ -975,7 +981,7 @@ static void ur5_rnea_any(const double *q, const double *qd, const double *qdd, d
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void ur5_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+RNEA_VECTORS static void ur5_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
@@ -1017,7 +1023,7 @@ static void ur5_fpass_any(const double *q, const double *qd, const double *qdd, 
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void ur5_fpass_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+RNEA_VECTORS static void ur5_fpass_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict v, double *restrict a, double *restrict f, size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
@@ -1053,8 +1059,8 @@ static void ur5_bpass_any(const double *q, const double *f, double *tau, const s
 }
 
 /* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-static void ur5_bpass_part(const double *restrict q, const double *restrict f, double *restrict tau, size_t count,
-	size_t first, size_t end)
+RNEA_VECTORS static void ur5_bpass_part(const double *restrict q, const double *restrict f, double *restrict tau,
+	size_t count, size_t first, size_t end)
 {
 	for (size_t next; first < end; first = next) {
 		next = end - first < 256 ? end : first + 256;

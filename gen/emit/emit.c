@@ -251,7 +251,7 @@ static const char *is_small_text(const struct emission *e)
 	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}, {"F", e->memory->suffix},
 		{"NQ", emit_int(e, e->tree->nq)}, {"LIMIT", small_limit(e)}};
 
-	int host_only = e->target->kernel && emit_is_optimistic(e);
+	int host_only = e->target->kernel && e->pass_count == 1 && emit_is_optimistic(e);
 	struct text t;
 
 	text_init(&t, e->arena);

@@ -45,6 +45,14 @@ static const char *are_small(const struct emission *e, const struct pass *p)
 	return text_string(&t);
 }
 
+/* Where gcc computes several samples at a time without its -O3, which takes it ten times as long: atlas 47 s instead of 5. */
+enum { SHORT_FLOPS = 1500 };
+
+static const char *vectors_text(const struct pass *p)
+{
+	return plan_flops(plan_operations(&p->plan)) <= SHORT_FLOPS ? "RNEA_VECTORS " : "";
+}
+
 /* One function for a sample, one for a part of a batch. */
 static void put_functions(const struct emission *e, const struct pass *p, struct text *out)
 {
@@ -55,7 +63,7 @@ static void put_functions(const struct emission *e, const struct pass *p, struct
 		{"ARE_SMALL", are_small(e, p)}, {"ONE", emit_has_known(e) || p->segments.count ? "any" : "body"}, {"CALL_ONE", emit_call(e, p, &one)},
 		{"CALL_ANY", emit_call(e, p, &any)}, {"UNKNOWN", emit_unknown_names(e)},
 		{"COUNT_PARAM", is_soa(e) ? "size_t count, " : ""}, {"COUNT", is_soa(e) ? "count, " : ""},
-		{"UNUSED", is_soa(e) ? "" : "\t(void)count;"}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
+		{"VECTORS", vectors_text(p)}, {"UNUSED", is_soa(e) ? "" : "\t(void)count;"}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
 		{"AT_SAMPLE", joined(e, emit_params(e, p, PARAMS_AT_SAMPLE), emit_stride(e))},
 		{"ARRAYS", emit_params(e, p, PARAMS_ARRAYS)},

@@ -97,10 +97,11 @@ static int is_staged(const struct emission *e)
 
 /* A sample is taken for one of small angles and computed again if it was not: no test comes before the arithmetic, and no
    input is read twice (H100, 1 M samples: iiwa14 0.96 of the floor instead of 0.94, hyq 0.92 instead of 0.87;
-   but atlas 0.86 instead of 0.88). */
+   but atlas 0.86 instead of 0.88). Not where registers are full: ptxas gives gradients of iiwa14 244 with the test first, else
+   255 and spills. */
 int emit_is_optimistic(const struct emission *e)
 {
-	return e->arithmetic->bytes == 4 && !is_staged(e) && e->tree->body_count < MANY_BODIES;
+	return e->arithmetic->bytes == 4 && !is_staged(e) && !is_full(e) && e->tree->body_count < MANY_BODIES;
 }
 
 int emit_block_size(const struct emission *e)
@@ -273,7 +274,7 @@ static const char *kernel_call(const struct emission *e, const struct pass *p, i
 	int is_soa = e->options->layout == RNEAGEN_SOA;
 	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = here_text(e), .q = "q_here", .stride = is_soa ? "stride" : "1"};
 	const struct call there = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
-		.stride = emit_stride(e), .is_optimistic = emit_is_optimistic(e)};
+		.stride = emit_stride(e), .is_optimistic = p == emit_main(e) && emit_is_optimistic(e)};
 
 	return emit_call(e, p, staged ? &here : &there);
 }
