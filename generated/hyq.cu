@@ -2486,13 +2486,21 @@ extern "C" int hyq_rnea_launch(const float *q, const float *qd, const float *qdd
 #else
 /* ---- compiled as C: the functions of target c ---- */
 /* samples do not depend on each other: the compiler may compute several at once */
-#if defined __clang__
+#if defined __CUDACC__
+#define RNEA_INDEPENDENT
+#elif defined __clang__
 #define RNEA_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
 #pragma clang diagnostic ignored "-Wpass-failed" /* a loop that stores many constant rows in a row may stay as it is */
 #elif defined __GNUC__
 #define RNEA_INDEPENDENT _Pragma("GCC ivdep")
 #else
 #define RNEA_INDEPENDENT
+#endif
+/* a loop that stays a function of its own: compilers take long over one that is too much at once */
+#if defined __GNUC__
+#define RNEA_ALONE __attribute__((noinline))
+#else
+#define RNEA_ALONE
 #endif
 /* gcc does so for short texts at -O2 too, as at -O3 */
 #if defined __GNUC__ && !defined __clang__ && defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
