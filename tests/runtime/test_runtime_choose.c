@@ -113,6 +113,19 @@ START_TEST(bounds_threads)
 }
 END_TEST
 
+/* Catches the text's own tables of sines taken for spilled registers: only what is beyond them is tried without the bound. */
+START_TEST(knows_tables_of_sines)
+{
+	static const char bound[] = "3\n#endif\n#define RNEA_SINES_BYTES 48\n#if 0";
+	const struct rnea_options o = {0};
+	struct rnea_robot *robot = open_bounded(&o, bound, _i ? "56 48" : "48 0", "0 0 0");
+
+	ck_assert_uint_eq(rnea_build(robot)->min_blocks, _i ? 0 : 3);
+	ck_assert_int_eq(compilations(), _i ? 2 : 1);
+	rnea_close(robot);
+}
+END_TEST
+
 /* A block size that does not compile is passed over, unless none does. */
 START_TEST(passes_over_what_does_not_compile)
 {
@@ -144,6 +157,7 @@ Suite *suite_choose(void)
 	tcase_add_loop_test(t, chooses, 0, (int)(sizeof table / sizeof *table));
 	tcase_add_loop_test(t, opens_the_best, 0, (int)(sizeof openings / sizeof *openings));
 	tcase_add_loop_test(t, bounds_threads, 0, (int)(sizeof threads / sizeof *threads));
+	tcase_add_loop_test(t, knows_tables_of_sines, 0, 2);
 	tcase_add_test(t, passes_over_what_does_not_compile);
 	suite_add_tcase(s, t);
 	return s;
