@@ -3608,7 +3608,7 @@ static RNEA_INLINE int rneagen_sincosf_known(float x, const int known, const flo
 	const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
 	rneagen_sincosf_turn(q, r, e, s, c);
 #if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750 /* no branch */
-	asm volatile("{ .reg .pred p; setp.ne.s32 p, %2, 0; @p ld.local.f32 %0, [%3]; @p ld.local.f32 %1, [%3+4]; }"
+	asm("{ .reg .pred p; setp.ne.s32 p, %2, 0; @p ld.local.f32 %0, [%3]; @p ld.local.f32 %1, [%3+4]; }"
 		: "+f"(*s), "+f"(*c) : "r"(known), "l"(__cvta_generic_to_local(sines)));
 #else
 	if (known) {
@@ -3853,10 +3853,13 @@ atlas_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, con
 	if (k >= count)
 		return;
 	float sines[54];
-	const int known = !atlas_is_small(q + k, count);
+	int known = !atlas_is_small(q + k, count);
 
 	if (known)
 		atlas_rnea_sines(q + k, count, sines);
+#if defined __CUDA_ARCH__
+	asm volatile("" : "+r"(known)); /* what asks for it comes after the sines */
+#endif
 	atlas_rnea_body(q + k, qd + k, qdd + k, tau + k, count, known, sines);
 }
 
@@ -3869,10 +3872,13 @@ atlas_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, co
 	if (k >= count)
 		return;
 	float sines[54];
-	const int known = !atlas_is_small(q + k, count);
+	int known = !atlas_is_small(q + k, count);
 
 	if (known)
 		atlas_fpass_sines(q + k, count, sines);
+#if defined __CUDA_ARCH__
+	asm volatile("" : "+r"(known)); /* what asks for it comes after the sines */
+#endif
 	atlas_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, known, sines);
 }
 
@@ -3884,10 +3890,13 @@ atlas_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, flo
 	if (k >= count)
 		return;
 	float sines[54];
-	const int known = !atlas_is_small(q + k, count);
+	int known = !atlas_is_small(q + k, count);
 
 	if (known)
 		atlas_bpass_sines(q + k, count, sines);
+#if defined __CUDA_ARCH__
+	asm volatile("" : "+r"(known)); /* what asks for it comes after the sines */
+#endif
 	atlas_bpass_body(q + k, f + k, tau + k, count, known, sines);
 }
 

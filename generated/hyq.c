@@ -47,6 +47,8 @@
  *   t                with a number of its own: a value that has no name in the textbook
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
+ *   across step      values that one segment leaves for another; from one of them to the next
+ *   first_... l      an array at the first of some samples in a row; which of them this is
  *   known sines all_small  the angles' sines and cosines are known; they; all angles are small
  *   RNEA_FMA         a*b + c, rounded once where the machine can
  *   rneagen_...      functions and types that this text brings along
@@ -2620,7 +2622,7 @@ static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const dou
 	const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
 	rneagen_sincos_turn(q, r, e, s, c);
 #if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750 /* no branch */
-	asm volatile("{ .reg .pred p; setp.ne.s32 p, %2, 0; @p ld.local.f64 %0, [%3]; @p ld.local.f64 %1, [%3+8]; }"
+	asm("{ .reg .pred p; setp.ne.s32 p, %2, 0; @p ld.local.f64 %0, [%3]; @p ld.local.f64 %1, [%3+8]; }"
 		: "+d"(*s), "+d"(*c) : "r"(known), "l"(__cvta_generic_to_local(sines)));
 #else
 	if (known) {

@@ -2240,7 +2240,7 @@ static RNEA_INLINE int rneagen_sincosf_known(float x, const int known, const flo
 	const unsigned int q = rneagen_sincosf_reduce(x, &r, &e);
 	rneagen_sincosf_turn(q, r, e, s, c);
 #if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750 /* no branch */
-	asm volatile("{ .reg .pred p; setp.ne.s32 p, %2, 0; @p ld.local.f32 %0, [%3]; @p ld.local.f32 %1, [%3+4]; }"
+	asm("{ .reg .pred p; setp.ne.s32 p, %2, 0; @p ld.local.f32 %0, [%3]; @p ld.local.f32 %1, [%3+4]; }"
 		: "+f"(*s), "+f"(*c) : "r"(known), "l"(__cvta_generic_to_local(sines)));
 #else
 	if (known) {
@@ -2422,16 +2422,12 @@ hyq_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const
 
 	if (k >= count)
 		return;
-	float sines[24];
-	int known = 0;
+	if (!hyq_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, 0)) {
+		float sines[24];
 
-	for (;;) {
-		asm volatile("" : "+r"(known), "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for
-		later */
-		if (hyq_rnea_body(q + k, qd + k, qdd + k, tau + k, count, known, sines) | known)
-			break;
 		hyq_rnea_sines(q + k, count, sines);
-		known = 1;
+		asm volatile("" : "+l"(k)); /* another k, for all the compiler knows: it keeps nothing for later */
+		hyq_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 1, sines);
 	}
 }
 
@@ -2444,10 +2440,13 @@ hyq_fpass_kernel(const float *__restrict__ q, const float *__restrict__ qd, cons
 	if (k >= count)
 		return;
 	float sines[24];
-	const int known = !hyq_is_small(q + k, count);
+	int known = !hyq_is_small(q + k, count);
 
 	if (known)
 		hyq_fpass_sines(q + k, count, sines);
+#if defined __CUDA_ARCH__
+	asm volatile("" : "+r"(known)); /* what asks for it comes after the sines */
+#endif
 	hyq_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, known, sines);
 }
 
@@ -2459,10 +2458,13 @@ hyq_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, float
 	if (k >= count)
 		return;
 	float sines[24];
-	const int known = !hyq_is_small(q + k, count);
+	int known = !hyq_is_small(q + k, count);
 
 	if (known)
 		hyq_bpass_sines(q + k, count, sines);
+#if defined __CUDA_ARCH__
+	asm volatile("" : "+r"(known)); /* what asks for it comes after the sines */
+#endif
 	hyq_bpass_body(q + k, f + k, tau + k, count, known, sines);
 }
 

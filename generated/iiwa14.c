@@ -962,7 +962,7 @@ static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const dou
 	const unsigned long long q = rneagen_sincos_reduce(x, &r, &e);
 	rneagen_sincos_turn(q, r, e, s, c);
 #if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750 /* no branch */
-	asm volatile("{ .reg .pred p; setp.ne.s32 p, %2, 0; @p ld.local.f64 %0, [%3]; @p ld.local.f64 %1, [%3+8]; }"
+	asm("{ .reg .pred p; setp.ne.s32 p, %2, 0; @p ld.local.f64 %0, [%3]; @p ld.local.f64 %1, [%3+8]; }"
 		: "+d"(*s), "+d"(*c) : "r"(known), "l"(__cvta_generic_to_local(sines)));
 #else
 	if (known) {

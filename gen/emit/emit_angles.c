@@ -233,7 +233,7 @@ static const char *call_expanded(const struct emission *e, const struct pass *p,
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"INDENT", c->indent}, {"Q", c->q},
 		{"STRIDE", c->stride}, {"ARGUMENTS", c->arguments}, {"SINES", declarations_text(e, p, c->indent)},
-		{"ASKED", asked}, {"TABLES", tables_text(e, p, "")}, {"KNOWN", tables_text(e, p, "known, ")}};
+		{"ASKED", asked}, {"UNKNOWN", emit_unknown_names(e)}, {"TABLES", tables_text(e, p, "")}, {"KNOWN", tables_text(e, p, "known, ")}};
 	struct text t;
 
 	text_init(&t, e->arena);

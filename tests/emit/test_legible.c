@@ -167,6 +167,16 @@ static int is_row_of_joint(const char *s)
 	return !*s;
 }
 
+/* An argument of the function; a segment has it at the first of its samples. */
+static int is_argument(const char *name, const char *parameters)
+{
+	char plain[2 * WORD + 2], first[2 * WORD + 8];
+
+	snprintf(plain, sizeof plain, "*%s,", name);
+	snprintf(first, sizeof first, "*first_%s,", name);
+	return strstr(parameters, plain) || strstr(parameters, first);
+}
+
 /* w3x_2: a quantity of the legend, digits, a component, and a number where it comes again. */
 static int is_explained(const struct legend *l, const char *name, const char *parameters)
 {
@@ -174,8 +184,7 @@ static int is_explained(const struct legend *l, const char *name, const char *pa
 	const char *rest, *again = strrchr(name, '_');
 	size_t n = strcspn(name, "0123456789");
 
-	snprintf(stem, sizeof stem, "*%s,", name); /* an array: an argument of the function */
-	if (strstr(parameters, stem) || has_word(l, name) || is_keyword(name) || has_beginning(l, name))
+	if (is_argument(name, parameters) || has_word(l, name) || is_keyword(name) || has_beginning(l, name))
 		return 1;
 	snprintf(base, sizeof base, "%.*s", (int)n, name);
 	rest = name + n + strspn(name + n, "0123456789");
@@ -188,9 +197,10 @@ static int is_explained(const struct legend *l, const char *name, const char *pa
 	if (has_word(l, base) && n && name[n] && (is_row_of_joint(stem)))
 		return 1;
 	for (const char *s = parameters; (s = strchr(s, '*')); s++) { /* payload_hand_m: a row of the array payload_hand */
-		size_t length = strcspn(s + 1, ",)");
+		const char *array = s + 1 + (strncmp(s + 1, "first_", 6) ? 0 : 6);
+		size_t length = strcspn(array, ",)");
 
-		if (has_word(l, "ARRAY_...") && !strncmp(name, s + 1, length) && name[length] == '_')
+		if (has_word(l, "ARRAY_...") && !strncmp(name, array, length) && name[length] == '_')
 			return 1;
 	}
 	return 0;
@@ -221,8 +231,15 @@ static void check_names(const struct legend *l, const char *body, const char *en
 	}
 }
 
-/* Of a body, a part's included, and of the bounded function, which stands beside one. What chooses among parts is no statement
-   of the algorithm. */
+/* What chooses among parts, or runs segments, is no statement of the algorithm. */
+static int has_statements(const char *body, const char *end)
+{
+	const char *choice = strstr(body, "gridDim"), *segments = strstr(body, "_one0(");
+
+	return !(choice && choice < end) && !(segments && segments < end);
+}
+
+/* Of a body, a part's or a segment's included, and of the bounded function, which stands beside one. */
 static int check_functions(const struct legend *l, const char *text, const char *function, const char *what)
 {
 	int seen = 0;
@@ -237,7 +254,9 @@ static int check_functions(const struct legend *l, const char *text, const char 
 			body = strstr(body, "const ");
 			body = strstr(body, "\n\tconst ");
 			end = strstr(body, "\n\trnea(");
-		} else if (strstr(body, "gridDim") && strstr(body, "gridDim") < end) {
+		} else if (!strcmp(function, "_segment")) {
+			body = strstr(body, "l++) {") + strlen("l++) {");
+		} else if (!has_statements(body, end)) {
 			continue;
 		}
 		snprintf(parameters, sizeof parameters, "%.*s,", (int)(strchr(s, ')') - s), s);
@@ -266,7 +285,7 @@ static void check_text(const char *path, const char *name, void *context)
 		check_lines(r.header, name);
 	ck_assert_msg(!strstr(r.source, "[0*stride]") && !strstr(r.source, "[1*stride]"), "%s", name);
 	read_legend(&l, r.source);
-	ck_assert_msg(check_functions(&l, r.source, "_body(", name) > 0, "%s", name);
+	ck_assert_msg(check_functions(&l, r.source, "_body(", name) + check_functions(&l, r.source, "_segment", name) > 0, "%s", name);
 	ck_assert_int_eq(check_functions(&l, r.source, "_bounded(", name), VARIANTS[tour->variant].bounded);
 	rneagen_result_free(&r);
 }

@@ -90,6 +90,7 @@ static struct rneagen_options draw_options(struct dice *d)
 	o.trig = (enum rneagen_trig)dice_below(d, o.strict ? 2 : 3);
 	o.bounded = o.target == RNEAGEN_TARGET_C && o.precision != RNEAGEN_F32X2 && dice_below(d, 4) == 3;
 	o.parts = dice_below(d, 32) == 31 ? 2 : RNEAGEN_PARTS_AUTO;
+	o.segments = dice_below(d, 8) == 7 ? 30 : RNEAGEN_SEGMENTS_AUTO;
 	memcpy(o.gravity, gravities[gravity > 2 ? gravity == 15 ? 3 : 0 : gravity], sizeof o.gravity);
 	return o;
 }
