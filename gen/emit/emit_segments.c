@@ -4,9 +4,9 @@
 #include "base/template.h"
 #include "emit/unparse.h"
 
-/* Values across cuts take at most so many bytes for the samples of a loop, within a core's first cache; no loop is shorter than the
-   one, none longer than the other. */
-enum { ACROSS_BYTES = 16384, FEWEST_LANES = 16, MOST_LANES = 64 };
+/* Samples of a loop: as many as leave their values across cuts in a core's first cache; no fewer than vectors are wide, unless a thread's
+   stack would grow too large. */
+enum { CACHE_BYTES = 16384, STACK_BYTES = 131072, MOST_LANES = 64, WIDE_LANES = 16, FEWEST_LANES = 4 };
 
 static int across_bytes(const struct emission *e, const struct segments *s)
 {
@@ -17,7 +17,7 @@ static int lanes_of(const struct emission *e, const struct segments *s)
 {
 	int lanes = MOST_LANES;
 
-	while (lanes > FEWEST_LANES && lanes * across_bytes(e, s) > ACROSS_BYTES)
+	while (lanes > FEWEST_LANES && lanes * across_bytes(e, s) > (lanes > WIDE_LANES ? CACHE_BYTES : STACK_BYTES))
 		lanes /= 2;
 	return lanes;
 }

@@ -42,7 +42,8 @@ static int is_vectorised(const char *said, const char *file, const char *text, i
 	return strstr(said, place) != NULL;
 }
 
-static void check_vectors(enum rneagen_target target, const struct rneagen_options *o, const char *compiler)
+/* loops: so many from the first on; except: but for this one. */
+static void check_loops(enum rneagen_target target, const struct rneagen_options *o, const char *compiler, int loops, int except)
 {
 	struct target_path source = target_path("vectors", target == RNEAGEN_TARGET_C ? ".c" : ".cu"),
 			   object = target_path("vectors", ".o");
@@ -57,13 +58,18 @@ static void check_vectors(enum rneagen_target target, const struct rneagen_optio
 	target_write(source, t.text.source);
 	p = process_run(argv);
 	ck_assert_msg(p.status == 0, "%s: %s: %.2000s", t.what, compiler, p.output);
-	for (int n = 0; n < PASS_COUNT; n++)
-		ck_assert_msg((n == PASS_FPASS && is_clang) || is_vectorised(p.output, source.s, t.text.source, n), "%s: %s: loop %d stays scalar: %.2000s",
+	for (int n = 0; n < loops; n++)
+		ck_assert_msg(n == except || is_vectorised(p.output, source.s, t.text.source, n), "%s: %s: loop %d stays scalar: %.2000s",
 			t.what, compiler, n, p.output);
 	process_free(&p);
 	target_close(&t);
 	unlink(source.s);
 	unlink(object.s);
+}
+
+static void check_vectors(enum rneagen_target target, const struct rneagen_options *o, const char *compiler)
+{
+	check_loops(target, o, compiler, PASS_COUNT, strcmp(compiler, "clang") ? -1 : PASS_FPASS);
 }
 
 /* Rows of neighbouring samples lie together: every loop, of slices and batches alike. Only clang 14 leaves fpass's
@@ -88,6 +94,21 @@ START_TEST(vectors)
 			if (exhaustive() || (precision + trig + _i) % 2 == 0)
 				check_vectors(RNEAGEN_TARGET_CUDA, &o, COMPILERS[_i]);
 		}
+}
+END_TEST
+
+/* Matrices too, in segments: clang leaves the whole of them scalar. */
+START_TEST(segments)
+{
+	struct rneagen_options o = rneagen_options_default();
+
+	if (!process_exists(COMPILERS[_i])) {
+		printf("skipped: no %s\n", COMPILERS[_i]);
+		return;
+	}
+	o.scene = "want tau,dtau_dq,dtau_dqd\n";
+	o.segments = 500;
+	check_loops(RNEAGEN_TARGET_C, &o, COMPILERS[_i], 4, -1);
 }
 END_TEST
 
@@ -117,6 +138,7 @@ int main(void)
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	suite_add(suite, "vectors", vectors, 2, 1200);
+	suite_add(suite, "segments", segments, 2, 1200);
 	suite_add(suite, "plain", plain_cpp_is_refused, 1, 1200);
 	return suite_run(suite);
 }
