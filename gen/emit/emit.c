@@ -245,13 +245,22 @@ static int tests_angles(const struct emission *e)
 	return emit_has_batches(e) || !e->target->has_batches;
 }
 
+/* Does a kernel test the angles before it computes? Not one that finds out afterwards. */
+static int kernels_ask(const struct emission *e)
+{
+	for (int i = 0; i < e->pass_count; i++)
+		if (emit_has_angles(e, &e->passes[i]) && (i || !(emit_is_optimistic(e) || e->passes[i].segments.count)))
+			return 1;
+	return 0;
+}
+
 /* The test of a sample's angles, in accurate mode. */
 static const char *is_small_text(const struct emission *e)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}, {"F", e->memory->suffix},
 		{"NQ", emit_int(e, e->tree->nq)}, {"LIMIT", small_limit(e)}};
 
-	int host_only = e->target->kernel && e->pass_count == 1 && emit_is_optimistic(e);
+	int host_only = e->target->kernel && !kernels_ask(e);
 	struct text t;
 
 	text_init(&t, e->arena);

@@ -99,7 +99,7 @@ static const char *first_params(const struct emission *e, const struct pass *p)
 /* What a segment reads and writes. */
 struct touched {
 	unsigned char arguments[DAG_ARGUMENTS];
-	int stride, across[2];
+	int stride, across[2], step;
 };
 
 static struct touched touched_by(const struct plan *p)
@@ -107,7 +107,10 @@ static struct touched touched_by(const struct plan *p)
 	struct touched t = {.stride = 0};
 
 	for (const struct line *l = p->lines; l < p->lines + p->line_count; l++)
-		t.across[p->dag->nodes[l->value.i].is_wide] |= l->kind == LINE_FETCH || l->kind == LINE_KEEP;
+		if (l->kind == LINE_FETCH || l->kind == LINE_KEEP) {
+			t.across[p->dag->nodes[l->value.i].is_wide] = 1;
+			t.step |= l->index > 0;
+		}
 	t.stride = emit_mark_arguments(p, t.arguments);
 	return t;
 }
@@ -121,7 +124,7 @@ static void put_unused(const struct emission *e, const struct pass *p, const str
 	text_put(out, t->stride ? "" : "\t(void)stride;\n");
 	text_put(out, t->across[0] ? "" : "\t(void)first_across;\n");
 	text_put(out, p->segments.slots[1] && !t->across[1] ? "\t(void)first_wide_across;\n" : "");
-	text_put(out, t->across[0] || t->across[1] ? "" : "\t(void)step;\n");
+	text_put(out, t->step ? "" : "\t(void)step;\n");
 	if (emit_has_known(e))
 		emit_unused_sines(e, lines, out);
 }
@@ -145,19 +148,8 @@ static void put_lane(const struct emission *e, const struct pass *p, const struc
 		text_printf(out, "\t%s *const wide_across = first_wide_across + l;\n", e->wide->value);
 }
 
-static const char *body_of(const struct emission *e, const struct pass *p, int k, const struct touched *touched, struct writer *w)
-{
-	struct text t, indented;
-
-	text_init(&t, e->arena);
-	text_init(&indented, e->arena);
-	put_lane(e, p, touched, &t);
-	unparse_lines(w, &p->segments.plans[k], &t);
-	text_put_indented(&indented, text_string(&t));
-	return text_string(&indented);
-}
-
-static void put_segment(const struct emission *e, const struct pass *p, int k, struct writer *w, struct text *out)
+/* Statements are made in `spare` before they are indented. */
+static void put_segment(const struct emission *e, const struct pass *p, int k, struct writer *w, struct text *spare, struct text *out)
 {
 	const struct segments *s = &p->segments;
 	struct touched touched = touched_by(&s->plans[k]);
@@ -170,21 +162,29 @@ static void put_segment(const struct emission *e, const struct pass *p, int k, s
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)}, {"COUNT", emit_int(e, s->count)},
 		{"FIRST_PARAMS", first_params(e, p)}, {"ACROSS_PARAMS", across(e, s, FIRST)},
 		{"KNOWN_PARAM", emit_known_params(e)}, {"RESULT", emit_has_known(e) ? "int" : "void"},
-		{"BEGIN", text_string(&begin)}, {"BODY", body_of(e, p, k, &touched, w)}, {"END", emit_has_known(e) ? "\treturn all_small;\n" : ""},
+		{"BEGIN", text_string(&begin)}, {"END", emit_has_known(e) ? "\treturn all_small;\n" : ""},
 	};
-	size_t from = out->length;
+	size_t from = out->length, count = sizeof slots / sizeof *slots;
+	const char *rest = template_expand_to(out, template_segment_in, "BODY", slots, count);
 
-	template_expand(out, template_segment_in, slots, sizeof slots / sizeof *slots);
+	text_clear(spare);
+	put_lane(e, p, &touched, spare);
+	unparse_lines(w, &s->plans[k], spare);
+	text_put_indented(out, text_string(spare));
+	out->failed |= spare->failed;
 	fold(out, from);
+	template_expand(out, rest, slots, count);
 }
 
 void emit_segments(const struct emission *e, const struct pass *p, struct text *out)
 {
+	struct text spare;
 	struct writer w;
 
+	text_init(&spare, e->arena);
 	unparse_begin(&w, e, p, e->numbers);
 	for (int k = 0; k < p->segments.count; k++)
-		put_segment(e, p, k, &w, out);
+		put_segment(e, p, k, &w, &spare, out);
 }
 
 /* ---- batches ---- */

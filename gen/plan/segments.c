@@ -273,6 +273,13 @@ int segments_make(struct segments *s, const struct plan *p, const struct segment
 		return 0;
 	choose_slots(&c, s->slots);
 	make_plans(&c, s);
+	readings_free(&c.readings, a);
+	arena_release(a, c.seen);
+	arena_release(a, c.slot);
+	arena_release(a, c.from);
+	arena_release(a, c.cost);
+	arena_release(a, c.places);
+	arena_release(a, c.alive);
 	return !a->failed;
 }
 
