@@ -7,8 +7,8 @@
  *   rnea: 618 mul, 310 add, 140 sub, 129 neg, 800 fma, 27 sincos = 2668 flops
  *   fpass: 710 mul, 236 add, 198 sub, 180 neg, 798 fma, 27 sincos = 2740 flops
  *   bpass: 121 mul, 149 add, 12 sub, 36 neg, 161 fma, 27 sincos = 604 flops
- *   rnea is in 5 segments, each for several samples before the next; 63 values go across cuts
- *   fpass is in 5 segments, each for several samples before the next; 51 values go across cuts
+ *   rnea is in 6 segments, each for several samples before the next; 101 values go across cuts
+ *   fpass is in 7 segments, each for several samples before the next; 46 values go across cuts
  *
  * Joints:
  *   q[0] qd[0] revolute "back_bkz", rad
@@ -117,7 +117,7 @@ below */
 #define RNEA_VECTORS
 #endif
 
-/* Segment 0 of 5, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 0 of 6, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_rnea_segment0(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
 	const int known, const double *sines)
@@ -283,19 +283,13 @@ static RNEA_INLINE int atlas_rnea_segment0(const double *first_q, const double *
 		const double t50 = RNEA_FMA(2.0682310711021444e-13, t49, t48);
 		const double t51 = RNEA_FMA(2.0682310711021444e-13, t48, -t49);
 		const double w4x = RNEA_FMA(t35, -c4, s4*t36);
-		across[39*step] = w4x;
 		const double w4y = RNEA_FMA(s4, t35, c4*t36);
-		across[40*step] = w4y;
 		const double qd4 = qd[3*stride];
 		const double w4z = w3z + qd4;
-		across[41*step] = w4z;
 		const double dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(t37, -c4, s4*t38));
-		across[42*step] = dw4x;
 		const double dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(s4, t37, c4*t38));
-		across[43*step] = dw4y;
 		const double qdd4 = qdd[3*stride];
 		const double dw4z = dw3z + qdd4;
-		across[44*step] = dw4z;
 		const double a4x = RNEA_FMA(t50, -c4, s4*t51);
 		const double a4y = RNEA_FMA(s4, t50, c4*t51);
 		const double t52 = w4y*w4z;
@@ -309,39 +303,87 @@ static RNEA_INLINE int atlas_rnea_segment0(const double *first_q, const double *
 		const double t60 = t54 + t57;
 		const double t61 = t59 - dw4z;
 		const double f4x = RNEA_FMA(-0.37514400000000003, t58, 4.466*a4x);
-		across[45*step] = f4x;
+		across[39*step] = f4x;
 		const double f4y = RNEA_FMA(-0.37514400000000003, t55, 4.466*a4y);
-		across[46*step] = f4y;
+		across[40*step] = f4y;
 		const double f4z = RNEA_FMA(4.466, a4z, 0.37514400000000003*t60);
-		across[47*step] = f4z;
+		across[41*step] = f4z;
 		const double n4z = RNEA_FMA(0.004, t58, RNEA_FMA(-0.002, t59, 0.004*dw4z));
-		across[48*step] = n4z;
+		across[42*step] = n4z;
 		const double n4x = RNEA_FMA(0.37514400000000003, a4y, RNEA_FMA(0.004, t54 - t53,
 			RNEA_FMA(-0.03651209600000001,
 			t52, 0.042512096000000006*dw4x)));
-		across[49*step] = n4x;
+		across[43*step] = n4x;
 		const double n4y = RNEA_FMA(-0.37514400000000003, a4x, RNEA_FMA(-0.004, t61,
 			RNEA_FMA(0.040512096000000004,
 			dw4y, 0.038512096*t56)));
-		across[50*step] = n4y;
+		across[44*step] = n4y;
 
 		/* ---- out to link 5 "l_scap" (fpass) ---- */
 		const double q5 = q[4*stride];
 		double t62, c5;
 		all_small &= rneagen_sincos_known(q5, known, sines + 6, &t62, &c5);
-		across[51*step] = t62;
-		across[52*step] = c5;
+		across[45*step] = t62;
+		across[46*step] = c5;
 		const double a5x = a4x - RNEA_FMA(0.245, t58, 0.11*t61);
-		across[53*step] = a5x;
+		across[47*step] = a5x;
 		const double t63 = a4y + RNEA_FMA(-0.245, t55, 0.11*(t53 + t57));
-		across[54*step] = t63;
 		const double t64 = a4z + RNEA_FMA(-0.11, dw4x + t52, 0.245*t60);
-		across[55*step] = t64;
+		const double w5y = RNEA_FMA(t62, -w4z, w4y*c5);
+		const double w5z = RNEA_FMA(w4y, t62, w4z*c5);
+		const double qd5 = qd[4*stride];
+		const double w5x = w4x - qd5;
+		const double qdd5 = qdd[4*stride];
+		const double dw5x = dw4x - qdd5;
+		across[48*step] = dw5x;
+		const double dw5y = RNEA_FMA(w5z, -qd5, RNEA_FMA(t62, -dw4z, dw4y*c5));
+		const double dw5z = RNEA_FMA(qd5, w5y, RNEA_FMA(dw4y, t62, dw4z*c5));
+		const double a5y = RNEA_FMA(t64, -t62, c5*t63);
+		across[49*step] = a5y;
+		const double a5z = RNEA_FMA(t62, t63, c5*t64);
+		across[50*step] = a5z;
+		const double t65 = w5y*w5z;
+		const double t66 = w5z*w5x;
+		const double t67 = w5x*w5x;
+		const double t68 = w5y*w5x;
+		const double n5y = RNEA_FMA(-0.00264, t66, 0.00583*dw5y);
+		across[51*step] = n5y;
+		const double n5z = RNEA_FMA(0.00583, dw5z, 0.00264*t68);
+		across[52*step] = n5z;
+
+		/* ---- out to link 6 "l_uarm" (fpass) ---- */
+		const double q6 = q[5*stride];
+		double t69, c6;
+		all_small &= rneagen_sincos_known(q6, known, sines + 8, &t69, &c6);
+		across[53*step] = t69;
+		across[54*step] = c6;
+		const double t70 = a5x - RNEA_FMA(0.016, dw5y + t66, 0.187*(t68 - dw5z));
+		const double a6y = a5y + RNEA_FMA(-0.016, t65 - dw5x, 0.187*RNEA_FMA(w5z, w5z, t67));
+		across[55*step] = a6y;
+		const double t71 = a5z + RNEA_FMA(-0.187, dw5x + t65, 0.016*RNEA_FMA(w5y, w5y, t67));
+		const double w6z = RNEA_FMA(t69, -w5x, w5z*c6);
+		across[56*step] = w6z;
+		const double w6x = RNEA_FMA(w5z, t69, w5x*c6);
+		across[57*step] = w6x;
+		const double qd6 = qd[5*stride];
+		const double w6y = w5y - qd6;
+		across[58*step] = w6y;
+		const double dw6x = RNEA_FMA(qd6, w6z, RNEA_FMA(dw5z, t69, dw5x*c6));
+		across[59*step] = dw6x;
+		const double qdd6 = qdd[5*stride];
+		const double dw6y = dw5y - qdd6;
+		across[60*step] = dw6y;
+		const double dw6z = RNEA_FMA(w6x, -qd6, RNEA_FMA(t69, -dw5x, dw5z*c6));
+		across[61*step] = dw6z;
+		const double a6z = RNEA_FMA(t70, -t69, c6*t71);
+		across[62*step] = a6z;
+		const double a6x = RNEA_FMA(t69, t71, c6*t70);
+		across[63*step] = a6x;
 	}
 	return all_small;
 }
 
-/* Segment 1 of 5, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 1 of 6, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_rnea_segment1(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
 	const int known, const double *sines)
@@ -355,59 +397,22 @@ static RNEA_INLINE int atlas_rnea_segment1(const double *first_q, const double *
 		const double *const qdd = first_qdd + l;
 		double *const tau = first_tau + l;
 		double *const across = first_across + l;
-		const double t62 = across[51*step];
-		const double w4z = across[41*step];
-		const double w4y = across[40*step];
-		const double c5 = across[52*step];
-		const double w5y = RNEA_FMA(t62, -w4z, w4y*c5);
-		const double w5z = RNEA_FMA(w4y, t62, w4z*c5);
-		const double w4x = across[39*step];
-		const double qd5 = qd[4*stride];
-		const double w5x = w4x - qd5;
-		const double dw4x = across[42*step];
-		const double qdd5 = qdd[4*stride];
-		const double dw5x = dw4x - qdd5;
-		const double dw4z = across[44*step];
-		const double dw4y = across[43*step];
-		const double dw5y = RNEA_FMA(w5z, -qd5, RNEA_FMA(t62, -dw4z, dw4y*c5));
-		const double dw5z = RNEA_FMA(qd5, w5y, RNEA_FMA(dw4y, t62, dw4z*c5));
-		const double t64 = across[55*step];
-		const double t63 = across[54*step];
-		const double a5y = RNEA_FMA(t64, -t62, c5*t63);
-		const double a5z = RNEA_FMA(t62, t63, c5*t64);
-		const double t65 = w5y*w5z;
-		const double t66 = w5z*w5x;
-		const double t67 = w5x*w5x;
-		const double t68 = w5y*w5x;
-		const double n5y = RNEA_FMA(-0.00264, t66, 0.00583*dw5y);
-		const double n5z = RNEA_FMA(0.00583, dw5z, 0.00264*t68);
-
-		/* ---- out to link 6 "l_uarm" (fpass) ---- */
-		const double q6 = q[5*stride];
-		double t69, c6;
-		all_small &= rneagen_sincos_known(q6, known, sines + 8, &t69, &c6);
-		const double a5x = across[53*step];
-		const double t70 = a5x - RNEA_FMA(0.016, dw5y + t66, 0.187*(t68 - dw5z));
-		const double a6y = a5y + RNEA_FMA(-0.016, t65 - dw5x, 0.187*RNEA_FMA(w5z, w5z, t67));
-		const double t71 = a5z + RNEA_FMA(-0.187, dw5x + t65, 0.016*RNEA_FMA(w5y, w5y, t67));
-		const double w6z = RNEA_FMA(t69, -w5x, w5z*c6);
-		const double w6x = RNEA_FMA(w5z, t69, w5x*c6);
-		const double qd6 = qd[5*stride];
-		const double w6y = w5y - qd6;
-		const double dw6x = RNEA_FMA(qd6, w6z, RNEA_FMA(dw5z, t69, dw5x*c6));
-		const double qdd6 = qdd[5*stride];
-		const double dw6y = dw5y - qdd6;
-		const double dw6z = RNEA_FMA(w6x, -qd6, RNEA_FMA(t69, -dw5x, dw5z*c6));
-		const double a6z = RNEA_FMA(t70, -t69, c6*t71);
-		const double a6x = RNEA_FMA(t69, t71, c6*t70);
+		const double w6z = across[56*step];
+		const double w6y = across[58*step];
 		const double t72 = w6z*w6y;
+		const double dw6x = across[59*step];
 		const double t73 = dw6x + t72;
+		const double w6x = across[57*step];
 		const double t74 = w6x*w6x;
 		const double t75 = RNEA_FMA(w6z, w6z, t74);
 		const double t76 = w6x*w6y;
+		const double dw6z = across[61*step];
 		const double t77 = t76 - dw6z;
+		const double a6x = across[63*step];
 		const double f6x = RNEA_FMA(4.386, a6x, 0.28509*t77);
+		const double a6y = across[55*step];
 		const double f6y = RNEA_FMA(-0.28509, t75, 4.386*a6y);
+		const double a6z = across[62*step];
 		const double f6z = RNEA_FMA(4.386, a6z, 0.28509*t73);
 		const double n6x = RNEA_FMA(0.28509, a6z, RNEA_FMA(0.02509085, dw6x, 0.02151085*t72));
 		const double n6z = RNEA_FMA(-0.28509, a6x, RNEA_FMA(-0.02151085, t76, 0.02509085*dw6z));
@@ -416,6 +421,7 @@ static RNEA_INLINE int atlas_rnea_segment1(const double *first_q, const double *
 		const double q7 = q[6*stride];
 		double t78, c7;
 		all_small &= rneagen_sincos_known(q7, known, sines + 10, &t78, &c7);
+		const double dw6y = across[60*step];
 		const double a7x = a6x + RNEA_FMA(-0.119, t77, 0.0092*RNEA_FMA(w6z, w6x, dw6y));
 		const double t79 = a6y + RNEA_FMA(0.0092, t72 - dw6x, 0.119*t75);
 		const double t80 = a6z - RNEA_FMA(0.0092, RNEA_FMA(w6y, w6y, t74), 0.119*t73);
@@ -614,39 +620,79 @@ static RNEA_INLINE int atlas_rnea_segment1(const double *first_q, const double *
 		const double t157 = RNEA_FMA(c7, f7y, t78*f7z);
 		const double t158 = RNEA_FMA(-t78, f7y, c7*f7z);
 		const double f6x_2 = f6x + f7x;
+		across[64*step] = f6x_2;
 		const double f6y_2 = f6y + t157;
+		across[65*step] = f6y_2;
 		const double f6z_2 = f6z + t158;
+		across[66*step] = f6z_2;
 		const double n6x_2 = n6x + (n7x - RNEA_FMA(0.119, t158, 0.0092*t157));
+		across[67*step] = n6x_2;
 		const double n6y = RNEA_FMA(0.00358, dw6y, RNEA_FMA(0.0092, f7x, RNEA_FMA(c7, n7y_2, t78*n7z_2)));
+		across[68*step] = n6y;
 		const double n6z_2 = n6z + RNEA_FMA(0.119, f7x, RNEA_FMA(-t78, n7y_2, c7*n7z_2));
+		across[69*step] = n6z_2;
 		tau[6*stride] = -n7x;
+	}
+	return all_small;
+}
+
+/* Segment 2 of 6, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int atlas_rnea_segment2(const double *first_q, const double *first_qd, const double *first_qdd,
+	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
+	const int known, const double *sines)
+{
+	int all_small = 1;
+
+	RNEA_INDEPENDENT
+	for (size_t l = 0; l < lanes; l++) {
+		const double *const q = first_q + l;
+		const double *const qd = first_qd + l;
+		const double *const qdd = first_qdd + l;
+		double *const tau = first_tau + l;
+		double *const across = first_across + l;
 
 		/* ---- back from link 6 "l_uarm" to link 5 (bpass): torque of "l_arm_ely" ---- */
+		const double c6 = across[54*step];
+		const double f6z_2 = across[66*step];
+		const double t69 = across[53*step];
+		const double f6x_2 = across[64*step];
 		const double t159 = RNEA_FMA(c6, f6z_2, t69*f6x_2);
 		const double t160 = RNEA_FMA(-t69, f6z_2, c6*f6x_2);
+		const double n6z_2 = across[69*step];
+		const double n6x_2 = across[67*step];
 		const double t161 = RNEA_FMA(-t69, n6z_2, c6*n6x_2);
+		const double a5x = across[47*step];
 		const double f5x = RNEA_FMA(3.899, a5x, t160);
+		const double a5y = across[49*step];
+		const double f6y_2 = across[65*step];
 		const double f5y = RNEA_FMA(3.899, a5y, f6y_2);
+		const double a5z = across[50*step];
 		const double f5z = RNEA_FMA(3.899, a5z, t159);
+		const double dw5x = across[48*step];
 		const double n5x = RNEA_FMA(0.00319, dw5x, t161 + RNEA_FMA(-0.187, t159, 0.016*f6y_2));
+		const double n5y = across[51*step];
+		const double n6y = across[68*step];
 		const double n5y_2 = n5y + RNEA_FMA(-0.016, t160, n6y);
+		const double n5z = across[52*step];
 		const double n5z_2 = n5z + RNEA_FMA(0.187, t160, RNEA_FMA(c6, n6z_2, t69*n6x_2));
 		tau[5*stride] = -n6y;
 
 		/* ---- back from link 5 "l_scap" to link 4 (bpass): torque of "l_arm_shx" ---- */
+		const double c5 = across[46*step];
+		const double t62 = across[45*step];
 		const double t162 = RNEA_FMA(c5, f5y, t62*f5z);
 		const double t163 = RNEA_FMA(-t62, f5y, c5*f5z);
-		const double f4x = across[45*step];
+		const double f4x = across[39*step];
 		const double f4x_2 = f4x + f5x;
-		const double f4y = across[46*step];
+		const double f4y = across[40*step];
 		const double f4y_2 = f4y + t162;
-		const double f4z = across[47*step];
+		const double f4z = across[41*step];
 		const double f4z_2 = f4z + t163;
-		const double n4x = across[49*step];
+		const double n4x = across[43*step];
 		const double n4x_2 = n4x + (n5x + RNEA_FMA(-0.11, t163, 0.245*t162));
-		const double n4y = across[50*step];
+		const double n4y = across[44*step];
 		const double n4y_2 = n4y + RNEA_FMA(-0.245, f5x, RNEA_FMA(c5, n5y_2, t62*n5z_2));
-		const double n4z = across[48*step];
+		const double n4z = across[42*step];
 		const double n4z_2 = n4z + RNEA_FMA(0.11, f5x, RNEA_FMA(-t62, n5y_2, c5*n5z_2));
 		tau[4*stride] = -n5x;
 
@@ -742,7 +788,6 @@ static RNEA_INLINE int atlas_rnea_segment1(const double *first_q, const double *
 		const double n11y = RNEA_FMA(0.054420420656, a11x, 0.109829676908*a11z)
 			+ RNEA_FMA(0.0024130603412908323, t174
 			- t179, t187);
-		across[56*step] = n11y;
 		const double n11z = RNEA_FMA(2.8062844640453003e-06, t179 - t175, t188) - RNEA_FMA(0.109829676908, a11y,
 			7.09504993e-05*a11x);
 
@@ -750,69 +795,43 @@ static RNEA_INLINE int atlas_rnea_segment1(const double *first_q, const double *
 		const double t189 = RNEA_FMA(-s11, f11x, c11*f11z);
 		const double t190 = RNEA_FMA(s11, f11z, c11*f11x);
 		const double f3x_3 = f3x_2 + t190;
-		across[57*step] = f3x_3;
+		across[55*step] = f3x_3;
 		const double f3y_3 = f3y_2 + f11y;
-		across[58*step] = f3y_3;
+		across[56*step] = f3y_3;
 		const double f3z_3 = f3z_2 + t189;
-		across[59*step] = f3z_3;
+		across[57*step] = f3z_3;
 		const double n3x_3 = n3x_2 + RNEA_FMA(-0.6215, f11y, RNEA_FMA(s11, n11z, c11*n11x));
-		across[60*step] = n3x_3;
+		across[58*step] = n3x_3;
 		const double n3y_3 = n3y_2 + (n11y + RNEA_FMA(-0.2546, t189, 0.6215*t190));
-		across[61*step] = n3y_3;
+		across[59*step] = n3y_3;
 		const double n3z_3 = n3z_2 + RNEA_FMA(0.2546, f11y, RNEA_FMA(-s11, n11x, c11*n11z));
-		across[62*step] = n3z_3;
-	}
-	return all_small;
-}
-
-/* Segment 2 of 5, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
-static RNEA_INLINE int atlas_rnea_segment2(const double *first_q, const double *first_qd, const double *first_qdd,
-	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
-	const int known, const double *sines)
-{
-	int all_small = 1;
-
-	RNEA_INDEPENDENT
-	for (size_t l = 0; l < lanes; l++) {
-		const double *const q = first_q + l;
-		const double *const qd = first_qd + l;
-		const double *const qdd = first_qdd + l;
-		double *const tau = first_tau + l;
-		double *const across = first_across + l;
-		const double n11y = across[56*step];
+		across[60*step] = n3z_3;
 		tau[10*stride] = n11y;
 
 		/* ---- out to link 12 "r_clav" (fpass) ---- */
 		const double q12 = q[11*stride];
 		double s12, c12;
 		all_small &= rneagen_sincos_known(q12, known, sines + 20, &s12, &c12);
-		const double a3x = across[7*step];
+		across[61*step] = s12;
+		across[62*step] = c12;
 		const double t41 = across[32*step];
 		const double t39 = across[30*step];
 		const double t40 = across[31*step];
 		const double t191 = a3x + (t41 - (t39 + t40));
-		const double a3y = across[14*step];
 		const double t44 = across[35*step];
 		const double t42 = across[33*step];
 		const double t43 = across[34*step];
 		const double t192 = a3y + (t44 + (t42 + t43));
-		const double a3z = across[15*step];
 		const double t45 = across[36*step];
 		const double t46 = across[37*step];
 		const double t47 = across[38*step];
 		const double a12z = a3z + (t45 - t46 - t47);
-		const double w3x = across[10*step];
-		const double w3y = across[8*step];
 		const double w12x = RNEA_FMA(w3x, c12, w3y*s12);
 		const double w12y = RNEA_FMA(s12, -w3x, w3y*c12);
-		const double w3z = across[9*step];
 		const double qd12 = qd[11*stride];
 		const double w12z = w3z + qd12;
-		const double dw3x = across[11*step];
-		const double dw3y = across[12*step];
 		const double dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw3x, c12, dw3y*s12));
 		const double dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(s12, -dw3x, dw3y*c12));
-		const double dw3z = across[13*step];
 		const double qdd12 = qdd[11*stride];
 		const double dw12z = dw3z + qdd12;
 		const double a12x = RNEA_FMA(c12, t191, s12*t192);
@@ -828,20 +847,29 @@ static RNEA_INLINE int atlas_rnea_segment2(const double *first_q, const double *
 		const double t201 = t195 + t198;
 		const double t202 = t200 - dw12z;
 		const double f12x = RNEA_FMA(-0.37514400000000003, t199, 4.466*a12x);
+		across[63*step] = f12x;
 		const double f12y = RNEA_FMA(-0.37514400000000003, t196, 4.466*a12y);
+		across[70*step] = f12y;
 		const double f12z = RNEA_FMA(4.466, a12z, 0.37514400000000003*t201);
+		across[71*step] = f12z;
 		const double n12z = RNEA_FMA(0.004, t199, RNEA_FMA(-0.002, t200, 0.004*dw12z));
+		across[72*step] = n12z;
 		const double n12x = RNEA_FMA(0.37514400000000003, a12y, RNEA_FMA(0.004, t195 - t194,
 			RNEA_FMA(-0.03651209600000001, t193, 0.042512096000000006*dw12x)));
+		across[73*step] = n12x;
 		const double n12y = RNEA_FMA(-0.37514400000000003, a12x, RNEA_FMA(-0.004, t202,
 			RNEA_FMA(0.040512096000000004,
 			dw12y, 0.038512096*t197)));
+		across[74*step] = n12y;
 
 		/* ---- out to link 13 "r_scap" (fpass) ---- */
 		const double q13 = q[12*stride];
 		double s13, c13;
 		all_small &= rneagen_sincos_known(q13, known, sines + 22, &s13, &c13);
+		across[75*step] = s13;
+		across[76*step] = c13;
 		const double a13x = a12x - RNEA_FMA(0.245, t199, 0.11*t202);
+		across[77*step] = a13x;
 		const double t203 = a12y + RNEA_FMA(-0.245, t196, 0.11*(t194 + t198));
 		const double t204 = a12z + RNEA_FMA(-0.11, dw12x + t193, 0.245*t201);
 		const double w13y = RNEA_FMA(w12y, c13, w12z*s13);
@@ -850,32 +878,45 @@ static RNEA_INLINE int atlas_rnea_segment2(const double *first_q, const double *
 		const double w13x = w12x + qd13;
 		const double qdd13 = qdd[12*stride];
 		const double dw13x = dw12x + qdd13;
+		across[78*step] = dw13x;
 		const double dw13y = RNEA_FMA(qd13, w13z, RNEA_FMA(dw12y, c13, dw12z*s13));
 		const double dw13z = RNEA_FMA(w13y, -qd13, RNEA_FMA(s13, -dw12y, dw12z*c13));
 		const double a13y = RNEA_FMA(c13, t203, s13*t204);
+		across[79*step] = a13y;
 		const double a13z = RNEA_FMA(t203, -s13, c13*t204);
+		across[80*step] = a13z;
 		const double t205 = w13y*w13z;
 		const double t206 = w13z*w13x;
 		const double t207 = w13x*w13x;
 		const double t208 = w13y*w13x;
 		const double n13y = RNEA_FMA(-0.00264, t206, 0.00583*dw13y);
+		across[81*step] = n13y;
 		const double n13z = RNEA_FMA(0.00583, dw13z, 0.00264*t208);
+		across[82*step] = n13z;
 
 		/* ---- out to link 14 "r_uarm" (fpass) ---- */
 		const double q14 = q[13*stride];
 		double s14, c14;
 		all_small &= rneagen_sincos_known(q14, known, sines + 24, &s14, &c14);
+		across[83*step] = s14;
+		across[84*step] = c14;
 		const double t209 = a13x - RNEA_FMA(0.016, dw13y + t206, 0.187*(t208 - dw13z));
 		const double a14y = a13y + RNEA_FMA(-0.016, t205 - dw13x, 0.187*RNEA_FMA(w13z, w13z, t207));
 		const double t210 = a13z + RNEA_FMA(-0.187, dw13x + t205, 0.016*RNEA_FMA(w13y, w13y, t207));
 		const double w14z = RNEA_FMA(w13z, c14, w13x*s14);
+		across[85*step] = w14z;
 		const double w14x = RNEA_FMA(s14, -w13z, w13x*c14);
+		across[86*step] = w14x;
 		const double qd14 = qd[13*stride];
 		const double w14y = w13y + qd14;
+		across[87*step] = w14y;
 		const double dw14x = RNEA_FMA(w14z, -qd14, RNEA_FMA(s14, -dw13z, dw13x*c14));
+		across[88*step] = dw14x;
 		const double qdd14 = qdd[13*stride];
 		const double dw14y = dw13y + qdd14;
+		across[89*step] = dw14y;
 		const double dw14z = RNEA_FMA(qd14, w14x, RNEA_FMA(dw13z, c14, dw13x*s14));
+		across[90*step] = dw14z;
 		const double a14z = RNEA_FMA(c14, t210, s14*t209);
 		const double a14x = RNEA_FMA(t210, -s14, c14*t209);
 		const double t211 = w14z*w14y;
@@ -885,26 +926,64 @@ static RNEA_INLINE int atlas_rnea_segment2(const double *first_q, const double *
 		const double t215 = w14x*w14y;
 		const double t216 = t215 - dw14z;
 		const double f14x = RNEA_FMA(4.386, a14x, 0.28509*t216);
+		across[91*step] = f14x;
 		const double f14y = RNEA_FMA(-0.28509, t214, 4.386*a14y);
+		across[92*step] = f14y;
 		const double f14z = RNEA_FMA(4.386, a14z, 0.28509*t212);
+		across[93*step] = f14z;
 		const double n14x = RNEA_FMA(0.28509, a14z, RNEA_FMA(0.02509085, dw14x, 0.02151085*t211));
+		across[94*step] = n14x;
 		const double n14z = RNEA_FMA(-0.28509, a14x, RNEA_FMA(-0.02151085, t215, 0.02509085*dw14z));
+		across[95*step] = n14z;
 
 		/* ---- out to link 15 "r_larm" (fpass) ---- */
 		const double q15 = q[14*stride];
 		double s15, c15;
 		all_small &= rneagen_sincos_known(q15, known, sines + 26, &s15, &c15);
+		across[96*step] = s15;
+		across[97*step] = c15;
 		const double a15x = a14x + RNEA_FMA(-0.119, t216, 0.0092*RNEA_FMA(w14z, w14x, dw14y));
+		across[98*step] = a15x;
 		const double t217 = a14y + RNEA_FMA(0.0092, t211 - dw14x, 0.119*t214);
+		across[99*step] = t217;
 		const double t218 = a14z - RNEA_FMA(0.0092, RNEA_FMA(w14y, w14y, t213), 0.119*t212);
+		across[100*step] = t218;
+	}
+	return all_small;
+}
+
+/* Segment 3 of 6, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int atlas_rnea_segment3(const double *first_q, const double *first_qd, const double *first_qdd,
+	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
+	const int known, const double *sines)
+{
+	int all_small = 1;
+
+	RNEA_INDEPENDENT
+	for (size_t l = 0; l < lanes; l++) {
+		const double *const q = first_q + l;
+		const double *const qd = first_qd + l;
+		const double *const qdd = first_qdd + l;
+		double *const tau = first_tau + l;
+		double *const across = first_across + l;
+		const double w14y = across[87*step];
+		const double c15 = across[97*step];
+		const double w14z = across[85*step];
+		const double s15 = across[96*step];
 		const double w15y = RNEA_FMA(w14y, c15, w14z*s15);
 		const double w15z = RNEA_FMA(s15, -w14y, w14z*c15);
+		const double w14x = across[86*step];
 		const double qd15 = qd[14*stride];
 		const double w15x = w14x + qd15;
+		const double dw14x = across[88*step];
 		const double qdd15 = qdd[14*stride];
 		const double dw15x = dw14x + qdd15;
+		const double dw14y = across[89*step];
+		const double dw14z = across[90*step];
 		const double dw15y = RNEA_FMA(qd15, w15z, RNEA_FMA(dw14y, c15, dw14z*s15));
 		const double dw15z = RNEA_FMA(w15y, -qd15, RNEA_FMA(s15, -dw14y, dw14z*c15));
+		const double t217 = across[99*step];
+		const double t218 = across[100*step];
 		const double a15y = RNEA_FMA(c15, t217, s15*t218);
 		const double a15z = RNEA_FMA(t217, -s15, c15*t218);
 		const double t219 = w15y*w15z;
@@ -918,6 +997,7 @@ static RNEA_INLINE int atlas_rnea_segment2(const double *first_q, const double *
 		const double q16 = q[15*stride];
 		double s16, c16;
 		all_small &= rneagen_sincos_known(q16, known, sines + 28, &s16, &c16);
+		const double a15x = across[98*step];
 		const double t223 = a15x - RNEA_FMA(0.00921, dw15y + t220, 0.29955*(t222 - dw15z));
 		const double a16y = a15y + RNEA_FMA(-0.00921, t219 - dw15x, 0.29955*RNEA_FMA(w15z, w15z, t221));
 		const double t224 = a15z + RNEA_FMA(-0.29955, dw15x + t219, 0.00921*RNEA_FMA(w15y, w15y, t221));
@@ -1070,54 +1150,77 @@ static RNEA_INLINE int atlas_rnea_segment2(const double *first_q, const double *
 		/* ---- back from link 15 "r_larm" to link 14 (bpass): torque of "r_arm_elx" ---- */
 		const double t268 = RNEA_FMA(-s15, f15z, c15*f15y);
 		const double t269 = RNEA_FMA(s15, f15y, c15*f15z);
+		const double f14x = across[91*step];
 		const double f14x_2 = f14x + f15x;
+		const double f14y = across[92*step];
 		const double f14y_2 = f14y + t268;
+		const double f14z = across[93*step];
 		const double f14z_2 = f14z + t269;
+		const double n14x = across[94*step];
 		const double n14x_2 = n14x + (n15x - RNEA_FMA(0.119, t269, 0.0092*t268));
 		const double n14y = RNEA_FMA(0.00358, dw14y, RNEA_FMA(0.0092, f15x, RNEA_FMA(-s15, n15z_2,
 			c15*n15y_2)));
+		const double n14z = across[95*step];
 		const double n14z_2 = n14z + RNEA_FMA(0.119, f15x, RNEA_FMA(s15, n15y_2, c15*n15z_2));
 		tau[14*stride] = n15x;
 
 		/* ---- back from link 14 "r_uarm" to link 13 (bpass): torque of "r_arm_ely" ---- */
+		const double s14 = across[83*step];
+		const double c14 = across[84*step];
 		const double t270 = RNEA_FMA(-s14, f14x_2, c14*f14z_2);
 		const double t271 = RNEA_FMA(s14, f14z_2, c14*f14x_2);
+		const double a13x = across[77*step];
 		const double f13x = RNEA_FMA(3.899, a13x, t271);
+		const double a13y = across[79*step];
 		const double f13y = RNEA_FMA(3.899, a13y, f14y_2);
+		const double a13z = across[80*step];
 		const double f13z = RNEA_FMA(3.899, a13z, t270);
 		const double t272 = RNEA_FMA(s14, n14z_2, c14*n14x_2) + RNEA_FMA(-0.187, t270, 0.016*f14y_2);
+		const double dw13x = across[78*step];
 		const double n13x = RNEA_FMA(0.00319, dw13x, t272);
+		const double n13y = across[81*step];
 		const double n13y_2 = n13y + RNEA_FMA(-0.016, t271, n14y);
+		const double n13z = across[82*step];
 		const double n13z_2 = n13z + RNEA_FMA(0.187, t271, RNEA_FMA(-s14, n14x_2, c14*n14z_2));
 		tau[13*stride] = n14y;
 
 		/* ---- back from link 13 "r_scap" to link 12 (bpass): torque of "r_arm_shx" ---- */
+		const double s13 = across[75*step];
+		const double c13 = across[76*step];
 		const double t273 = RNEA_FMA(-s13, f13z, c13*f13y);
 		const double t274 = RNEA_FMA(s13, f13y, c13*f13z);
+		const double f12x = across[63*step];
 		const double f12x_2 = f12x + f13x;
+		const double f12y = across[70*step];
 		const double f12y_2 = f12y + t273;
+		const double f12z = across[71*step];
 		const double f12z_2 = f12z + t274;
+		const double n12x = across[73*step];
 		const double n12x_2 = n12x + (n13x + RNEA_FMA(-0.11, t274, 0.245*t273));
+		const double n12y = across[74*step];
 		const double n12y_2 = n12y + RNEA_FMA(-0.245, f13x, RNEA_FMA(-s13, n13z_2, c13*n13y_2));
+		const double n12z = across[72*step];
 		const double n12z_2 = n12z + RNEA_FMA(0.11, f13x, RNEA_FMA(s13, n13y_2, c13*n13z_2));
 		tau[12*stride] = n13x;
 
 		/* ---- back from link 12 "r_clav" to link 3 (bpass): torque of "r_arm_shz" ---- */
+		const double s12 = across[61*step];
+		const double c12 = across[62*step];
 		const double t275 = RNEA_FMA(-s12, f12y_2, c12*f12x_2);
 		const double t276 = RNEA_FMA(s12, f12x_2, c12*f12y_2);
 		const double t277 = RNEA_FMA(-s12, n12y_2, c12*n12x_2);
-		const double f3x_3 = across[57*step];
+		const double f3x_3 = across[55*step];
 		const double f3x_4 = f3x_3 + t275;
-		const double f3y_3 = across[58*step];
+		const double f3y_3 = across[56*step];
 		const double f3y_4 = f3y_3 + t276;
-		const double f3z_3 = across[59*step];
+		const double f3z_3 = across[57*step];
 		const double f3z_4 = f3z_3 + f12z_2;
 		const double t278 = RNEA_FMA(s12, n12x_2, c12*n12y_2) + RNEA_FMA(-0.1406, f12z_2, 0.4776*t275);
-		const double n3x_3 = across[60*step];
+		const double n3x_3 = across[58*step];
 		const double n3x_4 = n3x_3 + (t277 - RNEA_FMA(0.2256, f12z_2, 0.4776*t276));
-		const double n3y_3 = across[61*step];
+		const double n3y_3 = across[59*step];
 		const double n3y_4 = n3y_3 + t278;
-		const double n3z_3 = across[62*step];
+		const double n3z_3 = across[60*step];
 		const double n3z_4 = n3z_3 + (n12z_2 + RNEA_FMA(0.1406, t276, 0.2256*t275));
 		tau[11*stride] = n12z_2;
 
@@ -1145,8 +1248,8 @@ static RNEA_INLINE int atlas_rnea_segment2(const double *first_q, const double *
 	return all_small;
 }
 
-/* Segment 3 of 5, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
-static RNEA_INLINE int atlas_rnea_segment3(const double *first_q, const double *first_qd, const double *first_qdd,
+/* Segment 4 of 6, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int atlas_rnea_segment4(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
 	const int known, const double *sines)
 {
@@ -1372,8 +1475,8 @@ static RNEA_INLINE int atlas_rnea_segment3(const double *first_q, const double *
 	return all_small;
 }
 
-/* Segment 4 of 5, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
-static RNEA_INLINE int atlas_rnea_segment4(const double *first_q, const double *first_qd, const double *first_qdd,
+/* Segment 5 of 6, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int atlas_rnea_segment5(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
 	const int known, const double *sines)
 {
@@ -1598,7 +1701,7 @@ static RNEA_INLINE int atlas_rnea_segment4(const double *first_q, const double *
 	return all_small;
 }
 
-/* Segment 0 of 5, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 0 of 7, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_fpass_segment0(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
 	const size_t step, const size_t lanes, const int known, const double *sines)
@@ -1649,11 +1752,37 @@ static RNEA_INLINE int atlas_fpass_segment0(const double *first_q, const double 
 		const double q2 = q[stride];
 		double s2, c2;
 		all_small &= rneagen_sincos_known(q2, known, sines, &s2, &c2);
+		across[0] = s2;
+		across[step] = c2;
+	}
+	return all_small;
+}
+
+/* Segment 1 of 7, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int atlas_fpass_segment1(const double *first_q, const double *first_qd, const double *first_qdd,
+	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
+	const size_t step, const size_t lanes, const int known, const double *sines)
+{
+	int all_small = 1;
+
+	RNEA_INDEPENDENT
+	for (size_t l = 0; l < lanes; l++) {
+		const double *const q = first_q + l;
+		const double *const qd = first_qd + l;
+		const double *const qdd = first_qdd + l;
+		double *const v = first_v + l;
+		double *const a = first_a + l;
+		double *const f = first_f + l;
+		double *const across = first_across + l;
+		const double qd1 = qd[0];
+		const double c2 = across[step];
 		const double w2z = qd1*c2;
+		const double s2 = across[0];
 		const double t2 = qd1*s2;
 		const double qd2 = qd[stride];
 		const double t3 = qd2*w2z;
 		const double t4 = qd2*t2;
+		const double qdd1 = qdd[0];
 		const double t5 = RNEA_FMA(qdd1, s2, t3);
 		const double dw2z = RNEA_FMA(qdd1, c2, -t4);
 		const double a2z = 9.81*c2;
@@ -1714,55 +1843,55 @@ static RNEA_INLINE int atlas_fpass_segment0(const double *first_q, const double 
 		double s3, c3;
 		all_small &= rneagen_sincos_known(q3, known, sines + 2, &s3, &c3);
 		const double v3x = 0.05*qd2;
-		across[0] = v3x;
+		across[2*step] = v3x;
 		const double t20 = 0.05*t2;
 		const double t21 = 0.05*t8;
 		const double a3x = RNEA_FMA(0.05, t13, a2x);
-		across[step] = a3x;
+		across[3*step] = a3x;
 		const double t22 = RNEA_FMA(-0.05, t14, a2z);
 		const double w3y = RNEA_FMA(qd2, c3, w2z*s3);
-		across[2*step] = w3y;
+		across[4*step] = w3y;
 		const double w3z = RNEA_FMA(s3, -qd2, w2z*c3);
-		across[3*step] = w3z;
+		across[5*step] = w3z;
 		const double qd3 = qd[2*stride];
 		const double w3x = qd3 - t2;
-		across[4*step] = w3x;
+		across[6*step] = w3x;
 		const double qdd3 = qdd[2*stride];
 		const double dw3x = qdd3 - t5;
-		across[5*step] = dw3x;
+		across[7*step] = dw3x;
 		const double dw3y = RNEA_FMA(qd3, w3z, RNEA_FMA(qdd2, c3, dw2z*s3));
-		across[6*step] = dw3y;
+		across[8*step] = dw3y;
 		const double dw3z = RNEA_FMA(w3y, -qd3, RNEA_FMA(s3, -qdd2, dw2z*c3));
-		across[7*step] = dw3z;
+		across[9*step] = dw3z;
 		const double v3y = c3*t20;
-		across[8*step] = v3y;
+		across[10*step] = v3y;
 		const double t23 = s3*t20;
-		across[9*step] = t23;
+		across[11*step] = t23;
 		const double a3y = RNEA_FMA(c3, t21, s3*t22);
-		across[10*step] = a3y;
+		across[12*step] = a3y;
 		const double a3z = RNEA_FMA(t21, -s3, c3*t22);
-		across[11*step] = a3z;
+		across[13*step] = a3z;
 		const double t24 = w3y*w3z;
 		const double t25 = w3z*w3z;
 		const double t26 = w3y*w3y;
 		const double t27 = t25 + t26;
-		across[12*step] = t27;
+		across[14*step] = t27;
 		const double t28 = t24 - dw3x;
-		across[13*step] = t28;
+		across[15*step] = t28;
 		const double t29 = dw3x + t24;
 		const double t30 = w3z*w3x;
 		const double t31 = w3x*w3x;
 		const double t32 = t25 + t31;
 		const double t33 = t30 - dw3y;
-		across[14*step] = t33;
+		across[16*step] = t33;
 		const double t34 = dw3y + t30;
-		across[15*step] = t34;
+		across[17*step] = t34;
 		const double t35 = w3y*w3x;
 		const double t36 = t26 + t31;
-		across[16*step] = t36;
+		across[18*step] = t36;
 		const double t37 = t35 - dw3z;
 		const double t38 = dw3z + t35;
-		across[17*step] = t38;
+		across[19*step] = t38;
 		const double f3x = RNEA_FMA(84.60900000000001, a3x, RNEA_FMA(26.8049213, t34, RNEA_FMA(0.1941407, t37,
 			5.2192398*t27)));
 		const double f3y = RNEA_FMA(84.60900000000001, a3y, RNEA_FMA(26.8049213, t28, -RNEA_FMA(0.1941407, t32,
@@ -1809,37 +1938,37 @@ static RNEA_INLINE int atlas_fpass_segment0(const double *first_q, const double 
 		const double t44 = RNEA_FMA(2.0682310711021444e-13, dw3y, dw3x);
 		const double t45 = RNEA_FMA(2.0682310711021444e-13, dw3x, -dw3y);
 		const double t46 = 0.2256*w3z;
-		across[18*step] = t46;
+		across[20*step] = t46;
 		const double t47 = 0.4776*w3y;
-		across[19*step] = t47;
+		across[21*step] = t47;
 		const double t48 = 0.1406*w3y;
-		across[20*step] = t48;
+		across[22*step] = t48;
 		const double t49 = 0.2256*w3x;
-		across[21*step] = t49;
+		across[23*step] = t49;
 		const double t50 = v3x + (t47 - t46);
 		const double t51 = v3y + RNEA_FMA(-0.4776, w3x, 0.1406*w3z);
-		across[22*step] = t51;
+		across[24*step] = t51;
 		const double v4z = t49 - t48 - t23;
 		const double t52 = RNEA_FMA(2.0682310711021444e-13, t51, t50);
 		const double t53 = RNEA_FMA(2.0682310711021444e-13, t50, -t51);
 		const double t54 = 0.1406*t27;
-		across[23*step] = t54;
+		across[25*step] = t54;
 		const double t55 = 0.2256*t37;
-		across[24*step] = t55;
+		across[26*step] = t55;
 		const double t56 = 0.4776*t34;
-		across[25*step] = t56;
+		across[27*step] = t56;
 		const double t57 = 0.1406*t38;
-		across[26*step] = t57;
+		across[28*step] = t57;
 		const double t58 = 0.2256*t32;
-		across[27*step] = t58;
+		across[29*step] = t58;
 		const double t59 = 0.4776*t28;
-		across[28*step] = t59;
+		across[30*step] = t59;
 		const double t60 = 0.1406*t33;
-		across[29*step] = t60;
+		across[31*step] = t60;
 		const double t61 = 0.2256*t29;
-		across[30*step] = t61;
+		across[32*step] = t61;
 		const double t62 = 0.4776*t36;
-		across[31*step] = t62;
+		across[33*step] = t62;
 		const double t63 = a3x + (t55 - t54 + t56);
 		const double t64 = a3y + (t57 - t58 + t59);
 		const double a4z = a3z + (t60 + t61 - t62);
@@ -1901,79 +2030,35 @@ static RNEA_INLINE int atlas_fpass_segment0(const double *first_q, const double 
 		double t77, c5;
 		all_small &= rneagen_sincos_known(q5, known, sines + 6, &t77, &c5);
 		const double v5x = v4x + RNEA_FMA(-0.245, w4y, 0.11*w4z);
-		across[32*step] = v5x;
 		const double t78 = RNEA_FMA(0.245, w4x, v4y);
 		const double t79 = RNEA_FMA(-0.11, w4x, v4z);
 		const double a5x = a4x - RNEA_FMA(0.245, t73, 0.11*t76);
-		across[33*step] = a5x;
 		const double t80 = a4y + RNEA_FMA(-0.245, t70, 0.11*(t68 + t72));
 		const double t81 = a4z + RNEA_FMA(-0.11, dw4x + t67, 0.245*t75);
 		const double w5y = RNEA_FMA(-w4z, t77, w4y*c5);
-		across[34*step] = w5y;
 		const double w5z = RNEA_FMA(w4y, t77, w4z*c5);
-		across[35*step] = w5z;
 		const double qd5 = qd[4*stride];
 		const double w5x = w4x - qd5;
-		across[36*step] = w5x;
 		const double qdd5 = qdd[4*stride];
 		const double dw5x = dw4x - qdd5;
-		across[37*step] = dw5x;
 		const double dw5y = RNEA_FMA(w5z, -qd5, RNEA_FMA(t77, -dw4z, dw4y*c5));
-		across[38*step] = dw5y;
 		const double dw5z = RNEA_FMA(qd5, w5y, RNEA_FMA(dw4y, t77, dw4z*c5));
-		across[39*step] = dw5z;
 		const double v5y = RNEA_FMA(t79, -t77, c5*t78);
-		across[40*step] = v5y;
 		const double v5z = RNEA_FMA(t77, t78, c5*t79);
-		across[41*step] = v5z;
 		const double a5y = RNEA_FMA(t81, -t77, c5*t80);
-		across[42*step] = a5y;
 		const double a5z = RNEA_FMA(t77, t80, c5*t81);
-		across[43*step] = a5z;
-	}
-	return all_small;
-}
-
-/* Segment 1 of 5, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
-static RNEA_INLINE int atlas_fpass_segment1(const double *first_q, const double *first_qd, const double *first_qdd,
-	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
-	const size_t step, const size_t lanes, const int known, const double *sines)
-{
-	int all_small = 1;
-
-	RNEA_INDEPENDENT
-	for (size_t l = 0; l < lanes; l++) {
-		const double *const q = first_q + l;
-		const double *const qd = first_qd + l;
-		const double *const qdd = first_qdd + l;
-		double *const v = first_v + l;
-		double *const a = first_a + l;
-		double *const f = first_f + l;
-		double *const across = first_across + l;
-		const double w5y = across[34*step];
-		const double w5z = across[35*step];
 		const double t82 = w5y*w5z;
-		const double w5x = across[36*step];
 		const double t83 = w5z*w5x;
 		const double t84 = w5x*w5x;
 		const double t85 = w5y*w5x;
-		const double a5x = across[33*step];
 		const double f5x = 3.899*a5x;
-		const double a5y = across[42*step];
 		const double f5y = 3.899*a5y;
-		const double a5z = across[43*step];
 		const double f5z = 3.899*a5z;
-		const double dw5x = across[37*step];
 		const double n5x = 0.00319*dw5x;
-		const double dw5y = across[38*step];
 		const double n5y = RNEA_FMA(-0.00264, t83, 0.00583*dw5y);
-		const double dw5z = across[39*step];
 		const double n5z = RNEA_FMA(0.00583, dw5z, 0.00264*t85);
-		const double v5x = across[32*step];
 		v[24*stride] = v5x;
-		const double v5y = across[40*step];
 		v[25*stride] = v5y;
-		const double v5z = across[41*step];
 		v[26*stride] = v5z;
 		v[27*stride] = w5x;
 		v[28*stride] = w5y;
@@ -1997,36 +2082,80 @@ static RNEA_INLINE int atlas_fpass_segment1(const double *first_q, const double 
 		all_small &= rneagen_sincos_known(q6, known, sines + 8, &t86, &c6);
 		const double t87 = v5x + RNEA_FMA(-0.016, w5y, 0.187*w5z);
 		const double v6y = RNEA_FMA(0.016, w5x, v5y);
+		across[34*step] = v6y;
 		const double t88 = RNEA_FMA(-0.187, w5x, v5z);
 		const double t89 = a5x - RNEA_FMA(0.016, dw5y + t83, 0.187*(t85 - dw5z));
 		const double a6y = a5y + RNEA_FMA(-0.016, t82 - dw5x, 0.187*RNEA_FMA(w5z, w5z, t84));
+		across[35*step] = a6y;
 		const double t90 = a5z + RNEA_FMA(-0.187, dw5x + t82, 0.016*RNEA_FMA(w5y, w5y, t84));
 		const double w6z = RNEA_FMA(-w5x, t86, w5z*c6);
+		across[36*step] = w6z;
 		const double w6x = RNEA_FMA(w5z, t86, w5x*c6);
+		across[37*step] = w6x;
 		const double qd6 = qd[5*stride];
 		const double w6y = w5y - qd6;
+		across[38*step] = w6y;
 		const double dw6x = RNEA_FMA(qd6, w6z, RNEA_FMA(dw5z, t86, dw5x*c6));
+		across[39*step] = dw6x;
 		const double qdd6 = qdd[5*stride];
 		const double dw6y = dw5y - qdd6;
+		across[40*step] = dw6y;
 		const double dw6z = RNEA_FMA(w6x, -qd6, RNEA_FMA(t86, -dw5x, dw5z*c6));
+		across[41*step] = dw6z;
 		const double v6z = RNEA_FMA(t87, -t86, c6*t88);
+		across[42*step] = v6z;
 		const double v6x = RNEA_FMA(t86, t88, c6*t87);
+		across[43*step] = v6x;
 		const double a6z = RNEA_FMA(t89, -t86, c6*t90);
+		across[44*step] = a6z;
 		const double a6x = RNEA_FMA(t86, t90, c6*t89);
+		across[45*step] = a6x;
+	}
+	return all_small;
+}
+
+/* Segment 2 of 7, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int atlas_fpass_segment2(const double *first_q, const double *first_qd, const double *first_qdd,
+	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
+	const size_t step, const size_t lanes, const int known, const double *sines)
+{
+	int all_small = 1;
+
+	RNEA_INDEPENDENT
+	for (size_t l = 0; l < lanes; l++) {
+		const double *const q = first_q + l;
+		const double *const qd = first_qd + l;
+		const double *const qdd = first_qdd + l;
+		double *const v = first_v + l;
+		double *const a = first_a + l;
+		double *const f = first_f + l;
+		double *const across = first_across + l;
+		const double w6z = across[36*step];
+		const double w6y = across[38*step];
 		const double t91 = w6z*w6y;
+		const double dw6x = across[39*step];
 		const double t92 = dw6x + t91;
+		const double w6x = across[37*step];
 		const double t93 = w6x*w6x;
 		const double t94 = RNEA_FMA(w6z, w6z, t93);
 		const double t95 = w6x*w6y;
+		const double dw6z = across[41*step];
 		const double t96 = t95 - dw6z;
+		const double a6x = across[45*step];
 		const double f6x = RNEA_FMA(4.386, a6x, 0.28509*t96);
+		const double a6y = across[35*step];
 		const double f6y = RNEA_FMA(-0.28509, t94, 4.386*a6y);
+		const double a6z = across[44*step];
 		const double f6z = RNEA_FMA(4.386, a6z, 0.28509*t92);
+		const double dw6y = across[40*step];
 		const double n6y = 0.00358*dw6y;
 		const double n6x = RNEA_FMA(0.28509, a6z, RNEA_FMA(0.02509085, dw6x, 0.02151085*t91));
 		const double n6z = RNEA_FMA(-0.28509, a6x, RNEA_FMA(-0.02151085, t95, 0.02509085*dw6z));
+		const double v6x = across[43*step];
 		v[30*stride] = v6x;
+		const double v6y = across[34*step];
 		v[31*stride] = v6y;
+		const double v6z = across[42*step];
 		v[32*stride] = v6z;
 		v[33*stride] = w6x;
 		v[34*stride] = w6y;
@@ -2302,40 +2431,60 @@ static RNEA_INLINE int atlas_fpass_segment1(const double *first_q, const double 
 		f[57*stride] = n10x;
 		f[58*stride] = n10y;
 		f[59*stride] = n10z;
+	}
+	return all_small;
+}
+
+/* Segment 3 of 7, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int atlas_fpass_segment3(const double *first_q, const double *first_qd, const double *first_qdd,
+	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
+	const size_t step, const size_t lanes, const int known, const double *sines)
+{
+	int all_small = 1;
+
+	RNEA_INDEPENDENT
+	for (size_t l = 0; l < lanes; l++) {
+		const double *const q = first_q + l;
+		const double *const qd = first_qd + l;
+		const double *const qdd = first_qdd + l;
+		double *const v = first_v + l;
+		double *const a = first_a + l;
+		double *const f = first_f + l;
+		double *const across = first_across + l;
 
 		/* ---- out to link 11 "head" (fpass) ---- */
 		const double q11 = q[10*stride];
 		double s11, c11;
 		all_small &= rneagen_sincos_known(q11, known, sines + 18, &s11, &c11);
-		const double w3y = across[2*step];
-		const double v3x = across[0];
+		const double w3y = across[4*step];
+		const double v3x = across[2*step];
 		const double t176 = RNEA_FMA(0.6215, w3y, v3x);
-		const double v3y = across[8*step];
-		const double w3x = across[4*step];
-		const double w3z = across[3*step];
+		const double v3y = across[10*step];
+		const double w3x = across[6*step];
+		const double w3z = across[5*step];
 		const double v11y = v3y + RNEA_FMA(-0.6215, w3x, 0.2546*w3z);
-		const double t23 = across[9*step];
+		const double t23 = across[11*step];
 		const double t177 = RNEA_FMA(0.2546, w3y, t23);
-		const double a3x = across[step];
-		const double t27 = across[12*step];
-		const double t34 = across[15*step];
+		const double a3x = across[3*step];
+		const double t27 = across[14*step];
+		const double t34 = across[17*step];
 		const double t178 = a3x + RNEA_FMA(-0.2546, t27, 0.6215*t34);
-		const double a3y = across[10*step];
-		const double t28 = across[13*step];
-		const double t38 = across[17*step];
+		const double a3y = across[12*step];
+		const double t28 = across[15*step];
+		const double t38 = across[19*step];
 		const double a11y = a3y + RNEA_FMA(0.6215, t28, 0.2546*t38);
-		const double a3z = across[11*step];
-		const double t36 = across[16*step];
-		const double t33 = across[14*step];
+		const double a3z = across[13*step];
+		const double t36 = across[18*step];
+		const double t33 = across[16*step];
 		const double t179 = a3z + RNEA_FMA(-0.6215, t36, 0.2546*t33);
 		const double w11z = RNEA_FMA(w3z, c11, w3x*s11);
 		const double w11x = RNEA_FMA(s11, -w3z, w3x*c11);
 		const double qd11 = qd[10*stride];
 		const double w11y = w3y + qd11;
-		const double dw3z = across[7*step];
-		const double dw3x = across[5*step];
+		const double dw3z = across[9*step];
+		const double dw3x = across[7*step];
 		const double dw11x = RNEA_FMA(w11z, -qd11, RNEA_FMA(s11, -dw3z, dw3x*c11));
-		const double dw3y = across[6*step];
+		const double dw3y = across[8*step];
 		const double qdd11 = qdd[10*stride];
 		const double dw11y = dw3y + qdd11;
 		const double dw11z = RNEA_FMA(qd11, w11x, RNEA_FMA(dw3z, c11, dw3x*s11));
@@ -2401,73 +2550,35 @@ static RNEA_INLINE int atlas_fpass_segment1(const double *first_q, const double 
 		const double q12 = q[11*stride];
 		double s12, c12;
 		all_small &= rneagen_sincos_known(q12, known, sines + 20, &s12, &c12);
-		across[44*step] = s12;
-		across[45*step] = c12;
-		const double t46 = across[18*step];
-		const double t47 = across[19*step];
+		const double t46 = across[20*step];
+		const double t47 = across[21*step];
 		const double t196 = v3x + (t46 + t47);
-		across[46*step] = t196;
-		const double t48 = across[20*step];
-		const double t49 = across[21*step];
+		const double t48 = across[22*step];
+		const double t49 = across[23*step];
 		const double t197 = t23 + (t48 + t49);
-		across[47*step] = t197;
-		const double t56 = across[25*step];
-		const double t54 = across[23*step];
-		const double t55 = across[24*step];
+		const double t56 = across[27*step];
+		const double t54 = across[25*step];
+		const double t55 = across[26*step];
 		const double t198 = a3x + (t56 - (t54 + t55));
-		across[48*step] = t198;
-		const double t59 = across[28*step];
-		const double t57 = across[26*step];
-		const double t58 = across[27*step];
+		const double t59 = across[30*step];
+		const double t57 = across[28*step];
+		const double t58 = across[29*step];
 		const double t199 = a3y + (t59 + (t57 + t58));
-		across[49*step] = t199;
-		const double t60 = across[29*step];
-		const double t61 = across[30*step];
-		const double t62 = across[31*step];
+		const double t60 = across[31*step];
+		const double t61 = across[32*step];
+		const double t62 = across[33*step];
 		const double a12z = a3z + (t60 - t61 - t62);
-		across[50*step] = a12z;
-	}
-	return all_small;
-}
-
-/* Segment 2 of 5, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
-static RNEA_INLINE int atlas_fpass_segment2(const double *first_q, const double *first_qd, const double *first_qdd,
-	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
-	const size_t step, const size_t lanes, const int known, const double *sines)
-{
-	int all_small = 1;
-
-	RNEA_INDEPENDENT
-	for (size_t l = 0; l < lanes; l++) {
-		const double *const q = first_q + l;
-		const double *const qd = first_qd + l;
-		const double *const qdd = first_qdd + l;
-		double *const v = first_v + l;
-		double *const a = first_a + l;
-		double *const f = first_f + l;
-		double *const across = first_across + l;
-		const double w3x = across[4*step];
-		const double c12 = across[45*step];
-		const double w3y = across[2*step];
-		const double s12 = across[44*step];
 		const double w12x = RNEA_FMA(w3x, c12, w3y*s12);
 		const double w12y = RNEA_FMA(s12, -w3x, w3y*c12);
-		const double w3z = across[3*step];
 		const double qd12 = qd[11*stride];
 		const double w12z = w3z + qd12;
-		const double dw3x = across[5*step];
-		const double dw3y = across[6*step];
 		const double dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw3x, c12, dw3y*s12));
 		const double dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(s12, -dw3x, dw3y*c12));
-		const double dw3z = across[7*step];
 		const double qdd12 = qdd[11*stride];
 		const double dw12z = dw3z + qdd12;
-		const double t196 = across[46*step];
-		const double t51 = across[22*step];
+		const double t51 = across[24*step];
 		const double v12x = RNEA_FMA(c12, t196, t51*s12);
 		const double v12y = RNEA_FMA(t196, -s12, t51*c12);
-		const double t198 = across[48*step];
-		const double t199 = across[49*step];
 		const double a12x = RNEA_FMA(c12, t198, s12*t199);
 		const double a12y = RNEA_FMA(t198, -s12, c12*t199);
 		const double t200 = w12y*w12z;
@@ -2482,7 +2593,6 @@ static RNEA_INLINE int atlas_fpass_segment2(const double *first_q, const double 
 		const double t209 = t207 - dw12z;
 		const double f12x = RNEA_FMA(-0.37514400000000003, t206, 4.466*a12x);
 		const double f12y = RNEA_FMA(-0.37514400000000003, t203, 4.466*a12y);
-		const double a12z = across[50*step];
 		const double f12z = RNEA_FMA(4.466, a12z, 0.37514400000000003*t208);
 		const double n12z = RNEA_FMA(0.004, t206, RNEA_FMA(-0.002, t207, 0.004*dw12z));
 		const double n12x = RNEA_FMA(0.37514400000000003, a12y, RNEA_FMA(0.004, t202 - t201,
@@ -2492,7 +2602,6 @@ static RNEA_INLINE int atlas_fpass_segment2(const double *first_q, const double 
 			dw12y, 0.038512096*t204)));
 		v[66*stride] = v12x;
 		v[67*stride] = v12y;
-		const double t197 = across[47*step];
 		v[68*stride] = -t197;
 		v[69*stride] = w12x;
 		v[70*stride] = w12y;
@@ -2567,36 +2676,80 @@ static RNEA_INLINE int atlas_fpass_segment2(const double *first_q, const double 
 		all_small &= rneagen_sincos_known(q14, known, sines + 24, &s14, &c14);
 		const double t219 = v13x + RNEA_FMA(-0.016, w13y, 0.187*w13z);
 		const double v14y = RNEA_FMA(0.016, w13x, v13y);
+		across[0] = v14y;
 		const double t220 = RNEA_FMA(0.187, w13x, t214);
 		const double t221 = a13x - RNEA_FMA(0.016, dw13y + t216, 0.187*(t218 - dw13z));
 		const double a14y = a13y + RNEA_FMA(-0.016, t215 - dw13x, 0.187*RNEA_FMA(w13z, w13z, t217));
+		across[step] = a14y;
 		const double t222 = a13z + RNEA_FMA(-0.187, dw13x + t215, 0.016*RNEA_FMA(w13y, w13y, t217));
 		const double w14z = RNEA_FMA(w13z, c14, w13x*s14);
+		across[34*step] = w14z;
 		const double w14x = RNEA_FMA(s14, -w13z, w13x*c14);
+		across[35*step] = w14x;
 		const double qd14 = qd[13*stride];
 		const double w14y = w13y + qd14;
+		across[36*step] = w14y;
 		const double dw14x = RNEA_FMA(w14z, -qd14, RNEA_FMA(s14, -dw13z, dw13x*c14));
+		across[37*step] = dw14x;
 		const double qdd14 = qdd[13*stride];
 		const double dw14y = dw13y + qdd14;
+		across[38*step] = dw14y;
 		const double dw14z = RNEA_FMA(qd14, w14x, RNEA_FMA(dw13z, c14, dw13x*s14));
+		across[39*step] = dw14z;
 		const double v14z = RNEA_FMA(t220, -c14, s14*t219);
+		across[40*step] = v14z;
 		const double v14x = RNEA_FMA(s14, t220, c14*t219);
+		across[41*step] = v14x;
 		const double a14z = RNEA_FMA(c14, t222, s14*t221);
+		across[42*step] = a14z;
 		const double a14x = RNEA_FMA(t222, -s14, c14*t221);
+		across[43*step] = a14x;
+	}
+	return all_small;
+}
+
+/* Segment 4 of 7, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int atlas_fpass_segment4(const double *first_q, const double *first_qd, const double *first_qdd,
+	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
+	const size_t step, const size_t lanes, const int known, const double *sines)
+{
+	int all_small = 1;
+
+	RNEA_INDEPENDENT
+	for (size_t l = 0; l < lanes; l++) {
+		const double *const q = first_q + l;
+		const double *const qd = first_qd + l;
+		const double *const qdd = first_qdd + l;
+		double *const v = first_v + l;
+		double *const a = first_a + l;
+		double *const f = first_f + l;
+		double *const across = first_across + l;
+		const double w14z = across[34*step];
+		const double w14y = across[36*step];
 		const double t223 = w14z*w14y;
+		const double dw14x = across[37*step];
 		const double t224 = dw14x + t223;
+		const double w14x = across[35*step];
 		const double t225 = w14x*w14x;
 		const double t226 = RNEA_FMA(w14z, w14z, t225);
 		const double t227 = w14x*w14y;
+		const double dw14z = across[39*step];
 		const double t228 = t227 - dw14z;
+		const double a14x = across[43*step];
 		const double f14x = RNEA_FMA(4.386, a14x, 0.28509*t228);
+		const double a14y = across[step];
 		const double f14y = RNEA_FMA(-0.28509, t226, 4.386*a14y);
+		const double a14z = across[42*step];
 		const double f14z = RNEA_FMA(4.386, a14z, 0.28509*t224);
+		const double dw14y = across[38*step];
 		const double n14y = 0.00358*dw14y;
 		const double n14x = RNEA_FMA(0.28509, a14z, RNEA_FMA(0.02509085, dw14x, 0.02151085*t223));
 		const double n14z = RNEA_FMA(-0.28509, a14x, RNEA_FMA(-0.02151085, t227, 0.02509085*dw14z));
+		const double v14x = across[41*step];
 		v[78*stride] = v14x;
+		const double v14y = across[0];
 		v[79*stride] = v14y;
+		const double v14z = across[40*step];
 		v[80*stride] = v14z;
 		v[81*stride] = w14x;
 		v[82*stride] = w14y;
@@ -2860,8 +3013,8 @@ static RNEA_INLINE int atlas_fpass_segment2(const double *first_q, const double 
 	return all_small;
 }
 
-/* Segment 3 of 5, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
-static RNEA_INLINE int atlas_fpass_segment3(const double *first_q, const double *first_qd, const double *first_qdd,
+/* Segment 5 of 7, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int atlas_fpass_segment5(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
 	const size_t step, const size_t lanes, const int known, const double *sines)
 {
@@ -3189,8 +3342,8 @@ static RNEA_INLINE int atlas_fpass_segment3(const double *first_q, const double 
 	return all_small;
 }
 
-/* Segment 4 of 5, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
-static RNEA_INLINE int atlas_fpass_segment4(const double *first_q, const double *first_qd, const double *first_qdd,
+/* Segment 6 of 7, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int atlas_fpass_segment6(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
 	const size_t step, const size_t lanes, const int known, const double *sines)
 {
@@ -4471,7 +4624,7 @@ static int atlas_are_small(const double *q, size_t count, size_t first, size_t e
 static RNEA_ALONE void atlas_rnea_lanes0(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
-	atlas_rnea_segment0(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
+	atlas_rnea_segment0(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
 }
 
 static RNEA_ALONE void atlas_rnea_one0(const double *q, const double *qd, const double *qdd, double *tau,
@@ -4483,7 +4636,7 @@ static RNEA_ALONE void atlas_rnea_one0(const double *q, const double *qd, const 
 static RNEA_ALONE void atlas_rnea_lanes1(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
-	atlas_rnea_segment1(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
+	atlas_rnea_segment1(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
 }
 
 static RNEA_ALONE void atlas_rnea_one1(const double *q, const double *qd, const double *qdd, double *tau,
@@ -4495,7 +4648,7 @@ static RNEA_ALONE void atlas_rnea_one1(const double *q, const double *qd, const 
 static RNEA_ALONE void atlas_rnea_lanes2(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
-	atlas_rnea_segment2(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
+	atlas_rnea_segment2(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
 }
 
 static RNEA_ALONE void atlas_rnea_one2(const double *q, const double *qd, const double *qdd, double *tau,
@@ -4507,7 +4660,7 @@ static RNEA_ALONE void atlas_rnea_one2(const double *q, const double *qd, const 
 static RNEA_ALONE void atlas_rnea_lanes3(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
-	atlas_rnea_segment3(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
+	atlas_rnea_segment3(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
 }
 
 static RNEA_ALONE void atlas_rnea_one3(const double *q, const double *qd, const double *qdd, double *tau,
@@ -4519,7 +4672,7 @@ static RNEA_ALONE void atlas_rnea_one3(const double *q, const double *qd, const 
 static RNEA_ALONE void atlas_rnea_lanes4(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
-	atlas_rnea_segment4(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
+	atlas_rnea_segment4(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
 }
 
 static RNEA_ALONE void atlas_rnea_one4(const double *q, const double *qd, const double *qdd, double *tau,
@@ -4528,17 +4681,30 @@ static RNEA_ALONE void atlas_rnea_one4(const double *q, const double *qd, const 
 	atlas_rnea_segment4(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
 }
 
+static RNEA_ALONE void atlas_rnea_lanes5(const double *restrict q, const double *restrict qd,
+	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
+{
+	atlas_rnea_segment5(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
+}
+
+static RNEA_ALONE void atlas_rnea_one5(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_rnea_segment5(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
+}
+
 /* One sample, each segment after the other. */
 static void atlas_rnea_body(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride,
 	const int known, const double *sines)
 {
-	double across[63];
+	double across[101];
 
 	atlas_rnea_one0(q, qd, qdd, tau, stride, across, known, sines);
 	atlas_rnea_one1(q, qd, qdd, tau, stride, across, known, sines);
 	atlas_rnea_one2(q, qd, qdd, tau, stride, across, known, sines);
 	atlas_rnea_one3(q, qd, qdd, tau, stride, across, known, sines);
 	atlas_rnea_one4(q, qd, qdd, tau, stride, across, known, sines);
+	atlas_rnea_one5(q, qd, qdd, tau, stride, across, known, sines);
 }
 
 /* One sample, whatever its angles. */
@@ -4550,20 +4716,21 @@ static void atlas_rnea_any(const double *q, const double *qd, const double *qdd,
 	atlas_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
-/* Each segment runs for 32 samples before the next one does where their angles are small, which is the rule. */
+/* Each segment runs for 16 samples before the next one does where their angles are small, which is the rule. */
 static void atlas_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, size_t first, size_t end)
 {
-	double across[2016];
+	double across[1616];
 
 	for (size_t next; first < end; first = next) {
-		next = end - first < 32 ? end : first + 32;
-		if (next - first == 32 && atlas_are_small(q, count, first, next)) {
+		next = end - first < 16 ? end : first + 16;
+		if (next - first == 16 && atlas_are_small(q, count, first, next)) {
 			atlas_rnea_lanes0(q, qd, qdd, tau, count, first, across);
 			atlas_rnea_lanes1(q, qd, qdd, tau, count, first, across);
 			atlas_rnea_lanes2(q, qd, qdd, tau, count, first, across);
 			atlas_rnea_lanes3(q, qd, qdd, tau, count, first, across);
 			atlas_rnea_lanes4(q, qd, qdd, tau, count, first, across);
+			atlas_rnea_lanes5(q, qd, qdd, tau, count, first, across);
 		} else {
 			for (size_t k = first; k < next; k++)
 				atlas_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
@@ -4651,17 +4818,45 @@ static RNEA_ALONE void atlas_fpass_one4(const double *q, const double *qd, const
 	atlas_fpass_segment4(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
 }
 
+static RNEA_ALONE void atlas_fpass_lanes5(const double *restrict q, const double *restrict qd,
+	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
+	const size_t k, double *restrict across)
+{
+	atlas_fpass_segment5(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
+}
+
+static RNEA_ALONE void atlas_fpass_one5(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_fpass_segment5(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void atlas_fpass_lanes6(const double *restrict q, const double *restrict qd,
+	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
+	const size_t k, double *restrict across)
+{
+	atlas_fpass_segment6(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
+}
+
+static RNEA_ALONE void atlas_fpass_one6(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_fpass_segment6(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
+}
+
 /* One sample, each segment after the other. */
 static void atlas_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f,
 	const size_t stride, const int known, const double *sines)
 {
-	double across[51];
+	double across[46];
 
 	atlas_fpass_one0(q, qd, qdd, v, a, f, stride, across, known, sines);
 	atlas_fpass_one1(q, qd, qdd, v, a, f, stride, across, known, sines);
 	atlas_fpass_one2(q, qd, qdd, v, a, f, stride, across, known, sines);
 	atlas_fpass_one3(q, qd, qdd, v, a, f, stride, across, known, sines);
 	atlas_fpass_one4(q, qd, qdd, v, a, f, stride, across, known, sines);
+	atlas_fpass_one5(q, qd, qdd, v, a, f, stride, across, known, sines);
+	atlas_fpass_one6(q, qd, qdd, v, a, f, stride, across, known, sines);
 }
 
 /* One sample, whatever its angles. */
@@ -4678,7 +4873,7 @@ static void atlas_fpass_any(const double *q, const double *qd, const double *qdd
 static void atlas_fpass_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict v, double *restrict a, double *restrict f, size_t count, size_t first, size_t end)
 {
-	double across[1632];
+	double across[1472];
 
 	for (size_t next; first < end; first = next) {
 		next = end - first < 32 ? end : first + 32;
@@ -4688,6 +4883,8 @@ static void atlas_fpass_part(const double *restrict q, const double *restrict qd
 			atlas_fpass_lanes2(q, qd, qdd, v, a, f, count, first, across);
 			atlas_fpass_lanes3(q, qd, qdd, v, a, f, count, first, across);
 			atlas_fpass_lanes4(q, qd, qdd, v, a, f, count, first, across);
+			atlas_fpass_lanes5(q, qd, qdd, v, a, f, count, first, across);
+			atlas_fpass_lanes6(q, qd, qdd, v, a, f, count, first, across);
 		} else {
 			for (size_t k = first; k < next; k++)
 				atlas_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);

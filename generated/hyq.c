@@ -7,8 +7,8 @@
  *   rnea: 328 mul, 201 add, 106 sub, 93 neg, 575 fma, 12 sincos = 1785 flops
  *   fpass: 339 mul, 136 add, 146 sub, 120 neg, 551 fma, 12 sincos = 1723 flops
  *   bpass: 56 mul, 72 add, 8 sub, 29 neg, 116 fma, 12 sincos = 368 flops
- *   rnea is in 3 segments, each for several samples before the next; 31 values go across cuts
- *   fpass is in 2 segments, each for several samples before the next; 30 values go across cuts
+ *   rnea is in 4 segments, each for several samples before the next; 37 values go across cuts
+ *   fpass is in 4 segments, each for several samples before the next; 36 values go across cuts
  *
  * Joints:
  *   q[0..6] qd[0..5] floating base
@@ -104,14 +104,11 @@ below */
 #define RNEA_VECTORS
 #endif
 
-/* Segment 0 of 3, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 0 of 4, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int hyq_rnea_segment0(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
 	const int known, const double *sines)
 {
-	(void)first_tau;
-	(void)known;
-	(void)sines;
 	int all_small = 1;
 
 	RNEA_INDEPENDENT
@@ -119,6 +116,7 @@ static RNEA_INLINE int hyq_rnea_segment0(const double *first_q, const double *fi
 		const double *const q = first_q + l;
 		const double *const qd = first_qd + l;
 		const double *const qdd = first_qdd + l;
+		double *const tau = first_tau + l;
 		double *const across = first_across + l;
 
 		/* ---- out to link 0 "base_link" (fpass) ---- */
@@ -154,35 +152,26 @@ static RNEA_INLINE int hyq_rnea_segment0(const double *first_q, const double *fi
 		const double t7 = qd0wz*qd0wz;
 		const double t8 = qd0wy*qd0wy;
 		const double t9 = t7 + t8;
-		across[3*step] = t9;
 		const double qdd0wx = qdd[3*stride];
 		const double t10 = t6 - qdd0wx;
 		const double t11 = qdd0wx + t6;
-		across[4*step] = t11;
 		const double t12 = qd0wx*qd0wz;
 		const double t13 = qd0wx*qd0wx;
 		const double t14 = t7 + t13;
-		across[5*step] = t14;
 		const double qdd0wy = qdd[4*stride];
 		const double t15 = t12 - qdd0wy;
-		across[6*step] = t15;
 		const double t16 = qdd0wy + t12;
 		const double t17 = qd0wx*qd0wy;
 		const double qdd0wz = qdd[5*stride];
 		const double t18 = t17 - qdd0wz;
-		across[7*step] = t18;
 		const double t19 = qdd0wz + t17;
-		across[8*step] = t19;
 		const double f0x = RNEA_FMA(60.978001, a0x, RNEA_FMA(0.2200155852, t16, RNEA_FMA(-3.4189836000000002,
 			t9,
 			1.3106418*t18)));
-		across[9*step] = f0x;
 		const double f0y = RNEA_FMA(60.978001, a0y, RNEA_FMA(0.2200155852, t10, RNEA_FMA(-1.3106418, t14,
 			3.4189836000000002*t19)));
-		across[10*step] = f0y;
 		const double f0z = RNEA_FMA(60.978001, a0z, RNEA_FMA(-0.2200155852, t8 + t13, RNEA_FMA(1.3106418, t11,
 			3.4189836000000002*t15)));
-		across[11*step] = f0z;
 		const double t20 = RNEA_FMA(-0.21587546426503998, t19, RNEA_FMA(0.045020362359999996, t15,
 			RNEA_FMA(1.6017305299677633, qdd0wx, 0.7211199903922375*t6)));
 		const double t21 = RNEA_FMA(-0.045020362359999996, t11, RNEA_FMA(0.00915326907852, t18,
@@ -192,33 +181,12 @@ static RNEA_INLINE int hyq_rnea_segment0(const double *first_q, const double *fi
 			qdd0wz, 7.093506788539999*t17)));
 		const double n0x = RNEA_FMA(-0.2200155852, a0y, 1.3106418*a0z) + RNEA_FMA(-0.00915326907852, t8 - t7,
 			t20);
-		across[12*step] = n0x;
 		const double n0y = RNEA_FMA(-3.4189836000000002, a0z, 0.2200155852*a0x) + RNEA_FMA(-0.21587546426503998,
 			t7
 			- t13, t21);
-		across[13*step] = n0y;
 		const double n0z = RNEA_FMA(-1.3106418, a0x, 3.4189836000000002*a0y) + RNEA_FMA(-0.045020362359999996,
 			t13 - t8,
 			t22);
-		across[14*step] = n0z;
-	}
-	return all_small;
-}
-
-/* Segment 1 of 3, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
-static RNEA_INLINE int hyq_rnea_segment1(const double *first_q, const double *first_qd, const double *first_qdd,
-	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
-	const int known, const double *sines)
-{
-	int all_small = 1;
-
-	RNEA_INDEPENDENT
-	for (size_t l = 0; l < lanes; l++) {
-		const double *const q = first_q + l;
-		const double *const qd = first_qd + l;
-		const double *const qdd = first_qdd + l;
-		double *const tau = first_tau + l;
-		double *const across = first_across + l;
 
 		/* ---- out to link 1 "lf_hipassembly" (fpass) ---- */
 		/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);  v = R'(v_p + w_p x p);
@@ -226,49 +194,46 @@ static RNEA_INLINE int hyq_rnea_segment1(const double *first_q, const double *fi
 		const double q1 = q[7*stride];
 		double s1, c1;
 		all_small &= rneagen_sincos_known(q1, known, sines, &s1, &c1);
-		const double qd0wx = qd[3*stride];
 		const double t23 = 4.8965888601467475e-12*qd0wx;
-		across[15*step] = t23;
-		const double qd0wz = qd[5*stride];
-		const double qd0wy = qd[4*stride];
+		across[3*step] = t23;
 		const double t24 = qd0wz + RNEA_FMA(1.0127277222968137e-24, qd0wy, t23);
+		across[4*step] = t24;
 		const double t25 = RNEA_FMA(2.0682310711021444e-13, qd0wx, -qd0wy);
+		across[5*step] = t25;
 		const double t26 = 4.8965888601467475e-12*qd0wz;
-		across[16*step] = t26;
+		across[6*step] = t26;
 		const double t27 = t26 - RNEA_FMA(2.0682310711021444e-13, qd0wy, qd0wx);
-		const double qdd0wx = qdd[3*stride];
+		across[7*step] = t27;
 		const double t28 = 4.8965888601467475e-12*qdd0wx;
-		across[17*step] = t28;
-		const double qdd0wz = qdd[5*stride];
-		const double qdd0wy = qdd[4*stride];
+		across[8*step] = t28;
 		const double t29 = qdd0wz + RNEA_FMA(1.0127277222968137e-24, qdd0wy, t28);
+		across[9*step] = t29;
 		const double t30 = RNEA_FMA(2.0682310711021444e-13, qdd0wx, -qdd0wy);
+		across[10*step] = t30;
 		const double t31 = 4.8965888601467475e-12*qdd0wz;
-		across[18*step] = t31;
+		across[11*step] = t31;
 		const double t32 = t31 - RNEA_FMA(2.0682310711021444e-13, qdd0wy, qdd0wx);
-		const double t9 = across[3*step];
+		across[12*step] = t32;
 		const double t33 = 0.3735*t9;
-		const double t18 = across[7*step];
+		across[13*step] = t33;
 		const double t34 = 0.207*t18;
+		across[14*step] = t34;
 		const double t35 = t34 - t33;
-		across[19*step] = t35;
-		const double t19 = across[8*step];
+		across[15*step] = t35;
 		const double t36 = 0.3735*t19;
-		const double t14 = across[5*step];
+		across[16*step] = t36;
 		const double t37 = 0.207*t14;
+		across[17*step] = t37;
 		const double t38 = t36 - t37;
-		across[20*step] = t38;
-		const double t15 = across[6*step];
+		across[18*step] = t38;
 		const double t39 = 0.3735*t15;
-		const double t11 = across[4*step];
+		across[19*step] = t39;
 		const double t40 = 0.207*t11;
+		across[20*step] = t40;
 		const double t41 = t39 + t40;
 		across[21*step] = t41;
-		const double a0x = across[0];
 		const double t42 = a0x + t35;
-		const double a0y = across[step];
 		const double t43 = a0y + t38;
-		const double a0z = across[2*step];
 		const double t44 = a0z + t41;
 		const double t45 = t44 + RNEA_FMA(1.0127277222968137e-24, t43, 4.8965888601467475e-12*t42);
 		const double t46 = RNEA_FMA(2.0682310711021444e-13, t42, -t43);
@@ -438,46 +403,79 @@ static RNEA_INLINE int hyq_rnea_segment1(const double *first_q, const double *fi
 		const double t110 = RNEA_FMA(2.0682310711021444e-13, f1z_2, RNEA_FMA(1.0127277222968137e-24, t105,
 			t106));
 		const double t111 = RNEA_FMA(4.8965888601467475e-12, f1z_2, -t105);
-		const double f0x = across[9*step];
 		const double f0x_2 = f0x + t109;
-		const double f0y = across[10*step];
+		across[22*step] = f0x_2;
 		const double f0y_2 = f0y - t110;
-		const double f0z = across[11*step];
+		across[23*step] = f0y_2;
 		const double f0z_2 = f0z + t111;
+		across[24*step] = f0z_2;
 		const double t112 = RNEA_FMA(4.8965888601467475e-12, n1z_2, -t107) - RNEA_FMA(0.3735, t110, 0.207*t109);
-		const double n0x = across[12*step];
 		const double n0x_2 = n0x + RNEA_FMA(0.207, t111, RNEA_FMA(-4.8965888601467475e-12, t107,
 			2.0682310711021444e-13*t108) - n1z_2);
-		const double n0y = across[13*step];
+		across[25*step] = n0x_2;
 		const double n0y_2 = n0y - RNEA_FMA(0.3735, t111, RNEA_FMA(2.0682310711021444e-13, n1z_2,
 			RNEA_FMA(1.0127277222968137e-24, t107, t108)));
-		const double n0z = across[14*step];
+		across[26*step] = n0y_2;
 		const double n0z_2 = n0z + t112;
+		across[27*step] = n0z_2;
 		tau[6*stride] = n1z_2;
+	}
+	return all_small;
+}
+
+/* Segment 1 of 4, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int hyq_rnea_segment1(const double *first_q, const double *first_qd, const double *first_qdd,
+	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
+	const int known, const double *sines)
+{
+	int all_small = 1;
+
+	RNEA_INDEPENDENT
+	for (size_t l = 0; l < lanes; l++) {
+		const double *const q = first_q + l;
+		const double *const qd = first_qd + l;
+		const double *const qdd = first_qdd + l;
+		double *const tau = first_tau + l;
+		double *const across = first_across + l;
 
 		/* ---- out to link 4 "lh_hipassembly" (fpass) ---- */
 		const double q4 = q[10*stride];
 		double s4, c4;
 		all_small &= rneagen_sincos_known(q4, known, sines + 6, &s4, &c4);
+		const double t33 = across[13*step];
+		const double t34 = across[14*step];
 		const double t113 = t33 + t34;
-		across[22*step] = t113;
+		across[28*step] = t113;
+		const double t36 = across[16*step];
+		const double t37 = across[17*step];
 		const double t114 = t36 + t37;
-		across[23*step] = t114;
+		across[29*step] = t114;
+		const double t40 = across[20*step];
+		const double t39 = across[19*step];
 		const double t115 = t40 - t39;
-		across[24*step] = t115;
+		across[30*step] = t115;
+		const double a0x = across[0];
 		const double t116 = a0x + t113;
+		const double a0y = across[step];
 		const double t117 = a0y - t114;
+		const double a0z = across[2*step];
 		const double t118 = a0z + t115;
 		const double t119 = t118 + RNEA_FMA(1.0127277222968137e-24, t117, 4.8965888601467475e-12*t116);
 		const double t120 = RNEA_FMA(2.0682310711021444e-13, t116, -t117);
 		const double a4z = RNEA_FMA(4.8965888601467475e-12, t118, -RNEA_FMA(2.0682310711021444e-13, t117,
 			t116));
+		const double t24 = across[4*step];
+		const double t25 = across[5*step];
 		const double w4x = RNEA_FMA(c4, -t24, t25*s4);
 		const double w4y = RNEA_FMA(t24, s4, t25*c4);
+		const double t27 = across[7*step];
 		const double qd4 = qd[9*stride];
 		const double w4z = t27 + qd4;
+		const double t29 = across[9*step];
+		const double t30 = across[10*step];
 		const double dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(c4, -t29, t30*s4));
 		const double dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(t29, s4, t30*c4));
+		const double t32 = across[12*step];
 		const double qdd4 = qdd[9*stride];
 		const double dw4z = t32 + qdd4;
 		const double a4x = RNEA_FMA(t119, -c4, s4*t120);
@@ -640,28 +638,34 @@ static RNEA_INLINE int hyq_rnea_segment1(const double *first_q, const double *fi
 		const double t185 = RNEA_FMA(2.0682310711021444e-13, f4z_2, RNEA_FMA(1.0127277222968137e-24, t180,
 			t181));
 		const double t186 = RNEA_FMA(4.8965888601467475e-12, f4z_2, -t180);
+		const double f0x_2 = across[22*step];
 		const double f0x_3 = f0x_2 + t184;
-		across[25*step] = f0x_3;
+		across[31*step] = f0x_3;
+		const double f0y_2 = across[23*step];
 		const double f0y_3 = f0y_2 - t185;
-		across[26*step] = f0y_3;
+		across[32*step] = f0y_3;
+		const double f0z_2 = across[24*step];
 		const double f0z_3 = f0z_2 + t186;
-		across[27*step] = f0z_3;
+		across[33*step] = f0z_3;
 		const double t187 = RNEA_FMA(4.8965888601467475e-12, n4z_2, -t182) + RNEA_FMA(-0.207, t184,
 			0.3735*t185);
+		const double n0x_2 = across[25*step];
 		const double n0x_3 = n0x_2 + RNEA_FMA(0.207, t186, RNEA_FMA(-4.8965888601467475e-12, t182,
 			2.0682310711021444e-13*t183) - n4z_2);
-		across[28*step] = n0x_3;
+		across[34*step] = n0x_3;
+		const double n0y_2 = across[26*step];
 		const double n0y_3 = n0y_2 + RNEA_FMA(0.3735, t186, -RNEA_FMA(2.0682310711021444e-13, n4z_2,
 			RNEA_FMA(1.0127277222968137e-24, t182, t183)));
-		across[29*step] = n0y_3;
+		across[35*step] = n0y_3;
+		const double n0z_2 = across[27*step];
 		const double n0z_3 = n0z_2 + t187;
-		across[30*step] = n0z_3;
+		across[36*step] = n0z_3;
 		tau[9*stride] = n4z_2;
 	}
 	return all_small;
 }
 
-/* Segment 2 of 3, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 2 of 4, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int hyq_rnea_segment2(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
 	const int known, const double *sines)
@@ -680,26 +684,30 @@ static RNEA_INLINE int hyq_rnea_segment2(const double *first_q, const double *fi
 		const double q7 = q[13*stride];
 		double s7, c7;
 		all_small &= rneagen_sincos_known(q7, known, sines + 12, &s7, &c7);
-		const double t23 = across[15*step];
+		const double t23 = across[3*step];
 		const double qd0wz = qd[5*stride];
 		const double t188 = t23 - qd0wz;
+		across[4*step] = t188;
 		const double qd0wx = qd[3*stride];
-		const double t26 = across[16*step];
+		const double t26 = across[6*step];
 		const double t189 = qd0wx + t26;
-		const double t28 = across[17*step];
+		across[5*step] = t189;
+		const double t28 = across[8*step];
 		const double qdd0wz = qdd[5*stride];
 		const double t190 = t28 - qdd0wz;
+		across[7*step] = t190;
 		const double qdd0wx = qdd[3*stride];
-		const double t31 = across[18*step];
+		const double t31 = across[11*step];
 		const double t191 = qdd0wx + t31;
+		across[9*step] = t191;
 		const double a0x = across[0];
-		const double t113 = across[22*step];
+		const double t113 = across[28*step];
 		const double t192 = a0x - t113;
 		const double a0y = across[step];
-		const double t114 = across[23*step];
+		const double t114 = across[29*step];
 		const double t193 = a0y + t114;
 		const double a0z = across[2*step];
-		const double t115 = across[24*step];
+		const double t115 = across[30*step];
 		const double t194 = a0z - t115;
 		const double t195 = RNEA_FMA(4.8965888601467475e-12, t192, -t194);
 		const double a7z = RNEA_FMA(4.8965888601467475e-12, t194, t192);
@@ -869,39 +877,72 @@ static RNEA_INLINE int hyq_rnea_segment2(const double *first_q, const double *fi
 		const double t256 = RNEA_FMA(-s7, n7y_2, c7*n7x_2);
 		const double t257 = RNEA_FMA(4.8965888601467475e-12, t254, f7z_2);
 		const double t258 = RNEA_FMA(4.8965888601467475e-12, f7z_2, -t254);
-		const double f0x_3 = across[25*step];
+		const double f0x_3 = across[31*step];
 		const double f0x_4 = f0x_3 + t257;
-		const double f0y_3 = across[26*step];
+		across[10*step] = f0x_4;
+		const double f0y_3 = across[32*step];
 		const double f0y_4 = f0y_3 + t255;
-		const double f0z_3 = across[27*step];
+		across[12*step] = f0y_4;
+		const double f0z_3 = across[33*step];
 		const double f0z_4 = f0z_3 + t258;
+		across[13*step] = f0z_4;
 		const double t259 = RNEA_FMA(4.8965888601467475e-12, n7z_2, -t256) + RNEA_FMA(0.3735, t255, 0.207*t257);
-		const double n0x_3 = across[28*step];
+		const double n0x_3 = across[34*step];
 		const double n0x_4 = n0x_3 + RNEA_FMA(-0.207, t258, RNEA_FMA(4.8965888601467475e-12, t256, n7z_2));
-		const double n0y_3 = across[29*step];
+		across[14*step] = n0x_4;
+		const double n0y_3 = across[35*step];
 		const double n0y_4 = n0y_3 + RNEA_FMA(-0.3735, t258, RNEA_FMA(s7, n7x_2, c7*n7y_2));
-		const double n0z_3 = across[30*step];
+		across[16*step] = n0y_4;
+		const double n0z_3 = across[36*step];
 		const double n0z_4 = n0z_3 + t259;
+		across[17*step] = n0z_4;
 		tau[12*stride] = n7z_2;
+	}
+	return all_small;
+}
+
+/* Segment 3 of 4, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int hyq_rnea_segment3(const double *first_q, const double *first_qd, const double *first_qdd,
+	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
+	const int known, const double *sines)
+{
+	int all_small = 1;
+
+	RNEA_INDEPENDENT
+	for (size_t l = 0; l < lanes; l++) {
+		const double *const q = first_q + l;
+		const double *const qd = first_qd + l;
+		const double *const qdd = first_qdd + l;
+		double *const tau = first_tau + l;
+		double *const across = first_across + l;
 
 		/* ---- out to link 10 "rh_hipassembly" (fpass) ---- */
 		const double q10 = q[16*stride];
 		double s10, c10;
 		all_small &= rneagen_sincos_known(q10, known, sines + 18, &s10, &c10);
-		const double t35 = across[19*step];
+		const double a0x = across[0];
+		const double t35 = across[15*step];
 		const double t260 = a0x - t35;
-		const double t38 = across[20*step];
+		const double a0y = across[step];
+		const double t38 = across[18*step];
 		const double t261 = a0y - t38;
+		const double a0z = across[2*step];
 		const double t41 = across[21*step];
 		const double t262 = a0z - t41;
 		const double t263 = RNEA_FMA(4.8965888601467475e-12, t260, -t262);
 		const double a10z = RNEA_FMA(4.8965888601467475e-12, t262, t260);
+		const double t188 = across[4*step];
+		const double qd0wy = qd[4*stride];
 		const double w10x = RNEA_FMA(t188, c10, qd0wy*s10);
 		const double w10y = RNEA_FMA(s10, -t188, qd0wy*c10);
+		const double t189 = across[5*step];
 		const double qd10 = qd[15*stride];
 		const double w10z = t189 + qd10;
+		const double t190 = across[7*step];
+		const double qdd0wy = qdd[4*stride];
 		const double dw10x = RNEA_FMA(qd10, w10y, RNEA_FMA(t190, c10, qdd0wy*s10));
 		const double dw10y = RNEA_FMA(w10x, -qd10, RNEA_FMA(s10, -t190, qdd0wy*c10));
+		const double t191 = across[9*step];
 		const double qdd10 = qdd[15*stride];
 		const double dw10z = t191 + qdd10;
 		const double a10x = RNEA_FMA(c10, t263, s10*t261);
@@ -1063,13 +1104,19 @@ static RNEA_INLINE int hyq_rnea_segment2(const double *first_q, const double *fi
 		const double t325 = RNEA_FMA(-s10, n10y_2, c10*n10x_2);
 		const double t326 = RNEA_FMA(4.8965888601467475e-12, t323, f10z_2);
 		const double t327 = RNEA_FMA(4.8965888601467475e-12, f10z_2, -t323);
+		const double f0x_4 = across[10*step];
 		const double f0x_5 = f0x_4 + t326;
+		const double f0y_4 = across[12*step];
 		const double f0y_5 = f0y_4 + t324;
+		const double f0z_4 = across[13*step];
 		const double f0z_5 = f0z_4 + t327;
 		const double t328 = RNEA_FMA(4.8965888601467475e-12, n10z_2, -t325) + RNEA_FMA(-0.3735, t324,
 			0.207*t326);
+		const double n0x_4 = across[14*step];
 		const double n0x_5 = n0x_4 + RNEA_FMA(-0.207, t327, RNEA_FMA(4.8965888601467475e-12, t325, n10z_2));
+		const double n0y_4 = across[16*step];
 		const double n0y_5 = n0y_4 + RNEA_FMA(0.3735, t327, RNEA_FMA(s10, n10x_2, c10*n10y_2));
+		const double n0z_4 = across[17*step];
 		const double n0z_5 = n0z_4 + t328;
 		tau[15*stride] = n10z_2;
 
@@ -1085,7 +1132,7 @@ static RNEA_INLINE int hyq_rnea_segment2(const double *first_q, const double *fi
 	return all_small;
 }
 
-/* Segment 0 of 2, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 0 of 4, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int hyq_fpass_segment0(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
 	const size_t step, const size_t lanes, const int known, const double *sines)
@@ -1199,45 +1246,63 @@ static RNEA_INLINE int hyq_fpass_segment0(const double *first_q, const double *f
 		const double t24 = 4.8965888601467475e-12*qd0wx;
 		across[3*step] = t24;
 		const double t25 = qd0wz + RNEA_FMA(1.0127277222968137e-24, qd0wy, t24);
+		across[4*step] = t25;
 		const double t26 = RNEA_FMA(2.0682310711021444e-13, qd0wx, -qd0wy);
+		across[5*step] = t26;
 		const double t27 = 4.8965888601467475e-12*qd0wz;
-		across[4*step] = t27;
+		across[6*step] = t27;
 		const double t28 = t27 - RNEA_FMA(2.0682310711021444e-13, qd0wy, qd0wx);
+		across[7*step] = t28;
 		const double t29 = 4.8965888601467475e-12*qdd0wx;
-		across[5*step] = t29;
+		across[8*step] = t29;
 		const double t30 = qdd0wz + RNEA_FMA(1.0127277222968137e-24, qdd0wy, t29);
+		across[9*step] = t30;
 		const double t31 = RNEA_FMA(2.0682310711021444e-13, qdd0wx, -qdd0wy);
+		across[10*step] = t31;
 		const double t32 = 4.8965888601467475e-12*qdd0wz;
-		across[6*step] = t32;
+		across[11*step] = t32;
 		const double t33 = t32 - RNEA_FMA(2.0682310711021444e-13, qdd0wy, qdd0wx);
+		across[12*step] = t33;
 		const double t34 = 0.207*qd0wz;
-		across[7*step] = t34;
+		across[13*step] = t34;
 		const double t35 = 0.3735*qd0wz;
+		across[14*step] = t35;
 		const double t36 = 0.3735*qd0wy;
+		across[15*step] = t36;
 		const double t37 = 0.207*qd0wx;
+		across[16*step] = t37;
 		const double t38 = t37 - t36;
-		across[8*step] = t38;
+		across[17*step] = t38;
 		const double t39 = qd0vx - t34;
+		across[18*step] = t39;
 		const double t40 = qd0vy + t35;
-		across[9*step] = t40;
+		across[19*step] = t40;
 		const double t41 = qd0vz + t38;
 		const double t42 = 4.8965888601467475e-12*t39;
+		across[20*step] = t42;
 		const double t43 = t41 + RNEA_FMA(1.0127277222968137e-24, t40, t42);
 		const double t44 = 2.0682310711021444e-13*t39;
+		across[21*step] = t44;
 		const double t45 = t44 - t40;
 		const double v1z = RNEA_FMA(4.8965888601467475e-12, t41, -RNEA_FMA(2.0682310711021444e-13, t40, t39));
 		const double t46 = 0.3735*t10;
+		across[22*step] = t46;
 		const double t47 = 0.207*t19;
+		across[23*step] = t47;
 		const double t48 = t47 - t46;
-		across[10*step] = t48;
+		across[24*step] = t48;
 		const double t49 = 0.3735*t20;
+		across[25*step] = t49;
 		const double t50 = 0.207*t15;
+		across[26*step] = t50;
 		const double t51 = t49 - t50;
-		across[11*step] = t51;
+		across[27*step] = t51;
 		const double t52 = 0.3735*t16;
+		across[28*step] = t52;
 		const double t53 = 0.207*t12;
+		across[29*step] = t53;
 		const double t54 = t52 + t53;
-		across[12*step] = t54;
+		across[30*step] = t54;
 		const double t55 = a0x + t48;
 		const double t56 = a0y + t51;
 		const double t57 = a0z + t54;
@@ -1441,38 +1506,81 @@ static RNEA_INLINE int hyq_fpass_segment0(const double *first_q, const double *f
 		f[21*stride] = n3x;
 		f[22*stride] = n3y;
 		f[23*stride] = n3z;
+	}
+	return all_small;
+}
+
+/* Segment 1 of 4, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int hyq_fpass_segment1(const double *first_q, const double *first_qd, const double *first_qdd,
+	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
+	const size_t step, const size_t lanes, const int known, const double *sines)
+{
+	int all_small = 1;
+
+	RNEA_INDEPENDENT
+	for (size_t l = 0; l < lanes; l++) {
+		const double *const q = first_q + l;
+		const double *const qd = first_qd + l;
+		const double *const qdd = first_qdd + l;
+		double *const v = first_v + l;
+		double *const a = first_a + l;
+		double *const f = first_f + l;
+		double *const across = first_across + l;
 
 		/* ---- out to link 4 "lh_hipassembly" (fpass) ---- */
 		const double q4 = q[10*stride];
 		double s4, c4;
 		all_small &= rneagen_sincos_known(q4, known, sines + 6, &s4, &c4);
+		const double t36 = across[15*step];
+		const double t37 = across[16*step];
 		const double t117 = t36 + t37;
-		across[13*step] = t117;
+		across[31*step] = t117;
+		const double qd0vy = qd[stride];
+		const double t35 = across[14*step];
 		const double t118 = qd0vy - t35;
-		across[14*step] = t118;
+		across[32*step] = t118;
+		const double qd0vz = qd[2*stride];
 		const double t119 = qd0vz + t117;
+		const double t42 = across[20*step];
 		const double t120 = t119 + RNEA_FMA(1.0127277222968137e-24, t118, t42);
+		const double t44 = across[21*step];
 		const double t121 = t44 - t118;
+		const double t39 = across[18*step];
 		const double v4z = RNEA_FMA(4.8965888601467475e-12, t119, -RNEA_FMA(2.0682310711021444e-13, t118, t39));
+		const double t46 = across[22*step];
+		const double t47 = across[23*step];
 		const double t122 = t46 + t47;
-		across[15*step] = t122;
+		across[33*step] = t122;
+		const double t49 = across[25*step];
+		const double t50 = across[26*step];
 		const double t123 = t49 + t50;
-		across[16*step] = t123;
+		across[34*step] = t123;
+		const double t53 = across[29*step];
+		const double t52 = across[28*step];
 		const double t124 = t53 - t52;
-		across[17*step] = t124;
+		across[35*step] = t124;
+		const double a0x = across[0];
 		const double t125 = a0x + t122;
+		const double a0y = across[step];
 		const double t126 = a0y - t123;
+		const double a0z = across[2*step];
 		const double t127 = a0z + t124;
 		const double t128 = t127 + RNEA_FMA(1.0127277222968137e-24, t126, 4.8965888601467475e-12*t125);
 		const double t129 = RNEA_FMA(2.0682310711021444e-13, t125, -t126);
 		const double a4z = RNEA_FMA(4.8965888601467475e-12, t127, -RNEA_FMA(2.0682310711021444e-13, t126,
 			t125));
+		const double t25 = across[4*step];
+		const double t26 = across[5*step];
 		const double w4x = RNEA_FMA(c4, -t25, t26*s4);
 		const double w4y = RNEA_FMA(t25, s4, t26*c4);
+		const double t28 = across[7*step];
 		const double qd4 = qd[9*stride];
 		const double w4z = t28 + qd4;
+		const double t30 = across[9*step];
+		const double t31 = across[10*step];
 		const double dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(c4, -t30, t31*s4));
 		const double dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(t30, s4, t31*c4));
+		const double t33 = across[12*step];
 		const double qdd4 = qdd[9*stride];
 		const double dw4z = t33 + qdd4;
 		const double v4x = RNEA_FMA(t120, -c4, s4*t121);
@@ -1602,79 +1710,38 @@ static RNEA_INLINE int hyq_fpass_segment0(const double *first_q, const double *f
 		all_small &= rneagen_sincos_known(q6, known, sines + 10, &s6, &c6);
 		const double t169 = RNEA_FMA(0.35, w5z, v5y);
 		const double v6z = RNEA_FMA(-0.35, w5y, v5z);
-		across[18*step] = v6z;
 		const double t170 = RNEA_FMA(-0.35, t157, a5x);
 		const double t171 = RNEA_FMA(0.35, t164, a5y);
 		const double a6z = RNEA_FMA(0.35, t161, a5z);
-		across[19*step] = a6z;
 		const double w6x = RNEA_FMA(w5x, c6, w5y*s6);
-		across[20*step] = w6x;
 		const double w6y = RNEA_FMA(s6, -w5x, w5y*c6);
-		across[21*step] = w6y;
 		const double qd6 = qd[11*stride];
 		const double w6z = w5z + qd6;
-		across[22*step] = w6z;
 		const double dw6x = RNEA_FMA(qd6, w6y, RNEA_FMA(dw5x, c6, dw5y*s6));
-		across[23*step] = dw6x;
 		const double dw6y = RNEA_FMA(w6x, -qd6, RNEA_FMA(s6, -dw5x, dw5y*c6));
-		across[24*step] = dw6y;
 		const double qdd6 = qdd[11*stride];
 		const double dw6z = dw5z + qdd6;
-		across[25*step] = dw6z;
 		const double v6x = RNEA_FMA(v5x, c6, s6*t169);
-		across[26*step] = v6x;
 		const double v6y = RNEA_FMA(s6, -v5x, c6*t169);
-		across[27*step] = v6y;
 		const double a6x = RNEA_FMA(c6, t170, s6*t171);
-		across[28*step] = a6x;
 		const double a6y = RNEA_FMA(t170, -s6, c6*t171);
-		across[29*step] = a6y;
-	}
-	return all_small;
-}
-
-/* Segment 1 of 2, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
-static RNEA_INLINE int hyq_fpass_segment1(const double *first_q, const double *first_qd, const double *first_qdd,
-	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
-	const size_t step, const size_t lanes, const int known, const double *sines)
-{
-	int all_small = 1;
-
-	RNEA_INDEPENDENT
-	for (size_t l = 0; l < lanes; l++) {
-		const double *const q = first_q + l;
-		const double *const qd = first_qd + l;
-		const double *const qdd = first_qdd + l;
-		double *const v = first_v + l;
-		double *const a = first_a + l;
-		double *const f = first_f + l;
-		double *const across = first_across + l;
-		const double w6y = across[21*step];
-		const double w6z = across[22*step];
 		const double t172 = w6y*w6z;
 		const double t173 = w6z*w6z;
 		const double t174 = w6y*w6y;
-		const double dw6x = across[23*step];
 		const double t175 = t172 - dw6x;
 		const double t176 = dw6x + t172;
-		const double w6x = across[20*step];
 		const double t177 = w6x*w6z;
 		const double t178 = w6x*w6x;
-		const double dw6y = across[24*step];
 		const double t179 = t177 - dw6y;
 		const double t180 = dw6y + t177;
 		const double t181 = w6x*w6y;
-		const double dw6z = across[25*step];
 		const double t182 = t181 - dw6z;
 		const double t183 = dw6z + t181;
 		const double t184 = RNEA_FMA(8.81e-05, t180, -RNEA_FMA(3.524e-05, t182, 0.11047774600000002*(t173
 			+ t174)));
-		const double a6x = across[28*step];
 		const double f6x = RNEA_FMA(0.881001, a6x, t184);
-		const double a6y = across[29*step];
 		const double f6y = RNEA_FMA(0.881001, a6y, RNEA_FMA(8.81e-05, t175, RNEA_FMA(3.524e-05, t173 + t178,
 			0.11047774600000002*t183)));
-		const double a6z = across[19*step];
 		const double f6z = RNEA_FMA(0.881001, a6z, RNEA_FMA(-8.81e-05, t174 + t178, RNEA_FMA(-3.524e-05, t176,
 			0.11047774600000002*t179)));
 		const double t185 = RNEA_FMA(-2.0477399999951043e-06, t183, RNEA_FMA(5.4580904000004895e-05, t179,
@@ -1691,11 +1758,8 @@ static RNEA_INLINE int hyq_fpass_segment1(const double *first_q, const double *f
 		const double n6z = RNEA_FMA(0.11047774600000002, a6y, 3.524e-05*a6x) + RNEA_FMA(-5.4580904000004895e-05,
 			t178
 			- t174, t187);
-		const double v6x = across[26*step];
 		v[36*stride] = v6x;
-		const double v6y = across[27*step];
 		v[37*stride] = v6y;
-		const double v6z = across[18*step];
 		v[38*stride] = v6z;
 		v[39*stride] = w6x;
 		v[40*stride] = w6y;
@@ -1712,6 +1776,26 @@ static RNEA_INLINE int hyq_fpass_segment1(const double *first_q, const double *f
 		f[39*stride] = n6x;
 		f[40*stride] = n6y;
 		f[41*stride] = n6z;
+	}
+	return all_small;
+}
+
+/* Segment 2 of 4, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int hyq_fpass_segment2(const double *first_q, const double *first_qd, const double *first_qdd,
+	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
+	const size_t step, const size_t lanes, const int known, const double *sines)
+{
+	int all_small = 1;
+
+	RNEA_INDEPENDENT
+	for (size_t l = 0; l < lanes; l++) {
+		const double *const q = first_q + l;
+		const double *const qd = first_qd + l;
+		const double *const qdd = first_qdd + l;
+		double *const v = first_v + l;
+		double *const a = first_a + l;
+		double *const f = first_f + l;
+		double *const across = first_across + l;
 
 		/* ---- out to link 7 "rf_hipassembly" (fpass) ---- */
 		const double q7 = q[13*stride];
@@ -1720,32 +1804,36 @@ static RNEA_INLINE int hyq_fpass_segment1(const double *first_q, const double *f
 		const double t24 = across[3*step];
 		const double qd0wz = qd[5*stride];
 		const double t188 = t24 - qd0wz;
+		across[4*step] = t188;
 		const double qd0wx = qd[3*stride];
-		const double t27 = across[4*step];
+		const double t27 = across[6*step];
 		const double t189 = qd0wx + t27;
-		const double t29 = across[5*step];
+		across[5*step] = t189;
+		const double t29 = across[8*step];
 		const double qdd0wz = qdd[5*stride];
 		const double t190 = t29 - qdd0wz;
+		across[7*step] = t190;
 		const double qdd0wx = qdd[3*stride];
-		const double t32 = across[6*step];
+		const double t32 = across[11*step];
 		const double t191 = qdd0wx + t32;
+		across[9*step] = t191;
 		const double qd0vx = qd[0];
-		const double t34 = across[7*step];
+		const double t34 = across[13*step];
 		const double t192 = qd0vx + t34;
 		const double qd0vz = qd[2*stride];
-		const double t117 = across[13*step];
+		const double t117 = across[31*step];
 		const double t193 = qd0vz - t117;
 		const double t194 = 4.8965888601467475e-12*t192;
 		const double t195 = t194 - t193;
 		const double v7z = RNEA_FMA(4.8965888601467475e-12, t193, t192);
 		const double a0x = across[0];
-		const double t122 = across[15*step];
+		const double t122 = across[33*step];
 		const double t196 = a0x - t122;
 		const double a0y = across[step];
-		const double t123 = across[16*step];
+		const double t123 = across[34*step];
 		const double t197 = a0y + t123;
 		const double a0z = across[2*step];
-		const double t124 = across[17*step];
+		const double t124 = across[35*step];
 		const double t198 = a0z - t124;
 		const double t199 = RNEA_FMA(4.8965888601467475e-12, t196, -t198);
 		const double a7z = RNEA_FMA(4.8965888601467475e-12, t198, t196);
@@ -1759,7 +1847,7 @@ static RNEA_INLINE int hyq_fpass_segment1(const double *first_q, const double *f
 		const double dw7y = RNEA_FMA(w7x, -qd7, RNEA_FMA(t190, -s7, qdd0wy*c7));
 		const double qdd7 = qdd[12*stride];
 		const double dw7z = qdd7 + t191;
-		const double t40 = across[9*step];
+		const double t40 = across[19*step];
 		const double v7x = RNEA_FMA(c7, t195, t40*s7);
 		const double v7y = RNEA_FMA(t195, -s7, t40*c7);
 		const double a7x = RNEA_FMA(c7, t199, s7*t197);
@@ -1957,29 +2045,68 @@ static RNEA_INLINE int hyq_fpass_segment1(const double *first_q, const double *f
 		const double q10 = q[16*stride];
 		double s10, c10;
 		all_small &= rneagen_sincos_known(q10, known, sines + 18, &s10, &c10);
-		const double t38 = across[8*step];
+		across[10*step] = s10;
+		across[12*step] = c10;
+		const double t38 = across[17*step];
 		const double t257 = qd0vz - t38;
 		const double t258 = t194 - t257;
+		across[14*step] = t258;
 		const double v10z = RNEA_FMA(4.8965888601467475e-12, t257, t192);
-		const double t48 = across[10*step];
+		across[15*step] = v10z;
+		const double t48 = across[24*step];
 		const double t259 = a0x - t48;
-		const double t51 = across[11*step];
+		across[16*step] = t259;
+		const double t51 = across[27*step];
 		const double t260 = a0y - t51;
-		const double t54 = across[12*step];
+		across[18*step] = t260;
+		const double t54 = across[30*step];
 		const double t261 = a0z - t54;
+		across[20*step] = t261;
+	}
+	return all_small;
+}
+
+/* Segment 3 of 4, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int hyq_fpass_segment3(const double *first_q, const double *first_qd, const double *first_qdd,
+	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
+	const size_t step, const size_t lanes, const int known, const double *sines)
+{
+	int all_small = 1;
+
+	RNEA_INDEPENDENT
+	for (size_t l = 0; l < lanes; l++) {
+		const double *const q = first_q + l;
+		const double *const qd = first_qd + l;
+		const double *const qdd = first_qdd + l;
+		double *const v = first_v + l;
+		double *const a = first_a + l;
+		double *const f = first_f + l;
+		double *const across = first_across + l;
+		const double t259 = across[16*step];
+		const double t261 = across[20*step];
 		const double t262 = RNEA_FMA(4.8965888601467475e-12, t259, -t261);
 		const double a10z = RNEA_FMA(4.8965888601467475e-12, t261, t259);
+		const double t188 = across[4*step];
+		const double c10 = across[12*step];
+		const double qd0wy = qd[4*stride];
+		const double s10 = across[10*step];
 		const double w10x = RNEA_FMA(t188, c10, qd0wy*s10);
 		const double w10y = RNEA_FMA(s10, -t188, qd0wy*c10);
+		const double t189 = across[5*step];
 		const double qd10 = qd[15*stride];
 		const double w10z = t189 + qd10;
+		const double t190 = across[7*step];
+		const double qdd0wy = qdd[4*stride];
 		const double dw10x = RNEA_FMA(qd10, w10y, RNEA_FMA(t190, c10, qdd0wy*s10));
 		const double dw10y = RNEA_FMA(w10x, -qd10, RNEA_FMA(s10, -t190, qdd0wy*c10));
+		const double t191 = across[9*step];
 		const double qdd10 = qdd[15*stride];
 		const double dw10z = t191 + qdd10;
-		const double t118 = across[14*step];
+		const double t258 = across[14*step];
+		const double t118 = across[32*step];
 		const double v10x = RNEA_FMA(c10, t258, t118*s10);
 		const double v10y = RNEA_FMA(t258, -s10, t118*c10);
+		const double t260 = across[18*step];
 		const double a10x = RNEA_FMA(c10, t262, s10*t260);
 		const double a10y = RNEA_FMA(t262, -s10, c10*t260);
 		const double t263 = w10y*w10z;
@@ -2012,6 +2139,7 @@ static RNEA_INLINE int hyq_fpass_segment1(const double *first_q, const double *f
 		const double n10z = RNEA_FMA(0.12490590000000001, a10y, RNEA_FMA(-4e-05, t269 - t265, t277));
 		v[60*stride] = v10x;
 		v[61*stride] = v10y;
+		const double v10z = across[15*step];
 		v[62*stride] = v10z;
 		v[63*stride] = w10x;
 		v[64*stride] = w10y;
@@ -2798,7 +2926,7 @@ static int hyq_are_small(const double *q, size_t count, size_t first, size_t end
 static RNEA_ALONE void hyq_rnea_lanes0(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
-	hyq_rnea_segment0(q + k, qd + k, qdd + k, tau + k, count, across, 64, 64, 0, 0);
+	hyq_rnea_segment0(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
 }
 
 static RNEA_ALONE void hyq_rnea_one0(const double *q, const double *qd, const double *qdd, double *tau,
@@ -2810,7 +2938,7 @@ static RNEA_ALONE void hyq_rnea_one0(const double *q, const double *qd, const do
 static RNEA_ALONE void hyq_rnea_lanes1(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
-	hyq_rnea_segment1(q + k, qd + k, qdd + k, tau + k, count, across, 64, 64, 0, 0);
+	hyq_rnea_segment1(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
 }
 
 static RNEA_ALONE void hyq_rnea_one1(const double *q, const double *qd, const double *qdd, double *tau,
@@ -2822,7 +2950,7 @@ static RNEA_ALONE void hyq_rnea_one1(const double *q, const double *qd, const do
 static RNEA_ALONE void hyq_rnea_lanes2(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
-	hyq_rnea_segment2(q + k, qd + k, qdd + k, tau + k, count, across, 64, 64, 0, 0);
+	hyq_rnea_segment2(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
 }
 
 static RNEA_ALONE void hyq_rnea_one2(const double *q, const double *qd, const double *qdd, double *tau,
@@ -2831,15 +2959,28 @@ static RNEA_ALONE void hyq_rnea_one2(const double *q, const double *qd, const do
 	hyq_rnea_segment2(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
 }
 
+static RNEA_ALONE void hyq_rnea_lanes3(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict tau, size_t count, const size_t k, double *restrict across)
+{
+	hyq_rnea_segment3(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
+}
+
+static RNEA_ALONE void hyq_rnea_one3(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, const int known, const double *sines)
+{
+	hyq_rnea_segment3(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
+}
+
 /* One sample, each segment after the other. */
 static void hyq_rnea_body(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride,
 	const int known, const double *sines)
 {
-	double across[31];
+	double across[37];
 
 	hyq_rnea_one0(q, qd, qdd, tau, stride, across, known, sines);
 	hyq_rnea_one1(q, qd, qdd, tau, stride, across, known, sines);
 	hyq_rnea_one2(q, qd, qdd, tau, stride, across, known, sines);
+	hyq_rnea_one3(q, qd, qdd, tau, stride, across, known, sines);
 }
 
 /* One sample, whatever its angles. */
@@ -2851,18 +2992,19 @@ static void hyq_rnea_any(const double *q, const double *qd, const double *qdd, d
 	hyq_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
-/* Each segment runs for 64 samples before the next one does where their angles are small, which is the rule. */
+/* Each segment runs for 32 samples before the next one does where their angles are small, which is the rule. */
 static void hyq_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, size_t first, size_t end)
 {
-	double across[1984];
+	double across[1184];
 
 	for (size_t next; first < end; first = next) {
-		next = end - first < 64 ? end : first + 64;
-		if (next - first == 64 && hyq_are_small(q, count, first, next)) {
+		next = end - first < 32 ? end : first + 32;
+		if (next - first == 32 && hyq_are_small(q, count, first, next)) {
 			hyq_rnea_lanes0(q, qd, qdd, tau, count, first, across);
 			hyq_rnea_lanes1(q, qd, qdd, tau, count, first, across);
 			hyq_rnea_lanes2(q, qd, qdd, tau, count, first, across);
+			hyq_rnea_lanes3(q, qd, qdd, tau, count, first, across);
 		} else {
 			for (size_t k = first; k < next; k++)
 				hyq_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
@@ -2889,7 +3031,7 @@ static RNEA_ALONE void hyq_fpass_lanes0(const double *restrict q, const double *
 	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t k,
 	double *restrict across)
 {
-	hyq_fpass_segment0(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
+	hyq_fpass_segment0(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
 }
 
 static RNEA_ALONE void hyq_fpass_one0(const double *q, const double *qd, const double *qdd, double *v, double *a,
@@ -2902,7 +3044,7 @@ static RNEA_ALONE void hyq_fpass_lanes1(const double *restrict q, const double *
 	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t k,
 	double *restrict across)
 {
-	hyq_fpass_segment1(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
+	hyq_fpass_segment1(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
 }
 
 static RNEA_ALONE void hyq_fpass_one1(const double *q, const double *qd, const double *qdd, double *v, double *a,
@@ -2911,14 +3053,42 @@ static RNEA_ALONE void hyq_fpass_one1(const double *q, const double *qd, const d
 	hyq_fpass_segment1(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
 }
 
+static RNEA_ALONE void hyq_fpass_lanes2(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t k,
+	double *restrict across)
+{
+	hyq_fpass_segment2(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
+}
+
+static RNEA_ALONE void hyq_fpass_one2(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, double *const across, const int known, const double *sines)
+{
+	hyq_fpass_segment2(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void hyq_fpass_lanes3(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t k,
+	double *restrict across)
+{
+	hyq_fpass_segment3(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
+}
+
+static RNEA_ALONE void hyq_fpass_one3(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, double *const across, const int known, const double *sines)
+{
+	hyq_fpass_segment3(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
+}
+
 /* One sample, each segment after the other. */
 static void hyq_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f,
 	const size_t stride, const int known, const double *sines)
 {
-	double across[30];
+	double across[36];
 
 	hyq_fpass_one0(q, qd, qdd, v, a, f, stride, across, known, sines);
 	hyq_fpass_one1(q, qd, qdd, v, a, f, stride, across, known, sines);
+	hyq_fpass_one2(q, qd, qdd, v, a, f, stride, across, known, sines);
+	hyq_fpass_one3(q, qd, qdd, v, a, f, stride, across, known, sines);
 }
 
 /* One sample, whatever its angles. */
@@ -2931,17 +3101,19 @@ static void hyq_fpass_any(const double *q, const double *qd, const double *qdd, 
 	hyq_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
-/* Each segment runs for 64 samples before the next one does where their angles are small, which is the rule. */
+/* Each segment runs for 32 samples before the next one does where their angles are small, which is the rule. */
 static void hyq_fpass_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict v, double *restrict a, double *restrict f, size_t count, size_t first, size_t end)
 {
-	double across[1920];
+	double across[1152];
 
 	for (size_t next; first < end; first = next) {
-		next = end - first < 64 ? end : first + 64;
-		if (next - first == 64 && hyq_are_small(q, count, first, next)) {
+		next = end - first < 32 ? end : first + 32;
+		if (next - first == 32 && hyq_are_small(q, count, first, next)) {
 			hyq_fpass_lanes0(q, qd, qdd, v, a, f, count, first, across);
 			hyq_fpass_lanes1(q, qd, qdd, v, a, f, count, first, across);
+			hyq_fpass_lanes2(q, qd, qdd, v, a, f, count, first, across);
+			hyq_fpass_lanes3(q, qd, qdd, v, a, f, count, first, across);
 		} else {
 			for (size_t k = first; k < next; k++)
 				hyq_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);

@@ -1,9 +1,10 @@
 #include "plan/segment_limits.h"
 #include <limits.h>
 
-/* Loops on a processor. gcc 12 takes 65 s for the whole of atlas' torques at -O3 and 10 s for segments of 800 operations, and batches take
-   0.89 of the time; of 400 and 1600 as well, within 4 %. */
-enum { LOOP_LEAST = 1500, LOOP_OPERATIONS = 800, LOOP_OVERHEAD = 8 };
+/* Loops on a processor. Segments of 400 to 1600 operations are as fast, within 4 %: batches of atlas take 0.89 to 0.93 of the time of the
+   whole, of yumi 0.93 to 0.99; one call 0.89, and 0.85. gcc 12 at -O3 takes a sixth of the time for both. Shorter ones compile faster:
+   jvrc1 with 400 takes half the time of 800. */
+enum { LOOP_LEAST = 980, LOOP_OPERATIONS = 500, LOOP_OVERHEAD = 8 };
 
 /* Kernels (H100, 1 M samples, ps). f32: g1_brainco, 5700 operations in 2 segments, 643 instead of 1256; what the instruction cache holds
    is better whole: atlas 204 instead of 189, romeo 205 instead of 197. f64, where registers spill: jvrc1 515 instead of 653, romeo 526
