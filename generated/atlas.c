@@ -61,7 +61,7 @@
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
  *   across step      values that one segment leaves for another; from one of them to the next
- *   first_... l      an array at the first of some samples in a row; which of them this is
+ *   first_... l      an array at the first of several samples in a row; which of them this is
  *   known sines all_small  the angles' sines and cosines are known; they; all angles are small
  *   RNEA_FMA         a*b + c, rounded once where the machine can
  *   rneagen_...      functions and types that this text brings along
@@ -117,7 +117,7 @@ below */
 #define RNEA_VECTORS
 #endif
 
-/* Segment 0 of 6, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 0 of 6, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_rnea_segment0(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
 	const int known, const double *sines)
@@ -383,7 +383,7 @@ static RNEA_INLINE int atlas_rnea_segment0(const double *first_q, const double *
 	return all_small;
 }
 
-/* Segment 1 of 6, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 1 of 6, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_rnea_segment1(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
 	const int known, const double *sines)
@@ -636,7 +636,7 @@ static RNEA_INLINE int atlas_rnea_segment1(const double *first_q, const double *
 	return all_small;
 }
 
-/* Segment 2 of 6, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 2 of 6, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_rnea_segment2(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
 	const int known, const double *sines)
@@ -952,7 +952,7 @@ static RNEA_INLINE int atlas_rnea_segment2(const double *first_q, const double *
 	return all_small;
 }
 
-/* Segment 3 of 6, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 3 of 6, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_rnea_segment3(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
 	const int known, const double *sines)
@@ -1248,7 +1248,7 @@ static RNEA_INLINE int atlas_rnea_segment3(const double *first_q, const double *
 	return all_small;
 }
 
-/* Segment 4 of 6, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 4 of 6, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_rnea_segment4(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
 	const int known, const double *sines)
@@ -1475,7 +1475,7 @@ static RNEA_INLINE int atlas_rnea_segment4(const double *first_q, const double *
 	return all_small;
 }
 
-/* Segment 5 of 6, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 5 of 6, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_rnea_segment5(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
 	const int known, const double *sines)
@@ -1701,7 +1701,7 @@ static RNEA_INLINE int atlas_rnea_segment5(const double *first_q, const double *
 	return all_small;
 }
 
-/* Segment 0 of 7, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 0 of 7, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_fpass_segment0(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
 	const size_t step, const size_t lanes, const int known, const double *sines)
@@ -1758,7 +1758,7 @@ static RNEA_INLINE int atlas_fpass_segment0(const double *first_q, const double 
 	return all_small;
 }
 
-/* Segment 1 of 7, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 1 of 7, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_fpass_segment1(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
 	const size_t step, const size_t lanes, const int known, const double *sines)
@@ -2114,7 +2114,7 @@ static RNEA_INLINE int atlas_fpass_segment1(const double *first_q, const double 
 	return all_small;
 }
 
-/* Segment 2 of 7, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 2 of 7, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_fpass_segment2(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
 	const size_t step, const size_t lanes, const int known, const double *sines)
@@ -2435,7 +2435,7 @@ static RNEA_INLINE int atlas_fpass_segment2(const double *first_q, const double 
 	return all_small;
 }
 
-/* Segment 3 of 7, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 3 of 7, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_fpass_segment3(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
 	const size_t step, const size_t lanes, const int known, const double *sines)
@@ -2708,7 +2708,7 @@ static RNEA_INLINE int atlas_fpass_segment3(const double *first_q, const double 
 	return all_small;
 }
 
-/* Segment 4 of 7, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 4 of 7, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_fpass_segment4(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
 	const size_t step, const size_t lanes, const int known, const double *sines)
@@ -3013,7 +3013,7 @@ static RNEA_INLINE int atlas_fpass_segment4(const double *first_q, const double 
 	return all_small;
 }
 
-/* Segment 5 of 7, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 5 of 7, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_fpass_segment5(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
 	const size_t step, const size_t lanes, const int known, const double *sines)
@@ -3342,7 +3342,7 @@ static RNEA_INLINE int atlas_fpass_segment5(const double *first_q, const double 
 	return all_small;
 }
 
-/* Segment 6 of 7, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 6 of 7, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_fpass_segment6(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
 	const size_t step, const size_t lanes, const int known, const double *sines)

@@ -48,7 +48,7 @@
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
  *   across step      values that one segment leaves for another; from one of them to the next
- *   first_... l      an array at the first of some samples in a row; which of them this is
+ *   first_... l      an array at the first of several samples in a row; which of them this is
  *   known sines all_small  the angles' sines and cosines are known; they; all angles are small
  *   RNEA_FMA         a*b + c, rounded once where the machine can
  *   rneagen_...      functions and types that this text brings along
@@ -104,7 +104,7 @@ below */
 #define RNEA_VECTORS
 #endif
 
-/* Segment 0 of 4, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 0 of 4, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int hyq_rnea_segment0(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
 	const int known, const double *sines)
@@ -423,7 +423,7 @@ static RNEA_INLINE int hyq_rnea_segment0(const double *first_q, const double *fi
 	return all_small;
 }
 
-/* Segment 1 of 4, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 1 of 4, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int hyq_rnea_segment1(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
 	const int known, const double *sines)
@@ -665,7 +665,7 @@ static RNEA_INLINE int hyq_rnea_segment1(const double *first_q, const double *fi
 	return all_small;
 }
 
-/* Segment 2 of 4, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 2 of 4, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int hyq_rnea_segment2(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
 	const int known, const double *sines)
@@ -901,7 +901,7 @@ static RNEA_INLINE int hyq_rnea_segment2(const double *first_q, const double *fi
 	return all_small;
 }
 
-/* Segment 3 of 4, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 3 of 4, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int hyq_rnea_segment3(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
 	const int known, const double *sines)
@@ -1132,7 +1132,7 @@ static RNEA_INLINE int hyq_rnea_segment3(const double *first_q, const double *fi
 	return all_small;
 }
 
-/* Segment 0 of 4, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 0 of 4, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int hyq_fpass_segment0(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
 	const size_t step, const size_t lanes, const int known, const double *sines)
@@ -1510,7 +1510,7 @@ static RNEA_INLINE int hyq_fpass_segment0(const double *first_q, const double *f
 	return all_small;
 }
 
-/* Segment 1 of 4, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 1 of 4, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int hyq_fpass_segment1(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
 	const size_t step, const size_t lanes, const int known, const double *sines)
@@ -1780,7 +1780,7 @@ static RNEA_INLINE int hyq_fpass_segment1(const double *first_q, const double *f
 	return all_small;
 }
 
-/* Segment 2 of 4, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 2 of 4, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int hyq_fpass_segment2(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
 	const size_t step, const size_t lanes, const int known, const double *sines)
@@ -2066,7 +2066,7 @@ static RNEA_INLINE int hyq_fpass_segment2(const double *first_q, const double *f
 	return all_small;
 }
 
-/* Segment 3 of 4, for some samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+/* Segment 3 of 4, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int hyq_fpass_segment3(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
 	const size_t step, const size_t lanes, const int known, const double *sines)

@@ -48,7 +48,7 @@
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
  *   across step      values that one segment leaves for another; from one of them to the next
- *   first_... l      an array at the first of some samples in a row; which of them this is
+ *   first_... l      an array at the first of several samples in a row; which of them this is
  *   known sines all_small  the angles' sines and cosines are known; they; all angles are small
  *   RNEA_FMA         a*b + c, rounded once where the machine can
  *   rneagen_...      functions and types that this text brings along
