@@ -24,7 +24,9 @@ extern const char template_anew_in[], template_arithmetic_c_in[], template_arith
 extern const char template_arithmetic_strict_c_in[], template_arithmetic_strict_cuda_in[], template_arithmetic_strict_flush_in[];
 extern const char template_bounded_in[], template_bounded_sincos_in[], template_bounded_store_in[], template_bounded_quotient_in[], template_bounded_function_in[];
 extern const char template_parts_in[];
-extern const char template_segment_in[], template_segment_lanes_in[], template_part_segments_in[], template_kernel_segments_in[], template_kernel_segment_in[], template_kernel_segments_rounds_in[], template_launch_segments_in[];
+extern const char template_segment_in[], template_segment_lanes_in[], template_part_segments_in[];
+extern const char template_kernel_segments_in[], template_kernel_segment_in[], template_kernel_segments_rounds_in[];
+extern const char template_launch_segments_in[];
 extern const char template_slice_in[], template_batch_in[];
 extern const char template_sincos_f32_core_in[], template_sincos_f32_accurate_in[];
 extern const char template_sincos_f32_bounded_in[], template_sincos_f32_fast_in[], template_sincos_f32_known_in[];
@@ -33,7 +35,8 @@ extern const char template_sincos_f64_bounded_in[], template_sincos_f64_known_in
 extern const char template_sincos_f32x2_core_in[], template_sincos_f32x2_accurate_in[];
 extern const char template_sincos_f32x2_bounded_in[], template_sincos_f32x2_known_in[], template_f32x2_in[], template_f32x2_quotient_in[];
 extern const char template_joints_in[], template_independent_in[], template_function_only_in[], template_sincos_declaration_in[];
-extern const char template_kernel_again_in[], template_call_known_in[], template_call_any_in[], template_sines_in[], template_sines_bytes_in[], template_header_known_in[], template_spill_in[];
+extern const char template_kernel_again_in[], template_call_known_in[], template_call_any_in[], template_spill_in[];
+extern const char template_sines_in[], template_sines_bytes_in[], template_header_known_in[];
 extern const char template_patterns_c_in[], template_patterns_cu_in[], template_arithmetic_strict_header_in[];
 extern const char template_sincos_pair_accurate_in[], template_sincos_pair_bounded_in[], template_sincos_pair_known_in[];
 extern const char template_arithmetic_strict_c_operations_in[], template_arithmetic_strict_cuda_operations_in[];

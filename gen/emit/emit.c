@@ -66,7 +66,8 @@ int emit_mark_arguments(const struct plan *p, unsigned char *used)
 	return stride;
 }
 
-void emit_unused_sines(const struct emission *e, const struct plan *p, struct text *out)
+/* Of sines and of whether they are known. */
+static void put_unused_sines(const struct emission *e, const struct plan *p, struct text *out)
 {
 	int narrow = 0, wide = 0;
 
@@ -80,24 +81,22 @@ void emit_unused_sines(const struct emission *e, const struct plan *p, struct te
 	text_put(out, wide || !e->wide ? "" : "\t(void)sines_wide;\n");
 }
 
-/* An argument of which nothing is read or written would be an unused parameter. */
-static void put_unused_arguments(const struct emission *e, const struct pass *pass, struct text *out)
+void emit_unused(const struct emission *e, const struct plan *p, const char *prefix, struct text *out)
 {
-	const struct plan *p = &pass->plan;
 	unsigned char used[DAG_ARGUMENTS] = {0};
 	int stride = emit_mark_arguments(p, used);
 
 	for (int i = 0; i < p->dag->argument_count; i++)
 		if (!used[i])
-			text_printf(out, "\t(void)%s;\n", p->dag->arguments[i].name);
+			text_printf(out, "\t(void)%s%s;\n", p->dag->arguments[i].per_batch ? "" : prefix, p->dag->arguments[i].name);
 	text_put(out, stride ? "" : "\t(void)stride;\n");
 	if (emit_has_known(e))
-		emit_unused_sines(e, p, out);
+		put_unused_sines(e, p, out);
 }
 
 static void put_statements(const struct emission *e, const struct pass *p, struct text *out)
 {
-	put_unused_arguments(e, p, out);
+	emit_unused(e, &p->plan, "", out);
 	text_put(out, emit_has_known(e) ? "\tint all_small = 1;\n" : "");
 	unparse(e, p, e->numbers, out);
 	text_put(out, emit_has_known(e) ? "\treturn all_small;\n" : "");

@@ -102,11 +102,14 @@ const char *emit_joints(const struct emission *e);
 /* What can stand in a string of C, whatever `s` holds. */
 void emit_literal(const char *s, size_t length, struct text *out);
 
-/* A pass's arguments as parameters, as their names, as addresses, out of an array of pointers, or moved on to sample k of
+/* A pass's arguments as parameters (FIRST: of a segment, at the first of its samples), as their names, as addresses, out of an array of pointers, or moved on to sample k of
    a batch. */
-enum params { PARAMS_PLAIN, PARAMS_RESTRICT, PARAMS_CUDA_RESTRICT, PARAMS_NAMES, PARAMS_ADDRESSES, PARAMS_ARRAYS, PARAMS_AT_SAMPLE };
+enum params { PARAMS_PLAIN, PARAMS_FIRST, PARAMS_RESTRICT, PARAMS_CUDA_RESTRICT, PARAMS_NAMES, PARAMS_ADDRESSES, PARAMS_ARRAYS, PARAMS_AT_SAMPLE };
 const char *emit_params(const struct emission *e, const struct pass *p, enum params kind);
 const char *emit_q_at_sample(const struct emission *e);
+
+/* The arrays moved on to sample k of a batch, and the stride of their rows. */
+const char *emit_at_sample(const struct emission *e, const struct pass *p);
 
 /* From one row of a batch to the next. */
 const char *emit_stride(const struct emission *e);
@@ -122,8 +125,9 @@ int emit_has_batches(const struct emission *e);
 /* Mark the arguments that these lines read or write. Returns whether they need the stride from row to row. */
 int emit_mark_arguments(const struct plan *p, unsigned char *used);
 
-/* What `p` of sines and of whether they are known does not read. */
-void emit_unused_sines(const struct emission *e, const struct plan *p, struct text *out);
+/* Parameters that these lines, some or all of the pass's, do not read: `prefix` goes before the names of what each sample has its own
+   of. */
+void emit_unused(const struct emission *e, const struct plan *p, const char *prefix, struct text *out);
 
 /* A pass in segments: the body of each; target C: the functions of a sample and of a part of a batch; CUDA: its kernel. */
 #define EMIT_RETURNS                                                                                                   \
@@ -131,15 +135,17 @@ void emit_unused_sines(const struct emission *e, const struct plan *p, struct te
 	"   the results mean nothing.\n"
 int emit_has_segments(const struct emission *e);
 void emit_segments(const struct emission *e, const struct pass *p, struct text *out);
-void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *call_any, const char *at_sample,
-	struct text *out);
+void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *call_any, struct text *out);
 
 /* Bytes that a sample keeps across cuts, at least those of a number; samples that a thread takes at most; threads of a block, so that
    each has room for two. */
 int emit_segments_bytes(const struct emission *e, const struct pass *p);
 int emit_segments_samples(const struct emission *e);
 int emit_segments_block(const struct emission *e, const struct pass *p);
-void emit_segments_kernel(const struct emission *e, const struct pass *p, const char *at_sample, struct text *out);
+void emit_segments_kernel(const struct emission *e, const struct pass *p, struct text *out);
+
+/* Bytes of shared memory that a kernel has without asking; threads of a warp, the smallest block. */
+enum { EMIT_SHARED_BYTES = 48 << 10, EMIT_SMALLEST_BLOCK = 32 };
 
 /* CUDA: a kernel, and the functions by which it stages its slice; the samples of a slice; how many slices a
    multiprocessor is to have room for, an expression of RNEA_BLOCK, 0: as the compiler likes. */

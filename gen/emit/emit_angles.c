@@ -126,7 +126,12 @@ static const char *declarations_text(const struct emission *e, const struct pass
 
 int emit_has_angles(const struct emission *e, const struct pass *p)
 {
-	return emit_angles(e, p, 0).count || (e->wide && emit_angles(e, p, 1).count);
+	const struct plan *table = &table_of(e, p)->plan;
+
+	for (size_t i = 0; i < table->line_count; i++)
+		if (table->lines[i].kind == LINE_SINCOS)
+			return 1;
+	return 0;
 }
 
 /* Of a type: the angle, its sine and cosine. */

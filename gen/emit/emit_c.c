@@ -65,7 +65,7 @@ static void put_functions(const struct emission *e, const struct pass *p, struct
 		{"COUNT_PARAM", is_soa(e) ? "size_t count, " : ""}, {"COUNT", is_soa(e) ? "count, " : ""},
 		{"VECTORS", vectors_text(p)}, {"UNUSED", is_soa(e) ? "" : "\t(void)count;"}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
-		{"AT_SAMPLE", joined(e, emit_params(e, p, PARAMS_AT_SAMPLE), emit_stride(e))},
+		{"AT_SAMPLE", emit_at_sample(e, p)},
 		{"ARRAYS", emit_params(e, p, PARAMS_ARRAYS)},
 	};
 	size_t count = sizeof slots / sizeof *slots;
@@ -75,7 +75,7 @@ static void put_functions(const struct emission *e, const struct pass *p, struct
 		return;
 	}
 	if (p->segments.count)
-		emit_segments_part(e, p, are_small(e, p), emit_call(e, p, &any), joined(e, emit_params(e, p, PARAMS_AT_SAMPLE), emit_stride(e)), out);
+		emit_segments_part(e, p, are_small(e, p), emit_call(e, p, &any), out);
 	else
 		template_expand(out, emit_has_known(e) ? template_part_accurate_in : template_part_in, slots, count);
 	template_expand(out, template_slice_in, slots, count);

@@ -1,10 +1,11 @@
 /* CUDA kernels: how a slice of the batch reaches the body, and how many threads there are room for. */
 #include "emit/emit.h"
 #include "base/template.h"
+#include "plan/stage.h"
 #include <string.h>
 
-/* A block stages its samples in 48 KiB of shared memory, what every device gives without asking. */
-enum { SHARED_BYTES = 48 << 10, BLOCK = 128, SMALLEST_BLOCK = 32 };
+/* Threads, where nothing is staged. */
+enum { BLOCK = 128 };
 
 /* Of kernels of derivatives, which spill into the same 48 KiB: of each thread twice as much as in blocks of 128 (H100, 1 M samples:
    both gradients of panda in f64, 2 parts, 0.635 ns instead of 0.674; of iiwa14 in f32, which spills nothing, 0.199 instead of
@@ -31,25 +32,11 @@ static const struct dag *arguments_of(const struct emission *e)
 	return &emit_main(e)->dag;
 }
 
-/* Whose place in shared memory an array takes: its own, but tau that of qdd: a joint's qdd is read before its torque is
-   written. */
-static int place_of(const struct dag *d, int argument)
-{
-	int qdd = dag_find_role(d, ROLE_JOINT_ACCELERATION, 0), tau = dag_find_role(d, ROLE_JOINT_TORQUE, 1);
-
-	return qdd >= 0 && tau >= 0 && argument == tau ? qdd : argument;
-}
-
 static int is_in_place(const struct dag *d)
 {
 	int tau = dag_find_role(d, ROLE_JOINT_TORQUE, 1);
 
-	return place_of(d, tau) != tau;
-}
-
-static int has_place(const struct dag *d, int argument)
-{
-	return !d->arguments[argument].per_batch && place_of(d, argument) == argument;
+	return stage_place(d, tau) != tau;
 }
 
 /* Words of shared memory that staging takes for one sample. */
@@ -59,7 +46,7 @@ static int stage_words(const struct emission *e)
 	int words = 0;
 
 	for (int i = 0; i < d->argument_count; i++)
-		if (has_place(d, i))
+		if (stage_has_place(d, i))
 			words += pitch(e, d->arguments[i].rows);
 	return words;
 }
@@ -91,8 +78,8 @@ static int is_staged(const struct emission *e)
 	if (emit_is_operation(e) || e->part_count || emit_main(e)->segments.count)
 		return 0;
 	if (e->options->layout == RNEAGEN_AOS)
-		return SMALLEST_BLOCK * stage_bytes(e) <= SHARED_BYTES;
-	return e->arithmetic->bytes == 8 && 2 * SMALLEST_BLOCK * stage_bytes(e) <= SHARED_BYTES;
+		return EMIT_SMALLEST_BLOCK * stage_bytes(e) <= EMIT_SHARED_BYTES;
+	return e->arithmetic->bytes == 8 && 2 * EMIT_SMALLEST_BLOCK * stage_bytes(e) <= EMIT_SHARED_BYTES;
 }
 
 /* A sample is taken for one of small angles and computed again if it was not: no test comes before the arithmetic, and no
@@ -111,7 +98,7 @@ int emit_block_size(const struct emission *e)
 	if (emit_main(e)->segments.count)
 		return emit_segments_block(e, emit_main(e));
 
-	while (is_staged(e) && block * stage_bytes(e) > SHARED_BYTES)
+	while (is_staged(e) && block * stage_bytes(e) > EMIT_SHARED_BYTES)
 		block /= 2;
 	return block;
 }
@@ -174,7 +161,7 @@ static const char *slices_text(const struct emission *e)
 
 	text_init(&t, e->arena);
 	for (int i = 0; i < d->argument_count; i++) {
-		if (!has_place(d, i))
+		if (!stage_has_place(d, i))
 			continue;
 		text_printf(&t, "%s*const %s_slice = ", last ? ", " : "", d->arguments[i].name);
 		if (last)
@@ -206,7 +193,7 @@ static const char *pointers_text(const struct emission *e)
 
 	text_init(&t, e->arena);
 	for (int i = 0; i < d->argument_count; i++) {
-		const struct argument *a = &d->arguments[i], *place = &d->arguments[place_of(d, i)];
+		const struct argument *a = &d->arguments[i], *place = &d->arguments[stage_place(d, i)];
 
 		if (a->per_batch)
 			continue;
@@ -235,7 +222,7 @@ static const char *move_slices(const struct emission *e, int out)
 			continue;
 		if (out)
 			text_printf(&t, "\t\trneagen_stage_out<%d, %d>(%s + first*%d, %s_slice, samples);\n", a->rows, words, a->name, a->rows,
-				d->arguments[place_of(d, i)].name);
+				d->arguments[stage_place(d, i)].name);
 		else
 			text_printf(&t, "\t\trneagen_stage_in<%d, %d>(%s_slice, %s + first*%d, samples);\n", a->rows, words, a->name, a->name,
 				a->rows);
@@ -253,7 +240,7 @@ static const char *move_samples(const struct emission *e, int out)
 	text_init(&t, e->arena);
 	for (int i = 0; i < d->argument_count; i++) {
 		const struct argument *a = &d->arguments[i];
-		const char *place = d->arguments[place_of(d, i)].name;
+		const char *place = d->arguments[stage_place(d, i)].name;
 
 		if (a->per_batch || a->is_output != out)
 			continue;
@@ -319,19 +306,10 @@ static void put_kernel(const struct emission *e, const struct pass *p, struct te
 	template_expand(out, !staged ? f->direct : is_aos ? f->staged_aos : f->staged_soa, slots, sizeof slots / sizeof *slots);
 }
 
-static const char *at_sample(const struct emission *e, const struct pass *p)
-{
-	struct text t;
-
-	text_init(&t, e->arena);
-	text_printf(&t, "%s, %s", emit_params(e, p, PARAMS_AT_SAMPLE), emit_stride(e));
-	return text_string(&t);
-}
-
 void emit_kernel(const struct emission *e, const struct pass *p, struct text *out)
 {
 	if (p->segments.count)
-		emit_segments_kernel(e, p, at_sample(e, p), out);
+		emit_segments_kernel(e, p, out);
 	else
 		put_kernel(e, p, out);
 }

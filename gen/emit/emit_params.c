@@ -64,7 +64,7 @@ static void put_at_sample(const struct emission *e, const struct argument *a, st
 
 static void put_declaration(const struct emission *e, const struct argument *a, enum params kind, struct text *out)
 {
-	const char *qualifier = kind == PARAMS_RESTRICT ? "restrict " : kind == PARAMS_CUDA_RESTRICT ? "__restrict__ " : "";
+	const char *qualifier = kind == PARAMS_FIRST && !a->per_batch ? "first_" : kind == PARAMS_RESTRICT ? "restrict " : kind == PARAMS_CUDA_RESTRICT ? "__restrict__ " : "";
 
 	text_printf(out, "%s%s *%s%s", a->is_output ? "" : "const ", e->memory->type, qualifier, a->name);
 }
@@ -109,5 +109,14 @@ const char *emit_q_at_sample(const struct emission *e)
 
 	text_init(&t, e->arena);
 	put_argument(e, emit_main(e), 0, PARAMS_AT_SAMPLE, &t);
+	return text_string(&t);
+}
+
+const char *emit_at_sample(const struct emission *e, const struct pass *p)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "%s, %s", emit_params(e, p, PARAMS_AT_SAMPLE), emit_stride(e));
 	return text_string(&t);
 }

@@ -10,7 +10,7 @@ enum { CACHE_BYTES = 16384, STACK_BYTES = 131072, MOST_LANES = 64, WIDE_LANES = 
 
 static int across_bytes(const struct emission *e, const struct segments *s)
 {
-	return s->slots[0] * e->arithmetic->bytes + s->slots[1] * 8;
+	return s->slots[0] * e->arithmetic->bytes + (e->wide ? s->slots[1] * e->wide->arithmetic->bytes : 0);
 }
 
 static int lanes_of(const struct emission *e, const struct segments *s)
@@ -81,52 +81,32 @@ static const char *across(const struct emission *e, const struct segments *s, en
 
 /* ---- bodies ---- */
 
-/* The arrays as a segment takes them: at the first of its samples. */
-static const char *first_params(const struct emission *e, const struct pass *p)
-{
-	struct text t;
-
-	text_init(&t, e->arena);
-	for (int i = 0; i < p->dag.argument_count; i++) {
-		const struct argument *a = &p->dag.arguments[i];
-
-		text_printf(&t, "%s%s%s *%s%s", i ? ", " : "", a->is_output ? "" : "const ", e->memory->type, a->per_batch ? "" : "first_",
-			a->name);
-	}
-	return text_string(&t);
-}
-
 /* What a segment reads and writes. */
 struct touched {
 	unsigned char arguments[DAG_ARGUMENTS];
-	int stride, across[2], step;
+	int across[2], step;
 };
 
 static struct touched touched_by(const struct plan *p)
 {
-	struct touched t = {.stride = 0};
+	struct touched t = {.step = 0};
 
 	for (const struct line *l = p->lines; l < p->lines + p->line_count; l++)
 		if (l->kind == LINE_FETCH || l->kind == LINE_KEEP) {
 			t.across[p->dag->nodes[l->value.i].is_wide] = 1;
 			t.step |= l->index > 0;
 		}
-	t.stride = emit_mark_arguments(p, t.arguments);
+	emit_mark_arguments(p, t.arguments);
 	return t;
 }
 
 /* Parameters that it does not touch. */
 static void put_unused(const struct emission *e, const struct pass *p, const struct plan *lines, const struct touched *t, struct text *out)
 {
-	for (int i = 0; i < p->dag.argument_count; i++)
-		if (!t->arguments[i])
-			text_printf(out, "\t(void)%s%s;\n", p->dag.arguments[i].per_batch ? "" : "first_", p->dag.arguments[i].name);
-	text_put(out, t->stride ? "" : "\t(void)stride;\n");
+	emit_unused(e, lines, "first_", out);
 	text_put(out, t->across[0] ? "" : "\t(void)first_across;\n");
 	text_put(out, p->segments.slots[1] && !t->across[1] ? "\t(void)first_wide_across;\n" : "");
 	text_put(out, t->step ? "" : "\t(void)step;\n");
-	if (emit_has_known(e))
-		emit_unused_sines(e, lines, out);
 }
 
 /* This lane's place in the arrays. */
@@ -160,7 +140,7 @@ static void put_segment(const struct emission *e, const struct pass *p, int k, s
 	text_put(&begin, emit_has_known(e) ? "\tint all_small = 1;\n" : "");
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)}, {"COUNT", emit_int(e, s->count)},
-		{"FIRST_PARAMS", first_params(e, p)}, {"ACROSS_PARAMS", across(e, s, FIRST)},
+		{"FIRST_PARAMS", emit_params(e, p, PARAMS_FIRST)}, {"ACROSS_PARAMS", across(e, s, FIRST)},
 		{"KNOWN_PARAM", emit_known_params(e)}, {"RESULT", emit_has_known(e) ? "int" : "void"},
 		{"BEGIN", text_string(&begin)}, {"END", emit_has_known(e) ? "\treturn all_small;\n" : ""},
 	};
@@ -201,16 +181,18 @@ static const char *handed_on(const struct emission *e, const char *names)
 }
 
 
-static const char *lanes_functions(const struct emission *e, const struct pass *p, const char *count_param, const char *at_sample)
+static const char *lanes_functions(const struct emission *e, const struct pass *p, const char *count_param)
 {
 	const struct segments *s = &p->segments;
+	const char *at_sample = emit_at_sample(e, p);
 	struct text t;
 
 	text_init(&t, e->arena);
 	for (int k = 0; k < s->count; k++) {
 		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
 			{"LANES", emit_int(e, lanes_of(e, s))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", count_param},
-			{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"KNOWN", handed_on(e, emit_known_names(e))}, {"KNOWN_PARAM", emit_known_params(e)},
+			{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
+			{"KNOWN", handed_on(e, emit_known_names(e))}, {"KNOWN_PARAM", emit_known_params(e)},
 			{"ACROSS_PARAMS", across(e, s, PARAMETER)}, {"RESTRICT_ACROSS", across(e, s, RESTRICT)},
 			{"AT_SAMPLE", at_sample},
 			{"ACROSS_NAMES", across(e, s, NAME)}, {"UNKNOWN", handed_on(e, emit_unknown_names(e))}};
@@ -242,17 +224,18 @@ static const char *and_small(const struct emission *e, const char *are_small)
 	return text_string(&t);
 }
 
-void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *call_any, const char *at_sample,
-	struct text *out)
+void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *call_any, struct text *out)
 {
 	int is_soa = e->options->layout == RNEAGEN_SOA;
 	const char *count_param = is_soa ? "size_t count, " : "";
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
-		{"KNOWN", handed_on(e, emit_known_names(e))}, {"KNOWN_PARAM", emit_known_params(e)}, {"WHATEVER", emit_has_known(e) ? ", whatever its angles" : ""},
+		{"KNOWN", handed_on(e, emit_known_names(e))}, {"KNOWN_PARAM", emit_known_params(e)},
+		{"WHATEVER", emit_has_known(e) ? ", whatever its angles" : ""},
 		{"WHERE_SMALL", emit_has_known(e) ? " where their angles are small, which is the rule" : ""},
-		{"AND_SMALL", and_small(e, are_small)}, {"CALL_ANY", call_any}, {"COUNT_PARAM", count_param}, {"AT_SAMPLE", at_sample}, {"LANES", emit_int(e, lanes_of(e, &p->segments))},
-		{"LANES_FUNCTIONS", lanes_functions(e, p, count_param, at_sample)}, {"CALLS", calls_of(e, p, "\t\t\t", "lanes", is_soa ? "count, first" : "first", "")},
+		{"AND_SMALL", and_small(e, are_small)}, {"CALL_ANY", call_any}, {"COUNT_PARAM", count_param},
+		{"AT_SAMPLE", emit_at_sample(e, p)}, {"LANES", emit_int(e, lanes_of(e, &p->segments))},
+		{"LANES_FUNCTIONS", lanes_functions(e, p, count_param)}, {"CALLS", calls_of(e, p, "\t\t\t", "lanes", is_soa ? "count, first" : "first", "")},
 		{"ONE_CALLS", calls_of(e, p, "\t", "one", "stride", handed_on(e, emit_known_names(e)))}, {"ONE_DECLARATIONS", across(e, &p->segments, LOCAL)},
 		{"DECLARATIONS", across(e, &p->segments, LANES)}};
 
@@ -262,8 +245,8 @@ void emit_segments_part(const struct emission *e, const struct pass *p, const ch
 /* ---- kernels ---- */
 
 /* Samples of a thread (H100, 1 M samples, ps): g1_brainco in f32, 1, 2 and 4 take 1338, 742 and 643; in f64, 1 and 2 take 3254 and 2487;
-   romeo in f64, 2 and 4 take 526 and 546. A block's own shared memory. */
-enum { MOST_SINGLE = 4, MOST_DOUBLE = 2, LARGEST_BLOCK = 64, SMALLEST_BLOCK = 32, OWN_SHARED = 49152 };
+   romeo in f64, 2 and 4 take 526 and 546. */
+enum { MOST_SINGLE = 4, MOST_DOUBLE = 2, LARGEST_BLOCK = 64 };
 
 int emit_segments_bytes(const struct emission *e, const struct pass *p)
 {
@@ -279,12 +262,13 @@ int emit_segments_samples(const struct emission *e)
 
 int emit_segments_block(const struct emission *e, const struct pass *p)
 {
-	return LARGEST_BLOCK * 2 * emit_segments_bytes(e, p) > OWN_SHARED ? SMALLEST_BLOCK : LARGEST_BLOCK;
+	return LARGEST_BLOCK * 2 * emit_segments_bytes(e, p) > EMIT_SHARED_BYTES ? EMIT_SMALLEST_BLOCK : LARGEST_BLOCK;
 }
 
-static const char *loops_in_kernel(const struct emission *e, const struct pass *p, const char *at_sample)
+static const char *loops_in_kernel(const struct emission *e, const struct pass *p)
 {
 	int has_angles = emit_has_known(e) && emit_has_angles(e, p);
+	const char *at_sample = emit_at_sample(e, p);
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -299,9 +283,9 @@ static const char *loops_in_kernel(const struct emission *e, const struct pass *
 	return text_string(&t);
 }
 
-static const char *rounds_in_kernel(const struct emission *e, const struct pass *p, const char *at_sample)
+static const char *rounds_in_kernel(const struct emission *e, const struct pass *p)
 {
-	const char *loops = loops_in_kernel(e, p, at_sample);
+	const char *loops = loops_in_kernel(e, p);
 	struct text t;
 
 	if (!emit_has_known(e) || !emit_has_angles(e, p))
@@ -311,13 +295,13 @@ static const char *rounds_in_kernel(const struct emission *e, const struct pass 
 	return text_string(&t);
 }
 
-void emit_segments_kernel(const struct emission *e, const struct pass *p, const char *at_sample, struct text *out)
+void emit_segments_kernel(const struct emission *e, const struct pass *p, struct text *out)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
 		{"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"}, {"MOST", emit_int(e, emit_segments_samples(e))},
-		{"BYTES", emit_int(e, emit_segments_bytes(e, p))},
+		{"BYTES", emit_int(e, emit_segments_bytes(e, p))}, {"SHARED_BYTES", emit_int(e, EMIT_SHARED_BYTES)},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"SHARED", across(e, &p->segments, SHARED)},
-		{"LOCAL", across(e, &p->segments, LOCAL)}, {"ROUNDS", rounds_in_kernel(e, p, at_sample)}};
+		{"LOCAL", across(e, &p->segments, LOCAL)}, {"ROUNDS", rounds_in_kernel(e, p)}};
 
 	template_expand(out, template_kernel_segments_in, slots, sizeof slots / sizeof *slots);
 }

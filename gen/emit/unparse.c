@@ -101,17 +101,26 @@ static void put_expression(const struct unparser *u, struct ref a, struct text *
 	}
 }
 
+/* Of an array in a batch, `step` from one to the next. */
+static void put_index(const char *array, unsigned i, const char *step, struct text *out)
+{
+	if (i == 0)
+		text_printf(out, "%s[0]", array);
+	else if (i == 1)
+		text_printf(out, "%s[%s]", array, step);
+	else
+		text_printf(out, "%s[%u*%s]", array, i, step);
+}
+
 /* A row of an argument: in a batch the rows have a stride, but not of what all samples share. */
 static void put_element(const struct unparser *u, int argument, int row, struct text *out)
 {
 	const struct argument *a = &u->plan->dag->arguments[argument];
 
-	if (a->per_batch || u->numbers->is_beside || row == 0)
+	if (a->per_batch || u->numbers->is_beside)
 		text_printf(out, "%s[%d]", a->name, row);
-	else if (row == 1)
-		text_printf(out, "%s[stride]", a->name);
 	else
-		text_printf(out, "%s[%d*stride]", a->name, row);
+		put_index(a->name, (unsigned)row, "stride", out);
 }
 
 static void put_load(const struct unparser *u, const struct node *n, struct text *out)
@@ -204,14 +213,7 @@ static void put_assignment(const struct unparser *u, struct ref a, struct text *
 /* Where a value stands between segments. */
 static void put_slot(const struct unparser *u, const struct line *l, struct text *out)
 {
-	const char *array = u->plan->dag->nodes[l->value.i].is_wide ? "wide_across" : "across";
-
-	if (l->index == 0)
-		text_printf(out, "%s[0]", array);
-	else if (l->index == 1)
-		text_printf(out, "%s[step]", array);
-	else
-		text_printf(out, "%s[%u*step]", array, (unsigned)l->index);
+	put_index(u->plan->dag->nodes[l->value.i].is_wide ? "wide_across" : "across", (unsigned)l->index, "step", out);
 }
 
 static void put_fetch(const struct unparser *u, const struct line *l, struct text *out)

@@ -22,14 +22,6 @@ static void list(const struct listing *x, struct restatement r)
 		x->f->of[x->f->count++] = r;
 }
 
-static struct sum sum_of(struct within a)
-{
-	struct sum s = {0};
-
-	sum_add(&s, a);
-	return s;
-}
-
 /* Turned by so much more; a joint that slides has no angle. */
 static void list_turn(const struct listing *x, struct turn more)
 {
@@ -58,7 +50,7 @@ static void list_along(const struct listing *x, struct sum u, struct sum v)
 
 static void list_vector(const struct listing *x, const struct within v[3])
 {
-	list_along(x, sum_of(v[x->i]), sum_of(v[x->j]));
+	list_along(x, sum_from(v[x->i]), sum_from(v[x->j]));
 }
 
 static int is_child(const struct listing *x, int i)
@@ -75,7 +67,7 @@ static void list_half(const struct listing *x, struct within u, struct within v)
 
 	if (v.x == 0)
 		return;
-	unit = turn_of(sum_of(u), sum_of(v));
+	unit = turn_of(sum_from(u), sum_from(v));
 	larger = u.x < 0 ? within_sub(within_exact(1), unit.c) : within_add(within_exact(1), unit.c);
 	larger = within_mul(root, within_sqrt(larger));
 	other = within_div(unit.s, within_mul(within_exact(2), larger));
@@ -123,7 +115,7 @@ void frames_split(struct frames *f, const struct tree *now, const struct restate
 		const struct within *v = x.k->X.R.m[row];
 
 		for (int second = 0; second < 2; second++) {
-			struct turn more = turn_of(sum_of(v[x.i]), sum_of(v[x.j]));
+			struct turn more = turn_of(sum_from(v[x.i]), sum_from(v[x.j]));
 			struct restatement r = *x.by;
 
 			if (v[x.i].x == 0 || v[x.j].x == 0)
@@ -139,11 +131,10 @@ void frames_split(struct frames *f, const struct tree *now, const struct restate
 static void list_slide(const struct listing *x, struct within by)
 {
 	struct restatement r = *x->by;
-	struct sum s = {0};
+	struct sum s = sum_from(r.slide[x->k->axis]);
 
 	if (by.x == 0)
 		return;
-	sum_add(&s, r.slide[x->k->axis]);
 	sum_add(&s, by);
 	r.slide[x->k->axis] = sum_total(s);
 	list(x, r);

@@ -1,6 +1,7 @@
 #ifndef RNEAGEN_PATH_H
 #define RNEAGEN_PATH_H
-/* A body with those that it hangs on and those that hang on it: what its constants cost shows there, whatever the size of the tree. */
+/* A body with those that it hangs on and those that hang on it: what its constants cost shows there, whatever the size of
+   the tree. */
 
 #include "tree/tree.h"
 

@@ -149,7 +149,7 @@ static void improve(struct search *s, int body, const struct frames *f)
 	long least = f->count ? path_flops(s, body) : 0;
 
 	for (int i = 0; i < f->count && !s->e->code; i++) {
-		struct restatement best = s->by[body];
+		struct restatement before = s->by[body];
 		long flops;
 
 		s->by[body] = f->of[i];
@@ -158,7 +158,7 @@ static void improve(struct search *s, int body, const struct frames *f)
 			least = flops;
 			wait(s, body);
 		} else {
-			s->by[body] = best;
+			s->by[body] = before;
 		}
 	}
 }

@@ -1,4 +1,6 @@
 #include "plan/segment_limits.h"
+#include "plan/owners.h"
+#include "plan/stage.h"
 #include <limits.h>
 
 /* Loops on a processor. Segments of 400 to 1600 operations are as fast, within 4 %: batches of atlas take 0.89 to 0.93 of the time of the
@@ -22,22 +24,14 @@ static struct segment_limits loop_limits(unsigned flops)
 	return flops > LOOP_LEAST ? x : none;
 }
 
-/* Rows of a sample, the torques in the place of the accelerations. */
+/* Rows of a sample that have a place. */
 static int staged_rows(const struct dag *d)
 {
-	int rows = 0, in_place = dag_find_role(d, ROLE_JOINT_ACCELERATION, 0) >= 0 ? dag_find_role(d, ROLE_JOINT_TORQUE, 1) : -1;
+	int rows = 0;
 
 	for (int i = 0; i < d->argument_count; i++)
-		rows += d->arguments[i].per_batch || i == in_place ? 0 : d->arguments[i].rows;
+		rows += stage_has_place(d, i) ? d->arguments[i].rows : 0;
 	return rows;
-}
-
-static int wants_matrix(const struct request *k)
-{
-	for (int i = 0; i < k->want_count; i++)
-		if (request_is_matrix(k->wants[i].kind))
-			return 1;
-	return 0;
 }
 
 static struct segment_limits kernel_limits(const struct pass *p, unsigned flops, const struct request *k, const struct rneagen_options *o)
@@ -45,7 +39,7 @@ static struct segment_limits kernel_limits(const struct pass *p, unsigned flops,
 	struct segment_limits none = {0};
 	int is_single = o->precision == RNEAGEN_F32;
 
-	if (o->layout != RNEAGEN_SOA || o->precision == RNEAGEN_F32X2 || k->is_forward || request_wants_derivative(k) || wants_matrix(k))
+	if (o->layout != RNEAGEN_SOA || o->precision == RNEAGEN_F32X2 || k->is_forward || request_wants_derivative(k) || owners_matrix(k))
 		return none;
 	if (is_single)
 		return flops > KERNEL_LEAST_SINGLE ? (struct segment_limits){KERNEL_LONG_OPERATIONS, 0, ROOM_SINGLE / 4} : none;

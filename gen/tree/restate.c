@@ -117,22 +117,14 @@ static struct inertia common(const struct body *k, enum regroup how)
 	return I;
 }
 
-static struct sum sum_of(struct within a)
-{
-	struct sum s = {0};
-
-	sum_add(&s, a);
-	return s;
-}
-
 static struct inertia_sum inertia_sum_of(const struct inertia *I)
 {
-	struct inertia_sum s = {.mass = sum_of(I->mass)};
+	struct inertia_sum s = {.mass = sum_from(I->mass)};
 
 	for (int i = 0; i < 3; i++)
-		s.h[i] = sum_of(I->h[i]);
+		s.h[i] = sum_from(I->h[i]);
 	for (int i = 0; i < 6; i++)
-		s.I[i] = sum_of(I->I[i]);
+		s.I[i] = sum_from(I->I[i]);
 	return s;
 }
 

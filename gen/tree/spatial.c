@@ -19,6 +19,14 @@ void sum_add(struct sum *s, struct within term)
 	s->size += fabsl(term.x);
 }
 
+struct sum sum_from(struct within term)
+{
+	struct sum s = {0};
+
+	sum_add(&s, term);
+	return s;
+}
+
 struct within sum_total(struct sum s)
 {
 	return fabsl(s.value.x) <= 4 * 0x1p-53L * s.size ? within_exact(0) : s.value;

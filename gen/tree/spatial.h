@@ -28,6 +28,7 @@ struct sum {
 };
 
 void sum_add(struct sum *s, struct within term);
+struct sum sum_from(struct within term);
 
 /* The value, or exactly 0 when |value| <= 4 * 2^-53 * (sum of |terms|), the noise that doubles in the URDF leave. */
 struct within sum_total(struct sum s);

@@ -134,7 +134,8 @@ START_TEST(equal_rows_equal_bytes)
 {
 	static struct study study;
 	struct study_options options = {.sample = {.count = 10}};
-	struct study_row rows[] = {{.backend = RNEA_BACKEND_HOST, .precision = RNEAGEN_F32, .batch = 9, .ns = 5, .floor_ratio = 0.5, .errors = {.max = 1e-7}},
+	struct study_row rows[] = {
+		{.backend = RNEA_BACKEND_HOST, .precision = RNEAGEN_F32, .batch = 9, .ns = 5, .floor_ratio = 0.5, .errors = {.max = 1e-7}},
 		{.backend = RNEA_BACKEND_HOST, .precision = RNEAGEN_F64, .batch = 9, .ns = 9, .floor_ratio = 0.6, .errors = {.max = 1e-16}}};
 	struct report report = {.study = &study, .rows = rows, .count = 2};
 	struct rneagen_error e = {0};

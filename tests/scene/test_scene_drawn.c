@@ -46,8 +46,8 @@ START_TEST(drawn)
 	scene_trial_close();
 	for (int key = 0; key < SCENE_KEY_COUNT; key++)
 		wordy += words[key] > 0;
-	printf("seed %llu: %d of %d scenes accepted, %d of %d that were garbled; %d of %d words\n", (unsigned long long)seed, accepted[0],
-		count[0], accepted[1], count[1], wordy, SCENE_KEY_COUNT);
+	printf("seed %llu: %d of %d scenes accepted, %d of %d that were garbled; %d of %d words\n", (unsigned long long)seed,
+		accepted[0], count[0], accepted[1], count[1], wordy, SCENE_KEY_COUNT);
 	ck_assert_int_gt(accepted[0] * 4, count[0] * 3);
 	ck_assert_int_lt(accepted[1], count[1]);
 	ck_assert_int_eq(wordy, SCENE_KEY_COUNT);
