@@ -5,6 +5,7 @@
 #include "emit/emit.h"
 #include "passes/analysis.h"
 #include "plan/parts.h"
+#include "plan/limbs.h"
 #include "plan/segment_limits.h"
 #include "tell/dot.h"
 #include "tell/dump.h"
@@ -164,6 +165,16 @@ static enum rneagen_code segments_make_all(struct generation *g)
 	return a->error->code;
 }
 
+/* Of the main function alone. */
+static enum rneagen_code limbs_make_all(struct generation *g)
+{
+	struct analysis *a = &g->analysis;
+
+	if (!target_type_of(a->options.target)->kernel)
+		return RNEAGEN_OK;
+	return limbs_choose(&g->passes[0], &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
+}
+
 static enum rneagen_code warn(struct generation *g)
 {
 	g->result->name = g->analysis.options.name;
@@ -292,6 +303,7 @@ static const struct stage PASSES[] = {
 	{"plan_build", "names and lines", SECOND_HALF(plan_build_all), DUMPED(plan, PLAN)},
 	{"parts_choose", "parts of the grid", SECOND_HALF(parts_choose), DUMPED(parts, PARTS)},
 	{"segments_choose", "stretches that run for several samples", SECOND_HALF(segments_make_all), DUMPED(segments, SEGMENTS)},
+	{"limbs_choose", "warps that share out a sample", SECOND_HALF(limbs_make_all), DUMPED(limbs, LIMBS)},
 	{"measure", "what choices change and save", SECOND_HALF(measure), SILENT},
 	{"warn", "warnings", SECOND_HALF(warn), SILENT},
 	{"emit", "the text, and its header", SECOND_HALF(emit), SILENT},

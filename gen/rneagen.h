@@ -30,14 +30,14 @@ enum rneagen_layout { RNEAGEN_SOA, RNEAGEN_AOS };                               
 enum rneagen_trig { RNEAGEN_ACCURATE, RNEAGEN_BOUNDED, RNEAGEN_FAST };
 enum rneagen_base { RNEAGEN_FIXED, RNEAGEN_FLOATING };
 enum rneagen_mimic { RNEAGEN_MIMIC_HONOUR, RNEAGEN_MIMIC_INDEPENDENT };
-enum { RNEAGEN_PARTS_AUTO = 0, RNEAGEN_SEGMENTS_AUTO = 0, RNEAGEN_SEGMENTS_WHOLE = 1 };
+enum { RNEAGEN_PARTS_AUTO = 0, RNEAGEN_SEGMENTS_AUTO = 0, RNEAGEN_SEGMENTS_WHOLE = 1, RNEAGEN_LIMBS_AUTO = 0, RNEAGEN_LIMBS_NONE = 1 };
 /* What there is to tell beside the text. */
 enum rneagen_tell { RNEAGEN_TELL_INFO = 1, RNEAGEN_TELL_JSON = 2, RNEAGEN_TELL_DOT = 4,
 	RNEAGEN_TELL_ALL = RNEAGEN_TELL_INFO | RNEAGEN_TELL_JSON | RNEAGEN_TELL_DOT };
 
 /* What a pass has made, or PASSES: the list of them. */
 enum rneagen_dump { RNEAGEN_DUMP_NONE, RNEAGEN_DUMP_ROBOT, RNEAGEN_DUMP_TREE, RNEAGEN_DUMP_DAG, RNEAGEN_DUMP_PLAN, RNEAGEN_DUMP_SCENE,
-	RNEAGEN_DUMP_REQUEST, RNEAGEN_DUMP_PARTS, RNEAGEN_DUMP_PASSES, RNEAGEN_DUMP_PARAMS, RNEAGEN_DUMP_SEGMENTS };
+	RNEAGEN_DUMP_REQUEST, RNEAGEN_DUMP_PARTS, RNEAGEN_DUMP_PASSES, RNEAGEN_DUMP_PARAMS, RNEAGEN_DUMP_SEGMENTS, RNEAGEN_DUMP_LIMBS };
 
 /* What to generate. Start from rneagen_options_default(). Strings belong to the caller and must outlive the call. */
 struct rneagen_options {
@@ -55,6 +55,8 @@ struct rneagen_options {
 		      registers and the instruction cache have room for, 1 where a text cannot be split */
 	int segments; /* operations of a segment at most: a stretch of a text that runs for several samples before the next one does;
 			 default RNEAGEN_SEGMENTS_AUTO: where that is faster, or compiles faster; RNEAGEN_SEGMENTS_WHOLE: none */
+	int limbs; /* warps of a kernel for small batches, which share out each sample; default RNEAGEN_LIMBS_AUTO: as many as make it
+		      shortest, RNEAGEN_LIMBS_NONE: there is no such kernel */
 	double gravity[3];  /* m/s^2, in the frame of the root link's parent, the world; default 0 0 -9.81. Bounds hold for any
 			       decimals that are read as these doubles; a whole number is meant as it is */
 	const char *order;  /* names of all joints with entries in q, comma-separated; NULL: depth-first, by name */

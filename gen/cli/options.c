@@ -82,10 +82,24 @@ static int parse_segments(const char *command, const char *word, int *segments)
 	return 0;
 }
 
+static int parse_limbs(const char *command, const char *word, int *limbs)
+{
+	char *end;
+	long n = strtol(word, &end, 10);
+
+	*limbs = !strcmp(word, "none") ? RNEAGEN_LIMBS_NONE : RNEAGEN_LIMBS_AUTO;
+	if (!strcmp(word, "auto") || !strcmp(word, "none"))
+		return 0;
+	*limbs = (int)n;
+	if (end == word || *end || n < 2 || n > 16)
+		return option_refuse(command, "--limbs takes a number of warps from 2 to 16, auto or none, not '%s'", word);
+	return 0;
+}
+
 /* Options that take one word of a few, from OPTION_TARGET to OPTION_DUMP. */
 static const struct choice {
 	const char *option;
-	struct option_choice words[11];
+	struct option_choice words[12];
 } CHOICES[] = {
 #define TARGET_WORD(name, word) {word, RNEAGEN_TARGET_##name},
 #define PRECISION_WORD(name, word) {word, RNEAGEN_##name},
@@ -99,7 +113,7 @@ static const struct choice {
 	{"mimic", {{"honour", RNEAGEN_MIMIC_HONOUR}, {"independent", RNEAGEN_MIMIC_INDEPENDENT}}},
 	{"dump", {{"robot", RNEAGEN_DUMP_ROBOT}, {"scene", RNEAGEN_DUMP_SCENE}, {"tree", RNEAGEN_DUMP_TREE},
 		{"params", RNEAGEN_DUMP_PARAMS}, {"request", RNEAGEN_DUMP_REQUEST}, {"dag", RNEAGEN_DUMP_DAG}, {"plan", RNEAGEN_DUMP_PLAN}, {"parts", RNEAGEN_DUMP_PARTS},
-		{"segments", RNEAGEN_DUMP_SEGMENTS}, {"passes", RNEAGEN_DUMP_PASSES}}},
+		{"segments", RNEAGEN_DUMP_SEGMENTS}, {"limbs", RNEAGEN_DUMP_LIMBS}, {"passes", RNEAGEN_DUMP_PASSES}}},
 };
 
 static void set_choice(struct rneagen_options *o, int key, int value)
@@ -347,6 +361,8 @@ int option_generate(const char *command, struct rneagen_options *o, int key, con
 		return parse_parts(command, word, &o->parts);
 	if (key == OPTION_SEGMENTS)
 		return parse_segments(command, word, &o->segments);
+	if (key == OPTION_LIMBS)
+		return parse_limbs(command, word, &o->limbs);
 	if (key == OPTION_QD_RANGE || key == OPTION_QDD_RANGE)
 		return take_short_range(command, o, key == OPTION_QD_RANGE ? "qd" : "qdd", word);
 	if (key == OPTION_SCENE_FILE)

@@ -9,7 +9,7 @@
 
 /* What getopt_long returns. A command's own options follow from OPTION_OWN on. */
 enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_TRIG, OPTION_BASE, OPTION_MIMIC,
-	OPTION_DUMP, OPTION_GRAVITY, OPTION_ORDER, OPTION_STRICT, OPTION_PARTS, OPTION_SEGMENTS, OPTION_HELP, OPTION_VERSION,
+	OPTION_DUMP, OPTION_GRAVITY, OPTION_ORDER, OPTION_STRICT, OPTION_PARTS, OPTION_SEGMENTS, OPTION_LIMBS, OPTION_HELP, OPTION_VERSION,
 	OPTION_QD_RANGE, OPTION_QDD_RANGE, OPTION_SCENE_FILE, OPTION_SCENE, OPTION_OWN = 512 };
 
 /* Rows for getopt_long: what torques are wanted, whatever text they come from. */
@@ -90,7 +90,7 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 #define OPTIONS_TEXT                                                                                                   \
 	{"target", required_argument, NULL, OPTION_TARGET}, {"layout", required_argument, NULL, OPTION_LAYOUT},        \
 	{"dump", required_argument, NULL, OPTION_DUMP}, {"parts", required_argument, NULL, OPTION_PARTS}, \
-	{"segments", required_argument, NULL, OPTION_SEGMENTS}
+	{"segments", required_argument, NULL, OPTION_SEGMENTS}, {"limbs", required_argument, NULL, OPTION_LIMBS}
 
 struct option_choice {
 	const char *name; /* NULL ends a list */

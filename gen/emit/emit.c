@@ -343,6 +343,8 @@ void emit_source(const struct emission *e, struct text *out)
 	text_init(&kernels, e->arena);
 	for (int i = 0; i < e->pass_count && e->target->kernel; i++)
 		emit_kernel(e, &p[i], &kernels);
+	if (emit_has_limbs(e))
+		emit_limbs(e, &kernels);
 	const struct slot slots[] = {
 		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"INFO", info_text(e)}, {"PATTERNS", emit_patterns(e)},
 		{"ARITHMETIC", emit_arithmetic(e, e->target)}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},

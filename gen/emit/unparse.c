@@ -243,6 +243,9 @@ static void put_statement(const struct unparser *u, const struct line *l, struct
 	case LINE_KEEP:
 		put_keep(u, l, out);
 		break;
+	case LINE_JOIN:
+		text_put(out, "__syncthreads()");
+		break;
 	default:
 		put_assignment(unparser_of(u, l->value), l->value, out);
 	}

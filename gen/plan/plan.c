@@ -303,7 +303,7 @@ int plan_alive(const struct plan *p, struct arena *a)
 
 void plan_dump(const struct plan *p, struct text *t)
 {
-	static const char *const kinds[] = {"section", "input", "value", "sincos", "store", "fetch", "keep"};
+	static const char *const kinds[] = {"section", "input", "value", "sincos", "store", "fetch", "keep", "join"};
 	static const char *const kinds_of_section[SECTION_COUNT] = {"out", "back", "end", "freed", "totals", "bias", "gravity", "by",
 		"products", "factors", "articulated", "inverse", "residual", "refined", "bound"};
 

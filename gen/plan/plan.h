@@ -5,7 +5,7 @@
 
 #include "dynamics/registry.h"
 
-enum line_kind { LINE_SECTION, LINE_INPUT, LINE_VALUE, LINE_SINCOS, LINE_STORE, LINE_FETCH, LINE_KEEP };
+enum line_kind { LINE_SECTION, LINE_INPUT, LINE_VALUE, LINE_SINCOS, LINE_STORE, LINE_FETCH, LINE_KEEP, LINE_JOIN };
 
 struct line {
 	enum line_kind kind;
@@ -28,12 +28,22 @@ struct segments {
 	int slots[2];       /* of a sample across the cuts: of numbers, of wide numbers */
 };
 
+/* The plan once more, shared out among warps that wait for each other between phases (limbs.h). */
+struct limbs {
+	int warps;          /* 0: there are none */
+	struct plan *plans; /* each the lines of a warp, what it fetches and keeps among them, and where it waits */
+	int phases;
+	int slots;          /* of a sample, for what goes across */
+	unsigned longest, whole; /* operations of the longest warp, the phases after each other, and of the whole plan */
+};
+
 /* One generated function on its way to text. */
 struct pass {
 	const struct algorithm *algorithm;
 	struct dag dag; /* fused */
 	struct plan plan;
 	struct segments segments;
+	struct limbs limbs;
 };
 
 struct operation_count {

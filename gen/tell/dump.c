@@ -1,4 +1,5 @@
 #include "tell/dump.h"
+#include "plan/limbs.h"
 #include "plan/segments.h"
 
 void dump_robot(const struct dumped *d, struct text *out)
@@ -45,4 +46,9 @@ void dump_segments(const struct dumped *d, struct text *out)
 {
 	for (int i = 0; i < d->pass_count; i++)
 		segments_dump(&d->passes[i], out);
+}
+
+void dump_limbs(const struct dumped *d, struct text *out)
+{
+	limbs_dump(d->passes, out);
 }

@@ -15,6 +15,7 @@ struct dumped {
 
 typedef void dump_function(const struct dumped *d, struct text *out);
 
-dump_function dump_robot, dump_scene, dump_tree, dump_params, dump_request, dump_dag, dump_plan, dump_parts, dump_segments;
+dump_function dump_robot, dump_scene, dump_tree, dump_params, dump_request, dump_dag, dump_plan, dump_parts, dump_segments,
+	dump_limbs;
 
 #endif

@@ -1,0 +1,103 @@
+/* The kernel of small batches: a function for each warp, and the kernel that calls them. */
+#include "base/fold.h"
+#include "base/template.h"
+#include "emit/emit.h"
+#include "emit/unparse.h"
+
+int emit_has_limbs(const struct emission *e)
+{
+	return e->target->kernel && emit_main(e)->limbs.warps;
+}
+
+/* The angles whose sines a warp makes. */
+static struct angles angles_of(const struct emission *e, const struct plan *lines)
+{
+	struct angles list = {.dag = lines->dag, .angle = arena_alloc(e->arena, lines->line_count, sizeof *list.angle)};
+
+	for (size_t i = 0; list.angle && i < lines->line_count; i++)
+		if (lines->lines[i].kind == LINE_SINCOS)
+			list.angle[list.count++] = lines->dag->nodes[lines->lines[i].value.i].arg[0];
+	return list;
+}
+
+static const char *small_text(const struct emission *e, int angles)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < angles; i++) {
+		text_printf(&t, "%sfabs%s(x[%d]) <= ", i ? " && " : "", e->arithmetic->suffix, i);
+		emit_number(e, e->arithmetic, (real)e->arithmetic->domain, &t);
+	}
+	return text_string(&t);
+}
+
+/* Sines of large angles, before all that asks for sines. */
+static void put_known(const struct emission *e, const struct pass *p, const struct angles *list, struct text *out)
+{
+	const struct number_type *n = e->numbers;
+	struct text each;
+
+	if (!list->count)
+		return;
+	text_init(&each, e->arena);
+	unparse_angles(e, p, n, list, "", &each);
+	const struct slot slots[] = {{"X", n->angle_is_memory ? n->memory->type : n->value}, {"T", n->value},
+		{"ANGLES", emit_int(e, list->count)}, {"SINES", emit_int(e, 2 * list->count)}, {"EACH", text_string(&each)},
+		{"SMALL", small_text(e, list->count)}, {"SINCOS", e->options->strict ? n->strict_sincos : n->sincos}};
+
+	template_expand(out, template_limb_known_in, slots, sizeof slots / sizeof *slots);
+}
+
+static void put_warp(const struct emission *e, const struct pass *p, int warp, struct writer *w, struct text *out)
+{
+	const struct plan *lines = &p->limbs.plans[warp];
+	const struct angles list = angles_of(e, lines);
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, warp)},
+		{"COUNT", emit_int(e, p->limbs.warps)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"T", e->numbers->value}};
+	size_t from = out->length, count = sizeof slots / sizeof *slots;
+	const char *rest = template_expand_to(out, template_limb_in, "BODY", slots, count);
+
+	if (emit_has_known(e))
+		put_known(e, p, &list, out);
+	w->own.sines = list;
+	unparse_lines(w, lines, out);
+	if (emit_has_known(e) && list.count)
+		text_put(out, "\t(void)all_small;\n");
+	fold(out, from);
+	template_expand(out, rest, slots, count);
+}
+
+static const char *warps_text(const struct emission *e, const struct pass *p)
+{
+	struct text t;
+	struct writer w;
+
+	text_init(&t, e->arena);
+	unparse_begin(&w, e, p, e->numbers);
+	for (int i = 0; i < p->limbs.warps; i++)
+		put_warp(e, p, i, &w, &t);
+	return text_string(&t);
+}
+
+static const char *cases_text(const struct emission *e, const struct pass *p)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < p->limbs.warps; i++)
+		text_printf(&t, "\tcase %d:\n\t\t%s_%s_limb%d(%s, across + threadIdx.x);\n\t\tbreak;\n", i, e->options->name, p->algorithm->name, i,
+			emit_at_sample(e, p));
+	return text_string(&t);
+}
+
+void emit_limbs(const struct emission *e, struct text *out)
+{
+	const struct pass *p = emit_main(e);
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->numbers->value},
+		{"COUNT", emit_int(e, p->limbs.warps)}, {"THREADS", emit_int(e, 32 * p->limbs.warps)},
+		{"SLOTS", emit_int(e, p->limbs.slots ? p->limbs.slots : 1)}, {"WARPS", warps_text(e, p)}, {"CASES", cases_text(e, p)},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}};
+
+	template_expand(out, template_kernel_limbs_in, slots, sizeof slots / sizeof *slots);
+}

@@ -1,0 +1,25 @@
+#ifndef RNEAGEN_LIMBS_H
+#define RNEAGEN_LIMBS_H
+/* A plan shared out among warps that compute the same samples side by side: limbs first, then what joins them. */
+
+#include "plan/plan.h"
+#include "rneagen.h"
+
+struct limbs_limits {
+	int warps, least;  /* at most, and at least; 0: two */
+	unsigned across;   /* values in shared memory at most */
+	unsigned join;     /* what it costs to wait for all warps, in operations */
+};
+
+/* Share out the plan so that the longest warp is short, where that takes less than the whole by a tenth; s->warps is 0 where it does not. Inputs are
+   read, and cheap values made, by each warp that takes them; what one makes in a phase and another takes in a later one goes across in
+   a slot of memory. Returns 0 when memory runs out. */
+int limbs_make(struct limbs *s, const struct plan *p, const struct limbs_limits *limits, struct arena *a);
+
+/* Make p->limbs as the options ask for, or where that pays. Returns 0 when memory runs out. */
+int limbs_choose(struct pass *p, const struct rneagen_options *o, struct arena *a);
+
+/* A line for each warp and phase of the pass. */
+void limbs_dump(const struct pass *p, struct text *out);
+
+#endif
