@@ -49,6 +49,7 @@ static int is_work(const struct dealer *x, uint32_t line)
 
 /* ---- what a line takes ---- */
 
+/* Inputs do not cross: each warp reads those that it takes. */
 static int has_crossed(const struct dealer *x, uint32_t line)
 {
 	return x->made[line] && x->made[line] <= x->phase;
@@ -97,7 +98,7 @@ static void take(struct dealer *x, int warp, uint32_t line)
 		if (has_crossed(x, i))
 			continue;
 		x->did[(size_t)warp * x->lines + i] = (unsigned char)(x->phase + 1);
-		if (!x->made[i])
+		if (!x->made[i] && x->p->lines[i].kind != LINE_INPUT)
 			x->made[i] = (unsigned char)(x->phase + 1);
 	}
 }

@@ -1,0 +1,230 @@
+/* Plans shared out among warps, run by rules alone: what a warp reads it has made itself or fetched from a slot that held it before the
+   last wait, no slot is written while another warp may read it, each output is stored once. */
+#include "passes/analysis.h"
+#include "plan/limbs.h"
+#include "support/random_robot.h"
+#include "support/rng.h"
+#include "support/suite.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { RANDOM_ROBOTS = 60, MOST_LINKS = 24, MOST_PHASES = 16 };
+
+static const char *const ROBOTS[] = {"iiwa14", "hyq", "double_pendulum", "mimic_chain", "atlas"};
+static const char *const SCENES[] = {"", "fold qdd = 0", "fold qd = 0", "want dtau_dq, dtau_dqd", "want M, tau", "free gravity", "want qdd"};
+enum { ROBOT_COUNT = sizeof ROBOTS / sizeof *ROBOTS, SCENE_COUNT = sizeof SCENES / sizeof *SCENES };
+
+/* A slot: by phase, the node that is written (0: none), by which warp, and whether another warp reads it. */
+struct cell {
+	uint32_t written;
+	int writer, is_read;
+};
+
+struct checked {
+	const struct plan *whole;
+	const struct limbs *limbs;
+	struct cell *cells;     /* [slot][phase] */
+	unsigned char *has;     /* by node: the warp has the value */
+	int *stored;            /* by output */
+	const char *what;
+};
+
+static struct cell *cell(const struct checked *x, size_t slot, int phase)
+{
+	ck_assert_msg(slot < (size_t)x->limbs->slots, "%s: slot %zu of %d", x->what, slot, x->limbs->slots);
+	ck_assert_msg(phase < MOST_PHASES, "%s: phase %d", x->what, phase);
+	return &x->cells[slot * MOST_PHASES + (size_t)phase];
+}
+
+static void expect_read(const struct checked *x, int warp, struct ref r)
+{
+	const struct node *n = &x->whole->dag->nodes[r.i];
+
+	if (n->op == OP_CONST)
+		return;
+	if (x->whole->names[r.i]) {
+		ck_assert_msg(x->has[r.i], "%s: warp %d reads %s, which it has not", x->what, warp, x->whole->names[r.i]);
+		return;
+	}
+	for (int k = 0; k < op_arity[n->op]; k++)
+		expect_read(x, warp, n->arg[k]);
+}
+
+static void expect_operands(const struct checked *x, int warp, struct ref r)
+{
+	const struct node *n = &x->whole->dag->nodes[r.i];
+
+	for (int k = 0; k < op_arity[n->op]; k++)
+		expect_read(x, warp, n->arg[k]);
+}
+
+static void make_sines(const struct checked *x, struct ref r)
+{
+	struct ref s = plan_partner(x->whole, r, OP_SIN), c = plan_partner(x->whole, r, OP_COS);
+
+	x->has[s.i] = x->has[c.i] = x->has[r.i] = 1;
+}
+
+/* Writes of all warps, and what each has. */
+static void run_writes(const struct checked *x, int warp)
+{
+	const struct plan *p = &x->limbs->plans[warp];
+	int phase = 0;
+
+	memset(x->has, 0, x->whole->dag->count);
+	for (const struct line *l = p->lines; l < p->lines + p->line_count; l++)
+		switch (l->kind) {
+		case LINE_JOIN:
+			phase++;
+			break;
+		case LINE_SINCOS:
+			expect_operands(x, warp, l->value);
+			make_sines(x, l->value);
+			break;
+		case LINE_VALUE:
+			expect_operands(x, warp, l->value);
+			x->has[l->value.i] = 1;
+			break;
+		case LINE_STORE:
+			expect_read(x, warp, l->value);
+			x->stored[l->index]++;
+			break;
+		case LINE_KEEP: {
+			struct cell *c = cell(x, l->index, phase);
+
+			expect_read(x, warp, l->value);
+			ck_assert_msg(!c->written, "%s: slot %zu is written twice in phase %d", x->what, l->index, phase);
+			*c = (struct cell){.written = l->value.i, .writer = warp};
+			break;
+		}
+		default: /* inputs, and what it fetches */
+			x->has[l->value.i] = 1;
+		}
+	ck_assert_msg(phase + 1 == x->limbs->phases, "%s: warp %d waits %d times in %d phases", x->what, warp, phase, x->limbs->phases);
+}
+
+/* What is fetched was left in an earlier phase, and nothing else since; not even in this one. */
+static void run_fetches(const struct checked *x, int warp)
+{
+	const struct plan *p = &x->limbs->plans[warp];
+	int phase = 0;
+
+	for (const struct line *l = p->lines; l < p->lines + p->line_count; l++) {
+		const char *name = l->kind == LINE_FETCH ? x->whole->names[l->value.i] : "";
+		int before = phase - 1;
+
+		phase += l->kind == LINE_JOIN;
+		if (l->kind != LINE_FETCH)
+			continue;
+		ck_assert_msg(!cell(x, l->index, phase)->written, "%s: slot %zu of %s is written while warp %d fetches it, in phase %d", x->what,
+			l->index, name, warp, phase);
+		while (before >= 0 && !cell(x, l->index, before)->written)
+			before--;
+		ck_assert_msg(before >= 0, "%s: warp %d fetches %s from slot %zu, which nothing was left in", x->what, warp, name, l->index);
+		ck_assert_msg(cell(x, l->index, before)->written == l->value.i, "%s: warp %d fetches %s from slot %zu, where %s is", x->what, warp, name,
+			l->index, x->whole->names[cell(x, l->index, before)->written]);
+	}
+}
+
+static void check_limbs(const struct plan *p, const struct limbs *s, const char *what, struct arena *a)
+{
+	struct checked x = {.whole = p, .limbs = s, .what = what,
+		.cells = arena_alloc(a, (size_t)(s->slots + 1) * MOST_PHASES, sizeof *x.cells), .has = arena_alloc(a, p->dag->count, 1),
+		.stored = arena_alloc(a, p->dag->output_count, sizeof *x.stored)};
+
+	for (int w = 0; w < s->warps; w++)
+		run_writes(&x, w);
+	for (int w = 0; w < s->warps; w++)
+		run_fetches(&x, w);
+	for (size_t i = 0; i < p->dag->output_count; i++)
+		ck_assert_msg(x.stored[i] == 1, "%s: output %zu is stored %d times", what, i, x.stored[i]);
+}
+
+/* Returns how many schedules there were. */
+static int check_text(const char *urdf, size_t length, const struct rneagen_options *o, const char *name)
+{
+	struct analysis a;
+	struct rneagen_error e = {0};
+	struct plan p;
+	int count = 0;
+	char what[200];
+
+	if (analysis_open(&a, urdf, length, o, &e))
+		return 0;
+	ck_assert(plan_build(&p, &a.dag, &a.tree, a.arena));
+	for (int warps = 2; warps <= 16; warps *= 2) {
+		struct limbs_limits limits = {.warps = warps, .least = warps, .across = warps == 4 ? 48 : 384, .join = 20};
+		struct limbs s;
+
+		ck_assert(limbs_make(&s, &p, &limits, a.arena));
+		snprintf(what, sizeof what, "%s, scene '%s', %d warps", name, o->scene, warps);
+		ck_assert(!s.warps || (s.slots <= (int)limits.across && 10 * s.longest <= 9 * s.whole));
+		if (s.warps)
+			check_limbs(&p, &s, what, a.arena);
+		count += s.warps > 0;
+	}
+	analysis_free(&a);
+	return count;
+}
+
+static char *read_file(const char *name, size_t *length)
+{
+	char path[500], *text;
+	FILE *f;
+
+	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", name);
+	f = fopen(path, "rb");
+	ck_assert_msg(f != NULL, "no file %s", path);
+	fseek(f, 0, SEEK_END);
+	*length = (size_t)ftell(f);
+	rewind(f);
+	text = malloc(*length + 1);
+	ck_assert(fread(text, 1, *length, f) == *length);
+	fclose(f);
+	return text;
+}
+
+/* It would catch a value that no warp leaves for the others, and a slot that is used again too early. */
+START_TEST(test_robots)
+{
+	struct rneagen_options o = rneagen_options_default();
+	const char *name = ROBOTS[_i % ROBOT_COUNT];
+	size_t length;
+	char *urdf = read_file(name, &length);
+
+	o.scene = SCENES[_i / ROBOT_COUNT];
+	if (strcmp(name, "atlas") || !strstr(o.scene, "dtau"))
+		printf("%s, '%s': %d\n", name, o.scene, check_text(urdf, length, &o, name));
+	free(urdf);
+}
+END_TEST
+
+START_TEST(test_random)
+{
+	struct rneagen_options o = rneagen_options_default();
+	int count = 0;
+
+	for (uint64_t seed = 1; seed <= RANDOM_ROBOTS; seed++) {
+		struct random_robot_knobs knobs = random_robot_knobs(seed, MOST_LINKS);
+		struct rng r = rng_seed(seed);
+		char *urdf = random_robot(seed, &knobs), what[40];
+
+		snprintf(what, sizeof what, "seed %llu", (unsigned long long)seed);
+		o.scene = SCENES[rng_below(&r, SCENE_COUNT)];
+		o.base = rng_chance(&r, 0.5) ? RNEAGEN_FIXED : RNEAGEN_FLOATING;
+		count += check_text(urdf, strlen(urdf), &o, what);
+		free(urdf);
+	}
+	ck_assert_msg(count > RANDOM_ROBOTS, "%d schedules of %d robots", count, RANDOM_ROBOTS);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *s = suite_create("limbs");
+
+	suite_add(s, "robots", test_robots, ROBOT_COUNT * SCENE_COUNT, 60);
+	suite_add(s, "random", test_random, 1, 60);
+	return suite_run(s);
+}
