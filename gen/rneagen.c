@@ -165,14 +165,18 @@ static enum rneagen_code segments_make_all(struct generation *g)
 	return a->error->code;
 }
 
-/* Of the main function alone. */
+/* Of the main function alone, or of its parts. */
 static enum rneagen_code limbs_make_all(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
+	int count = g->part_count ? g->part_count : 1;
+	struct pass **passes = arena_alloc(a->arena, (size_t)count, sizeof *passes);
 
 	if (!target_type_of(a->options.target)->kernel)
 		return RNEAGEN_OK;
-	return limbs_choose(&g->passes[0], &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
+	for (int i = 0; i < count && passes; i++)
+		passes[i] = g->part_count ? &g->parts[i].pass : &g->passes[0];
+	return passes && limbs_choose(passes, count, &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }
 
 static enum rneagen_code warn(struct generation *g)

@@ -341,6 +341,8 @@ void emit_source(const struct emission *e, struct text *out)
 	const char *rest;
 
 	text_init(&kernels, e->arena);
+	if (emit_has_limbs(e))
+		text_put(&kernels, "#if !defined RNEA_ONLY_LIMBS\n");
 	for (int i = 0; i < e->pass_count && e->target->kernel; i++)
 		emit_kernel(e, &p[i], &kernels);
 	if (emit_has_limbs(e))

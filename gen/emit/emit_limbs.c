@@ -4,10 +4,8 @@
 #include "emit/emit.h"
 #include "emit/unparse.h"
 
-int emit_has_limbs(const struct emission *e)
-{
-	return e->target->kernel && emit_main(e)->limbs.warps;
-}
+/* Samples of a block at most, in warps; registers of a multiprocessor, and of a thread beside its values. */
+enum { MOST_GROUPS = 4, REGISTERS = 65536, SPARE_REGISTERS = 24 };
 
 /* The angles whose sines a warp makes. */
 static struct angles angles_of(const struct emission *e, const struct plan *lines)
@@ -49,54 +47,128 @@ static void put_known(const struct emission *e, const struct pass *p, const stru
 	template_expand(out, template_limb_known_in, slots, sizeof slots / sizeof *slots);
 }
 
+/* The lines that come first: all inputs are under way before anything waits for an angle. */
+static struct plan inputs_of(const struct plan *lines)
+{
+	struct plan p = *lines;
+
+	for (p.line_count = 0; p.line_count < lines->line_count && lines->lines[p.line_count].kind == LINE_INPUT;)
+		p.line_count++;
+	return p;
+}
+
+static struct plan rest_after(const struct plan *lines, size_t first)
+{
+	struct plan p = *lines;
+
+	p.lines += first;
+	p.line_count -= first;
+	return p;
+}
+
 static void put_warp(const struct emission *e, const struct pass *p, int warp, struct writer *w, struct text *out)
 {
-	const struct plan *lines = &p->limbs.plans[warp];
+	const struct plan *lines = &p->limbs.plans[warp], inputs = inputs_of(lines), rest_of = rest_after(lines, inputs.line_count);
 	const struct angles list = angles_of(e, lines);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, warp)},
 		{"COUNT", emit_int(e, p->limbs.warps)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"T", e->numbers->value}};
 	size_t from = out->length, count = sizeof slots / sizeof *slots;
 	const char *rest = template_expand_to(out, template_limb_in, "BODY", slots, count);
 
+	w->own.sines = list;
+	unparse_lines(w, &inputs, out);
 	if (emit_has_known(e))
 		put_known(e, p, &list, out);
-	w->own.sines = list;
-	unparse_lines(w, lines, out);
+	unparse_lines(w, &rest_of, out);
 	if (emit_has_known(e) && list.count)
 		text_put(out, "\t(void)all_small;\n");
 	fold(out, from);
 	template_expand(out, rest, slots, count);
 }
 
-static const char *warps_text(const struct emission *e, const struct pass *p)
+/* What the grid's row of blocks does: all, or a part. */
+static const struct pass *pass_of(const struct emission *e, int part)
+{
+	return e->part_count ? &e->parts[part].pass : emit_main(e);
+}
+
+static int part_count(const struct emission *e)
+{
+	return e->part_count ? e->part_count : 1;
+}
+
+int emit_has_limbs(const struct emission *e)
+{
+	return e->target->kernel && pass_of(e, 0)->limbs.warps;
+}
+
+static const char *warps_text(const struct emission *e)
 {
 	struct text t;
-	struct writer w;
 
 	text_init(&t, e->arena);
-	unparse_begin(&w, e, p, e->numbers);
-	for (int i = 0; i < p->limbs.warps; i++)
-		put_warp(e, p, i, &w, &t);
+	for (int k = 0; k < part_count(e); k++) {
+		const struct pass *p = pass_of(e, k);
+		struct writer w;
+
+		unparse_begin(&w, e, p, e->numbers);
+		for (int i = 0; i < p->limbs.warps; i++)
+			put_warp(e, p, i, &w, &t);
+	}
 	return text_string(&t);
 }
 
-static const char *cases_text(const struct emission *e, const struct pass *p)
+static const char *cases_text(const struct emission *e)
 {
 	struct text t;
 
 	text_init(&t, e->arena);
-	for (int i = 0; i < p->limbs.warps; i++)
-		text_printf(&t, "\tcase %d:\n\t\t%s_%s_limb%d(%s, across + threadIdx.x);\n\t\tbreak;\n", i, e->options->name, p->algorithm->name, i,
-			emit_at_sample(e, p));
+	for (int k = 0; k < part_count(e); k++) {
+		const struct pass *p = pass_of(e, k);
+
+		for (int i = 0; i < p->limbs.warps; i++)
+			text_printf(&t, "\tcase %d:\n\t\t%s_%s_limb%d(%s, across);\n\t\tbreak;\n", k * p->limbs.warps + i, e->options->name,
+				p->algorithm->name, i, emit_at_sample(e, p));
+	}
 	return text_string(&t);
+}
+
+/* Words of what goes across, of a sample: an odd number, so that lanes are in banks of their own. */
+static int across_words(const struct emission *e)
+{
+	int most = 0;
+
+	for (int k = 0; k < part_count(e); k++) {
+		int slots = pass_of(e, k)->limbs.slots;
+
+		most = slots > most ? slots : most;
+	}
+	return most ? most | 1 : 0;
+}
+
+/* Samples of a block at most, in warps: as many as have room in registers and in shared memory. */
+static int most_groups(const struct emission *e)
+{
+	int groups = MOST_GROUPS, bytes = across_words(e) * e->arithmetic->bytes * EMIT_SMALLEST_BLOCK;
+
+	for (int k = 0; k < part_count(e); k++) {
+		const struct limbs *s = &pass_of(e, k)->limbs;
+
+		while (groups > 1 && groups * s->warps * EMIT_SMALLEST_BLOCK * (s->alive * e->arithmetic->bytes / 4 + SPARE_REGISTERS) > REGISTERS)
+			groups /= 2;
+	}
+	while (groups > 1 && groups * bytes > EMIT_SHARED_BYTES)
+		groups /= 2;
+	return groups;
 }
 
 void emit_limbs(const struct emission *e, struct text *out)
 {
 	const struct pass *p = emit_main(e);
+	int warps = pass_of(e, 0)->limbs.warps, words = across_words(e);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->numbers->value},
-		{"COUNT", emit_int(e, p->limbs.warps)}, {"THREADS", emit_int(e, 32 * p->limbs.warps)},
-		{"SLOTS", emit_int(e, p->limbs.slots ? p->limbs.slots : 1)}, {"WARPS", warps_text(e, p)}, {"CASES", cases_text(e, p)},
+		{"WARPS", emit_int(e, warps)}, {"WORDS", emit_int(e, words)}, {"GROUPS", emit_int(e, most_groups(e))},
+		{"LIMBS", warps_text(e)}, {"CASES", cases_text(e)}, {"PART", e->part_count ? "blockIdx.y*RNEA_LIMBS + " : ""},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}};
 
 	template_expand(out, template_kernel_limbs_in, slots, sizeof slots / sizeof *slots);

@@ -34,6 +34,7 @@ struct limbs {
 	struct plan *plans; /* each the lines of a warp, what it fetches and keeps among them, and where it waits */
 	int phases;
 	int slots;          /* of a sample, for what goes across */
+	int alive;          /* values that a warp has at once at most */
 	unsigned longest, whole; /* operations of the longest warp, the phases after each other, and of the whole plan */
 };
 

@@ -8,7 +8,7 @@ int readings_made(const struct plan *p, const struct line *l, struct ref made[2]
 	enum op op = p->dag->nodes[l->value.i].op;
 	int count = 0;
 
-	if (l->kind == LINE_INPUT || l->kind == LINE_VALUE)
+	if (l->kind == LINE_INPUT || l->kind == LINE_VALUE || l->kind == LINE_FETCH)
 		made[count++] = l->value;
 	if (l->kind != LINE_SINCOS)
 		return count;
@@ -53,7 +53,7 @@ static void read_line(struct readings *r, uint32_t i)
 	struct ref made[2];
 
 	r->begin[i + 1] = r->begin[i];
-	if (l->kind == LINE_STORE)
+	if (l->kind == LINE_STORE || l->kind == LINE_KEEP)
 		read_value(r, l->value, i);
 	else if (l->kind == LINE_VALUE || l->kind == LINE_SINCOS)
 		read_operands(r, l->value, i);
@@ -63,7 +63,7 @@ static void read_line(struct readings *r, uint32_t i)
 		r->made[made[k].i] = r->last[made[k].i] = i;
 }
 
-/* An operand is read once by each that has it. */
+/* An operand is read once by each that has it; what is left for others once more. */
 static size_t most_readings(const struct dag *d)
 {
 	size_t count = d->output_count;
@@ -78,7 +78,7 @@ int readings_make(struct readings *r, const struct plan *p, struct arena *a)
 	size_t nodes = p->dag->count;
 
 	*r = (struct readings){.plan = p, .begin = arena_alloc(a, p->line_count + 1, sizeof *r->begin),
-		.list = arena_take(a, most_readings(p->dag), sizeof *r->list), .made = arena_alloc(a, nodes, sizeof *r->made),
+		.list = arena_take(a, most_readings(p->dag) + p->line_count, sizeof *r->list), .made = arena_alloc(a, nodes, sizeof *r->made),
 		.last = arena_alloc(a, nodes, sizeof *r->last), .weight = arena_alloc(a, p->line_count, sizeof *r->weight)};
 	if (a->failed)
 		return 0;

@@ -50,5 +50,8 @@ void dump_segments(const struct dumped *d, struct text *out)
 
 void dump_limbs(const struct dumped *d, struct text *out)
 {
-	limbs_dump(d->passes, out);
+	for (int i = 0; i < d->part_count; i++)
+		limbs_dump(&d->parts[i].pass, out);
+	if (!d->part_count)
+		limbs_dump(d->passes, out);
 }

@@ -1,0 +1,230 @@
+#include "plan/deal.h"
+#include <string.h>
+
+int deal_is_work(const struct dealer *x, uint32_t line)
+{
+	enum line_kind kind = x->p->lines[line].kind;
+
+	return kind == LINE_VALUE || kind == LINE_SINCOS || kind == LINE_STORE;
+}
+
+/* ---- what a line takes ---- */
+
+/* Inputs do not cross: each warp reads those that it takes. */
+static int has_crossed(const struct dealer *x, uint32_t line)
+{
+	return x->made[line] && x->made[line] <= x->phase;
+}
+
+/* Operations that a line takes from what is there, for the warps in `warp`; it stops beyond `most`. The lines are in x->walked. */
+static unsigned walk(struct dealer *x, uint32_t line, uint32_t warp, unsigned most)
+{
+	unsigned cost = 0;
+	uint32_t depth = 0;
+
+	x->now++;
+	x->walked_count = 0;
+	x->stack[depth++] = line;
+	x->seen[line] = x->now;
+	while (depth && cost <= most) {
+		uint32_t i = x->stack[--depth];
+
+		x->walked[x->walked_count++] = i;
+		if (has_crossed(x, i)) {
+			cost++;
+			continue;
+		}
+		cost += x->weight[i];
+		for (uint32_t k = x->readings.begin[i]; k < x->readings.begin[i + 1]; k++) {
+			uint32_t before = x->readings.made[x->readings.list[k].node];
+
+			if (x->seen[before] == x->now || x->own[before] & warp)
+				continue;
+			x->seen[before] = x->now;
+			x->stack[depth++] = before;
+		}
+	}
+	return cost;
+}
+
+/* ---- a phase ---- */
+
+static void take(struct dealer *x, int warp, uint32_t line)
+{
+	x->load[warp] += walk(x, line, 1u << warp, TOO_MUCH);
+	for (uint32_t k = 0; k < x->walked_count; k++) {
+		uint32_t i = x->walked[k];
+
+		x->own[i] |= 1u << warp;
+		if (has_crossed(x, i))
+			continue;
+		x->did[(size_t)warp * x->lines + i] = (unsigned char)(x->phase + 1);
+		if (!x->made[i] && x->p->lines[i].kind != LINE_INPUT)
+			x->made[i] = (unsigned char)(x->phase + 1);
+	}
+}
+
+/* To the warp that has most of what it takes, as far as there is room. */
+static void offer(struct dealer *x, uint32_t line, unsigned most)
+{
+	unsigned least = TOO_MUCH;
+	int best = -1;
+
+	for (int w = 0; w < x->warps; w++) {
+		unsigned room = most > x->load[w] ? most - x->load[w] : 0, limit = room < least ? room : least, cost;
+
+		if (!limit)
+			continue;
+		cost = walk(x, line, 1u << w, limit);
+		if (cost > limit || (cost == least && x->load[w] >= x->load[best]))
+			continue;
+		least = cost;
+		best = w;
+	}
+	if (best >= 0)
+		take(x, best, line);
+}
+
+/* Cones of what is left, as far as they have room. */
+static void find_cones(struct dealer *x, unsigned most)
+{
+	for (uint32_t i = 0; i < x->lines; i++) {
+		unsigned least = 0;
+
+		if (x->made[i])
+			continue;
+		if (!x->phase && x->first_cone[i]) {
+			x->cone[i] = x->first_cone[i];
+			continue;
+		}
+		for (uint32_t k = x->readings.begin[i]; k < x->readings.begin[i + 1]; k++) {
+			uint32_t before = x->readings.made[x->readings.list[k].node];
+
+			if (!has_crossed(x, before) && x->cone[before] > least)
+				least = x->cone[before];
+		}
+		x->cone[i] = least > most ? least : walk(x, i, 0, most);
+		if (!x->phase && x->cone[i] <= most)
+			x->first_cone[i] = x->cone[i];
+	}
+}
+
+/* Lines by their cones, the longest first, each length in the order of the plan. */
+static uint32_t sort_lines(struct dealer *x, unsigned most, int only_sines)
+{
+	uint32_t count = 0, *begin = arena_alloc(x->a, most + 2, sizeof *begin);
+
+	if (!begin)
+		return 0;
+	for (uint32_t i = 0; i < x->lines; i++)
+		if (!x->made[i] && deal_is_work(x, i) && x->cone[i] <= most && (!only_sines || x->p->lines[i].kind == LINE_SINCOS)) {
+			begin[most - x->cone[i] + 1]++;
+			count++;
+		}
+	for (unsigned k = 0; k <= most; k++)
+		begin[k + 1] += begin[k];
+	for (uint32_t i = 0; i < x->lines; i++)
+		if (!x->made[i] && deal_is_work(x, i) && x->cone[i] <= most && (!only_sines || x->p->lines[i].kind == LINE_SINCOS))
+			x->order[begin[most - x->cone[i]]++] = i;
+	arena_release(x->a, begin);
+	return count;
+}
+
+static void run_phase(struct dealer *x, unsigned most, int only_sines)
+{
+	uint32_t count;
+
+	memset(x->load, 0, sizeof x->load);
+	find_cones(x, most);
+	count = sort_lines(x, most, only_sines);
+	for (uint32_t k = 0; k < count; k++)
+		if (!x->made[x->order[k]])
+			offer(x, x->order[k], most);
+}
+
+static unsigned longest_load(const struct dealer *x)
+{
+	unsigned longest = 0;
+
+	for (int w = 0; w < x->warps; w++)
+		longest = x->load[w] > longest ? x->load[w] : longest;
+	return longest;
+}
+
+static uint32_t lines_left(const struct dealer *x)
+{
+	uint32_t left = 0;
+
+	for (uint32_t i = 0; i < x->lines; i++)
+		left += deal_is_work(x, i) && !x->made[i];
+	return left;
+}
+
+/* Operations of the sines that a warp has where they are shared out. */
+unsigned deal_sines_most(const struct dealer *x, int warps)
+{
+	unsigned all = 0, heaviest = 0, count = 0;
+
+	for (uint32_t i = 0; i < x->lines; i++)
+		if (x->p->lines[i].kind == LINE_SINCOS) {
+			count++;
+			heaviest = x->weight[i] > heaviest ? x->weight[i] : heaviest;
+		}
+	all = (count + (unsigned)warps - 1) / (unsigned)warps;
+	return all * (heaviest + 3);
+}
+
+/* Returns the operations of the longest warp, TOO_MUCH where the phases do not suffice or `enough` is reached. */
+unsigned deal_run(struct dealer *x, const struct deal *deal, unsigned enough)
+{
+	x->warps = deal->warps;
+	x->longest = 0;
+	memset(x->own, 0, x->lines * sizeof *x->own);
+	memset(x->made, 0, x->lines);
+	memset(x->did, 0, (size_t)x->warps * x->lines);
+	for (x->phase = 0; x->phase < MOST_PHASES; x->phase++) {
+		run_phase(x, deal->most[x->phase], deal->has_sines && !x->phase);
+		x->longest += longest_load(x) + (x->phase ? x->limits->join : 0);
+		x->phases = x->phase + 1;
+		if (x->longest >= enough)
+			return TOO_MUCH;
+		if (!lines_left(x))
+			return x->longest;
+	}
+	return TOO_MUCH;
+}
+
+unsigned deal_whole(const struct dealer *x)
+{
+	unsigned whole = 0;
+
+	for (uint32_t i = 0; i < x->lines; i++)
+		whole += x->weight[i];
+	return whole;
+}
+
+int deal_begin(struct dealer *x)
+{
+	size_t n = x->lines;
+
+	x->weight = arena_alloc(x->a, n, sizeof *x->weight);
+	x->own = arena_alloc(x->a, n, sizeof *x->own);
+	x->made = arena_alloc(x->a, n, 1);
+	x->did = arena_alloc(x->a, n * MOST_WARPS, 1);
+	x->cone = arena_alloc(x->a, n, sizeof *x->cone);
+	x->first_cone = arena_alloc(x->a, n, sizeof *x->first_cone);
+	x->order = arena_alloc(x->a, n, sizeof *x->order);
+	x->seen = arena_alloc(x->a, n, sizeof *x->seen);
+	x->stack = arena_alloc(x->a, n, sizeof *x->stack);
+	x->walked = arena_alloc(x->a, n, sizeof *x->walked);
+	x->crossing = (struct crossing){.slot = arena_take(x->a, x->p->dag->count, sizeof *x->crossing.slot),
+		.last = arena_alloc(x->a, x->p->dag->count, 1), .seen = arena_alloc(x->a, x->p->dag->count, 1)};
+	if (!readings_make(&x->readings, x->p, x->a) || x->a->failed)
+		return 0;
+	for (uint32_t i = 0; i < n; i++) {
+		enum line_kind kind = x->p->lines[i].kind;
+
+		x->weight[i] = x->readings.weight[i] + (kind == LINE_INPUT || kind == LINE_STORE);
+	}
+	return 1;
+}

@@ -1,0 +1,70 @@
+#ifndef RNEAGEN_DEAL_H
+#define RNEAGEN_DEAL_H
+/* Lines of a plan dealt out to warps, phase by phase: what limbs.c tries. */
+
+#include "plan/limbs.h"
+#include "plan/readings.h"
+
+/* A phase takes for each warp at most so many operations; which, is tried from a share of the whole up to the whole. */
+enum { MOST_WARPS = 16, MOST_PHASES = 8, TOO_MUCH = 1 << 30 };
+
+/* What to try: the operations that a warp may take in each phase; whether sines come first, in a phase of their own. */
+struct deal {
+	int warps, has_sines;
+	unsigned most[MOST_PHASES];
+};
+
+/* Values that go from warp to warp. */
+struct crossing {
+	int *slot;             /* by node; -1: it does not cross */
+	unsigned char *last;   /* by node: the last phase that fetches it */
+	unsigned char *seen;   /* by node, of a warp */
+};
+
+struct dealer {
+	const struct plan *p;
+	struct readings readings;
+	const struct limbs_limits *limits;
+	struct arena *a;
+	uint32_t lines;
+	uint32_t *weight;          /* by line: operations */
+	uint32_t *own;             /* by line: a bit for each warp that has its values */
+	unsigned char *made;       /* by line: 1 + the phase that makes it first; 0: none yet */
+	unsigned char *did;        /* by warp and line: 1 + the phase in which the warp makes it; 0: it does not */
+	uint32_t *cone, *first_cone; /* by line: operations that it takes from what is there; in the first phase */
+	uint32_t *order;           /* lines of a phase, those that take most first */
+	uint32_t *seen, now;       /* by line: the walk that has been there */
+	uint32_t *stack, *walked, walked_count;
+	struct crossing crossing;
+	unsigned load[MOST_WARPS];
+	int warps, phase;
+	/* what a deal comes to */
+	unsigned longest;
+	int phases;
+};
+
+
+/* Arrays of a dealer whose p, limits, a and lines are set. Returns 0 when memory runs out. */
+int deal_begin(struct dealer *x);
+
+/* Deal out. Returns the operations of the longest warp, TOO_MUCH where the phases do not suffice or `enough` is reached. */
+unsigned deal_run(struct dealer *x, const struct deal *deal, unsigned enough);
+
+/* Is it a line that makes or stores something? Inputs are read wherever they are taken. */
+int deal_is_work(const struct dealer *x, uint32_t line);
+
+/* 1 + the phase in which a warp makes a line; 0: it does not. */
+static inline unsigned char deal_did(const struct dealer *x, int warp, uint32_t line)
+{
+	return x->did[(size_t)warp * x->lines + line];
+}
+
+/* Operations of the sines that a warp has where they are shared out; of all lines. */
+unsigned deal_sines_most(const struct dealer *x, int warps);
+unsigned deal_whole(const struct dealer *x);
+
+/* Slots that the deal takes which was run last; its lines, a plan for each warp. */
+int deal_slots(struct dealer *x);
+void deal_plans(struct dealer *x, struct limbs *s);
+
+#endif
