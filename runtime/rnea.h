@@ -106,8 +106,9 @@ enum { RNEA_ARGUMENT_LIMIT = 64 }; /* the most arrays one function can take */
 	X(MASS_MATRIX_INVERSE, "mass_matrix_inverse")    /* dqdd/dtau */                                               \
 	X(DQDD_DQ, "dqdd_dq")                                                                                          \
 	X(DQDD_DQD, "dqdd_dqd")                                                                                        \
-	X(DQDD_DFREED, "dqdd_dfreed")                    /* of a constant that the scene makes an input */ \
-	X(JOINT_ACCELERATION_BOUND, "joint_acceleration_bound") /* how far each acceleration may be off */
+	X(DQDD_DFREED, "dqdd_dfreed")                    /* of a constant that the scene makes an input */             \
+	X(JOINT_ACCELERATION_BOUND, "joint_acceleration_bound") /* how far each acceleration may be off */             \
+	X(REGRESSOR, "regressor")                        /* dtau/dpi: ten columns a body, of its inertial parameters */
 
 enum rnea_role {
 #define RNEA_ROLE_ENUM(role, word) RNEA_ROLE_##role,

@@ -56,7 +56,8 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"  --free N1,N2,...           constants that become inputs: gravity, mass.LINK, inertia.LINK, payload.LINK,\n" \
 	"                             offset.JOINT; NAME:batch one for all samples, NAME:sample one for each\n"        \
 	"  --want N1,N2,...           what is computed: tau, gravity, bias, wrench.JOINT, twist.LINK, accel.LINK, power,\n" \
-	"                             kinetic, potential, dtau_dq, dtau_dqd, M, jvp, vjp; dtau_dNAME by what is free;\n" \
+	"                             kinetic, potential, regressor, dtau_dq, dtau_dqd, M, jvp, vjp; dtau_dNAME by what\n" \
+	"                             is free;\n"                                                                         \
 	"                             forward dynamics, with tau for an input: qdd, qdd_bound, Minv, dqdd_dq, dqdd_dqd,\n" \
 	"                             dqdd_dNAME\n"                                                                \
 	"  --jvp tau|qdd              its derivatives times the input jvp_v\n"                                        \

@@ -76,7 +76,7 @@ static struct ref of_quotient(const struct bound *x, uint32_t i, struct ref of_a
 		least = positive_part(d, dag_sub(d, least, dag_mul(d, dag_const(d, 1.5L), of_b)));
 	if (above.i)
 		above = dag_div(d, dag_add(d, above, dag_const(d, bound_tiny(x->m))), least);
-	return dag_add(d, above, rounding(x, x->m->mul, i, bound_tiny(x->m)));
+	return dag_add(d, above, rounding(x, x->m->quotient, i, bound_tiny(x->m)));
 }
 
 static struct ref of_root(const struct bound *x, uint32_t i, struct ref of_a)

@@ -135,7 +135,7 @@ static struct spread spread_of(const struct survey *v, size_t i, double given_er
 	case OP_DIV:
 		sum = (x->bound + fabs(value) * y->bound) / fabs(b);
 		local = rest_of_quotient(value, b, x->bound, y->bound);
-		local += rounding(m->mul, m->tiny, value, sum + local);
+		local += rounding(m->quotient, m->tiny, value, sum + local);
 		return (struct spread){x->size / fabs(b), sum + local, local, 0};
 	case OP_SQRT:
 		sum = x->bound > 0 ? x->bound / (2 * value) : 0;
@@ -310,6 +310,7 @@ static struct eval_model with_own(const struct eval_model *m)
 
 	both.add += (double)LDBL_EPSILON;
 	both.mul += (double)LDBL_EPSILON;
+	both.quotient += (double)LDBL_EPSILON;
 	both.sincos += 2 * (double)LDBL_EPSILON;
 	return both;
 }

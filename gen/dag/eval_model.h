@@ -5,7 +5,8 @@
 #include "base/within.h"
 
 struct eval_model {
-	double add, mul;	     /* a sum x is off by at most add |x| + tiny, a product by mul |x| + tiny */
+	double add, mul;	     /* a sum x is off by at most add |x| + tiny, a product or a root by mul |x| + tiny */
+	double quotient;     /* a quotient by quotient |x| + tiny */
 	double terms;		     /* a sum of a and b by terms (|a| + |b|) more */
 	double tiny;
 	double input;		     /* an input x is off by at most input |x| + tiny where the text rounds it, else 0; not

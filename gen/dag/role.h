@@ -50,7 +50,8 @@ enum role_rows {
 	X(DQDD_DQ, "dqdd_dq", ROWS_ANY)                                                                                \
 	X(DQDD_DQD, "dqdd_dqd", ROWS_ANY)                                                                              \
 	X(DQDD_DFREED, "dqdd_dfreed", ROWS_ANY)                                                                        \
-	X(JOINT_ACCELERATION_BOUND, "joint_acceleration_bound", ROWS_NV)
+	X(JOINT_ACCELERATION_BOUND, "joint_acceleration_bound", ROWS_NV)                                               \
+	X(REGRESSOR, "regressor", ROWS_ANY)
 
 enum role {
 #define ROLE_ENUM(role, word, rows) ROLE_##role,

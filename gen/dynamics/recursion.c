@@ -42,12 +42,7 @@ static const struct joint_pose *pose_of(const struct recursion *x, int body)
 /* The unit twist (Z, Y), in the body's frame. */
 static void unit_twist(const struct recursion *x, int body, int row, struct svec *Z, struct svec *Y)
 {
-	struct dag *d = x->r->d;
-	const struct body *k = &x->r->t->bodies[body];
-	struct joint_rates unit = joint_unit(d, k, row);
-
-	*Z = unit.W;
-	*Y = svec_add(d, joint_into(d, k, pose_of(x, body), unit.V0), unit.V);
+	joint_unit_twist(x->r->d, &x->r->t->bodies[body], pose_of(x, body), row, Y, Z);
 }
 
 /* Axes that move with the body: Z' = w x Z, Z'' = U Z, and Y alike. By q alpha = Z'', beta = 2 Z', gamma = Y'' + a x Z, where a

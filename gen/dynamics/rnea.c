@@ -7,22 +7,6 @@
 #include "dynamics/registry.h"
 #include "dynamics/tour.h"
 
-/* U = [dw]x + [w]x[w]x */
-static struct smat rate_matrix(struct dag *d, struct svec w, struct svec dw)
-{
-	struct smat U;
-
-	for (int i = 0; i < 3; i++) {
-		int j = (i + 1) % 3, k = (i + 2) % 3;
-		struct ref jk = dag_mul(d, w.x[j], w.x[k]);
-
-		U.m[i][i] = dag_neg(d, dag_add(d, dag_mul(d, w.x[j], w.x[j]), dag_mul(d, w.x[k], w.x[k])));
-		U.m[j][k] = dag_sub(d, jk, dw.x[i]);
-		U.m[k][j] = dag_add(d, jk, dw.x[i]);
-	}
-	return U;
-}
-
 /* dV + 2 w x V, the acceleration that sliding at V adds in a frame that turns with w */
 static struct svec slide_acceleration(struct dag *d, struct svec w, struct svec V, struct svec dV)
 {
@@ -53,7 +37,7 @@ static void move(const struct tour *r, const struct body *k, const struct frame 
 	to->dw = svec_add(d, joint_into(d, k, at, dw), svec_add(d, m.dW, svec_cross(d, w, m.W)));
 	to->v = svec_add(d, joint_into(d, k, at, v), m.V);
 	to->a = svec_add(d, joint_into(d, k, at, a), slide_acceleration(d, w, m.V, m.dV));
-	to->U = rate_matrix(d, to->w, to->dw);
+	to->U = motion_rate_matrix(d, to->w, to->dw);
 	svec_tag(d, to->w, "w", k->number);
 	svec_tag(d, to->dw, "dw", k->number);
 	svec_tag(d, to->v, "v", k->number);

@@ -225,6 +225,8 @@ static void run_main(struct build *b, struct joint_inputs in)
 	r.tau_out = output_of(b, WANT_TAU);
 	r.comes_back = request_wants(b->k, WANT_POWER) || request_wants(b->k, WANT_WRENCH) || request_wants_derivative(b->k);
 	begin_recursion(b, &r);
+	if (request_wants(b->k, WANT_REGRESSOR))
+		regressor_begin(&b->regressor, &r, output_of(b, WANT_REGRESSOR));
 	tour_run(&r);
 	if (b->recursion.r && !b->d->failed)
 		end_recursion(b);
@@ -272,7 +274,8 @@ static struct argument output(const struct request *k, const struct want *w)
 		[WANT_DTAU_DQ] = ROLE_DTAU_DQ, [WANT_DTAU_DQD] = ROLE_DTAU_DQD, [WANT_MASS] = ROLE_MASS_MATRIX,
 		[WANT_DTAU_DFREED] = ROLE_DTAU_DFREED, [WANT_JVP] = ROLE_JVP, [WANT_VJP] = ROLE_VJP, [WANT_QDD] = ROLE_JOINT_ACCELERATION,
 		[WANT_MINV] = ROLE_MASS_MATRIX_INVERSE, [WANT_DQDD_DQ] = ROLE_DQDD_DQ, [WANT_DQDD_DQD] = ROLE_DQDD_DQD,
-		[WANT_DQDD_DFREED] = ROLE_DQDD_DFREED, [WANT_QDD_BOUND] = ROLE_JOINT_ACCELERATION_BOUND};
+		[WANT_DQDD_DFREED] = ROLE_DQDD_DFREED, [WANT_QDD_BOUND] = ROLE_JOINT_ACCELERATION_BOUND,
+		[WANT_REGRESSOR] = ROLE_REGRESSOR};
 	int by_freed = w->kind == WANT_DTAU_DFREED || w->kind == WANT_DQDD_DFREED;
 
 	return (struct argument){.name = w->argument, .rows = w->rows, .is_output = 1, .role = roles[w->kind],

@@ -4,6 +4,7 @@
 
 #include "dynamics/forward.h"
 #include "dynamics/recursion.h"
+#include "dynamics/regressor.h"
 #include "dynamics/tour.h"
 
 struct build {
@@ -18,6 +19,7 @@ struct build {
 	enum derivatives derivatives;
 	enum dynamics dynamics;
 	struct recursion recursion;
+	struct regressor regressor;
 	struct forward *forward; /* NULL: qdd is an input */
 };
 

@@ -105,6 +105,8 @@ void want_entered(const struct tour *r, int body)
 	if (request_wants(b->k, WANT_KINETIC))
 		b->kinetic = dag_add(r->d, b->kinetic, rigid_body_kinetic(r->d, p, &x->motion));
 	output_links(r, body);
+	if (b->regressor.r)
+		regressor_enter(&b->regressor, body);
 }
 
 /* ---- on the way back ---- */

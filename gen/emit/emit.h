@@ -87,6 +87,12 @@ void emit_pattern_declarations(const struct emission *e, struct text *out);
 const char *emit_patterns(const struct emission *e);
 void emit_pattern_json(const struct emission *e, struct text *out);
 
+/* Of the regressor: which columns are of which link, as lines of the table (nothing where it is not wanted); the same for a
+   reader, with the rows that feel them. A name that may hold a newline, to the end of a line of the table. */
+void emit_info_parameters(const struct emission *e, struct text *out);
+void emit_regressor_legend(const struct emission *e, struct text *out);
+void emit_info_name(const char *s, struct text *out);
+
 /* The macros of the operations, as compilers of such texts take them. */
 const char *emit_arithmetic(const struct emission *e, const struct target_type *target);
 

@@ -133,7 +133,9 @@ static void put_matrix(const struct emission *e, const struct want *w, struct te
 		text_printf(out, ": by q, by qd, by %s", k->is_forward ? "tau" : "qdd");
 	if (w->kind == WANT_DTAU_DFREED || w->kind == WANT_DQDD_DFREED)
 		text_printf(out, ": row by row, %s each", what);
-	if (!request_is_matrix(w->kind))
+	if (w->kind == WANT_REGRESSOR)
+		emit_regressor_legend(e, out);
+	if (!request_is_matrix(w->kind) || w->kind == WANT_REGRESSOR)
 		return;
 	text_printf(out, ": row by row, %s each", what);
 	if (w->rows == nv * nv || !request_pattern(&p, e->tree, w->kind, 0, e->arena))
@@ -295,8 +297,7 @@ static void put_literal_line(const char *s, size_t length, struct text *out)
 	text_put(out, "\\n\"");
 }
 
-/* A name may hold a newline, which would end its line of the table. */
-static void put_name(const char *s, struct text *out)
+void emit_info_name(const char *s, struct text *out)
 {
 	for (; *s; s++)
 		text_putc(out, (unsigned char)*s < 0x20 ? '?' : *s);
@@ -315,10 +316,12 @@ static void put_function(const struct emission *e, const struct pass *p, struct 
 
 		text_printf(out, "%s %s %d %s %s %s%s", a->is_output ? "output" : "input", a->name, a->rows, e->memory->name,
 			a->per_batch ? "batch" : "sample", role_word(a->role), is_of ? " " : "");
-		put_name(is_of ? a->of : "", out);
+		emit_info_name(is_of ? a->of : "", out);
 	}
-	if (is_main)
+	if (is_main) {
 		emit_info_matrices(e, out);
+		emit_info_parameters(e, out);
+	}
 	text_printf(out, "operations %u %u %u %u %u %u\n", n.mul, n.add, n.sub, n.neg, n.fma, n.sincos);
 	if (e->target->kernel && p->segments.count)
 		text_printf(out, "segments %d %d\n", emit_segments_bytes(e, p), emit_segments_samples(e));
@@ -340,7 +343,7 @@ static void put_info_lines(const struct emission *e, struct text *t)
 		const struct tree_joint *j = &e->tree->joints[i];
 
 		text_printf(t, "joint %d %d %d %d %s ", j->iq, j->nq, j->iv, j->nv, joint_type_name(j->type));
-		put_name(j->name, t);
+		emit_info_name(j->name, t);
 	}
 	for (int i = 0; i < e->pass_count; i++)
 		put_function(e, &e->passes[i], t);

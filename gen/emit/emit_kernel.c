@@ -316,10 +316,13 @@ void emit_kernel(const struct emission *e, const struct pass *p, struct text *ou
 
 /* Rows of matrices in soa, in whole lines; not what goes to shared memory. H100, both gradients of floating hyq in f64, 2 parts,
    16384 samples: 38 us instead of 70, 1 M samples: 1.95 ms instead of 2.34; of iiwa14 in f32, 131072 samples: 26.5 us instead
-   of 31.5, 1 M the same; of atlas in f64 3 % slower, since the compiler orders stores less freely. */
+   of 31.5, 1 M the same; of atlas in f64 3 % slower, since the compiler orders stores less freely. Of the regressor, an array of many
+   rows, nvcc takes minutes to tell stores apart that it sees. */
 int emit_is_streamed(const struct emission *e)
 {
-	return e->target->kernel && e->options->layout == RNEAGEN_SOA && request_wants_derivative(e->request) &&
+	int has_matrix = request_wants_derivative(e->request) || request_wants(e->request, WANT_REGRESSOR);
+
+	return e->target->kernel && e->options->layout == RNEAGEN_SOA && has_matrix &&
 	       !is_staged(e);
 }
 

@@ -2,6 +2,7 @@
    in --info=json. */
 #include "emit/emit.h"
 #include "base/template.h"
+#include "tree/lumps.h"
 #include "tree/pattern.h"
 
 struct shape {
@@ -37,6 +38,7 @@ static int shape_make(struct shape *s, const struct emission *e, const struct wa
 	if (!request_is_matrix(w->kind) || !request_pattern(&p, e->tree, w->kind, k->dense, e->arena))
 		return 0;
 	s->at = p.row;
+	s->cols = p.cols;
 	return 1;
 }
 
@@ -145,4 +147,42 @@ void emit_pattern_json(const struct emission *e, struct text *out)
 	}
 	text_put(out, count ? "\n  },\n" : "");
 	out->failed |= e->arena->failed;
+}
+
+/* ---- columns of the regressor ---- */
+
+void emit_info_parameters(const struct emission *e, struct text *out)
+{
+	struct lumps x;
+
+	if (!request_wants(e->request, WANT_REGRESSOR) || !lumps_make(&x, e->tree, e->arena))
+		return;
+	for (int i = 0; i < x.count; i++) {
+		text_printf(out, "parameters regressor %d ", LUMP_PARAMETERS * i);
+		emit_info_name(e->tree->bodies[x.body[i]].link, out);
+	}
+}
+
+static void put_lump(const struct emission *e, const struct pattern *p, int lump, const char *link, struct text *out)
+{
+	text_printf(out, "\n *     %d..%d, \"", LUMP_PARAMETERS * lump, LUMP_PARAMETERS * (lump + 1) - 1);
+	text_put_comment(out, link);
+	text_put(out, "\":");
+	for (int i = 0; i < e->tree->nv; i++)
+		if (p->row[i * p->cols + LUMP_PARAMETERS * lump] >= 0)
+			text_printf(out, " %d", i);
+}
+
+void emit_regressor_legend(const struct emission *e, struct text *out)
+{
+	struct lumps x;
+	struct pattern p;
+
+	if (!lumps_make(&x, e->tree, e->arena) || !pattern_lumps(&p, e->tree, 0, e->arena))
+		return;
+	text_put(out, ": row by row, the torque for a unit of each of m hx hy hz Ixx Ixy Ixz Iyy Iyz Izz\n"
+		      " *     of a link and what is fixed to it, about the link's origin, in its frame.\n"
+		      " *     (Pinocchio: m hx hy hz Ixx Ixy Iyy Ixz Iyz Izz.) Columns, the link, and the rows that feel it:");
+	for (int i = 0; i < x.count; i++)
+		put_lump(e, &p, i, e->tree->bodies[x.body[i]].link, out);
 }

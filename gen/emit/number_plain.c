@@ -65,18 +65,45 @@ static void put_constant(const struct unparser *u, const struct node *n, struct 
 	emit_number(u->emission, u->numbers->arithmetic, n->value, out);
 }
 
+/* Of a text in floats for a GPU, where a division is a function with branches. */
+static int is_reciprocal(const struct emission *e, const struct dag *d, const struct node *n)
+{
+	return n->op == OP_DIV && !n->is_wide && d->nodes[n->arg[0].i].op == OP_CONST && d->nodes[n->arg[0].i].value == 1 &&
+		e->target->has_unit && !e->options->strict;
+}
+
+static int put_reciprocal(const struct unparser *u, const struct node *n, struct text *out)
+{
+	if (!is_reciprocal(u->emission, u->plan->dag, n))
+		return 0;
+	text_put(out, "rneagen_reciprocalf(");
+	unparse_value(u, n->arg[1], out);
+	text_putc(out, ')');
+	return 1;
+}
+
+static void put_reciprocals(const struct emission *e, struct text *out)
+{
+	for (int i = 0; i < e->pass_count; i++)
+		for (size_t k = 0; k < e->passes[i].dag.count; k++)
+			if (is_reciprocal(e, &e->passes[i].dag, &e->passes[i].dag.nodes[k])) {
+				text_put(out, template_reciprocal_in);
+				return;
+			}
+}
+
 /* 0.85 units in the last place are 1.7 of rounding. No result of sine and cosine underflows but for tiny angles. */
 #define MODEL_F32                                                                                                      \
-	.add = 0x1p-24, .mul = 0x1p-24, .tiny = 0x1p-150, .largest = (double)FLT_MAX, .sincos = 1.7 * 0x1p-24, .sine = 0x1p-149, \
+	.add = 0x1p-24, .mul = 0x1p-24, .quotient = 0x1.00002p-24, .tiny = 0x1p-150, .largest = (double)FLT_MAX, .sincos = 1.7 * 0x1p-24, .sine = 0x1p-149, \
 	.constant = round_f32
 #define MODEL_F64                                                                                                      \
-	.add = 0x1p-53, .mul = 0x1p-53, .tiny = 0x1p-1072, .largest = DBL_MAX, .sincos = 1.7 * 0x1p-53, .sine = 0x1p-1072, \
+	.add = 0x1p-53, .mul = 0x1p-53, .quotient = 0x1p-53, .tiny = 0x1p-1072, .largest = DBL_MAX, .sincos = 1.7 * 0x1p-53, .sine = 0x1p-1072, \
 	.constant = round_f64
 
 const struct number_type NUMBER_F32 = {.memory = &SCALAR_F32, .arithmetic = &SCALAR_F32, .value = "float",
 	.calls = CALLS_F32, .strict_calls = STRICT_CALLS_F32, .sincos = "rneagen_sincosf_",
 	.strict_sincos = "rneagen_strict_sincosf_", .load = {"", ""}, .store = {"", ""}, .angle = {"", ""},
-	.note = "", .put_constant = put_constant, .frames = &SINCOS_F32, .bounded = &WITHIN_F32, .fuses = 1,
+	.note = "", .put_constant = put_constant, .put_cheaper = put_reciprocal, .put_functions = put_reciprocals, .frames = &SINCOS_F32, .bounded = &WITHIN_F32, .fuses = 1,
 	.model = {MODEL_F32, .store_largest = DBL_MAX},
 	.fast_sine = -21.41, .fast_cosine = -21.19, .fast_angle = (double)3.14159265f};
 

@@ -51,6 +51,8 @@ static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driv
 		"y = |X| (|r| + d);  E y = |I - X M| y + |X| (e + rounding) y;  k = the largest E y/y;  |qdd - exact| <= y/(1 - k)",
 	[SECTION_RESIDUAL] = "r = tau - ID(q, qd, qdd) at the qdd found, from inputs and constants in more bits where the head says so",
 	[SECTION_REFINED] = "M d = r;  qdd += d",
+	[SECTION_REGRESSOR] = "W, V of the body by a unit rate of each joint on the way here: W = R'W_p, V = R'(V_p + W_p x p);\n\t   "
+		"their power V.f + W.n by a unit of m: V.a;  of h: U'V + a x W;  of I: W.(I dw + w x I w)",
 	[SECTION_PRODUCTS] = "jvp = d tau/d q v_q + d tau/d qd v_qd + M v_qdd;  vjp = v' d tau/d q, v' d tau/d qd, v' M"};
 
 /* A tour of gravity alone comes last. */
@@ -119,9 +121,9 @@ static void put_title(const struct emission *e, const struct pass *pass, const s
 		text_printf(out, "\n\t/* ---- %s ---- */\n", SECTION_TITLES[s->kind]);
 		return;
 	}
-	if (s->kind == SECTION_BY) {
-		text_put(out, "\n\t/* ---- derivatives by \"");
-		text_put_comment(out, *k->joint ? k->joint : "base");
+	if (s->kind == SECTION_BY || s->kind == SECTION_REGRESSOR) {
+		text_put(out, s->kind == SECTION_BY ? "\n\t/* ---- derivatives by \"" : "\n\t/* ---- torques by the inertial parameters of link \"");
+		text_put_comment(out, s->kind == SECTION_REGRESSOR ? k->link : *k->joint ? k->joint : "base");
 		text_put(out, "\" ---- */\n");
 		return;
 	}

@@ -55,8 +55,6 @@ static void put_binary(const struct unparser *u, const struct node *n, struct te
 
 static void put_call(const struct unparser *u, const struct node *n, struct text *out)
 {
-	if (u->numbers->put_cheaper && u->numbers->put_cheaper(u, n, out))
-		return;
 	text_put(out, u->calls[n->op]);
 	text_putc(out, '(');
 	for (int k = 0; k < op_arity[n->op]; k++) {
@@ -89,6 +87,8 @@ static void put_expression(const struct unparser *u, struct ref a, struct text *
 		u->numbers->put_constant(u, n, out);
 	} else if (n->op == OP_WIDEN || n->op == OP_NARROW) {
 		put_conversion(u, n, out);
+	} else if (u->numbers->put_cheaper && u->numbers->put_cheaper(u, n, out)) {
+		return;
 	} else if (u->calls[n->op]) {
 		put_call(u, n, out);
 	} else if (n->op == OP_NEG) {

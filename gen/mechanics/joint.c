@@ -174,6 +174,14 @@ struct svec joint_out_of(struct dag *d, const struct body *k, const struct joint
 	return turns(k) ? svec_turn(d, k->axis, x->s, x->c, u) : u;
 }
 
+void joint_unit_twist(struct dag *d, const struct body *k, const struct joint_pose *x, int row, struct svec *V, struct svec *W)
+{
+	struct joint_rates unit = joint_unit(d, k, row);
+
+	*W = unit.W;
+	*V = svec_add(d, joint_into(d, k, x, unit.V0), unit.V);
+}
+
 struct svec joint_to_parent(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u)
 {
 	return smat_mul(d, &x->R, joint_out_of(d, k, x, u));

@@ -46,6 +46,9 @@ struct joint_rates joint_unit(struct dag *d, const struct body *k, int row);
 struct svec joint_into(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u);
 struct svec joint_out_of(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u);
 
+/* That unit rate as the twist (V, W) of the body, at its origin and in its frame. */
+void joint_unit_twist(struct dag *d, const struct body *k, const struct joint_pose *x, int row, struct svec *V, struct svec *W);
+
 /* R(q) u of the whole joint: from the body's frame into its parent's. */
 struct svec joint_to_parent(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec u);
 

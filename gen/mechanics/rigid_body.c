@@ -1,5 +1,20 @@
 #include "mechanics/rigid_body.h"
 
+struct smat motion_rate_matrix(struct dag *d, struct svec w, struct svec dw)
+{
+	struct smat U;
+
+	for (int i = 0; i < 3; i++) {
+		int j = (i + 1) % 3, k = (i + 2) % 3;
+		struct ref jk = dag_mul(d, w.x[j], w.x[k]);
+
+		U.m[i][i] = dag_neg(d, dag_add(d, dag_mul(d, w.x[j], w.x[j]), dag_mul(d, w.x[k], w.x[k])));
+		U.m[j][k] = dag_sub(d, jk, dw.x[i]);
+		U.m[k][j] = dag_add(d, jk, dw.x[i]);
+	}
+	return U;
+}
+
 /* n = I dw + w x I w, with the products of w that U has already:
    n_i = I_ii dw_i + (I_kk - I_jj) w_j w_k - I_ij U_ki + I_ik U_ji + I_jk (w_j^2 - w_k^2) */
 static struct svec euler(struct dag *d, const struct inertia *I, const struct motion *x)
@@ -134,6 +149,35 @@ void rigid_body_wrench_free(struct dag *d, const struct parameters *p, const str
 	*f = svec_add(d, svec_scale(d, p->mass, x->a), smat_mul(d, &x->U, p->h));
 	*n = svec_add(d, rigid_body_inertia_times(d, p, x->dw), svec_cross(d, x->w, rigid_body_inertia_times(d, p, x->w)));
 	*n = svec_add(d, *n, svec_cross(d, p->h, x->a));
+}
+
+/* I dw + w x I w, about the axes i, j, k in cyclic order: of a unit of I_ii it is (dw_i, w_k w_i, -w_i w_j), of a unit of I_jk
+   (w_j^2 - w_k^2, -U_ij, U_ik). */
+static void unit_moments(struct dag *d, const struct motion *x, int i, struct svec *diagonal, struct svec *across)
+{
+	int j = (i + 1) % 3, k = (i + 2) % 3;
+
+	diagonal->x[i] = x->dw.x[i];
+	diagonal->x[j] = dag_mul(d, x->w.x[k], x->w.x[i]);
+	diagonal->x[k] = dag_neg(d, dag_mul(d, x->w.x[i], x->w.x[j]));
+	across->x[i] = dag_sub(d, dag_mul(d, x->w.x[j], x->w.x[j]), dag_mul(d, x->w.x[k], x->w.x[k]));
+	across->x[j] = dag_neg(d, x->U.m[i][j]);
+	across->x[k] = x->U.m[i][k];
+}
+
+void rigid_body_powers(struct dag *d, const struct motion *x, struct svec V, struct svec W, struct ref *power)
+{
+	struct svec h = svec_add(d, smat_mul_transposed(d, &x->U, V), svec_cross(d, x->a, W));
+
+	power[0] = svec_dot(d, V, x->a);
+	for (int i = 0; i < 3; i++) {
+		struct svec diagonal, across;
+
+		unit_moments(d, x, i, &diagonal, &across);
+		power[1 + i] = h.x[i];
+		power[4 + inertia_index(i, i)] = svec_dot(d, W, diagonal);
+		power[4 + (i == 0 ? inertia_index(1, 2) : inertia_index(0, 3 - i))] = svec_dot(d, W, across);
+	}
 }
 
 struct ref rigid_body_kinetic(struct dag *d, const struct parameters *p, const struct motion *x)

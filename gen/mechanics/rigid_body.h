@@ -11,6 +11,9 @@ struct motion {
 	struct smat U;           /* [dw]x + [w]x[w]x: U r is the acceleration of a point r fixed in the body */
 };
 
+/* That U of w and dw. */
+struct smat motion_rate_matrix(struct dag *d, struct svec w, struct svec dw);
+
 /* The ten inertial parameters as expressions: the tree's, and what inputs add to them. */
 struct parameters {
 	struct ref mass, I[6]; /* xx xy xz yy yz zz about the origin */
@@ -31,6 +34,10 @@ struct svec rigid_body_inertia_times(struct dag *d, const struct parameters *p, 
 struct parameters rigid_body_parameters(struct dag *d, const struct inertia *I);
 /* p + s I */
 void rigid_body_add(struct dag *d, struct parameters *p, struct ref s, const struct inertia *I);
+
+/* V.f + W.n of the twist (V, W) and of the wrench that the motion takes with a unit of each of the ten parameters: m, h,
+   xx xy xz yy yz zz. Of m it is V.a, of h U'V + a x W. */
+void rigid_body_powers(struct dag *d, const struct motion *x, struct svec V, struct svec W, struct ref *power);
 
 /* (m v.v + w.(I w)) / 2 + v.(w x h) */
 struct ref rigid_body_kinetic(struct dag *d, const struct parameters *p, const struct motion *x);

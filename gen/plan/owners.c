@@ -1,4 +1,5 @@
 #include "plan/owners.h"
+#include "tree/lumps.h"
 #include "tree/pattern.h"
 
 /* By row of qd: the last body that moves with it. */
@@ -12,6 +13,18 @@ static int *bodies_of_rows(const struct tree *t, struct arena *a)
 	return body;
 }
 
+/* Ten columns are of the lump's body. */
+static void own_columns(const struct tree *t, const struct pattern *p, int *body, struct arena *a)
+{
+	struct lumps x;
+
+	if (!lumps_make(&x, t, a))
+		return;
+	for (int e = 0; e < t->nv * p->cols; e++)
+		if (p->row[e] >= 0)
+			body[p->row[e]] = x.body[e % p->cols / LUMP_PARAMETERS];
+}
+
 /* By stored element of a matrix by joints: the body that is further out; of what is solved column by column, the column's. */
 static void own_elements(const struct tree *t, const struct want *w, int dense, int *body, struct arena *a)
 {
@@ -20,6 +33,10 @@ static void own_elements(const struct tree *t, const struct want *w, int dense, 
 
 	if (!of_row || !request_pattern(&p, t, w->kind, dense, a))
 		return;
+	if (w->kind == WANT_REGRESSOR) {
+		own_columns(t, &p, body, a);
+		return;
+	}
 	for (int i = 0; i < nv; i++)
 		for (int j = 0; j < nv; j++)
 			if (p.row[i * nv + j] >= 0)

@@ -17,6 +17,7 @@ static const struct want_word {
 	[WANT_POWER] = {{"power", 0}, "power", 1},
 	[WANT_KINETIC] = {{"kinetic", 0}, "kinetic", 1},
 	[WANT_POTENTIAL] = {{"potential", 0}, "potential", 1},
+	[WANT_REGRESSOR] = {{"regressor", 0}, "regressor", 0},
 	[WANT_QDD] = {{"qdd", 0}, "qdd", 0},
 	[WANT_QDD_BOUND] = {{"qdd_bound", 0}, "qdd_bound", 0},
 	[WANT_DTAU_DQ] = {{"dtau_dq", 0}, "dtau_dq", 0},
@@ -73,12 +74,22 @@ static enum rneagen_code want_by_freed(const struct resolver *x, const struct sc
 		freed);
 }
 
+/* Elements that are stored. */
+static enum rneagen_code want_matrix(const struct resolver *x, struct want *w)
+{
+	struct pattern p;
+
+	if (!request_pattern(&p, x->t, w->kind, x->k->dense, x->a))
+		return error_memory(x->e);
+	w->rows = p.rows;
+	return RNEAGEN_OK;
+}
+
 /* Rows of matrices and products; what is given does not vary. */
 static enum rneagen_code want_derivative(const struct resolver *x, const struct scene_choice *c, struct want *w)
 {
 	int is_q = w->kind == WANT_DTAU_DQ || w->kind == WANT_DQDD_DQ, count = is_q ? x->t->nq : x->t->nv, nv = x->t->nv;
 	const struct row *rows = is_q ? x->k->q : x->k->qd;
-	struct pattern p;
 
 	if (w->kind == WANT_JVP || w->kind == WANT_VJP) {
 		w->rows = w->kind == WANT_VJP ? 3 * nv : nv;
@@ -87,10 +98,7 @@ static enum rneagen_code want_derivative(const struct resolver *x, const struct 
 	for (int i = 0; i < count && w->kind != WANT_MASS && w->kind != WANT_MINV; i++)
 		if (rows[i].is_given)
 			return scene_refuse(x->s, c, x->e, "row %d of %s is given: no derivative by it", i, is_q ? "q" : "qd");
-	if (!request_pattern(&p, x->t, w->kind, x->k->dense, x->a))
-		return error_memory(x->e);
-	w->rows = p.rows;
-	return RNEAGEN_OK;
+	return want_matrix(x, w);
 }
 
 /* "dtau_dNAME", "dqdd_dNAME" */
@@ -108,12 +116,14 @@ int request_pattern(struct pattern *p, const struct tree *t, enum want_kind kind
 {
 	int symmetric = kind == WANT_MASS || kind == WANT_MINV;
 
+	if (kind == WANT_REGRESSOR)
+		return pattern_lumps(p, t, dense, a);
 	return request_is_solved(kind) ? pattern_coupled(p, t, symmetric, dense, a) : pattern_make(p, t, symmetric, dense, a);
 }
 
 int request_is_matrix(enum want_kind kind)
 {
-	return kind == WANT_DTAU_DQ || kind == WANT_DTAU_DQD || kind == WANT_MASS || (kind >= WANT_MINV && kind <= WANT_DQDD_DQD);
+	return kind == WANT_REGRESSOR || kind == WANT_DTAU_DQ || kind == WANT_DTAU_DQD || kind == WANT_MASS || (kind >= WANT_MINV && kind <= WANT_DQDD_DQD);
 }
 
 static enum rneagen_code add_want(const struct resolver *x, const struct scene_choice *c, const struct want *w)
@@ -161,6 +171,8 @@ enum rneagen_code request_want(const struct resolver *x, const struct scene_choi
 	if ((w.kind == WANT_TWIST || w.kind == WANT_ACCEL) && want_link(x, c, &w))
 		return x->e->code;
 	if (w.kind >= WANT_DTAU_DQ && want_derivative(x, c, &w))
+		return x->e->code;
+	if (w.kind == WANT_REGRESSOR && want_matrix(x, &w))
 		return x->e->code;
 	w.argument = WANTS[kind].argument && kind != WANT_MINV ? WANTS[kind].argument : request_argument(x, c->name);
 	return add_want(x, c, &w);

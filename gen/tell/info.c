@@ -1,5 +1,6 @@
 #include "tell/info.h"
 #include "base/number.h"
+#include "tell/inertia_put.h"
 #include "tell/params_put.h"
 #include "tell/parts_put.h"
 #include "tell/scene_put.h"
@@ -150,6 +151,7 @@ void info_json(const struct info *x, struct text *out)
 	scene_put_json_ignored(&a->outcome, out);
 	put_json_functions(e, out);
 	emit_pattern_json(e, out);
+	inertia_put_json(a, out);
 	parts_put_json(e, out);
 	if (e->target->kernel)
 		text_printf(out, "  \"block\": %d,\n  \"stage_bytes\": %d,\n", emit_block_size(e), emit_stage_bytes(e));

@@ -1,5 +1,5 @@
 #include "tree/pattern.h"
-#include "tree/tree.h"
+#include "tree/lumps.h"
 
 /* Rows of a body in qd, and of one that its wrenches go through; a follower has its driver's. */
 static void mark(unsigned char *related, const struct tree *t, int a, int b)
@@ -26,6 +26,7 @@ static int make(struct pattern *p, const struct tree *t, int is_coupled, int sym
 	unsigned char *related = arena_alloc(a, size, 1);
 
 	p->rows = 0;
+	p->cols = t->nv;
 	p->row = arena_alloc(a, size, sizeof *p->row);
 	if (!related || !p->row)
 		return 0;
@@ -49,4 +50,31 @@ int pattern_make(struct pattern *p, const struct tree *t, int symmetric, int den
 int pattern_coupled(struct pattern *p, const struct tree *t, int symmetric, int dense, struct arena *a)
 {
 	return make(p, t, 1, symmetric, dense, a);
+}
+
+/* Rows of a body, by the columns of a lump that hangs on it. */
+static void mark_columns(struct pattern *p, const struct body *k, int lump)
+{
+	for (int i = k->iv; i < k->iv + joint_nv(k->type); i++)
+		for (int c = 0; c < LUMP_PARAMETERS; c++)
+			p->row[i * p->cols + LUMP_PARAMETERS * lump + c] = 1;
+}
+
+int pattern_lumps(struct pattern *p, const struct tree *t, int dense, struct arena *a)
+{
+	struct lumps x;
+
+	*p = (struct pattern){0};
+	if (!lumps_make(&x, t, a))
+		return 0;
+	p->cols = LUMP_PARAMETERS * x.count;
+	p->row = arena_alloc(a, (size_t)t->nv * (size_t)p->cols, sizeof *p->row);
+	if (!p->row)
+		return 0;
+	for (int lump = 0; lump < x.count; lump++)
+		for (int k = x.body[lump]; k >= 0; k = t->bodies[k].parent)
+			mark_columns(p, &t->bodies[k], lump);
+	for (int e = 0; e < t->nv * p->cols; e++)
+		p->row[e] = dense || p->row[e] ? p->rows++ : -1;
+	return 1;
 }

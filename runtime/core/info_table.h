@@ -15,6 +15,7 @@
 	output NAME ROWS f32|f64 sample|batch ROLE [OF]    (one line each, in the order of the signature)
 	matrix NAME ROWS COLS general|lower       (an output's; after it its rows, from 0:)
 	row NAME ROW COL COL ...                  (the columns of what is stored; in all, as many as the output has rows)
+	parameters NAME COL LINK                  (of a regressor: the ten columns from COL on are the link's; to the end of the line)
 	operations MUL ADD SUB NEG FMA SINCOS     (a sample; once)
 	stage BYTES                               (of shared memory in which the kernel stages each sample, where it does)
 	segments BYTES SAMPLES                    (of a kernel in segments: what a sample keeps in the block's own shared memory, and

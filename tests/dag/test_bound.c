@@ -15,7 +15,7 @@ static real round_float(real x)
 }
 
 /* Of float, with the C library's sine and cosine. */
-static const struct eval_model FLOATS = {.add = 0x1p-24, .mul = 0x1p-24, .tiny = 0x1p-150, .sincos = 2 * 0x1p-24, .sine = 0x1p-149,
+static const struct eval_model FLOATS = {.add = 0x1p-24, .mul = 0x1p-24, .quotient = 0x1p-24, .tiny = 0x1p-150, .sincos = 2 * 0x1p-24, .sine = 0x1p-149,
 	.cosine = 0x1p-149, .constant = round_float};
 
 typedef struct ref expression(struct dag *d, const struct ref *x);

@@ -58,6 +58,11 @@ struct alignas(16) double2 {
 	double x, y;
 };
 
+[[maybe_unused]] static float __fdividef(float a, float b)
+{
+	return a / b;
+}
+
 [[maybe_unused]] static int __ffs(int x)
 {
 	return __builtin_ffs(x);

@@ -265,9 +265,9 @@ static void draw_forward(struct drawing *g, size_t matrix)
 
 static void draw_want(struct drawing *g)
 {
-	static const char *const words[] = {"tau", "gravity", "bias", "power", "kinetic", "potential", "M", "jvp", "vjp", "dtau_dq",
+	static const char *const words[] = {"tau", "gravity", "bias", "power", "kinetic", "potential", "regressor", "M", "jvp", "vjp", "dtau_dq",
 		"dtau_dqd", "wrench", "twist", "accel"};
-	enum { MATRICES = 6, WRENCH = 11 };
+	enum { MATRICES = 7, WRENCH = 12 };
 	size_t kind = dice_below(g->d, sizeof words / sizeof *words);
 	const struct body *k = draw_body(g, 0);
 	const char *name = kind == WRENCH ? (k ? k->joint : NULL) : draw_carried(g);

@@ -108,7 +108,7 @@ START_TEST(every_request)
 	if (_i == 6)
 		o.scene = "fold qdd=0\nfree payload.d\nfext b\nwant tau,power\ndrop-below 1e-3\nrange payload.d=0,2";
 	if (_i >= 7 && _i < DUMPS) {
-		o.scene = "free gravity\nwant M,dtau_dq,dtau_dgravity,jvp,vjp";
+		o.scene = "free gravity\nwant M,dtau_dq,dtau_dgravity,jvp,vjp,regressor";
 		o.target = _i % 2 ? RNEAGEN_TARGET_C : RNEAGEN_TARGET_CUDA;
 		o.base = RNEAGEN_FIXED;
 	}

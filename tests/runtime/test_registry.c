@@ -157,7 +157,7 @@ START_TEST(bound)
 	struct rnea_robot *robot;
 	struct rnea_error e;
 
-	g.scene = "free gravity,payload.lower,offset.elbow\nwant tau,M,dtau_dq,dtau_dpayload.lower,twist.upper,jvp\n"
+	g.scene = "free gravity,payload.lower,offset.elbow\nwant tau,M,dtau_dq,dtau_dpayload.lower,twist.upper,jvp,regressor\n"
 		  "fext lower\n";
 	ck_assert_msg(!rnea_open_urdf(ROBOT, &g, &o, &robot, &e), "%s", e.message);
 	ck_assert_uint_eq(rnea_info(robot)->function_count, 1);
@@ -167,7 +167,7 @@ START_TEST(bound)
 	} found[] = {{RNEA_ROLE_JOINT_POSITION, NULL, "q"}, {RNEA_ROLE_GRAVITY, "", "gravity"},
 		{RNEA_ROLE_LINK_PAYLOAD, "lower", "payload_lower"}, {RNEA_ROLE_JOINT_OFFSET, "elbow", "offset_elbow"},
 		{RNEA_ROLE_LINK_WRENCH, NULL, "fext_lower"}, {RNEA_ROLE_TANGENT, NULL, "jvp_v"}, {RNEA_ROLE_JOINT_TORQUE, NULL, "tau"},
-		{RNEA_ROLE_MASS_MATRIX, NULL, "M"}, {RNEA_ROLE_DTAU_DQ, NULL, "dtau_dq"}, {RNEA_ROLE_JVP, NULL, "jvp"},
+		{RNEA_ROLE_MASS_MATRIX, NULL, "M"}, {RNEA_ROLE_DTAU_DQ, NULL, "dtau_dq"}, {RNEA_ROLE_JVP, NULL, "jvp"}, {RNEA_ROLE_REGRESSOR, NULL, "regressor"},
 		{RNEA_ROLE_DTAU_DFREED, "payload.lower", "dtau_dpayload_lower"},
 		{RNEA_ROLE_LINK_TWIST, "upper", "twist_upper"}};
 	for (size_t i = 0; i < sizeof found / sizeof *found; i++)

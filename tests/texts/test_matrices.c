@@ -24,6 +24,7 @@ static const struct subject {
 	{"mimic_chain", "want dtau_dqd,M,dtau_dq\n", 1, 3},
 	{"double_pendulum", "want dtau_dq,jvp,M\n", 0, 2},
 	{"hyq", "want qdd,Minv,dqdd_dqd\ndynamics factor\n", 0, 2},
+	{"mimic_chain", "want tau,regressor,M\n", 1, 2},
 };
 enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
 

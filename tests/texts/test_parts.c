@@ -32,6 +32,7 @@ static const struct subject {
 	{"hyq", ALL "derivatives forward\n", 0, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2},
 	{"mimic_chain", ALL, 1, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2},
 	{"planar_joint", ALL, 1, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2},
+	{"hyq", "want tau,regressor\n", 1, RNEAGEN_F64, RNEAGEN_ACCURATE, 3, 3},
 	{"ur5", "want tau,dtau_dq,dtau_dqd,power,jvp\nfree payload.wrist_3_link\n", 0, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2},
 	{"iiwa14", "want qdd,Minv,dqdd_dq,dqdd_dqd\n", 0, RNEAGEN_F64, RNEAGEN_ACCURATE, 3, 3},
 	{"hyq", "want dqdd_dq,qdd,M\ndynamics articulated\n", 0, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2},
@@ -196,6 +197,7 @@ static const struct stored {
 	{"iiwa14", ALL, RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 1},
 	{"iiwa14", ALL, RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 1},
 	{"iiwa14", "want jvp\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 1},
+	{"hyq", "want tau,regressor\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 1},
 	{"ur5", "want tau,dtau_dq,dtau_dqd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0}, /* staged */
 	{"iiwa14", ALL, RNEAGEN_TARGET_CUDA, RNEAGEN_AOS, RNEAGEN_F32, 0}, /* staged */
 	{"atlas", "want tau,dtau_dq,dtau_dqd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_AOS, RNEAGEN_F32, 0}, /* too large for that */
