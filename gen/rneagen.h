@@ -55,8 +55,8 @@ struct rneagen_options {
 		      registers and the instruction cache have room for, 1 where a text cannot be split */
 	int segments; /* operations of a segment at most: a stretch of a text that runs for several samples before the next one does;
 			 default RNEAGEN_SEGMENTS_AUTO: where that is faster, or compiles faster; RNEAGEN_SEGMENTS_WHOLE: none */
-	int limbs; /* warps of a kernel for small batches, which share out each sample; default RNEAGEN_LIMBS_AUTO: as many as make it
-		      shortest, RNEAGEN_LIMBS_NONE: there is no such kernel */
+	int limbs; /* warps of a kernel for small batches, which share out each sample; default RNEAGEN_LIMBS_AUTO: where that is
+		      faster; RNEAGEN_LIMBS_NONE: there is no such kernel */
 	double gravity[3];  /* m/s^2, in the frame of the root link's parent, the world; default 0 0 -9.81. Bounds hold for any
 			       decimals that are read as these doubles; a whole number is meant as it is */
 	const char *order;  /* names of all joints with entries in q, comma-separated; NULL: depth-first, by name */

@@ -170,6 +170,13 @@ struct rnea_function {
 	size_t across_bytes;   /* of a kernel in segments: what a sample keeps in the block's own 48 KiB of shared memory; else 0 */
 	unsigned most_samples; /* of such a kernel: samples that a thread takes at most, as far as they have room. A grid of any size is
 				  right; the fewer blocks, the more samples each thread takes. 1 of all other kernels */
+	/* The kernel NAME_FUNCTION_limbs, with the same parameters, is faster for small batches: rnea_launch and rnea_run take it. A block
+	   is of 32 limbs groups threads with limb_bytes groups bytes of shared memory given, and does 32 groups samples; groups is from 1 to
+	   limb_groups, 1 for up to 32 samples; along y the grid has `parts`. */
+	unsigned limbs;       /* warps that share out each sample; 0: there is no such kernel, or it did not compile */
+	unsigned limb_groups;
+	size_t limb_bytes;    /* of a group of 32 samples */
+	size_t limb_most;     /* samples of a batch up to which it is faster */
 };
 
 /* The parsed table. Every pointer belongs to the robot that it was asked of and is valid until rnea_close. What stands here of

@@ -3,7 +3,7 @@
 
 _rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --derivatives --dynamics --params --refine --jvp --vjp --fext --fext-frame --armature --damping
 	--friction --snap-angle --round-constants --drop-below --range'
-_rneagen_options="-o --output --target --precision --layout --strict --bounded --only --parts --segments --trig --base --gravity --mimic --order --name --info
+_rneagen_options="-o --output --target --precision --layout --strict --bounded --only --parts --segments --limbs --trig --base --gravity --mimic --order --name --info
 	--info=json --dot --dump --quiet --help --version $_rneagen_scene"
 
 # The words that an option takes; returns 1 for an option that takes none, or any.
@@ -24,9 +24,10 @@ _rneagen_words() {
 	--refine) echo 0 1 1:f64 1:f32x2 1:same ;;
 	--parts) echo auto ;;
 	--segments) echo auto whole ;;
+	--limbs) echo auto none ;;
 	--only) echo rnea fd ;;
 	--info) echo json ;;
-	--dump) echo robot scene tree params request dag plan parts segments passes ;;
+	--dump) echo robot scene tree params request dag plan parts segments limbs passes ;;
 	--backend) [[ ${COMP_WORDS[1]} == eval ]] && echo cpu cuda any || echo cpu cuda all ;;
 	--format) echo table json csv ;;
 	*) return 1 ;;

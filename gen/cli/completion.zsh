@@ -63,13 +63,14 @@ _rneagen_command() {
 		'--target=[kernels, C functions, or inline functions]:target:(cuda c header)' \
 		'--layout=[how batches lie in memory]:layout:(soa aos)' \
 		'--segments=[stretches that run for several samples]:segments:(auto whole)' \
+		'--limbs=[warps that share out a sample of a small batch]:warps:(auto none)' \
 		'--parts=[matrices in parts of the grid]:parts:(auto)' \
 		'--bounded[target c: also a function that bounds the error of each torque]' \
 		'--only=[the algorithm without its halves and batches]:algorithm:(rnea fd)' \
 		'--name=[prefix of every function]:identifier:' \
 		'--info=-[tell about the robot]::format:(json)' \
 		'--dot[print the tree as a graph for Graphviz]' \
-		'--dump=[print a stage of the pipeline]:stage:(robot scene tree params request dag plan parts segments passes)' \
+		'--dump=[print a stage of the pipeline]:stage:(robot scene tree params request dag plan parts segments limbs passes)' \
 		'--quiet[no warnings]' \
 		'(- *)--version[print the version]' \
 		'1:robot:_files -g "*.urdf"'

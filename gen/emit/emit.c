@@ -359,7 +359,7 @@ void emit_source(const struct emission *e, struct text *out)
 		{"SAMPLES", p->segments.count ? "samples" : "RNEA_BLOCK"}, {"MIN_BLOCKS", emit_min_blocks(e)},
 		{"NUMBERS", numbers_text(e)}, {"SINCOS_DECLARATION", emit_sincos_declaration(e)}, {"SINCOS", emit_sincos(e)},
 		{"IS_SMALL", is_small_text(e)}, {"JOINTS", emit_joints(e)}, {"STAGE", emit_stage(e)}, {"SINES_BYTES", emit_sines_bytes(e)}, {"STORE", emit_store(e)},
-		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e)},
+		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e)}, {"LAUNCH_LIMBS", emit_launch_limbs(e)},
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)},
 		{"RNEA_PARAMS", emit_params(e, p, PARAMS_PLAIN)},

@@ -150,9 +150,13 @@ int emit_segments_samples(const struct emission *e);
 int emit_segments_block(const struct emission *e, const struct pass *p);
 void emit_segments_kernel(const struct emission *e, const struct pass *p, struct text *out);
 
-/* CUDA: the kernel of small batches, whose warps share out each sample, where there is one. */
+/* CUDA: the kernel of small batches, whose warps share out each sample, where there is one; what launches it; what is to be known of it,
+   of warps, groups and samples, and the bytes of shared memory of a group. */
 int emit_has_limbs(const struct emission *e);
 void emit_limbs(const struct emission *e, struct text *out);
+const char *emit_launch_limbs(const struct emission *e);
+const struct limbs *emit_limbs_of(const struct emission *e);
+int emit_limbs_bytes(const struct emission *e);
 
 /* Bytes of shared memory that a kernel has without asking; threads of a warp, the smallest block. */
 enum { EMIT_SHARED_BYTES = 48 << 10, EMIT_SMALLEST_BLOCK = 32 };

@@ -249,6 +249,10 @@ static void put_operations(const struct emission *e, struct text *out)
 	if (e->part_count)
 		text_printf(out, " * The %s kernel is in %d parts: its grid has as many along y, each for the elements of some joints.\n",
 			emit_main(e)->algorithm->name, e->part_count);
+	if (emit_has_limbs(e))
+		text_printf(out, " * Up to %u samples %s_%s_launch takes the kernel %s_%s_limbs, whose %d warps share out each sample.\n",
+			emit_limbs_of(e)->most, e->options->name, emit_main(e)->algorithm->name, e->options->name, emit_main(e)->algorithm->name,
+			emit_limbs_of(e)->warps);
 }
 
 void emit_banner(const struct emission *e, struct text *out)
@@ -329,6 +333,8 @@ static void put_function(const struct emission *e, const struct pass *p, struct 
 		text_printf(out, "stage %d\n", emit_stage_bytes(e));
 	if (is_main && e->part_count)
 		text_printf(out, "parts %d\n", e->part_count);
+	if (is_main && emit_has_limbs(e))
+		text_printf(out, "limbs %d %d %d %u\n", emit_limbs_of(e)->warps, emit_limbs_of(e)->groups, emit_limbs_bytes(e), emit_limbs_of(e)->most);
 }
 
 static void put_info_lines(const struct emission *e, struct text *t)

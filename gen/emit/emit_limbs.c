@@ -4,9 +4,6 @@
 #include "emit/emit.h"
 #include "emit/unparse.h"
 
-/* Samples of a block at most, in warps; registers of a multiprocessor, and of a thread beside its values. */
-enum { MOST_GROUPS = 4, REGISTERS = 65536, SPARE_REGISTERS = 24 };
-
 /* The angles whose sines a warp makes. */
 static struct angles angles_of(const struct emission *e, const struct plan *lines)
 {
@@ -133,43 +130,39 @@ static const char *cases_text(const struct emission *e)
 	return text_string(&t);
 }
 
-/* Words of what goes across, of a sample: an odd number, so that lanes are in banks of their own. */
-static int across_words(const struct emission *e)
+int emit_limbs_bytes(const struct emission *e)
 {
-	int most = 0;
-
-	for (int k = 0; k < part_count(e); k++) {
-		int slots = pass_of(e, k)->limbs.slots;
-
-		most = slots > most ? slots : most;
-	}
-	return most ? most | 1 : 0;
+	return pass_of(e, 0)->limbs.words * e->arithmetic->bytes * EMIT_SMALLEST_BLOCK;
 }
 
-/* Samples of a block at most, in warps: as many as have room in registers and in shared memory. */
-static int most_groups(const struct emission *e)
+const struct limbs *emit_limbs_of(const struct emission *e)
 {
-	int groups = MOST_GROUPS, bytes = across_words(e) * e->arithmetic->bytes * EMIT_SMALLEST_BLOCK;
-
-	for (int k = 0; k < part_count(e); k++) {
-		const struct limbs *s = &pass_of(e, k)->limbs;
-
-		while (groups > 1 && groups * s->warps * EMIT_SMALLEST_BLOCK * (s->alive * e->arithmetic->bytes / 4 + SPARE_REGISTERS) > REGISTERS)
-			groups /= 2;
-	}
-	while (groups > 1 && groups * bytes > EMIT_SHARED_BYTES)
-		groups /= 2;
-	return groups;
+	return &pass_of(e, 0)->limbs;
 }
 
 void emit_limbs(const struct emission *e, struct text *out)
 {
 	const struct pass *p = emit_main(e);
-	int warps = pass_of(e, 0)->limbs.warps, words = across_words(e);
+	const struct limbs *s = emit_limbs_of(e);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->numbers->value},
-		{"WARPS", emit_int(e, warps)}, {"WORDS", emit_int(e, words)}, {"GROUPS", emit_int(e, most_groups(e))},
-		{"LIMBS", warps_text(e)}, {"CASES", cases_text(e)}, {"PART", e->part_count ? "blockIdx.y*RNEA_LIMBS + " : ""},
+		{"WARPS", emit_int(e, s->warps)}, {"WORDS", emit_int(e, s->words)}, {"GROUPS", emit_int(e, s->groups)},
+		{"LIMBS", warps_text(e)}, {"CASES", cases_text(e)}, {"MOST", emit_int(e, (int)s->most)}, {"BYTES", emit_int(e, emit_limbs_bytes(e))}, {"PART", e->part_count ? "blockIdx.y*RNEA_LIMBS + " : ""},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}};
 
 	template_expand(out, template_kernel_limbs_in, slots, sizeof slots / sizeof *slots);
+}
+
+const char *emit_launch_limbs(const struct emission *e)
+{
+	struct text t, parts;
+
+	text_init(&t, e->arena);
+	text_init(&parts, e->arena);
+	if (e->part_count)
+		text_printf(&parts, ", %d", e->part_count);
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"PARTS", text_string(&parts)}};
+
+	if (emit_has_limbs(e))
+		template_expand(&t, template_launch_limbs_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
 }

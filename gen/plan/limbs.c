@@ -1,7 +1,8 @@
 #include "plan/limbs.h"
 #include "plan/deal.h"
 
-enum { TRIES = 12 };
+/* Long plans are refined once: gradients of atlas take half a second, and warps come out as short. */
+enum { TRIES = 12, LONG_PLAN = 4000 };
 
 /* ---- which deal ---- */
 
@@ -37,11 +38,11 @@ static void try_rooms(struct dealer *x, struct deal d, unsigned whole, struct de
 }
 
 /* One phase after the other with less room, or more. */
-static void refine(struct dealer *x, struct deal *best, unsigned *least)
+static void refine(struct dealer *x, int rounds, struct deal *best, unsigned *least)
 {
 	static const double factors[] = {0.5, 0.7, 0.8, 0.87, 0.93, 0.97, 1.04, 1.1, 1.2};
 
-	for (int round = 0; round < 2; round++)
+	for (int round = 0; round < rounds; round++)
 		for (int phase = best->has_sines; phase < MOST_PHASES - 1; phase++) {
 			struct deal from = *best;
 
@@ -69,7 +70,7 @@ static struct deal choose(struct dealer *x, unsigned whole, unsigned *least)
 			try_rooms(x, d, whole, &best, least);
 		}
 	if (best.warps)
-		refine(x, &best, least);
+		refine(x, whole > LONG_PLAN ? 1 : 2, &best, least);
 	return best;
 }
 
@@ -118,64 +119,6 @@ int limbs_make(struct limbs *s, const struct plan *p, const struct limbs_limits 
 
 		s->alive = alive > s->alive ? alive : s->alive;
 	}
-	return !a->failed;
-}
-
-/* Bytes of shared memory that a kernel has without asking, for 32 lanes; a wait costs as much as some 60 operations. */
-enum { SHARED_BYTES = 48 << 10, LANES = 32, JOIN_OPERATIONS = 60, WARPS_SINGLE = 16, WARPS_DOUBLE = 8 };
-
-/* The same number of warps for all; what the longest takes, and an eighth of all, since all have to be fetched. */
-static double make_all(struct pass *const *passes, int count, const struct limbs_limits *limits, struct arena *a)
-{
-	double cost = 0;
-
-	for (int i = 0; i < count; i++) {
-		struct limbs *s = &passes[i]->limbs;
-		size_t all = 0;
-
-		if (!limbs_make(s, &passes[i]->plan, limits, a) || !s->warps)
-			return TOO_MUCH;
-		for (int w = 0; w < s->warps; w++)
-			all += s->plans[w].line_count;
-		if (s->longest + (double)all / 8 > cost)
-			cost = s->longest + (double)all / 8;
-	}
-	return cost;
-}
-
-static void take_none(struct pass *const *passes, int count)
-{
-	for (int i = 0; i < count; i++)
-		passes[i]->limbs = (struct limbs){0};
-}
-
-int limbs_choose(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a)
-{
-	int is_double = o->precision != RNEAGEN_F32, first = 2, last = is_double ? WARPS_DOUBLE : WARPS_SINGLE, best = 0;
-	struct limbs_limits limits = {.across = SHARED_BYTES / LANES / (is_double ? 8u : 4u) - 1, .join = JOIN_OPERATIONS};
-	double least = TOO_MUCH;
-
-	take_none(passes, count);
-	if (o->limbs == RNEAGEN_LIMBS_NONE || o->precision == RNEAGEN_F32X2)
-		return 1;
-	for (int i = 0; i < count; i++)
-		if (dag_has_wide(&passes[i]->dag))
-			return 1;
-	if (o->limbs != RNEAGEN_LIMBS_AUTO)
-		first = last = o->limbs;
-	for (limits.warps = limits.least = first; limits.warps <= last; limits.warps = limits.least *= 2) {
-		double cost = make_all(passes, count, &limits, a);
-
-		if (cost < least) {
-			least = cost;
-			best = limits.warps;
-		}
-	}
-	limits.warps = limits.least = best;
-	if (!best)
-		take_none(passes, count);
-	else if (first != last)
-		make_all(passes, count, &limits, a);
 	return !a->failed;
 }
 

@@ -16,10 +16,6 @@ struct limbs_limits {
    a slot of memory. Returns 0 when memory runs out. */
 int limbs_make(struct limbs *s, const struct plan *p, const struct limbs_limits *limits, struct arena *a);
 
-/* Make the limbs of passes that one kernel runs side by side, with the same number of warps, as the options ask for, or where that
-   pays. Returns 0 when memory runs out. */
-int limbs_choose(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a);
-
 /* A line for each warp and phase of the pass. */
 void limbs_dump(const struct pass *p, struct text *out);
 

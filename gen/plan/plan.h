@@ -36,6 +36,10 @@ struct limbs {
 	int slots;          /* of a sample, for what goes across */
 	int alive;          /* values that a warp has at once at most */
 	unsigned longest, whole; /* operations of the longest warp, the phases after each other, and of the whole plan */
+	/* of the kernel, whose passes have the same */
+	int words;      /* of a sample in shared memory */
+	int groups;     /* of 32 samples, in a block at most */
+	unsigned most;  /* samples of a batch up to which it is launched */
 };
 
 /* One generated function on its way to text. */

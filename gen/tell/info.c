@@ -45,6 +45,9 @@ static void put_operations(const struct emission *e, struct text *out)
 			text_printf(out, "  %u of the flops in %s: residuals of refinement\n", n.wide, e->wide->arithmetic->name);
 	}
 	parts_put_table(e, out);
+	if (emit_has_limbs(e))
+		text_printf(out, "\nlimbs: up to %u samples %d warps share out each, the longest %u of %u operations\n", emit_limbs_of(e)->most,
+			emit_limbs_of(e)->warps, emit_limbs_of(e)->longest, emit_limbs_of(e)->whole);
 }
 
 void info_table(const struct info *x, struct text *out)
@@ -155,6 +158,9 @@ void info_json(const struct info *x, struct text *out)
 	parts_put_json(e, out);
 	if (e->target->kernel)
 		text_printf(out, "  \"block\": %d,\n  \"stage_bytes\": %d,\n", emit_block_size(e), emit_stage_bytes(e));
+	if (emit_has_limbs(e))
+		text_printf(out, "  \"limbs\": {\"warps\": %d, \"groups\": %d, \"bytes\": %d, \"most\": %u},\n", emit_limbs_of(e)->warps,
+			emit_limbs_of(e)->groups, emit_limbs_bytes(e), emit_limbs_of(e)->most);
 	text_put(out, "  \"warnings\": [");
 	for (size_t i = 0; i < e->warning_count; i++) {
 		text_put(out, i ? ",\n    " : "\n    ");

@@ -5,7 +5,7 @@
 #include <string.h>
 
 static const char *const keys[KEY_COUNT] = {
-	"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv", "nb", "block", "kernels", "operations", "parts", "stage", "segments"};
+	"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv", "nb", "block", "kernels", "operations", "parts", "stage", "segments", "limbs"};
 
 static enum rnea_code read_joint(struct parser *p)
 {
@@ -54,6 +54,16 @@ static enum rnea_code read_count(struct parser *p, unsigned *value, size_t least
 	return p->w.error->code;
 }
 
+static enum rnea_code read_limbs(struct parser *p)
+{
+	struct rnea_function *f = p->f;
+
+	if (read_count(p, &f->limbs, 2, LIMBS_LIMIT) || read_count(p, &f->limb_groups, 1, GROUPS_LIMIT) ||
+		words_number(&p->w, &f->limb_bytes, 0, STAGE_LIMIT / f->limb_groups))
+		return p->w.error->code;
+	return words_number(&p->w, &f->limb_most, 1, SIZE_MAX / 2);
+}
+
 static enum rnea_code read_value(struct parser *p, enum key key)
 {
 	struct rnea_info *info = p->info;
@@ -93,6 +103,8 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 	case KEY_SEGMENTS:
 		words_number(&p->w, &p->f->across_bytes, 1, SIZE_MAX / 2048);
 		return read_count(p, &p->f->most_samples, 1, SAMPLES_LIMIT);
+	case KEY_LIMBS:
+		return read_limbs(p);
 	case KEY_COUNT:
 		break;
 	}
@@ -102,7 +114,7 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 /* A table of version 1 has no parts, and `arithmetic`, `stage` and `kernels` may be left out. */
 static int is_optional(const struct parser *p, enum key key)
 {
-	return key == KEY_ARITHMETIC || key == KEY_STAGE || key == KEY_SEGMENTS || key == KEY_KERNELS || (key == KEY_PARTS && p->version != VERSION_PARTS);
+	return key == KEY_ARITHMETIC || key == KEY_STAGE || key == KEY_SEGMENTS || key == KEY_LIMBS || key == KEY_KERNELS || (key == KEY_PARTS && p->version != VERSION_PARTS);
 }
 
 /* Whether a key that has to be there is. */

@@ -20,6 +20,9 @@
 	stage BYTES                               (of shared memory in which the kernel stages each sample, where it does)
 	segments BYTES SAMPLES                    (of a kernel in segments: what a sample keeps in the block's own shared memory, and
 	                                           how many samples a thread takes at most: as many as have room in 48 KiB)
+	limbs WARPS GROUPS BYTES SAMPLES          (of its kernel of small batches, NAME_FUNCTION_limbs, where it has one: the warps that share
+	                                           out a sample; groups of 32 samples in a block at most; shared memory of a group, given
+	                                           by launches; samples of a batch up to which it is faster)
 	parts N                                   (blocks of the kernel's grid along y, 2 and more, where it has such)
 
    ROLE is a word of RNEA_ROLES; OF is the link, joint or constant that it speaks of, and goes to the end of the line. A role

@@ -1,0 +1,134 @@
+#include "plan/limb_limits.h"
+
+/* H100, one sample and 4096, us, old kernel and limbs. Four warps: hyq 2.07 and 1.24, 2.33 and 1.56; g1_29dof 5.39 and 2.67, 6.55 and
+   5.49; atlas in f64 6.60 and 3.20, 8.03 and 7.40. Eight warps are better where four are long: g1_brainco 20.6 and 8.8, with four 11.2;
+   atlas gains nothing from them, its gradients in 4 parts take 10.9 instead of 9.7, and two warps are slower. Arms gain nothing: iiwa14
+   1.42 and 1.50. Functions of more operations were not measured: it takes seconds to share them out, and more values than there are
+   registers wait in each warp. */
+enum { LEAST_OPERATIONS = 800, MOST_OPERATIONS = 10000, WARPS = 4, MORE_WARPS = 8, LONG_WARP = 2000 };
+
+/* Up to how many samples. Limbs that share nothing win at all sizes: hyq, 16384 samples, 2.45 and 2.17. Elsewhere all multiprocessors
+   fetch more code than before: g1_29dof in f32, 16384 samples, 6.77 and 6.12, but in f64 11.1 and 15.4. In parts they fetch it several
+   times: gradients of atlas, 1024 samples, 18.3 and 12.6, 4096 samples 21.6 and 34.3. */
+enum { SHORT_OPERATIONS = 1500, MOST_SHORT = 16384, MOST_LONG = 4096, MOST_IN_PARTS = 1024 };
+
+/* A block of two groups fetches code for both: atlas, 1024 samples, 4.97 and 3.94; but hyq 1.38 and 1.52. */
+enum { GROUPS = 2, REGISTERS = 65536, SPARE_REGISTERS = 24, MOST_THREADS = 1024 };
+
+/* Bytes of shared memory that a kernel has without asking, for the lanes of a group; a wait costs as much as some 60 operations. */
+enum { SHARED_BYTES = 48 << 10, LANES = 32, JOIN_OPERATIONS = 60 };
+
+static unsigned number_bytes(const struct rneagen_options *o)
+{
+	return o->precision == RNEAGEN_F32 ? 4 : 8;
+}
+
+static void take_none(struct pass *const *passes, int count)
+{
+	for (int i = 0; i < count; i++)
+		passes[i]->limbs = (struct limbs){0};
+}
+
+/* Returns the operations of the longest warp; 0 where one of them gains nothing. */
+static unsigned make_all(struct pass *const *passes, int count, int warps, const struct rneagen_options *o, struct arena *a)
+{
+	struct limbs_limits limits = {.warps = warps, .least = warps, .across = SHARED_BYTES / LANES / number_bytes(o) - 1, .join = JOIN_OPERATIONS};
+	unsigned longest = 0;
+
+	for (int i = 0; i < count; i++) {
+		struct limbs *s = &passes[i]->limbs;
+
+		if (!limbs_make(s, &passes[i]->plan, &limits, a) || !s->warps) {
+			take_none(passes, count);
+			return 0;
+		}
+		longest = s->longest > longest ? s->longest : longest;
+	}
+	return longest;
+}
+
+/* Operations of the longest pass. */
+static unsigned longest_pass(struct pass *const *passes, int count)
+{
+	unsigned longest = 0;
+
+	for (int i = 0; i < count; i++)
+		longest = passes[i]->limbs.whole > longest ? passes[i]->limbs.whole : longest;
+	return longest;
+}
+
+/* Words of what goes across, of a sample: an odd number, so that lanes are in banks of their own. */
+static int words_across(struct pass *const *passes, int count)
+{
+	int most = 0;
+
+	for (int i = 0; i < count; i++)
+		most = passes[i]->limbs.slots > most ? passes[i]->limbs.slots : most;
+	return most ? most | 1 : 0;
+}
+
+static int have_room(const struct limbs *s, int groups, int words, unsigned bytes)
+{
+	unsigned threads = (unsigned)(groups * s->warps) * LANES;
+
+	return threads <= MOST_THREADS && threads * ((unsigned)s->alive * bytes / 4 + SPARE_REGISTERS) <= REGISTERS &&
+	       (unsigned)(groups * words) * LANES * bytes <= SHARED_BYTES;
+}
+
+/* Samples of a block at most, in warps: as many as have room in registers and in shared memory. */
+static int most_groups(struct pass *const *passes, int count, int words, unsigned bytes)
+{
+	int groups = longest_pass(passes, count) < SHORT_OPERATIONS ? 1 : GROUPS;
+
+	for (int i = 0; i < count; i++)
+		if (!have_room(&passes[i]->limbs, groups, words, bytes))
+			groups = 1;
+	return groups;
+}
+
+static unsigned most_samples(unsigned whole, int count)
+{
+	return count > 1 ? MOST_IN_PARTS : whole < SHORT_OPERATIONS ? MOST_SHORT : MOST_LONG;
+}
+
+/* What all of them have in common. */
+static void set_launch(struct pass *const *passes, int count, const struct rneagen_options *o)
+{
+	int words = words_across(passes, count), groups = most_groups(passes, count, words, number_bytes(o));
+	unsigned most = most_samples(longest_pass(passes, count), count);
+
+	for (int i = 0; i < count; i++) {
+		passes[i]->limbs.words = words;
+		passes[i]->limbs.groups = groups;
+		passes[i]->limbs.most = most;
+	}
+}
+
+static int can_have(struct pass *const *passes, int count, const struct rneagen_options *o)
+{
+	int is_free = o->limbs == RNEAGEN_LIMBS_AUTO;
+
+	if (o->limbs == RNEAGEN_LIMBS_NONE || o->precision == RNEAGEN_F32X2)
+		return 0;
+	for (int i = 0; i < count; i++) {
+		unsigned operations = plan_flops(plan_operations(&passes[i]->plan));
+
+		if (dag_has_wide(&passes[i]->dag) || (is_free && (operations < LEAST_OPERATIONS || operations > MOST_OPERATIONS)))
+			return 0;
+	}
+	return 1;
+}
+
+int limbs_choose(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a)
+{
+	int is_free = o->limbs == RNEAGEN_LIMBS_AUTO;
+
+	take_none(passes, count);
+	if (is_free || !can_have(passes, count, o))
+		return 1;
+	if (make_all(passes, count, is_free ? WARPS : o->limbs, o, a) > LONG_WARP && is_free && count == 1)
+		make_all(passes, count, MORE_WARPS, o, a);
+	if (passes[0]->limbs.warps)
+		set_launch(passes, count, o);
+	return !a->failed;
+}
