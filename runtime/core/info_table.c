@@ -328,3 +328,11 @@ int rnea_info_lacks(struct rnea_info *info, size_t i)
 	info->function_count--;
 	return 1;
 }
+
+void rnea_info_without_limbs(struct rnea_info *info)
+{
+	struct rnea_function *f = info->memory; /* which begins with them */
+
+	f->limbs = f->limb_groups = 0;
+	f->limb_bytes = f->limb_most = 0;
+}

@@ -50,6 +50,9 @@ void rnea_info_free(struct rnea_info *info);
 /* Function i is not in the text: leave it out, if the table only guesses that it is. Returns 0 where it must be there. */
 int rnea_info_lacks(struct rnea_info *info, size_t i);
 
+/* The kernel of small batches is not to be had: tell of none. */
+void rnea_info_without_limbs(struct rnea_info *info);
+
 /* The index of the function `name`, info->function_count where there is none. */
 size_t rnea_info_function(const struct rnea_info *info, const char *name);
 

@@ -10,7 +10,7 @@
 enum { BLOCK_SIZES = 3, TRIAL_LIMIT = 2 * BLOCK_SIZES };
 
 /* With so many blocks all multiprocessors have enough of them; the generated launch function counts on as many. */
-enum { ENOUGH_BLOCKS = 512 };
+enum { ENOUGH_BLOCKS = 512, LANES = 32 };
 
 /* The compilations of one text that were tried, each loaded. */
 struct trial {
@@ -166,17 +166,6 @@ static void take(struct driver *c, void *module, const struct image *i, int cach
 	snprintf(c->compiler, sizeof c->compiler, "%s", i->code.compiler);
 }
 
-/* Keep an image, unless another NVRTC than the one that `key` tells of turns out to have made it. */
-static void keep(const struct image_request *r, const char *key, size_t length, const struct image *i)
-{
-	size_t n;
-	char *now = key ? image_key(r, &n) : NULL;
-
-	if (now && n == length && memcmp(now, key, n) == 0)
-		image_put(r->cache, key, length, i, r->unkept);
-	free(now);
-}
-
 static enum rnea_code compile(
 	struct driver *c, const struct image_request *r, const char *key, size_t length, struct rnea_error *e)
 {
@@ -187,7 +176,7 @@ static enum rnea_code compile(
 
 		take(c, t.modules[best], &t.images[best], 0);
 		t.modules[best] = NULL;
-		keep(r, key, length, &t.images[best]);
+		image_keep(r, key, length, &t.images[best]);
 	}
 	trial_free(c, &t);
 	return e->code;
@@ -273,21 +262,37 @@ static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
 		return e->code;
 	for (size_t i = 0; i < c->info->function_count && !e->code; i++)
 		device_launch(&c->device, &c->kernels[i], 1, 1, c->block, parameters, stream, e);
+	if (c->limbs.module && !e->code)
+		device_launch(&c->device, &c->limbs.one, 1, 1, LANES * c->limbs.warps, parameters, stream, e);
 	return device_finish(&c->device, stream, e);
+}
+
+/* The kernel of small batches is compiled meanwhile. */
+static void open_text(struct driver *c, const struct image_request *r, struct rnea_info *info, struct rnea_error *e)
+{
+	struct image_request mine = *r;
+	struct limbs_build build;
+
+	mine.arch = c->device.arch;
+	if (limbs_begin(&build, &mine))
+		mine.half = IMAGE_WITHOUT_LIMBS;
+	if (!load(c, &mine, e) && !read_info(c, r->source, info, e) && !find_kernels(c, r->source, info, e)) {
+		limbs_load(&c->limbs, &build, &c->device, info);
+		c->cached = c->cached && (!c->limbs.module || build.cached);
+		warm(c, e);
+	}
+	limbs_end(&build);
 }
 
 enum rnea_code driver_open(
 	struct driver *c, int ordinal, const struct image_request *r, struct rnea_info *info, struct rnea_error *e)
 {
-	struct image_request mine = *r;
 	int pushed, absent;
 
 	memset(c, 0, sizeof *c);
 	memset(info, 0, sizeof *info);
 	if (!device_open(&c->device, ordinal, e) && !device_enter(&c->device, &pushed, e)) {
-		mine.arch = c->device.arch;
-		if (!load(c, &mine, e) && !read_info(c, r->source, info, e) && !find_kernels(c, r->source, info, e))
-			warm(c, e);
+		open_text(c, r, info, e);
 		device_leave(&c->device, pushed);
 	}
 	if (!e->code)
@@ -307,6 +312,7 @@ void driver_close(struct driver *c)
 	/* where the context is dead, so is the module */
 	if (c->module && !device_enter(&c->device, &pushed, &ignored)) {
 		device_unload(&c->device, c->module);
+		device_unload(&c->device, c->limbs.module);
 		device_leave(&c->device, pushed);
 	}
 	device_close(&c->device);
@@ -324,11 +330,29 @@ static size_t samples_of_block(const struct rnea_function *f, unsigned block, si
 	return block * (most ? most : 1);
 }
 
+/* What a launch is of. */
+struct shape {
+	const struct device_kernel *kernel;
+	size_t samples; /* of a block */
+	unsigned threads;
+};
+
+static struct shape shape_of(const struct driver *c, size_t function, size_t count)
+{
+	const struct limbs *l = &c->limbs;
+	unsigned groups = count <= LANES ? 1 : l->groups;
+
+	if (function == 0 && count <= l->most)
+		return (struct shape){groups == 1 ? &l->one : &l->all, groups * LANES, groups * LANES * l->warps};
+	return (struct shape){&c->kernels[function], samples_of_block(&c->info->functions[function], c->block, count), c->block};
+}
+
 enum rnea_code driver_launch(const struct driver *c, size_t function, void *const *arrays, size_t count, void *stream,
 	struct rnea_error *e)
 {
 	const struct rnea_function *f = &c->info->functions[function];
-	size_t samples = samples_of_block(f, c->block, count), grid = count / samples + (count % samples != 0), n = f->input_count + f->output_count;
+	struct shape s = shape_of(c, function, count);
+	size_t grid = count / s.samples + (count % s.samples != 0), n = f->input_count + f->output_count;
 	void *parameters[RNEA_ARGUMENT_LIMIT + 1];
 	int pushed;
 
@@ -338,7 +362,7 @@ enum rnea_code driver_launch(const struct driver *c, size_t function, void *cons
 	parameters[n] = &count;
 	if (device_enter(&c->device, &pushed, e))
 		return e->code;
-	device_launch(&c->device, &c->kernels[function], (unsigned)grid, f->parts, c->block, parameters, stream, e);
+	device_launch(&c->device, s.kernel, (unsigned)grid, f->parts, s.threads, parameters, stream, e);
 	device_leave(&c->device, pushed);
 	return e->code;
 }

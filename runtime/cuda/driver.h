@@ -4,13 +4,15 @@
 
 #include "cuda/device.h"
 #include "cuda/image.h"
+#include "cuda/limbs.h"
 
 struct driver {
 	struct device device;
 	void *module;
 	const struct rnea_info *info;
 	struct device_kernel *kernels; /* one for each of the info's functions */
-	unsigned block;	     /* threads per block of every launch */
+	struct limbs limbs;  /* of the first function */
+	unsigned block;	     /* threads per block of every launch but those of limbs */
 	unsigned min_blocks; /* launch bound of the first function's kernel; 0: none */
 	int cached;
 	char compiler[640]; /* "NVRTC 13.0 (libnvrtc.so.13)"; "" if it was cached */

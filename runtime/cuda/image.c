@@ -30,10 +30,18 @@ unsigned image_bound(const struct image_request *r, unsigned block)
 	return macro_min_blocks(r->source, block);
 }
 
+int image_has_limbs(const struct image_request *r)
+{
+	for (size_t i = 0; i < r->option_count; i++)
+		if (strstr(r->options[i], "RNEA_NO_LIMBS"))
+			return 0;
+	return macro_value(r->source, "RNEA_LIMBS") > 0;
+}
+
 enum rnea_code image_compile(
 	const struct image_request *r, unsigned block, int unbounded, struct image *i, struct rnea_error *e)
 {
-	const char **options = calloc(r->option_count + 2, sizeof *options);
+	const char **options = calloc(r->option_count + 3, sizeof *options);
 	struct jit_request j = {.source = r->source->text,
 		.file = r->file,
 		.arch = r->arch,
@@ -54,6 +62,8 @@ enum rnea_code image_compile(
 	}
 	if (unbounded)
 		options[j.option_count++] = "-DRNEA_MIN_BLOCKS=0";
+	if (r->half != IMAGE_ALL)
+		options[j.option_count++] = r->half == IMAGE_LIMBS ? "-DRNEA_ONLY_LIMBS" : "-DRNEA_NO_LIMBS";
 	if (!jit_compile(&j, &i->code, e)) {
 		i->block = block;
 		i->min_blocks = unbounded ? 0 : image_bound(r, block);
@@ -78,8 +88,8 @@ static size_t write_key(const struct image_request *r, const char *nvrtc, char *
 {
 	char head[128];
 	size_t length = 0;
-	int n = snprintf(head, sizeof head, "rnea CUDA image 1, sm_%d, block %u, %zu options", r->arch, r->block,
-		r->option_count);
+	int n = snprintf(head, sizeof head, "rnea CUDA image 1, sm_%d, block %u, half %d, %zu options", r->arch, r->block,
+		(int)r->half, r->option_count);
 
 	append(key, &length, head, (size_t)n + 1);
 	append(key, &length, nvrtc, strlen(nvrtc) + 1);
@@ -148,6 +158,16 @@ void image_put(const struct cache *c, const char *key, size_t length, const stru
 	memcpy(data + n, i->code.data, i->code.size);
 	cache_put(c, key, length, data, n + i->code.size, why);
 	free(data);
+}
+
+void image_keep(const struct image_request *r, const char *key, size_t length, const struct image *i)
+{
+	size_t n;
+	char *now = key ? image_key(r, &n) : NULL;
+
+	if (now && n == length && memcmp(now, key, n) == 0)
+		image_put(r->cache, key, length, i, r->unkept);
+	free(now);
 }
 
 void image_free(struct image *i)

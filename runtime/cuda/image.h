@@ -6,8 +6,12 @@
 #include "cuda/jit.h"
 #include "core/source.h"
 
+/* Which kernels of the text: all, or those that a program of their own has. */
+enum image_half { IMAGE_ALL, IMAGE_WITHOUT_LIMBS, IMAGE_LIMBS };
+
 struct image_request {
 	const struct source *source;
+	enum image_half half;
 	const char *file;	    /* what messages call it */
 	const char *const *options; /* further options for NVRTC, option_count of them */
 	size_t option_count;
@@ -32,6 +36,9 @@ unsigned image_bound(const struct image_request *r, unsigned block);
 /* Whether an option of the caller's speaks of that bound, which is then not ours to change. */
 int image_is_bound(const struct image_request *r);
 
+/* Whether the text has a kernel of small batches that no option of the caller's leaves out. */
+int image_has_limbs(const struct image_request *r);
+
 /* Compile for blocks of `block` threads (0: the text's own), without the launch bound if `unbounded`. On failure *i is
    empty. Errors: those of jit_compile. */
 enum rnea_code image_compile(
@@ -44,6 +51,9 @@ char *image_key(const struct image_request *r, size_t *length);
 /* The image that was kept under a key, which may be NULL: 1, or 0 and *i empty. */
 int image_get(const struct cache *c, const char *key, size_t length, struct image *i);
 void image_put(const struct cache *c, const char *key, size_t length, const struct image *i, struct cache_why *why);
+
+/* The same, unless another NVRTC than the one that `key` tells of turns out to have made the image. */
+void image_keep(const struct image_request *r, const char *key, size_t length, const struct image *i);
 
 void image_free(struct image *i);
 

@@ -123,22 +123,48 @@ static void write_text(FILE *f, const char *text)
 	fprintf(f, "%s\n", text);
 }
 
+/* Where the kernel of small batches begins, or the text ends. */
+static const char *limbs_of(const char *text)
+{
+	const char *s = strstr(text, "#if !defined RNEA_NO_LIMBS\n/*");
+
+	return s ? s : text + strlen(text);
+}
+
+/* That kernel's memory of the launch is under a name of its own. */
+static void write_given(FILE *f, const struct program *p)
+{
+	static const char mark[] = "_across[];";
+	const char *end = strstr(limbs_of(p->source), mark), *name = end;
+
+	fputs(end ? "#if RNEA_GIVEN_BYTES || defined RNEA_LIMBS\n" : "#if RNEA_GIVEN_BYTES\n", f);
+	fputs("alignas(1024) unsigned char fake_given_memory[FAKE_MOST_SHARED];\n#endif\n", f);
+	while (name && name[-1] != ' ')
+		name--;
+	if (end)
+		fprintf(f, "#if defined RNEA_LIMBS\nextern \"C\" __attribute__((alias(\"slices\"))) unsigned char fake_across[] __asm__(\"%.*s_across\");\n#endif\n",
+			(int)(end - name), name);
+}
+
 static void write_source(const struct program *p, const char *path)
 {
 	static const char mark[] = "extern \"C\" __global__ void"; /* a joint may be called __global__ */
-	int waits = strstr(p->source, "__syncthreads()") != NULL;
+	const char *s = p->source, *limbs = limbs_of(s), *wait = strstr(s, "__syncthreads()");
+	int waits = wait && wait < limbs;
 	FILE *f = fopen(path, "w");
-	const char *s = p->source;
 	size_t length;
 
-	fprintf(f, "#define FAKE_WAITS %d\n#include \"%s\"\n#line 1 \"%s\"\n", waits, FAKE_HEADER, p->name);
+	fprintf(f, "#define FAKE_WAITS %d\n#include \"%s\"\n#line 1 \"%s\"\n", wait != NULL, FAKE_HEADER, p->name);
 	write_text(f, p->source);
-	fputs("#if RNEA_GIVEN_BYTES\nalignas(1024) unsigned char fake_given_memory[FAKE_MOST_SHARED];\n#endif\n", f);
+	write_given(f, p);
 	fputs("#if defined RNEA_MIN_BLOCKS\n#define FAKE_MIN_BLOCKS RNEA_MIN_BLOCKS\n#else\n#define FAKE_MIN_BLOCKS 0\n#endif\n",
 		f);
 	while ((s = strstr(s, mark)) != NULL) {
+		int is_limbs = s > limbs;
+
 		s = kernel_name(s + strlen(mark), &length);
-		fprintf(f, "FAKE_KERNEL(%.*s, %s)\n", (int)length, s, waits ? "fake_run_threads" : "fake_run_serial");
+		fprintf(f, "#if !defined %s\nFAKE_KERNEL(%.*s, %s)\n#endif\n", is_limbs ? "RNEA_NO_LIMBS" : "RNEA_ONLY_LIMBS", (int)length, s,
+			waits || is_limbs ? "fake_run_threads" : "fake_run_serial");
 	}
 	fclose(f);
 }

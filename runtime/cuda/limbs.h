@@ -1,0 +1,36 @@
+#ifndef RNEA_LIMBS_H
+#define RNEA_LIMBS_H
+/* The kernel of small batches: a program of its own, compiled beside the other kernels. A robot without it runs all the same: what
+   fails here is no failure of its opening, and the info then tells of no such kernel. */
+
+#include "cuda/device.h"
+#include "cuda/image.h"
+#include <pthread.h>
+
+/* On its way: compiled by a thread, unless it was kept. */
+struct limbs_build {
+	struct image_request request;
+	struct image image;
+	char *key;
+	size_t key_length;
+	pthread_t thread;
+	int has_thread, cached;
+};
+
+struct limbs {
+	void *module; /* NULL: there is none */
+	struct device_kernel one, all; /* the same kernel, given shared memory for one group of samples, and for all of a block */
+	unsigned warps, groups;
+	size_t most; /* samples of a batch up to which it is launched */
+};
+
+/* Begin, where the text has such a kernel; *r, and what it points to, must live until limbs_end. Returns whether it has. */
+int limbs_begin(struct limbs_build *b, const struct image_request *r);
+
+/* Wait for it, load it, and find what *info says of it; where that fails, *info says no more. The context must be current. */
+void limbs_load(struct limbs *l, struct limbs_build *b, const struct device *d, struct rnea_info *info);
+
+/* Wait for it, and free what it took. */
+void limbs_end(struct limbs_build *b);
+
+#endif
