@@ -14,6 +14,7 @@ struct backend_request {
 	const struct rnea_options *options;
 	const struct cache *cache;
 	struct cache_why *unkept;           /* receives why what is compiled is not kept */
+	const struct rnea_evaluator *evaluator; /* what rnea_open_evaluator was given; else NULL */
 };
 
 /* Functions are numbers, as in info->functions. */
