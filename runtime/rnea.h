@@ -350,6 +350,12 @@ enum rnea_code rnea_launch_kernel(const struct rnea_robot *robot, const char *fu
 enum rnea_code rnea_run(
 	const struct rnea_robot *robot, void *const *arguments, size_t count, struct rnea_error *error);
 
+/* The same on arrays [sample][row], whatever the text's layout. On the host a text of layout soa is some times as fast as one of aos,
+   also with what turning the arrays takes, since compilers make vectors of its samples. Errors: as rnea_run, and ARGUMENT (a text of
+   layout soa on CUDA: generate it with --layout aos). */
+enum rnea_code rnea_run_aos(
+	const struct rnea_robot *robot, void *const *arguments, size_t count, struct rnea_error *error);
+
 #ifdef __GNUC__
 #pragma GCC visibility pop
 #endif

@@ -247,7 +247,7 @@ class Robot(_core.Robot):
         if backend == "cuda":
             load_nvrtc()
         else:
-            generator["only_rnea"] = generator["parts"] = 1
+            generator.update(only_rnea=1, parts=1, layout="soa")  # arrays are turned: compilers make vectors of soa
         text = translated(_core.generate, self._urdf, generator)["source"]
         options.update(backend="cpu" if backend == "any" else backend, device=device)
         try:

@@ -60,7 +60,7 @@ int call_run(const struct call *c)
 	if (c->has_stream)
 		code = rnea_launch(robot, c->pointers, c->count, c->stream, &e);
 	else
-		code = rnea_run(robot, c->pointers, c->count, &e);
+		code = rnea_run_aos(robot, c->pointers, c->count, &e);
 	Py_END_ALLOW_THREADS
 	if (!code)
 		return 0;
