@@ -102,11 +102,11 @@ def new_array(like: Any, shape: tuple[int, ...], scalar: str, name: str):
 
 
 def stream_of(like: Any, found: View) -> int:
-    """The stream that is current in the caller's library."""
+    """The stream that is current in the caller's library, for the driver: 0 is the default stream."""
     root = type(like).__module__.partition(".")[0]
     if root == "cupy":
         return importlib.import_module("cupy").cuda.get_current_stream().ptr
-    return found.stream or LEGACY_STREAM
+    return 0 if found.stream == LEGACY_STREAM else found.stream or 0
 
 
 # ---- calls ----

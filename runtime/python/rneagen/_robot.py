@@ -122,7 +122,7 @@ class Robot(_core.Robot):
 
     @property
     def joints(self) -> list[dict[str, Any]]:
-        """The same with type, rows (iq, nq, iv, nv) and limits."""
+        """The same with the link that each moves, type, rows (iq, nq, iv, nv) and limits."""
         return [dict(joint) for joint in self._joints]
 
     @property
@@ -256,7 +256,7 @@ class Robot(_core.Robot):
             if backend != "any" or error.code not in ("NO_COMPILER", "COMPILER"):
                 raise
             warnings.warn(f"{self.name}: computed by the evaluator, slowly: {error}", RuntimeWarning, stacklevel=4)
-            return translated(_core.evaluate, self._urdf, generator, {k: v for k, v in options.items() if k == "threads"})
+            return translated(_core.evaluate, self._urdf, {**generator, "layout": "aos"}, {k: v for k, v in options.items() if k == "threads"})
 
     # ---- other outputs ----
 
@@ -310,6 +310,8 @@ class Robot(_core.Robot):
 
     def nonLinearEffects(self, *args, **kwargs):
         """tau = nonLinearEffects(q, qd): of gravity and velocities, (..., nv)."""
+        if self._conversion:  # M of the base's Coriolis term is in it: MuJoCo's qdd = 0 is another than ours
+            return self.want("tau")(*args, **kwargs, qdd=numpy.zeros_like(args[1] if len(args) > 1 else kwargs["qd"]))
         return self.want("bias")(*args, **kwargs)
 
     def computeGeneralizedGravity(self, *args, **kwargs):

@@ -2,6 +2,14 @@
 #include "module.h"
 #include <string.h>
 
+PyObject *exception_of(enum rnea_code code)
+{
+	if (code == RNEA_MEMORY)
+		return PyExc_MemoryError;
+	return code == RNEA_ARGUMENT || code == RNEA_POINTER || code == RNEA_LIMIT || code == RNEA_URDF ? PyExc_ValueError
+													: PyExc_RuntimeError;
+}
+
 PyObject *raise_runtime(const struct rnea_error *e)
 {
 	static const char *const codes[RNEA_ERROR_COUNT] = {
@@ -9,15 +17,10 @@ PyObject *raise_runtime(const struct rnea_error *e)
 		RNEA_ERRORS(CODE_WORD)
 #undef CODE_WORD
 	};
-	PyObject *kind = PyExc_RuntimeError, *value;
+	PyObject *value = Py_BuildValue("(ss)", e->message, codes[e->code]);
 
-	if (e->code == RNEA_MEMORY)
-		return PyErr_NoMemory();
-	if (e->code == RNEA_ARGUMENT || e->code == RNEA_POINTER || e->code == RNEA_LIMIT || e->code == RNEA_URDF)
-		kind = PyExc_ValueError;
-	value = Py_BuildValue("(ss)", e->message, codes[e->code]);
 	if (value)
-		PyErr_SetObject(kind, value);
+		PyErr_SetObject(exception_of(e->code), value);
 	Py_XDECREF(value);
 	return NULL;
 }
@@ -64,7 +67,7 @@ int call_run(const struct call *c)
 	Py_END_ALLOW_THREADS
 	if (!code)
 		return 0;
-	raise_runtime(&e);
+	PyErr_SetString(exception_of(code), e.message);
 	return -1;
 }
 

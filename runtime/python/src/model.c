@@ -157,7 +157,7 @@ static PyObject *joint_dict(const struct model *m, int i)
 	double none = (double)INFINITY;
 	int is_limited = x && x->has_limits && j->nq == 1 && j->type != JOINT_CONTINUOUS, has_rates = x && (x->has_limits || x->has_rates);
 
-	return Py_BuildValue("{ss ss si si si si sd sd sd sd}", "name", j->name, "type", joint_type_name(j->type), "iq", j->iq, "nq", j->nq,
+	return Py_BuildValue("{ss ss ss si si si si sd sd sd sd}", "name", j->name, "link", t->bodies[j->body].link, "type", joint_type_name(j->type), "iq", j->iq, "nq", j->nq,
 		"iv", j->iv, "nv", j->nv, "lower", is_limited ? x->lower : -none, "upper", is_limited ? x->upper : none, "velocity",
 		has_rates && x->velocity > 0 ? x->velocity : none, "effort", has_rates && x->effort > 0 ? x->effort : none);
 }

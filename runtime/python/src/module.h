@@ -20,6 +20,8 @@ int options_take_open(PyObject *dict, struct rnea_options *o);
 /* Raise what a library said: ValueError, MemoryError, OSError or RuntimeError, with the message and the code's word; returns NULL. */
 PyObject *raise_generator(const struct rneagen_error *e);
 PyObject *raise_runtime(const struct rnea_error *e);
+/* The kind of exception for a code of the runtime. */
+PyObject *exception_of(enum rnea_code code);
 
 /* An opened text. */
 struct kernel {
