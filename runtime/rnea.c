@@ -130,7 +130,8 @@ static enum rnea_code check_options(const struct rnea_options *o, struct rnea_ro
 		return rnea_error_set(e, RNEA_ARGUMENT, "there is no place for the robot (robot is NULL)");
 	*robot = NULL;
 	if (o->backend != RNEA_BACKEND_ANY && !find_backend(o->backend))
-		return rnea_error_set(e, RNEA_ARGUMENT, o->backend == RNEA_BACKEND_EVALUATOR ? "no backend %d compiles texts: rnea_open_evaluator opens the evaluator" : "there is no backend %d", (int)o->backend);
+		return rnea_error_set(e, RNEA_ARGUMENT, "there is no backend %d that compiles texts%s", (int)o->backend,
+			o->backend == RNEA_BACKEND_EVALUATOR ? "; rnea_open_evaluator opens the evaluator" : "");
 	if (o->block > BLOCK_LIMIT && o->block != RNEA_BLOCK_OCCUPANCY)
 		return rnea_error_set(
 			e, RNEA_ARGUMENT, "a block of %u threads: a device takes %d at most", o->block, BLOCK_LIMIT);

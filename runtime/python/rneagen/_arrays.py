@@ -121,11 +121,22 @@ def complete(robot, arrays: Sequence[Any]) -> tuple[numpy.ndarray, ...]:
     return tuple(fill(a, lead, dtype) if x is None else numpy.asarray(x) for a, x in zip(robot.inputs, arrays))
 
 
+def plain(out: Any):
+    """Views of NumPy's own type, of a memmap for one."""
+    if isinstance(out, tuple):
+        return tuple(map(plain, out))
+    return numpy.asarray(out) if isinstance(out, numpy.ndarray) else out
+
+
+def _returned(out: Any, result: Any):
+    return result if out is None else out
+
+
 def call(robot, arrays: Sequence[Any], out: Any):
     complete_arrays = complete(robot, arrays)
     if robot._conversion:
-        return robot._conversion.call(robot, complete_arrays, out)
-    return robot._wrap(robot._run(complete_arrays, out))
+        return _returned(out, robot._conversion.call(robot, complete_arrays, plain(out)))
+    return robot._wrap(_returned(out, robot._run(complete_arrays, plain(out))))
 
 
 def bind(robot, arrays: Sequence[Any], out: Any):
@@ -133,4 +144,4 @@ def bind(robot, arrays: Sequence[Any], out: Any):
         raise TypeError(f"bind: convention {robot.convention!r} converts the arrays at every call; bind a robot of convention 'pinocchio'")
     if robot.sparse:
         raise TypeError("bind: sparse matrices are made at every call; take sparse=False")
-    return robot._bind(complete(robot, arrays), out)
+    return robot._bind(complete(robot, arrays), plain(out))

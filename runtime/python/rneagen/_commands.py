@@ -66,6 +66,8 @@ def study_words(robot: str | os.PathLike | Robot, options: dict[str, Any], more:
         own = {k: v for k, v in robot._options.items() if k not in ("backend", "sparse", "convention", "block", "cache")}
         options = {**own, **options}
         robot = robot._file
+        if robot == "<urdf>":
+            raise ValueError(f"{function}() needs the URDF's file, and the robot was loaded from a text")
     _options.check(options, (*_options.scene_keywords(), *_options.MODEL, *STUDY, *more), function)
     return [os.fspath(robot), *_options.command_line(options)]
 

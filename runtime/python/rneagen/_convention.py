@@ -9,7 +9,7 @@ With R the base's rotation, v_world = R v, w the same: qdd_world = R (a + w x v)
 """
 from __future__ import annotations
 
-from typing import Sequence
+from typing import Any, Sequence
 
 import numpy
 
@@ -53,7 +53,7 @@ class MuJoCo:
         if q is not None:
             q[..., 3:7] = q[..., [4, 5, 6, 3]]
             R = rotation(q)
-        inverse = None if R is None else numpy.swapaxes(R, -1, -2)
+        inverse: Any = None if R is None else numpy.swapaxes(R, -1, -2)
         for role in ("joint_velocity", "joint_acceleration", "joint_torque"):
             if role in by_role and inverse is None:
                 raise ValueError("convention 'mujoco' needs q, which the scene leaves out; take 'pinocchio'")

@@ -114,7 +114,8 @@ def stream_of(like: Any, found: View) -> int:
 
 def lead_of(robot, views: Sequence[View | None]) -> tuple[int, ...]:
     """The axes of samples; an array of another shape is a ValueError."""
-    lead = first = None
+    lead: Any = None
+    first = ""
     for array, v in zip(robot.inputs, views):
         if v is None:
             continue
@@ -163,7 +164,7 @@ def views_of_outputs(robot, outputs: Sequence[Any], lead: tuple[int, ...]) -> li
 def prepare(robot, arrays: Sequence[Any], out: Any):
     """(kernel, addresses, count, stream, outputs, what must live)."""
     like = next(x for x in arrays if x is not None)
-    views = [None if x is None else view(robot, a.name, x) for a, x in zip(robot.inputs, arrays)]
+    views: list[Any] = [None if x is None else view(robot, a.name, x) for a, x in zip(robot.inputs, arrays)]
     first, lead = check_alike(robot, views), lead_of(robot, views)
     arrays = list(arrays)
     for i, array in enumerate(robot.inputs):
@@ -186,7 +187,7 @@ def on_host(robot, arrays: Sequence[Any], out: Any):
     back = getattr(library_of(given), "from_dlpack", None)
     if out is not None or back is None:
         return result if out is None else out
-    return type(result)(*map(back, result)) if isinstance(result, tuple) else back(result)
+    return robot._join(list(map(back, result))) if isinstance(result, tuple) else back(result)
 
 
 def refuse(robot) -> None:

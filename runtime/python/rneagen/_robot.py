@@ -32,8 +32,8 @@ class Limits(NamedTuple):
 @functools.lru_cache(maxsize=None)
 def tuple_of(kind: str, fields: tuple[str, ...]):
     """A named tuple that can be pickled, though no module has its name."""
-    made = namedtuple(kind, fields)
-    made.__reduce__ = lambda self: (make_tuple, (kind, fields, tuple(self)))  # type: ignore[method-assign,assignment]
+    made = namedtuple(kind, fields)  # type: ignore[misc]
+    setattr(made, "__reduce__", lambda self: (make_tuple, (kind, fields, tuple(self))))
     return made
 
 
@@ -41,17 +41,19 @@ def make_tuple(kind: str, fields: tuple[str, ...], values: tuple):
     return tuple_of(kind, fields)(*values)
 
 
-def load_nvrtc() -> None:
-    """NVIDIA's wheel lies in this Python's own folders, which librnea may not look at: once loaded, it is found by its name."""
+def load_nvrtc() -> bool:
+    """NVIDIA's wheel lies in this Python's own folders, where librnea may not look: once it is loaded, librnea finds it by its name.
+    Was there one?"""
     import ctypes
     from pathlib import Path
     for folder in map(Path, sys.path):
         for library in sorted(folder.glob("nvidia/*/lib/libnvrtc.so.1[0-9]"), reverse=True):
             try:
                 ctypes.CDLL(str(library))
-                return
+                return True
             except OSError:
                 pass
+    return False
 
 
 class Robot(_core.Robot):
@@ -161,7 +163,7 @@ class Robot(_core.Robot):
     @property
     def scalar(self) -> str | None:
         """Numbers in memory, "f32" or "f64"; None: as the arrays of a call."""
-        return _arrays.SCALARS.get(self._options.get("precision"))
+        return _arrays.SCALARS.get(self._options.get("precision") or "")
 
     @property
     def backend(self) -> str:
@@ -173,7 +175,9 @@ class Robot(_core.Robot):
     def build(self) -> dict[str, Any]:
         """How the text that computes arrays of NumPy came to be: backend, device, compiler, target, note (why this backend), cached,
         seconds, threads, unkept (why the cache did not keep it)."""
-        return self.kernel(self._options.get("precision") or "f64").build()
+        own = self._options.get("backend") or "any"
+        opened = [kernel for (_, backend, _), kernel in self._kernels.items() if backend == own]
+        return (opened[0] if opened else self.kernel(self._options.get("precision") or "f64")).build()
 
     def __repr__(self) -> str:
         given = ", ".join(f"{k}={v!r}" for k, v in self._options.items() if v is not None)
@@ -244,15 +248,15 @@ class Robot(_core.Robot):
         options = {k: v for k, v in self._options.items() if k in ("threads", "block", "cache") and v is not None}
         if backend == "evaluator":
             return translated(_core.evaluate, self._urdf, generator, options)
-        if backend == "cuda":
-            load_nvrtc()
-        else:
+        if backend != "cuda":
             generator.update(only_rnea=1, parts=1, layout="soa")  # arrays are turned: compilers make vectors of soa
         text = translated(_core.generate, self._urdf, generator)["source"]
         options.update(backend="cpu" if backend == "any" else backend, device=device)
         try:
             return translated(_core.open, text, options)
         except BackendError as error:
+            if backend == "cuda" and error.code == "NO_COMPILER" and load_nvrtc():
+                return translated(_core.open, text, options)
             if backend != "any" or error.code not in ("NO_COMPILER", "COMPILER"):
                 raise
             warnings.warn(f"{self.name}: computed by the evaluator, slowly: {error}", RuntimeWarning, stacklevel=4)

@@ -201,6 +201,17 @@ static int find_input(const struct caller *r, PyObject *name)
 	return -1;
 }
 
+/* Are these arrays of NumPy's own type, or is there none? */
+static int are_plain(const struct caller *r, PyObject *out)
+{
+	Py_ssize_t count = out && PyTuple_Check(out) ? PyTuple_Size(out) : 0;
+
+	for (Py_ssize_t i = 0; i < count; i++)
+		if ((PyObject *)Py_TYPE(PyTuple_GetItem(out, i)) != r->ndarray)
+			return 0;
+	return !out || PyTuple_Check(out) || (PyObject *)Py_TYPE(out) == r->ndarray;
+}
+
 /* Is it a call that needs no more than what is here: every input there, by its name, and of NumPy's own type? */
 static int gather(const struct caller *r, PyObject *args, PyObject *names, struct given *g)
 {
@@ -224,7 +235,7 @@ static int gather(const struct caller *r, PyObject *args, PyObject *names, struc
 	for (int i = 0; i < r->input_count; i++)
 		if (!g->inputs[i] || (PyObject *)Py_TYPE(g->inputs[i]) != r->ndarray)
 			return 0;
-	return 1;
+	return are_plain(r, g->out);
 }
 
 static PyObject *call_method(PyObject *self, const char *method, PyObject *args, PyObject *names)
