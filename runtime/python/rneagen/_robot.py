@@ -168,7 +168,7 @@ class Robot(_core.Robot):
     @property
     def backend(self) -> str:
         """What computes arrays of NumPy: "cpu", compiled; "cuda"; or "evaluator", where there is no C compiler and no GPU was asked for:
-        the same results, a hundred times as slowly. It compiles if nothing was called yet."""
+        the same results but for rounding, ten to a hundred times as slowly. It compiles if nothing was called yet."""
         return self.build["backend"]
 
     @property
