@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
+import functools
 import importlib
 import keyword
 import re
@@ -84,7 +85,7 @@ def arguments(robot, args: tuple, kwargs: dict[str, Any]) -> tuple[list[Any], An
 
 def adapter(robot, arrays: Sequence[Any], out: Any):
     """The module whose functions call and bind take arrays of this kind: this one, _foreign, or torch."""
-    kinds = {}
+    kinds: dict[str, str] = {}
     for name, array in [*((a.name, x) for a, x in zip(robot.inputs, arrays)),
                         *(("out", x) for x in (out if isinstance(out, tuple) else [out]))]:
         if array is not None:
@@ -96,7 +97,12 @@ def adapter(robot, arrays: Sequence[Any], out: Any):
         raise TypeError(f"{name}: an array of {kind.partition(' ')[2]}, and {first[0]} is one of {first[1].partition(' ')[2]}: "
                         "all arrays are of one kind")
     module = next(iter(found), "_arrays").partition(" ")[0]
-    return importlib.import_module(f"rneagen.{module}")
+    return module_of(module)
+
+
+@functools.lru_cache(maxsize=None)
+def module_of(name: str):
+    return importlib.import_module(f"rneagen.{name}")
 
 
 def kind_of(name: str, array: Any) -> str:
@@ -108,7 +114,7 @@ def kind_of(name: str, array: Any) -> str:
         raise TypeError(f"{name}: a masked array; array.filled() makes a plain one")
     if isinstance(array, numpy.ndarray):
         return "_arrays NumPy"
-    if hasattr(array, "__cuda_array_interface__") or hasattr(array, "__dlpack__"):
+    if hasattr(type(array), "__cuda_array_interface__") or hasattr(type(array), "__dlpack__"):
         return f"_foreign {root}"
     raise TypeError(f"{name}: {type(array).__name__} is no array; numpy.asarray makes one of it")
 

@@ -2,7 +2,9 @@
 the processor by DLPack. The caller's library makes the outputs. Nothing is copied, nothing waits."""
 from __future__ import annotations
 
+import functools
 import importlib
+import math
 from typing import Any, NamedTuple, Sequence
 
 import numpy
@@ -24,10 +26,19 @@ class View(NamedTuple):
     keep: Any
 
 
+@functools.lru_cache(maxsize=64)
+def protocols(kind: type) -> tuple[bool, bool]:
+    """Have arrays of this type the CUDA array interface, and DLPack's device? Asked of the type: asking an array would make the answer."""
+    return hasattr(kind, "__cuda_array_interface__"), hasattr(kind, "__dlpack_device__")
+
+
+def protocols_of(array: Any) -> tuple[bool, bool]:
+    return protocols(type(array))  # type: ignore[arg-type]
+
+
 def on_gpu(array: Any) -> bool:
-    if hasattr(array, "__dlpack_device__"):
-        return int(array.__dlpack_device__()[0]) in CUDA_DEVICES
-    return hasattr(array, "__cuda_array_interface__")
+    has_interface, has_dlpack = protocols_of(array)
+    return int(array.__dlpack_device__()[0]) in CUDA_DEVICES if has_dlpack else has_interface
 
 
 def scalar_of(name: str, kind: str, bits: int) -> str:
@@ -48,7 +59,7 @@ def check_order(name: str, shape: Sequence[int], strides: Sequence[int] | None, 
 
 
 def device_of(robot, array: Any) -> int:
-    if hasattr(array, "__dlpack_device__"):
+    if protocols_of(array)[1]:
         return int(array.__dlpack_device__()[1])
     return robot._options.get("device") or 0
 
@@ -74,7 +85,7 @@ def view_dlpack(robot, name: str, array: Any) -> View:
 def view(robot, name: str, array: Any) -> View:
     if not on_gpu(array):
         raise ValueError(f"{name}: it is in the processor's memory, and other arrays are on a GPU")
-    return (view_interface if hasattr(array, "__cuda_array_interface__") else view_dlpack)(robot, name, array)
+    return (view_interface if protocols_of(array)[0] else view_dlpack)(robot, name, array)
 
 
 # ---- the caller's library ----
@@ -177,8 +188,7 @@ def prepare(robot, arrays: Sequence[Any], out: Any):
     views += views_of_outputs(robot, outputs, lead)
     check_alike(robot, views)
     kernel = robot.kernel(robot.precision_for(first.scalar), "cuda", first.device)
-    count = int(numpy.prod(lead, dtype=int))
-    return kernel, tuple(v.address for v in views), count, stream_of(like, first), outputs, views
+    return kernel, tuple(v.address for v in views), math.prod(lead), stream_of(like, first), outputs, views
 
 
 def on_host(robot, arrays: Sequence[Any], out: Any):
