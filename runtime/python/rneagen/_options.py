@@ -11,7 +11,7 @@ SCENE = _core.scene_words()  # word: (takes a value: 0 no, 1 yes, 2 may; kind)
 MODEL = ("precision", "trig", "base", "gravity", "mimic", "order", "strict")  # beside the scene: what is computed
 TEXT = ("target", "layout", "name", "bounded", "only", "parts", "segments")  # what kind of text
 OPEN = ("backend", "device", "threads", "block", "cache")  # where it runs
-MATRICES = ("M", "Minv", "dqdd_dtau", "dtau_dq", "dtau_dqd", "dqdd_dq", "dqdd_dqd")
+MATRICES = ("regressor", "M", "Minv", "dqdd_dtau", "dtau_dq", "dtau_dqd", "dqdd_dq", "dqdd_dqd")
 
 
 def scene_keywords() -> list[str]:

@@ -217,7 +217,7 @@ class Robot(_core.Robot):
 
     def _sparse_of(self, array: _arrays.Array, values: numpy.ndarray) -> _sparse.Sparse:
         row, col = (numpy.array(x, dtype=numpy.int32) for x in array.pattern or ((), ()))
-        return _sparse.Sparse(values, row, col, (self.nv, self.nv), array.role.startswith("mass_matrix") and bool((row >= col).all()))
+        return _sparse.Sparse(values, row, col, (self.nv, array.columns), array.role.startswith("mass_matrix") and bool((row >= col).all()))
 
     # ---- texts ----
 
