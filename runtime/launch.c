@@ -107,6 +107,20 @@ enum rnea_code rnea_run(const struct rnea_robot *robot, void *const *arguments, 
 	return robot->backend->run(robot->state, arguments, count, e);
 }
 
+enum rnea_code rnea_run_aos(const struct rnea_robot *robot, void *const *arguments, size_t count, struct rnea_error *error)
+{
+	struct rnea_error spare, *e = rnea_error_start(error, &spare);
+
+	if (count == 0 || check(robot, 0, arguments, count, e))
+		return e->code;
+	if (robot->info.layout == RNEA_AOS)
+		return robot->backend->run(robot->state, arguments, count, e);
+	if (robot->backend->run_aos)
+		return robot->backend->run_aos(robot->state, arguments, count, e);
+	return rnea_error_set(e, RNEA_ARGUMENT, "%s: its layout is soa, and this backend does not turn arrays: generate the text with --layout aos",
+		symbol_of(robot, 0).s);
+}
+
 size_t rnea_argument_count(const struct rnea_robot *robot, const char *function)
 {
 	const struct rnea_info *info = &robot->info;

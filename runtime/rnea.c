@@ -3,6 +3,7 @@
 #include "handle.h"
 #include "core/seconds.h"
 #include "cuda/backend.h"
+#include "evaluator/backend.h"
 #include "host/backend.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -65,23 +66,25 @@ static enum rnea_code open_any(struct rnea_robot *robot, const struct backend_re
 	return e->code;
 }
 
-static enum rnea_code open_backend(struct rnea_robot *robot, const struct source *s, const struct rnea_options *o,
-	const struct cache *cache, struct rnea_error *e)
+static enum rnea_code open_backend(struct rnea_robot *robot, const struct source *s, const struct rnea_evaluator *evaluator,
+	const struct rnea_options *o, const struct cache *cache, struct rnea_error *e)
 {
 	char name[SOURCE_NAME_LIMIT + 4];
 	const struct backend_request r = {
-		.source = s, .file = o->file ? o->file : name, .options = o, .cache = cache, .unkept = &robot->unkept};
+		.source = s, .file = o->file ? o->file : name, .options = o, .cache = cache, .unkept = &robot->unkept, .evaluator = evaluator};
 	int absent;
 
 	snprintf(name, sizeof name, "%s.%s", s->name, s->is_cuda ? "cu" : "c");
+	if (evaluator)
+		return open_by(robot, &backend_evaluator, &r, &absent, e);
 	if (o->backend == RNEA_BACKEND_ANY)
 		return open_any(robot, &r, e);
 	return open_by(robot, find_backend(o->backend), &r, &absent, e);
 }
 
-/* Open a text that was read; `s` stays the caller's. */
-static enum rnea_code open_source(
-	const struct source *s, const struct rnea_options *o, struct rnea_robot **out, struct rnea_error *e)
+/* Open a text that was read; `s` stays the caller's. With an evaluator nothing is compiled. */
+static enum rnea_code open_source(const struct source *s, const struct rnea_evaluator *evaluator, const struct rnea_options *o,
+	 struct rnea_robot **out, struct rnea_error *e)
 {
 	struct rnea_robot *robot = calloc(1, sizeof *robot);
 	double start = seconds_now();
@@ -92,7 +95,7 @@ static enum rnea_code open_source(
 	if (o->log && o->log_size)
 		o->log[0] = '\0';
 	cache_open(&cache, o->cache);
-	if (open_backend(robot, s, o, &cache, e)) {
+	if (open_backend(robot, s, evaluator, o, &cache, e)) {
 		rnea_close(robot);
 		return e->code;
 	}
@@ -127,11 +130,31 @@ static enum rnea_code check_options(const struct rnea_options *o, struct rnea_ro
 		return rnea_error_set(e, RNEA_ARGUMENT, "there is no place for the robot (robot is NULL)");
 	*robot = NULL;
 	if (o->backend != RNEA_BACKEND_ANY && !find_backend(o->backend))
-		return rnea_error_set(e, RNEA_ARGUMENT, "there is no backend %d", (int)o->backend);
+		return rnea_error_set(e, RNEA_ARGUMENT, "there is no backend %d that compiles texts%s", (int)o->backend,
+			o->backend == RNEA_BACKEND_EVALUATOR ? "; rnea_open_evaluator opens the evaluator" : "");
 	if (o->block > BLOCK_LIMIT && o->block != RNEA_BLOCK_OCCUPANCY)
 		return rnea_error_set(
 			e, RNEA_ARGUMENT, "a block of %u threads: a device takes %d at most", o->block, BLOCK_LIMIT);
 	return check_compile(o, e);
+}
+
+enum rnea_code rnea_open_evaluator(const char *source, size_t length, const struct rnea_evaluator *evaluator,
+	const struct rnea_options *options, struct rnea_robot **robot, struct rnea_error *error)
+{
+	const struct rnea_options defaults = {0}, *o = options ? options : &defaults;
+	struct rnea_error spare, *e = rnea_error_start(error, &spare);
+	struct source s;
+
+	if (!robot)
+		return rnea_error_set(e, RNEA_ARGUMENT, "there is no place for the robot (robot is NULL)");
+	*robot = NULL;
+	if (!source || !evaluator || !evaluator->evaluate)
+		return rnea_error_set(e, RNEA_ARGUMENT, "there is no %s", source ? "evaluator" : "text (source is NULL)");
+	if (source_copy(&s, source, length, o->file ? o->file : "<memory>", e))
+		return e->code;
+	open_source(&s, evaluator, o, robot, e);
+	source_free(&s);
+	return e->code;
 }
 
 enum rnea_code rnea_open(const char *source, size_t length, const struct rnea_options *options,
@@ -147,7 +170,7 @@ enum rnea_code rnea_open(const char *source, size_t length, const struct rnea_op
 		return rnea_error_set(e, RNEA_ARGUMENT, "there is no text (source is NULL)");
 	if (source_copy(&s, source, length, o->file ? o->file : "<memory>", e))
 		return e->code;
-	open_source(&s, o, robot, e);
+	open_source(&s, NULL, o, robot, e);
 	source_free(&s);
 	return e->code;
 }
@@ -167,7 +190,7 @@ enum rnea_code rnea_open_file(
 		o.file = path;
 	if (source_read(&s, path, e))
 		return e->code;
-	open_source(&s, &o, robot, e);
+	open_source(&s, NULL, &o, robot, e);
 	source_free(&s);
 	return e->code;
 }

@@ -214,7 +214,8 @@ struct rnea_robot; /* one text, compiled and loaded on one backend; may be share
 enum rnea_backend {
 	RNEA_BACKEND_ANY,  /* CUDA; HOST if the text is C (target c), or if there is no driver or no device */
 	RNEA_BACKEND_CUDA, /* this or an error; takes CUDA texts only */
-	RNEA_BACKEND_HOST  /* this or an error; takes CUDA and C texts */
+	RNEA_BACKEND_HOST, /* this or an error; takes CUDA and C texts */
+	RNEA_BACKEND_EVALUATOR /* nothing is compiled: rnea_open_evaluator, and rnea_open_urdf, open it */
 };
 
 /* For rnea_options.block: the block size, of 64, 128 and 256, with the most threads resident on a multiprocessor. */
@@ -252,6 +253,21 @@ enum rnea_code rnea_open(const char *source, size_t length, const struct rnea_op
 enum rnea_code rnea_open_file(
 	const char *path, const struct rnea_options *options, struct rnea_robot **robot, struct rnea_error *error);
 
+/* What computes samples where nothing can be compiled. Its context outlives the robot. */
+struct rnea_evaluator {
+	void *context;
+	/* Samples `first` to `end` - 1 of a batch of `count`, on `arrays` as rnea_launch takes them. Called by several threads at once.
+	   Returns 0 when memory runs out. */
+	int (*evaluate)(void *context, void *const *arrays, size_t count, size_t first, size_t end);
+	void (*close)(void *context); /* called by rnea_close; may be NULL */
+};
+
+/* Open a text without compiling it: its table says what its main function takes, `evaluator` computes it, and the robot has no
+   other function. Of `options`, file and threads are used. On failure evaluator->close is not called. Errors: ARGUMENT, TEXT,
+   TABLE, MEMORY. */
+enum rnea_code rnea_open_evaluator(const char *source, size_t length, const struct rnea_evaluator *evaluator,
+	const struct rnea_options *options, struct rnea_robot **robot, struct rnea_error *error);
+
 /* Unload and free. The caller sees to it that no launch of this robot is still running or captured in a graph that will
    be replayed. NULL is a no-op. */
 void rnea_close(struct rnea_robot *robot);
@@ -261,7 +277,7 @@ const struct rnea_info *rnea_info(const struct rnea_robot *robot);
 
 /* How the robot came to be. */
 struct rnea_build {
-	enum rnea_backend backend; /* CUDA or HOST */
+	enum rnea_backend backend; /* CUDA, HOST or EVALUATOR */
 	const char *device;   /* "NVIDIA H100 80GB HBM3", or the processor's architecture: "x86_64" */
 	const char *compiler; /* what compiled it, with its version or path; "" if it came from the cache */
 	const char *target;   /* "sm_90", "compute_90" (PTX, finished by the driver), "native" */
@@ -269,7 +285,7 @@ struct rnea_build {
 	int cached;           /* 1: nothing had to be compiled */
 	double seconds;       /* that rnea_open took */
 	unsigned min_blocks;  /* CUDA: the launch bound the rnea kernel was compiled with; 0: none */
-	unsigned threads;     /* HOST: the most that a launch uses; a small batch uses fewer */
+	unsigned threads;     /* HOST, EVALUATOR: the most that a launch uses; a small batch uses fewer */
 	const char *unkept;   /* why the cache did not keep what was compiled: "FOLDER: Read-only file system"; else "" */
 };
 
@@ -340,6 +356,12 @@ enum rnea_code rnea_launch_kernel(const struct rnea_robot *robot, const char *fu
    to be called while a stream is being captured. On failure the outputs are undefined. Errors: as rnea_launch, and
    DEVICE_MEMORY, MEMORY. */
 enum rnea_code rnea_run(
+	const struct rnea_robot *robot, void *const *arguments, size_t count, struct rnea_error *error);
+
+/* The same on arrays [sample][row], whatever the text's layout. On the host a text of layout soa is some times as fast as one of aos,
+   also with what turning the arrays takes, since compilers make vectors of its samples. Errors: as rnea_run, and ARGUMENT (a text of
+   layout soa on CUDA: generate it with --layout aos). */
+enum rnea_code rnea_run_aos(
 	const struct rnea_robot *robot, void *const *arguments, size_t count, struct rnea_error *error);
 
 #ifdef __GNUC__

@@ -56,7 +56,9 @@ enum rnea_code rnea_open_urdf(const char *path, const struct rneagen_options *ge
 	g = rnea_urdf_options(&g, options ? options->backend : RNEA_BACKEND_ANY);
 	if (check(path, &g, robot, e) || source_bytes(path, &urdf, &length, e))
 		return e->code;
-	if (!generate(urdf, length, &g, &text, e)) {
+	if (options && options->backend == RNEA_BACKEND_EVALUATOR) {
+		rnea_evaluate_urdf(urdf, length, &g, options, robot, e);
+	} else if (!generate(urdf, length, &g, &text, e)) {
 		rnea_open(text.source, strlen(text.source), options, robot, e);
 		rneagen_result_free(&text);
 	}

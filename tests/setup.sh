@@ -22,6 +22,7 @@ setup_list() {
 		tests locales test -e /usr/share/i18n/locales/de_DE
 		tests mandoc command -v mandoc
 		tests python3-numpy setup_numpy
+		tests python3-dev setup_python_headers
 	END
 }
 
@@ -36,6 +37,10 @@ setup_installed() {
 
 setup_numpy() {
 	python3 -c 'import numpy'
+}
+
+setup_python_headers() {
+	python3 -c 'import os, sysconfig; os.stat(sysconfig.get_path("include") + "/Python.h")'
 }
 
 # setup_missing build|tests: prints the packages that are missing.

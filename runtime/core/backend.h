@@ -14,6 +14,7 @@ struct backend_request {
 	const struct rnea_options *options;
 	const struct cache *cache;
 	struct cache_why *unkept;           /* receives why what is compiled is not kept */
+	const struct rnea_evaluator *evaluator; /* what rnea_open_evaluator was given; else NULL */
 };
 
 /* Functions are numbers, as in info->functions. */
@@ -35,6 +36,8 @@ struct backend {
 	enum rnea_code (*launch)(
 		const void *state, size_t function, void *const *arrays, size_t count, void *stream, struct rnea_error *e);
 	enum rnea_code (*run)(const void *state, void *const *arrays, size_t count, struct rnea_error *e);
+	/* The same of a text of layout soa on arrays [sample][row]; NULL: it cannot. */
+	enum rnea_code (*run_aos)(const void *state, void *const *arrays, size_t count, struct rnea_error *e);
 
 	struct rnea_resources (*resources)(const void *state, size_t function);
 };

@@ -2,12 +2,14 @@
 #include "host/backend.h"
 #include "core/info_table.h"
 #include "host/host.h"
+#include "host/rows.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/utsname.h>
 
 struct state {
+	const struct rnea_info *info; /* the robot's */
 	struct host host;
 	struct host_function *functions; /* one for each of the info's */
 	struct utsname machine;
@@ -75,6 +77,7 @@ static enum rnea_code host_backend_open(void **state, const struct backend_reque
 	}
 	if (uname(&s->machine) < 0)
 		snprintf(s->machine.machine, sizeof s->machine.machine, "host");
+	s->info = info;
 	*state = s;
 	*build = (struct rnea_build){.backend = RNEA_BACKEND_HOST,
 		.device = s->machine.machine,
@@ -100,6 +103,13 @@ static enum rnea_code host_backend_run(const void *state, void *const *arrays, s
 	return host_launch(state, 0, arrays, count, NULL, e);
 }
 
+static enum rnea_code host_backend_run_aos(const void *state, void *const *arrays, size_t count, struct rnea_error *e)
+{
+	const struct state *s = state;
+
+	return host_run_aos(&s->host, s->functions, s->info->functions, arrays, count) ? RNEA_OK : rnea_error_memory(e);
+}
+
 static struct rnea_resources host_resources(const void *state, size_t function)
 {
 	(void)state, (void)function;
@@ -112,4 +122,5 @@ const struct backend backend_host = {.name = RNEA_BACKEND_HOST,
 	.close = host_backend_close,
 	.launch = host_launch,
 	.run = host_backend_run,
+	.run_aos = host_backend_run_aos,
 	.resources = host_resources};

@@ -81,17 +81,20 @@ static const struct choice {
 	enum rneagen_layout layout;
 	enum rneagen_precision precision;
 	int only_rnea, is_cut;
+	enum rneagen_base base;
 } CHOICES[] = {
-	{"iiwa14", "", RNEAGEN_TARGET_C, RNEAGEN_SOA, RNEAGEN_F64, 0, 0},
-	{"atlas", "", RNEAGEN_TARGET_C, RNEAGEN_SOA, RNEAGEN_F64, 0, 1},
-	{"atlas", "", RNEAGEN_TARGET_C, RNEAGEN_AOS, RNEAGEN_F32, 0, 1},
-	{"atlas", "", RNEAGEN_TARGET_C, RNEAGEN_SOA, RNEAGEN_F64, 1, 0}, /* no batches */
-	{"atlas", "", RNEAGEN_TARGET_HEADER, RNEAGEN_SOA, RNEAGEN_F64, 0, 0},
-	{"atlas", "", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 0, 0},
-	{"atlas", "", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0, 0},       /* staged */
-	{"chain_75", "", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0, 0}, /* too many values go across */
-	{"atlas", "want qdd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0, 0},
-	{"atlas", "want tau,dtau_dq,dtau_dqd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 0, 0}, /* parts */
+	{"iiwa14", "", RNEAGEN_TARGET_C, RNEAGEN_SOA, RNEAGEN_F64, 0, 0, RNEAGEN_FIXED},
+	{"atlas", "", RNEAGEN_TARGET_C, RNEAGEN_SOA, RNEAGEN_F64, 0, 1, RNEAGEN_FIXED},
+	{"atlas", "", RNEAGEN_TARGET_C, RNEAGEN_AOS, RNEAGEN_F32, 0, 1, RNEAGEN_FIXED},
+	{"atlas", "", RNEAGEN_TARGET_C, RNEAGEN_SOA, RNEAGEN_F64, 1, 0, RNEAGEN_FIXED}, /* no batches */
+	{"atlas", "", RNEAGEN_TARGET_HEADER, RNEAGEN_SOA, RNEAGEN_F64, 0, 0, RNEAGEN_FIXED},
+	{"atlas", "", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 0, 0, RNEAGEN_FIXED},
+	{"atlas", "", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0, 0, RNEAGEN_FIXED},       /* staged */
+	{"chain_75", "", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0, 0, RNEAGEN_FIXED}, /* too many values go across */
+	{"atlas", "want qdd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0, 1, RNEAGEN_FIXED},
+	{"atlas", "want qdd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 0, 0, RNEAGEN_FIXED},
+	{"atlas", "want qdd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0, 0, RNEAGEN_FLOATING}, /* too many values go across */
+	{"atlas", "want tau,dtau_dq,dtau_dqd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 0, 0, RNEAGEN_FIXED}, /* parts */
 };
 
 START_TEST(test_chosen)
@@ -107,6 +110,7 @@ START_TEST(test_chosen)
 	o.layout = c->layout;
 	o.precision = c->precision;
 	o.only_rnea = c->only_rnea;
+	o.base = c->base;
 	target_generate(&t, urdf, length, &o, c->name);
 	ck_assert_int_eq(strstr(t.text.source, "_segment1(") != NULL, c->is_cut);
 	o.segments = RNEAGEN_SEGMENTS_WHOLE;

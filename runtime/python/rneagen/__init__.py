@@ -1,0 +1,21 @@
+"""rneagen: inverse and forward dynamics of one robot, as straight-line code made from its URDF.
+
+    import rneagen
+    robot = rneagen.load("iiwa14.urdf")       # the scene by keywords: want=, lock={...}, tip=[...], base="floating", ...
+    tau = robot(q, qd, qdd)                   # NumPy, PyTorch or CuPy; (nv,) or (..., nv); the same kind comes back
+    H = robot.want("M", "bias")(q, qd)        # several outputs: a named tuple
+
+SI units: m, kg, s, rad, N, N m. q has one entry for each joint that moves, depth-first, children by name; a floating base comes first.
+
+load         a Robot, which is called with arrays
+generate     the text, CUDA C or C
+report       every variant measured: speed and error
+choose       the fastest that is close enough
+"""
+from ._commands import Choice, Text, choose, generate, report
+from ._core import version as __version__
+from ._errors import BackendError, Error, RobotError
+from ._robot import Limits, Robot, load
+from ._sparse import Sparse
+
+__all__ = ["BackendError", "Choice", "Error", "Limits", "Robot", "RobotError", "Sparse", "Text", "choose", "generate", "load", "report"]

@@ -1,0 +1,4 @@
+"""python -m rneagen: the command `rneagen`."""
+from ._commands import main
+
+main()

@@ -1,0 +1,155 @@
+"""What a text takes and gives, and calls on arrays of NumPy that are not the plain case."""
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import functools
+import importlib
+import keyword
+import re
+from typing import Any, Sequence
+
+import numpy
+
+SCALARS = {"f32": "f32", "mixed": "f32", "f64": "f64", "f32x2": "f64"}  # numbers in memory, by precision
+DTYPES = {"f32": numpy.dtype("float32"), "f64": numpy.dtype("float64")}
+
+
+@dataclasses.dataclass(frozen=True)
+class Array:
+    """An input or output: `shape` of a sample, before which stand the axes of samples. `per_batch`: one for all samples."""
+    name: str
+    word: str
+    rows: int
+    shape: tuple[int, ...]
+    role: str
+    of: str
+    is_output: bool
+    per_batch: bool
+    default: tuple[float, ...] | None  # of an input that may be left out
+    pattern: tuple[tuple[int, ...], tuple[int, ...]] | None  # of a matrix by joints: rows and columns of what is stored
+    columns: int  # of such a matrix; else 0
+
+    @property
+    def is_matrix(self) -> bool:
+        return self.pattern is not None
+
+
+def describe(array: dict[str, Any], nv: int, sparse: bool) -> Array:
+    """An entry of _core.Model.arrays()."""
+    rows, pattern = array["rows"], array["pattern"]
+    *pattern, columns = pattern or (0,)
+    shape: tuple[int, ...] = (rows,)
+    if array["role"] in ("power", "kinetic_energy", "potential_energy"):
+        shape = ()
+    elif pattern and not sparse:
+        shape = (nv, columns)
+    elif array["is_output"] and array["role"].endswith("_dfreed"):
+        shape = (nv, rows // nv)
+    if array["default"] is not None:
+        array["default"] = tuple(array["default"] + [0.0] * (rows - len(array["default"])))
+    return Array(shape=shape, columns=columns, **{**array, "pattern": (tuple(pattern[0]), tuple(pattern[1])) if pattern else None})
+
+
+def identifiers(arrays: Sequence[Array]) -> list[str]:
+    """What fields of a named tuple are called: the scene's words, or else the text's names."""
+    words = [re.sub(r"\W", "_", array.word) for array in arrays]
+    good = len(set(words)) == len(words) and all(w.isidentifier() and not keyword.iskeyword(w) and w[0] != "_" for w in words)
+    return words if good else [array.name for array in arrays]
+
+
+def fill(array: Array, lead: tuple[int, ...], dtype) -> numpy.ndarray:
+    """What an input that was left out is."""
+    shape = array.shape if array.per_batch else (*lead, *array.shape)
+    return numpy.ascontiguousarray(numpy.broadcast_to(numpy.asarray(array.default, dtype), shape))
+
+
+def arguments(robot, args: tuple, kwargs: dict[str, Any]) -> tuple[list[Any], Any]:
+    """By input the array that was given, or None for one that may be left out; and out."""
+    inputs, names = robot.inputs, [a.name for a in robot.inputs]
+    if len(args) > len(names) + 1:
+        raise TypeError(f"{len(args)} arrays: the robot takes {', '.join(names)}, and out")
+    given = dict(zip((*names, "out"), args))
+    for name, value in kwargs.items():
+        name = {a.word: a.name for a in inputs}.get(name, name)
+        if name not in (*names, "out"):
+            near = difflib.get_close_matches(name, (*names, "out"), 1)
+            raise TypeError(f"'{name}' is no input: the robot takes {', '.join(names)}, and out" +
+                            (f"; did you mean '{near[0]}'?" if near else ""))
+        if name in given:
+            raise TypeError(f"{name} is given twice")
+        given[name] = value
+    for array in inputs:
+        if given.get(array.name) is None and array.default is None:
+            raise TypeError(f"{array.name} is missing: the robot takes {', '.join(names)}")
+    return [given.get(name) for name in names], given.get("out")
+
+
+def adapter(robot, arrays: Sequence[Any], out: Any):
+    """The module whose functions call and bind take arrays of this kind: this one, _foreign, or torch."""
+    kinds: dict[str, str] = {}
+    for name, array in [*((a.name, x) for a, x in zip(robot.inputs, arrays)),
+                        *(("out", x) for x in (out if isinstance(out, tuple) else [out]))]:
+        if array is not None:
+            kinds[name] = kind_of(name, array)
+    found = set(kinds.values())
+    if len(found) > 1:
+        first, *rest = kinds.items()
+        name, kind = next((n, k) for n, k in rest if k != first[1])
+        raise TypeError(f"{name}: an array of {kind.partition(' ')[2]}, and {first[0]} is one of {first[1].partition(' ')[2]}: "
+                        "all arrays are of one kind")
+    module = next(iter(found), "_arrays").partition(" ")[0]
+    return module_of(module)
+
+
+@functools.lru_cache(maxsize=None)
+def module_of(name: str):
+    return importlib.import_module(f"rneagen.{name}")
+
+
+def kind_of(name: str, array: Any) -> str:
+    """The module for it, and what messages call its kind."""
+    root = type(array).__module__.partition(".")[0]
+    if root == "torch":
+        return "torch PyTorch"
+    if isinstance(array, numpy.ma.MaskedArray):
+        raise TypeError(f"{name}: a masked array; array.filled() makes a plain one")
+    if isinstance(array, numpy.ndarray):
+        return "_arrays NumPy"
+    if hasattr(type(array), "__cuda_array_interface__") or hasattr(type(array), "__dlpack__"):
+        return f"_foreign {root}"
+    raise TypeError(f"{name}: {type(array).__name__} is no array; numpy.asarray makes one of it")
+
+
+def complete(robot, arrays: Sequence[Any]) -> tuple[numpy.ndarray, ...]:
+    """Plain arrays, what was left out filled in."""
+    given = [x for x in arrays if x is not None]
+    dtype = given[0].dtype if given else DTYPES[robot.scalar or "f64"]
+    lead = next((x.shape[:x.ndim - len(a.shape)] for a, x in zip(robot.inputs, arrays) if x is not None and not a.per_batch), ())
+    return tuple(fill(a, lead, dtype) if x is None else numpy.asarray(x) for a, x in zip(robot.inputs, arrays))
+
+
+def plain(out: Any):
+    """Views of NumPy's own type, of a memmap for one."""
+    if isinstance(out, tuple):
+        return tuple(map(plain, out))
+    return numpy.asarray(out) if isinstance(out, numpy.ndarray) else out
+
+
+def _returned(out: Any, result: Any):
+    return result if out is None else out
+
+
+def call(robot, arrays: Sequence[Any], out: Any):
+    complete_arrays = complete(robot, arrays)
+    if robot._conversion:
+        return _returned(out, robot._conversion.call(robot, complete_arrays, plain(out)))
+    return robot._wrap(_returned(out, robot._run(complete_arrays, plain(out))))
+
+
+def bind(robot, arrays: Sequence[Any], out: Any):
+    if robot._conversion:
+        raise TypeError(f"bind: convention {robot.convention!r} converts the arrays at every call; bind a robot of convention 'pinocchio'")
+    if robot.sparse:
+        raise TypeError("bind: sparse matrices are made at every call; take sparse=False")
+    return robot._bind(complete(robot, arrays), plain(out))

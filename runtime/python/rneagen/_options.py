@@ -1,0 +1,143 @@
+"""Keywords as the options of the command line: the same words, with underscores for dashes."""
+from __future__ import annotations
+
+import difflib
+import os
+from typing import Any, Iterable
+
+from . import _core
+
+SCENE = _core.scene_words()  # word: (takes a value: 0 no, 1 yes, 2 may; kind)
+MODEL = ("precision", "trig", "base", "gravity", "mimic", "order", "strict")  # beside the scene: what is computed
+TEXT = ("target", "layout", "name", "bounded", "only", "parts", "segments")  # what kind of text
+OPEN = ("backend", "device", "threads", "block", "cache")  # where it runs
+MATRICES = ("regressor", "M", "Minv", "dqdd_dtau", "dtau_dq", "dtau_dqd", "dqdd_dq", "dqdd_dqd")
+
+
+def scene_keywords() -> list[str]:
+    return [word.replace("-", "_") for word in SCENE] + ["scene"]
+
+
+def check(options: Iterable[str], known: Iterable[str], function: str) -> None:
+    """An unknown keyword is a TypeError that names the nearest."""
+    known = list(known)
+    for name in options:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, 1)
+            raise TypeError(f"{function}() has no keyword '{name}'" + (f"; did you mean '{near[0]}'?" if near else ""))
+
+
+def number(keyword: str, x: Any) -> str:
+    if isinstance(x, str):
+        return x
+    if isinstance(x, bool) or not hasattr(x, "__float__"):
+        raise TypeError(f"{keyword} takes a number, not {x!r}")
+    return str(x) if isinstance(x, int) else repr(float(x))
+
+
+def numbers(keyword: str, x: Any) -> str:
+    if isinstance(x, str) or hasattr(x, "__float__") and not getattr(x, "ndim", 0):
+        return number(keyword, x)
+    try:
+        return ",".join(number(keyword, one) for one in x)
+    except TypeError:
+        raise TypeError(f"{keyword} takes numbers, not {x!r}") from None
+
+
+def names(keyword: str, x: Any) -> list[str]:
+    x = [x] if isinstance(x, str) else list(x) if isinstance(x, Iterable) else [x]
+    for name in x:
+        if not isinstance(name, str):
+            raise TypeError(f"{keyword} takes names, not {name!r}")
+    return x
+
+
+def pairs(keyword: str, x: Any) -> list[str]:
+    if hasattr(x, "items"):
+        return [f"{name}={numbers(keyword, value)}" for name, value in x.items()]
+    return names(keyword, x)
+
+
+def armature_of(path: str) -> dict[str, str]:
+    """A file of rotor inertias: lines JOINT KG_M2."""
+    with open(path, encoding="utf-8") as file:
+        lines = [line.split("#")[0].split() if line.lstrip().startswith("#") else line.split() for line in file]
+    return {" ".join(words[:-1]): words[-1] for words in lines if words}
+
+
+def values(keyword: str, x: Any) -> list[str | None]:
+    """What stands after the word of a scene's option, once for each time that it is given; None: nothing."""
+    takes, kind = SCENE[keyword.replace("_", "-")]
+    if x is None or x is False:
+        return []
+    if x is True:
+        if takes == 1:
+            raise TypeError(f"{keyword} takes a value, not True")
+        return [None]
+    if takes == 0:
+        raise TypeError(f"{keyword} takes True or False, not {x!r}")
+    if keyword == "armature" and isinstance(x, (str, os.PathLike)) and "=" not in os.fspath(x):
+        x = armature_of(os.fspath(x))
+    if kind == "pair":
+        return list(pairs(keyword, x))
+    if kind in ("names", "freed"):
+        return list(names(keyword, x))
+    return [numbers(keyword, x)]
+
+
+def lines(options: dict[str, Any]) -> str:
+    """The scene's lines. They keep their dashes: messages then name the option."""
+    text = []
+    for keyword, x in options.items():
+        if keyword == "scene" and x is not None:
+            with open(x, encoding="utf-8") as file:
+                text.append(file.read())
+        elif keyword.replace("_", "-") in SCENE:
+            for value in values(keyword, x):
+                quoted = "" if value is None else ' "' + value.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n") + '"'
+                text.append(f"--{keyword.replace('_', '-')}{quoted}")
+    return "".join(line + "\n" for line in text)
+
+
+def generator(options: dict[str, Any], file: str) -> dict[str, Any]:
+    """What _core takes: of keywords, those of the model and of the text."""
+    result: dict[str, Any] = {"file": file}
+    for keyword in (*MODEL, *TEXT):
+        x = options.get(keyword)
+        if x is None:
+            continue
+        if keyword in ("strict", "bounded"):
+            x = int(bool(x))
+        elif keyword == "order" and not isinstance(x, str):
+            x = ",".join(names(keyword, x))
+        elif keyword == "only":
+            if x not in ("rnea", "fd"):
+                raise ValueError(f"only takes rnea or fd, not {x!r}")
+            keyword, x = "only_rnea", 1
+        elif keyword in ("parts", "segments") and isinstance(x, str):
+            if x not in ("auto", "whole"):
+                raise ValueError(f"{keyword} takes a number, auto or whole, not {x!r}")
+            x = 0 if x == "auto" else 1
+        result[keyword] = x
+    scene = lines(options)
+    if scene:
+        result["scene"] = scene
+    return result
+
+
+def command_line(options: dict[str, Any]) -> list[str]:
+    """The same as words of a command line."""
+    words = []
+    for keyword, x in options.items():
+        word = keyword.replace("_", "-")
+        if keyword != "scene" and word in SCENE:
+            words += [f"--{word}" if value is None else f"--{word}={value}" for value in values(keyword, x)]
+        elif isinstance(x, bool):
+            words += [f"--{word}"] if x else []
+        elif keyword == "gravity":
+            words.append(f"--{word}={numbers(keyword, x)}")
+        elif isinstance(x, (list, tuple)):
+            words.append(f"--{word}={','.join(map(str, x))}")
+        elif x is not None:
+            words.append(f"--{word}={os.fspath(x) if isinstance(x, os.PathLike) else number(keyword, x)}")
+    return words

@@ -1,0 +1,371 @@
+"""A robot that is called."""
+from __future__ import annotations
+
+import functools
+import json
+import keyword
+import os
+import sys
+import threading
+import warnings
+from collections import namedtuple
+from typing import Any, NamedTuple
+
+import numpy
+
+from . import _arrays, _convention, _core, _options, _sparse
+from ._errors import BackendError, translated
+
+NUMPY = (numpy.ndarray, numpy.empty, _arrays.DTYPES["f32"], _arrays.DTYPES["f64"])
+OWN = ("convention", "sparse")
+KEYWORDS = (*_options.scene_keywords(), *_options.MODEL, "parts", "segments", *_options.OPEN, *OWN)
+
+
+class Limits(NamedTuple):
+    """Of the URDF, by row; infinite where it has none. A quaternion has none."""
+    lower: numpy.ndarray  # (nq,), rad or m
+    upper: numpy.ndarray  # (nq,), rad or m
+    velocity: numpy.ndarray  # (nv,), rad/s or m/s
+    effort: numpy.ndarray  # (nv,), N m or N
+
+
+@functools.lru_cache(maxsize=None)
+def tuple_of(kind: str, fields: tuple[str, ...]):
+    """A named tuple that can be pickled, though no module has its name."""
+    made = namedtuple(kind, fields)  # type: ignore[misc]
+    setattr(made, "__reduce__", lambda self: (make_tuple, (kind, fields, tuple(self))))
+    return made
+
+
+def make_tuple(kind: str, fields: tuple[str, ...], values: tuple):
+    return tuple_of(kind, fields)(*values)
+
+
+def load_nvrtc() -> bool:
+    """NVIDIA's wheel lies in this Python's own folders, where librnea may not look: once it is loaded, librnea finds it by its name.
+    Was there one?"""
+    import ctypes
+    from pathlib import Path
+    for folder in map(Path, sys.path):
+        for library in sorted(folder.glob("nvidia/*/lib/libnvrtc.so.1[0-9]"), reverse=True):
+            try:
+                ctypes.CDLL(str(library))
+                return True
+            except OSError:
+                pass
+    return False
+
+
+class Robot(_core.Robot):
+    """Inverse dynamics tau = ID(q, qd, qdd) of one robot in its scene, or what else the scene wants. Made by rneagen.load.
+
+        tau = robot(q, qd, qdd)
+
+    q is (nq,) or (..., nq); qd, qdd and tau are (nv,) or (..., nv): rad, rad/s, rad/s^2, N m; m, m/s, m/s^2, N for joints that slide.
+    A floating base comes first: position and quaternion x y z qx qy qz qw in q, a twist of the base's frame, linear then angular, in qd.
+    All arrays have the same leading axes and one dtype, float32 or float64, and lie in one piece in C order. The outputs are of the
+    caller's library: NumPy, PyTorch, CuPy, or another with DLPack. A GPU's arrays are computed where they are, in the current stream.
+
+    `out` is an array for the output; for several outputs a tuple of arrays. Inputs also go by their names: robot(q=q, qd=qd, qdd=qdd).
+    What the scene frees (free=, fext=) is an input too; left out, it is as the URDF has it.
+
+    The first call of a dtype compiles, or takes from the cache what was compiled before. Any number of threads may call one robot.
+    """
+
+    def __init__(self, urdf: bytes, file: str, options: dict[str, Any]):
+        self._urdf, self._file, self._options = urdf, file, dict(options)
+        self._generator = self._generator_options()
+        self._model = translated(_core.Model, urdf, self._generator)
+        self._facts, self._joints = self._model.facts(), self._model.joints()
+        arrays = [_arrays.describe(a, self._facts["nv"], self.sparse) for a in self._model.arrays()]
+        self.inputs = tuple(a for a in arrays if not a.is_output)
+        self.outputs = tuple(a for a in arrays if a.is_output)
+        self._conversion = None
+        if self.convention == "mujoco" and self._facts["floating"]:
+            self._conversion = _convention.MuJoCo(self.inputs, self.outputs)
+        self._is_sparse = self.sparse and any(a.is_matrix for a in self.outputs)
+        self._outputs = tuple_of("Outputs", tuple(_arrays.identifiers(self.outputs))) if len(self.outputs) > 1 else None
+        self._kernels: dict[tuple, Any] = {}
+        self._wanted: dict[tuple, Robot] = {}
+        self._lock = threading.RLock()
+        self._define(tuple((a.name, a.rows, a.shape, a.per_batch) for a in arrays), len(self.inputs), self._outputs, NUMPY,
+                     not (self._conversion or self._is_sparse))
+
+    def _generator_options(self) -> dict[str, Any]:
+        if self.convention not in ("pinocchio", "mujoco"):
+            raise ValueError(f"convention takes pinocchio or mujoco, not {self.convention!r}")
+        options = dict(self._options)
+        wanted = [name for word in _options.names("want", options.get("want") or []) for name in word.split(",")]
+        if not self.sparse and options.get("dense") is None and any(name in _options.MATRICES for name in wanted):
+            options["dense"] = True
+        return {"layout": "aos", **_options.generator(options, self._file)}
+
+    # ---- what it is ----
+
+    @property
+    def name(self) -> str:
+        """Of the robot, as the URDF has it."""
+        return self._facts["name"]
+
+    @property
+    def nq(self) -> int:
+        """Rows of q."""
+        return self._facts["nq"]
+
+    @property
+    def nv(self) -> int:
+        """Rows of qd, qdd and tau."""
+        return self._facts["nv"]
+
+    @property
+    def joint_names(self) -> list[str]:
+        """Joints with entries in q, in their order. A floating base made by base="floating" has the name ""."""
+        return [joint["name"] for joint in self._joints]
+
+    @property
+    def joints(self) -> list[dict[str, Any]]:
+        """The same with the link that each moves, type, rows (iq, nq, iv, nv) and limits."""
+        return [dict(joint) for joint in self._joints]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What of the URDF may not be meant."""
+        return list(self._facts["warnings"])
+
+    @functools.cached_property
+    def limits(self) -> Limits:
+        """Position, velocity and effort, as the URDF states them. No text models them."""
+        rows = Limits(numpy.full(self.nq, -numpy.inf), numpy.full(self.nq, numpy.inf), numpy.full(self.nv, numpy.inf),
+                      numpy.full(self.nv, numpy.inf))
+        for joint in self._joints:
+            q, v = slice(joint["iq"], joint["iq"] + joint["nq"]), slice(joint["iv"], joint["iv"] + joint["nv"])
+            rows.lower[q], rows.upper[q] = joint["lower"], joint["upper"]
+            rows.velocity[v], rows.effort[v] = joint["velocity"], joint["effort"]
+        return rows
+
+    @functools.cached_property
+    def info(self) -> dict[str, Any]:
+        """What `rneagen ROBOT.urdf --info=json` tells."""
+        return json.loads(translated(_core.generate, self._urdf, {**self._generator, "tell": 2})["info_json"])
+
+    @functools.cached_property
+    def inertial_parameters(self) -> numpy.ndarray:
+        """pi of tau = Y pi, as the URDF has it, with Y = robot.want("regressor")(q, qd, qdd): (10 bodies,), of each body and what is fixed
+        to it m hx hy hz Ixx Ixy Ixz Iyy Iyz Izz about its link's origin. info["inertial_parameters"] of that robot names the links."""
+        return numpy.array([body["values"] for body in self.want("regressor").info["inertial_parameters"]["bodies"]]).ravel()
+
+    def describe(self) -> str:
+        """What `rneagen ROBOT.urdf --info` tells: joints, what the scene leaves, operations, what the URDF has that is not modelled."""
+        return translated(_core.generate, self._urdf, {**self._generator, "tell": 1})["info"]
+
+    @property
+    def sparse(self) -> bool:
+        return bool(self._options.get("sparse"))
+
+    @property
+    def convention(self) -> str:
+        return self._options.get("convention") or "pinocchio"
+
+    @property
+    def scalar(self) -> str | None:
+        """Numbers in memory, "f32" or "f64"; None: as the arrays of a call."""
+        return _arrays.SCALARS.get(self._options.get("precision") or "")
+
+    @property
+    def backend(self) -> str:
+        """What computes arrays of NumPy: "cpu", compiled; "cuda"; or "evaluator", where there is no C compiler and no GPU was asked for:
+        the same results but for rounding, ten to a hundred times as slowly. It compiles if nothing was called yet."""
+        return self.build["backend"]
+
+    @property
+    def build(self) -> dict[str, Any]:
+        """How the text that computes arrays of NumPy came to be: backend, device, compiler, target, note (why this backend), cached,
+        seconds, threads, unkept (why the cache did not keep it)."""
+        own = self._options.get("backend") or "any"
+        opened = [kernel for (_, backend, _), kernel in self._kernels.items() if backend == own]
+        return (opened[0] if opened else self.kernel(self._options.get("precision") or "f64")).build()
+
+    def __repr__(self) -> str:
+        given = ", ".join(f"{k}={v!r}" for k, v in self._options.items() if v is not None)
+        takes, makes = (", ".join(a.name for a in arrays) for arrays in (self.inputs, self.outputs))
+        return f"<rneagen.Robot {self.name!r}: ({takes}) -> {makes}; nq={self.nq}, nv={self.nv}{'; ' if given else ''}{given}>"
+
+    def __reduce__(self):
+        return Robot, (self._urdf, self._file, self._options)
+
+    # ---- calls ----
+
+    def _call(self, args: tuple, kwargs: dict[str, Any]):
+        """What is not a plain call on arrays of NumPy."""
+        arrays, out = _arrays.arguments(self, args, kwargs)
+        return _arrays.adapter(self, arrays, out).call(self, arrays, out)
+
+    def bind(self, *args, **kwargs):
+        """step = robot.bind(q, qd, qdd, out) checks the arrays once; step() then computes from what is in them, and returns out. The
+        arrays stay alive with the step. Without out, an array is made. A GPU's arrays are bound to the stream that is current now."""
+        arrays, out = _arrays.arguments(self, args, kwargs)
+        return _arrays.adapter(self, arrays, out).bind(self, arrays, out)
+
+    def _check(self, arrays: tuple) -> None:
+        """Raise what a call on these arrays would."""
+        self._bind(arrays, None)
+
+    def _join(self, outputs):
+        """One output, or the named tuple of several."""
+        return outputs[0] if self._outputs is None else self._outputs(*outputs)
+
+    def _wrap(self, result):
+        """Matrices of which only a part is stored."""
+        if not self._is_sparse:
+            return result
+        values = [result] if self._outputs is None else list(result)
+        return self._join([self._sparse_of(a, x) if a.is_matrix else x for a, x in zip(self.outputs, values)])
+
+    def _sparse_of(self, array: _arrays.Array, values: numpy.ndarray) -> _sparse.Sparse:
+        row, col = (numpy.array(x, dtype=numpy.int32) for x in array.pattern or ((), ()))
+        return _sparse.Sparse(values, row, col, (self.nv, array.columns), array.role.startswith("mass_matrix") and bool((row >= col).all()))
+
+    # ---- texts ----
+
+    def precision_for(self, scalar: str) -> str:
+        """The precision of a text for arrays of "f32" or "f64"; TypeError if this robot's is of the other."""
+        precision = self._options.get("precision") or scalar
+        if _arrays.SCALARS[precision] != scalar:
+            raise TypeError(f"{self.inputs[0].name if self.inputs else 'out'}: its dtype is {_arrays.DTYPES[scalar]}, and precision "
+                            f"{precision!r} takes {_arrays.DTYPES[_arrays.SCALARS[precision]]}")
+        return precision
+
+    def _open(self, scalar: str):
+        return self.kernel(self.precision_for(scalar))
+
+    def kernel(self, precision: str, backend: str | None = None, device: int | None = None):
+        """The text of this precision, compiled and loaded: a _core.Kernel, whose launch(addresses, count, stream) takes an address for
+        each of `inputs` and `outputs`. `backend`: "cpu" or "cuda" (`device` says which); None: what arrays of NumPy are computed by."""
+        backend = backend or self._options.get("backend") or "any"
+        device = (self._options.get("device") or 0) if device is None else device
+        with self._lock:
+            key = precision, backend, device if backend == "cuda" else None
+            if key not in self._kernels:
+                self._kernels[key] = self._compile(precision, backend, device)
+            return self._kernels[key]
+
+    def _compile(self, precision: str, backend: str, device: int):
+        generator = {**self._generator, "precision": precision}
+        options = {k: v for k, v in self._options.items() if k in ("threads", "block", "cache") and v is not None}
+        if backend == "evaluator":
+            return translated(_core.evaluate, self._urdf, generator, options)
+        if backend != "cuda":
+            generator.update(only_rnea=1, parts=1, layout="soa")  # arrays are turned: compilers make vectors of soa
+        text = translated(_core.generate, self._urdf, generator)["source"]
+        options.update(backend="cpu" if backend == "any" else backend, device=device)
+        try:
+            return translated(_core.open, text, options)
+        except BackendError as error:
+            if backend == "cuda" and error.code == "NO_COMPILER" and load_nvrtc():
+                return translated(_core.open, text, options)
+            if backend != "any" or error.code not in ("NO_COMPILER", "COMPILER"):
+                raise
+            warnings.warn(f"{self.name}: computed by the evaluator, slowly: {error}", RuntimeWarning, stacklevel=4)
+            return translated(_core.evaluate, self._urdf, {**generator, "layout": "aos"}, {k: v for k, v in options.items() if k == "threads"})
+
+    # ---- other outputs ----
+
+    def want(self, *names: str, sparse: bool | None = None) -> "Robot":
+        """The robot with other outputs, by the words of --want: "tau", "M", "bias", "gravity", "dtau_dq", "qdd", "Minv", "wrench.JOINT", ...
+        Several outputs come as a named tuple. Matrices are (..., nv, nv), with sparse=True of type rneagen.Sparse. The same names again
+        give the same robot, so that robot.want("M", "bias")(q, qd) may stand in a loop."""
+        return self._wanting(names, self.sparse if sparse is None else bool(sparse))
+
+    def _wanting(self, names: tuple[str, ...], sparse: bool, fold: tuple[str, ...] = ()) -> "Robot":
+        key = names, sparse, fold
+        found = self._wanted.get(key)
+        if found:
+            return found
+        with self._lock:
+            options = {**self._options, "want": list(names), "sparse": sparse or None}
+            if fold:
+                options["fold"] = [*_options.pairs("fold", options.get("fold") or []), *fold]
+            return self._wanted.setdefault(key, Robot(self._urdf, self._file, options))
+
+    def random(self, n: int | None = None, seed: int = 1, dtype=None):
+        """A named tuple of all inputs, drawn within the joints' limits or the scene's `range`: arrays of `n` samples, or of one without
+        a leading axis. The same seed gives the same samples, those of `rnearun report`."""
+        drawn = translated(self._model.draw, seed, 1 if n is None else n)
+        dtype = dtype or _arrays.DTYPES[self.scalar or "f64"]
+        values = []
+        for array in self.inputs:
+            x = numpy.frombuffer(drawn[array.name], float).astype(dtype)
+            values.append(x.reshape(array.shape if array.per_batch or n is None else (n, *array.shape)))
+            if array.role == "joint_position" and self._conversion:
+                values[-1][..., 3:7] = values[-1][..., [6, 3, 4, 5]]
+        return tuple_of("Inputs", tuple(a.name if not keyword.iskeyword(a.name) else a.name + "_" for a in self.inputs))(*values)
+
+    # ---- by Pinocchio's names ----
+
+    def rnea(self, *args, **kwargs):
+        """tau = rnea(q, qd, qdd): (..., nv), N m."""
+        return self.want("tau")(*args, **kwargs)
+
+    def aba(self, *args, **kwargs):
+        """qdd = aba(q, qd, tau): (..., nv), rad/s^2."""
+        return self.want("qdd")(*args, **kwargs)
+
+    def crba(self, *args, **kwargs):
+        """M = crba(q): the mass matrix (..., nv, nv), kg m^2, whole."""
+        return self.want("M")(*args, **kwargs)
+
+    def computeMinverse(self, *args, **kwargs):
+        """Minv = computeMinverse(q): the inverse of the mass matrix (..., nv, nv), whole."""
+        return self._wanting(("Minv",), self.sparse, ("qd=0", "tau=0"))(*args, **kwargs)
+
+    def nonLinearEffects(self, *args, **kwargs):
+        """tau = nonLinearEffects(q, qd): of gravity and velocities, (..., nv)."""
+        if self._conversion:  # M of the base's Coriolis term is in it: MuJoCo's qdd = 0 is another than ours
+            return self.want("tau")(*args, **kwargs, qdd=numpy.zeros_like(args[1] if len(args) > 1 else kwargs["qd"]))
+        return self.want("bias")(*args, **kwargs)
+
+    def computeGeneralizedGravity(self, *args, **kwargs):
+        """tau = computeGeneralizedGravity(q): of gravity alone, (..., nv)."""
+        return self.want("gravity")(*args, **kwargs)
+
+    def computeRNEADerivatives(self, *args, **kwargs):
+        """(dtau_dq, dtau_dqd, M) of (q, qd, qdd): (..., nv, nv) each. A floating base varies by a twist in its frame."""
+        return self.want("dtau_dq", "dtau_dqd", "M")(*args, **kwargs)
+
+    def computeABADerivatives(self, *args, **kwargs):
+        """(dqdd_dq, dqdd_dqd, Minv) of (q, qd, tau): (..., nv, nv) each."""
+        return self.want("dqdd_dq", "dqdd_dqd", "Minv")(*args, **kwargs)
+
+
+def load(urdf: str | os.PathLike | bytes, **options: Any) -> Robot:
+    """Load a robot from the URDF at a path, or from its text (bytes, or a string with "<robot" in it).
+
+        robot = rneagen.load("iiwa14.urdf")
+        tau = robot(q, qd, qdd)
+
+    Keywords are the options of the command line, with underscores:
+
+    want="tau", ["M", "bias"]     what is computed
+    lock={"elbow": 1.57}          joints that are held; planar and floating joints take 3 and 7 numbers
+    root="LINK", tip=["LINK"]     part of the robot; beside="drop", lock_all_but=[...]
+    base="floating"               fixed unless given
+    fold={"qdd": 0}               inputs that are known
+    free=["payload.hand"]         constants that become inputs; fext=["foot"] external wrenches
+    gravity=(0, 0, -9.81)         m/s^2, in the world
+    precision="f32"               f32, f64, mixed, f32x2; unless given as the arrays are: float32 or float64
+    trig="accurate", strict=False, mimic="honour", order=[...], params="auto", damping=True, friction=0.01, ...
+
+    And of the call:
+
+    backend="cpu"                 "cpu", "cuda" or "evaluator" for arrays of NumPy; unless given the processor
+    device=0, threads=0, block=0, cache=None
+    sparse=False                  matrices as rneagen.Sparse instead of (..., nv, nv)
+    convention="pinocchio"        "mujoco": quaternion and velocity of a floating base as MuJoCo has them
+
+    Raises RobotError with the generator's message if the URDF or the scene is at fault; TypeError for a keyword that is not known.
+    """
+    _options.check(options, KEYWORDS, "load")
+    if isinstance(urdf, bytes) or isinstance(urdf, str) and "<robot" in urdf:
+        return Robot(urdf.encode() if isinstance(urdf, str) else urdf, "<urdf>", options)
+    with open(urdf, "rb") as file:
+        return Robot(file.read(), os.fspath(urdf), options)

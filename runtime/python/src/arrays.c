@@ -1,0 +1,121 @@
+#include "arrays.h"
+#include <string.h>
+
+static int scalar_of(const Py_buffer *v)
+{
+	const char *f = v->format ? v->format : "B";
+
+	f += *f == '<' || *f == '=' || *f == '@';
+	return !strcmp(f, "d") ? F64 : !strcmp(f, "f") ? F32 : -1;
+}
+
+/* "1" after strides of C order; "F" of Fortran's; 0: of neither. */
+static char order_of(const Py_buffer *v)
+{
+	Py_ssize_t c = v->itemsize, f = v->itemsize;
+	int is_c = 1, is_f = 1;
+
+	for (int i = v->ndim - 1; i >= 0; c *= v->shape[i--])
+		is_c &= v->shape[i] <= 1 || v->strides[i] == c;
+	for (int i = 0; i < v->ndim; f *= v->shape[i++])
+		is_f &= v->shape[i] <= 1 || v->strides[i] == f;
+	return v->len == 0 || is_c ? 'C' : is_f ? 'F' : 0;
+}
+
+PyObject *array_shape(const Py_ssize_t *lead, int count, PyObject *tail)
+{
+	Py_ssize_t n = PyTuple_Size(tail);
+	PyObject *shape = PyTuple_New(count + n);
+
+	for (Py_ssize_t i = 0; shape && i < count + n; i++) {
+		PyObject *item = i < count ? PyLong_FromSsize_t(lead[i]) : Py_NewRef(PyTuple_GetItem(tail, i - count));
+
+		if (!item || PyTuple_SetItem(shape, i, item))
+			Py_CLEAR(shape);
+	}
+	return shape;
+}
+
+static int refuse_shape(const struct array *a, const Py_buffer *v, const struct lead *lead)
+{
+	PyObject *empty = PyTuple_New(0), *wanted, *shape = empty ? array_shape(v->shape, v->ndim, empty) : NULL;
+
+	if (lead->axes >= 0 && !a->per_batch)
+		wanted = array_shape(lead->shape, lead->axes, a->shape);
+	else
+		wanted = Py_NewRef(a->shape);
+	if (wanted && shape && lead->axes >= 0 && !a->per_batch && lead->of != a)
+		PyErr_Format(PyExc_ValueError, "%U: its shape is %R; %R goes with %U", a->name, shape, wanted, lead->of->name);
+	else if (wanted && shape)
+		PyErr_Format(PyExc_ValueError, a->per_batch ? "%U: its shape is %R; %R is wanted, for all samples" : "%U: its shape is %R; %R is "
+			"wanted, or axes of samples before it", a->name, shape, wanted);
+	Py_XDECREF(empty);
+	Py_XDECREF(wanted);
+	Py_XDECREF(shape);
+	return -1;
+}
+
+static int check_shape(const struct array *a, const Py_buffer *v, struct lead *lead)
+{
+	int own = (int)PyTuple_Size(a->shape), axes = v->ndim - own, same = axes >= 0 && v->ndim <= AXES && (!a->per_batch || axes == 0);
+
+	if (own == 1)
+		same = same && v->shape[axes] == a->rows;
+	else
+		for (int i = 0; same && i < own; i++)
+			same = v->shape[axes + i] == PyLong_AsSsize_t(PyTuple_GetItem(a->shape, i));
+	if (!same || a->per_batch)
+		return same ? 0 : refuse_shape(a, v, lead);
+	if (lead->axes < 0) {
+		memcpy(lead->shape, v->shape, (size_t)axes * sizeof *v->shape);
+		lead->axes = axes;
+		lead->of = a;
+		return 0;
+	}
+	same = axes == lead->axes && !memcmp(lead->shape, v->shape, (size_t)axes * sizeof *v->shape);
+	return same ? 0 : refuse_shape(a, v, lead);
+}
+
+static int check_array(const struct array *a, PyObject *array, const Py_buffer *v, int is_output, struct lead *lead)
+{
+	int scalar = scalar_of(v);
+	char order;
+
+	if (scalar < 0 || (lead->scalar_of && scalar != lead->scalar)) {
+		PyObject *type = PyObject_GetAttrString(array, "dtype");
+
+		if (type && scalar < 0)
+			PyErr_Format(PyExc_TypeError, "%U: its dtype is %S; float32 or float64 is wanted", a->name, type);
+		else if (type)
+			PyErr_Format(PyExc_TypeError, "%U: its dtype is %S, and that of %U is float%d: all arrays have one", a->name, type,
+				lead->scalar_of, lead->scalar == F32 ? 32 : 64);
+		Py_XDECREF(type);
+		return -1;
+	}
+	if (!lead->scalar_of) {
+		lead->scalar_of = a->name;
+		lead->scalar = scalar;
+	}
+	if (is_output && v->readonly) {
+		PyErr_Format(PyExc_ValueError, "out: the array for %U is read-only", a->name);
+		return -1;
+	}
+	if (check_shape(a, v, lead))
+		return -1;
+	order = order_of(v);
+	if (order != 'C')
+		PyErr_Format(PyExc_ValueError, order ? "%U: it is in Fortran order; numpy.ascontiguousarray makes a copy in C order"
+			: "%U: it is not contiguous; numpy.ascontiguousarray makes a copy that is", a->name);
+	return order == 'C' ? 0 : -1;
+}
+
+int array_take(const struct array *a, PyObject *array, int is_output, struct lead *lead, struct call *c, int i)
+{
+	Py_buffer *v = &c->views[c->view_count];
+
+	if (PyObject_GetBuffer(array, v, PyBUF_STRIDES | PyBUF_FORMAT))
+		return -1;
+	c->view_count++;
+	c->pointers[i] = v->buf;
+	return check_array(a, array, v, is_output, lead);
+}

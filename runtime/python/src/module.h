@@ -1,0 +1,67 @@
+#ifndef RNEA_PYTHON_MODULE_H
+#define RNEA_PYTHON_MODULE_H
+/* The extension rneagen._core: what Python's package needs of both libraries, by the stable interface of Python 3.11. Arrays come in by
+   the buffer protocol, so no header of NumPy is needed. */
+
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+
+#include "passes/analysis.h"
+#include "rnea.h"
+#include "rneagen.h"
+
+/* Fill *o from a dictionary: words for target, precision, layout, trig, base, mimic; numbers for strict, bounded, only_rnea, parts,
+   segments, tell; three of gravity; strings for order, name, file, scene, which stay the dictionary's. 0, or -1 and an exception. */
+int options_take(PyObject *dict, struct rneagen_options *o);
+
+/* The same for opening: backend ("any", "cuda", "cpu", "evaluator"), file, device, block, threads, cache. */
+int options_take_open(PyObject *dict, struct rnea_options *o);
+
+/* Raise what a library said: ValueError, MemoryError, OSError or RuntimeError, with the message and the code's word; returns NULL. */
+PyObject *raise_generator(const struct rneagen_error *e);
+PyObject *raise_runtime(const struct rnea_error *e);
+/* The kind of exception for a code of the runtime. */
+PyObject *exception_of(enum rnea_code code);
+
+/* An opened text. */
+struct kernel {
+	PyObject_HEAD
+	struct rnea_robot *robot;
+	int is_async; /* a launch may still be under way: it is not closed */
+};
+
+PyObject *kernel_new(PyTypeObject *type, struct rnea_robot *robot);
+
+/* A call that is checked: of arrays in views, or at addresses that somebody else keeps. */
+struct call {
+	struct kernel *kernel; /* a reference, as the next two */
+	PyObject *result, *keep;
+	Py_buffer views[RNEA_ARGUMENT_LIMIT];
+	int view_count;
+	void *pointers[RNEA_ARGUMENT_LIMIT];
+	size_t count;
+	void *stream;
+	int has_stream;
+};
+
+/* Launch without Python's lock. 0, or -1 and an exception. */
+int call_run(const struct call *c);
+void call_clear(struct call *c);
+
+/* A call that can be made again. */
+struct step {
+	PyObject_HEAD
+	struct call call;
+};
+
+/* Takes over what *c holds. */
+PyObject *step_new(PyTypeObject *type, struct call *c);
+
+/* The module's types. */
+struct core {
+	PyTypeObject *kernel, *model, *robot, *step;
+};
+
+extern PyType_Spec kernel_spec, model_spec, robot_spec, step_spec;
+
+#endif
