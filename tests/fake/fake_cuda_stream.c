@@ -23,11 +23,18 @@ struct event {
 };
 
 static atomic_int deferred, enqueued;
+static atomic_uint threads;
 
 /* For the tests: copies and launches so far. */
 int fake_cuda_enqueued(void)
 {
 	return enqueued;
+}
+
+/* For the tests: threads of a block of the launch that was the last. */
+unsigned fake_cuda_threads(void)
+{
+	return threads;
 }
 
 /* For the tests: what is enqueued waits, from now on. */
@@ -148,6 +155,7 @@ int cuLaunchKernel(void *function, unsigned gx, unsigned gy, unsigned gz, unsign
 		return FAKE_INVALID_VALUE;
 	for (unsigned i = 0; i < launch.kernel->count; i++)
 		memcpy(&launch.parameters[i], parameters[i], sizeof launch.parameters[i]);
+	threads = bx;
 	if (graph)
 		return record(graph, &launch);
 	work.launch = launch;

@@ -1,6 +1,8 @@
 /* Lets a C++ compiler build a whole text of CUDA for the processor, with its NAME_rnea_launch: what that takes of CUDA's runtime. Put before
-   the text; FAKE_ENTRY(NAME_rnea_kernel) goes after it. What a device refuses is refused, and stays behind as the thread's last error. */
+   the text; FAKE_ENTRY(NAME_rnea_kernel) goes after it, or FAKE_ENTRIES(NAME_rnea_kernel, NAME_rnea_limbs, "NAME_across") with FAKE_WAITS 1. What a device refuses is refused, and stays behind as the thread's last error. */
+#ifndef FAKE_WAITS
 #define FAKE_WAITS 0
+#endif
 #include "fake_device.h"
 #undef __CUDACC_RTC__
 #define weak visibility("default") /* of NAME_info: a C++ compiler wants to hear of it at the first declaration, nvcc does not */
@@ -18,9 +20,10 @@ struct dim3 {
 /* for the test: bytes that the device can give to a block; those that the last launch gave; calls that failed */
 extern "C" {
 size_t fake_limit, fake_launched, fake_failures;
+unsigned fake_grid, fake_block;
 }
 static size_t fake_most = 48 << 10;
-static void fake_entry(void **arguments, unsigned grid, unsigned parts, unsigned block);
+static void fake_entry(const void *kernel, void **arguments, unsigned grid, unsigned parts, unsigned block);
 
 static cudaError_t fake_refuse()
 {
@@ -54,14 +57,28 @@ static cudaError_t cudaLaunchKernel(const void *kernel, dim3 grid, dim3 block, v
 		return fake_refuse();
 	fake_launched = given;
 	fake_give((unsigned)given);
-	fake_entry(arguments, grid.x, grid.y, block.x);
+	fake_grid = grid.x;
+	fake_block = block.x;
+	fake_entry(kernel, arguments, grid.x, grid.y, block.x);
 	fake_check_given();
 	return cudaSuccess;
 }
 
-#define FAKE_ENTRY(kernel)                                                                                             \
-	static void fake_entry(void **arguments, unsigned grid, unsigned parts, unsigned block)                        \
+#define FAKE_ENTRY(only)                                                                                               \
+	static void fake_entry(const void *, void **arguments, unsigned grid, unsigned parts, unsigned block)          \
 	{                                                                                                              \
-		fake_run_serial(kernel, arguments, grid, parts, block);                                                \
+		fake_run_serial(only, arguments, grid, parts, block);                                                  \
 	}                                                                                                              \
 	alignas(1024) unsigned char fake_given_memory[FAKE_MOST_SHARED];
+
+/* Of two kernels the second one waits; its memory of the launch is `across`. */
+#define FAKE_ENTRIES(large, small, across)                                                                             \
+	static void fake_entry(const void *kernel, void **arguments, unsigned grid, unsigned parts, unsigned block)    \
+	{                                                                                                              \
+		if (kernel == (const void *)small)                                                                     \
+			fake_run_threads(small, arguments, grid, parts, block);                                        \
+		else                                                                                                   \
+			fake_run_serial(large, arguments, grid, parts, block);                                         \
+	}                                                                                                              \
+	alignas(1024) unsigned char fake_given_memory[FAKE_MOST_SHARED];                                               \
+	extern "C" __attribute__((alias("slices"))) unsigned char fake_across[] __asm__(across);

@@ -1,0 +1,208 @@
+/* Kernels of small batches, in which warps share out each sample: values as those of the whole text compiled as C, on the pretended
+   driver, whose threads wait for each other; which kernel a launch takes, by the runtime and by NAME_rnea_launch; what is said of it.
+   This would catch a value that another warp reads too early, lanes to spare that write elsewhere, a batch beyond the threshold that
+   took this kernel, and a block given less memory than it writes. The schedules themselves: test_limbs. */
+#define _POSIX_C_SOURCE 200809L
+#include "launched.h"
+#include "support/suite.h"
+#include <dlfcn.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { LANES = 32, SEED = 20261122 };
+
+static const struct subject {
+	const char *name, *scene;
+	int floating, warps, parts;
+	enum rneagen_precision precision;
+	enum rneagen_trig trig;
+	int has_most; /* also the largest batch that takes it, and one more */
+} SUBJECTS[] = {
+	{"iiwa14", "", 0, 4, 1, RNEAGEN_F32, RNEAGEN_ACCURATE, 0},
+	{"hyq", "", 1, 4, 1, RNEAGEN_F32, RNEAGEN_BOUNDED, 1},
+	{"atlas", "", 0, 4, 1, RNEAGEN_F64, RNEAGEN_ACCURATE, 0},
+	{"panda", "want tau,dtau_dq,dtau_dqd\n", 0, 2, 2, RNEAGEN_F64, RNEAGEN_ACCURATE, 1},
+	{"hyq", "want qdd\n", 1, 4, 1, RNEAGEN_MIXED, RNEAGEN_ACCURATE, 0},
+};
+enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
+
+static void generate(const struct subject *s, int limbs, struct target *t)
+{
+	struct rneagen_options o = rneagen_options_default();
+	size_t length;
+	char *urdf = target_robot(s->name, &length);
+
+	o.scene = *s->scene ? s->scene : NULL;
+	o.base = s->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+	o.precision = s->precision;
+	o.trig = s->trig;
+	o.limbs = limbs;
+	o.parts = limbs == RNEAGEN_LIMBS_NONE ? 1 : s->parts;
+	target_generate(t, urdf, length, &o, s->name);
+	free(urdf);
+}
+
+static unsigned threads_of_last_launch(void)
+{
+	void *handle = dlopen(FAKE_CUDA, RTLD_NOW | RTLD_NODELETE), *found = dlsym(handle, "fake_cuda_threads");
+	unsigned (*threads)(void);
+
+	ck_assert_ptr_nonnull(found);
+	memcpy(&threads, &found, sizeof threads);
+	dlclose(handle);
+	return threads();
+}
+
+/* Of the kernel that a batch should take. */
+static unsigned expected_threads(const struct rnea_info *info, size_t count)
+{
+	const struct rnea_function *f = info->functions;
+
+	return count > f->limb_most ? info->block : LANES * f->limbs * (count <= LANES ? 1 : f->limb_groups);
+}
+
+static double compare(const struct subject *s, const struct target *limbs, const struct target *whole, size_t count)
+{
+	struct launch x = launched_run(launched_open(limbs, RNEA_BACKEND_CUDA, 0), count, SEED, s->floating);
+	unsigned threads = threads_of_last_launch();
+	struct launch y = launched_run(launched_open(whole, RNEA_BACKEND_HOST, 0), count, SEED, s->floating);
+	double worst;
+
+	ck_assert_uint_eq(x.info->functions->limbs, (unsigned)s->warps);
+	ck_assert_uint_eq(threads, expected_threads(x.info, count));
+	ck_assert_uint_eq(y.info->functions->limbs, 0);
+	worst = launched_distance(&x, &y, s->name);
+	launched_free(&x);
+	launched_free(&y);
+	return worst;
+}
+
+static size_t most_of(const struct target *t)
+{
+	const char *at = strstr(t->text.source, "#define RNEA_LIMBS_MOST ");
+
+	ck_assert_ptr_nonnull(at);
+	return strtoul(at + strlen("#define RNEA_LIMBS_MOST "), NULL, 10);
+}
+
+START_TEST(test_values)
+{
+	const struct subject *s = &SUBJECTS[_i];
+	size_t counts[] = {1, 31, 33, 1000, 0, 0};
+	struct target limbs, whole;
+	double worst = 0;
+
+	generate(s, s->warps, &limbs);
+	generate(s, RNEAGEN_LIMBS_NONE, &whole);
+	ck_assert_ptr_null(strstr(whole.text.source, "RNEA_LIMBS"));
+	counts[4] = s->has_most ? most_of(&limbs) : 0;
+	counts[5] = s->has_most ? most_of(&limbs) + 1 : 0;
+	for (int i = 0; i < 6; i++)
+		worst = counts[i] ? fmax(worst, compare(s, &limbs, &whole, counts[i])) : worst;
+	printf("%s, %d warps, %d parts: within %.1e, seed %d\n", s->name, s->warps, s->parts, worst, SEED);
+	ck_assert_double_lt(worst, s->precision == RNEAGEN_F32 ? 2e-5 : s->precision == RNEAGEN_MIXED ? 1e-6 : 1e-12);
+	rneagen_result_free(&limbs.text);
+	rneagen_result_free(&whole.text);
+}
+END_TEST
+
+/* ---- a robot without it ---- */
+
+/* An option leaves it out; a device of smaller blocks cannot have it. */
+START_TEST(test_without)
+{
+	static const char *const without[] = {"-DRNEA_NO_LIMBS"};
+	struct rnea_options o = {.backend = RNEA_BACKEND_CUDA, .compile = without, .compile_count = !_i};
+	struct rnea_robot *robot;
+	struct rnea_error e;
+	struct launch x;
+	struct target t;
+
+	if (_i)
+		setenv("RNEA_FAKE_CUDA_MAX_BLOCK", "128", 1);
+	generate(&SUBJECTS[0], _i ? 16 : 4, &t);
+	ck_assert_msg(!rnea_open(t.text.source, strlen(t.text.source), &o, &robot, &e), "%s", e.message);
+	ck_assert_uint_eq(rnea_info(robot)->functions->limbs, 0);
+	ck_assert_uint_eq(rnea_info(robot)->functions->limb_most, 0);
+	x = launched_run(robot, 5, SEED, 0);
+	ck_assert_uint_eq(threads_of_last_launch(), x.info->block);
+	launched_free(&x);
+	rneagen_result_free(&t.text);
+}
+END_TEST
+
+/* ---- NAME_rnea_launch, as nvcc builds it ---- */
+
+static void *build_launch(const struct target *t)
+{
+	struct target_path source = target_path("small_launch", ".cc"), library = target_path("small_launch", ".so");
+	const char *const argv[] = {FAKE_CXX, "-std=c++17", "-shared", "-fPIC", "-O1", "-w", "-fno-gnu-unique", "-pthread", "-o",
+		library.s, source.s, NULL};
+	char *text, *at;
+	size_t length;
+	FILE *f = open_memstream(&text, &length);
+	void *handle;
+
+	fprintf(f, "#define FAKE_WAITS 1\n#include \"" TEST_DIR "/fake/fake_launch.h\"\n%s\nFAKE_ENTRIES(iiwa14_rnea_kernel, iiwa14_rnea_limbs, "
+		"\"iiwa14_across\")\n", t->text.source);
+	fclose(f);
+	ck_assert_ptr_nonnull(at = strstr(text, "extern __shared__"));
+	memcpy(at, "extern           ", strlen("extern __shared__")); /* memory of the launch, not of the kernel */
+	target_write(source, text);
+	free(text);
+	target_compile(t, argv);
+	handle = dlopen(library.s, RTLD_NOW | RTLD_LOCAL);
+	ck_assert_msg(handle != NULL, "%s", dlerror());
+	unlink(library.s);
+	unlink(source.s);
+	return handle;
+}
+
+START_TEST(test_launch)
+{
+	int (*launch)(void *q, void *qd, void *qdd, void *tau, size_t count, void *stream);
+	unsigned *grid, *block;
+	struct target t;
+	void *library;
+
+	generate(&SUBJECTS[0], 4, &t);
+	library = build_launch(&t);
+	target_symbol(&t, library, "iiwa14_rnea_launch", &launch);
+	target_symbol(&t, library, "fake_grid", &grid);
+	target_symbol(&t, library, "fake_block", &block);
+	for (size_t i = 0; i < 4; i++) {
+		const size_t most = most_of(&t), counts[] = {1, 33, most, most + 1}, count = counts[i];
+		struct launch x = launched_run(launched_open(&t, RNEA_BACKEND_CUDA, 0), count, SEED, 0);
+		struct launch y = launched_run(launched_open(&t, RNEA_BACKEND_CUDA, 0), count, SEED + 1, 0);
+		size_t lanes = count > most ? x.info->block : LANES;
+
+		for (size_t k = 0; k < 3; k++)
+			memcpy(y.arrays[k], x.arrays[k], count * 7 * sizeof(float));
+		ck_assert_int_eq(launch(y.arrays[0], y.arrays[1], y.arrays[2], y.arrays[3], count, NULL), 0);
+		ck_assert_uint_eq(*grid, (count + lanes - 1) / lanes);
+		ck_assert_uint_eq(*block, expected_threads(x.info, count));
+		ck_assert_double_eq(launched_distance(&x, &y, "iiwa14"), 0);
+		launched_free(&x);
+		launched_free(&y);
+	}
+	dlclose(library);
+	rneagen_result_free(&t.text);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *s = suite_create("small_batches");
+
+	setenv("RNEA_LIBCUDA", FAKE_CUDA, 1);
+	setenv("RNEA_NVRTC", FAKE_NVRTC, 1);
+	setenv("RNEA_CACHE", "", 1);
+	setvbuf(stdout, NULL, _IOLBF, 0);
+	suite_add(s, "values", test_values, SUBJECT_COUNT, 600);
+	suite_add(s, "without", test_without, 2, 60);
+	suite_add(s, "launch", test_launch, 1, 120);
+	return suite_run(s);
+}
