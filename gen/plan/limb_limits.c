@@ -7,6 +7,10 @@
    registers wait in each warp. */
 enum { LEAST_OPERATIONS = 800, MOST_OPERATIONS = 10000, WARPS = 4, MORE_WARPS = 8, LONG_WARP = 2000 };
 
+/* A sample of N operations takes 0.5 + 0.0015 N us, with warps of N operations 0.9 + 0.0015 N: their kernel starts so many operations
+   later, and is to take nine tenths of the time. */
+enum { START = 330, LATER = 270 };
+
 /* Up to how many samples. Limbs that share nothing win at all sizes: hyq, 16384 samples, 2.45 and 2.17. Elsewhere all multiprocessors
    fetch more code than before: g1_29dof in f32, 16384 samples, 6.77 and 6.12, but in f64 11.1 and 15.4. In parts they fetch it several
    times: gradients of atlas, 1024 samples, 18.3 and 12.6, 4096 samples 21.6 and 34.3. */
@@ -86,16 +90,16 @@ static int most_groups(struct pass *const *passes, int count, int words, unsigne
 	return groups;
 }
 
-static unsigned most_samples(unsigned whole, int count)
+static unsigned most_samples(unsigned whole, int words, int count)
 {
-	return count > 1 ? MOST_IN_PARTS : whole < SHORT_OPERATIONS ? MOST_SHORT : MOST_LONG;
+	return count > 1 ? MOST_IN_PARTS : whole < SHORT_OPERATIONS && !words ? MOST_SHORT : MOST_LONG;
 }
 
 /* What all of them have in common. */
 static void set_launch(struct pass *const *passes, int count, const struct rneagen_options *o)
 {
 	int words = words_across(passes, count), groups = most_groups(passes, count, words, number_bytes(o));
-	unsigned most = most_samples(longest_pass(passes, count), count);
+	unsigned most = most_samples(longest_pass(passes, count), words, count);
 
 	for (int i = 0; i < count; i++) {
 		passes[i]->limbs.words = words;
@@ -119,15 +123,26 @@ static int can_have(struct pass *const *passes, int count, const struct rneagen_
 	return 1;
 }
 
+/* As many warps as are best, or none. */
+static void choose_warps(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a)
+{
+	unsigned longest = make_all(passes, count, WARPS, o, a), whole = longest_pass(passes, count);
+
+	if (longest > LONG_WARP && count == 1)
+		longest = make_all(passes, count, MORE_WARPS, o, a);
+	if (10 * (longest + START + LATER) > 9 * (whole + START))
+		take_none(passes, count);
+}
+
 int limbs_choose(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a)
 {
-	int is_free = o->limbs == RNEAGEN_LIMBS_AUTO;
-
 	take_none(passes, count);
-	if (is_free || !can_have(passes, count, o))
+	if (!can_have(passes, count, o))
 		return 1;
-	if (make_all(passes, count, is_free ? WARPS : o->limbs, o, a) > LONG_WARP && is_free && count == 1)
-		make_all(passes, count, MORE_WARPS, o, a);
+	if (o->limbs == RNEAGEN_LIMBS_AUTO)
+		choose_warps(passes, count, o, a);
+	else
+		make_all(passes, count, o->limbs, o, a);
 	if (passes[0]->limbs.warps)
 		set_launch(passes, count, o);
 	return !a->failed;

@@ -150,7 +150,7 @@ static void write_source(const struct program *p, const char *path)
 {
 	static const char mark[] = "extern \"C\" __global__ void"; /* a joint may be called __global__ */
 	const char *s = p->source, *limbs = limbs_of(s), *wait = strstr(s, "__syncthreads()");
-	int waits = wait && wait < limbs;
+	int waits = wait && wait < limbs, limbs_wait = strstr(limbs, "__syncthreads()") != NULL;
 	FILE *f = fopen(path, "w");
 	size_t length;
 
@@ -164,7 +164,7 @@ static void write_source(const struct program *p, const char *path)
 
 		s = kernel_name(s + strlen(mark), &length);
 		fprintf(f, "#if !defined %s\nFAKE_KERNEL(%.*s, %s)\n#endif\n", is_limbs ? "RNEA_NO_LIMBS" : "RNEA_ONLY_LIMBS", (int)length, s,
-			waits || is_limbs ? "fake_run_threads" : "fake_run_serial");
+			(is_limbs ? limbs_wait : waits) ? "fake_run_threads" : "fake_run_serial");
 	}
 	fclose(f);
 }
