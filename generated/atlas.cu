@@ -97,6 +97,7 @@ static RNEA_INLINE int rneagen_sincosf_known(float x, const int known, const flo
 */
 #endif
 
+#if !defined RNEA_ONLY_LIMBS
 /* tau = ID(q, qd, qdd)
    known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
    the results mean nothing.
@@ -3513,6 +3514,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 	return all_small;
 }
 
+#endif
 
 #ifndef RNEAGEN_SINCOSF_CORE
 #define RNEAGEN_SINCOSF_CORE
@@ -3640,6 +3642,7 @@ static RNEA_INLINE void rneagen_sincosf_each(const float *x, const int angles, f
 }
 #endif
 
+#if !defined RNEA_ONLY_LIMBS
 /* Are all coordinates of a sample small enough for sine and cosine without a branch? One test for all of them leaves
    the rest a straight line; the results have the same bits either way. */
 static RNEA_INLINE int atlas_is_small(const float *q, const size_t stride)
@@ -3753,6 +3756,7 @@ static RNEA_INLINE void atlas_bpass_sines(const float *q, const size_t stride, f
 	rneagen_sincosf_each(x, 27, sines);
 }
 
+#endif
 
 /* ---- what this text computes, one `key values` a line: librnea reads it ---- */
 #if defined __CUDACC_RTC__

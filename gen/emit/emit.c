@@ -320,6 +320,7 @@ int emit_has_segments(const struct emission *e)
 
 static void put_bodies(const struct emission *e, struct text *out)
 {
+	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
 	text_put(out, emit_has_segments(e) ? template_independent_in : "");
 	for (int i = 0; i < e->part_count; i++)
 		put_body(e, &e->parts[i].pass, out);
@@ -330,6 +331,7 @@ static void put_bodies(const struct emission *e, struct text *out)
 			emit_segments(e, &e->passes[i], out);
 		else
 			put_body(e, &e->passes[i], out);
+	text_put(out, emit_has_limbs(e) ? "#endif\n" : "");
 }
 
 void emit_source(const struct emission *e, struct text *out)
@@ -341,12 +343,7 @@ void emit_source(const struct emission *e, struct text *out)
 	const char *rest;
 
 	text_init(&kernels, e->arena);
-	if (emit_has_limbs(e))
-		text_put(&kernels, "#if !defined RNEA_ONLY_LIMBS\n");
-	for (int i = 0; i < e->pass_count && e->target->kernel; i++)
-		emit_kernel(e, &p[i], &kernels);
-	if (emit_has_limbs(e))
-		emit_limbs(e, &kernels);
+	emit_kernels(e, &kernels);
 	const struct slot slots[] = {
 		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"INFO", info_text(e)}, {"PATTERNS", emit_patterns(e)},
 		{"ARITHMETIC", emit_arithmetic(e, e->target)}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
@@ -358,7 +355,7 @@ void emit_source(const struct emission *e, struct text *out)
 		{"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)}, {"EACH", p->segments.count ? template_launch_segments_in : ""},
 		{"SAMPLES", p->segments.count ? "samples" : "RNEA_BLOCK"}, {"MIN_BLOCKS", emit_min_blocks(e)},
 		{"NUMBERS", numbers_text(e)}, {"SINCOS_DECLARATION", emit_sincos_declaration(e)}, {"SINCOS", emit_sincos(e)},
-		{"IS_SMALL", is_small_text(e)}, {"JOINTS", emit_joints(e)}, {"STAGE", emit_stage(e)}, {"SINES_BYTES", emit_sines_bytes(e)}, {"STORE", emit_store(e)},
+		{"IS_SMALL", emit_unless_limbs(e, is_small_text(e))}, {"JOINTS", emit_joints(e)}, {"STAGE", emit_unless_limbs(e, emit_stage(e))}, {"SINES_BYTES", emit_sines_bytes(e)}, {"STORE", emit_store(e)},
 		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e)}, {"LAUNCH_LIMBS", emit_launch_limbs(e)},
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)},

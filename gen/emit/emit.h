@@ -158,12 +158,16 @@ const char *emit_launch_limbs(const struct emission *e);
 const struct limbs *emit_limbs_of(const struct emission *e);
 int emit_limbs_bytes(const struct emission *e);
 
+/* What a program of that kernel alone leaves out. */
+#define EMIT_UNLESS_LIMBS "#if !defined RNEA_ONLY_LIMBS\n"
+const char *emit_unless_limbs(const struct emission *e, const char *what);
+
 /* Bytes of shared memory that a kernel has without asking; threads of a warp, the smallest block. */
 enum { EMIT_SHARED_BYTES = 48 << 10, EMIT_SMALLEST_BLOCK = 32 };
 
-/* CUDA: a kernel, and the functions by which it stages its slice; the samples of a slice; how many slices a
+/* CUDA: all kernels, and the functions by which it stages its slice; the samples of a slice; how many slices a
    multiprocessor is to have room for, an expression of RNEA_BLOCK, 0: as the compiler likes. */
-void emit_kernel(const struct emission *e, const struct pass *p, struct text *out);
+void emit_kernels(const struct emission *e, struct text *out);
 const char *emit_stage(const struct emission *e);
 
 /* The function that tells a launch how many bytes of shared memory to give, and its call, "0" where nothing is staged; the bytes in

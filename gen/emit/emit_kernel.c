@@ -306,12 +306,16 @@ static void put_kernel(const struct emission *e, const struct pass *p, struct te
 	template_expand(out, !staged ? f->direct : is_aos ? f->staged_aos : f->staged_soa, slots, sizeof slots / sizeof *slots);
 }
 
-void emit_kernel(const struct emission *e, const struct pass *p, struct text *out)
+void emit_kernels(const struct emission *e, struct text *out)
 {
-	if (p->segments.count)
-		emit_segments_kernel(e, p, out);
-	else
-		put_kernel(e, p, out);
+	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
+	for (int i = 0; i < e->pass_count && e->target->kernel; i++)
+		if (e->passes[i].segments.count)
+			emit_segments_kernel(e, &e->passes[i], out);
+		else
+			put_kernel(e, &e->passes[i], out);
+	if (emit_has_limbs(e))
+		emit_limbs(e, out);
 }
 
 /* Rows of matrices in soa, in whole lines; not what goes to shared memory. H100, both gradients of floating hyq in f64, 2 parts,

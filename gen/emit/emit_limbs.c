@@ -140,6 +140,17 @@ const struct limbs *emit_limbs_of(const struct emission *e)
 	return &pass_of(e, 0)->limbs;
 }
 
+const char *emit_unless_limbs(const struct emission *e, const char *what)
+{
+	struct text t;
+
+	if (!emit_has_limbs(e) || !*what)
+		return what;
+	text_init(&t, e->arena);
+	text_printf(&t, EMIT_UNLESS_LIMBS "%s#endif\n", what);
+	return text_string(&t);
+}
+
 void emit_limbs(const struct emission *e, struct text *out)
 {
 	const struct pass *p = emit_main(e);

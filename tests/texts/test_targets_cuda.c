@@ -61,10 +61,15 @@ static struct process run_nvcc(const struct target *t, struct target_path source
 	return p;
 }
 
+static int has_limbs(const struct target *t)
+{
+	return strstr(t->text.source, "#define RNEA_LIMBS ") != NULL;
+}
+
 /* Is the name one of the text's: NAME_rnea_kernel and so on? */
 static int is_kernel(const struct target *t, const char *name)
 {
-	static const char *const kernels[] = {"_rnea_kernel", "_fpass_kernel", "_bpass_kernel"};
+	static const char *const kernels[] = {"_rnea_kernel", "_fpass_kernel", "_bpass_kernel", "_rnea_limbs"};
 	size_t own = strlen(t->text.name);
 
 	for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
@@ -76,14 +81,14 @@ static int is_kernel(const struct target *t, const char *name)
 static void check_nvcc(const struct target *t, const char *robot, int no_spill)
 {
 	struct target_path source = target_path(t->text.name, ".cu"), object = target_path(t->text.name, ".o");
-	struct kernel_use kernels[4];
+	struct kernel_use kernels[5];
 	struct process p;
 	int n;
 
 	target_write(source, t->text.source);
 	p = run_nvcc(t, source, object);
-	n = ptxas_read(p.output, kernels, 4);
-	ck_assert_msg(n == 3, "%s: %d kernels", t->what, n);
+	n = ptxas_read(p.output, kernels, 5);
+	ck_assert_msg(n == 3 + has_limbs(t), "%s: %d kernels", t->what, n);
 	for (int i = 0; i < n; i++) {
 		const struct kernel_use *k = &kernels[i];
 
@@ -103,11 +108,12 @@ static void check_nvcc(const struct target *t, const char *robot, int no_spill)
 
 static int nvrtc_is_missing;
 
-static void check_nvrtc(const struct target *t)
+/* All of a text, or the kernels that a macro leaves, of which `kernel` is one. */
+static void check_program(const struct target *t, const char *macro, const char *ending)
 {
 	char log[4096] = "", kernel[512];
-	struct jit_request r = {
-		.source = t->text.source, .file = t->what, .arch = SM, .log = log, .log_size = sizeof log};
+	struct jit_request r = {.source = t->text.source, .file = t->what, .arch = SM, .options = &macro, .option_count = macro != NULL,
+		.log = log, .log_size = sizeof log};
 	struct jit_image image;
 	struct rnea_error e = {0};
 
@@ -121,10 +127,17 @@ static void check_nvrtc(const struct target *t)
 	}
 	ck_assert_msg(e.code == RNEA_OK, "%s: %s", t->what, e.message);
 	ck_assert_msg(!*log, "%s: NVRTC says %s", t->what, log);
-	snprintf(kernel, sizeof kernel, "%s_rnea_kernel", t->text.name);
+	snprintf(kernel, sizeof kernel, "%s_rnea_%s", t->text.name, ending);
 	ck_assert_msg(memmem(image.data, image.size, kernel, strlen(kernel)) != NULL, "%s: no %s in the image", t->what,
 		kernel);
 	jit_free(&image);
+}
+
+static void check_nvrtc(const struct target *t)
+{
+	check_program(t, NULL, "kernel");
+	if (has_limbs(t))
+		check_program(t, "-DRNEA_ONLY_LIMBS", "limbs");
 }
 
 /* A text as it is asked for, by NVRTC and by nvcc if that is asked for, where they are; in the long form, by one of them. */

@@ -57,6 +57,23 @@ static size_t read_manifest(const char *folder, const char *name, struct item *i
 	return n;
 }
 
+/* Has the text a kernel of small batches that the robot does without? The runtime says nothing of that. */
+static int lacks_limbs(const char *path, const struct rnea_robot *robot)
+{
+	char line[512];
+	int has = rnea_info(robot)->functions->limbs > 0;
+	FILE *f = fopen(path, "r");
+
+	while (!has && f && fgets(line, sizeof line, f))
+		if (strncmp(line, "#define RNEA_LIMBS ", strlen("#define RNEA_LIMBS ")) == 0) {
+			fclose(f);
+			return 1;
+		}
+	if (f)
+		fclose(f);
+	return 0;
+}
+
 static void *open_some(void *argument)
 {
 	struct work *w = argument;
@@ -70,6 +87,8 @@ static void *open_some(void *argument)
 		snprintf(path, sizeof path, "%s/%s", w->folder, it->text);
 		if (rnea_open_file(path, &w->options, &it->robot, &e) != RNEA_OK)
 			item_fail(it, "%s", e.message);
+		else if (lacks_limbs(path, it->robot))
+			item_fail(it, "the kernel of small batches did not compile, or did not load");
 		else
 			it->limit = item_limit(it);
 		it->seconds = seconds_now() - start;
