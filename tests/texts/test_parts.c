@@ -50,6 +50,7 @@ static struct rneagen_options options_of(const struct subject *s, int parts)
 	o.precision = s->precision;
 	o.trig = s->trig;
 	o.parts = parts;
+	o.limbs = RNEAGEN_LIMBS_NONE; /* of parts: test_small_batches */
 	o.tell = RNEAGEN_TELL_JSON;
 	return o;
 }

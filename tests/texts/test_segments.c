@@ -43,6 +43,7 @@ static void generate(const struct subject *s, int segments, struct target *t)
 	o.trig = s->trig;
 	o.segments = segments;
 	o.parts = 1;
+	o.limbs = RNEAGEN_LIMBS_NONE;
 	target_generate(t, urdf, length, &o, s->name);
 	free(urdf);
 }
