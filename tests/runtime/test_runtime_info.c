@@ -103,7 +103,7 @@ END_TEST
 #define THREE "rneagen-info 3\n" NAMES SIZES
 #define FIRST "function rnea\ninput q 8 f64 sample joint_position\ninput p 10 f64 batch link_payload left  hand\n"          \
 	"output tau 7 f64 sample joint_torque\noutput M 3 f64 sample mass_matrix\nmatrix M 2 2 lower\nrow M 0 0\nrow M 1 0 1\n" COUNTS
-#define SECOND "function fd\ninput tau 7 f64 sample joint_torque\noutput x 2 f64 sample of_a_later_version\nstage 72\nparts 2\n" \
+#define SECOND "function fd\ninput tau 7 f64 sample joint_torque\noutput x 2 f64 sample of_a_later_version\nstage 72\nparts 2\nlimbs 4 2 1408 4096\n" \
 	"operations 1 2 3 4 5 6\n"
 
 /* Any number of functions, each with its own of everything; a role that is not known is none. */
@@ -124,6 +124,8 @@ START_TEST(reads_functions)
 	ck_assert_str_eq(f[0].arguments[1].of, "left  hand");
 	ck_assert_str_eq(f[1].name, "fd");
 	ck_assert(f[1].input_count == 1 && f[1].output_count == 1 && f[1].arguments[1].role == RNEA_ROLE_UNKNOWN);
+	ck_assert(f[0].limbs == 0 && f[0].limb_most == 0);
+	ck_assert(f[1].limbs == 4 && f[1].limb_groups == 2 && f[1].limb_bytes == 1408 && f[1].limb_most == 4096);
 	ck_assert(f[1].stage_bytes == 72 && f[1].parts == 2 && f[1].operations.sincos == 6 && f[1].matrix_count == 0);
 	rnea_info_free(&i);
 }
@@ -240,6 +242,11 @@ static const struct damage {
 	{"rneagen-info 1\nstage 0\n", "line 2: the number is out of range"},
 	{"rneagen-info 1\nstage 49153\n", "line 2: the number is out of range"},
 	{"rneagen-info 1\nstage 8\nstage 8\n", "line 3: a second line of the key \"stage\""},
+	{"rneagen-info 3\nfunction f\nlimbs 1 1 0 1\n", "line 3: the number is out of range"},
+	{"rneagen-info 3\nfunction f\nlimbs 17 1 0 1\n", "line 3: the number is out of range"},
+	{"rneagen-info 3\nfunction f\nlimbs 4 0 0 1\n", "line 3: the number is out of range"},
+	{"rneagen-info 3\nfunction f\nlimbs 4 2 24577 1\n", "line 3: the number is out of range"}, /* a block has 48 KiB */
+	{"rneagen-info 3\nfunction f\nlimbs 4 2 24576 0\n", "line 3: the number is out of range"},
 	{HEAD SIZES COUNTS, "it lists no outputs"},
 	{HEAD SIZES "input q 8 f64 sample\n" COUNTS, "it lists no outputs"},
 	{"rneagen-info 1\noutput tau 7 f64 sample\ninput q 7 f64 sample\n", "line 3: an input after an output"},
