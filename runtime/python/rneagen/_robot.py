@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import functools
+import importlib
 import json
 import keyword
 import os
@@ -90,6 +91,8 @@ class Robot(_core.Robot):
         self._lock = threading.RLock()
         self._define(tuple((a.name, a.rows, a.shape, a.per_batch) for a in arrays), len(self.inputs), self._outputs, NUMPY,
                      not (self._conversion or self._is_sparse))
+        if "torch" in sys.modules:  # torch.compile sees no call in C, so a robot becomes one in Python
+            importlib.import_module("rneagen.torch")
 
     def _generator_options(self) -> dict[str, Any]:
         if self.convention not in ("pinocchio", "mujoco"):
