@@ -30,6 +30,7 @@ _operators: dict[str, "Operator"] = {}
 _lock = threading.RLock()
 _stream_of = getattr(torch._C, "_cuda_getCurrentRawStream", None) or (lambda i: torch.cuda.current_stream(i).cuda_stream)
 _plain_call = _robot.Robot.__call__
+_transforms_active = getattr(torch._C, "_are_functorch_transforms_active", lambda: False)
 
 
 def identity(robot) -> str:
@@ -53,6 +54,7 @@ class Operator:
         self.defaults: dict[tuple, Tensor] = {}  # inputs that were left out
         self.gradients = _torch_gradient.Gradients(robot)
         self.op = self._define()
+        self.function = function_of(self)
         self._out: Any = None
 
     # ---- definition ----
@@ -85,8 +87,8 @@ class Operator:
         made = tuple(like.new_empty((*lead, *a.shape)) for a in self.outputs)
         return made if self.several else made[0]
 
-    def batched(self, info, in_dims, *tensors: Tensor | None):
-        """vmap: its axis becomes one more of the samples."""
+    def moved(self, info, in_dims, tensors: Sequence[Tensor | None]):
+        """What vmap over these is: its axis becomes one more of the samples. The tensors, and the axes of the outputs."""
         moved: list[Tensor | None] = []
         for array, x, dim in zip(self.inputs, tensors, in_dims):
             if x is None or dim is None and array.per_batch:
@@ -95,7 +97,11 @@ class Operator:
                 raise NotImplementedError(f"vmap over {array.name}, which is one for all samples: free='{array.word}:sample' makes it one for each")
             else:
                 moved.append((x.expand(info.batch_size, *x.shape) if dim is None else x.movedim(dim, 0)).contiguous())
-        return self.op(*moved), (0,) * len(self.outputs) if self.several else 0
+        return moved, (0,) * len(self.outputs) if self.several else 0
+
+    def batched(self, info, in_dims, *tensors: Tensor | None):
+        moved, dims = self.moved(info, in_dims, tensors)
+        return self.op(*moved), dims
 
     # ---- checks ----
 
@@ -201,10 +207,34 @@ def check_tensor(name: str, x: Tensor, first: str, like: Tensor) -> None:
         raise ValueError(f"{name}: it is not contiguous in C order; {name}.contiguous() makes a copy that is")
 
 
+def function_of(operator: Operator):
+    """The operator as a torch.autograd.Function: torch.func.grad and its like take that alone."""
+
+    def forward(*tensors):
+        return operator.op(*tensors)
+
+    def jvp(ctx, *tangents):
+        raise NotImplementedError(f"{operator.robot.name}: derivatives go backward: torch.func.jacrev in place of jacfwd, vjp in place of jvp")
+
+    def vmap(info, in_dims, *tensors):
+        moved, dims = operator.moved(info, in_dims, tensors)
+        return made.apply(*moved), dims
+
+    gradients = operator.gradients
+    made: Any = type(operator.name, (torch.autograd.Function,), {
+        "forward": staticmethod(forward), "setup_context": staticmethod(gradients.keep), "backward": staticmethod(gradients.backward),
+        "jvp": staticmethod(jvp), "vmap": staticmethod(vmap)})
+    return made
+
+
+def is_plain() -> bool:
+    """Is no transform of torch.func and no derivative forward under way?"""
+    return not _transforms_active() and torch.autograd.forward_ad._current_level < 0
+
+
 # ---- robots ----
 
 
-@torch.compiler.assume_constant_result
 def operator_of(robot) -> Operator:
     """The robot's operators, made when they are first needed. They live as long as the program."""
     found = robot.__dict__.get("_torch")
@@ -221,13 +251,17 @@ def operator_of(robot) -> Operator:
 
 
 @torch.compiler.assume_constant_result
-def op_of(robot):
-    return operator_of(robot).op
+def name_of(robot, is_out: bool) -> str:
+    """What torch.compile asks for: the name of the operator in torch.ops.rneagen."""
+    operator = operator_of(robot)
+    return (operator.op_out if is_out else operator.op)._opname
 
 
-@torch.compiler.assume_constant_result
-def op_out_of(robot):
-    return operator_of(robot).op_out
+def op_of(robot, is_out: bool = False):
+    if torch.compiler.is_compiling():
+        return getattr(torch.ops.rneagen, name_of(robot, is_out)).default
+    operator = operator_of(robot)
+    return operator.op_out if is_out else operator.op if is_plain() else operator.function.apply
 
 
 def refuse_gradient(what: str, robot, arrays: Sequence[Tensor | None]) -> None:
@@ -247,7 +281,7 @@ def call(robot, arrays: Sequence[Any], out: Any):
     """A call whose arrays are tensors."""
     if out is not None:
         refuse_gradient("a call with out=", robot, arrays)
-        op_out_of(robot)(*arrays, *tuple_out(robot, out))
+        op_of(robot, True)(*arrays, *tuple_out(robot, out))
         return out
     made = op_of(robot)(*arrays)
     return made if robot._outputs is None else robot._outputs(*made)
@@ -267,7 +301,10 @@ def _call(self, *args, **kwargs):
         return call(self, args, None)
     if any([isinstance(x, Tensor) for x in args]) or any([isinstance(x, Tensor) for x in kwargs.values()]):
         arrays, out = _arrays.arguments(self, args, kwargs)
-        return _arrays.adapter(self, arrays, out).call(self, arrays, out)
+        every = [*arrays, *(out if isinstance(out, tuple) else (out,))]
+        if not all([x is None or isinstance(x, Tensor) for x in every]):
+            _arrays.adapter(self, arrays, out)
+        return call(self, arrays, out)
     return _plain_call(self, *args, **kwargs)
 
 
