@@ -18,18 +18,22 @@ from __future__ import annotations
 import hashlib
 import re
 import threading
-from typing import Any, Sequence
+from typing import Any, NamedTuple, Sequence
 
 import torch
+from numpy import ndarray
 from torch import Tensor
+from torch.autograd import forward_ad
 
 from . import _arrays, _robot, _torch_gradient
 
 SCALARS = {torch.float32: "f32", torch.float64: "f64"}
+PLANS = 256  # that are kept
 _operators: dict[str, "Operator"] = {}
 _lock = threading.RLock()
 _stream_of = getattr(torch._C, "_cuda_getCurrentRawStream", None) or (lambda i: torch.cuda.current_stream(i).cuda_stream)
 _plain_call = _robot.Robot.__call__
+_modes = getattr(torch._C, "_len_torch_dispatch_stack", lambda: 1)
 _transforms_active = getattr(torch._C, "_are_functorch_transforms_active", lambda: False)
 
 
@@ -50,7 +54,7 @@ class Operator:
         self.inputs, self.outputs = robot.inputs, robot.outputs
         self.tails = [(a.shape, a.per_batch) for a in self.inputs]
         self.several = len(self.outputs) > 1
-        self.kernels: dict[tuple, Any] = {}  # by dtype and index of a GPU
+        self.plans: dict[tuple, Plan] = {}  # by shape, dtype and device of the first tensor: what all others are then
         self.defaults: dict[tuple, Tensor] = {}  # inputs that were left out
         self.gradients = _torch_gradient.Gradients(robot)
         self.op = self._define()
@@ -140,58 +144,113 @@ class Operator:
             elif not array.per_batch and axes != lead:
                 raise ValueError(f"{array.name}: its shape is {shape}; {(*lead, *array.shape)} goes with {name}")
 
-    def check_out(self, like: Tensor, lead: torch.Size, tensors: Sequence[Tensor | None], outputs: Sequence[Tensor]) -> None:
-        for array, x in zip(self.outputs, outputs):
-            check_tensor("out", x, self.inputs[0].name, like)
-            if tuple(x.shape) != (*lead, *array.shape):
-                raise ValueError(f"out: the shape of the tensor for {array.name} is {tuple(x.shape)}; {(*lead, *array.shape)} is wanted")
-        spans = [(a.name, x.data_ptr(), x.data_ptr() + x.nbytes) for a, x in zip((*self.inputs, *self.outputs), (*tensors, *outputs))
-                 if x is not None]
-        for i, (name, begin, end) in enumerate(spans[-len(outputs):], len(spans) - len(outputs)):
+    def check_out(self, tensors: Sequence[Tensor], shapes: Sequence[torch.Size], outputs: Sequence[Tensor]) -> None:
+        for array, shape, x in zip(self.outputs, shapes, outputs):
+            check_tensor("out", x, self.inputs[0].name, tensors[0])
+            if x.shape != shape:
+                raise ValueError(f"out: the shape of the tensor for {array.name} is {tuple(x.shape)}; {tuple(shape)} is wanted")
+        spans = [(a.name, x.data_ptr(), x.data_ptr() + x.nbytes) for a, x in zip((*self.inputs, *self.outputs), (*tensors, *outputs))]
+        for i, (name, begin, end) in enumerate(spans[len(tensors):], len(tensors)):
             for other, first, last in spans[:i]:
                 if begin < last and first < end:
                     raise ValueError(f"out: the tensor for {name} overlaps {other}")
 
     # ---- runs ----
 
-    def kernel(self, like: Tensor):
-        """The text for tensors like this, compiled."""
-        index, robot = like.get_device(), self.robot
+    def plan(self, like: Tensor, lead: torch.Size) -> "Plan":
+        """What calls with tensors like this have in common; compiles."""
+        robot, index = self.robot, like.get_device()
         precision = robot.precision_for(SCALARS[like.dtype])
         kernel = robot.kernel(precision, "cuda", index) if like.is_cuda else robot.kernel(precision)
-        self.kernels[like.dtype, index] = kernel
-        return kernel
+        taken = [torch.Size(tail if per_batch else (*lead, *tail)) for tail, per_batch in self.tails]
+        made = [torch.Size((*lead, *a.shape)) for a in self.outputs]
+        is_given = [a.default is None for a in self.inputs]
+        alike = next((i for i, shape in enumerate(taken) if is_given[i] and not self.several and shape == made[0]), -1)
+        return Plan(kernel, lead.numel(), index, taken, taken[1:], made, alike)
 
-    def fill(self, i: int, like: Tensor, lead: torch.Size) -> Tensor:
+    def fill(self, i: int, like: Tensor, shape: torch.Size) -> Tensor:
         """What input i is if it was left out: kept, so that nothing is copied to a GPU at the next call."""
-        array, key = self.inputs[i], (i, like.dtype, like.device)
+        key = i, like.dtype, like.device
         if key not in self.defaults:
-            self.defaults[key] = torch.tensor(array.default, dtype=like.dtype, device=like.device)
-        return self.defaults[key] if array.per_batch else self.defaults[key].expand(*lead, *array.shape).contiguous()
+            self.defaults[key] = torch.tensor(self.inputs[i].default, dtype=like.dtype, device=like.device)
+        return self.defaults[key].expand(shape).contiguous()
 
-    def prepare(self, tensors: Sequence[Tensor | None], outputs: Sequence[Tensor] | None):
-        """(kernel, addresses, count, stream, outputs, all tensors)."""
+    def planned(self, tensors: Sequence[Tensor | None]) -> "Plan":
+        """The plan for these tensors, which are checked."""
+        first = tensors[0]
+        if first is not None:
+            shape, dtype, index = first.shape, first.dtype, first.get_device()
+            found = self.plans.get((shape, dtype, index))
+            if found is not None and first.is_contiguous():
+                for shape, x in zip(found.rest, tensors[1:]):
+                    if x is None or x.shape != shape or x.dtype is not dtype or x.get_device() != index or not x.is_contiguous():
+                        break
+                else:
+                    return found
         like, lead = self.check(tensors)
-        if None in tensors:
-            tensors = [self.fill(i, like, lead) if x is None else x for i, x in enumerate(tensors)]
-        if outputs is None:
-            outputs = [torch.empty_like(like) if like.shape == lead + a.shape else like.new_empty(lead + a.shape) for a in self.outputs]
-        else:
-            self.check_out(like, lead, tensors, outputs)
-        index = like.get_device()
-        kernel = self.kernels.get((like.dtype, index)) or self.kernel(like)
-        every = (*tensors, *outputs)
-        return kernel, tuple([x.data_ptr() for x in every]), lead.numel(), _stream_of(index) if index >= 0 else None, outputs, every
+        plan = self.plan(like, lead)
+        if first is not None and not self.tails[0][1]:
+            if len(self.plans) >= PLANS:
+                self.plans.clear()
+            self.plans[like.shape, like.dtype, like.get_device()] = plan
+        return plan
+
+    def complete(self, plan: "Plan", tensors: Sequence[Tensor | None]) -> tuple[Tensor, ...]:
+        """With what was left out."""
+        like: Any = next(x for x in tensors if x is not None)
+        return tuple([self.fill(i, like, plan.taken[i]) if x is None else x for i, x in enumerate(tensors)])
 
     def run(self, *tensors: Tensor | None):
-        kernel, addresses, count, stream, outputs, _ = self.prepare(tensors, None)
-        kernel.launch(addresses, count, stream)
-        return tuple(outputs) if self.several else outputs[0]
+        plan = self.planned(tensors)
+        for x in tensors:
+            if x is None:
+                tensors = self.complete(plan, tensors)
+                break
+        if plan.alike >= 0:  # faster than by its shape
+            made = torch.empty_like(tensors[plan.alike])  # type: ignore[arg-type]
+            plan.launch([*tensors, made])
+            return made
+        outputs = tuple([tensors[0].new_empty(shape) for shape in plan.made])  # type: ignore[union-attr]
+        plan.launch([*tensors, *outputs])
+        return outputs if self.several else outputs[0]
+
+    def check_given(self, tensors: Sequence[Tensor | None], outputs: Sequence[Tensor]) -> tuple["Plan", tuple[Tensor, ...]]:
+        """The plan, and all tensors."""
+        plan = self.planned(tensors)
+        inputs = self.complete(plan, tensors)
+        self.check_out(inputs, plan.made, outputs)
+        return plan, (*inputs, *outputs)
 
     def run_out(self, *tensors: Tensor | None) -> None:
-        n = len(self.inputs)
-        kernel, addresses, count, stream, _, _ = self.prepare(tensors[:n], tensors[n:])  # type: ignore[arg-type]
-        kernel.launch(addresses, count, stream)
+        given: Any = tensors[len(self.inputs):]
+        plan, every = self.check_given(tensors[:len(self.inputs)], given)
+        plan.launch(every)
+
+    def step(self, tensors: Sequence[Tensor | None], outputs: Sequence[Tensor] | None, result: Any):
+        """A step that launches again and returns `result`, or the outputs that are made here."""
+        if outputs is None:
+            made = self.run(*tensors)
+            outputs = made if self.several else (made,)
+            result = self.robot._join(list(outputs))
+        plan, every = self.check_given(tensors, outputs)
+        return plan.kernel.bind(*plan.where(every), result, every)
+
+
+class Plan(NamedTuple):
+    """What calls with tensors of one shape, dtype and device have in common."""
+    kernel: Any  # _core.Kernel
+    count: int
+    index: int  # of the GPU; -1: the processor
+    taken: list[torch.Size]
+    rest: list[torch.Size]  # of all inputs but the first
+    made: list[torch.Size]
+    alike: int  # the input that the only output is like; -1: none
+
+    def where(self, tensors: Sequence[Tensor]) -> tuple[tuple[int, ...], int, int | None]:
+        return tuple([x.data_ptr() for x in tensors]), self.count, _stream_of(self.index) if self.index >= 0 else None
+
+    def launch(self, tensors: Sequence[Any]) -> None:
+        self.kernel.launch(*self.where(tensors))
 
 
 def check_tensor(name: str, x: Tensor, first: str, like: Tensor) -> None:
@@ -229,7 +288,7 @@ def function_of(operator: Operator):
 
 def is_plain() -> bool:
     """Is no transform of torch.func and no derivative forward under way?"""
-    return not _transforms_active() and torch.autograd.forward_ad._current_level < 0
+    return not _transforms_active() and getattr(forward_ad, "_current_level", -1) < 0
 
 
 # ---- robots ----
@@ -277,35 +336,53 @@ def tuple_out(robot, out: Any) -> tuple[Tensor, ...]:
     return outputs
 
 
+def is_direct(operator: Operator, arrays: Sequence[Any]) -> bool:
+    """May the operator's own function be called, past PyTorch's dispatcher, which takes longer than a sample?"""
+    if torch.is_grad_enabled():
+        for x in arrays:
+            if x is not None and x.requires_grad:
+                return False
+    for x in arrays:
+        if type(x) is not Tensor and x is not None:
+            return False
+    return not _modes() and is_plain()
+
+
 def call(robot, arrays: Sequence[Any], out: Any):
     """A call whose arrays are tensors."""
+    if torch.compiler.is_compiling():
+        op = getattr(torch.ops.rneagen, name_of(robot, out is not None)).default
+    else:
+        operator = robot.__dict__.get("_torch") or operator_of(robot)
+        op = (operator.run if out is None else operator.run_out) if is_direct(operator, arrays) else op_of(robot, out is not None)
     if out is not None:
         refuse_gradient("a call with out=", robot, arrays)
-        op_of(robot, True)(*arrays, *tuple_out(robot, out))
+        op(*arrays, *tuple_out(robot, out))
         return out
-    made = op_of(robot)(*arrays)
+    made = op(*arrays)
     return made if robot._outputs is None else robot._outputs(*made)
 
 
 def bind(robot, arrays: Sequence[Any], out: Any):
     """A step on tensors, in the stream that is current now; it has no gradient."""
     refuse_gradient("a bound step", robot, arrays)
-    operator = operator_of(robot)
-    kernel, addresses, count, stream, outputs, every = operator.prepare(arrays, None if out is None else tuple_out(robot, out))
-    return kernel.bind(addresses, count, stream, robot._join(list(outputs)) if out is None else out, every)
+    return operator_of(robot).step(arrays, None if out is None else tuple_out(robot, out), out)
 
 
 def _call(self, *args, **kwargs):
     """Tensors go to the operator; all else as before. In Python, so that torch.compile sees through it."""
-    if not kwargs and args and len(args) == len(self.inputs) and all([isinstance(x, Tensor) for x in args]):
-        return call(self, args, None)
-    if any([isinstance(x, Tensor) for x in args]) or any([isinstance(x, Tensor) for x in kwargs.values()]):
+    first = args[0] if args else next(iter(kwargs.values()), None)
+    if type(first) is ndarray or not isinstance(first, Tensor):
+        return _plain_call(self, *args, **kwargs)
+    if not kwargs and len(args) == len(self.inputs):
+        arrays, out, every = args, None, args
+    else:
         arrays, out = _arrays.arguments(self, args, kwargs)
         every = [*arrays, *(out if isinstance(out, tuple) else (out,))]
-        if not all([x is None or isinstance(x, Tensor) for x in every]):
+    for x in every:
+        if x is not None and not isinstance(x, Tensor):
             _arrays.adapter(self, arrays, out)
-        return call(self, arrays, out)
-    return _plain_call(self, *args, **kwargs)
+    return call(self, arrays, out)
 
 
 _call.__name__, _call.__doc__ = "__call__", _plain_call.__doc__
