@@ -151,6 +151,12 @@ class Robot(_core.Robot):
         """What `rneagen ROBOT.urdf --info=json` tells."""
         return json.loads(translated(_core.generate, self._urdf, {**self._generator, "tell": 2})["info_json"])
 
+    @functools.cached_property
+    def inertial_parameters(self) -> numpy.ndarray:
+        """pi of tau = Y pi, as the URDF has it, with Y = robot.want("regressor")(q, qd, qdd): (10 bodies,), of each body and what is fixed
+        to it m hx hy hz Ixx Ixy Ixz Iyy Iyz Izz about its link's origin. info["inertial_parameters"] of that robot names the links."""
+        return numpy.array([body["values"] for body in self.want("regressor").info["inertial_parameters"]["bodies"]]).ravel()
+
     def describe(self) -> str:
         """What `rneagen ROBOT.urdf --info` tells: joints, what the scene leaves, operations, what the URDF has that is not modelled."""
         return translated(_core.generate, self._urdf, {**self._generator, "tell": 1})["info"]
