@@ -28,6 +28,7 @@ from torch.autograd import forward_ad
 from . import _arrays, _robot, _torch_gradient
 
 SCALARS = {torch.float32: "f32", torch.float64: "f64"}
+DEVICES = ("cpu", "cuda", "meta")
 PLANS = 256  # that are kept
 _operators: dict[str, "Operator"] = {}
 _lock = threading.RLock()
@@ -123,7 +124,7 @@ class Operator:
                 lead = shape[:len(shape) - len(tail)]
             if shape != (tail if per_batch else lead + tail) or x.dtype != dtype or x.get_device() != index or not x.is_contiguous():
                 self.explain(tensors)
-        if dtype not in SCALARS:
+        if dtype not in SCALARS or like.device.type not in DEVICES:
             self.explain(tensors)
         return like, torch.Size() if lead is None else lead
 
@@ -256,7 +257,7 @@ class Plan(NamedTuple):
 def check_tensor(name: str, x: Tensor, first: str, like: Tensor) -> None:
     if x.dtype not in SCALARS:
         raise TypeError(f"{name}: its dtype is {x.dtype}; torch.float32 or torch.float64 is wanted")
-    if x.device.type not in ("cpu", "cuda", "meta"):
+    if x.device.type not in DEVICES:
         raise TypeError(f"{name}: it is on device {x.device}; cpu or cuda is wanted")
     if x.dtype != like.dtype:
         raise TypeError(f"{name}: its dtype is {x.dtype}, and that of {first} is {like.dtype}: all tensors have one")
@@ -345,7 +346,7 @@ def is_direct(operator: Operator, arrays: Sequence[Any]) -> bool:
     for x in arrays:
         if type(x) is not Tensor and x is not None:
             return False
-    return not _modes() and is_plain()
+    return not _modes() and is_plain() and (arrays[0] is None or arrays[0].is_cpu or arrays[0].is_cuda)
 
 
 def call(robot, arrays: Sequence[Any], out: Any):
