@@ -32,7 +32,9 @@ class Gradients:
     def __init__(self, robot):
         self.robot = robot
         self.is_forward = any(a.role == "joint_torque" for a in robot.inputs)
+        self.floating = [joint for joint in robot.joints if joint["nq"] != joint["nv"]]
         self.made: dict[tuple, Any] = {}  # robots of gradients
+        self.recipes: dict[tuple, tuple] = {}
 
     def keep(self, ctx, inputs: tuple, output: Any) -> None:
         ctx.set_materialize_grads(False)
@@ -79,32 +81,37 @@ class Gradients:
         """Its outputs by word, from inputs by name; q, qd and qdd that are not there are 0."""
         from . import torch as package
         tensors = [named[a.name] if a.name in named else w.new_zeros((*w.shape[:-1], *a.shape)) for a in robot.inputs]
-        made = package.op_of(robot)(*tensors)
-        return dict(zip((a.word for a in robot.outputs), made if len(robot.outputs) > 1 else (made,)))
+        made = package.function_for(robot, tensors, False)(*tensors)
+        return {robot.outputs[0].word: made} if len(robot.outputs) == 1 else dict(zip((a.word for a in robot.outputs), made))
 
     # ---- outputs ----
 
     def of_vector(self, name: str, named: dict[str, Tensor | None], w: Tensor, needs, options: dict[str, Any]) -> list[Tensor | None]:
         """Of tau and what is like it, or of qdd; `named` has the inputs."""
-        inputs, w, of = self.robot.inputs, w.contiguous(), "qdd" if name == "qdd" else "tau"
-        needed = [a for a, need in zip(inputs, needs) if need]
+        inputs, w, key = self.robot.inputs, w.contiguous(), (name, *needs)
+        if key not in self.recipes:
+            self.recipes[key] = self.recipe(name, [a for a, need in zip(inputs, needs) if need], options)
+        robot, words = self.recipes[key]
+        found = self.run(robot, {**named, "vjp_v": w}, w) if robot else {}
+        return [self.pick(a, w, found, words, named) if need else None for a, need in zip(inputs, needs)]
+
+    def recipe(self, name: str, needed: Sequence, options: dict[str, Any]) -> tuple[Any, dict[str, str]]:
+        """The robot that makes gradients by these inputs, and the words of its outputs for freed constants."""
+        of = "qdd" if name == "qdd" else "tau"
         words = {a.name: f"d{of}_d{a.word}" for a in needed if a.role in FREED}
         is_needed = any(a.role in PARTS or of == "qdd" and a.role == "link_wrench" for a in needed)
-        product = {"vjp": "qdd" if is_needed and of == "qdd" else None}
+        if not (is_needed or words):
+            return None, words
         wanted = [*(["vjp"] if is_needed and of == "tau" else []), *words.values()]
-        found: dict[str, Tensor] = {}
-        if is_needed or words:
-            robot = self.make((name, is_needed, *words), {**options, "want": wanted or None, **product})
-            found = self.run(robot, {**named, "vjp_v": w}, w)
-        return [self.pick(a, w, found, words, named) if need else None for a, need in zip(inputs, needs)]
+        product = "qdd" if is_needed and of == "qdd" else None
+        return self.make((name, is_needed, *words), {**options, "want": wanted or None, "vjp": product}), words
 
     def pick(self, array, w: Tensor, found: dict[str, Tensor], words: dict[str, str], named) -> Tensor:
         """The gradient by one input."""
         nv = self.robot.nv
         if array.role in PARTS:
-            at = PARTS[array.role] * nv
-            part = found["vjp"][..., at:at + nv]
-            return self.of_position(named[array.name], part) if array.role == "joint_position" else part
+            part = found["vjp"].narrow(-1, PARTS[array.role] * nv, nv)
+            return self.of_position(named[array.name], part) if array.role == "joint_position" and self.floating else part
         if array.role in FREED:
             product = (w.unsqueeze(-2) @ found[words[array.name]]).squeeze(-2)
             return product.sum(tuple(range(product.dim() - 1))) if array.per_batch else product
@@ -115,7 +122,7 @@ class Gradients:
     def of_wrench(self, array, w: Tensor, found: dict[str, Tensor], named) -> Tensor:
         if self.robot._options.get("scene") or self.robot._options.get("fext_frame") not in (None, "link"):
             raise NotImplementedError(f"{self.robot.name}: there is no gradient by {array.word} in the world's axes; fext_frame='link' has one")
-        v = found["vjp"][..., 2 * self.robot.nv:].contiguous() if self.is_forward else w
+        v = found["vjp"].narrow(-1, 2 * self.robot.nv, self.robot.nv).contiguous() if self.is_forward else w
         robot = self.make(("twist", array.name), {"want": [f"twist.{array.of}"], "vjp": None, **dict.fromkeys(RIGID)})
         twist, = self.run(robot, {**named, "qd": v}, w).values()
         return twist if self.is_forward else -twist
@@ -137,9 +144,7 @@ class Gradients:
         """From the tangent space to the numbers of q: a floating joint's position p and quaternion u = (v, s) move by R a and
         u (b, 0)/2 with a twist (a, b), whose transposed inverses are R and 2 u (b, 0)/|u|^2."""
         pieces, at = [], 0
-        for joint in self.robot._joints:
-            if joint["nq"] == joint["nv"]:
-                continue
+        for joint in self.floating:
             iq, iv = joint["iq"], joint["iv"]
             v, s = q[..., iq + 3:iq + 6], q[..., iq + 6:iq + 7]
             a, b = part[..., iv:iv + 3], part[..., iv + 3:iv + 6]
@@ -148,4 +153,4 @@ class Gradients:
             pieces += [part[..., at:iv], a + 2 * (s * across + torch.linalg.cross(v, across)), twice * (s * b + torch.linalg.cross(v, b)),
                        -twice * (v * b).sum(-1, keepdim=True)]
             at = iv + 6
-        return torch.cat([*pieces, part[..., at:]], -1) if pieces else part
+        return torch.cat([*pieces, part[..., at:]], -1)

@@ -146,14 +146,18 @@ class Operator:
                 raise ValueError(f"{array.name}: its shape is {shape}; {(*lead, *array.shape)} goes with {name}")
 
     def check_out(self, tensors: Sequence[Tensor], shapes: Sequence[torch.Size], outputs: Sequence[Tensor]) -> None:
+        dtype, index = tensors[0].dtype, tensors[0].get_device()
         for array, shape, x in zip(self.outputs, shapes, outputs):
-            check_tensor("out", x, self.inputs[0].name, tensors[0])
+            if x.dtype is not dtype or x.get_device() != index or not x.is_contiguous():
+                check_tensor("out", x, self.inputs[0].name, tensors[0])
             if x.shape != shape:
                 raise ValueError(f"out: the shape of the tensor for {array.name} is {tuple(x.shape)}; {tuple(shape)} is wanted")
-        spans = [(a.name, x.data_ptr(), x.data_ptr() + x.nbytes) for a, x in zip((*self.inputs, *self.outputs), (*tensors, *outputs))]
-        for i, (name, begin, end) in enumerate(spans[len(tensors):], len(tensors)):
-            for other, first, last in spans[:i]:
-                if begin < last and first < end:
+        spans = [(x.data_ptr(), x.nbytes) for x in (*tensors, *outputs)]
+        for i in range(len(tensors), len(spans)):
+            at, size = spans[i]
+            for k in range(i):
+                if -spans[k][1] < spans[k][0] - at < size:
+                    name, other = ((*self.inputs, *self.outputs)[j].name for j in (i, k))
                     raise ValueError(f"out: the tensor for {name} overlaps {other}")
 
     # ---- runs ----
@@ -317,10 +321,13 @@ def name_of(robot, is_out: bool) -> str:
     return (operator.op_out if is_out else operator.op)._opname
 
 
-def op_of(robot, is_out: bool = False):
+def function_for(robot, tensors: Sequence[Any], is_out: bool):
+    """What computes these: the operator, what torch.func takes, or where PyTorch's dispatcher has nothing to do the function alone."""
     if torch.compiler.is_compiling():
         return getattr(torch.ops.rneagen, name_of(robot, is_out)).default
-    operator = operator_of(robot)
+    operator = robot.__dict__.get("_torch") or operator_of(robot)
+    if is_direct(tensors):
+        return operator.run_out if is_out else operator.run
     return operator.op_out if is_out else operator.op if is_plain() else operator.function.apply
 
 
@@ -337,30 +344,23 @@ def tuple_out(robot, out: Any) -> tuple[Tensor, ...]:
     return outputs
 
 
-def is_direct(operator: Operator, arrays: Sequence[Any]) -> bool:
-    """May the operator's own function be called, past PyTorch's dispatcher, which takes longer than a sample?"""
-    if torch.is_grad_enabled():
-        for x in arrays:
-            if x is not None and x.requires_grad:
-                return False
-    for x in arrays:
-        if type(x) is not Tensor and x is not None:
+def is_direct(tensors: Sequence[Any]) -> bool:
+    """Plain tensors in memory, which need no gradient, and no mode that looks on: the dispatcher would take longer than a sample."""
+    first, is_grad = tensors[0], torch.is_grad_enabled()
+    for x in tensors:
+        if x is not None and (type(x) is not Tensor or is_grad and x.requires_grad):
             return False
-    return not _modes() and is_plain() and (arrays[0] is None or arrays[0].is_cpu or arrays[0].is_cuda)
+    return not _modes() and is_plain() and (first is None or first.is_cpu or first.is_cuda)
 
 
 def call(robot, arrays: Sequence[Any], out: Any):
     """A call whose arrays are tensors."""
-    if torch.compiler.is_compiling():
-        op = getattr(torch.ops.rneagen, name_of(robot, out is not None)).default
-    else:
-        operator = robot.__dict__.get("_torch") or operator_of(robot)
-        op = (operator.run if out is None else operator.run_out) if is_direct(operator, arrays) else op_of(robot, out is not None)
     if out is not None:
         refuse_gradient("a call with out=", robot, arrays)
-        op(*arrays, *tuple_out(robot, out))
+        outputs = tuple_out(robot, out)
+        function_for(robot, (*arrays, *outputs), True)(*arrays, *outputs)
         return out
-    made = op(*arrays)
+    made = function_for(robot, arrays, False)(*arrays)
     return made if robot._outputs is None else robot._outputs(*made)
 
 
