@@ -29,8 +29,8 @@ SECOND = ("vjp", "jvp", "dtau_dq", "dtau_dqd", "dtau_dfreed", "dqdd_dq", "dqdd_d
 class Gradients:
     """What register_autograd takes, of one robot."""
 
-    def __init__(self, robot):
-        self.robot = robot
+    def __init__(self, robot, function_for):
+        self.robot, self.function_for = robot, function_for
         self.is_forward = any(a.role == "joint_torque" for a in robot.inputs)
         self.floating = [joint for joint in robot.joints if joint["nq"] != joint["nv"]]
         self.made: dict[tuple, Any] = {}  # robots of gradients
@@ -79,9 +79,8 @@ class Gradients:
 
     def run(self, robot, named: dict[str, Tensor | None], w: Tensor) -> dict[str, Tensor]:
         """Its outputs by word, from inputs by name; q, qd and qdd that are not there are 0."""
-        from . import torch as package
         tensors = [named[a.name] if a.name in named else w.new_zeros((*w.shape[:-1], *a.shape)) for a in robot.inputs]
-        made = package.function_for(robot, tensors, False)(*tensors)
+        made = self.function_for(robot, tensors, False)(*tensors)
         return {robot.outputs[0].word: made} if len(robot.outputs) == 1 else dict(zip((a.word for a in robot.outputs), made))
 
     # ---- outputs ----

@@ -57,7 +57,7 @@ class Operator:
         self.several = len(self.outputs) > 1
         self.plans: dict[tuple, Plan] = {}  # by shape, dtype and device of the first tensor: what all others are then
         self.defaults: dict[tuple, Tensor] = {}  # inputs that were left out
-        self.gradients = _torch_gradient.Gradients(robot)
+        self.gradients = _torch_gradient.Gradients(robot, function_for)
         self.op = self._define()
         self.function = function_of(self)
         self._out: Any = None
