@@ -202,21 +202,21 @@ class Operator:
 
     def complete(self, plan: "Plan", tensors: Sequence[Tensor | None]) -> tuple[Tensor, ...]:
         """With what was left out."""
-        like: Any = next(x for x in tensors if x is not None)
-        return tuple([self.fill(i, like, plan.taken[i]) if x is None else x for i, x in enumerate(tensors)])
+        for x in tensors:
+            if x is None:
+                like: Any = next(x for x in tensors if x is not None)
+                return tuple([self.fill(i, like, plan.taken[i]) if x is None else x for i, x in enumerate(tensors)])
+        return tuple(tensors)  # type: ignore[arg-type]
 
     def run(self, *tensors: Tensor | None):
         plan = self.planned(tensors)
-        for x in tensors:
-            if x is None:
-                tensors = self.complete(plan, tensors)
-                break
+        inputs = self.complete(plan, tensors)
         if plan.alike >= 0:  # faster than by its shape
-            made = torch.empty_like(tensors[plan.alike])  # type: ignore[arg-type]
-            plan.launch([*tensors, made])
+            made = torch.empty_like(inputs[plan.alike])
+            plan.launch([*inputs, made])
             return made
-        outputs = tuple([tensors[0].new_empty(shape) for shape in plan.made])  # type: ignore[union-attr]
-        plan.launch([*tensors, *outputs])
+        outputs = tuple([inputs[0].new_empty(shape) for shape in plan.made])
+        plan.launch([*inputs, *outputs])
         return outputs if self.several else outputs[0]
 
     def check_given(self, tensors: Sequence[Tensor | None], outputs: Sequence[Tensor]) -> tuple["Plan", tuple[Tensor, ...]]:
