@@ -20,7 +20,7 @@ from . import _robot
 FREED = ("gravity", "link_mass", "link_inertia", "link_payload", "joint_offset")
 PARTS = {"joint_position": 0, "joint_velocity": 1, "joint_acceleration": 2, "joint_torque": 2}  # of vjp
 RIGID = ("damping", "friction", "fext", "fext_frame")  # what gravity, bias and M have not
-ABSENT = {"bias_torque": ("joint_acceleration", "joint_torque", "link_wrench")}  # what they do not depend on
+ABSENT: dict[str, tuple[str, ...]] = {"bias_torque": ("joint_acceleration", "joint_torque", "link_wrench")}  # what they do not depend on
 ABSENT["gravity_torque"] = (*ABSENT["bias_torque"], "joint_velocity")
 ABSENT["mass_matrix"] = (*ABSENT["gravity_torque"], "gravity")
 SECOND = ("vjp", "jvp", "dtau_dq", "dtau_dqd", "dtau_dfreed", "dqdd_dq", "dqdd_dqd", "dqdd_dfreed")
@@ -29,7 +29,7 @@ SECOND = ("vjp", "jvp", "dtau_dq", "dtau_dqd", "dtau_dfreed", "dqdd_dq", "dqdd_d
 class Gradients:
     """What register_autograd takes, of one robot."""
 
-    def __init__(self, robot, function_for):
+    def __init__(self, robot, function_for: Any):
         self.robot, self.function_for = robot, function_for
         self.is_forward = any(a.role == "joint_torque" for a in robot.inputs)
         self.floating = [joint for joint in robot.joints if joint["nq"] != joint["nv"]]
