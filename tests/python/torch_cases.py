@@ -108,6 +108,7 @@ def case_gradients():
     check_gradient("double_pendulum", want="qdd", **arm)
     check_gradient("double_pendulum", base="floating", fext=["lower"])
     check_gradient("double_pendulum", want=["M", "bias", "gravity", "tau"], **arm)
+    check_gradient("cartpole", want=["M", "bias", "gravity", "tau"], damping=True, friction=0.1)
     if exhaustive():
         check_gradient("iiwa14")
         check_gradient("iiwa14", want=["qdd"], free=["payload.iiwa_link_7"])

@@ -127,14 +127,14 @@ class Gradients:
         return twist if self.is_forward else -twist
 
     def of_matrix(self, output, named: dict[str, Tensor | None], w: Tensor, needs) -> list[Tensor | None]:
-        """Of M, column by column: one more axis of nv samples."""
+        """Of M, column by column, or row by row, for M is symmetric: one more axis of nv samples."""
         nv, lead, inputs = self.robot.nv, w.shape[:-2], self.robot.inputs
         options = {**self.rigid(output), "gravity": (0.0, 0.0, 0.0)}
         columns = {a.name: x if x is None or a.per_batch else x.unsqueeze(-2).expand(*lead, nv, *a.shape).contiguous()
                    for a, x in ((a, named[a.name]) for a in inputs if a.name in named)}
         columns["gravity"] = w.new_zeros(3)
         columns["qdd"] = torch.eye(nv, dtype=w.dtype, device=w.device).expand(*lead, nv, nv).contiguous()
-        parts = self.of_vector(output.name, columns, w.transpose(-1, -2), needs, options)
+        parts = self.of_vector(output.name, columns, w, needs, options)
         return [x if x is None or a.per_batch else x.sum(-2) for a, x in zip(inputs, parts)]
 
     # ---- quaternions ----
