@@ -14,12 +14,10 @@ import torch
 import rneagen
 
 
-def states(robot, count, seed, device):
-    return [torch.from_numpy(x).to(device) for x in robot.random(count, seed=seed)[:3]]
-
-
-def measured(robot, q, qd, qdd, payload):
-    return robot(q, qd, qdd, payload) + 0.6 * qd + 1.5 * torch.tanh(qd / 0.1)
+def measured(robot, payload, count, seed):
+    """States, and the torques that were measured there."""
+    q, qd, qdd = (torch.from_numpy(x).to(payload.device) for x in robot.random(count, seed=seed)[:3])
+    return q, qd, qdd, robot(q, qd, qdd, payload) + 0.6 * qd + 1.5 * torch.tanh(qd / 0.1)
 
 
 def main(urdf, device="cpu", steps=300):
@@ -27,18 +25,17 @@ def main(urdf, device="cpu", steps=300):
     last = rneagen.load(urdf).joints[-1]["link"]
     robot = rneagen.load(urdf, free=[f"payload.{last}:batch"])  # one payload for all samples: an input of ten numbers
     held = torch.tensor([2.0, 0, 0, 0.1, 0.03, 0, 0, 0.03, 0, 0.01], dtype=torch.float64, device=device)  # 2 kg, 5 cm before the link
+    train, test = measured(robot, held, 300, 1), measured(robot, held, 300, 2)
 
-    friction = torch.nn.Sequential(torch.nn.Linear(1, 24), torch.nn.Tanh(), torch.nn.Linear(24, 1)).double().to(device)
+    friction = torch.nn.Sequential(torch.nn.Linear(1, 16), torch.nn.Tanh(), torch.nn.Linear(16, 1)).double().to(device)
     payload = torch.zeros(10, dtype=torch.float64, device=device, requires_grad=True)
-    optimiser = torch.optim.Adam([*friction.parameters(), payload], lr=0.02)
+    optimiser = torch.optim.Adam([*friction.parameters(), payload], lr=0.03)
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, steps)
 
-    def error(q, qd, qdd):
+    def error(q, qd, qdd, right):
         tau = robot(q, qd, qdd, payload) + friction(qd.unsqueeze(-1)).squeeze(-1)
-        right = measured(robot, q, qd, qdd, held)
         return (tau - right).square().mean() / right.square().mean()
 
-    train, test = states(robot, 500, 1, device), states(robot, 500, 2, device)
     with torch.no_grad():
         before = error(*test).sqrt().item()
     for _ in range(steps):
