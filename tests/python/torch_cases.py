@@ -196,6 +196,7 @@ def case_compile():
     assert torch.equal(compiled(lambda: robot(q, qd, qdd, out=out) * 1)(), tau) and torch.equal(out, tau)
     fresh = load("cartpole", gravity=(1, 0, 0))
     assert compiled(lambda *x: fresh(*x))(*tensors(fresh, 2)).shape == (2, 2)
+    assert near(compiled(lambda a, b: fresh.want("M", "gravity")(a).M @ b)(*tensors(fresh)[:2]), fresh.crba(tensors(fresh)[0]) @ tensors(fresh)[1])
     args = [x.requires_grad_() for x in (q, qd, qdd)]
     told = torch.library.opcheck(rneagen.torch.operator_of(robot).op, args)
     assert set(told.values()) == {"SUCCESS"}, told

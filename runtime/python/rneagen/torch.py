@@ -28,7 +28,7 @@ from ._torch_operator import Operator, is_plain, lock
 
 _operators: dict[str, Operator] = {}
 _modes = getattr(torch._C, "_len_torch_dispatch_stack", lambda: 1)
-_plain_call = _robot.Robot.__call__
+_plain_call, _plain_wanting = _robot.Robot.__call__, _robot.Robot._wanting
 
 
 def identity(robot) -> str:
@@ -127,5 +127,19 @@ def _call(self, *args, **kwargs):
     return call(self, arrays, out)
 
 
+@torch.compiler.assume_constant_result
+def make_wanted(key: str, names: tuple[str, ...], sparse: bool, fold: tuple[str, ...]) -> bool:
+    _plain_wanting(_robot.ALIVE[key], names, sparse, fold)
+    return True
+
+
+def _wanting(self, names: tuple[str, ...], sparse: bool, fold: tuple[str, ...] = ()):
+    """While torch.compile looks on, a robot is made behind its back, and then found."""
+    if torch.compiler.is_compiling():
+        make_wanted(self._key, names, sparse, fold)
+    return _plain_wanting(self, names, sparse, fold)
+
+
+_robot.Robot._wanting = _wanting  # type: ignore[method-assign]
 _call.__name__, _call.__doc__ = "__call__", _plain_call.__doc__
 _robot.Robot.__call__ = _call  # type: ignore[method-assign]
