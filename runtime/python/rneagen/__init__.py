@@ -4,6 +4,7 @@
     robot = rneagen.load("iiwa14.urdf")       # the scene by keywords: want=, lock={...}, tip=[...], base="floating", ...
     tau = robot(q, qd, qdd)                   # NumPy, PyTorch or CuPy; (nv,) or (..., nv); the same kind comes back
     H = robot.want("M", "bias")(q, qd)        # several outputs: a named tuple
+    tau.sum().backward()                      # tensors of PyTorch have gradients: help(rneagen.torch)
 
 SI units: m, kg, s, rad, N, N m. q has one entry for each joint that moves, depth-first, children by name; a floating base comes first.
 

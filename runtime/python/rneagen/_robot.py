@@ -2,12 +2,15 @@
 from __future__ import annotations
 
 import functools
+import importlib
+import itertools
 import json
 import keyword
 import os
 import sys
 import threading
 import warnings
+import weakref
 from collections import namedtuple
 from typing import Any, NamedTuple
 
@@ -18,6 +21,8 @@ from ._errors import BackendError, translated
 
 NUMPY = (numpy.ndarray, numpy.empty, _arrays.DTYPES["f32"], _arrays.DTYPES["f64"])
 OWN = ("convention", "sparse")
+KEYS = itertools.count()
+ALIVE: weakref.WeakValueDictionary[str, "Robot"] = weakref.WeakValueDictionary()  # by key, which torch.compile takes for a constant
 KEYWORDS = (*_options.scene_keywords(), *_options.MODEL, "parts", "segments", *_options.OPEN, *OWN)
 
 
@@ -90,6 +95,10 @@ class Robot(_core.Robot):
         self._lock = threading.RLock()
         self._define(tuple((a.name, a.rows, a.shape, a.per_batch) for a in arrays), len(self.inputs), self._outputs, NUMPY,
                      not (self._conversion or self._is_sparse))
+        self._key = str(next(KEYS))
+        ALIVE[self._key] = self
+        if "torch" in sys.modules:  # torch.compile sees no call in C, so a robot becomes one in Python
+            importlib.import_module("rneagen.torch")
 
     def _generator_options(self) -> dict[str, Any]:
         if self.convention not in ("pinocchio", "mujoco"):

@@ -1,0 +1,267 @@
+"""Operators of torch.library that run a robot's text on tensors."""
+from __future__ import annotations
+
+import threading
+from typing import Any, NamedTuple, Sequence
+
+import torch
+from torch import Tensor
+from torch.autograd import forward_ad
+
+from . import _torch_gradient
+
+SCALARS = {torch.float32: "f32", torch.float64: "f64"}
+DEVICES = ("cpu", "cuda", "meta")
+PLANS = 256  # that are kept
+lock = threading.RLock()
+_stream_of = getattr(torch._C, "_cuda_getCurrentRawStream", None) or (lambda i: torch.cuda.current_stream(i).cuda_stream)
+_transforms_active = getattr(torch._C, "_are_functorch_transforms_active", lambda: False)
+
+
+class Operator:
+    """A robot as operators of torch.library: `op`, which makes its outputs; `op_out`, which writes into those it is given."""
+
+    def __init__(self, robot, name: str, function_for):
+        self.robot, self.name = robot, name
+        self.inputs, self.outputs = robot.inputs, robot.outputs
+        self.tails = [(a.shape, a.per_batch) for a in self.inputs]
+        self.several = len(self.outputs) > 1
+        self.plans: dict[tuple, Plan] = {}  # by shape, dtype and device of the first tensor: what all others are then
+        self.defaults: dict[tuple, Tensor] = {}  # inputs that were left out
+        self.gradients = _torch_gradient.Gradients(robot, function_for)
+        self.op = self._define()
+        self.function = function_of(self)
+        self._out: Any = None
+
+    # ---- definition ----
+
+    def _takes(self) -> str:
+        return ", ".join(f"Tensor{'' if a.default is None else '?'} x{i}" for i, a in enumerate(self.inputs))
+
+    def _define(self):
+        made = f"({', '.join(['Tensor'] * len(self.outputs))})" if self.several else "Tensor"
+        op = torch.library.custom_op(f"rneagen::{self.name}", self.run, mutates_args=(), schema=f"({self._takes()}) -> {made}")
+        op.register_fake(self.fake)
+        op.register_autograd(self.gradients.backward, setup_context=self.gradients.keep)
+        op.register_vmap(self.batched)
+        return op._opoverload
+
+    @property
+    def op_out(self):
+        with lock:
+            if self._out is None:
+                given = ", ".join(f"Tensor(a{i}!) out{i}" for i in range(len(self.outputs)))
+                names = [f"out{i}" for i in range(len(self.outputs))]
+                op = torch.library.custom_op(f"rneagen::{self.name}_out", self.run_out, mutates_args=names,
+                                             schema=f"({', '.join(filter(None, (self._takes(), given)))}) -> ()")
+                op.register_fake(lambda *tensors: None)
+                self._out = op._opoverload
+            return self._out
+
+    def fake(self, *tensors: Tensor | None):
+        like, lead = self.check(tensors)
+        made = tuple(like.new_empty((*lead, *a.shape)) for a in self.outputs)
+        return made if self.several else made[0]
+
+    def moved(self, info, in_dims, tensors: Sequence[Tensor | None]):
+        """What vmap over these is: its axis becomes one more of the samples. The tensors, and the axes of the outputs."""
+        moved: list[Tensor | None] = []
+        for array, x, dim in zip(self.inputs, tensors, in_dims):
+            if x is None or dim is None and array.per_batch:
+                moved.append(x)
+            elif array.per_batch:
+                raise NotImplementedError(f"vmap over {array.name}, which is one for all samples: free='{array.word}:sample' makes it one for each")
+            else:
+                moved.append((x.expand(info.batch_size, *x.shape) if dim is None else x.movedim(dim, 0)).contiguous())
+        return moved, (0,) * len(self.outputs) if self.several else 0
+
+    def batched(self, info, in_dims, *tensors: Tensor | None):
+        moved, dims = self.moved(info, in_dims, tensors)
+        return self.op(*moved), dims
+
+    # ---- checks ----
+
+    def check(self, tensors: Sequence[Tensor | None]) -> tuple[Tensor, torch.Size]:
+        """The first tensor, and the axes of samples."""
+        like: Any = None
+        lead: Any = None
+        for (tail, per_batch), x in zip(self.tails, tensors):
+            if x is None:
+                continue
+            if like is None:
+                like, dtype, index = x, x.dtype, x.get_device()
+            shape = x.shape
+            if lead is None and not per_batch:
+                lead = shape[:len(shape) - len(tail)]
+            if shape != (tail if per_batch else lead + tail) or x.dtype != dtype or x.get_device() != index or not x.is_contiguous():
+                self.explain(tensors)
+        if dtype not in SCALARS or like.device.type not in DEVICES:
+            self.explain(tensors)
+        return like, torch.Size() if lead is None else lead
+
+    def explain(self, tensors: Sequence[Tensor | None]) -> None:
+        """Raise what is wrong with them."""
+        given = [(a, x) for a, x in zip(self.inputs, tensors) if x is not None]
+        first, like = given[0]
+        lead: Any = None
+        for array, x in given:
+            check_tensor(array.name, x, first.name, like)
+            shape, own = tuple(x.shape), len(array.shape)
+            axes = shape[:len(shape) - own]
+            if len(shape) < own or shape[len(shape) - own:] != array.shape or array.per_batch and axes:
+                raise ValueError(f"{array.name}: its shape is {shape}; {array.shape} is wanted" +
+                                 (", for all samples" if array.per_batch else ", or axes of samples before it"))
+            if not array.per_batch and lead is None:
+                lead, name = axes, array.name
+            elif not array.per_batch and axes != lead:
+                raise ValueError(f"{array.name}: its shape is {shape}; {(*lead, *array.shape)} goes with {name}")
+
+    def check_out(self, tensors: Sequence[Tensor], shapes: Sequence[torch.Size], outputs: Sequence[Tensor]) -> None:
+        dtype, index = tensors[0].dtype, tensors[0].get_device()
+        for array, shape, x in zip(self.outputs, shapes, outputs):
+            if x.dtype is not dtype or x.get_device() != index or not x.is_contiguous():
+                check_tensor("out", x, self.inputs[0].name, tensors[0])
+            if x.shape != shape:
+                raise ValueError(f"out: the shape of the tensor for {array.name} is {tuple(x.shape)}; {tuple(shape)} is wanted")
+        spans = [(x.data_ptr(), x.nbytes) for x in (*tensors, *outputs)]
+        for i in range(len(tensors), len(spans)):
+            at, size = spans[i]
+            for k in range(i):
+                if -spans[k][1] < spans[k][0] - at < size:
+                    name, other = ((*self.inputs, *self.outputs)[j].name for j in (i, k))
+                    raise ValueError(f"out: the tensor for {name} overlaps {other}")
+
+    # ---- runs ----
+
+    def plan(self, like: Tensor, lead: torch.Size) -> "Plan":
+        """What calls with tensors like this have in common; compiles."""
+        robot, index = self.robot, like.get_device()
+        precision = robot.precision_for(SCALARS[like.dtype])
+        kernel = robot.kernel(precision, "cuda", index) if like.is_cuda else robot.kernel(precision)
+        taken = [torch.Size(tail if per_batch else (*lead, *tail)) for tail, per_batch in self.tails]
+        made = [torch.Size((*lead, *a.shape)) for a in self.outputs]
+        is_given = [a.default is None for a in self.inputs]
+        alike = next((i for i, shape in enumerate(taken) if is_given[i] and not self.several and shape == made[0]), -1)
+        return Plan(kernel, lead.numel(), index, taken, taken[1:], made, alike)
+
+    def fill(self, i: int, like: Tensor, shape: torch.Size) -> Tensor:
+        """What input i is if it was left out: kept, so that nothing is copied to a GPU at the next call."""
+        key = i, like.dtype, like.device
+        if key not in self.defaults:
+            self.defaults[key] = torch.tensor(self.inputs[i].default, dtype=like.dtype, device=like.device)
+        return self.defaults[key].expand(shape).contiguous()
+
+    def planned(self, tensors: Sequence[Tensor | None]) -> "Plan":
+        """The plan for these tensors, which are checked."""
+        first = tensors[0]
+        if first is not None:
+            shape, dtype, index = first.shape, first.dtype, first.get_device()
+            found = self.plans.get((shape, dtype, index))
+            if found is not None and first.is_contiguous():
+                for shape, x in zip(found.rest, tensors[1:]):
+                    if x is None or x.shape != shape or x.dtype is not dtype or x.get_device() != index or not x.is_contiguous():
+                        break
+                else:
+                    return found
+        like, lead = self.check(tensors)
+        plan = self.plan(like, lead)
+        if first is not None and not self.tails[0][1]:
+            if len(self.plans) >= PLANS:
+                self.plans.clear()
+            self.plans[like.shape, like.dtype, like.get_device()] = plan
+        return plan
+
+    def complete(self, plan: "Plan", tensors: Sequence[Tensor | None]) -> tuple[Tensor, ...]:
+        """With what was left out."""
+        for x in tensors:
+            if x is None:
+                like: Any = next(x for x in tensors if x is not None)
+                return tuple([self.fill(i, like, plan.taken[i]) if x is None else x for i, x in enumerate(tensors)])
+        return tuple(tensors)  # type: ignore[arg-type]
+
+    def run(self, *tensors: Tensor | None):
+        plan = self.planned(tensors)
+        inputs = self.complete(plan, tensors)
+        if plan.alike >= 0:  # faster than by its shape
+            made = torch.empty_like(inputs[plan.alike])
+            plan.launch([*inputs, made])
+            return made
+        outputs = tuple([inputs[0].new_empty(shape) for shape in plan.made])
+        plan.launch([*inputs, *outputs])
+        return outputs if self.several else outputs[0]
+
+    def check_given(self, tensors: Sequence[Tensor | None], outputs: Sequence[Tensor]) -> tuple["Plan", tuple[Tensor, ...]]:
+        """The plan, and all tensors."""
+        plan = self.planned(tensors)
+        inputs = self.complete(plan, tensors)
+        self.check_out(inputs, plan.made, outputs)
+        return plan, (*inputs, *outputs)
+
+    def run_out(self, *tensors: Tensor | None) -> None:
+        given: Any = tensors[len(self.inputs):]
+        plan, every = self.check_given(tensors[:len(self.inputs)], given)
+        plan.launch(every)
+
+    def step(self, tensors: Sequence[Tensor | None], outputs: Sequence[Tensor] | None, result: Any):
+        """A step that launches again and returns `result`, or the outputs that are made here."""
+        if outputs is None:
+            made = self.run(*tensors)
+            outputs = made if self.several else (made,)
+            result = self.robot._join(list(outputs))
+        plan, every = self.check_given(tensors, outputs)
+        return plan.kernel.bind(*plan.where(every), result, every)
+
+
+class Plan(NamedTuple):
+    """What calls with tensors of one shape, dtype and device have in common."""
+    kernel: Any  # _core.Kernel
+    samples: int
+    gpu: int  # its number; -1: the processor
+    taken: list[torch.Size]
+    rest: list[torch.Size]  # of all inputs but the first
+    made: list[torch.Size]
+    alike: int  # the input that the only output is like; -1: none
+
+    def where(self, tensors: Sequence[Tensor]) -> tuple[tuple[int, ...], int, int | None]:
+        return tuple([x.data_ptr() for x in tensors]), self.samples, _stream_of(self.gpu) if self.gpu >= 0 else None
+
+    def launch(self, tensors: Sequence[Any]) -> None:
+        self.kernel.launch(*self.where(tensors))
+
+
+def check_tensor(name: str, x: Tensor, first: str, like: Tensor) -> None:
+    if x.dtype not in SCALARS:
+        raise TypeError(f"{name}: its dtype is {x.dtype}; torch.float32 or torch.float64 is wanted")
+    if x.device.type not in DEVICES:
+        raise TypeError(f"{name}: it is on device {x.device}; cpu or cuda is wanted")
+    if x.dtype != like.dtype:
+        raise TypeError(f"{name}: its dtype is {x.dtype}, and that of {first} is {like.dtype}: all tensors have one")
+    if x.device != like.device:
+        raise ValueError(f"{name}: it is on {x.device}, and {first} on {like.device}")
+    if not x.is_contiguous():
+        raise ValueError(f"{name}: it is not contiguous in C order; {name}.contiguous() makes a copy that is")
+
+
+def function_of(operator: Operator):
+    """The operator as a torch.autograd.Function: torch.func.grad and its like take that alone."""
+
+    def forward(*tensors):
+        return operator.op(*tensors)
+
+    def jvp(ctx, *tangents):
+        raise NotImplementedError(f"{operator.robot.name}: derivatives go backward: torch.func.jacrev in place of jacfwd, vjp in place of jvp")
+
+    def vmap(info, in_dims, *tensors):
+        moved, dims = operator.moved(info, in_dims, tensors)
+        return made.apply(*moved), dims
+
+    gradients = operator.gradients
+    made: Any = type(operator.name, (torch.autograd.Function,), {
+        "forward": staticmethod(forward), "setup_context": staticmethod(gradients.keep), "backward": staticmethod(gradients.backward),
+        "jvp": staticmethod(jvp), "vmap": staticmethod(vmap)})
+    return made
+
+
+def is_plain() -> bool:
+    """Is no transform of torch.func and no derivative forward under way?"""
+    return not _transforms_active() and getattr(forward_ad, "_current_level", -1) < 0

@@ -1,0 +1,145 @@
+"""PyTorch: robots are called with tensors, of the processor or of a GPU, and are differentiated.
+
+    tau = robot(q, qd, qdd)         # the tensors' own device and current stream; nothing is copied, nothing waits
+    tau.sum().backward()            # by the text of the vector-Jacobian product, compiled when it is first needed
+
+Each robot is an operator of torch.library, named rneagen::ROBOT_HASH after its URDF and keywords, so torch.compile keeps its graph in
+one piece, and torch.func.vmap, grad and jacrev work. Import this module before torch.compile sees a robot, unless PyTorch was there when
+the robot was loaded.
+
+Outputs with gradients: tau, qdd, gravity, bias and M; by q, qd, qdd or tau, what free= names, and wrenches of fext= in their link's axes.
+Others raise NotImplementedError when they are differentiated, as second derivatives do.
+
+The gradient by a quaternion is that of the function on unit quaternions: its part along the quaternion is zero. Where q is not made
+unit outside, q / |q| belongs before the call, and then all is as torch.autograd.gradcheck has it. Other numbers of q are as they stand.
+"""
+from __future__ import annotations
+
+import hashlib
+import re
+from typing import Any, Sequence
+
+import torch
+from numpy import ndarray
+from torch import Tensor
+
+from . import _arrays, _robot
+from ._torch_operator import Operator, is_plain, lock
+
+_operators: dict[str, Operator] = {}
+_modes = getattr(torch._C, "_len_torch_dispatch_stack", lambda: 1)
+_plain_call, _plain_wanting = _robot.Robot.__call__, _robot.Robot._wanting
+
+
+def identity(robot) -> str:
+    """The same for robots that compute the same: of the name, the URDF and the keywords."""
+    options = {k: v for k, v in robot._generator.items() if k != "file"}
+    own = {k: robot._options.get(k) for k in ("backend", "device", "threads", "block", "cache")}
+    digest = hashlib.sha256(robot._urdf + repr((sorted(options.items()), sorted(own.items()))).encode()).hexdigest()
+    words = "_".join([robot.name, *(a.name for a in robot.outputs)])
+    return re.sub(r"\W", "_", words, flags=re.ASCII)[:60] + "_" + digest[:12]
+
+
+def operator_of(robot) -> Operator:
+    """The robot's operators, made when they are first needed. They live as long as the program."""
+    found = robot.__dict__.get("_torch")
+    if found is None:
+        if robot._conversion:
+            raise TypeError(f"convention {robot.convention!r} is for arrays of NumPy")
+        if robot._is_sparse:
+            raise TypeError("sparse matrices are for arrays of NumPy; take sparse=False")
+        name = identity(robot)
+        with lock:
+            found = _operators.get(name) or _operators.setdefault(name, Operator(robot, name, function_for))
+        robot._torch = found
+    return found
+
+
+@torch.compiler.assume_constant_result
+def name_of(key: str, is_out: bool) -> str:
+    """What torch.compile asks for: the name of the operator in torch.ops.rneagen."""
+    operator = operator_of(_robot.ALIVE[key])
+    return (operator.op_out if is_out else operator.op)._opname
+
+
+def function_for(robot, tensors: Sequence[Any], is_out: bool):
+    """What computes these: the operator, what torch.func takes, or where PyTorch's dispatcher has nothing to do the function alone."""
+    if torch.compiler.is_compiling():
+        return getattr(torch.ops.rneagen, name_of(robot._key, is_out)).default
+    operator = robot.__dict__.get("_torch") or operator_of(robot)
+    if is_direct(tensors):
+        return operator.run_out if is_out else operator.run
+    return operator.op_out if is_out else operator.op if is_plain() else operator.function.apply
+
+
+def refuse_gradient(what: str, robot, arrays: Sequence[Tensor | None]) -> None:
+    for array, x in zip(robot.inputs, arrays):
+        if x is not None and x.requires_grad and torch.is_grad_enabled():
+            raise ValueError(f"{array.name}: it requires a gradient, and {what} has none; {array.name}.detach() has the same numbers")
+
+
+def tuple_out(robot, out: Any) -> tuple[Tensor, ...]:
+    outputs = out if isinstance(out, tuple) else (out,)
+    if len(outputs) != len(robot.outputs):
+        raise TypeError(f"out: a tuple of {len(robot.outputs)} tensors is wanted, one for each output")
+    return outputs
+
+
+def is_direct(tensors: Sequence[Any]) -> bool:
+    """Plain tensors in memory, which need no gradient, and no mode that looks on: the dispatcher would take longer than a sample."""
+    first, is_grad = tensors[0], torch.is_grad_enabled()
+    for x in tensors:
+        if x is not None and (type(x) is not Tensor or is_grad and x.requires_grad):
+            return False
+    return not _modes() and is_plain() and (first is None or first.is_cpu or first.is_cuda)
+
+
+def call(robot, arrays: Sequence[Any], out: Any):
+    """A call whose arrays are tensors."""
+    if out is not None:
+        refuse_gradient("a call with out=", robot, arrays)
+        outputs = tuple_out(robot, out)
+        function_for(robot, (*arrays, *outputs), True)(*arrays, *outputs)
+        return out
+    made = function_for(robot, arrays, False)(*arrays)
+    return made if robot._outputs is None else robot._outputs(*made)
+
+
+def bind(robot, arrays: Sequence[Any], out: Any):
+    """A step on tensors, in the stream that is current now; it has no gradient."""
+    refuse_gradient("a bound step", robot, arrays)
+    return operator_of(robot).step(arrays, None if out is None else tuple_out(robot, out), out)
+
+
+def _call(self, *args, **kwargs):
+    """Tensors go to the operator; all else as before. In Python, so that torch.compile sees through it."""
+    first = args[0] if args else next(iter(kwargs.values()), None)
+    if type(first) is ndarray or not isinstance(first, Tensor):
+        return _plain_call(self, *args, **kwargs)
+    if not kwargs and len(args) == len(self.inputs):
+        arrays, out, every = args, None, args
+    else:
+        arrays, out = _arrays.arguments(self, args, kwargs)
+        every = [*arrays, *(out if isinstance(out, tuple) else (out,))]
+    for x in every:
+        if x is not None and not isinstance(x, Tensor):
+            _arrays.adapter(self, arrays, out)
+    return call(self, arrays, out)
+
+
+@torch.compiler.assume_constant_result
+def make_wanted(key: str, names: tuple[str, ...], sparse: bool, fold: tuple[str, ...]) -> bool:
+    _plain_wanting(_robot.ALIVE[key], names, sparse, fold)
+    return True
+
+
+def _wanting(self, names: tuple[str, ...], sparse: bool, fold: tuple[str, ...] = ()):
+    """While torch.compile looks on, a robot is made behind its back, and then found."""
+    if torch.compiler.is_compiling():
+        make_wanted(self._key, names, sparse, fold)
+    return _plain_wanting(self, names, sparse, fold)
+
+
+_robot.Robot._wanting = _wanting  # type: ignore[method-assign]
+_call.__name__, _call.__doc__ = "__call__", _plain_call.__doc__
+_robot.Robot.__call__ = _call  # type: ignore[method-assign]

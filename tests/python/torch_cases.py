@@ -1,0 +1,241 @@
+"""What is tested of PyTorch's tensors on the processor and on a GPU alike. `device` is set by the test."""
+import os
+import tempfile
+
+os.environ.setdefault("TORCHINDUCTOR_CACHE_DIR", os.path.join(tempfile.gettempdir(), f"rneagen_inductor_{os.getuid()}"))
+
+from support import SEED, error_of, exhaustive, need, package, refused, robot_file
+
+rneagen, np = package()
+torch, = need("torch")
+import rneagen.torch
+from torch.autograd import gradcheck
+
+LIMITS = {"float32": 2e-4, "float64": 1e-11}
+device = "cpu"
+backend = "aot_eager"  # of torch.compile
+
+
+def load(name, **scene):
+    return rneagen.load(robot_file(name), **scene)
+
+
+def tensors(robot, n=None, dtype="float64"):
+    return [torch.from_numpy(np.array(x)).to(device) for x in robot.random(n, seed=SEED, dtype=dtype)]
+
+
+def leaves(robot, n=2):
+    """Inputs that are differentiated: freed constants drawn too, which the scene's own draw leaves at the URDF's."""
+    draw = torch.Generator().manual_seed(SEED)
+    shapes = [a.shape if a.per_batch else (n, *a.shape) for a in robot.inputs]
+    return [torch.randn(shape, dtype=torch.float64, generator=draw).to(device).requires_grad_() for shape in shapes]
+
+
+def unit(robot, q):
+    """q with unit quaternions."""
+    for joint in robot.joints:
+        if joint["nq"] != joint["nv"]:
+            i = joint["iq"] + 3
+            q = torch.cat([q[..., :i], q[..., i:i + 4] / q[..., i:i + 4].norm(dim=-1, keepdim=True), q[..., i + 4:]], -1)
+    return q
+
+
+def check_gradient(name, **scene):
+    robot = load(name, **scene)
+    at = [a.role for a in robot.inputs].index("joint_position")
+
+    def function(*x):
+        made = robot(*(unit(robot, y) if i == at else y for i, y in enumerate(x)))
+        return tuple(made) if isinstance(made, tuple) else made
+
+    assert gradcheck(function, leaves(robot)), (name, scene)
+
+
+def near(a, b, limit=1e-10):
+    return a.shape == b.shape and bool(((a - b).abs() <= limit * (1 + b.abs().max())).all())
+
+
+# ---- cases ----
+
+
+def case_values():
+    """Any leading shape, both dtypes; dtype and device come back."""
+    for name, base in (("iiwa14", "fixed"), ("mimic_chain", "fixed"), ("cartpole", "floating")):
+        robot = load(name, base=base)
+        for dtype, limit in LIMITS.items():
+            states = robot.random(60, seed=SEED, dtype=dtype)
+            right = robot(*states)
+            x = tensors(robot, 60, dtype)
+            tau = robot(*x)
+            assert tau.device == x[0].device and tau.dtype == x[0].dtype and error_of(np, tau.cpu().numpy(), right) < limit
+            assert torch.equal(robot(*(y.reshape(3, 20, -1) for y in x)).reshape(tau.shape), tau)
+            assert torch.equal(robot(*(y[3] for y in x)), tau[3])
+            assert torch.equal(robot(x[0], qdd=x[2], qd=x[1]), tau)
+            assert robot(*(y[:0] for y in x)).shape == (0, robot.nv)
+            both = robot.want("M", "bias")(*x[:2])
+            assert both._fields == ("M", "bias") and error_of(np, both.M.cpu().numpy(), robot.crba(states[0])) < limit
+            out = torch.empty_like(tau)
+            assert robot(*x, out=out) is out and torch.equal(out, tau)
+            step = robot.bind(*x, out)
+            x[2].zero_()
+            assert step() is out and torch.equal(out, robot(*x)) and not torch.equal(out, tau)
+
+
+def case_left_out():
+    robot = load("iiwa14", free=["gravity", "payload.iiwa_link_7"])
+    q, qd, qdd = tensors(load("iiwa14"), 5)
+    right, down = load("iiwa14")(q, qd, qdd), torch.tensor([0, 0, -9.81], dtype=torch.float64, device=device)
+    assert near(robot(q, qd, qdd), right) and near(robot(q, qd, qdd, gravity=down), right)
+    assert near(robot(q, qd, qdd, None, torch.zeros(5, 10, dtype=torch.float64, device=device)), right)
+    q.requires_grad_()
+    again = q.detach().clone().requires_grad_()
+    robot(q, qd, qdd).sum().backward()
+    load("iiwa14")(again, qd, qdd).sum().backward()
+    assert near(q.grad, again.grad)
+
+
+def case_gradients():
+    """gradcheck in f64: fixed bases, joints that follow, floating bodies, constants that are inputs, wrenches."""
+    check_gradient("double_pendulum")
+    check_gradient("double_pendulum", want="qdd")
+    check_gradient("mimic_chain")
+    check_gradient("planar_joint")
+    check_gradient("floating_joint")
+    check_gradient("cartpole", base="floating")
+    check_gradient("root_with_mass", base="floating", want="qdd")
+    arm = {"free": ["gravity", "payload.lower", "mass.upper:sample", "inertia.lower", "offset.shoulder"], "fext": ["lower"], "damping": True}
+    check_gradient("double_pendulum", **arm)
+    check_gradient("double_pendulum", want="qdd", **arm)
+    check_gradient("double_pendulum", base="floating", fext=["lower"])
+    check_gradient("double_pendulum", want=["M", "bias", "gravity", "tau"], **arm)
+    check_gradient("cartpole", want=["M", "bias", "gravity", "tau"], damping=True, friction=0.1)
+    if exhaustive():
+        check_gradient("iiwa14")
+        check_gradient("iiwa14", want=["qdd"], free=["payload.iiwa_link_7"])
+        check_gradient("hyq", base="floating", free=["payload.lf_foot:batch", "gravity"], fext=["rf_foot"])
+
+
+def case_quaternion():
+    """The gradient by a quaternion has no part along it."""
+    robot = load("cartpole", base="floating")
+    q, qd, qdd = tensors(robot, 20)
+    q.requires_grad_()
+    robot(q, qd, qdd).square().sum().backward()
+    along = (q.grad[:, 3:7] * q.detach()[:, 3:7]).sum(-1).abs().max()
+    assert q.grad[:, 3:7].abs().max() > 1 and along < 1e-12 * q.grad.abs().max(), along
+
+
+def case_lazy():
+    """What needs no gradient makes no text of one; nor does a call before it is differentiated."""
+    robot = load("cartpole", gravity=(0, 1, -9))
+    q, qd, qdd = tensors(robot, 3)
+    robot(q, qd, qdd)
+    made = rneagen.torch.operator_of(robot).gradients.made
+    tau = robot(q.requires_grad_(), qd, qdd)
+    assert tau.requires_grad and not made
+    tau.sum().backward()
+    assert len(made) == 1 and q.grad is not None and qd.grad is None
+    with torch.no_grad():
+        assert not robot(q, qd, qdd).requires_grad
+
+
+def case_transforms():
+    """vmap, grad, jacrev; what is refused says so."""
+    robot = load("iiwa14", free=["payload.iiwa_link_7:batch"])
+    matrices = load("iiwa14", want=["dtau_dq", "dtau_dqd"])
+    q, qd, qdd = tensors(robot, 6)[:3]
+    tau = robot(q, qd, qdd)
+    func, right = torch.func, matrices(q, qd, qdd)
+    assert torch.equal(func.vmap(lambda *x: robot(*x))(q, qd, qdd), tau)
+    assert torch.equal(func.vmap(lambda *x: robot(*x), in_dims=(1, 0, 0))(q.T.contiguous(), qd, qdd), tau)
+    assert torch.equal(func.vmap(lambda x: robot(x, qd[0], qdd[0]))(q)[0], tau[0])
+    both = robot.want("M", "bias")
+    M, bias = func.vmap(lambda *x: tuple(both(*x)))(q, qd)
+    assert torch.equal(M, both(q, qd).M) and torch.equal(bias, both(q, qd).bias)
+    assert near(func.jacrev(lambda x: robot(x, qd[0], qdd[0]))(q[0]), right.dtau_dq[0])
+    assert near(func.vmap(func.jacrev(lambda *x: robot(*x), argnums=1))(q, qd, qdd), right.dtau_dqd)
+    assert near(torch.autograd.functional.jacobian(lambda x: robot(q[0], x, qdd[0]), qd[0]), right.dtau_dqd[0])
+    assert near(func.grad(lambda x: robot(x, qd, qdd).sum())(q), right.dtau_dq.sum(-2))
+    load_of = torch.zeros(4, 10, dtype=torch.float64, device=device)
+    refused(NotImplementedError, ["vmap", "payload_iiwa_link_7", ":sample"], func.vmap(lambda x: robot(q, qd, qdd, x)), load_of)
+    refused(NotImplementedError, ["backward", "jacrev"], func.jacfwd(lambda x: robot(x, qd[0], qdd[0])), q[0])
+    with torch.autograd.forward_ad.dual_level():
+        dual = torch.autograd.forward_ad.make_dual(q, qd)
+        refused(NotImplementedError, ["backward"], robot, dual, qd, qdd)
+    q.requires_grad_()
+    first, = torch.autograd.grad(robot(q, qd, qdd).sum(), q, create_graph=True)
+    refused(NotImplementedError, ["second derivatives", "iiwa14"], first.sum().backward)
+    refused(NotImplementedError, ["kinetic", "no gradient"], robot.want("kinetic")(q, qd).sum().backward)
+    refused(NotImplementedError, ["dtau_dq", "second"], matrices(q, qd, qdd).dtau_dq.sum().backward)
+
+
+def case_compile():
+    """torch.compile(fullgraph=True): no break, the same values and gradients."""
+    robot, floating = load("iiwa14"), load("cartpole", base="floating")
+
+    def compiled(function, **options):
+        torch._dynamo.reset()
+        return torch.compile(function, fullgraph=True, backend=backend, **options)
+
+    for each in (robot, floating):
+        plain, there = tensors(each, 5), tensors(each, 5)
+        for x in (*plain, *there):
+            x.requires_grad_()
+        loss = each(*plain).square().mean()
+        loss.backward()
+        again = compiled(lambda *x: each(*x).square().mean())(*there)
+        again.backward()
+        assert near(again, loss) and all(near(a.grad, b.grad) for a, b in zip(there, plain))
+    q, qd, qdd = tensors(robot, 5)
+    tau, both = robot(q, qd, qdd), robot.want("M", "bias")
+    bent = compiled(lambda *x: robot(*x) + 0, dynamic=True)
+    assert torch.equal(bent(q, qd, qdd), tau) and torch.equal(bent(q[:3], qd[:3], qdd[:3]), tau[:3])
+    assert torch.equal(compiled(lambda a, b: both(a, b).M * 1)(q, qd), both(q, qd).M)
+    assert torch.equal(compiled(lambda: robot(q, qdd=qdd, qd=qd))(), tau)
+    out = torch.zeros_like(tau)
+    assert torch.equal(compiled(lambda: robot(q, qd, qdd, out=out) * 1)(), tau) and torch.equal(out, tau)
+    fresh = load("cartpole", gravity=(1, 0, 0))
+    assert compiled(lambda *x: fresh(*x))(*tensors(fresh, 2)).shape == (2, 2)
+    assert near(compiled(lambda a, b: fresh.want("M", "gravity")(a).M @ b)(*tensors(fresh)[:2]), fresh.crba(tensors(fresh)[0]) @ tensors(fresh)[1])
+    args = [x.requires_grad_() for x in (q, qd, qdd)]
+    told = torch.library.opcheck(rneagen.torch.operator_of(robot).op, args)
+    assert set(told.values()) == {"SUCCESS"}, told
+
+
+def case_fake():
+    """Where PyTorch only looks at shapes, nothing is computed."""
+    from torch._subclasses.fake_tensor import FakeTensorMode
+    robot = load("cartpole")
+    with FakeTensorMode() as mode:
+        x = [mode.from_tensor(y) for y in tensors(robot, 4)]
+        tau = robot(*x)
+    assert type(tau) is type(x[0]) and tau.shape == (4, 2)
+    assert robot(*(y.to("meta") for y in tensors(robot, 4))).shape == (4, 2)
+
+
+def case_refusals():
+    robot = load("iiwa14")
+    q, qd, qdd = tensors(robot, 6)
+    refused(TypeError, ["qd", "float32", "q is", "float64"], robot, q, qd.float(), qdd)
+    refused(TypeError, ["q", "int64", "float32"], robot, q.long(), qd, qdd)
+    refused(TypeError, ["q", "float16"], robot, q.half(), qd.half(), qdd.half())
+    refused(ValueError, ["qd", "(6, 6)"], robot, q, qd[:, :6].contiguous(), qdd)
+    refused(ValueError, ["qd", "(5, 7)", "(6, 7)", "q"], robot, q, qd[:5], qdd)
+    refused(ValueError, ["qdd", "contiguous"], robot, q, qd, qdd.T.contiguous().T)
+    refused(TypeError, ["qd", "NumPy", "PyTorch"], robot, q, qd.cpu().numpy(), qdd)
+    refused(TypeError, ["qd", "PyTorch", "NumPy"], robot, q.cpu().numpy(), qd, qdd)
+    refused(TypeError, ["qdd", "missing"], robot, q, qd)
+    refused(TypeError, ["qddd", "qdd"], robot, q, qd, qddd=qdd)
+    refused(ValueError, ["out", "tau", "(6, 6)"], robot, q, qd, qdd, out=q[:, :6].contiguous())
+    refused(ValueError, ["out", "overlaps", "qdd"], robot, q, qd, qdd, out=qdd)
+    refused(TypeError, ["out", "NumPy"], robot, q, qd, qdd, out=qdd.cpu().numpy())
+    refused(TypeError, ["out", "tuple", "2"], robot.want("M", "bias"), q, qd, out=qdd)
+    refused(ValueError, ["q", "gradient", "out="], robot, q.clone().requires_grad_(), qd, qdd, out=torch.empty_like(q))
+    refused(ValueError, ["q", "gradient", "bound"], robot.bind, q.clone().requires_grad_(), qd, qdd)
+    refused(TypeError, ["sparse"], robot.want("M", sparse=True), q)
+    refused(TypeError, ["mujoco"], load("cartpole", base="floating", convention="mujoco"), *tensors(load("cartpole", base="floating"), 2))
+    refused(TypeError, ["float64", "float32"], load("iiwa14", precision="f32"), q, qd, qdd)
+
+
+def named():
+    return {f"test_{name[5:]}": case for name, case in globals().items() if name.startswith("case_")}
