@@ -109,6 +109,7 @@ def case_gradients():
     check_gradient("double_pendulum", base="floating", fext=["lower"])
     check_gradient("double_pendulum", want=["M", "bias", "gravity", "tau"], **arm)
     check_gradient("cartpole", want=["M", "bias", "gravity", "tau"], damping=True, friction=0.1)
+    check_gradient("double_pendulum", want=["qdd", "M", "bias"], refine="1", dynamics="factor")
     if exhaustive():
         check_gradient("iiwa14")
         check_gradient("iiwa14", want=["qdd"], free=["payload.iiwa_link_7"])
@@ -123,6 +124,17 @@ def case_quaternion():
     robot(q, qd, qdd).square().sum().backward()
     along = (q.grad[:, 3:7] * q.detach()[:, 3:7]).sum(-1).abs().max()
     assert q.grad[:, 3:7].abs().max() > 1 and along < 1e-12 * q.grad.abs().max(), along
+
+
+def case_precisions():
+    """float32, and the arithmetic that differs from what is in memory."""
+    plain = load("iiwa14")
+    q, qd, qdd = tensors(plain, 8)
+    right, = torch.autograd.grad(plain(q.requires_grad_(), qd, qdd).sum(), q)
+    for precision, dtype, limit in (("f32", torch.float32, 1e-4), ("mixed", torch.float32, 1e-5), ("f32x2", torch.float64, 1e-10)):
+        x = [y.detach().to(dtype).requires_grad_() for y in (q, qd, qdd)]
+        found, = torch.autograd.grad(load("iiwa14", precision=precision)(*x).sum(), x[0])
+        assert found.dtype == dtype and near(found.double(), right, limit), precision
 
 
 def case_lazy():
@@ -233,6 +245,8 @@ def case_refusals():
     refused(ValueError, ["q", "gradient", "out="], robot, q.clone().requires_grad_(), qd, qdd, out=torch.empty_like(q))
     refused(ValueError, ["q", "gradient", "bound"], robot.bind, q.clone().requires_grad_(), qd, qdd)
     refused(TypeError, ["sparse"], robot.want("M", sparse=True), q)
+    pushed = load("double_pendulum", fext=["lower"], fext_frame="world")
+    refused(NotImplementedError, ["fext.lower", "world"], pushed(*leaves(pushed)).sum().backward)
     refused(TypeError, ["mujoco"], load("cartpole", base="floating", convention="mujoco"), *tensors(load("cartpole", base="floating"), 2))
     refused(TypeError, ["float64", "float32"], load("iiwa14", precision="f32"), q, qd, qdd)
 

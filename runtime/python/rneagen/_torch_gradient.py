@@ -19,7 +19,7 @@ from . import _robot
 
 FREED = ("gravity", "link_mass", "link_inertia", "link_payload", "joint_offset")
 PARTS = {"joint_position": 0, "joint_velocity": 1, "joint_acceleration": 2, "joint_torque": 2}  # of vjp
-RIGID = ("damping", "friction", "fext", "fext_frame")  # what gravity, bias and M have not
+RIGID = ("damping", "friction", "fext", "fext_frame", "refine", "dynamics")  # what gravity, bias and M have not
 ABSENT: dict[str, tuple[str, ...]] = {"bias_torque": ("joint_acceleration", "joint_torque", "link_wrench")}  # what they do not depend on
 ABSENT["gravity_torque"] = (*ABSENT["bias_torque"], "joint_velocity")
 ABSENT["mass_matrix"] = (*ABSENT["gravity_torque"], "gravity")
