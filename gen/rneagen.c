@@ -58,6 +58,9 @@ static enum rneagen_code options_resolve(struct generation *g)
 	if (o->bounded && o->precision == RNEAGEN_F32X2)
 		return error_set(e, RNEAGEN_USAGE,
 			"--bounded and --precision f32x2 exclude each other: pairs of floats have no bounded function; take f64");
+	if (o->limbs > RNEAGEN_LIMBS_NONE && (o->target != RNEAGEN_TARGET_CUDA || o->precision == RNEAGEN_F32X2))
+		return error_set(e, RNEAGEN_USAGE, "--limbs %d is for kernels%s", o->limbs,
+			o->target != RNEAGEN_TARGET_CUDA ? ": take --target cuda" : ", but of no pairs of floats: take another --precision");
 	if (!o->name)
 		o->name = identifier_from(g->analysis.robot.name, &g->result->arena);
 	else if (!identifier_is(o->name))

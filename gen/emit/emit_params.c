@@ -40,6 +40,10 @@ void emit_options(const struct rneagen_options *o, struct text *out)
 		text_put(out, " --segments whole");
 	else if (o->segments != RNEAGEN_SEGMENTS_AUTO)
 		text_printf(out, " --segments %d", o->segments);
+	if (o->limbs == RNEAGEN_LIMBS_NONE)
+		text_put(out, " --limbs none");
+	else if (o->limbs != RNEAGEN_LIMBS_AUTO)
+		text_printf(out, " --limbs %d", o->limbs);
 	if (o->mimic == RNEAGEN_MIMIC_INDEPENDENT)
 		text_put(out, " --mimic independent");
 	if (o->gravity[0] != 0 || o->gravity[1] != 0 || o->gravity[2] != -9.81)

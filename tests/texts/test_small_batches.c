@@ -137,6 +137,24 @@ START_TEST(test_without)
 }
 END_TEST
 
+/* Who asks for it where it cannot be is told. */
+START_TEST(test_refused)
+{
+	struct rneagen_options o = rneagen_options_default();
+	struct rneagen_result result;
+	struct rneagen_error e = {0};
+	size_t length;
+	char *urdf = target_robot("pendulum", &length);
+
+	o.limbs = 4;
+	o.target = _i ? RNEAGEN_TARGET_CUDA : RNEAGEN_TARGET_C;
+	o.precision = _i ? RNEAGEN_F32X2 : RNEAGEN_F32;
+	ck_assert_int_eq(rneagen_generate(urdf, length, &o, &result, &e), RNEAGEN_USAGE);
+	ck_assert_msg(strstr(e.message, _i ? "take another --precision" : "take --target cuda") != NULL, "%s", e.message);
+	free(urdf);
+}
+END_TEST
+
 /* ---- NAME_rnea_launch, as nvcc builds it ---- */
 
 static void *build_launch(const struct target *t)
@@ -206,6 +224,7 @@ int main(void)
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	suite_add(s, "values", test_values, SUBJECT_COUNT, 600);
 	suite_add(s, "without", test_without, 2, 60);
+	suite_add(s, "refused", test_refused, 2, 60);
 	suite_add(s, "launch", test_launch, 1, 120);
 	return suite_run(s);
 }
