@@ -7,7 +7,7 @@
  *   rnea: 618 mul, 310 add, 140 sub, 129 neg, 800 fma, 27 sincos = 2668 flops
  *   fpass: 710 mul, 236 add, 198 sub, 180 neg, 798 fma, 27 sincos = 2740 flops
  *   bpass: 121 mul, 149 add, 12 sub, 36 neg, 161 fma, 27 sincos = 604 flops
- * Up to 4096 samples atlas_rnea_launch takes the kernel atlas_rnea_limbs, whose 4 warps share out each sample.
+ * Up to 1024 samples atlas_rnea_launch takes the kernel atlas_rnea_limbs, whose 4 warps share out each sample.
  *
  * Joints:
  *   q[0] qd[0] revolute "back_bkz", rad
@@ -3821,7 +3821,7 @@ RNEA_INFO const char atlas_info[] =
 	"input qdd 30 f32 sample joint_acceleration\n"
 	"output tau 30 f32 sample joint_torque\n"
 	"operations 618 310 140 129 800 27\n"
-	"limbs 4 2 1408 4096\n"
+	"limbs 4 2 1408 1024\n"
 	"function fpass\n"
 	"input q 30 f32 sample joint_position\n"
 	"input qd 30 f32 sample joint_velocity\n"
@@ -5456,7 +5456,7 @@ static RNEA_INLINE void atlas_rnea_limb3(const float *q, const float *qd, const 
 #define RNEA_LIMBS 4
 #define RNEA_LIMBS_GROUPS 2
 #define RNEA_LIMBS_BYTES 1408
-#define RNEA_LIMBS_MOST 4096
+#define RNEA_LIMBS_MOST 1024
 extern "C" __global__ void __launch_bounds__(32*RNEA_LIMBS*RNEA_LIMBS_GROUPS, 1)
 atlas_rnea_limbs(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
 	float *__restrict__ tau, size_t count)

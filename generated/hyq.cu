@@ -7,7 +7,7 @@
  *   rnea: 328 mul, 201 add, 106 sub, 93 neg, 575 fma, 12 sincos = 1785 flops
  *   fpass: 339 mul, 136 add, 146 sub, 120 neg, 551 fma, 12 sincos = 1723 flops
  *   bpass: 56 mul, 72 add, 8 sub, 29 neg, 116 fma, 12 sincos = 368 flops
- * Up to 4096 samples hyq_rnea_launch takes the kernel hyq_rnea_limbs, whose 4 warps share out each sample.
+ * Up to 1024 samples hyq_rnea_launch takes the kernel hyq_rnea_limbs, whose 4 warps share out each sample.
  *
  * Joints:
  *   q[0..6] qd[0..5] floating base
@@ -2391,7 +2391,7 @@ RNEA_INFO const char hyq_info[] =
 	"input qdd 18 f32 sample joint_acceleration\n"
 	"output tau 18 f32 sample joint_torque\n"
 	"operations 328 201 106 93 575 12\n"
-	"limbs 4 2 3456 4096\n"
+	"limbs 4 2 3456 1024\n"
 	"function fpass\n"
 	"input q 19 f32 sample joint_position\n"
 	"input qd 18 f32 sample joint_velocity\n"
@@ -3504,7 +3504,7 @@ static RNEA_INLINE void hyq_rnea_limb3(const float *q, const float *qd, const fl
 #define RNEA_LIMBS 4
 #define RNEA_LIMBS_GROUPS 2
 #define RNEA_LIMBS_BYTES 3456
-#define RNEA_LIMBS_MOST 4096
+#define RNEA_LIMBS_MOST 1024
 extern "C" __global__ void __launch_bounds__(32*RNEA_LIMBS*RNEA_LIMBS_GROUPS, 1)
 hyq_rnea_limbs(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
 	float *__restrict__ tau, size_t count)

@@ -11,10 +11,16 @@ enum { LEAST_OPERATIONS = 800, MOST_OPERATIONS = 10000, WARPS = 4, MORE_WARPS = 
    later, and is to take nine tenths of the time. */
 enum { START = 330, LATER = 270 };
 
-/* Up to how many samples. Limbs that share nothing win at all sizes: hyq, 16384 samples, 2.45 and 2.17. Elsewhere all multiprocessors
-   fetch more code than before: g1_29dof in f32, 16384 samples, 6.77 and 6.12, but in f64 11.1 and 15.4. In parts they fetch it several
-   times: gradients of atlas, 1024 samples, 18.3 and 12.6, 4096 samples 21.6 and 34.3. */
-enum { SHORT_OPERATIONS = 1500, MOST_SHORT = 16384, MOST_LONG = 4096, MOST_IN_PARTS = 1024 };
+/* Up to how many samples. Limbs that share nothing win at all sizes: hyq, 16384 samples, 2.45 and 2.17, its gradients at 4096 5.23 and
+   4.26. Elsewhere all multiprocessors fetch more code than before: 1024 samples and 4096, atlas 5.14 and 3.94, 5.80 and 5.61; gradients
+   of iiwa14 4.08 and 3.63, 4.28 and 5.10, of atlas, in parts, 18.3 and 12.6, 21.6 and 34.3. */
+enum { SHORT_OPERATIONS = 1500, MOST_SHORT = 16384, MOST_LONG = 4096, MOST_JOINED = 1024 };
+
+/* Limbs that share much, or gain little, win within one block alone; one sample and 1024, us, whole and limbs, with values across for
+   100 operations: both gradients of iiwa14 3.68 and 2.40, 4.08 and 3.63 (3.2); of ur5 2.52 and 2.14, 2.59 and 3.18 (7.0); of panda in
+   f64 7.17 and 6.37, 7.54 and 9.32 (5.9); accelerations of floating hyq 4.76 and 3.50, 5.43 and 6.17 (9.6). Of panda, which share 1.8,
+   but gain little: 1.84 for one sample, 2.99 for 1024, whole 2.21. */
+enum { MOST_SHARING = 32, SHARED_PERCENT = 4, GAIN_PERCENT = 65 };
 
 /* A block of two groups fetches code for both: atlas, 1024 samples, 4.97 and 3.94; but hyq 1.38 and 1.52. */
 enum { GROUPS = 2, REGISTERS = 65536, SPARE_REGISTERS = 24, MOST_THREADS = 1024 };
@@ -90,16 +96,26 @@ static int most_groups(struct pass *const *passes, int count, int words, unsigne
 	return groups;
 }
 
-static unsigned most_samples(unsigned whole, int words, int count)
+static int shares_much(const struct limbs *s)
 {
-	return count > 1 ? MOST_IN_PARTS : whole < SHORT_OPERATIONS && !words ? MOST_SHORT : MOST_LONG;
+	return (unsigned)s->slots * 100 > s->whole * SHARED_PERCENT ||
+	       100 * (s->longest + START + LATER) > GAIN_PERCENT * (s->whole + START);
+}
+
+static unsigned most_samples(const struct limbs *s, unsigned whole, int words, int count)
+{
+	if (count == 1 && shares_much(s))
+		return MOST_SHARING;
+	if (count > 1 || words)
+		return MOST_JOINED;
+	return whole < SHORT_OPERATIONS ? MOST_SHORT : MOST_LONG;
 }
 
 /* What all of them have in common. */
 static void set_launch(struct pass *const *passes, int count, const struct rneagen_options *o)
 {
 	int words = words_across(passes, count), groups = most_groups(passes, count, words, number_bytes(o));
-	unsigned most = most_samples(longest_pass(passes, count), words, count);
+	unsigned most = most_samples(&passes[0]->limbs, longest_pass(passes, count), words, count);
 
 	for (int i = 0; i < count; i++) {
 		passes[i]->limbs.words = words;
