@@ -361,10 +361,10 @@ static void check_robot(const char *path, const char *file, void *context)
 
 START_TEST(own_robots)
 {
-	struct tour tour = {.step = exhaustive() ? 1 : 3};
+	struct tour tour = {.step = exhaustive() ? 2 : 3};
 
 	for_each_urdf(TEST_DIR "/robots", check_robot, &tour);
-	ck_assert_int_ge(tour.turn, exhaustive() ? 32 : 11);
+	ck_assert_int_ge(tour.turn, exhaustive() ? 16 : 11);
 	report("own robots");
 }
 END_TEST
