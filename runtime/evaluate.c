@@ -1,6 +1,7 @@
 /* The generator's evaluator of expressions as a robot that can be launched. */
 #include "core/failure.h"
 #include "dag/eval.h"
+#include "generate.h"
 #include "passes/analysis.h"
 #include "urdf.h"
 #include <stdlib.h>
@@ -102,13 +103,6 @@ static void evaluation_close(void *context)
 	free(v);
 }
 
-static enum rnea_code fail(const struct rneagen_error *refused, struct rnea_error *e)
-{
-	if (refused->code == RNEAGEN_MEMORY)
-		return rnea_error_memory(e);
-	return rnea_error_set(e, RNEA_URDF, "%s", refused->message);
-}
-
 /* `source` is the text of the same options. */
 static enum rnea_code open_evaluation(const char *source, const char *urdf, size_t length, const struct rneagen_options *g,
 	const struct rnea_options *options, struct rnea_robot **robot, struct rnea_error *e)
@@ -119,7 +113,7 @@ static enum rnea_code open_evaluation(const char *source, const char *urdf, size
 	if (!v)
 		return rnea_error_memory(e);
 	if (analysis_open(&v->analysis, urdf, length, g, &v->error)) {
-		fail(&v->error, e);
+		generate_refused(&v->error, e);
 		free(v);
 		return e->code;
 	}
@@ -138,17 +132,17 @@ enum rnea_code rnea_evaluate_urdf(const char *urdf, size_t length, const struct 
 {
 	struct rneagen_options g = generate ? *generate : rneagen_options_default();
 	struct rnea_error spare, *e = rnea_error_start(error, &spare);
-	struct rneagen_error refused = {.code = RNEAGEN_OK};
 	struct rneagen_result text;
 
 	g.tell = 0;
 	g.only_rnea = 1;
 	g.parts = 1;
 	if (!robot || !urdf)
-		return rnea_error_set(e, RNEA_ARGUMENT, "there is no %s", robot ? "URDF (urdf is NULL)" : "place for the robot (robot is NULL)");
+		return rnea_error_set(e, RNEA_ARGUMENT, "there is no %s",
+			robot ? "URDF (urdf is NULL)" : "place for the robot (robot is NULL)");
 	*robot = NULL;
-	if (rneagen_generate(urdf, length, &g, &text, &refused))
-		return fail(&refused, e);
+	if (generate_text(urdf, length, &g, &text, e))
+		return e->code;
 	open_evaluation(text.source, urdf, length, &g, options, robot, e);
 	rneagen_result_free(&text);
 	return e->code;

@@ -1,6 +1,7 @@
 #include "urdf.h"
 #include "core/failure.h"
 #include "core/source.h"
+#include "generate.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,18 +20,6 @@ static enum rnea_code check(
 		return rnea_error_set(
 			e, RNEA_ARGUMENT, "%s: a dump cannot be opened; it must be RNEAGEN_DUMP_NONE", path);
 	return RNEA_OK;
-}
-
-static enum rnea_code generate(const char *urdf, size_t length, const struct rneagen_options *g,
-	struct rneagen_result *text, struct rnea_error *e)
-{
-	struct rneagen_error refused = {.code = RNEAGEN_OK};
-
-	if (!rneagen_generate(urdf, length, g, text, &refused))
-		return RNEA_OK;
-	if (refused.code == RNEAGEN_MEMORY)
-		return rnea_error_memory(e);
-	return rnea_error_set(e, RNEA_URDF, "%s", refused.message);
 }
 
 struct rneagen_options rnea_urdf_options(const struct rneagen_options *generate, enum rnea_backend backend)
@@ -58,7 +47,7 @@ enum rnea_code rnea_open_urdf(const char *path, const struct rneagen_options *ge
 		return e->code;
 	if (options && options->backend == RNEA_BACKEND_EVALUATOR) {
 		rnea_evaluate_urdf(urdf, length, &g, options, robot, e);
-	} else if (!generate(urdf, length, &g, &text, e)) {
+	} else if (!generate_text(urdf, length, &g, &text, e)) {
 		rnea_open(text.source, strlen(text.source), options, robot, e);
 		rneagen_result_free(&text);
 	}

@@ -108,9 +108,12 @@ const char *emit_joints(const struct emission *e);
 /* What can stand in a string of C, whatever `s` holds. */
 void emit_literal(const char *s, size_t length, struct text *out);
 
-/* A pass's arguments as parameters (FIRST: of a segment, at the first of its samples), as their names, as addresses, out of an array of pointers, or moved on to sample k of
-   a batch. */
-enum params { PARAMS_PLAIN, PARAMS_FIRST, PARAMS_RESTRICT, PARAMS_CUDA_RESTRICT, PARAMS_NAMES, PARAMS_ADDRESSES, PARAMS_ARRAYS, PARAMS_AT_SAMPLE };
+/* A pass's arguments as parameters (FIRST: of a segment, at the first of its samples), as their names, as addresses, out of
+   an array of pointers, or moved on to sample k of a batch. */
+enum params {
+	PARAMS_PLAIN, PARAMS_FIRST, PARAMS_RESTRICT, PARAMS_CUDA_RESTRICT, PARAMS_NAMES, PARAMS_ADDRESSES, PARAMS_ARRAYS,
+	PARAMS_AT_SAMPLE
+};
 const char *emit_params(const struct emission *e, const struct pass *p, enum params kind);
 const char *emit_q_at_sample(const struct emission *e);
 
@@ -131,8 +134,8 @@ int emit_has_batches(const struct emission *e);
 /* Mark the arguments that these lines read or write. Returns whether they need the stride from row to row. */
 int emit_mark_arguments(const struct plan *p, unsigned char *used);
 
-/* Parameters that these lines, some or all of the pass's, do not read: `prefix` goes before the names of what each sample has its own
-   of. */
+/* Parameters that these lines, some or all of the pass's, do not read: `prefix` goes before the names of what each sample
+   has its own of. */
 void emit_unused(const struct emission *e, const struct plan *p, const char *prefix, struct text *out);
 
 /* A pass in segments: the body of each; target C: the functions of a sample and of a part of a batch; CUDA: its kernel. */
@@ -161,9 +164,6 @@ int emit_limbs_bytes(const struct emission *e);
 /* What a program of that kernel alone leaves out. */
 #define EMIT_UNLESS_LIMBS "#if !defined RNEA_ONLY_LIMBS\n"
 const char *emit_unless_limbs(const struct emission *e, const char *what);
-
-/* Bytes of shared memory that a kernel has without asking; threads of a warp, the smallest block. */
-enum { EMIT_SHARED_BYTES = 48 << 10, EMIT_SMALLEST_BLOCK = 32 };
 
 /* CUDA: all kernels, and the functions by which it stages its slice; the samples of a slice; how many slices a
    multiprocessor is to have room for, an expression of RNEA_BLOCK, 0: as the compiler likes. */

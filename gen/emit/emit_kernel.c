@@ -78,8 +78,8 @@ static int is_staged(const struct emission *e)
 	if (emit_is_operation(e) || e->part_count || emit_main(e)->segments.count)
 		return 0;
 	if (e->options->layout == RNEAGEN_AOS)
-		return EMIT_SMALLEST_BLOCK * stage_bytes(e) <= EMIT_SHARED_BYTES;
-	return e->arithmetic->bytes == 8 && 2 * EMIT_SMALLEST_BLOCK * stage_bytes(e) <= EMIT_SHARED_BYTES;
+		return WARP_THREADS * stage_bytes(e) <= SHARED_BYTES;
+	return e->arithmetic->bytes == 8 && 2 * WARP_THREADS * stage_bytes(e) <= SHARED_BYTES;
 }
 
 /* A sample is taken for one of small angles and computed again if it was not: no test comes before the arithmetic, and no
@@ -98,7 +98,7 @@ int emit_block_size(const struct emission *e)
 	if (emit_main(e)->segments.count)
 		return emit_segments_block(e, emit_main(e));
 
-	while (is_staged(e) && block * stage_bytes(e) > EMIT_SHARED_BYTES)
+	while (is_staged(e) && block * stage_bytes(e) > SHARED_BYTES)
 		block /= 2;
 	return block;
 }

@@ -3,6 +3,7 @@
 #include "base/template.h"
 #include "emit/emit.h"
 #include "emit/unparse.h"
+#include "plan/stage.h"
 
 /* The angles whose sines a warp makes. */
 static struct angles angles_of(const struct emission *e, const struct plan *lines)
@@ -132,7 +133,7 @@ static const char *cases_text(const struct emission *e)
 
 int emit_limbs_bytes(const struct emission *e)
 {
-	return pass_of(e, 0)->limbs.words * e->arithmetic->bytes * EMIT_SMALLEST_BLOCK;
+	return pass_of(e, 0)->limbs.words * e->arithmetic->bytes * WARP_THREADS;
 }
 
 const struct limbs *emit_limbs_of(const struct emission *e)
@@ -157,7 +158,8 @@ void emit_limbs(const struct emission *e, struct text *out)
 	const struct limbs *s = emit_limbs_of(e);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->numbers->value},
 		{"WARPS", emit_int(e, s->warps)}, {"WORDS", emit_int(e, s->words)}, {"GROUPS", emit_int(e, s->groups)},
-		{"LIMBS", warps_text(e)}, {"CASES", cases_text(e)}, {"MOST", emit_int(e, (int)s->most)}, {"BYTES", emit_int(e, emit_limbs_bytes(e))}, {"PART", e->part_count ? "blockIdx.y*RNEA_LIMBS + " : ""},
+		{"LIMBS", warps_text(e)}, {"CASES", cases_text(e)}, {"MOST", emit_int(e, (int)s->most)},
+		{"BYTES", emit_int(e, emit_limbs_bytes(e))}, {"PART", e->part_count ? "blockIdx.y*RNEA_LIMBS + " : ""},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}};
 
 	template_expand(out, template_kernel_limbs_in, slots, sizeof slots / sizeof *slots);
@@ -171,7 +173,8 @@ const char *emit_launch_limbs(const struct emission *e)
 	text_init(&parts, e->arena);
 	if (e->part_count)
 		text_printf(&parts, ", %d", e->part_count);
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"PARTS", text_string(&parts)}};
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name},
+		{"PARTS", text_string(&parts)}};
 
 	if (emit_has_limbs(e))
 		template_expand(&t, template_launch_limbs_in, slots, sizeof slots / sizeof *slots);

@@ -2,6 +2,7 @@
 #include "base/fold.h"
 #include "emit/emit.h"
 #include "base/template.h"
+#include "plan/stage.h"
 #include "emit/unparse.h"
 
 /* Samples of a loop: as many as leave their values across cuts in a core's first cache; no fewer than vectors are wide, unless a thread's
@@ -262,7 +263,7 @@ int emit_segments_samples(const struct emission *e)
 
 int emit_segments_block(const struct emission *e, const struct pass *p)
 {
-	return LARGEST_BLOCK * 2 * emit_segments_bytes(e, p) > EMIT_SHARED_BYTES ? EMIT_SMALLEST_BLOCK : LARGEST_BLOCK;
+	return LARGEST_BLOCK * 2 * emit_segments_bytes(e, p) > SHARED_BYTES ? WARP_THREADS : LARGEST_BLOCK;
 }
 
 static const char *loops_in_kernel(const struct emission *e, const struct pass *p)
@@ -299,7 +300,7 @@ void emit_segments_kernel(const struct emission *e, const struct pass *p, struct
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
 		{"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"}, {"MOST", emit_int(e, emit_segments_samples(e))},
-		{"BYTES", emit_int(e, emit_segments_bytes(e, p))}, {"SHARED_BYTES", emit_int(e, EMIT_SHARED_BYTES)},
+		{"BYTES", emit_int(e, emit_segments_bytes(e, p))}, {"SHARED_BYTES", emit_int(e, SHARED_BYTES)},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"SHARED", across(e, &p->segments, SHARED)},
 		{"LOCAL", across(e, &p->segments, LOCAL)}, {"ROUNDS", rounds_in_kernel(e, p)}};
 

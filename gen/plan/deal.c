@@ -16,7 +16,8 @@ static int has_crossed(const struct dealer *x, uint32_t line)
 	return x->made[line] && x->made[line] <= x->phase;
 }
 
-/* Operations that a line takes from what is there, for the warps in `warp`; it stops beyond `most`. The lines are in x->walked. */
+/* Operations that a line takes from what is there, for the warps in `warp`; it stops beyond `most`. The lines are in
+   x->walked. */
 static unsigned walk(struct dealer *x, uint32_t line, uint32_t warp, unsigned most)
 {
 	unsigned cost = 0;
@@ -109,6 +110,12 @@ static void find_cones(struct dealer *x, unsigned most)
 	}
 }
 
+static int is_ready(const struct dealer *x, uint32_t line, unsigned most, int only_sines)
+{
+	return !x->made[line] && deal_is_work(x, line) && x->cone[line] <= most &&
+		(!only_sines || x->p->lines[line].kind == LINE_SINCOS);
+}
+
 /* Lines by their cones, the longest first, each length in the order of the plan. */
 static uint32_t sort_lines(struct dealer *x, unsigned most, int only_sines)
 {
@@ -117,14 +124,14 @@ static uint32_t sort_lines(struct dealer *x, unsigned most, int only_sines)
 	if (!begin)
 		return 0;
 	for (uint32_t i = 0; i < x->lines; i++)
-		if (!x->made[i] && deal_is_work(x, i) && x->cone[i] <= most && (!only_sines || x->p->lines[i].kind == LINE_SINCOS)) {
+		if (is_ready(x, i, most, only_sines)) {
 			begin[most - x->cone[i] + 1]++;
 			count++;
 		}
 	for (unsigned k = 0; k <= most; k++)
 		begin[k + 1] += begin[k];
 	for (uint32_t i = 0; i < x->lines; i++)
-		if (!x->made[i] && deal_is_work(x, i) && x->cone[i] <= most && (!only_sines || x->p->lines[i].kind == LINE_SINCOS))
+		if (is_ready(x, i, most, only_sines))
 			x->order[begin[most - x->cone[i]]++] = i;
 	arena_release(x->a, begin);
 	return count;

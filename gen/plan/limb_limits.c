@@ -1,32 +1,35 @@
 #include "plan/limb_limits.h"
+#include "plan/stage.h"
 
-/* H100, one sample and 4096, us, old kernel and limbs. Four warps: hyq 2.07 and 1.24, 2.33 and 1.56; g1_29dof 5.39 and 2.67, 6.55 and
-   5.49; atlas in f64 6.60 and 3.20, 8.03 and 7.40. Eight warps are better where four are long: g1_brainco 20.6 and 8.8, with four 11.2;
-   atlas gains nothing from them, its gradients in 4 parts take 10.9 instead of 9.7, and two warps are slower. Arms gain nothing: iiwa14
-   1.42 and 1.50. Functions of more operations were not measured: it takes seconds to share them out, and more values than there are
-   registers wait in each warp. */
+/* H100, one sample and 4096, us, old kernel and limbs. Four warps: hyq 2.07 and 1.24, 2.33 and 1.56; g1_29dof 5.39 and
+   2.67, 6.55 and 5.49; atlas in f64 6.60 and 3.20, 8.03 and 7.40. Eight warps are better where four are long:
+   g1_brainco 20.6 and 8.8, with four 11.2; atlas gains nothing from them, its gradients in 4 parts take 10.9 instead
+   of 9.7, and two warps are slower. Arms gain nothing: iiwa14 1.42 and 1.50. Functions of more operations were not
+   measured: it takes seconds to share them out, and more values than there are registers wait in each warp. */
 enum { LEAST_OPERATIONS = 800, MOST_OPERATIONS = 10000, WARPS = 4, MORE_WARPS = 8, LONG_WARP = 2000 };
 
-/* A sample of N operations takes 0.5 + 0.0015 N us, with warps of N operations 0.9 + 0.0015 N: their kernel starts so many operations
-   later, and is to take nine tenths of the time. */
+/* A sample of N operations takes 0.5 + 0.0015 N us, with warps of N operations 0.9 + 0.0015 N: their kernel starts so
+   many operations later, and is to take nine tenths of the time. */
 enum { START = 330, LATER = 270 };
 
-/* Up to how many samples. Limbs that share nothing win at all sizes: hyq, 16384 samples, 2.45 and 2.17, its gradients at 4096 5.23 and
-   4.26. Elsewhere all multiprocessors fetch more code than before: 1024 samples and 4096, atlas 5.14 and 3.94, 5.80 and 5.61; gradients
-   of iiwa14 4.08 and 3.63, 4.28 and 5.10, of atlas, in parts, 18.3 and 12.6, 21.6 and 34.3. */
+/* Up to how many samples. Limbs that share nothing win at all sizes: hyq, 16384 samples, 2.45 and 2.17, its gradients
+   at 4096 5.23 and 4.26. Elsewhere all multiprocessors fetch more code than before: 1024 samples and 4096, atlas 5.14
+   and 3.94, 5.80 and 5.61; gradients of iiwa14 4.08 and 3.63, 4.28 and 5.10, of atlas, in parts, 18.3 and 12.6, 21.6
+   and 34.3. */
 enum { SHORT_OPERATIONS = 1500, MOST_SHORT = 16384, MOST_LONG = 4096, MOST_JOINED = 1024 };
 
-/* Limbs that share much, or gain little, win within one block alone; one sample and 1024, us, whole and limbs, with values across for
-   100 operations: both gradients of iiwa14 3.68 and 2.40, 4.08 and 3.63 (3.2); of ur5 2.52 and 2.14, 2.59 and 3.18 (7.0); of panda in
-   f64 7.17 and 6.37, 7.54 and 9.32 (5.9); accelerations of floating hyq 4.76 and 3.50, 5.43 and 6.17 (9.6). Of panda, which share 1.8,
-   but gain little: 1.84 for one sample, 2.99 for 1024, whole 2.21. */
+/* Limbs that share much, or gain little, win within one block alone; one sample and 1024, us, whole and limbs, with
+   values across for 100 operations: both gradients of iiwa14 3.68 and 2.40, 4.08 and 3.63 (3.2); of ur5 2.52 and 2.14,
+   2.59 and 3.18 (7.0); of panda in f64 7.17 and 6.37, 7.54 and 9.32 (5.9); accelerations of floating hyq 4.76 and
+   3.50, 5.43 and 6.17 (9.6). Of panda, which share 1.8, but gain little: 1.84 for one sample, 2.99 for 1024, whole
+   2.21. */
 enum { MOST_SHARING = 32, SHARED_PERCENT = 4, GAIN_PERCENT = 65 };
 
 /* A block of two groups fetches code for both: atlas, 1024 samples, 4.97 and 3.94; but hyq 1.38 and 1.52. */
 enum { GROUPS = 2, REGISTERS = 65536, SPARE_REGISTERS = 24, MOST_THREADS = 1024 };
 
-/* Bytes of shared memory that a kernel has without asking, for the lanes of a group; a wait costs as much as some 60 operations. */
-enum { SHARED_BYTES = 48 << 10, LANES = 32, JOIN_OPERATIONS = 60 };
+/* A wait costs as much as so many operations. */
+enum { JOIN_OPERATIONS = 60 };
 
 static unsigned number_bytes(const struct rneagen_options *o)
 {
@@ -42,7 +45,8 @@ static void take_none(struct pass *const *passes, int count)
 /* Returns the operations of the longest warp; 0 where one of them gains nothing. */
 static unsigned make_all(struct pass *const *passes, int count, int warps, const struct rneagen_options *o, struct arena *a)
 {
-	struct limbs_limits limits = {.warps = warps, .least = warps, .across = SHARED_BYTES / LANES / number_bytes(o) - 1, .join = JOIN_OPERATIONS};
+	struct limbs_limits limits = {.warps = warps, .least = warps,
+		.across = SHARED_BYTES / WARP_THREADS / number_bytes(o) - 1, .join = JOIN_OPERATIONS};
 	unsigned longest = 0;
 
 	for (int i = 0; i < count; i++) {
@@ -79,10 +83,10 @@ static int words_across(struct pass *const *passes, int count)
 
 static int have_room(const struct limbs *s, int groups, int words, unsigned bytes)
 {
-	unsigned threads = (unsigned)(groups * s->warps) * LANES;
+	unsigned threads = (unsigned)(groups * s->warps) * WARP_THREADS;
 
 	return threads <= MOST_THREADS && threads * ((unsigned)s->alive * bytes / 4 + SPARE_REGISTERS) <= REGISTERS &&
-	       (unsigned)(groups * words) * LANES * bytes <= SHARED_BYTES;
+	       (unsigned)(groups * words) * WARP_THREADS * bytes <= SHARED_BYTES;
 }
 
 /* Samples of a block at most, in warps: as many as have room in registers and in shared memory. */

@@ -1,5 +1,6 @@
 #include "plan/limbs.h"
 #include "plan/deal.h"
+#include <string.h>
 
 /* Long plans are refined once: gradients of atlas take half a second, and warps come out as short. */
 enum { TRIES = 12, LONG_PLAN = 4000 };
@@ -124,21 +125,16 @@ int limbs_make(struct limbs *s, const struct plan *p, const struct limbs_limits 
 
 static void put_warp(const struct plan *lines, int warp, struct text *out)
 {
-	int fetched = 0, kept = 0, inputs = 0, stores = 0, sines = 0, values = 0, phase = 0;
+	int phase = 0, count[LINE_JOIN] = {0}; /* of each kind */
 
 	for (size_t i = 0; i <= lines->line_count; i++) {
-		if (i == lines->line_count || lines->lines[i].kind == LINE_JOIN) {
-			text_printf(out, "  warp %d phase %d: %d inputs, %d sines, %d values, %d stores, %d fetched, %d kept\n", warp, phase++,
-				inputs, sines, values, stores, fetched, kept);
-			fetched = kept = inputs = stores = sines = values = 0;
+		if (i < lines->line_count && lines->lines[i].kind != LINE_JOIN) {
+			count[lines->lines[i].kind]++;
 			continue;
 		}
-		fetched += lines->lines[i].kind == LINE_FETCH;
-		kept += lines->lines[i].kind == LINE_KEEP;
-		inputs += lines->lines[i].kind == LINE_INPUT;
-		stores += lines->lines[i].kind == LINE_STORE;
-		sines += lines->lines[i].kind == LINE_SINCOS;
-		values += lines->lines[i].kind == LINE_VALUE;
+		text_printf(out, "  warp %d phase %d: %d inputs, %d sines, %d values, %d stores, %d fetched, %d kept\n", warp, phase++,
+			count[LINE_INPUT], count[LINE_SINCOS], count[LINE_VALUE], count[LINE_STORE], count[LINE_FETCH], count[LINE_KEEP]);
+		memset(count, 0, sizeof count);
 	}
 }
 
@@ -146,8 +142,8 @@ void limbs_dump(const struct pass *p, struct text *out)
 {
 	const struct limbs *s = &p->limbs;
 
-	text_printf(out, "%s: %d warps, %d phases, %d values across, %u operations instead of %u, %d values at once\n", p->algorithm->name,
-		s->warps, s->phases, s->slots, s->longest, s->whole, s->alive);
+	text_printf(out, "%s: %d warps, %d phases, %d values across, %u operations instead of %u, %d values at once\n",
+		p->algorithm->name, s->warps, s->phases, s->slots, s->longest, s->whole, s->alive);
 	for (int w = 0; w < s->warps; w++)
 		put_warp(&s->plans[w], w, out);
 }

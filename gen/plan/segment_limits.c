@@ -17,7 +17,7 @@ enum { KERNEL_LEAST_SINGLE = 5000, KERNEL_LEAST_DOUBLE = 2500, KERNEL_LONG = 500
 	FORWARD_OPERATIONS = 5000, FORWARD_ACROSS = 170 };
 
 /* Bytes that a block's own shared memory has for each of two samples of 64, or 32, threads; rows that it stages instead. */
-enum { ROOM_SINGLE = 384, ROOM_DOUBLE = 768, STAGED_ROWS = 96 };
+enum { ROOM_SINGLE = SHARED_BYTES / (2 * 64), ROOM_DOUBLE = SHARED_BYTES / (2 * 32), STAGED_ROWS = 96 };
 
 static struct segment_limits loop_limits(unsigned flops)
 {

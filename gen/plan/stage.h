@@ -1,8 +1,11 @@
 #ifndef RNEAGEN_STAGE_H
 #define RNEAGEN_STAGE_H
-/* Which arrays have a place in a kernel's shared memory, where it stages its samples. */
+/* A kernel's shared memory: how much there is, and which arrays have a place in it where it stages its samples. */
 
 #include "dag/dag.h"
+
+/* Bytes of shared memory that a kernel has without asking; threads of a warp, the smallest block. */
+enum { SHARED_BYTES = 48 << 10, WARP_THREADS = 32 };
 
 /* Whose place an array takes: its own, but tau that of qdd: a joint's qdd is read before its torque is written. */
 int stage_place(const struct dag *d, int argument);

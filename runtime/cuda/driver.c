@@ -10,7 +10,7 @@
 enum { BLOCK_SIZES = 3, TRIAL_LIMIT = 2 * BLOCK_SIZES };
 
 /* With so many blocks all multiprocessors have enough of them; the generated launch function counts on as many. */
-enum { ENOUGH_BLOCKS = 512, LANES = 32 };
+enum { ENOUGH_BLOCKS = 512 };
 
 /* The compilations of one text that were tried, each loaded. */
 struct trial {
@@ -263,7 +263,7 @@ static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
 	for (size_t i = 0; i < c->info->function_count && !e->code; i++)
 		device_launch(&c->device, &c->kernels[i], 1, 1, c->block, parameters, stream, e);
 	if (c->limbs.module && !e->code)
-		device_launch(&c->device, &c->limbs.one, 1, 1, LANES * c->limbs.warps, parameters, stream, e);
+		device_launch(&c->device, &c->limbs.one, 1, 1, LIMBS_LANES * c->limbs.warps, parameters, stream, e);
 	return device_finish(&c->device, stream, e);
 }
 
@@ -340,10 +340,10 @@ struct shape {
 static struct shape shape_of(const struct driver *c, size_t function, size_t count)
 {
 	const struct limbs *l = &c->limbs;
-	unsigned groups = count <= LANES ? 1 : l->groups;
+	unsigned groups = count <= LIMBS_LANES ? 1 : l->groups;
 
 	if (function == 0 && count <= l->most)
-		return (struct shape){groups == 1 ? &l->one : &l->all, groups * LANES, groups * LANES * l->warps};
+		return (struct shape){groups == 1 ? &l->one : &l->all, groups * LIMBS_LANES, groups * LIMBS_LANES * l->warps};
 	return (struct shape){&c->kernels[function], samples_of_block(&c->info->functions[function], c->block, count), c->block};
 }
 

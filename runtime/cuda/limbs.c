@@ -3,8 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LANES = 32 };
-
 static void *compile(void *build)
 {
 	struct limbs_build *b = build;
@@ -66,7 +64,7 @@ static int find(struct limbs *l, const struct device *d, const struct source *s,
 
 	source_symbol(s->name, f->name, "limbs", l->one.name);
 	if (device_find(d, l->module, &l->one, 0, &ignored) || !l->one.function ||
-		l->one.resources.max_block < LANES * f->limbs * f->limb_groups)
+		l->one.resources.max_block < LIMBS_LANES * f->limbs * f->limb_groups)
 		return 0;
 	l->all = l->one;
 	l->one.given_bytes = f->limb_bytes;

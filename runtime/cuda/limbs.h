@@ -7,6 +7,9 @@
 #include "cuda/image.h"
 #include <pthread.h>
 
+/* Samples of a group: a warp has one on each lane. */
+enum { LIMBS_LANES = 32 };
+
 /* On its way: compiled by a thread, unless it was kept. */
 struct limbs_build {
 	struct image_request request;

@@ -7,7 +7,7 @@ import functools
 import importlib
 import keyword
 import re
-from typing import Any, Sequence
+from typing import Any, Iterable, Sequence
 
 import numpy
 
@@ -83,6 +83,39 @@ def arguments(robot, args: tuple, kwargs: dict[str, Any]) -> tuple[list[Any], An
         if given.get(array.name) is None and array.default is None:
             raise TypeError(f"{array.name} is missing: the robot takes {', '.join(names)}")
     return [given.get(name) for name in names], given.get("out")
+
+
+def lead_of(given: Iterable[tuple[Array, tuple[int, ...]]]) -> tuple[int, ...]:
+    """The axes of samples, of inputs and their shapes; another shape is a ValueError."""
+    lead: Any = None
+    first = ""
+    for array, shape in given:
+        own = len(array.shape)
+        axes = shape[:len(shape) - own]
+        if len(shape) < own or shape[len(shape) - own:] != array.shape or array.per_batch and axes:
+            raise ValueError(f"{array.name}: its shape is {shape}; {array.shape} is wanted" +
+                             (", for all samples" if array.per_batch else ", or axes of samples before it"))
+        if not array.per_batch and lead is None:
+            lead, first = axes, array.name
+        elif not array.per_batch and axes != lead:
+            raise ValueError(f"{array.name}: its shape is {shape}; {(*lead, *array.shape)} goes with {first}")
+    return lead or ()
+
+
+def tuple_out(robot, out: Any, kind: str) -> tuple:
+    """An array for each output; `kind` is what messages call them."""
+    outputs = out if isinstance(out, tuple) else (out,)
+    if len(outputs) != len(robot.outputs):
+        raise TypeError(f"out: a tuple of {len(robot.outputs)} {kind} is wanted, one for each output")
+    return outputs
+
+
+def refuse(robot, is_sparse: bool) -> None:
+    """What other arrays than NumPy's have not."""
+    if robot._conversion:
+        raise TypeError(f"convention {robot.convention!r} is for arrays of NumPy")
+    if is_sparse:
+        raise TypeError("sparse matrices are for arrays of NumPy; take sparse=False")
 
 
 def adapter(robot, arrays: Sequence[Any], out: Any):

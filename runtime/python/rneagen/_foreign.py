@@ -125,25 +125,6 @@ def stream_of(like: Any, found: View) -> int:
 # ---- calls ----
 
 
-def lead_of(robot, views: Sequence[View | None]) -> tuple[int, ...]:
-    """The axes of samples; an array of another shape is a ValueError."""
-    lead: Any = None
-    first = ""
-    for array, v in zip(robot.inputs, views):
-        if v is None:
-            continue
-        own = len(array.shape)
-        axes = v.shape[:len(v.shape) - own]
-        if v.shape[len(v.shape) - own:] != array.shape or len(v.shape) < own or array.per_batch and axes:
-            raise ValueError(f"{array.name}: its shape is {v.shape}; {array.shape} is wanted" +
-                             (", for all samples" if array.per_batch else ", or axes of samples before it"))
-        if not array.per_batch and lead is None:
-            lead, first = axes, array.name
-        elif not array.per_batch and axes != lead:
-            raise ValueError(f"{array.name}: its shape is {v.shape}; {(*lead, *array.shape)} goes with {first}")
-    return lead or ()
-
-
 def check_alike(robot, views: Sequence[View | None]) -> View:
     """All arrays have one type of numbers, and are on one device; returns the first."""
     first = next(v for v in views if v is not None)
@@ -158,10 +139,7 @@ def check_alike(robot, views: Sequence[View | None]) -> View:
 def outputs_for(robot, like: Any, lead: tuple[int, ...], scalar: str, out: Any) -> list[Any]:
     if out is None:
         return [new_array(like, (*lead, *a.shape), scalar, a.name) for a in robot.outputs]
-    given = list(out) if isinstance(out, tuple) else [out]
-    if len(given) != len(robot.outputs):
-        raise TypeError(f"out: a tuple of {len(robot.outputs)} arrays is wanted, one for each output")
-    return given
+    return list(_arrays.tuple_out(robot, out, "arrays"))
 
 
 def views_of_outputs(robot, outputs: Sequence[Any], lead: tuple[int, ...]) -> list[View]:
@@ -178,7 +156,8 @@ def prepare(robot, arrays: Sequence[Any], out: Any):
     """(kernel, addresses, count, stream, outputs, what must live)."""
     like = next(x for x in arrays if x is not None)
     views: list[Any] = [None if x is None else view(robot, a.name, x) for a, x in zip(robot.inputs, arrays)]
-    first, lead = check_alike(robot, views), lead_of(robot, views)
+    first = check_alike(robot, views)
+    lead = _arrays.lead_of((a, v.shape) for a, v in zip(robot.inputs, views) if v is not None)
     arrays = list(arrays)
     for i, array in enumerate(robot.inputs):
         if views[i] is None:
@@ -202,17 +181,10 @@ def on_host(robot, arrays: Sequence[Any], out: Any):
     return robot._join(list(map(back, result))) if isinstance(result, tuple) else back(result)
 
 
-def refuse(robot) -> None:
-    if robot._conversion:
-        raise TypeError(f"convention {robot.convention!r} is for arrays of NumPy")
-    if robot.sparse:
-        raise TypeError("sparse matrices are for arrays of NumPy; take sparse=False")
-
-
 def call(robot, arrays: Sequence[Any], out: Any):
     if not on_gpu(next(x for x in arrays if x is not None)):
         return on_host(robot, arrays, out)
-    refuse(robot)
+    _arrays.refuse(robot, robot.sparse)
     kernel, addresses, count, stream, outputs, _ = prepare(robot, arrays, out)
     kernel.launch(addresses, count, stream)
     return robot._join(outputs)
@@ -221,6 +193,6 @@ def call(robot, arrays: Sequence[Any], out: Any):
 def bind(robot, arrays: Sequence[Any], out: Any):
     if not on_gpu(next(x for x in arrays if x is not None)):
         raise TypeError("bind: take arrays of NumPy: numpy.from_dlpack makes them without a copy")
-    refuse(robot)
+    _arrays.refuse(robot, robot.sparse)
     kernel, addresses, count, stream, outputs, views = prepare(robot, arrays, out)
     return kernel.bind(addresses, count, stream, robot._join(outputs), (views, tuple(arrays)))

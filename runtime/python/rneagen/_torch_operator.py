@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 from torch.autograd import forward_ad
 
-from . import _torch_gradient
+from . import _arrays, _torch_gradient
 
 SCALARS = {torch.float32: "f32", torch.float64: "f64"}
 DEVICES = ("cpu", "cuda", "meta")
@@ -103,18 +103,12 @@ class Operator:
         """Raise what is wrong with them."""
         given = [(a, x) for a, x in zip(self.inputs, tensors) if x is not None]
         first, like = given[0]
-        lead: Any = None
-        for array, x in given:
-            check_tensor(array.name, x, first.name, like)
-            shape, own = tuple(x.shape), len(array.shape)
-            axes = shape[:len(shape) - own]
-            if len(shape) < own or shape[len(shape) - own:] != array.shape or array.per_batch and axes:
-                raise ValueError(f"{array.name}: its shape is {shape}; {array.shape} is wanted" +
-                                 (", for all samples" if array.per_batch else ", or axes of samples before it"))
-            if not array.per_batch and lead is None:
-                lead, name = axes, array.name
-            elif not array.per_batch and axes != lead:
-                raise ValueError(f"{array.name}: its shape is {shape}; {(*lead, *array.shape)} goes with {name}")
+
+        def shapes():
+            for array, x in given:
+                check_tensor(array.name, x, first.name, like)
+                yield array, tuple(x.shape)
+        _arrays.lead_of(shapes())
 
     def check_out(self, tensors: Sequence[Tensor], shapes: Sequence[torch.Size], outputs: Sequence[Tensor]) -> None:
         dtype, index = tensors[0].dtype, tensors[0].get_device()

@@ -44,10 +44,7 @@ def operator_of(robot) -> Operator:
     """The robot's operators, made when they are first needed. They live as long as the program."""
     found = robot.__dict__.get("_torch")
     if found is None:
-        if robot._conversion:
-            raise TypeError(f"convention {robot.convention!r} is for arrays of NumPy")
-        if robot._is_sparse:
-            raise TypeError("sparse matrices are for arrays of NumPy; take sparse=False")
+        _arrays.refuse(robot, robot._is_sparse)
         name = identity(robot)
         with lock:
             found = _operators.get(name) or _operators.setdefault(name, Operator(robot, name, function_for))
@@ -78,13 +75,6 @@ def refuse_gradient(what: str, robot, arrays: Sequence[Tensor | None]) -> None:
             raise ValueError(f"{array.name}: it requires a gradient, and {what} has none; {array.name}.detach() has the same numbers")
 
 
-def tuple_out(robot, out: Any) -> tuple[Tensor, ...]:
-    outputs = out if isinstance(out, tuple) else (out,)
-    if len(outputs) != len(robot.outputs):
-        raise TypeError(f"out: a tuple of {len(robot.outputs)} tensors is wanted, one for each output")
-    return outputs
-
-
 def is_direct(tensors: Sequence[Any]) -> bool:
     """Plain tensors in memory, which need no gradient, and no mode that looks on: the dispatcher would take longer than a sample."""
     first, is_grad = tensors[0], torch.is_grad_enabled()
@@ -98,7 +88,7 @@ def call(robot, arrays: Sequence[Any], out: Any):
     """A call whose arrays are tensors."""
     if out is not None:
         refuse_gradient("a call with out=", robot, arrays)
-        outputs = tuple_out(robot, out)
+        outputs = _arrays.tuple_out(robot, out, "tensors")
         function_for(robot, (*arrays, *outputs), True)(*arrays, *outputs)
         return out
     made = function_for(robot, arrays, False)(*arrays)
@@ -108,7 +98,7 @@ def call(robot, arrays: Sequence[Any], out: Any):
 def bind(robot, arrays: Sequence[Any], out: Any):
     """A step on tensors, in the stream that is current now; it has no gradient."""
     refuse_gradient("a bound step", robot, arrays)
-    return operator_of(robot).step(arrays, None if out is None else tuple_out(robot, out), out)
+    return operator_of(robot).step(arrays, None if out is None else _arrays.tuple_out(robot, out, "tensors"), out)
 
 
 def _call(self, *args, **kwargs):

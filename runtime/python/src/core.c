@@ -19,8 +19,8 @@ static PyObject *text_dict(const struct rneagen_result *r)
 	}
 	if (!warnings)
 		return NULL;
-	return Py_BuildValue("{ss sz sz sz sz sz sN}", "name", r->name, "source", r->source, "header", r->header, "info", r->info, "info_json",
-		r->info_json, "dot", r->dot, "warnings", warnings);
+	return Py_BuildValue("{ss sz sz sz sz sz sN}", "name", r->name, "source", r->source, "header", r->header, "info",
+		r->info, "info_json", r->info_json, "dot", r->dot, "warnings", warnings);
 }
 
 static PyObject *generate(PyObject *self, PyObject *args)
@@ -167,11 +167,14 @@ static PyObject *scene_words(PyObject *self, PyObject *unused)
 }
 
 static PyMethodDef methods[] = {
-	{"generate", generate, METH_VARARGS, "generate(urdf, options): a dictionary of name, source, header, info, info_json, dot, warnings."},
+	{"generate", generate, METH_VARARGS,
+		"generate(urdf, options): a dictionary of name, source, header, info, info_json, dot, warnings."},
 	{"open", open_text, METH_VARARGS, "open(text, options): a Kernel."},
 	{"evaluate", evaluate, METH_VARARGS, "evaluate(urdf, generate_options, options): a Kernel that compiles nothing."},
-	{"dlpack", dlpack, METH_O, "dlpack(capsule): (address, device, kind, bits, shape, strides in elements or None). The capsule keeps the array."},
-	{"scene_words", scene_words, METH_NOARGS, "The words of a scene: whether they take a value (0 no, 1 yes, 2 may), and of what kind."},
+	{"dlpack", dlpack, METH_O,
+		"dlpack(capsule): (address, device, kind, bits, shape, strides in elements or None). The capsule keeps the array."},
+	{"scene_words", scene_words, METH_NOARGS,
+		"The words of a scene: whether they take a value (0 no, 1 yes, 2 may), and of what kind."},
 	{NULL, NULL, 0, NULL}};
 
 static int add_type(PyObject *module, PyType_Spec *spec, PyTypeObject **type)
@@ -216,7 +219,8 @@ static int clear(PyObject *module)
 
 static PyModuleDef_Slot slots[] = {{Py_mod_exec, execute}, {0, NULL}};
 
-static struct PyModuleDef definition = {PyModuleDef_HEAD_INIT, .m_name = "_core", .m_doc = "What rneagen's package needs of its libraries.",
+static struct PyModuleDef definition = {PyModuleDef_HEAD_INIT, .m_name = "_core",
+	.m_doc = "What rneagen's package needs of its libraries.",
 	.m_size = sizeof(struct core), .m_methods = methods, .m_slots = slots, .m_traverse = traverse, .m_clear = clear};
 
 PyMODINIT_FUNC PyInit__core(void)
