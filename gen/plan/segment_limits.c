@@ -12,9 +12,11 @@ enum { LOOP_LEAST = 980, LOOP_OPERATIONS = 500, LOOP_OVERHEAD = 8 };
    is better whole: atlas 204 instead of 189, romeo 205 instead of 197. f64, where registers spill: jvrc1 515 instead of 653, romeo 526
    instead of 574, g1_brainco 2487 instead of 3743; but not where the slice has room in shared memory: g1_29dof 540 instead of 438.
    All with --trig bounded. Accelerations: f32 of atlas 422 instead of 312; f64 1963 instead of 2553 (103 values across, in locals), but
-   not where more goes across: g1_29dof 2971 instead of 3284 with 166, floating atlas 4789 instead of 3767 with 177. */
+   not where more goes across: g1_29dof 2971 instead of 3284 with 166, floating atlas 4789 instead of 3767 with 177. The torques with
+   their vjp in f64: atlas 1783 instead of 3073, jvrc1 3897 instead of 6579, floating hyq 1129 instead of 1737; but in f32 g1_29dof 594
+   instead of 438. */
 enum { KERNEL_LEAST_SINGLE = 5000, KERNEL_LEAST_DOUBLE = 2500, KERNEL_LONG = 5000, KERNEL_OPERATIONS = 1500, KERNEL_LONG_OPERATIONS = 6000,
-	FORWARD_OPERATIONS = 5000, FORWARD_ACROSS = 170 };
+	FORWARD_OPERATIONS = 5000, FORWARD_ACROSS = 170, KERNEL_PRODUCT = 3500, PRODUCT_OPERATIONS = 2500 };
 
 /* Bytes that a block's own shared memory has for each of two samples of 64, or 32, threads; rows that it stages instead. */
 enum { ROOM_SINGLE = SHARED_BYTES / (2 * 64), ROOM_DOUBLE = SHARED_BYTES / (2 * 32), STAGED_ROWS = 96 };
@@ -36,13 +38,21 @@ static int staged_rows(const struct dag *d)
 	return rows;
 }
 
+/* Derivatives of the torques times vectors, and no others. */
+static int is_product(const struct request *k)
+{
+	return !k->is_forward && !request_wants(k, WANT_DTAU_DFREED) && (request_wants(k, WANT_JVP) || request_wants(k, WANT_VJP));
+}
+
 static struct segment_limits kernel_limits(const struct pass *p, unsigned flops, const struct request *k, const struct rneagen_options *o)
 {
 	struct segment_limits none = {0};
 	int is_single = o->precision == RNEAGEN_F32;
 
-	if (o->layout != RNEAGEN_SOA || o->precision == RNEAGEN_F32X2 || request_wants_derivative(k) || owners_matrix(k))
+	if (o->layout != RNEAGEN_SOA || o->precision == RNEAGEN_F32X2 || owners_matrix(k))
 		return none;
+	if (request_wants_derivative(k))
+		return is_product(k) && !is_single && flops > KERNEL_PRODUCT ? (struct segment_limits){PRODUCT_OPERATIONS, 0, UINT_MAX} : none;
 	if (k->is_forward)
 		return o->precision == RNEAGEN_F64 && !k->refine_steps && flops > KERNEL_LONG ?
 			(struct segment_limits){FORWARD_OPERATIONS, 0, FORWARD_ACROSS} : none;
