@@ -168,7 +168,7 @@ static int check_files(struct reporting *r)
 	return status < 0 ? command_check_files(c) : status;
 }
 
-int run_report(int argc, char **argv)
+int run_report(struct ranks *ranks, int argc, char **argv)
 {
 	static const struct command_kind kind = {"rnearun report", HELP, OPTIONS, ":", take};
 	struct reporting r = {.options = study_options_default()};
@@ -180,7 +180,7 @@ int run_report(int argc, char **argv)
 	r.options.batches[2] = 1048576;
 	r.options.batch_count = 3;
 	put_command(&r, argc, argv);
-	status = command_parse(&r.command, &kind, &r, argc, argv);
+	status = command_parse(&r.command, &kind, &r, ranks, argc, argv);
 	if (status < 0)
 		status = check_files(&r);
 	if (status < 0) {
