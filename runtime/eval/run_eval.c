@@ -15,6 +15,7 @@ static const char HELP[] =
 	"first axis. Arrays are read in slices; memory does not grow with them. One input, and one output, may be - for\n"
 	"standard input and output; else TAU.npy appears when it is complete. Where a scene (--fold, --free, --want, --fext)\n"
 	"makes other inputs and outputs, rneagen --info lists them; they are named by the scene's words.\n"
+	"mpirun -n N rnearun-mpi eval ... has N ranks of MPI share the samples.\n"
 	"\n"
 	"  --in FILE                  rows of q, qd, qdd after one another: nq + 2 nv columns; of a scene, those of all\n"
 	"                             inputs of samples that no other option names\n"
@@ -28,6 +29,9 @@ static const char HELP[] =
 	"                             of the computation and of FILE (default: f64 if an input is, else f32); mixed: FILE\n"
 	"                             is f32, the arithmetic f64; f32x2: FILE is f64, the arithmetic pairs of f32\n"
 	"  --slice N                  samples read, computed and written at a time (default: 64 MiB of them)\n"
+	"  --device all|N,N,...       which GPUs take slices side by side (default 0)\n"
+	"  --resume                   go on where a run that ended early has come to; such a run leaves FILE.part, and how\n"
+	"                             much of it is complete in FILE.resume\n"
 	COMMAND_HELP
 	"\n"
 	"exit status: 0 done, 1 the robot or a file is at fault, 2 the command line is\n";

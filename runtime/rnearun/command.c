@@ -119,6 +119,7 @@ int command_parse(
 		if (bad)
 			return bad;
 	}
+	c->quiet |= ranks->index != 0;
 	return take_urdf(c, argc, argv);
 }
 

@@ -33,9 +33,8 @@ enum { COMMAND_BACKEND = OPTION_OWN, COMMAND_DEVICE, COMMAND_THREADS, COMMAND_QU
 	"  --trig accurate|bounded|fast\n"                                                                             \
 	COMMAND_HELP_MODEL
 
-/* The same without what a subcommand may have options of its own for. */
+/* The same without what a subcommand may have options of its own for, as all have for --device. */
 #define COMMAND_HELP_MODEL                                                                                             \
-	"  --device N                 which GPU (default 0)\n"                                                         \
 	"  --threads N                of the processor (default: all)\n"                                               \
 	"  --strict                   the same bits from every compiler, CPU and GPU\n"                                \
 	"  --base fixed|floating      floating: q starts with x y z qx qy qz qw, qd and tau with six rows\n"           \

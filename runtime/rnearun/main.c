@@ -18,6 +18,7 @@ static const char HELP[] =
 	"  choose     the fastest variant that is close enough\n"
 	"  --help, --version\n"
 	"\n"
+	"mpirun -n N rnearun-mpi COMMAND ... is the same by N ranks of MPI.\n"
 	"rnearun COMMAND --help tells about one. Exit status: 0 done, 1 the robot or a file is at fault, 2 the command line is\n";
 
 /* Each is given the command line from its own name on, and returns the exit status. */

@@ -269,8 +269,9 @@ int run_choose(struct ranks *ranks, int argc, char **argv)
 		status = command_note(&c.command, &c.command.written, "", "-");
 	if (status < 0)
 		status = command_check_files(&c.command);
+	command_share(&c.command);
 	if (status < 0)
-		status = choose(&c);
+		status = ranks->index ? 0 : choose(&c); /* for others to wait is all that is of use */
 	command_free(&c.command);
 	return status;
 }
