@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "eval/crew.h"
 #include "core/seconds.h"
+#include "eval/slices.h"
 #include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -25,8 +26,8 @@ struct hand {
 struct crew {
 	const struct eval_crew *c;
 	struct hand *hands;
-	uint64_t lane, lanes; /* the first of this rank, of all */
-	size_t slice;
+	uint64_t lane; /* the first of this rank */
+	struct slices slices;
 	pthread_mutex_t lock;
 	pthread_cond_t ended; /* a lane has */
 	int stops;
@@ -51,22 +52,21 @@ static enum rneagen_code open_lane(struct hand *h)
 	o.device = w->c->devices[h->number];
 	if (h->number && rnea_open(w->c->text, strlen(w->c->text), &o, &h->lane.robot, &error))
 		return error_set(&h->error, RNEAGEN_UNSUPPORTED, "%s", error.message);
-	return eval_lane_open(&h->lane, w->c->arrays, w->slice, &h->error);
+	return eval_lane_open(&h->lane, w->c->arrays, w->slices.size, &h->error);
 }
 
 /* Is there another slice, now that `count` samples of the one before are done? */
 static int go_on(struct hand *h, size_t count)
 {
 	struct crew *w = h->crew;
-	uint64_t stride = w->lanes * w->slice, samples = w->c->samples;
 	int more;
 
 	pthread_mutex_lock(&w->lock);
 	if (count) {
 		h->done += count;
-		h->next = samples - h->next > stride ? h->next + stride : samples;
+		h->next = slices_next(&w->slices, h->next);
 	}
-	more = !w->stops && h->next < samples;
+	more = !w->stops && h->next < w->slices.end;
 	pthread_mutex_unlock(&w->lock);
 	return more;
 }
@@ -75,12 +75,11 @@ static void *work(void *argument)
 {
 	struct hand *h = argument;
 	struct crew *w = h->crew;
-	uint64_t samples = w->c->samples;
 	size_t count = 0;
 
 	if (go_on(h, 0) && !open_lane(h))
 		while (go_on(h, count)) {
-			count = samples - h->next < w->slice ? (size_t)(samples - h->next) : w->slice;
+			count = slices_count(&w->slices, h->next);
 			if (eval_lane_do(&h->lane, h->next, count, &h->error))
 				break;
 		}
@@ -92,7 +91,7 @@ static void *work(void *argument)
 }
 
 /* Signals are for the thread of the command. */
-static enum rneagen_code start(struct crew *w)
+static void start(struct crew *w)
 {
 	sigset_t all, before;
 
@@ -100,11 +99,10 @@ static enum rneagen_code start(struct crew *w)
 	pthread_sigmask(SIG_SETMASK, &all, &before);
 	for (size_t i = 0; i < w->c->count; i++) {
 		struct hand *h = &w->hands[i];
-		uint64_t skipped = (w->lane + i) * w->slice;
 
 		h->crew = w;
 		h->number = i;
-		h->next = skipped < w->c->samples - w->c->first ? w->c->first + skipped : w->c->samples;
+		h->next = slices_begin(&w->slices, w->lane + i);
 		h->is_started = pthread_create(&h->thread, NULL, work, h) == 0;
 		if (!h->is_started) {
 			error_set(&h->error, RNEAGEN_MEMORY, "no thread for device %d", w->c->devices[i]);
@@ -112,7 +110,6 @@ static enum rneagen_code start(struct crew *w)
 		}
 	}
 	pthread_sigmask(SIG_SETMASK, &before, NULL);
-	return RNEAGEN_OK;
 }
 
 static void end(struct crew *w)
@@ -243,35 +240,17 @@ static void record_end(struct crew *w, struct pulse *all, struct rneagen_error *
 		w->c->record(w->c->own, last.whole);
 }
 
-/* The first lane's number, and how many lanes there are. */
-static void number_lanes(struct crew *w, uint64_t *all)
+/* Number the lanes of all ranks; plan their slices. */
+static void plan(struct crew *w, uint64_t *all)
 {
-	uint64_t mine = w->c->count;
+	uint64_t mine = w->c->count, lanes = 0;
 
 	ranks_gather(w->c->ranks, &mine, sizeof mine, all);
 	for (size_t i = 0; i < w->c->ranks->count; i++) {
 		w->lane += i < w->c->ranks->index ? all[i] : 0;
-		w->lanes += all[i];
+		lanes += all[i];
 	}
-}
-
-size_t eval_crew_slice(uint64_t samples, uint64_t lanes, size_t most)
-{
-	uint64_t round = lanes * most, rounds = samples / round + (samples % round != 0), slice;
-
-	if (!rounds)
-		return 1;
-	slice = samples / (rounds * lanes) + (samples % (rounds * lanes) != 0);
-	return (size_t)slice;
-}
-
-static void set_slice(struct crew *w)
-{
-	uint64_t samples = w->c->samples - w->c->first;
-
-	w->slice = w->c->slice ? w->c->slice : eval_crew_slice(samples, w->lanes, eval_lane_slice(w->c->arrays));
-	if (w->slice > samples)
-		w->slice = samples ? (size_t)samples : 1;
+	w->slices = slices_plan(w->c->first, w->c->samples, lanes, w->c->slice, eval_lane_slice(w->c->arrays));
 }
 
 static int make(struct crew *w)
@@ -294,8 +273,7 @@ int eval_crew_run(struct eval_crew *c, struct rneagen_error *e)
 
 	if (!all || !make(&w))
 		abort(); /* a few hundred bytes, and the other ranks wait */
-	number_lanes(&w, &all[0].done);
-	set_slice(&w);
+	plan(&w, &all[0].done);
 	start(&w);
 	sum = watch(&w, all, e);
 	end(&w);

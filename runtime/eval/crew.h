@@ -1,7 +1,6 @@
 #ifndef RUNTIME_EVAL_CREW_H
 #define RUNTIME_EVAL_CREW_H
-/* The lanes of all ranks over the samples. Slice i, of `slice` samples, is that of lane i modulo the number of lanes; so which samples a
-   slice has, and where its results go, depends on no clock. Each rank has a thread for each of its lanes, and its own thread, which
+/* The lanes of all ranks over the samples, in slices (slices.h). Each rank has a thread for each of its lanes, and its own thread, which
    asks several times a second how far the others are. */
 
 #include "eval/lane.h"
@@ -26,8 +25,5 @@ struct eval_crew {
 /* All ranks end together: when all is done, or some time after a lane has failed. *e tells of a failure in this rank alone. Returns
    whether all is done. Errors: those of eval_lane_open, eval_lane_do and rnea_open. */
 int eval_crew_run(struct eval_crew *c, struct rneagen_error *e);
-
-/* How many samples a slice has, where so many lanes share `samples` of them: at most `most`, and about as many for every lane. */
-size_t eval_crew_slice(uint64_t samples, uint64_t lanes, size_t most);
 
 #endif

@@ -23,6 +23,8 @@ int eval_take_pair(struct eval_words *w, const char *name, const char *option, c
 /* A file that is read; NULL is none. */
 int eval_note_input(struct eval *v, const char *what, const char *path)
 {
+	if (path && v->resumes && !strcmp(path, "-"))
+		return option_refuse(v->command.name, "%s -: --resume needs inputs that can be read again; name a file", what);
 	return path ? command_note(&v->command, &v->command.read, what, path) : -1;
 }
 
