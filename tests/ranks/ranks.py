@@ -19,6 +19,8 @@ failed = 0
 # Open MPI starts as root, and more ranks than there are cores, only where it is told to (the last: Open MPI 5)
 os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_rmaps_base_oversubscribe="1",
                   PRTE_MCA_rmaps_default_mapping_policy=":oversubscribe", OMPI_MCA_hwloc_base_binding_policy="none")
+# libraries of MPI keep what they have taken
+os.environ["ASAN_OPTIONS"] = "detect_leaks=0"
 
 
 def check(condition, what):
@@ -42,6 +44,8 @@ def in_folder(tests):
     with tempfile.TemporaryDirectory(prefix="ranks.", dir=".") as folder:
         os.chdir(folder)
         os.environ["RNEA_CACHE"] = os.getcwd() + "/cache"
+        # what Open MPI has in files goes with the folder where a launcher is killed
+        os.environ["OMPI_MCA_btl_vader_backing_directory"] = os.environ["OMPI_MCA_orte_tmpdir_base"] = os.getcwd()
         for test in tests:
             test()
         os.chdir("..")
