@@ -67,7 +67,9 @@ enum rneagen_code eval_open_inputs(struct eval_arrays *a, int *is_wide, struct r
 /* What cannot be read or written at places. */
 static enum rneagen_code refuse_order(const char *path, int is_output, struct rneagen_error *e)
 {
-	return error_set(e, RNEAGEN_USAGE, "%s: it is %s in order, from beginning to end, but ranks, several devices and --resume need a file, in which every sample has its place",
+	return error_set(e, RNEAGEN_USAGE,
+		"%s: it is %s in order, from beginning to end, but ranks, several devices and --resume need a file, in which every "
+		"sample has its place",
 		strcmp(path, "-") ? path : is_output ? "standard output" : "<stdin>", is_output ? "written" : "read");
 }
 

@@ -133,7 +133,7 @@ int ranks_open(struct ranks *r, int *argc, char ***argv)
 
 	*r = (struct ranks){.are_shared = 1, .state = s};
 	if (!s || MPI_Init_thread(argc, argv, MPI_THREAD_SERIALIZED, &level) || level < MPI_THREAD_SERIALIZED) {
-		fputs(s && level < MPI_THREAD_SERIALIZED ? "rnearun: this MPI is built without MPI_THREAD_SERIALIZED\n" : "rnearun: MPI does not start\n", stderr);
+		fprintf(stderr, "rnearun: MPI does not start, or is built without MPI_THREAD_SERIALIZED\n");
 		free(s);
 		return 0;
 	}
