@@ -46,9 +46,42 @@ static enum rneagen_code open_input(struct eval_arrays *a, struct npy *n, const 
 		e, RNEAGEN_READ, "%s: shape %s, other samples than %s, shape %s", n->path, text, a->first->path, first);
 }
 
+static size_t joined_rows(const struct eval_arrays *a)
+{
+	size_t rows = 0;
+
+	for (size_t i = 0; i < a->s->count; i++)
+		rows += a->s->arrays[i].is_output ? a->s->arrays[i].rows : 0;
+	return rows;
+}
+
+/* From the command line's names. */
+static void name_sinks(struct eval_arrays *a)
+{
+	a->joined.path = a->out;
+	a->joined.rows = joined_rows(a);
+	for (size_t i = 0; i < a->s->count; i++) {
+		a->sinks[i].path = a->s->arrays[i].is_output ? a->paths[i] : NULL;
+		a->sinks[i].rows = a->s->arrays[i].rows;
+	}
+}
+
+size_t eval_sinks(struct eval_arrays *a, struct eval_sink *sinks[DAG_ARGUMENTS + 1])
+{
+	size_t count = 0;
+
+	if (a->joined.path)
+		sinks[count++] = &a->joined;
+	for (size_t i = 0; i < a->s->count; i++)
+		if (a->sinks[i].path)
+			sinks[count++] = &a->sinks[i];
+	return count;
+}
+
 enum rneagen_code eval_open_inputs(struct eval_arrays *a, int *is_wide, struct rneagen_error *e)
 {
 	*is_wide = 0;
+	name_sinks(a);
 	if (a->in) {
 		if (open_input(a, &a->all, a->in, 0, e))
 			return e->code;
@@ -156,33 +189,6 @@ uint64_t eval_samples(const struct eval_arrays *a)
 }
 
 /* ---- outputs ---- */
-
-static size_t joined_rows(const struct eval_arrays *a)
-{
-	size_t rows = 0;
-
-	for (size_t i = 0; i < a->s->count; i++)
-		rows += a->s->arrays[i].is_output ? a->s->arrays[i].rows : 0;
-	return rows;
-}
-
-size_t eval_sinks(struct eval_arrays *a, struct eval_sink *sinks[DAG_ARGUMENTS + 1])
-{
-	size_t count = 0;
-
-	if (a->out) {
-		a->joined.path = a->out;
-		a->joined.rows = joined_rows(a);
-		sinks[count++] = &a->joined;
-	}
-	for (size_t i = 0; i < a->s->count; i++)
-		if (a->s->arrays[i].is_output && a->paths[i]) {
-			a->sinks[i].path = a->paths[i];
-			a->sinks[i].rows = a->s->arrays[i].rows;
-			sinks[count++] = &a->sinks[i];
-		}
-	return count;
-}
 
 static enum rneagen_code open_sink(struct eval_sink *s, enum eval_begin begin, struct rneagen_error *e)
 {

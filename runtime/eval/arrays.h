@@ -35,11 +35,11 @@ int eval_is_joined(const struct eval_arrays *a, size_t i);
 /* Is input i read a slice at a time, and not one for all samples? */
 int eval_is_read_by_sample(const struct eval_arrays *a, size_t i);
 
-/* The outputs that are written: joined and single, in the order of the arrays, to `sinks`; returns how many. */
-size_t eval_sinks(struct eval_arrays *a, struct eval_sink *sinks[DAG_ARGUMENTS + 1]);
-
 /* Open what is to be read. *is_wide: double precision is among it. Errors: READ, MEMORY. */
 enum rneagen_code eval_open_inputs(struct eval_arrays *a, int *is_wide, struct rneagen_error *e);
+
+/* Once inputs are open: the outputs that are written, joined and single, in the order of the arrays, to `sinks`; returns how many. */
+size_t eval_sinks(struct eval_arrays *a, struct eval_sink *sinks[DAG_ARGUMENTS + 1]);
 
 /* Is everything read and written at places, in any order? Else the message says what is not. Error: USAGE. */
 enum rneagen_code eval_check_places(struct eval_arrays *a, struct rneagen_error *e);
