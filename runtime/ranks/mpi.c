@@ -214,13 +214,15 @@ enum rneagen_code ranks_file_close(struct ranks_file *f, struct rneagen_error *e
 	return e->code;
 }
 
-/* Open MPI tells of a full disk by nothing but a count that is too small: why the first byte that is missing cannot be written. */
-static enum rneagen_code fail_short(const struct ranks_file *f, const void *byte, uint64_t at, struct rneagen_error *e)
+/* Why a byte cannot be written: Open MPI tells of a full disk by a count that is too small, and MPICH of an error. */
+static enum rneagen_code fail_write(const struct ranks_file *f, int status, const void *byte, uint64_t at, struct rneagen_error *e)
 {
 	int fd = open(f->path, O_WRONLY | O_CLOEXEC), fails = fd < 0 || pwrite(fd, byte, 1, (off_t)at) != 1, why = errno;
 
 	if (fd >= 0)
 		close(fd);
+	if (!fails && status)
+		return fail(f->shown, status, e);
 	return error_set(e, RNEAGEN_WRITE, "%s: cannot be written: %s", f->shown, fails ? strerror(why) : "MPI-IO wrote less than it was given");
 }
 
@@ -229,13 +231,13 @@ static enum rneagen_code write_part(struct ranks_file *f, const char *bytes, int
 	MPI_Status info;
 	int written = 0, status = MPI_File_write_at(f->file, (MPI_Offset)at, bytes, size, MPI_BYTE, &info);
 
-	if (status)
-		return fail(f->shown, status, e);
-	MPI_Get_count(&info, MPI_BYTE, &written);
+	if (!status)
+		MPI_Get_count(&info, MPI_BYTE, &written);
 	if (written == size)
 		return RNEAGEN_OK;
-	written = written > 0 && written < size ? written : 0;
-	return fail_short(f, bytes + written, at + (uint64_t)written, e);
+	/* where it failed at once, the last byte tells of a limit that the first is below */
+	written = written > 0 && written < size ? written : size - 1;
+	return fail_write(f, status, bytes + written, at + (uint64_t)written, e);
 }
 
 enum rneagen_code ranks_file_write(
