@@ -207,6 +207,13 @@ void rnea_close(struct rnea_robot *robot)
 
 /* ---- asking ---- */
 
+int rnea_device_count(struct rnea_error *error)
+{
+	struct rnea_error spare;
+
+	return device_count(rnea_error_start(error, &spare));
+}
+
 const struct rnea_info *rnea_info(const struct rnea_robot *robot)
 {
 	return &robot->info;

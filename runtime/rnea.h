@@ -268,6 +268,10 @@ struct rnea_evaluator {
 enum rnea_code rnea_open_evaluator(const char *source, size_t length, const struct rnea_evaluator *evaluator,
 	const struct rnea_options *options, struct rnea_robot **robot, struct rnea_error *error);
 
+/* How many CUDA devices there are for rnea_options.device; 0 and an error where there is none. Errors: NO_DRIVER, NO_DEVICE,
+   DRIVER. */
+int rnea_device_count(struct rnea_error *error);
+
 /* Unload and free. The caller sees to it that no launch of this robot is still running or captured in a graph that will
    be replayed. NULL is a no-op. */
 void rnea_close(struct rnea_robot *robot);

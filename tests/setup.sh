@@ -21,6 +21,8 @@ setup_list() {
 		tests gnuplot-nox command -v gnuplot
 		tests locales test -e /usr/share/i18n/locales/de_DE
 		tests mandoc command -v mandoc
+		tests libopenmpi-dev command -v mpicc
+		tests openmpi-bin command -v mpirun
 		tests python3-numpy setup_numpy
 		tests python3-dev setup_python_headers
 	END

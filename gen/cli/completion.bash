@@ -1,4 +1,4 @@
-# Completion of rneagen and rnearun for bash.
+# Completion of rneagen, rnearun and rnearun-mpi for bash.
 # shellcheck shell=bash
 
 _rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --derivatives --dynamics --params --refine --jvp --vjp --fext --fext-frame --armature --damping
@@ -84,7 +84,7 @@ _rnearun_common="--backend --device --threads --precision --strict --trig --base
 _rnearun_study="--layout --samples --seed --qd-range --qdd-range --batch $_rnearun_common"
 _rnearun_report="--format --plot $_rnearun_study"
 _rnearun_choose="--max-error --measured $_rnearun_study"
-_rnearun_eval="--in --q --qd --qdd --input -o --out --output --slice $_rnearun_common"
+_rnearun_eval="--in --q --qd --qdd --input -o --out --output --slice --resume $_rnearun_common"
 
 _rnearun() {
 	local current option joined words options
@@ -99,8 +99,9 @@ _rnearun() {
 	--plot) _rneagen_files "$current" .svg ;;
 	--scene | --armature) _rneagen_files "$current" '' ;;
 	--input | --output) ;; # NAME=FILE
+	--device) [[ ${COMP_WORDS[1]} != eval ]] || mapfile -t COMPREPLY < <(compgen -W all -- "$current") ;;
 	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --fext | --snap-angle | --round-constants | --drop-below | --range) ;;
-	--gravity | --order | --device | --threads | --slice | --samples | --seed | --qd-range | --qdd-range | --batch | --max-error) ;;
+	--gravity | --order | --threads | --slice | --samples | --seed | --qd-range | --qdd-range | --batch | --max-error) ;;
 	*)
 		options=_rnearun_${COMP_WORDS[1]}
 		if words=$(_rneagen_words "$option"); then
@@ -115,4 +116,4 @@ _rnearun() {
 }
 
 complete -F _rneagen rneagen
-complete -F _rnearun rnearun
+complete -F _rnearun rnearun rnearun-mpi

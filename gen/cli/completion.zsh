@@ -1,4 +1,4 @@
-#compdef rneagen rnearun
+#compdef rneagen rnearun rnearun-mpi
 # Completion of rneagen and rnearun for zsh.
 
 # Options of both, and of every command of rnearun.
@@ -39,7 +39,6 @@ _rneagen_model=(
 )
 _rnearun_common=(
 	"${_rneagen_model[@]}"
-	'--device=[which GPU]:number:'
 	'--threads=[how many of the processor]:number:'
 	'--quiet[neither progress nor warnings]'
 )
@@ -47,6 +46,7 @@ _rnearun_common=(
 # Of those that compare variants.
 _rnearun_study=(
 	"${_rnearun_common[@]}"
+	'--device=[which GPU]:number:'
 	'--backend=[where to compute]:backend:(cpu cuda all)'
 	'--layout=[how batches lie in memory]:layout:(soa aos)'
 	'--batch=[samples of one launch]:number:'
@@ -87,6 +87,8 @@ _rnearun_eval() {
 		'(-o --out)'{-o,--out}'[the torques]:array:_files -g "*.npy"' \
 		'*--output=[one output of the scene]:name=file:' \
 		'--slice=[samples at a time]:number:' \
+		'--device=[which GPUs]:devices:(all)' \
+		'--resume[go on where a run that ended early has come to]' \
 		'1:robot:_files -g "*.urdf"'
 }
 
@@ -115,5 +117,5 @@ _rnearun() {
 
 case $service in
 rneagen) _rneagen_command ;;
-rnearun) _rnearun ;;
+rnearun | rnearun-mpi) _rnearun ;;
 esac

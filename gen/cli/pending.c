@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/pending.h"
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -59,15 +60,28 @@ static int replace_name(const char *old, char *name)
 	return 0;
 }
 
+/* Is the file of the temporary name still the one that was opened? Another run may have replaced what it takes for remains. */
+static int is_own(const struct pending *p)
+{
+	struct stat st;
+
+	if (stat(p->temporary, &st))
+		return 0;
+	if (st.st_dev == p->device && st.st_ino == p->inode)
+		return 1;
+	errno = ESTALE;
+	return 0;
+}
+
 /* Rename to `path`, or remove if that is NULL. Till then the name stays with the handler. */
 static int end_name(struct pending *p, const char *path)
 {
 	sigset_t before = block_signals();
-	int bad = path ? rename(p->temporary, path) : unlink(p->temporary), why = errno;
+	int own = is_own(p), bad = own ? (path ? rename(p->temporary, path) : unlink(p->temporary)) : -1, why = errno;
 
 	replace_name(p->temporary, NULL);
 	pthread_sigmask(SIG_SETMASK, &before, NULL);
-	if (bad && path)
+	if (bad && path && own)
 		unlink(p->temporary);
 	free(p->temporary);
 	p->temporary = NULL;
@@ -99,26 +113,47 @@ static FILE *create(char *name)
 	return f;
 }
 
-static enum rneagen_code open_temporary(struct pending *p, struct rneagen_error *e)
+static char *join(const char *path, const char *suffix)
 {
-	size_t length = strlen(p->path);
+	size_t length = strlen(path), more = strlen(suffix) + 1;
+	char *name = malloc(length + more);
+
+	if (name) {
+		memcpy(name, path, length);
+		memcpy(name + length, suffix, more);
+	}
+	return name;
+}
+
+static void note_file(struct pending *p)
+{
+	struct stat st;
+
+	if (!fstat(fileno(p->f), &st)) {
+		p->device = st.st_dev;
+		p->inode = st.st_ino;
+	}
+}
+
+/* A file by p->temporary, made by `make`, which the handler knows of if `removes`. */
+static enum rneagen_code open_temporary(struct pending *p, FILE *(*make)(char *), int removes, struct rneagen_error *e)
+{
 	sigset_t before;
 
-	p->temporary = malloc(length + sizeof ".XXXXXX");
 	if (!p->temporary)
 		return error_memory(e);
-	memcpy(p->temporary, p->path, length);
-	memcpy(p->temporary + length, ".XXXXXX", sizeof ".XXXXXX");
 	install_handler();
 	before = block_signals();
-	if (!replace_name(NULL, p->temporary))
+	if (removes && !replace_name(NULL, p->temporary))
 		error_set(e, RNEAGEN_LIMIT, "%s: more than %d files at once", p->path, PENDING_LIMIT);
-	else if (!(p->f = create(p->temporary)))
+	else if (!(p->f = make(p->temporary)))
 		pending_fail(p->path, e);
 	if (e->code) {
 		replace_name(p->temporary, NULL);
 		free(p->temporary);
 		*p = (struct pending){0};
+	} else {
+		note_file(p);
 	}
 	pthread_sigmask(SIG_SETMASK, &before, NULL);
 	return e->code;
@@ -164,10 +199,61 @@ enum rneagen_code pending_open(struct pending *p, const char *path, struct rneag
 	int fd = find_open(path);
 
 	*p = (struct pending){.path = path};
-	if (!pending_is_in_place(path))
-		return open_temporary(p, e);
+	if (!pending_is_in_place(path)) {
+		p->temporary = join(path, ".XXXXXX");
+		return open_temporary(p, create, 1, e);
+	}
 	p->f = fd < 0 ? fopen(path, "wb") : open_again(fd);
 	return p->f ? RNEAGEN_OK : pending_fail(path, e);
+}
+
+/* In the place of what another run left. A link that stands there is not followed. */
+static FILE *create_part(char *name)
+{
+	int fd = unlink(name) && errno != ENOENT ? -1 : open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+	FILE *f = fd < 0 ? NULL : fdopen(fd, "wb");
+
+	if (!f && fd >= 0)
+		close(fd);
+	return f;
+}
+
+static FILE *take_part(char *name)
+{
+	int fd = open(name, O_WRONLY | O_NOFOLLOW | O_CLOEXEC);
+	FILE *f = fd < 0 ? NULL : fdopen(fd, "wb");
+
+	if (!f && fd >= 0)
+		close(fd);
+	return f;
+}
+
+enum rneagen_code pending_open_part(struct pending *p, const char *path, int keeps, struct rneagen_error *e)
+{
+	*p = (struct pending){.path = path, .temporary = join(path, ".part"), .stays = keeps};
+	return open_temporary(p, keeps ? take_part : create_part, !keeps, e);
+}
+
+enum rneagen_code pending_watch_part(struct pending *p, const char *path, struct rneagen_error *e)
+{
+	*p = (struct pending){.path = path, .temporary = join(path, ".part")};
+	return open_temporary(p, take_part, 1, e);
+}
+
+void pending_keep(struct pending *p)
+{
+	sigset_t before = block_signals();
+
+	if (p->temporary)
+		replace_name(p->temporary, NULL);
+	pthread_sigmask(SIG_SETMASK, &before, NULL);
+	p->stays = 1;
+}
+
+void pending_forget(struct pending *p)
+{
+	pending_keep(p);
+	pending_drop(p);
 }
 
 enum rneagen_code pending_close(struct pending *p, struct rneagen_error *e)
@@ -185,9 +271,11 @@ enum rneagen_code pending_close(struct pending *p, struct rneagen_error *e)
 
 enum rneagen_code pending_publish(struct pending *p, struct rneagen_error *e)
 {
-	if (p->temporary && end_name(p, p->path))
-		return pending_fail(p->path, e);
-	return RNEAGEN_OK;
+	if (!p->temporary || !end_name(p, p->path))
+		return RNEAGEN_OK;
+	if (errno == ESTALE)
+		return error_set(e, RNEAGEN_WRITE, "%s: another run has begun to write it", p->path);
+	return pending_fail(p->path, e);
 }
 
 void pending_drop(struct pending *p)
@@ -195,6 +283,8 @@ void pending_drop(struct pending *p)
 	if (p->f)
 		fclose(p->f);
 	p->f = NULL;
-	if (p->temporary)
+	if (p->temporary && !p->stays)
 		end_name(p, NULL);
+	free(p->temporary);
+	p->temporary = NULL;
 }

@@ -7,11 +7,15 @@
 
 #include "base/error.h"
 #include <stdio.h>
+#include <sys/types.h>
 
 struct pending {
 	const char *path; /* the final name; the caller's, must outlive the file */
 	FILE *f;          /* to write to; NULL once closed */
-	char *temporary;  /* private: malloc'ed; NULL if the file is written in place */
+	char *temporary;  /* its name till then, malloc'ed; NULL if the file is written in place */
+	int stays;        /* private, as the rest: it is not removed */
+	dev_t device;
+	ino_t inode;
 };
 
 /* Would a file of this name be written in place? */
@@ -19,6 +23,19 @@ int pending_is_in_place(const char *path);
 
 /* Begin a file. On failure *p is empty. Errors: WRITE, LIMIT (too many at once), MEMORY. */
 enum rneagen_code pending_open(struct pending *p, const char *path, struct rneagen_error *e);
+
+/* Begin a file that others, who know its final name alone, write to as well: it is called PATH.part, and what another run left there
+   is replaced. `keeps`: it is there, its contents stay, and so does it on failure. Errors: as pending_open. */
+enum rneagen_code pending_open_part(struct pending *p, const char *path, int keeps, struct rneagen_error *e);
+
+/* Of such a file that another process has begun: a signal that ends this one removes it, too. Errors: as pending_open. */
+enum rneagen_code pending_watch_part(struct pending *p, const char *path, struct rneagen_error *e);
+
+/* From now on the file stays where this fails or a signal ends the program. */
+void pending_keep(struct pending *p);
+
+/* No longer this process's: nothing is done to the file. An empty *p is a no-op. */
+void pending_forget(struct pending *p);
 
 /* Close the file: all of it is with the system then. On failure it is gone. Error: WRITE. */
 enum rneagen_code pending_close(struct pending *p, struct rneagen_error *e);

@@ -110,17 +110,39 @@ static enum rnea_code choose(struct device *d, int ordinal, struct rnea_error *e
 	return RNEA_OK;
 }
 
-enum rnea_code device_open(struct device *d, int ordinal, struct rnea_error *e)
+/* The driver, ready to be asked. */
+static enum rnea_code begin(struct device *d, struct rnea_error *e)
 {
 	int status;
 
 	memset(d, 0, sizeof *d);
 	if (find_library(d, e) || load_api(d, e))
 		return e->code;
-	if ((status = d->api.init(0)) != 0) {
-		d->absent = status == DEVICE_STATUS_NO_DEVICE || status == DEVICE_STATUS_STUB;
-		return device_failed(d, status, "cuInit", e);
-	}
+	if ((status = d->api.init(0)) == 0)
+		return RNEA_OK;
+	d->absent = status == DEVICE_STATUS_NO_DEVICE || status == DEVICE_STATUS_STUB;
+	return device_failed(d, status, "cuInit", e);
+}
+
+int device_count(struct rnea_error *e)
+{
+	struct device d;
+	int count = 0, status;
+
+	if (!begin(&d, e) && (status = d.api.device_get_count(&count)) != 0)
+		device_failed(&d, status, "cuDeviceGetCount", e);
+	else if (!e->code && !count)
+		rnea_error_set(e, RNEA_NO_DEVICE, "no CUDA device: the driver (%s) shows none", d.library.path);
+	library_close(&d.library);
+	return e->code ? 0 : count;
+}
+
+enum rnea_code device_open(struct device *d, int ordinal, struct rnea_error *e)
+{
+	int status;
+
+	if (begin(d, e))
+		return e->code;
 	if ((status = d->api.driver_get_version(&d->version)) != 0)
 		return device_failed(d, status, "cuDriverGetVersion", e);
 	if (choose(d, ordinal, e))

@@ -141,6 +141,9 @@ struct device_kernel {
    lost. `call` is for the message. */
 enum rnea_code device_failed(const struct device *d, int status, const char *call, struct rnea_error *e);
 
+/* How many devices the driver shows; 0 and an error where there is none. Errors: NO_DRIVER, NO_DEVICE, DRIVER. */
+int device_count(struct rnea_error *e);
+
 /* Find the driver library and retain the primary context of device `ordinal`. `d` is zeroed first, and is fit for
    device_close whatever the outcome. Errors: NO_DRIVER, NO_DEVICE, DRIVER, CONTEXT, DEVICE_MEMORY. */
 enum rnea_code device_open(struct device *d, int ordinal, struct rnea_error *e);

@@ -43,6 +43,7 @@ static int take_common(struct command *c, int key, const char *word)
 	case COMMAND_DEVICE:
 		bad = command_number(c->name, "device", word, 0, INT_MAX, &n);
 		c->open.device = (int)n;
+		c->has_device = 1;
 		return bad;
 	case COMMAND_THREADS:
 		bad = command_number(c->name, "threads", word, 1, 65536, &n);
@@ -73,6 +74,11 @@ int command_check_files(const struct command *c)
 {
 	struct rneagen_error e = {0};
 
+	for (size_t i = 0; c->ranks->are_shared && i < c->read.count; i++)
+		if (!strcmp(c->read.list[i].path, "-"))
+			return option_refuse(c->name,
+				"%s%s-: every rank reads what it needs, and standard input is there for the first one alone; name a file",
+				c->read.list[i].what, *c->read.list[i].what ? " " : "");
 	return file_check(&c->read, &c->written, &e) ? fail_generator(c, &e) : -1;
 }
 
@@ -93,11 +99,12 @@ static int take_urdf(struct command *c, int argc, char **argv)
 	return *c->urdf ? command_note(c, &c->read, "", c->urdf) : option_refuse(c->name, "the name of the URDF is empty");
 }
 
-int command_parse(struct command *c, const struct command_kind *kind, void *own, int argc, char **argv)
+int command_parse(
+	struct command *c, const struct command_kind *kind, void *own, struct ranks *ranks, int argc, char **argv)
 {
 	int key, bad;
 
-	*c = (struct command){.name = kind->name, .generate = rneagen_options_default()};
+	*c = (struct command){.name = kind->name, .generate = rneagen_options_default(), .ranks = ranks};
 	c->generate.layout = RNEAGEN_AOS;
 	while ((key = getopt_long(argc, argv, kind->letters, kind->options, NULL)) != -1) {
 		if (key == OPTION_HELP)
@@ -112,12 +119,27 @@ int command_parse(struct command *c, const struct command_kind *kind, void *own,
 		if (bad)
 			return bad;
 	}
+	c->quiet |= ranks->index != 0;
 	return take_urdf(c, argc, argv);
+}
+
+void command_share(struct command *c)
+{
+	const struct ranks *r = c->ranks;
+	int devices = r->are_shared && !c->has_device && c->open.backend != RNEA_BACKEND_HOST ? rnea_device_count(NULL) : 0;
+
+	if (r->are_shared && !c->open.threads)
+		c->open.threads = r->threads;
+	if (devices)
+		c->open.device = (int)(r->local % (size_t)devices);
 }
 
 int command_fail(const struct command *c, const char *message)
 {
-	fprintf(stderr, "%s: %s\n", c->name, message);
+	if (c->ranks->count > 1)
+		fprintf(stderr, "%s: rank %zu: %s\n", c->name, c->ranks->index, message);
+	else
+		fprintf(stderr, "%s: %s\n", c->name, message);
 	return 1;
 }
 
@@ -150,23 +172,26 @@ static void tell(const struct command *c, const struct rnea_build *build)
 		fprintf(stderr, "%s: what was compiled is not kept for the next time: %s\n", c->name, build->unkept);
 }
 
-int command_open(const struct command *c, const struct file_content *urdf, struct rnea_robot **robot)
+int command_generate(const struct command *c, const struct file_content *urdf, struct rneagen_result *text)
 {
 	struct rneagen_options o = named_options(c);
 	struct rneagen_error e = {0};
-	struct rnea_error error;
-	struct rneagen_result r;
-	int status = 0;
 
 	o.tell = 0;
-	if (rneagen_generate(urdf->bytes, urdf->length, &o, &r, &e))
+	if (rneagen_generate(urdf->bytes, urdf->length, &o, text, &e))
 		return fail_generator(c, &e);
-	for (size_t i = 0; i < r.warning_count && !c->quiet; i++)
-		fprintf(stderr, "%s: warning: %s\n", c->name, r.warnings[i]);
-	if (rnea_open(r.source, strlen(r.source), &c->open, robot, &error))
-		status = command_fail(c, error.message);
-	else if (!c->quiet && isatty(STDERR_FILENO))
+	for (size_t i = 0; i < text->warning_count && !c->quiet; i++)
+		fprintf(stderr, "%s: warning: %s\n", c->name, text->warnings[i]);
+	return 0;
+}
+
+int command_open(const struct command *c, const char *text, struct rnea_robot **robot)
+{
+	struct rnea_error error;
+
+	if (rnea_open(text, strlen(text), &c->open, robot, &error))
+		return command_fail(c, error.message);
+	if (!c->quiet && isatty(STDERR_FILENO))
 		tell(c, rnea_build(*robot));
-	rneagen_result_free(&r);
-	return status;
+	return 0;
 }

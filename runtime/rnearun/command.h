@@ -5,6 +5,7 @@
 #include "passes/analysis.h"
 #include "cli/files.h"
 #include "cli/options.h"
+#include "ranks/ranks.h"
 #include "rnea.h"
 
 /* Filled by command_parse. */
@@ -13,7 +14,8 @@ struct command {
 	const char *urdf;
 	struct rneagen_options generate; /* precision: default unless it was asked for; layout: aos */
 	struct rnea_options open;
-	int quiet;
+	int quiet, has_device;           /* as --device says */
+	struct ranks *ranks;             /* that run it; messages name the one at fault where there are several */
 	struct file_names read, written; /* the URDF and what options read; what the subcommand notes */
 };
 
@@ -31,9 +33,8 @@ enum { COMMAND_BACKEND = OPTION_OWN, COMMAND_DEVICE, COMMAND_THREADS, COMMAND_QU
 	"  --trig accurate|bounded|fast\n"                                                                             \
 	COMMAND_HELP_MODEL
 
-/* The same without what a subcommand may have options of its own for. */
+/* The same without what a subcommand may have options of its own for, as all have for --device. */
 #define COMMAND_HELP_MODEL                                                                                             \
-	"  --device N                 which GPU (default 0)\n"                                                         \
 	"  --threads N                of the processor (default: all)\n"                                               \
 	"  --strict                   the same bits from every compiler, CPU and GPU\n"                                \
 	"  --base fixed|floating      floating: q starts with x y z qx qy qz qw, qd and tau with six rows\n"           \
@@ -53,9 +54,13 @@ struct command_kind {
 };
 
 /* Read a whole command line; `own` is handed to kind->take. Returns -1 to go on, or the exit status. */
-int command_parse(struct command *c, const struct command_kind *kind, void *own, int argc, char **argv);
+int command_parse(
+	struct command *c, const struct command_kind *kind, void *own, struct ranks *ranks, int argc, char **argv);
 
-/* Do the files that are noted all have places of their own? -1 to go on, or the exit status and a message. */
+/* Of ranks of MPI, where the command line says nothing of it, each takes its share of the processors, and the GPU of its number. */
+void command_share(struct command *c);
+
+/* Do the files that are noted all have places of their own, and are they such as ranks can read? -1 to go on, or the exit status and a message. */
 int command_check_files(const struct command *c);
 
 /* Note a file: -1, or the exit status and a message. */
@@ -71,11 +76,12 @@ int command_number(const char *name, const char *option, const char *word, unsig
    2. The caller frees urdf->bytes, and gives *a to analysis_free, in either case. */
 int command_analyse(const struct command *c, struct file_content *urdf, struct analysis *a);
 
-/* Generate and open the robot (not by rnea_open_urdf: that has no warnings to show, and cannot tell whether an option or
-   the robot is at fault). On failure prints a message and returns the exit status, 1 or 2. */
-int command_open(const struct command *c, const struct file_content *urdf, struct rnea_robot **robot);
+/* Generate the text (not by rnea_open_urdf: that has no warnings to show, and cannot tell whether an option or the robot is at
+   fault); open it. On failure print a message and return the exit status, 1 or 2. The caller frees the text in any case. */
+int command_generate(const struct command *c, const struct file_content *urdf, struct rneagen_result *text);
+int command_open(const struct command *c, const char *text, struct rnea_robot **robot);
 
-/* "NAME: MESSAGE" on standard error; returns the exit status 1. */
+/* "NAME: MESSAGE" on standard error, of several ranks "NAME: rank N: MESSAGE"; returns the exit status 1. */
 int command_fail(const struct command *c, const char *message);
 
 #endif

@@ -3,7 +3,7 @@
 #include "cli/files.h"
 #include "cli/options.h"
 #include "study/run_choose.h"
-#include "rnearun/run_eval.h"
+#include "eval/run_eval.h"
 #include "study/run_report.h"
 #include <signal.h>
 #include <string.h>
@@ -18,12 +18,13 @@ static const char HELP[] =
 	"  choose     the fastest variant that is close enough\n"
 	"  --help, --version\n"
 	"\n"
+	"mpirun -n N rnearun-mpi COMMAND ... is the same by N ranks of MPI.\n"
 	"rnearun COMMAND --help tells about one. Exit status: 0 done, 1 the robot or a file is at fault, 2 the command line is\n";
 
 /* Each is given the command line from its own name on, and returns the exit status. */
 static const struct subcommand {
 	const char *name;
-	int (*run)(int argc, char **argv);
+	int (*run)(struct ranks *ranks, int argc, char **argv);
 } SUBCOMMANDS[] = {
 	{"eval", run_eval},
 	{"report", run_report},
@@ -32,20 +33,33 @@ static const struct subcommand {
 
 enum { SUBCOMMAND_COUNT = sizeof SUBCOMMANDS / sizeof *SUBCOMMANDS };
 
-int main(int argc, char **argv)
+static int run(struct ranks *ranks, int argc, char **argv)
 {
 	const char *word = argc > 1 ? argv[1] : "";
 
-	/* a file that grows too large is an error like any other */
-	signal(SIGXFSZ, SIG_IGN);
 	if (!strcmp(word, "--help"))
 		return file_put_stdout(HELP) ? 1 : 0;
 	if (!strcmp(word, "--version"))
 		return file_put_stdout("rnearun " RNEAGEN_VERSION "\n") ? 1 : 0;
 	for (int i = 0; i < SUBCOMMAND_COUNT; i++)
 		if (!strcmp(word, SUBCOMMANDS[i].name))
-			return SUBCOMMANDS[i].run(argc - 1, argv + 1);
+			return SUBCOMMANDS[i].run(ranks, argc - 1, argv + 1);
 	if (argc < 2)
 		return option_refuse("rnearun", "no command named");
 	return option_refuse("rnearun", *word == '-' ? "option '%s' is not known" : "command '%s' is not known", word);
+}
+
+int main(int argc, char **argv)
+{
+	struct ranks ranks;
+	int status;
+
+	/* a file that grows too large is an error like any other */
+	signal(SIGXFSZ, SIG_IGN);
+	if (!ranks_open(&ranks, &argc, &argv))
+		return 1;
+	status = ranks_agree(&ranks, run(&ranks, argc, argv));
+	ranks_close(&ranks);
+	/* mpirun tells of the rank that ends with another status than 0 */
+	return ranks.is_at_fault ? status : 0;
 }

@@ -20,13 +20,13 @@ static enum rneagen_code fail_read(const struct npy *n, struct rneagen_error *e)
 	return error_set(e, RNEAGEN_READ, "%s: cannot be read: %s", n->path, strerror(errno));
 }
 
-/* Read on until `size` bytes are there or the file ends; how many they are, or -1. */
-static ssize_t read_all(int fd, char *to, size_t size)
+/* Read on until `size` bytes are there or the file ends; how many they are, or -1. From byte `place`; -1: where it stands. */
+static ssize_t read_all(int fd, char *to, size_t size, off_t place)
 {
 	size_t have = 0;
 
 	while (have < size) {
-		ssize_t got = read(fd, to + have, size - have);
+		ssize_t got = place < 0 ? read(fd, to + have, size - have) : pread(fd, to + have, size - have, place + (off_t)have);
 
 		if (got < 0 && errno == EINTR)
 			continue;
@@ -39,10 +39,11 @@ static ssize_t read_all(int fd, char *to, size_t size)
 	return (ssize_t)have;
 }
 
-/* Exactly `size` bytes. */
-static enum rneagen_code read_exact(struct npy *n, void *to, size_t size, const char *what, struct rneagen_error *e)
+/* Exactly `size` bytes; `place` as read_all has it. */
+static enum rneagen_code read_exact(
+	struct npy *n, void *to, size_t size, off_t place, const char *what, struct rneagen_error *e)
 {
-	ssize_t got = read_all(n->fd, to, size);
+	ssize_t got = read_all(n->fd, to, size, place);
 
 	if (got < 0)
 		return fail_read(n, e);
@@ -57,7 +58,7 @@ static enum rneagen_code read_preamble(struct npy *n, size_t *length, struct rne
 	unsigned char b[12] = {0};
 	size_t wide;
 
-	if (read_exact(n, b, 8, "the first 8 bytes", e))
+	if (read_exact(n, b, 8, -1, "the first 8 bytes", e))
 		return e->code;
 	if (memcmp(b, "\x93NUMPY", 6) != 0)
 		return error_set(e, RNEAGEN_READ, "%s: not a .npy file; numpy.save writes them", n->path);
@@ -65,7 +66,7 @@ static enum rneagen_code read_preamble(struct npy *n, size_t *length, struct rne
 		return error_set(
 			e, RNEAGEN_READ, "%s: .npy version %d.%d; 1.0, 2.0 and 3.0 can be read", n->path, b[6], b[7]);
 	wide = b[6] == 1 ? 2 : 4;
-	if (read_exact(n, b + 8, wide, "the header", e))
+	if (read_exact(n, b + 8, wide, -1, "the header", e))
 		return e->code;
 	*length = (size_t)b[8] | (size_t)b[9] << 8 | (size_t)b[10] << 16 | (size_t)b[11] << 24;
 	n->data = 8 + wide + *length;
@@ -80,7 +81,7 @@ static enum rneagen_code read_header(struct npy *n, struct rneagen_error *e)
 	off_t start = lseek(n->fd, 0, SEEK_CUR);
 	size_t length = 0;
 
-	if (read_preamble(n, &length, e) || read_exact(n, n->buffer, length, "the header", e))
+	if (read_preamble(n, &length, e) || read_exact(n, n->buffer, length, -1, "the header", e))
 		return e->code;
 	n->data += start > 0 ? (uint64_t)start : 0;
 	return npy_parse(n, n->buffer, length, e);
@@ -128,6 +129,25 @@ enum rneagen_code npy_open(struct npy *n, const char *path, struct rneagen_error
 	if (e->code)
 		npy_close(n);
 	return e->code;
+}
+
+enum rneagen_code npy_again(struct npy *n, const struct npy *from, struct rneagen_error *e)
+{
+	*n = *from;
+	n->fd = fcntl(from->fd, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+	n->buffer = malloc(BUFFER);
+	if (n->fd < 0)
+		fail_read(n, e);
+	else if (!n->buffer)
+		error_memory(e);
+	if (e->code)
+		npy_close(n);
+	return e->code;
+}
+
+void npy_seek(struct npy *n, uint64_t sample)
+{
+	n->at = sample;
 }
 
 void npy_close(struct npy *n)
@@ -192,8 +212,10 @@ static enum rneagen_code read_rows(struct npy *n, size_t count, enum rnea_scalar
 	size_t size = scalar_size(n->scalar), row = n->columns * size, most = BUFFER / row;
 
 	for (size_t done = 0, now; done < count; done += now) {
+		off_t place = n->regular ? (off_t)(n->data + (n->at + done) * row) : -1;
+
 		now = count - done < most ? count - done : most;
-		if (read_exact(n, n->buffer, now * row, "the array", e))
+		if (read_exact(n, n->buffer, now * row, place, "the array", e))
 			return e->code;
 		if (n->swapped)
 			swap_bytes(n->buffer, now * n->columns, size);
@@ -212,11 +234,9 @@ static enum rneagen_code read_column(struct npy *n, size_t count, enum rnea_scal
 	size_t size = scalar_size(n->scalar), most = BUFFER / size;
 	uint64_t place = n->data + ((uint64_t)(p->first + column) * n->samples + n->at) * size;
 
-	if (lseek(n->fd, (off_t)place, SEEK_SET) < 0)
-		return fail_read(n, e);
 	for (size_t done = 0, now; done < count; done += now) {
 		now = count - done < most ? count - done : most;
-		if (read_exact(n, n->buffer, now * size, "the array", e))
+		if (read_exact(n, n->buffer, now * size, (off_t)(place + done * size), "the array", e))
 			return e->code;
 		if (n->swapped)
 			swap_bytes(n->buffer, now, size);
@@ -229,7 +249,7 @@ static enum rneagen_code read_column(struct npy *n, size_t count, enum rnea_scal
 /* Nothing may follow the array in a pipe. */
 static enum rneagen_code expect_end(struct npy *n, struct rneagen_error *e)
 {
-	ssize_t got = n->regular ? 0 : read_all(n->fd, n->buffer, 1);
+	ssize_t got = n->regular ? 0 : read_all(n->fd, n->buffer, 1, -1);
 
 	if (got < 0)
 		return fail_read(n, e);

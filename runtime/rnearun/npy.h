@@ -29,14 +29,20 @@ struct npy {
 	int fortran;      /* 1: columns are contiguous; the file is then read at several places */
 	int swapped;      /* 1: of the other byte order than this machine's */
 	int fd;           /* private, as the rest; -1: closed */
-	int regular;
-	uint64_t data, at; /* where elements begin in the file; samples read so far */
+	int regular;       /* 1: samples can be read in any order */
+	uint64_t data, at; /* where elements begin in the file; the next sample */
 	char *buffer;
 };
 
 /* Open the file at `path`, "-" for standard input, and read its header. A regular file must be exactly as long as its
    header says. On failure *n is closed. Errors: READ, MEMORY. */
 enum rneagen_code npy_open(struct npy *n, const char *path, struct rneagen_error *e);
+
+/* The open file once more, to be read by another thread; *n is to be closed as well. On failure it is. Errors: READ, MEMORY. */
+enum rneagen_code npy_again(struct npy *n, const struct npy *from, struct rneagen_error *e);
+
+/* Of a regular file: which sample is next. */
+void npy_seek(struct npy *n, uint64_t sample);
 
 /* A run of columns of every sample and where it goes: `to`[sample][columns]. */
 struct npy_part {
@@ -52,8 +58,9 @@ enum rneagen_code npy_read(struct npy *n, size_t count, enum rnea_scalar scalar,
 /* Safe on one that is closed. */
 void npy_close(struct npy *n);
 
-/* A header of version 1.0 for an array in C order and this machine's byte order; errors stay with the stream. */
-void npy_put_header(FILE *f, enum rnea_scalar scalar, const struct npy_shape *shape);
+/* A header of version 1.0 for an array in C order and this machine's byte order; errors stay with the stream. Returns its
+   bytes; NULL: they are counted alone. */
+size_t npy_put_header(FILE *f, enum rnea_scalar scalar, const struct npy_shape *shape);
 
 /* "(1000, 7)", as NumPy writes it. */
 void npy_shape_text(const struct npy_shape *shape, char *text, size_t size);

@@ -52,10 +52,31 @@ static void put_cell(FILE *out, int width, int digits, char kind, double x)
 	fprintf(out, " %*s", width, text);
 }
 
-static void put_row(const struct study_row *r, FILE *out)
+/* "all", or the number of a rank; nothing where there is one. */
+static const char *rank_text(const struct report *r, size_t rank, char text[24])
+{
+	snprintf(text, 24, rank == r->ranks ? "all" : "%zu", rank);
+	return r->ranks ? text : "";
+}
+
+/* The row of a rank; of all, where it is beyond the last. */
+static const struct study_row *row_of(const struct report *r, size_t rank, size_t i)
+{
+	return rank == r->ranks ? &r->rows[i] : &r->each[rank * r->count + i];
+}
+
+/* All, then rank after rank: the k-th of these. */
+static size_t kth_rank(const struct report *r, size_t k)
+{
+	return k ? k - 1 : r->ranks;
+}
+
+static void put_row(const struct study_row *r, const char *rank, FILE *out)
 {
 	char same[SAME];
 
+	if (*rank)
+		fprintf(out, "%4s ", rank);
 	fprintf(out, "%-7s %-9s %-8s %-6s %8zu", study_backend_name(r->backend), emit_precision_name(r->precision),
 		emit_trig_name(r->trig), emit_layout_name(r->layout), r->batch);
 	put_cell(out, 10, 4, 'g', r->ns);
@@ -89,6 +110,7 @@ static void put_inputs(const struct report *r, FILE *out)
 void report_put_table(const struct report *r, FILE *out)
 {
 	const struct study *s = r->study;
+	char rank[24];
 
 	fprintf(out, "robot %s, %s, seed %llu, errors over %zu samples against %s\n", s->analysis.robot.name, r->date,
 		s->options->sample.seed, s->options->sample.count, JUDGE_TEXT);
@@ -98,22 +120,29 @@ void report_put_table(const struct report *r, FILE *out)
 	for (int i = 0; i < s->backend_count; i++)
 		fprintf(out, "%s: %s, %s, %s\n", study_backend_name(s->backends[i].backend), s->backends[i].device,
 			s->backends[i].target, s->backends[i].compiler);
-	fprintf(out, "\nbackend precision trig     layout    batch  ns/sample spread  floor error max error rms  terms"
-		     " bound max    model regs  spill  compile  same code\n");
+	if (r->ranks)
+		fprintf(out, "%zu ranks at the same time: what a sample takes all of them together, and each\n", r->ranks);
+	fprintf(out, "\n%sbackend precision trig     layout    batch  ns/sample spread  floor error max error rms  terms"
+		     " bound max    model regs  spill  compile  same code\n",
+		r->ranks ? "rank " : "");
 	for (size_t i = 0; i < r->count; i++)
-		put_row(&r->rows[i], out);
+		for (size_t k = 0; k <= r->ranks; k++)
+			put_row(row_of(r, kth_rank(r, k), i), rank_text(r, kth_rank(r, k), rank), out);
 }
 
 /* ---- JSON ---- */
 
-static void put_json_row(const struct study_row *row, struct text *out)
+static void put_json_row(const struct study_row *row, const char *rank, struct text *out)
 {
 	struct field f[FIELDS];
 	char number[40], same[SAME];
 
 	list_fields(row, f);
 	study_same(row, "\", \"", same, sizeof same);
-	text_printf(out, "{\"backend\": \"%s\", \"precision\": \"%s\", \"trig\": \"%s\", \"layout\": \"%s\"",
+	text_put(out, "{");
+	if (*rank)
+		text_printf(out, strcmp(rank, "all") ? "\"rank\": %s, " : "\"rank\": \"%s\", ", rank);
+	text_printf(out, "\"backend\": \"%s\", \"precision\": \"%s\", \"trig\": \"%s\", \"layout\": \"%s\"",
 		study_backend_name(row->backend), emit_precision_name(row->precision), emit_trig_name(row->trig),
 		emit_layout_name(row->layout));
 	for (int i = 0; i < FIELDS; i++) {
@@ -148,6 +177,7 @@ static void put_json_string(struct text *out, const char *name, const char *valu
 void report_put_json(const struct report *r, struct text *out)
 {
 	const struct study *s = r->study;
+	char rank[24];
 
 	text_put(out, "{\n");
 	put_json_string(out, "robot", s->analysis.robot.name);
@@ -164,36 +194,44 @@ void report_put_json(const struct report *r, struct text *out)
 		put_json_backend(&s->backends[i], out);
 	}
 	text_put(out, "\n  ],\n  \"rows\": [");
-	for (size_t i = 0; i < r->count; i++) {
+	for (size_t i = 0; i < r->count * (r->ranks + 1); i++) {
+		size_t k = kth_rank(r, i % (r->ranks + 1));
+
 		text_put(out, i ? ",\n    " : "\n    ");
-		put_json_row(&r->rows[i], out);
+		put_json_row(row_of(r, k, i / (r->ranks + 1)), rank_text(r, k, rank), out);
 	}
 	text_put(out, "\n  ]\n}\n");
 }
 
 /* ---- CSV ---- */
 
-void report_put_csv(const struct report *r, FILE *out)
+static void put_csv_row(const struct study_row *row, const char *rank, FILE *out)
 {
 	struct field f[FIELDS];
 	char number[40], same[SAME];
 
-	fprintf(out, "backend,precision,trig,layout");
+	list_fields(row, f);
+	fprintf(out, "%s%s%s,%s,%s,%s", rank, *rank ? "," : "", study_backend_name(row->backend), emit_precision_name(row->precision),
+		emit_trig_name(row->trig), emit_layout_name(row->layout));
+	for (int i = 0; i < FIELDS; i++) {
+		number_text(f[i].value, "", number, sizeof number);
+		fprintf(out, ",%s", number);
+	}
+	study_same(row, " ", same, sizeof same);
+	fprintf(out, ",%s\n", same);
+}
+
+void report_put_csv(const struct report *r, FILE *out)
+{
+	struct field f[FIELDS];
+	char rank[24];
+
+	fprintf(out, "%sbackend,precision,trig,layout", r->ranks ? "rank," : "");
 	list_fields(&(struct study_row){.registers = -1}, f);
 	for (int i = 0; i < FIELDS; i++)
 		fprintf(out, ",%s", f[i].name);
 	fputs(",same_code\n", out);
-	for (size_t k = 0; k < r->count; k++) {
-		const struct study_row *row = &r->rows[k];
-
-		list_fields(row, f);
-		fprintf(out, "%s,%s,%s,%s", study_backend_name(row->backend), emit_precision_name(row->precision),
-			emit_trig_name(row->trig), emit_layout_name(row->layout));
-		for (int i = 0; i < FIELDS; i++) {
-			number_text(f[i].value, "", number, sizeof number);
-			fprintf(out, ",%s", number);
-		}
-		study_same(row, " ", same, sizeof same);
-		fprintf(out, ",%s\n", same);
-	}
+	for (size_t i = 0; i < r->count; i++)
+		for (size_t k = 0; k <= r->ranks; k++)
+			put_csv_row(row_of(r, kth_rank(r, k), i), rank_text(r, kth_rank(r, k), rank), out);
 }

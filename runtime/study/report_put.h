@@ -10,6 +10,8 @@ struct report {
 	const struct study *study;
 	const struct study_row *rows;
 	size_t count;
+	const struct study_row *each; /* where there are several ranks: the rows of each, one rank's after another; rows[] are of all */
+	size_t ranks;                 /* else 0 */
 	const char *command; /* the command line */
 	const char *scene;   /* as options; "" where there is none */
 	char date[32];       /* "2026-11-21T06:30:00Z" */

@@ -252,7 +252,7 @@ static int choose(struct choosing *c)
 	return status;
 }
 
-int run_choose(int argc, char **argv)
+int run_choose(struct ranks *ranks, int argc, char **argv)
 {
 	static const struct command_kind kind = {"rnearun choose", HELP, OPTIONS, ":", take};
 	struct choosing c = {.options = study_options_default()};
@@ -260,7 +260,7 @@ int run_choose(int argc, char **argv)
 
 	c.options.batches[0] = 65536;
 	c.options.batch_count = 1;
-	status = command_parse(&c.command, &kind, &c, argc, argv);
+	status = command_parse(&c.command, &kind, &c, ranks, argc, argv);
 	if (status < 0 && c.max_error == 0)
 		status = option_refuse(c.command.name, "no error named: --max-error E");
 	if (status < 0 && c.options.batch_count != 1)
@@ -269,8 +269,9 @@ int run_choose(int argc, char **argv)
 		status = command_note(&c.command, &c.command.written, "", "-");
 	if (status < 0)
 		status = command_check_files(&c.command);
+	command_share(&c.command);
 	if (status < 0)
-		status = choose(&c);
+		status = ranks->index ? 0 : choose(&c); /* for others to wait is all that is of use */
 	command_free(&c.command);
 	return status;
 }

@@ -3,6 +3,8 @@
 #include "study/run_report.h"
 #include "study/plot.h"
 #include "tell/scene_put.h"
+#include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -35,7 +37,7 @@ struct reporting {
 	int format;
 	const char *plot;
 	struct study study;
-	struct study_row *rows;
+	struct study_row *rows, *each; /* of this rank, then of all together; of each where there are several */
 	struct arena arena; /* of the command line */
 	struct text words;
 };
@@ -57,38 +59,100 @@ static int take(void *own, const char *name, int key, const char *word)
 	return *word ? 0 : option_refuse(name, "the name of a file is empty");
 }
 
-/* Rows of one variant, one for each batch. */
-static enum rneagen_code measure_variant(struct reporting *r, int variant)
+/* -1, or the exit status and the message of what has failed. */
+static int tell(const struct reporting *r)
+{
+	return r->study.error.code ? command_fail(&r->command, r->study.error.message) : -1;
+}
+
+/* Rows of one variant, one for each batch; ranks begin each at the same time. -1, or the exit status of all ranks. */
+static int measure_variant(struct reporting *r, int variant)
 {
 	struct study *s = &r->study;
 	struct study_row *row = &r->rows[variant * r->options.batch_count];
 	struct rnea_robot *robot = NULL;
+	int status;
 
 	*row = s->variants[variant];
 	if (!study_bound(s, row))
 		study_build(s, row, &robot);
-	for (int i = 0; i < r->options.batch_count && !s->error.code; i++) {
+	status = ranks_agree(r->command.ranks, tell(r));
+	for (int i = 0; i < r->options.batch_count && status < 0; i++) {
 		row[i] = row[0];
 		study_time(s, robot, &row[i], r->options.batches[i]);
+		status = ranks_agree(r->command.ranks, tell(r));
 	}
 	rnea_close(robot);
-	return s->error.code;
+	return status;
 }
 
-/* Rows for all variants, or a message. */
+/* All ranks have the same variants, or a message. */
+static int check_variants(struct reporting *r)
+{
+	uint64_t count = (uint64_t)r->study.variant_count;
+
+	if (ranks_tell(r->command.ranks, count) != count)
+		error_set(&r->study.error, RNEAGEN_UNSUPPORTED,
+			"this machine has other backends, or other variants, than the first rank's; name what all have by --backend and --trig");
+	return tell(r);
+}
+
+/* Rows for all variants: -1, or the exit status and a message. */
 static int measure(struct reporting *r)
 {
 	struct study *s = &r->study;
+	size_t count = (size_t)s->variant_count * (size_t)r->options.batch_count + 1;
+	int status = ranks_agree(r->command.ranks, check_variants(r));
 
-	r->rows = calloc((size_t)s->variant_count * (size_t)r->options.batch_count + 1, sizeof *r->rows);
-	if (!r->rows)
+	r->rows = calloc(count, sizeof *r->rows);
+	r->each = calloc(count * r->command.ranks->count, sizeof *r->each);
+	if (!r->rows || !r->each)
 		error_memory(&s->error);
-	for (int i = 0; i < s->variant_count && !s->error.code; i++) {
+	if (status < 0)
+		status = ranks_agree(r->command.ranks, tell(r));
+	for (int i = 0; i < s->variant_count && status < 0; i++) {
 		study_show(s, i, &s->variants[i]);
-		measure_variant(r, i);
+		status = measure_variant(r, i);
 	}
 	progress_end(&s->progress);
-	return s->error.code ? command_fail(&r->command, s->error.message) : 0;
+	return status;
+}
+
+/* What several ranks do together, at the same time; of errors the largest. `step` rows lie between those of two ranks. */
+static void sum_up(struct study_row *sum, const struct study_row *each, size_t ranks, size_t step)
+{
+	double speed = 0, best = 0, floor = 0, squares = 0;
+
+	*sum = *each;
+	for (size_t k = 0; k < ranks; k++) {
+		const struct study_row *row = &each[k * step];
+
+		speed += 1 / row->ns;
+		best += 1 / row->least;
+		floor += 1 / (row->floor_ratio * row->ns);
+		squares += row->errors.rms * row->errors.rms / (double)ranks;
+		sum->spread = fmax(sum->spread, row->spread);
+		sum->errors.max = fmax(sum->errors.max, row->errors.max);
+		sum->errors.terms = fmax(sum->errors.terms, row->errors.terms);
+		sum->compile_ms = fmax(sum->compile_ms, row->compile_ms);
+	}
+	sum->ns = 1 / speed;
+	sum->least = 1 / best;
+	sum->floor_ratio = speed / floor;
+	sum->errors.rms = sqrt(squares);
+}
+
+static void gather(struct reporting *r, struct report *report)
+{
+	struct ranks *ranks = r->command.ranks;
+
+	if (ranks->count < 2)
+		return;
+	ranks_gather(ranks, r->rows, report->count * sizeof *r->rows, r->each);
+	for (size_t i = 0; i < report->count; i++)
+		sum_up(&r->rows[i], &r->each[i], ranks->count, report->count);
+	report->each = r->each;
+	report->ranks = ranks->count;
 }
 
 /* The command line as it was given: getopt_long will change the order of its words. */
@@ -142,14 +206,18 @@ static int report(struct reporting *r)
 
 	if (!status && !r->study.variant_count)
 		status = command_fail(&r->command, "no backend is there");
-	if (!status)
+	status = ranks_agree(r->command.ranks, status ? status : -1);
+	if (status < 0)
 		status = measure(r);
-	if (status)
+	if (status >= 0)
 		return status;
 	report.command = text_string(&r->words);
 	report.scene = scene_of(r);
 	report.rows = r->rows;
 	report.count = (size_t)r->study.variant_count * (size_t)r->options.batch_count;
+	gather(r, &report);
+	if (r->command.ranks->index)
+		return 0;
 	strftime(report.date, sizeof report.date, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
 	status = print(r, &report);
 	if (!status && r->plot && plot_write(&report, r->plot, &r->study.error))
@@ -168,7 +236,7 @@ static int check_files(struct reporting *r)
 	return status < 0 ? command_check_files(c) : status;
 }
 
-int run_report(int argc, char **argv)
+int run_report(struct ranks *ranks, int argc, char **argv)
 {
 	static const struct command_kind kind = {"rnearun report", HELP, OPTIONS, ":", take};
 	struct reporting r = {.options = study_options_default()};
@@ -180,9 +248,11 @@ int run_report(int argc, char **argv)
 	r.options.batches[2] = 1048576;
 	r.options.batch_count = 3;
 	put_command(&r, argc, argv);
-	status = command_parse(&r.command, &kind, &r, argc, argv);
+	status = command_parse(&r.command, &kind, &r, ranks, argc, argv);
 	if (status < 0)
 		status = check_files(&r);
+	status = ranks_agree(ranks, status);
+	command_share(&r.command);
 	if (status < 0) {
 		status = report(&r);
 		study_close(&r.study);
@@ -190,5 +260,6 @@ int run_report(int argc, char **argv)
 	command_free(&r.command);
 	arena_free(&r.arena);
 	free(r.rows);
+	free(r.each);
 	return status;
 }

@@ -87,6 +87,7 @@ enum { STUDY_BACKEND = COMMAND_OWN, STUDY_PRECISION, STUDY_TRIG, STUDY_LAYOUT, S
 	"                             several, by commas (default: all, f32x2 on GPUs alone); so the next two\n"       \
 	"  --trig accurate|bounded|fast\n"                                                                             \
 	"  --layout soa|aos\n"                                                                                         \
+	"  --device N                 which GPU (default 0)\n"                                                         \
 	"  --samples N                samples of all inputs in which errors are measured (default 1000)\n"             \
 	"  --seed N                   of the samples (default 1)\n"                                                    \
 	"  --qd-range X               short for --range qd=-X,X\n"                                                     \

@@ -59,6 +59,9 @@ struct fake_work {
 /* Do it now, or when the stream is waited for, if fake_cuda_defer said so. */
 int fake_enqueue(void *stream, const struct fake_work *work);
 
+/* Tell RNEA_FAKE_CUDA_LAUNCHES which device is current. */
+void fake_note_launch(void);
+
 /* Run now; one launch at a time. */
 void fake_run(const struct fake_launch *launch);
 

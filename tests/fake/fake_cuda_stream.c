@@ -156,6 +156,7 @@ int cuLaunchKernel(void *function, unsigned gx, unsigned gy, unsigned gz, unsign
 	for (unsigned i = 0; i < launch.kernel->count; i++)
 		memcpy(&launch.parameters[i], parameters[i], sizeof launch.parameters[i]);
 	threads = bx;
+	fake_note_launch();
 	if (graph)
 		return record(graph, &launch);
 	work.launch = launch;
