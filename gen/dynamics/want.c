@@ -89,7 +89,7 @@ static struct ref power(const struct tour *r)
 
 static int output_of(const struct build *b, enum want_kind kind)
 {
-	for (int i = 0; i < b->k->want_count; i++)
+	for (int i = 0; i < b->k->made_count; i++)
 		if (b->k->wants[i].kind == kind)
 			return b->outputs[i];
 	return -1;
@@ -120,7 +120,7 @@ static void begin_recursion(struct build *b, const struct tour *r)
 
 		arguments[by] = serves ? output_of(b, BY_RECURSION[by]) : -1;
 		is_used |= arguments[by] >= 0 || (serves && output_of(b, SOLVED[by]) >= 0);
-		for (int i = 0; i < b->k->want_count && serves; i++)
+		for (int i = 0; i < b->k->made_count && serves; i++)
 			b->done[i] |= b->k->wants[i].kind == BY_RECURSION[by] || b->k->wants[i].kind == SOLVED[by];
 	}
 	if (is_used)
@@ -231,6 +231,7 @@ static void run_main(struct build *b, struct joint_inputs in)
 	if (b->recursion.r && !b->d->failed)
 		end_recursion(b);
 	output_scalars(b, &r);
+	b->torques = r.tau;
 	gradient_outputs(&r, b->forward, b->outputs, b->done);
 }
 
@@ -247,7 +248,7 @@ static int is_gravity_alone(const struct build *b)
 {
 	const struct request *k = b->k;
 
-	for (int i = 0; i < k->want_count; i++)
+	for (int i = 0; i < k->made_count; i++)
 		if (k->wants[i].kind != WANT_TAU && k->wants[i].kind != WANT_GRAVITY && k->wants[i].kind != WANT_POTENTIAL)
 			return 0;
 	return (!request_wants(k, WANT_TAU) || (is_zero(k->qd, b->t->nv) && is_zero(k->qdd, b->t->nv))) && !k->push_count;
@@ -261,8 +262,8 @@ static int alloc(struct build *b)
 	b->gravity = arena_alloc(a, 3, sizeof *b->gravity);
 	b->parameters = arena_alloc(a, (size_t)b->t->body_count, sizeof(struct parameters *));
 	b->pushed = arena_alloc(a, (size_t)b->k->push_count, sizeof *b->pushed);
-	b->outputs = arena_alloc(a, (size_t)b->k->want_count, sizeof *b->outputs);
-	b->done = arena_alloc(a, (size_t)b->k->want_count, 1);
+	b->outputs = arena_alloc(a, (size_t)b->k->made_count, sizeof *b->outputs);
+	b->done = arena_alloc(a, (size_t)b->k->made_count, 1);
 	return !a->failed;
 }
 
@@ -272,7 +273,7 @@ static struct argument output(const struct request *k, const struct want *w)
 		[WANT_WRENCH] = ROLE_JOINT_WRENCH, [WANT_TWIST] = ROLE_LINK_TWIST, [WANT_ACCEL] = ROLE_LINK_ACCELERATION,
 		[WANT_POWER] = ROLE_POWER, [WANT_KINETIC] = ROLE_KINETIC_ENERGY, [WANT_POTENTIAL] = ROLE_POTENTIAL_ENERGY,
 		[WANT_DTAU_DQ] = ROLE_DTAU_DQ, [WANT_DTAU_DQD] = ROLE_DTAU_DQD, [WANT_MASS] = ROLE_MASS_MATRIX,
-		[WANT_DTAU_DFREED] = ROLE_DTAU_DFREED, [WANT_JVP] = ROLE_JVP, [WANT_VJP] = ROLE_VJP, [WANT_QDD] = ROLE_JOINT_ACCELERATION,
+		[WANT_DTAU_DFREED] = ROLE_DTAU_DFREED, [WANT_JVP] = ROLE_JVP, [WANT_VJP] = ROLE_VJP, [WANT_VJP_BY] = ROLE_VJP, [WANT_QDD] = ROLE_JOINT_ACCELERATION,
 		[WANT_MINV] = ROLE_MASS_MATRIX_INVERSE, [WANT_DQDD_DQ] = ROLE_DQDD_DQ, [WANT_DQDD_DQD] = ROLE_DQDD_DQD,
 		[WANT_DQDD_DFREED] = ROLE_DQDD_DFREED, [WANT_QDD_BOUND] = ROLE_JOINT_ACCELERATION_BOUND,
 		[WANT_REGRESSOR] = ROLE_REGRESSOR};
@@ -282,20 +283,31 @@ static struct argument output(const struct request *k, const struct want *w)
 		.of = by_freed ? k->freed[w->body].word : after_point(w->word)};
 }
 
+/* The vectors of products. */
+static void declare_vectors(const struct build *b)
+{
+	const struct request *k = b->k;
+
+	if (request_wants(k, WANT_JVP))
+		dag_argument_of(b->d, (struct argument){.name = "jvp_v", .rows = 3 * b->t->nv, .role = ROLE_TANGENT});
+	for (int i = 0; i < k->by_count && request_wants(k, WANT_JVP); i++)
+		dag_argument_of(b->d, (struct argument){.name = k->by[i].direction, .rows = k->by[i].rows, .per_batch = k->by[i].per_batch,
+			.role = ROLE_TANGENT, .of = k->by[i].word});
+	if (request_wants(k, WANT_VJP))
+		dag_argument_of(b->d, (struct argument){.name = "vjp_v", .rows = k->vjp.rows, .role = ROLE_COTANGENT});
+}
+
 /* Inputs of the request, besides q, qd and qdd and what is freed; then its outputs. */
 static void declare_request(const struct build *b)
 {
-	int nv = b->t->nv;
-
 	for (int i = 0; i < b->k->push_count; i++)
 		b->pushed[i] = dag_argument_of(b->d, (struct argument){.name = b->k->pushes[i].argument, .rows = 6,
 			.role = ROLE_LINK_WRENCH, .of = after_point(b->k->pushes[i].word)});
-	if (request_wants(b->k, WANT_JVP))
-		dag_argument_of(b->d, (struct argument){.name = "jvp_v", .rows = 3 * nv, .role = ROLE_TANGENT});
-	if (request_wants(b->k, WANT_VJP))
-		dag_argument_of(b->d, (struct argument){.name = "vjp_v", .rows = nv, .role = ROLE_COTANGENT});
+	declare_vectors(b);
 	for (int i = 0; i < b->k->want_count; i++)
 		b->outputs[i] = dag_argument_of(b->d, output(b->k, &b->k->wants[i]));
+	for (int i = b->k->want_count; i < b->k->made_count; i++)
+		b->outputs[i] = DAG_UNSTORED + i;
 }
 
 /* Derivatives of qdd take a tour of their own at the qdd found. What both tours have in common waits from one to the other, where
@@ -347,6 +359,8 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 		run_main(&b, in);
 	run_bias(&b, in);
 	run_gravity(&b, in, output_of(&b, WANT_GRAVITY), output_of(&b, WANT_POTENTIAL));
+	product_outputs(&b, in);
+	dag_forget(d);
 	if (k->is_forward)
 		dag_substitute(d, forward.qdd);
 }

@@ -53,6 +53,8 @@ static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driv
 	[SECTION_REFINED] = "M d = r;  qdd += d",
 	[SECTION_REGRESSOR] = "W, V of the body by a unit rate of each joint on the way here: W = R'W_p, V = R'(V_p + W_p x p);\n\t   "
 		"their power V.f + W.n by a unit of m: V.a;  of h: U'V + a x W;  of I: W.(I dw + w x I w)",
+	[SECTION_SWEEPS] = "of the outputs y by the state x and other inputs, dqdd = M^-1 (dtau - dID) where qdd is found:\n\t   "
+		"jvp = dy/dx jvp_v, forwards;  vjp = vjp_v' dy/dx, backwards",
 	[SECTION_PRODUCTS] = "jvp = d tau/d q v_q + d tau/d qd v_qd + M v_qdd;  vjp = v' d tau/d q, v' d tau/d qd, v' M"};
 
 /* A tour of gravity alone comes last. */
@@ -110,6 +112,7 @@ static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torqu
 	[SECTION_BOUND] = "how far qdd may be off",
 	[SECTION_RESIDUAL] = "from here on once more: the residual of the qdd found",
 	[SECTION_REFINED] = "qdd, refined",
+	[SECTION_SWEEPS] = "derivatives of outputs times vectors",
 	[SECTION_PRODUCTS] = "derivatives times vectors, and by what is freed"};
 
 /* "out to link 2 "lower" (fpass)"; "back from link 2 "lower" to link 1 (bpass): torque of "elbow"" */

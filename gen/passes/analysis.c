@@ -102,6 +102,8 @@ enum rneagen_code pass_dag_build(struct analysis *a)
 	dag_close(&a->raw);
 	if (a->raw.singular)
 		return refuse_singular(a, a->raw.singular - 1);
+	if (a->raw.constant)
+		return request_refuse_constant(&a->request, &a->scene, a->raw.constant - 1, a->error);
 	return a->raw.failed ? error_memory(a->error) : RNEAGEN_OK;
 }
 

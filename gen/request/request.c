@@ -16,7 +16,7 @@ int request_has_all(const struct row *rows, int count)
 
 int request_wants(const struct request *k, enum want_kind kind)
 {
-	for (int i = 0; i < k->want_count; i++)
+	for (int i = 0; i < k->made_count; i++)
 		if (k->wants[i].kind == kind)
 			return 1;
 	return 0;
@@ -271,7 +271,9 @@ static enum rneagen_code set_friction(const struct resolver *x, const struct sce
 /* At most: q, qd and qdd, and what the scene adds; a product takes its vector. */
 static int array_count(const struct request *k)
 {
-	return 3 + k->freed_count + k->push_count + request_wants(k, WANT_JVP) + request_wants(k, WANT_VJP) + k->want_count;
+	int directions = request_wants(k, WANT_JVP) ? 1 + k->by_count : 0;
+
+	return 3 + k->freed_count + k->push_count + directions + request_wants(k, WANT_VJP) + k->want_count;
 }
 
 static enum rneagen_code check_arrays(const struct resolver *x)
@@ -303,7 +305,10 @@ static int alloc(struct resolver *x)
 	k->tau = arena_alloc(a, nv, sizeof *k->tau);
 	k->freed = arena_alloc(a, most, sizeof *k->freed);
 	k->pushes = arena_alloc(a, most, sizeof *k->pushes);
-	k->wants = arena_alloc(a, most, sizeof *k->wants);
+	k->wants = arena_alloc(a, most + 2, sizeof *k->wants); /* jvp and vjp */
+	k->by = arena_alloc(a, most, sizeof *k->by);
+	k->jvp.of = arena_alloc(a, most, sizeof *k->jvp.of);
+	k->vjp.of = arena_alloc(a, most, sizeof *k->vjp.of);
 	k->ranges = arena_alloc(a, most, sizeof *k->ranges);
 	k->armature = arena_alloc(a, nb, sizeof *k->armature);
 	k->damping = arena_alloc(a, nb, sizeof *k->damping);
@@ -313,7 +318,7 @@ static int alloc(struct resolver *x)
 
 static int has_choice(const struct scene *s)
 {
-	static const enum scene_key keys[] = {SCENE_FOLD, SCENE_FREE, SCENE_WANT, SCENE_JVP, SCENE_VJP, SCENE_FEXT, SCENE_ARMATURE,
+	static const enum scene_key keys[] = {SCENE_FOLD, SCENE_FREE, SCENE_WANT, SCENE_JVP, SCENE_VJP, SCENE_BY, SCENE_FEXT, SCENE_ARMATURE,
 		SCENE_DAMPING, SCENE_FRICTION};
 
 	for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
@@ -373,13 +378,14 @@ enum rneagen_code request_resolve(struct request *k, struct tree *t, const struc
 	x.k->in_world = frame && !strcmp(frame->value, "world");
 	if (each(&x, SCENE_FOLD, fold) || each(&x, SCENE_FREE, request_free) || each(&x, SCENE_FEXT, push) ||
 		each(&x, SCENE_ARMATURE, set_armature) || each(&x, SCENE_FRICTION, set_friction) || each(&x, SCENE_WANT, request_want) ||
-		each(&x, SCENE_JVP, request_product) || each(&x, SCENE_VJP, request_product) ||
-		each(&x, SCENE_RANGE, request_range))
+		request_products(&x) || check_arrays(&x) || each(&x, SCENE_RANGE, request_range))
 		return e->code;
 	if (scene_next(x.s, SCENE_DAMPING, NULL))
 		set_dynamics(&x, x.k->damping, 0);
 	if (!x.k->want_count)
 		x.k->wants[x.k->want_count++] = (struct want){.kind = WANT_TAU, .word = "tau", .argument = "tau", .rows = t->nv};
+	if (x.k->made_count < x.k->want_count)
+		x.k->made_count = x.k->want_count;
 	if (check_arrays(&x) || check_forward(&x) || check_dynamics(&x))
 		return e->code;
 	return a->failed ? error_memory(e) : RNEAGEN_OK;

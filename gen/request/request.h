@@ -47,15 +47,28 @@ struct request_range {
 };
 
 enum want_kind { WANT_TAU, WANT_GRAVITY, WANT_BIAS, WANT_WRENCH, WANT_TWIST, WANT_ACCEL, WANT_POWER, WANT_KINETIC, WANT_POTENTIAL,
-	WANT_REGRESSOR, WANT_QDD, WANT_QDD_BOUND, WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_MASS, WANT_DTAU_DFREED, WANT_JVP, WANT_VJP, WANT_MINV, WANT_DQDD_DQ, WANT_DQDD_DQD,
+	WANT_REGRESSOR, WANT_QDD, WANT_QDD_BOUND, WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_MASS, WANT_DTAU_DFREED, WANT_JVP, WANT_VJP, WANT_VJP_BY, WANT_MINV, WANT_DQDD_DQ, WANT_DQDD_DQD,
 	WANT_DQDD_DFREED };
 
 struct want {
 	enum want_kind kind;
 	const char *word, *argument;
 	int rows;
-	int body; /* DTAU_DFREED: the number of the freed constant */
+	int body; /* DTAU_DFREED: the number of the freed constant; VJP_BY: of the input */
 	struct placement X;
+};
+
+/* A product of derivatives with vectors: of the wants that it is of, one after another. */
+struct product {
+	int *of, count;
+	int rows; /* of all of them */
+};
+
+/* An input by which products are taken besides the state: what is freed, a wrench from outside. */
+struct product_by {
+	const char *word, *argument; /* "payload.hand", "payload_hand" */
+	const char *direction;       /* the argument with its part of the direction: "jvp_v_payload_hand" */
+	int rows, per_batch;
 };
 
 /* By differentiating the torques' expressions; by a recursion over composite bodies; by whichever takes less. */
@@ -77,7 +90,11 @@ struct request {
 	struct push *pushes;
 	int push_count, in_world;   /* wrenches in axes of the world, else of the link */
 	struct want *wants;
-	int want_count;
+	int want_count;             /* of those that are outputs */
+	int made_count;             /* with those that are made for products alone, which come behind */
+	struct product jvp, vjp;
+	struct product_by *by;
+	int by_count;
 	struct request_range *ranges;
 	int range_count;
 	int dense;                  /* matrices have their zeros */
@@ -105,7 +122,7 @@ void request_dump(const struct request *k, const struct tree *t, struct text *ou
 /* Has every row its value? */
 int request_has_all(const struct row *rows, int count);
 
-/* Is a quantity of this kind asked for? */
+/* Is a quantity of this kind made, as an output or for a product? */
 int request_wants(const struct request *k, enum want_kind kind);
 
 /* Is it a matrix by joints, and which of its elements are stored? Returns 0 when memory runs out. */
@@ -118,5 +135,11 @@ int request_pattern(struct pattern *p, const struct tree *t, enum want_kind kind
 
 /* Is any derivative, M included? */
 int request_wants_derivative(const struct request *k);
+
+/* Is the want a product? */
+int request_is_product(enum want_kind kind);
+
+/* The error that a want which a product is of does not vary, since what it depends on is given. */
+enum rneagen_code request_refuse_constant(const struct request *k, const struct scene *s, int want, struct rneagen_error *e);
 
 #endif

@@ -26,6 +26,7 @@ static const struct want_word {
 	[WANT_DTAU_DFREED] = {{"dtau_dNAME", 0}, NULL, 0}, /* see want_by_freed */
 	[WANT_JVP] = {{"jvp", 0}, "jvp", 0},
 	[WANT_VJP] = {{"vjp", 0}, "vjp", 0},
+	[WANT_VJP_BY] = {{"vjp.NAME", 0}, NULL, 0}, /* see resolve_product.c */
 	[WANT_MINV] = {{"Minv", 0}, "Minv", 0},
 	[WANT_DQDD_DQ] = {{"dqdd_dq", 0}, "dqdd_dq", 0},
 	[WANT_DQDD_DQD] = {{"dqdd_dqd", 0}, "dqdd_dqd", 0},
@@ -38,8 +39,7 @@ int request_is_solved(enum want_kind kind)
 	return kind >= WANT_MINV;
 }
 
-/* Of these qdd is found, and tau an input. */
-static int is_forward(enum want_kind kind)
+int request_finds_qdd(enum want_kind kind)
 {
 	return kind == WANT_QDD || kind == WANT_QDD_BOUND || request_is_solved(kind);
 }
@@ -85,16 +85,14 @@ static enum rneagen_code want_matrix(const struct resolver *x, struct want *w)
 	return RNEAGEN_OK;
 }
 
-/* Rows of matrices and products; what is given does not vary. */
+/* Rows of matrices; what is given does not vary. */
 static enum rneagen_code want_derivative(const struct resolver *x, const struct scene_choice *c, struct want *w)
 {
-	int is_q = w->kind == WANT_DTAU_DQ || w->kind == WANT_DQDD_DQ, count = is_q ? x->t->nq : x->t->nv, nv = x->t->nv;
+	int is_q = w->kind == WANT_DTAU_DQ || w->kind == WANT_DQDD_DQ, count = is_q ? x->t->nq : x->t->nv;
 	const struct row *rows = is_q ? x->k->q : x->k->qd;
 
-	if (w->kind == WANT_JVP || w->kind == WANT_VJP) {
-		w->rows = w->kind == WANT_VJP ? 3 * nv : nv;
+	if (request_is_product(w->kind))
 		return RNEAGEN_OK;
-	}
 	for (int i = 0; i < count && w->kind != WANT_MASS && w->kind != WANT_MINV; i++)
 		if (rows[i].is_given)
 			return scene_refuse(x->s, c, x->e, "row %d of %s is given: no derivative by it", i, is_q ? "q" : "qd");
@@ -126,54 +124,53 @@ int request_is_matrix(enum want_kind kind)
 	return kind == WANT_REGRESSOR || kind == WANT_DTAU_DQ || kind == WANT_DTAU_DQD || kind == WANT_MASS || (kind >= WANT_MINV && kind <= WANT_DQDD_DQD);
 }
 
-static enum rneagen_code add_want(const struct resolver *x, const struct scene_choice *c, const struct want *w)
+int request_is_same(const struct want *a, const struct want *b)
+{
+	int is_one = WANTS[a->kind].argument && !WANTS[a->kind].kind.has_name;
+
+	return a->kind == b->kind && (is_one || !strcmp(a->word, b->word));
+}
+
+enum rneagen_code request_add_want(const struct resolver *x, const struct scene_choice *c, const struct want *w)
 {
 	for (int i = 0; i < x->k->want_count; i++)
 		if (!strcmp(x->k->wants[i].word, w->word))
 			return scene_refuse(x->s, c, x->e, "'%.255s' is wanted already", w->word);
 	x->k->wants[x->k->want_count++] = *w;
-	x->k->is_forward |= is_forward(w->kind);
+	x->k->is_forward |= request_finds_qdd(w->kind);
 	return RNEAGEN_OK;
 }
 
-/* What a product is of, tau or qdd, decides which way the dynamics goes: the other is an input. */
-enum rneagen_code request_product(const struct resolver *x, const struct scene_choice *c)
-{
-	enum want_kind kind = c->key == SCENE_JVP ? WANT_JVP : WANT_VJP;
-	struct want w = {.kind = kind, .word = WANTS[kind].kind.word, .argument = WANTS[kind].argument};
-	int which = !strcmp(c->name, "qdd");
-
-	if (!which && strcmp(c->name, "tau"))
-		return scene_refuse(x->s, c, x->e, "there is the product of tau and that of qdd, none of '%.255s'", c->name);
-	if (want_derivative(x, c, &w) || add_want(x, c, &w))
-		return x->e->code;
-	x->k->is_forward |= which;
-	return RNEAGEN_OK;
-}
-
-enum rneagen_code request_want(const struct resolver *x, const struct scene_choice *c)
+enum rneagen_code request_quantity(const struct resolver *x, const struct scene_choice *c, struct want *w)
 {
 	struct kind_word kinds[WANT_COUNT];
-	struct want w = {.word = c->name};
 	int kind;
 
+	*w = (struct want){.word = c->name};
 	if (is_by_freed(c->name))
-		return want_by_freed(x, c, &w) ? x->e->code : add_want(x, c, &w);
+		return want_by_freed(x, c, w);
 	for (int i = 0; i < WANT_COUNT; i++)
 		kinds[i] = WANTS[i].kind;
 	kind = strcmp(c->name, "dqdd_dtau") ? request_find_kind(x, c, kinds, WANT_COUNT) : WANT_MINV;
 	if (kind < 0)
 		return x->e->code;
-	w.kind = (enum want_kind)kind;
-	w.rows = WANTS[kind].rows ? WANTS[kind].rows : x->t->nv;
-	if (w.kind == WANT_WRENCH && (w.body = request_find_body(x, c, strchr(c->name, '.') + 1)) < 0)
+	w->kind = (enum want_kind)kind;
+	w->rows = WANTS[kind].rows ? WANTS[kind].rows : x->t->nv;
+	if (w->kind == WANT_WRENCH && (w->body = request_find_body(x, c, strchr(c->name, '.') + 1)) < 0)
 		return x->e->code;
-	if ((w.kind == WANT_TWIST || w.kind == WANT_ACCEL) && want_link(x, c, &w))
+	if ((w->kind == WANT_TWIST || w->kind == WANT_ACCEL) && want_link(x, c, w))
 		return x->e->code;
-	if (w.kind >= WANT_DTAU_DQ && want_derivative(x, c, &w))
+	if (w->kind >= WANT_DTAU_DQ && want_derivative(x, c, w))
 		return x->e->code;
-	if (w.kind == WANT_REGRESSOR && want_matrix(x, &w))
+	if (w->kind == WANT_REGRESSOR && want_matrix(x, w))
 		return x->e->code;
-	w.argument = WANTS[kind].argument && kind != WANT_MINV ? WANTS[kind].argument : request_argument(x, c->name);
-	return add_want(x, c, &w);
+	w->argument = WANTS[kind].argument && kind != WANT_MINV ? WANTS[kind].argument : request_argument(x, c->name);
+	return RNEAGEN_OK;
+}
+
+enum rneagen_code request_want(const struct resolver *x, const struct scene_choice *c)
+{
+	struct want w;
+
+	return request_quantity(x, c, &w) ? x->e->code : request_add_want(x, c, &w);
 }
