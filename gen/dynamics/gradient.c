@@ -121,9 +121,7 @@ static int begin(struct gradient *g, const struct tour *r, const struct forward 
 /* Is it this file's? */
 static int is_ours(const struct request *k, int i, const char *done)
 {
-	enum want_kind kind = k->wants[i].kind;
-
-	return !done[i] && kind >= WANT_DTAU_DQ && kind != WANT_MASS && kind != WANT_MINV && !request_is_product(kind);
+	return !done[i] && want_is(k->wants[i].kind, IS_GRADIENT);
 }
 
 static void output(struct gradient *g, const struct want *w, int argument)
@@ -147,7 +145,7 @@ void gradient_outputs(const struct tour *r, const struct forward *forward, const
 	const struct request *k = r->request;
 	struct gradient g = {0};
 
-	for (int i = 0; i < k->made_count && !r->d->failed; i++) {
+	for (int i = 0; i < k->want_count && !r->d->failed; i++) {
 		if (product_is_of_torques(r->context, i))
 			product_output(r->context, r->in, i);
 		if (!is_ours(k, i, done))

@@ -236,7 +236,7 @@ static void output_by(const struct sweep *s, const struct derivable *x, const st
 {
 	const struct request *k = s->b->k;
 
-	for (int i = 0; i < k->want_count; i++) {
+	for (int i = 0; i < k->stored_count; i++) {
 		const struct want *w = &k->wants[i];
 
 		for (int row = 0; w->kind == WANT_VJP_BY && row < w->rows; row++)
@@ -278,7 +278,7 @@ void product_output(struct build *b, struct joint_inputs in, int want)
 	const struct product *p = product_of(b->k, want);
 	struct sweep s;
 
-	if (!b->torques || !begin(&s, b, in, p)) {
+	if ((b->forward && !b->torques) || !begin(&s, b, in, p)) {
 		b->d->failed = 1;
 		return;
 	}
@@ -294,7 +294,7 @@ void product_output(struct build *b, struct joint_inputs in, int want)
 
 void product_outputs(struct build *b, struct joint_inputs in)
 {
-	for (int i = 0; i < b->k->want_count && !b->d->failed; i++)
+	for (int i = 0; i < b->k->stored_count && !b->d->failed; i++)
 		if (product_of(b->k, i) && !product_is_of_torques(b, i))
 			product_output(b, in, i);
 }

@@ -52,7 +52,7 @@ static void output_links(const struct tour *r, int body)
 	const struct frame *x = &r->frames[body + 1];
 	const struct motion *m = &x->motion;
 
-	for (int i = 0; i < b->k->made_count; i++) {
+	for (int i = 0; i < b->k->want_count; i++) {
 		const struct want *w = &b->k->wants[i];
 
 		if (w->body != body)
@@ -118,7 +118,7 @@ void want_leaving(const struct tour *r, int body)
 	const struct frame *x = &r->frames[body + 1];
 	struct smat A = smat_const(r->d, &r->t->bodies[body].frame);
 
-	for (int i = 0; i < b->k->made_count; i++)
+	for (int i = 0; i < b->k->want_count; i++)
 		if (b->k->wants[i].kind == WANT_WRENCH && b->k->wants[i].body == body) {
 			struct svec f = smat_mul(r->d, &A, x->f), n = smat_mul(r->d, &A, x->n);
 

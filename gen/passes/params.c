@@ -34,7 +34,7 @@ static enum rneagen_code find_kept(const struct analysis *a, char *keeps)
 		for (int i = 0; i < k->freed_count; i++)
 			if (k->freed[i].kind != FREED_GRAVITY && k->freed[i].kind != FREED_OFFSET)
 				keeps[k->freed[i].body] = 1;
-		for (int i = 0; i < k->made_count; i++)
+		for (int i = 0; i < k->want_count; i++)
 			if (k->wants[i].kind == WANT_WRENCH)
 				keeps[k->wants[i].body] = 1;
 		for (int i = 0; i < a->tree.body_count && request_wants(k, WANT_POTENTIAL); i++)

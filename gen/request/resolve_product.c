@@ -3,11 +3,6 @@
 #include "request/resolve.h"
 #include <string.h>
 
-int request_is_product(enum want_kind kind)
-{
-	return kind == WANT_JVP || kind == WANT_VJP || kind == WANT_VJP_BY;
-}
-
 /* ---- by which inputs ---- */
 
 /* "jvp_v.payload.hand" */
@@ -68,7 +63,6 @@ static enum rneagen_code want_by(const struct resolver *x, int i)
 	struct want w = {.kind = WANT_VJP_BY, .word = word, .argument = request_argument(x, word), .rows = x->k->by[i].rows, .body = i};
 
 	x->k->wants[x->k->want_count++] = w;
-	x->k->made_count = x->k->want_count;
 	return RNEAGEN_OK;
 }
 
@@ -85,10 +79,7 @@ static enum rneagen_code want_product(const struct resolver *x, enum scene_key k
 		return RNEAGEN_OK;
 	if (request_wants(x->k, kind))
 		return scene_refuse(x->s, c, x->e, "--want %s is --%s tau: name tau here, and leave that out", w.word, w.word);
-	if (request_add_want(x, c, &w))
-		return x->e->code;
-	x->k->made_count = x->k->want_count;
-	return RNEAGEN_OK;
+	return request_add_want(x, c, &w);
 }
 
 /* Which want it is; one more, made for this alone, where it is none of them. */
@@ -96,12 +87,12 @@ static int made(const struct resolver *x, const struct want *w)
 {
 	struct request *k = x->k;
 
-	for (int i = 0; i < k->made_count; i++)
+	for (int i = 0; i < k->want_count; i++)
 		if (request_is_same(&k->wants[i], w))
 			return i;
-	k->wants[k->made_count] = *w;
-	k->is_forward |= request_finds_qdd(w->kind);
-	return k->made_count++;
+	k->wants[k->want_count] = *w;
+	k->is_forward |= want_is(w->kind, FINDS_QDD);
+	return k->want_count++;
 }
 
 static enum rneagen_code add_of(const struct resolver *x, const struct scene_choice *c, struct product *p)
@@ -111,7 +102,7 @@ static enum rneagen_code add_of(const struct resolver *x, const struct scene_cho
 
 	if (request_quantity(x, c, &w))
 		return x->e->code;
-	if (request_is_product(w.kind))
+	if (want_is(w.kind, IS_PRODUCT))
 		return scene_refuse(x->s, c, x->e, "'%.255s' is a product itself, and there is none of that", c->name);
 	if (w.kind == WANT_QDD_BOUND)
 		return scene_refuse(x->s, c, x->e, "'%.255s' is a bound, which has no derivative: take qdd", c->name);
@@ -140,7 +131,6 @@ enum rneagen_code request_products(const struct resolver *x)
 {
 	struct request *k = x->k;
 
-	k->made_count = k->want_count;
 	if (want_product(x, SCENE_JVP) || want_product(x, SCENE_VJP))
 		return x->e->code;
 	for (const struct scene_choice *c = NULL; (c = scene_next(x->s, SCENE_BY, c));)
@@ -149,9 +139,10 @@ enum rneagen_code request_products(const struct resolver *x)
 	for (int i = 0; i < k->by_count && request_wants(k, WANT_VJP); i++)
 		if (want_by(x, i))
 			return x->e->code;
+	k->stored_count = k->want_count;
 	if (add_all(x, SCENE_JVP, &k->jvp) || add_all(x, SCENE_VJP, &k->vjp))
 		return x->e->code;
-	for (int i = 0; i < k->want_count; i++) {
+	for (int i = 0; i < k->stored_count; i++) {
 		struct want *w = &k->wants[i];
 
 		w->rows = w->kind == WANT_JVP ? k->jvp.rows : w->kind == WANT_VJP ? 3 * x->t->nv : w->rows;
