@@ -21,11 +21,17 @@ struct sweep {
 	int count;                       /* of the outputs */
 };
 
-static int is_alone(const struct request *k, const struct product *p)
+void product_declare(const struct build *b)
 {
-	enum want_kind kind = p->count == 1 ? k->wants[p->of[0]].kind : WANT_JVP;
+	const struct request *k = b->k;
 
-	return (kind == WANT_TAU || kind == WANT_QDD) && !k->by_count;
+	if (request_wants(k, WANT_JVP))
+		dag_argument_of(b->d, (struct argument){.name = "jvp_v", .rows = 3 * b->t->nv, .role = ROLE_TANGENT, .of = ""});
+	for (int i = 0; i < k->by_count && request_wants(k, WANT_JVP); i++)
+		dag_argument_of(b->d, (struct argument){.name = k->by[i].direction, .rows = k->by[i].rows, .per_batch = k->by[i].per_batch,
+			.role = ROLE_TANGENT, .of = k->by[i].word});
+	if (request_wants(k, WANT_VJP))
+		dag_argument_of(b->d, (struct argument){.name = "vjp_v", .rows = k->vjp.rows, .role = ROLE_COTANGENT});
 }
 
 static const struct product *product_of(const struct request *k, int want)
@@ -37,7 +43,7 @@ int product_is_of_torques(const struct build *b, int want)
 {
 	const struct product *p = product_of(b->k, want);
 
-	return p && is_alone(b->k, p);
+	return p && request_is_plain_product(b->k, p);
 }
 
 /* ---- what is differentiated ---- */
@@ -113,7 +119,7 @@ static void add_roots(struct sweep *s, const struct product *p)
 
 	for (int i = 0, at = 0; i < p->count && !s->d->failed; at += k->wants[p->of[i++]].rows) {
 		find_roots(s, p->of[i], s->roots + at);
-		if (!is_alone(k, p) && has_given(s->b) && !vary(s, s->roots + at, k->wants[p->of[i]].rows))
+		if (!request_is_plain_product(k, p) && has_given(s->b) && !vary(s, s->roots + at, k->wants[p->of[i]].rows))
 			s->d->failed = s->d->constant = 1 + p->of[i];
 	}
 }
@@ -285,7 +291,7 @@ void product_output(struct build *b, struct joint_inputs in, int want)
 	add_roots(&s, p);
 	if (b->d->failed)
 		return;
-	dag_section(b->d, is_alone(b->k, p) ? SECTION_PRODUCTS : SECTION_SWEEPS, 0);
+	dag_section(b->d, request_is_plain_product(b->k, p) ? SECTION_PRODUCTS : SECTION_SWEEPS, 0);
 	if (p == &b->k->jvp)
 		output_jvp(&s, b->outputs[want]);
 	else

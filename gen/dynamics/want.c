@@ -320,27 +320,13 @@ static struct argument output(const struct request *k, const struct want *w)
 		.of = want_is(w->kind, OF_FREED) ? k->freed[w->body].word : after_point(w->word)};
 }
 
-/* The vectors of products. */
-static void declare_vectors(const struct build *b)
-{
-	const struct request *k = b->k;
-
-	if (request_wants(k, WANT_JVP))
-		dag_argument_of(b->d, (struct argument){.name = "jvp_v", .rows = 3 * b->t->nv, .role = ROLE_TANGENT});
-	for (int i = 0; i < k->by_count && request_wants(k, WANT_JVP); i++)
-		dag_argument_of(b->d, (struct argument){.name = k->by[i].direction, .rows = k->by[i].rows, .per_batch = k->by[i].per_batch,
-			.role = ROLE_TANGENT, .of = k->by[i].word});
-	if (request_wants(k, WANT_VJP))
-		dag_argument_of(b->d, (struct argument){.name = "vjp_v", .rows = k->vjp.rows, .role = ROLE_COTANGENT});
-}
-
 /* Inputs of the request, besides q, qd and qdd and what is freed; then its outputs. */
 static void declare_request(const struct build *b)
 {
 	for (int i = 0; i < b->k->push_count; i++)
 		b->pushed[i] = dag_argument_of(b->d, (struct argument){.name = b->k->pushes[i].argument, .rows = 6,
 			.role = ROLE_LINK_WRENCH, .of = after_point(b->k->pushes[i].word)});
-	declare_vectors(b);
+	product_declare(b);
 	for (int i = 0; i < b->k->stored_count; i++)
 		b->outputs[i] = dag_argument_of(b->d, output(b->k, &b->k->wants[i]));
 	for (int i = b->k->stored_count; i < b->k->want_count; i++)

@@ -52,6 +52,7 @@ void want_left(const struct tour *r, int body);
 
 /* Products of derivatives, want by want: of the torques alone, or of the qdd found alone, when these are made; all others when all
    outputs are. d->failed and d->constant are set where an output does not vary. */
+void product_declare(const struct build *b); /* the vectors */
 int product_is_of_torques(const struct build *b, int want);
 void product_output(struct build *b, struct joint_inputs in, int want);
 void product_outputs(struct build *b, struct joint_inputs in);

@@ -187,3 +187,25 @@ void emit_regressor_legend(const struct emission *e, struct text *out)
 	for (int i = 0; i < x.count; i++)
 		put_lump(e, &p, i, e->tree->bodies[x.body[i]].link, out);
 }
+
+/* The outputs that a product is of, with their rows; of the torques alone, or of qdd, it is known. */
+static void put_product(const struct request *k, const struct product *p, struct text *out)
+{
+	for (int i = 0; i < p->count && !request_is_plain_product(k, p); i++) {
+		text_put(out, i ? ", " : "of ");
+		text_put_comment(out, k->wants[p->of[i]].word);
+		text_printf(out, "[%d]", k->wants[p->of[i]].rows);
+	}
+}
+
+void emit_product_legend(const struct request *k, const struct argument *a, struct text *out)
+{
+	if (a->role == ROLE_TANGENT) {
+		text_put(out, *a->of ? "along " : "along q, along qd, along ");
+		text_put_comment(out, *a->of ? a->of : k->is_forward ? "tau" : "qdd");
+	}
+	if (a->role == ROLE_COTANGENT)
+		put_product(k, &k->vjp, out);
+	if (a->role == ROLE_JVP)
+		put_product(k, &k->jvp, out);
+}

@@ -3,6 +3,13 @@
 #include "request/resolve.h"
 #include <string.h>
 
+int request_is_plain_product(const struct request *k, const struct product *p)
+{
+	enum want_kind kind = p->count == 1 ? k->wants[p->of[0]].kind : WANT_JVP;
+
+	return (kind == WANT_TAU || kind == WANT_QDD) && !k->by_count;
+}
+
 /* ---- by which inputs ---- */
 
 /* "jvp_v.payload.hand" */
@@ -158,6 +165,6 @@ enum rneagen_code request_refuse_constant(const struct request *k, const struct 
 	for (int i = 0; i < 2; i++)
 		for (const struct scene_choice *c = NULL; (c = scene_next(s, keys[i], c));)
 			if (!strcmp(c->name, word))
-				return scene_refuse(s, c, e, "'%.255s' does not vary, for --fold gives all that it depends on: leave it out", word);
+				return scene_refuse(s, c, e, "'%.255s' does not vary: what --fold gives makes it constant; leave it out", word);
 	return error_set(e, RNEAGEN_SCENE, "%s: '%.255s' does not vary", s->file, word);
 }
