@@ -320,8 +320,8 @@ static void trace(struct recursion *x, int body, int row)
 		add_to_slides(x, body, turned);
 	for (int b = body, parent; (parent = x->r->t->bodies[b].parent) >= 0; b = parent) {
 		s = row_to_parent(x, b, s);
-		for (enum by by = BY_Q; by < BY_QDD; by++)
-			w[by] = is_made(x, by) ? wrench_to_parent(x, b, w[by]) : w[by];
+		for (enum by m = BY_Q; m < BY_QDD; m++)
+			w[m] = is_made(x, m) ? wrench_to_parent(x, b, w[m]) : w[m];
 		fill_row(x, i, parent, &s);
 		fill_column(x, i, parent, w);
 		fill_mass(x, i, body, parent, &s);

@@ -121,7 +121,7 @@ void centroid_begin(struct centroid *c, const struct kinematics *x)
 	c->loads = arena_alloc(a, bodies + 1, sizeof *c->loads);
 	c->columns = arena_alloc(a, bodies, sizeof *c->columns);
 	c->is_shared = arena_alloc(a, (size_t)x->t->nv, 1);
-	if (a->failed || !pattern_point(&c->of_com, x->t, x->k->dense, a) || !pattern_momentum(&c->of_momentum, x->t, x->k->dense, a)) {
+	if (a->failed || !pattern_whole(&c->of_com, 3, x->t->nv, 0, a) || !pattern_momentum(&c->of_momentum, x->t, x->k->dense, a)) {
 		x->d->failed = 1;
 		c->x = NULL;
 		return;
