@@ -25,7 +25,7 @@ _rneagen_model=(
 	'--params=[by which constants the model is computed]:constants:(urdf base auto)'
 	'--pose=[how poses are written]:form:(rows quaternion)'
 	'--frame=[the frame of Jacobians]:frame:(link world world-aligned)'
-	'*--add-frame=[a frame on a link]:NAME=LINK,x,y,z,r,p,y:'
+	'*--add-frame=[a frame on a link]:NAME=LINK,X,Y,Z,R,P,Y:'
 	'--jvp=[derivatives times a vector]:output:(tau qdd)'
 	'--vjp=[a vector times derivatives]:output:(tau qdd)'
 	'--refine=[qdd after steps of refinement]:steps:(0 1 1\:f64 1\:f32x2 1\:same)'

@@ -81,7 +81,7 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"  --frame link|world|world-aligned\n"                                                                       \
 	"                             of jacobian.LINK and djacobian.LINK: the link's, unless given; the world's; the\n" \
 	"                             world's axes at the link's origin\n"                                            \
-	"  --add-frame NAME=LINK,x,y,z,r,p,y\n"                                                                      \
+	"  --add-frame NAME=LINK,X,Y,Z,R,P,Y\n"                                                                      \
 	"                             a frame on a link, which --want takes where it takes a link\n"                 \
 	"  --refine 0|1|1:f64|1:f32x2|1:same\n"                                                                      \
 	"                             qdd after so many steps of refinement, up to 3; the residual in f64, in pairs of\n" \

@@ -1,4 +1,5 @@
 /* The quantities that a scene asks for. */
+#include "tree/lumps.h"
 #include "tree/pattern.h"
 #include "request/resolve.h"
 #include <string.h>
@@ -70,7 +71,7 @@ int request_pattern(struct pattern *p, const struct tree *t, const struct want *
 	case SHAPE_POINT:
 		return pattern_whole(p, 3, t->nv, 0, a);
 	case SHAPE_SPATIAL:
-		return pattern_whole(p, 6, t->nv, 0, a);
+		return pattern_momentum(p, t, dense, a);
 	case SHAPE_SQUARE:
 		return pattern_whole(p, 6, 6, symmetric && !dense, a);
 	case SHAPE_PLACEMENT:
@@ -93,6 +94,43 @@ enum rneagen_code request_add_want(const struct resolver *x, const struct scene_
 	x->k->wants[x->k->want_count++] = *w;
 	x->k->is_forward |= want_is(w->kind, FINDS_QDD);
 	return RNEAGEN_OK;
+}
+
+/* A centre of mass is that of something. */
+static enum rneagen_code check_masses(const struct resolver *x, const struct scene_choice *c, enum want_kind kind)
+{
+	int has_mass = !want_is(kind, OF_MASSES);
+
+	for (int i = 0; i < x->t->body_count; i++)
+		has_mass |= x->t->bodies[i].inertia.mass.x != 0 && !lumps_is_held(x->t, i);
+	for (int i = 0; i < x->k->freed_count; i++) {
+		enum freed_kind freed = x->k->freed[i].kind;
+
+		has_mass |= freed == FREED_MASS || freed == FREED_INERTIA || freed == FREED_PAYLOAD;
+	}
+	return has_mass ? RNEAGEN_OK : scene_refuse(x->s, c, x->e, "nothing that moves has a mass");
+}
+
+/* An inertia that is felt in all six directions takes six degrees of freedom. */
+static enum rneagen_code check_chain(const struct resolver *x, const struct scene_choice *c, const struct want *w)
+{
+	const struct tree *t = x->t;
+	unsigned char *rows = arena_alloc(x->a, (size_t)t->nv, 1);
+	const char *name = strchr(c->name, '.');
+	int count = 0;
+
+	if (!rows)
+		return error_memory(x->e);
+	for (int k = w->body; k >= 0 && w->kind == WANT_OPSPACE; k = t->bodies[k].parent)
+		for (int i = t->bodies[k].iv; i < t->bodies[k].iv + joint_nv(t->bodies[k].type); i++) {
+			count += !rows[i];
+			rows[i] = 1;
+		}
+	if (w->kind != WANT_OPSPACE || count >= 6)
+		return RNEAGEN_OK;
+	return scene_refuse(x->s, c, x->e,
+		"'%.255s' moves with %d coordinate%s, and takes six to be moved in all directions: want opspace_inv%.255s", name + 1, count,
+		count == 1 ? "" : "s", name);
 }
 
 /* The link or joint that follows the word. */
@@ -135,7 +173,7 @@ enum rneagen_code request_quantity(const struct resolver *x, const struct scene_
 	w->kind = (enum want_kind)kind;
 	if (want_is(w->kind, IS_UNBUILT))
 		return scene_refuse(x->s, c, x->e, "'%.255s' is not built yet", c->name);
-	if (want_name(x, c, w) || check_varies(x, c, w->kind) || want_rows(x, w))
+	if (want_name(x, c, w) || check_varies(x, c, w->kind) || check_masses(x, c, w->kind) || check_chain(x, c, w) || want_rows(x, w))
 		return x->e->code;
 	w->argument = want_type(w->kind)->argument;
 	if (!w->argument)
