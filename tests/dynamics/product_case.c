@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MOST_WORDS = 24 };
+enum { MOST_WORDS = 32 };
 
 void say(char *to, size_t room, const char *fmt, ...)
 {
@@ -60,7 +60,8 @@ void draw_others(struct drawn_case *x, const struct tree *t)
 void draw_set(struct drawn_case *x, const struct tree *t)
 {
 	static const char *const both[] = {"gravity", "bias", "wrench.J", "twist.L", "accel.L", "power", "kinetic", "potential", "regressor", "M",
-		"dtau_dq", "dtau_dqd", "pose.L", "jacobian.L", "djacobian.L"};
+		"dtau_dq", "dtau_dqd", "pose.L", "jacobian.L", "djacobian.L", "com", "vcom", "com_jacobian",
+		"momentum", "momentum_matrix", "dmomentum", "coriolis", "opspace_inv.L"};
 	static const char *const forward[] = {"qdd", "Minv", "dqdd_dq", "dqdd_dqd"}, *const inverse[] = {"tau"};
 	const char *words[MOST_WORDS];
 	int count = 0;

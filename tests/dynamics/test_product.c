@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TREES = 90, LINKS = 8 };
+enum { TREES = 120, LINKS = 8 };
 
 /* What is left of a difference of fourth order, of the largest number beside it. */
 static const real TOLERANCE = 1e-10L;
@@ -153,7 +153,8 @@ static void say_by(struct drawn_case *x, char *to, size_t room)
 		say(to, room, "by %s\n", k->pushes[i].word);
 }
 
-/* The text of the outputs, and that of their products, which stores some of them too. Returns 0 where M is singular. */
+/* The text of the outputs, and that of their products, which stores some of them too. Returns 0 where M is singular, or nothing has a
+   mass. */
 static int open_both(struct drawn_case *x)
 {
 	char scene[4096] = "";
@@ -162,7 +163,7 @@ static int open_both(struct drawn_case *x)
 	say(scene, sizeof scene, "%swant %s\n", x->scene, x->of);
 	x->options.scene = scene;
 	code = scene_open(&x->values, x->urdf, &x->options);
-	ck_assert_msg(!code || (x->is_forward && code == RNEAGEN_TREE), "%s: %s; scene:\n%s", x->what, x->values.error.message, scene);
+	ck_assert_msg(!code || code == RNEAGEN_TREE || strstr(x->values.error.message, "nothing that moves has a mass"), "%s: %s; scene:\n%s", x->what, x->values.error.message, scene);
 	if (code)
 		return 0;
 	*scene = '\0';
