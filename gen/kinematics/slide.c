@@ -1,6 +1,7 @@
 /* Which point of its axis stands for a joint that turns: its body moves alike about each. An offset along the parent's axis goes to
    the parent's own where that leaves fewer numbers to multiply with axes. */
 #include "kinematics/kinematics.h"
+#include <math.h>
 
 static int is_turning(const struct body *k)
 {
@@ -44,15 +45,35 @@ static int cost(const struct kinematics *x, int body, struct within along)
 	return count;
 }
 
+static real length(const struct within v[3])
+{
+	return sqrtl(v[0].x * v[0].x + v[1].x * v[1].x + v[2].x * v[2].x);
+}
+
+/* How far the point may go: what is near is not told from what is far, whose digits it would lose. */
+static real limit(const struct kinematics *x, int body)
+{
+	real least = -1;
+
+	for (int n = body + 1; n < x->t->body_count + x->k->want_count; n++) {
+		const struct within *v = offset_from(x, body, n);
+
+		if (v && (least < 0 || length(v) < least))
+			least = length(v);
+	}
+	return 4 * (length(x->t->bodies[body].X.p) + (least < 0 ? 0 : least));
+}
+
 static void choose(const struct kinematics *x, int body)
 {
 	const struct body *k = &x->t->bodies[body];
 	struct axis_point *p = &x->points[body];
 	int least = cost(x, body, p->along);
+	real most = limit(x, body);
 
 	for (int n = body + 1; n < x->t->body_count + x->k->want_count && is_turning(k); n++) {
 		const struct within *v = offset_from(x, body, n);
-		int count = v && v[k->axis].x != 0 ? cost(x, body, v[k->axis]) : least;
+		int count = v && v[k->axis].x != 0 && fabsl(v[k->axis].x) <= most ? cost(x, body, v[k->axis]) : least;
 
 		if (count < least) {
 			least = count;
