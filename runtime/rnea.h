@@ -108,7 +108,19 @@ enum { RNEA_ARGUMENT_LIMIT = 64 }; /* the most arrays one function can take */
 	X(DQDD_DQD, "dqdd_dqd")                                                                                        \
 	X(DQDD_DFREED, "dqdd_dfreed")                    /* of a constant that the scene makes an input */             \
 	X(JOINT_ACCELERATION_BOUND, "joint_acceleration_bound") /* how far each acceleration may be off */             \
-	X(REGRESSOR, "regressor")                        /* dtau/dpi: ten columns a body, of its inertial parameters */
+	X(REGRESSOR, "regressor")                        /* dtau/dpi: ten columns a body, of its inertial parameters */ \
+	X(LINK_POSE, "link_pose")                        /* of a link in the world: [R p] by rows, or p and a quaternion */ \
+	X(LINK_JACOBIAN, "link_jacobian")                /* of a link: its twist by qd */                              \
+	X(LINK_JACOBIAN_RATE, "link_jacobian_rate")      /* of a link: the rate of its Jacobian times qd */            \
+	X(CENTER_OF_MASS, "center_of_mass")              /* of all that moves, in the world */                         \
+	X(CENTER_OF_MASS_VELOCITY, "center_of_mass_velocity")                                                          \
+	X(CENTER_OF_MASS_JACOBIAN, "center_of_mass_jacobian")                                                          \
+	X(MOMENTUM, "momentum")                          /* centroidal, in the world's axes */                         \
+	X(MOMENTUM_MATRIX, "momentum_matrix")            /* by qd */                                                   \
+	X(MOMENTUM_RATE, "momentum_rate")                /* without gravity */                                         \
+	X(CORIOLIS, "coriolis")                          /* C qd = bias - gravity, dM/dt = C + C' */                   \
+	X(OPSPACE_INERTIA_INVERSE, "opspace_inertia_inverse") /* of a link: J Minv J' */                               \
+	X(OPSPACE_INERTIA, "opspace_inertia")            /* of a link: its inverse */
 
 enum rnea_role {
 #define RNEA_ROLE_ENUM(role, word) RNEA_ROLE_##role,

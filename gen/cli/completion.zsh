@@ -23,6 +23,9 @@ _rneagen_model=(
 	'--derivatives=[how dtau_dq and dtau_dqd are made]:method:(forward recursion)'
 	'--dynamics=[how qdd is found]:method:(auto factor articulated)'
 	'--params=[by which constants the model is computed]:constants:(urdf base auto)'
+	'--pose=[how poses are written]:form:(rows quaternion)'
+	'--frame=[the frame of Jacobians]:frame:(link world world-aligned)'
+	'*--add-frame=[a frame on a link]:NAME=LINK,x,y,z,r,p,y:'
 	'--jvp=[derivatives times a vector]:output:(tau qdd)'
 	'--vjp=[a vector times derivatives]:output:(tau qdd)'
 	'--refine=[qdd after steps of refinement]:steps:(0 1 1\:f64 1\:f32x2 1\:same)'
@@ -66,7 +69,7 @@ _rneagen_command() {
 		'--limbs=[warps that share out a sample of a small batch]:warps:(auto none)' \
 		'--parts=[matrices in parts of the grid]:parts:(auto)' \
 		'--bounded[target c: also a function that bounds the error of each torque]' \
-		'--only=[the algorithm without its halves and batches]:algorithm:(rnea fd)' \
+		'--only=[the algorithm without its halves and batches]:algorithm:(rnea fd kin)' \
 		'--name=[prefix of every function]:identifier:' \
 		'--info=-[tell about the robot]::format:(json)' \
 		'--dot[print the tree as a graph for Graphviz]' \

@@ -256,9 +256,7 @@ static int begin(struct gradient *g, const struct tour *r, const struct forward 
 /* Is it this file's? */
 static int is_ours(const struct request *k, int i, const char *done)
 {
-	enum want_kind kind = k->wants[i].kind;
-
-	return !done[i] && kind >= WANT_DTAU_DQ && kind != WANT_MASS && kind != WANT_MINV;
+	return !done[i] && want_is(k->wants[i].kind, IS_GRADIENT);
 }
 
 static void output(struct gradient *g, const struct want *w, int argument)

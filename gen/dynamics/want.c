@@ -248,9 +248,54 @@ static int is_gravity_alone(const struct build *b)
 	const struct request *k = b->k;
 
 	for (int i = 0; i < k->want_count; i++)
-		if (k->wants[i].kind != WANT_TAU && k->wants[i].kind != WANT_GRAVITY && k->wants[i].kind != WANT_POTENTIAL)
+		if (k->wants[i].kind != WANT_TAU && k->wants[i].kind != WANT_GRAVITY && k->wants[i].kind != WANT_POTENTIAL &&
+			!want_is(k->wants[i].kind, IS_PLACED))
 			return 0;
 	return (!request_wants(k, WANT_TAU) || (is_zero(k->qd, b->t->nv) && is_zero(k->qdd, b->t->nv))) && !k->push_count;
+}
+
+static int is_wanted(const struct request *k, unsigned traits)
+{
+	for (int i = 0; i < k->want_count; i++)
+		if (want_is(k->wants[i].kind, traits))
+			return 1;
+	return 0;
+}
+
+/* Is anything wanted of the tour whose accelerations are those asked for? */
+static int takes_main(const struct request *k)
+{
+	for (int i = 0; i < k->want_count; i++)
+		if (!want_is(k->wants[i].kind, IS_PLACED))
+			return 1;
+	return 0;
+}
+
+/* Of a body that has been entered where nothing accelerates: dJ/dt qd of what it carries. */
+static void rate_entered(const struct tour *r, int body)
+{
+	const struct motion *m = &r->frames[body + 1].motion;
+	const struct build *b = r->context;
+
+	kinematics_rate(&b->places, body, &(struct carried_motion){m->v, m->w, m->a, m->dw});
+}
+
+/* Places of bodies, and what is wanted of them. */
+static void run_kinematics(struct build *b, struct joint_inputs in)
+{
+	static const struct ref nothing[3] = {{0}, {0}, {0}};
+	struct tour r = want_tour(b, in);
+
+	b->places = (struct kinematics){.d = b->d, .t = b->t, .k = b->k, .in = in, .parameters = b->parameters, .outputs = b->outputs};
+	if (is_wanted(b->k, IS_PLACED))
+		kinematics_run(&b->places);
+	if (!request_wants(b->k, WANT_DJACOBIAN))
+		return;
+	dag_section(b->d, SECTION_RATE, 0);
+	r.in.qdd = (struct source){.argument = -1};
+	r.gravity = nothing;
+	r.entered = rate_entered;
+	tour_run(&r);
 }
 
 static int alloc(struct build *b)
@@ -268,18 +313,10 @@ static int alloc(struct build *b)
 
 static struct argument output(const struct request *k, const struct want *w)
 {
-	static const enum role roles[] = {[WANT_TAU] = ROLE_JOINT_TORQUE, [WANT_GRAVITY] = ROLE_GRAVITY_TORQUE, [WANT_BIAS] = ROLE_BIAS_TORQUE,
-		[WANT_WRENCH] = ROLE_JOINT_WRENCH, [WANT_TWIST] = ROLE_LINK_TWIST, [WANT_ACCEL] = ROLE_LINK_ACCELERATION,
-		[WANT_POWER] = ROLE_POWER, [WANT_KINETIC] = ROLE_KINETIC_ENERGY, [WANT_POTENTIAL] = ROLE_POTENTIAL_ENERGY,
-		[WANT_DTAU_DQ] = ROLE_DTAU_DQ, [WANT_DTAU_DQD] = ROLE_DTAU_DQD, [WANT_MASS] = ROLE_MASS_MATRIX,
-		[WANT_DTAU_DFREED] = ROLE_DTAU_DFREED, [WANT_JVP] = ROLE_JVP, [WANT_VJP] = ROLE_VJP, [WANT_QDD] = ROLE_JOINT_ACCELERATION,
-		[WANT_MINV] = ROLE_MASS_MATRIX_INVERSE, [WANT_DQDD_DQ] = ROLE_DQDD_DQ, [WANT_DQDD_DQD] = ROLE_DQDD_DQD,
-		[WANT_DQDD_DFREED] = ROLE_DQDD_DFREED, [WANT_QDD_BOUND] = ROLE_JOINT_ACCELERATION_BOUND,
-		[WANT_REGRESSOR] = ROLE_REGRESSOR};
-	int by_freed = w->kind == WANT_DTAU_DFREED || w->kind == WANT_DQDD_DFREED;
+	const struct want_type *type = want_type(w->kind);
 
-	return (struct argument){.name = w->argument, .rows = w->rows, .is_output = 1, .role = roles[w->kind],
-		.of = by_freed ? k->freed[w->body].word : after_point(w->word)};
+	return (struct argument){.name = w->argument, .rows = w->rows, .is_output = 1, .role = type->role,
+		.of = want_is(w->kind, OF_FREED) ? k->freed[w->body].word : after_point(w->word)};
 }
 
 /* Inputs of the request, besides q, qd and qdd and what is freed; then its outputs. */
@@ -343,10 +380,11 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	in.is_again = is_made_again(&b);
 	if (is_gravity_alone(&b))
 		run_gravity(&b, in, output_of(&b, WANT_TAU), -1);
-	else
+	else if (takes_main(k))
 		run_main(&b, in);
 	run_bias(&b, in);
 	run_gravity(&b, in, output_of(&b, WANT_GRAVITY), output_of(&b, WANT_POTENTIAL));
+	run_kinematics(&b, in);
 	if (k->is_forward)
 		dag_substitute(d, forward.qdd);
 }

@@ -6,6 +6,7 @@
 #include "dynamics/recursion.h"
 #include "dynamics/regressor.h"
 #include "dynamics/tour.h"
+#include "kinematics/kinematics.h"
 
 struct build {
 	struct dag *d;
@@ -20,6 +21,7 @@ struct build {
 	enum dynamics dynamics;
 	struct recursion recursion;
 	struct regressor regressor;
+	struct kinematics places;
 	struct forward *forward; /* NULL: qdd is an input */
 };
 

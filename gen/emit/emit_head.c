@@ -121,29 +121,46 @@ static int has_type(const struct tree *t, enum joint_type type)
 	return 0;
 }
 
+/* How a pose is written; in which frame a Jacobian is. */
+static void put_motion(const struct request *k, const struct want *w, struct text *out)
+{
+	static const char *const frames[] = {[FRAME_LINK] = "the link's frame", [FRAME_WORLD] = "the world's frame",
+		[FRAME_WORLD_ALIGNED] = "the world's axes at the link's origin"};
+
+	if (w->kind == WANT_POSE)
+		text_put(out, k->pose == POSE_ROWS ? ": [R p] in the world, row by row" : ": p, then a quaternion x y z w, in the world");
+	if (w->kind == WANT_DJACOBIAN)
+		text_printf(out, ", dJ/dt qd, %s acceleration, in %s", k->frame == FRAME_WORLD_ALIGNED ? "a classical" : "a spatial", frames[k->frame]);
+	if (w->kind == WANT_JACOBIAN)
+		text_printf(out, ": twist = J qd, linear, then angular, in %s", frames[k->frame]);
+}
+
 /* Which elements of a matrix are stored, in their order; only (i, j) with i >= j of M. */
 static void put_matrix(const struct emission *e, const struct want *w, struct text *out)
 {
 	const struct request *k = e->request;
-	const char *what = w->kind >= WANT_MINV ? "an acceleration" : "a torque";
-	int nv = e->tree->nv, column = 0;
+	const char *what = want_is(w->kind, IS_SOLVED) ? "an acceleration" : "a torque";
+	int column = 0;
 	struct pattern p;
 
 	if (w->kind == WANT_VJP)
 		text_printf(out, ": by q, by qd, by %s", k->is_forward ? "tau" : "qdd");
-	if (w->kind == WANT_DTAU_DFREED || w->kind == WANT_DQDD_DFREED)
+	if (want_is(w->kind, OF_FREED))
 		text_printf(out, ": row by row, %s each", what);
 	if (w->kind == WANT_REGRESSOR)
 		emit_regressor_legend(e, out);
-	if (!request_is_matrix(w->kind) || w->kind == WANT_REGRESSOR)
+	put_motion(k, w, out);
+	if (!request_is_matrix(k, w) || w->kind == WANT_REGRESSOR || w->kind == WANT_POSE)
 		return;
-	text_printf(out, ": row by row, %s each", what);
-	if (w->rows == nv * nv || !request_pattern(&p, e->tree, w->kind, 0, e->arena))
+	text_put(out, want_is(w->kind, IS_DERIVATIVE) ? ": row by row, " : ": row by row");
+	text_put(out, want_is(w->kind, IS_DERIVATIVE) ? what : "");
+	text_put(out, want_is(w->kind, IS_DERIVATIVE) ? " each" : "");
+	if (!request_pattern(&p, e->tree, w, 0, e->arena) || w->rows == p.lines * p.cols)
 		return;
 	text_put(out, "; elements");
-	for (int i = 0; i < nv; i++)
-		for (int j = 0; j < nv; j++)
-			if (p.row[i * nv + j] >= 0)
+	for (int i = 0; i < p.lines; i++)
+		for (int j = 0; j < p.cols; j++)
+			if (p.row[i * p.cols + j] >= 0)
 				text_printf(out, "%s%d,%d", column++ % 16 ? " " : "\n *     ", i, j);
 }
 

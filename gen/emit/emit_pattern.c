@@ -27,17 +27,18 @@ static int shape_by_freed(struct shape *s, const struct emission *e)
 static int shape_make(struct shape *s, const struct emission *e, const struct want *w)
 {
 	const struct request *k = e->request;
-	int nv = e->tree->nv, is_mass = w->kind == WANT_MASS || w->kind == WANT_MINV;
+	int nv = e->tree->nv, is_lower = want_is(w->kind, IS_SYMMETRIC) && !k->dense;
 	struct pattern p;
 
-	*s = (struct shape){.name = w->argument, .rows = nv, .cols = nv, .is_lower = is_mass && !k->dense, .count = w->rows};
-	if (w->kind == WANT_DTAU_DFREED || w->kind == WANT_DQDD_DFREED) {
+	*s = (struct shape){.name = w->argument, .rows = nv, .cols = nv, .is_lower = is_lower, .count = w->rows};
+	if (want_is(w->kind, OF_FREED)) {
 		s->cols = k->freed[w->body].rows;
 		return shape_by_freed(s, e);
 	}
-	if (!request_is_matrix(w->kind) || !request_pattern(&p, e->tree, w->kind, k->dense, e->arena))
+	if (!request_is_matrix(k, w) || !request_pattern(&p, e->tree, w, k->dense, e->arena))
 		return 0;
 	s->at = p.row;
+	s->rows = p.lines;
 	s->cols = p.cols;
 	return 1;
 }

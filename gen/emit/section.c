@@ -53,6 +53,9 @@ static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driv
 	[SECTION_REFINED] = "M d = r;  qdd += d",
 	[SECTION_REGRESSOR] = "W, V of the body by a unit rate of each joint on the way here: W = R'W_p, V = R'(V_p + W_p x p);\n\t   "
 		"their power V.f + W.n by a unit of m: V.a;  of h: U'V + a x W;  of I: W.(I dw + w x I w)",
+	[SECTION_PLACE] = "R = R_p X R(q);  p = p_p + R_p x",
+	[SECTION_JACOBIAN] = "column of a joint: w = z, v = w x r, of one that slides v = z; r from its origin to the point that is told of",
+	[SECTION_RATE] = "dJ/dt qd = the acceleration that is left where qdd = 0",
 	[SECTION_PRODUCTS] = "jvp = d tau/d q v_q + d tau/d qd v_qd + M v_qdd;  vjp = v' d tau/d q, v' d tau/d qd, v' M"};
 
 /* A tour of gravity alone comes last. */
@@ -110,6 +113,8 @@ static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torqu
 	[SECTION_BOUND] = "how far qdd may be off",
 	[SECTION_RESIDUAL] = "from here on once more: the residual of the qdd found",
 	[SECTION_REFINED] = "qdd, refined",
+	[SECTION_RATE] = "from here on without accelerations and gravity",
+	[SECTION_CENTROID] = "centre of mass and momentum",
 	[SECTION_PRODUCTS] = "derivatives times vectors, and by what is freed"};
 
 /* "out to link 2 "lower" (fpass)"; "back from link 2 "lower" to link 1 (bpass): torque of "elbow"" */
@@ -124,6 +129,12 @@ static void put_title(const struct emission *e, const struct pass *pass, const s
 	if (s->kind == SECTION_BY || s->kind == SECTION_REGRESSOR) {
 		text_put(out, s->kind == SECTION_BY ? "\n\t/* ---- derivatives by \"" : "\n\t/* ---- torques by the inertial parameters of link \"");
 		text_put_comment(out, s->kind == SECTION_REGRESSOR ? k->link : *k->joint ? k->joint : "base");
+		text_put(out, "\" ---- */\n");
+		return;
+	}
+	if (s->kind == SECTION_PLACE || s->kind == SECTION_JACOBIAN) {
+		text_printf(out, "\n\t/* ---- %s link %d \"", s->kind == SECTION_PLACE ? "place of" : "Jacobian of what is on", k->number);
+		text_put_comment(out, k->link);
 		text_put(out, "\" ---- */\n");
 		return;
 	}
@@ -149,7 +160,7 @@ static void put_title(const struct emission *e, const struct pass *pass, const s
 /* A section that has no lines of its own, but for those that it begins. */
 static int begins_tour(const struct section *s)
 {
-	return s->kind == SECTION_BIAS || s->kind == SECTION_GRAVITY || s->kind == SECTION_RESIDUAL;
+	return s->kind == SECTION_BIAS || s->kind == SECTION_GRAVITY || s->kind == SECTION_RESIDUAL || s->kind == SECTION_RATE;
 }
 
 void unparse_section(struct unparser *u, const struct section *s, struct text *out)

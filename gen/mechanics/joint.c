@@ -42,6 +42,12 @@ static struct ref directed(struct dag *d, const struct body *k, struct ref a)
 	return dag_mul(d, dag_within(d, k->sign < 0 ? within_neg(k->multiplier) : k->multiplier), a);
 }
 
+/* The angle about the joint's axis, in q. */
+static struct ref angle_of(struct dag *d, const struct body *k, struct joint_inputs in)
+{
+	return directed(d, k, coordinate(d, &in, k->type == JOINT_PLANAR ? k->iq + 2 : k->iq));
+}
+
 /* R = [1-2(yy+zz), 2(xy-zw), 2(xz+yw); 2(xy+zw), 1-2(xx+zz), 2(yz-xw); 2(xz-yw), 2(yz+xw), 1-2(xx+yy)] */
 static struct smat quaternion_matrix(struct dag *d, struct svec u, struct ref w)
 {
@@ -98,7 +104,7 @@ struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_
 		x.s = dag_within(d, s);
 		x.c = dag_within(d, c);
 	} else if (turns(k)) {
-		struct ref angle = directed(d, k, coordinate(d, &in, k->type == JOINT_PLANAR ? k->iq + 2 : k->iq));
+		struct ref angle = angle_of(d, k, in);
 
 		x.s = dag_sin(d, angle);
 		x.c = dag_cos(d, angle);
@@ -111,6 +117,44 @@ struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_
 		}
 	}
 	return x;
+}
+
+/* Half of the angle that is added ahead, by its sine and cosine: tan(b/2) = sin b/(1 + cos b). */
+static void half_ahead(const struct body *k, struct within *s, struct within *c)
+{
+	const struct within half = within_exact(0.5L), one = within_exact(1);
+
+	*s = within_exact(0);
+	*c = one;
+	if (k->ahead.s.x == 0 && k->ahead.c.x >= 0)
+		return;
+	if (k->ahead.c.x >= 0) {
+		*c = within_sqrt(within_mul(half, within_add(one, k->ahead.c)));
+		*s = within_div(within_mul(half, k->ahead.s), *c);
+	} else {
+		*s = within_sqrt(within_mul(half, within_sub(one, k->ahead.c)));
+		*c = within_div(within_mul(half, k->ahead.s), *s);
+	}
+}
+
+void joint_half_turn(struct dag *d, const struct body *k, struct joint_inputs in, struct ref *s, struct ref *c)
+{
+	struct ref half = dag_const(d, 0.5L), sine = {0}, cosine = dag_const(d, 1);
+	struct within sa, ca;
+
+	if (k->turn.x != 0) {
+		angle_sincos(within_mul(within_exact(0.5L), k->turn), &sa, &ca);
+		*s = dag_within(d, sa);
+		*c = dag_within(d, ca);
+		return;
+	}
+	if (turns(k)) {
+		sine = dag_sin(d, dag_mul(d, half, angle_of(d, k, in)));
+		cosine = dag_cos(d, dag_mul(d, half, angle_of(d, k, in)));
+	}
+	half_ahead(k, &sa, &ca);
+	*s = dag_add(d, dag_mul(d, dag_within(d, ca), sine), dag_mul(d, dag_within(d, sa), cosine));
+	*c = dag_sub(d, dag_mul(d, dag_within(d, ca), cosine), dag_mul(d, dag_within(d, sa), sine));
 }
 
 struct joint_rates joint_move(struct dag *d, const struct body *k, struct joint_inputs in)

@@ -37,6 +37,9 @@ struct joint_rates {
 };
 
 struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_inputs in);
+/* Sine and cosine of half the angle by which the joint turns its body; 0 and 1 where it does not turn. */
+void joint_half_turn(struct dag *d, const struct body *k, struct joint_inputs in, struct ref *s, struct ref *c);
+
 struct joint_rates joint_move(struct dag *d, const struct body *k, struct joint_inputs in);
 
 /* The velocities that a unit rate of the joint's coordinate `row` makes; a follower's is its driver's coordinate. */

@@ -25,7 +25,7 @@ int request_wants(const struct request *k, enum want_kind kind)
 int request_wants_derivative(const struct request *k)
 {
 	for (int i = 0; i < k->want_count; i++)
-		if (k->wants[i].kind >= WANT_DTAU_DQ)
+		if (want_is(k->wants[i].kind, IS_DERIVATIVE))
 			return 1;
 	return 0;
 }
@@ -174,9 +174,9 @@ static int has_quaternion(const struct tree *t, int body)
 
 static enum rneagen_code fold(const struct resolver *x, const struct scene_choice *c)
 {
-	enum { GRAVITY = 4, OF_JOINT };
+	enum { GRAVITY = 4, BY_JOINT };
 	static const struct kind_word kinds[] = {{"q", 0}, {"qd", 0}, {"qdd", 0}, {"tau", 0}, [GRAVITY] = {"gravity", 0},
-		[OF_JOINT] = {"q", 1}, {"qd", 1}, {"qdd", 1}, {"tau", 1}};
+		[BY_JOINT] = {"q", 1}, {"qd", 1}, {"qdd", 1}, {"tau", 1}};
 	struct tree *t = x->t;
 	struct row *const rows[] = {x->k->q, x->k->qd, x->k->qdd, x->k->tau};
 	int kind = request_find_kind(x, c, kinds, sizeof kinds / sizeof *kinds), body, is_q;
@@ -195,13 +195,13 @@ static enum rneagen_code fold(const struct resolver *x, const struct scene_choic
 	}
 	if (kind < GRAVITY)
 		return give(x, c, rows[kind], 0, kind == 0 ? t->nq : t->nv, kind != 0 || !has_quaternion(t, -1));
-	is_q = kind == OF_JOINT;
+	is_q = kind == BY_JOINT;
 	body = request_find_body(x, c, strchr(c->name, '.') + 1);
 	if (body < 0)
 		return x->e->code;
 	if (t->bodies[body].follower)
 		return scene_refuse(x->s, c, x->e, "'%.255s' follows another joint: fold that", t->bodies[body].joint);
-	return give(x, c, rows[kind - OF_JOINT], is_q ? t->bodies[body].iq : t->bodies[body].iv,
+	return give(x, c, rows[kind - BY_JOINT], is_q ? t->bodies[body].iq : t->bodies[body].iv,
 		is_q ? joint_nq(t->bodies[body].type) : joint_nv(t->bodies[body].type), !is_q || !has_quaternion(t, body));
 }
 
@@ -304,6 +304,7 @@ static int alloc(struct resolver *x)
 	k->freed = arena_alloc(a, most, sizeof *k->freed);
 	k->pushes = arena_alloc(a, most, sizeof *k->pushes);
 	k->wants = arena_alloc(a, most, sizeof *k->wants);
+	k->frames = arena_alloc(a, most, sizeof *k->frames);
 	k->ranges = arena_alloc(a, most, sizeof *k->ranges);
 	k->armature = arena_alloc(a, nb, sizeof *k->armature);
 	k->damping = arena_alloc(a, nb, sizeof *k->damping);
@@ -355,6 +356,25 @@ static enum rneagen_code check_dynamics(const struct resolver *x)
 	return RNEAGEN_OK;
 }
 
+/* How poses are written, and in which frame Jacobians are. */
+static void read_forms(const struct resolver *x)
+{
+	const struct scene_choice *pose = scene_next(x->s, SCENE_POSE, NULL), *frame = scene_next(x->s, SCENE_FRAME, NULL);
+
+	if (pose && !strcmp(pose->value, "quaternion"))
+		x->k->pose = POSE_QUATERNION;
+	if (frame && strcmp(frame->value, "link"))
+		x->k->frame = !strcmp(frame->value, "world") ? FRAME_WORLD : FRAME_WORLD_ALIGNED;
+}
+
+static int is_motion(const struct request *k)
+{
+	for (int i = 0; i < k->want_count; i++)
+		if (!want_is(k->wants[i].kind, IS_MOTION))
+			return 0;
+	return k->want_count && !k->is_forward;
+}
+
 enum rneagen_code request_resolve(struct request *k, struct tree *t, const struct scene *s, const struct robot *r, struct arena *a,
 	struct rneagen_error *e)
 {
@@ -371,7 +391,8 @@ enum rneagen_code request_resolve(struct request *k, struct tree *t, const struc
 	if (way && strcmp(way->value, "auto"))
 		x.k->dynamics = !strcmp(way->value, "factor") ? DYNAMICS_FACTOR : DYNAMICS_ARTICULATED;
 	x.k->in_world = frame && !strcmp(frame->value, "world");
-	if (each(&x, SCENE_FOLD, fold) || each(&x, SCENE_FREE, request_free) || each(&x, SCENE_FEXT, push) ||
+	read_forms(&x);
+	if (each(&x, SCENE_ADD_FRAME, request_add_frame) || each(&x, SCENE_FOLD, fold) || each(&x, SCENE_FREE, request_free) || each(&x, SCENE_FEXT, push) ||
 		each(&x, SCENE_ARMATURE, set_armature) || each(&x, SCENE_FRICTION, set_friction) || each(&x, SCENE_WANT, request_want) ||
 		each(&x, SCENE_JVP, request_product) || each(&x, SCENE_VJP, request_product) ||
 		each(&x, SCENE_RANGE, request_range))
@@ -380,6 +401,7 @@ enum rneagen_code request_resolve(struct request *k, struct tree *t, const struc
 		set_dynamics(&x, x.k->damping, 0);
 	if (!x.k->want_count)
 		x.k->wants[x.k->want_count++] = (struct want){.kind = WANT_TAU, .word = "tau", .argument = "tau", .rows = t->nv};
+	x.k->is_motion = is_motion(x.k);
 	if (check_arrays(&x) || check_forward(&x) || check_dynamics(&x))
 		return e->code;
 	return a->failed ? error_memory(e) : RNEAGEN_OK;

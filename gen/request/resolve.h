@@ -30,6 +30,14 @@ const char *request_argument(const struct resolver *x, const char *word);
 int request_find_link(const struct resolver *x, const struct scene_choice *c, const char *name);
 int request_find_body(const struct resolver *x, const struct scene_choice *c, const char *name);
 
+/* What may stand for a link: a link, a frame that the scene adds, or a joint, for its child link. Its body, and where it is in that
+   body's frame; an error that names the nearest where there is none. */
+enum rneagen_code request_find_frame(const struct resolver *x, const struct scene_choice *c, const char *name, int *body,
+	struct placement *X);
+
+/* A choice of `add-frame`. */
+enum rneagen_code request_add_frame(const struct resolver *x, const struct scene_choice *c);
+
 /* A choice of `want`. */
 enum rneagen_code request_want(const struct resolver *x, const struct scene_choice *c);
 

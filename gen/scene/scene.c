@@ -94,10 +94,10 @@ static enum rneagen_code refuse_word(const struct reader *r, const char *word, s
 		meant ? "; did you mean '" : "", meant ? meant : "", meant ? "'?" : "");
 }
 
-/* NAME=VALUE at the last =. */
+/* NAME=VALUE at the last =; of a frame that is added at the first, since its value has a link's name. */
 static enum rneagen_code split(const struct reader *r, struct scene_choice *c, const char *value)
 {
-	const char *at = strrchr(value, '=');
+	const char *at = c->key == SCENE_ADD_FRAME ? strchr(value, '=') : strrchr(value, '=');
 
 	if (!at || at == value || !at[1])
 		return scene_refuse(r->s, c, r->e, "takes NAME=VALUE, not '%.255s'", value);
@@ -123,7 +123,8 @@ static enum rneagen_code check_word(const struct reader *r, const struct scene_c
 	static const char *const words[SCENE_KEY_COUNT][3] = {
 		[SCENE_BESIDE] = {"lock", "drop"}, [SCENE_FEXT_FRAME] = {"link", "world"},
 		[SCENE_DERIVATIVES] = {"forward", "recursion"}, [SCENE_DYNAMICS] = {"auto", "factor", "articulated"},
-		[SCENE_PARAMS] = {"base", "auto", "urdf"}};
+		[SCENE_PARAMS] = {"base", "auto", "urdf"}, [SCENE_POSE] = {"rows", "quaternion"},
+		[SCENE_FRAME] = {"world", "world-aligned", "link"}};
 	const char *const *w = words[c->key];
 
 	for (int i = 0; i < 3 && w[i]; i++)

@@ -93,7 +93,7 @@ static PyObject *numbers(const double *values, size_t count)
 static const struct want *find_matrix(const struct request *k, const char *argument)
 {
 	for (int i = 0; i < k->want_count; i++)
-		if (!strcmp(k->wants[i].argument, argument) && request_is_matrix(k->wants[i].kind))
+		if (!strcmp(k->wants[i].argument, argument) && request_is_matrix(k, &k->wants[i]))
 			return &k->wants[i];
 	return NULL;
 }
@@ -103,16 +103,15 @@ static PyObject *pattern_of(struct model *m, const char *argument)
 {
 	struct analysis *a = &m->analysis;
 	const struct want *w = find_matrix(&a->request, argument);
-	int nv = a->tree.nv, cols = 0, found;
+	int cols = 0, found;
 	PyObject *row = PyList_New(0), *col = PyList_New(0);
-	struct pattern whole = {0}, p = {0};
+	struct pattern p = {0};
 	struct arena arena;
 
 	arena_init(&arena, NULL);
-	found = w && request_pattern(&whole, &a->tree, w->kind, 1, &arena) &&
-		request_pattern(&p, &a->tree, w->kind, a->request.dense, &arena);
-	cols = whole.rows / nv;
-	for (int i = 0; found && row && col && i < nv * cols; i++)
+	found = w && request_pattern(&p, &a->tree, w, a->request.dense, &arena);
+	cols = p.cols;
+	for (int i = 0; found && row && col && i < p.lines * cols; i++)
 		if (p.row[i] >= 0 && (append(row, PyLong_FromLong(i / cols)) || append(col, PyLong_FromLong(i % cols))))
 			Py_CLEAR(row);
 	arena_free(&arena);

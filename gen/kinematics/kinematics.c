@@ -1,0 +1,125 @@
+/* Poses on the way out: R = R_p X R(q), p = p_p + R_p x (Featherstone 2008, 4.1; Craig 2.45). */
+#include "kinematics/kinematics.h"
+
+static struct svec column(const struct smat *m, int j)
+{
+	return (struct svec){{m->m[0][j], m->m[1][j], m->m[2][j]}};
+}
+
+static void set_column(struct smat *m, int j, struct svec u)
+{
+	for (int i = 0; i < 3; i++)
+		m->m[i][j] = u.x[i];
+}
+
+/* A B, column by column */
+static struct smat product(struct dag *d, const struct smat *A, const struct smat *B)
+{
+	struct smat out;
+
+	for (int j = 0; j < 3; j++)
+		set_column(&out, j, smat_mul(d, A, column(B, j)));
+	return out;
+}
+
+/* A R(q), R(q) the joint's variable turn: row by row, (R' a)' */
+static struct smat turned(struct dag *d, const struct body *k, const struct joint_pose *at, const struct smat *A)
+{
+	struct smat out;
+
+	if (k->type == JOINT_FLOATING)
+		return product(d, A, &at->Q);
+	for (int i = 0; i < 3; i++) {
+		struct svec row = joint_into(d, k, at, (struct svec){{A->m[i][0], A->m[i][1], A->m[i][2]}});
+
+		for (int j = 0; j < 3; j++)
+			out.m[i][j] = row.x[j];
+	}
+	return out;
+}
+
+static void place(const struct kinematics *x, int body)
+{
+	struct dag *d = x->d;
+	const struct body *k = &x->t->bodies[body];
+	struct placed *to = &x->bodies[body];
+	const struct placed *from = k->parent >= 0 ? &x->bodies[k->parent] : NULL;
+
+	dag_section(d, SECTION_PLACE, body);
+	to->pose = joint_place(d, k, x->in);
+	to->A = from ? product(d, &from->R, &to->pose.R) : to->pose.R;
+	to->R = turned(d, k, &to->pose, &to->A);
+	to->from = from ? from->from : to->pose.p;
+	if (from)
+		to->p = svec_add(d, from->p, smat_mul(d, &from->R, to->pose.p));
+	if (x->k->pose == POSE_QUATERNION)
+		quaternion_place(x, body);
+	for (int j = 0; j < 3; j++)
+		svec_tag(d, column(&to->R, j), (const char *[]){"rx", "ry", "rz"}[j], k->number);
+	svec_tag(d, to->p, "p", k->number);
+}
+
+void kinematics_frame(const struct kinematics *x, int body, const struct placement *X, struct smat *R, struct svec *p)
+{
+	const struct placed *at = &x->bodies[body];
+	struct smat turn = smat_const(x->d, &X->R);
+
+	*R = product(x->d, &at->R, &turn);
+	*p = svec_add(x->d, at->p, smat_mul(x->d, &at->R, svec_const(x->d, X->p)));
+}
+
+static void output_pose(const struct kinematics *x, const struct want *w, int argument)
+{
+	struct dag *d = x->d;
+	struct smat R;
+	struct svec p;
+	struct ref quaternion[4];
+
+	kinematics_frame(x, w->body, &w->X, &R, &p);
+	p = svec_add(d, x->bodies[w->body].from, p);
+	if (x->k->pose == POSE_QUATERNION)
+		quaternion_of(x, w->body, &w->X, quaternion);
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3 && x->k->pose == POSE_ROWS; j++)
+			dag_output(d, argument, 4 * i + j, R.m[i][j]);
+	for (int i = 0; i < 3; i++)
+		dag_output(d, argument, x->k->pose == POSE_ROWS ? 4 * i + 3 : i, p.x[i]);
+	for (int i = 0; i < 4 && x->k->pose == POSE_QUATERNION; i++)
+		dag_output(d, argument, 3 + i, quaternion[i]);
+}
+
+static void output_jacobian(const struct kinematics *x, const struct want *w, int argument)
+{
+	int nv = x->t->nv;
+	struct ref *J = arena_alloc(x->d->arena, 6 * (size_t)nv, sizeof *J);
+	struct pattern p;
+
+	if (!J || !request_pattern(&p, x->t, w, x->k->dense, x->d->arena)) {
+		x->d->failed = 1;
+		return;
+	}
+	dag_section(x->d, SECTION_JACOBIAN, w->body);
+	jacobian_columns(x, w, J);
+	for (int e = 0; e < 6 * nv; e++)
+		if (p.row[e] >= 0)
+			dag_output(x->d, argument, p.row[e], J[e]);
+}
+
+void kinematics_run(struct kinematics *x)
+{
+	x->bodies = arena_alloc(x->d->arena, (size_t)x->t->body_count, sizeof *x->bodies);
+	if (!x->bodies) {
+		x->d->failed = 1;
+		return;
+	}
+	for (int k = 0; k < x->t->body_count; k++) {
+		place(x, k);
+		for (int i = 0; i < x->k->want_count; i++)
+			if (x->k->wants[i].kind == WANT_POSE && x->k->wants[i].body == k)
+				output_pose(x, &x->k->wants[i], x->outputs[i]);
+		for (int i = 0; i < x->k->want_count; i++)
+			if (x->k->wants[i].kind == WANT_JACOBIAN && x->k->wants[i].body == k)
+				output_jacobian(x, &x->k->wants[i], x->outputs[i]);
+	}
+	centroid_outputs(x);
+}

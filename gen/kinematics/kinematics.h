@@ -1,0 +1,57 @@
+#ifndef RNEAGEN_KINEMATICS_H
+#define RNEAGEN_KINEMATICS_H
+/* Where bodies are in the world, and what a scene wants of that: poses, Jacobians, centroidal quantities. The world's frame is
+   the root link's; of a floating base that of its q. */
+
+#include "mechanics/joint.h"
+#include "mechanics/rigid_body.h"
+#include "tree/pattern.h"
+
+/* A body in the world. */
+struct placed {
+	struct joint_pose pose; /* in its parent */
+	struct smat A;          /* the joint's axes in the world, before it turns */
+	struct smat R;          /* the body's */
+	struct svec from;       /* the origin of the body that the world carries on this chain, in the world */
+	struct ref quaternion[4]; /* x y z w, where poses are written so */
+	struct svec p;          /* from there to the body's origin, in the world's axes: without digits that a far base takes */
+};
+
+struct kinematics {
+	struct dag *d;
+	const struct tree *t;
+	const struct request *k;
+	struct joint_inputs in;                /* q is read */
+	struct parameters *const *parameters;  /* by body, of those whose parameters are no numbers */
+	const int *outputs;                    /* arguments, by want */
+	struct placed *bodies;                 /* by body */
+};
+
+/* How a point of a body moves: velocity and classical acceleration of its origin, angular velocity and its rate, all in the body's
+   frame. */
+struct carried_motion {
+	struct svec v, w, a, dw;
+};
+
+/* Place all bodies, and write what is wanted of their places. x->bodies is made here. */
+void kinematics_run(struct kinematics *x);
+
+/* Write what is wanted of dJ/dt qd of the links that a body carries, from its motion where nothing accelerates. */
+void kinematics_rate(const struct kinematics *x, int body, const struct carried_motion *m);
+
+/* A frame at X in a body: its axes in the world, and its origin as struct placed has p. */
+void kinematics_frame(const struct kinematics *x, int body, const struct placement *X, struct smat *R, struct svec *p);
+
+/* Columns of want `w` in the frame that the request says: linear, then angular; [6][nv], the rest is zero. */
+void jacobian_columns(const struct kinematics *x, const struct want *w, struct ref *J);
+
+/* Write what is wanted of the centre of mass and of the momentum, when all bodies are placed. */
+void centroid_outputs(const struct kinematics *x);
+
+/* A body's quaternion, from its parent's. */
+void quaternion_place(const struct kinematics *x, int body);
+
+/* The quaternion x y z w of a frame at X in a body, continuous in q. */
+void quaternion_of(const struct kinematics *x, int body, const struct placement *X, struct ref *quaternion);
+
+#endif
