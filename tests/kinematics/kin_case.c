@@ -269,7 +269,7 @@ int kin_compare(struct kin_case *c, double noise)
 		kin_matrix_free(&want);
 		if (is_known)
 			kin_compare_want(c, &k->wants[i], c->out, noise);
-		count += is_known;
+		count += is_known ? 1 : kin_check(c, &k->wants[i], c->out, noise);
 	}
 	return count;
 }

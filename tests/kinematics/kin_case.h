@@ -64,8 +64,11 @@ struct kin_matrix kin_found(struct kin_case *c, const struct want *w, wide *cons
 struct kin_matrix kin_matrix_new(int lines, int cols);
 void kin_matrix_free(struct kin_matrix *m);
 
-/* What the reference says of a want, in the same shape. `coriolis` and `opspace` have no one answer: lines is 0. */
+/* What the reference says of a want, in the same shape; lines is 0 for coriolis and opspace, and for what is tested elsewhere. */
 struct kin_matrix kin_expected(struct kin_case *c, const struct want *w);
+
+/* The properties of coriolis, opspace_inv and opspace. Returns whether it is one of these, and M not too singular. */
+int kin_check(struct kin_case *c, const struct want *w, wide *const *out, double noise);
 
 /* All wants against the reference: off by at most `noise` of the magnitudes summed and of the largest element. Returns how many
    were compared. */
@@ -77,7 +80,8 @@ void kin_compare_want(struct kin_case *c, const struct want *w, wide *const *out
 /* The argument of the DAG that a want is stored in. */
 int kin_argument(const struct kin_case *c, const struct want *w);
 
-/* Which frame a word names. */
+/* The frame of the request; which frame a word names. */
+enum reference_axes kin_axes(const struct kin_case *c);
 struct reference_frame kin_frame(const struct kin_case *c, const char *word);
 
 #endif

@@ -1,6 +1,5 @@
 /* What the reference says of each want, in the shape of what the DAG gives. */
 #include "kinematics/kin_case.h"
-#include "reference/forward.h"
 #include <check.h>
 #include <stdlib.h>
 #include <string.h>
@@ -85,7 +84,7 @@ static struct kin_matrix expected_pose(struct kin_case *c, const struct referenc
 	return m;
 }
 
-static enum reference_axes axes_of(const struct kin_case *c)
+enum reference_axes kin_axes(const struct kin_case *c)
 {
 	static const enum reference_axes axes[] = {[FRAME_LINK] = REFERENCE_LINK, [FRAME_WORLD] = REFERENCE_WORLD,
 		[FRAME_WORLD_ALIGNED] = REFERENCE_ALIGNED};
@@ -97,7 +96,7 @@ static struct kin_matrix expected_of_link(struct kin_case *c, const struct want 
 {
 	static const wide none[KIN_ROWS];
 	const struct reference_frame f = kin_frame(c, strchr(w->word, '.') + 1);
-	struct kin_matrix m = kin_matrix_new(6, w->kind == WANT_OPSPACE_INV || w->kind == WANT_OPSPACE ? 6 : 1), all;
+	struct kin_matrix m = kin_matrix_new(6, 1), all;
 
 	switch (w->kind) {
 	case WANT_POSE:
@@ -106,15 +105,12 @@ static struct kin_matrix expected_of_link(struct kin_case *c, const struct want 
 	case WANT_JACOBIAN:
 		kin_matrix_free(&m);
 		all = kin_matrix_new(6, c->reference->nv);
-		reference_jacobian(c->reference, &f, axes_of(c), c->q, all.x);
+		reference_jacobian(c->reference, &f, kin_axes(c), c->q, all.x);
 		m = modelled(c, 6, all.x);
 		kin_matrix_free(&all);
 		return m;
 	case WANT_DJACOBIAN:
-		reference_acceleration(c->reference, &f, axes_of(c), c->q, c->qd, none, m.x);
-		return m;
-	case WANT_OPSPACE_INV:
-		reference_opspace_inverse(c->reference, &f, axes_of(c), c->held, c->q, m.x);
+		reference_acceleration(c->reference, &f, kin_axes(c), c->q, c->qd, none, m.x);
 		return m;
 	default:
 		break;

@@ -12,10 +12,11 @@
 enum { FIRST = 8100, TREES = 150, LINKS = 9, SAMPLES = 2, TEXT = 4096 };
 
 /* The URDF's numbers are doubles, and zeros stand for the rounding of such. */
-static const double NOISE = 64 * 0x1p-53;
+static const double NOISE = 4 * 0x1p-53;
 
-static const enum want_kind OF_LINKS[] = {WANT_POSE, WANT_JACOBIAN, WANT_DJACOBIAN};
-static const enum want_kind OF_ALL[] = {WANT_COM, WANT_VCOM, WANT_COM_JACOBIAN, WANT_MOMENTUM, WANT_MOMENTUM_MATRIX, WANT_DMOMENTUM};
+static const enum want_kind OF_LINKS[] = {WANT_POSE, WANT_JACOBIAN, WANT_DJACOBIAN, WANT_OPSPACE_INV};
+static const enum want_kind OF_ALL[] = {WANT_COM, WANT_VCOM, WANT_COM_JACOBIAN, WANT_MOMENTUM, WANT_MOMENTUM_MATRIX, WANT_DMOMENTUM,
+	WANT_CORIOLIS};
 enum { LINK_WORDS = sizeof OF_LINKS / sizeof *OF_LINKS, ALL_WORDS = sizeof OF_ALL / sizeof *OF_ALL };
 
 struct words {
