@@ -65,7 +65,7 @@ static void factor(struct forward *x, struct dag *d)
 
 void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 {
-	static const int nowhere[BY_COUNT] = {-1, -1, -1};
+	static const int nowhere[BY_COUNT] = {-1, -1, -1, -1};
 	struct dag *d = b->d;
 	int nv = b->t->nv;
 
@@ -82,7 +82,6 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 		articulated_begin(&x->bodies, &x->tour);
 	if (takes_mass(b))
 		recursion_begin(&x->mass, &x->tour, nowhere);
-	x->mass.is_mass_alone = 1;
 	if (!x->qdd || d->failed || !pattern_coupled(&x->coupled, b->t, 0, b->k->dense, d->arena)) {
 		d->failed = 1;
 		return;

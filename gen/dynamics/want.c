@@ -95,36 +95,41 @@ static int output_of(const struct build *b, enum want_kind kind)
 	return -1;
 }
 
-/* May the recursion write it? By q, it knows nothing of wrenches that stay as they are in the world; and a body that floats
+/* May the recursion write it? It always makes M and the Coriolis matrix. By q, it knows nothing of wrenches that stay as they are in the world; and a body that floats
    between others it takes to be turned by a quaternion of norm one. */
 static int is_recursive(const struct build *b, enum want_kind kind)
 {
-	for (int i = 0; i < b->t->body_count && kind != WANT_MASS; i++)
+	if (kind == WANT_MASS || kind == WANT_CORIOLIS)
+		return 1;
+	for (int i = 0; i < b->t->body_count; i++)
 		if (b->t->bodies[i].type == JOINT_FLOATING && b->t->bodies[i].parent >= 0)
 			return 0;
 	if (kind == WANT_DTAU_DQ && b->k->push_count && b->k->in_world)
 		return 0;
-	return kind == WANT_MASS || b->derivatives != DERIVATIVES_FORWARD;
+	return b->derivatives != DERIVATIVES_FORWARD;
 }
 
 /* What a recursion by q, qd and qdd writes, or what is solved with it. */
-static const enum want_kind BY_RECURSION[BY_COUNT] = {WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_MASS};
-static const enum want_kind SOLVED[BY_COUNT] = {WANT_DQDD_DQ, WANT_DQDD_DQD, WANT_MASS};
+static const enum want_kind BY_RECURSION[BY_COUNT] = {WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_CORIOLIS, WANT_MASS};
+static const enum want_kind SOLVED[BY_COUNT] = {WANT_DQDD_DQ, WANT_DQDD_DQD, WANT_CORIOLIS, WANT_MASS};
 
 static void begin_recursion(struct build *b, const struct tour *r)
 {
-	int arguments[BY_COUNT], is_used = 0;
+	int arguments[BY_COUNT], is_used[BY_COUNT];
 
 	for (enum by by = BY_Q; by < BY_COUNT; by++) {
 		int serves = is_recursive(b, BY_RECURSION[by]);
 
 		arguments[by] = serves ? output_of(b, BY_RECURSION[by]) : -1;
-		is_used |= arguments[by] >= 0 || (serves && output_of(b, SOLVED[by]) >= 0);
+		is_used[by] = arguments[by] >= 0 || (serves && output_of(b, SOLVED[by]) >= 0);
 		for (int i = 0; i < b->k->want_count && serves; i++)
 			b->done[i] |= b->k->wants[i].kind == BY_RECURSION[by] || b->k->wants[i].kind == SOLVED[by];
 	}
-	if (is_used)
-		recursion_begin(&b->recursion, r, arguments);
+	if (!is_used[BY_Q] && !is_used[BY_QD] && !is_used[BY_CORIOLIS] && !is_used[BY_QDD])
+		return;
+	recursion_begin(&b->recursion, r, arguments);
+	b->recursion.has_gradients = is_used[BY_Q] || is_used[BY_QD];
+	b->recursion.has_coriolis = is_used[BY_CORIOLIS];
 }
 
 struct tour want_tour(struct build *b, struct joint_inputs in)
@@ -179,7 +184,7 @@ static void solve_columns(struct build *b, int body)
 	int nv = b->t->nv, iv = b->t->bodies[body].iv, end = iv + joint_nv(b->t->bodies[body].type);
 	struct ref *column = arena_alloc(b->d->arena, (size_t)nv, sizeof *column);
 
-	for (enum by by = BY_Q; by < BY_QDD && column; by++) {
+	for (enum by by = BY_Q; by <= BY_QD && column; by++) {
 		int argument = is_recursive(b, BY_RECURSION[by]) ? output_of(b, SOLVED[by]) : -1;
 
 		for (int j = iv; j < end && argument >= 0; j++) {

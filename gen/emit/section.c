@@ -55,6 +55,9 @@ static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driv
 		"their power V.f + W.n by a unit of m: V.a;  of h: U'V + a x W;  of I: W.(I dw + w x I w)",
 	[SECTION_PLACE] = "R = R_p X R(q);  p = p_p + R_p x",
 	[SECTION_JACOBIAN] = "column of a joint: w = z, v = w x r, of one that slides v = z; r from its origin to the point that is told of",
+	[SECTION_SUBTREE] = "about the body's origin, of all that it carries: C += D = R C + m p;  P += R P + m p';  K += R K + p x R P + D x p';\n\t   "
+		"F += R F + m p'';  N += R N + p x R F + D x p'';  a column of the matrix: Z x C + m Y, I Z + C x Y",
+	[SECTION_CENTROID] = "com = C/m;  momentum P, and K - com x P about the centre of mass;  rates F, and N - com x F",
 	[SECTION_RATE] = "dJ/dt qd = the acceleration that is left where qdd = 0",
 	[SECTION_PRODUCTS] = "jvp = d tau/d q v_q + d tau/d qd v_qd + M v_qdd;  vjp = v' d tau/d q, v' d tau/d qd, v' M"};
 
@@ -132,8 +135,10 @@ static void put_title(const struct emission *e, const struct pass *pass, const s
 		text_put(out, "\" ---- */\n");
 		return;
 	}
-	if (s->kind == SECTION_PLACE || s->kind == SECTION_JACOBIAN) {
-		text_printf(out, "\n\t/* ---- %s link %d \"", s->kind == SECTION_PLACE ? "place of" : "Jacobian of what is on", k->number);
+	if (s->kind == SECTION_PLACE || s->kind == SECTION_JACOBIAN || s->kind == SECTION_SUBTREE) {
+		text_printf(out, "\n\t/* ---- %s link %d \"",
+			s->kind == SECTION_PLACE ? "place of" : s->kind == SECTION_JACOBIAN ? "Jacobian of what is on" : "momentum of all beyond",
+			k->number);
 		text_put_comment(out, k->link);
 		text_put(out, "\" ---- */\n");
 		return;

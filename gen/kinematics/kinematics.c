@@ -1,5 +1,5 @@
 /* Poses on the way out: R = R_p X R(q), p = p_p + R_p x (Featherstone 2008, 4.1; Craig 2.45). */
-#include "kinematics/kinematics.h"
+#include "kinematics/centroid.h"
 
 static struct svec column(const struct smat *m, int j)
 {
@@ -105,21 +105,37 @@ static void output_jacobian(const struct kinematics *x, const struct want *w, in
 			dag_output(x->d, argument, p.row[e], J[e]);
 }
 
+static void output_links(const struct kinematics *x, int body)
+{
+	for (int i = 0; i < x->k->want_count; i++)
+		if (x->k->wants[i].kind == WANT_POSE && x->k->wants[i].body == body)
+			output_pose(x, &x->k->wants[i], x->outputs[i]);
+	for (int i = 0; i < x->k->want_count; i++)
+		if (x->k->wants[i].kind == WANT_JACOBIAN && x->k->wants[i].body == body)
+			output_jacobian(x, &x->k->wants[i], x->outputs[i]);
+}
+
+/* A tour of the tree, as that of tour.h: out to a body, through its children, back from it. */
 void kinematics_run(struct kinematics *x)
 {
+	const struct body *bodies = x->t->bodies;
+	struct centroid c;
+	int here = -1;
+
 	x->bodies = arena_alloc(x->d->arena, (size_t)x->t->body_count, sizeof *x->bodies);
 	if (!x->bodies) {
 		x->d->failed = 1;
 		return;
 	}
-	for (int k = 0; k < x->t->body_count; k++) {
+	centroid_begin(&c, x);
+	for (int k = 0; k < x->t->body_count; here = k++) {
+		for (; here != bodies[k].parent; here = bodies[here].parent)
+			centroid_leave(&c, here);
 		place(x, k);
-		for (int i = 0; i < x->k->want_count; i++)
-			if (x->k->wants[i].kind == WANT_POSE && x->k->wants[i].body == k)
-				output_pose(x, &x->k->wants[i], x->outputs[i]);
-		for (int i = 0; i < x->k->want_count; i++)
-			if (x->k->wants[i].kind == WANT_JACOBIAN && x->k->wants[i].body == k)
-				output_jacobian(x, &x->k->wants[i], x->outputs[i]);
+		output_links(x, k);
+		centroid_enter(&c, k);
 	}
-	centroid_outputs(x);
+	for (; here >= 0; here = bodies[here].parent)
+		centroid_leave(&c, here);
+	centroid_end(&c);
 }

@@ -45,9 +45,6 @@ void kinematics_frame(const struct kinematics *x, int body, const struct placeme
 /* Columns of want `w` in the frame that the request says: linear, then angular; [6][nv], the rest is zero. */
 void jacobian_columns(const struct kinematics *x, const struct want *w, struct ref *J);
 
-/* Write what is wanted of the centre of mass and of the momentum, when all bodies are placed. */
-void centroid_outputs(const struct kinematics *x);
-
 /* A body's quaternion, from its parent's. */
 void quaternion_place(const struct kinematics *x, int body);
 

@@ -70,7 +70,7 @@ int request_pattern(struct pattern *p, const struct tree *t, const struct want *
 	case SHAPE_POINT:
 		return pattern_whole(p, 3, t->nv, 0, a);
 	case SHAPE_SPATIAL:
-		return pattern_whole(p, 6, t->nv, 0, a);
+		return pattern_momentum(p, t, dense, a);
 	case SHAPE_SQUARE:
 		return pattern_whole(p, 6, 6, symmetric && !dense, a);
 	case SHAPE_PLACEMENT:

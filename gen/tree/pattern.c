@@ -109,3 +109,31 @@ int pattern_whole(struct pattern *p, int lines, int cols, int is_lower, struct a
 		p->row[e] = !is_lower || e % cols <= e / cols ? p->rows++ : -1;
 	return 1;
 }
+
+/* Rows of a joint, from its first, that slide. */
+static int slides_of(enum joint_type type)
+{
+	return type == JOINT_FLOATING ? 3 : type == JOINT_PLANAR ? 2 : type == JOINT_PRISMATIC;
+}
+
+/* All that moves slides with the first body, where no other one stands on the ground or follows its joint. */
+static int slide_count(const struct tree *t)
+{
+	int count = slides_of(t->bodies[0].type);
+
+	for (int k = 1; k < t->body_count; k++)
+		if (t->bodies[k].parent < 0 || (joint_nv(t->bodies[k].type) && t->bodies[k].iv == t->bodies[0].iv))
+			count = 0;
+	return count;
+}
+
+int pattern_momentum(struct pattern *p, const struct tree *t, int dense, struct arena *a)
+{
+	int first = t->bodies[0].iv, end = first + slide_count(t);
+
+	if (!make_empty(p, 6, t->nv, a))
+		return 0;
+	for (int e = 0; e < 6 * t->nv; e++)
+		p->row[e] = dense || e < 3 * t->nv || e % t->nv < first || e % t->nv >= end ? p->rows++ : -1;
+	return 1;
+}

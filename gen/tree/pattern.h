@@ -24,6 +24,9 @@ int pattern_lumps(struct pattern *p, const struct tree *t, int dense, struct are
 /* 6 x nv: the columns of the joints that move a body, a follower's its driver's. */
 int pattern_chain(struct pattern *p, const struct tree *t, int body, int dense, struct arena *a);
 
+/* The momentum of all that moves, by joints: 6 x nv, without angular momentum by slides of the one body that carries all. */
+int pattern_momentum(struct pattern *p, const struct tree *t, int dense, struct arena *a);
+
 /* All elements of a matrix, or its lower triangle. */
 int pattern_whole(struct pattern *p, int lines, int cols, int is_lower, struct arena *a);
 
