@@ -51,14 +51,14 @@ BOTH void hand(const double *q, double *pose, double *J)
 /* Angles between the limits, by 24 random bits each. */
 template <class Real> BOTH void draw(uint64_t seed, uint32_t k, uint32_t number, Real q[N])
 {
-	const Real low[N] = {LOWERS}, high[N] = {UPPERS};
+	const double low[N] = {LOWERS}, high[N] = {UPPERS};
 	const philox a = philox4x32_10({{k, number, 0, 0}}, seed), b = philox4x32_10({{k, number, 1, 0}}, seed);
 
 	UNROLLED for (int j = 0; j < N; j++)
 	{
 		const uint32_t word = j < 4 ? a.word[j] : b.word[j - 4];
 
-		q[j] = low[j] + (high[j] - low[j]) * ((Real)(word >> 8) * (Real)5.9604644775390625e-8);
+		q[j] = (Real)low[j] + (Real)(high[j] - low[j]) * ((Real)(word >> 8) * (Real)5.9604644775390625e-8);
 	}
 }
 
@@ -120,7 +120,8 @@ template <class Real> BOTH void solve(Real A[6][6], Real x[6])
 /* dq = J^T (J J^T + (e^T e / 50 + DAMPING) 1)^-1 e (Sugihara 2011), without the joints that would leave their limits. */
 template <class Real> BOTH void descend(const Real J[6][N], const Real e[6], Real square, Real q[N])
 {
-	const Real low[N] = {LOWERS}, high[N] = {UPPERS}, damping = (Real)0.02 * square + (Real)DAMPING;
+	const double lowers[N] = {LOWERS}, uppers[N] = {UPPERS};
+	const Real damping = (Real)0.02 * square + (Real)DAMPING;
 	Real A[6][6], x[6], free[N];
 
 	UNROLLED for (int j = 0; j < N; j++)
@@ -129,7 +130,7 @@ template <class Real> BOTH void descend(const Real J[6][N], const Real e[6], Rea
 
 		UNROLLED for (int i = 0; i < 6; i++)
 			pull = pull + J[i][j] * e[i];
-		free[j] = (q[j] <= low[j] && pull < 0) || (q[j] >= high[j] && pull > 0) ? (Real)0 : (Real)1;
+		free[j] = (q[j] <= (Real)lowers[j] && pull < 0) || (q[j] >= (Real)uppers[j] && pull > 0) ? (Real)0 : (Real)1;
 	}
 	UNROLLED for (int i = 0; i < 6; i++)
 	{
@@ -144,12 +145,13 @@ template <class Real> BOTH void descend(const Real J[6][N], const Real e[6], Rea
 	solve(A, x);
 	UNROLLED for (int j = 0; j < N; j++)
 	{
-		Real dq = 0;
+		const Real low = (Real)lowers[j], high = (Real)uppers[j];
+		Real to = 0;
 
 		UNROLLED for (int i = 0; i < 6; i++)
-			dq = dq + J[i][j] * x[i];
-		dq = q[j] + free[j] * dq;
-		q[j] = dq < low[j] ? low[j] : dq > high[j] ? high[j] : dq;
+			to = to + J[i][j] * x[i];
+		to = q[j] + free[j] * to;
+		q[j] = to < low ? low : to > high ? high : to;
 	}
 }
 

@@ -108,7 +108,7 @@ static void draw_wants(struct kin_case *c, struct rng *rng, const struct referen
 	if (rng_chance(rng, 0.3))
 		line(w, "dense");
 	if (rng_chance(rng, 0.3))
-		line(w, "params base");
+		line(w, getenv("NOBASE") ? "params urdf" : "params base");
 }
 
 /* A joint that is held, at no right angle. */
@@ -177,6 +177,12 @@ static int try_tree(uint64_t seed, struct words *w, double *worst)
 	o.base = ro.floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	line(w, "");
 	o.scene = w->text;
+	if (getenv("KIN_DUMP")) {
+		FILE *f = fopen(getenv("KIN_DUMP"), "w");
+		fputs(hung ? hung : urdf, f);
+		fclose(f);
+		printf("%s\n", o.scene);
+	}
 	if (kin_open(c, hung ? hung : urdf, urdf, &o, seed)) {
 		if (held)
 			kin_hold(c, held, 0.3125);
