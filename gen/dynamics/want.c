@@ -259,14 +259,6 @@ static int is_gravity_alone(const struct build *b)
 	return (!request_wants(k, WANT_TAU) || (is_zero(k->qd, b->t->nv) && is_zero(k->qdd, b->t->nv))) && !k->push_count;
 }
 
-static int is_wanted(const struct request *k, unsigned traits)
-{
-	for (int i = 0; i < k->want_count; i++)
-		if (want_is(k->wants[i].kind, traits))
-			return 1;
-	return 0;
-}
-
 /* Is anything wanted of the tour whose accelerations are those asked for? */
 static int takes_main(const struct request *k)
 {
@@ -292,7 +284,7 @@ static void run_kinematics(struct build *b, struct joint_inputs in)
 	struct tour r = want_tour(b, in);
 
 	b->places = (struct kinematics){.d = b->d, .t = b->t, .k = b->k, .in = in, .parameters = b->parameters, .outputs = b->outputs};
-	if (is_wanted(b->k, IS_PLACED))
+	if (request_wants_any(b->k, IS_PLACED))
 		kinematics_run(&b->places);
 	if (!request_wants(b->k, WANT_DJACOBIAN))
 		return;

@@ -2,11 +2,9 @@
    from sums over subtrees: momentum.c has vectors, and a column of the matrix is the momentum of what lies beyond a joint, as one
    composite body, by the joint's unit twist (Z, Y): l = Z x C + m Y, and about the body's origin k = I Z + C x Y. */
 #include "kinematics/centroid.h"
+#include "tree/lumps.h"
 
 static const struct svec NOTHING;
-
-static const enum want_kind OURS[] = {WANT_COM, WANT_VCOM, WANT_COM_JACOBIAN, WANT_MOMENTUM, WANT_MOMENTUM_MATRIX, WANT_DMOMENTUM};
-enum { OUR_COUNT = sizeof OURS / sizeof *OURS };
 
 static int output_of(const struct kinematics *x, enum want_kind kind)
 {
@@ -24,31 +22,23 @@ static void output(const struct kinematics *x, int argument, int row, struct sve
 
 /* ---- masses ---- */
 
-/* Is it held on the ground? That has no part in what moves. */
-static int is_held(const struct tree *t, int body)
-{
-	while (body >= 0 && t->bodies[body].type == JOINT_FIXED)
-		body = t->bodies[body].parent;
-	return body < 0;
-}
-
 static int is_free(const struct kinematics *x, int body)
 {
 	return x->parameters && x->parameters[body];
 }
 
-/* Numbers are summed first. */
+/* What is held on the ground has no part in what moves. Numbers are summed first. */
 static void find_mass(struct centroid *c)
 {
 	const struct kinematics *x = c->x;
 	struct sum numbers = {0};
 
 	for (int k = 0; k < x->t->body_count; k++)
-		if (!is_free(x, k) && !is_held(x->t, k))
+		if (!is_free(x, k) && !lumps_is_held(x->t, k))
 			sum_add(&numbers, x->t->bodies[k].inertia.mass);
 	c->mass = dag_within(x->d, sum_total(numbers));
 	for (int k = 0; k < x->t->body_count; k++)
-		if (is_free(x, k) && !is_held(x->t, k))
+		if (is_free(x, k) && !lumps_is_held(x->t, k))
 			c->mass = dag_add(x->d, c->mass, x->parameters[k]->mass);
 }
 
@@ -85,21 +75,13 @@ static int own_of(const struct centroid *c, int body, struct inertia *I, struct 
 	const struct kinematics *x = c->x;
 
 	*I = (struct inertia){0};
-	if (!is_held(x->t, body))
+	if (!lumps_is_held(x->t, body))
 		*I = in_unit(&x->t->bodies[body].inertia, c->unit);
-	*p = is_free(x, body) && !is_held(x->t, body) ? *x->parameters[body] : rigid_body_parameters(x->d, I);
+	*p = is_free(x, body) && !lumps_is_held(x->t, body) ? *x->parameters[body] : rigid_body_parameters(x->d, I);
 	return !is_free(x, body);
 }
 
 /* ---- the tour ---- */
-
-static int is_ours(const struct kinematics *x)
-{
-	for (int i = 0; i < OUR_COUNT; i++)
-		if (output_of(x, OURS[i]) >= 0)
-			return 1;
-	return 0;
-}
 
 static int find_hub(const struct tree *t)
 {
@@ -115,7 +97,7 @@ void centroid_begin(struct centroid *c, const struct kinematics *x)
 	size_t bodies = (size_t)x->t->body_count;
 
 	*c = (struct centroid){.hub = find_hub(x->t), .unit = within_exact(1)};
-	if (!is_ours(x))
+	if (!request_wants_any(x->k, OF_MASSES))
 		return;
 	c->x = x;
 	c->loads = arena_alloc(a, bodies + 1, sizeof *c->loads);

@@ -22,6 +22,14 @@ int request_wants(const struct request *k, enum want_kind kind)
 	return 0;
 }
 
+int request_wants_any(const struct request *k, unsigned traits)
+{
+	for (int i = 0; i < k->want_count; i++)
+		if (want_is(k->wants[i].kind, traits))
+			return 1;
+	return 0;
+}
+
 int request_wants_derivative(const struct request *k)
 {
 	for (int i = 0; i < k->want_count; i++)

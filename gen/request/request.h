@@ -121,8 +121,9 @@ void request_dump(const struct request *k, const struct tree *t, struct text *ou
 /* Has every row its value? */
 int request_has_all(const struct row *rows, int count);
 
-/* Is a quantity of this kind asked for? */
+/* Is a quantity of this kind asked for, or any with one of these traits? */
 int request_wants(const struct request *k, enum want_kind kind);
+int request_wants_any(const struct request *k, unsigned traits);
 
 /* Is it a matrix? Derivatives by what is free are not counted. */
 int request_is_matrix(const struct request *k, const struct want *w);

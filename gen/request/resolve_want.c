@@ -1,4 +1,5 @@
 /* The quantities that a scene asks for. */
+#include "tree/lumps.h"
 #include "tree/pattern.h"
 #include "request/resolve.h"
 #include <string.h>
@@ -111,6 +112,21 @@ enum rneagen_code request_product(const struct resolver *x, const struct scene_c
 	return RNEAGEN_OK;
 }
 
+/* A centre of mass is that of something. */
+static enum rneagen_code check_masses(const struct resolver *x, const struct scene_choice *c, enum want_kind kind)
+{
+	int has_mass = !want_is(kind, OF_MASSES);
+
+	for (int i = 0; i < x->t->body_count; i++)
+		has_mass |= x->t->bodies[i].inertia.mass.x != 0 && !lumps_is_held(x->t, i);
+	for (int i = 0; i < x->k->freed_count; i++) {
+		enum freed_kind freed = x->k->freed[i].kind;
+
+		has_mass |= freed == FREED_MASS || freed == FREED_INERTIA || freed == FREED_PAYLOAD;
+	}
+	return has_mass ? RNEAGEN_OK : scene_refuse(x->s, c, x->e, "nothing that moves has a mass");
+}
+
 /* The link or joint that follows the word. */
 static enum rneagen_code want_name(const struct resolver *x, const struct scene_choice *c, struct want *w)
 {
@@ -153,7 +169,7 @@ enum rneagen_code request_want(const struct resolver *x, const struct scene_choi
 	w.kind = (enum want_kind)kind;
 	if (want_is(w.kind, IS_UNBUILT))
 		return scene_refuse(x->s, c, x->e, "'%.255s' is not built yet", c->name);
-	if (want_name(x, c, &w) || check_varies(x, c, w.kind) || want_rows(x, &w))
+	if (want_name(x, c, &w) || check_varies(x, c, w.kind) || check_masses(x, c, w.kind) || want_rows(x, &w))
 		return x->e->code;
 	w.argument = want_type(w.kind)->argument;
 	if (!w.argument)
