@@ -35,7 +35,7 @@ struct node {
 
 enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END, SECTION_FREED, SECTION_TOTALS, SECTION_BIAS, SECTION_GRAVITY,
 	SECTION_BY, SECTION_PRODUCTS, SECTION_FACTORS, SECTION_ARTICULATED, SECTION_INVERSE, SECTION_RESIDUAL, SECTION_REFINED, SECTION_BOUND,
-	SECTION_REGRESSOR, SECTION_PLACE, SECTION_JACOBIAN, SECTION_RATE, SECTION_SUBTREE, SECTION_CENTROID, SECTION_COUNT };
+	SECTION_REGRESSOR, SECTION_PLACE, SECTION_JACOBIAN, SECTION_RATE, SECTION_SUBTREE, SECTION_CENTROID, SECTION_OPSPACE, SECTION_COUNT };
 
 /* From this node (and this output) on, the text belongs to going out to a body, or back from it. */
 struct section {
@@ -79,7 +79,7 @@ struct dag {
 	int is_wide;  /* while it is set, inputs are widened where they are read, and constants are wide */
 	size_t limit; /* nodes; 0: as many as memory holds */
 	int failed;   /* sticky: out of memory, an argument or a node too many, a matrix that cannot be solved */
-	int singular; /* 1 + the row of qd whose joint moves no mass, where that made it fail */
+	int singular; /* 1 + the row of qd whose joint moves no mass, where that made it fail; or -1 - the want that has no inverse */
 };
 
 void dag_init(struct dag *d, struct arena *a);

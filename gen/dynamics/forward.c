@@ -17,7 +17,7 @@ static int takes_mass(const struct build *b)
 static void left(const struct tour *r, int body)
 {
 	struct build *b = r->context;
-	struct forward *x = b->forward;
+	struct forward *x = b->factored;
 
 	if (b->dynamics == DYNAMICS_ARTICULATED)
 		articulated_leave(&x->bodies, body, &x->singular);
@@ -63,15 +63,13 @@ static void factor(struct forward *x, struct dag *d)
 	tag_rows(x, "iD", rows);
 }
 
-void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
+void forward_factor(struct forward *x, struct build *b, struct joint_inputs in)
 {
 	static const int nowhere[BY_COUNT] = {-1, -1, -1, -1};
 	struct dag *d = b->d;
-	int nv = b->t->nv;
 
-	*x = (struct forward){.b = b, .torques = x->torques, .tour = want_tour(b, in), .singular = -1,
-		.qdd = arena_alloc(d->arena, (size_t)nv, sizeof *x->qdd)};
-	b->forward = x;
+	*x = (struct forward){.b = b, .torques = x->torques, .tour = want_tour(b, in), .singular = -1};
+	b->factored = x;
 	x->tour.in.qdd = (struct source){.argument = -1};
 	x->tour.comes_back = 1;
 	x->tour.world = want_world;
@@ -82,16 +80,31 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 		articulated_begin(&x->bodies, &x->tour);
 	if (takes_mass(b))
 		recursion_begin(&x->mass, &x->tour, nowhere);
-	if (!x->qdd || d->failed || !pattern_coupled(&x->coupled, b->t, 0, b->k->dense, d->arena)) {
+	if (d->failed || !pattern_coupled(&x->coupled, b->t, 0, b->k->dense, d->arena)) {
 		d->failed = 1;
 		return;
 	}
 	tour_run(&x->tour);
-	dag_section(d, b->dynamics == DYNAMICS_ARTICULATED ? SECTION_ARTICULATED : SECTION_FACTORS, 0);
+	if (b->k->is_forward)
+		dag_section(d, b->dynamics == DYNAMICS_ARTICULATED ? SECTION_ARTICULATED : SECTION_FACTORS, 0);
+	else
+		dag_section(d, SECTION_OPSPACE, 0);
 	if (b->dynamics != DYNAMICS_ARTICULATED && !d->failed)
 		factor(x, d);
 	if (x->singular >= 0)
 		d->failed = d->singular = 1 + x->singular;
+}
+
+void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
+{
+	struct dag *d = b->d;
+	int nv = b->t->nv;
+
+	forward_factor(x, b, in);
+	b->forward = x;
+	x->qdd = arena_alloc(d->arena, (size_t)nv, sizeof *x->qdd);
+	if (!x->qdd)
+		d->failed = 1;
 	for (int i = 0; i < nv && !d->failed; i++)
 		x->qdd[i] = dag_sub(d, source_row(d, &x->torques, i), x->tour.tau[i]);
 	forward_solve(x, x->qdd);

@@ -24,6 +24,12 @@ struct forward {
    d->singular then says which. */
 void forward_find(struct forward *x, struct build *b, struct joint_inputs in);
 
+/* Factors of M, or articulated bodies, and no more. */
+void forward_factor(struct forward *x, struct build *b, struct joint_inputs in);
+
+/* What is wanted of the inertia that is felt at links: J M^-1 J^T, and its inverse. `in` says where q is. */
+void opspace_outputs(struct build *b, struct joint_inputs in);
+
 /* qdd + M^-1 (tau - ID(q, qd, qdd)) in place of x->qdd; `in` as for forward_find. */
 void refine_step(struct forward *x, struct joint_inputs in);
 

@@ -352,7 +352,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 {
 	struct build b = {.d = d, .t = t, .k = k, .derivatives = ways.derivatives, .dynamics = ways.dynamics};
 	struct joint_inputs in;
-	struct forward forward = {.b = &b};
+	struct forward forward = {.b = &b, .torques = {.argument = -1}};
 
 	if (!alloc(&b)) {
 		d->failed = 1;
@@ -382,6 +382,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	run_bias(&b, in);
 	run_gravity(&b, in, output_of(&b, WANT_GRAVITY), output_of(&b, WANT_POTENTIAL));
 	run_kinematics(&b, in);
+	opspace_outputs(&b, in);
 	if (k->is_forward)
 		dag_substitute(d, forward.qdd);
 }

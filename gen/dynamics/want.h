@@ -23,6 +23,7 @@ struct build {
 	struct regressor regressor;
 	struct kinematics places;
 	struct forward *forward; /* NULL: qdd is an input */
+	struct forward *factored; /* whose tour it is */
 };
 
 /* How it is made. */

@@ -58,6 +58,8 @@ static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driv
 	[SECTION_SUBTREE] = "about the body's origin, of all that it carries: C += D = R C + m p;  P += R P + m p';  K += R K + p x R P + D x p';\n\t   "
 		"F += R F + m p'';  N += R N + p x R F + D x p'';  a column of the matrix: Z x C + m Y, I Z + C x Y",
 	[SECTION_CENTROID] = "com = C/m;  momentum P, and K - com x P about the centre of mass;  rates F, and N - com x F",
+	[SECTION_OPSPACE] = "by factors: M = L'D L, L'Y = J';  by articulated bodies: Y = what joints feel of unit wrenches on the link;\n\t   "
+		"inverse = Y' D^-1 Y",
 	[SECTION_RATE] = "dJ/dt qd = the acceleration that is left where qdd = 0",
 	[SECTION_PRODUCTS] = "jvp = d tau/d q v_q + d tau/d qd v_qd + M v_qdd;  vjp = v' d tau/d q, v' d tau/d qd, v' M"};
 
@@ -118,6 +120,7 @@ static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torqu
 	[SECTION_REFINED] = "qdd, refined",
 	[SECTION_RATE] = "from here on without accelerations and gravity",
 	[SECTION_CENTROID] = "centre of mass and momentum",
+	[SECTION_OPSPACE] = "inertia felt at a link",
 	[SECTION_PRODUCTS] = "derivatives times vectors, and by what is freed"};
 
 /* "out to link 2 "lower" (fpass)"; "back from link 2 "lower" to link 1 (bpass): torque of "elbow"" */

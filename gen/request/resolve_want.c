@@ -127,6 +127,28 @@ static enum rneagen_code check_masses(const struct resolver *x, const struct sce
 	return has_mass ? RNEAGEN_OK : scene_refuse(x->s, c, x->e, "nothing that moves has a mass");
 }
 
+/* An inertia that is felt in all six directions takes six degrees of freedom. */
+static enum rneagen_code check_chain(const struct resolver *x, const struct scene_choice *c, const struct want *w)
+{
+	const struct tree *t = x->t;
+	unsigned char *rows = arena_alloc(x->a, (size_t)t->nv, 1);
+	const char *name = strchr(c->name, '.');
+	int count = 0;
+
+	if (!rows)
+		return error_memory(x->e);
+	for (int k = w->body; k >= 0 && w->kind == WANT_OPSPACE; k = t->bodies[k].parent)
+		for (int i = t->bodies[k].iv; i < t->bodies[k].iv + joint_nv(t->bodies[k].type); i++) {
+			count += !rows[i];
+			rows[i] = 1;
+		}
+	if (w->kind != WANT_OPSPACE || count >= 6)
+		return RNEAGEN_OK;
+	return scene_refuse(x->s, c, x->e,
+		"'%.255s' moves with %d coordinate%s, and takes six to be moved in all directions: want opspace_inv%.255s", name + 1, count,
+		count == 1 ? "" : "s", name);
+}
+
 /* The link or joint that follows the word. */
 static enum rneagen_code want_name(const struct resolver *x, const struct scene_choice *c, struct want *w)
 {
@@ -169,7 +191,7 @@ enum rneagen_code request_want(const struct resolver *x, const struct scene_choi
 	w.kind = (enum want_kind)kind;
 	if (want_is(w.kind, IS_UNBUILT))
 		return scene_refuse(x->s, c, x->e, "'%.255s' is not built yet", c->name);
-	if (want_name(x, c, &w) || check_varies(x, c, w.kind) || check_masses(x, c, w.kind) || want_rows(x, &w))
+	if (want_name(x, c, &w) || check_varies(x, c, w.kind) || check_masses(x, c, w.kind) || check_chain(x, c, &w) || want_rows(x, &w))
 		return x->e->code;
 	w.argument = want_type(w.kind)->argument;
 	if (!w.argument)
