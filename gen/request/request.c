@@ -38,6 +38,14 @@ int request_wants_derivative(const struct request *k)
 	return 0;
 }
 
+static int is_motion(const struct request *k)
+{
+	for (int i = 0; i < k->want_count; i++)
+		if (!want_is(k->wants[i].kind, IS_MOTION))
+			return 0;
+	return k->want_count && !k->is_forward;
+}
+
 /* ---- names ---- */
 
 /* Is what stands after a word ".hand" where a name belongs to it, and nothing where none does? */
@@ -364,25 +372,6 @@ static enum rneagen_code check_dynamics(const struct resolver *x)
 	return RNEAGEN_OK;
 }
 
-/* How poses are written, and in which frame Jacobians are. */
-static void read_forms(const struct resolver *x)
-{
-	const struct scene_choice *pose = scene_next(x->s, SCENE_POSE, NULL), *frame = scene_next(x->s, SCENE_FRAME, NULL);
-
-	if (pose && !strcmp(pose->value, "quaternion"))
-		x->k->pose = POSE_QUATERNION;
-	if (frame && strcmp(frame->value, "link"))
-		x->k->frame = !strcmp(frame->value, "world") ? FRAME_WORLD : FRAME_WORLD_ALIGNED;
-}
-
-static int is_motion(const struct request *k)
-{
-	for (int i = 0; i < k->want_count; i++)
-		if (!want_is(k->wants[i].kind, IS_MOTION))
-			return 0;
-	return k->want_count && !k->is_forward;
-}
-
 enum rneagen_code request_resolve(struct request *k, struct tree *t, const struct scene *s, const struct robot *r, struct arena *a,
 	struct rneagen_error *e)
 {
@@ -399,7 +388,7 @@ enum rneagen_code request_resolve(struct request *k, struct tree *t, const struc
 	if (way && strcmp(way->value, "auto"))
 		x.k->dynamics = !strcmp(way->value, "factor") ? DYNAMICS_FACTOR : DYNAMICS_ARTICULATED;
 	x.k->in_world = frame && !strcmp(frame->value, "world");
-	read_forms(&x);
+	request_forms(&x);
 	if (each(&x, SCENE_ADD_FRAME, request_add_frame) || each(&x, SCENE_FOLD, fold) || each(&x, SCENE_FREE, request_free) || each(&x, SCENE_FEXT, push) ||
 		each(&x, SCENE_ARMATURE, set_armature) || each(&x, SCENE_FRICTION, set_friction) || each(&x, SCENE_WANT, request_want) ||
 		each(&x, SCENE_JVP, request_product) || each(&x, SCENE_VJP, request_product) ||

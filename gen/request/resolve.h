@@ -35,6 +35,9 @@ int request_find_body(const struct resolver *x, const struct scene_choice *c, co
 enum rneagen_code request_find_frame(const struct resolver *x, const struct scene_choice *c, const char *name, int *body,
 	struct placement *X);
 
+/* How poses are written, and in which frame Jacobians are. */
+void request_forms(const struct resolver *x);
+
 /* A choice of `add-frame`. */
 enum rneagen_code request_add_frame(const struct resolver *x, const struct scene_choice *c);
 

@@ -5,6 +5,17 @@
 
 enum { FRAME_NUMBERS = 6 };
 
+/* How poses are written, and in which frame Jacobians are. */
+void request_forms(const struct resolver *x)
+{
+	const struct scene_choice *pose = scene_next(x->s, SCENE_POSE, NULL), *frame = scene_next(x->s, SCENE_FRAME, NULL);
+
+	if (pose && !strcmp(pose->value, "quaternion"))
+		x->k->pose = POSE_QUATERNION;
+	if (frame && strcmp(frame->value, "link"))
+		x->k->frame = !strcmp(frame->value, "world") ? FRAME_WORLD : FRAME_WORLD_ALIGNED;
+}
+
 static int find_added(const struct request *k, const char *name)
 {
 	for (int i = 0; i < k->frame_count; i++)
