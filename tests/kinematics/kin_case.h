@@ -31,6 +31,7 @@ struct kin_case {
 	wide in[4][KIN_ROWS];                                   /* q, qd, qdd, tau of what is modelled */
 	wide *out[DAG_ARGUMENTS];                               /* by argument of the DAG */
 	double *size[DAG_ARGUMENTS];                            /* magnitudes that were summed */
+	int is_by_largest;                                      /* magnitudes that were summed are no excuse */
 	double worst;                                           /* of all that was compared, off by tolerance */
 };
 
@@ -53,6 +54,10 @@ void kin_settle(struct kin_case *c);
 
 /* The DAG in quad precision. */
 void kin_evaluate(struct kin_case *c);
+
+/* The state rounded to double or float, and the DAG in that precision; magnitudes are those of kin_evaluate, which comes first. */
+void kin_round(struct kin_case *c, int is_f32);
+void kin_evaluate_rounded(struct kin_case *c, int is_f32);
 
 /* A want as the DAG gives it, dense: what is not stored is zero, the other half of a symmetric one is filled in. */
 struct kin_matrix {
