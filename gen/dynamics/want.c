@@ -358,6 +358,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	}
 	dag_section(d, SECTION_FREED, 0);
 	in = (struct joint_inputs){.q = source(d, INPUT_Q, k->q, t->nq), .offset = b.offset};
+	in.by_halves = k->is_motion && k->pose == POSE_QUATERNION && request_wants(k, WANT_POSE);
 	in.qd = source(d, INPUT_QD, k->qd, t->nv);
 	if (k->is_forward)
 		forward.torques = source(d, INPUT_TAU, k->tau, t->nv);
