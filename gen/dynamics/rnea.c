@@ -302,7 +302,7 @@ static int is_motion(const struct request *k)
 const struct algorithm algorithm_kin = {.name = "kin",
 	.doc = "where links are, and how they move",
 	.brief = "Where links are, and how they move, of one sample.",
-	.arrays = {STATE},
+	.arrays = {{"q", ROLE_JOINT_POSITION, 0}, {"com", ROLE_CENTER_OF_MASS, 1}},
 	.what = "Kinematics",
 	.how = "by the recursion out to the links",
 	.is_made_for = is_motion,
