@@ -257,11 +257,17 @@ int scene_joint(const struct scene *s, const struct scene_choice *c, const struc
 	return i < 0 ? refuse_name(s, c, "joint", name, r->joints, r->joint_count, sizeof *r->joints, e) : i;
 }
 
+/* Does a name stand behind a word and a dot? */
+static int names_kind(enum scene_key key)
+{
+	return key == SCENE_WANT || key == SCENE_FREE || key == SCENE_JVP || key == SCENE_VJP || key == SCENE_BY;
+}
+
 /* A name without the blanks around it, unless the robot has one with them. What is folded, wanted or freed has the robot's
    name after a dot. */
 static const char *settled(enum scene_key key, const char *word, size_t length, const struct robot *r, struct arena *a)
 {
-	int has_kind = key == SCENE_FOLD || key == SCENE_WANT || key == SCENE_FREE;
+	int has_kind = key == SCENE_FOLD || names_kind(key);
 	const char *whole = arena_string(a, word, length), *name = whole;
 
 	if (whole && has_kind) {
@@ -276,7 +282,7 @@ static const char *settled(enum scene_key key, const char *word, size_t length, 
 /* Does the whole of a list name one thing? What is wanted or freed has the name after a dot. */
 static int is_one_name(enum scene_key key, const char *list, const struct robot *r)
 {
-	int has_kind = key == SCENE_WANT || key == SCENE_FREE;
+	int has_kind = names_kind(key);
 	const char *comma = strchr(list, ','), *dot = has_kind ? strchr(list, '.') : NULL, *name = dot ? dot + 1 : list;
 
 	if (!comma || (dot && comma < dot))
