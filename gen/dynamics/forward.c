@@ -85,10 +85,7 @@ void forward_factor(struct forward *x, struct build *b, struct joint_inputs in)
 		return;
 	}
 	tour_run(&x->tour);
-	if (b->k->is_forward)
-		dag_section(d, b->dynamics == DYNAMICS_ARTICULATED ? SECTION_ARTICULATED : SECTION_FACTORS, 0);
-	else
-		dag_section(d, SECTION_OPSPACE, 0);
+	dag_section(d, !b->k->is_forward ? SECTION_FACTORED : b->dynamics == DYNAMICS_ARTICULATED ? SECTION_ARTICULATED : SECTION_FACTORS, 0);
 	if (b->dynamics != DYNAMICS_ARTICULATED && !d->failed)
 		factor(x, d);
 	if (x->singular >= 0)

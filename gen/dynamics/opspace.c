@@ -143,7 +143,7 @@ static void make(struct build *b, const struct forward *M, int want)
 		b->d->failed = 1;
 		return;
 	}
-	dag_section(b->d, SECTION_OPSPACE, 0);
+	dag_section(b->d, SECTION_OPSPACE, x.w->body);
 	if (b->dynamics == DYNAMICS_ARTICULATED)
 		reduce_by_bodies(&x);
 	else

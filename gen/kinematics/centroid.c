@@ -205,7 +205,7 @@ void centroid_leave(struct centroid *c, int body)
 	k = &x->t->bodies[body];
 	own = &c->loads[body + 1];
 	has_numbers = own_of(c, body, &I, &p);
-	load_add_own(x->d, own, &p, has_numbers ? &I : NULL);
+	load_add_own(x->d, own, k->number, &p, has_numbers ? &I : NULL);
 	if (c->has_matrix)
 		composite_add_body(x->d, &own->whole, &p, NOTHING);
 	if (c->has_columns)

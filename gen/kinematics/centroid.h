@@ -43,8 +43,8 @@ void centroid_end(struct centroid *c);
 void load_move(const struct kinematics *x, int body, const struct load *parent, struct load *to);
 struct svec load_moment(struct dag *d, const struct load *x);
 
-/* When all that it carries is in; `numbers`: of parameters that are numbers. */
-void load_add_own(struct dag *d, struct load *x, const struct parameters *p, const struct inertia *numbers);
+/* Of the body of this number, when all that it carries is in; `numbers`: of parameters that are numbers. */
+void load_add_own(struct dag *d, struct load *x, int number, const struct parameters *p, const struct inertia *numbers);
 void load_add_child(const struct kinematics *x, int child, const struct load *c, struct load *to);
 
 #endif
