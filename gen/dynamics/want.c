@@ -375,13 +375,13 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	if (k->is_forward)
 		find_qdd(&b, &in, &forward);
 	in.is_again = is_made_again(&b);
+	run_kinematics(&b, in);
 	if (is_gravity_alone(&b))
 		run_gravity(&b, in, output_of(&b, WANT_TAU), -1);
 	else if (takes_main(k))
 		run_main(&b, in);
 	run_bias(&b, in);
 	run_gravity(&b, in, output_of(&b, WANT_GRAVITY), output_of(&b, WANT_POTENTIAL));
-	run_kinematics(&b, in);
 	opspace_outputs(&b, in);
 	if (k->is_forward)
 		dag_substitute(d, forward.qdd);

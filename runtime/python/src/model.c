@@ -98,7 +98,7 @@ static const struct want *find_matrix(const struct request *k, const char *argum
 	return NULL;
 }
 
-/* Where the elements of a wanted matrix stand: (rows, columns, how many columns there are); None for what is none. */
+/* Where the elements of a wanted matrix stand: (rows, columns, how many rows and columns there are); None for what is none. */
 static PyObject *pattern_of(struct model *m, const char *argument)
 {
 	struct analysis *a = &m->analysis;
@@ -116,7 +116,7 @@ static PyObject *pattern_of(struct model *m, const char *argument)
 			Py_CLEAR(row);
 	arena_free(&arena);
 	if (found && row && col)
-		return Py_BuildValue("(NNi)", row, col, cols);
+		return Py_BuildValue("(NNii)", row, col, p.lines, cols);
 	found = row && col;
 	Py_XDECREF(row);
 	Py_XDECREF(col);
