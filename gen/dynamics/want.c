@@ -235,6 +235,7 @@ static void run_main(struct build *b, struct joint_inputs in)
 	tour_run(&r);
 	if (b->recursion.r && !b->d->failed)
 		end_recursion(b);
+	want_rate(b, &r);
 	output_scalars(b, &r);
 	gradient_outputs(&r, b->forward, b->outputs, b->done);
 }
@@ -279,7 +280,8 @@ static void rate_entered(const struct tour *r, int body)
 
 void want_places(struct build *b, struct joint_inputs in)
 {
-	b->places = (struct kinematics){.d = b->d, .t = b->t, .k = b->k, .in = in, .parameters = b->parameters, .outputs = b->outputs};
+	b->places = (struct kinematics){.d = b->d, .t = b->t, .k = b->k, .in = in, .parameters = b->parameters, .outputs = b->outputs,
+		.gives_rate = want_gives_rate(b) && !is_gravity_alone(b)};
 	if (request_wants_any(b->k, IS_PLACED))
 		kinematics_run(&b->places);
 }
