@@ -92,8 +92,10 @@ static void draw_wants(struct kin_case *c, struct rng *rng, const struct referen
 	for (int i = 0; i < 3; i++) {
 		const char *link = some_frame(c, rng, r, held);
 
-		for (int k = 0; k < LINK_WORDS; k++)
-			if (rng_chance(rng, 0.6) && !strstr(wants.text, link))
+		const int is_new = !strstr(wants.text, link);
+
+		for (int k = 0; k < LINK_WORDS && is_new; k++)
+			if (rng_chance(rng, 0.5))
 				add(&wants, OF_LINKS[k], link);
 	}
 	for (int k = 0; k < ALL_WORDS; k++)
@@ -102,6 +104,8 @@ static void draw_wants(struct kin_case *c, struct rng *rng, const struct referen
 	if (!wants.count)
 		add(&wants, WANT_POSE, some_entry(rng, r, held)->link);
 	line(w, wants.text);
+	if (strstr(wants.text, "opspace") && rng_chance(rng, 0.7))
+		line(w, rng_chance(rng, 0.5) ? "dynamics articulated" : "dynamics factor");
 	line(w, frames[rng_below(rng, 3)]);
 	if (rng_chance(rng, 0.3))
 		line(w, "pose quaternion");
