@@ -99,10 +99,10 @@ enum { RNEA_ARGUMENT_LIMIT = 64 }; /* the most arrays one function can take */
 	X(DTAU_DQ, "dtau_dq")                                                                                          \
 	X(DTAU_DQD, "dtau_dqd")                                                                                        \
 	X(DTAU_DFREED, "dtau_dfreed")                    /* of a constant that the scene makes an input */             \
-	X(TANGENT, "tangent")                            /* 3 nv: a direction of q, qd, qdd (of q, qd, tau for qdd) */ \
-	X(COTANGENT, "cotangent")                        /* nv: its transpose */                                       \
-	X(JVP, "jvp")                                    /* nv: the product with the tangent */                        \
-	X(VJP, "vjp")                                    /* 3 nv: of the transpose with the cotangent */               \
+	X(TANGENT, "tangent")                            /* 3 nv: a direction of q, qd, qdd (of q, qd, tau for qdd); or of another input */ \
+	X(COTANGENT, "cotangent")                        /* weights of the outputs that vjp is of */                   \
+	X(JVP, "jvp")                                    /* derivatives of outputs times the tangent */                \
+	X(VJP, "vjp")                                    /* 3 nv: the cotangent times derivatives of outputs; or by another input */ \
 	X(MASS_MATRIX_INVERSE, "mass_matrix_inverse")    /* dqdd/dtau */                                               \
 	X(DQDD_DQ, "dqdd_dq")                                                                                          \
 	X(DQDD_DQD, "dqdd_dqd")                                                                                        \

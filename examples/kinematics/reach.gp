@@ -11,5 +11,5 @@ set title "Panda: where its hand can be, y = 0"
 set xrange [-1:1]
 set yrange [-0.6:1.4]
 set object 1 circle at 0,0 size 0.02 front fillcolor "#d62728" fillstyle solid noborder
-set label 1 "base" at 0.04,0 front
+set label 1 "base" at 0.04,0 front textcolor "#ffffff"
 plot map using 1:2:3 with image notitle

@@ -1,7 +1,7 @@
 # Completion of rneagen and rnearun for bash.
 # shellcheck shell=bash
 
-_rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --derivatives --dynamics --params --pose --frame --add-frame --refine --jvp --vjp --fext --fext-frame --armature --damping
+_rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --derivatives --dynamics --params --pose --frame --add-frame --refine --jvp --vjp --by --fext --fext-frame --armature --damping
 	--friction --snap-angle --round-constants --drop-below --range'
 _rneagen_options="-o --output --target --precision --layout --strict --bounded --only --parts --segments --limbs --trig --base --gravity --mimic --order --name --info
 	--info=json --dot --dump --quiet --help --version $_rneagen_scene"
@@ -22,7 +22,6 @@ _rneagen_words() {
 	--derivatives) echo forward recursion ;;
 	--dynamics) echo auto factor articulated ;;
 	--params) echo urdf base auto ;;
-	--jvp | --vjp) echo tau qdd ;;
 	--refine) echo 0 1 1:f64 1:f32x2 1:same ;;
 	--parts) echo auto ;;
 	--segments) echo auto whole ;;

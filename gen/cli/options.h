@@ -36,6 +36,7 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	{"refine", required_argument, NULL, OPTION_SCENE + SCENE_REFINE},                                              \
 	{"jvp", required_argument, NULL, OPTION_SCENE + SCENE_JVP},                                                    \
 	{"vjp", required_argument, NULL, OPTION_SCENE + SCENE_VJP},                                                    \
+	{"by", required_argument, NULL, OPTION_SCENE + SCENE_BY},                                                      \
 	{"fext", required_argument, NULL, OPTION_SCENE + SCENE_FEXT},                                                  \
 	{"fext-frame", required_argument, NULL, OPTION_SCENE + SCENE_FEXT_FRAME},                                      \
 	{"armature", required_argument, NULL, OPTION_SCENE + SCENE_ARMATURE},                                          \
@@ -66,8 +67,9 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"                             coriolis; the inertia felt at a link: opspace.LINK, opspace_inv.LINK;\n"            \
 	"                             forward dynamics, with tau for an input: qdd, qdd_bound, Minv, dqdd_dq, dqdd_dqd,\n" \
 	"                             dqdd_dNAME\n"                                                                \
-	"  --jvp tau|qdd              its derivatives times the input jvp_v\n"                                        \
-	"  --vjp tau|qdd              the input vjp_v times its derivatives\n"                                        \
+	"  --jvp N1,N2,...            derivatives of any of these outputs, one after another, times the input jvp_v\n"  \
+	"  --vjp N1,N2,...            the input vjp_v times their derivatives\n"                                       \
+	"  --by N1,N2,...             jvp and vjp by these inputs too, which --free or --fext names: payload.LINK, fext.LINK\n" \
 	"  --dense                    matrices with the zeros of joints on different branches, M whole\n"             \
 	"  --derivatives forward|recursion\n"                                                                         \
 	"                             how dtau_dq and dtau_dqd are made; the one with fewer operations unless given\n" \

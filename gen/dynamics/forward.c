@@ -1,6 +1,7 @@
 #include "dynamics/forward.h"
 #include "dynamics/registry.h"
 #include "dynamics/want.h"
+#include "mechanics/tangent.h"
 #include <string.h>
 
 void forward_enter(const struct tour *r, int body)
@@ -176,21 +177,13 @@ void forward_inverse(const struct forward *x, struct ref *X)
 	}
 }
 
-static int body_of_row(const struct tree *t, int row)
-{
-	for (int i = 0; i < t->joint_count; i++)
-		if (row >= t->joints[i].iv && row < t->joints[i].iv + t->joints[i].nv)
-			return t->joints[i].body;
-	return 0;
-}
-
 void forward_column(const struct forward *x, struct ref *column, int j, int argument)
 {
 	struct dag *d = x->b->d;
 	int nv = x->b->t->nv;
 	const struct pattern *p = &x->coupled;
 
-	dag_section(d, SECTION_BY, body_of_row(x->b->t, j));
+	dag_section(d, SECTION_BY, tangent_body(x->b->t, j));
 	for (int i = 0; i < nv; i++)
 		column[i] = dag_neg(d, column[i]);
 	forward_solve(x, column);

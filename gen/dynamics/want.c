@@ -237,6 +237,7 @@ static void run_main(struct build *b, struct joint_inputs in)
 		end_recursion(b);
 	want_rate(b, &r);
 	output_scalars(b, &r);
+	b->torques = r.tau;
 	gradient_outputs(&r, b->forward, b->outputs, b->done);
 }
 
@@ -264,9 +265,9 @@ static int is_gravity_alone(const struct build *b)
 static int takes_main(const struct request *k)
 {
 	for (int i = 0; i < k->want_count; i++)
-		if (!want_is(k->wants[i].kind, IS_PLACED))
+		if (!want_is(k->wants[i].kind, IS_PLACED | IS_PRODUCT))
 			return 1;
-	return 0;
+	return k->is_forward;
 }
 
 /* Of a body that has been entered where nothing accelerates: dJ/dt qd of what it carries. */
@@ -325,17 +326,14 @@ static struct argument output(const struct request *k, const struct want *w)
 /* Inputs of the request, besides q, qd and qdd and what is freed; then its outputs. */
 static void declare_request(const struct build *b)
 {
-	int nv = b->t->nv;
-
 	for (int i = 0; i < b->k->push_count; i++)
 		b->pushed[i] = dag_argument_of(b->d, (struct argument){.name = b->k->pushes[i].argument, .rows = 6,
 			.role = ROLE_LINK_WRENCH, .of = after_point(b->k->pushes[i].word)});
-	if (request_wants(b->k, WANT_JVP))
-		dag_argument_of(b->d, (struct argument){.name = "jvp_v", .rows = 3 * nv, .role = ROLE_TANGENT});
-	if (request_wants(b->k, WANT_VJP))
-		dag_argument_of(b->d, (struct argument){.name = "vjp_v", .rows = nv, .role = ROLE_COTANGENT});
-	for (int i = 0; i < b->k->want_count; i++)
+	product_declare(b);
+	for (int i = 0; i < b->k->stored_count; i++)
 		b->outputs[i] = dag_argument_of(b->d, output(b->k, &b->k->wants[i]));
+	for (int i = b->k->stored_count; i < b->k->want_count; i++)
+		b->outputs[i] = DAG_UNSTORED + i;
 }
 
 /* Derivatives of qdd take a tour of their own at the qdd found. What both tours have in common waits from one to the other, where
@@ -366,6 +364,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	}
 	dag_section(d, SECTION_FREED, 0);
 	in = (struct joint_inputs){.q = source(d, INPUT_Q, k->q, t->nq), .offset = b.offset};
+	in.by_halves = k->is_motion && k->pose == POSE_QUATERNION && request_wants(k, WANT_POSE);
 	in.qd = source(d, INPUT_QD, k->qd, t->nv);
 	if (k->is_forward)
 		forward.torques = source(d, INPUT_TAU, k->tau, t->nv);
@@ -389,6 +388,8 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	run_bias(&b, in);
 	run_gravity(&b, in, output_of(&b, WANT_GRAVITY), output_of(&b, WANT_POTENTIAL));
 	opspace_outputs(&b, in);
+	product_outputs(&b, in);
+	dag_forget(d);
 	if (k->is_forward)
 		dag_substitute(d, forward.qdd);
 }

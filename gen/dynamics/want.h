@@ -17,6 +17,7 @@ struct build {
 	int *pushed, *outputs; /* arguments, by push and by want */
 	char *done;            /* by want: the recursion writes it */
 	struct ref kinetic;
+	struct ref *torques;   /* ID(q, qd, qdd) of the main tour; NULL: it did not come back */
 	enum derivatives derivatives;
 	enum dynamics dynamics;
 	struct recursion recursion;
@@ -56,5 +57,12 @@ void want_world(const struct tour *r);
 void want_entered(const struct tour *r, int body);
 void want_leaving(const struct tour *r, int body);
 void want_left(const struct tour *r, int body);
+
+/* Products of derivatives, want by want: of the torques alone, or of the qdd found alone, when these are made; all others when all
+   outputs are. d->failed and d->constant are set where an output does not vary. */
+void product_declare(const struct build *b); /* the vectors */
+int product_is_of_torques(const struct build *b, int want);
+void product_output(struct build *b, struct joint_inputs in, int want);
+void product_outputs(struct build *b, struct joint_inputs in);
 
 #endif

@@ -182,8 +182,7 @@ static const char *describe(const struct emission *e, const struct argument *a)
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (a->role == ROLE_TANGENT)
-		text_printf(&t, "along q, along qd, along %s", k->is_forward ? "tau" : "qdd");
+	emit_product_legend(k, a, &t);
 	for (int i = 0; i < k->freed_count; i++)
 		if (!a->is_output && !strcmp(a->name, k->freed[i].argument)) {
 			text_put_comment(&t, k->freed[i].word);
@@ -192,7 +191,7 @@ static const char *describe(const struct emission *e, const struct argument *a)
 	for (int i = 0; i < k->push_count; i++)
 		if (!a->is_output && !strcmp(a->name, k->pushes[i].argument))
 			text_printf(&t, "%s%s", wrench, k->in_world ? "the world" : "the link");
-	for (int i = 0; i < k->want_count; i++)
+	for (int i = 0; i < k->stored_count; i++)
 		if (a->is_output && !strcmp(a->name, k->wants[i].argument)) {
 			if (strcmp(k->wants[i].word, a->name))
 				text_put_comment(&t, k->wants[i].word);

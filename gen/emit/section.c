@@ -53,6 +53,8 @@ static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driv
 	[SECTION_REFINED] = "M d = r;  qdd += d",
 	[SECTION_REGRESSOR] = "W, V of the body by a unit rate of each joint on the way here: W = R'W_p, V = R'(V_p + W_p x p);\n\t   "
 		"their power V.f + W.n by a unit of m: V.a;  of h: U'V + a x W;  of I: W.(I dw + w x I w)",
+	[SECTION_SWEEPS] = "of the outputs y by the state x and other inputs, dqdd = M^-1 (dtau - dID) where qdd is found:\n\t   "
+		"jvp = dy/dx jvp_v, forwards;  vjp = vjp_v' dy/dx, backwards",
 	[SECTION_PLACE] = "R = R_p X R(q);  p = p_p + R_p x",
 	[SECTION_JACOBIAN] = "column of a joint: w = z, v = w x r, of one that slides v = z; r from its origin to the point that is told of",
 	[SECTION_SUBTREE] = "mc_p += D = R mc + m p;  P_p += R P + m p';  K_p += R K + p x R P + D x p';  F_p += R F + m p'';\n\t   "
@@ -118,6 +120,7 @@ static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torqu
 	[SECTION_BOUND] = "how far qdd may be off",
 	[SECTION_RESIDUAL] = "from here on once more: the residual of the qdd found",
 	[SECTION_REFINED] = "qdd, refined",
+	[SECTION_SWEEPS] = "derivatives of outputs times vectors",
 	[SECTION_RATE] = "from here on without accelerations and gravity",
 	[SECTION_CENTROID] = "centre of mass and momentum",
 	[SECTION_FACTORED] = "factors of the mass matrix",

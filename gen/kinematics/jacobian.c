@@ -42,9 +42,9 @@ static void columns_in_world(const struct kinematics *x, const struct want *w, s
 		struct seen s = {.A = at->A, .R = at->R};
 
 		if (x->k->frame == FRAME_WORLD_ALIGNED)
-			s.r = svec_sub(d, p, at->p);
+			s.r = svec_sub(d, p, at->point);
 		else
-			s.r = svec_sub(d, (struct svec){{{0}, {0}, {0}}}, svec_add(d, at->from, at->p));
+			s.r = svec_sub(d, (struct svec){{{0}, {0}, {0}}}, svec_add(d, at->from, at->point));
 		add_columns(x, &x->t->bodies[k], &s, J);
 	}
 }
@@ -63,36 +63,58 @@ static struct smat turned_back(struct dag *d, const struct smat *A, const struct
 	return out;
 }
 
-/* In the link's axes, from the link back to the world: no pose is needed. */
-static void columns_in_link(const struct kinematics *x, const struct want *w, struct ref *J)
+/* Back to the joint's axes before it turns. */
+static void turn_back(const struct kinematics *x, int body, struct seen *s)
+{
+	const struct body *k = &x->t->bodies[body];
+	const struct joint_pose *at = &x->bodies[body].pose;
+
+	if (k->type == JOINT_FLOATING)
+		s->A = turned_back(x->d, &s->R, &at->Q);
+	for (int i = 0; i < 3 && k->type != JOINT_FLOATING; i++) {
+		struct svec row = joint_out_of(x->d, k, at, (struct svec){{s->R.m[i][0], s->R.m[i][1], s->R.m[i][2]}});
+
+		for (int j = 0; j < 3; j++)
+			s->A.m[i][j] = row.x[j];
+	}
+}
+
+/* In the link's axes, from the link back to the world: no pose is needed. At the end *s has the world's axes, and the vector from
+   where the chain begins. J: NULL: not wanted. */
+static void columns_in_link(const struct kinematics *x, const struct want *w, struct ref *J, struct seen *s)
 {
 	struct dag *d = x->d;
 	const struct rotation back = rotation_transpose(&w->X.R);
-	struct seen s = {.R = smat_const(d, &back)};
 
-	s.r = smat_mul(d, &s.R, svec_const(d, w->X.p));
+	*s = (struct seen){.R = smat_const(d, &back)};
+	s->r = smat_mul(d, &s->R, kinematics_from_point(x, w->body, w->X.p));
 	for (int k = w->body; k >= 0; k = x->t->bodies[k].parent) {
-		const struct body *b = &x->t->bodies[k];
-		const struct joint_pose *at = &x->bodies[k].pose;
-
-		if (b->type == JOINT_FLOATING)
-			s.A = turned_back(d, &s.R, &at->Q);
-		for (int i = 0; i < 3 && b->type != JOINT_FLOATING; i++) {
-			struct svec row = joint_out_of(d, b, at, (struct svec){{s.R.m[i][0], s.R.m[i][1], s.R.m[i][2]}});
-
-			for (int j = 0; j < 3; j++)
-				s.A.m[i][j] = row.x[j];
-		}
-		add_columns(x, b, &s, J);
-		s.R = turned_back(d, &s.A, &at->R);
-		s.r = svec_add(d, s.r, smat_mul(d, &s.R, at->p));
+		turn_back(x, k, s);
+		if (J)
+			add_columns(x, &x->t->bodies[k], s, J);
+		s->R = turned_back(d, &s->A, &x->bodies[k].pose.R);
+		if (x->t->bodies[k].parent >= 0)
+			s->r = svec_add(d, s->r, smat_mul(d, &s->R, x->bodies[k].step));
 	}
+}
+
+void jacobian_frame(const struct kinematics *x, const struct want *w, struct smat *R, struct svec *p)
+{
+	struct seen s;
+
+	columns_in_link(x, w, NULL, &s);
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++)
+			R->m[i][j] = s.R.m[j][i];
+	*p = smat_mul(x->d, R, s.r);
 }
 
 void jacobian_columns(const struct kinematics *x, const struct want *w, struct ref *J)
 {
+	struct seen s;
+
 	if (x->k->frame == FRAME_LINK)
-		columns_in_link(x, w, J);
+		columns_in_link(x, w, J, &s);
 	else
 		columns_in_world(x, w, J);
 }

@@ -1,5 +1,6 @@
 /* Poses on the way out: R = R_p X R(q), p = p_p + R_p x (Featherstone 2008, 4.1; Craig 2.45). */
 #include "kinematics/centroid.h"
+#include <string.h>
 
 static struct svec column(const struct smat *m, int j)
 {
@@ -47,16 +48,19 @@ static void place(const struct kinematics *x, int body)
 
 	dag_section(d, SECTION_PLACE, body);
 	to->pose = joint_place(d, k, x->in);
+	to->is_unit = k->type != JOINT_FLOATING && (!from || from->is_unit);
 	to->A = from ? product(d, &from->R, &to->pose.R) : to->pose.R;
-	to->R = turned(d, k, &to->pose, &to->A);
-	to->from = from ? from->from : to->pose.p;
-	if (from)
-		to->p = svec_add(d, from->p, smat_mul(d, &from->R, to->pose.p));
 	if (x->k->pose == POSE_QUATERNION)
 		quaternion_place(x, body);
+	to->R = x->in.by_halves && to->is_unit ? quaternion_turn(x, body) : turned(d, k, &to->pose, &to->A);
+	to->step = svec_add(d, kinematics_from_point(x, k->parent, x->points[body].offset), to->pose.slide);
+	to->from = from ? from->from : to->step;
+	if (from)
+		to->point = svec_add(d, from->point, smat_mul(d, &from->R, to->step));
+	to->p = svec_add(d, to->point, smat_mul(d, &to->R, kinematics_from_point(x, body, (struct within[3]){{0}})));
 	for (int j = 0; j < 3; j++)
 		svec_tag(d, column(&to->R, j), (const char *[]){"rx", "ry", "rz"}[j], k->number);
-	svec_tag(d, to->p, "p", k->number);
+	svec_tag(d, to->point, "p", k->number);
 }
 
 void kinematics_frame(const struct kinematics *x, int body, const struct placement *X, struct smat *R, struct svec *p)
@@ -65,7 +69,16 @@ void kinematics_frame(const struct kinematics *x, int body, const struct placeme
 	struct smat turn = smat_const(x->d, &X->R);
 
 	*R = product(x->d, &at->R, &turn);
-	*p = svec_add(x->d, at->p, smat_mul(x->d, &at->R, svec_const(x->d, X->p)));
+	*p = svec_add(x->d, at->point, smat_mul(x->d, &at->R, kinematics_from_point(x, body, X->p)));
+}
+
+/* Is the Jacobian of the same frame wanted, so that the way back is there? */
+static int has_jacobian_in_link(const struct request *k, const struct want *w)
+{
+	for (int i = 0; i < k->want_count && k->frame == FRAME_LINK; i++)
+		if (k->wants[i].kind == WANT_JACOBIAN && !strcmp(strchr(k->wants[i].word, '.'), strchr(w->word, '.')))
+			return 1;
+	return 0;
 }
 
 static void output_pose(const struct kinematics *x, const struct want *w, int argument)
@@ -75,7 +88,10 @@ static void output_pose(const struct kinematics *x, const struct want *w, int ar
 	struct svec p;
 	struct ref quaternion[4];
 
-	kinematics_frame(x, w->body, &w->X, &R, &p);
+	if (has_jacobian_in_link(x->k, w))
+		jacobian_frame(x, w, &R, &p);
+	else
+		kinematics_frame(x, w->body, &w->X, &R, &p);
 	p = svec_add(d, x->bodies[w->body].from, p);
 	if (x->k->pose == POSE_QUATERNION)
 		quaternion_of(x, w->body, &w->X, quaternion);
@@ -123,7 +139,7 @@ void kinematics_run(struct kinematics *x)
 	int here = -1;
 
 	x->bodies = arena_alloc(x->d->arena, (size_t)x->t->body_count, sizeof *x->bodies);
-	if (!x->bodies) {
+	if (!x->bodies || !kinematics_slide(x)) {
 		x->d->failed = 1;
 		return;
 	}

@@ -41,37 +41,84 @@ static void of_rotation(struct dag *d, const struct rotation *R, struct ref *out
 		out[3] = dag_within(d, root);
 }
 
-/* Of the joint: its constant turn, then its variable one. */
-static void of_joint(const struct kinematics *x, const struct body *k, struct ref *out)
+/* The coordinate axis along which a joint's lies behind the constant turn C, and its sign; -1: not all of C is right angles. */
+static int axis_behind(const struct rotation *C, int axis, int *sign)
 {
-	struct dag *d = x->d;
-	struct ref constant[4], variable[4] = {{0}, {0}, {0}, dag_const(d, 1)};
+	int found = -1, nonzero = 0;
 
-	of_rotation(d, &k->X.R, constant);
-	if (k->type == JOINT_FLOATING) {
-		for (int i = 0; i < 4; i++)
-			variable[i] = source_row(d, &x->in.q, k->iq + 3 + i);
-	} else {
-		joint_half_turn(d, k, x->in, &variable[k->axis], &variable[3]);
-	}
-	multiply(d, constant, variable, out);
+	for (int i = 0; i < 9; i++)
+		nonzero += C->m[i / 3][i % 3].x != 0;
+	for (int i = 0; i < 3; i++)
+		if (C->m[i][axis].x != 0)
+			found = i;
+	*sign = C->m[found][axis].x < 0 ? -1 : 1;
+	return nonzero == 3 ? found : -1;
 }
 
+/* C is taken into the quaternion, and is none from here on. */
+static void take_in(const struct kinematics *x, struct placed *at)
+{
+	struct ref constant[4], turned[4];
+
+	of_rotation(x->d, &at->C, constant);
+	multiply(x->d, at->quaternion, constant, turned);
+	for (int i = 0; i < 4; i++)
+		at->quaternion[i] = turned[i];
+	at->C = ROTATION_IDENTITY;
+}
+
+/* The orientation is the quaternion's, then C: R_x(pi/2) R_z(q) = R_-y(q) R_x(pi/2), so that right angles between axes cost
+   nothing. */
 void quaternion_place(const struct kinematics *x, int body)
 {
+	struct dag *d = x->d;
 	const struct body *k = &x->t->bodies[body];
 	struct placed *to = &x->bodies[body];
-	struct ref own[4];
+	const struct placed *from = k->parent >= 0 ? &x->bodies[k->parent] : NULL;
+	struct ref before[4], turn[4] = {{0}, {0}, {0}, dag_const(d, 1)};
+	int sign, axis;
 
-	of_joint(x, k, k->parent >= 0 ? own : to->quaternion);
-	if (k->parent >= 0)
-		multiply(x->d, x->bodies[k->parent].quaternion, own, to->quaternion);
+	for (int i = 0; i < 4; i++)
+		to->quaternion[i] = from ? from->quaternion[i] : turn[i];
+	to->C = from ? rotation_mul(&from->C, &k->X.R) : k->X.R;
+	axis = axis_behind(&to->C, k->axis, &sign);
+	if (k->type == JOINT_FLOATING || axis < 0)
+		take_in(x, to);
+	if (axis < 0 || k->type == JOINT_FLOATING) {
+		axis = k->axis;
+		sign = 1;
+	}
+	if (k->type == JOINT_FLOATING) {
+		for (int i = 0; i < 4; i++)
+			turn[i] = source_row(d, &x->in.q, k->iq + 3 + i);
+	} else {
+		joint_half_turn(d, k, x->in, &turn[axis], &turn[3]);
+		turn[axis] = sign < 0 ? dag_neg(d, turn[axis]) : turn[axis];
+	}
+	for (int i = 0; i < 4; i++)
+		before[i] = to->quaternion[i];
+	multiply(d, before, turn, to->quaternion);
+}
+
+struct smat quaternion_turn(const struct kinematics *x, int body)
+{
+	const struct placed *at = &x->bodies[body];
+	struct smat R = quaternion_matrix(x->d, at->quaternion), C = smat_const(x->d, &at->C), out;
+
+	for (int j = 0; j < 3; j++) {
+		struct svec column = smat_mul(x->d, &R, (struct svec){{C.m[0][j], C.m[1][j], C.m[2][j]}});
+
+		for (int i = 0; i < 3; i++)
+			out.m[i][j] = column.x[i];
+	}
+	return out;
 }
 
 void quaternion_of(const struct kinematics *x, int body, const struct placement *X, struct ref *quaternion)
 {
+	const struct rotation C = rotation_mul(&x->bodies[body].C, &X->R);
 	struct ref constant[4];
 
-	of_rotation(x->d, &X->R, constant);
+	of_rotation(x->d, &C, constant);
 	multiply(x->d, x->bodies[body].quaternion, constant, quaternion);
 }

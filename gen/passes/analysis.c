@@ -114,6 +114,8 @@ enum rneagen_code pass_dag_build(struct analysis *a)
 		return refuse_singular(a, a->raw.singular - 1);
 	if (a->raw.singular < 0)
 		return refuse_inverse(a, &a->request.wants[-1 - a->raw.singular]);
+	if (a->raw.constant)
+		return request_refuse_constant(&a->request, &a->scene, a->raw.constant - 1, a->error);
 	return a->raw.failed ? error_memory(a->error) : RNEAGEN_OK;
 }
 

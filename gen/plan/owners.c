@@ -57,7 +57,7 @@ static void own_elements(const struct tree *t, const struct want *w, int dense, 
 
 int owners_matrix(const struct request *k)
 {
-	for (int i = 0; i < k->want_count; i++)
+	for (int i = 0; i < k->stored_count; i++)
 		if (request_is_matrix(k, &k->wants[i]))
 			return 1;
 	return 0;
@@ -95,7 +95,7 @@ int owners_make(struct owners *x, const struct dag *d, const struct tree *t, con
 
 	*x = (struct owners){.owner = arena_alloc(a, d->output_count, sizeof *x->owner),
 		.bodies = arena_alloc(a, (size_t)t->body_count, sizeof *x->bodies)};
-	for (int i = 0; i < k->want_count && !a->failed; i++)
+	for (int i = 0; i < k->stored_count && !a->failed; i++)
 		if (request_is_matrix(k, &k->wants[i]))
 			own_want(x, d, t, &k->wants[i], k->dense, a);
 	if (!a->failed)

@@ -51,7 +51,7 @@ struct want {
 	enum want_kind kind;
 	const char *word, *argument;
 	int rows;
-	int body; /* OF_FREED: the number of the freed constant */
+	int body; /* OF_FREED: the number of the freed constant; VJP_BY: of the input */
 	struct placement X; /* OF_LINK: the frame in the body's */
 };
 
@@ -68,6 +68,19 @@ enum pose_form { POSE_ROWS, POSE_QUATERNION };
 /* In whose axes, and about which point, what moves is told: the link's axes and origin; the world's; the world's axes and the
    link's origin. */
 enum want_frame { FRAME_LINK, FRAME_WORLD, FRAME_WORLD_ALIGNED };
+
+/* A product of derivatives with vectors: of the wants that it is of, one after another. */
+struct product {
+	int *of, count;
+	int rows; /* of all of them */
+};
+
+/* An input by which products are taken besides the state: what is freed, a wrench from outside. */
+struct product_by {
+	const char *word, *argument; /* "payload.hand", "payload_hand" */
+	const char *direction;       /* the argument with its part of the direction: "jvp_v_payload_hand" */
+	int rows, per_batch;
+};
 
 /* By differentiating the torques' expressions; by a recursion over composite bodies; by whichever takes less. */
 enum derivatives { DERIVATIVES_CHEAPER, DERIVATIVES_FORWARD, DERIVATIVES_RECURSION };
@@ -89,6 +102,10 @@ struct request {
 	int push_count, in_world;   /* wrenches in axes of the world, else of the link */
 	struct want *wants;
 	int want_count;
+	int stored_count;           /* the first of them are outputs; the rest is made for products alone */
+	struct product jvp, vjp;
+	struct product_by *by;
+	int by_count;
 	struct added_frame *frames;
 	int frame_count;
 	enum pose_form pose;
@@ -121,7 +138,7 @@ void request_dump(const struct request *k, const struct tree *t, struct text *ou
 /* Has every row its value? */
 int request_has_all(const struct row *rows, int count);
 
-/* Is a quantity of this kind asked for, or any with one of these traits? */
+/* Is a quantity of this kind made, as an output or for a product; or any with one of these traits? */
 int request_wants(const struct request *k, enum want_kind kind);
 int request_wants_any(const struct request *k, unsigned traits);
 
@@ -135,5 +152,11 @@ int request_pattern(struct pattern *p, const struct tree *t, const struct want *
 
 /* Is any derivative, M included? */
 int request_wants_derivative(const struct request *k);
+
+/* Is it of the torques alone, or of the qdd found, and by the state? */
+int request_is_plain_product(const struct request *k, const struct product *p);
+
+/* The error that a want which a product is of does not vary, since what it depends on is given. */
+enum rneagen_code request_refuse_constant(const struct request *k, const struct scene *s, int want, struct rneagen_error *e);
 
 #endif

@@ -44,8 +44,17 @@ enum rneagen_code request_add_frame(const struct resolver *x, const struct scene
 /* A choice of `want`. */
 enum rneagen_code request_want(const struct resolver *x, const struct scene_choice *c);
 
-/* A choice of `jvp` or `vjp`. */
-enum rneagen_code request_product(const struct resolver *x, const struct scene_choice *c);
+/* The quantity that a choice names, which is not added to those wanted. */
+enum rneagen_code request_quantity(const struct resolver *x, const struct scene_choice *c, struct want *w);
+
+/* A quantity as an output; twice is an error. */
+enum rneagen_code request_add_want(const struct resolver *x, const struct scene_choice *c, const struct want *w);
+
+/* Are these the same quantity? */
+int request_is_same(const struct want *a, const struct want *b);
+
+/* All choices of `jvp`, `vjp` and `by`, after those of `free`, `fext` and `want`. */
+enum rneagen_code request_products(const struct resolver *x);
 
 /* A choice of `free`. */
 enum rneagen_code request_free(const struct resolver *x, const struct scene_choice *c);

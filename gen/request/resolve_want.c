@@ -81,34 +81,18 @@ int request_pattern(struct pattern *p, const struct tree *t, const struct want *
 	}
 }
 
-static enum rneagen_code add_want(const struct resolver *x, const struct scene_choice *c, const struct want *w)
+int request_is_same(const struct want *a, const struct want *b)
+{
+	return a->kind == b->kind && (!want_is(a->kind, OF_LINK | OF_JOINT | OF_FREED) || !strcmp(a->word, b->word));
+}
+
+enum rneagen_code request_add_want(const struct resolver *x, const struct scene_choice *c, const struct want *w)
 {
 	for (int i = 0; i < x->k->want_count; i++)
 		if (!strcmp(x->k->wants[i].word, w->word))
 			return scene_refuse(x->s, c, x->e, "'%.255s' is wanted already", w->word);
 	x->k->wants[x->k->want_count++] = *w;
 	x->k->is_forward |= want_is(w->kind, FINDS_QDD);
-	return RNEAGEN_OK;
-}
-
-static int product_rows(const struct resolver *x, enum want_kind kind)
-{
-	return kind == WANT_VJP ? 3 * x->t->nv : x->t->nv;
-}
-
-/* What a product is of, tau or qdd, decides which way the dynamics goes: the other is an input. */
-enum rneagen_code request_product(const struct resolver *x, const struct scene_choice *c)
-{
-	enum want_kind kind = c->key == SCENE_JVP ? WANT_JVP : WANT_VJP;
-	struct want w = {.kind = kind, .word = want_type(kind)->word, .argument = want_type(kind)->argument,
-		.rows = product_rows(x, kind)};
-	int which = !strcmp(c->name, "qdd");
-
-	if (!which && strcmp(c->name, "tau"))
-		return scene_refuse(x->s, c, x->e, "there is the product of tau and that of qdd, none of '%.255s'", c->name);
-	if (add_want(x, c, &w))
-		return x->e->code;
-	x->k->is_forward |= which;
 	return RNEAGEN_OK;
 }
 
@@ -166,8 +150,6 @@ static enum rneagen_code want_rows(const struct resolver *x, struct want *w)
 	const struct want_type *type = want_type(w->kind);
 
 	w->rows = type->rows ? type->rows : x->t->nv;
-	if (w->kind == WANT_JVP || w->kind == WANT_VJP)
-		w->rows = product_rows(x, w->kind);
 	if (w->kind == WANT_POSE && x->k->pose == POSE_QUATERNION)
 		w->rows = 7;
 	else if (type->shape != SHAPE_NONE)
@@ -175,28 +157,35 @@ static enum rneagen_code want_rows(const struct resolver *x, struct want *w)
 	return RNEAGEN_OK;
 }
 
-enum rneagen_code request_want(const struct resolver *x, const struct scene_choice *c)
+enum rneagen_code request_quantity(const struct resolver *x, const struct scene_choice *c, struct want *w)
 {
 	struct kind_word kinds[WANT_COUNT];
-	struct want w = {.word = c->name};
 	int kind;
 
+	*w = (struct want){.word = c->name};
 	if (is_by_freed(c->name))
-		return want_by_freed(x, c, &w) ? x->e->code : add_want(x, c, &w);
+		return want_by_freed(x, c, w);
 	for (int i = 0; i < WANT_COUNT; i++)
 		kinds[i] = (struct kind_word){want_type((enum want_kind)i)->word, want_is((enum want_kind)i, OF_LINK | OF_JOINT)};
 	kind = strcmp(c->name, "dqdd_dtau") ? request_find_kind(x, c, kinds, WANT_COUNT) : WANT_MINV;
 	if (kind < 0)
 		return x->e->code;
-	w.kind = (enum want_kind)kind;
-	if (want_is(w.kind, IS_UNBUILT))
+	w->kind = (enum want_kind)kind;
+	if (want_is(w->kind, IS_UNBUILT))
 		return scene_refuse(x->s, c, x->e, "'%.255s' is not built yet", c->name);
-	if (want_name(x, c, &w) || check_varies(x, c, w.kind) || check_masses(x, c, w.kind) || check_chain(x, c, &w) || want_rows(x, &w))
+	if (want_name(x, c, w) || check_varies(x, c, w->kind) || check_masses(x, c, w->kind) || check_chain(x, c, w) || want_rows(x, w))
 		return x->e->code;
-	w.argument = want_type(w.kind)->argument;
-	if (!w.argument)
-		w.argument = request_argument(x, c->name);
-	return add_want(x, c, &w);
+	w->argument = want_type(w->kind)->argument;
+	if (!w->argument)
+		w->argument = request_argument(x, c->name);
+	return RNEAGEN_OK;
+}
+
+enum rneagen_code request_want(const struct resolver *x, const struct scene_choice *c)
+{
+	struct want w;
+
+	return request_quantity(x, c, &w) ? x->e->code : request_add_want(x, c, &w);
 }
 
 int request_is_matrix(const struct request *k, const struct want *w)

@@ -5,7 +5,7 @@
 #include "dag/role.h"
 
 enum want_kind { WANT_TAU, WANT_GRAVITY, WANT_BIAS, WANT_WRENCH, WANT_TWIST, WANT_ACCEL, WANT_POWER, WANT_KINETIC, WANT_POTENTIAL,
-	WANT_REGRESSOR, WANT_QDD, WANT_QDD_BOUND, WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_MASS, WANT_DTAU_DFREED, WANT_JVP, WANT_VJP, WANT_MINV,
+	WANT_REGRESSOR, WANT_QDD, WANT_QDD_BOUND, WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_MASS, WANT_DTAU_DFREED, WANT_JVP, WANT_VJP, WANT_VJP_BY, WANT_MINV,
 	WANT_DQDD_DQ, WANT_DQDD_DQD, WANT_DQDD_DFREED, WANT_POSE, WANT_JACOBIAN, WANT_DJACOBIAN, WANT_COM, WANT_VCOM, WANT_COM_JACOBIAN,
 	WANT_MOMENTUM, WANT_MOMENTUM_MATRIX, WANT_DMOMENTUM, WANT_CORIOLIS, WANT_OPSPACE_INV, WANT_OPSPACE, WANT_COUNT };
 
@@ -24,6 +24,7 @@ enum want_trait {
 	IS_MOTION = 1 << 11,    /* where things are and how they move: no force */
 	IS_PLACED = 1 << 12,    /* made by the room kinematics, from the places of bodies */
 	IS_UNBUILT = 1 << 13,   /* not there yet */
+	IS_PRODUCT = 1 << 16,   /* of derivatives of other outputs with a vector: of whatever kind these are */
 	IS_OPSPACE = 1 << 15,   /* the inertia that is felt at a link */
 	OF_MASSES = 1 << 14,    /* told by the masses of all that moves: none may be left out that no torque feels */
 };

@@ -100,7 +100,8 @@ static enum rneagen_code split(const struct reader *r, struct scene_choice *c, c
 	const char *at = c->key == SCENE_ADD_FRAME ? strchr(value, '=') : strrchr(value, '=');
 
 	if (!at || at == value || !at[1])
-		return scene_refuse(r->s, c, r->e, "takes NAME=VALUE, not '%.255s'", value);
+		return scene_refuse(r->s, c, r->e, "takes NAME=%s, not '%.255s'", c->key == SCENE_ADD_FRAME ? "LINK,x,y,z,r,p,y" : "VALUE",
+			value);
 	c->name = arena_string(r->a, value, (size_t)(at - value)); /* blanks at its ends may be the name's: see settled */
 	c->value = trimmed(r->a, at + 1, strlen(at + 1));
 	return c->name && c->value ? RNEAGEN_OK : error_memory(r->e);

@@ -38,6 +38,7 @@
 	X(REFINE, "refine", 1, SCENE_VALUE)                                                                            \
 	X(JVP, "jvp", 1, SCENE_NAMES)                                                                                  \
 	X(VJP, "vjp", 1, SCENE_NAMES)                                                                                  \
+	X(BY, "by", 1, SCENE_NAMES)                                                                                    \
 	X(FEXT, "fext", 1, SCENE_NAMES)                                                                                \
 	X(FEXT_FRAME, "fext-frame", 1, SCENE_VALUE)                                                                    \
 	X(ARMATURE, "armature", 1, SCENE_PAIR)                                                                         \

@@ -51,6 +51,26 @@ static const struct refusal {
 	{"want wrench.weld", "scene line 1, want: joint 'weld' does not move in this scene"},
 	{"lock comma=0\nfold q.comma=1", "scene line 2, fold: joint 'comma' does not move in this scene"},
 	{"want wrench.base", "scene line 1, want: no joint 'base'"},
+	/* frames */
+	{"want pose.slap", "scene line 1, want: no link 'slap'; did you mean 'slab'?"},
+	{"add-frame grip=arm,0,0,0,0,0,0\nwant jacobian.grib", "scene line 2, want: no link 'grib'; did you mean 'grip'?"},
+	{"want djacobian.wield", "scene line 1, want: no link 'wield'; did you mean 'weld'?"},
+	{"tip slab\nbeside drop\nwant pose.ship", "scene line 3, want: link 'ship' is not part of this scene"},
+	{"want jacobian.world", "scene line 1, want: link 'world' does not move in this scene"},
+	{"add-frame grip=arm,0,0,0,0,0", "scene line 1, add-frame: takes NAME=LINK,x,y,z,r,p,y, a link and six numbers, m and rad; "
+		"'arm,0,0,0,0,0' has 5 numbers"},
+	{"add-frame grip=arm,0,0,0,0,0,0,0", "scene line 1, add-frame: takes NAME=LINK,x,y,z,r,p,y, a link and six numbers, m and rad; "
+		"'arm,0,0,0,0,0,0,0' has 7 numbers"},
+	{"add-frame grip", "scene line 1, add-frame: takes NAME=LINK,x,y,z,r,p,y, not 'grip'"},
+	{"add-frame grip=arm,0,0,0,0,0,z", "scene line 1, add-frame: takes 6 finite numbers with commas between, not '0,0,0,0,0,z'"},
+	{"add-frame grip=arn,0,0,0,0,0,0", "scene line 1, add-frame: no link 'arn'; did you mean 'arm'?"},
+	{"add-frame grip=world,0,0,0,0,0,0", "scene line 1, add-frame: link 'world' does not move in this scene"},
+	{"add-frame ship=arm,0,0,0,0,0,0", "scene line 1, add-frame: there is a link 'ship' already: give the frame another name"},
+	{"add-frame weld=arm,0,0,0,0,0,0", "scene line 1, add-frame: there is a joint 'weld' already: give the frame another name"},
+	{"add-frame grip=arm,0,0,0,0,0,0\nadd-frame grip=slab,0,0,0,0,0,0",
+		"scene line 2, add-frame: there is a frame 'grip' already: give the frame another name"},
+	{"pose euler", "scene line 1, pose: takes rows or quaternion, not 'euler'"},
+	{"frame body", "scene line 1, frame: takes link, world or world-aligned, not 'body'"},
 	/* rows */
 	{"fold q.follow=1", "scene line 1, fold: 'follow' follows another joint: fold that"},
 	{"fold q=0", "scene line 1, fold: takes 13 finite numbers with commas between, not '0'"},

@@ -92,7 +92,7 @@ static PyObject *numbers(const double *values, size_t count)
 /* The want of this array, where it is a matrix by joints; NULL: it is none. */
 static const struct want *find_matrix(const struct request *k, const char *argument)
 {
-	for (int i = 0; i < k->want_count; i++)
+	for (int i = 0; i < k->stored_count; i++)
 		if (!strcmp(k->wants[i].argument, argument) && request_is_matrix(k, &k->wants[i]))
 			return &k->wants[i];
 	return NULL;
