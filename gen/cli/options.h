@@ -62,9 +62,9 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"  --want N1,N2,...           what is computed: tau, gravity, bias, wrench.JOINT, twist.LINK, accel.LINK, power,\n" \
 	"                             kinetic, potential, regressor, dtau_dq, dtau_dqd, M, jvp, vjp; dtau_dNAME by what\n" \
 	"                             is free;\n"                                                                         \
-	"                             where things are: pose.LINK, jacobian.LINK, djacobian.LINK, com, vcom,\n"        \
-	"                             com_jacobian, momentum, dmomentum, momentum_matrix;\n"                              \
-	"                             coriolis; the inertia felt at a link: opspace.LINK, opspace_inv.LINK;\n"            \
+	"                             where things are: pose.LINK, jacobian.LINK, djacobian.LINK, com, vcom,\n"         \
+	"                             com_jacobian, momentum, momentum_matrix, dmomentum; coriolis, opspace_inv.LINK,\n" \
+	"                             opspace.LINK;\n"                                                                \
 	"                             forward dynamics, with tau for an input: qdd, qdd_bound, Minv, dqdd_dq, dqdd_dqd,\n" \
 	"                             dqdd_dNAME\n"                                                                \
 	"  --jvp N1,N2,...            derivatives of any of these outputs, one after another, times the input jvp_v\n"  \

@@ -250,7 +250,7 @@ static void apply_matrix(const struct centroid *c, const struct momentum_column 
 	}
 }
 
-/* By rows of qd, about the centre of mass, which is at r from the hub's origin. */
+/* By rows of qd, about the centre of mass, which is at r where the hub's origin is at its p. */
 static void gather_columns(const struct centroid *c, struct svec r, struct momentum_column *of)
 {
 	const struct kinematics *x = c->x;
@@ -349,6 +349,8 @@ void centroid_end(struct centroid *c)
 	c->x->com = com;
 	c->x->mass = c->mass;
 	r = to_world(x, com);
+	if (x->hub >= 0)
+		r = svec_add(d, x->bodies[x->hub].p, r);
 	output(x, output_of(x, WANT_COM), 0, x->hub >= 0 ? svec_add(d, x->bodies[x->hub].from, r) : r);
 	if (c->has_columns) {
 		gather_columns(c, r, of);
