@@ -70,8 +70,8 @@ enum rnea_layout { RNEA_SOA, RNEA_AOS }; /* array[row][sample], array[sample][ro
 
 enum { RNEA_ARGUMENT_LIMIT = 64 }; /* the most arrays one function can take */
 
-/* What an array means, and its word in the table. "of" says what rnea_argument.of names: of a link, a joint, or the constant
-   that the torques are differentiated by. Rows of vectors of all bodies are 6 for each, linear then angular. */
+/* What an array means, and its word in the table. "of" says what rnea_argument.of names: of a link, a joint, the constant
+   that the torques are differentiated by, or the outputs that a product is of, by commas. Rows of vectors of all bodies are 6 for each, linear then angular. */
 #define RNEA_ROLES(X)                                                                                                  \
 	X(UNKNOWN, "unknown")                            /* the table does not say, or by a word of a later version */ \
 	X(JOINT_POSITION, "joint_position")              /* q */                                                       \
@@ -99,16 +99,28 @@ enum { RNEA_ARGUMENT_LIMIT = 64 }; /* the most arrays one function can take */
 	X(DTAU_DQ, "dtau_dq")                                                                                          \
 	X(DTAU_DQD, "dtau_dqd")                                                                                        \
 	X(DTAU_DFREED, "dtau_dfreed")                    /* of a constant that the scene makes an input */             \
-	X(TANGENT, "tangent")                            /* 3 nv: a direction of q, qd, qdd (of q, qd, tau for qdd) */ \
-	X(COTANGENT, "cotangent")                        /* nv: its transpose */                                       \
-	X(JVP, "jvp")                                    /* nv: the product with the tangent */                        \
-	X(VJP, "vjp")                                    /* 3 nv: of the transpose with the cotangent */               \
+	X(TANGENT, "tangent")                            /* 3 nv: a direction of q, qd, qdd (of q, qd, tau for qdd); or of another input */ \
+	X(COTANGENT, "cotangent")                        /* weights of the outputs that vjp is of */                   \
+	X(JVP, "jvp")                                    /* derivatives of outputs times the tangent */                \
+	X(VJP, "vjp")                                    /* 3 nv: the cotangent times derivatives of outputs; or by another input */ \
 	X(MASS_MATRIX_INVERSE, "mass_matrix_inverse")    /* dqdd/dtau */                                               \
 	X(DQDD_DQ, "dqdd_dq")                                                                                          \
 	X(DQDD_DQD, "dqdd_dqd")                                                                                        \
 	X(DQDD_DFREED, "dqdd_dfreed")                    /* of a constant that the scene makes an input */             \
 	X(JOINT_ACCELERATION_BOUND, "joint_acceleration_bound") /* how far each acceleration may be off */             \
-	X(REGRESSOR, "regressor")                        /* dtau/dpi: ten columns a body, of its inertial parameters */
+	X(REGRESSOR, "regressor")                        /* dtau/dpi: ten columns a body, of its inertial parameters */ \
+	X(LINK_POSE, "link_pose")                        /* of a link in the world: [R p] by rows, or p and a quaternion */ \
+	X(LINK_JACOBIAN, "link_jacobian")                /* of a link: its twist by qd */                              \
+	X(LINK_JACOBIAN_RATE, "link_jacobian_rate")      /* of a link: the rate of its Jacobian times qd */            \
+	X(CENTER_OF_MASS, "center_of_mass")              /* of all that moves, in the world */                         \
+	X(CENTER_OF_MASS_VELOCITY, "center_of_mass_velocity")                                                          \
+	X(CENTER_OF_MASS_JACOBIAN, "center_of_mass_jacobian")                                                          \
+	X(MOMENTUM, "momentum")                          /* centroidal, in the world's axes */                         \
+	X(MOMENTUM_MATRIX, "momentum_matrix")            /* by qd */                                                   \
+	X(MOMENTUM_RATE, "momentum_rate")                /* without gravity */                                         \
+	X(CORIOLIS, "coriolis")                          /* C qd = bias - gravity, dM/dt = C + C' */                   \
+	X(OPSPACE_INERTIA_INVERSE, "opspace_inertia_inverse") /* of a link: J Minv J' */                               \
+	X(OPSPACE_INERTIA, "opspace_inertia")            /* of a link: its inverse */
 
 enum rnea_role {
 #define RNEA_ROLE_ENUM(role, word) RNEA_ROLE_##role,
@@ -127,7 +139,7 @@ struct rnea_argument {
 	enum rnea_scalar scalar; /* of its elements; an array must be aligned to it, no more */
 	int per_batch;           /* 1: rows scalars for the whole batch, whatever the count; 0: rows for every sample */
 	enum rnea_role role;     /* of tables of versions 1 and 2: those of q, qd, qdd and tau, and of the two halves' arrays */
-	const char *of;          /* the link, joint or constant that the role speaks of, as the URDF and the scene name it; "": none */
+	const char *of;          /* the link, joint, constant or outputs that the role speaks of, as the URDF and the scene name it; "": none */
 };
 
 /* One joint with entries in q. Units by type: revolute and continuous rad, prismatic m, floating m and a unit

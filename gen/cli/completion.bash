@@ -1,7 +1,7 @@
 # Completion of rneagen, rnearun and rnearun-mpi for bash.
 # shellcheck shell=bash
 
-_rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --derivatives --dynamics --params --refine --jvp --vjp --fext --fext-frame --armature --damping
+_rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --derivatives --dynamics --params --pose --frame --add-frame --refine --jvp --vjp --by --fext --fext-frame --armature --damping
 	--friction --snap-angle --round-constants --drop-below --range'
 _rneagen_options="-o --output --target --precision --layout --strict --bounded --only --parts --segments --limbs --trig --base --gravity --mimic --order --name --info
 	--info=json --dot --dump --quiet --help --version $_rneagen_scene"
@@ -17,15 +17,16 @@ _rneagen_words() {
 	--mimic) echo honour independent ;;
 	--beside) echo lock drop ;;
 	--fext-frame) echo link world ;;
+	--pose) echo rows quaternion ;;
+	--frame) echo link world world-aligned ;;
 	--derivatives) echo forward recursion ;;
 	--dynamics) echo auto factor articulated ;;
 	--params) echo urdf base auto ;;
-	--jvp | --vjp) echo tau qdd ;;
 	--refine) echo 0 1 1:f64 1:f32x2 1:same ;;
 	--parts) echo auto ;;
 	--segments) echo auto whole ;;
 	--limbs) echo auto none ;;
-	--only) echo rnea fd ;;
+	--only) echo rnea fd kin ;;
 	--info) echo json ;;
 	--dump) echo robot scene tree params request dag plan parts segments limbs passes ;;
 	--backend) [[ ${COMP_WORDS[1]} == eval ]] && echo cpu cuda any || echo cpu cuda all ;;
@@ -67,7 +68,7 @@ _rneagen() {
 	-o | --output) _rneagen_files "$current" .cu .c .h .hh .hpp .hxx .cuh ;;
 	--gravity | --order | --name) ;;
 	--scene | --armature) _rneagen_files "$current" '' ;;
-	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --fext | --snap-angle | --round-constants | --drop-below | --range) ;;
+	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --add-frame | --fext | --snap-angle | --round-constants | --drop-below | --range) ;;
 	*)
 		if { [[ $option != --info || -n $joined ]]; } && words=$(_rneagen_words "$option"); then
 			mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
@@ -100,7 +101,7 @@ _rnearun() {
 	--scene | --armature) _rneagen_files "$current" '' ;;
 	--input | --output) ;; # NAME=FILE
 	--device) [[ ${COMP_WORDS[1]} != eval ]] || mapfile -t COMPREPLY < <(compgen -W all -- "$current") ;;
-	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --fext | --snap-angle | --round-constants | --drop-below | --range) ;;
+	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --add-frame | --fext | --snap-angle | --round-constants | --drop-below | --range) ;;
 	--gravity | --order | --threads | --slice | --samples | --seed | --qd-range | --qdd-range | --batch | --max-error) ;;
 	*)
 		options=_rnearun_${COMP_WORDS[1]}

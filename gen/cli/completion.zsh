@@ -23,8 +23,12 @@ _rneagen_model=(
 	'--derivatives=[how dtau_dq and dtau_dqd are made]:method:(forward recursion)'
 	'--dynamics=[how qdd is found]:method:(auto factor articulated)'
 	'--params=[by which constants the model is computed]:constants:(urdf base auto)'
-	'--jvp=[derivatives times a vector]:output:(tau qdd)'
-	'--vjp=[a vector times derivatives]:output:(tau qdd)'
+	'--pose=[how poses are written]:form:(rows quaternion)'
+	'--frame=[the frame of Jacobians]:frame:(link world world-aligned)'
+	'*--add-frame=[a frame on a link]:NAME=LINK,X,Y,Z,R,P,Y:'
+	'*--jvp=[derivatives of outputs times a vector]:names:'
+	'*--vjp=[a vector times derivatives of outputs]:names:'
+	'*--by=[products also by these inputs]:names:'
 	'--refine=[qdd after steps of refinement]:steps:(0 1 1\:f64 1\:f32x2 1\:same)'
 	'*--fext=[external wrenches on these links]:links:'
 	'--fext-frame=[the axes of external wrenches]:frame:(link world)'
@@ -66,7 +70,7 @@ _rneagen_command() {
 		'--limbs=[warps that share out a sample of a small batch]:warps:(auto none)' \
 		'--parts=[matrices in parts of the grid]:parts:(auto)' \
 		'--bounded[target c: also a function that bounds the error of each torque]' \
-		'--only=[the algorithm without its halves and batches]:algorithm:(rnea fd)' \
+		'--only=[the algorithm without its halves and batches]:algorithm:(rnea fd kin)' \
 		'--name=[prefix of every function]:identifier:' \
 		'--info=-[tell about the robot]::format:(json)' \
 		'--dot[print the tree as a graph for Graphviz]' \

@@ -39,7 +39,7 @@ static const char HELP[] =
 	"  --bounded                  target c: also a function that bounds how far each output is from what the URDF's decimals\n"
 	"                             give in exact arithmetic, where angles within 5e-15 rad of a right one are right, and\n"
 	"                             constants that are zero, or equal, but for the rounding of the file's numbers are so\n"
-	"  --only rnea|fd             the main function alone: without its halves fpass and bpass and, for target c, without the\n"
+	"  --only rnea|fd|kin         the main function alone: without its halves fpass and bpass and, for target c, without the\n"
 	"                             functions that take batches\n"
 	"  --order J1,J2,...          rows of q by joint name (default: depth-first, children by name)\n"
 	OPTIONS_SCENE_HELP
@@ -72,7 +72,7 @@ static const struct option OPTIONS[] = {
 	{"quiet", no_argument, NULL, KEY_QUIET},
 	{"help", no_argument, NULL, OPTION_HELP}, {"version", no_argument, NULL, OPTION_VERSION}, {NULL, 0, NULL, 0}};
 
-static const struct option_choice ONLY[] = {{"rnea", 1}, {"fd", 1}, {NULL, 0}};
+static const struct option_choice ONLY[] = {{"rnea", 1}, {"fd", 1}, {"kin", 1}, {NULL, 0}};
 
 /* --info and --dot share standard output. */
 static int set_info(struct command *c, enum info_mode info)

@@ -30,9 +30,13 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	{"derivatives", required_argument, NULL, OPTION_SCENE + SCENE_DERIVATIVES},                                    \
 	{"dynamics", required_argument, NULL, OPTION_SCENE + SCENE_DYNAMICS},                                          \
 	{"params", required_argument, NULL, OPTION_SCENE + SCENE_PARAMS},                                              \
+	{"pose", required_argument, NULL, OPTION_SCENE + SCENE_POSE},                                                  \
+	{"frame", required_argument, NULL, OPTION_SCENE + SCENE_FRAME},                                                \
+	{"add-frame", required_argument, NULL, OPTION_SCENE + SCENE_ADD_FRAME},                                        \
 	{"refine", required_argument, NULL, OPTION_SCENE + SCENE_REFINE},                                              \
 	{"jvp", required_argument, NULL, OPTION_SCENE + SCENE_JVP},                                                    \
 	{"vjp", required_argument, NULL, OPTION_SCENE + SCENE_VJP},                                                    \
+	{"by", required_argument, NULL, OPTION_SCENE + SCENE_BY},                                                      \
 	{"fext", required_argument, NULL, OPTION_SCENE + SCENE_FEXT},                                                  \
 	{"fext-frame", required_argument, NULL, OPTION_SCENE + SCENE_FEXT_FRAME},                                      \
 	{"armature", required_argument, NULL, OPTION_SCENE + SCENE_ARMATURE},                                          \
@@ -58,10 +62,14 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"  --want N1,N2,...           what is computed: tau, gravity, bias, wrench.JOINT, twist.LINK, accel.LINK, power,\n" \
 	"                             kinetic, potential, regressor, dtau_dq, dtau_dqd, M, jvp, vjp; dtau_dNAME by what\n" \
 	"                             is free;\n"                                                                         \
+	"                             where things are: pose.LINK, jacobian.LINK, djacobian.LINK, com, vcom,\n"         \
+	"                             com_jacobian, momentum, momentum_matrix, dmomentum; coriolis, opspace_inv.LINK,\n" \
+	"                             opspace.LINK;\n"                                                                \
 	"                             forward dynamics, with tau for an input: qdd, qdd_bound, Minv, dqdd_dq, dqdd_dqd,\n" \
 	"                             dqdd_dNAME\n"                                                                \
-	"  --jvp tau|qdd              its derivatives times the input jvp_v\n"                                        \
-	"  --vjp tau|qdd              the input vjp_v times its derivatives\n"                                        \
+	"  --jvp N1,N2,...            derivatives of any of these outputs, one after another, times the input jvp_v\n"  \
+	"  --vjp N1,N2,...            the input vjp_v times their derivatives\n"                                       \
+	"  --by N1,N2,...             jvp and vjp by these inputs too, which --free or --fext names: payload.LINK, fext.LINK\n" \
 	"  --dense                    matrices with the zeros of joints on different branches, M whole\n"             \
 	"  --derivatives forward|recursion\n"                                                                         \
 	"                             how dtau_dq and dtau_dqd are made; the one with fewer operations unless given\n" \
@@ -71,6 +79,12 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"  --params urdf|base|auto    by which constants the model is computed: the URDF's inertias in its frames, unless\n" \
 	"                             given; base inertial parameters in frames that cost less; auto: those of both that\n" \
 	"                             take fewer operations\n"                                                           \
+	"  --pose rows|quaternion     pose.LINK: the rows of [R p], unless given; or p, then x y z w\n"               \
+	"  --frame link|world|world-aligned\n"                                                                       \
+	"                             of jacobian.LINK, djacobian.LINK and opspace.LINK: the link's, unless given; the\n" \
+	"                             world's; the world's axes at the link's origin\n"                               \
+	"  --add-frame NAME=LINK,X,Y,Z,R,P,Y\n"                                                                      \
+	"                             a frame on a link, which --want takes where it takes a link\n"                 \
 	"  --refine 0|1|1:f64|1:f32x2|1:same\n"                                                                      \
 	"                             qdd after so many steps of refinement, up to 3; the residual in f64, in pairs of\n" \
 	"                             floats, or in the text's own numbers; unless named in f64 where the text is in f32\n" \

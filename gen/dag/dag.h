@@ -35,7 +35,8 @@ struct node {
 
 enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END, SECTION_FREED, SECTION_TOTALS, SECTION_BIAS, SECTION_GRAVITY,
 	SECTION_BY, SECTION_PRODUCTS, SECTION_FACTORS, SECTION_ARTICULATED, SECTION_INVERSE, SECTION_RESIDUAL, SECTION_REFINED, SECTION_BOUND,
-	SECTION_REGRESSOR, SECTION_ROWS, SECTION_COUNT };
+	SECTION_REGRESSOR, SECTION_PLACE, SECTION_JACOBIAN, SECTION_RATE, SECTION_SUBTREE, SECTION_CENTROID, SECTION_FACTORED, SECTION_OPSPACE,
+	SECTION_SWEEPS, SECTION_ROWS, SECTION_COUNT };
 
 /* From this node (and this output) on, the text belongs to going out to a body, or back from it. */
 struct section {
@@ -60,7 +61,7 @@ struct argument {
 };
 
 /* As many as a kernel takes (RNEA_ARGUMENT_LIMIT). */
-enum { DAG_ARGUMENTS = 64, DAG_STRUCK = 1 << 20, DAG_HELD };
+enum { DAG_ARGUMENTS = 64, DAG_STRUCK = 1 << 20, DAG_HELD, DAG_UNSTORED };
 
 struct dag {
 	struct arena *arena;
@@ -79,7 +80,8 @@ struct dag {
 	int is_wide;  /* while it is set, inputs are widened where they are read, and constants are wide */
 	size_t limit; /* nodes; 0: as many as memory holds */
 	int failed;   /* sticky: out of memory, an argument or a node too many, a matrix that cannot be solved */
-	int singular; /* 1 + the row of qd whose joint moves no mass, where that made it fail */
+	int singular; /* 1 + the row of qd whose joint moves no mass, where that made it fail; or -1 - the want that has no inverse */
+	int constant; /* 1 + the number of a want that does not vary, where that made it fail */
 };
 
 void dag_init(struct dag *d, struct arena *a);
@@ -103,6 +105,9 @@ void dag_strike(struct dag *d, int argument);
 /* Put by[row] where dag_input(d, DAG_HELD, row) stands for it: a value that is known, and that the rules of the constructors and
    derivatives take for an input. by[row] is made before that is first used. It leaves live nodes, and closes the DAG. */
 void dag_substitute(struct dag *d, const struct ref *by);
+
+/* Drop the outputs of arguments from DAG_UNSTORED on, which are none: what others were made of. */
+void dag_forget(struct dag *d);
 
 /* Declare a parameter of the function; returns its index. Outputs after inputs. */
 int dag_argument(struct dag *d, const char *name, int rows, int is_output);

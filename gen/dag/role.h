@@ -51,7 +51,19 @@ enum role_rows {
 	X(DQDD_DQD, "dqdd_dqd", ROWS_ANY)                                                                              \
 	X(DQDD_DFREED, "dqdd_dfreed", ROWS_ANY)                                                                        \
 	X(JOINT_ACCELERATION_BOUND, "joint_acceleration_bound", ROWS_NV)                                               \
-	X(REGRESSOR, "regressor", ROWS_ANY)
+	X(REGRESSOR, "regressor", ROWS_ANY)                                                                            \
+	X(LINK_POSE, "link_pose", ROWS_ANY)                                                                            \
+	X(LINK_JACOBIAN, "link_jacobian", ROWS_ANY)                                                                    \
+	X(LINK_JACOBIAN_RATE, "link_jacobian_rate", ROWS_WRENCH)                                                       \
+	X(CENTER_OF_MASS, "center_of_mass", ROWS_VECTOR)                                                               \
+	X(CENTER_OF_MASS_VELOCITY, "center_of_mass_velocity", ROWS_VECTOR)                                             \
+	X(CENTER_OF_MASS_JACOBIAN, "center_of_mass_jacobian", ROWS_ANY)                                                \
+	X(MOMENTUM, "momentum", ROWS_WRENCH)                                                                           \
+	X(MOMENTUM_MATRIX, "momentum_matrix", ROWS_ANY)                                                                \
+	X(MOMENTUM_RATE, "momentum_rate", ROWS_WRENCH)                                                                 \
+	X(CORIOLIS, "coriolis", ROWS_ANY)                                                                              \
+	X(OPSPACE_INERTIA_INVERSE, "opspace_inertia_inverse", ROWS_ANY)                                                \
+	X(OPSPACE_INERTIA, "opspace_inertia", ROWS_ANY)
 
 enum role {
 #define ROLE_ENUM(role, word, rows) ROLE_##role,

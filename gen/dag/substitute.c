@@ -72,3 +72,18 @@ void dag_substitute(struct dag *d, const struct ref *by)
 	a->failed |= spare.failed;
 	arena_free(&spare);
 }
+
+void dag_forget(struct dag *d)
+{
+	size_t kept = 0, section = 0;
+
+	for (size_t i = 0; i < d->output_count; i++) {
+		for (; section < d->section_count && d->sections[section].output <= i; section++)
+			d->sections[section].output = kept;
+		if (d->outputs[i].argument < DAG_UNSTORED)
+			d->outputs[kept++] = d->outputs[i];
+	}
+	for (; section < d->section_count; section++)
+		d->sections[section].output = kept;
+	d->output_count = kept;
+}

@@ -127,7 +127,9 @@ int draw_ranges(struct drawn *x, const struct tree *t, const struct request *k, 
 	if (request_wants(k, WANT_JVP))
 		add_array(x, (struct drawn_array){.name = "jvp_v", .rows = 3 * t->nv}, around(1), a);
 	if (request_wants(k, WANT_VJP))
-		add_array(x, (struct drawn_array){.name = "vjp_v", .rows = t->nv}, around(1), a);
+		add_array(x, (struct drawn_array){.name = "vjp_v", .rows = k->vjp.rows}, around(1), a);
+	for (int i = 0; i < k->by_count && request_wants(k, WANT_JVP); i++)
+		add_array(x, (struct drawn_array){.name = k->by[i].direction, .rows = k->by[i].rows, .per_batch = k->by[i].per_batch}, around(1), a);
 	if (a->failed)
 		return 0;
 	range_joints(x, t, k->is_forward);

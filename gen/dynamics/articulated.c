@@ -324,3 +324,40 @@ void articulated_solve(const struct articulated *x, struct ref *b)
 	for (int k = 0; k < t->body_count; k++)
 		solve_out(x, k, a, b);
 }
+
+/* p - U D^-1 u; nothing of it is along the axis of a joint that moves freely. */
+static struct pair let_through(const struct articulated *x, int body, struct pair p, struct ref *u)
+{
+	struct dag *d = x->r->d;
+	const struct body *k = &x->r->t->bodies[body];
+	struct pair less;
+
+	factor_solve(&x->bodies[body].D, u);
+	less = scaled(d, &x->bodies[body], u, joint_nv(k->type));
+	p = (struct pair){svec_sub(d, p.angular, less.angular), svec_sub(d, p.linear, less.linear)};
+	if (joint_nv(k->type) == 1 && x->r->request->armature[body].x == 0)
+		(k->type == JOINT_PRISMATIC ? &p.linear : &p.angular)->x[k->axis] = (struct ref){0};
+	return p;
+}
+
+void articulated_reduce(const struct articulated *x, int body, struct svec *f, struct svec *n, struct ref *y)
+{
+	struct dag *d = x->r->d;
+	const struct body *k = &x->r->t->bodies[body];
+	const struct joint_pose *at = &x->r->frames[body + 1].pose;
+	struct pair p = {*n, *f};
+	struct ref u[6];
+	int rows = joint_nv(k->type);
+
+	project(x->r, body, p, u);
+	for (int i = 0; i < rows; i++)
+		y[i] = u[i];
+	if (rows)
+		factor_reduce(&x->bodies[body].D, y);
+	if (k->parent < 0)
+		return;
+	if (rows)
+		p = let_through(x, body, p, u);
+	*f = joint_to_parent(d, k, at, p.linear);
+	*n = svec_add(d, joint_to_parent(d, k, at, p.angular), svec_cross(d, at->p, *f));
+}

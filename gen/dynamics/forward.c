@@ -1,6 +1,7 @@
 #include "dynamics/forward.h"
 #include "dynamics/registry.h"
 #include "dynamics/want.h"
+#include "mechanics/tangent.h"
 #include <string.h>
 
 void forward_enter(const struct tour *r, int body)
@@ -17,7 +18,7 @@ static int takes_mass(const struct build *b)
 static void left(const struct tour *r, int body)
 {
 	struct build *b = r->context;
-	struct forward *x = b->forward;
+	struct forward *x = b->factored;
 
 	if (b->dynamics == DYNAMICS_ARTICULATED)
 		articulated_leave(&x->bodies, body, &x->singular);
@@ -63,15 +64,13 @@ static void factor(struct forward *x, struct dag *d)
 	tag_rows(x, "iD", rows);
 }
 
-void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
+void forward_factor(struct forward *x, struct build *b, struct joint_inputs in)
 {
-	static const int nowhere[BY_COUNT] = {-1, -1, -1};
+	static const int nowhere[BY_COUNT] = {-1, -1, -1, -1};
 	struct dag *d = b->d;
-	int nv = b->t->nv;
 
-	*x = (struct forward){.b = b, .torques = x->torques, .tour = want_tour(b, in), .singular = -1,
-		.qdd = arena_alloc(d->arena, (size_t)nv, sizeof *x->qdd)};
-	b->forward = x;
+	*x = (struct forward){.b = b, .torques = x->torques, .tour = want_tour(b, in), .singular = -1};
+	b->factored = x;
 	x->tour.in.qdd = (struct source){.argument = -1};
 	x->tour.comes_back = 1;
 	x->tour.world = want_world;
@@ -82,17 +81,28 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 		articulated_begin(&x->bodies, &x->tour);
 	if (takes_mass(b))
 		recursion_begin(&x->mass, &x->tour, nowhere);
-	x->mass.is_mass_alone = 1;
-	if (!x->qdd || d->failed || !pattern_coupled(&x->coupled, b->t, 0, b->k->dense, d->arena)) {
+	if (d->failed || !pattern_coupled(&x->coupled, b->t, 0, b->k->dense, d->arena)) {
 		d->failed = 1;
 		return;
 	}
 	tour_run(&x->tour);
-	dag_section(d, b->dynamics == DYNAMICS_ARTICULATED ? SECTION_ARTICULATED : SECTION_FACTORS, 0);
+	dag_section(d, !b->k->is_forward ? SECTION_FACTORED : b->dynamics == DYNAMICS_ARTICULATED ? SECTION_ARTICULATED : SECTION_FACTORS, 0);
 	if (b->dynamics != DYNAMICS_ARTICULATED && !d->failed)
 		factor(x, d);
 	if (x->singular >= 0)
 		d->failed = d->singular = 1 + x->singular;
+}
+
+void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
+{
+	struct dag *d = b->d;
+	int nv = b->t->nv;
+
+	forward_factor(x, b, in);
+	b->forward = x;
+	x->qdd = arena_alloc(d->arena, (size_t)nv, sizeof *x->qdd);
+	if (!x->qdd)
+		d->failed = 1;
 	for (int i = 0; i < nv && !d->failed; i++)
 		x->qdd[i] = dag_sub(d, source_row(d, &x->torques, i), x->tour.tau[i]);
 	forward_solve(x, x->qdd);
@@ -105,20 +115,39 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 	}
 }
 
-void forward_pivots(const struct forward *x)
+int forward_pivot_count(const struct tree *t, const struct request *k)
 {
-	struct dag *d = x->b->d;
-	int nv = x->b->t->nv, argument;
+	int count = t->nv;
 
-	if (d->failed)
-		return;
-	argument = dag_argument(d, "pivots", 2 * nv, 1);
-	for (int i = 0; i < nv; i++) {
+	for (int i = 0; i < k->want_count; i++)
+		count += k->wants[i].kind == WANT_OPSPACE ? 6 : 0;
+	return count;
+}
+
+void forward_pivots(const struct forward *x, struct joint_inputs in)
+{
+	struct build *b = x->b;
+	struct dag *d = b->d;
+	int nv = b->t->nv, count = forward_pivot_count(b->t, b->k), at = 2 * nv;
+	struct ref *pairs = arena_alloc(d->arena, 2 * (size_t)count, sizeof *pairs);
+	int argument = dag_argument(d, "pivots", 2 * count, 1);
+
+	if (!pairs)
+		d->failed = 1;
+	for (int i = 0; i < nv && !d->failed; i++) {
 		int row = x->M.row[i];
 
-		dag_output(d, argument, row, x->M.D[i]);
-		dag_output(d, argument, nv + row, x->mass.by[BY_QDD].element[row * nv + row]);
+		pairs[2 * row] = x->M.D[i];
+		pairs[2 * row + 1] = x->mass.by[BY_QDD].element[row * nv + row];
 	}
+	want_places(b, in);
+	for (int i = 0; i < b->k->want_count && !d->failed; i++)
+		if (b->k->wants[i].kind == WANT_OPSPACE) {
+			opspace_pivots(b, i, pairs + at);
+			at += 12;
+		}
+	for (int i = 0; i < 2 * count && !d->failed; i++)
+		dag_output(d, argument, i, pairs[i]);
 }
 
 void forward_solve(const struct forward *x, struct ref *rhs)
@@ -148,21 +177,13 @@ void forward_inverse(const struct forward *x, struct ref *X)
 	}
 }
 
-static int body_of_row(const struct tree *t, int row)
-{
-	for (int i = 0; i < t->joint_count; i++)
-		if (row >= t->joints[i].iv && row < t->joints[i].iv + t->joints[i].nv)
-			return t->joints[i].body;
-	return 0;
-}
-
 void forward_column(const struct forward *x, struct ref *column, int j, int argument)
 {
 	struct dag *d = x->b->d;
 	int nv = x->b->t->nv;
 	const struct pattern *p = &x->coupled;
 
-	dag_section(d, SECTION_BY, body_of_row(x->b->t, j));
+	dag_section(d, SECTION_BY, tangent_body(x->b->t, j));
 	for (int i = 0; i < nv; i++)
 		column[i] = dag_neg(d, column[i]);
 	forward_solve(x, column);

@@ -11,21 +11,15 @@
 
    A joint further out, or the joint itself, with the unit twist (Z, Y) feels Z.dN + Y.dF = n2.alpha + n1.beta + f2.gamma: its
    row (n2, n1, f2) is carried back to the base and meets the fields of the joints on the way. A joint nearer to the base feels
-   the wrench itself, which by q turns with the twist as well, (dF + Z x F, dN + Z x N + Y x F), and is carried back too. */
+   the wrench itself, which by q turns with the twist as well, (dF + Z x F, dN + Z x N + Y x F), and is carried back too.
+
+   The Coriolis matrix is C = sum of J'(dJ/dt) over all particles, J of a particle's velocity, as M = sum of J'J: so dM/dt = C + C',
+   and C qd is the bias less gravity. A column of dJ/dt is the field Z' x (p - o) + Z x (p' - o') + Y'. Where all coordinates are
+   joint angles and slides, C has Christoffel's symbols, and is half of d tau/d qd (Echeandia and Wensing, Numerical methods to
+   compute the Coriolis matrix and Christoffel symbols for rigid-body systems, 2021). */
 #include "dynamics/recursion.h"
+#include "mechanics/field.h"
 #include <string.h>
-
-struct field {
-	struct svec alpha, beta, gamma;
-};
-
-struct wrench {
-	struct svec f, n;
-};
-
-struct row_vectors {
-	struct svec n2, n1, f2;
-};
 
 static struct svec twice(struct dag *d, struct svec u)
 {
@@ -97,6 +91,18 @@ static void floating_fields(const struct recursion *x, int body, struct svec Z, 
 	by[BY_QD] = (struct field){svec_cross(d, m.W, Z), twice(d, Z), svec_add(d, svec_cross(d, m.W, Y), svec_cross(d, Z, m.V))};
 }
 
+/* (Z', Z, Y'): a slide of a planar joint is along the parent's axes, all else along the body's. */
+static struct field column_rate(const struct recursion *x, int body, int is_slide, struct svec Z, struct svec Y)
+{
+	struct dag *d = x->r->d;
+	const struct tour *r = x->r;
+	struct svec w = r->frames[body + 1].motion.w;
+
+	if (is_slide)
+		w = from_parent(x, body, r->frames[r->t->bodies[body].parent + 1].motion.w);
+	return (struct field){svec_cross(d, w, Z), Z, svec_cross(d, w, Y)};
+}
+
 static void fields(const struct recursion *x, int body, int row, struct field *by)
 {
 	enum joint_type type = x->r->t->bodies[body].type;
@@ -104,6 +110,10 @@ static void fields(const struct recursion *x, int body, int row, struct field *b
 
 	memset(by, 0, BY_QDD * sizeof *by);
 	unit_twist(x, body, row, &Z, &Y);
+	if (x->has_coriolis)
+		by[BY_CORIOLIS] = column_rate(x, body, type == JOINT_PLANAR && row < 2, Z, Y);
+	if (!x->has_gradients)
+		return;
 	if (type == JOINT_FLOATING)
 		floating_fields(x, body, Z, Y, by);
 	else if (type == JOINT_PLANAR && row < 2)
@@ -114,35 +124,10 @@ static void fields(const struct recursion *x, int body, int row, struct field *b
 
 /* ---- what feels it ---- */
 
-static struct wrench load_by(struct dag *d, const struct composite *c, const struct field *x)
-{
-	struct wrench w;
-
-	w.f = svec_add(d, svec_cross(d, x->alpha, c->p.h), svec_cross(d, x->beta, c->P));
-	w.f = svec_add(d, w.f, svec_scale(d, c->p.mass, x->gamma));
-	w.n = svec_add(d, rigid_body_inertia_times(d, &c->p, x->alpha), smat_mul(d, &c->K, x->beta));
-	w.n = svec_add(d, w.n, svec_cross(d, c->p.h, x->gamma));
-	return w;
-}
-
 /* (Z x F, Z x N + Y x F) */
 static struct wrench turned_by(struct dag *d, const struct frame *x, struct svec Z, struct svec Y)
 {
 	return (struct wrench){svec_cross(d, Z, x->f), svec_add(d, svec_cross(d, Z, x->n), svec_cross(d, Y, x->f))};
-}
-
-static struct row_vectors row_of(struct dag *d, const struct composite *c, struct svec Z, struct svec Y)
-{
-	return (struct row_vectors){.f2 = svec_add(d, svec_cross(d, Z, c->p.h), svec_scale(d, c->p.mass, Y)),
-		.n2 = svec_add(d, rigid_body_inertia_times(d, &c->p, Z), svec_cross(d, c->p.h, Y)),
-		.n1 = svec_add(d, smat_mul_transposed(d, &c->K, Z), svec_cross(d, c->P, Y))};
-}
-
-static struct ref meet(struct dag *d, const struct row_vectors *s, const struct field *x)
-{
-	struct ref sum = dag_add(d, svec_dot(d, s->n2, x->alpha), svec_dot(d, s->n1, x->beta));
-
-	return dag_add(d, sum, svec_dot(d, s->f2, x->gamma));
 }
 
 /* p' = w_p x p + R V0 */
@@ -179,6 +164,11 @@ static struct row_vectors row_to_parent(const struct recursion *x, int body, str
 }
 
 /* ---- elements ---- */
+
+static int is_made(const struct recursion *x, enum by by)
+{
+	return by == BY_QDD || (by == BY_CORIOLIS ? x->has_coriolis : x->has_gradients);
+}
 
 static void write(struct recursion *x, enum by by, int i, int j)
 {
@@ -220,7 +210,8 @@ static void fill_row(struct recursion *x, int i, int here, const struct row_vect
 	for (int j = k->iv; j < k->iv + joint_nv(k->type); j++) {
 		fields(x, here, j - k->iv, by);
 		for (enum by b = BY_Q; b < BY_QDD; b++)
-			add(x, b, i, j, meet(d, s, &by[b]));
+			if (is_made(x, b))
+				add(x, b, i, j, field_meet(d, s, &by[b]));
 	}
 }
 
@@ -248,6 +239,8 @@ static void fill_column(struct recursion *x, int j, int here, const struct wrenc
 	struct ref e[6];
 
 	for (enum by b = BY_Q; b < BY_QDD; b++) {
+		if (!is_made(x, b))
+			continue;
 		joint_project(d, k, w[b].f, w[b].n, joint_out_of(d, k, pose_of(x, here), w[b].f), e);
 		for (int i = 0; i < joint_nv(k->type); i++)
 			add(x, b, k->iv + i, j, e[i]);
@@ -288,7 +281,7 @@ static void trace_mass(struct recursion *x, int body, int row)
 	struct svec Z, Y;
 
 	unit_twist(x, body, row, &Z, &Y);
-	s = row_of(x->r->d, &x->bodies[body], Z, Y);
+	s = field_row(x->r->d, &x->bodies[body], Z, Y);
 	fill_mass(x, i, body, body, &s);
 	for (int b = body, parent; (parent = x->r->t->bodies[b].parent) >= 0; b = parent) {
 		struct wrench w = wrench_to_parent(x, b, (struct wrench){s.f2, s.n2});
@@ -310,15 +303,15 @@ static void trace(struct recursion *x, int body, int row)
 	struct row_vectors s;
 	struct svec Z, Y;
 
-	if (x->is_mass_alone) {
+	if (!x->has_gradients && !x->has_coriolis) {
 		trace_mass(x, body, row);
 		return;
 	}
 	unit_twist(x, body, row, &Z, &Y);
 	fields(x, body, row, by);
-	s = row_of(d, &x->bodies[body], Z, Y);
+	s = field_row(d, &x->bodies[body], Z, Y);
 	for (enum by b = BY_Q; b < BY_QDD; b++)
-		w[b] = load_by(d, &x->bodies[body], &by[b]);
+		w[b] = is_made(x, b) ? field_load(d, &x->bodies[body], &by[b]) : (struct wrench){0};
 	turned = turned_by(d, &x->r->frames[body + 1], Z, Y);
 	w[BY_Q] = (struct wrench){svec_add(d, w[BY_Q].f, turned.f), svec_add(d, w[BY_Q].n, turned.n)};
 	fill_row(x, i, body, &s);
@@ -327,8 +320,8 @@ static void trace(struct recursion *x, int body, int row)
 		add_to_slides(x, body, turned);
 	for (int b = body, parent; (parent = x->r->t->bodies[b].parent) >= 0; b = parent) {
 		s = row_to_parent(x, b, s);
-		w[BY_Q] = wrench_to_parent(x, b, w[BY_Q]);
-		w[BY_QD] = wrench_to_parent(x, b, w[BY_QD]);
+		for (enum by m = BY_Q; m < BY_QDD; m++)
+			w[m] = is_made(x, m) ? wrench_to_parent(x, b, w[m]) : w[m];
 		fill_row(x, i, parent, &s);
 		fill_column(x, i, parent, w);
 		fill_mass(x, i, body, parent, &s);

@@ -1,14 +1,14 @@
 #ifndef RNEAGEN_RECURSION_H
 #define RNEAGEN_RECURSION_H
-/* d tau/d q, d tau/d qd and the mass matrix by a recursion over composite bodies, along with a tour. */
+/* d tau/d q, d tau/d qd, the Coriolis matrix and the mass matrix by a recursion over composite bodies, along with a tour. */
 
 #include "mechanics/composite.h"
 #include "tree/pattern.h"
 #include "dynamics/tour.h"
 
-enum by { BY_Q, BY_QD, BY_QDD, BY_COUNT };
+/* What a matrix tells of the torques: what they are by q, qd and qdd; BY_CORIOLIS: by qd as a factor, C in C qd. */
+enum by { BY_Q, BY_QD, BY_CORIOLIS, BY_QDD, BY_COUNT };
 
-/* A matrix of derivatives of the torques. */
 struct by_matrix {
 	int argument;        /* -1: not asked for */
 	struct pattern p;
@@ -21,7 +21,7 @@ struct recursion {
 	struct composite *bodies; /* of the subtrees so far */
 	char *is_shared;          /* by row of qd: several bodies move with it */
 	struct by_matrix by[BY_COUNT];
-	int is_mass_alone;        /* no gradients */
+	int has_gradients, has_coriolis; /* else no more is made than M */
 };
 
 /* `arguments` says where the matrices go. d->failed is set when memory runs out. */

@@ -13,7 +13,8 @@
 	X(rnea)                                                                                                        \
 	X(fpass)                                                                                                       \
 	X(bpass)                                                                                                       \
-	X(fd)
+	X(fd)                                                                                                          \
+	X(kin)
 
 enum { ALGORITHM_ARRAYS = 8 };
 

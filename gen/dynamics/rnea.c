@@ -258,7 +258,7 @@ static void build_bpass(struct dag *d, const struct tree *t, const struct reques
 
 static int is_inverse(const struct request *k)
 {
-	return !k->is_forward;
+	return !k->is_forward && !k->is_motion;
 }
 
 static int is_plain(const struct request *k)
@@ -293,3 +293,17 @@ const struct algorithm algorithm_bpass = {.name = "bpass",
 	.arrays = {{"q", ROLE_JOINT_POSITION, 0}, {"f", ROLE_BODY_WRENCHES, 0}, {"tau", ROLE_JOINT_TORQUE, 1}},
 	.is_made_for = is_plain,
 	.build = build_bpass};
+
+static int is_motion(const struct request *k)
+{
+	return k->is_motion;
+}
+
+const struct algorithm algorithm_kin = {.name = "kin",
+	.doc = "where links are, and how they move",
+	.brief = "Where links are, and how they move, of one sample.",
+	.arrays = {{"q", ROLE_JOINT_POSITION, 0}, {"com", ROLE_CENTER_OF_MASS, 1}},
+	.what = "Kinematics",
+	.how = "by the recursion out to the links",
+	.is_made_for = is_motion,
+	.build = want_build};

@@ -95,36 +95,41 @@ static int output_of(const struct build *b, enum want_kind kind)
 	return -1;
 }
 
-/* May the recursion write it? By q, it knows nothing of wrenches that stay as they are in the world; and a body that floats
+/* May the recursion write it? It always makes M and the Coriolis matrix. By q, it knows nothing of wrenches that stay as they are in the world; and a body that floats
    between others it takes to be turned by a quaternion of norm one. */
 static int is_recursive(const struct build *b, enum want_kind kind)
 {
-	for (int i = 0; i < b->t->body_count && kind != WANT_MASS; i++)
+	if (kind == WANT_MASS || kind == WANT_CORIOLIS)
+		return 1;
+	for (int i = 0; i < b->t->body_count; i++)
 		if (b->t->bodies[i].type == JOINT_FLOATING && b->t->bodies[i].parent >= 0)
 			return 0;
 	if (kind == WANT_DTAU_DQ && b->k->push_count && b->k->in_world)
 		return 0;
-	return kind == WANT_MASS || b->derivatives != DERIVATIVES_FORWARD;
+	return b->derivatives != DERIVATIVES_FORWARD;
 }
 
 /* What a recursion by q, qd and qdd writes, or what is solved with it. */
-static const enum want_kind BY_RECURSION[BY_COUNT] = {WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_MASS};
-static const enum want_kind SOLVED[BY_COUNT] = {WANT_DQDD_DQ, WANT_DQDD_DQD, WANT_MASS};
+static const enum want_kind BY_RECURSION[BY_COUNT] = {WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_CORIOLIS, WANT_MASS};
+static const enum want_kind SOLVED[BY_COUNT] = {WANT_DQDD_DQ, WANT_DQDD_DQD, WANT_CORIOLIS, WANT_MASS};
 
 static void begin_recursion(struct build *b, const struct tour *r)
 {
-	int arguments[BY_COUNT], is_used = 0;
+	int arguments[BY_COUNT], is_used[BY_COUNT];
 
 	for (enum by by = BY_Q; by < BY_COUNT; by++) {
 		int serves = is_recursive(b, BY_RECURSION[by]);
 
 		arguments[by] = serves ? output_of(b, BY_RECURSION[by]) : -1;
-		is_used |= arguments[by] >= 0 || (serves && output_of(b, SOLVED[by]) >= 0);
+		is_used[by] = arguments[by] >= 0 || (serves && output_of(b, SOLVED[by]) >= 0);
 		for (int i = 0; i < b->k->want_count && serves; i++)
 			b->done[i] |= b->k->wants[i].kind == BY_RECURSION[by] || b->k->wants[i].kind == SOLVED[by];
 	}
-	if (is_used)
-		recursion_begin(&b->recursion, r, arguments);
+	if (!is_used[BY_Q] && !is_used[BY_QD] && !is_used[BY_CORIOLIS] && !is_used[BY_QDD])
+		return;
+	recursion_begin(&b->recursion, r, arguments);
+	b->recursion.has_gradients = is_used[BY_Q] || is_used[BY_QD];
+	b->recursion.has_coriolis = is_used[BY_CORIOLIS];
 }
 
 struct tour want_tour(struct build *b, struct joint_inputs in)
@@ -179,7 +184,7 @@ static void solve_columns(struct build *b, int body)
 	int nv = b->t->nv, iv = b->t->bodies[body].iv, end = iv + joint_nv(b->t->bodies[body].type);
 	struct ref *column = arena_alloc(b->d->arena, (size_t)nv, sizeof *column);
 
-	for (enum by by = BY_Q; by < BY_QDD && column; by++) {
+	for (enum by by = BY_Q; by <= BY_QD && column; by++) {
 		int argument = is_recursive(b, BY_RECURSION[by]) ? output_of(b, SOLVED[by]) : -1;
 
 		for (int j = iv; j < end && argument >= 0; j++) {
@@ -230,7 +235,9 @@ static void run_main(struct build *b, struct joint_inputs in)
 	tour_run(&r);
 	if (b->recursion.r && !b->d->failed)
 		end_recursion(b);
+	want_rate(b, &r);
 	output_scalars(b, &r);
+	b->torques = r.tau;
 	gradient_outputs(&r, b->forward, b->outputs, b->done);
 }
 
@@ -248,9 +255,51 @@ static int is_gravity_alone(const struct build *b)
 	const struct request *k = b->k;
 
 	for (int i = 0; i < k->want_count; i++)
-		if (k->wants[i].kind != WANT_TAU && k->wants[i].kind != WANT_GRAVITY && k->wants[i].kind != WANT_POTENTIAL)
+		if (k->wants[i].kind != WANT_TAU && k->wants[i].kind != WANT_GRAVITY && k->wants[i].kind != WANT_POTENTIAL &&
+			!want_is(k->wants[i].kind, IS_PLACED))
 			return 0;
 	return (!request_wants(k, WANT_TAU) || (is_zero(k->qd, b->t->nv) && is_zero(k->qdd, b->t->nv))) && !k->push_count;
+}
+
+/* Is anything wanted of the tour whose accelerations are those asked for? */
+static int takes_main(const struct request *k)
+{
+	for (int i = 0; i < k->want_count; i++)
+		if (!want_is(k->wants[i].kind, IS_PLACED | IS_PRODUCT))
+			return 1;
+	return k->is_forward;
+}
+
+/* Of a body that has been entered where nothing accelerates: dJ/dt qd of what it carries. */
+static void rate_entered(const struct tour *r, int body)
+{
+	const struct motion *m = &r->frames[body + 1].motion;
+	const struct build *b = r->context;
+
+	kinematics_rate(&b->places, body, &(struct carried_motion){m->v, m->w, m->a, m->dw});
+}
+
+void want_places(struct build *b, struct joint_inputs in)
+{
+	b->places = (struct kinematics){.d = b->d, .t = b->t, .k = b->k, .in = in, .parameters = b->parameters, .outputs = b->outputs,
+		.gives_rate = want_gives_rate(b) && !is_gravity_alone(b)};
+	if (request_wants_any(b->k, IS_PLACED))
+		kinematics_run(&b->places);
+}
+
+static void run_kinematics(struct build *b, struct joint_inputs in)
+{
+	static const struct ref nothing[3] = {{0}, {0}, {0}};
+	struct tour r = want_tour(b, in);
+
+	want_places(b, in);
+	if (!request_wants(b->k, WANT_DJACOBIAN))
+		return;
+	dag_section(b->d, SECTION_RATE, 0);
+	r.in.qdd = (struct source){.argument = -1};
+	r.gravity = nothing;
+	r.entered = rate_entered;
+	tour_run(&r);
 }
 
 static int alloc(struct build *b)
@@ -268,34 +317,23 @@ static int alloc(struct build *b)
 
 static struct argument output(const struct request *k, const struct want *w)
 {
-	static const enum role roles[] = {[WANT_TAU] = ROLE_JOINT_TORQUE, [WANT_GRAVITY] = ROLE_GRAVITY_TORQUE, [WANT_BIAS] = ROLE_BIAS_TORQUE,
-		[WANT_WRENCH] = ROLE_JOINT_WRENCH, [WANT_TWIST] = ROLE_LINK_TWIST, [WANT_ACCEL] = ROLE_LINK_ACCELERATION,
-		[WANT_POWER] = ROLE_POWER, [WANT_KINETIC] = ROLE_KINETIC_ENERGY, [WANT_POTENTIAL] = ROLE_POTENTIAL_ENERGY,
-		[WANT_DTAU_DQ] = ROLE_DTAU_DQ, [WANT_DTAU_DQD] = ROLE_DTAU_DQD, [WANT_MASS] = ROLE_MASS_MATRIX,
-		[WANT_DTAU_DFREED] = ROLE_DTAU_DFREED, [WANT_JVP] = ROLE_JVP, [WANT_VJP] = ROLE_VJP, [WANT_QDD] = ROLE_JOINT_ACCELERATION,
-		[WANT_MINV] = ROLE_MASS_MATRIX_INVERSE, [WANT_DQDD_DQ] = ROLE_DQDD_DQ, [WANT_DQDD_DQD] = ROLE_DQDD_DQD,
-		[WANT_DQDD_DFREED] = ROLE_DQDD_DFREED, [WANT_QDD_BOUND] = ROLE_JOINT_ACCELERATION_BOUND,
-		[WANT_REGRESSOR] = ROLE_REGRESSOR};
-	int by_freed = w->kind == WANT_DTAU_DFREED || w->kind == WANT_DQDD_DFREED;
+	const struct want_type *type = want_type(w->kind);
 
-	return (struct argument){.name = w->argument, .rows = w->rows, .is_output = 1, .role = roles[w->kind],
-		.of = by_freed ? k->freed[w->body].word : after_point(w->word)};
+	return (struct argument){.name = w->argument, .rows = w->rows, .is_output = 1, .role = type->role,
+		.of = want_is(w->kind, OF_FREED) ? k->freed[w->body].word : w->kind == WANT_JVP ? k->jvp.words : after_point(w->word)};
 }
 
 /* Inputs of the request, besides q, qd and qdd and what is freed; then its outputs. */
 static void declare_request(const struct build *b)
 {
-	int nv = b->t->nv;
-
 	for (int i = 0; i < b->k->push_count; i++)
 		b->pushed[i] = dag_argument_of(b->d, (struct argument){.name = b->k->pushes[i].argument, .rows = 6,
 			.role = ROLE_LINK_WRENCH, .of = after_point(b->k->pushes[i].word)});
-	if (request_wants(b->k, WANT_JVP))
-		dag_argument_of(b->d, (struct argument){.name = "jvp_v", .rows = 3 * nv, .role = ROLE_TANGENT});
-	if (request_wants(b->k, WANT_VJP))
-		dag_argument_of(b->d, (struct argument){.name = "vjp_v", .rows = nv, .role = ROLE_COTANGENT});
-	for (int i = 0; i < b->k->want_count; i++)
+	product_declare(b);
+	for (int i = 0; i < b->k->stored_count; i++)
 		b->outputs[i] = dag_argument_of(b->d, output(b->k, &b->k->wants[i]));
+	for (int i = b->k->stored_count; i < b->k->want_count; i++)
+		b->outputs[i] = DAG_UNSTORED + i;
 }
 
 /* Derivatives of qdd take a tour of their own at the qdd found. What both tours have in common waits from one to the other, where
@@ -318,7 +356,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 {
 	struct build b = {.d = d, .t = t, .k = k, .derivatives = ways.derivatives, .dynamics = ways.dynamics};
 	struct joint_inputs in;
-	struct forward forward = {.b = &b};
+	struct forward forward = {.b = &b, .torques = {.argument = -1}};
 
 	if (!alloc(&b)) {
 		d->failed = 1;
@@ -326,6 +364,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	}
 	dag_section(d, SECTION_FREED, 0);
 	in = (struct joint_inputs){.q = source(d, INPUT_Q, k->q, t->nq), .offset = b.offset};
+	in.by_halves = k->is_motion && k->pose == POSE_QUATERNION && request_wants(k, WANT_POSE);
 	in.qd = source(d, INPUT_QD, k->qd, t->nv);
 	if (k->is_forward)
 		forward.torques = source(d, INPUT_TAU, k->tau, t->nv);
@@ -335,18 +374,23 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	declare_request(&b);
 	if (ways.pivots_alone) {
 		forward_find(&forward, &b, in);
-		forward_pivots(&forward);
+		forward_pivots(&forward, in);
+		dag_forget(d);
 		return;
 	}
 	if (k->is_forward)
 		find_qdd(&b, &in, &forward);
 	in.is_again = is_made_again(&b);
+	run_kinematics(&b, in);
 	if (is_gravity_alone(&b))
 		run_gravity(&b, in, output_of(&b, WANT_TAU), -1);
-	else
+	else if (takes_main(k))
 		run_main(&b, in);
 	run_bias(&b, in);
 	run_gravity(&b, in, output_of(&b, WANT_GRAVITY), output_of(&b, WANT_POTENTIAL));
+	opspace_outputs(&b, in);
+	product_outputs(&b, in);
+	dag_forget(d);
 	if (k->is_forward)
 		dag_substitute(d, forward.qdd);
 }

@@ -6,6 +6,7 @@
 #include "dynamics/recursion.h"
 #include "dynamics/regressor.h"
 #include "dynamics/tour.h"
+#include "kinematics/kinematics.h"
 
 struct build {
 	struct dag *d;
@@ -16,11 +17,14 @@ struct build {
 	int *pushed, *outputs; /* arguments, by push and by want */
 	char *done;            /* by want: the recursion writes it */
 	struct ref kinetic;
+	struct ref *torques;   /* ID(q, qd, qdd) of the main tour; NULL: it did not come back */
 	enum derivatives derivatives;
 	enum dynamics dynamics;
 	struct recursion recursion;
 	struct regressor regressor;
+	struct kinematics places;
 	struct forward *forward; /* NULL: qdd is an input */
+	struct forward *factored; /* whose tour it is */
 };
 
 /* How it is made. */
@@ -38,6 +42,13 @@ struct tour want_tour(struct build *b, struct joint_inputs in);
 /* Gravity, offsets and parameters of bodies: the tree's, and what the scene frees as arguments, which are declared the first time. */
 void want_constants(struct build *b);
 
+/* Where bodies are, in b->places, with what is wanted of that. */
+void want_places(struct build *b, struct joint_inputs in);
+
+/* Does the main tour find what makes the rate of the momentum? And that rate, from it. */
+int want_gives_rate(const struct build *b);
+void want_rate(const struct build *b, const struct tour *r);
+
 /* The wrenches from outside on a body that has been entered; where they are in axes of the world, the body's orientation. */
 void want_pull(const struct tour *r, int body);
 
@@ -46,5 +57,12 @@ void want_world(const struct tour *r);
 void want_entered(const struct tour *r, int body);
 void want_leaving(const struct tour *r, int body);
 void want_left(const struct tour *r, int body);
+
+/* Products of derivatives, want by want: of the torques alone, or of the qdd found alone, when these are made; all others when all
+   outputs are. d->failed and d->constant are set where an output does not vary. */
+void product_declare(const struct build *b); /* the vectors */
+int product_is_of_torques(const struct build *b, int want);
+void product_output(struct build *b, struct joint_inputs in, int want);
+void product_outputs(struct build *b, struct joint_inputs in);
 
 #endif

@@ -62,6 +62,11 @@ static int take_cheaper(struct dag *d, const struct tree *t, const struct reques
 	return is_taken;
 }
 
+static int takes_factors(const struct request *k)
+{
+	return k->is_forward || request_wants_any(k, IS_OPSPACE);
+}
+
 static void build_cheapest(struct dag *d, const struct tree *t, const struct request *k)
 {
 	int has_derivatives = request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DTAU_DQD) || request_wants(k, WANT_DQDD_DQ) ||
@@ -73,7 +78,7 @@ static void build_cheapest(struct dag *d, const struct tree *t, const struct req
 	if (has_derivatives && k->derivatives == DERIVATIVES_CHEAPER && !d->failed)
 		if (take_cheaper(d, t, k, (struct ways){DERIVATIVES_FORWARD, now.dynamics, 0}, d->count / 2 + MORE_NODES))
 			now.derivatives = DERIVATIVES_FORWARD;
-	if (k->is_forward && k->dynamics == DYNAMICS_CHEAPER && articulated_serves(t) && !d->failed)
+	if (takes_factors(k) && k->dynamics == DYNAMICS_CHEAPER && articulated_serves(t) && !d->failed)
 		take_cheaper(d, t, k, (struct ways){now.derivatives, DYNAMICS_ARTICULATED, 0}, 0);
 }
 
@@ -83,7 +88,7 @@ void want_build(struct dag *d, const struct tree *t, const struct request *k)
 {
 	struct use x;
 
-	if (k->is_forward && singular_find(d, t, k))
+	if (takes_factors(k) && singular_find(d, t, k))
 		return;
 	build_cheapest(d, t, k);
 	x = use_of(d);

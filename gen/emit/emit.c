@@ -144,7 +144,7 @@ static const char *enum_text(const struct emission *e)
 /* What a scene can choose without a word in the text's name: nothing but what is wanted. */
 static int is_bare(const struct request *k)
 {
-	return k->is_plain || (k->is_forward && k->want_count == 1 && !k->freed_count && !k->push_count);
+	return k->is_plain || (k->is_forward && k->stored_count == 1 && !k->freed_count && !k->push_count);
 }
 
 const char *emit_what(const struct emission *e)

@@ -91,6 +91,8 @@ void emit_pattern_json(const struct emission *e, struct text *out);
    reader, with the rows that feel them. A name that may hold a newline, to the end of a line of the table. */
 void emit_info_parameters(const struct emission *e, struct text *out);
 void emit_regressor_legend(const struct emission *e, struct text *out);
+/* What jvp, and vectors of products, are of. */
+void emit_product_legend(const struct request *k, const struct argument *a, struct text *out);
 void emit_info_name(const char *s, struct text *out);
 
 /* The macros of the operations, as compilers of such texts take them. */

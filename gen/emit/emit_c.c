@@ -132,7 +132,7 @@ static void put_slice_prototypes(const struct emission *e, struct text *out)
 
 static void put_bounded_prototype(const struct emission *e, struct text *out)
 {
-	int torques = e->request->want_count == 1 && e->request->wants[0].kind <= WANT_BIAS;
+	int torques = e->request->stored_count == 1 && want_is(e->request->wants[0].kind, IS_TORQUES);
 	struct text more;
 
 	text_init(&more, e->arena);

@@ -121,29 +121,56 @@ static int has_type(const struct tree *t, enum joint_type type)
 	return 0;
 }
 
+/* How a pose is written; in which frame a Jacobian is. */
+static void put_motion(const struct request *k, const struct want *w, struct text *out)
+{
+	static const char *const frames[] = {[FRAME_LINK] = "the link's frame", [FRAME_WORLD] = "the world's frame",
+		[FRAME_WORLD_ALIGNED] = "the world's axes at the link's origin"};
+
+	if (w->kind == WANT_POSE)
+		text_put(out, k->pose == POSE_ROWS ? ": [R p] in the world, row by row" : ": p, then a quaternion x y z w, in the world");
+	if (w->kind == WANT_DJACOBIAN)
+		text_printf(out, ", dJ/dt qd, %s acceleration, in %s", k->frame == FRAME_WORLD_ALIGNED ? "a classical" : "a spatial", frames[k->frame]);
+	if (w->kind == WANT_JACOBIAN)
+		text_printf(out, ": twist = J qd, linear, then angular, in %s", frames[k->frame]);
+	if (want_is(w->kind, IS_OPSPACE))
+		text_printf(out, w->kind == WANT_OPSPACE ? ", inverse of J Minv J', in %s" : ", J Minv J', in %s", frames[k->frame]);
+	if (w->kind == WANT_COM || w->kind == WANT_VCOM)
+		text_put(out, "in the world");
+	if (w->kind == WANT_COM_JACOBIAN || w->kind == WANT_MOMENTUM_MATRIX)
+		text_printf(out, "%s = J qd", w->kind == WANT_COM_JACOBIAN ? "vcom" : "momentum");
+	if (w->kind == WANT_MOMENTUM || w->kind == WANT_DMOMENTUM)
+		text_put(out, " about the centre of mass, in the world's axes");
+	if (w->kind == WANT_CORIOLIS)
+		text_put(out, "C qd = bias - gravity, dM/dt = C + C'");
+}
+
 /* Which elements of a matrix are stored, in their order; only (i, j) with i >= j of M. */
 static void put_matrix(const struct emission *e, const struct want *w, struct text *out)
 {
 	const struct request *k = e->request;
-	const char *what = w->kind >= WANT_MINV ? "an acceleration" : "a torque";
-	int nv = e->tree->nv, column = 0;
+	const char *what = want_is(w->kind, IS_SOLVED) ? "an acceleration" : "a torque";
+	int column = 0;
 	struct pattern p;
 
 	if (w->kind == WANT_VJP)
 		text_printf(out, ": by q, by qd, by %s", k->is_forward ? "tau" : "qdd");
-	if (w->kind == WANT_DTAU_DFREED || w->kind == WANT_DQDD_DFREED)
+	if (want_is(w->kind, OF_FREED))
 		text_printf(out, ": row by row, %s each", what);
 	if (w->kind == WANT_REGRESSOR)
 		emit_regressor_legend(e, out);
-	if (!request_is_matrix(w->kind) || w->kind == WANT_REGRESSOR)
+	put_motion(k, w, out);
+	if (!request_is_matrix(k, w) || w->kind == WANT_REGRESSOR || w->kind == WANT_POSE)
 		return;
-	text_printf(out, ": row by row, %s each", what);
-	if (w->rows == nv * nv || !request_pattern(&p, e->tree, w->kind, 0, e->arena))
+	text_put(out, want_is(w->kind, IS_DERIVATIVE) ? ": row by row, " : ": row by row");
+	text_put(out, want_is(w->kind, IS_DERIVATIVE) ? what : "");
+	text_put(out, want_is(w->kind, IS_DERIVATIVE) ? " each" : "");
+	if (!request_pattern(&p, e->tree, w, 0, e->arena) || w->rows == p.lines * p.cols)
 		return;
 	text_put(out, "; elements");
-	for (int i = 0; i < nv; i++)
-		for (int j = 0; j < nv; j++)
-			if (p.row[i * nv + j] >= 0)
+	for (int i = 0; i < p.lines; i++)
+		for (int j = 0; j < p.cols; j++)
+			if (p.row[i * p.cols + j] >= 0)
 				text_printf(out, "%s%d,%d", column++ % 16 ? " " : "\n *     ", i, j);
 }
 
@@ -155,8 +182,7 @@ static const char *describe(const struct emission *e, const struct argument *a)
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (a->role == ROLE_TANGENT)
-		text_printf(&t, "along q, along qd, along %s", k->is_forward ? "tau" : "qdd");
+	emit_product_legend(k, a, &t);
 	for (int i = 0; i < k->freed_count; i++)
 		if (!a->is_output && !strcmp(a->name, k->freed[i].argument)) {
 			text_put_comment(&t, k->freed[i].word);
@@ -165,7 +191,7 @@ static const char *describe(const struct emission *e, const struct argument *a)
 	for (int i = 0; i < k->push_count; i++)
 		if (!a->is_output && !strcmp(a->name, k->pushes[i].argument))
 			text_printf(&t, "%s%s", wrench, k->in_world ? "the world" : "the link");
-	for (int i = 0; i < k->want_count; i++)
+	for (int i = 0; i < k->stored_count; i++)
 		if (a->is_output && !strcmp(a->name, k->wants[i].argument)) {
 			if (strcmp(k->wants[i].word, a->name))
 				text_put_comment(&t, k->wants[i].word);

@@ -27,17 +27,18 @@ static int shape_by_freed(struct shape *s, const struct emission *e)
 static int shape_make(struct shape *s, const struct emission *e, const struct want *w)
 {
 	const struct request *k = e->request;
-	int nv = e->tree->nv, is_mass = w->kind == WANT_MASS || w->kind == WANT_MINV;
+	int nv = e->tree->nv, is_lower = want_is(w->kind, IS_SYMMETRIC) && !k->dense;
 	struct pattern p;
 
-	*s = (struct shape){.name = w->argument, .rows = nv, .cols = nv, .is_lower = is_mass && !k->dense, .count = w->rows};
-	if (w->kind == WANT_DTAU_DFREED || w->kind == WANT_DQDD_DFREED) {
+	*s = (struct shape){.name = w->argument, .rows = nv, .cols = nv, .is_lower = is_lower, .count = w->rows};
+	if (want_is(w->kind, OF_FREED)) {
 		s->cols = k->freed[w->body].rows;
 		return shape_by_freed(s, e);
 	}
-	if (!request_is_matrix(w->kind) || !request_pattern(&p, e->tree, w->kind, k->dense, e->arena))
+	if (!request_is_matrix(k, w) || !request_pattern(&p, e->tree, w, k->dense, e->arena))
 		return 0;
 	s->at = p.row;
+	s->rows = p.lines;
 	s->cols = p.cols;
 	return 1;
 }
@@ -59,7 +60,7 @@ void emit_info_matrices(const struct emission *e, struct text *out)
 	const struct request *k = e->request;
 	struct shape s;
 
-	for (int i = 0; i < k->want_count; i++)
+	for (int i = 0; i < k->stored_count; i++)
 		if (shape_make(&s, e, &k->wants[i]))
 			put_info_matrix(&s, out);
 }
@@ -91,7 +92,7 @@ void emit_pattern_declarations(const struct emission *e, struct text *out)
 	const struct request *k = e->request;
 	struct shape s;
 
-	for (int i = 0; i < k->want_count; i++)
+	for (int i = 0; i < k->stored_count; i++)
 		if (shape_make(&s, e, &k->wants[i])) {
 			text_printf(out, "/* Of each element of %s, in the order in which they are stored: row and column%s. */\n", s.name,
 				s.is_lower ? "; (j, i) is (i, j)" : "");
@@ -117,7 +118,7 @@ const char *emit_patterns(const struct emission *e)
 	text_init(&t, e->arena);
 	text_init(&declarations, e->arena);
 	text_init(&definitions, e->arena);
-	for (int i = 0; i < k->want_count && e->target->patterns; i++)
+	for (int i = 0; i < k->stored_count && e->target->patterns; i++)
 		if (shape_make(&s, e, &k->wants[i])) {
 			put_declaration(e, &s, "RNEA_INFO ", &declarations);
 			put_definitions(e, &s, &definitions);
@@ -134,7 +135,7 @@ void emit_pattern_json(const struct emission *e, struct text *out)
 	struct shape s;
 	int count = 0;
 
-	for (int i = 0; i < k->want_count; i++) {
+	for (int i = 0; i < k->stored_count; i++) {
 		if (!shape_make(&s, e, &k->wants[i]))
 			continue;
 		text_put(out, count++ ? ",\n    " : "  \"matrices\": {\n    ");
@@ -185,4 +186,26 @@ void emit_regressor_legend(const struct emission *e, struct text *out)
 		      " *     (Pinocchio: m hx hy hz Ixx Ixy Iyy Ixz Iyz Izz.) Columns, the link, and the rows that feel it:");
 	for (int i = 0; i < x.count; i++)
 		put_lump(e, &p, i, e->tree->bodies[x.body[i]].link, out);
+}
+
+/* The outputs that a product is of, with their rows; of the torques alone, or of qdd, it is known. */
+static void put_product(const struct request *k, const struct product *p, struct text *out)
+{
+	for (int i = 0; i < p->count && !request_is_plain_product(k, p); i++) {
+		text_put(out, i ? ", " : "of ");
+		text_put_comment(out, k->wants[p->of[i]].word);
+		text_printf(out, "[%d]", k->wants[p->of[i]].rows);
+	}
+}
+
+void emit_product_legend(const struct request *k, const struct argument *a, struct text *out)
+{
+	if (a->role == ROLE_TANGENT) {
+		text_put(out, *a->of ? "along " : "along q, along qd, along ");
+		text_put_comment(out, *a->of ? a->of : k->is_forward ? "tau" : "qdd");
+	}
+	if (a->role == ROLE_COTANGENT)
+		put_product(k, &k->vjp, out);
+	if (a->role == ROLE_JVP)
+		put_product(k, &k->jvp, out);
 }

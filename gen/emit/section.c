@@ -53,8 +53,17 @@ static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driv
 	[SECTION_REFINED] = "M d = r;  qdd += d",
 	[SECTION_REGRESSOR] = "W, V of the body by a unit rate of each joint on the way here: W = R'W_p, V = R'(V_p + W_p x p);\n\t   "
 		"their power V.f + W.n by a unit of m: V.a;  of h: U'V + a x W;  of I: W.(I dw + w x I w)",
-	[SECTION_ROWS] = "in an order in which few values wait: what the rows of the joint take, and what is complete then;\n\t   "
-		"w, dw, a, f and n are those of tau = ID(q, qd, qdd)",
+	[SECTION_ROWS] = "in an order in which few values wait: what the rows of the joint take, and what is complete then",
+	[SECTION_SWEEPS] = "of the outputs y by the state x and other inputs, dqdd = M^-1 (dtau - dID) where qdd is found:\n\t   "
+		"jvp = dy/dx jvp_v, forwards;  vjp = vjp_v' dy/dx, backwards",
+	[SECTION_PLACE] = "R = R_p X R(q);  p = p_p + R_p x",
+	[SECTION_JACOBIAN] = "column of a joint: w = z, v = w x r, of one that slides v = z; r from its origin to the point that is told of",
+	[SECTION_SUBTREE] = "mc_p += D = R mc + m p;  P_p += R P + m p';  K_p += R K + p x R P + D x p';  F_p += R F + m p'';\n\t   "
+		"N_p += R N + p x R F + D x p'';  a column of the matrix, of the unit twist (Z, Y): Z x mc + m Y, I Z + mc x Y",
+	[SECTION_CENTROID] = "com = mc/m;  momentum: P, and K - com x P about the centre of mass;  rates: F, and N - com x F",
+	[SECTION_OPSPACE] = "inverse = J Minv J' = Y' D^-1 Y;  by factors: M = L'D L, L'Y = J';  by articulated bodies: Y = what\n\t   "
+		"joints feel of unit wrenches on the link",
+	[SECTION_RATE] = "dJ/dt qd = the acceleration that is left where qdd = 0",
 	[SECTION_PRODUCTS] = "jvp = d tau/d q v_q + d tau/d qd v_qd + M v_qdd;  vjp = v' d tau/d q, v' d tau/d qd, v' M"};
 
 /* A tour of gravity alone comes last. */
@@ -112,11 +121,19 @@ static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torqu
 	[SECTION_BOUND] = "how far qdd may be off",
 	[SECTION_RESIDUAL] = "from here on once more: the residual of the qdd found",
 	[SECTION_REFINED] = "qdd, refined",
+	[SECTION_SWEEPS] = "derivatives of outputs times vectors",
+	[SECTION_RATE] = "from here on without accelerations and gravity",
+	[SECTION_CENTROID] = "centre of mass and momentum",
+	[SECTION_FACTORED] = "factors of the mass matrix",
 	[SECTION_PRODUCTS] = "derivatives times vectors, and by what is freed"};
 
 /* Before the name of a joint, or of a link. */
 static const char *const ABOUT[SECTION_COUNT] = {[SECTION_BY] = "derivatives by", [SECTION_ROWS] = "rows of",
 	[SECTION_REGRESSOR] = "torques by the inertial parameters of link"};
+
+/* Of others, what is before the number and the name of the link. */
+static const char *const ABOUT_LINKS[SECTION_COUNT] = {[SECTION_PLACE] = "place of", [SECTION_JACOBIAN] = "Jacobian of what is on",
+	[SECTION_SUBTREE] = "back from", [SECTION_OPSPACE] = "inertia felt on"};
 
 /* "out to link 2 "lower" (fpass)"; "back from link 2 "lower" to link 1 (bpass): torque of "elbow"" */
 static void put_title(const struct emission *e, const struct pass *pass, const struct section *s, struct text *out)
@@ -130,6 +147,12 @@ static void put_title(const struct emission *e, const struct pass *pass, const s
 	if (ABOUT[s->kind]) {
 		text_printf(out, "\n\t/* ---- %s \"", ABOUT[s->kind]);
 		text_put_comment(out, s->kind == SECTION_REGRESSOR ? k->link : *k->joint ? k->joint : "base");
+		text_put(out, "\" ---- */\n");
+		return;
+	}
+	if (ABOUT_LINKS[s->kind]) {
+		text_printf(out, "\n\t/* ---- %s link %d \"", ABOUT_LINKS[s->kind], k->number);
+		text_put_comment(out, k->link);
 		text_put(out, "\" ---- */\n");
 		return;
 	}
@@ -155,7 +178,7 @@ static void put_title(const struct emission *e, const struct pass *pass, const s
 /* A section that has no lines of its own, but for those that it begins. */
 static int begins_tour(const struct section *s)
 {
-	return s->kind == SECTION_BIAS || s->kind == SECTION_GRAVITY || s->kind == SECTION_RESIDUAL;
+	return s->kind == SECTION_BIAS || s->kind == SECTION_GRAVITY || s->kind == SECTION_RESIDUAL || s->kind == SECTION_RATE;
 }
 
 void unparse_section(struct unparser *u, const struct section *s, struct text *out)

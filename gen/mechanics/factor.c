@@ -46,12 +46,18 @@ int factor_make(struct factor *f, struct dag *d, int n, const int *order, const 
 	return 1;
 }
 
-/* L^T y = b from the last row on, z = D^-1 y, L x = z from the first on. */
-void factor_solve(const struct factor *f, struct ref *x)
+/* From the last row on. */
+void factor_reduce(const struct factor *f, struct ref *x)
 {
 	for (int i = f->n - 1; i >= 0; i--)
 		for (int j = 0; j < i; j++)
 			x[f->row[j]] = minus_product(f->d, x[f->row[j]], f->L[i * f->n + j], x[f->row[i]]);
+}
+
+/* L^T y = b, z = D^-1 y, L x = z from the first row on. */
+void factor_solve(const struct factor *f, struct ref *x)
+{
+	factor_reduce(f, x);
 	for (int i = 0; i < f->n; i++)
 		x[f->row[i]] = dag_mul(f->d, x[f->row[i]], f->inverse[i]);
 	for (int i = 0; i < f->n; i++)

@@ -42,16 +42,23 @@ static struct ref directed(struct dag *d, const struct body *k, struct ref a)
 	return dag_mul(d, dag_within(d, k->sign < 0 ? within_neg(k->multiplier) : k->multiplier), a);
 }
 
-/* R = [1-2(yy+zz), 2(xy-zw), 2(xz+yw); 2(xy+zw), 1-2(xx+zz), 2(yz-xw); 2(xz-yw), 2(yz+xw), 1-2(xx+yy)] */
-static struct smat quaternion_matrix(struct dag *d, struct svec u, struct ref w)
+/* The angle about the joint's axis. */
+static struct ref angle_of(struct dag *d, const struct body *k, struct joint_inputs in)
 {
+	return directed(d, k, coordinate(d, &in, k->type == JOINT_PLANAR ? k->iq + 2 : k->iq));
+}
+
+/* R = [1-2(yy+zz), 2(xy-zw), 2(xz+yw); 2(xy+zw), 1-2(xx+zz), 2(yz-xw); 2(xz-yw), 2(yz+xw), 1-2(xx+yy)] */
+struct smat quaternion_matrix(struct dag *d, const struct ref *q)
+{
+	const struct svec u = {{q[0], q[1], q[2]}};
 	struct ref one = dag_const(d, 1);
 	struct svec u2 = svec_scale(d, dag_const(d, 2), u);
 	struct smat Q;
 
 	for (int i = 0; i < 3; i++) {
 		int j = (i + 1) % 3, k = (i + 2) % 3;
-		struct ref jk = dag_mul(d, u2.x[j], u.x[k]), iw = dag_mul(d, u2.x[i], w);
+		struct ref jk = dag_mul(d, u2.x[j], u.x[k]), iw = dag_mul(d, u2.x[i], q[3]);
 		struct ref jj = dag_mul(d, u2.x[j], u.x[j]), kk = dag_mul(d, u2.x[k], u.x[k]);
 
 		Q.m[i][i] = dag_sub(d, one, dag_add(d, jj, kk));
@@ -74,10 +81,28 @@ static void turn_ahead(struct dag *d, const struct body *k, struct joint_pose *x
 	dag_tag(d, x->c, "ca", k->number, 0);
 }
 
+/* Of half the angle: sin a = 2 sin(a/2) cos(a/2), cos a = 1 - 2 sin(a/2)^2 */
+static void sine_of(struct dag *d, const struct joint_inputs *in, struct ref angle, struct ref *s, struct ref *c)
+{
+	struct ref half, sine, twice;
+
+	if (!in->by_halves) {
+		*s = dag_sin(d, angle);
+		*c = dag_cos(d, angle);
+		return;
+	}
+	half = dag_mul(d, dag_const(d, 0.5L), angle);
+	sine = dag_sin(d, half);
+	twice = dag_mul(d, dag_const(d, 2), sine);
+	*s = dag_mul(d, twice, dag_cos(d, half));
+	*c = dag_sub(d, dag_const(d, 1), dag_mul(d, twice, sine));
+}
+
 struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_inputs in)
 {
 	struct joint_pose x = {.R = smat_const(d, &k->X.R)};
 	struct svec slide = zero3();
+	struct ref q[4];
 
 	if (k->type == JOINT_PRISMATIC) {
 		slide.x[k->axis] = directed(d, k, coordinate(d, &in, k->iq));
@@ -86,11 +111,14 @@ struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_
 		slide.x[1] = source_row(d, &in.q, k->iq + 1);
 	} else if (k->type == JOINT_FLOATING) {
 		slide = source_rows(d, &in.q, k->iq);
-		x.Q = quaternion_matrix(d, source_rows(d, &in.q, k->iq + 3), source_row(d, &in.q, k->iq + 6));
+		for (int i = 3; i < 7; i++) /* w first: so the text reads them */
+			q[i % 4] = source_row(d, &in.q, k->iq + 3 + i % 4);
+		x.Q = quaternion_matrix(d, q);
 		for (int i = 0; i < 9 && in.is_again; i++)
 			x.Q.m[i / 3][i % 3] = dag_anew(d, x.Q.m[i / 3][i % 3]);
 	}
-	x.p = svec_add(d, svec_const(d, k->X.p), smat_mul(d, &x.R, slide));
+	x.slide = smat_mul(d, &x.R, slide);
+	x.p = svec_add(d, svec_const(d, k->X.p), x.slide);
 	if (k->turn.x != 0) {
 		struct within s, c;
 
@@ -98,10 +126,9 @@ struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_
 		x.s = dag_within(d, s);
 		x.c = dag_within(d, c);
 	} else if (turns(k)) {
-		struct ref angle = directed(d, k, coordinate(d, &in, k->type == JOINT_PLANAR ? k->iq + 2 : k->iq));
+		struct ref angle = angle_of(d, k, in);
 
-		x.s = dag_sin(d, angle);
-		x.c = dag_cos(d, angle);
+		sine_of(d, &in, angle, &x.s, &x.c);
 		dag_tag(d, x.s, "s", k->number, 0);
 		dag_tag(d, x.c, "c", k->number, 0);
 		turn_ahead(d, k, &x);
@@ -111,6 +138,44 @@ struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_
 		}
 	}
 	return x;
+}
+
+/* Half of the angle that is added ahead, by its sine and cosine: tan(b/2) = sin b/(1 + cos b). */
+static void half_ahead(const struct body *k, struct within *s, struct within *c)
+{
+	const struct within half = within_exact(0.5L), one = within_exact(1);
+
+	*s = within_exact(0);
+	*c = one;
+	if (k->ahead.s.x == 0 && k->ahead.c.x >= 0)
+		return;
+	if (k->ahead.c.x >= 0) {
+		*c = within_sqrt(within_mul(half, within_add(one, k->ahead.c)));
+		*s = within_div(within_mul(half, k->ahead.s), *c);
+	} else {
+		*s = within_sqrt(within_mul(half, within_sub(one, k->ahead.c)));
+		*c = within_div(within_mul(half, k->ahead.s), *s);
+	}
+}
+
+void joint_half_turn(struct dag *d, const struct body *k, struct joint_inputs in, struct ref *s, struct ref *c)
+{
+	struct ref half = dag_const(d, 0.5L), sine = {0}, cosine = dag_const(d, 1);
+	struct within sa, ca;
+
+	if (k->turn.x != 0) {
+		angle_sincos(within_mul(within_exact(0.5L), k->turn), &sa, &ca);
+		*s = dag_within(d, sa);
+		*c = dag_within(d, ca);
+		return;
+	}
+	if (turns(k)) {
+		sine = dag_sin(d, dag_mul(d, half, angle_of(d, k, in)));
+		cosine = dag_cos(d, dag_mul(d, half, angle_of(d, k, in)));
+	}
+	half_ahead(k, &sa, &ca);
+	*s = dag_add(d, dag_mul(d, dag_within(d, ca), sine), dag_mul(d, dag_within(d, sa), cosine));
+	*c = dag_sub(d, dag_mul(d, dag_within(d, ca), cosine), dag_mul(d, dag_within(d, sa), sine));
 }
 
 struct joint_rates joint_move(struct dag *d, const struct body *k, struct joint_inputs in)

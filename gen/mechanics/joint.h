@@ -17,6 +17,7 @@ struct source {
 struct joint_inputs {
 	struct source q, qd, qdd;
 	const struct ref *offset;
+	int by_halves; /* sine and cosine of an angle are made of those of its half, which are there */
 	int is_again; /* what is made of orientations is made again: see dag_anew */
 };
 
@@ -26,7 +27,7 @@ struct ref source_row(struct dag *d, const struct source *s, int row);
    the angle (s, c) or, where the joint floats, by Q; p is the body's origin in the parent's frame. */
 struct joint_pose {
 	struct smat R, Q;
-	struct svec p;
+	struct svec p, slide; /* slide: of p what varies */
 	struct ref s, c;
 };
 
@@ -36,7 +37,13 @@ struct joint_rates {
 	struct svec W, dW, V, dV, V0, dV0;
 };
 
+/* [1-2(yy+zz), 2(xy-zw), 2(xz+yw); ...] of x y z w, as a floating joint has it */
+struct smat quaternion_matrix(struct dag *d, const struct ref *q);
+
 struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_inputs in);
+/* Sine and cosine of half the angle by which the joint turns its body; 0 and 1 where it does not turn. */
+void joint_half_turn(struct dag *d, const struct body *k, struct joint_inputs in, struct ref *s, struct ref *c);
+
 struct joint_rates joint_move(struct dag *d, const struct body *k, struct joint_inputs in);
 
 /* The velocities that a unit rate of the joint's coordinate `row` makes; a follower's is its driver's coordinate. */

@@ -15,9 +15,9 @@ struct smat motion_rate_matrix(struct dag *d, struct svec w, struct svec dw)
 	return U;
 }
 
-/* n = I dw + w x I w, with the products of w that U has already:
+/* With the products of w that U has already:
    n_i = I_ii dw_i + (I_kk - I_jj) w_j w_k - I_ij U_ki + I_ik U_ji + I_jk (w_j^2 - w_k^2) */
-static struct svec euler(struct dag *d, const struct inertia *I, const struct motion *x)
+struct svec rigid_body_moment(struct dag *d, const struct inertia *I, const struct motion *x)
 {
 	struct svec n;
 
@@ -57,8 +57,8 @@ static struct inertia central(const struct inertia *I)
 	return J;
 }
 
-/* Products that euler needs. */
-static int euler_products(const struct inertia *I)
+/* Products that such a moment needs. */
+static int moment_products(const struct inertia *I)
 {
 	int count = 0;
 
@@ -80,7 +80,7 @@ static int prefers_centre(const struct body *k, const struct inertia *I)
 {
 	int grounded = k->parent < 0 && (k->type == JOINT_REVOLUTE || k->type == JOINT_CONTINUOUS);
 
-	return !grounded && euler_products(I) < euler_products(&k->inertia);
+	return !grounded && moment_products(I) < moment_products(&k->inertia);
 }
 
 void rigid_body_wrench(struct dag *d, const struct body *k, const struct motion *x, struct svec *f, struct svec *n)
@@ -95,10 +95,10 @@ void rigid_body_wrench(struct dag *d, const struct body *k, const struct motion 
 		struct svec c = svec_const(d, I_c.h);
 
 		*f = svec_scale(d, mass, svec_add(d, x->a, smat_mul(d, &x->U, c)));
-		*n = svec_add(d, euler(d, &I_c, x), svec_cross(d, c, *f));
+		*n = svec_add(d, rigid_body_moment(d, &I_c, x), svec_cross(d, c, *f));
 	} else {
 		*f = svec_add(d, svec_scale(d, mass, x->a), smat_mul(d, &x->U, h));
-		*n = svec_add(d, euler(d, &k->inertia, x), svec_cross(d, h, x->a));
+		*n = svec_add(d, rigid_body_moment(d, &k->inertia, x), svec_cross(d, h, x->a));
 	}
 }
 

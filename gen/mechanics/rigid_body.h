@@ -24,7 +24,10 @@ struct parameters {
    n = I_c dw + w x I_c w + c x f (Featherstone 2008, 2.70; Craig 6.49 to 6.51). */
 void rigid_body_wrench(struct dag *d, const struct body *k, const struct motion *x, struct svec *f, struct svec *n);
 
-/* The same from parameters that are not all numbers. */
+/* n = I dw + w x I w */
+struct svec rigid_body_moment(struct dag *d, const struct inertia *I, const struct motion *x);
+
+/* The same wrench from parameters that are not all numbers. */
 void rigid_body_wrench_free(struct dag *d, const struct parameters *p, const struct motion *x, struct svec *f, struct svec *n);
 
 /* I, and I w */

@@ -1,6 +1,7 @@
 #include "passes/analysis.h"
 #include "draw/prune.h"
 #include "plan/plan.h"
+#include <string.h>
 
 enum rneagen_code pass_urdf_read(struct analysis *a)
 {
@@ -90,6 +91,15 @@ static enum rneagen_code refuse_singular(const struct analysis *a, int row)
 		j->nv == 1 ? ", or give it an armature (--armature)" : "");
 }
 
+static enum rneagen_code refuse_inverse(const struct analysis *a, const struct want *w)
+{
+	const char *name = strchr(w->word, '.');
+
+	return error_set(a->error, RNEAGEN_TREE,
+		"%s: %.255s: its inverse is singular in all states, since the joints do not move '%.255s' in all six directions: want "
+		"opspace_inv%.255s", a->options.file, w->word, name + 1, name);
+}
+
 /* In an arena of its own, which goes again. */
 enum rneagen_code pass_dag_build(struct analysis *a)
 {
@@ -100,8 +110,12 @@ enum rneagen_code pass_dag_build(struct analysis *a)
 	algorithms_for(&a->request, found);
 	found[0]->build(&a->raw, &a->tree, &a->request);
 	dag_close(&a->raw);
-	if (a->raw.singular)
+	if (a->raw.singular > 0)
 		return refuse_singular(a, a->raw.singular - 1);
+	if (a->raw.singular < 0)
+		return refuse_inverse(a, &a->request.wants[-1 - a->raw.singular]);
+	if (a->raw.constant)
+		return request_refuse_constant(&a->request, &a->scene, a->raw.constant - 1, a->error);
 	return a->raw.failed ? error_memory(a->error) : RNEAGEN_OK;
 }
 

@@ -1,6 +1,7 @@
 /* Which constants the model is computed by: the URDF's inertias in its frames, or base parameters in frames of their own. */
 #include "passes/analysis.h"
 #include "passes/search.h"
+#include "tree/lumps.h"
 #include <string.h>
 
 /* Operations of what is asked for, of a tree; -1 and an error. */
@@ -21,7 +22,7 @@ static long cost(const struct analysis *a, const struct tree *t)
 }
 
 /* What is read of a joint's wrench, or is an input of a body's inertia, is the body's own; what is dropped at the ground has a
-   potential. */
+   mass, and a potential. */
 static enum rneagen_code find_kept(const struct analysis *a, char *keeps)
 {
 	struct arena spare;
@@ -37,8 +38,12 @@ static enum rneagen_code find_kept(const struct analysis *a, char *keeps)
 		for (int i = 0; i < k->want_count; i++)
 			if (k->wants[i].kind == WANT_WRENCH)
 				keeps[k->wants[i].body] = 1;
-		for (int i = 0; i < a->tree.body_count && request_wants(k, WANT_POTENTIAL); i++)
-			keeps[i] |= a->tree.bodies[i].parent < 0;
+		for (int i = 0; i < a->tree.body_count; i++) {
+			int parent = a->tree.bodies[i].parent;
+
+			if ((request_wants(k, WANT_POTENTIAL) && parent < 0) || (request_wants_any(k, OF_MASSES) && lumps_is_held(&a->tree, parent)))
+				keeps[i] = 1;
+		}
 	}
 	arena_free(&spare);
 	return a->error->code;

@@ -25,16 +25,28 @@ static void own_columns(const struct tree *t, const struct pattern *p, int *body
 			body[p->row[e]] = x.body[e % p->cols / LUMP_PARAMETERS];
 }
 
+/* Of a matrix that is not by joints on both sides: the link's body, or the column's. */
+static void own_motion(const struct tree *t, const struct want *w, const struct pattern *p, const int *of_row, int *body)
+{
+	for (int e = 0; e < p->lines * p->cols; e++)
+		if (p->row[e] >= 0)
+			body[p->row[e]] = want_is(w->kind, OF_LINK) ? w->body : of_row[e % p->cols % t->nv];
+}
+
 /* By stored element of a matrix by joints: the body that is further out; of what is solved column by column, the column's. */
 static void own_elements(const struct tree *t, const struct want *w, int dense, int *body, struct arena *a)
 {
-	int nv = t->nv, by_column = request_is_solved(w->kind), *of_row = bodies_of_rows(t, a);
+	int nv = t->nv, by_column = want_is(w->kind, IS_SOLVED), *of_row = bodies_of_rows(t, a);
 	struct pattern p;
 
-	if (!of_row || !request_pattern(&p, t, w->kind, dense, a))
+	if (!of_row || !request_pattern(&p, t, w, dense, a))
 		return;
 	if (w->kind == WANT_REGRESSOR) {
 		own_columns(t, &p, body, a);
+		return;
+	}
+	if (want_is(w->kind, OF_LINK | IS_MOTION)) {
+		own_motion(t, w, &p, of_row, body);
 		return;
 	}
 	for (int i = 0; i < nv; i++)
@@ -45,8 +57,8 @@ static void own_elements(const struct tree *t, const struct want *w, int dense, 
 
 int owners_matrix(const struct request *k)
 {
-	for (int i = 0; i < k->want_count; i++)
-		if (request_is_matrix(k->wants[i].kind))
+	for (int i = 0; i < k->stored_count; i++)
+		if (request_is_matrix(k, &k->wants[i]))
 			return 1;
 	return 0;
 }
@@ -83,8 +95,8 @@ int owners_make(struct owners *x, const struct dag *d, const struct tree *t, con
 
 	*x = (struct owners){.owner = arena_alloc(a, d->output_count, sizeof *x->owner),
 		.bodies = arena_alloc(a, (size_t)t->body_count, sizeof *x->bodies)};
-	for (int i = 0; i < k->want_count && !a->failed; i++)
-		if (request_is_matrix(k->wants[i].kind))
+	for (int i = 0; i < k->stored_count && !a->failed; i++)
+		if (request_is_matrix(k, &k->wants[i]))
 			own_want(x, d, t, &k->wants[i], k->dense, a);
 	if (!a->failed)
 		list(x, d->output_count, t, place);

@@ -6,28 +6,12 @@
 /* Arrays that one kernel can take. */
 enum { ARRAY_LIMIT = 64 };
 
-int request_has_all(const struct row *rows, int count)
+static int is_motion(const struct request *k)
 {
-	for (int i = 0; i < count; i++)
-		if (!rows[i].is_given)
+	for (int i = 0; i < k->want_count; i++)
+		if (!want_is(k->wants[i].kind, IS_MOTION | IS_PRODUCT))
 			return 0;
-	return count > 0;
-}
-
-int request_wants(const struct request *k, enum want_kind kind)
-{
-	for (int i = 0; i < k->want_count; i++)
-		if (k->wants[i].kind == kind)
-			return 1;
-	return 0;
-}
-
-int request_wants_derivative(const struct request *k)
-{
-	for (int i = 0; i < k->want_count; i++)
-		if (k->wants[i].kind >= WANT_DTAU_DQ)
-			return 1;
-	return 0;
+	return k->want_count && !k->is_forward;
 }
 
 /* ---- names ---- */
@@ -174,9 +158,9 @@ static int has_quaternion(const struct tree *t, int body)
 
 static enum rneagen_code fold(const struct resolver *x, const struct scene_choice *c)
 {
-	enum { GRAVITY = 4, OF_JOINT };
+	enum { GRAVITY = 4, BY_JOINT };
 	static const struct kind_word kinds[] = {{"q", 0}, {"qd", 0}, {"qdd", 0}, {"tau", 0}, [GRAVITY] = {"gravity", 0},
-		[OF_JOINT] = {"q", 1}, {"qd", 1}, {"qdd", 1}, {"tau", 1}};
+		[BY_JOINT] = {"q", 1}, {"qd", 1}, {"qdd", 1}, {"tau", 1}};
 	struct tree *t = x->t;
 	struct row *const rows[] = {x->k->q, x->k->qd, x->k->qdd, x->k->tau};
 	int kind = request_find_kind(x, c, kinds, sizeof kinds / sizeof *kinds), body, is_q;
@@ -195,13 +179,13 @@ static enum rneagen_code fold(const struct resolver *x, const struct scene_choic
 	}
 	if (kind < GRAVITY)
 		return give(x, c, rows[kind], 0, kind == 0 ? t->nq : t->nv, kind != 0 || !has_quaternion(t, -1));
-	is_q = kind == OF_JOINT;
+	is_q = kind == BY_JOINT;
 	body = request_find_body(x, c, strchr(c->name, '.') + 1);
 	if (body < 0)
 		return x->e->code;
 	if (t->bodies[body].follower)
 		return scene_refuse(x->s, c, x->e, "'%.255s' follows another joint: fold that", t->bodies[body].joint);
-	return give(x, c, rows[kind - OF_JOINT], is_q ? t->bodies[body].iq : t->bodies[body].iv,
+	return give(x, c, rows[kind - BY_JOINT], is_q ? t->bodies[body].iq : t->bodies[body].iv,
 		is_q ? joint_nq(t->bodies[body].type) : joint_nv(t->bodies[body].type), !is_q || !has_quaternion(t, body));
 }
 
@@ -271,7 +255,9 @@ static enum rneagen_code set_friction(const struct resolver *x, const struct sce
 /* At most: q, qd and qdd, and what the scene adds; a product takes its vector. */
 static int array_count(const struct request *k)
 {
-	return 3 + k->freed_count + k->push_count + request_wants(k, WANT_JVP) + request_wants(k, WANT_VJP) + k->want_count;
+	int directions = request_wants(k, WANT_JVP) ? 1 + k->by_count : 0;
+
+	return 3 + k->freed_count + k->push_count + directions + request_wants(k, WANT_VJP) + (k->stored_count ? k->stored_count : k->want_count);
 }
 
 static enum rneagen_code check_arrays(const struct resolver *x)
@@ -303,7 +289,11 @@ static int alloc(struct resolver *x)
 	k->tau = arena_alloc(a, nv, sizeof *k->tau);
 	k->freed = arena_alloc(a, most, sizeof *k->freed);
 	k->pushes = arena_alloc(a, most, sizeof *k->pushes);
-	k->wants = arena_alloc(a, most, sizeof *k->wants);
+	k->wants = arena_alloc(a, most + 2, sizeof *k->wants); /* jvp and vjp */
+	k->by = arena_alloc(a, most, sizeof *k->by);
+	k->jvp.of = arena_alloc(a, most, sizeof *k->jvp.of);
+	k->vjp.of = arena_alloc(a, most, sizeof *k->vjp.of);
+	k->frames = arena_alloc(a, most, sizeof *k->frames);
 	k->ranges = arena_alloc(a, most, sizeof *k->ranges);
 	k->armature = arena_alloc(a, nb, sizeof *k->armature);
 	k->damping = arena_alloc(a, nb, sizeof *k->damping);
@@ -313,7 +303,7 @@ static int alloc(struct resolver *x)
 
 static int has_choice(const struct scene *s)
 {
-	static const enum scene_key keys[] = {SCENE_FOLD, SCENE_FREE, SCENE_WANT, SCENE_JVP, SCENE_VJP, SCENE_FEXT, SCENE_ARMATURE,
+	static const enum scene_key keys[] = {SCENE_FOLD, SCENE_FREE, SCENE_WANT, SCENE_JVP, SCENE_VJP, SCENE_BY, SCENE_FEXT, SCENE_ARMATURE,
 		SCENE_DAMPING, SCENE_FRICTION};
 
 	for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
@@ -371,15 +361,18 @@ enum rneagen_code request_resolve(struct request *k, struct tree *t, const struc
 	if (way && strcmp(way->value, "auto"))
 		x.k->dynamics = !strcmp(way->value, "factor") ? DYNAMICS_FACTOR : DYNAMICS_ARTICULATED;
 	x.k->in_world = frame && !strcmp(frame->value, "world");
-	if (each(&x, SCENE_FOLD, fold) || each(&x, SCENE_FREE, request_free) || each(&x, SCENE_FEXT, push) ||
+	request_forms(&x);
+	if (each(&x, SCENE_ADD_FRAME, request_add_frame) || each(&x, SCENE_FOLD, fold) || each(&x, SCENE_FREE, request_free) || each(&x, SCENE_FEXT, push) ||
 		each(&x, SCENE_ARMATURE, set_armature) || each(&x, SCENE_FRICTION, set_friction) || each(&x, SCENE_WANT, request_want) ||
-		each(&x, SCENE_JVP, request_product) || each(&x, SCENE_VJP, request_product) ||
-		each(&x, SCENE_RANGE, request_range))
+		request_products(&x) || check_arrays(&x) || each(&x, SCENE_RANGE, request_range))
 		return e->code;
 	if (scene_next(x.s, SCENE_DAMPING, NULL))
 		set_dynamics(&x, x.k->damping, 0);
 	if (!x.k->want_count)
 		x.k->wants[x.k->want_count++] = (struct want){.kind = WANT_TAU, .word = "tau", .argument = "tau", .rows = t->nv};
+	if (!x.k->stored_count)
+		x.k->stored_count = x.k->want_count;
+	x.k->is_motion = is_motion(x.k);
 	if (check_arrays(&x) || check_forward(&x) || check_dynamics(&x))
 		return e->code;
 	return a->failed ? error_memory(e) : RNEAGEN_OK;

@@ -4,6 +4,7 @@
    the joints' own, and the quantities that it asks for. */
 
 #include "rneagen.h"
+#include "request/want_type.h"
 #include "scene/scene.h"
 #include "tree/tree.h"
 
@@ -46,16 +47,40 @@ struct request_range {
 	double lower, upper;
 };
 
-enum want_kind { WANT_TAU, WANT_GRAVITY, WANT_BIAS, WANT_WRENCH, WANT_TWIST, WANT_ACCEL, WANT_POWER, WANT_KINETIC, WANT_POTENTIAL,
-	WANT_REGRESSOR, WANT_QDD, WANT_QDD_BOUND, WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_MASS, WANT_DTAU_DFREED, WANT_JVP, WANT_VJP, WANT_MINV, WANT_DQDD_DQ, WANT_DQDD_DQD,
-	WANT_DQDD_DFREED };
-
 struct want {
 	enum want_kind kind;
 	const char *word, *argument;
 	int rows;
-	int body; /* DTAU_DFREED: the number of the freed constant */
-	struct placement X;
+	int body; /* OF_FREED: the number of the freed constant; VJP_BY: of the input */
+	struct placement X; /* OF_LINK: the frame in the body's */
+};
+
+/* A frame that the scene adds to a link. */
+struct added_frame {
+	const char *name;
+	int link;
+	struct placement X; /* in the link's */
+};
+
+/* [R p], three rows of four; or p, and a quaternion x y z w. */
+enum pose_form { POSE_ROWS, POSE_QUATERNION };
+
+/* In whose axes, and about which point, what moves is told: the link's axes and origin; the world's; the world's axes and the
+   link's origin. */
+enum want_frame { FRAME_LINK, FRAME_WORLD, FRAME_WORLD_ALIGNED };
+
+/* A product of derivatives with vectors: of the wants that it is of, one after another. */
+struct product {
+	int *of, count;
+	int rows;          /* of all of them */
+	const char *words; /* by commas; "" where it is plain */
+};
+
+/* An input by which products are taken besides the state: what is freed, a wrench from outside. */
+struct product_by {
+	const char *word, *argument; /* "payload.hand", "payload_hand" */
+	const char *direction;       /* the argument with its part of the direction: "jvp_v_payload_hand" */
+	int rows, per_batch;
 };
 
 /* By differentiating the torques' expressions; by a recursion over composite bodies; by whichever takes less. */
@@ -78,10 +103,19 @@ struct request {
 	int push_count, in_world;   /* wrenches in axes of the world, else of the link */
 	struct want *wants;
 	int want_count;
+	int stored_count;           /* the first of them are outputs; the rest is made for products alone */
+	struct product jvp, vjp;
+	struct product_by *by;
+	int by_count;
+	struct added_frame *frames;
+	int frame_count;
+	enum pose_form pose;
+	enum want_frame frame;      /* of jacobian, djacobian and opspace */
 	struct request_range *ranges;
 	int range_count;
 	int dense;                  /* matrices have their zeros */
 	int is_forward;             /* tau is an input, and qdd is found */
+	int is_motion;              /* no output is or takes a force */
 	enum dynamics dynamics;
 	int refine_steps;           /* of the qdd found */
 	enum refine refine;
@@ -105,18 +139,25 @@ void request_dump(const struct request *k, const struct tree *t, struct text *ou
 /* Has every row its value? */
 int request_has_all(const struct row *rows, int count);
 
-/* Is a quantity of this kind asked for? */
+/* Is a quantity of this kind made, as an output or for a product; or any with one of these traits? */
 int request_wants(const struct request *k, enum want_kind kind);
+int request_wants_any(const struct request *k, unsigned traits);
 
-/* Is it a matrix by joints, and which of its elements are stored? Returns 0 when memory runs out. */
-int request_is_matrix(enum want_kind kind);
+/* Is it a matrix? Derivatives by what is free are not counted. */
+int request_is_matrix(const struct request *k, const struct want *w);
 
-/* Is it made by solving with the mass matrix? */
-int request_is_solved(enum want_kind kind);
 struct pattern;
-int request_pattern(struct pattern *p, const struct tree *t, enum want_kind kind, int dense, struct arena *a);
+
+/* Which elements of a matrix are stored. Returns 0 when memory runs out. */
+int request_pattern(struct pattern *p, const struct tree *t, const struct want *w, int dense, struct arena *a);
 
 /* Is any derivative, M included? */
 int request_wants_derivative(const struct request *k);
+
+/* Is it of the torques alone, or of the qdd found, and by the state? */
+int request_is_plain_product(const struct request *k, const struct product *p);
+
+/* The error that a want which a product is of does not vary, since what it depends on is given. */
+enum rneagen_code request_refuse_constant(const struct request *k, const struct scene *s, int want, struct rneagen_error *e);
 
 #endif

@@ -30,11 +30,31 @@ const char *request_argument(const struct resolver *x, const char *word);
 int request_find_link(const struct resolver *x, const struct scene_choice *c, const char *name);
 int request_find_body(const struct resolver *x, const struct scene_choice *c, const char *name);
 
+/* What may stand for a link: a link, a frame that the scene adds, or a joint, for its child link. Its body, and where it is in that
+   body's frame; an error that names the nearest where there is none. */
+enum rneagen_code request_find_frame(const struct resolver *x, const struct scene_choice *c, const char *name, int *body,
+	struct placement *X);
+
+/* How poses are written, and in which frame Jacobians are. */
+void request_forms(const struct resolver *x);
+
+/* A choice of `add-frame`. */
+enum rneagen_code request_add_frame(const struct resolver *x, const struct scene_choice *c);
+
 /* A choice of `want`. */
 enum rneagen_code request_want(const struct resolver *x, const struct scene_choice *c);
 
-/* A choice of `jvp` or `vjp`. */
-enum rneagen_code request_product(const struct resolver *x, const struct scene_choice *c);
+/* The quantity that a choice names, which is not added to those wanted. */
+enum rneagen_code request_quantity(const struct resolver *x, const struct scene_choice *c, struct want *w);
+
+/* A quantity as an output; twice is an error. */
+enum rneagen_code request_add_want(const struct resolver *x, const struct scene_choice *c, const struct want *w);
+
+/* Are these the same quantity? */
+int request_is_same(const struct want *a, const struct want *b);
+
+/* All choices of `jvp`, `vjp` and `by`, after those of `free`, `fext` and `want`. */
+enum rneagen_code request_products(const struct resolver *x);
 
 /* A choice of `free`. */
 enum rneagen_code request_free(const struct resolver *x, const struct scene_choice *c);

@@ -87,7 +87,7 @@ static enum rneagen_code find_other(const struct resolver *x, const struct scene
 	if (kind == KIND_JVP && request_wants(k, WANT_JVP))
 		*r = (struct request_range){.argument = "jvp_v", .count = 3 * x->t->nv};
 	if (kind == KIND_VJP && request_wants(k, WANT_VJP))
-		*r = (struct request_range){.argument = "vjp_v", .count = x->t->nv};
+		*r = (struct request_range){.argument = "vjp_v", .count = k->vjp.rows};
 	return r->argument ? RNEAGEN_OK : refuse_input(x, c, kind);
 }
 

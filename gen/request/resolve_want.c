@@ -1,59 +1,8 @@
 /* The quantities that a scene asks for. */
+#include "tree/lumps.h"
 #include "tree/pattern.h"
 #include "request/resolve.h"
 #include <string.h>
-
-static const struct want_word {
-	struct kind_word kind;
-	const char *argument; /* NULL: made from the word */
-	int rows;             /* 0: nv */
-} WANTS[] = {
-	[WANT_TAU] = {{"tau", 0}, "tau", 0},
-	[WANT_GRAVITY] = {{"gravity", 0}, "tau_gravity", 0},
-	[WANT_BIAS] = {{"bias", 0}, "tau_bias", 0},
-	[WANT_WRENCH] = {{"wrench", 1}, NULL, 6},
-	[WANT_TWIST] = {{"twist", 1}, NULL, 6},
-	[WANT_ACCEL] = {{"accel", 1}, NULL, 6},
-	[WANT_POWER] = {{"power", 0}, "power", 1},
-	[WANT_KINETIC] = {{"kinetic", 0}, "kinetic", 1},
-	[WANT_POTENTIAL] = {{"potential", 0}, "potential", 1},
-	[WANT_REGRESSOR] = {{"regressor", 0}, "regressor", 0},
-	[WANT_QDD] = {{"qdd", 0}, "qdd", 0},
-	[WANT_QDD_BOUND] = {{"qdd_bound", 0}, "qdd_bound", 0},
-	[WANT_DTAU_DQ] = {{"dtau_dq", 0}, "dtau_dq", 0},
-	[WANT_DTAU_DQD] = {{"dtau_dqd", 0}, "dtau_dqd", 0},
-	[WANT_MASS] = {{"M", 0}, "M", 0},
-	[WANT_DTAU_DFREED] = {{"dtau_dNAME", 0}, NULL, 0}, /* see want_by_freed */
-	[WANT_JVP] = {{"jvp", 0}, "jvp", 0},
-	[WANT_VJP] = {{"vjp", 0}, "vjp", 0},
-	[WANT_MINV] = {{"Minv", 0}, "Minv", 0},
-	[WANT_DQDD_DQ] = {{"dqdd_dq", 0}, "dqdd_dq", 0},
-	[WANT_DQDD_DQD] = {{"dqdd_dqd", 0}, "dqdd_dqd", 0},
-	[WANT_DQDD_DFREED] = {{"dqdd_dNAME", 0}, NULL, 0},
-};
-enum { WANT_COUNT = sizeof WANTS / sizeof *WANTS };
-
-int request_is_solved(enum want_kind kind)
-{
-	return kind >= WANT_MINV;
-}
-
-/* Of these qdd is found, and tau an input. */
-static int is_forward(enum want_kind kind)
-{
-	return kind == WANT_QDD || kind == WANT_QDD_BOUND || request_is_solved(kind);
-}
-
-static enum rneagen_code want_link(const struct resolver *x, const struct scene_choice *c, struct want *w)
-{
-	int link = request_find_link(x, c, strchr(c->name, '.') + 1);
-
-	if (link < 0)
-		return x->e->code;
-	w->body = x->t->links[link].body;
-	w->X = x->t->links[link].X;
-	return RNEAGEN_OK;
-}
 
 /* "dtau_dpayload.hand": by what the scene frees. */
 static enum rneagen_code want_by_freed(const struct resolver *x, const struct scene_choice *c, struct want *w)
@@ -79,26 +28,22 @@ static enum rneagen_code want_matrix(const struct resolver *x, struct want *w)
 {
 	struct pattern p;
 
-	if (!request_pattern(&p, x->t, w->kind, x->k->dense, x->a))
+	if (!request_pattern(&p, x->t, w, x->k->dense, x->a))
 		return error_memory(x->e);
 	w->rows = p.rows;
 	return RNEAGEN_OK;
 }
 
-/* Rows of matrices and products; what is given does not vary. */
-static enum rneagen_code want_derivative(const struct resolver *x, const struct scene_choice *c, struct want *w)
+/* What is given does not vary. */
+static enum rneagen_code check_varies(const struct resolver *x, const struct scene_choice *c, enum want_kind kind)
 {
-	int is_q = w->kind == WANT_DTAU_DQ || w->kind == WANT_DQDD_DQ, count = is_q ? x->t->nq : x->t->nv, nv = x->t->nv;
+	int is_q = want_is(kind, IS_BY_Q), count = is_q ? x->t->nq : want_is(kind, IS_BY_QD) ? x->t->nv : 0;
 	const struct row *rows = is_q ? x->k->q : x->k->qd;
 
-	if (w->kind == WANT_JVP || w->kind == WANT_VJP) {
-		w->rows = w->kind == WANT_VJP ? 3 * nv : nv;
-		return RNEAGEN_OK;
-	}
-	for (int i = 0; i < count && w->kind != WANT_MASS && w->kind != WANT_MINV; i++)
+	for (int i = 0; i < count; i++)
 		if (rows[i].is_given)
 			return scene_refuse(x->s, c, x->e, "row %d of %s is given: no derivative by it", i, is_q ? "q" : "qd");
-	return want_matrix(x, w);
+	return RNEAGEN_OK;
 }
 
 /* "dtau_dNAME", "dqdd_dNAME" */
@@ -112,68 +57,140 @@ static int is_by_freed(const char *word)
 	return !strncmp(word, "dtau_d", 6) || !strncmp(word, "dqdd_d", 6);
 }
 
-int request_pattern(struct pattern *p, const struct tree *t, enum want_kind kind, int dense, struct arena *a)
+int request_pattern(struct pattern *p, const struct tree *t, const struct want *w, int dense, struct arena *a)
 {
-	int symmetric = kind == WANT_MASS || kind == WANT_MINV;
+	int symmetric = want_is(w->kind, IS_SYMMETRIC);
 
-	if (kind == WANT_REGRESSOR)
+	switch (want_type(w->kind)->shape) {
+	case SHAPE_LUMPS:
 		return pattern_lumps(p, t, dense, a);
-	return request_is_solved(kind) ? pattern_coupled(p, t, symmetric, dense, a) : pattern_make(p, t, symmetric, dense, a);
+	case SHAPE_COUPLED:
+		return pattern_coupled(p, t, symmetric, dense, a);
+	case SHAPE_CHAIN:
+		return pattern_chain(p, t, w->body, dense, a);
+	case SHAPE_POINT:
+		return pattern_whole(p, 3, t->nv, 0, a);
+	case SHAPE_SPATIAL:
+		return pattern_momentum(p, t, dense, a);
+	case SHAPE_SQUARE:
+		return pattern_whole(p, 6, 6, symmetric && !dense, a);
+	case SHAPE_PLACEMENT:
+		return pattern_whole(p, 3, 4, 0, a);
+	default:
+		return pattern_make(p, t, symmetric, dense, a);
+	}
 }
 
-int request_is_matrix(enum want_kind kind)
+int request_is_same(const struct want *a, const struct want *b)
 {
-	return kind == WANT_REGRESSOR || kind == WANT_DTAU_DQ || kind == WANT_DTAU_DQD || kind == WANT_MASS || (kind >= WANT_MINV && kind <= WANT_DQDD_DQD);
+	return a->kind == b->kind && (!want_is(a->kind, OF_LINK | OF_JOINT | OF_FREED) || !strcmp(a->word, b->word));
 }
 
-static enum rneagen_code add_want(const struct resolver *x, const struct scene_choice *c, const struct want *w)
+enum rneagen_code request_add_want(const struct resolver *x, const struct scene_choice *c, const struct want *w)
 {
 	for (int i = 0; i < x->k->want_count; i++)
 		if (!strcmp(x->k->wants[i].word, w->word))
 			return scene_refuse(x->s, c, x->e, "'%.255s' is wanted already", w->word);
 	x->k->wants[x->k->want_count++] = *w;
-	x->k->is_forward |= is_forward(w->kind);
+	x->k->is_forward |= want_is(w->kind, FINDS_QDD);
 	return RNEAGEN_OK;
 }
 
-/* What a product is of, tau or qdd, decides which way the dynamics goes: the other is an input. */
-enum rneagen_code request_product(const struct resolver *x, const struct scene_choice *c)
+/* A centre of mass is that of something. */
+static enum rneagen_code check_masses(const struct resolver *x, const struct scene_choice *c, enum want_kind kind)
 {
-	enum want_kind kind = c->key == SCENE_JVP ? WANT_JVP : WANT_VJP;
-	struct want w = {.kind = kind, .word = WANTS[kind].kind.word, .argument = WANTS[kind].argument};
-	int which = !strcmp(c->name, "qdd");
+	int has_mass = !want_is(kind, OF_MASSES);
 
-	if (!which && strcmp(c->name, "tau"))
-		return scene_refuse(x->s, c, x->e, "there is the product of tau and that of qdd, none of '%.255s'", c->name);
-	if (want_derivative(x, c, &w) || add_want(x, c, &w))
+	for (int i = 0; i < x->t->body_count; i++)
+		has_mass |= x->t->bodies[i].inertia.mass.x != 0 && !lumps_is_held(x->t, i);
+	for (int i = 0; i < x->k->freed_count; i++) {
+		enum freed_kind freed = x->k->freed[i].kind;
+
+		has_mass |= freed == FREED_MASS || freed == FREED_INERTIA || freed == FREED_PAYLOAD;
+	}
+	return has_mass ? RNEAGEN_OK : scene_refuse(x->s, c, x->e, "nothing that moves has a mass");
+}
+
+/* An inertia that is felt in all six directions takes six degrees of freedom. */
+static enum rneagen_code check_chain(const struct resolver *x, const struct scene_choice *c, const struct want *w)
+{
+	const struct tree *t = x->t;
+	unsigned char *rows = arena_alloc(x->a, (size_t)t->nv, 1);
+	const char *name = strchr(c->name, '.');
+	int count = 0;
+
+	if (!rows)
+		return error_memory(x->e);
+	for (int k = w->body; k >= 0 && w->kind == WANT_OPSPACE; k = t->bodies[k].parent)
+		for (int i = t->bodies[k].iv; i < t->bodies[k].iv + joint_nv(t->bodies[k].type); i++) {
+			count += !rows[i];
+			rows[i] = 1;
+		}
+	if (w->kind != WANT_OPSPACE || count >= 6)
+		return RNEAGEN_OK;
+	return scene_refuse(x->s, c, x->e,
+		"'%.255s' moves with %d coordinate%s, and takes six to be moved in all directions: want opspace_inv%.255s", name + 1, count,
+		count == 1 ? "" : "s", name);
+}
+
+/* The link or joint that follows the word. */
+static enum rneagen_code want_name(const struct resolver *x, const struct scene_choice *c, struct want *w)
+{
+	const char *name = strchr(c->name, '.');
+
+	if (want_is(w->kind, OF_JOINT))
+		w->body = request_find_body(x, c, name + 1);
+	if (want_is(w->kind, OF_LINK))
+		request_find_frame(x, c, name + 1, &w->body, &w->X);
+	return x->e->code;
+}
+
+static enum rneagen_code want_rows(const struct resolver *x, struct want *w)
+{
+	const struct want_type *type = want_type(w->kind);
+
+	w->rows = type->rows ? type->rows : x->t->nv;
+	if (w->kind == WANT_POSE && x->k->pose == POSE_QUATERNION)
+		w->rows = 7;
+	else if (type->shape != SHAPE_NONE)
+		return want_matrix(x, w);
+	return RNEAGEN_OK;
+}
+
+enum rneagen_code request_quantity(const struct resolver *x, const struct scene_choice *c, struct want *w)
+{
+	struct kind_word kinds[WANT_COUNT];
+	int kind;
+
+	*w = (struct want){.word = c->name};
+	if (is_by_freed(c->name))
+		return want_by_freed(x, c, w);
+	for (int i = 0; i < WANT_COUNT; i++)
+		kinds[i] = (struct kind_word){want_type((enum want_kind)i)->word, want_is((enum want_kind)i, OF_LINK | OF_JOINT)};
+	kind = strcmp(c->name, "dqdd_dtau") ? request_find_kind(x, c, kinds, WANT_COUNT) : WANT_MINV;
+	if (kind < 0)
 		return x->e->code;
-	x->k->is_forward |= which;
+	w->kind = (enum want_kind)kind;
+	if (want_is(w->kind, IS_UNBUILT))
+		return scene_refuse(x->s, c, x->e, "'%.255s' is not built yet", c->name);
+	if (want_name(x, c, w) || check_varies(x, c, w->kind) || check_masses(x, c, w->kind) || check_chain(x, c, w) || want_rows(x, w))
+		return x->e->code;
+	w->argument = want_type(w->kind)->argument;
+	if (!w->argument)
+		w->argument = request_argument(x, c->name);
 	return RNEAGEN_OK;
 }
 
 enum rneagen_code request_want(const struct resolver *x, const struct scene_choice *c)
 {
-	struct kind_word kinds[WANT_COUNT];
-	struct want w = {.word = c->name};
-	int kind;
+	struct want w;
 
-	if (is_by_freed(c->name))
-		return want_by_freed(x, c, &w) ? x->e->code : add_want(x, c, &w);
-	for (int i = 0; i < WANT_COUNT; i++)
-		kinds[i] = WANTS[i].kind;
-	kind = strcmp(c->name, "dqdd_dtau") ? request_find_kind(x, c, kinds, WANT_COUNT) : WANT_MINV;
-	if (kind < 0)
-		return x->e->code;
-	w.kind = (enum want_kind)kind;
-	w.rows = WANTS[kind].rows ? WANTS[kind].rows : x->t->nv;
-	if (w.kind == WANT_WRENCH && (w.body = request_find_body(x, c, strchr(c->name, '.') + 1)) < 0)
-		return x->e->code;
-	if ((w.kind == WANT_TWIST || w.kind == WANT_ACCEL) && want_link(x, c, &w))
-		return x->e->code;
-	if (w.kind >= WANT_DTAU_DQ && want_derivative(x, c, &w))
-		return x->e->code;
-	if (w.kind == WANT_REGRESSOR && want_matrix(x, &w))
-		return x->e->code;
-	w.argument = WANTS[kind].argument && kind != WANT_MINV ? WANTS[kind].argument : request_argument(x, c->name);
-	return add_want(x, c, &w);
+	return request_quantity(x, c, &w) ? x->e->code : request_add_want(x, c, &w);
+}
+
+int request_is_matrix(const struct request *k, const struct want *w)
+{
+	if (w->kind == WANT_POSE)
+		return k->pose == POSE_ROWS;
+	return want_type(w->kind)->shape != SHAPE_NONE;
 }

@@ -32,9 +32,13 @@
 	X(DERIVATIVES, "derivatives", 1, SCENE_VALUE)                                                                  \
 	X(DYNAMICS, "dynamics", 1, SCENE_VALUE)                                                                        \
 	X(PARAMS, "params", 1, SCENE_VALUE)                                                                            \
+	X(POSE, "pose", 1, SCENE_VALUE)                                                                                \
+	X(FRAME, "frame", 1, SCENE_VALUE)                                                                              \
+	X(ADD_FRAME, "add-frame", 1, SCENE_PAIR)                                                                       \
 	X(REFINE, "refine", 1, SCENE_VALUE)                                                                            \
 	X(JVP, "jvp", 1, SCENE_NAMES)                                                                                  \
 	X(VJP, "vjp", 1, SCENE_NAMES)                                                                                  \
+	X(BY, "by", 1, SCENE_NAMES)                                                                                    \
 	X(FEXT, "fext", 1, SCENE_NAMES)                                                                                \
 	X(FEXT_FRAME, "fext-frame", 1, SCENE_VALUE)                                                                    \
 	X(ARMATURE, "armature", 1, SCENE_PAIR)                                                                         \
@@ -52,7 +56,7 @@ enum scene_key {
 	SCENE_KEY_COUNT
 };
 
-/* NAMES: commas between them, unless the whole is one name; PAIR: NAME=VALUE, split at the last =; FREED: names, each of
+/* NAMES: commas between them, unless the whole is one name; PAIR: NAME=VALUE, split at the last =, of ADD_FRAME at the first; FREED: names, each of
    which may end in :sample or :batch; VALUE: given at most once */
 enum scene_kind { SCENE_NAME, SCENE_NAMES, SCENE_PAIR, SCENE_FREED, SCENE_VALUE };
 

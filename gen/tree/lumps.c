@@ -1,6 +1,13 @@
 #include "tree/lumps.h"
 #include <string.h>
 
+int lumps_is_held(const struct tree *t, int body)
+{
+	while (body >= 0 && t->bodies[body].type == JOINT_FIXED)
+		body = t->bodies[body].parent;
+	return body < 0;
+}
+
 int lumps_make(struct lumps *x, const struct tree *t, struct arena *a)
 {
 	size_t bodies = (size_t)t->body_count;

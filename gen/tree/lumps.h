@@ -12,6 +12,9 @@ struct lumps {
 	int *of;   /* by body: its lump; -1: it is held on the ground */
 };
 
+/* Is a body, or the world (-1), held on the ground? */
+int lumps_is_held(const struct tree *t, int body);
+
 /* In the order of the bodies. Returns 0 when memory runs out. */
 int lumps_make(struct lumps *x, const struct tree *t, struct arena *a);
 

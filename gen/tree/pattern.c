@@ -26,7 +26,7 @@ static int make(struct pattern *p, const struct tree *t, int is_coupled, int sym
 	unsigned char *related = arena_alloc(a, size, 1);
 
 	p->rows = 0;
-	p->cols = t->nv;
+	p->lines = p->cols = t->nv;
 	p->row = arena_alloc(a, size, sizeof *p->row);
 	if (!related || !p->row)
 		return 0;
@@ -67,6 +67,7 @@ int pattern_lumps(struct pattern *p, const struct tree *t, int dense, struct are
 	*p = (struct pattern){0};
 	if (!lumps_make(&x, t, a))
 		return 0;
+	p->lines = t->nv;
 	p->cols = LUMP_PARAMETERS * x.count;
 	p->row = arena_alloc(a, (size_t)t->nv * (size_t)p->cols, sizeof *p->row);
 	if (!p->row)
@@ -76,5 +77,63 @@ int pattern_lumps(struct pattern *p, const struct tree *t, int dense, struct are
 			mark_columns(p, &t->bodies[k], lump);
 	for (int e = 0; e < t->nv * p->cols; e++)
 		p->row[e] = dense || p->row[e] ? p->rows++ : -1;
+	return 1;
+}
+
+static int make_empty(struct pattern *p, int lines, int cols, struct arena *a)
+{
+	*p = (struct pattern){.lines = lines, .cols = cols};
+	p->row = arena_alloc(a, (size_t)lines * (size_t)cols, sizeof *p->row);
+	return p->row != NULL;
+}
+
+int pattern_chain(struct pattern *p, const struct tree *t, int body, int dense, struct arena *a)
+{
+	unsigned char *moves = arena_alloc(a, (size_t)t->nv, 1);
+
+	if (!moves || !make_empty(p, 6, t->nv, a))
+		return 0;
+	for (int k = body; k >= 0; k = t->bodies[k].parent)
+		for (int i = 0; i < joint_nv(t->bodies[k].type); i++)
+			moves[t->bodies[k].iv + i] = 1;
+	for (int e = 0; e < 6 * t->nv; e++)
+		p->row[e] = dense || moves[e % t->nv] ? p->rows++ : -1;
+	return 1;
+}
+
+int pattern_whole(struct pattern *p, int lines, int cols, int is_lower, struct arena *a)
+{
+	if (!make_empty(p, lines, cols, a))
+		return 0;
+	for (int e = 0; e < lines * cols; e++)
+		p->row[e] = !is_lower || e % cols <= e / cols ? p->rows++ : -1;
+	return 1;
+}
+
+/* Rows of a joint, from its first, that slide. */
+static int slides_of(enum joint_type type)
+{
+	return type == JOINT_FLOATING ? 3 : type == JOINT_PLANAR ? 2 : type == JOINT_PRISMATIC;
+}
+
+/* All that moves slides with the first body, where no other one stands on the ground or follows its joint. */
+static int slide_count(const struct tree *t)
+{
+	int count = slides_of(t->bodies[0].type);
+
+	for (int k = 1; k < t->body_count; k++)
+		if (t->bodies[k].parent < 0 || (joint_nv(t->bodies[k].type) && t->bodies[k].iv == t->bodies[0].iv))
+			count = 0;
+	return count;
+}
+
+int pattern_momentum(struct pattern *p, const struct tree *t, int dense, struct arena *a)
+{
+	int first = t->bodies[0].iv, end = first + slide_count(t);
+
+	if (!make_empty(p, 6, t->nv, a))
+		return 0;
+	for (int e = 0; e < 6 * t->nv; e++)
+		p->row[e] = dense || e < 3 * t->nv || e % t->nv < first || e % t->nv >= end ? p->rows++ : -1;
 	return 1;
 }

@@ -25,7 +25,7 @@ static const char *push_word(struct analysis *a, const char *name)
 
 static const char *want_word(const struct request *k, const char *name)
 {
-	for (int i = 0; i < k->want_count; i++)
+	for (int i = 0; i < k->stored_count; i++)
 		if (!strcmp(k->wants[i].argument, name))
 			return k->wants[i].word;
 	return name;

@@ -88,7 +88,7 @@ zsh_list() (
 		option = $0
 		sub(/[=[].*/, "", option)
 		print option
-		if (match($0, /:\([a-z0-9 :\\]*\)$/)) {
+		if (match($0, /:\([a-z0-9 :\\-]*\)$/)) {
 			n = split(substr($0, RSTART + 2, RLENGTH - 3), word, " ")
 			for (k = 1; k <= n; k++) {
 				gsub(/\\/, "", word[k]) # of a colon in a word

@@ -86,6 +86,7 @@ int main(void)
 	suite_add_tcase(suite, closed_forms());
 	suite_add_tcase(suite, oracle_agreement());
 	suite_add_tcase(suite, properties());
+	suite_add_tcase(suite, kinematics());
 	suite_add_tcase(suite, equivalences());
 	suite_add_tcase(suite, input_reading());
 	return suite_run(suite);

@@ -28,6 +28,7 @@ void each_real_robot(void (*test)(const char *name, const char *urdf));
 TCase *closed_forms(void);
 TCase *oracle_agreement(void);
 TCase *properties(void);
+TCase *kinematics(void);
 TCase *equivalences(void);
 TCase *input_reading(void);
 

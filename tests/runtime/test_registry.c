@@ -58,11 +58,13 @@ static void check_made_for(struct request k, const char *const *names, int count
 /* A text has the functions of what was asked for, its main one first. */
 START_TEST(made_for)
 {
-	static const char *const plain[] = {"rnea", "fpass", "bpass"}, *const scene[] = {"rnea"}, *const forward[] = {"fd"};
+	static const char *const plain[] = {"rnea", "fpass", "bpass"}, *const scene[] = {"rnea"}, *const forward[] = {"fd"},
+		*const motion[] = {"kin"};
 
 	check_made_for((struct request){.is_plain = 1}, plain, 3);
 	check_made_for((struct request){.is_plain = 0}, scene, 1);
 	check_made_for((struct request){.is_forward = 1}, forward, 1);
+	check_made_for((struct request){.is_motion = 1}, motion, 1);
 }
 END_TEST
 
@@ -140,12 +142,14 @@ static int check_text(const char *scene, int first)
 	return count;
 }
 
-/* Every function of the registry is in a text without a scene, or in one that wants qdd, in its table, and can be launched. */
+/* Every function of the registry is in a text without a scene, or in one that wants qdd, or a place alone, in its table, and can be
+   launched. */
 START_TEST(launched)
 {
 	int inverse = check_text(NULL, ALGORITHM_rnea), forward = check_text("want qdd\n", ALGORITHM_fd);
+	int motion = check_text("want com\n", ALGORITHM_kin);
 
-	ck_assert_int_eq(inverse + forward, ALGORITHM_COUNT);
+	ck_assert_int_eq(inverse + forward + motion, ALGORITHM_COUNT);
 }
 END_TEST
 

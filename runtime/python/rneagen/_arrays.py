@@ -28,7 +28,7 @@ class Array:
     per_batch: bool
     default: tuple[float, ...] | None  # of an input that may be left out
     pattern: tuple[tuple[int, ...], tuple[int, ...]] | None  # of a matrix by joints: rows and columns of what is stored
-    columns: int  # of such a matrix; else 0
+    size: tuple[int, int]  # of such a matrix; else 0, 0
 
     @property
     def is_matrix(self) -> bool:
@@ -38,17 +38,21 @@ class Array:
 def describe(array: dict[str, Any], nv: int, sparse: bool) -> Array:
     """An entry of _core.Model.arrays()."""
     rows, pattern = array["rows"], array["pattern"]
-    *pattern, columns = pattern or (0,)
+    *pattern, lines, columns = pattern or (0, 0)
+    if array["role"] == "link_pose":  # [R p] is always whole
+        pattern = []
     shape: tuple[int, ...] = (rows,)
     if array["role"] in ("power", "kinetic_energy", "potential_energy"):
         shape = ()
+    elif array["role"] == "link_pose" and lines:
+        shape = (lines, columns)
     elif pattern and not sparse:
-        shape = (nv, columns)
+        shape = (lines, columns)
     elif array["is_output"] and array["role"].endswith("_dfreed"):
         shape = (nv, rows // nv)
     if array["default"] is not None:
         array["default"] = tuple(array["default"] + [0.0] * (rows - len(array["default"])))
-    return Array(shape=shape, columns=columns, **{**array, "pattern": (tuple(pattern[0]), tuple(pattern[1])) if pattern else None})
+    return Array(shape=shape, size=(lines, columns), **{**array, "pattern": (tuple(pattern[0]), tuple(pattern[1])) if pattern else None})
 
 
 def identifiers(arrays: Sequence[Array]) -> list[str]:

@@ -11,7 +11,8 @@ SCENE = _core.scene_words()  # word: (takes a value: 0 no, 1 yes, 2 may; kind)
 MODEL = ("precision", "trig", "base", "gravity", "mimic", "order", "strict")  # beside the scene: what is computed
 TEXT = ("target", "layout", "name", "bounded", "only", "parts", "segments")  # what kind of text
 OPEN = ("backend", "device", "threads", "block", "cache")  # where it runs
-MATRICES = ("regressor", "M", "Minv", "dqdd_dtau", "dtau_dq", "dtau_dqd", "dqdd_dq", "dqdd_dqd")
+MATRICES = ("regressor", "M", "Minv", "dqdd_dtau", "dtau_dq", "dtau_dqd", "dqdd_dq", "dqdd_dqd", "jacobian", "com_jacobian",
+            "momentum_matrix", "coriolis", "opspace_inv", "opspace")
 
 
 def scene_keywords() -> list[str]:
@@ -111,8 +112,8 @@ def generator(options: dict[str, Any], file: str) -> dict[str, Any]:
         elif keyword == "order" and not isinstance(x, str):
             x = ",".join(names(keyword, x))
         elif keyword == "only":
-            if x not in ("rnea", "fd"):
-                raise ValueError(f"only takes rnea or fd, not {x!r}")
+            if x not in ("rnea", "fd", "kin"):
+                raise ValueError(f"only takes rnea, fd or kin, not {x!r}")
             keyword, x = "only_rnea", 1
         elif keyword in ("parts", "segments") and isinstance(x, str):
             if x not in ("auto", "whole"):

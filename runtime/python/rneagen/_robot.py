@@ -21,7 +21,9 @@ from ._errors import BackendError, translated
 
 NUMPY = (numpy.ndarray, numpy.empty, _arrays.DTYPES["f32"], _arrays.DTYPES["f64"])
 OWN = ("convention", "sparse")
+PRODUCTS = ("jvp", "vjp")  # of derivatives of outputs
 KEYS = itertools.count()
+SYMMETRIC = ("mass_matrix", "opspace_inertia")  # roles of matrices that may be stored by their lower triangle
 ALIVE: weakref.WeakValueDictionary[str, "Robot"] = weakref.WeakValueDictionary()  # by key, which torch.compile takes for a constant
 KEYWORDS = (*_options.scene_keywords(), *_options.MODEL, "parts", "segments", *_options.OPEN, *OWN)
 
@@ -104,8 +106,8 @@ class Robot(_core.Robot):
         if self.convention not in ("pinocchio", "mujoco"):
             raise ValueError(f"convention takes pinocchio or mujoco, not {self.convention!r}")
         options = dict(self._options)
-        wanted = [name for word in _options.names("want", options.get("want") or []) for name in word.split(",")]
-        if not self.sparse and options.get("dense") is None and any(name in _options.MATRICES for name in wanted):
+        wanted = [name for key in ("want", *PRODUCTS) for word in _options.names(key, options.get(key) or []) for name in word.split(",")]
+        if not self.sparse and options.get("dense") is None and any(name.split(".")[0] in _options.MATRICES for name in wanted):
             options["dense"] = True
         return {"layout": "aos", **_options.generator(options, self._file)}
 
@@ -232,7 +234,7 @@ class Robot(_core.Robot):
 
     def _sparse_of(self, array: _arrays.Array, values: numpy.ndarray) -> _sparse.Sparse:
         row, col = (numpy.array(x, dtype=numpy.int32) for x in array.pattern or ((), ()))
-        return _sparse.Sparse(values, row, col, (self.nv, array.columns), array.role.startswith("mass_matrix") and bool((row >= col).all()))
+        return _sparse.Sparse(values, row, col, array.size, array.role.startswith(SYMMETRIC) and bool((row >= col).all()))
 
     # ---- texts ----
 
@@ -279,22 +281,37 @@ class Robot(_core.Robot):
 
     # ---- other outputs ----
 
-    def want(self, *names: str, sparse: bool | None = None) -> "Robot":
+    def want(self, *names: str, sparse: bool | None = None, **products: Any) -> "Robot":
         """The robot with other outputs, by the words of --want: "tau", "M", "bias", "gravity", "dtau_dq", "qdd", "Minv", "wrench.JOINT", ...
-        Several outputs come as a named tuple. Matrices are (..., nv, nv), with sparse=True of type rneagen.Sparse. The same names again
-        give the same robot, so that robot.want("M", "bias")(q, qd) may stand in a loop."""
-        return self._wanting(names, self.sparse if sparse is None else bool(sparse))
+        Several outputs come as a named tuple. Matrices are (..., nv, nv), Jacobians (..., 6, nv), with sparse=True of type
+        rneagen.Sparse; poses are [R p], (..., 3, 4). The same names again give the same robot, so that
+        robot.want("M", "bias")(q, qd) may stand in a loop.
 
-    def _wanting(self, names: tuple[str, ...], sparse: bool, fold: tuple[str, ...] = ()) -> "Robot":
-        key = names, sparse, fold
+            robot.want("tau", vjp=["tau", "pose.hand"])(q, qd, qdd, vjp_v)
+
+        jvp= and vjp= name outputs whose derivatives are multiplied by a vector, without their matrices: vjp (..., 3 nv), by q, qd and
+        qdd, takes vjp_v, as long as the outputs one after another; jvp, as long as these, takes jvp_v (..., 3 nv). by=["payload.hand"]
+        adds what free= and fext= name: outputs vjp_NAME, inputs jvp_v_NAME."""
+        _options.check(products, (*PRODUCTS, "by"), "want")
+        given = tuple((k, tuple(_options.names(k, x))) for k, x in products.items() if x)
+        return self._wanting(names, self.sparse if sparse is None else bool(sparse), products=given)
+
+    def _wanting(self, names: tuple[str, ...], sparse: bool, fold: tuple[str, ...] = (), products: tuple = ()) -> "Robot":
+        key = names, sparse, fold, products
         found = self._wanted.get(key)
         if found:
             return found
         with self._lock:
-            options = {**self._options, "want": list(names), "sparse": sparse or None}
+            options: dict[str, Any] = {"want": list(names), "sparse": sparse or None}
             if fold:
-                options["fold"] = [*_options.pairs("fold", options.get("fold") or []), *fold]
-            return self._wanted.setdefault(key, Robot(self._urdf, self._file, options))
+                options["fold"] = [*_options.pairs("fold", self._options.get("fold") or []), *fold]
+            if products:
+                options.update({"jvp": None, "vjp": None, "by": None, **{k: list(x) for k, x in products}})
+            return self._wanted.setdefault(key, self._with(**options))
+
+    def _with(self, **options: Any) -> "Robot":
+        """With other keywords."""
+        return Robot(self._urdf, self._file, {**self._options, **options})
 
     def random(self, n: int | None = None, seed: int = 1, dtype=None):
         """A named tuple of all inputs, drawn within the joints' limits or the scene's `range`: arrays of `n` samples, or of one without
@@ -359,6 +376,8 @@ def load(urdf: str | os.PathLike | bytes, **options: Any) -> Robot:
     root="LINK", tip=["LINK"]     part of the robot; beside="drop", lock_all_but=[...]
     base="floating"               fixed unless given
     fold={"qdd": 0}               inputs that are known
+    add_frame={"tool": ("hand", 0, 0, 0.1, 0, 0, 0)}  a frame on a link: x y z, m, roll pitch yaw, rad; then want="pose.tool"
+    pose="quaternion", frame="world-aligned"          how pose.LINK is written, and in which frame jacobian.LINK is
     free=["payload.hand"]         constants that become inputs; fext=["foot"] external wrenches
     gravity=(0, 0, -9.81)         m/s^2, in the world
     precision="f32"               f32, f64, mixed, f32x2; unless given as the arrays are: float32 or float64

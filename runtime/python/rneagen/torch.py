@@ -7,8 +7,8 @@ Each robot is an operator of torch.library, named rneagen::ROBOT_HASH after its 
 one piece, and torch.func.vmap, grad and jacrev work. Import this module before torch.compile sees a robot, unless PyTorch was there when
 the robot was loaded.
 
-Outputs with gradients: tau, qdd, gravity, bias and M; by q, qd, qdd or tau, what free= names, and wrenches of fext= in their link's axes.
-Others raise NotImplementedError when they are differentiated, as second derivatives do.
+Gradients are of all outputs but qdd_bound and products, which raise NotImplementedError when they are differentiated; by q, qd, qdd or
+tau, what free= names, and wrenches of fext=. Those of several outputs are made in one sweep.
 
 The gradient by a quaternion is that of the function on unit quaternions: its part along the quaternion is zero. Where q is not made
 unit outside, q / |q| belongs before the call, and then all is as torch.autograd.gradcheck has it. Other numbers of q are as they stand.
@@ -118,16 +118,16 @@ def _call(self, *args, **kwargs):
 
 
 @torch.compiler.assume_constant_result
-def make_wanted(key: str, names: tuple[str, ...], sparse: bool, fold: tuple[str, ...]) -> bool:
-    _plain_wanting(_robot.ALIVE[key], names, sparse, fold)
+def make_wanted(key: str, names: tuple[str, ...], sparse: bool, fold: tuple[str, ...], products: tuple) -> bool:
+    _plain_wanting(_robot.ALIVE[key], names, sparse, fold, products)
     return True
 
 
-def _wanting(self, names: tuple[str, ...], sparse: bool, fold: tuple[str, ...] = ()):
+def _wanting(self, names: tuple[str, ...], sparse: bool, fold: tuple[str, ...] = (), products: tuple = ()):
     """While torch.compile looks on, a robot is made behind its back, and then found."""
     if torch.compiler.is_compiling():
-        make_wanted(self._key, names, sparse, fold)
-    return _plain_wanting(self, names, sparse, fold)
+        make_wanted(self._key, names, sparse, fold, products)
+    return _plain_wanting(self, names, sparse, fold, products)
 
 
 _robot.Robot._wanting = _wanting  # type: ignore[method-assign]

@@ -92,32 +92,31 @@ static PyObject *numbers(const double *values, size_t count)
 /* The want of this array, where it is a matrix by joints; NULL: it is none. */
 static const struct want *find_matrix(const struct request *k, const char *argument)
 {
-	for (int i = 0; i < k->want_count; i++)
-		if (!strcmp(k->wants[i].argument, argument) && request_is_matrix(k->wants[i].kind))
+	for (int i = 0; i < k->stored_count; i++)
+		if (!strcmp(k->wants[i].argument, argument) && request_is_matrix(k, &k->wants[i]))
 			return &k->wants[i];
 	return NULL;
 }
 
-/* Where the elements of a wanted matrix stand: (rows, columns, how many columns there are); None for what is none. */
+/* Where the elements of a wanted matrix stand: (rows, columns, how many rows and columns there are); None for what is none. */
 static PyObject *pattern_of(struct model *m, const char *argument)
 {
 	struct analysis *a = &m->analysis;
 	const struct want *w = find_matrix(&a->request, argument);
-	int nv = a->tree.nv, cols = 0, found;
+	int cols = 0, found;
 	PyObject *row = PyList_New(0), *col = PyList_New(0);
-	struct pattern whole = {0}, p = {0};
+	struct pattern p = {0};
 	struct arena arena;
 
 	arena_init(&arena, NULL);
-	found = w && request_pattern(&whole, &a->tree, w->kind, 1, &arena) &&
-		request_pattern(&p, &a->tree, w->kind, a->request.dense, &arena);
-	cols = whole.rows / nv;
-	for (int i = 0; found && row && col && i < nv * cols; i++)
+	found = w && request_pattern(&p, &a->tree, w, a->request.dense, &arena);
+	cols = p.cols;
+	for (int i = 0; found && row && col && i < p.lines * cols; i++)
 		if (p.row[i] >= 0 && (append(row, PyLong_FromLong(i / cols)) || append(col, PyLong_FromLong(i % cols))))
 			Py_CLEAR(row);
 	arena_free(&arena);
 	if (found && row && col)
-		return Py_BuildValue("(NNi)", row, col, cols);
+		return Py_BuildValue("(NNii)", row, col, p.lines, cols);
 	found = row && col;
 	Py_XDECREF(row);
 	Py_XDECREF(col);

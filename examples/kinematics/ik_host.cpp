@@ -1,0 +1,1 @@
+#include "ik.cu"

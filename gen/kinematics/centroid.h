@@ -1,0 +1,49 @@
+#ifndef RNEAGEN_CENTROID_H
+#define RNEAGEN_CENTROID_H
+/* The centre of mass and the momentum of all that moves: a tour of the tree, along with the one that places bodies. */
+
+#include "kinematics/kinematics.h"
+#include "mechanics/composite.h"
+
+/* A body with all that it carries, about its origin, in its frame: see momentum.c. */
+struct load {
+	struct ref mass;
+	struct svec H, beyond;  /* C = H + beyond */
+	struct svec P, K, F, N;
+	struct motion motion;   /* w, dw and U */
+	struct composite whole; /* mass, C and inertia */
+};
+
+/* What a unit rate of a row of a joint makes, in the world's axes: linear momentum, and angular momentum about the body's origin; of
+   the hub's about the centre of mass. All is summed about the hub's origin. */
+struct momentum_column {
+	struct svec linear, angular;
+};
+
+struct centroid {
+	struct kinematics *x;       /* NULL: nobody asks for it */
+	int has_columns, has_matrix;
+	struct ref mass, inverse;   /* of all that moves */
+	struct within unit;         /* of masses: 1, or all that moves */
+	struct load *loads;         /* loads[0] is the world's, of body k loads[k + 1] */
+	struct momentum_column (*columns)[6]; /* by body */
+	struct pattern of_com, of_momentum;
+	char *is_shared;            /* by row of qd: several bodies move with it */
+};
+
+/* x->bodies[k] is made when a body is entered. Failure is in d->failed. */
+void centroid_begin(struct centroid *c, struct kinematics *x);
+void centroid_enter(struct centroid *c, int body);
+void centroid_leave(struct centroid *c, int body);
+void centroid_end(struct centroid *c);
+
+/* ---- sums over subtrees ---- */
+
+void load_move(const struct kinematics *x, int body, const struct load *parent, struct load *to);
+struct svec load_moment(struct dag *d, const struct load *x);
+
+/* Of the body of this number, when all that it carries is in; `numbers`: of parameters that are numbers. */
+void load_add_own(struct dag *d, struct load *x, int number, const struct parameters *p, const struct inertia *numbers);
+void load_add_child(const struct kinematics *x, int child, const struct load *c, struct load *to);
+
+#endif

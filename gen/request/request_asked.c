@@ -1,0 +1,34 @@
+/* What a request has of a kind. */
+#include "request/request.h"
+
+int request_has_all(const struct row *rows, int count)
+{
+	for (int i = 0; i < count; i++)
+		if (!rows[i].is_given)
+			return 0;
+	return count > 0;
+}
+
+int request_wants(const struct request *k, enum want_kind kind)
+{
+	for (int i = 0; i < k->want_count; i++)
+		if (k->wants[i].kind == kind)
+			return 1;
+	return 0;
+}
+
+int request_wants_any(const struct request *k, unsigned traits)
+{
+	for (int i = 0; i < k->want_count; i++)
+		if (want_is(k->wants[i].kind, traits))
+			return 1;
+	return 0;
+}
+
+int request_wants_derivative(const struct request *k)
+{
+	for (int i = 0; i < k->want_count; i++)
+		if (want_is(k->wants[i].kind, IS_DERIVATIVE))
+			return 1;
+	return 0;
+}

@@ -1,0 +1,241 @@
+/* jvp and vjp of sets of outputs: a wrong derivative of any output, by the state or by what is free or pushes, a row in the wrong
+   place, a qdd found that stands still. Against differences of the outputs themselves, of a text without products, in extended
+   precision, in drawn scenes of random trees and of robots of this folder; and vjp is jvp transposed. */
+#include "product_case.h"
+#include "support/suite.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TREES = 120, LINKS = 8 };
+
+/* What is left of a difference of fourth order, of the largest number beside it. */
+static const real TOLERANCE = 1e-10L;
+
+/* ---- evaluated ---- */
+
+static struct given *find_given(struct drawn_case *x, const char *name)
+{
+	for (int i = 0; i < x->given_count; i++)
+		if (!strcmp(x->given[i].name, name))
+			return &x->given[i];
+	return NULL;
+}
+
+static const real *input_of(struct drawn_case *x, const struct argument *a, real h, real *room)
+{
+	struct given *g = find_given(x, a->name);
+
+	if (!strcmp(a->name, "jvp_v"))
+		return x->v;
+	if (a->role == ROLE_COTANGENT)
+		return x->weights;
+	if (a->role == ROLE_TANGENT)
+		return find_given(x, a->name + strlen("jvp_v_"))->along;
+	ck_assert_msg(g != NULL, "%s: what is '%s'?", x->what, a->name);
+	for (int i = 0; i < g->rows; i++)
+		room[i] = g->at[i] + (x->by_all || g < x->given + 3 ? h * g->along[i] : 0);
+	return room;
+}
+
+/* Outputs one after another, in `out`; `of` has where each begins, and the end. */
+static int evaluate(struct drawn_case *x, const struct dag *d, real h, real *out, int *of)
+{
+	const real *in[DAG_ARGUMENTS] = {NULL};
+	real *to[DAG_ARGUMENTS] = {NULL}, *room = calloc(DAG_ARGUMENTS * ROWS, sizeof *room);
+	int count = 0, at = 0;
+
+	for (int i = 0; i < d->argument_count; i++) {
+		if (!d->arguments[i].is_output) {
+			in[i] = input_of(x, &d->arguments[i], h, room + i * ROWS);
+			continue;
+		}
+		of[count++] = at;
+		to[i] = out + at;
+		at += d->arguments[i].rows;
+		ck_assert_int_le(at, VALUES);
+	}
+	of[count] = at;
+	ck_assert(eval_real(d, in, to, NULL));
+	free(room);
+	return count;
+}
+
+/* Along the direction: (8 (f(h) - f(-h)) - f(2h) + f(-2h))/12h. */
+static int differentiate(struct drawn_case *x, real h, real *out, int *of)
+{
+	static const real at[] = {1, -1, 2, -2}, weight[] = {8, -8, -1, 1};
+	real *one = calloc(VALUES, sizeof *one);
+	int count = 0;
+
+	memset(out, 0, VALUES * sizeof *out);
+	for (int i = 0; i < 4; i++) {
+		count = evaluate(x, &x->values.dag, at[i] * h, one, of);
+		for (int k = 0; k < of[count]; k++)
+			out[k] += weight[i] * one[k] / (12 * h);
+	}
+	free(one);
+	return count;
+}
+
+/* ---- compared ---- */
+
+static void compare_jvp(struct drawn_case *x, const real *jvp)
+{
+	real *room = calloc(3 * VALUES, sizeof *room), *fine = room, *rough = room + VALUES, *value = room + 2 * VALUES;
+	int of[DAG_ARGUMENTS], count;
+
+	differentiate(x, 2e-4L, rough, of);
+	differentiate(x, 1e-4L, fine, of);
+	count = evaluate(x, &x->values.dag, 0, value, of);
+	for (int k = 0; k < count; k++) {
+		real most = 1;
+
+		for (int i = of[k]; i < of[k + 1]; i++)
+			most = fmaxl(most, fmaxl(fabsl(fine[i]), fabsl(value[i])));
+		for (int i = of[k]; i < of[k + 1]; i++)
+			ck_assert_msg(fabsl(jvp[i] - fine[i]) <= TOLERANCE * most + 10 * fabsl(fine[i] - rough[i]),
+				"%s: row %d of output %d of %s: jvp is %.12Lg, the difference %.12Lg; scene:\n%s", x->what, i - of[k], k, x->of, jvp[i],
+				fine[i], x->scene);
+	}
+	free(room);
+}
+
+/* weights . jvp = vjp . direction, the parts by other inputs included. */
+static void compare_vjp(struct drawn_case *x, const real *out, const int *of)
+{
+	const struct dag *d = &x->products.dag;
+	real sum = 0, size = 1;
+
+	for (int i = 0, k = 0; i < d->argument_count; i++) {
+		const struct argument *a = &d->arguments[i];
+		const real *with = a->role == ROLE_JVP ? x->weights : x->v;
+
+		if (!a->is_output)
+			continue;
+		if (a->role == ROLE_VJP && *a->of)
+			with = find_given(x, a->name + strlen("vjp_"))->along;
+		for (int r = 0; r < a->rows && (a->role == ROLE_JVP || a->role == ROLE_VJP); r++) {
+			sum += (a->role == ROLE_JVP ? 1 : -1) * with[r] * out[of[k] + r];
+			size += fabsl(with[r] * out[of[k] + r]);
+		}
+		k++;
+	}
+	ck_assert_msg(fabsl(sum) <= 1e-11L * size, "%s: vjp of %s differs from jvp by %Lg of %Lg; scene:\n%s", x->what, x->of, sum, size, x->scene);
+}
+
+static void check_case(struct drawn_case *x)
+{
+	const struct dag *d = &x->products.dag;
+	real *out = calloc(VALUES, sizeof *out);
+	int of[DAG_ARGUMENTS], k = 0;
+
+	draw_numbers(x);
+	evaluate(x, d, 0, out, of);
+	for (int i = 0; i < d->argument_count; i++) {
+		if (d->arguments[i].role == ROLE_JVP)
+			compare_jvp(x, out + of[k]);
+		k += d->arguments[i].is_output;
+	}
+	compare_vjp(x, out, of);
+	free(out);
+}
+
+/* By all inputs besides the state, or by none. */
+static void say_by(struct drawn_case *x, char *to, size_t room)
+{
+	const struct request *k = &x->values.analysis.request;
+
+	for (int i = 0; i < k->freed_count && x->by_all; i++)
+		say(to, room, "by %s\n", k->freed[i].word);
+	for (int i = 0; i < k->push_count && x->by_all; i++)
+		say(to, room, "by %s\n", k->pushes[i].word);
+}
+
+/* The text of the outputs, and that of their products, which stores some of them too. Returns 0 where M is singular, or nothing has a
+   mass. */
+static int open_both(struct drawn_case *x)
+{
+	char scene[4096] = "";
+	enum rneagen_code code;
+
+	say(scene, sizeof scene, "%swant %s\n", x->scene, x->of);
+	x->options.scene = scene;
+	code = scene_open(&x->values, x->urdf, &x->options);
+	ck_assert_msg(!code || code == RNEAGEN_TREE || strstr(x->values.error.message, "nothing that moves has a mass"), "%s: %s; scene:\n%s", x->what, x->values.error.message, scene);
+	if (code)
+		return 0;
+	*scene = '\0';
+	say(scene, sizeof scene, "%sjvp %s\nvjp %s\n", x->scene, x->of, x->of);
+	if (rng_chance(&x->rng, 0.5))
+		say(scene, sizeof scene, "want kinetic,%.*s\n", (int)strcspn(x->of, ","), strncmp(x->of, "kinetic", 7) ? x->of : "M");
+	say_by(x, scene, sizeof scene);
+	ck_assert_msg(!scene_open(&x->products, x->urdf, &x->options), "%s: %s; scene:\n%s", x->what, x->products.error.message, scene);
+	return 1;
+}
+
+/* Returns whether the robot has such dynamics. */
+static int check_drawn(const char *urdf, enum rneagen_base base, uint64_t seed, int is_forward, const char *what)
+{
+	struct drawn_case *x = calloc(1, sizeof *x);
+	struct scene_model plain;
+	int is_open;
+
+	*x = (struct drawn_case){.rng = rng_seed(seed), .what = what, .urdf = urdf, .options = rneagen_options_default(), .is_forward = is_forward};
+	x->options.base = base;
+	x->by_all = rng_chance(&x->rng, 0.7);
+	is_open = !scene_open(&plain, urdf, &x->options);
+	if (is_open) {
+		draw_others(x, &plain.tree);
+		draw_set(x, &plain.tree);
+		is_open = open_both(x);
+		if (is_open) {
+			check_case(x);
+			scene_close(&x->products);
+		}
+		scene_close(&x->values);
+	}
+	scene_close(&plain);
+	free(x);
+	return is_open;
+}
+
+START_TEST(trees)
+{
+	uint64_t seed = 5100 + (uint64_t)_i;
+	char *urdf = torque_robot(seed, LINKS, NO_ODD_NAMES | (_i % 5 ? 0 : ALWAYS_MIMIC)), what[64];
+
+	snprintf(what, sizeof what, "seed %d", (int)seed);
+	check_drawn(urdf, _i % 3 ? RNEAGEN_FIXED : RNEAGEN_FLOATING, seed, _i % 2, what);
+	free(urdf);
+}
+END_TEST
+
+static const char *const ROBOTS[] = {"iiwa14", "panda", "cartpole", "planar_joint", "floating_joint", "mimic_chain", "root_with_mass", "prismatic_skew"};
+enum { ROBOT_COUNT = sizeof ROBOTS / sizeof *ROBOTS };
+
+START_TEST(robots)
+{
+	const char *name = ROBOTS[_i];
+	char path[256];
+	size_t length;
+	char *urdf;
+
+	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, name);
+	urdf = read_file(path, &length);
+	ck_assert(urdf != NULL);
+	for (int k = 0; k < 4; k++)
+		ck_assert(check_drawn(urdf, k % 2 ? RNEAGEN_FLOATING : RNEAGEN_FIXED, 9000 + (uint64_t)(4 * _i + k), k / 2, name) || k == 3);
+	free(urdf);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *s = suite_create("product");
+
+	suite_add(s, "trees", trees, TREES, 60);
+	suite_add(s, "robots", robots, ROBOT_COUNT, 60);
+	return suite_run(s);
+}

@@ -1,0 +1,241 @@
+/* Robots of tests/robots, and numerically hard cases: a base and a frame 1000 km off, angles of 1e5 rad, at the qdd found. In quad
+   precision against the independent reference, and in f64 and f32, where an arm of one metre must not lose the digits that the base's
+   1000 km take. Would catch a sum about the world's origin, and a chain of a real robot that is ordered otherwise. */
+#define _POSIX_C_SOURCE 200809L
+#include "kinematics/kin_case.h"
+#include "support/exhaustive.h"
+#include "support/suite.h"
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SEED = 77, SCENE = 1024, SAMPLES = 5 };
+
+static const double NOISE = 4 * 0x1p-53, EPS[] = {0x1p-52, 0x1p-23};
+
+static char *read_text(const char *folder, const char *name)
+{
+	char path[1024], *text = calloc(1, 1 << 20);
+	FILE *f;
+
+	snprintf(path, sizeof path, "%s/%s", folder, name);
+	f = fopen(path, "rb");
+	ck_assert_msg(f != NULL && text != NULL, "%s", path);
+	ck_assert(fread(text, 1, (1 << 20) - 1, f) > 0);
+	fclose(f);
+	return text;
+}
+
+/* How many rows of qd move an entry. */
+static int chain_rows(const struct reference *r, int entry)
+{
+	int rows = 0;
+
+	for (int i = entry; i >= 0; i = r->joints[i].parent)
+		rows += r->joints[i].driver == i ? r->joints[i].nv : 0;
+	return rows;
+}
+
+static int deepest(const struct reference *r)
+{
+	int best = 0;
+
+	for (int i = 0; i < r->nj; i++)
+		if (chain_rows(r, i) >= chain_rows(r, best))
+			best = i;
+	return best;
+}
+
+static int is_left_out(const char *name)
+{
+	return strncmp(name, "xfail", 5) == 0 || strcmp(name, "chain_75.urdf") == 0; /* differences of 75 columns take their time */
+}
+
+static void check_robot(const char *folder, const char *name, enum rneagen_base base, enum want_frame frame, double *worst, int *compared)
+{
+	static const char *const frames[] = {"link", "world", "world-aligned"};
+	struct kin_case *c = calloc(1, sizeof *c);
+	struct rneagen_options o = rneagen_options_default();
+	const struct reference_options ro = {.floating = base == RNEAGEN_FLOATING};
+	char *urdf = read_text(folder, name), scene[SCENE], message[256];
+	struct reference *r = reference_open(urdf, strlen(urdf), &ro, message, sizeof message);
+	const char *link;
+
+	ck_assert_msg(r != NULL, "%s: %s", name, message);
+	link = r->joints[deepest(r)].link;
+	snprintf(scene, sizeof scene,
+		"want pose.%s,jacobian.%s,djacobian.%s,opspace_inv.%s%s%s\nwant com,vcom,com_jacobian,momentum,momentum_matrix,dmomentum,coriolis\n"
+		"frame %s\n", link, link, link, link, chain_rows(r, deepest(r)) >= 6 ? ",opspace." : "",
+		chain_rows(r, deepest(r)) >= 6 ? link : "", frames[frame]);
+	o.scene = scene;
+	o.base = base;
+	snprintf(c->what, sizeof c->what, "%s, %s, frame %s, seed %d", name, base == RNEAGEN_FLOATING ? "floating" : "fixed", frames[frame], SEED);
+	if (kin_open(c, urdf, NULL, &o, SEED)) {
+		kin_draw(c);
+		kin_evaluate(c);
+		*compared += kin_compare(c, NOISE);
+		*worst = c->worst > *worst ? c->worst : *worst;
+		kin_close(c);
+	}
+	reference_close(r);
+	free(urdf);
+	free(c);
+}
+
+static void check_folder(const char *folder, int least)
+{
+	struct dirent **names;
+	int count = scandir(folder, &names, NULL, alphasort), robots = 0, compared = 0;
+	double worst = 0;
+
+	for (int i = 0; i < count; i++) {
+		const char *dot = strrchr(names[i]->d_name, '.');
+
+		if (dot && !strcmp(dot, ".urdf") && !is_left_out(names[i]->d_name) && !(sanitized() && i % 4)) {
+			for (int floating = 0; floating < 2; floating++)
+				check_robot(folder, names[i]->d_name, floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED,
+					(enum want_frame)((robots + floating) % 3), &worst, &compared);
+			robots++;
+		}
+		free(names[i]);
+	}
+	free(names);
+	printf("%s: %d robots, %d arrays, seed %d, off by %.2g of the tolerance at most\n", folder, robots, compared, SEED, worst);
+	ck_assert_int_ge(robots, sanitized() ? least / 5 : least);
+	ck_assert_int_gt(compared, 10 * robots);
+}
+
+START_TEST(own)
+{
+	check_folder(TEST_DIR "/robots", 25);
+}
+END_TEST
+
+START_TEST(others)
+{
+	const char *folder = getenv("RNEAGEN_ROBOTS");
+
+	if (folder && exhaustive())
+		check_folder(folder, 10);
+	else
+		printf("skipped: %s\n", folder ? "only with RNEAGEN_ALL=1" : "RNEAGEN_ROBOTS is not set");
+}
+END_TEST
+
+/* ---- hard cases ---- */
+
+static const struct hard {
+	const char *name, *robot, *scene;
+	enum rneagen_base base;
+	double far;            /* m, of the base */
+	double angle;          /* rad, added to each joint that turns */
+	double noise;          /* eps of the largest element */
+} HARD[] = {
+	{"a base 1000 km off, arms", "hyq", "want jacobian.lf_foot,djacobian.lf_foot,com_jacobian,vcom,momentum,momentum_matrix,dmomentum\n"
+		"frame world-aligned\n", RNEAGEN_FLOATING, 1e6, 0, 16},
+	{"a base 1000 km off, places", "atlas", "want pose.l_foot,com\n", RNEAGEN_FLOATING, 1e6, 0, 4},
+	{"a base 1000 km off, in the world", "hyq", "want jacobian.rh_foot,djacobian.rh_foot\nframe world\n", RNEAGEN_FLOATING, 1e6, 0, 16},
+	{"a base 1000 km off, in the link", "hyq", "want jacobian.rh_foot,djacobian.rh_foot,opspace_inv.rh_foot,coriolis\nframe link\n",
+		RNEAGEN_FLOATING, 1e6, 0, 64},
+	{"angles of 1e5 rad", "iiwa14", "want pose.iiwa_link_ee,jacobian.iiwa_link_ee,djacobian.iiwa_link_ee,com,momentum_matrix,dmomentum\n",
+		RNEAGEN_FIXED, 0, 1e5, 16},
+	{"angles of 1e5 rad, quaternion", "panda", "want pose.panda_hand_tcp,jacobian.panda_hand\npose quaternion\nframe world\n", RNEAGEN_FIXED, 0,
+		-1e5, 32},
+	{"a frame 1000 km off", "ur5", "add-frame far=tool0,1e6,-7e5,3e5,0.1,0.2,0.3\nwant pose.far,jacobian.far,djacobian.far\nframe world-aligned\n",
+		RNEAGEN_FIXED, 0, 0, 16},
+	{"a frame 1000 km off, in the link", "ur5", "add-frame far=tool0,1e6,-7e5,3e5,0.1,0.2,0.3\nwant jacobian.far,djacobian.far\nframe link\n",
+		RNEAGEN_FIXED, 0, 0, 64},
+};
+enum { HARD_COUNT = sizeof HARD / sizeof *HARD };
+
+static void make_hard(struct kin_case *c, const struct hard *h)
+{
+	static const double off[3] = {1, -0.7, 0.3};
+
+	for (int i = 0; i < c->reference->nj; i++) {
+		const struct reference_joint *j = &c->reference->joints[i];
+
+		for (int k = 0; k < 3 && j->nq == 7 && h->far > 0; k++)
+			c->q[j->iq + k] = h->far * off[k];
+		if (j->nq == 1 && (j->type == REFERENCE_REVOLUTE || j->type == REFERENCE_CONTINUOUS))
+			c->q[j->iq] += h->angle;
+	}
+	kin_settle(c);
+}
+
+START_TEST(hard)
+{
+	const struct hard *h = &HARD[_i];
+	struct rneagen_options o = rneagen_options_default();
+	char name[64], *urdf;
+
+	snprintf(name, sizeof name, "%s.urdf", h->robot);
+	urdf = read_text(TEST_DIR "/robots", name);
+	o.scene = h->scene;
+	o.base = h->base;
+	for (int is_f32 = 0; is_f32 < 2; is_f32++) {
+		struct kin_case *c = calloc(1, sizeof *c);
+
+		snprintf(c->what, sizeof c->what, "%s, %s, %s, seed %d", h->name, h->robot, is_f32 ? "f32" : "f64", SEED);
+		c->added[c->added_count++] = (struct kin_added){"far", "tool0", {1e6, -7e5, 3e5, 0.1, 0.2, 0.3}};
+		ck_assert(kin_open(c, urdf, NULL, &o, SEED));
+		for (int k = 0; k < SAMPLES; k++) {
+			kin_draw(c);
+			make_hard(c, h);
+			kin_round(c, is_f32);
+			kin_evaluate(c);
+			c->is_by_largest = 0;
+			if (!is_f32) /* a quaternion of floats is of no unit length */
+				kin_compare(c, NOISE);
+			c->is_by_largest = 1;
+			kin_evaluate_rounded(c, is_f32);
+			c->worst = 0;
+			kin_compare(c, h->noise * EPS[is_f32]);
+		}
+		printf("%s: off by %.2g of %g eps of the largest element\n", c->what, c->worst, h->noise);
+		kin_close(c);
+		free(c);
+	}
+	free(urdf);
+}
+END_TEST
+
+/* ---- at the qdd found ---- */
+
+START_TEST(forward)
+{
+	static const struct {
+		const char *robot;
+		enum rneagen_base base;
+	} of[] = {{"iiwa14.urdf", RNEAGEN_FIXED}, {"panda.urdf", RNEAGEN_FIXED}, {"hyq.urdf", RNEAGEN_FLOATING}};
+	struct kin_case *c = calloc(1, sizeof *c);
+	struct rneagen_options o = rneagen_options_default();
+	char *urdf = read_text(TEST_DIR "/robots", of[_i].robot);
+
+	o.scene = "want qdd,dmomentum,momentum,vcom,coriolis\n";
+	o.base = of[_i].base;
+	snprintf(c->what, sizeof c->what, "%s at the qdd found, seed %d", of[_i].robot, SEED);
+	ck_assert(kin_open(c, urdf, NULL, &o, SEED));
+	for (int k = 0; k < SAMPLES; k++) {
+		kin_draw(c);
+		kin_evaluate(c);
+		ck_assert_int_eq(kin_compare(c, 64 * NOISE), 4);
+	}
+	kin_close(c);
+	free(c);
+	free(urdf);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *suite = suite_create("kinematics of robots");
+
+	setvbuf(stdout, NULL, _IOLBF, 0);
+	suite_add(suite, "own", own, 1, 3000);
+	suite_add(suite, "others", others, 1, 3000);
+	suite_add(suite, "hard", hard, HARD_COUNT, 300);
+	suite_add(suite, "forward", forward, 3, 300);
+	return suite_run(suite);
+}
