@@ -7,10 +7,11 @@
 
 static const struct svec NOTHING;
 
-/* Of what a body carries, as composite.c sums it: mass and first moment. */
+/* Of what a body carries: mass, and first moment, by the two sums of at_rest.c. Composite bodies sum it in another order: what would be
+   shared with them would wait from here to there. */
 struct moment {
 	struct ref mass;
-	struct svec h;
+	struct svec own, beyond;
 };
 
 static void leave_moment(const struct centroid *c, struct moment *of, int body)
@@ -24,11 +25,12 @@ static void leave_moment(const struct centroid *c, struct moment *of, int body)
 	struct inertia I;
 
 	centroid_own(c, body, &I, &p);
-	own->h = svec_add(d, own->h, p.h);
+	own->own = svec_add(d, own->own, p.h);
 	own->mass = dag_add(d, own->mass, p.mass);
 	if (body == x->hub)
 		return;
-	to->h = svec_add(d, to->h, svec_add(d, joint_to_parent(d, k, &at, own->h), svec_scale(d, own->mass, at.p)));
+	to->beyond = svec_add(d, to->beyond, joint_to_parent(d, k, &at, svec_add(d, own->own, own->beyond)));
+	to->own = svec_add(d, to->own, svec_scale(d, own->mass, at.p));
 	to->mass = dag_add(d, to->mass, own->mass);
 }
 
@@ -48,7 +50,7 @@ static int find_com(const struct centroid *c)
 			leave_moment(c, of, here);
 	for (; here >= 0; here = bodies[here].parent)
 		leave_moment(c, of, here);
-	x->com = svec_scale(x->d, c->inverse, of[x->hub + 1].h);
+	x->com = svec_scale(x->d, c->inverse, svec_add(x->d, of[x->hub + 1].own, of[x->hub + 1].beyond));
 	return 1;
 }
 
