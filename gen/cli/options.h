@@ -62,7 +62,9 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"  --want N1,N2,...           what is computed: tau, gravity, bias, wrench.JOINT, twist.LINK, accel.LINK, power,\n" \
 	"                             kinetic, potential, regressor, dtau_dq, dtau_dqd, M, jvp, vjp; dtau_dNAME by what\n" \
 	"                             is free;\n"                                                                         \
-	"                             where things are: pose.LINK, jacobian.LINK, djacobian.LINK\n"                     \
+	"                             where things are: pose.LINK, jacobian.LINK, djacobian.LINK, com, vcom,\n"         \
+	"                             com_jacobian, momentum, momentum_matrix, dmomentum; coriolis, opspace_inv.LINK,\n" \
+	"                             opspace.LINK;\n"                                                                \
 	"                             forward dynamics, with tau for an input: qdd, qdd_bound, Minv, dqdd_dq, dqdd_dqd,\n" \
 	"                             dqdd_dNAME\n"                                                                \
 	"  --jvp N1,N2,...            derivatives of any of these outputs, one after another, times the input jvp_v\n"  \
@@ -79,8 +81,8 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"                             take fewer operations\n"                                                           \
 	"  --pose rows|quaternion     pose.LINK: the rows of [R p], unless given; or p, then x y z w\n"               \
 	"  --frame link|world|world-aligned\n"                                                                       \
-	"                             of jacobian.LINK and djacobian.LINK: the link's, unless given; the world's; the\n" \
-	"                             world's axes at the link's origin\n"                                            \
+	"                             of jacobian.LINK, djacobian.LINK and opspace.LINK: the link's, unless given; the\n" \
+	"                             world's; the world's axes at the link's origin\n"                               \
 	"  --add-frame NAME=LINK,X,Y,Z,R,P,Y\n"                                                                      \
 	"                             a frame on a link, which --want takes where it takes a link\n"                 \
 	"  --refine 0|1|1:f64|1:f32x2|1:same\n"                                                                      \

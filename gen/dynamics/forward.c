@@ -86,10 +86,7 @@ void forward_factor(struct forward *x, struct build *b, struct joint_inputs in)
 		return;
 	}
 	tour_run(&x->tour);
-	if (b->k->is_forward)
-		dag_section(d, b->dynamics == DYNAMICS_ARTICULATED ? SECTION_ARTICULATED : SECTION_FACTORS, 0);
-	else
-		dag_section(d, SECTION_OPSPACE, 0);
+	dag_section(d, !b->k->is_forward ? SECTION_FACTORED : b->dynamics == DYNAMICS_ARTICULATED ? SECTION_ARTICULATED : SECTION_FACTORS, 0);
 	if (b->dynamics != DYNAMICS_ARTICULATED && !d->failed)
 		factor(x, d);
 	if (x->singular >= 0)
@@ -118,20 +115,39 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 	}
 }
 
-void forward_pivots(const struct forward *x)
+int forward_pivot_count(const struct tree *t, const struct request *k)
 {
-	struct dag *d = x->b->d;
-	int nv = x->b->t->nv, argument;
+	int count = t->nv;
 
-	if (d->failed)
-		return;
-	argument = dag_argument(d, "pivots", 2 * nv, 1);
-	for (int i = 0; i < nv; i++) {
+	for (int i = 0; i < k->want_count; i++)
+		count += k->wants[i].kind == WANT_OPSPACE ? 6 : 0;
+	return count;
+}
+
+void forward_pivots(const struct forward *x, struct joint_inputs in)
+{
+	struct build *b = x->b;
+	struct dag *d = b->d;
+	int nv = b->t->nv, count = forward_pivot_count(b->t, b->k), at = 2 * nv;
+	struct ref *pairs = arena_alloc(d->arena, 2 * (size_t)count, sizeof *pairs);
+	int argument = dag_argument(d, "pivots", 2 * count, 1);
+
+	if (!pairs)
+		d->failed = 1;
+	for (int i = 0; i < nv && !d->failed; i++) {
 		int row = x->M.row[i];
 
-		dag_output(d, argument, row, x->M.D[i]);
-		dag_output(d, argument, nv + row, x->mass.by[BY_QDD].element[row * nv + row]);
+		pairs[2 * row] = x->M.D[i];
+		pairs[2 * row + 1] = x->mass.by[BY_QDD].element[row * nv + row];
 	}
+	want_places(b, in);
+	for (int i = 0; i < b->k->want_count && !d->failed; i++)
+		if (b->k->wants[i].kind == WANT_OPSPACE) {
+			opspace_pivots(b, i, pairs + at);
+			at += 12;
+		}
+	for (int i = 0; i < 2 * count && !d->failed; i++)
+		dag_output(d, argument, i, pairs[i]);
 }
 
 void forward_solve(const struct forward *x, struct ref *rhs)

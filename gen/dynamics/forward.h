@@ -27,14 +27,19 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in);
 /* Factors of M, or articulated bodies, and no more. */
 void forward_factor(struct forward *x, struct build *b, struct joint_inputs in);
 
+/* Six pairs of an opspace. */
+void opspace_pivots(struct build *b, int want, struct ref *pairs);
+
 /* What is wanted of the inertia that is felt at links: J M^-1 J^T, and its inverse. `in` says where q is. */
 void opspace_outputs(struct build *b, struct joint_inputs in);
 
 /* qdd + M^-1 (tau - ID(q, qd, qdd)) in place of x->qdd; `in` as for forward_find. */
 void refine_step(struct forward *x, struct joint_inputs in);
 
-/* Of factors, as an output "pivots" by rows of qd: D, then M's diagonal. */
-void forward_pivots(const struct forward *x);
+/* Of factors, as an output "pivots": a number of D and the element of M's diagonal that it is left of, for each row of qd; then six
+   such pairs of each opspace that is wanted. `in` says where q is. */
+void forward_pivots(const struct forward *x, struct joint_inputs in);
+int forward_pivot_count(const struct tree *t, const struct request *k);
 
 /* Write qdd and M^-1 where these are wanted; -1: they are not. */
 void forward_outputs(const struct forward *x, int qdd_out, int inverse_out);

@@ -102,20 +102,16 @@ static void multiply(struct opspace *x)
 			x->X[6 * e + c] = x->X[6 * c + e];
 }
 
-/* A pivot that is zero for all states: some direction is none of the chain's. */
-static void invert(struct opspace *x)
+static void factor(const struct opspace *x, struct factor *f)
 {
 	struct dag *d = x->b->d;
-	struct factor f;
-	int singular;
+	int singular = -1;
 
-	if (!factor_make(&f, d, 6, NULL, x->X, &singular)) {
-		d->failed = 1;
-		if (singular >= 0)
-			d->singular = -1 - (int)(x->w - x->b->k->wants);
+	if (d->failed || factor_make(f, d, 6, NULL, x->X, &singular))
 		return;
-	}
-	factor_inverse(&f, x->X);
+	d->failed = 1;
+	if (singular >= 0)
+		d->singular = -1 - (int)(x->w - x->b->k->wants);
 }
 
 static void output(const struct opspace *x, int argument)
@@ -132,7 +128,8 @@ static void output(const struct opspace *x, int argument)
 			dag_output(d, argument, p.row[e], x->X[e]);
 }
 
-static void make(struct build *b, const struct forward *M, int want)
+/* J M^-1 J^T */
+static struct opspace make_inverse(struct build *b, const struct forward *M, int want)
 {
 	struct arena *a = b->d->arena;
 	size_t rows = (size_t)b->t->nv;
@@ -141,17 +138,40 @@ static void make(struct build *b, const struct forward *M, int want)
 
 	if (a->failed || b->d->failed) {
 		b->d->failed = 1;
-		return;
+		return x;
 	}
-	dag_section(b->d, SECTION_OPSPACE, 0);
+	dag_section(b->d, SECTION_OPSPACE, x.w->body);
 	if (b->dynamics == DYNAMICS_ARTICULATED)
 		reduce_by_bodies(&x);
 	else
 		reduce_by_factors(&x);
 	if (!b->d->failed)
 		multiply(&x);
-	if (x.w->kind == WANT_OPSPACE && !b->d->failed)
-		invert(&x);
+	return x;
+}
+
+void opspace_pivots(struct build *b, int want, struct ref *pairs)
+{
+	struct opspace x = make_inverse(b, b->factored, want);
+	struct factor f;
+
+	factor(&x, &f);
+	for (int i = 0; i < 6 && !b->d->failed; i++) {
+		pairs[2 * i] = f.D[i];
+		pairs[2 * i + 1] = x.X[7 * i];
+	}
+}
+
+static void make(struct build *b, int want)
+{
+	struct opspace x = make_inverse(b, b->factored, want);
+	struct factor f;
+
+	if (x.w->kind == WANT_OPSPACE) {
+		factor(&x, &f);
+		if (!b->d->failed)
+			factor_inverse(&f, x.X);
+	}
 	output(&x, b->outputs[want]);
 }
 
@@ -168,5 +188,5 @@ void opspace_outputs(struct build *b, struct joint_inputs in)
 	}
 	for (int i = 0; i < k->want_count; i++)
 		if (want_is(k->wants[i].kind, IS_OPSPACE))
-			make(b, b->forward ? b->forward : &alone, i);
+			make(b, i);
 }

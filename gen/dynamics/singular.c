@@ -12,7 +12,7 @@ enum { SAMPLES = 3 };
 
 static const struct draw_options DRAWN = {.seed = 1, .count = SAMPLES, .each = 1};
 
-/* Evaluate the pivots, [2][nv], in one sample. */
+/* Evaluate the pivots in one sample. */
 static int evaluate(const struct dag *d, const struct drawn *x, size_t sample, real *pivots, struct arena *a)
 {
 	const real *in[DAG_ARGUMENTS] = {NULL};
@@ -27,34 +27,45 @@ static int evaluate(const struct dag *d, const struct drawn *x, size_t sample, r
 		for (int r = 0; rows && r < d->arguments[i].rows; r++)
 			copy[r] = (real)rows[r];
 		in[i] = rows ? copy : NULL;
-		out[i] = rows ? NULL : i == d->outputs[0].argument ? pivots : copy;
+		out[i] = rows ? NULL : i == dag_find_argument(d, "pivots") ? pivots : copy;
 	}
 	return eval_real(d, in, out, NULL);
+}
+
+static int nth_opspace(const struct request *k, int n)
+{
+	int i = 0;
+
+	while (k->wants[i].kind != WANT_OPSPACE || n-- > 0)
+		i++;
+	return i;
 }
 
 /* Rows are eliminated one after the other. The first that leaves nothing spoils the others, which are then no small numbers. */
 static void judge(struct dag *d, const struct dag *trial, const struct tree *t, const struct request *k, struct arena *a)
 {
-	int nv = t->nv;
+	int count = forward_pivot_count(t, k);
 	struct drawn x;
-	real *pivots = arena_alloc(a, SAMPLES * 2 * (size_t)nv, sizeof *pivots);
+	real *pivots = arena_alloc(a, SAMPLES * 2 * (size_t)count, sizeof *pivots);
 
 	if (!pivots || !draw_inputs(&x, t, k, &DRAWN, a)) {
 		d->failed = 1;
 		return;
 	}
 	for (int s = 0; s < SAMPLES && !d->failed; s++)
-		d->failed = !evaluate(trial, &x, (size_t)s, pivots + s * 2 * nv, a);
-	for (int i = 0; i < nv && !d->failed; i++) {
+		d->failed = !evaluate(trial, &x, (size_t)s, pivots + s * 2 * count, a);
+	for (int i = 0; i < count && !d->failed; i++) {
 		int is_nothing = 1;
 
 		for (int s = 0; s < SAMPLES; s++) {
-			const real *p = pivots + s * 2 * nv;
+			const real *p = pivots + 2 * (s * count + i);
 
-			is_nothing &= fabsl(p[i]) <= NOTHING_LEFT * fabsl(p[nv + i]);
+			is_nothing &= fabsl(p[0]) <= NOTHING_LEFT * fabsl(p[1]);
 		}
-		if (is_nothing)
-			d->failed = d->singular = 1 + i;
+		if (is_nothing) {
+			d->failed = 1;
+			d->singular = i < t->nv ? 1 + i : -1 - nth_opspace(k, (i - t->nv) / 6);
+		}
 	}
 }
 

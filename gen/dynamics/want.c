@@ -235,6 +235,7 @@ static void run_main(struct build *b, struct joint_inputs in)
 	tour_run(&r);
 	if (b->recursion.r && !b->d->failed)
 		end_recursion(b);
+	want_rate(b, &r);
 	output_scalars(b, &r);
 	b->torques = r.tau;
 	gradient_outputs(&r, b->forward, b->outputs, b->done);
@@ -278,15 +279,20 @@ static void rate_entered(const struct tour *r, int body)
 	kinematics_rate(&b->places, body, &(struct carried_motion){m->v, m->w, m->a, m->dw});
 }
 
-/* Places of bodies, and what is wanted of them. */
+void want_places(struct build *b, struct joint_inputs in)
+{
+	b->places = (struct kinematics){.d = b->d, .t = b->t, .k = b->k, .in = in, .parameters = b->parameters, .outputs = b->outputs,
+		.gives_rate = want_gives_rate(b) && !is_gravity_alone(b)};
+	if (request_wants_any(b->k, IS_PLACED))
+		kinematics_run(&b->places);
+}
+
 static void run_kinematics(struct build *b, struct joint_inputs in)
 {
 	static const struct ref nothing[3] = {{0}, {0}, {0}};
 	struct tour r = want_tour(b, in);
 
-	b->places = (struct kinematics){.d = b->d, .t = b->t, .k = b->k, .in = in, .parameters = b->parameters, .outputs = b->outputs};
-	if (request_wants_any(b->k, IS_PLACED))
-		kinematics_run(&b->places);
+	want_places(b, in);
 	if (!request_wants(b->k, WANT_DJACOBIAN))
 		return;
 	dag_section(b->d, SECTION_RATE, 0);
@@ -368,7 +374,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	declare_request(&b);
 	if (ways.pivots_alone) {
 		forward_find(&forward, &b, in);
-		forward_pivots(&forward);
+		forward_pivots(&forward, in);
 		return;
 	}
 	if (k->is_forward)

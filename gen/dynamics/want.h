@@ -42,6 +42,13 @@ struct tour want_tour(struct build *b, struct joint_inputs in);
 /* Gravity, offsets and parameters of bodies: the tree's, and what the scene frees as arguments, which are declared the first time. */
 void want_constants(struct build *b);
 
+/* Where bodies are, in b->places, with what is wanted of that. */
+void want_places(struct build *b, struct joint_inputs in);
+
+/* Does the main tour find what makes the rate of the momentum? And that rate, from it. */
+int want_gives_rate(const struct build *b);
+void want_rate(const struct build *b, const struct tour *r);
+
 /* The wrenches from outside on a body that has been entered; where they are in axes of the world, the body's orientation. */
 void want_pull(const struct tour *r, int body);
 

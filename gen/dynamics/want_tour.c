@@ -1,6 +1,7 @@
 /* Where bodies are, the wrenches that pull at them, and what is asked of their motions and joints: what joins a tour on its
    way out and back. */
 #include "dynamics/want.h"
+#include "tree/lumps.h"
 
 static int needs_pose(const struct request *k)
 {
@@ -129,4 +130,24 @@ void want_leaving(const struct tour *r, int body)
 				dag_output(r->d, b->outputs[i], 3 + c, n.x[c]);
 			}
 		}
+}
+
+/* ---- when it is back ---- */
+
+/* Where nothing else pulls, and the ground holds nothing, the first wrench is what all that moves takes. */
+int want_gives_rate(const struct build *b)
+{
+	for (int k = 0; k < b->t->body_count; k++)
+		if (lumps_is_held(b->t, k))
+			return 0;
+	return request_wants(b->k, WANT_TAU) && request_wants(b->k, WANT_DMOMENTUM) && !b->k->push_count;
+}
+
+void want_rate(const struct build *b, const struct tour *r)
+{
+	const struct svec g = {{b->gravity[0], b->gravity[1], b->gravity[2]}};
+	const struct frame *first = r->frames + 1 + b->places.hub;
+
+	if (b->places.gives_rate && !b->d->failed)
+		kinematics_momentum_rate(&b->places, first->f, first->n, g);
 }

@@ -133,6 +133,16 @@ static void put_motion(const struct request *k, const struct want *w, struct tex
 		text_printf(out, ", dJ/dt qd, %s acceleration, in %s", k->frame == FRAME_WORLD_ALIGNED ? "a classical" : "a spatial", frames[k->frame]);
 	if (w->kind == WANT_JACOBIAN)
 		text_printf(out, ": twist = J qd, linear, then angular, in %s", frames[k->frame]);
+	if (want_is(w->kind, IS_OPSPACE))
+		text_printf(out, w->kind == WANT_OPSPACE ? ", inverse of J Minv J', in %s" : ", J Minv J', in %s", frames[k->frame]);
+	if (w->kind == WANT_COM || w->kind == WANT_VCOM)
+		text_put(out, "in the world");
+	if (w->kind == WANT_COM_JACOBIAN || w->kind == WANT_MOMENTUM_MATRIX)
+		text_printf(out, "%s = J qd", w->kind == WANT_COM_JACOBIAN ? "vcom" : "momentum");
+	if (w->kind == WANT_MOMENTUM || w->kind == WANT_DMOMENTUM)
+		text_put(out, " about the centre of mass, in the world's axes");
+	if (w->kind == WANT_CORIOLIS)
+		text_put(out, "C qd = bias - gravity, dM/dt = C + C'");
 }
 
 /* Which elements of a matrix are stored, in their order; only (i, j) with i >= j of M. */

@@ -124,7 +124,9 @@ static void put_quantities(const struct emission *e, struct text *out)
 		{"qdd", "acceleration of the link's joint, as it is found"}, {"iD", "1/D: the inverse of the inertia that the joint feels"},
 		{"rx", "the link's x axis, in the world's axes; so ry and rz"},
 		{"p", "its origin, from that of the first body on the way to it, in the world's axes"},
-		{"mc", "first moment about the origin of all masses from the link on"}};
+		{"mc", "first moment about the origin of all masses from the link on"},
+		{"P", "momentum of the same, by velocities less the origin's; so K, angular, about the origin"},
+		{"F", "rate of that momentum; so N, of the angular one"}};
 
 	if (any_names(e, "s") || any_names(e, "c"))
 		put_entry("s c", "sine and cosine of the joint's angle", out);

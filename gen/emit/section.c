@@ -57,11 +57,11 @@ static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driv
 		"jvp = dy/dx jvp_v, forwards;  vjp = vjp_v' dy/dx, backwards",
 	[SECTION_PLACE] = "R = R_p X R(q);  p = p_p + R_p x",
 	[SECTION_JACOBIAN] = "column of a joint: w = z, v = w x r, of one that slides v = z; r from its origin to the point that is told of",
-	[SECTION_SUBTREE] = "about the body's origin, of all that it carries: C += D = R C + m p;  P += R P + m p';  K += R K + p x R P + D x p';\n\t   "
-		"F += R F + m p'';  N += R N + p x R F + D x p'';  a column of the matrix: Z x C + m Y, I Z + C x Y",
-	[SECTION_CENTROID] = "com = C/m;  momentum P, and K - com x P about the centre of mass;  rates F, and N - com x F",
-	[SECTION_OPSPACE] = "by factors: M = L'D L, L'Y = J';  by articulated bodies: Y = what joints feel of unit wrenches on the link;\n\t   "
-		"inverse = Y' D^-1 Y",
+	[SECTION_SUBTREE] = "mc_p += D = R mc + m p;  P_p += R P + m p';  K_p += R K + p x R P + D x p';  F_p += R F + m p'';\n\t   "
+		"N_p += R N + p x R F + D x p'';  a column of the matrix, of the unit twist (Z, Y): Z x mc + m Y, I Z + mc x Y",
+	[SECTION_CENTROID] = "com = mc/m;  momentum: P, and K - com x P about the centre of mass;  rates: F, and N - com x F",
+	[SECTION_OPSPACE] = "inverse = J Minv J' = Y' D^-1 Y;  by factors: M = L'D L, L'Y = J';  by articulated bodies: Y = what\n\t   "
+		"joints feel of unit wrenches on the link",
 	[SECTION_RATE] = "dJ/dt qd = the acceleration that is left where qdd = 0",
 	[SECTION_PRODUCTS] = "jvp = d tau/d q v_q + d tau/d qd v_qd + M v_qdd;  vjp = v' d tau/d q, v' d tau/d qd, v' M"};
 
@@ -123,8 +123,12 @@ static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torqu
 	[SECTION_SWEEPS] = "derivatives of outputs times vectors",
 	[SECTION_RATE] = "from here on without accelerations and gravity",
 	[SECTION_CENTROID] = "centre of mass and momentum",
-	[SECTION_OPSPACE] = "inertia felt at a link",
+	[SECTION_FACTORED] = "factors of the mass matrix",
 	[SECTION_PRODUCTS] = "derivatives times vectors, and by what is freed"};
+
+/* Of others, what is before the link. */
+static const char *const ABOUT_LINKS[SECTION_COUNT] = {[SECTION_PLACE] = "place of", [SECTION_JACOBIAN] = "Jacobian of what is on",
+	[SECTION_SUBTREE] = "back from", [SECTION_OPSPACE] = "inertia felt on"};
 
 /* "out to link 2 "lower" (fpass)"; "back from link 2 "lower" to link 1 (bpass): torque of "elbow"" */
 static void put_title(const struct emission *e, const struct pass *pass, const struct section *s, struct text *out)
@@ -141,10 +145,8 @@ static void put_title(const struct emission *e, const struct pass *pass, const s
 		text_put(out, "\" ---- */\n");
 		return;
 	}
-	if (s->kind == SECTION_PLACE || s->kind == SECTION_JACOBIAN || s->kind == SECTION_SUBTREE) {
-		text_printf(out, "\n\t/* ---- %s link %d \"",
-			s->kind == SECTION_PLACE ? "place of" : s->kind == SECTION_JACOBIAN ? "Jacobian of what is on" : "momentum of all beyond",
-			k->number);
+	if (ABOUT_LINKS[s->kind]) {
+		text_printf(out, "\n\t/* ---- %s link %d \"", ABOUT_LINKS[s->kind], k->number);
 		text_put_comment(out, k->link);
 		text_put(out, "\" ---- */\n");
 		return;

@@ -91,12 +91,13 @@ static int find_hub(const struct tree *t)
 	return 0;
 }
 
-void centroid_begin(struct centroid *c, const struct kinematics *x)
+void centroid_begin(struct centroid *c, struct kinematics *x)
 {
 	struct arena *a = x->d->arena;
 	size_t bodies = (size_t)x->t->body_count;
 
-	*c = (struct centroid){.hub = find_hub(x->t), .unit = within_exact(1)};
+	x->hub = find_hub(x->t);
+	*c = (struct centroid){.unit = within_exact(1)};
 	if (!request_wants_any(x->k, OF_MASSES))
 		return;
 	c->x = x;
@@ -156,7 +157,7 @@ static void make_column(struct centroid *c, int body, int row)
 	joint_unit_twist(d, &x->t->bodies[body], &x->bodies[body].pose, row, &Y, &Z);
 	to->linear = svec_add(d, svec_cross(d, Z, C), svec_scale(d, of->mass, Y));
 	k = svec_add(d, rigid_body_inertia_times(d, &of->whole.p, Z), svec_cross(d, C, Y));
-	if (body == c->hub) /* all that slides with it has none about its centre */
+	if (body == x->hub) /* all that slides with it has none about its centre */
 		k = Z.x[0].i || Z.x[1].i || Z.x[2].i ? svec_sub(d, k, svec_cross(d, svec_scale(d, c->inverse, C), to->linear)) : NOTHING;
 	to->linear = smat_mul(d, R, to->linear);
 	to->angular = smat_mul(d, R, k);
@@ -205,12 +206,12 @@ void centroid_leave(struct centroid *c, int body)
 	k = &x->t->bodies[body];
 	own = &c->loads[body + 1];
 	has_numbers = own_of(c, body, &I, &p);
-	load_add_own(x->d, own, &p, has_numbers ? &I : NULL);
+	load_add_own(x->d, own, k->number, &p, has_numbers ? &I : NULL);
 	if (c->has_matrix)
 		composite_add_body(x->d, &own->whole, &p, NOTHING);
 	if (c->has_columns)
 		make_columns(c, body);
-	if (body == c->hub)
+	if (body == x->hub)
 		return;
 	load_add_child(x, body, own, &c->loads[k->parent + 1]);
 	if (c->has_matrix && k->parent >= 0)
@@ -220,18 +221,19 @@ void centroid_leave(struct centroid *c, int body)
 /* ---- at the hub ---- */
 
 /* From the hub's axes into the world's. */
-static struct svec to_world(const struct centroid *c, struct svec u)
+static struct svec to_world(const struct kinematics *x, struct svec u)
 {
-	return c->hub < 0 ? u : smat_mul(c->x->d, &c->x->bodies[c->hub].R, u);
+	return x->hub < 0 ? u : smat_mul(x->d, &x->bodies[x->hub].R, u);
 }
 
 /* What the velocities (V0, V) of the hub's origin add to a momentum P that is relative to it: m A V0 + R (P + m V). */
 static struct svec with_hub(const struct centroid *c, struct svec P, struct svec V0, struct svec V)
 {
-	struct dag *d = c->x->d;
+	const struct kinematics *x = c->x;
+	struct dag *d = x->d;
 
-	P = to_world(c, svec_add(d, P, svec_scale(d, c->mass, V)));
-	return c->hub < 0 ? P : svec_add(d, smat_mul(d, &c->x->bodies[c->hub].A, svec_scale(d, c->mass, V0)), P);
+	P = to_world(x, svec_add(d, P, svec_scale(d, c->mass, V)));
+	return x->hub < 0 ? P : svec_add(d, smat_mul(d, &x->bodies[x->hub].A, svec_scale(d, c->mass, V0)), P);
 }
 
 /* Sums of rows of the matrix by qd. */
@@ -248,7 +250,7 @@ static void apply_matrix(const struct centroid *c, const struct momentum_column 
 	}
 }
 
-/* By rows of qd, about the centre of mass, which is at r from the hub's origin. */
+/* By rows of qd, about the centre of mass, which is at r where the hub's origin is at its p. */
 static void gather_columns(const struct centroid *c, struct svec r, struct momentum_column *of)
 {
 	const struct kinematics *x = c->x;
@@ -258,7 +260,7 @@ static void gather_columns(const struct centroid *c, struct svec r, struct momen
 		const struct body *k = &x->t->bodies[body];
 		struct svec p = x->bodies[body].p, from;
 
-		if (c->hub < 0)
+		if (x->hub < 0)
 			p = svec_add(d, x->bodies[body].from, p);
 		from = svec_sub(d, p, r);
 		for (int row = 0; row < joint_nv(k->type); row++) {
@@ -266,7 +268,7 @@ static void gather_columns(const struct centroid *c, struct svec r, struct momen
 			struct momentum_column *to = &of[k->iv + row];
 			struct svec angular = own->angular;
 
-			if (body != c->hub)
+			if (body != x->hub)
 				angular = svec_add(d, angular, svec_cross(d, from, own->linear));
 			to->linear = svec_add(d, to->linear, own->linear);
 			to->angular = svec_add(d, to->angular, angular);
@@ -286,13 +288,49 @@ static void output_columns(const struct centroid *c, const struct momentum_colum
 	}
 }
 
+/* f + m g, which has no moment about the centre of mass. */
+void kinematics_momentum_rate(const struct kinematics *x, struct svec f, struct svec n, struct svec g)
+{
+	struct dag *d = x->d;
+	int argument = output_of(x, WANT_DMOMENTUM);
+
+	dag_section(d, SECTION_CENTROID, 0);
+	output(x, argument, 0, svec_add(d, to_world(x, f), svec_scale(d, x->mass, g)));
+	output(x, argument, 3, to_world(x, svec_sub(d, n, svec_cross(d, x->com, f))));
+}
+
+static void output_rate(const struct centroid *c, const struct load *all, const struct joint_rates *hub, struct svec com)
+{
+	const struct kinematics *x = c->x;
+	struct svec n = svec_sub(x->d, all->N, svec_cross(x->d, com, all->F));
+
+	if (x->gives_rate)
+		return;
+	output(x, output_of(x, WANT_DMOMENTUM), 0, with_hub(c, all->F, hub->dV0, hub->dV));
+	output(x, output_of(x, WANT_DMOMENTUM), 3, to_world(x, n));
+}
+
+static void output_momentum(const struct centroid *c, const struct load *all, const struct joint_rates *hub, struct svec com,
+	const struct momentum_column *of)
+{
+	const struct kinematics *x = c->x;
+	struct dag *d = x->d;
+	struct svec l = with_hub(c, all->P, hub->V0, hub->V), k = to_world(x, svec_sub(d, all->K, svec_cross(d, com, all->P)));
+
+	if (c->has_matrix)
+		apply_matrix(c, of, &l, &k);
+	output(x, output_of(x, WANT_VCOM), 0, svec_scale(d, c->inverse, l));
+	output(x, output_of(x, WANT_MOMENTUM), 0, l);
+	output(x, output_of(x, WANT_MOMENTUM), 3, k);
+}
+
 void centroid_end(struct centroid *c)
 {
 	const struct kinematics *x = c->x;
 	const struct load *all;
 	struct momentum_column *of;
 	struct joint_rates hub = {.V = NOTHING};
-	struct svec com, r, l, k;
+	struct svec com, r;
 	struct dag *d;
 
 	if (!x)
@@ -304,23 +342,20 @@ void centroid_end(struct centroid *c)
 		return;
 	}
 	dag_section(d, SECTION_CENTROID, 0);
-	all = &c->loads[c->hub + 1];
-	if (c->hub >= 0)
-		hub = joint_move(d, &x->t->bodies[c->hub], x->in);
-	com = svec_scale(d, c->inverse, c->hub >= 0 ? moment_of(c, all) : load_moment(d, all));
-	r = to_world(c, com);
-	output(x, output_of(x, WANT_COM), 0, c->hub >= 0 ? svec_add(d, x->bodies[c->hub].from, r) : r);
+	all = &c->loads[x->hub + 1];
+	if (x->hub >= 0)
+		hub = joint_move(d, &x->t->bodies[x->hub], x->in);
+	com = svec_scale(d, c->inverse, x->hub >= 0 ? moment_of(c, all) : load_moment(d, all));
+	c->x->com = com;
+	c->x->mass = c->mass;
+	r = to_world(x, com);
+	if (x->hub >= 0)
+		r = svec_add(d, x->bodies[x->hub].p, r);
+	output(x, output_of(x, WANT_COM), 0, x->hub >= 0 ? svec_add(d, x->bodies[x->hub].from, r) : r);
 	if (c->has_columns) {
 		gather_columns(c, r, of);
 		output_columns(c, of);
 	}
-	l = with_hub(c, all->P, hub.V0, hub.V);
-	k = to_world(c, svec_sub(d, all->K, svec_cross(d, com, all->P)));
-	if (c->has_matrix)
-		apply_matrix(c, of, &l, &k);
-	output(x, output_of(x, WANT_VCOM), 0, svec_scale(d, c->inverse, l));
-	output(x, output_of(x, WANT_MOMENTUM), 0, l);
-	output(x, output_of(x, WANT_MOMENTUM), 3, k);
-	output(x, output_of(x, WANT_DMOMENTUM), 0, with_hub(c, all->F, hub.dV0, hub.dV));
-	output(x, output_of(x, WANT_DMOMENTUM), 3, to_world(c, svec_sub(d, all->N, svec_cross(d, com, all->F))));
+	output_momentum(c, all, &hub, com, of);
+	output_rate(c, all, &hub, com);
 }

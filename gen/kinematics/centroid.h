@@ -15,14 +15,13 @@ struct load {
 };
 
 /* What a unit rate of a row of a joint makes, in the world's axes: linear momentum, and angular momentum about the body's origin; of
-   the hub's about the centre of mass. */
+   the hub's about the centre of mass. All is summed about the hub's origin. */
 struct momentum_column {
 	struct svec linear, angular;
 };
 
 struct centroid {
-	const struct kinematics *x; /* NULL: nobody asks for it */
-	int hub;                    /* the only body that the world carries, about whose origin all is summed; -1: the world's */
+	struct kinematics *x;       /* NULL: nobody asks for it */
 	int has_columns, has_matrix;
 	struct ref mass, inverse;   /* of all that moves */
 	struct within unit;         /* of masses: 1, or all that moves */
@@ -33,7 +32,7 @@ struct centroid {
 };
 
 /* x->bodies[k] is made when a body is entered. Failure is in d->failed. */
-void centroid_begin(struct centroid *c, const struct kinematics *x);
+void centroid_begin(struct centroid *c, struct kinematics *x);
 void centroid_enter(struct centroid *c, int body);
 void centroid_leave(struct centroid *c, int body);
 void centroid_end(struct centroid *c);
@@ -43,8 +42,8 @@ void centroid_end(struct centroid *c);
 void load_move(const struct kinematics *x, int body, const struct load *parent, struct load *to);
 struct svec load_moment(struct dag *d, const struct load *x);
 
-/* When all that it carries is in; `numbers`: of parameters that are numbers. */
-void load_add_own(struct dag *d, struct load *x, const struct parameters *p, const struct inertia *numbers);
+/* Of the body of this number, when all that it carries is in; `numbers`: of parameters that are numbers. */
+void load_add_own(struct dag *d, struct load *x, int number, const struct parameters *p, const struct inertia *numbers);
 void load_add_child(const struct kinematics *x, int child, const struct load *c, struct load *to);
 
 #endif

@@ -35,6 +35,10 @@ struct kinematics {
 	struct joint_inputs in;                /* q is read */
 	struct parameters *const *parameters;  /* by body, of those whose parameters are no numbers */
 	const int *outputs;                    /* arguments, by want */
+	int gives_rate;                        /* the rate of the momentum comes by kinematics_momentum_rate */
+	int hub;                               /* the only body that the world carries; -1: the world */
+	struct ref mass;                       /* of all that moves, where that is asked for; its centre, seen from the hub */
+	struct svec com;
 	struct axis_point *points;             /* by body */
 	struct placed *bodies;
 };
@@ -56,6 +60,10 @@ void kinematics_run(struct kinematics *x);
 
 /* Write what is wanted of dJ/dt qd of the links that a body carries, from its motion where nothing accelerates. */
 void kinematics_rate(const struct kinematics *x, int body, const struct carried_motion *m);
+
+/* Write what is wanted of the rate of the momentum, from what a tour of the torques finds that all that moves takes against gravity, g
+   in the world's axes: force, and moment about the hub's origin, in its frame. */
+void kinematics_momentum_rate(const struct kinematics *x, struct svec f, struct svec n, struct svec g);
 
 /* A frame at X in a body: its axes in the world, and its origin as struct placed has p. */
 void kinematics_frame(const struct kinematics *x, int body, const struct placement *X, struct smat *R, struct svec *p);

@@ -52,7 +52,7 @@ struct svec load_moment(struct dag *d, const struct load *x)
 }
 
 /* K: I w, N: I dw + w x I w */
-void load_add_own(struct dag *d, struct load *x, const struct parameters *p, const struct inertia *numbers)
+void load_add_own(struct dag *d, struct load *x, int number, const struct parameters *p, const struct inertia *numbers)
 {
 	struct svec Iw = rigid_body_inertia_times(d, p, x->motion.w), n;
 
@@ -64,6 +64,10 @@ void load_add_own(struct dag *d, struct load *x, const struct parameters *p, con
 	x->K = svec_add(d, x->K, Iw);
 	x->F = svec_add(d, x->F, smat_mul(d, &x->motion.U, x->H));
 	x->N = svec_add(d, x->N, n);
+	svec_tag(d, x->P, "P", number);
+	svec_tag(d, x->K, "K", number);
+	svec_tag(d, x->F, "F", number);
+	svec_tag(d, x->N, "N", number);
 }
 
 void load_add_child(const struct kinematics *x, int child, const struct load *c, struct load *to)
@@ -71,9 +75,10 @@ void load_add_child(const struct kinematics *x, int child, const struct load *c,
 	struct dag *d = x->d;
 	const struct body *k = &x->t->bodies[child];
 	const struct joint_pose *at = &x->bodies[child].pose;
-	struct svec C = joint_to_parent(d, k, at, load_moment(d, c)), P = joint_to_parent(d, k, at, c->P), F = joint_to_parent(d, k, at, c->F);
+	struct svec moment = load_moment(d, c), C = joint_to_parent(d, k, at, moment), P = joint_to_parent(d, k, at, c->P), F = joint_to_parent(d, k, at, c->F);
 	struct svec mp = svec_scale(d, c->mass, at->p), D = svec_add(d, C, mp), rate, second;
 
+	svec_tag(d, moment, "mc", k->number);
 	slide(x, child, to->motion.w, &rate, &second);
 	to->mass = dag_add(d, to->mass, c->mass);
 	to->H = svec_add(d, to->H, mp);

@@ -233,7 +233,7 @@ static void draw_free(struct drawing *g)
 {
 	const char *word = DICE_WORD(g->d, "payload", "mass", "inertia", "offset", "gravity"), *name = NULL;
 	const struct body *k = draw_body(g, 1);
-	struct text t = new_text(g), d = new_text(g);
+	struct text t = new_text(g), d = new_text(g), by = new_text(g);
 
 	if (!strcmp(word, "offset"))
 		name = k ? k->joint : NULL;
@@ -243,23 +243,16 @@ static void draw_free(struct drawing *g)
 		return;
 	text_printf(&t, "%s%s%s", word, name ? "." : "", name ? name : "");
 	text_printf(&d, "%s_d%s", g->is_forward ? "dqdd" : "dtau", text_string(&t));
+	text_put(&by, text_string(&t));
 	if (dice_happen(g->d, 2) || (name && ends_like_rate(name)))
 		text_put(&t, DICE_WORD(g->d, ":sample", ":batch"));
 	put_line(g, SCENE_FREE, text_string(&t));
 	if (dice_happen(g->d, 3))
 		put_line(g, SCENE_WANT, text_string(&d));
-	else if (dice_happen(g->d, 3) && is_new(g, "", "matrix")) {
-		put_line(g, dice_happen(g->d, 2) ? SCENE_JVP : SCENE_VJP, g->is_forward ? "qdd" : "tau");
-		put_line(g, SCENE_BY, text_string(&d) + strlen("dtau_d"));
+	else if (is_new(g, "", "matrix")) {
+		put_line(g, SCENE_VJP, g->is_forward ? "qdd" : "tau");
+		put_line(g, SCENE_BY, text_string(&by));
 	}
-}
-
-/* The derivatives of some outputs times a vector. */
-static void draw_product(struct drawing *g)
-{
-	if (is_new(g, "", "matrix"))
-		put_line(g, dice_happen(g->d, 2) ? SCENE_JVP : SCENE_VJP,
-			g->is_forward ? DICE_WORD(g->d, "qdd", "qdd,kinetic", "gravity,qdd") : DICE_WORD(g->d, "tau", "bias,kinetic", "M", "gravity,power,tau"));
 }
 
 /* What is asked of qdd in place of M, jvp, vjp, dtau_dq and dtau_dqd. */
@@ -271,26 +264,44 @@ static void draw_forward(struct drawing *g, size_t matrix)
 	put_line(g, keys[matrix], words[matrix]);
 	if (dice_happen(g->d, 2) && is_new(g, "", "dynamics"))
 		put_line(g, SCENE_DYNAMICS, g->tree.mimic_count ? "factor" : DICE_WORD(g->d, "articulated", "factor", "auto"));
-	if (dice_happen(g->d, 4) && is_new(g, "", "refine"))
+	if (dice_happen(g->d, 3) && is_new(g, "", "refine"))
 		put_line(g, SCENE_REFINE, DICE_WORD(g->d, "1", "2:same", "0", "1:f64"));
+}
+
+/* How places are told, and a frame on a link. */
+static void draw_form(struct drawing *g)
+{
+	const char *link = draw_carried(g);
+	struct text t = new_text(g);
+
+	if (is_new(g, "", "pose"))
+		put_line(g, SCENE_POSE, DICE_WORD(g->d, "quaternion", "rows"));
+	if (is_new(g, "", "frame of Jacobians"))
+		put_line(g, SCENE_FRAME, DICE_WORD(g->d, "world", "world-aligned", "link"));
+	if (!link || !is_new(g, "", "added frame"))
+		return;
+	text_printf(&t, "added frame=%s,", link);
+	put_numbers(g, &t, 6, 0);
+	put_line(g, SCENE_ADD_FRAME, text_string(&t));
+	put_line(g, SCENE_WANT, DICE_WORD(g->d, "pose.added frame", "jacobian.added frame"));
 }
 
 static void draw_want(struct drawing *g)
 {
-	static const char *const words[] = {"tau", "gravity", "bias", "power", "kinetic", "potential", "regressor", "M", "jvp", "vjp", "dtau_dq",
-		"dtau_dqd", "com", "vcom", "com_jacobian", "momentum", "momentum_matrix", "dmomentum", "coriolis", "wrench", "twist", "accel", "pose",
-		"jacobian", "djacobian", "opspace_inv"};
-	enum { MATRICES = 7, PLACES = 12, WRENCH = 19 };
+	static const char *const words[] = {"tau", "gravity", "bias", "power", "kinetic", "potential", "regressor", "com", "vcom",
+		"com_jacobian", "momentum", "momentum_matrix", "dmomentum", "coriolis", "M", "jvp", "vjp", "dtau_dq", "dtau_dqd", "wrench", "twist",
+		"accel", "pose", "jacobian", "djacobian", "opspace_inv"};
+	enum { MATRICES = 14, WRENCH = 19 };
 	size_t kind = dice_below(g->d, sizeof words / sizeof *words);
 	const struct body *k = draw_body(g, 0);
 	const char *name = kind == WRENCH ? (k ? k->joint : NULL) : draw_carried(g);
 	struct text t = new_text(g);
 
-	if (kind >= MATRICES && kind < PLACES && !is_new(g, "", "matrix")) /* one of them, for they take long */
+	if (kind >= MATRICES && kind < WRENCH && !is_new(g, "", "matrix")) /* one of them, for they take long */
 		return;
 	if ((!strcmp(words[kind], "dtau_dq") && g->folds_q) || (!strcmp(words[kind], "dtau_dqd") && g->folds_qd))
 		return;
-	if (g->is_forward && kind >= MATRICES && kind < PLACES) {
+	if (g->is_forward && kind >= MATRICES && kind < WRENCH) {
 		draw_forward(g, kind - MATRICES);
 		return;
 	}
@@ -301,27 +312,8 @@ static void draw_want(struct drawing *g)
 		text_printf(&t, ".%s", name);
 	if (is_new(g, "want", text_string(&t)))
 		put_line(g, SCENE_WANT, text_string(&t));
-}
-
-/* A frame, and mostly its place. */
-static void draw_frame(struct drawing *g)
-{
-	static const char *const names[] = {"tip", "a frame", "'f'", "tip#2"};
-	const char *link = draw_carried(g), *name = names[dice_below(g->d, 4)];
-	struct text t = new_text(g), w = new_text(g);
-
-	if (!link || !is_new(g, "frame", name))
-		return;
-	text_printf(&t, "%s=%s,", name, link);
-	put_numbers(g, &t, dice_happen(g->d, 32) ? 5 : 6, 0);
-	text_printf(&w, "%s.%s", DICE_WORD(g->d, "pose", "jacobian", "twist", "djacobian"), name);
-	put_line(g, SCENE_ADD_FRAME, text_string(&t));
-	if (!dice_happen(g->d, 4) && is_new(g, "want", text_string(&w)))
-		put_line(g, SCENE_WANT, text_string(&w));
-	if (dice_happen(g->d, 2) && is_new(g, "", "axes"))
-		put_line(g, SCENE_FRAME, DICE_WORD(g->d, "link", "world", "world-aligned"));
-	if (dice_happen(g->d, 3) && is_new(g, "", "pose"))
-		put_line(g, SCENE_POSE, DICE_WORD(g->d, "rows", "quaternion"));
+	if (kind > WRENCH)
+		draw_form(g);
 }
 
 static void draw_own_terms(struct drawing *g)
@@ -395,7 +387,7 @@ static void draw_task(struct drawing *g)
 	}
 	for (size_t n = dice_below(g->d, 5); n > 0; n--) {
 		static void (*const draws[])(struct drawing *) = {draw_want, draw_fold, draw_free, draw_want, draw_push, draw_own_terms,
-			draw_constants, draw_want, draw_frame, draw_product};
+			draw_constants, draw_want};
 
 		draws[dice_below(g->d, sizeof draws / sizeof *draws)](g);
 	}

@@ -136,7 +136,8 @@ START_TEST(every_request_of_a_scene)
 	struct rneagen_options o = rneagen_options_default();
 	long requests, step = _i < 6 ? 7 : 53;
 
-	o.scene = _i < 2 ? "lock jd=0.5\nround-constants 5\ndrop-below 1e-3" : _i < 4 ? everything : _i < 6 ? "want qdd_bound" : "params auto\nfree mass.d";
+	o.base = _i < 8 ? o.base : RNEAGEN_FLOATING;
+	o.scene = _i >= 8 ? "free mass.b\nwant com,vcom,com_jacobian,momentum,momentum_matrix,dmomentum,coriolis,opspace.d,opspace_inv.d" : _i < 2 ? "lock jd=0.5\nround-constants 5\ndrop-below 1e-3" : _i < 4 ? everything : _i < 6 ? "want qdd_bound" : "params auto\nfree mass.d";
 	requests = refuse_each(&o, _i % 2, step, analyse);
 	printf("one in %ld of %ld requests refused\n", step_of(step), requests);
 	ck_assert_int_gt(requests, 100);
@@ -151,7 +152,7 @@ int main(void)
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 300);
 	tcase_add_loop_test(c, every_request, 0, DUMPS + RNEAGEN_DUMP_PARAMS);
-	tcase_add_loop_test(c, every_request_of_a_scene, 0, 8);
+	tcase_add_loop_test(c, every_request_of_a_scene, 0, 10);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);
 }

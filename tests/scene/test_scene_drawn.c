@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { TRIALS = 260, BYTES = 160 };
+enum { TRIALS = 200, BYTES = 160 };
 
 /* Is the word at the beginning of a line, as a file or the command writes it? */
 static int has_word(const char *scene, const char *word)
