@@ -19,7 +19,7 @@ static int evaluate(const struct dag *d, const struct drawn *x, size_t sample, r
 	real *out[DAG_ARGUMENTS] = {NULL};
 
 	for (int i = 0; i < d->argument_count; i++) {
-		const double *rows = draw_rows(x, &d->arguments[i], sample);
+		const double *rows = d->arguments[i].is_output ? NULL : draw_rows(x, &d->arguments[i], sample);
 		real *copy = arena_alloc(a, (size_t)d->arguments[i].rows, sizeof *copy);
 
 		if (!copy)

@@ -375,6 +375,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	if (ways.pivots_alone) {
 		forward_find(&forward, &b, in);
 		forward_pivots(&forward, in);
+		dag_forget(d);
 		return;
 	}
 	if (k->is_forward)
