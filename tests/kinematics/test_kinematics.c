@@ -151,7 +151,7 @@ static int try_tree(uint64_t seed, struct words *w, double *worst)
 	struct random_robot_knobs knobs = random_robot_knobs(seed, LINKS);
 	struct rneagen_options o = rneagen_options_default();
 	struct rng rng = rng_seed(seed + 1);
-	const struct reference_options ro = {.floating = seed % 3 == 0};
+	const struct reference_options ro = {.floating = seed % 3 == 0, .independent = seed % 5 == 2};
 	char message[256], *urdf, *hung = NULL;
 	const char *held;
 	int compared = 0;
@@ -179,6 +179,7 @@ static int try_tree(uint64_t seed, struct words *w, double *worst)
 	}
 	snprintf(c->what, sizeof c->what, "seed %llu", (unsigned long long)seed);
 	o.base = ro.floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+	o.mimic = ro.independent ? RNEAGEN_MIMIC_INDEPENDENT : RNEAGEN_MIMIC_HONOUR;
 	line(w, "");
 	o.scene = w->text;
 	if (kin_open(c, hung ? hung : urdf, urdf, &o, seed)) {
