@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/files.h"
 #include "cli/options.h"
+#include "prove/run_prove.h"
 #include "study/run_choose.h"
 #include "rnearun/run_eval.h"
 #include "study/run_report.h"
@@ -16,6 +17,7 @@ static const char HELP[] =
 	"  eval       torques for arrays on disk\n"
 	"  report     speed and error of every variant\n"
 	"  choose     the fastest variant that is close enough\n"
+	"  prove      ranges of torques and of errors, for all states within the limits\n"
 	"  --help, --version\n"
 	"\n"
 	"rnearun COMMAND --help tells about one. Exit status: 0 done, 1 the robot or a file is at fault, 2 the command line is\n";
@@ -28,6 +30,7 @@ static const struct subcommand {
 	{"eval", run_eval},
 	{"report", run_report},
 	{"choose", run_choose},
+	{"prove", run_prove},
 };
 
 enum { SUBCOMMAND_COUNT = sizeof SUBCOMMANDS / sizeof *SUBCOMMANDS };

@@ -1,0 +1,16 @@
+#ifndef RUNTIME_RANGE_CURVATURE_H
+#define RUNTIME_RANGE_CURVATURE_H
+/* How much outputs bend: the largest second derivative by each row of q, over all angles (not their ranges alone), the ranges of
+   lengths, and those of drives and rates. */
+
+#include "range/grid.h"
+
+struct curvature {
+	double *most; /* [output][dim]: |d2f / dq_k^2| is nowhere above; INFINITY where the time was not enough */
+	double speed; /* seconds of one evaluation, over all threads */
+};
+
+/* Into c->most, by points of a grid that takes about `seconds`. Returns 0 when memory runs out; the caller frees c->most. */
+int curvature_find(struct curvature *c, const struct field *f, const struct effort *x, double seconds);
+
+#endif
