@@ -4,6 +4,7 @@
 #include "emit/emit.h"
 #include "emit/number_type.h"
 #include "range/cover.h"
+#include "range/magnitude.h"
 #include "prove/rounding.h"
 #include "prove/seek_errors.h"
 #include <math.h>
@@ -11,10 +12,12 @@
 
 /* Shares of the time. What is left is for what takes longer than it should. */
 #define SHARE_SEEK 0.06
-#define SHARE_CURVATURE 0.25
-#define SHARE_COVER 0.30
-#define SHARE_SEEK_ERRORS 0.09
-#define SHARE_ERRORS 0.28
+#define SHARE_WHOLE 0.06
+#define SHARE_MAGNITUDE 0.06
+#define SHARE_CURVATURE 0.20
+#define SHARE_COVER 0.27
+#define SHARE_SEEK_ERRORS 0.08
+#define SHARE_ERRORS 0.25
 
 struct proving {
 	const struct analysis *a;
@@ -63,13 +66,15 @@ static enum rneagen_code seek_field(struct proving *p, int k, double seconds)
 	return done ? RNEAGEN_OK : error_memory(p->e);
 }
 
-static void take_rows(const struct proving *p, const struct field *f, const struct cover *c, struct prove_row *rows)
+/* The better of both ways. */
+static void take_rows(const struct proving *p, const struct field *f, const struct cover *c, const struct interval *ranges,
+	struct prove_row *rows)
 {
 	for (int i = 0; i < f->output_count; i++) {
 		struct prove_row *r = &rows[f->outputs[i]];
 
-		r->low = c->lower[i];
-		r->high = c->upper[i];
+		r->low = fmax(c->lower[i], ranges[i].lower);
+		r->high = fmin(c->upper[i], ranges[i].upper);
 		r->plain = f->plain[i];
 		r->found_low = p->found[f->outputs[i]][0].value;
 		r->found_high = p->found[f->outputs[i]][1].value;
@@ -80,23 +85,28 @@ static enum rneagen_code prove_field(struct proving *p, int k, struct prove_row 
 {
 	const struct field *f = &p->fields[k];
 	double share = p->o->seconds * share_of(p, k), (*found)[2] = calloc((size_t)f->output_count, sizeof *found);
+	struct interval *ranges = calloc((size_t)f->output_count, sizeof *ranges);
 	struct curvature bends = {0};
 	struct cover c = {0};
 	int done;
 
-	if (!found || seek_field(p, k, SHARE_SEEK * share)) {
+	if (!found || !ranges || seek_field(p, k, SHARE_SEEK * share)) {
 		free(found);
+		free(ranges);
 		return error_memory(p->e);
 	}
 	for (int i = 0; i < f->output_count; i++)
 		for (int side = 0; side < 2; side++)
 			found[i][side] = p->found[f->outputs[i]][side].value;
 	show(p, "ranges");
-	done = curvature_find(&bends, f, &p->effort, SHARE_CURVATURE * share) &&
-	       cover_find(&c, f, &bends, (const double(*)[2])found, &p->effort, SHARE_COVER * share);
+	done = magnitude_find(ranges, f, p->b, 1, &p->effort, SHARE_WHOLE * share) &&
+	       curvature_find(&bends, f, ranges, &p->effort, SHARE_CURVATURE * share) &&
+	       cover_find(&c, f, &bends, (const double(*)[2])found, &p->effort, SHARE_COVER * share) &&
+	       magnitude_find(ranges, f, p->b, 0, &p->effort, SHARE_MAGNITUDE * share);
 	if (done)
-		take_rows(p, f, &c, rows);
+		take_rows(p, f, &c, ranges, rows);
 	free(found);
+	free(ranges);
 	free(bends.most);
 	free(c.lower);
 	free(c.upper);

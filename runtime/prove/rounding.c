@@ -8,19 +8,13 @@
 #include "prove/rounding.h"
 #include "core/seconds.h"
 #include "dag/eval.h"
-#include "prove/adjoint.h"
-#include "prove/norms.h"
+#include "range/adjoint.h"
+#include "range/norms.h"
+#include "range/split.h"
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { MOST_BOXES = 1 << 18, TRY_EVERY = 32 };
-
-struct leaf {
-	double error[PROVE_PRECISIONS];
-	struct interval value, q[FIELD_DIMS];
-};
 
 /* One output. */
 struct hunt {
@@ -32,10 +26,8 @@ struct hunt {
 	struct interval *rows[DAG_ARGUMENTS]; /* of the box, those of q its own */
 	struct interval *values;
 	double *norm, *running;
-	int position, dims[FIELD_DIMS], dim_count;
-	double width[FIELD_DIMS], score[FIELD_DIMS];
-	struct leaf *leaves; /* a heap: none has a larger first error than the one above it */
-	size_t leaf_count;
+	int position, dims[SPLIT_DIMS];
+	struct split split;
 	struct arena arena;
 };
 
@@ -125,96 +117,16 @@ static double error_of(struct hunt *h, const struct eval_model *m)
 	return m->store > 0 ? (sum + m->store * most + m->store_tiny) * (1 + 0x1p-30) : sum;
 }
 
-static void examine(struct hunt *h, struct leaf *leaf)
+static void examine(void *context, struct leaf *leaf)
 {
-	for (int k = 0; k < h->dim_count; k++)
+	struct hunt *h = context;
+
+	for (int k = 0; k < h->split.dim_count; k++)
 		h->rows[h->position][h->dims[k]] = leaf->q[k];
 	norms_evaluate(&h->norms, (const struct interval *const *)h->rows, h->values, h->norm);
 	leaf->value = h->values[h->x.root.i];
 	for (int i = 0; i < h->count; i++)
-		leaf->error[i] = error_of(h, &h->models[i]);
-}
-
-/* ---- boxes ---- */
-
-static void push(struct hunt *h, const struct leaf *leaf)
-{
-	size_t at = h->leaf_count++;
-
-	for (; at > 0 && h->leaves[(at - 1) / 2].error[0] < leaf->error[0]; at = (at - 1) / 2)
-		h->leaves[at] = h->leaves[(at - 1) / 2];
-	h->leaves[at] = *leaf;
-}
-
-static void pop(struct hunt *h, struct leaf *leaf)
-{
-	struct leaf last = h->leaves[--h->leaf_count];
-	size_t at = 0, child;
-
-	*leaf = h->leaves[0];
-	for (; (child = 2 * at + 1) < h->leaf_count; at = child) {
-		if (child + 1 < h->leaf_count && h->leaves[child + 1].error[0] > h->leaves[child].error[0])
-			child++;
-		if (!(h->leaves[child].error[0] > last.error[0]))
-			break;
-		h->leaves[at] = h->leaves[child];
-	}
-	h->leaves[at] = last;
-}
-
-/* Returns what of the error is left, at the worse half. */
-static double halve(struct hunt *h, const struct leaf *leaf, int k, struct leaf halves[2])
-{
-	double middle = 0.5 * (leaf->q[k].lower + leaf->q[k].upper);
-
-	halves[0] = halves[1] = *leaf;
-	halves[0].q[k].upper = halves[1].q[k].lower = middle;
-	examine(h, &halves[0]);
-	examine(h, &halves[1]);
-	return fmax(halves[0].error[0], halves[1].error[0]) / leaf->error[0];
-}
-
-static double part_of(const struct hunt *h, const struct leaf *leaf, int k)
-{
-	return (leaf->q[k].upper - leaf->q[k].lower) / h->width[k];
-}
-
-/* The dimension to halve: all are tried now and then; what each gained is remembered. */
-static int choose(struct hunt *h, const struct leaf *leaf, int is_tried)
-{
-	struct leaf halves[2];
-	int best = 0;
-
-	for (int k = 0; k < h->dim_count && is_tried; k++) {
-		double gain = (1 - halve(h, leaf, k, halves)) / part_of(h, leaf, k);
-
-		h->score[k] = 0.5 * (h->score[k] + fmax(gain, 1e-6));
-	}
-	for (int k = 1; k < h->dim_count; k++)
-		if (h->score[k] * part_of(h, leaf, k) > h->score[best] * part_of(h, leaf, best))
-			best = k;
-	return best;
-}
-
-static void run(struct hunt *h, double deadline)
-{
-	struct leaf leaf = {.value = {0, 0}}, halves[2];
-
-	for (int k = 0; k < h->dim_count; k++)
-		leaf.q[k] = h->rows[h->position][h->dims[k]];
-	examine(h, &leaf);
-	push(h, &leaf);
-	for (size_t i = 0; h->dim_count && h->leaf_count + 1 < MOST_BOXES && seconds_now() < deadline; i++) {
-		int k;
-
-		if (!isfinite(h->leaves[0].error[0]))
-			return;
-		pop(h, &leaf);
-		k = choose(h, &leaf, i % TRY_EVERY == 0);
-		h->score[k] = 0.9 * h->score[k] + 0.1 * fmax(1e-6, (1 - halve(h, &leaf, k, halves)) / part_of(h, &leaf, k));
-		push(h, &halves[0]);
-		push(h, &halves[1]);
-	}
+		leaf->sizes[i] = error_of(h, &h->models[i]);
 }
 
 /* ---- outputs ---- */
@@ -228,21 +140,6 @@ struct job {
 	double seconds, deadline; /* of one output; of all */
 };
 
-static int copy_rows(struct hunt *h, const struct box *b)
-{
-	for (int i = 0; i < h->d->argument_count; i++) {
-		size_t rows = (size_t)h->d->arguments[i].rows;
-
-		if (!b->rows[i])
-			continue;
-		h->rows[i] = arena_alloc(&h->arena, rows, sizeof *h->rows[i]);
-		if (!h->rows[i])
-			return 0;
-		memcpy(h->rows[i], b->rows[i], rows * sizeof *h->rows[i]);
-	}
-	return 1;
-}
-
 /* Rows of q that the output depends on and that have room. */
 static void list_dims(struct hunt *h)
 {
@@ -250,14 +147,11 @@ static void list_dims(struct hunt *h)
 		const struct node *n = &h->x.d.nodes[h->x.value[i].i];
 		const struct interval *r;
 
-		if (n->op != OP_INPUT || (int)n->arg[0].i != h->position || h->dim_count == FIELD_DIMS)
+		if (n->op != OP_INPUT || (int)n->arg[0].i != h->position || h->split.dim_count == SPLIT_DIMS)
 			continue;
 		r = &h->rows[h->position][n->arg[1].i];
-		if (r->lower < r->upper) {
-			h->width[h->dim_count] = r->upper - r->lower;
-			h->score[h->dim_count] = 0.1;
-			h->dims[h->dim_count++] = (int)n->arg[1].i;
-		}
+		if (r->lower < r->upper)
+			h->dims[h->split.dim_count++] = (int)n->arg[1].i;
 	}
 }
 
@@ -266,8 +160,8 @@ static int hunt_make(struct hunt *h, const struct job *j, size_t output)
 	*h = (struct hunt){.d = &j->a->dag, .models = j->models, .count = j->count};
 	arena_init(&h->arena, NULL);
 	h->position = dag_find_role(h->d, ROLE_JOINT_POSITION, 0);
-	h->leaves = malloc(MOST_BOXES * sizeof *h->leaves);
-	if (!h->leaves || !adjoint_make(&h->x, h->d, output, &h->arena) || !norms_make(&h->norms, &h->x.d, &h->arena) || !copy_rows(h, j->b))
+	if (!adjoint_make(&h->x, h->d, output, 1, &h->arena) || !norms_make(&h->norms, &h->x.d, &h->arena) ||
+		!box_copy(h->rows, j->b, h->d, &h->arena))
 		return 0;
 	h->values = arena_alloc(&h->arena, h->x.d.count, sizeof *h->values);
 	h->norm = arena_alloc(&h->arena, h->norms.set_count + 1, sizeof *h->norm);
@@ -278,34 +172,34 @@ static int hunt_make(struct hunt *h, const struct job *j, size_t output)
 
 static void take(const struct hunt *h, struct prove_row *r)
 {
-	double lower = (double)INFINITY, upper = -(double)INFINITY;
+	double errors[SPLIT_SIZES];
+	struct interval value;
 
+	split_total(&h->split, errors, &value);
 	for (int m = 0; m < h->count; m++)
-		r->error_bound[m] = 0;
-	for (size_t i = 0; i < h->leaf_count; i++) {
-		lower = fmin(lower, h->leaves[i].value.lower);
-		upper = fmax(upper, h->leaves[i].value.upper);
-		for (int m = 0; m < h->count; m++)
-			r->error_bound[m] = fmax(r->error_bound[m], round_up(h->leaves[i].error[m]));
-	}
-	r->low = fmax(r->low, lower);
-	r->high = fmin(r->high, upper);
+		r->error_bound[m] = errors[m] > 0 ? round_up(errors[m]) : 0;
+	r->low = fmax(r->low, value.lower);
+	r->high = fmin(r->high, value.upper);
 }
 
 static void hunt_output(void *job, size_t output)
 {
 	struct job *j = job;
+	struct leaf root = {.value = {0, 0}};
 	struct hunt h;
+	int done = hunt_make(&h, j, output);
 
 	for (int m = 0; m < j->count; m++)
 		j->rows[output].error_bound[m] = (double)INFINITY;
-	if (hunt_make(&h, j, output)) {
-		run(&h, fmin(j->deadline, seconds_now() + j->seconds));
+	for (int k = 0; k < h.split.dim_count && done; k++)
+		root.q[k] = h.rows[h.position][h.dims[k]];
+	h.split.examine = examine;
+	h.split.context = &h;
+	if (done && split_run(&h.split, &root, fmin(j->deadline, seconds_now() + j->seconds)))
 		take(&h, &j->rows[output]);
-	} else {
+	else
 		j->failed = 1;
-	}
-	free(h.leaves);
+	split_free(&h.split);
 	arena_free(&h.arena);
 }
 

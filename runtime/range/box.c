@@ -136,3 +136,15 @@ enum rneagen_code box_make(struct box *b, const struct analysis *x, struct arena
 	}
 	return check(b, x, a, e);
 }
+
+int box_copy(struct interval *rows[DAG_ARGUMENTS], const struct box *b, const struct dag *d, struct arena *a)
+{
+	for (int i = 0; i < d->argument_count; i++) {
+		size_t count = (size_t)d->arguments[i].rows;
+
+		rows[i] = b->rows[i] ? arena_alloc(a, count, sizeof *rows[i]) : NULL;
+		if (rows[i])
+			memcpy(rows[i], b->rows[i], count * sizeof *rows[i]);
+	}
+	return !a->failed;
+}

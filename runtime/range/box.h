@@ -13,4 +13,7 @@ struct box {
    angle. Arrays live in `a`. Errors: SCENE, with the names of all inputs that have no limit and no range; MEMORY. */
 enum rneagen_code box_make(struct box *b, const struct analysis *x, struct arena *a, struct rneagen_error *e);
 
+/* A copy of its rows, in `a`. Returns 0 when memory runs out. */
+int box_copy(struct interval *rows[DAG_ARGUMENTS], const struct box *b, const struct dag *d, struct arena *a);
+
 #endif

@@ -79,16 +79,18 @@ static double slack_of(const struct field *f, const int *counts, const double *b
 	return sum;
 }
 
-/* The worst of the outputs' slacks, by the middle of what was found. */
+/* The outputs' slacks over what was found; large ones count more. */
 static double worth_of(const struct covering *s, const int *counts, const double *bends)
 {
-	double sum = 0;
+	double sum = 0, slack;
 
 	for (int o = 0; o < s->f->output_count; o++) {
 		double size = fmax(fabs(s->found[o][0]), fabs(s->found[o][1]));
 
-		if (size > 0)
-			sum += slack_of(s->f, counts, bends + (size_t)o * (size_t)s->f->dim_count) / size;
+		if (!(size > 0))
+			continue;
+		slack = slack_of(s->f, counts, bends + (size_t)o * (size_t)s->f->dim_count) / size;
+		sum += slack * slack;
 	}
 	return sum;
 }

@@ -333,7 +333,7 @@ static int pass(struct curvature *c, const struct field *f, const struct effort 
 	for (s.k = 0; s.k < f->dim_count && done == 1; s.k++) {
 		double start = seconds_now();
 
-		if (counts[s.k] == 1 && (is_point(&f->dims[s.k]) || isfinite(c->most[s.k])))
+		if (counts[s.k] == 1)
 			continue;
 		own[s.k] = own_count(f, s.k, counts);
 		done = grid_make(&grid, f, own, 1) ? sweep(&s, of_k) : 0;
@@ -350,6 +350,14 @@ static int pass(struct curvature *c, const struct field *f, const struct effort 
 	return done;
 }
 
+/* Bernstein, by the largest magnitude of the output over all angles. */
+static void begin(struct curvature *c, const struct field *f, const struct interval *whole)
+{
+	for (int o = 0; o < f->output_count; o++)
+		for (int k = 0; k < f->dim_count; k++)
+			c->most[o * f->dim_count + k] = pace_of(f, k, 1).bend * interval_size(whole[o]) * (1 + 0x1p-40);
+}
+
 /* A first pass of few places, then more where they gain, as long as there is time. */
 static int passes(struct curvature *c, const struct field *f, const struct effort *x, double *found)
 {
@@ -358,7 +366,7 @@ static int passes(struct curvature *c, const struct field *f, const struct effor
 	for (int k = 0; k < f->dim_count; k++)
 		counts[k] = is_point(&f->dims[k]) ? 1 : f->dims[k].is_angle ? LEAST_PLACES : LENGTH_PLACES;
 	if (size_of(f, counts) > MOST_POINTS)
-		return -1;
+		return 1;
 	done = pass(c, f, x, counts, found);
 	for (int k = 0; k < f->dim_count && done == 1; k++) {
 		counts[k] = is_weak(f, k, c->most, found) ? 1 : counts[k];
@@ -371,7 +379,7 @@ static int passes(struct curvature *c, const struct field *f, const struct effor
 	return done;
 }
 
-int curvature_find(struct curvature *c, const struct field *f, const struct effort *x, double seconds)
+int curvature_find(struct curvature *c, const struct field *f, const struct interval *whole, const struct effort *x, double seconds)
 {
 	size_t size = (size_t)f->output_count * (size_t)f->dim_count;
 	double *found = calloc(size + 1, sizeof *found);
@@ -380,8 +388,8 @@ int curvature_find(struct curvature *c, const struct field *f, const struct effo
 
 	own.deadline = fmin(x->deadline, seconds_now() + seconds);
 	*c = (struct curvature){.most = malloc((size + 1) * sizeof *c->most)};
-	for (size_t i = 0; i < size && c->most; i++)
-		c->most[i] = (double)INFINITY;
+	if (c->most)
+		begin(c, f, whole);
 	done = c->most && found ? passes(c, f, &own, found) : 0;
 	free(found);
 	return done != 0;

@@ -6,11 +6,12 @@
 #include "range/grid.h"
 
 struct curvature {
-	double *most; /* [output][dim]: |d2f / dq_k^2| is nowhere above; INFINITY where the time was not enough */
+	double *most; /* [output][dim]: |d2f / dq_k^2| is nowhere above */
 	double speed; /* seconds of one evaluation, over all threads */
 };
 
-/* Into c->most, by points of a grid that takes about `seconds`. Returns 0 when memory runs out; the caller frees c->most. */
-int curvature_find(struct curvature *c, const struct field *f, const struct effort *x, double seconds);
+/* Into c->most, by points of a grid that takes about `seconds`; whole[output] has all values over all angles, by which it begins. Returns
+   0 when memory runs out; the caller frees c->most. */
+int curvature_find(struct curvature *c, const struct field *f, const struct interval *whole, const struct effort *x, double seconds);
 
 #endif

@@ -1,5 +1,5 @@
-#ifndef RUNTIME_PROVE_ADJOINT_H
-#define RUNTIME_PROVE_ADJOINT_H
+#ifndef RUNTIME_RANGE_ADJOINT_H
+#define RUNTIME_RANGE_ADJOINT_H
 /* The values that an output is made of, and its derivatives by each of them, as expressions of one DAG in which both terms of a
    rotation, c x + s y, stand together: so norms.h sees it. */
 
@@ -12,9 +12,9 @@ struct adjoint {
 	struct ref root;           /* the output's value */
 };
 
-/* Of one output; angles are taken as they are, so nothing is said of derivatives by them. It lives in `a`. Returns 0 when memory runs
-   out. */
-int adjoint_make(struct adjoint *x, const struct dag *d, size_t output, struct arena *a);
+/* Of one output, with derivatives or without; angles are taken as they are, so nothing is said of derivatives by them. It lives in `a`.
+   Returns 0 when memory runs out. */
+int adjoint_make(struct adjoint *x, const struct dag *d, size_t output, int has_slopes, struct arena *a);
 
 /* A term c x or s x, c and s the cosine and sine of an angle; is it one? */
 struct trig_term {

@@ -1,5 +1,5 @@
-#include "prove/norms.h"
-#include "prove/adjoint.h"
+#include "range/norms.h"
+#include "range/adjoint.h"
 #include <math.h>
 #include <string.h>
 

@@ -1,4 +1,4 @@
-#include "prove/adjoint.h"
+#include "range/adjoint.h"
 #include <string.h>
 
 static int is_trig(const struct node *n)
@@ -160,7 +160,7 @@ static int derive(struct adjoint *x, const struct dag *from, uint32_t root, stru
 	return !x->d.failed;
 }
 
-int adjoint_make(struct adjoint *x, const struct dag *d, size_t output, struct arena *a)
+int adjoint_make(struct adjoint *x, const struct dag *d, size_t output, int has_slopes, struct arena *a)
 {
 	uint32_t root = d->outputs[output].value.i;
 	unsigned char *live = arena_alloc(a, d->count, 1);
@@ -181,5 +181,5 @@ int adjoint_make(struct adjoint *x, const struct dag *d, size_t output, struct a
 		if (live[i])
 			x->value[i] = copy_node(x, d, i);
 	x->root = x->value[root];
-	return !x->d.failed && derive(x, d, root, a);
+	return !x->d.failed && (!has_slopes || derive(x, d, root, a));
 }
