@@ -11,13 +11,13 @@
 #include <stdlib.h>
 
 /* Shares of the time. What is left is for what takes longer than it should. */
-#define SHARE_SEEK 0.06
-#define SHARE_WHOLE 0.06
-#define SHARE_MAGNITUDE 0.06
-#define SHARE_CURVATURE 0.20
-#define SHARE_COVER 0.27
-#define SHARE_SEEK_ERRORS 0.08
-#define SHARE_ERRORS 0.25
+#define SHARE_SEEK 0.04
+#define SHARE_WHOLE 0.05
+#define SHARE_MAGNITUDE 0.03
+#define SHARE_CURVATURE 0.14
+#define SHARE_COVER 0.20
+#define SHARE_SEEK_ERRORS 0.06
+#define SHARE_ERRORS 0.46
 
 struct proving {
 	const struct analysis *a;

@@ -167,6 +167,8 @@ static struct pace pace_of(const struct field *f, int k, int count)
 
 	if (is_point(dim))
 		return (struct pace){1, 0, 0};
+	if (!dim->is_angle && count < LENGTH_PLACES)
+		return (struct pace){(double)INFINITY, half * half / 2 * (1 + 0x1p-40), 4 / (half * half) * (1 + 0x1p-40)};
 	if (!dim->is_angle) /* parabolas: Lebesgue's constant of three places, and Markov */
 		return (struct pace){1.25 * (1 + 0x1p-40), half * half / 8 * (1 + 0x1p-40), 4 / (half * half) * (1 + 0x1p-40)};
 	step = 3.14159265358979323847 / count;
@@ -211,7 +213,9 @@ static double best_of(const struct pace *p, int n, int k, double found, const do
 /* Along a dimension of which second derivatives are taken. */
 static int own_count(const struct field *f, int k, const int *counts)
 {
-	return f->dims[k].is_angle && counts[k] < LEAST_PLACES ? LEAST_PLACES : counts[k];
+	int least = f->dims[k].is_angle ? LEAST_PLACES : LENGTH_PLACES;
+
+	return counts[k] < least ? least : counts[k];
 }
 
 /* The first way for all dimensions, then both until nothing gains. */
@@ -262,18 +266,26 @@ static double size_of(const struct field *f, const int *counts)
 	return size;
 }
 
-/* Would one place of a circle do, beside what the outputs bend by others? */
+/* One place of a circle, or the ends of a length. */
+static int fewest(const struct field *f, int k)
+{
+	return f->dims[k].is_angle || is_point(&f->dims[k]) ? 1 : 2;
+}
+
+/* Would these do, beside what the outputs bend by others? */
 static int is_weak(const struct field *f, int k, const double *most, const double *found)
 {
-	for (int o = 0; o < f->output_count && f->dims[k].is_angle; o++) {
+	double gap = pace_of(f, k, fewest(f, k)).gap;
+
+	for (int o = 0; o < f->output_count; o++) {
 		double largest = 0;
 
 		for (int l = 0; l < f->dim_count; l++)
 			largest = fmax(largest, found[o * f->dim_count + l]);
-		if (5 * f->degree * f->degree * most[o * f->dim_count + k] > 0.1 * largest)
+		if (gap * f->degree * f->degree * most[o * f->dim_count + k] > 0.1 * largest)
 			return 0;
 	}
-	return f->dims[k].is_angle;
+	return 1;
 }
 
 /* More places where they gain the most, as long as there is room. */
@@ -333,7 +345,7 @@ static int pass(struct curvature *c, const struct field *f, const struct effort 
 	for (s.k = 0; s.k < f->dim_count && done == 1; s.k++) {
 		double start = seconds_now();
 
-		if (counts[s.k] == 1)
+		if (counts[s.k] < (f->dims[s.k].is_angle ? LEAST_PLACES : LENGTH_PLACES))
 			continue;
 		own[s.k] = own_count(f, s.k, counts);
 		done = grid_make(&grid, f, own, 1) ? sweep(&s, of_k) : 0;
@@ -369,8 +381,10 @@ static int passes(struct curvature *c, const struct field *f, const struct effor
 		return 1;
 	done = pass(c, f, x, counts, found);
 	for (int k = 0; k < f->dim_count && done == 1; k++) {
-		counts[k] = is_weak(f, k, c->most, found) ? 1 : counts[k];
-		strong += counts[k] > 1;
+		int is_few = is_weak(f, k, c->most, found);
+
+		counts[k] = is_few ? fewest(f, k) : counts[k];
+		strong += !is_few;
 	}
 	for (int i = 0; i < 2 && done == 1 && strong; i++) {
 		choose(f, counts, (i ? 0.8 : 0.3) * (x->deadline - seconds_now()) / c->speed / strong, found, c->most);

@@ -1,52 +1,13 @@
 #include "range/interval.h"
 #include <math.h>
 
-double round_up(double x)
-{
-	return nextafter(x, (double)INFINITY);
-}
-
-double round_down(double x)
-{
-	return nextafter(x, -(double)INFINITY);
-}
-
-struct interval interval_add(struct interval a, struct interval b)
-{
-	return (struct interval){round_down(a.lower + b.lower), round_up(a.upper + b.upper)};
-}
-
-struct interval interval_neg(struct interval a)
-{
-	return (struct interval){-a.upper, -a.lower};
-}
-
-struct interval interval_sub(struct interval a, struct interval b)
-{
-	return interval_add(a, interval_neg(b));
-}
-
-/* 0 times what is infinite is 0: bounds are finite unless something overflows, and then nothing is known. */
-struct interval interval_mul(struct interval a, struct interval b)
-{
-	double p = a.lower * b.lower, q = a.lower * b.upper, r = a.upper * b.lower, s = a.upper * b.upper;
-
-	if (isnan(p) || isnan(q) || isnan(r) || isnan(s))
-		return (struct interval){-(double)INFINITY, (double)INFINITY};
-	return (struct interval){round_down(fmin(fmin(p, q), fmin(r, s))), round_up(fmax(fmax(p, q), fmax(r, s)))};
-}
-
-double interval_size(struct interval a)
-{
-	return fmax(fabs(a.lower), fabs(a.upper));
-}
-
 struct interval interval_around(real x, double error)
 {
-	double near = (double)x, off = round_up(round_up(fabs((double)(x - (real)near))) + error);
+	double near = (double)x, off = fabs((double)(x - (real)near)) + error;
 
-	if (off <= 0x1p-1073) /* what round_up makes of 0 */
+	if (off == 0)
 		return (struct interval){near, near};
+	off = round_up(round_up(off));
 	return (struct interval){round_down(near - off), round_up(near + off)};
 }
 

@@ -23,8 +23,7 @@ struct values {
 	struct adjoint x;
 	struct norms norms;
 	struct interval *rows[DAG_ARGUMENTS];
-	struct interval *values;
-	double *norm;
+	struct norms_values values;
 	const struct field *f;
 	int position;
 	struct arena arena;
@@ -36,8 +35,8 @@ static void examine(void *context, struct leaf *leaf)
 
 	for (int k = 0; k < v->f->dim_count; k++)
 		v->rows[v->position][v->f->dims[k].row] = leaf->q[k];
-	norms_evaluate(&v->norms, (const struct interval *const *)v->rows, v->values, v->norm);
-	leaf->value = v->values[v->x.root.i];
+	norms_evaluate(&v->norms, (const struct interval *const *)v->rows, &v->values);
+	leaf->value = norms_range(&v->norms, &v->values, v->x.root.i);
 	memset(leaf->sizes, 0, sizeof leaf->sizes);
 	leaf->sizes[0] = interval_size(leaf->value);
 }
@@ -48,11 +47,10 @@ static int values_make(struct values *v, const struct job *j, size_t output)
 
 	*v = (struct values){.f = j->f, .position = dag_find_role(d, ROLE_JOINT_POSITION, 0)};
 	arena_init(&v->arena, NULL);
-	if (!adjoint_make(&v->x, d, (size_t)j->f->outputs[output], 0, &v->arena) || !norms_make(&v->norms, &v->x.d, &v->arena))
+	if (!adjoint_make(&v->x, d, (size_t)j->f->outputs[output], 0, &v->arena) || !norms_make(&v->norms, &v->x.d, 0, &v->arena) ||
+		!norms_lay(&v->norms, &v->arena))
 		return 0;
-	v->values = arena_alloc(&v->arena, v->x.d.count, sizeof *v->values);
-	v->norm = arena_alloc(&v->arena, v->norms.set_count + 1, sizeof *v->norm);
-	return box_copy(v->rows, j->b, d, &v->arena);
+	return norms_values_make(&v->values, &v->norms, &v->arena) && box_copy(v->rows, j->b, d, &v->arena);
 }
 
 static void find(void *job, size_t output)

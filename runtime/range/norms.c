@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SETS_OF_A_NODE = 12 };
+enum { SETS_OF_A_NODE = 12, MOST_LANES = 256 };
 
 struct candidate {
 	uint32_t nodes[2 * NORMS_SET];
@@ -132,6 +132,20 @@ static void find_rule(struct norms *x, const struct candidate *c, struct norms_s
 	}
 }
 
+/* A sum of a set that is no rotation's stands apart. */
+static void set_apart(struct norms *x, struct candidate c, struct norms_set *s)
+{
+	struct trig_term a, b;
+
+	for (int k = c.count - 1; k >= 0 && c.count > 1; k--)
+		if (is_sum(x->d, c.nodes[k]) && !is_rotated(x->d, c.nodes[k], &a, &b)) {
+			s->apart = c.nodes[k];
+			drop(&c, k);
+			s->rest = set_of(x, c);
+			return;
+		}
+}
+
 static uint32_t *place(const struct norms *x, const struct candidate *c)
 {
 	uint32_t hash = 2166136261u;
@@ -160,6 +174,7 @@ static uint32_t set_of(struct norms *x, struct candidate c)
 	memcpy(s.nodes, c.nodes, (size_t)c.count * sizeof *c.nodes);
 	s.last = c.nodes[c.count - 1];
 	find_rule(x, &c, &s);
+	set_apart(x, c, &s);
 	if (x->set_count >= x->set_limit)
 		return 0;
 	x->sets[x->set_count++] = s;
@@ -180,11 +195,11 @@ static void sort(struct norms *x)
 	x->first[x->d->count] = x->set_count;
 }
 
-int norms_make(struct norms *x, const struct dag *d, struct arena *a)
+int norms_make(struct norms *x, const struct dag *d, int has_lanes, struct arena *a)
 {
 	struct trig_term p, q;
 
-	*x = (struct norms){.d = d, .set_limit = SETS_OF_A_NODE * (uint32_t)d->count, .table_size = 4 * SETS_OF_A_NODE * (uint32_t)d->count + 7};
+	*x = (struct norms){.d = d, .lanes = has_lanes ? 1 : 0, .set_limit = SETS_OF_A_NODE * (uint32_t)d->count, .table_size = 4 * SETS_OF_A_NODE * (uint32_t)d->count + 7};
 	x->sets = arena_alloc(a, x->set_limit, sizeof *x->sets);
 	x->table = arena_alloc(a, x->table_size, sizeof *x->table);
 	x->order = arena_alloc(a, x->set_limit, sizeof *x->order);
@@ -194,62 +209,82 @@ int norms_make(struct norms *x, const struct dag *d, struct arena *a)
 	for (uint32_t i = 0; i < d->count; i++)
 		if (is_rotated(d, i, &p, &q))
 			set_of(x, (struct candidate){{i}, 1});
-	sort(x);
 	return 1;
 }
 
-/* ---- evaluating ---- */
-
-static struct interval value_of(const struct dag *d, const struct node *n, const struct interval *v, const struct interval *const *rows)
+uint32_t norms_pair(struct norms *x, uint32_t a, uint32_t b)
 {
-	struct interval a = v[op_arity[n->op] > 0 ? n->arg[0].i : 0], b = v[op_arity[n->op] > 1 ? n->arg[1].i : 0];
+	struct candidate c = {.count = 0};
+	int sign = 1;
 
-	switch (n->op) {
-	case OP_CONST:
-		return interval_around(n->value, within_error(dag_number(d, n)));
-	case OP_INPUT:
-		return rows[n->arg[0].i][n->arg[1].i];
-	case OP_NEG:
-		return interval_neg(a);
-	case OP_ADD:
-		return interval_add(a, b);
-	case OP_SUB:
-		return interval_sub(a, b);
-	case OP_MUL:
-		return interval_mul(a, b);
-	case OP_SIN:
-		return interval_sin(a);
-	case OP_COS:
-		return interval_cos(a);
-	default:
-		return (struct interval){-(double)INFINITY, (double)INFINITY};
-	}
+	put(&c, bare(x->d, a, &sign));
+	put(&c, bare(x->d, b, &sign));
+	return set_of(x, c);
 }
 
-static double norm_of(const struct norms *x, const struct norms_set *s, const struct interval *v, const double *norm)
-{
-	double sum = 0, by_rule = (double)INFINITY;
+/* ---- lanes ---- */
 
-	for (int k = 0; k < s->count; k++)
-		sum += interval_size(v[s->nodes[k]]) * interval_size(v[s->nodes[k]]);
-	if (s->one)
-		by_rule = norm[s->one] + (s->other ? norm[s->other] : 0);
-	(void)x;
-	return fmin(sqrt(sum), by_rule) * (1 + 0x1p-48);
+static int input_of(const struct norms *x, const struct node *n)
+{
+	for (int i = 0; i < x->drive_count + x->rate_count; i++)
+		if (x->inputs[i].argument == (int)n->arg[0].i && x->inputs[i].row == (int)n->arg[1].i)
+			return i;
+	return -1;
 }
 
-void norms_evaluate(const struct norms *x, const struct interval *const *rows, struct interval *v, double *norm)
+/* Of role velocity, or all others but q. */
+static int list_inputs(struct norms *x, int is_rate, int count)
 {
-	for (uint32_t i = 0; i < x->d->count; i++) {
-		v[i] = value_of(x->d, &x->d->nodes[i], v, rows);
-		for (uint32_t k = x->first[i]; k < x->first[i + 1]; k++) {
-			const struct norms_set *s = &x->sets[x->order[k]];
-			double most = norm[x->order[k] + 1] = norm_of(x, s, v, norm);
+	for (size_t i = 0; i < x->d->count; i++) {
+		const struct node *n = &x->d->nodes[i];
+		enum role role;
 
-			if (s->count == 1) {
-				v[i].lower = fmax(v[i].lower, -most);
-				v[i].upper = fmin(v[i].upper, most);
-			}
+		if (n->op != OP_INPUT)
+			continue;
+		role = x->d->arguments[n->arg[0].i].role;
+		if (role != ROLE_JOINT_POSITION && (role == ROLE_JOINT_VELOCITY) == is_rate) {
+			x->inputs[count] = (struct norms_input){(int)n->arg[0].i, (int)n->arg[1].i, 1 + count};
+			count++;
 		}
 	}
+	return count;
+}
+
+int norms_lay(struct norms *x, struct arena *a)
+{
+	size_t n, most = x->lanes ? MOST_LANES : 0;
+
+	sort(x);
+
+	x->inputs = arena_alloc(a, x->d->count, sizeof *x->inputs);
+	x->is_wide = arena_alloc(a, x->d->count, 1);
+	x->is_wide_set = arena_alloc(a, (size_t)x->set_count + 1, 1);
+	x->at = arena_alloc(a, x->d->count, sizeof *x->at);
+	x->set_at = arena_alloc(a, (size_t)x->set_count + 1, sizeof *x->set_at);
+	if (a->failed)
+		return 0;
+	x->drive_count = list_inputs(x, 0, 0);
+	n = (size_t)(list_inputs(x, 1, x->drive_count) - x->drive_count);
+	x->rate_count = (int)n;
+	x->lanes = (1 + (size_t)x->drive_count + n + n * (n + 1) / 2 + 7) / 8 * 8;
+	for (size_t i = 0; i < x->d->count && x->lanes <= most; i++)
+		for (int k = 0; k < (op_arity[x->d->nodes[i].op] ? op_arity[x->d->nodes[i].op] : 1); k++)
+			x->is_wide[i] |= op_arity[x->d->nodes[i].op] ? x->is_wide[x->d->nodes[i].arg[k].i]
+								      : x->d->nodes[i].op == OP_INPUT && input_of(x, &x->d->nodes[i]) >= 0;
+	for (uint32_t i = 0; i < x->d->count; i++) {
+		x->at[i] = (uint32_t)x->value_count;
+		x->value_count += 2 * (x->is_wide[i] ? x->lanes : 1);
+	}
+	for (uint32_t i = 0; i < x->set_count; i++) {
+		for (int k = 0; k < x->sets[i].count; k++)
+			x->is_wide_set[i] |= x->is_wide[x->sets[i].nodes[k]];
+		for (int k = 0; k < 3; k++) {
+			uint32_t by = k == 0 ? x->sets[i].one : k == 1 ? x->sets[i].other : x->sets[i].rest;
+
+			x->is_wide_set[i] |= by && x->is_wide_set[by - 1];
+		}
+		x->set_at[i] = (uint32_t)x->norm_count;
+		x->norm_count += x->is_wide_set[i] ? x->lanes : 1;
+	}
+	return 1;
 }

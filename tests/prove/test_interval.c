@@ -65,7 +65,7 @@ START_TEST(test_are_close)
 
 	ck_assert(m.lower <= -0.21 && m.lower >= -0.21 * (1 + 0x1p-50) && m.upper >= 0.27 && m.upper <= 0.27 * (1 + 0x1p-50));
 	ck_assert(s.lower <= -0.6 && s.lower >= -0.6 * (1 + 0x1p-50) && s.upper >= 1.2 && s.upper <= 1.2 * (1 + 0x1p-50));
-	ck_assert(n.lower <= 0.1 && n.upper >= 0.1 && n.upper - n.lower < 0x1p-54);
+	ck_assert(n.lower <= 0.1 && n.upper >= 0.1 && n.upper - n.lower < 0x1p-52);
 	n = interval_around(2, 0);
 	ck_assert(n.lower == 2 && n.upper == 2);
 	n = interval_around(2, 1e-3);
