@@ -8,9 +8,9 @@
 #include "prove/rounding.h"
 #include "core/seconds.h"
 #include "dag/eval.h"
-#include "range/adjoint.h"
-#include "range/norms.h"
-#include "range/split.h"
+#include "norms/adjoint.h"
+#include "norms/norms.h"
+#include "norms/split.h"
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -68,7 +68,7 @@ static double given(const struct hunt *h, const struct node *n, double size, con
 	real off;
 
 	if (n->op == OP_INPUT)
-		return m->input > 0 && n->arg[0].i != (uint32_t)h->position ? rounded(m->input, m->tiny, size) : 0;
+		return m->input > 0 ? rounded(m->input, m->tiny, size) : 0; /* of angles it does not count: no derivative is taken by them */
 	off = fabsl((m->constant ? m->constant(n->value) : (real)(double)n->value) - n->value) + (real)within_error(dag_number(h->d, n));
 	return off > 0 ? (double)off * (1 + 0x1p-40) + 2 * m->tiny : 0;
 }

@@ -3,7 +3,7 @@
 /* The box of inputs for which something is proved: an interval for each row of each input that an output reads. */
 
 #include "passes/analysis.h"
-#include "range/interval.h"
+#include "norms/interval.h"
 
 struct box {
 	struct interval *rows[DAG_ARGUMENTS]; /* by argument of the DAG; NULL for outputs */

@@ -1,19 +1,15 @@
-/* g = d2f/dq_k^2 is a polynomial of the kind that f is. From its largest magnitude G on a grid that of all q follows in two ways,
-   one for each dimension l:
-   - M. Riesz (Eine trigonometrische Interpolationsformel, 1914): where |g| is largest, at q*, it is at least cos(d (q - q*)) times
-     that at q, d the degree. A place of n on a circle is within pi/n of q*: the largest is at most 1/cos(pi d/n) times that of places.
-   - Interpolation along lines: g is at most h^2/2 |d2g/dq_l^2| above the larger neighbour, h half the distance of places. By
-     Bernstein, |d2g/dq_l^2| <= d^2 |g|, and as well <= d^2 |d2f/dq_l^2|, which is small where q_l matters little. */
+/* Second derivatives on grids; pace.c tells what follows for all q. */
 #define _POSIX_C_SOURCE 200809L
 #include "range/curvature.h"
 #include "core/seconds.h"
 #include "range/extreme.h"
+#include "range/pace.h"
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEAST_PLACES = 6, LENGTH_PLACES = 3, MOST_PLACES = 48, LINES = 64, ROUNDS = 6, MOST_POINTS = 20000000 };
+enum { MOST_PLACES = 48, LINES = 64, MOST_POINTS = 20000000 };
 
 struct sweep {
 	const struct field *f;
@@ -28,11 +24,6 @@ struct sweep {
 };
 
 /* ---- one dimension ---- */
-
-static int is_point(const struct field_dim *k)
-{
-	return !k->is_angle && k->lower == k->upper;
-}
 
 /* The second derivative of a trigonometric polynomial at a place, by its values at n places of a circle: n > 2 degree. */
 static void set_circle(struct sweep *s, int n)
@@ -152,95 +143,6 @@ static int sweep(struct sweep *s, double *found)
 	return s->failed == 2 ? -1 : !s->failed;
 }
 
-/* ---- all q ---- */
-
-/* What is known of a dimension's places: how much larger than on them a polynomial can be; half their distance squared and halved;
-   |d2g/dq^2| <= bend |g|. */
-struct pace {
-	double factor, gap, bend;
-};
-
-static struct pace pace_of(const struct field *f, int k, int count)
-{
-	const struct field_dim *dim = &f->dims[k];
-	double d = f->degree, half = 0.5 * (dim->upper - dim->lower), step;
-
-	if (is_point(dim))
-		return (struct pace){1, 0, 0};
-	if (!dim->is_angle && count < LENGTH_PLACES)
-		return (struct pace){(double)INFINITY, half * half / 2 * (1 + 0x1p-40), 4 / (half * half) * (1 + 0x1p-40)};
-	if (!dim->is_angle) /* parabolas: Lebesgue's constant of three places, and Markov */
-		return (struct pace){1.25 * (1 + 0x1p-40), half * half / 8 * (1 + 0x1p-40), 4 / (half * half) * (1 + 0x1p-40)};
-	step = 3.14159265358979323847 / count;
-	return (struct pace){count > 2 * d ? (1 + 0x1p-40) / cos(d * step) : (double)INFINITY, step * step / 2 * (1 + 0x1p-40), d * d};
-}
-
-/* What a set of dimensions for the first way gives for dimension k, the others being for the second. */
-static double bound_by(const struct pace *p, int n, int k, double found, const double *most, const unsigned char *is_first)
-{
-	double factor = 1, sum = found;
-
-	for (int l = 0; l < n; l++)
-		if (is_first[l])
-			factor *= p[l].factor;
-		else
-			sum += p[l].gap * fmin(p[l].bend * most[k], p[k].bend * most[l]);
-	return factor * sum * (1 + 0x1p-40);
-}
-
-/* The best that is found by changing one dimension at a time. */
-static double best_of(const struct pace *p, int n, int k, double found, const double *most)
-{
-	unsigned char is_first[FIELD_DIMS] = {0};
-	double best;
-
-	for (int l = 0; l < n; l++)
-		is_first[l] = isfinite(p[l].factor) && !(p[l].gap * p[k].bend * most[l] < 0.1 * found);
-	best = bound_by(p, n, k, found, most, is_first);
-	for (int l = 0; l < n; l++) {
-		double now;
-
-		is_first[l] = !is_first[l];
-		now = bound_by(p, n, k, found, most, is_first);
-		if (now < best)
-			best = now;
-		else
-			is_first[l] = !is_first[l];
-	}
-	return fmin(best, most[k]);
-}
-
-/* Along a dimension of which second derivatives are taken. */
-static int own_count(const struct field *f, int k, const int *counts)
-{
-	int least = f->dims[k].is_angle ? LEAST_PLACES : LENGTH_PLACES;
-
-	return counts[k] < least ? least : counts[k];
-}
-
-/* The first way for all dimensions, then both until nothing gains. */
-static void close_in(const struct field *f, const int *counts, const double *found, double *most)
-{
-	struct pace p[FIELD_DIMS];
-	double all = 1;
-	int n = f->dim_count;
-
-	for (int k = 0; k < n; k++) {
-		p[k] = pace_of(f, k, counts[k]);
-		all *= p[k].factor;
-	}
-	for (int k = 0; k < n; k++)
-		most[k] = fmin(most[k], all * found[k] * (1 + 0x1p-40));
-	for (int round = 0; round < ROUNDS; round++)
-		for (int k = 0; k < n; k++) {
-			struct pace wide = p[k];
-
-			p[k] = pace_of(f, k, own_count(f, k, counts));
-			most[k] = best_of(p, n, k, found[k], most);
-			p[k] = wide;
-		}
-}
-
 /* ---- which grid ---- */
 
 /* The logarithm of how many points the cover will need: it goes with the root of each curvature. */
@@ -250,7 +152,7 @@ static double cost_of(const struct field *f, const int *counts, const double *fo
 
 	for (int o = 0; o < f->output_count; o++) {
 		memcpy(now, most + (size_t)o * (size_t)f->dim_count, (size_t)f->dim_count * sizeof *now);
-		close_in(f, counts, found + (size_t)o * (size_t)f->dim_count, now);
+		pace_close(f, counts, found + (size_t)o * (size_t)f->dim_count, now);
 		for (int k = 0; k < f->dim_count; k++)
 			sum += 0.5 * log(now[k] + 1e-300);
 	}
@@ -269,7 +171,7 @@ static double size_of(const struct field *f, const int *counts)
 /* One place of a circle, or the ends of a length. */
 static int fewest(const struct field *f, int k)
 {
-	return f->dims[k].is_angle || is_point(&f->dims[k]) ? 1 : 2;
+	return f->dims[k].is_angle || field_is_point(&f->dims[k]) ? 1 : 2;
 }
 
 /* Would these do, beside what the outputs bend by others? */
@@ -327,8 +229,8 @@ static void improve(struct curvature *c, const struct field *f, const int *count
 	for (int o = 0; o < f->output_count; o++) {
 		double *most = c->most + (size_t)o * (size_t)f->dim_count;
 
-		for (int round = 0; round < ROUNDS; round++)
-			most[k] = best_of(p, f->dim_count, k, found[o], most);
+		for (int round = 0; round < PACE_ROUNDS; round++)
+			most[k] = pace_best(p, f->dim_count, k, found[o], most);
 	}
 }
 
@@ -347,7 +249,7 @@ static int pass(struct curvature *c, const struct field *f, const struct effort 
 
 		if (counts[s.k] < (f->dims[s.k].is_angle ? LEAST_PLACES : LENGTH_PLACES))
 			continue;
-		own[s.k] = own_count(f, s.k, counts);
+		own[s.k] = pace_own_count(f, s.k, counts);
 		done = grid_make(&grid, f, own, 1) ? sweep(&s, of_k) : 0;
 		for (size_t o = 0; o < outputs && done == 1; o++)
 			found[o * n + (size_t)s.k] = of_k[o];
@@ -376,7 +278,7 @@ static int passes(struct curvature *c, const struct field *f, const struct effor
 	int counts[FIELD_DIMS], done, strong = 0;
 
 	for (int k = 0; k < f->dim_count; k++)
-		counts[k] = is_point(&f->dims[k]) ? 1 : f->dims[k].is_angle ? LEAST_PLACES : LENGTH_PLACES;
+		counts[k] = field_is_point(&f->dims[k]) ? 1 : f->dims[k].is_angle ? LEAST_PLACES : LENGTH_PLACES;
 	if (size_of(f, counts) > MOST_POINTS)
 		return 1;
 	done = pass(c, f, x, counts, found);

@@ -69,6 +69,12 @@ void field_evaluate(const struct field *f, const struct field_point *q, double *
 /* The sine and cosine of an angle, or a length. */
 void field_place(const struct field_dim *dim, double q, double x[2]);
 
+/* A length of one value; an angle is over its whole circle somewhere. */
+static inline int field_is_point(const struct field_dim *k)
+{
+	return !k->is_angle && k->lower == k->upper;
+}
+
 /* Where c_jk stands, j <= k. */
 static inline size_t field_pair(const struct field *f, int j, int k)
 {

@@ -157,9 +157,15 @@ static enum rneagen_code check_outputs(const struct splitter *s)
 
 	if (adjust_is_asked(&s->x->adjust))
 		return refuse(s, "of the robot as its file states it: leave out what changes constants");
-	for (int i = 0; i < t->body_count; i++)
-		if (t->bodies[i].type == JOINT_FLOATING || t->bodies[i].type == JOINT_PLANAR)
+	for (int i = 0; i < t->body_count; i++) {
+		enum joint_type type = t->bodies[i].type;
+
+		if (type == JOINT_FLOATING || type == JOINT_PLANAR)
 			return refuse(s, "none that floats or is planar");
+		/* an angle of two joints would be of degree 4, though its sine may be that of an input */
+		if (t->bodies[i].follower && type != JOINT_PRISMATIC && type != JOINT_FIXED)
+			return refuse(s, "and no angle that follows another or is freed");
+	}
 	for (size_t i = 0; i < s->d->output_count; i++) {
 		enum role role = s->d->arguments[s->d->outputs[i].argument].role;
 

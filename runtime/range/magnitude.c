@@ -1,9 +1,9 @@
 #define _POSIX_C_SOURCE 200809L
 #include "range/magnitude.h"
 #include "core/seconds.h"
-#include "range/adjoint.h"
-#include "range/norms.h"
-#include "range/split.h"
+#include "norms/adjoint.h"
+#include "norms/norms.h"
+#include "norms/split.h"
 #include <math.h>
 #include <string.h>
 

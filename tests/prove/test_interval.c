@@ -1,6 +1,6 @@
 /* Intervals contain what MPFR computes of numbers in them, and are hardly wider: a bound that is rounded inwards, or a sine that misses
    its top, is seen. */
-#include "range/interval.h"
+#include "norms/interval.h"
 #include "support/rng.h"
 #include "support/suite.h"
 #include <math.h>

@@ -3,11 +3,11 @@
    is left out, a curvature that is not over all angles, and a norm of things that are no rotation. */
 #include "dag/eval.h"
 #include "prove/robot_box.h"
-#include "range/adjoint.h"
+#include "norms/adjoint.h"
 #include "range/curvature.h"
 #include "range/extreme.h"
 #include "range/magnitude.h"
-#include "range/norms.h"
+#include "norms/norms.h"
 #include "range/seek.h"
 #include "support/suite.h"
 #include <math.h>

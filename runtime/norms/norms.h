@@ -1,5 +1,5 @@
-#ifndef RUNTIME_RANGE_NORMS_H
-#define RUNTIME_RANGE_NORMS_H
+#ifndef RUNTIME_NORMS_NORMS_H
+#define RUNTIME_NORMS_NORMS_H
 /* Intervals of all values of a DAG over a box, where rotations keep lengths: |(c x + s y, c y - s x)| = |(x, y)|. Beside the interval of
    each value stand norms of sets of a few values:
    - of a set with both values of a rotation, or one, it is at most that of the set with x and y in their place;
@@ -7,7 +7,7 @@
    - of a set without one of its values, it is the other side of a right angle;
    - of any set, at most the root of the sum of its squares. */
 
-#include "range/interval.h"
+#include "norms/interval.h"
 
 enum { NORMS_SET = 4 };
 

@@ -1,4 +1,4 @@
-#include "range/interval.h"
+#include "norms/interval.h"
 #include <math.h>
 
 struct interval interval_around(real x, double error)

@@ -1,4 +1,4 @@
-#include "range/adjoint.h"
+#include "norms/adjoint.h"
 #include <string.h>
 
 static int is_trig(const struct node *n)

@@ -1,5 +1,5 @@
-#include "range/norms.h"
-#include "range/adjoint.h"
+#include "norms/norms.h"
+#include "norms/adjoint.h"
 #include <math.h>
 #include <string.h>
 

@@ -1,8 +1,8 @@
-#ifndef RUNTIME_RANGE_SPLIT_H
-#define RUNTIME_RANGE_SPLIT_H
+#ifndef RUNTIME_NORMS_SPLIT_H
+#define RUNTIME_NORMS_SPLIT_H
 /* Branch and bound: a box of q is cut into smaller ones, always the one with the largest bound. */
 
-#include "range/interval.h"
+#include "norms/interval.h"
 #include <stddef.h>
 
 enum { SPLIT_DIMS = 64, SPLIT_SIZES = 4 };

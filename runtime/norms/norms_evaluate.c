@@ -1,5 +1,5 @@
 /* Values of norms.h over a box, lane by lane. */
-#include "range/norms.h"
+#include "norms/norms.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>
