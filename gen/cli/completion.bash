@@ -29,7 +29,7 @@ _rneagen_words() {
 	--info) echo json ;;
 	--dump) echo robot scene tree params request dag plan parts segments limbs passes ;;
 	--backend) [[ ${COMP_WORDS[1]} == eval ]] && echo cpu cuda any || echo cpu cuda all ;;
-	--format) echo table json csv ;;
+	--format) [[ ${COMP_WORDS[1]} == prove ]] && echo text json || echo table json csv ;;
 	*) return 1 ;;
 	esac
 }
@@ -84,6 +84,7 @@ _rnearun_common="--backend --device --threads --precision --strict --trig --base
 _rnearun_study="--layout --samples --seed --qd-range --qdd-range --batch $_rnearun_common"
 _rnearun_report="--format --plot $_rnearun_study"
 _rnearun_choose="--max-error --measured $_rnearun_study"
+_rnearun_prove="--seconds --format $_rnearun_common"
 _rnearun_eval="--in --q --qd --qdd --input -o --out --output --slice $_rnearun_common"
 
 _rnearun() {
@@ -91,7 +92,7 @@ _rnearun() {
 
 	_rneagen_current
 	if ((COMP_CWORD == 1)); then
-		mapfile -t COMPREPLY < <(compgen -W 'eval report choose --help --version' -- "$current")
+		mapfile -t COMPREPLY < <(compgen -W 'eval report choose prove --help --version' -- "$current")
 		return
 	fi
 	case $option in
@@ -100,7 +101,7 @@ _rnearun() {
 	--scene | --armature) _rneagen_files "$current" '' ;;
 	--input | --output) ;; # NAME=FILE
 	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --fext | --snap-angle | --round-constants | --drop-below | --range) ;;
-	--gravity | --order | --device | --threads | --slice | --samples | --seed | --qd-range | --qdd-range | --batch | --max-error) ;;
+	--gravity | --order | --device | --threads | --slice | --samples | --seed | --qd-range | --qdd-range | --batch | --max-error | --seconds) ;;
 	*)
 		options=_rnearun_${COMP_WORDS[1]}
 		if words=$(_rneagen_words "$option"); then

@@ -81,35 +81,67 @@ static void take_rows(const struct proving *p, const struct field *f, const stru
 	}
 }
 
+/* What proving the ranges of a field needs, by output. */
+struct ranging {
+	double (*found)[2], *largest, *bends;
+	struct interval *whole, *ranges;
+	struct curvature curvature;
+	struct cover cover;
+};
+
+static int ranging_make(struct ranging *r, const struct field *f, const struct sought (*found)[2])
+{
+	size_t outputs = (size_t)f->output_count;
+
+	*r = (struct ranging){calloc(outputs, sizeof *r->found), calloc(outputs, sizeof *r->largest),
+		calloc(outputs * (size_t)f->dim_count + 1, sizeof *r->bends), calloc(outputs, sizeof *r->whole), calloc(outputs, sizeof *r->ranges),
+		{0}, {0}};
+	if (!r->found || !r->largest || !r->bends || !r->whole || !r->ranges)
+		return 0;
+	for (int i = 0; i < f->output_count; i++)
+		for (int side = 0; side < 2; side++) {
+			r->found[i][side] = found[f->outputs[i]][side].value;
+			r->largest[i] = fmax(r->largest[i], fabs(r->found[i][side]));
+		}
+	return 1;
+}
+
+static void ranging_free(struct ranging *r)
+{
+	free(r->found);
+	free(r->largest);
+	free(r->bends);
+	free(r->whole);
+	free(r->ranges);
+	free(r->curvature.most);
+	free(r->cover.lower);
+	free(r->cover.upper);
+}
+
+static int find_ranges(struct proving *p, const struct field *f, struct ranging *r, double seconds)
+{
+	const struct curvature_start from = {r->whole, r->largest, r->bends};
+
+	return magnitude_find(r->whole, f, p->b, 1, &p->effort, SHARE_WHOLE * seconds) && magnitude_bends(r->bends, f, p->b, &p->effort) &&
+	       curvature_find(&r->curvature, f, &from, &p->effort, SHARE_CURVATURE * seconds) &&
+	       cover_find(&r->cover, f, &r->curvature, (const double(*)[2])r->found, &p->effort, SHARE_COVER * seconds) &&
+	       magnitude_find(r->ranges, f, p->b, 0, &p->effort, SHARE_MAGNITUDE * seconds);
+}
+
 static enum rneagen_code prove_field(struct proving *p, int k, struct prove_row *rows)
 {
 	const struct field *f = &p->fields[k];
-	double share = p->o->seconds * share_of(p, k), (*found)[2] = calloc((size_t)f->output_count, sizeof *found);
-	struct interval *ranges = calloc((size_t)f->output_count, sizeof *ranges);
-	struct curvature bends = {0};
-	struct cover c = {0};
+	double share = p->o->seconds * share_of(p, k);
+	struct ranging r;
 	int done;
 
-	if (!found || !ranges || seek_field(p, k, SHARE_SEEK * share)) {
-		free(found);
-		free(ranges);
-		return error_memory(p->e);
-	}
-	for (int i = 0; i < f->output_count; i++)
-		for (int side = 0; side < 2; side++)
-			found[i][side] = p->found[f->outputs[i]][side].value;
+	if (seek_field(p, k, SHARE_SEEK * share))
+		return p->e->code;
 	show(p, "ranges");
-	done = magnitude_find(ranges, f, p->b, 1, &p->effort, SHARE_WHOLE * share) &&
-	       curvature_find(&bends, f, ranges, &p->effort, SHARE_CURVATURE * share) &&
-	       cover_find(&c, f, &bends, (const double(*)[2])found, &p->effort, SHARE_COVER * share) &&
-	       magnitude_find(ranges, f, p->b, 0, &p->effort, SHARE_MAGNITUDE * share);
+	done = ranging_make(&r, f, (const struct sought(*)[2])p->found) && find_ranges(p, f, &r, share);
 	if (done)
-		take_rows(p, f, &c, ranges, rows);
-	free(found);
-	free(ranges);
-	free(bends.most);
-	free(c.lower);
-	free(c.upper);
+		take_rows(p, f, &r.cover, r.ranges, rows);
+	ranging_free(&r);
 	return done ? RNEAGEN_OK : error_memory(p->e);
 }
 

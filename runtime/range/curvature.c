@@ -264,12 +264,17 @@ static int pass(struct curvature *c, const struct field *f, const struct effort 
 	return done;
 }
 
-/* Bernstein, by the largest magnitude of the output over all angles. */
-static void begin(struct curvature *c, const struct field *f, const struct interval *whole)
+/* Bernstein, by the largest magnitude of the output over all angles; or what is known already. In place of what places find stands that
+   outputs bend about as much as they are large. */
+static void begin(struct curvature *c, const struct field *f, const struct curvature_start *from, double *found)
 {
 	for (int o = 0; o < f->output_count; o++)
-		for (int k = 0; k < f->dim_count; k++)
-			c->most[o * f->dim_count + k] = pace_of(f, k, 1).bend * interval_size(whole[o]) * (1 + 0x1p-40);
+		for (int k = 0; k < f->dim_count; k++) {
+			int i = o * f->dim_count + k;
+
+			c->most[i] = fmin(from->bends[i], pace_of(f, k, 1).bend * interval_size(from->whole[o]) * (1 + 0x1p-40));
+			found[i] = from->found[o];
+		}
 }
 
 /* A first pass of few places, then more where they gain, as long as there is time. */
@@ -278,7 +283,7 @@ static int passes(struct curvature *c, const struct field *f, const struct effor
 	int counts[FIELD_DIMS], done, strong = 0;
 
 	for (int k = 0; k < f->dim_count; k++)
-		counts[k] = field_is_point(&f->dims[k]) ? 1 : f->dims[k].is_angle ? LEAST_PLACES : LENGTH_PLACES;
+		counts[k] = is_weak(f, k, c->most, found) ? fewest(f, k) : f->dims[k].is_angle ? LEAST_PLACES : LENGTH_PLACES;
 	if (size_of(f, counts) > MOST_POINTS)
 		return 1;
 	done = pass(c, f, x, counts, found);
@@ -295,7 +300,7 @@ static int passes(struct curvature *c, const struct field *f, const struct effor
 	return done;
 }
 
-int curvature_find(struct curvature *c, const struct field *f, const struct interval *whole, const struct effort *x, double seconds)
+int curvature_find(struct curvature *c, const struct field *f, const struct curvature_start *from, const struct effort *x, double seconds)
 {
 	size_t size = (size_t)f->output_count * (size_t)f->dim_count;
 	double *found = calloc(size + 1, sizeof *found);
@@ -304,8 +309,8 @@ int curvature_find(struct curvature *c, const struct field *f, const struct inte
 
 	own.deadline = fmin(x->deadline, seconds_now() + seconds);
 	*c = (struct curvature){.most = malloc((size + 1) * sizeof *c->most)};
-	if (c->most)
-		begin(c, f, whole);
+	if (c->most && found)
+		begin(c, f, from, found);
 	done = c->most && found ? passes(c, f, &own, found) : 0;
 	free(found);
 	return done != 0;

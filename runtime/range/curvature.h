@@ -10,8 +10,14 @@ struct curvature {
 	double speed; /* seconds of one evaluation, over all threads */
 };
 
-/* Into c->most, by points of a grid that takes about `seconds`; whole[output] has all values over all angles, by which it begins. Returns
-   0 when memory runs out; the caller frees c->most. */
-int curvature_find(struct curvature *c, const struct field *f, const struct interval *whole, const struct effort *x, double seconds);
+/* Where it begins, by output: all values over all angles; the largest magnitude that was found; [output][dim] bounds of what is looked
+   for. */
+struct curvature_start {
+	const struct interval *whole;
+	const double *found, *bends;
+};
+
+/* Into c->most, by points of a grid that takes about `seconds`. Returns 0 when memory runs out; the caller frees c->most. */
+int curvature_find(struct curvature *c, const struct field *f, const struct curvature_start *from, const struct effort *x, double seconds);
 
 #endif

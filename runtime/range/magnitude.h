@@ -9,4 +9,8 @@
 int magnitude_find(struct interval *ranges, const struct field *f, const struct box *b, int is_whole, const struct effort *x,
 	double seconds);
 
+/* Into most[output][dim]: no second derivative of an output by a row of q is larger, over all angles and the box; by intervals of its
+   expression. That is close enough to tell which rows matter little. Returns 0 when memory runs out. */
+int magnitude_bends(double *most, const struct field *f, const struct box *b, const struct effort *x);
+
 #endif

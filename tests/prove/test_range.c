@@ -189,13 +189,21 @@ START_TEST(test_curvature)
 	for (int k = 0; k < s.count && k < 3; k++) {
 		const struct field *f = &s.fields[k];
 		struct interval *whole = calloc((size_t)f->output_count, sizeof *whole);
-		struct curvature bends;
+		double *found = calloc((size_t)f->output_count, sizeof *found), *most = calloc((size_t)(f->output_count * f->dim_count + 1), sizeof *most);
+		struct curvature bends, first = {.most = most};
+		const struct curvature_start from = {whole, found, most};
 
-		ck_assert(magnitude_find(whole, f, &s.x.box, 1, &effort, 0.05));
-		ck_assert(curvature_find(&bends, f, whole, &effort, 1));
-		if (f->dim_count)
+		ck_assert(magnitude_find(whole, f, &s.x.box, 1, &effort, 0.05) && magnitude_bends(most, f, &s.x.box, &effort));
+		for (int o = 0; o < f->output_count; o++)
+			found[o] = 0.2 * interval_size(whole[o]);
+		ck_assert(curvature_find(&bends, f, &from, &effort, 1));
+		if (f->dim_count) {
+			check_bends(f, &first, &r);
 			check_bends(f, &bends, &r);
+		}
 		free(bends.most);
+		free(found);
+		free(most);
 		free(whole);
 	}
 	workers_close(effort.workers);
