@@ -30,7 +30,7 @@ _rneagen_words() {
 	--info) echo json ;;
 	--dump) echo robot scene tree params request dag plan parts segments limbs passes ;;
 	--backend) [[ ${COMP_WORDS[1]} == eval ]] && echo cpu cuda any || echo cpu cuda all ;;
-	--format) echo table json csv ;;
+	--format) [[ ${COMP_WORDS[1]} == prove ]] && echo text json || echo table json csv ;;
 	*) return 1 ;;
 	esac
 }
@@ -85,6 +85,7 @@ _rnearun_common="--backend --device --threads --precision --strict --trig --base
 _rnearun_study="--layout --samples --seed --qd-range --qdd-range --batch $_rnearun_common"
 _rnearun_report="--format --plot $_rnearun_study"
 _rnearun_choose="--max-error --measured $_rnearun_study"
+_rnearun_prove="--seconds --format $_rnearun_common"
 _rnearun_eval="--in --q --qd --qdd --input -o --out --output --slice --resume $_rnearun_common"
 
 _rnearun() {
@@ -92,7 +93,7 @@ _rnearun() {
 
 	_rneagen_current
 	if ((COMP_CWORD == 1)); then
-		mapfile -t COMPREPLY < <(compgen -W 'eval report choose --help --version' -- "$current")
+		mapfile -t COMPREPLY < <(compgen -W 'eval report choose prove --help --version' -- "$current")
 		return
 	fi
 	case $option in
@@ -102,7 +103,7 @@ _rnearun() {
 	--input | --output) ;; # NAME=FILE
 	--device) [[ ${COMP_WORDS[1]} != eval ]] || mapfile -t COMPREPLY < <(compgen -W all -- "$current") ;;
 	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --add-frame | --fext | --snap-angle | --round-constants | --drop-below | --range) ;;
-	--gravity | --order | --threads | --slice | --samples | --seed | --qd-range | --qdd-range | --batch | --max-error) ;;
+	--gravity | --order | --threads | --slice | --samples | --seed | --qd-range | --qdd-range | --batch | --max-error | --seconds) ;;
 	*)
 		options=_rnearun_${COMP_WORDS[1]}
 		if words=$(_rneagen_words "$option"); then

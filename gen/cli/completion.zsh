@@ -108,10 +108,19 @@ _rnearun_choose() {
 		'--measured[judge by the measured errors alone, not by bounds]'
 }
 
+_rnearun_prove() {
+	_arguments "${_rnearun_common[@]}" \
+		'--backend=[where to compute]:backend:(cpu cuda any)' \
+		'--seconds=[for proof and search]:number:' \
+		'--format=[of what is printed]:format:(text json)' \
+		'1:robot:_files -g "*.urdf"'
+}
+
 _rnearun() {
 	if ((CURRENT == 2)); then
 		_values command 'eval[torques for arrays on disk]' 'report[speed and error of every variant]' \
-			'choose[the fastest variant that is close enough]' --help --version
+			'choose[the fastest variant that is close enough]' \
+			'prove[ranges of torques and errors for all states]' --help --version
 	else
 		shift words
 		((CURRENT--))

@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/files.h"
 #include "cli/options.h"
+#include "prove/run_prove.h"
 #include "study/run_choose.h"
 #include "eval/run_eval.h"
 #include "study/run_report.h"
@@ -16,6 +17,7 @@ static const char HELP[] =
 	"  eval       torques for arrays on disk\n"
 	"  report     speed and error of every variant\n"
 	"  choose     the fastest variant that is close enough\n"
+	"  prove      ranges of torques and of errors, for all states within the limits\n"
 	"  --help, --version\n"
 	"\n"
 	"mpirun -n N rnearun-mpi COMMAND ... is the same by N ranks of MPI.\n"
@@ -29,6 +31,7 @@ static const struct subcommand {
 	{"eval", run_eval},
 	{"report", run_report},
 	{"choose", run_choose},
+	{"prove", run_prove},
 };
 
 enum { SUBCOMMAND_COUNT = sizeof SUBCOMMANDS / sizeof *SUBCOMMANDS };

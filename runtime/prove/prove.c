@@ -1,0 +1,203 @@
+#define _POSIX_C_SOURCE 200809L
+#include "prove/prove.h"
+#include "core/seconds.h"
+#include "emit/emit.h"
+#include "emit/number_type.h"
+#include "range/cover.h"
+#include "range/magnitude.h"
+#include "prove/rounding.h"
+#include "prove/seek_errors.h"
+#include <math.h>
+#include <stdlib.h>
+
+/* Shares of the time. What is left is for what takes longer than it should. */
+#define SHARE_SEEK 0.04
+#define SHARE_WHOLE 0.05
+#define SHARE_MAGNITUDE 0.03
+#define SHARE_CURVATURE 0.14
+#define SHARE_COVER 0.20
+#define SHARE_SEEK_ERRORS 0.06
+#define SHARE_ERRORS 0.46
+
+struct proving {
+	const struct analysis *a;
+	const struct box *b;
+	const struct prove_options *o;
+	struct progress *progress;
+	struct rneagen_error *e;
+	struct arena arena;
+	struct field *fields;
+	int field_count;
+	struct effort effort;
+	struct sought (*found)[2];              /* by output of the DAG */
+	struct eval_model models[PROVE_PRECISIONS];
+	double start;
+};
+
+static void show(struct proving *p, const char *doing)
+{
+	progress_show(p->progress, (uint64_t)(seconds_now() - p->start), doing);
+}
+
+/* A field's share of the work: the more rows of q, the more points. */
+static double share_of(const struct proving *p, int k)
+{
+	double sum = 0, own = 0;
+
+	for (int i = 0; i < p->field_count; i++) {
+		double n = p->fields[i].dim_count, work = p->fields[i].output_count * (1 + n * n * n);
+
+		sum += work;
+		own = i == k ? work : own;
+	}
+	return own / sum;
+}
+
+static enum rneagen_code seek_field(struct proving *p, int k, double seconds)
+{
+	const struct field *f = &p->fields[k];
+	struct sought (*best)[2] = calloc((size_t)f->output_count, sizeof *best);
+	int done = best && seek_extremes(best, f, &p->effort, seconds);
+
+	for (int i = 0; done && i < f->output_count; i++)
+		for (int side = 0; side < 2; side++)
+			p->found[f->outputs[i]][side] = best[i][side];
+	free(best);
+	return done ? RNEAGEN_OK : error_memory(p->e);
+}
+
+/* The better of both ways. */
+static void take_rows(const struct proving *p, const struct field *f, const struct cover *c, const struct interval *ranges,
+	struct prove_row *rows)
+{
+	for (int i = 0; i < f->output_count; i++) {
+		struct prove_row *r = &rows[f->outputs[i]];
+
+		r->low = fmax(c->lower[i], ranges[i].lower);
+		r->high = fmin(c->upper[i], ranges[i].upper);
+		r->plain = f->plain[i];
+		r->found_low = p->found[f->outputs[i]][0].value;
+		r->found_high = p->found[f->outputs[i]][1].value;
+	}
+}
+
+/* What proving the ranges of a field needs, by output. */
+struct ranging {
+	double (*found)[2], *largest, *bends;
+	struct interval *whole, *ranges;
+	struct curvature curvature;
+	struct cover cover;
+};
+
+static int ranging_make(struct ranging *r, const struct field *f, const struct sought (*found)[2])
+{
+	size_t outputs = (size_t)f->output_count;
+
+	*r = (struct ranging){calloc(outputs, sizeof *r->found), calloc(outputs, sizeof *r->largest),
+		calloc(outputs * (size_t)f->dim_count + 1, sizeof *r->bends), calloc(outputs, sizeof *r->whole), calloc(outputs, sizeof *r->ranges),
+		{0}, {0}};
+	if (!r->found || !r->largest || !r->bends || !r->whole || !r->ranges)
+		return 0;
+	for (int i = 0; i < f->output_count; i++)
+		for (int side = 0; side < 2; side++) {
+			r->found[i][side] = found[f->outputs[i]][side].value;
+			r->largest[i] = fmax(r->largest[i], fabs(r->found[i][side]));
+		}
+	return 1;
+}
+
+static void ranging_free(struct ranging *r)
+{
+	free(r->found);
+	free(r->largest);
+	free(r->bends);
+	free(r->whole);
+	free(r->ranges);
+	free(r->curvature.most);
+	free(r->cover.lower);
+	free(r->cover.upper);
+}
+
+static int find_ranges(struct proving *p, const struct field *f, struct ranging *r, double seconds)
+{
+	const struct curvature_start from = {r->whole, r->largest, r->bends};
+
+	return magnitude_find(r->whole, f, p->b, 1, &p->effort, SHARE_WHOLE * seconds) && magnitude_bends(r->bends, f, p->b, &p->effort) &&
+	       curvature_find(&r->curvature, f, &from, &p->effort, SHARE_CURVATURE * seconds) &&
+	       cover_find(&r->cover, f, &r->curvature, (const double(*)[2])r->found, &p->effort, SHARE_COVER * seconds) &&
+	       magnitude_find(r->ranges, f, p->b, 0, &p->effort, SHARE_MAGNITUDE * seconds);
+}
+
+static enum rneagen_code prove_field(struct proving *p, int k, struct prove_row *rows)
+{
+	const struct field *f = &p->fields[k];
+	double share = p->o->seconds * share_of(p, k);
+	struct ranging r;
+	int done;
+
+	if (seek_field(p, k, SHARE_SEEK * share))
+		return p->e->code;
+	show(p, "ranges");
+	done = ranging_make(&r, f, (const struct sought(*)[2])p->found) && find_ranges(p, f, &r, share);
+	if (done)
+		take_rows(p, f, &r.cover, r.ranges, rows);
+	ranging_free(&r);
+	return done ? RNEAGEN_OK : error_memory(p->e);
+}
+
+static void set_models(struct proving *p)
+{
+	for (int i = 0; i < p->o->precision_count; i++) {
+		struct rneagen_options o = p->a->options;
+
+		o.precision = p->o->precisions[i];
+		p->models[i] = eval_model_of(&o, 0);
+	}
+}
+
+static enum rneagen_code prove_errors(struct proving *p, struct proof *proof)
+{
+	show(p, "errors");
+	if (!seek_errors(proof->rows, p->a, p->b, p->models, p->o->precision_count, p->fields, p->field_count,
+		    (const struct sought(*)[2])p->found, &p->effort, SHARE_SEEK_ERRORS * p->o->seconds))
+		return error_memory(p->e);
+	show(p, "errors");
+	if (!rounding_find(proof->rows, p->a, p->b, p->models, p->o->precision_count, &p->effort, SHARE_ERRORS * p->o->seconds))
+		return error_memory(p->e);
+	return RNEAGEN_OK;
+}
+
+static enum rneagen_code prove_all(struct proving *p, struct proof *proof)
+{
+	proof->rows = calloc(p->a->dag.output_count + 1, sizeof *proof->rows);
+	p->found = arena_alloc(&p->arena, p->a->dag.output_count, sizeof *p->found);
+	p->effort.workers = workers_open(p->o->threads);
+	if (!proof->rows || !p->found || !p->effort.workers)
+		return error_memory(p->e);
+	p->effort.threads = workers_limit(p->effort.workers);
+	p->effort.deadline = p->start + 1.2 * p->o->seconds;
+	set_models(p);
+	for (int k = 0; k < p->field_count; k++)
+		if (prove_field(p, k, proof->rows))
+			return p->e->code;
+	proof->range_seconds = seconds_now() - p->start;
+	if (prove_errors(p, proof))
+		return p->e->code;
+	proof->error_seconds = seconds_now() - p->start - proof->range_seconds;
+	return RNEAGEN_OK;
+}
+
+enum rneagen_code prove(struct proof *proof, const struct analysis *a, const struct box *b, const struct prove_options *o,
+	struct progress *progress, struct rneagen_error *e)
+{
+	struct proving p = {.a = a, .b = b, .o = o, .progress = progress, .e = e, .start = seconds_now()};
+
+	*proof = (struct proof){0};
+	arena_init(&p.arena, NULL);
+	p.field_count = field_split(&p.fields, a, b, &p.arena, e);
+	if (p.field_count >= 0)
+		prove_all(&p, proof);
+	workers_close(p.effort.workers);
+	arena_free(&p.arena);
+	return e->code;
+}

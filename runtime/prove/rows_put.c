@@ -1,0 +1,168 @@
+#include "prove/rows_put.h"
+#include "emit/emit.h"
+#include <math.h>
+#include <string.h>
+
+/* Numbers are printed with so many digits that reading them gives the same double. */
+
+/* What the proof rests on. */
+static const char *const ASSUMPTIONS[] = {
+	"rigid bodies as the URDF's decimals state them, angles within 5e-15 rad of a multiple of pi/2 being that; limits are the doubles "
+	"nearest to the file's decimals",
+	"all inputs are within their ranges, in any combination; a continuous joint has any angle that --trig takes",
+	"ranges are of the exact outputs; a text's result is within error_bound of these",
+	"rounding to nearest, subnormal numbers kept; products may be joined to sums or not; sine and cosine are the text's own",
+	"nothing overflows: where it may, error_bound is null",
+	"the double and extended arithmetic of the processor that proves is that of IEEE 754, and its sine and cosine in extended precision "
+	"are good to 2^-60"};
+enum { ASSUMPTION_COUNT = sizeof ASSUMPTIONS / sizeof *ASSUMPTIONS };
+
+static const char *joint_of(const struct proved *x, const struct output *o, double *effort)
+{
+	const struct tree *t = &x->a->tree;
+	enum role role = x->a->dag.arguments[o->argument].role;
+
+	*effort = 0;
+	for (int i = 0; i < t->joint_count && role != ROLE_MASS_MATRIX; i++) {
+		const struct joint *j = tree_joint_of(t->source, t, i);
+
+		if (o->row != t->joints[i].iv)
+			continue;
+		if (j && j->has_rates && j->effort > 0)
+			*effort = j->effort;
+		return t->joints[i].name;
+	}
+	return "";
+}
+
+static const char *output_name(const struct proved *x, const struct output *o)
+{
+	return x->a->dag.arguments[o->argument].name;
+}
+
+/* The output with this number where they are counted by arguments and rows; of the DAG's they are in the order of the tour. */
+static size_t output_at(const struct proved *x, size_t number)
+{
+	const struct dag *d = &x->a->dag;
+	size_t best = 0;
+
+	for (size_t i = 0; i < d->output_count; i++) {
+		size_t before = 0;
+
+		for (size_t k = 0; k < d->output_count; k++)
+			before += d->outputs[k].argument < d->outputs[i].argument ||
+				  (d->outputs[k].argument == d->outputs[i].argument && d->outputs[k].row < d->outputs[i].row);
+		best = before == number ? i : best;
+	}
+	return best;
+}
+
+/* ---- JSON ---- */
+
+static void put_number(struct text *out, const char *name, double value)
+{
+	if (isfinite(value))
+		text_printf(out, ", \"%s\": %.17g", name, value);
+	else
+		text_printf(out, ", \"%s\": null", name);
+}
+
+static void put_row(const struct proved *x, size_t i, int k, struct text *out)
+{
+	const struct output *o = &x->a->dag.outputs[i];
+	const struct prove_row *r = &x->p->rows[i];
+	double effort;
+	const char *joint = joint_of(x, o, &effort);
+
+	text_put(out, "{\"output\": ");
+	text_put_json(out, output_name(x, o));
+	text_printf(out, ", \"row\": %d, \"joint\": ", o->row);
+	text_put_json(out, joint);
+	text_printf(out, ", \"precision\": \"%s\"", emit_precision_name(x->o->precisions[k]));
+	put_number(out, "low", r->low);
+	put_number(out, "high", r->high);
+	put_number(out, "found_low", r->found_low);
+	put_number(out, "found_high", r->found_high);
+	put_number(out, "plain_intervals", r->plain);
+	put_number(out, "error_bound", r->error_bound[k]);
+	put_number(out, "error_found", r->error_found[k]);
+	put_number(out, "effort", effort > 0 ? effort : (double)NAN);
+	put_number(out, "error_of_effort", effort > 0 ? r->error_bound[k] / effort * (1 + 0x1p-50) : (double)NAN);
+	text_put(out, "}");
+}
+
+static void put_ranges(const struct proved *x, struct text *out)
+{
+	int count = 0;
+
+	for (int i = 0; i < x->a->dag.argument_count; i++)
+		for (int r = 0; r < x->a->dag.arguments[i].rows && x->b->rows[i]; r++) {
+			const struct interval *range = &x->b->rows[i][r];
+
+			if (!(range->lower <= range->upper))
+				continue;
+			text_put(out, count++ ? ",\n    {\"input\": " : "\n    {\"input\": ");
+			text_put_json(out, x->a->dag.arguments[i].name);
+			text_printf(out, ", \"row\": %d, \"lower\": %.17g, \"upper\": %.17g}", r, range->lower, range->upper);
+		}
+}
+
+void rows_put_json(const struct proved *x, struct text *out)
+{
+	text_put(out, "{\n  \"robot\": ");
+	text_put_json(out, x->a->robot.name);
+	text_printf(out, ",\n  \"trig\": \"%s\",\n  \"assumptions\": [", emit_trig_name(x->a->options.trig));
+	for (int i = 0; i < ASSUMPTION_COUNT; i++) {
+		text_put(out, i ? ",\n    " : "\n    ");
+		text_put_json(out, ASSUMPTIONS[i]);
+	}
+	text_put(out, "\n  ],\n  \"ranges\": [");
+	put_ranges(x, out);
+	text_put(out, "\n  ],\n  \"rows\": [");
+	for (size_t i = 0; i < x->a->dag.output_count; i++)
+		for (int k = 0; k < x->o->precision_count; k++) {
+			text_put(out, i || k ? ",\n    " : "\n    ");
+			put_row(x, output_at(x, i), k, out);
+		}
+	text_put(out, "\n  ]\n}\n");
+}
+
+/* ---- table ---- */
+
+static double slack(const struct prove_row *r)
+{
+	double found = fmax(fabs(r->found_low), fabs(r->found_high)), proved = fmax(fabs(r->low), fabs(r->high));
+
+	return found > 0 ? proved / found : 1;
+}
+
+static void put_line(const struct proved *x, size_t i, struct text *out)
+{
+	const struct output *o = &x->a->dag.outputs[i];
+	const struct prove_row *r = &x->p->rows[i];
+	double effort;
+	const char *joint = joint_of(x, o, &effort);
+
+	text_printf(out, "%s[%d] %s: from %.6g to %.6g; found %.6g to %.6g; slack %.2f, of plain intervals %.1f", output_name(x, o), o->row,
+		joint, r->low, r->high, r->found_low, r->found_high, slack(r),
+		r->plain / fmax(fmax(fabs(r->found_low), fabs(r->found_high)), 1e-300));
+	if (effort > 0)
+		text_printf(out, "; effort limit %g", effort);
+	text_putc(out, '\n');
+	for (int k = 0; k < x->o->precision_count; k++) {
+		text_printf(out, "    %-5s off by at most %.3g; found %.3g; slack %.2f", emit_precision_name(x->o->precisions[k]), r->error_bound[k],
+			r->error_found[k], r->error_bound[k] / fmax(r->error_found[k], 1e-300));
+		if (effort > 0)
+			text_printf(out, "; %.2g of the limit", r->error_bound[k] / effort);
+		text_putc(out, '\n');
+	}
+}
+
+void rows_put_table(const struct proved *x, struct text *out)
+{
+	for (size_t i = 0; i < x->a->dag.output_count; i++)
+		put_line(x, output_at(x, i), out);
+	text_put(out, "\nThis holds if:\n");
+	for (int i = 0; i < ASSUMPTION_COUNT; i++)
+		text_printf(out, "- %s\n", ASSUMPTIONS[i]);
+}

@@ -1,0 +1,163 @@
+/* rnearun prove: what holds for every state within the limits. */
+#define _POSIX_C_SOURCE 200809L
+#include "prove/run_prove.h"
+#include "prove/rows_put.h"
+#include "rnearun/command.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char HELP[] =
+	"usage: rnearun prove ROBOT.urdf --range qdd=-20,20 [options]\n"
+	"\n"
+	"Proves, for all states within the limits of the joints and the ranges given, from where to where each torque goes, and how far\n"
+	"rounding takes a text off in each precision. Beside it stands what a search over the same states finds. What has no limit in the\n"
+	"URDF needs a --range.\n"
+	"\n"
+	"  --range NAME=LO,HI         of q, qd, qdd, q.JOINT, qd.JOINT, qdd.JOINT or another input of the scene\n"
+	"  --seconds S                for proof and search together (default 60)\n"
+	"  --format text|json         (default text)\n"
+	"  --precision f32|f64|mixed|f32x2\n"
+	"                             several, by commas (default f32,f64)\n"
+	"  --trig accurate|bounded|fast\n"
+	COMMAND_HELP_MODEL
+	"\n"
+	"exit status: 0 done, 1 the robot or a file is at fault, 2 the command line is, or a range is missing\n";
+
+enum { KEY_PRECISION = COMMAND_OWN, KEY_SECONDS, KEY_FORMAT };
+enum format { FORMAT_TEXT, FORMAT_JSON };
+
+static const struct option OPTIONS[] = {{"precision", required_argument, NULL, KEY_PRECISION},
+	{"seconds", required_argument, NULL, KEY_SECONDS}, {"format", required_argument, NULL, KEY_FORMAT}, COMMAND_OPTIONS, {NULL, 0, NULL, 0}};
+
+struct proving {
+	struct command command;
+	struct prove_options options;
+	int format;
+	struct file_content urdf;
+	struct analysis analysis;
+	struct arena arena;
+};
+
+static int take_precision(struct proving *p, const char *name, const char *word)
+{
+	struct rneagen_options o = {0};
+	int bad = option_generate(name, &o, OPTION_PRECISION, word);
+
+	for (int i = 0; i < p->options.precision_count; i++)
+		if (p->options.precisions[i] == o.precision)
+			return bad;
+	if (!bad && p->options.precision_count < PROVE_PRECISIONS)
+		p->options.precisions[p->options.precision_count++] = o.precision;
+	return bad;
+}
+
+static int take_precisions(struct proving *p, const char *name, const char *words)
+{
+	char word[32];
+	int bad = 0;
+
+	p->options.precision_count = 0;
+	for (;;) {
+		size_t n = strcspn(words, ",");
+
+		snprintf(word, sizeof word, "%.*s", (int)(n < sizeof word ? n : sizeof word - 1), words);
+		bad = take_precision(p, name, word);
+		if (bad || !words[n])
+			return bad;
+		words += n + 1;
+	}
+}
+
+static int take(void *own, const char *name, int key, const char *word)
+{
+	static const struct option_choice formats[] = {{"text", FORMAT_TEXT}, {"json", FORMAT_JSON}, {NULL, 0}};
+	struct proving *p = own;
+	char *end;
+
+	if (key == KEY_PRECISION)
+		return take_precisions(p, name, word);
+	if (key == KEY_FORMAT)
+		return option_choose(name, "format", word, formats, &p->format);
+	p->options.seconds = strtod(word, &end);
+	if (end == word || *end || !(p->options.seconds > 0) || p->options.seconds > 1e6)
+		return option_refuse(name, "--seconds takes a positive number up to 1e6, not '%s'", word);
+	return 0;
+}
+
+static int fail(const struct proving *p, const struct rneagen_error *e)
+{
+	command_fail(&p->command, e->message);
+	return 1 + option_at_fault(e->code);
+}
+
+static int print(const struct proving *p, const struct proved *x)
+{
+	struct arena arena;
+	struct text out;
+	int status = 0;
+
+	arena_init(&arena, NULL);
+	text_init(&out, &arena);
+	if (p->format == FORMAT_JSON)
+		rows_put_json(x, &out);
+	else
+		rows_put_table(x, &out);
+	if (out.failed)
+		status = command_fail(&p->command, "out of memory");
+	else if (fputs(text_string(&out), stdout) == EOF || fflush(stdout) || ferror(stdout))
+		status = command_fail(&p->command, "standard output: cannot be written");
+	arena_free(&arena);
+	return status;
+}
+
+static int prove_robot(struct proving *p)
+{
+	struct rneagen_error e = {0};
+	struct box box;
+	struct proof proof = {0};
+	struct progress progress;
+	int status;
+
+	if (box_make(&box, &p->analysis, &p->arena, &e))
+		return fail(p, &e);
+	progress_start(&progress, p->command.name, "seconds", (uint64_t)ceil(p->options.seconds), p->command.quiet);
+	prove(&proof, &p->analysis, &box, &p->options, &progress, &e);
+	progress_end(&progress);
+	status = e.code ? fail(p, &e) : print(p, &(struct proved){&p->analysis, &box, &p->options, &proof});
+	free(proof.rows);
+	return status;
+}
+
+static int run(struct proving *p)
+{
+	int status = command_analyse(&p->command, &p->urdf, &p->analysis);
+
+	arena_init(&p->arena, NULL);
+	if (!status) {
+		status = prove_robot(p);
+		analysis_free(&p->analysis);
+	}
+	arena_free(&p->arena);
+	free(p->urdf.bytes);
+	return status;
+}
+
+int run_prove(struct ranks *ranks, int argc, char **argv)
+{
+	static const struct command_kind kind = {"rnearun prove", HELP, OPTIONS, ":", take};
+	struct proving p = {.options = {.precisions = {RNEAGEN_F32, RNEAGEN_F64}, .precision_count = 2, .seconds = 60}};
+	int status = command_parse(&p.command, &kind, &p, ranks, argc, argv);
+
+	if (status < 0)
+		status = command_note(&p.command, &p.command.written, "", "-");
+	if (status < 0)
+		status = command_check_files(&p.command);
+	if (status < 0) {
+		p.options.threads = p.command.open.threads;
+		status = ranks->index ? 0 : run(&p); /* for others to wait is all that is of use */
+	}
+	command_free(&p.command);
+	return status;
+}

@@ -1,0 +1,205 @@
+#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700
+#include "prove/seek_errors.h"
+#include "core/seconds.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A state, by the DAG's arguments, and what comes of it. */
+struct trial {
+	double *in[DAG_ARGUMENTS], *out[DAG_ARGUMENTS];
+};
+
+struct seeking {
+	const struct analysis *a;
+	const struct dag *d;
+	const struct box *b;
+	const struct eval_model *models;
+	int count;
+	const struct field *fields;
+	int field_count;
+	const struct sought (*found)[2];
+	double deadline, *best; /* [piece][output][model] */
+	size_t pieces;
+	int failed;
+};
+
+/* ---- states ---- */
+
+static int trial_new(struct trial *t, const struct dag *d)
+{
+	int done = 1;
+
+	*t = (struct trial){{NULL}, {NULL}};
+	for (int i = 0; i < d->argument_count; i++) {
+		double *rows = calloc((size_t)d->arguments[i].rows + 1, sizeof *rows);
+
+		*(d->arguments[i].is_output ? &t->out[i] : &t->in[i]) = rows;
+		done &= rows != NULL;
+	}
+	return done;
+}
+
+static void trial_free(struct trial *t)
+{
+	for (int i = 0; i < DAG_ARGUMENTS; i++) {
+		free(t->in[i]);
+		free(t->out[i]);
+	}
+}
+
+/* Within the range, and a number that the text's memory has where the range has one. */
+static double fit(struct interval r, double x, int is_float)
+{
+	double y;
+
+	x = fmin(r.upper, fmax(r.lower, x));
+	y = is_float ? (double)(float)x : x;
+	if (y > r.upper)
+		y = (double)nextafterf((float)y, -INFINITY);
+	if (y < r.lower)
+		y = (double)nextafterf((float)y, INFINITY);
+	return y >= r.lower && y <= r.upper ? y : x;
+}
+
+/* Are numbers in memory floats? Those of f32x2 are rounded when they are read. */
+static int has_floats(const struct eval_model *m)
+{
+	return m->input == 0 && (m->store_largest < 1e300 || m->largest < 1e300);
+}
+
+static void fit_all(const struct seeking *s, struct trial *t, int is_float)
+{
+	for (int i = 0; i < s->d->argument_count; i++)
+		for (int r = 0; r < s->d->arguments[i].rows && t->in[i]; r++)
+			if (s->b->rows[i][r].lower <= s->b->rows[i][r].upper)
+				t->in[i][r] = fit(s->b->rows[i][r], t->in[i][r], is_float);
+}
+
+/* Anywhere in q, at corners of all else. */
+static void draw(const struct seeking *s, struct trial *t, unsigned short seed[3])
+{
+	for (int i = 0; i < s->d->argument_count; i++)
+		for (int r = 0; r < s->d->arguments[i].rows && t->in[i]; r++) {
+			struct interval range = s->b->rows[i][r];
+			double at = erand48(seed);
+
+			if (s->d->arguments[i].role != ROLE_JOINT_POSITION)
+				at = at > 0.5;
+			if (range.lower <= range.upper)
+				t->in[i][r] = range.lower + at * (range.upper - range.lower);
+		}
+}
+
+static const struct field *field_of(const struct seeking *s, size_t output)
+{
+	for (int k = 0; k < s->field_count; k++)
+		for (int i = 0; i < s->fields[k].output_count; i++)
+			if (s->fields[k].outputs[i] == (int)output)
+				return &s->fields[k];
+	return NULL;
+}
+
+/* ---- uphill ---- */
+
+static double bound_at(struct seeking *s, struct trial *t, const struct eval_model *m, size_t output)
+{
+	const struct output *o = &s->d->outputs[output];
+
+	if (!eval_bound(s->d, m, (const double *const *)t->in, t->out))
+		s->failed = 1;
+	return isfinite(t->out[o->argument][o->row]) ? t->out[o->argument][o->row] : 0;
+}
+
+/* One input moved: an angle or length by a step, anything else to its other end. */
+static double moved(const struct seeking *s, int argument, int row, double x, double step)
+{
+	struct interval r = s->b->rows[argument][row];
+
+	if (s->d->arguments[argument].role == ROLE_JOINT_POSITION)
+		return x + step * (r.upper - r.lower);
+	return fabs(x - r.lower) < fabs(x - r.upper) ? r.upper : r.lower;
+}
+
+static double climb(struct seeking *s, struct trial *t, int model, size_t output, int rounds)
+{
+	const struct eval_model *m = &s->models[model];
+	int is_float = has_floats(m);
+	double best = bound_at(s, t, m, output), step = 0.11;
+
+	for (int round = 0; round < rounds; round++, step *= round % 2 ? -1 : -0.6)
+		for (int i = 0; i < s->d->argument_count; i++)
+			for (int r = 0; r < s->d->arguments[i].rows && t->in[i]; r++) {
+				double before = t->in[i][r], now;
+
+				if (!(s->b->rows[i][r].lower < s->b->rows[i][r].upper) || seconds_now() > s->deadline)
+					continue;
+				t->in[i][r] = fit(s->b->rows[i][r], moved(s, i, r, before, step), is_float);
+				now = bound_at(s, t, m, output);
+				if (now > best)
+					best = now;
+				else
+					t->in[i][r] = before;
+			}
+	return best;
+}
+
+static void take(struct seeking *s, struct trial *t, int model, double *best)
+{
+	const struct eval_model *m = &s->models[model];
+
+	if (!eval_bound(s->d, m, (const double *const *)t->in, t->out))
+		s->failed = 1;
+	for (size_t o = 0; o < s->d->output_count; o++) {
+		double x = t->out[s->d->outputs[o].argument][s->d->outputs[o].row];
+
+		if (isfinite(x))
+			best[o * PROVE_PRECISIONS + (size_t)model] = fmax(best[o * PROVE_PRECISIONS + (size_t)model], x);
+	}
+}
+
+/* The numbers of a job go through outputs, models, and starts: twice the states found, then others. */
+static void seek(void *job, size_t piece)
+{
+	struct seeking *s = job;
+	double *best = s->best + piece * s->d->output_count * PROVE_PRECISIONS;
+	unsigned short seed[3] = {(unsigned short)piece, 7, 19};
+	struct trial t;
+	int done = trial_new(&t, s->d);
+
+	for (size_t i = piece; done && !s->failed && (i < 2 * s->d->output_count * (size_t)s->count || seconds_now() < s->deadline); i += s->pieces) {
+		size_t output = i % s->d->output_count;
+		int model = (int)(i / s->d->output_count) % s->count, start = (int)(i / s->d->output_count) / s->count;
+		const struct eval_model *m = &s->models[model];
+
+		draw(s, &t, seed);
+		if (start < 2)
+			seek_rows(field_of(s, output), &s->found[output][start], dag_find_role(s->d, ROLE_JOINT_POSITION, 0), t.in);
+		fit_all(s, &t, has_floats(m));
+		take(s, &t, model, best);
+		climb(s, &t, model, output, 8);
+		take(s, &t, model, best);
+	}
+	s->failed |= !done;
+	trial_free(&t);
+}
+
+int seek_errors(struct prove_row *rows, const struct analysis *a, const struct box *b, const struct eval_model *models, int count,
+	const struct field *fields, int field_count, const struct sought (*found)[2], const struct effort *x, double seconds)
+{
+	struct seeking s = {.a = a, .d = &a->dag, .b = b, .models = models, .count = count, .fields = fields, .field_count = field_count,
+		.found = found, .deadline = fmin(x->deadline, seconds_now() + seconds), .pieces = x->threads};
+	size_t size = s.d->output_count * PROVE_PRECISIONS;
+
+	s.best = calloc(s.pieces * size, sizeof *s.best);
+	if (!s.best)
+		return 0;
+	workers_run(x->workers, x->threads, seek, &s, s.pieces);
+	for (size_t p = 0; p < s.pieces; p++)
+		for (size_t o = 0; o < s.d->output_count; o++)
+			for (int k = 0; k < count; k++)
+				rows[o].error_found[k] = fmax(rows[o].error_found[k], s.best[p * size + o * PROVE_PRECISIONS + (size_t)k]);
+	free(s.best);
+	return !s.failed;
+}

@@ -1,0 +1,199 @@
+/* Let I_k replace a function on each line along q_k by the straight lines between its values at the places. It is positive, so
+   |I_k f| <= |f|, and |f - I_k f| <= h_k^2/2 sup |d2f/dq_k^2|. Taken for one dimension after the other,
+     f <= (largest value at a place) + sum_k h_k^2/2 sup |d2f/dq_k^2|.
+   This holds for each drive and rate, so also for the largest over them. */
+#define _POSIX_C_SOURCE 200809L
+#include "range/cover.h"
+#include "core/seconds.h"
+#include "range/extreme.h"
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+
+enum { POINTS = 256, MOST_PLACES = 4096 };
+
+struct covering {
+	const struct field *f;
+	struct grid grid;
+	const struct effort *effort;
+	const double (*found)[2];
+	size_t points;
+	double *most; /* [piece][output][2]: of -f, of f */
+	atomic_int failed;
+};
+
+static void take_point(const struct covering *s, const double *c, double *most)
+{
+	for (int o = 0; o < s->f->output_count; o++)
+		for (int side = 0; side < 2; side++) {
+			double *to = &most[2 * o + side];
+
+			*to = fmax(*to, extreme_above(s->f, c + (size_t)o * s->f->coefficient_count, side ? 1 : -1, *to));
+		}
+}
+
+static void take_points(void *job, size_t piece)
+{
+	struct covering *s = job;
+	size_t outputs = (size_t)s->f->output_count;
+	double *work = field_work(s->f), *c = malloc(outputs * s->f->coefficient_count * sizeof *c), *most = s->most + 2 * outputs * piece;
+	struct field_point q;
+
+	if (!work || !c)
+		s->failed = 1;
+	for (size_t o = 0; o < outputs; o++) {
+		most[2 * o] = -s->found[o][0];
+		most[2 * o + 1] = s->found[o][1];
+	}
+	for (size_t i = piece * POINTS; i < (piece + 1) * POINTS && i < s->points && !s->failed; i++) {
+		grid_point(&s->grid, i, &q);
+		field_evaluate(s->f, &q, work, c);
+		take_point(s, c, most);
+	}
+	if (seconds_now() > s->effort->deadline)
+		s->failed = 2;
+	free(c);
+	free(work);
+}
+
+/* ---- which grid ---- */
+
+static int is_point(const struct field_dim *k)
+{
+	return k->lower == k->upper;
+}
+
+static double gap_of(const struct field_dim *k, int count)
+{
+	double half = k->is_circle ? 3.1415926535897932 / count : count == 1 ? k->upper - k->lower : 0.5 * (k->upper - k->lower) / (count - 1);
+
+	return half * half / 2;
+}
+
+static double slack_of(const struct field *f, const int *counts, const double *bends)
+{
+	double sum = 0;
+
+	for (int k = 0; k < f->dim_count; k++)
+		sum += is_point(&f->dims[k]) ? 0 : gap_of(&f->dims[k], counts[k]) * bends[k];
+	return sum;
+}
+
+/* The outputs' slacks over what was found; large ones count more. */
+static double worth_of(const struct covering *s, const int *counts, const double *bends)
+{
+	double sum = 0, slack;
+
+	for (int o = 0; o < s->f->output_count; o++) {
+		double size = fmax(fabs(s->found[o][0]), fabs(s->found[o][1]));
+
+		if (!(size > 0))
+			continue;
+		slack = slack_of(s->f, counts, bends + (size_t)o * (size_t)s->f->dim_count) / size;
+		sum += slack * slack;
+	}
+	return sum;
+}
+
+static void choose(const struct covering *s, int *counts, double room, const double *bends)
+{
+	double size = 1;
+
+	for (int k = 0; k < s->f->dim_count; k++) {
+		counts[k] = is_point(&s->f->dims[k]) ? 1 : 2;
+		size *= counts[k];
+	}
+	for (;;) {
+		double now = worth_of(s, counts, bends), best = 0;
+		int at = -1;
+
+		for (int k = 0; k < s->f->dim_count; k++) {
+			double gain, more = (counts[k] + 1.0) / counts[k];
+
+			if (is_point(&s->f->dims[k]) || size * more > room || counts[k] == MOST_PLACES)
+				continue;
+			counts[k]++;
+			gain = (now - worth_of(s, counts, bends)) / log(more);
+			counts[k]--;
+			if (gain > best) {
+				best = gain;
+				at = k;
+			}
+		}
+		if (at < 0)
+			return;
+		size *= (counts[at] + 1.0) / counts[at];
+		counts[at]++;
+	}
+}
+
+/* ---- ranges ---- */
+
+/* Sums round: 2^-30 of all that is summed is far more, and covers what the model's replaced constants change. */
+static double closed(double value, double slack, double noise)
+{
+	return round_up(value + slack + noise + 0x1p-30 * (fabs(value) + slack));
+}
+
+static void take_cover(struct cover *c, const struct covering *s, const double *bends, size_t pieces)
+{
+	int n = s->f->dim_count;
+
+	for (int o = 0; o < s->f->output_count; o++) {
+		double most[2] = {-(double)INFINITY, -(double)INFINITY}, slack = 0;
+		double noise = s->f->noise[o] * (double)s->f->coefficient_count;
+
+		for (int k = 0; k < n; k++)
+			slack += is_point(&s->f->dims[k]) ? 0 : s->grid.half[k] * s->grid.half[k] / 2 * bends[o * n + k];
+		for (size_t i = 0; i < pieces; i++)
+			for (int side = 0; side < 2; side++)
+				most[side] = fmax(most[side], s->most[2 * ((size_t)s->f->output_count * i + (size_t)o) + (size_t)side]);
+		c->lower[o] = fmax(c->lower[o], -closed(most[0], slack, noise));
+		c->upper[o] = fmin(c->upper[o], closed(most[1], slack, noise));
+	}
+}
+
+static int cover_once(struct cover *c, struct covering *s, const double *bends, double room)
+{
+	int counts[FIELD_DIMS];
+	size_t pieces;
+
+	choose(s, counts, room, bends);
+	if (!grid_make(&s->grid, s->f, counts, 0))
+		return 0;
+	c->points = grid_size(&s->grid);
+	s->points = (size_t)c->points;
+	pieces = (s->points + POINTS - 1) / POINTS;
+	s->most = malloc(2 * pieces * (size_t)s->f->output_count * sizeof *s->most);
+	s->failed = !s->most;
+	if (s->most)
+		workers_run(s->effort->workers, s->effort->threads, take_points, s, pieces);
+	if (!s->failed)
+		take_cover(c, s, bends, pieces);
+	free(s->most);
+	grid_free(&s->grid);
+	return s->failed != 1;
+}
+
+int cover_find(struct cover *c, const struct field *f, const struct curvature *bends, const double (*found)[2], const struct effort *x,
+	double seconds)
+{
+	struct effort own = *x;
+	struct covering s = {.f = f, .effort = &own, .found = found};
+	size_t outputs = (size_t)f->output_count;
+	double start;
+	int done;
+
+	*c = (struct cover){.upper = malloc(outputs * sizeof *c->upper), .lower = malloc(outputs * sizeof *c->lower)};
+	done = c->upper && c->lower;
+	for (size_t o = 0; o < outputs && done; o++) {
+		c->upper[o] = f->plain[o];
+		c->lower[o] = -f->plain[o];
+	}
+	own.deadline = fmin(x->deadline, seconds_now() + 1.3 * seconds);
+	start = seconds_now();
+	done = done && cover_once(c, &s, bends->most, 4096);
+	if (done && seconds_now() < own.deadline)
+		done = cover_once(c, &s, bends->most, 4096 * 0.8 * seconds / (seconds_now() - start));
+	return done;
+}

@@ -1,0 +1,165 @@
+#include "range/extreme.h"
+#include <math.h>
+#include <string.h>
+
+/* Rates of which all corners are tried; of others magnitudes are added. */
+enum { CORNER_RATES = 12 };
+
+/* sign * sum b_j v_j + sum_{j<k} c_jk v_j v_k + sum c_jj v_j^2, c_jj >= 0, over corners */
+struct corners {
+	int n, of[FIELD_DIMS];                     /* which rates */
+	double linear[FIELD_DIMS], pair[FIELD_DIMS][FIELD_DIMS], square[FIELD_DIMS];
+	double lower[FIELD_DIMS], upper[FIELD_DIMS];
+	double rest, size;                         /* what is added for the others; the sum of all magnitudes */
+};
+
+static double reach(struct interval r)
+{
+	return fmax(fabs(r.lower), fabs(r.upper));
+}
+
+static double drives_above(const struct field *f, const double *c, int sign, double *size, double *x)
+{
+	double sum = sign * c[0];
+
+	*size = fabs(c[0]);
+	for (int i = 0; i < f->drive_count; i++) {
+		double m = sign * c[1 + i], at = m > 0 ? f->drives[i].range.upper : f->drives[i].range.lower;
+
+		sum += m * at;
+		*size += fabs(m) * reach(f->drives[i].range);
+		if (x)
+			x[i] = at;
+	}
+	return sum;
+}
+
+/* What the rates can add at most, by magnitudes. */
+static double rates_size(const struct field *f, const double *c)
+{
+	double sum = 0;
+
+	for (int j = 0; j < f->rate_count; j++) {
+		double of_j = fabs(c[1 + f->drive_count + j]);
+
+		for (int k = j; k < f->rate_count; k++)
+			of_j += fabs(c[field_pair(f, j, k)]) * reach(f->rates[k].range);
+		sum += of_j * reach(f->rates[j].range);
+	}
+	return sum;
+}
+
+/* A concave square is replaced by its tangent where it is largest: c v^2 <= c (2 p v - p^2). */
+static void add_square(struct corners *s, int j, double c, struct interval r)
+{
+	double p = r.lower > 0 ? r.lower : r.upper < 0 ? r.upper : 0;
+
+	if (c >= 0) {
+		s->square[j] = c;
+		return;
+	}
+	s->linear[j] += 2 * c * p;
+	s->rest -= c * p * p;
+}
+
+static void set_corners(struct corners *s, const struct field *f, const double *c, int sign)
+{
+	memset(s, 0, sizeof *s);
+	s->n = f->rate_count < CORNER_RATES ? f->rate_count : CORNER_RATES;
+	for (int j = 0; j < f->rate_count; j++) {
+		struct interval r = f->rates[j].range;
+
+		for (int k = j + 1; k < f->rate_count; k++) {
+			double pair = sign * c[field_pair(f, j, k)];
+
+			if (k < s->n)
+				s->pair[j][k] = s->pair[k][j] = pair;
+			else
+				s->rest += fabs(pair) * reach(r) * reach(f->rates[k].range);
+		}
+		if (j >= s->n) {
+			s->rest += (fabs(c[1 + f->drive_count + j]) + fabs(c[field_pair(f, j, j)]) * reach(r)) * reach(r);
+			continue;
+		}
+		s->lower[j] = r.lower;
+		s->upper[j] = r.upper;
+		s->linear[j] = sign * c[1 + f->drive_count + j];
+		add_square(s, j, sign * c[field_pair(f, j, j)], r);
+	}
+}
+
+/* Is v a corner as good as -v? Then the first rate has one value. */
+static int is_even(const struct corners *s)
+{
+	for (int j = 0; j < s->n; j++)
+		if (s->linear[j] != 0 || s->lower[j] != -s->upper[j])
+			return 0;
+	return s->n > 0;
+}
+
+/* All corners in the order of Gray's code: one rate changes at a time. */
+static double walk(struct corners *s, double *best)
+{
+	double v[FIELD_DIMS], slope[FIELD_DIMS], value = 0, most;
+	int n = is_even(s) ? s->n - 1 : s->n;
+
+	for (int j = 0; j < s->n; j++)
+		v[j] = s->lower[j];
+	for (int j = 0; j < s->n; j++) {
+		slope[j] = s->linear[j];
+		for (int k = 0; k < s->n; k++)
+			slope[j] += s->pair[j][k] * v[k];
+		value += (0.5 * (slope[j] + s->linear[j]) + s->square[j] * v[j]) * v[j];
+	}
+	most = value;
+	if (best)
+		memcpy(best, v, (size_t)s->n * sizeof *v);
+	for (unsigned i = 1; i < 1u << n; i++) {
+		int j = 0;
+		double to, step;
+
+		while (!(i >> j & 1))
+			j++;
+		to = v[j] == s->lower[j] ? s->upper[j] : s->lower[j];
+		step = to - v[j];
+		value += step * (slope[j] + s->square[j] * (to + v[j]));
+		v[j] = to;
+		for (int k = 0; k < s->n; k++)
+			slope[k] += s->pair[j][k] * step;
+		if (value > most) {
+			most = value;
+			if (best)
+				memcpy(best, v, (size_t)s->n * sizeof *v);
+		}
+	}
+	return most;
+}
+
+/* With 2^12 corners one after the other, a slope is off by at most 2^-40 of all magnitudes, and the value by 2^12 of that twice. */
+static double closed(double value, double size)
+{
+	return value + 0x1p-26 * size;
+}
+
+double extreme_above(const struct field *f, const double *c, int sign, double floor)
+{
+	struct corners s;
+	double size, of_drives = drives_above(f, c, sign, &size, NULL), of_rates = rates_size(f, c);
+	double simple = closed(of_drives + of_rates, size + of_rates);
+
+	if (simple <= floor || f->rate_count == 0)
+		return simple;
+	set_corners(&s, f, c, sign);
+	return fmin(simple, closed(of_drives + s.rest + walk(&s, NULL), size + of_rates));
+}
+
+double extreme_corner(const struct field *f, const double *c, int sign, double *x)
+{
+	struct corners s;
+	double size, value = drives_above(f, c, sign, &size, x);
+
+	for (int j = 0; j < f->rate_count; j++)
+		x[f->drive_count + j] = f->rates[j].range.upper;
+	set_corners(&s, f, c, sign);
+	return value + (s.n ? walk(&s, x + f->drive_count) : 0);
+}

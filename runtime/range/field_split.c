@@ -1,0 +1,386 @@
+/* Which outputs make one field, and the steps that evaluate it. */
+#include "range/field.h"
+#include "scene/adjust.h"
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What is known of a node. */
+struct mark {
+	uint64_t dims;       /* rows of q that it depends on */
+	unsigned char orders; /* bit k: it has terms of order k, where rates are of order 1 and drives of order 2 */
+	double size, noise;  /* over all angles: magnitude, and error of field_evaluate */
+	struct interval plain;
+};
+
+struct splitter {
+	const struct analysis *x;
+	const struct dag *d;
+	const struct box *b;
+	struct arena *a;
+	struct rneagen_error *e;
+	struct mark *marks;
+	unsigned char *live;
+};
+
+static enum role role_of(const struct splitter *s, const struct node *n)
+{
+	return s->d->arguments[n->arg[0].i].role;
+}
+
+static enum rneagen_code refuse(const struct splitter *s, const char *what)
+{
+	return error_set(s->e, RNEAGEN_UNSUPPORTED, "%s: rnearun prove knows torques, gravity, bias and M of joints that turn or slide, %s",
+		s->x->options.file, what);
+}
+
+/* ---- what is known of each node ---- */
+
+static unsigned orders_of_product(unsigned a, unsigned b)
+{
+	unsigned orders = 0;
+
+	for (int i = 0; i < 8; i++)
+		orders |= a >> i & 1 ? b << i : 0;
+	return orders > 255 ? 255 : orders;
+}
+
+static struct mark mark_input(const struct splitter *s, const struct node *n)
+{
+	struct interval r = s->b->rows[n->arg[0].i][n->arg[1].i];
+	enum role role = role_of(s, n);
+	struct mark m = {.orders = role == ROLE_JOINT_VELOCITY ? 2 : 4, .size = interval_size(r), .plain = r};
+
+	if (role == ROLE_JOINT_POSITION) {
+		m.dims = (uint64_t)1 << n->arg[1].i;
+		m.orders = 1;
+	}
+	return m;
+}
+
+/* A constant may be replaced where the file's numbers cannot tell it from another: 2^-50 of it is more than that. */
+static struct mark mark_constant(const struct splitter *s, const struct node *n)
+{
+	double off = within_error(dag_number(s->d, n)) + 0x1p-50 * (double)fabsl(n->value);
+	int is_exact = !n->number && (real)(double)n->value == n->value;
+
+	return (struct mark){.orders = 1, .size = (double)fabsl(n->value) * (1 + 0x1p-50), .noise = is_exact ? 0 : off,
+		.plain = interval_around(n->value, is_exact ? 0 : off)};
+}
+
+static struct mark mark_angle(const struct mark *a, enum op op)
+{
+	return (struct mark){.dims = a->dims, .orders = a->orders, .size = 1, .noise = 0x1p-52,
+		.plain = op == OP_SIN ? interval_sin(a->plain) : interval_cos(a->plain)};
+}
+
+static struct mark mark_sum(struct mark a, struct mark b)
+{
+	struct mark m = {.dims = a.dims | b.dims, .orders = a.orders | b.orders, .size = a.size + b.size, .noise = a.noise + b.noise,
+		.plain = interval_add(a.plain, b.plain)};
+
+	m.noise += 0x1p-52 * m.size + DBL_MIN;
+	return m;
+}
+
+static struct mark mark_product(struct mark a, struct mark b)
+{
+	struct mark m = {.dims = a.dims | b.dims, .orders = (unsigned char)orders_of_product(a.orders, b.orders), .size = a.size * b.size,
+		.noise = a.size * b.noise + b.size * a.noise + a.noise * b.noise, .plain = interval_mul(a.plain, b.plain)};
+
+	m.noise += 0x1p-52 * m.size + DBL_MIN;
+	return m;
+}
+
+static struct mark mark_of(const struct splitter *s, const struct node *n)
+{
+	const struct mark *m = s->marks;
+	struct mark a = m[op_arity[n->op] > 0 ? n->arg[0].i : 0], b = m[op_arity[n->op] > 1 ? n->arg[1].i : 0];
+
+	switch (n->op) {
+	case OP_CONST:
+		return mark_constant(s, n);
+	case OP_INPUT:
+		return mark_input(s, n);
+	case OP_SIN:
+	case OP_COS:
+		return mark_angle(&a, n->op);
+	case OP_NEG:
+		a.plain = interval_neg(a.plain);
+		return a;
+	case OP_ANEW:
+		return a;
+	case OP_SUB:
+		b.plain = interval_neg(b.plain);
+		return mark_sum(a, b);
+	case OP_ADD:
+		return mark_sum(a, b);
+	case OP_MUL:
+		return mark_product(a, b);
+	default:
+		return mark_sum(mark_product(a, b), m[n->arg[2].i]);
+	}
+}
+
+/* Angles are read by sine and cosine alone, lengths by all else. */
+static int reads_wrongly(const struct splitter *s, const struct node *n)
+{
+	int is_angle = n->op == OP_SIN || n->op == OP_COS, is_wrong = 0;
+	const struct tree *t = &s->x->tree;
+
+	for (int k = 0; k < op_arity[n->op]; k++) {
+		const struct node *of = &s->d->nodes[n->arg[k].i];
+
+		is_wrong |= is_angle && (of->op != OP_INPUT || role_of(s, of) != ROLE_JOINT_POSITION);
+		for (int i = 0; i < t->joint_count && of->op == OP_INPUT && role_of(s, of) == ROLE_JOINT_POSITION; i++)
+			is_wrong |= t->joints[i].iq == (int)of->arg[1].i && (t->joints[i].type == JOINT_PRISMATIC) == is_angle;
+	}
+	return is_wrong;
+}
+
+static enum rneagen_code check_node(const struct splitter *s, const struct node *n)
+{
+
+	if (n->op == OP_DIV || n->op == OP_SQRT || n->op == OP_ABS || n->op == OP_WIDEN || n->op == OP_NARROW)
+		return refuse(s, "without friction and refinement");
+	if (reads_wrongly(s, n))
+		return refuse(s, "and no angle that follows another or is freed");
+	if (n->op == OP_INPUT && role_of(s, n) == ROLE_JOINT_POSITION && n->arg[1].i >= FIELD_DIMS)
+		return error_set(s->e, RNEAGEN_LIMIT, "%s: rnearun prove takes at most %d rows of q", s->x->options.file, FIELD_DIMS);
+	return RNEAGEN_OK;
+}
+
+static enum rneagen_code check_outputs(const struct splitter *s)
+{
+	const struct tree *t = &s->x->tree;
+
+	if (adjust_is_asked(&s->x->adjust))
+		return refuse(s, "of the robot as its file states it: leave out what changes constants");
+	for (int i = 0; i < t->body_count; i++) {
+		enum joint_type type = t->bodies[i].type;
+
+		if (type == JOINT_FLOATING || type == JOINT_PLANAR)
+			return refuse(s, "none that floats or is planar");
+		/* an angle of two joints would be of degree 4, though its sine may be that of an input */
+		if (t->bodies[i].follower && type != JOINT_PRISMATIC && type != JOINT_FIXED)
+			return refuse(s, "and no angle that follows another or is freed");
+	}
+	for (size_t i = 0; i < s->d->output_count; i++) {
+		enum role role = s->d->arguments[s->d->outputs[i].argument].role;
+
+		if (role != ROLE_JOINT_TORQUE && role != ROLE_GRAVITY_TORQUE && role != ROLE_BIAS_TORQUE && role != ROLE_MASS_MATRIX)
+			return refuse(s, "and no other output");
+		if (s->marks[s->d->outputs[i].value.i].orders > 7)
+			return refuse(s, "where no product is of more than two rates, or of an input and an acceleration");
+	}
+	return RNEAGEN_OK;
+}
+
+static enum rneagen_code mark_all(struct splitter *s)
+{
+	uint32_t *uses = arena_alloc(s->a, s->d->count, sizeof *uses);
+
+	s->marks = arena_alloc(s->a, s->d->count, sizeof *s->marks);
+	if (!uses || !s->marks)
+		return error_memory(s->e);
+	dag_uses(s->d, uses);
+	for (size_t i = 0; i < s->d->count; i++) {
+		if (i && uses[i] && check_node(s, &s->d->nodes[i]))
+			return s->e->code;
+		if (!i || uses[i])
+			s->marks[i] = mark_of(s, &s->d->nodes[i]);
+	}
+	return check_outputs(s);
+}
+
+/* ---- a field ---- */
+
+static void mark_live(const struct splitter *s, const struct field *f)
+{
+	memset(s->live, 0, s->d->count);
+	for (int i = 0; i < f->output_count; i++)
+		s->live[s->d->outputs[f->outputs[i]].value.i] = 1;
+	for (size_t i = s->d->count; i-- > 0;)
+		for (int k = 0; k < op_arity[s->d->nodes[i].op] && s->live[i]; k++)
+			s->live[s->d->nodes[i].arg[k].i] = 1;
+}
+
+static struct field_dim *dim_of(const struct splitter *s, struct field *f, const struct node *n)
+{
+	struct interval r = s->b->rows[n->arg[0].i][n->arg[1].i];
+
+	for (int i = 0; i < f->dim_count; i++)
+		if (f->dims[i].row == (int)n->arg[1].i)
+			return &f->dims[i];
+	f->dims[f->dim_count] = (struct field_dim){.row = (int)n->arg[1].i, .lower = r.lower, .upper = r.upper};
+	return &f->dims[f->dim_count++];
+}
+
+static enum rneagen_code add_input(const struct splitter *s, struct field *f, const struct node *n)
+{
+	struct interval r = s->b->rows[n->arg[0].i][n->arg[1].i];
+	int is_rate = role_of(s, n) == ROLE_JOINT_VELOCITY, *count = is_rate ? &f->rate_count : &f->drive_count;
+	double scale = interval_size(r) > 0 ? interval_size(r) : 1;
+
+	if (*count == FIELD_DIMS)
+		return error_set(s->e, RNEAGEN_LIMIT, "%s: rnearun prove takes at most %d rows of an input", s->x->options.file, FIELD_DIMS);
+	(is_rate ? f->rates : f->drives)[(*count)++] = (struct field_input){(int)n->arg[0].i, (int)n->arg[1].i, scale,
+		{round_down(r.lower / scale), round_up(r.upper / scale)}};
+	return RNEAGEN_OK;
+}
+
+/* Rows of q in their order: those near the base first. */
+static int by_row(const void *a, const void *b)
+{
+	const struct field_dim *x = a, *y = b;
+
+	return (x->row > y->row) - (x->row < y->row);
+}
+
+static enum rneagen_code collect(const struct splitter *s, struct field *f)
+{
+	for (uint32_t i = 0; i < s->d->count; i++) {
+		const struct node *n = &s->d->nodes[i];
+		struct field_dim *k;
+
+		if (!s->live[i])
+			continue;
+		if (n->op == OP_INPUT && role_of(s, n) == ROLE_JOINT_POSITION)
+			dim_of(s, f, n)->value = i;
+		else if (n->op == OP_INPUT && add_input(s, f, n))
+			return s->e->code;
+		if (n->op != OP_SIN && n->op != OP_COS)
+			continue;
+		k = dim_of(s, f, &s->d->nodes[n->arg[0].i]);
+		*(n->op == OP_SIN ? &k->sine : &k->cosine) = i;
+		k->is_angle = 1;
+	}
+	for (int i = 0; i < f->dim_count; i++)
+		f->dims[i].is_circle = f->dims[i].is_angle && f->dims[i].upper - f->dims[i].lower >= 6.283185307179586;
+	qsort(f->dims, (size_t)f->dim_count, sizeof *f->dims, by_row);
+	return RNEAGEN_OK;
+}
+
+static void count_lanes(const struct splitter *s, struct field *f)
+{
+	size_t n = (size_t)f->rate_count, lane_count;
+
+	for (int i = 0; i < f->output_count; i++)
+		f->is_odd |= s->marks[s->d->outputs[f->outputs[i]].value.i].orders >> 1 & 1;
+	lane_count = 1 + (size_t)f->drive_count + n * (f->is_odd ? 2 : 1) + n * (n - (n > 0)) / 2;
+	f->lane_count = (lane_count + FIELD_VECTOR - 1) / FIELD_VECTOR * FIELD_VECTOR;
+	f->coefficient_count = 1 + (size_t)f->drive_count + n + n * (n + 1) / 2;
+}
+
+static int is_wide(const struct splitter *s, uint32_t i)
+{
+	return s->marks[i].orders > 1;
+}
+
+/* The slot of a wide operand; a narrow one is spread first. */
+static uint32_t spread(struct field *f, const struct splitter *s, const uint32_t *slots, uint32_t *spreads, uint32_t i)
+{
+	if (is_wide(s, i))
+		return slots[i];
+	if (spreads[i] == UINT32_MAX) {
+		spreads[i] = (uint32_t)f->wide_count++;
+		f->steps[f->step_count++] = (struct field_step){OP_ANEW, 1, spreads[i], {slots[i], 0, 0}};
+	}
+	return spreads[i];
+}
+
+static void add_step(struct field *f, const struct splitter *s, uint32_t *slots, uint32_t *spreads, uint32_t i)
+{
+	const struct node *n = &s->d->nodes[i];
+	struct field_step step = {.op = n->op, .is_wide = is_wide(s, i)};
+
+	for (int k = 0; k < op_arity[n->op] && n->op != OP_SIN && n->op != OP_COS; k++)
+		step.arg[k] = step.is_wide ? spread(f, s, slots, spreads, n->arg[k].i) : slots[n->arg[k].i];
+	if (n->op == OP_ANEW && step.is_wide) { /* the same value */
+		slots[i] = step.arg[0];
+		return;
+	}
+	slots[i] = step.to = (uint32_t)(step.is_wide ? f->wide_count++ : f->narrow_count++);
+	if (op_arity[n->op] && n->op != OP_SIN && n->op != OP_COS)
+		f->steps[f->step_count++] = step;
+}
+
+static void measure(const struct splitter *s, struct field *f)
+{
+	for (int i = 0; i < f->output_count; i++) {
+		const struct mark *m = &s->marks[s->d->outputs[f->outputs[i]].value.i];
+
+		/* a coefficient is a sum of at most four lanes */
+		f->noise[i] = 8 * m->noise + 0x1p-48 * m->size + DBL_MIN;
+		f->plain[i] = interval_size(m->plain);
+	}
+}
+
+static enum rneagen_code compile(struct splitter *s, struct field *f)
+{
+	size_t count = s->d->count, outputs = (size_t)f->output_count;
+	uint32_t *slots = arena_alloc(s->a, count, sizeof *slots), *spreads = arena_alloc(s->a, count, sizeof *spreads);
+
+	f->steps = arena_alloc(s->a, 2 * count + outputs, sizeof *f->steps);
+	f->noise = arena_alloc(s->a, outputs, sizeof *f->noise);
+	f->plain = arena_alloc(s->a, outputs, sizeof *f->plain);
+	f->result = arena_alloc(s->a, outputs, sizeof *f->result);
+	if (s->a->failed)
+		return error_memory(s->e);
+	memset(slots, 0xff, count * sizeof *slots);
+	memset(spreads, 0xff, count * sizeof *spreads);
+	for (uint32_t i = 0; i < count; i++)
+		if (s->live[i])
+			add_step(f, s, slots, spreads, i);
+	for (int i = 0; i < f->output_count; i++)
+		f->result[i] = spread(f, s, slots, spreads, s->d->outputs[f->outputs[i]].value.i);
+	f->slots = slots;
+	measure(s, f);
+	return RNEAGEN_OK;
+}
+
+static enum rneagen_code make(struct splitter *s, struct field *f)
+{
+	f->d = s->d;
+	f->degree = 1;
+	for (int i = 0; i < f->output_count; i++)
+		if (s->d->arguments[s->d->outputs[f->outputs[i]].argument].role != ROLE_GRAVITY_TORQUE)
+			f->degree = 2;
+	mark_live(s, f);
+	if (collect(s, f))
+		return s->e->code;
+	count_lanes(s, f);
+	return compile(s, f);
+}
+
+static uint64_t dims_of(const struct splitter *s, size_t output)
+{
+	return s->marks[s->d->outputs[output].value.i].dims;
+}
+
+int field_split(struct field **fields, const struct analysis *x, const struct box *b, struct arena *a, struct rneagen_error *e)
+{
+	struct splitter s = {.x = x, .d = &x->dag, .b = b, .a = a, .e = e, .live = arena_alloc(a, x->dag.count, 1)};
+	int count = 0;
+
+	*fields = arena_alloc(a, s.d->output_count, sizeof **fields);
+	if (a->failed)
+		return error_memory(e), -1;
+	if (mark_all(&s))
+		return -1;
+	for (size_t i = 0; i < s.d->output_count; i++) {
+		int k = 0;
+
+		while (k < count && (dims_of(&s, (size_t)(*fields)[k].outputs[0]) != dims_of(&s, i) ||
+					    s.d->outputs[(*fields)[k].outputs[0]].argument != s.d->outputs[i].argument))
+			k++;
+		if (k == count && !((*fields)[count++].outputs = arena_alloc(a, s.d->output_count, sizeof(int))))
+			return error_memory(e), -1;
+		(*fields)[k].outputs[(*fields)[k].output_count++] = (int)i;
+	}
+	for (int k = 0; k < count; k++)
+		if (make(&s, &(*fields)[k]))
+			return -1;
+	return count;
+}

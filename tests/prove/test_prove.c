@@ -1,0 +1,196 @@
+/* What rnearun prove proves holds in states drawn over the box and at its corners, in quad precision, and for texts in f32 and f64; a
+   proof of another robot, of fewer roundings, or of a smaller box is seen not to hold. RNEAGEN_ALL: a million states. */
+#include "dag/eval.h"
+#include "emit/number_type.h"
+#include "prove/robot_box.h"
+#include "prove/rounding.h"
+#include "support/exhaustive.h"
+#include "support/suite.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { SEED = 22, FEW = 300, MANY = 70000 };
+
+static const struct proof_case {
+	const char *name, *scene;
+	double slack; /* of ranges, in the time that there is; 0: any */
+} CASES[] = {
+	{"pendulum", "range qdd=-5,5\nrange qd=-3,3\nrange q=-3,3", 1.02},
+	{"double_pendulum", "range qdd=-5,9\nrange q=-3,3\nrange qd=-2,5", 1.1},
+	{"double_pendulum", "range q=0.25,0.25\nrange qd=1,1\nrange qdd=2,2", 1 + 1e-6},
+	{"cartpole", "range qdd=-5,9\nrange qd=-2,5\nrange q=-1,1", 1.1},
+	{"prismatic_skew", "range qdd=-5,9\nrange q=-1,2\nrange qd=-2,5", 2},
+	{"skew_axis", "range qdd=-5,9\nrange q=-1,2\nrange qd=-2,5", 2},
+	{"negative_axes", "range qdd=-5,9\nrange q=-1,2\nrange qd=-2,5", 2},
+	{"hyq", "range qdd=-20,20", 0},
+	{"ur5", "range qdd=-20,20", 0},
+	{"iiwa14", "range qdd=-20,20", 0},
+	{"iiwa14", "range q=0.25,0.25\nrange q.iiwa_joint_4=-2,2\nrange qdd=-20,20", 1.3},
+	{"iiwa14", "range q=0.3,0.7\nrange qd=0.1,0.5\nrange qdd=1,1", 0},
+	{"iiwa14", "want gravity,bias", 0},
+	{"panda", "range qdd=-20,20", 0},
+	{"panda", "want M", 0},
+	{"fetch", "range qdd=-20,20\nrange qd=-1,1", 0},
+};
+enum { CASE_COUNT = sizeof CASES / sizeof *CASES };
+
+static const struct prove_options QUICK = {{RNEAGEN_F32, RNEAGEN_F64}, 2, 1.5, 2};
+
+static struct proof proof_of(const struct robot_box *x, struct prove_options o)
+{
+	struct progress silent = {0};
+	struct rneagen_error e = {0};
+	struct proof p;
+
+	ck_assert_msg(!prove(&p, &x->analysis, &x->box, &o, &silent, &e), "%s", e.message);
+	return p;
+}
+
+/* How many outputs of so many states are out of the proved range, or further off than is proved. */
+static int broken(struct robot_box *x, const struct proof *p, int states, double wider, struct rng *r)
+{
+	int count = 0;
+
+	for (int i = 0; i < states; i++) {
+		int is_float = i % 2 == 0;
+
+		robot_box_draw(x, r, is_float, wider);
+		robot_box_evaluate(x);
+		for (size_t o = 0; o < x->analysis.dag.output_count; o++) {
+			const struct prove_row *row = &p->rows[o];
+			double value = robot_box_value(x, o);
+
+			count += !(value >= row->low && value <= row->high);
+			if (i % 8 < 2)
+				count += !(robot_box_error(x, o, is_float) <= row->error_bound[is_float ? 0 : 1]);
+		}
+	}
+	return count;
+}
+
+static void check_slack(const struct proof *p, size_t count, double slack)
+{
+	for (size_t o = 0; o < count; o++) {
+		const struct prove_row *r = &p->rows[o];
+		double found = fmax(fabs(r->found_low), fabs(r->found_high)), proved = fmax(fabs(r->low), fabs(r->high));
+
+		ck_assert(r->low <= r->found_low + 1e-12 * found && r->high >= r->found_high - 1e-12 * found);
+		ck_assert_msg(slack == 0 || proved <= slack * found + 1e-12, "row %zu: %g proved, %g found", o, proved, found);
+		for (int k = 0; k < 2; k++)
+			ck_assert_msg(r->error_bound[k] * 1.002 >= r->error_found[k], "row %zu: %g proved, %g found", o, r->error_bound[k],
+				r->error_found[k]);
+	}
+}
+
+START_TEST(test_holds)
+{
+	struct rng r = rng_seed(SEED + (uint64_t)_i);
+	struct robot_box x;
+	struct proof p;
+
+	robot_box_open(&x, CASES[_i].name, CASES[_i].scene, 0);
+	p = proof_of(&x, QUICK);
+	check_slack(&p, x.analysis.dag.output_count, CASES[_i].slack);
+	ck_assert_msg(!broken(&x, &p, exhaustive() ? MANY : FEW, 0, &r), "%s does not hold (seed %d)", CASES[_i].name, SEED + _i);
+	free(p.rows);
+	robot_box_close(&x);
+}
+END_TEST
+
+/* A proof for gravity that is a tenth smaller; states of a box that is a fifth wider. */
+START_TEST(test_wrong_model)
+{
+	struct rng r = rng_seed(SEED);
+	struct robot_box x, y;
+	struct proof p;
+
+	robot_box_open(&x, "double_pendulum", CASES[1].scene, 0);
+	robot_box_open(&y, "double_pendulum", CASES[1].scene, 9.81 * 0.8);
+	p = proof_of(&y, QUICK);
+	ck_assert(broken(&x, &p, 2000, 0, &r) > 0);
+	ck_assert(broken(&y, &p, 2000, 0, &r) == 0);
+	ck_assert(broken(&y, &p, 2000, 0.1, &r) > 0);
+	free(p.rows);
+	robot_box_close(&y);
+	robot_box_close(&x);
+}
+END_TEST
+
+/* Leaving out the roundings of products, sums, constants or sines gives bounds below those of single states. */
+START_TEST(test_missing_rounding)
+{
+	struct effort effort = robot_box_effort();
+	struct prove_options o = QUICK;
+	struct robot_box x;
+	struct proof p;
+	struct prove_row *rows;
+
+	robot_box_open(&x, "pendulum", CASES[0].scene, 0);
+	o.precision_count = 1;
+	p = proof_of(&x, o);
+	rows = calloc(x.analysis.dag.output_count, sizeof *rows);
+	for (int left_out = 0; left_out < 4; left_out++) {
+		struct rneagen_options of = x.options;
+		struct eval_model m;
+
+		of.precision = RNEAGEN_F32;
+		m = eval_model_of(&of, 0);
+		m.mul = left_out == 1 ? 0 : m.mul;
+		m.add = left_out == 2 ? 0 : m.add;
+		m.sincos = left_out == 3 ? 0 : m.sincos;
+		rows[0] = (struct prove_row){.low = -1e300, .high = 1e300};
+		ck_assert(rounding_find(rows, &x.analysis, &x.box, &m, 1, &effort, 0.2));
+		ck_assert_msg((rows[0].error_bound[0] * 1.002 >= p.rows[0].error_found[0]) == !left_out, "%d left out: %g, %g found", left_out,
+			rows[0].error_bound[0], p.rows[0].error_found[0]);
+	}
+	workers_close(effort.workers);
+	free(rows);
+	free(p.rows);
+	robot_box_close(&x);
+}
+END_TEST
+
+/* A continuous joint stands for all angles. */
+START_TEST(test_continuous)
+{
+	struct rng r = rng_seed(SEED);
+	struct robot_box x;
+	struct proof p;
+
+	robot_box_open(&x, "double_pendulum", "range q=-1000,1000\nrange qd=-1,1\nrange qdd=-1,1", 0);
+	p = proof_of(&x, QUICK);
+	check_slack(&p, x.analysis.dag.output_count, 1.1);
+	ck_assert(!broken(&x, &p, FEW, 0, &r));
+	free(p.rows);
+	robot_box_close(&x);
+}
+END_TEST
+
+/* Friction has a root, a floating base a quaternion, and an angle that two joints have is of a higher degree: refused, not proved. */
+START_TEST(test_refused)
+{
+	static const char *const names[] = {"cartpole", "floating_joint", "mimic_chain", "robotiq_2f_85", "planar_joint"};
+	struct rneagen_error e = {0};
+	struct progress silent = {0};
+	struct robot_box x;
+	struct proof p;
+
+	robot_box_open(&x, names[_i], _i ? "range q=-1,1\nrange qd=-1,1\nrange qdd=-1,1" : "range qdd=-1,1\nfriction", 0);
+	ck_assert(prove(&p, &x.analysis, &x.box, &QUICK, &silent, &e) == RNEAGEN_UNSUPPORTED);
+	free(p.rows);
+	robot_box_close(&x);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *suite = suite_create("prove");
+
+	suite_add(suite, "holds", test_holds, CASE_COUNT, 6000);
+	suite_add(suite, "wrong model", test_wrong_model, 1, 600);
+	suite_add(suite, "missing rounding", test_missing_rounding, 1, 600);
+	suite_add(suite, "continuous", test_continuous, 1, 600);
+	suite_add(suite, "refused", test_refused, 5, 600);
+	return suite_run(suite);
+}
