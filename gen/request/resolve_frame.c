@@ -91,6 +91,20 @@ static enum rneagen_code check_name(const struct resolver *x, const struct scene
 	return what ? scene_refuse(x->s, c, x->e, "there is a %s '%.255s' already: give the frame another name", what, c->name) : RNEAGEN_OK;
 }
 
+/* Without the blanks around it, unless the robot has a link with them. */
+static const char *link_name(const struct resolver *x, const char *name, size_t length)
+{
+	const char *whole = arena_string(x->a, name, length);
+
+	if (!whole || robot_link(x->r, whole) >= 0)
+		return whole;
+	for (; length && *name == ' '; name++)
+		length--;
+	while (length && name[length - 1] == ' ')
+		length--;
+	return arena_string(x->a, name, length);
+}
+
 enum rneagen_code request_add_frame(const struct resolver *x, const struct scene_choice *c)
 {
 	const char *at = find_numbers(x, c), *link;
@@ -100,7 +114,7 @@ enum rneagen_code request_add_frame(const struct resolver *x, const struct scene
 
 	if (!at || check_name(x, c))
 		return x->e->code;
-	link = arena_string(x->a, c->value, (size_t)(at - c->value));
+	link = link_name(x, c->value, (size_t)(at - c->value));
 	if (!link)
 		return error_memory(x->e);
 	numbers.value = at + 1;

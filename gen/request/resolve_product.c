@@ -35,7 +35,7 @@ static enum rneagen_code refuse_by(const struct resolver *x, const struct scene_
 		words[k->freed_count + i] = k->pushes[i].word;
 	meant = nearest_name(c->name, words, (size_t)(k->freed_count + k->push_count), sizeof *words);
 	if (!strcmp(c->name, "q") || !strcmp(c->name, "qd") || !strcmp(c->name, "qdd") || !strcmp(c->name, "tau"))
-		return scene_refuse(x->s, c, x->e, "products are by q, qd and %s anyway: leave out '%s'", x->k->is_forward ? "tau" : "qdd", c->name);
+		return scene_refuse(x->s, c, x->e, "products are by q, qd, and qdd or tau anyway: leave out '%s'", c->name);
 	return scene_refuse(x->s, c, x->e, "'%.255s' is no constant of --free and no wrench of --fext%s%s%s", c->name,
 		meant ? "; did you mean '" : "", meant ? meant : "", meant ? "'?" : "");
 }

@@ -102,8 +102,9 @@ static enum rneagen_code split(const struct reader *r, struct scene_choice *c, c
 	if (!at || at == value || !at[1])
 		return scene_refuse(r->s, c, r->e, "takes NAME=%s, not '%.255s'", c->key == SCENE_ADD_FRAME ? "LINK,x,y,z,r,p,y" : "VALUE",
 			value);
-	c->name = arena_string(r->a, value, (size_t)(at - value)); /* blanks at its ends may be the name's: see settled */
-	c->value = trimmed(r->a, at + 1, strlen(at + 1));
+	/* blanks at the ends of a name may be the name's: see settled, and request_add_frame for that of the value */
+	c->name = arena_string(r->a, value, (size_t)(at - value));
+	c->value = c->key == SCENE_ADD_FRAME ? arena_string(r->a, at + 1, strlen(at + 1)) : trimmed(r->a, at + 1, strlen(at + 1));
 	return c->name && c->value ? RNEAGEN_OK : error_memory(r->e);
 }
 
@@ -257,14 +258,18 @@ int scene_joint(const struct scene *s, const struct scene_choice *c, const struc
 	return i < 0 ? refuse_name(s, c, "joint", name, r->joints, r->joint_count, sizeof *r->joints, e) : i;
 }
 
-/* A name without the blanks around it, unless the robot has one with them. What is folded, wanted or freed has the robot's
-   name after a dot. */
+/* Has a choice of this key the robot's name after a dot? */
+static int has_kind(enum scene_key key)
+{
+	return key == SCENE_FOLD || key == SCENE_WANT || key == SCENE_FREE || key == SCENE_JVP || key == SCENE_VJP || key == SCENE_BY;
+}
+
+/* A name without the blanks around it, unless the robot has one with them. */
 static const char *settled(enum scene_key key, const char *word, size_t length, const struct robot *r, struct arena *a)
 {
-	int has_kind = key == SCENE_FOLD || key == SCENE_WANT || key == SCENE_FREE;
 	const char *whole = arena_string(a, word, length), *name = whole;
 
-	if (whole && has_kind) {
+	if (whole && has_kind(key)) {
 		name = strchr(whole, '.');
 		name = name ? name + 1 : "";
 	}
@@ -273,16 +278,15 @@ static const char *settled(enum scene_key key, const char *word, size_t length, 
 	return trimmed(a, word, length);
 }
 
-/* Does the whole of a list name one thing? What is wanted or freed has the name after a dot. */
+/* Does the whole of a list name one thing? */
 static int is_one_name(enum scene_key key, const char *list, const struct robot *r)
 {
-	int has_kind = key == SCENE_WANT || key == SCENE_FREE;
-	const char *comma = strchr(list, ','), *dot = has_kind ? strchr(list, '.') : NULL, *name = dot ? dot + 1 : list;
+	const char *comma = strchr(list, ','), *dot = has_kind(key) ? strchr(list, '.') : NULL, *name = dot ? dot + 1 : list;
 
 	if (!comma || (dot && comma < dot))
 		return !comma;
 	return (key != SCENE_LOCK_ALL_BUT && robot_link(r, name) >= 0) ||
-		((key == SCENE_LOCK_ALL_BUT || has_kind) && robot_joint(r, name) >= 0);
+		((key == SCENE_LOCK_ALL_BUT || has_kind(key)) && robot_joint(r, name) >= 0);
 }
 
 /* ---- lists ---- */

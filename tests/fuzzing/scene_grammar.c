@@ -233,7 +233,7 @@ static void draw_free(struct drawing *g)
 {
 	const char *word = DICE_WORD(g->d, "payload", "mass", "inertia", "offset", "gravity"), *name = NULL;
 	const struct body *k = draw_body(g, 1);
-	struct text t = new_text(g), d = new_text(g);
+	struct text t = new_text(g), d = new_text(g), by = new_text(g);
 
 	if (!strcmp(word, "offset"))
 		name = k ? k->joint : NULL;
@@ -243,11 +243,16 @@ static void draw_free(struct drawing *g)
 		return;
 	text_printf(&t, "%s%s%s", word, name ? "." : "", name ? name : "");
 	text_printf(&d, "%s_d%s", g->is_forward ? "dqdd" : "dtau", text_string(&t));
+	text_put(&by, text_string(&t));
 	if (dice_happen(g->d, 2) || (name && ends_like_rate(name)))
 		text_put(&t, DICE_WORD(g->d, ":sample", ":batch"));
 	put_line(g, SCENE_FREE, text_string(&t));
 	if (dice_happen(g->d, 3))
 		put_line(g, SCENE_WANT, text_string(&d));
+	else if (is_new(g, "", "matrix")) {
+		put_line(g, SCENE_VJP, g->is_forward ? "qdd" : "tau");
+		put_line(g, SCENE_BY, text_string(&by));
+	}
 }
 
 /* What is asked of qdd in place of M, jvp, vjp, dtau_dq and dtau_dqd. */
@@ -259,15 +264,33 @@ static void draw_forward(struct drawing *g, size_t matrix)
 	put_line(g, keys[matrix], words[matrix]);
 	if (dice_happen(g->d, 2) && is_new(g, "", "dynamics"))
 		put_line(g, SCENE_DYNAMICS, g->tree.mimic_count ? "factor" : DICE_WORD(g->d, "articulated", "factor", "auto"));
-	if (dice_happen(g->d, 4) && is_new(g, "", "refine"))
+	if (dice_happen(g->d, 3) && is_new(g, "", "refine"))
 		put_line(g, SCENE_REFINE, DICE_WORD(g->d, "1", "2:same", "0", "1:f64"));
+}
+
+/* How places are told, and a frame on a link. */
+static void draw_form(struct drawing *g)
+{
+	const char *link = draw_carried(g);
+	struct text t = new_text(g);
+
+	if (is_new(g, "", "pose"))
+		put_line(g, SCENE_POSE, DICE_WORD(g->d, "quaternion", "rows"));
+	if (is_new(g, "", "frame of Jacobians"))
+		put_line(g, SCENE_FRAME, DICE_WORD(g->d, "world", "world-aligned", "link"));
+	if (!link || !is_new(g, "", "added frame"))
+		return;
+	text_printf(&t, "added frame=%s,", link);
+	put_numbers(g, &t, 6, 0);
+	put_line(g, SCENE_ADD_FRAME, text_string(&t));
+	put_line(g, SCENE_WANT, DICE_WORD(g->d, "pose.added frame", "jacobian.added frame"));
 }
 
 static void draw_want(struct drawing *g)
 {
-	static const char *const words[] = {"tau", "gravity", "bias", "power", "kinetic", "potential", "regressor", "M", "jvp", "vjp", "dtau_dq",
-		"dtau_dqd", "wrench", "twist", "accel"};
-	enum { MATRICES = 7, WRENCH = 12 };
+	static const char *const words[] = {"tau", "gravity", "bias", "power", "kinetic", "potential", "regressor", "com", "momentum", "M", "jvp",
+		"vjp", "dtau_dq", "dtau_dqd", "wrench", "twist", "accel", "pose", "jacobian", "djacobian"};
+	enum { MATRICES = 9, WRENCH = 14 };
 	size_t kind = dice_below(g->d, sizeof words / sizeof *words);
 	const struct body *k = draw_body(g, 0);
 	const char *name = kind == WRENCH ? (k ? k->joint : NULL) : draw_carried(g);
@@ -288,6 +311,8 @@ static void draw_want(struct drawing *g)
 		text_printf(&t, ".%s", name);
 	if (is_new(g, "want", text_string(&t)))
 		put_line(g, SCENE_WANT, text_string(&t));
+	if (kind > WRENCH)
+		draw_form(g);
 }
 
 static void draw_own_terms(struct drawing *g)

@@ -28,6 +28,8 @@ static const struct subject {
 	{"mimic_chain", "free offset.wrist\ndamping\nfriction 0.3\nwant qdd,Minv,dqdd_dqd,M\njvp qdd\n", 0},
 	{"planar_tilted", "free gravity\nfext disc\nfold tau.mast=0.5\nwant Minv,dqdd_dq,dqdd_dgravity,dtau_dq\n", 0},
 	{"floating_joint", "fext left_arm\nfext-frame world\nwant qdd,accel.left_arm,power\nvjp qdd\n", 0},
+	{"mimic_chain", "free gravity,payload.hand\nfext arm\nwant kinetic\njvp pose.hand,qdd\nvjp accel.hand,kinetic,M\nby payload.hand,gravity,fext.arm\n", 0},
+	{"floating_joint", "want qdd,com\njvp com,potential\nvjp qdd,pose.left_arm\n", 0},
 	{"root_with_mass", "free mass.leg:sample\nwant qdd,dqdd_dqd,dqdd_dmass.leg\njvp qdd\nvjp qdd\n", 1},
 };
 static const char *const WAYS[] = {"dynamics factor\n", "dynamics articulated\n", "dense\nrefine 1\n"};
