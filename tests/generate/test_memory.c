@@ -113,7 +113,8 @@ START_TEST(every_request)
 	if (_i == 6)
 		o.scene = "fold qdd=0\nfree payload.d\nfext b\nwant tau,power\ndrop-below 1e-3\nrange payload.d=0,2";
 	if (_i >= 7 && _i < DUMPS) {
-		o.scene = "free gravity\nwant M,dtau_dq,dtau_dgravity,jvp,vjp,regressor";
+		o.scene = _i == 8 ? "free gravity\nwant qdd\njvp qdd,pose.d\nvjp M,accel.d\nby gravity" :
+			"free gravity\nwant M,dtau_dq,dtau_dgravity,jvp,vjp,regressor";
 		o.target = _i % 2 ? RNEAGEN_TARGET_C : RNEAGEN_TARGET_CUDA;
 		o.base = RNEAGEN_FIXED;
 	}
