@@ -14,21 +14,23 @@ struct load {
 	struct composite whole; /* mass, C and inertia */
 };
 
-/* What a unit rate of a row of a joint makes, in the world's axes: linear momentum, and angular momentum about the body's origin; of
-   the hub's about the centre of mass. All is summed about the hub's origin. */
+/* What a unit rate of a row of qd makes, in the world's axes: linear momentum, and angular momentum about the centre of mass. */
 struct momentum_column {
 	struct svec linear, angular;
 };
 
+/* All is summed about the hub's origin. */
 struct centroid {
 	struct kinematics *x;       /* NULL: nobody asks for it */
 	int has_columns, has_matrix;
 	struct ref mass, inverse;   /* of all that moves */
 	struct within unit;         /* of masses: 1, or all that moves */
 	struct load *loads;         /* loads[0] is the world's, of body k loads[k + 1] */
-	struct momentum_column (*columns)[6]; /* by body */
+	/* of the columns: those that several bodies add to, by row of qd; where elements are stored; the matrix times qd */
+	struct momentum_column *shared;
+	char *is_shared;
 	struct pattern of_com, of_momentum;
-	char *is_shared;            /* by row of qd: several bodies move with it */
+	struct momentum_column times_qd;
 };
 
 /* x->bodies[k] is made when a body is entered. Failure is in d->failed. */
@@ -36,6 +38,23 @@ void centroid_begin(struct centroid *c, struct kinematics *x);
 void centroid_enter(struct centroid *c, int body);
 void centroid_leave(struct centroid *c, int body);
 void centroid_end(struct centroid *c);
+
+/* The argument of a want; -1: it is not asked for. */
+int centroid_output(const struct kinematics *x, enum want_kind kind);
+
+/* A body's own parameters. Returns 1 where these are numbers, *I. */
+int centroid_own(const struct centroid *c, int body, struct inertia *I, struct parameters *p);
+
+/* From the hub's axes into the world's; the centre of mass, as struct placed has p of the hub. */
+struct svec centroid_to_world(const struct kinematics *x, struct svec u);
+struct svec centroid_from_first(const struct kinematics *x);
+
+/* ---- columns ---- */
+
+/* Before the tour; returns 0 when memory runs out. When a body is left, and when all are. */
+int columns_begin(struct centroid *c);
+void columns_leave(struct centroid *c, int body);
+void columns_end(struct centroid *c);
 
 /* ---- sums over subtrees ---- */
 
