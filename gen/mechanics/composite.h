@@ -22,4 +22,8 @@ void composite_add_child(
 	struct dag *d, struct composite *parent, const struct composite *c, const struct body *child, const struct joint_pose *at,
 	struct svec rate);
 
+/* The same where P and K are not asked for, and nothing is shared with who asks for them. */
+void composite_add_still(
+	struct dag *d, struct composite *parent, const struct composite *c, const struct body *child, const struct joint_pose *at);
+
 #endif

@@ -271,6 +271,35 @@ struct smat joint_turn(struct dag *d, const struct body *k, const struct joint_p
 	return out;
 }
 
+/* About the axis i, with x = s (T_jj - T_kk) + 2 c T_jk: T_jj - s x, T_kk + s x, c x - T_jk; the others turn as a vector. */
+static struct smat turn_symmetric(struct dag *d, int i, struct ref s, struct ref c, const struct smat *T)
+{
+	int j = (i + 1) % 3, k = (i + 2) % 3;
+	struct svec row = svec_turn(d, i, s, c, (struct svec){{T->m[i][0], T->m[i][1], T->m[i][2]}});
+	struct ref twice = dag_mul(d, dag_const(d, 2), T->m[j][k]);
+	struct ref x = dag_add(d, dag_mul(d, s, dag_sub(d, T->m[j][j], T->m[k][k])), dag_mul(d, c, twice)), sx = dag_mul(d, s, x);
+	struct smat out = *T;
+
+	out.m[j][j] = dag_sub(d, T->m[j][j], sx);
+	out.m[k][k] = dag_add(d, T->m[k][k], sx);
+	out.m[j][k] = out.m[k][j] = dag_sub(d, dag_mul(d, c, x), T->m[j][k]);
+	out.m[i][j] = out.m[j][i] = row.x[j];
+	out.m[i][k] = out.m[k][i] = row.x[k];
+	return out;
+}
+
+struct smat joint_turn_symmetric(struct dag *d, const struct body *k, const struct joint_pose *x, const struct smat *T)
+{
+	static const struct body still = {.type = JOINT_FIXED};
+	struct smat turned = *T;
+
+	if (k->type == JOINT_FLOATING)
+		return joint_turn(d, k, x, T);
+	if (turns(k))
+		turned = turn_symmetric(d, k->axis, x->s, x->c, T);
+	return joint_turn(d, &still, x, &turned);
+}
+
 void joint_project(struct dag *d, const struct body *k, struct svec f, struct svec n, struct svec f0, struct ref *tau)
 {
 	switch (k->type) {
