@@ -29,7 +29,7 @@ enum { KEY_PRECISION = COMMAND_OWN, KEY_SECONDS, KEY_FORMAT };
 enum format { FORMAT_TEXT, FORMAT_JSON };
 
 static const struct option OPTIONS[] = {{"precision", required_argument, NULL, KEY_PRECISION},
-	{"seconds", required_argument, NULL, KEY_SECONDS}, {"format", required_argument, NULL, KEY_FORMAT}, COMMAND_OPTIONS, {NULL, 0, NULL, 0}};
+	{"seconds", required_argument, NULL, KEY_SECONDS}, {"format", required_argument, NULL, KEY_FORMAT}, COMMAND_MODEL_OPTIONS, {NULL, 0, NULL, 0}};
 
 struct proving {
 	struct command command;

@@ -22,10 +22,14 @@ struct command {
 enum { COMMAND_BACKEND = OPTION_OWN, COMMAND_DEVICE, COMMAND_THREADS, COMMAND_QUIET, COMMAND_OWN };
 
 /* Rows for getopt_long that every subcommand begins with; its own have values from COMMAND_OWN on. */
+#define COMMAND_MODEL_OPTIONS                                                                                          \
+	OPTIONS_MODEL, {"threads", required_argument, NULL, COMMAND_THREADS}, {"quiet", no_argument, NULL, COMMAND_QUIET}, \
+	{"help", no_argument, NULL, OPTION_HELP}
+
+/* And of those that run texts. */
 #define COMMAND_OPTIONS                                                                                                \
-	OPTIONS_MODEL, {"backend", required_argument, NULL, COMMAND_BACKEND},                                          \
-	{"device", required_argument, NULL, COMMAND_DEVICE}, {"threads", required_argument, NULL, COMMAND_THREADS},    \
-	{"quiet", no_argument, NULL, COMMAND_QUIET}, {"help", no_argument, NULL, OPTION_HELP}
+	COMMAND_MODEL_OPTIONS, {"backend", required_argument, NULL, COMMAND_BACKEND},                                  \
+	{"device", required_argument, NULL, COMMAND_DEVICE}
 
 /* Their lines of --help. */
 #define COMMAND_HELP                                                                                                   \
