@@ -70,8 +70,8 @@ enum rnea_layout { RNEA_SOA, RNEA_AOS }; /* array[row][sample], array[sample][ro
 
 enum { RNEA_ARGUMENT_LIMIT = 64 }; /* the most arrays one function can take */
 
-/* What an array means, and its word in the table. "of" says what rnea_argument.of names: of a link, a joint, or the constant
-   that the torques are differentiated by. Rows of vectors of all bodies are 6 for each, linear then angular. */
+/* What an array means, and its word in the table. "of" says what rnea_argument.of names: of a link, a joint, the constant
+   that the torques are differentiated by, or the outputs that a product is of, by commas. Rows of vectors of all bodies are 6 for each, linear then angular. */
 #define RNEA_ROLES(X)                                                                                                  \
 	X(UNKNOWN, "unknown")                            /* the table does not say, or by a word of a later version */ \
 	X(JOINT_POSITION, "joint_position")              /* q */                                                       \
@@ -139,7 +139,7 @@ struct rnea_argument {
 	enum rnea_scalar scalar; /* of its elements; an array must be aligned to it, no more */
 	int per_batch;           /* 1: rows scalars for the whole batch, whatever the count; 0: rows for every sample */
 	enum rnea_role role;     /* of tables of versions 1 and 2: those of q, qd, qdd and tau, and of the two halves' arrays */
-	const char *of;          /* the link, joint or constant that the role speaks of, as the URDF and the scene name it; "": none */
+	const char *of;          /* the link, joint, constant or outputs that the role speaks of, as the URDF and the scene name it; "": none */
 };
 
 /* One joint with entries in q. Units by type: revolute and continuous rad, prismatic m, floating m and a unit

@@ -31,7 +31,7 @@ void product_declare(const struct build *b)
 		dag_argument_of(b->d, (struct argument){.name = k->by[i].direction, .rows = k->by[i].rows, .per_batch = k->by[i].per_batch,
 			.role = ROLE_TANGENT, .of = k->by[i].word});
 	if (request_wants(k, WANT_VJP))
-		dag_argument_of(b->d, (struct argument){.name = "vjp_v", .rows = k->vjp.rows, .role = ROLE_COTANGENT});
+		dag_argument_of(b->d, (struct argument){.name = "vjp_v", .rows = k->vjp.rows, .role = ROLE_COTANGENT, .of = k->vjp.words});
 }
 
 static const struct product *product_of(const struct request *k, int want)

@@ -320,7 +320,7 @@ static struct argument output(const struct request *k, const struct want *w)
 	const struct want_type *type = want_type(w->kind);
 
 	return (struct argument){.name = w->argument, .rows = w->rows, .is_output = 1, .role = type->role,
-		.of = want_is(w->kind, OF_FREED) ? k->freed[w->body].word : after_point(w->word)};
+		.of = want_is(w->kind, OF_FREED) ? k->freed[w->body].word : w->kind == WANT_JVP ? k->jvp.words : after_point(w->word)};
 }
 
 /* Inputs of the request, besides q, qd and qdd and what is freed; then its outputs. */

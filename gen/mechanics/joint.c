@@ -111,8 +111,8 @@ struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_
 		slide.x[1] = source_row(d, &in.q, k->iq + 1);
 	} else if (k->type == JOINT_FLOATING) {
 		slide = source_rows(d, &in.q, k->iq);
-		for (int i = 0; i < 4; i++)
-			q[i] = source_row(d, &in.q, k->iq + 3 + i);
+		for (int i = 3; i < 7; i++) /* w first: so the text reads them */
+			q[i % 4] = source_row(d, &in.q, k->iq + 3 + i % 4);
 		x.Q = quaternion_matrix(d, q);
 		for (int i = 0; i < 9 && in.is_again; i++)
 			x.Q.m[i / 3][i % 3] = dag_anew(d, x.Q.m[i / 3][i % 3]);

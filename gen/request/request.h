@@ -72,7 +72,8 @@ enum want_frame { FRAME_LINK, FRAME_WORLD, FRAME_WORLD_ALIGNED };
 /* A product of derivatives with vectors: of the wants that it is of, one after another. */
 struct product {
 	int *of, count;
-	int rows; /* of all of them */
+	int rows;          /* of all of them */
+	const char *words; /* by commas; "" where it is plain */
 };
 
 /* An input by which products are taken besides the state: what is freed, a wrench from outside. */

@@ -49,6 +49,8 @@ void request_dump(const struct request *k, const struct tree *t, struct text *ou
 	dump_own_terms("armature", k->armature, t, out);
 	dump_own_terms("damping", k->damping, t, out);
 	dump_own_terms("friction", k->friction, t, out);
+	for (int i = k->stored_count; i < k->want_count; i++)
+		text_printf(out, "made \"%s\"[%d] for products\n", k->wants[i].word, k->wants[i].rows);
 	for (int i = 0; i < k->stored_count; i++)
 		text_printf(out, "out %s[%d] \"%s\"\n", k->wants[i].argument, k->wants[i].rows, k->wants[i].word);
 }

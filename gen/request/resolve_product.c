@@ -134,6 +134,16 @@ static enum rneagen_code add_all(const struct resolver *x, enum scene_key key, s
 	return RNEAGEN_OK;
 }
 
+static const char *words_of(const struct resolver *x, const struct product *p)
+{
+	struct text t;
+
+	text_init(&t, x->a);
+	for (int i = 0; i < p->count && !request_is_plain_product(x->k, p); i++)
+		text_printf(&t, "%s%s", i ? "," : "", x->k->wants[p->of[i]].word);
+	return text_string(&t);
+}
+
 enum rneagen_code request_products(const struct resolver *x)
 {
 	struct request *k = x->k;
@@ -149,6 +159,8 @@ enum rneagen_code request_products(const struct resolver *x)
 	k->stored_count = k->want_count;
 	if (add_all(x, SCENE_JVP, &k->jvp) || add_all(x, SCENE_VJP, &k->vjp))
 		return x->e->code;
+	k->jvp.words = words_of(x, &k->jvp);
+	k->vjp.words = words_of(x, &k->vjp);
 	for (int i = 0; i < k->stored_count; i++) {
 		struct want *w = &k->wants[i];
 

@@ -23,6 +23,18 @@ static const char *push_word(struct analysis *a, const char *name)
 	return word.length ? text_string(&word) : NULL;
 }
 
+/* "jvp_v.payload.hand" */
+static const char *direction_word(struct analysis *a, const char *name)
+{
+	struct text word;
+
+	text_init(&word, a->arena);
+	for (int i = 0; i < a->request.by_count; i++)
+		if (!strcmp(a->request.by[i].direction, name))
+			text_printf(&word, "jvp_v.%s", a->request.by[i].word);
+	return word.length ? text_string(&word) : name;
+}
+
 static const char *want_word(const struct request *k, const char *name)
 {
 	for (int i = 0; i < k->stored_count; i++)
@@ -39,8 +51,7 @@ static struct signature_array describe(struct analysis *a, const struct argument
 	const struct freed *f = x->is_output ? NULL : find_freed(k, x->name);
 	const char *push = x->is_output || f ? NULL : push_word(a, x->name);
 
-	if (x->is_output)
-		s.word = want_word(k, x->name);
+	s.word = x->is_output ? want_word(k, x->name) : direction_word(a, x->name);
 	s.has_default = f || push;
 	if (f) {
 		s.word = f->word;

@@ -15,6 +15,7 @@ struct drawing {
 	struct text used; /* names that were drawn for something that takes each once, one on a line */
 	int folds_q, folds_qd;
 	int is_forward; /* qdd is wanted, and tau an input */
+	enum scene_key product; /* jvp or vjp, where there is one; 0: not yet */
 };
 
 /* ---- words and values ---- */
@@ -286,11 +287,22 @@ static void draw_form(struct drawing *g)
 	put_line(g, SCENE_WANT, DICE_WORD(g->d, "pose.added frame", "jacobian.added frame"));
 }
 
+/* As an output, or in a product, which takes long like a matrix. What is given may leave nothing that varies. */
+static enum scene_key draw_use(struct drawing *g)
+{
+	if (g->folds_q || g->folds_qd || !dice_happen(g->d, g->product ? 2 : 6))
+		return SCENE_WANT;
+	if (!g->product && is_new(g, "", "matrix"))
+		g->product = dice_happen(g->d, 2) ? SCENE_JVP : SCENE_VJP;
+	return g->product ? g->product : SCENE_WANT;
+}
+
 static void draw_want(struct drawing *g)
 {
-	static const char *const words[] = {"tau", "gravity", "bias", "power", "kinetic", "potential", "regressor", "com", "momentum", "M", "jvp",
-		"vjp", "dtau_dq", "dtau_dqd", "wrench", "twist", "accel", "pose", "jacobian", "djacobian"};
-	enum { MATRICES = 9, WRENCH = 14 };
+	static const char *const words[] = {"tau", "gravity", "bias", "power", "kinetic", "potential", "regressor", "com", "vcom",
+		"com_jacobian", "momentum", "momentum_matrix", "dmomentum", "coriolis", "M", "jvp", "vjp", "dtau_dq", "dtau_dqd", "wrench", "twist",
+		"accel", "pose", "jacobian", "djacobian", "opspace_inv"};
+	enum { MATRICES = 14, WRENCH = 19 };
 	size_t kind = dice_below(g->d, sizeof words / sizeof *words);
 	const struct body *k = draw_body(g, 0);
 	const char *name = kind == WRENCH ? (k ? k->joint : NULL) : draw_carried(g);
@@ -310,7 +322,7 @@ static void draw_want(struct drawing *g)
 	if (kind >= WRENCH)
 		text_printf(&t, ".%s", name);
 	if (is_new(g, "want", text_string(&t)))
-		put_line(g, SCENE_WANT, text_string(&t));
+		put_line(g, draw_use(g), text_string(&t));
 	if (kind > WRENCH)
 		draw_form(g);
 }

@@ -145,53 +145,65 @@ static char *hang(const char *urdf, const char *root)
 	return text;
 }
 
+/* Of a part below a root where `is_part`. Returns 0 where nothing moves, which the generator refuses. */
+static int draw_scene(struct kin_case *c, struct rng *rng, const struct reference *r, int is_part, const char **held, struct words *w)
+{
+	char root[200];
+
+	*held = draw_held(rng, r, w);
+	if (!some_entry(rng, r, *held))
+		return 0;
+	draw_added(c, rng, r, *held, w);
+	draw_wants(c, rng, r, *held, w);
+	snprintf(root, sizeof root, "root %s", r->joints[0].link);
+	if (is_part)
+		line(w, root);
+	line(w, "");
+	return 1;
+}
+
+static int compare(struct kin_case *c, const char *urdf, const char *part, const struct rneagen_options *o, const char *held, uint64_t seed)
+{
+	int compared = 0;
+
+	if (!kin_open(c, urdf, part, o, seed))
+		return 0;
+	if (held)
+		kin_hold(c, held, 0.3125);
+	for (int k = 0; k < SAMPLES; k++) {
+		kin_draw(c);
+		kin_evaluate(c);
+		compared += kin_compare(c, NOISE);
+	}
+	kin_close(c);
+	return compared;
+}
+
 static int try_tree(uint64_t seed, struct words *w, double *worst)
 {
 	struct kin_case *c = calloc(1, sizeof *c);
 	struct random_robot_knobs knobs = random_robot_knobs(seed, LINKS);
 	struct rneagen_options o = rneagen_options_default();
 	struct rng rng = rng_seed(seed + 1);
-	const struct reference_options ro = {.floating = seed % 3 == 0};
-	char message[256], *urdf, *hung = NULL;
+	const struct reference_options ro = {.floating = seed % 3 == 0, .independent = seed % 5 == 2};
+	char message[256], *urdf, *hung;
 	const char *held;
-	int compared = 0;
+	int is_part = seed % 4 == 1, compared = 0;
 
 	knobs.odd_names = 0;
 	urdf = random_robot(seed, &knobs);
 	struct reference *r = reference_open(urdf, strlen(urdf), &ro, message, sizeof message);
 
 	ck_assert_msg(r != NULL, "seed %llu: %s", (unsigned long long)seed, message);
-	held = draw_held(&rng, r, w);
-	if (!some_entry(&rng, r, held)) { /* the generator refuses it */
-		reference_close(r);
-		free(urdf);
-		free(c);
-		return 0;
-	}
-	draw_added(c, &rng, r, held, w);
-	draw_wants(c, &rng, r, held, w);
-	if (seed % 4 == 1) {
-		char root[200];
-
-		snprintf(root, sizeof root, "root %s", r->joints[0].link);
-		line(w, root);
-		hung = hang(urdf, r->joints[0].link);
-	}
+	hung = hang(urdf, r->joints[0].link);
 	snprintf(c->what, sizeof c->what, "seed %llu", (unsigned long long)seed);
 	o.base = ro.floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
-	line(w, "");
-	o.scene = w->text;
-	if (kin_open(c, hung ? hung : urdf, urdf, &o, seed)) {
-		if (held)
-			kin_hold(c, held, 0.3125);
-		for (int k = 0; k < SAMPLES; k++) {
-			kin_draw(c);
-			kin_evaluate(c);
-			compared += kin_compare(c, NOISE);
-		}
-		*worst = c->worst > *worst ? c->worst : *worst;
-		kin_close(c);
+	o.mimic = ro.independent ? RNEAGEN_MIMIC_INDEPENDENT : RNEAGEN_MIMIC_HONOUR;
+	if (draw_scene(c, &rng, r, is_part, &held, w)) {
+		o.scene = w->text;
+		compared = compare(c, is_part ? hung : urdf, urdf, &o, held, seed);
 	}
+	*worst = c->worst > *worst ? c->worst : *worst;
 	reference_close(r);
 	free(urdf);
 	free(hung);

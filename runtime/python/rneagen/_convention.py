@@ -15,7 +15,8 @@ import numpy
 
 VECTORS = ("joint_torque", "gravity_torque")  # outputs that are forces
 MATRICES = {"mass_matrix": "forward", "mass_matrix_inverse": "inverse"}
-OTHERS = ("power", "kinetic_energy", "potential_energy", "link_twist", "link_acceleration", "joint_wrench", "body_twists")
+OTHERS = ("power", "kinetic_energy", "potential_energy", "link_twist", "link_acceleration", "joint_wrench", "body_twists",
+          "link_pose", "center_of_mass", "center_of_mass_velocity", "momentum", "momentum_rate")
 
 
 def rotation(q: numpy.ndarray) -> numpy.ndarray:
