@@ -179,6 +179,13 @@ int emit_stage_bytes(const struct emission *e);
 /* Do the statements store by RNEA_STORE? Then emit_store is what that means, else "". */
 int emit_is_streamed(const struct emission *e);
 const char *emit_store(const struct emission *e);
+
+/* Does the kernel store the elements of matrices that are always zero in a loop, beside the body? Is this the store of one? What it
+   calls, and its loops. */
+int emit_has_zeros(const struct emission *e);
+int emit_is_zero_store(const struct plan *p, const struct line *l);
+void emit_zeros(const struct emission *e, struct text *functions, struct text *loops);
+
 int emit_block_size(const struct emission *e);
 const char *emit_min_blocks(const struct emission *e);
 
