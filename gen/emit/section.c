@@ -53,6 +53,8 @@ static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driv
 	[SECTION_REFINED] = "M d = r;  qdd += d",
 	[SECTION_REGRESSOR] = "W, V of the body by a unit rate of each joint on the way here: W = R'W_p, V = R'(V_p + W_p x p);\n\t   "
 		"their power V.f + W.n by a unit of m: V.a;  of h: U'V + a x W;  of I: W.(I dw + w x I w)",
+	[SECTION_ROWS] = "in an order in which few values wait: what the rows of the joint take, and what is complete then;\n\t   "
+		"w, dw, a, f and n are those of tau = ID(q, qd, qdd)",
 	[SECTION_PRODUCTS] = "jvp = d tau/d q v_q + d tau/d qd v_qd + M v_qdd;  vjp = v' d tau/d q, v' d tau/d qd, v' M"};
 
 /* A tour of gravity alone comes last. */
@@ -112,6 +114,10 @@ static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torqu
 	[SECTION_REFINED] = "qdd, refined",
 	[SECTION_PRODUCTS] = "derivatives times vectors, and by what is freed"};
 
+/* Before the name of a joint, or of a link. */
+static const char *const ABOUT[SECTION_COUNT] = {[SECTION_BY] = "derivatives by", [SECTION_ROWS] = "rows of",
+	[SECTION_REGRESSOR] = "torques by the inertial parameters of link"};
+
 /* "out to link 2 "lower" (fpass)"; "back from link 2 "lower" to link 1 (bpass): torque of "elbow"" */
 static void put_title(const struct emission *e, const struct pass *pass, const struct section *s, struct text *out)
 {
@@ -121,8 +127,8 @@ static void put_title(const struct emission *e, const struct pass *pass, const s
 		text_printf(out, "\n\t/* ---- %s ---- */\n", SECTION_TITLES[s->kind]);
 		return;
 	}
-	if (s->kind == SECTION_BY || s->kind == SECTION_REGRESSOR) {
-		text_put(out, s->kind == SECTION_BY ? "\n\t/* ---- derivatives by \"" : "\n\t/* ---- torques by the inertial parameters of link \"");
+	if (ABOUT[s->kind]) {
+		text_printf(out, "\n\t/* ---- %s \"", ABOUT[s->kind]);
 		text_put_comment(out, s->kind == SECTION_REGRESSOR ? k->link : *k->joint ? k->joint : "base");
 		text_put(out, "\" ---- */\n");
 		return;
