@@ -208,9 +208,11 @@ static int count_zeros(const struct dag *d)
 	return zeros;
 }
 
-int emit_has_zeros(const struct emission *e)
+int emit_has_zeros(const struct emission *e, const struct pass *p)
 {
-	return emit_is_streamed(e) && count_zeros(&emit_main(e)->dag) >= FEWEST_ZEROS;
+	int is_further = p > emit_main(e) && p < e->passes + e->pass_count;
+
+	return emit_is_streamed(e) && !is_further && !emit_main(e)->segments.count && count_zeros(&emit_main(e)->dag) >= FEWEST_ZEROS;
 }
 
 int emit_is_zero_store(const struct plan *p, const struct line *l)
@@ -247,35 +249,50 @@ static int put_runs(const unsigned char *zero, int rows, struct text *out)
 	return runs;
 }
 
-static void put_zeros(const struct emission *e, int argument, struct text *tables, struct text *loops)
+/* How many runs of zero rows an array has, and `{10, 7}, {18, 2}`. */
+static int zero_runs(const struct emission *e, int argument, struct text *out)
 {
-	const struct argument *a = &emit_main(e)->dag.arguments[argument];
-	struct text runs;
 	int count;
 	const unsigned char *zero = zero_rows(e, argument, &count);
 
-	text_init(&runs, e->arena);
-	if (!zero || !count)
-		return;
-	const int run_count = put_runs(zero, a->rows, &runs);
-	const struct slot slots[] = {{"NAME", e->options->name}, {"ARRAY", a->name}, {"COUNT", emit_int(e, run_count)},
-		{"RUNS", text_string(&runs)}};
-
-	template_expand(tables, template_zeros_table_in, slots, sizeof slots / sizeof *slots);
-	template_expand(loops, template_zeros_loop_in, slots, sizeof slots / sizeof *slots);
+	text_init(out, e->arena);
+	return zero && count ? put_runs(zero, emit_main(e)->dag.arguments[argument].rows, out) : 0;
 }
 
-void emit_zeros(const struct emission *e, struct text *functions, struct text *loops)
+void emit_zeros(const struct emission *e, struct text *out)
 {
 	const struct dag *d = &emit_main(e)->dag;
-	struct text tables;
+	struct text tables, runs;
 
-	if (!emit_has_zeros(e))
+	if (!emit_has_zeros(e, emit_main(e)))
 		return;
 	text_init(&tables, e->arena);
-	for (int i = 0; i < d->argument_count; i++)
-		put_zeros(e, i, &tables, loops);
+	for (int i = 0; i < d->argument_count; i++) {
+		int count = zero_runs(e, i, &runs);
+		const struct slot slots[] = {{"NAME", e->options->name}, {"ARRAY", d->arguments[i].name}, {"COUNT", emit_int(e, count)},
+			{"RUNS", text_string(&runs)}};
+
+		if (count)
+			template_expand(&tables, template_zeros_table_in, slots, sizeof slots / sizeof *slots);
+	}
 	const struct slot slots[] = {{"T", e->memory->type}, {"TABLES", text_string(&tables)}};
 
-	template_expand(functions, e->target->kernel->zeros, slots, sizeof slots / sizeof *slots);
+	template_expand(out, e->target->kernel->zeros, slots, sizeof slots / sizeof *slots);
+}
+
+const char *emit_zero_loops(const struct emission *e, const char *first, const char *warps)
+{
+	const struct dag *d = &emit_main(e)->dag;
+	struct text loops, runs;
+
+	text_init(&loops, e->arena);
+	for (int i = 0; i < d->argument_count && emit_has_zeros(e, emit_main(e)); i++) {
+		int count = zero_runs(e, i, &runs);
+		const struct slot slots[] = {{"NAME", e->options->name}, {"ARRAY", d->arguments[i].name}, {"COUNT", emit_int(e, count)},
+			{"FIRST", first}, {"WARPS", warps}};
+
+		if (count)
+			template_expand(&loops, template_zeros_loop_in, slots, sizeof slots / sizeof *slots);
+	}
+	return text_string(&loops);
 }

@@ -361,7 +361,7 @@ void unparse(const struct emission *e, const struct pass *pass, const struct num
 	struct writer w;
 
 	unparse_begin(&w, e, pass, numbers);
-	if (!emit_has_zeros(e)) {
+	if (!emit_has_zeros(e, pass)) {
 		unparse_lines(&w, &pass->plan, out);
 		return;
 	}

@@ -20,14 +20,16 @@ static const struct subject {
 	const char *name, *wants;
 	int floating;
 	size_t matrices;
-	enum rneagen_layout layout; /* soa, not staged: a kernel stores the zeros of the full matrix in a loop */
+	enum rneagen_layout layout; /* soa, not staged: both kernels store the zeros of the full matrix in a loop */
+	int limbs;                  /* warps of the kernel of small batches, which this batch takes; 0: there is none */
 } SUBJECTS[] = {
-	{"hyq", "free payload.lf_lowerleg\nwant tau,M,dtau_dq,dtau_dqd,dtau_dpayload.lf_lowerleg\n", 0, 4, RNEAGEN_AOS},
-	{"hyq", "want M,dtau_dq,dtau_dqd\n", 0, 3, RNEAGEN_SOA},
-	{"mimic_chain", "want dtau_dqd,M,dtau_dq\n", 1, 3, RNEAGEN_AOS},
-	{"double_pendulum", "want dtau_dq,jvp,M\n", 0, 2, RNEAGEN_AOS},
-	{"hyq", "want qdd,Minv,dqdd_dqd\ndynamics factor\n", 0, 2, RNEAGEN_AOS},
-	{"mimic_chain", "want tau,regressor,M\n", 1, 2, RNEAGEN_AOS},
+	{"hyq", "free payload.lf_lowerleg\nwant tau,M,dtau_dq,dtau_dqd,dtau_dpayload.lf_lowerleg\n", 0, 4, RNEAGEN_AOS, 0},
+	{"hyq", "want M,dtau_dqd\n", 0, 2, RNEAGEN_SOA, 0},
+	{"hyq", "want M,dtau_dqd\n", 0, 2, RNEAGEN_SOA, 4},
+	{"mimic_chain", "want dtau_dqd,M,dtau_dq\n", 1, 3, RNEAGEN_AOS, 0},
+	{"double_pendulum", "want dtau_dq,jvp,M\n", 0, 2, RNEAGEN_AOS, 0},
+	{"hyq", "want qdd,Minv,dqdd_dqd\ndynamics factor\n", 0, 2, RNEAGEN_AOS, 0},
+	{"mimic_chain", "want tau,regressor,M\n", 1, 2, RNEAGEN_AOS, 0},
 };
 enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
 
@@ -61,8 +63,9 @@ static struct rnea_robot *open_robot(const struct subject *s, int dense, enum rn
 	struct rnea_robot *robot;
 	struct rnea_error e;
 
+	g.limbs = s->limbs ? s->limbs : RNEAGEN_LIMBS_NONE;
 	if (s->layout == RNEAGEN_SOA)
-		g.parts = 3; /* each stores its share of the zeros */
+		g.parts = 2; /* each stores its share of the zeros */
 	ck_assert_msg(!rnea_open_urdf(path_of(s), &g, &o, &robot, &e), "%s", e.message);
 	return robot;
 }
