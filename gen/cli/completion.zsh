@@ -110,7 +110,6 @@ _rnearun_choose() {
 
 _rnearun_prove() {
 	_arguments "${_rnearun_common[@]}" \
-		'--backend=[where to compute]:backend:(cpu cuda any)' \
 		'--seconds=[for proof and search]:number:' \
 		'--format=[of what is printed]:format:(text json)' \
 		'1:robot:_files -g "*.urdf"'

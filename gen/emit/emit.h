@@ -181,6 +181,14 @@ int emit_stage_bytes(const struct emission *e);
 /* Do the statements store by RNEA_STORE? Then emit_store is what that means, else "". */
 int emit_is_streamed(const struct emission *e);
 const char *emit_store(const struct emission *e);
+
+/* Does a kernel of this pass store the elements of matrices that are always zero in a loop, beside the statements? Is this the store of
+   one? What the loops of the first pass call, and the loops: those of threads that have the number `first` of `warps`. */
+int emit_has_zeros(const struct emission *e, const struct pass *p);
+int emit_is_zero_store(const struct plan *p, const struct line *l);
+void emit_zeros(const struct emission *e, struct text *out);
+const char *emit_zero_loops(const struct emission *e, const char *first, const char *warps);
+
 int emit_block_size(const struct emission *e);
 const char *emit_min_blocks(const struct emission *e);
 

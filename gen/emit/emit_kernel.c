@@ -294,7 +294,7 @@ static void put_kernel(const struct emission *e, const struct pass *p, struct te
 	int staged = is_staged(e) && p == emit_main(e), is_aos = e->options->layout == RNEAGEN_AOS;
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
-		{"SPILL", spill_text(e)}, {"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
+		{"SPILL", spill_text(e)}, {"ZEROS", p == emit_main(e) ? emit_zero_loops(e, "blockIdx.y", "") : ""}, {"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", kernel_call(e, p, staged)},
 		{"DECLARATION", declaration_text(e)}, {"SLICES", slices_text(e)}, {"POINTERS", pointers_text(e)},
 		{"MOVE_IN", is_aos ? move_slices(e, 0) : move_samples(e, 0)}, {"MOVE_OUT", is_aos ? move_slices(e, 1) : move_samples(e, 1)},
@@ -308,6 +308,7 @@ static void put_kernel(const struct emission *e, const struct pass *p, struct te
 
 void emit_kernels(const struct emission *e, struct text *out)
 {
+	emit_zeros(e, out);
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
 	for (int i = 0; i < e->pass_count && e->target->kernel; i++)
 		if (e->passes[i].segments.count)

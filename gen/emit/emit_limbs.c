@@ -110,6 +110,8 @@ static const char *warps_text(const struct emission *e)
 		struct writer w;
 
 		unparse_begin(&w, e, p, e->numbers);
+		if (emit_has_zeros(e, p))
+			w.own.zeros = ZEROS_LEFT;
 		for (int i = 0; i < p->limbs.warps; i++)
 			put_warp(e, p, i, &w, &t);
 	}
@@ -160,6 +162,7 @@ void emit_limbs(const struct emission *e, struct text *out)
 		{"WARPS", emit_int(e, s->warps)}, {"WORDS", emit_int(e, s->words)}, {"GROUPS", emit_int(e, s->groups)},
 		{"LIMBS", warps_text(e)}, {"CASES", cases_text(e)}, {"MOST", emit_int(e, (int)s->most)},
 		{"BYTES", emit_int(e, emit_limbs_bytes(e))}, {"PART", e->part_count ? "blockIdx.y*RNEA_LIMBS + " : ""},
+		{"ZEROS", emit_zero_loops(e, "blockIdx.y*RNEA_LIMBS + warp%RNEA_LIMBS", "*RNEA_LIMBS")},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}};
 
 	template_expand(out, template_kernel_limbs_in, slots, sizeof slots / sizeof *slots);

@@ -1,5 +1,5 @@
 /* Where the elements of a matrix stand in it, for programs that unpack one: in NAME_info, as arrays of row and column, and
-   in --info=json. */
+   in --info=json. Which of them are always zero. */
 #include "emit/emit.h"
 #include "base/template.h"
 #include "tree/lumps.h"
@@ -208,4 +208,114 @@ void emit_product_legend(const struct request *k, const struct argument *a, stru
 		put_product(k, &k->vjp, out);
 	if (a->role == ROLE_JVP)
 		put_product(k, &k->jvp, out);
+}
+
+/* ---- elements that are always zero ---- */
+
+/* Fewer are stored one by one. */
+enum { FEWEST_ZEROS = 64 };
+
+static int is_zero(const struct dag *d, const struct output *o)
+{
+	const struct node *n = &d->nodes[o->value.i];
+
+	return n->op == OP_CONST && n->value == 0;
+}
+
+static int count_zeros(const struct dag *d)
+{
+	int zeros = 0;
+
+	for (size_t i = 0; i < d->output_count; i++)
+		zeros += is_zero(d, &d->outputs[i]);
+	return zeros;
+}
+
+int emit_has_zeros(const struct emission *e, const struct pass *p)
+{
+	int is_further = p > emit_main(e) && p < e->passes + e->pass_count;
+
+	return emit_is_streamed(e) && !is_further && !emit_main(e)->segments.count && count_zeros(&emit_main(e)->dag) >= FEWEST_ZEROS;
+}
+
+int emit_is_zero_store(const struct plan *p, const struct line *l)
+{
+	return l->kind == LINE_STORE && is_zero(p->dag, &p->dag->outputs[l->index]);
+}
+
+/* Per row of an array, whether it is always zero; NULL where memory ran out. */
+static const unsigned char *zero_rows(const struct emission *e, int argument, int *count)
+{
+	const struct dag *d = &emit_main(e)->dag;
+	unsigned char *rows = arena_alloc(e->arena, (size_t)d->arguments[argument].rows + 1, 1);
+
+	*count = 0;
+	for (size_t i = 0; i < d->output_count && rows; i++)
+		if (d->outputs[i].argument == argument && is_zero(d, &d->outputs[i])) {
+			rows[d->outputs[i].row] = 1;
+			++*count;
+		}
+	return rows;
+}
+
+/* `{10, 7}, {18, 2}`: from a first row on, so many. */
+static int put_runs(const unsigned char *zero, int rows, struct text *out)
+{
+	int runs = 0;
+
+	for (int i = 0, end; i < rows; i = end) {
+		for (end = i + 1; end < rows && zero[end] == zero[i]; end++)
+			;
+		if (zero[i])
+			text_printf(out, "%s{%d, %d}", runs++ ? ", " : "", i, end - i);
+	}
+	return runs;
+}
+
+/* How many runs of zero rows an array has, and `{10, 7}, {18, 2}`. */
+static int zero_runs(const struct emission *e, int argument, struct text *out)
+{
+	int count;
+	const unsigned char *zero = zero_rows(e, argument, &count);
+
+	text_init(out, e->arena);
+	return zero && count ? put_runs(zero, emit_main(e)->dag.arguments[argument].rows, out) : 0;
+}
+
+void emit_zeros(const struct emission *e, struct text *out)
+{
+	const struct dag *d = &emit_main(e)->dag;
+	struct text tables, runs;
+
+	if (!emit_has_zeros(e, emit_main(e)))
+		return;
+	text_init(&tables, e->arena);
+	for (int i = 0; i < d->argument_count; i++) {
+		int count = zero_runs(e, i, &runs);
+		const struct slot slots[] = {{"NAME", e->options->name}, {"ARRAY", d->arguments[i].name}, {"COUNT", emit_int(e, count)},
+			{"RUNS", text_string(&runs)}};
+
+		if (count)
+			template_expand(&tables, template_zeros_table_in, slots, sizeof slots / sizeof *slots);
+	}
+	const struct slot slots[] = {{"T", e->memory->type}, {"TABLES", text_string(&tables)}};
+
+	template_expand(out, e->target->kernel->zeros, slots, sizeof slots / sizeof *slots);
+}
+
+const char *emit_zero_loops(const struct emission *e, const char *first, const char *warps)
+{
+	const struct dag *d = &emit_main(e)->dag;
+	struct text loops, runs;
+
+	text_init(&loops, e->arena);
+	for (int i = 0; i < d->argument_count && emit_has_zeros(e, emit_main(e)); i++) {
+		int count = zero_runs(e, i, &runs);
+		const struct slot slots[] = {{"NAME", e->options->name}, {"ARRAY", d->arguments[i].name}, {"COUNT", emit_int(e, count)},
+			{"FIRST", first}, {"WARPS", warps}};
+
+		if (count)
+			template_expand(&loops, template_zeros_loop_in, slots, sizeof slots / sizeof *slots);
+	}
+	return text_string(&loops);
 }

@@ -254,6 +254,8 @@ static void put_statement(const struct unparser *u, const struct line *l, struct
 /* An angle that sines and cosines read where memory has it has no line. */
 static int is_silent(const struct unparser *u, const struct line *l)
 {
+	if (u->zeros != ZEROS_AMONG && emit_is_zero_store(u->plan, l) != (u->zeros == ZEROS_ALONE))
+		return 1;
 	return l->kind == LINE_INPUT && u->angles && u->angles[l->value.i];
 }
 
@@ -261,7 +263,9 @@ static void put_line(struct unparser *u, const struct line *l, struct text *out)
 {
 	size_t from = out->length;
 
-	if (l->kind == LINE_SECTION) {
+	if (l->kind == LINE_SECTION && u->zeros == ZEROS_ALONE) {
+		return;
+	} else if (l->kind == LINE_SECTION) {
 		unparse_section(u, &u->plan->dag->sections[l->index], out);
 	} else if (!is_silent(u, l)) {
 		text_putc(out, '\t');
@@ -357,5 +361,14 @@ void unparse(const struct emission *e, const struct pass *pass, const struct num
 	struct writer w;
 
 	unparse_begin(&w, e, pass, numbers);
+	if (!emit_has_zeros(e, pass)) {
+		unparse_lines(&w, &pass->plan, out);
+		return;
+	}
+	w.own.zeros = ZEROS_LEFT;
 	unparse_lines(&w, &pass->plan, out);
+	w.own.zeros = ZEROS_ALONE;
+	text_printf(out, "#if !defined %s /* a kernel stores these zeros in a loop */\n", e->target->kernel->compiler);
+	unparse_lines(&w, &pass->plan, out);
+	text_put(out, "#endif\n");
 }

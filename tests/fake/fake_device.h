@@ -17,6 +17,7 @@
 #define __align__(bytes) __attribute__((aligned(bytes)))
 #define __global__
 #define __device__
+#define __constant__
 #define __host__
 #define __forceinline__ inline
 #define __launch_bounds__(...)

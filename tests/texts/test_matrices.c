@@ -7,6 +7,7 @@
 #include "support/suite.h"
 #include "target/target.h"
 #include <dlfcn.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,12 +20,16 @@ static const struct subject {
 	const char *name, *wants;
 	int floating;
 	size_t matrices;
+	enum rneagen_layout layout; /* soa, not staged: both kernels store the zeros of the full matrix in a loop */
+	int limbs;                  /* warps of the kernel of small batches, which this batch takes; 0: there is none */
 } SUBJECTS[] = {
-	{"hyq", "free payload.lf_lowerleg\nwant tau,M,dtau_dq,dtau_dqd,dtau_dpayload.lf_lowerleg\n", 0, 4},
-	{"mimic_chain", "want dtau_dqd,M,dtau_dq\n", 1, 3},
-	{"double_pendulum", "want dtau_dq,jvp,M\n", 0, 2},
-	{"hyq", "want qdd,Minv,dqdd_dqd\ndynamics factor\n", 0, 2},
-	{"mimic_chain", "want tau,regressor,M\n", 1, 2},
+	{"hyq", "free payload.lf_lowerleg\nwant tau,M,dtau_dq,dtau_dqd,dtau_dpayload.lf_lowerleg\n", 0, 4, RNEAGEN_AOS, 0},
+	{"hyq", "want M,dtau_dqd\n", 0, 2, RNEAGEN_SOA, 0},
+	{"hyq", "want M,dtau_dqd\n", 0, 2, RNEAGEN_SOA, 4},
+	{"mimic_chain", "want dtau_dqd,M,dtau_dq\n", 1, 3, RNEAGEN_AOS, 0},
+	{"double_pendulum", "want dtau_dq,jvp,M\n", 0, 2, RNEAGEN_AOS, 0},
+	{"hyq", "want qdd,Minv,dqdd_dqd\ndynamics factor\n", 0, 2, RNEAGEN_AOS, 0},
+	{"mimic_chain", "want tau,regressor,M\n", 1, 2, RNEAGEN_AOS, 0},
 };
 enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
 
@@ -44,7 +49,7 @@ static struct rneagen_options options_of(const struct subject *s, int dense, cha
 	o.scene = scene;
 	o.base = s->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	o.precision = RNEAGEN_F64;
-	o.layout = RNEAGEN_AOS;
+	o.layout = s->layout;
 	o.strict = 1;
 	o.tell = RNEAGEN_TELL_JSON;
 	return o;
@@ -58,6 +63,9 @@ static struct rnea_robot *open_robot(const struct subject *s, int dense, enum rn
 	struct rnea_robot *robot;
 	struct rnea_error e;
 
+	g.limbs = s->limbs ? s->limbs : RNEAGEN_LIMBS_NONE;
+	if (s->layout == RNEAGEN_SOA)
+		g.parts = 2; /* each stores its share of the zeros */
 	ck_assert_msg(!rnea_open_urdf(path_of(s), &g, &o, &robot, &e), "%s", e.message);
 	return robot;
 }
@@ -67,7 +75,18 @@ static size_t array_count(const struct rnea_info *info)
 	return info->input_count + info->output_count;
 }
 
-/* All arrays of the robot, the inputs by the seed. */
+/* [row][sample] to [sample][row] */
+static void transpose(double *x, size_t rows)
+{
+	double *y = malloc(COUNT * rows * sizeof *y);
+
+	for (size_t k = 0; k < COUNT * rows; k++)
+		y[k % COUNT * rows + k / COUNT] = x[k];
+	memcpy(x, y, COUNT * rows * sizeof *y);
+	free(y);
+}
+
+/* All arrays of the robot by sample, the inputs by the seed; what is not written stays nan. */
 static double **run(const struct rnea_robot *robot)
 {
 	const struct rnea_info *info = rnea_info(robot);
@@ -77,10 +96,12 @@ static double **run(const struct rnea_robot *robot)
 
 	for (size_t i = 0; i < array_count(info); i++) {
 		x[i] = calloc(COUNT, info->arguments[i].rows * sizeof **x);
-		for (size_t k = 0; k < COUNT * info->arguments[i].rows && i < info->input_count; k++)
-			x[i][k] = rng_uniform(&rng, -2, 2);
+		for (size_t k = 0; k < COUNT * info->arguments[i].rows; k++)
+			x[i][k] = i < info->input_count ? rng_uniform(&rng, -2, 2) : (double)NAN;
 	}
 	ck_assert_msg(!rnea_run(robot, (void **)x, COUNT, &e), "%s", e.message);
+	for (size_t i = 0; i < array_count(info) && info->layout == RNEA_SOA; i++)
+		transpose(x[i], info->arguments[i].rows);
 	return x;
 }
 
