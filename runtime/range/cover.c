@@ -161,6 +161,10 @@ static int cover_once(struct cover *c, struct covering *s, const double *bends, 
 	choose(s, counts, room, bends);
 	if (!grid_make(&s->grid, s->f, counts, 0))
 		return 0;
+	if (grid_size(&s->grid) > 2 * room) { /* the corners alone are too many */
+		grid_free(&s->grid);
+		return 1;
+	}
 	c->points = grid_size(&s->grid);
 	s->points = (size_t)c->points;
 	pieces = (s->points + POINTS - 1) / POINTS;
