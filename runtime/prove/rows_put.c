@@ -62,7 +62,7 @@ static size_t output_at(const struct proved *x, size_t number)
 static void put_number(struct text *out, const char *name, double value)
 {
 	if (isfinite(value))
-		text_printf(out, ", \"%s\": %.17g", name, value);
+		text_printf(out, ", \"%s\": %.17g", name, value + 0.0); /* no -0 */
 	else
 		text_printf(out, ", \"%s\": null", name);
 }
@@ -144,7 +144,7 @@ static void put_line(const struct proved *x, size_t i, struct text *out)
 	const char *joint = joint_of(x, o, &effort);
 
 	text_printf(out, "%s[%d] %s: from %.6g to %.6g; found %.6g to %.6g; slack %.2f, of plain intervals %.1f", output_name(x, o), o->row,
-		joint, r->low, r->high, r->found_low, r->found_high, slack(r),
+		joint, r->low + 0.0, r->high + 0.0, r->found_low, r->found_high, slack(r),
 		r->plain / fmax(fmax(fabs(r->found_low), fabs(r->found_high)), 1e-300));
 	if (effort > 0)
 		text_printf(out, "; effort limit %g", effort);

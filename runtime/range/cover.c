@@ -10,7 +10,7 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-enum { POINTS = 256, MOST_PLACES = 4096 };
+enum { POINTS = 256, MOST_PLACES = 4096, FIRST_POINTS = 4096 };
 
 struct covering {
 	const struct field *f;
@@ -161,6 +161,10 @@ static int cover_once(struct cover *c, struct covering *s, const double *bends, 
 	choose(s, counts, room, bends);
 	if (!grid_make(&s->grid, s->f, counts, 0))
 		return 0;
+	if (grid_size(&s->grid) > 2 * room) { /* the corners alone are too many */
+		grid_free(&s->grid);
+		return 1;
+	}
 	c->points = grid_size(&s->grid);
 	s->points = (size_t)c->points;
 	pieces = (s->points + POINTS - 1) / POINTS;
@@ -180,8 +184,9 @@ int cover_find(struct cover *c, const struct field *f, const struct curvature *b
 {
 	struct effort own = *x;
 	struct covering s = {.f = f, .effort = &own, .found = found};
+	static const double SHARES[] = {0, 0.2, 0.85};
 	size_t outputs = (size_t)f->output_count;
-	double start;
+	double end, speed = 1;
 	int done;
 
 	*c = (struct cover){.upper = malloc(outputs * sizeof *c->upper), .lower = malloc(outputs * sizeof *c->lower)};
@@ -190,10 +195,13 @@ int cover_find(struct cover *c, const struct field *f, const struct curvature *b
 		c->upper[o] = f->plain[o];
 		c->lower[o] = -f->plain[o];
 	}
-	own.deadline = fmin(x->deadline, seconds_now() + 1.3 * seconds);
-	start = seconds_now();
-	done = done && cover_once(c, &s, bends->most, 4096);
-	if (done && seconds_now() < own.deadline)
-		done = cover_once(c, &s, bends->most, 4096 * 0.8 * seconds / (seconds_now() - start));
+	own.deadline = fmin(x->deadline, seconds_now() + 1.2 * seconds);
+	end = seconds_now() + seconds;
+	for (int i = 0; i < 3 && done && seconds_now() < end; i++) {
+		double start = seconds_now(), room = i ? SHARES[i] * (end - start) / speed : FIRST_POINTS;
+
+		done = cover_once(c, &s, bends->most, room);
+		speed = (seconds_now() - start) / (c->points + 1);
+	}
 	return done;
 }

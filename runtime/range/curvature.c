@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_PLACES = 48, LINES = 64, MOST_POINTS = 20000000 };
+enum { MOST_PLACES = 48, LINES = 64, MOST_POINTS = 2000000000, FIRST_POINTS = 4000 };
 
 struct sweep {
 	const struct field *f;
@@ -19,7 +19,7 @@ struct sweep {
 	double by[MOST_PLACES];     /* second derivative at place 0, by places */
 	double by_size;
 	size_t lines;
-	double *most;               /* [piece][output] */
+	_Atomic double *most;       /* by output: so far */
 	atomic_int failed;
 };
 
@@ -104,18 +104,32 @@ static void take_line(const struct sweep *s, size_t number, double *work, double
 	}
 }
 
+static void raise(_Atomic double *most, double x)
+{
+	double now = *most;
+
+	while (now < x && !atomic_compare_exchange_weak(most, &now, x))
+		;
+}
+
 static void take_lines(void *job, size_t piece)
 {
 	struct sweep *s = job;
 	size_t count = (size_t)s->f->output_count * s->f->coefficient_count;
 	double *work = field_work(s->f), *line = malloc((size_t)(s->grid->counts[s->k] + 1) * count * sizeof *line);
+	double *most = malloc((size_t)s->f->output_count * sizeof *most);
 
-	if (!work || !line)
+	if (!work || !line || !most)
 		s->failed = 1;
+	for (int o = 0; o < s->f->output_count && most; o++)
+		most[o] = s->most[o];
 	for (size_t i = piece * LINES; i < (piece + 1) * LINES && i < s->lines && !s->failed; i++)
-		take_line(s, i, work, line, s->most + piece * (size_t)s->f->output_count);
+		take_line(s, i, work, line, most);
+	for (int o = 0; o < s->f->output_count && most; o++)
+		raise(&s->most[o], most[o]);
 	if (seconds_now() > s->effort->deadline)
 		s->failed = 2;
+	free(most);
 	free(line);
 	free(work);
 }
@@ -129,14 +143,14 @@ static int sweep(struct sweep *s, double *found)
 	s->lines = (size_t)grid_size(s->grid);
 	pieces = (s->lines + LINES - 1) / LINES;
 	set_derivative(s);
-	s->most = calloc(pieces * outputs, sizeof *s->most);
+	s->most = malloc(outputs * sizeof *s->most);
 	s->failed = !s->most;
+	for (size_t o = 0; o < outputs && s->most; o++)
+		s->most[o] = 0;
 	if (s->most)
 		workers_run(s->effort->workers, s->effort->threads, take_lines, s, pieces);
-	for (size_t o = 0; o < outputs; o++) {
-		found[o] = 0;
-		for (size_t i = 0; i < pieces && s->most; i++)
-			found[o] = fmax(found[o], s->most[i * outputs + o]);
+	for (size_t o = 0; o < outputs && s->most; o++) {
+		found[o] = s->most[o];
 		found[o] += s->by_size * (s->f->noise[o] * (double)s->f->coefficient_count + 0x1p-40 * found[o]);
 	}
 	free(s->most);
@@ -144,20 +158,6 @@ static int sweep(struct sweep *s, double *found)
 }
 
 /* ---- which grid ---- */
-
-/* The logarithm of how many points the cover will need: it goes with the root of each curvature. */
-static double cost_of(const struct field *f, const int *counts, const double *found, const double *most)
-{
-	double sum = 0, now[FIELD_DIMS];
-
-	for (int o = 0; o < f->output_count; o++) {
-		memcpy(now, most + (size_t)o * (size_t)f->dim_count, (size_t)f->dim_count * sizeof *now);
-		pace_close(f, counts, found + (size_t)o * (size_t)f->dim_count, now);
-		for (int k = 0; k < f->dim_count; k++)
-			sum += 0.5 * log(now[k] + 1e-300);
-	}
-	return sum / f->output_count;
-}
 
 static double size_of(const struct field *f, const int *counts)
 {
@@ -174,50 +174,48 @@ static int fewest(const struct field *f, int k)
 	return f->dims[k].is_angle || field_is_point(&f->dims[k]) ? 1 : 2;
 }
 
-/* Would these do, beside what the outputs bend by others? */
-static int is_weak(const struct field *f, int k, const double *most, const double *found)
+/* How much of all outputs' bends by other rows these places may add. */
+static double weight_of(const struct field *f, int k, const double *most, const double *found)
 {
-	double gap = pace_of(f, k, fewest(f, k)).gap;
+	double worst = 0;
 
-	for (int o = 0; o < f->output_count; o++) {
-		double largest = 0;
-
-		for (int l = 0; l < f->dim_count; l++)
-			largest = fmax(largest, found[o * f->dim_count + l]);
-		if (gap * f->degree * f->degree * most[o * f->dim_count + k] > 0.1 * largest)
-			return 0;
-	}
-	return 1;
+	for (int o = 0; o < f->output_count; o++)
+		if (found[o] > 0)
+			worst = fmax(worst, most[o * f->dim_count + k] / found[o]);
+	return worst;
 }
 
-/* More places where they gain the most, as long as there is room. */
-static void choose(const struct field *f, int *counts, double room, const double *found, const double *most)
+/* As many places as go with the root of how much outputs bend, times `scale`; few where that is few. */
+static int places_of(const struct field *f, int k, double weight, double scale)
 {
-	for (;;) {
-		double now = cost_of(f, counts, found, most), best = 0;
-		int at = -1;
+	int places = f->dims[k].is_angle ? 2 * (int)(0.5 * fmin(MOST_PLACES, scale * sqrt(weight))) : LENGTH_PLACES;
+
+	if (field_is_point(&f->dims[k]) || pace_of(f, k, fewest(f, k)).gap * f->degree * f->degree * weight < 0.1)
+		return fewest(f, k);
+	return f->dims[k].is_angle && places < LEAST_PLACES ? LEAST_PLACES : places;
+}
+
+/* The most places that there is room for, in points of the sweeps along all dimensions. */
+static int choose(const struct field *f, int *counts, double room, const double *most, const double *found)
+{
+	int is_one = 0;
+
+	for (double scale = 0.5; scale < 100; scale *= 1.05) {
+		int now[FIELD_DIMS], sweeps = 0;
 
 		for (int k = 0; k < f->dim_count; k++) {
-			double gain;
-
-			int step = counts[k] < LEAST_PLACES ? LEAST_PLACES - counts[k] : 2;
-
-			if (!f->dims[k].is_angle || counts[k] + step > MOST_PLACES ||
-				size_of(f, counts) / counts[k] * (counts[k] + step) > room)
-				continue;
-			counts[k] += step;
-			gain = (now - cost_of(f, counts, found, most)) / log((double)counts[k] / (counts[k] - step));
-			counts[k] -= step;
-			if (gain > best) {
-				best = gain;
-				at = k;
-			}
+			now[k] = places_of(f, k, weight_of(f, k, most, found), scale);
+			sweeps += now[k] >= LENGTH_PLACES;
 		}
-		if (at < 0)
-			return;
-		counts[at] += 2;
+		if (size_of(f, now) * sweeps > room)
+			break;
+		memcpy(counts, now, sizeof now);
+		is_one = sweeps > 0;
 	}
+	return is_one;
 }
+
+/* ---- passes ---- */
 
 /* By dimension k from what was found on a grid. */
 static void improve(struct curvature *c, const struct field *f, const int *counts, int k, const double *found)
@@ -235,24 +233,21 @@ static void improve(struct curvature *c, const struct field *f, const int *count
 }
 
 /* One dimension after the other, over a grid. 0: memory ran out; -1: time did. */
-static int pass(struct curvature *c, const struct field *f, const struct effort *x, const int *counts, double *found)
+static int pass(struct curvature *c, const struct field *f, const struct effort *x, const int *counts)
 {
 	struct grid grid;
 	struct sweep s = {.f = f, .grid = &grid, .effort = x};
-	size_t n = (size_t)f->dim_count, outputs = (size_t)f->output_count;
-	double *of_k = malloc((outputs + 1) * sizeof *of_k);
+	double *of_k = malloc(((size_t)f->output_count + 1) * sizeof *of_k);
 	int own[FIELD_DIMS], done = of_k != NULL;
 
 	memcpy(own, counts, sizeof own);
 	for (s.k = 0; s.k < f->dim_count && done == 1; s.k++) {
 		double start = seconds_now();
 
-		if (counts[s.k] < (f->dims[s.k].is_angle ? LEAST_PLACES : LENGTH_PLACES))
+		if (counts[s.k] < LENGTH_PLACES)
 			continue;
 		own[s.k] = pace_own_count(f, s.k, counts);
 		done = grid_make(&grid, f, own, 1) ? sweep(&s, of_k) : 0;
-		for (size_t o = 0; o < outputs && done == 1; o++)
-			found[o * n + (size_t)s.k] = of_k[o];
 		if (done == 1) {
 			improve(c, f, own, s.k, of_k);
 			c->speed = (seconds_now() - start) / ((double)s.lines * own[s.k]);
@@ -264,38 +259,31 @@ static int pass(struct curvature *c, const struct field *f, const struct effort 
 	return done;
 }
 
-/* Bernstein, by the largest magnitude of the output over all angles; or what is known already. In place of what places find stands that
-   outputs bend about as much as they are large. */
-static void begin(struct curvature *c, const struct field *f, const struct curvature_start *from, double *found)
+/* Bernstein, by the largest magnitude of the output over all angles; or what is known already. */
+static void begin(struct curvature *c, const struct field *f, const struct curvature_start *from)
 {
 	for (int o = 0; o < f->output_count; o++)
 		for (int k = 0; k < f->dim_count; k++) {
 			int i = o * f->dim_count + k;
 
 			c->most[i] = fmin(from->bends[i], pace_of(f, k, 1).bend * interval_size(from->whole[o]) * (1 + 0x1p-40));
-			found[i] = from->found[o];
 		}
 }
 
-/* A first pass of few places, then more where they gain, as long as there is time. */
-static int passes(struct curvature *c, const struct field *f, const struct effort *x, double *found)
+/* More places each time, as there is time; the first pass tells how fast it goes. */
+static int passes(struct curvature *c, const struct field *f, const struct curvature_start *from, const struct effort *x)
 {
-	int counts[FIELD_DIMS], done, strong = 0;
+	static const double SHARES[] = {0, 0.25, 0.85};
+	int done = 1;
 
-	for (int k = 0; k < f->dim_count; k++)
-		counts[k] = is_weak(f, k, c->most, found) ? fewest(f, k) : f->dims[k].is_angle ? LEAST_PLACES : LENGTH_PLACES;
-	if (size_of(f, counts) > MOST_POINTS)
-		return 1;
-	done = pass(c, f, x, counts, found);
-	for (int k = 0; k < f->dim_count && done == 1; k++) {
-		int is_few = is_weak(f, k, c->most, found);
+	for (int i = 0; i < 3 && done == 1; i++) {
+		double room = i ? SHARES[i] * (x->deadline - seconds_now()) / c->speed : FIRST_POINTS;
+		int counts[FIELD_DIMS];
 
-		counts[k] = is_few ? fewest(f, k) : counts[k];
-		strong += !is_few;
-	}
-	for (int i = 0; i < 2 && done == 1 && strong; i++) {
-		choose(f, counts, (i ? 0.8 : 0.3) * (x->deadline - seconds_now()) / c->speed / strong, found, c->most);
-		done = pass(c, f, x, counts, found);
+		if (choose(f, counts, fmin(room, MOST_POINTS), c->most, from->found))
+			done = pass(c, f, x, counts);
+		else if (i == 0)
+			c->speed = 1e-5;
 	}
 	return done;
 }
@@ -303,15 +291,12 @@ static int passes(struct curvature *c, const struct field *f, const struct effor
 int curvature_find(struct curvature *c, const struct field *f, const struct curvature_start *from, const struct effort *x, double seconds)
 {
 	size_t size = (size_t)f->output_count * (size_t)f->dim_count;
-	double *found = calloc(size + 1, sizeof *found);
 	struct effort own = *x;
-	int done;
 
 	own.deadline = fmin(x->deadline, seconds_now() + seconds);
 	*c = (struct curvature){.most = malloc((size + 1) * sizeof *c->most)};
-	if (c->most && found)
-		begin(c, f, from, found);
-	done = c->most && found ? passes(c, f, &own, found) : 0;
-	free(found);
-	return done != 0;
+	if (!c->most)
+		return 0;
+	begin(c, f, from);
+	return passes(c, f, from, &own) != 0;
 }

@@ -7,10 +7,10 @@ enum { CORNER_RATES = 12 };
 
 /* sign * sum b_j v_j + sum_{j<k} c_jk v_j v_k + sum c_jj v_j^2, c_jj >= 0, over corners */
 struct corners {
-	int n, of[FIELD_DIMS];                     /* which rates */
-	double linear[FIELD_DIMS], pair[FIELD_DIMS][FIELD_DIMS], square[FIELD_DIMS];
-	double lower[FIELD_DIMS], upper[FIELD_DIMS];
-	double rest, size;                         /* what is added for the others; the sum of all magnitudes */
+	int n;
+	double linear[CORNER_RATES], pair[CORNER_RATES][CORNER_RATES], square[CORNER_RATES];
+	double lower[CORNER_RATES], upper[CORNER_RATES];
+	double rest; /* what is added for the other rates */
 };
 
 static double reach(struct interval r)
@@ -100,7 +100,7 @@ static int is_even(const struct corners *s)
 /* All corners in the order of Gray's code: one rate changes at a time. */
 static double walk(struct corners *s, double *best)
 {
-	double v[FIELD_DIMS], slope[FIELD_DIMS], value = 0, most;
+	double v[CORNER_RATES], slope[CORNER_RATES], value = 0, most;
 	int n = is_even(s) ? s->n - 1 : s->n;
 
 	for (int j = 0; j < s->n; j++)

@@ -11,6 +11,9 @@
 /* above pi */
 static const double PI_ABOVE = 0x1.921fb54442d19p+1;
 
+/* Grids of more dimensions are too large, and then nobody asks for second derivatives. */
+enum { MOST_DIMS = 12 };
+
 static struct interval range_of(const struct field_dim *k, int is_whole)
 {
 	return k->is_angle && (is_whole || k->is_circle) ? (struct interval){-PI_ABOVE, PI_ABOVE} : (struct interval){k->lower, k->upper};
@@ -146,7 +149,7 @@ static void find_bends(void *job, size_t output)
 	int n = b->j.f->dim_count;
 
 	for (int k = 0; k < n; k++) {
-		double size = bend_of(&b->j, output, &b->j.f->dims[k]);
+		double size = n > MOST_DIMS ? (double)INFINITY : bend_of(&b->j, output, &b->j.f->dims[k]);
 
 		b->j.failed |= size < 0;
 		b->most[output * (size_t)n + (size_t)k] = size * (1 + 0x1p-30);

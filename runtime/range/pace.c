@@ -60,30 +60,7 @@ double pace_best(const struct pace *p, int n, int k, double found, const double 
 /* Along a dimension of which second derivatives are taken. */
 int pace_own_count(const struct field *f, int k, const int *counts)
 {
-	int least = f->dims[k].is_angle ? LEAST_PLACES : LENGTH_PLACES;
-
-	return counts[k] < least ? least : counts[k];
-}
-
-/* The first way for all dimensions, then both until nothing gains. */
-void pace_close(const struct field *f, const int *counts, const double *found, double *most)
-{
-	struct pace p[FIELD_DIMS];
-	double all = 1;
-	int n = f->dim_count;
-
-	for (int k = 0; k < n; k++) {
-		p[k] = pace_of(f, k, counts[k]);
-		all *= p[k].factor;
-	}
-	for (int k = 0; k < n; k++)
-		most[k] = fmin(most[k], all * found[k] * (1 + 0x1p-40));
-	for (int round = 0; round < PACE_ROUNDS; round++)
-		for (int k = 0; k < n; k++) {
-			struct pace wide = p[k];
-
-			p[k] = pace_of(f, k, pace_own_count(f, k, counts));
-			most[k] = pace_best(p, n, k, found[k], most);
-			p[k] = wide;
-		}
+	if (!f->dims[k].is_angle)
+		return LENGTH_PLACES;
+	return counts[k] < LEAST_PLACES ? LEAST_PLACES : counts[k];
 }

@@ -21,7 +21,4 @@ int pace_own_count(const struct field *f, int k, const int *counts);
 /* The best that both ways together give for dimension k of n: `found` is what was found on the grid, most[] what is known of all. */
 double pace_best(const struct pace *p, int n, int k, double found, const double *most);
 
-/* Into most[], by dimension, what follows from found[]. */
-void pace_close(const struct field *f, const int *counts, const double *found, double *most);
-
 #endif

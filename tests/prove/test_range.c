@@ -172,8 +172,9 @@ static void check_bends(const struct field *f, const struct curvature *bends, st
 				y[t][o] = seek_value(f, c + (size_t)o * f->coefficient_count, x);
 		}
 		for (int o = 0; o < f->output_count; o++)
-			ck_assert(fabs(y[0][o] - 2 * y[1][o] + y[2][o]) / (step * step) <=
-				  bends->most[o * f->dim_count + k] + 1e5 * f->noise[o] * (double)f->coefficient_count);
+			ck_assert_msg(fabs(y[0][o] - 2 * y[1][o] + y[2][o]) / (step * step) <=
+				  bends->most[o * f->dim_count + k] + 1e5 * f->noise[o] * (double)f->coefficient_count, "output %d, row %d: %g, not %g", o, k,
+				fabs(y[0][o] - 2 * y[1][o] + y[2][o]) / (step * step), bends->most[o * f->dim_count + k]);
 	}
 	free(c);
 	free(work);
