@@ -2,11 +2,13 @@
 from __future__ import annotations
 
 import functools
+import hashlib
 import importlib
 import itertools
 import json
 import keyword
 import os
+import re
 import sys
 import threading
 import warnings
@@ -59,6 +61,15 @@ def load_nvrtc() -> bool:
             except OSError:
                 pass
     return False
+
+
+def identity(robot: "Robot") -> str:
+    """The same for robots that compute the same: of the name, the URDF and the keywords. A name for another library's operator."""
+    options = {k: v for k, v in robot._generator.items() if k != "file"}
+    own = {k: robot._options.get(k) for k in ("backend", "device", "threads", "block", "cache")}
+    digest = hashlib.sha256(robot._urdf + repr((sorted(options.items()), sorted(own.items()))).encode()).hexdigest()
+    words = "_".join([robot.name, *(a.name for a in robot.outputs)])
+    return re.sub(r"\W", "_", words, flags=re.ASCII)[:60] + "_" + digest[:12]
 
 
 class Robot(_core.Robot):
