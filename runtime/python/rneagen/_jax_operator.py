@@ -22,9 +22,8 @@ lock = threading.RLock()
 _operators: dict[str, "Operator"] = {}
 
 
-@functools.cache
 def register() -> None:
-    """The handlers, once; BackendError where this package was built without them."""
+    """Give XLA the handlers; BackendError where this package was built without them."""
     handlers = _core.xla_handlers()
     if not handlers:
         raise BackendError("this build of rneagen takes no arrays of JAX, for XLA's header was not there: build it again where jaxlib is "
@@ -62,7 +61,6 @@ def operator_of(robot) -> Operator:
     """The robot's operator, which robots of the same URDF and keywords share."""
     found = robot.__dict__.get("_jax")
     if found is None:
-        register()
         _arrays.refuse(robot, robot._is_sparse)
         name = _robot.identity(robot)
         with lock:

@@ -31,6 +31,8 @@ if jax.__version_info__ < OLDEST:
 
 from . import _jax_operator  # noqa: E402
 
+_jax_operator.register()
+
 
 def check(robot, arrays: Sequence) -> tuple[int, ...]:
     """The axes of samples; what is wrong is a ValueError or a TypeError that names the input."""
