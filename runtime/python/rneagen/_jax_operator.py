@@ -162,7 +162,7 @@ def tangent_of(operator: Operator, output: int, value, primals, tangents):
     given = tuple(i for i, d in enumerate(tangents) if type(d) is not ad.Zero and operator.robot.inputs[i].role not in absent)
     if not given:
         return ad.Zero.from_primal_value(value)
-    return tangent_p.bind(*alike([*primals, *(tangents[i] for i in given)]), operator=operator, output=output, given=given)
+    return tangent_p.bind(*primals, *(tangents[i] for i in given), operator=operator, output=output, given=given)
 
 
 def compute(*args, operator, output, given):
@@ -191,7 +191,7 @@ def batch_tangent(args, dims, *, operator, output, given):
         return jax.vmap(one, tuple(dims))(*args), 0
     size = size_of(args, dims)
     moved = [to_front(a, x, d, size) for a, x, d in zip(arrays, args, dims)]
-    return tangent_p.bind(*alike(moved), operator=operator, output=output, given=given), 0
+    return tangent_p.bind(*moved, operator=operator, output=output, given=given), 0
 
 
 batching.primitive_batchers[tangent_p] = batch_tangent
