@@ -39,9 +39,9 @@ def arrays(robot, n=None, dtype="float64"):
     return [jnp.asarray(x) for x in robot.random(n, seed=SEED, dtype=dtype)]
 
 
-def reference(name, dtype="float64"):
-    """Torques of another algorithm, which reads the URDF by itself, operation by operation in JAX: JAX differentiates it too."""
-    return spatial.Spatial(jnp, model.Model(robot_file(name)), lambda x: jnp.asarray(x, dtype)).function("rnea")
+def reference(name, library=jnp):
+    """Torques of another algorithm, which reads the URDF by itself, operation by operation: with JAX's, JAX differentiates it."""
+    return spatial.Spatial(library, model.Model(robot_file(name)), lambda x: library.asarray(x, "float64")).function("rnea")
 
 
 def near(a, b, limit=1e-10):
@@ -74,7 +74,7 @@ def case_values():
         robot = load("iiwa14")
         x = arrays(robot, 60, dtype)
         tau = robot(*x)
-        right = np.asarray(reference("iiwa14")(*(y.astype("float64") for y in x)))
+        right = reference("iiwa14", np)(*(np.asarray(y, "float64") for y in x))
         assert isinstance(tau, jax.Array) and tau.dtype == dtype and error_of(np, np.asarray(tau), right) < limit
         assert jnp.array_equal(jax.jit(robot)(*x), tau)
         assert jnp.array_equal(robot(*(y.reshape(3, 20, -1) for y in x)).reshape(tau.shape), tau)
@@ -94,15 +94,14 @@ def case_values():
 
 def case_derivatives():
     """Beside those that JAX makes of the reference."""
-    robot, other = load("iiwa14"), reference("iiwa14")
-    x = arrays(robot, 5)
-    d = arrays(robot, 8)
-    d = [y[3:] for y in d]
-    for one in (lambda f: jax.grad(lambda *x: (f(*x) ** 2).sum(), (0, 1, 2))(*x), lambda f: jax.jvp(f, x, d), lambda f: jax.vjp(f, *x)[1](d[1])):
-        for found, right in zip(jax.tree.leaves(one(robot)), jax.tree.leaves(one(other))):
-            assert near(found, right)
-    right = jax.vmap(jax.jacfwd(other))(*x)
-    assert near(jax.vmap(jax.jacfwd(robot))(*x), right) and near(jax.jit(jax.vmap(jax.jacrev(robot)))(*x), right)
+    for name in ("cartpole", *(("iiwa14", "ur5") if exhaustive() else ())):
+        robot, other = load(name), reference(name)
+        x, d = arrays(robot, 5), [y[3:] for y in arrays(robot, 8)]
+        for one in (lambda f: jax.grad(lambda *x: (f(*x) ** 2).sum(), (0, 1, 2))(*x), lambda f: jax.jvp(f, x, d)):
+            for found, right in zip(jax.tree.leaves(one(robot)), jax.tree.leaves(one(other))):
+                assert near(found, right), name
+        right = jax.vmap(jax.jacfwd(other))(*x)
+        assert near(jax.vmap(jax.jacfwd(robot))(*x), right) and near(jax.jit(jax.vmap(jax.jacrev(robot)))(*x), right), name
 
 
 def case_gradients():
@@ -114,10 +113,10 @@ def case_gradients():
     arm = {"free": ["gravity", "payload.lower", "mass.upper:sample", "inertia.lower", "offset.shoulder"], "fext": ["lower"], "damping": True}
     check_gradient("double_pendulum", **arm)
     check_gradient("double_pendulum", want="qdd", **arm)
-    check_gradient("double_pendulum", base="floating", fext=["lower"])
     check_gradient("double_pendulum", want=["M", "bias", "gravity", "tau"], **arm)
-    check_gradient("double_pendulum", want=["qdd", "M", "bias"], refine="1", dynamics="factor")
     if exhaustive():
+        check_gradient("double_pendulum", base="floating", fext=["lower"])
+        check_gradient("double_pendulum", want=["qdd", "M", "bias"], refine="1", dynamics="factor")
         check_gradient("planar_joint")
         check_gradient("cartpole", want=["M", "bias", "gravity", "tau"], damping=True, friction=0.1)
         check_gradient("iiwa14", want=["qdd"], free=["payload.iiwa_link_7"])
@@ -125,46 +124,46 @@ def case_gradients():
 
 
 def case_left_out():
-    robot = load("iiwa14", free=["gravity", "payload.iiwa_link_7"])
-    q, qd, qdd = arrays(load("iiwa14"), 5)
-    right, down = load("iiwa14")(q, qd, qdd), jnp.array([0, 0, -9.81])
+    robot = load("double_pendulum", free=["gravity", "payload.lower"])
+    q, qd, qdd = arrays(load("double_pendulum"), 5)
+    right, down = load("double_pendulum")(q, qd, qdd), jnp.array([0, 0, -9.81])
     assert near(robot(q, qd, qdd), right) and near(robot(q, qd, qdd, gravity=down), right)
     assert near(jax.jit(robot)(q, qd, qdd, None, jnp.zeros((5, 10))), right)
-    assert near(jax.grad(lambda q: robot(q, qd, qdd).sum())(q), jax.grad(lambda q: load("iiwa14")(q, qd, qdd).sum())(q))
+    assert near(jax.grad(lambda q: robot(q, qd, qdd).sum())(q), jax.grad(lambda q: load("double_pendulum")(q, qd, qdd).sum())(q))
 
 
 def case_precisions():
     """float32, and the arithmetic that differs from what is in memory."""
-    plain = load("iiwa14")
+    plain = load("double_pendulum")
     x = arrays(plain, 8)
     right = jax.grad(lambda q: plain(q, *x[1:]).sum())(x[0])
     for precision, dtype, limit in (("f32", "float32", 1e-4), ("mixed", "float32", 1e-5), ("f32x2", "float64", 1e-10)):
-        robot, y = load("iiwa14", precision=precision), [z.astype(dtype) for z in x]
+        robot, y = load("double_pendulum", precision=precision), [z.astype(dtype) for z in x]
         found = jax.grad(lambda q: robot(q, *y[1:]).sum())(y[0])
         assert found.dtype == dtype and near(found.astype("float64"), right, limit), precision
 
 
 def case_vmap():
     """One more axis of samples, without a loop: as one call in XLA's program."""
-    robot = load("iiwa14", free=["payload.iiwa_link_7:batch"])
+    robot = load("double_pendulum", free=["payload.lower:batch"])
     q, qd, qdd, held = arrays(robot, 12)
-    tau, (a, b, c) = robot(q, qd, qdd), (x.reshape(3, 4, 7) for x in (q, qd, qdd))
+    tau, (a, b, c) = robot(q, qd, qdd), (x.reshape(3, 4, 2) for x in (q, qd, qdd))
     assert near(jax.vmap(robot)(q, qd, qdd), tau)
-    assert near(jax.vmap(jax.vmap(robot))(a, b, c).reshape(12, 7), tau)
-    assert near(jax.vmap(jax.vmap(robot, (0, 0, 0)), (1, 1, 1), 1)(a, b, c).reshape(12, 7), tau)
+    assert near(jax.vmap(jax.vmap(robot))(a, b, c).reshape(12, 2), tau)
+    assert near(jax.vmap(jax.vmap(robot, (0, 0, 0)), (1, 1, 1), 1)(a, b, c).reshape(12, 2), tau)
     assert near(jax.vmap(robot, (0, None, None))(q, qd[0], qdd[0])[0], tau[0])
     assert near(jax.vmap(robot, (1, 0, 0))(q.T, qd, qdd), tau)
     text = jax.jit(jax.vmap(jax.vmap(robot))).lower(a, b, c).as_text()
     assert text.count("custom_call @rneagen") == 1 and "while" not in text
     by_held = jax.vmap(lambda q, qd, qdd: jax.jacfwd(lambda p: robot(q, qd, qdd, p))(held))(q, qd, qdd)
-    assert near(by_held, load("iiwa14", free=["payload.iiwa_link_7:batch"], want="dtau_dpayload.iiwa_link_7")(q, qd, qdd, held))
+    assert near(by_held, load("double_pendulum", free=["payload.lower:batch"], want="dtau_dpayload.lower")(q, qd, qdd, held))
     assert near(jax.vmap(lambda q, qd, qdd: jax.jacrev(lambda p: robot(q, qd, qdd, p))(held))(q, qd, qdd), by_held)
-    refused(NotImplementedError, ["vmap", "payload_iiwa_link_7", ":sample"], jax.vmap(robot, (None, None, None, 0)), q, qd, qdd, jnp.zeros((4, 10)))
+    refused(NotImplementedError, ["vmap", "payload_lower", ":sample"], jax.vmap(robot, (None, None, None, 0)), q, qd, qdd, jnp.zeros((4, 10)))
 
 
 def case_transforms():
     """scan, checkpoint, linearize, linear_transpose and a gradient of a gradient's user; second derivatives say what they are."""
-    robot = load("iiwa14", want="qdd")
+    robot = load("double_pendulum", want="qdd")
     q, qd, tau = (x[0] for x in arrays(robot, 1))
 
     def roll(tau):
@@ -179,7 +178,7 @@ def case_transforms():
     assert near(back, jax.vjp(lambda q: robot(q, qd, tau), q)[1](qd)[0])
     for second in (jax.jacfwd(jax.grad(lambda q: robot(q, qd, tau).sum())), jax.hessian(lambda q: robot(q, qd, tau).sum()),
                    jax.grad(lambda q: jax.jvp(lambda q: robot(q, qd, tau), (q,), (qd,))[1].sum())):
-        refused(NotImplementedError, ["second derivatives", "iiwa14"], second, q)
+        refused(NotImplementedError, ["second derivatives", "double_pendulum"], second, q)
     refused(NotImplementedError, ["kinetic", "no gradient"], jax.grad(lambda q: robot.want("kinetic")(q, qd).sum()), q)
     both = robot.want("bias", "kinetic")  # what is not differentiated does not matter
     assert near(jax.grad(lambda q: both(q, qd).bias.sum())(q), jax.grad(lambda q: robot.want("bias")(q, qd).sum())(q))
@@ -208,7 +207,7 @@ def case_shard_map():
     if len(jax.devices()) < 2:
         print("skipped: shard_map over two devices: JAX sees one")
         return
-    robot = load("iiwa14", free=["payload.iiwa_link_7:batch"])
+    robot = load("double_pendulum", free=["payload.lower:batch"])
     mesh = jax.sharding.Mesh(np.array(jax.devices()[:2]), ("samples",))
     each, whole = PartitionSpec("samples"), PartitionSpec()
     q, qd, qdd, held = arrays(robot, 6)
