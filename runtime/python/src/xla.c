@@ -7,7 +7,7 @@
 
 #ifdef RNEAGEN_XLA
 
-#include "xla/ffi/api/c_api.h"
+#include <xla/ffi/api/c_api.h>
 
 #if XLA_FFI_API_MAJOR != 0
 #error "the handlers are written to version 0 of XLA's interface: look at xla.c"
