@@ -148,12 +148,12 @@ def kind_of(name: str, array: Any) -> str:
     root = type(array).__module__.partition(".")[0]
     if root == "torch":
         return "torch PyTorch"
+    if root in ("jax", "jaxlib"):
+        return JAX
     if isinstance(array, numpy.ma.MaskedArray):
         raise TypeError(f"{name}: a masked array; array.filled() makes a plain one")
     if isinstance(array, numpy.ndarray):
         return NUMPY
-    if root in ("jax", "jaxlib"):
-        return JAX
     if hasattr(type(array), "__cuda_array_interface__") or hasattr(type(array), "__dlpack__"):
         return f"_foreign {root}"
     raise TypeError(f"{name}: {type(array).__name__} is no array; numpy.asarray makes one of it")

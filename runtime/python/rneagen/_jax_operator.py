@@ -82,8 +82,10 @@ def varying(x) -> frozenset:
     return aval.vma if hasattr(aval, "vma") else getattr(getattr(aval, "mat", None), "varying", frozenset())
 
 
-def alike(arrays: Sequence) -> list:
+def alike(arrays: Sequence) -> Sequence:
     """Inside of shard_map all arrays differ along the same axes, which JAX wants of each primitive's."""
+    if not any(isinstance(x, jax.core.Tracer) for x in arrays):
+        return arrays
     axes = [varying(x) for x in arrays]
     every = frozenset().union(*axes)
     return [x if own == every else vary(x, tuple(every - own)) for x, own in zip(arrays, axes)]
