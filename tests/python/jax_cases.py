@@ -265,7 +265,8 @@ def case_refusals():
     refused(NotImplementedError, ["fext.lower", "world"], jax.grad(lambda *x: pushed(*x).sum(), 3), *arrays(pushed, 2))
     jax.config.update("jax_enable_x64", False)
     try:
-        assert robot(*map(np.asarray, (q, qd, qdd))).dtype == "float64" and robot(jnp.asarray(np.asarray(q)), *map(np.asarray, (qd, qdd))).dtype == "float32"
+        plain = [np.asarray(x) for x in (q, qd, qdd)]
+        assert robot(*plain).dtype == "float64" and robot(jnp.asarray(plain[0]), *plain[1:]).dtype == "float32"
         refused(TypeError, ["f64", "jax_enable_x64"], load("iiwa14", precision="f64"), *(jnp.zeros((2, 7)) for _ in range(3)))
     finally:
         jax.config.update("jax_enable_x64", True)
