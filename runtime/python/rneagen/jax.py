@@ -11,9 +11,9 @@ XLA calls the text by its foreign function interface: on a processor with the th
 own stream. It cannot divide a call among devices: a bare call gathers inputs that are sharded, and each device computes all of them.
 Inside jax.shard_map each computes its own.
 
-Outputs with derivatives: tau, qdd, gravity, bias and M; by q, qd, qdd or tau, what free= names, and wrenches of fext= in their link's axes.
-Others raise NotImplementedError when they are differentiated, as second derivatives do. Derivatives by a quaternion are those of the
-function on unit quaternions: the part along the quaternion is left out.
+Derivatives are of all outputs but qdd_bound and products, which raise NotImplementedError when they are differentiated, as second
+derivatives do; by q, qd, qdd or tau, what free= names, and wrenches of fext=. Those of several outputs are made in one sweep. Derivatives by
+a quaternion are those of the function on unit quaternions: the part along the quaternion is left out.
 """
 from __future__ import annotations
 
