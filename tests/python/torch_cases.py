@@ -136,7 +136,7 @@ def case_one_sweep():
     both = robot(q, qd, qdd)
     (both.tau.square().sum() + both.pose_iiwa_link_7[..., 3].sum()).backward()
     made = rneagen.torch.operator_of(robot).gradients.made
-    assert list(made) == [(("tau", "pose.iiwa_link_7"), ())] and q.grad is not None and qdd.grad is not None
+    assert list(made) == [("vjp", ("tau", "pose.iiwa_link_7"), ())] and q.grad is not None and qdd.grad is not None
     once = q.grad.clone()
     q.grad = None
     robot(q, qd, qdd).pose_iiwa_link_7[..., 3].sum().backward()

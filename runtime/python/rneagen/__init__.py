@@ -2,9 +2,10 @@
 
     import rneagen
     robot = rneagen.load("iiwa14.urdf")       # the scene by keywords: want=, lock={...}, tip=[...], base="floating", ...
-    tau = robot(q, qd, qdd)                   # NumPy, PyTorch or CuPy; (nv,) or (..., nv); the same kind comes back
+    tau = robot(q, qd, qdd)                   # NumPy, PyTorch, CuPy or JAX; (nv,) or (..., nv); the same kind comes back
     H = robot.want("M", "bias")(q, qd)        # several outputs: a named tuple
     tau.sum().backward()                      # tensors of PyTorch have gradients: help(rneagen.torch)
+    jax.grad(lambda q: robot(q, qd, qdd).sum())(q)  # of JAX too: help(rneagen.jax)
 
 SI units: m, kg, s, rad, N, N m. q has one entry for each joint that moves, depth-first, children by name; a floating base comes first.
 

@@ -12,6 +12,7 @@ from typing import Any, Iterable, Sequence
 import numpy
 
 SCALARS = {"f32": "f32", "mixed": "f32", "f64": "f64", "f32x2": "f64"}  # numbers in memory, by precision
+NUMPY, JAX = "_arrays NumPy", "jax JAX"  # modules, and what messages call their arrays
 DTYPES = {"f32": numpy.dtype("float32"), "f64": numpy.dtype("float64")}
 
 
@@ -123,13 +124,15 @@ def refuse(robot, is_sparse: bool) -> None:
 
 
 def adapter(robot, arrays: Sequence[Any], out: Any):
-    """The module whose functions call and bind take arrays of this kind: this one, _foreign, or torch."""
+    """The module whose functions call and bind take arrays of this kind: this one, _foreign, torch or jax."""
     kinds: dict[str, str] = {}
     for name, array in [*((a.name, x) for a, x in zip(robot.inputs, arrays)),
                         *(("out", x) for x in (out if isinstance(out, tuple) else [out]))]:
         if array is not None:
             kinds[name] = kind_of(name, array)
     found = set(kinds.values())
+    if found == {JAX, NUMPY}:  # as JAX's own functions have it
+        found = {JAX}
     if len(found) > 1:
         first, *rest = kinds.items()
         name, kind = next((n, k) for n, k in rest if k != first[1])
@@ -149,10 +152,12 @@ def kind_of(name: str, array: Any) -> str:
     root = type(array).__module__.partition(".")[0]
     if root == "torch":
         return "torch PyTorch"
+    if root in ("jax", "jaxlib"):
+        return JAX
     if isinstance(array, numpy.ma.MaskedArray):
         raise TypeError(f"{name}: a masked array; array.filled() makes a plain one")
     if isinstance(array, numpy.ndarray):
-        return "_arrays NumPy"
+        return NUMPY
     if hasattr(type(array), "__cuda_array_interface__") or hasattr(type(array), "__dlpack__"):
         return f"_foreign {root}"
     raise TypeError(f"{name}: {type(array).__name__} is no array; numpy.asarray makes one of it")

@@ -107,8 +107,6 @@ def new_array(like: Any, shape: tuple[int, ...], scalar: str, name: str):
             return library.empty(shape, dtype)
     if root == "numba":
         return library.device_array(shape, dtype)
-    if root in ("jax", "jaxlib"):
-        raise TypeError(f"{name}: arrays of JAX cannot be written; take CuPy, PyTorch or NumPy")
     if hasattr(library, "empty"):
         return library.empty(shape, dtype=getattr(like, "dtype", dtype), device=getattr(like, "device", None))
     raise TypeError(f"out: no way is known to make an array of {root} for {name}; give out=")

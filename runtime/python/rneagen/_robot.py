@@ -2,11 +2,13 @@
 from __future__ import annotations
 
 import functools
+import hashlib
 import importlib
 import itertools
 import json
 import keyword
 import os
+import re
 import sys
 import threading
 import warnings
@@ -63,6 +65,15 @@ def load_nvrtc() -> bool:
     return False
 
 
+def identity(robot: "Robot") -> str:
+    """The same for robots that compute the same: of the name, the URDF and the keywords. A name for another library's operator."""
+    options = {k: v for k, v in robot._generator.items() if k != "file"}
+    own = {k: robot._options.get(k) for k in ("backend", "device", "threads", "block", "cache")}
+    digest = hashlib.sha256(robot._urdf + repr((sorted(options.items()), sorted(own.items()))).encode()).hexdigest()
+    words = "_".join([robot.name, *(a.name for a in robot.outputs)])
+    return re.sub(r"\W", "_", words, flags=re.ASCII)[:60] + "_" + digest[:12]
+
+
 class Robot(_core.Robot):
     """Inverse dynamics tau = ID(q, qd, qdd) of one robot in its scene, or what else the scene wants. Made by rneagen.load.
 
@@ -71,7 +82,7 @@ class Robot(_core.Robot):
     q is (nq,) or (..., nq); qd, qdd and tau are (nv,) or (..., nv): rad, rad/s, rad/s^2, N m; m, m/s, m/s^2, N for joints that slide.
     A floating base comes first: position and quaternion x y z qx qy qz qw in q, a twist of the base's frame, linear then angular, in qd.
     All arrays have the same leading axes and one dtype, float32 or float64, and lie in one piece in C order. The outputs are of the
-    caller's library: NumPy, PyTorch, CuPy, or another with DLPack. A GPU's arrays are computed where they are, in the current stream.
+    caller's library: NumPy, PyTorch, CuPy, JAX, or another with DLPack. A GPU's arrays are computed where they are, in the current stream.
 
     `out` is an array for the output; for several outputs a tuple of arrays. Inputs also go by their names: robot(q=q, qd=qd, qdd=qdd).
     What the scene frees (free=, fext=) is an input too; left out, it is as the URDF has it.

@@ -42,7 +42,7 @@ class Operator:
         made = f"({', '.join(['Tensor'] * len(self.outputs))})" if self.several else "Tensor"
         op = torch.library.custom_op(f"rneagen::{self.name}", self.run, mutates_args=(), schema=f"({self._takes()}) -> {made}")
         op.register_fake(self.fake)
-        op.register_autograd(self.gradients.backward, setup_context=self.gradients.keep)
+        op.register_autograd(self.gradients.gradient, setup_context=self.gradients.keep)
         op.register_vmap(self.batched)
         return op._opoverload
 
@@ -251,7 +251,7 @@ def function_of(operator: Operator):
 
     gradients = operator.gradients
     made: Any = type(operator.name, (torch.autograd.Function,), {
-        "forward": staticmethod(forward), "setup_context": staticmethod(gradients.keep), "backward": staticmethod(gradients.backward),
+        "forward": staticmethod(forward), "setup_context": staticmethod(gradients.keep), "backward": staticmethod(gradients.gradient),
         "jvp": staticmethod(jvp), "vmap": staticmethod(vmap)})
     return made
 

@@ -15,8 +15,6 @@ unit outside, q / |q| belongs before the call, and then all is as torch.autograd
 """
 from __future__ import annotations
 
-import hashlib
-import re
 from typing import Any, Sequence
 
 import torch
@@ -31,21 +29,12 @@ _modes = getattr(torch._C, "_len_torch_dispatch_stack", lambda: 1)
 _plain_call, _plain_wanting = _robot.Robot.__call__, _robot.Robot._wanting
 
 
-def identity(robot) -> str:
-    """The same for robots that compute the same: of the name, the URDF and the keywords."""
-    options = {k: v for k, v in robot._generator.items() if k != "file"}
-    own = {k: robot._options.get(k) for k in ("backend", "device", "threads", "block", "cache")}
-    digest = hashlib.sha256(robot._urdf + repr((sorted(options.items()), sorted(own.items()))).encode()).hexdigest()
-    words = "_".join([robot.name, *(a.name for a in robot.outputs)])
-    return re.sub(r"\W", "_", words, flags=re.ASCII)[:60] + "_" + digest[:12]
-
-
 def operator_of(robot) -> Operator:
     """The robot's operators, made when they are first needed. They live as long as the program."""
     found = robot.__dict__.get("_torch")
     if found is None:
         _arrays.refuse(robot, robot._is_sparse)
-        name = identity(robot)
+        name = _robot.identity(robot)
         with lock:
             found = _operators.get(name) or _operators.setdefault(name, Operator(robot, name, function_for))
         robot._torch = found

@@ -57,6 +57,11 @@ struct step {
 /* Takes over what *c holds. */
 PyObject *step_new(PyTypeObject *type, struct call *c);
 
+/* For JAX (xla.c): {platform: capsule of a handler}, empty where XLA's header was not there when this was built; and _keep(number, kernel,
+   device): programs that XLA compiled may name it by its number for as long as the process lives. device -1: the processor. */
+PyObject *xla_handlers(PyObject *self, PyObject *unused);
+PyObject *xla_keep(PyObject *self, PyObject *args);
+
 /* The module's types. */
 struct core {
 	PyTypeObject *kernel, *model, *robot, *step;

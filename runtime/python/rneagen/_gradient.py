@@ -1,0 +1,178 @@
+"""Derivatives of a robot's outputs, for the libraries that differentiate. They are made by another text of the same scene, which is a robot
+too: so a derivative has a compiled text of its own, and what the library does with robots it does with derivatives.
+
+Backward, with w the gradients of the loss by the outputs, one after another, that text's output vjp is w' d outputs/d(q, qd, qdd), or by
+tau in place of qdd where that is found. Forward, with d the tangents of (q, qd, qdd) or (q, qd, tau), its output jvp is d outputs/d(...) d.
+For what is free and for wrenches, where derivatives by these are needed, it has an output or an input each.
+"""
+from __future__ import annotations
+
+import re
+from typing import Any, Callable, Iterable, NamedTuple, Sequence
+
+from ._errors import RobotError
+
+PARTS = {"joint_position": 0, "joint_velocity": 1, "joint_acceleration": 2, "joint_torque": 2}  # of vjp and jvp_v
+FREED = ("gravity", "link_mass", "link_inertia", "link_payload", "joint_offset")
+REFUSED = {"vjp": "second derivatives: it is a derivative", "jvp": "second derivatives: it is a derivative",
+           "joint_acceleration_bound": "it is a bound"}  # by role
+
+
+class Library(NamedTuple):
+    """What differs between the caller's libraries."""
+    run: Callable[[Any, list], Sequence]  # the outputs of a robot, of arrays for all its inputs
+    zeros: Callable[[Any, tuple[int, ...]], Any]  # (an array like it, shape)
+    expand: Callable[[Any, tuple[int, ...]], Any]  # broadcast, and in one piece
+    join: Callable[[list], Any]  # along the last axis
+    cross: Callable[[Any, Any], Any]  # of vectors along the last axis
+
+
+class Gradients:
+    """Of one robot."""
+
+    def __init__(self, robot, library: Library):
+        self.robot, self.library = robot, library
+        self.is_forward = any(a.role == "joint_torque" for a in robot.inputs)
+        self.floating = [joint for joint in robot.joints if joint["nq"] != joint["nv"]]
+        self.made: dict[tuple, Any] = {}  # robots of derivatives, by what they are of and by
+
+    # ---- the robots ----
+
+    def make(self, product: str, of: Sequence, by: Iterable, apart: tuple[str, ...] = ()):
+        """The robot of this product, "vjp" or "jvp", of these outputs and by these inputs, made once; and the words of what it is of. An
+        output that the scene has made constant is left out: None where nothing is left. `apart`: see forward."""
+        for a in of:
+            if a.role in REFUSED:
+                raise NotImplementedError(f"{self.robot.name}: {a.word} has no gradient: {REFUSED[a.role]}")
+        key = product, tuple(a.word for a in of), tuple(a.word for a in by if a.role not in PARTS), *([apart] if apart else [])
+        if key not in self.made:
+            words = [*key[1], "qdd"] if self.is_forward and "qdd" not in key[1] else [*key[1]]  # else tau would be no input
+            options = {"want": None, "jvp": None, "vjp": None, "by": list(key[2]) or None, "sparse": None, **self.freed(apart)}
+            robot = None
+            while words and robot is None:
+                try:
+                    robot = self.robot._with(**{**options, product: words})
+                except RobotError as error:
+                    constant = re.search("'(.*)' does not vary", str(error))
+                    if not constant:
+                        raise
+                    words.remove(constant[1])
+            self.made[key] = robot, words
+        return self.made[key]
+
+    def freed(self, apart: tuple[str, ...]) -> dict[str, Any]:
+        """The keyword that makes these constants one for each sample."""
+        if apart and self.robot._options.get("scene"):
+            raise NotImplementedError(f"{self.robot.name}: vmap over a tangent of {apart[0]}, which is one for all samples: "
+                                      f"free {apart[0]}:sample in the scene's file makes it one for each")
+        free = [f"{a.word}:{'batch' if a.per_batch and a.word not in apart else 'sample'}" for a in self.robot.inputs if a.role in FREED]
+        return {"free": free} if apart else {}
+
+    def run(self, robot, given: dict[str, Any], lead: tuple[int, ...], like) -> dict[str, Any]:
+        """Its outputs by word, from inputs by word; what is not there is 0."""
+        arrays = [given[a.word] if a.word in given else self.library.zeros(like, (*lead, *a.shape)) for a in robot.inputs]
+        return dict(zip((a.word for a in robot.outputs), self.library.run(robot, arrays)))
+
+    # ---- backward ----
+
+    def backward(self, arrays: Sequence, weights: Sequence, needs: Sequence[bool], apart: tuple[str, ...] = ()) -> list:
+        """What the weights of the outputs, None for none, make of each input that is needed; None where they make nothing. An input of
+        arrays that is None was left out. Constants of the whole batch have the sum over samples, those in `apart` one for each."""
+        inputs = self.robot.inputs
+        of = [(a, w) for a, w in zip(self.robot.outputs, weights) if w is not None]
+        needed = [a for a, need in zip(inputs, needs) if need]
+        if not of or not needed:
+            return [None] * len(inputs)
+        given = {a.word: x for a, x in zip(inputs, arrays)}
+        found = self.products(of, needed, given)
+        return [self.pick(a, found, given, apart) if need else None for a, need in zip(inputs, needs)]
+
+    def products(self, of: Sequence[tuple], needed: Sequence, given: dict[str, Any]) -> dict[str, Any]:
+        """vjp of these outputs with these weights, and what it is by other inputs: by word."""
+        robot, words = self.make("vjp", [a for a, _ in of], needed)
+        a, w = of[0]
+        lead = tuple(w.shape[:len(w.shape) - len(a.shape)])
+        weights = {a.word: w.reshape((*lead, a.rows)) for a, w in of}
+        if robot is None:
+            return {"vjp": self.library.zeros(w, (*lead, 3 * self.robot.nv))}
+        if "qdd" in words and "qdd" not in weights:
+            weights["qdd"] = self.library.zeros(w, (*lead, self.robot.nv))
+        return self.run(robot, {**given, "vjp_v": self.library.join([weights[word] for word in words])}, lead, w)
+
+    def pick(self, array, found: dict[str, Any], given: dict[str, Any], apart: tuple[str, ...]):
+        """The gradient by one input."""
+        if array.role in PARTS:
+            at, nv = PARTS[array.role] * self.robot.nv, self.robot.nv
+            part = found["vjp"][..., at:at + nv]
+            return self.to_numbers(given[array.word], part) if array.role == "joint_position" and self.floating else part
+        product = found.get(f"vjp.{array.word}")
+        if product is None or not array.per_batch or array.word in apart:
+            return product
+        return product.sum(tuple(range(len(product.shape) - 1)))
+
+    # ---- forward ----
+
+    def forward(self, of: Sequence, arrays: Sequence, tangents: Sequence) -> list:
+        """The tangents of these outputs, from those of the inputs, None for none, with as many axes of samples as the arrays have. The
+        tangent of a constant of the whole batch may have them too: it is `apart` then."""
+        inputs, library = self.robot.inputs, self.library
+        given = [(a, d) for a, d in zip(inputs, tangents) if d is not None]
+        apart = tuple(a.word for a, d in given if a.per_batch and len(d.shape) > len(a.shape))
+        lead = next((tuple(x.shape[:len(x.shape) - len(a.shape)]) for a, x in zip(inputs, arrays) if not a.per_batch), ())
+        like = given[0][1]
+        robot, words = self.make("jvp", of, [a for a, _ in given], apart)
+        found, at = {}, 0
+        if robot is not None:
+            values = {a.word: library.expand(x, (*lead, *a.shape)) if a.word in apart else x for a, x in zip(inputs, arrays)}
+            values.update({f"jvp_v_{a.name}": d for a, d in given if a.role not in PARTS})
+            values["jvp_v"] = self.direction(given, values, library.zeros(like, (*lead, self.robot.nv)))
+            jvp = self.run(robot, values, lead, like)["jvp"]
+            rows = {a.word: a.rows for a in of}
+            for word in words:
+                found[word] = jvp[..., at:at + rows.get(word, 0)]
+                at += rows.get(word, 0)
+        return [found[a.word].reshape((*lead, *a.shape)) if a.word in found else library.zeros(like, (*lead, *a.shape)) for a in of]
+
+    def direction(self, given: Sequence[tuple], values: dict[str, Any], zero):
+        """jvp_v: tangents of q, qd and qdd or tau, one after another."""
+        parts = [zero, zero, zero]
+        for a, d in given:
+            if a.role in PARTS:
+                is_numbers = a.role == "joint_position" and self.floating
+                parts[PARTS[a.role]] = self.from_numbers(values[a.word], d) if is_numbers else d
+        return self.library.join(parts)
+
+    # ---- quaternions ----
+
+    def to_numbers(self, q, part):
+        """Gradients from the tangent space to the numbers of q: a floating joint's position p and quaternion u = (v, s) move by R a and
+        u (b, 0)/2 with a twist (a, b), whose transposed inverses are R and 2 u (b, 0)/|u|^2."""
+        pieces, at, cross = [], 0, self.library.cross
+        for joint in self.floating:
+            iv = joint["iv"]
+            v, s, twice = self.quaternion(q, joint)
+            a, b = part[..., iv:iv + 3], part[..., iv + 3:iv + 6]
+            across = cross(v, a)
+            pieces += [part[..., at:iv], a + 2 * (s * across + cross(v, across)), twice * (s * b + cross(v, b)),
+                       -twice * (v * b).sum(-1)[..., None]]
+            at = iv + 6
+        return self.library.join([*pieces, part[..., at:]])
+
+    def from_numbers(self, q, d):
+        """Tangents from the numbers of q to the tangent space: the inverse of what moves them, a = R' dp and b = 2 u* du/|u|^2, whose part
+        along u is left out."""
+        pieces, at, cross = [], 0, self.library.cross
+        for joint in self.floating:
+            iq = joint["iq"]
+            v, s, twice = self.quaternion(q, joint)
+            p, e, r = d[..., iq:iq + 3], d[..., iq + 3:iq + 6], d[..., iq + 6:iq + 7]
+            across = cross(v, p)
+            pieces += [d[..., at:iq], p - 2 * (s * across - cross(v, across)), twice * (s * e - r * v - cross(v, e))]
+            at = iq + 7
+        return self.library.join([*pieces, d[..., at:]])
+
+    @staticmethod
+    def quaternion(q, joint) -> tuple:
+        """Its vector, its scalar, and 2/|u|^2."""
+        i = joint["iq"] + 3
+        return q[..., i:i + 3], q[..., i + 3:i + 4], 2 / (q[..., i:i + 4] ** 2).sum(-1)[..., None]

@@ -1,0 +1,260 @@
+"""Robots as primitives of JAX: a call, which XLA makes by its foreign function interface (src/xla.c), and the tangents of its outputs, which are
+linear in the tangents of the inputs, and whose transpose is the gradient."""
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import threading
+from typing import Any, Sequence
+
+import jax
+import jax.numpy as jnp
+import numpy
+from jax.extend.core import Primitive
+from jax.interpreters import ad, batching, mlir, partial_eval
+
+from . import _arrays, _core, _gradient, _robot
+from ._errors import BackendError
+
+TARGET = "rneagen"
+SCALARS = {numpy.dtype("float32"): "f32", numpy.dtype("float64"): "f64"}
+lock = threading.RLock()
+_operators: dict[str, "Operator"] = {}
+
+
+def register() -> None:
+    """Give XLA the handlers; BackendError where this package was built without them."""
+    handlers = _core.xla_handlers()
+    if not handlers:
+        raise BackendError("this build of rneagen takes no arrays of JAX, for XLA's header was not there: build it again where jaxlib is "
+                           "installed", "NO_XLA")
+    for platform, handler in handlers.items():
+        jax.ffi.register_ffi_target(TARGET, handler, platform=platform)
+
+
+class Operator:
+    """A robot as JAX's programs name it. It lives as long as the program, for JAX keeps what it traced."""
+
+    def __init__(self, robot, name: str):
+        self.robot, self.name = robot, name
+        self.gradients = _gradient.Gradients(robot, LIBRARY)
+        self.function = jax.jit(lambda *arrays: call_p.bind(*arrays, operator=self), inline=True)
+        self.kept: dict[tuple[str, str], int] = {}
+
+    def __repr__(self) -> str:
+        return self.name
+
+    def keep(self, platform: str, scalar: str) -> int:
+        """Compile the text for arrays of "f32" or "f64" on this platform; the number by which XLA's programs name it."""
+        with lock:
+            if (platform, scalar) not in self.kept:
+                precision = self.robot.precision_for(scalar)
+                number = int.from_bytes(hashlib.sha256(f"{self.name} {precision}".encode()).digest()[:8], "little", signed=True)
+                for device in [-1] if platform == "cpu" else [d.local_hardware_id for d in jax.local_devices(backend=platform)]:
+                    kernel = self.robot.kernel(precision) if device < 0 else self.robot.kernel(precision, "cuda", device)
+                    _core.xla_keep(number, kernel, device)
+                self.kept[platform, scalar] = number
+            return self.kept[platform, scalar]
+
+
+def operator_of(robot) -> Operator:
+    """The robot's operator, which robots of the same URDF and keywords share."""
+    found = robot.__dict__.get("_jax")
+    if found is None:
+        _arrays.refuse(robot, robot._is_sparse)
+        name = _robot.identity(robot)
+        with lock:
+            found = _operators.get(name) or _operators.setdefault(name, Operator(robot, name))
+        robot._jax = found
+    return found
+
+
+def lead_of(operator: Operator, arrays: Sequence) -> tuple[int, ...]:
+    return next((tuple(x.shape[:len(x.shape) - len(a.shape)]) for a, x in zip(operator.robot.inputs, arrays) if not a.per_batch), ())
+
+
+# ---- shard_map ----
+
+
+def varying(x) -> frozenset:
+    """The axes of a mesh along which it differs, inside of shard_map."""
+    aval = jax.typeof(x)
+    return aval.vma if hasattr(aval, "vma") else getattr(getattr(aval, "mat", None), "varying", frozenset())
+
+
+def alike(arrays: Sequence) -> Sequence:
+    """Inside of shard_map all arrays differ along the same axes, which JAX wants of each primitive's."""
+    if not any(isinstance(x, jax.core.Tracer) for x in arrays):
+        return arrays
+    axes = [varying(x) for x in arrays]
+    every = frozenset().union(*axes)
+    return [x if own == every else vary(x, tuple(every - own)) for x, own in zip(arrays, axes)]
+
+
+def vary(x, axes: tuple):
+    return jax.lax.pcast(x, axes, to="varying") if hasattr(jax.lax, "pcast") else jax.lax.pvary(x, axes)
+
+
+# ---- a call ----
+
+call_p = Primitive("rneagen_call")
+call_p.multiple_results = True
+call_p.def_impl(jax.jit(call_p.bind, static_argnames="operator"))
+
+
+def run(operator: Operator, arrays: Sequence) -> tuple:
+    return tuple(operator.function(*alike(arrays)))
+
+
+@call_p.def_abstract_eval
+def shapes(*avals, operator):
+    lead = lead_of(operator, avals)
+    return [avals[0].update(shape=(*lead, *a.shape), weak_type=False) for a in operator.robot.outputs]
+
+
+def lower(platform: str):
+    def rule(ctx, *operands, operator):
+        number = operator.keep(platform, SCALARS[ctx.avals_in[0].dtype])
+        return jax.ffi.ffi_lowering(TARGET)(ctx, *operands, robot=numpy.int64(number))
+    mlir.register_lowering(call_p, rule, platform=platform)
+
+
+lower("cpu")
+lower("cuda")
+
+
+def size_of(args: Sequence, dims: Sequence) -> int:
+    return next(x.shape[d] for x, d in zip(args, dims) if d is not None)
+
+
+def to_front(array, x, dim, size: int):
+    """vmap's axis becomes one more of the samples."""
+    if array.per_batch and dim is not None:
+        raise NotImplementedError(f"vmap over {array.name}, which is one for all samples: free='{array.word}:sample' makes it one for each")
+    if array.per_batch:
+        return x
+    return jnp.broadcast_to(x, (size, *x.shape)) if dim is None else jnp.moveaxis(x, dim, 0)
+
+
+def batch(args, dims, *, operator):
+    size = size_of(args, dims)
+    outputs = run(operator, [to_front(a, x, d, size) for a, x, d in zip(operator.robot.inputs, args, dims)])
+    return outputs, (0,) * len(outputs)
+
+
+batching.primitive_batchers[call_p] = batch
+
+
+def differentiate(primals, tangents, *, operator):
+    outputs = call_p.bind(*primals, operator=operator)
+    return outputs, tangents_of(operator, range(len(outputs)), outputs, primals, tangents)
+
+
+ad.primitive_jvps[call_p] = differentiate
+
+
+# ---- tangents of outputs ----
+
+tangent_p = Primitive("rneagen_tangent")
+tangent_p.multiple_results = True
+
+
+def tangents_of(operator: Operator, of: Sequence[int], values: Sequence, primals: Sequence, tangents: Sequence) -> list:
+    """Of these outputs, from the tangents that are not zero: by one call, but what has none is refused only where it is used."""
+    given = tuple(i for i, d in enumerate(tangents) if type(d) is not ad.Zero)
+    if not given:
+        return [ad.Zero.from_primal_value(x) for x in values]
+    outputs = operator.robot.outputs
+    sound = tuple(i for i in of if outputs[i].role not in _gradient.REFUSED)
+    found = {}
+    for some in (*([sound] if sound else []), *((i,) for i in of if i not in sound)):
+        found.update(zip(some, tangent_p.bind(*primals, *(tangents[i] for i in given), operator=operator, of=some, given=given)))
+    return [found[i] for i in of]
+
+
+def compute(*args, operator, of, given):
+    """`given`: the inputs whose tangents stand after the inputs."""
+    robot = operator.robot
+    tangents: list[Any] = [None] * len(robot.inputs)
+    for i, d in zip(given, args[len(robot.inputs):]):
+        tangents[i] = d
+    return operator.gradients.forward([robot.outputs[i] for i in of], args[:len(robot.inputs)], tangents)
+
+
+tangent_p.def_impl(jax.jit(compute, static_argnames=("operator", "of", "given")))
+mlir.register_lowering(tangent_p, mlir.lower_fun(compute, multiple_results=True))
+
+
+@tangent_p.def_abstract_eval
+def tangent_shapes(*avals, operator, of, given):
+    lead = lead_of(operator, avals)
+    return [avals[0].update(shape=(*lead, *operator.robot.outputs[i].shape), weak_type=False) for i in of]
+
+
+def batch_tangent(args, dims, *, operator, of, given):
+    inputs, count = operator.robot.inputs, len(operator.robot.inputs)
+    size = size_of(args, dims)
+    moved = [to_front(a, x, d, size) for a, x, d in zip(inputs, args, dims)]
+    lead = lead_of(operator, moved)
+    moved += [tangent_to_front(inputs[i], x, d, lead) for i, x, d in zip(given, args[count:], dims[count:])]
+    return tangent_p.bind(*moved, operator=operator, of=of, given=given), (0,) * len(of)
+
+
+def tangent_to_front(array, x, dim, lead: tuple[int, ...]):
+    """As to_front; the tangent of a constant of the whole batch has all axes of samples then."""
+    own = x.ndim - (dim is not None) == len(array.shape)
+    if not array.per_batch or dim is None and not own:
+        return to_front(dataclasses.replace(array, per_batch=False), x, dim, lead[0])
+    if dim is None:
+        return x
+    x = jnp.moveaxis(x, dim, 0)
+    return jnp.broadcast_to(x.reshape(lead[0], *[1] * (len(lead) - 1), *array.shape) if own else x, (*lead, *array.shape))
+
+
+batching.primitive_batchers[tangent_p] = batch_tangent
+
+
+def transpose(weights, *args, operator, of, given):
+    robot, count = operator.robot, len(operator.robot.inputs)
+    by_output: list[Any] = [None] * len(robot.outputs)
+    for i, w in zip(of, weights):
+        by_output[i] = None if type(w) is ad.Zero else w
+    wanted = {i: d.aval for i, d in zip(given, args[count:]) if ad.is_undefined_primal(d)}
+    apart = tuple(robot.inputs[i].word for i, aval in wanted.items() if len(aval.shape) > len(robot.inputs[i].shape))
+    parts = operator.gradients.backward(args[:count], by_output, [i in wanted for i in range(count)], apart)
+    return [None] * count + [None if i not in wanted else ad.Zero(wanted[i]) if parts[i] is None else parts[i] for i in given]
+
+
+ad.primitive_transposes[tangent_p] = transpose
+
+
+def differentiate_tangent(args, tangents, *, operator, of, given):
+    """They are linear in tangents; of the inputs they would be second derivatives."""
+    robot, count = operator.robot, len(operator.robot.inputs)
+    if any(type(d) is not ad.Zero for d in tangents[:count]):
+        names = ", ".join(robot.outputs[i].name for i in of)
+        raise NotImplementedError(f"{robot.name}: second derivatives: the derivative of {names} has none of its own")
+    values = tangent_p.bind(*args, operator=operator, of=of, given=given)
+    among: list[Any] = [ad.Zero.from_primal_value(x) for x in args[:count]]
+    for i, d in zip(given, tangents[count:]):
+        among[i] = d
+    return values, tangents_of(operator, of, values, args[:count], among)
+
+
+ad.primitive_jvps[tangent_p] = differentiate_tangent
+
+
+def drop_unused(used: Sequence[bool], equation):
+    """Outputs whose tangents a program does not use are of no text."""
+    if not any(used):
+        return [False] * len(equation.invars), None
+    of = tuple(i for i, is_used in zip(equation.params["of"], used) if is_used)
+    left = [x for x, is_used in zip(equation.outvars, used) if is_used]
+    return [True] * len(equation.invars), equation.replace(outvars=left, params={**equation.params, "of": of})
+
+
+partial_eval.dce_rules[tangent_p] = drop_unused
+
+LIBRARY = _gradient.Library(
+    run=lambda robot, arrays: run(operator_of(robot), arrays), zeros=lambda like, shape: jnp.zeros(shape, like.dtype),
+    expand=jnp.broadcast_to, join=lambda parts: jnp.concatenate(parts, -1), cross=jnp.cross)
