@@ -107,14 +107,14 @@ def case_derivatives():
 def case_gradients():
     """In f64: fixed bases, joints that follow, floating bodies, constants that are inputs, wrenches."""
     check_gradient("mimic_chain")
-    check_gradient("floating_joint")
     check_gradient("cartpole", base="floating")
     check_gradient("root_with_mass", base="floating", want="qdd")
     arm = {"free": ["gravity", "payload.lower", "mass.upper:sample", "inertia.lower", "offset.shoulder"], "fext": ["lower"], "damping": True}
     check_gradient("double_pendulum", **arm)
-    check_gradient("double_pendulum", want="qdd", **arm)
     check_gradient("double_pendulum", want=["M", "bias", "gravity", "tau"], **arm)
     if exhaustive():
+        check_gradient("floating_joint")
+        check_gradient("double_pendulum", want="qdd", **arm)
         check_gradient("double_pendulum", base="floating", fext=["lower"])
         check_gradient("double_pendulum", want=["qdd", "M", "bias"], refine="1", dynamics="factor")
         check_gradient("planar_joint")
@@ -126,11 +126,11 @@ def case_gradients():
 def case_gradients_of_sets():
     """In f64, forward and backward, of poses and of several outputs at once, some of them matrices; freed constants and wrenches too."""
     arm = {"free": ["gravity", "payload.lower", "mass.upper:sample", "offset.shoulder"], "fext": ["lower"], "damping": True}
-    check_gradient("double_pendulum", want=["tau", "pose.lower"], **arm)
     check_gradient("double_pendulum", want=["qdd", "pose.lower", "kinetic", "accel.lower"], fext_frame="world", **arm)
-    check_gradient("mimic_chain", want=["pose.pinion", "jacobian.pinion", "regressor"])
     check_gradient("cartpole", base="floating", want=["pose.pole", "com", "momentum", "tau"], pose="quaternion")
     if exhaustive():
+        check_gradient("double_pendulum", want=["tau", "pose.lower"], **arm)
+        check_gradient("mimic_chain", want=["pose.pinion", "jacobian.pinion", "regressor"])
         check_gradient("double_pendulum", want=["kinetic", "potential", "power", "twist.lower", "accel.lower"], **arm)
         check_gradient("root_with_mass", base="floating", want=["qdd", "momentum_matrix", "djacobian.leg"], frame="world-aligned")
         check_gradient("planar_joint", want=["com", "momentum", "dtau_dq"])
