@@ -124,7 +124,7 @@ class Gradients:
         found, at = {}, 0
         if robot is not None:
             values = {a.word: library.expand(x, (*lead, *a.shape)) if a.word in apart else x for a, x in zip(inputs, arrays)}
-            values.update({f"jvp_v_{a.name}": d for a, d in given if a.role not in PARTS})
+            values.update({f"jvp_v.{a.word}": d for a, d in given if a.role not in PARTS})
             values["jvp_v"] = self.direction(given, values, library.zeros(like, (*lead, self.robot.nv)))
             jvp = self.run(robot, values, lead, like)["jvp"]
             rows = {a.word: a.rows for a in of}
