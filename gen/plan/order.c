@@ -304,9 +304,9 @@ static void copy_all(const struct orderer *x, struct dag *out, struct ref *map)
 	out->is_wide = 0;
 }
 
-static int takes_over(struct orderer *x, struct pass *p, struct arena *a)
+static int takes_over(const struct orderer *x, struct pass *p, struct arena *a, struct arena *spare)
 {
-	struct ref *map = arena_alloc(a, p->dag.count, sizeof *map);
+	struct ref *map = arena_alloc(spare, p->dag.count, sizeof *map);
 	struct dag out;
 
 	if (!map)
@@ -324,10 +324,16 @@ int plan_order(struct pass *p, const struct tree *t, const struct rneagen_option
 	struct orderer x = {.p = &p->plan, .t = t};
 	size_t room = o->precision == RNEAGEN_F32 ? ROOM_SINGLE : ROOM_DOUBLE;
 	struct waiting own;
+	struct arena spare;
+	int done;
 
-	if (!alloc(&x, a))
-		return 0;
-	own = waiting_in(&x, NULL);
-	write_all(&x);
-	return is_better(waiting_in(&x, x.order), own, room) ? takes_over(&x, p, a) : 1;
+	arena_init(&spare, &a->allocator);
+	done = alloc(&x, &spare);
+	if (done) {
+		own = waiting_in(&x, NULL);
+		write_all(&x);
+		done = !is_better(waiting_in(&x, x.order), own, room) || takes_over(&x, p, a, &spare);
+	}
+	arena_free(&spare);
+	return done;
 }

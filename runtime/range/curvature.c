@@ -201,7 +201,7 @@ static int choose(const struct field *f, int *counts, double room, const double 
 	int is_one = 0;
 
 	for (double scale = 0.5; scale < 100; scale *= 1.05) {
-		int now[FIELD_DIMS], sweeps = 0;
+		int now[FIELD_DIMS] = {0}, sweeps = 0;
 
 		for (int k = 0; k < f->dim_count; k++) {
 			now[k] = places_of(f, k, weight_of(f, k, most, found), scale);

@@ -215,6 +215,8 @@ static void check_names(const struct legend *l, const char *body, const char *en
 
 		if (!strncmp(s, "/*", 2)) {
 			s = strstr(s, "*/") + 2;
+		} else if (*s == '#') { /* a line of the preprocessor */
+			s += strcspn(s, "\n");
 		} else if (*s == '.' && isalpha((unsigned char)s[1])) { /* a member */
 			s += 2;
 		} else if (isdigit((unsigned char)*s)) {
