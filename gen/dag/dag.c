@@ -350,31 +350,6 @@ void dag_uses(const struct dag *d, uint32_t *uses)
 				uses[d->nodes[i].arg[k].i]++;
 }
 
-void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier *copy, void *context)
-{
-	size_t section = 0;
-
-	for (int i = 0; i < d->argument_count; i++)
-		dag_argument_of(out, d->arguments[i]);
-	for (size_t i = 0; i < d->count; i++) {
-		const struct tag *tag = &d->nodes[i].tag;
-
-		for (; section < d->section_count && d->sections[section].node <= i; section++)
-			dag_section(out, d->sections[section].kind, d->sections[section].body);
-		out->is_wide = d->nodes[i].is_wide;
-		map[i] = copy(context, out, i);
-		if (tag->quantity[0])
-			dag_tag(out, map[i], tag->quantity, tag->body, tag->component);
-	}
-	out->is_wide = 0;
-	for (; section < d->section_count; section++)
-		dag_section(out, d->sections[section].kind, d->sections[section].body);
-	for (size_t i = 0; i < d->output_count; i++)
-		dag_output(out, d->outputs[i].argument, d->outputs[i].row, map[d->outputs[i].value.i]);
-	for (size_t i = 0; i < out->section_count; i++)
-		out->sections[i].output = d->sections[i].output;
-}
-
 void dag_dump(const struct dag *d, struct text *t)
 {
 	for (size_t i = 0; i < d->count; i++) {

@@ -162,6 +162,9 @@ typedef struct ref dag_copier(void *context, struct dag *out, size_t i);
    node i. */
 void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier *copy, void *context);
 
+/* Node i of another DAG, a constant or an input. */
+struct ref dag_copy_leaf(struct dag *out, const struct dag *d, size_t i);
+
 /* Is any node wide? */
 int dag_has_wide(const struct dag *d);
 

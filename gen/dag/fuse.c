@@ -103,10 +103,8 @@ static struct ref fuse_node(void *context, struct dag *out, size_t i)
 
 	if (!f->uses[i] || f->absorbed[i])
 		return args[0];
-	if (n->op == OP_CONST)
-		return dag_within(out, dag_number(f->in, n));
-	if (n->op == OP_INPUT)
-		return dag_input(out, (int)n->arg[0].i, (int)n->arg[1].i);
+	if (!op_arity[n->op])
+		return dag_copy_leaf(out, f->in, i);
 	if (n->op == OP_NEG)
 		return fuse_neg(f, n);
 	if (product >= 0)

@@ -38,12 +38,10 @@ static struct ref again(void *context, struct dag *out, size_t i)
 
 	if (!s->live[i])
 		return args[0];
-	if (n->op == OP_CONST)
-		return dag_within(out, dag_number(s->in, n));
 	if (is_held(n))
 		return s->map[s->by[n->arg[1].i].i];
-	if (n->op == OP_INPUT)
-		return dag_input(out, (int)n->arg[0].i, (int)n->arg[1].i);
+	if (!op_arity[n->op])
+		return dag_copy_leaf(out, s->in, i);
 	for (int k = 0; k < op_arity[n->op]; k++)
 		args[k] = s->map[n->arg[k].i];
 	return dag_operation(out, n->op, args[0], args[1], args[2]);

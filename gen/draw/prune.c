@@ -18,10 +18,8 @@ static struct ref copy(void *context, struct dag *out, size_t i)
 		if (p->unfelt[i] >> k & 1)
 			arg[k] = (struct ref){0};
 	}
-	if (n->op == OP_CONST)
-		return dag_within(out, dag_number(p->d, n));
-	if (n->op == OP_INPUT)
-		return dag_input(out, (int)n->arg[0].i, (int)n->arg[1].i);
+	if (!op_arity[n->op])
+		return dag_copy_leaf(out, p->d, i);
 	return dag_operation(out, n->op, arg[0], arg[1], arg[2]);
 }
 

@@ -183,7 +183,7 @@ void forward_column(const struct forward *x, struct ref *column, int j, int argu
 	int nv = x->b->t->nv;
 	const struct pattern *p = &x->coupled;
 
-	dag_section(d, SECTION_BY, tangent_body(x->b->t, j));
+	dag_section(d, SECTION_BY, tree_joint_of_row(x->b->t, j)->body);
 	for (int i = 0; i < nv; i++)
 		column[i] = dag_neg(d, column[i]);
 	forward_solve(x, column);

@@ -57,7 +57,7 @@ static void output_matrix(struct gradient *g, enum varied varied, int is_solved,
 		return;
 	}
 	for (int j = 0; j < nv; j++) {
-		dag_section(g->d, SECTION_BY, tangent_body(g->t, j));
+		dag_section(g->d, SECTION_BY, tree_joint_of_row(g->t, j)->body);
 		clear(g);
 		memset(unit, 0, (size_t)nv * sizeof *unit);
 		unit[j] = dag_const(g->d, 1);

@@ -127,11 +127,9 @@ static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torqu
 	[SECTION_FACTORED] = "factors of the mass matrix",
 	[SECTION_PRODUCTS] = "derivatives times vectors, and by what is freed"};
 
-/* Before the name of a joint, or of a link. */
+/* Of others, what is before the name of a joint, or before the number and the name of a link. */
 static const char *const ABOUT[SECTION_COUNT] = {[SECTION_BY] = "derivatives by", [SECTION_ROWS] = "rows of",
 	[SECTION_REGRESSOR] = "torques by the inertial parameters of link"};
-
-/* Of others, what is before the number and the name of the link. */
 static const char *const ABOUT_LINKS[SECTION_COUNT] = {[SECTION_PLACE] = "place of", [SECTION_JACOBIAN] = "Jacobian of what is on",
 	[SECTION_SUBTREE] = "back from", [SECTION_OPSPACE] = "inertia felt on"};
 

@@ -31,17 +31,9 @@ void tangent_all(struct dag *d, const struct tree *t, struct joint_inputs in, co
 		tangent_rates(d, &t->bodies[b], in, v + t->bodies[b].iv, rates + t->bodies[b].iq);
 }
 
-int tangent_body(const struct tree *t, int row)
-{
-	for (int i = 0; i < t->joint_count; i++)
-		if (row >= t->joints[i].iv && row < t->joints[i].iv + t->joints[i].nv)
-			return t->joints[i].body;
-	return 0;
-}
-
 struct ref tangent_transposed(struct dag *d, const struct tree *t, struct joint_inputs in, const struct ref *by_q, int row)
 {
-	const struct body *k = &t->bodies[tangent_body(t, row)];
+	const struct body *k = &t->bodies[tree_joint_of_row(t, row)->body];
 	struct ref unit[6] = {{0}}, rates[7] = {{0}}, sum = {0};
 
 	unit[row - k->iv] = dag_const(d, 1);

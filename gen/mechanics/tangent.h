@@ -14,7 +14,4 @@ void tangent_all(struct dag *d, const struct tree *t, struct joint_inputs in, co
 /* The transposed map: from derivatives by q's rows, t->nq of them, that by row `row` of the tangent. */
 struct ref tangent_transposed(struct dag *d, const struct tree *t, struct joint_inputs in, const struct ref *by_q, int row);
 
-/* The body that row `row` of qd moves; of a coordinate that several follow, its driver. */
-int tangent_body(const struct tree *t, int row);
-
 #endif

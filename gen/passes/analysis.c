@@ -78,10 +78,8 @@ enum rneagen_code pass_request_resolve(struct analysis *a)
 
 static enum rneagen_code refuse_singular(const struct analysis *a, int row)
 {
-	const struct tree_joint *j = a->tree.joints;
+	const struct tree_joint *j = tree_joint_of_row(&a->tree, row);
 
-	while (row >= j->iv + j->nv)
-		j++;
 	if (a->tree.floating && j->body == 0)
 		return error_set(a->error, RNEAGEN_TREE,
 			"%s: M is singular: the floating base, link \"%.255s\", has no mass of its own: give it an inertia, or take --base fixed",

@@ -21,9 +21,9 @@ struct orderer {
 	uint32_t *need;            /* by line: values that are at hand at once while it is made (Sethi and Ullman 1970) */
 	unsigned char *done;       /* by line */
 	uint32_t *order, count;    /* lines */
-	uint32_t *row_at;          /* by place in that order: the row of qd for which the line was written */
+	int *row_at;               /* by place in that order: the row of qd for which the line was written */
 	uint32_t *stack, *ready;
-	uint32_t row;
+	int row;
 };
 
 /* ---- what reads what ---- */
@@ -56,7 +56,7 @@ static void find_readers(struct orderer *x)
 static uint32_t need_of(const struct orderer *x, uint32_t line)
 {
 	const struct readings *r = &x->r;
-	uint32_t need = 1, above = 0;
+	uint32_t need = 1;
 
 	for (uint32_t k = r->begin[line]; k < r->begin[line + 1]; k++) {
 		uint32_t own = x->need[r->made[r->list[k].node]], before = 0;
@@ -66,8 +66,7 @@ static uint32_t need_of(const struct orderer *x, uint32_t line)
 
 			before += other > own || (other == own && i < k);
 		}
-		above = own + before;
-		need = above > need ? above : need;
+		need = own + before > need ? own + before : need;
 	}
 	return need;
 }
@@ -194,18 +193,19 @@ static void write_with_operands(struct orderer *x, uint32_t line)
 static int row_of(const struct orderer *x, const struct line *l)
 {
 	const struct output *o = &x->p->dag->outputs[l->index];
-	enum role role = x->p->dag->arguments[o->argument].role;
+	int last = x->t->nv - 1;
 
-	if (role == ROLE_VJP || role_rows(role) == ROWS_NV)
+	if (x->p->dag->arguments[o->argument].role == ROLE_VJP)
 		return o->row % x->t->nv;
-	return o->row < x->t->nv ? o->row : x->t->nv - 1;
+	return o->row < last ? o->row : last;
 }
 
 static void write_all(struct orderer *x)
 {
-	for (x->row = (uint32_t)x->t->nv; x->row-- > 0;)
+	find_left(x);
+	for (x->row = x->t->nv - 1; x->row >= 0; x->row--)
 		for (uint32_t i = 0; i < x->p->line_count; i++)
-			if (x->p->lines[i].kind == LINE_STORE && !x->done[i] && row_of(x, &x->p->lines[i]) == (int)x->row)
+			if (x->p->lines[i].kind == LINE_STORE && !x->done[i] && row_of(x, &x->p->lines[i]) == x->row)
 				write_with_operands(x, i);
 }
 
@@ -214,7 +214,7 @@ struct waiting {
 	size_t most, sum;
 };
 
-/* Of the plan's own lines where `order` is NULL; leaves `left` as it is before the first. */
+/* Of the plan's own lines where `order` is NULL. */
 static struct waiting waiting_in(struct orderer *x, const uint32_t *order)
 {
 	struct waiting w = {0};
@@ -231,7 +231,6 @@ static struct waiting waiting_in(struct orderer *x, const uint32_t *order)
 		w.sum += now;
 		w.most = now > w.most ? now : w.most;
 	}
-	find_left(x);
 	return w;
 }
 
@@ -241,15 +240,6 @@ static int is_better(struct waiting w, struct waiting own, size_t room)
 }
 
 /* ---- the DAG in that order ---- */
-
-/* The body that a row of qd moves. */
-static int body_of(const struct tree *t, int row)
-{
-	for (int i = 0; i < t->joint_count; i++)
-		if (row >= t->joints[i].iv && row < t->joints[i].iv + t->joints[i].nv)
-			return t->joints[i].body;
-	return 0;
-}
 
 static void copy_node(struct dag *out, const struct dag *d, uint32_t i, struct ref *map)
 {
@@ -263,12 +253,7 @@ static void copy_node(struct dag *out, const struct dag *d, uint32_t i, struct r
 		arg[k] = map[n->arg[k].i];
 	}
 	out->is_wide = n->is_wide;
-	if (n->op == OP_CONST)
-		map[i] = dag_within(out, dag_number(d, n));
-	else if (n->op == OP_INPUT)
-		map[i] = dag_input(out, (int)n->arg[0].i, (int)n->arg[1].i);
-	else
-		map[i] = dag_node(out, n->op, arg[0], arg[1], arg[2], 0);
+	map[i] = op_arity[n->op] ? dag_node(out, n->op, arg[0], arg[1], arg[2], 0) : dag_copy_leaf(out, d, i);
 	if (n->tag.quantity[0])
 		dag_tag(out, map[i], n->tag.quantity, n->tag.body, n->tag.component);
 }
@@ -294,7 +279,7 @@ static void copy_all(const struct orderer *x, struct dag *out, struct ref *map)
 	for (int i = 0; i < x->p->dag->argument_count; i++)
 		dag_argument_of(out, x->p->dag->arguments[i]);
 	for (uint32_t i = 0; i < x->count; i++) {
-		int next = body_of(x->t, (int)x->row_at[i]);
+		int next = tree_joint_of_row(x->t, x->row_at[i])->body;
 
 		if (next != body)
 			dag_section(out, SECTION_ROWS, next);

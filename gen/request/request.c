@@ -55,6 +55,19 @@ static int is_kernels_own(const char *name)
 	return last && (!strcmp(last, "_here") || !strcmp(last, "_slice"));
 }
 
+const char *request_nearest_input(const struct resolver *x, const char *word)
+{
+	const struct request *k = x->k;
+	size_t count = (size_t)(k->freed_count + k->push_count);
+	const char **words = arena_alloc(x->a, count, sizeof *words);
+
+	for (int i = 0; i < k->freed_count && words; i++)
+		words[i] = k->freed[i].word;
+	for (int i = 0; i < k->push_count && words; i++)
+		words[k->freed_count + i] = k->pushes[i].word;
+	return words ? nearest_name(word, words, count, sizeof *words) : NULL;
+}
+
 /* "payload.left hand" -> payload_left_hand; two that come out the same, or a kernel's own, differ by a number. */
 const char *request_argument(const struct resolver *x, const char *word)
 {

@@ -25,6 +25,9 @@ int request_find_kind(const struct resolver *x, const struct scene_choice *c, co
 /* "payload.left hand" -> payload_left_hand; two that come out the same differ by a number. */
 const char *request_argument(const struct resolver *x, const char *word);
 
+/* The constant of `free` or the wrench of `fext` whose word is nearest; NULL where none is near, and where memory runs out. */
+const char *request_nearest_input(const struct resolver *x, const char *word);
+
 /* The link of this name, carried by a body, and the body that the joint of this name moves ("base": the floating base);
    -1 and an error where there is none. */
 int request_find_link(const struct resolver *x, const struct scene_choice *c, const char *name);

@@ -1,5 +1,4 @@
 /* Products of the derivatives of outputs with vectors: of which outputs they are, and by which inputs besides the state. */
-#include "base/nearest.h"
 #include "request/resolve.h"
 #include <string.h>
 
@@ -24,16 +23,10 @@ static const char *joined(const struct resolver *x, const char *before, const ch
 
 static enum rneagen_code refuse_by(const struct resolver *x, const struct scene_choice *c)
 {
-	const struct request *k = x->k;
-	const char **words = arena_alloc(x->a, (size_t)(k->freed_count + k->push_count), sizeof *words), *meant;
+	const char *meant = request_nearest_input(x, c->name);
 
-	if (!words)
+	if (x->a->failed)
 		return error_memory(x->e);
-	for (int i = 0; i < k->freed_count; i++)
-		words[i] = k->freed[i].word;
-	for (int i = 0; i < k->push_count; i++)
-		words[k->freed_count + i] = k->pushes[i].word;
-	meant = nearest_name(c->name, words, (size_t)(k->freed_count + k->push_count), sizeof *words);
 	if (!strcmp(c->name, "q") || !strcmp(c->name, "qd") || !strcmp(c->name, "qdd") || !strcmp(c->name, "tau"))
 		return scene_refuse(x->s, c, x->e, "products are by q, qd, and qdd or tau anyway: leave out '%s'", c->name);
 	return scene_refuse(x->s, c, x->e, "'%.255s' is no constant of --free and no wrench of --fext%s%s%s", c->name,

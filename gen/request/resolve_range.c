@@ -1,5 +1,4 @@
 /* What inputs are drawn from where a text is measured by samples: the ranges that a scene states. */
-#include "base/nearest.h"
 #include "request/resolve.h"
 #include <math.h>
 #include <stdlib.h>
@@ -57,17 +56,11 @@ static enum rneagen_code find_states(const struct resolver *x, const struct scen
 
 static enum rneagen_code refuse_input(const struct resolver *x, const struct scene_choice *c, enum kind kind)
 {
-	const struct request *k = x->k;
-	const char **words = arena_alloc(x->a, (size_t)(k->freed_count + k->push_count), sizeof *words), *meant;
+	const char *meant = request_nearest_input(x, c->name);
 	const char *what = KINDS[kind].has_name && kind == KIND_FEXT ? strchr(c->name, '.') + 1 : c->name;
 
-	if (!words)
+	if (x->a->failed)
 		return error_memory(x->e);
-	for (int i = 0; i < k->freed_count; i++)
-		words[i] = k->freed[i].word;
-	for (int i = 0; i < k->push_count; i++)
-		words[k->freed_count + i] = k->pushes[i].word;
-	meant = nearest_name(c->name, words, (size_t)(k->freed_count + k->push_count), sizeof *words);
 	if (meant)
 		return scene_refuse(x->s, c, x->e, "'%.255s' is no input of this scene; did you mean '%.255s'?", c->name, meant);
 	return scene_refuse(x->s, c, x->e, "'%.255s' is no input of this scene; %s%s%.255s makes it one", c->name, MAKERS[kind],

@@ -242,3 +242,12 @@ enum rneagen_code tree_build(struct tree *t, const struct robot *r, const struct
 	place_all(&b);
 	return rows_number(t, o, a, e);
 }
+
+const struct tree_joint *tree_joint_of_row(const struct tree *t, int row)
+{
+	const struct tree_joint *j = t->joints;
+
+	while (row >= j->iv + j->nv)
+		j++;
+	return j;
+}

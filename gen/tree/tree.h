@@ -75,6 +75,9 @@ void tree_round(struct tree *t, int digits);
 /* What the URDF says of the joint behind t->joints[i]; NULL for the floating base. */
 const struct joint *tree_joint_of(const struct robot *r, const struct tree *t, int i);
 
+/* The joint that row `row` of qd belongs to; of a coordinate that several follow, their driver. */
+const struct tree_joint *tree_joint_of_row(const struct tree *t, int row);
+
 /* A base that floats and may not be meant, as a warning of the robot. */
 void tree_warn(const struct tree *t, struct robot *r, const char *file, struct arena *a);
 

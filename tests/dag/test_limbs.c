@@ -2,6 +2,7 @@
    last wait, no slot is written while another warp may read it, each output is stored once. */
 #include "passes/analysis.h"
 #include "plan/limbs.h"
+#include "support/model.h"
 #include "support/random_robot.h"
 #include "support/rng.h"
 #include "support/suite.h"
@@ -168,20 +169,13 @@ static int check_text(const char *urdf, size_t length, const struct rneagen_opti
 	return count;
 }
 
-static char *read_file(const char *name, size_t *length)
+static char *read_named(const char *name, size_t *length)
 {
 	char path[500], *text;
-	FILE *f;
 
 	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", name);
-	f = fopen(path, "rb");
-	ck_assert_msg(f != NULL, "no file %s", path);
-	fseek(f, 0, SEEK_END);
-	*length = (size_t)ftell(f);
-	rewind(f);
-	text = malloc(*length + 1);
-	ck_assert(fread(text, 1, *length, f) == *length);
-	fclose(f);
+	text = read_file(path, length);
+	ck_assert_msg(text != NULL, "no file %s", path);
 	return text;
 }
 
@@ -191,7 +185,7 @@ START_TEST(test_robots)
 	struct rneagen_options o = rneagen_options_default();
 	const char *name = ROBOTS[_i % ROBOT_COUNT];
 	size_t length;
-	char *urdf = read_file(name, &length);
+	char *urdf = read_named(name, &length);
 
 	o.scene = SCENES[_i / ROBOT_COUNT];
 	if (strcmp(name, "atlas") || _i / ROBOT_COUNT < ATLAS_SCENES)
