@@ -10,7 +10,7 @@
 #include "dag/eval.h"
 #include "norms/adjoint.h"
 #include "norms/norms.h"
-#include "norms/split.h"
+#include "range/split.h"
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>

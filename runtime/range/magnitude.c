@@ -3,7 +3,7 @@
 #include "core/seconds.h"
 #include "norms/adjoint.h"
 #include "norms/norms.h"
-#include "norms/split.h"
+#include "range/split.h"
 #include "dag/derive.h"
 #include <math.h>
 #include <string.h>

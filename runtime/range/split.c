@@ -1,5 +1,5 @@
 #define _POSIX_C_SOURCE 200809L
-#include "norms/split.h"
+#include "range/split.h"
 #include "core/seconds.h"
 #include <math.h>
 #include <stdlib.h>

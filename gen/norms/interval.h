@@ -1,5 +1,5 @@
-#ifndef RUNTIME_NORMS_INTERVAL_H
-#define RUNTIME_NORMS_INTERVAL_H
+#ifndef RNEAGEN_INTERVAL_H
+#define RNEAGEN_INTERVAL_H
 /* Intervals of doubles, rounded outwards: each bound is moved by two units in the last place of what rounding to nearest gives. */
 
 #include "dag/dag.h"

@@ -1,5 +1,5 @@
-#ifndef RUNTIME_NORMS_SPLIT_H
-#define RUNTIME_NORMS_SPLIT_H
+#ifndef RUNTIME_RANGE_SPLIT_H
+#define RUNTIME_RANGE_SPLIT_H
 /* Branch and bound: a box of q is cut into smaller ones, always the one with the largest bound. */
 
 #include "norms/interval.h"

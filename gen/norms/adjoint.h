@@ -1,5 +1,5 @@
-#ifndef RUNTIME_NORMS_ADJOINT_H
-#define RUNTIME_NORMS_ADJOINT_H
+#ifndef RNEAGEN_ADJOINT_H
+#define RNEAGEN_ADJOINT_H
 /* The values that an output is made of, and its derivatives by each of them, as expressions of one DAG in which both terms of a
    rotation, c x + s y, stand together: so norms.h sees it. */
 

@@ -1,5 +1,5 @@
-#ifndef RUNTIME_NORMS_NORMS_H
-#define RUNTIME_NORMS_NORMS_H
+#ifndef RNEAGEN_NORMS_H
+#define RNEAGEN_NORMS_H
 /* Intervals of all values of a DAG over a box, where rotations keep lengths: |(c x + s y, c y - s x)| = |(x, y)|. Beside the interval of
    each value stand norms of sets of a few values:
    - of a set with both values of a rotation, or one, it is at most that of the set with x and y in their place;
