@@ -32,15 +32,29 @@ static void arrays_free(struct arrays *a)
 		free(a->data[i]);
 }
 
+/* The first `period` bytes again and again. */
+static void repeat(char *bytes, size_t period, size_t size)
+{
+	for (size_t done = period; done < size; done += done)
+		memcpy(bytes + done, bytes, done < size - done ? done : size - done);
+}
+
 /* An input's numbers: the samples', again and again, or those of the whole batch. */
 static void fill(struct arrays *a, const struct judge *j, const struct argument *from, int i)
 {
-	for (size_t k = 0; k < (from->per_batch ? 1 : a->count); k++) {
-		const double *x = draw_rows(&j->inputs, from, k % j->count);
+	size_t rows = a->rows[i], count = from->per_batch ? 1 : a->count, drawn = count < j->count ? count : j->count;
+	size_t size = a->f32 ? sizeof(float) : sizeof(double);
 
-		for (size_t r = 0; x && r < a->rows[i]; r++)
+	for (size_t k = 0; k < drawn; k++) {
+		const double *x = draw_rows(&j->inputs, from, k);
+
+		for (size_t r = 0; x && r < rows; r++)
 			put(a, i, from->per_batch ? r : place(a, i, r, k), x[r]);
 	}
+	if (a->aos)
+		repeat(a->data[i], drawn * rows * size, count * rows * size);
+	for (size_t r = 0; !a->aos && !from->per_batch && r < rows; r++)
+		repeat((char *)a->data[i] + r * count * size, drawn * size, count * size);
 }
 
 /* `count` samples. Returns 0 when memory runs out. */
