@@ -22,10 +22,10 @@ enum rnea_code device_alloc_host(const struct device *d, size_t size, void **mem
 	return device_failed(d, status, "cuMemAllocHost", e);
 }
 
-enum rnea_code device_clear(
+enum rnea_code device_fill_nan(
 	const struct device *d, unsigned long long address, size_t size, void *stream, struct rnea_error *e)
 {
-	int status = d->api.memset_d8_async(address, 0, size, stream);
+	int status = d->api.memset_d8_async(address, 0xff, size, stream);
 
 	return status ? device_failed(d, status, "cuMemsetD8Async", e) : RNEA_OK;
 }

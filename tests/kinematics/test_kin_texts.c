@@ -75,7 +75,7 @@ static struct rneagen_options options_of(const struct subject *s)
 
 /* ---- target C ---- */
 
-/* An array of all samples, of float or double. */
+/* An array of all samples, of float or double; nan at first, so that an element which no text writes is seen. */
 struct array {
 	int is_f32, is_aos, rows;
 	void *data;
@@ -84,8 +84,11 @@ struct array {
 static struct array array_new(const struct subject *s, int rows)
 {
 	const int is_f32 = s->precision == RNEAGEN_F32 || s->precision == RNEAGEN_MIXED;
+	const size_t bytes = ((size_t)rows * COUNT + 1) * (is_f32 ? sizeof(float) : sizeof(double));
+	void *data = malloc(bytes);
 
-	return (struct array){is_f32, s->layout == RNEAGEN_AOS, rows, calloc((size_t)rows * COUNT + 1, is_f32 ? sizeof(float) : sizeof(double))};
+	ck_assert_ptr_nonnull(data);
+	return (struct array){is_f32, s->layout == RNEAGEN_AOS, rows, memset(data, 0xff, bytes)};
 }
 
 static size_t place(const struct array *a, int row, int sample)

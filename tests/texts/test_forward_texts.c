@@ -171,7 +171,8 @@ static void fill(const struct scene_model *m, const struct rneagen_options *o, c
 	for (int k = 0; k < m->dag.argument_count; k++) {
 		ck_assert_str_eq(info->arguments[k].name, m->dag.arguments[k].name);
 		ck_assert_int_le(m->dag.arguments[k].rows, LARGEST);
-		x->at[k] = calloc((size_t)(COUNT * m->dag.arguments[k].rows), sizeof(double));
+		x->at[k] = malloc((size_t)(COUNT * m->dag.arguments[k].rows) * sizeof(double));
+		memset(x->at[k], 0xff, (size_t)(COUNT * m->dag.arguments[k].rows) * sizeof(double)); /* nan: what no text writes is seen */
 	}
 	for (int state = 0; state < STATES; state++) {
 		draw(m, &rng, !state, x);
