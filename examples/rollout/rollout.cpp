@@ -7,7 +7,7 @@
    Every run also checks the noise's generator and the limits of the joints, and lets the arm swing freely: what its
    energy is off falls with the step as the integrators' orders say. rollout.gp plots what --trace writes. */
 #include "rollout.h"
-#include "philox.h"
+#include "../philox.h"
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

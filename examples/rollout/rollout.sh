@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Builds the example rollout and runs it: on the GPU, or on the host where there is no nvcc or no GPU, which it then says.
-# usage: examples/rollout.sh [OPTION...]     options: examples/rollout.sh --help
+# usage: examples/rollout/rollout.sh [OPTION...]     options: examples/rollout/rollout.sh --help
 set -euo pipefail
 from=$PWD
-cd "$(dirname "${BASH_SOURCE[0]}")/.."
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 # shellcheck source=/dev/null
 source tests/setup.sh
 
