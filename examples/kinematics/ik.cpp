@@ -61,7 +61,9 @@ static void measure(const goal &g, const solution &x, outcome *r)
 		cosine += a[i] * b[i];
 	}
 	r->off = std::fmax(r->off, std::sqrt(shift));
-	r->turned = std::fmax(r->turned, 2 * std::atan2(std::sqrt(sine[0] * sine[0] + sine[1] * sine[1] + sine[2] * sine[2]), std::fabs(cosine)));
+	const double length = std::sqrt(sine[0] * sine[0] + sine[1] * sine[1] + sine[2] * sine[2]);
+
+	r->turned = std::fmax(r->turned, 2 * std::atan2(length, std::fabs(cosine)));
 	for (int j = 0; j < N; j++) /* a limit in f32 may be above the same in f64 by its rounding */
 		r->is_within_limits = r->is_within_limits && x.q[j] >= low[j] - 2e-7 && x.q[j] <= high[j] + 2e-7;
 }

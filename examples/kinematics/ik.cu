@@ -177,7 +177,8 @@ int solve_on_gpu(const settings &s, const std::vector<goal> &goals, std::vector<
 int gpu_registers(const settings &s, int *registers, size_t *spilled)
 {
 	cudaFuncAttributes a = {};
-	const int bad = failed(s.is_f64 ? cudaFuncGetAttributes(&a, search_kernel<double>) : cudaFuncGetAttributes(&a, search_kernel<float>));
+	const int bad = failed(s.is_f64 ? cudaFuncGetAttributes(&a, search_kernel<double>)
+					: cudaFuncGetAttributes(&a, search_kernel<float>));
 
 	*registers = a.numRegs;
 	*spilled = a.localSizeBytes;

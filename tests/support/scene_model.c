@@ -187,7 +187,8 @@ static const char *const AXES[] = {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
 
 static void put_link(FILE *f, const struct raw_link *l)
 {
-	fprintf(f, "<link name='%s'><inertial><origin xyz='%.17Lg %.17Lg %.17Lg' rpy='%.17Lg %.17Lg %.17Lg'/><mass value='%.17Lg'/><inertia",
+	fprintf(f,
+		"<link name='%s'><inertial><origin xyz='%.17Lg %.17Lg %.17Lg' rpy='%.17Lg %.17Lg %.17Lg'/><mass value='%.17Lg'/><inertia",
 		l->name, l->xyz[0], l->xyz[1], l->xyz[2], l->rpy[0], l->rpy[1], l->rpy[2], l->mass);
 	for (int i = 0; i < 6; i++)
 		fprintf(f, " %s='%.17Lg'", AXES[i], l->inertia[i]);

@@ -8,7 +8,8 @@
 struct rnea_robot *launched_open(const struct target *t, enum rnea_backend backend, unsigned block)
 {
 	static const char *const quickly[] = {"-O0", "-Dalways_inline=unused"};
-	struct rnea_options o = {.backend = backend, .threads = 1, .block = block, .compile = quickly, .compile_count = backend == RNEA_BACKEND_HOST ? 2 : 0};
+	struct rnea_options o = {.backend = backend, .threads = 1, .block = block, .compile = quickly,
+		.compile_count = backend == RNEA_BACKEND_HOST ? 2 : 0};
 	struct rnea_robot *robot;
 	struct rnea_error e;
 

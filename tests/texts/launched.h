@@ -8,8 +8,8 @@
 /* The test fails with a message where it cannot be opened. block: 0, the text's. */
 struct rnea_robot *launched_open(const struct target *t, enum rnea_backend backend, unsigned block);
 
-/* A batch of arrays, soa: inputs by the seed, with a quaternion of norm one if there is a base, and one angle of each 64th sample large
-   where the text takes any; outputs NaN. Launched, and freed with the robot. */
+/* A batch of arrays, soa: inputs by the seed, with a quaternion of norm one if there is a base, and one angle of each
+   64th sample large where the text takes any; outputs NaN. Launched, and freed with the robot. */
 struct launch {
 	struct rnea_robot *robot;
 	const struct rnea_info *info;
@@ -19,7 +19,8 @@ struct launch {
 struct launch launched_run(struct rnea_robot *robot, size_t count, unsigned seed, int floating);
 void launched_free(struct launch *x);
 
-/* The largest difference of an output between two launches, by its largest element of the same sample; what nobody wrote fails. */
+/* The largest difference of an output between two launches, by its largest element of the same sample; what nobody
+   wrote fails. */
 double launched_distance(const struct launch *x, const struct launch *y, const char *what);
 
 #endif

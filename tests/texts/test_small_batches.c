@@ -1,7 +1,8 @@
-/* Kernels of small batches, in which warps share out each sample: values as those of the whole text compiled as C, on the pretended
-   driver, whose threads wait for each other; which kernel a launch takes, by the runtime and by NAME_rnea_launch; what is said of it.
-   This would catch a value that another warp reads too early, lanes to spare that write elsewhere, a batch beyond the threshold that
-   took this kernel, and a block given less memory than it writes. The schedules themselves: test_limbs. */
+/* Kernels of small batches, in which warps share out each sample: values as those of the whole text compiled as C, on
+   the pretended driver, whose threads wait for each other; which kernel a launch takes, by the runtime and by
+   NAME_rnea_launch; what is said of it. This would catch a value that another warp reads too early, lanes to spare that
+   write elsewhere, a batch beyond the threshold that took this kernel, and a block given less memory than it writes.
+   The schedules themselves: test_limbs. */
 #define _POSIX_C_SOURCE 200809L
 #include "launched.h"
 #include "support/suite.h"
@@ -167,8 +168,11 @@ static void *build_launch(const struct target *t)
 	FILE *f = open_memstream(&text, &length);
 	void *handle;
 
-	fprintf(f, "#define FAKE_WAITS 1\n#include \"" TEST_DIR "/fake/fake_launch.h\"\n%s\nFAKE_ENTRIES(iiwa14_rnea_kernel, iiwa14_rnea_limbs, "
-		"\"iiwa14_across\")\n", t->text.source);
+	fprintf(f,
+		"#define FAKE_WAITS 1\n#include \"" TEST_DIR
+		"/fake/fake_launch.h\"\n%s\nFAKE_ENTRIES(iiwa14_rnea_kernel, iiwa14_rnea_limbs, "
+		"\"iiwa14_across\")\n",
+		t->text.source);
 	fclose(f);
 	ck_assert_ptr_nonnull(at = strstr(text, "extern __shared__"));
 	memcpy(at, "extern           ", strlen("extern __shared__")); /* memory of the launch, not of the kernel */
