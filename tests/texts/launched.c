@@ -5,6 +5,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+void launched_generate(struct target *t, const char *name, const char *scene, int floating, const struct rneagen_options *options)
+{
+	struct rneagen_options o = *options;
+	size_t length;
+	char *urdf = target_robot(name, &length);
+
+	o.scene = *scene ? scene : NULL;
+	o.base = floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+	target_generate(t, urdf, length, &o, name);
+	free(urdf);
+}
+
 struct rnea_robot *launched_open(const struct target *t, enum rnea_backend backend, unsigned block)
 {
 	static const char *const quickly[] = {"-O0", "-Dalways_inline=unused"};

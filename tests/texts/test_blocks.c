@@ -2,6 +2,7 @@
    in what a launch gives, or nowhere, also where a device has less of it; results are those of the reference, or of the
    same text compiled as C. */
 #define _GNU_SOURCE
+#include "launch_library.h"
 #include "rnea.h"
 #include "reference/reference.h"
 #include "support/rng.h"
@@ -281,32 +282,13 @@ END_TEST
 
 /* ---- NAME_rnea_launch, as nvcc builds it ---- */
 
-/* The text for the C++ compiler, in blocks of `block`, as a library. */
+/* The text in blocks of `block`. */
 static void *build_launch(const struct target *t, unsigned block)
 {
-	struct target_path source = target_path("blocks_launch", ".cc"), library = target_path("blocks_launch", ".so");
-	const char *const argv[] = {FAKE_CXX, "-std=c++17", "-shared", "-fPIC", "-O1", "-w", "-fno-gnu-unique", "-pthread", "-o",
-		library.s, source.s, NULL};
-	char *text, *at;
-	size_t length;
-	FILE *f = open_memstream(&text, &length);
-	void *handle;
+	char before[64];
 
-	fprintf(f,
-		"#define RNEA_BLOCK %u\n#include \"" TEST_DIR
-		"/fake/fake_launch.h\"\n%s\nFAKE_ENTRY(arm_rnea_kernel)\n",
-		block, t->text.source);
-	fclose(f);
-	if ((at = strstr(text, "extern __shared__")) != NULL)
-		memcpy(at, "extern           ", strlen("extern __shared__")); /* memory of the launch, not of the kernel */
-	target_write(source, text);
-	free(text);
-	target_compile(t, argv);
-	handle = dlopen(library.s, RTLD_NOW | RTLD_LOCAL);
-	ck_assert_msg(handle != NULL, "%s", dlerror());
-	unlink(library.s);
-	unlink(source.s);
-	return handle;
+	snprintf(before, sizeof before, "#define RNEA_BLOCK %u", block);
+	return launch_library(t, "blocks_launch", before, "FAKE_ENTRY(arm_rnea_kernel)");
 }
 
 static const unsigned launch_blocks[] = {64, 256, 512}; /* of 696 bytes a thread: 43.5 KiB, 174, 348 */

@@ -34,18 +34,13 @@ enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
 static void generate(const struct subject *s, int segments, struct target *t)
 {
 	struct rneagen_options o = rneagen_options_default();
-	size_t length;
-	char *urdf = target_robot(s->name, &length);
 
-	o.scene = *s->scene ? s->scene : NULL;
-	o.base = s->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	o.precision = s->precision;
 	o.trig = s->trig;
 	o.segments = segments;
 	o.parts = 1;
 	o.limbs = RNEAGEN_LIMBS_NONE;
-	target_generate(t, urdf, length, &o, s->name);
-	free(urdf);
+	launched_generate(t, s->name, s->scene, s->floating, &o);
 }
 
 START_TEST(test_values)
