@@ -58,15 +58,7 @@ class Operator:
 
 
 def operator_of(robot) -> Operator:
-    """The robot's operator, which robots of the same URDF and keywords share."""
-    found = robot.__dict__.get("_jax")
-    if found is None:
-        _arrays.refuse(robot, robot._is_sparse)
-        name = _robot.identity(robot)
-        with lock:
-            found = _operators.get(name) or _operators.setdefault(name, Operator(robot, name))
-        robot._jax = found
-    return found
+    return _robot.operator_of(robot, "_jax", _operators, lock, lambda name: Operator(robot, name))
 
 
 def lead_of(operator: Operator, arrays: Sequence) -> tuple[int, ...]:

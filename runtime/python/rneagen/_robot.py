@@ -14,7 +14,7 @@ import threading
 import warnings
 import weakref
 from collections import namedtuple
-from typing import Any, NamedTuple
+from typing import Any, Callable, NamedTuple
 
 import numpy
 
@@ -74,6 +74,19 @@ def identity(robot: "Robot") -> str:
     digest = hashlib.sha256(robot._urdf + repr((sorted(options.items()), sorted(own.items()))).encode()).hexdigest()
     words = "_".join([robot.name, *(a.name for a in robot.outputs)])
     return re.sub(r"\W", "_", words, flags=re.ASCII)[:60] + "_" + digest[:12]
+
+
+def operator_of(robot: "Robot", library: str, operators: dict[str, Any], lock: Any, make: Callable[[str], Any]):
+    """What another library calls this robot by, made of its name when it is first needed, and kept as the robot's member
+    `library`. Robots that compute the same share it; `operators`, by name, lives as long as the program."""
+    found = robot.__dict__.get(library)
+    if found is None:
+        _arrays.refuse(robot, robot._is_sparse)
+        name = identity(robot)
+        with lock:
+            found = operators.get(name) or operators.setdefault(name, make(name))
+        setattr(robot, library, found)
+    return found
 
 
 class Robot(_core.Robot):

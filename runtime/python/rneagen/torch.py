@@ -31,15 +31,7 @@ _plain_call, _plain_wanting = _robot.Robot.__call__, _robot.Robot._wanting
 
 
 def operator_of(robot) -> Operator:
-    """The robot's operators, made when they are first needed. They live as long as the program."""
-    found = robot.__dict__.get("_torch")
-    if found is None:
-        _arrays.refuse(robot, robot._is_sparse)
-        name = _robot.identity(robot)
-        with lock:
-            found = _operators.get(name) or _operators.setdefault(name, Operator(robot, name, function_for))
-        robot._torch = found
-    return found
+    return _robot.operator_of(robot, "_torch", _operators, lock, lambda name: Operator(robot, name, function_for))
 
 
 @torch.compiler.assume_constant_result
