@@ -2,12 +2,12 @@
    in what a launch gives, or nowhere, also where a device has less of it; results are those of the reference, or of the
    same text compiled as C. */
 #define _GNU_SOURCE
-#include "launch_library.h"
 #include "rnea.h"
 #include "reference/reference.h"
 #include "support/rng.h"
 #include "support/exhaustive.h"
 #include "support/suite.h"
+#include "target/launch_library.h"
 #include "target/target.h"
 #include "block_arrays.h"
 #include <dlfcn.h>

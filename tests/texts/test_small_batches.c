@@ -4,9 +4,9 @@
    write elsewhere, a batch beyond the threshold that took this kernel, and a block given less memory than it writes.
    The schedules themselves: test_limbs. */
 #define _POSIX_C_SOURCE 200809L
-#include "launch_library.h"
 #include "launched.h"
 #include "support/suite.h"
+#include "target/launch_library.h"
 #include <dlfcn.h>
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 #define _POSIX_C_SOURCE 200809L
-#include "launch_library.h"
+#include "target/launch_library.h"
 #include <check.h>
 #include <dlfcn.h>
 #include <stdio.h>
