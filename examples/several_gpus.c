@@ -1,8 +1,8 @@
 /* several_gpus TEXT.cu [COUNT]
 
-   The torques of a million states by all GPUs of the machine at once, each with its part of the arrays, which lie in the program's memory as
-   [sample][row] (rneagen --layout aos); then the same by the first one alone, which is to give the same bits. Exit status 77: there
-   is no GPU. */
+   The torques of a million states by all GPUs of the machine at once, each with its part of the arrays, which lie in
+   the program's memory as [sample][row] (rneagen --layout aos); then the same by the first one alone, which is to give
+   the same bits. Exit status 77: there is no GPU. */
 #include "rnea.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -361,8 +361,8 @@ static enum rneagen_code generate(struct generation *g)
 enum rneagen_code rneagen_generate(const char *urdf, size_t length, const struct rneagen_options *options,
 	struct rneagen_result *result, struct rneagen_error *error)
 {
-	struct generation g = {.analysis = {.urdf = urdf, .length = length, .options = *options, .arena = &result->arena, .error = error},
-		.result = result};
+	struct analysis a = {.urdf = urdf, .length = length, .options = *options, .arena = &result->arena, .error = error};
+	struct generation g = {.analysis = a, .result = result};
 	locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0), before; /* numbers are printed with a point everywhere */
 
 	*result = (struct rneagen_result){0};

@@ -117,7 +117,8 @@ enum rnea_code rnea_run_aos(const struct rnea_robot *robot, void *const *argumen
 		return robot->backend->run(robot->state, arguments, count, e);
 	if (robot->backend->run_aos)
 		return robot->backend->run_aos(robot->state, arguments, count, e);
-	return rnea_error_set(e, RNEA_ARGUMENT, "%s: its layout is soa, and this backend does not turn arrays: generate the text with --layout aos",
+	return rnea_error_set(e, RNEA_ARGUMENT,
+		"%s: its layout is soa, and this backend does not turn arrays: generate the text with --layout aos",
 		symbol_of(robot, 0).s);
 }
 

@@ -3,7 +3,8 @@
 /* librnea: run the inverse dynamics, tau = ID(q, qd, qdd), that rneagen wrote for one robot. There are two backends.
    CUDA: the text is compiled by NVRTC for the device at hand and launched through the CUDA driver; both libraries are
    found when the program runs, so a program linked with librnea starts on machines that have neither. HOST: the same
-   text is compiled by the machine's C compiler to a shared object, vectorised across samples and run by several threads.
+   text is compiled by the machine's C compiler to a shared object, vectorised across samples and run by several
+   threads.
 
    SI units throughout: m, kg, s, rad; torques in N m, forces in N. No function prints, exits or keeps state between
    calls; different threads may open, launch and close at the same time. Where a function takes a `struct rnea_error *`,
@@ -15,8 +16,8 @@
 
    Environment: RNEA_LIBCUDA and RNEA_NVRTC name the driver library and the NVRTC library to use instead of the ones
    that would be found; a name that is set and cannot be loaded is an error. RNEA_CC names the C compiler of the host
-   backend (default: the first of cc, gcc, clang on PATH, or where PATH is not set in the system's own). RNEA_CACHE names the folder of the cache (default:
-   $XDG_CACHE_HOME/rnea or ~/.cache/rnea); set and empty: no cache. */
+   backend (default: the first of cc, gcc, clang on PATH, or where PATH is not set in the system's own). RNEA_CACHE
+   names the folder of the cache (default: $XDG_CACHE_HOME/rnea or ~/.cache/rnea); set and empty: no cache. */
 
 #include <stddef.h>
 
@@ -70,57 +71,58 @@ enum rnea_layout { RNEA_SOA, RNEA_AOS }; /* array[row][sample], array[sample][ro
 
 enum { RNEA_ARGUMENT_LIMIT = 64 }; /* the most arrays one function can take */
 
-/* What an array means, and its word in the table. "of" says what rnea_argument.of names: of a link, a joint, the constant
-   that the torques are differentiated by, or the outputs that a product is of, by commas. Rows of vectors of all bodies are 6 for each, linear then angular. */
+/* What an array means, and its word in the table. "of" says what rnea_argument.of names: of a link, a joint, the
+   constant that the torques are differentiated by, or the outputs that a product is of, by commas. Rows of vectors of
+   all bodies are 6 for each, linear then angular. */
 #define RNEA_ROLES(X)                                                                                                  \
-	X(UNKNOWN, "unknown")                            /* the table does not say, or by a word of a later version */ \
-	X(JOINT_POSITION, "joint_position")              /* q */                                                       \
-	X(JOINT_VELOCITY, "joint_velocity")              /* qd */                                                      \
-	X(JOINT_ACCELERATION, "joint_acceleration")      /* qdd */                                                     \
-	X(JOINT_TORQUE, "joint_torque")                  /* tau */                                                     \
-	X(GRAVITY_TORQUE, "gravity_torque")              /* of gravity alone: qd = qdd = 0 */                          \
-	X(BIAS_TORQUE, "bias_torque")                    /* of gravity and velocities: qdd = 0 */                      \
-	X(GRAVITY, "gravity")                            /* m/s^2, in the root link's frame */                         \
-	X(LINK_WRENCH, "link_wrench")                    /* from outside, of a link */                                 \
-	X(LINK_MASS, "link_mass")                        /* of a link */                                               \
-	X(LINK_INERTIA, "link_inertia")                  /* of a link: its ten inertial parameters */                  \
-	X(LINK_PAYLOAD, "link_payload")                  /* of a link: ten inertial parameters on top of its own */    \
-	X(JOINT_OFFSET, "joint_offset")                  /* of a joint: added to its q */                              \
-	X(JOINT_WRENCH, "joint_wrench")                  /* of a joint: what it carries */                             \
-	X(LINK_TWIST, "link_twist")                      /* of a link */                                               \
-	X(LINK_ACCELERATION, "link_acceleration")        /* of a link */                                               \
-	X(BODY_TWISTS, "body_twists")                    /* of all moving bodies */                                    \
-	X(BODY_ACCELERATIONS, "body_accelerations")      /* of all moving bodies */                                    \
-	X(BODY_WRENCHES, "body_wrenches")                /* of all moving bodies: their own */                         \
+	X(UNKNOWN, "unknown")			    /* the table does not say, or by a word of a later version */      \
+	X(JOINT_POSITION, "joint_position")	    /* q */                                                            \
+	X(JOINT_VELOCITY, "joint_velocity")	    /* qd */                                                           \
+	X(JOINT_ACCELERATION, "joint_acceleration") /* qdd */                                                          \
+	X(JOINT_TORQUE, "joint_torque")		    /* tau */                                                          \
+	X(GRAVITY_TORQUE, "gravity_torque")	    /* of gravity alone: qd = qdd = 0 */                               \
+	X(BIAS_TORQUE, "bias_torque")		    /* of gravity and velocities: qdd = 0 */                           \
+	X(GRAVITY, "gravity")			    /* m/s^2, in the root link's frame */                              \
+	X(LINK_WRENCH, "link_wrench")		    /* from outside, of a link */                                      \
+	X(LINK_MASS, "link_mass")		    /* of a link */                                                    \
+	X(LINK_INERTIA, "link_inertia")		    /* of a link: its ten inertial parameters */                       \
+	X(LINK_PAYLOAD, "link_payload")		    /* of a link: ten inertial parameters on top of its own */         \
+	X(JOINT_OFFSET, "joint_offset")		    /* of a joint: added to its q */                                   \
+	X(JOINT_WRENCH, "joint_wrench")		    /* of a joint: what it carries */                                  \
+	X(LINK_TWIST, "link_twist")		    /* of a link */                                                    \
+	X(LINK_ACCELERATION, "link_acceleration")   /* of a link */                                                    \
+	X(BODY_TWISTS, "body_twists")		    /* of all moving bodies */                                         \
+	X(BODY_ACCELERATIONS, "body_accelerations") /* of all moving bodies */                                         \
+	X(BODY_WRENCHES, "body_wrenches")	    /* of all moving bodies: their own */                              \
 	X(POWER, "power")                                                                                              \
 	X(KINETIC_ENERGY, "kinetic_energy")                                                                            \
 	X(POTENTIAL_ENERGY, "potential_energy")                                                                        \
-	X(MASS_MATRIX, "mass_matrix")                    /* M = dtau/dqdd */                                           \
+	X(MASS_MATRIX, "mass_matrix") /* M = dtau/dqdd */                                                              \
 	X(DTAU_DQ, "dtau_dq")                                                                                          \
 	X(DTAU_DQD, "dtau_dqd")                                                                                        \
-	X(DTAU_DFREED, "dtau_dfreed")                    /* of a constant that the scene makes an input */             \
-	X(TANGENT, "tangent")                            /* 3 nv: a direction of q, qd, qdd (of q, qd, tau for qdd); or of another input */ \
-	X(COTANGENT, "cotangent")                        /* weights of the outputs that vjp is of */                   \
-	X(JVP, "jvp")                                    /* derivatives of outputs times the tangent */                \
-	X(VJP, "vjp")                                    /* 3 nv: the cotangent times derivatives of outputs; or by another input */ \
-	X(MASS_MATRIX_INVERSE, "mass_matrix_inverse")    /* dqdd/dtau */                                               \
+	X(DTAU_DFREED, "dtau_dfreed") /* of a constant that the scene makes an input */                                \
+	X(TANGENT, "tangent")	  /* 3 nv: a direction of q, qd, qdd (of q, qd, tau for qdd); or of another input */   \
+	X(COTANGENT, "cotangent") /* weights of the outputs that vjp is of */                                          \
+	X(JVP, "jvp")		  /* derivatives of outputs times the tangent */                                       \
+	X(VJP, "vjp")		  /* 3 nv: the cotangent times derivatives of outputs; or by another input */          \
+	X(MASS_MATRIX_INVERSE, "mass_matrix_inverse") /* dqdd/dtau */                                                  \
 	X(DQDD_DQ, "dqdd_dq")                                                                                          \
 	X(DQDD_DQD, "dqdd_dqd")                                                                                        \
-	X(DQDD_DFREED, "dqdd_dfreed")                    /* of a constant that the scene makes an input */             \
+	X(DQDD_DFREED, "dqdd_dfreed")				/* of a constant that the scene makes an input */      \
 	X(JOINT_ACCELERATION_BOUND, "joint_acceleration_bound") /* how far each acceleration may be off */             \
-	X(REGRESSOR, "regressor")                        /* dtau/dpi: ten columns a body, of its inertial parameters */ \
-	X(LINK_POSE, "link_pose")                        /* of a link in the world: [R p] by rows, or p and a quaternion */ \
-	X(LINK_JACOBIAN, "link_jacobian")                /* of a link: its twist by qd */                              \
-	X(LINK_JACOBIAN_RATE, "link_jacobian_rate")      /* of a link: the rate of its Jacobian times qd */            \
-	X(CENTER_OF_MASS, "center_of_mass")              /* of all that moves, in the world */                         \
+	X(REGRESSOR, "regressor")		    /* dtau/dpi: ten columns a body, of its inertial parameters */     \
+	X(LINK_POSE, "link_pose")		    /* of a link in the world: [R p] by rows, or p and a quaternion */ \
+	X(LINK_JACOBIAN, "link_jacobian")	    /* of a link: its twist by qd */                                   \
+	X(LINK_JACOBIAN_RATE, "link_jacobian_rate") /* of a link: the rate of its Jacobian times qd */                 \
+	X(CENTER_OF_MASS, "center_of_mass")	    /* of all that moves, in the world */                              \
 	X(CENTER_OF_MASS_VELOCITY, "center_of_mass_velocity")                                                          \
 	X(CENTER_OF_MASS_JACOBIAN, "center_of_mass_jacobian")                                                          \
-	X(MOMENTUM, "momentum")                          /* centroidal, in the world's axes */                         \
-	X(MOMENTUM_MATRIX, "momentum_matrix")            /* by qd */                                                   \
-	X(MOMENTUM_RATE, "momentum_rate")                /* without gravity */                                         \
-	X(CORIOLIS, "coriolis")                          /* C qd = bias - gravity, dM/dt = C + C' */                   \
+	X(MOMENTUM, "momentum")				      /* centroidal, in the world's axes */                    \
+	X(MOMENTUM_MATRIX, "momentum_matrix")		      /* by qd */                                              \
+	X(MOMENTUM_RATE, "momentum_rate")		      /* without gravity */                                    \
+	X(CORIOLIS, "coriolis")				      /* C qd = bias - gravity, dM/dt = C + C' */              \
 	X(OPSPACE_INERTIA_INVERSE, "opspace_inertia_inverse") /* of a link: J Minv J' */                               \
-	X(OPSPACE_INERTIA, "opspace_inertia")            /* of a link: its inverse */
+	X(OPSPACE_INERTIA, "opspace_inertia")		      /* of a link: its inverse */
 
 enum rnea_role {
 #define RNEA_ROLE_ENUM(role, word) RNEA_ROLE_##role,
@@ -139,7 +141,8 @@ struct rnea_argument {
 	enum rnea_scalar scalar; /* of its elements; an array must be aligned to it, no more */
 	int per_batch;           /* 1: rows scalars for the whole batch, whatever the count; 0: rows for every sample */
 	enum rnea_role role;     /* of tables of versions 1 and 2: those of q, qd, qdd and tau, and of the two halves' arrays */
-	const char *of;          /* the link, joint, constant or outputs that the role speaks of, as the URDF and the scene name it; "": none */
+	const char *of; /* the link, joint, constant or outputs that the role speaks of, as the URDF and the scene name
+			   it; "": none */
 };
 
 /* One joint with entries in q. Units by type: revolute and continuous rad, prismatic m, floating m and a unit
@@ -182,9 +185,10 @@ struct rnea_function {
 	size_t across_bytes;   /* of a kernel in segments: what a sample keeps in the block's own 48 KiB of shared memory; else 0 */
 	unsigned most_samples; /* of such a kernel: samples that a thread takes at most, as far as they have room. A grid of any size is
 				  right; the fewer blocks, the more samples each thread takes. 1 of all other kernels */
-	/* The kernel NAME_FUNCTION_limbs, with the same parameters, is faster for small batches: rnea_launch and rnea_run take it. A block
-	   is of 32 limbs groups threads with limb_bytes groups bytes of shared memory given, and does 32 groups samples; groups is from 1 to
-	   limb_groups, 1 for up to 32 samples; along y the grid has `parts`. */
+	/* The kernel NAME_FUNCTION_limbs, with the same parameters, is faster for small batches: rnea_launch and
+	   rnea_run take it. A block is of 32 limbs groups threads with limb_bytes groups bytes of shared memory given,
+	   and does 32 groups samples; groups is from 1 to limb_groups, 1 for up to 32 samples; along y the grid has
+	   `parts`. */
 	unsigned limbs;       /* warps that share out each sample; 0: there is no such kernel, or it did not compile */
 	unsigned limb_groups;
 	size_t limb_bytes;    /* of a group of 32 samples */
@@ -374,9 +378,9 @@ enum rnea_code rnea_launch_kernel(const struct rnea_robot *robot, const char *fu
 enum rnea_code rnea_run(
 	const struct rnea_robot *robot, void *const *arguments, size_t count, struct rnea_error *error);
 
-/* The same on arrays [sample][row], whatever the text's layout. On the host a text of layout soa is some times as fast as one of aos,
-   also with what turning the arrays takes, since compilers make vectors of its samples. Errors: as rnea_run, and ARGUMENT (a text of
-   layout soa on CUDA: generate it with --layout aos). */
+/* The same on arrays [sample][row], whatever the text's layout. On the host a text of layout soa is some times as fast
+   as one of aos, also with what turning the arrays takes, since compilers make vectors of its samples. Errors: as
+   rnea_run, and ARGUMENT (a text of layout soa on CUDA: generate it with --layout aos). */
 enum rnea_code rnea_run_aos(
 	const struct rnea_robot *robot, void *const *arguments, size_t count, struct rnea_error *error);
 

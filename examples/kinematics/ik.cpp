@@ -5,12 +5,12 @@
    Every run compares what was found with poses in double precision, and the limits with the URDF's. reach.gp draws what --map
    writes. */
 #include "ik.h"
+#include "../common.h"
 #include "../philox.h"
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
+
+const char *const PROGRAM = "ik";
 
 struct options {
 	settings s;
@@ -34,14 +34,6 @@ static const char *const USAGE =
 	"  --csv                 print a line of figures alone\n"
 	"  --help\n"
 	"exit status: 0 done, 1 something is wrong or failed, 2 the command line is\n";
-
-/* Returns whether something is wrong, having said what. */
-static int wrong(bool is_right, const char *what)
-{
-	if (!is_right)
-		fprintf(stderr, "ik: wrong: %s\n", what);
-	return !is_right;
-}
 
 /* What came of a run. */
 struct outcome {
@@ -69,21 +61,11 @@ static void measure(const goal &g, const solution &x, outcome *r)
 		cosine += a[i] * b[i];
 	}
 	r->off = std::fmax(r->off, std::sqrt(shift));
-	r->turned = std::fmax(r->turned, 2 * std::atan2(std::sqrt(sine[0] * sine[0] + sine[1] * sine[1] + sine[2] * sine[2]), std::fabs(cosine)));
+	const double length = std::sqrt(sine[0] * sine[0] + sine[1] * sine[1] + sine[2] * sine[2]);
+
+	r->turned = std::fmax(r->turned, 2 * std::atan2(length, std::fabs(cosine)));
 	for (int j = 0; j < N; j++) /* a limit in f32 may be above the same in f64 by its rounding */
 		r->is_within_limits = r->is_within_limits && x.q[j] >= low[j] - 2e-7 && x.q[j] <= high[j] + 2e-7;
-}
-
-/* A sum that changes when a bit of `x` does: as Fowler, Noll and Vo's, by words. */
-static void hash(uint64_t *sum, const double *x, size_t count)
-{
-	uint64_t word;
-
-	for (size_t i = 0; i < count; i++) {
-		memcpy(&word, &x[i], sizeof word);
-		*sum = (*sum ^ word) * 0x100000001b3;
-		*sum ^= *sum >> 32;
-	}
 }
 
 static outcome judge(const std::vector<goal> &goals, const std::vector<solution> &found)
@@ -262,21 +244,6 @@ static int map(const options &o, bool on_gpu)
 }
 
 /* ---- options ---- */
-
-/* The value of an option that takes one, or NULL. */
-static const char *value_of(const char *name, char **argv, int *i)
-{
-	return !strcmp(argv[*i], name) && argv[*i + 1] ? argv[++*i] : NULL;
-}
-
-/* A whole number from 1 to `most`; 0 if it is none. */
-static unsigned long long whole(const char *text, unsigned long long most)
-{
-	char *end;
-	const unsigned long long x = strtoull(text, &end, 10);
-
-	return *text >= '0' && *text <= '9' && !*end && x <= most ? x : 0;
-}
 
 /* One option with its value, if it has one, from argv[*i] on. */
 static bool read_option(options *o, char **argv, int *i)

@@ -4,8 +4,8 @@
 
    The same functions (ik_step.h) run on the host. Without nvcc this is C++, without kernels. */
 #include "ik_step.h"
+#include "../gpu.h"
 #include <chrono>
-#include <cstdio>
 
 #if defined RNEAGEN_STRICT_SINCOSF_CORE
 const bool IS_STRICT = true;
@@ -92,13 +92,6 @@ template <class Real> static __global__ void __launch_bounds__(IK_BLOCK) search_
 	}
 }
 
-static int failed(cudaError_t e)
-{
-	if (e != cudaSuccess)
-		fprintf(stderr, "ik: %s\n", cudaGetErrorString(e));
-	return e != cudaSuccess;
-}
-
 /* As many blocks as the GPU holds at once. */
 template <class Real> static int blocks_at_once(size_t count, unsigned *blocks)
 {
@@ -181,24 +174,11 @@ int solve_on_gpu(const settings &s, const std::vector<goal> &goals, std::vector<
 	return s.is_f64 ? gpu_search<double>(s, goals, found, seconds) : gpu_search<float>(s, goals, found, seconds);
 }
 
-const char *gpu_lacks()
-{
-	int devices = 0;
-
-	return cudaGetDeviceCount(&devices) != cudaSuccess || devices == 0 ? "there is no CUDA device" : NULL;
-}
-
-const char *gpu_name()
-{
-	static cudaDeviceProp properties;
-
-	return failed(cudaGetDeviceProperties(&properties, 0)) ? "" : properties.name;
-}
-
 int gpu_registers(const settings &s, int *registers, size_t *spilled)
 {
 	cudaFuncAttributes a = {};
-	const int bad = failed(s.is_f64 ? cudaFuncGetAttributes(&a, search_kernel<double>) : cudaFuncGetAttributes(&a, search_kernel<float>));
+	const int bad = failed(s.is_f64 ? cudaFuncGetAttributes(&a, search_kernel<double>)
+					: cudaFuncGetAttributes(&a, search_kernel<float>));
 
 	*registers = a.numRegs;
 	*spilled = a.localSizeBytes;
@@ -208,16 +188,6 @@ int gpu_registers(const settings &s, int *registers, size_t *spilled)
 int solve_on_gpu(const settings &, const std::vector<goal> &, std::vector<solution> &, double *)
 {
 	return 1;
-}
-
-const char *gpu_lacks()
-{
-	return "this program was built without nvcc";
-}
-
-const char *gpu_name()
-{
-	return "";
 }
 
 int gpu_registers(const settings &, int *, size_t *)

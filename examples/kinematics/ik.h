@@ -39,9 +39,7 @@ struct settings {
 int solve_on_host(const settings &s, const std::vector<goal> &goals, std::vector<solution> &found, double *seconds);
 int solve_on_gpu(const settings &s, const std::vector<goal> &goals, std::vector<solution> &found, double *seconds);
 
-/* Why there is no GPU to use, or NULL; its name; the registers and the spilled bytes of a thread. */
-const char *gpu_lacks();
-const char *gpu_name();
+/* The registers and the spilled bytes of a thread. */
 int gpu_registers(const settings &s, int *registers, size_t *spilled);
 
 /* Where configuration q has the hand, in f64; a configuration within the limits, which a seed and a number k draw. */

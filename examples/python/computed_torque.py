@@ -3,8 +3,9 @@
 
 usage: computed_torque.py ROBOT.urdf
 
-The controller follows q = amplitude (1 - cos t) with tau = ID(q, qd, wanted + gains); the arm is forward dynamics of the same file,
-integrated by the semi-implicit Euler method, and holds a kilogram that the controller does not know. Prints how far the arm was off.
+The controller follows q = amplitude (1 - cos t) with tau = ID(q, qd, wanted + gains); the arm is forward dynamics of
+the same file, integrated by the semi-implicit Euler method, and holds a kilogram that the controller does not know.
+Prints how far the arm was off.
 """
 import sys
 

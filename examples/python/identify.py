@@ -33,7 +33,8 @@ def another_arm(rng, urdf):
     """The URDF with other masses: what is measured."""
     def change(inertial):
         scale = rng.uniform(0.7, 1.3)
-        return re.sub(r'\b(mass\s+value|i[xyz][xyz])(\s*=\s*")([^"]+)"', lambda m: f'{m[1]}{m[2]}{float(m[3]) * scale!r}"', inertial[0])
+        return re.sub(r'\b(mass\s+value|i[xyz][xyz])(\s*=\s*")([^"]+)"',
+                      lambda m: f'{m[1]}{m[2]}{float(m[3]) * scale!r}"', inertial[0])
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / Path(urdf).name
         path.write_text(re.sub(r"<inertial>.*?</inertial>", change, Path(urdf).read_text(), flags=re.S))
@@ -67,15 +68,16 @@ def main(urdf):
     found = np.linalg.lstsq(Y[:, columns], torques, rcond=None)[0]
     deviation = NOISE * np.sqrt(np.diag(np.linalg.inv(Y[:, columns].T @ Y[:, columns])))
     off = np.sqrt(np.mean(((found - P @ true) / deviation)**2))
-    print(f"{len(columns)} of {len(stated)} parameters, or sums of them, move the torques; condition {np.linalg.cond(Y[:, columns]):.0f}")
+    print(f"{len(columns)} of {len(stated)} parameters, or sums of them, move the torques; "
+          f"condition {np.linalg.cond(Y[:, columns]):.0f}")
     print(f"{'':24}{'URDF':>10}{'found':>10}{'true':>10}  standard deviation")
     for i in np.argsort(-np.abs(P @ stated) / deviation)[:8]:
         print(f"{names[columns[i]]:24}{(P @ stated)[i]:10.4f}{found[i]:10.4f}{(P @ true)[i]:10.4f}{deviation[i]:10.4f}")
 
     Y = regressor(*other).reshape(-1, len(stated))
     before, after = (np.sqrt(np.mean((torque - unseen)**2)) for torque in (Y @ stated, Y[:, columns] @ found))
-    print(f"off by {off:.2f} standard deviations (rms). Torques of another motion are predicted within {before:.2f} N m by the URDF, "
-          f"{after:.3f} by what was found; the noise is {NOISE}")
+    print(f"off by {off:.2f} standard deviations (rms). Torques of another motion are predicted within "
+          f"{before:.2f} N m by the URDF, {after:.3f} by what was found; the noise is {NOISE}")
     return off < 1.5 and after < 1.1 * NOISE < 0.5 * before
 
 

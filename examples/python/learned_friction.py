@@ -3,9 +3,10 @@
 
 usage: learned_friction.py ROBOT.urdf [cpu|cuda]
 
-"Measured" torques come from a robot with viscous and dry friction, and with a payload. The model knows neither. The network gives
-each joint's friction from its velocity; the payload's ten numbers are learned beside it. The loss is the error of the torques, and its
-gradient goes through rneagen's text. Prints the error of the torques before and after, on states that it was not trained on.
+"Measured" torques come from a robot with viscous and dry friction, and with a payload. The model knows neither. The
+network gives each joint's friction from its velocity; the payload's ten numbers are learned beside it. The loss is
+the error of the torques, and its gradient goes through rneagen's text. Prints the error of the torques before and
+after, on states that it was not trained on.
 """
 import sys
 
@@ -24,7 +25,8 @@ def main(urdf, device="cpu", steps=300):
     torch.manual_seed(1)
     last = rneagen.load(urdf).joints[-1]["link"]
     robot = rneagen.load(urdf, free=[f"payload.{last}:batch"])  # one payload for all samples: an input of ten numbers
-    held = torch.tensor([2.0, 0, 0, 0.1, 0.03, 0, 0, 0.03, 0, 0.01], dtype=torch.float64, device=device)  # 2 kg, 5 cm before the link
+    # 2 kg, 5 cm before the link
+    held = torch.tensor([2.0, 0, 0, 0.1, 0.03, 0, 0, 0.03, 0, 0.01], dtype=torch.float64, device=device)
     train, test = measured(robot, held, 300, 1), measured(robot, held, 300, 2)
 
     friction = torch.nn.Sequential(torch.nn.Linear(1, 16), torch.nn.Tanh(), torch.nn.Linear(16, 1)).double().to(device)

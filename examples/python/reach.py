@@ -3,11 +3,12 @@
 
 usage: reach.py ROBOT.urdf [STEPS]
 
-The arm holds 6 kg and goes from one posture to another in 0.8 s, through a third one on its way; its motors give half the effort that the
-URDF states. The straight path between the postures asks for more. The unknowns are coefficients of polynomials that are added to it and are
-at rest at both ends. The cost is the mean square of the torques, each as a share of what its motor gives; shares above 1, and the
-distance from the posture in between, are penalties. All samples of the path are one call, and the gradient is one more. Prints the cost, the
-largest share and the distance, before and after, at four times as many samples as were optimised.
+The arm holds 6 kg and goes from one posture to another in 0.8 s, through a third one on its way; its motors give half
+the effort that the URDF states. The straight path between the postures asks for more. The unknowns are coefficients
+of polynomials that are added to it and are at rest at both ends. The cost is the mean square of the torques, each as
+a share of what its motor gives; shares above 1, and the distance from the posture in between, are penalties. All
+samples of the path are one call, and the gradient is one more. Prints the cost, the largest share and the distance,
+before and after, at four times as many samples as were optimised.
 """
 import sys
 
@@ -73,7 +74,8 @@ def main(urdf, steps=400):
     nothing = jnp.zeros((SHAPES, robot.nq))
     before, after = told(nothing), told(optimise(nothing))
     for when, (value, share, off) in (("before", before), (f"after {steps} steps", after)):
-        print(f"{robot.name}, {when}: cost {value:.3f}; torques up to {share:.2f} of what the motors give; {off:.3f} rad off in between")
+        print(f"{robot.name}, {when}: cost {value:.3f}; torques up to {share:.2f} of what the motors give; "
+              f"{off:.3f} rad off in between")
     return before, after
 
 

@@ -65,7 +65,8 @@ static size_t unit(const struct line_rest *r, size_t i, enum place place)
 	return i + 1 < r->length && r->s[i + 1] >= '0' && r->s[i + 1] <= '7' ? 4 : 2;
 }
 
-/* The last cut before the margin, or the first where a word alone passes it; after a parenthesis, or within a string, only where there is no better. */
+/* The last cut before the margin, or the first where a word alone passes it; after a parenthesis, or within a string,
+   only where there is no better. */
 static struct cut find_cut(const struct line_rest *r)
 {
 	struct cut strong = {0}, weak = {0};

@@ -17,13 +17,16 @@ const char *template_expand_to(struct text *out, const char *tmpl, const char *e
 
 /* The files of templates/, by name with '.' turned into '_' (made by embed.cmake). */
 extern const char template_kernel_cu_in[], template_kernel_soa_in[], template_kernel_aos_in[], template_stage_aos_in[];
-extern const char template_kernel_soa_staged_in[], template_stage_in[], template_slices_in[], template_stage_launch_in[], template_store_in[];
+extern const char template_kernel_soa_staged_in[], template_stage_in[], template_slices_in[],
+	template_stage_launch_in[], template_store_in[];
 extern const char template_zeros_in[], template_zeros_table_in[], template_zeros_loop_in[];
-extern const char template_function_c_in[], template_function_h_in[], template_header_h_in[], template_further_h_in[], template_body_in[], template_is_small_in[];
+extern const char template_function_c_in[], template_function_h_in[], template_header_h_in[], template_further_h_in[],
+	template_body_in[], template_is_small_in[];
 extern const char template_head_c_in[], template_part_in[], template_part_accurate_in[], template_are_small_in[];
 extern const char template_anew_in[], template_arithmetic_c_in[], template_arithmetic_cuda_in[], template_arithmetic_header_in[];
 extern const char template_arithmetic_strict_c_in[], template_arithmetic_strict_cuda_in[], template_arithmetic_strict_flush_in[];
-extern const char template_bounded_in[], template_bounded_sincos_in[], template_bounded_store_in[], template_bounded_quotient_in[], template_bounded_function_in[];
+extern const char template_bounded_in[], template_bounded_sincos_in[], template_bounded_store_in[],
+	template_bounded_quotient_in[], template_bounded_function_in[];
 extern const char template_parts_in[];
 extern const char template_segment_in[], template_segment_lanes_in[], template_part_segments_in[];
 extern const char template_kernel_segments_in[], template_kernel_segment_in[], template_kernel_segments_rounds_in[];
@@ -34,7 +37,8 @@ extern const char template_sincos_f32_bounded_in[], template_sincos_f32_fast_in[
 extern const char template_sincos_f64_core_in[], template_sincos_f64_accurate_in[];
 extern const char template_sincos_f64_bounded_in[], template_sincos_f64_known_in[];
 extern const char template_sincos_f32x2_core_in[], template_sincos_f32x2_accurate_in[];
-extern const char template_sincos_f32x2_bounded_in[], template_sincos_f32x2_known_in[], template_f32x2_in[], template_f32x2_quotient_in[], template_reciprocal_in[];
+extern const char template_sincos_f32x2_bounded_in[], template_sincos_f32x2_known_in[], template_f32x2_in[],
+	template_f32x2_quotient_in[], template_reciprocal_in[];
 extern const char template_joints_in[], template_independent_in[], template_function_only_in[], template_sincos_declaration_in[];
 extern const char template_kernel_limbs_in[], template_limb_in[], template_limb_known_in[], template_launch_limbs_in[];
 extern const char template_kernel_again_in[], template_call_known_in[], template_call_any_in[], template_spill_in[];

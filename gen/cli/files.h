@@ -13,8 +13,8 @@ struct file_content {
 /* The whole of a file, or of standard input for "-". Errors: READ, LIMIT, MEMORY. */
 enum rneagen_code file_read(const char *path, struct file_content *content, struct rneagen_error *e);
 
-/* Write `source` to `path` and, unless `header` is NULL or `path` is a device or a pipe, `header` beside it with suffix .h. Temporary files are renamed
-   once both are complete; on failure neither exists anew. Error: WRITE. */
+/* Write `source` to `path` and, unless `header` is NULL or `path` is a device or a pipe, `header` beside it with suffix
+   .h. Temporary files are renamed once both are complete; on failure neither exists anew. Error: WRITE. */
 enum rneagen_code file_write_pair(const char *path, const char *source, const char *header, struct rneagen_error *e);
 
 /* The files that a command line names, by what it reads or by what it writes. */

@@ -9,8 +9,9 @@
 
 /* What getopt_long returns. A command's own options follow from OPTION_OWN on. */
 enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_TRIG, OPTION_BASE, OPTION_MIMIC,
-	OPTION_DUMP, OPTION_GRAVITY, OPTION_ORDER, OPTION_STRICT, OPTION_PARTS, OPTION_SEGMENTS, OPTION_LIMBS, OPTION_HELP, OPTION_VERSION,
-	OPTION_QD_RANGE, OPTION_QDD_RANGE, OPTION_SCENE_FILE, OPTION_SCENE, OPTION_OWN = 512 };
+	OPTION_DUMP, OPTION_GRAVITY, OPTION_ORDER, OPTION_STRICT, OPTION_PARTS, OPTION_SEGMENTS, OPTION_LIMBS,
+	OPTION_HELP, OPTION_VERSION, OPTION_QD_RANGE, OPTION_QDD_RANGE, OPTION_SCENE_FILE, OPTION_SCENE,
+	OPTION_OWN = 512 };
 
 /* Rows for getopt_long: what torques are wanted, whatever text they come from. */
 #define OPTIONS_MODEL                                                                                                  \
@@ -119,8 +120,9 @@ int option_refuse(const char *command, const char *fmt, ...) RNEAGEN_PRINTF(2, 3
 int option_choose(const char *command, const char *option, const char *word, const struct option_choice *choices,
 	int *value);
 
-/* Take an option of OPTIONS_MODEL or OPTIONS_TEXT, or OPTION_QD_RANGE or OPTION_QDD_RANGE: 0; the exit status, 1 or 2, and a message; -1 if `key` is not one of
-   them. What makes up the scene is gathered in o->scene, which option_free frees. */
+/* Take an option of OPTIONS_MODEL or OPTIONS_TEXT, or OPTION_QD_RANGE or OPTION_QDD_RANGE: 0; the exit status, 1 or 2,
+   and a message; -1 if `key` is not one of them. What makes up the scene is gathered in o->scene, which option_free
+   frees. */
 int option_generate(const char *command, struct rneagen_options *o, int key, const char *word);
 
 /* The file that an option reads; NULL: none. */

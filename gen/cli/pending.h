@@ -24,8 +24,9 @@ int pending_is_in_place(const char *path);
 /* Begin a file. On failure *p is empty. Errors: WRITE, LIMIT (too many at once), MEMORY. */
 enum rneagen_code pending_open(struct pending *p, const char *path, struct rneagen_error *e);
 
-/* Begin a file that others, who know its final name alone, write to as well: it is called PATH.part, and what another run left there
-   is replaced. `keeps`: it is there, its contents stay, and so does it on failure. Errors: as pending_open. */
+/* Begin a file that others, who know its final name alone, write to as well: it is called PATH.part, and what another
+   run left there is replaced. `keeps`: it is there, its contents stay, and so does it on failure. Errors: as
+   pending_open. */
 enum rneagen_code pending_open_part(struct pending *p, const char *path, int keeps, struct rneagen_error *e);
 
 /* Of such a file that another process has begun: a signal that ends this one removes it, too. Errors: as pending_open. */

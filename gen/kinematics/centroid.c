@@ -209,7 +209,8 @@ static void output_momentum(const struct centroid *c, const struct load *all, co
 {
 	const struct kinematics *x = c->x;
 	struct dag *d = x->d;
-	struct svec l = with_hub(c, all->P, hub->V0, hub->V), k = centroid_to_world(x, svec_sub(d, all->K, svec_cross(d, x->com, all->P)));
+	struct svec l = with_hub(c, all->P, hub->V0, hub->V),
+		    k = centroid_to_world(x, svec_sub(d, all->K, svec_cross(d, x->com, all->P)));
 
 	if (c->has_matrix) {
 		l = c->times_qd.linear;

@@ -1,14 +1,14 @@
-/* The momentum and the velocity of the centre of mass as matrices times qd (Orin and Goswami, Centroidal momentum matrix of a humanoid
-   robot, IROS 2008). A column is the momentum of what lies beyond a joint, as one composite body, by the joint's unit twist (Z, Y):
-   l = Z x C + m Y, and about the body's origin k = I Z + C x Y; about the centre of mass, k + p x l with p from there to the origin.
-   So that no column waits, the centre of mass is found first. */
+/* The momentum and the velocity of the centre of mass as matrices times qd (Orin and Goswami, Centroidal momentum
+   matrix of a humanoid robot, IROS 2008). A column is the momentum of what lies beyond a joint, as one composite body,
+   by the joint's unit twist (Z, Y): l = Z x C + m Y, and about the body's origin k = I Z + C x Y; about the centre of
+   mass, k + p x l with p from there to the origin. So that no column waits, the centre of mass is found first. */
 #include "kinematics/centroid.h"
 #include <string.h>
 
 static const struct svec NOTHING;
 
-/* Of what a body carries: mass, and first moment, by the two sums of at_rest.c. Composite bodies sum it in another order: what would be
-   shared with them would wait from here to there. */
+/* Of what a body carries: mass, and first moment, by the two sums of at_rest.c. Composite bodies sum it in another
+   order: what would be shared with them would wait from here to there. */
 struct moment {
 	struct ref mass;
 	struct svec own, beyond;

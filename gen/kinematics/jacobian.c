@@ -127,8 +127,8 @@ static void output(const struct kinematics *x, int argument, struct svec linear,
 	}
 }
 
-/* At the frame's origin r in the body, in the body's axes, where the Jacobian is in the link's: a + dw x r + w x (w x r); spatial,
-   it is that less w x v. In the world's frame the spatial one is seen from the world's origin. */
+/* At the frame's origin r in the body, in the body's axes, where the Jacobian is in the link's: a + dw x r + w x (w x
+   r); spatial, it is that less w x v. In the world's frame the spatial one is seen from the world's origin. */
 static void output_rate(const struct kinematics *x, const struct want *w, const struct carried_motion *m, int argument)
 {
 	struct dag *d = x->d;

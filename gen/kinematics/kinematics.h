@@ -43,8 +43,8 @@ struct kinematics {
 	struct placed *bodies;
 };
 
-/* How a point of a body moves: velocity and classical acceleration of its origin, angular velocity and its rate, all in the body's
-   frame. */
+/* How a point of a body moves: velocity and classical acceleration of its origin, angular velocity and its rate, all in
+   the body's frame. */
 struct carried_motion {
 	struct svec v, w, a, dw;
 };
@@ -61,8 +61,8 @@ void kinematics_run(struct kinematics *x);
 /* Write what is wanted of dJ/dt qd of the links that a body carries, from its motion where nothing accelerates. */
 void kinematics_rate(const struct kinematics *x, int body, const struct carried_motion *m);
 
-/* Write what is wanted of the rate of the momentum, from what a tour of the torques finds that all that moves takes against gravity, g
-   in the world's axes: force, and moment about the hub's origin, in its frame. */
+/* Write what is wanted of the rate of the momentum, from what a tour of the torques finds that all that moves takes
+   against gravity, g in the world's axes: force, and moment about the hub's origin, in its frame. */
 void kinematics_momentum_rate(const struct kinematics *x, struct svec f, struct svec n, struct svec g);
 
 /* A frame at X in a body: its axes in the world, and its origin as struct placed has p. */

@@ -1,11 +1,12 @@
-/* Sums over subtrees on the way back, each about the origin o of the body that carries the subtree, in that body's axes, of what
-   its particles m at r do relative to o: mass, first moment C = sum m r, momentum P = sum m r' and K = sum r x m r', and their rates
-   F = sum m r'', N = sum r x m r''. So no velocity of an origin is carried out. With D = R C + m p, a child at p adds
+/* Sums over subtrees on the way back, each about the origin o of the body that carries the subtree, in that body's
+   axes, of what its particles m at r do relative to o: mass, first moment C = sum m r, momentum P = sum m r' and
+   K = sum r x m r', and their rates F = sum m r'', N = sum r x m r''. So no velocity of an origin is carried out.
+   With D = R C + m p, a child at p adds
 
        to C: D,   to P: R P + m p',   to K: R K + p x R P + D x p',   to F: R F + m p'',   to N: R N + p x R F + D x p''.
 
-   What m p is of C, a constant where the joint turns, is summed by itself in H, with the body's own first moment: in m p' and m p''
-   it moves as that does, P has w x H, and F has U H. */
+   What m p is of C, a constant where the joint turns, is summed by itself in H, with the body's own first moment: in
+   m p' and m p'' it moves as that does, P has w x H, and F has U H. */
 #include "kinematics/centroid.h"
 
 /* 2 w x V + dV: what sliding at V adds to an acceleration in a frame that turns with w */
@@ -75,7 +76,8 @@ void load_add_child(const struct kinematics *x, int child, const struct load *c,
 	struct dag *d = x->d;
 	const struct body *k = &x->t->bodies[child];
 	const struct joint_pose *at = &x->bodies[child].pose;
-	struct svec moment = load_moment(d, c), C = joint_to_parent(d, k, at, moment), P = joint_to_parent(d, k, at, c->P), F = joint_to_parent(d, k, at, c->F);
+	struct svec moment = load_moment(d, c), C = joint_to_parent(d, k, at, moment);
+	struct svec P = joint_to_parent(d, k, at, c->P), F = joint_to_parent(d, k, at, c->F);
 	struct svec mp = svec_scale(d, c->mass, at->p), D = svec_add(d, C, mp), rate, second;
 
 	svec_tag(d, moment, "mc", k->number);

@@ -1,5 +1,5 @@
-/* Which point of its axis stands for a joint that turns: its body moves alike about each. An offset along the parent's axis goes to
-   the parent's own where that leaves fewer numbers to multiply with axes. */
+/* Which point of its axis stands for a joint that turns: its body moves alike about each. An offset along the parent's
+   axis goes to the parent's own where that leaves fewer numbers to multiply with axes. */
 #include "kinematics/kinematics.h"
 #include <math.h>
 

@@ -12,8 +12,8 @@ struct adjoint {
 	struct ref root;           /* the output's value */
 };
 
-/* Of one output, with derivatives or without; angles are taken as they are, so nothing is said of derivatives by them. It lives in `a`.
-   Returns 0 when memory runs out. */
+/* Of one output, with derivatives or without; angles are taken as they are, so nothing is said of derivatives by them.
+   It lives in `a`. Returns 0 when memory runs out. */
 int adjoint_make(struct adjoint *x, const struct dag *d, size_t output, int has_slopes, struct arena *a);
 
 /* A term c x or s x, c and s the cosine and sine of an angle; is it one? */

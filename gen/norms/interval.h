@@ -1,6 +1,7 @@
 #ifndef RNEAGEN_INTERVAL_H
 #define RNEAGEN_INTERVAL_H
-/* Intervals of doubles, rounded outwards: each bound is moved by two units in the last place of what rounding to nearest gives. */
+/* Intervals of doubles, rounded outwards: each bound is moved by two units in the last place of what rounding to
+   nearest gives. */
 
 #include "dag/dag.h"
 #include <math.h>

@@ -199,7 +199,8 @@ int norms_make(struct norms *x, const struct dag *d, int has_lanes, struct arena
 {
 	struct trig_term p, q;
 
-	*x = (struct norms){.d = d, .lanes = has_lanes ? 1 : 0, .set_limit = SETS_OF_A_NODE * (uint32_t)d->count, .table_size = 4 * SETS_OF_A_NODE * (uint32_t)d->count + 7};
+	*x = (struct norms){.d = d, .lanes = has_lanes ? 1 : 0, .set_limit = SETS_OF_A_NODE * (uint32_t)d->count,
+		.table_size = 4 * SETS_OF_A_NODE * (uint32_t)d->count + 7};
 	x->sets = arena_alloc(a, x->set_limit, sizeof *x->sets);
 	x->table = arena_alloc(a, x->table_size, sizeof *x->table);
 	x->order = arena_alloc(a, x->set_limit, sizeof *x->order);

@@ -1,7 +1,7 @@
 #ifndef RNEAGEN_NORMS_H
 #define RNEAGEN_NORMS_H
-/* Intervals of all values of a DAG over a box, where rotations keep lengths: |(c x + s y, c y - s x)| = |(x, y)|. Beside the interval of
-   each value stand norms of sets of a few values:
+/* Intervals of all values of a DAG over a box, where rotations keep lengths: |(c x + s y, c y - s x)| = |(x, y)|.
+   Beside the interval of each value stand norms of sets of a few values:
    - of a set with both values of a rotation, or one, it is at most that of the set with x and y in their place;
    - of a set of sums, at most that of the first terms and that of the second ones together;
    - of a set without one of its values, it is the other side of a right angle;
@@ -18,9 +18,9 @@ struct norms_set {
 	uint32_t rest, apart; /* 1 + the set without a node, and that node; 0: none */
 };
 
-/* Drives and rates are x = middle + half t, t from -1 to 1: a value is a polynomial of t whose coefficients are intervals, in the order
-   of struct field's: the closer, the smaller the box. Or a value is one interval, which takes less time, and is closer for large
-   boxes. */
+/* Drives and rates are x = middle + half t, t from -1 to 1: a value is a polynomial of t whose coefficients are
+   intervals, in the order of struct field's: the closer, the smaller the box. Or a value is one interval, which takes
+   less time, and is closer for large boxes. */
 struct norms_input {
 	int argument, row, lane; /* of t */
 };

@@ -22,7 +22,8 @@ struct lanes {
 #define LEAST(a, b) ((a) < (b) ? (a) : (b))
 #define MOST(a, b) ((a) > (b) ? (a) : (b))
 
-LANES_FAST static void add(size_t n, const double *al, const double *au, const double *bl, const double *bu, double *lower, double *upper)
+LANES_FAST static void add(
+	size_t n, const double *al, const double *au, const double *bl, const double *bu, double *lower, double *upper)
 {
 	for (size_t i = 0; i < n; i++) {
 		double l = al[i] + bl[i], u = au[i] + bu[i];
@@ -175,19 +176,14 @@ static void multiply_wide(const struct norms *x, struct lanes a, struct lanes b,
 
 static void multiply(const struct norms *x, struct lanes a, struct lanes b, double *lower, double *upper)
 {
-	struct interval one;
+	struct interval one = first(a.is_wide ? b : a);
 
-	if (a.is_wide && b.is_wide) {
+	if (a.is_wide && b.is_wide)
 		multiply_wide(x, a, b, lower, upper);
-		return;
-	}
-	if (a.is_wide) {
-		one = first(b);
+	else if (a.is_wide)
 		scale(x->lanes, one.lower, one.upper, a.lower, a.upper, lower, upper);
-		return;
-	}
-	one = first(a);
-	scale(b.is_wide ? x->lanes : 1, one.lower, one.upper, b.lower, b.upper, lower, upper);
+	else
+		scale(b.is_wide ? x->lanes : 1, one.lower, one.upper, b.lower, b.upper, lower, upper);
 }
 
 /* x = middle + half t */
@@ -207,7 +203,8 @@ static void read_input(const struct norms *x, const struct node *n, struct inter
 			lower[x->inputs[i].lane] = upper[x->inputs[i].lane] = half;
 }
 
-static struct interval narrow_value(const struct dag *d, const struct node *n, struct interval a, const struct interval *const *rows)
+static struct interval narrow_value(
+	const struct dag *d, const struct node *n, struct interval a, const struct interval *const *rows)
 {
 	switch (n->op) {
 	case OP_CONST:
@@ -224,7 +221,8 @@ static struct interval narrow_value(const struct dag *d, const struct node *n, s
 }
 
 /* A value of one lane, made of such. */
-static struct interval narrow(const struct norms *x, const struct node *n, const struct norms_values *v, const struct interval *const *rows)
+static struct interval narrow(
+	const struct norms *x, const struct node *n, const struct norms_values *v, const struct interval *const *rows)
 {
 	struct interval a = first(value_at(x, v, op_arity[n->op] > 0 ? n->arg[0].i : 0));
 	struct interval b = first(value_at(x, v, op_arity[n->op] > 1 ? n->arg[1].i : 0));
@@ -248,7 +246,8 @@ static void evaluate(const struct norms *x, uint32_t i, const struct interval *c
 	const struct node *n = &x->d->nodes[i];
 	size_t count = x->lanes;
 	double *lower = v->bounds + x->at[i], *upper = lower + count, room[2][2][MOST_LANES];
-	struct lanes a = value_at(x, v, op_arity[n->op] > 0 ? n->arg[0].i : 0), b = value_at(x, v, op_arity[n->op] > 1 ? n->arg[1].i : 0);
+	struct lanes a = value_at(x, v, op_arity[n->op] > 0 ? n->arg[0].i : 0),
+		     b = value_at(x, v, op_arity[n->op] > 1 ? n->arg[1].i : 0);
 
 	switch (n->op) {
 	case OP_NEG:
@@ -303,7 +302,8 @@ static double narrow_norm(const struct norms *x, const struct norms_set *s, cons
 	}
 	least = sqrt(sum) * (1 + 0x1p-48) + DBL_MIN;
 	if (s->one)
-		least = interval_least(least, (v->norm[x->set_at[s->one - 1]] + (s->other ? v->norm[x->set_at[s->other - 1]] : 0)) * (1 + 0x1p-48));
+		least = interval_least(least, (1 + 0x1p-48) *
+			(v->norm[x->set_at[s->one - 1]] + (s->other ? v->norm[x->set_at[s->other - 1]] : 0)));
 	return least;
 }
 
@@ -332,7 +332,8 @@ static void evaluate_set(const struct norms *x, uint32_t k, struct norms_values 
 		take_least(n, room[2], norm);
 	}
 	if (s->one) {
-		const double *one = norm_at(x, v, s->one, is_wide, room[0]), *other = s->other ? norm_at(x, v, s->other, is_wide, room[1]) : ZERO;
+		const double *one = norm_at(x, v, s->one, is_wide, room[0]),
+			     *other = s->other ? norm_at(x, v, s->other, is_wide, room[1]) : ZERO;
 
 		add(n, ZERO, one, ZERO, other, room[2], room[2]);
 		take_least(n, room[2], norm);

@@ -54,11 +54,13 @@ static double share(double off, double size)
 	return size > 0 ? off / size : 0;
 }
 
-int accuracy_measure(struct accuracy *x, const struct dag *d, const struct drawn *inputs, const real *reference, struct arena *spare)
+int accuracy_measure(
+	struct accuracy *x, const struct dag *d, const struct drawn *inputs, const real *reference, struct arena *spare)
 {
 	int rows = rows_of(d);
 	/* of one sample; by row, summed squares */
-	double *tau = arena_alloc(spare, 3 * (size_t)rows, sizeof *tau), *offs = tau ? tau + rows : NULL, *sizes = tau ? offs + rows : NULL;
+	double *tau = arena_alloc(spare, 3 * (size_t)rows, sizeof *tau), *offs = tau ? tau + rows : NULL,
+	       *sizes = tau ? offs + rows : NULL;
 
 	*x = (struct accuracy){0};
 	for (size_t s = 0; s < inputs->samples; s++, reference += rows) {

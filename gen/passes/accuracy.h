@@ -14,6 +14,7 @@ struct accuracy {
 real *accuracy_reference(const struct dag *d, const struct drawn *inputs, struct arena *a);
 
 /* Of such a DAG in double, beside that of the same robot. Returns 0 when memory runs out. */
-int accuracy_measure(struct accuracy *x, const struct dag *d, const struct drawn *inputs, const real *reference, struct arena *spare);
+int accuracy_measure(struct accuracy *x, const struct dag *d, const struct drawn *inputs, const real *reference,
+	struct arena *spare);
 
 #endif

@@ -58,8 +58,8 @@ static int is_child(const struct listing *x, int i)
 	return x->now->bodies[i].parent == x->body;
 }
 
-/* Half the angle of (u, v), and 45 degrees more: cos^2 = (1 + u)/2, sin^2 = (1 - u)/2, 2 sin cos = v for a unit vector; the root is
-   taken of the larger. */
+/* Half the angle of (u, v), and 45 degrees more: cos^2 = (1 + u)/2, sin^2 = (1 - u)/2, 2 sin cos = v for a unit vector;
+   the root is taken of the larger. */
 static void list_half(const struct listing *x, struct within u, struct within v)
 {
 	struct within root = within_sqrt(within_exact(0.5L)), larger, other;

@@ -11,8 +11,9 @@ struct frames {
 	int count;
 };
 
-/* Turns about the axis: with the x-axis along the common normal to the axis of a child or the parent, along what stands across the axis
-   of the first moment, of children's origins and of the inertia. Each as part of the joint's placement, and of its angle. */
+/* Turns about the axis: with the x-axis along the common normal to the axis of a child or the parent, along what stands
+   across the axis of the first moment, of children's origins and of the inertia. Each as part of the joint's placement,
+   and of its angle. */
 void frames_turned(struct frames *f, const struct tree *now, const struct restatement *by, int body);
 
 /* The same frame, with more or less of the turn added to the joint's angle. */

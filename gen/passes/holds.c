@@ -65,7 +65,8 @@ static int tried(int count, long flops)
 }
 
 /* From all merged on, and, where that is dearer than all bodies, from there on. */
-static enum rneagen_code choose(const struct trials *k, const int *held, int held_count, const int *candidates, int count, int *best)
+static enum rneagen_code choose(
+	const struct trials *k, const int *held, int held_count, const int *candidates, int count, int *best)
 {
 	long merged = cost(k), bodies;
 

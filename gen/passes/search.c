@@ -6,8 +6,9 @@
 #include <limits.h>
 #include <math.h>
 
-/* Sweeps over all bodies; how far a frame may be from its link, in longest distances between joints; bodies times operations, beyond
-   which frames stay where they are, since trying others takes long; how far off torques may be, in what they are off as the tree is. */
+/* Sweeps over all bodies; how far a frame may be from its link, in longest distances between joints; bodies times
+   operations, beyond which frames stay where they are, since trying others takes long; how far off torques may be, in
+   what they are off as the tree is. */
 enum { SWEEPS = 4, FARTHEST = 2, WORK = 1500000 };
 static const double WORST = 1.2;
 /* How far a frame may be from where the file's decimals have it, in radians, or longest distances. */
@@ -237,7 +238,8 @@ static int alloc(struct search *s)
 	return s->waits && measure(s) && tree_restate(&s->now, s->t, s->by, &s->of_now);
 }
 
-/* Each body regrouped so, where it may be, in the frame that it has; then all that is cheaper. Returns 0 where that is not accurate. */
+/* Each body regrouped so, where it may be, in the frame that it has; then all that is cheaper. Returns 0 where that is
+   not accurate. */
 static int run(struct search *s, enum regroup how)
 {
 	int waiting = s->t->body_count * s->least <= WORK;

@@ -4,8 +4,8 @@
 
 #include "plan/limbs.h"
 
-/* Make the limbs of passes that one kernel runs side by side, with the same number of warps, as the options ask for, or where that
-   pays; what the kernel needs to know of all is in the limbs of each. Returns 0 when memory runs out. */
+/* Make the limbs of passes that one kernel runs side by side, with the same number of warps, as the options ask for, or
+   where that pays; what the kernel needs to know of all is in the limbs of each. Returns 0 when memory runs out. */
 int limbs_choose(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a);
 
 #endif

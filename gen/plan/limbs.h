@@ -11,9 +11,9 @@ struct limbs_limits {
 	unsigned join;     /* what it costs to wait for all warps, in operations */
 };
 
-/* Share out the plan so that the longest warp is short, where that takes less than the whole by a tenth; s->warps is 0 where it does not. Inputs are
-   read, and cheap values made, by each warp that takes them; what one makes in a phase and another takes in a later one goes across in
-   a slot of memory. Returns 0 when memory runs out. */
+/* Share out the plan so that the longest warp is short, where that takes less than the whole by a tenth; s->warps is 0
+   where it does not. Inputs are read, and cheap values made, by each warp that takes them; what one makes in a phase
+   and another takes in a later one goes across in a slot of memory. Returns 0 when memory runs out. */
 int limbs_make(struct limbs *s, const struct plan *p, const struct limbs_limits *limits, struct arena *a);
 
 /* A line for each warp and phase of the pass. */

@@ -1,13 +1,14 @@
-/* Another order of the lines, in which fewer values wait. What a sweep over the whole DAG makes, a vjp above all, comes after all that
-   it reads: nearly every value of the tour would wait for it. Here the rows of the last joints come first, each with what it takes and
-   nothing else, and a line is written as soon as no more values wait after it than before. */
+/* Another order of the lines, in which fewer values wait. What a sweep over the whole DAG makes, a vjp above all, comes
+   after all that it reads: nearly every value of the tour would wait for it. Here the rows of the last joints come
+   first, each with what it takes and nothing else, and a line is written as soon as no more values wait after it than
+   before. */
 #include "plan/readings.h"
 #include <string.h>
 
-/* An order is taken in which this much of the values wait, summed over the lines, and in which those that wait at once have room in
-   registers or are this much of the DAG's own. H100, 1 M samples, ps, old and new: tau and vjp of atlas 555, 396, of g1_29dof 790, 422,
-   in f64 19400, 3110; qdd with gradients of hyq 263, 213, f64 540, 491. What is left out: Minv of atlas in f64, 174 of 232 at once,
-   1508, 2910; qdd of g1_29dof, 247 of 238, 329, 344. */
+/* An order is taken in which this much of the values wait, summed over the lines, and in which those that wait at once
+   have room in registers or are this much of the DAG's own. H100, 1 M samples, ps, old and new: tau and vjp of atlas
+   555, 396, of g1_29dof 790, 422, in f64 19400, 3110; qdd with gradients of hyq 263, 213, f64 540, 491. What is left
+   out: Minv of atlas in f64, 174 of 232 at once, 1508, 2910; qdd of g1_29dof, 247 of 238, 329, 344. */
 static const double FEWER_IN_ALL = 0.8, FEWER_AT_ONCE = 0.6;
 enum { ROOM_SINGLE = 230, ROOM_DOUBLE = 110 };
 

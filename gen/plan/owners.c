@@ -63,7 +63,8 @@ int owners_matrix(const struct request *k)
 	return 0;
 }
 
-static void own_want(struct owners *x, const struct dag *d, const struct tree *t, const struct want *w, int dense, struct arena *a)
+static void own_want(
+	struct owners *x, const struct dag *d, const struct tree *t, const struct want *w, int dense, struct arena *a)
 {
 	int *body = arena_alloc(a, (size_t)w->rows, sizeof *body), argument = dag_find_argument(d, w->argument);
 

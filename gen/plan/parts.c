@@ -91,8 +91,9 @@ static int fullness_of(struct splitter *s, int first, int end)
 	return most < MOST ? (int)most : MOST;
 }
 
-/* The same of texts of forward dynamics, which are longer. H100, qdd and both gradients in f32, 1 M samples, ns measured and in
-   brackets what this says of it, in all: floating hyq in 1 and 3 parts 4.1 2.9 (3.8 2.8), atlas in 1 and 4 parts 8.8 7.3 (9.0 7.3). */
+/* The same of texts of forward dynamics, which are longer. H100, qdd and both gradients in f32, 1 M samples, ns
+   measured and in brackets what this says of it, in all: floating hyq in 1 and 3 parts 4.1 2.9 (3.8 2.8), atlas in 1
+   and 4 parts 8.8 7.3 (9.0 7.3). */
 static double forward_loss_of(const struct splitter *s, const struct size *z)
 {
 	double longer = (z->operations - OPERATIONS) / 8000.0, more = (double)z->alive / most_alive(s) - 1;

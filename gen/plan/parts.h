@@ -14,8 +14,8 @@ struct part {
 	struct pass pass;
 };
 
-/* In the order of the bodies, as the options ask for; *count is 0 where the text stays whole, as one without kernels does. `raw` is the whole as the
-   algorithm made it. Errors: USAGE, MEMORY. */
+/* In the order of the bodies, as the options ask for; *count is 0 where the text stays whole, as one without kernels
+   does. `raw` is the whole as the algorithm made it. Errors: USAGE, MEMORY. */
 enum rneagen_code parts_make(struct part **parts, int *count, const struct pass *whole, const struct dag *raw,
 	const struct tree *t, const struct request *k, const struct rneagen_options *o, int has_kernels, struct arena *a,
 	struct rneagen_error *e);

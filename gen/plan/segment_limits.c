@@ -3,20 +3,22 @@
 #include "plan/stage.h"
 #include <limits.h>
 
-/* Loops on a processor. Segments of 400 to 1600 operations are as fast, within 4 %: batches of atlas take 0.89 to 0.93 of the time of the
-   whole, of yumi 0.93 to 0.99; one call 0.89, and 0.85. gcc 12 at -O3 takes a sixth of the time for both. Shorter ones compile faster:
-   jvrc1 with 400 takes half the time of 800. */
+/* Loops on a processor. Segments of 400 to 1600 operations are as fast, within 4 %: batches of atlas take 0.89 to 0.93
+   of the time of the whole, of yumi 0.93 to 0.99; one call 0.89, and 0.85. gcc 12 at -O3 takes a sixth of the time for
+   both. Shorter ones compile faster: jvrc1 with 400 takes half the time of 800. */
 enum { LOOP_LEAST = 980, LOOP_OPERATIONS = 500, LOOP_OVERHEAD = 8 };
 
-/* Kernels (H100, 1 M samples, ps). f32: g1_brainco, 5700 operations in 2 segments, 643 instead of 1256; what the instruction cache holds
-   is better whole: atlas 204 instead of 189, romeo 205 instead of 197. f64, where registers spill: jvrc1 515 instead of 653, romeo 526
-   instead of 574, g1_brainco 2487 instead of 3743; but not where the slice has room in shared memory: g1_29dof 540 instead of 438.
-   All with --trig bounded. Accelerations: f32 of atlas 422 instead of 312; f64 1963 instead of 2553 (103 values across, in locals), but
-   not where more goes across: g1_29dof 2971 instead of 3284 with 166, floating atlas 4789 instead of 3767 with 177. The torques with
-   their vjp in f64: atlas 1783 instead of 3073, jvrc1 3897 instead of 6579, floating hyq 1129 instead of 1737; but in f32 g1_29dof 594
-   instead of 438. */
-enum { KERNEL_LEAST_SINGLE = 5000, KERNEL_LEAST_DOUBLE = 2500, KERNEL_LONG = 5000, KERNEL_OPERATIONS = 1500, KERNEL_LONG_OPERATIONS = 6000,
-	FORWARD_OPERATIONS = 5000, FORWARD_ACROSS = 170, KERNEL_PRODUCT = 3500, PRODUCT_OPERATIONS = 2500 };
+/* Kernels (H100, 1 M samples, ps). f32: g1_brainco, 5700 operations in 2 segments, 643 instead of 1256; what the
+   instruction cache holds is better whole: atlas 204 instead of 189, romeo 205 instead of 197. f64, where registers
+   spill: jvrc1 515 instead of 653, romeo 526 instead of 574, g1_brainco 2487 instead of 3743; but not where the slice
+   has room in shared memory: g1_29dof 540 instead of 438. All with --trig bounded. Accelerations: f32 of atlas 422
+   instead of 312; f64 1963 instead of 2553 (103 values across, in locals), but not where more goes across: g1_29dof
+   2971 instead of 3284 with 166, floating atlas 4789 instead of 3767 with 177. The torques with their vjp in f64: atlas
+   1783 instead of 3073, jvrc1 3897 instead of 6579, floating hyq 1129 instead of 1737; but in f32 g1_29dof 594 instead
+   of 438. */
+enum { KERNEL_LEAST_SINGLE = 5000, KERNEL_LEAST_DOUBLE = 2500, KERNEL_LONG = 5000, KERNEL_OPERATIONS = 1500,
+	KERNEL_LONG_OPERATIONS = 6000, FORWARD_OPERATIONS = 5000, FORWARD_ACROSS = 170, KERNEL_PRODUCT = 3500,
+	PRODUCT_OPERATIONS = 2500 };
 
 /* Bytes that a block's own shared memory has for each of two samples of 64, or 32, threads; rows that it stages instead. */
 enum { ROOM_SINGLE = SHARED_BYTES / (2 * 64), ROOM_DOUBLE = SHARED_BYTES / (2 * 32), STAGED_ROWS = 96 };
@@ -44,7 +46,8 @@ static int is_product(const struct request *k)
 	return !k->is_forward && !request_wants(k, WANT_DTAU_DFREED) && (request_wants(k, WANT_JVP) || request_wants(k, WANT_VJP));
 }
 
-static struct segment_limits kernel_limits(const struct pass *p, unsigned flops, const struct request *k, const struct rneagen_options *o)
+static struct segment_limits kernel_limits(
+	const struct pass *p, unsigned flops, const struct request *k, const struct rneagen_options *o)
 {
 	struct segment_limits none = {0};
 	int is_single = o->precision == RNEAGEN_F32;
@@ -63,7 +66,8 @@ static struct segment_limits kernel_limits(const struct pass *p, unsigned flops,
 	return (struct segment_limits){flops > KERNEL_LONG ? KERNEL_LONG_OPERATIONS : KERNEL_OPERATIONS, 0, ROOM_DOUBLE / 8};
 }
 
-static struct segment_limits limits_for(const struct pass *p, enum segment_use use, const struct request *k, const struct rneagen_options *o)
+static struct segment_limits limits_for(
+	const struct pass *p, enum segment_use use, const struct request *k, const struct rneagen_options *o)
 {
 	unsigned flops = plan_flops(plan_operations(&p->plan));
 	struct segment_limits asked = {(unsigned)o->segments, 0, UINT_MAX};
@@ -73,7 +77,8 @@ static struct segment_limits limits_for(const struct pass *p, enum segment_use u
 	return use == SEGMENT_LOOPS ? loop_limits(flops) : kernel_limits(p, flops, k, o);
 }
 
-int segments_choose(struct pass *p, enum segment_use use, const struct request *k, const struct rneagen_options *o, struct arena *a)
+int segments_choose(
+	struct pass *p, enum segment_use use, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
 	struct segment_limits limits;
 

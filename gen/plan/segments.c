@@ -292,8 +292,8 @@ static void put_segment(const struct pass *p, int k, struct text *out)
 		fetched += lines->lines[i].kind == LINE_FETCH;
 		kept += lines->lines[i].kind == LINE_KEEP;
 	}
-	text_printf(out, "%s segment %d: %u lines, %d values fetched, %d kept\n", p->algorithm->name, k, (unsigned)lines->line_count, fetched,
-		kept);
+	text_printf(out, "%s segment %d: %u lines, %d values fetched, %d kept\n", p->algorithm->name, k,
+		(unsigned)lines->line_count, fetched, kept);
 }
 
 void segments_dump(const struct pass *p, struct text *out)

@@ -12,8 +12,8 @@ struct segment_limits {
 	unsigned across;     /* values alive at a cut */
 };
 
-/* Cut where the fewest values are fetched and kept, within the limits as far as one line allows. Values of the plan's two types of
-   numbers have slots of their own. Returns 0 when memory runs out. */
+/* Cut where the fewest values are fetched and kept, within the limits as far as one line allows. Values of the plan's
+   two types of numbers have slots of their own. Returns 0 when memory runs out. */
 int segments_make(struct segments *s, const struct plan *p, const struct segment_limits *limits, struct arena *a);
 
 /* A line for each segment of the pass, or for the whole where there are none. */

@@ -270,7 +270,8 @@ static int array_count(const struct request *k)
 {
 	int directions = request_wants(k, WANT_JVP) ? 1 + k->by_count : 0;
 
-	return 3 + k->freed_count + k->push_count + directions + request_wants(k, WANT_VJP) + (k->stored_count ? k->stored_count : k->want_count);
+	return 3 + k->freed_count + k->push_count + directions + request_wants(k, WANT_VJP) +
+	       (k->stored_count ? k->stored_count : k->want_count);
 }
 
 static enum rneagen_code check_arrays(const struct resolver *x)
@@ -316,8 +317,8 @@ static int alloc(struct resolver *x)
 
 static int has_choice(const struct scene *s)
 {
-	static const enum scene_key keys[] = {SCENE_FOLD, SCENE_FREE, SCENE_WANT, SCENE_JVP, SCENE_VJP, SCENE_BY, SCENE_FEXT, SCENE_ARMATURE,
-		SCENE_DAMPING, SCENE_FRICTION};
+	static const enum scene_key keys[] = {SCENE_FOLD, SCENE_FREE, SCENE_WANT, SCENE_JVP, SCENE_VJP, SCENE_BY,
+		SCENE_FEXT, SCENE_ARMATURE, SCENE_DAMPING, SCENE_FRICTION};
 
 	for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
 		if (scene_next(s, keys[i], NULL))
@@ -335,7 +336,8 @@ static enum rneagen_code check_forward(const struct resolver *x)
 
 		if (stem && !strcmp(stem, x->k->is_forward ? "qdd" : "tau"))
 			return scene_refuse(x->s, c, x->e,
-				x->k->is_forward ? "qdd is found from q, qd and tau: leave it out" : "tau is an output here; where qdd is wanted, it is an input");
+				x->k->is_forward ? "qdd is found from q, qd and tau: leave it out"
+						 : "tau is an output here; where qdd is wanted, it is an input");
 	}
 	for (size_t i = 0; i < sizeof keys / sizeof *keys && x->k->is_forward; i++)
 		for (const struct scene_choice *c = NULL; (c = scene_next(x->s, keys[i], c));) {
@@ -358,8 +360,8 @@ static enum rneagen_code check_dynamics(const struct resolver *x)
 	return RNEAGEN_OK;
 }
 
-enum rneagen_code request_resolve(struct request *k, struct tree *t, const struct scene *s, const struct robot *r, struct arena *a,
-	struct rneagen_error *e)
+enum rneagen_code request_resolve(struct request *k, struct tree *t, const struct scene *s, const struct robot *r,
+	struct arena *a, struct rneagen_error *e)
 {
 	struct resolver x = {t, k, s, r, a, e};
 	const struct scene_choice *frame = scene_next(x.s, SCENE_FEXT_FRAME, NULL);
@@ -375,9 +377,11 @@ enum rneagen_code request_resolve(struct request *k, struct tree *t, const struc
 		x.k->dynamics = !strcmp(way->value, "factor") ? DYNAMICS_FACTOR : DYNAMICS_ARTICULATED;
 	x.k->in_world = frame && !strcmp(frame->value, "world");
 	request_forms(&x);
-	if (each(&x, SCENE_ADD_FRAME, request_add_frame) || each(&x, SCENE_FOLD, fold) || each(&x, SCENE_FREE, request_free) || each(&x, SCENE_FEXT, push) ||
-		each(&x, SCENE_ARMATURE, set_armature) || each(&x, SCENE_FRICTION, set_friction) || each(&x, SCENE_WANT, request_want) ||
-		request_products(&x) || check_arrays(&x) || each(&x, SCENE_RANGE, request_range))
+	if (each(&x, SCENE_ADD_FRAME, request_add_frame) || each(&x, SCENE_FOLD, fold) ||
+		each(&x, SCENE_FREE, request_free) || each(&x, SCENE_FEXT, push) ||
+		each(&x, SCENE_ARMATURE, set_armature) || each(&x, SCENE_FRICTION, set_friction) ||
+		each(&x, SCENE_WANT, request_want) || request_products(&x) || check_arrays(&x) ||
+		each(&x, SCENE_RANGE, request_range))
 		return e->code;
 	if (scene_next(x.s, SCENE_DAMPING, NULL))
 		set_dynamics(&x, x.k->damping, 0);

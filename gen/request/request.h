@@ -125,11 +125,12 @@ struct request {
 };
 
 /* What a scene asks of the tree that was made for it; gravity that it folds goes into the tree. Errors: SCENE, LIMIT, MEMORY. */
-enum rneagen_code request_resolve(struct request *k, struct tree *t, const struct scene *s, const struct robot *r, struct arena *a,
-	struct rneagen_error *e);
+enum rneagen_code request_resolve(struct request *k, struct tree *t, const struct scene *s, const struct robot *r,
+	struct arena *a, struct rneagen_error *e);
 
 /* What `refine` asks of a text of this precision, into a request that is resolved. Errors: SCENE. */
-enum rneagen_code request_refine(struct request *k, const struct scene *s, enum rneagen_precision precision, struct rneagen_error *e);
+enum rneagen_code request_refine(
+	struct request *k, const struct scene *s, enum rneagen_precision precision, struct rneagen_error *e);
 
 /* "f64", "f32x2"; "same". */
 const char *request_refine_name(enum refine refine);

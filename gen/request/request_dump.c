@@ -38,7 +38,10 @@ static void dump_own_terms(const char *what, const struct within *by_body, const
 void request_dump(const struct request *k, const struct tree *t, struct text *out)
 {
 	text_printf(out, "request of \"%s\": %s, gravity %.17Lg %.17Lg %.17Lg\n", t->robot,
-		k->is_plain ? "tau = ID(q, qd, qdd)" : k->is_forward ? "qdd = FD(q, qd, tau)" : "a scene's", t->gravity[0].x, t->gravity[1].x, t->gravity[2].x);
+		k->is_plain	? "tau = ID(q, qd, qdd)"
+		: k->is_forward ? "qdd = FD(q, qd, tau)"
+				: "a scene's",
+		t->gravity[0].x, t->gravity[1].x, t->gravity[2].x);
 	if (k->refine_steps)
 		text_printf(out, "steps of refinement: %d, residual in %s\n", k->refine_steps, request_refine_name(k->refine));
 	dump_given("q", k->q, t->nq, out);

@@ -33,8 +33,8 @@ const char *request_nearest_input(const struct resolver *x, const char *word);
 int request_find_link(const struct resolver *x, const struct scene_choice *c, const char *name);
 int request_find_body(const struct resolver *x, const struct scene_choice *c, const char *name);
 
-/* What may stand for a link: a link, a frame that the scene adds, or a joint, for its child link. Its body, and where it is in that
-   body's frame; an error that names the nearest where there is none. */
+/* What may stand for a link: a link, a frame that the scene adds, or a joint, for its child link. Its body, and where
+   it is in that body's frame; an error that names the nearest where there is none. */
 enum rneagen_code request_find_frame(const struct resolver *x, const struct scene_choice *c, const char *name, int *body,
 	struct placement *X);
 

@@ -78,7 +78,9 @@ static const char *find_numbers(const struct resolver *x, const struct scene_cho
 	link = first ? arena_string(x->a, c->value, (size_t)(first - c->value)) : NULL;
 	if (found == FRAME_NUMBERS && (at == first || !link || robot_link(x->r, link) < 0))
 		return at;
-	scene_refuse(x->s, c, x->e, "takes NAME=LINK,x,y,z,r,p,y, a link and six numbers, m and rad; '%.255s' has %d numbers", c->value, commas);
+	scene_refuse(x->s, c, x->e,
+		"takes NAME=LINK,x,y,z,r,p,y, a link and six numbers, m and rad; '%.255s' has %d numbers", c->value,
+		commas);
 	return NULL;
 }
 
@@ -88,7 +90,9 @@ static enum rneagen_code check_name(const struct resolver *x, const struct scene
 	const char *what = robot_link(x->r, c->name) >= 0 ? "link" : robot_joint(x->r, c->name) >= 0 ? "joint" :
 		find_added(x->k, c->name) >= 0 ? "frame" : NULL;
 
-	return what ? scene_refuse(x->s, c, x->e, "there is a %s '%.255s' already: give the frame another name", what, c->name) : RNEAGEN_OK;
+	return what ? scene_refuse(x->s, c, x->e, "there is a %s '%.255s' already: give the frame another name", what,
+			      c->name)
+		    : RNEAGEN_OK;
 }
 
 /* Without the blanks around it, unless the robot has a link with them. */

@@ -4,17 +4,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum kind { KIND_Q, KIND_QD, KIND_QDD, KIND_TAU, KIND_Q_OF, KIND_QD_OF, KIND_QDD_OF, KIND_TAU_OF, KIND_GRAVITY, KIND_MASS, KIND_INERTIA, KIND_PAYLOAD,
-	KIND_OFFSET, KIND_FEXT, KIND_JVP, KIND_VJP };
+enum kind { KIND_Q, KIND_QD, KIND_QDD, KIND_TAU, KIND_Q_OF, KIND_QD_OF, KIND_QDD_OF, KIND_TAU_OF, KIND_GRAVITY,
+	KIND_MASS, KIND_INERTIA, KIND_PAYLOAD, KIND_OFFSET, KIND_FEXT, KIND_JVP, KIND_VJP };
 
-static const struct kind_word KINDS[] = {[KIND_Q] = {"q", 0}, [KIND_QD] = {"qd", 0}, [KIND_QDD] = {"qdd", 0}, [KIND_TAU] = {"tau", 0},
-	[KIND_Q_OF] = {"q", 1}, [KIND_QD_OF] = {"qd", 1}, [KIND_QDD_OF] = {"qdd", 1}, [KIND_TAU_OF] = {"tau", 1}, [KIND_GRAVITY] = {"gravity", 0},
-	[KIND_MASS] = {"mass", 1}, [KIND_INERTIA] = {"inertia", 1}, [KIND_PAYLOAD] = {"payload", 1}, [KIND_OFFSET] = {"offset", 1},
+static const struct kind_word KINDS[] = {[KIND_Q] = {"q", 0}, [KIND_QD] = {"qd", 0}, [KIND_QDD] = {"qdd", 0},
+	[KIND_TAU] = {"tau", 0}, [KIND_Q_OF] = {"q", 1}, [KIND_QD_OF] = {"qd", 1}, [KIND_QDD_OF] = {"qdd", 1},
+	[KIND_TAU_OF] = {"tau", 1}, [KIND_GRAVITY] = {"gravity", 0}, [KIND_MASS] = {"mass", 1},
+	[KIND_INERTIA] = {"inertia", 1}, [KIND_PAYLOAD] = {"payload", 1}, [KIND_OFFSET] = {"offset", 1},
 	[KIND_FEXT] = {"fext", 1}, [KIND_JVP] = {"jvp_v", 0}, [KIND_VJP] = {"vjp_v", 0}};
 
 /* What makes an input of these. */
 static const char *const MAKERS[] = {[KIND_GRAVITY] = "--free", [KIND_MASS] = "--free", [KIND_INERTIA] = "--free",
-	[KIND_PAYLOAD] = "--free", [KIND_OFFSET] = "--free", [KIND_FEXT] = "--fext", [KIND_JVP] = "--want jvp", [KIND_VJP] = "--want vjp"};
+	[KIND_PAYLOAD] = "--free", [KIND_OFFSET] = "--free", [KIND_FEXT] = "--fext", [KIND_JVP] = "--want jvp",
+	[KIND_VJP] = "--want vjp"};
 
 /* "gravity[2]" without its row, which is returned; -1 where there is none. A joint or link may be called so itself. */
 static int split_row(const struct resolver *x, struct scene_choice *c)
@@ -32,7 +34,8 @@ static int split_row(const struct resolver *x, struct scene_choice *c)
 
 /* ---- which rows ---- */
 
-static enum rneagen_code find_states(const struct resolver *x, const struct scene_choice *c, enum kind kind, struct request_range *r)
+static enum rneagen_code find_states(
+	const struct resolver *x, const struct scene_choice *c, enum kind kind, struct request_range *r)
 {
 	const struct tree *t = x->t;
 	int is_q = kind == KIND_Q || kind == KIND_Q_OF, body;
@@ -67,7 +70,8 @@ static enum rneagen_code refuse_input(const struct resolver *x, const struct sce
 		kind < KIND_JVP ? " " : "", kind < KIND_JVP ? what : "");
 }
 
-static enum rneagen_code find_other(const struct resolver *x, const struct scene_choice *c, enum kind kind, struct request_range *r)
+static enum rneagen_code find_other(
+	const struct resolver *x, const struct scene_choice *c, enum kind kind, struct request_range *r)
 {
 	const struct request *k = x->k;
 
@@ -93,10 +97,12 @@ static int is_rotation(const struct tree *t, int row)
 	return 0;
 }
 
-static enum rneagen_code take_row(const struct resolver *x, const struct scene_choice *c, enum kind kind, int row, struct request_range *r)
+static enum rneagen_code take_row(
+	const struct resolver *x, const struct scene_choice *c, enum kind kind, int row, struct request_range *r)
 {
 	if (kind == KIND_INERTIA || kind == KIND_PAYLOAD)
-		return scene_refuse(x->s, c, x->e, "ten numbers that no body has apart are drawn together: the range of '%.255s' is that of its mass, kg",
+		return scene_refuse(x->s, c, x->e,
+			"ten numbers that no body has apart are drawn together: the range of '%.255s' is that of its mass, kg",
 			c->name);
 	if (row >= r->count)
 		return scene_refuse(x->s, c, x->e, "'%.255s' has no row %d: the last is %d", c->name, row, r->count - 1);
@@ -104,7 +110,8 @@ static enum rneagen_code take_row(const struct resolver *x, const struct scene_c
 	r->count = 1;
 	r->level = REQUEST_RANGE_LEVELS - 1;
 	if ((kind == KIND_Q || kind == KIND_Q_OF) && is_rotation(x->t, r->first))
-		return scene_refuse(x->s, c, x->e, "row %d of '%.255s' is of a quaternion, which is drawn over all orientations: leave it out", row,
+		return scene_refuse(x->s, c, x->e,
+			"row %d of '%.255s' is of a quaternion, which is drawn over all orientations: leave it out", row,
 			c->name);
 	return RNEAGEN_OK;
 }
@@ -118,7 +125,8 @@ static int is_given(const struct resolver *x, enum kind kind, const struct reque
 	return kind <= KIND_TAU_OF && request_has_all(rows[kind % KIND_Q_OF] + r->first, r->count);
 }
 
-static enum rneagen_code check(const struct resolver *x, const struct scene_choice *c, enum kind kind, const struct request_range *r)
+static enum rneagen_code check(
+	const struct resolver *x, const struct scene_choice *c, enum kind kind, const struct request_range *r)
 {
 	if (is_given(x, kind, r))
 		return scene_refuse(x->s, c, x->e, "'%.255s' is given by --fold, and nothing of it is drawn: leave one of them out", c->name);

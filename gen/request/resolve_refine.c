@@ -35,7 +35,8 @@ static int is_own(enum refine type, enum rneagen_precision precision)
 	return type == REFINE_F64 ? precision == RNEAGEN_F64 || precision == RNEAGEN_MIXED : precision == RNEAGEN_F32X2;
 }
 
-enum rneagen_code request_refine(struct request *k, const struct scene *s, enum rneagen_precision precision, struct rneagen_error *e)
+enum rneagen_code request_refine(
+	struct request *k, const struct scene *s, enum rneagen_precision precision, struct rneagen_error *e)
 {
 	const struct scene_choice *c = scene_next(s, SCENE_REFINE, NULL);
 	int is_float = precision == RNEAGEN_F32 || precision == RNEAGEN_PRECISION_DEFAULT, steps, named;
@@ -48,7 +49,8 @@ enum rneagen_code request_refine(struct request *k, const struct scene *s, enum 
 	if (steps && !k->is_forward)
 		return scene_refuse(s, c, e, "no qdd is found here that could be refined: take --want qdd, or leave it out");
 	if (steps && scene_next(s, SCENE_DROP_BELOW, NULL))
-		return scene_refuse(s, c, e, "refinement makes good what drop-below leaves out, so that no term is felt: leave one of the two out");
+		return scene_refuse(s, c, e,
+			"refinement makes good what drop-below leaves out, so that no term is felt: leave one of the two out");
 	if (named == NAME_COUNT)
 		named = is_float ? REFINE_F64 : REFINE_SAME;
 	if (!is_float && !is_own((enum refine)named, precision))

@@ -19,7 +19,8 @@ static enum rneagen_code want_by_freed(const struct resolver *x, const struct sc
 		}
 	if (!strcmp(freed, "qdd"))
 		return scene_refuse(x->s, c, x->e, "the derivative by qdd is the mass matrix: want M");
-	return scene_refuse(x->s, c, x->e, "'%.255s' is not free: no derivative by it; there is dtau_dq, dtau_dqd, and dtau_dNAME for what --free names",
+	return scene_refuse(x->s, c, x->e,
+		"'%.255s' is not free: no derivative by it; there is dtau_dq, dtau_dqd, and dtau_dNAME for what --free names",
 		freed);
 }
 

@@ -90,8 +90,9 @@ static enum rneagen_code refuse_word(const struct reader *r, const char *word, s
 	if (!copy)
 		return error_memory(r->e);
 	meant = nearest_name(copy, WORDS, SCENE_KEY_COUNT, sizeof *WORDS);
-	return error_set(r->e, RNEAGEN_SCENE, "%s: scene line %d: '%.255s' is not known%s%s%s", r->s->file, r->told ? r->told : r->line, copy,
-		meant ? "; did you mean '" : "", meant ? meant : "", meant ? "'?" : "");
+	return error_set(r->e, RNEAGEN_SCENE, "%s: scene line %d: '%.255s' is not known%s%s%s", r->s->file,
+		r->told ? r->told : r->line, copy, meant ? "; did you mean '" : "", meant ? meant : "",
+		meant ? "'?" : "");
 }
 
 /* NAME=VALUE at the last =; of a frame that is added at the first, since its value has a link's name. */

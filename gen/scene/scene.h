@@ -56,8 +56,8 @@ enum scene_key {
 	SCENE_KEY_COUNT
 };
 
-/* NAMES: commas between them, unless the whole is one name; PAIR: NAME=VALUE, split at the last =, of ADD_FRAME at the first; FREED: names, each of
-   which may end in :sample or :batch; VALUE: given at most once */
+/* NAMES: commas between them, unless the whole is one name; PAIR: NAME=VALUE, split at the last =, of ADD_FRAME at the
+   first; FREED: names, each of which may end in :sample or :batch; VALUE: given at most once */
 enum scene_kind { SCENE_NAME, SCENE_NAMES, SCENE_PAIR, SCENE_FREED, SCENE_VALUE };
 
 struct scene_choice {

@@ -238,7 +238,8 @@ static enum rneagen_code walk(struct selection *c, const struct robot *r, struct
 	}
 }
 
-static enum rneagen_code check_locks(const struct selection *c, const struct scene *s, const struct robot *r, struct rneagen_error *e)
+static enum rneagen_code check_locks(
+	const struct selection *c, const struct scene *s, const struct robot *r, struct rneagen_error *e)
 {
 	for (const struct scene_choice *lock = NULL; (lock = scene_next(s, SCENE_LOCK, lock)) != NULL;) {
 		int j = scene_joint(s, lock, r, lock->name, e), counts = 0;

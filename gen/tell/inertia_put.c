@@ -23,8 +23,9 @@ void inertia_put_json(const struct analysis *a, struct text *out)
 		out->failed = 1;
 		return;
 	}
-	text_put(out, "  \"inertial_parameters\": {\n    \"order\": [\"m\", \"hx\", \"hy\", \"hz\", \"Ixx\", \"Ixy\", \"Ixz\", \"Iyy\", \"Iyz\", "
-		      "\"Izz\"],\n    \"bodies\": [");
+	text_put(out,
+		"  \"inertial_parameters\": {\n    \"order\": [\"m\", \"hx\", \"hy\", \"hz\", \"Ixx\", \"Ixy\", \"Ixz\", \"Iyy\", \"Iyz\", "
+		"\"Izz\"],\n    \"bodies\": [");
 	for (int i = 0; i < x.count; i++) {
 		const struct body *k = &t->bodies[x.body[i]];
 		struct inertia I = lumps_inertia(&x, t, i);

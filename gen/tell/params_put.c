@@ -24,8 +24,9 @@ void params_put_comment(const struct analysis *a, struct text *out)
 	if (p->is_auto)
 		text_printf(out, " * Parameters: %s, of urdf with %ld flops and base with %ld.\n", word(p), p->flops[0], p->flops[1]);
 	if (p->is_base)
-		text_put(out, " * Base parameters: what is named below is in frames of the text's own, and the inertia of a link is what the outputs\n"
-			      " * feel of it. What the functions take and write is in the URDF's frames.\n");
+		text_put(out,
+			" * Base parameters: what is named below is in frames of the text's own, and the inertia of a link is what the outputs\n"
+			" * feel of it. What the functions take and write is in the URDF's frames.\n");
 	if (p->is_base && a->request.is_plain && !a->options.only_rnea)
 		text_put(out, " * fpass and bpass are computed by the URDF's constants.\n");
 }

@@ -25,7 +25,8 @@ struct savings {
 	int count;         /* 0: there is no scene */
 };
 
-/* Of a scene that `now` is the plan of, in memory of a->arena. A range that inputs are drawn from chooses nothing. Errors: MEMORY. */
+/* Of a scene that `now` is the plan of, in memory of a->arena. A range that inputs are drawn from chooses nothing.
+   Errors: MEMORY. */
 enum rneagen_code saving_measure(struct savings *x, const struct analysis *a, const struct plan *now);
 
 /* Lines of --info, and a member of --info=json. */

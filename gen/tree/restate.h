@@ -26,8 +26,8 @@ int restate_floats(const struct body *k);
 /* A tree of its own bodies and links, restated by body from one as it was built. Returns 0 when memory runs out. */
 int tree_restate(struct tree *out, const struct tree *t, const struct restatement *by, struct arena *a);
 
-/* The same in two steps, for who tries many frames of one body: all that does not depend on it, and the rest. Both leave the links
-   where they are. */
+/* The same in two steps, for who tries many frames of one body: all that does not depend on it, and the rest. Both
+   leave the links where they are. */
 int tree_restate_around(struct tree *out, const struct tree *t, const struct restatement *by, int body, struct arena *a);
 int tree_restate_body(struct tree *out, const struct tree *around, const struct restatement *by, int body, struct arena *a);
 

@@ -16,7 +16,8 @@ static int find_joint(const struct tree_joint *joints, int count, const char *na
 }
 
 /* The length of the name that the list begins with: a name may have commas in it, so the longest that is not chosen yet. */
-static size_t name_length(const struct tree_joint *joints, int total, const struct tree_joint *chosen, int count, const char *list)
+static size_t name_length(
+	const struct tree_joint *joints, int total, const struct tree_joint *chosen, int count, const char *list)
 {
 	size_t longest = 0;
 

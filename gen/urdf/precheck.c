@@ -51,9 +51,10 @@ static void copy_value(struct text *t, const char *s)
 /* What urdfdom reads, of whatever element: it looks through all attributes of an element at each new one. */
 static int is_read(const char *attribute)
 {
-	static const char *const known[] = {"name", "version", "type", "link", "joint", "xyz", "rpy", "value", "ixx", "ixy", "ixz", "iyy",
-		"iyz", "izz", "effort", "velocity", "lower", "upper", "damping", "friction", "multiplier", "offset", "soft_lower_limit",
-		"soft_upper_limit", "k_position", "k_velocity", "reference_position", "rising", "falling"};
+	static const char *const known[] = {"name", "version", "type", "link", "joint", "xyz", "rpy", "value", "ixx",
+		"ixy", "ixz", "iyy", "iyz", "izz", "effort", "velocity", "lower", "upper", "damping", "friction",
+		"multiplier", "offset", "soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity",
+		"reference_position", "rising", "falling"};
 
 	for (size_t i = 0; i < sizeof known / sizeof *known; i++)
 		if (!strcmp(attribute, known[i]))

@@ -4,7 +4,8 @@
 
 #include "urdf/precheck.h"
 
-/* `o` lends the line numbers. Errors: MEMORY, NUMBER (negative mass, zero axis), MIMIC. A mimic on a fixed joint is dropped with a warning. */
+/* `o` lends the line numbers. Errors: MEMORY, NUMBER (negative mass, zero axis), MIMIC. A mimic on a fixed joint is
+   dropped with a warning. */
 enum rneagen_code robot_check(const struct outline *o, const struct diagnostic *p);
 
 #endif

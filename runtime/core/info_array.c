@@ -84,7 +84,8 @@ enum rnea_code info_matrix(struct parser *p)
 		if (other->argument == i)
 			return words_damaged(&p->w, "a second matrix of the name", name);
 	*m = (struct rnea_matrix){.argument = i, .row = p->row + p->element_count, .col = p->col + p->element_count};
-	if (words_number(&p->w, &m->rows, 1, INT_MAX) || words_number(&p->w, &m->cols, 1, INT_MAX) || words_choice(&p->w, &m->lower, "general", "lower"))
+	if (words_number(&p->w, &m->rows, 1, INT_MAX) || words_number(&p->w, &m->cols, 1, INT_MAX) ||
+		words_choice(&p->w, &m->lower, "general", "lower"))
 		return p->w.error->code;
 	p->matrix_count++;
 	f->matrix_count++;

@@ -13,6 +13,7 @@ unsigned info_old_bit(const char *kernel);
 /* Of the first of `functions`, which has been read, make the others that `kernels` names (0: there is no such line, and all
    may be there), and give arrays their roles. `arguments` are those of the first, with room for
    INFO_OLD_ARRAYS more. */
-void info_old_complete(struct rnea_info *info, struct rnea_function *functions, struct rnea_argument *arguments, unsigned kernels);
+void info_old_complete(
+	struct rnea_info *info, struct rnea_function *functions, struct rnea_argument *arguments, unsigned kernels);
 
 #endif

@@ -6,7 +6,8 @@
 #include "core/words.h"
 
 /* Who knows nothing of parts, or of functions, must not launch a text that has them: each was a version more. */
-enum { VERSION = 1, VERSION_PARTS = 2, VERSION_FUNCTIONS = 3, BLOCK_LIMIT = 1024, PARTS_LIMIT = 65535, STAGE_LIMIT = 48 << 10, SAMPLES_LIMIT = 32, LIMBS_LIMIT = 16, GROUPS_LIMIT = 4 };
+enum { VERSION = 1, VERSION_PARTS = 2, VERSION_FUNCTIONS = 3, BLOCK_LIMIT = 1024, PARTS_LIMIT = 65535,
+	STAGE_LIMIT = 48 << 10, SAMPLES_LIMIT = 32, LIMBS_LIMIT = 16, GROUPS_LIMIT = 4 };
 
 /* The keys that stand once: in the text; from KEY_OPERATIONS on for each function. */
 enum key {

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const keys[KEY_COUNT] = {
-	"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv", "nb", "block", "kernels", "operations", "parts", "stage", "segments", "limbs"};
+static const char *const keys[KEY_COUNT] = {"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv",
+	"nb", "block", "kernels", "operations", "parts", "stage", "segments", "limbs"};
 
 static enum rnea_code read_joint(struct parser *p)
 {
@@ -114,7 +114,8 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 /* A table of version 1 has no parts, and `arithmetic`, `stage` and `kernels` may be left out. */
 static int is_optional(const struct parser *p, enum key key)
 {
-	return key == KEY_ARITHMETIC || key == KEY_STAGE || key == KEY_SEGMENTS || key == KEY_LIMBS || key == KEY_KERNELS || (key == KEY_PARTS && p->version != VERSION_PARTS);
+	return key == KEY_ARITHMETIC || key == KEY_STAGE || key == KEY_SEGMENTS || key == KEY_LIMBS ||
+	       key == KEY_KERNELS || (key == KEY_PARTS && p->version != VERSION_PARTS);
 }
 
 /* Whether a key that has to be there is. */
@@ -150,8 +151,11 @@ static enum rnea_code finish_function(const struct parser *p)
 static void begin_function(struct parser *p, const char *name)
 {
 	p->f = &p->functions[p->info->function_count++];
-	*p->f = (struct rnea_function){
-		.name = name, .parts = 1, .most_samples = 1, .arguments = p->arguments + p->argument_count, .matrices = p->matrices + p->matrix_count};
+	*p->f = (struct rnea_function){.name = name,
+		.parts = 1,
+		.most_samples = 1,
+		.arguments = p->arguments + p->argument_count,
+		.matrices = p->matrices + p->matrix_count};
 	for (int i = KEY_OPERATIONS; i < KEY_COUNT; i++)
 		p->seen[i] = 0;
 }

@@ -185,8 +185,8 @@ enum rnea_code device_launch(const struct device *d, const struct device_kernel 
 enum rnea_code device_alloc(const struct device *d, size_t size, unsigned long long *address, struct rnea_error *e);
 enum rnea_code device_alloc_host(const struct device *d, size_t size, void **memory, struct rnea_error *e);
 
-/* Zero `size` bytes, in a stream. */
-enum rnea_code device_clear(
+/* Make `size` bytes numbers that are nan, of either precision, in a stream. */
+enum rnea_code device_fill_nan(
 	const struct device *d, unsigned long long address, size_t size, void *stream, struct rnea_error *e);
 void device_free(const struct device *d, unsigned long long address);
 void device_free_host(const struct device *d, void *memory);

@@ -1,7 +1,7 @@
 #ifndef RNEA_LIMBS_H
 #define RNEA_LIMBS_H
-/* The kernel of small batches: a program of its own, compiled beside the other kernels. A robot without it runs all the same: what
-   fails here is no failure of its opening, and the info then tells of no such kernel. */
+/* The kernel of small batches: a program of its own, compiled beside the other kernels. A robot without it runs all the
+   same: what fails here is no failure of its opening, and the info then tells of no such kernel. */
 
 #include "cuda/device.h"
 #include "cuda/image.h"

@@ -145,10 +145,11 @@ static enum rnea_code stage_make(const struct pipe_pool *pool, struct stage *s, 
 
 	if (s->stream)
 		return RNEA_OK;
-	/* cleared, because what is copied back has gaps between its arrays */
+	/* filled, because what is copied back has gaps between its arrays; with nan, so that an output which no kernel
+	   writes is seen */
 	if (!device_alloc_host(d, pool->stage_bytes, &locked, e) && !device_alloc(d, pool->stage_bytes, &s->device, e) &&
 		!device_stream(d, &s->stream, e))
-		device_clear(d, s->device, pool->stage_bytes, s->stream, e);
+		device_fill_nan(d, s->device, pool->stage_bytes, s->stream, e);
 	s->locked = locked;
 	if (e->code)
 		stage_free(d, s);

@@ -22,10 +22,10 @@ enum rnea_code device_alloc_host(const struct device *d, size_t size, void **mem
 	return device_failed(d, status, "cuMemAllocHost", e);
 }
 
-enum rnea_code device_clear(
+enum rnea_code device_fill_nan(
 	const struct device *d, unsigned long long address, size_t size, void *stream, struct rnea_error *e)
 {
-	int status = d->api.memset_d8_async(address, 0, size, stream);
+	int status = d->api.memset_d8_async(address, 0xff, size, stream);
 
 	return status ? device_failed(d, status, "cuMemsetD8Async", e) : RNEA_OK;
 }
@@ -70,53 +70,53 @@ static struct device_lines joined(const struct device_lines *l)
 	return j;
 }
 
-enum rnea_code device_copy_in(const struct device *d, const struct device_lines *l, void *stream, struct rnea_error *e)
+/* All lines by one call; in: to the device. */
+static int copy_plane(const struct device *d, const struct device_lines *l, int in, void *stream)
+{
+	const struct device_copy copy = {.from_type = in ? DEVICE_MEMORY_HOST : DEVICE_MEMORY_DEVICE,
+		.from_host = in ? l->host : NULL,
+		.from_device = in ? 0 : l->device,
+		.from_pitch = in ? l->host_pitch : l->width,
+		.to_type = in ? DEVICE_MEMORY_DEVICE : DEVICE_MEMORY_HOST,
+		.to_host = in ? NULL : l->host,
+		.to_device = in ? l->device : 0,
+		.to_pitch = in ? l->width : l->host_pitch,
+		.width = l->width,
+		.height = l->lines};
+
+	return d->api.memcpy_2d_async(&copy, stream);
+}
+
+static int copy_line(const struct device *d, const struct device_lines *l, size_t i, int in, void *stream)
+{
+	unsigned long long device = l->device + i * l->width;
+	char *host = (char *)l->host + i * l->host_pitch;
+
+	return in ? d->api.memcpy_htod_async(device, host, l->width, stream)
+		  : d->api.memcpy_dtoh_async(host, device, l->width, stream);
+}
+
+static enum rnea_code copy_lines(
+	const struct device *d, const struct device_lines *l, int in, void *stream, struct rnea_error *e)
 {
 	struct device_lines j = joined(l);
-	int status = 0;
+	int is_plane = j.lines > 1 && j.host_pitch <= INT_MAX; /* the driver takes no larger pitch */
+	int status = is_plane ? copy_plane(d, &j, in, stream) : 0;
 
-	if (j.lines > 1 && j.host_pitch <= INT_MAX) {
-		struct device_copy copy = {.from_type = DEVICE_MEMORY_HOST,
-			.from_host = j.host,
-			.from_pitch = j.host_pitch,
-			.to_type = DEVICE_MEMORY_DEVICE,
-			.to_device = j.device,
-			.to_pitch = j.width,
-			.width = j.width,
-			.height = j.lines};
+	for (size_t i = 0; i < j.lines && !is_plane && !status; i++)
+		status = copy_line(d, &j, i, in, stream);
+	return status ? device_failed(d, status, is_plane ? "cuMemcpy2DAsync" : in ? "cuMemcpyHtoDAsync" : "cuMemcpyDtoHAsync", e)
+		      : RNEA_OK;
+}
 
-		status = d->api.memcpy_2d_async(&copy, stream);
-		return status ? device_failed(d, status, "cuMemcpy2DAsync", e) : RNEA_OK;
-	}
-	/* the driver takes no larger pitch than that */
-	for (size_t i = 0; i < j.lines && !status; i++)
-		status = d->api.memcpy_htod_async(
-			j.device + i * j.width, (const char *)j.host + i * j.host_pitch, j.width, stream);
-	return status ? device_failed(d, status, "cuMemcpyHtoDAsync", e) : RNEA_OK;
+enum rnea_code device_copy_in(const struct device *d, const struct device_lines *l, void *stream, struct rnea_error *e)
+{
+	return copy_lines(d, l, 1, stream, e);
 }
 
 enum rnea_code device_copy_out(const struct device *d, const struct device_lines *l, void *stream, struct rnea_error *e)
 {
-	struct device_lines j = joined(l);
-	int status = 0;
-
-	if (j.lines > 1 && j.host_pitch <= INT_MAX) {
-		struct device_copy copy = {.from_type = DEVICE_MEMORY_DEVICE,
-			.from_device = j.device,
-			.from_pitch = j.width,
-			.to_type = DEVICE_MEMORY_HOST,
-			.to_host = j.host,
-			.to_pitch = j.host_pitch,
-			.width = j.width,
-			.height = j.lines};
-
-		status = d->api.memcpy_2d_async(&copy, stream);
-		return status ? device_failed(d, status, "cuMemcpy2DAsync", e) : RNEA_OK;
-	}
-	for (size_t i = 0; i < j.lines && !status; i++)
-		status = d->api.memcpy_dtoh_async(
-			(char *)j.host + i * j.host_pitch, j.device + i * j.width, j.width, stream);
-	return status ? device_failed(d, status, "cuMemcpyDtoHAsync", e) : RNEA_OK;
+	return copy_lines(d, l, 0, stream, e);
 }
 
 /* ---- streams ---- */

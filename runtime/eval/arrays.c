@@ -30,7 +30,8 @@ static int same_samples(const struct npy *a, const struct npy *b)
 		!memcmp(a->shape.size, b->shape.size, (a->shape.dimensions - 1) * sizeof *a->shape.size);
 }
 
-static enum rneagen_code open_input(struct eval_arrays *a, struct npy *n, const char *path, int per_batch, struct rneagen_error *e)
+static enum rneagen_code open_input(
+	struct eval_arrays *a, struct npy *n, const char *path, int per_batch, struct rneagen_error *e)
 {
 	char text[64], first[64];
 

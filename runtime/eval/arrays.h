@@ -38,7 +38,8 @@ int eval_is_read_by_sample(const struct eval_arrays *a, size_t i);
 /* Open what is to be read. *is_wide: double precision is among it. Errors: READ, MEMORY. */
 enum rneagen_code eval_open_inputs(struct eval_arrays *a, int *is_wide, struct rneagen_error *e);
 
-/* Once inputs are open: the outputs that are written, joined and single, in the order of the arrays, to `sinks`; returns how many. */
+/* Once inputs are open: the outputs that are written, joined and single, in the order of the arrays, to `sinks`;
+   returns how many. */
 size_t eval_sinks(struct eval_arrays *a, struct eval_sink *sinks[DAG_ARGUMENTS + 1]);
 
 /* Is everything read and written at places, in any order? Else the message says what is not. Error: USAGE. */
@@ -57,9 +58,9 @@ enum eval_begin {
 	EVAL_GO_ON, /* PATH.part is there and stays */
 };
 
-/* Begin the files that are written, in one process; write their headers there, and have the other processes know how long they are;
-   then open them in every process for the samples. Unless they stay, a signal removes also what another process has begun. Errors:
-   WRITE, LIMIT, MEMORY. */
+/* Begin the files that are written, in one process; write their headers there, and have the other processes know how
+   long they are; then open them in every process for the samples. Unless they stay, a signal removes also what another
+   process has begun. Errors: WRITE, LIMIT, MEMORY. */
 enum rneagen_code eval_open_outputs(struct eval_arrays *a, enum eval_begin begin, struct rneagen_error *e);
 enum rneagen_code eval_put_headers(struct eval_arrays *a, struct rneagen_error *e);
 enum rneagen_code eval_join_outputs(struct eval_arrays *a, struct ranks *r, int stays, struct rneagen_error *e);

@@ -1,7 +1,7 @@
 #ifndef RUNTIME_EVAL_CREW_H
 #define RUNTIME_EVAL_CREW_H
-/* The lanes of all ranks over the samples, in slices (slices.h). Each rank has a thread for each of its lanes, and its own thread, which
-   asks several times a second how far the others are. */
+/* The lanes of all ranks over the samples, in slices (slices.h). Each rank has a thread for each of its lanes, and its
+   own thread, which asks several times a second how far the others are. */
 
 #include "eval/lane.h"
 
@@ -22,8 +22,8 @@ struct eval_crew {
 	void *own;
 };
 
-/* All ranks end together: when all is done, or some time after a lane has failed. *e tells of a failure in this rank alone. Returns
-   whether all is done. Errors: those of eval_lane_open, eval_lane_do and rnea_open. */
+/* All ranks end together: when all is done, or some time after a lane has failed. *e tells of a failure in this rank
+   alone. Returns whether all is done. Errors: those of eval_lane_open, eval_lane_do and rnea_open. */
 int eval_crew_run(struct eval_crew *c, struct rneagen_error *e);
 
 #endif

@@ -16,8 +16,8 @@ struct eval_devices {
 /* The word of --device: all, or numbers by commas. 0; 2 and a message. */
 int eval_devices_take(struct eval_devices *d, const char *command, const char *word);
 
-/* From what the command line names to what this rank takes, one at least: named devices are shared out among the ranks of a machine;
-   where none is named each rank has its own, as far as there are. */
+/* From what the command line names to what this rank takes, one at least: named devices are shared out among the ranks
+   of a machine; where none is named each rank has its own, as far as there are. */
 void eval_devices_choose(struct eval_devices *d, enum rnea_backend backend, const struct ranks *r);
 
 #endif

@@ -38,12 +38,13 @@ struct eval {
 /* Take NAME=FILE: 0; 2 and a message. */
 int eval_take_pair(struct eval_words *w, const char *name, const char *option, const char *word);
 
-/* Note a file that is read, or written; NULL is none: -1, or the exit status and a message. What is written does not promise by its
-   name what is not in it. */
+/* Note a file that is read, or written; NULL is none: -1, or the exit status and a message. What is written does not
+   promise by its name what is not in it. */
 int eval_note_input(struct eval *v, const char *what, const char *path);
 int eval_note_output(struct eval *v, const char *what, const char *path);
 
-/* Paths for arrays; then, whether what must have a file has one, and what has none is told. -1, or the exit status and a message. */
+/* Paths for arrays; then, whether what must have a file has one, and what has none is told. -1, or the exit status and
+   a message. */
 int eval_name_files(struct eval *v);
 int eval_check_inputs(const struct eval *v);
 

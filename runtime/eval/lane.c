@@ -92,8 +92,8 @@ void eval_lane_close(struct eval_lane *l)
 
 /* ---- slices ---- */
 
-static enum rneagen_code read_file(
-	struct eval_lane *l, struct npy *n, uint64_t at, size_t count, const struct npy_part *parts, size_t part_count, struct rneagen_error *e)
+static enum rneagen_code read_file(struct eval_lane *l, struct npy *n, uint64_t at, size_t count,
+	const struct npy_part *parts, size_t part_count, struct rneagen_error *e)
 {
 	if (n->regular)
 		npy_seek(n, at);

@@ -1,7 +1,7 @@
 #ifndef RUNTIME_EVAL_LANE_H
 #define RUNTIME_EVAL_LANE_H
-/* A lane of rnearun eval: one robot on one device, with room for a slice of the samples, which it reads, computes and writes. Lanes
-   work side by side, each in a thread of its own. */
+/* A lane of rnearun eval: one robot on one device, with room for a slice of the samples, which it reads, computes and
+   writes. Lanes work side by side, each in a thread of its own. */
 
 #include "eval/arrays.h"
 
@@ -16,8 +16,8 @@ struct eval_lane {
 /* Samples of which all arrays together take about 64 MiB. */
 size_t eval_lane_slice(const struct eval_arrays *a);
 
-/* Make room, and fill what does not come from files of samples. The lane is zero before, and given to eval_lane_close in any case;
-   the robot remains the caller's. Errors: MEMORY, READ. */
+/* Make room, and fill what does not come from files of samples. The lane is zero before, and given to eval_lane_close
+   in any case; the robot remains the caller's. Errors: MEMORY, READ. */
 enum rneagen_code eval_lane_open(struct eval_lane *l, const struct eval_arrays *a, size_t slice, struct rneagen_error *e);
 void eval_lane_close(struct eval_lane *l);
 

@@ -80,7 +80,8 @@ enum rneagen_code eval_resume_describe(
 	struct eval_sink *sinks[DAG_ARGUMENTS + 1];
 	size_t count = eval_sinks(a, sinks);
 
-	text_printf(&r->made_of, "version " RNEAGEN_VERSION "\nrobot and scene %016" PRIx64 "\nsamples %" PRIu64 "\n", h, eval_samples(a));
+	text_printf(&r->made_of, "version " RNEAGEN_VERSION "\nrobot and scene %016" PRIx64 "\nsamples %" PRIu64 "\n",
+		h, eval_samples(a));
 	if (a->in)
 		describe_input(r, "--in", a->in, e);
 	for (size_t i = 0; i < a->s->count && !e->code; i++)
@@ -117,7 +118,9 @@ static enum rneagen_code check_parts(struct eval_resume *r, struct eval_arrays *
 
 	for (size_t i = 0; i < count; i++)
 		if (r->done && (uint64_t)part_size(sinks[i]->path, &r->arena) < r->done * sinks[i]->rows * eval_scalar_size(a))
-			return error_set(e, RNEAGEN_READ, "%s: %s.part is shorter than the %" PRIu64 " samples that it is to have; to begin anew remove %s",
+			return error_set(e, RNEAGEN_READ,
+				"%s: %s.part is shorter than the %" PRIu64
+				" samples that it is to have; to begin anew remove %s",
 				r->path, sinks[i]->path, r->done, r->path);
 	return RNEAGEN_OK;
 }

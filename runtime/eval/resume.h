@@ -1,7 +1,7 @@
 #ifndef RUNTIME_EVAL_RESUME_H
 #define RUNTIME_EVAL_RESUME_H
-/* The side file of --resume, OUT.resume: how many samples of OUT.part are complete, and what they were made of. A few lines of text; it is
-   gone when OUT is complete. */
+/* The side file of --resume, OUT.resume: how many samples of OUT.part are complete, and what they were made of. A few
+   lines of text; it is gone when OUT is complete. */
 
 #include "eval/arrays.h"
 #include "base/text.h"

@@ -1,7 +1,7 @@
 #ifndef RUNTIME_EVAL_SLICES_H
 #define RUNTIME_EVAL_SLICES_H
-/* Which samples each lane takes: slices of one size from the first sample to the end, slice i that of lane i modulo the number of lanes.
-   So what a slice has depends on no clock. */
+/* Which samples each lane takes: slices of one size from the first sample to the end, slice i that of lane i modulo the
+   number of lanes. So what a slice has depends on no clock. */
 
 #include <stddef.h>
 #include <stdint.h>
@@ -15,8 +15,8 @@ struct slices {
 /* Slices of `size` samples; 0: of at most `most`, and of so few that all lanes have about as many. */
 struct slices slices_plan(uint64_t first, uint64_t end, uint64_t lanes, size_t size, size_t most);
 
-/* The sample that a lane's first slice begins with; the one that its next slice begins with, after the slice that begins with `at`.
-   s->end: there is none. */
+/* The sample that a lane's first slice begins with; the one that its next slice begins with, after the slice that
+   begins with `at`. s->end: there is none. */
 uint64_t slices_begin(const struct slices *s, uint64_t lane);
 uint64_t slices_next(const struct slices *s, uint64_t at);
 

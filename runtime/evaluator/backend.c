@@ -83,8 +83,8 @@ static enum rnea_code read_info(const struct source *source, struct rnea_info *i
 
 /* ---- opening and running ---- */
 
-static enum rnea_code evaluator_open(void **state, const struct backend_request *r, struct rnea_info *info, struct rnea_build *build,
-	int *absent, struct rnea_error *e)
+static enum rnea_code evaluator_open(void **state, const struct backend_request *r, struct rnea_info *info,
+	struct rnea_build *build, int *absent, struct rnea_error *e)
 {
 	struct state *s = calloc(1, sizeof *s);
 

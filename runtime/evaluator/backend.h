@@ -1,6 +1,7 @@
 #ifndef RNEA_EVALUATOR_BACKEND_H
 #define RNEA_EVALUATOR_BACKEND_H
-/* The backend that compiles nothing: a text's table says what its main function takes, and the program's own function computes it. */
+/* The backend that compiles nothing: a text's table says what its main function takes, and the program's own function
+   computes it. */
 
 #include "core/backend.h"
 

@@ -24,7 +24,8 @@ static void host_backend_close(void *state)
 	free(s);
 }
 
-static enum rnea_code find_functions(struct state *s, const struct backend_request *r, struct rnea_info *info, struct rnea_error *e)
+static enum rnea_code find_functions(
+	struct state *s, const struct backend_request *r, struct rnea_info *info, struct rnea_error *e)
 {
 	if (!(s->functions = calloc(info->function_count, sizeof *s->functions)))
 		return rnea_error_memory(e);

@@ -39,7 +39,8 @@ static size_t size_of(const struct rnea_argument *a)
 	return a->scalar == RNEA_F64 ? sizeof(double) : sizeof(float);
 }
 
-static void turn(const struct rnea_argument *a, int is_output, char *array, char *turned, size_t first, size_t stride, size_t samples)
+static void turn(const struct rnea_argument *a, int is_output, char *array, char *turned, size_t first, size_t stride,
+	size_t samples)
 {
 	char *at = array + first * a->rows * size_of(a);
 
@@ -53,7 +54,8 @@ static void run_piece(void *job, size_t i)
 {
 	struct batch *b = job;
 	const struct rnea_function *f = b->table;
-	size_t first = i * PIECE, samples = b->count - first < PIECE ? b->count - first : PIECE, arrays = f->input_count + f->output_count;
+	size_t first = i * PIECE, samples = b->count - first < PIECE ? b->count - first : PIECE,
+	       arrays = f->input_count + f->output_count;
 	size_t used = 0, total = 0, stride = samples + PAD;
 	void *pointers[RNEA_ARGUMENT_LIMIT] = {NULL};
 	char *turned;
@@ -78,7 +80,8 @@ static void run_piece(void *job, size_t i)
 	free(turned);
 }
 
-int host_run_aos(const struct host *h, const struct host_function *f, const struct rnea_function *table, void *const *arrays, size_t count)
+int host_run_aos(const struct host *h, const struct host_function *f, const struct rnea_function *table,
+	void *const *arrays, size_t count)
 {
 	struct batch b = {.slice = f->slice, .table = table, .arrays = arrays, .count = count};
 	size_t pieces = count / PIECE + (count % PIECE != 0);

@@ -215,7 +215,8 @@ enum rneagen_code ranks_file_close(struct ranks_file *f, struct rneagen_error *e
 }
 
 /* Why a byte cannot be written: Open MPI tells of a full disk by a count that is too small, and MPICH of an error. */
-static enum rneagen_code fail_write(const struct ranks_file *f, int status, const void *byte, uint64_t at, struct rneagen_error *e)
+static enum rneagen_code fail_write(
+	const struct ranks_file *f, int status, const void *byte, uint64_t at, struct rneagen_error *e)
 {
 	int fd = open(f->path, O_WRONLY | O_CLOEXEC), fails = fd < 0 || pwrite(fd, byte, 1, (off_t)at) != 1, why = errno;
 
@@ -223,7 +224,8 @@ static enum rneagen_code fail_write(const struct ranks_file *f, int status, cons
 		close(fd);
 	if (!fails && status)
 		return fail(f->shown, status, e);
-	return error_set(e, RNEAGEN_WRITE, "%s: cannot be written: %s", f->shown, fails ? strerror(why) : "MPI-IO wrote less than it was given");
+	return error_set(e, RNEAGEN_WRITE, "%s: cannot be written: %s", f->shown,
+		fails ? strerror(why) : "MPI-IO wrote less than it was given");
 }
 
 static enum rneagen_code write_part(struct ranks_file *f, const char *bytes, int size, uint64_t at, struct rneagen_error *e)

@@ -19,8 +19,8 @@ struct ranks {
 	struct ranks_state *state; /* private */
 };
 
-/* Join the others. Of all but the first rank, what is printed to standard output is dropped, and what is printed to standard error
-   is kept back till ranks_agree. Returns 0 and a message where that fails. */
+/* Join the others. Of all but the first rank, what is printed to standard output is dropped, and what is printed to
+   standard error is kept back till ranks_agree. Returns 0 and a message where that fails. */
 int ranks_open(struct ranks *r, int *argc, char ***argv);
 
 /* Wait for all, and part. */
@@ -32,8 +32,8 @@ void ranks_gather(struct ranks *r, const void *mine, size_t size, void *all);
 /* Wait for the ranks of this machine. */
 void ranks_meet(struct ranks *r);
 
-/* Do all go on? Statuses are -1, to go on, or an exit status: the largest is every rank's. Of what ranks have printed to standard error
-   since the last time, that of the first which fails appears, and that of the first rank. */
+/* Do all go on? Statuses are -1, to go on, or an exit status: the largest is every rank's. Of what ranks have printed
+   to standard error since the last time, that of the first which fails appears, and that of the first rank. */
 int ranks_agree(struct ranks *r, int status);
 
 /* The value that the first rank has. */
@@ -43,8 +43,8 @@ uint64_t ranks_tell(struct ranks *r, uint64_t value);
 
 struct ranks_file;
 
-/* Open the file at `path`, which messages call `shown`; both outlive *f. It is there: one rank has made it. On failure *f is NULL.
-   Errors: WRITE, MEMORY. */
+/* Open the file at `path`, which messages call `shown`; both outlive *f. It is there: one rank has made it. On failure
+   *f is NULL. Errors: WRITE, MEMORY. */
 enum rneagen_code ranks_file_open(
 	struct ranks_file **f, struct ranks *r, const char *path, const char *shown, struct rneagen_error *e);
 

@@ -61,10 +61,12 @@ struct command_kind {
 int command_parse(
 	struct command *c, const struct command_kind *kind, void *own, struct ranks *ranks, int argc, char **argv);
 
-/* Of ranks of MPI, where the command line says nothing of it, each takes its share of the processors, and the GPU of its number. */
+/* Of ranks of MPI, where the command line says nothing of it, each takes its share of the processors, and the GPU of
+   its number. */
 void command_share(struct command *c);
 
-/* Do the files that are noted all have places of their own, and are they such as ranks can read? -1 to go on, or the exit status and a message. */
+/* Do the files that are noted all have places of their own, and are they such as ranks can read? -1 to go on, or the
+   exit status and a message. */
 int command_check_files(const struct command *c);
 
 /* Note a file: -1, or the exit status and a message. */

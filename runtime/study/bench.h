@@ -5,8 +5,9 @@
 #include "rnea.h"
 
 /* Time is taken of at least BENCH_REPLAYS runs of as many launches as last BENCH_RUN seconds, until BENCH_TOTAL seconds
-   are full; on a busy machine until BENCH_ALIKE runs are within a tenth of the least, or BENCH_LIMIT seconds are full. Arrays of a large batch, BENCH_LARGE numbers or more whatever their type, take turns with others until they
-   fill BENCH_ARRAYS bytes, so that no cache holds them. */
+   are full; on a busy machine until BENCH_ALIKE runs are within a tenth of the least, or BENCH_LIMIT seconds are full.
+   Arrays of a large batch, BENCH_LARGE numbers or more whatever their type, take turns with others until they fill
+   BENCH_ARRAYS bytes, so that no cache holds them. */
 enum { BENCH_REPLAYS = 7, BENCH_REPLAYS_LIMIT = 199, BENCH_ALIKE = 4 };
 enum { BENCH_LARGE = 1 << 20, BENCH_ARRAYS = 256 << 20 };
 #define BENCH_RUN 1e-3

@@ -150,7 +150,8 @@ void judge_free(struct judge *j)
 /* ---- judging ---- */
 
 /* The largest bound of sample k; -1 where all references are 0. */
-static int bound_sample(const struct judge *j, const struct dag *d, const struct eval_model *m, size_t k, double *bound, double *max)
+static int bound_sample(
+	const struct judge *j, const struct dag *d, const struct eval_model *m, size_t k, double *bound, double *max)
 {
 	const double *in[DAG_ARGUMENTS] = {NULL};
 	double *to[DAG_ARGUMENTS] = {NULL};

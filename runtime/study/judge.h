@@ -45,7 +45,8 @@ int judge_open(struct judge *j, const struct analysis *a, enum rneagen_precision
 void judge_free(struct judge *j);
 
 /* The largest bound of a sample, of an output array's norm over the reference's, for the text that `o` asks for: of the
-   distance from what the URDF's decimals give, as eval_bound has it. NAN where none is known, or all references are 0. Returns 0 when memory runs out. */
+   distance from what the URDF's decimals give, as eval_bound has it. NAN where none is known, or all references are 0.
+   Returns 0 when memory runs out. */
 int judge_bound(const struct judge *j, const struct analysis *a, const struct rneagen_options *o, int on_gpu, double *max);
 
 /* Outputs [sample][row] of the judge's samples, as `out` is. What is not finite is off by INFINITY. */

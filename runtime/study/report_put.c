@@ -19,8 +19,9 @@ static void list_fields(const struct study_row *row, struct field f[FIELDS])
 	const struct field fields[FIELDS] = {{"ns_per_sample", row->ns}, {"spread", row->spread},
 		{"floor_ratio", row->floor_ratio}, {"error_max", row->errors.max}, {"error_rms", row->errors.rms},
 		{"error_terms_max", row->errors.terms}, {"bound_max", row->bound_max},
-		{"model_change", row->model_change}, {"registers", gpu ? (double)row->registers : none}, {"spill_bytes", gpu ? (double)row->spill_bytes : none},
-		{"parts", gpu ? (double)row->parts : none}, {"compile_ms", row->compile_ms}};
+		{"model_change", row->model_change}, {"registers", gpu ? (double)row->registers : none},
+		{"spill_bytes", gpu ? (double)row->spill_bytes : none}, {"parts", gpu ? (double)row->parts : none},
+		{"compile_ms", row->compile_ms}};
 
 	memcpy(f, fields, sizeof fields);
 	f[FIELDS - 1] = (struct field){"batch", (double)row->batch};

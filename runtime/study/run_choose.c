@@ -136,13 +136,17 @@ static void say_time(const struct candidate *v, const struct candidate *best, co
 	const struct study_row *r = &v->row;
 	int tied = v != fastest && choice_is_tied(v, fastest);
 
-	printf("%s: %.2f times the least time%s, error %.1e, bound %.1e", v == best ? "chosen" : tied || v == fastest ? "tied" : "slower",
+	printf("%s: %.2f times the least time%s, error %.1e, bound %.1e",
+		v == best	       ? "chosen"
+		: tied || v == fastest ? "tied"
+				       : "slower",
 		r->least / fastest->row.least, tied ? ", within the spread" : "", r->errors.max, r->bound_max);
 	if (v == best && tied)
 		printf("; %s comes before %s", emit_trig_name(r->trig), emit_trig_name(fastest->row.trig));
 }
 
-static void say(const struct choosing *c, const struct candidate *v, const struct candidate *best, const struct candidate *fastest)
+static void say(const struct choosing *c, const struct candidate *v, const struct candidate *best,
+	const struct candidate *fastest)
 {
 	char name[64], same[32];
 

@@ -33,15 +33,6 @@ struct subject {
 	double size[OUTPUTS][MOST * MOST];         /* magnitudes that were summed */
 };
 
-static int entry_of(const struct subject *s, const char *name)
-{
-	for (int j = 0; j < s->reference->nj; j++)
-		if (!strcmp(s->reference->joints[j].name, name))
-			return j;
-	ck_abort_msg("%s: no joint '%s' in the reference", s->what, name);
-	return -1;
-}
-
 /* Returns 0 where no joint is left. */
 static int subject_open(struct subject *s, const char *urdf, const struct rneagen_options *options, const char *lines, uint64_t seed)
 {
@@ -58,9 +49,7 @@ static int subject_open(struct subject *s, const char *urdf, const struct rneage
 	}
 	s->nv = s->model.tree.nv;
 	ck_assert_int_le(s->nv, MOST);
-	for (int i = 0; i < s->model.tree.joint_count; i++)
-		for (int k = 0; k < s->model.tree.joints[i].nv; k++)
-			s->v_row[s->model.tree.joints[i].iv + k] = s->reference->joints[entry_of(s, s->model.tree.joints[i].name)].iv + k;
+	scene_rows(&s->model.tree, s->reference, s->v_row);
 	return 1;
 }
 
@@ -74,23 +63,7 @@ static void subject_close(struct subject *s)
 
 static void settle(struct subject *s)
 {
-	const struct reference_joint *held = s->held < 0 ? NULL : &s->reference->joints[s->held];
-
-	if (held) {
-		s->q[held->iq] = s->at;
-		s->qd[held->iv] = s->qdd[held->iv] = 0;
-	}
-	for (int i = 0; i < s->model.tree.joint_count; i++) {
-		const struct tree_joint *k = &s->model.tree.joints[i];
-		const struct reference_joint *from = &s->reference->joints[entry_of(s, k->name)];
-
-		for (int r = 0; r < k->nq; r++)
-			s->in[Q][k->iq + r] = (real)s->q[from->iq + r];
-		for (int r = 0; r < k->nv; r++) {
-			s->in[QD][k->iv + r] = (real)s->qd[from->iv + r];
-			s->in[QDD][k->iv + r] = (real)s->qdd[from->iv + r];
-		}
-	}
+	scene_settle(&s->model.tree, s->reference, s->held, s->at, s->q, s->qd, s->qdd, s->in);
 }
 
 static void draw(struct subject *s)

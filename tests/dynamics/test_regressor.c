@@ -42,9 +42,7 @@ static int subject_open(struct subject *s, const char *urdf, const struct rneage
 		reference_close(s->reference);
 		return 0;
 	}
-	for (int i = 0; i < t->joint_count; i++)
-		for (int k = 0; k < t->joints[i].nv; k++)
-			s->v_row[t->joints[i].iv + k] = s->reference->joints[entry_named(s->reference, t->joints[i].name)].iv + k;
+	scene_rows(t, s->reference, s->v_row);
 	ck_assert(pattern_lumps(&s->p, t, s->model.analysis.request.dense, &s->model.arena) && lumps_make(&s->lumps, t, &s->model.arena));
 	s->y = calloc((size_t)s->p.rows, sizeof *s->y);
 	s->pi = calloc((size_t)s->p.cols, sizeof *s->pi);
@@ -72,23 +70,7 @@ static void subject_close(struct subject *s)
 
 static void settle(struct subject *s)
 {
-	const struct reference_joint *held = s->held < 0 ? NULL : &s->reference->joints[s->held];
-
-	if (held) {
-		s->q[held->iq] = s->at;
-		s->qd[held->iv] = s->qdd[held->iv] = 0;
-	}
-	for (int i = 0; i < s->model.tree.joint_count; i++) {
-		const struct tree_joint *k = &s->model.tree.joints[i];
-		const struct reference_joint *from = &s->reference->joints[entry_named(s->reference, k->name)];
-
-		for (int r = 0; r < k->nq; r++)
-			s->in[0][k->iq + r] = (real)s->q[from->iq + r];
-		for (int r = 0; r < k->nv; r++) {
-			s->in[1][k->iv + r] = (real)s->qd[from->iv + r];
-			s->in[2][k->iv + r] = (real)s->qdd[from->iv + r];
-		}
-	}
+	scene_settle(&s->model.tree, s->reference, s->held, s->at, s->q, s->qd, s->qdd, s->in);
 }
 
 static void evaluate(struct subject *s)

@@ -3,13 +3,9 @@
 # 0.01 rad and the limits of the joints, which the program itself compares in f64; 1 and 4 threads, and another compiler (CLANG++, if
 # not empty), give the same bits of every angle; the map has reach before the arm and none beyond it.
 set -euo pipefail
-export OMP_WAIT_POLICY=passive # not to spin on a machine that is busy
+# shellcheck source=/dev/null
+source "$(dirname "${BASH_SOURCE[0]}")/same_bits.sh"
 ik=$1 strict=$2 source=$3 texts=$4 clang=$5 map=$6
-
-fail() {
-	echo "example_ik: $*" >&2
-	exit 1
-}
 
 # hash PROGRAM OPTION...: over all angles and steps of a few searches
 hash() {
@@ -27,26 +23,14 @@ done
 awk 'NF == 3 && $1 * $1 + ($2 - 0.333) ^ 2 > 1.3 { far += $3 } NF == 3 { cells++; all += $3 }
 	END { exit !(cells == 100 && far == 0 && all > 15 && all < 70) }' "$map" || fail "$map is no map of an arm"
 
+other=
 if [ -n "$clang" ]; then
 	folder=$(mktemp -d)
 	trap 'rm -rf "$folder"' EXIT
-	"$clang" -std=c++17 -O1 -ffp-contract=off -I "$texts" "$source"/ik{,_host}.cpp -o "$folder/other"
+	other=$folder/other
+	"$clang" -std=c++17 -O1 -ffp-contract=off -I "$texts" "$source"/ik{,_host}.cpp -o "$other"
 else
 	echo "skipped: another compiler: there is no clang++"
 fi
-for options in "--precision f32" "--precision f64"; do
-	read -ra words <<<"$options"
-	one=$(OMP_NUM_THREADS=1 hash "$strict" "${words[@]}")
-	echo "$options: $one"
-	[ "$one" = "$(OMP_NUM_THREADS=4 hash "$strict" "${words[@]}")" ] || fail "$options: 4 threads have other bits than 1"
-	[ "$one" != "$(hash "$strict" "${words[@]}" --seed 2)" ] || fail "$options: another seed has the same bits"
-	[ -z "$clang" ] || [ "$one" = "$(hash "$folder/other" "${words[@]}")" ] || fail "$options: $clang has other bits"
-done
-
-"$ik" --help | grep -q "exit status" || fail "--help does not help"
-for options in "--targets 0" "--tries x" "--precision f16" "--cells -1" "--map" "more"; do
-	read -ra words <<<"$options"
-	status=0
-	"$ik" "${words[@]}" >/dev/null 2>&1 || status=$?
-	[ "$status" = 2 ] || fail "$options: exit status $status, not 2"
-done
+same_bits "$strict" "$other" "--precision f32" "--precision f64"
+refused "$ik" "--targets 0" "--tries x" "--precision f16" "--cells -1" "--map" "more"

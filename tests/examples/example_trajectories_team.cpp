@@ -1,6 +1,6 @@
-/* The step of examples/trajectories_step.h by as many threads as a block on the GPU has, held against the same by one
-   alone: every bit must agree, for each element is made by one thread, in one order. Under the thread sanitizer a wait
-   that is missing is found, too. */
+/* The step of examples/trajectories/trajectories_step.h by as many threads as a block on the GPU has, held against the
+   same by one alone: every bit must agree, for each element is made by one thread, in one order. Under the thread
+   sanitizer a wait that is missing is found, too. */
 #include "trajectories_step.h"
 #include <cstdio>
 #include <cstring>

@@ -1,7 +1,7 @@
 #ifndef TESTS_FAKE_CACHE_H
 #define TESTS_FAKE_CACHE_H
-/* Images that the pretended NVRTC built, in the folder FAKE_CACHE. An entry begins with all that the image depends on, so that none
-   is taken for another. */
+/* Images that the pretended NVRTC built, in the folder FAKE_CACHE. An entry begins with all that the image depends on,
+   so that none is taken for another. */
 
 #include <stddef.h>
 

@@ -151,7 +151,8 @@ int cuLaunchKernel(void *function, unsigned gx, unsigned gy, unsigned gz, unsign
 	struct graph *graph = stream ? ((struct stream *)stream)->graph : NULL;
 
 	ENTER(1);
-	if (!function || extra || shared > *launch.kernel->most_given || !gx || !gy || !bx || gy > 65535 || gz != 1 || by != 1 || bz != 1 || gx > 0x7fffffff)
+	if (!function || extra || shared > *launch.kernel->most_given || !gx || !gy || !bx || gy > 65535 || gz != 1 ||
+		by != 1 || bz != 1 || gx > 0x7fffffff)
 		return FAKE_INVALID_VALUE;
 	for (unsigned i = 0; i < launch.kernel->count; i++)
 		memcpy(&launch.parameters[i], parameters[i], sizeof launch.parameters[i]);

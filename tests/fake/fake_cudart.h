@@ -1,5 +1,5 @@
 /* Lets a C++ compiler build a program's CUDA C for the processor, where <<< >>> was replaced by fake_launch: the part of
-   CUDA's runtime that examples/trajectories_solve.cu needs, over the pretended driver. Put before its text. */
+   CUDA's runtime that examples/trajectories/trajectories_solve.cu needs, over the pretended driver. Put before its text. */
 #define FAKE_WAITS 1
 #include "fake_device.h"
 #undef __CUDACC_RTC__

@@ -69,7 +69,8 @@ struct alignas(16) double2 {
 	return __builtin_ffs(x);
 }
 
-/* Shared memory of a launch: fake_nvrtc makes `extern __shared__ T slices[]` refer to it. What was not given must stay as it is. */
+/* Shared memory of a launch: fake_nvrtc makes `extern __shared__ T slices[]` refer to it. What was not given must stay
+   as it is. */
 enum { FAKE_MOST_SHARED = 227 << 10, FAKE_UNTOUCHED = 0xa5 };
 extern "C" __attribute__((weak)) unsigned char fake_given_memory[] __asm__("slices");
 static unsigned fake_given;

@@ -1,5 +1,7 @@
-/* Lets a C++ compiler build a whole text of CUDA for the processor, with its NAME_rnea_launch: what that takes of CUDA's runtime. Put before
-   the text; FAKE_ENTRY(NAME_rnea_kernel) goes after it, or FAKE_ENTRIES(NAME_rnea_kernel, NAME_rnea_limbs, "NAME_across") with FAKE_WAITS 1. What a device refuses is refused, and stays behind as the thread's last error. */
+/* Lets a C++ compiler build a whole text of CUDA for the processor, with its NAME_rnea_launch: what that takes of
+   CUDA's runtime. Put before the text; FAKE_ENTRY(NAME_rnea_kernel) goes after it, or FAKE_ENTRIES(NAME_rnea_kernel,
+   NAME_rnea_limbs, "NAME_across") with FAKE_WAITS 1. What a device refuses is refused, and stays behind as the thread's
+   last error. */
 #ifndef FAKE_WAITS
 #define FAKE_WAITS 0
 #endif

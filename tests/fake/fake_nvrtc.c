@@ -21,7 +21,8 @@ struct program {
 	int is_ptx;
 };
 
-enum { SUCCESS, INVALID_PROGRAM = 4, INVALID_OPTION = 5, COMPILATION = 6, OPTION_LIMIT = 32, COMMAND_LIMIT = 8192, OWN_SHARED_LIMIT = 48 << 10 };
+enum { SUCCESS, INVALID_PROGRAM = 4, INVALID_OPTION = 5, COMPILATION = 6, OPTION_LIMIT = 32, COMMAND_LIMIT = 8192,
+	OWN_SHARED_LIMIT = 48 << 10 };
 
 static atomic_int compilations;
 
@@ -142,7 +143,9 @@ static void write_given(FILE *f, const struct program *p)
 	while (name && name[-1] != ' ')
 		name--;
 	if (end)
-		fprintf(f, "#if defined RNEA_LIMBS\nextern \"C\" __attribute__((alias(\"slices\"))) unsigned char fake_across[] __asm__(\"%.*s_across\");\n#endif\n",
+		fprintf(f,
+			"#if defined RNEA_LIMBS\nextern \"C\" __attribute__((alias(\"slices\"))) unsigned char "
+			"fake_across[] __asm__(\"%.*s_across\");\n#endif\n",
 			(int)(end - name), name);
 }
 

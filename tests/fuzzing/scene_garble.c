@@ -24,7 +24,8 @@ const char *scene_garble(struct dice *d, const char *s, struct arena *a)
 		text_put(&t, s);
 		break;
 	default:
-		text_put(&t, DICE_WORD(d, "=", ",", "\"", "\\", "#", " #", "\n", ".", ":batch", "root ", "lock ", "\xc3\xa9", "*/", "%s", "1e999"));
+		text_put(&t, DICE_WORD(d, "=", ",", "\"", "\\", "#", " #", "\n", ".", ":batch", "root ", "lock ",
+				     "\xc3\xa9", "*/", "%s", "1e999"));
 		text_put(&t, s + at);
 	}
 	return t.failed ? NULL : text_string(&t);

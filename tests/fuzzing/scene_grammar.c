@@ -299,9 +299,10 @@ static enum scene_key draw_use(struct drawing *g)
 
 static void draw_want(struct drawing *g)
 {
-	static const char *const words[] = {"tau", "gravity", "bias", "power", "kinetic", "potential", "regressor", "com", "vcom",
-		"com_jacobian", "momentum", "momentum_matrix", "dmomentum", "coriolis", "M", "jvp", "vjp", "dtau_dq", "dtau_dqd", "wrench", "twist",
-		"accel", "pose", "jacobian", "djacobian", "opspace_inv"};
+	static const char *const words[] = {"tau", "gravity", "bias", "power", "kinetic", "potential", "regressor",
+		"com", "vcom", "com_jacobian", "momentum", "momentum_matrix", "dmomentum", "coriolis", "M", "jvp",
+		"vjp", "dtau_dq", "dtau_dqd", "wrench", "twist", "accel", "pose", "jacobian", "djacobian",
+		"opspace_inv"};
 	enum { MATRICES = 14, WRENCH = 19 };
 	size_t kind = dice_below(g->d, sizeof words / sizeof *words);
 	const struct body *k = draw_body(g, 0);

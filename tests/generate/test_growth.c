@@ -176,10 +176,14 @@ static size_t copied(const char *before, const char *after, int count)
 static const char *const PLACES[][2] = {
 	{"<robot name='r'", "><link name='a'/></robot>"},
 	{"<robot name='r'><link name='a'", "/></robot>"},
-	{"<robot name='r'><link name='a'><inertial", "><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link></robot>"},
-	{"<robot name='r'><link name='a'><inertial><mass value='1'", "/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link></robot>"},
-	{"<robot name='r'><link name='a'/><link name='b'>" BODY "</link><joint name='j' type='fixed'", ">" ENDS "</joint></robot>"},
-	{"<robot name='r'><link name='a'/><link name='b'>" BODY "</link><joint name='j' type='continuous'>" ENDS "<axis xyz='0 0 1'",
+	{"<robot name='r'><link name='a'><inertial",
+		"><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link></robot>"},
+	{"<robot name='r'><link name='a'><inertial><mass value='1'",
+		"/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link></robot>"},
+	{"<robot name='r'><link name='a'/><link name='b'>" BODY "</link><joint name='j' type='fixed'",
+		">" ENDS "</joint></robot>"},
+	{"<robot name='r'><link name='a'/><link name='b'>" BODY "</link><joint name='j' type='continuous'>" ENDS
+	 "<axis xyz='0 0 1'",
 		"/></joint></robot>"},
 	{"<robot name='r'><link name='a'><visual", "/></link></robot>"},
 };
@@ -268,7 +272,9 @@ START_TEST(choices)
 	text_put(&t, _i ? ",l2" : "\nfriction");
 	o.scene = text_string(&t);
 	ck_assert_int_eq(rneagen_generate(urdf, strlen(urdf), &o, &r, &e), RNEAGEN_SCENE);
-	ck_assert_msg(strstr(e.message, "a scene holds at most 16384 choices, of a list each name, and this is one more") != NULL, "%s", e.message);
+	ck_assert_msg(strstr(e.message,
+			      "a scene holds at most 16384 choices, of a list each name, and this is one more") != NULL,
+		"%s", e.message);
 	arena_free(&a);
 }
 END_TEST

@@ -1,6 +1,7 @@
-/* Errors of qdd in hard cases, by both ways and in both precisions, against a solve in quad precision, beside M's condition number.
-   usage: hard_forward                          writes the results, as CSV, to standard output
-          hard_forward --check FILE [CASE...]   do they agree with the file's, within a half? By default the short ones */
+/* Errors of qdd in hard cases, by both ways and in both precisions, against a solve in quad precision, beside M's
+   condition number. usage: hard_forward                          writes the results, as CSV, to standard output
+	  hard_forward --check FILE [CASE...]   do they agree with the file's, within a half? By default the short ones
+ */
 #define _POSIX_C_SOURCE 200809L
 #include "cases.h"
 #include "quad.h"
@@ -24,15 +25,18 @@ static char *chain(void)
 static const struct hard_case CASES[] = {
 	{"iiwa14", "iiwa14", "an ordinary robot", "", "iiwa14.urdf", .samples = 300},
 	{"hyq", "hyq with a floating base", "an ordinary robot", "", "hyq.urdf", .floating = 1, .samples = 100},
-	{"finger", "a finger of 1 g on an arm of 100 kg", "M has elements of 1e-6 beside 1e2", "", .build = robot_finger, .samples = 300},
-	{"chain", "64 links of 1 kg in a row", "M's eigenvalues spread with the length", "", .build = chain, .samples = 5},
-	{"stretched", "iiwa14 stretched out", "axes of four joints coincide", "", "iiwa14.urdf", .states = STATES_STRETCHED, .samples = 300},
-	{"needle", "a joint with 1e-8 kg m^2 on its axis", "a small inertia beside large ones", "", .build = robot_needle,
-		.samples = 300},
-	{"satellite", "an arm of 3 g on a free base of 1000 kg", "a mass ratio of 1e6", "", .build = robot_satellite, .floating = 1,
-		.weightless = 1, .samples = 300},
-	{"fist", "a hand's closed fist", "24 joints with light links, at their limits", "", "shadow_hand_right.urdf", .states = STATES_FIST,
-		.samples = 30},
+	{"finger", "a finger of 1 g on an arm of 100 kg", "M has elements of 1e-6 beside 1e2", "",
+		.build = robot_finger, .samples = 300},
+	{"chain", "64 links of 1 kg in a row", "M's eigenvalues spread with the length", "", .build = chain,
+		.samples = 5},
+	{"stretched", "iiwa14 stretched out", "axes of four joints coincide", "", "iiwa14.urdf",
+		.states = STATES_STRETCHED, .samples = 300},
+	{"needle", "a joint with 1e-8 kg m^2 on its axis", "a small inertia beside large ones", "",
+		.build = robot_needle, .samples = 300},
+	{"satellite", "an arm of 3 g on a free base of 1000 kg", "a mass ratio of 1e6", "", .build = robot_satellite,
+		.floating = 1, .weightless = 1, .samples = 300},
+	{"fist", "a hand's closed fist", "24 joints with light links, at their limits", "", "shadow_hand_right.urdf",
+		.states = STATES_FIST, .samples = 30},
 };
 enum { CASE_COUNT = sizeof CASES / sizeof *CASES };
 
@@ -169,7 +173,8 @@ static void put_head(FILE *out)
 {
 	fprintf(out, "# tests/hard/forward, seed %d\ncase,what,why,samples,nv,condition", SEED);
 	for (int i = 0; i < PRECISIONS * WAYS; i++)
-		fprintf(out, ",%s_%s_max,%s_%s_rms", i / WAYS ? "f64" : "f32", WAY_NAMES[i % WAYS], i / WAYS ? "f64" : "f32", WAY_NAMES[i % WAYS]);
+		fprintf(out, ",%s_%s_max,%s_%s_rms", i / WAYS ? "f64" : "f32", WAY_NAMES[i % WAYS],
+			i / WAYS ? "f64" : "f32", WAY_NAMES[i % WAYS]);
 	fputc('\n', out);
 }
 

@@ -1,6 +1,6 @@
 /* The hard cases as compiled texts: the evaluated DAG's torques within both bounds, the reference's within one; what a
-   sample that is not finite does to its neighbours in a batch. In f32 and f64 in turn, and without the longest; where all is asked for
-   in both, and the longest in turn. */
+   sample that is not finite does to its neighbours in a batch. In f32 and f64 in turn, and without the longest; where
+   all is asked for in both, and the longest in turn. */
 #include "compiled.h"
 #include "target/rerun.h"
 #include "support/exhaustive.h"

@@ -289,12 +289,13 @@ void kin_compare_want(struct kin_case *c, const struct want *w, wide *const *out
 
 	if (w->kind == WANT_POSE && want.lines == 7)
 		turn_sign(&want, &found);
-	ck_assert_msg(found.lines == want.lines && found.cols == want.cols, "%s: %s is %d x %d, not %d x %d", c->what, w->word, found.lines,
-		found.cols, want.lines, want.cols);
+	ck_assert_msg(found.lines == want.lines && found.cols == want.cols, "%s: %s is %d x %d, not %d x %d", c->what,
+		w->word, found.lines, found.cols, want.lines, want.cols);
 	for (int i = 0; i < want.lines * want.cols; i++)
 		largest = wide_abs(want.x[i]) > largest ? wide_abs(want.x[i]) : largest;
 	for (int i = 0; i < want.lines * want.cols; i++) {
-		const wide off = wide_abs(found.x[i] - want.x[i]), limit = noise * ((c->is_by_largest ? 0 : (wide)found.size[i]) + largest) + DIFFERENCES;
+		const wide off = wide_abs(found.x[i] - want.x[i]),
+			   limit = noise * ((c->is_by_largest ? 0 : (wide)found.size[i]) + largest) + DIFFERENCES;
 
 		ck_assert_msg(off <= limit, "%s: %s, element %d,%d is %.17g, not %.17g; off by %.3g of %.3g", c->what, w->word, i / want.cols,
 			i % want.cols, (double)found.x[i], (double)want.x[i], (double)off, (double)(limit / noise));

@@ -55,7 +55,8 @@ void kin_settle(struct kin_case *c);
 /* The DAG in quad precision. */
 void kin_evaluate(struct kin_case *c);
 
-/* The state rounded to double or float, and the DAG in that precision; magnitudes are those of kin_evaluate, which comes first. */
+/* The state rounded to double or float, and the DAG in that precision; magnitudes are those of kin_evaluate, which
+   comes first. */
 void kin_round(struct kin_case *c, int is_f32);
 void kin_evaluate_rounded(struct kin_case *c, int is_f32);
 

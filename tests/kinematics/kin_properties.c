@@ -19,8 +19,8 @@ static void expect(struct kin_case *c, const char *what, int i, int j, wide foun
 {
 	const wide limit = noise * size + WIDE_C(1e-20);
 
-	ck_assert_msg(wide_abs(found - want) <= limit, "%s: %s, element %d,%d is %.17g, not %.17g; off by %.3g of %.3g", c->what, what, i, j,
-		(double)found, (double)want, (double)wide_abs(found - want), (double)size);
+	ck_assert_msg(wide_abs(found - want) <= limit, "%s: %s, element %d,%d is %.17g, not %.17g; off by %.3g of %.3g",
+		c->what, what, i, j, (double)found, (double)want, (double)wide_abs(found - want), (double)size);
 	if ((double)(wide_abs(found - want) / limit) > c->worst)
 		c->worst = (double)(wide_abs(found - want) / limit);
 }

@@ -1,6 +1,7 @@
-/* The same quantity of two scenes that must agree: constants or inputs, the URDF's or base parameters, alone or beside what it shares
-   sums with, by factors or by articulated bodies. Would catch mass that is left at the ground, a freed one that one sum forgets, a column
-   that a follower does not join, a rate that keeps the weight, two ways that do not mean the same frame. Prints its seed. */
+/* The same quantity of two scenes that must agree: constants or inputs, the URDF's or base parameters, alone or beside
+   what it shares sums with, by factors or by articulated bodies. Would catch mass that is left at the ground, a freed
+   one that one sum forgets, a column that a follower does not join, a rate that keeps the weight, two ways that do not
+   mean the same frame. Prints its seed. */
 #include "dag/eval.h"
 #include "passes/analysis.h"
 #include "support/rng.h"
@@ -29,7 +30,8 @@ static const struct pair {
 	{"panda", 0, MASSES, "free mass.panda_link4\n", ""},
 	{"panda", 0, MASSES, "free inertia.panda_hand\n", "params base\n"},
 	{"hyq", 1, MASSES, "free mass.trunk\nfree inertia.lf_upperleg\n", ""},
-	{"iiwa14", 0, MASSES ",coriolis", "lock iiwa_joint_1=0.5\n", "lock iiwa_joint_1=0.5\nfree inertia.iiwa_link_3\nparams base\n"},
+	{"iiwa14", 0, MASSES ",coriolis", "lock iiwa_joint_1=0.5\n",
+		"lock iiwa_joint_1=0.5\nfree inertia.iiwa_link_3\nparams base\n"},
 	{"iiwa14", 0, "momentum", "", "want momentum_matrix\n"},
 	{"mimic_chain", 0, "momentum,vcom", "", "want momentum_matrix\n"},
 	{"hyq", 1, "momentum,vcom", "", "want momentum_matrix,M\n"},
@@ -42,9 +44,12 @@ static const struct pair {
 	{"hyq", 0, "dmomentum", "lock lf_haa_joint=0.5\n", "lock lf_haa_joint=0.5\nwant tau\n"},
 	{"iiwa14", 0, MASSES ",coriolis", "", "armature iiwa_joint_3=2\ndamping\n"},
 	{"iiwa14", 0, "opspace_inv.iiwa_link_7,opspace.iiwa_link_7", "dynamics factor\n", "dynamics articulated\n"},
-	{"iiwa14", 0, "opspace.iiwa_link_7", "dynamics factor\nframe world\n", "dynamics articulated\nframe world\nwant qdd\n"},
-	{"hyq", 1, "opspace_inv.lf_foot,opspace.lf_foot", "dynamics factor\nframe world-aligned\n", "dynamics articulated\nframe world-aligned\n"},
-	{"hyq", 1, "opspace_inv.lf_foot", "dynamics factor\narmature lf_kfe_joint=0.3\n", "dynamics articulated\narmature lf_kfe_joint=0.3\nparams base\n"},
+	{"iiwa14", 0, "opspace.iiwa_link_7", "dynamics factor\nframe world\n",
+		"dynamics articulated\nframe world\nwant qdd\n"},
+	{"hyq", 1, "opspace_inv.lf_foot,opspace.lf_foot", "dynamics factor\nframe world-aligned\n",
+		"dynamics articulated\nframe world-aligned\n"},
+	{"hyq", 1, "opspace_inv.lf_foot", "dynamics factor\narmature lf_kfe_joint=0.3\n",
+		"dynamics articulated\narmature lf_kfe_joint=0.3\nparams base\n"},
 	{"planar_tilted", 1, "coriolis", "", "derivatives forward\nwant dtau_dqd\n"},
 };
 enum { COUNT = sizeof PAIRS / sizeof *PAIRS };
@@ -116,7 +121,8 @@ static void release(const struct analysis *a, struct values *v)
 		free(v->of[i]);
 }
 
-static double compare_want(const struct want *w, const struct analysis *a, const struct values *x, const struct analysis *b, const struct values *y)
+static double compare_want(const struct want *w, const struct analysis *a, const struct values *x,
+	const struct analysis *b, const struct values *y)
 {
 	const real *one = x->of[dag_find_argument(&a->dag, w->argument)], *other = y->of[dag_find_argument(&b->dag, w->argument)];
 	real largest = 0, off = 0;

@@ -1,5 +1,5 @@
-/* What cannot be had of where things are is refused by a message that names it. Would catch a link that is guessed, and a frame that is
-   read in part. */
+/* What cannot be had of where things are is refused by a message that names it. Would catch a link that is guessed, and
+   a frame that is read in part. */
 #include "rneagen.h"
 #include "support/suite.h"
 #include <stdio.h>

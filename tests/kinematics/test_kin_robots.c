@@ -1,6 +1,7 @@
-/* Robots of tests/robots, and numerically hard cases: a base and a frame 1000 km off, angles of 1e5 rad, at the qdd found. In quad
-   precision against the independent reference, and in f64 and f32, where an arm of one metre must not lose the digits that the base's
-   1000 km take. Would catch a sum about the world's origin, and a chain of a real robot that is ordered otherwise. */
+/* Robots of tests/robots, and numerically hard cases: a base and a frame 1000 km off, angles of 1e5 rad, at the qdd
+   found. In quad precision against the independent reference, and in f64 and f32, where an arm of one metre must not
+   lose the digits that the base's 1000 km take. Would catch a sum about the world's origin, and a chain of a real robot
+   that is ordered otherwise. */
 #define _POSIX_C_SOURCE 200809L
 #include "kinematics/kin_case.h"
 #include "support/exhaustive.h"
@@ -52,7 +53,8 @@ static int is_left_out(const char *name)
 	return strncmp(name, "xfail", 5) == 0 || strcmp(name, "chain_75.urdf") == 0; /* differences of 75 columns take their time */
 }
 
-static void check_robot(const char *folder, const char *name, enum rneagen_base base, enum want_frame frame, double *worst, int *compared)
+static void check_robot(const char *folder, const char *name, enum rneagen_base base, enum want_frame frame,
+	double *worst, int *compared)
 {
 	static const char *const frames[] = {"link", "world", "world-aligned"};
 	struct kin_case *c = calloc(1, sizeof *c);
@@ -65,12 +67,15 @@ static void check_robot(const char *folder, const char *name, enum rneagen_base 
 	ck_assert_msg(r != NULL, "%s: %s", name, message);
 	link = r->joints[deepest(r)].link;
 	snprintf(scene, sizeof scene,
-		"want pose.%s,jacobian.%s,djacobian.%s,opspace_inv.%s%s%s\nwant com,vcom,com_jacobian,momentum,momentum_matrix,dmomentum,coriolis\n"
-		"frame %s\n", link, link, link, link, chain_rows(r, deepest(r)) >= 6 ? ",opspace." : "",
+		"want pose.%s,jacobian.%s,djacobian.%s,opspace_inv.%s%s%s\nwant "
+		"com,vcom,com_jacobian,momentum,momentum_matrix,dmomentum,coriolis\n"
+		"frame %s\n",
+		link, link, link, link, chain_rows(r, deepest(r)) >= 6 ? ",opspace." : "",
 		chain_rows(r, deepest(r)) >= 6 ? link : "", frames[frame]);
 	o.scene = scene;
 	o.base = base;
-	snprintf(c->what, sizeof c->what, "%s, %s, frame %s, seed %d", name, base == RNEAGEN_FLOATING ? "floating" : "fixed", frames[frame], SEED);
+	snprintf(c->what, sizeof c->what, "%s, %s, frame %s, seed %d", name,
+		base == RNEAGEN_FLOATING ? "floating" : "fixed", frames[frame], SEED);
 	if (kin_open(c, urdf, NULL, &o, SEED)) {
 		kin_draw(c);
 		kin_evaluate(c);
@@ -132,19 +137,27 @@ static const struct hard {
 	double angle;          /* rad, added to each joint that turns */
 	double noise;          /* eps of the largest element */
 } HARD[] = {
-	{"a base 1000 km off, arms", "hyq", "want jacobian.lf_foot,djacobian.lf_foot,com_jacobian,vcom,momentum,momentum_matrix,dmomentum\n"
-		"frame world-aligned\n", RNEAGEN_FLOATING, 1e6, 0, 16},
+	{"a base 1000 km off, arms", "hyq",
+		"want jacobian.lf_foot,djacobian.lf_foot,com_jacobian,vcom,momentum,momentum_matrix,dmomentum\n"
+		"frame world-aligned\n",
+		RNEAGEN_FLOATING, 1e6, 0, 16},
 	{"a base 1000 km off, places", "atlas", "want pose.l_foot,com\n", RNEAGEN_FLOATING, 1e6, 0, 4},
-	{"a base 1000 km off, in the world", "hyq", "want jacobian.rh_foot,djacobian.rh_foot\nframe world\n", RNEAGEN_FLOATING, 1e6, 0, 16},
-	{"a base 1000 km off, in the link", "hyq", "want jacobian.rh_foot,djacobian.rh_foot,opspace_inv.rh_foot,coriolis\nframe link\n",
-		RNEAGEN_FLOATING, 1e6, 0, 64},
-	{"angles of 1e5 rad", "iiwa14", "want pose.iiwa_link_ee,jacobian.iiwa_link_ee,djacobian.iiwa_link_ee,com,momentum_matrix,dmomentum\n",
+	{"a base 1000 km off, in the world", "hyq", "want jacobian.rh_foot,djacobian.rh_foot\nframe world\n",
+		RNEAGEN_FLOATING, 1e6, 0, 16},
+	{"a base 1000 km off, in the link", "hyq",
+		"want jacobian.rh_foot,djacobian.rh_foot,opspace_inv.rh_foot,coriolis\nframe link\n", RNEAGEN_FLOATING,
+		1e6, 0, 64},
+	{"angles of 1e5 rad", "iiwa14",
+		"want pose.iiwa_link_ee,jacobian.iiwa_link_ee,djacobian.iiwa_link_ee,com,momentum_matrix,dmomentum\n",
 		RNEAGEN_FIXED, 0, 1e5, 16},
-	{"angles of 1e5 rad, quaternion", "panda", "want pose.panda_hand_tcp,jacobian.panda_hand\npose quaternion\nframe world\n", RNEAGEN_FIXED, 0,
-		-1e5, 32},
-	{"a frame 1000 km off", "ur5", "add-frame far=tool0,1e6,-7e5,3e5,0.1,0.2,0.3\nwant pose.far,jacobian.far,djacobian.far\nframe world-aligned\n",
+	{"angles of 1e5 rad, quaternion", "panda",
+		"want pose.panda_hand_tcp,jacobian.panda_hand\npose quaternion\nframe world\n", RNEAGEN_FIXED, 0, -1e5,
+		32},
+	{"a frame 1000 km off", "ur5",
+		"add-frame far=tool0,1e6,-7e5,3e5,0.1,0.2,0.3\nwant pose.far,jacobian.far,djacobian.far\nframe world-aligned\n",
 		RNEAGEN_FIXED, 0, 0, 16},
-	{"a frame 1000 km off, in the link", "ur5", "add-frame far=tool0,1e6,-7e5,3e5,0.1,0.2,0.3\nwant jacobian.far,djacobian.far\nframe link\n",
+	{"a frame 1000 km off, in the link", "ur5",
+		"add-frame far=tool0,1e6,-7e5,3e5,0.1,0.2,0.3\nwant jacobian.far,djacobian.far\nframe link\n",
 		RNEAGEN_FIXED, 0, 0, 64},
 };
 enum { HARD_COUNT = sizeof HARD / sizeof *HARD };

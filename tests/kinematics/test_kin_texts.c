@@ -1,6 +1,6 @@
-/* Texts that tell where things are, compiled and called: each precision, both layouts, against the independent reference; the same for
-   CUDA by nvcc, and as a header by the C++ compiler, without a warning. Would catch an argument or a row out of place, and a statement
-   that a compiler does not take. */
+/* Texts that tell where things are, compiled and called: each precision, both layouts, against the independent
+   reference; the same for CUDA by nvcc, and as a header by the C++ compiler, without a warning. Would catch an argument
+   or a row out of place, and a statement that a compiler does not take. */
 #define _POSIX_C_SOURCE 200809L
 #include "kinematics/kin_case.h"
 #include "support/process.h"
@@ -21,15 +21,19 @@ static const struct subject {
 	double noise; /* of the magnitudes and the largest element */
 } SUBJECTS[] = {
 	{"iiwa14", "want pose.iiwa_link_ee,jacobian.iiwa_link_ee\n", RNEAGEN_FIXED, RNEAGEN_F32, RNEAGEN_SOA, 0x1p-20},
-	{"hyq", "want pose.lf_foot,jacobian.rh_foot,djacobian.rh_foot,com,vcom,momentum\npose quaternion\nframe world-aligned\n", RNEAGEN_FLOATING,
-		RNEAGEN_F64, RNEAGEN_AOS, 0x1p-49},
-	{"panda", "add-frame tip=panda_hand,0.1,0,0.2,0,1,0\nwant pose.tip,jacobian.tip,djacobian.panda_hand_tcp,com_jacobian\n"
-		"frame world\n", RNEAGEN_FIXED, RNEAGEN_MIXED, RNEAGEN_SOA, 0x1p-21},
+	{"hyq", "want pose.lf_foot,jacobian.rh_foot,djacobian.rh_foot,com,vcom,momentum\npose quaternion\nframe world-aligned\n",
+		RNEAGEN_FLOATING, RNEAGEN_F64, RNEAGEN_AOS, 0x1p-49},
+	{"panda",
+		"add-frame tip=panda_hand,0.1,0,0.2,0,1,0\nwant pose.tip,jacobian.tip,djacobian.panda_hand_tcp,com_jacobian\n"
+		"frame world\n",
+		RNEAGEN_FIXED, RNEAGEN_MIXED, RNEAGEN_SOA, 0x1p-21},
 	{"atlas", "want momentum_matrix,dmomentum,com_jacobian\n", RNEAGEN_FLOATING, RNEAGEN_F32, RNEAGEN_AOS, 0x1p-19},
-	{"ur5", "want jacobian.tool0,djacobian.tool0,momentum_matrix,dmomentum\n", RNEAGEN_FIXED, RNEAGEN_F32X2, RNEAGEN_SOA, 0x1p-40},
-	{"iiwa14", "want coriolis,opspace_inv.iiwa_link_ee,opspace.iiwa_link_ee\nframe world-aligned\n", RNEAGEN_FIXED, RNEAGEN_F64, RNEAGEN_SOA,
-		0x1p-49},
-	{"planar_tilted", "want jacobian.arm,pose.arm,momentum_matrix\ndense\n", RNEAGEN_FIXED, RNEAGEN_F64, RNEAGEN_SOA, 0x1p-49},
+	{"ur5", "want jacobian.tool0,djacobian.tool0,momentum_matrix,dmomentum\n", RNEAGEN_FIXED, RNEAGEN_F32X2,
+		RNEAGEN_SOA, 0x1p-40},
+	{"iiwa14", "want coriolis,opspace_inv.iiwa_link_ee,opspace.iiwa_link_ee\nframe world-aligned\n", RNEAGEN_FIXED,
+		RNEAGEN_F64, RNEAGEN_SOA, 0x1p-49},
+	{"planar_tilted", "want jacobian.arm,pose.arm,momentum_matrix\ndense\n", RNEAGEN_FIXED, RNEAGEN_F64,
+		RNEAGEN_SOA, 0x1p-49},
 };
 enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
 
@@ -75,7 +79,7 @@ static struct rneagen_options options_of(const struct subject *s)
 
 /* ---- target C ---- */
 
-/* An array of all samples, of float or double. */
+/* An array of all samples, of float or double; nan at first, so that an element which no text writes is seen. */
 struct array {
 	int is_f32, is_aos, rows;
 	void *data;
@@ -84,8 +88,11 @@ struct array {
 static struct array array_new(const struct subject *s, int rows)
 {
 	const int is_f32 = s->precision == RNEAGEN_F32 || s->precision == RNEAGEN_MIXED;
+	const size_t bytes = ((size_t)rows * COUNT + 1) * (is_f32 ? sizeof(float) : sizeof(double));
+	void *data = malloc(bytes);
 
-	return (struct array){is_f32, s->layout == RNEAGEN_AOS, rows, calloc((size_t)rows * COUNT + 1, is_f32 ? sizeof(float) : sizeof(double))};
+	ck_assert_ptr_nonnull(data);
+	return (struct array){is_f32, s->layout == RNEAGEN_AOS, rows, memset(data, 0xff, bytes)};
 }
 
 static size_t place(const struct array *a, int row, int sample)
@@ -242,7 +249,8 @@ static void check_other(const struct subject *s, enum rneagen_target target, con
 START_TEST(cuda)
 {
 	if (process_exists("nvcc"))
-		check_other(&SUBJECTS[_i], RNEAGEN_TARGET_CUDA, "cu", (const char *const[]){"nvcc", "-arch=sm_90", "-cubin", "-Werror", "all-warnings", NULL});
+		check_other(&SUBJECTS[_i], RNEAGEN_TARGET_CUDA, "cu",
+			(const char *const[]){"nvcc", "-arch=sm_90", "-cubin", "-Werror", "all-warnings", NULL});
 	else
 		printf("skipped: CUDA: there is no nvcc\n");
 }

@@ -1,6 +1,6 @@
-/* Poses, Jacobians, rates, centroidal and operational-space quantities against the independent reference, in quad precision: random
-   trees (planar, floating, mimic, prismatic, odd axes, merged links, subtree roots, held joints, added frames, base parameters),
-   and robots. Would catch a wrong column, frame, sign, arm, place in memory or link. */
+/* Poses, Jacobians, rates, centroidal and operational-space quantities against the independent reference, in quad
+   precision: random trees (planar, floating, mimic, prismatic, odd axes, merged links, subtree roots, held joints,
+   added frames, base parameters), and robots. Would catch a wrong column, frame, sign, arm, place in memory or link. */
 #include "kinematics/kin_case.h"
 #include "support/exhaustive.h"
 #include "support/random_robot.h"
@@ -15,8 +15,8 @@ enum { FIRST = 8100, TREES = 150, LINKS = 9, SAMPLES = 2, TEXT = 4096 };
 static const double NOISE = 4 * 0x1p-53;
 
 static const enum want_kind OF_LINKS[] = {WANT_POSE, WANT_JACOBIAN, WANT_DJACOBIAN, WANT_OPSPACE_INV};
-static const enum want_kind OF_ALL[] = {WANT_COM, WANT_VCOM, WANT_COM_JACOBIAN, WANT_MOMENTUM, WANT_MOMENTUM_MATRIX, WANT_DMOMENTUM,
-	WANT_CORIOLIS};
+static const enum want_kind OF_ALL[] = {
+	WANT_COM, WANT_VCOM, WANT_COM_JACOBIAN, WANT_MOMENTUM, WANT_MOMENTUM_MATRIX, WANT_DMOMENTUM, WANT_CORIOLIS};
 enum { LINK_WORDS = sizeof OF_LINKS / sizeof *OF_LINKS, ALL_WORDS = sizeof OF_ALL / sizeof *OF_ALL };
 
 struct words {
@@ -78,8 +78,8 @@ static void draw_added(struct kin_case *c, struct rng *rng, const struct referen
 		snprintf(f->link, sizeof f->link, "%s", some_entry(rng, r, held)->link);
 		for (int k = 0; k < 6; k++)
 			f->at[k] = rng_chance(rng, 0.3) ? 0 : rng_uniform(rng, -1, 1);
-		snprintf(text, sizeof text, "add-frame %s=%s,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", f->name, f->link, f->at[0], f->at[1], f->at[2],
-			f->at[3], f->at[4], f->at[5]);
+		snprintf(text, sizeof text, "add-frame %s=%s,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", f->name, f->link,
+			f->at[0], f->at[1], f->at[2], f->at[3], f->at[4], f->at[5]);
 		line(w, text);
 	}
 }
@@ -146,7 +146,8 @@ static char *hang(const char *urdf, const char *root)
 }
 
 /* Of a part below a root where `is_part`. Returns 0 where nothing moves, which the generator refuses. */
-static int draw_scene(struct kin_case *c, struct rng *rng, const struct reference *r, int is_part, const char **held, struct words *w)
+static int draw_scene(
+	struct kin_case *c, struct rng *rng, const struct reference *r, int is_part, const char **held, struct words *w)
 {
 	char root[200];
 
@@ -162,7 +163,8 @@ static int draw_scene(struct kin_case *c, struct rng *rng, const struct referenc
 	return 1;
 }
 
-static int compare(struct kin_case *c, const char *urdf, const char *part, const struct rneagen_options *o, const char *held, uint64_t seed)
+static int compare(struct kin_case *c, const char *urdf, const char *part, const struct rneagen_options *o,
+	const char *held, uint64_t seed)
 {
 	int compared = 0;
 

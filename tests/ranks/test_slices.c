@@ -1,5 +1,6 @@
-/* The plan of slices: each sample is in one slice of one lane, slices are no longer than asked, lanes have about as much to do; also where
-   numbers have 64 bits. It would catch a sample that is left out at the end, and a product that overflows. */
+/* The plan of slices: each sample is in one slice of one lane, slices are no longer than asked, lanes have about as
+   much to do; also where numbers have 64 bits. It would catch a sample that is left out at the end, and a product that
+   overflows. */
 #include "eval/slices.h"
 #include "support/rng.h"
 #include "support/suite.h"

@@ -29,5 +29,6 @@ struct states states_of(const struct drawn *x)
 {
 	const struct drawn_array *a = x->arrays;
 
-	return (struct states){(size_t)a[DRAWN_Q].rows, (size_t)a[DRAWN_QD].rows, a[DRAWN_Q].values, a[DRAWN_QD].values, a[DRAWN_DRIVE].values};
+	return (struct states){(size_t)a[DRAWN_Q].rows, (size_t)a[DRAWN_QD].rows, a[DRAWN_Q].values, a[DRAWN_QD].values,
+		a[DRAWN_DRIVE].values};
 }

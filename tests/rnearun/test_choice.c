@@ -5,8 +5,8 @@
 #include <math.h>
 
 /* Close enough, of least and slowest time. */
-static struct candidate candidate(enum rneagen_precision precision, enum rneagen_trig trig, enum rneagen_layout layout, double least,
-	double slowest)
+static struct candidate candidate(enum rneagen_precision precision, enum rneagen_trig trig, enum rneagen_layout layout,
+	double least, double slowest)
 {
 	struct candidate c = {.slowest = slowest};
 

@@ -89,7 +89,8 @@ START_TEST(test_draws)
 
 	open_scene(&f, SCENE, RNEAGEN_F64);
 	open_scene(&plain, NULL, RNEAGEN_F64);
-	ck_assert(!memcmp(f.judge.inputs.arrays[DRAWN_DRIVE].values, plain.judge.inputs.arrays[DRAWN_DRIVE].values, COUNT * 7 * sizeof(double)));
+	ck_assert(!memcmp(f.judge.inputs.arrays[DRAWN_DRIVE].values, plain.judge.inputs.arrays[DRAWN_DRIVE].values,
+		COUNT * 7 * sizeof(double)));
 	reference_inertia(f.model.reference, find_link(f.model.reference, "iiwa_link_6"), own);
 	for (size_t k = 0; k < COUNT; k++) {
 		const double *g = rows(&f, "gravity", k), *inertia = rows(&f, "inertia_iiwa_link_6", k);

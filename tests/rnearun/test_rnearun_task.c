@@ -163,7 +163,8 @@ static void refer(struct fixture *f, size_t k, int is_bare, wide *tau, wide *pow
 }
 
 /* Rows first to first + nv - 1 and `power` of files that are [COUNT][columns]. */
-static void assert_close(struct fixture *f, int is_bare, const double *tau, size_t columns, const double *power, size_t step, double most)
+static void assert_close(struct fixture *f, int is_bare, const double *tau, size_t columns, const double *power,
+	size_t step, double most)
 {
 	for (size_t k = 0; k < COUNT; k++) {
 		wide ref[ROWS], ref_power, size;
@@ -184,7 +185,8 @@ static void assert_results(struct fixture *f, int is_bare, const double *tau, si
 void run_scene(const struct fixture *f, int status, const char *part, const char *const *more)
 {
 	char mass[300];
-	const char *const options[] = {"--base", f->x->base, "--free", mass, "--free", "gravity:batch", "--fext", f->x->push, "--want", "tau,power", "--fold", "qdd=0", "--slice", "37"};
+	const char *const options[] = {"--base", f->x->base, "--free", mass, "--free", "gravity:batch", "--fext",
+		f->x->push, "--want", "tau,power", "--fold", "qdd=0", "--slice", "37"};
 	const char *words[40] = {f->x->urdf};
 	size_t n = sizeof options / sizeof *options;
 
@@ -224,7 +226,8 @@ START_TEST(test_dropped)
 	double *x;
 
 	write_inputs(f);
-	RUN_SCENE(f, 0, "", "--in", "in.npy", "--input", "gravity=g.npy", "--out", "out.npy", "--backend", "cpu", "--drop-below", "1e-12");
+	RUN_SCENE(f, 0, "", "--in", "in.npy", "--input", "gravity=g.npy", "--out", "out.npy", "--backend", "cpu",
+		"--drop-below", "1e-12");
 	x = file_numbers("out.npy", 0, &n);
 	ck_assert_uint_eq(n, COUNT * width);
 	assert_close(f, 0, x, width, x + f->nv, width, 1e-9);
@@ -236,7 +239,8 @@ END_TEST
 /* 5 kg at the hand of a stretched panda: held by the reference, with and without. */
 START_TEST(test_heavy_hand)
 {
-	const double q[8] = {0, 1.5707963267948966, 0, -0.1, 0, 1.5, 0, 0.02}, zero[8] = {0}, load[PAYLOAD] = {5, 0, 0, 0.25, 0.02, 0, 0, 0.02, 0, 0.01};
+	const double q[8] = {0, 1.5707963267948966, 0, -0.1, 0, 1.5, 0, 0.02}, zero[8] = {0},
+		     load[PAYLOAD] = {5, 0, 0, 0.25, 0.02, 0, 0, 0.02, 0, 0.01};
 	struct reference_options o = {0};
 	char message[512];
 	struct reference *r = reference_open_file(ROBOTS "panda.urdf", &o, message, sizeof message);
@@ -255,8 +259,9 @@ START_TEST(test_heavy_hand)
 	printf(", with 5 kg %g\n", (double)tau[1]);
 	file_put_array("q.npy", q, 1, 8, 0);
 	file_put_array("payload.npy", load, 1, PAYLOAD, 0);
-	RUN(0, "", ROBOTS "panda.urdf", "--free", "payload.panda_hand", "--drop-below", "1e-12", "--fold", "qd=0", "--fold", "qdd=0", "--q", "q.npy",
-		"--input", "payload.panda_hand=payload.npy", "--out", "out.npy", "--backend", "cpu");
+	RUN(0, "", ROBOTS "panda.urdf", "--free", "payload.panda_hand", "--drop-below", "1e-12", "--fold", "qd=0",
+		"--fold", "qdd=0", "--q", "q.npy", "--input", "payload.panda_hand=payload.npy", "--out", "out.npy",
+		"--backend", "cpu");
 	x = file_numbers("out.npy", 0, &n);
 	ck_assert_uint_eq(n, 8);
 	ck_assert_msg(reference_error(x, tau, 8) < 1e-9, "%g, not %g", x[1], (double)tau[1]);

@@ -28,8 +28,10 @@ START_TEST(test_refused)
 	RUN(2, "--input vjp_v=FILE is missing", IIWA, "--want", "vjp", "--q", "q.npy", "--qd", "qd.npy", "--qdd", "qd.npy", "--out",
 		"out.npy");
 	RUN_SCENE(f, 2, "'q' has a file already", "--q", "q.npy", "--qd", "qd.npy", "--input", "q=q.npy", "--out", "out.npy");
-	RUN_SCENE(f, 2, "--output out.npy is the output out.npy as well", "--in", "in.npy", "--out", "out.npy", "--output", "tau=out.npy");
-	RUN_SCENE(f, 2, "--output o.npy is the output o.npy as well", "--in", "in.npy", "--output", "power=o.npy", "--output", "tau=o.npy");
+	RUN_SCENE(f, 2, "--output out.npy is the output out.npy as well", "--in", "in.npy", "--out", "out.npy",
+		"--output", "tau=out.npy");
+	RUN_SCENE(f, 2, "--output o.npy is the output o.npy as well", "--in", "in.npy", "--output", "power=o.npy",
+		"--output", "tau=o.npy");
 	RUN_SCENE(f, 2, "can be written once", "--in", "in.npy", "--out", "-", "--output", "tau=-");
 	RUN_SCENE(f, 2, "can be read once", "--in", "-", "--input", "gravity=-", "--out", "out.npy");
 	RUN_SCENE(f, 2, "--output in.npy is the input in.npy", "--in", "in.npy", "--output", "tau=in.npy", "--quiet");

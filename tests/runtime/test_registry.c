@@ -142,8 +142,8 @@ static int check_text(const char *scene, int first)
 	return count;
 }
 
-/* Every function of the registry is in a text without a scene, or in one that wants qdd, or a place alone, in its table, and can be
-   launched. */
+/* Every function of the registry is in a text without a scene, or in one that wants qdd, or a place alone, in its
+   table, and can be launched. */
 START_TEST(launched)
 {
 	int inverse = check_text(NULL, ALGORITHM_rnea), forward = check_text("want qdd\n", ALGORITHM_fd);
@@ -170,8 +170,10 @@ START_TEST(bound)
 		const char *of, *name;
 	} found[] = {{RNEA_ROLE_JOINT_POSITION, NULL, "q"}, {RNEA_ROLE_GRAVITY, "", "gravity"},
 		{RNEA_ROLE_LINK_PAYLOAD, "lower", "payload_lower"}, {RNEA_ROLE_JOINT_OFFSET, "elbow", "offset_elbow"},
-		{RNEA_ROLE_LINK_WRENCH, NULL, "fext_lower"}, {RNEA_ROLE_TANGENT, NULL, "jvp_v"}, {RNEA_ROLE_JOINT_TORQUE, NULL, "tau"},
-		{RNEA_ROLE_MASS_MATRIX, NULL, "M"}, {RNEA_ROLE_DTAU_DQ, NULL, "dtau_dq"}, {RNEA_ROLE_JVP, NULL, "jvp"}, {RNEA_ROLE_REGRESSOR, NULL, "regressor"},
+		{RNEA_ROLE_LINK_WRENCH, NULL, "fext_lower"}, {RNEA_ROLE_TANGENT, NULL, "jvp_v"},
+		{RNEA_ROLE_JOINT_TORQUE, NULL, "tau"}, {RNEA_ROLE_MASS_MATRIX, NULL, "M"},
+		{RNEA_ROLE_DTAU_DQ, NULL, "dtau_dq"}, {RNEA_ROLE_JVP, NULL, "jvp"},
+		{RNEA_ROLE_REGRESSOR, NULL, "regressor"},
 		{RNEA_ROLE_DTAU_DFREED, "payload.lower", "dtau_dpayload_lower"},
 		{RNEA_ROLE_LINK_TWIST, "upper", "twist_upper"}};
 	for (size_t i = 0; i < sizeof found / sizeof *found; i++)

@@ -105,7 +105,8 @@ START_TEST(bounds_threads)
 {
 	static const char bound[] = "(RNEA_BLOCK < 64 ? 0 : 384/RNEA_BLOCK)";
 	const struct rnea_options o = {.block = threads[_i].block};
-	struct rnea_robot *robot = open_bounded(&o, bound, "48 96", "0 0 0"); /* what spills is tried without its bound, and spills more */
+	struct rnea_robot *robot =
+		open_bounded(&o, bound, "48 96", "0 0 0"); /* what spills is tried without its bound, and spills more */
 
 	ck_assert_uint_eq(rnea_build(robot)->min_blocks, threads[_i].min_blocks);
 	ck_assert_int_eq(compilations(), threads[_i].compilations);

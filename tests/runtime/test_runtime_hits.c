@@ -118,7 +118,8 @@ static void open_and_say(const struct rnea_options *o, int cached, const char *u
    one that holds something is told of. */
 START_TEST(folder_in_place_of_an_entry)
 {
-	const struct rnea_options o = {.backend = _i ? RNEA_BACKEND_HOST : RNEA_BACKEND_CUDA}, none = {.backend = o.backend, .cache = ""};
+	const struct rnea_options o = {.backend = _i ? RNEA_BACKEND_HOST : RNEA_BACKEND_CUDA},
+				  none = {.backend = o.backend, .cache = ""};
 	char *path, below[300];
 
 	open_and_say(&none, 0, "");

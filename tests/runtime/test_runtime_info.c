@@ -103,7 +103,9 @@ END_TEST
 #define THREE "rneagen-info 3\n" NAMES SIZES
 #define FIRST "function rnea\ninput q 8 f64 sample joint_position\ninput p 10 f64 batch link_payload left  hand\n"          \
 	"output tau 7 f64 sample joint_torque\noutput M 3 f64 sample mass_matrix\nmatrix M 2 2 lower\nrow M 0 0\nrow M 1 0 1\n" COUNTS
-#define SECOND "function fd\ninput tau 7 f64 sample joint_torque\noutput x 2 f64 sample of_a_later_version\nstage 72\nparts 2\nlimbs 4 2 1408 4096\n" \
+#define SECOND                                                                                                         \
+	"function fd\ninput tau 7 f64 sample joint_torque\noutput x 2 f64 sample of_a_later_version\nstage 72\nparts " \
+	"2\nlimbs 4 2 1408 4096\n"                                                                                     \
 	"operations 1 2 3 4 5 6\n"
 
 /* Any number of functions, each with its own of everything; a role that is not known is none. */

@@ -5,6 +5,7 @@
 #include "test_runtime_batch.h"
 #include "cuda/backend.h"
 #include "handle.h"
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -283,6 +284,24 @@ START_TEST(closes_on_a_dead_context)
 }
 END_TEST
 
+/* A text that does not write an output, or not all of it, gives nan there, not zeros that could be right. */
+START_TEST(unwritten_is_nan)
+{
+	char *text = pendulum_with("if (k < count)", "if (k + 1 < count)");
+	float q[2] = {1, 1}, zero[2] = {0, 0}, tau[2] = {0, 0};
+	struct rnea_options o = {.backend = RNEA_BACKEND_CUDA};
+	struct rnea_robot *robot;
+	struct rnea_error e;
+
+	ck_assert_msg(!open_text(text, &o, &robot, &e), "%s", e.message);
+	ck_assert_msg(!rnea_run(robot, (void *[]){q, zero, zero, tau}, 2, &e), "%s", e.message);
+	ck_assert(tau[0] > 0);
+	ck_assert(isnan(tau[1]));
+	rnea_close(robot);
+	free(text);
+}
+END_TEST
+
 Suite *suite_run(void)
 {
 	Suite *s = suite_create("run");
@@ -296,6 +315,7 @@ Suite *suite_run(void)
 	tcase_add_test(t, small_batches_are_short);
 	tcase_add_test(t, locked_in_part);
 	tcase_add_test(t, keeps_its_buffers);
+	tcase_add_test(t, unwritten_is_nan);
 	tcase_add_loop_test(t, every_call_fails_once, 0, 3);
 	tcase_add_test(t, allocation_failures);
 	suite_add_tcase(s, t);

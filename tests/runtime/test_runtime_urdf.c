@@ -1,5 +1,6 @@
-/* rnea_open_urdf, on the pretended driver and NVRTC, on the host and by the evaluator: torques of rnea_run and rnea_run_aos against the reference, errors, and robots and
-   files with names that mean something to a shell, to C or to a comment. */
+/* rnea_open_urdf, on the pretended driver and NVRTC, on the host and by the evaluator: torques of rnea_run and
+   rnea_run_aos against the reference, errors, and robots and files with names that mean something to a shell, to C or
+   to a comment. */
 #define _GNU_SOURCE
 #include "urdf.h"
 #include "reference/reference.h"

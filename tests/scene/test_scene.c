@@ -34,7 +34,8 @@ static const struct left {
 	{arm, "", "neck shoulder elbow wrist follow' free grip x=y,z ||"},
 	{arm, "# nothing\n\n \t\r\n#", "neck shoulder elbow wrist follow' free grip x=y,z ||"},
 	{arm, "lock elbow=1e0", "neck shoulder wrist follow' free grip x=y,z | elbow=1 lock |"},
-	{arm, "  lock\telbow = 0.5\t# held\r\nlock wrist=-2 #", "neck shoulder follow' free grip x=y,z | elbow=0.5 lock wrist=-2 lock |"},
+	{arm, "  lock\telbow = 0.5\t# held\r\nlock wrist=-2 #",
+		"neck shoulder follow' free grip x=y,z | elbow=0.5 lock wrist=-2 lock |"},
 	{arm, "lock x=y,z=0.5", "neck shoulder elbow wrist follow' free grip | x=y,z=0.5 lock |"},
 	{arm, "lock grip=0.5", "neck shoulder elbow wrist free x=y,z | follow=-0.25 mimic grip=0.5 lock |"},
 	{arm, "lock neck=1,2,3\nlock free=1,2,3,0,0,0,1",
@@ -45,19 +46,27 @@ static const struct left {
 	{arm, "lock-all-but grip\nlock elbow=1\nlock-all-but x=y,z\nlock free=0,0,1,1,0,0,0",
 		"follow' grip x=y,z | neck=0,0,0 lock-all-but shoulder=0 lock-all-but elbow=1 lock wrist=0 lock-all-but "
 		"free=0,0,1,1,0,0,0 lock |"},
-	{arm, "tip hand", "shoulder elbow wrist | neck=0,0,0 beside follow=0.25 mimic free=0,0,0,0,0,0,1 beside grip=0 beside x=y,z=0 beside |"},
-	{arm, "tip hand\nbeside lock\nlock grip=0.5", "shoulder elbow wrist | neck=0,0,0 beside follow=-0.25 mimic "
-						     "free=0,0,0,0,0,0,1 beside grip=0.5 lock x=y,z=0 beside |"},
-	{arm, "tip hand\nbeside drop", "shoulder elbow wrist || a,b head left right thing; follow free grip neck x=y,z"},
-	{arm, "tip hand\nbeside drop\nlock grip=0.5", "shoulder elbow wrist | grip=0.5 lock | a,b head right thing; follow free neck x=y,z"},
+	{arm, "tip hand",
+		"shoulder elbow wrist | neck=0,0,0 beside follow=0.25 mimic free=0,0,0,0,0,0,1 beside grip=0 beside x=y,z=0 beside |"},
+	{arm, "tip hand\nbeside lock\nlock grip=0.5",
+		"shoulder elbow wrist | neck=0,0,0 beside follow=-0.25 mimic "
+		"free=0,0,0,0,0,0,1 beside grip=0.5 lock x=y,z=0 beside |"},
+	{arm, "tip hand\nbeside drop",
+		"shoulder elbow wrist || a,b head left right thing; follow free grip neck x=y,z"},
+	{arm, "tip hand\nbeside drop\nlock grip=0.5",
+		"shoulder elbow wrist | grip=0.5 lock | a,b head right thing; follow free neck x=y,z"},
 	{arm, "tip right\nbeside drop", "shoulder elbow wrist follow' grip || a,b head thing; free neck x=y,z"},
-	{arm, "tip left", "shoulder elbow wrist follow' grip | neck=0,0,0 beside free=0,0,0,0,0,0,1 beside x=y,z=0 beside |"},
+	{arm, "tip left",
+		"shoulder elbow wrist follow' grip | neck=0,0,0 beside free=0,0,0,0,0,0,1 beside x=y,z=0 beside |"},
 	{arm, "tip head , a,b", NULL},
-	{arm, "tip a,b\ntip head\nbeside drop", "neck x=y,z || fore hand left right thing upper; elbow follow free grip shoulder wrist"},
+	{arm, "tip a,b\ntip head\nbeside drop",
+		"neck x=y,z || fore hand left right thing upper; elbow follow free grip shoulder wrist"},
 	{arm, "root hand", "follow' free grip || a,b base fore head plate upper; elbow neck shoulder wrist x=y,z"},
-	{arm, "root hand\ntip left\nbeside drop", "grip || a,b base fore head plate right thing upper; elbow follow free neck shoulder wrist x=y,z"},
-	{arm, "root upper\ntip hand\nlock elbow=1", "wrist | elbow=1 lock follow=0.25 mimic free=0,0,0,0,0,0,1 beside grip=0 beside | "
-						    "a,b base head plate; neck shoulder x=y,z"},
+	{arm, "root hand\ntip left\nbeside drop",
+		"grip || a,b base fore head plate right thing upper; elbow follow free neck shoulder wrist x=y,z"},
+	{arm, "root upper\ntip hand\nlock elbow=1",
+		"wrist | elbow=1 lock follow=0.25 mimic free=0,0,0,0,0,0,1 beside grip=0 beside | "
+		"a,b base head plate; neck shoulder x=y,z"},
 	{chains, "tip l1", "a' m n z' | o=0 beside |"},
 	{chains, "tip l1\nbeside drop", "a' m n z' || l5; o"},
 	{chains, "root l2", "m || base l1 l4 l5; a n o z"},
@@ -138,12 +147,15 @@ static const struct refused {
 	{"lock elbow=1 2", "here: scene line 1, lock: takes a finite number, not '1 2'"},
 	{"lock neck=1,2", "here: scene line 1, lock: takes 3 finite numbers with commas between, not '1,2'"},
 	{"lock neck=1,2,3,", "here: scene line 1, lock: takes 3 finite numbers with commas between, not '1,2,3,'"},
-	{"lock free=0,0,0,0,0,0,0", "here: scene line 1, lock: the quaternion of joint 'free', numbers 4 to 7, is 0 long, not 1"},
-	{"lock elbow=1\n\nlock elbow=1", "here: scene line 3, lock: joint 'elbow' is also locked in line 1; lock it once"},
+	{"lock free=0,0,0,0,0,0,0",
+		"here: scene line 1, lock: the quaternion of joint 'free', numbers 4 to 7, is 0 long, not 1"},
+	{"lock elbow=1\n\nlock elbow=1",
+		"here: scene line 3, lock: joint 'elbow' is also locked in line 1; lock it once"},
 	{"lock follow=1", "here: scene line 1, lock: joint 'follow' follows joint 'grip'; name that one"},
 	{"lock-all-but follow", "here: scene line 1, lock-all-but: joint 'follow' follows joint 'grip'; name that one"},
 	{"lock weld=0", "here: scene line 1, lock: joint 'weld' is fixed"},
-	{"lock-all-but elbow\nlock elbow=1", "here: scene line 1, lock-all-but: joint 'elbow' is locked in line 2; leave one of the two out"},
+	{"lock-all-but elbow\nlock elbow=1",
+		"here: scene line 1, lock-all-but: joint 'elbow' is locked in line 2; leave one of the two out"},
 	{"lock-all-but elbow,,wrist", "here: scene line 1, lock-all-but: 'elbow,,wrist' has an empty name"},
 	{"lock-all-but elbow,wirst", "here: scene line 1, lock-all-but: no joint 'wirst'; did you mean 'wrist'?"},
 	{"root hnad", "here: scene line 1, root: no link 'hnad'; did you mean 'hand'?"},
@@ -156,11 +168,14 @@ static const struct refused {
 	{"fext-frame base", "here: scene line 1, fext-frame: takes link or world, not 'base'"},
 	{"tip head\nroot hand", "here: scene line 1, tip: link 'head' is not below the root 'hand'"},
 	{"root hand\nlock elbow=1", "here: scene line 2, lock: joint 'elbow' is cut away; leave it out"},
-	{"root hand\nlock-all-but elbow", "here: scene line 2, lock-all-but: joint 'elbow' is not below the root 'hand'"},
+	{"root hand\nlock-all-but elbow",
+		"here: scene line 2, lock-all-but: joint 'elbow' is not below the root 'hand'"},
 	{"tip fore\nlock-all-but wrist", "here: scene line 2, lock-all-but: joint 'wrist' is not on a chain to a tip"},
-	{"lock \"elbow\"=1", "here: scene line 1, lock: a value that begins with a quote must end with one: \"elbow\"=1"},
+	{"lock \"elbow\"=1",
+		"here: scene line 1, lock: a value that begins with a quote must end with one: \"elbow\"=1"},
 	{"root\n lock \"elbow=1 # c", "here: scene line 1, root: needs a value"},
-	{"\n lock \"elbow=1 # c", "here: scene line 2, lock: a value that begins with a quote must end with one: \"elbow=1 # c"},
+	{"\n lock \"elbow=1 # c",
+		"here: scene line 2, lock: a value that begins with a quote must end with one: \"elbow=1 # c"},
 	{"free qd:batch", "here: scene line 1, free: 'qd' is not known"},
 	{"free :batch", "here: scene line 1, free: takes NAME, NAME:sample or NAME:batch, not ':batch'"},
 	{"free gravity,:batch", "here: scene line 1, free: takes NAME, NAME:sample or NAME:batch, not ':batch'"},
@@ -172,7 +187,8 @@ static const struct refused {
 	{"--root hand\n# a file\nroot hand", "here: scene line 2, root: is also given by an option; give it once"},
 	{"# a file\nroot hand\n--root hand", "here: --root: is also given in line 2; give it once"},
 	{"--lock elbow=1\n--lock elbow=2", "here: --lock: joint 'elbow' is also locked by an option; lock it once"},
-	{"--lock elbow=1\nlock-all-but elbow", "here: scene line 1, lock-all-but: joint 'elbow' is locked by an option; leave one of the two out"},
+	{"--lock elbow=1\nlock-all-but elbow",
+		"here: scene line 1, lock-all-but: joint 'elbow' is locked by an option; leave one of the two out"},
 	{"tip base", "here: no movable joints in robot 'arm'"},
 	{"root left", "here: no movable joints in robot 'arm'"},
 };
@@ -212,12 +228,13 @@ END_TEST
 /* Scenes put together at random from words, names, values and noise: none does harm, and what is refused is said. */
 START_TEST(random_scenes)
 {
-	static const char *const parts[] = {"root ", "tip ", "beside drop", "beside lock", "lock ", "lock-all-but ", "fold ", "free ", "want ",
-		"fext ", "fext-frame world", "damping", "friction", "friction 0.1", "snap-angle 1e-3", "round-constants 4", "drop-below 1e-3",
-		"range ", "range qd=-1,1",
-		"base", "upper", "fore", "hand", "left", "right", "head", "a,b", "shoulder", "elbow", "wrist", "grip", "follow", "neck", "free",
-		"qd", "qdd", "q.elbow", "tau", "power", "gravity", "mass.", "payload.", "wrench.", "offset.", "=", "=0", "=0.5", "=1,2,3", "=1,2", "[0]",
-		":batch", ":sample", ",", "\n", "\n", "\n", " ", " #", "\t", "\r\n", "\xc3\xa9", "'", "1e999", "-"};
+	static const char *const parts[] = {"root ", "tip ", "beside drop", "beside lock", "lock ", "lock-all-but ",
+		"fold ", "free ", "want ", "fext ", "fext-frame world", "damping", "friction", "friction 0.1",
+		"snap-angle 1e-3", "round-constants 4", "drop-below 1e-3", "range ", "range qd=-1,1", "base", "upper",
+		"fore", "hand", "left", "right", "head", "a,b", "shoulder", "elbow", "wrist", "grip", "follow", "neck",
+		"free", "qd", "qdd", "q.elbow", "tau", "power", "gravity", "mass.", "payload.", "wrench.", "offset.",
+		"=", "=0", "=0.5", "=1,2,3", "=1,2", "[0]", ":batch", ":sample", ",", "\n", "\n", "\n", " ", " #", "\t",
+		"\r\n", "\xc3\xa9", "'", "1e999", "-"};
 	enum { PARTS = sizeof parts / sizeof *parts, SCENES = 1000 };
 	struct rng rng = rng_seed((uint64_t)_i + 1);
 	int built = 0;
@@ -270,8 +287,9 @@ START_TEST(told)
 	expect(r.source, " * Held:\n *   \"elbow\" = 2.5 (lock)\n * Cut away: 4 links of 4 kg, 4 joints\n"
 			 " *   joints: \"follow\", \"free\", \"grip\", \"neck\"\n *   links: \"head\", \"left\", \"right\", \"thing\"\n");
 	expect(r.source, "elbow' is held at 2.5, outside of its limits");
-	expect(r.info, "\nscene\n  --root base\n  --tip a,b\n  --tip hand\n  --beside drop\n  --lock elbow=2.5\nheld\n  elbow = 2.5 (lock)\n"
-		       "cut away: 4 links of 4 kg, 4 joints\n  joints: follow, free, grip, neck\n  links: head, left, right, thing\n");
+	expect(r.info,
+		"\nscene\n  --root base\n  --tip a,b\n  --tip hand\n  --beside drop\n  --lock elbow=2.5\nheld\n  elbow = 2.5 (lock)\n"
+		"cut away: 4 links of 4 kg, 4 joints\n  joints: follow, free, grip, neck\n  links: head, left, right, thing\n");
 	expect(r.info_json, "\"held\": [\n      {\"name\": \"elbow\", \"value\": [2.5], \"why\": \"lock\"}],\n"
 			    "    \"cut\": {\"mass\": 4, \"joints\": [\"follow\", \"free\", \"grip\", \"neck\"], \"links\": [\"head\", ");
 	expect(r.info_json, "\"options\": [\"--root base\", \"--tip a,b\", ");
@@ -339,9 +357,11 @@ START_TEST(ignored)
 
 	o.tell = RNEAGEN_TELL_ALL;
 	ck_assert_msg(!rneagen_generate(text, sizeof text - 1, &o, &r, &e), "%s", e.message);
-	expect(r.info, "\nin the URDF and not modelled\n  damping of ja, jc\n  friction of jb, jc\n  limits of ja, jb\n  1 transmissions\n");
-	expect(r.info_json, "  \"ignored\": {\"damping\": [\"ja\", \"jc\"], \"friction\": [\"jb\", \"jc\"], \"limits\": [\"ja\", \"jb\"], "
-			    "\"transmissions\": 1},\n");
+	expect(r.info,
+		"\nin the URDF and not modelled\n  damping of ja, jc\n  friction of jb, jc\n  limits of ja, jb\n  1 transmissions\n");
+	expect(r.info_json,
+		"  \"ignored\": {\"damping\": [\"ja\", \"jc\"], \"friction\": [\"jb\", \"jc\"], \"limits\": [\"ja\", \"jb\"], "
+		"\"transmissions\": 1},\n");
 	rneagen_result_free(&r);
 	o.scene = "lock jc=0";
 	ck_assert_msg(!rneagen_generate(text, sizeof text - 1, &o, &r, &e), "%s", e.message);

@@ -55,8 +55,9 @@ static const struct subject {
 	const char *name;
 	void (*draw)(struct task_case *c);
 	int odd_names;
-} SUBJECTS[] = {{"fold", fold, 0}, {"free, as the URDF has it", free_nominal, 0}, {"free", free_other, 0}, {"want", want, 0}, {"fext", push, 0},
-	{"armature, damping and friction", own, 0}, {"any", any, 0}, {"any, of odd names", any, 1}};
+} SUBJECTS[] = {{"fold", fold, 0}, {"free, as the URDF has it", free_nominal, 0}, {"free", free_other, 0},
+	{"want", want, 0}, {"fext", push, 0}, {"armature, damping and friction", own, 0}, {"any", any, 0},
+	{"any, of odd names", any, 1}};
 enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
 
 /* The random robots' joints have no damping and no friction: the seed gives them some. */

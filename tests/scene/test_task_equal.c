@@ -31,13 +31,18 @@ static char *arm_urdf(const struct arm *a)
 	/* the second joint turns about its z, so that an angle more is a last turn of its origin more */
 	snprintf(text, 1 << 13,
 		"<robot name='arm'><link name='ground'/>"
-		"<link name='first'><inertial><origin xyz='0.1 0.2 -0.1'/><mass value='3'/><inertia ixx='0.2' ixy='0' ixz='0' iyy='0.3' iyz='0' izz='0.25'/></inertial></link>"
+		"<link name='first'><inertial><origin xyz='0.1 0.2 -0.1'/><mass value='3'/><inertia ixx='0.2' ixy='0' "
+		"ixz='0' iyy='0.3' iyz='0' izz='0.25'/></inertial></link>"
 		"<link name='second'><inertial><origin xyz='" CENTRE "' rpy='" TURN "'/><mass value='%.17g'/>"
 		"<inertia ixx='%.17g' ixy='%.17g' ixz='%.17g' iyy='%.17g' iyz='%.17g' izz='%.17g'/></inertial></link>"
-		"<link name='tool'><inertial><origin xyz='0 0 0.1'/><mass value='%.17g'/><inertia ixx='0.01' ixy='0' ixz='0' iyy='0.01' iyz='0' izz='0.02'/></inertial></link>"
-		"<joint name='j1' type='revolute'><parent link='ground'/><child link='first'/><axis xyz='0 0 1'/><limit effort='1' velocity='1' lower='-3' upper='3'/></joint>"
-		"<joint name='j2' type='revolute'><parent link='first'/><child link='second'/><origin xyz='0.3 0 0.2' rpy='0 0 %.17g'/><axis xyz='0 0 1'/><limit effort='1' velocity='1' lower='-3' upper='3'/></joint>"
-		"<joint name='j3' type='fixed'><parent link='second'/><child link='tool'/><origin xyz='0 0.4 0.1' rpy='0.3 0.2 0.1'/></joint>%s</robot>",
+		"<link name='tool'><inertial><origin xyz='0 0 0.1'/><mass value='%.17g'/><inertia ixx='0.01' ixy='0' "
+		"ixz='0' iyy='0.01' iyz='0' izz='0.02'/></inertial></link>"
+		"<joint name='j1' type='revolute'><parent link='ground'/><child link='first'/><axis xyz='0 0 "
+		"1'/><limit effort='1' velocity='1' lower='-3' upper='3'/></joint>"
+		"<joint name='j2' type='revolute'><parent link='first'/><child link='second'/><origin xyz='0.3 0 0.2' "
+		"rpy='0 0 %.17g'/><axis xyz='0 0 1'/><limit effort='1' velocity='1' lower='-3' upper='3'/></joint>"
+		"<joint name='j3' type='fixed'><parent link='second'/><child link='tool'/><origin xyz='0 0.4 0.1' "
+		"rpy='0.3 0.2 0.1'/></joint>%s</robot>",
 		a->mass, i[0], i[1], i[2], i[3], i[4], i[5], a->tool_mass, a->second_offset, a->extra);
 	return text;
 }
@@ -108,11 +113,14 @@ END_TEST
 START_TEST(payload)
 {
 	static const struct arm loaded = {{0, 0, -9.81}, 2, {0.3, 0.01, -0.02, 0.4, 0.03, 0.5}, 1.5, 0,
-		"<link name='ball'><inertial><mass value='2.5'/><inertia ixx='0.05' ixy='0' ixz='0' iyy='0.05' iyz='0' izz='0.05'/></inertial></link>"
-		"<joint name='j4' type='fixed'><parent link='tool'/><child link='ball'/><origin xyz='0.1 0.2 -0.3'/></joint>"};
+		"<link name='ball'><inertial><mass value='2.5'/><inertia ixx='0.05' ixy='0' ixz='0' iyy='0.05' iyz='0' "
+		"izz='0.05'/></inertial></link>"
+		"<joint name='j4' type='fixed'><parent link='tool'/><child link='ball'/><origin xyz='0.1 0.2 "
+		"-0.3'/></joint>"};
 	const double m = 2.5, c[3] = {0.1, 0.2, -0.3}, I = 0.05;
-	const double value[10] = {m, m * c[0], m * c[1], m * c[2], I + m * (c[1] * c[1] + c[2] * c[2]), -m * c[0] * c[1], -m * c[0] * c[2],
-		I + m * (c[0] * c[0] + c[2] * c[2]), -m * c[1] * c[2], I + m * (c[0] * c[0] + c[1] * c[1])};
+	const double value[10] = {m, m * c[0], m * c[1], m * c[2], I + m * (c[1] * c[1] + c[2] * c[2]),
+		-m * c[0] * c[1], -m * c[0] * c[2], I + m * (c[0] * c[0] + c[2] * c[2]), -m * c[1] * c[2],
+		I + m * (c[0] * c[0] + c[1] * c[1])};
 	static const double none[10] = {0};
 
 	compare(&loaded, "payload.tool", value, 10);
@@ -124,8 +132,10 @@ END_TEST
 START_TEST(inertia)
 {
 	static const struct arm other = {{0, 0, -9.81}, 2, {0.3, 0.01, -0.02, 0.4, 0.03, 0.5}, 0, 0,
-		"<link name='ball'><inertial><mass value='2.5'/><inertia ixx='0.05' ixy='0' ixz='0' iyy='0.05' iyz='0' izz='0.05'/></inertial></link>"
-		"<joint name='j4' type='fixed'><parent link='tool'/><child link='ball'/><origin xyz='0.1 0.2 -0.3'/></joint>"};
+		"<link name='ball'><inertial><mass value='2.5'/><inertia ixx='0.05' ixy='0' ixz='0' iyy='0.05' iyz='0' "
+		"izz='0.05'/></inertial></link>"
+		"<joint name='j4' type='fixed'><parent link='tool'/><child link='ball'/><origin xyz='0.1 0.2 "
+		"-0.3'/></joint>"};
 	const double m = 2.5, c[3] = {0.1, 0.2, -0.3}, I = 0.05, x = 0.01, z = 0.02; /* x, z: the tool's, which stay in the URDF */
 	const double value[10] = {m, m * c[0], m * c[1], m * c[2], x + I + m * (c[1] * c[1] + c[2] * c[2]), -m * c[0] * c[1],
 		-m * c[0] * c[2], x + I + m * (c[0] * c[0] + c[2] * c[2]), -m * c[1] * c[2], z + I + m * (c[0] * c[0] + c[1] * c[1])};
@@ -153,7 +163,8 @@ static void near_to(real got, real want, wide size, uint64_t seed, const char *w
 static void check_parts(struct task_case *c, const struct scene_model *m, uint64_t seed)
 {
 	static struct task_arrays once, x;
-	int tau = dag_find_argument(&m->dag, "tau"), bias = dag_find_argument(&m->dag, "tau_bias"), gravity = dag_find_argument(&m->dag, "tau_gravity");
+	int tau = dag_find_argument(&m->dag, "tau"), bias = dag_find_argument(&m->dag, "tau_bias"),
+	    gravity = dag_find_argument(&m->dag, "tau_gravity");
 	struct task_expected expected;
 
 	case_expect(c, &c->out[0], &expected);

@@ -61,8 +61,8 @@ static int argument(const struct bench *b, const char *name)
 
 static void near_to(const struct bench *b, real got, wide want, wide size, const char *what)
 {
-	ck_assert_msg(fabsl(got - (real)want) <= 1e-11L * (real)size + 1e-12L, "seed %d, %s: %.17Lg, not %.17Lg; scene:\n%s", (int)b->seed, what,
-		got, (real)want, b->c->scene);
+	ck_assert_msg(fabsl(got - (real)want) <= 1e-11L * (real)size + 1e-12L,
+		"seed %d, %s: %.17Lg, not %.17Lg; scene:\n%s", (int)b->seed, what, got, (real)want, b->c->scene);
 }
 
 /* ---- by mass points ---- */

@@ -5,8 +5,8 @@
 #include "passes/analysis.h"
 
 /* All that the passes made is in `a`; errors are theirs. */
-static inline enum rneagen_code merged_analysis(struct analysis **x, const struct robot *r, const struct rneagen_options *o, struct arena *a,
-	struct rneagen_error *e)
+static inline enum rneagen_code merged_analysis(struct analysis **x, const struct robot *r,
+	const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
 {
 	*x = arena_alloc(a, 1, sizeof **x);
 	if (!*x)
@@ -16,8 +16,8 @@ static inline enum rneagen_code merged_analysis(struct analysis **x, const struc
 	return analysis_run(*x, PASS_SCENE_PARSE, PASS_SCENE_SELECT) ? e->code : analysis_run(*x, PASS_ROBOT_SNAP, PASS_REQUEST_RESOLVE);
 }
 
-static inline enum rneagen_code merged_tree(struct tree *t, struct request *k, const struct robot *r, const struct rneagen_options *o,
-	struct arena *a, struct rneagen_error *e)
+static inline enum rneagen_code merged_tree(struct tree *t, struct request *k, const struct robot *r,
+	const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
 {
 	struct analysis *x;
 

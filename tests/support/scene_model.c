@@ -65,6 +65,33 @@ int entry_named(const struct reference *r, const char *name)
 	return -1;
 }
 
+void scene_rows(const struct tree *t, const struct reference *r, int *rows)
+{
+	for (int i = 0; i < t->joint_count; i++)
+		for (int k = 0; k < t->joints[i].nv; k++)
+			rows[t->joints[i].iv + k] = r->joints[entry_named(r, t->joints[i].name)].iv + k;
+}
+
+void scene_settle(const struct tree *t, const struct reference *r, int held, double at, double *q, double *qd, double *qdd,
+	real (*left)[ROWS])
+{
+	if (held >= 0) {
+		q[r->joints[held].iq] = at;
+		qd[r->joints[held].iv] = qdd[r->joints[held].iv] = 0;
+	}
+	for (int i = 0; i < t->joint_count; i++) {
+		const struct tree_joint *k = &t->joints[i];
+		const struct reference_joint *from = &r->joints[entry_named(r, k->name)];
+
+		for (int n = 0; n < k->nq; n++)
+			left[0][k->iq + n] = (real)q[from->iq + n];
+		for (int n = 0; n < k->nv; n++) {
+			left[1][k->iv + n] = (real)qd[from->iv + n];
+			left[2][k->iv + n] = (real)qdd[from->iv + n];
+		}
+	}
+}
+
 /* What is held stands still there. */
 static void hold(struct state *s, const struct reference *r, const struct scene_held *h)
 {
@@ -187,7 +214,8 @@ static const char *const AXES[] = {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
 
 static void put_link(FILE *f, const struct raw_link *l)
 {
-	fprintf(f, "<link name='%s'><inertial><origin xyz='%.17Lg %.17Lg %.17Lg' rpy='%.17Lg %.17Lg %.17Lg'/><mass value='%.17Lg'/><inertia",
+	fprintf(f,
+		"<link name='%s'><inertial><origin xyz='%.17Lg %.17Lg %.17Lg' rpy='%.17Lg %.17Lg %.17Lg'/><mass value='%.17Lg'/><inertia",
 		l->name, l->xyz[0], l->xyz[1], l->xyz[2], l->rpy[0], l->rpy[1], l->rpy[2], l->mass);
 	for (int i = 0; i < 6; i++)
 		fprintf(f, " %s='%.17Lg'", AXES[i], l->inertia[i]);

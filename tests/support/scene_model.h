@@ -45,4 +45,11 @@ size_t operation_total(const struct scene_model *m);
 /* The number of the joint of this name; the test fails where there is none. */
 int entry_named(const struct reference *r, const char *name);
 
+/* Which row of the whole's qd is each row of what is left. */
+void scene_rows(const struct tree *t, const struct reference *r, int *rows);
+
+/* A state of the whole, whose joint `held` (-1: none) stands still at `at` from now on, as q, qd and qdd of what is left. */
+void scene_settle(const struct tree *t, const struct reference *r, int held, double at, double *q, double *qd, double *qdd,
+	real (*left)[ROWS]);
+
 #endif

@@ -54,9 +54,10 @@ static char *chain(int n, size_t *length)
 
 	fputs("<robot name='chain'><link name='l0'/>", f);
 	for (int i = 1; i <= n; i++)
-		fprintf(f, "<link name='l%d'><inertial><mass value='%d.5'/><inertia ixx='0' ixy='0' ixz='0' iyy='0' iyz='0' izz='0'/></inertial></link>"
-			   "<joint name='j%03d' type='prismatic'><parent link='l%d'/><child link='l%d'/><axis xyz='%d %d %d'/>"
-			   "<limit effort='1' velocity='1' lower='-1' upper='1'/></joint>",
+		fprintf(f,
+			"<link name='l%d'><inertial><mass value='%d.5'/><inertia ixx='0' ixy='0' ixz='0' iyy='0' iyz='0' izz='0'/></inertial></link>"
+			"<joint name='j%03d' type='prismatic'><parent link='l%d'/><child link='l%d'/><axis xyz='%d %d %d'/>"
+			"<limit effort='1' velocity='1' lower='-1' upper='1'/></joint>",
 			i, 1 + i % 5, i, i - 1, i, i % 3 == 0, i % 3 == 1, i % 3 == 2);
 	fputs("</robot>", f);
 	fclose(f);

@@ -46,8 +46,8 @@ struct target_path target_path(const char *name, const char *suffix);
 
 void target_write(struct target_path path, const char *text);
 
-/* tests/robots/NAME.urdf, or of "chain N" N bodies that slide along x, y and z in turn: many rows, and hardly any arithmetic. Freed by
-   the caller; the test fails where it cannot be read. */
+/* tests/robots/NAME.urdf, or of "chain N" N bodies that slide along x, y and z in turn: many rows, and hardly any
+   arithmetic. Freed by the caller; the test fails where it cannot be read. */
 char *target_robot(const char *name, size_t *length);
 
 /* Generate; the test fails with a message where that fails. `what` names the robot. */

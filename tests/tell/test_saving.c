@@ -84,10 +84,11 @@ END_TEST
 /* What is no scene without a line, and no scene at all. */
 START_TEST(test_unknown)
 {
-	static const char urdf[] = "<robot name='r'><link name='a'/><joint name='j' type='continuous'><parent link='a'/><child link='b'/>"
-				   "</joint><link name='b'/><joint name='k' type='continuous'><parent link='b'/><child link='c'/></joint>"
-				   "<link name='c'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/>"
-				   "</inertial></link></robot>";
+	static const char urdf[] =
+		"<robot name='r'><link name='a'/><joint name='j' type='continuous'><parent link='a'/><child link='b'/>"
+		"</joint><link name='b'/><joint name='k' type='continuous'><parent link='b'/><child link='c'/></joint>"
+		"<link name='c'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/>"
+		"</inertial></link></robot>";
 	struct rneagen_result r = make(urdf, strlen(urdf), "root b\nlock-all-but k\n", RNEAGEN_F32);
 
 	ck_assert(strstr(r.info_json, "\"savings\""));

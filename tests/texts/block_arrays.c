@@ -35,7 +35,9 @@ void arrays_new(struct arrays *x, const struct rnea_info *info)
 {
 	struct rng rng = rng_seed(SEED);
 
-	*x = (struct arrays){.count = info->input_count + info->output_count, .inputs = info->input_count, .aos = info->layout == RNEA_AOS};
+	*x = (struct arrays){.count = info->input_count + info->output_count,
+		.inputs = info->input_count,
+		.aos = info->layout == RNEA_AOS};
 	for (size_t i = 0; i < x->count; i++) {
 		x->a[i] = info->arguments[i];
 		x->data[i] = calloc(COUNT * x->a[i].rows, sizeof(double));

@@ -5,10 +5,23 @@
 #include <stdlib.h>
 #include <string.h>
 
+void launched_generate(struct target *t, const char *name, const char *scene, int floating, const struct rneagen_options *options)
+{
+	struct rneagen_options o = *options;
+	size_t length;
+	char *urdf = target_robot(name, &length);
+
+	o.scene = *scene ? scene : NULL;
+	o.base = floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+	target_generate(t, urdf, length, &o, name);
+	free(urdf);
+}
+
 struct rnea_robot *launched_open(const struct target *t, enum rnea_backend backend, unsigned block)
 {
 	static const char *const quickly[] = {"-O0", "-Dalways_inline=unused"};
-	struct rnea_options o = {.backend = backend, .threads = 1, .block = block, .compile = quickly, .compile_count = backend == RNEA_BACKEND_HOST ? 2 : 0};
+	struct rnea_options o = {.backend = backend, .threads = 1, .block = block, .compile = quickly,
+		.compile_count = backend == RNEA_BACKEND_HOST ? 2 : 0};
 	struct rnea_robot *robot;
 	struct rnea_error e;
 

@@ -5,11 +5,14 @@
 #include "urdf.h"
 #include "target/target.h"
 
+/* The text of tests/robots/NAME.urdf with this scene and base, "": none, and else these options. */
+void launched_generate(struct target *t, const char *name, const char *scene, int floating, const struct rneagen_options *options);
+
 /* The test fails with a message where it cannot be opened. block: 0, the text's. */
 struct rnea_robot *launched_open(const struct target *t, enum rnea_backend backend, unsigned block);
 
-/* A batch of arrays, soa: inputs by the seed, with a quaternion of norm one if there is a base, and one angle of each 64th sample large
-   where the text takes any; outputs NaN. Launched, and freed with the robot. */
+/* A batch of arrays, soa: inputs by the seed, with a quaternion of norm one if there is a base, and one angle of each
+   64th sample large where the text takes any; outputs NaN. Launched, and freed with the robot. */
 struct launch {
 	struct rnea_robot *robot;
 	const struct rnea_info *info;
@@ -19,7 +22,8 @@ struct launch {
 struct launch launched_run(struct rnea_robot *robot, size_t count, unsigned seed, int floating);
 void launched_free(struct launch *x);
 
-/* The largest difference of an output between two launches, by its largest element of the same sample; what nobody wrote fails. */
+/* The largest difference of an output between two launches, by its largest element of the same sample; what nobody
+   wrote fails. */
 double launched_distance(const struct launch *x, const struct launch *y, const char *what);
 
 #endif

@@ -1,11 +1,13 @@
-/* Kernels in blocks of any size, on a pretended device: what a block stages lies in shared memory of the kernel's own, in what a launch
-   gives, or nowhere, also where a device has less of it; results are those of the reference, or of the same text compiled as C. */
+/* Kernels in blocks of any size, on a pretended device: what a block stages lies in shared memory of the kernel's own,
+   in what a launch gives, or nowhere, also where a device has less of it; results are those of the reference, or of the
+   same text compiled as C. */
 #define _GNU_SOURCE
 #include "rnea.h"
 #include "reference/reference.h"
 #include "support/rng.h"
 #include "support/exhaustive.h"
 #include "support/suite.h"
+#include "target/launch_library.h"
 #include "target/target.h"
 #include "block_arrays.h"
 #include <dlfcn.h>
@@ -31,8 +33,10 @@ static const struct subject {
 	{"chain 24", RNEAGEN_MIXED, RNEAGEN_SOA, NULL, {256, 1024}, 1e-6},
 	{"chain 60", RNEAGEN_F64, RNEAGEN_AOS, NULL, {64, 161, 162}, 1e-13}, /* bytes of the last two: 231840, 233280 */
 	{"cartpole", RNEAGEN_F32X2, RNEAGEN_AOS, "free inertia.pole:sample,inertia.cart:sample\n", {256}, 1e-10},
-	{"cartpole", RNEAGEN_F64, RNEAGEN_SOA, "free payload.pole,gravity,inertia.cart:sample\nwant gravity,bias,kinetic\n", {256, 1024}, 1e-13},
-	{"cartpole", RNEAGEN_F32, RNEAGEN_AOS, "free payload.pole,gravity,inertia.cart:sample\nwant tau,dtau_dq,M\n", {128, 1024}, 2e-5},
+	{"cartpole", RNEAGEN_F64, RNEAGEN_SOA,
+		"free payload.pole,gravity,inertia.cart:sample\nwant gravity,bias,kinetic\n", {256, 1024}, 1e-13},
+	{"cartpole", RNEAGEN_F32, RNEAGEN_AOS, "free payload.pole,gravity,inertia.cart:sample\nwant tau,dtau_dq,M\n",
+		{128, 1024}, 2e-5},
 	{"pendulum", RNEAGEN_F32, RNEAGEN_SOA, "want tau,dtau_dq\n", {1024}, 2e-5},
 };
 enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
@@ -55,11 +59,13 @@ static void generate(const struct subject *s, struct target *t)
 static struct rnea_robot *open_text(const struct target *t, enum rnea_backend backend, unsigned block)
 {
 	static const char *const quickly[] = {"-O0", "-Dalways_inline=unused"};
-	struct rnea_options o = {.backend = backend, .block = block, .threads = 1, .compile = quickly, .compile_count = backend == RNEA_BACKEND_HOST ? 2 : 0};
+	struct rnea_options o = {.backend = backend, .block = block, .threads = 1, .compile = quickly,
+		.compile_count = backend == RNEA_BACKEND_HOST ? 2 : 0};
 	struct rnea_robot *robot;
 	struct rnea_error e;
 
-	ck_assert_msg(!rnea_open(t->text.source, strlen(t->text.source), &o, &robot, &e), "%s, blocks of %u: %s", t->what, block, e.message);
+	ck_assert_msg(!rnea_open(t->text.source, strlen(t->text.source), &o, &robot, &e), "%s, blocks of %u: %s",
+		t->what, block, e.message);
 	return robot;
 }
 
@@ -151,7 +157,8 @@ static void drop_folder(void)
 	ck_assert_int_eq(system(command), 0);
 }
 
-/* What is staged are the arrays, but tau in the place of qdd; in aos a row may be followed by a gap. --info=json says the same. */
+/* What is staged are the arrays, but tau in the place of qdd; in aos a row may be followed by a gap. --info=json says
+   the same. */
 static void check_table(const struct arrays *x, size_t stage, const struct target *t)
 {
 	size_t least = 0, gaps = 0;
@@ -188,7 +195,8 @@ static void check_block(const struct subject *s, const struct target *t, struct 
 	given = stage > OWN && stage <= MOST && stage <= limit ? stage : 0;
 	ck_assert_uint_eq(rnea_info(robot)->block, block);
 	rnea_resources(robot, "rnea", &r, NULL);
-	ck_assert_msg(r.shared_bytes == FAKE_OWN + given, "%s, %u: %zu bytes instead of %zu", t->what, block, r.shared_bytes - FAKE_OWN, given);
+	ck_assert_msg(r.shared_bytes == FAKE_OWN + given, "%s, %u: %zu bytes instead of %zu", t->what, block,
+		r.shared_bytes - FAKE_OWN, given);
 	ck_assert_msg(!rnea_launch(robot, x->data, COUNT, NULL, &e), "%s", e.message);
 	worst = distance(x);
 	if (limit == MOST)
@@ -198,8 +206,8 @@ static void check_block(const struct subject *s, const struct target *t, struct 
 	rnea_close(robot);
 }
 
-/* Every way to stage, of every subject; on an H100, one of 99 KiB, one that gives nothing: in one of its blocks, in turn, or in each where
-   all is asked for. */
+/* Every way to stage, of every subject; on an H100, one of 99 KiB, one that gives nothing: in one of its blocks, in
+   turn, or in each where all is asked for. */
 START_TEST(test_values)
 {
 	static const size_t limits[] = {MOST, 99 << 10, OWN};
@@ -274,29 +282,13 @@ END_TEST
 
 /* ---- NAME_rnea_launch, as nvcc builds it ---- */
 
-/* The text for the C++ compiler, in blocks of `block`, as a library. */
+/* The text in blocks of `block`. */
 static void *build_launch(const struct target *t, unsigned block)
 {
-	struct target_path source = target_path("blocks_launch", ".cc"), library = target_path("blocks_launch", ".so");
-	const char *const argv[] = {FAKE_CXX, "-std=c++17", "-shared", "-fPIC", "-O1", "-w", "-fno-gnu-unique", "-pthread", "-o",
-		library.s, source.s, NULL};
-	char *text, *at;
-	size_t length;
-	FILE *f = open_memstream(&text, &length);
-	void *handle;
+	char before[64];
 
-	fprintf(f, "#define RNEA_BLOCK %u\n#include \"" TEST_DIR "/fake/fake_launch.h\"\n%s\nFAKE_ENTRY(arm_rnea_kernel)\n", block, t->text.source);
-	fclose(f);
-	if ((at = strstr(text, "extern __shared__")) != NULL)
-		memcpy(at, "extern           ", strlen("extern __shared__")); /* memory of the launch, not of the kernel */
-	target_write(source, text);
-	free(text);
-	target_compile(t, argv);
-	handle = dlopen(library.s, RTLD_NOW | RTLD_LOCAL);
-	ck_assert_msg(handle != NULL, "%s", dlerror());
-	unlink(library.s);
-	unlink(source.s);
-	return handle;
+	snprintf(before, sizeof before, "#define RNEA_BLOCK %u", block);
+	return launch_library(t, "blocks_launch", before, "FAKE_ENTRY(arm_rnea_kernel)");
 }
 
 static const unsigned launch_blocks[] = {64, 256, 512}; /* of 696 bytes a thread: 43.5 KiB, 174, 348 */

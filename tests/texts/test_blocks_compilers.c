@@ -1,5 +1,6 @@
-/* Texts in blocks of 32 to 1024 threads, without a GPU: NVRTC and nvcc take them without a word, for devices of any architecture, and the
-   kernels have as much shared memory of their own as they should. The texts are drawn so that every two choices meet. */
+/* Texts in blocks of 32 to 1024 threads, without a GPU: NVRTC and nvcc take them without a word, for devices of any
+   architecture, and the kernels have as much shared memory of their own as they should. The texts are drawn so that
+   every two choices meet. */
 #define _GNU_SOURCE
 #include "support/exhaustive.h"
 #include "support/process.h"
@@ -30,7 +31,8 @@ static const struct {
 } ROBOTS[] = {{"pendulum", "rod"}, {"chain 4", "l4"}, {"iiwa14", "iiwa_link_7"}, {"chain 29", "l29"}};
 
 enum { PLAIN, MATRICES, FREED, PRODUCT, STRICT };
-static const char *const SCENES[] = {"", "want tau,dtau_dq,dtau_dqd,M\n", "free payload.%s:sample,gravity\nwant gravity,bias\n", "want jvp\n", ""};
+static const char *const SCENES[] = {
+	"", "want tau,dtau_dq,dtau_dqd,M\n", "free payload.%s:sample,gravity\nwant gravity,bias\n", "want jvp\n", ""};
 static const enum rneagen_precision PRECISIONS[] = {RNEAGEN_F32, RNEAGEN_F64, RNEAGEN_MIXED, RNEAGEN_F32X2};
 static const unsigned BLOCKS[] = {32, 64, 128, 256, 512, 1024};
 static const int ARCHS[] = {75, 86, 90, 100};
@@ -107,7 +109,8 @@ static void generate(const struct row *r, struct target *t)
 
 	snprintf(scene, sizeof scene, "%s", SCENES[r->level[SCENE]]);
 	if ((at = strstr(scene, "%s")) != NULL)
-		snprintf(at, sizeof scene - (size_t)(at - scene), "%s%s", ROBOTS[r->level[ROBOT]].tip, strstr(SCENES[r->level[SCENE]], "%s") + 2);
+		snprintf(at, sizeof scene - (size_t)(at - scene), "%s%s", ROBOTS[r->level[ROBOT]].tip,
+			strstr(SCENES[r->level[SCENE]], "%s") + 2);
 	o.scene = scene;
 	o.strict = r->level[SCENE] == STRICT;
 	o.precision = PRECISIONS[r->level[PRECISION]];
@@ -142,7 +145,8 @@ static void check_cubin(const struct target *t, const struct row *r, const char 
 {
 	const char *line = strstr(t->text.source, "\"stage ");
 	size_t stage = (line ? strtoul(line + 7, NULL, 10) : 0) * BLOCKS[r->level[BLOCK]], least = stage <= OWN ? stage : 0;
-	size_t own = own_bytes(cubin, ARCHS[r->level[ARCH]]), most = r->level[SCENE] == MATRICES || r->level[SCENE] == PRODUCT ? OWN : least;
+	size_t own = own_bytes(cubin, ARCHS[r->level[ARCH]]),
+	       most = r->level[SCENE] == MATRICES || r->level[SCENE] == PRODUCT ? OWN : least;
 
 	ck_assert_msg(least <= own && own <= most, "%s: %zu bytes of its own, it stages %zu", t->what, own, stage);
 }
@@ -153,8 +157,13 @@ static void check_nvrtc(const struct target *t, const struct row *r)
 {
 	char log[4096] = "", block[32];
 	const char *const options[] = {block};
-	struct jit_request j = {.source = t->text.source, .file = "arm.cu", .arch = ARCHS[r->level[ARCH]], .options = options, .option_count = 1,
-		.log = log, .log_size = sizeof log};
+	struct jit_request j = {.source = t->text.source,
+		.file = "arm.cu",
+		.arch = ARCHS[r->level[ARCH]],
+		.options = options,
+		.option_count = 1,
+		.log = log,
+		.log_size = sizeof log};
 	struct jit_image image;
 	struct rnea_error e = {0};
 
@@ -218,8 +227,10 @@ END_TEST
 START_TEST(test_nvcc)
 {
 	static const struct row rows[] = {
-		{{[ROBOT] = CHAIN, [PRECISION] = 1, [BLOCK] = 0, [ARCH] = 2}}, {{[ROBOT] = ARM, [LAYOUT] = 1, [SCENE] = MATRICES, [BLOCK] = 2, [ARCH] = 2}},
-		{{[ROBOT] = CHAIN, [PRECISION] = 1, [BLOCK] = 4, [ARCH] = 2}}, {{[ROBOT] = ARM, [BLOCK] = 5, [ARCH] = 1}},
+		{{[ROBOT] = CHAIN, [PRECISION] = 1, [BLOCK] = 0, [ARCH] = 2}},
+		{{[ROBOT] = ARM, [LAYOUT] = 1, [SCENE] = MATRICES, [BLOCK] = 2, [ARCH] = 2}},
+		{{[ROBOT] = CHAIN, [PRECISION] = 1, [BLOCK] = 4, [ARCH] = 2}},
+		{{[ROBOT] = ARM, [BLOCK] = 5, [ARCH] = 1}},
 	};
 	struct target t;
 

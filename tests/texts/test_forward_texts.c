@@ -1,6 +1,6 @@
-/* Texts of forward dynamics by drawn pairs of options: no compiler has a word to say of them, and run by librnea, on the host and on
-   the pretended device, they give what the evaluated DAG gives; by --strict several compilers give the same bits. Robots take turns;
-   where all is asked for, they are one more option. */
+/* Texts of forward dynamics by drawn pairs of options: no compiler has a word to say of them, and run by librnea, on
+   the host and on the pretended device, they give what the evaluated DAG gives; by --strict several compilers give the
+   same bits. Robots take turns; where all is asked for, they are one more option. */
 #define _POSIX_C_SOURCE 200809L
 #include "rnea.h"
 #include "support/exhaustive.h"
@@ -28,7 +28,10 @@ static const struct subject {
 	{"mimic_chain", "free offset.wrist\ndamping\nfriction 0.3\nwant qdd,Minv,dqdd_dqd,M\njvp qdd\n", 0},
 	{"planar_tilted", "free gravity\nfext disc\nfold tau.mast=0.5\nwant Minv,dqdd_dq,dqdd_dgravity,dtau_dq\n", 0},
 	{"floating_joint", "fext left_arm\nfext-frame world\nwant qdd,accel.left_arm,power\nvjp qdd\n", 0},
-	{"mimic_chain", "free gravity,payload.hand\nfext arm\nwant kinetic\njvp pose.hand,qdd\nvjp accel.hand,kinetic,M\nby payload.hand,gravity,fext.arm\n", 0},
+	{"mimic_chain",
+		"free gravity,payload.hand\nfext arm\nwant kinetic\njvp pose.hand,qdd\nvjp accel.hand,kinetic,M\nby "
+		"payload.hand,gravity,fext.arm\n",
+		0},
 	{"floating_joint", "want qdd,com\njvp com,potential\nvjp qdd,pose.left_arm\n", 0},
 	{"root_with_mass", "free mass.leg:sample\nwant qdd,dqdd_dqd,dqdd_dmass.leg\njvp qdd\nvjp qdd\n", 1},
 };
@@ -134,7 +137,8 @@ static void expect(const struct dag *d, const struct rneagen_options *o, int sam
 		out[k] = d->arguments[k].is_output ? x->out[k] : NULL;
 		outs[k] = d->arguments[k].is_output ? out_f32[k] : NULL;
 	}
-	ck_assert(is_f32 ? eval_f32(d, ins, outs, &(struct eval_terms){.bound = bound}) : eval_f64(d, in, out, &(struct eval_terms){.bound = bound}));
+	ck_assert(is_f32 ? eval_f32(d, ins, outs, &(struct eval_terms){.bound = bound})
+			 : eval_f64(d, in, out, &(struct eval_terms){.bound = bound}));
 	for (size_t i = 0; i < d->output_count; i++) {
 		int k = d->outputs[i].argument, row = d->outputs[i].row;
 		double value = is_f32 ? (double)out_f32[k][row] : x->out[k][row];
@@ -163,7 +167,8 @@ static void put(const struct scene_model *m, const struct rnea_info *info, int s
 		}
 }
 
-static void fill(const struct scene_model *m, const struct rneagen_options *o, const struct rnea_info *info, uint64_t seed, struct arrays *x)
+static void fill(const struct scene_model *m, const struct rneagen_options *o, const struct rnea_info *info,
+	uint64_t seed, struct arrays *x)
 {
 	struct rng rng = rng_seed(seed);
 
@@ -171,7 +176,8 @@ static void fill(const struct scene_model *m, const struct rneagen_options *o, c
 	for (int k = 0; k < m->dag.argument_count; k++) {
 		ck_assert_str_eq(info->arguments[k].name, m->dag.arguments[k].name);
 		ck_assert_int_le(m->dag.arguments[k].rows, LARGEST);
-		x->at[k] = calloc((size_t)(COUNT * m->dag.arguments[k].rows), sizeof(double));
+		x->at[k] = malloc((size_t)(COUNT * m->dag.arguments[k].rows) * sizeof(double));
+		memset(x->at[k], 0xff, (size_t)(COUNT * m->dag.arguments[k].rows) * sizeof(double)); /* nan: what no text writes is seen */
 	}
 	for (int state = 0; state < STATES; state++) {
 		draw(m, &rng, !state, x);
@@ -189,12 +195,14 @@ static void compare(const struct dag *d, const struct rnea_info *info, const str
 				size_t at = place(info, k, d->arguments[k].rows, s, i);
 				double got = info->precision == RNEA_F64 ? ((double *)x->at[k])[at] : (double)((float *)x->at[k])[at];
 
-				ck_assert_msg(fabs(got - x->expected[k][s % STATES][i]) <= x->allowed[k][s % STATES][i], "%s: %s[%d] of sample %d: %.17g, not %.17g (%.3g)",
-					what, d->arguments[k].name, i, s, got, x->expected[k][s % STATES][i], x->allowed[k][s % STATES][i]);
+				ck_assert_msg(fabs(got - x->expected[k][s % STATES][i]) <= x->allowed[k][s % STATES][i],
+					"%s: %s[%d] of sample %d: %.17g, not %.17g (%.3g)", what, d->arguments[k].name,
+					i, s, got, x->expected[k][s % STATES][i], x->allowed[k][s % STATES][i]);
 			}
 }
 
-static void run_on(const struct scene_model *m, const struct rneagen_options *o, const struct target *t, enum rnea_backend backend, uint64_t seed)
+static void run_on(const struct scene_model *m, const struct rneagen_options *o, const struct target *t,
+	enum rnea_backend backend, uint64_t seed)
 {
 	static const char *const as_calls[] = {"-Dalways_inline=unused"}; /* in line, pairs of floats take a compiler long */
 	size_t is_pair = o->precision == RNEAGEN_F32X2 && backend == RNEA_BACKEND_HOST;
@@ -260,8 +268,8 @@ END_TEST
 
 /* The first sets them. */
 static const struct compiler STRICT[] = {{"gcc", {"-O0", "-std=c11"}}, {"clang", {"-O0", "-std=c11"}},
-	{"gcc", {"-O3", "-std=gnu11", "-ffp-contract=fast", "-march=x86-64-v3"}}, {"clang", {"-O3", "-std=c11", "-ffp-contract=fast", "-march=x86-64-v3"}},
-	{"gcc", {"-O2", "-std=c11"}}};
+	{"gcc", {"-O3", "-std=gnu11", "-ffp-contract=fast", "-march=x86-64-v3"}},
+	{"clang", {"-O3", "-std=c11", "-ffp-contract=fast", "-march=x86-64-v3"}}, {"gcc", {"-O2", "-std=c11"}}};
 
 enum { STRICT_COUNT = sizeof STRICT / sizeof *STRICT, NV = 6 };
 

@@ -233,7 +233,8 @@ static void *compile(const struct subject *s, enum rneagen_target target, struct
 	size_t length;
 	FILE *file = fopen(path_of(s), "rb");
 	static char urdf[1 << 20];
-	const char *const command[] = {"cc", "-std=c11", "-x", "c", WARNING_FLAGS, "-shared", "-fPIC", "-o", object.s, text.s, "-lm", NULL};
+	const char *const command[] = {
+		"cc", "-std=c11", "-x", "c", WARNING_FLAGS, "-shared", "-fPIC", "-o", object.s, text.s, "-lm", NULL};
 	void *library;
 
 	ck_assert_ptr_nonnull(file);

@@ -1,8 +1,8 @@
-/* Texts with --refine, run by librnea on the host and on the pretended device: qdd is within a rounding of f32 of the same
-   expressions in extended precision, in every layout, mode and target, angles of 1e5 rad among the drawn; what the evaluator makes
-   of the refined expressions is as near. Compilers have nothing to say of the texts, nor of headers of all kinds in one file. It
-   would catch a function or a constant of one type of numbers taken for that of the other, and an angle too large for the fast way
-   of either. */
+/* Texts with --refine, run by librnea on the host and on the pretended device: qdd is within a rounding of f32 of the
+   same expressions in extended precision, in every layout, mode and target, angles of 1e5 rad among the drawn; what the
+   evaluator makes of the refined expressions is as near. Compilers have nothing to say of the texts, nor of headers of
+   all kinds in one file. It would catch a function or a constant of one type of numbers taken for that of the other,
+   and an angle too large for the fast way of either. */
 #define _POSIX_C_SOURCE 200809L
 #include "support/suite.h"
 #include "support/scene_model.h"
@@ -94,7 +94,8 @@ static void evaluate(const struct combination *t, struct state *s, const struct 
 			narrow[k][i] = (float)s->in[k][i];
 		}
 	ck_assert(eval_real(plain, (const real *[]){in[0], in[1], in[2], NULL}, (real *[]){NULL, NULL, NULL, s->exact}, NULL));
-	ck_assert(eval_f32(refined, (const float *[]){narrow[0], narrow[1], narrow[2], NULL}, (float *[]){NULL, NULL, NULL, s->refined}, NULL));
+	ck_assert(eval_f32(refined, (const float *[]){narrow[0], narrow[1], narrow[2], NULL},
+		(float *[]){NULL, NULL, NULL, s->refined}, NULL));
 }
 
 /* ---- runs ---- */
@@ -131,8 +132,9 @@ static void compare(const struct combination *t, const struct state *states, con
 		for (int i = 0; i < t->nv; i++) {
 			real allowed = (in_f32(t) ? 1.01L * 0x1p-24L * fabsl(s->exact[i]) : 0) + 1e-9L * largest;
 
-			ck_assert_msg(fabsl((real)get(t, sample, i) - s->exact[i]) <= allowed, "%s: qdd[%d] of sample %d: %.17g, not %.17Lg", what, i, sample,
-				get(t, sample, i), s->exact[i]);
+			ck_assert_msg(fabsl((real)get(t, sample, i) - s->exact[i]) <= allowed,
+				"%s: qdd[%d] of sample %d: %.17g, not %.17Lg", what, i, sample, get(t, sample, i),
+				s->exact[i]);
 			if (t->precision == RNEAGEN_F32)
 				ck_assert_msg(fabsl((real)s->refined[i] - s->exact[i]) <= allowed, "%s: evaluated, qdd[%d] of sample %d: %.9g, not %.17Lg",
 					what, i, sample, (double)s->refined[i], s->exact[i]);
@@ -181,10 +183,13 @@ static void compile_text(const struct combination *t, const struct target *text,
 	target_write(source, text->text.source);
 	if (text->text.header)
 		target_write(header, text->text.header);
-	compile(text, (const char *const[]){"gcc", "-std=c11", WARNING_FLAGS, "-Wshadow", "-x", "c", "-c", "-o", object.s, source.s, NULL});
-	compile(text, (const char *const[]){"clang", "-std=c11", WARNING_FLAGS, "-Wshadow", "-x", "c", "-c", "-o", object.s, source.s, NULL});
+	compile(text, (const char *const[]){"gcc", "-std=c11", WARNING_FLAGS, "-Wshadow", "-x", "c", "-c", "-o",
+			      object.s, source.s, NULL});
+	compile(text, (const char *const[]){"clang", "-std=c11", WARNING_FLAGS, "-Wshadow", "-x", "c", "-c", "-o",
+			      object.s, source.s, NULL});
 	if (t->target == RNEAGEN_TARGET_CUDA && t->precision == RNEAGEN_F32 && t->layout == RNEAGEN_SOA)
-		compile(text, (const char *const[]){"/usr/local/cuda/bin/nvcc", "-arch=sm_90", "-Werror", "all-warnings", "-ptx", "-o", object.s, source.s, NULL});
+		compile(text, (const char *const[]){"/usr/local/cuda/bin/nvcc", "-arch=sm_90", "-Werror",
+				      "all-warnings", "-ptx", "-o", object.s, source.s, NULL});
 	unlink(source.s);
 	unlink(header.s);
 	unlink(object.s);
@@ -260,8 +265,10 @@ START_TEST(headers)
 			i == 2 || i == 4 ? "double" : "float", stem);
 	}
 	fclose(f);
-	compile(&text[0], (const char *const[]){"g++", "-std=c++17", "-Wall", "-Wextra", "-Werror", "-c", "-o", object.s, source.s, NULL});
-	compile(&text[0], (const char *const[]){"clang++", "-std=c++17", "-Wall", "-Wextra", "-Werror", "-c", "-o", object.s, source.s, NULL});
+	compile(&text[0], (const char *const[]){"g++", "-std=c++17", "-Wall", "-Wextra", "-Werror", "-c", "-o",
+				  object.s, source.s, NULL});
+	compile(&text[0], (const char *const[]){"clang++", "-std=c++17", "-Wall", "-Wextra", "-Werror", "-c", "-o",
+				  object.s, source.s, NULL});
 	for (int k = 0; k < HEADER_COUNT; k++)
 		target_close(&text[k]);
 	unlink(source.s);
@@ -277,7 +284,8 @@ START_TEST(refused)
 	static const struct {
 		int strict, bounded;
 		const char *scene, *says;
-	} cases[] = {{1, 0, "want qdd\nrefine 1:f32x2", "--strict and --refine 1:f32x2"}, {0, 1, "want qdd\nrefine 1", "--bounded and --refine"}};
+	} cases[] = {{1, 0, "want qdd\nrefine 1:f32x2", "--strict and --refine 1:f32x2"},
+		{0, 1, "want qdd\nrefine 1", "--bounded and --refine"}};
 	char *urdf = robot("fixed_tree");
 	struct rneagen_options o = rneagen_options_default();
 	struct rneagen_result text;

@@ -1,8 +1,8 @@
-/* Kernels in segments: values as those of the whole text compiled as C, on the pretended driver, where each thread takes one sample or
-   several, where a block's shared memory has room for their values and where it has not, and where an angle of one of them is large;
-   what the runtime says of it, and which texts are cut.
-   This would catch a value fetched from another's slot, a sample that a grid leaves out, and a second round that loses a sample.
-   Texts for target C in segments: test_targets, against the independent reference. */
+/* Kernels in segments: values as those of the whole text compiled as C, on the pretended driver, where each thread
+   takes one sample or several, where a block's shared memory has room for their values and where it has not, and where
+   an angle of one of them is large; what the runtime says of it, and which texts are cut. This would catch a value
+   fetched from another's slot, a sample that a grid leaves out, and a second round that loses a sample. Texts for
+   target C in segments: test_targets, against the independent reference. */
 #define _POSIX_C_SOURCE 200809L
 #include "launched.h"
 #include "support/suite.h"
@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* With blocks of 32 threads: so many samples that a thread takes three, or four, and that some blocks are not full; with blocks of
-   1024 one block, and a piece of one. */
+/* With blocks of 32 threads: so many samples that a thread takes three, or four, and that some blocks are not full;
+   with blocks of 1024 one block, and a piece of one. */
 enum { SMALL = 32, MANY = 32 * 512 * 3 + 77, LARGE = 1024, FEW = 1400, SEED = 20261124 };
 
 static const struct subject {
@@ -34,18 +34,13 @@ enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
 static void generate(const struct subject *s, int segments, struct target *t)
 {
 	struct rneagen_options o = rneagen_options_default();
-	size_t length;
-	char *urdf = target_robot(s->name, &length);
 
-	o.scene = *s->scene ? s->scene : NULL;
-	o.base = s->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	o.precision = s->precision;
 	o.trig = s->trig;
 	o.segments = segments;
 	o.parts = 1;
 	o.limbs = RNEAGEN_LIMBS_NONE;
-	target_generate(t, urdf, length, &o, s->name);
-	free(urdf);
+	launched_generate(t, s->name, s->scene, s->floating, &o);
 }
 
 START_TEST(test_values)
@@ -66,7 +61,8 @@ START_TEST(test_values)
 	ck_assert_uint_eq(y.info->functions[0].most_samples, 1);
 	ck_assert_uint_eq(y.info->functions[0].across_bytes, 0);
 	worst = launched_distance(&x, &y, s->name);
-	printf("%s, %zu bytes across, blocks of %u: within %.1e, seed %d\n", s->name, x.info->functions[0].across_bytes, x.info->block, worst, SEED);
+	printf("%s, %zu bytes across, blocks of %u: within %.1e, seed %d\n", s->name, x.info->functions[0].across_bytes,
+		x.info->block, worst, SEED);
 	ck_assert_double_lt(worst, s->precision == RNEAGEN_F32 ? 2e-5 : s->precision == RNEAGEN_MIXED ? 1e-6 : 1e-12);
 	launched_free(&x);
 	launched_free(&y);

@@ -1,16 +1,17 @@
-/* Kernels of small batches, in which warps share out each sample: values as those of the whole text compiled as C, on the pretended
-   driver, whose threads wait for each other; which kernel a launch takes, by the runtime and by NAME_rnea_launch; what is said of it.
-   This would catch a value that another warp reads too early, lanes to spare that write elsewhere, a batch beyond the threshold that
-   took this kernel, and a block given less memory than it writes. The schedules themselves: test_limbs. */
+/* Kernels of small batches, in which warps share out each sample: values as those of the whole text compiled as C, on
+   the pretended driver, whose threads wait for each other; which kernel a launch takes, by the runtime and by
+   NAME_rnea_launch; what is said of it. This would catch a value that another warp reads too early, lanes to spare that
+   write elsewhere, a batch beyond the threshold that took this kernel, and a block given less memory than it writes.
+   The schedules themselves: test_limbs. */
 #define _POSIX_C_SOURCE 200809L
 #include "launched.h"
 #include "support/suite.h"
+#include "target/launch_library.h"
 #include <dlfcn.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { LANES = 32, SEED = 20261122 };
 
@@ -33,18 +34,13 @@ enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
 static void generate(const struct subject *s, int limbs, struct target *t)
 {
 	struct rneagen_options o = rneagen_options_default();
-	size_t length;
-	char *urdf = target_robot(s->name, &length);
 
-	o.scene = *s->scene ? s->scene : NULL;
-	o.base = s->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	o.precision = s->precision;
 	o.trig = s->trig;
 	o.strict = s->is_strict;
 	o.limbs = limbs;
 	o.parts = limbs == RNEAGEN_LIMBS_NONE ? 1 : s->parts;
-	target_generate(t, urdf, length, &o, s->name);
-	free(urdf);
+	launched_generate(t, s->name, s->scene, s->floating, &o);
 }
 
 static unsigned threads_of_last_launch(void)
@@ -157,31 +153,6 @@ END_TEST
 
 /* ---- NAME_rnea_launch, as nvcc builds it ---- */
 
-static void *build_launch(const struct target *t)
-{
-	struct target_path source = target_path("small_launch", ".cc"), library = target_path("small_launch", ".so");
-	const char *const argv[] = {FAKE_CXX, "-std=c++17", "-shared", "-fPIC", "-O1", "-w", "-fno-gnu-unique", "-pthread", "-o",
-		library.s, source.s, NULL};
-	char *text, *at;
-	size_t length;
-	FILE *f = open_memstream(&text, &length);
-	void *handle;
-
-	fprintf(f, "#define FAKE_WAITS 1\n#include \"" TEST_DIR "/fake/fake_launch.h\"\n%s\nFAKE_ENTRIES(iiwa14_rnea_kernel, iiwa14_rnea_limbs, "
-		"\"iiwa14_across\")\n", t->text.source);
-	fclose(f);
-	ck_assert_ptr_nonnull(at = strstr(text, "extern __shared__"));
-	memcpy(at, "extern           ", strlen("extern __shared__")); /* memory of the launch, not of the kernel */
-	target_write(source, text);
-	free(text);
-	target_compile(t, argv);
-	handle = dlopen(library.s, RTLD_NOW | RTLD_LOCAL);
-	ck_assert_msg(handle != NULL, "%s", dlerror());
-	unlink(library.s);
-	unlink(source.s);
-	return handle;
-}
-
 START_TEST(test_launch)
 {
 	int (*launch)(void *q, void *qd, void *qdd, void *tau, size_t count, void *stream);
@@ -190,7 +161,9 @@ START_TEST(test_launch)
 	void *library;
 
 	generate(&SUBJECTS[0], 4, &t);
-	library = build_launch(&t);
+	ck_assert_ptr_nonnull(strstr(t.text.source, "extern __shared__"));
+	library = launch_library(&t, "small_launch", "#define FAKE_WAITS 1",
+		"FAKE_ENTRIES(iiwa14_rnea_kernel, iiwa14_rnea_limbs, \"iiwa14_across\")");
 	target_symbol(&t, library, "iiwa14_rnea_launch", &launch);
 	target_symbol(&t, library, "fake_grid", &grid);
 	target_symbol(&t, library, "fake_block", &block);

@@ -1,6 +1,7 @@
-/* --strict: the same bits from every compiler at every setting, also where it may join products and sums, and those of the
-   DAG computed operation by operation; in ordinary states, at large angles, where numbers are subnormal or overflow.
-   Once found: a negation of a joined sum (gcc, the sign of a zero), a product left in fma(1, x, y) (clang): check_dags names both. */
+/* --strict: the same bits from every compiler at every setting, also where it may join products and sums, and those of
+   the DAG computed operation by operation; in ordinary states, at large angles, where numbers are subnormal or
+   overflow. Once found: a negation of a joined sum (gcc, the sign of a zero), a product left in fma(1, x, y) (clang):
+   check_dags names both. */
 #define _POSIX_C_SOURCE 200809L
 #include "target/rerun.h"
 #include "target/states.h"

@@ -181,7 +181,8 @@ START_TEST(for_processors_that_are_not_here)
 #endif
 	static const struct {
 		const char *command, *mode, *suffix;
-	} modes[] = {{"gcc", "-std=gnu11", ".c"}, {"gcc", "-std=c11", ".c"}, {"clang", "-std=gnu11", ".c"}, {"g++", "-std=gnu++17", ".cpp"}};
+	} modes[] = {{"gcc", "-std=gnu11", ".c"}, {"gcc", "-std=c11", ".c"}, {"clang", "-std=gnu11", ".c"},
+		{"g++", "-std=gnu++17", ".cpp"}};
 	struct target_path c = target_path("strict_cpu", ".c"), h = target_path("strict_cpu", ".h"),
 			   cpp = target_path("strict_cpu", ".cpp"), nothing = target_path("strict_nothing", ".c");
 	struct target source, header;

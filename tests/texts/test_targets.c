@@ -1,7 +1,8 @@
 /* Texts for target C, compiled and run: against the independent reference, the evaluated DAG and themselves.
-   Own robots and real ones (RNEAGEN_ROBOTS); fixed and floating; both precisions and layouts; all trigonometry modes; whole and in
-   short segments: each robot in one text, or our own in two where all is asked for, and each pair of options in some text.
-   Once found: a sign of zero (DAG and text), an input that is not finite and reaches another sample of its batch. */
+   Own robots and real ones (RNEAGEN_ROBOTS); fixed and floating; both precisions and layouts; all trigonometry modes;
+   whole and in short segments: each robot in one text, or our own in two where all is asked for, and each pair of
+   options in some text. Once found: a sign of zero (DAG and text), an input that is not finite and reaches another
+   sample of its batch. */
 #define _POSIX_C_SOURCE 200809L
 #include "support/exhaustive.h"
 #include "support/pairs.h"
@@ -11,7 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Compilers take long over the texts of robots with this many bodies; of the others every third is optimised, or every second where all is asked for. */
+/* Compilers take long over the texts of robots with this many bodies; of the others every third is optimised, or every
+   second where all is asked for. */
 enum { STATES = 300, LARGE = 100, SEED = 7, DEEP = 40, SHORT = 40 };
 enum { PRECISION, LAYOUT, TRIG, BASE, SEGMENTS, OPTIONS }; /* columns of the table */
 
@@ -32,8 +34,8 @@ static int is_legged(const char *name)
 	return 0;
 }
 
-static void check_text(int is_real, int optimise, struct worst *worst, struct model *m, const struct states *states, const char *urdf,
-	size_t length, const struct rneagen_options *o, const char *stem)
+static void check_text(int is_real, int optimise, struct worst *worst, struct model *m, const struct states *states,
+	const char *urdf, size_t length, const struct rneagen_options *o, const char *stem)
 {
 	static const struct compiler optimising = {"gcc", {"-O1"}}, slow = {"gcc", {"-O0", "-Dalways_inline=unused"}},
 				     quick = {"clang", {"-O0", "-Dalways_inline=unused"}};
@@ -41,7 +43,11 @@ static void check_text(int is_real, int optimise, struct worst *worst, struct mo
 	struct target t;
 	struct check c = {.target = &t, .model = m, .states = states, .real = is_real, .exact = 1, .worst = worst};
 
-	target_open(&t, urdf, length, o, m->tree.body_count < deep && optimise ? &optimising : compiler_lacks(&quick, 0) ? &slow : &quick, stem);
+	target_open(&t, urdf, length, o,
+		m->tree.body_count < deep && optimise ? &optimising
+		: compiler_lacks(&quick, 0)	      ? &slow
+						      : &quick,
+		stem);
 	check_rnea(&c);
 	check_batch(&c);
 	check_passes(&c);

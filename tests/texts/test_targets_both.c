@@ -293,8 +293,8 @@ static void check_text(const char *robot, const struct rneagen_options *o, const
 
 static const char *const COMPILERS[] = {"gcc", "clang"};
 
-static const char *const ROBOTS[] = {"iiwa14", "hyq", "mimic_chain", "planar_tilted", "floating_joint", "gantry", "all_zero_torque",
-	"odd_names"};
+static const char *const ROBOTS[] = {
+	"iiwa14", "hyq", "mimic_chain", "planar_tilted", "floating_joint", "gantry", "all_zero_torque", "odd_names"};
 
 enum { ROBOT_COUNT = sizeof ROBOTS / sizeof *ROBOTS };
 enum { COMPILER, PRECISION, LAYOUT, TRIG, ROBOT }; /* columns of the table */

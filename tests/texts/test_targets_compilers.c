@@ -69,12 +69,13 @@ struct robot_choice {
 	enum rneagen_base base;
 };
 
-static const struct robot_choice ROBOTS[ROBOT_COUNT] = {{"iiwa14", RNEAGEN_FIXED}, {"hyq", RNEAGEN_FLOATING}, {"panda", RNEAGEN_FIXED},
-	{"mimic_chain", RNEAGEN_FLOATING}, {"planar_tilted", RNEAGEN_FIXED}, {"floating_joint", RNEAGEN_FIXED},
-	{"prismatic_skew", RNEAGEN_FIXED}, {"all_zero_torque", RNEAGEN_FIXED}, {"odd_names", RNEAGEN_FIXED}};
+static const struct robot_choice ROBOTS[ROBOT_COUNT] = {{"iiwa14", RNEAGEN_FIXED}, {"hyq", RNEAGEN_FLOATING},
+	{"panda", RNEAGEN_FIXED}, {"mimic_chain", RNEAGEN_FLOATING}, {"planar_tilted", RNEAGEN_FIXED},
+	{"floating_joint", RNEAGEN_FIXED}, {"prismatic_skew", RNEAGEN_FIXED}, {"all_zero_torque", RNEAGEN_FIXED},
+	{"odd_names", RNEAGEN_FIXED}};
 
-/* Compilers take long to optimise the texts of these two: of others, in turn, unless all is asked for; -O3 takes up to a minute over
-   odd_names, whose names are no matter to it. */
+/* Compilers take long to optimise the texts of these two: of others, in turn, unless all is asked for; -O3 takes up to
+   a minute over odd_names, whose names are no matter to it. */
 static const struct robot_choice *robot_of(const struct pairs *p, int i)
 {
 	const char *level = SETTINGS[p->rows[i][SETTING]].compiler.flags[0];

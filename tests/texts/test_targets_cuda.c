@@ -1,6 +1,7 @@
 /* Texts for target cuda, without a GPU: nvcc and NVRTC take them without a word, and what ptxas says of their kernels
-   goes into targets/ptxas.csv. The other robots of this folder by NVRTC, which has the same front end, and every seventh by nvcc too:
-   every third of them, or where all is asked for each, and every second of the real ones (RNEAGEN_ROBOTS). */
+   goes into targets/ptxas.csv. The other robots of this folder by NVRTC, which has the same front end, and every
+   seventh by nvcc too: every third of them, or where all is asked for each, and every second of the real ones
+   (RNEAGEN_ROBOTS). */
 #define _GNU_SOURCE
 #include "support/exhaustive.h"
 #include "support/model.h"

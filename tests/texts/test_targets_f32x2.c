@@ -1,6 +1,6 @@
-/* Texts in two-float arithmetic, compiled and run: all own robots, and a few by every compiler setting, above all where a
-   compiler may join products to sums (which once undid the error-free sum). All in one text each; where all is asked for, fixed and
-   floating. */
+/* Texts in two-float arithmetic, compiled and run: all own robots, and a few by every compiler setting, above all where
+   a compiler may join products to sums (which once undid the error-free sum). All in one text each; where all is asked
+   for, fixed and floating. */
 #define _POSIX_C_SOURCE 200809L
 #include "dag/eval.h"
 #include "emit/number_type.h"

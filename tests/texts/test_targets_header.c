@@ -1,5 +1,6 @@
-/* Texts for target header, all in one file with each other, in C and in C++; and the .h that goes with a .c. Each text is called in C by
-   gcc and in C++ by clang; also in C by clang and in C++ by gcc where all is asked for, else these compile half of them. */
+/* Texts for target header, all in one file with each other, in C and in C++; and the .h that goes with a .c. Each text
+   is called in C by gcc and in C++ by clang; also in C by clang and in C++ by gcc where all is asked for, else these
+   compile half of them. */
 #define _POSIX_C_SOURCE 200809L
 #include "emit/emit.h"
 #include "support/exhaustive.h"

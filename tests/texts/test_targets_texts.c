@@ -1,6 +1,7 @@
 /* What a text is, apart from what it computes: no C compiler has anything to say about it, be it for target c or cuda;
-   objects of target c show the documented symbols and need nothing; and what all_zero_torque stores is zero. Where all is asked for,
-   every text of ours by gcc and by clang, each at one of two levels in turn; else by one of them in turn, and every third real robot. */
+   objects of target c show the documented symbols and need nothing; and what all_zero_torque stores is zero. Where all
+   is asked for, every text of ours by gcc and by clang, each at one of two levels in turn; else by one of them in turn,
+   and every third real robot. */
 #define _POSIX_C_SOURCE 200809L
 #include "support/exhaustive.h"
 #include "support/model.h"

@@ -144,8 +144,10 @@ static void compare(const struct rnea_info *info, const struct dag *d, const cha
 			for (int sample = 0; sample < COUNT; sample++) {
 				real got = get(info, k, d->arguments[k].rows, sample, i);
 
-				ck_assert_msg(fabsl(got - expected[k][i][sample]) <= allowed[k][i][sample], "%s: %s row %d of sample %d: %.17Lg, not %.17Lg (%.3Lg)",
-					what, d->arguments[k].name, i, sample, got, expected[k][i][sample], allowed[k][i][sample]);
+				ck_assert_msg(fabsl(got - expected[k][i][sample]) <= allowed[k][i][sample],
+					"%s: %s row %d of sample %d: %.17Lg, not %.17Lg (%.3Lg)", what,
+					d->arguments[k].name, i, sample, got, expected[k][i][sample],
+					allowed[k][i][sample]);
 			}
 }
 
@@ -193,7 +195,9 @@ static void run_on(struct task_case *c, const struct scene_model *m, const struc
 			c->in[i].word);
 	for (int launch = backend != RNEA_BACKEND_HOST; launch < 2; launch++) {
 		spoil(&m->dag);
-		ck_assert_msg(!(launch ? rnea_run(robot, arrays, COUNT, &e) : rnea_launch(robot, arrays, COUNT, NULL, &e)), "%s: %s", what, e.message);
+		ck_assert_msg(
+			!(launch ? rnea_run(robot, arrays, COUNT, &e) : rnea_launch(robot, arrays, COUNT, NULL, &e)),
+			"%s: %s", what, e.message);
 		compare(rnea_info(robot), &m->dag, what);
 	}
 	for (int k = 0; k < m->dag.argument_count; k++)
@@ -276,9 +280,11 @@ END_TEST
 
 static struct rnea_robot *open_bound(const char *scene)
 {
-	static const char urdf[] = ROBOT("r", BALL("world") BALL("left hand") BALL("left_hand") BALL("tool_")
-		JOINT("turn", "revolute", "world", "left hand", AXIS("0 0 1")) JOINT("a=\xc3\xb6", "revolute", "left hand", "left_hand", AXIS("0 1 0"))
-		JOINT("weld", "fixed", "left_hand", "tool_", ""));
+	static const char urdf[] =
+		ROBOT("r", BALL("world") BALL("left hand") BALL("left_hand") BALL("tool_")
+				   JOINT("turn", "revolute", "world", "left hand", AXIS("0 0 1"))
+					   JOINT("a=\xc3\xb6", "revolute", "left hand", "left_hand", AXIS("0 1 0"))
+						   JOINT("weld", "fixed", "left_hand", "tool_", ""));
 	struct rneagen_options o = rneagen_options_default();
 	struct rnea_options host = {.backend = RNEA_BACKEND_HOST, .cache = ""};
 	struct rneagen_result text;
@@ -300,9 +306,10 @@ START_TEST(bound)
 	static const struct {
 		const char *word;
 		int index;
-	} words[] = {{"payload.left hand", 3}, {"payload_left_hand", 3}, {"offset.a=\xc3\xb6", 4}, {"mass.left_hand", 5}, {"inertia.tool_", 6},
-		{"fext.left hand", 7}, {"fext.tool_", 8}, {"twist.tool_", 9}, {"tau", 10}, {"payload.left", -1}, {"payload.left hands", -1},
-		{"mass.tool_", -1}, {"", -1}, {NULL, -1}};
+	} words[] = {{"payload.left hand", 3}, {"payload_left_hand", 3}, {"offset.a=\xc3\xb6", 4},
+		{"mass.left_hand", 5}, {"inertia.tool_", 6}, {"fext.left hand", 7}, {"fext.tool_", 8},
+		{"twist.tool_", 9}, {"tau", 10}, {"payload.left", -1}, {"payload.left hands", -1}, {"mass.tool_", -1},
+		{"", -1}, {NULL, -1}};
 	struct rnea_robot *robot = open_bound("free payload.left hand\nfree offset.a=\xc3\xb6\nfree mass.left_hand\nfree inertia.tool_\n"
 					      "fext left hand,tool_\nwant twist.tool_,tau");
 

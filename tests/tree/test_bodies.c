@@ -236,10 +236,12 @@ END_TEST
 /* The offset is part of the placement: along or about the axis, with its sign, by the resolved offset. */
 START_TEST(offsets_are_placed)
 {
-	static const char urdf[] = ROBOT("r", BALL("base") BALL("a") BALL("b") BALL("c") BALL("d") JOINT("lead", "revolute", "base", "a", "")
-		JOINT("slide", "prismatic", "a", "b", ORIGIN("1 2 3", "0 0 0") AXIS("0 -1 0") MIMIC("lead", "2", "0.5"))
-			JOINT("turn", "revolute", "b", "c", AXIS("0 0 -1") MIMIC("lead", "-1", "1.5707963267948966"))
-				JOINT("skew", "prismatic", "c", "d", ORIGIN("0 0 1", "0 0 0") AXIS("3 0 4") MIMIC("slide", "1", "1")));
+	static const char urdf[] = ROBOT("r",
+		BALL("base") BALL("a") BALL("b") BALL("c") BALL("d") JOINT("lead", "revolute", "base", "a", "") JOINT(
+			"slide", "prismatic", "a", "b",
+			ORIGIN("1 2 3", "0 0 0") AXIS("0 -1 0") MIMIC("lead", "2", "0.5")) JOINT("turn", "revolute",
+			"b", "c", AXIS("0 0 -1") MIMIC("lead", "-1", "1.5707963267948966")) JOINT("skew", "prismatic",
+			"c", "d", ORIGIN("0 0 1", "0 0 0") AXIS("3 0 4") MIMIC("slide", "1", "1")));
 	struct placement at;
 	struct planted p;
 	real shift[3];

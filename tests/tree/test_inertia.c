@@ -201,7 +201,8 @@ END_TEST
 START_TEST(cancelled_moments_are_zero)
 {
 	static const double none[6] = {0}, straight[3] = {0, 0, 0};
-	const struct placement X = {.R = ROTATION_IDENTITY}, far = {.R = ROTATION_IDENTITY, .p = {within_exact(0.1L), within_exact(0.2L)}};
+	const struct placement X = {.R = ROTATION_IDENTITY},
+			       far = {.R = ROTATION_IDENTITY, .p = {within_exact(0.1L), within_exact(0.2L)}};
 	struct inertia_sum sum = {0};
 	struct plain_inertia t;
 

@@ -7,7 +7,8 @@
     tau.sum().backward()                      # tensors of PyTorch have gradients: help(rneagen.torch)
     jax.grad(lambda q: robot(q, qd, qdd).sum())(q)  # of JAX too: help(rneagen.jax)
 
-SI units: m, kg, s, rad, N, N m. q has one entry for each joint that moves, depth-first, children by name; a floating base comes first.
+SI units: m, kg, s, rad, N, N m. q has one entry for each joint that moves, depth-first, children by name; a floating
+base comes first.
 
 load         a Robot, which is called with arrays
 generate     the text, CUDA C or C
@@ -20,4 +21,5 @@ from ._errors import BackendError, Error, RobotError
 from ._robot import Limits, Robot, load
 from ._sparse import Sparse
 
-__all__ = ["BackendError", "Choice", "Error", "Limits", "Robot", "RobotError", "Sparse", "Text", "choose", "generate", "load", "report"]
+__all__ = ["BackendError", "Choice", "Error", "Limits", "Robot", "RobotError", "Sparse", "Text", "choose",
+           "generate", "load", "report"]

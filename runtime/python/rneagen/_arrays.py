@@ -53,7 +53,8 @@ def describe(array: dict[str, Any], nv: int, sparse: bool) -> Array:
         shape = (nv, rows // nv)
     if array["default"] is not None:
         array["default"] = tuple(array["default"] + [0.0] * (rows - len(array["default"])))
-    return Array(shape=shape, size=(lines, columns), **{**array, "pattern": (tuple(pattern[0]), tuple(pattern[1])) if pattern else None})
+    array = {**array, "pattern": (tuple(pattern[0]), tuple(pattern[1])) if pattern else None}
+    return Array(shape=shape, size=(lines, columns), **array)
 
 
 def identifiers(arrays: Sequence[Array]) -> list[str]:
@@ -191,7 +192,8 @@ def call(robot, arrays: Sequence[Any], out: Any):
 
 def bind(robot, arrays: Sequence[Any], out: Any):
     if robot._conversion:
-        raise TypeError(f"bind: convention {robot.convention!r} converts the arrays at every call; bind a robot of convention 'pinocchio'")
+        raise TypeError(f"bind: convention {robot.convention!r} converts the arrays at every call; "
+                        "bind a robot of convention 'pinocchio'")
     if robot.sparse:
         raise TypeError("bind: sparse matrices are made at every call; take sparse=False")
     return robot._bind(complete(robot, arrays), plain(out))

@@ -37,8 +37,8 @@ class Text(str):
 
 
 def generate(urdf: str | os.PathLike | bytes, target: str = "cuda", **options: Any) -> Text:
-    """The text for a URDF, as the command `rneagen` writes it. `target`: "cuda", "c" or "header"; other keywords are those of load
-    that concern the model, and layout, name, bounded, only, parts, segments."""
+    """The text for a URDF, as the command `rneagen` writes it. `target`: "cuda", "c" or "header"; other keywords are
+    those of load that concern the model, and layout, name, bounded, only, parts, segments."""
     known = (*_options.scene_keywords(), *_options.MODEL, *_options.TEXT)
     _options.check(options, known, "generate")
     file = "<urdf>"
@@ -73,8 +73,9 @@ def study_words(robot: str | os.PathLike | Robot, options: dict[str, Any], more:
 
 
 def report(robot: str | os.PathLike | Robot, plot: str | os.PathLike | None = None, **options: Any) -> list[dict[str, Any]]:
-    """Every variant of a robot measured on this machine, as `rnearun report` does: a dictionary for each, with backend, precision, trig,
-    layout, batch, ns_per_sample, error_max, bound_max, ... `plot`: an SVG that is drawn. Takes about half a minute."""
+    """Every variant of a robot measured on this machine, as `rnearun report` does: a dictionary for each, with
+    backend, precision, trig, layout, batch, ns_per_sample, error_max, bound_max, ... `plot`: an SVG that is drawn.
+    Takes about half a minute."""
     words = study_words(robot, options, (), "report")
     plotted = [] if plot is None else [f"--plot={os.fspath(plot)}"]
     return json.loads(run([program("rnearun"), "report", *words, "--format=json", "--quiet", *plotted]))["rows"]
@@ -92,7 +93,8 @@ class Choice(str):
 def choose(robot: str | os.PathLike | Robot, max_error: float, measured: bool = False, **options: Any) -> Choice:
     """The fastest variant whose error, by its bound or as measured, is at most `max_error`, relative to the torques."""
     words = study_words(robot, options, (), "choose")
-    text = run([program("rnearun"), "choose", *words, f"--max-error={max_error!r}", "--quiet", *(["--measured"] if measured else [])])
+    text = run([program("rnearun"), "choose", *words, f"--max-error={max_error!r}", "--quiet",
+                *(["--measured"] if measured else [])])
     choice = Choice(text)
     lines = text.strip().split("\n")
     choice.backend, choice.precision, choice.trig, choice.layout = lines[0].split()[:4]

@@ -1,9 +1,11 @@
-"""MuJoCo's convention of a floating base, on top of the library's, which is Pinocchio's. Arrays of NumPy, converted at every call.
+"""MuJoCo's convention of a floating base, on top of the library's, which is Pinocchio's. Arrays of NumPy, converted
+at every call.
 
-    pinocchio   q = x y z qx qy qz qw; qd = the twist in the base's frame, linear then angular; qdd its componentwise derivative;
-                tau = force then moment, in the base's frame
-    mujoco      q = x y z qw qx qy qz; qd = linear velocity in the world's frame, angular velocity in the base's; qdd its derivative,
-                so the linear part is the classical acceleration; tau = force in the world's frame, moment in the base's
+    pinocchio   q = x y z qx qy qz qw; qd = the twist in the base's frame, linear then angular; qdd its componentwise
+                derivative; tau = force then moment, in the base's frame
+    mujoco      q = x y z qw qx qy qz; qd = linear velocity in the world's frame, angular velocity in the base's; qdd
+                its derivative, so the linear part is the classical acceleration; tau = force in the world's frame,
+                moment in the base's
 
 With R the base's rotation, v_world = R v, w the same: qdd_world = R (a + w x v), f_world = R f.
 """
@@ -43,7 +45,8 @@ class MuJoCo:
                  "link_payload", "joint_offset", "link_wrench")
             if array.role not in good:
                 raise ValueError(f"convention 'mujoco' has no {array.word} of a floating base; take 'pinocchio'")
-        if any(a.role == "joint_acceleration" for a in (*inputs, *outputs)) and not {"joint_position", "joint_velocity"} <= set(self.roles):
+        has_acceleration = any(a.role == "joint_acceleration" for a in (*inputs, *outputs))
+        if has_acceleration and not {"joint_position", "joint_velocity"} <= set(self.roles):
             raise ValueError("convention 'mujoco': accelerations need q and qd, which the scene leaves out; take 'pinocchio'")
 
     def inputs(self, arrays: Sequence[numpy.ndarray]) -> tuple[list[numpy.ndarray], numpy.ndarray | None, numpy.ndarray | None]:

@@ -1,5 +1,5 @@
-"""Arrays of other libraries: of a GPU by the CUDA array interface or DLPack, on their own device and in their current stream, and of
-the processor by DLPack. The caller's library makes the outputs. Nothing is copied, nothing waits."""
+"""Arrays of other libraries: of a GPU by the CUDA array interface or DLPack, on their own device and in their current
+stream, and of the processor by DLPack. The caller's library makes the outputs. Nothing is copied, nothing waits."""
 from __future__ import annotations
 
 import functools
@@ -28,7 +28,8 @@ class View(NamedTuple):
 
 @functools.lru_cache(maxsize=64)
 def protocols(kind: type) -> tuple[bool, bool]:
-    """Have arrays of this type the CUDA array interface, and DLPack's device? Asked of the type: asking an array would make the answer."""
+    """Have arrays of this type the CUDA array interface, and DLPack's device? Asked of the type: asking an array
+    would make the answer."""
     return hasattr(kind, "__cuda_array_interface__"), hasattr(kind, "__dlpack_device__")
 
 
@@ -128,7 +129,8 @@ def check_alike(robot, views: Sequence[View | None]) -> View:
     first = next(v for v in views if v is not None)
     for array, v in zip((*robot.inputs, *robot.outputs), views):
         if v is not None and v.scalar != first.scalar:
-            raise TypeError(f"{array.name}: its numbers are {v.scalar}, and those of the first array {first.scalar}: all arrays have one dtype")
+            raise TypeError(f"{array.name}: its numbers are {v.scalar}, and those of the first array {first.scalar}: "
+                            "all arrays have one dtype")
         if v is not None and v.device != first.device:
             raise ValueError(f"{array.name}: it is on device {v.device}, and the first array on {first.device}")
     return first
@@ -171,8 +173,11 @@ def prepare(robot, arrays: Sequence[Any], out: Any):
 def on_host(robot, arrays: Sequence[Any], out: Any):
     """Arrays of the processor, without a copy; the outputs become the caller's library's."""
     given = next(x for x in arrays if x is not None)
-    result = _arrays.call(robot, [None if x is None else numpy.from_dlpack(x) for x in arrays],
-                          tuple(map(numpy.from_dlpack, out)) if isinstance(out, tuple) else None if out is None else numpy.from_dlpack(out))
+    if isinstance(out, tuple):
+        to = tuple(map(numpy.from_dlpack, out))
+    else:
+        to = None if out is None else numpy.from_dlpack(out)
+    result = _arrays.call(robot, [None if x is None else numpy.from_dlpack(x) for x in arrays], to)
     back = getattr(library_of(given), "from_dlpack", None)
     if out is not None or back is None:
         return result if out is None else out

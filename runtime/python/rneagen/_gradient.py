@@ -1,9 +1,11 @@
-"""Derivatives of a robot's outputs, for the libraries that differentiate. They are made by another text of the same scene, which is a robot
-too: so a derivative has a compiled text of its own, and what the library does with robots it does with derivatives.
+"""Derivatives of a robot's outputs, for the libraries that differentiate. They are made by another text of the same
+scene, which is a robot too: so a derivative has a compiled text of its own, and what the library does with robots it
+does with derivatives.
 
-Backward, with w the gradients of the loss by the outputs, one after another, that text's output vjp is w' d outputs/d(q, qd, qdd), or by
-tau in place of qdd where that is found. Forward, with d the tangents of (q, qd, qdd) or (q, qd, tau), its output jvp is d outputs/d(...) d.
-For what is free and for wrenches, where derivatives by these are needed, it has an output or an input each.
+Backward, with w the gradients of the loss by the outputs, one after another, that text's output vjp is w' d
+outputs/d(q, qd, qdd), or by tau in place of qdd where that is found. Forward, with d the tangents of (q, qd, qdd) or
+(q, qd, tau), its output jvp is d outputs/d(...) d. For what is free and for wrenches, where derivatives by these are
+needed, it has an output or an input each.
 """
 from __future__ import annotations
 
@@ -39,8 +41,9 @@ class Gradients:
     # ---- the robots ----
 
     def make(self, product: str, of: Sequence, by: Iterable, apart: tuple[str, ...] = ()):
-        """The robot of this product, "vjp" or "jvp", of these outputs and by these inputs, made once; and the words of what it is of. An
-        output that the scene has made constant is left out: None where nothing is left. `apart`: see forward."""
+        """The robot of this product, "vjp" or "jvp", of these outputs and by these inputs, made once; and the words
+        of what it is of. An output that the scene has made constant is left out: None where nothing is left. `apart`:
+        see forward."""
         for a in of:
             if a.role in REFUSED:
                 raise NotImplementedError(f"{self.robot.name}: {a.word} has no gradient: {REFUSED[a.role]}")
@@ -65,7 +68,8 @@ class Gradients:
         if apart and self.robot._options.get("scene"):
             raise NotImplementedError(f"{self.robot.name}: vmap over a tangent of {apart[0]}, which is one for all samples: "
                                       f"free {apart[0]}:sample in the scene's file makes it one for each")
-        free = [f"{a.word}:{'batch' if a.per_batch and a.word not in apart else 'sample'}" for a in self.robot.inputs if a.role in FREED]
+        free = [f"{a.word}:{'batch' if a.per_batch and a.word not in apart else 'sample'}"
+                for a in self.robot.inputs if a.role in FREED]
         return {"free": free} if apart else {}
 
     def run(self, robot, given: dict[str, Any], lead: tuple[int, ...], like) -> dict[str, Any]:
@@ -76,8 +80,9 @@ class Gradients:
     # ---- backward ----
 
     def backward(self, arrays: Sequence, weights: Sequence, needs: Sequence[bool], apart: tuple[str, ...] = ()) -> list:
-        """What the weights of the outputs, None for none, make of each input that is needed; None where they make nothing. An input of
-        arrays that is None was left out. Constants of the whole batch have the sum over samples, those in `apart` one for each."""
+        """What the weights of the outputs, None for none, make of each input that is needed; None where they make
+        nothing. An input of arrays that is None was left out. Constants of the whole batch have the sum over samples,
+        those in `apart` one for each."""
         inputs = self.robot.inputs
         of = [(a, w) for a, w in zip(self.robot.outputs, weights) if w is not None]
         needed = [a for a, need in zip(inputs, needs) if need]
@@ -113,8 +118,8 @@ class Gradients:
     # ---- forward ----
 
     def forward(self, of: Sequence, arrays: Sequence, tangents: Sequence) -> list:
-        """The tangents of these outputs, from those of the inputs, None for none, with as many axes of samples as the arrays have. The
-        tangent of a constant of the whole batch may have them too: it is `apart` then."""
+        """The tangents of these outputs, from those of the inputs, None for none, with as many axes of samples as the
+        arrays have. The tangent of a constant of the whole batch may have them too: it is `apart` then."""
         inputs, library = self.robot.inputs, self.library
         given = [(a, d) for a, d in zip(inputs, tangents) if d is not None]
         apart = tuple(a.word for a, d in given if a.per_batch and len(d.shape) > len(a.shape))
@@ -131,7 +136,8 @@ class Gradients:
             for word in words:
                 found[word] = jvp[..., at:at + rows.get(word, 0)]
                 at += rows.get(word, 0)
-        return [found[a.word].reshape((*lead, *a.shape)) if a.word in found else library.zeros(like, (*lead, *a.shape)) for a in of]
+        return [found[a.word].reshape((*lead, *a.shape)) if a.word in found else library.zeros(like, (*lead, *a.shape))
+                for a in of]
 
     def direction(self, given: Sequence[tuple], values: dict[str, Any], zero):
         """jvp_v: tangents of q, qd and qdd or tau, one after another."""
@@ -145,8 +151,8 @@ class Gradients:
     # ---- quaternions ----
 
     def to_numbers(self, q, part):
-        """Gradients from the tangent space to the numbers of q: a floating joint's position p and quaternion u = (v, s) move by R a and
-        u (b, 0)/2 with a twist (a, b), whose transposed inverses are R and 2 u (b, 0)/|u|^2."""
+        """Gradients from the tangent space to the numbers of q: a floating joint's position p and quaternion u = (v,
+        s) move by R a and u (b, 0)/2 with a twist (a, b), whose transposed inverses are R and 2 u (b, 0)/|u|^2."""
         pieces, at, cross = [], 0, self.library.cross
         for joint in self.floating:
             iv = joint["iv"]
@@ -159,8 +165,8 @@ class Gradients:
         return self.library.join([*pieces, part[..., at:]])
 
     def from_numbers(self, q, d):
-        """Tangents from the numbers of q to the tangent space: the inverse of what moves them, a = R' dp and b = 2 u* du/|u|^2, whose part
-        along u is left out."""
+        """Tangents from the numbers of q to the tangent space: the inverse of what moves them, a = R' dp and b = 2 u*
+        du/|u|^2, whose part along u is left out."""
         pieces, at, cross = [], 0, self.library.cross
         for joint in self.floating:
             iq = joint["iq"]

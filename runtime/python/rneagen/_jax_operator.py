@@ -1,5 +1,5 @@
-"""Robots as primitives of JAX: a call, which XLA makes by its foreign function interface (src/xla.c), and the tangents of its outputs, which are
-linear in the tangents of the inputs, and whose transpose is the gradient."""
+"""Robots as primitives of JAX: a call, which XLA makes by its foreign function interface (src/xla.c), and the
+tangents of its outputs, which are linear in the tangents of the inputs, and whose transpose is the gradient."""
 from __future__ import annotations
 
 import dataclasses
@@ -26,8 +26,8 @@ def register() -> None:
     """Give XLA the handlers; BackendError where this package was built without them."""
     handlers = _core.xla_handlers()
     if not handlers:
-        raise BackendError("this build of rneagen takes no arrays of JAX, for XLA's header was not there: build it again where jaxlib is "
-                           "installed", "NO_XLA")
+        raise BackendError("this build of rneagen takes no arrays of JAX, for XLA's header was not there: build it again "
+                           "where jaxlib is installed", "NO_XLA")
     for platform, handler in handlers.items():
         jax.ffi.register_ffi_target(TARGET, handler, platform=platform)
 
@@ -58,19 +58,12 @@ class Operator:
 
 
 def operator_of(robot) -> Operator:
-    """The robot's operator, which robots of the same URDF and keywords share."""
-    found = robot.__dict__.get("_jax")
-    if found is None:
-        _arrays.refuse(robot, robot._is_sparse)
-        name = _robot.identity(robot)
-        with lock:
-            found = _operators.get(name) or _operators.setdefault(name, Operator(robot, name))
-        robot._jax = found
-    return found
+    return _robot.operator_of(robot, "_jax", _operators, lock, lambda name: Operator(robot, name))
 
 
 def lead_of(operator: Operator, arrays: Sequence) -> tuple[int, ...]:
-    return next((tuple(x.shape[:len(x.shape) - len(a.shape)]) for a, x in zip(operator.robot.inputs, arrays) if not a.per_batch), ())
+    return next((tuple(x.shape[:len(x.shape) - len(a.shape)])
+                 for a, x in zip(operator.robot.inputs, arrays) if not a.per_batch), ())
 
 
 # ---- shard_map ----
@@ -130,7 +123,8 @@ def size_of(args: Sequence, dims: Sequence) -> int:
 def to_front(array, x, dim, size: int):
     """vmap's axis becomes one more of the samples."""
     if array.per_batch and dim is not None:
-        raise NotImplementedError(f"vmap over {array.name}, which is one for all samples: free='{array.word}:sample' makes it one for each")
+        raise NotImplementedError(f"vmap over {array.name}, which is one for all samples: "
+                                  f"free='{array.word}:sample' makes it one for each")
     if array.per_batch:
         return x
     return jnp.broadcast_to(x, (size, *x.shape)) if dim is None else jnp.moveaxis(x, dim, 0)

@@ -86,6 +86,10 @@ def values(keyword: str, x: Any) -> list[str | None]:
     return [numbers(keyword, x)]
 
 
+def quoted(value: str) -> str:
+    return ' "' + value.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n") + '"'
+
+
 def lines(options: dict[str, Any]) -> str:
     """The scene's lines. They keep their dashes: messages then name the option."""
     text = []
@@ -95,8 +99,7 @@ def lines(options: dict[str, Any]) -> str:
                 text.append(file.read())
         elif keyword.replace("_", "-") in SCENE:
             for value in values(keyword, x):
-                quoted = "" if value is None else ' "' + value.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n") + '"'
-                text.append(f"--{keyword.replace('_', '-')}{quoted}")
+                text.append(f"--{keyword.replace('_', '-')}{'' if value is None else quoted(value)}")
     return "".join(line + "\n" for line in text)
 
 

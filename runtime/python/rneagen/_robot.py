@@ -14,7 +14,7 @@ import threading
 import warnings
 import weakref
 from collections import namedtuple
-from typing import Any, NamedTuple
+from typing import Any, Callable, NamedTuple
 
 import numpy
 
@@ -26,7 +26,8 @@ OWN = ("convention", "sparse")
 PRODUCTS = ("jvp", "vjp")  # of derivatives of outputs
 KEYS = itertools.count()
 SYMMETRIC = ("mass_matrix", "opspace_inertia")  # roles of matrices that may be stored by their lower triangle
-ALIVE: weakref.WeakValueDictionary[str, "Robot"] = weakref.WeakValueDictionary()  # by key, which torch.compile takes for a constant
+# by key, which torch.compile takes for a constant
+ALIVE: weakref.WeakValueDictionary[str, "Robot"] = weakref.WeakValueDictionary()
 KEYWORDS = (*_options.scene_keywords(), *_options.MODEL, "parts", "segments", *_options.OPEN, *OWN)
 
 
@@ -51,8 +52,8 @@ def make_tuple(kind: str, fields: tuple[str, ...], values: tuple):
 
 
 def load_nvrtc() -> bool:
-    """NVIDIA's wheel lies in this Python's own folders, where librnea may not look: once it is loaded, librnea finds it by its name.
-    Was there one?"""
+    """NVIDIA's wheel lies in this Python's own folders, where librnea may not look: once it is loaded, librnea finds
+    it by its name. Was there one?"""
     import ctypes
     from pathlib import Path
     for folder in map(Path, sys.path):
@@ -66,7 +67,8 @@ def load_nvrtc() -> bool:
 
 
 def identity(robot: "Robot") -> str:
-    """The same for robots that compute the same: of the name, the URDF and the keywords. A name for another library's operator."""
+    """The same for robots that compute the same: of the name, the URDF and the keywords. A name for another library's
+    operator."""
     options = {k: v for k, v in robot._generator.items() if k != "file"}
     own = {k: robot._options.get(k) for k in ("backend", "device", "threads", "block", "cache")}
     digest = hashlib.sha256(robot._urdf + repr((sorted(options.items()), sorted(own.items()))).encode()).hexdigest()
@@ -74,20 +76,35 @@ def identity(robot: "Robot") -> str:
     return re.sub(r"\W", "_", words, flags=re.ASCII)[:60] + "_" + digest[:12]
 
 
+def operator_of(robot: "Robot", library: str, operators: dict[str, Any], lock: Any, make: Callable[[str], Any]):
+    """What another library calls this robot by, made of its name when it is first needed, and kept as the robot's member
+    `library`. Robots that compute the same share it; `operators`, by name, lives as long as the program."""
+    found = robot.__dict__.get(library)
+    if found is None:
+        _arrays.refuse(robot, robot._is_sparse)
+        name = identity(robot)
+        with lock:
+            found = operators.get(name) or operators.setdefault(name, make(name))
+        setattr(robot, library, found)
+    return found
+
+
 class Robot(_core.Robot):
     """Inverse dynamics tau = ID(q, qd, qdd) of one robot in its scene, or what else the scene wants. Made by rneagen.load.
 
         tau = robot(q, qd, qdd)
 
-    q is (nq,) or (..., nq); qd, qdd and tau are (nv,) or (..., nv): rad, rad/s, rad/s^2, N m; m, m/s, m/s^2, N for joints that slide.
-    A floating base comes first: position and quaternion x y z qx qy qz qw in q, a twist of the base's frame, linear then angular, in qd.
-    All arrays have the same leading axes and one dtype, float32 or float64, and lie in one piece in C order. The outputs are of the
-    caller's library: NumPy, PyTorch, CuPy, JAX, or another with DLPack. A GPU's arrays are computed where they are, in the current stream.
+    q is (nq,) or (..., nq); qd, qdd and tau are (nv,) or (..., nv): rad, rad/s, rad/s^2, N m; m, m/s, m/s^2, N for
+    joints that slide. A floating base comes first: position and quaternion x y z qx qy qz qw in q, a twist of the
+    base's frame, linear then angular, in qd. All arrays have the same leading axes and one dtype, float32 or float64,
+    and lie in one piece in C order. The outputs are of the caller's library: NumPy, PyTorch, CuPy, JAX, or another
+    with DLPack. A GPU's arrays are computed where they are, in the current stream.
 
-    `out` is an array for the output; for several outputs a tuple of arrays. Inputs also go by their names: robot(q=q, qd=qd, qdd=qdd).
-    What the scene frees (free=, fext=) is an input too; left out, it is as the URDF has it.
+    `out` is an array for the output; for several outputs a tuple of arrays. Inputs also go by their names: robot(q=q,
+    qd=qd, qdd=qdd). What the scene frees (free=, fext=) is an input too; left out, it is as the URDF has it.
 
-    The first call of a dtype compiles, or takes from the cache what was compiled before. Any number of threads may call one robot.
+    The first call of a dtype compiles, or takes from the cache what was compiled before. Any number of threads may
+    call one robot.
     """
 
     def __init__(self, urdf: bytes, file: str, options: dict[str, Any]):
@@ -117,7 +134,8 @@ class Robot(_core.Robot):
         if self.convention not in ("pinocchio", "mujoco"):
             raise ValueError(f"convention takes pinocchio or mujoco, not {self.convention!r}")
         options = dict(self._options)
-        wanted = [name for key in ("want", *PRODUCTS) for word in _options.names(key, options.get(key) or []) for name in word.split(",")]
+        wanted = [name for key in ("want", *PRODUCTS) for word in _options.names(key, options.get(key) or [])
+                  for name in word.split(",")]
         if not self.sparse and options.get("dense") is None and any(name.split(".")[0] in _options.MATRICES for name in wanted):
             options["dense"] = True
         return {"layout": "aos", **_options.generator(options, self._file)}
@@ -172,12 +190,14 @@ class Robot(_core.Robot):
 
     @functools.cached_property
     def inertial_parameters(self) -> numpy.ndarray:
-        """pi of tau = Y pi, as the URDF has it, with Y = robot.want("regressor")(q, qd, qdd): (10 bodies,), of each body and what is fixed
-        to it m hx hy hz Ixx Ixy Ixz Iyy Iyz Izz about its link's origin. info["inertial_parameters"] of that robot names the links."""
+        """pi of tau = Y pi, as the URDF has it, with Y = robot.want("regressor")(q, qd, qdd): (10 bodies,), of each
+        body and what is fixed to it m hx hy hz Ixx Ixy Ixz Iyy Iyz Izz about its link's origin.
+        info["inertial_parameters"] of that robot names the links."""
         return numpy.array([body["values"] for body in self.want("regressor").info["inertial_parameters"]["bodies"]]).ravel()
 
     def describe(self) -> str:
-        """What `rneagen ROBOT.urdf --info` tells: joints, what the scene leaves, operations, what the URDF has that is not modelled."""
+        """What `rneagen ROBOT.urdf --info` tells: joints, what the scene leaves, operations, what the URDF has that
+        is not modelled."""
         return translated(_core.generate, self._urdf, {**self._generator, "tell": 1})["info"]
 
     @property
@@ -195,14 +215,15 @@ class Robot(_core.Robot):
 
     @property
     def backend(self) -> str:
-        """What computes arrays of NumPy: "cpu", compiled; "cuda"; or "evaluator", where there is no C compiler and no GPU was asked for:
-        the same results but for rounding, ten to a hundred times as slowly. It compiles if nothing was called yet."""
+        """What computes arrays of NumPy: "cpu", compiled; "cuda"; or "evaluator", where there is no C compiler and no
+        GPU was asked for: the same results but for rounding, ten to a hundred times as slowly. It compiles if nothing
+        was called yet."""
         return self.build["backend"]
 
     @property
     def build(self) -> dict[str, Any]:
-        """How the text that computes arrays of NumPy came to be: backend, device, compiler, target, note (why this backend), cached,
-        seconds, threads, unkept (why the cache did not keep it)."""
+        """How the text that computes arrays of NumPy came to be: backend, device, compiler, target, note (why this
+        backend), cached, seconds, threads, unkept (why the cache did not keep it)."""
         own = self._options.get("backend") or "any"
         opened = [kernel for (_, backend, _), kernel in self._kernels.items() if backend == own]
         return (opened[0] if opened else self.kernel(self._options.get("precision") or "f64")).build()
@@ -223,8 +244,9 @@ class Robot(_core.Robot):
         return _arrays.adapter(self, arrays, out).call(self, arrays, out)
 
     def bind(self, *args, **kwargs):
-        """step = robot.bind(q, qd, qdd, out) checks the arrays once; step() then computes from what is in them, and returns out. The
-        arrays stay alive with the step. Without out, an array is made. A GPU's arrays are bound to the stream that is current now."""
+        """step = robot.bind(q, qd, qdd, out) checks the arrays once; step() then computes from what is in them, and
+        returns out. The arrays stay alive with the step. Without out, an array is made. A GPU's arrays are bound to
+        the stream that is current now."""
         arrays, out = _arrays.arguments(self, args, kwargs)
         return _arrays.adapter(self, arrays, out).bind(self, arrays, out)
 
@@ -253,16 +275,17 @@ class Robot(_core.Robot):
         """The precision of a text for arrays of "f32" or "f64"; TypeError if this robot's is of the other."""
         precision = self._options.get("precision") or scalar
         if _arrays.SCALARS[precision] != scalar:
-            raise TypeError(f"{self.inputs[0].name if self.inputs else 'out'}: its dtype is {_arrays.DTYPES[scalar]}, and precision "
-                            f"{precision!r} takes {_arrays.DTYPES[_arrays.SCALARS[precision]]}")
+            raise TypeError(f"{self.inputs[0].name if self.inputs else 'out'}: its dtype is {_arrays.DTYPES[scalar]}, "
+                            f"and precision {precision!r} takes {_arrays.DTYPES[_arrays.SCALARS[precision]]}")
         return precision
 
     def _open(self, scalar: str):
         return self.kernel(self.precision_for(scalar))
 
     def kernel(self, precision: str, backend: str | None = None, device: int | None = None):
-        """The text of this precision, compiled and loaded: a _core.Kernel, whose launch(addresses, count, stream) takes an address for
-        each of `inputs` and `outputs`. `backend`: "cpu" or "cuda" (`device` says which); None: what arrays of NumPy are computed by."""
+        """The text of this precision, compiled and loaded: a _core.Kernel, whose launch(addresses, count, stream)
+        takes an address for each of `inputs` and `outputs`. `backend`: "cpu" or "cuda" (`device` says which); None:
+        what arrays of NumPy are computed by."""
         backend = backend or self._options.get("backend") or "any"
         device = (self._options.get("device") or 0) if device is None else device
         with self._lock:
@@ -288,21 +311,22 @@ class Robot(_core.Robot):
             if backend != "any" or error.code not in ("NO_COMPILER", "COMPILER"):
                 raise
             warnings.warn(f"{self.name}: computed by the evaluator, slowly: {error}", RuntimeWarning, stacklevel=4)
-            return translated(_core.evaluate, self._urdf, {**generator, "layout": "aos"}, {k: v for k, v in options.items() if k == "threads"})
+            threads = {k: v for k, v in options.items() if k == "threads"}
+            return translated(_core.evaluate, self._urdf, {**generator, "layout": "aos"}, threads)
 
     # ---- other outputs ----
 
     def want(self, *names: str, sparse: bool | None = None, **products: Any) -> "Robot":
-        """The robot with other outputs, by the words of --want: "tau", "M", "bias", "gravity", "dtau_dq", "qdd", "Minv", "wrench.JOINT", ...
-        Several outputs come as a named tuple. Matrices are (..., nv, nv), Jacobians (..., 6, nv), with sparse=True of type
-        rneagen.Sparse; poses are [R p], (..., 3, 4). The same names again give the same robot, so that
-        robot.want("M", "bias")(q, qd) may stand in a loop.
+        """The robot with other outputs, by the words of --want: "tau", "M", "bias", "gravity", "dtau_dq", "qdd",
+        "Minv", "wrench.JOINT", ... Several outputs come as a named tuple. Matrices are (..., nv, nv), Jacobians (...,
+        6, nv), with sparse=True of type rneagen.Sparse; poses are [R p], (..., 3, 4). The same names again give the
+        same robot, so that robot.want("M", "bias")(q, qd) may stand in a loop.
 
             robot.want("tau", vjp=["tau", "pose.hand"])(q, qd, qdd, vjp_v)
 
-        jvp= and vjp= name outputs whose derivatives are multiplied by a vector, without their matrices: vjp (..., 3 nv), by q, qd and
-        qdd, takes vjp_v, as long as the outputs one after another; jvp, as long as these, takes jvp_v (..., 3 nv). by=["payload.hand"]
-        adds what free= and fext= name: outputs vjp_NAME, inputs jvp_v_NAME."""
+        jvp= and vjp= name outputs whose derivatives are multiplied by a vector, without their matrices: vjp (..., 3
+        nv), by q, qd and qdd, takes vjp_v, as long as the outputs one after another; jvp, as long as these, takes
+        jvp_v (..., 3 nv). by=["payload.hand"] adds what free= and fext= name: outputs vjp_NAME, inputs jvp_v_NAME."""
         _options.check(products, (*PRODUCTS, "by"), "want")
         given = tuple((k, tuple(_options.names(k, x))) for k, x in products.items() if x)
         return self._wanting(names, self.sparse if sparse is None else bool(sparse), products=given)
@@ -325,8 +349,8 @@ class Robot(_core.Robot):
         return Robot(self._urdf, self._file, {**self._options, **options})
 
     def random(self, n: int | None = None, seed: int = 1, dtype=None):
-        """A named tuple of all inputs, drawn within the joints' limits or the scene's `range`: arrays of `n` samples, or of one without
-        a leading axis. The same seed gives the same samples, those of `rnearun report`."""
+        """A named tuple of all inputs, drawn within the joints' limits or the scene's `range`: arrays of `n` samples,
+        or of one without a leading axis. The same seed gives the same samples, those of `rnearun report`."""
         drawn = translated(self._model.draw, seed, 1 if n is None else n)
         dtype = dtype or _arrays.DTYPES[self.scalar or "f64"]
         values = []
@@ -401,7 +425,8 @@ def load(urdf: str | os.PathLike | bytes, **options: Any) -> Robot:
     sparse=False                  matrices as rneagen.Sparse instead of (..., nv, nv)
     convention="pinocchio"        "mujoco": quaternion and velocity of a floating base as MuJoCo has them
 
-    Raises RobotError with the generator's message if the URDF or the scene is at fault; TypeError for a keyword that is not known.
+    Raises RobotError with the generator's message if the URDF or the scene is at fault; TypeError for a keyword that
+    is not known.
     """
     _options.check(options, KEYWORDS, "load")
     if isinstance(urdf, bytes) or isinstance(urdf, str) and "<robot" in urdf:

@@ -7,8 +7,8 @@ import numpy
 
 
 class Sparse(NamedTuple):
-    """A batch of matrices with one pattern: values[..., k] stands at (row[k], col[k]), row by row, as scipy.sparse.coo_matrix has them.
-    `lower`: the matrix is symmetric, and only its lower triangle is stored."""
+    """A batch of matrices with one pattern: values[..., k] stands at (row[k], col[k]), row by row, as
+    scipy.sparse.coo_matrix has them. `lower`: the matrix is symmetric, and only its lower triangle is stored."""
     values: numpy.ndarray  # (..., stored)
     row: numpy.ndarray  # (stored,)
     col: numpy.ndarray  # (stored,)

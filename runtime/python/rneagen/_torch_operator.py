@@ -70,7 +70,8 @@ class Operator:
             if x is None or dim is None and array.per_batch:
                 moved.append(x)
             elif array.per_batch:
-                raise NotImplementedError(f"vmap over {array.name}, which is one for all samples: free='{array.word}:sample' makes it one for each")
+                raise NotImplementedError(f"vmap over {array.name}, which is one for all samples: "
+                                          f"free='{array.word}:sample' makes it one for each")
             else:
                 moved.append((x.expand(info.batch_size, *x.shape) if dim is None else x.movedim(dim, 0)).contiguous())
         return moved, (0,) * len(self.outputs) if self.several else 0
@@ -93,7 +94,8 @@ class Operator:
             shape = x.shape
             if lead is None and not per_batch:
                 lead = shape[:len(shape) - len(tail)]
-            if shape != (tail if per_batch else lead + tail) or x.dtype != dtype or x.get_device() != index or not x.is_contiguous():
+            if (shape != (tail if per_batch else lead + tail) or x.dtype != dtype or x.get_device() != index
+                    or not x.is_contiguous()):
                 self.explain(tensors)
         if dtype not in SCALARS or like.device.type not in DEVICES:
             self.explain(tensors)
@@ -243,7 +245,8 @@ def function_of(operator: Operator):
         return operator.op(*tensors)
 
     def jvp(ctx, *tangents):
-        raise NotImplementedError(f"{operator.robot.name}: derivatives go backward: torch.func.jacrev in place of jacfwd, vjp in place of jvp")
+        raise NotImplementedError(f"{operator.robot.name}: derivatives go backward: torch.func.jacrev in place of jacfwd, "
+                                  "vjp in place of jvp")
 
     def vmap(info, in_dims, *tensors):
         moved, dims = operator.moved(info, in_dims, tensors)
@@ -251,8 +254,8 @@ def function_of(operator: Operator):
 
     gradients = operator.gradients
     made: Any = type(operator.name, (torch.autograd.Function,), {
-        "forward": staticmethod(forward), "setup_context": staticmethod(gradients.keep), "backward": staticmethod(gradients.gradient),
-        "jvp": staticmethod(jvp), "vmap": staticmethod(vmap)})
+        "forward": staticmethod(forward), "setup_context": staticmethod(gradients.keep),
+        "backward": staticmethod(gradients.gradient), "jvp": staticmethod(jvp), "vmap": staticmethod(vmap)})
     return made
 
 

@@ -1,19 +1,21 @@
 """JAX: robots are called with its arrays, on a processor or a GPU, and are transformed.
 
-    tau = robot(q, qd, qdd)                                        # arrays of JAX, or tracers; arrays of NumPy may stand among them
-    jax.grad(lambda q: robot(q, qd, qdd).sum())(q)                 # by the text of the vector-Jacobian product
-    jax.jvp(lambda q: robot(q, qd, qdd), (q,), (dq,))              # by the text of the Jacobian-vector product
+    tau = robot(q, qd, qdd)                              # arrays of JAX, or tracers; arrays of NumPy may stand among them
+    jax.grad(lambda q: robot(q, qd, qdd).sum())(q)       # by the text of the vector-Jacobian product
+    jax.jvp(lambda q: robot(q, qd, qdd), (q,), (dq,))    # by the text of the Jacobian-vector product
 
-jit, vmap, grad, vjp, jvp, jacrev, jacfwd, scan, checkpoint and shard_map work. vmap's axis becomes one more of the samples: there is no loop.
-float32 and float64 arrays are taken; the latter want jax.config.update("jax_enable_x64", True).
+jit, vmap, grad, vjp, jvp, jacrev, jacfwd, scan, checkpoint and shard_map work. vmap's axis becomes one more of the
+samples: there is no loop. float32 and float64 arrays are taken; the latter want jax.config.update("jax_enable_x64",
+True).
 
-XLA calls the text by its foreign function interface: on a processor with the threads that the robot was loaded with, on a GPU in XLA's
-own stream. It cannot divide a call among devices: a bare call gathers inputs that are sharded, and each device computes all of them.
-Inside jax.shard_map each computes its own.
+XLA calls the text by its foreign function interface: on a processor with the threads that the robot was loaded with,
+on a GPU in XLA's own stream. It cannot divide a call among devices: a bare call gathers inputs that are sharded, and
+each device computes all of them. Inside jax.shard_map each computes its own.
 
-Derivatives are of all outputs but qdd_bound and products, which raise NotImplementedError when they are differentiated, as second
-derivatives do; by q, qd, qdd or tau, what free= names, and wrenches of fext=. Those of several outputs are made in one sweep. Derivatives by
-a quaternion are those of the function on unit quaternions: the part along the quaternion is left out.
+Derivatives are of all outputs but qdd_bound and products, which raise NotImplementedError when they are
+differentiated, as second derivatives do; by q, qd, qdd or tau, what free= names, and wrenches of fext=. Those of
+several outputs are made in one sweep. Derivatives by a quaternion are those of the function on unit quaternions: the
+part along the quaternion is left out.
 """
 from __future__ import annotations
 
@@ -45,8 +47,8 @@ def check(robot, arrays: Sequence) -> tuple[int, ...]:
             raise TypeError(f"{a.name}: its dtype is {x.dtype}, and that of {first.name} is {like.dtype}: all arrays have one")
     scalar = _jax_operator.SCALARS[like.dtype]
     if robot.scalar == "f64" and scalar == "f32" and not jax.config.jax_enable_x64:
-        raise TypeError(f"{first.name}: its dtype is float32, and precision {robot._options['precision']!r} takes float64, which JAX has after "
-                        "jax.config.update('jax_enable_x64', True)")
+        raise TypeError(f"{first.name}: its dtype is float32, and precision {robot._options['precision']!r} takes float64, "
+                        "which JAX has after jax.config.update('jax_enable_x64', True)")
     robot.precision_for(scalar)
     return _arrays.lead_of((a, tuple(x.shape)) for a, x in given)
 

@@ -3,15 +3,16 @@
     tau = robot(q, qd, qdd)         # the tensors' own device and current stream; nothing is copied, nothing waits
     tau.sum().backward()            # by the text of the vector-Jacobian product, compiled when it is first needed
 
-Each robot is an operator of torch.library, named rneagen::ROBOT_HASH after its URDF and keywords, so torch.compile keeps its graph in
-one piece, and torch.func.vmap, grad and jacrev work. Import this module before torch.compile sees a robot, unless PyTorch was there when
-the robot was loaded.
+Each robot is an operator of torch.library, named rneagen::ROBOT_HASH after its URDF and keywords, so torch.compile
+keeps its graph in one piece, and torch.func.vmap, grad and jacrev work. Import this module before torch.compile sees
+a robot, unless PyTorch was there when the robot was loaded.
 
-Gradients are of all outputs but qdd_bound and products, which raise NotImplementedError when they are differentiated; by q, qd, qdd or
-tau, what free= names, and wrenches of fext=. Those of several outputs are made in one sweep.
+Gradients are of all outputs but qdd_bound and products, which raise NotImplementedError when they are differentiated;
+by q, qd, qdd or tau, what free= names, and wrenches of fext=. Those of several outputs are made in one sweep.
 
-The gradient by a quaternion is that of the function on unit quaternions: its part along the quaternion is zero. Where q is not made
-unit outside, q / |q| belongs before the call, and then all is as torch.autograd.gradcheck has it. Other numbers of q are as they stand.
+The gradient by a quaternion is that of the function on unit quaternions: its part along the quaternion is zero. Where
+q is not made unit outside, q / |q| belongs before the call, and then all is as torch.autograd.gradcheck has it. Other
+numbers of q are as they stand.
 """
 from __future__ import annotations
 
@@ -30,15 +31,7 @@ _plain_call, _plain_wanting = _robot.Robot.__call__, _robot.Robot._wanting
 
 
 def operator_of(robot) -> Operator:
-    """The robot's operators, made when they are first needed. They live as long as the program."""
-    found = robot.__dict__.get("_torch")
-    if found is None:
-        _arrays.refuse(robot, robot._is_sparse)
-        name = _robot.identity(robot)
-        with lock:
-            found = _operators.get(name) or _operators.setdefault(name, Operator(robot, name, function_for))
-        robot._torch = found
-    return found
+    return _robot.operator_of(robot, "_torch", _operators, lock, lambda name: Operator(robot, name, function_for))
 
 
 @torch.compiler.assume_constant_result
@@ -49,7 +42,8 @@ def name_of(key: str, is_out: bool) -> str:
 
 
 def function_for(robot, tensors: Sequence[Any], is_out: bool):
-    """What computes these: the operator, what torch.func takes, or where PyTorch's dispatcher has nothing to do the function alone."""
+    """What computes these: the operator, what torch.func takes, or where PyTorch's dispatcher has nothing to do the
+    function alone."""
     if torch.compiler.is_compiling():
         return getattr(torch.ops.rneagen, name_of(robot._key, is_out)).default
     operator = robot.__dict__.get("_torch") or operator_of(robot)
@@ -61,11 +55,13 @@ def function_for(robot, tensors: Sequence[Any], is_out: bool):
 def refuse_gradient(what: str, robot, arrays: Sequence[Tensor | None]) -> None:
     for array, x in zip(robot.inputs, arrays):
         if x is not None and x.requires_grad and torch.is_grad_enabled():
-            raise ValueError(f"{array.name}: it requires a gradient, and {what} has none; {array.name}.detach() has the same numbers")
+            raise ValueError(f"{array.name}: it requires a gradient, and {what} has none; "
+                             f"{array.name}.detach() has the same numbers")
 
 
 def is_direct(tensors: Sequence[Any]) -> bool:
-    """Plain tensors in memory, which need no gradient, and no mode that looks on: the dispatcher would take longer than a sample."""
+    """Plain tensors in memory, which need no gradient, and no mode that looks on: the dispatcher would take longer
+    than a sample."""
     first, is_grad = tensors[0], torch.is_grad_enabled()
     for x in tensors:
         if x is not None and (type(x) is not Tensor or is_grad and x.requires_grad):

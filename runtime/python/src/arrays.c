@@ -47,8 +47,11 @@ static int refuse_shape(const struct array *a, const Py_buffer *v, const struct 
 	if (wanted && shape && lead->axes >= 0 && !a->per_batch && lead->of != a)
 		PyErr_Format(PyExc_ValueError, "%U: its shape is %R; %R goes with %U", a->name, shape, wanted, lead->of->name);
 	else if (wanted && shape)
-		PyErr_Format(PyExc_ValueError, a->per_batch ? "%U: its shape is %R; %R is wanted, for all samples" : "%U: its shape is %R; %R is "
-			"wanted, or axes of samples before it", a->name, shape, wanted);
+		PyErr_Format(PyExc_ValueError,
+			a->per_batch ? "%U: its shape is %R; %R is wanted, for all samples"
+				     : "%U: its shape is %R; %R is "
+				       "wanted, or axes of samples before it",
+			a->name, shape, wanted);
 	Py_XDECREF(empty);
 	Py_XDECREF(wanted);
 	Py_XDECREF(shape);

@@ -170,13 +170,16 @@ static PyMethodDef methods[] = {
 	{"generate", generate, METH_VARARGS,
 		"generate(urdf, options): a dictionary of name, source, header, info, info_json, dot, warnings."},
 	{"open", open_text, METH_VARARGS, "open(text, options): a Kernel."},
-	{"evaluate", evaluate, METH_VARARGS, "evaluate(urdf, generate_options, options): a Kernel that compiles nothing."},
+	{"evaluate", evaluate, METH_VARARGS,
+		"evaluate(urdf, generate_options, options): a Kernel that compiles nothing."},
 	{"dlpack", dlpack, METH_O,
 		"dlpack(capsule): (address, device, kind, bits, shape, strides in elements or None). The capsule keeps the array."},
 	{"scene_words", scene_words, METH_NOARGS,
 		"The words of a scene: whether they take a value (0 no, 1 yes, 2 may), and of what kind."},
-	{"xla_handlers", xla_handlers, METH_NOARGS, "xla_handlers(): capsules for jax.ffi, by platform; {} where the build had no header of XLA."},
-	{"xla_keep", xla_keep, METH_VARARGS, "xla_keep(number, kernel, device): what XLA's programs name by the number; device -1: the processor."},
+	{"xla_handlers", xla_handlers, METH_NOARGS,
+		"xla_handlers(): capsules for jax.ffi, by platform; {} where the build had no header of XLA."},
+	{"xla_keep", xla_keep, METH_VARARGS,
+		"xla_keep(number, kernel, device): what XLA's programs name by the number; device -1: the processor."},
 	{NULL, NULL, 0, NULL}};
 
 static int add_type(PyObject *module, PyType_Spec *spec, PyTypeObject **type)

@@ -142,9 +142,9 @@ static PyObject *kernel_build(PyObject *self, PyObject *unused)
 	const struct rnea_build *b = rnea_build(((struct kernel *)self)->robot);
 
 	(void)unused;
-	return Py_BuildValue("{ss ss ss ss ss sO sd sI ss}", "backend", backends[b->backend], "device", b->device, "compiler", b->compiler,
-		"target", b->target, "note", b->note, "cached", b->cached ? Py_True : Py_False, "seconds", b->seconds, "threads", b->threads,
-		"unkept", b->unkept);
+	return Py_BuildValue("{ss ss ss ss ss sO sd sI ss}", "backend", backends[b->backend], "device", b->device,
+		"compiler", b->compiler, "target", b->target, "note", b->note, "cached", b->cached ? Py_True : Py_False,
+		"seconds", b->seconds, "threads", b->threads, "unkept", b->unkept);
 }
 
 static PyObject *kernel_info(PyObject *self, PyObject *unused)
@@ -179,8 +179,8 @@ static PyMethodDef kernel_methods[] = {
 static PyType_Slot kernel_slots[] = {{Py_tp_dealloc, kernel_free}, {Py_tp_methods, kernel_methods},
 	{Py_tp_doc, "A text, compiled and loaded."}, {0, NULL}};
 
-PyType_Spec kernel_spec = {"rneagen._core.Kernel", sizeof(struct kernel), 0, Py_TPFLAGS_DEFAULT | Py_TPFLAGS_DISALLOW_INSTANTIATION,
-	kernel_slots};
+PyType_Spec kernel_spec = {"rneagen._core.Kernel", sizeof(struct kernel), 0,
+	Py_TPFLAGS_DEFAULT | Py_TPFLAGS_DISALLOW_INSTANTIATION, kernel_slots};
 
 /* ---- steps ---- */
 

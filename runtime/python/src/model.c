@@ -162,11 +162,14 @@ static PyObject *joint_dict(const struct model *m, int i)
 	const struct tree_joint *j = &t->joints[i];
 	const struct joint *x = tree_joint_of(t->source, t, i);
 	double none = (double)INFINITY;
-	int is_limited = x && x->has_limits && j->nq == 1 && j->type != JOINT_CONTINUOUS, has_rates = x && (x->has_limits || x->has_rates);
+	int is_limited = x && x->has_limits && j->nq == 1 && j->type != JOINT_CONTINUOUS,
+	    has_rates = x && (x->has_limits || x->has_rates);
 
-	return Py_BuildValue("{ss ss ss si si si si sd sd sd sd}", "name", j->name, "link", t->bodies[j->body].link, "type", joint_type_name(j->type), "iq", j->iq, "nq", j->nq,
-		"iv", j->iv, "nv", j->nv, "lower", is_limited ? x->lower : -none, "upper", is_limited ? x->upper : none, "velocity",
-		has_rates && x->velocity > 0 ? x->velocity : none, "effort", has_rates && x->effort > 0 ? x->effort : none);
+	return Py_BuildValue("{ss ss ss si si si si sd sd sd sd}", "name", j->name, "link", t->bodies[j->body].link,
+		"type", joint_type_name(j->type), "iq", j->iq, "nq", j->nq, "iv", j->iv, "nv", j->nv, "lower",
+		is_limited ? x->lower : -none, "upper", is_limited ? x->upper : none, "velocity",
+		has_rates && x->velocity > 0 ? x->velocity : none, "effort",
+		has_rates && x->effort > 0 ? x->effort : none);
 }
 
 static PyObject *model_joints(PyObject *self, PyObject *unused)
@@ -192,8 +195,9 @@ static PyObject *model_facts(PyObject *self, PyObject *unused)
 			Py_CLEAR(warnings);
 	if (!warnings)
 		return NULL;
-	return Py_BuildValue("{ss si si si sO sl sN}", "name", a->robot.name, "nq", a->tree.nq, "nv", a->tree.nv, "nb", a->tree.body_count,
-		"floating", a->tree.floating ? Py_True : Py_False, "flops", analysis_flops(a), "warnings", warnings);
+	return Py_BuildValue("{ss si si si sO sl sN}", "name", a->robot.name, "nq", a->tree.nq, "nv", a->tree.nv, "nb",
+		a->tree.body_count, "floating", a->tree.floating ? Py_True : Py_False, "flops", analysis_flops(a),
+		"warnings", warnings);
 }
 
 /* ---- drawn inputs ---- */

@@ -1,7 +1,7 @@
 #ifndef RNEA_PYTHON_MODULE_H
 #define RNEA_PYTHON_MODULE_H
-/* The extension rneagen._core: what Python's package needs of both libraries, by the stable interface of Python 3.11. Arrays come in by
-   the buffer protocol, so no header of NumPy is needed. */
+/* The extension rneagen._core: what Python's package needs of both libraries, by the stable interface of Python 3.11.
+   Arrays come in by the buffer protocol, so no header of NumPy is needed. */
 
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
@@ -10,14 +10,16 @@
 #include "rnea.h"
 #include "rneagen.h"
 
-/* Fill *o from a dictionary: words for target, precision, layout, trig, base, mimic; numbers for strict, bounded, only_rnea, parts,
-   segments, tell; three of gravity; strings for order, name, file, scene, which stay the dictionary's. 0, or -1 and an exception. */
+/* Fill *o from a dictionary: words for target, precision, layout, trig, base, mimic; numbers for strict, bounded,
+   only_rnea, parts, segments, tell; three of gravity; strings for order, name, file, scene, which stay the
+   dictionary's. 0, or -1 and an exception. */
 int options_take(PyObject *dict, struct rneagen_options *o);
 
 /* The same for opening: backend ("any", "cuda", "cpu", "evaluator"), file, device, block, threads, cache. */
 int options_take_open(PyObject *dict, struct rnea_options *o);
 
-/* Raise what a library said: ValueError, MemoryError, OSError or RuntimeError, with the message and the code's word; returns NULL. */
+/* Raise what a library said: ValueError, MemoryError, OSError or RuntimeError, with the message and the code's word;
+   returns NULL. */
 PyObject *raise_generator(const struct rneagen_error *e);
 PyObject *raise_runtime(const struct rnea_error *e);
 /* The kind of exception for a code of the runtime. */
@@ -57,8 +59,9 @@ struct step {
 /* Takes over what *c holds. */
 PyObject *step_new(PyTypeObject *type, struct call *c);
 
-/* For JAX (xla.c): {platform: capsule of a handler}, empty where XLA's header was not there when this was built; and _keep(number, kernel,
-   device): programs that XLA compiled may name it by its number for as long as the process lives. device -1: the processor. */
+/* For JAX (xla.c): {platform: capsule of a handler}, empty where XLA's header was not there when this was built; and
+   _keep(number, kernel, device): programs that XLA compiled may name it by its number for as long as the process lives.
+   device -1: the processor. */
 PyObject *xla_handlers(PyObject *self, PyObject *unused);
 PyObject *xla_keep(PyObject *self, PyObject *args);
 

@@ -38,8 +38,8 @@ static PyObject *robot_define(PyObject *self, PyObject *args)
 	PyObject *arrays, *numpy[4];
 	Py_ssize_t count, inputs;
 
-	if (r->count || !PyArg_ParseTuple(args, "O!nO(OOOO)p", &PyTuple_Type, &arrays, &inputs, &r->outputs, &numpy[0], &numpy[1], &numpy[2],
-			&numpy[3], &r->is_direct))
+	if (r->count || !PyArg_ParseTuple(args, "O!nO(OOOO)p", &PyTuple_Type, &arrays, &inputs, &r->outputs, &numpy[0],
+				&numpy[1], &numpy[2], &numpy[3], &r->is_direct))
 		return NULL;
 	Py_INCREF(r->outputs);
 	r->ndarray = Py_NewRef(numpy[0]);

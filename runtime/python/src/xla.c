@@ -1,5 +1,6 @@
-/* XLA's calls, for JAX: handlers that run a kept text on XLA's buffers, on the processor or in a GPU's stream. Written to version 0.1 of
-   XLA's foreign function interface, in plain C: what later headers add is not touched, so the header may be any from 0.1 on. */
+/* XLA's calls, for JAX: handlers that run a kept text on XLA's buffers, on the processor or in a GPU's stream. Written
+   to version 0.1 of XLA's foreign function interface, in plain C: what later headers add is not touched, so the header
+   may be any from 0.1 on. */
 #include "module.h"
 #include <stdatomic.h>
 #include <stdint.h>
@@ -24,7 +25,8 @@ struct kept {
 	struct kept *next;
 };
 
-/* XLA hands a handler nothing of its own, and may call it as long as the process lives: so what was kept is found here, and stays. */
+/* XLA hands a handler nothing of its own, and may call it as long as the process lives: so what was kept is found here,
+   and stays. */
 static struct kept *_Atomic first_kept;
 
 static const struct rnea_robot *find(int64_t number, int device)
@@ -114,7 +116,8 @@ static XLA_FFI_Error *run(const XLA_FFI_CallFrame *f, int device, void *stream)
 	size_t count;
 
 	if (!robot)
-		return fail(f, XLA_FFI_Error_Code_NOT_FOUND, "rneagen: the program is of a robot that was not called with JAX in this process, or on "
+		return fail(f, XLA_FFI_Error_Code_NOT_FOUND,
+			"rneagen: the program is of a robot that was not called with JAX in this process, or on "
 			"this device: load the robot and trace the function anew");
 	if (!take_buffers(f, robot, pointers, &count))
 		return fail(f, XLA_FFI_Error_Code_INVALID_ARGUMENT, "rneagen: the program's arrays are not those of the robot");
@@ -158,7 +161,8 @@ static XLA_FFI_Error *run_cuda(XLA_FFI_CallFrame *f)
 PyObject *xla_handlers(PyObject *self, PyObject *unused)
 {
 	(void)self, (void)unused;
-	return Py_BuildValue("{sNsN}", "cpu", PyCapsule_New((void *)run_cpu, NULL, NULL), "CUDA", PyCapsule_New((void *)run_cuda, NULL, NULL));
+	return Py_BuildValue("{sNsN}", "cpu", PyCapsule_New((void *)run_cpu, NULL, NULL), "CUDA",
+		PyCapsule_New((void *)run_cuda, NULL, NULL));
 }
 
 PyObject *xla_keep(PyObject *self, PyObject *args)

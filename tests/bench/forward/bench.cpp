@@ -1,5 +1,6 @@
-/* bench MODEL STATES REPEATS: speeds and differences of the generated functions that this program is linked with, beside Pinocchio's on
-   MODEL, which Pinocchio wrote, and a plain Cholesky factorisation of the generated M. STATES holds COUNT times q, qd, tau. */
+/* bench MODEL STATES REPEATS: speeds and differences of the generated functions that this program is linked with,
+   beside Pinocchio's on MODEL, which Pinocchio wrote, and a plain Cholesky factorisation of the generated M. STATES
+   holds COUNT times q, qd, tau. */
 #include "all.h" /* the text of that name */
 #include "peer.h"
 #include <algorithm>

@@ -110,8 +110,8 @@ static double difference(bench &b, int f)
 int main(int argc, char **argv)
 {
 	static const char *const names[] = {"poses", "frames", "jacobian", "com_jacobian", "momentum_matrix"};
-	static const char *const peers[] = {"forwardKinematics", "framesForwardKinematics", "computeFrameJacobian", "jacobianCenterOfMass",
-		"computeCentroidalMap"};
+	static const char *const peers[] = {"forwardKinematics", "framesForwardKinematics", "computeFrameJacobian",
+		"jacobianCenterOfMass", "computeCentroidalMap"};
 	int repeats = argc == 5 ? std::atoi(argv[4]) : 0;
 
 	if (repeats < 1)

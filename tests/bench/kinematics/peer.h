@@ -3,8 +3,8 @@
 /* Pinocchio's functions at a q. Results stay in the peer until its next call. */
 struct peer;
 
-/* A model that Pinocchio wrote, and the number of the frame whose Jacobian is asked for; it ends with an exception where it cannot be
-   read, and lives as long as the program. */
+/* A model that Pinocchio wrote, and the number of the frame whose Jacobian is asked for; it ends with an exception
+   where it cannot be read, and lives as long as the program. */
 struct peer *peer_open(const char *path, int frame);
 
 /* forwardKinematics, framesForwardKinematics, computeFrameJacobian (LOCAL), jacobianCenterOfMass, computeCentroidalMap */

@@ -131,10 +131,15 @@ static void build_vxiv(struct dag *d, const struct tree *t, const struct request
 
 /* The runtime starts what a text calls rnea. */
 static const struct algorithm OPERATIONS[OPERATION_COUNT] = {
-	[OPERATION_CROSS_OPERATOR] = {.name = "rnea", .doc = "The motion cross operator: v[6], linear then angular, -> crm[36], row by row.",
+	[OPERATION_CROSS_OPERATOR] = {.name = "rnea",
+		.doc = "The motion cross operator: v[6], linear then angular, -> crm[36], row by row.",
 		.build = build_cross_operator},
-	[OPERATION_MXS] = {.name = "rnea", .doc = "v[6] x S qd[1] -> a[6], linear then angular; S is the joint's axis.", .build = build_mxs},
-	[OPERATION_VXIV] = {.name = "rnea", .doc = "v[6] x* I v -> f[6], linear then angular; I is the body's inertia.", .build = build_vxiv},
+	[OPERATION_MXS] = {.name = "rnea",
+		.doc = "v[6] x S qd[1] -> a[6], linear then angular; S is the joint's axis.",
+		.build = build_mxs},
+	[OPERATION_VXIV] = {.name = "rnea",
+		.doc = "v[6] x* I v -> f[6], linear then angular; I is the body's inertia.",
+		.build = build_vxiv},
 };
 
 static const char *banner(const struct emission *e, const struct body *k, enum operation operation)
@@ -163,7 +168,8 @@ static const char *text_name(const char *robot, enum operation operation, struct
 }
 
 /* The DAG's plan; its inputs are no joint's. */
-static enum rneagen_code make_pass(struct pass *p, const struct tree *t, const struct request *k, struct arena *a, struct rneagen_error *e)
+static enum rneagen_code make_pass(
+	struct pass *p, const struct tree *t, const struct request *k, struct arena *a, struct rneagen_error *e)
 {
 	struct dag raw;
 
@@ -174,8 +180,8 @@ static enum rneagen_code make_pass(struct pass *p, const struct tree *t, const s
 	return plan_build(&p->plan, &p->dag, t, a) ? RNEAGEN_OK : error_memory(e);
 }
 
-static enum rneagen_code emit(struct tree *t, const struct request *k, enum operation operation, struct rneagen_options *o, struct arena *a,
-	const char **text, struct rneagen_error *e)
+static enum rneagen_code emit(struct tree *t, const struct request *k, enum operation operation,
+	struct rneagen_options *o, struct arena *a, const char **text, struct rneagen_error *e)
 {
 	struct pass pass = {.algorithm = &OPERATIONS[operation]};
 	struct emission emission = {

@@ -189,7 +189,8 @@ static double run_error(const struct rnea_robot *robot, int operation, const str
 	return worst;
 }
 
-static void check_text(int operation, const char *suffix, enum rnea_backend backend, const struct subject *s, const char *robot_name)
+static void check_text(
+	int operation, const char *suffix, enum rnea_backend backend, const struct subject *s, const char *robot_name)
 {
 	struct rnea_options o = {.backend = backend};
 	struct rnea_robot *robot;

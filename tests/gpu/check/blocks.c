@@ -1,6 +1,6 @@
 /* gpu_blocks FOLDER LIST BLOCK...
-   Every text of FOLDER that LIST, a file there, names on a line, in blocks of these many threads: its outputs on the GPU against those of the
-   same text on the processor. Exit status 0: all is right; 1: something is not. */
+   Every text of FOLDER that LIST, a file there, names on a line, in blocks of these many threads: its outputs on the
+   GPU against those of the same text on the processor. Exit status 0: all is right; 1: something is not. */
 #include "rnea.h"
 #include <math.h>
 #include <stdio.h>
@@ -109,8 +109,9 @@ static int check(struct text *t, unsigned block)
 		printf("FAIL: %s\n", e.message);
 	else
 		worst = distance(t);
-	printf("%s %s in blocks of %u: within %.1e, %d registers, %zu bytes of local memory, %zu of shared, stages %zu\n", worst < limit ? "ok  " : "FAIL",
-		strrchr(t->path, '/') + 1, block, worst, r.registers, r.local_bytes, r.shared_bytes, rnea_info(robot)->stage_bytes * block);
+	printf("%s %s in blocks of %u: within %.1e, %d registers, %zu bytes of local memory, %zu of shared, stages %zu\n",
+		worst < limit ? "ok  " : "FAIL", strrchr(t->path, '/') + 1, block, worst, r.registers, r.local_bytes,
+		r.shared_bytes, rnea_info(robot)->stage_bytes * block);
 	rnea_close(robot);
 	return worst < limit;
 }

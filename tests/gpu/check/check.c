@@ -29,7 +29,8 @@ struct work {
 	atomic_size_t next;
 };
 
-/* A line of the manifest: text, folder of the reference, "-" or of "aot", "strict", "large", "listed" and "build" those that apply. */
+/* A line of the manifest: text, folder of the reference, "-" or of "aot", "strict", "large", "listed" and "build" those
+   that apply. */
 static size_t read_manifest(const char *folder, const char *name, struct item *items)
 {
 	char path[1024], line[1024], marks[32];
@@ -131,7 +132,8 @@ static int read_reference(const char *folder, struct item *it, struct reference 
 	return 0;
 }
 
-static void check_aot(const struct gpu *g, const struct settings *s, const char *folder, struct item *it, const struct reference *r)
+static void check_aot(
+	const struct gpu *g, const struct settings *s, const char *folder, struct item *it, const struct reference *r)
 {
 	char path[1024];
 

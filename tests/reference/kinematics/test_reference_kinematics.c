@@ -175,7 +175,8 @@ END_TEST
 START_TEST(test_momentum)
 {
 	struct subject *x = begin(2 * _i + 1);
-	struct reference *heavy = open_text(x->urdf, &(struct reference_options){.floating = true, .gravity = (const double[]){1, 2, 3}});
+	struct reference *heavy =
+		open_text(x->urdf, &(struct reference_options){.floating = true, .gravity = (const double[]){1, 2, 3}});
 	const wide *none = (const wide[ROWS]){0}, g[3] = {1, 2, 3};
 	wide c[3], rate[6], want[6] = {0}, tau[ROWS], pull[ROWS];
 	wide mass = reference_com(x->r, NULL, x->s.wq, c);

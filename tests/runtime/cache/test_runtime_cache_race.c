@@ -1,5 +1,6 @@
-/* Processes and threads that read, write and remove at the same time, and writers that are killed. Every image says what it is: its
-   first bytes are a seed, the rest follows from the seed and the key, so that any that comes back can be judged. */
+/* Processes and threads that read, write and remove at the same time, and writers that are killed. Every image says
+   what it is: its first bytes are a seed, the rest follows from the seed and the key, so that any that comes back can
+   be judged. */
 #define _GNU_SOURCE
 #include "test_runtime_cache.h"
 #include "support/rng.h"

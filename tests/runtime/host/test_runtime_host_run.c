@@ -167,14 +167,16 @@ START_TEST(threads_by_work)
 		double sample_ns;
 		size_t count;
 		unsigned threads;
-	} cases[] = {{30, 1, 1}, {30, 64, 1}, {30, 1024, 1}, {30, 3333, 1}, {30, 3334, 2}, {30, 16384, 9}, {30, 26666, 15}, {30, 26667, 16},
-		{30, 262144, 16}, {30, SIZE_MAX, 16}, {0, SIZE_MAX, 1}, {1e5, 1, 2}, {49e3, 2, 1}};
+	} cases[] = {{30, 1, 1}, {30, 64, 1}, {30, 1024, 1}, {30, 3333, 1}, {30, 3334, 2}, {30, 16384, 9},
+		{30, 26666, 15}, {30, 26667, 16}, {30, 262144, 16}, {30, SIZE_MAX, 16}, {0, SIZE_MAX, 1}, {1e5, 1, 2},
+		{49e3, 2, 1}};
 	struct host h = {.threads = 16};
 	struct host_function f = {NULL, 0};
 
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		f.sample_ns = cases[i].sample_ns;
-		ck_assert_msg(host_threads(&h, &f, cases[i].count) == cases[i].threads, "case %zu: %u", i, host_threads(&h, &f, cases[i].count));
+		ck_assert_msg(host_threads(&h, &f, cases[i].count) == cases[i].threads, "case %zu: %u", i,
+			host_threads(&h, &f, cases[i].count));
 	}
 	h.threads = 1;
 	ck_assert_uint_eq(host_threads(&h, &f, SIZE_MAX), 1);
@@ -187,7 +189,10 @@ START_TEST(work_of_a_table)
 	struct rnea_argument arrays[] = {{.name = "q", .rows = 7}, {.name = "qd", .rows = 7}, {.name = "qdd", .rows = 7},
 		{.name = "tau", .rows = 7}, {.name = "gravity", .rows = 1000000, .per_batch = 1}};
 	struct rnea_info i = {.arithmetic = "f32"};
-	struct rnea_function f = {.arguments = arrays, .input_count = 3, .output_count = 1, .operations = {.mul = 125, .add = 60, .sub = 18, .neg = 36, .fma = 163, .sincos = 6}};
+	struct rnea_function f = {.arguments = arrays,
+		.input_count = 3,
+		.output_count = 1,
+		.operations = {.mul = 125, .add = 60, .sub = 18, .neg = 36, .fma = 163, .sincos = 6}};
 	double f32 = host_sample_ns(&i, &f), before;
 
 	ck_assert_double_gt(1024 * f32, 10e3);

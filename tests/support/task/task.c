@@ -362,7 +362,8 @@ void case_friction(struct task_case *c, double width)
 
 void case_want(struct task_case *c, enum task_kind kind, int entry)
 {
-	static const char *const words[TASK_KINDS] = {"tau", "gravity", "bias", "wrench", "twist", "accel", "power", "kinetic", "potential"};
+	static const char *const words[TASK_KINDS] = {
+		"tau", "gravity", "bias", "wrench", "twist", "accel", "power", "kinetic", "potential"};
 	struct task_out *out = &c->out[c->out_count];
 	const char *name = kind == TASK_WRENCH ? case_joint(c, entry) : c->r->joints[entry].link;
 

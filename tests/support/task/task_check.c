@@ -95,7 +95,8 @@ static void expect_forces(struct task_case *c, const struct task_out *out, wide 
 	wide tau[ROWS];
 
 	add_or_leave(c, out->kind != TASK_GRAVITY && out->kind != TASK_BIAS);
-	run(c, out->kind == TASK_GRAVITY ? zero : c->qd, out->kind == TASK_GRAVITY || out->kind == TASK_BIAS ? zero : c->qdd, tau, magnitudes);
+	run(c, out->kind == TASK_GRAVITY ? zero : c->qd,
+		out->kind == TASK_GRAVITY || out->kind == TASK_BIAS ? zero : c->qdd, tau, magnitudes);
 	if (out->kind == TASK_WRENCH)
 		reference_link(c->r, out->entry, NULL, NULL, to);
 	else if (out->kind == TASK_POWER)
@@ -228,16 +229,16 @@ static void pick_rows(const struct task_case *c, const struct tree *t, const str
 		}
 }
 
-static void compare(struct task_case *c, const struct dag *d, const struct task_out *out, int argument, const struct task_expected *x,
-	struct task_arrays *arrays, const char *what)
+static void compare(struct task_case *c, const struct dag *d, const struct task_out *out, int argument,
+	const struct task_expected *x, struct task_arrays *arrays, const char *what)
 {
 	static const struct {
 		const char *name;
 		real eps;
 	} precisions[] = {{"real", 1e-14L}, {"f64", 32 * 0x1p-53L}, {"f32", 32 * 0x1p-24L}};
 
-	ck_assert_msg(d->arguments[argument].rows == x->rows, "%s, %s: %d rows of %s, not %d", what, out->word, d->arguments[argument].rows,
-		d->arguments[argument].name, x->rows);
+	ck_assert_msg(d->arguments[argument].rows == x->rows, "%s, %s: %d rows of %s, not %d", what, out->word,
+		d->arguments[argument].rows, d->arguments[argument].name, x->rows);
 	for (int p = 0; p < 3; p++) {
 		case_evaluate(d, (enum task_precision)p, arrays);
 		for (int i = 0; i < x->rows; i++) {

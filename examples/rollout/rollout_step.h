@@ -9,7 +9,7 @@
    So with texts of --strict, and where the compiler joins no products to sums (-ffp-contract=off, nvcc's -fmad=false),
    the host and the GPU have the same bits. */
 
-#include "philox.h"
+#include "../philox.h"
 #include "rollout.h"
 #include "panda_energy_rnea.h"
 #include "panda_f32_rnea.h"

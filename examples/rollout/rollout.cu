@@ -5,8 +5,8 @@
 
    The same functions (rollout_step.h) run on the host. Without nvcc this is C++, without kernels. */
 #include "rollout_step.h"
+#include "../gpu.h"
 #include <chrono>
-#include <cstdio>
 #include <memory>
 
 #if defined RNEAGEN_STRICT_SINCOSF_CORE
@@ -163,13 +163,6 @@ template <class Real> static __global__ void __launch_bounds__(PLAN_BLOCK) plan_
 		plan_write(w, (int)blockIdx.x, shares[0]);
 }
 
-static int failed(cudaError_t e)
-{
-	if (e != cudaSuccess)
-		fprintf(stderr, "rollout: %s\n", cudaGetErrorString(e));
-	return e != cudaSuccess;
-}
-
 template <class Real> static void (*kernel_of(integrator method))(work<Real>)
 {
 	return method == EULER ? rollout_kernel<EULER, Real> : rollout_kernel<RK4, Real>;
@@ -262,20 +255,6 @@ controller *gpu_controller(const settings &s)
 	return s.is_f64 ? make_gpu<double>(s) : make_gpu<float>(s);
 }
 
-const char *gpu_lacks()
-{
-	int devices = 0;
-
-	return cudaGetDeviceCount(&devices) != cudaSuccess || devices == 0 ? "there is no CUDA device" : NULL;
-}
-
-const char *gpu_name()
-{
-	static cudaDeviceProp properties;
-
-	return failed(cudaGetDeviceProperties(&properties, 0)) ? "" : properties.name;
-}
-
 int gpu_registers(const settings &s, int *registers, size_t *spilled)
 {
 	cudaFuncAttributes a = {};
@@ -290,16 +269,6 @@ int gpu_registers(const settings &s, int *registers, size_t *spilled)
 controller *gpu_controller(const settings &)
 {
 	return NULL;
-}
-
-const char *gpu_lacks()
-{
-	return "this program was built without nvcc";
-}
-
-const char *gpu_name()
-{
-	return "";
 }
 
 int gpu_registers(const settings &, int *, size_t *)

@@ -65,9 +65,7 @@ struct controller {
 controller *host_controller(const settings &s);
 controller *gpu_controller(const settings &s);
 
-/* Why there is no GPU to use, or NULL; its name; the registers and the spilled bytes of a thread of its rollouts. */
-const char *gpu_lacks();
-const char *gpu_name();
+/* The registers and the spilled bytes of a thread of the GPU's rollouts. */
 int gpu_registers(const settings &s, int *registers, size_t *spilled);
 
 /* The arm itself moves for DT: in f64, by Runge and Kutta's method in steps of DT / 10. */

@@ -7,12 +7,12 @@
    Every run also checks the noise's generator and the limits of the joints, and lets the arm swing freely: what its
    energy is off falls with the step as the integrators' orders say. rollout.gp plots what --trace writes. */
 #include "rollout.h"
-#include "philox.h"
+#include "../common.h"
+#include "../philox.h"
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <memory>
+
+const char *const PROGRAM = "rollout";
 
 struct options {
 	settings s;
@@ -36,14 +36,6 @@ static const char *const USAGE =
 	"  --csv                 print a line of figures alone\n"
 	"  --help\n"
 	"exit status: 0 done, 1 something is wrong or failed, 2 the command line is\n";
-
-/* Returns whether something is wrong, having said what. */
-static int wrong(bool is_right, const char *what)
-{
-	if (!is_right)
-		fprintf(stderr, "rollout: wrong: %s\n", what);
-	return !is_right;
-}
 
 /* The known answers that the paper's authors publish for philox4x32, 10 rounds. */
 static int check_philox()
@@ -118,18 +110,6 @@ static std::vector<arm> goals_from(uint32_t tick, int steps)
 	for (int i = 1; i <= steps; i++)
 		goals.push_back(goal_at(((double)tick + i) * DT));
 	return goals;
-}
-
-/* A sum that changes when a bit of `x` does: as Fowler, Noll and Vo's, by words. */
-static void hash(uint64_t *sum, const double *x, size_t count)
-{
-	uint64_t word;
-
-	for (size_t i = 0; i < count; i++) {
-		memcpy(&word, &x[i], sizeof word);
-		*sum = (*sum ^ word) * 0x100000001b3;
-		*sum ^= *sum >> 32;
-	}
 }
 
 /* What came of a run: errors are the distance of q from the goal, rad. */
@@ -279,21 +259,6 @@ static int compare(const settings &s)
 		return wrong(same == s.rollouts && !memcmp(speed[0], speed[1], sizeof speed[0]),
 			"the GPU and the host have other bits");
 	return wrong(most < limit, "the GPU's costs, or the host's");
-}
-
-/* The value of an option that takes one, or NULL. */
-static const char *value_of(const char *name, char **argv, int *i)
-{
-	return !strcmp(argv[*i], name) && argv[*i + 1] ? argv[++*i] : NULL;
-}
-
-/* A whole number from 1 to `most`; 0 if it is none. */
-static unsigned long long whole(const char *text, unsigned long long most)
-{
-	char *end;
-	const unsigned long long x = strtoull(text, &end, 10);
-
-	return *text >= '0' && *text <= '9' && !*end && x <= most ? x : 0;
 }
 
 /* One option with its value, if it has one, from argv[*i] on. */
