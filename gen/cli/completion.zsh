@@ -112,6 +112,8 @@ _rnearun_prove() {
 	_arguments "${_rnearun_common[@]}" \
 		'--seconds=[for proof and search]:number:' \
 		'--format=[of what is printed]:format:(text json)' \
+		'--envelope=[torques beside limits of effort]:table:_files -g "*.csv"' \
+		'--picture=[the same drawn]:picture:_files -g "*.svg"' \
 		'1:robot:_files -g "*.urdf"'
 }
 

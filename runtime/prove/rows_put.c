@@ -147,7 +147,7 @@ static void put_line(const struct proved *x, size_t i, struct text *out)
 		joint, r->low + 0.0, r->high + 0.0, r->found_low, r->found_high, slack(r),
 		r->plain / fmax(fmax(fabs(r->found_low), fabs(r->found_high)), 1e-300));
 	if (effort > 0)
-		text_printf(out, "; effort limit %g", effort);
+		text_printf(out, "; at most %.3g of the effort limit, %g", fmax(fabs(r->low), fabs(r->high)) / effort, effort);
 	text_putc(out, '\n');
 	for (int k = 0; k < x->o->precision_count; k++) {
 		text_printf(out, "    %-5s off by at most %.3g; found %.3g; slack %.2f", emit_precision_name(x->o->precisions[k]), r->error_bound[k],
