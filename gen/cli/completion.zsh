@@ -37,7 +37,7 @@ _rneagen_model=(
 	'--friction=-[of the URDF, smoothed]::width:'
 	'--snap-angle=[angles this near a multiple of pi/2 are that]:rad:'
 	'--round-constants=[significant digits of each constant]:digits:'
-	'--drop-below=[leave out terms of less effect]:fraction:'
+	'--drop-below=[leave out terms of less effect, FRACTION or FRACTION\:sampled]:fraction:'
 	'*--range=[what an input is drawn from]:NAME=LO,HI:'
 	'(- *)--help[print a summary of the options]'
 )

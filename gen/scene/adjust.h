@@ -8,14 +8,15 @@
 struct adjust {
 	double snap; /* rad */
 	int digits;
-	double prune; /* terms that no output feels by this fraction */
+	double prune; /* terms that no output feels by this fraction: */
+	int is_sampled; /* of each in drawn samples; else of all together in every state within the ranges */
 };
 
 /* What is listed as nearly right. */
 #define ADJUST_NEARLY 1e-4
 
-/* Errors: SCENE. */
-enum rneagen_code adjust_read(struct adjust *x, const struct scene *s, struct rneagen_error *e);
+/* Errors: SCENE, MEMORY. */
+enum rneagen_code adjust_read(struct adjust *x, const struct scene *s, struct arena *a, struct rneagen_error *e);
 
 /* Is any constant changed, or term left out? */
 int adjust_is_asked(const struct adjust *x);
