@@ -67,12 +67,25 @@ static enum rneagen_code check_bound(struct analysis *a)
 	return RNEAGEN_OK;
 }
 
+/* The least domain of any precision. Outside it sine and cosine are NaN, so nothing is wrong in silence. */
+#define BOUNDED_ANGLE 9990
+
+static void choose_trig(struct analysis *a)
+{
+	int is_enough = request_bounds_angles(&a->request, &a->tree, BOUNDED_ANGLE);
+
+	if (a->options.trig == RNEAGEN_TRIG_AUTO)
+		a->options.trig = is_enough ? RNEAGEN_BOUNDED : RNEAGEN_ACCURATE;
+	a->adjust.has_angles = is_enough && a->options.trig == RNEAGEN_BOUNDED;
+}
+
 enum rneagen_code pass_request_resolve(struct analysis *a)
 {
 	if (request_resolve(&a->request, &a->tree, &a->scene, &a->snapped, a->arena, a->error))
 		return a->error->code;
 	if (request_refine(&a->request, &a->scene, a->options.precision, a->error))
 		return a->error->code;
+	choose_trig(a);
 	return check_bound(a);
 }
 

@@ -70,7 +70,7 @@ int adjust_is_asked(const struct adjust *x)
 
 int adjust_matters(const struct adjust *x, const struct scene *s, int line)
 {
-	return s->lines[line].key != SCENE_RANGE || adjust_is_asked(x);
+	return s->lines[line].key != SCENE_RANGE || adjust_is_asked(x) || x->has_angles;
 }
 
 /* ---- angles ---- */
