@@ -86,7 +86,7 @@ _rnearun_common="--backend --device $_rnearun_model"
 _rnearun_study="--layout --samples --seed --qd-range --qdd-range --batch $_rnearun_common"
 _rnearun_report="--format --plot $_rnearun_study"
 _rnearun_choose="--max-error --measured $_rnearun_study"
-_rnearun_prove="--seconds --format $_rnearun_model"
+_rnearun_prove="--seconds --format --envelope --picture $_rnearun_model"
 _rnearun_eval="--in --q --qd --qdd --input -o --out --output --slice --resume $_rnearun_common"
 
 _rnearun() {
@@ -99,7 +99,8 @@ _rnearun() {
 	fi
 	case $option in
 	--in | --q | --qd | --qdd | -o | --out) _rneagen_files "$current" .npy ;;
-	--plot) _rneagen_files "$current" .svg ;;
+	--plot | --picture) _rneagen_files "$current" .svg ;;
+	--envelope) _rneagen_files "$current" .csv ;;
 	--scene | --armature) _rneagen_files "$current" '' ;;
 	--input | --output) ;; # NAME=FILE
 	--device) [[ ${COMP_WORDS[1]} != eval ]] || mapfile -t COMPREPLY < <(compgen -W all -- "$current") ;;

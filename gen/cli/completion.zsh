@@ -37,7 +37,7 @@ _rneagen_model=(
 	'--friction=-[of the URDF, smoothed]::width:'
 	'--snap-angle=[angles this near a multiple of pi/2 are that]:rad:'
 	'--round-constants=[significant digits of each constant]:digits:'
-	'--drop-below=[leave out terms of less effect]:fraction:'
+	'--drop-below=[leave out terms of less effect, FRACTION or FRACTION\:sampled]:fraction:'
 	'*--range=[what an input is drawn from]:NAME=LO,HI:'
 	'(- *)--help[print a summary of the options]'
 )
@@ -112,6 +112,8 @@ _rnearun_prove() {
 	_arguments "${_rnearun_common[@]}" \
 		'--seconds=[for proof and search]:number:' \
 		'--format=[of what is printed]:format:(text json)' \
+		'--envelope=[torques beside limits of effort]:table:_files -g "*.csv"' \
+		'--picture=[the same drawn]:picture:_files -g "*.svg"' \
 		'1:robot:_files -g "*.urdf"'
 }
 

@@ -6,6 +6,7 @@
    (norms.h), for all drives and rates at once; the box with the largest bound is split until the time is over. */
 #define _POSIX_C_SOURCE 200809L
 #include "prove/rounding.h"
+#include "prove/gap.h"
 #include "core/seconds.h"
 #include "dag/eval.h"
 #include "norms/adjoint.h"
@@ -45,6 +46,7 @@ struct hunt {
 	const struct view *now;
 	struct interval *rows[DAG_ARGUMENTS]; /* of the box, those of q its own */
 	double *running, *of_product, *of_sum; /* by node: error; what the rounding of a product and of a sum takes from exact values */
+	struct prove_gap gaps[PROVE_PRECISIONS]; /* the first that was met, by model */
 	int position, dims[SPLIT_DIMS];
 	struct split split;
 	struct arena arena;
@@ -162,7 +164,7 @@ static double error_of(struct hunt *h, const struct eval_model *m)
 		rest = (rest + h->of_product[i] + h->of_sum[i]) * (1 + 0x1p-47);
 		h->running[i] = (inherited + rest) * (1 + 0x1p-48);
 		if (!(size_of(h, i) + h->running[i] <= m->largest))
-			return (double)INFINITY;
+			return gap_note(&h->gaps[m - h->models], gap_of(h->d, i, (double[]){size_of(h, i), size_of(h, h->d->nodes[i].arg[0].i)}, h->running[i], m));
 		if (rest > 0)
 			sum += slope_at(h, i) * rest;
 	}
@@ -170,7 +172,7 @@ static double error_of(struct hunt *h, const struct eval_model *m)
 	sum = sum * (1 + 0x1p-30) - gains_of(h, m);
 	most = h->now->values.size[h->x.root.i] + sum;
 	if (!(most <= m->store_largest))
-		return (double)INFINITY;
+		return gap_note(&h->gaps[m - h->models], (struct prove_gap){PROVE_STORED, h->x.count - 1, most, m->store_largest});
 	return m->store > 0 ? (sum + m->store * most + m->store_tiny) * (1 + 0x1p-30) : sum;
 }
 
@@ -355,6 +357,7 @@ static void take(const struct hunt *h, struct prove_row *r)
 	split_total(&h->split, errors, &value);
 	for (int m = 0; m < h->count; m++)
 		r->error_bound[m] = errors[m] > 0 ? round_up(errors[m]) : 0;
+	memcpy(r->gaps, h->gaps, sizeof r->gaps);
 	r->low = fmax(r->low, value.lower);
 	r->high = fmin(r->high, value.upper);
 }

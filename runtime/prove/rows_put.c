@@ -1,5 +1,6 @@
 #include "prove/rows_put.h"
 #include "emit/emit.h"
+#include "prove/gap_put.h"
 #include <math.h>
 #include <string.h>
 
@@ -12,7 +13,7 @@ static const char *const ASSUMPTIONS[] = {
 	"all inputs are within their ranges, in any combination; a continuous joint has any angle that --trig takes",
 	"ranges are of the exact outputs; a text's result is within error_bound of these",
 	"rounding to nearest, subnormal numbers kept; products may be joined to sums or not; sine and cosine are the text's own",
-	"nothing overflows: where it may, error_bound is null",
+	"nothing overflows: where it may, error_bound is null, and no_bound names the quantity and the range to narrow",
 	"the double and extended arithmetic of the processor that proves is that of IEEE 754, and its sine and cosine in extended precision "
 	"are good to 2^-60"};
 enum { ASSUMPTION_COUNT = sizeof ASSUMPTIONS / sizeof *ASSUMPTIONS };
@@ -67,6 +68,20 @@ static void put_number(struct text *out, const char *name, double value)
 		text_printf(out, ", \"%s\": null", name);
 }
 
+static void put_gap(const struct proved *x, size_t i, int k, struct text *out)
+{
+	struct text why;
+
+	text_init(&why, out->arena);
+	gap_put(x, i, k, &why);
+	text_put(out, ", \"no_bound\": ");
+	if (why.length)
+		text_put_json(out, text_string(&why));
+	else
+		text_put(out, "null");
+	out->failed |= why.failed;
+}
+
 static void put_row(const struct proved *x, size_t i, int k, struct text *out)
 {
 	const struct output *o = &x->a->dag.outputs[i];
@@ -86,6 +101,7 @@ static void put_row(const struct proved *x, size_t i, int k, struct text *out)
 	put_number(out, "plain_intervals", r->plain);
 	put_number(out, "error_bound", r->error_bound[k]);
 	put_number(out, "error_found", r->error_found[k]);
+	put_gap(x, i, k, out);
 	put_number(out, "effort", effort > 0 ? effort : (double)NAN);
 	put_number(out, "error_of_effort", effort > 0 ? r->error_bound[k] / effort * (1 + 0x1p-50) : (double)NAN);
 	text_put(out, "}");
@@ -147,9 +163,15 @@ static void put_line(const struct proved *x, size_t i, struct text *out)
 		joint, r->low + 0.0, r->high + 0.0, r->found_low, r->found_high, slack(r),
 		r->plain / fmax(fmax(fabs(r->found_low), fabs(r->found_high)), 1e-300));
 	if (effort > 0)
-		text_printf(out, "; effort limit %g", effort);
+		text_printf(out, "; at most %.3g of the effort limit, %g", fmax(fabs(r->low), fabs(r->high)) / effort, effort);
 	text_putc(out, '\n');
 	for (int k = 0; k < x->o->precision_count; k++) {
+		if (!isfinite(r->error_bound[k])) {
+			text_printf(out, "    %-5s no bound: ", emit_precision_name(x->o->precisions[k]));
+			gap_put(x, i, k, out);
+			text_putc(out, '\n');
+			continue;
+		}
 		text_printf(out, "    %-5s off by at most %.3g; found %.3g; slack %.2f", emit_precision_name(x->o->precisions[k]), r->error_bound[k],
 			r->error_found[k], r->error_bound[k] / fmax(r->error_found[k], 1e-300));
 		if (effort > 0)

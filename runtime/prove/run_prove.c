@@ -1,8 +1,9 @@
 /* rnearun prove: what holds for every state within the limits. */
 #define _POSIX_C_SOURCE 200809L
 #include "prove/run_prove.h"
-#include "prove/rows_put.h"
+#include "prove/envelope.h"
 #include "rnearun/command.h"
+#include "rnearun/gnuplot.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,6 +19,8 @@ static const char HELP[] =
 	"  --range NAME=LO,HI         of q, qd, qdd, q.JOINT, qd.JOINT, qdd.JOINT or another input of the scene\n"
 	"  --seconds S                for proof and search together (default 60)\n"
 	"  --format text|json         (default text)\n"
+	"  --envelope FILE            for sizing actuators, as CSV: the range of each joint's torque beside its limit of effort\n"
+	"  --picture FILE             the same drawn, as SVG, by gnuplot\n"
 	"  --precision f32|f64|mixed|f32x2\n"
 	"                             several, by commas (default f32,f64)\n"
 	"  --trig accurate|bounded|fast\n"
@@ -25,16 +28,18 @@ static const char HELP[] =
 	"\n"
 	"exit status: 0 done, 1 the robot or a file is at fault, 2 the command line is, or a range is missing\n";
 
-enum { KEY_PRECISION = COMMAND_OWN, KEY_SECONDS, KEY_FORMAT };
+enum { KEY_PRECISION = COMMAND_OWN, KEY_SECONDS, KEY_FORMAT, KEY_ENVELOPE, KEY_PICTURE };
 enum format { FORMAT_TEXT, FORMAT_JSON };
 
 static const struct option OPTIONS[] = {{"precision", required_argument, NULL, KEY_PRECISION},
-	{"seconds", required_argument, NULL, KEY_SECONDS}, {"format", required_argument, NULL, KEY_FORMAT}, COMMAND_MODEL_OPTIONS, {NULL, 0, NULL, 0}};
+	{"seconds", required_argument, NULL, KEY_SECONDS}, {"format", required_argument, NULL, KEY_FORMAT},
+	{"envelope", required_argument, NULL, KEY_ENVELOPE}, {"picture", required_argument, NULL, KEY_PICTURE}, COMMAND_MODEL_OPTIONS, {NULL, 0, NULL, 0}};
 
 struct proving {
 	struct command command;
 	struct prove_options options;
 	int format;
+	const char *envelope, *picture; /* files; NULL: not asked for */
 	struct file_content urdf;
 	struct analysis analysis;
 	struct arena arena;
@@ -70,6 +75,18 @@ static int take_precisions(struct proving *p, const char *name, const char *word
 	}
 }
 
+static int take_file(struct proving *p, const char *name, int key, const char *word)
+{
+	static const char *const svg[] = {".svg", NULL};
+
+	if (!strcmp(word, "-"))
+		return option_refuse(name, "--%s takes the name of a file; standard output has the rows", key == KEY_PICTURE ? "picture" : "envelope");
+	if (key == KEY_PICTURE && !file_has_suffix(word, svg))
+		return option_refuse(name, "--picture %s: the picture is SVG; name a file that ends in .svg", word);
+	*(key == KEY_PICTURE ? &p->picture : &p->envelope) = word;
+	return 0;
+}
+
 static int take(void *own, const char *name, int key, const char *word)
 {
 	static const struct option_choice formats[] = {{"text", FORMAT_TEXT}, {"json", FORMAT_JSON}, {NULL, 0}};
@@ -80,6 +97,8 @@ static int take(void *own, const char *name, int key, const char *word)
 		return take_precisions(p, name, word);
 	if (key == KEY_FORMAT)
 		return option_choose(name, "format", word, formats, &p->format);
+	if (key == KEY_ENVELOPE || key == KEY_PICTURE)
+		return take_file(p, name, key, word);
 	p->options.seconds = strtod(word, &end);
 	if (end == word || *end || !(p->options.seconds > 0) || p->options.seconds > 1e6)
 		return option_refuse(name, "--seconds takes a positive number up to 1e6, not '%s'", word);
@@ -92,19 +111,40 @@ static int fail(const struct proving *p, const struct rneagen_error *e)
 	return 1 + option_at_fault(e->code);
 }
 
+/* Files first: what fails there leaves nothing on standard output. */
+static enum rneagen_code write_envelope(const struct proving *p, const struct envelope *x, struct arena *a, struct rneagen_error *e)
+{
+	struct text csv;
+
+	text_init(&csv, a);
+	envelope_put_csv(x, &csv);
+	if (csv.failed)
+		return error_memory(e);
+	if (p->picture && envelope_draw(x, p->picture, e))
+		return e->code;
+	return p->envelope ? file_write_pair(p->envelope, text_string(&csv), NULL, e) : RNEAGEN_OK;
+}
+
 static int print(const struct proving *p, const struct proved *x)
 {
 	struct arena arena;
 	struct text out;
+	struct envelope envelope;
+	struct rneagen_error e = {0};
 	int status = 0;
 
 	arena_init(&arena, NULL);
 	text_init(&out, &arena);
+	out.failed = !envelope_list(&envelope, x, &arena);
 	if (p->format == FORMAT_JSON)
 		rows_put_json(x, &out);
 	else
 		rows_put_table(x, &out);
-	if (out.failed)
+	if (p->format != FORMAT_JSON && !out.failed)
+		envelope_put_limits(&envelope, &out);
+	if (!out.failed && write_envelope(p, &envelope, &arena, &e))
+		status = fail(p, &e);
+	else if (out.failed)
 		status = command_fail(&p->command, "out of memory");
 	else if (fputs(text_string(&out), stdout) == EOF || fflush(stdout) || ferror(stdout))
 		status = command_fail(&p->command, "standard output: cannot be written");
@@ -120,7 +160,11 @@ static int prove_robot(struct proving *p)
 	struct progress progress;
 	int status;
 
-	if (box_make(&box, &p->analysis, &p->arena, &e))
+	if ((p->envelope || p->picture) && !envelope_is_there(&p->analysis.dag))
+		error_set(&e, RNEAGEN_USAGE, "--envelope and --picture: no output is a torque: --want tau, gravity or bias");
+	if (!e.code && p->picture)
+		gnuplot_check("--picture", &e);
+	if (e.code || box_make(&box, &p->analysis, &p->arena, &e))
 		return fail(p, &e);
 	progress_start(&progress, p->command.name, "seconds", (uint64_t)ceil(p->options.seconds), p->command.quiet);
 	prove(&proof, &p->analysis, &box, &p->options, &progress, &e);
@@ -152,6 +196,10 @@ int run_prove(struct ranks *ranks, int argc, char **argv)
 
 	if (status < 0)
 		status = command_note(&p.command, &p.command.written, "", "-");
+	if (status < 0 && p.envelope)
+		status = command_note(&p.command, &p.command.written, "--envelope", p.envelope);
+	if (status < 0 && p.picture)
+		status = command_note(&p.command, &p.command.written, "--picture", p.picture);
 	if (status < 0)
 		status = command_check_files(&p.command);
 	if (status < 0) {

@@ -56,8 +56,7 @@ static void take_ranges(struct box *b, const struct analysis *x, int argument)
 		}
 }
 
-/* "qdd.elbow" where the row is a joint's, else "payload_hand[3]" */
-static void put_name(const struct analysis *x, int argument, int row, struct text *out)
+void box_put_name(const struct analysis *x, int argument, int row, struct text *out)
 {
 	const struct argument *a = &x->dag.arguments[argument];
 	int is_q = a->role == ROLE_JOINT_POSITION;
@@ -91,7 +90,7 @@ static void put_missing(const struct box *b, const struct analysis *x, const uns
 	for (int r = 0; r < a->rows; r++)
 		if (read[argument][r] && !is_known(b->rows[argument][r])) {
 			text_put(out, out->length ? ", " : "");
-			put_name(x, argument, r, out);
+			box_put_name(x, argument, r, out);
 		}
 }
 
