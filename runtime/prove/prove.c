@@ -11,13 +11,13 @@
 #include <stdlib.h>
 
 /* Shares of the time. What is left is for what takes longer than it should. */
-#define SHARE_SEEK 0.04
+#define SHARE_SEEK 0.05
 #define SHARE_WHOLE 0.05
 #define SHARE_MAGNITUDE 0.03
-#define SHARE_CURVATURE 0.14
+#define SHARE_CURVATURE 0.13
 #define SHARE_COVER 0.20
-#define SHARE_SEEK_ERRORS 0.06
-#define SHARE_ERRORS 0.46
+#define SHARE_SEEK_ERRORS 0.08
+#define SHARE_ERRORS 0.44
 
 struct proving {
 	const struct analysis *a;
@@ -39,18 +39,29 @@ static void show(struct proving *p, const char *doing)
 	progress_show(p->progress, (uint64_t)(seconds_now() - p->start), doing);
 }
 
-/* A field's share of the work: the more rows of q, the more points. */
-static double share_of(const struct proving *p, int k)
+/* Of more rows of q no grid can be made. */
+enum { GRID_DIMS = 12 };
+
+static int has_grid(const struct field *f)
+{
+	return f->dim_count <= GRID_DIMS;
+}
+
+/* A field's share of the work: the more rows of q, the more points, or the more there is to search. */
+static double share_of(const struct proving *p, int k, int of_grids)
 {
 	double sum = 0, own = 0;
 
 	for (int i = 0; i < p->field_count; i++) {
 		double n = p->fields[i].dim_count, work = p->fields[i].output_count * (1 + n * n * n);
 
+		if (of_grids && !has_grid(&p->fields[i]))
+			work = 0;
+
 		sum += work;
 		own = i == k ? work : own;
 	}
-	return own / sum;
+	return sum > 0 ? own / sum : 0;
 }
 
 static enum rneagen_code seek_field(struct proving *p, int k, double seconds)
@@ -118,27 +129,48 @@ static void ranging_free(struct ranging *r)
 	free(r->cover.upper);
 }
 
-static int find_ranges(struct proving *p, const struct field *f, struct ranging *r, double seconds)
+/* Without a grid: plain intervals. */
+static int cover_nothing(struct cover *c, const struct field *f)
+{
+	*c = (struct cover){.upper = calloc((size_t)f->output_count, sizeof *c->upper), .lower = calloc((size_t)f->output_count, sizeof *c->lower)};
+	for (int i = 0; c->upper && c->lower && i < f->output_count; i++) {
+		c->upper[i] = f->plain[i];
+		c->lower[i] = -f->plain[i];
+	}
+	return c->upper && c->lower;
+}
+
+static int find_covers(struct proving *p, const struct field *f, struct ranging *r, double seconds)
 {
 	const struct curvature_start from = {r->whole, r->largest, r->bends};
+	struct effort soon = p->effort;
 
-	return magnitude_find(r->whole, f, p->b, 1, &p->effort, SHARE_WHOLE * seconds) && magnitude_bends(r->bends, f, p->b, &p->effort) &&
+	soon.deadline = fmin(p->effort.deadline, seconds_now() + 2 * SHARE_WHOLE * seconds);
+	return magnitude_find(r->whole, f, p->b, 1, &p->effort, SHARE_WHOLE * seconds) && magnitude_bends(r->bends, f, p->b, &soon) &&
 	       curvature_find(&r->curvature, f, &from, &p->effort, SHARE_CURVATURE * seconds) &&
-	       cover_find(&r->cover, f, &r->curvature, (const double(*)[2])r->found, &p->effort, SHARE_COVER * seconds) &&
-	       magnitude_find(r->ranges, f, p->b, 0, &p->effort, SHARE_MAGNITUDE * seconds);
+	       cover_find(&r->cover, f, &r->curvature, (const double(*)[2])r->found, &p->effort, SHARE_COVER * seconds);
+}
+
+static int find_ranges(struct proving *p, int k, struct ranging *r)
+{
+	const struct field *f = &p->fields[k];
+	double seconds = p->o->seconds;
+
+	if (!(has_grid(f) ? find_covers(p, f, r, seconds * share_of(p, k, 1)) : cover_nothing(&r->cover, f)))
+		return 0;
+	return magnitude_find(r->ranges, f, p->b, 0, &p->effort, SHARE_MAGNITUDE * seconds * share_of(p, k, 0));
 }
 
 static enum rneagen_code prove_field(struct proving *p, int k, struct prove_row *rows)
 {
 	const struct field *f = &p->fields[k];
-	double share = p->o->seconds * share_of(p, k);
 	struct ranging r;
 	int done;
 
-	if (seek_field(p, k, SHARE_SEEK * share))
+	if (seek_field(p, k, SHARE_SEEK * p->o->seconds * share_of(p, k, 0)))
 		return p->e->code;
 	show(p, "ranges");
-	done = ranging_make(&r, f, (const struct sought(*)[2])p->found) && find_ranges(p, f, &r, share);
+	done = ranging_make(&r, f, (const struct sought(*)[2])p->found) && find_ranges(p, k, &r);
 	if (done)
 		take_rows(p, f, &r.cover, r.ranges, rows);
 	ranging_free(&r);
@@ -190,7 +222,7 @@ static enum rneagen_code prove_all(struct proving *p, struct proof *proof)
 enum rneagen_code prove(struct proof *proof, const struct analysis *a, const struct box *b, const struct prove_options *o,
 	struct progress *progress, struct rneagen_error *e)
 {
-	struct proving p = {.a = a, .b = b, .o = o, .progress = progress, .e = e, .start = seconds_now()};
+	struct proving p = {.a = a, .b = b, .o = o, .progress = progress, .e = e, .start = o->start > 0 ? o->start : seconds_now()};
 
 	*proof = (struct proof){0};
 	arena_init(&p.arena, NULL);

@@ -145,7 +145,7 @@ static double climb(struct seeking *s, struct trial *t, int model, size_t output
 	return best;
 }
 
-static void take(struct seeking *s, struct trial *t, int model, double *best)
+static void take_model(struct seeking *s, struct trial *t, int model, double *best)
 {
 	const struct eval_model *m = &s->models[model];
 
@@ -159,6 +159,14 @@ static void take(struct seeking *s, struct trial *t, int model, double *best)
 	}
 }
 
+/* A state that is bad for a type is so for others too, and is one of theirs where it is of floats, or they are of doubles. */
+static void take(struct seeking *s, struct trial *t, int model, double *best)
+{
+	for (int k = 0; k < s->count; k++)
+		if (k == model || has_floats(&s->models[model]) || !has_floats(&s->models[k]))
+			take_model(s, t, k, best);
+}
+
 /* The numbers of a job go through outputs, models, and starts: twice the states found, then others. */
 static void seek(void *job, size_t piece)
 {
@@ -168,7 +176,12 @@ static void seek(void *job, size_t piece)
 	struct trial t;
 	int done = trial_new(&t, s->d);
 
-	for (size_t i = piece; done && !s->failed && (i < 2 * s->d->output_count * (size_t)s->count || seconds_now() < s->deadline); i += s->pieces) {
+	for (int model = 0; model < s->count && done; model++) {
+		draw(s, &t, seed);
+		fit_all(s, &t, has_floats(&s->models[model]));
+		take(s, &t, model, best);
+	}
+	for (size_t i = piece; done && !s->failed && seconds_now() < s->deadline; i += s->pieces) {
 		size_t output = i % s->d->output_count;
 		int model = (int)(i / s->d->output_count) % s->count, start = (int)(i / s->d->output_count) / s->count;
 		const struct eval_model *m = &s->models[model];

@@ -123,12 +123,13 @@ static void take_lines(void *job, size_t piece)
 		s->failed = 1;
 	for (int o = 0; o < s->f->output_count && most; o++)
 		most[o] = s->most[o];
-	for (size_t i = piece * LINES; i < (piece + 1) * LINES && i < s->lines && !s->failed; i++)
+	for (size_t i = piece * LINES; i < (piece + 1) * LINES && i < s->lines && !s->failed; i++) {
 		take_line(s, i, work, line, most);
+		if (seconds_now() > s->effort->deadline)
+			s->failed = 2;
+	}
 	for (int o = 0; o < s->f->output_count && most; o++)
 		raise(&s->most[o], most[o]);
-	if (seconds_now() > s->effort->deadline)
-		s->failed = 2;
 	free(most);
 	free(line);
 	free(work);

@@ -22,6 +22,7 @@ struct field_input {
 	int argument, row;
 	double scale;
 	struct interval range;
+	uint32_t node;
 };
 
 /* A narrow value is the same in all lanes; ANEW spreads one over them. */
@@ -65,6 +66,12 @@ double *field_work(const struct field *f);
 
 /* Coefficients of all outputs at q, [output][coefficient]. */
 void field_evaluate(const struct field *f, const struct field_point *q, double *work, double *coefficients);
+
+/* Numbers that field_values works in; free() frees them. NULL when memory runs out. */
+double *field_scalars(const struct field *f);
+
+/* Values of all outputs at q and at drives and rates x over their scales, in this order: far quicker than all coefficients. */
+void field_values(const struct field *f, const struct field_point *q, const double *x, double *scalars, double *values);
 
 /* The sine and cosine of an angle, or a length. */
 void field_place(const struct field_dim *dim, double q, double x[2]);

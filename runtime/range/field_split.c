@@ -226,7 +226,7 @@ static enum rneagen_code add_input(const struct splitter *s, struct field *f, co
 	if (*count == FIELD_DIMS)
 		return error_set(s->e, RNEAGEN_LIMIT, "%s: rnearun prove takes at most %d rows of an input", s->x->options.file, FIELD_DIMS);
 	(is_rate ? f->rates : f->drives)[(*count)++] = (struct field_input){(int)n->arg[0].i, (int)n->arg[1].i, scale,
-		{round_down(r.lower / scale), round_up(r.upper / scale)}};
+		{round_down(r.lower / scale), round_up(r.upper / scale)}, (uint32_t)(n - s->d->nodes)};
 	return RNEAGEN_OK;
 }
 

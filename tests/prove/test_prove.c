@@ -35,7 +35,7 @@ static const struct proof_case {
 };
 enum { CASE_COUNT = sizeof CASES / sizeof *CASES };
 
-static const struct prove_options QUICK = {{RNEAGEN_F32, RNEAGEN_F64}, 2, 0.5, 2};
+static const struct prove_options QUICK = {{RNEAGEN_F32, RNEAGEN_F64}, 2, 0.5, 2, 0};
 
 static struct proof proof_of(const struct robot_box *x, struct prove_options o)
 {
@@ -178,6 +178,28 @@ START_TEST(test_missing_rounding)
 }
 END_TEST
 
+/* A time that was over before it began leaves bounds that hold. */
+START_TEST(test_no_time)
+{
+	static const char *const names[] = {"atlas", "hyq"};
+	struct rng r = rng_seed(SEED);
+	struct prove_options o = QUICK;
+	struct robot_box x;
+	struct proof p;
+
+	o.start = 1e-9;
+	o.seconds = 1e-9;
+	robot_box_open(&x, names[_i], "range qdd=-20,20", 0);
+	p = proof_of(&x, o);
+	for (size_t i = 0; i < x.analysis.dag.output_count; i++)
+		ck_assert(isfinite(p.rows[i].high - p.rows[i].low) && isfinite(p.rows[i].error_bound[0]) && isfinite(p.rows[i].error_bound[1]));
+	check_slack(&p, x.analysis.dag.output_count, 0);
+	ck_assert(!broken(&x, &p, FEW, 0, &r));
+	free(p.rows);
+	robot_box_close(&x);
+}
+END_TEST
+
 /* A continuous joint stands for all angles. */
 START_TEST(test_continuous)
 {
@@ -217,6 +239,7 @@ int main(void)
 	suite_add(suite, "holds", test_holds, CASE_COUNT, 6000);
 	suite_add(suite, "wrong model", test_wrong_model, 1, 600);
 	suite_add(suite, "missing rounding", test_missing_rounding, 1, 600);
+	suite_add(suite, "no time", test_no_time, 2, 600);
 	suite_add(suite, "continuous", test_continuous, 1, 600);
 	suite_add(suite, "refused", test_refused, 5, 600);
 	return suite_run(suite);
