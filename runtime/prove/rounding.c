@@ -31,6 +31,7 @@ struct hunt {
 	struct interval *rows[DAG_ARGUMENTS]; /* of the box, those of q its own */
 	struct rules rules;
 	double *size;         /* by node */
+	double *leaves[PROVE_PRECISIONS]; /* by model and node */
 	unsigned char *live;
 	int position, dims[SPLIT_DIMS];
 	struct split split;
@@ -72,10 +73,12 @@ static double gains_of(const struct hunt *h, const struct eval_model *m)
 }
 
 /* Over the box in h->rows, whose values are known. */
-static double error_of(struct hunt *h, const struct eval_model *m)
+static double error_of(struct hunt *h, int model)
 {
+	const struct eval_model *m = &h->models[model];
 	double sum = 0;
 
+	h->rules.leaf = h->leaves[model];
 	for (uint32_t i = 0; i < h->x.count; i++) {
 		double rest;
 
@@ -116,7 +119,7 @@ static void examine(void *context, struct leaf *leaf)
 		value = norms_range(&h->views[k].norms, &h->views[k].values, h->x.root.i);
 		leaf->value = k ? (struct interval){fmax(value.lower, leaf->value.lower), fmin(value.upper, leaf->value.upper)} : value;
 		for (int i = 0; i < h->count; i++)
-			leaf->sizes[i] = k ? fmin(leaf->sizes[i], error_of(h, &h->models[i])) : error_of(h, &h->models[i]);
+			leaf->sizes[i] = k ? fmin(leaf->sizes[i], error_of(h, i)) : error_of(h, i);
 	}
 }
 
@@ -124,8 +127,10 @@ static void examine(void *context, struct leaf *leaf)
 
 struct job {
 	struct prove_row *rows;
-	const struct analysis *a;
+	const struct relaxed *r;
 	const struct box *b;
+	struct coarse coarse; /* of the text */
+	struct arena arena;
 	const struct eval_model *models;
 	int count, failed;
 	double seconds, deadline; /* of one output; of all */
@@ -163,12 +168,33 @@ static int rules_make(struct hunt *h)
 	return 1;
 }
 
+static struct box box_of(const struct relaxed *r)
+{
+	struct box b;
+
+	memcpy(b.rows, r->rows, sizeof b.rows);
+	return b;
+}
+
+/* How far off inputs are that stand for what the text computes, by model. */
+static int leaves_make(struct hunt *h, const struct job *j)
+{
+	for (int m = 0; m < h->count; m++) {
+		h->leaves[m] = arena_alloc(&h->arena, h->x.count, sizeof *h->leaves[m]);
+		for (uint32_t i = 0; i < h->x.count && h->leaves[m]; i++)
+			h->leaves[m][i] = j->r->source[i] ? j->coarse.running[m][j->r->source[i] - 1] : -1;
+	}
+	return !h->arena.failed;
+}
+
 static int hunt_make(struct hunt *h, const struct job *j, size_t output)
 {
-	*h = (struct hunt){.d = &j->a->dag, .models = j->models, .count = j->count};
+	const struct box box = box_of(j->r);
+
+	*h = (struct hunt){.d = &j->r->view.dag, .models = j->models, .count = j->count};
 	arena_init(&h->arena, NULL);
 	h->position = dag_find_role(h->d, ROLE_JOINT_POSITION, 0);
-	if (!adjoint_make(&h->x, h->d, output, 1, &h->arena) || !box_copy(h->rows, j->b, h->d, &h->arena))
+	if (!adjoint_make(&h->x, h->d, output, 1, &h->arena) || !box_copy(h->rows, &box, h->d, &h->arena))
 		return 0;
 	for (int k = 0; k < VIEWS; k++) {
 		struct view *v = &h->views[k];
@@ -178,7 +204,7 @@ static int hunt_make(struct hunt *h, const struct job *j, size_t output)
 			return 0;
 	}
 	list_dims(h);
-	return rules_make(h);
+	return rules_make(h) && leaves_make(h, j);
 }
 
 static void take(const struct hunt *h, struct prove_row *r)
@@ -218,27 +244,28 @@ static void hunt_output(void *job, size_t output)
 /* A bound of each that is there at once; it is null where it is INFINITY. */
 static int begin(struct job *j)
 {
-	struct coarse c;
-	struct arena arena;
-	int done;
+	const struct dag *d = &j->r->text->dag;
 
-	arena_init(&arena, NULL);
-	done = coarse_find(&c, &j->a->dag, j->b, j->models, j->count, &arena);
-	for (size_t o = 0; o < j->a->dag.output_count && done; o++)
+	if (!coarse_find(&j->coarse, d, j->b, j->models, j->count, &j->arena))
+		return 0;
+	for (size_t o = 0; o < d->output_count; o++)
 		for (int m = 0; m < j->count; m++)
-			j->rows[o].error_bound[m] = coarse_output(&c, &j->a->dag, o, m, &j->models[m]);
-	arena_free(&arena);
-	return done;
+			j->rows[o].error_bound[m] = coarse_output(&j->coarse, d, o, m, &j->models[m]);
+	return 1;
 }
 
-int rounding_find(struct prove_row *rows, const struct analysis *a, const struct box *b, const struct eval_model *models, int count,
+int rounding_find(struct prove_row *rows, const struct relaxed *r, const struct box *b, const struct eval_model *models, int count,
 	const struct effort *x, double seconds)
 {
-	size_t outputs = a->dag.output_count, rounds = (outputs + x->threads - 1) / x->threads;
-	struct job j = {rows, a, b, models, count, 0, seconds / (double)(rounds ? rounds : 1), x->deadline};
+	size_t outputs = r->view.dag.output_count, rounds = (outputs + x->threads - 1) / x->threads;
+	struct job j = {.rows = rows, .r = r, .b = b, .models = models, .count = count, .seconds = seconds / (double)(rounds ? rounds : 1),
+		.deadline = x->deadline};
 
-	if (!begin(&j))
-		return 0;
-	workers_run(x->workers, x->threads, hunt_output, &j, outputs);
+	arena_init(&j.arena, NULL);
+	if (begin(&j))
+		workers_run(x->workers, x->threads, hunt_output, &j, outputs);
+	else
+		j.failed = 1;
+	arena_free(&j.arena);
 	return !j.failed;
 }

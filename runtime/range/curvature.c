@@ -191,9 +191,9 @@ static int places_of(const struct field *f, int k, double weight, double scale)
 {
 	int places = f->dims[k].is_angle ? 2 * (int)(0.5 * fmin(MOST_PLACES, scale * sqrt(weight))) : LENGTH_PLACES;
 
-	if (field_is_point(&f->dims[k]) || pace_of(f, k, fewest(f, k)).gap * f->degree * f->degree * weight < 0.1)
+	if (field_is_point(&f->dims[k]) || pace_of(f, k, fewest(f, k)).gap * f->dims[k].degree * f->dims[k].degree * weight < 0.1)
 		return fewest(f, k);
-	return f->dims[k].is_angle && places < LEAST_PLACES ? LEAST_PLACES : places;
+	return f->dims[k].is_angle && places < pace_least(&f->dims[k]) ? pace_least(&f->dims[k]) : places;
 }
 
 /* The most places that there is room for, in points of the sweeps along all dimensions. */

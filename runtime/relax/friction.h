@@ -1,5 +1,5 @@
-#ifndef RUNTIME_RANGE_FRICTION_H
-#define RUNTIME_RANGE_FRICTION_H
+#ifndef RUNTIME_RELAX_FRICTION_H
+#define RUNTIME_RELAX_FRICTION_H
 /* Smooth friction among expressions: c v / sqrt(v^2 + w). It rises with v, where c > 0, and is never larger than c. */
 
 #include "norms/interval.h"

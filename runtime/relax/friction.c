@@ -1,4 +1,4 @@
-#include "range/friction.h"
+#include "relax/friction.h"
 
 static uint32_t bare(const struct dag *d, uint32_t i, int *sign)
 {
