@@ -186,7 +186,7 @@ static void start(const struct field *f, unsigned short seed[3], struct sought *
 		s->q[k] = fmin(f->dims[k].upper, f->dims[k].lower + t * (f->dims[k].upper - f->dims[k].lower));
 	}
 	for (int i = 0; i < f->drive_count; i++)
-		s->x[i] = f->drives[i].range.lower;
+		s->x[i] = f->drives[i].ball ? 0 : f->drives[i].range.lower;
 	for (int j = 0; j < f->rate_count; j++)
 		s->x[f->drive_count + j] = f->rates[j].range.lower;
 }
