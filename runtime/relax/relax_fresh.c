@@ -26,7 +26,7 @@ int relax_turns(const struct tree *t, int row, double factor)
 		if (!(turns && k->iq == row) && !(k->type == JOINT_PLANAR && k->iq + 2 == row))
 			continue;
 		all++;
-		same += fabs((double)k->multiplier.x) == fabs(factor);
+		same += fabs(fabs((double)k->multiplier.x) - fabs(factor)) <= 1e-9 * fabs(factor);
 	}
 	return same ? same : all ? all : 1;
 }
