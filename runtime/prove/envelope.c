@@ -7,10 +7,18 @@ static int is_torque(enum role role)
 	return role == ROLE_JOINT_TORQUE || role == ROLE_GRAVITY_TORQUE || role == ROLE_BIAS_TORQUE;
 }
 
-int envelope_is_there(const struct dag *d)
+/* The joint whose torque an output is; NULL: it is none, or what a floating base needs. */
+static const struct tree_joint *joint_of(const struct analysis *a, const struct output *o)
 {
-	for (size_t i = 0; i < d->output_count; i++)
-		if (is_torque(d->arguments[d->outputs[i].argument].role))
+	const struct tree_joint *t = is_torque(a->dag.arguments[o->argument].role) ? tree_joint_of_row(&a->tree, o->row) : NULL;
+
+	return t && *t->name ? t : NULL;
+}
+
+int envelope_is_there(const struct analysis *a)
+{
+	for (size_t i = 0; i < a->dag.output_count; i++)
+		if (joint_of(a, &a->dag.outputs[i]))
 			return 1;
 	return 0;
 }
@@ -56,10 +64,10 @@ int envelope_list(struct envelope *x, const struct proved *of, struct arena *a)
 	for (size_t i = 0; i < d->output_count && x->rows; i++) {
 		const struct output *o = &d->outputs[i];
 		const struct argument *argument = &d->arguments[o->argument];
-		const struct tree_joint *t = tree_joint_of_row(&of->a->tree, o->row);
+		const struct tree_joint *t = joint_of(of->a, o);
 		const struct prove_row *r = &of->p->rows[i];
 
-		if (!is_torque(argument->role))
+		if (!t)
 			continue;
 		x->rows[x->count] = (struct envelope_row){.output = argument->name, .joint = t->name, .unit = unit_of(t, o->row), .argument = o->argument,
 			.row = o->row, .low = r->low, .high = r->high, .found_low = r->found_low, .found_high = r->found_high,
