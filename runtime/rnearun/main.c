@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/files.h"
 #include "cli/options.h"
-#include "prove/run_prove.h"
+#include "proved/run_prove.h"
 #include "study/run_choose.h"
 #include "eval/run_eval.h"
 #include "study/run_report.h"

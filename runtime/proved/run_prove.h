@@ -1,5 +1,5 @@
-#ifndef RUNTIME_PROVE_RUN_PROVE_H
-#define RUNTIME_PROVE_RUN_PROVE_H
+#ifndef RUNTIME_PROVED_RUN_PROVE_H
+#define RUNTIME_PROVED_RUN_PROVE_H
 
 #include "ranks/ranks.h"
 

@@ -1,4 +1,4 @@
-#include "prove/envelope.h"
+#include "proved/envelope.h"
 #include <math.h>
 #include <stdlib.h>
 

@@ -1,8 +1,8 @@
-#ifndef RUNTIME_PROVE_ENVELOPE_H
-#define RUNTIME_PROVE_ENVELOPE_H
+#ifndef RUNTIME_PROVED_ENVELOPE_H
+#define RUNTIME_PROVED_ENVELOPE_H
 /* What actuators must give: proved ranges of the joints' torques beside their limits of effort. */
 
-#include "prove/rows_put.h"
+#include "proved/rows_put.h"
 
 /* KEPT: no state needs more than the limit. OPEN: what is proved is above the limit, and what was found is not. EXCEEDED: a state was
    found that needs more. */

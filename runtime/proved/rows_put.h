@@ -1,5 +1,5 @@
-#ifndef RUNTIME_PROVE_ROWS_PUT_H
-#define RUNTIME_PROVE_ROWS_PUT_H
+#ifndef RUNTIME_PROVED_ROWS_PUT_H
+#define RUNTIME_PROVED_ROWS_PUT_H
 /* What was proved, as a table for people and as JSON. */
 
 #include "prove/prove.h"

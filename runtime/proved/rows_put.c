@@ -1,6 +1,6 @@
-#include "prove/rows_put.h"
+#include "proved/rows_put.h"
 #include "emit/emit.h"
-#include "prove/gap_put.h"
+#include "proved/gap_put.h"
 #include <math.h>
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* rnearun prove: what holds for every state within the limits. */
 #define _POSIX_C_SOURCE 200809L
-#include "prove/run_prove.h"
-#include "prove/envelope.h"
+#include "proved/run_prove.h"
+#include "proved/envelope.h"
 #include "core/seconds.h"
 #include "rnearun/command.h"
 #include "rnearun/gnuplot.h"
