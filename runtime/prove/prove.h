@@ -13,6 +13,7 @@ struct prove_options {
 	int precision_count;
 	double seconds; /* for all of it, proof and search */
 	unsigned threads; /* 0: one for each processor */
+	struct record *record; /* what a certificate needs to know, for the DAG's outputs; NULL: nothing */
 };
 
 /* One row of an output. */

@@ -210,6 +210,7 @@ struct job {
 	const struct eval_model *models;
 	int count, failed;
 	double seconds, deadline; /* of one output; of all */
+	struct record *record;
 };
 
 /* Rows of q that the output depends on and that have room. */
@@ -376,6 +377,8 @@ static void hunt_output(void *job, size_t output)
 		take(&h, &j->rows[output]);
 	else
 		j->failed = 1;
+	if (!j->failed && j->record)
+		j->failed |= !split_cuts(&h.split, &root, h.dims, &j->record->outputs[output].errors);
 	split_free(&h.split);
 	arena_free(&h.arena);
 }
@@ -384,7 +387,7 @@ int rounding_find(struct prove_row *rows, const struct analysis *a, const struct
 	const struct effort *x, double seconds)
 {
 	size_t outputs = a->dag.output_count, rounds = (outputs + x->threads - 1) / x->threads;
-	struct job j = {rows, a, b, models, count, 0, seconds / (double)(rounds ? rounds : 1), x->deadline};
+	struct job j = {rows, a, b, models, count, 0, seconds / (double)(rounds ? rounds : 1), x->deadline, x->record};
 
 	workers_run(x->workers, x->threads, hunt_output, &j, outputs);
 	return !j.failed;

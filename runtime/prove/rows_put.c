@@ -1,21 +1,10 @@
 #include "prove/rows_put.h"
+#include "certify/asked.h"
 #include "emit/emit.h"
 #include <math.h>
 #include <string.h>
 
 /* Numbers are printed with so many digits that reading them gives the same double. */
-
-/* What the proof rests on. */
-static const char *const ASSUMPTIONS[] = {
-	"rigid bodies as the URDF's decimals state them, angles within 5e-15 rad of a multiple of pi/2 being that; limits are the doubles "
-	"nearest to the file's decimals",
-	"all inputs are within their ranges, in any combination; a continuous joint has any angle that --trig takes",
-	"ranges are of the exact outputs; a text's result is within error_bound of these",
-	"rounding to nearest, subnormal numbers kept; products may be joined to sums or not; sine and cosine are the text's own",
-	"nothing overflows: where it may, error_bound is null",
-	"the double and extended arithmetic of the processor that proves is that of IEEE 754, and its sine and cosine in extended precision "
-	"are good to 2^-60"};
-enum { ASSUMPTION_COUNT = sizeof ASSUMPTIONS / sizeof *ASSUMPTIONS };
 
 static const char *joint_of(const struct proved *x, const struct output *o, double *effort)
 {
