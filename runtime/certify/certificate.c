@@ -4,7 +4,7 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-const char *const STEP_NAMES[STEP_COUNT] = {"values", "errors"};
+const char *const STEP_NAMES[STEP_COUNT] = {"values", "errors", "grid"};
 
 /* In all steps of a certificate together: a file is to be below the limit of what is read. */
 enum { ALL_BOXES = 100000, MOST_BOXES = 20000 };
@@ -22,7 +22,7 @@ struct box_bound certified_total(const struct certified *row, int precision_coun
 
 	for (int k = 0; k < precision_count; k++)
 		total.errors[k] = (double)INFINITY;
-	for (int kind = 0; kind < STEP_COUNT; kind++) {
+	for (int kind = 0; kind < BOX_STEPS; kind++) {
 		struct box_bound of = boxes_total(&row->steps[kind], precision_count);
 
 		if (!row->steps[kind].count)
@@ -31,6 +31,10 @@ struct box_bound certified_total(const struct certified *row, int precision_coun
 		total.value.hi = fmin(total.value.hi, of.value.hi);
 		for (int k = 0; k < precision_count && kind == STEP_ERRORS; k++)
 			total.errors[k] = of.errors[k];
+	}
+	if (row->grid.dim_count) {
+		total.value.lo = fmax(total.value.lo, row->grid.value.lo);
+		total.value.hi = fmin(total.value.hi, row->grid.value.hi);
 	}
 	return total;
 }
@@ -55,7 +59,7 @@ static int stage_open(struct stage *s, const struct certificate *c, size_t outpu
 	return 1;
 }
 
-long certificate_check_step(const struct certificate *c, size_t output, enum step_kind kind, const struct boxes *step, const char **what)
+long certificate_check_boxes(const struct certificate *c, size_t output, enum step_kind kind, const struct boxes *step, const char **what)
 {
 	struct stage s;
 	long fault = (long)step->count;
@@ -67,34 +71,89 @@ long certificate_check_step(const struct certificate *c, size_t output, enum ste
 	return fault;
 }
 
+/* The output as polynomials, and its largest magnitude over all angles, by one box. 1; 0: memory ran out; -1: it is none. */
+static int stage_points(struct stage *s, const struct certificate *c, size_t output, struct points *p, double *whole)
+{
+	int made = stage_open(s, c, output, STEP_VALUES) ? points_make(p, &c->a->dag, output, s->box.rows, s->box.position, &s->arena) : -1;
+	struct box_bound bound;
+
+	if (made != 1)
+		return s->arena.failed ? 0 : made;
+	for (int k = 0; k < p->dim_count; k++)
+		if (p->dims[k].is_angle)
+			s->box.rows[s->box.position][p->dims[k].row] = (struct span){-4, 4};
+	errors_evaluate(&s->errors, s->box.rows, &bound);
+	*whole = span_size(bound.value);
+	return 1;
+}
+
+const char *certificate_check_grid(const struct certificate *c, size_t output, const struct grid_step *step)
+{
+	struct stage s;
+	struct points p;
+	double whole;
+	const char *fault = "expressions";
+
+	if (stage_points(&s, c, output, &p, &whole) == 1)
+		fault = grid_check(step, &p, whole);
+	arena_free(&s.arena);
+	return fault;
+}
+
 /* ---- making ---- */
+
+/* Shares of a row's time. */
+static const double SHARES[STEP_COUNT] = {0.05, 0.35, 0.6};
 
 struct making {
 	struct certificate *c;
 	const struct record *record;
 	const struct proved_bound *proved;
 	struct boxes_goal goal;
-	double seconds; /* of a step */
+	double seconds; /* of a row */
 	atomic_int failed;
 };
+
+static int make_grid(const struct making *m, size_t output)
+{
+	const struct proved_bound *p = &m->proved[output];
+	struct certified *row = &m->c->rows[output];
+	struct stage s;
+	struct points points;
+	double whole;
+	int made = stage_points(&s, m->c, output, &points, &whole);
+
+	if (made == 1 && points.dim_count)
+		made = grid_find(&row->grid, &points, whole, fmax(fabs(p->low), fabs(p->high)), SHARES[STEP_GRID] * m->seconds);
+	arena_free(&s.arena);
+	return made != 0;
+}
+
+static int make_boxes(const struct making *m, size_t output, enum step_kind kind)
+{
+	const struct record_output *r = &m->record->outputs[output];
+	const struct proved_bound *p = &m->proved[output];
+	struct boxes_goal goal = m->goal;
+	struct stage s;
+	int made = 1;
+
+	goal.target = kind == STEP_ERRORS ? p->errors[0] : fmax(fabs(p->low), fabs(p->high));
+	goal.deadline = fmin(goal.deadline, seconds_now() + SHARES[kind] * m->seconds);
+	if (!stage_open(&s, m->c, output, kind))
+		made = !s.arena.failed;
+	else
+		made = boxes_find(&m->c->rows[output].steps[kind], &s.of, kind == STEP_ERRORS ? &r->errors : &r->values, &goal);
+	arena_free(&s.arena);
+	return made;
+}
 
 static void make_step(void *job, size_t piece)
 {
 	struct making *m = job;
 	size_t output = piece / STEP_COUNT;
 	enum step_kind kind = (enum step_kind)(piece % STEP_COUNT);
-	const struct record_output *r = &m->record->outputs[output];
-	const struct proved_bound *p = &m->proved[output];
-	struct boxes_goal goal = m->goal;
-	struct stage s;
 
-	goal.target = kind == STEP_ERRORS ? p->errors[0] : fmax(fabs(p->low), fabs(p->high));
-	goal.deadline = fmin(goal.deadline, seconds_now() + m->seconds);
-	if (!stage_open(&s, m->c, output, kind))
-		m->failed |= s.arena.failed;
-	else
-		m->failed |= !boxes_find(&m->c->rows[output].steps[kind], &s.of, kind == STEP_ERRORS ? &r->errors : &r->values, &goal);
-	arena_free(&s.arena);
+	m->failed |= !(kind == STEP_GRID ? make_grid(m, output) : make_boxes(m, output, kind));
 }
 
 static enum rneagen_code make_steps(struct making *m, double seconds, unsigned threads, struct rneagen_error *e)
@@ -104,7 +163,7 @@ static enum rneagen_code make_steps(struct making *m, double seconds, unsigned t
 
 	if (!w)
 		return error_memory(e);
-	m->seconds = seconds * workers_limit(w) / (double)(steps + workers_limit(w));
+	m->seconds = seconds * workers_limit(w) / (double)m->record->count;
 	m->goal.deadline = seconds_now() + seconds;
 	m->goal.most = ALL_BOXES / (steps + 1) + 1 < MOST_BOXES ? ALL_BOXES / (steps + 1) + 1 : MOST_BOXES;
 	workers_run(w, workers_limit(w), make_step, m, steps);
@@ -131,7 +190,7 @@ enum rneagen_code certificate_make(struct certificate *c, const struct record *r
 void certificate_free(struct certificate *c)
 {
 	for (size_t i = 0; c->rows && i < c->a->dag.output_count; i++)
-		for (int kind = 0; kind < STEP_COUNT; kind++)
+		for (int kind = 0; kind < BOX_STEPS; kind++)
 			boxes_free(&c->rows[i].steps[kind]);
 	free(c->rows);
 	c->rows = NULL;

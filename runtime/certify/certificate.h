@@ -4,18 +4,20 @@
 
 #include "certify/asked.h"
 #include "steps/boxes.h"
+#include "steps/grid.h"
 #include "core/workers.h"
 
 enum { CERTIFICATE_FORMAT = 1 };
 
 /* Steps that a bound rests on. */
-enum step_kind { STEP_VALUES, STEP_ERRORS, STEP_COUNT }; /* boxes with the output's range; with its errors too */
+enum step_kind { STEP_VALUES, STEP_ERRORS, BOX_STEPS, STEP_GRID = BOX_STEPS, STEP_COUNT }; /* boxes with the output's range; with its errors too; a grid */
 extern const char *const STEP_NAMES[STEP_COUNT];
 
 /* One output of the text. */
 struct certified {
 	struct box_bound bound;          /* what is stated of all states; INFINITY: nothing */
-	struct boxes steps[STEP_COUNT];  /* count 0: there is no such step */
+	struct boxes steps[BOX_STEPS];   /* count 0: there is no such step */
+	struct grid_step grid;           /* dim_count 0: there is none */
 };
 
 /* What was proved of an output, which the certificate comes as close to as its steps do. */
@@ -48,7 +50,8 @@ struct box_bound certified_total(const struct certified *row, int precision_coun
 /* The models and ranges of c->a for c->precisions. Returns 0 when memory runs out. */
 int certificate_ask(struct certificate *c, struct arena *arena);
 
-/* Verify a step of an output; *at and *what as boxes_check has it. Returns -1, or the box. */
-long certificate_check_step(const struct certificate *c, size_t output, enum step_kind kind, const struct boxes *step, const char **what);
+/* Verify a step of an output: as boxes_check; as grid_check. */
+long certificate_check_boxes(const struct certificate *c, size_t output, enum step_kind kind, const struct boxes *step, const char **what);
+const char *certificate_check_grid(const struct certificate *c, size_t output, const struct grid_step *step);
 
 #endif

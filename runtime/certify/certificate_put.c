@@ -94,6 +94,36 @@ static void put_boxes(const struct certificate *c, enum step_kind kind, const st
 	text_put(out, "}");
 }
 
+static void put_counts(struct text *out, const char *name, const int *x, int count)
+{
+	text_printf(out, "\"%s\": [", name);
+	for (int i = 0; i < count; i++)
+		text_printf(out, "%s%d", i ? ", " : "", x[i]);
+	text_put(out, "]");
+}
+
+static void put_grid(const struct grid_step *g, struct text *out)
+{
+	text_printf(out, "{\"by\": \"%s\", ", STEP_NAMES[STEP_GRID]);
+	put_counts(out, "rows", g->rows, g->dim_count);
+	text_put(out, ", \"whole\": ");
+	put_number(out, g->whole);
+	text_put(out, ",\n        \"passes\": [");
+	for (int i = 0; i < g->pass_count; i++) {
+		text_put(out, i ? ",\n          {" : "\n          {");
+		put_counts(out, "counts", g->passes[i].counts, g->dim_count);
+		put_numbers(out, "bends", g->passes[i].bends, (size_t)g->dim_count);
+		text_put(out, "}");
+	}
+	text_put(out, "],\n        ");
+	put_counts(out, "counts", g->counts, g->dim_count);
+	text_put(out, ", \"low\": ");
+	put_number(out, g->value.lo);
+	text_put(out, ", \"high\": ");
+	put_number(out, g->value.hi);
+	text_put(out, "}");
+}
+
 /* Why a bound is null. */
 static void put_reasons(const struct certificate *c, const struct certified *row, struct text *out)
 {
@@ -130,11 +160,15 @@ static void put_row(const struct certificate *c, size_t i, struct text *out)
 	text_put(out, "}");
 	put_reasons(c, row, out);
 	text_put(out, ",\n     \"steps\": [");
-	for (int kind = 0; kind < STEP_COUNT; kind++)
+	for (int kind = 0; kind < BOX_STEPS; kind++)
 		if (row->steps[kind].count) {
 			text_put(out, count++ ? ",\n      " : "\n      ");
 			put_boxes(c, (enum step_kind)kind, &row->steps[kind], out);
 		}
+	if (row->grid.dim_count) {
+		text_put(out, count++ ? ",\n      " : "\n      ");
+		put_grid(&row->grid, out);
+	}
 	text_put(out, "]}");
 }
 

@@ -71,6 +71,52 @@ static void take_boxes(struct row_check *x, const json_t *step, enum step_kind k
 			b->errors[k] = take_numbers(x, step, emit_precision_name(x->c->precisions[k]), b->count, (double)INFINITY);
 }
 
+static int take_counts(struct row_check *x, const json_t *step, const char *key, int *counts, int least, int most)
+{
+	const json_t *list = read_member(&x->r, step, x->name, key, JSON_ARRAY);
+	size_t count = json_array_size(list);
+
+	if (list && (count == 0 || count > POINT_DIMS))
+		error_set(&x->e, RNEAGEN_READ, "%s: %s: \"%s\" is not of one to %d numbers", x->r.file, x->name, key, POINT_DIMS);
+	for (size_t i = 0; i < count && !x->e.code; i++)
+		counts[i] = read_whole(&x->r, json_array_get(list, i), x->name, least, most);
+	return x->e.code ? -1 : (int)count;
+}
+
+static void take_pass(struct row_check *x, const json_t *json, struct grid_pass *pass, int dims)
+{
+	static const char *const keys[] = {"counts", "bends", NULL};
+	const json_t *bends;
+
+	if (read_keys(&x->r, json, x->name, keys))
+		return;
+	bends = read_member(&x->r, json, x->name, "bends", JSON_ARRAY);
+	if (take_counts(x, json, "counts", pass->counts, 1, GRID_PLACES) != dims || json_array_size(bends) != (size_t)dims)
+		error_set(&x->e, RNEAGEN_READ, "%s: %s: a pass is not of %d rows of q", x->r.file, x->name, dims);
+	for (int k = 0; k < dims && !x->e.code; k++)
+		pass->bends[k] = read_number(&x->r, json_array_get(bends, (size_t)k), x->name, (double)INFINITY);
+}
+
+static void take_grid(struct row_check *x, const json_t *step)
+{
+	static const char *const keys[] = {"by", "rows", "whole", "passes", "counts", "low", "high", NULL};
+	struct grid_step *g = &x->certified.grid;
+	const json_t *passes;
+
+	if (read_keys(&x->r, step, x->name, keys))
+		return;
+	g->dim_count = take_counts(x, step, "rows", g->rows, 0, 1 << 20);
+	passes = read_member(&x->r, step, x->name, "passes", JSON_ARRAY);
+	g->whole = read_number(&x->r, json_object_get(step, "whole"), x->name, (double)INFINITY);
+	g->value.lo = read_number(&x->r, json_object_get(step, "low"), x->name, -(double)INFINITY);
+	g->value.hi = read_number(&x->r, json_object_get(step, "high"), x->name, (double)INFINITY);
+	g->pass_count = (int)json_array_size(passes);
+	if (!x->e.code && (take_counts(x, step, "counts", g->counts, 1, GRID_PLACES) != g->dim_count || g->pass_count > GRID_PASSES))
+		error_set(&x->e, RNEAGEN_READ, "%s: %s: a grid is not of %d rows of q and at most %d passes", x->r.file, x->name, g->dim_count, GRID_PASSES);
+	for (int i = 0; i < g->pass_count && !x->e.code; i++)
+		take_pass(x, json_array_get(passes, (size_t)i), &g->passes[i], g->dim_count);
+}
+
 static void take_bounds(struct row_check *x)
 {
 	const char *names[STEPS_PRECISIONS + 1] = {NULL};
@@ -101,29 +147,49 @@ static void take_output(struct row_check *x)
 
 /* ---- checking ---- */
 
+static void check_boxes(struct row_check *x, const json_t *step, enum step_kind kind)
+{
+	const struct boxes *b = &x->certified.steps[kind];
+	const char *what = "";
+	long fault;
+
+	take_boxes(x, step, kind);
+	if (x->e.code)
+		return;
+	fault = certificate_check_boxes(x->c, x->output, kind, b, &what);
+	if (fault >= 0 && (size_t)fault == b->count)
+		error_set(&x->e, RNEAGEN_READ, "%s: %s, step \"%s\": %s do not make a cover of all q by %zu boxes", x->r.file, x->name, STEP_NAMES[kind],
+			what, b->count);
+	else if (fault >= 0)
+		error_set(&x->e, RNEAGEN_READ, "%s: %s, step \"%s\", box %ld of %zu: %s goes further than what is stated", x->r.file, x->name,
+			STEP_NAMES[kind], fault + 1, b->count, what);
+}
+
+static void check_grid(struct row_check *x, const json_t *step)
+{
+	const char *fault;
+
+	take_grid(x, step);
+	if (x->e.code)
+		return;
+	fault = certificate_check_grid(x->c, x->output, &x->certified.grid);
+	if (fault)
+		error_set(&x->e, RNEAGEN_READ, "%s: %s, step \"grid\": its %s cannot be as they are stated", x->r.file, x->name, fault);
+}
+
 static void check_step(struct row_check *x, const json_t *step)
 {
-	const char *by = read_word(&x->r, step, x->name, "by"), *what = "";
-	const struct boxes *b;
+	const char *by = read_word(&x->r, step, x->name, "by");
 	int kind = 0;
-	long fault;
 
 	while (kind < STEP_COUNT && strcmp(by, STEP_NAMES[kind]) != 0)
 		kind++;
-	if (x->e.code || kind == STEP_COUNT || x->certified.steps[kind].count) {
+	if (x->e.code || kind == STEP_COUNT || (kind < BOX_STEPS ? x->certified.steps[kind].count : (size_t)x->certified.grid.dim_count))
 		error_set(&x->e, RNEAGEN_READ, "%s: %s: a step is \"%.40s\", which is not known or there twice", x->r.file, x->name, by);
-		return;
-	}
-	b = &x->certified.steps[kind];
-	take_boxes(x, step, (enum step_kind)kind);
-	if (x->e.code)
-		return;
-	fault = certificate_check_step(x->c, x->output, (enum step_kind)kind, b, &what);
-	if (fault >= 0 && (size_t)fault == b->count)
-		error_set(&x->e, RNEAGEN_READ, "%s: %s, step \"%s\": %s do not make a cover of all q by %zu boxes", x->r.file, x->name, by, what, b->count);
-	else if (fault >= 0)
-		error_set(&x->e, RNEAGEN_READ, "%s: %s, step \"%s\", box %ld of %zu: %s goes further than what is stated", x->r.file, x->name, by,
-			fault + 1, b->count, what);
+	else if (kind == STEP_GRID)
+		check_grid(x, step);
+	else
+		check_boxes(x, step, (enum step_kind)kind);
 }
 
 static void check_bound(struct row_check *x)
@@ -181,7 +247,7 @@ static enum rneagen_code gather(struct row_check *rows, size_t count, const stru
 			if (rows[k].output == rows[i].output)
 				return error_set(r->e, RNEAGEN_READ, "%s: %s is there twice", r->file, rows[i].name);
 		put_row(&rows[i], report);
-		for (int kind = 0; kind < STEP_COUNT; kind++)
+		for (int kind = 0; kind < BOX_STEPS; kind++)
 			boxes += rows[i].certified.steps[kind].count;
 	}
 	text_printf(report, "\n%s holds: %zu rows by %zu boxes.\n", r->file, count, boxes);
@@ -206,7 +272,7 @@ enum rneagen_code check_rows(
 		gather(rows, count, r, report);
 	}
 	for (size_t i = 0; rows && i < count; i++)
-		for (int kind = 0; kind < STEP_COUNT; kind++)
+		for (int kind = 0; kind < BOX_STEPS; kind++)
 			boxes_free(&rows[i].certified.steps[kind]);
 	free(rows);
 	workers_close(w);
