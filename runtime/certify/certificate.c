@@ -71,31 +71,28 @@ long certificate_check_boxes(const struct certificate *c, size_t output, enum st
 	return fault;
 }
 
-/* The output as polynomials, and its largest magnitude over all angles, by one box. 1; 0: memory ran out; -1: it is none. */
-static int stage_points(struct stage *s, const struct certificate *c, size_t output, struct points *p, double *whole)
+/* The output as polynomials, and how it bends. 1; 0: memory ran out; -1: it is none. */
+static int stage_points(struct stage *s, const struct certificate *c, size_t output, struct points *p, struct bends_start *start)
 {
-	int made = stage_open(s, c, output, STEP_VALUES) ? points_make(p, &c->a->dag, output, s->box.rows, s->box.position, &s->arena) : -1;
-	struct box_bound bound;
+	const struct dag *d = &c->a->dag;
+	int made;
 
-	if (made != 1)
-		return s->arena.failed ? 0 : made;
-	for (int k = 0; k < p->dim_count; k++)
-		if (p->dims[k].is_angle)
-			s->box.rows[s->box.position][p->dims[k].row] = (struct span){-4, 4};
-	errors_evaluate(&s->errors, s->box.rows, &bound);
-	*whole = span_size(bound.value);
-	return 1;
+	arena_init(&s->arena, NULL);
+	if (!asked_copy(&s->box, &c->box, d, &s->arena))
+		return 0;
+	made = points_make(p, d, output, s->box.rows, s->box.position, &s->arena);
+	return made == 1 && p->dim_count ? bends_find(start, p, d, output, s->box.rows, s->box.position) : made;
 }
 
 const char *certificate_check_grid(const struct certificate *c, size_t output, const struct grid_step *step)
 {
 	struct stage s;
 	struct points p;
-	double whole;
+	struct bends_start start;
 	const char *fault = "expressions";
 
-	if (stage_points(&s, c, output, &p, &whole) == 1)
-		fault = grid_check(step, &p, whole);
+	if (stage_points(&s, c, output, &p, &start) == 1)
+		fault = grid_check(step, &p, &start);
 	arena_free(&s.arena);
 	return fault;
 }
@@ -120,11 +117,11 @@ static int make_grid(const struct making *m, size_t output)
 	struct certified *row = &m->c->rows[output];
 	struct stage s;
 	struct points points;
-	double whole;
-	int made = stage_points(&s, m->c, output, &points, &whole);
+	struct bends_start start;
+	int made = stage_points(&s, m->c, output, &points, &start);
 
 	if (made == 1 && points.dim_count)
-		made = grid_find(&row->grid, &points, whole, fmax(fabs(p->low), fabs(p->high)), SHARES[STEP_GRID] * m->seconds);
+		made = grid_find(&row->grid, &points, &start, fmax(fabs(p->low), fabs(p->high)), SHARES[STEP_GRID] * m->seconds);
 	arena_free(&s.arena);
 	return made != 0;
 }

@@ -106,8 +106,6 @@ static void put_grid(const struct grid_step *g, struct text *out)
 {
 	text_printf(out, "{\"by\": \"%s\", ", STEP_NAMES[STEP_GRID]);
 	put_counts(out, "rows", g->rows, g->dim_count);
-	text_put(out, ", \"whole\": ");
-	put_number(out, g->whole);
 	text_put(out, ",\n        \"passes\": [");
 	for (int i = 0; i < g->pass_count; i++) {
 		text_put(out, i ? ",\n          {" : "\n          {");

@@ -201,6 +201,25 @@ static enum rneagen_code check_range(struct checking *x, const json_t *range, co
 	return RNEAGEN_OK;
 }
 
+/* Every input that is read has one. */
+static enum rneagen_code check_known(struct checking *x)
+{
+	const struct dag *d = &x->analysis.dag;
+	uint32_t *uses = arena_alloc(&x->arena, d->count, sizeof *uses);
+
+	if (!uses)
+		return error_memory(x->e);
+	dag_uses(d, uses);
+	for (size_t i = 0; i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+		const struct span *r = uses[i] && n->op == OP_INPUT ? &x->c.box.rows[n->arg[0].i][n->arg[1].i] : NULL;
+
+		if (r && !(r->lo <= r->hi))
+			return error_set(x->e, RNEAGEN_READ, "%s: no range is known of %s[%d]", x->in->file, d->arguments[n->arg[0].i].name, (int)n->arg[1].i);
+	}
+	return RNEAGEN_OK;
+}
+
 /* Each known range is stated once. */
 static enum rneagen_code check_ranges(struct checking *x)
 {
@@ -211,6 +230,8 @@ static enum rneagen_code check_ranges(struct checking *x)
 
 	if (!list || !certificate_ask(&x->c, &x->arena) || !asked_copy(&left, &x->c.box, d, &x->arena))
 		return list ? error_memory(x->e) : x->e->code;
+	if (check_known(x))
+		return x->e->code;
 	for (int i = 0; i < d->argument_count; i++)
 		for (int r = 0; left.rows[i] && r < d->arguments[i].rows; r++)
 			count += left.rows[i][r].lo <= left.rows[i][r].hi;

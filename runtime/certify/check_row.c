@@ -99,7 +99,7 @@ static void take_pass(struct row_check *x, const json_t *json, struct grid_pass 
 
 static void take_grid(struct row_check *x, const json_t *step)
 {
-	static const char *const keys[] = {"by", "rows", "whole", "passes", "counts", "low", "high", NULL};
+	static const char *const keys[] = {"by", "rows", "passes", "counts", "low", "high", NULL};
 	struct grid_step *g = &x->certified.grid;
 	const json_t *passes;
 
@@ -107,7 +107,6 @@ static void take_grid(struct row_check *x, const json_t *step)
 		return;
 	g->dim_count = take_counts(x, step, "rows", g->rows, 0, 1 << 20);
 	passes = read_member(&x->r, step, x->name, "passes", JSON_ARRAY);
-	g->whole = read_number(&x->r, json_object_get(step, "whole"), x->name, (double)INFINITY);
 	g->value.lo = read_number(&x->r, json_object_get(step, "low"), x->name, -(double)INFINITY);
 	g->value.hi = read_number(&x->r, json_object_get(step, "high"), x->name, (double)INFINITY);
 	g->pass_count = (int)json_array_size(passes);

@@ -7,6 +7,9 @@
 #define SUMMED (1 + 0x1p-30)
 #define MADE (1 + 0x1p-44)
 
+/* Far more than elements of rotations count that the generator takes for zero, or for equal, within the file's decimals. */
+#define REPLACED 0x1p-30
+
 static double size_of(const struct errors *x, struct operand p)
 {
 	return span_size(x->lengths.value[p.form]);
@@ -127,8 +130,12 @@ static double error_of(struct errors *x, const struct eval_model *m)
 
 void errors_evaluate(struct errors *x, struct span *const *rows, struct box_bound *bound)
 {
+	double more;
+
 	lengths_evaluate(&x->lengths, rows);
 	bound->value = span_signed(x->lengths.value[x->forms.root.form], x->forms.root.is_minus);
+	more = REPLACED * span_size(bound->value);
+	bound->value = (struct span){out_down(bound->value.lo - more), out_up(bound->value.hi + more)};
 	for (int k = 0; k < x->count; k++)
 		bound->errors[k] = error_of(x, &x->models[k]);
 }

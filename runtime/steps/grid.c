@@ -23,10 +23,10 @@ static double bend_of(const struct point_dim *k)
 	return k->degree < 2 || is_point(k) ? 0 : 4 / (half_of(k) * half_of(k)) * CLOSED;
 }
 
-void grid_begin(const struct points *p, double whole, double *bends)
+void grid_begin(const struct points *p, const struct bends_start *start, double *bends)
 {
 	for (int k = 0; k < p->dim_count; k++)
-		bends[k] = bend_of(&p->dims[k]) * whole * CLOSED;
+		bends[k] = fmin(start->bends[k], bend_of(&p->dims[k]) * start->whole * CLOSED);
 }
 
 /* ---- places ---- */
@@ -137,7 +137,7 @@ static double set_weights(const struct point_dim *k, int n, double *by)
 struct sweep {
 	const struct points *p;
 	int k;
-	double by[GRID_PLACES], *work, *line, *second; /* line: [place][coefficient] */
+	double by[GRID_PASS_PLACES], *work, *line, *second; /* line: [place][coefficient] */
 	double most;
 };
 

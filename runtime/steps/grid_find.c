@@ -26,7 +26,7 @@ static int choose_pass(const struct points *p, int *counts, const double *bends,
 
 		for (int k = 0; k < p->dim_count; k++) {
 			const struct point_dim *dim = &p->dims[k];
-			int least = 2 * dim->degree + 2, many = 2 * (int)(0.5 * fmin(64, scale * sqrt(bends[k] / found)));
+			int least = 2 * dim->degree + 2, many = 2 * (int)(0.5 * fmin(GRID_PASS_PLACES, scale * sqrt(bends[k] / found)));
 
 			now[k] = fewest(dim);
 			if (dim->is_angle && !(5 * dim->degree * dim->degree * bends[k] < 0.1 * found))
@@ -103,17 +103,17 @@ static int find_bends(struct grid_step *g, const struct points *p, double *bends
 	return 1;
 }
 
-int grid_find(struct grid_step *g, const struct points *p, double whole, double found, double seconds)
+int grid_find(struct grid_step *g, const struct points *p, const struct bends_start *start, double found, double seconds)
 {
-	double bends[POINT_DIMS] = {0}, start = seconds_now(), speed;
+	double bends[POINT_DIMS] = {0}, begun = seconds_now(), speed;
 
-	*g = (struct grid_step){.whole = whole * STATED};
-	grid_begin(p, g->whole, bends);
-	if (!(found > 0) || !isfinite(whole))
+	*g = (struct grid_step){.dim_count = 0};
+	grid_begin(p, start, bends);
+	if (!(found > 0) || !isfinite(start->whole))
 		return 1;
 	if (!find_bends(g, p, bends, found, seconds, &speed))
 		return 0;
-	if (!choose_cover(p, g->counts, bends, fmin(GRID_POINTS, fmax(FIRST_POINTS, 0.8 * speed * (seconds - (seconds_now() - start))))))
+	if (!choose_cover(p, g->counts, bends, fmin(GRID_POINTS, fmax(FIRST_POINTS, 0.8 * speed * (seconds - (seconds_now() - begun))))))
 		return 1;
 	if (!grid_cover(p, g->counts, bends, &g->value))
 		return 0;
@@ -132,15 +132,15 @@ static int are_counts(const struct points *p, const int *counts, int is_pass)
 {
 	for (int k = 0; k < p->dim_count; k++) {
 		const struct point_dim *dim = &p->dims[k];
-		int least = is_pass ? fewest(dim) : dim->range.lo == dim->range.hi ? 1 : 2;
+		int least = is_pass ? fewest(dim) : dim->range.lo == dim->range.hi ? 1 : 2, most = is_pass ? GRID_PASS_PLACES : GRID_PLACES;
 
-		if (counts[k] < least || counts[k] > GRID_PLACES || (is_pass && !dim->is_angle && counts[k] != least))
+		if (counts[k] < least || counts[k] > most || (is_pass && !dim->is_angle && counts[k] != least))
 			return 0;
 	}
 	return is_pass ? grid_pass_size(p, counts) <= GRID_POINTS : grid_cover_size(p, counts) <= GRID_POINTS;
 }
 
-const char *grid_check(const struct grid_step *g, const struct points *p, double whole)
+const char *grid_check(const struct grid_step *g, const struct points *p, const struct bends_start *start)
 {
 	double bends[POINT_DIMS];
 	struct span value;
@@ -150,9 +150,7 @@ const char *grid_check(const struct grid_step *g, const struct points *p, double
 	for (int k = 0; k < p->dim_count; k++)
 		if (g->rows[k] != p->dims[k].row)
 			return "rows";
-	if (!(g->whole >= whole))
-		return "whole";
-	grid_begin(p, g->whole, bends);
+	grid_begin(p, start, bends);
 	for (int i = 0; i < g->pass_count; i++) {
 		if (!are_counts(p, g->passes[i].counts, 1))
 			return "counts of a pass";

@@ -189,13 +189,19 @@ static struct span square(struct span a)
 	return (struct span){fmax(s.lo, 0), s.hi};
 }
 
+/* Of an input that has no range nothing is known. */
+static struct span input_of(struct span r)
+{
+	return r.lo <= r.hi ? r : (struct span){-(double)INFINITY, (double)INFINITY};
+}
+
 static struct span evaluate(const struct lengths *x, const struct form *f, struct span *const *rows)
 {
 	switch (f->kind) {
 	case FORM_CONST:
 		return f->constant;
 	case FORM_INPUT:
-		return rows[f->argument][f->row];
+		return input_of(rows[f->argument][f->row]);
 	case FORM_SINE:
 		return span_sin(of_operand(x, f->a));
 	case FORM_COSINE:

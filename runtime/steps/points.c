@@ -11,39 +11,58 @@ typedef double vector __attribute__((vector_size(POINT_VECTOR * sizeof(double)))
 #define CLONES
 #endif
 
-static double narrow_step(const struct point_step *s, const double *v)
+#define OF_EACH(value)                                                                                                 \
+	for (size_t i = 0; i < n; i++)                                                                                 \
+		to[i] = value;                                                                                         \
+	break
+
+/* Narrow values have one lane, in `narrow`. */
+static inline void run_narrow(const struct point_step *s, double *v)
 {
-	double a = v[s->arg[0]], b = v[s->arg[1]];
+	const size_t n = 1;
+	double *to = v + s->to;
+	const double *a = v + s->arg[0], *b = v + s->arg[1], *c = v + s->arg[2];
 
 	switch (s->op) {
 	case OP_NEG:
-		return -a;
+		OF_EACH(-a[i]);
 	case OP_ADD:
-		return a + b;
+		OF_EACH(a[i] + b[i]);
 	case OP_SUB:
-		return a - b;
+		OF_EACH(a[i] - b[i]);
 	case OP_MUL:
-		return a * b;
-	case OP_FMA:
-		return a * b + v[s->arg[2]];
+		OF_EACH(a[i] * b[i]);
 	default:
-		return a;
+		OF_EACH(a[i] * b[i] + c[i]);
 	}
 }
 
 CLONES static void run(const struct points *p, double *narrow, vector *wide)
 {
-	size_t n = p->lanes / POINT_VECTOR;
+	const size_t n = p->lanes / POINT_VECTOR;
 
 	for (const struct point_step *s = p->steps; s < p->steps + p->step_count; s++) {
 		vector *to = wide + s->to * n;
 		const vector *a = wide + s->arg[0] * n, *b = wide + s->arg[1] * n, *c = wide + s->arg[2] * n;
 
-		if (!s->is_wide)
-			narrow[s->to] = narrow_step(s, narrow);
-		for (size_t i = 0; i < n && s->is_wide; i++)
-			to[i] = s->op == OP_NEG ? -a[i] : s->op == OP_ADD ? a[i] + b[i] : s->op == OP_SUB ? a[i] - b[i] : s->op == OP_MUL ? a[i] * b[i] :
-				s->op == OP_FMA ? a[i] * b[i] + c[i] : narrow[s->arg[0]] + (vector){0};
+		if (!s->is_wide) {
+			run_narrow(s, narrow);
+			continue;
+		}
+		switch (s->op) {
+		case OP_NEG:
+			OF_EACH(-a[i]);
+		case OP_ADD:
+			OF_EACH(a[i] + b[i]);
+		case OP_SUB:
+			OF_EACH(a[i] - b[i]);
+		case OP_MUL:
+			OF_EACH(a[i] * b[i]);
+		case OP_FMA:
+			OF_EACH(a[i] * b[i] + c[i]);
+		default:
+			OF_EACH(narrow[s->arg[0]] + (vector){0});
+		}
 	}
 }
 
@@ -101,46 +120,61 @@ static double reach(struct span r)
    c v^2 <= c (2 t v - t^2). What is left is convex in each rate, so it is largest at a corner. */
 struct corners {
 	double linear[POINT_INPUTS], pair[POINT_INPUTS][POINT_INPUTS], constant;
+	double lo[POINT_INPUTS], hi[POINT_INPUTS], most;
+	int n;
 };
 
 static void set_corners(struct corners *s, const struct points *p, const double *c, int sign)
 {
+	int is_even = 1;
+
 	s->constant = 0;
-	for (int j = 0; j < p->rate_count; j++) {
+	s->n = p->rate_count;
+	for (int j = 0; j < s->n; j++) {
 		struct span r = p->rates[j].range;
 		double least = r.lo > 0 ? r.lo : r.hi < 0 ? r.hi : 0, square = sign * c[points_pair(p, j, j)];
 
+		s->lo[j] = r.lo;
+		s->hi[j] = r.hi;
 		s->linear[j] = sign * c[1 + p->drive_count + j] + (square < 0 ? 2 * square * least : 0);
 		s->constant -= square < 0 ? square * least * least : 0;
 		s->pair[j][j] = square < 0 ? 0 : square;
-		for (int k = j + 1; k < p->rate_count; k++)
+		for (int k = j + 1; k < s->n; k++)
 			s->pair[j][k] = sign * c[points_pair(p, j, k)];
+		is_even &= s->linear[j] == 0 && r.lo == -r.hi;
+	}
+	if (is_even && s->n) /* v and -v are as good */
+		s->lo[0] = s->hi[0];
+}
+
+/* With the rates from j on at all their ends: slope is what the ones before add to their coefficients. */
+static void walk(struct corners *s, int j, double value, const double *slope)
+{
+	double next[POINT_INPUTS];
+
+	if (j == s->n) {
+		s->most = value > s->most ? value : s->most;
+		return;
+	}
+	for (int end = s->lo[j] < s->hi[j] ? 0 : 1; end < 2; end++) {
+		double v = end ? s->hi[j] : s->lo[j];
+
+		for (int k = j + 1; k < s->n; k++)
+			next[k] = slope[k] + s->pair[j][k] * v;
+		walk(s, j + 1, value + v * (slope[j] + s->pair[j][j] * v), next);
 	}
 }
 
-/* With the rates from j on at all their ends; v has those before. */
-static double most_of(const struct corners *s, const struct points *p, double *v, int j, double value)
+static double most_of(struct corners *s)
 {
-	double most = -(double)INFINITY;
-
-	if (j == p->rate_count)
-		return value;
-	for (int end = 0; end < 2; end++) {
-		double slope = s->linear[j];
-
-		v[j] = end ? p->rates[j].range.hi : p->rates[j].range.lo;
-		for (int k = 0; k < j; k++)
-			slope += s->pair[k][j] * v[k];
-		most = fmax(most, most_of(s, p, v, j + 1, value + v[j] * (slope + s->pair[j][j] * v[j])));
-		if (p->rates[j].range.lo == p->rates[j].range.hi)
-			break;
-	}
-	return most;
+	s->most = -(double)INFINITY;
+	walk(s, 0, s->constant, s->linear);
+	return s->most;
 }
 
 double points_above(const struct points *p, const double *c, int sign, double floor)
 {
-	double drives = sign * c[0], size = fabs(c[0]), rates = 0, v[POINT_INPUTS];
+	double drives = sign * c[0], size = fabs(c[0]), rates = 0;
 	struct corners s;
 
 	for (int i = 0; i < p->drive_count; i++) {
@@ -161,5 +195,5 @@ double points_above(const struct points *p, const double *c, int sign, double fl
 	if (drives + rates + size <= floor)
 		return drives + rates + size;
 	set_corners(&s, p, c, sign);
-	return fmin(drives + rates, drives + s.constant + most_of(&s, p, v, 0, 0)) + size;
+	return fmin(drives + rates, drives + most_of(&s)) + size;
 }
