@@ -148,29 +148,30 @@ static double bound_there(struct staged *x, size_t output, const struct eval_mod
 /* How many of the drawn states break what is said of a part of the box. */
 static int broken_box(struct staged *x, size_t output, struct rng *r, double wider)
 {
+	static const enum rneagen_precision precisions[] = {RNEAGEN_F32, RNEAGEN_F64, RNEAGEN_MIXED, RNEAGEN_F32X2};
 	struct rneagen_options o = x->robot.options;
-	struct eval_model models[2];
+	struct eval_model models[4];
 	struct errors errors;
 	struct box_bound bound;
 	struct arena arena;
 	int broken = 0;
 
 	arena_init(&arena, NULL);
-	for (int k = 0; k < 2; k++) {
-		o.precision = k ? RNEAGEN_F64 : RNEAGEN_F32;
+	for (int k = 0; k < 4; k++) {
+		o.precision = precisions[k];
 		models[k] = eval_model_of(&o, 0);
 	}
-	ck_assert(errors_make(&errors, &x->robot.analysis.dag, output, models, 2, &arena));
+	ck_assert(errors_make(&errors, &x->robot.analysis.dag, output, models, 4, &arena));
 	errors_evaluate(&errors, x->rows, &bound);
 	for (int i = 0; i < STATES; i++) {
 		double value;
 
-		robot_box_draw(&x->robot, r, i % 2, wider);
+		robot_box_draw(&x->robot, r, i % 2 == 0, wider);
 		robot_box_evaluate(&x->robot);
 		value = robot_box_value(&x->robot, output);
 		broken += !(value >= bound.value.lo && value <= bound.value.hi);
-		broken += !(robot_box_error(&x->robot, output, i % 2) <= bound.errors[i % 2 ? 0 : 1]);
-		broken += !(bound_there(x, output, &models[i % 2 ? 0 : 1]) <= 1.002 * bound.errors[i % 2 ? 0 : 1]);
+		broken += i % 4 < 2 && !(robot_box_error(&x->robot, output, i % 2 == 0) <= bound.errors[i % 2]);
+		broken += !(bound_there(x, output, &models[i % 4]) <= 1.002 * bound.errors[i % 4]);
 	}
 	arena_free(&arena);
 	return broken;
