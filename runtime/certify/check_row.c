@@ -160,7 +160,7 @@ static void check_boxes(struct row_check *x, const json_t *step, enum step_kind 
 		error_set(&x->e, RNEAGEN_READ, "%s: %s, step \"%s\": %s do not make a cover of all q by %zu boxes", x->r.file, x->name, STEP_NAMES[kind],
 			what, b->count);
 	else if (fault >= 0)
-		error_set(&x->e, RNEAGEN_READ, "%s: %s, step \"%s\", box %ld of %zu: %s goes further than what is stated", x->r.file, x->name,
+		error_set(&x->e, RNEAGEN_READ, "%s: %s, step \"%s\", box %ld of %zu: %s is not what is stated", x->r.file, x->name,
 			STEP_NAMES[kind], fault + 1, b->count, what);
 }
 
@@ -194,13 +194,13 @@ static void check_step(struct row_check *x, const json_t *step)
 static void check_bound(struct row_check *x)
 {
 	struct box_bound own = certified_total(&x->certified, x->c->precision_count), *stated = &x->certified.bound;
-	const char *what = !(stated->value.lo <= own.value.lo) ? "\"low\"" : !(stated->value.hi >= own.value.hi) ? "\"high\"" : NULL;
+	const char *what = stated->value.lo != own.value.lo ? "\"low\"" : stated->value.hi != own.value.hi ? "\"high\"" : NULL;
 
 	for (int k = 0; k < x->c->precision_count && !what; k++)
-		if (!(stated->errors[k] >= own.errors[k]))
+		if (stated->errors[k] != own.errors[k])
 			what = emit_precision_name(x->c->precisions[k]);
 	if (what)
-		error_set(&x->e, RNEAGEN_READ, "%s: %s: its steps do not give the bound that is stated: %s", x->r.file, x->name, what);
+		error_set(&x->e, RNEAGEN_READ, "%s: %s: its steps do not give the bound that is stated, but another: %s", x->r.file, x->name, what);
 }
 
 static void check_row(void *job, size_t i)

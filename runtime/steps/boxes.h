@@ -28,7 +28,7 @@ struct boxes_goal {
 };
 int boxes_find(struct boxes *b, const struct boxes_of *of, const struct cuts *proof, const struct boxes_goal *goal);
 
-/* Is everything as it says? -1: it is; the number of the box where it is not, and in *what which number. b->count: the cuts are no cover
+/* Does everything follow as it is stated? -1: it is; the number of the box where it is not, and in *what which number. b->count: the cuts are no cover
    of that many boxes, or memory ran out. */
 long boxes_check(const struct boxes *b, const struct boxes_of *of, const char **what);
 

@@ -157,7 +157,7 @@ const char *grid_check(const struct grid_step *g, const struct points *p, const 
 		if (!grid_pass(p, g->passes[i].counts, bends))
 			return "memory";
 		for (int k = 0; k < p->dim_count; k++)
-			if (!(g->passes[i].bends[k] >= bends[k]))
+			if (!states(g->passes[i].bends[k], bends[k]))
 				return "bends";
 		memcpy(bends, g->passes[i].bends, sizeof bends);
 	}
@@ -165,5 +165,5 @@ const char *grid_check(const struct grid_step *g, const struct points *p, const 
 		return "counts";
 	if (!grid_cover(p, g->counts, bends, &value))
 		return "memory";
-	return g->value.lo <= value.lo && g->value.hi >= value.hi ? NULL : g->value.lo <= value.lo ? "high" : "low";
+	return !states(-g->value.lo, -value.lo) ? "low" : !states(g->value.hi, value.hi) ? "high" : NULL;
 }

@@ -64,6 +64,12 @@ static inline double span_size(struct span a)
 	return size >= 0 ? size : (double)INFINITY; /* NaN */
 }
 
+/* Is a stated upper bound no less than the one that follows, and hardly more? Who writes it down adds far less. */
+static inline int states(double stated, double follows)
+{
+	return stated >= follows && (stated <= follows + 0x1p-20 * fabs(follows) + DBL_MIN || follows == (double)INFINITY);
+}
+
 /* Of all angles in a span. */
 struct span span_sin(struct span a);
 struct span span_cos(struct span a);
