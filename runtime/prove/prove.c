@@ -235,6 +235,7 @@ static enum rneagen_code prove_all(struct proving *p, struct proof *proof)
 	if (!proof->rows || !p->found || !p->effort.workers || !make_states(p))
 		return error_memory(p->e);
 	p->effort.threads = workers_limit(p->effort.workers);
+	p->effort.record = p->o->record;
 	p->effort.deadline = p->start + 1.2 * p->o->seconds;
 	set_models(p);
 	if (seek_all(p))

@@ -13,6 +13,7 @@ struct prove_options {
 	int precision_count;
 	double seconds; /* for all of it, proof and search */
 	unsigned threads; /* 0: one for each processor */
+	struct record *record; /* what a certificate needs to know, for the DAG's outputs; NULL: nothing */
 	double start;   /* since when the seconds count, as seconds_now has it; 0: since prove is called */
 };
 

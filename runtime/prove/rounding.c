@@ -159,6 +159,7 @@ struct job {
 	const struct eval_model *models;
 	int count, failed;
 	double seconds, deadline; /* of one output; of all */
+	struct record *record;
 };
 
 /* Rows of q that the output depends on and that have room. */
@@ -264,6 +265,8 @@ static void hunt_output(void *job, size_t output)
 		take(&h, &j->rows[output]);
 	else
 		j->failed = 1;
+	if (!j->failed && j->record)
+		j->failed |= !split_cuts(&h.split, &root, h.dims, j->record->q_rows, &j->record->outputs[output].errors);
 	split_free(&h.split);
 	arena_free(&h.arena);
 }
@@ -286,7 +289,7 @@ int rounding_find(struct prove_row *rows, const struct relaxed *r, const struct 
 {
 	size_t outputs = r->view.dag.output_count, rounds = (outputs + x->threads - 1) / x->threads;
 	struct job j = {.rows = rows, .r = r, .b = b, .models = models, .count = count, .seconds = seconds / (double)(rounds ? rounds : 1),
-		.deadline = x->deadline};
+		.deadline = x->deadline, .record = x->record};
 
 	arena_init(&j.arena, NULL);
 	if (begin(&j))

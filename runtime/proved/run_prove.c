@@ -2,7 +2,9 @@
 #define _POSIX_C_SOURCE 200809L
 #include "proved/run_prove.h"
 #include "proved/envelope.h"
+#include "proved/write_certificate.h"
 #include "core/seconds.h"
+#include "steps/cuts.h"
 #include "rnearun/command.h"
 #include "rnearun/gnuplot.h"
 #include <math.h>
@@ -22,6 +24,8 @@ static const char HELP[] =
 	"  --format text|json         (default text)\n"
 	"  --envelope FILE            for sizing actuators, as CSV: the range of each joint's torque beside its limit of effort\n"
 	"  --picture FILE             the same drawn, as SVG, by gnuplot\n"
+	"  --certificate FILE         bounds and the steps that they follow from, for rnearun check-certificate; it takes a third of\n"
+	"                             the time\n"
 	"  --precision f32|f64|mixed|f32x2\n"
 	"                             several, by commas (default f32,f64)\n"
 	"  --trig accurate|bounded|fast\n"
@@ -29,18 +33,20 @@ static const char HELP[] =
 	"\n"
 	"exit status: 0 done, 1 the robot or a file is at fault, 2 the command line is, or a range is missing\n";
 
-enum { KEY_PRECISION = COMMAND_OWN, KEY_SECONDS, KEY_FORMAT, KEY_ENVELOPE, KEY_PICTURE };
+enum { KEY_PRECISION = COMMAND_OWN, KEY_SECONDS, KEY_FORMAT, KEY_ENVELOPE, KEY_PICTURE, KEY_CERTIFICATE };
 enum format { FORMAT_TEXT, FORMAT_JSON };
 
 static const struct option OPTIONS[] = {{"precision", required_argument, NULL, KEY_PRECISION},
 	{"seconds", required_argument, NULL, KEY_SECONDS}, {"format", required_argument, NULL, KEY_FORMAT},
-	{"envelope", required_argument, NULL, KEY_ENVELOPE}, {"picture", required_argument, NULL, KEY_PICTURE}, COMMAND_MODEL_OPTIONS, {NULL, 0, NULL, 0}};
+	{"envelope", required_argument, NULL, KEY_ENVELOPE}, {"picture", required_argument, NULL, KEY_PICTURE},
+	{"certificate", required_argument, NULL, KEY_CERTIFICATE},
+	COMMAND_MODEL_OPTIONS, {NULL, 0, NULL, 0}};
 
 struct proving {
 	struct command command;
 	struct prove_options options;
 	int format;
-	const char *envelope, *picture; /* files; NULL: not asked for */
+	const char *envelope, *picture, *certificate; /* files; NULL: not asked for */
 	struct file_content urdf;
 	struct analysis analysis;
 	struct arena arena;
@@ -96,6 +102,10 @@ static int take(void *own, const char *name, int key, const char *word)
 
 	if (key == KEY_PRECISION)
 		return take_precisions(p, name, word);
+	if (key == KEY_CERTIFICATE)
+		p->certificate = word;
+	if (key == KEY_CERTIFICATE)
+		return *word && strcmp(word, "-") ? 0 : option_refuse(name, "--certificate takes the name of a file");
 	if (key == KEY_FORMAT)
 		return option_choose(name, "format", word, formats, &p->format);
 	if (key == KEY_ENVELOPE || key == KEY_PICTURE)
@@ -153,6 +163,28 @@ static int print(const struct proving *p, const struct proved *x)
 	return status;
 }
 
+/* A certificate takes a share of the time. */
+#define SHARE_CERTIFICATE 0.33
+
+static void prove_and_certify(struct proving *p, struct proof *proof, const struct box *box, struct progress *progress, struct rneagen_error *e)
+{
+	struct prove_options o = p->options;
+	struct record record;
+	int position = dag_find_role(&p->analysis.dag, ROLE_JOINT_POSITION, 0);
+
+	if (!p->certificate) {
+		prove(proof, &p->analysis, box, &o, progress, e);
+		return;
+	}
+	if (!record_make(&record, p->analysis.dag.output_count, position < 0 ? 0 : p->analysis.dag.arguments[position].rows))
+		error_memory(e);
+	o.record = &record;
+	o.seconds *= 1 - SHARE_CERTIFICATE;
+	if (!e->code && !prove(proof, &p->analysis, box, &o, progress, e))
+		write_certificate(p->certificate, proof, &p->analysis, &o, SHARE_CERTIFICATE * p->options.seconds, e);
+	record_free(&record);
+}
+
 static int prove_robot(struct proving *p)
 {
 	struct rneagen_error e = {0};
@@ -168,7 +200,7 @@ static int prove_robot(struct proving *p)
 	if (e.code || box_make(&box, &p->analysis, &p->arena, &e))
 		return fail(p, &e);
 	progress_start(&progress, p->command.name, "seconds", (uint64_t)ceil(p->options.seconds), p->command.quiet);
-	prove(&proof, &p->analysis, &box, &p->options, &progress, &e);
+	prove_and_certify(p, &proof, &box, &progress, &e);
 	progress_end(&progress);
 	status = e.code ? fail(p, &e) : print(p, &(struct proved){&p->analysis, &box, &p->options, &proof});
 	free(proof.rows);
@@ -201,6 +233,8 @@ int run_prove(struct ranks *ranks, int argc, char **argv)
 		status = command_note(&p.command, &p.command.written, "--envelope", p.envelope);
 	if (status < 0 && p.picture)
 		status = command_note(&p.command, &p.command.written, "--picture", p.picture);
+	if (status < 0 && p.certificate)
+		status = command_note(&p.command, &p.command.written, "--certificate", p.certificate);
 	if (status < 0)
 		status = command_check_files(&p.command);
 	if (status < 0) {

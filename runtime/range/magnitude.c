@@ -25,6 +25,7 @@ struct job {
 	const struct box *b;
 	int is_whole, failed;
 	double seconds, deadline;
+	struct record *record;
 };
 
 /* One output. */
@@ -62,6 +63,15 @@ static int values_make(struct values *v, const struct job *j, size_t output)
 	return norms_values_make(&v->values, &v->norms, &v->arena) && box_copy(v->rows, j->b, d, &v->arena);
 }
 
+static int record_cuts(const struct job *j, size_t output, const struct split *s, const struct leaf *root)
+{
+	int rows[SPLIT_DIMS];
+
+	for (int k = 0; k < s->dim_count; k++)
+		rows[k] = j->f->dims[k].row;
+	return split_cuts(s, root, rows, j->record->q_rows, &j->record->outputs[j->f->outputs[output]].values);
+}
+
 static void find(void *job, size_t output)
 {
 	struct job *j = job;
@@ -80,6 +90,8 @@ static void find(void *job, size_t output)
 		split_total(&s, sizes, &j->ranges[output]);
 	else
 		j->failed = 1;
+	if (!j->failed && j->record)
+		j->failed |= !record_cuts(j, output, &s, &root);
 	split_free(&s);
 	arena_free(&v.arena);
 }
@@ -88,7 +100,8 @@ int magnitude_find(struct interval *ranges, const struct field *f, const struct 
 	double seconds)
 {
 	size_t outputs = (size_t)f->output_count, rounds = (outputs + x->threads - 1) / x->threads;
-	struct job j = {ranges, f, b, is_whole, 0, seconds / (double)(rounds ? rounds : 1), x->deadline};
+	struct job j = {ranges, f, b, is_whole, 0, seconds / (double)(rounds ? rounds : 1), x->deadline,
+		is_whole ? NULL : x->record};
 
 	workers_run(x->workers, x->threads, find, &j, outputs);
 	return !j.failed;

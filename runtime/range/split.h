@@ -2,6 +2,7 @@
 #define RUNTIME_RANGE_SPLIT_H
 /* Branch and bound: a box of q is cut into smaller ones, always the one with the largest bound. */
 
+#include "steps/cuts.h"
 #include "norms/interval.h"
 #include <stddef.h>
 
@@ -29,6 +30,9 @@ int split_run(struct split *s, struct leaf *root, double deadline);
 
 /* What holds for the whole box. */
 void split_total(const struct split *s, double sizes[SPLIT_SIZES], struct interval *value);
+
+/* The boxes that are left, as cuts of the whole box in root->q by rows[dimension] of q, those below q_rows alone. Returns 0 when memory runs out. */
+int split_cuts(const struct split *s, const struct leaf *root, const int *rows, int q_rows, struct cuts *cuts);
 
 void split_free(struct split *s);
 

@@ -143,7 +143,7 @@ double robot_box_error(struct robot_box *x, size_t output, int is_float)
 
 struct effort robot_box_effort(void)
 {
-	struct effort e = {workers_open(2), 2, (double)INFINITY};
+	struct effort e = {workers_open(2), 2, (double)INFINITY, NULL};
 
 	ck_assert_ptr_nonnull(e.workers);
 	return e;
