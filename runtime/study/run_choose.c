@@ -196,7 +196,9 @@ static void put_command(const struct choosing *c, const struct study_row *r, con
 {
 	struct rneagen_options o = study_generate(&c->study, r);
 	const struct analysis *a = &c->study.analysis;
+	struct adjust adjust = a->adjust;
 
+	adjust.has_angles = adjust.has_angles && r->trig == RNEAGEN_BOUNDED;
 	text_put(out, "rneagen ");
 	text_put_shell(out, c->command.urdf);
 	emit_options(&o, out);
@@ -205,7 +207,7 @@ static void put_command(const struct choosing *c, const struct study_row *r, con
 		text_put_shell(out, o.order);
 	}
 	for (int i = 0; i < a->scene.line_count; i++)
-		if (adjust_matters(&a->adjust, &a->scene, i)) {
+		if (adjust_matters(&adjust, &a->scene, i)) {
 			text_putc(out, ' ');
 			scene_put_option(&a->scene.lines[i], out);
 		}
