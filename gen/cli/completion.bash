@@ -85,7 +85,7 @@ _rnearun_model="--threads --precision --strict --trig --base --gravity --mimic -
 _rnearun_common="--backend --device $_rnearun_model"
 _rnearun_study="--layout --samples --seed --qd-range --qdd-range --batch $_rnearun_common"
 _rnearun_report="--format --plot $_rnearun_study"
-_rnearun_choose="--max-error --measured $_rnearun_study"
+_rnearun_choose="--max-error --measured --proved --seconds $_rnearun_study"
 _rnearun_prove="--seconds --format --envelope --picture $_rnearun_model"
 _rnearun_eval="--in --q --qd --qdd --input -o --out --output --slice --resume $_rnearun_common"
 
