@@ -36,7 +36,6 @@ static void fixture_open(struct fixture *x, const char *urdf, enum rneagen_preci
 	*x = (struct fixture){0};
 	o.target = RNEAGEN_TARGET_C;
 	o.precision = precision;
-	o.trig = RNEAGEN_ACCURATE;
 	o.bounded = 1;
 	target_open(&x->target, urdf, strlen(urdf), &o, &compiler, "decimals");
 	snprintf(name, sizeof name, "%s_rnea_bounded", x->target.text.name);
