@@ -78,7 +78,7 @@ void composite_add_still(
 	struct svec h = joint_to_parent(d, child, at, c->p.h), p = at->p;
 	struct smat I = rigid_body_inertia_matrix(&c->p);
 
-	I = joint_turn_symmetric(d, child, at, &I);
+	I = joint_turn(d, child, at, &I);
 	add_inertia(d, &parent->p, &I, c->p.mass, h, p);
 	parent->p.h = svec_add(d, parent->p.h, svec_add(d, h, svec_scale(d, c->p.mass, p)));
 	parent->p.mass = dag_add(d, parent->p.mass, c->p.mass);
