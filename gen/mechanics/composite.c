@@ -27,32 +27,45 @@ void composite_add_body(struct dag *d, struct composite *to, const struct parame
 	to->p.mass = dag_add(d, to->p.mass, p->mass);
 }
 
+/* What each diagonal element takes of three terms: all but its own. */
+static struct ref others(struct dag *d, const struct ref *terms, int i)
+{
+	return dag_add(d, terms[(i + 1) % 3], terms[(i + 2) % 3]);
+}
+
 /* I' = A I A^T + 2 p.w 1 - w p^T - p w^T with w = A h + m p/2 */
 static void add_inertia(struct dag *d, struct parameters *to, const struct smat *I, struct ref mass, struct svec h, struct svec p)
 {
 	struct svec w = svec_add(d, h, svec_scale(d, dag_mul(d, dag_const(d, 0.5L), mass), p));
-	struct ref twice = dag_mul(d, dag_const(d, 2), svec_dot(d, p, w));
+	struct svec twice = svec_scale(d, dag_const(d, 2), p);
+	struct ref terms[3];
 
 	for (int i = 0; i < 3; i++)
+		terms[i] = dag_mul(d, twice.x[i], w.x[i]);
+	for (int i = 0; i < 3; i++)
 		for (int j = i; j < 3; j++) {
-			int at = inertia_index(i, j);
-			struct ref e = dag_sub(d, I->m[i][j], dag_add(d, dag_mul(d, w.x[i], p.x[j]), dag_mul(d, p.x[i], w.x[j])));
+			struct ref *e = &to->I[inertia_index(i, j)];
+			struct ref more = i == j ? others(d, terms, i) : dag_neg(d, dag_add(d, dag_mul(d, w.x[i], p.x[j]), dag_mul(d, p.x[i], w.x[j])));
 
-			to->I[at] = dag_add(d, to->I[at], i == j ? dag_add(d, e, twice) : e);
+			*e = dag_add(d, *e, dag_add(d, I->m[i][j], more));
 		}
 }
 
 /* K' = A K A^T + (h.p' + p.X) 1 - p' h^T - X p^T with X = P + m p', h and P turned */
 static void add_rate(struct dag *d, struct smat *to, const struct smat *K, struct svec h, struct svec X, struct svec p, struct svec rate)
 {
-	struct ref both = dag_add(d, svec_dot(d, h, rate), svec_dot(d, p, X));
+	struct ref outer[3][3], terms[3];
 
 	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++)
+			outer[i][j] = dag_add(d, dag_mul(d, rate.x[i], h.x[j]), dag_mul(d, X.x[i], p.x[j]));
+	for (int i = 0; i < 3; i++)
+		terms[i] = outer[i][i];
+	for (int i = 0; i < 3; i++)
 		for (int j = 0; j < 3; j++) {
-			struct ref outer = dag_add(d, dag_mul(d, rate.x[i], h.x[j]), dag_mul(d, X.x[i], p.x[j]));
-			struct ref e = dag_sub(d, K->m[i][j], outer);
+			struct ref more = i == j ? others(d, terms, i) : dag_neg(d, outer[i][j]);
 
-			to->m[i][j] = dag_add(d, to->m[i][j], i == j ? dag_add(d, e, both) : e);
+			to->m[i][j] = dag_add(d, to->m[i][j], dag_add(d, K->m[i][j], more));
 		}
 }
 
