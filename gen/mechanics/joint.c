@@ -273,16 +273,23 @@ static struct smat turn_constant(struct dag *d, const struct smat *A, const stru
 	return out;
 }
 
-/* About the axis i, with x = s (T_jj - T_kk) + c (T_jk + T_kj): T_jj - s x, T_kk + s x, c x - T_kj, c x - T_jk; the others turn
-   as vectors. */
-static struct smat turn_about(struct dag *d, int i, struct ref s, struct ref c, const struct smat *T)
+static struct ref spread(struct dag *d, int i, const struct smat *T)
 {
 	int j = (i + 1) % 3, k = (i + 2) % 3;
-	struct svec row = svec_turn(d, i, s, c, (struct svec){{T->m[i][0], T->m[i][1], T->m[i][2]}});
-	struct svec column = svec_turn(d, i, s, c, (struct svec){{T->m[0][i], T->m[1][i], T->m[2][i]}});
+
+	return dag_sub(d, T->m[j][j], T->m[k][k]);
+}
+
+/* About the axis i, with x = s (T_jj - T_kk) + c (T_jk + T_kj): T_jj - s x, T_kk + s x, c x - T_kj, c x - T_jk; the others turn
+   as vectors. */
+static struct smat turn_about(struct dag *d, int i, const struct joint_pose *at, const struct smat *T, struct ref spread)
+{
+	int j = (i + 1) % 3, k = (i + 2) % 3;
+	struct svec row = svec_turn(d, i, at->s, at->c, (struct svec){{T->m[i][0], T->m[i][1], T->m[i][2]}});
+	struct svec column = svec_turn(d, i, at->s, at->c, (struct svec){{T->m[0][i], T->m[1][i], T->m[2][i]}});
 	struct ref across = T->m[j][k].i == T->m[k][j].i ? dag_mul(d, dag_const(d, 2), T->m[j][k]) : dag_add(d, T->m[j][k], T->m[k][j]);
-	struct ref x = dag_add(d, dag_mul(d, s, dag_sub(d, T->m[j][j], T->m[k][k])), dag_mul(d, c, across));
-	struct ref sx = dag_mul(d, s, x), cx = dag_mul(d, c, x);
+	struct ref x = dag_add(d, dag_mul(d, at->s, spread), dag_mul(d, at->c, across));
+	struct ref sx = dag_mul(d, at->s, x), cx = dag_mul(d, at->c, x);
 	struct smat out = *T;
 
 	out.m[j][j] = dag_sub(d, T->m[j][j], sx);
@@ -303,8 +310,41 @@ struct smat joint_turn(struct dag *d, const struct body *k, const struct joint_p
 	if (k->type == JOINT_FLOATING)
 		turned = turn_constant(d, &x->Q, T);
 	else if (turns(k))
-		turned = turn_about(d, k->axis, x->s, x->c, T);
+		turned = turn_about(d, k->axis, x, T, spread(d, k->axis, T));
 	return turn_constant(d, &x->R, &turned);
+}
+
+static void hand_over(struct dag *d, struct ref *from, struct ref *to)
+{
+	*to = dag_add(d, *from, *to);
+	*from = (struct ref){0};
+}
+
+/* Of a vector: what is not along the axis. */
+void joint_to_parent_apart(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec *constant, struct svec *varied)
+{
+	for (int i = 0; i < 3; i++)
+		if (k->type == JOINT_FLOATING || (turns(k) && i != k->axis))
+			hand_over(d, &constant->x[i], &varied->x[i]);
+	*constant = smat_mul(d, &x->R, *constant);
+	*varied = joint_to_parent(d, k, x, *varied);
+}
+
+/* Of a matrix what is along the axis alone. The rest of the diagonal, T_jj - s x and T_kk + s x, has a constant of its own only
+   where T_jj and T_kk are constants: with others it would be a large number less another one. */
+void joint_turn_apart(struct dag *d, const struct body *k, const struct joint_pose *x, struct smat *constant, struct smat *varied)
+{
+	int j = (k->axis + 1) % 3, l = (k->axis + 2) % 3, varies = varied->m[j][j].i || varied->m[l][l].i;
+
+	for (int i = 0; i < 9; i++)
+		if (k->type == JOINT_FLOATING || (turns(k) && (i % 4 || (varies && i / 4 != k->axis))))
+			hand_over(d, &constant->m[i / 3][i % 3], &varied->m[i / 3][i % 3]);
+	if (k->type == JOINT_FLOATING)
+		*varied = turn_constant(d, &x->Q, varied);
+	else if (turns(k))
+		*varied = turn_about(d, k->axis, x, varied, dag_add(d, spread(d, k->axis, constant), spread(d, k->axis, varied)));
+	*varied = turn_constant(d, &x->R, varied);
+	*constant = turn_constant(d, &x->R, constant);
 }
 
 void joint_project(struct dag *d, const struct body *k, struct svec f, struct svec n, struct svec f0, struct ref *tau)
