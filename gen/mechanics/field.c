@@ -3,9 +3,10 @@
 struct wrench field_load(struct dag *d, const struct composite *c, const struct field *x)
 {
 	struct smat I = rigid_body_inertia_matrix(&c->p);
-	struct svec f = svec_scale(d, c->p.mass, x->gamma), n = svec_cross(d, c->p.h, x->gamma);
+	struct svec f = svec_add_cross(d, svec_cross(d, x->alpha, c->p.h), x->beta, c->P), n = svec_cross(d, c->p.h, x->gamma);
 
-	f = svec_add_cross(d, svec_add_cross(d, f, x->alpha, c->p.h), x->beta, c->P);
+	/* gravity, in gamma, comes last: it cancels with that of the wrench turned */
+	f = svec_add(d, f, svec_scale(d, c->p.mass, x->gamma));
 	n = svec_add(d, smat_add_mul(d, smat_mul(d, &I, x->alpha), &c->K, x->beta), n);
 	return (struct wrench){f, n};
 }
