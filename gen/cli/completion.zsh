@@ -105,7 +105,9 @@ _rnearun_report() {
 _rnearun_choose() {
 	_arguments "${_rnearun_study[@]}" \
 		'--max-error=[of all samples]:number:' \
-		'--measured[judge by the measured errors alone, not by bounds]'
+		'--measured[judge by the measured errors alone, not by bounds]' \
+		'--proved[judge by what holds for every state]' \
+		'--seconds=[for the proof]:number:'
 }
 
 _rnearun_prove() {

@@ -45,25 +45,38 @@ struct svec svec_cross(struct dag *d, struct svec a, struct svec b)
 	return c;
 }
 
-struct ref svec_dot(struct dag *d, struct svec a, struct svec b)
+struct svec svec_add_cross(struct dag *d, struct svec c, struct svec a, struct svec b)
 {
-	struct ref sum = dag_mul(d, a.x[0], b.x[0]);
+	for (int i = 0; i < 3; i++) {
+		int j = (i + 1) % 3, k = (i + 2) % 3;
 
-	for (int i = 1; i < 3; i++)
+		c.x[i] = dag_sub(d, dag_add(d, c.x[i], dag_mul(d, a.x[j], b.x[k])), dag_mul(d, a.x[k], b.x[j]));
+	}
+	return c;
+}
+
+struct ref svec_add_dot(struct dag *d, struct ref sum, struct svec a, struct svec b)
+{
+	for (int i = 0; i < 3; i++)
 		sum = dag_add(d, sum, dag_mul(d, a.x[i], b.x[i]));
 	return sum;
 }
 
+struct ref svec_dot(struct dag *d, struct svec a, struct svec b)
+{
+	return svec_add_dot(d, (struct ref){0}, a, b);
+}
+
+struct svec smat_add_mul(struct dag *d, struct svec w, const struct smat *m, struct svec v)
+{
+	for (int i = 0; i < 3; i++)
+		w.x[i] = svec_add_dot(d, w.x[i], (struct svec){{m->m[i][0], m->m[i][1], m->m[i][2]}}, v);
+	return w;
+}
+
 struct svec smat_mul(struct dag *d, const struct smat *m, struct svec v)
 {
-	struct svec w;
-
-	for (int i = 0; i < 3; i++) {
-		w.x[i] = dag_mul(d, m->m[i][0], v.x[0]);
-		for (int j = 1; j < 3; j++)
-			w.x[i] = dag_add(d, w.x[i], dag_mul(d, m->m[i][j], v.x[j]));
-	}
-	return w;
+	return smat_add_mul(d, (struct svec){{{0}, {0}, {0}}}, m, v);
 }
 
 struct svec smat_mul_transposed(struct dag *d, const struct smat *m, struct svec v)

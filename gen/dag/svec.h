@@ -25,6 +25,10 @@ struct ref svec_dot(struct dag *d, struct svec a, struct svec b);
 /* m v and m^T v */
 struct svec smat_mul(struct dag *d, const struct smat *m, struct svec v);
 struct svec smat_mul_transposed(struct dag *d, const struct smat *m, struct svec v);
+/* c + a x b, sum + a.b and w + m v, product by product: each joins the sum before it in one operation. */
+struct svec svec_add_cross(struct dag *d, struct svec c, struct svec a, struct svec b);
+struct ref svec_add_dot(struct dag *d, struct ref sum, struct svec a, struct svec b);
+struct svec smat_add_mul(struct dag *d, struct svec w, const struct smat *m, struct svec v);
 struct smat smat_const(struct dag *d, const struct rotation *r);
 /* R(q) v and R(q)^T v for the turn by an angle with this sine and cosine about a coordinate axis. */
 struct svec svec_turn(struct dag *d, int axis, struct ref s, struct ref c, struct svec v);

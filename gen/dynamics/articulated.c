@@ -43,13 +43,13 @@ static struct smat smat_sum(struct dag *d, const struct smat *S, const struct sm
 	return out;
 }
 
-/* [p]x T */
-static struct smat crossed(struct dag *d, struct svec p, const struct smat *T)
+/* S + [p]x T */
+static struct smat plus_crossed(struct dag *d, const struct smat *S, struct svec p, const struct smat *T)
 {
 	struct smat out;
 
 	for (int j = 0; j < 3; j++)
-		set_column(&out, j, svec_cross(d, p, column(T, j)));
+		set_column(&out, j, svec_add_cross(d, column(S, j), p, column(T, j)));
 	return out;
 }
 
@@ -86,8 +86,8 @@ static struct pair wrench_of(struct dag *d, const struct articulated_body *x, st
 {
 	struct smat Bt = smat_transposed(&x->B);
 
-	return (struct pair){svec_add(d, smat_mul(d, &x->A, a.angular), smat_mul(d, &x->B, a.linear)),
-		svec_add(d, smat_mul(d, &Bt, a.angular), smat_mul(d, &x->C, a.linear))};
+	return (struct pair){smat_add_mul(d, smat_mul(d, &x->A, a.angular), &x->B, a.linear),
+		smat_add_mul(d, smat_mul(d, &Bt, a.angular), &x->C, a.linear)};
 }
 
 /* U = I S, D = S^T U, with the rotor's inertia in D. */
@@ -158,7 +158,7 @@ static void clear_axis(const struct articulated *x, int body)
 	}
 }
 
-/* A' = A + [p]x B^T - B [p]x - [p]x C [p]x, B' = B + [p]x C, C' = C, all turned into the parent's axes. */
+/* B' = B + [p]x C, A' = A + [p]x B^T + ([p]x B'^T)^T, C' = C, all turned into the parent's axes. */
 static void add_to_parent(const struct articulated *x, int body)
 {
 	const struct tour *r = x->r;
@@ -167,24 +167,20 @@ static void add_to_parent(const struct articulated *x, int body)
 	const struct joint_pose *at = &r->frames[body + 1].pose;
 	struct articulated_body *to = &x->bodies[k->parent];
 	struct smat A = joint_turn(d, k, at, &x->bodies[body].A), B = joint_turn(d, k, at, &x->bodies[body].B);
-	struct smat C = joint_turn(d, k, at, &x->bodies[body].C), pC, pBt, T;
+	struct smat C = joint_turn(d, k, at, &x->bodies[body].C), moved, T;
 
 	mirror(&A);
 	mirror(&C);
-	pC = crossed(d, at->p, &C);
-	/* (B + [p]x C/2) in pBt, for -B [p]x is the transpose of [p]x B^T, and -[p]x C [p]x = [p]x ([p]x C)^T */
+	moved = plus_crossed(d, &B, at->p, &C);
 	T = smat_transposed(&B);
-	pBt = crossed(d, at->p, &T);
-	T = smat_transposed(&pBt);
-	A = smat_sum(d, &A, &pBt);
-	A = smat_sum(d, &A, &T);
-	T = smat_transposed(&pC);
-	T = crossed(d, at->p, &T);
-	A = smat_sum(d, &A, &T);
+	A = plus_crossed(d, &A, at->p, &T);
+	A = smat_transposed(&A);
+	T = smat_transposed(&moved);
+	A = plus_crossed(d, &A, at->p, &T);
+	A = smat_transposed(&A);
 	mirror(&A);
-	B = smat_sum(d, &B, &pC);
 	to->A = smat_sum(d, &to->A, &A);
-	to->B = smat_sum(d, &to->B, &B);
+	to->B = smat_sum(d, &to->B, &moved);
 	to->C = smat_sum(d, &to->C, &C);
 }
 
@@ -269,7 +265,7 @@ static void solve_back(const struct articulated *x, int body, struct pair *p, st
 	own.linear = joint_to_parent(d, k, at, svec_add(d, p[body].linear, own.linear));
 	to = &p[k->parent];
 	to->linear = svec_add(d, to->linear, own.linear);
-	to->angular = svec_add(d, to->angular, svec_add(d, own.angular, svec_cross(d, at->p, own.linear)));
+	to->angular = svec_add(d, to->angular, svec_add_cross(d, own.angular, at->p, own.linear));
 }
 
 /* The parent's acceleration at the body's origin, in the body's frame. */
@@ -278,7 +274,7 @@ static struct pair into(const struct tour *r, int body, const struct pair *from)
 	struct dag *d = r->d;
 	const struct body *k = &r->t->bodies[body];
 	const struct joint_pose *at = &r->frames[body + 1].pose;
-	struct svec linear = svec_add(d, from->linear, svec_cross(d, from->angular, at->p));
+	struct svec linear = svec_add_cross(d, from->linear, from->angular, at->p);
 
 	return (struct pair){joint_into(d, k, at, smat_mul_transposed(d, &at->R, from->angular)),
 		joint_into(d, k, at, smat_mul_transposed(d, &at->R, linear))};
@@ -298,7 +294,7 @@ static void solve_out(const struct articulated *x, int body, struct pair *a, str
 	if (k->parent >= 0)
 		*to = into(r, body, &a[k->parent]);
 	for (int i = 0; i < n; i++)
-		less[i] = dag_add(d, svec_dot(d, y->Un[i], to->angular), svec_dot(d, y->Uf[i], to->linear));
+		less[i] = svec_add_dot(d, svec_dot(d, y->Un[i], to->angular), y->Uf[i], to->linear);
 	if (n)
 		factor_solve(&y->D, less);
 	for (int i = 0; i < n; i++) {
@@ -359,5 +355,5 @@ void articulated_reduce(const struct articulated *x, int body, struct svec *f, s
 	if (rows)
 		p = let_through(x, body, p, u);
 	*f = joint_to_parent(d, k, at, p.linear);
-	*n = svec_add(d, joint_to_parent(d, k, at, p.angular), svec_cross(d, at->p, *f));
+	*n = svec_add_cross(d, joint_to_parent(d, k, at, p.angular), at->p, *f);
 }

@@ -71,7 +71,10 @@ void forward_factor(struct forward *x, struct build *b, struct joint_inputs in)
 
 	*x = (struct forward){.b = b, .torques = x->torques, .tour = want_tour(b, in), .singular = -1};
 	b->factored = x;
-	x->tour.in.qdd = (struct source){.argument = -1};
+	x->tour.eased = arena_alloc(d->arena, (size_t)b->t->nv, sizeof *x->tour.eased);
+	if (!x->tour.eased)
+		d->failed = 1;
+	x->tour.in.qdd = (struct source){.argument = -1, .found = x->tour.eased};
 	x->tour.comes_back = 1;
 	x->tour.world = want_world;
 	x->tour.entered = forward_enter;
@@ -106,6 +109,8 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 	for (int i = 0; i < nv && !d->failed; i++)
 		x->qdd[i] = dag_sub(d, source_row(d, &x->torques, i), x->tour.tau[i]);
 	forward_solve(x, x->qdd);
+	for (int i = 0; i < nv && !d->failed; i++)
+		x->qdd[i] = dag_add(d, x->tour.eased[i], x->qdd[i]);
 	if (request_wants(b->k, WANT_QDD_BOUND))
 		forward_part(d, x->qdd, nv);
 	tag_rows(x, "qdd", x->qdd);

@@ -1,6 +1,7 @@
 #ifndef RNEAGEN_FORWARD_H
 #define RNEAGEN_FORWARD_H
-/* Forward dynamics: qdd = M^-1 (tau - bias), where bias is the torque of a state that does not accelerate. */
+/* Forward dynamics: qdd = qdd_0 + M^-1 (tau - ID(q, qd, qdd_0)). Any qdd_0 would do; that of the tour (`eased`) leaves the fewest
+   operations. */
 
 #include "dynamics/articulated.h"
 #include "dynamics/recursion.h"
@@ -11,7 +12,7 @@ struct build;
 struct forward {
 	struct build *b;
 	struct source torques;  /* tau */
-	struct tour tour;       /* the bias; M, or the articulated bodies, along with it */
+	struct tour tour;       /* ID(q, qd, qdd_0); M, or the articulated bodies, along with it */
 	struct recursion mass;
 	struct articulated bodies;
 	struct factor M;

@@ -127,7 +127,7 @@ static void fields(const struct recursion *x, int body, int row, struct field *b
 /* (Z x F, Z x N + Y x F) */
 static struct wrench turned_by(struct dag *d, const struct frame *x, struct svec Z, struct svec Y)
 {
-	return (struct wrench){svec_cross(d, Z, x->f), svec_add(d, svec_cross(d, Z, x->n), svec_cross(d, Y, x->f))};
+	return (struct wrench){svec_cross(d, Z, x->f), svec_add_cross(d, svec_cross(d, Z, x->n), Y, x->f)};
 }
 
 /* p' = w_p x p + R V0 */
@@ -149,7 +149,7 @@ static struct wrench wrench_to_parent(const struct recursion *x, int body, struc
 	const struct joint_pose *at = pose_of(x, body);
 
 	w.f = joint_to_parent(d, k, at, w.f);
-	w.n = svec_add(d, joint_to_parent(d, k, at, w.n), svec_cross(d, at->p, w.f));
+	w.n = svec_add_cross(d, joint_to_parent(d, k, at, w.n), at->p, w.f);
 	return w;
 }
 
@@ -160,7 +160,7 @@ static struct row_vectors row_to_parent(const struct recursion *x, int body, str
 	struct wrench w = wrench_to_parent(x, body, (struct wrench){s.f2, s.n2});
 
 	s.n1 = joint_to_parent(d, &x->r->t->bodies[body], pose_of(x, body), s.n1);
-	return (struct row_vectors){w.n, svec_add(d, s.n1, svec_cross(d, origin_rate(x->r, body), w.f)), w.f};
+	return (struct row_vectors){w.n, svec_add_cross(d, s.n1, origin_rate(x->r, body), w.f), w.f};
 }
 
 /* ---- elements ---- */
@@ -345,8 +345,12 @@ void recursion_leave(struct recursion *x, int body)
 	add_own(x, body);
 	for (int row = 0; row < joint_nv(k->type); row++)
 		write_between(x, k->iv + row, body);
-	if (k->parent >= 0)
-		composite_add_child(r->d, &x->bodies[k->parent], &x->bodies[body], k, pose_of(x, body), origin_rate(r, body));
+	if (k->parent >= 0) {
+		struct svec rate = origin_rate(r, body);
+		int has_rate = x->has_gradients || x->has_coriolis;
+
+		composite_add_child(r->d, &x->bodies[k->parent], &x->bodies[body], k, pose_of(x, body), has_rate ? &rate : NULL);
+	}
 }
 
 void recursion_end(struct recursion *x)

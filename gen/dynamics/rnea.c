@@ -13,11 +13,35 @@ static struct svec slide_acceleration(struct dag *d, struct svec w, struct svec 
 	return svec_add(d, dV, svec_scale(d, dag_const(d, 2), svec_cross(d, w, V)));
 }
 
+/* A driver's torque is complete when its followers' are added; all others when their body is left. */
+static int torque_waits(const struct tree *t, int index)
+{
+	for (int i = 0; i < t->mimic_count; i++)
+		if (t->bodies[t->mimics[i].body].iv == t->bodies[index].iv)
+			return 1;
+	return 0;
+}
+
+/* The joint's own acceleration takes off what else turns the body about its axis. */
+static void ease(const struct tour *r, int index, struct svec *dw)
+{
+	const struct body *k = &r->t->bodies[index];
+	int turns = k->type == JOINT_REVOLUTE || k->type == JOINT_CONTINUOUS;
+	struct ref *along = &dw->x[k->axis];
+	const struct ref zero = {0};
+
+	if (!r->eased || !turns || k->follower || torque_waits(r->t, index))
+		return;
+	r->eased[k->iv] = k->sign < 0 ? *along : dag_neg(r->d, *along);
+	*along = zero;
+}
+
 /* Velocities and accelerations of a body from its parent's (the world's: at rest, accelerating against gravity):
    w = E w_p + W,  dw = E dw_p + dW + E w_p x W,  v = E (v_p + w_p x p) + V,  a = E (a_p + U_p p) + dV + 2 w x V. */
-static void move(const struct tour *r, const struct body *k, const struct frame *parent, struct frame *x)
+static void move(const struct tour *r, int index, const struct frame *parent, struct frame *x)
 {
 	struct dag *d = r->d;
+	const struct body *k = &r->t->bodies[index];
 	const struct joint_pose *at = &x->pose;
 	const struct motion *from = &parent->motion;
 	struct motion *to = &x->motion;
@@ -37,6 +61,7 @@ static void move(const struct tour *r, const struct body *k, const struct frame 
 	to->dw = svec_add(d, joint_into(d, k, at, dw), svec_add(d, m.dW, svec_cross(d, w, m.W)));
 	to->v = svec_add(d, joint_into(d, k, at, v), m.V);
 	to->a = svec_add(d, joint_into(d, k, at, a), slide_acceleration(d, w, m.V, m.dV));
+	ease(r, index, &to->dw);
 	to->U = motion_rate_matrix(d, to->w, to->dw);
 	svec_tag(d, to->w, "w", k->number);
 	svec_tag(d, to->dw, "dw", k->number);
@@ -113,7 +138,7 @@ static void enter(const struct tour *r, int index)
 	if (r->f_in >= 0) {
 		input_wrench(r, index, k, x);
 	} else {
-		move(r, k, &r->frames[k->parent + 1], x);
+		move(r, index, &r->frames[k->parent + 1], x);
 		own_wrench(r, index, x);
 	}
 	if (r->f_out >= 0)
@@ -149,15 +174,6 @@ static void leave(const struct tour *r, int index)
 		svec_tag(d, parent->f, "f", r->t->bodies[k->parent].number);
 		svec_tag(d, parent->n, "n", r->t->bodies[k->parent].number);
 	}
-}
-
-/* A driver's torque is complete when its followers' are added; all others when their body is left. */
-static int torque_waits(const struct tree *t, int index)
-{
-	for (int i = 0; i < t->mimic_count; i++)
-		if (t->bodies[t->mimics[i].body].iv == t->bodies[index].iv)
-			return 1;
-	return 0;
 }
 
 static void output_torques(const struct tour *r, int index)

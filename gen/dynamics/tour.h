@@ -25,6 +25,8 @@ struct tour {
 	struct joint_inputs in;
 	int f_in, v_out, a_out, f_out, tau_out; /* arguments; -1: not there */
 	int comes_back;                         /* also without tau_out */
+	struct ref *eased;                      /* rows of qdd, to be found on the way out: no body's dw has a part along its joint's axis;
+	                                           NULL: qdd is what in.qdd says */
 	int at_rest;                            /* velocities and accelerations are zero: at_rest.c */
 	const struct ref *gravity;              /* three; NULL: the tree's */
 	struct parameters *const *parameters;   /* by body, of those whose parameters are no numbers; NULL: none */
@@ -40,6 +42,7 @@ struct tour {
 
 struct forward;
 
+/* With `eased`, in.qdd finds these rows, which are zero so far. Only joints that turn one body alone are eased. */
 void tour_run(struct tour *r);
 
 /* a = E (a_p + U_p p) + dV + 2 w x V once more, from another a_p than less gravity; for a body that has been entered. */

@@ -43,10 +43,11 @@ static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driv
 	[SECTION_TOTALS] = "power = qd.tau;  kinetic = sum of (v.(m v + 2 w x h) + w.I w)/2",
 	[SECTION_BIAS] = "bias = ID(q, qd, 0)", [SECTION_GRAVITY] = "gravity = ID(q, 0, 0);  potential = -g.mc of all that moves",
 	[SECTION_BY] = "column j, or row j, of d tau/d q, d tau/d qd and M = d tau/d qdd, for the rows j of the joint",
-	[SECTION_FACTORS] = "M = L'D L;  L'y = tau - bias;  L qdd = y/D",
-	[SECTION_ARTICULATED] = "U = I S, D = S'U, I_p += R (I - U U'/D) R' on the way back above;  now back: u = tau - bias - S'p,\n\t   "
-		"p_p += R (p + U u/D);  and out: qdd = (u - U'a)/D, a = R'a_p + S qdd",
-	[SECTION_INVERSE] = "L Minv = D^-1 L'^-1, or as qdd from the columns of 1 for tau - bias",
+	[SECTION_FACTORS] = "qdd_0 above: z.dw = 0 of joints that turn;  M = L'D L;  L'y = tau - ID(q, qd, qdd_0);  L (qdd - qdd_0) = y/D",
+	[SECTION_ARTICULATED] = "U = I S, D = S'U, I_p += R (I - U U'/D) R' on the way back above;  now back:\n\t   "
+		"u = tau - ID(q, qd, qdd_0) - S'p, p_p += R (p + U u/D);  and out: d = (u - U'a)/D, a = R'a_p + S d;  qdd = qdd_0 + d,\n\t   "
+		"with qdd_0 above: z.dw = 0 of joints that turn",
+	[SECTION_INVERSE] = "L Minv = D^-1 L'^-1, or as qdd - qdd_0 from the columns of 1 for tau - ID",
 	[SECTION_BOUND] = "with X near M^-1, d and e how far r and M may be off by rounding, and E >= |I - X M|:\n\t   "
 		"y = |X| (|r| + d);  E y = |I - X M| y + |X| (e + rounding) y;  k = the largest E y/y;  |qdd - exact| <= y/(1 - k)",
 	[SECTION_RESIDUAL] = "r = tau - ID(q, qd, qdd) at the qdd found, from inputs and constants in more bits where the head says so",

@@ -99,7 +99,6 @@ void centroid_begin(struct centroid *c, struct kinematics *x)
 		return;
 	c->x = x;
 	c->loads = arena_alloc(a, bodies + 1, sizeof *c->loads);
-	c->is_alone = !request_wants_any(x->k, IS_DERIVATIVE | IS_OPSPACE | FINDS_QDD);
 	c->has_matrix = centroid_output(x, WANT_MOMENTUM_MATRIX) >= 0;
 	c->has_columns = c->has_matrix || centroid_output(x, WANT_COM_JACOBIAN) >= 0;
 	find_mass(c);
@@ -153,10 +152,8 @@ void centroid_leave(struct centroid *c, int body)
 	if (body == x->hub)
 		return;
 	load_add_child(x, body, own, &c->loads[k->parent + 1]);
-	if (c->has_matrix && k->parent >= 0 && c->is_alone)
-		composite_add_still(x->d, &c->loads[k->parent + 1].whole, &own->whole, k, &x->bodies[body].pose);
-	else if (c->has_matrix && k->parent >= 0)
-		composite_add_child(x->d, &c->loads[k->parent + 1].whole, &own->whole, k, &x->bodies[body].pose, NOTHING);
+	if (c->has_matrix && k->parent >= 0)
+		composite_add_child(x->d, &c->loads[k->parent + 1].whole, &own->whole, k, &x->bodies[body].pose, NULL);
 }
 
 /* ---- at the hub ---- */

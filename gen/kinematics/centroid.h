@@ -23,7 +23,6 @@ struct momentum_column {
 struct centroid {
 	struct kinematics *x;       /* NULL: nobody asks for it */
 	int has_columns, has_matrix;
-	int is_alone;               /* no mass matrix is made, whose composite bodies are these */
 	struct ref mass, inverse;   /* of all that moves */
 	struct within unit;         /* of masses: 1, or all that moves */
 	struct load *loads;         /* loads[0] is the world's, of body k loads[k + 1] */

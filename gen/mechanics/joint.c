@@ -253,18 +253,19 @@ struct svec joint_to_parent(struct dag *d, const struct body *k, const struct jo
 	return smat_mul(d, &x->R, joint_out_of(d, k, x, u));
 }
 
-struct smat joint_turn(struct dag *d, const struct body *k, const struct joint_pose *x, const struct smat *T)
+/* A T A^T column by column, then row by row. */
+static struct smat turn_constant(struct dag *d, const struct smat *A, const struct smat *T)
 {
 	struct smat B, out;
 
 	for (int j = 0; j < 3; j++) {
-		struct svec column = joint_to_parent(d, k, x, (struct svec){{T->m[0][j], T->m[1][j], T->m[2][j]}});
+		struct svec column = smat_mul(d, A, (struct svec){{T->m[0][j], T->m[1][j], T->m[2][j]}});
 
 		for (int i = 0; i < 3; i++)
 			B.m[i][j] = column.x[i];
 	}
 	for (int i = 0; i < 3; i++) {
-		struct svec row = joint_to_parent(d, k, x, (struct svec){{B.m[i][0], B.m[i][1], B.m[i][2]}});
+		struct svec row = smat_mul(d, A, (struct svec){{B.m[i][0], B.m[i][1], B.m[i][2]}});
 
 		for (int j = 0; j < 3; j++)
 			out.m[i][j] = row.x[j];
@@ -272,33 +273,78 @@ struct smat joint_turn(struct dag *d, const struct body *k, const struct joint_p
 	return out;
 }
 
-/* About the axis i, with x = s (T_jj - T_kk) + 2 c T_jk: T_jj - s x, T_kk + s x, c x - T_jk; the others turn as a vector. */
-static struct smat turn_symmetric(struct dag *d, int i, struct ref s, struct ref c, const struct smat *T)
+static struct ref spread(struct dag *d, int i, const struct smat *T)
 {
 	int j = (i + 1) % 3, k = (i + 2) % 3;
-	struct svec row = svec_turn(d, i, s, c, (struct svec){{T->m[i][0], T->m[i][1], T->m[i][2]}});
-	struct ref twice = dag_mul(d, dag_const(d, 2), T->m[j][k]);
-	struct ref x = dag_add(d, dag_mul(d, s, dag_sub(d, T->m[j][j], T->m[k][k])), dag_mul(d, c, twice)), sx = dag_mul(d, s, x);
+
+	return dag_sub(d, T->m[j][j], T->m[k][k]);
+}
+
+/* About the axis i, with x = s (T_jj - T_kk) + c (T_jk + T_kj): T_jj - s x, T_kk + s x, c x - T_kj, c x - T_jk; the others turn
+   as vectors. */
+static struct smat turn_about(struct dag *d, int i, const struct joint_pose *at, const struct smat *T, struct ref spread)
+{
+	int j = (i + 1) % 3, k = (i + 2) % 3;
+	struct svec row = svec_turn(d, i, at->s, at->c, (struct svec){{T->m[i][0], T->m[i][1], T->m[i][2]}});
+	struct svec column = svec_turn(d, i, at->s, at->c, (struct svec){{T->m[0][i], T->m[1][i], T->m[2][i]}});
+	struct ref across = T->m[j][k].i == T->m[k][j].i ? dag_mul(d, dag_const(d, 2), T->m[j][k]) : dag_add(d, T->m[j][k], T->m[k][j]);
+	struct ref x = dag_add(d, dag_mul(d, at->s, spread), dag_mul(d, at->c, across));
+	struct ref sx = dag_mul(d, at->s, x), cx = dag_mul(d, at->c, x);
 	struct smat out = *T;
 
 	out.m[j][j] = dag_sub(d, T->m[j][j], sx);
 	out.m[k][k] = dag_add(d, T->m[k][k], sx);
-	out.m[j][k] = out.m[k][j] = dag_sub(d, dag_mul(d, c, x), T->m[j][k]);
-	out.m[i][j] = out.m[j][i] = row.x[j];
-	out.m[i][k] = out.m[k][i] = row.x[k];
+	out.m[j][k] = dag_sub(d, cx, T->m[k][j]);
+	out.m[k][j] = dag_sub(d, cx, T->m[j][k]);
+	out.m[i][j] = row.x[j];
+	out.m[i][k] = row.x[k];
+	out.m[j][i] = column.x[j];
+	out.m[k][i] = column.x[k];
 	return out;
 }
 
-struct smat joint_turn_symmetric(struct dag *d, const struct body *k, const struct joint_pose *x, const struct smat *T)
+struct smat joint_turn(struct dag *d, const struct body *k, const struct joint_pose *x, const struct smat *T)
 {
-	static const struct body still = {.type = JOINT_FIXED};
 	struct smat turned = *T;
 
 	if (k->type == JOINT_FLOATING)
-		return joint_turn(d, k, x, T);
-	if (turns(k))
-		turned = turn_symmetric(d, k->axis, x->s, x->c, T);
-	return joint_turn(d, &still, x, &turned);
+		turned = turn_constant(d, &x->Q, T);
+	else if (turns(k))
+		turned = turn_about(d, k->axis, x, T, spread(d, k->axis, T));
+	return turn_constant(d, &x->R, &turned);
+}
+
+static void hand_over(struct dag *d, struct ref *from, struct ref *to)
+{
+	*to = dag_add(d, *from, *to);
+	*from = (struct ref){0};
+}
+
+/* Of a vector: what is not along the axis. */
+void joint_to_parent_apart(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec *constant, struct svec *varied)
+{
+	for (int i = 0; i < 3; i++)
+		if (k->type == JOINT_FLOATING || (turns(k) && i != k->axis))
+			hand_over(d, &constant->x[i], &varied->x[i]);
+	*constant = smat_mul(d, &x->R, *constant);
+	*varied = joint_to_parent(d, k, x, *varied);
+}
+
+/* Of a matrix what is along the axis alone. The rest of the diagonal, T_jj - s x and T_kk + s x, has a constant of its own only
+   where T_jj and T_kk are constants: with others it would be a large number less another one. */
+void joint_turn_apart(struct dag *d, const struct body *k, const struct joint_pose *x, struct smat *constant, struct smat *varied)
+{
+	int j = (k->axis + 1) % 3, l = (k->axis + 2) % 3, varies = varied->m[j][j].i || varied->m[l][l].i;
+
+	for (int i = 0; i < 9; i++)
+		if (k->type == JOINT_FLOATING || (turns(k) && (i % 4 || (varies && i / 4 != k->axis))))
+			hand_over(d, &constant->m[i / 3][i % 3], &varied->m[i / 3][i % 3]);
+	if (k->type == JOINT_FLOATING)
+		*varied = turn_constant(d, &x->Q, varied);
+	else if (turns(k))
+		*varied = turn_about(d, k->axis, x, varied, dag_add(d, spread(d, k->axis, constant), spread(d, k->axis, varied)));
+	*varied = turn_constant(d, &x->R, varied);
+	*constant = turn_constant(d, &x->R, constant);
 }
 
 void joint_project(struct dag *d, const struct body *k, struct svec f, struct svec n, struct svec f0, struct ref *tau)

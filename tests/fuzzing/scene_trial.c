@@ -17,11 +17,13 @@ static const char *const ROBOTS[] = {"double_pendulum", "mimic_chain", "planar_t
 enum { FILES = sizeof ROBOTS / sizeof *ROBOTS, COUNT = FILES + 1 };
 
 /* Names that quotes, lists and shells may mistake. */
-static const char ODD[] = ROBOT("odd */ &apos;names&apos;", BARE("base") BALL(" a ") BALL("#1") BALL("a,b") BALL("x=y") BALL("it&apos;s")
+static const char ODD[] = ROBOT("odd */ &apos;names&apos;",
+	BARE("base") BALL(" a ") BALL("#1") BALL("a,b") BALL("x=y") BALL("it&apos;s")
 	BALL("&quot;q&quot;") BALL("a\\nb") BALL("x:sample") BALL("mass.x # y&#9;")
 	JOINT(" j ", "continuous", "base", " a ", ORIGIN("0 0 1", "1.5708 0 0")) JOINT("#4 ", "revolute", " a ", "#1", AXIS("1 1 0"))
 	JOINT("j,k", "prismatic", "#1", "a,b", ORIGIN("0 1 0", "0.1 0.2 0.3")) JOINT("f=x", "fixed", "a,b", "x=y", "")
-	JOINT("\\", "continuous", "base", "it&apos;s", ORIGIN("1 0 0", "0 0 0")) JOINT("&quot;", "continuous", "it&apos;s", "&quot;q&quot;", MIMIC("\\", "-2", "0.5"))
+	JOINT("\\", "continuous", "base", "it&apos;s", ORIGIN("1 0 0", "0 0 0"))
+	JOINT("&quot;", "continuous", "it&apos;s", "&quot;q&quot;", MIMIC("\\", "-2", "0.5"))
 	JOINT("a&#10;b", "revolute", "base", "a\\nb", "<dynamics damping='0.5' friction='0.25'/>")
 	JOINT("fixed", "fixed", "base", "x:sample", "") JOINT("q:batch", "fixed", "a\\nb", "mass.x # y&#9;", ""));
 

@@ -78,7 +78,8 @@ static const char *all_texts(const struct rneagen_result *r, int with_lines)
 	struct text t;
 
 	text_init(&t, &arena);
-	text_printf(&t, "%s%s%s%s%s%s", r->source ? r->source : "", r->header ? r->header : "", r->info, r->info_json, r->dot, r->dump ? r->dump : "");
+	text_printf(&t, "%s%s%s%s%s%s", r->source ? r->source : "", r->header ? r->header : "", r->info,
+		r->info_json, r->dot, r->dump ? r->dump : "");
 	return without(text_string(&t), with_lines ? "\n" : "here:", "SHA-256");
 }
 
@@ -241,7 +242,8 @@ END_TEST
 START_TEST(numbers_are_short)
 {
 	static const char urdf[] = ROBOT("r", BARE("base") BALL("a") BALL("b") BALL("c") JOINT("ja", "continuous", "base", "a", "")
-		JOINT("jb", "continuous", "a", "b", MIMIC("ja", "0.1", "0.3")) JOINT("jc", "continuous", "b", "c", ORIGIN("0 0 1", "1.5708 0 0")));
+		JOINT("jb", "continuous", "a", "b", MIMIC("ja", "0.1", "0.3"))
+		JOINT("jc", "continuous", "b", "c", ORIGIN("0 0 1", "1.5708 0 0")));
 	static const char *const in_source[] = {" --gravity 0.573,-10,1e-05 ", "Gravity (0.573, -10, 1e-05) ",
 		" * --snap-angle 0.0012345678 saves "};
 	static const char *const in_json[] = {"\"multiplier\": 0.1, \"offset\": 0.3}", "\"name\": \"jc\", \"value\": [0.1]",

@@ -32,10 +32,11 @@ static struct rneagen_result generate(const char *urdf, enum rneagen_target targ
 	return r;
 }
 
-static const char *const hostile[] = {"*/ evil(); /*", "*/", "/*", "//", "\"", "\"; evil(); \"", "\\", "\\\\", "a\\\nb", "\\n", "\n", "\r",
-	"\t", "a\nb", "\n#error\n", "?" "?/", "?" "?'", "?" "?/\n", "\xc3\xa9", "\xe9\x96\xa2", "\xf0\x9f\xa4\x96", "\xc2\x85", "\xe2\x80\xa8", "\x7f",
-	"%s%n%d", "%", "@NAME@", "@BODY@", "@", "'", "a'b", "\\x41", "\\101", "\\u0041", "#define x", "<b>&amp;", "0", " ", "-->", "]]>",
-	"R\"(", "__LINE__", "r_rnea", "tau", "\\\"", "\"\\"};
+static const char *const hostile[] = {"*/ evil(); /*", "*/", "/*", "//", "\"", "\"; evil(); \"", "\\", "\\\\", "a\\\nb",
+	"\\n", "\n", "\r", "\t", "a\nb", "\n#error\n", "?" "?/", "?" "?'", "?" "?/\n", "\xc3\xa9", "\xe9\x96\xa2",
+	"\xf0\x9f\xa4\x96", "\xc2\x85", "\xe2\x80\xa8", "\x7f", "%s%n%d", "%", "@NAME@", "@BODY@", "@", "'", "a'b",
+	"\\x41", "\\101", "\\u0041", "#define x", "<b>&amp;", "0", " ", "-->", "]]>", "R\"(", "__LINE__", "r_rnea",
+	"tau", "\\\"", "\"\\"};
 
 static void put_attribute(struct text *t, const char *key, const char *value, const char *suffix)
 {

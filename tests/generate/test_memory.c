@@ -10,7 +10,8 @@
 
 /* A warning, a follower, a fixed joint, a floating joint, names that are escaped. */
 static const char urdf[] = ROBOT("r \"*/\"", BALL("base") BALL("a/*") BALL("b") POINT("c", "1", "1 2 3") BALL("d")
-	JOINT("ja", "revolute", "base", "a/*", AXIS("0 0 2")) JOINT("jb", "prismatic", "a/*", "b", AXIS("0 1 0") MIMIC("ja", "-2", "0.5"))
+	JOINT("ja", "revolute", "base", "a/*", AXIS("0 0 2"))
+		JOINT("jb", "prismatic", "a/*", "b", AXIS("0 1 0") MIMIC("ja", "-2", "0.5"))
 		JOINT("jc", "fixed", "b", "c", ORIGIN("0 0 1", "0.1 0.2 0.3")) JOINT("jd", "revolute", "c", "d", AXIS("1 1 0")));
 
 /* One of each of a task's choices. */
@@ -131,14 +132,19 @@ START_TEST(every_request)
 }
 END_TEST
 
-/* What takes long in a whole generation: a joint that may be kept, terms that may be dropped, all of a task, a bound, a search for constants. */
+/* What takes long in a whole generation: a joint that may be kept, terms that may be dropped, all of a task, a bound,
+   a search for constants. */
 START_TEST(every_request_of_a_scene)
 {
+	static const char *const scenes[] = {
+		"lock jd=0.5\nround-constants 5\nrange q=-1,1\nrange qd=-1,1\nrange qdd=-1,1\ndrop-below 1e-3", everything, "want qdd_bound",
+		"params auto\nfree mass.d",
+		"free mass.b\nwant com,vcom,com_jacobian,momentum,momentum_matrix,dmomentum,coriolis,opspace.d,opspace_inv.d"};
 	struct rneagen_options o = rneagen_options_default();
 	long requests, step = _i < 6 || _i >= 8 ? 7 : 53;
 
 	o.base = _i < 8 ? o.base : RNEAGEN_FLOATING;
-	o.scene = _i >= 8 ? "free mass.b\nwant com,vcom,com_jacobian,momentum,momentum_matrix,dmomentum,coriolis,opspace.d,opspace_inv.d" : _i < 2 ? "lock jd=0.5\nround-constants 5\nrange q=-1,1\nrange qd=-1,1\nrange qdd=-1,1\ndrop-below 1e-3" : _i < 4 ? everything : _i < 6 ? "want qdd_bound" : "params auto\nfree mass.d";
+	o.scene = scenes[_i / 2];
 	requests = refuse_each(&o, _i % 2, step, analyse);
 	printf("one in %ld of %ld requests refused\n", step_of(step), requests);
 	ck_assert_int_gt(requests, 100);

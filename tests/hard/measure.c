@@ -1,6 +1,7 @@
 /* Errors of the hard cases.
    usage: hard_measure                          writes the results, as CSV, to standard output
-          hard_measure --check FILE [CASE...]   (by default, of the short ones every third, or with RNEAGEN_ALL=1 all) do they agree with the file's, the numbers within a quarter?
+          hard_measure --check FILE [CASE...]   (by default, of the short ones every third, or with RNEAGEN_ALL=1 all) do they
+                                               agree with the file's, the numbers within a quarter?
           hard_measure --base ...               the same by base parameters
    In all gen/eval's bound must hold in every sample; else the exit status is 1. */
 #define _POSIX_C_SOURCE 200809L

@@ -11,19 +11,25 @@
 
 enum { COUNT = 400 };
 
-static const struct draw_options OPTIONS = {.seed = 20261121, .count = COUNT}, EACH = {.seed = 20261121, .count = COUNT, .each = 1};
+static const struct draw_options OPTIONS = {.seed = 20261121, .count = COUNT};
+static const struct draw_options EACH = {.seed = 20261121, .count = COUNT, .each = 1};
 
-/* A joint of each type, one without limits, one whose limits are none; links with a mass, at their origins and not, and without. */
-static const char urdf[] = ROBOT("r", BALL("world") BALL("arm") LINK("hand", "2", "0.1 0 0", "0 0 0", "0.1", "0.01", "0", "0.2", "0", "0.25")
-	BARE("tip") BARE("nail") POINT("ball", "3", "0 0 0") BALL("slab") BALL("ship") JOINT("turn", "revolute", "world", "arm", AXIS("0 0 1"))
+/* A joint of each type, one without limits, one whose limits are none; links with a mass, at their origins and not, and
+   without. */
+static const char urdf[] = ROBOT("r",
+	BALL("world") BALL("arm") LINK("hand", "2", "0.1 0 0", "0 0 0", "0.1", "0.01", "0", "0.2", "0", "0.25")
+	BARE("tip") BARE("nail") POINT("ball", "3", "0 0 0") BALL("slab") BALL("ship")
+	JOINT("turn", "revolute", "world", "arm", AXIS("0 0 1"))
 	"<joint name='free' type='continuous'><parent link='arm'/><child link='hand'/><axis xyz='1 0 0'/></joint>"
 	"<joint name='far' type='prismatic'><parent link='hand'/><child link='ball'/><axis xyz='0 1 0'/>"
 	"<limit effort='1' velocity='2000' lower='-5000' upper='5000'/></joint>"
-	JOINT("weld", "fixed", "hand", "tip", ORIGIN("0 0 1", "0 0 0")) JOINT("nailed", "fixed", "hand", "nail", "") JOINT("slide", "planar", "arm", "slab", AXIS("0 0 1"))
+	JOINT("weld", "fixed", "hand", "tip", ORIGIN("0 0 1", "0 0 0")) JOINT("nailed", "fixed", "hand", "nail", "")
+	JOINT("slide", "planar", "arm", "slab", AXIS("0 0 1"))
 	JOINT("sail", "floating", "arm", "ship", ""));
 
-static const char everything[] = "free gravity,mass.hand,mass.nail,inertia.arm,inertia.tip:sample,payload.ball,offset.turn,inertia.ball:sample\n"
-				 "fext hand\nwant tau,jvp,vjp\n";
+static const char everything[] =
+	"free gravity,mass.hand,mass.nail,inertia.arm,inertia.tip:sample,payload.ball,offset.turn,inertia.ball:sample\n"
+	"fext hand\nwant tau,jvp,vjp\n";
 
 struct fixture {
 	struct scene_model m;
@@ -142,7 +148,8 @@ START_TEST(said)
 {
 	struct fixture f;
 
-	open_drawn(&f, everything, "range q.slide[2]=2,3\nrange q.slide=-5,-4\nrange q=10,11\nrange q[0]=0,0.5\nrange qd.sail=7,8\nrange qdd=-1,2\n"
+	open_drawn(&f, everything,
+		"range q.slide[2]=2,3\nrange q.slide=-5,-4\nrange q=10,11\nrange q[0]=0,0.5\nrange qd.sail=7,8\nrange qdd=-1,2\n"
 				   "range gravity=0,1\nrange gravity[2]=-9,-8\nrange payload.ball=4,5\nrange inertia.arm=7,9\nrange mass.hand=0,1\n"
 				   "range offset.turn=1,2\nrange fext.hand[0]=0,500\nrange vjp_v=2,3\nrange jvp_v[35]=-7,-6\n", &EACH);
 	assert_fills(&f, "q", 0, 0, 0.5);
@@ -256,7 +263,8 @@ START_TEST(told)
 	open_drawn(&f, everything, "fold qd.sail=0\nfold qdd=0\nrange q.sail=-2,2\nrange gravity[1]=0.25,0.5\n", &EACH);
 	text_init(&t, &f.m.arena);
 	draw_put(&f.m.analysis, "\n  ", &t);
-	ck_assert_str_eq(text_string(&t), "q[0] -1..1, q[1] -3.14159..3.14159, q[2] -1..1, q[3..5] -2..2, q[6..9] a rotation, q[10..11] -1..1,\n"
+	ck_assert_str_eq(text_string(&t),
+		"q[0] -1..1, q[1] -3.14159..3.14159, q[2] -1..1, q[3..5] -2..2, q[6..9] a rotation, q[10..11] -1..1,\n"
 		"  q[12] -3.14159..3.14159, qd[0] -1..1, qd[1..2] -3..3, qd[9..11] -3..3, gravity[0] -9.81..9.81,\n"
 		"  gravity[1] 0.25..0.5, gravity[2] -9.81..9.81, mass_hand 1.8..2.2, mass_nail 0..1, inertia_arm a body of 0.9..1.1 kg,\n"
 		"  inertia_tip a body of 0..1 kg, payload_ball a body of 0..1 kg, offset_turn -0.1..0.1,\n"
@@ -265,7 +273,8 @@ START_TEST(told)
 	draw_put_json(&f.m.analysis, " ", &t);
 	expect(text_string(&t), "{\"name\": \"q\", \"first\": 3, \"count\": 3, \"kind\": \"number\", \"lower\": -2, \"upper\": 2} "
 				"{\"name\": \"q\", \"first\": 6, \"count\": 4, \"kind\": \"rotation\"} ");
-	expect(text_string(&t), "{\"name\": \"payload_ball\", \"first\": 0, \"count\": 10, \"kind\": \"body\", \"lower\": 0, \"upper\": 1} ");
+	expect(text_string(&t),
+		"{\"name\": \"payload_ball\", \"first\": 0, \"count\": 10, \"kind\": \"body\", \"lower\": 0, \"upper\": 1} ");
 	scene_close(&f.m);
 }
 END_TEST

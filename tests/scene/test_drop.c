@@ -58,7 +58,8 @@ END_TEST
 
 /* A link that turns about its centre of mass, with equal inertias about all axes: nothing of it but one number shows. */
 static const char even[] = ROBOT("even", BALL("base") BALL("a") JOINT("ja", "revolute", "base", "a", AXIS("1 0 0"))
-	LINK("b", "1", "0 0 0", "0 0 0", "0.1", "0", "0", "0.1", "0", "0.1") JOINT("jb", "revolute", "a", "b", ORIGIN("0 0 1", "0 0 0") AXIS("0 1 0")));
+	LINK("b", "1", "0 0 0", "0 0 0", "0.1", "0", "0", "0.1", "0", "0.1")
+	JOINT("jb", "revolute", "a", "b", ORIGIN("0 0 1", "0 0 0") AXIS("0 1 0")));
 
 static const struct beside {
 	const char *robot, *scene; /* robot: NULL: `even` */
@@ -355,7 +356,8 @@ START_TEST(exact)
 		ck_assert(unfelt != NULL);
 		most = check_terms(&n, unfelt, fractions[i]);
 	}
-	printf("%s: %zu nodes, %zu outputs, %zu terms unfelt at %g\n", EXACTS[_i].robot, raw.count, raw.output_count, most, fractions[4]);
+	printf("%s: %zu nodes, %zu outputs, %zu terms unfelt at %g\n", EXACTS[_i].robot, raw.count, raw.output_count,
+		most, fractions[4]);
 	ck_assert_uint_gt(most, 10);
 	scene_close(&m);
 	free(text);

@@ -13,13 +13,15 @@ enum { JOINTS = 3, STATES = 2000 };
 static const char urdf[] =
 	"<robot name='rub'><link name='a'/>"
 	"<joint name='lead' type='continuous'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/><dynamics friction='0.7'/></joint>"
-	"<link name='b'><inertial><origin xyz='.1 .2 .3'/><mass value='2'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>"
+	"<link name='b'><inertial><origin xyz='.1 .2 .3'/><mass value='2'/>"
+	"<inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>"
 	"<joint name='tail' type='continuous'><parent link='b'/><child link='c'/><origin xyz='.5 0 0'/><axis xyz='0 1 0'/>"
 	"<dynamics friction='0.3'/><mimic joint='lead' multiplier='-2'/></joint>"
 	"<link name='c'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>"
 	"<joint name='slide' type='prismatic'><parent link='c'/><child link='d'/><axis xyz='1 0 0'/><dynamics friction='5'/>"
 	"<limit lower='-1' upper='1' velocity='1' effort='1'/></joint>"
-	"<link name='d'><inertial><mass value='.5'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link></robot>";
+	"<link name='d'><inertial><mass value='.5'/>"
+	"<inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link></robot>";
 
 static wide rub(wide c, wide v, wide width)
 {

@@ -14,8 +14,9 @@
 #define REVOLUTE(name, parent, child) JOINT(name, "revolute", parent, child, "")
 
 /* An arm with a gripper whose right finger follows the left one, a head, a thing that floats, odd names. */
-static const char arm[] = ROBOT("arm", BALL("base") BALL("upper") BALL("fore") BALL("hand") BALL("left") BALL("right") BALL("head")
-	BALL("thing") BALL("a,b") REVOLUTE("shoulder", "base", "upper") REVOLUTE("elbow", "upper", "fore")
+static const char arm[] = ROBOT("arm",
+	BALL("base") BALL("upper") BALL("fore") BALL("hand") BALL("left") BALL("right") BALL("head") BALL("thing")
+	BALL("a,b") REVOLUTE("shoulder", "base", "upper") REVOLUTE("elbow", "upper", "fore")
 		JOINT("wrist", "continuous", "fore", "hand", "") JOINT("grip", "prismatic", "hand", "left", AXIS("0 1 0"))
 			JOINT("follow", "prismatic", "hand", "right", AXIS("0 1 0") MIMIC("grip", "-1", "0.25"))
 				JOINT("neck", "planar", "base", "head", "") JOINT("free", "floating", "hand", "thing", "")
@@ -348,7 +349,8 @@ END_TEST
 
 START_TEST(ignored)
 {
-	static const char text[] = ROBOT("r", BALL("base") BALL("a") BALL("b") BALL("c") BALL("d") DYNAMIC("ja", "revolute", "base", "a", "0.5", "0")
+	static const char text[] = ROBOT("r",
+		BALL("base") BALL("a") BALL("b") BALL("c") BALL("d") DYNAMIC("ja", "revolute", "base", "a", "0.5", "0")
 		DYNAMIC("jb", "revolute", "a", "b", "0", "0.25") DYNAMIC("jc", "continuous", "b", "c", "0.5", "1")
 			DYNAMIC("jd", "fixed", "c", "d", "1", "1") "<transmission name='t'><joint name='ja'/></transmission>");
 	struct rneagen_options o = rneagen_options_default();

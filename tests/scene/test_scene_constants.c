@@ -179,8 +179,10 @@ START_TEST(dropped_as_if_zero)
 }
 END_TEST
 
-#define SCALED(e) ROBOT("scaled", BALL("base") LINK("a", "2" e, "0.1 0.2 0.3", "0 0 0", "0.1" e, "0", "0", "0.2" e, "0", "0.25" e)  \
-	JOINT("ja", "revolute", "base", "a", AXIS("1 0 0")) LINK("b", "1" e, "0.001 0 0.2", "0 0 0", "0.1" e, "0.0001" e, "0", "0.2" e, "0", "0.25" e) \
+#define SCALED(e) ROBOT("scaled",                                                                                      \
+	BALL("base") LINK("a", "2" e, "0.1 0.2 0.3", "0 0 0", "0.1" e, "0", "0", "0.2" e, "0", "0.25" e)               \
+	JOINT("ja", "revolute", "base", "a", AXIS("1 0 0"))                                                            \
+	LINK("b", "1" e, "0.001 0 0.2", "0 0 0", "0.1" e, "0.0001" e, "0", "0.2" e, "0", "0.25" e)                     \
 		JOINT("jb", "revolute", "a", "b", ORIGIN("0 0.002 1", "0 0 0") AXIS("0 1 0")))
 
 /* The width of friction is nothing beside the velocities that are sampled, and all that there is at rest. */
@@ -342,7 +344,8 @@ START_TEST(told)
 
 	o.tell = RNEAGEN_TELL_ALL;
 	ck_assert(!rneagen_generate(nearly, sizeof nearly - 1, &o, &r, &e));
-	expect(r.info, "\nangles that are nearly right, rad\n  joint 'ja', by 4.6e-05\n  joint 'jb', by 4.6e-05\n  inertial of link 'b', by 4.6e-05\n");
+	expect(r.info, "\nangles that are nearly right, rad\n  joint 'ja', by 4.6e-05\n  joint 'jb', by 4.6e-05\n"
+		       "  inertial of link 'b', by 4.6e-05\n");
 	expect(r.info, "\nchanged constants\n  --snap-angle 0.0001 would save ");
 	expect(r.info_json, "  \"nearly_right\": [\n    {\"joint\": \"ja\", \"off\": 4.63");
 	expect(r.info_json, "{\"option\": \"snap-angle\", \"value\": 0.0001, \"asked\": false, \"saved\": ");

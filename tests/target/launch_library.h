@@ -3,8 +3,8 @@
 
 #include "target/target.h"
 
-/* A text of CUDA with its NAME_rnea_launch, built by the C++ compiler for the processor (fake_launch.h), and loaded; closed by the
-   caller. before, after: lines around the text. */
+/* A text of CUDA with its NAME_rnea_launch, built by the C++ compiler for the processor (fake_launch.h), and loaded;
+   closed by the caller. before, after: lines around the text. */
 void *launch_library(const struct target *t, const char *stem, const char *before, const char *after);
 
 #endif

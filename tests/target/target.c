@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const char *const TRIGS[] = {"accurate", "bounded", "fast"};
+static const char *const TRIGS[] = {"accurate", "bounded", "fast", "accurate"}; /* the last: where no --range says more */
 
 const char *compiler_lacks(const struct compiler *c, int fma)
 {
@@ -83,6 +83,8 @@ void target_generate(
 	struct rneagen_error e;
 
 	t->options = *o;
+	if (o->trig == RNEAGEN_TRIG_AUTO)
+		t->options.trig = RNEAGEN_ACCURATE;
 	t->f32 = o->precision == RNEAGEN_F32 || o->precision == RNEAGEN_MIXED;
 	t->f32_inside = o->precision == RNEAGEN_F32;
 	t->library = NULL;

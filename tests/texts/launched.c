@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-void launched_generate(struct target *t, const char *name, const char *scene, int floating, const struct rneagen_options *options)
+void launched_generate(struct target *t, const char *name, const char *scene, int floating,
+	const struct rneagen_options *options)
 {
 	struct rneagen_options o = *options;
 	size_t length;

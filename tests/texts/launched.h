@@ -6,7 +6,8 @@
 #include "target/target.h"
 
 /* The text of tests/robots/NAME.urdf with this scene and base, "": none, and else these options. */
-void launched_generate(struct target *t, const char *name, const char *scene, int floating, const struct rneagen_options *options);
+void launched_generate(struct target *t, const char *name, const char *scene, int floating,
+	const struct rneagen_options *options);
 
 /* The test fails with a message where it cannot be opened. block: 0, the text's. */
 struct rnea_robot *launched_open(const struct target *t, enum rnea_backend backend, unsigned block);
