@@ -9,19 +9,22 @@
 #include "prove/seek_errors.h"
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Shares of the time. What is left is for what takes longer than it should. */
-#define SHARE_SEEK 0.04
+#define SHARE_SEEK 0.05
 #define SHARE_WHOLE 0.05
 #define SHARE_MAGNITUDE 0.03
-#define SHARE_CURVATURE 0.14
+#define SHARE_CURVATURE 0.13
 #define SHARE_COVER 0.20
-#define SHARE_SEEK_ERRORS 0.06
-#define SHARE_ERRORS 0.46
+#define SHARE_SEEK_ERRORS 0.08
+#define SHARE_ERRORS 0.44
 
 struct proving {
 	const struct analysis *a;
 	const struct box *b;
+	struct relaxed relaxed;
+	struct box box; /* of what is relaxed */
 	const struct prove_options *o;
 	struct progress *progress;
 	struct rneagen_error *e;
@@ -29,7 +32,9 @@ struct proving {
 	struct field *fields;
 	int field_count;
 	struct effort effort;
-	struct sought (*found)[2];              /* by output of the DAG */
+	struct sought (*found)[2];              /* by output of the DAG, of the relaxed box */
+	struct states states;                   /* of the text's */
+	double (*values)[2], *(*best)[2];       /* by output: what was found, and where */
 	struct eval_model models[PROVE_PRECISIONS];
 	double start;
 };
@@ -39,18 +44,31 @@ static void show(struct proving *p, const char *doing)
 	progress_show(p->progress, (uint64_t)(seconds_now() - p->start), doing);
 }
 
-/* A field's share of the work: the more rows of q, the more points. */
-static double share_of(const struct proving *p, int k)
+/* A field's share of the work: the more rows of q, the more points, or the more there is to search. */
+static double share_of(const struct proving *p, int k, int of_grids)
 {
 	double sum = 0, own = 0;
 
 	for (int i = 0; i < p->field_count; i++) {
 		double n = p->fields[i].dim_count, work = p->fields[i].output_count * (1 + n * n * n);
 
+		if (of_grids && !p->fields[i].has_grid)
+			work = 0;
+
 		sum += work;
 		own = i == k ? work : own;
 	}
-	return own / sum;
+	return sum > 0 ? own / sum : 0;
+}
+
+static void take_found(struct proving *p, const struct field *f, int output, int side, const struct sought *found)
+{
+	double *in[DAG_ARGUMENTS];
+
+	p->found[output][side] = *found;
+	p->values[output][side] = found->value;
+	states_point(&p->states, p->best[output][side], in);
+	states_take(&p->states, &p->relaxed, f, found, in);
 }
 
 static enum rneagen_code seek_field(struct proving *p, int k, double seconds)
@@ -61,9 +79,20 @@ static enum rneagen_code seek_field(struct proving *p, int k, double seconds)
 
 	for (int i = 0; done && i < f->output_count; i++)
 		for (int side = 0; side < 2; side++)
-			p->found[f->outputs[i]][side] = best[i][side];
+			take_found(p, f, f->outputs[i], side, &best[i][side]);
 	free(best);
 	return done ? RNEAGEN_OK : error_memory(p->e);
+}
+
+/* What the text's own states give, where the relaxed box has others. */
+static enum rneagen_code seek_all(struct proving *p)
+{
+	for (int k = 0; k < p->field_count; k++)
+		if (seek_field(p, k, SHARE_SEEK * p->o->seconds * share_of(p, k, 0)))
+			return p->e->code;
+	if (!p->relaxed.is_same && !states_seek(&p->states, p->values, p->best, &p->effort, SHARE_SEEK * p->o->seconds))
+		return error_memory(p->e);
+	return RNEAGEN_OK;
 }
 
 /* The better of both ways. */
@@ -76,8 +105,8 @@ static void take_rows(const struct proving *p, const struct field *f, const stru
 		r->low = fmax(c->lower[i], ranges[i].lower);
 		r->high = fmin(c->upper[i], ranges[i].upper);
 		r->plain = f->plain[i];
-		r->found_low = p->found[f->outputs[i]][0].value;
-		r->found_high = p->found[f->outputs[i]][1].value;
+		r->found_low = p->values[f->outputs[i]][0];
+		r->found_high = p->values[f->outputs[i]][1];
 	}
 }
 
@@ -118,27 +147,46 @@ static void ranging_free(struct ranging *r)
 	free(r->cover.upper);
 }
 
-static int find_ranges(struct proving *p, const struct field *f, struct ranging *r, double seconds)
+/* Without a grid: plain intervals. */
+static int cover_nothing(struct cover *c, const struct field *f)
+{
+	*c = (struct cover){.upper = calloc((size_t)f->output_count, sizeof *c->upper), .lower = calloc((size_t)f->output_count, sizeof *c->lower)};
+	for (int i = 0; c->upper && c->lower && i < f->output_count; i++) {
+		c->upper[i] = f->plain[i];
+		c->lower[i] = -f->plain[i];
+	}
+	return c->upper && c->lower;
+}
+
+static int find_covers(struct proving *p, const struct field *f, struct ranging *r, double seconds)
 {
 	const struct curvature_start from = {r->whole, r->largest, r->bends};
+	struct effort soon = p->effort;
 
-	return magnitude_find(r->whole, f, p->b, 1, &p->effort, SHARE_WHOLE * seconds) && magnitude_bends(r->bends, f, p->b, &p->effort) &&
+	soon.deadline = fmin(p->effort.deadline, seconds_now() + 2 * SHARE_WHOLE * seconds);
+	return magnitude_find(r->whole, f, &p->box, 1, &p->effort, SHARE_WHOLE * seconds) && magnitude_bends(r->bends, f, &p->box, &soon) &&
 	       curvature_find(&r->curvature, f, &from, &p->effort, SHARE_CURVATURE * seconds) &&
-	       cover_find(&r->cover, f, &r->curvature, (const double(*)[2])r->found, &p->effort, SHARE_COVER * seconds) &&
-	       magnitude_find(r->ranges, f, p->b, 0, &p->effort, SHARE_MAGNITUDE * seconds);
+	       cover_find(&r->cover, f, &r->curvature, (const double(*)[2])r->found, &p->effort, SHARE_COVER * seconds);
+}
+
+static int find_ranges(struct proving *p, int k, struct ranging *r)
+{
+	const struct field *f = &p->fields[k];
+	double seconds = p->o->seconds;
+
+	if (!(f->has_grid ? find_covers(p, f, r, seconds * share_of(p, k, 1)) : cover_nothing(&r->cover, f)))
+		return 0;
+	return magnitude_find(r->ranges, f, &p->box, 0, &p->effort, SHARE_MAGNITUDE * seconds * share_of(p, k, 0));
 }
 
 static enum rneagen_code prove_field(struct proving *p, int k, struct prove_row *rows)
 {
 	const struct field *f = &p->fields[k];
-	double share = p->o->seconds * share_of(p, k);
 	struct ranging r;
 	int done;
 
-	if (seek_field(p, k, SHARE_SEEK * share))
-		return p->e->code;
 	show(p, "ranges");
-	done = ranging_make(&r, f, (const struct sought(*)[2])p->found) && find_ranges(p, f, &r, share);
+	done = ranging_make(&r, f, (const struct sought(*)[2])p->found) && find_ranges(p, k, &r);
 	if (done)
 		take_rows(p, f, &r.cover, r.ranges, rows);
 	ranging_free(&r);
@@ -158,13 +206,24 @@ static void set_models(struct proving *p)
 static enum rneagen_code prove_errors(struct proving *p, struct proof *proof)
 {
 	show(p, "errors");
-	if (!seek_errors(proof->rows, p->a, p->b, p->models, p->o->precision_count, p->fields, p->field_count,
-		    (const struct sought(*)[2])p->found, &p->effort, SHARE_SEEK_ERRORS * p->o->seconds))
+	if (!seek_errors(proof->rows, p->a, p->b, p->models, p->o->precision_count, (double *const(*)[2])p->best, &p->effort, SHARE_SEEK_ERRORS * p->o->seconds))
 		return error_memory(p->e);
 	show(p, "errors");
-	if (!rounding_find(proof->rows, p->a, p->b, p->models, p->o->precision_count, &p->effort, SHARE_ERRORS * p->o->seconds))
+	if (!rounding_find(proof->rows, &p->relaxed, p->b, p->models, p->o->precision_count, &p->effort, SHARE_ERRORS * p->o->seconds))
 		return error_memory(p->e);
 	return RNEAGEN_OK;
+}
+
+static int make_states(struct proving *p)
+{
+	size_t outputs = p->a->dag.output_count;
+
+	p->values = arena_alloc(&p->arena, outputs, sizeof *p->values);
+	p->best = arena_alloc(&p->arena, outputs, sizeof *p->best);
+	for (size_t i = 0; i < outputs && p->best; i++)
+		for (int side = 0; side < 2; side++)
+			p->best[i][side] = arena_alloc(&p->arena, p->states.size + 1, sizeof(double));
+	return !p->arena.failed;
 }
 
 static enum rneagen_code prove_all(struct proving *p, struct proof *proof)
@@ -172,11 +231,14 @@ static enum rneagen_code prove_all(struct proving *p, struct proof *proof)
 	proof->rows = calloc(p->a->dag.output_count + 1, sizeof *proof->rows);
 	p->found = arena_alloc(&p->arena, p->a->dag.output_count, sizeof *p->found);
 	p->effort.workers = workers_open(p->o->threads);
-	if (!proof->rows || !p->found || !p->effort.workers)
+	states_of(&p->states, p->a, p->b);
+	if (!proof->rows || !p->found || !p->effort.workers || !make_states(p))
 		return error_memory(p->e);
 	p->effort.threads = workers_limit(p->effort.workers);
 	p->effort.deadline = p->start + 1.2 * p->o->seconds;
 	set_models(p);
+	if (seek_all(p))
+		return p->e->code;
 	for (int k = 0; k < p->field_count; k++)
 		if (prove_field(p, k, proof->rows))
 			return p->e->code;
@@ -190,13 +252,16 @@ static enum rneagen_code prove_all(struct proving *p, struct proof *proof)
 enum rneagen_code prove(struct proof *proof, const struct analysis *a, const struct box *b, const struct prove_options *o,
 	struct progress *progress, struct rneagen_error *e)
 {
-	struct proving p = {.a = a, .b = b, .o = o, .progress = progress, .e = e, .start = seconds_now()};
+	struct proving p = {.a = a, .b = b, .o = o, .progress = progress, .e = e, .start = o->start > 0 ? o->start : seconds_now()};
 
 	*proof = (struct proof){0};
 	arena_init(&p.arena, NULL);
-	p.field_count = field_split(&p.fields, a, b, &p.arena, e);
-	if (p.field_count >= 0)
-		prove_all(&p, proof);
+	if (!relax(&p.relaxed, a, b->rows, &p.arena, e)) {
+		memcpy(p.box.rows, p.relaxed.rows, sizeof p.box.rows);
+		p.field_count = field_split(&p.fields, &p.relaxed, &p.arena, e);
+		if (p.field_count >= 0)
+			prove_all(&p, proof);
+	}
 	workers_close(p.effort.workers);
 	arena_free(&p.arena);
 	return e->code;

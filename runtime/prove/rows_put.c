@@ -1,22 +1,67 @@
 #include "prove/rows_put.h"
 #include "emit/emit.h"
-#include "prove/gap_put.h"
+#include "prove/tell/gap_put.h"
 #include <math.h>
 #include <string.h>
 
+static int has_type(const struct analysis *a, enum joint_type type)
+{
+	for (int i = 0; i < a->tree.joint_count; i++)
+		if (a->tree.joints[i].type == type)
+			return 1;
+	return 0;
+}
+
+static int has_planar(const struct analysis *a)
+{
+	return has_type(a, JOINT_PLANAR);
+}
+
+static int has_floating(const struct analysis *a)
+{
+	return has_type(a, JOINT_FLOATING);
+}
+
+static int has_bodies(const struct analysis *a)
+{
+	return dag_find_role(&a->dag, ROLE_LINK_INERTIA, 0) >= 0 || dag_find_role(&a->dag, ROLE_LINK_PAYLOAD, 0) >= 0;
+}
+
+static int has_friction(const struct analysis *a)
+{
+	for (int i = 0; i < a->tree.body_count; i++)
+		if (a->request.friction[i].x != 0)
+			return 1;
+	return 0;
+}
+
 /* Numbers are printed with so many digits that reading them gives the same double. */
 
-/* What the proof rests on. */
-static const char *const ASSUMPTIONS[] = {
-	"rigid bodies as the URDF's decimals state them, angles within 5e-15 rad of a multiple of pi/2 being that; limits are the doubles "
-	"nearest to the file's decimals",
-	"all inputs are within their ranges, in any combination; a continuous joint has any angle that --trig takes",
-	"ranges are of the exact outputs; a text's result is within error_bound of these",
-	"rounding to nearest, subnormal numbers kept; products may be joined to sums or not; sine and cosine are the text's own",
-	"nothing overflows: where it may, error_bound is null, and no_bound names the quantity and the range to narrow",
-	"the double and extended arithmetic of the processor that proves is that of IEEE 754, and its sine and cosine in extended precision "
-	"are good to 2^-60"};
+/* What the proof rests on, for some robots alone where `needed` says so. */
+static const struct assumption {
+	int (*needed)(const struct analysis *a);
+	const char *text;
+} ASSUMPTIONS[] = {
+	{NULL, "rigid bodies as the URDF's decimals state them, angles within 5e-15 rad of a multiple of pi/2 being that; limits are the doubles "
+	       "nearest to the file's decimals"},
+	{NULL, "rotations between joints are exact rotations: where the generator takes one of their elements for zero, or for equal to another, "
+	       "within the rounding of the file's decimals, outputs change by some 1e-15 of their terms, and ranges are 2^-30 of themselves wider"},
+	{NULL, "all inputs are within their ranges, in any combination; a continuous joint has any angle that --trig takes"},
+	{has_planar, "a planar joint has any angle that --trig takes, unless a range is given"},
+	{has_floating, "quaternions: the square of the length of each is within 1e-6 of 1; it is any orientation"},
+	{has_bodies, "the ten numbers of a freed inertia or payload are each within the range that is listed, in any combination"},
+	{has_friction, "friction is the smooth one of the text: c qd / sqrt(qd^2 + width^2)"},
+	{NULL, "ranges are of the exact outputs; a text's result is within error_bound of these"},
+	{NULL, "rounding to nearest, subnormal numbers kept; products may be joined to sums or not; sine and cosine are the text's own"},
+	{NULL, "nothing overflows: where it may, error_bound is null, and no_bound names the quantity and the range to narrow"},
+	{NULL, "the double and extended arithmetic of the processor that proves is that of IEEE 754, and its sine and cosine in extended "
+	       "precision are good to 2^-60"}};
 enum { ASSUMPTION_COUNT = sizeof ASSUMPTIONS / sizeof *ASSUMPTIONS };
+
+static int is_assumed(const struct proved *x, int i)
+{
+	return !ASSUMPTIONS[i].needed || ASSUMPTIONS[i].needed(x->a);
+}
 
 static const char *joint_of(const struct proved *x, const struct output *o, double *effort)
 {
@@ -128,10 +173,11 @@ void rows_put_json(const struct proved *x, struct text *out)
 	text_put(out, "{\n  \"robot\": ");
 	text_put_json(out, x->a->robot.name);
 	text_printf(out, ",\n  \"trig\": \"%s\",\n  \"assumptions\": [", emit_trig_name(x->a->options.trig));
-	for (int i = 0; i < ASSUMPTION_COUNT; i++) {
-		text_put(out, i ? ",\n    " : "\n    ");
-		text_put_json(out, ASSUMPTIONS[i]);
-	}
+	for (int i = 0; i < ASSUMPTION_COUNT; i++)
+		if (is_assumed(x, i)) {
+			text_put(out, i ? ",\n    " : "\n    ");
+			text_put_json(out, ASSUMPTIONS[i].text);
+		}
 	text_put(out, "\n  ],\n  \"ranges\": [");
 	put_ranges(x, out);
 	text_put(out, "\n  ],\n  \"rows\": [");
@@ -186,5 +232,6 @@ void rows_put_table(const struct proved *x, struct text *out)
 		put_line(x, output_at(x, i), out);
 	text_put(out, "\nThis holds if:\n");
 	for (int i = 0; i < ASSUMPTION_COUNT; i++)
-		text_printf(out, "- %s\n", ASSUMPTIONS[i]);
+		if (is_assumed(x, i))
+			text_printf(out, "- %s\n", ASSUMPTIONS[i].text);
 }

@@ -1,7 +1,8 @@
 /* rnearun prove: what holds for every state within the limits. */
 #define _POSIX_C_SOURCE 200809L
 #include "prove/run_prove.h"
-#include "prove/envelope.h"
+#include "prove/tell/envelope.h"
+#include "core/seconds.h"
 #include "rnearun/command.h"
 #include "rnearun/gnuplot.h"
 #include <math.h>
@@ -191,7 +192,7 @@ static int run(struct proving *p)
 int run_prove(struct ranks *ranks, int argc, char **argv)
 {
 	static const struct command_kind kind = {"rnearun prove", HELP, OPTIONS, ":", take};
-	struct proving p = {.options = {.precisions = {RNEAGEN_F32, RNEAGEN_F64}, .precision_count = 2, .seconds = 60}};
+	struct proving p = {.options = {.precisions = {RNEAGEN_F32, RNEAGEN_F64}, .precision_count = 2, .seconds = 60, .start = seconds_now()}};
 	int status = command_parse(&p.command, &kind, &p, ranks, argc, argv);
 
 	if (status < 0)
