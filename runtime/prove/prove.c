@@ -4,6 +4,7 @@
 #include "emit/emit.h"
 #include "emit/number_type.h"
 #include "range/cover.h"
+#include "range/cut.h"
 #include "range/magnitude.h"
 #include "prove/rounding.h"
 #include "prove/seek_errors.h"
@@ -14,11 +15,19 @@
 /* Shares of the time. What is left is for what takes longer than it should. */
 #define SHARE_SEEK 0.05
 #define SHARE_WHOLE 0.05
+#define SHARE_LIMBS 0.01
 #define SHARE_MAGNITUDE 0.03
 #define SHARE_CURVATURE 0.13
 #define SHARE_COVER 0.20
 #define SHARE_SEEK_ERRORS 0.08
 #define SHARE_ERRORS 0.44
+
+/* Outputs whose ranges are proved together: of a field, or of a limb that is cut off. */
+struct target {
+	const struct field *f;
+	const struct box *b;
+	const int *outputs; /* NULL: as in the field */
+};
 
 struct proving {
 	const struct analysis *a;
@@ -31,6 +40,8 @@ struct proving {
 	struct arena arena;
 	struct field *fields;
 	int field_count;
+	struct target *targets;
+	int target_count;
 	struct effort effort;
 	struct sought (*found)[2];              /* by output of the DAG, of the relaxed box */
 	struct states states;                   /* of the text's */
@@ -44,15 +55,16 @@ static void show(struct proving *p, const char *doing)
 	progress_show(p->progress, (uint64_t)(seconds_now() - p->start), doing);
 }
 
-/* A field's share of the work: the more rows of q, the more points, or the more there is to search. */
+/* A target's share of the work: the more rows of q, the more points, or the more there is to search. */
 static double share_of(const struct proving *p, int k, int of_grids)
 {
 	double sum = 0, own = 0;
 
-	for (int i = 0; i < p->field_count; i++) {
-		double n = p->fields[i].dim_count, work = p->fields[i].output_count * (1 + n * n * n);
+	for (int i = 0; i < p->target_count; i++) {
+		const struct field *f = p->targets[i].f;
+		double n = f->dim_count, work = f->output_count * (1 + n * n * n);
 
-		if (of_grids && !p->fields[i].has_grid)
+		if (of_grids && !f->has_grid)
 			work = 0;
 
 		sum += work;
@@ -95,21 +107,6 @@ static enum rneagen_code seek_all(struct proving *p)
 	return RNEAGEN_OK;
 }
 
-/* The better of both ways. */
-static void take_rows(const struct proving *p, const struct field *f, const struct cover *c, const struct interval *ranges,
-	struct prove_row *rows)
-{
-	for (int i = 0; i < f->output_count; i++) {
-		struct prove_row *r = &rows[f->outputs[i]];
-
-		r->low = fmax(c->lower[i], ranges[i].lower);
-		r->high = fmin(c->upper[i], ranges[i].upper);
-		r->plain = f->plain[i];
-		r->found_low = p->values[f->outputs[i]][0];
-		r->found_high = p->values[f->outputs[i]][1];
-	}
-}
-
 /* What proving the ranges of a field needs, by output. */
 struct ranging {
 	double (*found)[2], *largest, *bends;
@@ -118,8 +115,30 @@ struct ranging {
 	struct cover cover;
 };
 
-static int ranging_make(struct ranging *r, const struct field *f, const struct sought (*found)[2])
+/* The number of an output of a target among all. */
+static int output_of(const struct target *t, int i)
 {
+	return t->outputs ? t->outputs[t->f->outputs[i]] : t->f->outputs[i];
+}
+
+/* The better of both ways. */
+static void take_rows(const struct proving *p, const struct target *t, const struct ranging *g, struct prove_row *rows)
+{
+	for (int i = 0; i < t->f->output_count; i++) {
+		int output = output_of(t, i);
+		struct prove_row *r = &rows[output];
+
+		r->low = fmax(r->low, fmax(g->cover.lower[i], g->ranges[i].lower));
+		r->high = fmin(r->high, fmin(g->cover.upper[i], g->ranges[i].upper));
+		r->plain = fmin(r->plain, t->outputs ? r->plain : t->f->plain[i]);
+		r->found_low = p->values[output][0];
+		r->found_high = p->values[output][1];
+	}
+}
+
+static int ranging_make(struct ranging *r, const struct target *t, const struct sought (*found)[2])
+{
+	const struct field *f = t->f;
 	size_t outputs = (size_t)f->output_count;
 
 	*r = (struct ranging){calloc(outputs, sizeof *r->found), calloc(outputs, sizeof *r->largest),
@@ -129,7 +148,7 @@ static int ranging_make(struct ranging *r, const struct field *f, const struct s
 		return 0;
 	for (int i = 0; i < f->output_count; i++)
 		for (int side = 0; side < 2; side++) {
-			r->found[i][side] = found[f->outputs[i]][side].value;
+			r->found[i][side] = found[output_of(t, i)][side].value;
 			r->largest[i] = fmax(r->largest[i], fabs(r->found[i][side]));
 		}
 	return 1;
@@ -158,37 +177,39 @@ static int cover_nothing(struct cover *c, const struct field *f)
 	return c->upper && c->lower;
 }
 
-static int find_covers(struct proving *p, const struct field *f, struct ranging *r, double seconds)
+static int find_covers(struct proving *p, const struct target *t, struct ranging *r, double seconds)
 {
+	const struct field *f = t->f;
 	const struct curvature_start from = {r->whole, r->largest, r->bends};
 	struct effort soon = p->effort;
 
 	soon.deadline = fmin(p->effort.deadline, seconds_now() + 2 * SHARE_WHOLE * seconds);
-	return magnitude_find(r->whole, f, &p->box, 1, &p->effort, SHARE_WHOLE * seconds) && magnitude_bends(r->bends, f, &p->box, &soon) &&
+	return magnitude_find(r->whole, f, t->b, 1, &p->effort, SHARE_WHOLE * seconds) && magnitude_bends(r->bends, f, t->b, &soon) &&
 	       curvature_find(&r->curvature, f, &from, &p->effort, SHARE_CURVATURE * seconds) &&
 	       cover_find(&r->cover, f, &r->curvature, (const double(*)[2])r->found, &p->effort, SHARE_COVER * seconds);
 }
 
 static int find_ranges(struct proving *p, int k, struct ranging *r)
 {
-	const struct field *f = &p->fields[k];
+	const struct target *t = &p->targets[k];
+	const struct field *f = t->f;
 	double seconds = p->o->seconds;
 
-	if (!(f->has_grid ? find_covers(p, f, r, seconds * share_of(p, k, 1)) : cover_nothing(&r->cover, f)))
+	if (!(f->has_grid ? find_covers(p, t, r, seconds * share_of(p, k, 1)) : cover_nothing(&r->cover, f)))
 		return 0;
-	return magnitude_find(r->ranges, f, &p->box, 0, &p->effort, SHARE_MAGNITUDE * seconds * share_of(p, k, 0));
+	return magnitude_find(r->ranges, f, t->b, 0, &p->effort, SHARE_MAGNITUDE * seconds * share_of(p, k, 0));
 }
 
-static enum rneagen_code prove_field(struct proving *p, int k, struct prove_row *rows)
+static enum rneagen_code prove_target(struct proving *p, int k, struct prove_row *rows)
 {
-	const struct field *f = &p->fields[k];
+	const struct target *t = &p->targets[k];
 	struct ranging r;
 	int done;
 
 	show(p, "ranges");
-	done = ranging_make(&r, f, (const struct sought(*)[2])p->found) && find_ranges(p, k, &r);
+	done = ranging_make(&r, t, (const struct sought(*)[2])p->found) && find_ranges(p, k, &r);
 	if (done)
-		take_rows(p, f, &r.cover, r.ranges, rows);
+		take_rows(p, t, &r, rows);
 	ranging_free(&r);
 	return done ? RNEAGEN_OK : error_memory(p->e);
 }
@@ -212,6 +233,25 @@ static enum rneagen_code prove_errors(struct proving *p, struct proof *proof)
 	if (!rounding_find(proof->rows, &p->relaxed, p->b, p->models, p->o->precision_count, &p->effort, SHARE_ERRORS * p->o->seconds))
 		return error_memory(p->e);
 	return RNEAGEN_OK;
+}
+
+static enum rneagen_code add_fields(struct proving *p)
+{
+	p->targets = arena_alloc(&p->arena, 2 * p->a->dag.output_count + 1, sizeof *p->targets);
+	for (int k = 0; k < p->field_count && p->targets; k++)
+		p->targets[p->target_count++] = (struct target){&p->fields[k], &p->box, NULL};
+	return p->targets ? RNEAGEN_OK : error_memory(p->e);
+}
+
+static enum rneagen_code add_limbs(struct proving *p)
+{
+	struct cut *cuts;
+	int count = cut_make(&cuts, &p->relaxed, p->fields, p->field_count, &p->effort, SHARE_LIMBS * p->o->seconds, &p->arena);
+
+	for (int i = 0; i < count; i++)
+		for (int k = 0; k < cuts[i].field_count; k++)
+			p->targets[p->target_count++] = (struct target){&cuts[i].fields[k], &cuts[i].box, cuts[i].outputs};
+	return count >= 0 ? RNEAGEN_OK : error_memory(p->e);
 }
 
 static int make_states(struct proving *p)
@@ -238,10 +278,14 @@ static enum rneagen_code prove_all(struct proving *p, struct proof *proof)
 	p->effort.record = p->o->record;
 	p->effort.deadline = p->start + 1.2 * p->o->seconds;
 	set_models(p);
-	if (seek_all(p))
+	if (add_fields(p) || seek_all(p))
 		return p->e->code;
-	for (int k = 0; k < p->field_count; k++)
-		if (prove_field(p, k, proof->rows))
+	for (size_t i = 0; i < p->a->dag.output_count; i++)
+		proof->rows[i] = (struct prove_row){.low = -(double)INFINITY, .high = (double)INFINITY, .plain = (double)INFINITY};
+	if (add_limbs(p))
+		return p->e->code;
+	for (int k = 0; k < p->target_count; k++)
+		if (prove_target(p, k, proof->rows))
 			return p->e->code;
 	proof->range_seconds = seconds_now() - p->start;
 	if (prove_errors(p, proof))

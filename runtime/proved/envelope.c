@@ -7,18 +7,10 @@ static int is_torque(enum role role)
 	return role == ROLE_JOINT_TORQUE || role == ROLE_GRAVITY_TORQUE || role == ROLE_BIAS_TORQUE;
 }
 
-/* The joint whose torque an output is; NULL: it is none, or what a floating base needs. */
-static const struct tree_joint *joint_of(const struct analysis *a, const struct output *o)
+int envelope_is_there(const struct dag *d)
 {
-	const struct tree_joint *t = is_torque(a->dag.arguments[o->argument].role) ? tree_joint_of_row(&a->tree, o->row) : NULL;
-
-	return t && *t->name ? t : NULL;
-}
-
-int envelope_is_there(const struct analysis *a)
-{
-	for (size_t i = 0; i < a->dag.output_count; i++)
-		if (joint_of(a, &a->dag.outputs[i]))
+	for (size_t i = 0; i < d->output_count; i++)
+		if (is_torque(d->arguments[d->outputs[i].argument].role))
 			return 1;
 	return 0;
 }
@@ -31,6 +23,19 @@ static const char *unit_of(const struct tree_joint *t, int row)
 	int forces = t->type == JOINT_FLOATING ? 3 : t->type == JOINT_PLANAR ? 2 : t->type == JOINT_PRISMATIC;
 
 	return row - t->iv < forces ? "N" : "N m";
+}
+
+/* "elbow"; of a joint with several rows "root fx"; a floating base has no name. */
+static const char *name_of(const struct tree_joint *t, int row, struct arena *a)
+{
+	static const char *const floating[] = {"fx", "fy", "fz", "nx", "ny", "nz"}, *const planar[] = {"fx", "fy", "nz"};
+	struct text name;
+
+	if (t->nv == 1)
+		return t->name;
+	text_init(&name, a);
+	text_printf(&name, "%s %s", *t->name ? t->name : "base", (t->type == JOINT_PLANAR ? planar : floating)[row - t->iv]);
+	return text_string(&name);
 }
 
 static double effort_of(const struct tree *t, const struct tree_joint *k)
@@ -64,19 +69,19 @@ int envelope_list(struct envelope *x, const struct proved *of, struct arena *a)
 	for (size_t i = 0; i < d->output_count && x->rows; i++) {
 		const struct output *o = &d->outputs[i];
 		const struct argument *argument = &d->arguments[o->argument];
-		const struct tree_joint *t = joint_of(of->a, o);
+		const struct tree_joint *t = tree_joint_of_row(&of->a->tree, o->row);
 		const struct prove_row *r = &of->p->rows[i];
 
-		if (!t)
+		if (!is_torque(argument->role))
 			continue;
-		x->rows[x->count] = (struct envelope_row){.output = argument->name, .joint = t->name, .unit = unit_of(t, o->row), .argument = o->argument,
+		x->rows[x->count] = (struct envelope_row){.output = argument->name, .joint = name_of(t, o->row, a), .unit = unit_of(t, o->row), .argument = o->argument,
 			.row = o->row, .low = r->low, .high = r->high, .found_low = r->found_low, .found_high = r->found_high,
 			.effort = effort_of(&of->a->tree, t)};
 		judge(&x->rows[x->count++]);
 	}
 	if (x->rows)
 		qsort(x->rows, x->count, sizeof *x->rows, by_row);
-	return x->rows != NULL;
+	return !a->failed;
 }
 
 /* ---- CSV ---- */
@@ -125,11 +130,11 @@ static void put_one(const struct envelope_row *r, int is_first, struct text *out
 
 	switch (r->verdict) {
 	case ENVELOPE_EXCEEDED:
-		text_printf(out, "- more than the limit: %s of %s, %g %s: a state was found that needs %.6g, %.0f %% of it; none needs more than %.6g\n",
+		text_printf(out, "- more than the limit: %s of %s, %g %s: a state was found that needs %.6g, %.3g %% of it; none needs more than %.6g\n",
 			r->output, r->joint, r->effort, r->unit, found, 100 * r->found, most);
 		return;
 	case ENVELOPE_OPEN:
-		text_printf(out, "- perhaps more than the limit: %s of %s, %g %s: no state needs more than %.6g, %.0f %% of it; found was %.6g\n",
+		text_printf(out, "- perhaps more than the limit: %s of %s, %g %s: no state needs more than %.6g, %.3g %% of it; found was %.6g\n",
 			r->output, r->joint, r->effort, r->unit, most, 100 * r->proved, found);
 		return;
 	case ENVELOPE_KEPT:

@@ -23,9 +23,8 @@ struct envelope {
 	size_t count;
 };
 
-/* Is any output the torques of joints, all of them, those of gravity, or of gravity and velocity? What a floating
-   base needs is no joint's. */
-int envelope_is_there(const struct analysis *a);
+/* Is any output the torques of joints, all of them, those of gravity, or of gravity and velocity? */
+int envelope_is_there(const struct dag *d);
 
 /* Arrays live in `a`. Returns 0 when memory runs out. */
 int envelope_list(struct envelope *x, const struct proved *of, struct arena *a);

@@ -193,8 +193,8 @@ static int prove_robot(struct proving *p)
 	struct progress progress;
 	int status;
 
-	if ((p->envelope || p->picture) && !envelope_is_there(&p->analysis))
-		error_set(&e, RNEAGEN_USAGE, "--envelope and --picture: no output is a torque of a joint: --want tau, gravity or bias");
+	if ((p->envelope || p->picture) && !envelope_is_there(&p->analysis.dag))
+		error_set(&e, RNEAGEN_USAGE, "--envelope and --picture: no output is a torque: --want tau, gravity or bias");
 	if (!e.code && p->picture)
 		gnuplot_check("--picture", &e);
 	if (e.code || box_make(&box, &p->analysis, &p->arena, &e))
