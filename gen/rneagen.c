@@ -34,7 +34,7 @@ struct generation {
 
 struct rneagen_options rneagen_options_default(void)
 {
-	return (struct rneagen_options){.gravity = {0, 0, -9.81}};
+	return (struct rneagen_options){.trig = RNEAGEN_TRIG_AUTO, .gravity = {0, 0, -9.81}};
 }
 
 /* ---- passes beyond those of the analysis ---- */
@@ -236,6 +236,7 @@ static enum rneagen_code emit(struct generation *g)
 	text_init(&header, a->arena);
 	scene_put_comment(&a->scene, &a->outcome, &told);
 	params_put_comment(a, &told);
+	trig_put_comment(a, &told);
 	effect_put_comment(&g->info.effects, a, &told);
 	SHA256Data((const uint8_t *)a->urdf, a->length, g->hash);
 	g->emission = new_emission(g, text_string(&told));

@@ -27,7 +27,8 @@ enum rneagen_target { RNEAGEN_TARGETS(RNEAGEN_TARGET_ENUM) RNEAGEN_TARGET_COUNT 
 enum rneagen_precision { RNEAGEN_PRECISION_DEFAULT, RNEAGEN_PRECISIONS(RNEAGEN_PRECISION_ENUM) }; /* default: f64 for C, else f32 */
 #undef RNEAGEN_PRECISION_ENUM
 enum rneagen_layout { RNEAGEN_SOA, RNEAGEN_AOS };                                /* [row][sample], [sample][row] */
-enum rneagen_trig { RNEAGEN_ACCURATE, RNEAGEN_BOUNDED, RNEAGEN_FAST };
+enum rneagen_trig { RNEAGEN_ACCURATE, RNEAGEN_BOUNDED, RNEAGEN_FAST,
+	RNEAGEN_TRIG_AUTO }; /* bounded where the scene states a range for every joint's angle, else accurate */
 enum rneagen_base { RNEAGEN_FIXED, RNEAGEN_FLOATING };
 enum rneagen_mimic { RNEAGEN_MIMIC_HONOUR, RNEAGEN_MIMIC_INDEPENDENT };
 enum { RNEAGEN_PARTS_AUTO = 0, RNEAGEN_SEGMENTS_AUTO = 0, RNEAGEN_SEGMENTS_WHOLE = 1, RNEAGEN_LIMBS_AUTO = 0, RNEAGEN_LIMBS_NONE = 1 };

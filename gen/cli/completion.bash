@@ -85,8 +85,8 @@ _rnearun_model="--threads --precision --strict --trig --base --gravity --mimic -
 _rnearun_common="--backend --device $_rnearun_model"
 _rnearun_study="--layout --samples --seed --qd-range --qdd-range --batch $_rnearun_common"
 _rnearun_report="--format --plot $_rnearun_study"
-_rnearun_choose="--max-error --measured $_rnearun_study"
-_rnearun_prove="--seconds --format --certificate $_rnearun_model"
+_rnearun_choose="--max-error --measured --proved --seconds $_rnearun_study"
+_rnearun_prove="--seconds --format --certificate --envelope --picture $_rnearun_model"
 _rnearun_check_certificate="--threads --help"
 _rnearun_eval="--in --q --qd --qdd --input -o --out --output --slice --resume $_rnearun_common"
 
@@ -100,7 +100,8 @@ _rnearun() {
 	fi
 	case $option in
 	--in | --q | --qd | --qdd | -o | --out) _rneagen_files "$current" .npy ;;
-	--plot) _rneagen_files "$current" .svg ;;
+	--plot | --picture) _rneagen_files "$current" .svg ;;
+	--envelope) _rneagen_files "$current" .csv ;;
 	--certificate) _rneagen_files "$current" .json ;;
 	--scene | --armature) _rneagen_files "$current" '' ;;
 	--input | --output) ;; # NAME=FILE

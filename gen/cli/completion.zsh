@@ -37,7 +37,7 @@ _rneagen_model=(
 	'--friction=-[of the URDF, smoothed]::width:'
 	'--snap-angle=[angles this near a multiple of pi/2 are that]:rad:'
 	'--round-constants=[significant digits of each constant]:digits:'
-	'--drop-below=[leave out terms of less effect]:fraction:'
+	'--drop-below=[leave out terms of less effect, FRACTION or FRACTION\:sampled]:fraction:'
 	'*--range=[what an input is drawn from]:NAME=LO,HI:'
 	'(- *)--help[print a summary of the options]'
 )
@@ -105,7 +105,9 @@ _rnearun_report() {
 _rnearun_choose() {
 	_arguments "${_rnearun_study[@]}" \
 		'--max-error=[of all samples]:number:' \
-		'--measured[judge by the measured errors alone, not by bounds]'
+		'--measured[judge by the measured errors alone, not by bounds]' \
+		'--proved[judge by what holds for every state]' \
+		'--seconds=[for the proof]:number:'
 }
 
 _rnearun_prove() {
@@ -113,6 +115,8 @@ _rnearun_prove() {
 		'--seconds=[for proof and search]:number:' \
 		'--format=[of what is printed]:format:(text json)' \
 		'--certificate=[bounds, and the steps that they follow from]:file:_files -g "*.json"' \
+		'--envelope=[torques beside limits of effort]:table:_files -g "*.csv"' \
+		'--picture=[the same drawn]:picture:_files -g "*.svg"' \
 		'1:robot:_files -g "*.urdf"'
 }
 

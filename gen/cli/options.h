@@ -96,8 +96,9 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"                             of the URDF, smoothed over this width in rad/s or m/s\n"                         \
 	"  --snap-angle TOL           angles within TOL rad of a multiple of pi/2 are that multiple\n"                 \
 	"  --round-constants DIGITS   so many significant digits of each constant\n"                                   \
-	"  --drop-below FRACTION      leave out terms whose effect on every output, over drawn inputs, is below this\n"    \
-	"                             fraction of the largest value that it has\n"                                         \
+	"  --drop-below FRACTION      leave out terms that together change no output by more than this fraction of its\n"  \
+	"                             largest value: proved for all states within limits and --range;\n"                   \
+	"                             FRACTION:sampled: each alone, in drawn samples; nothing is proved\n"                 \
 	"  --range NAME=LO,HI         what an input is drawn from where a text is measured: q, qd, qdd, tau, q.JOINT,\n" \
 	"                             gravity, mass.LINK, fext.LINK, ...; NAME[ROW] for one row\n"
 

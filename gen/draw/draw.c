@@ -13,7 +13,13 @@ const struct draw_options DRAW_EFFECTS = {.seed = 1, .count = 100, .each = 1};
 
 static struct draw_range between(double lower, double upper)
 {
-	return (struct draw_range){DRAW_NUMBER, lower, upper};
+	return (struct draw_range){DRAW_NUMBER, lower, upper, 0};
+}
+
+static struct draw_range known(struct draw_range r, int is_known)
+{
+	r.is_known = is_known;
+	return r;
 }
 
 static struct draw_range around(double size)
@@ -27,22 +33,22 @@ static struct draw_range position_range(const struct joint *j)
 	int limited = j->has_limits && j->lower < j->upper && fabs(j->lower) <= DRAW_LIMIT && fabs(j->upper) <= DRAW_LIMIT;
 
 	if (limited && j->type != JOINT_CONTINUOUS)
-		return between(j->lower, j->upper);
-	return around(j->type == JOINT_PRISMATIC ? 1 : PI);
+		return known(between(j->lower, j->upper), 1);
+	return known(around(j->type == JOINT_PRISMATIC ? 1 : PI), j->type == JOINT_CONTINUOUS);
 }
 
 static struct draw_range velocity_range(const struct joint *j)
 {
 	int limited = j && j->has_limits && j->velocity > 0 && j->velocity <= DRAW_LIMIT;
 
-	return around(limited ? j->velocity : 3);
+	return known(around(limited ? j->velocity : 3), limited);
 }
 
 static struct draw_range torque_range(const struct joint *j)
 {
 	int limited = j && j->has_limits && j->effort > 0 && j->effort <= DRAW_LIMIT;
 
-	return around(limited ? j->effort : 10);
+	return known(around(limited ? j->effort : 10), limited);
 }
 
 static void range_position(const struct tree_joint *t, const struct joint *j, struct draw_range *q)
@@ -52,7 +58,9 @@ static void range_position(const struct tree_joint *t, const struct joint *j, st
 	for (int i = 0; i < t->nq; i++)
 		q[i] = i < lengths ? around(1) : around(PI);
 	for (int i = lengths; i < t->nq && t->type == JOINT_FLOATING; i++)
-		q[i].kind = DRAW_ROTATION;
+		q[i] = (struct draw_range){DRAW_ROTATION, -1, 1, 1};
+	if (t->type == JOINT_PLANAR)
+		q[lengths].is_known = 1;
 	if (!lengths)
 		q[0] = position_range(j);
 }
@@ -97,6 +105,7 @@ static void range_as_said(struct drawn_array *a, const struct request *k)
 				if (a->ranges[row].kind != DRAW_ROTATION) {
 					a->ranges[row].lower = r->lower;
 					a->ranges[row].upper = r->upper;
+					a->ranges[row].is_known = 1;
 				}
 		}
 }
@@ -136,6 +145,43 @@ int draw_ranges(struct drawn *x, const struct tree *t, const struct request *k, 
 	for (int i = 0; i < x->count; i++)
 		range_as_said(&x->arrays[i], k);
 	return 1;
+}
+
+/* ---- bounds ---- */
+
+static void widen(double bounds[2], double lower, double upper)
+{
+	bounds[0] += fmin(lower, 0) * (1 + 0x1p-40);
+	bounds[1] += fmax(upper, 0) * (1 + 0x1p-40);
+}
+
+/* What draw_body makes of all masses from r.lower to r.upper: a box of no more mass than `box`, and the rest as the URDF has it. */
+static void bound_body(const struct freed *f, struct draw_range r, double (*bounds)[2])
+{
+	double box = f->nominal[0] > 0 ? 0.1 * r.upper : r.upper, most;
+
+	for (int i = 0; i < FREED_ROWS; i++) {
+		bounds[i][0] = bounds[i][1] = 0;
+		most = f->nominal[0] > 0 ? r.upper * (double)(f->nominal[i] / f->nominal[0]) : 0;
+		widen(bounds[i], most, most);
+		if (i > 0 && i < 4)
+			widen(bounds[i], -0.1 * box, 0.1 * box);
+	}
+	for (int i = 0; i < 3; i++)
+		for (int j = i; j < 3; j++)
+			widen(bounds[4 + inertia_index(i, j)], i == j ? 0 : -0.01 * box, i == j ? (0.02 / 3 + 0.02) * box : 0.01 * box);
+	bounds[0][0] = r.lower;
+	bounds[0][1] = r.upper;
+}
+
+void draw_bounds(const struct drawn_array *x, double (*bounds)[2])
+{
+	for (int i = 0; i < x->rows; i++) {
+		bounds[i][0] = x->ranges[i].lower;
+		bounds[i][1] = x->ranges[i].upper;
+	}
+	if (x->rows && x->ranges[0].kind == DRAW_BODY)
+		bound_body(x->freed, x->ranges[0], bounds);
 }
 
 /* ---- drawing ---- */

@@ -13,6 +13,7 @@ enum draw_kind { DRAW_NUMBER, DRAW_ROTATION, DRAW_BODY };
 struct draw_range {
 	enum draw_kind kind;
 	double lower, upper;
+	int is_known; /* the scene states it, or the URDF has it as a limit, or there is no other: every angle, every rotation */
 };
 
 struct drawn_array {
@@ -54,6 +55,9 @@ enum { DRAW_LIMIT = 1000 };
    an input do not depend on ranges of others. */
 int draw_ranges(struct drawn *x, const struct tree *t, const struct request *k, struct arena *a);
 int draw_inputs(struct drawn *x, const struct tree *t, const struct request *k, const struct draw_options *o, struct arena *a);
+
+/* Bounds of every row of an array, over all that is drawn of it. Angles that can have any value have -pi to pi. */
+void draw_bounds(const struct drawn_array *x, double (*bounds)[2]);
 
 /* Round every number to single precision. */
 void draw_round(struct drawn *x);

@@ -23,17 +23,18 @@ static struct ref copy(void *context, struct dag *out, size_t i)
 	return dag_operation(out, n->op, arg[0], arg[1], arg[2]);
 }
 
-void prune_terms(struct dag *out, const struct dag *d, const struct tree *t, const struct request *k, double fraction)
+enum rneagen_code prune_terms(struct dag *out, struct proven *told, const struct dag *d, const struct tree *t, const struct request *k,
+	double fraction, int is_sampled, struct rneagen_error *e)
 {
 	struct pruning p = {.d = d};
 	struct arena spare;
 
 	arena_init(&spare, &out->arena->allocator);
 	p.map = arena_alloc(&spare, d->count, sizeof *p.map);
-	p.unfelt = d->failed || !p.map ? NULL : felt_find(d, t, k, fraction, &spare);
+	if (p.map && !d->failed)
+		p.unfelt = is_sampled ? felt_find(d, t, k, fraction, &spare) : proven_find(told, d, t, k, fraction, &spare, e);
 	if (p.unfelt)
 		dag_copy(out, d, p.map, copy, &p);
-	else
-		out->failed = 1;
 	arena_free(&spare);
+	return e->code ? e->code : !p.unfelt || out->failed ? error_memory(e) : RNEAGEN_OK;
 }

@@ -5,7 +5,7 @@
 
 const char *emit_trig_name(enum rneagen_trig trig)
 {
-	static const char *const names[] = {"accurate", "bounded", "fast"};
+	static const char *const names[] = {"accurate", "bounded", "fast", "auto"};
 
 	return names[trig];
 }

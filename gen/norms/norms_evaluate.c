@@ -1,5 +1,5 @@
 /* Values of norms.h over a box, lane by lane. */
-#include "norms/norms.h"
+#include "norms/norms_form.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -286,6 +286,16 @@ static const double *norm_at(const struct norms *x, const struct norms_values *v
 	return room;
 }
 
+/* By multiples of other vectors. */
+static double narrow_form(const struct norms *x, const struct norms_form *f, const struct norms_values *v)
+{
+	double sum = f->u ? f->product * v->norm[x->set_at[f->u - 1]] * v->norm[x->set_at[f->v - 1]] : 0;
+
+	if (f->x)
+		sum += f->factor * v->norm[x->set_at[f->x - 1]];
+	return sum >= 0 ? sum * (1 + 0x1p-46) + DBL_MIN : (double)INFINITY;
+}
+
 /* The same of a set of one lane. */
 static double narrow_norm(const struct norms *x, const struct norms_set *s, const struct norms_values *v)
 {
@@ -302,9 +312,23 @@ static double narrow_norm(const struct norms *x, const struct norms_set *s, cons
 		sum = interval_least(sum, rest * rest + apart * apart);
 	}
 	least = sqrt(sum) * (1 + 0x1p-48) + DBL_MIN;
+	if (s->form)
+		least = interval_least(least, narrow_form(x, s->form, v));
 	if (s->one)
 		least = interval_least(least, (v->norm[x->set_at[s->one - 1]] + (s->other ? v->norm[x->set_at[s->other - 1]] : 0)) * (1 + 0x1p-48));
 	return least;
+}
+
+/* The same in lanes, into room[2]; without products. */
+static void wide_form(const struct norms *x, const struct norms_form *f, const struct norms_values *v, double room[3][MOST_LANES])
+{
+	const double *of = norm_at(x, v, f->x, 1, room[0]);
+
+	for (size_t i = 0; i < x->lanes; i++) {
+		double norm = f->factor * of[i];
+
+		room[2][i] = norm >= 0 ? norm * (1 + 0x1p-46) + DBL_MIN : (double)INFINITY;
+	}
 }
 
 static void evaluate_set(const struct norms *x, uint32_t k, struct norms_values *v)
@@ -329,6 +353,10 @@ static void evaluate_set(const struct norms *x, uint32_t k, struct norms_values 
 			room[2][i] *= room[2][i];
 		add_squares(apart.is_wide ? n : 1, apart.lower, apart.upper, room[2]);
 		take_roots(n, room[2]);
+		take_least(n, room[2], norm);
+	}
+	if (s->form && !s->form->u) {
+		wide_form(x, s->form, v, room);
 		take_least(n, room[2], norm);
 	}
 	if (s->one) {

@@ -13,7 +13,7 @@ enum rneagen_code pass_scene_parse(struct analysis *a)
 	if (scene_read(&a->scene, a->options.scene, a->options.file, a->arena, a->error) ||
 		scene_expand(&a->scene, &a->robot, a->arena, a->error))
 		return a->error->code;
-	return adjust_read(&a->adjust, &a->scene, a->error);
+	return adjust_read(&a->adjust, &a->scene, a->arena, a->error);
 }
 
 enum rneagen_code pass_scene_select(struct analysis *a)
@@ -67,12 +67,25 @@ static enum rneagen_code check_bound(struct analysis *a)
 	return RNEAGEN_OK;
 }
 
+/* The least domain of any precision. Outside it sine and cosine are NaN, so nothing is wrong in silence. */
+#define BOUNDED_ANGLE 9990
+
+static void choose_trig(struct analysis *a)
+{
+	int is_enough = request_bounds_angles(&a->request, &a->tree, BOUNDED_ANGLE);
+
+	if (a->options.trig == RNEAGEN_TRIG_AUTO)
+		a->options.trig = is_enough ? RNEAGEN_BOUNDED : RNEAGEN_ACCURATE;
+	a->adjust.has_angles = is_enough && a->options.trig == RNEAGEN_BOUNDED;
+}
+
 enum rneagen_code pass_request_resolve(struct analysis *a)
 {
 	if (request_resolve(&a->request, &a->tree, &a->scene, &a->snapped, a->arena, a->error))
 		return a->error->code;
 	if (request_refine(&a->request, &a->scene, a->options.precision, a->error))
 		return a->error->code;
+	choose_trig(a);
 	return check_bound(a);
 }
 
@@ -117,17 +130,30 @@ enum rneagen_code pass_dag_build(struct analysis *a)
 	return a->raw.failed ? error_memory(a->error) : RNEAGEN_OK;
 }
 
+/* Why nothing is proved, as a message of the option's. */
+static enum rneagen_code refuse_drop(struct analysis *a)
+{
+	char why[sizeof a->error->message];
+
+	memcpy(why, a->error->message, sizeof why);
+	*a->error = (struct rneagen_error){0};
+	return scene_refuse(&a->scene, scene_next(&a->scene, SCENE_DROP_BELOW, NULL), a->error, "%.700s", why);
+}
+
 /* What --drop-below leaves out. */
 enum rneagen_code pass_dag_prune(struct analysis *a)
 {
 	struct dag all = a->raw;
+	enum rneagen_code code;
 
 	if (a->adjust.prune == 0)
 		return RNEAGEN_OK;
 	dag_init(&a->raw, &a->raw_arena);
-	prune_terms(&a->raw, &all, &a->tree, &a->request, a->adjust.prune);
+	code = prune_terms(&a->raw, &a->dropped, &all, &a->tree, &a->request, a->adjust.prune, a->adjust.is_sampled, a->error);
 	dag_free(&all);
 	dag_close(&a->raw);
+	if (code)
+		return code == RNEAGEN_SCENE || code == RNEAGEN_LIMIT ? refuse_drop(a) : code;
 	return a->raw.failed ? error_memory(a->error) : RNEAGEN_OK;
 }
 

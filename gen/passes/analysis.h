@@ -5,6 +5,7 @@
    changes once more. */
 
 #include "dag/eval_model.h"
+#include "draw/proven.h"
 #include "dynamics/registry.h"
 #include "rneagen.h"
 #include "scene/outcome.h"
@@ -38,6 +39,7 @@ struct analysis {
 	struct tree tree;               /* tree_build, params_choose; its gravity: request_resolve */
 	struct params_choice params;          /* params_choose */
 	struct request request;         /* request_resolve */
+	struct proven dropped;          /* dag_prune, where it is proved: how much outputs change without the terms */
 	struct dag raw;                 /* dag_build, dag_prune; until analysis_free_raw */
 	struct dag dag;                 /* dag_fuse: q, qd, qdd -> tau or what else is asked for, products joined to sums as in the text */
 	struct arena raw_arena, own;    /* private; own: by analysis_open */

@@ -18,13 +18,37 @@ static enum rneagen_code read_number(double *value, const struct scene *s, enum 
 	return RNEAGEN_OK;
 }
 
-enum rneagen_code adjust_read(struct adjust *x, const struct scene *s, struct rneagen_error *e)
+/* FRACTION, or FRACTION:sampled. */
+static enum rneagen_code read_fraction(struct adjust *x, const struct scene *s, struct arena *a, struct rneagen_error *e)
+{
+	const struct scene_choice *c = scene_next(s, SCENE_DROP_BELOW, NULL);
+	struct scene_choice bare;
+	struct within read;
+	const char *colon = c && c->value ? strrchr(c->value, ':') : NULL;
+
+	if (!c)
+		return RNEAGEN_OK;
+	if (colon && strcmp(colon, ":sampled") != 0)
+		return scene_refuse(s, c, e, "takes FRACTION or FRACTION:sampled, not '%.255s'", c->value);
+	bare = *c;
+	if (colon)
+		bare.value = arena_string(a, c->value, (size_t)(colon - c->value));
+	if (a->failed)
+		return error_memory(e);
+	if (scene_numbers(s, &bare, &read, 1, e))
+		return e->code;
+	x->prune = (double)read.x;
+	x->is_sampled = colon != NULL;
+	return RNEAGEN_OK;
+}
+
+enum rneagen_code adjust_read(struct adjust *x, const struct scene *s, struct arena *a, struct rneagen_error *e)
 {
 	double digits = 0;
 
 	*x = (struct adjust){0};
 	if (read_number(&x->snap, s, SCENE_SNAP_ANGLE, e) || read_number(&digits, s, SCENE_ROUND_CONSTANTS, e) ||
-		read_number(&x->prune, s, SCENE_DROP_BELOW, e))
+		read_fraction(x, s, a, e))
 		return e->code;
 	if (x->snap < 0 || x->snap > 0.1)
 		return scene_refuse(s, scene_next(s, SCENE_SNAP_ANGLE, NULL), e, "takes an angle from 0 to 0.1 rad, not %s",
@@ -46,7 +70,7 @@ int adjust_is_asked(const struct adjust *x)
 
 int adjust_matters(const struct adjust *x, const struct scene *s, int line)
 {
-	return s->lines[line].key != SCENE_RANGE || adjust_is_asked(x);
+	return s->lines[line].key != SCENE_RANGE || adjust_is_asked(x) || x->has_angles;
 }
 
 /* ---- angles ---- */

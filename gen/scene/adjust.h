@@ -8,14 +8,16 @@
 struct adjust {
 	double snap; /* rad */
 	int digits;
-	double prune; /* terms that no output feels by this fraction */
+	double prune; /* terms that no output feels by this fraction: */
+	int has_angles; /* ranges keep every angle within what bounded sines take, so the text has these: by request_resolve */
+	int is_sampled; /* of each in drawn samples; else of all together in every state within the ranges */
 };
 
 /* What is listed as nearly right. */
 #define ADJUST_NEARLY 1e-4
 
-/* Errors: SCENE. */
-enum rneagen_code adjust_read(struct adjust *x, const struct scene *s, struct rneagen_error *e);
+/* Errors: SCENE, MEMORY. */
+enum rneagen_code adjust_read(struct adjust *x, const struct scene *s, struct arena *a, struct rneagen_error *e);
 
 /* Is any constant changed, or term left out? */
 int adjust_is_asked(const struct adjust *x);
@@ -30,7 +32,7 @@ double adjust_off_rpy(const struct within rpy[3], double tolerance);
    memory runs out. */
 struct robot adjust_snap(const struct robot *r, double tolerance, struct arena *a);
 
-/* Does a text depend on this line of the scene? On a range only where constants are changed. */
+/* Does a text depend on this line of the scene? On a range only where constants are changed, or sines chosen by it. */
 int adjust_matters(const struct adjust *x, const struct scene *s, int line);
 
 #endif

@@ -99,6 +99,8 @@ static enum rneagen_code measure_asked(struct effects *all, const struct measuri
 			other.digits = 0;
 		} else {
 			x.argument = other.prune;
+			x.is_proved = other.prune > 0 && !other.is_sampled;
+			x.most = m->now->dropped;
 			other.prune = 0;
 		}
 		if (x.argument > 0 && (build(&without, m, &other) || add_effect(all, &x, m->now, &without, m)))
@@ -198,7 +200,8 @@ enum rneagen_code effect_total(double *change, const struct analysis *a, const s
 
 /* ---- telling ---- */
 
-static void put_effect(const struct effect *x, struct text *out)
+/* `next`: the end of a line and the beginning of one that goes on with it */
+static void put_effect(const struct effect *x, const char *next, struct text *out)
 {
 	text_printf(out, "--%s %s %s %ld flops of rnea, and torques ", scene_word(x->key), number_plain(x->argument).s,
 		x->is_asked ? "saves" : "would save", x->saved);
@@ -207,6 +210,11 @@ static void put_effect(const struct effect *x, struct text *out)
 	else
 		text_printf(out, "%s by up to %.2g (%.2g of the largest |tau|)", x->is_asked ? "change" : "would change", x->change, x->share);
 	text_printf(out, ", sampled in %zu states", DRAW_EFFECTS.count);
+	if (x->is_proved)
+		text_printf(out, "%sproved for all states within the ranges below, in exact arithmetic: no output changes by more than %.2g, %.2g of its "
+				 "largest", next, x->most.change, x->most.share);
+	else if (x->key == SCENE_DROP_BELOW)
+		text_printf(out, "%sthe terms were chosen by samples, and nothing is proved of other states", next);
 }
 
 static int is_asked(const struct effects *all)
@@ -224,7 +232,7 @@ void effect_put_table(const struct effects *all, const struct analysis *a, struc
 			a->outcome.angles[i].name, a->outcome.angles[i].off);
 	for (int i = 0; i < all->count; i++) {
 		text_put(out, i ? "  " : "\nchanged constants\n  ");
-		put_effect(&all->of[i], out);
+		put_effect(&all->of[i], ";\n    ", out);
 		text_putc(out, '\n');
 	}
 	if (all->count) {
@@ -239,7 +247,7 @@ void effect_put_comment(const struct effects *all, const struct analysis *a, str
 	for (int i = 0; i < all->count; i++)
 		if (all->of[i].is_asked) {
 			text_put(out, " * ");
-			put_effect(&all->of[i], out);
+			put_effect(&all->of[i], ";\n *   ", out);
 			text_put(out, "\n");
 		}
 	if (is_asked(all)) {
@@ -264,6 +272,12 @@ static void put_json_effect(const struct effect *x, struct text *out)
 		x->is_asked ? "true" : "false", x->saved);
 	put_number("change", x->change, out);
 	put_number("share", x->share, out);
+	if (x->key == SCENE_DROP_BELOW)
+		text_printf(out, ", \"proved\": %s", x->is_proved ? "true" : "false");
+	if (x->is_proved) {
+		put_number("proved_change", x->most.change, out);
+		put_number("proved_share", x->most.share, out);
+	}
 	text_putc(out, '}');
 }
 

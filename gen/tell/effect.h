@@ -12,6 +12,8 @@ struct effect {
 	int is_asked;    /* 0: what the option would do */
 	long saved;      /* flops of rnea; negative: it costs so many more */
 	double change;   /* largest change of an output, as N m or N, */
+	int is_proved;   /* of drop-below: */
+	struct proven most; /* what no state within the ranges exceeds */
 	double share;    /* and of |tau| over the largest |tau|, in the samples of DRAW_EFFECTS; NAN where one overflows */
 };
 

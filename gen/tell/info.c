@@ -70,6 +70,7 @@ void info_table(const struct info *x, struct text *out)
 			t->mimics[i].multiplier.x, t->mimics[i].driver, t->mimics[i].offset.x);
 	scene_put_table(&a->scene, &a->outcome, out);
 	params_put_table(a, out);
+	trig_put_table(a, out);
 	saving_put_table(&x->savings, &a->scene, out);
 	effect_put_table(&x->effects, a, out);
 	scene_put_ignored(&a->outcome, out);

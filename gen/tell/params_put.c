@@ -30,6 +30,19 @@ void params_put_comment(const struct analysis *a, struct text *out)
 		text_put(out, " * fpass and bpass are computed by the URDF's constants.\n");
 }
 
+void trig_put_comment(const struct analysis *a, struct text *out)
+{
+	if (a->adjust.has_angles)
+		text_put(out, " * Sine and cosine are bounded: the scene states a range of every joint's angle. Beyond 1e4 rad they may be NaN;\n"
+			      " * with --trig accurate they take any angle.\n");
+}
+
+void trig_put_table(const struct analysis *a, struct text *out)
+{
+	if (a->adjust.has_angles)
+		text_put(out, "\nsine and cosine: bounded, the scene states a range of every joint's angle; with --trig accurate they take any angle\n");
+}
+
 void params_put_json(const struct analysis *a, struct text *out)
 {
 	const struct params_choice *p = &a->params;

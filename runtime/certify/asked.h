@@ -5,10 +5,10 @@
 #include "steps/outward.h"
 #include "passes/analysis.h"
 
-enum { HASH_TEXT = 65, ASSUMPTION_COUNT = 6 };
+enum { HASH_TEXT = 65, ASSUMPTIONS_MOST = 16 };
 
-/* What a proof rests on. */
-extern const char *const ASSUMPTIONS[ASSUMPTION_COUNT];
+/* What a proof rests on; returns how many these are. */
+size_t asked_assumptions(const struct analysis *x, const char *list[ASSUMPTIONS_MOST]);
 
 /* Ranges by argument of the DAG, NULL for outputs; where no range is known, lo is above hi. The one behind them is empty, for a DAG
    that reads no q. */
@@ -19,6 +19,9 @@ struct asked_box {
 
 /* By the limits of the joints and the scene's ranges, which count more. It lives in `a`. Returns 0 when memory runs out. */
 int asked_box(struct asked_box *b, const struct analysis *x, struct arena *a);
+
+/* Has every input that is read a range? Error: UNSUPPORTED. */
+enum rneagen_code asked_check(const struct asked_box *b, const struct analysis *x, struct arena *a, struct rneagen_error *e);
 
 /* The same box once more, for whoever changes it. */
 int asked_copy(struct asked_box *to, const struct asked_box *from, const struct dag *d, struct arena *a);

@@ -45,6 +45,7 @@ static void put_robot(const struct certificate *c, struct text *out)
 static void put_asked(const struct certificate *c, struct text *out)
 {
 	const struct rneagen_options *o = &c->a->options;
+	const char *assumptions[ASSUMPTIONS_MOST];
 
 	text_printf(out, "  \"asked\": {\"trig\": \"%s\", \"base\": \"%s\", \"mimic\": \"%s\", \"strict\": %s, \"gravity\": [", emit_trig_name(o->trig),
 		o->base == RNEAGEN_FLOATING ? "floating" : "fixed", o->mimic == RNEAGEN_MIMIC_INDEPENDENT ? "independent" : "honour",
@@ -60,9 +61,9 @@ static void put_asked(const struct certificate *c, struct text *out)
 		text_printf(out, "%s\n    {\"target\": \"c\", \"precision\": \"%s\", \"sha256\": \"%s\"}", k ? "," : "",
 			emit_precision_name(c->precisions[k]), c->text_hash[k]);
 	text_put(out, "\n  ],\n  \"assumptions\": [");
-	for (int i = 0; i < ASSUMPTION_COUNT; i++) {
+	for (size_t i = 0, count = asked_assumptions(c->a, assumptions); i < count; i++) {
 		text_put(out, i ? ",\n    " : "\n    ");
-		text_put_json(out, ASSUMPTIONS[i]);
+		text_put_json(out, assumptions[i]);
 	}
 }
 

@@ -162,11 +162,13 @@ static enum rneagen_code check_texts(struct checking *x)
 static enum rneagen_code check_assumptions(struct checking *x)
 {
 	const json_t *list = read_member(&x->r, x->root, "the certificate", "assumptions", JSON_ARRAY);
+	const char *own[ASSUMPTIONS_MOST];
+	size_t count = asked_assumptions(&x->analysis, own);
 
-	for (size_t i = 0; list && i < ASSUMPTION_COUNT; i++) {
+	for (size_t i = 0; list && i < count; i++) {
 		const char *s = json_string_value(json_array_get(list, i));
 
-		if (!s || strcmp(s, ASSUMPTIONS[i]) != 0 || json_array_size(list) != ASSUMPTION_COUNT)
+		if (!s || strcmp(s, own[i]) != 0 || json_array_size(list) != count)
 			return refuse(x, "its assumptions are not those that a bound of this version rests on");
 	}
 	return x->e->code;
@@ -201,25 +203,6 @@ static enum rneagen_code check_range(struct checking *x, const json_t *range, co
 	return RNEAGEN_OK;
 }
 
-/* Every input that is read has one. */
-static enum rneagen_code check_known(struct checking *x)
-{
-	const struct dag *d = &x->analysis.dag;
-	uint32_t *uses = arena_alloc(&x->arena, d->count, sizeof *uses);
-
-	if (!uses)
-		return error_memory(x->e);
-	dag_uses(d, uses);
-	for (size_t i = 0; i < d->count; i++) {
-		const struct node *n = &d->nodes[i];
-		const struct span *r = uses[i] && n->op == OP_INPUT ? &x->c.box.rows[n->arg[0].i][n->arg[1].i] : NULL;
-
-		if (r && !(r->lo <= r->hi))
-			return error_set(x->e, RNEAGEN_READ, "%s: no range is known of %s[%d]", x->in->file, d->arguments[n->arg[0].i].name, (int)n->arg[1].i);
-	}
-	return RNEAGEN_OK;
-}
-
 /* Each known range is stated once. */
 static enum rneagen_code check_ranges(struct checking *x)
 {
@@ -230,7 +213,7 @@ static enum rneagen_code check_ranges(struct checking *x)
 
 	if (!list || !certificate_ask(&x->c, &x->arena) || !asked_copy(&left, &x->c.box, d, &x->arena))
 		return list ? error_memory(x->e) : x->e->code;
-	if (check_known(x))
+	if (asked_check(&x->c.box, &x->analysis, &x->arena, x->e))
 		return x->e->code;
 	for (int i = 0; i < d->argument_count; i++)
 		for (int r = 0; left.rows[i] && r < d->arguments[i].rows; r++)
@@ -242,13 +225,25 @@ static enum rneagen_code check_ranges(struct checking *x)
 
 /* ---- all ---- */
 
+static void put_assumptions(const struct checking *x, struct text *report)
+{
+	const char *list[ASSUMPTIONS_MOST];
+	size_t count = asked_assumptions(&x->analysis, list);
+
+	text_put(report, "\nThis holds if:\n");
+	for (size_t i = 0; i < count; i++)
+		text_printf(report, "- %s\n", list[i]);
+}
+
 static enum rneagen_code check_all(struct checking *x, struct text *report)
 {
 	x->root = read_json(&x->r, x->in->certificate.bytes, x->in->certificate.length);
 	if (!x->root || read_keys(&x->r, x->root, "the certificate", TOP) || check_version(x) || check_robot(x) || read_asked(x) || analyse(x) ||
 		check_texts(x) || check_assumptions(x) || check_ranges(x))
 		return x->e->code;
-	return check_rows(&x->c, &x->r, read_member(&x->r, x->root, "the certificate", "rows", JSON_ARRAY), x->in->threads, report);
+	if (!check_rows(&x->c, &x->r, read_member(&x->r, x->root, "the certificate", "rows", JSON_ARRAY), x->in->threads, report))
+		put_assumptions(x, report);
+	return x->e->code;
 }
 
 enum rneagen_code certificate_check(const struct check_input *in, struct text *report, struct rneagen_error *e)

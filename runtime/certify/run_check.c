@@ -1,6 +1,5 @@
 /* rnearun check-certificate: is a certificate of rnearun prove true? */
 #include "certify/run_check.h"
-#include "certify/asked.h"
 #include "certify/check.h"
 #include "rnearun/command.h"
 #include <stdio.h>
@@ -21,11 +20,7 @@ static const char HELP[] =
 
 static int print(const struct text *report)
 {
-	int bad = report->failed || file_put_stdout(text_string(report)) || file_put_stdout("\nThis holds if:\n");
-
-	for (int i = 0; i < ASSUMPTION_COUNT && !bad; i++)
-		bad = printf("- %s\n", ASSUMPTIONS[i]) < 0;
-	if (bad || fflush(stdout))
+	if (report->failed || file_put_stdout(text_string(report)))
 		return fprintf(stderr, "%s: standard output: cannot be written\n", NAME), 1;
 	return 0;
 }

@@ -13,7 +13,18 @@ struct prove_options {
 	int precision_count;
 	double seconds; /* for all of it, proof and search */
 	unsigned threads; /* 0: one for each processor */
+	double start;   /* since when the seconds count, as seconds_now has it; 0: since prove is called */
 	struct record *record; /* what a certificate needs to know, for the DAG's outputs; NULL: nothing */
+};
+
+/* Why an error is not bounded: a value leaves the numbers of the arithmetic, or of the memory; an angle what sines take; an operation
+   is none of those whose rounding is bounded. */
+enum prove_why { PROVE_BOUNDED, PROVE_OVERFLOW, PROVE_STORED, PROVE_ANGLE, PROVE_OPERATION };
+
+struct prove_gap {
+	enum prove_why why;
+	uint32_t node;     /* of the DAG */
+	double size, most; /* what it may reach, and what there is room for */
 };
 
 /* One row of an output. */
@@ -22,6 +33,7 @@ struct prove_row {
 	double found_low, found_high; /* that a search has found */
 	double plain;                 /* plain intervals bound its magnitude by this */
 	double error_bound[PROVE_PRECISIONS]; /* |text - exact| over the whole box; INFINITY: none is known */
+	struct prove_gap gaps[PROVE_PRECISIONS]; /* where no bound is known */
 	double error_found[PROVE_PRECISIONS]; /* the largest bound of a single state that a search has found */
 };
 

@@ -1,6 +1,7 @@
 #include "prove/rows_put.h"
 #include "certify/asked.h"
 #include "emit/emit.h"
+#include "prove/tell/gap_put.h"
 #include <math.h>
 #include <string.h>
 
@@ -56,6 +57,20 @@ static void put_number(struct text *out, const char *name, double value)
 		text_printf(out, ", \"%s\": null", name);
 }
 
+static void put_gap(const struct proved *x, size_t i, int k, struct text *out)
+{
+	struct text why;
+
+	text_init(&why, out->arena);
+	gap_put(x, i, k, &why);
+	text_put(out, ", \"no_bound\": ");
+	if (why.length)
+		text_put_json(out, text_string(&why));
+	else
+		text_put(out, "null");
+	out->failed |= why.failed;
+}
+
 static void put_row(const struct proved *x, size_t i, int k, struct text *out)
 {
 	const struct output *o = &x->a->dag.outputs[i];
@@ -75,6 +90,7 @@ static void put_row(const struct proved *x, size_t i, int k, struct text *out)
 	put_number(out, "plain_intervals", r->plain);
 	put_number(out, "error_bound", r->error_bound[k]);
 	put_number(out, "error_found", r->error_found[k]);
+	put_gap(x, i, k, out);
 	put_number(out, "effort", effort > 0 ? effort : (double)NAN);
 	put_number(out, "error_of_effort", effort > 0 ? r->error_bound[k] / effort * (1 + 0x1p-50) : (double)NAN);
 	text_put(out, "}");
@@ -98,12 +114,15 @@ static void put_ranges(const struct proved *x, struct text *out)
 
 void rows_put_json(const struct proved *x, struct text *out)
 {
+	const char *assumptions[ASSUMPTIONS_MOST];
+	size_t count = asked_assumptions(x->a, assumptions);
+
 	text_put(out, "{\n  \"robot\": ");
 	text_put_json(out, x->a->robot.name);
 	text_printf(out, ",\n  \"trig\": \"%s\",\n  \"assumptions\": [", emit_trig_name(x->a->options.trig));
-	for (int i = 0; i < ASSUMPTION_COUNT; i++) {
+	for (size_t i = 0; i < count; i++) {
 		text_put(out, i ? ",\n    " : "\n    ");
-		text_put_json(out, ASSUMPTIONS[i]);
+		text_put_json(out, assumptions[i]);
 	}
 	text_put(out, "\n  ],\n  \"ranges\": [");
 	put_ranges(x, out);
@@ -136,9 +155,15 @@ static void put_line(const struct proved *x, size_t i, struct text *out)
 		joint, r->low + 0.0, r->high + 0.0, r->found_low, r->found_high, slack(r),
 		r->plain / fmax(fmax(fabs(r->found_low), fabs(r->found_high)), 1e-300));
 	if (effort > 0)
-		text_printf(out, "; effort limit %g", effort);
+		text_printf(out, "; at most %.3g of the effort limit, %g", fmax(fabs(r->low), fabs(r->high)) / effort, effort);
 	text_putc(out, '\n');
 	for (int k = 0; k < x->o->precision_count; k++) {
+		if (!isfinite(r->error_bound[k])) {
+			text_printf(out, "    %-5s no bound: ", emit_precision_name(x->o->precisions[k]));
+			gap_put(x, i, k, out);
+			text_putc(out, '\n');
+			continue;
+		}
 		text_printf(out, "    %-5s off by at most %.3g; found %.3g; slack %.2f", emit_precision_name(x->o->precisions[k]), r->error_bound[k],
 			r->error_found[k], r->error_bound[k] / fmax(r->error_found[k], 1e-300));
 		if (effort > 0)
@@ -149,9 +174,12 @@ static void put_line(const struct proved *x, size_t i, struct text *out)
 
 void rows_put_table(const struct proved *x, struct text *out)
 {
+	const char *assumptions[ASSUMPTIONS_MOST];
+	size_t count = asked_assumptions(x->a, assumptions);
+
 	for (size_t i = 0; i < x->a->dag.output_count; i++)
 		put_line(x, output_at(x, i), out);
 	text_put(out, "\nThis holds if:\n");
-	for (int i = 0; i < ASSUMPTION_COUNT; i++)
-		text_printf(out, "- %s\n", ASSUMPTIONS[i]);
+	for (size_t i = 0; i < count; i++)
+		text_printf(out, "- %s\n", assumptions[i]);
 }

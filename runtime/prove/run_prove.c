@@ -1,10 +1,12 @@
 /* rnearun prove: what holds for every state within the limits. */
 #define _POSIX_C_SOURCE 200809L
 #include "prove/run_prove.h"
-#include "steps/cuts.h"
-#include "prove/rows_put.h"
+#include "prove/tell/envelope.h"
 #include "prove/write_certificate.h"
+#include "core/seconds.h"
+#include "steps/cuts.h"
 #include "rnearun/command.h"
+#include "rnearun/gnuplot.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,6 +24,8 @@ static const char HELP[] =
 	"  --format text|json         (default text)\n"
 	"  --certificate FILE         bounds and the steps that they follow from, for rnearun check-certificate; it takes a third of\n"
 	"                             the time\n"
+	"  --envelope FILE            for sizing actuators, as CSV: the range of each joint's torque beside its limit of effort\n"
+	"  --picture FILE             the same drawn, as SVG, by gnuplot\n"
 	"  --precision f32|f64|mixed|f32x2\n"
 	"                             several, by commas (default f32,f64)\n"
 	"  --trig accurate|bounded|fast\n"
@@ -29,18 +33,20 @@ static const char HELP[] =
 	"\n"
 	"exit status: 0 done, 1 the robot or a file is at fault, 2 the command line is, or a range is missing\n";
 
-enum { KEY_PRECISION = COMMAND_OWN, KEY_SECONDS, KEY_FORMAT, KEY_CERTIFICATE };
+enum { KEY_PRECISION = COMMAND_OWN, KEY_SECONDS, KEY_FORMAT, KEY_CERTIFICATE, KEY_ENVELOPE, KEY_PICTURE };
 enum format { FORMAT_TEXT, FORMAT_JSON };
 
 static const struct option OPTIONS[] = {{"precision", required_argument, NULL, KEY_PRECISION},
-	{"seconds", required_argument, NULL, KEY_SECONDS}, {"format", required_argument, NULL, KEY_FORMAT}, {"certificate", required_argument, NULL, KEY_CERTIFICATE},
-	COMMAND_MODEL_OPTIONS, {NULL, 0, NULL, 0}};
+	{"seconds", required_argument, NULL, KEY_SECONDS}, {"format", required_argument, NULL, KEY_FORMAT},
+	{"certificate", required_argument, NULL, KEY_CERTIFICATE},
+	{"envelope", required_argument, NULL, KEY_ENVELOPE}, {"picture", required_argument, NULL, KEY_PICTURE}, COMMAND_MODEL_OPTIONS, {NULL, 0, NULL, 0}};
 
 struct proving {
 	struct command command;
 	struct prove_options options;
 	int format;
 	const char *certificate; /* NULL: none */
+	const char *envelope, *picture; /* files; NULL: not asked for */
 	struct file_content urdf;
 	struct analysis analysis;
 	struct arena arena;
@@ -76,6 +82,18 @@ static int take_precisions(struct proving *p, const char *name, const char *word
 	}
 }
 
+static int take_file(struct proving *p, const char *name, int key, const char *word)
+{
+	static const char *const svg[] = {".svg", NULL};
+
+	if (!strcmp(word, "-"))
+		return option_refuse(name, "--%s takes the name of a file; standard output has the rows", key == KEY_PICTURE ? "picture" : "envelope");
+	if (key == KEY_PICTURE && !file_has_suffix(word, svg))
+		return option_refuse(name, "--picture %s: the picture is SVG; name a file that ends in .svg", word);
+	*(key == KEY_PICTURE ? &p->picture : &p->envelope) = word;
+	return 0;
+}
+
 static int take(void *own, const char *name, int key, const char *word)
 {
 	static const struct option_choice formats[] = {{"text", FORMAT_TEXT}, {"json", FORMAT_JSON}, {NULL, 0}};
@@ -90,6 +108,8 @@ static int take(void *own, const char *name, int key, const char *word)
 		return *word && strcmp(word, "-") ? 0 : option_refuse(name, "--certificate takes the name of a file");
 	if (key == KEY_FORMAT)
 		return option_choose(name, "format", word, formats, &p->format);
+	if (key == KEY_ENVELOPE || key == KEY_PICTURE)
+		return take_file(p, name, key, word);
 	p->options.seconds = strtod(word, &end);
 	if (end == word || *end || !(p->options.seconds > 0) || p->options.seconds > 1e6)
 		return option_refuse(name, "--seconds takes a positive number up to 1e6, not '%s'", word);
@@ -102,19 +122,40 @@ static int fail(const struct proving *p, const struct rneagen_error *e)
 	return 1 + option_at_fault(e->code);
 }
 
+/* Files first: what fails there leaves nothing on standard output. */
+static enum rneagen_code write_envelope(const struct proving *p, const struct envelope *x, struct arena *a, struct rneagen_error *e)
+{
+	struct text csv;
+
+	text_init(&csv, a);
+	envelope_put_csv(x, &csv);
+	if (csv.failed)
+		return error_memory(e);
+	if (p->picture && envelope_draw(x, p->picture, e))
+		return e->code;
+	return p->envelope ? file_write_pair(p->envelope, text_string(&csv), NULL, e) : RNEAGEN_OK;
+}
+
 static int print(const struct proving *p, const struct proved *x)
 {
 	struct arena arena;
 	struct text out;
+	struct envelope envelope;
+	struct rneagen_error e = {0};
 	int status = 0;
 
 	arena_init(&arena, NULL);
 	text_init(&out, &arena);
+	out.failed = !envelope_list(&envelope, x, &arena);
 	if (p->format == FORMAT_JSON)
 		rows_put_json(x, &out);
 	else
 		rows_put_table(x, &out);
-	if (out.failed)
+	if (p->format != FORMAT_JSON && !out.failed)
+		envelope_put_limits(&envelope, &out);
+	if (!out.failed && write_envelope(p, &envelope, &arena, &e))
+		status = fail(p, &e);
+	else if (out.failed)
 		status = command_fail(&p->command, "out of memory");
 	else if (fputs(text_string(&out), stdout) == EOF || fflush(stdout) || ferror(stdout))
 		status = command_fail(&p->command, "standard output: cannot be written");
@@ -151,7 +192,11 @@ static int prove_robot(struct proving *p)
 	struct progress progress;
 	int status;
 
-	if (box_make(&box, &p->analysis, &p->arena, &e))
+	if ((p->envelope || p->picture) && !envelope_is_there(&p->analysis.dag))
+		error_set(&e, RNEAGEN_USAGE, "--envelope and --picture: no output is a torque: --want tau, gravity or bias");
+	if (!e.code && p->picture)
+		gnuplot_check("--picture", &e);
+	if (e.code || box_make(&box, &p->analysis, &p->arena, &e) || (p->certificate && write_certificate_check(&p->analysis, &e)))
 		return fail(p, &e);
 	progress_start(&progress, p->command.name, "seconds", (uint64_t)ceil(p->options.seconds), p->command.quiet);
 	prove_and_certify(p, &proof, &box, &progress, &e);
@@ -178,13 +223,17 @@ static int run(struct proving *p)
 int run_prove(struct ranks *ranks, int argc, char **argv)
 {
 	static const struct command_kind kind = {"rnearun prove", HELP, OPTIONS, ":", take};
-	struct proving p = {.options = {.precisions = {RNEAGEN_F32, RNEAGEN_F64}, .precision_count = 2, .seconds = 60}};
+	struct proving p = {.options = {.precisions = {RNEAGEN_F32, RNEAGEN_F64}, .precision_count = 2, .seconds = 60, .start = seconds_now()}};
 	int status = command_parse(&p.command, &kind, &p, ranks, argc, argv);
 
 	if (status < 0)
 		status = command_note(&p.command, &p.command.written, "", "-");
 	if (status < 0 && p.certificate)
 		status = command_note(&p.command, &p.command.written, "--certificate", p.certificate);
+	if (status < 0 && p.envelope)
+		status = command_note(&p.command, &p.command.written, "--envelope", p.envelope);
+	if (status < 0 && p.picture)
+		status = command_note(&p.command, &p.command.written, "--picture", p.picture);
 	if (status < 0)
 		status = command_check_files(&p.command);
 	if (status < 0) {

@@ -10,6 +10,20 @@ static void take_bounds(struct proved_bound *to, const struct prove_row *row)
 	memcpy(to->errors, row->error_bound, sizeof to->errors);
 }
 
+enum rneagen_code write_certificate_check(const struct analysis *a, struct rneagen_error *e)
+{
+	struct asked_box box;
+	struct arena arena;
+
+	arena_init(&arena, NULL);
+	if (!asked_box(&box, a, &arena))
+		error_memory(e);
+	else
+		asked_check(&box, a, &arena, e);
+	arena_free(&arena);
+	return e->code;
+}
+
 enum rneagen_code write_certificate(const char *path, const struct proof *p, const struct analysis *a, const struct prove_options *o,
 	double seconds, struct rneagen_error *e)
 {

@@ -13,6 +13,9 @@ struct box {
    angle. Arrays live in `a`. Errors: SCENE, with the names of all inputs that have no limit and no range; MEMORY. */
 enum rneagen_code box_make(struct box *b, const struct analysis *x, struct arena *a, struct rneagen_error *e);
 
+/* A row of an argument as --range calls it: "qdd.elbow" where it is a joint's, else "payload_hand[3]". */
+void box_put_name(const struct analysis *x, int argument, int row, struct text *out);
+
 /* A copy of its rows, in `a`. Returns 0 when memory runs out. */
 int box_copy(struct interval *rows[DAG_ARGUMENTS], const struct box *b, const struct dag *d, struct arena *a);
 

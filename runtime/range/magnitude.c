@@ -80,6 +80,9 @@ static void find(void *job, size_t output)
 	struct values v;
 	double sizes[SPLIT_SIZES];
 
+	j->ranges[output] = (struct interval){-(double)INFINITY, (double)INFINITY};
+	if (seconds_now() > j->deadline)
+		return;
 	for (int k = 0; k < s.dim_count; k++)
 		root.q[k] = range_of(&j->f->dims[k], j->is_whole);
 	s.context = &v;
@@ -162,7 +165,8 @@ static void find_bends(void *job, size_t output)
 	int n = b->j.f->dim_count;
 
 	for (int k = 0; k < n; k++) {
-		double size = n > MOST_DIMS ? (double)INFINITY : bend_of(&b->j, output, &b->j.f->dims[k]);
+		int is_late = n > MOST_DIMS || seconds_now() > b->j.deadline;
+		double size = is_late ? (double)INFINITY : bend_of(&b->j, output, &b->j.f->dims[k]);
 
 		b->j.failed |= size < 0;
 		b->most[output * (size_t)n + (size_t)k] = size * (1 + 0x1p-30);
@@ -171,7 +175,7 @@ static void find_bends(void *job, size_t output)
 
 int magnitude_bends(double *most, const struct field *f, const struct box *b, const struct effort *x)
 {
-	struct bends_job job = {{.f = f, .b = b, .is_whole = 1}, most};
+	struct bends_job job = {{.f = f, .b = b, .is_whole = 1, .deadline = x->deadline}, most};
 
 	workers_run(x->workers, x->threads, find_bends, &job, (size_t)f->output_count);
 	return !job.j.failed;

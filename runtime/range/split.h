@@ -19,6 +19,7 @@ struct split {
 	void (*examine)(void *context, struct leaf *leaf); /* sizes and value from q */
 	void *context;
 	double width[SPLIT_DIMS], score[SPLIT_DIMS]; /* private */
+	double deadline;
 	char *leaves;
 	size_t count, capacity, stride;
 };

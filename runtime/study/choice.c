@@ -11,6 +11,11 @@ enum verdict choice_by_bound(const struct study_row *row, double limit)
 	return judge(row->bound_max, limit, VERDICT_NO_BOUND, VERDICT_OVER_BOUND);
 }
 
+enum verdict choice_by_proof(const struct study_row *row, double limit)
+{
+	return judge(row->proved, limit, VERDICT_NO_PROOF, VERDICT_OVER_PROOF);
+}
+
 enum verdict choice_by_error(const struct study_row *row, double limit)
 {
 	return judge(row->errors.max, limit, VERDICT_NO_ERROR, VERDICT_OVER_ERROR);

@@ -4,7 +4,7 @@
 
 #include "study/study.h"
 
-enum verdict { VERDICT_CLOSE, VERDICT_NO_BOUND, VERDICT_OVER_BOUND, VERDICT_NO_ERROR, VERDICT_OVER_ERROR };
+enum verdict { VERDICT_CLOSE, VERDICT_NO_BOUND, VERDICT_OVER_BOUND, VERDICT_NO_ERROR, VERDICT_OVER_ERROR, VERDICT_NO_PROOF, VERDICT_OVER_PROOF };
 
 struct candidate {
 	struct study_row row;
@@ -16,8 +16,9 @@ struct candidate {
 /* Times that are less apart are the same, whatever their spread. */
 #define CHOICE_ALIKE 1.02
 
-/* By row->bound_max; by row->errors. NAN: none is known. */
+/* By row->bound_max; by row->proved; by row->errors. NAN: none is known. */
 enum verdict choice_by_bound(const struct study_row *row, double limit);
+enum verdict choice_by_proof(const struct study_row *row, double limit);
 enum verdict choice_by_error(const struct study_row *row, double limit);
 
 /* Of those that are close enough, by row.least; NULL: none is. */

@@ -58,6 +58,15 @@ static double norm_exact(const struct judge *j, size_t k, const struct judge_out
 	return largest * sqrt(sum);
 }
 
+double judge_scale(const struct judge *j, const struct judge_output *o)
+{
+	double most = 0;
+
+	for (size_t k = 0; k < j->count; k++)
+		most = fmax(most, norm_exact(j, k, o));
+	return most;
+}
+
 /* ---- evaluating ---- */
 
 static int trial_new(struct trial *t, const struct judge *j, const struct dag *d)

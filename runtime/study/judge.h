@@ -44,6 +44,9 @@ int judge_is_f32(enum rneagen_precision precision);
 int judge_open(struct judge *j, const struct analysis *a, enum rneagen_precision precision, const struct draw_options *o);
 void judge_free(struct judge *j);
 
+/* The largest norm of an output array's reference in the samples. */
+double judge_scale(const struct judge *j, const struct judge_output *o);
+
 /* The largest bound of a sample, of an output array's norm over the reference's, for the text that `o` asks for: of the
    distance from what the URDF's decimals give, as eval_bound has it. NAN where none is known, or all references are 0. Returns 0 when memory runs out. */
 int judge_bound(const struct judge *j, const struct analysis *a, const struct rneagen_options *o, int on_gpu, double *max);

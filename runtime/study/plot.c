@@ -1,13 +1,9 @@
 #include "study/plot.h"
-#include "core/child.h"
 #include "emit/emit.h"
-#include "cli/pending.h"
+#include "rnearun/gnuplot.h"
 #include "study/plot_labels.h"
-#include "core/scratch.h"
-#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Pixels, of the picture and of what lies around the frame. */
 enum { WIDTH = 1000, HEIGHT = 650, HEIGHT_MOST = 1250, LEFT = 80, RIGHT = 190, TOP = 60, BOTTOM = 75, KEY = 48, LETTERS = 14 };
@@ -203,13 +199,6 @@ static void arrange(struct plot *p)
 
 /* ---- the script ---- */
 
-/* What gnuplot could take for more than text is left out. */
-static void put_name(FILE *f, const char *name)
-{
-	for (; *name; name++)
-		fputc(isalnum((unsigned char)*name) || strchr(" .-_", *name) ? *name : ' ', f);
-}
-
 static void put_label(const struct plot *p, const struct plot_label *l, FILE *f)
 {
 	double side = l->ends_there ? 3 : -3;
@@ -253,7 +242,7 @@ static void put_frame(const struct plot *p, FILE *f)
 	fprintf(f, "set lmargin at screen %.6f\nset rmargin at screen %.6f\n", (double)LEFT / WIDTH, 1 - (double)RIGHT / WIDTH);
 	fprintf(f, "set tmargin at screen %.6f\nset bmargin at screen %.6f\n", 1 - (double)TOP / p->height, (double)p->bottom / p->height);
 	fprintf(f, "set title '");
-	put_name(f, p->report->study->analysis.robot.name);
+	gnuplot_put_name(f, p->report->study->analysis.robot.name);
 	fprintf(f, ": inverse dynamics, speed against error' noenhanced font ',17'\n");
 	fprintf(f, "set logscale xy\nset format x '1e%%T'\nset format y '%%.0te%%T'\nset grid lc rgb '#e0e0e0'\n");
 	fprintf(f, "set key below maxcolumns 1 spacing 1.2 noenhanced\n");
@@ -292,23 +281,17 @@ static void put_curves(const struct plot *p, FILE *f)
 		const char *name = study_backend_name(s->backends[i].backend), *colour = COLOURS[i % 2];
 
 		fprintf(f, "%s $%s_all using 1:2 with points pt 6 ps 0.7 lc rgb '%s' title '%s, ", i ? "," : "", name, colour, name);
-		put_name(f, s->backends[i].device);
+		gnuplot_put_name(f, s->backends[i].device);
 		fprintf(f, "', $%s_front using 1:2 smooth unique with linespoints pt 7 ps 1.1 lw 2 lc rgb '%s' title '%s: nothing "
 			   "is both faster and closer'", name, colour, name);
 	}
 	fputc('\n', f);
 }
 
-static enum rneagen_code put_script(const struct plot *p, const char *path, const char *svg, struct rneagen_error *e)
+static void put_script(const void *plot, FILE *f)
 {
-	FILE *f = fopen(path, "w");
+	const struct plot *p = plot;
 
-	if (!f)
-		return pending_fail(path, e);
-	fprintf(f, "set output '");
-	for (const char *c = svg; *c; c++)
-		fputs(*c == '\'' ? "''" : (char[]){*c, '\0'}, f);
-	fprintf(f, "'\n");
 	for (int i = 0; i < p->report->study->backend_count; i++)
 		put_data(p, p->report->study->backends[i].backend, f);
 	put_frame(p, f);
@@ -318,60 +301,6 @@ static enum rneagen_code put_script(const struct plot *p, const char *path, cons
 	for (size_t i = 0; i < p->label_count; i++)
 		put_label(p, &p->labels[i], f);
 	put_curves(p, f);
-	return fclose(f) ? pending_fail(path, e) : RNEAGEN_OK;
-}
-
-/* ---- running gnuplot ---- */
-
-/* Found along PATH by env, without a shell; its own settings, not the user's. */
-static enum rneagen_code run_gnuplot(const char *script, struct rneagen_error *e)
-{
-	const char *const argv[] = {"env", "gnuplot", "-d", script, NULL}, *const none[] = {NULL};
-	struct child end;
-
-	if (child_run("/usr/bin/env", argv, none, &end))
-		return error_set(e, RNEAGEN_UNSUPPORTED, "--plot: /usr/bin/env cannot be run");
-	if (end.status == 127)
-		error_set(e, RNEAGEN_UNSUPPORTED, "--plot: gnuplot is not installed: there is none in PATH");
-	else if (end.status || end.signal)
-		error_set(e, RNEAGEN_UNSUPPORTED, "--plot: gnuplot fails: %.400s", end.output);
-	free(end.output);
-	return e->code;
-}
-
-static enum rneagen_code publish(const char *svg, const char *path, struct rneagen_error *e)
-{
-	struct file_content picture = {0};
-	struct pending out = {0};
-
-	if (file_read(svg, &picture, e) || pending_open(&out, path, e)) {
-		free(picture.bytes);
-		return e->code;
-	}
-	if (fwrite(picture.bytes, 1, picture.length, out.f) != picture.length)
-		pending_fail(path, e);
-	if (!e->code && !pending_close(&out, e))
-		pending_publish(&out, e);
-	pending_drop(&out);
-	free(picture.bytes);
-	return e->code;
-}
-
-/* In a folder of its own, which goes again. */
-static enum rneagen_code draw(const struct plot *p, const char *path, struct rneagen_error *e)
-{
-	struct scratch s;
-	char script[sizeof s.folder + 16], svg[sizeof s.folder + 16];
-	int why = scratch_make(&s);
-
-	if (why)
-		return error_set(e, RNEAGEN_WRITE, "--plot: no folder can be made below TMPDIR or /tmp: %s", strerror(why));
-	snprintf(script, sizeof script, "%s/plot.gp", s.folder);
-	snprintf(svg, sizeof svg, "%s/plot.svg", s.folder);
-	if (!put_script(p, script, svg, e) && !run_gnuplot(script, e))
-		publish(svg, path, e);
-	scratch_remove(&s);
-	return e->code;
 }
 
 enum rneagen_code plot_write(const struct report *r, const char *path, struct rneagen_error *e)
@@ -386,7 +315,7 @@ enum rneagen_code plot_write(const struct report *r, const char *path, struct rn
 		for (size_t i = 0; i < 2 * (size_t)r->study->backend_count; i++)
 			take_limit(&p, i / 2, i % 2);
 		arrange(&p);
-		draw(&p, path, e);
+		gnuplot_draw("--plot", path, put_script, &p, e);
 	}
 	free(p.points);
 	free(p.labels);

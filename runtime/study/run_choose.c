@@ -19,15 +19,19 @@ static const char HELP[] =
 	"\n"
 	"  --max-error E              such as 1e-6\n"
 	"  --measured                 judge by the measured errors alone: bounds are often ten times as large\n"
+	"  --proved                   judge by errors that no state within the limits of the joints and the ranges exceeds, over the\n"
+	"                             largest ||ref|| of the samples; what has no limit needs a --range, as in rnearun prove\n"
+	"  --seconds S                for that proof (default 30)\n"
 	"  --batch N                  samples of one launch, for the time (default 65536)\n"
 	STUDY_HELP COMMAND_HELP_MODEL
 	"\n"
 	"exit status: 0 done, 1 no variant is close enough, or the robot or a file is at fault, 2 the command line is at fault\n";
 
-enum { KEY_MAX_ERROR = STUDY_OWN, KEY_MEASURED };
+enum { KEY_MAX_ERROR = STUDY_OWN, KEY_MEASURED, KEY_PROVED, KEY_SECONDS };
 
 static const struct option OPTIONS[] = {STUDY_OPTIONS, {"max-error", required_argument, NULL, KEY_MAX_ERROR},
-	{"measured", no_argument, NULL, KEY_MEASURED}, COMMAND_OPTIONS, {NULL, 0, NULL, 0}};
+	{"measured", no_argument, NULL, KEY_MEASURED}, {"proved", no_argument, NULL, KEY_PROVED},
+	{"seconds", required_argument, NULL, KEY_SECONDS}, COMMAND_OPTIONS, {NULL, 0, NULL, 0}};
 
 /* Every variant that is close enough is timed so often, in turns with the others. */
 enum { ROUNDS = 3 };
@@ -36,7 +40,8 @@ struct choosing {
 	struct command command;
 	struct study_options options;
 	double max_error; /* 0: not given */
-	int measured;
+	int measured, proved;
+	double seconds; /* for the proof; 0: not given */
 	struct study study;
 	struct candidate *candidates;
 	int count;
@@ -48,6 +53,10 @@ static int take(void *own, const char *name, int key, const char *word)
 
 	if (key == KEY_MEASURED)
 		c->measured = 1;
+	else if (key == KEY_PROVED)
+		c->proved = 1;
+	else if (key == KEY_SECONDS)
+		return study_number(name, "seconds", word, &c->seconds);
 	else
 		return key == KEY_MAX_ERROR ? study_number(name, "max-error", word, &c->max_error)
 					    : study_take(&c->options, name, key, word);
@@ -64,7 +73,9 @@ static enum rneagen_code examine(struct choosing *c, struct candidate *v)
 	v->row.errors.max = (double)NAN;
 	if (study_bound(s, &v->row))
 		return s->error.code;
-	if (!c->measured && (v->verdict = choice_by_bound(&v->row, c->max_error)) != VERDICT_CLOSE)
+	if (c->proved && (v->verdict = choice_by_proof(&v->row, c->max_error)) != VERDICT_CLOSE)
+		return RNEAGEN_OK;
+	if (!c->measured && !c->proved && (v->verdict = choice_by_bound(&v->row, c->max_error)) != VERDICT_CLOSE)
 		return RNEAGEN_OK;
 	if (study_build(s, &v->row, &v->robot))
 		return s->error.code;
@@ -96,6 +107,12 @@ static int examine_all(struct choosing *c)
 	c->candidates = calloc((size_t)s->variant_count + 1, sizeof *c->candidates);
 	if (!c->candidates)
 		return command_fail(&c->command, "out of memory");
+	study_show(s, 0, s->variants);
+	if (c->proved && study_prove(s, c->seconds > 0 ? c->seconds : 30)) {
+		progress_end(&s->progress);
+		command_fail(&c->command, s->error.message);
+		return 1 + option_at_fault(s->error.code);
+	}
 	s->progress.unit = "steps";
 	s->progress.total = (uint64_t)(s->variant_count + ROUNDS);
 	for (; c->count < s->variant_count && !s->error.code; c->count++) {
@@ -123,6 +140,12 @@ static void say_rejected(const struct choosing *c, const struct candidate *v)
 	case VERDICT_OVER_BOUND:
 		printf("rejected by its bound, %.1e, over %.1e; not measured", r->bound_max, c->max_error);
 		break;
+	case VERDICT_NO_PROOF:
+		printf("rejected: no bound of its error is proved, and rnearun prove says why; not measured");
+		break;
+	case VERDICT_OVER_PROOF:
+		printf("rejected by its proved bound, %.1e, over %.1e; not measured", r->proved, c->max_error);
+		break;
 	case VERDICT_NO_ERROR:
 		printf("rejected: it has no error, for all that it is judged by is 0");
 		break;
@@ -131,13 +154,15 @@ static void say_rejected(const struct choosing *c, const struct candidate *v)
 	}
 }
 
-static void say_time(const struct candidate *v, const struct candidate *best, const struct candidate *fastest)
+static void say_time(const struct choosing *c, const struct candidate *v, const struct candidate *best, const struct candidate *fastest)
 {
 	const struct study_row *r = &v->row;
 	int tied = v != fastest && choice_is_tied(v, fastest);
 
 	printf("%s: %.2f times the least time%s, error %.1e, bound %.1e", v == best ? "chosen" : tied || v == fastest ? "tied" : "slower",
 		r->least / fastest->row.least, tied ? ", within the spread" : "", r->errors.max, r->bound_max);
+	if (c->proved)
+		printf(", proved %.1e", r->proved);
 	if (v == best && tied)
 		printf("; %s comes before %s", emit_trig_name(r->trig), emit_trig_name(fastest->row.trig));
 }
@@ -150,7 +175,7 @@ static void say(const struct choosing *c, const struct candidate *v, const struc
 	study_same(&v->row, ", ", same, sizeof same);
 	printf("%-24s ", name);
 	if (v->robot)
-		say_time(v, best, fastest);
+		say_time(c, v, best, fastest);
 	else
 		say_rejected(c, v);
 	printf(*same ? "; the same code: %s\n" : "\n", same);
@@ -171,7 +196,9 @@ static void put_command(const struct choosing *c, const struct study_row *r, con
 {
 	struct rneagen_options o = study_generate(&c->study, r);
 	const struct analysis *a = &c->study.analysis;
+	struct adjust adjust = a->adjust;
 
+	adjust.has_angles = adjust.has_angles && r->trig == RNEAGEN_BOUNDED;
 	text_put(out, "rneagen ");
 	text_put_shell(out, c->command.urdf);
 	emit_options(&o, out);
@@ -180,7 +207,7 @@ static void put_command(const struct choosing *c, const struct study_row *r, con
 		text_put_shell(out, o.order);
 	}
 	for (int i = 0; i < a->scene.line_count; i++)
-		if (adjust_matters(&a->adjust, &a->scene, i)) {
+		if (adjust_matters(&adjust, &a->scene, i)) {
 			text_putc(out, ' ');
 			scene_put_option(&a->scene.lines[i], out);
 		}
@@ -190,13 +217,13 @@ static void put_command(const struct choosing *c, const struct study_row *r, con
 /* What a variant is judged by. */
 static double measure_of(const struct choosing *c, const struct candidate *v)
 {
-	return c->measured ? v->row.errors.max : v->row.bound_max;
+	return c->measured ? v->row.errors.max : c->proved ? v->row.proved : v->row.bound_max;
 }
 
 /* None is close enough: the closest is named. */
 static int refuse(const struct choosing *c)
 {
-	const char *what = c->measured ? "error" : "bound", *more = c->measured ? "" : "; --measured judges by measured errors alone";
+	const char *what = c->measured ? "error" : c->proved ? "proved bound" : "bound", *more = c->measured ? "" : "; --measured judges by measured errors alone";
 	const struct candidate *best = NULL;
 	char text[256], name[64];
 
@@ -231,6 +258,8 @@ static int print(struct choosing *c)
 		if (&c->candidates[i] != best)
 			say(c, &c->candidates[i], best, fastest);
 	say_measured(c);
+	if (c->proved)
+		puts("Proved bounds hold for every state within the limits of the joints and the ranges, over the largest ||ref|| of the samples.");
 	fputs(text_string(&command), stdout);
 	if (fflush(stdout) || ferror(stdout))
 		return command_fail(&c->command, "standard output: cannot be written");
@@ -263,6 +292,10 @@ int run_choose(struct ranks *ranks, int argc, char **argv)
 	status = command_parse(&c.command, &kind, &c, ranks, argc, argv);
 	if (status < 0 && c.max_error == 0)
 		status = option_refuse(c.command.name, "no error named: --max-error E");
+	if (status < 0 && c.proved && c.measured)
+		status = option_refuse(c.command.name, "--proved and --measured exclude each other");
+	if (status < 0 && c.seconds > 0 && !c.proved)
+		status = option_refuse(c.command.name, "--seconds is for the proof: take --proved, or leave it out");
 	if (status < 0 && c.options.batch_count != 1)
 		status = option_refuse(c.command.name, "--batch takes one number here");
 	if (status < 0)

@@ -38,6 +38,7 @@ struct study_row {
 	double floor_ratio;
 	struct judge_errors errors;
 	double bound_max, model_change;
+	double proved; /* by study_prove */
 	int registers;
 	size_t spill_bytes;
 	unsigned parts;
@@ -130,6 +131,10 @@ const struct judge *study_judge(struct study *s, enum rneagen_precision precisio
 
 /* Fill row->bound_max for the variant that `row` begins with: NAN where no bound is known. Error: MEMORY. */
 enum rneagen_code study_bound(struct study *s, struct study_row *row);
+
+/* Fill `proved` of all variants: for every state within the limits, the bound of an output array's error, as a norm, over the largest
+   norm that the array has in the samples; NAN where none is known. Errors: as prove_errors. */
+enum rneagen_code study_prove(struct study *s, double seconds);
 
 /* Compile the variant that `row` begins with, and fill its errors, registers and what compiling took. The caller closes the
    robot, which is NULL on failure. Errors: UNSUPPORTED, with the runtime's message, MEMORY. */

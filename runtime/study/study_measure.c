@@ -1,6 +1,9 @@
 /* What one variant computes wrong, and how long it takes. */
+#include "emit/number_type.h"
+#include "prove/prove_errors.h"
 #include "rnearun/signature.h"
 #include "study/study.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -170,5 +173,68 @@ enum rneagen_code study_time(struct study *s, const struct rnea_robot *robot, st
 	row->spread = t.spread;
 	row->floor_ratio = t.floor / t.ns;
 	arrays_free(&a);
+	return s->error.code;
+}
+
+/* ---- what is proved ---- */
+
+static struct eval_model model_of(const struct study *s, const struct study_row *row)
+{
+	struct rneagen_options g = study_generate(s, row);
+
+	return eval_model_of(&g, row->backend == RNEA_BACKEND_CUDA);
+}
+
+/* Of one precision: what else differs in the arithmetic of two texts. */
+static int is_same(const struct eval_model *a, const struct eval_model *b)
+{
+	return a->fused == b->fused && a->angle == b->angle && a->sincos == b->sincos && a->sine == b->sine && a->cosine == b->cosine;
+}
+
+/* bounds: of this model, every `stride`th. */
+static double proved_of(const struct judge *j, const struct dag *d, const double *bounds, size_t stride)
+{
+	double worst = 0;
+
+	for (int o = 0; o < j->output_count; o++) {
+		double norm = 0, scale = judge_scale(j, &j->outputs[o]);
+
+		for (size_t i = 0; i < d->output_count; i++)
+			if (d->outputs[i].argument == j->outputs[o].argument)
+				norm = hypot(norm, bounds[i * stride]);
+		worst = norm > 0 ? fmax(worst, norm / scale * (1 + 0x1p-40)) : worst;
+	}
+	return isfinite(worst) ? worst : (double)NAN;
+}
+
+enum rneagen_code study_prove(struct study *s, double seconds)
+{
+	const struct dag *d = &s->analysis.dag;
+	size_t variants = (size_t)s->variant_count;
+	struct eval_model *models = calloc(variants + 1, sizeof *models);
+	int *of = calloc(variants + 1, sizeof *of), count = 0;
+	double *bounds = calloc(d->output_count * variants + 1, sizeof *bounds);
+
+	for (int i = 0; models && of && i < s->variant_count; i++) {
+		struct eval_model m = model_of(s, &s->variants[i]);
+
+		of[i] = count;
+		for (int k = 0; k < i; k++)
+			if (s->variants[k].precision == s->variants[i].precision && is_same(&m, &models[of[k]]))
+				of[i] = of[k];
+		models[of[i]] = m;
+		count += of[i] == count;
+	}
+	if (!models || !of || !bounds)
+		error_memory(&s->error);
+	else if (!prove_errors(bounds, &s->analysis, models, count, s->command->open.threads, seconds, &s->error))
+		for (int i = 0; i < s->variant_count; i++) {
+			const struct judge *j = study_judge(s, s->variants[i].precision);
+
+			s->variants[i].proved = j ? proved_of(j, d, bounds + of[i], (size_t)count) : (error_memory(&s->error), 0);
+		}
+	free(models);
+	free(of);
+	free(bounds);
 	return s->error.code;
 }

@@ -111,7 +111,7 @@ START_TEST(every_request)
 		o.base = RNEAGEN_FIXED;
 	}
 	if (_i == 6)
-		o.scene = "fold qdd=0\nfree payload.d\nfext b\nwant tau,power\ndrop-below 1e-3\nrange payload.d=0,2";
+		o.scene = "fold qdd=0\nfree payload.d\nfext b\nwant tau,power\ndrop-below 1e-3:sampled\nrange payload.d=0,2";
 	if (_i >= 7 && _i < DUMPS) {
 		o.scene = _i == 8 ? "free gravity\nwant qdd\njvp qdd,pose.d\nvjp M,accel.d\nby gravity" :
 			"free gravity\nwant M,dtau_dq,dtau_dgravity,jvp,vjp,regressor";
@@ -138,7 +138,7 @@ START_TEST(every_request_of_a_scene)
 	long requests, step = _i < 6 || _i >= 8 ? 7 : 53;
 
 	o.base = _i < 8 ? o.base : RNEAGEN_FLOATING;
-	o.scene = _i >= 8 ? "free mass.b\nwant com,vcom,com_jacobian,momentum,momentum_matrix,dmomentum,coriolis,opspace.d,opspace_inv.d" : _i < 2 ? "lock jd=0.5\nround-constants 5\ndrop-below 1e-3" : _i < 4 ? everything : _i < 6 ? "want qdd_bound" : "params auto\nfree mass.d";
+	o.scene = _i >= 8 ? "free mass.b\nwant com,vcom,com_jacobian,momentum,momentum_matrix,dmomentum,coriolis,opspace.d,opspace_inv.d" : _i < 2 ? "lock jd=0.5\nround-constants 5\nrange q=-1,1\nrange qd=-1,1\nrange qdd=-1,1\ndrop-below 1e-3" : _i < 4 ? everything : _i < 6 ? "want qdd_bound" : "params auto\nfree mass.d";
 	requests = refuse_each(&o, _i % 2, step, analyse);
 	printf("one in %ld of %ld requests refused\n", step_of(step), requests);
 	ck_assert_int_gt(requests, 100);

@@ -224,7 +224,7 @@ START_TEST(test_dropped)
 	double *x;
 
 	write_inputs(f);
-	RUN_SCENE(f, 0, "", "--in", "in.npy", "--input", "gravity=g.npy", "--out", "out.npy", "--backend", "cpu", "--drop-below", "1e-12");
+	RUN_SCENE(f, 0, "", "--in", "in.npy", "--input", "gravity=g.npy", "--out", "out.npy", "--backend", "cpu", "--drop-below", "1e-12:sampled");
 	x = file_numbers("out.npy", 0, &n);
 	ck_assert_uint_eq(n, COUNT * width);
 	assert_close(f, 0, x, width, x + f->nv, width, 1e-9);
@@ -255,7 +255,7 @@ START_TEST(test_heavy_hand)
 	printf(", with 5 kg %g\n", (double)tau[1]);
 	file_put_array("q.npy", q, 1, 8, 0);
 	file_put_array("payload.npy", load, 1, PAYLOAD, 0);
-	RUN(0, "", ROBOTS "panda.urdf", "--free", "payload.panda_hand", "--drop-below", "1e-12", "--fold", "qd=0", "--fold", "qdd=0", "--q", "q.npy",
+	RUN(0, "", ROBOTS "panda.urdf", "--free", "payload.panda_hand", "--drop-below", "1e-12:sampled", "--fold", "qd=0", "--fold", "qdd=0", "--q", "q.npy",
 		"--input", "payload.panda_hand=payload.npy", "--out", "out.npy", "--backend", "cpu");
 	x = file_numbers("out.npy", 0, &n);
 	ck_assert_uint_eq(n, 8);

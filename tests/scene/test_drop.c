@@ -1,4 +1,4 @@
-/* What --drop-below leaves out: nothing that an input of the scene can make felt, by the independent reference and beside the
+/* What --drop-below FRACTION:sampled leaves out: nothing that an input of the scene can make felt, by the independent reference and beside the
    text that has all terms; no other terms than a sweep by each output, one sample after the other, finds; and the text keeps
    its inputs. Seeds are printed or in DROP_SEEDS. */
 #define _POSIX_C_SOURCE 200809L
@@ -44,7 +44,7 @@ START_TEST(random_trees)
 			case_draw_pushes(c);
 		if (seed % 3)
 			case_draw_wants(c);
-		case_say(c, "drop-below 1e-18\n");
+		case_say(c, "drop-below 1e-18:sampled\n");
 		case_checked(c, what);
 		case_close(c);
 		tried++;
@@ -161,7 +161,7 @@ START_TEST(beside_all)
 	struct scene_model m, whole;
 	double off;
 
-	open_scene(&m, text, b->base, b->scene, "drop-below 1e-12");
+	open_scene(&m, text, b->base, b->scene, "drop-below 1e-12:sampled");
 	open_scene(&whole, text, b->base, b->scene, "");
 	check_same_arguments(&m.dag, &whole.dag);
 	off = difference(&m.dag, &whole.dag, &m.tree, SEED);
@@ -180,8 +180,8 @@ START_TEST(told)
 	struct scene_model m, whole;
 	double change;
 
-	open_scene(&m, text, RNEAGEN_FIXED, "free payload.panda_hand", "drop-below 1e-6\nrange payload.panda_hand=0,1e-7");
-	open_scene(&whole, text, RNEAGEN_FIXED, "free payload.panda_hand", "drop-below 1e-6");
+	open_scene(&m, text, RNEAGEN_FIXED, "free payload.panda_hand", "drop-below 1e-6:sampled\nrange payload.panda_hand=0,1e-7");
+	open_scene(&whole, text, RNEAGEN_FIXED, "free payload.panda_hand", "drop-below 1e-6:sampled");
 	check_same_arguments(&m.dag, &whole.dag);
 	for (size_t i = 0; i < m.dag.count; i++)
 		ck_assert(m.dag.nodes[i].op != OP_INPUT || strcmp(m.dag.arguments[m.dag.nodes[i].arg[0].i].name, "payload_panda_hand") != 0);
@@ -201,9 +201,9 @@ START_TEST(ranges_count)
 	char *text = robot_text("iiwa14");
 	struct scene_model m, wide_, slow;
 
-	open_scene(&m, text, RNEAGEN_FIXED, "", "drop-below 1e-4");
-	open_scene(&wide_, text, RNEAGEN_FIXED, "range qd=-100,100\nrange qdd=-1000,1000", "drop-below 1e-4");
-	open_scene(&slow, text, RNEAGEN_FIXED, "range qd=-0.01,0.01\nrange qdd=-0.01,0.01", "drop-below 1e-4");
+	open_scene(&m, text, RNEAGEN_FIXED, "", "drop-below 1e-4:sampled");
+	open_scene(&wide_, text, RNEAGEN_FIXED, "range qd=-100,100\nrange qdd=-1000,1000", "drop-below 1e-4:sampled");
+	open_scene(&slow, text, RNEAGEN_FIXED, "range qd=-0.01,0.01\nrange qdd=-0.01,0.01", "drop-below 1e-4:sampled");
 	ck_assert_uint_lt(operation_total(&slow), operation_total(&m));
 	ck_assert_uint_lt(operation_total(&slow), operation_total(&wide_));
 	scene_close(&m);
@@ -220,7 +220,7 @@ START_TEST(overflow)
 	struct scene_model m, whole;
 	double change;
 
-	open_scene(&m, text, RNEAGEN_FIXED, "range qd=-1e200,1e200", "drop-below 1e-3");
+	open_scene(&m, text, RNEAGEN_FIXED, "range qd=-1e200,1e200", "drop-below 1e-3:sampled");
 	open_scene(&whole, text, RNEAGEN_FIXED, "", "");
 	ck_assert_uint_eq(operation_total(&m), operation_total(&whole));
 	ck_assert(isnan(m.effects.of[0].share) && isnan(m.effects.of[0].change));

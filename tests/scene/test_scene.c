@@ -213,7 +213,7 @@ END_TEST
 START_TEST(random_scenes)
 {
 	static const char *const parts[] = {"root ", "tip ", "beside drop", "beside lock", "lock ", "lock-all-but ", "fold ", "free ", "want ",
-		"fext ", "fext-frame world", "damping", "friction", "friction 0.1", "snap-angle 1e-3", "round-constants 4", "drop-below 1e-3",
+		"fext ", "fext-frame world", "damping", "friction", "friction 0.1", "snap-angle 1e-3", "round-constants 4", "drop-below 1e-3:sampled",
 		"range ", "range qd=-1,1",
 		"base", "upper", "fore", "hand", "left", "right", "head", "a,b", "shoulder", "elbow", "wrist", "grip", "follow", "neck", "free",
 		"qd", "qdd", "q.elbow", "tau", "power", "gravity", "mass.", "payload.", "wrench.", "offset.", "=", "=0", "=0.5", "=1,2,3", "=1,2", "[0]",

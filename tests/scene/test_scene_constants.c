@@ -163,9 +163,9 @@ START_TEST(dropped_as_if_zero)
 {
 	struct scene_model tiny, none, felt, kept;
 
-	open_or_fail(&tiny, SLANTED("1e-9"), "drop-below 1e-6");
-	open_or_fail(&none, SLANTED("0"), "drop-below 1e-6");
-	open_or_fail(&felt, SLANTED("1e-2"), "drop-below 1e-6");
+	open_or_fail(&tiny, SLANTED("1e-9"), "drop-below 1e-6:sampled");
+	open_or_fail(&none, SLANTED("0"), "drop-below 1e-6:sampled");
+	open_or_fail(&felt, SLANTED("1e-2"), "drop-below 1e-6:sampled");
 	open_or_fail(&kept, SLANTED("1e-9"), NULL);
 	ck_assert_uint_eq(operation_total(&tiny), operation_total(&none));
 	ck_assert_uint_gt(operation_total(&felt), operation_total(&none));
@@ -192,7 +192,7 @@ START_TEST(friction_at_rest)
 	struct pose p = {.nq = 1, .nv = 1};
 	struct torque t;
 
-	open_or_fail(&m, text, "friction 1e-6\ndrop-below 1e-3");
+	open_or_fail(&m, text, "friction 1e-6\ndrop-below 1e-3:sampled");
 	/* q is not among the inputs */
 	ck_assert(eval_real(&m.dag, (const real *[]){p.qd, p.qdd, NULL}, (real *[]){NULL, NULL, t.tau}, NULL));
 	ck_assert(t.tau[0] == 0);
@@ -208,8 +208,8 @@ START_TEST(dropped_at_any_scale)
 {
 	struct scene_model light, heavy, whole;
 
-	open_or_fail(&light, SCALED("e-6"), "drop-below 1e-2");
-	open_or_fail(&heavy, SCALED("e6"), "drop-below 1e-2");
+	open_or_fail(&light, SCALED("e-6"), "drop-below 1e-2:sampled");
+	open_or_fail(&heavy, SCALED("e6"), "drop-below 1e-2:sampled");
 	open_or_fail(&whole, SCALED("e6"), NULL);
 	ck_assert_uint_eq(operation_total(&light), operation_total(&heavy));
 	ck_assert_uint_lt(operation_total(&heavy), operation_total(&whole));
@@ -252,7 +252,7 @@ static double change_of(const struct scene_model *m, struct reference *r, uint64
 /* Terms add up: what the reference sees stays within so many of them. */
 START_TEST(dropped)
 {
-	static const char *const scenes[] = {"drop-below 1e-18", "drop-below 1e-5", "drop-below 1e-3"};
+	static const char *const scenes[] = {"drop-below 1e-18:sampled", "drop-below 1e-5:sampled", "drop-below 1e-3:sampled"};
 	static const double limits[] = {1e-12, 40e-5, 40e-3};
 	double worst = 0;
 	long saved = 0;
@@ -293,6 +293,10 @@ static const struct refused {
 	{"round-constants 0", "here: scene line 1, round-constants: takes a whole number from 1 to 17, not 0"},
 	{"round-constants 2.5", "here: scene line 1, round-constants: takes a whole number from 1 to 17, not 2.5"},
 	{"drop-below 1", "here: scene line 1, drop-below: takes a fraction from 0 to below 1, not 1"},
+	{"drop-below 0.1:often", "here: scene line 1, drop-below: takes FRACTION or FRACTION:sampled, not '0.1:often'"},
+	{"drop-below x:sampled", "here: scene line 1, drop-below: takes a finite number, not 'x'"},
+	{"range qd=-1,1\ndrop-below 0.1", "here: scene line 2, drop-below: no limit is known of qdd: give --range NAME=LOWER,UPPER for each, or "
+		"FRACTION:sampled, which proves nothing"},
 	{"drop-below -0.1", "here: scene line 1, drop-below: takes a fraction from 0 to below 1, not -0.1"},
 	{"round-constants 18", "here: scene line 1, round-constants: takes a whole number from 1 to 17, not 18"},
 };

@@ -89,10 +89,11 @@ class Choice(str):
     command: str
 
 
-def choose(robot: str | os.PathLike | Robot, max_error: float, measured: bool = False, **options: Any) -> Choice:
-    """The fastest variant whose error, by its bound or as measured, is at most `max_error`, relative to the torques."""
+def choose(robot: str | os.PathLike | Robot, max_error: float, measured: bool = False, proved: bool = False, **options: Any) -> Choice:
+    """The fastest variant whose error, by its bound or as measured, is at most `max_error`, relative to the torques. `proved`: by a bound
+    that holds for every state within the limits of the joints and `range`."""
     words = study_words(robot, options, (), "choose")
-    text = run([program("rnearun"), "choose", *words, f"--max-error={max_error!r}", "--quiet", *(["--measured"] if measured else [])])
+    text = run([program("rnearun"), "choose", *words, f"--max-error={max_error!r}", "--quiet", *(["--measured"] if measured else []), *(["--proved"] if proved else [])])
     choice = Choice(text)
     lines = text.strip().split("\n")
     choice.backend, choice.precision, choice.trig, choice.layout = lines[0].split()[:4]

@@ -1,0 +1,51 @@
+/* What the scene's ranges say of the angles that have a sine. */
+#include "request/request.h"
+#include <math.h>
+#include <string.h>
+
+/* The largest magnitude of a row by the narrowest name that states its range; INFINITY where none does. */
+static double stated(const struct request *k, const char *argument, int row)
+{
+	double most = (double)INFINITY;
+	int level = -1;
+
+	for (int i = 0; i < k->range_count; i++) {
+		const struct request_range *r = &k->ranges[i];
+
+		if (strcmp(r->argument, argument) != 0 || row < r->first || row >= r->first + r->count || r->level <= level)
+			continue;
+		level = r->level;
+		most = fmax(fabs(r->lower), fabs(r->upper));
+	}
+	return most;
+}
+
+static double largest_offset(const struct request *k)
+{
+	double most = 0;
+
+	for (int i = 0; i < k->freed_count; i++)
+		if (k->freed[i].kind == FREED_OFFSET)
+			most = fmax(most, stated(k, k->freed[i].argument, 0));
+	return most;
+}
+
+int request_bounds_angles(const struct request *k, const struct tree *t, double most)
+{
+	double offset = largest_offset(k);
+	int count = 0;
+
+	for (int i = 0; i < t->body_count; i++) {
+		const struct body *b = &t->bodies[i];
+		int row = b->iq + (b->type == JOINT_PLANAR ? 2 : 0);
+
+		if (b->type != JOINT_REVOLUTE && b->type != JOINT_CONTINUOUS && b->type != JOINT_PLANAR)
+			continue;
+		if (k->q[row].is_given)
+			continue;
+		if (!(fabs((double)b->multiplier.x) * (stated(k, "q", row) + offset) <= most))
+			return 0;
+		count++;
+	}
+	return count > 0;
+}

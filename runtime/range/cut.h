@@ -1,0 +1,23 @@
+#ifndef RUNTIME_RANGE_CUT_H
+#define RUNTIME_RANGE_CUT_H
+/* A limb apart from what carries it: how the body moves at which it is cut off is a rate and drives of its own, w and dw, a, each number
+   with its range. So the limb's torques depend on its own rows of q alone, and grids serve. What is lost is that the body cannot move in
+   all ways at once. */
+
+#include "range/grid.h"
+
+struct cut {
+	int body;               /* index into the tree */
+	struct relaxed relaxed; /* its outputs are some of those that it was cut from */
+	struct box box;
+	int *outputs;           /* of them, the numbers that they had */
+	struct field *fields;
+	int field_count;
+};
+
+/* Limbs whose outputs depend on too many rows of q, into *cuts, which live in `a`; ranges of what moves them are found in about
+   `seconds`. Returns how many; -1 when memory runs out. */
+int cut_make(struct cut **cuts, const struct relaxed *r, const struct field *fields, int field_count, const struct effort *x,
+	double seconds, struct arena *a);
+
+#endif
