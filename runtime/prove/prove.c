@@ -27,6 +27,8 @@ struct target {
 	const struct field *f;
 	const struct box *b;
 	const int *outputs; /* NULL: as in the field */
+	struct sought (*found)[2];  /* by the field's output */
+	struct interval *wrenches;  /* of a limb: ranges of outputs beyond those of the text */
 };
 
 struct proving {
@@ -43,7 +45,6 @@ struct proving {
 	struct target *targets;
 	int target_count;
 	struct effort effort;
-	struct sought (*found)[2];              /* by output of the DAG, of the relaxed box */
 	struct states states;                   /* of the text's */
 	double (*values)[2], *(*best)[2];       /* by output: what was found, and where */
 	struct eval_model models[PROVE_PRECISIONS];
@@ -73,11 +74,13 @@ static double share_of(const struct proving *p, int k, int of_grids)
 	return sum > 0 ? own / sum : 0;
 }
 
-static void take_found(struct proving *p, const struct field *f, int output, int side, const struct sought *found)
+static void take_found(struct proving *p, int k, int i, int side, const struct sought *found)
 {
+	const struct field *f = &p->fields[k];
+	int output = f->outputs[i];
 	double *in[DAG_ARGUMENTS];
 
-	p->found[output][side] = *found;
+	p->targets[k].found[i][side] = *found;
 	p->values[output][side] = found->value;
 	states_point(&p->states, p->best[output][side], in);
 	states_take(&p->states, &p->relaxed, f, found, in);
@@ -91,7 +94,7 @@ static enum rneagen_code seek_field(struct proving *p, int k, double seconds)
 
 	for (int i = 0; done && i < f->output_count; i++)
 		for (int side = 0; side < 2; side++)
-			take_found(p, f, f->outputs[i], side, &best[i][side]);
+			take_found(p, k, i, side, &best[i][side]);
 	free(best);
 	return done ? RNEAGEN_OK : error_memory(p->e);
 }
@@ -125,9 +128,13 @@ static int output_of(const struct target *t, int i)
 static void take_rows(const struct proving *p, const struct target *t, const struct ranging *g, struct prove_row *rows)
 {
 	for (int i = 0; i < t->f->output_count; i++) {
-		int output = output_of(t, i);
-		struct prove_row *r = &rows[output];
+		int output = output_of(t, i), wrench = output - (int)p->a->dag.output_count;
+		struct prove_row *r = wrench < 0 ? &rows[output] : NULL;
 
+		if (wrench >= 0) {
+			t->wrenches[wrench] = (struct interval){fmax(g->cover.lower[i], g->ranges[i].lower), fmin(g->cover.upper[i], g->ranges[i].upper)};
+			continue;
+		}
 		r->low = fmax(r->low, fmax(g->cover.lower[i], g->ranges[i].lower));
 		r->high = fmin(r->high, fmin(g->cover.upper[i], g->ranges[i].upper));
 		r->plain = fmin(r->plain, t->outputs ? r->plain : t->f->plain[i]);
@@ -136,7 +143,7 @@ static void take_rows(const struct proving *p, const struct target *t, const str
 	}
 }
 
-static int ranging_make(struct ranging *r, const struct target *t, const struct sought (*found)[2])
+static int ranging_make(struct ranging *r, const struct target *t)
 {
 	const struct field *f = t->f;
 	size_t outputs = (size_t)f->output_count;
@@ -148,7 +155,7 @@ static int ranging_make(struct ranging *r, const struct target *t, const struct 
 		return 0;
 	for (int i = 0; i < f->output_count; i++)
 		for (int side = 0; side < 2; side++) {
-			r->found[i][side] = found[output_of(t, i)][side].value;
+			r->found[i][side] = t->found[i][side].value;
 			r->largest[i] = fmax(r->largest[i], fabs(r->found[i][side]));
 		}
 	return 1;
@@ -207,7 +214,7 @@ static enum rneagen_code prove_target(struct proving *p, int k, struct prove_row
 	int done;
 
 	show(p, "ranges");
-	done = ranging_make(&r, t, (const struct sought(*)[2])p->found) && find_ranges(p, k, &r);
+	done = ranging_make(&r, t) && find_ranges(p, k, &r);
 	if (done)
 		take_rows(p, t, &r, rows);
 	ranging_free(&r);
@@ -237,21 +244,70 @@ static enum rneagen_code prove_errors(struct proving *p, struct proof *proof)
 
 static enum rneagen_code add_fields(struct proving *p)
 {
-	p->targets = arena_alloc(&p->arena, 2 * p->a->dag.output_count + 1, sizeof *p->targets);
+	p->targets = arena_alloc(&p->arena, 16 * (p->a->dag.output_count + (size_t)p->a->tree.body_count) + 1, sizeof *p->targets);
 	for (int k = 0; k < p->field_count && p->targets; k++)
-		p->targets[p->target_count++] = (struct target){&p->fields[k], &p->box, NULL};
-	return p->targets ? RNEAGEN_OK : error_memory(p->e);
+		p->targets[p->target_count++] = (struct target){.f = &p->fields[k], .b = &p->box,
+			.found = arena_alloc(&p->arena, (size_t)p->fields[k].output_count, sizeof(struct sought[2]))};
+	return p->arena.failed ? error_memory(p->e) : RNEAGEN_OK;
 }
 
-static enum rneagen_code add_limbs(struct proving *p)
+/* Fields of a part that is cut off, with what a search finds of them. */
+static int add_part(struct proving *p, const struct cut *c, struct interval *wrenches)
 {
-	struct cut *cuts;
-	int count = cut_make(&cuts, &p->relaxed, p->fields, p->field_count, &p->effort, SHARE_LIMBS * p->o->seconds, &p->arena);
+	for (int k = 0; k < c->field_count; k++) {
+		struct target *t = &p->targets[p->target_count++];
 
-	for (int i = 0; i < count; i++)
-		for (int k = 0; k < cuts[i].field_count; k++)
-			p->targets[p->target_count++] = (struct target){&cuts[i].fields[k], &cuts[i].box, cuts[i].outputs};
-	return count >= 0 ? RNEAGEN_OK : error_memory(p->e);
+		*t = (struct target){&c->fields[k], &c->box, c->outputs,
+			arena_alloc(&p->arena, (size_t)c->fields[k].output_count, sizeof *t->found), wrenches};
+		if (!t->found || !seek_extremes(t->found, t->f, &p->effort, SHARE_LIMBS * p->o->seconds / c->field_count))
+			return 0;
+	}
+	return 1;
+}
+
+/* What depends on many rows of q is cut: grids are for the parts. First the limbs, and when their wrenches are known what carries them. */
+struct proved_limbs {
+	struct cut *cuts, rest;
+	int count;
+	struct interval **wrenches;
+};
+
+static int add_limbs(struct proving *p, struct proved_limbs *l)
+{
+	l->count = cut_make(&l->cuts, &p->relaxed, p->fields, p->field_count, &p->effort, SHARE_LIMBS * p->o->seconds, &p->arena);
+	l->wrenches = arena_alloc(&p->arena, (size_t)(l->count > 0 ? l->count : 0) + 1, sizeof *l->wrenches);
+	if (l->count < 0 || !l->wrenches)
+		return 0;
+	for (int i = 0; i < l->count; i++) {
+		l->wrenches[i] = arena_alloc(&p->arena, (size_t)l->cuts[i].wrench_count + 1, sizeof **l->wrenches);
+		if (!l->wrenches[i] || !add_part(p, &l->cuts[i], l->wrenches[i]))
+			return 0;
+		for (int k = 0; k < p->field_count; k++)
+			for (size_t o = 0; o < l->cuts[i].relaxed.view.dag.output_count; o++)
+				if (p->fields[k].outputs[0] == l->cuts[i].outputs[o])
+					p->fields[k].has_grid = 0;
+	}
+	return 1;
+}
+
+static int prove_targets(struct proving *p, int first, struct prove_row *rows)
+{
+	for (int k = first; k < p->target_count; k++)
+		if (prove_target(p, k, rows))
+			return 0;
+	return 1;
+}
+
+static int prove_ranges(struct proving *p, struct prove_row *rows)
+{
+	struct proved_limbs *l = arena_alloc(&p->arena, 1, sizeof *l);
+	int first, made;
+
+	if (!l || !add_limbs(p, l) || !prove_targets(p, 0, rows))
+		return 0;
+	first = p->target_count;
+	made = l->count ? cut_rest(&l->rest, &p->relaxed, p->fields, p->field_count, l->cuts, l->count, l->wrenches, &p->arena) : 0;
+	return made == 0 || (made > 0 && add_part(p, &l->rest, NULL) && prove_targets(p, first, rows));
 }
 
 static int make_states(struct proving *p)
@@ -269,10 +325,9 @@ static int make_states(struct proving *p)
 static enum rneagen_code prove_all(struct proving *p, struct proof *proof)
 {
 	proof->rows = calloc(p->a->dag.output_count + 1, sizeof *proof->rows);
-	p->found = arena_alloc(&p->arena, p->a->dag.output_count, sizeof *p->found);
 	p->effort.workers = workers_open(p->o->threads);
 	states_of(&p->states, p->a, p->b);
-	if (!proof->rows || !p->found || !p->effort.workers || !make_states(p))
+	if (!proof->rows || !p->effort.workers || !make_states(p))
 		return error_memory(p->e);
 	p->effort.threads = workers_limit(p->effort.workers);
 	p->effort.deadline = p->start + 1.2 * p->o->seconds;
@@ -281,11 +336,8 @@ static enum rneagen_code prove_all(struct proving *p, struct proof *proof)
 		return p->e->code;
 	for (size_t i = 0; i < p->a->dag.output_count; i++)
 		proof->rows[i] = (struct prove_row){.low = -(double)INFINITY, .high = (double)INFINITY, .plain = (double)INFINITY};
-	if (add_limbs(p))
-		return p->e->code;
-	for (int k = 0; k < p->target_count; k++)
-		if (prove_target(p, k, proof->rows))
-			return p->e->code;
+	if (!prove_ranges(p, proof->rows))
+		return p->e->code ? p->e->code : error_memory(p->e);
 	proof->range_seconds = seconds_now() - p->start;
 	if (prove_errors(p, proof))
 		return p->e->code;
