@@ -251,63 +251,92 @@ static enum rneagen_code add_fields(struct proving *p)
 	return p->arena.failed ? error_memory(p->e) : RNEAGEN_OK;
 }
 
-/* Fields of a part that is cut off, with what a search finds of them. */
-static int add_part(struct proving *p, const struct cut *c, struct interval *wrenches)
-{
-	for (int k = 0; k < c->field_count; k++) {
-		struct target *t = &p->targets[p->target_count++];
+/* ---- parts ---- */
 
-		*t = (struct target){&c->fields[k], &c->box, c->outputs,
-			arena_alloc(&p->arena, (size_t)c->fields[k].output_count, sizeof *t->found), wrenches};
-		if (!t->found || !seek_extremes(t->found, t->f, &p->effort, SHARE_LIMBS * p->o->seconds / c->field_count))
-			return 0;
-	}
-	return 1;
-}
-
-/* What depends on many rows of q is cut: grids are for the parts. First the limbs, and when their wrenches are known what carries them. */
-struct proved_limbs {
+/* What depends on many rows of q is cut into limbs and what carries them, which may be cut again: grids are for the parts. */
+struct proved_part {
+	const struct relaxed *relaxed;
+	struct field *fields;
+	int field_count, from;
+	const int *outputs; /* the numbers of its outputs among all; NULL: they are all */
 	struct cut *cuts, rest;
 	int count;
 	struct interval **wrenches;
 };
 
-static int add_limbs(struct proving *p, struct proved_limbs *l)
+enum { MOST_PARTS = 6, CUT_FROM = 9, CUT_AGAIN_FROM = 6 };
+
+/* The numbers among all of what was cut off a part. */
+static int *outputs_of(struct proving *p, const struct proved_part *l, const struct cut *c)
 {
-	l->count = cut_make(&l->cuts, &p->relaxed, p->fields, p->field_count, &p->effort, SHARE_LIMBS * p->o->seconds, &p->arena);
+	size_t count = c->relaxed.view.dag.output_count;
+	int *outputs = arena_alloc(&p->arena, count + 1, sizeof *outputs), own = (int)l->relaxed->view.dag.output_count;
+
+	for (size_t i = 0; i < count && outputs; i++)
+		outputs[i] = c->outputs[i] >= own ? c->outputs[i] - own + (int)p->a->dag.output_count : l->outputs ? l->outputs[c->outputs[i]] : c->outputs[i];
+	return outputs;
+}
+
+/* Its fields, with what a search finds of them. */
+static int add_part(struct proving *p, const struct cut *c, const int *outputs, struct interval *wrenches)
+{
+	for (int k = 0; k < c->field_count && outputs; k++) {
+		struct target *t = &p->targets[p->target_count++];
+
+		*t = (struct target){&c->fields[k], &c->box, outputs,
+			arena_alloc(&p->arena, (size_t)c->fields[k].output_count, sizeof *t->found), wrenches};
+		if (!t->found || !seek_extremes(t->found, t->f, &p->effort, SHARE_LIMBS * p->o->seconds / c->field_count))
+			return 0;
+	}
+	return outputs != NULL;
+}
+
+static int add_limbs(struct proving *p, struct proved_part *l)
+{
+	l->count = cut_make(&l->cuts, l->relaxed, l->fields, l->field_count, l->from, &p->effort, SHARE_LIMBS * p->o->seconds, &p->arena);
 	l->wrenches = arena_alloc(&p->arena, (size_t)(l->count > 0 ? l->count : 0) + 1, sizeof *l->wrenches);
 	if (l->count < 0 || !l->wrenches)
 		return 0;
 	for (int i = 0; i < l->count; i++) {
 		l->wrenches[i] = arena_alloc(&p->arena, (size_t)l->cuts[i].wrench_count + 1, sizeof **l->wrenches);
-		if (!l->wrenches[i] || !add_part(p, &l->cuts[i], l->wrenches[i]))
+		if (!l->wrenches[i] || !add_part(p, &l->cuts[i], outputs_of(p, l, &l->cuts[i]), l->wrenches[i]))
 			return 0;
-		for (int k = 0; k < p->field_count; k++)
-			for (size_t o = 0; o < l->cuts[i].relaxed.view.dag.output_count; o++)
-				if (p->fields[k].outputs[0] == l->cuts[i].outputs[o])
-					p->fields[k].has_grid = 0;
 	}
+	for (int k = 0; k < l->field_count; k++)
+		l->fields[k].has_grid &= l->fields[k].dim_count < l->from || !l->count;
 	return 1;
 }
 
-static int prove_targets(struct proving *p, int first, struct prove_row *rows)
+static int prove_targets(struct proving *p, int *first, struct prove_row *rows)
 {
-	for (int k = first; k < p->target_count; k++)
-		if (prove_target(p, k, rows))
+	for (; *first < p->target_count; ++*first)
+		if (prove_target(p, *first, rows))
 			return 0;
 	return 1;
 }
 
+/* Limbs first; when their wrenches are known, what carries them. */
 static int prove_ranges(struct proving *p, struct prove_row *rows)
 {
-	struct proved_limbs *l = arena_alloc(&p->arena, 1, sizeof *l);
-	int first, made;
+	struct proved_part *l = arena_alloc(&p->arena, MOST_PARTS + 1, sizeof *l);
+	int first = 0, made = 1;
 
-	if (!l || !add_limbs(p, l) || !prove_targets(p, 0, rows))
+	if (!l)
 		return 0;
-	first = p->target_count;
-	made = l->count ? cut_rest(&l->rest, &p->relaxed, p->fields, p->field_count, l->cuts, l->count, l->wrenches, &p->arena) : 0;
-	return made == 0 || (made > 0 && add_part(p, &l->rest, NULL) && prove_targets(p, first, rows));
+	l[0] = (struct proved_part){.relaxed = &p->relaxed, .fields = p->fields, .field_count = p->field_count, .from = CUT_FROM};
+	for (int i = 0; i < MOST_PARTS && made; i++) {
+		if (!add_limbs(p, &l[i]) || !prove_targets(p, &first, rows))
+			return 0;
+		made = l[i].count ? cut_rest(&l[i].rest, l[i].relaxed, l[i].fields, l[i].field_count, l[i].from, l[i].cuts, l[i].count, l[i].wrenches, &p->arena)
+				  : 0;
+		if (made < 0)
+			return 0;
+		l[i + 1] = (struct proved_part){.relaxed = &l[i].rest.relaxed, .fields = l[i].rest.fields, .field_count = l[i].rest.field_count,
+			.from = CUT_AGAIN_FROM, .outputs = made ? outputs_of(p, &l[i], &l[i].rest) : NULL};
+		if (made && !add_part(p, &l[i].rest, l[i + 1].outputs, NULL))
+			return 0;
+	}
+	return prove_targets(p, &first, rows);
 }
 
 static int make_states(struct proving *p)

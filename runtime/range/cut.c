@@ -3,18 +3,18 @@
 #include <math.h>
 #include <string.h>
 
-/* Of so many rows of q grids are close, and from so many on a cut is looked for. */
-enum { LIMB_DIMS = 7, CUT_FROM = 9, MOST_LEAVES = 16 };
+/* Of so many rows of q grids are close. */
+enum { LIMB_DIMS = 5, MOST_LEAVES = 16 };
 
 struct cutting {
 	const struct relaxed *r;
 	const struct dag *d;
 	const struct field *fields;
-	int field_count;
+	int field_count, from;
 	const struct effort *x;
 	double seconds;
 	struct arena *a;
-	int *body;       /* by field; -1: it is not cut */
+	int *body;       /* by output, where it is cut off; -1: nowhere */
 	uint64_t *dims;  /* by node: rows of q that it depends on, where a body is cut off */
 	unsigned char *live;
 };
@@ -38,10 +38,10 @@ static uint64_t bit_of(const struct field *f, int row)
 	return 0;
 }
 
-static int dims_left(const struct cutting *s, const struct field *f, int number)
+static int dims_left(const struct cutting *s, const struct field *f, int output, int number)
 {
 	int position = dag_find_role(s->d, ROLE_JOINT_POSITION, 0), count = 0;
-	uint64_t all = 0;
+	uint64_t all;
 
 	for (uint32_t i = 0; i < s->d->count; i++) {
 		const struct node *n = &s->d->nodes[i];
@@ -50,16 +50,14 @@ static int dims_left(const struct cutting *s, const struct field *f, int number)
 		for (int k = 0; k < op_arity[n->op] && !is_leaf(s->d, i, number); k++)
 			s->dims[i] |= s->dims[n->arg[k].i];
 	}
-	for (int o = 0; o < f->output_count; o++)
-		all |= s->dims[s->d->outputs[f->outputs[o]].value.i];
-	for (; all; all &= all - 1)
+	for (all = s->dims[s->d->outputs[output].value.i]; all; all &= all - 1)
 		count++;
 	return count;
 }
 
-static int body_of(const struct cutting *s, const struct field *f)
+static int body_of(const struct cutting *s, int output)
 {
-	const struct output *o = &s->d->outputs[f->outputs[0]];
+	const struct output *o = &s->d->outputs[output];
 	const struct tree *t = &s->r->view.tree;
 	enum role role = s->d->arguments[o->argument].role;
 
@@ -70,13 +68,13 @@ static int body_of(const struct cutting *s, const struct field *f)
 }
 
 /* The body nearest the ground that leaves few enough. */
-static int choose(const struct cutting *s, const struct field *f)
+static int choose(const struct cutting *s, const struct field *f, int output)
 {
 	const struct tree *t = &s->r->view.tree;
-	int best = -1, body = f->dim_count >= CUT_FROM ? body_of(s, f) : -1;
+	int best = -1, body = f->dim_count >= s->from ? body_of(s, output) : -1;
 
 	for (body = body >= 0 ? t->bodies[body].parent : -1; body >= 0; body = t->bodies[body].parent)
-		if (dims_left(s, f, t->bodies[body].number) <= LIMB_DIMS)
+		if (dims_left(s, f, output, t->bodies[body].number) <= LIMB_DIMS)
 			best = body;
 	return best;
 }
@@ -94,9 +92,9 @@ static int find(const uint32_t *list, int count, uint32_t node)
 static void mark_live(const struct cutting *s, int body, const uint32_t *also, int count, const uint32_t *leaves, int leaf_count)
 {
 	memset(s->live, 0, s->d->count);
-	for (int k = 0; k < s->field_count; k++)
-		for (int o = 0; o < s->fields[k].output_count && s->body[k] == body; o++)
-			s->live[s->d->outputs[s->fields[k].outputs[o]].value.i] = 1;
+	for (size_t o = 0; o < s->d->output_count; o++)
+		if (s->body[o] == body)
+			s->live[s->d->outputs[o].value.i] = 1;
 	for (int k = 0; k < count; k++)
 		s->live[also[k]] = 1;
 	for (size_t i = s->d->count; i-- > 0;)
@@ -188,10 +186,10 @@ static int list_outputs(const struct cutting *s, struct cut *c, struct dag *from
 	from->output_count = 0;
 	if (!outputs || !c->outputs)
 		return 0;
-	for (int k = 0; k < s->field_count; k++)
-		for (int o = 0; o < s->fields[k].output_count && s->body[k] == c->body; o++) {
-			c->outputs[from->output_count] = s->fields[k].outputs[o];
-			outputs[from->output_count++] = s->d->outputs[s->fields[k].outputs[o]];
+	for (size_t o = 0; o < s->d->output_count; o++)
+		if (s->body[o] == c->body) {
+			c->outputs[from->output_count] = (int)o;
+			outputs[from->output_count++] = s->d->outputs[o];
 		}
 	for (int k = 0; k < c->wrench_count; k++) {
 		c->outputs[from->output_count] = (int)s->d->output_count + k;
@@ -255,9 +253,13 @@ static int list_wrenches(const struct cutting *s, struct cut *c)
 
 static struct cutting cutting_of(const struct relaxed *r, const struct field *fields, int field_count, struct arena *a)
 {
-	return (struct cutting){.r = r, .d = &r->view.dag, .fields = fields, .field_count = field_count, .a = a,
-		.body = arena_alloc(a, (size_t)field_count + 1, sizeof(int)), .dims = arena_alloc(a, r->view.dag.count, sizeof(uint64_t)),
+	struct cutting s = {.r = r, .d = &r->view.dag, .fields = fields, .field_count = field_count, .a = a,
+		.body = arena_alloc(a, r->view.dag.output_count + 1, sizeof(int)), .dims = arena_alloc(a, r->view.dag.count, sizeof(uint64_t)),
 		.live = arena_alloc(a, r->view.dag.count, 1)};
+
+	for (size_t o = 0; o < r->view.dag.output_count && !a->failed; o++)
+		s.body[o] = -1;
+	return s;
 }
 
 static int limb(const struct cutting *s, struct cut *c, int body)
@@ -270,58 +272,60 @@ static int limb(const struct cutting *s, struct cut *c, int body)
 	return count > 0 && list_wrenches(s, c) && find_ranges(s, leaves, count, ranges) && cut_off(s, c, leaves, count, ranges);
 }
 
-int cut_make(struct cut **cuts, const struct relaxed *r, const struct field *fields, int field_count, const struct effort *x,
+int cut_make(struct cut **cuts, const struct relaxed *r, const struct field *fields, int field_count, int from, const struct effort *x,
 	double seconds, struct arena *a)
 {
 	struct cutting s = cutting_of(r, fields, field_count, a);
 	int count = 0;
 
+	s.from = from;
 	s.x = x;
 	s.seconds = seconds;
-	*cuts = arena_alloc(a, (size_t)field_count + 1, sizeof **cuts);
+	*cuts = arena_alloc(a, s.d->output_count + 1, sizeof **cuts);
 	if (a->failed)
 		return -1;
 	for (int k = 0; k < field_count; k++)
-		s.body[k] = choose(&s, &fields[k]);
-	for (int k = 0; k < field_count; k++) {
-		int known = s.body[k] < 0;
+		for (int o = 0; o < fields[k].output_count; o++)
+			s.body[fields[k].outputs[o]] = choose(&s, &fields[k], fields[k].outputs[o]);
+	for (size_t o = 0; o < s.d->output_count; o++) {
+		int known = s.body[o] < 0;
 
-		for (int l = 0; l < k; l++)
-			known |= s.body[l] == s.body[k];
-		if (!known && limb(&s, &(*cuts)[count], s.body[k]))
+		for (size_t l = 0; l < o; l++)
+			known |= s.body[l] == s.body[o];
+		if (!known && limb(&s, &(*cuts)[count], s.body[o]))
 			count++;
 	}
 	return a->failed ? -1 : count;
 }
 
-static int is_cut(const struct field *f, const struct cut *cuts, int count)
+int cut_has(const struct cut *cuts, int count, int output)
 {
 	for (int i = 0; i < count; i++)
 		for (size_t k = 0; k < cuts[i].relaxed.view.dag.output_count; k++)
-			if (cuts[i].outputs[k] == f->outputs[0])
+			if (cuts[i].outputs[k] == output)
 				return 1;
 	return 0;
 }
 
-int cut_rest(struct cut *rest, const struct relaxed *r, const struct field *fields, int field_count, const struct cut *cuts, int cut_count,
+int cut_rest(struct cut *rest, const struct relaxed *r, const struct field *fields, int field_count, int from, const struct cut *cuts, int cut_count,
 	struct interval *const *ranges, struct arena *a)
 {
 	struct cutting s = cutting_of(r, fields, field_count, a);
 	uint32_t leaves[6 * MOST_LEAVES];
 	struct interval of[6 * MOST_LEAVES];
-	int count = 0, some = 0;
+	int count = 0, some = -1;
 
 	*rest = (struct cut){.body = 0};
 	if (a->failed)
 		return -1;
-	for (int k = 0; k < field_count; k++) {
-		s.body[k] = fields[k].dim_count >= CUT_FROM && !is_cut(&fields[k], cuts, cut_count) ? 0 : -1;
-		some |= s.body[k] == 0;
-	}
+	for (int k = 0; k < field_count; k++)
+		for (int o = 0; o < fields[k].output_count; o++)
+			if (fields[k].dim_count >= from && !cut_has(cuts, cut_count, fields[k].outputs[o]))
+				s.body[fields[k].outputs[o]] = some = 0;
 	for (int i = 0; i < cut_count; i++)
 		for (int k = 0; k < cuts[i].wrench_count && count < 6 * MOST_LEAVES; k++) {
 			leaves[count] = cuts[i].wrenches[k];
 			of[count++] = ranges[i][k];
 		}
-	return some && cut_off(&s, rest, leaves, count, of) ? 1 : a->failed ? -1 : 0;
+	return some == 0 && cut_off(&s, rest, leaves, count, of) ? 1 : a->failed ? -1 : 0;
 }

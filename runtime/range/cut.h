@@ -19,14 +19,17 @@ struct cut {
 	int field_count;
 };
 
-/* Limbs whose outputs depend on too many rows of q, into *cuts, which live in `a`; ranges of what moves them are found in about
+/* Limbs whose outputs depend on `from` rows of q or more, into *cuts, which live in `a`; ranges of what moves them are found in about
    `seconds`. Returns how many; -1 when memory runs out. */
-int cut_make(struct cut **cuts, const struct relaxed *r, const struct field *fields, int field_count, const struct effort *x,
+int cut_make(struct cut **cuts, const struct relaxed *r, const struct field *fields, int field_count, int from, const struct effort *x,
 	double seconds, struct arena *a);
 
-/* What carries the limbs, into *rest; ranges[cut][wrench]. Returns 1; 0: it is not made, there is nothing to be cut; -1 when memory runs
+/* Is an output, by its number in what was cut, of a limb? */
+int cut_has(const struct cut *cuts, int count, int output);
+
+/* What carries the limbs, of fields with `from` rows of q or more, into *rest; ranges[cut][wrench]. Returns 1; 0: it is not made, there is nothing to be cut; -1 when memory runs
    out. */
-int cut_rest(struct cut *rest, const struct relaxed *r, const struct field *fields, int field_count, const struct cut *cuts, int cut_count,
+int cut_rest(struct cut *rest, const struct relaxed *r, const struct field *fields, int field_count, int from, const struct cut *cuts, int cut_count,
 	struct interval *const *ranges, struct arena *a);
 
 #endif
