@@ -325,3 +325,24 @@ int norms_lay(struct norms *x, struct arena *a)
 	}
 	return 1;
 }
+
+/* A square of t is from 0 to 1. */
+struct interval norms_range(const struct norms *x, const struct norms_values *v, uint32_t node)
+{
+	const double *lower = v->bounds + x->at[node], *upper = lower + (x->is_wide[node] ? x->lanes : 1);
+	struct interval r = {*lower, *upper};
+	size_t at = 1 + (size_t)(x->drive_count + x->rate_count);
+
+	for (size_t i = 1; x->is_wide[node] && i < at; i++) {
+		double size = fmax(-lower[i], upper[i]);
+
+		r = interval_add(r, (struct interval){-size, size});
+	}
+	for (int j = 0; x->is_wide[node] && j < x->rate_count; j++)
+		for (int k = j; k < x->rate_count; k++, at++) {
+			double size = fmax(-lower[at], upper[at]);
+
+			r = interval_add(r, j == k ? (struct interval){fmin(0, lower[at]), fmax(0, upper[at])} : (struct interval){-size, size});
+		}
+	return r;
+}

@@ -285,14 +285,9 @@ static const double *norm_at(const struct norms *x, const struct norms_values *v
 	return room;
 }
 
-/* By multiples of other vectors. */
-static double narrow_form(const struct norms *x, const struct norms_form *f, const struct norms_values *v)
+static double one_norm(const struct norms *x, const struct norms_values *v, uint32_t set)
 {
-	double sum = f->u ? f->product * v->norm[x->set_at[f->u - 1]] * v->norm[x->set_at[f->v - 1]] : 0;
-
-	if (f->x)
-		sum += f->factor * v->norm[x->set_at[f->x - 1]];
-	return sum >= 0 ? sum * (1 + 0x1p-46) + DBL_MIN : (double)INFINITY;
+	return set ? v->norm[x->set_at[set - 1]] : 0;
 }
 
 /* The same of a set of one lane. */
@@ -312,23 +307,11 @@ static double narrow_norm(const struct norms *x, const struct norms_set *s, cons
 	}
 	least = sqrt(sum) * (1 + 0x1p-48) + DBL_MIN;
 	if (s->form)
-		least = interval_least(least, narrow_form(x, s->form, v));
+		least = interval_least(least, norms_form_bound(s->form, one_norm(x, v, s->form->x), one_norm(x, v, s->form->u), one_norm(x, v, s->form->v)));
 	if (s->one)
 		least = interval_least(least, (1 + 0x1p-48) *
 			(v->norm[x->set_at[s->one - 1]] + (s->other ? v->norm[x->set_at[s->other - 1]] : 0)));
 	return least;
-}
-
-/* The same in lanes, into room[2]; without products. */
-static void wide_form(const struct norms *x, const struct norms_form *f, const struct norms_values *v, double room[3][MOST_LANES])
-{
-	const double *of = norm_at(x, v, f->x, 1, room[0]);
-
-	for (size_t i = 0; i < x->lanes; i++) {
-		double norm = f->factor * of[i];
-
-		room[2][i] = norm >= 0 ? norm * (1 + 0x1p-46) + DBL_MIN : (double)INFINITY;
-	}
 }
 
 static void evaluate_set(const struct norms *x, uint32_t k, struct norms_values *v)
@@ -356,7 +339,7 @@ static void evaluate_set(const struct norms *x, uint32_t k, struct norms_values 
 		take_least(n, room[2], norm);
 	}
 	if (s->form && !s->form->u) {
-		wide_form(x, s->form, v, room);
+		norms_form_lanes(s->form, n, norm_at(x, v, s->form->x, is_wide, room[0]), room[2]);
 		take_least(n, room[2], norm);
 	}
 	if (s->one) {
@@ -403,25 +386,4 @@ double norms_of_pair(const struct norms *x, const struct norms_values *v, uint32
 	const double *norm = v->norm + x->set_at[pair - 1];
 
 	return x->is_wide_set[pair - 1] ? total(x->lanes, ZERO, norm) : norm[0];
-}
-
-/* A square of t is from 0 to 1. */
-struct interval norms_range(const struct norms *x, const struct norms_values *v, uint32_t node)
-{
-	struct lanes a = value_at(x, v, node);
-	struct interval r = first(a);
-	size_t at = 1 + (size_t)(x->drive_count + x->rate_count);
-
-	for (size_t i = 1; a.is_wide && i < at; i++) {
-		double size = fmax(-a.lower[i], a.upper[i]);
-
-		r = interval_add(r, (struct interval){-size, size});
-	}
-	for (int j = 0; a.is_wide && j < x->rate_count; j++)
-		for (int k = j; k < x->rate_count; k++, at++) {
-			double size = fmax(-a.lower[at], a.upper[at]);
-
-			r = interval_add(r, j == k ? (struct interval){fmin(0, a.lower[at]), fmax(0, a.upper[at])} : (struct interval){-size, size});
-		}
-	return r;
 }

@@ -1,5 +1,6 @@
 #include "norms/norms_form.h"
 #include "norms/adjoint.h"
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -381,4 +382,17 @@ const struct norms_form *norms_form_find(const struct dag *d, const uint32_t *us
 		return NULL;
 	*kept = form;
 	return kept;
+}
+
+double norms_form_bound(const struct norms_form *f, double x, double u, double v)
+{
+	double sum = (f->x ? f->factor * x : 0) + (f->u ? f->product * u * v : 0);
+
+	return sum >= 0 ? sum * (1 + 0x1p-46) + DBL_MIN : (double)INFINITY;
+}
+
+void norms_form_lanes(const struct norms_form *f, size_t n, const double *x, double *norm)
+{
+	for (size_t i = 0; i < n; i++)
+		norm[i] = norms_form_bound(&(struct norms_form){.x = f->x, .factor = f->factor}, x[i], 0, 0);
 }

@@ -15,6 +15,10 @@ struct norms_form {
 const struct norms_form *norms_form_find(const struct dag *d, const uint32_t *uses, const uint32_t *nodes, int count,
 	uint32_t (*set)(void *context, const uint32_t *nodes, int count), void *context, struct arena *a);
 
+/* What it says where these are the norms; in n lanes of x, into `norm`, without products. */
+double norms_form_bound(const struct norms_form *f, double x, double u, double v);
+void norms_form_lanes(const struct norms_form *f, size_t n, const double *x, double *norm);
+
 /* Is it c x + s y, the sine and cosine those of one angle? */
 int norms_form_is_rotated(const struct dag *d, uint32_t i);
 

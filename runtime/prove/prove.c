@@ -27,6 +27,8 @@ struct target {
 	const struct field *f;
 	const struct box *b;
 	const int *outputs; /* NULL: as in the field */
+	struct sought (*found)[2];  /* by the field's output */
+	struct interval *wrenches;  /* of a limb: ranges of outputs beyond those of the text */
 };
 
 struct proving {
@@ -43,7 +45,6 @@ struct proving {
 	struct target *targets;
 	int target_count;
 	struct effort effort;
-	struct sought (*found)[2];              /* by output of the DAG, of the relaxed box */
 	struct states states;                   /* of the text's */
 	double (*values)[2], *(*best)[2];       /* by output: what was found, and where */
 	struct eval_model models[PROVE_PRECISIONS];
@@ -73,11 +74,13 @@ static double share_of(const struct proving *p, int k, int of_grids)
 	return sum > 0 ? own / sum : 0;
 }
 
-static void take_found(struct proving *p, const struct field *f, int output, int side, const struct sought *found)
+static void take_found(struct proving *p, int k, int i, int side, const struct sought *found)
 {
+	const struct field *f = &p->fields[k];
+	int output = f->outputs[i];
 	double *in[DAG_ARGUMENTS];
 
-	p->found[output][side] = *found;
+	p->targets[k].found[i][side] = *found;
 	p->values[output][side] = found->value;
 	states_point(&p->states, p->best[output][side], in);
 	states_take(&p->states, &p->relaxed, f, found, in);
@@ -91,7 +94,7 @@ static enum rneagen_code seek_field(struct proving *p, int k, double seconds)
 
 	for (int i = 0; done && i < f->output_count; i++)
 		for (int side = 0; side < 2; side++)
-			take_found(p, f, f->outputs[i], side, &best[i][side]);
+			take_found(p, k, i, side, &best[i][side]);
 	free(best);
 	return done ? RNEAGEN_OK : error_memory(p->e);
 }
@@ -125,9 +128,13 @@ static int output_of(const struct target *t, int i)
 static void take_rows(const struct proving *p, const struct target *t, const struct ranging *g, struct prove_row *rows)
 {
 	for (int i = 0; i < t->f->output_count; i++) {
-		int output = output_of(t, i);
-		struct prove_row *r = &rows[output];
+		int output = output_of(t, i), wrench = output - (int)p->a->dag.output_count;
+		struct prove_row *r = wrench < 0 ? &rows[output] : NULL;
 
+		if (wrench >= 0) {
+			t->wrenches[wrench] = (struct interval){fmax(g->cover.lower[i], g->ranges[i].lower), fmin(g->cover.upper[i], g->ranges[i].upper)};
+			continue;
+		}
 		r->low = fmax(r->low, fmax(g->cover.lower[i], g->ranges[i].lower));
 		r->high = fmin(r->high, fmin(g->cover.upper[i], g->ranges[i].upper));
 		r->plain = fmin(r->plain, t->outputs ? r->plain : t->f->plain[i]);
@@ -136,7 +143,7 @@ static void take_rows(const struct proving *p, const struct target *t, const str
 	}
 }
 
-static int ranging_make(struct ranging *r, const struct target *t, const struct sought (*found)[2])
+static int ranging_make(struct ranging *r, const struct target *t)
 {
 	const struct field *f = t->f;
 	size_t outputs = (size_t)f->output_count;
@@ -148,7 +155,7 @@ static int ranging_make(struct ranging *r, const struct target *t, const struct 
 		return 0;
 	for (int i = 0; i < f->output_count; i++)
 		for (int side = 0; side < 2; side++) {
-			r->found[i][side] = found[output_of(t, i)][side].value;
+			r->found[i][side] = t->found[i][side].value;
 			r->largest[i] = fmax(r->largest[i], fabs(r->found[i][side]));
 		}
 	return 1;
@@ -194,10 +201,12 @@ static int find_ranges(struct proving *p, int k, struct ranging *r)
 	const struct target *t = &p->targets[k];
 	const struct field *f = t->f;
 	double seconds = p->o->seconds;
+	struct effort own = p->effort;
 
+	own.record = t->outputs ? NULL : own.record; /* a limb's rows are none of the text's */
 	if (!(f->has_grid ? find_covers(p, t, r, seconds * share_of(p, k, 1)) : cover_nothing(&r->cover, f)))
 		return 0;
-	return magnitude_find(r->ranges, f, t->b, 0, &p->effort, SHARE_MAGNITUDE * seconds * share_of(p, k, 0));
+	return magnitude_find(r->ranges, f, t->b, 0, &own, SHARE_MAGNITUDE * seconds * share_of(p, k, 0));
 }
 
 static enum rneagen_code prove_target(struct proving *p, int k, struct prove_row *rows)
@@ -207,7 +216,7 @@ static enum rneagen_code prove_target(struct proving *p, int k, struct prove_row
 	int done;
 
 	show(p, "ranges");
-	done = ranging_make(&r, t, (const struct sought(*)[2])p->found) && find_ranges(p, k, &r);
+	done = ranging_make(&r, t) && find_ranges(p, k, &r);
 	if (done)
 		take_rows(p, t, &r, rows);
 	ranging_free(&r);
@@ -237,21 +246,99 @@ static enum rneagen_code prove_errors(struct proving *p, struct proof *proof)
 
 static enum rneagen_code add_fields(struct proving *p)
 {
-	p->targets = arena_alloc(&p->arena, 2 * p->a->dag.output_count + 1, sizeof *p->targets);
+	p->targets = arena_alloc(&p->arena, 16 * (p->a->dag.output_count + (size_t)p->a->tree.body_count) + 1, sizeof *p->targets);
 	for (int k = 0; k < p->field_count && p->targets; k++)
-		p->targets[p->target_count++] = (struct target){&p->fields[k], &p->box, NULL};
-	return p->targets ? RNEAGEN_OK : error_memory(p->e);
+		p->targets[p->target_count++] = (struct target){.f = &p->fields[k], .b = &p->box,
+			.found = arena_alloc(&p->arena, (size_t)p->fields[k].output_count, sizeof(struct sought[2]))};
+	return p->arena.failed ? error_memory(p->e) : RNEAGEN_OK;
 }
 
-static enum rneagen_code add_limbs(struct proving *p)
-{
-	struct cut *cuts;
-	int count = cut_make(&cuts, &p->relaxed, p->fields, p->field_count, &p->effort, SHARE_LIMBS * p->o->seconds, &p->arena);
+/* ---- parts ---- */
 
-	for (int i = 0; i < count; i++)
-		for (int k = 0; k < cuts[i].field_count; k++)
-			p->targets[p->target_count++] = (struct target){&cuts[i].fields[k], &cuts[i].box, cuts[i].outputs};
-	return count >= 0 ? RNEAGEN_OK : error_memory(p->e);
+/* What depends on many rows of q is cut into limbs and what carries them, which may be cut again: grids are for the parts. */
+struct proved_part {
+	const struct relaxed *relaxed;
+	struct field *fields;
+	int field_count, from;
+	const int *outputs; /* the numbers of its outputs among all; NULL: they are all */
+	struct cut *cuts, rest;
+	int count;
+	struct interval **wrenches;
+};
+
+enum { MOST_PARTS = 6, CUT_FROM = 9, CUT_AGAIN_FROM = 6 };
+
+/* The numbers among all of what was cut off a part. */
+static int *outputs_of(struct proving *p, const struct proved_part *l, const struct cut *c)
+{
+	size_t count = c->relaxed.view.dag.output_count;
+	int *outputs = arena_alloc(&p->arena, count + 1, sizeof *outputs), own = (int)l->relaxed->view.dag.output_count;
+
+	for (size_t i = 0; i < count && outputs; i++)
+		outputs[i] = c->outputs[i] >= own ? c->outputs[i] - own + (int)p->a->dag.output_count : l->outputs ? l->outputs[c->outputs[i]] : c->outputs[i];
+	return outputs;
+}
+
+/* Its fields, with what a search finds of them. */
+static int add_part(struct proving *p, const struct cut *c, const int *outputs, struct interval *wrenches)
+{
+	for (int k = 0; k < c->field_count && outputs; k++) {
+		struct target *t = &p->targets[p->target_count++];
+
+		*t = (struct target){&c->fields[k], &c->box, outputs,
+			arena_alloc(&p->arena, (size_t)c->fields[k].output_count, sizeof *t->found), wrenches};
+		if (!t->found || !seek_extremes(t->found, t->f, &p->effort, SHARE_LIMBS * p->o->seconds / c->field_count))
+			return 0;
+	}
+	return outputs != NULL;
+}
+
+static int add_limbs(struct proving *p, struct proved_part *l)
+{
+	l->count = cut_make(&l->cuts, l->relaxed, l->fields, l->field_count, l->from, &p->effort, SHARE_LIMBS * p->o->seconds, &p->arena);
+	l->wrenches = arena_alloc(&p->arena, (size_t)(l->count > 0 ? l->count : 0) + 1, sizeof *l->wrenches);
+	if (l->count < 0 || !l->wrenches)
+		return 0;
+	for (int i = 0; i < l->count; i++) {
+		l->wrenches[i] = arena_alloc(&p->arena, (size_t)l->cuts[i].wrench_count + 1, sizeof **l->wrenches);
+		if (!l->wrenches[i] || !add_part(p, &l->cuts[i], outputs_of(p, l, &l->cuts[i]), l->wrenches[i]))
+			return 0;
+	}
+	for (int k = 0; k < l->field_count; k++)
+		l->fields[k].has_grid &= l->fields[k].dim_count < l->from || !l->count;
+	return 1;
+}
+
+static int prove_targets(struct proving *p, int *first, struct prove_row *rows)
+{
+	for (; *first < p->target_count; ++*first)
+		if (prove_target(p, *first, rows))
+			return 0;
+	return 1;
+}
+
+/* Limbs first; when their wrenches are known, what carries them. */
+static int prove_ranges(struct proving *p, struct prove_row *rows)
+{
+	struct proved_part *l = arena_alloc(&p->arena, MOST_PARTS + 1, sizeof *l);
+	int first = 0, made = 1;
+
+	if (!l)
+		return 0;
+	l[0] = (struct proved_part){.relaxed = &p->relaxed, .fields = p->fields, .field_count = p->field_count, .from = CUT_FROM};
+	for (int i = 0; i < MOST_PARTS && made; i++) {
+		if (!add_limbs(p, &l[i]) || !prove_targets(p, &first, rows))
+			return 0;
+		made = l[i].count ? cut_rest(&l[i].rest, l[i].relaxed, l[i].fields, l[i].field_count, l[i].from, l[i].cuts, l[i].count, l[i].wrenches, &p->arena)
+				  : 0;
+		if (made < 0)
+			return 0;
+		l[i + 1] = (struct proved_part){.relaxed = &l[i].rest.relaxed, .fields = l[i].rest.fields, .field_count = l[i].rest.field_count,
+			.from = CUT_AGAIN_FROM, .outputs = made ? outputs_of(p, &l[i], &l[i].rest) : NULL};
+		if (made && !add_part(p, &l[i].rest, l[i + 1].outputs, NULL))
+			return 0;
+	}
+	return prove_targets(p, &first, rows);
 }
 
 static int make_states(struct proving *p)
@@ -269,10 +356,9 @@ static int make_states(struct proving *p)
 static enum rneagen_code prove_all(struct proving *p, struct proof *proof)
 {
 	proof->rows = calloc(p->a->dag.output_count + 1, sizeof *proof->rows);
-	p->found = arena_alloc(&p->arena, p->a->dag.output_count, sizeof *p->found);
 	p->effort.workers = workers_open(p->o->threads);
 	states_of(&p->states, p->a, p->b);
-	if (!proof->rows || !p->found || !p->effort.workers || !make_states(p))
+	if (!proof->rows || !p->effort.workers || !make_states(p))
 		return error_memory(p->e);
 	p->effort.threads = workers_limit(p->effort.workers);
 	p->effort.record = p->o->record;
@@ -282,11 +368,8 @@ static enum rneagen_code prove_all(struct proving *p, struct proof *proof)
 		return p->e->code;
 	for (size_t i = 0; i < p->a->dag.output_count; i++)
 		proof->rows[i] = (struct prove_row){.low = -(double)INFINITY, .high = (double)INFINITY, .plain = (double)INFINITY};
-	if (add_limbs(p))
-		return p->e->code;
-	for (int k = 0; k < p->target_count; k++)
-		if (prove_target(p, k, proof->rows))
-			return p->e->code;
+	if (!prove_ranges(p, proof->rows))
+		return p->e->code ? p->e->code : error_memory(p->e);
 	proof->range_seconds = seconds_now() - p->start;
 	if (prove_errors(p, proof))
 		return p->e->code;

@@ -133,7 +133,7 @@ static int tree_make(struct tree *t)
 	t->heap = malloc((count + 2) * sizeof *t->heap);
 	t->spots = calloc(count + 1, sizeof *t->spots);
 	t->q = malloc(most * (size_t)(t->of->q_rows + 1) * sizeof *t->q);
-	return t->second && t->heap && t->spots && t->q && cuts_check(t->proof, t->of->q_rows, t->second);
+	return t->second && t->heap && t->spots && t->q;
 }
 
 int boxes_find(struct boxes *b, const struct boxes_of *of, const struct cuts *proof, const struct boxes_goal *goal)
@@ -145,6 +145,10 @@ int boxes_find(struct boxes *b, const struct boxes_of *of, const struct cuts *pr
 	int done = q && tree_make(&t);
 
 	*b = (struct boxes){0};
+	if (done && !cuts_check(t.proof, of->q_rows, t.second)) { /* they are about other rows */
+		t.proof = &whole;
+		t.second[0] = 0;
+	}
 	if (done) {
 		memcpy(q, of->rows[of->position], (size_t)of->q_rows * sizeof *q);
 		look(&t, 0, q);

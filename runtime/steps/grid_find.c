@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "steps/grid.h"
 #include "core/seconds.h"
+#include <stdlib.h>
 #include <string.h>
 
 enum { FIRST_POINTS = 2000 };
@@ -79,13 +80,32 @@ static void state_bends(const struct points *p, double *bends)
 		bends[k] *= STATED;
 }
 
-/* The first pass is short and tells how fast it goes. */
+/* Points in a second, by some of them. */
+static double speed_of(const struct points *p)
+{
+	double *work = points_work(p), *c = malloc(p->coefficients * sizeof *c), q[POINT_DIMS][2], most = -(double)INFINITY, start = seconds_now();
+	int count = 0;
+
+	for (; work && c && count < 300; count++) {
+		for (int k = 0; k < p->dim_count; k++) {
+			q[k][0] = p->dims[k].is_angle ? sin(count + k) : p->dims[k].range.lo;
+			q[k][1] = p->dims[k].is_angle ? cos(count + k) : 0;
+		}
+		points_at(p, (const double(*)[2])q, work, c);
+		most = fmax(most, points_above(p, c, 1, most) + points_above(p, c, -1, most));
+	}
+	free(work);
+	free(c);
+	return 0.7 * (count + 1) / (seconds_now() - start + 1e-6);
+}
+
+/* The first pass is short. */
 static int find_bends(struct grid_step *g, const struct points *p, double *bends, double found, double seconds, double *speed)
 {
 	const double start = seconds_now();
 	double done = 0;
 
-	*speed = 1e5;
+	*speed = speed_of(p);
 	for (int i = 0; i < GRID_PASSES; i++) {
 		struct grid_pass *pass = &g->passes[g->pass_count];
 		double before = seconds_now(), share = (i == 1 ? 0.08 : 0.4) * seconds - (before - start), room = i ? share * *speed : FIRST_POINTS;

@@ -5,6 +5,7 @@
 #include "prove/robot_box.h"
 #include "norms/adjoint.h"
 #include "range/curvature.h"
+#include "range/cut.h"
 #include "range/extreme.h"
 #include "range/magnitude.h"
 #include "norms/norms.h"
@@ -47,15 +48,20 @@ struct set_up {
 	int count;
 };
 
-static void set_up(struct set_up *s, int robot)
+static void set_up_of(struct set_up *s, const char *name, const char *scene)
 {
-	robot_box_open(&s->x, ROBOTS[robot].name, ROBOTS[robot].scene, 0);
+	robot_box_open(&s->x, name, scene, 0);
 	ck_assert_msg(!relax(&s->relaxed, &s->x.analysis, s->x.box.rows, &s->x.arena, &s->x.error), "%s", s->x.error.message);
 	memcpy(s->box.rows, s->relaxed.rows, sizeof s->box.rows);
 	for (int i = 0; i < s->relaxed.view.dag.argument_count; i++)
 		s->in[i] = arena_alloc(&s->x.arena, (size_t)s->relaxed.view.dag.arguments[i].rows, sizeof *s->in[i]);
 	s->count = field_split(&s->fields, &s->relaxed, &s->x.arena, &s->x.error);
-	ck_assert_msg(s->count > 0, "%s: %s", ROBOTS[robot].name, s->x.error.message);
+	ck_assert_msg(s->count > 0, "%s: %s", name, s->x.error.message);
+}
+
+static void set_up(struct set_up *s, int robot)
+{
+	set_up_of(s, ROBOTS[robot].name, ROBOTS[robot].scene);
 }
 
 static double *coefficients(const struct field *f)
@@ -344,6 +350,86 @@ START_TEST(test_norms)
 }
 END_TEST
 
+/* Values of all nodes of the relaxed DAG in a drawn state. */
+static void node_values(struct set_up *s, struct rng *r, double *v)
+{
+	const struct dag *d = &s->relaxed.view.dag;
+
+	robot_box_draw(&s->x, r, 0, 0);
+	relax_state(s);
+	for (size_t k = 0; k < d->count; k++)
+		v[k] = d->nodes[k].op == OP_INPUT ? s->in[d->nodes[k].arg[0].i][d->nodes[k].arg[1].i] : eval_node(&d->nodes[k], v);
+}
+
+/* Its outputs are those that it was cut from, where its inputs are what the nodes say. */
+static void check_cut(struct set_up *s, const struct cut *c, const struct field *f, const double *v)
+{
+	const struct dag *d = &s->relaxed.view.dag;
+	int rates = c->relaxed.view.dag.argument_count - 2, position = dag_find_role(d, ROLE_JOINT_POSITION, 0);
+	double x[2 * FIELD_DIMS], *scalars = field_scalars(f), *values = calloc((size_t)f->output_count, sizeof *values);
+	struct field_point q;
+
+	ck_assert(scalars && values);
+	for (int k = 0; k < c->leaf_count; k++)
+		ck_assert_msg(v[c->leaves[k]] >= c->box.rows[rates][k].lower - 1e-9 && v[c->leaves[k]] <= c->box.rows[rates][k].upper + 1e-9, "leaf %d: %g",
+			k, v[c->leaves[k]]);
+	for (int k = 0; k < f->dim_count; k++)
+		field_place(&f->dims[k], s->in[position][f->dims[k].row], q.x[k]);
+	for (int i = 0; i < f->drive_count + f->rate_count; i++) {
+		const struct field_input *in = i < f->drive_count ? &f->drives[i] : &f->rates[i - f->drive_count];
+
+		x[i] = (in->argument >= rates ? v[c->leaves[in->row]] : s->in[in->argument][in->row]) / in->scale;
+	}
+	field_values(f, &q, x, scalars, values);
+	for (int o = 0; o < f->output_count; o++) {
+		int of = c->outputs[f->outputs[o]], wrench = of - (int)d->output_count;
+		double value = v[wrench < 0 ? d->outputs[of].value.i : c->wrenches[wrench]];
+
+		ck_assert_msg(fabs(values[o] - value) <= 1e-9 * (1 + fabs(value)), "output %d: %g, not %g", of, values[o], value);
+	}
+	free(values);
+	free(scalars);
+}
+
+/* Limbs, and what carries them, are the robot's own parts. */
+START_TEST(test_cuts)
+{
+	static const char *const names[] = {"atlas", "g1_29dof", "floating:atlas"};
+	struct rng r = rng_seed(SEED + 5);
+	struct effort effort = robot_box_effort();
+	struct set_up s;
+	struct cut *cuts, rest;
+	struct interval **ranges;
+	double *v;
+	int count, most = 0;
+
+	set_up_of(&s, names[_i], "range qdd=-20,20\nrange qd=-9,9");
+	count = cut_make(&cuts, &s.relaxed, s.fields, s.count, 9, &effort, 0.1, &s.x.arena);
+	ck_assert_int_gt(count, 0);
+	ranges = arena_alloc(&s.x.arena, (size_t)count, sizeof *ranges);
+	for (int i = 0; i < count; i++) {
+		ranges[i] = arena_alloc(&s.x.arena, (size_t)cuts[i].wrench_count, sizeof **ranges);
+		for (int k = 0; k < cuts[i].wrench_count; k++)
+			ranges[i][k] = (struct interval){-1e9, 1e9};
+		for (int k = 0; k < cuts[i].field_count; k++)
+			most = cuts[i].fields[k].dim_count > most ? cuts[i].fields[k].dim_count : most;
+	}
+	ck_assert_int_le(most, 6);
+	ck_assert_int_ge(cut_rest(&rest, &s.relaxed, s.fields, s.count, 9, cuts, count, ranges, &s.x.arena), 0);
+	v = arena_alloc(&s.x.arena, s.relaxed.view.dag.count, sizeof *v);
+	for (int i = 0; i < POINTS; i++) {
+		node_values(&s, &r, v);
+		for (int k = 0; k < count; k++)
+			for (int f = 0; f < cuts[k].field_count; f++)
+				check_cut(&s, &cuts[k], &cuts[k].fields[f], v);
+		for (int f = 0; f < rest.field_count; f++)
+			check_cut(&s, &rest, &rest.fields[f], v);
+	}
+	workers_close(effort.workers);
+	robot_box_close(&s.x);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *suite = suite_create("range");
@@ -351,6 +437,7 @@ int main(void)
 	suite_add(suite, "fields", test_fields, ROBOT_COUNT, 600);
 	suite_add(suite, "corners", test_corners, ROBOT_COUNT, 600);
 	suite_add(suite, "curvature", test_curvature, ROBOT_COUNT, 600);
+	suite_add(suite, "cuts", test_cuts, 3, 600);
 	suite_add(suite, "norms", test_norms, ROBOT_COUNT, 600);
 	return suite_run(suite);
 }
