@@ -237,9 +237,15 @@ static void put_row(const struct row_check *x, struct text *out)
 		text_printf(out, "%s: nothing is stated: %s\n", x->name, x->certified.left_out);
 		return;
 	}
-	text_printf(out, "%s: from %.6g to %.6g", x->name, b->value.lo + 0.0, b->value.hi + 0.0);
+	if (isfinite(b->value.lo) && isfinite(b->value.hi))
+		text_printf(out, "%s: from %.6g to %.6g", x->name, b->value.lo + 0.0, b->value.hi + 0.0);
+	else
+		text_printf(out, "%s: nothing is stated of its range", x->name);
 	for (int k = 0; k < x->c->precision_count; k++)
-		text_printf(out, "; %s off by at most %.3g", emit_precision_name(x->c->precisions[k]), b->errors[k]);
+		if (isfinite(b->errors[k]))
+			text_printf(out, "; %s off by at most %.3g", emit_precision_name(x->c->precisions[k]), b->errors[k]);
+		else
+			text_printf(out, "; nothing is stated of %s", emit_precision_name(x->c->precisions[k]));
 	text_putc(out, '\n');
 }
 

@@ -50,7 +50,7 @@ static const struct proof_case {
 };
 enum { CASE_COUNT = sizeof CASES / sizeof *CASES };
 
-static const struct prove_options QUICK = {{RNEAGEN_F32, RNEAGEN_F64}, 2, 0.5, 2, NULL, 0};
+static const struct prove_options QUICK = {{RNEAGEN_F32, RNEAGEN_F64}, 2, 0.5, 2, 0, NULL};
 
 static struct proof proof_of(const struct robot_box *x, struct prove_options o)
 {
