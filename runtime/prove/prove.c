@@ -266,7 +266,7 @@ struct proved_part {
 	struct interval **wrenches;
 };
 
-enum { MOST_PARTS = 6, CUT_FROM = 9, CUT_AGAIN_FROM = 6 };
+enum { MOST_PARTS = 6, CUT_FROM = 7, CUT_AGAIN_FROM = 6, OWN_GRID = 8 };
 
 /* The numbers among all of what was cut off a part. */
 static int *outputs_of(struct proving *p, const struct proved_part *l, const struct cut *c)
@@ -305,7 +305,7 @@ static int add_limbs(struct proving *p, struct proved_part *l)
 			return 0;
 	}
 	for (int k = 0; k < l->field_count; k++)
-		l->fields[k].has_grid &= l->fields[k].dim_count < l->from || !l->count;
+		l->fields[k].has_grid &= l->fields[k].dim_count <= OWN_GRID || !l->count;
 	return 1;
 }
 

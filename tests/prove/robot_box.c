@@ -18,13 +18,27 @@ static char *read_robot(const char *name)
 	return text;
 }
 
+/* The elbow turns as the shoulder does. */
+static void follow(char *urdf)
+{
+	static const char mimic[] = "<mimic joint=\"shoulder\"/>";
+	char *at = strstr(urdf, "<joint name=\"elbow\"");
+
+	ck_assert(at && (at = strchr(at, '>')) && strlen(urdf) + sizeof mimic < 1 << 20);
+	memmove(at + sizeof mimic, at + 1, strlen(at));
+	memcpy(at + 1, mimic, sizeof mimic - 1);
+}
+
 void robot_box_open(struct robot_box *x, const char *name, const char *scene, double gravity)
 {
 	static const char floats[] = "floating:";
-	int is_floating = !strncmp(name, floats, sizeof floats - 1);
+	static const char follows[] = "mimic:";
+	int is_floating = !strncmp(name, floats, sizeof floats - 1), is_mimic = !strncmp(name, follows, sizeof follows - 1);
 
-	name += is_floating ? sizeof floats - 1 : 0;
+	name += is_floating ? sizeof floats - 1 : is_mimic ? sizeof follows - 1 : 0;
 	*x = (struct robot_box){.urdf = read_robot(name), .options = rneagen_options_default()};
+	if (is_mimic)
+		follow(x->urdf);
 	x->options.file = name;
 	x->options.base = is_floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	x->options.scene = scene;

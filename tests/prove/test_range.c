@@ -32,6 +32,7 @@ static const struct robot_case {
 	{"cartpole", "range qdd=-5,9\nrange qd=-2,5\nrange q=-1,1\nfriction\ndamping"},
 	{"planar_tilted", "range q=-1,1\nrange qdd=-5,9\nrange qd=-2,5"},
 	{"mimic_chain", "range qdd=-5,9\nrange qd=-2,5"},
+	{"mimic:double_pendulum", "range qdd=-5,9\nrange qd=-2,5\nrange q=-3,3"},
 	{"floating_joint", "range q=-1,1\nrange qdd=-5,9\nrange qd=-2,5"},
 	{"floating:double_pendulum", "range q=-1,1\nrange qdd=-5,9\nrange qd=-2,5"},
 	{"double_pendulum", "free payload.lower,gravity,offset.elbow\nrange payload.lower=0,2\nrange gravity=-9,9\nrange offset.elbow=-1,1\n"
@@ -235,6 +236,62 @@ static void check_bends(const struct field *f, const struct curvature *bends, st
 	free(work);
 }
 
+enum { HARMONICS = 32 };
+
+/* Along an angle no harmonic is above the degree; along a length no fourth difference is left. */
+static void check_degree(const struct field *f, int k, struct field_point q, const double *x)
+{
+	double *scalars = field_scalars(f), *values = calloc((size_t)f->output_count, sizeof *values), *y = calloc(2 * HARMONICS, sizeof *y);
+	int count = f->dims[k].is_angle ? 2 * HARMONICS : 4;
+
+	for (int o = 0; o < f->output_count; o++) {
+		double size = 0, most = 0;
+
+		for (int i = 0; i < count; i++) {
+			field_place(&f->dims[k], f->dims[k].is_angle ? 3.14159265358979323846 * i / HARMONICS : f->dims[k].lower + 0.1 * i, q.x[k]);
+			field_values(f, &q, x, scalars, values);
+			y[i] = values[o];
+			size = fmax(size, fabs(y[i]));
+		}
+		for (int h = f->dims[k].degree + 1; h < HARMONICS && f->dims[k].is_angle; h++) {
+			double c = 0, s = 0;
+
+			for (int i = 0; i < count; i++) {
+				c += y[i] * cos(3.14159265358979323846 * i * h / HARMONICS);
+				s += y[i] * sin(3.14159265358979323846 * i * h / HARMONICS);
+			}
+			most = fmax(most, hypot(c, s));
+		}
+		if (!f->dims[k].is_angle)
+			most = fabs(y[3] - 3 * y[2] + 3 * y[1] - y[0]);
+		ck_assert_msg(most <= 1e-10 * size + 1e-300, "output %d, row %d: %g of %g is above degree %d", o, k, most, size, f->dims[k].degree);
+	}
+	free(y);
+	free(values);
+	free(scalars);
+}
+
+START_TEST(test_degrees)
+{
+	struct rng r = rng_seed(SEED + 6);
+	struct set_up s;
+
+	set_up(&s, _i);
+	for (int k = 0; k < s.count; k++)
+		for (int i = 0; i < 3 && s.fields[k].has_grid; i++) {
+			double x[2 * FIELD_DIMS];
+			struct field_point q;
+
+			robot_box_draw(&s.x, &r, 0, 0);
+			relax_state(&s);
+			state_of(&s, &s.fields[k], &q, x);
+			for (int l = 0; l < s.fields[k].dim_count; l++)
+				check_degree(&s.fields[k], l, q, x);
+		}
+	robot_box_close(&s.x);
+}
+END_TEST
+
 START_TEST(test_curvature)
 {
 	struct rng r = rng_seed(SEED + 2);
@@ -437,6 +494,7 @@ int main(void)
 	suite_add(suite, "fields", test_fields, ROBOT_COUNT, 600);
 	suite_add(suite, "corners", test_corners, ROBOT_COUNT, 600);
 	suite_add(suite, "curvature", test_curvature, ROBOT_COUNT, 600);
+	suite_add(suite, "degrees", test_degrees, ROBOT_COUNT, 600);
 	suite_add(suite, "cuts", test_cuts, 3, 600);
 	suite_add(suite, "norms", test_norms, ROBOT_COUNT, 600);
 	return suite_run(suite);
