@@ -217,6 +217,34 @@ START_TEST(test_no_time)
 }
 END_TEST
 
+/* What overflows is named by the text's node, though the proof is about relaxed expressions: the acceleration of a hip. */
+START_TEST(test_overflow)
+{
+	struct effort effort = robot_box_effort();
+	struct eval_model m;
+	struct robot_box x;
+	struct relaxed relaxed;
+	struct prove_row *rows;
+
+	robot_box_open(&x, "floating:hyq", "range qdd=-1,1\nrange qd=-1e19,1e19", 0);
+	x.options.precision = RNEAGEN_F32;
+	m = eval_model_of(&x.options, 0);
+	ck_assert(!relax(&relaxed, &x.analysis, x.box.rows, &x.arena, &x.error) && !relaxed.is_same);
+	rows = calloc(x.analysis.dag.output_count, sizeof *rows);
+	ck_assert(rounding_find(rows, &relaxed, &x.box, &m, 1, &effort, 0.1));
+	for (size_t i = 0; i < x.analysis.dag.output_count; i++) {
+		const struct prove_gap *g = &rows[i].gaps[0];
+
+		ck_assert(isinf(rows[i].error_bound[0]) && g->why == PROVE_OVERFLOW && g->size > g->most);
+		if (x.analysis.dag.outputs[i].row >= 6)
+			ck_assert_str_eq(x.analysis.dag.nodes[g->node].tag.quantity, "a");
+	}
+	free(rows);
+	workers_close(effort.workers);
+	robot_box_close(&x);
+}
+END_TEST
+
 /* A continuous joint stands for all angles. */
 START_TEST(test_continuous)
 {
@@ -260,6 +288,7 @@ int main(void)
 	suite_add(suite, "missing rounding", test_missing_rounding, 1, 600);
 	suite_add(suite, "no time", test_no_time, 2, 600);
 	suite_add(suite, "continuous", test_continuous, 1, 600);
+	suite_add(suite, "overflow", test_overflow, 1, 600);
 	suite_add(suite, "refused", test_refused, 3, 600);
 	return suite_run(suite);
 }
