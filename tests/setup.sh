@@ -21,6 +21,7 @@ setup_list() {
 		tests gnuplot-nox command -v gnuplot
 		tests locales test -e /usr/share/i18n/locales/de_DE
 		tests mandoc command -v mandoc
+		tests libjansson-dev pkg-config --exists jansson
 		tests libopenmpi-dev command -v mpicc
 		tests openmpi-bin command -v mpirun
 		tests python3-numpy setup_numpy

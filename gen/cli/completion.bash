@@ -86,7 +86,8 @@ _rnearun_common="--backend --device $_rnearun_model"
 _rnearun_study="--layout --samples --seed --qd-range --qdd-range --batch $_rnearun_common"
 _rnearun_report="--format --plot $_rnearun_study"
 _rnearun_choose="--max-error --measured --proved --seconds $_rnearun_study"
-_rnearun_prove="--seconds --format --envelope --picture $_rnearun_model"
+_rnearun_prove="--seconds --format --certificate --envelope --picture $_rnearun_model"
+_rnearun_check_certificate="--threads --help"
 _rnearun_eval="--in --q --qd --qdd --input -o --out --output --slice --resume $_rnearun_common"
 
 _rnearun() {
@@ -94,24 +95,27 @@ _rnearun() {
 
 	_rneagen_current
 	if ((COMP_CWORD == 1)); then
-		mapfile -t COMPREPLY < <(compgen -W 'eval report choose prove --help --version' -- "$current")
+		mapfile -t COMPREPLY < <(compgen -W 'eval report choose prove check-certificate --help --version' -- "$current")
 		return
 	fi
 	case $option in
 	--in | --q | --qd | --qdd | -o | --out) _rneagen_files "$current" .npy ;;
 	--plot | --picture) _rneagen_files "$current" .svg ;;
 	--envelope) _rneagen_files "$current" .csv ;;
+	--certificate) _rneagen_files "$current" .json ;;
 	--scene | --armature) _rneagen_files "$current" '' ;;
 	--input | --output) ;; # NAME=FILE
 	--device) [[ ${COMP_WORDS[1]} != eval ]] || mapfile -t COMPREPLY < <(compgen -W all -- "$current") ;;
 	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --add-frame | --fext | --snap-angle | --round-constants | --drop-below | --range) ;;
 	--gravity | --order | --threads | --slice | --samples | --seed | --qd-range | --qdd-range | --batch | --max-error | --seconds) ;;
 	*)
-		options=_rnearun_${COMP_WORDS[1]}
+		options=_rnearun_${COMP_WORDS[1]//-/_}
 		if words=$(_rneagen_words "$option"); then
 			mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
 		elif [[ $current == -* ]]; then
 			mapfile -t COMPREPLY < <(compgen -W "${!options-}" -- "$current")
+		elif [[ ${COMP_WORDS[1]} == check-certificate ]]; then
+			_rneagen_files "$current" .json .urdf
 		else
 			_rneagen_files "$current" .urdf
 		fi

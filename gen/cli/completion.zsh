@@ -114,16 +114,22 @@ _rnearun_prove() {
 	_arguments "${_rnearun_common[@]}" \
 		'--seconds=[for proof and search]:number:' \
 		'--format=[of what is printed]:format:(text json)' \
+		'--certificate=[bounds, and the steps that they follow from]:file:_files -g "*.json"' \
 		'--envelope=[torques beside limits of effort]:table:_files -g "*.csv"' \
 		'--picture=[the same drawn]:picture:_files -g "*.svg"' \
 		'1:robot:_files -g "*.urdf"'
+}
+
+_rnearun_check-certificate() {
+	_arguments '--threads=[of the processor]:number:' --help '1:certificate:_files -g "*.json"' '2:robot:_files -g "*.urdf"'
 }
 
 _rnearun() {
 	if ((CURRENT == 2)); then
 		_values command 'eval[torques for arrays on disk]' 'report[speed and error of every variant]' \
 			'choose[the fastest variant that is close enough]' \
-			'prove[ranges of torques and errors for all states]' --help --version
+			'prove[ranges of torques and errors for all states]' \
+			'check-certificate[is what prove wrote true]' --help --version
 	else
 		shift words
 		((CURRENT--))

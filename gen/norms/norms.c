@@ -1,5 +1,6 @@
 #include "norms/norms.h"
 #include "norms/adjoint.h"
+#include "norms/norms_form.h"
 #include <math.h>
 #include <string.h>
 
@@ -115,11 +116,33 @@ static void split(struct norms *x, const struct candidate *c, struct norms_set *
 		s->one = s->other = 0;
 }
 
-/* By the latest of its nodes that a rule speaks of. */
+static int has_mate(const struct norms *x, const struct candidate *c, int at, const struct trig_term *a, const struct trig_term *b)
+{
+	for (int k = 0; k < c->count; k++)
+		if (k != at && are_mates(x->d, a, b, c->nodes[k]))
+			return 1;
+	return 0;
+}
+
+static uint32_t set_of_nodes(void *context, const uint32_t *nodes, int count)
+{
+	struct candidate c = {.count = 0};
+
+	for (int k = 0; k < count; k++)
+		put(&c, nodes[k]);
+	return set_of(context, c);
+}
+
+/* Both values of a rotation in the place of these; else by the latest of its nodes that a rule speaks of. */
 static void find_rule(struct norms *x, const struct candidate *c, struct norms_set *s)
 {
 	struct trig_term a, b;
 
+	for (int k = c->count - 1; k >= 0; k--)
+		if (is_rotated(x->d, c->nodes[k], &a, &b) && has_mate(x, c, k, &a, &b)) {
+			s->one = unrotate(x, *c, k, &a, &b);
+			return;
+		}
 	for (int k = c->count - 1; k >= 0; k--) {
 		if (is_rotated(x->d, c->nodes[k], &a, &b)) {
 			s->one = unrotate(x, *c, k, &a, &b);
@@ -175,6 +198,8 @@ static uint32_t set_of(struct norms *x, struct candidate c)
 	s.last = c.nodes[c.count - 1];
 	find_rule(x, &c, &s);
 	set_apart(x, c, &s);
+	if (c.count == 3)
+		s.form = norms_form_find(x->d, x->uses, c.nodes, c.count, set_of_nodes, x, x->arena);
 	if (x->set_count >= x->set_limit)
 		return 0;
 	x->sets[x->set_count++] = s;
@@ -205,8 +230,13 @@ int norms_make(struct norms *x, const struct dag *d, int has_lanes, struct arena
 	x->table = arena_alloc(a, x->table_size, sizeof *x->table);
 	x->order = arena_alloc(a, x->set_limit, sizeof *x->order);
 	x->first = arena_alloc(a, d->count + 2, sizeof *x->first);
+	x->uses = arena_alloc(a, d->count, sizeof *x->uses);
+	x->arena = a;
 	if (a->failed)
 		return 0;
+	for (uint32_t i = 0; i < d->count; i++)
+		for (int k = 0; k < op_arity[d->nodes[i].op]; k++)
+			x->uses[d->nodes[i].arg[k].i]++;
 	for (uint32_t i = 0; i < d->count; i++)
 		if (is_rotated(d, i, &p, &q))
 			set_of(x, (struct candidate){{i}, 1});
@@ -251,6 +281,11 @@ static int list_inputs(struct norms *x, int is_rate, int count)
 	return count;
 }
 
+static int form_is_wide(const struct norms *x, const struct norms_form *f)
+{
+	return f && ((f->x && x->is_wide_set[f->x - 1]) || (f->u && (x->is_wide_set[f->u - 1] || x->is_wide_set[f->v - 1])));
+}
+
 int norms_lay(struct norms *x, struct arena *a)
 {
 	size_t n, most = x->lanes ? MOST_LANES : 0;
@@ -279,6 +314,7 @@ int norms_lay(struct norms *x, struct arena *a)
 	for (uint32_t i = 0; i < x->set_count; i++) {
 		for (int k = 0; k < x->sets[i].count; k++)
 			x->is_wide_set[i] |= x->is_wide[x->sets[i].nodes[k]];
+		x->is_wide_set[i] = (unsigned char)(x->is_wide_set[i] | form_is_wide(x, x->sets[i].form));
 		for (int k = 0; k < 3; k++) {
 			uint32_t by = k == 0 ? x->sets[i].one : k == 1 ? x->sets[i].other : x->sets[i].rest;
 
@@ -288,4 +324,25 @@ int norms_lay(struct norms *x, struct arena *a)
 		x->norm_count += x->is_wide_set[i] ? x->lanes : 1;
 	}
 	return 1;
+}
+
+/* A square of t is from 0 to 1. */
+struct interval norms_range(const struct norms *x, const struct norms_values *v, uint32_t node)
+{
+	const double *lower = v->bounds + x->at[node], *upper = lower + (x->is_wide[node] ? x->lanes : 1);
+	struct interval r = {*lower, *upper};
+	size_t at = 1 + (size_t)(x->drive_count + x->rate_count);
+
+	for (size_t i = 1; x->is_wide[node] && i < at; i++) {
+		double size = fmax(-lower[i], upper[i]);
+
+		r = interval_add(r, (struct interval){-size, size});
+	}
+	for (int j = 0; x->is_wide[node] && j < x->rate_count; j++)
+		for (int k = j; k < x->rate_count; k++, at++) {
+			double size = fmax(-lower[at], upper[at]);
+
+			r = interval_add(r, j == k ? (struct interval){fmin(0, lower[at]), fmax(0, upper[at])} : (struct interval){-size, size});
+		}
+	return r;
 }

@@ -5,17 +5,21 @@
    - of a set with both values of a rotation, or one, it is at most that of the set with x and y in their place;
    - of a set of sums, at most that of the first terms and that of the second ones together;
    - of a set without one of its values, it is the other side of a right angle;
+   - of sums of multiples of others and of products, what norms_form.h says;
    - of any set, at most the root of the sum of its squares. */
 
 #include "norms/interval.h"
 
 enum { NORMS_SET = 4 };
 
+struct norms_form;
+
 struct norms_set {
 	uint32_t nodes[NORMS_SET], last; /* ascending; last: the largest */
 	int count;
 	uint32_t one, other; /* 1 + the sets that it is bounded by; 0: none */
 	uint32_t rest, apart; /* 1 + the set without a node, and that node; 0: none */
+	const struct norms_form *form; /* norms_form.h; NULL: none */
 };
 
 /* Drives and rates are x = middle + half t, t from -1 to 1: a value is a polynomial of t whose coefficients are
@@ -30,6 +34,8 @@ struct norms {
 	struct norms_set *sets; /* those that others need come first */
 	uint32_t set_count, set_limit;
 	uint32_t *table, table_size; /* 1 + set, by what is in it */
+	uint32_t *uses;              /* by node */
+	struct arena *arena;
 	uint32_t *order, *first; /* sets by `last`: those of node i are order[first[i]] to order[first[i + 1] - 1] */
 	int drive_count, rate_count;
 	size_t lanes;                 /* of a wide value; of others there is one, the constant */

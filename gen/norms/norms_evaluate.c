@@ -1,5 +1,5 @@
 /* Values of norms.h over a box, lane by lane. */
-#include "norms/norms.h"
+#include "norms/norms_form.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -285,6 +285,11 @@ static const double *norm_at(const struct norms *x, const struct norms_values *v
 	return room;
 }
 
+static double one_norm(const struct norms *x, const struct norms_values *v, uint32_t set)
+{
+	return set ? v->norm[x->set_at[set - 1]] : 0;
+}
+
 /* The same of a set of one lane. */
 static double narrow_norm(const struct norms *x, const struct norms_set *s, const struct norms_values *v)
 {
@@ -301,6 +306,8 @@ static double narrow_norm(const struct norms *x, const struct norms_set *s, cons
 		sum = interval_least(sum, rest * rest + apart * apart);
 	}
 	least = sqrt(sum) * (1 + 0x1p-48) + DBL_MIN;
+	if (s->form)
+		least = interval_least(least, norms_form_bound(s->form, one_norm(x, v, s->form->x), one_norm(x, v, s->form->u), one_norm(x, v, s->form->v)));
 	if (s->one)
 		least = interval_least(least, (1 + 0x1p-48) *
 			(v->norm[x->set_at[s->one - 1]] + (s->other ? v->norm[x->set_at[s->other - 1]] : 0)));
@@ -329,6 +336,10 @@ static void evaluate_set(const struct norms *x, uint32_t k, struct norms_values 
 			room[2][i] *= room[2][i];
 		add_squares(apart.is_wide ? n : 1, apart.lower, apart.upper, room[2]);
 		take_roots(n, room[2]);
+		take_least(n, room[2], norm);
+	}
+	if (s->form && !s->form->u) {
+		norms_form_lanes(s->form, n, norm_at(x, v, s->form->x, is_wide, room[0]), room[2]);
 		take_least(n, room[2], norm);
 	}
 	if (s->one) {
@@ -375,25 +386,4 @@ double norms_of_pair(const struct norms *x, const struct norms_values *v, uint32
 	const double *norm = v->norm + x->set_at[pair - 1];
 
 	return x->is_wide_set[pair - 1] ? total(x->lanes, ZERO, norm) : norm[0];
-}
-
-/* A square of t is from 0 to 1. */
-struct interval norms_range(const struct norms *x, const struct norms_values *v, uint32_t node)
-{
-	struct lanes a = value_at(x, v, node);
-	struct interval r = first(a);
-	size_t at = 1 + (size_t)(x->drive_count + x->rate_count);
-
-	for (size_t i = 1; a.is_wide && i < at; i++) {
-		double size = fmax(-a.lower[i], a.upper[i]);
-
-		r = interval_add(r, (struct interval){-size, size});
-	}
-	for (int j = 0; a.is_wide && j < x->rate_count; j++)
-		for (int k = j; k < x->rate_count; k++, at++) {
-			double size = fmax(-a.lower[at], a.upper[at]);
-
-			r = interval_add(r, j == k ? (struct interval){fmin(0, a.lower[at]), fmax(0, a.upper[at])} : (struct interval){-size, size});
-		}
-	return r;
 }

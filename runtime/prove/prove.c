@@ -4,32 +4,49 @@
 #include "emit/emit.h"
 #include "emit/number_type.h"
 #include "range/cover.h"
+#include "range/cut.h"
 #include "range/magnitude.h"
 #include "prove/rounding.h"
 #include "prove/seek_errors.h"
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Shares of the time. What is left is for what takes longer than it should. */
-#define SHARE_SEEK 0.04
+#define SHARE_SEEK 0.05
 #define SHARE_WHOLE 0.05
+#define SHARE_LIMBS 0.01
 #define SHARE_MAGNITUDE 0.03
-#define SHARE_CURVATURE 0.14
+#define SHARE_CURVATURE 0.13
 #define SHARE_COVER 0.20
-#define SHARE_SEEK_ERRORS 0.06
-#define SHARE_ERRORS 0.46
+#define SHARE_SEEK_ERRORS 0.08
+#define SHARE_ERRORS 0.44
+
+/* Outputs whose ranges are proved together: of a field, or of a limb that is cut off. */
+struct target {
+	const struct field *f;
+	const struct box *b;
+	const int *outputs; /* NULL: as in the field */
+	struct sought (*found)[2];  /* by the field's output */
+	struct interval *wrenches;  /* of a limb: ranges of outputs beyond those of the text */
+};
 
 struct proving {
 	const struct analysis *a;
 	const struct box *b;
+	struct relaxed relaxed;
+	struct box box; /* of what is relaxed */
 	const struct prove_options *o;
 	struct progress *progress;
 	struct rneagen_error *e;
 	struct arena arena;
 	struct field *fields;
 	int field_count;
+	struct target *targets;
+	int target_count;
 	struct effort effort;
-	struct sought (*found)[2];              /* by output of the DAG */
+	struct states states;                   /* of the text's */
+	double (*values)[2], *(*best)[2];       /* by output: what was found, and where */
 	struct eval_model models[PROVE_PRECISIONS];
 	double start;
 };
@@ -39,18 +56,34 @@ static void show(struct proving *p, const char *doing)
 	progress_show(p->progress, (uint64_t)(seconds_now() - p->start), doing);
 }
 
-/* A field's share of the work: the more rows of q, the more points. */
-static double share_of(const struct proving *p, int k)
+/* A target's share of the work: the more rows of q, the more points, or the more there is to search. */
+static double share_of(const struct proving *p, int k, int of_grids)
 {
 	double sum = 0, own = 0;
 
-	for (int i = 0; i < p->field_count; i++) {
-		double n = p->fields[i].dim_count, work = p->fields[i].output_count * (1 + n * n * n);
+	for (int i = 0; i < p->target_count; i++) {
+		const struct field *f = p->targets[i].f;
+		double n = f->dim_count, work = f->output_count * (1 + n * n * n);
+
+		if (of_grids && !f->has_grid)
+			work = 0;
 
 		sum += work;
 		own = i == k ? work : own;
 	}
-	return own / sum;
+	return sum > 0 ? own / sum : 0;
+}
+
+static void take_found(struct proving *p, int k, int i, int side, const struct sought *found)
+{
+	const struct field *f = &p->fields[k];
+	int output = f->outputs[i];
+	double *in[DAG_ARGUMENTS];
+
+	p->targets[k].found[i][side] = *found;
+	p->values[output][side] = found->value;
+	states_point(&p->states, p->best[output][side], in);
+	states_take(&p->states, &p->relaxed, f, found, in);
 }
 
 static enum rneagen_code seek_field(struct proving *p, int k, double seconds)
@@ -61,24 +94,20 @@ static enum rneagen_code seek_field(struct proving *p, int k, double seconds)
 
 	for (int i = 0; done && i < f->output_count; i++)
 		for (int side = 0; side < 2; side++)
-			p->found[f->outputs[i]][side] = best[i][side];
+			take_found(p, k, i, side, &best[i][side]);
 	free(best);
 	return done ? RNEAGEN_OK : error_memory(p->e);
 }
 
-/* The better of both ways. */
-static void take_rows(const struct proving *p, const struct field *f, const struct cover *c, const struct interval *ranges,
-	struct prove_row *rows)
+/* What the text's own states give, where the relaxed box has others. */
+static enum rneagen_code seek_all(struct proving *p)
 {
-	for (int i = 0; i < f->output_count; i++) {
-		struct prove_row *r = &rows[f->outputs[i]];
-
-		r->low = fmax(c->lower[i], ranges[i].lower);
-		r->high = fmin(c->upper[i], ranges[i].upper);
-		r->plain = f->plain[i];
-		r->found_low = p->found[f->outputs[i]][0].value;
-		r->found_high = p->found[f->outputs[i]][1].value;
-	}
+	for (int k = 0; k < p->field_count; k++)
+		if (seek_field(p, k, SHARE_SEEK * p->o->seconds * share_of(p, k, 0)))
+			return p->e->code;
+	if (!p->relaxed.is_same && !states_seek(&p->states, p->values, p->best, &p->effort, SHARE_SEEK * p->o->seconds))
+		return error_memory(p->e);
+	return RNEAGEN_OK;
 }
 
 /* What proving the ranges of a field needs, by output. */
@@ -89,8 +118,34 @@ struct ranging {
 	struct cover cover;
 };
 
-static int ranging_make(struct ranging *r, const struct field *f, const struct sought (*found)[2])
+/* The number of an output of a target among all. */
+static int output_of(const struct target *t, int i)
 {
+	return t->outputs ? t->outputs[t->f->outputs[i]] : t->f->outputs[i];
+}
+
+/* The better of both ways. */
+static void take_rows(const struct proving *p, const struct target *t, const struct ranging *g, struct prove_row *rows)
+{
+	for (int i = 0; i < t->f->output_count; i++) {
+		int output = output_of(t, i), wrench = output - (int)p->a->dag.output_count;
+		struct prove_row *r = wrench < 0 ? &rows[output] : NULL;
+
+		if (wrench >= 0) {
+			t->wrenches[wrench] = (struct interval){fmax(g->cover.lower[i], g->ranges[i].lower), fmin(g->cover.upper[i], g->ranges[i].upper)};
+			continue;
+		}
+		r->low = fmax(r->low, fmax(g->cover.lower[i], g->ranges[i].lower));
+		r->high = fmin(r->high, fmin(g->cover.upper[i], g->ranges[i].upper));
+		r->plain = fmin(r->plain, t->outputs ? r->plain : t->f->plain[i]);
+		r->found_low = p->values[output][0];
+		r->found_high = p->values[output][1];
+	}
+}
+
+static int ranging_make(struct ranging *r, const struct target *t)
+{
+	const struct field *f = t->f;
 	size_t outputs = (size_t)f->output_count;
 
 	*r = (struct ranging){calloc(outputs, sizeof *r->found), calloc(outputs, sizeof *r->largest),
@@ -100,7 +155,7 @@ static int ranging_make(struct ranging *r, const struct field *f, const struct s
 		return 0;
 	for (int i = 0; i < f->output_count; i++)
 		for (int side = 0; side < 2; side++) {
-			r->found[i][side] = found[f->outputs[i]][side].value;
+			r->found[i][side] = t->found[i][side].value;
 			r->largest[i] = fmax(r->largest[i], fabs(r->found[i][side]));
 		}
 	return 1;
@@ -118,29 +173,52 @@ static void ranging_free(struct ranging *r)
 	free(r->cover.upper);
 }
 
-static int find_ranges(struct proving *p, const struct field *f, struct ranging *r, double seconds)
+/* Without a grid: plain intervals. */
+static int cover_nothing(struct cover *c, const struct field *f)
 {
-	const struct curvature_start from = {r->whole, r->largest, r->bends};
-
-	return magnitude_find(r->whole, f, p->b, 1, &p->effort, SHARE_WHOLE * seconds) && magnitude_bends(r->bends, f, p->b, &p->effort) &&
-	       curvature_find(&r->curvature, f, &from, &p->effort, SHARE_CURVATURE * seconds) &&
-	       cover_find(&r->cover, f, &r->curvature, (const double(*)[2])r->found, &p->effort, SHARE_COVER * seconds) &&
-	       magnitude_find(r->ranges, f, p->b, 0, &p->effort, SHARE_MAGNITUDE * seconds);
+	*c = (struct cover){.upper = calloc((size_t)f->output_count, sizeof *c->upper), .lower = calloc((size_t)f->output_count, sizeof *c->lower)};
+	for (int i = 0; c->upper && c->lower && i < f->output_count; i++) {
+		c->upper[i] = f->plain[i];
+		c->lower[i] = -f->plain[i];
+	}
+	return c->upper && c->lower;
 }
 
-static enum rneagen_code prove_field(struct proving *p, int k, struct prove_row *rows)
+static int find_covers(struct proving *p, const struct target *t, struct ranging *r, double seconds)
 {
-	const struct field *f = &p->fields[k];
-	double share = p->o->seconds * share_of(p, k);
+	const struct field *f = t->f;
+	const struct curvature_start from = {r->whole, r->largest, r->bends};
+	struct effort soon = p->effort;
+
+	soon.deadline = fmin(p->effort.deadline, seconds_now() + 2 * SHARE_WHOLE * seconds);
+	return magnitude_find(r->whole, f, t->b, 1, &p->effort, SHARE_WHOLE * seconds) && magnitude_bends(r->bends, f, t->b, &soon) &&
+	       curvature_find(&r->curvature, f, &from, &p->effort, SHARE_CURVATURE * seconds) &&
+	       cover_find(&r->cover, f, &r->curvature, (const double(*)[2])r->found, &p->effort, SHARE_COVER * seconds);
+}
+
+static int find_ranges(struct proving *p, int k, struct ranging *r)
+{
+	const struct target *t = &p->targets[k];
+	const struct field *f = t->f;
+	double seconds = p->o->seconds;
+	struct effort own = p->effort;
+
+	own.record = t->outputs ? NULL : own.record; /* a limb's rows are none of the text's */
+	if (!(f->has_grid ? find_covers(p, t, r, seconds * share_of(p, k, 1)) : cover_nothing(&r->cover, f)))
+		return 0;
+	return magnitude_find(r->ranges, f, t->b, 0, &own, SHARE_MAGNITUDE * seconds * share_of(p, k, 0));
+}
+
+static enum rneagen_code prove_target(struct proving *p, int k, struct prove_row *rows)
+{
+	const struct target *t = &p->targets[k];
 	struct ranging r;
 	int done;
 
-	if (seek_field(p, k, SHARE_SEEK * share))
-		return p->e->code;
 	show(p, "ranges");
-	done = ranging_make(&r, f, (const struct sought(*)[2])p->found) && find_ranges(p, f, &r, share);
+	done = ranging_make(&r, t) && find_ranges(p, k, &r);
 	if (done)
-		take_rows(p, f, &r.cover, r.ranges, rows);
+		take_rows(p, t, &r, rows);
 	ranging_free(&r);
 	return done ? RNEAGEN_OK : error_memory(p->e);
 }
@@ -158,28 +236,140 @@ static void set_models(struct proving *p)
 static enum rneagen_code prove_errors(struct proving *p, struct proof *proof)
 {
 	show(p, "errors");
-	if (!seek_errors(proof->rows, p->a, p->b, p->models, p->o->precision_count, p->fields, p->field_count,
-		    (const struct sought(*)[2])p->found, &p->effort, SHARE_SEEK_ERRORS * p->o->seconds))
+	if (!seek_errors(proof->rows, p->a, p->b, p->models, p->o->precision_count, (double *const(*)[2])p->best, &p->effort, SHARE_SEEK_ERRORS * p->o->seconds))
 		return error_memory(p->e);
 	show(p, "errors");
-	if (!rounding_find(proof->rows, p->a, p->b, p->models, p->o->precision_count, &p->effort, SHARE_ERRORS * p->o->seconds))
+	if (!rounding_find(proof->rows, &p->relaxed, p->b, p->models, p->o->precision_count, &p->effort, SHARE_ERRORS * p->o->seconds))
 		return error_memory(p->e);
 	return RNEAGEN_OK;
+}
+
+static enum rneagen_code add_fields(struct proving *p)
+{
+	p->targets = arena_alloc(&p->arena, 16 * (p->a->dag.output_count + (size_t)p->a->tree.body_count) + 1, sizeof *p->targets);
+	for (int k = 0; k < p->field_count && p->targets; k++)
+		p->targets[p->target_count++] = (struct target){.f = &p->fields[k], .b = &p->box,
+			.found = arena_alloc(&p->arena, (size_t)p->fields[k].output_count, sizeof(struct sought[2]))};
+	return p->arena.failed ? error_memory(p->e) : RNEAGEN_OK;
+}
+
+/* ---- parts ---- */
+
+/* What depends on many rows of q is cut into limbs and what carries them, which may be cut again: grids are for the parts. */
+struct proved_part {
+	const struct relaxed *relaxed;
+	struct field *fields;
+	int field_count, from;
+	const int *outputs; /* the numbers of its outputs among all; NULL: they are all */
+	struct cut *cuts, rest;
+	int count;
+	struct interval **wrenches;
+};
+
+enum { MOST_PARTS = 6, CUT_FROM = 7, CUT_AGAIN_FROM = 6, OWN_GRID = 8 };
+
+/* The numbers among all of what was cut off a part. */
+static int *outputs_of(struct proving *p, const struct proved_part *l, const struct cut *c)
+{
+	size_t count = c->relaxed.view.dag.output_count;
+	int *outputs = arena_alloc(&p->arena, count + 1, sizeof *outputs), own = (int)l->relaxed->view.dag.output_count;
+
+	for (size_t i = 0; i < count && outputs; i++)
+		outputs[i] = c->outputs[i] >= own ? c->outputs[i] - own + (int)p->a->dag.output_count : l->outputs ? l->outputs[c->outputs[i]] : c->outputs[i];
+	return outputs;
+}
+
+/* Its fields, with what a search finds of them. */
+static int add_part(struct proving *p, const struct cut *c, const int *outputs, struct interval *wrenches)
+{
+	for (int k = 0; k < c->field_count && outputs; k++) {
+		struct target *t = &p->targets[p->target_count++];
+
+		*t = (struct target){&c->fields[k], &c->box, outputs,
+			arena_alloc(&p->arena, (size_t)c->fields[k].output_count, sizeof *t->found), wrenches};
+		if (!t->found || !seek_extremes(t->found, t->f, &p->effort, SHARE_LIMBS * p->o->seconds / c->field_count))
+			return 0;
+	}
+	return outputs != NULL;
+}
+
+static int add_limbs(struct proving *p, struct proved_part *l)
+{
+	l->count = cut_make(&l->cuts, l->relaxed, l->fields, l->field_count, l->from, &p->effort, SHARE_LIMBS * p->o->seconds, &p->arena);
+	l->wrenches = arena_alloc(&p->arena, (size_t)(l->count > 0 ? l->count : 0) + 1, sizeof *l->wrenches);
+	if (l->count < 0 || !l->wrenches)
+		return 0;
+	for (int i = 0; i < l->count; i++) {
+		l->wrenches[i] = arena_alloc(&p->arena, (size_t)l->cuts[i].wrench_count + 1, sizeof **l->wrenches);
+		if (!l->wrenches[i] || !add_part(p, &l->cuts[i], outputs_of(p, l, &l->cuts[i]), l->wrenches[i]))
+			return 0;
+	}
+	for (int k = 0; k < l->field_count; k++)
+		l->fields[k].has_grid &= l->fields[k].dim_count <= OWN_GRID || !l->count;
+	return 1;
+}
+
+static int prove_targets(struct proving *p, int *first, struct prove_row *rows)
+{
+	for (; *first < p->target_count; ++*first)
+		if (prove_target(p, *first, rows))
+			return 0;
+	return 1;
+}
+
+/* Limbs first; when their wrenches are known, what carries them. */
+static int prove_ranges(struct proving *p, struct prove_row *rows)
+{
+	struct proved_part *l = arena_alloc(&p->arena, MOST_PARTS + 1, sizeof *l);
+	int first = 0, made = 1;
+
+	if (!l)
+		return 0;
+	l[0] = (struct proved_part){.relaxed = &p->relaxed, .fields = p->fields, .field_count = p->field_count, .from = CUT_FROM};
+	for (int i = 0; i < MOST_PARTS && made; i++) {
+		if (!add_limbs(p, &l[i]) || !prove_targets(p, &first, rows))
+			return 0;
+		made = l[i].count ? cut_rest(&l[i].rest, l[i].relaxed, l[i].fields, l[i].field_count, l[i].from, l[i].cuts, l[i].count, l[i].wrenches, &p->arena)
+				  : 0;
+		if (made < 0)
+			return 0;
+		l[i + 1] = (struct proved_part){.relaxed = &l[i].rest.relaxed, .fields = l[i].rest.fields, .field_count = l[i].rest.field_count,
+			.from = CUT_AGAIN_FROM, .outputs = made ? outputs_of(p, &l[i], &l[i].rest) : NULL};
+		if (made && !add_part(p, &l[i].rest, l[i + 1].outputs, NULL))
+			return 0;
+	}
+	return prove_targets(p, &first, rows);
+}
+
+static int make_states(struct proving *p)
+{
+	size_t outputs = p->a->dag.output_count;
+
+	p->values = arena_alloc(&p->arena, outputs, sizeof *p->values);
+	p->best = arena_alloc(&p->arena, outputs, sizeof *p->best);
+	for (size_t i = 0; i < outputs && p->best; i++)
+		for (int side = 0; side < 2; side++)
+			p->best[i][side] = arena_alloc(&p->arena, p->states.size + 1, sizeof(double));
+	return !p->arena.failed;
 }
 
 static enum rneagen_code prove_all(struct proving *p, struct proof *proof)
 {
 	proof->rows = calloc(p->a->dag.output_count + 1, sizeof *proof->rows);
-	p->found = arena_alloc(&p->arena, p->a->dag.output_count, sizeof *p->found);
 	p->effort.workers = workers_open(p->o->threads);
-	if (!proof->rows || !p->found || !p->effort.workers)
+	states_of(&p->states, p->a, p->b);
+	if (!proof->rows || !p->effort.workers || !make_states(p))
 		return error_memory(p->e);
 	p->effort.threads = workers_limit(p->effort.workers);
+	p->effort.record = p->o->record;
 	p->effort.deadline = p->start + 1.2 * p->o->seconds;
 	set_models(p);
-	for (int k = 0; k < p->field_count; k++)
-		if (prove_field(p, k, proof->rows))
-			return p->e->code;
+	if (add_fields(p) || seek_all(p))
+		return p->e->code;
+	for (size_t i = 0; i < p->a->dag.output_count; i++)
+		proof->rows[i] = (struct prove_row){.low = -(double)INFINITY, .high = (double)INFINITY, .plain = (double)INFINITY};
+	if (!prove_ranges(p, proof->rows))
+		return p->e->code ? p->e->code : error_memory(p->e);
 	proof->range_seconds = seconds_now() - p->start;
 	if (prove_errors(p, proof))
 		return p->e->code;
@@ -190,13 +380,16 @@ static enum rneagen_code prove_all(struct proving *p, struct proof *proof)
 enum rneagen_code prove(struct proof *proof, const struct analysis *a, const struct box *b, const struct prove_options *o,
 	struct progress *progress, struct rneagen_error *e)
 {
-	struct proving p = {.a = a, .b = b, .o = o, .progress = progress, .e = e, .start = seconds_now()};
+	struct proving p = {.a = a, .b = b, .o = o, .progress = progress, .e = e, .start = o->start > 0 ? o->start : seconds_now()};
 
 	*proof = (struct proof){0};
 	arena_init(&p.arena, NULL);
-	p.field_count = field_split(&p.fields, a, b, &p.arena, e);
-	if (p.field_count >= 0)
-		prove_all(&p, proof);
+	if (!relax(&p.relaxed, a, b->rows, &p.arena, e)) {
+		memcpy(p.box.rows, p.relaxed.rows, sizeof p.box.rows);
+		p.field_count = field_split(&p.fields, &p.relaxed, &p.arena, e);
+		if (p.field_count >= 0)
+			prove_all(&p, proof);
+	}
 	workers_close(p.effort.workers);
 	arena_free(&p.arena);
 	return e->code;

@@ -13,6 +13,8 @@ struct prove_options {
 	int precision_count;
 	double seconds; /* for all of it, proof and search */
 	unsigned threads; /* 0: one for each processor */
+	double start;   /* since when the seconds count, as seconds_now has it; 0: since prove is called */
+	struct record *record; /* what a certificate needs to know, for the DAG's outputs; NULL: nothing */
 };
 
 /* Why an error is not bounded: a value leaves the numbers of the arithmetic, or of the memory; an angle what sines take; an operation

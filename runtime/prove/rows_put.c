@@ -1,22 +1,11 @@
 #include "prove/rows_put.h"
+#include "certify/asked.h"
 #include "emit/emit.h"
-#include "prove/gap_put.h"
+#include "prove/tell/gap_put.h"
 #include <math.h>
 #include <string.h>
 
 /* Numbers are printed with so many digits that reading them gives the same double. */
-
-/* What the proof rests on. */
-static const char *const ASSUMPTIONS[] = {
-	"rigid bodies as the URDF's decimals state them, angles within 5e-15 rad of a multiple of pi/2 being that; limits are the doubles "
-	"nearest to the file's decimals",
-	"all inputs are within their ranges, in any combination; a continuous joint has any angle that --trig takes",
-	"ranges are of the exact outputs; a text's result is within error_bound of these",
-	"rounding to nearest, subnormal numbers kept; products may be joined to sums or not; sine and cosine are the text's own",
-	"nothing overflows: where it may, error_bound is null, and no_bound names the quantity and the range to narrow",
-	"the double and extended arithmetic of the processor that proves is that of IEEE 754, and its sine and cosine in extended precision "
-	"are good to 2^-60"};
-enum { ASSUMPTION_COUNT = sizeof ASSUMPTIONS / sizeof *ASSUMPTIONS };
 
 static const char *joint_of(const struct proved *x, const struct output *o, double *effort)
 {
@@ -125,12 +114,15 @@ static void put_ranges(const struct proved *x, struct text *out)
 
 void rows_put_json(const struct proved *x, struct text *out)
 {
+	const char *assumptions[ASSUMPTIONS_MOST];
+	size_t count = asked_assumptions(x->a, assumptions);
+
 	text_put(out, "{\n  \"robot\": ");
 	text_put_json(out, x->a->robot.name);
 	text_printf(out, ",\n  \"trig\": \"%s\",\n  \"assumptions\": [", emit_trig_name(x->a->options.trig));
-	for (int i = 0; i < ASSUMPTION_COUNT; i++) {
+	for (size_t i = 0; i < count; i++) {
 		text_put(out, i ? ",\n    " : "\n    ");
-		text_put_json(out, ASSUMPTIONS[i]);
+		text_put_json(out, assumptions[i]);
 	}
 	text_put(out, "\n  ],\n  \"ranges\": [");
 	put_ranges(x, out);
@@ -182,9 +174,12 @@ static void put_line(const struct proved *x, size_t i, struct text *out)
 
 void rows_put_table(const struct proved *x, struct text *out)
 {
+	const char *assumptions[ASSUMPTIONS_MOST];
+	size_t count = asked_assumptions(x->a, assumptions);
+
 	for (size_t i = 0; i < x->a->dag.output_count; i++)
 		put_line(x, output_at(x, i), out);
 	text_put(out, "\nThis holds if:\n");
-	for (int i = 0; i < ASSUMPTION_COUNT; i++)
-		text_printf(out, "- %s\n", ASSUMPTIONS[i]);
+	for (size_t i = 0; i < count; i++)
+		text_printf(out, "- %s\n", assumptions[i]);
 }

@@ -1,7 +1,10 @@
 /* rnearun prove: what holds for every state within the limits. */
 #define _POSIX_C_SOURCE 200809L
 #include "prove/run_prove.h"
-#include "prove/envelope.h"
+#include "prove/tell/envelope.h"
+#include "prove/write_certificate.h"
+#include "core/seconds.h"
+#include "steps/cuts.h"
 #include "rnearun/command.h"
 #include "rnearun/gnuplot.h"
 #include <math.h>
@@ -19,6 +22,8 @@ static const char HELP[] =
 	"  --range NAME=LO,HI         of q, qd, qdd, q.JOINT, qd.JOINT, qdd.JOINT or another input of the scene\n"
 	"  --seconds S                for proof and search together (default 60)\n"
 	"  --format text|json         (default text)\n"
+	"  --certificate FILE         bounds and the steps that they follow from, for rnearun check-certificate; it takes a third of\n"
+	"                             the time\n"
 	"  --envelope FILE            for sizing actuators, as CSV: the range of each joint's torque beside its limit of effort\n"
 	"  --picture FILE             the same drawn, as SVG, by gnuplot\n"
 	"  --precision f32|f64|mixed|f32x2\n"
@@ -28,17 +33,19 @@ static const char HELP[] =
 	"\n"
 	"exit status: 0 done, 1 the robot or a file is at fault, 2 the command line is, or a range is missing\n";
 
-enum { KEY_PRECISION = COMMAND_OWN, KEY_SECONDS, KEY_FORMAT, KEY_ENVELOPE, KEY_PICTURE };
+enum { KEY_PRECISION = COMMAND_OWN, KEY_SECONDS, KEY_FORMAT, KEY_CERTIFICATE, KEY_ENVELOPE, KEY_PICTURE };
 enum format { FORMAT_TEXT, FORMAT_JSON };
 
 static const struct option OPTIONS[] = {{"precision", required_argument, NULL, KEY_PRECISION},
 	{"seconds", required_argument, NULL, KEY_SECONDS}, {"format", required_argument, NULL, KEY_FORMAT},
+	{"certificate", required_argument, NULL, KEY_CERTIFICATE},
 	{"envelope", required_argument, NULL, KEY_ENVELOPE}, {"picture", required_argument, NULL, KEY_PICTURE}, COMMAND_MODEL_OPTIONS, {NULL, 0, NULL, 0}};
 
 struct proving {
 	struct command command;
 	struct prove_options options;
 	int format;
+	const char *certificate; /* NULL: none */
 	const char *envelope, *picture; /* files; NULL: not asked for */
 	struct file_content urdf;
 	struct analysis analysis;
@@ -95,6 +102,10 @@ static int take(void *own, const char *name, int key, const char *word)
 
 	if (key == KEY_PRECISION)
 		return take_precisions(p, name, word);
+	if (key == KEY_CERTIFICATE)
+		p->certificate = word;
+	if (key == KEY_CERTIFICATE)
+		return *word && strcmp(word, "-") ? 0 : option_refuse(name, "--certificate takes the name of a file");
 	if (key == KEY_FORMAT)
 		return option_choose(name, "format", word, formats, &p->format);
 	if (key == KEY_ENVELOPE || key == KEY_PICTURE)
@@ -152,6 +163,27 @@ static int print(const struct proving *p, const struct proved *x)
 	return status;
 }
 
+/* A certificate takes a share of the time. */
+#define SHARE_CERTIFICATE 0.33
+
+static void prove_and_certify(struct proving *p, struct proof *proof, const struct box *box, struct progress *progress, struct rneagen_error *e)
+{
+	struct prove_options o = p->options;
+	struct record record;
+
+	if (!p->certificate) {
+		prove(proof, &p->analysis, box, &o, progress, e);
+		return;
+	}
+	if (!record_make(&record, p->analysis.dag.output_count))
+		error_memory(e);
+	o.record = &record;
+	o.seconds *= 1 - SHARE_CERTIFICATE;
+	if (!e->code && !prove(proof, &p->analysis, box, &o, progress, e))
+		write_certificate(p->certificate, proof, &p->analysis, &o, SHARE_CERTIFICATE * p->options.seconds, e);
+	record_free(&record);
+}
+
 static int prove_robot(struct proving *p)
 {
 	struct rneagen_error e = {0};
@@ -164,10 +196,10 @@ static int prove_robot(struct proving *p)
 		error_set(&e, RNEAGEN_USAGE, "--envelope and --picture: no output is a torque: --want tau, gravity or bias");
 	if (!e.code && p->picture)
 		gnuplot_check("--picture", &e);
-	if (e.code || box_make(&box, &p->analysis, &p->arena, &e))
+	if (e.code || box_make(&box, &p->analysis, &p->arena, &e) || (p->certificate && write_certificate_check(&p->analysis, &e)))
 		return fail(p, &e);
 	progress_start(&progress, p->command.name, "seconds", (uint64_t)ceil(p->options.seconds), p->command.quiet);
-	prove(&proof, &p->analysis, &box, &p->options, &progress, &e);
+	prove_and_certify(p, &proof, &box, &progress, &e);
 	progress_end(&progress);
 	status = e.code ? fail(p, &e) : print(p, &(struct proved){&p->analysis, &box, &p->options, &proof});
 	free(proof.rows);
@@ -191,11 +223,13 @@ static int run(struct proving *p)
 int run_prove(struct ranks *ranks, int argc, char **argv)
 {
 	static const struct command_kind kind = {"rnearun prove", HELP, OPTIONS, ":", take};
-	struct proving p = {.options = {.precisions = {RNEAGEN_F32, RNEAGEN_F64}, .precision_count = 2, .seconds = 60}};
+	struct proving p = {.options = {.precisions = {RNEAGEN_F32, RNEAGEN_F64}, .precision_count = 2, .seconds = 60, .start = seconds_now()}};
 	int status = command_parse(&p.command, &kind, &p, ranks, argc, argv);
 
 	if (status < 0)
 		status = command_note(&p.command, &p.command.written, "", "-");
+	if (status < 0 && p.certificate)
+		status = command_note(&p.command, &p.command.written, "--certificate", p.certificate);
 	if (status < 0 && p.envelope)
 		status = command_note(&p.command, &p.command.written, "--envelope", p.envelope);
 	if (status < 0 && p.picture)

@@ -8,7 +8,7 @@
 
 /* A state, by the DAG's arguments, and what comes of it. */
 struct trial {
-	double *in[DAG_ARGUMENTS], *out[DAG_ARGUMENTS];
+	double *in[DAG_ARGUMENTS], *out[DAG_ARGUMENTS], *before;
 };
 
 struct seeking {
@@ -17,9 +17,8 @@ struct seeking {
 	const struct box *b;
 	const struct eval_model *models;
 	int count;
-	const struct field *fields;
-	int field_count;
-	const struct sought (*found)[2];
+	struct states states;
+	double *const (*found)[2];
 	double deadline, *best; /* [piece][output][model] */
 	size_t pieces;
 	int failed;
@@ -27,11 +26,13 @@ struct seeking {
 
 /* ---- states ---- */
 
-static int trial_new(struct trial *t, const struct dag *d)
+static int trial_new(struct trial *t, const struct states *s)
 {
-	int done = 1;
+	const struct dag *d = &s->a->dag;
+	int done;
 
-	*t = (struct trial){{NULL}, {NULL}};
+	*t = (struct trial){.before = calloc(s->size + 1, sizeof *t->before)};
+	done = t->before != NULL;
 	for (int i = 0; i < d->argument_count; i++) {
 		double *rows = calloc((size_t)d->arguments[i].rows + 1, sizeof *rows);
 
@@ -43,6 +44,7 @@ static int trial_new(struct trial *t, const struct dag *d)
 
 static void trial_free(struct trial *t)
 {
+	free(t->before);
 	for (int i = 0; i < DAG_ARGUMENTS; i++) {
 		free(t->in[i]);
 		free(t->out[i]);
@@ -77,30 +79,6 @@ static void fit_all(const struct seeking *s, struct trial *t, int is_float)
 				t->in[i][r] = fit(s->b->rows[i][r], t->in[i][r], is_float);
 }
 
-/* Anywhere in q, at corners of all else. */
-static void draw(const struct seeking *s, struct trial *t, unsigned short seed[3])
-{
-	for (int i = 0; i < s->d->argument_count; i++)
-		for (int r = 0; r < s->d->arguments[i].rows && t->in[i]; r++) {
-			struct interval range = s->b->rows[i][r];
-			double at = erand48(seed);
-
-			if (s->d->arguments[i].role != ROLE_JOINT_POSITION)
-				at = at > 0.5;
-			if (range.lower <= range.upper)
-				t->in[i][r] = range.lower + at * (range.upper - range.lower);
-		}
-}
-
-static const struct field *field_of(const struct seeking *s, size_t output)
-{
-	for (int k = 0; k < s->field_count; k++)
-		for (int i = 0; i < s->fields[k].output_count; i++)
-			if (s->fields[k].outputs[i] == (int)output)
-				return &s->fields[k];
-	return NULL;
-}
-
 /* ---- uphill ---- */
 
 static double bound_at(struct seeking *s, struct trial *t, const struct eval_model *m, size_t output)
@@ -112,14 +90,18 @@ static double bound_at(struct seeking *s, struct trial *t, const struct eval_mod
 	return isfinite(t->out[o->argument][o->row]) ? t->out[o->argument][o->row] : 0;
 }
 
-/* One input moved: an angle or length by a step, anything else to its other end. */
-static double moved(const struct seeking *s, int argument, int row, double x, double step)
+static void keep(const struct seeking *s, struct trial *t)
 {
-	struct interval r = s->b->rows[argument][row];
+	for (int i = 0; i < s->d->argument_count; i++)
+		if (t->in[i])
+			memcpy(t->before + s->states.at[i], t->in[i], (size_t)s->d->arguments[i].rows * sizeof *t->before);
+}
 
-	if (s->d->arguments[argument].role == ROLE_JOINT_POSITION)
-		return x + step * (r.upper - r.lower);
-	return fabs(x - r.lower) < fabs(x - r.upper) ? r.upper : r.lower;
+static void put_back(const struct seeking *s, struct trial *t)
+{
+	for (int i = 0; i < s->d->argument_count; i++)
+		if (t->in[i])
+			memcpy(t->in[i], t->before + s->states.at[i], (size_t)s->d->arguments[i].rows * sizeof *t->before);
 }
 
 static double climb(struct seeking *s, struct trial *t, int model, size_t output, int rounds)
@@ -131,21 +113,23 @@ static double climb(struct seeking *s, struct trial *t, int model, size_t output
 	for (int round = 0; round < rounds; round++, step *= round % 2 ? -1 : -0.6)
 		for (int i = 0; i < s->d->argument_count; i++)
 			for (int r = 0; r < s->d->arguments[i].rows && t->in[i]; r++) {
-				double before = t->in[i][r], now;
+				double now;
 
 				if (!(s->b->rows[i][r].lower < s->b->rows[i][r].upper) || seconds_now() > s->deadline)
 					continue;
-				t->in[i][r] = fit(s->b->rows[i][r], moved(s, i, r, before, step), is_float);
+				keep(s, t);
+				states_move(&s->states, t->in, i, r, step);
+				fit_all(s, t, is_float);
 				now = bound_at(s, t, m, output);
 				if (now > best)
 					best = now;
 				else
-					t->in[i][r] = before;
+					put_back(s, t);
 			}
 	return best;
 }
 
-static void take(struct seeking *s, struct trial *t, int model, double *best)
+static void take_model(struct seeking *s, struct trial *t, int model, double *best)
 {
 	const struct eval_model *m = &s->models[model];
 
@@ -159,6 +143,21 @@ static void take(struct seeking *s, struct trial *t, int model, double *best)
 	}
 }
 
+/* A state that is bad for a type is so for others too, and is one of theirs where it is of floats, or they are of doubles. */
+static void take(struct seeking *s, struct trial *t, int model, double *best)
+{
+	for (int k = 0; k < s->count; k++)
+		if (k == model || has_floats(&s->models[model]) || !has_floats(&s->models[k]))
+			take_model(s, t, k, best);
+}
+
+static void take_found(const struct seeking *s, const double *state, struct trial *t)
+{
+	for (int i = 0; i < s->d->argument_count; i++)
+		if (t->in[i])
+			memcpy(t->in[i], state + s->states.at[i], (size_t)s->d->arguments[i].rows * sizeof *state);
+}
+
 /* The numbers of a job go through outputs, models, and starts: twice the states found, then others. */
 static void seek(void *job, size_t piece)
 {
@@ -166,16 +165,21 @@ static void seek(void *job, size_t piece)
 	double *best = s->best + piece * s->d->output_count * PROVE_PRECISIONS;
 	unsigned short seed[3] = {(unsigned short)piece, 7, 19};
 	struct trial t;
-	int done = trial_new(&t, s->d);
+	int done = trial_new(&t, &s->states);
 
-	for (size_t i = piece; done && !s->failed && (i < 2 * s->d->output_count * (size_t)s->count || seconds_now() < s->deadline); i += s->pieces) {
+	for (int model = 0; model < s->count && done; model++) {
+		states_draw(&s->states, t.in, seed);
+		fit_all(s, &t, has_floats(&s->models[model]));
+		take(s, &t, model, best);
+	}
+	for (size_t i = piece; done && !s->failed && seconds_now() < s->deadline; i += s->pieces) {
 		size_t output = i % s->d->output_count;
 		int model = (int)(i / s->d->output_count) % s->count, start = (int)(i / s->d->output_count) / s->count;
 		const struct eval_model *m = &s->models[model];
 
-		draw(s, &t, seed);
+		states_draw(&s->states, t.in, seed);
 		if (start < 2)
-			seek_rows(field_of(s, output), &s->found[output][start], dag_find_role(s->d, ROLE_JOINT_POSITION, 0), t.in);
+			take_found(s, s->found[output][start], &t);
 		fit_all(s, &t, has_floats(m));
 		take(s, &t, model, best);
 		climb(s, &t, model, output, 8);
@@ -186,12 +190,13 @@ static void seek(void *job, size_t piece)
 }
 
 int seek_errors(struct prove_row *rows, const struct analysis *a, const struct box *b, const struct eval_model *models, int count,
-	const struct field *fields, int field_count, const struct sought (*found)[2], const struct effort *x, double seconds)
+	double *const (*found)[2], const struct effort *x, double seconds)
 {
-	struct seeking s = {.a = a, .d = &a->dag, .b = b, .models = models, .count = count, .fields = fields, .field_count = field_count,
-		.found = found, .deadline = fmin(x->deadline, seconds_now() + seconds), .pieces = x->threads};
+	struct seeking s = {.a = a, .d = &a->dag, .b = b, .models = models, .count = count, .found = found,
+		 .deadline = fmin(x->deadline, seconds_now() + seconds), .pieces = x->threads};
 	size_t size = s.d->output_count * PROVE_PRECISIONS;
 
+	states_of(&s.states, a, b);
 	s.best = calloc(s.pieces * size, sizeof *s.best);
 	if (!s.best)
 		return 0;

@@ -1,5 +1,6 @@
 #include "range/box.h"
 #include "base/text.h"
+#include "relax/relax.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -14,8 +15,13 @@ static int is_known(struct interval x)
 	return x.lower <= x.upper;
 }
 
-static struct interval position_limits(const struct tree_joint *t, const struct joint *j)
+/* A quaternion's number is from -1 to 1, but for how far its length may be from 1. */
+static struct interval position_limits(const struct tree_joint *t, const struct joint *j, int row)
 {
+	if (t->type == JOINT_FLOATING && row >= 3)
+		return (struct interval){-1 - RELAXED_QUATERNION, 1 + RELAXED_QUATERNION};
+	if (t->type == JOINT_PLANAR && row == 2)
+		return (struct interval){-PI_ABOVE, PI_ABOVE};
 	if (t->type == JOINT_CONTINUOUS)
 		return (struct interval){-PI_ABOVE, PI_ABOVE};
 	return j && j->has_limits && t->nq == 1 ? (struct interval){j->lower, j->upper} : UNKNOWN;
@@ -36,23 +42,66 @@ static void take_limits(struct box *b, const struct analysis *x, int argument)
 		const struct joint *j = tree_joint_of(t->source, t, i);
 
 		for (int r = 0; r < k->nq && role == ROLE_JOINT_POSITION; r++)
-			b->rows[argument][k->iq + r] = position_limits(k, j);
+			b->rows[argument][k->iq + r] = position_limits(k, j, r);
 		for (int r = 0; r < k->nv && role == ROLE_JOINT_VELOCITY; r++)
 			b->rows[argument][k->iv + r] = rate_limits(j);
 	}
+}
+
+static int is_quaternion(const struct analysis *x, int argument, int row)
+{
+	const struct tree *t = &x->tree;
+
+	for (int i = 0; i < t->joint_count && x->dag.arguments[argument].role == ROLE_JOINT_POSITION; i++)
+		if (t->joints[i].type == JOINT_FLOATING && row >= t->joints[i].iq + 3 && row < t->joints[i].iq + 7)
+			return 1;
+	return 0;
+}
+
+static struct interval times(struct interval mass, double lower, double upper)
+{
+	return interval_mul(mass, (struct interval){lower, upper});
+}
+
+/* The ten numbers of a box of this mass, no side over 0.2 m and its centre within 0.1 m of the origin in each axis; of a link with an
+   inertia of its own that of the URDF, of which such a box has up to a tenth: as draw.h draws them. */
+static void take_body(struct interval *rows, const struct freed *f, struct interval mass)
+{
+	static const int is_square[FREED_ROWS] = {[4] = 1, [7] = 1, [9] = 1};
+	double own = (double)f->nominal[0];
+	struct interval part = own > 0 ? times(mass, 0, 0.1) : mass, rest = times(mass, 0.9, 1);
+
+	rows[0] = mass;
+	for (int i = 1; i < FREED_ROWS; i++) {
+		rows[i] = i < 4 ? times(part, -0.1, 0.1) : is_square[i] ? times(part, 0, 0.02 / 3 + 0.02) : times(part, -0.01, 0.01);
+		if (own > 0)
+			rows[i] = interval_add(rows[i], interval_mul(rest, interval_around(f->nominal[i] / f->nominal[0], 0)));
+	}
+}
+
+static const struct freed *body_of(const struct analysis *x, const struct argument *a)
+{
+	for (int i = 0; i < x->request.freed_count; i++)
+		if (!strcmp(x->request.freed[i].argument, a->name) && (a->role == ROLE_LINK_INERTIA || a->role == ROLE_LINK_PAYLOAD))
+			return &x->request.freed[i];
+	return NULL;
 }
 
 /* What the scene says, the whole of an input before its joints, these before single rows. */
 static void take_ranges(struct box *b, const struct analysis *x, int argument)
 {
 	const struct argument *a = &x->dag.arguments[argument];
+	const struct freed *body = body_of(x, a);
 
 	for (int level = 0; level < REQUEST_RANGE_LEVELS; level++)
 		for (int i = 0; i < x->request.range_count; i++) {
 			const struct request_range *r = &x->request.ranges[i];
 
 			for (int row = r->first; r->level == level && !strcmp(r->argument, a->name) && row < r->first + r->count; row++)
-				b->rows[argument][row] = (struct interval){r->lower, r->upper};
+				if (!is_quaternion(x, argument, row))
+					b->rows[argument][row] = (struct interval){r->lower, r->upper};
+			if (body && r->level == level && !strcmp(r->argument, a->name))
+				take_body(b->rows[argument], body, (struct interval){r->lower, r->upper});
 		}
 }
 

@@ -10,6 +10,9 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
+/* How often to look at the clock. */
+enum { LOOK_EVERY = 16 };
+
 enum { POINTS = 256, MOST_PLACES = 4096, FIRST_POINTS = 4096 };
 
 struct covering {
@@ -49,9 +52,9 @@ static void take_points(void *job, size_t piece)
 		grid_point(&s->grid, i, &q);
 		field_evaluate(s->f, &q, work, c);
 		take_point(s, c, most);
+		if (i % LOOK_EVERY == 0 && seconds_now() > s->effort->deadline)
+			s->failed = 2;
 	}
-	if (seconds_now() > s->effort->deadline)
-		s->failed = 2;
 	free(c);
 	free(work);
 }

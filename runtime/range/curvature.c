@@ -123,12 +123,13 @@ static void take_lines(void *job, size_t piece)
 		s->failed = 1;
 	for (int o = 0; o < s->f->output_count && most; o++)
 		most[o] = s->most[o];
-	for (size_t i = piece * LINES; i < (piece + 1) * LINES && i < s->lines && !s->failed; i++)
+	for (size_t i = piece * LINES; i < (piece + 1) * LINES && i < s->lines && !s->failed; i++) {
 		take_line(s, i, work, line, most);
+		if (seconds_now() > s->effort->deadline)
+			s->failed = 2;
+	}
 	for (int o = 0; o < s->f->output_count && most; o++)
 		raise(&s->most[o], most[o]);
-	if (seconds_now() > s->effort->deadline)
-		s->failed = 2;
 	free(most);
 	free(line);
 	free(work);
@@ -190,9 +191,9 @@ static int places_of(const struct field *f, int k, double weight, double scale)
 {
 	int places = f->dims[k].is_angle ? 2 * (int)(0.5 * fmin(MOST_PLACES, scale * sqrt(weight))) : LENGTH_PLACES;
 
-	if (field_is_point(&f->dims[k]) || pace_of(f, k, fewest(f, k)).gap * f->degree * f->degree * weight < 0.1)
+	if (field_is_point(&f->dims[k]) || pace_of(f, k, fewest(f, k)).gap * f->dims[k].degree * f->dims[k].degree * weight < 0.1)
 		return fewest(f, k);
-	return f->dims[k].is_angle && places < LEAST_PLACES ? LEAST_PLACES : places;
+	return f->dims[k].is_angle && places < pace_least(&f->dims[k]) ? pace_least(&f->dims[k]) : places;
 }
 
 /* The most places that there is room for, in points of the sweeps along all dimensions. */

@@ -20,12 +20,16 @@ static double reach(struct interval r)
 
 static double drives_above(const struct field *f, const double *c, int sign, double *size, double *x)
 {
-	double sum = sign * c[0];
+	double sum = sign * c[0], squares[FIELD_BALLS + 1] = {0};
 
 	*size = fabs(c[0]);
+	for (int i = 0; i < f->drive_count; i++)
+		squares[f->drives[i].ball] += c[1 + i] * c[1 + i];
 	for (int i = 0; i < f->drive_count; i++) {
 		double m = sign * c[1 + i], at = m > 0 ? f->drives[i].range.upper : f->drives[i].range.lower;
 
+		if (f->drives[i].ball)
+			at = squares[f->drives[i].ball] > 0 ? m / sqrt(squares[f->drives[i].ball]) : m > 0 ? 1 : -1;
 		sum += m * at;
 		*size += fabs(m) * reach(f->drives[i].range);
 		if (x)

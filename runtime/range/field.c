@@ -152,12 +152,11 @@ static void put_rate(const struct field *f, int j, double *lane)
 				*pair = x;
 }
 
-static const struct field_input *find_input(const struct field_input *list, int count, const struct node *n)
+static void put_constants(const struct field *f, double *narrow)
 {
-	for (int i = 0; i < count; i++)
-		if (list[i].argument == (int)n->arg[0].i && list[i].row == (int)n->arg[1].i)
-			return &list[i];
-	return NULL;
+	for (size_t i = 0; i < f->d->count; i++)
+		if (f->d->nodes[i].op == OP_CONST && f->slots[i] != UINT32_MAX)
+			narrow[f->slots[i]] = (double)f->d->nodes[i].value;
 }
 
 double *field_work(const struct field *f)
@@ -169,20 +168,39 @@ double *field_work(const struct field *f)
 	if (!work)
 		return NULL;
 	memset(work, 0, size);
-	for (size_t i = 0; i < f->d->count; i++) {
-		const struct node *n = &f->d->nodes[i];
-		const struct field_input *drive, *rate;
-
-		if (n->op == OP_CONST && f->slots[i] != UINT32_MAX)
-			narrow_of(f, work)[f->slots[i]] = (double)n->value;
-		if (n->op != OP_INPUT || f->slots[i] == UINT32_MAX)
-			continue;
-		drive = find_input(f->drives, f->drive_count, n);
-		rate = find_input(f->rates, f->rate_count, n);
-		if (drive)
-			put_drive(f, (int)(drive - f->drives), work + f->slots[i] * f->lane_count);
-		if (rate)
-			put_rate(f, (int)(rate - f->rates), work + f->slots[i] * f->lane_count);
-	}
+	put_constants(f, narrow_of(f, work));
+	for (int i = 0; i < f->drive_count; i++)
+		put_drive(f, i, work + f->slots[f->drives[i].node] * f->lane_count);
+	for (int j = 0; j < f->rate_count; j++)
+		put_rate(f, j, work + f->slots[f->rates[j].node] * f->lane_count);
 	return work;
+}
+
+/* ---- at one state ---- */
+
+double *field_scalars(const struct field *f)
+{
+	double *v = calloc(f->wide_count + f->narrow_count + 1, sizeof *v);
+
+	if (v)
+		put_constants(f, v + f->wide_count);
+	return v;
+}
+
+void field_values(const struct field *f, const struct field_point *q, const double *x, double *v, double *values)
+{
+	double *narrow = v + f->wide_count;
+
+	load(f, q, narrow);
+	for (int i = 0; i < f->drive_count; i++)
+		v[f->slots[f->drives[i].node]] = x[i] * f->drives[i].scale;
+	for (int j = 0; j < f->rate_count; j++)
+		v[f->slots[f->rates[j].node]] = x[f->drive_count + j] * f->rates[j].scale;
+	for (const struct field_step *s = f->steps; s < f->steps + f->step_count; s++)
+		if (s->is_wide && s->op == OP_ANEW)
+			v[s->to] = narrow[s->arg[0]];
+		else
+			run_narrow(s, s->is_wide ? v : narrow);
+	for (int i = 0; i < f->output_count; i++)
+		values[i] = v[f->result[i]];
 }

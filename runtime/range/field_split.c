@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Grids of more dimensions, or of functions with more waves, are too large. */
+enum { GRID_DIMS = 12, MOST_DEGREE = 12 };
+
 /* What is known of a node. */
 struct mark {
 	uint64_t dims;       /* rows of q that it depends on */
@@ -15,13 +18,14 @@ struct mark {
 };
 
 struct splitter {
+	const struct relaxed *r;
 	const struct analysis *x;
 	const struct dag *d;
-	const struct box *b;
 	struct arena *a;
 	struct rneagen_error *e;
 	struct mark *marks;
-	unsigned char *live;
+	unsigned char *live, *bit; /* bit: by row of q, 1 + its place among those that are read */
+	int bit_count;
 };
 
 static enum role role_of(const struct splitter *s, const struct node *n)
@@ -31,8 +35,7 @@ static enum role role_of(const struct splitter *s, const struct node *n)
 
 static enum rneagen_code refuse(const struct splitter *s, const char *what)
 {
-	return error_set(s->e, RNEAGEN_UNSUPPORTED, "%s: rnearun prove knows torques, gravity, bias and M of joints that turn or slide, %s",
-		s->x->options.file, what);
+	return error_set(s->e, RNEAGEN_UNSUPPORTED, "%s: rnearun prove knows torques, gravity, bias and M, %s", s->x->options.file, what);
 }
 
 /* ---- what is known of each node ---- */
@@ -46,14 +49,16 @@ static unsigned orders_of_product(unsigned a, unsigned b)
 	return orders > 255 ? 255 : orders;
 }
 
-static struct mark mark_input(const struct splitter *s, const struct node *n)
+static struct mark mark_input(struct splitter *s, const struct node *n)
 {
-	struct interval r = s->b->rows[n->arg[0].i][n->arg[1].i];
+	struct interval r = s->r->rows[n->arg[0].i][n->arg[1].i];
 	enum role role = role_of(s, n);
 	struct mark m = {.orders = role == ROLE_JOINT_VELOCITY ? 2 : 4, .size = interval_size(r), .plain = r};
 
 	if (role == ROLE_JOINT_POSITION) {
-		m.dims = (uint64_t)1 << n->arg[1].i;
+		if (!s->bit[n->arg[1].i] && s->bit_count < FIELD_DIMS)
+			s->bit[n->arg[1].i] = (unsigned char)++s->bit_count;
+		m.dims = (uint64_t)1 << (s->bit[n->arg[1].i] - (s->bit[n->arg[1].i] > 0));
 		m.orders = 1;
 	}
 	return m;
@@ -93,7 +98,7 @@ static struct mark mark_product(struct mark a, struct mark b)
 	return m;
 }
 
-static struct mark mark_of(const struct splitter *s, const struct node *n)
+static struct mark mark_of(struct splitter *s, const struct node *n)
 {
 	const struct mark *m = s->marks;
 	struct mark a = m[op_arity[n->op] > 0 ? n->arg[0].i : 0], b = m[op_arity[n->op] > 1 ? n->arg[1].i : 0];
@@ -123,49 +128,23 @@ static struct mark mark_of(const struct splitter *s, const struct node *n)
 	}
 }
 
-/* Angles are read by sine and cosine alone, lengths by all else. */
-static int reads_wrongly(const struct splitter *s, const struct node *n)
-{
-	int is_angle = n->op == OP_SIN || n->op == OP_COS, is_wrong = 0;
-	const struct tree *t = &s->x->tree;
-
-	for (int k = 0; k < op_arity[n->op]; k++) {
-		const struct node *of = &s->d->nodes[n->arg[k].i];
-
-		is_wrong |= is_angle && (of->op != OP_INPUT || role_of(s, of) != ROLE_JOINT_POSITION);
-		for (int i = 0; i < t->joint_count && of->op == OP_INPUT && role_of(s, of) == ROLE_JOINT_POSITION; i++)
-			is_wrong |= t->joints[i].iq == (int)of->arg[1].i && (t->joints[i].type == JOINT_PRISMATIC) == is_angle;
-	}
-	return is_wrong;
-}
-
 static enum rneagen_code check_node(const struct splitter *s, const struct node *n)
 {
+	int is_angle = n->op == OP_SIN || n->op == OP_COS;
 
 	if (n->op == OP_DIV || n->op == OP_SQRT || n->op == OP_ABS || n->op == OP_WIDEN || n->op == OP_NARROW)
-		return refuse(s, "without friction and refinement");
-	if (reads_wrongly(s, n))
-		return refuse(s, "and no angle that follows another or is freed");
-	if (n->op == OP_INPUT && role_of(s, n) == ROLE_JOINT_POSITION && n->arg[1].i >= FIELD_DIMS)
-		return error_set(s->e, RNEAGEN_LIMIT, "%s: rnearun prove takes at most %d rows of q", s->x->options.file, FIELD_DIMS);
+		return refuse(s, "without refinement");
+	if (is_angle && (s->d->nodes[n->arg[0].i].op != OP_INPUT || role_of(s, &s->d->nodes[n->arg[0].i]) != ROLE_JOINT_POSITION))
+		return refuse(s, "where each angle is a joint's or a multiple of it");
+	if (n->op == OP_INPUT && role_of(s, n) == ROLE_JOINT_POSITION && s->bit_count == FIELD_DIMS && !s->bit[n->arg[1].i])
+		return error_set(s->e, RNEAGEN_LIMIT, "%s: rnearun prove takes at most %d positions", s->x->options.file, FIELD_DIMS);
 	return RNEAGEN_OK;
 }
 
 static enum rneagen_code check_outputs(const struct splitter *s)
 {
-	const struct tree *t = &s->x->tree;
-
 	if (adjust_is_asked(&s->x->adjust))
 		return refuse(s, "of the robot as its file states it: leave out what changes constants");
-	for (int i = 0; i < t->body_count; i++) {
-		enum joint_type type = t->bodies[i].type;
-
-		if (type == JOINT_FLOATING || type == JOINT_PLANAR)
-			return refuse(s, "none that floats or is planar");
-		/* an angle of two joints would be of degree 4, though its sine may be that of an input */
-		if (t->bodies[i].follower && type != JOINT_PRISMATIC && type != JOINT_FIXED)
-			return refuse(s, "and no angle that follows another or is freed");
-	}
 	for (size_t i = 0; i < s->d->output_count; i++) {
 		enum role role = s->d->arguments[s->d->outputs[i].argument].role;
 
@@ -208,7 +187,7 @@ static void mark_live(const struct splitter *s, const struct field *f)
 
 static struct field_dim *dim_of(const struct splitter *s, struct field *f, const struct node *n)
 {
-	struct interval r = s->b->rows[n->arg[0].i][n->arg[1].i];
+	struct interval r = s->r->rows[n->arg[0].i][n->arg[1].i];
 
 	for (int i = 0; i < f->dim_count; i++)
 		if (f->dims[i].row == (int)n->arg[1].i)
@@ -219,14 +198,20 @@ static struct field_dim *dim_of(const struct splitter *s, struct field *f, const
 
 static enum rneagen_code add_input(const struct splitter *s, struct field *f, const struct node *n)
 {
-	struct interval r = s->b->rows[n->arg[0].i][n->arg[1].i];
+	struct interval r = s->r->rows[n->arg[0].i][n->arg[1].i];
+	const struct relaxed_ball *ball = relaxed_ball_of(s->r, (int)n->arg[0].i, (int)n->arg[1].i);
 	int is_rate = role_of(s, n) == ROLE_JOINT_VELOCITY, *count = is_rate ? &f->rate_count : &f->drive_count;
 	double scale = interval_size(r) > 0 ? interval_size(r) : 1;
 
+	if (ball) {
+		scale = ball->radius;
+		r = (struct interval){-scale, scale};
+	}
+
 	if (*count == FIELD_DIMS)
 		return error_set(s->e, RNEAGEN_LIMIT, "%s: rnearun prove takes at most %d rows of an input", s->x->options.file, FIELD_DIMS);
-	(is_rate ? f->rates : f->drives)[(*count)++] = (struct field_input){(int)n->arg[0].i, (int)n->arg[1].i, scale,
-		{round_down(r.lower / scale), round_up(r.upper / scale)}};
+	(is_rate ? f->rates : f->drives)[(*count)++] = (struct field_input){(int)n->arg[0].i, (int)n->arg[1].i, ball ? 1 + (int)(ball - s->r->balls) : 0, scale,
+		{round_down(r.lower / scale), round_up(r.upper / scale)}, (uint32_t)(n - s->d->nodes)};
 	return RNEAGEN_OK;
 }
 
@@ -236,6 +221,15 @@ static int by_row(const void *a, const void *b)
 	const struct field_dim *x = a, *y = b;
 
 	return (x->row > y->row) - (x->row < y->row);
+}
+
+static void describe(const struct splitter *s, struct field *f, struct field_dim *k)
+{
+	const struct relaxed_row *row = &s->r->of_q[k->row];
+
+	k->is_circle = k->is_angle && k->upper - k->lower >= 6.283185307179586;
+	k->degree = (s->d->arguments[s->d->outputs[f->outputs[0]].argument].role == ROLE_GRAVITY_TORQUE ? 1 : 2) * (k->is_angle ? row->turns : 1);
+	f->has_grid &= row->has_grid && k->degree <= MOST_DEGREE;
 }
 
 static enum rneagen_code collect(const struct splitter *s, struct field *f)
@@ -257,7 +251,7 @@ static enum rneagen_code collect(const struct splitter *s, struct field *f)
 		k->is_angle = 1;
 	}
 	for (int i = 0; i < f->dim_count; i++)
-		f->dims[i].is_circle = f->dims[i].is_angle && f->dims[i].upper - f->dims[i].lower >= 6.283185307179586;
+		describe(s, f, &f->dims[i]);
 	qsort(f->dims, (size_t)f->dim_count, sizeof *f->dims, by_row);
 	return RNEAGEN_OK;
 }
@@ -343,13 +337,11 @@ static enum rneagen_code compile(struct splitter *s, struct field *f)
 static enum rneagen_code make(struct splitter *s, struct field *f)
 {
 	f->d = s->d;
-	f->degree = 1;
-	for (int i = 0; i < f->output_count; i++)
-		if (s->d->arguments[s->d->outputs[f->outputs[i]].argument].role != ROLE_GRAVITY_TORQUE)
-			f->degree = 2;
+	f->has_grid = 1;
 	mark_live(s, f);
 	if (collect(s, f))
 		return s->e->code;
+	f->has_grid &= f->dim_count <= GRID_DIMS;
 	count_lanes(s, f);
 	return compile(s, f);
 }
@@ -359,9 +351,10 @@ static uint64_t dims_of(const struct splitter *s, size_t output)
 	return s->marks[s->d->outputs[output].value.i].dims;
 }
 
-int field_split(struct field **fields, const struct analysis *x, const struct box *b, struct arena *a, struct rneagen_error *e)
+int field_split(struct field **fields, const struct relaxed *r, struct arena *a, struct rneagen_error *e)
 {
-	struct splitter s = {.x = x, .d = &x->dag, .b = b, .a = a, .e = e, .live = arena_alloc(a, x->dag.count, 1)};
+	struct splitter s = {.r = r, .x = &r->view, .d = &r->view.dag, .a = a, .e = e, .live = arena_alloc(a, r->view.dag.count, 1),
+		.bit = arena_alloc(a, (size_t)r->row_count + 1, 1)};
 	int count = 0;
 
 	*fields = arena_alloc(a, s.d->output_count, sizeof **fields);

@@ -2,6 +2,7 @@
 #define RUNTIME_RANGE_GRID_H
 /* Points of q in rows and columns, and what is done at each by several threads. */
 
+#include "steps/cuts.h"
 #include "core/workers.h"
 #include "range/field.h"
 
@@ -29,6 +30,7 @@ struct effort {
 	struct workers *workers;
 	unsigned threads;
 	double deadline; /* as seconds_now has it */
+	struct record *record; /* what a certificate needs to know; NULL: nothing */
 };
 
 #endif

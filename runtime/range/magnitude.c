@@ -25,6 +25,7 @@ struct job {
 	const struct box *b;
 	int is_whole, failed;
 	double seconds, deadline;
+	struct record *record;
 };
 
 /* One output. */
@@ -62,6 +63,15 @@ static int values_make(struct values *v, const struct job *j, size_t output)
 	return norms_values_make(&v->values, &v->norms, &v->arena) && box_copy(v->rows, j->b, d, &v->arena);
 }
 
+static int record_cuts(const struct job *j, size_t output, const struct split *s, const struct leaf *root)
+{
+	int rows[SPLIT_DIMS];
+
+	for (int k = 0; k < s->dim_count; k++)
+		rows[k] = j->f->dims[k].row;
+	return split_cuts(s, root, rows, &j->record->outputs[j->f->outputs[output]].values);
+}
+
 static void find(void *job, size_t output)
 {
 	struct job *j = job;
@@ -70,6 +80,9 @@ static void find(void *job, size_t output)
 	struct values v;
 	double sizes[SPLIT_SIZES];
 
+	j->ranges[output] = (struct interval){-(double)INFINITY, (double)INFINITY};
+	if (seconds_now() > j->deadline)
+		return;
 	for (int k = 0; k < s.dim_count; k++)
 		root.q[k] = range_of(&j->f->dims[k], j->is_whole);
 	s.context = &v;
@@ -77,6 +90,8 @@ static void find(void *job, size_t output)
 		split_total(&s, sizes, &j->ranges[output]);
 	else
 		j->failed = 1;
+	if (!j->failed && j->record)
+		j->failed |= !record_cuts(j, output, &s, &root);
 	split_free(&s);
 	arena_free(&v.arena);
 }
@@ -85,7 +100,8 @@ int magnitude_find(struct interval *ranges, const struct field *f, const struct 
 	double seconds)
 {
 	size_t outputs = (size_t)f->output_count, rounds = (outputs + x->threads - 1) / x->threads;
-	struct job j = {ranges, f, b, is_whole, 0, seconds / (double)(rounds ? rounds : 1), x->deadline};
+	struct job j = {ranges, f, b, is_whole, 0, seconds / (double)(rounds ? rounds : 1), x->deadline,
+		is_whole ? NULL : x->record};
 
 	workers_run(x->workers, x->threads, find, &j, outputs);
 	return !j.failed;
@@ -149,7 +165,8 @@ static void find_bends(void *job, size_t output)
 	int n = b->j.f->dim_count;
 
 	for (int k = 0; k < n; k++) {
-		double size = n > MOST_DIMS ? (double)INFINITY : bend_of(&b->j, output, &b->j.f->dims[k]);
+		int is_late = n > MOST_DIMS || seconds_now() > b->j.deadline;
+		double size = is_late ? (double)INFINITY : bend_of(&b->j, output, &b->j.f->dims[k]);
 
 		b->j.failed |= size < 0;
 		b->most[output * (size_t)n + (size_t)k] = size * (1 + 0x1p-30);
@@ -158,7 +175,7 @@ static void find_bends(void *job, size_t output)
 
 int magnitude_bends(double *most, const struct field *f, const struct box *b, const struct effort *x)
 {
-	struct bends_job job = {{.f = f, .b = b, .is_whole = 1}, most};
+	struct bends_job job = {{.f = f, .b = b, .is_whole = 1, .deadline = x->deadline}, most};
 
 	workers_run(x->workers, x->threads, find_bends, &job, (size_t)f->output_count);
 	return !job.j.failed;

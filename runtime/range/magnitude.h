@@ -5,12 +5,12 @@
 
 #include "range/grid.h"
 
-/* By output of the field, into ranges: over the box; where is_whole, over all angles. Returns 0 when memory runs out. */
+/* By output of the field, into ranges: over the box; where is_whole, over all angles; unbounded where the time was over. Returns 0 when memory runs out. */
 int magnitude_find(struct interval *ranges, const struct field *f, const struct box *b, int is_whole, const struct effort *x,
 	double seconds);
 
 /* Into most[output][dim]: no second derivative of an output by a row of q is larger, over all angles and the box; by intervals of its
-   expression. That is close enough to tell which rows matter little. Returns 0 when memory runs out. */
+   expression. That is close enough to tell which rows matter little. INFINITY where there are many rows, or the time was over. Returns 0 when memory runs out. */
 int magnitude_bends(double *most, const struct field *f, const struct box *b, const struct effort *x);
 
 #endif

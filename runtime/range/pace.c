@@ -7,10 +7,15 @@
 #include "range/pace.h"
 #include <math.h>
 
+int pace_least(const struct field_dim *k)
+{
+	return 2 * k->degree + 2 > LEAST_PLACES ? 2 * k->degree + 2 : LEAST_PLACES;
+}
+
 struct pace pace_of(const struct field *f, int k, int count)
 {
 	const struct field_dim *dim = &f->dims[k];
-	double d = f->degree, half = 0.5 * (dim->upper - dim->lower), step;
+	double d = dim->degree, half = 0.5 * (dim->upper - dim->lower), step;
 
 	if (field_is_point(dim))
 		return (struct pace){1, 0, 0};
@@ -62,5 +67,5 @@ int pace_own_count(const struct field *f, int k, const int *counts)
 {
 	if (!f->dims[k].is_angle)
 		return LENGTH_PLACES;
-	return counts[k] < LEAST_PLACES ? LEAST_PLACES : counts[k];
+	return counts[k] < pace_least(&f->dims[k]) ? pace_least(&f->dims[k]) : counts[k];
 }

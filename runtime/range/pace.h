@@ -13,6 +13,9 @@ struct pace {
 	double factor, gap, bend;
 };
 
+/* The fewest places of a circle along which second derivatives are taken. */
+int pace_least(const struct field_dim *k);
+
 struct pace pace_of(const struct field *f, int k, int count);
 
 /* Places of dimension k where second derivatives are taken along it. */

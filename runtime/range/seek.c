@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROUNDS = 12, STARTS = 4, TRIES = 96 };
+enum { ROUNDS = 12, FIRST_ROUNDS = 3, STARTS = 4, TRIES = 96 };
 
 struct seeking {
 	const struct field *f;
@@ -46,14 +46,39 @@ void seek_rows(const struct field *f, const struct sought *s, int position_argum
 		rows[f->rates[j].argument][f->rates[j].row] = s->x[f->drive_count + j] * f->rates[j].scale;
 }
 
-static double value_at(const struct field *f, int o, const double *q, const double *x, double *work, double *c)
+/* What one thread works in. */
+struct room {
+	double *work, *coefficients, *scalars, *values;
+};
+
+static int room_make(struct room *r, const struct field *f)
+{
+	*r = (struct room){field_work(f), malloc((size_t)f->output_count * f->coefficient_count * sizeof(double)), field_scalars(f),
+		malloc((size_t)f->output_count * sizeof(double))};
+	return r->work && r->coefficients && r->scalars && r->values;
+}
+
+static void room_free(struct room *r)
+{
+	free(r->work);
+	free(r->coefficients);
+	free(r->scalars);
+	free(r->values);
+}
+
+static void point_of(const struct field *f, const double *q, struct field_point *p)
+{
+	for (int k = 0; k < f->dim_count; k++)
+		field_place(&f->dims[k], q[k], p->x[k]);
+}
+
+static double value_at(const struct field *f, int o, const struct sought *s, struct room *r)
 {
 	struct field_point p;
 
-	for (int k = 0; k < f->dim_count; k++)
-		field_place(&f->dims[k], q[k], p.x[k]);
-	field_evaluate(f, &p, work, c);
-	return seek_value(f, c + (size_t)o * f->coefficient_count, x);
+	point_of(f, s->q, &p);
+	field_values(f, &p, s->x, r->scalars, r->values);
+	return r->values[o];
 }
 
 /* From five values of an angle, a turn apart in all: a0 + a1 cos + b1 sin + a2 cos 2 + b2 sin 2. From three of a length: a parabola. */
@@ -109,29 +134,43 @@ static double climb(const struct field *f, int k, const double *a, int sign)
 	return fmin(dim->upper, fmax(dim->lower, 0.5 * (low + high)));
 }
 
-static void ascend(const struct field *f, int o, int sign, struct sought *s, double *work, double *c)
+/* The best q_k, where the output is a polynomial of the degree that it has in most robots; else a guess. */
+static void climb_along(const struct field *f, int o, int k, int sign, struct sought *s, struct room *r)
 {
-	double before = -(double)INFINITY;
+	double y[5], a[5];
 
-	for (int round = 0; round < ROUNDS; round++) {
-		value_at(f, o, s->q, s->x, work, c);
-		extreme_corner(f, c + (size_t)o * f->coefficient_count, sign, s->x);
-		for (int k = 0; k < f->dim_count; k++) {
-			double y[5], a[5];
+	for (int i = 0; i < (f->dims[k].is_angle ? 5 : 3); i++) {
+		s->q[k] = place_of(&f->dims[k], i);
+		y[i] = value_at(f, o, s, r);
+	}
+	fit(f, k, y, a);
+	s->q[k] = climb(f, k, a, sign);
+}
 
-			if (f->dims[k].lower == f->dims[k].upper)
-				continue;
-			for (int i = 0; i < (f->dims[k].is_angle ? 5 : 3); i++) {
-				s->q[k] = place_of(&f->dims[k], i);
-				y[i] = value_at(f, o, s->q, s->x, work, c);
-			}
-			fit(f, k, y, a);
-			s->q[k] = climb(f, k, a, sign);
-		}
-		s->value = value_at(f, o, s->q, s->x, work, c);
-		if (sign * s->value <= before + 1e-9 * fabs(before))
+/* The best drives and rates of these q, then one q after the other. */
+static void go_round(const struct field *f, int o, int sign, struct sought *s, struct room *r)
+{
+	struct field_point p;
+
+	point_of(f, s->q, &p);
+	field_evaluate(f, &p, r->work, r->coefficients);
+	extreme_corner(f, r->coefficients + (size_t)o * f->coefficient_count, sign, s->x);
+	for (int k = 0; k < f->dim_count; k++)
+		if (f->dims[k].lower != f->dims[k].upper)
+			climb_along(f, o, k, sign, s, r);
+	s->value = value_at(f, o, s, r);
+}
+
+static void ascend(const struct seeking *k, int o, int sign, int rounds, struct sought *s, struct room *r)
+{
+	s->value = value_at(k->f, o, s, r);
+	for (int round = 0; round < rounds && seconds_now() < k->deadline; round++) {
+		struct sought next = *s;
+
+		go_round(k->f, o, sign, &next, r);
+		if (sign * next.value <= sign * s->value + 1e-9 * fabs(s->value))
 			return;
-		before = sign * s->value;
+		*s = next;
 	}
 }
 
@@ -146,8 +185,10 @@ static void start(const struct field *f, unsigned short seed[3], struct sought *
 		t = is_corner ? t > 0.5 : t;
 		s->q[k] = fmin(f->dims[k].upper, f->dims[k].lower + t * (f->dims[k].upper - f->dims[k].lower));
 	}
-	for (int i = 0; i < 2 * FIELD_DIMS; i++)
-		s->x[i] = 0;
+	for (int i = 0; i < f->drive_count; i++)
+		s->x[i] = f->drives[i].ball ? 0 : f->drives[i].range.lower;
+	for (int j = 0; j < f->rate_count; j++)
+		s->x[f->drive_count + j] = f->rates[j].range.lower;
 }
 
 static void seek(void *job, size_t piece)
@@ -155,24 +196,23 @@ static void seek(void *job, size_t piece)
 	struct seeking *s = job;
 	const struct field *f = s->f;
 	unsigned short seed[3] = {(unsigned short)piece, (unsigned short)(piece >> 16), (unsigned short)s->seed};
-	double *work = field_work(f), *c = malloc((size_t)f->output_count * f->coefficient_count * sizeof *c);
+	struct room r;
 	struct sought (*best)[2] = s->best + piece * (size_t)f->output_count;
+	int done = room_make(&r, f);
 
-	if (!work || !c)
-		s->failed = 1;
-	for (int i = 0; i < STARTS && work && c; i++)
+	s->failed |= !done;
+	for (int i = 0; i < STARTS && done; i++)
 		for (int o = 0; o < f->output_count; o++)
 			for (int side = 0; side < 2; side++) {
 				int sign = side ? 1 : -1;
 				struct sought now = {0};
 
 				start(f, seed, &now);
-				ascend(f, o, sign, &now, work, c);
+				ascend(s, o, sign, i == 0 && s->seed == 0 ? FIRST_ROUNDS : ROUNDS, &now, &r);
 				if ((i == 0 && s->seed == 0) || sign * now.value > sign * best[o][side].value)
 					best[o][side] = now;
 			}
-	free(c);
-	free(work);
+	room_free(&r);
 }
 
 int seek_extremes(struct sought (*best)[2], const struct field *f, const struct effort *x, double seconds)

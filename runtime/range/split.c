@@ -79,7 +79,7 @@ static int choose(struct split *s, const struct leaf *leaf, int is_tried)
 	struct leaf halves[2];
 	int best = 0;
 
-	for (int k = 0; k < s->dim_count && is_tried; k++)
+	for (int k = 0; k < s->dim_count && is_tried && seconds_now() < s->deadline; k++)
 		if (part_of(s, leaf, k) > 0)
 			s->score[k] = 0.5 * (s->score[k] + fmax((1 - halve(s, leaf, k, halves)) / part_of(s, leaf, k), 1e-6));
 	for (int k = 1; k < s->dim_count; k++)
@@ -92,6 +92,7 @@ int split_run(struct split *s, struct leaf *root, double deadline)
 {
 	struct leaf leaf, halves[2];
 
+	s->deadline = deadline;
 	s->stride = offsetof(struct leaf, q) + (size_t)s->dim_count * sizeof *root->q;
 	for (int k = 0; k < s->dim_count; k++) {
 		s->width[k] = root->q[k].upper - root->q[k].lower;

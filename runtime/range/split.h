@@ -2,6 +2,7 @@
 #define RUNTIME_RANGE_SPLIT_H
 /* Branch and bound: a box of q is cut into smaller ones, always the one with the largest bound. */
 
+#include "steps/cuts.h"
 #include "norms/interval.h"
 #include <stddef.h>
 
@@ -18,6 +19,7 @@ struct split {
 	void (*examine)(void *context, struct leaf *leaf); /* sizes and value from q */
 	void *context;
 	double width[SPLIT_DIMS], score[SPLIT_DIMS]; /* private */
+	double deadline;
 	char *leaves;
 	size_t count, capacity, stride;
 };
@@ -28,6 +30,9 @@ int split_run(struct split *s, struct leaf *root, double deadline);
 
 /* What holds for the whole box. */
 void split_total(const struct split *s, double sizes[SPLIT_SIZES], struct interval *value);
+
+/* The boxes that are left, as cuts of the whole box in root->q by rows[dimension] of q. Returns 0 when memory runs out. */
+int split_cuts(const struct split *s, const struct leaf *root, const int *rows, struct cuts *cuts);
 
 void split_free(struct split *s);
 

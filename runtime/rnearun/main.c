@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/files.h"
 #include "cli/options.h"
+#include "certify/run_check.h"
 #include "prove/run_prove.h"
 #include "study/run_choose.h"
 #include "eval/run_eval.h"
@@ -18,6 +19,7 @@ static const char HELP[] =
 	"  report     speed and error of every variant\n"
 	"  choose     the fastest variant that is close enough\n"
 	"  prove      ranges of torques and of errors, for all states within the limits\n"
+	"  check-certificate  is what prove wrote with --certificate true?\n"
 	"  --help, --version\n"
 	"\n"
 	"mpirun -n N rnearun-mpi COMMAND ... is the same by N ranks of MPI.\n"
@@ -32,6 +34,7 @@ static const struct subcommand {
 	{"report", run_report},
 	{"choose", run_choose},
 	{"prove", run_prove},
+	{"check-certificate", run_check},
 };
 
 enum { SUBCOMMAND_COUNT = sizeof SUBCOMMANDS / sizeof *SUBCOMMANDS };

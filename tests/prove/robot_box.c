@@ -18,10 +18,29 @@ static char *read_robot(const char *name)
 	return text;
 }
 
+/* The elbow turns as the shoulder does. */
+static void follow(char *urdf)
+{
+	static const char mimic[] = "<mimic joint=\"shoulder\"/>";
+	char *at = strstr(urdf, "<joint name=\"elbow\"");
+
+	ck_assert(at && (at = strchr(at, '>')) && strlen(urdf) + sizeof mimic < 1 << 20);
+	memmove(at + sizeof mimic, at + 1, strlen(at));
+	memcpy(at + 1, mimic, sizeof mimic - 1);
+}
+
 void robot_box_open(struct robot_box *x, const char *name, const char *scene, double gravity)
 {
+	static const char floats[] = "floating:";
+	static const char follows[] = "mimic:";
+	int is_floating = !strncmp(name, floats, sizeof floats - 1), is_mimic = !strncmp(name, follows, sizeof follows - 1);
+
+	name += is_floating ? sizeof floats - 1 : is_mimic ? sizeof follows - 1 : 0;
 	*x = (struct robot_box){.urdf = read_robot(name), .options = rneagen_options_default()};
+	if (is_mimic)
+		follow(x->urdf);
 	x->options.file = name;
+	x->options.base = is_floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	x->options.scene = scene;
 	if (gravity > 0)
 		x->options.gravity[2] = -gravity;
@@ -59,6 +78,24 @@ static double draw(struct rng *r, struct interval range, int is_corner, int is_f
 	return is_float ? y : fmin(range.upper, x);
 }
 
+/* Quaternions are of length 1, as nearly as their numbers can be. */
+static void settle(struct robot_box *x, int is_float)
+{
+	int position = dag_find_role(&x->analysis.dag, ROLE_JOINT_POSITION, 0);
+
+	for (int i = 0; i < x->analysis.tree.joint_count && position >= 0; i++) {
+		const struct tree_joint *j = &x->analysis.tree.joints[i];
+		double *q = x->in[position] + j->iq + 3, size = 0;
+
+		for (int k = 0; k < 4 && j->type == JOINT_FLOATING; k++)
+			size += q[k] * q[k];
+		for (int k = 0; k < 4 && j->type == JOINT_FLOATING; k++) {
+			q[k] = size > 1e-6 ? q[k] / sqrt(size) : k == 3;
+			q[k] = is_float ? (double)(float)q[k] : q[k];
+		}
+	}
+}
+
 void robot_box_draw(struct robot_box *x, struct rng *r, int is_float, double wider)
 {
 	int corners = rng_below(r, 3);
@@ -73,6 +110,7 @@ void robot_box_draw(struct robot_box *x, struct rng *r, int is_float, double wid
 			if (range.lower <= range.upper)
 				x->in[i][k] = draw(r, (struct interval){range.lower - more, range.upper + more}, corners > is_position, is_float);
 		}
+	settle(x, is_float);
 }
 
 void robot_box_evaluate(struct robot_box *x)
@@ -119,7 +157,7 @@ double robot_box_error(struct robot_box *x, size_t output, int is_float)
 
 struct effort robot_box_effort(void)
 {
-	struct effort e = {workers_open(2), 2, (double)INFINITY};
+	struct effort e = {workers_open(2), 2, (double)INFINITY, NULL};
 
 	ck_assert_ptr_nonnull(e.workers);
 	return e;

@@ -1,4 +1,4 @@
-#include "prove/envelope.h"
+#include "prove/tell/envelope.h"
 #include <math.h>
 #include <stdlib.h>
 
@@ -23,6 +23,19 @@ static const char *unit_of(const struct tree_joint *t, int row)
 	int forces = t->type == JOINT_FLOATING ? 3 : t->type == JOINT_PLANAR ? 2 : t->type == JOINT_PRISMATIC;
 
 	return row - t->iv < forces ? "N" : "N m";
+}
+
+/* "elbow"; of a joint with several rows "root fx"; a floating base has no name. */
+static const char *name_of(const struct tree_joint *t, int row, struct arena *a)
+{
+	static const char *const floating[] = {"fx", "fy", "fz", "nx", "ny", "nz"}, *const planar[] = {"fx", "fy", "nz"};
+	struct text name;
+
+	if (t->nv == 1)
+		return t->name;
+	text_init(&name, a);
+	text_printf(&name, "%s %s", *t->name ? t->name : "base", (t->type == JOINT_PLANAR ? planar : floating)[row - t->iv]);
+	return text_string(&name);
 }
 
 static double effort_of(const struct tree *t, const struct tree_joint *k)
@@ -61,14 +74,14 @@ int envelope_list(struct envelope *x, const struct proved *of, struct arena *a)
 
 		if (!is_torque(argument->role))
 			continue;
-		x->rows[x->count] = (struct envelope_row){.output = argument->name, .joint = t->name, .unit = unit_of(t, o->row), .argument = o->argument,
+		x->rows[x->count] = (struct envelope_row){.output = argument->name, .joint = name_of(t, o->row, a), .unit = unit_of(t, o->row), .argument = o->argument,
 			.row = o->row, .low = r->low, .high = r->high, .found_low = r->found_low, .found_high = r->found_high,
 			.effort = effort_of(&of->a->tree, t)};
 		judge(&x->rows[x->count++]);
 	}
 	if (x->rows)
 		qsort(x->rows, x->count, sizeof *x->rows, by_row);
-	return x->rows != NULL;
+	return !a->failed;
 }
 
 /* ---- CSV ---- */
@@ -117,11 +130,11 @@ static void put_one(const struct envelope_row *r, int is_first, struct text *out
 
 	switch (r->verdict) {
 	case ENVELOPE_EXCEEDED:
-		text_printf(out, "- more than the limit: %s of %s, %g %s: a state was found that needs %.6g, %.0f %% of it; none needs more than %.6g\n",
+		text_printf(out, "- more than the limit: %s of %s, %g %s: a state was found that needs %.6g, %.3g %% of it; none needs more than %.6g\n",
 			r->output, r->joint, r->effort, r->unit, found, 100 * r->found, most);
 		return;
 	case ENVELOPE_OPEN:
-		text_printf(out, "- perhaps more than the limit: %s of %s, %g %s: no state needs more than %.6g, %.0f %% of it; found was %.6g\n",
+		text_printf(out, "- perhaps more than the limit: %s of %s, %g %s: no state needs more than %.6g, %.3g %% of it; found was %.6g\n",
 			r->output, r->joint, r->effort, r->unit, most, 100 * r->proved, found);
 		return;
 	case ENVELOPE_KEPT:

@@ -1,5 +1,5 @@
 /* The picture of an envelope: for each joint a frame with what is proved, what a search found, and the limits of effort. */
-#include "prove/envelope.h"
+#include "prove/tell/envelope.h"
 #include "rnearun/gnuplot.h"
 #include <math.h>
 

@@ -1,4 +1,4 @@
-#include "prove/gap_put.h"
+#include "prove/tell/gap_put.h"
 #include "emit/number_type.h"
 #include "emit/emit.h"
 #include <math.h>
