@@ -55,9 +55,9 @@ double pairs_sum(struct known a, struct known b)
 	low = fabs(p.hi) < fabs(q.hi) ? (q.hi - s) + p.hi : (p.hi - s) + q.hi;
 	off = p.off + q.off;
 	if (!has_rest(&p) && !has_rest(&q))
-		return 0;
+		return 0; /* lo is s_low */
 	t = has_rest(&p) && has_rest(&q) ? float_rounding(fabs(p.lo + q.lo) + off) : 0;
-	return t + float_rounding(fabs(low + p.lo + q.lo) + off + t);
+	return low == 0 ? t : t + float_rounding(fabs(low + p.lo + q.lo) + off + t);
 }
 
 /* ---- products ---- */
