@@ -109,10 +109,10 @@ static const char *operations_text(const struct emission *e, const struct dag *d
 
 	text_init(&t, e->arena);
 	for (size_t i = 0; i < d->count; i++) {
-		text_put(&t, i % 8 ? " " : "\t\t");
+		text_put(&t, i % 4 ? " " : "\t\t");
 		put_operation(d, &d->nodes[i], constants, &t);
 		constants += d->nodes[i].op == OP_CONST;
-		text_put(&t, i + 1 == d->count ? "\n" : i % 8 == 7 ? ",\n" : ",");
+		text_put(&t, i + 1 == d->count ? "\n" : i % 4 == 3 ? ",\n" : ",");
 	}
 	return text_string(&t);
 }
