@@ -155,7 +155,7 @@ static void put_functions(const struct emission *e, struct text *out)
 	if (emit_has_known(e))
 		put_entry("known sines all_small", "the angles' sines and cosines are known; they; all angles are small", out);
 	if (e->options->bounded)
-		put_entry("bound factor", "of each output, how far it may be off; what the bounds' own rounding is made good by", out);
+		put_entry("bound", "of each output, how far it may be off", out);
 	if (emit_uses(e, OP_FMA) && e->numbers->calls[OP_MUL] == NULL)
 		put_entry("RNEA_FMA", "a*b + c, rounded once where the machine can", out);
 	if (e->wide && e->wide->calls[OP_MUL] == NULL && !e->options->strict)
