@@ -12,6 +12,7 @@ struct spread {
 	double size, bound; /* magnitudes that were summed; running bound */
 	double local;	    /* what this node adds to the error */
 	int swept;	    /* the bound is as close as it gets */
+	double left_out;    /* what its value is less beside that, which is known */
 };
 
 /* A DAG's values and what is known of them so far. */
@@ -41,7 +42,7 @@ static struct spread spread_of_angle(const struct survey *v, size_t i, const str
 	double local = m->input > 0 && !is_read(v, n) ? m->store * (fabs(angle) + inherited) : 0, error = inherited + local;
 
 	local += error * error / 2 + rounding_of_turn(m, n->op == OP_SIN, (struct known){angle, error}, v->values[i]);
-	return (struct spread){fabs(v->values[i]), inherited + local, local, 0};
+	return (struct spread){fabs(v->values[i]), inherited + local, local, 0, 0};
 }
 
 /* |a/b - a'/b'| <= (e_a + |a/b| e_b) / (|b| - e_b) */
@@ -72,12 +73,13 @@ static const struct eval_model *model_of(const struct node *n, const struct eval
 }
 
 /* Of a b + c: the products of errors, the product's own rounding, unless it is rounded with the sum, and the sum's. */
-static double local_of_joined(const struct eval_model *m, struct known a, struct known b, struct known c, double value)
+static double local_of_joined(const struct eval_model *m, struct known a, struct known b, struct known c, double value, double *left_out)
 {
 	double product = fabs(a.x) * b.e + fabs(b.x) * a.e, local = a.e * b.e;
 	struct known p = {a.x * b.x, product + local};
 
-	local += m->fused ? 0 : rounding_of_product(m, a, b, p);
+	local += m->fused ? 0 : rounding_of_product(m, a, b, p, left_out);
+	p.x -= *left_out;
 	p.e = product + local;
 	return local + rounding_of_sum(m, p, c, (struct known){value, p.e + c.e});
 }
@@ -89,40 +91,40 @@ static struct spread spread_of(const struct survey *v, size_t i, double given_er
 	const struct node *n = &v->d->nodes[i];
 	const struct spread *x = &v->spread[operand(n, 0)], *y = &v->spread[operand(n, 1)], *z = &v->spread[operand(n, 2)];
 	const struct known a = {v->values[operand(n, 0)], x->bound}, b = {v->values[operand(n, 1)], y->bound};
-	double value = v->values[i], local, sum = a.e + b.e, square = a.e * b.e, product = fabs(a.x) * b.e + fabs(b.x) * a.e;
+	double left_out = 0, value = v->values[i], local, sum = a.e + b.e, square = a.e * b.e, product = fabs(a.x) * b.e + fabs(b.x) * a.e;
 
 	switch (n->op) {
 	case OP_CONST:
 	case OP_INPUT:
-		return (struct spread){fabs(value), given_error, given_error, 1};
+		return (struct spread){fabs(value), given_error, given_error, 1, 0};
 	case OP_NEG:
 	case OP_ABS:
 	case OP_ANEW:
 	case OP_WIDEN:
-		return (struct spread){x->size, x->bound, 0, x->swept};
+		return (struct spread){x->size, x->bound, 0, x->swept, 0};
 	case OP_NARROW:
 		local = m->wide ? rounding_of_result(m, m->add, (struct known){value, x->bound}) : 0;
-		return (struct spread){x->size, x->bound + local, local, 0};
+		return (struct spread){x->size, x->bound + local, local, 0, 0};
 	case OP_ADD:
 	case OP_SUB:
 		local = rounding_of_sum(m, a, n->op == OP_SUB ? (struct known){-b.x, b.e} : b, (struct known){value, sum});
-		return (struct spread){x->size + y->size, sum + local, local, 0};
+		return (struct spread){x->size + y->size, sum + local, local, 0, 0};
 	case OP_MUL:
-		local = square + rounding_of_product(m, a, b, (struct known){value, product + square});
-		return (struct spread){x->size * y->size, product + local, local, 0};
+		local = square + rounding_of_product(m, a, b, (struct known){value, product + square}, &left_out);
+		return (struct spread){x->size * y->size, product + local + fabs(left_out), local, 0, left_out};
 	case OP_FMA:
-		local = local_of_joined(m, a, b, (struct known){v->values[operand(n, 2)], z->bound}, value);
-		return (struct spread){x->size * y->size + z->size, product + z->bound + local, local, 0};
+		local = local_of_joined(m, a, b, (struct known){v->values[operand(n, 2)], z->bound}, value, &left_out);
+		return (struct spread){x->size * y->size + z->size, product + z->bound + local + fabs(left_out), local, 0, left_out};
 	case OP_DIV:
 		sum = (a.e + fabs(value) * b.e) / fabs(b.x);
 		local = rest_of_quotient(value, b.x, a.e, b.e);
 		local += (m->quotient + m->own) * (fabs(value) + sum + local) + m->tiny;
-		return (struct spread){x->size / fabs(b.x), sum + local, local, 0};
+		return (struct spread){x->size / fabs(b.x), sum + local, local, 0, 0};
 	case OP_SQRT:
 		sum = a.e > 0 ? a.e / (2 * value) : 0;
 		local = rest_of_root(value, a.x, a.e);
 		local += rounding_of_result(m, m->mul, (struct known){value, sum + local});
-		return (struct spread){fabs(value), sum + local, local, 0};
+		return (struct spread){fabs(value), sum + local, local, 0, 0};
 	default:
 		return spread_of_angle(v, i, m);
 	}
@@ -138,7 +140,7 @@ static double bound_closed(double bound)
    errors count to the node that multiplies them: unlike the running bound this sees what cancels on different ways. */
 static double swept_bound(const struct survey *x, size_t root)
 {
-	double sum = 0, by[3];
+	double sum = 0, left_out = 0, by[3];
 
 	memset(x->slope, 0, (root + 1) * sizeof *x->slope);
 	x->slope[root] = 1;
@@ -148,11 +150,12 @@ static double swept_bound(const struct survey *x, size_t root)
 		if (x->slope[i] == 0)
 			continue;
 		sum += fabs(x->slope[i]) * x->spread[i].local;
+		left_out += x->slope[i] * x->spread[i].left_out;
 		eval_partials(n, x->values, by);
 		for (int k = 0; k < op_arity[n->op] && !is_read(x, n); k++)
 			x->slope[n->arg[k].i] += x->slope[i] * by[k];
 	}
-	return bound_closed(sum * (1 + 1e-6));
+	return bound_closed((sum + fabs(left_out)) * (1 + 1e-6));
 }
 
 /* The lesser of the running bound, which grows without need along a chain, and the swept one, which takes time. */

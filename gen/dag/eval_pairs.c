@@ -92,16 +92,17 @@ static double product_by_halves(double product, const struct crossed *c)
 	return t + float_rounding(fabs(low + c->one + c->other) + c->off + t);
 }
 
-/* Either way leaves a.lo b.lo out. */
-double pairs_product(struct known a, struct known b, struct known x)
+/* Either way leaves a.lo b.lo out: but for the rests' own errors that is known. */
+double pairs_product(struct known a, struct known b, struct known x, double *left_out)
 {
 	struct pair p, q, of;
 	struct crossed c;
 
 	if (!pair_of(a, &p) || !pair_of(b, &q) || !pair_of(x, &of))
 		return (double)INFINITY;
+	*left_out = p.lo * q.lo;
 	c = (struct crossed){p.hi * q.lo, p.lo * q.hi, fabs(p.hi) * q.off + fabs(q.hi) * p.off, has_rest(&p) && has_rest(&q)};
-	return (fabs(p.lo) + p.off) * (fabs(q.lo) + q.off) + fmax(product_by_fma(p.hi * q.hi, &c, of.hi), product_by_halves(p.hi * q.hi, &c));
+	return fabs(p.lo) * q.off + fabs(q.lo) * p.off + p.off * q.off + DBL_EPSILON * fabs(*left_out) + fmax(product_by_fma(p.hi * q.hi, &c, of.hi), product_by_halves(p.hi * q.hi, &c));
 }
 
 /* ---- sine and cosine, step by step ---- */
@@ -117,8 +118,10 @@ static struct known add(const struct eval_model *m, struct known a, struct known
 static struct known multiply(const struct eval_model *m, struct known a, struct known b)
 {
 	struct known x = {a.x * b.x, fabs(a.x) * b.e + fabs(b.x) * a.e + a.e * b.e};
+	double left_out;
 
-	x.e += rounding_of_product(m, a, b, x);
+	x.e += rounding_of_product(m, a, b, x, &left_out);
+	x.e += fabs(left_out);
 	return x;
 }
 

@@ -5,8 +5,8 @@
 #include "dag/eval_rounding.h"
 
 double pairs_sum(struct known a, struct known b);
-/* x: a b, and what the operands' errors make of it */
-double pairs_product(struct known a, struct known b, struct known x);
+/* x: a b, and what the operands' errors make of it. The product has *left_out less, beside what is returned. */
+double pairs_product(struct known a, struct known b, struct known x, double *left_out);
 /* Of an angle that is a double, whose sine or cosine is `value`. */
 double pairs_turn(const struct eval_model *m, int is_sine, double angle, double value);
 

@@ -49,13 +49,21 @@ static int is_scale(struct known a)
 	return a.e == 0 && fabs(a.x) == rounding_place(a.x);
 }
 
-double rounding_of_product(const struct eval_model *m, struct known a, struct known b, struct known x)
+double rounding_of_product(const struct eval_model *m, struct known a, struct known b, struct known x, double *left_out)
 {
+	double close;
+
+	*left_out = 0;
 	if (is_scale(a) || is_scale(b))
 		return m->own * most_of(x) + m->tiny;
 	if (!is_of_pairs(m))
 		return rounding_of_result(m, m->mul, x);
-	return fmin(m->mul * most_of(x), pairs_product(a, b, x)) + m->own * most_of(x) + m->tiny;
+	close = pairs_product(a, b, x, left_out);
+	if (!(close + fabs(*left_out) < m->mul * most_of(x))) {
+		*left_out = 0;
+		close = m->mul * most_of(x);
+	}
+	return close + m->own * most_of(x) + m->tiny;
 }
 
 double rounding_of_input(const struct eval_model *m, double x)

@@ -16,7 +16,8 @@ double rounding_of_result(const struct eval_model *m, double unit, struct known 
 
 /* a + b = x, a b = x. Of x the error is that of the operands. */
 double rounding_of_sum(const struct eval_model *m, struct known a, struct known b, struct known x);
-double rounding_of_product(const struct eval_model *m, struct known a, struct known b, struct known x);
+/* The product has *left_out less, beside that. */
+double rounding_of_product(const struct eval_model *m, struct known a, struct known b, struct known x, double *left_out);
 
 /* An input as the text has it. */
 double rounding_of_input(const struct eval_model *m, double x);
