@@ -8,6 +8,7 @@
 #include "prove/rounding.h"
 #include "core/seconds.h"
 #include "dag/eval.h"
+#include "dag/eval_rounding.h"
 #include "norms/adjoint.h"
 #include "norms/norms.h"
 #include "range/split.h"
@@ -57,6 +58,13 @@ static double rounded(double unit, double tiny, double size)
 	return unit * size + tiny;
 }
 
+/* What rounding takes from exact values up to this size, where the text's are `off` by so much at most: half a unit in the last place; that
+   beside `rounded` of what they are off. */
+static double rounded_exact(const struct eval_model *m, double unit, double size, double off)
+{
+	return unit * (m->terms > 0 ? size : fmin(size, rounding_place(size * (1 + DBL_EPSILON) + off)));
+}
+
 static double size_of(const struct hunt *h, uint32_t i)
 {
 	return h->now->values.size[h->x.value[i].i];
@@ -94,25 +102,25 @@ static double rest_of(struct hunt *h, uint32_t i, const struct eval_model *m, do
 	case OP_ADD:
 	case OP_SUB:
 		*inherited = ea + eb;
-		h->of_sum[i] = m->add * value;
+		h->of_sum[i] = rounded_exact(m, m->add, value, ea + eb);
 		rest = m->terms * (A + B + ea + eb);
 		return rest + rounded(m->add, m->tiny, ea + eb + rest);
 	case OP_MUL:
 		*inherited = product;
-		h->of_product[i] = m->mul * value;
+		h->of_product[i] = rounded_exact(m, m->mul, value, product + ea * eb);
 		return ea * eb + rounded(m->mul, m->tiny, product + ea * eb);
 	case OP_FMA:
 		*inherited = product + h->running[c];
-		h->of_product[i] = m->fused ? 0 : m->mul * A * B;
-		h->of_sum[i] = m->add * value;
+		h->of_product[i] = m->fused ? 0 : rounded_exact(m, m->mul, A * B, product + ea * eb);
 		rest = ea * eb + (m->fused ? 0 : rounded(m->mul, m->tiny, product + ea * eb));
 		rest += m->terms * (A * B + size_of(h, c) + *inherited + h->of_product[i] + rest);
+		h->of_sum[i] = rounded_exact(m, m->add, value, *inherited + h->of_product[i] + rest);
 		return rest + rounded(m->add, m->tiny, *inherited + h->of_product[i] + rest);
 	case OP_SIN:
 	case OP_COS:
 		if (!(A <= m->angle))
 			return (double)INFINITY;
-		h->of_sum[i] = m->sincos * value;
+		h->of_sum[i] = rounded_exact(m, m->sincos, value, ea);
 		return m->tiny + (n->op == OP_SIN ? m->sine : m->cosine);
 	default:
 		return (double)INFINITY;
