@@ -153,7 +153,7 @@ START_TEST(test_missing_rounding)
 	struct proof p;
 	struct prove_row *rows;
 
-	robot_box_open(&x, "pendulum", CASES[0].scene, 0);
+	robot_box_open(&x, "double_pendulum", CASES[0].scene, 0);
 	o.precision_count = 1;
 	p = proof_of(&x, o);
 	rows = calloc(x.analysis.dag.output_count, sizeof *rows);
