@@ -104,6 +104,8 @@ static struct spread spread_of(const struct survey *v, size_t i, double given_er
 		return (struct spread){x->size, x->bound, 0, x->swept, 0};
 	case OP_NARROW:
 		local = m->wide ? rounding_of_result(m, m->add, (struct known){value, x->bound}) : 0;
+		if (m->wide && m->wide->terms > 0) /* a pair's first float may miss the nearest by its last roundings */
+			local += 5 * 0x1p-48 * (fabs(value) + x->bound);
 		return (struct spread){x->size, x->bound + local, local, 0, 0};
 	case OP_ADD:
 	case OP_SUB:
