@@ -27,6 +27,7 @@ extern const char template_anew_in[], template_arithmetic_c_in[], template_arith
 extern const char template_arithmetic_strict_c_in[], template_arithmetic_strict_cuda_in[], template_arithmetic_strict_flush_in[];
 extern const char template_bounded_in[], template_bounded_sincos_in[], template_bounded_store_in[],
 	template_bounded_quotient_in[], template_bounded_function_in[];
+extern const char template_swept_in[], template_swept_function_in[];
 extern const char template_parts_in[];
 extern const char template_segment_in[], template_segment_lanes_in[], template_part_segments_in[];
 extern const char template_kernel_segments_in[], template_kernel_segment_in[], template_kernel_segments_rounds_in[];

@@ -1,4 +1,5 @@
 #include "dag/eval.h"
+#include "dag/eval_rounding.h"
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -11,6 +12,7 @@ struct spread {
 	double size, bound; /* magnitudes that were summed; running bound */
 	double local;	    /* what this node adds to the error */
 	int swept;	    /* the bound is as close as it gets */
+	double left_out;    /* what its value is less beside that, which is known */
 };
 
 /* A DAG's values and what is known of them so far. */
@@ -19,32 +21,6 @@ struct survey {
 	double *values, *slope; /* slope: for swept_bound */
 	struct spread *spread;
 };
-
-/* |fl(x) - x| <= unit |x| + tiny, where x itself may be off by what it inherits from the computed value that stands for it */
-static double rounding(double unit, double tiny, double value, double inherited)
-{
-	return unit * (fabs(value) + inherited) + tiny;
-}
-
-/* What joining a product a b to a sum adds: a rounding of the product, where it has one. */
-static double joined(const struct eval_model *m, double product, double inherited)
-{
-	return m->fused ? 0 : rounding(m->mul, m->tiny, product, inherited);
-}
-
-/* What a sum's error has of its terms' sizes, which may be off by what they inherit. */
-static double of_terms(const struct eval_model *m, double a, double b, double inherited)
-{
-	return m->terms > 0 ? m->terms * (fabs(a) + fabs(b) + inherited) : 0;
-}
-
-/* The sine's or cosine's own error; nothing is known of angles beyond the domain. */
-static double sincos_error(const struct eval_model *m, enum op op, double value, double angle, double inherited)
-{
-	if (!(fabs(angle) + inherited <= m->angle))
-		return (double)INFINITY;
-	return rounding(m->sincos, m->tiny, value, inherited) + (op == OP_SIN ? m->sine : m->cosine);
-}
 
 /* An argument that is a node; an input's arguments are none. */
 static size_t operand(const struct node *n, int k)
@@ -63,10 +39,10 @@ static struct spread spread_of_angle(const struct survey *v, size_t i, const str
 {
 	const struct node *n = &v->d->nodes[i];
 	double angle = v->values[operand(n, 0)], inherited = is_read(v, n) ? 0 : v->spread[operand(n, 0)].bound;
-	double local = m->input > 0 && !is_read(v, n) ? rounding(m->store, 0, angle, inherited) : 0, error = inherited + local;
+	double local = m->input > 0 && !is_read(v, n) ? m->store * (fabs(angle) + inherited) : 0, error = inherited + local;
 
-	local += error * error / 2 + sincos_error(m, n->op, v->values[i], angle, error);
-	return (struct spread){fabs(v->values[i]), inherited + local, local, 0};
+	local += error * error / 2 + rounding_of_turn(m, n->op == OP_SIN, (struct known){angle, error}, v->values[i]);
+	return (struct spread){fabs(v->values[i]), inherited + local, local, 0, 0};
 }
 
 /* |a/b - a'/b'| <= (e_a + |a/b| e_b) / (|b| - e_b) */
@@ -96,52 +72,61 @@ static const struct eval_model *model_of(const struct node *n, const struct eval
 	return n->is_wide && m->wide ? m->wide : m;
 }
 
+/* Of a b + c: the products of errors, the product's own rounding, unless it is rounded with the sum, and the sum's. */
+static double local_of_joined(const struct eval_model *m, struct known a, struct known b, struct known c, double value, double *left_out)
+{
+	double product = fabs(a.x) * b.e + fabs(b.x) * a.e, local = a.e * b.e;
+	struct known p = {a.x * b.x, product + local};
+
+	local += m->fused ? 0 : rounding_of_product(m, a, b, p, left_out);
+	p.x -= *left_out;
+	p.e = product + local;
+	return local + rounding_of_sum(m, p, c, (struct known){value, p.e + c.e});
+}
+
 /* Magnitudes and error of a node from those of its operands x, y, z, whose values are a, b, c:
-   |fl(a+b) - (a'+b')| <= e_a + e_b + u |a+b|,  |fl(ab) - a'b'| <= |a| e_b + |b| e_a + e_a e_b + u |ab| + tiny,
-   with a second rounding where a product joined to a sum is rounded twice. */
+   |fl(a+b) - (a'+b')| <= e_a + e_b + its rounding,  |fl(ab) - a'b'| <= |a| e_b + |b| e_a + e_a e_b + its rounding (eval_rounding.h). */
 static struct spread spread_of(const struct survey *v, size_t i, double given_error, const struct eval_model *m)
 {
 	const struct node *n = &v->d->nodes[i];
 	const struct spread *x = &v->spread[operand(n, 0)], *y = &v->spread[operand(n, 1)], *z = &v->spread[operand(n, 2)];
-	double value = v->values[i], a = v->values[operand(n, 0)], b = v->values[operand(n, 1)];
-	double local, sum = x->bound + y->bound, square = x->bound * y->bound;
-	double product = fabs(a) * y->bound + fabs(b) * x->bound;
+	const struct known a = {v->values[operand(n, 0)], x->bound}, b = {v->values[operand(n, 1)], y->bound};
+	double left_out = 0, value = v->values[i], local, sum = a.e + b.e, square = a.e * b.e, product = fabs(a.x) * b.e + fabs(b.x) * a.e;
 
 	switch (n->op) {
 	case OP_CONST:
 	case OP_INPUT:
-		return (struct spread){fabs(value), given_error, given_error, 1};
+		return (struct spread){fabs(value), given_error, given_error, 1, 0};
 	case OP_NEG:
 	case OP_ABS:
 	case OP_ANEW:
 	case OP_WIDEN:
-		return (struct spread){x->size, x->bound, 0, x->swept};
+		return (struct spread){x->size, x->bound, 0, x->swept, 0};
 	case OP_NARROW:
-		local = m->wide ? rounding(m->add, m->tiny, value, x->bound) : 0;
-		return (struct spread){x->size, x->bound + local, local, 0};
+		local = m->wide ? rounding_of_result(m, m->add, (struct known){value, x->bound}) : 0;
+		if (m->wide && m->wide->terms > 0) /* a pair's first float may miss the nearest by its last roundings */
+			local += 5 * 0x1p-48 * (fabs(value) + x->bound);
+		return (struct spread){x->size, x->bound + local, local, 0, 0};
 	case OP_ADD:
 	case OP_SUB:
-		local = of_terms(m, a, b, sum);
-		local += rounding(m->add, m->tiny, value, sum + local);
-		return (struct spread){x->size + y->size, sum + local, local, 0};
+		local = rounding_of_sum(m, a, n->op == OP_SUB ? (struct known){-b.x, b.e} : b, (struct known){value, sum});
+		return (struct spread){x->size + y->size, sum + local, local, 0, 0};
 	case OP_MUL:
-		local = square + rounding(m->mul, m->tiny, value, product + square);
-		return (struct spread){x->size * y->size, product + local, local, 0};
+		local = square + rounding_of_product(m, a, b, (struct known){value, product + square}, &left_out);
+		return (struct spread){x->size * y->size, product + local + fabs(left_out), local, 0, left_out};
 	case OP_FMA:
-		local = square + joined(m, a * b, product + square);
-		local += of_terms(m, a * b, value - a * b, product + z->bound + local);
-		local += rounding(m->add, m->tiny, value, product + z->bound + local);
-		return (struct spread){x->size * y->size + z->size, product + z->bound + local, local, 0};
+		local = local_of_joined(m, a, b, (struct known){v->values[operand(n, 2)], z->bound}, value, &left_out);
+		return (struct spread){x->size * y->size + z->size, product + z->bound + local + fabs(left_out), local, 0, left_out};
 	case OP_DIV:
-		sum = (x->bound + fabs(value) * y->bound) / fabs(b);
-		local = rest_of_quotient(value, b, x->bound, y->bound);
-		local += rounding(m->quotient, m->tiny, value, sum + local);
-		return (struct spread){x->size / fabs(b), sum + local, local, 0};
+		sum = (a.e + fabs(value) * b.e) / fabs(b.x);
+		local = rest_of_quotient(value, b.x, a.e, b.e);
+		local += (m->quotient + m->own) * (fabs(value) + sum + local) + m->tiny;
+		return (struct spread){x->size / fabs(b.x), sum + local, local, 0, 0};
 	case OP_SQRT:
-		sum = x->bound > 0 ? x->bound / (2 * value) : 0;
-		local = rest_of_root(value, a, x->bound);
-		local += rounding(m->mul, m->tiny, value, sum + local);
-		return (struct spread){fabs(value), sum + local, local, 0};
+		sum = a.e > 0 ? a.e / (2 * value) : 0;
+		local = rest_of_root(value, a.x, a.e);
+		local += rounding_of_result(m, m->mul, (struct known){value, sum + local});
+		return (struct spread){fabs(value), sum + local, local, 0, 0};
 	default:
 		return spread_of_angle(v, i, m);
 	}
@@ -157,7 +142,7 @@ static double bound_closed(double bound)
    errors count to the node that multiplies them: unlike the running bound this sees what cancels on different ways. */
 static double swept_bound(const struct survey *x, size_t root)
 {
-	double sum = 0, by[3];
+	double sum = 0, left_out = 0, by[3];
 
 	memset(x->slope, 0, (root + 1) * sizeof *x->slope);
 	x->slope[root] = 1;
@@ -167,11 +152,12 @@ static double swept_bound(const struct survey *x, size_t root)
 		if (x->slope[i] == 0)
 			continue;
 		sum += fabs(x->slope[i]) * x->spread[i].local;
+		left_out += x->slope[i] * x->spread[i].left_out;
 		eval_partials(n, x->values, by);
 		for (int k = 0; k < op_arity[n->op] && !is_read(x, n); k++)
 			x->slope[n->arg[k].i] += x->slope[i] * by[k];
 	}
-	return bound_closed(sum * (1 + 1e-6));
+	return bound_closed((sum + fabs(left_out)) * (1 + 1e-6));
 }
 
 /* The lesser of the running bound, which grows without need along a chain, and the swept one, which takes time. */
@@ -308,10 +294,7 @@ static struct eval_model with_own(const struct eval_model *m)
 {
 	struct eval_model both = *m;
 
-	both.add += (double)LDBL_EPSILON;
-	both.mul += (double)LDBL_EPSILON;
-	both.quotient += (double)LDBL_EPSILON;
-	both.sincos += 2 * (double)LDBL_EPSILON;
+	both.own = 2 * (double)LDBL_EPSILON;
 	return both;
 }
 
@@ -322,7 +305,7 @@ static double stored_bound(const struct eval_model *m, double value, double boun
 
 	if (!(most <= m->store_largest))
 		return (double)INFINITY;
-	return m->store > 0 ? bound_closed(bound + m->store * most + m->store_tiny) : bound;
+	return m->store > 0 ? bound_closed(bound + rounding_of_result(m, m->store, (struct known){value, bound}) + m->store_tiny) : bound;
 }
 
 static void put_bounds(const struct survey *x, const struct eval_model *m, double *const *bound)
@@ -354,7 +337,7 @@ static double given_error(const struct dag *d, const struct node *n, double valu
 {
 	if (n->op == OP_CONST)
 		return constant_error(d, n, m->constant(n->value), m->tiny);
-	return n->op == OP_INPUT && m->input > 0 ? m->input * fabs(value) + m->tiny : 0;
+	return n->op == OP_INPUT ? rounding_of_input(m, value) : 0;
 }
 
 int eval_bound(const struct dag *d, const struct eval_model *m, const double *const *in, double *const *bound)

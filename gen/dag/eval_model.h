@@ -18,6 +18,7 @@ struct eval_model {
 	double store, store_tiny;    /* a result x is off by at most store |x| + store_tiny more where memory rounds it */
 	double store_largest;
 	real (*constant)(real value); /* as the text has it */
+	double own;		     /* an operation takes own |x| more, for the evaluator's own arithmetic; in models 0 */
 	const struct eval_model *wide; /* of wide numbers, which NARROW rounds by `add`; NULL: they are of this type */
 };
 

@@ -61,6 +61,161 @@ static const char *ends_text(const struct emission *e, const struct dag *d)
 	return text_string(&t);
 }
 
+/* ---- by a table of operations, and derivatives of each result by all of them ---- */
+
+/* A value takes 32 bytes of stack; a result a sweep over all. */
+enum { MOST_NODES = 4096, MOST_STEPS = 1 << 19 };
+
+static const signed char KINDS[OP_COUNT] = {[OP_CONST] = 0, [OP_INPUT] = 1, [OP_NEG] = 2, [OP_ADD] = 3, [OP_SUB] = 4, [OP_MUL] = 5,
+	[OP_FMA] = 6, [OP_SIN] = 7, [OP_COS] = 8, [OP_DIV] = -1, [OP_SQRT] = -1, [OP_ABS] = -1, [OP_ANEW] = 9, [OP_WIDEN] = -1, [OP_NARROW] = -1};
+
+int emit_bounds_by_table(const struct dag *d)
+{
+	for (size_t i = 0; i < d->count; i++)
+		if (KINDS[d->nodes[i].op] < 0)
+			return 0;
+	return d->count <= MOST_NODES && d->count * d->output_count <= MOST_STEPS;
+}
+
+/* Which of the input arrays. */
+static int input_number(const struct dag *d, int argument)
+{
+	int number = 0;
+
+	for (int a = 0; a < argument; a++)
+		number += !d->arguments[a].is_output;
+	return number;
+}
+
+static void put_operation(const struct dag *d, const struct node *n, int constant, struct text *out)
+{
+	uint32_t a[3] = {0};
+
+	for (int k = 0; k < op_arity[n->op]; k++)
+		a[k] = n->arg[k].i;
+	if (n->op == OP_CONST)
+		a[0] = (uint32_t)constant;
+	if (n->op == OP_INPUT) {
+		a[0] = (uint32_t)input_number(d, (int)n->arg[0].i);
+		a[1] = n->arg[1].i;
+	}
+	text_printf(out, "{%d, %u, %u, %u}", KINDS[n->op], a[0], a[1], a[2]);
+}
+
+static const char *operations_text(const struct emission *e, const struct dag *d)
+{
+	struct text t;
+	int constants = 0;
+
+	text_init(&t, e->arena);
+	for (size_t i = 0; i < d->count; i++) {
+		text_put(&t, i % 4 ? " " : "\t\t");
+		put_operation(d, &d->nodes[i], constants, &t);
+		constants += d->nodes[i].op == OP_CONST;
+		text_put(&t, i + 1 == d->count ? "\n" : i % 4 == 3 ? ",\n" : ",");
+	}
+	return text_string(&t);
+}
+
+/* As the text has them, and how far that is from what the file's decimals give; not less when rounded. */
+static const char *constants_text(const struct emission *e, const struct dag *d)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (size_t i = 0; i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+
+		if (n->op != OP_CONST)
+			continue;
+		text_put(&t, "\t\t{");
+		emit_number(e, &SCALAR_F64, e->arithmetic->round(dag_number(d, n).x), &t);
+		text_put(&t, ", ");
+		emit_number(e, &SCALAR_F64, emit_lost(e, d, n), &t);
+		text_put(&t, "},\n");
+	}
+	return text_string(&t);
+}
+
+/* The nodes that are stored, in the order of their bounds. */
+static const char *results_text(const struct emission *e, const struct dag *d)
+{
+	struct text t;
+	int count = 0;
+
+	text_init(&t, e->arena);
+	for (int a = 0; a < d->argument_count; a++)
+		for (int row = 0; row < d->arguments[a].rows && d->arguments[a].is_output; row++)
+			for (size_t i = 0; i < d->output_count; i++)
+				if (d->outputs[i].argument == a && d->outputs[i].row == row) {
+					text_put(&t, count % 16 ? " " : "\t\t");
+					text_printf(&t, "%u,%s", d->outputs[i].value.i, count % 16 == 15 ? "\n" : "");
+					count++;
+				}
+	text_put(&t, count % 16 ? "\n" : "");
+	return text_string(&t);
+}
+
+static const char *inputs_text(const struct emission *e, const struct dag *d)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int a = 0; a < d->argument_count; a++)
+		if (!d->arguments[a].is_output)
+			text_printf(&t, "%s%s", t.length ? ", " : "", d->arguments[a].name);
+	return text_string(&t);
+}
+
+static const char *number_text(const struct emission *e, size_t number)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "%zu", number);
+	return text_string(&t);
+}
+
+/* Beyond the domain of sine and cosine nothing is known. */
+static const char *angle_text(const struct emission *e)
+{
+	struct text t;
+
+	if (emit_trig_of(e->options) == RNEAGEN_ACCURATE)
+		return "HUGE_VAL";
+	text_init(&t, e->arena);
+	emit_number(e, &SCALAR_F64, (real)e->arithmetic->domain, &t);
+	return text_string(&t);
+}
+
+/* A double, a float that is no smaller, or that where results are rounded to floats. */
+static const char *store_text(const struct emission *e)
+{
+	if (e->memory != e->arithmetic)
+		return "(float)((e + 0x1p-24*rneagen_sweptf_place(fabs(all[results[i]].x)*(1 + 0x1p-51) + all[results[i]].e))*(1 + 0x1p-22) + 0x1p-148)";
+	return e->memory == &SCALAR_F32 ? "(float)(e > 0 ? e*(1 + 0x1p-22) + 0x1p-149 : e)" : "e*(1 + 0x1p-50)";
+}
+
+static void put_swept(const struct emission *e, const struct pass *p, const char *ends, struct text *out)
+{
+	const struct dag *d = &p->dag;
+	const struct scalar *s = e->arithmetic;
+	const struct slot slots[] = {
+		{"M_F", e->memory->suffix}, {"U", s->unit_text}, {"TINY", s->tiny_text}, {"MAX", s->largest},
+		{"FUSED", e->options->strict ? "1" : *s->upper ? "defined FP_FAST_FMAF" : "defined FP_FAST_FMA"},
+		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"APART", e->options->strict ? "RNEA_APART " : ""},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"M", e->memory->type},
+		{"OPERATIONS", operations_text(e, d)}, {"CONSTANTS", constants_text(e, d)}, {"RESULTS", results_text(e, d)}, {"INPUTS", inputs_text(e, d)},
+		{"COUNT", number_text(e, d->count)}, {"RESULT_COUNT", number_text(e, d->output_count)}, {"ANGLE", angle_text(e)},
+		{"STORE", store_text(e)}, {"ENDS", ends},
+	};
+	size_t count = sizeof slots / sizeof *slots, from = out->length;
+
+	template_expand(out, template_swept_in, slots, count);
+	template_expand(out, template_swept_function_in, slots, count);
+	fold(out, from);
+}
+
 void emit_bounded(const struct emission *e, struct text *out)
 {
 	const struct pass *p = emit_main(e);
@@ -77,6 +232,10 @@ void emit_bounded(const struct emission *e, struct text *out)
 	};
 	size_t count = sizeof slots / sizeof *slots, from = out->length;
 
+	if (emit_bounds_by_table(&p->dag)) {
+		put_swept(e, p, ends_text(e, &p->dag), out);
+		return;
+	}
 	template_expand(out, template_bounded_in, slots, count);
 	if (emit_pass_uses(p, OP_SIN) || emit_pass_uses(p, OP_COS))
 		template_expand(out, template_bounded_sincos_in, slots, count);

@@ -10,19 +10,23 @@
 static const char *const CALLS_F32[OP_COUNT] = WITHIN_CALLS("rneagen_withinf_"),
 			 *const CALLS_F64[OP_COUNT] = WITHIN_CALLS("rneagen_within_");
 
-/* What the type takes from the constant, and how far that is from what the file's decimals give; not less when rounded. */
+real emit_lost(const struct emission *e, const struct dag *d, const struct node *n)
+{
+	const struct scalar *s = e->arithmetic;
+	struct within c = dag_number(d, n);
+	real lost = fabsl(s->round(c.x) - c.x) + (real)within_error(c);
+
+	return lost > 0 ? lost * (1 + 1e-6L) + (real)s->tiny : 0;
+}
+
 static void put_constant(const struct unparser *u, const struct node *n, struct text *out)
 {
 	const struct scalar *s = u->emission->arithmetic;
-	struct within c = dag_number(u->plan->dag, n);
-	real lost = fabsl(s->round(c.x) - c.x) + (real)within_error(c);
 
-	if (lost > 0)
-		lost = lost * (1 + 1e-6L) + (real)s->tiny;
 	text_printf(out, "rneagen_within%s_const(", s->suffix);
-	emit_number(u->emission, s, c.x, out);
+	emit_number(u->emission, s, dag_number(u->plan->dag, n).x, out);
 	text_put(out, ", ");
-	emit_number(u->emission, s, lost, out);
+	emit_number(u->emission, s, emit_lost(u->emission, u->plan->dag, n), out);
 	text_putc(out, ')');
 }
 

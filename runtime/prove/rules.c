@@ -1,9 +1,18 @@
 #include "prove/rules.h"
+#include "dag/eval_rounding.h"
+#include <float.h>
 #include <math.h>
 
 static double rounded(double unit, double tiny, double size)
 {
 	return unit * size + tiny;
+}
+
+/* What rounding takes from exact values up to this size, where the text's are `off` by so much at most: half a unit in the last place; that
+   beside `rounded` of what they are off. */
+static double rounded_exact(const struct eval_model *m, double unit, double size, double off)
+{
+	return unit * (m->terms > 0 ? size : fmin(size, rounding_place(size * (1 + DBL_EPSILON) + off)));
 }
 
 /* How far what the text reads is from what was meant. */
@@ -44,7 +53,7 @@ static double rest_of_angle(struct rules *r, uint32_t i, const struct eval_model
 
 	if (!(rules_angle(r, n->arg[0].i, m) <= m->angle))
 		return (double)INFINITY;
-	r->of_sum[i] = m->sincos * r->size[i];
+	r->of_sum[i] = rounded_exact(m, m->sincos, r->size[i], off);
 	return m->tiny + (n->op == OP_SIN ? m->sine : m->cosine) + off + m->sincos * off;
 }
 
@@ -67,19 +76,19 @@ static double rest_of(struct rules *r, uint32_t i, const struct eval_model *m, d
 	case OP_ADD:
 	case OP_SUB:
 		*inherited = ea + eb;
-		r->of_sum[i] = m->add * value;
+		r->of_sum[i] = rounded_exact(m, m->add, value, ea + eb);
 		rest = m->terms * (A + B + ea + eb);
 		return rest + rounded(m->add, m->tiny, ea + eb + rest);
 	case OP_MUL:
 		*inherited = product;
-		r->of_product[i] = m->mul * value;
+		r->of_product[i] = rounded_exact(m, m->mul, value, product + ea * eb);
 		return ea * eb + rounded(m->mul, m->tiny, product + ea * eb);
 	case OP_FMA:
 		*inherited = product + r->running[c];
-		r->of_product[i] = m->fused ? 0 : m->mul * A * B;
-		r->of_sum[i] = m->add * value;
+		r->of_product[i] = m->fused ? 0 : rounded_exact(m, m->mul, A * B, product + ea * eb);
 		rest = ea * eb + (m->fused ? 0 : rounded(m->mul, m->tiny, product + ea * eb));
 		rest += m->terms * (A * B + r->size[c] + *inherited + r->of_product[i] + rest);
+		r->of_sum[i] = rounded_exact(m, m->add, value, *inherited + r->of_product[i] + rest);
 		return rest + rounded(m->add, m->tiny, *inherited + r->of_product[i] + rest);
 	case OP_SIN:
 	case OP_COS:

@@ -53,9 +53,11 @@ static const struct part {
 	{"result that underflows", "* x y", OPTIONS(MIXED, ACCURATE, 0), DRAW_TINY, 0.95},
 	{"input as a pair", "n x", OPTIONS(F32X2, ACCURATE, 0), DRAW_ANY, 0.8},
 	{"constant as a pair", "0.1", OPTIONS(F32X2, ACCURATE, 0), DRAW_ANY, 0.6},
-	{"sum of pairs", "+ x y", OPTIONS(F32X2, ACCURATE, 0), DRAW_PAIRS, 0.4},
-	{"product of pairs", "* x y", OPTIONS(F32X2, ACCURATE, 0), DRAW_PAIRS, 0.35},
-	{"sine by pairs", "s x", OPTIONS(F32X2, ACCURATE, 0), DRAW_FAR, 0.4},
+	{"sum of pairs", "+ x y", OPTIONS(F32X2, ACCURATE, 0), DRAW_PAIRS, 0.95},
+	{"product of pairs", "* x y", OPTIONS(F32X2, ACCURATE, 0), DRAW_PAIRS, 0.85},
+	{"pairs of many operations", "+ * x + x y - * 0.1 y * z + z w", OPTIONS(F32X2, ACCURATE, 0), DRAW_PAIRS, 0.7},
+	{"pairs that cancel", "- * x x * + x * 0.1 y - x * 0.1 y", OPTIONS(F32X2, ACCURATE, 0), DRAW_PAIRS, 0.55},
+	{"sine by pairs", "s x", OPTIONS(F32X2, ACCURATE, 0), DRAW_FAR, 0.55},
 };
 enum { PART_COUNT = sizeof PARTS / sizeof *PARTS };
 
@@ -142,6 +144,13 @@ static void compute_f64(const struct dag *d, const double *in, int fused, double
 	*out = v[d->outputs[0].value.i];
 }
 
+static void compute_pair(const struct f32x2 *f, enum op op, const float *a, const float *b, float *out)
+{
+	const float minus[2] = {-b[0], -b[1]};
+
+	(op == OP_MUL ? f->mul : f->add)(a, op == OP_SUB ? minus : b, out);
+}
+
 /* A sine is taken of an input. */
 static void compute_pairs(const struct dag *d, const double *in, double *out)
 {
@@ -163,7 +172,7 @@ static void compute_pairs(const struct dag *d, const double *in, double *out)
 		} else if (n->op == OP_SIN) {
 			f->sincos(in[d->nodes[a].arg[1].i], v[i], cosine);
 		} else {
-			(n->op == OP_ADD ? f->add : f->mul)(v[a], v[b], v[i]);
+			compute_pair(f, n->op, v[a], v[b], v[i]);
 		}
 	}
 	*out = f->join(v[d->outputs[0].value.i]);

@@ -157,7 +157,7 @@ static void evaluate_exact(struct varied *x)
 }
 
 /* What the reference's differences may be off in row i of anything: a part of the magnitudes with a unit more of every rate,
-   position and acceleration, which is above all derivatives by them. */
+   position and acceleration, which is above all derivatives by them. Constants that are taken for equal, or zero, are among it. */
 static void refer_noise(struct varied *x)
 {
 	double more[STATE][ROWS], size[ROWS];
@@ -167,12 +167,12 @@ static void refer_noise(struct varied *x)
 			more[a][i] = a ? fabs(x->whole[a][i]) + 1 : x->whole[a][i];
 	quad_magnitude(x->quad, more[0], more[1], more[2], size);
 	for (int i = 0; i < x->nv; i++)
-		x->noise[i] = 0x1p-62 * size[x->v_row[i]];
+		x->noise[i] = 0x1p-60 * size[x->v_row[i]];
 }
 
 double varied_half_units(const struct varied *x, int output, int row)
 {
-	return 0x1p9 * x->noise[output == TAU ? row : row / x->nv];
+	return 0x1p7 * x->noise[output == TAU ? row : row / x->nv];
 }
 
 void varied_refer(struct varied *x)

@@ -148,7 +148,8 @@ static int has_beginning(const struct legend *l, const char *name)
 
 static int is_keyword(const char *name)
 {
-	static const char *const words[] = {"const", "float", "double", "int", "struct", "return", "void", "f"};
+	static const char *const words[] = {"const", "float", "double", "int", "struct", "return", "void", "f", "static", "unsigned", "short", "for", "i", "fabs",
+		"HUGE_VAL"};
 
 	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
 		if (!strcmp(name, words[i]))
@@ -220,7 +221,7 @@ static void check_names(const struct legend *l, const char *body, const char *en
 		} else if (*s == '.' && isalpha((unsigned char)s[1])) { /* a member */
 			s += 2;
 		} else if (isdigit((unsigned char)*s)) {
-			s += strspn(s, "0123456789.abcdefx");
+			s += strspn(s, "0123456789.abcdefxp");
 			s += (s[-1] == 'e' || s[-1] == 'p') && (*s == '-' || *s == '+') ? 1 + strspn(s + 1, "0123456789f") : 0;
 		} else if (isalpha((unsigned char)*s) || *s == '_') {
 			length = strspn(s, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789");

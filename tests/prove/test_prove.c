@@ -169,7 +169,7 @@ START_TEST(test_missing_rounding)
 	struct proof p;
 	struct prove_row *rows;
 
-	robot_box_open(&x, "pendulum", CASES[0].scene, 0);
+	robot_box_open(&x, "double_pendulum", CASES[0].scene, 0);
 	o.precision_count = 1;
 	p = proof_of(&x, o);
 	ck_assert(!relax(&relaxed, &x.analysis, x.box.rows, &x.arena, &x.error));

@@ -1,0 +1,214 @@
+/* A pair is its value rounded to a float, hi, and a rest lo. What sums and products of pairs take is of the size of the rests, which are
+   anything up to u |x|, u = 2^-24. Unless a value is so close to the middle between two floats that its error decides, hi is known, and lo but
+   for that error; then so is all that is rounded, step by step, as f32x2.in computes it. */
+#include "dag/eval_pairs.h"
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#define U 0x1p-24
+
+/* lo is at most `off` away. */
+struct pair {
+	double hi, lo, off;
+};
+
+/* Returns whether hi is certain: the last rounding of a product's rest, by up to 3.01 u^2, and of lo, by up to 1.01 u^2, comes after
+   hi; and hi is rounded without what the product leaves out, and after its cross terms are. */
+static int pair_of(struct known a, struct pair *p)
+{
+	double size = fabs(a.x), half;
+
+	p->hi = (double)(float)a.x;
+	p->lo = a.x - p->hi;
+	p->off = a.e > 0 ? a.e + 2 * DBL_EPSILON * size : 0;
+	half = U * rounding_place(p->hi);
+	if (rounding_place(p->hi) == fabs(p->hi))
+		half /= 2; /* floats below a power of two are closer */
+	if (a.e == 0 && (size == 0 || p->lo == 0))
+		return 1;
+	return size > 1e-25 && size < 1e30 && fabs(p->lo) + p->off + 5 * U * U * size < half;
+}
+
+static int has_rest(const struct pair *p)
+{
+	return p->lo != 0 || p->off > 0;
+}
+
+/* Of a float no larger than this. */
+static double float_rounding(double most)
+{
+	return U * rounding_place(most * (1 + DBL_EPSILON));
+}
+
+/* t = fl(a.lo + b.lo), lo = fl(s_low + t). The last step is exact, also where s is less than lo: s is then one unit in the last place of a.hi
+   or b.hi, and of the same power of two as lo. */
+double pairs_sum(struct known a, struct known b)
+{
+	struct pair p, q;
+	double s, low, off, t;
+
+	if (!pair_of(a, &p) || !pair_of(b, &q))
+		return (double)INFINITY;
+	s = (double)(float)(p.hi + q.hi);
+	low = fabs(p.hi) < fabs(q.hi) ? (q.hi - s) + p.hi : (p.hi - s) + q.hi;
+	off = p.off + q.off;
+	if (!has_rest(&p) && !has_rest(&q))
+		return 0; /* lo is s_low */
+	t = has_rest(&p) && has_rest(&q) ? float_rounding(fabs(p.lo + q.lo) + off) : 0;
+	return low == 0 ? t : t + float_rounding(fabs(low + p.lo + q.lo) + off + t);
+}
+
+/* ---- products ---- */
+
+/* Cross terms a.hi b.lo and a.lo b.hi, `off` together; `are_two`: neither is exactly 0. */
+struct crossed {
+	double one, other, off;
+	int are_two;
+};
+
+static double rounding_of_crossed(const struct crossed *c, double before)
+{
+	return before + (c->are_two ? float_rounding(fabs(c->one + c->other) + c->off + before) : 0);
+}
+
+/* With a fused multiply-add: t = fl(a.hi b.lo + fl(a.lo b.hi)), hi = fl(a.hi b.hi + t), rest = fl(a.hi b.hi - hi), lo = fl(rest + t).
+   hi is the product rounded to a float. */
+static double product_by_fma(double product, const struct crossed *c, double hi)
+{
+	double rest = (double)(float)(product - hi);
+	double t = rounding_of_crossed(c, float_rounding(fmax(fabs(c->one), fabs(c->other)) + c->off));
+
+	return t + fabs(product - hi - rest) + float_rounding(fabs(rest + c->one + c->other) + c->off + t);
+}
+
+/* Without: p + p_low = a.hi b.hi, lo = fl(p_low + fl(fl(a.hi b.lo) + fl(a.lo b.hi))); the last step is exact. */
+static double product_by_halves(double product, const struct crossed *c)
+{
+	double low = product - (double)(float)product;
+	double t = rounding_of_crossed(c, float_rounding(fabs(c->one) + c->off) + float_rounding(fabs(c->other) + c->off));
+
+	return t + float_rounding(fabs(low + c->one + c->other) + c->off + t);
+}
+
+/* Either way leaves a.lo b.lo out: but for the rests' own errors that is known. */
+double pairs_product(struct known a, struct known b, struct known x, double *left_out)
+{
+	struct pair p, q, of;
+	struct crossed c;
+
+	if (!pair_of(a, &p) || !pair_of(b, &q) || !pair_of(x, &of))
+		return (double)INFINITY;
+	*left_out = p.lo * q.lo;
+	c = (struct crossed){p.hi * q.lo, p.lo * q.hi, fabs(p.hi) * q.off + fabs(q.hi) * p.off, has_rest(&p) && has_rest(&q)};
+	return fabs(p.lo) * q.off + fabs(q.lo) * p.off + p.off * q.off + DBL_EPSILON * fabs(*left_out) + fmax(product_by_fma(p.hi * q.hi, &c, of.hi), product_by_halves(p.hi * q.hi, &c));
+}
+
+/* ---- sine and cosine, step by step ---- */
+
+static struct known add(const struct eval_model *m, struct known a, struct known b)
+{
+	struct known x = {a.x + b.x, a.e + b.e};
+
+	x.e += rounding_of_sum(m, a, b, x);
+	return x;
+}
+
+static struct known multiply(const struct eval_model *m, struct known a, struct known b)
+{
+	struct known x = {a.x * b.x, fabs(a.x) * b.e + fabs(b.x) * a.e + a.e * b.e};
+	double left_out;
+
+	x.e += rounding_of_product(m, a, b, x, &left_out);
+	x.e += fabs(left_out);
+	return x;
+}
+
+static struct known exactly(double x)
+{
+	return (struct known){x, 0};
+}
+
+double pairs_head(double x)
+{
+	uint64_t bits;
+
+	memcpy(&bits, &x, sizeof bits);
+	bits &= 0xffffffffe0000000u;
+	memcpy(&x, &bits, sizeof x);
+	return x;
+}
+
+/* What is left of the angle: a float that is not known exactly, and no larger than 2^-34. Where it is too little to change hi, lo is
+   rounded once. */
+static struct known add_last(struct known y, double by, double off)
+{
+	struct pair p;
+	double most = fabs(by) + off;
+
+	if (pair_of(y, &p) && most < U / 2 * rounding_place(p.hi))
+		y.e += float_rounding(fabs(p.lo) + p.off + most);
+	else
+		y.e += 2 * U * U * (fabs(y.x) + y.e + most);
+	y.x += by;
+	y.e += off + DBL_EPSILON * fabs(y.x);
+	return y;
+}
+
+/* x - k pi/2. k times each part of pi/2 but the last is a float, and x.hi - k C1 too. */
+static struct known reduce(const struct eval_model *m, double x, double k)
+{
+	double whole = pairs_head(x) + pairs_head(x - pairs_head(x)), hi = (double)(float)whole, last = -k * 0x1.1a6264p-54, rest = x - whole;
+	struct known y = add(m, exactly(hi - k * 0x1.92p0), exactly(-k * 0x1.fb4p-12));
+
+	y = add(m, y, exactly(whole - hi));
+	y = add(m, y, exactly(-k * 0x1.444p-24));
+	y = add(m, y, exactly(-k * 0x1.68cp-39));
+	return add_last(y, last + rest, 2.01 * U * (fabs(last) + fabs(rest)));
+}
+
+/* The end of a polynomial that is computed in floats: with at most five roundings, that of a compiler that joins it to the sum among
+   them. */
+static struct known in_floats(double x)
+{
+	return (struct known){x, 5 * U * fabs(x)};
+}
+
+static struct known sine_of(const struct eval_model *m, struct known r)
+{
+	static const double by[] = {-0x1.71de36p-19 + 0x1.6241a8p-44, 0x1.a01a02p-13 - 0x1.907298p-39, -0x1.111112p-7 + 0x1.dde11ep-32,
+		0x1.555556p-3 - 0x1.555558p-28};
+	struct known z = multiply(m, r, r), p = add(m, exactly(by[0]), in_floats((-0x1.5d898p-33 * z.x + 0x1.ae5e46p-26) * z.x));
+
+	for (int k = 1; k < 4; k++)
+		p = add(m, multiply(m, p, z), exactly(by[k]));
+	p = multiply(m, multiply(m, r, z), p);
+	return add(m, r, (struct known){-p.x, p.e});
+}
+
+static struct known cosine_of(const struct eval_model *m, struct known r)
+{
+	static const double by[] = {0x1.a01a02p-16 - 0x1.8dc3bep-42, -0x1.6c16c2p-10 + 0x1.27d5fcp-35, 0x1.555556p-5 - 0x1.555554p-30, -0.5, 1};
+	struct known z = multiply(m, r, r), p;
+
+	p = add(m, exactly(by[0]), in_floats(((-0x1.8fa59p-37 * z.x + 0x1.1ee9dap-29) * z.x - 0x1.27e4f8p-22) * z.x));
+	for (int k = 1; k < 5; k++)
+		p = add(m, multiply(m, p, z), exactly(by[k]));
+	return p;
+}
+
+/* Nothing is said where it is open which quarter the angle is taken for, nor of angles that take another way. */
+double pairs_turn(const struct eval_model *m, int is_sine, double angle, double value)
+{
+	double turns = angle * 0x1.45f306dc9c883p-1, k = nearbyint(turns), quarter = k - 4 * floor(k / 4);
+	struct eval_model own = *m;
+	struct known y;
+
+	if (!(fabs(angle) <= 9999) || fabs(turns - k) > 0.499)
+		return (double)INFINITY;
+	own.own = DBL_EPSILON;
+	y = reduce(&own, angle, k);
+	y = (quarter == 1 || quarter == 3) == is_sine ? cosine_of(&own, y) : sine_of(&own, y);
+	return fabs(fabs(y.x) - fabs(value)) + y.e + DBL_EPSILON * fabs(value);
+}
