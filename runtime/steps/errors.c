@@ -2,6 +2,7 @@
    exact operation for factors, plus what its own rounding and products of errors leave: its rest. So the output's e is exactly the sum
    over all operations of (the output's derivative by it) times (its rest). */
 #include "steps/errors.h"
+#include <math.h>
 
 /* Sums of up to 2^20 magnitudes, each a few roundings. */
 #define SUMMED (1 + 0x1p-30)
@@ -31,6 +32,15 @@ static double given(const struct errors *x, const struct node *n, double size, c
 	return off > 0 ? (double)off * MADE + 2 * m->tiny : 0;
 }
 
+/* The largest rounding of a result whose exact value is within `size`, where operands are so much off that it is `more` beyond: half a unit
+   in the last place, unit times the power of two at or below it. A pair of floats has no last place. */
+static double rounding(const struct eval_model *m, double unit, double size, double more)
+{
+	double most = (size + more) * MADE;
+
+	return unit * (m->terms > 0 || !(most >= 0x1p-1022 && most < (double)INFINITY) ? size : fmin(size, exp2(ilogb(most))));
+}
+
 /* What an operation inherits, linear in the operands' errors, and the rest of it that is not in product and sum. */
 struct own {
 	double inherited, rest;
@@ -38,8 +48,8 @@ struct own {
 
 static struct own own_sum(struct errors *x, uint32_t i, const struct eval_model *m, double inherited, double sizes, double rest)
 {
-	x->sum[i] = m->add * value_size(x, (struct ref){i});
 	rest += m->terms * (sizes + inherited + x->product[i] + rest);
+	x->sum[i] = rounding(m, m->add, value_size(x, (struct ref){i}), inherited + x->product[i] + rest);
 	return (struct own){inherited, rest + m->add * (inherited + x->product[i] + rest) + m->tiny};
 }
 
@@ -66,15 +76,15 @@ static struct own own_of(struct errors *x, uint32_t i, const struct eval_model *
 	case OP_SUB:
 		return own_sum(x, i, m, off[0] + off[1], size[0] + size[1], 0);
 	case OP_MUL:
-		x->product[i] = m->mul * value_size(x, (struct ref){i});
+		x->product[i] = rounding(m, m->mul, value_size(x, (struct ref){i}), product + both);
 		return (struct own){product, both + m->mul * (product + both) + m->tiny};
 	case OP_FMA: /* a product rounded by itself is the worse, where that may be */
-		x->product[i] = m->fused ? 0 : m->mul * size[0] * size[1];
+		x->product[i] = m->fused ? 0 : rounding(m, m->mul, size[0] * size[1] * MADE, product + both);
 		return own_sum(x, i, m, product + off[2], size[0] * size[1] + size[2],
 			both + (m->fused ? 0 : m->mul * (product + both) + m->tiny));
 	case OP_SIN:
 	case OP_COS:
-		x->sum[i] = m->sincos * value_size(x, (struct ref){i});
+		x->sum[i] = rounding(m, m->sincos, value_size(x, (struct ref){i}), 0);
 		if (x->d->nodes[n->arg[0].i].op != OP_INPUT) /* what is computed has an error of its own */
 			return (struct own){0, (double)INFINITY};
 		return (struct own){0, size[0] <= m->angle ? m->tiny + (n->op == OP_SIN ? m->sine : m->cosine) : (double)INFINITY};
