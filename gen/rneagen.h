@@ -32,6 +32,7 @@ enum rneagen_trig { RNEAGEN_ACCURATE, RNEAGEN_BOUNDED, RNEAGEN_FAST,
 	RNEAGEN_TRIG_AUTO }; /* bounded where the scene states a range for every joint's angle, else accurate */
 enum rneagen_base { RNEAGEN_FIXED, RNEAGEN_FLOATING };
 enum rneagen_mimic { RNEAGEN_MIMIC_HONOUR, RNEAGEN_MIMIC_INDEPENDENT };
+enum { RNEAGEN_BOUNDS_CLOSE = 1, RNEAGEN_BOUNDS_RUNNING }; /* the closer ones, or those that are found faster, beside each statement */
 enum { RNEAGEN_PARTS_AUTO = 0, RNEAGEN_SEGMENTS_AUTO = 0, RNEAGEN_SEGMENTS_WHOLE = 1, RNEAGEN_LIMBS_AUTO = 0,
 	RNEAGEN_LIMBS_NONE = 1 };
 /* What there is to tell beside the text. */
@@ -53,7 +54,7 @@ struct rneagen_options {
 	enum rneagen_mimic mimic;
 	int strict; /* the same bits from every compiler, CPU and GPU, for all results that are not NaN */
 	int bounded; /* target C: also a function that gives a bound of each output's error: of how far it is from what the URDF's
-			decimals give in exact arithmetic (eval.h says it in full) */
+			decimals give in exact arithmetic (eval.h says it in full); 0, or of RNEAGEN_BOUNDS_* */
 	int only_rnea; /* without the halves of the algorithm and, in target c, without the functions that take batches */
 	int parts; /* of the grid, target CUDA: each makes some elements of the matrices; default RNEAGEN_PARTS_AUTO: as few as the
 		      registers and the instruction cache have room for, 1 where a text cannot be split */

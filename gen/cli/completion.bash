@@ -3,7 +3,7 @@
 
 _rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --derivatives --dynamics --params --pose --frame --add-frame --refine --jvp --vjp --by --fext --fext-frame --armature --damping
 	--friction --snap-angle --round-constants --drop-below --range'
-_rneagen_options="-o --output --target --precision --layout --strict --bounded --only --parts --segments --limbs --trig --base --gravity --mimic --order --name --info
+_rneagen_options="-o --output --target --precision --layout --strict --bounded --bounded=running --only --parts --segments --limbs --trig --base --gravity --mimic --order --name --info
 	--info=json --dot --dump --quiet --help --version $_rneagen_scene"
 
 # The words that an option takes; returns 1 for an option that takes none, or any.
@@ -28,6 +28,7 @@ _rneagen_words() {
 	--limbs) echo auto none ;;
 	--only) echo rnea fd kin ;;
 	--info) echo json ;;
+	--bounded) echo running ;;
 	--dump) echo robot scene tree params request dag plan parts segments limbs passes ;;
 	--backend) [[ ${COMP_WORDS[1]} == eval ]] && echo cpu cuda any || echo cpu cuda all ;;
 	--format) [[ ${COMP_WORDS[1]} == prove ]] && echo text json || echo table json csv ;;
@@ -70,7 +71,7 @@ _rneagen() {
 	--scene | --armature) _rneagen_files "$current" '' ;;
 	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --add-frame | --fext | --snap-angle | --round-constants | --drop-below | --range) ;;
 	*)
-		if { [[ $option != --info || -n $joined ]]; } && words=$(_rneagen_words "$option"); then
+		if { [[ ( $option != --info && $option != --bounded ) || -n $joined ]]; } && words=$(_rneagen_words "$option"); then
 			mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
 		elif [[ $current == -* ]]; then
 			mapfile -t COMPREPLY < <(compgen -W "$_rneagen_options" -- "$current")

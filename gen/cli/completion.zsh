@@ -69,7 +69,7 @@ _rneagen_command() {
 		'--segments=[stretches that run for several samples]:segments:(auto whole)' \
 		'--limbs=[warps that share out a sample of a small batch]:warps:(auto none)' \
 		'--parts=[matrices in parts of the grid]:parts:(auto)' \
-		'--bounded[target c: also a function that bounds the error of each torque]' \
+		'--bounded=-[target c: also a function that bounds the error of each torque]::way:(running)' \
 		'--only=[the algorithm without its halves and batches]:algorithm:(rnea fd kin)' \
 		'--name=[prefix of every function]:identifier:' \
 		'--info=-[tell about the robot]::format:(json)' \

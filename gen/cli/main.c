@@ -37,9 +37,11 @@ static const char HELP[] =
 	"  --gravity X,Y,Z            m/s^2 in the world (default 0,0,-9.81)\n"
 	"  --mimic honour|independent followers have no entry in q (default), or are joints of their own\n"
 	"  --strict                   the same bits from every compiler, CPU and GPU\n"
-	"  --bounded                  target c: also a function that bounds how far each output is from what the URDF's decimals\n"
+	"  --bounded, --bounded=running\n"
+	"                             target c: also a function that bounds how far each output is from what the URDF's decimals\n"
 	"                             give in exact arithmetic, where angles within 5e-15 rad of a right one are right, and\n"
-	"                             constants that are zero, or equal, but for the rounding of the file's numbers are so\n"
+	"                             constants that are zero, or equal, but for the rounding of the file's numbers are so;\n"
+	"                             running: bounds that are less close, in a fifteenth of the time\n"
 	"  --only rnea|fd|kin         the main function alone: without its halves fpass and bpass and, for target c, without the\n"
 	"                             functions that take batches\n"
 	"  --order J1,J2,...          rows of q by joint name (default: depth-first, children by name)\n"
@@ -69,7 +71,7 @@ enum { KEY_NAME = OPTION_OWN, KEY_INFO, KEY_DOT, KEY_BOUNDED, KEY_ONLY, KEY_QUIE
 static const struct option OPTIONS[] = {
 	OPTIONS_TEXT, OPTIONS_MODEL, {"output", required_argument, NULL, 'o'},
 	{"name", required_argument, NULL, KEY_NAME}, {"info", optional_argument, NULL, KEY_INFO},
-	{"dot", no_argument, NULL, KEY_DOT}, {"bounded", no_argument, NULL, KEY_BOUNDED}, {"only", required_argument, NULL, KEY_ONLY},
+	{"dot", no_argument, NULL, KEY_DOT}, {"bounded", optional_argument, NULL, KEY_BOUNDED}, {"only", required_argument, NULL, KEY_ONLY},
 	{"quiet", no_argument, NULL, KEY_QUIET},
 	{"help", no_argument, NULL, OPTION_HELP}, {"version", no_argument, NULL, OPTION_VERSION}, {NULL, 0, NULL, 0}};
 
@@ -109,7 +111,9 @@ static int parse_option(struct command *c, int key, const char *word)
 			return option_refuse(COMMAND, "--info takes nothing, or =json, not '%s'", word);
 		return set_info(c, word ? INFO_JSON : INFO_TABLE);
 	case KEY_BOUNDED:
-		c->options.bounded = 1;
+		if (word && strcmp(word, "running"))
+			return option_refuse(COMMAND, "--bounded takes nothing, or =running, not '%s'", word);
+		c->options.bounded = word ? RNEAGEN_BOUNDS_RUNNING : RNEAGEN_BOUNDS_CLOSE;
 		return 0;
 	case KEY_ONLY:
 		return option_choose(COMMAND, "only", word, ONLY, &c->options.only_rnea);

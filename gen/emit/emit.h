@@ -74,8 +74,8 @@ int emit_uses_in(const struct emission *e, enum op op, int is_wide);
 /* C: NAME_rnea_bounded and what it calls. */
 void emit_bounded(const struct emission *e, struct text *out);
 
-/* Are bounds found by a table of operations? It has all of them, and is small enough. */
-int emit_bounds_by_table(const struct dag *d);
+/* Are bounds found by a table of operations? It is asked for, has all of them, and is small enough. */
+int emit_bounds_by_table(const struct emission *e, const struct dag *d);
 
 /* A number that reads back as the same value in the type: the shortest decimal that does. */
 void emit_number(const struct emission *e, const struct scalar *s, real value, struct text *out);

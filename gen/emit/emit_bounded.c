@@ -69,12 +69,12 @@ enum { MOST_NODES = 4096, MOST_STEPS = 1 << 19 };
 static const signed char KINDS[OP_COUNT] = {[OP_CONST] = 0, [OP_INPUT] = 1, [OP_NEG] = 2, [OP_ADD] = 3, [OP_SUB] = 4, [OP_MUL] = 5,
 	[OP_FMA] = 6, [OP_SIN] = 7, [OP_COS] = 8, [OP_DIV] = -1, [OP_SQRT] = -1, [OP_ABS] = -1, [OP_ANEW] = 9, [OP_WIDEN] = -1, [OP_NARROW] = -1};
 
-int emit_bounds_by_table(const struct dag *d)
+int emit_bounds_by_table(const struct emission *e, const struct dag *d)
 {
 	for (size_t i = 0; i < d->count; i++)
 		if (KINDS[d->nodes[i].op] < 0)
 			return 0;
-	return d->count <= MOST_NODES && d->count * d->output_count <= MOST_STEPS;
+	return e->options->bounded == RNEAGEN_BOUNDS_CLOSE && d->count <= MOST_NODES && d->count * d->output_count <= MOST_STEPS;
 }
 
 /* Which of the input arrays. */
@@ -232,7 +232,7 @@ void emit_bounded(const struct emission *e, struct text *out)
 	};
 	size_t count = sizeof slots / sizeof *slots, from = out->length;
 
-	if (emit_bounds_by_table(&p->dag)) {
+	if (emit_bounds_by_table(e, &p->dag)) {
 		put_swept(e, p, ends_text(e, &p->dag), out);
 		return;
 	}

@@ -18,14 +18,17 @@ static const struct kind {
 	enum rneagen_trig trig;
 	int strict;
 	struct compiler compiler;
+	int bounded; /* 0: the closer ones */
 } KINDS[] = {
-	{"f32", RNEAGEN_F32, RNEAGEN_ACCURATE, 0, {"gcc", {"-O0", "-Dalways_inline=unused"}}},
-	{"f64", RNEAGEN_F64, RNEAGEN_ACCURATE, 0, {"clang", {"-O0", "-Dalways_inline=unused"}}},
-	{"mixed", RNEAGEN_MIXED, RNEAGEN_ACCURATE, 0, {"clang", {"-O0", "-Dalways_inline=unused"}}},
-	{"f32 bounded", RNEAGEN_F32, RNEAGEN_BOUNDED, 0, {"gcc", {"-O2", "-march=native", "-ffp-contract=fast"}}},
-	{"f64 bounded", RNEAGEN_F64, RNEAGEN_BOUNDED, 0, {"gcc", {"-O2", "-march=native", "-ffp-contract=fast"}}},
-	{"f32 strict", RNEAGEN_F32, RNEAGEN_BOUNDED, 1, {"gcc", {"-O1"}}},
-	{"f64 fast", RNEAGEN_F64, RNEAGEN_FAST, 0, {"clang", {"-O1"}}},
+	{"f32", RNEAGEN_F32, RNEAGEN_ACCURATE, 0, {"gcc", {"-O0", "-Dalways_inline=unused"}}, 0},
+	{"f64", RNEAGEN_F64, RNEAGEN_ACCURATE, 0, {"clang", {"-O0", "-Dalways_inline=unused"}}, 0},
+	{"mixed", RNEAGEN_MIXED, RNEAGEN_ACCURATE, 0, {"clang", {"-O0", "-Dalways_inline=unused"}}, 0},
+	{"f32 bounded", RNEAGEN_F32, RNEAGEN_BOUNDED, 0, {"gcc", {"-O2", "-march=native", "-ffp-contract=fast"}}, 0},
+	{"f64 bounded", RNEAGEN_F64, RNEAGEN_BOUNDED, 0, {"gcc", {"-O2", "-march=native", "-ffp-contract=fast"}}, 0},
+	{"f32 strict", RNEAGEN_F32, RNEAGEN_BOUNDED, 1, {"gcc", {"-O1"}}, 0},
+	{"f64 fast", RNEAGEN_F64, RNEAGEN_FAST, 0, {"clang", {"-O1"}}, 0},
+	{"f32 running", RNEAGEN_F32, RNEAGEN_ACCURATE, 0, {"gcc", {"-O1"}}, RNEAGEN_BOUNDS_RUNNING},
+	{"f64 running", RNEAGEN_F64, RNEAGEN_BOUNDED, 0, {"gcc", {"-O1"}}, RNEAGEN_BOUNDS_RUNNING},
 };
 enum { KIND_COUNT = sizeof KINDS / sizeof *KINDS };
 
@@ -55,7 +58,8 @@ static void find_bounded(struct fixture *x)
 static void fixture_open(struct fixture *x, const struct hard_case *c, const struct kind *kind)
 {
 	const struct rneagen_options how = {
-		.precision = kind->precision, .trig = kind->trig, .strict = kind->strict, .bounded = 1};
+		.precision = kind->precision, .trig = kind->trig, .strict = kind->strict,
+		.bounded = kind->bounded ? kind->bounded : RNEAGEN_BOUNDS_CLOSE};
 
 	*x = (struct fixture){.kind = kind, .rng = rng_seed(SEED)};
 	compiled_open(&x->text, c, &how, &kind->compiler, "bounded");

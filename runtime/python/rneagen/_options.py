@@ -110,7 +110,11 @@ def generator(options: dict[str, Any], file: str) -> dict[str, Any]:
         x = options.get(keyword)
         if x is None:
             continue
-        if keyword in ("strict", "bounded"):
+        if keyword == "bounded" and isinstance(x, str):
+            if x != "running":
+                raise ValueError(f"bounded takes True, False or running, not {x!r}")
+            x = 2
+        elif keyword in ("strict", "bounded"):
             x = int(bool(x))
         elif keyword == "order" and not isinstance(x, str):
             x = ",".join(names(keyword, x))
