@@ -31,7 +31,7 @@ void emit_options(const struct rneagen_options *o, struct text *out)
 	if (o->strict)
 		text_put(out, " --strict");
 	if (o->bounded)
-		text_put(out, " --bounded");
+		text_put(out, o->bounded == RNEAGEN_BOUNDS_RUNNING ? " --bounded=running" : " --bounded");
 	if (o->only_rnea)
 		text_put(out, " --only rnea");
 	if (o->parts != RNEAGEN_PARTS_AUTO)
