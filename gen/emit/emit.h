@@ -56,7 +56,8 @@ enum rneagen_precision emit_precision_of(const struct rneagen_options *o);
 const char *emit_precision_name(enum rneagen_precision precision);
 const char *emit_trig_name(enum rneagen_trig trig);
 
-/* The sine and cosine that the statements call: "fast" is of single precision on a GPU, elsewhere it is "bounded". */
+/* The sine and cosine that the statements call: "fast" is of single precision on a GPU, elsewhere it is "bounded"; what nobody chose is
+   "accurate". */
 enum rneagen_trig emit_trig_of(const struct rneagen_options *o);
 
 const char *emit_layout_name(enum rneagen_layout layout);

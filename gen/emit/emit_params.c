@@ -5,7 +5,7 @@
 
 const char *emit_trig_name(enum rneagen_trig trig)
 {
-	static const char *const names[] = {"accurate", "bounded", "fast", "auto"};
+	static const char *const names[] = {"accurate", "bounded", "fast"};
 
 	return names[trig];
 }
@@ -14,6 +14,8 @@ enum rneagen_trig emit_trig_of(const struct rneagen_options *o)
 {
 	int has_unit = number_type_of(emit_precision_of(o))->frames->fast && target_type_of(o->target)->has_unit;
 
+	if (o->trig == RNEAGEN_TRIG_AUTO)
+		return RNEAGEN_ACCURATE;
 	return o->trig == RNEAGEN_FAST && !has_unit ? RNEAGEN_BOUNDED : o->trig;
 }
 

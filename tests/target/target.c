@@ -12,8 +12,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const char *const TRIGS[] = {"accurate", "bounded", "fast", "accurate"}; /* the last: where no --range says more */
-
 const char *compiler_lacks(const struct compiler *c, int fma)
 {
 	int has_fma = 0;
@@ -90,7 +88,7 @@ void target_generate(
 	t->library = NULL;
 	*t->stem = '\0';
 	snprintf(t->what, sizeof t->what, "%.160s %s %s %s %s%s", what, emit_precision_name(o->precision),
-		o->layout == RNEAGEN_SOA ? "soa" : "aos", TRIGS[o->trig],
+		o->layout == RNEAGEN_SOA ? "soa" : "aos", emit_trig_name(t->options.trig),
 		o->base == RNEAGEN_FLOATING ? "floating" : "fixed", o->strict ? " strict" : "");
 	ck_assert_msg(!rneagen_generate(urdf, length, o, &t->text, &e), "%s: %s", t->what, e.message);
 }
