@@ -350,6 +350,29 @@ void dag_uses(const struct dag *d, uint32_t *uses)
 				uses[d->nodes[i].arg[k].i]++;
 }
 
+void dag_mark_operands(const struct dag *d, size_t count, unsigned char *marks)
+{
+	for (size_t i = count; i-- > 0;)
+		for (int k = 0; k < op_arity[d->nodes[i].op] && marks[i]; k++)
+			marks[d->nodes[i].arg[k].i] = 1;
+}
+
+static int is_before(const struct output *a, const struct output *b)
+{
+	return a->argument < b->argument || (a->argument == b->argument && a->row < b->row);
+}
+
+void dag_order_outputs(const struct dag *d, uint32_t *order)
+{
+	for (size_t i = 0; i < d->output_count; i++) {
+		size_t before = 0;
+
+		for (size_t k = 0; k < d->output_count; k++)
+			before += (size_t)is_before(&d->outputs[k], &d->outputs[i]);
+		order[before] = (uint32_t)i;
+	}
+}
+
 void dag_dump(const struct dag *d, struct text *t)
 {
 	for (size_t i = 0; i < d->count; i++) {

@@ -171,6 +171,12 @@ int dag_has_wide(const struct dag *d);
 /* How often each node is used by live nodes and outputs, in `uses` (d->count of them); 0 means dead. */
 void dag_uses(const struct dag *d, uint32_t *uses);
 
+/* Mark what marked nodes are made of, of the first `count`. */
+void dag_mark_operands(const struct dag *d, size_t count, unsigned char *marks);
+
+/* The numbers of the outputs, by argument and then by row: in d->outputs they stand in the order of the tour. */
+void dag_order_outputs(const struct dag *d, uint32_t *order);
+
 void dag_dump(const struct dag *d, struct text *t);
 
 /* For simplify.c: look the node up or add it, without any rule. The value is a constant's. */

@@ -9,9 +9,7 @@ int derive_begin(struct derivable *x, struct dag *d, const struct ref *roots, in
 		return 0;
 	for (int k = 0; k < root_count; k++)
 		x->live[roots[k].i] = 1;
-	for (uint32_t i = x->count; i-- > 0;)
-		for (int k = 0; k < op_arity[d->nodes[i].op] && x->live[i]; k++)
-			x->live[d->nodes[i].arg[k].i] = 1;
+	dag_mark_operands(d, x->count, x->live);
 	return 1;
 }
 

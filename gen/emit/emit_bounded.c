@@ -141,18 +141,16 @@ static const char *constants_text(const struct emission *e, const struct dag *d)
 static const char *results_text(const struct emission *e, const struct dag *d)
 {
 	struct text t;
-	int count = 0;
+	uint32_t *order = arena_alloc(e->arena, d->output_count, sizeof *order);
 
 	text_init(&t, e->arena);
-	for (int a = 0; a < d->argument_count; a++)
-		for (int row = 0; row < d->arguments[a].rows && d->arguments[a].is_output; row++)
-			for (size_t i = 0; i < d->output_count; i++)
-				if (d->outputs[i].argument == a && d->outputs[i].row == row) {
-					text_put(&t, count % 16 ? " " : "\t\t");
-					text_printf(&t, "%u,%s", d->outputs[i].value.i, count % 16 == 15 ? "\n" : "");
-					count++;
-				}
-	text_put(&t, count % 16 ? "\n" : "");
+	if (order)
+		dag_order_outputs(d, order);
+	for (size_t i = 0; i < d->output_count && order; i++) {
+		text_put(&t, i % 16 ? " " : "\t\t");
+		text_printf(&t, "%u,%s", d->outputs[order[i]].value.i, i % 16 == 15 ? "\n" : "");
+	}
+	text_put(&t, d->output_count % 16 ? "\n" : "");
 	return text_string(&t);
 }
 

@@ -174,9 +174,7 @@ int adjoint_make(struct adjoint *x, const struct dag *d, size_t output, int has_
 	for (int i = 0; i < d->argument_count; i++)
 		dag_argument_of(&x->d, d->arguments[i]);
 	live[root] = 1;
-	for (uint32_t i = root + 1; i-- > 0;)
-		for (int k = 0; k < op_arity[d->nodes[i].op] && live[i]; k++)
-			live[d->nodes[i].arg[k].i] = 1;
+	dag_mark_operands(d, (size_t)root + 1, live);
 	for (uint32_t i = 1; i <= root && !x->d.failed; i++)
 		if (live[i])
 			x->value[i] = copy_node(x, d, i);

@@ -176,15 +176,15 @@ static void put_row(const struct certificate *c, size_t i, struct text *out)
 static void put_rows(const struct certificate *c, struct text *out)
 {
 	const struct dag *d = &c->a->dag;
-	int count = 0;
+	uint32_t *order = arena_alloc(out->arena, d->output_count, sizeof *order);
 
-	for (int a = 0; a < d->argument_count; a++)
-		for (int r = 0; r < d->arguments[a].rows && d->arguments[a].is_output; r++)
-			for (size_t i = 0; i < d->output_count; i++)
-				if (d->outputs[i].argument == a && d->outputs[i].row == r) {
-					text_put(out, count++ ? ",\n    {" : "\n    {");
-					put_row(c, i, out);
-				}
+	out->failed |= !order;
+	if (order)
+		dag_order_outputs(d, order);
+	for (size_t i = 0; i < d->output_count && order; i++) {
+		text_put(out, i ? ",\n    {" : "\n    {");
+		put_row(c, order[i], out);
+	}
 }
 
 void certificate_put(const struct certificate *c, struct text *out)

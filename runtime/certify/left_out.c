@@ -8,9 +8,7 @@ void left_out_reads(const struct dag *d, size_t output, unsigned char *live)
 
 	memset(live, 0, d->count);
 	live[root] = 1;
-	for (uint32_t i = root + 1; i-- > 0;)
-		for (int k = 0; k < op_arity[d->nodes[i].op] && live[i]; k++)
-			live[d->nodes[i].arg[k].i] = 1;
+	dag_mark_operands(d, (size_t)root + 1, live);
 }
 
 static const struct node *position_of(const struct dag *d, uint32_t i)

@@ -188,9 +188,7 @@ static int rules_make(struct hunt *h)
 	if (h->arena.failed)
 		return 0;
 	h->live[count - 1] = 1;
-	for (size_t i = count; i-- > 0;)
-		for (int k = 0; k < op_arity[h->d->nodes[i].op] && h->live[i]; k++)
-			h->live[h->d->nodes[i].arg[k].i] = 1;
+	dag_mark_operands(h->d, count, h->live);
 	return 1;
 }
 

@@ -1,6 +1,5 @@
 #include "proved/envelope.h"
 #include <math.h>
-#include <stdlib.h>
 
 static int is_torque(enum role role)
 {
@@ -54,23 +53,19 @@ static void judge(struct envelope_row *r)
 	r->verdict = r->effort == 0 ? ENVELOPE_NO_LIMIT : r->proved <= 1 ? ENVELOPE_KEPT : r->found > 1 ? ENVELOPE_EXCEEDED : ENVELOPE_OPEN;
 }
 
-static int by_row(const void *a, const void *b)
-{
-	const struct envelope_row *x = a, *y = b;
-
-	return x->argument != y->argument ? (x->argument > y->argument) - (x->argument < y->argument) : (x->row > y->row) - (x->row < y->row);
-}
-
 int envelope_list(struct envelope *x, const struct proved *of, struct arena *a)
 {
 	const struct dag *d = &of->a->dag;
+	uint32_t *order = arena_alloc(a, d->output_count, sizeof *order);
 
 	*x = (struct envelope){of, arena_alloc(a, d->output_count + 1, sizeof *x->rows), 0};
-	for (size_t i = 0; i < d->output_count && x->rows; i++) {
-		const struct output *o = &d->outputs[i];
+	if (order)
+		dag_order_outputs(d, order);
+	for (size_t i = 0; i < d->output_count && !a->failed; i++) {
+		const struct output *o = &d->outputs[order[i]];
 		const struct argument *argument = &d->arguments[o->argument];
 		const struct tree_joint *t = tree_joint_of_row(&of->a->tree, o->row);
-		const struct prove_row *r = &of->p->rows[i];
+		const struct prove_row *r = &of->p->rows[order[i]];
 
 		if (!is_torque(argument->role))
 			continue;
@@ -79,8 +74,6 @@ int envelope_list(struct envelope *x, const struct proved *of, struct arena *a)
 			.effort = effort_of(&of->a->tree, t)};
 		judge(&x->rows[x->count++]);
 	}
-	if (x->rows)
-		qsort(x->rows, x->count, sizeof *x->rows, by_row);
 	return !a->failed;
 }
 

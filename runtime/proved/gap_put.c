@@ -36,17 +36,16 @@ static const struct body *body_of(const struct proved *x, uint32_t node)
 static int find_widest(const struct proved *x, uint32_t node, int is_position, int *argument, int *row, struct arena *a)
 {
 	const struct dag *d = &x->a->dag;
-	char *is_part = arena_alloc(a, (size_t)node + 1, 1);
+	unsigned char *is_part = arena_alloc(a, (size_t)node + 1, 1);
 	double most = 0;
 
 	if (!is_part)
 		return 0;
 	is_part[node] = 1;
+	dag_mark_operands(d, (size_t)node + 1, is_part);
 	for (uint32_t i = node + 1; i-- > 0;) {
 		const struct node *n = &d->nodes[i];
 
-		for (int k = 0; k < op_arity[n->op] && is_part[i]; k++)
-			is_part[n->arg[k].i] = 1;
 		if (!is_part[i] || n->op != OP_INPUT || (d->arguments[n->arg[0].i].role == ROLE_JOINT_POSITION) != is_position)
 			continue;
 		if (interval_size(x->b->rows[n->arg[0].i][n->arg[1].i]) <= most)

@@ -42,21 +42,15 @@ static const char *output_name(const struct proved *x, const struct output *o)
 	return x->a->dag.arguments[o->argument].name;
 }
 
-/* The output with this number where they are counted by arguments and rows; of the DAG's they are in the order of the tour. */
-static size_t output_at(const struct proved *x, size_t number)
+/* Outputs by arguments and rows. */
+static const uint32_t *order_of(const struct proved *x, struct text *out)
 {
-	const struct dag *d = &x->a->dag;
-	size_t best = 0;
+	uint32_t *order = arena_alloc(out->arena, x->a->dag.output_count, sizeof *order);
 
-	for (size_t i = 0; i < d->output_count; i++) {
-		size_t before = 0;
-
-		for (size_t k = 0; k < d->output_count; k++)
-			before += d->outputs[k].argument < d->outputs[i].argument ||
-				  (d->outputs[k].argument == d->outputs[i].argument && d->outputs[k].row < d->outputs[i].row);
-		best = before == number ? i : best;
-	}
-	return best;
+	out->failed |= !order;
+	if (order)
+		dag_order_outputs(&x->a->dag, order);
+	return order;
 }
 
 /* ---- JSON ---- */
@@ -126,6 +120,8 @@ static void put_ranges(const struct proved *x, struct text *out)
 
 void rows_put_json(const struct proved *x, struct text *out)
 {
+	const uint32_t *order = order_of(x, out);
+
 	text_put(out, "{\n  \"robot\": ");
 	text_put_json(out, x->a->robot.name);
 	text_printf(out, ",\n  \"trig\": \"%s\",\n  \"assumptions\": [", emit_trig_name(x->a->options.trig));
@@ -137,10 +133,10 @@ void rows_put_json(const struct proved *x, struct text *out)
 	text_put(out, "\n  ],\n  \"ranges\": [");
 	put_ranges(x, out);
 	text_put(out, "\n  ],\n  \"rows\": [");
-	for (size_t i = 0; i < x->a->dag.output_count; i++)
+	for (size_t i = 0; i < x->a->dag.output_count && order; i++)
 		for (int k = 0; k < x->o->precision_count; k++) {
 			text_put(out, i || k ? ",\n    " : "\n    ");
-			put_row(x, output_at(x, i), k, out);
+			put_row(x, order[i], k, out);
 		}
 	text_put(out, "\n  ]\n}\n");
 }
@@ -184,8 +180,10 @@ static void put_line(const struct proved *x, size_t i, struct text *out)
 
 void rows_put_table(const struct proved *x, struct text *out)
 {
-	for (size_t i = 0; i < x->a->dag.output_count; i++)
-		put_line(x, output_at(x, i), out);
+	const uint32_t *order = order_of(x, out);
+
+	for (size_t i = 0; i < x->a->dag.output_count && order; i++)
+		put_line(x, order[i], out);
 	text_put(out, "\nThis holds if:\n");
 	for (int i = 0; i < ASSUMPTION_COUNT; i++)
 		if (assumption_is_needed(x->a, i))

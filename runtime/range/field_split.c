@@ -180,9 +180,7 @@ static void mark_live(const struct splitter *s, const struct field *f)
 	memset(s->live, 0, s->d->count);
 	for (int i = 0; i < f->output_count; i++)
 		s->live[s->d->outputs[f->outputs[i]].value.i] = 1;
-	for (size_t i = s->d->count; i-- > 0;)
-		for (int k = 0; k < op_arity[s->d->nodes[i].op] && s->live[i]; k++)
-			s->live[s->d->nodes[i].arg[k].i] = 1;
+	dag_mark_operands(s->d, s->d->count, s->live);
 }
 
 static struct field_dim *dim_of(const struct splitter *s, struct field *f, const struct node *n)

@@ -39,9 +39,7 @@ static struct ref copy_output(struct dag *out, const struct dag *d, size_t outpu
 	if (a->failed)
 		return (struct ref){0};
 	live[root] = 1;
-	for (uint32_t i = root + 1; i-- > 0;)
-		for (int k = 0; k < op_arity[d->nodes[i].op] && live[i]; k++)
-			live[d->nodes[i].arg[k].i] = 1;
+	dag_mark_operands(d, (size_t)root + 1, live);
 	for (uint32_t i = 0; i <= root && !out->failed; i++)
 		if (live[i])
 			c.map[i] = copy_node(&c, out, i);

@@ -320,9 +320,7 @@ int points_make(struct points *p, const struct dag *d, size_t output, struct spa
 	if (a->failed)
 		return 0;
 	m.live[root] = 1;
-	for (uint32_t i = root + 1; i-- > 0;)
-		for (int k = 0; k < op_arity[d->nodes[i].op] && m.live[i]; k++)
-			m.live[d->nodes[i].arg[k].i] = 1;
+	dag_mark_operands(d, (size_t)root + 1, m.live);
 	mark_all(&m, root);
 	return m.is_other ? -1 : make_steps(&m, root);
 }
