@@ -1,31 +1,7 @@
-/* CUDA kernels: how a slice of the batch reaches the body, and how many threads there are room for. */
+/* CUDA kernels: how a slice of the batch reaches the body. What they take of a multiprocessor: emit_blocks.c. */
 #include "emit/emit.h"
 #include "base/template.h"
 #include "plan/stage.h"
-#include <string.h>
-
-/* Threads, where nothing is staged. */
-enum { BLOCK = 128 };
-
-/* Of kernels of derivatives, which spill into the same 48 KiB: of each thread twice as much as in blocks of 128 (H100, 1 M samples:
-   both gradients of panda in f64, 2 parts, 0.635 ns instead of 0.674; of iiwa14 in f32, which spills nothing, 0.199 instead of
-   0.205). */
-enum { DERIVATIVE_BLOCK = 64 };
-
-/* Where launch bounds pay: see min_blocks. */
-enum { ARM_BODIES = 12, MANY_BODIES = 24, FEW_ALIVE = 45, MANY_ALIVE = 60, MOST_ALIVE = 100, FULL_SINGLE = 220, FULL_DOUBLE = 170 };
-
-static int gcd(int a, int b)
-{
-	return b ? gcd(b, a % b) : a;
-}
-
-/* Words from one sample's rows to the next one's in shared memory. 32 banks of 4 bytes: even eight threads on a bank are
-   cheaper than a gap that breaks the slice up (H100: hyq, 12 rows, 0.93 of the floor instead of 0.78). */
-static int pitch(const struct emission *e, int rows)
-{
-	return e->options->layout == RNEAGEN_SOA || gcd(rows, 128 / e->memory->bytes) <= 8 ? rows : rows | 1;
-}
 
 static const struct dag *arguments_of(const struct emission *e)
 {
@@ -37,116 +13,6 @@ static int is_in_place(const struct dag *d)
 	int tau = dag_find_role(d, ROLE_JOINT_TORQUE, 1);
 
 	return stage_place(d, tau) != tau;
-}
-
-/* Words of shared memory that staging takes for one sample. */
-static int stage_words(const struct emission *e)
-{
-	const struct dag *d = arguments_of(e);
-	int words = 0;
-
-	for (int i = 0; i < d->argument_count; i++)
-		if (stage_has_place(d, i))
-			words += pitch(e, d->arguments[i].rows);
-	return words;
-}
-
-static int stage_bytes(const struct emission *e)
-{
-	return stage_words(e) * e->memory->bytes;
-}
-
-/* Accelerations of which more floats wait than registers hold (H100, 1 M samples: floating atlas 0.93 ns instead of 1.29; but in
-   f64 floating hyq 0.55 instead of 0.43). */
-static int is_full_forward(const struct emission *e)
-{
-	return e->request->is_forward && e->arithmetic->bytes == 4 && plan_alive(&emit_main(e)->plan, e->arena) > FULL_SINGLE;
-}
-
-/* Does the kernel hold so much at once that it takes smaller blocks, and shared memory beside its registers? */
-static int is_full(const struct emission *e)
-{
-	return request_wants_derivative(e->request) || is_full_forward(e);
-}
-
-/* Does the main kernel fetch its slice into shared memory first? In aos, to move whole lines, wherever 32 samples have
-   room; in soa in f64, where inputs that wait in registers leave few threads, as long as 64 have (H100: iiwa14 0.96 of
-   the floor instead of 0.86, fetch 0.94 instead of 0.80; but jvrc1, where 32 just fit, 0.47 instead of 0.63). */
-static int is_staged(const struct emission *e)
-{
-	/* a part must not write what stands in the others' places; segments have shared memory of their own */
-	if (emit_is_operation(e) || e->part_count || emit_main(e)->segments.count)
-		return 0;
-	if (e->options->layout == RNEAGEN_AOS)
-		return WARP_THREADS * stage_bytes(e) <= SHARED_BYTES;
-	return e->arithmetic->bytes == 8 && 2 * WARP_THREADS * stage_bytes(e) <= SHARED_BYTES;
-}
-
-/* A sample is taken for one of small angles and computed again if it was not: no test comes before the arithmetic, and no
-   input is read twice (H100, 1 M samples: iiwa14 0.96 of the floor instead of 0.94, hyq 0.92 instead of 0.87;
-   but atlas 0.86 instead of 0.88). The kernel then holds the body twice: a loop around one copy makes it fetch its inputs late (H100, ps:
-   hyq 85 instead of 76, gradients of iiwa14, with the test first, 224 instead of 204). */
-int emit_is_optimistic(const struct emission *e)
-{
-	return e->arithmetic->bytes == 4 && !is_staged(e) && e->tree->body_count < MANY_BODIES;
-}
-
-int emit_block_size(const struct emission *e)
-{
-	int block = is_full(e) ? DERIVATIVE_BLOCK : BLOCK;
-
-	if (emit_main(e)->segments.count)
-		return emit_segments_block(e, emit_main(e));
-
-	while (is_staged(e) && block * stage_bytes(e) > SHARED_BYTES)
-		block /= 2;
-	return block;
-}
-
-/* Derivatives in f64 that need no shared memory to spill into: what the compiler may give each of four blocks it then gives (H100,
-   1 M samples: hyq, 64 values alive, 0.416 ns instead of 0.433; but iiwa14, 137, 0.412 instead of 0.386). Of accelerations, where
-   far more wait than registers hold, the compiler's own choice has 168 registers and spills twice as much. */
-static int min_derivative_blocks(const struct emission *e)
-{
-	int alive = plan_alive(&emit_main(e)->plan, e->arena);
-
-	if (e->arithmetic->bytes != 8)
-		return 0;
-	return (alive > MANY_ALIVE && alive <= MOST_ALIVE) || (e->request->is_forward && alive > FULL_DOUBLE) ? 4 : 0;
-}
-
-/* Humanoids in f32 soa gain from room for a third block (H100: 168 registers, no spill), arms of some 50 values from room
-   for a sixth (80 registers instead of 93 on iiwa14, no spill: 0.93 of the floor instead of 0.90). Elsewhere the compiler's
-   own choice spills least: a bound makes it fetch all inputs first. */
-static int min_blocks(const struct emission *e)
-{
-	int alive;
-
-	if (!e->target->kernel || is_staged(e) || emit_is_operation(e))
-		return 0;
-	if (emit_main(e)->segments.count)
-		return e->arithmetic->bytes == 4 ? 6 : 0;
-	if (request_wants_derivative(e->request))
-		return min_derivative_blocks(e);
-	if (e->arithmetic->bytes != 4 || e->wide || (e->request->is_forward && e->tree->body_count > ARM_BODIES))
-		return 0;
-	if (e->tree->body_count > ARM_BODIES)
-		return e->tree->body_count >= MANY_BODIES ? 3 : 0;
-	alive = plan_alive(&emit_main(e)->plan, e->arena);
-	return alive >= FEW_ALIVE && alive <= MANY_ALIVE ? 6 : 0;
-}
-
-/* As many threads in blocks of any size; in blocks of a warp there may be no room for so many, and registers for all. */
-const char *emit_min_blocks(const struct emission *e)
-{
-	int blocks = min_blocks(e);
-	struct text t;
-
-	if (!blocks)
-		return "0";
-	text_init(&t, e->arena);
-	text_printf(&t, "(RNEA_BLOCK < 64 ? 0 : %d/RNEA_BLOCK)", blocks * emit_block_size(e));
-	return text_string(&t);
 }
 
 /* ---- slices in shared memory ---- */
@@ -165,7 +31,7 @@ static const char *slices_text(const struct emission *e)
 			continue;
 		text_printf(&t, "%s*const %s_slice = ", last ? ", " : "", d->arguments[i].name);
 		if (last)
-			text_printf(&t, "%s_slice + RNEA_BLOCK*%d", last->name, pitch(e, last->rows));
+			text_printf(&t, "%s_slice + RNEA_BLOCK*%d", last->name, emit_pitch(e, last->rows));
 		else
 			text_put(&t, e->options->layout == RNEAGEN_AOS ? "slices" : "slices + threadIdx.x");
 		last = &d->arguments[i];
@@ -200,7 +66,7 @@ static const char *pointers_text(const struct emission *e)
 		text_printf(&t, "%s%s%s *const %s_here = staged ? %s_slice", e->options->layout == RNEAGEN_AOS ? "\t\t" : "\t",
 			a->is_output ? "" : "const ", e->memory->type, a->name, place->name);
 		if (e->options->layout == RNEAGEN_AOS)
-			text_printf(&t, " + threadIdx.x*%d : %s + k*%d;\n", pitch(e, place->rows), a->name, a->rows);
+			text_printf(&t, " + threadIdx.x*%d : %s + k*%d;\n", emit_pitch(e, place->rows), a->name, a->rows);
 		else
 			text_printf(&t, " : %s + k;\n", a->name);
 	}
@@ -216,7 +82,7 @@ static const char *move_slices(const struct emission *e, int out)
 	text_init(&t, e->arena);
 	for (int i = 0; i < d->argument_count; i++) {
 		const struct argument *a = &d->arguments[i];
-		int words = pitch(e, a->rows);
+		int words = emit_pitch(e, a->rows);
 
 		if (a->per_batch || a->is_output != out)
 			continue;
@@ -269,19 +135,34 @@ static const char *kernel_call(const struct emission *e, const struct pass *p, i
 /* Derivatives may take more values than there are registers. ptxas refuses this where the launch gives shared memory. */
 static const char *spill_text(const struct emission *e)
 {
-	const struct slot slots[] = {{"UNLESS_GIVEN", is_staged(e) ? " && !RNEA_GIVEN_BYTES" : ""}};
+	const struct slot slots[] = {{"UNLESS_GIVEN", emit_is_staged(e) ? " && !RNEA_GIVEN_BYTES" : ""}};
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (is_full(e) && !emit_main(e)->segments.count)
+	if (emit_is_full(e) && !emit_main(e)->segments.count)
 		template_expand(&t, e->target->kernel->spill, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
+/* One call for each array that has rows of each sample. */
+static const char *prefetch_text(const struct emission *e, const struct pass *p)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < p->dag.argument_count && p == emit_main(e) && emit_is_prefetched(e); i++) {
+		const struct argument *a = &p->dag.arguments[i];
+
+		if (!a->is_output && !a->per_batch)
+			text_printf(&t, "\trneagen_prefetch<%d>(%s + k, count);\n", a->rows, a->name);
+	}
 	return text_string(&t);
 }
 
 /* The slices' shared memory: the kernel's own, the launch's, or none. */
 static const char *declaration_text(const struct emission *e)
 {
-	const struct slot slots[] = {{"T", e->memory->type}, {"WORDS", emit_int(e, stage_words(e))}};
+	const struct slot slots[] = {{"T", e->memory->type}, {"WORDS", emit_int(e, emit_stage_words(e))}};
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -291,12 +172,12 @@ static const char *declaration_text(const struct emission *e)
 
 static void put_kernel(const struct emission *e, const struct pass *p, struct text *out)
 {
-	int staged = is_staged(e) && p == emit_main(e), is_aos = e->options->layout == RNEAGEN_AOS;
+	int staged = emit_is_staged(e) && p == emit_main(e), is_aos = e->options->layout == RNEAGEN_AOS;
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
 		{"SPILL", spill_text(e)}, {"ZEROS", p == emit_main(e) ? emit_zero_loops(e, "blockIdx.y", "") : ""}, {"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", kernel_call(e, p, staged)},
-		{"DECLARATION", declaration_text(e)}, {"SLICES", slices_text(e)}, {"POINTERS", pointers_text(e)},
+		{"PREFETCH", prefetch_text(e, p)}, {"DECLARATION", declaration_text(e)}, {"SLICES", slices_text(e)}, {"POINTERS", pointers_text(e)},
 		{"MOVE_IN", is_aos ? move_slices(e, 0) : move_samples(e, 0)}, {"MOVE_OUT", is_aos ? move_slices(e, 1) : move_samples(e, 1)},
 		{"IN_PLACE", !is_in_place(arguments_of(e)) ? "" :
 			"\t/* tau takes the place of qdd: a joint's qdd is read before its torque is written */\n"},
@@ -328,7 +209,7 @@ int emit_is_streamed(const struct emission *e)
 	int has_matrix = request_wants_derivative(e->request) || request_wants(e->request, WANT_REGRESSOR);
 
 	return e->target->kernel && e->options->layout == RNEAGEN_SOA && has_matrix &&
-	       !is_staged(e);
+	       !emit_is_staged(e);
 }
 
 const char *emit_store(const struct emission *e)
@@ -345,27 +226,29 @@ const char *emit_store(const struct emission *e)
 
 const char *emit_stage(const struct emission *e)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"T", e->memory->type}, {"BYTES", emit_int(e, stage_bytes(e))}};
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"T", e->memory->type}, {"BYTES", emit_int(e, emit_slice_bytes(e))}};
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (e->target->kernel && is_staged(e))
+	if (e->target->kernel && emit_is_prefetched(e))
+		template_expand(&t, e->target->kernel->prefetch, slots, sizeof slots / sizeof *slots);
+	if (e->target->kernel && emit_is_staged(e))
 		template_expand(&t, e->target->kernel->stage, slots, sizeof slots / sizeof *slots);
-	if (e->target->kernel && is_staged(e) && e->options->layout == RNEAGEN_AOS)
+	if (e->target->kernel && emit_is_staged(e) && e->options->layout == RNEAGEN_AOS)
 		template_expand(&t, e->target->kernel->stage_aos, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);
 }
 
 const char *emit_stage_launch(const struct emission *e)
 {
-	return e->target->kernel && is_staged(e) ? e->target->kernel->stage_launch : "";
+	return e->target->kernel && emit_is_staged(e) ? e->target->kernel->stage_launch : "";
 }
 
 const char *emit_given(const struct emission *e)
 {
 	struct text t;
 
-	if (!is_staged(e))
+	if (!emit_is_staged(e))
 		return "0";
 	text_init(&t, e->arena);
 	text_printf(&t, "rneagen_given_bytes((const void *)%s_%s_kernel)", e->options->name, emit_main(e)->algorithm->name);
@@ -374,5 +257,5 @@ const char *emit_given(const struct emission *e)
 
 int emit_stage_bytes(const struct emission *e)
 {
-	return e->target->kernel && is_staged(e) ? stage_bytes(e) : 0;
+	return e->target->kernel && emit_is_staged(e) ? emit_slice_bytes(e) : 0;
 }

@@ -12,6 +12,7 @@ struct kernel_frames {
 	const char *spill;                            /* what gives registers more room; at the head of a kernel of derivatives */
 	const char *slices, *stage, *stage_aos, *stage_launch; /* shared memory: declared, filled, and given by a launch */
 	const char *store;                            /* what RNEA_STORE means */
+	const char *prefetch;                         /* what asks for a sample's inputs in advance */
 	const char *zeros;                            /* what stores the elements that are always zero */
 	const char *compiler;                         /* a macro that the compiler of kernels defines */
 };

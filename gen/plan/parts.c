@@ -91,16 +91,17 @@ static int fullness_of(struct splitter *s, int first, int end)
 	return most < MOST ? (int)most : MOST;
 }
 
-/* The same of texts of forward dynamics, which are longer. H100, qdd and both gradients in f32, 1 M samples, ns
-   measured and in brackets what this says of it, in all: floating hyq in 1 and 3 parts 4.1 2.9 (3.8 2.8), atlas in 1
-   and 4 parts 8.8 7.3 (9.0 7.3). */
+/* The same of texts of forward dynamics, which are longer. H100, qdd and both gradients, 1 M samples, ns beside the number of parts,
+   f32: floating hyq, 1 to 5 parts 6.5 4.8 2.5 2.8 2.9, atlas, 4 to 6, 8, 10 and 12 parts 7.0 7.5 6.4 6.1 6.1 6.3; f64, where what waits is
+   spilled to memory: panda, 1 to 3 parts 1.83 0.93 1.00, iiwa14 0.43 0.56 0.71, atlas, 4, 6, 8 and 12 parts 24.6 31.4 32.0 33.6. */
 static double forward_loss_of(const struct splitter *s, const struct size *z)
 {
-	double longer = (z->operations - OPERATIONS) / 8000.0, more = (double)z->alive / most_alive(s) - 1;
+	int is_single = s->o->precision == RNEAGEN_F32;
+	double longer = (z->operations - OPERATIONS) / (is_single ? 5000.0 : 8000.0), more = (double)z->alive / most_alive(s) - 1;
 
 	longer = longer < 0 ? 0 : longer > 2 ? 2 : longer;
 	more = more < 0 ? 0 : more > 1 ? 1 : more;
-	return (1 + longer) * (1 + 0.8 * more);
+	return (1 + longer) * (1 + (is_single ? 0.8 : 2.4) * more);
 }
 
 /* How many times as much an operation of such a part takes as one of a part that loses nothing. H100, both gradients, us

@@ -1,0 +1,177 @@
+/* What a kernel takes of a multiprocessor: threads of a block, registers, shared memory. Each rule has its measurement. */
+#include "emit/emit.h"
+#include "plan/stage.h"
+
+/* Threads, where nothing is staged. */
+enum { BLOCK = 128 };
+
+/* Of kernels of derivatives, which spill into the same 48 KiB: of each thread twice as much as in blocks of 128 (H100, 1 M samples:
+   both gradients of panda in f64, 2 parts, 0.635 ns instead of 0.674; of iiwa14 in f32, which spills nothing, 0.199 instead of
+   0.205). */
+enum { DERIVATIVE_BLOCK = 64 };
+
+/* Where launch bounds pay: see min_blocks. */
+enum { ARM_BODIES = 12, MANY_BODIES = 24, FEW_ALIVE = 45, MANY_ALIVE = 60, MOST_ALIVE = 100, LATE_SINGLE = 140, FULL_SINGLE = 220,
+	FULL_DOUBLE = 170, OVERFULL_DOUBLE = 340 };
+
+static int gcd(int a, int b)
+{
+	return b ? gcd(b, a % b) : a;
+}
+
+/* Words from one sample's rows to the next one's in shared memory. 32 banks of 4 bytes: even eight threads on a bank are
+   cheaper than a gap that breaks the slice up (H100: hyq, 12 rows, 0.93 of the floor instead of 0.78). */
+int emit_pitch(const struct emission *e, int rows)
+{
+	return e->options->layout == RNEAGEN_SOA || gcd(rows, 128 / e->memory->bytes) <= 8 ? rows : rows | 1;
+}
+
+/* Words of shared memory that staging takes for one sample. */
+int emit_stage_words(const struct emission *e)
+{
+	const struct dag *d = &emit_main(e)->dag;
+	int words = 0;
+
+	for (int i = 0; i < d->argument_count; i++)
+		if (stage_has_place(d, i))
+			words += emit_pitch(e, d->arguments[i].rows);
+	return words;
+}
+
+int emit_slice_bytes(const struct emission *e)
+{
+	return emit_stage_words(e) * e->memory->bytes;
+}
+
+/* Accelerations of which more floats wait than registers hold (H100, 1 M samples: floating atlas 0.93 ns instead of 1.29; but in
+   f64 floating hyq 0.55 instead of 0.43). */
+static int is_full_forward(const struct emission *e)
+{
+	return e->request->is_forward && e->arithmetic->bytes == 4 && plan_alive(&emit_main(e)->plan, e->arena) > FULL_SINGLE;
+}
+
+/* Does the kernel hold so much at once that it takes smaller blocks, and shared memory beside its registers? */
+int emit_is_full(const struct emission *e)
+{
+	return request_wants_derivative(e->request) || is_full_forward(e);
+}
+
+/* Does the main kernel fetch its slice into shared memory first? In aos, to move whole lines, wherever 32 samples have
+   room; in soa in f64, where inputs that wait in registers leave few threads, as long as 64 have (H100: iiwa14 0.96 of
+   the floor instead of 0.86, fetch 0.94 instead of 0.80; but jvrc1, where 32 just fit, 0.47 instead of 0.63). */
+int emit_is_staged(const struct emission *e)
+{
+	/* a part must not write what stands in the others' places; segments have shared memory of their own */
+	if (emit_is_operation(e) || e->part_count || emit_main(e)->segments.count)
+		return 0;
+	if (e->options->layout == RNEAGEN_AOS)
+		return WARP_THREADS * emit_slice_bytes(e) <= SHARED_BYTES;
+	return e->arithmetic->bytes == 8 && 2 * WARP_THREADS * emit_slice_bytes(e) <= SHARED_BYTES;
+}
+
+/* Does the kernel ask for its inputs in advance? Where many values wait the compiler fetches an input only when there is a register for
+   it, and a warp waits for memory many times. H100, 1 M samples, ps: qdd with gradients of iiwa14 260, 211, of hyq 204, 197, of panda 325,
+   300, of ur5 176, 163; qdd of floating hyq 177, 159; gradients of panda 268, 253; in f64 those of hyq 424, 384, with qdd 476, 441. What
+   is left out: gradients of iiwa14 190, 192, of hyq 180, 181; qdd of hyq 77, 81, of atlas 278, 280; tau of g1_29dof 192, 211; in f64,
+   where registers spill, qdd with gradients of iiwa14 505, 560, of panda 1827, 1864. */
+int emit_is_prefetched(const struct emission *e)
+{
+	int alive;
+
+	if (e->options->layout != RNEAGEN_SOA || emit_is_staged(e) || e->part_count || emit_main(e)->segments.count || e->wide)
+		return 0;
+	alive = plan_alive(&emit_main(e)->plan, e->arena);
+	if (e->arithmetic->bytes == 8)
+		return request_wants_derivative(e->request) && alive <= FULL_DOUBLE;
+	if (e->request->is_forward && request_wants_derivative(e->request))
+		return 1;
+	return (e->request->is_forward || request_wants_derivative(e->request)) && alive > LATE_SINGLE && alive <= FULL_SINGLE;
+}
+
+/* A sample is taken for one of small angles and computed again if it was not: no test comes before the arithmetic, and no
+   input is read twice (H100, 1 M samples: iiwa14 0.96 of the floor instead of 0.94, hyq 0.92 instead of 0.87;
+   but atlas 0.86 instead of 0.88). The kernel then holds the body twice: a loop around one copy makes it fetch its inputs late (H100, ps:
+   hyq 85 instead of 76, gradients of iiwa14, with the test first, 224 instead of 204). */
+int emit_is_optimistic(const struct emission *e)
+{
+	return e->arithmetic->bytes == 4 && !emit_is_staged(e) && e->tree->body_count < MANY_BODIES;
+}
+
+/* Accelerations of an arm or a quadruped. Smaller blocks end more evenly (H100, 1 M samples, ps, blocks of 128 and of 64: iiwa14 44.0,
+   43.7, hyq 73.0, 72.2; by base parameters 42.2, 40.8 and 70.4, 69.4). */
+static int is_small_forward(const struct emission *e)
+{
+	return e->request->is_forward && e->arithmetic->bytes == 4 && e->tree->body_count <= ARM_BODIES;
+}
+
+int emit_block_size(const struct emission *e)
+{
+	int block = emit_is_full(e) || is_small_forward(e) ? DERIVATIVE_BLOCK : BLOCK;
+
+	if (emit_main(e)->segments.count)
+		return emit_segments_block(e, emit_main(e));
+
+	while (emit_is_staged(e) && block * emit_slice_bytes(e) > SHARED_BYTES)
+		block /= 2;
+	return block;
+}
+
+/* The most values at once of the body, or of a part of it. */
+static int most_alive(const struct emission *e)
+{
+	int most = e->part_count ? 0 : plan_alive(&emit_main(e)->plan, e->arena);
+
+	for (int i = 0; i < e->part_count; i++)
+		most = e->parts[i].alive > most ? e->parts[i].alive : most;
+	return most;
+}
+
+/* Derivatives in f64 that need no shared memory to spill into: what the compiler may give each of four blocks it then gives (H100,
+   1 M samples: hyq, 64 values alive, 0.416 ns instead of 0.433; but iiwa14, 137, 0.412 instead of 0.386). Of accelerations, where
+   very many wait, the compiler's own choice is 168 registers, and it spills more: 7584 bytes instead of 6368 for floating hyq, 361 values
+   alive; but of panda and of iiwa14 320 instead of 1008 and 192 instead of 720, for it then spills to shared memory. */
+static int min_derivative_blocks(const struct emission *e)
+{
+	int alive = plan_alive(&emit_main(e)->plan, e->arena);
+
+	if (e->arithmetic->bytes != 8)
+		return 0;
+	return (alive > MANY_ALIVE && alive <= MOST_ALIVE) || (e->request->is_forward && most_alive(e) > OVERFULL_DOUBLE) ? 4 : 0;
+}
+
+/* Humanoids in f32 soa gain from room for a third block (H100: 168 registers, no spill), arms of some 50 values from room
+   for a sixth (80 registers instead of 93 on iiwa14, no spill: 0.93 of the floor instead of 0.90). Accelerations of few values
+   gain from room for 14 blocks of 64 (hyq 72.2 ps, 71.1), others lose (iiwa14 43.7, 44.4). Elsewhere the compiler's own choice
+   spills least: a bound makes it fetch all inputs first. */
+static int min_blocks(const struct emission *e)
+{
+	int alive;
+
+	if (!e->target->kernel || emit_is_staged(e) || emit_is_operation(e))
+		return 0;
+	if (emit_main(e)->segments.count)
+		return e->arithmetic->bytes == 4 ? 6 : 0;
+	if (request_wants_derivative(e->request))
+		return min_derivative_blocks(e);
+	if (e->arithmetic->bytes != 4 || e->wide || (e->request->is_forward && e->tree->body_count > ARM_BODIES))
+		return 0;
+	if (e->tree->body_count > ARM_BODIES)
+		return e->tree->body_count >= MANY_BODIES ? 3 : 0;
+	alive = plan_alive(&emit_main(e)->plan, e->arena);
+	if (e->request->is_forward)
+		return alive < FEW_ALIVE ? 14 : 0;
+	return alive >= FEW_ALIVE && alive <= MANY_ALIVE ? 6 : 0;
+}
+
+/* As many threads in blocks of any size; in blocks of a warp there may be no room for so many, and registers for all. */
+const char *emit_min_blocks(const struct emission *e)
+{
+	int blocks = min_blocks(e);
+	struct text t;
+
+	if (!blocks)
+		return "0";
+	text_init(&t, e->arena);
+	text_printf(&t, "(RNEA_BLOCK < 64 ? 0 : %d/RNEA_BLOCK)", blocks * emit_block_size(e));
+	return text_string(&t);
+}
