@@ -206,6 +206,35 @@ static void check_block(const struct subject *s, const struct target *t, struct 
 	rnea_close(robot);
 }
 
+/* ---- inputs that are asked for in advance ---- */
+
+static const struct advance {
+	struct subject text;
+	const char *calls; /* one for each array of inputs, with its rows; NULL: none */
+} ADVANCES[] = {
+	{{.robot = "iiwa14", .scene = "want qdd,dqdd_dq,dqdd_dqd\n"}, "<7>(q + k, count)<7>(qd + k, count)<7>(tau + k, count)"},
+	{{.robot = "hyq", .precision = RNEAGEN_F64, .scene = "want tau,dtau_dq,dtau_dqd\nfree payload.lf_lowerleg,gravity\n"},
+		"<12>(q + k, count)<12>(qd + k, count)<12>(qdd + k, count)<10>(payload_lf_lowerleg + k, count)"},
+	{{.robot = "iiwa14", .scene = "want qdd,dqdd_dq,dqdd_dqd\n", .layout = RNEAGEN_AOS}, NULL},
+	{{.robot = "iiwa14"}, NULL},
+};
+
+/* An array that is left out would be fetched late, and nothing but a GPU's clock would tell. */
+START_TEST(test_advance)
+{
+	const struct advance *x = &ADVANCES[_i];
+	struct target t = {0};
+	char found[512] = "";
+	const char *at;
+
+	generate(&x->text, &t);
+	for (at = t.text.source; (at = strstr(at, "\trneagen_prefetch")) != NULL; at++)
+		strncat(found, at + strlen("\trneagen_prefetch"), strcspn(at, ";") - strlen("\trneagen_prefetch"));
+	ck_assert_str_eq(found, x->calls ? x->calls : "");
+	rneagen_result_free(&t.text);
+}
+END_TEST
+
 /* Every way to stage, of every subject; on an H100, one of 99 KiB, one that gives nothing: in one of its blocks, in
    turn, or in each where all is asked for. */
 START_TEST(test_values)
@@ -339,6 +368,7 @@ int main(void)
 	suite_add(s, "values", test_values, SUBJECT_COUNT, 300);
 	suite_add(s, "occupancy", test_occupancy, 2, 60);
 	suite_add(s, "refused", test_refused, 1, 60);
+	suite_add(s, "advance", test_advance, sizeof ADVANCES / sizeof *ADVANCES, 60);
 	suite_add(s, "launch", test_launch, sizeof launch_blocks / sizeof *launch_blocks, 60);
 	return suite_run(s);
 }
