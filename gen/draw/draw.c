@@ -94,20 +94,18 @@ static struct draw_range freed_range(const struct freed *f)
 	return r;
 }
 
-/* What the scene says, the whole of an input before its joints, these before single rows. */
+/* What the scene says; a quaternion is drawn over all rotations. */
 static void range_as_said(struct drawn_array *a, const struct request *k)
 {
-	for (int level = 0; level < REQUEST_RANGE_LEVELS; level++)
-		for (int i = 0; i < k->range_count; i++) {
-			const struct request_range *r = &k->ranges[i];
+	for (int row = 0; row < a->rows; row++) {
+		const struct request_range *r = request_range_of(k, a->name, row);
 
-			for (int row = r->first; r->level == level && !strcmp(r->argument, a->name) && row < r->first + r->count; row++)
-				if (a->ranges[row].kind != DRAW_ROTATION) {
-					a->ranges[row].lower = r->lower;
-					a->ranges[row].upper = r->upper;
-					a->ranges[row].is_known = 1;
-				}
-		}
+		if (!r || a->ranges[row].kind == DRAW_ROTATION)
+			continue;
+		a->ranges[row].lower = r->lower;
+		a->ranges[row].upper = r->upper;
+		a->ranges[row].is_known = 1;
+	}
 }
 
 static void add_array(struct drawn *x, struct drawn_array array, struct draw_range all, struct arena *a)

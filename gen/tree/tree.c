@@ -251,3 +251,11 @@ const struct tree_joint *tree_joint_of_row(const struct tree *t, int row)
 		j++;
 	return j;
 }
+
+int tree_is_quaternion(const struct tree *t, int row)
+{
+	for (int i = 0; i < t->joint_count; i++)
+		if (t->joints[i].type == JOINT_FLOATING && row >= t->joints[i].iq + 3 && row < t->joints[i].iq + 7)
+			return 1;
+	return 0;
+}

@@ -22,15 +22,18 @@ static void take_joint(struct asked_box *b, const struct analysis *x, int argume
 		b->rows[argument][t->iv + r] = (struct span){-j->velocity, j->velocity};
 }
 
-static void take_range(struct asked_box *b, const struct dag *d, const struct request_range *r)
+static void take_ranges(struct asked_box *b, const struct analysis *x, int argument)
 {
-	int argument = dag_find_argument(d, r->argument);
-	enum role role = argument >= 0 ? d->arguments[argument].role : ROLE_UNKNOWN;
+	const struct argument *of = &x->dag.arguments[argument];
 
-	if (role == ROLE_LINK_INERTIA || role == ROLE_LINK_PAYLOAD) /* it is the mass' (left_out.h) */
+	if (of->role == ROLE_LINK_INERTIA || of->role == ROLE_LINK_PAYLOAD) /* it is the mass' (left_out.h) */
 		return;
-	for (int row = r->first; argument >= 0 && b->rows[argument] && row < r->first + r->count; row++)
-		b->rows[argument][row] = (struct span){r->lower, r->upper};
+	for (int row = 0; row < of->rows; row++) {
+		const struct request_range *r = request_range_of(&x->request, of->name, row);
+
+		if (r)
+			b->rows[argument][row] = (struct span){r->lower, r->upper};
+	}
 }
 
 int asked_box(struct asked_box *b, const struct analysis *x, struct arena *a)
@@ -45,11 +48,8 @@ int asked_box(struct asked_box *b, const struct analysis *x, struct arena *a)
 			b->rows[i][r] = (struct span){1, 0};
 		for (int k = 0; k < x->tree.joint_count; k++)
 			take_joint(b, x, i, k);
+		take_ranges(b, x, i);
 	}
-	for (int level = 0; level < REQUEST_RANGE_LEVELS && !a->failed; level++)
-		for (int k = 0; k < x->request.range_count; k++)
-			if (x->request.ranges[k].level == level)
-				take_range(b, d, &x->request.ranges[k]);
 	b->q_rows = b->position >= 0 ? d->arguments[b->position].rows : 0;
 	b->position = b->position >= 0 ? b->position : DAG_ARGUMENTS;
 	b->rows[DAG_ARGUMENTS] = arena_alloc(a, 1, sizeof(struct span));
