@@ -154,7 +154,7 @@ static void put_functions(const struct emission *e, struct text *out)
 		put_entry("first_... l", "an array at the first of several samples in a row; which of them this is", out);
 	if (emit_has_known(e))
 		put_entry("known sines all_small", "the angles' sines and cosines are known; they; all angles are small", out);
-	if (e->options->bounded && emit_bounds_by_table(e, &emit_main(e)->dag)) {
+	if (emit_bounds_by_table(e, &emit_main(e)->dag)) {
 		put_entry("bound e", "of each output, how far it may be off; before it is rounded", out);
 		put_entry("operations constants results", "what the function computes, as a table; which operations give its outputs", out);
 		put_entry("type in all", "how numbers are rounded; arrays of inputs; values of all operations", out);
