@@ -1,13 +1,13 @@
 /* What a checker of certificates evaluates holds: spans beside MPFR; ranges and errors over boxes, polynomials at points, bends and grids
    beside quad precision. States outside a box, a smaller bend and a coarser degree are seen to break it. */
 #include "prove/robot_box.h"
+#include "prove/spans.h"
 #include "steps/boxes.h"
 #include "steps/grid.h"
 #include "dag/eval.h"
 #include "emit/number_type.h"
 #include "support/suite.h"
 #include <math.h>
-#include <mpfr.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -27,35 +27,11 @@ enum { CASE_COUNT = sizeof CASES / sizeof *CASES };
 
 /* ---- spans ---- */
 
-static double magnitude(struct rng *r)
-{
-	return (rng_chance(r, 0.1) ? 0 : 1) * rng_uniform(r, -1, 1) * exp2(rng_uniform(r, -40, 40));
-}
-
-static struct span draw_span(struct rng *r, double (*one)(struct rng *r))
-{
-	double a = one(r), b = rng_chance(r, 0.2) ? a : rng_chance(r, 0.5) ? a * (1 + rng_uniform(r, 0, 1e-14)) : one(r);
-
-	return (struct span){fmin(a, b), fmax(a, b)};
-}
-
 static double angle(struct rng *r)
 {
 	double quarter = 1.5707963267948966 * rng_uniform(r, -9, 9);
 
 	return rng_chance(r, 0.3) ? 1.5707963267948966 * round(quarter) : quarter;
-}
-
-static double inside(struct rng *r, struct span a)
-{
-	double t = rng_chance(r, 0.5) ? rng_below(r, 2) : rng_uniform(r, 0, 1);
-
-	return t == 0 ? a.lo : t == 1 ? a.hi : fmin(a.hi, fmax(a.lo, a.lo + t * (a.hi - a.lo)));
-}
-
-static int contains(struct span a, mpfr_t x)
-{
-	return mpfr_cmp_d(x, a.lo) >= 0 && mpfr_cmp_d(x, a.hi) <= 0;
 }
 
 START_TEST(test_spans)
@@ -65,20 +41,20 @@ START_TEST(test_spans)
 
 	mpfr_inits2(BITS, x, y, z, (mpfr_ptr)0);
 	for (int i = 0; i < PAIRS; i++) {
-		struct span a = draw_span(&r, magnitude), b = draw_span(&r, magnitude), c = draw_span(&r, angle);
+		struct span a = spans_draw(&r, spans_magnitude), b = spans_draw(&r, spans_magnitude), c = spans_draw(&r, angle);
 
-		mpfr_set_d(x, inside(&r, a), MPFR_RNDN);
-		mpfr_set_d(y, inside(&r, b), MPFR_RNDN);
+		mpfr_set_d(x, spans_inside(&r, a), MPFR_RNDN);
+		mpfr_set_d(y, spans_inside(&r, b), MPFR_RNDN);
 		mpfr_add(z, x, y, MPFR_RNDN);
-		ck_assert(contains(span_add(a, b), z));
+		ck_assert(spans_contain(span_add(a, b), z));
 		mpfr_mul(z, x, y, MPFR_RNDN);
-		ck_assert(contains(span_mul(a, b), z));
+		ck_assert(spans_contain(span_mul(a, b), z));
 		ck_assert(span_size(a) >= fabs(mpfr_get_d(x, MPFR_RNDZ)));
-		mpfr_set_d(x, inside(&r, c), MPFR_RNDN);
+		mpfr_set_d(x, spans_inside(&r, c), MPFR_RNDN);
 		mpfr_sin(z, x, MPFR_RNDN);
-		ck_assert(contains(span_sin(c), z));
+		ck_assert(spans_contain(span_sin(c), z));
 		mpfr_cos(z, x, MPFR_RNDN);
-		ck_assert(contains(span_cos(c), z));
+		ck_assert(spans_contain(span_cos(c), z));
 	}
 	mpfr_clears(x, y, z, (mpfr_ptr)0);
 }
