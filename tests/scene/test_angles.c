@@ -2,6 +2,7 @@
    take, and never by limits of the URDF alone. It would catch an angle that is forgotten (a follower's, a planar joint's, one with a free
    offset), a range that counts although a narrower one says more, and a head that does not make the same text again. */
 #include "support/scene_model.h"
+#include "support/generated.h"
 #include "support/suite.h"
 #include "support/urdf_text.h"
 #include "rneagen.h"
@@ -62,13 +63,10 @@ END_TEST
 static struct rneagen_result text_of(const char *urdf, const char *scene, enum rneagen_trig trig)
 {
 	struct rneagen_options o = rneagen_options_default();
-	struct rneagen_result r;
-	struct rneagen_error e;
 
 	o.scene = scene;
 	o.trig = trig;
-	ck_assert_msg(!rneagen_generate(urdf, strlen(urdf), &o, &r, &e), "%s", e.message);
-	return r;
+	return generated(urdf, &o);
 }
 
 /* The head says it, with the ranges that it rests on; asking for the same gives the same bytes; without ranges nothing is said. */

@@ -3,6 +3,7 @@
 #define _DEFAULT_SOURCE /* M_PI */
 #include "tell/draw_put.h"
 #include "support/scene_model.h"
+#include "support/generated.h"
 #include "support/suite.h"
 #include "support/urdf_text.h"
 #include <math.h>
@@ -282,13 +283,10 @@ END_TEST
 static struct rneagen_result make(const char *scene)
 {
 	struct rneagen_options o = rneagen_options_default();
-	struct rneagen_result r;
-	struct rneagen_error e;
 
 	o.scene = scene;
 	o.tell = RNEAGEN_TELL_ALL;
-	ck_assert_msg(!rneagen_generate(urdf, sizeof urdf - 1, &o, &r, &e), "%s", e.message);
-	return r;
+	return generated(urdf, &o);
 }
 
 /* A text knows of no range but where it states what a changed constant changes, and then in its head alone. */

@@ -4,6 +4,7 @@
 #include "support/read.h"
 #include "support/rng.h"
 #include "rneagen.h"
+#include "support/generated.h"
 #include "support/suite.h"
 #include "support/urdf_text.h"
 #include <locale.h>
@@ -265,14 +266,11 @@ END_TEST
 static struct rneagen_result generate(const char *scene)
 {
 	struct rneagen_options o = rneagen_options_default();
-	struct rneagen_result r;
-	struct rneagen_error e;
 
 	o.target = RNEAGEN_TARGET_C;
 	o.tell = RNEAGEN_TELL_ALL;
 	o.scene = scene;
-	ck_assert_msg(!rneagen_generate(arm, sizeof arm - 1, &o, &r, &e), "%s", e.message);
-	return r;
+	return generated(arm, &o);
 }
 
 static void expect(const char *text, const char *part)
@@ -329,10 +327,9 @@ START_TEST(floating_without_mass)
 	o.scene = FLOATING[_i].scene;
 	for (int floats = 0; floats < 2; floats++) {
 		struct rneagen_result r;
-		struct rneagen_error e;
 
 		o.base = floats ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
-		ck_assert_msg(!rneagen_generate(FLOATING[_i].urdf, strlen(FLOATING[_i].urdf), &o, &r, &e), "%s", e.message);
+		r = generated(FLOATING[_i].urdf, &o);
 		ck_assert_msg(r.warning_count == (floats && FLOATING[_i].base), "%zu warnings: %s", r.warning_count,
 			r.warning_count ? r.warnings[0] : "");
 		snprintf(want, sizeof want, "which has no mass; --root '%s' floats that link instead",
@@ -355,10 +352,9 @@ START_TEST(ignored)
 			DYNAMIC("jd", "fixed", "c", "d", "1", "1") "<transmission name='t'><joint name='ja'/></transmission>");
 	struct rneagen_options o = rneagen_options_default();
 	struct rneagen_result r;
-	struct rneagen_error e;
 
 	o.tell = RNEAGEN_TELL_ALL;
-	ck_assert_msg(!rneagen_generate(text, sizeof text - 1, &o, &r, &e), "%s", e.message);
+	r = generated(text, &o);
 	expect(r.info,
 		"\nin the URDF and not modelled\n  damping of ja, jc\n  friction of jb, jc\n  limits of ja, jb\n  1 transmissions\n");
 	expect(r.info_json,
@@ -366,7 +362,7 @@ START_TEST(ignored)
 		"\"transmissions\": 1},\n");
 	rneagen_result_free(&r);
 	o.scene = "lock jc=0";
-	ck_assert_msg(!rneagen_generate(text, sizeof text - 1, &o, &r, &e), "%s", e.message);
+	r = generated(text, &o);
 	expect(r.source, " * In the URDF and not modelled: damping of 1 joints, friction of 1, limits of 2\n");
 	rneagen_result_free(&r);
 }
