@@ -17,17 +17,11 @@
 
 enum { SM = 90 };
 
-static const char *nvcc; /* NULL: none here */
+static const char *nvcc;
 
 static void find_nvcc(void)
 {
-	const char *const places[] = {getenv("NVCC"), "nvcc", "/usr/local/cuda/bin/nvcc"};
-
-	for (size_t i = 0; i < sizeof places / sizeof *places && !nvcc; i++)
-		if (places[i] && process_exists(places[i]))
-			nvcc = places[i];
-	if (!nvcc)
-		printf("skipped: no nvcc\n");
+	nvcc = target_nvcc();
 }
 
 START_TEST(table_begins)
