@@ -113,14 +113,6 @@ static void put_joints(const struct emission *e, struct text *out)
 	}
 }
 
-static int has_type(const struct tree *t, enum joint_type type)
-{
-	for (int k = 0; k < t->body_count; k++)
-		if (t->bodies[k].type == type)
-			return 1;
-	return 0;
-}
-
 /* How a pose is written; in which frame a Jacobian is. */
 static void put_motion(const struct request *k, const struct want *w, struct text *out)
 {
@@ -237,11 +229,11 @@ static void put_conventions(const struct emission *e, struct text *out)
 	put_gravity(e, out);
 	text_put(out, " in the frame of the root link's parent. Inputs are finite;\n"
 		      " * where one is not, every torque that depends on it is not finite either.\n");
-	if (has_type(e->tree, JOINT_FLOATING))
+	if (tree_has_type(e->tree, JOINT_FLOATING))
 		text_put(out, " * Floating: q = x y z qx qy qz qw (position and orientation in the parent); qd and qdd = twist in the\n"
 			      " * body's frame, linear then angular, and its componentwise derivative (spatial acceleration);\n"
 			      " * tau = force then moment about the origin, body's frame. The quaternion is not normalised.\n");
-	if (has_type(e->tree, JOINT_PLANAR))
+	if (tree_has_type(e->tree, JOINT_PLANAR))
 		text_put(out, " * Planar: q = x y theta; x and y in the plane normal to the axis; qd = dq/dt.\n");
 	if (emit_has_batches(e))
 		text_printf(out, " * Batches: every array is [%s].\n",

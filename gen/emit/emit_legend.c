@@ -90,14 +90,6 @@ static void put_entry(const char *names, const char *meaning, struct text *out)
 	text_printf(out, " *   %-15s  %s\n", names, meaning);
 }
 
-static int has_type(const struct tree *t, enum joint_type type)
-{
-	for (int i = 0; i < t->joint_count; i++)
-		if (t->joints[i].type == type)
-			return 1;
-	return 0;
-}
-
 static void put_inputs(const struct emission *e, struct text *out)
 {
 	if (somewhere(e, is_joint_row)) {
@@ -105,9 +97,9 @@ static void put_inputs(const struct emission *e, struct text *out)
 			put_entry("q qd tau qdd", "position, velocity, torque and acceleration of the link's joint", out);
 		else
 			put_entry("q qd qdd", "position, velocity and acceleration of the link's joint", out);
-		if (has_type(e->tree, JOINT_FLOATING))
+		if (tree_has_type(e->tree, JOINT_FLOATING))
 			put_entry("", "floating: with x y z qx qy qz qw after the number, and vx vy vz wx wy wz", out);
-		if (has_type(e->tree, JOINT_PLANAR))
+		if (tree_has_type(e->tree, JOINT_PLANAR))
 			put_entry("", "planar: with x y t after the number, in the plane and about its normal", out);
 	}
 	if (somewhere(e, is_own_wrench))

@@ -252,6 +252,14 @@ const struct tree_joint *tree_joint_of_row(const struct tree *t, int row)
 	return j;
 }
 
+int tree_has_type(const struct tree *t, enum joint_type type)
+{
+	for (int i = 0; i < t->joint_count; i++)
+		if (t->joints[i].type == type)
+			return 1;
+	return 0;
+}
+
 int tree_is_quaternion(const struct tree *t, int row)
 {
 	for (int i = 0; i < t->joint_count; i++)

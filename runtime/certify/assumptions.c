@@ -1,21 +1,13 @@
 #include "certify/assumptions.h"
 
-static int has_type(const struct analysis *a, enum joint_type type)
-{
-	for (int i = 0; i < a->tree.joint_count; i++)
-		if (a->tree.joints[i].type == type)
-			return 1;
-	return 0;
-}
-
 static int has_planar(const struct analysis *a)
 {
-	return has_type(a, JOINT_PLANAR);
+	return tree_has_type(&a->tree, JOINT_PLANAR);
 }
 
 static int has_floating(const struct analysis *a)
 {
-	return has_type(a, JOINT_FLOATING);
+	return tree_has_type(&a->tree, JOINT_FLOATING);
 }
 
 static int has_bodies(const struct analysis *a)
