@@ -61,7 +61,8 @@ static const struct counted {
 	const char *word;
 	int value; /* of the word */
 } PARTS = {"parts", "a number from 1 to 65535, or auto", 1, 65535, "auto", RNEAGEN_PARTS_AUTO},
-  SEGMENTS = {"segments", "a number of operations from 20 to 1000000, auto or whole", 20, 1000000, "whole", RNEAGEN_SEGMENTS_WHOLE},
+  SEGMENTS = {"segments", "a number of operations from 20 to 1000000, auto or whole", 20, 1000000, "whole",
+	RNEAGEN_SEGMENTS_WHOLE},
   LIMBS = {"limbs", "a number of warps from 2 to 16, auto or none", 2, 16, "none", RNEAGEN_LIMBS_NONE};
 
 static int parse_count(const char *command, const struct counted *c, const char *word, int *value)

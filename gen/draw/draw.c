@@ -136,7 +136,8 @@ int draw_ranges(struct drawn *x, const struct tree *t, const struct request *k, 
 	if (request_wants(k, WANT_VJP))
 		add_array(x, (struct drawn_array){.name = "vjp_v", .rows = k->vjp.rows}, around(1), a);
 	for (int i = 0; i < k->by_count && request_wants(k, WANT_JVP); i++)
-		add_array(x, (struct drawn_array){.name = k->by[i].direction, .rows = k->by[i].rows, .per_batch = k->by[i].per_batch}, around(1), a);
+		add_array(x, (struct drawn_array){.name = k->by[i].direction, .rows = k->by[i].rows,
+			.per_batch = k->by[i].per_batch}, around(1), a);
 	if (a->failed)
 		return 0;
 	range_joints(x, t, k->is_forward);
@@ -153,7 +154,8 @@ static void widen(double bounds[2], double lower, double upper)
 	bounds[1] += fmax(upper, 0) * (1 + 0x1p-40);
 }
 
-/* What draw_body makes of all masses from r.lower to r.upper: a box of no more mass than `box`, and the rest as the URDF has it. */
+/* What draw_body makes of all masses from r.lower to r.upper: a box of no more mass than `box`, and the rest as the URDF has
+   it. */
 static void bound_body(const struct freed *f, struct draw_range r, double (*bounds)[2])
 {
 	double box = f->nominal[0] > 0 ? 0.1 * r.upper : r.upper, most;
@@ -167,7 +169,8 @@ static void bound_body(const struct freed *f, struct draw_range r, double (*boun
 	}
 	for (int i = 0; i < 3; i++)
 		for (int j = i; j < 3; j++)
-			widen(bounds[4 + inertia_index(i, j)], i == j ? 0 : -0.01 * box, i == j ? (0.02 / 3 + 0.02) * box : 0.01 * box);
+			widen(bounds[4 + inertia_index(i, j)], i == j ? 0 : -0.01 * box,
+				i == j ? (0.02 / 3 + 0.02) * box : 0.01 * box);
 	bounds[0][0] = r.lower;
 	bounds[0][1] = r.upper;
 }

@@ -12,7 +12,8 @@ static const char *expanded(const struct emission *e, const struct scalar *s, co
 {
 	const struct slot slots[] = {{"F", s->suffix}, {"D", s->letter}, {"FMA_SUFFIX_UPPER", s->upper},
 		{"WIDE", s == e->arithmetic ? "" : "WIDE_"}, {"FLUSH", s->flushes ? template_arithmetic_strict_flush_in : ""},
-		{"OPERATIONS_CUDA", x.operations_cuda}, {"OPERATIONS_C", x.operations_c}, {"STRICT_CUDA", x.cuda}, {"STRICT_C", x.c}};
+		{"OPERATIONS_CUDA", x.operations_cuda}, {"OPERATIONS_C", x.operations_c}, {"STRICT_CUDA", x.cuda},
+		{"STRICT_C", x.c}};
 	struct text t;
 
 	text_init(&t, e->arena);

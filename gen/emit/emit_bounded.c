@@ -1,5 +1,5 @@
-/* NAME_rnea_bounded, NAME_fd_bounded: torques, or what else is wanted, and, by a running error analysis beside them, how far each may be from
-   what the URDF's decimals give. */
+/* NAME_rnea_bounded, NAME_fd_bounded: torques, or what else is wanted, and, by a running error analysis beside them, how far each
+   may be from what the URDF's decimals give. */
 #include "emit/unparse.h"
 #include "base/fold.h"
 #include "base/template.h"
@@ -74,8 +74,9 @@ static const char *fused_text(const struct emission *e)
 /* A value takes 32 bytes of stack; a result a sweep over all. */
 enum { MOST_NODES = 4096, MOST_STEPS = 1 << 19 };
 
-static const signed char KINDS[OP_COUNT] = {[OP_CONST] = 0, [OP_INPUT] = 1, [OP_NEG] = 2, [OP_ADD] = 3, [OP_SUB] = 4, [OP_MUL] = 5,
-	[OP_FMA] = 6, [OP_SIN] = 7, [OP_COS] = 8, [OP_DIV] = -1, [OP_SQRT] = -1, [OP_ABS] = -1, [OP_ANEW] = 9, [OP_WIDEN] = -1, [OP_NARROW] = -1};
+static const signed char KINDS[OP_COUNT] = {[OP_CONST] = 0, [OP_INPUT] = 1, [OP_NEG] = 2, [OP_ADD] = 3,
+	[OP_SUB] = 4, [OP_MUL] = 5, [OP_FMA] = 6, [OP_SIN] = 7, [OP_COS] = 8, [OP_DIV] = -1, [OP_SQRT] = -1, [OP_ABS] = -1,
+	[OP_ANEW] = 9, [OP_WIDEN] = -1, [OP_NARROW] = -1};
 
 int emit_bounds_by_table(const struct emission *e, const struct dag *d)
 {

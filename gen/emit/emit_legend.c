@@ -113,7 +113,8 @@ static void put_quantities(const struct emission *e, struct text *out)
 	static const char *const quantities[][2] = {{"w", "angular velocity"}, {"dw", "rate of the angular velocity"},
 		{"v", "velocity of the origin"}, {"a", "acceleration of the origin, less gravity"},
 		{"f", "force: the link's own, then with its children's"}, {"n", "moment about the origin, as f"},
-		{"qdd", "acceleration of the link's joint, as it is found"}, {"iD", "1/D: the inverse of the inertia that the joint feels"},
+		{"qdd", "acceleration of the link's joint, as it is found"},
+		{"iD", "1/D: the inverse of the inertia that the joint feels"},
 		{"rx", "the link's x axis, in the world's axes; so ry and rz"},
 		{"p", "its origin, from that of the first body on the way to it, in the world's axes"},
 		{"mc", "first moment about the origin of all masses from the link on"},
@@ -148,10 +149,12 @@ static void put_functions(const struct emission *e, struct text *out)
 		put_entry("known sines all_small", "the angles' sines and cosines are known; they; all angles are small", out);
 	if (emit_bounds_by_table(e, &emit_main(e)->dag)) {
 		put_entry("bound e", "of each output, how far it may be off; before it is rounded", out);
-		put_entry("operations constants results", "what the function computes, as a table; which operations give its outputs", out);
+		put_entry("operations constants results",
+			"what the function computes, as a table; which operations give its outputs", out);
 		put_entry("type in all", "how numbers are rounded; arrays of inputs; values of all operations", out);
 	} else if (e->options->bounded) {
-		put_entry("bound factor", "of each output, how far it may be off; what the bounds' own rounding is made good by", out);
+		put_entry("bound factor", "of each output, how far it may be off; what the bounds' own rounding is made good by",
+			out);
 	}
 	if (emit_uses(e, OP_FMA) && e->numbers->calls[OP_MUL] == NULL)
 		put_entry("RNEA_FMA", "a*b + c, rounded once where the machine can", out);

@@ -46,7 +46,8 @@ static int is_product(const struct dag *d, uint32_t i)
 
 	while (n->op == OP_NEG)
 		n = &d->nodes[n->arg[0].i];
-	return n->op == OP_MUL && !is_constant(d, n->arg[0].i) && !is_constant(d, n->arg[1].i) && !is_trig(d, n->arg[0].i) && !is_trig(d, n->arg[1].i);
+	return n->op == OP_MUL && !is_constant(d, n->arg[0].i) && !is_constant(d, n->arg[1].i) && !is_trig(d, n->arg[0].i) &&
+		!is_trig(d, n->arg[1].i);
 }
 
 int norms_form_is_rotated(const struct dag *d, uint32_t i)
@@ -54,8 +55,8 @@ int norms_form_is_rotated(const struct dag *d, uint32_t i)
 	const struct node *n = &d->nodes[i];
 	struct trig_term a, b;
 
-	return (n->op == OP_ADD || n->op == OP_SUB) && trig_term(d, n->arg[0], &a) && trig_term(d, n->arg[1], &b) && a.angle == b.angle &&
-	       a.is_sine != b.is_sine;
+	return (n->op == OP_ADD || n->op == OP_SUB) && trig_term(d, n->arg[0], &a) && trig_term(d, n->arg[1], &b) &&
+	       a.angle == b.angle && a.is_sine != b.is_sine;
 }
 
 /* What others read too stays one value, but for products of rates. */
@@ -300,17 +301,18 @@ static double cross_factor(const struct forming *f, double t[NORMS_SET][SIDE][SI
 static double tensor_norm(const struct forming *f)
 {
 	double t[NORMS_SET][SIDE][SIDE] = {{{0}}}, off = off_of(f, 1), best, cross;
-	struct matrix a = {.rows = f->row_count * f->u_count, .columns = f->v_count, .off = off}, b = {.rows = f->row_count * f->v_count,
-		.columns = f->u_count, .off = off}, c = {.rows = f->u_count * f->v_count, .columns = f->row_count, .off = off};
+	struct matrix a = {.rows = f->row_count * f->u_count, .columns = f->v_count, .off = off};
+	struct matrix b = {.rows = f->row_count * f->v_count, .columns = f->u_count, .off = off};
+	struct matrix c = {.rows = f->u_count * f->v_count, .columns = f->row_count, .off = off};
 	int is_one = f->u_count == f->v_count && !memcmp(f->u, f->v, (size_t)f->u_count * sizeof *f->u);
 
 	for (int i = 0; i < f->row_count; i++)
 		for (int j = 0; j < f->u_count; j++)
 			for (int k = 0; k < f->v_count; k++) {
-				double x = tensor_at(f, i, j, k);
+				double x = (is_one && j != k ? 0.5 : 1) * tensor_at(f, i, j, k);
 
-				x = is_one && j != k ? 0.5 * x : x;
-				t[i][j][k] = a.m[i * f->u_count + j][k] = b.m[i * f->v_count + k][j] = c.m[j * f->v_count + k][i] = x;
+				t[i][j][k] = x;
+				a.m[i * f->u_count + j][k] = b.m[i * f->v_count + k][j] = c.m[j * f->v_count + k][i] = x;
 			}
 	best = fmin(norm_of(&a), fmin(norm_of(&b), norm_of(&c)));
 	cross = is_one ? -1 : cross_factor(f, t);

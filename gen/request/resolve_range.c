@@ -41,7 +41,8 @@ static enum rneagen_code find_states(
 	int is_q = kind == KIND_Q || kind == KIND_Q_OF, body;
 
 	if (kind % KIND_Q_OF == (x->k->is_forward ? KIND_QDD : KIND_TAU))
-		return scene_refuse(x->s, c, x->e, "'%.255s' is no input of this scene; %s is", c->name, x->k->is_forward ? "tau" : "qdd");
+		return scene_refuse(x->s, c, x->e, "'%.255s' is no input of this scene; %s is", c->name,
+			x->k->is_forward ? "tau" : "qdd");
 	r->argument = KINDS[kind].word;
 	r->count = is_q ? t->nq : t->nv;
 	if (!KINDS[kind].has_name)
@@ -120,7 +121,8 @@ static enum rneagen_code check(
 	const struct resolver *x, const struct scene_choice *c, enum kind kind, const struct request_range *r)
 {
 	if (is_given(x, kind, r))
-		return scene_refuse(x->s, c, x->e, "'%.255s' is given by --fold, and nothing of it is drawn: leave one of them out", c->name);
+		return scene_refuse(x->s, c, x->e,
+			"'%.255s' is given by --fold, and nothing of it is drawn: leave one of them out", c->name);
 	for (int i = 0; i < x->k->range_count; i++) {
 		const struct request_range *other = &x->k->ranges[i];
 

@@ -228,7 +228,8 @@ enum rneagen_code tree_build(struct tree *t, const struct robot *r, const struct
 	size_t links = (size_t)r->link_count, joints = (size_t)r->joint_count;
 	struct builder b = {.t = t, .r = r, .c = c};
 
-	*t = (struct tree){.source = r, .robot = r->name, .root = r->links[c->root].name, .floating = o->base == RNEAGEN_FLOATING};
+	*t = (struct tree){.source = r, .robot = r->name, .root = r->links[c->root].name,
+		.floating = o->base == RNEAGEN_FLOATING};
 	for (int i = 0; i < 3; i++)
 		t->gravity[i] = within_double(o->gravity[i]);
 	t->bodies = arena_alloc(a, joints + 1, sizeof *t->bodies);
