@@ -118,9 +118,9 @@ static void print(const options &o, const outcome &r, double seconds, bool on_gp
 	if (on_gpu && gpu_registers(o.s, &registers, &spilled))
 		return;
 	if (o.csv) {
-		printf("%s,%zu,%zu,%.3f,%d,%d,%d,%.4f,%d,%zu,%.6g,%.3g,%.3g,%016llx\n", o.s.is_f64 ? "f64" : "f32", o.targets, r.reached,
-			r.steps, r.median, r.p99, r.most, r.restarts, registers, spilled, seconds, r.off, r.turned,
-			(unsigned long long)r.sum);
+		printf("%s,%zu,%zu,%.3f,%d,%d,%d,%.4f,%d,%zu,%.6g,%.3g,%.3g,%016llx\n", o.s.is_f64 ? "f64" : "f32",
+			o.targets, r.reached, r.steps, r.median, r.p99, r.most, r.restarts, registers, spilled, seconds,
+			r.off, r.turned, (unsigned long long)r.sum);
 		return;
 	}
 	printf("reached: %zu, %.4f %%, within %.3g mm and %.3g rad\n", r.reached, 100 * (double)r.reached / (double)o.targets,
@@ -238,8 +238,9 @@ static int map(const options &o, bool on_gpu)
 		return 1;
 	const outcome r = judge(goals, found);
 
-	printf("map of %d x %d cells, %d rotations each, on %s, in %s: %zu of %zu are reached; %.4g s\n", o.cells, o.cells, o.rotations,
-		on_gpu ? gpu_name() : "the host", o.s.is_f64 ? "f64" : "f32", r.reached, goals.size(), seconds);
+	printf("map of %d x %d cells, %d rotations each, on %s, in %s: %zu of %zu are reached; %.4g s\n", o.cells,
+		o.cells, o.rotations, on_gpu ? gpu_name() : "the host", o.s.is_f64 ? "f64" : "f32", r.reached,
+		goals.size(), seconds);
 	return wrong(r.is_within_limits && r.off <= TOLERANCE && r.turned <= TOLERANCE_ANGLE, "a hand is not where it shall be");
 }
 

@@ -42,7 +42,8 @@ int asked_box(struct asked_box *b, const struct analysis *x, struct arena *a)
 
 	*b = (struct asked_box){.position = dag_find_role(d, ROLE_JOINT_POSITION, 0)};
 	for (int i = 0; i < d->argument_count; i++) {
-		if (d->arguments[i].is_output || !(b->rows[i] = arena_alloc(a, (size_t)d->arguments[i].rows, sizeof(struct span))))
+		if (d->arguments[i].is_output ||
+			!(b->rows[i] = arena_alloc(a, (size_t)d->arguments[i].rows, sizeof(struct span))))
 			continue;
 		for (int r = 0; r < d->arguments[i].rows; r++)
 			b->rows[i][r] = (struct span){1, 0};
@@ -87,7 +88,8 @@ static struct rneagen_options text_options(const struct analysis *x, enum rneage
 	return o;
 }
 
-enum rneagen_code asked_text_hash(const struct analysis *x, enum rneagen_precision precision, char hash[HASH_TEXT], struct rneagen_error *e)
+enum rneagen_code asked_text_hash(const struct analysis *x, enum rneagen_precision precision, char hash[HASH_TEXT],
+	struct rneagen_error *e)
 {
 	struct rneagen_options o = text_options(x, precision);
 	struct rneagen_result text;

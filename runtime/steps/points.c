@@ -86,7 +86,8 @@ static void put(double *narrow, uint32_t place, double x)
 void points_at(const struct points *p, const double (*q)[2], double *work, double *coefficients)
 {
 	double *narrow = work + p->wide_count * p->lanes, *c = coefficients;
-	const double *v = work + p->root * p->lanes, *forth = v + 1 + p->drive_count, *back = p->is_odd ? forth + p->rate_count : forth;
+	const double *v = work + p->root * p->lanes, *forth = v + 1 + p->drive_count,
+		*back = p->is_odd ? forth + p->rate_count : forth;
 	const double *pair = back + p->rate_count;
 
 	for (int k = 0; k < p->dim_count; k++) {
