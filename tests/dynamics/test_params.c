@@ -1,7 +1,7 @@
-/* Torques by base parameters in frames of their own: against the independent reference, within the running bound, and with no more
-   operations than the URDF's constants take; of the robots from outside every fourth where not all is asked for. It would catch a
-   part of an inertia that is regrouped though it is felt, a frame whose turn, slide or links are not taken along, and a frame so far
-   away that it costs accuracy. */
+/* Torques by base parameters in frames of their own: against the independent reference, within the running bound, and with no
+   more operations than the URDF's constants take; of the robots from outside every fourth where not all is asked for. It would
+   catch a part of an inertia that is regrouped though it is felt, a frame whose turn, slide or links are not taken along, and a
+   frame so far away that it costs accuracy. */
 #define _POSIX_C_SOURCE 200809L
 #include "passes/search.h"
 #include "support/exhaustive.h"
@@ -42,8 +42,8 @@ static long flops_of(const struct dag *d)
 }
 
 /* As the file states it and by base parameters. */
-static void check_model(struct tally *t, const char *urdf, size_t length, struct rneagen_options o, const char *what, uint64_t seed,
-	int samples)
+static void check_model(struct tally *t, const char *urdf, size_t length, struct rneagen_options o,
+	const char *what, uint64_t seed, int samples)
 {
 	struct model_error f64, f32;
 	struct model m;
@@ -141,7 +141,8 @@ static char *nearly_parallel(void)
 		fprintf(f, "<link name='l%d'><inertial><origin xyz='0.05 0.01 0.02'/><mass value='0.3'/><inertia ixx='0.001' iyy='0.002' "
 			   "izz='0.0015' ixy='0.0001' ixz='0.0002' iyz='-0.0001'/></inertial></link>", i);
 		fprintf(f, "<joint name='j%d' type='continuous'><parent link='l%d'/><child link='l%d'/><origin xyz='0.1 0.02 0.03' rpy='%s 0 0'/>"
-			   "<axis xyz='%s 0 1'/></joint>", i, i - 1, i, i % 2 ? "0" : "1e-7", i == 6 ? "0.3" : i % 3 ? "0" : "1e-7");
+			   "<axis xyz='%s 0 1'/></joint>", i, i - 1, i, i % 2 ? "0" : "1e-7", i == 6 ? "0.3"
+				: i % 3 ? "0" : "1e-7");
 	}
 	fprintf(f, "</robot>");
 	fclose(f);
@@ -195,21 +196,24 @@ static void check_restated(uint64_t seed)
 	for (int k = 0; k < m.tree.body_count; k++) {
 		const struct body *b = &m.tree.bodies[k];
 
-		by[k] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE, .regroup = (enum regroup)rng_below(&rng, REGROUP_COUNT)};
+		by[k] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE,
+			.regroup = (enum regroup)rng_below(&rng, REGROUP_COUNT)};
 		for (int i = 0; i < 3; i++)
 			if (restate_slides(b) && (i == b->axis || restate_floats(b)))
 				by[k].slide[i] = within_exact((real)rng_uniform(&rng, -1, 1));
 		if (restate_turns(b))
-			by[k].turn = turn_of((struct sum){within_exact((real)rng_uniform(&rng, -1, 1)), 1}, (struct sum){within_exact(1), 1});
+			by[k].turn = turn_of((struct sum){within_exact((real)rng_uniform(&rng, -1, 1)), 1},
+				(struct sum){within_exact(1), 1});
 		if (restate_turns(b) && !restate_floats(b))
-			by[k].ahead = turn_of((struct sum){within_exact((real)rng_uniform(&rng, -1, 1)), 1}, (struct sum){within_exact(1), 1});
+			by[k].ahead = turn_of((struct sum){within_exact((real)rng_uniform(&rng, -1, 1)), 1},
+				(struct sum){within_exact(1), 1});
 	}
 	ck_assert(tree_restate(&other, &m.tree, by, &m.arena));
 	dag_init(&m.dag[PASS_RNEA], &m.arena);
 	ALGORITHMS[PASS_RNEA]->build(&m.dag[PASS_RNEA], &other, &m.request);
 	e = model_error_f64(&m, seed, RANDOM_SAMPLES);
-	ck_assert_msg(e.terms <= LIMIT_TERMS && e.bound <= 1, "seed %llu: %g eps of the magnitudes, %g of the bound", (unsigned long long)seed,
-		e.terms, e.bound);
+	ck_assert_msg(e.terms <= LIMIT_TERMS && e.bound <= 1, "seed %llu: %g eps of the magnitudes, %g of the bound",
+		(unsigned long long)seed, e.terms, e.bound);
 	model_close(&m);
 	free(urdf);
 }

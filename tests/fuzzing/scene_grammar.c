@@ -380,8 +380,8 @@ static void draw_constants(struct drawing *g)
 		enum scene_key key;
 		const char *words[4];
 	} choices[] = {{SCENE_SNAP_ANGLE, {"1e-3", "0.1", "0", "1e-9"}}, {SCENE_ROUND_CONSTANTS, {"4", "1", "17", "9"}},
-		{SCENE_DROP_BELOW, {"1e-3", "0", "1e-12", "0.9"}}, {SCENE_DERIVATIVES, {"forward", "recursion", "forward", "recursion"}},
-		{SCENE_DENSE, {NULL}}};
+		{SCENE_DROP_BELOW, {"1e-3", "0", "1e-12", "0.9"}},
+		{SCENE_DERIVATIVES, {"forward", "recursion", "forward", "recursion"}}, {SCENE_DENSE, {NULL}}};
 	size_t count = sizeof choices / sizeof *choices, i = dice_below(g->d, count + 1);
 
 	if (i == count)
@@ -398,8 +398,8 @@ static void draw_task(struct drawing *g)
 		put_line(g, SCENE_WANT, "qdd");
 	}
 	for (size_t n = dice_below(g->d, 5); n > 0; n--) {
-		static void (*const draws[])(struct drawing *) = {draw_want, draw_fold, draw_free, draw_want, draw_push, draw_own_terms,
-			draw_constants, draw_want};
+		static void (*const draws[])(struct drawing *) = {draw_want, draw_fold, draw_free, draw_want,
+			draw_push, draw_own_terms, draw_constants, draw_want};
 
 		draws[dice_below(g->d, sizeof draws / sizeof *draws)](g);
 	}

@@ -233,7 +233,8 @@ END_TEST
 /* What is told of numbers has the fewest digits that read back as the same: the user's own. */
 START_TEST(numbers_are_short)
 {
-	static const char urdf[] = ROBOT("r", BARE("base") BALL("a") BALL("b") BALL("c") JOINT("ja", "continuous", "base", "a", "")
+	static const char urdf[] = ROBOT("r",
+		BARE("base") BALL("a") BALL("b") BALL("c") JOINT("ja", "continuous", "base", "a", "")
 		JOINT("jb", "continuous", "a", "b", MIMIC("ja", "0.1", "0.3"))
 		JOINT("jc", "continuous", "b", "c", ORIGIN("0 0 1", "1.5708 0 0")));
 	static const char *const in_source[] = {" --gravity 0.573,-10,1e-05 ", "Gravity (0.573, -10, 1e-05) ",
@@ -337,9 +338,11 @@ START_TEST(fast_without_a_unit_is_bounded)
 			o.trig = RNEAGEN_FAST;
 			fast = generated(urdf, &o);
 			ck_assert_ptr_nonnull(strstr(bounded.source, "sincos"));
-			ck_assert_msg(unit == (strcmp(without(bounded.source, "trig", NULL), without(fast.source, "trig", NULL)) != 0),
+			ck_assert_msg(unit == (strcmp(without(bounded.source, "trig", NULL),
+				without(fast.source, "trig", NULL)) != 0),
 				"target %d, precision %d", target, precision);
-			ck_assert_msg(unit == (strstr(fast.source, "__sincosf") != NULL), "target %d, precision %d", target, precision);
+			ck_assert_msg(unit == (strstr(fast.source, "__sincosf") != NULL), "target %d, precision %d",
+				target, precision);
 			rneagen_result_free(&bounded);
 			rneagen_result_free(&fast);
 		}

@@ -49,7 +49,8 @@ void relaxed_box_see(struct relaxed_box *s)
 	double *v = calloc(d->count, sizeof *v);
 
 	for (size_t k = 0; k < d->count; k++)
-		v[k] = d->nodes[k].op == OP_INPUT ? s->x.in[d->nodes[k].arg[0].i][d->nodes[k].arg[1].i] : eval_node(&d->nodes[k], v);
+		v[k] = d->nodes[k].op == OP_INPUT ? s->x.in[d->nodes[k].arg[0].i][d->nodes[k].arg[1].i]
+			: eval_node(&d->nodes[k], v);
 	for (size_t k = 0; k < of->count; k++) {
 		const struct node *n = &of->nodes[k];
 		uint32_t argument = n->arg[0].i, row = n->arg[1].i;
@@ -84,5 +85,6 @@ void relaxed_box_values(struct relaxed_box *s, struct rng *r, double *v)
 	robot_box_draw(&s->x, r, 0, 0);
 	relaxed_box_see(s);
 	for (size_t k = 0; k < d->count; k++)
-		v[k] = d->nodes[k].op == OP_INPUT ? s->in[d->nodes[k].arg[0].i][d->nodes[k].arg[1].i] : eval_node(&d->nodes[k], v);
+		v[k] = d->nodes[k].op == OP_INPUT ? s->in[d->nodes[k].arg[0].i][d->nodes[k].arg[1].i]
+			: eval_node(&d->nodes[k], v);
 }

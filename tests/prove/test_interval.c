@@ -1,5 +1,5 @@
-/* Intervals contain what MPFR computes of numbers in them, and are hardly wider: a bound that is rounded inwards, or a sine that misses
-   its top, is seen. */
+/* Intervals contain what MPFR computes of numbers in them, and are hardly wider: a bound that is rounded inwards, or a sine that
+   misses its top, is seen. */
 #include "norms/interval.h"
 #include "prove/spans.h"
 #include "support/suite.h"
@@ -57,7 +57,8 @@ END_TEST
 /* The bounds of a product, a sum and a number known within an error, to 2^-50 of themselves. */
 START_TEST(test_are_close)
 {
-	struct interval a = {0.1, 0.3}, b = {-0.7, 0.9}, m = interval_mul(a, b), s = interval_add(a, b), n = interval_around(0.1L, 0);
+	struct interval a = {0.1, 0.3}, b = {-0.7, 0.9}, m = interval_mul(a, b), s = interval_add(a, b),
+		n = interval_around(0.1L, 0);
 
 	ck_assert(m.lower <= -0.21 && m.lower >= -0.21 * (1 + 0x1p-50) && m.upper >= 0.27 && m.upper <= 0.27 * (1 + 0x1p-50));
 	ck_assert(s.lower <= -0.6 && s.lower >= -0.6 * (1 + 0x1p-50) && s.upper >= 1.2 && s.upper <= 1.2 * (1 + 0x1p-50));
@@ -85,7 +86,8 @@ START_TEST(test_waves)
 			mpfr_sin_cos(s, c, x, MPFR_RNDN);
 			ck_assert_msg(contains(sine, s) && contains(cosine, c), "%a to %a", in.lower, in.upper);
 		}
-		ck_assert(sine.upper - sine.lower <= fmin(2, width) + 1e-11 && cosine.upper - cosine.lower <= fmin(2, width) + 1e-11);
+		ck_assert(sine.upper - sine.lower <= fmin(2, width) + 1e-11 &&
+			cosine.upper - cosine.lower <= fmin(2, width) + 1e-11);
 	}
 	mpfr_clears(x, s, c, (mpfr_ptr)0);
 }

@@ -1,6 +1,6 @@
-/* Derivatives of outputs by all nodes, and norms that rotations keep, on own robots: values and derivatives are what evaluation and
-   differences of it say, and within their intervals. It would catch a derivative by the wrong node, a norm of things that are no
-   rotation, and an interval that is rounded inwards. */
+/* Derivatives of outputs by all nodes, and norms that rotations keep, on own robots: values and derivatives are what evaluation
+   and differences of it say, and within their intervals. It would catch a derivative by the wrong node, a norm of things that are
+   no rotation, and an interval that is rounded inwards. */
 #include "dag/eval.h"
 #include "norms/adjoint.h"
 #include "norms/norms.h"
@@ -63,17 +63,20 @@ static void check_slopes(struct relaxed_box *s, size_t output, struct rng *r)
 		robot_box_draw(x, r, 0, 0);
 		relaxed_box_see(s);
 		for (size_t k = 0; k < a.d.count; k++)
-			w[k] = a.d.nodes[k].op == OP_INPUT ? s->in[a.d.nodes[k].arg[0].i][a.d.nodes[k].arg[1].i] : eval_node(&a.d.nodes[k], w);
+			w[k] = a.d.nodes[k].op == OP_INPUT ? s->in[a.d.nodes[k].arg[0].i][a.d.nodes[k].arg[1].i]
+				: eval_node(&a.d.nodes[k], w);
 		if (d->nodes[at].op == OP_INPUT || !a.slope[at].i)
 			continue;
 		for (int side = 0; side < 2; side++) {
 			for (uint32_t k = 0; k <= root; k++) {
-				v[k] = d->nodes[k].op == OP_INPUT ? s->in[d->nodes[k].arg[0].i][d->nodes[k].arg[1].i] : eval_node(&d->nodes[k], v);
+				v[k] = d->nodes[k].op == OP_INPUT ? s->in[d->nodes[k].arg[0].i][d->nodes[k].arg[1].i]
+					: eval_node(&d->nodes[k], v);
 				v[k] += k == at ? (side ? 1e-6 : -1e-6) : 0;
 			}
 			sum[side] = v[root];
 		}
-		ck_assert_msg(fabs((sum[1] - sum[0]) / 2e-6 - w[a.slope[at].i]) <= 1e-6 * (1 + fabs(sum[0]) + fabs(w[a.slope[at].i])),
+		ck_assert_msg(fabs((sum[1] - sum[0]) / 2e-6 - w[a.slope[at].i]) <= 1e-6 *
+			(1 + fabs(sum[0]) + fabs(w[a.slope[at].i])),
 			"by node %u: %g, not %g", at, w[a.slope[at].i], (sum[1] - sum[0]) / 2e-6);
 	}
 	free(w);

@@ -1,6 +1,7 @@
-/* Each step from expressions to proved ranges by itself, on own robots: the coefficients at a q, the largest value over drives and
-   rates, how much outputs bend and of which degree they are, limbs that are cut off. It would catch a coefficient in the wrong place, a
-   corner that is left out, a curvature that is not over all angles, and a limb that is cut where its wrench is not the robot's. */
+/* Each step from expressions to proved ranges by itself, on own robots: the coefficients at a q, the largest value over drives
+   and rates, how much outputs bend and of which degree they are, limbs that are cut off. It would catch a coefficient in the
+   wrong place, a corner that is left out, a curvature that is not over all angles, and a limb that is cut where its wrench is not
+   the robot's. */
 #include "prove/relaxed_box.h"
 #include "range/curvature.h"
 #include "range/cut.h"
@@ -35,7 +36,8 @@ static void state_of(const struct relaxed_box *x, const struct field *f, struct 
 		over[f->drive_count + j] = x->in[f->rates[j].argument][f->rates[j].row] / f->rates[j].scale;
 }
 
-/* The polynomial is the output, and nothing in the box is above what extreme_above says; at most states it is near what it should be. */
+/* The polynomial is the output, and nothing in the box is above what extreme_above says; at most states it is near what it should
+   be. */
 static void check_field(struct relaxed_box *s, const struct field *f, struct rng *r)
 {
 	double *work = field_work(f), *c = coefficients(f), over[2 * FIELD_DIMS], *scalars = field_scalars(f), values[64];
@@ -57,7 +59,8 @@ static void check_field(struct relaxed_box *s, const struct field *f, struct rng
 
 			ck_assert_msg(fabs(value - exact) <= noise, "%g is not %g", value, exact);
 			ck_assert_msg(fabs(values[o] - exact) <= noise, "%g is not %g", values[o], exact);
-			ck_assert(extreme_above(f, of, 1, -1e300) + noise >= exact && -extreme_above(f, of, -1, -1e300) - noise <= exact);
+			ck_assert(extreme_above(f, of, 1, -1e300) + noise >= exact &&
+				-extreme_above(f, of, -1, -1e300) - noise <= exact);
 			ck_assert(fabs(exact) <= f->plain[o]);
 			ck_assert(f->noise[o] <= 1e-6 * f->plain[o] + 1e-300);
 		}
@@ -107,9 +110,11 @@ START_TEST(test_corners)
 		for (int k = 0; k < 200; k++) {
 			for (int j = 0; j < s.fields[0].drive_count + s.fields[0].rate_count; j++) {
 				struct interval range = j < s.fields[0].drive_count ? s.fields[0].drives[j].range
-										: s.fields[0].rates[j - s.fields[0].drive_count].range;
+										: s.fields[0].rates[j -
+											s.fields[0].drive_count].range;
 
-				over[j] = rng_chance(&r, 0.7) ? (rng_chance(&r, 0.5) ? range.lower : range.upper) : rng_uniform(&r, range.lower, range.upper);
+				over[j] = rng_chance(&r, 0.7) ? (rng_chance(&r, 0.5) ? range.lower : range.upper)
+					: rng_uniform(&r, range.lower, range.upper);
 			}
 			ck_assert(seek_value(&s.fields[0], c, over) <= most);
 		}
@@ -132,7 +137,8 @@ static void check_bends(const struct field *f, const struct curvature *bends, st
 
 		for (int l = 0; l < f->dim_count; l++) {
 			const struct field_dim *dim = &f->dims[l];
-			double place = dim->is_angle ? rng_uniform(r, -4, 4) : rng_uniform(r, dim->lower + step, dim->upper - step);
+			double place = dim->is_angle ? rng_uniform(r, -4, 4)
+				: rng_uniform(r, dim->lower + step, dim->upper - step);
 
 			at = l == k ? place : at;
 			field_place(dim, place, q.x[l]);
@@ -149,8 +155,9 @@ static void check_bends(const struct field *f, const struct curvature *bends, st
 		}
 		for (int o = 0; o < f->output_count; o++)
 			ck_assert_msg(fabs(y[0][o] - 2 * y[1][o] + y[2][o]) / (step * step) <=
-				  bends->most[o * f->dim_count + k] + 1e5 * f->noise[o] * (double)f->coefficient_count, "output %d, row %d: %g, not %g", o, k,
-				fabs(y[0][o] - 2 * y[1][o] + y[2][o]) / (step * step), bends->most[o * f->dim_count + k]);
+				  bends->most[o * f->dim_count + k] + 1e5 * f->noise[o] * (double)f->coefficient_count,
+				"output %d, row %d: %g, not %g", o, k, fabs(y[0][o] - 2 * y[1][o] + y[2][o]) / (step * step),
+				bends->most[o * f->dim_count + k]);
 	}
 	free(c);
 	free(work);
@@ -161,14 +168,16 @@ enum { HARMONICS = 32 };
 /* Along an angle no harmonic is above the degree; along a length no fourth difference is left. */
 static void check_degree(const struct field *f, int k, struct field_point q, const double *x)
 {
-	double *scalars = field_scalars(f), *values = calloc((size_t)f->output_count, sizeof *values), *y = calloc(2 * HARMONICS, sizeof *y);
+	double *scalars = field_scalars(f), *values = calloc((size_t)f->output_count, sizeof *values),
+		*y = calloc(2 * HARMONICS, sizeof *y);
 	int count = f->dims[k].is_angle ? 2 * HARMONICS : 4;
 
 	for (int o = 0; o < f->output_count; o++) {
 		double size = 0, most = 0;
 
 		for (int i = 0; i < count; i++) {
-			field_place(&f->dims[k], f->dims[k].is_angle ? 3.14159265358979323846 * i / HARMONICS : f->dims[k].lower + 0.1 * i, q.x[k]);
+			field_place(&f->dims[k], f->dims[k].is_angle ? 3.14159265358979323846 * i / HARMONICS : f->dims[k].lower +
+				0.1 * i, q.x[k]);
 			field_values(f, &q, x, scalars, values);
 			y[i] = values[o];
 			size = fmax(size, fabs(y[i]));
@@ -184,7 +193,8 @@ static void check_degree(const struct field *f, int k, struct field_point q, con
 		}
 		if (!f->dims[k].is_angle)
 			most = fabs(y[3] - 3 * y[2] + 3 * y[1] - y[0]);
-		ck_assert_msg(most <= 1e-10 * size + 1e-300, "output %d, row %d: %g of %g is above degree %d", o, k, most, size, f->dims[k].degree);
+		ck_assert_msg(most <= 1e-10 * size + 1e-300, "output %d, row %d: %g of %g is above degree %d", o, k, most, size,
+			f->dims[k].degree);
 	}
 	free(y);
 	free(values);
@@ -222,7 +232,8 @@ START_TEST(test_curvature)
 	for (int k = 0; k < s.count && k < 3; k++) {
 		const struct field *f = &s.fields[k];
 		struct interval *whole = calloc((size_t)f->output_count, sizeof *whole);
-		double *found = calloc((size_t)f->output_count, sizeof *found), *most = calloc((size_t)(f->output_count * f->dim_count + 1), sizeof *most);
+		double *found = calloc((size_t)f->output_count, sizeof *found),
+			*most = calloc((size_t)(f->output_count * f->dim_count + 1), sizeof *most);
 		struct curvature bends, first = {.most = most};
 		const struct curvature_start from = {whole, found, most};
 
@@ -254,7 +265,8 @@ static void check_cut(struct relaxed_box *s, const struct cut *c, const struct f
 
 	ck_assert(scalars && values);
 	for (int k = 0; k < c->leaf_count; k++)
-		ck_assert_msg(v[c->leaves[k]] >= c->box.rows[rates][k].lower - 1e-9 && v[c->leaves[k]] <= c->box.rows[rates][k].upper + 1e-9, "leaf %d: %g",
+		ck_assert_msg(v[c->leaves[k]] >= c->box.rows[rates][k].lower - 1e-9 &&
+			v[c->leaves[k]] <= c->box.rows[rates][k].upper + 1e-9, "leaf %d: %g",
 			k, v[c->leaves[k]]);
 	for (int k = 0; k < f->dim_count; k++)
 		field_place(&f->dims[k], s->in[position][f->dims[k].row], q.x[k]);

@@ -21,7 +21,8 @@ static const char arm[] = ROBOT("arm",
 		JOINT("wrist", "continuous", "fore", "hand", "") JOINT("grip", "prismatic", "hand", "left", AXIS("0 1 0"))
 			JOINT("follow", "prismatic", "hand", "right", AXIS("0 1 0") MIMIC("grip", "-1", "0.25"))
 				JOINT("neck", "planar", "base", "head", "") JOINT("free", "floating", "hand", "thing", "")
-					REVOLUTE("x=y,z", "base", "a,b") BALL("plate") JOINT("weld", "fixed", "base", "plate", ""));
+					REVOLUTE("x=y,z", "base", "a,b") BALL("plate") JOINT("weld", "fixed",
+						"base", "plate", ""));
 
 /* A chain to l1 needs m, which stands behind a, which needs n. */
 static const char chains[] = ROBOT("chains", BALL("base") BALL("l1") BALL("l2") BALL("l3") BALL("l4") BALL("l5")
@@ -310,11 +311,14 @@ static const struct {
 	{ROBOT("r", BARE("world") FIXED("world", "air") AIR FIXED("air", "trunk") BALL("trunk") LEGS), NULL, "trunk"},
 	{ROBOT("r", BARE("world") JOINT("free", "floating", "world", "trunk", "") BALL("trunk") LEGS), NULL, "trunk"},
 	{ROBOT("r", BARE("footprint") JOINT("drive", "planar", "footprint", "trunk", "") BALL("trunk") LEGS), NULL, "trunk"},
-	{ROBOT("r", BARE("footprint") JOINT("lift", "prismatic", "footprint", "air", "") AIR FIXED("air", "trunk") BALL("trunk") LEGS),
+	{ROBOT("r", BARE("footprint") JOINT("lift", "prismatic", "footprint", "air", "") AIR FIXED("air",
+		"trunk") BALL("trunk") LEGS),
 		NULL, "trunk"},
 	{ROBOT("r", BARE("footprint") FIXED("footprint", "trunk") BALL("trunk") LEGS), NULL, NULL},
-	{ROBOT("r", BARE("footprint") JOINT("lift", "prismatic", "footprint", "trunk", "") BALL("trunk") LEGS), "lock lift=0.5", NULL},
-	{ROBOT("r", BARE("footprint") JOINT("turn", "revolute", "footprint", "trunk", "") BALL("trunk") LEGS), "lock turn=0.5", NULL},
+	{ROBOT("r", BARE("footprint") JOINT("lift", "prismatic", "footprint", "trunk", "") BALL("trunk") LEGS),
+		"lock lift=0.5", NULL},
+	{ROBOT("r", BARE("footprint") JOINT("turn", "revolute", "footprint", "trunk", "") BALL("trunk") LEGS),
+		"lock turn=0.5", NULL},
 	{ROBOT("r", BALL("world") FIXED("world", "trunk") BALL("trunk") LEGS), NULL, NULL},
 	{ROBOT("r", BARE("world") FIXED("world", "trunk") BALL("trunk") LEGS), "root trunk", NULL},
 };
@@ -334,7 +338,8 @@ START_TEST(floating_without_mass)
 			r.warning_count ? r.warnings[0] : "");
 		snprintf(want, sizeof want, "which has no mass; --root '%s' floats that link instead",
 			FLOATING[_i].base ? FLOATING[_i].base : "");
-		ck_assert_msg(!r.warning_count || (strstr(r.warnings[0], "--base floating floats link '") && strstr(r.warnings[0], want)),
+		ck_assert_msg(!r.warning_count ||
+			(strstr(r.warnings[0], "--base floating floats link '") && strstr(r.warnings[0], want)),
 			"%s", r.warnings[0]);
 		rneagen_result_free(&r);
 	}

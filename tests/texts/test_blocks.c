@@ -188,7 +188,8 @@ static void check_block(const struct subject *s, const struct target *t, struct 
 	ck_assert_msg(!rnea_launch(robot, x->data, COUNT, NULL, &e), "%s", e.message);
 	worst = distance(x);
 	if (limit == MOST)
-		printf("%s in blocks of %u: stages %zu bytes, %zu of the launch, within %.1e\n", t->what, block, stage, given, worst);
+		printf("%s in blocks of %u: stages %zu bytes, %zu of the launch, within %.1e\n", t->what, block,
+			stage, given, worst);
 	ck_assert_double_lt(worst, s->most);
 	arrays_spoil(x);
 	rnea_close(robot);

@@ -107,8 +107,8 @@ static int nvrtc_is_missing;
 static void check_program(const struct target *t, const char *macro, const char *ending)
 {
 	char log[4096] = "", kernel[512];
-	struct jit_request r = {.source = t->text.source, .file = t->what, .arch = SM, .options = &macro, .option_count = macro != NULL,
-		.log = log, .log_size = sizeof log};
+	struct jit_request r = {.source = t->text.source, .file = t->what, .arch = SM, .options = &macro,
+		.option_count = macro != NULL, .log = log, .log_size = sizeof log};
 	struct jit_image image;
 	struct rnea_error e = {0};
 
