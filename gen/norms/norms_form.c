@@ -1,5 +1,6 @@
 #include "norms/norms_form.h"
 #include "norms/adjoint.h"
+#include "norms/matrix_norm.h"
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -142,44 +143,52 @@ static int find(const uint32_t *list, int count, uint32_t node)
 	return -1;
 }
 
-/* Factors are of one vector, or each product has one of u and one of v. */
-static int divide(struct forming *f)
+/* Where the factors of all products are few enough for one vector, u = v has them. */
+static int divide_into_one(struct forming *f)
 {
 	uint32_t all[SIDE];
-	int count = 0, is_one = 1, changes = 1;
+	int count = 0;
 
 	for (int i = 0; i < f->row_count; i++)
 		for (int k = 0; k < f->rows[i].count; k++) {
 			const struct term *t = &f->rows[i].terms[k];
 
 			if (t->b && (place(all, &count, SIDE, t->a) < 0 || place(all, &count, SIDE, t->b) < 0))
-				is_one = 0;
+				return 0;
 		}
-	if (is_one) {
-		f->u_count = f->v_count = count;
-		memcpy(f->u, all, sizeof all);
-		memcpy(f->v, all, sizeof all);
-		return 1;
-	}
-	for (; changes;) {
-		changes = 0;
-		for (int i = 0; i < f->row_count; i++)
-			for (int k = 0; k < f->rows[i].count; k++) {
-				const struct term *t = &f->rows[i].terms[k];
-				int before = f->u_count + f->v_count, au, av;
+	f->u_count = f->v_count = count;
+	memcpy(f->u, all, sizeof all);
+	memcpy(f->v, all, sizeof all);
+	return 1;
+}
 
-				if (!t->b)
-					continue;
-				au = find(f->u, f->u_count, t->a) >= 0 || find(f->v, f->v_count, t->b) >= 0;
-				av = find(f->v, f->v_count, t->a) >= 0 || find(f->u, f->u_count, t->b) >= 0;
-				if (before && !au && !av)
-					continue;
-				if (place(av ? f->v : f->u, av ? &f->v_count : &f->u_count, SIDE, t->a) < 0 ||
-					place(av ? f->u : f->v, av ? &f->u_count : &f->v_count, SIDE, t->b) < 0)
-					return 0;
-				changes |= f->u_count + f->v_count > before;
-			}
-	}
+/* Each product whose factors are known on one side, or the first of all: one into u and one into v. Returns whether that placed any;
+   -1: there is no room. */
+static int divide_further(struct forming *f)
+{
+	int start = f->u_count + f->v_count;
+
+	for (int i = 0; i < f->row_count; i++)
+		for (int k = 0; k < f->rows[i].count; k++) {
+			const struct term *t = &f->rows[i].terms[k];
+			int is_first = f->u_count + f->v_count == 0, forth, back;
+
+			if (!t->b)
+				continue;
+			forth = find(f->u, f->u_count, t->a) >= 0 || find(f->v, f->v_count, t->b) >= 0;
+			back = find(f->v, f->v_count, t->a) >= 0 || find(f->u, f->u_count, t->b) >= 0;
+			if (!is_first && !forth && !back)
+				continue;
+			if (place(back ? f->v : f->u, back ? &f->v_count : &f->u_count, SIDE, t->a) < 0 ||
+				place(back ? f->u : f->v, back ? &f->u_count : &f->v_count, SIDE, t->b) < 0)
+				return -1;
+		}
+	return f->u_count + f->v_count > start;
+}
+
+/* Has each product one factor of u and one of v, and nothing is of both? */
+static int is_divided(const struct forming *f)
+{
 	for (int i = 0; i < f->row_count; i++)
 		for (int k = 0; k < f->rows[i].count; k++) {
 			const struct term *t = &f->rows[i].terms[k];
@@ -195,40 +204,19 @@ static int divide(struct forming *f)
 	return 1;
 }
 
-/* ---- matrices ---- */
-
-struct matrix {
-	double m[NORMS_SET * NORMS_SET][NORMS_SET]; /* rows, columns */
-	int rows, columns;
-	double off; /* the root of the sum of squares of what elements are off */
-};
-
-/* ||A|| <= (trace of (A'A)^32)^(1/64), rounding included. */
-static double norm_of(const struct matrix *a)
+/* Factors are of one vector, or each product has one of u and one of v. */
+static int divide(struct forming *f)
 {
-	double g[NORMS_SET][NORMS_SET] = {{0}}, size = 1;
+	int placed = 1;
 
-	for (int i = 0; i < a->columns; i++)
-		for (int k = 0; k < a->columns; k++)
-			for (int r = 0; r < a->rows; r++)
-				g[i][k] += a->m[r][i] * a->m[r][k];
-	for (int power = 0; power <= 5; power++) {
-		double next[NORMS_SET][NORMS_SET] = {{0}}, trace = 0;
-
-		for (int i = 0; i < a->columns; i++)
-			trace += g[i][i];
-		if (!(trace > 1e-200))
-			return trace > 0 ? (double)INFINITY : a->off * (1 + 0x1p-40);
-		size *= pow(trace, 0.5 / (1 << power));
-		for (int i = 0; i < a->columns && power < 5; i++)
-			for (int k = 0; k < a->columns; k++)
-				for (int l = 0; l < a->columns; l++)
-					next[i][k] += g[i][l] / trace * (g[l][k] / trace);
-		if (power < 5)
-			memcpy(g, next, sizeof g);
-	}
-	return (size + a->off) * (1 + 1e-9);
+	if (divide_into_one(f))
+		return 1;
+	while (placed > 0)
+		placed = divide_further(f);
+	return placed == 0 && is_divided(f);
 }
+
+/* ---- matrices ---- */
 
 static double off_of(const struct forming *f, int of_products)
 {
@@ -243,8 +231,6 @@ static double off_of(const struct forming *f, int of_products)
 
 static double tensor_at(const struct forming *f, int i, int j, int k)
 {
-	double sum = 0;
-
 	for (int t = 0; t < f->rows[i].count; t++) {
 		const struct term *x = &f->rows[i].terms[t];
 
@@ -255,7 +241,7 @@ static double tensor_at(const struct forming *f, int i, int j, int k)
 		if (find(f->v, f->v_count, x->a) == k && find(f->u, f->u_count, x->b) == j)
 			return x->c;
 	}
-	return sum;
+	return 0;
 }
 
 /* c times some of u_y v_z - u_z v_y and so on, in any order and with any signs: then |c|. -1: it is not that. */
@@ -314,7 +300,7 @@ static double tensor_norm(const struct forming *f)
 				t[i][j][k] = x;
 				a.m[i * f->u_count + j][k] = b.m[i * f->v_count + k][j] = c.m[j * f->v_count + k][i] = x;
 			}
-	best = fmin(norm_of(&a), fmin(norm_of(&b), norm_of(&c)));
+	best = fmin(matrix_norm(&a), fmin(matrix_norm(&b), matrix_norm(&c)));
 	cross = is_one ? -1 : cross_factor(f, t);
 	return cross >= 0 ? fmin(best, (cross + off) * (1 + 0x1p-40)) : best;
 }
@@ -330,7 +316,7 @@ static double group_norm(const struct forming *f, const uint32_t *nodes, int cou
 			if (k >= 0)
 				a.m[i][k] = f->rows[i].terms[t].c;
 		}
-	return norm_of(&a);
+	return matrix_norm(&a);
 }
 
 /* ---- forms ---- */
