@@ -352,10 +352,7 @@ void emit_source(const struct emission *e, struct text *out)
 		{"ARITHMETIC", emit_arithmetic(e, e->target)}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
 		{"KNOWN_MACROS", emit_has_known(e) ? template_header_known_in : ""},
 		{"UNDEF_KNOWN", emit_has_known(e) ? "#undef RNEA_KNOWN\n" : ""},
-		{"UNDEF_STRICT", e->options->strict
-			? "#undef RNEA_ADD\n#undef RNEA_SUB\n#undef RNEA_MUL\n#undef RNEA_DIV\n#undef RNEA_SQRT\n#undef RNEA_APART\n" : ""},
-		{"UNDEF_WIDE", !e->wide ? "" : !e->options->strict ? "#undef RNEA_WIDE_FMA\n" :
-			"#undef RNEA_WIDE_FMA\n#undef RNEA_WIDE_ADD\n#undef RNEA_WIDE_SUB\n#undef RNEA_WIDE_MUL\n#undef RNEA_WIDE_DIV\n#undef RNEA_WIDE_SQRT\n"},
+		{"UNDEF_STRICT", emit_undef_strict(e)}, {"UNDEF_WIDE", emit_undef_wide(e)},
 		{"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)},
 		{"EACH", p->segments.count ? template_launch_segments_in : ""},
 		{"SAMPLES", p->segments.count ? "samples" : "RNEA_BLOCK"}, {"MIN_BLOCKS", emit_min_blocks(e)},

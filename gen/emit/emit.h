@@ -102,6 +102,10 @@ void emit_info_name(const char *s, struct text *out);
 /* The macros of the operations, as compilers of such texts take them. */
 const char *emit_arithmetic(const struct emission *e, const struct target_type *target);
 
+/* What takes those of --strict back at the end of a header, and those of the residual's type. */
+const char *emit_undef_strict(const struct emission *e);
+const char *emit_undef_wide(const struct emission *e);
+
 /* The sine and cosine function that the statements call; its declaration, which stands before them; its name, by the type of
    numbers. */
 const char *emit_sincos_name(const struct emission *e, const struct number_type *n);

@@ -60,3 +60,17 @@ const char *emit_arithmetic(const struct emission *e, const struct target_type *
 	x.c = expanded(e, e->arithmetic, template_arithmetic_strict_c_in, x);
 	return with_anew(e, expanded(e, e->arithmetic, target->strict_arithmetic, x));
 }
+
+const char *emit_undef_strict(const struct emission *e)
+{
+	return e->options->strict ? "#undef RNEA_ADD\n#undef RNEA_SUB\n#undef RNEA_MUL\n#undef RNEA_DIV\n#undef RNEA_SQRT\n"
+				    "#undef RNEA_APART\n" : "";
+}
+
+const char *emit_undef_wide(const struct emission *e)
+{
+	if (!e->wide)
+		return "";
+	return e->options->strict ? "#undef RNEA_WIDE_FMA\n#undef RNEA_WIDE_ADD\n#undef RNEA_WIDE_SUB\n#undef RNEA_WIDE_MUL\n"
+				    "#undef RNEA_WIDE_DIV\n#undef RNEA_WIDE_SQRT\n" : "#undef RNEA_WIDE_FMA\n";
+}

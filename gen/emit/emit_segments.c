@@ -185,7 +185,6 @@ static const char *handed_on(const struct emission *e, const char *names)
 	return text_string(&t);
 }
 
-
 static const char *lanes_functions(const struct emission *e, const struct pass *p, const char *count_param)
 {
 	const struct segments *s = &p->segments;
