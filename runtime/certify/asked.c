@@ -3,9 +3,6 @@
 #include <sha2.h>
 #include <string.h>
 
-/* above pi: stands for every angle */
-static const double PI_ABOVE = 0x1.921fb54442d19p+1;
-
 static void take_joint(struct asked_box *b, const struct analysis *x, int argument, int i)
 {
 	const struct tree_joint *t = &x->tree.joints[i];
@@ -13,9 +10,9 @@ static void take_joint(struct asked_box *b, const struct analysis *x, int argume
 	enum role role = x->dag.arguments[argument].role;
 
 	if (role == ROLE_JOINT_POSITION && t->nq == 1 && t->type == JOINT_CONTINUOUS)
-		b->rows[argument][t->iq] = (struct span){-PI_ABOVE, PI_ABOVE};
+		b->rows[argument][t->iq] = (struct span){-OUT_PI, OUT_PI};
 	else if (role == ROLE_JOINT_POSITION && t->type == JOINT_PLANAR)
-		b->rows[argument][t->iq + 2] = (struct span){-PI_ABOVE, PI_ABOVE};
+		b->rows[argument][t->iq + 2] = (struct span){-OUT_PI, OUT_PI};
 	else if (role == ROLE_JOINT_POSITION && t->nq == 1 && j && j->has_limits)
 		b->rows[argument][t->iq] = (struct span){j->lower, j->upper};
 	for (int r = 0; r < t->nv && role == ROLE_JOINT_VELOCITY && j && j->has_rates && j->velocity > 0; r++)

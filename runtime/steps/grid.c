@@ -2,7 +2,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double PI_ABOVE = 0x1.921fb54442d19p+1;
 #define CLOSED (1 + 0x1p-40)
 
 static int is_point(const struct point_dim *k)
@@ -69,7 +68,7 @@ static double spread(struct places *x, const struct point_dim *k, int count, int
 		before = q;
 		put_place(k, (real)q, x->at[i]);
 	}
-	return has_turn ? PI_ABOVE / count * CLOSED : count == 1 ? out_up(k->range.hi - k->range.lo) : 0.5 * most;
+	return has_turn ? OUT_PI / count * CLOSED : count == 1 ? out_up(k->range.hi - k->range.lo) : 0.5 * most;
 }
 
 static int grid_open(struct places *x, double *half, const struct points *p, const int *counts, int is_whole)
@@ -208,7 +207,7 @@ struct addition {
 static struct addition addition_of(const struct point_dim *l, int count)
 {
 	static const double lebesgue[] = {1, 1, 1.25};
-	double half = PI_ABOVE / count * CLOSED;
+	double half = OUT_PI / count * CLOSED;
 
 	if (!l->is_angle)
 		return (struct addition){is_point(l) ? 1 : lebesgue[l->degree] * CLOSED, 0};
