@@ -1,6 +1,6 @@
-/* A pair is its value rounded to a float, hi, and a rest lo. What sums and products of pairs take is of the size of the rests,
-   which are anything up to u |x|, u = 2^-24. Unless a value is so close to the middle between two floats that its error decides,
-   hi is known, and lo but for that error; then so is all that is rounded, step by step, as f32x2.in computes it. */
+/* A pair is its value rounded to a float, hi, and a rest lo. What sums and products of pairs take is of the size of the rests, which are
+   anything up to u |x|, u = 2^-24. Unless a value is so close to the middle between two floats that its error decides, hi is known, and lo but
+   for that error; then so is all that is rounded, step by step, as f32x2.in computes it. */
 #include "dag/eval_pairs.h"
 #include <float.h>
 #include <math.h>
@@ -14,8 +14,8 @@ struct pair {
 	double hi, lo, off;
 };
 
-/* Returns whether hi is certain: the last rounding of a product's rest, by up to 3.01 u^2, and of lo, by up to 1.01 u^2, comes
-   after hi; and hi is rounded without what the product leaves out, and after its cross terms are. */
+/* Returns whether hi is certain: the last rounding of a product's rest, by up to 3.01 u^2, and of lo, by up to 1.01 u^2, comes after
+   hi; and hi is rounded without what the product leaves out, and after its cross terms are. */
 static int pair_of(struct known a, struct pair *p)
 {
 	double size = fabs(a.x), half;
@@ -42,8 +42,8 @@ static double float_rounding(double most)
 	return U * rounding_place(most * (1 + DBL_EPSILON));
 }
 
-/* t = fl(a.lo + b.lo), lo = fl(s_low + t). The last step is exact, also where s is less than lo: s is then one unit in the last
-   place of a.hi or b.hi, and of the same power of two as lo. */
+/* t = fl(a.lo + b.lo), lo = fl(s_low + t). The last step is exact, also where s is less than lo: s is then one unit in the last place of a.hi
+   or b.hi, and of the same power of two as lo. */
 double pairs_sum(struct known a, struct known b)
 {
 	struct pair p, q;
@@ -73,8 +73,8 @@ static double rounding_of_crossed(const struct crossed *c, double before)
 	return before + (c->are_two ? float_rounding(fabs(c->one + c->other) + c->off + before) : 0);
 }
 
-/* With a fused multiply-add: t = fl(a.hi b.lo + fl(a.lo b.hi)), hi = fl(a.hi b.hi + t), rest = fl(a.hi b.hi - hi),
-   lo = fl(rest + t). hi is the product rounded to a float. */
+/* With a fused multiply-add: t = fl(a.hi b.lo + fl(a.lo b.hi)), hi = fl(a.hi b.hi + t), rest = fl(a.hi b.hi - hi), lo = fl(rest + t).
+   hi is the product rounded to a float. */
 static double product_by_fma(double product, const struct crossed *c, double hi)
 {
 	double rest = (double)(float)(product - hi);
@@ -102,8 +102,7 @@ double pairs_product(struct known a, struct known b, struct known x, double *lef
 		return (double)INFINITY;
 	*left_out = p.lo * q.lo;
 	c = (struct crossed){p.hi * q.lo, p.lo * q.hi, fabs(p.hi) * q.off + fabs(q.hi) * p.off, has_rest(&p) && has_rest(&q)};
-	return fabs(p.lo) * q.off + fabs(q.lo) * p.off + p.off * q.off + DBL_EPSILON * fabs(*left_out) +
-		fmax(product_by_fma(p.hi * q.hi, &c, of.hi), product_by_halves(p.hi * q.hi, &c));
+	return fabs(p.lo) * q.off + fabs(q.lo) * p.off + p.off * q.off + DBL_EPSILON * fabs(*left_out) + fmax(product_by_fma(p.hi * q.hi, &c, of.hi), product_by_halves(p.hi * q.hi, &c));
 }
 
 /* ---- sine and cosine, step by step ---- */
@@ -141,8 +140,8 @@ double pairs_head(double x)
 	return x;
 }
 
-/* What is left of the angle: a float that is not known exactly, and no larger than 2^-34. Where it is too little to change hi, lo
-   is rounded once. */
+/* What is left of the angle: a float that is not known exactly, and no larger than 2^-34. Where it is too little to change hi, lo is
+   rounded once. */
 static struct known add_last(struct known y, double by, double off)
 {
 	struct pair p;
@@ -160,8 +159,7 @@ static struct known add_last(struct known y, double by, double off)
 /* x - k pi/2. k times each part of pi/2 but the last is a float, and x.hi - k C1 too. */
 static struct known reduce(const struct eval_model *m, double x, double k)
 {
-	double whole = pairs_head(x) + pairs_head(x - pairs_head(x)), hi = (double)(float)whole, last = -k * 0x1.1a6264p-54,
-		rest = x - whole;
+	double whole = pairs_head(x) + pairs_head(x - pairs_head(x)), hi = (double)(float)whole, last = -k * 0x1.1a6264p-54, rest = x - whole;
 	struct known y = add(m, exactly(hi - k * 0x1.92p0), exactly(-k * 0x1.fb4p-12));
 
 	y = add(m, y, exactly(whole - hi));
@@ -170,8 +168,8 @@ static struct known reduce(const struct eval_model *m, double x, double k)
 	return add_last(y, last + rest, 2.01 * U * (fabs(last) + fabs(rest)));
 }
 
-/* The end of a polynomial that is computed in floats: with at most five roundings, that of a compiler that joins it to the sum
-   among them. */
+/* The end of a polynomial that is computed in floats: with at most five roundings, that of a compiler that joins it to the sum among
+   them. */
 static struct known in_floats(double x)
 {
 	return (struct known){x, 5 * U * fabs(x)};
@@ -179,8 +177,8 @@ static struct known in_floats(double x)
 
 static struct known sine_of(const struct eval_model *m, struct known r)
 {
-	static const double by[] = {-0x1.71de36p-19 + 0x1.6241a8p-44, 0x1.a01a02p-13 - 0x1.907298p-39,
-		-0x1.111112p-7 + 0x1.dde11ep-32, 0x1.555556p-3 - 0x1.555558p-28};
+	static const double by[] = {-0x1.71de36p-19 + 0x1.6241a8p-44, 0x1.a01a02p-13 - 0x1.907298p-39, -0x1.111112p-7 + 0x1.dde11ep-32,
+		0x1.555556p-3 - 0x1.555558p-28};
 	struct known z = multiply(m, r, r), p = add(m, exactly(by[0]), in_floats((-0x1.5d898p-33 * z.x + 0x1.ae5e46p-26) * z.x));
 
 	for (int k = 1; k < 4; k++)
@@ -191,8 +189,7 @@ static struct known sine_of(const struct eval_model *m, struct known r)
 
 static struct known cosine_of(const struct eval_model *m, struct known r)
 {
-	static const double by[] = {0x1.a01a02p-16 - 0x1.8dc3bep-42, -0x1.6c16c2p-10 + 0x1.27d5fcp-35,
-		0x1.555556p-5 - 0x1.555554p-30, -0.5, 1};
+	static const double by[] = {0x1.a01a02p-16 - 0x1.8dc3bep-42, -0x1.6c16c2p-10 + 0x1.27d5fcp-35, 0x1.555556p-5 - 0x1.555554p-30, -0.5, 1};
 	struct known z = multiply(m, r, r), p;
 
 	p = add(m, exactly(by[0]), in_floats(((-0x1.8fa59p-37 * z.x + 0x1.1ee9dap-29) * z.x - 0x1.27e4f8p-22) * z.x));

@@ -7,14 +7,13 @@
 /* Threads, where nothing is staged. */
 enum { BLOCK = 128 };
 
-/* Of kernels of derivatives, which spill into the same 48 KiB: of each thread twice as much as in blocks of 128 (H100, 1 M
-   samples: both gradients of panda in f64, 2 parts, 0.635 ns instead of 0.674; of iiwa14 in f32, which spills nothing, 0.199
-   instead of 0.205). */
+/* Of kernels of derivatives, which spill into the same 48 KiB: of each thread twice as much as in blocks of 128 (H100, 1 M samples:
+   both gradients of panda in f64, 2 parts, 0.635 ns instead of 0.674; of iiwa14 in f32, which spills nothing, 0.199 instead of
+   0.205). */
 enum { DERIVATIVE_BLOCK = 64 };
 
 /* Where launch bounds pay: see min_blocks. */
-enum { ARM_BODIES = 12, MANY_BODIES = 24, FEW_ALIVE = 45, MANY_ALIVE = 60, MOST_ALIVE = 100, FULL_SINGLE = 220,
-	FULL_DOUBLE = 170 };
+enum { ARM_BODIES = 12, MANY_BODIES = 24, FEW_ALIVE = 45, MANY_ALIVE = 60, MOST_ALIVE = 100, FULL_SINGLE = 220, FULL_DOUBLE = 170 };
 
 static int gcd(int a, int b)
 {
@@ -85,8 +84,8 @@ static int is_staged(const struct emission *e)
 
 /* A sample is taken for one of small angles and computed again if it was not: no test comes before the arithmetic, and no
    input is read twice (H100, 1 M samples: iiwa14 0.96 of the floor instead of 0.94, hyq 0.92 instead of 0.87;
-   but atlas 0.86 instead of 0.88). The kernel then holds the body twice: a loop around one copy makes it fetch its inputs late
-   (H100, ps: hyq 85 instead of 76, gradients of iiwa14, with the test first, 224 instead of 204). */
+   but atlas 0.86 instead of 0.88). The kernel then holds the body twice: a loop around one copy makes it fetch its inputs late (H100, ps:
+   hyq 85 instead of 76, gradients of iiwa14, with the test first, 224 instead of 204). */
 int emit_is_optimistic(const struct emission *e)
 {
 	return e->arithmetic->bytes == 4 && !is_staged(e) && e->tree->body_count < MANY_BODIES;
@@ -104,10 +103,9 @@ int emit_block_size(const struct emission *e)
 	return block;
 }
 
-/* Derivatives in f64 that need no shared memory to spill into: what the compiler may give each of four blocks it then gives
-   (H100, 1 M samples: hyq, 64 values alive, 0.416 ns instead of 0.433; but iiwa14, 137, 0.412 instead of 0.386). Of
-   accelerations, where far more wait than registers hold, the compiler's own choice has 168 registers and spills twice as
-   much. */
+/* Derivatives in f64 that need no shared memory to spill into: what the compiler may give each of four blocks it then gives (H100,
+   1 M samples: hyq, 64 values alive, 0.416 ns instead of 0.433; but iiwa14, 137, 0.412 instead of 0.386). Of accelerations, where
+   far more wait than registers hold, the compiler's own choice has 168 registers and spills twice as much. */
 static int min_derivative_blocks(const struct emission *e)
 {
 	int alive = plan_alive(&emit_main(e)->plan, e->arena);
@@ -223,11 +221,11 @@ static const char *move_slices(const struct emission *e, int out)
 		if (a->per_batch || a->is_output != out)
 			continue;
 		if (out)
-			text_printf(&t, "\t\trneagen_stage_out<%d, %d>(%s + first*%d, %s_slice, samples);\n", a->rows, words,
-				a->name, a->rows, d->arguments[stage_place(d, i)].name);
+			text_printf(&t, "\t\trneagen_stage_out<%d, %d>(%s + first*%d, %s_slice, samples);\n", a->rows, words, a->name, a->rows,
+				d->arguments[stage_place(d, i)].name);
 		else
-			text_printf(&t, "\t\trneagen_stage_in<%d, %d>(%s_slice, %s + first*%d, samples);\n", a->rows, words,
-				a->name, a->name, a->rows);
+			text_printf(&t, "\t\trneagen_stage_in<%d, %d>(%s_slice, %s + first*%d, samples);\n", a->rows, words, a->name, a->name,
+				a->rows);
 	}
 	return text_string(&t);
 }
@@ -247,14 +245,12 @@ static const char *move_samples(const struct emission *e, int out)
 		if (a->per_batch || a->is_output != out)
 			continue;
 		if (a->rows != rows)
-			text_printf(&t, "%s#pragma unroll\n\t\tfor (unsigned r = 0; r < %d; r++) {\n",
-				rows ? "\t\t}\n" : "", a->rows);
+			text_printf(&t, "%s#pragma unroll\n\t\tfor (unsigned r = 0; r < %d; r++) {\n", rows ? "\t\t}\n" : "", a->rows);
 		rows = a->rows;
 		if (out)
 			text_printf(&t, "\t\t\t%s[r*count + k] = %s_slice[r*RNEA_BLOCK];\n", a->name, place);
 		else
-			text_printf(&t, "\t\t\trneagen_stage_copy<sizeof *%s>(%s_slice + r*RNEA_BLOCK, %s + r*count + k);\n",
-				a->name, a->name, a->name);
+			text_printf(&t, "\t\t\trneagen_stage_copy<sizeof *%s>(%s_slice + r*RNEA_BLOCK, %s + r*count + k);\n", a->name, a->name, a->name);
 	}
 	text_put(&t, rows ? "\t\t}\n" : "");
 	return text_string(&t);
@@ -263,8 +259,7 @@ static const char *move_samples(const struct emission *e, int out)
 static const char *kernel_call(const struct emission *e, const struct pass *p, int staged)
 {
 	int is_soa = e->options->layout == RNEAGEN_SOA;
-	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = here_text(e), .q = "q_here",
-		.stride = is_soa ? "stride" : "1"};
+	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = here_text(e), .q = "q_here", .stride = is_soa ? "stride" : "1"};
 	const struct call there = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
 		.stride = emit_stride(e), .is_optimistic = p == emit_main(e) && emit_is_optimistic(e)};
 
@@ -299,12 +294,11 @@ static void put_kernel(const struct emission *e, const struct pass *p, struct te
 	int staged = is_staged(e) && p == emit_main(e), is_aos = e->options->layout == RNEAGEN_AOS;
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
-		{"SPILL", spill_text(e)}, {"ZEROS", p == emit_main(e) ? emit_zero_loops(e, "blockIdx.y", "") : ""},
-		{"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
+		{"SPILL", spill_text(e)}, {"ZEROS", p == emit_main(e) ? emit_zero_loops(e, "blockIdx.y", "") : ""}, {"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", kernel_call(e, p, staged)},
 		{"DECLARATION", declaration_text(e)}, {"SLICES", slices_text(e)}, {"POINTERS", pointers_text(e)},
-		{"MOVE_IN", is_aos ? move_slices(e, 0) : move_samples(e, 0)},
-		{"MOVE_OUT", is_aos ? move_slices(e, 1) : move_samples(e, 1)}, {"IN_PLACE", !is_in_place(arguments_of(e)) ? "" :
+		{"MOVE_IN", is_aos ? move_slices(e, 0) : move_samples(e, 0)}, {"MOVE_OUT", is_aos ? move_slices(e, 1) : move_samples(e, 1)},
+		{"IN_PLACE", !is_in_place(arguments_of(e)) ? "" :
 			"\t/* tau takes the place of qdd: a joint's qdd is read before its torque is written */\n"},
 	};
 
@@ -327,8 +321,8 @@ void emit_kernels(const struct emission *e, struct text *out)
 
 /* Rows of matrices in soa, in whole lines; not what goes to shared memory. H100, both gradients of floating hyq in f64, 2 parts,
    16384 samples: 38 us instead of 70, 1 M samples: 1.95 ms instead of 2.34; of iiwa14 in f32, 131072 samples: 26.5 us instead
-   of 31.5, 1 M the same; of atlas in f64 3 % slower, since the compiler orders stores less freely. Of the regressor, an array of
-   many rows, nvcc takes minutes to tell stores apart that it sees. */
+   of 31.5, 1 M the same; of atlas in f64 3 % slower, since the compiler orders stores less freely. Of the regressor, an array of many
+   rows, nvcc takes minutes to tell stores apart that it sees. */
 int emit_is_streamed(const struct emission *e)
 {
 	int has_matrix = request_wants_derivative(e->request) || request_wants(e->request, WANT_REGRESSOR);
@@ -351,8 +345,7 @@ const char *emit_store(const struct emission *e)
 
 const char *emit_stage(const struct emission *e)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"T", e->memory->type},
-		{"BYTES", emit_int(e, stage_bytes(e))}};
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"T", e->memory->type}, {"BYTES", emit_int(e, stage_bytes(e))}};
 	struct text t;
 
 	text_init(&t, e->arena);

@@ -54,8 +54,7 @@ static const char *why_node(const struct analysis *x, uint32_t i)
 		return why_input(x, n);
 	case OP_SIN:
 	case OP_COS:
-		return position_of(&x->dag, n->arg[0].i) ? NULL
-			: "it reads an angle that follows another, or that has a freed offset";
+		return position_of(&x->dag, n->arg[0].i) ? NULL : "it reads an angle that follows another, or that has a freed offset";
 	case OP_SQRT:
 	case OP_DIV:
 		return "it has a quotient or a root, as friction has";

@@ -1,6 +1,6 @@
-/* A text computes v + e where v is exact. Of each operation e is a linear function of its operands' e, with the derivatives of
-   the exact operation for factors, plus what its own rounding and products of errors leave: its rest. So the output's e is
-   exactly the sum over all operations of (the output's derivative by it) times (its rest). */
+/* A text computes v + e where v is exact. Of each operation e is a linear function of its operands' e, with the derivatives of the
+   exact operation for factors, plus what its own rounding and products of errors leave: its rest. So the output's e is exactly the sum
+   over all operations of (the output's derivative by it) times (its rest). */
 #include "steps/errors.h"
 #include <math.h>
 
@@ -32,8 +32,8 @@ static double given(const struct errors *x, const struct node *n, double size, c
 	return off > 0 ? (double)off * MADE + 2 * m->tiny : 0;
 }
 
-/* The largest rounding of a result whose exact value is within `size`, where operands are so much off that it is `more` beyond:
-   half a unit in the last place, unit times the power of two at or below it. A pair of floats has no last place. */
+/* The largest rounding of a result whose exact value is within `size`, where operands are so much off that it is `more` beyond: half a unit
+   in the last place, unit times the power of two at or below it. A pair of floats has no last place. */
 static double rounding(const struct eval_model *m, double unit, double size, double more)
 {
 	double most = (size + more) * MADE;
@@ -87,8 +87,7 @@ static struct own own_of(struct errors *x, uint32_t i, const struct eval_model *
 		x->sum[i] = rounding(m, m->sincos, value_size(x, (struct ref){i}), 0);
 		if (x->d->nodes[n->arg[0].i].op != OP_INPUT) /* what is computed has an error of its own */
 			return (struct own){0, (double)INFINITY};
-		return (struct own){0, size[0] <= m->angle ? m->tiny + (n->op == OP_SIN ? m->sine : m->cosine)
-			: (double)INFINITY};
+		return (struct own){0, size[0] <= m->angle ? m->tiny + (n->op == OP_SIN ? m->sine : m->cosine) : (double)INFINITY};
 	default:
 		return (struct own){0, (double)INFINITY};
 	}
@@ -169,8 +168,7 @@ static void add_twins(struct errors *x, uint32_t i, uint32_t k, uint32_t factor,
 	uint32_t slopes = lengths_pair(&x->lengths, x->forms.slope[i].form, x->forms.slope[k].form);
 
 	if (slopes)
-		x->twins[x->twin_count++] = (struct twins){.one = i, .other = k, .factor = factor, .values = values,
-			.slopes = slopes};
+		x->twins[x->twin_count++] = (struct twins){.one = i, .other = k, .factor = factor, .values = values, .slopes = slopes};
 }
 
 /* A node whose value is a turn, and is rounded as a sum. */
@@ -186,8 +184,7 @@ static int are_products(const struct errors *x, uint32_t i, uint32_t k, uint32_t
 {
 	struct turn_term p, q;
 
-	if (!product_term(x, i, &p) || !product_term(x, k, &q) || p.angle != q.angle || p.is_sine == q.is_sine ||
-		p.other.form != q.other.form)
+	if (!product_term(x, i, &p) || !product_term(x, k, &q) || p.angle != q.angle || p.is_sine == q.is_sine || p.other.form != q.other.form)
 		return 0;
 	*factor = p.other.form;
 	return *factor > FORM_ONE;
@@ -204,8 +201,7 @@ static int are_waves(const struct errors *x, uint32_t i, uint32_t k)
 {
 	const struct node *n = &x->d->nodes[i], *m = &x->d->nodes[k];
 
-	return n->op == OP_COS && m->op == OP_SIN && n->arg[0].i == m->arg[0].i && x->forms.slope[i].form &&
-		x->forms.slope[k].form;
+	return n->op == OP_COS && m->op == OP_SIN && n->arg[0].i == m->arg[0].i && x->forms.slope[i].form && x->forms.slope[k].form;
 }
 
 /* Each rounding is in one pair at most: that of a product, and that of a sum. */

@@ -20,8 +20,7 @@ static int is_scale(const struct dag *d, uint32_t i, __float128 value)
 	return op_arity[d->nodes[i].op] == 0 && (value == 0 || fabsq(value) == scalbnq(1, ilogbq(value)));
 }
 
-static __float128 product(const struct dag *d, const struct node *n, const struct eval_model *m, struct rng *rng,
-	const __float128 *v)
+static __float128 product(const struct dag *d, const struct node *n, const struct eval_model *m, struct rng *rng, const __float128 *v)
 {
 	__float128 a = v[n->arg[0].i], b = v[n->arg[1].i];
 
@@ -63,8 +62,7 @@ static int is_of_pairs(const struct eval_model *m, enum op op)
 }
 
 static __float128 worst_node(
-	const struct dag *d, const struct node *n, const struct eval_model *m, struct rng *rng, const double *const *in,
-	const __float128 *v)
+	const struct dag *d, const struct node *n, const struct eval_model *m, struct rng *rng, const double *const *in, const __float128 *v)
 {
 	__float128 a = op_arity[n->op] > 0 ? v[n->arg[0].i] : 0, b = op_arity[n->op] > 1 ? v[n->arg[1].i] : 0;
 
