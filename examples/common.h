@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <initializer_list>
 
 /* The program's name, for messages. */
 extern const char *const PROGRAM;
@@ -22,6 +23,21 @@ inline int wrong(bool is_right, const char *what)
 inline const char *value_of(const char *name, char **argv, int *i)
 {
 	return !strcmp(argv[*i], name) && argv[*i + 1] ? argv[++*i] : NULL;
+}
+
+/* An option that takes no value, and whether it is there. */
+struct flag {
+	const char *name;
+	bool *is_set;
+};
+
+/* Returns whether argv's word is one of the flags, which is then set. */
+inline bool read_flag(const char *word, std::initializer_list<flag> flags)
+{
+	for (const flag &f : flags)
+		if (!strcmp(word, f.name))
+			return *f.is_set = true;
+	return false;
 }
 
 /* A whole number from 1 to `most`; 0 if it is none. */

@@ -54,18 +54,21 @@ static enum rneagen_code options_resolve(struct generation *g)
 		return error_set(e, RNEAGEN_USAGE,
 			"--strict and --precision f32x2 exclude each other: its products have other bits where no fused multiply-add is; take f64");
 	if (o->bounded && o->target != RNEAGEN_TARGET_C)
-		return error_set(e, RNEAGEN_USAGE, "--bounded is for target c: take --target c, or an output whose name ends in .c");
+		return error_set(e, RNEAGEN_USAGE,
+			"--bounded is for target c: take --target c, or an output whose name ends in .c");
 	if (o->bounded && o->precision == RNEAGEN_F32X2)
 		return error_set(e, RNEAGEN_USAGE,
 			"--bounded and --precision f32x2 exclude each other: pairs of floats have no bounded function; take f64");
 	if (o->limbs > RNEAGEN_LIMBS_NONE && (o->target != RNEAGEN_TARGET_CUDA || o->precision == RNEAGEN_F32X2))
 		return error_set(e, RNEAGEN_USAGE, "--limbs %d is for kernels%s", o->limbs,
-			o->target != RNEAGEN_TARGET_CUDA ? ": take --target cuda" : ", but of no pairs of floats: take another --precision");
+			o->target != RNEAGEN_TARGET_CUDA ? ": take --target cuda"
+				: ", but of no pairs of floats: take another --precision");
 	if (!o->name)
 		o->name = identifier_from(g->analysis.robot.name, &g->result->arena);
 	else if (!identifier_is(o->name))
 		return error_set(e, RNEAGEN_NAME,
-			"--name '%.255s' is no C identifier: letters, digits and underscores, no digit first, no keyword", o->name);
+			"--name '%.255s' is no C identifier: letters, digits and underscores, no digit first, no keyword",
+			o->name);
 	return o->name ? RNEAGEN_OK : error_memory(e);
 }
 

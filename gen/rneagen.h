@@ -32,7 +32,8 @@ enum rneagen_trig { RNEAGEN_ACCURATE, RNEAGEN_BOUNDED, RNEAGEN_FAST,
 	RNEAGEN_TRIG_AUTO }; /* bounded where the scene states a range for every joint's angle, else accurate */
 enum rneagen_base { RNEAGEN_FIXED, RNEAGEN_FLOATING };
 enum rneagen_mimic { RNEAGEN_MIMIC_HONOUR, RNEAGEN_MIMIC_INDEPENDENT };
-enum { RNEAGEN_BOUNDS_CLOSE = 1, RNEAGEN_BOUNDS_RUNNING }; /* the closer ones, or those that are found faster, beside each statement */
+/* the closer ones, or those that are found faster, beside each statement */
+enum { RNEAGEN_BOUNDS_CLOSE = 1, RNEAGEN_BOUNDS_RUNNING };
 enum { RNEAGEN_PARTS_AUTO = 0, RNEAGEN_SEGMENTS_AUTO = 0, RNEAGEN_SEGMENTS_WHOLE = 1, RNEAGEN_LIMBS_AUTO = 0,
 	RNEAGEN_LIMBS_NONE = 1 };
 /* What there is to tell beside the text. */

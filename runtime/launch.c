@@ -65,8 +65,8 @@ static enum rnea_code check(
 	if (check_pointers(robot, function, arguments, e))
 		return e->code;
 	if (grid > INT_MAX)
-		return rnea_error_set(e, RNEA_LIMIT, "%s: %zu samples are more than %d blocks of %zu", symbol_of(robot, function).s,
-			count, INT_MAX, block);
+		return rnea_error_set(e, RNEA_LIMIT, "%s: %zu samples are more than %d blocks of %zu",
+			symbol_of(robot, function).s, count, INT_MAX, block);
 	return RNEA_OK;
 }
 

@@ -71,7 +71,8 @@ static enum rnea_code open_backend(struct rnea_robot *robot, const struct source
 {
 	char name[SOURCE_NAME_LIMIT + 4];
 	const struct backend_request r = {
-		.source = s, .file = o->file ? o->file : name, .options = o, .cache = cache, .unkept = &robot->unkept, .evaluator = evaluator};
+		.source = s, .file = o->file ? o->file : name, .options = o, .cache = cache, .unkept = &robot->unkept,
+		.evaluator = evaluator};
 	int absent;
 
 	snprintf(name, sizeof name, "%s.%s", s->name, s->is_cuda ? "cu" : "c");

@@ -182,7 +182,8 @@ struct rnea_function {
 	unsigned parts;     /* of a CUDA grid, along y: each makes some elements of the matrices; 1: all (--parts) */
 	size_t stage_bytes; /* of shared memory in which its kernel stages each sample; 0: none. Where a block of them takes more
 	                       than 48 KiB, and at most 227, launches have to give it: rnea_launch does; given less, it is slower */
-	size_t across_bytes;   /* of a kernel in segments: what a sample keeps in the block's own 48 KiB of shared memory; else 0 */
+	/* of a kernel in segments: what a sample keeps in the block's own 48 KiB of shared memory; else 0 */
+	size_t across_bytes;
 	unsigned most_samples; /* of such a kernel: samples that a thread takes at most, as far as they have room. A grid of any size is
 				  right; the fewer blocks, the more samples each thread takes. 1 of all other kernels */
 	/* The kernel NAME_FUNCTION_limbs, with the same parameters, is faster for small batches: rnea_launch and
@@ -272,8 +273,8 @@ enum rnea_code rnea_open_file(
 /* What computes samples where nothing can be compiled. Its context outlives the robot. */
 struct rnea_evaluator {
 	void *context;
-	/* Samples `first` to `end` - 1 of a batch of `count`, on `arrays` as rnea_launch takes them. Called by several threads at once.
-	   Returns 0 when memory runs out. */
+	/* Samples `first` to `end` - 1 of a batch of `count`, on `arrays` as rnea_launch takes them. Called by several threads at
+	   once. Returns 0 when memory runs out. */
 	int (*evaluate)(void *context, void *const *arrays, size_t count, size_t first, size_t end);
 	void (*close)(void *context); /* called by rnea_close; may be NULL */
 };

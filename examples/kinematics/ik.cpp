@@ -118,9 +118,9 @@ static void print(const options &o, const outcome &r, double seconds, bool on_gp
 	if (on_gpu && gpu_registers(o.s, &registers, &spilled))
 		return;
 	if (o.csv) {
-		printf("%s,%zu,%zu,%.3f,%d,%d,%d,%.4f,%d,%zu,%.6g,%.3g,%.3g,%016llx\n", o.s.is_f64 ? "f64" : "f32", o.targets, r.reached,
-			r.steps, r.median, r.p99, r.most, r.restarts, registers, spilled, seconds, r.off, r.turned,
-			(unsigned long long)r.sum);
+		printf("%s,%zu,%zu,%.3f,%d,%d,%d,%.4f,%d,%zu,%.6g,%.3g,%.3g,%016llx\n", o.s.is_f64 ? "f64" : "f32",
+			o.targets, r.reached, r.steps, r.median, r.p99, r.most, r.restarts, registers, spilled, seconds,
+			r.off, r.turned, (unsigned long long)r.sum);
 		return;
 	}
 	printf("reached: %zu, %.4f %%, within %.3g mm and %.3g rad\n", r.reached, 100 * (double)r.reached / (double)o.targets,
@@ -238,8 +238,9 @@ static int map(const options &o, bool on_gpu)
 		return 1;
 	const outcome r = judge(goals, found);
 
-	printf("map of %d x %d cells, %d rotations each, on %s, in %s: %zu of %zu are reached; %.4g s\n", o.cells, o.cells, o.rotations,
-		on_gpu ? gpu_name() : "the host", o.s.is_f64 ? "f64" : "f32", r.reached, goals.size(), seconds);
+	printf("map of %d x %d cells, %d rotations each, on %s, in %s: %zu of %zu are reached; %.4g s\n", o.cells,
+		o.cells, o.rotations, on_gpu ? gpu_name() : "the host", o.s.is_f64 ? "f64" : "f32", r.reached,
+		goals.size(), seconds);
 	return wrong(r.is_within_limits && r.off <= TOLERANCE && r.turned <= TOLERANCE_ANGLE, "a hand is not where it shall be");
 }
 
@@ -264,11 +265,7 @@ static bool read_option(options *o, char **argv, int *i)
 		return (o->s.is_f64 = !strcmp(v, "f64")) || !strcmp(v, "f32");
 	if ((v = value_of("--map", argv, i)))
 		return (o->map = v);
-	for (const auto &flag : {std::make_pair("--cpu", &o->cpu), std::make_pair("--check", &o->check),
-		     std::make_pair("--csv", &o->csv), std::make_pair("--help", &o->help)})
-		if (!strcmp(argv[*i], flag.first))
-			return *flag.second = true;
-	return false;
+	return read_flag(argv[*i], {{"--cpu", &o->cpu}, {"--check", &o->check}, {"--csv", &o->csv}, {"--help", &o->help}});
 }
 
 int main(int argc, char **argv)

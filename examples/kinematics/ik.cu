@@ -124,7 +124,8 @@ template <class Real> struct arrays {
 	int make(const std::vector<Real> &rows, size_t count)
 	{
 		return failed(cudaMalloc(&goals, rows.size() * sizeof *goals)) || failed(cudaMalloc(&q, N * count * sizeof *q)) ||
-		       failed(cudaMalloc(&steps, count * sizeof *steps)) || failed(cudaMalloc(&reached, count * sizeof *reached)) ||
+		       failed(cudaMalloc(&steps, count * sizeof *steps)) ||
+		failed(cudaMalloc(&reached, count * sizeof *reached)) ||
 		       failed(cudaMalloc(&next, sizeof *next)) || failed(cudaEventCreate(&marks[0])) ||
 		       failed(cudaEventCreate(&marks[1])) ||
 		       failed(cudaMemcpy(goals, rows.data(), rows.size() * sizeof *goals, cudaMemcpyHostToDevice));

@@ -281,11 +281,7 @@ static bool read_option(options *o, char **argv, int *i)
 		return (o->s.is_f64 = !strcmp(v, "f64")) || !strcmp(v, "f32");
 	if ((v = value_of("--trace", argv, i)))
 		return (o->trace = v);
-	for (const auto &flag : {std::make_pair("--cpu", &o->cpu), std::make_pair("--check", &o->check),
-		     std::make_pair("--csv", &o->csv), std::make_pair("--help", &o->help)})
-		if (!strcmp(argv[*i], flag.first))
-			return *flag.second = true;
-	return false;
+	return read_flag(argv[*i], {{"--cpu", &o->cpu}, {"--check", &o->check}, {"--csv", &o->csv}, {"--help", &o->help}});
 }
 
 int main(int argc, char **argv)

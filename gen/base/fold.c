@@ -13,7 +13,8 @@ struct line_rest {
 	size_t column;    /* at which s begins */
 	enum place place; /* in which s begins */
 	int is_directive;
-	int is_table; /* a string that ends a line of a table: others may stand in lists, where two in a row look like a mistake */
+	/* a string that ends a line of a table: others may stand in lists, where two in a row look like a mistake */
+	int is_table;
 };
 
 /* Where to cut: what is kept ends at `end`, what goes on begins at `next`; next 0: nowhere. */

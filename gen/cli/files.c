@@ -223,5 +223,6 @@ int file_put_stdout(const char *s)
 
 enum rneagen_code file_put_stdout_error(const char *s, struct rneagen_error *e)
 {
-	return file_put_stdout(s) ? error_set(e, RNEAGEN_WRITE, "standard output: cannot be written: %s", strerror(errno)) : RNEAGEN_OK;
+	return file_put_stdout(s) ? error_set(e, RNEAGEN_WRITE, "standard output: cannot be written: %s", strerror(errno))
+		: RNEAGEN_OK;
 }

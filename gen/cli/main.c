@@ -71,8 +71,8 @@ enum { KEY_NAME = OPTION_OWN, KEY_INFO, KEY_DOT, KEY_BOUNDED, KEY_ONLY, KEY_QUIE
 static const struct option OPTIONS[] = {
 	OPTIONS_TEXT, OPTIONS_MODEL, {"output", required_argument, NULL, 'o'},
 	{"name", required_argument, NULL, KEY_NAME}, {"info", optional_argument, NULL, KEY_INFO},
-	{"dot", no_argument, NULL, KEY_DOT}, {"bounded", optional_argument, NULL, KEY_BOUNDED}, {"only", required_argument, NULL, KEY_ONLY},
-	{"quiet", no_argument, NULL, KEY_QUIET},
+	{"dot", no_argument, NULL, KEY_DOT}, {"bounded", optional_argument, NULL, KEY_BOUNDED},
+	{"only", required_argument, NULL, KEY_ONLY}, {"quiet", no_argument, NULL, KEY_QUIET},
 	{"help", no_argument, NULL, OPTION_HELP}, {"version", no_argument, NULL, OPTION_VERSION}, {NULL, 0, NULL, 0}};
 
 static const struct option_choice ONLY[] = {{"rnea", 1}, {"fd", 1}, {"kin", 1}, {NULL, 0}};

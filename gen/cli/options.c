@@ -54,45 +54,27 @@ static int parse_gravity(const char *command, const char *word, double gravity[3
 	return 0;
 }
 
-static int parse_parts(const char *command, const char *word, int *parts)
+/* Options that take a number, or "auto", which is 0, or another word. */
+static const struct counted {
+	const char *name, *takes;
+	long least, most;
+	const char *word;
+	int value; /* of the word */
+} PARTS = {"parts", "a number from 1 to 65535, or auto", 1, 65535, "auto", RNEAGEN_PARTS_AUTO},
+  SEGMENTS = {"segments", "a number of operations from 20 to 1000000, auto or whole", 20, 1000000, "whole",
+	RNEAGEN_SEGMENTS_WHOLE},
+  LIMBS = {"limbs", "a number of warps from 2 to 16, auto or none", 2, 16, "none", RNEAGEN_LIMBS_NONE};
+
+static int parse_count(const char *command, const struct counted *c, const char *word, int *value)
 {
 	char *end;
 	long n = strtol(word, &end, 10);
 
-	*parts = RNEAGEN_PARTS_AUTO;
-	if (!strcmp(word, "auto"))
+	*value = !strcmp(word, "auto") ? 0 : !strcmp(word, c->word) ? c->value : (int)n;
+	if (!strcmp(word, "auto") || !strcmp(word, c->word))
 		return 0;
-	*parts = (int)n;
-	if (end == word || *end || n < 1 || n > 65535)
-		return option_refuse(command, "--parts takes a number from 1 to 65535, or auto, not '%s'", word);
-	return 0;
-}
-
-static int parse_segments(const char *command, const char *word, int *segments)
-{
-	char *end;
-	long n = strtol(word, &end, 10);
-
-	*segments = !strcmp(word, "whole") ? RNEAGEN_SEGMENTS_WHOLE : RNEAGEN_SEGMENTS_AUTO;
-	if (!strcmp(word, "auto") || !strcmp(word, "whole"))
-		return 0;
-	*segments = (int)n;
-	if (end == word || *end || n < 20 || n > 1000000)
-		return option_refuse(command, "--segments takes a number of operations from 20 to 1000000, auto or whole, not '%s'", word);
-	return 0;
-}
-
-static int parse_limbs(const char *command, const char *word, int *limbs)
-{
-	char *end;
-	long n = strtol(word, &end, 10);
-
-	*limbs = !strcmp(word, "none") ? RNEAGEN_LIMBS_NONE : RNEAGEN_LIMBS_AUTO;
-	if (!strcmp(word, "auto") || !strcmp(word, "none"))
-		return 0;
-	*limbs = (int)n;
-	if (end == word || *end || n < 2 || n > 16)
-		return option_refuse(command, "--limbs takes a number of warps from 2 to 16, auto or none, not '%s'", word);
+	if (end == word || *end || n < c->least || n > c->most)
+		return option_refuse(command, "--%s takes %s, not '%s'", c->name, c->takes, word);
 	return 0;
 }
 
@@ -360,11 +342,11 @@ int option_generate(const char *command, struct rneagen_options *o, int key, con
 		return 0;
 	}
 	if (key == OPTION_PARTS)
-		return parse_parts(command, word, &o->parts);
+		return parse_count(command, &PARTS, word, &o->parts);
 	if (key == OPTION_SEGMENTS)
-		return parse_segments(command, word, &o->segments);
+		return parse_count(command, &SEGMENTS, word, &o->segments);
 	if (key == OPTION_LIMBS)
-		return parse_limbs(command, word, &o->limbs);
+		return parse_count(command, &LIMBS, word, &o->limbs);
 	if (key == OPTION_QD_RANGE || key == OPTION_QDD_RANGE)
 		return take_short_range(command, o, key == OPTION_QD_RANGE ? "qd" : "qdd", word);
 	if (key == OPTION_SCENE_FILE)

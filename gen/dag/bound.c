@@ -53,7 +53,8 @@ static struct ref of_product(const struct bound *x, uint32_t i, struct ref of_a,
 {
 	struct dag *d = x->d;
 	const struct node n = d->nodes[i]; /* a copy: nodes move as they grow in number */
-	struct ref e = is_scaled(d, &n) ? dag_const(d, of_b.i ? 0 : bound_tiny(x->m)) : rounding(x, x->m->mul, i, bound_tiny(x->m));
+	struct ref e = is_scaled(d, &n) ? dag_const(d, of_b.i ? 0 : bound_tiny(x->m))
+		: rounding(x, x->m->mul, i, bound_tiny(x->m));
 
 	e = dag_add(d, e, dag_mul(d, dag_abs(d, n.arg[0]), of_b));
 	return dag_add(d, e, dag_mul(d, dag_add(d, dag_abs(d, n.arg[1]), of_b), of_a));

@@ -136,7 +136,8 @@ static struct ref node_of(struct dag *d, const struct key *k)
 		return NONE;
 	}
 	d->nodes = nodes;
-	d->nodes[d->count] = (struct node){.op = k->op, .arg = {k->a, k->b, k->c}, .value = k->value, .is_wide = is_wide(d, k) != 0};
+	d->nodes[d->count] = (struct node){.op = k->op, .arg = {k->a, k->b, k->c}, .value = k->value,
+		.is_wide = is_wide(d, k) != 0};
 	d->table[slot] = (uint32_t)++d->count;
 	if (d->count > d->table_size / 2 && !table_grow(d))
 		d->failed = 1;
@@ -269,7 +270,8 @@ void dag_strike(struct dag *d, int argument)
 	for (size_t i = 0; i < d->output_count; i++)
 		d->outputs[i].argument -= d->outputs[i].argument > argument;
 	d->argument_count--;
-	memmove(d->arguments + argument, d->arguments + argument + 1, (size_t)(d->argument_count - argument) * sizeof *d->arguments);
+	memmove(d->arguments + argument, d->arguments + argument + 1,
+		(size_t)(d->argument_count - argument) * sizeof *d->arguments);
 }
 
 int dag_argument(struct dag *d, const char *name, int rows, int is_output)

@@ -34,9 +34,9 @@ struct node {
 };
 
 enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END, SECTION_FREED, SECTION_TOTALS, SECTION_BIAS, SECTION_GRAVITY,
-	SECTION_BY, SECTION_PRODUCTS, SECTION_FACTORS, SECTION_ARTICULATED, SECTION_INVERSE, SECTION_RESIDUAL, SECTION_REFINED, SECTION_BOUND,
-	SECTION_REGRESSOR, SECTION_PLACE, SECTION_JACOBIAN, SECTION_RATE, SECTION_SUBTREE, SECTION_CENTROID, SECTION_FACTORED, SECTION_OPSPACE,
-	SECTION_SWEEPS, SECTION_ROWS, SECTION_COUNT };
+	SECTION_BY, SECTION_PRODUCTS, SECTION_FACTORS, SECTION_ARTICULATED, SECTION_INVERSE, SECTION_RESIDUAL,
+	SECTION_REFINED, SECTION_BOUND, SECTION_REGRESSOR, SECTION_PLACE, SECTION_JACOBIAN, SECTION_RATE, SECTION_SUBTREE,
+	SECTION_CENTROID, SECTION_FACTORED, SECTION_OPSPACE, SECTION_SWEEPS, SECTION_ROWS, SECTION_COUNT };
 
 /* From this node (and this output) on, the text belongs to going out to a body, or back from it. */
 struct section {
@@ -80,7 +80,8 @@ struct dag {
 	int is_wide;  /* while it is set, inputs are widened where they are read, and constants are wide */
 	size_t limit; /* nodes; 0: as many as memory holds */
 	int failed;   /* sticky: out of memory, an argument or a node too many, a matrix that cannot be solved */
-	int singular; /* 1 + the row of qd whose joint moves no mass, where that made it fail; or -1 - the want that has no inverse */
+	/* 1 + the row of qd whose joint moves no mass, where that made it fail; or -1 - the want that has no inverse */
+	int singular;
 	int constant; /* 1 + the number of a want that does not vary, where that made it fail */
 };
 
@@ -98,8 +99,8 @@ void dag_free(struct dag *d);
 /* Make `d`, which has an arena and nothing else, a closed copy of another arena's DAG. */
 void dag_take(struct dag *d, const struct dag *from);
 
-/* Strike a parameter that nothing alive reads; those after it move up, and dead inputs are of DAG_STRUCK, which is none. It closes
-   the DAG. */
+/* Strike a parameter that nothing alive reads; those after it move up, and dead inputs are of DAG_STRUCK, which is none. It
+   closes the DAG. */
 void dag_strike(struct dag *d, int argument);
 
 /* Put by[row] where dag_input(d, DAG_HELD, row) stands for it: a value that is known, and that the rules of the constructors and

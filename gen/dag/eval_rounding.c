@@ -1,6 +1,6 @@
-/* A number x that is rounded to nearest is off by half a unit in the last place: by u ufp(x), where ufp(x) is the power of two at or
-   below |x| (Rump, Ogita, Oishi, Accurate floating-point summation, part I, SIAM J. Sci. Comput. 31, 2008). That is between half of u |x|
-   and all of it, 0.72 of it on average. */
+/* A number x that is rounded to nearest is off by half a unit in the last place: by u ufp(x), where ufp(x) is the power of two at
+   or below |x| (Rump, Ogita, Oishi, Accurate floating-point summation, part I, SIAM J. Sci. Comput. 31, 2008). That is between
+   half of u |x| and all of it, 0.72 of it on average. */
 #include "dag/eval_rounding.h"
 #include "dag/eval_pairs.h"
 #include <float.h>

@@ -1,7 +1,7 @@
 #ifndef RNEAGEN_EVAL_ROUNDING_H
 #define RNEAGEN_EVAL_ROUNDING_H
-/* What an operation's own rounding may be at the values of one sample: closer than a relative error, since it is known between which
-   powers of two, or of which floats, a value lies. */
+/* What an operation's own rounding may be at the values of one sample: closer than a relative error, since it is known between
+   which powers of two, or of which floats, a value lies. */
 
 #include "dag/eval_model.h"
 
@@ -10,8 +10,8 @@ struct known {
 	double x, e;
 };
 
-/* Of an operation that is good to `unit`: relative to x of numbers that are pairs; else unit / 2^-24 or 2^-53 half units in the last
-   place. */
+/* Of an operation that is good to `unit`: relative to x of numbers that are pairs; else unit / 2^-24 or 2^-53 half units in the
+   last place. */
 double rounding_of_result(const struct eval_model *m, double unit, struct known x);
 
 /* a + b = x, a b = x. Of x the error is that of the operands. */

@@ -94,20 +94,18 @@ static struct draw_range freed_range(const struct freed *f)
 	return r;
 }
 
-/* What the scene says, the whole of an input before its joints, these before single rows. */
+/* What the scene says; a quaternion is drawn over all rotations. */
 static void range_as_said(struct drawn_array *a, const struct request *k)
 {
-	for (int level = 0; level < REQUEST_RANGE_LEVELS; level++)
-		for (int i = 0; i < k->range_count; i++) {
-			const struct request_range *r = &k->ranges[i];
+	for (int row = 0; row < a->rows; row++) {
+		const struct request_range *r = request_range_of(k, a->name, row);
 
-			for (int row = r->first; r->level == level && !strcmp(r->argument, a->name) && row < r->first + r->count; row++)
-				if (a->ranges[row].kind != DRAW_ROTATION) {
-					a->ranges[row].lower = r->lower;
-					a->ranges[row].upper = r->upper;
-					a->ranges[row].is_known = 1;
-				}
-		}
+		if (!r || a->ranges[row].kind == DRAW_ROTATION)
+			continue;
+		a->ranges[row].lower = r->lower;
+		a->ranges[row].upper = r->upper;
+		a->ranges[row].is_known = 1;
+	}
 }
 
 static void add_array(struct drawn *x, struct drawn_array array, struct draw_range all, struct arena *a)
@@ -138,7 +136,8 @@ int draw_ranges(struct drawn *x, const struct tree *t, const struct request *k, 
 	if (request_wants(k, WANT_VJP))
 		add_array(x, (struct drawn_array){.name = "vjp_v", .rows = k->vjp.rows}, around(1), a);
 	for (int i = 0; i < k->by_count && request_wants(k, WANT_JVP); i++)
-		add_array(x, (struct drawn_array){.name = k->by[i].direction, .rows = k->by[i].rows, .per_batch = k->by[i].per_batch}, around(1), a);
+		add_array(x, (struct drawn_array){.name = k->by[i].direction, .rows = k->by[i].rows,
+			.per_batch = k->by[i].per_batch}, around(1), a);
 	if (a->failed)
 		return 0;
 	range_joints(x, t, k->is_forward);
@@ -155,7 +154,8 @@ static void widen(double bounds[2], double lower, double upper)
 	bounds[1] += fmax(upper, 0) * (1 + 0x1p-40);
 }
 
-/* What draw_body makes of all masses from r.lower to r.upper: a box of no more mass than `box`, and the rest as the URDF has it. */
+/* What draw_body makes of all masses from r.lower to r.upper: a box of no more mass than `box`, and the rest as the URDF has
+   it. */
 static void bound_body(const struct freed *f, struct draw_range r, double (*bounds)[2])
 {
 	double box = f->nominal[0] > 0 ? 0.1 * r.upper : r.upper, most;
@@ -169,7 +169,8 @@ static void bound_body(const struct freed *f, struct draw_range r, double (*boun
 	}
 	for (int i = 0; i < 3; i++)
 		for (int j = i; j < 3; j++)
-			widen(bounds[4 + inertia_index(i, j)], i == j ? 0 : -0.01 * box, i == j ? (0.02 / 3 + 0.02) * box : 0.01 * box);
+			widen(bounds[4 + inertia_index(i, j)], i == j ? 0 : -0.01 * box,
+				i == j ? (0.02 / 3 + 0.02) * box : 0.01 * box);
 	bounds[0][0] = r.lower;
 	bounds[0][1] = r.upper;
 }

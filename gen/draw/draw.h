@@ -46,12 +46,12 @@ extern const struct draw_options DRAW_EFFECTS;
 enum { DRAW_LIMIT = 1000 };
 
 /* Where the scene says nothing: q within the limits of the joint, or where there are none within pi of 0 for angles, 1 m
-   for lengths; qd within the limit, or 3 of 0; qdd within 10 of 0; tau within the effort limit, or 10 of 0. Gravity in each axis within its length of 0 (9.81
-   where it is none), a mass within a tenth of the URDF's, an offset within 0.1 of 0, forces and moments within 10 of 0,
-   the vectors that derivatives are multiplied by within 1 of 0. A payload, and the mass or inertia of a link that has no
-   mass, is a box of 0 to 1 kg, no side over 0.2 m, its centre no farther than 0.1 m from the link's origin in each axis;
-   any other inertia has the URDF's mass within a tenth, of which such a box has up to a tenth, and the rest is spread as
-   the URDF says. Arrays live in `a`. Return 0 when memory runs out. The same seed gives the same samples, and those of
+   for lengths; qd within the limit, or 3 of 0; qdd within 10 of 0; tau within the effort limit, or 10 of 0. Gravity in each axis
+   within its length of 0 (9.81 where it is none), a mass within a tenth of the URDF's, an offset within 0.1 of 0, forces and
+   moments within 10 of 0, the vectors that derivatives are multiplied by within 1 of 0. A payload, and the mass or inertia of a
+   link that has no mass, is a box of 0 to 1 kg, no side over 0.2 m, its centre no farther than 0.1 m from the link's origin in
+   each axis; any other inertia has the URDF's mass within a tenth, of which such a box has up to a tenth, and the rest is spread
+   as the URDF says. Arrays live in `a`. Return 0 when memory runs out. The same seed gives the same samples, and those of
    an input do not depend on ranges of others. */
 int draw_ranges(struct drawn *x, const struct tree *t, const struct request *k, struct arena *a);
 int draw_inputs(struct drawn *x, const struct tree *t, const struct request *k, const struct draw_options *o, struct arena *a);

@@ -1,8 +1,9 @@
-/* A DAG without some terms computes v + e where the whole one has v. A sum without a term t is off by -t too, and of a product of a
-   and b
+/* A DAG without some terms computes v + e where the whole one has v. A sum without a term t is off by -t too, and of a product of
+   a and b
      e = a e_b + b e_a + e_a e_b.
-   So an output's change is exactly the sum, over all operations, of its derivative in the whole DAG by the operation, times what is
-   left out there and products of changes: the rest. Magnitudes of values and of derivatives are bounded over the whole box (norms.h). */
+   So an output's change is exactly the sum, over all operations, of its derivative in the whole DAG by the operation, times what
+   is left out there and products of changes: the rest. Magnitudes of values and of derivatives are bounded over the whole box
+   (norms.h). */
 #include "draw/proven.h"
 #include "draw/proven_bound.h"
 #include <math.h>
@@ -231,11 +232,12 @@ static void settle(struct choosing *c, struct proven *told)
 	*told = (struct proven){0};
 }
 
-unsigned char *proven_find(struct proven *told, const struct dag *d, const struct tree *t, const struct request *k, double fraction,
-	struct arena *a, struct rneagen_error *e)
+unsigned char *proven_find(struct proven *told, const struct dag *d, const struct tree *t, const struct request *k,
+	double fraction, struct arena *a, struct rneagen_error *e)
 {
 	struct arena spare;
-	struct choosing c = {.p = {.d = d, .t = t, .k = k, .a = &spare, .e = e}, .fraction = fraction, .out = arena_alloc(a, d->count, 1)};
+	struct choosing c = {.p = {.d = d, .t = t, .k = k, .a = &spare, .e = e}, .fraction = fraction,
+		.out = arena_alloc(a, d->count, 1)};
 
 	arena_init(&spare, &a->allocator);
 	c.terms = arena_alloc(&spare, 2 * d->count, sizeof *c.terms);

@@ -121,7 +121,8 @@ static enum rneagen_code make_box(struct dropping *p)
 /* Derivatives are followed through these. */
 static int is_linear(enum op op)
 {
-	return op == OP_CONST || op == OP_INPUT || op == OP_NEG || op == OP_ADD || op == OP_SUB || op == OP_MUL || op == OP_FMA || op == OP_ANEW;
+	return op == OP_CONST || op == OP_INPUT || op == OP_NEG || op == OP_ADD || op == OP_SUB || op == OP_MUL ||
+		op == OP_FMA || op == OP_ANEW;
 }
 
 /* Angles, roots, quotients and what they are made of. */
@@ -170,7 +171,8 @@ static enum rneagen_code bound_output(struct dropping *p, size_t output)
 
 	arena_init(&spare, &p->a->allocator);
 	p->slope[output] = arena_alloc(p->a, (size_t)root + 1, sizeof **p->slope);
-	if (!p->slope[output] || !adjoint_make(&x, p->d, output, 1, &spare) || !norms_make(&n, &x.d, 0, &spare) || !norms_lay(&n, &spare) ||
+	if (!p->slope[output] || !adjoint_make(&x, p->d, output, 1, &spare) || !norms_make(&n, &x.d, 0, &spare) ||
+		!norms_lay(&n, &spare) ||
 		!norms_values_make(&v, &n, &spare)) {
 		arena_free(&spare);
 		return error_memory(p->e);

@@ -23,8 +23,8 @@ static struct ref copy(void *context, struct dag *out, size_t i)
 	return dag_operation(out, n->op, arg[0], arg[1], arg[2]);
 }
 
-enum rneagen_code prune_terms(struct dag *out, struct proven *told, const struct dag *d, const struct tree *t, const struct request *k,
-	double fraction, int is_sampled, struct rneagen_error *e)
+enum rneagen_code prune_terms(struct dag *out, struct proven *told, const struct dag *d, const struct tree *t,
+	const struct request *k, double fraction, int is_sampled, struct rneagen_error *e)
 {
 	struct pruning p = {.d = d};
 	struct arena spare;

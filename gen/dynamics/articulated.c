@@ -130,7 +130,8 @@ static void let_go(const struct articulated *x, int body)
 			row[k] = i < 3 ? y->Un[k].x[i] : y->Uf[k].x[i - 3];
 		factor_solve(&y->D, row);
 		for (int j = 0; j < 6; j++) {
-			struct ref *e = i < 3 ? (j < 3 ? &y->A.m[i][j] : &y->B.m[i][j - 3]) : (j < 3 ? NULL : &y->C.m[i - 3][j - 3]);
+			struct ref *e = i < 3 ? (j < 3 ? &y->A.m[i][j] : &y->B.m[i][j - 3])
+				: (j < 3 ? NULL : &y->C.m[i - 3][j - 3]);
 
 			for (int k = 0; k < n && e; k++)
 				*e = dag_sub(d, *e, dag_mul(d, row[k], j < 3 ? y->Un[k].x[j] : y->Uf[k].x[j - 3]));

@@ -28,8 +28,8 @@ void articulated_leave(struct articulated *x, int body, int *singular);
 /* M x = b in place, by rows of qd, after the tour. */
 void articulated_solve(const struct articulated *x, struct ref *b);
 
-/* Of a wrench on a body, in its frame, about its origin: what the joint feels, halfway through its D, row by row; then the wrench is
-   carried to the parent, as what that feels of it. As in factor.h, J M^-1 J^T is made of the products of these rows over D. */
+/* Of a wrench on a body, in its frame, about its origin: what the joint feels, halfway through its D, row by row; then the wrench
+   is carried to the parent, as what that feels of it. As in factor.h, J M^-1 J^T is made of the products of these rows over D. */
 void articulated_reduce(const struct articulated *x, int body, struct svec *f, struct svec *n, struct ref *y);
 
 #endif

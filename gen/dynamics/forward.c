@@ -89,7 +89,8 @@ void forward_factor(struct forward *x, struct build *b, struct joint_inputs in)
 		return;
 	}
 	tour_run(&x->tour);
-	dag_section(d, !b->k->is_forward ? SECTION_FACTORED : b->dynamics == DYNAMICS_ARTICULATED ? SECTION_ARTICULATED : SECTION_FACTORS, 0);
+	dag_section(d, !b->k->is_forward ? SECTION_FACTORED : b->dynamics == DYNAMICS_ARTICULATED ? SECTION_ARTICULATED
+		: SECTION_FACTORS, 0);
 	if (b->dynamics != DYNAMICS_ARTICULATED && !d->failed)
 		factor(x, d);
 	if (x->singular >= 0)

@@ -1,7 +1,8 @@
-/* The inertia that is felt at a link (Khatib, A unified approach for motion and force control of robot manipulators: the operational
-   space formulation, 1987): its inverse is J M^-1 J^T, of any chain, and it is no number where the link cannot move in all six
-   directions. With M = L^T D L and L^T Y = J^T it is Y^T D^-1 Y, and Y has no rows but those of the link's chain. Where bodies are
-   articulated, J^T is not made: unit wrenches on the link are carried back to the base, and each joint takes its part. */
+/* The inertia that is felt at a link (Khatib, A unified approach for motion and force control of robot manipulators: the
+   operational space formulation, 1987): its inverse is J M^-1 J^T, of any chain, and it is no number where the link cannot move
+   in all six directions. With M = L^T D L and L^T Y = J^T it is Y^T D^-1 Y, and Y has no rows but those of the link's chain.
+   Where bodies are articulated, J^T is not made: unit wrenches on the link are carried back to the base, and each joint takes its
+   part. */
 #include "dynamics/want.h"
 
 struct opspace {

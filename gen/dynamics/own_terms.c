@@ -22,13 +22,15 @@ void own_terms(const struct tour *r, int body, struct ref *tau)
 
 	if (joint_nv(k->type) != 1)
 		return;
-	tau[0] = dag_add(d, tau[0], dag_mul(d, dag_within(d, within_mul(square, request->armature[body])), source_row(d, &r->in.qdd, k->iv)));
-	tau[0] = dag_add(d, tau[0], dag_mul(d, dag_within(d, within_mul(square, request->damping[body])), source_row(d, &r->in.qd, k->iv)));
+	tau[0] = dag_add(d, tau[0], dag_mul(d, dag_within(d, within_mul(square, request->armature[body])),
+		source_row(d, &r->in.qdd, k->iv)));
+	tau[0] = dag_add(d, tau[0], dag_mul(d, dag_within(d, within_mul(square, request->damping[body])),
+		source_row(d, &r->in.qd, k->iv)));
 	if (size.x < 0)
 		size = within_neg(size);
 	if (request->friction[body].x != 0 && size.x != 0)
-		tau[0] = dag_add(d, tau[0], smooth_friction(d, within_mul(size, request->friction[body]), source_row(d, &r->in.qd, k->iv),
-			within_div(request->friction_width, size)));
+		tau[0] = dag_add(d, tau[0], smooth_friction(d, within_mul(size, request->friction[body]),
+			source_row(d, &r->in.qd, k->iv), within_div(request->friction_width, size)));
 }
 
 static struct ref along_qd(void *context, int argument, int row)

@@ -1,9 +1,10 @@
 /* Products of the derivatives of any outputs with vectors, without their matrices: jvp by a sweep forwards over the expressions
    that the outputs have, vjp by one backwards. An output that is new takes no code here.
 
-   Where qdd is found, it is an input of these expressions (DAG_HELD), and ID(q, qd, qdd) = tau says how it varies. With T for ID's
-   derivatives at that qdd: forwards dqdd = M^-1 (dtau - T_q dq - T_qd dqd), then all others along it; backwards the weights that
-   outputs put on qdd are collected, mu = M^-1 of them is the derivative by tau, and a sweep with -mu on ID gives all else. */
+   Where qdd is found, it is an input of these expressions (DAG_HELD), and ID(q, qd, qdd) = tau says how it varies. With T for
+   ID's derivatives at that qdd: forwards dqdd = M^-1 (dtau - T_q dq - T_qd dqd), then all others along it; backwards the weights
+   that outputs put on qdd are collected, mu = M^-1 of them is the derivative by tau, and a sweep with -mu on ID gives all
+   else. */
 #include "dag/derive.h"
 #include "dynamics/want.h"
 #include "mechanics/tangent.h"
@@ -28,10 +29,11 @@ void product_declare(const struct build *b)
 	if (request_wants(k, WANT_JVP))
 		dag_argument_of(b->d, (struct argument){.name = "jvp_v", .rows = 3 * b->t->nv, .role = ROLE_TANGENT, .of = ""});
 	for (int i = 0; i < k->by_count && request_wants(k, WANT_JVP); i++)
-		dag_argument_of(b->d, (struct argument){.name = k->by[i].direction, .rows = k->by[i].rows, .per_batch = k->by[i].per_batch,
-			.role = ROLE_TANGENT, .of = k->by[i].word});
+		dag_argument_of(b->d, (struct argument){.name = k->by[i].direction, .rows = k->by[i].rows,
+			.per_batch = k->by[i].per_batch, .role = ROLE_TANGENT, .of = k->by[i].word});
 	if (request_wants(k, WANT_VJP))
-		dag_argument_of(b->d, (struct argument){.name = "vjp_v", .rows = k->vjp.rows, .role = ROLE_COTANGENT, .of = k->vjp.words});
+		dag_argument_of(b->d, (struct argument){.name = "vjp_v", .rows = k->vjp.rows, .role = ROLE_COTANGENT,
+			.of = k->vjp.words});
 }
 
 static const struct product *product_of(const struct request *k, int want)
@@ -53,8 +55,9 @@ static int begin(struct sweep *s, struct build *b, struct joint_inputs in, const
 	struct arena *a = b->d->arena;
 	size_t nq = (size_t)b->t->nq, nv = (size_t)b->t->nv, most = (size_t)p->rows + nv;
 
-	*s = (struct sweep){.b = b, .d = b->d, .in = in, .arguments = {in.q.argument, in.qd.argument, in.qdd.argument}, .count = p->rows,
-		.along = {arena_alloc(a, nq, sizeof(struct ref)), arena_alloc(a, nv, sizeof(struct ref)), arena_alloc(a, nv, sizeof(struct ref))},
+	*s = (struct sweep){.b = b, .d = b->d, .in = in, .arguments = {in.q.argument, in.qd.argument, in.qdd.argument},
+		.count = p->rows, .along = {arena_alloc(a, nq, sizeof(struct ref)), arena_alloc(a, nv, sizeof(struct ref)),
+			arena_alloc(a, nv, sizeof(struct ref))},
 		.roots = arena_alloc(a, most, sizeof(struct ref)), .weights = arena_alloc(a, most, sizeof(struct ref))};
 	return !a->failed;
 }
@@ -218,7 +221,8 @@ static struct ref *sweep_backward(struct sweep *s, struct derivable *x, int coun
 	return bar;
 }
 
-/* The weights on qdd become -mu on ID, one more root for each row; mu is the derivative by tau. Returns how many roots there are. */
+/* The weights on qdd become -mu on ID, one more root for each row; mu is the derivative by tau. Returns how many roots there
+   are. */
 static int weigh_found(struct sweep *s, int argument)
 {
 	struct dag *d = s->d;
@@ -246,7 +250,8 @@ static void output_by(const struct sweep *s, const struct derivable *x, const st
 		const struct want *w = &k->wants[i];
 
 		for (int row = 0; w->kind == WANT_VJP_BY && row < w->rows; row++)
-			dag_output(s->d, s->b->outputs[i], row, bar_of(x, bar, dag_find_argument(s->d, k->by[w->body].argument), row));
+			dag_output(s->d, s->b->outputs[i], row,
+				bar_of(x, bar, dag_find_argument(s->d, k->by[w->body].argument), row));
 	}
 }
 

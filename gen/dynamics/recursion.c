@@ -13,10 +13,10 @@
    row (n2, n1, f2) is carried back to the base and meets the fields of the joints on the way. A joint nearer to the base feels
    the wrench itself, which by q turns with the twist as well, (dF + Z x F, dN + Z x N + Y x F), and is carried back too.
 
-   The Coriolis matrix is C = sum of J'(dJ/dt) over all particles, J of a particle's velocity, as M = sum of J'J: so dM/dt = C + C',
-   and C qd is the bias less gravity. A column of dJ/dt is the field Z' x (p - o) + Z x (p' - o') + Y'. Where all coordinates are
-   joint angles and slides, C has Christoffel's symbols, and is half of d tau/d qd (Echeandia and Wensing, Numerical methods to
-   compute the Coriolis matrix and Christoffel symbols for rigid-body systems, 2021). */
+   The Coriolis matrix is C = sum of J'(dJ/dt) over all particles, J of a particle's velocity, as M = sum of J'J: so
+   dM/dt = C + C', and C qd is the bias less gravity. A column of dJ/dt is the field Z' x (p - o) + Z x (p' - o') + Y'. Where all
+   coordinates are joint angles and slides, C has Christoffel's symbols, and is half of d tau/d qd (Echeandia and Wensing,
+   Numerical methods to compute the Coriolis matrix and Christoffel symbols for rigid-body systems, 2021). */
 #include "dynamics/recursion.h"
 #include "mechanics/field.h"
 #include <string.h>

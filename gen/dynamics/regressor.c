@@ -11,7 +11,8 @@
 /* ---- twists ---- */
 
 /* W = R'W_p, V = R'(V_p + W_p x p) */
-static struct carried_twist carry(struct dag *d, const struct body *k, const struct joint_pose *at, const struct carried_twist *from)
+static struct carried_twist carry(struct dag *d, const struct body *k, const struct joint_pose *at,
+	const struct carried_twist *from)
 {
 	struct svec V = svec_add(d, from->V, svec_cross(d, from->W, at->p));
 

@@ -54,8 +54,8 @@ static const char *after_point(const char *word)
 
 void want_constants(struct build *b)
 {
-	static const enum role roles[] = {[FREED_GRAVITY] = ROLE_GRAVITY, [FREED_MASS] = ROLE_LINK_MASS, [FREED_INERTIA] = ROLE_LINK_INERTIA,
-		[FREED_PAYLOAD] = ROLE_LINK_PAYLOAD, [FREED_OFFSET] = ROLE_JOINT_OFFSET};
+	static const enum role roles[] = {[FREED_GRAVITY] = ROLE_GRAVITY, [FREED_MASS] = ROLE_LINK_MASS,
+		[FREED_INERTIA] = ROLE_LINK_INERTIA, [FREED_PAYLOAD] = ROLE_LINK_PAYLOAD, [FREED_OFFSET] = ROLE_JOINT_OFFSET};
 
 	for (int i = 0; i < 3; i++)
 		b->gravity[i] = dag_within(b->d, b->t->gravity[i]);
@@ -64,7 +64,8 @@ void want_constants(struct build *b)
 		int argument = dag_find_argument(b->d, f->argument);
 
 		if (argument < 0)
-			argument = dag_argument_of(b->d, (struct argument){.name = f->argument, .rows = f->rows, .per_batch = f->per_batch,
+			argument = dag_argument_of(b->d,
+				(struct argument){.name = f->argument, .rows = f->rows, .per_batch = f->per_batch,
 				.role = roles[f->kind], .of = after_point(f->word)});
 		if (f->kind == FREED_OFFSET)
 			b->offset[b->t->bodies[f->body].iq] = dag_input(b->d, argument, 0);
@@ -95,8 +96,8 @@ static int output_of(const struct build *b, enum want_kind kind)
 	return -1;
 }
 
-/* May the recursion write it? It always makes M and the Coriolis matrix. By q, it knows nothing of wrenches that stay as they are in the world; and a body that floats
-   between others it takes to be turned by a quaternion of norm one. */
+/* May the recursion write it? It always makes M and the Coriolis matrix. By q, it knows nothing of wrenches that stay as they are
+   in the world; and a body that floats between others it takes to be turned by a quaternion of norm one. */
 static int is_recursive(const struct build *b, enum want_kind kind)
 {
 	if (kind == WANT_MASS || kind == WANT_CORIOLIS)
@@ -134,8 +135,8 @@ static void begin_recursion(struct build *b, const struct tour *r)
 
 struct tour want_tour(struct build *b, struct joint_inputs in)
 {
-	return (struct tour){.d = b->d, .t = b->t, .request = b->k, .in = in, .f_in = -1, .v_out = -1, .a_out = -1, .f_out = -1, .tau_out = -1,
-		.gravity = b->gravity, .parameters = b->parameters, .context = b};
+	return (struct tour){.d = b->d, .t = b->t, .request = b->k, .in = in, .f_in = -1, .v_out = -1, .a_out = -1,
+		.f_out = -1, .tau_out = -1, .gravity = b->gravity, .parameters = b->parameters, .context = b};
 }
 
 /* The torques of gravity and velocities, without what the scene adds: a tour of its own. */
@@ -281,8 +282,8 @@ static void rate_entered(const struct tour *r, int body)
 
 void want_places(struct build *b, struct joint_inputs in)
 {
-	b->places = (struct kinematics){.d = b->d, .t = b->t, .k = b->k, .in = in, .parameters = b->parameters, .outputs = b->outputs,
-		.gives_rate = want_gives_rate(b) && !is_gravity_alone(b)};
+	b->places = (struct kinematics){.d = b->d, .t = b->t, .k = b->k, .in = in, .parameters = b->parameters,
+		.outputs = b->outputs, .gives_rate = want_gives_rate(b) && !is_gravity_alone(b)};
 	if (request_wants_any(b->k, IS_PLACED))
 		kinematics_run(&b->places);
 }
@@ -320,7 +321,8 @@ static struct argument output(const struct request *k, const struct want *w)
 	const struct want_type *type = want_type(w->kind);
 
 	return (struct argument){.name = w->argument, .rows = w->rows, .is_output = 1, .role = type->role,
-		.of = want_is(w->kind, OF_FREED) ? k->freed[w->body].word : w->kind == WANT_JVP ? k->jvp.words : after_point(w->word)};
+		.of = want_is(w->kind, OF_FREED) ? k->freed[w->body].word : w->kind == WANT_JVP ? k->jvp.words
+			: after_point(w->word)};
 }
 
 /* Inputs of the request, besides q, qd and qdd and what is freed; then its outputs. */

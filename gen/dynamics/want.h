@@ -39,7 +39,8 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 /* A tour of the scene's robot, with what it frees and gravity as it has it. */
 struct tour want_tour(struct build *b, struct joint_inputs in);
 
-/* Gravity, offsets and parameters of bodies: the tree's, and what the scene frees as arguments, which are declared the first time. */
+/* Gravity, offsets and parameters of bodies: the tree's, and what the scene frees as arguments, which are declared the first
+   time. */
 void want_constants(struct build *b);
 
 /* Where bodies are, in b->places, with what is wanted of that. */
@@ -58,8 +59,8 @@ void want_entered(const struct tour *r, int body);
 void want_leaving(const struct tour *r, int body);
 void want_left(const struct tour *r, int body);
 
-/* Products of derivatives, want by want: of the torques alone, or of the qdd found alone, when these are made; all others when all
-   outputs are. d->failed and d->constant are set where an output does not vary. */
+/* Products of derivatives, want by want: of the torques alone, or of the qdd found alone, when these are made; all others when
+   all outputs are. d->failed and d->constant are set where an output does not vary. */
 void product_declare(const struct build *b); /* the vectors */
 int product_is_of_torques(const struct build *b, int want);
 void product_output(struct build *b, struct joint_inputs in, int want);

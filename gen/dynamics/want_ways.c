@@ -69,7 +69,8 @@ static int takes_factors(const struct request *k)
 
 static void build_cheapest(struct dag *d, const struct tree *t, const struct request *k)
 {
-	int has_derivatives = request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DTAU_DQD) || request_wants(k, WANT_DQDD_DQ) ||
+	int has_derivatives = request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DTAU_DQD) ||
+		request_wants(k, WANT_DQDD_DQ) ||
 		request_wants(k, WANT_DQDD_DQD);
 	struct ways now = {k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
 		k->dynamics == DYNAMICS_ARTICULATED ? DYNAMICS_ARTICULATED : DYNAMICS_FACTOR, 0};

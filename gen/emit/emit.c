@@ -88,7 +88,8 @@ void emit_unused(const struct emission *e, const struct plan *p, const char *pre
 
 	for (int i = 0; i < p->dag->argument_count; i++)
 		if (!used[i])
-			text_printf(out, "\t(void)%s%s;\n", p->dag->arguments[i].per_batch ? "" : prefix, p->dag->arguments[i].name);
+			text_printf(out, "\t(void)%s%s;\n", p->dag->arguments[i].per_batch ? "" : prefix,
+				p->dag->arguments[i].name);
 	text_put(out, stride ? "" : "\t(void)stride;\n");
 	if (emit_has_known(e))
 		put_unused_sines(e, p, out);
@@ -105,13 +106,12 @@ static void put_statements(const struct emission *e, const struct pass *p, struc
 static void put_body(const struct emission *e, const struct pass *p, struct text *out)
 {
 	const struct slot slots[] = {
-		{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
-		{"KNOWN_PARAM", emit_known_params(e)},
+		{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)},
 		{"RESULT", emit_has_known(e) ? "int" : "void"},
 		{"RETURNS", emit_has_known(e) ? EMIT_RETURNS : ""},
 	};
-	size_t count = sizeof slots / sizeof *slots;
-	size_t from = out->length;
+	size_t count = sizeof slots / sizeof *slots, from = out->length;
 	const char *rest = template_expand_to(out, template_body_in, "BODY", slots, count);
 
 	fold(out, from);
@@ -182,9 +182,10 @@ static const char *further_text(const struct emission *e)
 	text_init(&t, e->arena);
 	for (const struct pass *p = emit_main(e) + 1; p < e->passes + e->pass_count; p++) {
 		const struct call c = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_NAMES), .q = "q", .stride = "1"};
-		const struct slot slots[] = {{"BRIEF", p->algorithm->brief}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
-			{"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"}, {"CALL", emit_call(e, p, &c)},
-			{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)}};
+		const struct slot slots[] = {{"BRIEF", p->algorithm->brief}, {"NAME", e->options->name},
+			{"PASS", p->algorithm->name}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
+			{"CALL", emit_call(e, p, &c)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
+			{"NAMES", emit_params(e, p, PARAMS_NAMES)}};
 
 		template_expand(&t, template_further_h_in, slots, sizeof slots / sizeof *slots);
 	}
@@ -234,7 +235,8 @@ static const char *small_limit(const struct emission *e)
 		if (fabsl(e->tree->bodies[k].multiplier.x) > most)
 			most = fabsl(e->tree->bodies[k].multiplier.x);
 	text_init(&t, e->arena);
-	emit_number(e, e->memory, (real)e->arithmetic->domain * (most > 1 ? 0.999L / most : 1), &t); /* less the product's rounding */
+	/* less the product's rounding */
+	emit_number(e, e->memory, (real)e->arithmetic->domain * (most > 1 ? 0.999L / most : 1), &t);
 	return text_string(&t);
 }
 
@@ -301,8 +303,9 @@ static void put_dispatcher(const struct emission *e, struct text *out)
 	const struct slot slots[] = {{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)},
 		{"RESULT", emit_has_known(e) ? "int" : "void"}, {"RETURNS", emit_has_known(e) ? EMIT_RETURNS : ""},
-		{"BEGIN", emit_has_known(e) ? "\tint all_small = 1;" : ""}, {"END", emit_has_known(e) ? "\treturn all_small;" : ""},
-		{"COUNT", emit_int(e, e->part_count)}, {"CASES", text_string(&cases)}, {"CALLS", text_string(&calls)}};
+		{"BEGIN", emit_has_known(e) ? "\tint all_small = 1;" : ""},
+		{"END", emit_has_known(e) ? "\treturn all_small;" : ""}, {"COUNT", emit_int(e, e->part_count)},
+		{"CASES", text_string(&cases)}, {"CALLS", text_string(&calls)}};
 	size_t from = out->length;
 
 	template_expand(out, e->target->kernel->parts, slots, sizeof slots / sizeof *slots);
@@ -349,25 +352,22 @@ void emit_source(const struct emission *e, struct text *out)
 		{"ARITHMETIC", emit_arithmetic(e, e->target)}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
 		{"KNOWN_MACROS", emit_has_known(e) ? template_header_known_in : ""},
 		{"UNDEF_KNOWN", emit_has_known(e) ? "#undef RNEA_KNOWN\n" : ""},
-		{"UNDEF_STRICT", e->options->strict ? "#undef RNEA_ADD\n#undef RNEA_SUB\n#undef RNEA_MUL\n#undef RNEA_DIV\n#undef RNEA_SQRT\n#undef RNEA_APART\n" : ""},
-		{"UNDEF_WIDE", !e->wide ? "" : !e->options->strict ? "#undef RNEA_WIDE_FMA\n" :
-			"#undef RNEA_WIDE_FMA\n#undef RNEA_WIDE_ADD\n#undef RNEA_WIDE_SUB\n#undef RNEA_WIDE_MUL\n#undef RNEA_WIDE_DIV\n#undef RNEA_WIDE_SQRT\n"},
-		{"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)}, {"EACH", p->segments.count ? template_launch_segments_in : ""},
+		{"UNDEF_STRICT", emit_undef_strict(e)}, {"UNDEF_WIDE", emit_undef_wide(e)},
+		{"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)},
+		{"EACH", p->segments.count ? template_launch_segments_in : ""},
 		{"SAMPLES", p->segments.count ? "samples" : "RNEA_BLOCK"}, {"MIN_BLOCKS", emit_min_blocks(e)},
 		{"NUMBERS", numbers_text(e)}, {"SINCOS_DECLARATION", emit_sincos_declaration(e)}, {"SINCOS", emit_sincos(e)},
-		{"IS_SMALL", emit_unless_limbs(e, is_small_text(e))}, {"JOINTS", emit_joints(e)}, {"STAGE", emit_unless_limbs(e, emit_stage(e))}, {"SINES_BYTES", emit_sines_bytes(e)}, {"STORE", emit_store(e)},
+		{"IS_SMALL", emit_unless_limbs(e, is_small_text(e))}, {"JOINTS", emit_joints(e)},
+		{"STAGE", emit_unless_limbs(e, emit_stage(e))}, {"SINES_BYTES", emit_sines_bytes(e)}, {"STORE", emit_store(e)},
 		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e)}, {"LAUNCH_LIMBS", emit_launch_limbs(e)},
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
-		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)},
-		{"RNEA_PARAMS", emit_params(e, p, PARAMS_PLAIN)},
+		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)}, {"RNEA_PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"BOUNDED", ""},
-		{"RNEA_CALL", emit_call(e, p, &call)}, {"FURTHER", further_text(e)},
-		{"SAMPLE", emit_what(e)}, {"PASS", p->algorithm->name},
-		{"PROTOTYPES", emit_prototypes(e)}, {"ENUM", enum_text(e)}, {"DIMENSIONS", emit_dimensions(e)},
+		{"RNEA_CALL", emit_call(e, p, &call)}, {"FURTHER", further_text(e)}, {"SAMPLE", emit_what(e)},
+		{"PASS", p->algorithm->name}, {"PROTOTYPES", emit_prototypes(e)}, {"ENUM", enum_text(e)},
+		{"DIMENSIONS", emit_dimensions(e)},
 	};
-
-	size_t count = sizeof slots / sizeof *slots;
-	size_t from = out->length;
+	size_t count = sizeof slots / sizeof *slots, from = out->length;
 
 	rest = template_expand_to(out, e->target->frame, "BODIES", slots, count);
 	fold(out, from);
@@ -387,8 +387,8 @@ void emit_source(const struct emission *e, struct text *out)
 void emit_declarations(const struct emission *e, struct text *out)
 {
 	const struct slot slots[] = {
-		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"ENUM", enum_text(e)}, {"PROTOTYPES", emit_prototypes(e)},
-		{"JOINTS", emit_joints(e)}};
+		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"ENUM", enum_text(e)},
+		{"PROTOTYPES", emit_prototypes(e)}, {"JOINTS", emit_joints(e)}};
 	size_t from = out->length;
 
 	template_expand(out, e->target->declarations, slots, sizeof slots / sizeof *slots);

@@ -56,8 +56,8 @@ enum rneagen_precision emit_precision_of(const struct rneagen_options *o);
 const char *emit_precision_name(enum rneagen_precision precision);
 const char *emit_trig_name(enum rneagen_trig trig);
 
-/* The sine and cosine that the statements call: "fast" is of single precision on a GPU, elsewhere it is "bounded"; what nobody chose is
-   "accurate". */
+/* The sine and cosine that the statements call: "fast" is of single precision on a GPU, elsewhere it is "bounded"; what nobody
+   chose is "accurate". */
 enum rneagen_trig emit_trig_of(const struct rneagen_options *o);
 
 const char *emit_layout_name(enum rneagen_layout layout);
@@ -101,6 +101,10 @@ void emit_info_name(const char *s, struct text *out);
 
 /* The macros of the operations, as compilers of such texts take them. */
 const char *emit_arithmetic(const struct emission *e, const struct target_type *target);
+
+/* What takes those of --strict back at the end of a header, and those of the residual's type. */
+const char *emit_undef_strict(const struct emission *e);
+const char *emit_undef_wide(const struct emission *e);
 
 /* The sine and cosine function that the statements call; its declaration, which stands before them; its name, by the type of
    numbers. */
@@ -150,17 +154,18 @@ void emit_unused(const struct emission *e, const struct plan *p, const char *pre
 	"   the results mean nothing.\n"
 int emit_has_segments(const struct emission *e);
 void emit_segments(const struct emission *e, const struct pass *p, struct text *out);
-void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *call_any, struct text *out);
+void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *call_any,
+	struct text *out);
 
-/* Bytes that a sample keeps across cuts, at least those of a number; samples that a thread takes at most; threads of a block, so that
-   each has room for two. */
+/* Bytes that a sample keeps across cuts, at least those of a number; samples that a thread takes at most; threads of a block, so
+   that each has room for two. */
 int emit_segments_bytes(const struct emission *e, const struct pass *p);
 int emit_segments_samples(const struct emission *e);
 int emit_segments_block(const struct emission *e, const struct pass *p);
 void emit_segments_kernel(const struct emission *e, const struct pass *p, struct text *out);
 
-/* CUDA: the kernel of small batches, whose warps share out each sample, where there is one; what launches it; what is to be known of it,
-   of warps, groups and samples, and the bytes of shared memory of a group. */
+/* CUDA: the kernel of small batches, whose warps share out each sample, where there is one; what launches it; what is to be known
+   of it, of warps, groups and samples, and the bytes of shared memory of a group. */
 int emit_has_limbs(const struct emission *e);
 void emit_limbs(const struct emission *e, struct text *out);
 const char *emit_launch_limbs(const struct emission *e);
@@ -176,8 +181,8 @@ const char *emit_unless_limbs(const struct emission *e, const char *what);
 void emit_kernels(const struct emission *e, struct text *out);
 const char *emit_stage(const struct emission *e);
 
-/* The function that tells a launch how many bytes of shared memory to give, and its call, "0" where nothing is staged; the bytes in
-   which the kernel stages each thread's sample, 0: it does not. */
+/* The function that tells a launch how many bytes of shared memory to give, and its call, "0" where nothing is staged; the bytes
+   in which the kernel stages each thread's sample, 0: it does not. */
 const char *emit_stage_launch(const struct emission *e);
 const char *emit_given(const struct emission *e);
 int emit_stage_bytes(const struct emission *e);
@@ -186,8 +191,9 @@ int emit_stage_bytes(const struct emission *e);
 int emit_is_streamed(const struct emission *e);
 const char *emit_store(const struct emission *e);
 
-/* Does a kernel of this pass store the elements of matrices that are always zero in a loop, beside the statements? Is this the store of
-   one? What the loops of the first pass call, and the loops: those of threads that have the number `first` of `warps`. */
+/* Does a kernel of this pass store the elements of matrices that are always zero in a loop, beside the statements? Is this the
+   store of one? What the loops of the first pass call, and the loops: those of threads that have the number `first` of
+   `warps`. */
 int emit_has_zeros(const struct emission *e, const struct pass *p);
 int emit_is_zero_store(const struct plan *p, const struct line *l);
 void emit_zeros(const struct emission *e, struct text *out);
@@ -213,7 +219,8 @@ int emit_is_optimistic(const struct emission *e);
 struct call {
 	const char *indent, *arguments, *q, *stride;
 	int is_any;        /* the sines of all angles come first, as on a processor; else only where one is large */
-	int is_optimistic; /* in a kernel, on sample k: they come where one turned out to be large, and the body then runs again */
+	/* in a kernel, on sample k: they come where one turned out to be large, and the body then runs again */
+	int is_optimistic;
 };
 
 /* The call, and what comes before and after it so that the results are right whatever the angles. */
@@ -263,8 +270,8 @@ const char *emit_known_params(const struct emission *e);
 const char *emit_known_names(const struct emission *e);
 const char *emit_unknown_names(const struct emission *e);
 
-/* `known` and the tables that a pass has, after it was declared by emit_rounds: a kernel's loops over the segments, and again for each
-   sample of which an angle is large. */
+/* `known` and the tables that a pass has, after it was declared by emit_rounds: a kernel's loops over the segments, and again for
+   each sample of which an angle is large. */
 const char *emit_known_tables(const struct emission *e, const struct pass *p);
 void emit_rounds(const struct emission *e, const struct pass *p, const char *loops, struct text *out);
 

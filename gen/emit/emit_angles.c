@@ -109,7 +109,8 @@ static const char *tables_text(const struct emission *e, const struct pass *p, c
 static void put_table(const struct number_type *n, const char *name, int angles, const char *indent, struct text *out)
 {
 	if (angles)
-		text_printf(out, "%s%s%s %s[%d];", out->length ? "\n" : "", out->length ? indent : "", n->value, name, 2 * angles);
+		text_printf(out, "%s%s%s %s[%d];", out->length ? "\n" : "", out->length ? indent : "", n->value,
+			name, 2 * angles);
 }
 
 /* Their declarations: two numbers for each angle. */
@@ -162,7 +163,8 @@ static void put_each(const struct emission *e, const struct pass *p, const struc
 		return;
 	text_printf(out, "\t%s x%s[%d];\n", n->angle_is_memory ? n->memory->type : n->value, suffix, list.count);
 	unparse_angles(e, p, n, &list, suffix, out);
-	text_printf(out, "\t%seach(x%s, %d, sines%s);\n", e->options->strict ? n->strict_sincos : n->sincos, suffix, list.count, suffix);
+	text_printf(out, "\t%seach(x%s, %d, sines%s);\n", e->options->strict ? n->strict_sincos : n->sincos, suffix,
+		list.count, suffix);
 }
 
 /* Is a row read with the stride: one that is not the first? */
@@ -238,7 +240,8 @@ static const char *call_expanded(const struct emission *e, const struct pass *p,
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"INDENT", c->indent}, {"Q", c->q},
 		{"STRIDE", c->stride}, {"ARGUMENTS", c->arguments}, {"SINES", declarations_text(e, p, c->indent)},
-		{"ASKED", asked}, {"UNKNOWN", emit_unknown_names(e)}, {"TABLES", tables_text(e, p, "")}, {"KNOWN", tables_text(e, p, "known, ")}};
+		{"ASKED", asked}, {"UNKNOWN", emit_unknown_names(e)}, {"TABLES", tables_text(e, p, "")},
+		{"KNOWN", tables_text(e, p, "known, ")}};
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -260,8 +263,8 @@ const char *emit_call(const struct emission *e, const struct pass *p, const stru
 	if (c->is_optimistic)
 		return call_expanded(e, p, e->target->kernel->again, "", c);
 	text_init(&asked, e->arena);
-	text_printf(&asked, e->target->kernel ? "!%s_is_small(%s, %s)" : "RNEA_KNOWN(%s_is_small(%s, %s))", e->options->name, c->q,
-		c->stride);
+	text_printf(&asked, e->target->kernel ? "!%s_is_small(%s, %s)" : "RNEA_KNOWN(%s_is_small(%s, %s))",
+		e->options->name, c->q, c->stride);
 	return call_expanded(e, p, template_call_known_in, text_string(&asked), c);
 }
 
@@ -272,8 +275,9 @@ const char *emit_known_tables(const struct emission *e, const struct pass *p)
 
 void emit_rounds(const struct emission *e, const struct pass *p, const char *loops, struct text *out)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"SINES", declarations_text(e, p, "\t\t")},
-		{"SEGMENTS", loops}, {"Q", emit_q_at_sample(e)}, {"STRIDE", emit_stride(e)}, {"TABLES", tables_text(e, p, "")}};
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
+		{"SINES", declarations_text(e, p, "\t\t")}, {"SEGMENTS", loops}, {"Q", emit_q_at_sample(e)},
+		{"STRIDE", emit_stride(e)}, {"TABLES", tables_text(e, p, "")}};
 
 	template_expand(out, template_kernel_segments_rounds_in, slots, sizeof slots / sizeof *slots);
 }

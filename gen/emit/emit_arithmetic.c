@@ -12,7 +12,8 @@ static const char *expanded(const struct emission *e, const struct scalar *s, co
 {
 	const struct slot slots[] = {{"F", s->suffix}, {"D", s->letter}, {"FMA_SUFFIX_UPPER", s->upper},
 		{"WIDE", s == e->arithmetic ? "" : "WIDE_"}, {"FLUSH", s->flushes ? template_arithmetic_strict_flush_in : ""},
-		{"OPERATIONS_CUDA", x.operations_cuda}, {"OPERATIONS_C", x.operations_c}, {"STRICT_CUDA", x.cuda}, {"STRICT_C", x.c}};
+		{"OPERATIONS_CUDA", x.operations_cuda}, {"OPERATIONS_C", x.operations_c}, {"STRICT_CUDA", x.cuda},
+		{"STRICT_C", x.c}};
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -58,4 +59,18 @@ const char *emit_arithmetic(const struct emission *e, const struct target_type *
 	x.cuda = expanded(e, e->arithmetic, template_arithmetic_strict_cuda_in, x);
 	x.c = expanded(e, e->arithmetic, template_arithmetic_strict_c_in, x);
 	return with_anew(e, expanded(e, e->arithmetic, target->strict_arithmetic, x));
+}
+
+const char *emit_undef_strict(const struct emission *e)
+{
+	return e->options->strict ? "#undef RNEA_ADD\n#undef RNEA_SUB\n#undef RNEA_MUL\n#undef RNEA_DIV\n#undef RNEA_SQRT\n"
+				    "#undef RNEA_APART\n" : "";
+}
+
+const char *emit_undef_wide(const struct emission *e)
+{
+	if (!e->wide)
+		return "";
+	return e->options->strict ? "#undef RNEA_WIDE_FMA\n#undef RNEA_WIDE_ADD\n#undef RNEA_WIDE_SUB\n#undef RNEA_WIDE_MUL\n"
+				    "#undef RNEA_WIDE_DIV\n#undef RNEA_WIDE_SQRT\n" : "#undef RNEA_WIDE_FMA\n";
 }

@@ -1,5 +1,5 @@
-/* NAME_rnea_bounded, NAME_fd_bounded: torques, or what else is wanted, and, by a running error analysis beside them, how far each may be from
-   what the URDF's decimals give. */
+/* NAME_rnea_bounded, NAME_fd_bounded: torques, or what else is wanted, and, by a running error analysis beside them, how far each
+   may be from what the URDF's decimals give. */
 #include "emit/unparse.h"
 #include "base/fold.h"
 #include "base/template.h"
@@ -61,13 +61,22 @@ static const char *ends_text(const struct emission *e, const struct dag *d)
 	return text_string(&t);
 }
 
+/* When is a product that is joined to a sum rounded with it? For the preprocessor. */
+static const char *fused_text(const struct emission *e)
+{
+	if (e->options->strict)
+		return "1";
+	return *e->arithmetic->upper ? "defined FP_FAST_FMAF" : "defined FP_FAST_FMA";
+}
+
 /* ---- by a table of operations, and derivatives of each result by all of them ---- */
 
 /* A value takes 32 bytes of stack; a result a sweep over all. */
 enum { MOST_NODES = 4096, MOST_STEPS = 1 << 19 };
 
-static const signed char KINDS[OP_COUNT] = {[OP_CONST] = 0, [OP_INPUT] = 1, [OP_NEG] = 2, [OP_ADD] = 3, [OP_SUB] = 4, [OP_MUL] = 5,
-	[OP_FMA] = 6, [OP_SIN] = 7, [OP_COS] = 8, [OP_DIV] = -1, [OP_SQRT] = -1, [OP_ABS] = -1, [OP_ANEW] = 9, [OP_WIDEN] = -1, [OP_NARROW] = -1};
+static const signed char KINDS[OP_COUNT] = {[OP_CONST] = 0, [OP_INPUT] = 1, [OP_NEG] = 2, [OP_ADD] = 3,
+	[OP_SUB] = 4, [OP_MUL] = 5, [OP_FMA] = 6, [OP_SIN] = 7, [OP_COS] = 8, [OP_DIV] = -1, [OP_SQRT] = -1, [OP_ABS] = -1,
+	[OP_ANEW] = 9, [OP_WIDEN] = -1, [OP_NARROW] = -1};
 
 int emit_bounds_by_table(const struct emission *e, const struct dag *d)
 {
@@ -194,18 +203,18 @@ static const char *store_text(const struct emission *e)
 	return e->memory == &SCALAR_F32 ? "(float)(e > 0 ? e*(1 + 0x1p-22) + 0x1p-149 : e)" : "e*(1 + 0x1p-50)";
 }
 
-static void put_swept(const struct emission *e, const struct pass *p, const char *ends, struct text *out)
+static void put_swept(const struct emission *e, const struct pass *p, struct text *out)
 {
 	const struct dag *d = &p->dag;
 	const struct scalar *s = e->arithmetic;
 	const struct slot slots[] = {
 		{"M_F", e->memory->suffix}, {"U", s->unit_text}, {"TINY", s->tiny_text}, {"MAX", s->largest},
-		{"FUSED", e->options->strict ? "1" : *s->upper ? "defined FP_FAST_FMAF" : "defined FP_FAST_FMA"},
-		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"APART", e->options->strict ? "RNEA_APART " : ""},
-		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"M", e->memory->type},
-		{"OPERATIONS", operations_text(e, d)}, {"CONSTANTS", constants_text(e, d)}, {"RESULTS", results_text(e, d)}, {"INPUTS", inputs_text(e, d)},
-		{"COUNT", number_text(e, d->count)}, {"RESULT_COUNT", number_text(e, d->output_count)}, {"ANGLE", angle_text(e)},
-		{"STORE", store_text(e)}, {"ENDS", ends},
+		{"FUSED", fused_text(e)}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
+		{"APART", e->options->strict ? "RNEA_APART " : ""}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
+		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"M", e->memory->type}, {"OPERATIONS", operations_text(e, d)},
+		{"CONSTANTS", constants_text(e, d)}, {"RESULTS", results_text(e, d)}, {"INPUTS", inputs_text(e, d)},
+		{"COUNT", number_text(e, d->count)}, {"RESULT_COUNT", number_text(e, d->output_count)},
+		{"ANGLE", angle_text(e)}, {"STORE", store_text(e)}, {"ENDS", ends_text(e, d)},
 	};
 	size_t count = sizeof slots / sizeof *slots, from = out->length;
 
@@ -214,33 +223,37 @@ static void put_swept(const struct emission *e, const struct pass *p, const char
 	fold(out, from);
 }
 
-void emit_bounded(const struct emission *e, struct text *out)
-{
-	const struct pass *p = emit_main(e);
-	const struct scalar *s = e->arithmetic;
-	int way = longest_way(e, &p->dag);
-	const char *rest;
-	const struct slot slots[] = {
-		{"F", s->suffix}, {"F_UPPER", s->upper}, {"T", s->type}, {"U", s->unit_text}, {"TINY", s->tiny_text},
-		{"MAX", s->largest}, {"MODE", emit_trig_name(emit_trig_of(e->options))},
-		{"FUSED", e->options->strict ? "1" : *s->upper ? "defined FP_FAST_FMAF" : "defined FP_FAST_FMA"},
-		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"STRICT", e->options->strict ? "strict_" : ""}, {"APART", e->options->strict ? "RNEA_APART " : ""},
-		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"M", e->memory->type},
-		{"FACTOR", factor_text(e, way)}, {"ENDS", ends_text(e, &p->dag)},
-	};
-	size_t count = sizeof slots / sizeof *slots, from = out->length;
+/* ---- by statements that each keep their bound ---- */
 
-	if (emit_bounds_by_table(e, &p->dag)) {
-		put_swept(e, p, ends_text(e, &p->dag), out);
-		return;
-	}
+/* The operations that the text has, each beside its bound. */
+static void put_operations_within(
+	const struct emission *e, const struct pass *p, const struct slot *slots, size_t count, struct text *out)
+{
 	template_expand(out, template_bounded_in, slots, count);
 	if (emit_pass_uses(p, OP_SIN) || emit_pass_uses(p, OP_COS))
 		template_expand(out, template_bounded_sincos_in, slots, count);
 	if (emit_pass_uses(p, OP_DIV) || emit_pass_uses(p, OP_SQRT))
 		template_expand(out, template_bounded_quotient_in, slots, count);
-	if (e->memory != s)
+	if (e->memory != e->arithmetic)
 		template_expand(out, template_bounded_store_in, slots, count);
+}
+
+static void put_running(const struct emission *e, const struct pass *p, struct text *out)
+{
+	const struct scalar *s = e->arithmetic;
+	int way = longest_way(e, &p->dag);
+	const char *rest;
+	const struct slot slots[] = {
+		{"F", s->suffix}, {"F_UPPER", s->upper}, {"T", s->type}, {"U", s->unit_text}, {"TINY", s->tiny_text},
+		{"MAX", s->largest}, {"MODE", emit_trig_name(emit_trig_of(e->options))}, {"FUSED", fused_text(e)},
+		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"STRICT", e->options->strict ? "strict_" : ""},
+		{"APART", e->options->strict ? "RNEA_APART " : ""}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
+		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"M", e->memory->type}, {"FACTOR", factor_text(e, way)},
+		{"ENDS", ends_text(e, &p->dag)},
+	};
+	size_t count = sizeof slots / sizeof *slots, from = out->length;
+
+	put_operations_within(e, p, slots, count, out);
 	rest = template_expand_to(out, template_bounded_function_in, "BODY", slots, count);
 	fold(out, from);
 	unparse(e, p, e->numbers->bounded, out);
@@ -248,4 +261,14 @@ void emit_bounded(const struct emission *e, struct text *out)
 	template_expand(out, rest, slots, count);
 	fold(out, from);
 	out->failed |= way < 0;
+}
+
+void emit_bounded(const struct emission *e, struct text *out)
+{
+	const struct pass *p = emit_main(e);
+
+	if (emit_bounds_by_table(e, &p->dag))
+		put_swept(e, p, out);
+	else
+		put_running(e, p, out);
 }

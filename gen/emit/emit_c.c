@@ -41,7 +41,8 @@ static const char *are_small(const struct emission *e, const struct pass *p)
 	if (q < 0)
 		text_put(&t, "1");
 	else
-		text_printf(&t, "%s_are_small(%s, %sfirst, next)", e->options->name, p->dag.arguments[q].name, is_soa(e) ? "count, " : "");
+		text_printf(&t, "%s_are_small(%s, %sfirst, next)", e->options->name, p->dag.arguments[q].name,
+			is_soa(e) ? "count, " : "");
 	return text_string(&t);
 }
 
@@ -56,16 +57,17 @@ static const char *vectors_text(const struct pass *p)
 /* One function for a sample, one for a part of a batch. */
 static void put_functions(const struct emission *e, const struct pass *p, struct text *out)
 {
-	const struct call any = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_NAMES), .q = "q", .stride = "stride", .is_any = 1};
+	const struct call any = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_NAMES), .q = "q",
+		.stride = "stride", .is_any = 1};
 	const struct call one = {.indent = "\t", .arguments = any.arguments, .q = "q", .stride = "1", .is_any = 1};
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"APART", e->options->strict ? "RNEA_APART " : ""},
-		{"ARE_SMALL", are_small(e, p)}, {"ONE", emit_has_known(e) || p->segments.count ? "any" : "body"}, {"CALL_ONE", emit_call(e, p, &one)},
-		{"CALL_ANY", emit_call(e, p, &any)}, {"UNKNOWN", emit_unknown_names(e)},
+		{"ARE_SMALL", are_small(e, p)}, {"ONE", emit_has_known(e) || p->segments.count ? "any" : "body"},
+		{"CALL_ONE", emit_call(e, p, &one)}, {"CALL_ANY", emit_call(e, p, &any)}, {"UNKNOWN", emit_unknown_names(e)},
 		{"COUNT_PARAM", is_soa(e) ? "size_t count, " : ""}, {"COUNT", is_soa(e) ? "count, " : ""},
-		{"VECTORS", vectors_text(p)}, {"UNUSED", is_soa(e) ? "" : "\t(void)count;"}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
-		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
-		{"AT_SAMPLE", emit_at_sample(e, p)},
+		{"VECTORS", vectors_text(p)}, {"UNUSED", is_soa(e) ? "" : "\t(void)count;"},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
+		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"AT_SAMPLE", emit_at_sample(e, p)},
 		{"ARRAYS", emit_params(e, p, PARAMS_ARRAYS)},
 	};
 	size_t count = sizeof slots / sizeof *slots;

@@ -113,14 +113,6 @@ static void put_joints(const struct emission *e, struct text *out)
 	}
 }
 
-static int has_type(const struct tree *t, enum joint_type type)
-{
-	for (int k = 0; k < t->body_count; k++)
-		if (t->bodies[k].type == type)
-			return 1;
-	return 0;
-}
-
 /* How a pose is written; in which frame a Jacobian is. */
 static void put_motion(const struct request *k, const struct want *w, struct text *out)
 {
@@ -128,13 +120,16 @@ static void put_motion(const struct request *k, const struct want *w, struct tex
 		[FRAME_WORLD_ALIGNED] = "the world's axes at the link's origin"};
 
 	if (w->kind == WANT_POSE)
-		text_put(out, k->pose == POSE_ROWS ? ": [R p] in the world, row by row" : ": p, then a quaternion x y z w, in the world");
+		text_put(out, k->pose == POSE_ROWS ? ": [R p] in the world, row by row"
+			: ": p, then a quaternion x y z w, in the world");
 	if (w->kind == WANT_DJACOBIAN)
-		text_printf(out, ", dJ/dt qd, %s acceleration, in %s", k->frame == FRAME_WORLD_ALIGNED ? "a classical" : "a spatial", frames[k->frame]);
+		text_printf(out, ", dJ/dt qd, %s acceleration, in %s",
+			k->frame == FRAME_WORLD_ALIGNED ? "a classical" : "a spatial", frames[k->frame]);
 	if (w->kind == WANT_JACOBIAN)
 		text_printf(out, ": twist = J qd, linear, then angular, in %s", frames[k->frame]);
 	if (want_is(w->kind, IS_OPSPACE))
-		text_printf(out, w->kind == WANT_OPSPACE ? ", inverse of J Minv J', in %s" : ", J Minv J', in %s", frames[k->frame]);
+		text_printf(out, w->kind == WANT_OPSPACE ? ", inverse of J Minv J', in %s" : ", J Minv J', in %s",
+			frames[k->frame]);
 	if (w->kind == WANT_COM || w->kind == WANT_VCOM)
 		text_put(out, "in the world");
 	if (w->kind == WANT_COM_JACOBIAN || w->kind == WANT_MOMENTUM_MATRIX)
@@ -186,7 +181,8 @@ static const char *describe(const struct emission *e, const struct argument *a)
 	for (int i = 0; i < k->freed_count; i++)
 		if (!a->is_output && !strcmp(a->name, k->freed[i].argument)) {
 			text_put_comment(&t, k->freed[i].word);
-			text_put(&t, role_rows(a->role) == ROWS_INERTIA ? ": m hx hy hz Ixx Ixy Ixz Iyy Iyz Izz about the link's origin, in its frame" : "");
+			text_put(&t, role_rows(a->role) == ROWS_INERTIA
+				? ": m hx hy hz Ixx Ixy Ixz Iyy Iyz Izz about the link's origin, in its frame" : "");
 		}
 	for (int i = 0; i < k->push_count; i++)
 		if (!a->is_output && !strcmp(a->name, k->pushes[i].argument))
@@ -237,11 +233,11 @@ static void put_conventions(const struct emission *e, struct text *out)
 	put_gravity(e, out);
 	text_put(out, " in the frame of the root link's parent. Inputs are finite;\n"
 		      " * where one is not, every torque that depends on it is not finite either.\n");
-	if (has_type(e->tree, JOINT_FLOATING))
+	if (tree_has_type(e->tree, JOINT_FLOATING))
 		text_put(out, " * Floating: q = x y z qx qy qz qw (position and orientation in the parent); qd and qdd = twist in the\n"
 			      " * body's frame, linear then angular, and its componentwise derivative (spatial acceleration);\n"
 			      " * tau = force then moment about the origin, body's frame. The quaternion is not normalised.\n");
-	if (has_type(e->tree, JOINT_PLANAR))
+	if (tree_has_type(e->tree, JOINT_PLANAR))
 		text_put(out, " * Planar: q = x y theta; x and y in the plane normal to the axis; qd = dq/dt.\n");
 	if (emit_has_batches(e))
 		text_printf(out, " * Batches: every array is [%s].\n",
@@ -259,10 +255,11 @@ static void put_conventions(const struct emission *e, struct text *out)
 static void put_operations(const struct emission *e, struct text *out)
 {
 	for (int i = 0; i < e->pass_count; i++) {
-		struct operation_count n = i ? plan_operations(&e->passes[i].plan) : parts_operations(e->parts, e->part_count, &emit_main(e)->plan);
+		struct operation_count n = i ? plan_operations(&e->passes[i].plan)
+			: parts_operations(e->parts, e->part_count, &emit_main(e)->plan);
 
-		text_printf(out, " *   %s: %u mul, %u add, %u sub, %u neg, %u fma, %u sincos = %u flops\n", e->passes[i].algorithm->name,
-			n.mul, n.add, n.sub, n.neg, n.fma, n.sincos, plan_flops(n));
+		text_printf(out, " *   %s: %u mul, %u add, %u sub, %u neg, %u fma, %u sincos = %u flops\n",
+			e->passes[i].algorithm->name, n.mul, n.add, n.sub, n.neg, n.fma, n.sincos, plan_flops(n));
 		if (e->wide)
 			text_printf(out, " *   %u of these flops in %s: the residual tau - ID(q, qd, qdd), by which the qdd found is refined\n", n.wide,
 				e->wide->arithmetic->name);
@@ -277,8 +274,8 @@ static void put_operations(const struct emission *e, struct text *out)
 			emit_main(e)->algorithm->name, e->part_count);
 	if (emit_has_limbs(e))
 		text_printf(out, " * Up to %u samples %s_%s_launch takes the kernel %s_%s_limbs, whose %d warps share out each sample.\n",
-			emit_limbs_of(e)->most, e->options->name, emit_main(e)->algorithm->name, e->options->name, emit_main(e)->algorithm->name,
-			emit_limbs_of(e)->warps);
+			emit_limbs_of(e)->most, e->options->name, emit_main(e)->algorithm->name, e->options->name,
+			emit_main(e)->algorithm->name, emit_limbs_of(e)->warps);
 }
 
 void emit_banner(const struct emission *e, struct text *out)
@@ -360,7 +357,8 @@ static void put_function(const struct emission *e, const struct pass *p, struct 
 	if (is_main && e->part_count)
 		text_printf(out, "parts %d\n", e->part_count);
 	if (is_main && emit_has_limbs(e))
-		text_printf(out, "limbs %d %d %d %u\n", emit_limbs_of(e)->warps, emit_limbs_of(e)->groups, emit_limbs_bytes(e), emit_limbs_of(e)->most);
+		text_printf(out, "limbs %d %d %d %u\n", emit_limbs_of(e)->warps, emit_limbs_of(e)->groups, emit_limbs_bytes(e),
+			emit_limbs_of(e)->most);
 }
 
 static void put_info_lines(const struct emission *e, struct text *t)

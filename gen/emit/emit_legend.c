@@ -90,14 +90,6 @@ static void put_entry(const char *names, const char *meaning, struct text *out)
 	text_printf(out, " *   %-15s  %s\n", names, meaning);
 }
 
-static int has_type(const struct tree *t, enum joint_type type)
-{
-	for (int i = 0; i < t->joint_count; i++)
-		if (t->joints[i].type == type)
-			return 1;
-	return 0;
-}
-
 static void put_inputs(const struct emission *e, struct text *out)
 {
 	if (somewhere(e, is_joint_row)) {
@@ -105,9 +97,9 @@ static void put_inputs(const struct emission *e, struct text *out)
 			put_entry("q qd tau qdd", "position, velocity, torque and acceleration of the link's joint", out);
 		else
 			put_entry("q qd qdd", "position, velocity and acceleration of the link's joint", out);
-		if (has_type(e->tree, JOINT_FLOATING))
+		if (tree_has_type(e->tree, JOINT_FLOATING))
 			put_entry("", "floating: with x y z qx qy qz qw after the number, and vx vy vz wx wy wz", out);
-		if (has_type(e->tree, JOINT_PLANAR))
+		if (tree_has_type(e->tree, JOINT_PLANAR))
 			put_entry("", "planar: with x y t after the number, in the plane and about its normal", out);
 	}
 	if (somewhere(e, is_own_wrench))
@@ -121,7 +113,8 @@ static void put_quantities(const struct emission *e, struct text *out)
 	static const char *const quantities[][2] = {{"w", "angular velocity"}, {"dw", "rate of the angular velocity"},
 		{"v", "velocity of the origin"}, {"a", "acceleration of the origin, less gravity"},
 		{"f", "force: the link's own, then with its children's"}, {"n", "moment about the origin, as f"},
-		{"qdd", "acceleration of the link's joint, as it is found"}, {"iD", "1/D: the inverse of the inertia that the joint feels"},
+		{"qdd", "acceleration of the link's joint, as it is found"},
+		{"iD", "1/D: the inverse of the inertia that the joint feels"},
 		{"rx", "the link's x axis, in the world's axes; so ry and rz"},
 		{"p", "its origin, from that of the first body on the way to it, in the world's axes"},
 		{"mc", "first moment about the origin of all masses from the link on"},
@@ -154,12 +147,14 @@ static void put_functions(const struct emission *e, struct text *out)
 		put_entry("first_... l", "an array at the first of several samples in a row; which of them this is", out);
 	if (emit_has_known(e))
 		put_entry("known sines all_small", "the angles' sines and cosines are known; they; all angles are small", out);
-	if (e->options->bounded && emit_bounds_by_table(e, &emit_main(e)->dag)) {
+	if (emit_bounds_by_table(e, &emit_main(e)->dag)) {
 		put_entry("bound e", "of each output, how far it may be off; before it is rounded", out);
-		put_entry("operations constants results", "what the function computes, as a table; which operations give its outputs", out);
+		put_entry("operations constants results",
+			"what the function computes, as a table; which operations give its outputs", out);
 		put_entry("type in all", "how numbers are rounded; arrays of inputs; values of all operations", out);
 	} else if (e->options->bounded) {
-		put_entry("bound factor", "of each output, how far it may be off; what the bounds' own rounding is made good by", out);
+		put_entry("bound factor", "of each output, how far it may be off; what the bounds' own rounding is made good by",
+			out);
 	}
 	if (emit_uses(e, OP_FMA) && e->numbers->calls[OP_MUL] == NULL)
 		put_entry("RNEA_FMA", "a*b + c, rounded once where the machine can", out);

@@ -66,7 +66,8 @@ static struct plan rest_after(const struct plan *lines, size_t first)
 
 static void put_warp(const struct emission *e, const struct pass *p, int warp, struct writer *w, struct text *out)
 {
-	const struct plan *lines = &p->limbs.plans[warp], inputs = inputs_of(lines), rest_of = rest_after(lines, inputs.line_count);
+	const struct plan *lines = &p->limbs.plans[warp], inputs = inputs_of(lines),
+		rest_of = rest_after(lines, inputs.line_count);
 	const struct angles list = angles_of(e, lines);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, warp)},
 		{"COUNT", emit_int(e, p->limbs.warps)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"T", e->numbers->value}};
@@ -127,8 +128,8 @@ static const char *cases_text(const struct emission *e)
 		const struct pass *p = pass_of(e, k);
 
 		for (int i = 0; i < p->limbs.warps; i++)
-			text_printf(&t, "\tcase %d:\n\t\t%s_%s_limb%d(%s, across);\n\t\tbreak;\n", k * p->limbs.warps + i, e->options->name,
-				p->algorithm->name, i, emit_at_sample(e, p));
+			text_printf(&t, "\tcase %d:\n\t\t%s_%s_limb%d(%s, across);\n\t\tbreak;\n", k * p->limbs.warps + i,
+				e->options->name, p->algorithm->name, i, emit_at_sample(e, p));
 	}
 	return text_string(&t);
 }

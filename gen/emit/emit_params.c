@@ -70,7 +70,8 @@ static void put_at_sample(const struct emission *e, const struct argument *a, st
 
 static void put_declaration(const struct emission *e, const struct argument *a, enum params kind, struct text *out)
 {
-	const char *qualifier = kind == PARAMS_FIRST && !a->per_batch ? "first_" : kind == PARAMS_RESTRICT ? "restrict " : kind == PARAMS_CUDA_RESTRICT ? "__restrict__ " : "";
+	const char *qualifier = kind == PARAMS_FIRST && !a->per_batch ? "first_" : kind == PARAMS_RESTRICT ? "restrict "
+		: kind == PARAMS_CUDA_RESTRICT ? "__restrict__ " : "";
 
 	text_printf(out, "%s%s *%s%s", a->is_output ? "" : "const ", e->memory->type, qualifier, a->name);
 }

@@ -235,7 +235,8 @@ int emit_has_zeros(const struct emission *e, const struct pass *p)
 {
 	int is_further = p > emit_main(e) && p < e->passes + e->pass_count;
 
-	return emit_is_streamed(e) && !is_further && !emit_main(e)->segments.count && count_zeros(&emit_main(e)->dag) >= FEWEST_ZEROS;
+	return emit_is_streamed(e) && !is_further && !emit_main(e)->segments.count &&
+		count_zeros(&emit_main(e)->dag) >= FEWEST_ZEROS;
 }
 
 int emit_is_zero_store(const struct plan *p, const struct line *l)
@@ -292,8 +293,8 @@ void emit_zeros(const struct emission *e, struct text *out)
 	text_init(&tables, e->arena);
 	for (int i = 0; i < d->argument_count; i++) {
 		int count = zero_runs(e, i, &runs);
-		const struct slot slots[] = {{"NAME", e->options->name}, {"ARRAY", d->arguments[i].name}, {"COUNT", emit_int(e, count)},
-			{"RUNS", text_string(&runs)}};
+		const struct slot slots[] = {{"NAME", e->options->name}, {"ARRAY", d->arguments[i].name},
+			{"COUNT", emit_int(e, count)}, {"RUNS", text_string(&runs)}};
 
 		if (count)
 			template_expand(&tables, template_zeros_table_in, slots, sizeof slots / sizeof *slots);
@@ -311,8 +312,8 @@ const char *emit_zero_loops(const struct emission *e, const char *first, const c
 	text_init(&loops, e->arena);
 	for (int i = 0; i < d->argument_count && emit_has_zeros(e, emit_main(e)); i++) {
 		int count = zero_runs(e, i, &runs);
-		const struct slot slots[] = {{"NAME", e->options->name}, {"ARRAY", d->arguments[i].name}, {"COUNT", emit_int(e, count)},
-			{"FIRST", first}, {"WARPS", warps}};
+		const struct slot slots[] = {{"NAME", e->options->name}, {"ARRAY", d->arguments[i].name},
+			{"COUNT", emit_int(e, count)}, {"FIRST", first}, {"WARPS", warps}};
 
 		if (count)
 			template_expand(&loops, template_zeros_loop_in, slots, sizeof slots / sizeof *slots);

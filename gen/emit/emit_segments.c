@@ -5,8 +5,8 @@
 #include "plan/stage.h"
 #include "emit/unparse.h"
 
-/* Samples of a loop: as many as leave their values across cuts in a core's first cache; no fewer than vectors are wide, unless a thread's
-   stack would grow too large. */
+/* Samples of a loop: as many as leave their values across cuts in a core's first cache; no fewer than vectors are wide, unless a
+   thread's stack would grow too large. */
 enum { CACHE_BYTES = 16384, STACK_BYTES = 131072, MOST_LANES = 64, WIDE_LANES = 16, FEWEST_LANES = 4 };
 
 static int across_bytes(const struct emission *e, const struct segments *s)
@@ -29,9 +29,9 @@ struct across {
 	int slots;
 };
 
-/* How it is written: as a parameter; the same where compilers are to know that it overlaps nothing; as that of a segment, for its first
-   sample; its name; its declaration with room for a sample, or for some lanes; in a kernel, for all threads; where a thread's sample
-   has it. */
+/* How it is written: as a parameter; the same where compilers are to know that it overlaps nothing; as that of a segment, for its
+   first sample; its name; its declaration with room for a sample, or for some lanes; in a kernel, for all threads; where a
+   thread's sample has it. */
 enum form { PARAMETER, RESTRICT, FIRST, NAME, LOCAL, LANES, SHARED, AT_THREAD };
 
 static void put_form(const struct across *x, enum form form, int lanes, struct text *out)
@@ -102,7 +102,8 @@ static struct touched touched_by(const struct plan *p)
 }
 
 /* Parameters that it does not touch. */
-static void put_unused(const struct emission *e, const struct pass *p, const struct plan *lines, const struct touched *t, struct text *out)
+static void put_unused(const struct emission *e, const struct pass *p, const struct plan *lines, const struct touched *t,
+	struct text *out)
 {
 	emit_unused(e, lines, "first_", out);
 	text_put(out, t->across[0] ? "" : "\t(void)first_across;\n");
@@ -118,7 +119,8 @@ static void put_lane(const struct emission *e, const struct pass *p, const struc
 
 		if (!t->arguments[i] || a->per_batch)
 			continue;
-		text_printf(out, "\t%s%s *const %s = first_%s + l", a->is_output ? "" : "const ", e->memory->type, a->name, a->name);
+		text_printf(out, "\t%s%s *const %s = first_%s + l", a->is_output ? "" : "const ", e->memory->type,
+			a->name, a->name);
 		if (e->options->layout == RNEAGEN_AOS)
 			text_printf(out, "*%d", a->rows);
 		text_put(out, ";\n");
@@ -130,7 +132,8 @@ static void put_lane(const struct emission *e, const struct pass *p, const struc
 }
 
 /* Statements are made in `spare` before they are indented. */
-static void put_segment(const struct emission *e, const struct pass *p, int k, struct writer *w, struct text *spare, struct text *out)
+static void put_segment(const struct emission *e, const struct pass *p, int k, struct writer *w, struct text *spare,
+	struct text *out)
 {
 	const struct segments *s = &p->segments;
 	struct touched touched = touched_by(&s->plans[k]);
@@ -140,10 +143,11 @@ static void put_segment(const struct emission *e, const struct pass *p, int k, s
 	put_unused(e, p, &s->plans[k], &touched, &begin);
 	text_put(&begin, emit_has_known(e) ? "\tint all_small = 1;\n" : "");
 	const struct slot slots[] = {
-		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)}, {"COUNT", emit_int(e, s->count)},
-		{"FIRST_PARAMS", emit_params(e, p, PARAMS_FIRST)}, {"ACROSS_PARAMS", across(e, s, FIRST)},
-		{"KNOWN_PARAM", emit_known_params(e)}, {"RESULT", emit_has_known(e) ? "int" : "void"},
-		{"BEGIN", text_string(&begin)}, {"END", emit_has_known(e) ? "\treturn all_small;\n" : ""},
+		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
+		{"COUNT", emit_int(e, s->count)}, {"FIRST_PARAMS", emit_params(e, p, PARAMS_FIRST)},
+		{"ACROSS_PARAMS", across(e, s, FIRST)}, {"KNOWN_PARAM", emit_known_params(e)},
+		{"RESULT", emit_has_known(e) ? "int" : "void"}, {"BEGIN", text_string(&begin)},
+		{"END", emit_has_known(e) ? "\treturn all_small;\n" : ""},
 	};
 	size_t from = out->length, count = sizeof slots / sizeof *slots;
 	const char *rest = template_expand_to(out, template_segment_in, "BODY", slots, count);
@@ -181,7 +185,6 @@ static const char *handed_on(const struct emission *e, const char *names)
 	return text_string(&t);
 }
 
-
 static const char *lanes_functions(const struct emission *e, const struct pass *p, const char *count_param)
 {
 	const struct segments *s = &p->segments;
@@ -191,11 +194,11 @@ static const char *lanes_functions(const struct emission *e, const struct pass *
 	text_init(&t, e->arena);
 	for (int k = 0; k < s->count; k++) {
 		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
-			{"LANES", emit_int(e, lanes_of(e, s))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", count_param},
-			{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
-			{"KNOWN", handed_on(e, emit_known_names(e))}, {"KNOWN_PARAM", emit_known_params(e)},
-			{"ACROSS_PARAMS", across(e, s, PARAMETER)}, {"RESTRICT_ACROSS", across(e, s, RESTRICT)},
-			{"AT_SAMPLE", at_sample},
+			{"LANES", emit_int(e, lanes_of(e, s))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
+			{"COUNT_PARAM", count_param}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
+			{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"KNOWN", handed_on(e, emit_known_names(e))},
+			{"KNOWN_PARAM", emit_known_params(e)}, {"ACROSS_PARAMS", across(e, s, PARAMETER)},
+			{"RESTRICT_ACROSS", across(e, s, RESTRICT)}, {"AT_SAMPLE", at_sample},
 			{"ACROSS_NAMES", across(e, s, NAME)}, {"UNKNOWN", handed_on(e, emit_unknown_names(e))}};
 
 		template_expand(&t, template_segment_lanes_in, slots, sizeof slots / sizeof *slots);
@@ -203,15 +206,16 @@ static const char *lanes_functions(const struct emission *e, const struct pass *
 	return text_string(&t);
 }
 
-static const char *calls_of(const struct emission *e, const struct pass *p, const char *indent, const char *what, const char *where, const char *more)
+static const char *calls_of(const struct emission *e, const struct pass *p, const char *indent, const char *what,
+	const char *where, const char *more)
 {
 	const struct segments *s = &p->segments;
 	struct text t;
 
 	text_init(&t, e->arena);
 	for (int k = 0; k < s->count; k++)
-		text_printf(&t, "%s%s%s_%s_%s%d(%s, %s, %s%s);", k ? "\n" : "", indent, e->options->name, p->algorithm->name, what, k,
-			emit_params(e, p, PARAMS_NAMES), where, across(e, s, NAME), more);
+		text_printf(&t, "%s%s%s_%s_%s%d(%s, %s, %s%s);", k ? "\n" : "", indent, e->options->name,
+			p->algorithm->name, what, k, emit_params(e, p, PARAMS_NAMES), where, across(e, s, NAME), more);
 	return text_string(&t);
 }
 
@@ -225,28 +229,30 @@ static const char *and_small(const struct emission *e, const char *are_small)
 	return text_string(&t);
 }
 
-void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *call_any, struct text *out)
+void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *call_any,
+	struct text *out)
 {
 	int is_soa = e->options->layout == RNEAGEN_SOA;
 	const char *count_param = is_soa ? "size_t count, " : "";
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
-		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
-		{"KNOWN", handed_on(e, emit_known_names(e))}, {"KNOWN_PARAM", emit_known_params(e)},
-		{"WHATEVER", emit_has_known(e) ? ", whatever its angles" : ""},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"KNOWN", handed_on(e, emit_known_names(e))},
+		{"KNOWN_PARAM", emit_known_params(e)}, {"WHATEVER", emit_has_known(e) ? ", whatever its angles" : ""},
 		{"WHERE_SMALL", emit_has_known(e) ? " where their angles are small, which is the rule" : ""},
 		{"AND_SMALL", and_small(e, are_small)}, {"CALL_ANY", call_any}, {"COUNT_PARAM", count_param},
 		{"AT_SAMPLE", emit_at_sample(e, p)}, {"LANES", emit_int(e, lanes_of(e, &p->segments))},
-		{"LANES_FUNCTIONS", lanes_functions(e, p, count_param)}, {"CALLS", calls_of(e, p, "\t\t\t", "lanes", is_soa ? "count, first" : "first", "")},
-		{"ONE_CALLS", calls_of(e, p, "\t", "one", "stride", handed_on(e, emit_known_names(e)))}, {"ONE_DECLARATIONS", across(e, &p->segments, LOCAL)},
-		{"DECLARATIONS", across(e, &p->segments, LANES)}};
+		{"LANES_FUNCTIONS", lanes_functions(e, p, count_param)},
+		{"CALLS", calls_of(e, p, "\t\t\t", "lanes", is_soa ? "count, first" : "first", "")},
+		{"ONE_CALLS", calls_of(e, p, "\t", "one", "stride", handed_on(e, emit_known_names(e)))},
+		{"ONE_DECLARATIONS", across(e, &p->segments, LOCAL)}, {"DECLARATIONS", across(e, &p->segments, LANES)}};
 
 	template_expand(out, template_part_segments_in, slots, sizeof slots / sizeof *slots);
 }
 
 /* ---- kernels ---- */
 
-/* Samples of a thread (H100, 1 M samples, ps): g1_brainco in f32, 1, 2 and 4 take 1338, 742 and 643; in f64, 1 and 2 take 3254 and 2487;
-   romeo in f64, 2 and 4 take 526 and 546. */
+/* Samples of a thread (H100, 1 M samples, ps): g1_brainco in f32, 1, 2 and 4 take 1338, 742 and 643; in f64, 1 and 2 take 3254
+   and 2487; romeo in f64, 2 and 4 take 526 and 546. */
 enum { MOST_SINGLE = 4, MOST_DOUBLE = 2, LARGEST_BLOCK = 64 };
 
 int emit_segments_bytes(const struct emission *e, const struct pass *p)
@@ -275,8 +281,9 @@ static const char *loops_in_kernel(const struct emission *e, const struct pass *
 	text_init(&t, e->arena);
 	for (int k = 0; k < p->segments.count; k++) {
 		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
-			{"FROM", has_angles ? "from" : "0"}, {"TO", has_angles ? "to" : "each"}, {"LARGE", has_angles ? "large |= (unsigned)!" : ""},
-			{"SHIFT", has_angles ? " << j" : ""}, {"AT_SAMPLE", at_sample}, {"ACROSS", across(e, &p->segments, AT_THREAD)},
+			{"FROM", has_angles ? "from" : "0"}, {"TO", has_angles ? "to" : "each"},
+			{"LARGE", has_angles ? "large |= (unsigned)!" : ""}, {"SHIFT", has_angles ? " << j" : ""},
+			{"AT_SAMPLE", at_sample}, {"ACROSS", across(e, &p->segments, AT_THREAD)},
 			{"KNOWN", handed_on(e, has_angles ? emit_known_tables(e, p) : emit_unknown_names(e))}};
 
 		template_expand(&t, template_kernel_segment_in, slots, sizeof slots / sizeof *slots);
@@ -299,10 +306,11 @@ static const char *rounds_in_kernel(const struct emission *e, const struct pass 
 void emit_segments_kernel(const struct emission *e, const struct pass *p, struct text *out)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
-		{"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"}, {"MOST", emit_int(e, emit_segments_samples(e))},
-		{"BYTES", emit_int(e, emit_segments_bytes(e, p))}, {"SHARED_BYTES", emit_int(e, SHARED_BYTES)},
-		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"SHARED", across(e, &p->segments, SHARED)},
-		{"LOCAL", across(e, &p->segments, LOCAL)}, {"ROUNDS", rounds_in_kernel(e, p)}};
+		{"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
+		{"MOST", emit_int(e, emit_segments_samples(e))}, {"BYTES", emit_int(e, emit_segments_bytes(e, p))},
+		{"SHARED_BYTES", emit_int(e, SHARED_BYTES)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)},
+		{"SHARED", across(e, &p->segments, SHARED)}, {"LOCAL", across(e, &p->segments, LOCAL)},
+		{"ROUNDS", rounds_in_kernel(e, p)}};
 
 	template_expand(out, template_kernel_segments_in, slots, sizeof slots / sizeof *slots);
 }

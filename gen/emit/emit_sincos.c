@@ -23,7 +23,8 @@ const char *emit_sincos_name(const struct emission *e, const struct number_type 
 
 	text_init(&t, e->arena);
 	text_printf(&t, "%s%s", e->options->strict ? n->strict_sincos : n->sincos,
-		emit_has_known(e) && !n->is_beside ? "known" : emit_trig_name(n->is_beside ? emit_trig_of(e->options) : trig_of(e, n)));
+		emit_has_known(e) && !n->is_beside ? "known"
+			: emit_trig_name(n->is_beside ? emit_trig_of(e->options) : trig_of(e, n)));
 	return text_string(&t);
 }
 

@@ -11,8 +11,8 @@ static real round_f32x2(real x)
 }
 
 /* Its functions of large angles are of doubles. */
-static const struct scalar SCALAR_F32X2 = {.name = "f32x2", .type = "struct rneagen_f32x2", .suffix = "", .upper = "", .letter = "d",
-	.bytes = 8, .domain = 1e4, .more = "", .round = round_f32x2};
+static const struct scalar SCALAR_F32X2 = {.name = "f32x2", .type = "struct rneagen_f32x2", .suffix = "",
+	.upper = "", .letter = "d", .bytes = 8, .domain = 1e4, .more = "", .round = round_f32x2};
 
 static const struct sincos_frames SINCOS_F32X2 = {template_sincos_f32x2_core_in, template_sincos_f32x2_bounded_in,
 	template_sincos_f32x2_accurate_in, template_sincos_f32x2_known_in, NULL, &SINCOS_F64};
@@ -83,6 +83,6 @@ const struct number_type NUMBER_F32X2 = {.memory = &SCALAR_F64, .arithmetic = &S
 	.put_cheaper = put_product_by_float, .put_functions = put_functions, .frames = &SINCOS_F32X2,
 	.note = " * Arrays are double; arithmetic is in pairs of floats, good to 44 bits for magnitudes from 1e-25 to 1e30,\n"
 		" * and slower than double where double takes less than twenty times as long as float.\n",
-	.model = {.terms = 3.001 * 0x1p-48, .mul = 7 * 0x1p-48, .quotient = 7 * 0x1p-48, .tiny = 0x1p-146, .input = 0x1p-48, .largest = 0x1p114,
-		.sincos = 0x1p-46, .sine = 0x1p-58, .cosine = 0x1p-58, .store = 0x1p-53, .store_largest = DBL_MAX,
-		.constant = round_f32x2}};
+	.model = {.terms = 3.001 * 0x1p-48, .mul = 7 * 0x1p-48, .quotient = 7 * 0x1p-48, .tiny = 0x1p-146, .input = 0x1p-48,
+		.largest = 0x1p114, .sincos = 0x1p-46, .sine = 0x1p-58, .cosine = 0x1p-58, .store = 0x1p-53,
+		.store_largest = DBL_MAX, .constant = round_f32x2}};

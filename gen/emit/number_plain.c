@@ -32,11 +32,12 @@ static void write_f64(double x, char *s, size_t size)
 }
 
 const struct scalar SCALAR_F32 = {.name = "f32", .type = "float", .suffix = "f", .upper = "F", .letter = "f", .bytes = 4,
-	.domain = 1e4, .unit = 0x1p-24, .tiny = 0x1p-148, .unit_text = "0x1p-24f", .tiny_text = "0x1p-146f", .largest = "0x1.fffffep127f", .flushes = 1,
-	.more = "; take --precision f64, or mixed, whose constants are f64", .round = round_f32, .write = write_f32};
+	.domain = 1e4, .unit = 0x1p-24, .tiny = 0x1p-148, .unit_text = "0x1p-24f", .tiny_text = "0x1p-146f",
+	.largest = "0x1.fffffep127f", .flushes = 1, .more = "; take --precision f64, or mixed, whose constants are f64",
+	.round = round_f32, .write = write_f32};
 const struct scalar SCALAR_F64 = {.name = "f64", .type = "double", .suffix = "", .upper = "", .letter = "d", .bytes = 8,
-	.domain = 1e7, .unit = 0x1p-53, .tiny = 0x1p-1072, .unit_text = "0x1p-53", .tiny_text = "0x1p-1071", .largest = "0x1.fffffffffffffp1023", .more = "",
-	.round = round_f64, .write = write_f64};
+	.domain = 1e7, .unit = 0x1p-53, .tiny = 0x1p-1072, .unit_text = "0x1p-53", .tiny_text = "0x1p-1071",
+	.largest = "0x1.fffffffffffffp1023", .more = "", .round = round_f64, .write = write_f64};
 
 static const struct sincos_frames SINCOS_F32 = {template_sincos_f32_core_in, template_sincos_f32_bounded_in,
 	template_sincos_f32_accurate_in, template_sincos_f32_known_in, template_sincos_f32_fast_in, NULL};
@@ -103,8 +104,8 @@ static void put_reciprocals(const struct emission *e, struct text *out)
 const struct number_type NUMBER_F32 = {.memory = &SCALAR_F32, .arithmetic = &SCALAR_F32, .value = "float",
 	.calls = CALLS_F32, .strict_calls = STRICT_CALLS_F32, .sincos = "rneagen_sincosf_",
 	.strict_sincos = "rneagen_strict_sincosf_", .load = {"", ""}, .store = {"", ""}, .angle = {"", ""},
-	.note = "", .put_constant = put_constant, .put_cheaper = put_reciprocal, .put_functions = put_reciprocals, .frames = &SINCOS_F32, .bounded = &WITHIN_F32, .fuses = 1,
-	.model = {MODEL_F32, .store_largest = DBL_MAX},
+	.note = "", .put_constant = put_constant, .put_cheaper = put_reciprocal, .put_functions = put_reciprocals,
+	.frames = &SINCOS_F32, .bounded = &WITHIN_F32, .fuses = 1, .model = {MODEL_F32, .store_largest = DBL_MAX},
 	.fast_sine = -21.41, .fast_cosine = -21.19, .fast_angle = (double)3.14159265f};
 
 const struct number_type NUMBER_F64 = {.memory = &SCALAR_F64, .arithmetic = &SCALAR_F64, .value = "double",

@@ -17,7 +17,8 @@ const struct number_type *number_type_of(enum rneagen_precision precision)
 
 void emit_set_precision(struct emission *e)
 {
-	static const struct number_type *const wide[] = {[REFINE_SAME] = NULL, [REFINE_F64] = &WIDE_F64, [REFINE_F32X2] = &WIDE_F32X2};
+	static const struct number_type *const wide[] = {[REFINE_SAME] = NULL, [REFINE_F64] = &WIDE_F64,
+		[REFINE_F32X2] = &WIDE_F32X2};
 
 	e->target = target_type_of(e->options->target);
 	e->numbers = number_type_of(e->options->precision);

@@ -34,7 +34,8 @@ static const char *const VELOCITY[JOINT_KINDS] = {[TURNS] = "v = R'(v_p + w_p x 
 	[HOLDS] = "v = R'(v_p + w_p x p)", [FLOATS] = "v = R'(v_p + w_p x p) + V", [PLANE] = "v = R'(v_p + w_p x p + V)"};
 
 /* The same file, leave; dynamics/at_rest.c, at_rest_leave. */
-static const char BACK[] = "f_p += R f;  n_p += R n + p x R f", REST_BACK[] = "f = M a;  n = mc x a;  M_p += M;  mc_p += R mc + M p";
+static const char BACK[] = "f_p += R f;  n_p += R n + p x R f",
+	REST_BACK[] = "f = M a;  n = mc x a;  M_p += M;  mc_p += R mc + M p";
 
 static const char *const TORQUE[JOINT_KINDS] = {[TURNS] = ";  tau = z.n", [SLIDES] = ";  tau = z.f", [HOLDS] = "",
 	[FLOATS] = ";  tau = (f, n)", [PLANE] = ";  tau = (f_x, f_y, n_z)"};
@@ -131,8 +132,8 @@ static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torqu
 /* Of others, what is before the name of a joint, or before the number and the name of a link. */
 static const char *const ABOUT[SECTION_COUNT] = {[SECTION_BY] = "derivatives by", [SECTION_ROWS] = "rows of",
 	[SECTION_REGRESSOR] = "torques by the inertial parameters of link"};
-static const char *const ABOUT_LINKS[SECTION_COUNT] = {[SECTION_PLACE] = "place of", [SECTION_JACOBIAN] = "Jacobian of what is on",
-	[SECTION_SUBTREE] = "back from", [SECTION_OPSPACE] = "inertia felt on"};
+static const char *const ABOUT_LINKS[SECTION_COUNT] = {[SECTION_PLACE] = "place of",
+	[SECTION_JACOBIAN] = "Jacobian of what is on", [SECTION_SUBTREE] = "back from", [SECTION_OPSPACE] = "inertia felt on"};
 
 /* "out to link 2 "lower" (fpass)"; "back from link 2 "lower" to link 1 (bpass): torque of "elbow"" */
 static void put_title(const struct emission *e, const struct pass *pass, const struct section *s, struct text *out)
@@ -166,7 +167,8 @@ static void put_title(const struct emission *e, const struct pass *pass, const s
 		else
 			text_printf(out, " to link %d (bpass)", e->tree->bodies[k->parent].number);
 		if (*k->joint) {
-			text_put(out, k->type == JOINT_FIXED ? ": held at \"" : k->follower ? ": share of the driver of \"" : ": torque of \"");
+			text_put(out, k->type == JOINT_FIXED ? ": held at \"" : k->follower ? ": share of the driver of \""
+				: ": torque of \"");
 			text_put_comment(out, k->joint);
 			text_putc(out, '"');
 		}

@@ -337,8 +337,8 @@ static const char **names_of_inputs(const struct unparser *u)
 	return names;
 }
 
-void unparse_angles(const struct emission *e, const struct pass *pass, const struct number_type *numbers, const struct angles *list,
-	const char *suffix, struct text *out)
+void unparse_angles(const struct emission *e, const struct pass *pass, const struct number_type *numbers,
+	const struct angles *list, const char *suffix, struct text *out)
 {
 	struct unparser u = unparser_new(e, pass, e->numbers), wide = unparser_new(e, pass, e->wide ? e->wide : e->numbers);
 	struct plan plan = pass->plan;

@@ -13,7 +13,8 @@ struct unparser {
 	const char *const *calls;    /* of the type, as the options choose them */
 	const struct unparser *narrow, *wide; /* of the two types of numbers in the text; wide: NULL where there is one */
 	const unsigned char *angles; /* per node: an input that sines and cosines alone read, as memory has it; NULL: none */
-	enum { ZEROS_AMONG, ZEROS_LEFT, ZEROS_ALONE } zeros; /* stores of what is always zero: among the others, not written, nothing else is */
+	/* stores of what is always zero: among the others, not written, nothing else is */
+	enum { ZEROS_AMONG, ZEROS_LEFT, ZEROS_ALONE } zeros;
 	struct angles sines; /* where the table of known ones has them */
 	size_t sections; /* so many of the plan's DAG are behind */
 	unsigned char written[SECTION_COUNT][5]; /* whose formula stands there already: section.c */

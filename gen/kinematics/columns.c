@@ -62,7 +62,8 @@ int columns_begin(struct centroid *c)
 
 	c->shared = arena_alloc(a, rows, sizeof *c->shared);
 	c->is_shared = arena_alloc(a, rows, 1);
-	if (a->failed || !pattern_whole(&c->of_com, 3, x->t->nv, 0, a) || !pattern_momentum(&c->of_momentum, x->t, x->k->dense, a))
+	if (a->failed || !pattern_whole(&c->of_com, 3, x->t->nv, 0, a) ||
+		!pattern_momentum(&c->of_momentum, x->t, x->k->dense, a))
 		return 0;
 	for (int i = 0; i < x->t->mimic_count; i++)
 		c->is_shared[x->t->bodies[x->t->mimics[i].body].iv] = 1;

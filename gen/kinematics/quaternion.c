@@ -23,14 +23,16 @@ static void of_rotation(struct dag *d, const struct rotation *R, struct ref *out
 	int most = 3;
 
 	for (int i = 0; i < 3; i++)
-		square[i] = within_sub(within_sub(within_add(one, R->m[i][i]), R->m[(i + 1) % 3][(i + 1) % 3]), R->m[(i + 2) % 3][(i + 2) % 3]);
+		square[i] = within_sub(within_sub(within_add(one, R->m[i][i]), R->m[(i + 1) % 3][(i + 1) % 3]),
+			R->m[(i + 2) % 3][(i + 2) % 3]);
 	square[3] = within_add(within_add(one, R->m[0][0]), within_add(R->m[1][1], R->m[2][2]));
 	for (int i = 0; i < 3; i++)
 		most = square[i].x > square[most].x ? i : most;
 	root = within_sqrt(within_mul(quarter, square[most]));
 	for (int i = 0; i < 3; i++) {
 		int j = (i + 1) % 3, k = (i + 2) % 3;
-		struct within across = most == 3 ? within_sub(R->m[k][j], R->m[j][k]) : most == i ? within_sub(R->m[k][j], R->m[j][k]) :
+		struct within across = most == 3 ? within_sub(R->m[k][j], R->m[j][k]) : most == i
+			? within_sub(R->m[k][j], R->m[j][k]) :
 			within_add(R->m[i][most], R->m[most][i]);
 
 		out[i] = most == i ? dag_within(d, root) : dag_within(d, within_div(within_mul(quarter, across), root));

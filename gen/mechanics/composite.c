@@ -72,13 +72,15 @@ static void add_inertia(struct dag *d, struct parameters *to, const struct smat 
 		for (int j = i; j < 3; j++) {
 			struct ref *to_ij = &to->I[inertia_index(i, j)], e = I->m[i][j];
 
-			e = i == j ? others(d, e, terms, i) : minus_product(d, minus_product(d, e, w.x[i], p.x[j]), p.x[i], w.x[j]);
+			e = i == j ? others(d, e, terms, i)
+				: minus_product(d, minus_product(d, e, w.x[i], p.x[j]), p.x[i], w.x[j]);
 			*to_ij = dag_add(d, *to_ij, e);
 		}
 }
 
 /* K' = A K A^T + (h.p' + p.X) 1 - p' h^T - X p^T with X = P + m p', h and P turned */
-static void add_rate(struct dag *d, struct smat *to, const struct smat *K, struct svec h, struct svec X, struct svec p, struct svec rate)
+static void add_rate(struct dag *d, struct smat *to, const struct smat *K, struct svec h, struct svec X, struct svec p,
+	struct svec rate)
 {
 	struct ref terms[3];
 
@@ -88,7 +90,8 @@ static void add_rate(struct dag *d, struct smat *to, const struct smat *K, struc
 		for (int j = 0; j < 3; j++) {
 			struct ref e = K->m[i][j];
 
-			e = i == j ? others(d, e, terms, i) : minus_product(d, minus_product(d, e, rate.x[i], h.x[j]), X.x[i], p.x[j]);
+			e = i == j ? others(d, e, terms, i)
+				: minus_product(d, minus_product(d, e, rate.x[i], h.x[j]), X.x[i], p.x[j]);
 			to->m[i][j] = dag_add(d, to->m[i][j], e);
 		}
 }

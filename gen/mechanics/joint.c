@@ -287,7 +287,8 @@ static struct smat turn_about(struct dag *d, int i, const struct joint_pose *at,
 	int j = (i + 1) % 3, k = (i + 2) % 3;
 	struct svec row = svec_turn(d, i, at->s, at->c, (struct svec){{T->m[i][0], T->m[i][1], T->m[i][2]}});
 	struct svec column = svec_turn(d, i, at->s, at->c, (struct svec){{T->m[0][i], T->m[1][i], T->m[2][i]}});
-	struct ref across = T->m[j][k].i == T->m[k][j].i ? dag_mul(d, dag_const(d, 2), T->m[j][k]) : dag_add(d, T->m[j][k], T->m[k][j]);
+	struct ref across = T->m[j][k].i == T->m[k][j].i ? dag_mul(d, dag_const(d, 2), T->m[j][k])
+		: dag_add(d, T->m[j][k], T->m[k][j]);
 	struct ref x = dag_add(d, dag_mul(d, at->s, spread), dag_mul(d, at->c, across));
 	struct ref sx = dag_mul(d, at->s, x), cx = dag_mul(d, at->c, x);
 	struct smat out = *T;
@@ -321,7 +322,8 @@ static void hand_over(struct dag *d, struct ref *from, struct ref *to)
 }
 
 /* Of a vector: what is not along the axis. */
-void joint_to_parent_apart(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec *constant, struct svec *varied)
+void joint_to_parent_apart(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec *constant,
+	struct svec *varied)
 {
 	for (int i = 0; i < 3; i++)
 		if (k->type == JOINT_FLOATING || (turns(k) && i != k->axis))

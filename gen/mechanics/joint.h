@@ -62,9 +62,12 @@ struct svec joint_to_parent(struct dag *d, const struct body *k, const struct jo
 /* A T A^T for that rotation A */
 struct smat joint_turn(struct dag *d, const struct body *k, const struct joint_pose *x, const struct smat *T);
 
-/* The same, and R(q) u, of a sum of two whose second is symmetric too. What of the first varies with the joint goes to the second. */
-void joint_turn_apart(struct dag *d, const struct body *k, const struct joint_pose *x, struct smat *constant, struct smat *varied);
-void joint_to_parent_apart(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec *constant, struct svec *varied);
+/* The same, and R(q) u, of a sum of two whose second is symmetric too. What of the first varies with the joint goes to the
+   second. */
+void joint_turn_apart(struct dag *d, const struct body *k, const struct joint_pose *x, struct smat *constant,
+	struct smat *varied);
+void joint_to_parent_apart(struct dag *d, const struct body *k, const struct joint_pose *x, struct svec *constant,
+	struct svec *varied);
 
 /* The generalized forces of the joint, joint_nv of them: the wrench (f, n) in the body's frame, and its force f0 in the
    joint's, along the joint's axes. */

@@ -182,7 +182,8 @@ void rigid_body_powers(struct dag *d, const struct motion *x, struct svec V, str
 
 struct ref rigid_body_kinetic(struct dag *d, const struct parameters *p, const struct motion *x)
 {
-	struct ref twice = dag_add(d, dag_mul(d, p->mass, svec_dot(d, x->v, x->v)), svec_dot(d, x->w, rigid_body_inertia_times(d, p, x->w)));
+	struct ref twice = dag_add(d, dag_mul(d, p->mass, svec_dot(d, x->v, x->v)),
+		svec_dot(d, x->w, rigid_body_inertia_times(d, p, x->w)));
 
 	return dag_add(d, dag_mul(d, dag_const(d, 0.5L), twice), svec_dot(d, x->v, svec_cross(d, x->w, p->h)));
 }

@@ -1,7 +1,8 @@
 #include "mechanics/tangent.h"
 
 /* dp = Q v; with the quaternion (u, s), du = (s w + u x w)/2, ds = -u.w/2. */
-static void rates_floating(struct dag *d, const struct body *k, struct joint_inputs in, struct svec v, struct svec w, struct ref *rates)
+static void rates_floating(struct dag *d, const struct body *k, struct joint_inputs in, struct svec v, struct svec w,
+	struct ref *rates)
 {
 	struct joint_pose pose = joint_place(d, k, in);
 	struct ref half = dag_const(d, 0.5L), s = source_row(d, &in.q, k->iq + 6);

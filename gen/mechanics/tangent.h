@@ -1,7 +1,7 @@
 #ifndef RNEAGEN_TANGENT_H
 #define RNEAGEN_TANGENT_H
-/* The tangent space of q, in which positions vary. A floating joint's is that of a twist in the body's frame, linear then angular,
-   as with Pinocchio: its position moves by Q v, its quaternion as q (x) (w/2, 0). Of other joints it is q's own. */
+/* The tangent space of q, in which positions vary. A floating joint's is that of a twist in the body's frame, linear then
+   angular, as with Pinocchio: its position moves by Q v, its quaternion as q (x) (w/2, 0). Of other joints it is q's own. */
 
 #include "mechanics/joint.h"
 

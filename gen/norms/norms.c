@@ -62,7 +62,8 @@ static int are_mates(const struct dag *d, const struct trig_term *a, const struc
 		return 0;
 	third = p.sign;
 	fourth = q.sign;
-	if (bare(d, a->other.i, &first) != bare(d, q.other.i, &fourth) || bare(d, b->other.i, &second) != bare(d, p.other.i, &third))
+	if (bare(d, a->other.i, &first) != bare(d, q.other.i, &fourth) ||
+		bare(d, b->other.i, &second) != bare(d, p.other.i, &third))
 		return 0;
 	return first * second == -third * fourth;
 }
@@ -116,7 +117,8 @@ static void split(struct norms *x, const struct candidate *c, struct norms_set *
 		s->one = s->other = 0;
 }
 
-static int has_mate(const struct norms *x, const struct candidate *c, int at, const struct trig_term *a, const struct trig_term *b)
+static int has_mate(const struct norms *x, const struct candidate *c, int at, const struct trig_term *a,
+	const struct trig_term *b)
 {
 	for (int k = 0; k < c->count; k++)
 		if (k != at && are_mates(x->d, a, b, c->nodes[k]))
@@ -178,7 +180,8 @@ static uint32_t *place(const struct norms *x, const struct candidate *c)
 	for (hash %= x->table_size;; hash = (hash + 1) % x->table_size) {
 		uint32_t at = x->table[hash];
 
-		if (!at || (x->sets[at - 1].count == c->count && !memcmp(x->sets[at - 1].nodes, c->nodes, (size_t)c->count * sizeof *c->nodes)))
+		if (!at || (x->sets[at - 1].count == c->count &&
+			!memcmp(x->sets[at - 1].nodes, c->nodes, (size_t)c->count * sizeof *c->nodes)))
 			return &x->table[hash];
 	}
 }
@@ -306,7 +309,8 @@ int norms_lay(struct norms *x, struct arena *a)
 	for (size_t i = 0; i < x->d->count && x->lanes <= most; i++)
 		for (int k = 0; k < (op_arity[x->d->nodes[i].op] ? op_arity[x->d->nodes[i].op] : 1); k++)
 			x->is_wide[i] |= op_arity[x->d->nodes[i].op] ? x->is_wide[x->d->nodes[i].arg[k].i]
-								      : x->d->nodes[i].op == OP_INPUT && input_of(x, &x->d->nodes[i]) >= 0;
+								      : x->d->nodes[i].op == OP_INPUT &&
+									input_of(x, &x->d->nodes[i]) >= 0;
 	for (uint32_t i = 0; i < x->d->count; i++) {
 		x->at[i] = (uint32_t)x->value_count;
 		x->value_count += 2 * (x->is_wide[i] ? x->lanes : 1);
@@ -342,7 +346,8 @@ struct interval norms_range(const struct norms *x, const struct norms_values *v,
 		for (int k = j; k < x->rate_count; k++, at++) {
 			double size = fmax(-lower[at], upper[at]);
 
-			r = interval_add(r, j == k ? (struct interval){fmin(0, lower[at]), fmax(0, upper[at])} : (struct interval){-size, size});
+			r = interval_add(r, j == k ? (struct interval){fmin(0, lower[at]), fmax(0, upper[at])}
+				: (struct interval){-size, size});
 		}
 	return r;
 }

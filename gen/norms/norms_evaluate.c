@@ -307,7 +307,8 @@ static double narrow_norm(const struct norms *x, const struct norms_set *s, cons
 	}
 	least = sqrt(sum) * (1 + 0x1p-48) + DBL_MIN;
 	if (s->form)
-		least = interval_least(least, norms_form_bound(s->form, one_norm(x, v, s->form->x), one_norm(x, v, s->form->u), one_norm(x, v, s->form->v)));
+		least = interval_least(least, norms_form_bound(s->form, one_norm(x, v, s->form->x), one_norm(x, v, s->form->u),
+			one_norm(x, v, s->form->v)));
 	if (s->one)
 		least = interval_least(least, (1 + 0x1p-48) *
 			(v->norm[x->set_at[s->one - 1]] + (s->other ? v->norm[x->set_at[s->other - 1]] : 0)));

@@ -1,5 +1,6 @@
 #include "norms/norms_form.h"
 #include "norms/adjoint.h"
+#include "norms/matrix_norm.h"
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -46,7 +47,8 @@ static int is_product(const struct dag *d, uint32_t i)
 
 	while (n->op == OP_NEG)
 		n = &d->nodes[n->arg[0].i];
-	return n->op == OP_MUL && !is_constant(d, n->arg[0].i) && !is_constant(d, n->arg[1].i) && !is_trig(d, n->arg[0].i) && !is_trig(d, n->arg[1].i);
+	return n->op == OP_MUL && !is_constant(d, n->arg[0].i) && !is_constant(d, n->arg[1].i) && !is_trig(d, n->arg[0].i) &&
+		!is_trig(d, n->arg[1].i);
 }
 
 int norms_form_is_rotated(const struct dag *d, uint32_t i)
@@ -54,8 +56,8 @@ int norms_form_is_rotated(const struct dag *d, uint32_t i)
 	const struct node *n = &d->nodes[i];
 	struct trig_term a, b;
 
-	return (n->op == OP_ADD || n->op == OP_SUB) && trig_term(d, n->arg[0], &a) && trig_term(d, n->arg[1], &b) && a.angle == b.angle &&
-	       a.is_sine != b.is_sine;
+	return (n->op == OP_ADD || n->op == OP_SUB) && trig_term(d, n->arg[0], &a) && trig_term(d, n->arg[1], &b) &&
+	       a.angle == b.angle && a.is_sine != b.is_sine;
 }
 
 /* What others read too stays one value, but for products of rates. */
@@ -141,44 +143,52 @@ static int find(const uint32_t *list, int count, uint32_t node)
 	return -1;
 }
 
-/* Factors are of one vector, or each product has one of u and one of v. */
-static int divide(struct forming *f)
+/* Where the factors of all products are few enough for one vector, u = v has them. */
+static int divide_into_one(struct forming *f)
 {
 	uint32_t all[SIDE];
-	int count = 0, is_one = 1, changes = 1;
+	int count = 0;
 
 	for (int i = 0; i < f->row_count; i++)
 		for (int k = 0; k < f->rows[i].count; k++) {
 			const struct term *t = &f->rows[i].terms[k];
 
 			if (t->b && (place(all, &count, SIDE, t->a) < 0 || place(all, &count, SIDE, t->b) < 0))
-				is_one = 0;
+				return 0;
 		}
-	if (is_one) {
-		f->u_count = f->v_count = count;
-		memcpy(f->u, all, sizeof all);
-		memcpy(f->v, all, sizeof all);
-		return 1;
-	}
-	for (; changes;) {
-		changes = 0;
-		for (int i = 0; i < f->row_count; i++)
-			for (int k = 0; k < f->rows[i].count; k++) {
-				const struct term *t = &f->rows[i].terms[k];
-				int before = f->u_count + f->v_count, au, av;
+	f->u_count = f->v_count = count;
+	memcpy(f->u, all, sizeof all);
+	memcpy(f->v, all, sizeof all);
+	return 1;
+}
 
-				if (!t->b)
-					continue;
-				au = find(f->u, f->u_count, t->a) >= 0 || find(f->v, f->v_count, t->b) >= 0;
-				av = find(f->v, f->v_count, t->a) >= 0 || find(f->u, f->u_count, t->b) >= 0;
-				if (before && !au && !av)
-					continue;
-				if (place(av ? f->v : f->u, av ? &f->v_count : &f->u_count, SIDE, t->a) < 0 ||
-					place(av ? f->u : f->v, av ? &f->u_count : &f->v_count, SIDE, t->b) < 0)
-					return 0;
-				changes |= f->u_count + f->v_count > before;
-			}
-	}
+/* Each product whose factors are known on one side, or the first of all: one into u and one into v. Returns whether that placed any;
+   -1: there is no room. */
+static int divide_further(struct forming *f)
+{
+	int start = f->u_count + f->v_count;
+
+	for (int i = 0; i < f->row_count; i++)
+		for (int k = 0; k < f->rows[i].count; k++) {
+			const struct term *t = &f->rows[i].terms[k];
+			int is_first = f->u_count + f->v_count == 0, forth, back;
+
+			if (!t->b)
+				continue;
+			forth = find(f->u, f->u_count, t->a) >= 0 || find(f->v, f->v_count, t->b) >= 0;
+			back = find(f->v, f->v_count, t->a) >= 0 || find(f->u, f->u_count, t->b) >= 0;
+			if (!is_first && !forth && !back)
+				continue;
+			if (place(back ? f->v : f->u, back ? &f->v_count : &f->u_count, SIDE, t->a) < 0 ||
+				place(back ? f->u : f->v, back ? &f->u_count : &f->v_count, SIDE, t->b) < 0)
+				return -1;
+		}
+	return f->u_count + f->v_count > start;
+}
+
+/* Has each product one factor of u and one of v, and nothing is of both? */
+static int is_divided(const struct forming *f)
+{
 	for (int i = 0; i < f->row_count; i++)
 		for (int k = 0; k < f->rows[i].count; k++) {
 			const struct term *t = &f->rows[i].terms[k];
@@ -194,40 +204,19 @@ static int divide(struct forming *f)
 	return 1;
 }
 
-/* ---- matrices ---- */
-
-struct matrix {
-	double m[NORMS_SET * NORMS_SET][NORMS_SET]; /* rows, columns */
-	int rows, columns;
-	double off; /* the root of the sum of squares of what elements are off */
-};
-
-/* ||A|| <= (trace of (A'A)^32)^(1/64), rounding included. */
-static double norm_of(const struct matrix *a)
+/* Factors are of one vector, or each product has one of u and one of v. */
+static int divide(struct forming *f)
 {
-	double g[NORMS_SET][NORMS_SET] = {{0}}, size = 1;
+	int placed = 1;
 
-	for (int i = 0; i < a->columns; i++)
-		for (int k = 0; k < a->columns; k++)
-			for (int r = 0; r < a->rows; r++)
-				g[i][k] += a->m[r][i] * a->m[r][k];
-	for (int power = 0; power <= 5; power++) {
-		double next[NORMS_SET][NORMS_SET] = {{0}}, trace = 0;
-
-		for (int i = 0; i < a->columns; i++)
-			trace += g[i][i];
-		if (!(trace > 1e-200))
-			return trace > 0 ? (double)INFINITY : a->off * (1 + 0x1p-40);
-		size *= pow(trace, 0.5 / (1 << power));
-		for (int i = 0; i < a->columns && power < 5; i++)
-			for (int k = 0; k < a->columns; k++)
-				for (int l = 0; l < a->columns; l++)
-					next[i][k] += g[i][l] / trace * (g[l][k] / trace);
-		if (power < 5)
-			memcpy(g, next, sizeof g);
-	}
-	return (size + a->off) * (1 + 1e-9);
+	if (divide_into_one(f))
+		return 1;
+	while (placed > 0)
+		placed = divide_further(f);
+	return placed == 0 && is_divided(f);
 }
+
+/* ---- matrices ---- */
 
 static double off_of(const struct forming *f, int of_products)
 {
@@ -242,8 +231,6 @@ static double off_of(const struct forming *f, int of_products)
 
 static double tensor_at(const struct forming *f, int i, int j, int k)
 {
-	double sum = 0;
-
 	for (int t = 0; t < f->rows[i].count; t++) {
 		const struct term *x = &f->rows[i].terms[t];
 
@@ -254,7 +241,7 @@ static double tensor_at(const struct forming *f, int i, int j, int k)
 		if (find(f->v, f->v_count, x->a) == k && find(f->u, f->u_count, x->b) == j)
 			return x->c;
 	}
-	return sum;
+	return 0;
 }
 
 /* c times some of u_y v_z - u_z v_y and so on, in any order and with any signs: then |c|. -1: it is not that. */
@@ -300,19 +287,20 @@ static double cross_factor(const struct forming *f, double t[NORMS_SET][SIDE][SI
 static double tensor_norm(const struct forming *f)
 {
 	double t[NORMS_SET][SIDE][SIDE] = {{{0}}}, off = off_of(f, 1), best, cross;
-	struct matrix a = {.rows = f->row_count * f->u_count, .columns = f->v_count, .off = off}, b = {.rows = f->row_count * f->v_count,
-		.columns = f->u_count, .off = off}, c = {.rows = f->u_count * f->v_count, .columns = f->row_count, .off = off};
+	struct matrix a = {.rows = f->row_count * f->u_count, .columns = f->v_count, .off = off};
+	struct matrix b = {.rows = f->row_count * f->v_count, .columns = f->u_count, .off = off};
+	struct matrix c = {.rows = f->u_count * f->v_count, .columns = f->row_count, .off = off};
 	int is_one = f->u_count == f->v_count && !memcmp(f->u, f->v, (size_t)f->u_count * sizeof *f->u);
 
 	for (int i = 0; i < f->row_count; i++)
 		for (int j = 0; j < f->u_count; j++)
 			for (int k = 0; k < f->v_count; k++) {
-				double x = tensor_at(f, i, j, k);
+				double x = (is_one && j != k ? 0.5 : 1) * tensor_at(f, i, j, k);
 
-				x = is_one && j != k ? 0.5 * x : x;
-				t[i][j][k] = a.m[i * f->u_count + j][k] = b.m[i * f->v_count + k][j] = c.m[j * f->v_count + k][i] = x;
+				t[i][j][k] = x;
+				a.m[i * f->u_count + j][k] = b.m[i * f->v_count + k][j] = c.m[j * f->v_count + k][i] = x;
 			}
-	best = fmin(norm_of(&a), fmin(norm_of(&b), norm_of(&c)));
+	best = fmin(matrix_norm(&a), fmin(matrix_norm(&b), matrix_norm(&c)));
 	cross = is_one ? -1 : cross_factor(f, t);
 	return cross >= 0 ? fmin(best, (cross + off) * (1 + 0x1p-40)) : best;
 }
@@ -328,7 +316,7 @@ static double group_norm(const struct forming *f, const uint32_t *nodes, int cou
 			if (k >= 0)
 				a.m[i][k] = f->rows[i].terms[t].c;
 		}
-	return norm_of(&a);
+	return matrix_norm(&a);
 }
 
 /* ---- forms ---- */

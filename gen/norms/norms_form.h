@@ -1,7 +1,7 @@
 #ifndef RNEAGEN_NORMS_FORM_H
 #define RNEAGEN_NORMS_FORM_H
-/* A set of values as sums of multiples of a few others, and of products of two: I w, h x a, w x (w x h). Their norm is at most ||A|| |x| for
-   the vector x that is multiplied by a constant matrix A, and ||T|| |u| |v| for the products. */
+/* A set of values as sums of multiples of a few others, and of products of two: I w, h x a, w x (w x h). Their norm is at
+   most ||A|| |x| for the vector x that is multiplied by a constant matrix A, and ||T|| |u| |v| for the products. */
 
 #include "norms/norms.h"
 

@@ -169,8 +169,8 @@ enum rneagen_code analysis_run(struct analysis *a, enum analysis_pass first, enu
 	static enum rneagen_code (*const passes[ANALYSIS_PASSES])(struct analysis *a) = {
 		[PASS_URDF_READ] = pass_urdf_read, [PASS_SCENE_PARSE] = pass_scene_parse, [PASS_SCENE_SELECT] = pass_scene_select,
 		[PASS_HOLDS_CHOOSE] = pass_holds_choose, [PASS_ROBOT_SNAP] = pass_robot_snap, [PASS_TREE_BUILD] = pass_tree_build,
-		[PASS_PARAMS_CHOOSE] = pass_params_choose, [PASS_REQUEST_RESOLVE] = pass_request_resolve, [PASS_DAG_BUILD] = pass_dag_build, [PASS_DAG_PRUNE] = pass_dag_prune,
-		[PASS_DAG_FUSE] = pass_dag_fuse};
+		[PASS_PARAMS_CHOOSE] = pass_params_choose, [PASS_REQUEST_RESOLVE] = pass_request_resolve,
+		[PASS_DAG_BUILD] = pass_dag_build, [PASS_DAG_PRUNE] = pass_dag_prune, [PASS_DAG_FUSE] = pass_dag_fuse};
 	enum rneagen_code code = RNEAGEN_OK;
 
 	for (enum analysis_pass i = first; i <= last && !code; i++)

@@ -41,7 +41,8 @@ struct analysis {
 	struct request request;         /* request_resolve */
 	struct proven dropped;          /* dag_prune, where it is proved: how much outputs change without the terms */
 	struct dag raw;                 /* dag_build, dag_prune; until analysis_free_raw */
-	struct dag dag;                 /* dag_fuse: q, qd, qdd -> tau or what else is asked for, products joined to sums as in the text */
+	/* dag_fuse: q, qd, qdd -> tau or what else is asked for, products joined to sums as in the text */
+	struct dag dag;
 	struct arena raw_arena, own;    /* private; own: by analysis_open */
 };
 

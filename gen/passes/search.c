@@ -245,7 +245,8 @@ static int run(struct search *s, enum regroup how)
 	int waiting = s->t->body_count * s->least <= WORK;
 
 	for (int k = 0; k < s->t->body_count; k++) {
-		s->by[k] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE, .regroup = s->keeps[k] ? REGROUP_NOTHING : how};
+		s->by[k] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE,
+			.regroup = s->keeps[k] ? REGROUP_NOTHING : how};
 		s->waits[k] = 1;
 	}
 	s->least = LONG_MAX;

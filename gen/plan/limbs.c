@@ -132,8 +132,9 @@ static void put_warp(const struct plan *lines, int warp, struct text *out)
 			count[lines->lines[i].kind]++;
 			continue;
 		}
-		text_printf(out, "  warp %d phase %d: %d inputs, %d sines, %d values, %d stores, %d fetched, %d kept\n", warp, phase++,
-			count[LINE_INPUT], count[LINE_SINCOS], count[LINE_VALUE], count[LINE_STORE], count[LINE_FETCH], count[LINE_KEEP]);
+		text_printf(out, "  warp %d phase %d: %d inputs, %d sines, %d values, %d stores, %d fetched, %d kept\n", warp,
+			phase++, count[LINE_INPUT], count[LINE_SINCOS], count[LINE_VALUE], count[LINE_STORE], count[LINE_FETCH],
+			count[LINE_KEEP]);
 		memset(count, 0, sizeof count);
 	}
 }

@@ -237,7 +237,8 @@ static struct waiting waiting_in(struct orderer *x, const uint32_t *order)
 
 static int is_better(struct waiting w, struct waiting own, size_t room)
 {
-	return (double)w.sum <= FEWER_IN_ALL * (double)own.sum && (w.most <= room || (double)w.most <= FEWER_AT_ONCE * (double)own.most);
+	return (double)w.sum <= FEWER_IN_ALL * (double)own.sum &&
+		(w.most <= room || (double)w.most <= FEWER_AT_ONCE * (double)own.most);
 }
 
 /* ---- the DAG in that order ---- */

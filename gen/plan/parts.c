@@ -183,7 +183,8 @@ static int split_evenly(struct splitter *s, int count, int *first)
 {
 	int bad = 0, good = fullness_of(s, 0, s->count);
 
-	if (!split(s, count, good, first)) /* alone, what a part has in common with others may be a little more than in the whole */
+	/* alone, what a part has in common with others may be a little more than in the whole */
+	if (!split(s, count, good, first))
 		good = MOST;
 	while (good - bad > 1) {
 		int middle = (good + bad) / 2;
@@ -284,7 +285,8 @@ static int choose(struct splitter *s, int *first, struct rneagen_error *e)
 
 	if (count == 1 || (count <= s->count && split_evenly(s, count, first)))
 		return count;
-	error_set(e, RNEAGEN_USAGE, "--parts %d: there are elements of %d bodies to share out; take fewer, or auto", count, s->count);
+	error_set(e, RNEAGEN_USAGE, "--parts %d: there are elements of %d bodies to share out; take fewer, or auto",
+		count, s->count);
 	return 0;
 }
 

@@ -304,8 +304,8 @@ int plan_alive(const struct plan *p, struct arena *a)
 void plan_dump(const struct plan *p, struct text *t)
 {
 	static const char *const kinds[] = {"section", "input", "value", "sincos", "store", "fetch", "keep", "join"};
-	static const char *const kinds_of_section[SECTION_COUNT] = {"out", "back", "end", "freed", "totals", "bias", "gravity", "by",
-		"products", "factors", "articulated", "inverse", "residual", "refined", "bound", "regressor",
+	static const char *const kinds_of_section[SECTION_COUNT] = {"out", "back", "end", "freed", "totals", "bias",
+		"gravity", "by", "products", "factors", "articulated", "inverse", "residual", "refined", "bound", "regressor",
 		"place", "jacobian", "rate", "subtree", "centroid", "factored", "opspace", "sweeps", "rows"};
 
 	for (size_t i = 0; i < p->line_count; i++) {

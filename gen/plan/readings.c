@@ -78,8 +78,9 @@ int readings_make(struct readings *r, const struct plan *p, struct arena *a)
 	size_t nodes = p->dag->count;
 
 	*r = (struct readings){.plan = p, .begin = arena_alloc(a, p->line_count + 1, sizeof *r->begin),
-		.list = arena_take(a, most_readings(p->dag) + p->line_count, sizeof *r->list), .made = arena_alloc(a, nodes, sizeof *r->made),
-		.last = arena_alloc(a, nodes, sizeof *r->last), .weight = arena_alloc(a, p->line_count, sizeof *r->weight)};
+		.list = arena_take(a, most_readings(p->dag) + p->line_count, sizeof *r->list),
+		.made = arena_alloc(a, nodes, sizeof *r->made), .last = arena_alloc(a, nodes, sizeof *r->last),
+		.weight = arena_alloc(a, p->line_count, sizeof *r->weight)};
 	if (a->failed)
 		return 0;
 	for (uint32_t i = 0; i < p->line_count; i++)

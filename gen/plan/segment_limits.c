@@ -43,7 +43,8 @@ static int staged_rows(const struct dag *d)
 /* Derivatives of the torques times vectors, and no others. */
 static int is_product(const struct request *k)
 {
-	return !k->is_forward && !request_wants(k, WANT_DTAU_DFREED) && (request_wants(k, WANT_JVP) || request_wants(k, WANT_VJP));
+	return !k->is_forward && !request_wants(k, WANT_DTAU_DFREED) &&
+		(request_wants(k, WANT_JVP) || request_wants(k, WANT_VJP));
 }
 
 static struct segment_limits kernel_limits(
@@ -55,7 +56,8 @@ static struct segment_limits kernel_limits(
 	if (o->layout != RNEAGEN_SOA || o->precision == RNEAGEN_F32X2 || owners_matrix(k))
 		return none;
 	if (request_wants_derivative(k))
-		return is_product(k) && !is_single && flops > KERNEL_PRODUCT ? (struct segment_limits){PRODUCT_OPERATIONS, 0, UINT_MAX} : none;
+		return is_product(k) && !is_single && flops > KERNEL_PRODUCT
+			? (struct segment_limits){PRODUCT_OPERATIONS, 0, UINT_MAX} : none;
 	if (k->is_forward)
 		return o->precision == RNEAGEN_F64 && !k->refine_steps && flops > KERNEL_LONG ?
 			(struct segment_limits){FORWARD_OPERATIONS, 0, FORWARD_ACROSS} : none;

@@ -1,23 +1,13 @@
 /* What the scene's ranges say of the angles that have a sine. */
 #include "request/request.h"
 #include <math.h>
-#include <string.h>
 
-/* The largest magnitude of a row by the narrowest name that states its range; INFINITY where none does. */
+/* The largest magnitude of a row whose range is stated; else INFINITY. */
 static double stated(const struct request *k, const char *argument, int row)
 {
-	double most = (double)INFINITY;
-	int level = -1;
+	const struct request_range *r = request_range_of(k, argument, row);
 
-	for (int i = 0; i < k->range_count; i++) {
-		const struct request_range *r = &k->ranges[i];
-
-		if (strcmp(r->argument, argument) != 0 || row < r->first || row >= r->first + r->count || r->level <= level)
-			continue;
-		level = r->level;
-		most = fmax(fabs(r->lower), fabs(r->upper));
-	}
-	return most;
+	return r ? fmax(fabs(r->lower), fabs(r->upper)) : (double)INFINITY;
 }
 
 static double largest_offset(const struct request *k)

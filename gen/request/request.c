@@ -38,8 +38,8 @@ int request_find_kind(const struct resolver *x, const struct scene_choice *c, co
 	meant = nearest_name(stem, kinds, (size_t)count, sizeof *kinds);
 	for (int i = 0; i < count; i++)
 		if (!strcmp(stem, kinds[i].word)) {
-			scene_refuse(x->s, c, x->e, kinds[i].has_name ? "'%s' needs a name: %s.NAME" : "'%s' takes no name: write %s",
-				stem, stem);
+			scene_refuse(x->s, c, x->e,
+				kinds[i].has_name ? "'%s' needs a name: %s.NAME" : "'%s' takes no name: write %s", stem, stem);
 			return -1;
 		}
 	scene_refuse(x->s, c, x->e, "'%.255s' is not known%s%s%s", c->name, meant ? "; did you mean '" : "", meant ? meant : "",
@@ -231,7 +231,8 @@ static enum rneagen_code set_armature(const struct resolver *x, const struct sce
 	if (is_said(x, c))
 		return scene_refuse(x->s, c, x->e, "the armature of '%.255s' is given already", c->name);
 	if (joint_nv(x->t->bodies[body].type) != 1)
-		return scene_refuse(x->s, c, x->e, "an armature belongs to a joint with one row in qd, which '%.255s' is not", c->name);
+		return scene_refuse(x->s, c, x->e, "an armature belongs to a joint with one row in qd, which '%.255s' is not",
+			c->name);
 	if (value.x < 0)
 		return scene_refuse(x->s, c, x->e, "an armature of %g kg m^2 is less than nothing", (double)value.x);
 	x->k->armature[body] = value;
@@ -257,7 +258,8 @@ static enum rneagen_code set_friction(const struct resolver *x, const struct sce
 	if (c->value && scene_numbers(x->s, c, &width, 1, x->e))
 		return x->e->code;
 	if (!(width.x > 0))
-		return scene_refuse(x->s, c, x->e, "a width of %g rad/s or m/s is none: friction must be smooth", (double)width.x);
+		return scene_refuse(x->s, c, x->e, "a width of %g rad/s or m/s is none: friction must be smooth",
+			(double)width.x);
 	x->k->friction_width = width;
 	set_dynamics(x, x->k->friction, 1);
 	return RNEAGEN_OK;
@@ -278,8 +280,8 @@ static enum rneagen_code check_arrays(const struct resolver *x)
 {
 	if (array_count(x->k) <= ARRAY_LIMIT)
 		return RNEAGEN_OK;
-	return error_set(x->e, RNEAGEN_LIMIT, "%s: the scene makes more than %d arrays, which is all that a kernel takes", x->s->file,
-		ARRAY_LIMIT);
+	return error_set(x->e, RNEAGEN_LIMIT, "%s: the scene makes more than %d arrays, which is all that a kernel takes",
+		x->s->file, ARRAY_LIMIT);
 }
 
 static enum rneagen_code each(const struct resolver *x, enum scene_key key,
@@ -344,7 +346,8 @@ static enum rneagen_code check_forward(const struct resolver *x)
 			if (!strcmp(c->name, "tau"))
 				return scene_refuse(x->s, c, x->e, "tau is an input where qdd is wanted: leave it out");
 			if (keys[i] == SCENE_WANT && (!strcmp(c->name, "jvp") || !strcmp(c->name, "vjp")))
-				return scene_refuse(x->s, c, x->e, "'%s' is of tau, an input where qdd is wanted: take --%s qdd", c->name, c->name);
+				return scene_refuse(x->s, c, x->e, "'%s' is of tau, an input where qdd is wanted: take --%s qdd",
+					c->name, c->name);
 		}
 	return RNEAGEN_OK;
 }
@@ -355,7 +358,8 @@ static enum rneagen_code check_dynamics(const struct resolver *x)
 	const struct scene_choice *c = scene_next(x->s, SCENE_DYNAMICS, NULL);
 
 	if (x->k->dynamics == DYNAMICS_ARTICULATED && x->t->mimic_count)
-		return scene_refuse(x->s, c, x->e, "articulated bodies do not serve joint '%.255s', which follows another: take factor",
+		return scene_refuse(x->s, c, x->e,
+			"articulated bodies do not serve joint '%.255s', which follows another: take factor",
 			x->t->bodies[x->t->mimics[0].body].joint);
 	return RNEAGEN_OK;
 }

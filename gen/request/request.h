@@ -137,8 +137,11 @@ const char *request_refine_name(enum refine refine);
 
 void request_dump(const struct request *k, const struct tree *t, struct text *out);
 
-/* Do ranges that the scene states keep every joint's angle within `most` of 0, what is added to it and followers' included? Limits of the
-   URDF do not count. 0 where there is no angle. */
+/* What the scene says of a row of an input, by the narrowest name that covers it; NULL: nothing. */
+const struct request_range *request_range_of(const struct request *k, const char *argument, int row);
+
+/* Do ranges that the scene states keep every joint's angle within `most` of 0, what is added to it and followers' included?
+   Limits of the URDF do not count. 0 where there is no angle. */
 int request_bounds_angles(const struct request *k, const struct tree *t, double most);
 
 /* Has every row its value? */

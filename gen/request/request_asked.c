@@ -1,5 +1,20 @@
-/* What a request has of a kind. */
+/* What a request has of a kind, and says of a row. */
 #include "request/request.h"
+#include <string.h>
+
+const struct request_range *request_range_of(const struct request *k, const char *argument, int row)
+{
+	const struct request_range *narrowest = NULL;
+
+	for (int i = 0; i < k->range_count; i++) {
+		const struct request_range *r = &k->ranges[i];
+
+		if (!strcmp(r->argument, argument) && row >= r->first && row < r->first + r->count &&
+			(!narrowest || r->level > narrowest->level))
+			narrowest = r;
+	}
+	return narrowest;
+}
 
 int request_has_all(const struct row *rows, int count)
 {

@@ -96,13 +96,14 @@ static enum rneagen_code check_free(const struct resolver *x, const struct scene
 	for (int i = 0; i < x->k->freed_count; i++) {
 		const struct freed *other = &x->k->freed[i];
 		const char *a = strchr(f->word, '.'), *b = strchr(other->word, '.');
-		int both = (f->kind == FREED_MASS && other->kind == FREED_INERTIA) || (f->kind == FREED_INERTIA && other->kind == FREED_MASS);
+		int both = (f->kind == FREED_MASS && other->kind == FREED_INERTIA) ||
+			(f->kind == FREED_INERTIA && other->kind == FREED_MASS);
 
 		if (!strcmp(f->word, other->word))
 			return scene_refuse(x->s, c, x->e, "'%.255s' is free already", f->word);
 		if (both && !strcmp(a, b))
-			return scene_refuse(x->s, c, x->e, "the mass is part of the inertia: free one of '%.255s' and '%.255s'", f->word,
-				other->word);
+			return scene_refuse(x->s, c, x->e, "the mass is part of the inertia: free one of '%.255s' and '%.255s'",
+				f->word, other->word);
 	}
 	return RNEAGEN_OK;
 }

@@ -40,7 +40,8 @@ static enum rneagen_code add_by(const struct resolver *x, const struct scene_cho
 
 	for (int i = 0; i < k->freed_count; i++)
 		if (!strcmp(k->freed[i].word, c->name))
-			by = (struct product_by){k->freed[i].word, k->freed[i].argument, NULL, k->freed[i].rows, k->freed[i].per_batch};
+			by = (struct product_by){k->freed[i].word, k->freed[i].argument, NULL, k->freed[i].rows,
+				k->freed[i].per_batch};
 	for (int i = 0; i < k->push_count; i++)
 		if (!strcmp(k->pushes[i].word, c->name))
 			by = (struct product_by){k->pushes[i].word, k->pushes[i].argument, NULL, 6, 0};
@@ -60,7 +61,8 @@ static enum rneagen_code add_by(const struct resolver *x, const struct scene_cho
 static enum rneagen_code want_by(const struct resolver *x, int i)
 {
 	const char *word = joined(x, "vjp", x->k->by[i].word);
-	struct want w = {.kind = WANT_VJP_BY, .word = word, .argument = request_argument(x, word), .rows = x->k->by[i].rows, .body = i};
+	struct want w = {.kind = WANT_VJP_BY, .word = word, .argument = request_argument(x, word),
+		.rows = x->k->by[i].rows, .body = i};
 
 	x->k->wants[x->k->want_count++] = w;
 	return RNEAGEN_OK;
@@ -170,6 +172,7 @@ enum rneagen_code request_refuse_constant(const struct request *k, const struct 
 	for (int i = 0; i < 2; i++)
 		for (const struct scene_choice *c = NULL; (c = scene_next(s, keys[i], c));)
 			if (!strcmp(c->name, word))
-				return scene_refuse(s, c, e, "'%.255s' does not vary: what --fold gives makes it constant; leave it out", word);
+				return scene_refuse(s, c, e,
+					"'%.255s' does not vary: what --fold gives makes it constant; leave it out", word);
 	return error_set(e, RNEAGEN_SCENE, "%s: '%.255s' does not vary", s->file, word);
 }

@@ -41,7 +41,8 @@ static enum rneagen_code find_states(
 	int is_q = kind == KIND_Q || kind == KIND_Q_OF, body;
 
 	if (kind % KIND_Q_OF == (x->k->is_forward ? KIND_QDD : KIND_TAU))
-		return scene_refuse(x->s, c, x->e, "'%.255s' is no input of this scene; %s is", c->name, x->k->is_forward ? "tau" : "qdd");
+		return scene_refuse(x->s, c, x->e, "'%.255s' is no input of this scene; %s is", c->name,
+			x->k->is_forward ? "tau" : "qdd");
 	r->argument = KINDS[kind].word;
 	r->count = is_q ? t->nq : t->nv;
 	if (!KINDS[kind].has_name)
@@ -88,15 +89,6 @@ static enum rneagen_code find_other(
 	return r->argument ? RNEAGEN_OK : refuse_input(x, c, kind);
 }
 
-/* The row of q is of a quaternion. */
-static int is_rotation(const struct tree *t, int row)
-{
-	for (int i = 0; i < t->joint_count; i++)
-		if (t->joints[i].type == JOINT_FLOATING && row >= t->joints[i].iq + 3 && row < t->joints[i].iq + 7)
-			return 1;
-	return 0;
-}
-
 static enum rneagen_code take_row(
 	const struct resolver *x, const struct scene_choice *c, enum kind kind, int row, struct request_range *r)
 {
@@ -109,7 +101,7 @@ static enum rneagen_code take_row(
 	r->first += row;
 	r->count = 1;
 	r->level = REQUEST_RANGE_LEVELS - 1;
-	if ((kind == KIND_Q || kind == KIND_Q_OF) && is_rotation(x->t, r->first))
+	if ((kind == KIND_Q || kind == KIND_Q_OF) && tree_is_quaternion(x->t, r->first))
 		return scene_refuse(x->s, c, x->e,
 			"row %d of '%.255s' is of a quaternion, which is drawn over all orientations: leave it out", row,
 			c->name);
@@ -129,7 +121,8 @@ static enum rneagen_code check(
 	const struct resolver *x, const struct scene_choice *c, enum kind kind, const struct request_range *r)
 {
 	if (is_given(x, kind, r))
-		return scene_refuse(x->s, c, x->e, "'%.255s' is given by --fold, and nothing of it is drawn: leave one of them out", c->name);
+		return scene_refuse(x->s, c, x->e,
+			"'%.255s' is given by --fold, and nothing of it is drawn: leave one of them out", c->name);
 	for (int i = 0; i < x->k->range_count; i++) {
 		const struct request_range *other = &x->k->ranges[i];
 

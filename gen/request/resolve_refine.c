@@ -44,7 +44,8 @@ enum rneagen_code request_refine(
 	if (!c)
 		return RNEAGEN_OK;
 	if (!read_choice(c->value, &steps, &named))
-		return scene_refuse(s, c, e, "takes 0 to %d steps, and a type for the residual, f64, f32x2 or same: 1, 1:f64; not '%.255s'",
+		return scene_refuse(s, c, e,
+			"takes 0 to %d steps, and a type for the residual, f64, f32x2 or same: 1, 1:f64; not '%.255s'",
 			MOST_STEPS, c->value);
 	if (steps && !k->is_forward)
 		return scene_refuse(s, c, e, "no qdd is found here that could be refined: take --want qdd, or leave it out");
@@ -54,7 +55,8 @@ enum rneagen_code request_refine(
 	if (named == NAME_COUNT)
 		named = is_float ? REFINE_F64 : REFINE_SAME;
 	if (!is_float && !is_own((enum refine)named, precision))
-		return scene_refuse(s, c, e, named == REFINE_F32X2 ? "f32x2 has fewer bits than the text's own f64: take %d:same" :
+		return scene_refuse(s, c, e,
+			named == REFINE_F32X2 ? "f32x2 has fewer bits than the text's own f64: take %d:same" :
 			"f64 is what f32x2 does without: take %d:same, or --precision f64", steps);
 	k->refine_steps = steps;
 	k->refine = is_own((enum refine)named, precision) ? REFINE_SAME : (enum refine)named;

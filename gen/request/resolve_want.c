@@ -130,8 +130,8 @@ static enum rneagen_code check_chain(const struct resolver *x, const struct scen
 	if (w->kind != WANT_OPSPACE || count >= 6)
 		return RNEAGEN_OK;
 	return scene_refuse(x->s, c, x->e,
-		"'%.255s' moves with %d coordinate%s, and takes six to be moved in all directions: want opspace_inv%.255s", name + 1, count,
-		count == 1 ? "" : "s", name);
+		"'%.255s' moves with %d coordinate%s, and takes six to be moved in all directions: want opspace_inv%.255s",
+		name + 1, count, count == 1 ? "" : "s", name);
 }
 
 /* The link or joint that follows the word. */
@@ -174,7 +174,8 @@ enum rneagen_code request_quantity(const struct resolver *x, const struct scene_
 	w->kind = (enum want_kind)kind;
 	if (want_is(w->kind, IS_UNBUILT))
 		return scene_refuse(x->s, c, x->e, "'%.255s' is not built yet", c->name);
-	if (want_name(x, c, w) || check_varies(x, c, w->kind) || check_masses(x, c, w->kind) || check_chain(x, c, w) || want_rows(x, w))
+	if (want_name(x, c, w) || check_varies(x, c, w->kind) || check_masses(x, c, w->kind) || check_chain(x, c, w) ||
+		want_rows(x, w))
 		return x->e->code;
 	w->argument = want_type(w->kind)->argument;
 	if (!w->argument)

@@ -8,7 +8,8 @@ static void list_held(struct outcome *x, const struct selection *c, const struct
 		const struct selection_joint *s = &c->joints[k];
 
 		if (s->state == SELECTION_HELD)
-			x->held[x->held_count++] = (struct outcome_held){j->name, s->why, j->type, s->value, k, selection_beyond(j, s)};
+			x->held[x->held_count++] = (struct outcome_held){j->name, s->why, j->type, s->value, k,
+				selection_beyond(j, s)};
 	}
 }
 

@@ -101,8 +101,8 @@ static enum rneagen_code split(const struct reader *r, struct scene_choice *c, c
 	const char *at = c->key == SCENE_ADD_FRAME ? strchr(value, '=') : strrchr(value, '=');
 
 	if (!at || at == value || !at[1])
-		return scene_refuse(r->s, c, r->e, "takes NAME=%s, not '%.255s'", c->key == SCENE_ADD_FRAME ? "LINK,x,y,z,r,p,y" : "VALUE",
-			value);
+		return scene_refuse(r->s, c, r->e, "takes NAME=%s, not '%.255s'",
+			c->key == SCENE_ADD_FRAME ? "LINK,x,y,z,r,p,y" : "VALUE", value);
 	/* blanks at the ends of a name may be the name's: see settled, and request_add_frame for that of the value */
 	c->name = arena_string(r->a, value, (size_t)(at - value));
 	c->value = c->key == SCENE_ADD_FRAME ? arena_string(r->a, at + 1, strlen(at + 1)) : trimmed(r->a, at + 1, strlen(at + 1));
@@ -135,7 +135,8 @@ static enum rneagen_code check_word(const struct reader *r, const struct scene_c
 			return RNEAGEN_OK;
 	if (!*w)
 		return RNEAGEN_OK;
-	return scene_refuse(r->s, c, r->e, "takes %s%s%s or %s, not '%.255s'", w[2] ? w[2] : "", w[2] ? ", " : "", w[0], w[1], value);
+	return scene_refuse(r->s, c, r->e, "takes %s%s%s or %s, not '%.255s'", w[2] ? w[2] : "", w[2] ? ", " : "",
+		w[0], w[1], value);
 }
 
 static enum rneagen_code add_choice(struct reader *r, enum scene_key key, const char *value)
@@ -262,7 +263,8 @@ int scene_joint(const struct scene *s, const struct scene_choice *c, const struc
 /* Has a choice of this key the robot's name after a dot? */
 static int has_kind(enum scene_key key)
 {
-	return key == SCENE_FOLD || key == SCENE_WANT || key == SCENE_FREE || key == SCENE_JVP || key == SCENE_VJP || key == SCENE_BY;
+	return key == SCENE_FOLD || key == SCENE_WANT || key == SCENE_FREE || key == SCENE_JVP ||
+		key == SCENE_VJP || key == SCENE_BY;
 }
 
 /* A name without the blanks around it, unless the robot has one with them. */
@@ -353,8 +355,8 @@ enum rneagen_code scene_expand(struct scene *s, const struct robot *r, struct ar
 		for (const char *at = s->lines[i].name; *at; at++)
 			most += *at == ',';
 		if (most > LIMIT_CHOICES)
-			return scene_refuse(s, &s->lines[i], e, "a scene holds at most %d choices, of a list each name, and this is one more",
-				LIMIT_CHOICES);
+			return scene_refuse(s, &s->lines[i], e,
+				"a scene holds at most %d choices, of a list each name, and this is one more", LIMIT_CHOICES);
 	}
 	s->count = 0;
 	s->choices = arena_alloc(a, most, sizeof *s->choices);

@@ -17,7 +17,8 @@ static void dump_joint(const struct selection *c, const struct robot *r, int k, 
 	if (s->state == SELECTION_HELD)
 		text_printf(out, " (%s), %s", s->why, s->is_body ? "a body of its own" : "merged");
 	else if (s->leader != k)
-		text_printf(out, " with \"%s\": multiplier %.17Lg offset %.17Lg", r->joints[s->leader].name, s->multiplier.x, s->offset.x);
+		text_printf(out, " with \"%s\": multiplier %.17Lg offset %.17Lg", r->joints[s->leader].name,
+			s->multiplier.x, s->offset.x);
 	text_putc(out, '\n');
 }
 

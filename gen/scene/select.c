@@ -296,7 +296,8 @@ enum rneagen_code scene_select(struct selection *c, const struct scene *s, const
 
 int selection_moves(const struct selection *c, const struct robot *r, int joint)
 {
-	return r->joints[joint].type != JOINT_FIXED && c->joints[joint].state == SELECTION_MOVES && c->reached[r->joints[joint].parent];
+	return r->joints[joint].type != JOINT_FIXED && c->joints[joint].state == SELECTION_MOVES &&
+		c->reached[r->joints[joint].parent];
 }
 
 int selection_beyond(const struct joint *j, const struct selection_joint *held)

@@ -17,7 +17,8 @@ struct selection_joint {
 	const char *why;                  /* held: the scene's word for it, or "mimic" where the joint that it follows is held */
 	int is_body;                      /* held: a fixed body of its own, not merged with the body that carries it */
 	struct within value[SELECTION_VALUES];  /* held: its q */
-	int leader;                       /* the joint whose q moves it: itself, or the end of a chain of <mimic> that is honoured */
+	/* the joint whose q moves it: itself, or the end of a chain of <mimic> that is honoured */
+	int leader;
 	struct within multiplier, offset; /* q = multiplier q_leader + offset */
 };
 

@@ -75,7 +75,8 @@ static void put_run(const struct run *r, struct text *out)
 	if (r->range.kind == DRAW_ROTATION)
 		text_put(out, " a rotation");
 	else
-		text_printf(out, r->range.kind == DRAW_BODY ? " a body of %.6g..%.6g kg" : " %.6g..%.6g", r->range.lower, r->range.upper);
+		text_printf(out, r->range.kind == DRAW_BODY ? " a body of %.6g..%.6g kg" : " %.6g..%.6g",
+			r->range.lower, r->range.upper);
 }
 
 void draw_put(const struct analysis *a, const char *next, struct text *out)
@@ -107,10 +108,11 @@ void draw_put_json(const struct analysis *a, const char *next, struct text *out)
 	for (size_t i = 0; i < x.count; i++) {
 		const struct run *r = &x.runs[i];
 
-		text_printf(out, "%s{\"name\": \"%s\", \"first\": %d, \"count\": %d, \"kind\": \"%s\"", i ? next : "", r->array->name, r->first,
-			r->count, kinds[r->range.kind]);
+		text_printf(out, "%s{\"name\": \"%s\", \"first\": %d, \"count\": %d, \"kind\": \"%s\"", i ? next : "",
+			r->array->name, r->first, r->count, kinds[r->range.kind]);
 		if (r->range.kind != DRAW_ROTATION)
-			text_printf(out, ", \"lower\": %s, \"upper\": %s", number_plain(r->range.lower).s, number_plain(r->range.upper).s);
+			text_printf(out, ", \"lower\": %s, \"upper\": %s", number_plain(r->range.lower).s,
+				number_plain(r->range.upper).s);
 		text_putc(out, '}');
 	}
 }

@@ -74,8 +74,8 @@ static int compare(struct effect *x, const struct analysis *with, const struct a
 
 /* ---- each change ---- */
 
-static enum rneagen_code add_effect(struct effects *all, struct effect *x, const struct analysis *with, const struct analysis *without,
-	const struct measuring *m)
+static enum rneagen_code add_effect(struct effects *all, struct effect *x, const struct analysis *with,
+	const struct analysis *without, const struct measuring *m)
 {
 	x->saved = analysis_flops(without) - analysis_flops(with);
 	if (!compare(x, with, without, m))
@@ -208,7 +208,8 @@ static void put_effect(const struct effect *x, const char *next, struct text *ou
 	if (isnan(x->change))
 		text_put(out, "overflow, so that nothing is known of their change");
 	else
-		text_printf(out, "%s by up to %.2g (%.2g of the largest |tau|)", x->is_asked ? "change" : "would change", x->change, x->share);
+		text_printf(out, "%s by up to %.2g (%.2g of the largest |tau|)", x->is_asked ? "change" : "would change",
+			x->change, x->share);
 	text_printf(out, ", sampled in %zu states", DRAW_EFFECTS.count);
 	if (x->is_proved)
 		text_printf(out, "%sproved for all states within the ranges below, in exact arithmetic: no output changes by more than %.2g, %.2g of its "
@@ -228,8 +229,8 @@ static int is_asked(const struct effects *all)
 void effect_put_table(const struct effects *all, const struct analysis *a, struct text *out)
 {
 	for (int i = 0; i < a->outcome.angle_count; i++)
-		text_printf(out, "%s%s '%s', by %.2g\n", i ? "  " : "\nangles that are nearly right, rad\n  ", a->outcome.angles[i].what,
-			a->outcome.angles[i].name, a->outcome.angles[i].off);
+		text_printf(out, "%s%s '%s', by %.2g\n", i ? "  " : "\nangles that are nearly right, rad\n  ",
+			a->outcome.angles[i].what, a->outcome.angles[i].name, a->outcome.angles[i].off);
 	for (int i = 0; i < all->count; i++) {
 		text_put(out, i ? "  " : "\nchanged constants\n  ");
 		put_effect(&all->of[i], ";\n    ", out);
@@ -268,8 +269,8 @@ static void put_number(const char *name, double x, struct text *out)
 
 static void put_json_effect(const struct effect *x, struct text *out)
 {
-	text_printf(out, "{\"option\": \"%s\", \"value\": %s, \"asked\": %s, \"saved\": %ld", scene_word(x->key), number_plain(x->argument).s,
-		x->is_asked ? "true" : "false", x->saved);
+	text_printf(out, "{\"option\": \"%s\", \"value\": %s, \"asked\": %s, \"saved\": %ld", scene_word(x->key),
+		number_plain(x->argument).s, x->is_asked ? "true" : "false", x->saved);
 	put_number("change", x->change, out);
 	put_number("share", x->share, out);
 	if (x->key == SCENE_DROP_BELOW)

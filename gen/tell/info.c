@@ -40,15 +40,15 @@ static void put_operations(const struct emission *e, struct text *out)
 		struct operation_count n = i ? plan_operations(&e->passes[i].plan)
 					     : parts_operations(e->parts, e->part_count, &emit_main(e)->plan);
 
-		text_printf(out, "  %-10s %7u %6u %6u %6u %6u %6u %6u\n", e->passes[i].algorithm->name, n.mul, n.add, n.sub, n.neg, n.fma,
-			n.sincos, plan_flops(n));
+		text_printf(out, "  %-10s %7u %6u %6u %6u %6u %6u %6u\n", e->passes[i].algorithm->name, n.mul, n.add,
+			n.sub, n.neg, n.fma, n.sincos, plan_flops(n));
 		if (e->wide)
 			text_printf(out, "  %u of the flops in %s: residuals of refinement\n", n.wide, e->wide->arithmetic->name);
 	}
 	parts_put_table(e, out);
 	if (emit_has_limbs(e))
-		text_printf(out, "\nlimbs: up to %u samples %d warps share out each, the longest %u of %u operations\n", emit_limbs_of(e)->most,
-			emit_limbs_of(e)->warps, emit_limbs_of(e)->longest, emit_limbs_of(e)->whole);
+		text_printf(out, "\nlimbs: up to %u samples %d warps share out each, the longest %u of %u operations\n",
+			emit_limbs_of(e)->most, emit_limbs_of(e)->warps, emit_limbs_of(e)->longest, emit_limbs_of(e)->whole);
 }
 
 void info_table(const struct info *x, struct text *out)
@@ -107,8 +107,8 @@ static void put_json_joints(const struct tree *t, struct text *out)
 
 static void put_json_array(const struct argument *a, int is_first, struct text *out)
 {
-	text_printf(out, "%s\n      {\"name\": \"%s\", \"rows\": %d, \"role\": \"%s\", \"of\": ", is_first ? "" : ",", a->name, a->rows,
-		role_word(a->role));
+	text_printf(out, "%s\n      {\"name\": \"%s\", \"rows\": %d, \"role\": \"%s\", \"of\": ", is_first ? "" : ",",
+		a->name, a->rows, role_word(a->role));
 	text_put_json(out, a->of ? a->of : "");
 	text_printf(out, ", \"per_batch\": %s}", a->per_batch ? "true" : "false");
 }
@@ -161,8 +161,8 @@ void info_json(const struct info *x, struct text *out)
 	if (e->target->kernel)
 		text_printf(out, "  \"block\": %d,\n  \"stage_bytes\": %d,\n", emit_block_size(e), emit_stage_bytes(e));
 	if (emit_has_limbs(e))
-		text_printf(out, "  \"limbs\": {\"warps\": %d, \"groups\": %d, \"bytes\": %d, \"most\": %u},\n", emit_limbs_of(e)->warps,
-			emit_limbs_of(e)->groups, emit_limbs_bytes(e), emit_limbs_of(e)->most);
+		text_printf(out, "  \"limbs\": {\"warps\": %d, \"groups\": %d, \"bytes\": %d, \"most\": %u},\n",
+			emit_limbs_of(e)->warps, emit_limbs_of(e)->groups, emit_limbs_bytes(e), emit_limbs_of(e)->most);
 	text_put(out, "  \"warnings\": [");
 	for (size_t i = 0; i < e->warning_count; i++) {
 		text_put(out, i ? ",\n    " : "\n    ");
@@ -170,8 +170,8 @@ void info_json(const struct info *x, struct text *out)
 	}
 	text_put(out, e->warning_count ? "\n  ],\n" : "],\n");
 	if (e->wide)
-		text_printf(out, "  \"refinement\": {\"steps\": %d, \"residual\": \"%s\", \"flops\": %u},\n", e->request->refine_steps,
-			e->wide->arithmetic->name, n.wide);
+		text_printf(out, "  \"refinement\": {\"steps\": %d, \"residual\": \"%s\", \"flops\": %u},\n",
+			e->request->refine_steps, e->wide->arithmetic->name, n.wide);
 	text_printf(out,
 		"  \"operations\": {\"mul\": %u, \"add\": %u, \"sub\": %u, \"neg\": %u, \"fma\": %u, \"sincos\": %u, \"flops\": %u}\n}\n",
 		n.mul, n.add, n.sub, n.neg, n.fma, n.sincos, plan_flops(n));

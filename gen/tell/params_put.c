@@ -22,7 +22,8 @@ void params_put_comment(const struct analysis *a, struct text *out)
 	const struct params_choice *p = &a->params;
 
 	if (p->is_auto)
-		text_printf(out, " * Parameters: %s, of urdf with %ld flops and base with %ld.\n", word(p), p->flops[0], p->flops[1]);
+		text_printf(out, " * Parameters: %s, of urdf with %ld flops and base with %ld.\n", word(p),
+			p->flops[0], p->flops[1]);
 	if (p->is_base)
 		text_put(out,
 			" * Base parameters: what is named below is in frames of the text's own, and the inertia of a link is what the outputs\n"

@@ -122,7 +122,8 @@ void saving_put_table(const struct savings *all, const struct scene *s, struct t
 	for (int i = 0; i < all->count; i++) {
 		const struct saving *x = &all->of[i];
 
-		text_put(out, x->line == SAVING_FULL ? "  full model  " : x->line == SAVING_SCENE ? "  this scene  " : "  without it  ");
+		text_put(out, x->line == SAVING_FULL ? "  full model  " : x->line == SAVING_SCENE ? "  this scene  "
+			: "  without it  ");
 		if (x->is_known)
 			text_printf(out, "%10ld %7d %7d %14.1f", x->flops, x->alive, x->bytes, floor_ps(x));
 		else
@@ -152,8 +153,8 @@ void saving_put_json(const struct savings *all, const struct scene *s, struct te
 		text_put(out, i ? ",\n    {\"without\": " : "\n    {\"without\": ");
 		text_put_json(out, x->line == SAVING_FULL ? "the scene" : x->line == SAVING_SCENE ? "" : text_string(&option));
 		if (x->is_known)
-			text_printf(out, ", \"flops\": %ld, \"alive\": %d, \"bytes\": %d, \"floor_ps\": %.1f}", x->flops, x->alive, x->bytes,
-				floor_ps(x));
+			text_printf(out, ", \"flops\": %ld, \"alive\": %d, \"bytes\": %d, \"floor_ps\": %.1f}", x->flops,
+				x->alive, x->bytes, floor_ps(x));
 		else
 			text_put(out, ", \"flops\": null, \"alive\": null, \"bytes\": null, \"floor_ps\": null}");
 	}

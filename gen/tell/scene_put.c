@@ -69,7 +69,8 @@ void scene_put_table(const struct scene *s, const struct outcome *o, struct text
 		text_printf(out, " (%s)\n", o->held[i].why);
 	}
 	if (o->cut.link_count)
-		text_printf(out, "cut away: %d links of %.6Lg kg, %d joints\n", o->cut.link_count, o->cut.mass, o->cut.joint_count);
+		text_printf(out, "cut away: %d links of %.6Lg kg, %d joints\n", o->cut.link_count, o->cut.mass,
+			o->cut.joint_count);
 	put_names("  joints: ", ",\n    ", put_plain, o->cut.joints, o->cut.joint_count, out);
 	put_names("  links: ", ",\n    ", put_plain, o->cut.links, o->cut.link_count, out);
 }
@@ -148,8 +149,8 @@ static void put_comment_ignored(const struct outcome *o, struct text *out)
 	const struct outcome_ignored *x = &o->ignored;
 
 	if (x->damping_count + x->friction_count + x->limit_count)
-		text_printf(out, " * In the URDF and not modelled: damping of %d joints, friction of %d, limits of %d\n", x->damping_count,
-			x->friction_count, x->limit_count);
+		text_printf(out, " * In the URDF and not modelled: damping of %d joints, friction of %d, limits of %d\n",
+			x->damping_count, x->friction_count, x->limit_count);
 }
 
 void scene_put_comment(const struct scene *s, const struct outcome *o, struct text *out)

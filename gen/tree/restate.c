@@ -87,7 +87,8 @@ static void move_links(struct tree *t, int body, const struct restatement *by)
 
 static int is_moved(const struct restatement *by)
 {
-	return by->slide[0].x != 0 || by->slide[1].x != 0 || by->slide[2].x != 0 || !turn_is_none(by->turn) || !turn_is_none(by->ahead);
+	return by->slide[0].x != 0 || by->slide[1].x != 0 || by->slide[2].x != 0 || !turn_is_none(by->turn) ||
+		!turn_is_none(by->ahead);
 }
 
 /* ---- inertial parameters ---- */

@@ -228,7 +228,8 @@ enum rneagen_code tree_build(struct tree *t, const struct robot *r, const struct
 	size_t links = (size_t)r->link_count, joints = (size_t)r->joint_count;
 	struct builder b = {.t = t, .r = r, .c = c};
 
-	*t = (struct tree){.source = r, .robot = r->name, .root = r->links[c->root].name, .floating = o->base == RNEAGEN_FLOATING};
+	*t = (struct tree){.source = r, .robot = r->name, .root = r->links[c->root].name,
+		.floating = o->base == RNEAGEN_FLOATING};
 	for (int i = 0; i < 3; i++)
 		t->gravity[i] = within_double(o->gravity[i]);
 	t->bodies = arena_alloc(a, joints + 1, sizeof *t->bodies);
@@ -250,4 +251,20 @@ const struct tree_joint *tree_joint_of_row(const struct tree *t, int row)
 	while (row >= j->iv + j->nv)
 		j++;
 	return j;
+}
+
+int tree_has_type(const struct tree *t, enum joint_type type)
+{
+	for (int i = 0; i < t->joint_count; i++)
+		if (t->joints[i].type == type)
+			return 1;
+	return 0;
+}
+
+int tree_is_quaternion(const struct tree *t, int row)
+{
+	for (int i = 0; i < t->joint_count; i++)
+		if (t->joints[i].type == JOINT_FLOATING && row >= t->joints[i].iq + 3 && row < t->joints[i].iq + 7)
+			return 1;
+	return 0;
 }

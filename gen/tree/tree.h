@@ -78,6 +78,12 @@ const struct joint *tree_joint_of(const struct robot *r, const struct tree *t, i
 /* The joint that row `row` of qd belongs to; of a coordinate that several follow, their driver. */
 const struct tree_joint *tree_joint_of_row(const struct tree *t, int row);
 
+/* Is there a joint of this type, the floating base included? */
+int tree_has_type(const struct tree *t, enum joint_type type);
+
+/* Is this row of q one of a quaternion's four? */
+int tree_is_quaternion(const struct tree *t, int row);
+
 /* A base that floats and may not be meant, as a warning of the robot. */
 void tree_warn(const struct tree *t, struct robot *r, const char *file, struct arena *a);
 

@@ -69,8 +69,8 @@ void tree_warn(const struct tree *t, struct robot *r, const char *file, struct a
 	for (int i = 0; i < r->link_count; i++)
 		is_carried |= has_mass(&r->links[i]) && is_of_base(t, i);
 	if (is_world(t->root) || !is_carried)
-		robot_warn(r, a, "%s: --base floating floats link '%s', which has no mass; --root '%s' floats that link instead", file,
-			t->root, r->links[base].name);
+		robot_warn(r, a, "%s: --base floating floats link '%s', which has no mass; --root '%s' floats that link instead",
+			file, t->root, r->links[base].name);
 }
 
 void tree_dump(const struct tree *t, struct text *out)
@@ -90,7 +90,8 @@ void tree_dump(const struct tree *t, struct text *out)
 			text_printf(out, " turn %.17Lg", k->turn.x);
 		text_printf(out, "\n  p %.17Lg %.17Lg %.17Lg\n", k->X.p[0].x, k->X.p[1].x, k->X.p[2].x);
 		for (int row = 0; row < 3; row++)
-			text_printf(out, "  R %.17Lg %.17Lg %.17Lg\n", k->X.R.m[row][0].x, k->X.R.m[row][1].x, k->X.R.m[row][2].x);
+			text_printf(out, "  R %.17Lg %.17Lg %.17Lg\n", k->X.R.m[row][0].x, k->X.R.m[row][1].x,
+				k->X.R.m[row][2].x);
 		text_printf(out, "  mass %.17Lg h %.17Lg %.17Lg %.17Lg\n", I->mass.x, I->h[0].x, I->h[1].x, I->h[2].x);
 		text_printf(out, "  I xx %.17Lg xy %.17Lg xz %.17Lg yy %.17Lg yz %.17Lg zz %.17Lg\n", I->I[0].x, I->I[1].x,
 			I->I[2].x, I->I[3].x, I->I[4].x, I->I[5].x);

@@ -120,8 +120,8 @@ static void dump_link(const struct robot *r, const struct link *l, struct text *
 
 static void dump_limits(const struct joint *j, struct text *t)
 {
-	text_printf(t, "\tlimits: lower %s, upper %s, velocity %s, effort %s\n", number_plain(j->lower).s, number_plain(j->upper).s,
-		number_plain(j->velocity).s, number_plain(j->effort).s);
+	text_printf(t, "\tlimits: lower %s, upper %s, velocity %s, effort %s\n", number_plain(j->lower).s,
+		number_plain(j->upper).s, number_plain(j->velocity).s, number_plain(j->effort).s);
 }
 
 static void dump_joint(const struct robot *r, const struct joint *j, struct text *t)

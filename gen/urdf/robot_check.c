@@ -42,8 +42,8 @@ static void check_inertia(const struct link *l, long line, const struct diagnost
 	else if (eigen[1] > 0 && eigen[0] + eigen[1] < (1 - 1e-6) * eigen[2])
 		fault = "violates the triangle inequality";
 	if (fault)
-		diagnostic_warning(p, line, "link '%s': its inertia %s (eigenvalues %.7g %.7g %.7g); used as given", l->name, fault,
-			eigen[0], eigen[1], eigen[2]);
+		diagnostic_warning(p, line, "link '%s': its inertia %s (eigenvalues %.7g %.7g %.7g); used as given", l->name,
+			fault, eigen[0], eigen[1], eigen[2]);
 }
 
 static void check_link(const struct link *l, long line, const struct diagnostic *p)

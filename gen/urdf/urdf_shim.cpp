@@ -205,6 +205,7 @@ extern "C" enum rneagen_code urdf_read(const struct outline *o, const struct dia
 	} catch (const std::exception &x) {
 		return diagnostic_error(p, RNEAGEN_URDF, o->line, "refused by urdfdom: %s; correct what it names", x.what());
 	} catch (...) {
-		return diagnostic_error(p, RNEAGEN_URDF, o->line, "refused by urdfdom without a reason; does check_urdf read the file?");
+		return diagnostic_error(p, RNEAGEN_URDF, o->line,
+			"refused by urdfdom without a reason; does check_urdf read the file?");
 	}
 }

@@ -27,8 +27,8 @@ static const struct rule rules[] = {
 	{INERTIAL, "origin", 3, 0, {{"xyz", IN_LINK(com)}, {"rpy", IN_LINK(com_rpy)}}},
 	{INERTIAL, "mass", 1, 1, {{"value", IN_LINK(mass)}}},
 	{INERTIAL, "inertia", 1, 6,
-		{{"ixx", IN_LINK(inertia[0])}, {"ixy", IN_LINK(inertia[1])}, {"ixz", IN_LINK(inertia[2])}, {"iyy", IN_LINK(inertia[3])},
-			{"iyz", IN_LINK(inertia[4])}, {"izz", IN_LINK(inertia[5])}}},
+		{{"ixx", IN_LINK(inertia[0])}, {"ixy", IN_LINK(inertia[1])}, {"ixz", IN_LINK(inertia[2])},
+			{"iyy", IN_LINK(inertia[3])}, {"iyz", IN_LINK(inertia[4])}, {"izz", IN_LINK(inertia[5])}}},
 	{JOINT, "origin", 3, 0, {{"xyz", IN_JOINT(xyz)}, {"rpy", IN_JOINT(rpy)}}},
 	{JOINT, "axis", 3, 0, {{"xyz", IN_JOINT(axis)}}},
 	{JOINT, "limit", 1, 2, {{"effort", 0}, {"velocity", 0}, {"lower", 0}, {"upper", 0}}},
@@ -108,8 +108,8 @@ static void read_numbers(struct walk *w, const struct rule *rule, const char *co
 		count++;
 		fault = number_read(value, v, rule->width);
 		if (fault)
-			walk_fail(w, RNEAGEN_NUMBER, "%s '%s': <%s> %s=\"%.100s\" %s", w->owner, w->owner_name, rule->element, name,
-				value, describe(fault, rule->width));
+			walk_fail(w, RNEAGEN_NUMBER, "%s '%s': <%s> %s=\"%.100s\" %s", w->owner, w->owner_name,
+				rule->element, name, value, describe(fault, rule->width));
 		else if (rule->attributes[i].at)
 			memcpy(w->numbers + rule->attributes[i].at, v, (size_t)rule->width * sizeof *v);
 	}
@@ -201,6 +201,7 @@ void values_end_joint(struct walk *w)
 	const struct outline_joint *j = &w->outline->joints[w->outline->joint_count - 1];
 
 	if ((j->type == JOINT_REVOLUTE || j->type == JOINT_PRISMATIC) && !(w->seen & 1u << rule_find(JOINT, "limit")))
-		walk_fail_at(w, j->id.line, RNEAGEN_URDF, "joint '%s' is %s and has no <limit>; add one with effort and velocity%s",
-			j->id.name, joint_type_name(j->type), j->type == JOINT_REVOLUTE ? ", or make the joint continuous" : "");
+		walk_fail_at(w, j->id.line, RNEAGEN_URDF,
+			"joint '%s' is %s and has no <limit>; add one with effort and velocity%s", j->id.name,
+			joint_type_name(j->type), j->type == JOINT_REVOLUTE ? ", or make the joint continuous" : "");
 }

@@ -3,9 +3,6 @@
 #include <sha2.h>
 #include <string.h>
 
-/* above pi: stands for every angle */
-static const double PI_ABOVE = 0x1.921fb54442d19p+1;
-
 static void take_joint(struct asked_box *b, const struct analysis *x, int argument, int i)
 {
 	const struct tree_joint *t = &x->tree.joints[i];
@@ -13,24 +10,27 @@ static void take_joint(struct asked_box *b, const struct analysis *x, int argume
 	enum role role = x->dag.arguments[argument].role;
 
 	if (role == ROLE_JOINT_POSITION && t->nq == 1 && t->type == JOINT_CONTINUOUS)
-		b->rows[argument][t->iq] = (struct span){-PI_ABOVE, PI_ABOVE};
+		b->rows[argument][t->iq] = (struct span){-OUT_PI, OUT_PI};
 	else if (role == ROLE_JOINT_POSITION && t->type == JOINT_PLANAR)
-		b->rows[argument][t->iq + 2] = (struct span){-PI_ABOVE, PI_ABOVE};
+		b->rows[argument][t->iq + 2] = (struct span){-OUT_PI, OUT_PI};
 	else if (role == ROLE_JOINT_POSITION && t->nq == 1 && j && j->has_limits)
 		b->rows[argument][t->iq] = (struct span){j->lower, j->upper};
 	for (int r = 0; r < t->nv && role == ROLE_JOINT_VELOCITY && j && j->has_rates && j->velocity > 0; r++)
 		b->rows[argument][t->iv + r] = (struct span){-j->velocity, j->velocity};
 }
 
-static void take_range(struct asked_box *b, const struct dag *d, const struct request_range *r)
+static void take_ranges(struct asked_box *b, const struct analysis *x, int argument)
 {
-	int argument = dag_find_argument(d, r->argument);
-	enum role role = argument >= 0 ? d->arguments[argument].role : ROLE_UNKNOWN;
+	const struct argument *of = &x->dag.arguments[argument];
 
-	if (role == ROLE_LINK_INERTIA || role == ROLE_LINK_PAYLOAD) /* it is the mass' (left_out.h) */
+	if (of->role == ROLE_LINK_INERTIA || of->role == ROLE_LINK_PAYLOAD) /* it is the mass' (left_out.h) */
 		return;
-	for (int row = r->first; argument >= 0 && b->rows[argument] && row < r->first + r->count; row++)
-		b->rows[argument][row] = (struct span){r->lower, r->upper};
+	for (int row = 0; row < of->rows; row++) {
+		const struct request_range *r = request_range_of(&x->request, of->name, row);
+
+		if (r)
+			b->rows[argument][row] = (struct span){r->lower, r->upper};
+	}
 }
 
 int asked_box(struct asked_box *b, const struct analysis *x, struct arena *a)
@@ -39,17 +39,15 @@ int asked_box(struct asked_box *b, const struct analysis *x, struct arena *a)
 
 	*b = (struct asked_box){.position = dag_find_role(d, ROLE_JOINT_POSITION, 0)};
 	for (int i = 0; i < d->argument_count; i++) {
-		if (d->arguments[i].is_output || !(b->rows[i] = arena_alloc(a, (size_t)d->arguments[i].rows, sizeof(struct span))))
+		if (d->arguments[i].is_output ||
+			!(b->rows[i] = arena_alloc(a, (size_t)d->arguments[i].rows, sizeof(struct span))))
 			continue;
 		for (int r = 0; r < d->arguments[i].rows; r++)
 			b->rows[i][r] = (struct span){1, 0};
 		for (int k = 0; k < x->tree.joint_count; k++)
 			take_joint(b, x, i, k);
+		take_ranges(b, x, i);
 	}
-	for (int level = 0; level < REQUEST_RANGE_LEVELS && !a->failed; level++)
-		for (int k = 0; k < x->request.range_count; k++)
-			if (x->request.ranges[k].level == level)
-				take_range(b, d, &x->request.ranges[k]);
 	b->q_rows = b->position >= 0 ? d->arguments[b->position].rows : 0;
 	b->position = b->position >= 0 ? b->position : DAG_ARGUMENTS;
 	b->rows[DAG_ARGUMENTS] = arena_alloc(a, 1, sizeof(struct span));
@@ -87,7 +85,8 @@ static struct rneagen_options text_options(const struct analysis *x, enum rneage
 	return o;
 }
 
-enum rneagen_code asked_text_hash(const struct analysis *x, enum rneagen_precision precision, char hash[HASH_TEXT], struct rneagen_error *e)
+enum rneagen_code asked_text_hash(const struct analysis *x, enum rneagen_precision precision, char hash[HASH_TEXT],
+	struct rneagen_error *e)
 {
 	struct rneagen_options o = text_options(x, precision);
 	struct rneagen_result text;

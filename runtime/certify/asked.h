@@ -7,8 +7,8 @@
 
 enum { HASH_TEXT = 65 };
 
-/* Ranges by argument of the DAG, NULL for outputs; where no range is known, lo is above hi. The one behind them is empty, for a DAG
-   that reads no q. */
+/* Ranges by argument of the DAG, NULL for outputs; where no range is known, lo is above hi. The one behind them is empty, for a
+   DAG that reads no q. */
 struct asked_box {
 	struct span *rows[DAG_ARGUMENTS + 1];
 	int position, q_rows; /* the argument q */
@@ -24,7 +24,8 @@ int asked_copy(struct asked_box *to, const struct asked_box *from, const struct 
 void asked_hash(const void *bytes, size_t length, char hash[HASH_TEXT]);
 
 /* That of the text in C of this precision, made anew. Errors: as rneagen_generate. */
-enum rneagen_code asked_text_hash(const struct analysis *x, enum rneagen_precision precision, char hash[HASH_TEXT], struct rneagen_error *e);
+enum rneagen_code asked_text_hash(const struct analysis *x, enum rneagen_precision precision, char hash[HASH_TEXT],
+	struct rneagen_error *e);
 
 /* How a text in this precision computes. */
 struct eval_model asked_model(const struct analysis *x, enum rneagen_precision precision);

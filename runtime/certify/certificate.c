@@ -60,7 +60,8 @@ static int stage_open(struct stage *s, const struct certificate *c, size_t outpu
 	return 1;
 }
 
-long certificate_check_boxes(const struct certificate *c, size_t output, enum step_kind kind, const struct boxes *step, const char **what)
+long certificate_check_boxes(const struct certificate *c, size_t output, enum step_kind kind, const struct boxes *step,
+	const char **what)
 {
 	struct stage s;
 	long fault = (long)step->count;
@@ -173,8 +174,8 @@ static enum rneagen_code make_steps(struct making *m, double seconds, unsigned t
 	return m->failed ? error_memory(e) : RNEAGEN_OK;
 }
 
-enum rneagen_code certificate_make(struct certificate *c, const struct record *record, const struct proved_bound *proved, double seconds,
-	unsigned threads, struct arena *arena, struct rneagen_error *e)
+enum rneagen_code certificate_make(struct certificate *c, const struct record *record,
+	const struct proved_bound *proved, double seconds, unsigned threads, struct arena *arena, struct rneagen_error *e)
 {
 	struct making m = {.c = c, .record = record, .proved = proved};
 

@@ -10,7 +10,8 @@
 enum { CERTIFICATE_FORMAT = 1 };
 
 /* Steps that a bound rests on. */
-enum step_kind { STEP_VALUES, STEP_ERRORS, BOX_STEPS, STEP_GRID = BOX_STEPS, STEP_COUNT }; /* boxes with the output's range; with its errors too; a grid */
+/* boxes with the output's range; with its errors too; a grid */
+enum step_kind { STEP_VALUES, STEP_ERRORS, BOX_STEPS, STEP_GRID = BOX_STEPS, STEP_COUNT };
 extern const char *const STEP_NAMES[STEP_COUNT];
 
 /* One output of the text. */
@@ -36,10 +37,10 @@ struct certificate {
 	struct certified *rows; /* by output of the DAG */
 };
 
-/* Make the steps of a proof's record, within so many seconds, with `threads` threads (0: one for each processor), in `arena`. Errors:
-   as rneagen_generate. certificate_free in any case. */
-enum rneagen_code certificate_make(struct certificate *c, const struct record *record, const struct proved_bound *proved, double seconds,
-	unsigned threads, struct arena *arena, struct rneagen_error *e);
+/* Make the steps of a proof's record, within so many seconds, with `threads` threads (0: one for each processor), in `arena`.
+   Errors: as rneagen_generate. certificate_free in any case. */
+enum rneagen_code certificate_make(struct certificate *c, const struct record *record,
+	const struct proved_bound *proved, double seconds, unsigned threads, struct arena *arena, struct rneagen_error *e);
 void certificate_free(struct certificate *c);
 
 /* Its JSON. */
@@ -52,7 +53,8 @@ struct box_bound certified_total(const struct certified *row, int precision_coun
 int certificate_ask(struct certificate *c, struct arena *arena);
 
 /* Verify a step of an output: as boxes_check; as grid_check. */
-long certificate_check_boxes(const struct certificate *c, size_t output, enum step_kind kind, const struct boxes *step, const char **what);
+long certificate_check_boxes(const struct certificate *c, size_t output, enum step_kind kind, const struct boxes *step,
+	const char **what);
 const char *certificate_check_grid(const struct certificate *c, size_t output, const struct grid_step *step);
 
 #endif

@@ -47,9 +47,9 @@ static void put_asked(const struct certificate *c, struct text *out)
 {
 	const struct rneagen_options *o = &c->a->options;
 
-	text_printf(out, "  \"asked\": {\"trig\": \"%s\", \"base\": \"%s\", \"mimic\": \"%s\", \"strict\": %s, \"gravity\": [", emit_trig_name(o->trig),
-		o->base == RNEAGEN_FLOATING ? "floating" : "fixed", o->mimic == RNEAGEN_MIMIC_INDEPENDENT ? "independent" : "honour",
-		o->strict ? "true" : "false");
+	text_printf(out, "  \"asked\": {\"trig\": \"%s\", \"base\": \"%s\", \"mimic\": \"%s\", \"strict\": %s, \"gravity\": [",
+		emit_trig_name(o->trig), o->base == RNEAGEN_FLOATING ? "floating" : "fixed",
+		o->mimic == RNEAGEN_MIMIC_INDEPENDENT ? "independent" : "honour", o->strict ? "true" : "false");
 	for (int i = 0; i < 3; i++)
 		text_printf(out, "%s%.17g", i ? ", " : "", o->gravity[i] + 0.0);
 	text_put(out, "], ");
@@ -79,7 +79,8 @@ static void put_ranges(const struct certificate *c, struct text *out)
 				continue;
 			text_put(out, count++ ? ",\n    {" : "\n    {");
 			put_string(out, "input", d->arguments[i].name);
-			text_printf(out, ", \"row\": %d, \"lower\": %.17g, \"upper\": %.17g}", r, c->box.rows[i][r].lo, c->box.rows[i][r].hi);
+			text_printf(out, ", \"row\": %d, \"lower\": %.17g, \"upper\": %.17g}", r, c->box.rows[i][r].lo,
+				c->box.rows[i][r].hi);
 		}
 }
 
@@ -128,8 +129,9 @@ static void put_grid(const struct grid_step *g, struct text *out)
 static void put_reasons(const struct certificate *c, const struct certified *row, struct text *out)
 {
 	int has_range = isfinite(row->bound.value.lo) && isfinite(row->bound.value.hi), count = 0;
-	const char *why = row->left_out ? row->left_out : row->steps[STEP_ERRORS].count ? "something may overflow, or an angle is larger than --trig takes"
-						       : "the text has an operation that no step is known for";
+	const char *why = row->left_out ? row->left_out
+		: row->steps[STEP_ERRORS].count ? "something may overflow, or an angle is larger than --trig takes"
+		: "the text has an operation that no step is known for";
 
 	text_put(out, ",\n     \"left_out\": [");
 	if (!has_range)

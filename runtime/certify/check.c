@@ -36,10 +36,12 @@ static enum rneagen_code check_version(struct checking *x)
 {
 	const char *version = read_word(&x->r, x->root, "the certificate", "version");
 
-	if (!x->e->code && read_whole(&x->r, json_object_get(x->root, "format"), "\"format\"", 0, 1 << 30) != CERTIFICATE_FORMAT && !x->e->code)
+	if (!x->e->code && read_whole(&x->r, json_object_get(x->root, "format"), "\"format\"", 0, 1 << 30) !=
+		CERTIFICATE_FORMAT && !x->e->code)
 		return refuse(x, "its \"format\" is not known; this program knows format 1");
 	if (!x->e->code && strcmp(version, RNEAGEN_VERSION) != 0)
-		return error_set(x->e, RNEAGEN_READ, "%s: it is of version \"%.40s\", this program of " RNEAGEN_VERSION ", whose texts may differ",
+		return error_set(x->e, RNEAGEN_READ,
+			"%s: it is of version \"%.40s\", this program of " RNEAGEN_VERSION ", whose texts may differ",
 			x->in->file, version);
 	return x->e->code;
 }
@@ -144,7 +146,8 @@ static enum rneagen_code check_text(struct checking *x, const json_t *text)
 	if (asked_text_hash(&x->analysis, (enum rneagen_precision)precision, hash, x->e))
 		return x->e->code;
 	if (strcmp(hash, stated) != 0)
-		return error_set(x->e, RNEAGEN_READ, "%s: is not about the text in %s that this program makes: its hash is %s, not %.80s", x->in->file,
+		return error_set(x->e, RNEAGEN_READ,
+			"%s: is not about the text in %s that this program makes: its hash is %s, not %.80s", x->in->file,
 			word, hash, stated);
 	x->precisions[x->c.precision_count++] = (enum rneagen_precision)precision;
 	return RNEAGEN_OK;
@@ -201,7 +204,8 @@ static enum rneagen_code check_range(struct checking *x, const json_t *range, co
 	if (x->e->code)
 		return x->e->code;
 	if (!(own.lo <= own.hi) || !(stated.lo == own.lo && stated.hi == own.hi))
-		return error_set(x->e, RNEAGEN_READ, "%s: the range of %s[%d] is from %.17g to %.17g by the robot and the scene, or there twice, not "
+		return error_set(x->e, RNEAGEN_READ,
+			"%s: the range of %s[%d] is from %.17g to %.17g by the robot and the scene, or there twice, not "
 			"from %.17g to %.17g", x->in->file, input, row, own.lo, own.hi, stated.lo, stated.hi);
 	box->rows[argument][row] = (struct span){1, 0};
 	(*left)--;
@@ -218,7 +222,8 @@ static enum rneagen_code check_output_known(struct checking *x, size_t output, u
 		const struct span *r = live[i] && n->op == OP_INPUT ? &x->c.box.rows[n->arg[0].i][n->arg[1].i] : NULL;
 
 		if (r && !(r->lo <= r->hi))
-			return error_set(x->e, RNEAGEN_READ, "%s: no range is known of %s[%d]", x->in->file, d->arguments[n->arg[0].i].name, (int)n->arg[1].i);
+			return error_set(x->e, RNEAGEN_READ, "%s: no range is known of %s[%d]", x->in->file,
+				d->arguments[n->arg[0].i].name, (int)n->arg[1].i);
 	}
 	return RNEAGEN_OK;
 }
@@ -259,7 +264,8 @@ static enum rneagen_code check_ranges(struct checking *x)
 static enum rneagen_code check_all(struct checking *x, struct text *report)
 {
 	x->root = read_json(&x->r, x->in->certificate.bytes, x->in->certificate.length);
-	if (!x->root || read_keys(&x->r, x->root, "the certificate", TOP) || check_version(x) || check_robot(x) || read_asked(x) || analyse(x) ||
+	if (!x->root || read_keys(&x->r, x->root, "the certificate", TOP) || check_version(x) || check_robot(x) ||
+		read_asked(x) || analyse(x) ||
 		check_texts(x) || check_assumptions(x) || check_ranges(x))
 		return x->e->code;
 	if (check_rows(&x->c, &x->r, read_member(&x->r, x->root, "the certificate", "rows", JSON_ARRAY), x->in->threads, report))

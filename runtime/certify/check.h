@@ -12,8 +12,8 @@ struct check_input {
 	unsigned threads;                /* 0: one for each processor */
 };
 
-/* What was verified, into `report`. Errors: READ, where it is no certificate, is of another version, robot or text, or a bound in it
-   does not follow from its steps; as rneagen_generate; MEMORY. */
+/* What was verified, into `report`. Errors: READ, where it is no certificate, is of another version, robot or text, or a bound in
+   it does not follow from its steps; as rneagen_generate; MEMORY. */
 enum rneagen_code certificate_check(const struct check_input *in, struct text *report, struct rneagen_error *e);
 
 #endif

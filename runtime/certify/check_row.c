@@ -27,7 +27,8 @@ static double *take_numbers(struct row_check *x, const json_t *step, const char 
 	if (!list)
 		return NULL;
 	if (json_array_size(list) != count) {
-		error_set(&x->e, RNEAGEN_READ, "%s: %s: \"%s\" has %zu numbers for %zu boxes", x->r.file, x->name, key, json_array_size(list), count);
+		error_set(&x->e, RNEAGEN_READ, "%s: %s: \"%s\" has %zu numbers for %zu boxes", x->r.file, x->name, key,
+			json_array_size(list), count);
 		return NULL;
 	}
 	numbers = malloc((count + 1) * sizeof *numbers);
@@ -69,7 +70,8 @@ static void take_boxes(struct row_check *x, const json_t *step, enum step_kind k
 	b->high = x->e.code ? NULL : take_numbers(x, step, "high", b->count, (double)INFINITY);
 	for (int k = 0; k < x->c->precision_count && kind == STEP_ERRORS && !x->e.code; k++)
 		if (json_object_get(step, emit_precision_name(x->c->precisions[k])))
-			b->errors[k] = take_numbers(x, step, emit_precision_name(x->c->precisions[k]), b->count, (double)INFINITY);
+			b->errors[k] = take_numbers(x, step, emit_precision_name(x->c->precisions[k]), b->count,
+				(double)INFINITY);
 }
 
 static int take_counts(struct row_check *x, const json_t *step, const char *key, int *counts, int least, int most)
@@ -111,8 +113,10 @@ static void take_grid(struct row_check *x, const json_t *step)
 	g->value.lo = read_number(&x->r, json_object_get(step, "low"), x->name, -(double)INFINITY);
 	g->value.hi = read_number(&x->r, json_object_get(step, "high"), x->name, (double)INFINITY);
 	g->pass_count = (int)json_array_size(passes);
-	if (!x->e.code && (take_counts(x, step, "counts", g->counts, 1, GRID_PLACES) != g->dim_count || g->pass_count > GRID_PASSES))
-		error_set(&x->e, RNEAGEN_READ, "%s: %s: a grid is not of %d rows of q and at most %d passes", x->r.file, x->name, g->dim_count, GRID_PASSES);
+	if (!x->e.code && (take_counts(x, step, "counts", g->counts, 1, GRID_PLACES) != g->dim_count ||
+		g->pass_count > GRID_PASSES))
+		error_set(&x->e, RNEAGEN_READ, "%s: %s: a grid is not of %d rows of q and at most %d passes", x->r.file, x->name,
+			g->dim_count, GRID_PASSES);
 	for (int i = 0; i < g->pass_count && !x->e.code; i++)
 		take_pass(x, json_array_get(passes, (size_t)i), &g->passes[i], g->dim_count);
 }
@@ -158,11 +162,11 @@ static void check_boxes(struct row_check *x, const json_t *step, enum step_kind 
 		return;
 	fault = certificate_check_boxes(x->c, x->output, kind, b, &what);
 	if (fault >= 0 && (size_t)fault == b->count)
-		error_set(&x->e, RNEAGEN_READ, "%s: %s, step \"%s\": %s do not make a cover of all q by %zu boxes", x->r.file, x->name, STEP_NAMES[kind],
-			what, b->count);
+		error_set(&x->e, RNEAGEN_READ, "%s: %s, step \"%s\": %s do not make a cover of all q by %zu boxes", x->r.file,
+			x->name, STEP_NAMES[kind], what, b->count);
 	else if (fault >= 0)
-		error_set(&x->e, RNEAGEN_READ, "%s: %s, step \"%s\", box %ld of %zu: %s is not what is stated", x->r.file, x->name,
-			STEP_NAMES[kind], fault + 1, b->count, what);
+		error_set(&x->e, RNEAGEN_READ, "%s: %s, step \"%s\", box %ld of %zu: %s is not what is stated",
+			x->r.file, x->name, STEP_NAMES[kind], fault + 1, b->count, what);
 }
 
 static void check_grid(struct row_check *x, const json_t *step)
@@ -174,7 +178,8 @@ static void check_grid(struct row_check *x, const json_t *step)
 		return;
 	fault = certificate_check_grid(x->c, x->output, &x->certified.grid);
 	if (fault)
-		error_set(&x->e, RNEAGEN_READ, "%s: %s, step \"grid\": its %s cannot be as they are stated", x->r.file, x->name, fault);
+		error_set(&x->e, RNEAGEN_READ, "%s: %s, step \"grid\": its %s cannot be as they are stated",
+			x->r.file, x->name, fault);
 }
 
 static void check_step(struct row_check *x, const json_t *step)
@@ -184,8 +189,10 @@ static void check_step(struct row_check *x, const json_t *step)
 
 	while (kind < STEP_COUNT && strcmp(by, STEP_NAMES[kind]) != 0)
 		kind++;
-	if (x->e.code || kind == STEP_COUNT || (kind < BOX_STEPS ? x->certified.steps[kind].count : (size_t)x->certified.grid.dim_count))
-		error_set(&x->e, RNEAGEN_READ, "%s: %s: a step is \"%.40s\", which is not known or there twice", x->r.file, x->name, by);
+	if (x->e.code || kind == STEP_COUNT ||
+		(kind < BOX_STEPS ? x->certified.steps[kind].count : (size_t)x->certified.grid.dim_count))
+		error_set(&x->e, RNEAGEN_READ, "%s: %s: a step is \"%.40s\", which is not known or there twice",
+			x->r.file, x->name, by);
 	else if (kind == STEP_GRID)
 		check_grid(x, step);
 	else
@@ -201,7 +208,8 @@ static void check_bound(struct row_check *x)
 		if (stated->errors[k] != own.errors[k])
 			what = emit_precision_name(x->c->precisions[k]);
 	if (what)
-		error_set(&x->e, RNEAGEN_READ, "%s: %s: its steps do not give the bound that is stated, but another: %s", x->r.file, x->name, what);
+		error_set(&x->e, RNEAGEN_READ, "%s: %s: its steps do not give the bound that is stated, but another: %s",
+			x->r.file, x->name, what);
 }
 
 static void check_row(void *job, size_t i)
@@ -220,7 +228,8 @@ static void check_row(void *job, size_t i)
 		read_member(&x->r, x->json, x->name, "left_out", JSON_ARRAY);
 	x->certified.left_out = x->e.code ? NULL : left_out(x->c->a, x->output);
 	if (x->certified.left_out && json_array_size(steps))
-		error_set(&x->e, RNEAGEN_READ, "%s: %s: it has steps, but no step is known for it: %s", x->r.file, x->name, x->certified.left_out);
+		error_set(&x->e, RNEAGEN_READ, "%s: %s: it has steps, but no step is known for it: %s", x->r.file, x->name,
+			x->certified.left_out);
 	for (size_t k = 0; k < json_array_size(steps) && !x->e.code; k++)
 		check_step(x, json_array_get(steps, k));
 	if (!x->e.code)
@@ -277,7 +286,8 @@ enum rneagen_code check_rows(
 	if (!rows || !w)
 		error_memory(r->e);
 	else if (!r->e->code && count != c->a->dag.output_count)
-		error_set(r->e, RNEAGEN_READ, "%s: it has %zu rows, and the text %zu outputs", r->file, count, c->a->dag.output_count);
+		error_set(r->e, RNEAGEN_READ, "%s: it has %zu rows, and the text %zu outputs", r->file, count,
+			c->a->dag.output_count);
 	for (size_t i = 0; rows && i < count; i++)
 		rows[i] = (struct row_check){.c = c, .r = *r, .json = json_array_get(list, i)};
 	if (!r->e->code) {

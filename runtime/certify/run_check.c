@@ -49,7 +49,8 @@ static int check(const char *file, const char *urdf, unsigned threads)
 int run_check(struct ranks *ranks, int argc, char **argv)
 {
 	static const struct option options[] = {
-		{"threads", required_argument, NULL, COMMAND_THREADS}, {"help", no_argument, NULL, OPTION_HELP}, {NULL, 0, NULL, 0}};
+		{"threads", required_argument, NULL, COMMAND_THREADS}, {"help", no_argument, NULL, OPTION_HELP},
+		{NULL, 0, NULL, 0}};
 	unsigned long long threads = 0;
 	int key;
 
@@ -62,6 +63,7 @@ int run_check(struct ranks *ranks, int argc, char **argv)
 			return 2;
 	}
 	if (optind == argc || optind + 2 < argc)
-		return option_refuse(NAME, optind == argc ? "no certificate named" : "it takes a certificate and a URDF, and no more");
+		return option_refuse(NAME, optind == argc ? "no certificate named"
+			: "it takes a certificate and a URDF, and no more");
 	return ranks->index ? 0 : check(argv[optind], optind + 1 < argc ? argv[optind + 1] : NULL, (unsigned)threads);
 }

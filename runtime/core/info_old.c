@@ -65,7 +65,8 @@ void info_old_complete(struct rnea_info *info, struct rnea_function *functions, 
 		if ((kernels && !(kernels >> i & 1)) || info->input_count + PASS_ARRAYS > RNEA_ARGUMENT_LIMIT)
 			continue;
 		*f = (struct rnea_function){
-			.name = names[i], .arguments = arguments + used, .operations = info->operations, .parts = 1, .most_samples = 1};
+			.name = names[i], .arguments = arguments + used, .operations = info->operations, .parts = 1,
+				.most_samples = 1};
 		(i == 1 ? make_fpass : make_bpass)(info, f, arguments + used);
 		used += f->input_count + f->output_count;
 		info->function_count++;

@@ -12,7 +12,8 @@ static enum rnea_code read_joint(struct parser *p)
 	struct rnea_joint *j = &p->joints[p->info->joint_count];
 
 	if (words_number(&p->w, &j->iq, 0, SIZE_MAX / 2) || words_number(&p->w, &j->nq, 0, SIZE_MAX / 2) ||
-		words_number(&p->w, &j->iv, 0, SIZE_MAX / 2) || words_number(&p->w, &j->nv, 0, SIZE_MAX / 2) || words_one(&p->w, &j->type))
+		words_number(&p->w, &j->iv, 0, SIZE_MAX / 2) || words_number(&p->w, &j->nv, 0, SIZE_MAX / 2) ||
+		words_one(&p->w, &j->type))
 		return p->w.error->code;
 	if (!p->w.line)
 		return words_damaged(&p->w, "the joint has no name", NULL);
@@ -142,8 +143,9 @@ static enum rnea_code finish_function(const struct parser *p)
 		const struct rnea_argument *a = &f->arguments[f->matrices[i].argument];
 
 		if (info_stored(p, &f->matrices[i]) != a->rows)
-			return rnea_error_set(p->w.error, RNEA_TABLE, "info table: matrix \"%s\" has %zu elements, and its array %zu rows",
-				a->name, info_stored(p, &f->matrices[i]), a->rows);
+			return rnea_error_set(p->w.error, RNEA_TABLE,
+				"info table: matrix \"%s\" has %zu elements, and its array %zu rows", a->name,
+				info_stored(p, &f->matrices[i]), a->rows);
 	}
 	return RNEA_OK;
 }
@@ -204,12 +206,14 @@ static enum rnea_code read_line(struct parser *p)
 static enum rnea_code read_version(struct parser *p)
 {
 	if (!words_line(&p->w) || strcmp(words_next(&p->w), "rneagen-info") != 0)
-		return rnea_error_set(p->w.error, RNEA_TABLE, "info table: it does not start with \"rneagen-info\" and a version");
+		return rnea_error_set(p->w.error, RNEA_TABLE,
+			"info table: it does not start with \"rneagen-info\" and a version");
 	if (words_number(&p->w, &p->version, 0, SIZE_MAX) || words_end(&p->w))
 		return p->w.error->code;
 	if (p->version < VERSION || p->version > VERSION_FUNCTIONS)
-		return rnea_error_set(p->w.error, RNEA_TABLE, "info table: it has version %zu, and this library reads versions %d to %d",
-			p->version, VERSION, VERSION_FUNCTIONS);
+		return rnea_error_set(p->w.error, RNEA_TABLE,
+			"info table: it has version %zu, and this library reads versions %d to %d", p->version, VERSION,
+			VERSION_FUNCTIONS);
 	if (p->version < VERSION_FUNCTIONS)
 		begin_function(p, "rnea");
 	p->info->version = (unsigned)p->version;
@@ -226,7 +230,8 @@ static enum rnea_code check(struct parser *p)
 		const struct rnea_joint *j = &info->joints[i];
 
 		if (j->iq + j->nq > info->nq || j->iv + j->nv > info->nv)
-			return rnea_error_set(p->w.error, RNEA_TABLE, "info table: joint \"%s\" lies outside of q or qd", j->name);
+			return rnea_error_set(p->w.error, RNEA_TABLE, "info table: joint \"%s\" lies outside of q or qd",
+				j->name);
 	}
 	return RNEA_OK;
 }

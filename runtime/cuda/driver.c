@@ -224,8 +224,8 @@ static enum rnea_code check_block(const struct driver *c, const struct device_ke
 {
 	if (k->resources.max_block >= c->block)
 		return RNEA_OK;
-	return rnea_error_set(e, RNEA_ARGUMENT, "%s cannot run in blocks of %u threads: its %d registers allow %u", k->name, c->block,
-		k->resources.registers, k->resources.max_block);
+	return rnea_error_set(e, RNEA_ARGUMENT, "%s cannot run in blocks of %u threads: its %d registers allow %u",
+		k->name, c->block, k->resources.registers, k->resources.max_block);
 }
 
 /* Only what the table names, where it names any: a call of the driver that fails is an error to tools that watch them. */
@@ -244,7 +244,8 @@ static enum rnea_code find_kernels(
 		if (k->function)
 			i++;
 		else if (!rnea_info_lacks(info, i))
-			return rnea_error_set(e, RNEA_TEXT, "the text defines no kernel %s, which %s_info names", k->name, s->name);
+			return rnea_error_set(e, RNEA_TEXT, "the text defines no kernel %s, which %s_info names",
+				k->name, s->name);
 	}
 	return RNEA_OK;
 }
@@ -323,7 +324,8 @@ void driver_close(struct driver *c)
 /* Samples of a block. In segments each thread takes several, where there are enough for all multiprocessors. */
 static size_t samples_of_block(const struct rnea_function *f, unsigned block, size_t count)
 {
-	size_t room = f->across_bytes ? OWN_SHARED / (block * f->across_bytes) : 1, most = count / ((size_t)block * ENOUGH_BLOCKS);
+	size_t room = f->across_bytes ? OWN_SHARED / (block * f->across_bytes) : 1,
+		most = count / ((size_t)block * ENOUGH_BLOCKS);
 
 	room = room < f->most_samples ? room : f->most_samples;
 	most = most < room ? most : room;

@@ -136,7 +136,8 @@ static size_t put_columns(const struct eval_arrays *a, char *text, size_t size)
 	for (size_t i = 0, first = 1; i < a->s->count && used < size; i++)
 		if (eval_is_joined(a, i)) {
 			used += (size_t)snprintf(
-				text + used, size - used, "%s%s %zu", first ? " (" : ", ", a->s->arrays[i].word, a->s->arrays[i].rows);
+				text + used, size - used, "%s%s %zu", first ? " (" : ", ", a->s->arrays[i].word,
+				a->s->arrays[i].rows);
 			first = 0;
 		}
 	if (columns && used < size)
@@ -165,12 +166,12 @@ static enum rneagen_code check_one(const struct eval_arrays *a, size_t i, const 
 
 	if (s->per_batch && (n->samples != 1 || n->columns != s->rows)) {
 		npy_shape_text(&n->shape, shape, sizeof shape);
-		return error_set(e, RNEAGEN_READ, "%s: shape %s, %s needs (%zu,) for %s, the same for all samples", n->path, shape, robot,
-			s->rows, s->word);
+		return error_set(e, RNEAGEN_READ, "%s: shape %s, %s needs (%zu,) for %s, the same for all samples",
+			n->path, shape, robot, s->rows, s->word);
 	}
 	if (n->columns != s->rows)
-		return error_set(e, RNEAGEN_READ, "%s: %zu columns, %s needs %s%zu for %s", n->path, n->columns, robot, word, s->rows,
-			s->word);
+		return error_set(e, RNEAGEN_READ, "%s: %zu columns, %s needs %s%zu for %s", n->path, n->columns,
+			robot, word, s->rows, s->word);
 	return RNEAGEN_OK;
 }
 

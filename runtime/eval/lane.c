@@ -142,7 +142,8 @@ static const void *gather(struct eval_lane *l, size_t count)
 }
 
 static enum rneagen_code write_array(
-	const struct eval_lane *l, const struct eval_sink *s, const void *data, uint64_t at, size_t count, struct rneagen_error *e)
+	const struct eval_lane *l, const struct eval_sink *s, const void *data, uint64_t at, size_t count,
+	struct rneagen_error *e)
 {
 	size_t size = s->rows * eval_scalar_size(l->arrays);
 

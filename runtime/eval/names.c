@@ -59,11 +59,12 @@ static int name_pair(struct eval *v, const char *word, int is_output)
 	if (i >= 0 && !*v->arrays.paths[i])
 		return option_refuse(v->command.name, "the name of a file is empty");
 	if (i >= 0)
-		return is_output ? eval_note_output(v, "--output", v->arrays.paths[i]) : eval_note_input(v, "--input", v->arrays.paths[i]);
+		return is_output ? eval_note_output(v, "--output", v->arrays.paths[i])
+			: eval_note_input(v, "--input", v->arrays.paths[i]);
 	stem = arena_string(v->analysis.arena, word, strcspn(word, "="));
 	meant = stem ? signature_nearest(&v->signature, stem, is_output) : NULL;
-	return option_refuse(v->command.name, "--%s %s: '%s' is no %s of this scene%s%s%s", option, word, stem ? stem : "", option,
-		meant ? "; did you mean '" : "", meant ? meant : "", meant ? "'?" : "");
+	return option_refuse(v->command.name, "--%s %s: '%s' is no %s of this scene%s%s%s", option, word,
+		stem ? stem : "", option, meant ? "; did you mean '" : "", meant ? meant : "", meant ? "'?" : "");
 }
 
 /* Paths for arrays, or the exit status and a message. */
@@ -75,7 +76,8 @@ int eval_name_files(struct eval *v)
 		int at = signature_find(&v->signature, EVAL_PART_NAMES[i], strlen(EVAL_PART_NAMES[i]), 0);
 
 		if (v->parts[i] && at < 0)
-			return option_refuse(v->command.name, "--%s: the scene has no input %s; leave it out", EVAL_PART_NAMES[i], EVAL_PART_NAMES[i]);
+			return option_refuse(v->command.name, "--%s: the scene has no input %s; leave it out", EVAL_PART_NAMES[i],
+				EVAL_PART_NAMES[i]);
 		if (v->parts[i])
 			v->arrays.paths[at] = v->parts[i];
 	}
@@ -115,6 +117,7 @@ int eval_check_inputs(const struct eval *v)
 		fputs(s->nominal ? ", as the URDF has it\n" : "\n", stderr);
 	}
 	if (a->in && !joined)
-		return option_refuse(v->command.name, "--in %s: every input of samples has a file of its own, or there is none", a->in);
+		return option_refuse(v->command.name, "--in %s: every input of samples has a file of its own, or there is none",
+			a->in);
 	return -1;
 }

@@ -88,7 +88,8 @@ enum rneagen_code eval_resume_describe(
 		if (!a->s->arrays[i].is_output && a->paths[i])
 			describe_input(r, a->s->arrays[i].word, a->paths[i], e);
 	for (size_t i = 0; i < count; i++)
-		text_printf(&r->made_of, "output %s: %zu rows of %zu bytes\n", sinks[i]->path, sinks[i]->rows, eval_scalar_size(a));
+		text_printf(&r->made_of, "output %s: %zu rows of %zu bytes\n", sinks[i]->path, sinks[i]->rows,
+			eval_scalar_size(a));
 	if (!text_string(&r->made_of) || r->made_of.failed)
 		error_memory(e);
 	return e->code;

@@ -68,7 +68,8 @@ static int take(void *own, const char *name, int key, const char *word)
 		return 0;
 	}
 	if (key == KEY_INPUT || key == KEY_OUTPUT)
-		return eval_take_pair(key == KEY_INPUT ? &v->inputs : &v->outputs, name, key == KEY_INPUT ? "input" : "output", word);
+		return eval_take_pair(key == KEY_INPUT ? &v->inputs : &v->outputs, name,
+			key == KEY_INPUT ? "input" : "output", word);
 	if (!*word)
 		return option_refuse(name, "the name of a file is empty");
 	if (key == 'o')
@@ -248,9 +249,9 @@ static int compute(struct eval *v)
 {
 	struct ranks *r = v->command.ranks;
 	uint64_t samples = eval_samples(&v->arrays), first = ranks_tell(r, v->resume.done);
-	struct eval_crew crew = {.arrays = &v->arrays, .ranks = r, .robot = v->robot, .text = v->text.source, .open = v->command.open,
-		.devices = v->devices.list, .count = v->devices.count, .first = first, .samples = samples, .slice = v->slice,
-		.show = show, .record = v->resumes ? record : NULL, .own = v};
+	struct eval_crew crew = {.arrays = &v->arrays, .ranks = r, .robot = v->robot, .text = v->text.source,
+		.open = v->command.open, .devices = v->devices.list, .count = v->devices.count, .first = first,
+		.samples = samples, .slice = v->slice, .show = show, .record = v->resumes ? record : NULL, .own = v};
 
 	progress_start(&v->progress, v->command.name, "samples", samples - first, v->command.quiet || r->index);
 	eval_crew_run(&crew, &v->error);

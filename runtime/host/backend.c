@@ -37,8 +37,8 @@ static enum rnea_code find_functions(
 			i++;
 		else if (!rnea_info_lacks(info, i))
 			return rnea_error_set(e, RNEA_TEXT,
-				"%s: compiled, but it has no %s_%s_slice: write the text again with this version of rneagen", r->file,
-				info->name, f->name);
+				"%s: compiled, but it has no %s_%s_slice: write the text again with this version of rneagen",
+				r->file, info->name, f->name);
 	}
 	return RNEA_OK;
 }

@@ -169,7 +169,8 @@ enum { COSTS = sizeof costs / sizeof *costs };
 double host_sample_ns(const struct rnea_info *info, const struct rnea_function *f)
 {
 	const struct rnea_operations *o = &f->operations;
-	double operations = (double)o->mul + (double)o->add + (double)o->sub + (double)o->fma + sincos * (double)o->sincos, bytes = 0;
+	double operations = (double)o->mul + (double)o->add + (double)o->sub + (double)o->fma + sincos * (double)o->sincos,
+		bytes = 0;
 	int i = 0;
 
 	while (i + 1 < COSTS && strcmp(info->arithmetic, costs[i].arithmetic) != 0)

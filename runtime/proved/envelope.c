@@ -50,7 +50,8 @@ static void judge(struct envelope_row *r)
 
 	r->proved = fmax(fabs(r->low), fabs(r->high)) / limit;
 	r->found = fmax(fabs(r->found_low), fabs(r->found_high)) / limit;
-	r->verdict = r->effort == 0 ? ENVELOPE_NO_LIMIT : r->proved <= 1 ? ENVELOPE_KEPT : r->found > 1 ? ENVELOPE_EXCEEDED : ENVELOPE_OPEN;
+	r->verdict = r->effort == 0 ? ENVELOPE_NO_LIMIT : r->proved <= 1 ? ENVELOPE_KEPT : r->found > 1
+		? ENVELOPE_EXCEEDED : ENVELOPE_OPEN;
 }
 
 int envelope_list(struct envelope *x, const struct proved *of, struct arena *a)
@@ -69,9 +70,9 @@ int envelope_list(struct envelope *x, const struct proved *of, struct arena *a)
 
 		if (!is_torque(argument->role))
 			continue;
-		x->rows[x->count] = (struct envelope_row){.output = argument->name, .joint = name_of(t, o->row, a), .unit = unit_of(t, o->row), .argument = o->argument,
-			.row = o->row, .low = r->low, .high = r->high, .found_low = r->found_low, .found_high = r->found_high,
-			.effort = effort_of(&of->a->tree, t)};
+		x->rows[x->count] = (struct envelope_row){.output = argument->name, .joint = name_of(t, o->row, a),
+			.unit = unit_of(t, o->row), .argument = o->argument, .row = o->row, .low = r->low, .high = r->high,
+			.found_low = r->found_low, .found_high = r->found_high, .effort = effort_of(&of->a->tree, t)};
 		judge(&x->rows[x->count++]);
 	}
 	return !a->failed;
@@ -106,7 +107,8 @@ void envelope_put_csv(const struct envelope *x, struct text *out)
 
 		text_printf(out, "%s,%d,", r->output, r->row);
 		put_quoted(out, r->joint);
-		text_printf(out, ",%s,%.17g,%.17g,%.17g,%.17g,", r->unit, r->low + 0.0, r->high + 0.0, r->found_low + 0.0, r->found_high + 0.0);
+		text_printf(out, ",%s,%.17g,%.17g,%.17g,%.17g,", r->unit, r->low + 0.0, r->high + 0.0, r->found_low + 0.0,
+			r->found_high + 0.0);
 		if (r->effort > 0)
 			text_printf(out, "%.17g", r->effort);
 		put_share(out, r, r->proved);
@@ -131,7 +133,8 @@ static void put_one(const struct envelope_row *r, int is_first, struct text *out
 			r->output, r->joint, r->effort, r->unit, most, 100 * r->proved, found);
 		return;
 	case ENVELOPE_KEPT:
-		text_printf(out, "%s %s (%.0f %%)", is_first ? "- never more than the limit:" : ",", r->joint, ceil(100 * r->proved));
+		text_printf(out, "%s %s (%.0f %%)", is_first ? "- never more than the limit:" : ",", r->joint,
+			ceil(100 * r->proved));
 		return;
 	default:
 		text_printf(out, "%s %s", is_first ? "- the URDF has no limit of effort:" : ",", r->joint);

@@ -4,8 +4,8 @@
 
 #include "proved/rows_put.h"
 
-/* KEPT: no state needs more than the limit. OPEN: what is proved is above the limit, and what was found is not. EXCEEDED: a state was
-   found that needs more. */
+/* KEPT: no state needs more than the limit. OPEN: what is proved is above the limit, and what was found is not. EXCEEDED: a state
+   was found that needs more. */
 enum envelope_verdict { ENVELOPE_NO_LIMIT, ENVELOPE_KEPT, ENVELOPE_OPEN, ENVELOPE_EXCEEDED };
 
 struct envelope_row {

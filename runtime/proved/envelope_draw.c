@@ -4,7 +4,8 @@
 #include <math.h>
 
 /* Pixels: of a joint's frame with what is around it, of the whole picture's edges. */
-enum { CELL_WIDTH = 135, CELL_HEIGHT = 235, MOST_COLUMNS = 7, LEAST_COLUMNS = 4, LEFT = 58, RIGHT = 14, HEAD = 62, FOOT = 42, ABOVE = 24, BELOW = 44 };
+enum { CELL_WIDTH = 135, CELL_HEIGHT = 235, MOST_COLUMNS = 7, LEAST_COLUMNS = 4, LEFT = 58, RIGHT = 14, HEAD = 62, FOOT = 42,
+	ABOVE = 24, BELOW = 44 };
 
 #define PROVED "#b9d0ee"
 #define FOUND "#1f5fbf"
@@ -35,8 +36,10 @@ static void put_place(const struct sheet *s, int i, FILE *f)
 {
 	double left = LEFT + CELL_WIDTH * (i % s->columns), top = s->height - HEAD - CELL_HEIGHT * (i / s->columns);
 
-	fprintf(f, "set lmargin at screen %.6f\nset rmargin at screen %.6f\n", left / s->width, (left + CELL_WIDTH - LEFT) / s->width);
-	fprintf(f, "set tmargin at screen %.6f\nset bmargin at screen %.6f\n", (top - ABOVE) / s->height, (top - CELL_HEIGHT + BELOW) / s->height);
+	fprintf(f, "set lmargin at screen %.6f\nset rmargin at screen %.6f\n", left / s->width,
+		(left + CELL_WIDTH - LEFT) / s->width);
+	fprintf(f, "set tmargin at screen %.6f\nset bmargin at screen %.6f\n", (top - ABOVE) / s->height,
+		(top - CELL_HEIGHT + BELOW) / s->height);
 }
 
 static int shows_limit(const struct envelope_row *r)
@@ -46,7 +49,8 @@ static int shows_limit(const struct envelope_row *r)
 
 static void put_bar(FILE *f, double from, double to, double low, double high, const char *colour)
 {
-	fprintf(f, "set object rectangle from %g,%.9g to %g,%.9g front fillstyle solid noborder fillcolor rgb '%s'\n", from, low, to, high, colour);
+	fprintf(f, "set object rectangle from %g,%.9g to %g,%.9g front fillstyle solid noborder fillcolor rgb '%s'\n", from, low,
+		to, high, colour);
 }
 
 static void put_limit(FILE *f, double at)
@@ -60,11 +64,12 @@ static void put_words(const struct envelope_row *r, FILE *f)
 
 	if (r->effort > 0)
 		fprintf(f, "set label 'at most %.0f %% of' at graph 0.5,-0.075 center font ',10' textcolor rgb '%s'\n"
-			   "set label 'the limit, %g %s' at graph 0.5,-0.155 center font ',10' textcolor rgb '%s'\n", ceil(100 * r->proved), colour,
-			r->effort, r->unit, colour);
+			   "set label 'the limit, %g %s' at graph 0.5,-0.155 center font ',10' textcolor rgb '%s'\n",
+			ceil(100 * r->proved), colour, r->effort, r->unit, colour);
 	else
 		fprintf(f, "set label 'no limit in the' at graph 0.5,-0.075 center font ',10' textcolor rgb '%s'\n"
-			   "set label 'URDF; %s' at graph 0.5,-0.155 center font ',10' textcolor rgb '%s'\n", colour, r->unit, colour);
+			   "set label 'URDF; %s' at graph 0.5,-0.155 center font ',10' textcolor rgb '%s'\n", colour,
+			r->unit, colour);
 }
 
 static void put_joint(const struct sheet *s, int i, FILE *f)
@@ -95,20 +100,22 @@ static void put_key(const struct sheet *s, FILE *f)
 
 	for (int i = 0; i < 3; i++, at += 200) {
 		fprintf(f, "set object rectangle from screen %.6f,%.6f to screen %.6f,%.6f front fillstyle solid noborder fillcolor rgb '%s'\n",
-			at / s->width, y - (i < 2 ? 5.0 : 1.0) / s->height, (at + 18) / s->width, y + (i < 2 ? 5.0 : 1.0) / s->height, keys[i].colour);
+			at / s->width, y - (i < 2 ? 5.0 : 1.0) / s->height, (at + 18) / s->width,
+			y + (i < 2 ? 5.0 : 1.0) / s->height, keys[i].colour);
 		fprintf(f, "set label '%s' at screen %.6f,%.6f left font ',11'\n", keys[i].word, (at + 24) / s->width, y);
 	}
 	fprintf(f, "set label '");
 	gnuplot_put_name(f, s->x->of->a->robot.name);
-	fprintf(f, ": torques for all states within the limits and ranges' at screen %.6f,%.6f left noenhanced font ',16'\n", 30.0 / s->width,
-		1 - 24.0 / s->height);
+	fprintf(f, ": torques for all states within the limits and ranges' at screen %.6f,%.6f left noenhanced font ',16'\n",
+		30.0 / s->width, 1 - 24.0 / s->height);
 }
 
 static void put_script(const void *sheet, FILE *f)
 {
 	const struct sheet *s = sheet;
 
-	fprintf(f, "set terminal svg size %d,%d font 'sans-serif,12' background rgb 'white'\nset multiplot\n", s->width, s->height);
+	fprintf(f, "set terminal svg size %d,%d font 'sans-serif,12' background rgb 'white'\nset multiplot\n",
+		s->width, s->height);
 	fprintf(f, "set xrange [0:1]\nunset xtics\nunset key\nset ytics font ',10'\nset grid ytics lc rgb '#e0e0e0'\n");
 	put_key(s, f);
 	for (int i = 0; i < (int)s->x->count; i++)

@@ -7,7 +7,8 @@
 /* Letters of tags. */
 static const struct {
 	const char *quantity, *word;
-} QUANTITIES[] = {{"w", "the angular velocity"}, {"dw", "the angular acceleration"}, {"a", "the acceleration"}, {"v", "the velocity"},
+} QUANTITIES[] = {{"w", "the angular velocity"}, {"dw", "the angular acceleration"}, {"a", "the acceleration"},
+	{"v", "the velocity"},
 	{"f", "the force"}, {"n", "the moment"}};
 
 static const char *quantity_of(const struct node *n)
@@ -61,7 +62,8 @@ static void put_advice(const struct proved *x, uint32_t node, int is_position, s
 {
 	int argument, row;
 
-	if (!find_widest(x, node, is_position, &argument, &row, out->arena) && !find_widest(x, node, !is_position, &argument, &row, out->arena))
+	if (!find_widest(x, node, is_position, &argument, &row, out->arena) &&
+		!find_widest(x, node, !is_position, &argument, &row, out->arena))
 		return;
 	text_put(out, "; narrow --range ");
 	box_put_name(x->a, argument, row, out);
@@ -94,11 +96,13 @@ void gap_put(const struct proved *x, size_t output, int precision, struct text *
 		put_advice(x, g->node, 0, out);
 		return;
 	case PROVE_STORED:
-		text_printf(out, "the output itself may reach %.3g, and the largest number that %s stores is %.3g", g->size, name, g->most);
+		text_printf(out, "the output itself may reach %.3g, and the largest number that %s stores is %.3g",
+			g->size, name, g->most);
 		put_advice(x, g->node, 0, out);
 		return;
 	case PROVE_ANGLE:
-		text_printf(out, "an angle may reach %.3g rad, and --trig %s takes %.3g", g->size, emit_trig_name(x->a->options.trig), g->most);
+		text_printf(out, "an angle may reach %.3g rad, and --trig %s takes %.3g", g->size,
+			emit_trig_name(x->a->options.trig), g->most);
 		put_advice(x, g->node, 1, out);
 		text_put(out, ", or take --trig accurate");
 		return;

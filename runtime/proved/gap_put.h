@@ -4,8 +4,8 @@
 
 #include "proved/rows_put.h"
 
-/* What of an output's text may leave the numbers of its precision, which body it is of, and which range to narrow: "the moment of link
-   'hand' may reach 3e+39, ...". Nothing where the error is bounded. */
+/* What of an output's text may leave the numbers of its precision, which body it is of, and which range to narrow: "the moment of
+   link 'hand' may reach 3e+39, ...". Nothing where the error is bounded. */
 void gap_put(const struct proved *x, size_t output, int precision, struct text *out);
 
 #endif

@@ -157,8 +157,8 @@ static void put_line(const struct proved *x, size_t i, struct text *out)
 	double effort;
 	const char *joint = joint_of(x, o, &effort);
 
-	text_printf(out, "%s[%d] %s: from %.6g to %.6g; found %.6g to %.6g; slack %.2f, of plain intervals %.1f", output_name(x, o), o->row,
-		joint, r->low + 0.0, r->high + 0.0, r->found_low, r->found_high, slack(r),
+	text_printf(out, "%s[%d] %s: from %.6g to %.6g; found %.6g to %.6g; slack %.2f, of plain intervals %.1f",
+		output_name(x, o), o->row, joint, r->low + 0.0, r->high + 0.0, r->found_low, r->found_high, slack(r),
 		r->plain / fmax(fmax(fabs(r->found_low), fabs(r->found_high)), 1e-300));
 	if (effort > 0)
 		text_printf(out, "; at most %.3g of the effort limit, %g", fmax(fabs(r->low), fabs(r->high)) / effort, effort);
@@ -170,8 +170,8 @@ static void put_line(const struct proved *x, size_t i, struct text *out)
 			text_putc(out, '\n');
 			continue;
 		}
-		text_printf(out, "    %-5s off by at most %.3g; found %.3g; slack %.2f", emit_precision_name(x->o->precisions[k]), r->error_bound[k],
-			r->error_found[k], r->error_bound[k] / fmax(r->error_found[k], 1e-300));
+		text_printf(out, "    %-5s off by at most %.3g; found %.3g; slack %.2f", emit_precision_name(x->o->precisions[k]),
+			r->error_bound[k], r->error_found[k], r->error_bound[k] / fmax(r->error_found[k], 1e-300));
 		if (effort > 0)
 			text_printf(out, "; %.2g of the limit", r->error_bound[k] / effort);
 		text_putc(out, '\n');

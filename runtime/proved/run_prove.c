@@ -87,7 +87,8 @@ static int take_file(struct proving *p, const char *name, int key, const char *w
 	static const char *const svg[] = {".svg", NULL};
 
 	if (!strcmp(word, "-"))
-		return option_refuse(name, "--%s takes the name of a file; standard output has the rows", key == KEY_PICTURE ? "picture" : "envelope");
+		return option_refuse(name, "--%s takes the name of a file; standard output has the rows",
+			key == KEY_PICTURE ? "picture" : "envelope");
 	if (key == KEY_PICTURE && !file_has_suffix(word, svg))
 		return option_refuse(name, "--picture %s: the picture is SVG; name a file that ends in .svg", word);
 	*(key == KEY_PICTURE ? &p->picture : &p->envelope) = word;
@@ -123,7 +124,8 @@ static int fail(const struct proving *p, const struct rneagen_error *e)
 }
 
 /* Files first: what fails there leaves nothing on standard output. */
-static enum rneagen_code write_envelope(const struct proving *p, const struct envelope *x, struct arena *a, struct rneagen_error *e)
+static enum rneagen_code write_envelope(const struct proving *p, const struct envelope *x, struct arena *a,
+	struct rneagen_error *e)
 {
 	struct text csv;
 
@@ -166,7 +168,8 @@ static int print(const struct proving *p, const struct proved *x)
 /* A certificate takes a share of the time. */
 #define SHARE_CERTIFICATE 0.33
 
-static void prove_and_certify(struct proving *p, struct proof *proof, const struct box *box, struct progress *progress, struct rneagen_error *e)
+static void prove_and_certify(struct proving *p, struct proof *proof, const struct box *box, struct progress *progress,
+	struct rneagen_error *e)
 {
 	struct prove_options o = p->options;
 	struct record record;
@@ -224,7 +227,8 @@ static int run(struct proving *p)
 int run_prove(struct ranks *ranks, int argc, char **argv)
 {
 	static const struct command_kind kind = {"rnearun prove", HELP, OPTIONS, ":", take};
-	struct proving p = {.options = {.precisions = {RNEAGEN_F32, RNEAGEN_F64}, .precision_count = 2, .seconds = 60, .start = seconds_now()}};
+	struct proving p = {.options = {.precisions = {RNEAGEN_F32, RNEAGEN_F64}, .precision_count = 2, .seconds = 60,
+		.start = seconds_now()}};
 	int status = command_parse(&p.command, &kind, &p, ranks, argc, argv);
 
 	if (status < 0)

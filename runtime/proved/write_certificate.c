@@ -10,8 +10,8 @@ static void take_bounds(struct proved_bound *to, const struct prove_row *row)
 	memcpy(to->errors, row->error_bound, sizeof to->errors);
 }
 
-enum rneagen_code write_certificate(const char *path, const struct proof *p, const struct analysis *a, const struct prove_options *o,
-	double seconds, struct rneagen_error *e)
+enum rneagen_code write_certificate(const char *path, const struct proof *p, const struct analysis *a,
+	const struct prove_options *o, double seconds, struct rneagen_error *e)
 {
 	struct certificate c = {.a = a, .precisions = o->precisions, .precision_count = o->precision_count};
 	struct proved_bound *proved;

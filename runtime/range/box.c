@@ -48,16 +48,6 @@ static void take_limits(struct box *b, const struct analysis *x, int argument)
 	}
 }
 
-static int is_quaternion(const struct analysis *x, int argument, int row)
-{
-	const struct tree *t = &x->tree;
-
-	for (int i = 0; i < t->joint_count && x->dag.arguments[argument].role == ROLE_JOINT_POSITION; i++)
-		if (t->joints[i].type == JOINT_FLOATING && row >= t->joints[i].iq + 3 && row < t->joints[i].iq + 7)
-			return 1;
-	return 0;
-}
-
 static struct interval times(struct interval mass, double lower, double upper)
 {
 	return interval_mul(mass, (struct interval){lower, upper});
@@ -87,22 +77,21 @@ static const struct freed *body_of(const struct analysis *x, const struct argume
 	return NULL;
 }
 
-/* What the scene says, the whole of an input before its joints, these before single rows. */
+/* What the scene says; of a body its mass. */
 static void take_ranges(struct box *b, const struct analysis *x, int argument)
 {
 	const struct argument *a = &x->dag.arguments[argument];
 	const struct freed *body = body_of(x, a);
+	const struct request_range *r;
 
-	for (int level = 0; level < REQUEST_RANGE_LEVELS; level++)
-		for (int i = 0; i < x->request.range_count; i++) {
-			const struct request_range *r = &x->request.ranges[i];
-
-			for (int row = r->first; r->level == level && !strcmp(r->argument, a->name) && row < r->first + r->count; row++)
-				if (!is_quaternion(x, argument, row))
-					b->rows[argument][row] = (struct interval){r->lower, r->upper};
-			if (body && r->level == level && !strcmp(r->argument, a->name))
-				take_body(b->rows[argument], body, (struct interval){r->lower, r->upper});
-		}
+	for (int row = 0; row < a->rows; row++) {
+		r = request_range_of(&x->request, a->name, row);
+		if (r && !(a->role == ROLE_JOINT_POSITION && tree_is_quaternion(&x->tree, row)))
+			b->rows[argument][row] = (struct interval){r->lower, r->upper};
+	}
+	r = body ? request_range_of(&x->request, a->name, 0) : NULL;
+	if (r)
+		take_body(b->rows[argument], body, (struct interval){r->lower, r->upper});
 }
 
 void box_put_name(const struct analysis *x, int argument, int row, struct text *out)

@@ -62,8 +62,8 @@ static enum rneagen_code publish(const char *svg, const char *path, struct rneag
 }
 
 /* In a folder of its own, which goes again; with gnuplot's own settings, not the user's. */
-enum rneagen_code gnuplot_draw(const char *option, const char *path, void (*put)(const void *context, FILE *f), const void *context,
-	struct rneagen_error *e)
+enum rneagen_code gnuplot_draw(const char *option, const char *path, void (*put)(const void *context, FILE *f),
+	const void *context, struct rneagen_error *e)
 {
 	struct scratch s;
 	char script[sizeof s.folder + 16], svg[sizeof s.folder + 16];

@@ -26,7 +26,8 @@ static ssize_t read_all(int fd, char *to, size_t size, off_t place)
 	size_t have = 0;
 
 	while (have < size) {
-		ssize_t got = place < 0 ? read(fd, to + have, size - have) : pread(fd, to + have, size - have, place + (off_t)have);
+		ssize_t got = place < 0 ? read(fd, to + have, size - have)
+			: pread(fd, to + have, size - have, place + (off_t)have);
 
 		if (got < 0 && errno == EINTR)
 			continue;

@@ -87,7 +87,8 @@ static int size_of(const struct dag *d, size_t output, struct span *const *rows,
 }
 
 /* Its `times`th derivative by a row of q. */
-static int size_of_derivative(const struct dag *d, size_t output, int times, struct along along, struct span *const *rows, double *size)
+static int size_of_derivative(const struct dag *d, size_t output, int times, struct along along,
+	struct span *const *rows, double *size)
 {
 	struct arena arena;
 	struct dag own;
@@ -107,7 +108,8 @@ static int size_of_derivative(const struct dag *d, size_t output, int times, str
 	return done;
 }
 
-int bends_find(struct bends_start *b, const struct points *p, const struct dag *d, size_t output, struct span *const *rows, int position)
+int bends_find(struct bends_start *b, const struct points *p, const struct dag *d, size_t output,
+	struct span *const *rows, int position)
 {
 	struct span before[POINT_DIMS];
 	int done;
@@ -118,7 +120,8 @@ int bends_find(struct bends_start *b, const struct points *p, const struct dag *
 	}
 	done = size_of_derivative(d, output, 0, (struct along){0}, rows, &b->whole);
 	for (int k = 0; k < p->dim_count && done; k++)
-		done = size_of_derivative(d, output, 2, (struct along){.argument = position, .row = p->dims[k].row}, rows, &b->bends[k]);
+		done = size_of_derivative(d, output, 2, (struct along){.argument = position, .row = p->dims[k].row},
+			rows, &b->bends[k]);
 	for (int k = 0; k < p->dim_count; k++)
 		rows[position][p->dims[k].row] = before[k];
 	return done;

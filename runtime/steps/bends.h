@@ -11,6 +11,7 @@ struct bends_start {
 };
 
 /* Over the box rows[argument], in which angles become whole circles. Returns 0 when memory runs out. */
-int bends_find(struct bends_start *b, const struct points *p, const struct dag *d, size_t output, struct span *const *rows, int position);
+int bends_find(struct bends_start *b, const struct points *p, const struct dag *d, size_t output,
+	struct span *const *rows, int position);
 
 #endif

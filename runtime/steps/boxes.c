@@ -182,7 +182,8 @@ static void check_box(struct walk *w)
 	struct box_bound bound;
 
 	errors_evaluate(w->of->x, w->of->rows, &bound);
-	*w->what = !states(-w->b->low[w->box], -bound.value.lo) ? "its lower bound" : !states(w->b->high[w->box], bound.value.hi) ? "its upper bound" : NULL;
+	*w->what = !states(-w->b->low[w->box], -bound.value.lo) ? "its lower bound" : !states(w->b->high[w->box], bound.value.hi)
+		? "its upper bound" : NULL;
 	for (int k = 0; k < w->of->x->count && !*w->what; k++)
 		if (w->b->errors[k] && !states(w->b->errors[k][w->box], bound.errors[k]))
 			*w->what = NAMES[k];

@@ -1,7 +1,7 @@
 #ifndef RUNTIME_STEPS_CUTS_H
 #define RUNTIME_STEPS_CUTS_H
-/* A box of q that is cut in halves, and these again: a list of cuts, each before those of its lower half, and these before those of its
-   upper half. So whatever the list says, its boxes cover the whole. */
+/* A box of q that is cut in halves, and these again: a list of cuts, each before those of its lower half, and these before those
+   of its upper half. So whatever the list says, its boxes cover the whole. */
 
 #include "steps/outward.h"
 #include <stddef.h>
@@ -23,8 +23,8 @@ static inline double cuts_middle(double lower, double upper)
 	return 0.5 * (lower + upper);
 }
 
-/* Do the first cuts, all of them, make one whole cover by rows below `row_count`? Into second[i] (`count` of them) the place of the
-   upper half of cut i. */
+/* Do the first cuts, all of them, make one whole cover by rows below `row_count`? Into second[i] (`count` of them) the place of
+   the upper half of cut i. */
 int cuts_check(const struct cuts *c, int row_count, size_t *second);
 
 /* What a proof leaves for its certificate, by output. A NULL record is none. */

@@ -7,8 +7,8 @@
 
 enum { STEPS_PRECISIONS = 4 };
 
-/* Two operations whose roundings are bounded together, by Cauchy and Schwarz: the products c x and s x, two turns that are mates, or a
-   sine and cosine. */
+/* Two operations whose roundings are bounded together, by Cauchy and Schwarz: the products c x and s x, two turns that are mates,
+   or a sine and cosine. */
 struct twins {
 	uint32_t one, other;   /* nodes of the DAG */
 	uint32_t values;       /* 1 + the set of their values; 0: the norm is that of `factor`, or 1 */
@@ -34,7 +34,8 @@ struct box_bound {
 };
 
 /* Of one output. Returns 0 when memory runs out, or where an operation is not known. */
-int errors_make(struct errors *x, const struct dag *d, size_t output, const struct eval_model *models, int count, struct arena *a);
+int errors_make(struct errors *x, const struct dag *d, size_t output, const struct eval_model *models, int count,
+	struct arena *a);
 
 /* Over the box rows[argument]. */
 void errors_evaluate(struct errors *x, struct span *const *rows, struct box_bound *bound);

@@ -91,7 +91,9 @@ static int take_turn(struct forms *x, struct terms *t, struct operand *turn)
 			swap = p;
 			p = p.is_sine ? q : p;
 			q = swap.is_sine ? swap : q;
-			*turn = (struct operand){add_form(x, (struct form){.kind = FORM_TURN, .a = p.other, .b = q.other, .cosine = p.wave, .sine = q.wave}), 0};
+			*turn = (struct operand){add_form(x,
+				(struct form){.kind = FORM_TURN, .a = p.other, .b = q.other, .cosine = p.wave, .sine = q.wave}),
+				0};
 			memmove(&t->list[k], &t->list[k + 1], (--t->count - k) * sizeof *t->list);
 			memmove(&t->list[i], &t->list[i + 1], (--t->count - i) * sizeof *t->list);
 			return 1;
@@ -161,13 +163,16 @@ static struct operand value_of(struct forms *x, uint32_t i)
 
 	switch (n->op) {
 	case OP_CONST:
-		return (struct operand){add_form(x, (struct form){.kind = FORM_CONST, .constant = span_within(dag_number(x->d, n))}), 0};
+		return (struct operand){add_form(x,
+			(struct form){.kind = FORM_CONST, .constant = span_within(dag_number(x->d, n))}), 0};
 	case OP_INPUT:
-		return (struct operand){add_form(x, (struct form){.kind = FORM_INPUT, .argument = (int)n->arg[0].i, .row = (int)n->arg[1].i}), 0};
+		return (struct operand){add_form(x,
+			(struct form){.kind = FORM_INPUT, .argument = (int)n->arg[0].i, .row = (int)n->arg[1].i}), 0};
 	case OP_SIN:
 	case OP_COS:
 		return (struct operand){
-			add_form(x, (struct form){.kind = n->op == OP_SIN ? FORM_SINE : FORM_COSINE, .a = value_at(x, n->arg[0])}), 0};
+			add_form(x, (struct form){.kind = n->op == OP_SIN ? FORM_SINE : FORM_COSINE,
+				.a = value_at(x, n->arg[0])}), 0};
 	case OP_NEG:
 	case OP_ANEW:
 		return signed_operand(value_at(x, n->arg[0]), n->op == OP_NEG);
@@ -188,7 +193,8 @@ static struct operand value_of(struct forms *x, uint32_t i)
 /* An operand's share: the derivative by it, times that of the output by the operation. */
 static void give(struct forms *x, struct terms *to, struct ref operand, struct operand partial, struct operand slope)
 {
-	push(x, &to[operand.i], partial.form == FORM_ONE ? signed_operand(slope, partial.is_minus) : partial, partial.form == FORM_ONE ? ONE : slope);
+	push(x, &to[operand.i], partial.form == FORM_ONE ? signed_operand(slope, partial.is_minus) : partial,
+		partial.form == FORM_ONE ? ONE : slope);
 }
 
 static void give_all(struct forms *x, struct terms *to, const struct node *n, struct operand slope)

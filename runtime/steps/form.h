@@ -1,7 +1,7 @@
 #ifndef RUNTIME_STEPS_FORM_H
 #define RUNTIME_STEPS_FORM_H
-/* What an output of the DAG is made of, and its derivatives by each of these values, as sums, products and turns: c x + s y, where c and
-   s are the cosine and sine of one angle, is seen as a whole wherever both terms are among those of a sum. */
+/* What an output of the DAG is made of, and its derivatives by each of these values, as sums, products and turns: c x + s y,
+   where c and s are the cosine and sine of one angle, is seen as a whole wherever both terms are among those of a sum. */
 
 #include "steps/outward.h"
 #include "dag/dag.h"
@@ -37,8 +37,8 @@ struct forms {
 	int is_unknown;             /* an operation that has no form */
 };
 
-/* Of one output; has_slopes: its derivatives too, but none by angles. It lives in `a`. Returns 0 when memory runs out, or where an
-   operation is not known: x->is_unknown. */
+/* Of one output; has_slopes: its derivatives too, but none by angles. It lives in `a`. Returns 0 when memory runs out, or where
+   an operation is not known: x->is_unknown. */
 int forms_make(struct forms *x, const struct dag *d, size_t output, int has_slopes, struct arena *a);
 
 /* A product with the sine or cosine of an angle. */

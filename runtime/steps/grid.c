@@ -2,7 +2,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double PI_ABOVE = 0x1.921fb54442d19p+1;
 #define CLOSED (1 + 0x1p-40)
 
 static int is_point(const struct point_dim *k)
@@ -69,7 +68,7 @@ static double spread(struct places *x, const struct point_dim *k, int count, int
 		before = q;
 		put_place(k, (real)q, x->at[i]);
 	}
-	return has_turn ? PI_ABOVE / count * CLOSED : count == 1 ? out_up(k->range.hi - k->range.lo) : 0.5 * most;
+	return has_turn ? OUT_PI / count * CLOSED : count == 1 ? out_up(k->range.hi - k->range.lo) : 0.5 * most;
 }
 
 static int grid_open(struct places *x, double *half, const struct points *p, const int *counts, int is_whole)
@@ -115,13 +114,15 @@ static void first(const struct points *p, const struct places *x, int *index, do
 
 /* ---- second derivatives ---- */
 
-/* Of a trigonometric polynomial at place 0 by the values at n places of a circle, n > 2 degree; of a parabola by those at three. */
+/* Of a trigonometric polynomial at place 0 by the values at n places of a circle, n > 2 degree; of a parabola by those at
+   three. */
 static double set_weights(const struct point_dim *k, int n, double *by)
 {
 	double size = 0, half = half_of(k);
 
 	for (int j = 0; j < n; j++) {
-		real sine = sinl((real)j * 3.141592653589793238462643383280L / (real)n), cosine = cosl((real)j * 3.141592653589793238462643383280L / (real)n);
+		real sine = sinl((real)j * 3.141592653589793238462643383280L / (real)n),
+			cosine = cosl((real)j * 3.141592653589793238462643383280L / (real)n);
 
 		if (!k->is_angle)
 			by[j] = (j == 1 ? -2 : 1) / (half * half);
@@ -206,11 +207,12 @@ struct addition {
 static struct addition addition_of(const struct point_dim *l, int count)
 {
 	static const double lebesgue[] = {1, 1, 1.25};
-	double half = PI_ABOVE / count * CLOSED;
+	double half = OUT_PI / count * CLOSED;
 
 	if (!l->is_angle)
 		return (struct addition){is_point(l) ? 1 : lebesgue[l->degree] * CLOSED, 0};
-	return (struct addition){count > 2 * l->degree ? CLOSED / cos(l->degree * half) : (double)INFINITY, half * half / 2 * CLOSED};
+	return (struct addition){count > 2 * l->degree ? CLOSED / cos(l->degree * half) : (double)INFINITY,
+		half * half / 2 * CLOSED};
 }
 
 /* One way or the other for each dimension: the best that changing one after the other finds. */
@@ -301,7 +303,8 @@ int grid_cover(const struct points *p, const int *counts, const double *bends, s
 {
 	struct places x[POINT_DIMS];
 	double half[POINT_DIMS], q[POINT_DIMS][2], slack = 0, noise = p->noise * (double)p->coefficients * CLOSED;
-	double *work = points_work(p), *c = malloc(p->coefficients * sizeof *c), above = -(double)INFINITY, below = -(double)INFINITY;
+	double *work = points_work(p), *c = malloc(p->coefficients * sizeof *c), above = -(double)INFINITY,
+		below = -(double)INFINITY;
 	int index[POINT_DIMS], done = grid_open(x, half, p, counts, 0) && work && c;
 
 	if (done) {

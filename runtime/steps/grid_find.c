@@ -27,7 +27,8 @@ static int choose_pass(const struct points *p, int *counts, const double *bends,
 
 		for (int k = 0; k < p->dim_count; k++) {
 			const struct point_dim *dim = &p->dims[k];
-			int least = 2 * dim->degree + 2, many = 2 * (int)(0.5 * fmin(GRID_PASS_PLACES, scale * sqrt(bends[k] / found)));
+			int least = 2 * dim->degree + 2,
+				many = 2 * (int)(0.5 * fmin(GRID_PASS_PLACES, scale * sqrt(bends[k] / found)));
 
 			now[k] = fewest(dim);
 			if (dim->is_angle && !(5 * dim->degree * dim->degree * bends[k] < 0.1 * found))
@@ -43,7 +44,8 @@ static int choose_pass(const struct points *p, int *counts, const double *bends,
 
 static double gap_of(const struct point_dim *k, int count)
 {
-	double length = k->range.hi - k->range.lo, half = length >= 6.28 && k->is_angle ? 3.15 / count : count == 1 ? length : 0.5 * length / (count - 1);
+	double length = k->range.hi - k->range.lo, half = length >= 6.28 && k->is_angle ? 3.15 / count : count == 1 ? length
+		: 0.5 * length / (count - 1);
 
 	return half * half / 2;
 }
@@ -61,9 +63,11 @@ static int choose_cover(const struct points *p, int *counts, const double *bends
 
 		for (int k = 0; k < p->dim_count; k++) {
 			double more = (counts[k] + 1.0) / counts[k];
-			double gain = bends[k] * (gap_of(&p->dims[k], counts[k]) - gap_of(&p->dims[k], counts[k] + 1)) / log(more);
+			double gain = bends[k] * (gap_of(&p->dims[k], counts[k]) - gap_of(&p->dims[k], counts[k] + 1)) /
+				log(more);
 
-			if (p->dims[k].range.lo < p->dims[k].range.hi && counts[k] < GRID_PLACES && gain > best && grid_cover_size(p, counts) * more <= room) {
+			if (p->dims[k].range.lo < p->dims[k].range.hi && counts[k] < GRID_PLACES && gain > best &&
+				grid_cover_size(p, counts) * more <= room) {
 				best = gain;
 				at = k;
 			}
@@ -83,7 +87,8 @@ static void state_bends(const struct points *p, double *bends)
 /* Points in a second, by some of them. */
 static double speed_of(const struct points *p)
 {
-	double *work = points_work(p), *c = malloc(p->coefficients * sizeof *c), q[POINT_DIMS][2], most = -(double)INFINITY, start = seconds_now();
+	double *work = points_work(p), *c = malloc(p->coefficients * sizeof *c), q[POINT_DIMS][2], most = -(double)INFINITY,
+		start = seconds_now();
 	int count = 0;
 
 	for (; work && c && count < 300; count++) {
@@ -108,7 +113,8 @@ static int find_bends(struct grid_step *g, const struct points *p, double *bends
 	*speed = speed_of(p);
 	for (int i = 0; i < GRID_PASSES; i++) {
 		struct grid_pass *pass = &g->passes[g->pass_count];
-		double before = seconds_now(), share = (i == 1 ? 0.08 : 0.4) * seconds - (before - start), room = i ? share * *speed : FIRST_POINTS;
+		double before = seconds_now(), share = (i == 1 ? 0.08 : 0.4) * seconds - (before - start),
+			room = i ? share * *speed : FIRST_POINTS;
 
 		if (room < 2 * done || !choose_pass(p, pass->counts, bends, found, fmin(room, GRID_POINTS)))
 			continue;
@@ -133,7 +139,8 @@ int grid_find(struct grid_step *g, const struct points *p, const struct bends_st
 		return 1;
 	if (!find_bends(g, p, bends, found, seconds, &speed))
 		return 0;
-	if (!choose_cover(p, g->counts, bends, fmin(GRID_POINTS, fmax(FIRST_POINTS, 0.8 * speed * (seconds - (seconds_now() - begun))))))
+	if (!choose_cover(p, g->counts, bends,
+		fmin(GRID_POINTS, fmax(FIRST_POINTS, 0.8 * speed * (seconds - (seconds_now() - begun))))))
 		return 1;
 	if (!grid_cover(p, g->counts, bends, &g->value))
 		return 0;
@@ -152,7 +159,8 @@ static int are_counts(const struct points *p, const int *counts, int is_pass)
 {
 	for (int k = 0; k < p->dim_count; k++) {
 		const struct point_dim *dim = &p->dims[k];
-		int least = is_pass ? fewest(dim) : dim->range.lo == dim->range.hi ? 1 : 2, most = is_pass ? GRID_PASS_PLACES : GRID_PLACES;
+		int least = is_pass ? fewest(dim) : dim->range.lo == dim->range.hi ? 1 : 2,
+			most = is_pass ? GRID_PASS_PLACES : GRID_PLACES;
 
 		if (counts[k] < least || counts[k] > most || (is_pass && !dim->is_angle && counts[k] != least))
 			return 0;

@@ -33,7 +33,8 @@ static const struct form *form_at(const struct lengths *x, uint32_t i)
 /* c x + s y beside c x' + s y': is it c y - s x, or the opposite? */
 static int are_mates(const struct form *u, const struct form *v)
 {
-	return u->kind == FORM_TURN && v->kind == FORM_TURN && u->sine == v->sine && u->cosine == v->cosine && v->a.form == u->b.form &&
+	return u->kind == FORM_TURN && v->kind == FORM_TURN && u->sine == v->sine && u->cosine == v->cosine &&
+		v->a.form == u->b.form &&
 	       v->b.form == u->a.form && (v->a.is_minus != u->b.is_minus) != (v->b.is_minus != u->a.is_minus);
 }
 
@@ -213,7 +214,8 @@ static struct span evaluate(const struct lengths *x, const struct form *f, struc
 	case FORM_SUM:
 		return span_add(of_operand(x, f->a), of_operand(x, f->b));
 	default:
-		return span_add(span_mul(x->value[f->cosine], of_operand(x, f->a)), span_mul(x->value[f->sine], of_operand(x, f->b)));
+		return span_add(span_mul(x->value[f->cosine], of_operand(x, f->a)),
+			span_mul(x->value[f->sine], of_operand(x, f->b)));
 	}
 }
 

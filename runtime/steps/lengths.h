@@ -1,7 +1,7 @@
 #ifndef RUNTIME_STEPS_LENGTHS_H
 #define RUNTIME_STEPS_LENGTHS_H
-/* Spans of all forms over a box, and norms of sets of a few of them. What is used of a set, each checked on the forms when it is made:
-   - a turn and its mate, (c x + s y, c y - s x), may be replaced by (x, y); a turn without one too;
+/* Spans of all forms over a box, and norms of sets of a few of them. What is used of a set, each checked on the forms when it is
+   made: - a turn and its mate, (c x + s y, c y - s x), may be replaced by (x, y); a turn without one too;
    - of a set of sums, the norm is at most that of one term of each, and that of the others, together;
    - a member stands at a right angle to the others;
    - a norm is at most the root of the squares. */

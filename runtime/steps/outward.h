@@ -10,6 +10,9 @@ struct span {
 	double lo, hi;
 };
 
+/* Above pi: half of every angle there is. */
+#define OUT_PI 0x1.921fb54442d19p+1
+
 /* Rounding to nearest is off by at most half of 2^-52 of a result, or of the smallest normal number. */
 static inline double out_step(double x)
 {

@@ -16,24 +16,30 @@ typedef double vector __attribute__((vector_size(POINT_VECTOR * sizeof(double)))
 		to[i] = value;                                                                                         \
 	break
 
+/* What numbers and vectors of lanes have in common. */
+#define ARITHMETIC                                                                                                     \
+	case OP_NEG:                                                                                                   \
+		OF_EACH(-a[i]);                                                                                        \
+	case OP_ADD:                                                                                                   \
+		OF_EACH(a[i] + b[i]);                                                                                  \
+	case OP_SUB:                                                                                                   \
+		OF_EACH(a[i] - b[i]);                                                                                  \
+	case OP_MUL:                                                                                                   \
+		OF_EACH(a[i] * b[i]);                                                                                  \
+	case OP_FMA:                                                                                                   \
+		OF_EACH(a[i] * b[i] + c[i])
+
 /* Narrow values have one lane, in `narrow`. */
-static inline void run_narrow(const struct point_step *s, double *v)
+static inline void run_narrow(const struct point_step *s, double *narrow)
 {
 	const size_t n = 1;
-	double *to = v + s->to;
-	const double *a = v + s->arg[0], *b = v + s->arg[1], *c = v + s->arg[2];
+	double *to = narrow + s->to;
+	const double *a = narrow + s->arg[0], *b = narrow + s->arg[1], *c = narrow + s->arg[2];
 
 	switch (s->op) {
-	case OP_NEG:
-		OF_EACH(-a[i]);
-	case OP_ADD:
-		OF_EACH(a[i] + b[i]);
-	case OP_SUB:
-		OF_EACH(a[i] - b[i]);
-	case OP_MUL:
-		OF_EACH(a[i] * b[i]);
+	ARITHMETIC;
 	default:
-		OF_EACH(a[i] * b[i] + c[i]);
+		break;
 	}
 }
 
@@ -50,16 +56,7 @@ CLONES static void run(const struct points *p, double *narrow, vector *wide)
 			continue;
 		}
 		switch (s->op) {
-		case OP_NEG:
-			OF_EACH(-a[i]);
-		case OP_ADD:
-			OF_EACH(a[i] + b[i]);
-		case OP_SUB:
-			OF_EACH(a[i] - b[i]);
-		case OP_MUL:
-			OF_EACH(a[i] * b[i]);
-		case OP_FMA:
-			OF_EACH(a[i] * b[i] + c[i]);
+		ARITHMETIC;
 		default:
 			OF_EACH(narrow[s->arg[0]] + (vector){0});
 		}
@@ -89,7 +86,8 @@ static void put(double *narrow, uint32_t place, double x)
 void points_at(const struct points *p, const double (*q)[2], double *work, double *coefficients)
 {
 	double *narrow = work + p->wide_count * p->lanes, *c = coefficients;
-	const double *v = work + p->root * p->lanes, *forth = v + 1 + p->drive_count, *back = p->is_odd ? forth + p->rate_count : forth;
+	const double *v = work + p->root * p->lanes, *forth = v + 1 + p->drive_count,
+		*back = p->is_odd ? forth + p->rate_count : forth;
 	const double *pair = back + p->rate_count;
 
 	for (int k = 0; k < p->dim_count; k++) {

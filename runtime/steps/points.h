@@ -42,8 +42,8 @@ struct points {
 	double size, noise;       /* of a coefficient: its magnitude over all angles, and how far it may be off */
 };
 
-/* Of one output over the box rows[argument]; `position` is the argument q. It lives in `a`. 1; 0 when memory runs out; -1 where the
-   output is no such polynomial, or has more rows than there is room for. */
+/* Of one output over the box rows[argument]; `position` is the argument q. It lives in `a`. 1; 0 when memory runs out; -1 where
+   the output is no such polynomial, or has more rows than there is room for. */
 int points_make(struct points *p, const struct dag *d, size_t output, struct span *const *rows, int position, struct arena *a);
 
 /* Numbers that points_at works in; free() frees them. */

@@ -35,7 +35,8 @@ static int dim_of(struct maker *m, int row)
 		k++;
 	if (k == p->dim_count && k < POINT_DIMS)
 		p->dims[p->dim_count++] =
-			(struct point_dim){.row = row, .range = m->rows[m->position][row], .value = UINT32_MAX, .sine = UINT32_MAX, .cosine = UINT32_MAX};
+			(struct point_dim){.row = row, .range = m->rows[m->position][row], .value = UINT32_MAX,
+				.sine = UINT32_MAX, .cosine = UINT32_MAX};
 	m->is_other |= k == POINT_DIMS;
 	return k < POINT_DIMS ? k : 0;
 }
@@ -43,7 +44,8 @@ static int dim_of(struct maker *m, int row)
 static struct mark mark_input(struct maker *m, const struct node *n)
 {
 	struct span r = m->rows[n->arg[0].i][n->arg[1].i];
-	int is_rate = m->d->arguments[n->arg[0].i].role == ROLE_JOINT_VELOCITY, *count = is_rate ? &m->p->rate_count : &m->p->drive_count;
+	int is_rate = m->d->arguments[n->arg[0].i].role == ROLE_JOINT_VELOCITY, *count = is_rate ? &m->p->rate_count
+		: &m->p->drive_count;
 	struct mark x = {.orders = is_rate ? 2 : 4, .size = span_size(r)};
 
 	m->is_other |= !(r.lo <= r.hi) || !(x.size < 1e100);
@@ -222,7 +224,8 @@ static void place_input(struct maker *m, uint32_t i)
 
 	if (is_position(m, n)) {
 		m->place[i] = (uint32_t)p->narrow_count++;
-		p->dims[dim_of(m, (int)n->arg[1].i)].value = p->dims[dim_of(m, (int)n->arg[1].i)].is_angle ? UINT32_MAX : m->place[i];
+		p->dims[dim_of(m, (int)n->arg[1].i)].value = p->dims[dim_of(m, (int)n->arg[1].i)].is_angle
+			? UINT32_MAX : m->place[i];
 		return;
 	}
 	m->place[i] = (uint32_t)p->wide_count++;

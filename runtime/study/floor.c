@@ -89,8 +89,8 @@ static void put_kernel_stretch(const struct floor *f, struct stretch s)
 {
 	const char *plus = "";
 
-	text_printf(f->out, "#pragma unroll 8\n\tfor (size_t r = %d; r < %d; r++)\n\t\ta%d[(r - %d)*count + k] = ", s.begin, s.end,
-		s.output, s.first);
+	text_printf(f->out, "#pragma unroll 8\n\tfor (size_t r = %d; r < %d; r++)\n\t\ta%d[(r - %d)*count + k] = ", s.begin,
+		s.end, s.output, s.first);
 	for (int i = 0; i < f->count; i++)
 		if (is_input(f, i) && f->arrays[i].rows > s.begin) {
 			text_printf(f->out, "%sa%d[r*count + k]", plus, i);

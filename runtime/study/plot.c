@@ -190,7 +190,8 @@ static void arrange(struct plot *p)
 	for (p->height = HEIGHT;; p->height += 100) {
 		set_ranges(p);
 		take_lines(p);
-		if (plot_place(p->labels, &p->label_count, p->points, p->count, p->lines, p->line_count, p->x.pixels, p->y.pixels) ||
+		if (plot_place(p->labels, &p->label_count, p->points, p->count, p->lines, p->line_count,
+			p->x.pixels, p->y.pixels) ||
 			p->height >= HEIGHT_MOST)
 			break;
 	}
@@ -203,8 +204,8 @@ static void put_label(const struct plot *p, const struct plot_label *l, FILE *f)
 {
 	double side = l->ends_there ? 3 : -3;
 
-	fprintf(f, "set label '%s' at graph %.6f,%.6f %s noenhanced front\n", l->text, l->at_x / p->x.pixels, l->at_y / p->y.pixels,
-		l->ends_there ? "right" : "left");
+	fprintf(f, "set label '%s' at graph %.6f,%.6f %s noenhanced front\n", l->text, l->at_x / p->x.pixels,
+		l->at_y / p->y.pixels, l->ends_there ? "right" : "left");
 	fprintf(f, "set arrow from graph %.6f,%.6f to graph %.6f,%.6f nohead back lc rgb '#808080' lw 0.5\n", l->x / p->x.pixels,
 		l->y / p->y.pixels, (l->at_x + side) / p->x.pixels, l->at_y / p->y.pixels);
 }
@@ -240,7 +241,8 @@ static void put_frame(const struct plot *p, FILE *f)
 {
 	fprintf(f, "set terminal svg size %d,%d font 'sans-serif,13' background rgb 'white'\n", WIDTH, p->height);
 	fprintf(f, "set lmargin at screen %.6f\nset rmargin at screen %.6f\n", (double)LEFT / WIDTH, 1 - (double)RIGHT / WIDTH);
-	fprintf(f, "set tmargin at screen %.6f\nset bmargin at screen %.6f\n", 1 - (double)TOP / p->height, (double)p->bottom / p->height);
+	fprintf(f, "set tmargin at screen %.6f\nset bmargin at screen %.6f\n", 1 - (double)TOP / p->height,
+		(double)p->bottom / p->height);
 	fprintf(f, "set title '");
 	gnuplot_put_name(f, p->report->study->analysis.robot.name);
 	fprintf(f, ": inverse dynamics, speed against error' noenhanced font ',17'\n");
@@ -280,7 +282,8 @@ static void put_curves(const struct plot *p, FILE *f)
 	for (int i = 0; i < s->backend_count; i++) {
 		const char *name = study_backend_name(s->backends[i].backend), *colour = COLOURS[i % 2];
 
-		fprintf(f, "%s $%s_all using 1:2 with points pt 6 ps 0.7 lc rgb '%s' title '%s, ", i ? "," : "", name, colour, name);
+		fprintf(f, "%s $%s_all using 1:2 with points pt 6 ps 0.7 lc rgb '%s' title '%s, ", i ? "," : "",
+			name, colour, name);
 		gnuplot_put_name(f, s->backends[i].device);
 		fprintf(f, "', $%s_front using 1:2 smooth unique with linespoints pt 7 ps 1.1 lw 2 lc rgb '%s' title '%s: nothing "
 			   "is both faster and closer'", name, colour, name);

@@ -26,7 +26,8 @@ struct layout {
 
 static int are_near(const struct plot_point *a, const struct plot_point *b)
 {
-	return a->row->backend == b->row->backend && a->row->precision == b->row->precision && hypot(a->x - b->x, a->y - b->y) <= NEAR;
+	return a->row->backend == b->row->backend && a->row->precision == b->row->precision &&
+		hypot(a->x - b->x, a->y - b->y) <= NEAR;
 }
 
 /* Each point's cluster is the first point of it. */
@@ -154,7 +155,8 @@ static int is_clear(const struct layout *a, const struct plot_label *l, size_t i
 		if (crosses(b, a->lines[k]))
 			return 0;
 	for (size_t k = 0; k < a->placed; k++)
-		if (overlap(b, box_of(&a->labels[k])) || crosses(b, leader_of(&a->labels[k])) || crosses(box_of(&a->labels[k]), leader))
+		if (overlap(b, box_of(&a->labels[k])) || crosses(b, leader_of(&a->labels[k])) ||
+			crosses(box_of(&a->labels[k]), leader))
 			return 0;
 	return 1;
 }

@@ -212,8 +212,8 @@ static void put_csv_row(const struct study_row *row, const char *rank, FILE *out
 	char number[40], same[SAME];
 
 	list_fields(row, f);
-	fprintf(out, "%s%s%s,%s,%s,%s", rank, *rank ? "," : "", study_backend_name(row->backend), emit_precision_name(row->precision),
-		emit_trig_name(row->trig), emit_layout_name(row->layout));
+	fprintf(out, "%s%s%s,%s,%s,%s", rank, *rank ? "," : "", study_backend_name(row->backend),
+		emit_precision_name(row->precision), emit_trig_name(row->trig), emit_layout_name(row->layout));
 	for (int i = 0; i < FIELDS; i++) {
 		number_text(f[i].value, "", number, sizeof number);
 		fprintf(out, ",%s", number);

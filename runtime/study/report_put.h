@@ -10,7 +10,8 @@ struct report {
 	const struct study *study;
 	const struct study_row *rows;
 	size_t count;
-	const struct study_row *each; /* where there are several ranks: the rows of each, one rank's after another; rows[] are of all */
+	/* where there are several ranks: the rows of each, one rank's after another; rows[] are of all */
+	const struct study_row *each;
 	size_t ranks;                 /* else 0 */
 	const char *command; /* the command line */
 	const char *scene;   /* as options; "" where there is none */

@@ -154,7 +154,8 @@ static void say_rejected(const struct choosing *c, const struct candidate *v)
 	}
 }
 
-static void say_time(const struct choosing *c, const struct candidate *v, const struct candidate *best, const struct candidate *fastest)
+static void say_time(const struct choosing *c, const struct candidate *v, const struct candidate *best,
+	const struct candidate *fastest)
 {
 	const struct study_row *r = &v->row;
 	int tied = v != fastest && choice_is_tied(v, fastest);
@@ -227,7 +228,8 @@ static double measure_of(const struct choosing *c, const struct candidate *v)
 /* None is close enough: the closest is named. */
 static int refuse(const struct choosing *c)
 {
-	const char *what = c->measured ? "error" : c->proved ? "proved bound" : "bound", *more = c->measured ? "" : "; --measured judges by measured errors alone";
+	const char *what = c->measured ? "error" : c->proved ? "proved bound" : "bound", *more = c->measured ? ""
+		: "; --measured judges by measured errors alone";
 	const struct candidate *best = NULL;
 	char text[256], name[64];
 
@@ -240,8 +242,8 @@ static int refuse(const struct choosing *c)
 	if (isnan(measure_of(c, best)))
 		snprintf(text, sizeof text, "no variant has a known %s%s", what, more);
 	else
-		snprintf(text, sizeof text, "the %s of every variant is over %.1e; the least is %.1e, of %s%s", what, c->max_error,
-			measure_of(c, best), name, more);
+		snprintf(text, sizeof text, "the %s of every variant is over %.1e; the least is %.1e, of %s%s",
+			what, c->max_error, measure_of(c, best), name, more);
 	return command_fail(&c->command, text);
 }
 

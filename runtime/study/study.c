@@ -70,7 +70,8 @@ static enum rneagen_code open_backend(struct study *s, enum rnea_backend backend
 
 	*b = (struct study_backend){.backend = backend};
 	if (bench_open(&b->bench, backend, s->command->open.device, &e)) {
-		if (backend != RNEA_BACKEND_CUDA || s->options->backend_asked || (e.code != RNEA_NO_DRIVER && e.code != RNEA_NO_DEVICE))
+		if (backend != RNEA_BACKEND_CUDA || s->options->backend_asked ||
+			(e.code != RNEA_NO_DRIVER && e.code != RNEA_NO_DEVICE))
 			return study_fail(s, &e);
 		if (!s->command->quiet)
 			fprintf(stderr, "%s: no GPU: %s\n", s->command->name, e.message);
@@ -97,7 +98,8 @@ static int check_strict(const struct command *c, struct study_options *o)
 			return option_refuse(c->name, "--strict and --precision f32x2 exclude each other: take f64");
 	for (int i = 0; i < o->trigs.count && c->generate.strict; i++)
 		if (o->trigs.values[i] == RNEAGEN_FAST)
-			return option_refuse(c->name, "--strict and --trig fast exclude each other: the GPU's own unit has other bits");
+			return option_refuse(c->name,
+				"--strict and --trig fast exclude each other: the GPU's own unit has other bits");
 	return 0;
 }
 

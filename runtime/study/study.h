@@ -132,8 +132,8 @@ const struct judge *study_judge(struct study *s, enum rneagen_precision precisio
 /* Fill row->bound_max for the variant that `row` begins with: NAN where no bound is known. Error: MEMORY. */
 enum rneagen_code study_bound(struct study *s, struct study_row *row);
 
-/* Fill `proved` of all variants: for every state within the limits, the bound of an output array's error, as a norm, over the largest
-   norm that the array has in the samples; NAN where none is known. Errors: as prove_errors. */
+/* Fill `proved` of all variants: for every state within the limits, the bound of an output array's error, as a norm, over the
+   largest norm that the array has in the samples; NAN where none is known. Errors: as prove_errors. */
 enum rneagen_code study_prove(struct study *s, double seconds);
 
 /* Compile the variant that `row` begins with, and fill its errors, registers and what compiling took. The caller closes the

@@ -89,7 +89,8 @@ static void arrays_gather(const struct arrays *a, const struct judge *j, double 
 				size_t at = place(a, o->argument, r, k);
 				const void *from = a->data[o->argument];
 
-				out[k * j->rows + o->first + r] = a->f32 ? (double)((const float *)from)[at] : ((const double *)from)[at];
+				out[k * j->rows + o->first + r] = a->f32 ? (double)((const float *)from)[at]
+					: ((const double *)from)[at];
 			}
 	}
 }
@@ -202,7 +203,8 @@ static struct eval_model model_of(const struct study *s, const struct study_row 
 /* Of one precision: what else differs in the arithmetic of two texts. */
 static int is_same(const struct eval_model *a, const struct eval_model *b)
 {
-	return a->fused == b->fused && a->angle == b->angle && a->sincos == b->sincos && a->sine == b->sine && a->cosine == b->cosine;
+	return a->fused == b->fused && a->angle == b->angle && a->sincos == b->sincos && a->sine == b->sine &&
+		a->cosine == b->cosine;
 }
 
 /* bounds: of this model, every `stride`th. */

@@ -12,7 +12,8 @@ void study_same(const struct study_row *row, const char *between, char *text, si
 	*text = '\0';
 	for (unsigned t = 0; t < STUDY_TRIGS && used < size; t++)
 		if (row->same >> t & 1)
-			used += (size_t)snprintf(text + used, size - used, "%s%s", used ? between : "", emit_trig_name((enum rneagen_trig)t));
+			used += (size_t)snprintf(text + used, size - used, "%s%s", used ? between : "",
+				emit_trig_name((enum rneagen_trig)t));
 }
 
 void study_name(const struct study_row *row, char *text, size_t size)

@@ -80,7 +80,8 @@ static void put_origin(struct drawing *d, const __float128 xyz[3], const __float
 static const __float128 NONE[3] = {0, 0, 0};
 
 /* inertia: xx xy xz yy yz zz */
-static void link(struct drawing *d, __float128 mass, const __float128 com[3], const __float128 rpy[3], const __float128 inertia[6])
+static void link(struct drawing *d, __float128 mass, const __float128 com[3], const __float128 rpy[3],
+	const __float128 inertia[6])
 {
 	static const char *const names[] = {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
 
@@ -104,10 +105,11 @@ static void bare(struct drawing *d)
 }
 
 /* The joint that carries the last link, which another hangs on; `rest` stands inside it. */
-static void joint(struct drawing *d, const char *type, int parent, const __float128 xyz[3], const __float128 rpy[3], const char *rest)
+static void joint(struct drawing *d, const char *type, int parent, const __float128 xyz[3], const __float128 rpy[3],
+	const char *rest)
 {
-	fprintf(d->file, "<joint name=\"joint_%02d\" type=\"%s\"><parent link=\"link_%d\"/><child link=\"link_%d\"/>", d->links - 1, type,
-		parent, d->links - 1);
+	fprintf(d->file, "<joint name=\"joint_%02d\" type=\"%s\"><parent link=\"link_%d\"/><child link=\"link_%d\"/>",
+		d->links - 1, type, parent, d->links - 1);
 	put_origin(d, xyz, rpy);
 	fprintf(d->file, "%s<limit lower=\"-3\" upper=\"3\" effort=\"1\" velocity=\"1\"/></joint>\n", rest);
 }
@@ -256,7 +258,8 @@ static char *draw_followers(uint64_t seed)
 	link(&d, m1, NONE, NONE, inertia);
 	joint(&d, "prismatic", 0, NONE, rpy, "<axis xyz=\"0 0 1\"/>");
 	quadmath_snprintf(multiplier, sizeof multiplier, "%.20Qg", nearly(&d, -m1 / m2));
-	snprintf(rest, sizeof rest, "<axis xyz=\"0 0 1\"/><mimic joint=\"joint_01\" multiplier=\"%s\" offset=\"0.1\"/>", multiplier);
+	snprintf(rest, sizeof rest, "<axis xyz=\"0 0 1\"/><mimic joint=\"joint_01\" multiplier=\"%s\" offset=\"0.1\"/>",
+		multiplier);
 	link(&d, m2, NONE, NONE, inertia);
 	joint(&d, "prismatic", 0, NONE, rpy, rest);
 	return end(&d);

@@ -1,6 +1,7 @@
 /* How close bounds of single samples are, as a table in Markdown: build/tests/bounds_measure [ROBOT...] >tests/bounds/bounds.md
-   Bounds over errors, by the evaluator, as rnearun report has them, and by the text itself: the largest ||bound|| / ||tau|| over the largest
-   ||error|| / ||tau||; ||bound|| / ||error|| of the sample in the middle; the largest bound of a torque over its largest error, where that is most. */
+   Bounds over errors, by the evaluator, as rnearun report has them, and by the text itself: the largest ||bound|| / ||tau|| over
+   the largest ||error|| / ||tau||; ||bound|| / ||error|| of the sample in the middle; the largest bound of a torque over its
+   largest error, where that is most. */
 #define _POSIX_C_SOURCE 200809L
 #include "dag/eval.h"
 #include "emit/number_type.h"
@@ -66,14 +67,16 @@ static void figures_free(struct figures *f)
 static void open_case(struct measured *x, const struct hard_case *c, enum rneagen_precision precision)
 {
 	static const struct compiler plain = {"gcc", {"-O0", "-Dalways_inline=unused"}};
-	const struct rneagen_options how = {.precision = precision, .trig = RNEAGEN_ACCURATE, .bounded = precision != RNEAGEN_F32X2};
+	const struct rneagen_options how = {.precision = precision, .trig = RNEAGEN_ACCURATE,
+		.bounded = precision != RNEAGEN_F32X2};
 	char name[512];
 
 	*x = (struct measured){0};
 	compiled_open(&x->text, c, &how, &plain, "measured");
 	snprintf(name, sizeof name, "%s_rnea_bounded", x->text.target.text.name);
 	if (how.bounded)
-		target_symbol(&x->text.target, x->text.target.library, name, x->text.target.f32 ? (void *)&x->single : (void *)&x->wide);
+		target_symbol(&x->text.target, x->text.target.library, name,
+			x->text.target.f32 ? (void *)&x->single : (void *)&x->wide);
 	x->bound = array_new(x->text.target.f32, (size_t)x->text.nv);
 	x->row = numbers_new(x->text.nv, sizeof(double));
 	x->of = numbers_new(x->text.nv, sizeof(double));

@@ -238,7 +238,8 @@ START_TEST(parts)
 	for (int i = 0; i < SAMPLES; i++) {
 		draw(p, &r, in);
 		ck_assert(eval_bound(&d, &m, (const double *[]){in, NULL}, (double *[]){NULL, &bound}));
-		share = fmax(share, (double)fabsq((__float128)compute(p, &m, &d, in) - exact(&d, d.outputs[0].value, in)) / bound);
+		share = fmax(share, (double)fabsq((__float128)compute(p, &m, &d, in) - exact(&d, d.outputs[0].value, in)) /
+			bound);
 		ck_assert_msg(share <= 1, "%s, %s: %g of the bound %g at x = %a, y = %a, z = %a", p->what, p->expression, share,
 			bound, in[0], in[1], in[2]);
 	}

@@ -93,8 +93,8 @@ static void judge(struct fixture *x, int i)
 	double tau = array_get(&x->text.tau, (size_t)i), bound = array_get(&x->bound, (size_t)i);
 	double error = isfinite(tau) ? fabs((double)((__float128)tau - x->text.reference[i])) : (double)INFINITY;
 
-	ck_assert_msg(error <= bound + 0x1p-100 * x->text.noise[i], "%s: torque %d is %g, off by %g, bound %g", x->text.target.what, i,
-		tau, error, bound);
+	ck_assert_msg(error <= bound + 0x1p-100 * x->text.noise[i], "%s: torque %d is %g, off by %g, bound %g",
+		x->text.target.what, i, tau, error, bound);
 	if (!isfinite(bound))
 		return;
 	x->held++;
@@ -142,7 +142,8 @@ START_TEST(hard_cases)
 		return;
 	printf("%-14s", HARD_CASES[_i].name);
 	for (int k = 0; k < KIND_COUNT; k++)
-		if ((_i < 3 ? (exhaustive() && _i == 1) || k % 3 == _i : k == _i % 2) || (is_refused(&HARD_CASES[_i], &KINDS[k]) && (exhaustive() || k == 5)))
+		if ((_i < 3 ? (exhaustive() && _i == 1) || k % 3 == _i : k == _i % 2) ||
+			(is_refused(&HARD_CASES[_i], &KINDS[k]) && (exhaustive() || k == 5)))
 			check_case(&HARD_CASES[_i], &KINDS[k]);
 	putchar('\n');
 }
@@ -207,7 +208,8 @@ START_TEST(sharp)
 		quad_rnea(x.text.quad, x.text.state[0], x.text.state[1], x.text.state[2], x.text.reference);
 		for (int k = 0; k < 3; k++) {
 			judge(&x, k);
-			share[k] = fmax(share[k], fabs((double)((__float128)array_get(&x.text.tau, (size_t)k) - x.text.reference[k])) /
+			share[k] = fmax(share[k],
+				fabs((double)((__float128)array_get(&x.text.tau, (size_t)k) - x.text.reference[k])) /
 							  array_get(&x.bound, (size_t)k));
 		}
 	}
@@ -233,7 +235,8 @@ static double bound_at(struct fixture *x, int which, double value, int torque)
 START_TEST(no_bound)
 {
 	const struct kind *k = &KINDS[_i];
-	double infinity = (double)INFINITY, huge = k->precision == RNEAGEN_F32 ? 1e30 : k->precision == RNEAGEN_F64 ? 1e200 : 1e38;
+	double infinity = (double)INFINITY, huge = k->precision == RNEAGEN_F32 ? 1e30
+		: k->precision == RNEAGEN_F64 ? 1e200 : 1e38;
 	struct fixture x;
 
 	fixture_open(&x, &HARD_CASES[0], k);

@@ -33,7 +33,8 @@ static const struct kind {
 	{"f32", {.precision = RNEAGEN_F32}, {"-O0", "-Dalways_inline=unused", "-ffp-contract=off"}},
 	{"f64", {.precision = RNEAGEN_F64}, {"-O0", "-Dalways_inline=unused", "-ffp-contract=off"}},
 	{"mixed", {.precision = RNEAGEN_MIXED}, {"-O1", "-Dalways_inline=unused", "-march=native"}},
-	{"f32 strict", {.precision = RNEAGEN_F32, .trig = RNEAGEN_BOUNDED, .strict = 1}, {"-O1", "-Dalways_inline=unused", "-march=native"}},
+	{"f32 strict", {.precision = RNEAGEN_F32, .trig = RNEAGEN_BOUNDED, .strict = 1},
+		{"-O1", "-Dalways_inline=unused", "-march=native"}},
 };
 enum { KIND_COUNT = sizeof KINDS / sizeof *KINDS };
 
@@ -69,7 +70,8 @@ static void compile(struct fixture *x, const char *urdf, const struct rneagen_op
 	struct rneagen_options o = *options;
 	struct target_path text = target_path("derivatives", ".c"), object = target_path("derivatives", ".so");
 	const char *const *f = x->kind->flags;
-	const char *const command[] = {"gcc", "-std=c11", f[0], f[1], f[2], WARNING_FLAGS, "-shared", "-fPIC", "-o", object.s, text.s, "-lm", NULL};
+	const char *const command[] = {"gcc", "-std=c11", f[0], f[1], f[2], WARNING_FLAGS, "-shared", "-fPIC", "-o", object.s,
+		text.s, "-lm", NULL};
 	char name[256];
 
 	o.target = RNEAGEN_TARGET_C;
@@ -170,9 +172,10 @@ static void judge_output(struct fixture *x, int o, const double *bounds)
 		double noise = v->noise[o == TAU ? i : i / v->nv];
 
 		ck_assert_msg(v->got[o][i] == x->again[o][i], "%s: output %d, row %d has other bits", x->target.what, o, i);
-		ck_assert_msg(off <= bounds[i], "%s: output %d, row %d is %g off the DAG's, bound %g", x->target.what, o, i, off, bounds[i]);
-		ck_assert_msg(from <= bounds[i] + noise, "%s: output %d, row %d is %g off, bound %g and noise %g", x->target.what, o, i, from,
-			bounds[i], noise);
+		ck_assert_msg(off <= bounds[i], "%s: output %d, row %d is %g off the DAG's, bound %g", x->target.what, o,
+			i, off, bounds[i]);
+		ck_assert_msg(from <= bounds[i] + noise, "%s: output %d, row %d is %g off, bound %g and noise %g",
+			x->target.what, o, i, from, bounds[i], noise);
 		if (bounds[i] > 0)
 			x->worst = fmax(x->worst, off / bounds[i]);
 	}
@@ -232,12 +235,14 @@ START_TEST(no_bound)
 	x->v.in[1][1] = x->kind->options.precision == RNEAGEN_F32 ? 1e30 : 1e200;
 	x->v.in_f32[1][1] = 1e30f;
 	run(x);
-	ck_assert_msg(!isfinite(x->bounds[1]) || x->kind->options.precision == RNEAGEN_MIXED, "%s: the bound of a torque", x->target.what);
+	ck_assert_msg(!isfinite(x->bounds[1]) || x->kind->options.precision == RNEAGEN_MIXED,
+		"%s: the bound of a torque", x->target.what);
 	x->v.in[0][1] = (double)NAN;
 	x->v.in_f32[0][1] = NAN;
 	run(x);
 	for (int i = 0; i < total_rows(x); i++)
-		ck_assert_msg(isfinite(x->bounds[i]) == isfinite(x->v.got[i < 7 ? TAU : 1 + (i - 7) / 49][i < 7 ? i : (i - 7) % 49]),
+		ck_assert_msg(isfinite(x->bounds[i]) ==
+			isfinite(x->v.got[i < 7 ? TAU : 1 + (i - 7) / 49][i < 7 ? i : (i - 7) % 49]),
 			"%s: bound %d is %g", x->target.what, i, x->bounds[i]);
 	fixture_close(x);
 	free(x);

@@ -130,7 +130,8 @@ static void compute(struct fixture *x, const struct variant *v)
 		ck_assert(eval_f32(d, (const float *[]){x->in_f32[0], x->in_f32[1], x->in_f32[2], NULL},
 			(float *[]){NULL, NULL, NULL, x->tau_f32}, NULL));
 	else
-		ck_assert(eval_f64(d, (const double *[]){x->q, x->qd, x->qdd, NULL}, (double *[]){NULL, NULL, NULL, x->tau}, NULL));
+		ck_assert(eval_f64(d, (const double *[]){x->q, x->qd, x->qdd, NULL},
+			(double *[]){NULL, NULL, NULL, x->tau}, NULL));
 	for (int i = 0; i < x->model.tree.nv; i++)
 		if (v->options.precision == RNEAGEN_F32)
 			x->tau[i] = (double)x->tau_f32[i];
@@ -138,7 +139,8 @@ static void compute(struct fixture *x, const struct variant *v)
 			x->tau[i] = (double)(float)x->tau[i];
 }
 
-/* The largest error of the sample; each torque's within its bound, but for the reference's rounding and what is not the text's. */
+/* The largest error of the sample; each torque's within its bound, but for the reference's rounding and what is not the
+   text's. */
 static double judge(struct fixture *x, struct variant *v, const char *how, double unit)
 {
 	double largest = 0;
@@ -229,7 +231,8 @@ END_TEST
 START_TEST(unknown)
 {
 	static const struct { double q, qd; int variant; } cases[] = {
-		{1e5, 0, 2}, {3.2, 0, 3}, {(double)NAN, 0, 0}, {1, (double)INFINITY, 4}, {1, 1e30, 0}, {1, 1e30, 6}, {1, 1e200, 4}};
+		{1e5, 0, 2}, {3.2, 0, 3}, {(double)NAN, 0, 0}, {1, (double)INFINITY, 4}, {1, 1e30, 0},
+		{1, 1e30, 6}, {1, 1e200, 4}};
 	struct fixture x;
 
 	fixture_open(&x, TEST_DIR "/robots/ur5.urdf", "ur5", 0);

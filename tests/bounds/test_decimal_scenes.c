@@ -140,7 +140,8 @@ static void judge(struct fixture *x, const char *how)
 	for (int i = 0; i < x->a.tree.nv; i++) {
 		double error = (double)fabsq((__float128)x->tau[i] - x->exact[i]);
 
-		ck_assert_msg(error <= x->bound[i], "%s, %s: torque %d is off by %g, bound %g", x->c->name, how, i, error, x->bound[i]);
+		ck_assert_msg(error <= x->bound[i], "%s, %s: torque %d is off by %g, bound %g", x->c->name, how, i,
+			error, x->bound[i]);
 		if (x->bound[i] > 0)
 			x->share = fmax(x->share, error / x->bound[i]);
 	}

@@ -116,8 +116,8 @@ START_TEST(drawn)
 
 		x = (struct fixture){0};
 		check_case(&x, c, &KINDS[k]);
-		printf("%-10s %-13s %d bounds, %d broken; error at most %.2g of a bound\n", c->name, KINDS[k].name, x.bounds, x.broken,
-			x.share);
+		printf("%-10s %-13s %d bounds, %d broken; error at most %.2g of a bound\n", c->name, KINDS[k].name,
+			x.bounds, x.broken, x.share);
 		broken += x.broken;
 	}
 	ck_assert_msg(!broken, "%s: %d bounds are broken", c->name, broken);

@@ -53,7 +53,8 @@ static void compute(struct varied *x, const struct variant *v)
 	ck_assert(f32 ? eval_f32(d, narrow.in, narrow.out, &terms) : eval_f64(d, p.in, p.out, &terms));
 	for (int o = 0; o < OUTPUTS; o++)
 		for (int i = 0; i < varied_rows(x, o); i++)
-			x->got[o][i] = f32 ? (double)x->got_f32[o][i] : v->options.precision == RNEAGEN_MIXED ? (double)(float)x->got[o][i] : x->got[o][i];
+			x->got[o][i] = f32 ? (double)x->got_f32[o][i] : v->options.precision == RNEAGEN_MIXED
+				? (double)(float)x->got[o][i] : x->got[o][i];
 }
 
 static double distance(double a, __float128 b)
@@ -64,16 +65,19 @@ static double distance(double a, __float128 b)
 /* An element within its bound; `got` has been rounded to double. Where it overflows the bound says so. */
 static void judge_element(const struct varied *x, struct variant *v, int o, int i, const char *how)
 {
-	double bound = x->bound[o][i] + (how == WORST ? 0x1p-53 * fabs(x->got[o][i]) + DBL_TRUE_MIN : 0), off = distance(x->got[o][i], x->exact[o][i]);
+	double bound = x->bound[o][i] + (how == WORST ? 0x1p-53 * fabs(x->got[o][i]) + DBL_TRUE_MIN : 0),
+		off = distance(x->got[o][i], x->exact[o][i]);
 	int row = o == TAU ? i : i / x->nv;
 
 	if (!isfinite(x->got[o][i])) {
 		ck_assert_msg(isinf(bound), "%s, %s: %s %d is %g, bound %g", x->what, v->name, NAMES[o], i, x->got[o][i], bound);
 		return;
 	}
-	ck_assert_msg(off <= bound, "%s, %s, %s: %s %d is %g off the DAG's, bound %g", x->what, v->name, how, NAMES[o], i, off, bound);
-	ck_assert_msg(distance(x->got[o][i], x->want[o][i]) <= bound + x->noise[row], "%s, %s, %s: %s %d is %g off, bound %g and noise %g (%.17g, not %.17g)",
-		x->what, v->name, how, NAMES[o], i, distance(x->got[o][i], x->want[o][i]), bound, x->noise[row], x->got[o][i], (double)x->want[o][i]);
+	ck_assert_msg(off <= bound, "%s, %s, %s: %s %d is %g off the DAG's, bound %g", x->what, v->name, how,
+		NAMES[o], i, off, bound);
+	ck_assert_msg(distance(x->got[o][i], x->want[o][i]) <= bound + x->noise[row],
+		"%s, %s, %s: %s %d is %g off, bound %g and noise %g (%.17g, not %.17g)", x->what, v->name, how, NAMES[o], i,
+		distance(x->got[o][i], x->want[o][i]), bound, x->noise[row], x->got[o][i], (double)x->want[o][i]);
 	if (bound > 0)
 		v->share = fmax(v->share, off / bound);
 }
@@ -102,8 +106,9 @@ static void note_bounds(const struct varied *x, struct variant *v)
 		more = varied_half_units(x, o, out->row) + 1e-30;
 		if (x->size[i] > 1e-30)
 			v->most = fmax(v->most, (bound - more) / (unit * x->size[i]));
-		ck_assert_msg(bound <= CEILING * unit * x->size[i] + more, "%s, %s: the bound %g of %s %d is %g times the rounding of its terms",
-			x->what, v->name, bound, NAMES[o], out->row, bound / (unit * x->size[i]));
+		ck_assert_msg(bound <= CEILING * unit * x->size[i] + more,
+			"%s, %s: the bound %g of %s %d is %g times the rounding of its terms", x->what, v->name, bound, NAMES[o],
+			out->row, bound / (unit * x->size[i]));
 	}
 }
 

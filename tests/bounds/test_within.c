@@ -68,7 +68,8 @@ END_TEST
 /* Any decimal that is read as the same double. */
 START_TEST(of_doubles)
 {
-	static const char *const texts[] = {"-9.81", "-9.8100000000000001", "-9.81000000000000138", "-9.8099999999999996", "1.62"};
+	static const char *const texts[] = {"-9.81", "-9.8100000000000001", "-9.81000000000000138",
+		"-9.8099999999999996", "1.62"};
 
 	for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
 		struct pair p = {within_double(strtod(texts[i], NULL)), strtoflt128(texts[i], NULL)};
@@ -157,7 +158,8 @@ START_TEST(stays_exact)
 	const struct within a = within_exact(0.75L), b = within_exact(-3), tiny = within_exact(LDBL_MIN), c = read("0.3").near;
 
 	ck_assert(within_add(a, b).e == 0 && within_sub(a, b).e == 0 && within_mul(a, b).e == 0 && within_div(b, a).e == 0);
-	ck_assert(within_sqrt(within_exact(2.25L)).e == 0 && within_sin(within_exact(0)).e == 0 && within_cos(within_exact(0)).e == 0);
+	ck_assert(within_sqrt(within_exact(2.25L)).e == 0 && within_sin(within_exact(0)).e == 0 &&
+		within_cos(within_exact(0)).e == 0);
 	ck_assert(within_div(a, b).e == 0 && within_div(within_exact(1), b).e > 0 && within_sqrt(within_exact(2)).e > 0);
 	ck_assert(within_mul(tiny, within_exact(0.3L)).e > 0 && isinf(within_error(within_div(a, within_sub(c, c)))));
 }

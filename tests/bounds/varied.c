@@ -157,7 +157,8 @@ static void evaluate_exact(struct varied *x)
 }
 
 /* What the reference's differences may be off in row i of anything: a part of the magnitudes with a unit more of every rate,
-   position and acceleration, which is above all derivatives by them. Constants that are taken for equal, or zero, are among it. */
+   position and acceleration, which is above all derivatives by them. Constants that are taken for equal, or zero, are among
+   it. */
 static void refer_noise(struct varied *x)
 {
 	double more[STATE][ROWS], size[ROWS];

@@ -7,6 +7,7 @@
 #include "support/rng.h"
 
 /* in[k] are the rows of argument k, out[k] those of an output. */
-void worst_evaluate(const struct dag *d, const struct eval_model *m, struct rng *rng, const double *const *in, double *const *out);
+void worst_evaluate(const struct dag *d, const struct eval_model *m, struct rng *rng, const double *const *in,
+	double *const *out);
 
 #endif

@@ -53,8 +53,8 @@ static const struct row rules[] = {
 	/* what is not touched: no re-association, nothing distributed, products of products as they came */
 	{"+ + x y z", "+ z + x y"}, {"+ x + y z", "+ x + y z"}, {"+ 2 + 3 x", "+ 2 + 3 x"}, {"- - x y y", "- - x y y"},
 	{"- + x y x", "- + x y x"}, {"+ - x y y", "+ y - x y"}, {"* * x y z", "* z * x y"}, {"* x * y z", "* x * y z"},
-	{"* * 2 x * 3 y", "* * 2 x * 3 y"}, {"* x * 2 y", "* x * 2 y"}, {"* 2 + 3 x", "* 2 + 3 x"}, {"+ * x y * x z", "+ * x y * x z"},
-	{"+ * 2 x * 3 x", "+ * 2 x * 3 x"}, {"- + 2 x 2", "- + 2 x 2"},
+	{"* * 2 x * 3 y", "* * 2 x * 3 y"}, {"* x * 2 y", "* x * 2 y"}, {"* 2 + 3 x", "* 2 + 3 x"},
+	{"+ * x y * x z", "+ * x y * x z"}, {"+ * 2 x * 3 x", "+ * 2 x * 3 x"}, {"- + 2 x 2", "- + 2 x 2"},
 	/* sine and cosine */
 	{"s x", "s x"}, {"c x", "c x"}, {"s n x", "n s x"}, {"c n x", "c x"}, {"+ * s x s x * c x c x", "+ * s x s x * c x c x"},
 	/* a*b + c is kept as it is, a and b in order */
@@ -314,7 +314,8 @@ static struct within numbered(struct ref r)
 /* Of two that may be the same, that which is known better; two that cannot be are two. */
 START_TEST(what_may_be_the_same_is)
 {
-	const struct within coarse = {0.1L, 0.1L, 1e-12L}, fine = {0.1L, 0.1L + 1e-14L, 1e-15L}, other = {0.1L, 0.1L + 1e-9L, 1e-15L};
+	const struct within coarse = {0.1L, 0.1L, 1e-12L}, fine = {0.1L, 0.1L + 1e-14L, 1e-15L},
+		other = {0.1L, 0.1L + 1e-9L, 1e-15L};
 	struct ref a = dag_within(&dag, coarse);
 	size_t count = dag.count;
 
@@ -334,7 +335,8 @@ END_TEST
 /* Folding carries what its operands are off; taken for zero is zero; a factor that cannot be one stays. */
 START_TEST(folding_carries_errors)
 {
-	const struct within tenth = {0.1L, 0.1L, 1e-20L}, fifth = {0.23L, 0.23L, 2e-20L}, almost = {1, 1 + 1e-17L, 1e-19L}, one = {1, 1, 1e-19L};
+	const struct within tenth = {0.1L, 0.1L, 1e-20L}, fifth = {0.23L, 0.23L, 2e-20L}, almost = {1, 1 + 1e-17L, 1e-19L},
+		one = {1, 1, 1e-19L};
 	struct ref x = dag_input(&dag, 0, 0), a = dag_within(&dag, tenth), b = dag_within(&dag, fifth);
 
 	ck_assert(numbered(dag_add(&dag, a, b)).e >= 3e-20L && numbered(dag_sub(&dag, b, a)).e >= 3e-20L);

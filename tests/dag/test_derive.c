@@ -53,7 +53,8 @@ START_TEST(test_rules)
 	dag_output(&d, 1, 1, bar[in.i]);
 	ck_assert(eval_real(&d, (const real *[]){&AT, NULL}, (real *[]){NULL, out}, NULL));
 	for (int i = 0; i < 2; i++)
-		ck_assert_msg(fabsl(out[i] - slope) < 1e-11L, "%s: %.15Lg, not %.15Lg", i ? "backwards" : "forwards", out[i], slope);
+		ck_assert_msg(fabsl(out[i] - slope) < 1e-11L, "%s: %.15Lg, not %.15Lg",
+			i ? "backwards" : "forwards", out[i], slope);
 	arena_free(&a);
 }
 END_TEST

@@ -215,7 +215,8 @@ START_TEST(underflow)
 		dag_argument(&d, "out", OUTPUTS, 1);
 		for (int i = 0; i < OUTPUTS; i++) {
 			struct ref x = dag_mul(&d, dag_input(&d, 0, i % INPUTS), dag_input(&d, 0, (i + 1) % INPUTS));
-			struct ref y = dag_mul(&d, dag_const(&d, random_constant(&rng) * (real)scale), dag_input(&d, 0, i % INPUTS));
+			struct ref y = dag_mul(&d, dag_const(&d, random_constant(&rng) * (real)scale),
+				dag_input(&d, 0, i % INPUTS));
 
 			dag_output(&d, 1, i, i % 2 ? dag_add(&d, x, y) : dag_fma(&d, dag_input(&d, 0, 3), y, x));
 		}
@@ -260,10 +261,11 @@ static const struct by_hand {
 	const char *expression;
 	double value, size, bound; /* of x y z w = 3 0.5 -2 0.25 in f64; bound in units of 2^-53 */
 } by_hand[] = {
-	{"x", 3, 3, 0}, {"n x", -3, 3, 0}, {"2", 2, 2, 0}, {"+ x z", 1, 5, 1}, {"- x z", 5, 5, 4}, {"* x z", -6, 6, 0}, {"* x x", 9, 9, 8},
-	{"+ * x y * z w", 1, 2, 1}, {"+ * x x * x x", 18, 18, 16 + 8 + 8}, {"f x y z", -0.5, 3.5, 0.5}, {"f x x z", 7, 11, 8 + 4},
-	{"* + x y - y w", 0.875, 2.625, 0.5 + 3.5 * 0.25 + 2 * 0.25},
-	{"0.1", 0.1, 0.1, 0.04999}, {"* 0.1 x", 0.3, 0.3, 0.25 + 0.14997}, {"s 0", 0, 0, 0}, {"c + x z", 0.5403023058681398, 0.54, 2 * 0.5 + 0.8415},
+	{"x", 3, 3, 0}, {"n x", -3, 3, 0}, {"2", 2, 2, 0}, {"+ x z", 1, 5, 1}, {"- x z", 5, 5, 4}, {"* x z", -6, 6, 0},
+	{"* x x", 9, 9, 8}, {"+ * x y * z w", 1, 2, 1}, {"+ * x x * x x", 18, 18, 16 + 8 + 8}, {"f x y z", -0.5, 3.5, 0.5},
+	{"f x x z", 7, 11, 8 + 4}, {"* + x y - y w", 0.875, 2.625, 0.5 + 3.5 * 0.25 + 2 * 0.25},
+	{"0.1", 0.1, 0.1, 0.04999}, {"* 0.1 x", 0.3, 0.3, 0.25 + 0.14997}, {"s 0", 0, 0, 0},
+	{"c + x z", 0.5403023058681398, 0.54, 2 * 0.5 + 0.8415},
 };
 
 START_TEST(terms_by_hand)
@@ -280,8 +282,8 @@ START_TEST(terms_by_hand)
 	ck_assert(eval_f64(&d, (const double *[]){x, NULL}, (double *[]){NULL, &out}, &(struct eval_terms){&size, &bound}));
 	ck_assert_msg(fabs(out - h->value) < 1e-15, "%s: %.17g", h->expression, out);
 	ck_assert_msg(fabs(size - h->size) < 1e-3, "%s: size %g", h->expression, size);
-	ck_assert_msg(bound >= h->bound * 0x1p-53 * 0.9999 && bound <= h->bound * 0x1p-53 * 1.001 + 0x1p-1000, "%s: bound %g units",
-		h->expression, bound * 0x1p53);
+	ck_assert_msg(bound >= h->bound * 0x1p-53 * 0.9999 && bound <= h->bound * 0x1p-53 * 1.001 + 0x1p-1000,
+		"%s: bound %g units", h->expression, bound * 0x1p53);
 	ck_assert(eval_f64(&d, (const double *[]){x, NULL}, (double *[]){NULL, &out}, NULL));
 	ck_assert_msg(fabs(out - h->value) < 1e-15, "%s: %.17g", h->expression, out);
 	arena_free(&a);
@@ -343,7 +345,8 @@ START_TEST(failure_is_sticky)
 		arena_init(&a, &allocator);
 		expression_init(&d, &a);
 		for (int i = 0; i < 20000; i++)
-			dag_add(&d, dag_const(&d, random_constant(&rng)), dag_mul(&d, dag_input(&d, 0, i), dag_input(&d, 0, i + 1)));
+			dag_add(&d, dag_const(&d, random_constant(&rng)),
+				dag_mul(&d, dag_input(&d, 0, i), dag_input(&d, 0, i + 1)));
 		x = expression_build(&d, "+ x * y z");
 		dag_section(&d, SECTION_END, 0);
 		complete = !d.failed;

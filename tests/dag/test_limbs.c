@@ -1,5 +1,5 @@
-/* Plans shared out among warps, run by rules alone: what a warp reads it has made itself or fetched from a slot that held it before the
-   last wait, no slot is written while another warp may read it, each output is stored once. */
+/* Plans shared out among warps, run by rules alone: what a warp reads it has made itself or fetched from a slot that held it
+   before the last wait, no slot is written while another warp may read it, each output is stored once. */
 #include "passes/analysis.h"
 #include "plan/limbs.h"
 #include "support/model.h"
@@ -13,7 +13,8 @@
 enum { RANDOM_ROBOTS = 60, MOST_LINKS = 16, MOST_PHASES = 16 };
 
 static const char *const ROBOTS[] = {"iiwa14", "hyq", "double_pendulum", "mimic_chain", "atlas"};
-static const char *const SCENES[] = {"", "fold qdd = 0", "fold qd = 0", "want dtau_dq, dtau_dqd", "want M, tau", "free gravity", "want qdd"};
+static const char *const SCENES[] = {"", "fold qdd = 0", "fold qd = 0", "want dtau_dq, dtau_dqd", "want M, tau",
+	"free gravity", "want qdd"};
 enum { ROBOT_COUNT = sizeof ROBOTS / sizeof *ROBOTS, SCENE_COUNT = sizeof SCENES / sizeof *SCENES, ATLAS_SCENES = 2 };
 
 /* A slot: by phase, the node that is written (0: none), by which warp, and whether another warp reads it. */
@@ -102,7 +103,8 @@ static void run_writes(const struct checked *x, int warp)
 		default: /* inputs, and what it fetches */
 			x->has[l->value.i] = 1;
 		}
-	ck_assert_msg(phase + 1 == x->limbs->phases, "%s: warp %d waits %d times in %d phases", x->what, warp, phase, x->limbs->phases);
+	ck_assert_msg(phase + 1 == x->limbs->phases, "%s: warp %d waits %d times in %d phases", x->what, warp, phase,
+		x->limbs->phases);
 }
 
 /* What is fetched was left in an earlier phase, and nothing else since; not even in this one. */
@@ -118,21 +120,24 @@ static void run_fetches(const struct checked *x, int warp)
 		phase += l->kind == LINE_JOIN;
 		if (l->kind != LINE_FETCH)
 			continue;
-		ck_assert_msg(!cell(x, l->index, phase)->written, "%s: slot %zu of %s is written while warp %d fetches it, in phase %d", x->what,
-			l->index, name, warp, phase);
+		ck_assert_msg(!cell(x, l->index, phase)->written,
+			"%s: slot %zu of %s is written while warp %d fetches it, in phase %d", x->what, l->index,
+			name, warp, phase);
 		while (before >= 0 && !cell(x, l->index, before)->written)
 			before--;
-		ck_assert_msg(before >= 0, "%s: warp %d fetches %s from slot %zu, which nothing was left in", x->what, warp, name, l->index);
-		ck_assert_msg(cell(x, l->index, before)->written == l->value.i, "%s: warp %d fetches %s from slot %zu, where %s is", x->what, warp, name,
-			l->index, x->whole->names[cell(x, l->index, before)->written]);
+		ck_assert_msg(before >= 0, "%s: warp %d fetches %s from slot %zu, which nothing was left in", x->what,
+			warp, name, l->index);
+		ck_assert_msg(cell(x, l->index, before)->written == l->value.i,
+			"%s: warp %d fetches %s from slot %zu, where %s is", x->what, warp, name, l->index,
+			x->whole->names[cell(x, l->index, before)->written]);
 	}
 }
 
 static void check_limbs(const struct plan *p, const struct limbs *s, const char *what, struct arena *a)
 {
 	struct checked x = {.whole = p, .limbs = s, .what = what,
-		.cells = arena_alloc(a, (size_t)(s->slots + 1) * MOST_PHASES, sizeof *x.cells), .has = arena_alloc(a, p->dag->count, 1),
-		.stored = arena_alloc(a, p->dag->output_count, sizeof *x.stored)};
+		.cells = arena_alloc(a, (size_t)(s->slots + 1) * MOST_PHASES, sizeof *x.cells),
+		.has = arena_alloc(a, p->dag->count, 1), .stored = arena_alloc(a, p->dag->output_count, sizeof *x.stored)};
 
 	for (int w = 0; w < s->warps; w++)
 		run_writes(&x, w);
@@ -189,7 +194,8 @@ START_TEST(test_robots)
 
 	o.scene = SCENES[_i / ROBOT_COUNT];
 	if (strcmp(name, "atlas") || _i / ROBOT_COUNT < ATLAS_SCENES)
-		ck_assert_msg(check_text(urdf, length, &o, name, 4, 16) || strstr(o.scene, "fold") || !strcmp(name, "double_pendulum"), "%s, scene '%s': no schedule", name, o.scene);
+		ck_assert_msg(check_text(urdf, length, &o, name, 4, 16) || strstr(o.scene, "fold") ||
+			!strcmp(name, "double_pendulum"), "%s, scene '%s': no schedule", name, o.scene);
 	free(urdf);
 }
 END_TEST

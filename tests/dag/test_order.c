@@ -1,5 +1,5 @@
-/* Plans in an order in which fewer values wait, by rules alone: each value is made before it is read, each output is stored once and is
-   the same expression, and fewer values wait at once. What has an order of its own keeps it. */
+/* Plans in an order in which fewer values wait, by rules alone: each value is made before it is read, each output is stored once
+   and is the same expression, and fewer values wait at once. What has an order of its own keeps it. */
 #include "passes/analysis.h"
 #include "plan/plan.h"
 #include "support/model.h"
@@ -48,10 +48,12 @@ static void expect_same_outputs(const struct dag *before, const struct dag *afte
 {
 	uint32_t *same = calloc(before->count, sizeof *same);
 
-	ck_assert_msg(before->output_count == after->output_count, "%s: %zu outputs, not %zu", what, after->output_count, before->output_count);
+	ck_assert_msg(before->output_count == after->output_count, "%s: %zu outputs, not %zu", what, after->output_count,
+		before->output_count);
 	for (size_t i = 0; i < before->output_count && same; i++)
-		ck_assert_msg(is_same(before, before->outputs[i].value, after, stored(after, &before->outputs[i]), same), "%s: row %d of %s is another one",
-			what, before->outputs[i].row, before->arguments[before->outputs[i].argument].name);
+		ck_assert_msg(is_same(before, before->outputs[i].value, after, stored(after, &before->outputs[i]), same),
+			"%s: row %d of %s is another one", what, before->outputs[i].row,
+			before->arguments[before->outputs[i].argument].name);
 	free(same);
 }
 

@@ -174,7 +174,8 @@ enum rneagen_code forward_case_evaluate(struct forward_case *f)
 	f->nv = f->m.tree.nv;
 	for (int i = 0; i < f->m.tree.joint_count; i++)
 		for (int k = 0; k < f->m.tree.joints[i].nv; k++)
-			f->from[f->m.tree.joints[i].iv + k] = f->c->r->joints[entry_named(f->c->r, f->m.tree.joints[i].name)].iv + k;
+			f->from[f->m.tree.joints[i].iv + k] = f->c->r->joints[entry_named(f->c->r, f->m.tree.joints[i].name)].iv +
+				k;
 	evaluate(f);
 	return code;
 }

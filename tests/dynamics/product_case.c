@@ -59,8 +59,8 @@ void draw_others(struct drawn_case *x, const struct tree *t)
 /* Up to four of all words; L and J stand for a link and a joint. */
 void draw_set(struct drawn_case *x, const struct tree *t)
 {
-	static const char *const both[] = {"gravity", "bias", "wrench.J", "twist.L", "accel.L", "power", "kinetic", "potential", "regressor", "M",
-		"dtau_dq", "dtau_dqd", "pose.L", "jacobian.L", "djacobian.L", "com", "vcom", "com_jacobian",
+	static const char *const both[] = {"gravity", "bias", "wrench.J", "twist.L", "accel.L", "power", "kinetic", "potential",
+		"regressor", "M", "dtau_dq", "dtau_dqd", "pose.L", "jacobian.L", "djacobian.L", "com", "vcom", "com_jacobian",
 		"momentum", "momentum_matrix", "dmomentum", "coriolis", "opspace_inv.L"};
 	static const char *const forward[] = {"qdd", "Minv", "dqdd_dq", "dqdd_dqd"}, *const inverse[] = {"tau"};
 	const char *words[MOST_WORDS];
@@ -81,8 +81,8 @@ void draw_set(struct drawn_case *x, const struct tree *t)
 			name = a_link(x, t);
 		if (point && point[1] == 'J')
 			name = t->bodies[rng_below(&x->rng, t->body_count)].joint;
-		say(x->of, sizeof x->of, "%s%.*s%s", *x->of ? "," : "", (int)(point ? point + 1 - word : (long)strlen(word)), word,
-			point && !*name ? "base" : name);
+		say(x->of, sizeof x->of, "%s%.*s%s", *x->of ? "," : "", (int)(point ? point + 1 - word : (long)strlen(word)),
+			word, point && !*name ? "base" : name);
 	}
 	if (x->is_forward && !strstr(x->of, "qdd") && !strstr(x->of, "Minv"))
 		say(x->of, sizeof x->of, ",qdd");
@@ -103,7 +103,8 @@ static void draw_given(struct drawn_case *x, const struct argument *a)
 	}
 	if (a->role == ROLE_LINK_MASS || a->role == ROLE_LINK_INERTIA || a->role == ROLE_LINK_PAYLOAD)
 		for (int i = 0; i < a->rows; i++)
-			g->at[i] = i == 0 ? rng_uniform(&x->rng, 1, 2) : i == 4 || i == 7 || i == 9 ? rng_uniform(&x->rng, 2, 3) : g->at[i] / 10;
+			g->at[i] = i == 0 ? rng_uniform(&x->rng, 1, 2) : i == 4 || i == 7 ||
+				i == 9 ? rng_uniform(&x->rng, 2, 3) : g->at[i] / 10;
 }
 
 /* (u, s) o (w, 0)/2 */

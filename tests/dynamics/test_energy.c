@@ -55,7 +55,8 @@ static void rate(struct rollout *r, const double *x, double *dx)
 	const double *q = x, *qd = x + r->nq;
 	double kinetic, potential;
 
-	ck_assert(eval_f64(&r->m.dag, (const double *[]){q, qd, NULL, NULL, NULL}, (double *[]){NULL, NULL, dx + r->nq, &kinetic, &potential}, NULL));
+	ck_assert(eval_f64(&r->m.dag, (const double *[]){q, qd, NULL, NULL, NULL},
+		(double *[]){NULL, NULL, dx + r->nq, &kinetic, &potential}, NULL));
 	r->energy = kinetic + potential;
 	for (int i = 0; i < r->m.tree.joint_count; i++) {
 		const struct tree_joint *k = &r->m.tree.joints[i];
@@ -140,9 +141,11 @@ static void roll_out(struct rollout *r, const struct subject *s, const char *wha
 			whole += drift(r, start[k], s->seconds, s->steps, order);
 			half += drift(r, start[k], s->seconds, 2 * s->steps, order);
 		}
-		printf("%s, order %d: %.1e J, %.1e J by half the step: %.1f times less\n", what, order, whole, half, whole / half);
+		printf("%s, order %d: %.1e J, %.1e J by half the step: %.1f times less\n", what, order, whole,
+			half, whole / half);
 		ck_assert_msg(whole > 1e-13, "%s, order %d: %g J is rounding: take larger steps", what, order, whole);
-		ck_assert_msg(half < 1.25 * whole / (1 << order), "%s, order %d: %g J, and %g J by half the step", what, order, whole, half);
+		ck_assert_msg(half < 1.25 * whole / (1 << order), "%s, order %d: %g J, and %g J by half the step", what,
+			order, whole, half);
 	}
 }
 
@@ -158,7 +161,8 @@ START_TEST(energy)
 
 	ck_assert(r != NULL);
 	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, s->name);
-	snprintf(scene, sizeof scene, "want qdd,kinetic,potential\nfold tau=0\ndynamics %s\n", is_articulated ? "articulated" : "factor");
+	snprintf(scene, sizeof scene, "want qdd,kinetic,potential\nfold tau=0\ndynamics %s\n",
+		is_articulated ? "articulated" : "factor");
 	snprintf(what, sizeof what, "%s, %s", s->name, is_articulated ? "articulated" : "factor");
 	urdf = read_file(path, &length);
 	ck_assert_ptr_nonnull(urdf);

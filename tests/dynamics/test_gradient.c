@@ -98,8 +98,8 @@ static void evaluate(const struct probe *p, const real *v, real *const *out)
 
 static void compare(const struct probe *p, const char *name, int i, int j, real got, wide want, wide size)
 {
-	ck_assert_msg(fabs((double)(got - want)) <= TOLERANCE * (double)size, "%s: %s[%d][%d] is %.12Lg, not %.12Lg", p->what, name, i, j,
-		got, (real)want);
+	ck_assert_msg(fabs((double)(got - want)) <= TOLERANCE * (double)size, "%s: %s[%d][%d] is %.12Lg, not %.12Lg",
+		p->what, name, i, j, got, (real)want);
 }
 
 static void probe_open(struct probe *p, const char *urdf, struct rneagen_options *o, const char *scene, const char *what)
@@ -231,7 +231,8 @@ START_TEST(test_trees)
 }
 END_TEST
 
-static const char *const robots[] = {"iiwa14", "panda", "hyq", "planar_joint", "planar_tilted", "floating_joint", "mimic_chain", "prismatic_skew"};
+static const char *const robots[] = {"iiwa14", "panda", "hyq", "planar_joint", "planar_tilted", "floating_joint", "mimic_chain",
+	"prismatic_skew"};
 
 START_TEST(test_robots)
 {

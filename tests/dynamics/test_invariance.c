@@ -90,7 +90,8 @@ static struct robot split(const struct robot *r, struct arena *a, struct rng *rn
 		*j = (struct joint){.name = "fixed", .type = JOINT_FIXED, .parent = i, .child = s.link_count, .driver = -1};
 		for (int k = 0; k < 3; k++) {
 			j->xyz[k] = within_exact((real)rng_uniform(rng, -0.3, 0.3));
-			j->rpy[k] = within_exact((real)(rng_chance(rng, 0.5) ? rng_uniform(rng, -3, 3) : 1.5707963267948966 * rng_below(rng, 3)));
+			j->rpy[k] = within_exact((real)(rng_chance(rng, 0.5) ? rng_uniform(rng, -3, 3)
+				: 1.5707963267948966 * rng_below(rng, 3)));
 		}
 		s.links[s.link_count] = (struct link){.name = "part", .parent_joint = s.joint_count};
 		move_inertial(&s.links[s.link_count++], &s.links[i], j);
@@ -115,7 +116,8 @@ START_TEST(split_links)
 		torque_of(&model.dag[PASS_RNEA], &pose, &whole);
 		torque_of(&d, &pose, &parts);
 		for (int i = 0; i < pose.nv; i++)
-			check_near(parts.tau[i], whole.tau[i], NOISE * (real)fmax(whole.size[i], parts.size[i]), seed, i, "split");
+			check_near(parts.tau[i], whole.tau[i], NOISE * (real)fmax(whole.size[i], parts.size[i]),
+				seed, i, "split");
 		tear_down();
 	}
 }

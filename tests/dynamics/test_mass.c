@@ -34,7 +34,8 @@ struct subject {
 };
 
 /* Returns 0 where no joint is left. */
-static int subject_open(struct subject *s, const char *urdf, const struct rneagen_options *options, const char *lines, uint64_t seed)
+static int subject_open(struct subject *s, const char *urdf, const struct rneagen_options *options,
+	const char *lines, uint64_t seed)
 {
 	struct rneagen_options o = *options;
 	char scene[4096];
@@ -137,7 +138,8 @@ static void check_torque(struct subject *s)
 			sum += s->out[MASS][i * s->nv + j] * s->in[QDD][j];
 			most += (real)s->size[MASS][i * s->nv + j] * fabsl(s->in[QDD][j]);
 		}
-		ck_assert_msg(fabsl(sum) <= NOISE * most, "%s: row %d of M qdd + bias - tau is %Lg, of terms of %Lg", s->what, i, sum, most);
+		ck_assert_msg(fabsl(sum) <= NOISE * most, "%s: row %d of M qdd + bias - tau is %Lg, of terms of %Lg",
+			s->what, i, sum, most);
 	}
 }
 
@@ -227,7 +229,8 @@ static void check_jvp(const struct subject *s)
 			sum += s->out[matrix][at] * s->in[JVP_V][k];
 			most += (real)s->size[matrix][at] * fabsl(s->in[JVP_V][k]);
 		}
-		ck_assert_msg(fabsl(sum) <= NOISE * most, "%s: row %d of jvp differs by %Lg, of terms of %Lg", s->what, i, sum, most);
+		ck_assert_msg(fabsl(sum) <= NOISE * most, "%s: row %d of jvp differs by %Lg, of terms of %Lg",
+			s->what, i, sum, most);
 	}
 }
 
@@ -293,7 +296,8 @@ START_TEST(trees)
 		free(urdf);
 		free(s);
 	}
-	printf("trees of seeds 500 to %d: %d with a joint held; %d matrices positive definite\n", 500 + TREES - 1, held, definite);
+	printf("trees of seeds 500 to %d: %d with a joint held; %d matrices positive definite\n",
+		500 + TREES - 1, held, definite);
 	ck_assert(definite > TREES && held > TREES / 4);
 }
 END_TEST
@@ -308,7 +312,8 @@ static void make_singular(struct subject *s)
 {
 	for (int j = 0; j < s->reference->nj; j++)
 		if (s->reference->joints[j].nq == 1)
-			s->q[s->reference->joints[j].iq] = 1.5707963267948966 * (rng_below(&s->rng, 5) - 2) + rng_uniform(&s->rng, -1e-8, 1e-8);
+			s->q[s->reference->joints[j].iq] = 1.5707963267948966 * (rng_below(&s->rng, 5) - 2) +
+				rng_uniform(&s->rng, -1e-8, 1e-8);
 	settle(s);
 }
 

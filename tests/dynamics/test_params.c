@@ -1,11 +1,11 @@
-/* Torques by base parameters in frames of their own: against the independent reference, within the running bound, and with no more
-   operations than the URDF's constants take; of the robots from outside every fourth where not all is asked for. It would catch a
-   part of an inertia that is regrouped though it is felt, a frame whose turn, slide or links are not taken along, and a frame so far
-   away that it costs accuracy. */
+/* Torques by base parameters in frames of their own: against the independent reference, within the running bound, and with no
+   more operations than the URDF's constants take; of the robots from outside every fourth where not all is asked for. It would
+   catch a part of an inertia that is regrouped though it is felt, a frame whose turn, slide or links are not taken along, and a
+   frame so far away that it costs accuracy. */
 #define _POSIX_C_SOURCE 200809L
 #include "passes/search.h"
+#include "tally.h"
 #include "support/exhaustive.h"
-#include "support/model.h"
 #include "support/random_robot.h"
 #include "support/suite.h"
 #include <math.h>
@@ -15,24 +15,14 @@
 
 #define LIMIT_F64 5e-14
 #define LIMIT_F32 8e-6
-#define LIMIT_TERMS 4
 
 enum { SAMPLES = 100, RANDOM_ROBOTS = 60, RANDOM_SAMPLES = 8 };
 
-struct tally {
-	double f64, f32, terms, bound;
-	int count, real, seen;
-	long stated, base;
+struct cheaper {
+	struct tally errors;
+	int seen;
+	long stated, base; /* flops */
 };
-
-static void check_error(struct tally *t, const char *what, struct model_error e, double limit)
-{
-	ck_assert_msg(!t->real || e.max <= limit, "%s: relative error %g", what, e.max);
-	ck_assert_msg(e.terms <= LIMIT_TERMS, "%s: %g eps of the magnitudes summed", what, e.terms);
-	ck_assert_msg(e.bound <= 1, "%s: error is %g of its bound", what, e.bound);
-	t->terms = fmax(t->terms, e.terms);
-	t->bound = fmax(t->bound, e.bound);
-}
 
 static long flops_of(const struct dag *d)
 {
@@ -42,8 +32,8 @@ static long flops_of(const struct dag *d)
 }
 
 /* As the file states it and by base parameters. */
-static void check_model(struct tally *t, const char *urdf, size_t length, struct rneagen_options o, const char *what, uint64_t seed,
-	int samples)
+static void check_model(struct cheaper *t, const char *urdf, size_t length, struct rneagen_options o,
+	const char *what, uint64_t seed, int samples)
 {
 	struct model_error f64, f32;
 	struct model m;
@@ -58,24 +48,20 @@ static void check_model(struct tally *t, const char *urdf, size_t length, struct
 	ck_assert_msg(base <= stated, "%s: %ld flops, more than %ld", what, base, stated);
 	f64 = model_error_f64(&m, seed, samples);
 	f32 = model_error_f32(&m, seed + 1, samples);
-	check_error(t, what, f64, LIMIT_F64);
-	check_error(t, what, f32, LIMIT_F32);
-	t->f64 = fmax(t->f64, f64.max);
-	t->f32 = fmax(t->f32, f32.max);
+	tally_model(&t->errors, what, f64, f32, LIMIT_F64, LIMIT_F32);
 	t->stated += stated;
 	t->base += base;
-	t->count++;
 	model_close(&m);
 }
 
 static void check_robot(const char *path, const char *name, void *context)
 {
 	struct rneagen_options o = rneagen_options_default();
-	struct tally *t = context;
+	struct cheaper *t = context;
 	size_t length;
 	char *urdf;
 
-	if (t->real && !exhaustive() && t->seen++ % 4)
+	if (t->errors.real && !exhaustive() && t->seen++ % 4)
 		return;
 	if (!strncmp(name, "xfail_", 6) || !strncmp(name, "chain_", 6) || strstr(name, "brainco")) /* they take long */
 		return;
@@ -87,31 +73,31 @@ static void check_robot(const char *path, const char *name, void *context)
 	free(urdf);
 }
 
-static void report(const struct tally *t, const char *what)
+static void report(const struct cheaper *t, const char *what)
 {
 	printf("%d %s: %ld flops instead of %ld; worst f64 %.2e, f32 %.2e, %.2f eps of the magnitudes summed, %.2f of the running bound\n",
-		t->count, what, t->base, t->stated, t->f64, t->f32, t->terms, t->bound);
+		t->errors.count, what, t->base, t->stated, t->errors.f64, t->errors.f32, t->errors.terms, t->errors.bound);
 	ck_assert_int_lt(t->base, t->stated);
 }
 
 START_TEST(test_robots)
 {
 	const char *folder = _i ? getenv("RNEAGEN_ROBOTS") : TEST_DIR "/robots";
-	struct tally t = {.real = _i};
+	struct cheaper t = {.errors.real = _i};
 
 	if (!folder) {
 		printf("skipped: RNEAGEN_ROBOTS is not set\n");
 		return;
 	}
 	for_each_urdf(folder, check_robot, &t);
-	ck_assert_int_ge(t.count, _i ? 2 * 9 : 2 * 28);
+	ck_assert_int_ge(t.errors.count, _i ? 2 * 9 : 2 * 28);
 	report(&t, _i ? "models of real robots, seeds 11 and 12" : "models of own robots, seeds 11 and 12");
 }
 END_TEST
 
 START_TEST(test_random_trees)
 {
-	struct tally t = {0};
+	struct cheaper t = {.seen = 0};
 
 	for (uint64_t seed = 1; seed <= RANDOM_ROBOTS; seed++) {
 		struct random_robot_knobs knobs = random_robot_knobs(seed, 2 + (int)(seed % 16));
@@ -141,7 +127,8 @@ static char *nearly_parallel(void)
 		fprintf(f, "<link name='l%d'><inertial><origin xyz='0.05 0.01 0.02'/><mass value='0.3'/><inertia ixx='0.001' iyy='0.002' "
 			   "izz='0.0015' ixy='0.0001' ixz='0.0002' iyz='-0.0001'/></inertial></link>", i);
 		fprintf(f, "<joint name='j%d' type='continuous'><parent link='l%d'/><child link='l%d'/><origin xyz='0.1 0.02 0.03' rpy='%s 0 0'/>"
-			   "<axis xyz='%s 0 1'/></joint>", i, i - 1, i, i % 2 ? "0" : "1e-7", i == 6 ? "0.3" : i % 3 ? "0" : "1e-7");
+			   "<axis xyz='%s 0 1'/></joint>", i, i - 1, i, i % 2 ? "0" : "1e-7", i == 6 ? "0.3"
+				: i % 3 ? "0" : "1e-7");
 	}
 	fprintf(f, "</robot>");
 	fclose(f);
@@ -158,7 +145,7 @@ START_TEST(test_nearly_parallel)
 {
 	struct rneagen_options o = rneagen_options_default();
 	struct rneagen_error e = {0};
-	struct tally t = {.real = 1};
+	struct cheaper t = {.errors.real = 1};
 	struct restatement by[16] = {0};
 	char *urdf = nearly_parallel(), keeps[16] = {0};
 	struct model m;
@@ -195,21 +182,24 @@ static void check_restated(uint64_t seed)
 	for (int k = 0; k < m.tree.body_count; k++) {
 		const struct body *b = &m.tree.bodies[k];
 
-		by[k] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE, .regroup = (enum regroup)rng_below(&rng, REGROUP_COUNT)};
+		by[k] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE,
+			.regroup = (enum regroup)rng_below(&rng, REGROUP_COUNT)};
 		for (int i = 0; i < 3; i++)
 			if (restate_slides(b) && (i == b->axis || restate_floats(b)))
 				by[k].slide[i] = within_exact((real)rng_uniform(&rng, -1, 1));
 		if (restate_turns(b))
-			by[k].turn = turn_of((struct sum){within_exact((real)rng_uniform(&rng, -1, 1)), 1}, (struct sum){within_exact(1), 1});
+			by[k].turn = turn_of((struct sum){within_exact((real)rng_uniform(&rng, -1, 1)), 1},
+				(struct sum){within_exact(1), 1});
 		if (restate_turns(b) && !restate_floats(b))
-			by[k].ahead = turn_of((struct sum){within_exact((real)rng_uniform(&rng, -1, 1)), 1}, (struct sum){within_exact(1), 1});
+			by[k].ahead = turn_of((struct sum){within_exact((real)rng_uniform(&rng, -1, 1)), 1},
+				(struct sum){within_exact(1), 1});
 	}
 	ck_assert(tree_restate(&other, &m.tree, by, &m.arena));
 	dag_init(&m.dag[PASS_RNEA], &m.arena);
 	ALGORITHMS[PASS_RNEA]->build(&m.dag[PASS_RNEA], &other, &m.request);
 	e = model_error_f64(&m, seed, RANDOM_SAMPLES);
-	ck_assert_msg(e.terms <= LIMIT_TERMS && e.bound <= 1, "seed %llu: %g eps of the magnitudes, %g of the bound", (unsigned long long)seed,
-		e.terms, e.bound);
+	ck_assert_msg(e.terms <= LIMIT_TERMS && e.bound <= 1, "seed %llu: %g eps of the magnitudes, %g of the bound",
+		(unsigned long long)seed, e.terms, e.bound);
 	model_close(&m);
 	free(urdf);
 }

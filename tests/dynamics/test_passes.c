@@ -29,7 +29,8 @@ static void run_passes(const struct model *m)
 	ck_assert(eval_f64(&m->dag[PASS_FPASS], in, (double *[]){NULL, NULL, NULL, p.v, p.a, p.f},
 		&(struct eval_terms){.size = p.size}));
 	ck_assert(eval_f64(&m->dag[PASS_BPASS], back, (double *[]){NULL, NULL, p.halves}, NULL));
-	ck_assert(eval_f64(&m->dag[PASS_RNEA], in, (double *[]){NULL, NULL, NULL, p.whole}, &(struct eval_terms){.size = p.whole_size}));
+	ck_assert(eval_f64(&m->dag[PASS_RNEA], in, (double *[]){NULL, NULL, NULL, p.whole},
+		&(struct eval_terms){.size = p.whole_size}));
 }
 
 /* By the magnitudes summed for all three components: one can be a zero that stands for the noise of the file's numbers.
@@ -68,7 +69,8 @@ static double check_together(const struct model *m, const char *what)
 	for (int i = 0; i < m->tree.nv; i++) {
 		double off = fabs(p.whole[i] - p.halves[i]) / 0x1p-52;
 
-		ck_assert_msg(off <= LIMIT_TERMS * size[i], "%s: tau[%d]: %.17g whole, %.17g in halves", what, i, p.whole[i], p.halves[i]);
+		ck_assert_msg(off <= LIMIT_TERMS * size[i], "%s: tau[%d]: %.17g whole, %.17g in halves", what, i,
+			p.whole[i], p.halves[i]);
 		worst = size[i] > 0 && off / size[i] > worst ? off / size[i] : worst;
 	}
 	return worst;

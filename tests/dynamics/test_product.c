@@ -96,8 +96,8 @@ static void compare_jvp(struct drawn_case *x, const real *jvp)
 			most = fmaxl(most, fmaxl(fabsl(fine[i]), fabsl(value[i])));
 		for (int i = of[k]; i < of[k + 1]; i++)
 			ck_assert_msg(fabsl(jvp[i] - fine[i]) <= TOLERANCE * most + 10 * fabsl(fine[i] - rough[i]),
-				"%s: row %d of output %d of %s: jvp is %.12Lg, the difference %.12Lg; scene:\n%s", x->what, i - of[k], k, x->of, jvp[i],
-				fine[i], x->scene);
+				"%s: row %d of output %d of %s: jvp is %.12Lg, the difference %.12Lg; scene:\n%s", x->what,
+				i - of[k], k, x->of, jvp[i], fine[i], x->scene);
 	}
 	free(room);
 }
@@ -122,7 +122,8 @@ static void compare_vjp(struct drawn_case *x, const real *out, const int *of)
 		}
 		k++;
 	}
-	ck_assert_msg(fabsl(sum) <= 1e-11L * size, "%s: vjp of %s differs from jvp by %Lg of %Lg; scene:\n%s", x->what, x->of, sum, size, x->scene);
+	ck_assert_msg(fabsl(sum) <= 1e-11L * size, "%s: vjp of %s differs from jvp by %Lg of %Lg; scene:\n%s", x->what, x->of,
+		sum, size, x->scene);
 }
 
 static void check_case(struct drawn_case *x)
@@ -153,8 +154,8 @@ static void say_by(struct drawn_case *x, char *to, size_t room)
 		say(to, room, "by %s\n", k->pushes[i].word);
 }
 
-/* The text of the outputs, and that of their products, which stores some of them too. Returns 0 where M is singular, or nothing has a
-   mass. */
+/* The text of the outputs, and that of their products, which stores some of them too. Returns 0 where M is singular, or nothing
+   has a mass. */
 static int open_both(struct drawn_case *x)
 {
 	char scene[4096] = "";
@@ -163,15 +164,18 @@ static int open_both(struct drawn_case *x)
 	say(scene, sizeof scene, "%swant %s\n", x->scene, x->of);
 	x->options.scene = scene;
 	code = scene_open(&x->values, x->urdf, &x->options);
-	ck_assert_msg(!code || code == RNEAGEN_TREE || strstr(x->values.error.message, "nothing that moves has a mass"), "%s: %s; scene:\n%s", x->what, x->values.error.message, scene);
+	ck_assert_msg(!code || code == RNEAGEN_TREE || strstr(x->values.error.message, "nothing that moves has a mass"),
+		"%s: %s; scene:\n%s", x->what, x->values.error.message, scene);
 	if (code)
 		return 0;
 	*scene = '\0';
 	say(scene, sizeof scene, "%sjvp %s\nvjp %s\n", x->scene, x->of, x->of);
 	if (rng_chance(&x->rng, 0.5))
-		say(scene, sizeof scene, "want kinetic,%.*s\n", (int)strcspn(x->of, ","), strncmp(x->of, "kinetic", 7) ? x->of : "M");
+		say(scene, sizeof scene, "want kinetic,%.*s\n", (int)strcspn(x->of, ","),
+			strncmp(x->of, "kinetic", 7) ? x->of : "M");
 	say_by(x, scene, sizeof scene);
-	ck_assert_msg(!scene_open(&x->products, x->urdf, &x->options), "%s: %s; scene:\n%s", x->what, x->products.error.message, scene);
+	ck_assert_msg(!scene_open(&x->products, x->urdf, &x->options), "%s: %s; scene:\n%s", x->what,
+		x->products.error.message, scene);
 	return 1;
 }
 
@@ -182,7 +186,8 @@ static int check_drawn(const char *urdf, enum rneagen_base base, uint64_t seed, 
 	struct scene_model plain;
 	int is_open;
 
-	*x = (struct drawn_case){.rng = rng_seed(seed), .what = what, .urdf = urdf, .options = rneagen_options_default(), .is_forward = is_forward};
+	*x = (struct drawn_case){.rng = rng_seed(seed), .what = what, .urdf = urdf, .options = rneagen_options_default(),
+		.is_forward = is_forward};
 	x->options.base = base;
 	x->by_all = rng_chance(&x->rng, 0.7);
 	is_open = !scene_open(&plain, urdf, &x->options);
@@ -212,7 +217,8 @@ START_TEST(trees)
 }
 END_TEST
 
-static const char *const ROBOTS[] = {"iiwa14", "panda", "cartpole", "planar_joint", "floating_joint", "mimic_chain", "root_with_mass", "prismatic_skew"};
+static const char *const ROBOTS[] = {"iiwa14", "panda", "cartpole", "planar_joint", "floating_joint", "mimic_chain",
+	"root_with_mass", "prismatic_skew"};
 enum { ROBOT_COUNT = sizeof ROBOTS / sizeof *ROBOTS };
 
 START_TEST(robots)
@@ -226,7 +232,8 @@ START_TEST(robots)
 	urdf = read_file(path, &length);
 	ck_assert(urdf != NULL);
 	for (int k = 0; k < 4; k++)
-		ck_assert(check_drawn(urdf, k % 2 ? RNEAGEN_FLOATING : RNEAGEN_FIXED, 9000 + (uint64_t)(4 * _i + k), k / 2, name) || k == 3);
+		ck_assert(check_drawn(urdf, k % 2 ? RNEAGEN_FLOATING : RNEAGEN_FIXED, 9000 + (uint64_t)(4 * _i + k), k / 2,
+			name) || k == 3);
 	free(urdf);
 }
 END_TEST

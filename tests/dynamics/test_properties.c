@@ -89,7 +89,8 @@ START_TEST(gravity_and_velocity_scale)
 		torque_of(&model.dag[PASS_RNEA], &pose, &bias2);
 		for (int i = 0; i < pose.nv; i++) {
 			check_near(g3.tau[i], 3 * g.tau[i], ROUNDING * (real)g3.size[i], seed, i, "three times the gravity");
-			check_near(bias2.tau[i], 4 * bias.tau[i], ROUNDING * (real)bias2.size[i], seed, i, "twice the velocity, backwards");
+			check_near(bias2.tau[i], 4 * bias.tau[i], ROUNDING * (real)bias2.size[i], seed, i,
+				"twice the velocity, backwards");
 		}
 		model_close(&model);
 	}
@@ -108,9 +109,12 @@ START_TEST(gravity_is_an_acceleration)
 		model_close(&model);
 		set_up(seed, 0, none);
 		x = pose.q[3], y = pose.q[4], z = pose.q[5], w = pose.q[6];
-		up[0] = -((1 - 2 * (y * y + z * z)) * tilted[0] + 2 * (x * y + z * w) * tilted[1] + 2 * (x * z - y * w) * tilted[2]);
-		up[1] = -(2 * (x * y - z * w) * tilted[0] + (1 - 2 * (x * x + z * z)) * tilted[1] + 2 * (y * z + x * w) * tilted[2]);
-		up[2] = -(2 * (x * z + y * w) * tilted[0] + 2 * (y * z - x * w) * tilted[1] + (1 - 2 * (x * x + y * y)) * tilted[2]);
+		up[0] = -((1 - 2 * (y * y + z * z)) * tilted[0] + 2 * (x * y + z * w) * tilted[1] +
+			2 * (x * z - y * w) * tilted[2]);
+		up[1] = -(2 * (x * y - z * w) * tilted[0] + (1 - 2 * (x * x + z * z)) * tilted[1] +
+			2 * (y * z + x * w) * tilted[2]);
+		up[2] = -(2 * (x * z + y * w) * tilted[0] + 2 * (y * z - x * w) * tilted[1] +
+			(1 - 2 * (x * x + y * y)) * tilted[2]);
 		for (int i = 0; i < 3; i++)
 			pose.qdd[i] += up[i];
 		torque_of(&model.dag[PASS_RNEA], &pose, &without);
@@ -191,8 +195,8 @@ static void check_symmetric(uint64_t seed)
 	for (int i = 0; i < pose.nv; i++) {
 		ck_assert_msg(matrix.m[i][i] >= 0, "seed %llu: M[%d][%d] = %Lg", (unsigned long long)seed, i, i, matrix.m[i][i]);
 		for (int j = 0; j < i; j++)
-			check_near(matrix.m[i][j], matrix.m[j][i], 1e-14L * (real)fmax(matrix.size[i][j], matrix.size[j][i]), seed, i,
-				"symmetric");
+			check_near(matrix.m[i][j], matrix.m[j][i], 1e-14L * (real)fmax(matrix.size[i][j], matrix.size[j][i]),
+				seed, i, "symmetric");
 	}
 }
 
@@ -280,7 +284,8 @@ START_TEST(power_balance)
 			power += t.tau[i] * pose.qd[i];
 			scale += (real)t.size[i] * fabsl(pose.qd[i]);
 		}
-		change = (8 * (kinetic_energy(h) - kinetic_energy(-h)) - (kinetic_energy(2 * h) - kinetic_energy(-2 * h))) / (12 * h);
+		change = (8 * (kinetic_energy(h) - kinetic_energy(-h)) - (kinetic_energy(2 * h) - kinetic_energy(-2 * h))) /
+			(12 * h);
 		check_near(power, change, 1e-8L * scale, seed, 0, "power");
 		model_close(&model);
 	}

@@ -1,7 +1,7 @@
-/* --refine: with a residual in f64, qdd in f32 is off by its own rounding and little else, and at least 20 times less than without,
-   beside the same expressions in extended precision; whatever a scene frees, pulls or damps; by factors and by articulated bodies.
-   No number of one type is taken for one of the other. It would catch a term that the residual lacks, an input that it reads in
-   f32, a constant of f32 in it, and refinement without an effect. */
+/* --refine: with a residual in f64, qdd in f32 is off by its own rounding and little else, and at least 20 times less than
+   without, beside the same expressions in extended precision; whatever a scene frees, pulls or damps; by factors and by
+   articulated bodies. No number of one type is taken for one of the other. It would catch a term that the residual lacks, an
+   input that it reads in f32, a constant of f32 in it, and refinement without an effect. */
 #include "support/suite.h"
 #include "support/scene_model.h"
 #include "dag/eval.h"
@@ -112,7 +112,8 @@ enum { ROBOT_COUNT = sizeof ROBOTS / sizeof *ROBOTS };
 
 /* tau of joints that accelerate by up to 10, as motions have it: torques that are drawn by themselves throw a wrist away, and its
    acceleration then is the norm. */
-static void draw_motion(struct values *v, const struct scene_model *fd, const struct scene_model *id, const struct drawn *x, size_t sample)
+static void draw_motion(struct values *v, const struct scene_model *fd, const struct scene_model *id,
+	const struct drawn *x, size_t sample)
 {
 	struct values w;
 	const struct dag *d = &id->dag;
@@ -132,7 +133,8 @@ static void draw_motion(struct values *v, const struct scene_model *fd, const st
 START_TEST(robots)
 {
 	char *urdf = robot(ROBOTS[_i].name);
-	struct scene_model id = open_scene(urdf, NULL, ROBOTS[_i].is_floating), plain = open_scene(urdf, "want qdd", ROBOTS[_i].is_floating);
+	struct scene_model id = open_scene(urdf, NULL, ROBOTS[_i].is_floating),
+		plain = open_scene(urdf, "want qdd", ROBOTS[_i].is_floating);
 	struct scene_model refined = open_scene(urdf, "want qdd\nrefine 1:f64", ROBOTS[_i].is_floating);
 	double worst = 0, worst_refined = 0;
 	struct values v;
@@ -162,8 +164,8 @@ END_TEST
 
 /* ---- scenes ---- */
 
-/* A body that floats between others goes by articulated bodies: its quaternion in f32 has no norm of one, which M by factors takes
-   it to have, and ID does not. */
+/* A body that floats between others goes by articulated bodies: its quaternion in f32 has no norm of one, which M by factors
+   takes it to have, and ID does not. */
 static const struct {
 	const char *robot, *scene;
 } SCENES[] = {
@@ -186,8 +188,8 @@ static void check_types(const struct dag *d, const char *what)
 			const struct node *a = &d->nodes[n->arg[k].i];
 			int reads_wide = n->op == OP_WIDEN ? 0 : n->op == OP_NARROW ? 1 : (int)n->is_wide;
 
-			ck_assert_msg((int)a->is_wide == reads_wide || n->arg[k].i == 0, "%s: operand %d of node %zu, %s, is of the other type", what,
-				k, i, op_name[n->op]);
+			ck_assert_msg((int)a->is_wide == reads_wide || n->arg[k].i == 0,
+				"%s: operand %d of node %zu, %s, is of the other type", what, k, i, op_name[n->op]);
 		}
 	}
 	for (size_t i = 0; i < d->output_count; i++)

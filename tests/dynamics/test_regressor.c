@@ -13,7 +13,8 @@
 
 enum { TREES = 60, LINKS = 8, SAMPLES = 2, FORWARD_STATES = 20 };
 
-/* Of the largest element, or of the magnitudes summed: the URDF's numbers are doubles, and zeros stand for the rounding of such. */
+/* Of the largest element, or of the magnitudes summed: the URDF's numbers are doubles, and zeros stand for the rounding of
+   such. */
 static const real NOISE = 64 * 0x1p-53L;
 
 struct subject {
@@ -43,7 +44,8 @@ static int subject_open(struct subject *s, const char *urdf, const struct rneage
 		return 0;
 	}
 	scene_rows(t, s->reference, s->v_row);
-	ck_assert(pattern_lumps(&s->p, t, s->model.analysis.request.dense, &s->model.arena) && lumps_make(&s->lumps, t, &s->model.arena));
+	ck_assert(pattern_lumps(&s->p, t, s->model.analysis.request.dense, &s->model.arena) &&
+		lumps_make(&s->lumps, t, &s->model.arena));
 	s->y = calloc((size_t)s->p.rows, sizeof *s->y);
 	s->pi = calloc((size_t)s->p.cols, sizeof *s->pi);
 	for (int l = 0; l < s->lumps.count; l++) {
@@ -84,7 +86,8 @@ static void evaluate(struct subject *s)
 		int k = 0;
 
 		if (d->arguments[a].is_output) {
-			out[a] = !strcmp(d->arguments[a].name, "regressor") ? s->y : !strcmp(d->arguments[a].name, "tau") ? s->tau : s->found;
+			out[a] = !strcmp(d->arguments[a].name, "regressor") ? s->y : !strcmp(d->arguments[a].name, "tau")
+				? s->tau : s->found;
 			ck_assert(out[a] != s->y || d->arguments[a].rows == s->p.rows);
 			continue;
 		}
@@ -157,8 +160,9 @@ static void check_product(struct subject *s)
 			sum += element(s, i, c) * s->pi[c];
 			most += fabsl(element(s, i, c) * s->pi[c]);
 		}
-		ck_assert_msg(fabsl(sum - (real)tau[s->v_row[i]]) <= NOISE * most, "%s: row %d of Y pi is %.17Lg, not %.17Lg, of terms of %Lg",
-			s->what, i, sum, (real)tau[s->v_row[i]], most);
+		ck_assert_msg(fabsl(sum - (real)tau[s->v_row[i]]) <= NOISE * most,
+			"%s: row %d of Y pi is %.17Lg, not %.17Lg, of terms of %Lg", s->what, i, sum,
+			(real)tau[s->v_row[i]], most);
 	}
 }
 
@@ -186,13 +190,15 @@ START_TEST(trees)
 	for (uint64_t seed = 700; seed < 700 + TREES; seed++) {
 		struct subject *s = calloc(1, sizeof *s);
 		struct rneagen_options o = rneagen_options_default();
-		char *urdf = torque_robot(seed, LINKS, NO_ODD_NAMES | (seed % 4 ? 0 : ALWAYS_MIMIC)), lines[512] = "", scene[1024];
+		char *urdf = torque_robot(seed, LINKS, NO_ODD_NAMES | (seed % 4 ? 0 : ALWAYS_MIMIC)),
+			lines[512] = "", scene[1024];
 
 		o.base = seed % 3 ? RNEAGEN_FIXED : RNEAGEN_FLOATING;
 		snprintf(s->what, sizeof s->what, "seed %d", (int)seed);
 		s->reference = scene_reference(urdf, &o);
 		draw_held(s, seed, lines, sizeof lines);
-		snprintf(scene, sizeof scene, "%swant regressor\n%sparams %s\n", lines, seed % 5 ? "" : "dense\n", seed % 4 > 1 ? "base" : "urdf");
+		snprintf(scene, sizeof scene, "%swant regressor\n%sparams %s\n", lines, seed % 5 ? "" : "dense\n",
+			seed % 4 > 1 ? "base" : "urdf");
 		o.scene = scene;
 		if (subject_open(s, urdf, &o, seed)) {
 			held += s->held >= 0;
@@ -211,7 +217,8 @@ START_TEST(trees)
 		free(urdf);
 		free(s);
 	}
-	printf("trees of seeds 700 to %d: %d matrices; %d joints held, %d followers\n", 700 + TREES - 1, matrices, held, followers);
+	printf("trees of seeds 700 to %d: %d matrices; %d joints held, %d followers\n", 700 + TREES - 1, matrices,
+		held, followers);
 	ck_assert(matrices > TREES && held > TREES / 4 && followers > TREES / 4);
 }
 END_TEST
@@ -322,8 +329,8 @@ START_TEST(forward)
 				sum += element(s, i, c) * s->pi[c];
 				most += fabsl(element(s, i, c) * s->pi[c]);
 			}
-			ck_assert_msg(fabsl(sum - s->in[3][i]) <= 1e-12L * most, "%s: row %d of Y pi at the qdd found is %Lg, and tau %Lg", s->what, i,
-				sum, s->in[3][i]);
+			ck_assert_msg(fabsl(sum - s->in[3][i]) <= 1e-12L * most,
+				"%s: row %d of Y pi at the qdd found is %Lg, and tau %Lg", s->what, i, sum, s->in[3][i]);
 		}
 	}
 	subject_close(s);

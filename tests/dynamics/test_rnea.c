@@ -1,7 +1,7 @@
 /* The DAG against the independent reference: robots of our own, real ones, random trees; twice as many states and trees where all
    is asked for, and a few states of each under the sanitizers. */
+#include "tally.h"
 #include "support/exhaustive.h"
-#include "support/model.h"
 #include "support/random_robot.h"
 #include "support/suite.h"
 #include <math.h>
@@ -13,23 +13,8 @@
    by the magnitudes that were summed, since small ones can cancel; and never more than the running error bound. */
 #define LIMIT_F64 5e-14
 #define LIMIT_F32 3e-6
-#define LIMIT_TERMS 4
 
 enum { SAMPLES = 200, RANDOM_ROBOTS = 80, RANDOM_SAMPLES = 8, MORE = 2 };
-
-struct tally {
-	double f64, f32, terms, bound;
-	int count, real;
-};
-
-static void check_error(struct tally *t, const char *what, struct model_error e, double limit)
-{
-	ck_assert_msg(!t->real || e.max <= limit, "%s: relative error %g", what, e.max);
-	ck_assert_msg(e.terms <= LIMIT_TERMS, "%s: %g eps of the magnitudes summed", what, e.terms);
-	ck_assert_msg(e.bound <= 1, "%s: error is %g of its bound", what, e.bound);
-	t->terms = fmax(t->terms, e.terms);
-	t->bound = fmax(t->bound, e.bound);
-}
 
 static void check_model(struct tally *t, const char *urdf, size_t length, const struct rneagen_options *o, const char *what,
 	uint64_t seed, int samples)
@@ -44,11 +29,7 @@ static void check_model(struct tally *t, const char *urdf, size_t length, const 
 		printf("%-34s %-8s f64 %.1e rms %.1e, %.2f eps S; f32 %.1e rms %.1e, %.2f eps S\n", what,
 			o->base == RNEAGEN_FLOATING ? "floating" : "fixed", f64.max, f64.rms, f64.terms, f32.max, f32.rms,
 			f32.terms);
-	check_error(t, what, f64, LIMIT_F64);
-	check_error(t, what, f32, LIMIT_F32);
-	t->f64 = fmax(t->f64, f64.max);
-	t->f32 = fmax(t->f32, f32.max);
-	t->count++;
+	tally_model(t, what, f64, f32, LIMIT_F64, LIMIT_F32);
 	model_close(&m);
 }
 

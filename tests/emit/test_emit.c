@@ -58,7 +58,8 @@ static const char *number(real value, enum rneagen_precision precision)
 static int digits_of(const char *s)
 {
 	const char *point = strchr(s, '.');
-	int digits = 0, zeros = 0, started = 0, fraction = point && !strchr(s, 'e') && strcmp(point, ".0") && strcmp(point, ".0f");
+	int digits = 0, zeros = 0, started = 0, fraction = point && !strchr(s, 'e') && strcmp(point, ".0") &&
+		strcmp(point, ".0f");
 
 	for (; *s && *s != 'e' && *s != 'f'; s++) {
 		if (*s < '0' || *s > '9')
@@ -261,14 +262,15 @@ END_TEST
 static const struct name {
 	const char *name, *made; /* made NULL: it is one already */
 } names[] = {
-	{"a", NULL}, {"A", NULL}, {"_", NULL}, {"_a", NULL}, {"iiwa14", NULL}, {"a_b", NULL}, {"a__b", NULL}, {"If", NULL}, {"ints", NULL},
-	{"main", NULL}, {"z9_", NULL}, {"", "robot"}, {"1", "robot_1"}, {"9lives", "robot_9lives"}, {"a b", "a_b"}, {"a-b", "a_b"},
+	{"a", NULL}, {"A", NULL}, {"_", NULL}, {"_a", NULL}, {"iiwa14", NULL}, {"a_b", NULL}, {"a__b", NULL},
+	{"If", NULL}, {"ints", NULL}, {"main", NULL}, {"z9_", NULL}, {"", "robot"}, {"1", "robot_1"}, {"9lives", "robot_9lives"},
+	{"a b", "a_b"}, {"a-b", "a_b"},
 	{"a.b", "a_b"}, {" ", "_"}, {"-", "_"}, {".", "_"}, {"é", "robot___"}, {"aé", "a__"}, {"*/", "robot___"}, {"\"", "_"},
-	{"a\"b", "a_b"}, {"\\", "_"}, {"%d", "_d"}, {"a\nb", "a_b"}, {"?\?/", "robot____"}, {"int", "robot_int"}, {"for", "robot_for"},
-	{"class", "robot_class"}, {"double", "robot_double"}, {"restrict", "robot_restrict"}, {"xor_eq", "robot_xor_eq"},
-	{"nullptr", "robot_nullptr"}, {"alignas", "robot_alignas"}, {"__global__", "robot___global__"}, {"_Bool", "robot__Bool"},
-	{"__x", "robot___x"}, {"_X", "robot__X"}, {"--", "robot___"}, {"-X", "robot__X"}, {"$a", "_a"}, {"@NAME@", "robot__NAME_"},
-	{"\x7f", "_"}, {"\xff", "_"},
+	{"a\"b", "a_b"}, {"\\", "_"}, {"%d", "_d"}, {"a\nb", "a_b"}, {"?\?/", "robot____"}, {"int", "robot_int"},
+	{"for", "robot_for"}, {"class", "robot_class"}, {"double", "robot_double"}, {"restrict", "robot_restrict"},
+	{"xor_eq", "robot_xor_eq"}, {"nullptr", "robot_nullptr"}, {"alignas", "robot_alignas"},
+	{"__global__", "robot___global__"}, {"_Bool", "robot__Bool"}, {"__x", "robot___x"}, {"_X", "robot__X"},
+	{"--", "robot___"}, {"-X", "robot__X"}, {"$a", "_a"}, {"@NAME@", "robot__NAME_"}, {"\x7f", "_"}, {"\xff", "_"},
 };
 
 START_TEST(identifier)

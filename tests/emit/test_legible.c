@@ -148,8 +148,8 @@ static int has_beginning(const struct legend *l, const char *name)
 
 static int is_keyword(const char *name)
 {
-	static const char *const words[] = {"const", "float", "double", "int", "struct", "return", "void", "f", "static", "unsigned", "short", "for", "i", "fabs",
-		"HUGE_VAL"};
+	static const char *const words[] = {"const", "float", "double", "int", "struct", "return", "void", "f", "static",
+		"unsigned", "short", "for", "i", "fabs", "HUGE_VAL"};
 
 	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
 		if (!strcmp(name, words[i]))
@@ -189,7 +189,8 @@ static int is_explained(const struct legend *l, const char *name, const char *pa
 		return 1;
 	snprintf(base, sizeof base, "%.*s", (int)n, name);
 	rest = name + n + strspn(name + n, "0123456789");
-	if (again && again > name && isdigit((unsigned char)again[1]) && again[1 + strspn(again + 1, "0123456789")] == '\0' && rest <= again)
+	if (again && again > name && isdigit((unsigned char)again[1]) && again[1 + strspn(again + 1, "0123456789")] == '\0' &&
+		rest <= again)
 		snprintf(stem, sizeof stem, "%.*s", (int)(again - rest), rest);
 	else
 		snprintf(stem, sizeof stem, "%s", rest);
@@ -288,7 +289,8 @@ static void check_text(const char *path, const char *name, void *context)
 		check_lines(r.header, name);
 	ck_assert_msg(!strstr(r.source, "[0*stride]") && !strstr(r.source, "[1*stride]"), "%s", name);
 	read_legend(&l, r.source);
-	ck_assert_msg(check_functions(&l, r.source, "_body(", name) + check_functions(&l, r.source, "_segment", name) > 0, "%s", name);
+	ck_assert_msg(check_functions(&l, r.source, "_body(", name) + check_functions(&l, r.source, "_segment", name) > 0, "%s",
+		name);
 	ck_assert_int_eq(check_functions(&l, r.source, "_bounded(", name), VARIANTS[tour->variant].bounded);
 	rneagen_result_free(&r);
 }
@@ -306,7 +308,8 @@ END_TEST
 /* Catches a half or a batch that is left in, and a text that lost the algorithm itself. */
 START_TEST(only_rnea)
 {
-	static const char *const halves[] = {"r_fpass", "r_bpass"}, *const batches[] = {"_batch(", "_slice(", "_part(", "r_is_small"};
+	static const char *const halves[] = {"r_fpass", "r_bpass"},
+		*const batches[] = {"_batch(", "_slice(", "_part(", "r_is_small"};
 	struct variant v = {.target = (enum rneagen_target)_i, .precision = RNEAGEN_F32, .only = 1};
 	struct rneagen_result r;
 
@@ -316,7 +319,8 @@ START_TEST(only_rnea)
 	for (int i = 0; i < 4 && v.target == RNEAGEN_TARGET_C; i++)
 		ck_assert_msg(!strstr(r.source, batches[i]) && !strstr(r.header, batches[i]), "%s", batches[i]);
 	ck_assert(strstr(r.source, "r_rnea(const float *q") && strstr(r.source, " --only rnea"));
-	ck_assert(v.target == RNEAGEN_TARGET_HEADER || (strstr(r.source, "function rnea\\n") && !strstr(r.source, "function fpass")));
+	ck_assert(v.target == RNEAGEN_TARGET_HEADER ||
+		(strstr(r.source, "function rnea\\n") && !strstr(r.source, "function fpass")));
 	rneagen_result_free(&r);
 }
 END_TEST

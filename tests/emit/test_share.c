@@ -43,12 +43,14 @@ static const char *told(const struct dag *d, int strict, struct arena *a)
 	text_init(&t, a);
 	dag_dump(&fused, &t);
 	for (size_t i = 0; i < fused.section_count; i++)
-		text_printf(&t, "section %d %d %u %zu\n", fused.sections[i].kind, fused.sections[i].body, (unsigned)fused.sections[i].node,
-			fused.sections[i].output);
+		text_printf(&t, "section %d %d %u %zu\n", fused.sections[i].kind, fused.sections[i].body,
+			(unsigned)fused.sections[i].node, fused.sections[i].output);
 	for (size_t i = 0; i < fused.output_count; i++)
-		text_printf(&t, "output %d %d %u\n", fused.outputs[i].argument, fused.outputs[i].row, (unsigned)fused.outputs[i].value.i);
+		text_printf(&t, "output %d %d %u\n", fused.outputs[i].argument, fused.outputs[i].row,
+			(unsigned)fused.outputs[i].value.i);
 	for (size_t i = 0; i < fused.count; i++)
-		text_printf(&t, "tag %s %d %d\n", fused.nodes[i].tag.quantity, fused.nodes[i].tag.component, fused.nodes[i].tag.body);
+		text_printf(&t, "tag %s %d %d\n", fused.nodes[i].tag.quantity, fused.nodes[i].tag.component,
+			fused.nodes[i].tag.body);
 	ck_assert(!t.failed);
 	return text_string(&t);
 }
@@ -68,8 +70,8 @@ static void compare(const struct dag *whole, struct rng *rng, uint64_t seed, str
 			share_copy(&x, first, end, &share, a);
 			leave_out(&other, whole, owner, first, end, a);
 			ck_assert(!share.failed && share.count <= whole->count);
-			ck_assert_msg(!strcmp(told(&share, first % 2, a), told(&other, first % 2, a)), "seed %llu: owners %d to %d",
-				(unsigned long long)seed, first, end);
+			ck_assert_msg(!strcmp(told(&share, first % 2, a), told(&other, first % 2, a)),
+				"seed %llu: owners %d to %d", (unsigned long long)seed, first, end);
 		}
 }
 
@@ -90,8 +92,8 @@ START_TEST(shares)
 	o.scene = _i % 3 ? "want tau,dtau_dq,dtau_dqd,M,power\n" : "want tau,jvp,M,bias\n";
 	o.base = _i % 2 ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	arena_init(&a, NULL);
-	ck_assert_msg(!robot_read(&robot, urdf, strlen(urdf), "here", &a, &e) && !merged_tree(&tree, &k, &robot, &o, &a, &e), "%llu: %s",
-		(unsigned long long)seed, e.message);
+	ck_assert_msg(!robot_read(&robot, urdf, strlen(urdf), "here", &a, &e) && !merged_tree(&tree, &k, &robot, &o, &a, &e),
+		"%llu: %s", (unsigned long long)seed, e.message);
 	dag_init(&whole, &a);
 	algorithm_find("rnea")->build(&whole, &tree, &k);
 	ck_assert(!whole.failed);

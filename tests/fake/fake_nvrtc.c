@@ -166,8 +166,8 @@ static void write_source(const struct program *p, const char *path)
 		int is_limbs = s > limbs;
 
 		s = kernel_name(s + strlen(mark), &length);
-		fprintf(f, "#if !defined %s\nFAKE_KERNEL(%.*s, %s)\n#endif\n", is_limbs ? "RNEA_NO_LIMBS" : "RNEA_ONLY_LIMBS", (int)length, s,
-			(is_limbs ? limbs_wait : waits) ? "fake_run_threads" : "fake_run_serial");
+		fprintf(f, "#if !defined %s\nFAKE_KERNEL(%.*s, %s)\n#endif\n", is_limbs ? "RNEA_NO_LIMBS" : "RNEA_ONLY_LIMBS",
+			(int)length, s, (is_limbs ? limbs_wait : waits) ? "fake_run_threads" : "fake_run_serial");
 	}
 	fclose(f);
 }

@@ -20,7 +20,8 @@ enum { FILES = sizeof ROBOTS / sizeof *ROBOTS, COUNT = FILES + 1 };
 static const char ODD[] = ROBOT("odd */ &apos;names&apos;",
 	BARE("base") BALL(" a ") BALL("#1") BALL("a,b") BALL("x=y") BALL("it&apos;s")
 	BALL("&quot;q&quot;") BALL("a\\nb") BALL("x:sample") BALL("mass.x # y&#9;")
-	JOINT(" j ", "continuous", "base", " a ", ORIGIN("0 0 1", "1.5708 0 0")) JOINT("#4 ", "revolute", " a ", "#1", AXIS("1 1 0"))
+	JOINT(" j ", "continuous", "base", " a ", ORIGIN("0 0 1", "1.5708 0 0")) JOINT("#4 ", "revolute", " a ",
+		"#1", AXIS("1 1 0"))
 	JOINT("j,k", "prismatic", "#1", "a,b", ORIGIN("0 1 0", "0.1 0.2 0.3")) JOINT("f=x", "fixed", "a,b", "x=y", "")
 	JOINT("\\", "continuous", "base", "it&apos;s", ORIGIN("1 0 0", "0 0 0"))
 	JOINT("&quot;", "continuous", "it&apos;s", "&quot;q&quot;", MIMIC("\\", "-2", "0.5"))

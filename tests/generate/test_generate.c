@@ -4,6 +4,7 @@
 #include "support/random_robot.h"
 #include "rneagen.h"
 #include "support/rng.h"
+#include "support/generated.h"
 #include "support/suite.h"
 #include "base/text.h"
 #include "support/urdf_text.h"
@@ -25,15 +26,6 @@ static void open_arena(void)
 static void close_arena(void)
 {
 	arena_free(&arena);
-}
-
-static struct rneagen_result generate(const char *urdf, const struct rneagen_options *o)
-{
-	struct rneagen_result r;
-	struct rneagen_error e;
-
-	ck_assert_msg(!rneagen_generate(urdf, strlen(urdf), o, &r, &e), "%s", e.message);
-	return r;
 }
 
 static struct rneagen_options options_of(int i)
@@ -110,9 +102,9 @@ START_TEST(equal_input_equal_bytes)
 		char *urdf = random_robot((uint64_t)i, &knobs);
 		struct rneagen_result first, second;
 
-		first = generate(urdf, &o);
+		first = generated(urdf, &o);
 		o.file = "/some/where/else/here";
-		second = generate(urdf, &o);
+		second = generated(urdf, &o);
 		check_same(all_texts(&first, 0), all_texts(&second, 0), "again", (uint64_t)i);
 		ck_assert(!strstr(in_file(&second), "some") && !strstr(in_file(&second), "else/"));
 		rneagen_result_free(&first);
@@ -134,9 +126,9 @@ START_TEST(the_text_alone)
 		struct rneagen_result all, alone;
 
 		o.scene = scenes[i % 3];
-		all = generate(urdf, &o);
+		all = generated(urdf, &o);
 		o.tell = 0;
-		alone = generate(urdf, &o);
+		alone = generated(urdf, &o);
 		check_same(in_file(&all), in_file(&alone), "source", (uint64_t)i);
 		check_same(all.header ? all.header : "", alone.header ? alone.header : "", "header", (uint64_t)i);
 		ck_assert_uint_eq(all.warning_count, alone.warning_count);
@@ -177,7 +169,7 @@ START_TEST(order_of_the_file)
 		struct rng rng = rng_seed((uint64_t)i);
 		struct rneagen_options o = options_of(i);
 		char *urdf = random_robot((uint64_t)i, &knobs), *shuffled = shuffle_lines(urdf, &rng);
-		struct rneagen_result first = generate(urdf, &o), second = generate(shuffled, &o);
+		struct rneagen_result first = generated(urdf, &o), second = generated(shuffled, &o);
 
 		ck_assert_uint_eq(strlen(shuffled), strlen(urdf));
 		check_same(all_texts(&first, 0), all_texts(&second, 0), "shuffled file", (uint64_t)i);
@@ -227,8 +219,8 @@ START_TEST(names_are_only_names)
 
 		knobs.odd_names = 0;
 		urdf = random_robot((uint64_t)i, &knobs);
-		first = generate(urdf, &o);
-		second = generate(translate(urdf), &o);
+		first = generated(urdf, &o);
+		second = generated(translate(urdf), &o);
 		check_same(translate(replace(all_texts(&first, 1), "robot random", "robot zufall")), all_texts(&second, 1),
 			"translated names", (uint64_t)i);
 		rneagen_result_free(&first);
@@ -241,7 +233,8 @@ END_TEST
 /* What is told of numbers has the fewest digits that read back as the same: the user's own. */
 START_TEST(numbers_are_short)
 {
-	static const char urdf[] = ROBOT("r", BARE("base") BALL("a") BALL("b") BALL("c") JOINT("ja", "continuous", "base", "a", "")
+	static const char urdf[] = ROBOT("r",
+		BARE("base") BALL("a") BALL("b") BALL("c") JOINT("ja", "continuous", "base", "a", "")
 		JOINT("jb", "continuous", "a", "b", MIMIC("ja", "0.1", "0.3"))
 		JOINT("jc", "continuous", "b", "c", ORIGIN("0 0 1", "1.5708 0 0")));
 	static const char *const in_source[] = {" --gravity 0.573,-10,1e-05 ", "Gravity (0.573, -10, 1e-05) ",
@@ -256,7 +249,7 @@ START_TEST(numbers_are_short)
 	o.gravity[2] = 1e-5;
 	o.tell = RNEAGEN_TELL_ALL;
 	o.scene = "lock jc=0.1\nsnap-angle 0.0012345678";
-	r = generate(urdf, &o);
+	r = generated(urdf, &o);
 	for (size_t i = 0; i < sizeof in_source / sizeof *in_source; i++)
 		ck_assert_msg(strstr(r.source, in_source[i]) != NULL, "no '%s' in %.2000s", in_source[i], r.source);
 	for (size_t i = 0; i < sizeof in_json / sizeof *in_json; i++)
@@ -296,7 +289,7 @@ START_TEST(same_in_every_locale)
 	ck_assert_ptr_nonnull(mkdtemp(folder));
 	for (int i = 0; i < 10; i++) {
 		struct rneagen_options o = options_of(i);
-		struct rneagen_result r = generate(urdf, &o);
+		struct rneagen_result r = generated(urdf, &o);
 
 		before[i] = all_texts(&r, 1);
 		rneagen_result_free(&r);
@@ -312,7 +305,7 @@ START_TEST(same_in_every_locale)
 	}
 	for (int i = 0; i < 10; i++) {
 		struct rneagen_options o = options_of(i);
-		struct rneagen_result r = generate(urdf, &o);
+		struct rneagen_result r = generated(urdf, &o);
 
 		check_same(before[i], all_texts(&r, 1), "in German", (uint64_t)i);
 		rneagen_result_free(&r);
@@ -341,13 +334,15 @@ START_TEST(fast_without_a_unit_is_bounded)
 			o.target = (enum rneagen_target)target;
 			o.precision = (enum rneagen_precision)precision;
 			o.trig = RNEAGEN_BOUNDED;
-			bounded = generate(urdf, &o);
+			bounded = generated(urdf, &o);
 			o.trig = RNEAGEN_FAST;
-			fast = generate(urdf, &o);
+			fast = generated(urdf, &o);
 			ck_assert_ptr_nonnull(strstr(bounded.source, "sincos"));
-			ck_assert_msg(unit == (strcmp(without(bounded.source, "trig", NULL), without(fast.source, "trig", NULL)) != 0),
+			ck_assert_msg(unit == (strcmp(without(bounded.source, "trig", NULL),
+				without(fast.source, "trig", NULL)) != 0),
 				"target %d, precision %d", target, precision);
-			ck_assert_msg(unit == (strstr(fast.source, "__sincosf") != NULL), "target %d, precision %d", target, precision);
+			ck_assert_msg(unit == (strstr(fast.source, "__sincosf") != NULL), "target %d, precision %d",
+				target, precision);
 			rneagen_result_free(&bounded);
 			rneagen_result_free(&fast);
 		}

@@ -8,8 +8,8 @@
 
 static const char *const robots[] = {"double_pendulum", "mimic_chain"};
 static const char *const stages[] = {[RNEAGEN_DUMP_ROBOT] = "robot", [RNEAGEN_DUMP_TREE] = "tree",
-	[RNEAGEN_DUMP_DAG] = "dag", [RNEAGEN_DUMP_PLAN] = "plan", [RNEAGEN_DUMP_SCENE] = "scene", [RNEAGEN_DUMP_REQUEST] = "request",
-	[RNEAGEN_DUMP_PARTS] = "parts", [RNEAGEN_DUMP_PASSES] = "passes"};
+	[RNEAGEN_DUMP_DAG] = "dag", [RNEAGEN_DUMP_PLAN] = "plan", [RNEAGEN_DUMP_SCENE] = "scene",
+	[RNEAGEN_DUMP_REQUEST] = "request", [RNEAGEN_DUMP_PARTS] = "parts", [RNEAGEN_DUMP_PASSES] = "passes"};
 enum { STAGES = RNEAGEN_DUMP_PASSES };
 
 /* By robot: for what there is to see of a scene. */
@@ -37,7 +37,8 @@ static void compare(const char *path, const char *got, const char *want)
 	ck_assert_msg(want != NULL, "%s is not there; RNEAGEN_RENEW=1 makes it", path);
 	for (const char *g = got, *w = want; *g && *g == *w; g++, w++)
 		line += *g == '\n';
-	ck_assert_msg(!strcmp(got, want), "%s: line %d differs; if that is meant, RNEAGEN_RENEW=1 and look at git diff", path, line);
+	ck_assert_msg(!strcmp(got, want), "%s: line %d differs; if that is meant, RNEAGEN_RENEW=1 and look at git diff", path,
+		line);
 }
 
 static void renew(const char *path, const char *text)

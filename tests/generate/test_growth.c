@@ -205,9 +205,9 @@ START_TEST(attributes_that_mean_something)
 		"<safety_controller soft_lower_limit='7' soft_upper_limit='8' k_position='9' k_velocity='10'/>"
 		"<calibration reference_position='11' rising='12' falling='13'/><mimic joint='j' multiplier='14' offset='15'/>";
 	static const char *const kept[] = {"version=\"1.0\"", "xyz=\"1 2 3\"", "rpy=\"4 5 6\"", "effort=\"1\"", "velocity=\"2\"",
-		"lower=\"-3\"", "upper=\"4\"", "damping=\"5\"", "friction=\"6\"", "soft_lower_limit=\"7\"", "soft_upper_limit=\"8\"",
-		"k_position=\"9\"", "k_velocity=\"10\"", "reference_position=\"11\"", "rising=\"12\"", "falling=\"13\"",
-		"multiplier=\"14\"", "offset=\"15\""};
+		"lower=\"-3\"", "upper=\"4\"", "damping=\"5\"", "friction=\"6\"", "soft_lower_limit=\"7\"",
+		"soft_upper_limit=\"8\"", "k_position=\"9\"", "k_velocity=\"10\"", "reference_position=\"11\"", "rising=\"12\"",
+		"falling=\"13\"", "multiplier=\"14\"", "offset=\"15\""};
 	struct rneagen_error e = {0};
 	struct robot r = {0};
 	struct arena a;

@@ -2,6 +2,7 @@
    as with harmless ones, and the table NAME_info holds the name. */
 #include "base/identifier.h"
 #include "rneagen.h"
+#include "support/generated.h"
 #include "support/suite.h"
 #include "base/text.h"
 #include <stdio.h>
@@ -23,13 +24,10 @@ static void close_arena(void)
 static struct rneagen_result generate(const char *urdf, enum rneagen_target target, const char *name)
 {
 	struct rneagen_options o = rneagen_options_default();
-	struct rneagen_result r;
-	struct rneagen_error e;
 
 	o.target = target;
 	o.name = name;
-	ck_assert_msg(!rneagen_generate(urdf, strlen(urdf), &o, &r, &e), "%s", e.message);
-	return r;
+	return generated(urdf, &o);
 }
 
 static const char *const hostile[] = {"*/ evil(); /*", "*/", "/*", "//", "\"", "\"; evil(); \"", "\\", "\\\\", "a\\\nb",

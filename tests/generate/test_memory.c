@@ -137,8 +137,8 @@ END_TEST
 START_TEST(every_request_of_a_scene)
 {
 	static const char *const scenes[] = {
-		"lock jd=0.5\nround-constants 5\nrange q=-1,1\nrange qd=-1,1\nrange qdd=-1,1\ndrop-below 1e-3", everything, "want qdd_bound",
-		"params auto\nfree mass.d",
+		"lock jd=0.5\nround-constants 5\nrange q=-1,1\nrange qd=-1,1\nrange qdd=-1,1\ndrop-below 1e-3", everything,
+		"want qdd_bound", "params auto\nfree mass.d",
 		"free mass.b\nwant com,vcom,com_jacobian,momentum,momentum_matrix,dmomentum,coriolis,opspace.d,opspace_inv.d"};
 	struct rneagen_options o = rneagen_options_default();
 	long requests, step = _i < 6 || _i >= 8 ? 7 : 53;

@@ -40,9 +40,10 @@ static struct trial trial_new(int nq, int nv)
 {
 	struct trial t = {.q = numbers(nq, sizeof(double)), .qd = numbers(nv, sizeof(double)),
 		.qdd = numbers(nv, sizeof(double)), .tau = numbers(nv, sizeof(double)), .size = numbers(nv, sizeof(double)),
-		.bound = numbers(nv, sizeof(double)), .noise = numbers(nv, sizeof(double)), .terms = numbers(2 * nv, sizeof(double)),
-		.tau_f32 = numbers(nv, sizeof(float)), .reference = numbers(nv, sizeof(__float128)),
-		.exact = numbers(nv, sizeof(__float128)), .rounded = numbers(nv, sizeof(__float128))};
+		.bound = numbers(nv, sizeof(double)), .noise = numbers(nv, sizeof(double)),
+		.terms = numbers(2 * nv, sizeof(double)), .tau_f32 = numbers(nv, sizeof(float)),
+		.reference = numbers(nv, sizeof(__float128)), .exact = numbers(nv, sizeof(__float128)),
+		.rounded = numbers(nv, sizeof(__float128))};
 
 	for (int i = 0; i < 3; i++) {
 		t.in_f32[i] = numbers(i ? nv : nq, sizeof(float));
@@ -224,7 +225,8 @@ static void bench_open(struct bench *b, const struct hard_case *c)
 	b->trial = trial_new(b->nq, b->nv);
 	b->ratios = numbers(c->samples, sizeof *b->ratios);
 	b->quad = quad_open(
-		b->hard.urdf, b->hard.length, c->floating, 0, QUAD_DECIMALS, b->hard.options.gravity, NULL, message, sizeof message);
+		b->hard.urdf, b->hard.length, c->floating, 0, QUAD_DECIMALS, b->hard.options.gravity, NULL,
+		message, sizeof message);
 	if (!b->quad)
 		abort();
 	round_constants(b);

@@ -272,8 +272,8 @@ char *robot_needle(void)
 		struct part p = part_link(i, i % 3, 1, 0.2);
 
 		if (i == 6) {
-			p = (struct part){.parent = 5, .type = "revolute", .xyz = {0.2, 0, 0}, .axis = {1, 0, 0}, .mass = 0.01, .com = {0.05, 0, 0},
-				.inertia = {1e-8, 1e-5, 1e-5}};
+			p = (struct part){.parent = 5, .type = "revolute", .xyz = {0.2, 0, 0}, .axis = {1, 0, 0}, .mass = 0.01,
+				.com = {0.05, 0, 0}, .inertia = {1e-8, 1e-5, 1e-5}};
 		}
 		put_part(&u, i, &p);
 	}
@@ -282,7 +282,8 @@ char *robot_needle(void)
 
 char *robot_satellite(void)
 {
-	struct part base = {.type = "fixed", .axis = {1, 0, 0}, .mass = 1000, .com = {0.1, 0.2, -0.1}, .inertia = {400, 500, 600}};
+	struct part base = {.type = "fixed", .axis = {1, 0, 0}, .mass = 1000, .com = {0.1, 0.2, -0.1},
+		.inertia = {400, 500, 600}};
 	struct urdf u;
 
 	urdf_open(&u, "satellite");

@@ -43,7 +43,8 @@ static void compare(struct reference *r, struct quad *x, struct rng *rng, const 
 	for (int i = 0; i < r->nv; i++) {
 		double off = fabs((double)((__float128)tau[i] - exact[i]));
 
-		ck_assert_msg(off <= LIMIT * 0x1p-64 * size[i], "%s: torque %d differs by %g, terms of %g", what, i, off, size[i]);
+		ck_assert_msg(off <= LIMIT * 0x1p-64 * size[i], "%s: torque %d differs by %g, terms of %g", what,
+			i, off, size[i]);
 		if (size[i] > 0)
 			t->worst = fmax(t->worst, off / size[i] * 0x1p64);
 		t->finer += off > 0;

@@ -62,15 +62,16 @@ static int judge(const struct fixture *x, int i)
 {
 	double tau = array_get(&x->text.tau, (size_t)i), off = fabs((double)((__float128)tau - x->text.reference[i]));
 
-	ck_assert_msg(same_number(tau, x->again[i]), "%s: torque %d is %a, its DAG gives %a", x->text.target.what, i, tau, x->again[i]);
+	ck_assert_msg(same_number(tau, x->again[i]), "%s: torque %d is %a, its DAG gives %a", x->text.target.what, i,
+		tau, x->again[i]);
 	if (!isfinite(x->text.eval[i])) {
 		ck_assert_msg(!isfinite(tau), "%s: torque %d is %g, eval's overflows", x->text.target.what, i, tau);
 		return 0;
 	}
-	ck_assert_msg(fabs(tau - x->text.eval[i]) <= 2 * x->bound[i], "%s: torque %d is %g, eval's %g, bound %g", x->text.target.what, i,
-		tau, x->text.eval[i], x->bound[i]);
-	ck_assert_msg(off <= x->bound[i] + 0x1p-100 * x->text.noise[i], "%s: torque %d is off by %g, bound %g", x->text.target.what, i,
-		off, x->bound[i]);
+	ck_assert_msg(fabs(tau - x->text.eval[i]) <= 2 * x->bound[i], "%s: torque %d is %g, eval's %g, bound %g",
+		x->text.target.what, i, tau, x->text.eval[i], x->bound[i]);
+	ck_assert_msg(off <= x->bound[i] + 0x1p-100 * x->text.noise[i], "%s: torque %d is off by %g, bound %g",
+		x->text.target.what, i, off, x->bound[i]);
 	return 1;
 }
 

@@ -9,8 +9,8 @@
 
 static struct reference *open_reference(struct kin_case *c, const char *urdf, const struct rneagen_options *o)
 {
-	struct reference_options ro = {.floating = o->base == RNEAGEN_FLOATING, .independent = o->mimic == RNEAGEN_MIMIC_INDEPENDENT,
-		.gravity = o->gravity};
+	struct reference_options ro = {.floating = o->base == RNEAGEN_FLOATING,
+		.independent = o->mimic == RNEAGEN_MIMIC_INDEPENDENT, .gravity = o->gravity};
 	char message[512];
 	struct reference *r = reference_open(urdf, strlen(urdf), &ro, message, sizeof message);
 
@@ -138,7 +138,8 @@ static void take_qdd(struct kin_case *c, const wide *qdd)
 	const struct tree *t = &c->analysis.tree;
 
 	for (int i = 0; i < t->joint_count; i++)
-		memcpy(c->qdd + kin_joint(c, t->joints[i].name)->iv, qdd + t->joints[i].iv, (size_t)t->joints[i].nv * sizeof(wide));
+		memcpy(c->qdd + kin_joint(c, t->joints[i].name)->iv, qdd + t->joints[i].iv,
+			(size_t)t->joints[i].nv * sizeof(wide));
 }
 
 void kin_evaluate(struct kin_case *c)
@@ -297,8 +298,9 @@ void kin_compare_want(struct kin_case *c, const struct want *w, wide *const *out
 		const wide off = wide_abs(found.x[i] - want.x[i]),
 			   limit = noise * ((c->is_by_largest ? 0 : (wide)found.size[i]) + largest) + DIFFERENCES;
 
-		ck_assert_msg(off <= limit, "%s: %s, element %d,%d is %.17g, not %.17g; off by %.3g of %.3g", c->what, w->word, i / want.cols,
-			i % want.cols, (double)found.x[i], (double)want.x[i], (double)off, (double)(limit / noise));
+		ck_assert_msg(off <= limit, "%s: %s, element %d,%d is %.17g, not %.17g; off by %.3g of %.3g", c->what,
+			w->word, i / want.cols, i % want.cols, (double)found.x[i], (double)want.x[i], (double)off,
+			(double)(limit / noise));
 		if (limit > 0 && (double)(off / limit) > c->worst)
 			c->worst = (double)(off / limit);
 	}

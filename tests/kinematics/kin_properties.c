@@ -67,13 +67,15 @@ static int check_opspace(struct kin_case *c, const struct want *w, const struct 
 {
 	const char *name = strchr(w->word, '.') + 1;
 	const struct reference_frame f = kin_frame(c, name);
-	wide inverse[36], copy[36], condition, least = reference_opspace_inverse(c->reference, &f, kin_axes(c), c->held, c->q, inverse);
+	wide inverse[36], copy[36], condition,
+		least = reference_opspace_inverse(c->reference, &f, kin_axes(c), c->held, c->q, inverse);
 
 	if (!(least > WIDE_C(1e-6)))
 		return 0;
 	if (w->kind == WANT_OPSPACE_INV) {
 		for (int i = 0; i < 36; i++)
-			expect(c, w->word, i / 6, i % 6, found->x[i], inverse[i], largest_of(inverse, 36), 16 * noise / (double)least);
+			expect(c, w->word, i / 6, i % 6, found->x[i], inverse[i], largest_of(inverse, 36),
+				16 * noise / (double)least);
 		return 1;
 	}
 	memcpy(copy, inverse, sizeof copy);

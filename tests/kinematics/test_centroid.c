@@ -151,7 +151,8 @@ START_TEST(agree)
 		evaluate(&a, state, &x);
 		evaluate(&b, state, &y);
 		for (int i = 0; i < a.request.want_count; i++)
-			worst = fmax(worst, strstr(p->words, a.request.wants[i].word) ? compare_want(&a.request.wants[i], &a, &x, &b, &y) : 0);
+			worst = fmax(worst, strstr(p->words, a.request.wants[i].word) ? compare_want(&a.request.wants[i], &a,
+				&x, &b, &y) : 0);
 		release(&a, &x);
 		release(&b, &y);
 	}
@@ -219,7 +220,8 @@ START_TEST(never_in_all_directions)
 	parallel_axes(urdf, sizeof urdf, axes[_i % 2]);
 	o.scene = _i < 2 ? "want opspace.l6\ndynamics factor\n" : "want opspace.l6\ndynamics articulated\n";
 	ck_assert_int_eq(rneagen_generate(urdf, strlen(urdf), &o, &text, &e), RNEAGEN_TREE);
-	ck_assert_msg(strstr(e.message, "do not move 'l6' in all six directions: want opspace_inv.l6") != NULL, "says: %s", e.message);
+	ck_assert_msg(strstr(e.message, "do not move 'l6' in all six directions: want opspace_inv.l6") != NULL,
+		"says: %s", e.message);
 	o.scene = "want opspace_inv.l6\n";
 	ck_assert_int_eq(rneagen_generate(urdf, strlen(urdf), &o, &text, &e), RNEAGEN_OK);
 	rneagen_result_free(&text);

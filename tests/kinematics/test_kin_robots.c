@@ -50,7 +50,8 @@ static int deepest(const struct reference *r)
 
 static int is_left_out(const char *name)
 {
-	return strncmp(name, "xfail", 5) == 0 || strcmp(name, "chain_75.urdf") == 0; /* differences of 75 columns take their time */
+	/* differences of 75 columns take their time */
+	return strncmp(name, "xfail", 5) == 0 || strcmp(name, "chain_75.urdf") == 0;
 }
 
 static void check_robot(const char *folder, const char *name, enum rneagen_base base, enum want_frame frame,
@@ -106,7 +107,8 @@ static void check_folder(const char *folder, int least)
 		free(names[i]);
 	}
 	free(names);
-	printf("%s: %d robots, %d arrays, seed %d, off by %.2g of the tolerance at most\n", folder, robots, compared, SEED, worst);
+	printf("%s: %d robots, %d arrays, seed %d, off by %.2g of the tolerance at most\n", folder, robots,
+		compared, SEED, worst);
 	ck_assert_int_ge(robots, sanitized() ? least / 5 : least);
 	ck_assert_int_gt(compared, 10 * robots);
 }

@@ -258,7 +258,8 @@ END_TEST
 
 START_TEST(header)
 {
-	check_other(&SUBJECTS[_i], RNEAGEN_TARGET_HEADER, "hpp", (const char *const[]){"c++", "-std=c++17", "-O1", "-Wall", "-Wextra",
+	check_other(&SUBJECTS[_i], RNEAGEN_TARGET_HEADER, "hpp",
+		(const char *const[]){"c++", "-std=c++17", "-O1", "-Wall", "-Wextra",
 		"-Wconversion", "-Werror", "-Wno-pragma-once-outside-header", "-x", "c++", "-c", NULL});
 }
 END_TEST

@@ -225,7 +225,8 @@ START_TEST(trees)
 		compared += try_tree(FIRST + (uint64_t)i, w, &worst);
 		free(w);
 	}
-	printf("trees of seeds %d to %d: %d arrays, off by %.2g of the tolerance at most\n", FIRST, FIRST + count - 1, compared, worst);
+	printf("trees of seeds %d to %d: %d arrays, off by %.2g of the tolerance at most\n", FIRST, FIRST + count - 1,
+		compared, worst);
 	ck_assert_int_gt(compared, 4 * count);
 }
 END_TEST

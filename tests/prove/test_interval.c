@@ -1,36 +1,32 @@
-/* Intervals contain what MPFR computes of numbers in them, and are hardly wider: a bound that is rounded inwards, or a sine that misses
-   its top, is seen. */
+/* Intervals contain what MPFR computes of numbers in them, and are hardly wider: a bound that is rounded inwards, or a sine that
+   misses its top, is seen. */
 #include "norms/interval.h"
-#include "support/rng.h"
+#include "prove/spans.h"
 #include "support/suite.h"
-#include <math.h>
-#include <mpfr.h>
 #include <stdio.h>
 
 enum { SEED = 20, PAIRS = 20000, BITS = 240 };
 
-static double magnitude(struct rng *r)
+static struct span span_of(struct interval a)
 {
-	return (rng_chance(r, 0.1) ? 0 : 1) * rng_uniform(r, -1, 1) * exp2(rng_uniform(r, -40, 40));
+	return (struct span){a.lower, a.upper};
 }
 
 static struct interval draw(struct rng *r)
 {
-	double a = magnitude(r), b = rng_chance(r, 0.2) ? a : rng_chance(r, 0.5) ? a * (1 + rng_uniform(r, 0, 1e-14)) : magnitude(r);
+	struct span s = spans_draw(r, spans_magnitude);
 
-	return (struct interval){fmin(a, b), fmax(a, b)};
+	return (struct interval){s.lo, s.hi};
 }
 
 static double inside(struct rng *r, struct interval a)
 {
-	double t = rng_chance(r, 0.5) ? rng_below(r, 2) : rng_uniform(r, 0, 1);
-
-	return t == 0 ? a.lower : t == 1 ? a.upper : fmin(a.upper, fmax(a.lower, a.lower + t * (a.upper - a.lower)));
+	return spans_inside(r, span_of(a));
 }
 
 static int contains(struct interval a, mpfr_t x)
 {
-	return mpfr_cmp_d(x, a.lower) >= 0 && mpfr_cmp_d(x, a.upper) <= 0;
+	return spans_contain(span_of(a), x);
 }
 
 START_TEST(test_operations)
@@ -61,7 +57,8 @@ END_TEST
 /* The bounds of a product, a sum and a number known within an error, to 2^-50 of themselves. */
 START_TEST(test_are_close)
 {
-	struct interval a = {0.1, 0.3}, b = {-0.7, 0.9}, m = interval_mul(a, b), s = interval_add(a, b), n = interval_around(0.1L, 0);
+	struct interval a = {0.1, 0.3}, b = {-0.7, 0.9}, m = interval_mul(a, b), s = interval_add(a, b),
+		n = interval_around(0.1L, 0);
 
 	ck_assert(m.lower <= -0.21 && m.lower >= -0.21 * (1 + 0x1p-50) && m.upper >= 0.27 && m.upper <= 0.27 * (1 + 0x1p-50));
 	ck_assert(s.lower <= -0.6 && s.lower >= -0.6 * (1 + 0x1p-50) && s.upper >= 1.2 && s.upper <= 1.2 * (1 + 0x1p-50));
@@ -89,7 +86,8 @@ START_TEST(test_waves)
 			mpfr_sin_cos(s, c, x, MPFR_RNDN);
 			ck_assert_msg(contains(sine, s) && contains(cosine, c), "%a to %a", in.lower, in.upper);
 		}
-		ck_assert(sine.upper - sine.lower <= fmin(2, width) + 1e-11 && cosine.upper - cosine.lower <= fmin(2, width) + 1e-11);
+		ck_assert(sine.upper - sine.lower <= fmin(2, width) + 1e-11 &&
+			cosine.upper - cosine.lower <= fmin(2, width) + 1e-11);
 	}
 	mpfr_clears(x, s, c, (mpfr_ptr)0);
 }

@@ -1,13 +1,13 @@
-/* What a checker of certificates evaluates holds: spans beside MPFR; ranges and errors over boxes, polynomials at points, bends and grids
-   beside quad precision. States outside a box, a smaller bend and a coarser degree are seen to break it. */
+/* What a checker of certificates evaluates holds: spans beside MPFR; ranges and errors over boxes, polynomials at points, bends
+   and grids beside quad precision. States outside a box, a smaller bend and a coarser degree are seen to break it. */
 #include "prove/robot_box.h"
+#include "prove/spans.h"
 #include "steps/boxes.h"
 #include "steps/grid.h"
 #include "dag/eval.h"
 #include "emit/number_type.h"
 #include "support/suite.h"
 #include <math.h>
-#include <mpfr.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -27,35 +27,11 @@ enum { CASE_COUNT = sizeof CASES / sizeof *CASES };
 
 /* ---- spans ---- */
 
-static double magnitude(struct rng *r)
-{
-	return (rng_chance(r, 0.1) ? 0 : 1) * rng_uniform(r, -1, 1) * exp2(rng_uniform(r, -40, 40));
-}
-
-static struct span draw_span(struct rng *r, double (*one)(struct rng *r))
-{
-	double a = one(r), b = rng_chance(r, 0.2) ? a : rng_chance(r, 0.5) ? a * (1 + rng_uniform(r, 0, 1e-14)) : one(r);
-
-	return (struct span){fmin(a, b), fmax(a, b)};
-}
-
 static double angle(struct rng *r)
 {
 	double quarter = 1.5707963267948966 * rng_uniform(r, -9, 9);
 
 	return rng_chance(r, 0.3) ? 1.5707963267948966 * round(quarter) : quarter;
-}
-
-static double inside(struct rng *r, struct span a)
-{
-	double t = rng_chance(r, 0.5) ? rng_below(r, 2) : rng_uniform(r, 0, 1);
-
-	return t == 0 ? a.lo : t == 1 ? a.hi : fmin(a.hi, fmax(a.lo, a.lo + t * (a.hi - a.lo)));
-}
-
-static int contains(struct span a, mpfr_t x)
-{
-	return mpfr_cmp_d(x, a.lo) >= 0 && mpfr_cmp_d(x, a.hi) <= 0;
 }
 
 START_TEST(test_spans)
@@ -65,20 +41,20 @@ START_TEST(test_spans)
 
 	mpfr_inits2(BITS, x, y, z, (mpfr_ptr)0);
 	for (int i = 0; i < PAIRS; i++) {
-		struct span a = draw_span(&r, magnitude), b = draw_span(&r, magnitude), c = draw_span(&r, angle);
+		struct span a = spans_draw(&r, spans_magnitude), b = spans_draw(&r, spans_magnitude), c = spans_draw(&r, angle);
 
-		mpfr_set_d(x, inside(&r, a), MPFR_RNDN);
-		mpfr_set_d(y, inside(&r, b), MPFR_RNDN);
+		mpfr_set_d(x, spans_inside(&r, a), MPFR_RNDN);
+		mpfr_set_d(y, spans_inside(&r, b), MPFR_RNDN);
 		mpfr_add(z, x, y, MPFR_RNDN);
-		ck_assert(contains(span_add(a, b), z));
+		ck_assert(spans_contain(span_add(a, b), z));
 		mpfr_mul(z, x, y, MPFR_RNDN);
-		ck_assert(contains(span_mul(a, b), z));
+		ck_assert(spans_contain(span_mul(a, b), z));
 		ck_assert(span_size(a) >= fabs(mpfr_get_d(x, MPFR_RNDZ)));
-		mpfr_set_d(x, inside(&r, c), MPFR_RNDN);
+		mpfr_set_d(x, spans_inside(&r, c), MPFR_RNDN);
 		mpfr_sin(z, x, MPFR_RNDN);
-		ck_assert(contains(span_sin(c), z));
+		ck_assert(spans_contain(span_sin(c), z));
 		mpfr_cos(z, x, MPFR_RNDN);
-		ck_assert(contains(span_cos(c), z));
+		ck_assert(spans_contain(span_cos(c), z));
 	}
 	mpfr_clears(x, y, z, (mpfr_ptr)0);
 }
@@ -87,7 +63,8 @@ END_TEST
 /* No wider than they need be, and everything where nothing is known. */
 START_TEST(test_spans_are_close)
 {
-	struct span s = span_sin((struct span){0.1, 0.2}), c = span_cos((struct span){-0.1, 0.2}), m = span_mul((struct span){0.1, 0.3}, (struct span){-0.7, 0.9});
+	struct span s = span_sin((struct span){0.1, 0.2}), c = span_cos((struct span){-0.1, 0.2}),
+		m = span_mul((struct span){0.1, 0.3}, (struct span){-0.7, 0.9});
 	const double infinite = (double)INFINITY;
 
 	ck_assert(s.lo > sin(0.1) - 1e-14 && s.hi < sin(0.2) + 1e-14 && c.hi == 1 && c.lo > cos(0.2) - 1e-14);
@@ -270,7 +247,8 @@ START_TEST(test_points)
 			robot_box_evaluate(&x.robot);
 			exact = robot_box_value(&x.robot, output);
 			sum = polynomial(&p, &x, work, c);
-			ck_assert_msg(fabs(sum - exact) <= p.noise * (double)p.coefficients * 1.001, "%s: %.17g beside %.17g", CASES[i % CASE_COUNT].name, sum, exact);
+			ck_assert_msg(fabs(sum - exact) <= p.noise * (double)p.coefficients * 1.001, "%s: %.17g beside %.17g",
+				CASES[i % CASE_COUNT].name, sum, exact);
 			ck_assert(fabs(sum - exact) <= 1e-8 * (1 + fabs(exact)));
 			ck_assert(exact <= points_above(&p, c, 1, -1e300) + p.noise * (double)p.coefficients);
 			ck_assert(-exact <= points_above(&p, c, -1, -1e300) + p.noise * (double)p.coefficients);
@@ -311,12 +289,14 @@ static double bent(struct staged *x, size_t output, const struct point_dim *k, d
 			q[row] = x->rows[x->position][row].lo < 2 ? rng_uniform(r, -3.2, 3.2) : q[row];
 		if (!k->is_angle)
 			q[k->row] = cuts_middle(k->range.lo, k->range.hi);
-		most = fmax(most, fabs(moved(x, output, k->row, h) - 2 * moved(x, output, k->row, 0) + moved(x, output, k->row, -h)) / (h * h));
+		most = fmax(most, fabs(moved(x, output, k->row, h) - 2 * moved(x, output, k->row, 0) + moved(x, output,
+			k->row, -h)) / (h * h));
 	}
 	return bend > 1e-9 ? most / bend : most > 1e-3 ? (double)INFINITY : 0;
 }
 
-static double check_bends(struct staged *x, size_t output, const struct points *p, const double *bends, const char *name, struct rng *r)
+static double check_bends(struct staged *x, size_t output, const struct points *p, const double *bends,
+	const char *name, struct rng *r)
 {
 	int all_angles = 1;
 	double most = 0;
@@ -356,7 +336,8 @@ static void check_grid(const struct steps_case *c, size_t output, double seconds
 		robot_box_draw(&x.robot, r, 0, 0);
 		robot_box_evaluate(&x.robot);
 		value = robot_box_value(&x.robot, output);
-		ck_assert_msg(value >= g.value.lo && value <= g.value.hi, "%s: %g is not from %g to %g", c->name, value, g.value.lo, g.value.hi);
+		ck_assert_msg(value >= g.value.lo && value <= g.value.hi, "%s: %g is not from %g to %g", c->name, value,
+			g.value.lo, g.value.hi);
 	}
 	robot_box_close(&x.robot);
 }
@@ -376,7 +357,8 @@ START_TEST(test_cuts)
 {
 	static const struct {
 		int rows[8], count, is_cover;
-	} cases[] = {{{-1}, 1, 1}, {{0, -1, -1}, 3, 1}, {{0, 1, -1, -1, -1}, 5, 1}, {{0, -1}, 2, 0}, {{0, -1, -1, -1}, 4, 0}, {{2, -1, -1}, 3, 0},
+	} cases[] = {{{-1}, 1, 1}, {{0, -1, -1}, 3, 1}, {{0, 1, -1, -1, -1}, 5, 1}, {{0, -1}, 2, 0}, {{0, -1, -1, -1}, 4, 0},
+		{{2, -1, -1}, 3, 0},
 		{{-2}, 1, 0}, {{0}, 0, 0}, {{0, -1, 1, -1, -1}, 5, 1}};
 	int deep[2 * CUTS_DEEP + 3];
 	size_t second[2 * CUTS_DEEP + 3];

@@ -39,8 +39,8 @@ START_TEST(test_covers)
 		size_t most = 1 + (size_t)rng_below(&r, 300), size = rng_chance(&r, 0.5) ? most : 0;
 		struct slices s = slices_plan(first, end, 1 + (uint64_t)rng_below(&r, 20), size, most);
 
-		ck_assert_msg(covers(&s, most), "%llu to %llu by %llu lanes, slices of %zu of at most %zu", (unsigned long long)first,
-			(unsigned long long)end, (unsigned long long)s.lanes, s.size, most);
+		ck_assert_msg(covers(&s, most), "%llu to %llu by %llu lanes, slices of %zu of at most %zu",
+			(unsigned long long)first, (unsigned long long)end, (unsigned long long)s.lanes, s.size, most);
 	}
 }
 END_TEST
@@ -51,7 +51,8 @@ START_TEST(test_balance)
 	for (uint64_t lanes = 1; lanes < 9; lanes++)
 		for (uint64_t samples = lanes; samples < 700; samples += 1 + samples / 10) {
 			struct slices s = slices_plan(0, samples, lanes, 0, 50);
-			uint64_t slices = samples / s.size + (samples % s.size != 0), rounds = (samples + 50 * lanes - 1) / (50 * lanes);
+			uint64_t slices = samples / s.size + (samples % s.size != 0),
+				rounds = (samples + 50 * lanes - 1) / (50 * lanes);
 
 			ck_assert_uint_le(slices, rounds * lanes);
 			ck_assert_uint_ge(s.size * rounds * lanes, samples);

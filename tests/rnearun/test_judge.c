@@ -82,7 +82,8 @@ START_TEST(test_states)
 			if (t->type == JOINT_FLOATING)
 				ck_assert_double_eq_tol(q[3] * q[3] + q[4] * q[4] + q[5] * q[5] + q[6] * q[6], 1, 1e-15);
 			else
-				assert_within(tree_joint_of(&f.analysis.robot, &f.analysis.tree, i), q[0], s.qd[k * s.nv + (size_t)t->iv]);
+				assert_within(tree_joint_of(&f.analysis.robot, &f.analysis.tree, i), q[0],
+					s.qd[k * s.nv + (size_t)t->iv]);
 			most = fmax(most, fabs(s.qdd[k * s.nv + (size_t)t->iv]));
 		}
 	ck_assert(most > 9.5 && most <= 10);

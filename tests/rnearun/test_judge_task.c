@@ -58,7 +58,8 @@ static void assert_body(const double *p)
 	I[2] = p[9] - m * (c[0] * c[0] + c[1] * c[1]);
 	for (int i = 0; i < 3; i++)
 		ck_assert(I[i] > 0 && I[i] <= I[(i + 1) % 3] + I[(i + 2) % 3] + 1e-15 && I[i] < 0.01 * m);
-	ck_assert(fabs(J[0] + m * c[0] * c[1]) < 1e-15 && fabs(J[1] + m * c[0] * c[2]) < 1e-15 && fabs(J[2] + m * c[1] * c[2]) < 1e-15);
+	ck_assert(fabs(J[0] + m * c[0] * c[1]) < 1e-15 && fabs(J[1] + m * c[0] * c[2]) < 1e-15 &&
+		fabs(J[2] + m * c[1] * c[2]) < 1e-15);
 }
 
 static double length(const double *x)

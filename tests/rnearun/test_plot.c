@@ -80,11 +80,13 @@ START_TEST(every_point_has_a_clear_name)
 		for (size_t i = 0; i < n; i++) {
 			struct box b = box_of(&labels[i]);
 
-			ck_assert_msg(b.x0 >= 0 && b.y0 >= 0 && b.x1 <= WIDTH && b.y1 <= HEIGHT, "seed %d: %s", (int)seed, labels[i].text);
+			ck_assert_msg(b.x0 >= 0 && b.y0 >= 0 && b.x1 <= WIDTH && b.y1 <= HEIGHT, "seed %d: %s",
+				(int)seed, labels[i].text);
 			for (size_t k = 0; k < i; k++)
 				ck_assert_msg(!overlap(b, box_of(&labels[k])), "seed %d: %s", (int)seed, labels[i].text);
 			for (size_t k = 0; k < count; k++)
-				ck_assert_msg(!overlap(b, (struct box){points[k].x - 4, points[k].y - 4, points[k].x + 4, points[k].y + 4}),
+				ck_assert_msg(!overlap(b,
+					(struct box){points[k].x - 4, points[k].y - 4, points[k].x + 4, points[k].y + 4}),
 					"seed %d: %s", (int)seed, labels[i].text);
 		}
 		for (size_t k = 0; k < count; k++) {
@@ -135,8 +137,10 @@ START_TEST(equal_rows_equal_bytes)
 	static struct study study;
 	struct study_options options = {.sample = {.count = 10}};
 	struct study_row rows[] = {
-		{.backend = RNEA_BACKEND_HOST, .precision = RNEAGEN_F32, .batch = 9, .ns = 5, .floor_ratio = 0.5, .errors = {.max = 1e-7}},
-		{.backend = RNEA_BACKEND_HOST, .precision = RNEAGEN_F64, .batch = 9, .ns = 9, .floor_ratio = 0.6, .errors = {.max = 1e-16}}};
+		{.backend = RNEA_BACKEND_HOST, .precision = RNEAGEN_F32, .batch = 9, .ns = 5, .floor_ratio = 0.5,
+			.errors = {.max = 1e-7}},
+		{.backend = RNEA_BACKEND_HOST, .precision = RNEAGEN_F64, .batch = 9, .ns = 9, .floor_ratio = 0.6,
+			.errors = {.max = 1e-16}}};
 	struct report report = {.study = &study, .rows = rows, .count = 2};
 	struct rneagen_error e = {0};
 	struct file_content a, b;

@@ -172,8 +172,8 @@ static void assert_close(struct fixture *f, int is_bare, const double *tau, size
 		refer(f, k, is_bare, ref, &ref_power, &size);
 		ck_assert_msg(reference_error(tau + k * columns, ref, (int)f->nv) < most, "tau of sample %zu: %g, seed %d", k,
 			reference_error(tau + k * columns, ref, (int)f->nv), SEED);
-		ck_assert_msg(fabs(power[k * step] - (double)ref_power) <= most * (double)size, "power of sample %zu: %g, not %g, seed %d", k,
-			power[k * step], (double)ref_power, SEED);
+		ck_assert_msg(fabs(power[k * step] - (double)ref_power) <= most * (double)size,
+			"power of sample %zu: %g, not %g, seed %d", k, power[k * step], (double)ref_power, SEED);
 	}
 }
 
@@ -282,8 +282,8 @@ START_TEST(test_apart)
 	write_inputs(f);
 	snprintf(payload, sizeof payload, "payload.%s=payload.npy", f->x->payload);
 	snprintf(push, sizeof push, "fext_%s=push.npy", f->x->push);
-	RUN_SCENE(f, 0, "", "--q", "q.npy", "--input", "qd=qd.npy", "--input", payload, "--input", push, "--input", "gravity=g.npy",
-		"--output", "tau=tau.npy", "--output", "power=power.npy", "--backend", backend);
+	RUN_SCENE(f, 0, "", "--q", "q.npy", "--input", "qd=qd.npy", "--input", payload, "--input", push, "--input",
+		"gravity=g.npy", "--output", "tau=tau.npy", "--output", "power=power.npy", "--backend", backend);
 	tau = file_numbers("tau.npy", 0, &n);
 	power = file_numbers("power.npy", 0, &m);
 	ck_assert(n == COUNT * f->nv && m == COUNT);
@@ -343,8 +343,8 @@ START_TEST(test_no_samples)
 	wide ref[7];
 	size_t n;
 
-	RUN(0, "", IIWA, "--fold", "q=0", "--fold", "qd=0", "--fold", "qdd=0", "--out", "out.npy", "--precision", "f64", "--backend",
-		BACKENDS[_i]);
+	RUN(0, "", IIWA, "--fold", "q=0", "--fold", "qd=0", "--fold", "qdd=0", "--out", "out.npy", "--precision",
+		"f64", "--backend", BACKENDS[_i]);
 	reference_rnea(f->r, zero, zero, zero, ref);
 	x = file_numbers("out.npy", 0, &n);
 	ck_assert_uint_eq(n, 7);

@@ -25,8 +25,8 @@ START_TEST(test_refused)
 		"out.npy");
 	RUN_SCENE(f, 2, "--qd is missing", "--q", "q.npy", "--out", "out.npy");
 	RUN_SCENE(f, 2, "--q is missing", "--out", "out.npy");
-	RUN(2, "--input vjp_v=FILE is missing", IIWA, "--want", "vjp", "--q", "q.npy", "--qd", "qd.npy", "--qdd", "qd.npy", "--out",
-		"out.npy");
+	RUN(2, "--input vjp_v=FILE is missing", IIWA, "--want", "vjp", "--q", "q.npy", "--qd", "qd.npy", "--qdd",
+		"qd.npy", "--out", "out.npy");
 	RUN_SCENE(f, 2, "'q' has a file already", "--q", "q.npy", "--qd", "qd.npy", "--input", "q=q.npy", "--out", "out.npy");
 	RUN_SCENE(f, 2, "--output out.npy is the output out.npy as well", "--in", "in.npy", "--out", "out.npy",
 		"--output", "tau=out.npy");
@@ -35,16 +35,17 @@ START_TEST(test_refused)
 	RUN_SCENE(f, 2, "can be written once", "--in", "in.npy", "--out", "-", "--output", "tau=-");
 	RUN_SCENE(f, 2, "can be read once", "--in", "-", "--input", "gravity=-", "--out", "out.npy");
 	RUN_SCENE(f, 2, "--output in.npy is the input in.npy", "--in", "in.npy", "--output", "tau=in.npy", "--quiet");
-	RUN_SCENE(f, 1, "q.npy: 7 columns, iiwa14 needs 30 (q 7, qd 7, payload.iiwa_link_7 10, fext.iiwa_link_ee 6)", "--in", "q.npy",
-		"--out", "out.npy");
-	RUN_SCENE(f, 1, "g2.npy: shape (2, 3), iiwa14 needs (3,) for gravity", "--in", "in.npy", "--input", "gravity=g2.npy", "--out",
-		"out.npy");
-	RUN_SCENE(f, 1, "p9.npy: 9 columns, iiwa14 needs 10 for payload.iiwa_link_7", "--input", "payload.iiwa_link_7=p9.npy", "--q",
-		"q.npy", "--qd", "qd.npy", "--out", "out.npy");
-	RUN_SCENE(f, 1, "other samples than q.npy", "--input", "payload.iiwa_link_7=p20.npy", "--q", "q.npy", "--qd", "qd.npy", "--out",
-		"out.npy");
+	RUN_SCENE(f, 1, "q.npy: 7 columns, iiwa14 needs 30 (q 7, qd 7, payload.iiwa_link_7 10, fext.iiwa_link_ee 6)",
+		"--in", "q.npy", "--out", "out.npy");
+	RUN_SCENE(f, 1, "g2.npy: shape (2, 3), iiwa14 needs (3,) for gravity", "--in", "in.npy", "--input",
+		"gravity=g2.npy", "--out", "out.npy");
+	RUN_SCENE(f, 1, "p9.npy: 9 columns, iiwa14 needs 10 for payload.iiwa_link_7", "--input",
+		"payload.iiwa_link_7=p9.npy", "--q", "q.npy", "--qd", "qd.npy", "--out", "out.npy");
+	RUN_SCENE(f, 1, "other samples than q.npy", "--input", "payload.iiwa_link_7=p20.npy", "--q", "q.npy", "--qd",
+		"qd.npy", "--out", "out.npy");
 	RUN_SCENE(f, 1, "no/p.npy: cannot be written", "--in", "in.npy", "--output", "tau=out.npy", "--output", "power=no/p.npy");
-	RUN_SCENE(f, 1, "/dev/full: cannot be written", "--in", "in.npy", "--output", "tau=out.npy", "--output", "power=/dev/full");
+	RUN_SCENE(f, 1, "/dev/full: cannot be written", "--in", "in.npy", "--output", "tau=out.npy", "--output",
+		"power=/dev/full");
 	ck_assert_int_eq(count_files("out.npy"), 0);
 	fixture_free(f);
 }

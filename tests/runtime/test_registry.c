@@ -135,7 +135,8 @@ static int check_text(const char *scene, int first)
 	count = (int)rnea_info(robot)->function_count;
 	ck_assert_int_eq(rnea_bind_role(robot, ALGORITHMS[first]->name, RNEA_ROLE_JOINT_POSITION, NULL), rnea_bind(robot, "q"));
 	ck_assert_int_eq(rnea_bind_role(robot, ALGORITHMS[first]->name, RNEA_ROLE_JOINT_VELOCITY, NULL), rnea_bind(robot, "qd"));
-	ck_assert_int_eq(rnea_bind_role(robot, ALGORITHMS[first]->name, RNEA_ROLE_JOINT_ACCELERATION, NULL), rnea_bind(robot, "qdd"));
+	ck_assert_int_eq(rnea_bind_role(robot, ALGORITHMS[first]->name, RNEA_ROLE_JOINT_ACCELERATION, NULL),
+		rnea_bind(robot, "qdd"));
 	for (int i = 0; i < count; i++)
 		check_function(robot, ALGORITHMS[first + i], &rnea_info(robot)->functions[i]);
 	rnea_close(robot);

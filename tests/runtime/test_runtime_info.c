@@ -102,7 +102,8 @@ END_TEST
 
 #define THREE "rneagen-info 3\n" NAMES SIZES
 #define FIRST "function rnea\ninput q 8 f64 sample joint_position\ninput p 10 f64 batch link_payload left  hand\n"          \
-	"output tau 7 f64 sample joint_torque\noutput M 3 f64 sample mass_matrix\nmatrix M 2 2 lower\nrow M 0 0\nrow M 1 0 1\n" COUNTS
+	"output tau 7 f64 sample joint_torque\noutput M 3 f64 sample mass_matrix\nmatrix M 2 2 lower\nrow M 0 0\nrow M 1 0 1\n" \
+	COUNTS
 #define SECOND                                                                                                         \
 	"function fd\ninput tau 7 f64 sample joint_torque\noutput x 2 f64 sample of_a_later_version\nstage 72\nparts " \
 	"2\nlimbs 4 2 1408 4096\n"                                                                                     \
@@ -283,7 +284,8 @@ static const struct damage {
 	{HEAD SIZES ARRAYS "matrix tau 4 4 general\nrow tau 1 4\n", "the number is out of range: \"4\""},
 	{HEAD SIZES ARRAYS "matrix tau 4 4 lower\nrow tau 1 2\n", "the number is out of range: \"2\""},
 	{HEAD SIZES ARRAYS "matrix tau 4 4 lower\nrow tau 1 1 \n", "a number is missing"},
-	{HEAD SIZES ARRAYS "matrix tau 4 4 general\nrow tau 1 0 1 2 3\n" COUNTS, "matrix \"tau\" has 4 elements, and its array 7 rows"},
+	{HEAD SIZES ARRAYS "matrix tau 4 4 general\nrow tau 1 0 1 2 3\n" COUNTS,
+		"matrix \"tau\" has 4 elements, and its array 7 rows"},
 	{HEAD SIZES ARRAYS "matrix tau 4 4 general\n" COUNTS, "matrix \"tau\" has 0 elements"},
 };
 

@@ -241,7 +241,8 @@ END_TEST
    table of the second, older text names none, and may be asked for all. */
 START_TEST(text_without_passes)
 {
-	char *text = _i ? pendulum_with("\t\"kernels rnea fpass bpass\\n\"\n", "") : pendulum_with("kernels rnea fpass", "kernels rnea");
+	char *text = _i ? pendulum_with("\t\"kernels rnea fpass bpass\\n\"\n", "")
+		: pendulum_with("kernels rnea fpass", "kernels rnea");
 	struct rnea_robot *other;
 	struct rnea_resources r;
 	struct rnea_error e;

@@ -85,7 +85,8 @@ START_TEST(version_1)
 	ck_assert_msg(!rnea_run(robot, (void *[]){x.q, x.qd, x.qdd, x.tau}, COUNT, &e), "%s", e.message);
 	check_torques(&x);
 	memset(x.tau, 0xff, sizeof x.tau);
-	ck_assert_msg(!rnea_launch_kernel(robot, "fpass", (void *[]){x.q, x.qd, x.qdd, v, a, f}, COUNT, NULL, &e), "%s", e.message);
+	ck_assert_msg(!rnea_launch_kernel(robot, "fpass", (void *[]){x.q, x.qd, x.qdd, v, a, f}, COUNT, NULL, &e),
+		"%s", e.message);
 	ck_assert_msg(!rnea_launch_kernel(robot, "bpass", (void *[]){x.q, f, x.tau}, COUNT, NULL, &e), "%s", e.message);
 	check_torques(&x);
 	rnea_close(robot);

@@ -247,7 +247,8 @@ static const struct wrong {
 	{"name pendulum", "name arm", RNEA_TABLE, "pendulum_info calls the robot \"arm\""},
 	{"nq 1\\n", "nq one\\n", RNEA_TABLE, "line 7: not a number: \"one\""},
 	{"pendulum_rnea_kernel", "other_rnea_kernel", RNEA_TEXT, "defines no kernel pendulum_rnea_kernel"},
-	{"pendulum_bpass_kernel", "other_bpass_kernel", RNEA_TEXT, "defines no kernel pendulum_bpass_kernel, which pendulum_info names"},
+	{"pendulum_bpass_kernel", "other_bpass_kernel", RNEA_TEXT,
+		"defines no kernel pendulum_bpass_kernel, which pendulum_info names"},
 	{"_info[] =\n", "_info[] =\n;static const char hidden[] =\n", RNEA_COMPILE, "pendulum.cu:15:"},
 };
 

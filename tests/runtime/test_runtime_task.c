@@ -106,7 +106,8 @@ START_TEST(test_run)
 		int at = rnea_bind(robot, NAMES[i]);
 
 		ck_assert_int_ge(at, 0);
-		ck_assert(info->arguments[at].rows == WIDTHS[i] && info->arguments[at].per_batch == (i == GRAVITY || i == PAYLOAD));
+		ck_assert(info->arguments[at].rows == WIDTHS[i] &&
+			info->arguments[at].per_batch == (i == GRAVITY || i == PAYLOAD));
 		arguments[at] = x[i];
 	}
 	ck_assert_msg(!rnea_run(robot, arguments, COUNT, &e), "%s", e.message);

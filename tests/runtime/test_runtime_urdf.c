@@ -136,7 +136,8 @@ START_TEST(parts)
 	static const struct {
 		enum rnea_backend backend;
 		unsigned asked, has;
-	} cases[] = {{RNEA_BACKEND_CUDA, RNEAGEN_PARTS_AUTO, 2}, {RNEA_BACKEND_HOST, RNEAGEN_PARTS_AUTO, 1}, {RNEA_BACKEND_HOST, 3, 3}};
+	} cases[] = {{RNEA_BACKEND_CUDA, RNEAGEN_PARTS_AUTO, 2}, {RNEA_BACKEND_HOST, RNEAGEN_PARTS_AUTO, 1},
+		{RNEA_BACKEND_HOST, 3, 3}};
 	static const char *const quickly[] = {"-O0"};
 	struct rneagen_options g = rneagen_options_default();
 	struct rnea_options o = {.backend = cases[_i].backend};

@@ -1,7 +1,9 @@
-/* Which sine and cosine a text has where nobody says: bounded ones if ranges that the scene states keep every angle within what they
-   take, and never by limits of the URDF alone. It would catch an angle that is forgotten (a follower's, a planar joint's, one with a free
-   offset), a range that counts although a narrower one says more, and a head that does not make the same text again. */
+/* Which sine and cosine a text has where nobody says: bounded ones if ranges that the scene states keep every angle within what
+   they take, and never by limits of the URDF alone. It would catch an angle that is forgotten (a follower's, a planar joint's,
+   one with a free offset), a range that counts although a narrower one says more, and a head that does not make the same text
+   again. */
 #include "support/scene_model.h"
+#include "support/generated.h"
 #include "support/suite.h"
 #include "support/urdf_text.h"
 #include "rneagen.h"
@@ -26,7 +28,8 @@ static const struct chosen {
 	{"double_pendulum", "range q[0]=-1,1\nfold q.elbow=0.5", RNEAGEN_TRIG_AUTO, RNEAGEN_BOUNDED},
 	{"iiwa14", "range q=-3,3\nfree offset.iiwa_joint_3", RNEAGEN_TRIG_AUTO, RNEAGEN_ACCURATE},
 	{"iiwa14", "range q=-3,3\nfree offset.iiwa_joint_3\nrange offset.iiwa_joint_3=-1,1", RNEAGEN_TRIG_AUTO, RNEAGEN_BOUNDED},
-	{"iiwa14", "range q=-3,3\nfree offset.iiwa_joint_3\nrange offset.iiwa_joint_3=-1,10000", RNEAGEN_TRIG_AUTO, RNEAGEN_ACCURATE},
+	{"iiwa14", "range q=-3,3\nfree offset.iiwa_joint_3\nrange offset.iiwa_joint_3=-1,10000", RNEAGEN_TRIG_AUTO,
+		RNEAGEN_ACCURATE},
 	{"mimic_chain", "range q=-6000,6000", RNEAGEN_TRIG_AUTO, RNEAGEN_ACCURATE}, /* followers turn by up to twice the angle */
 	{"mimic_chain", "range q=-3,3", RNEAGEN_TRIG_AUTO, RNEAGEN_BOUNDED},
 	{"planar_joint", "range q=-3,3", RNEAGEN_TRIG_AUTO, RNEAGEN_BOUNDED},
@@ -62,21 +65,21 @@ END_TEST
 static struct rneagen_result text_of(const char *urdf, const char *scene, enum rneagen_trig trig)
 {
 	struct rneagen_options o = rneagen_options_default();
-	struct rneagen_result r;
-	struct rneagen_error e;
 
 	o.scene = scene;
 	o.trig = trig;
-	ck_assert_msg(!rneagen_generate(urdf, strlen(urdf), &o, &r, &e), "%s", e.message);
-	return r;
+	return generated(urdf, &o);
 }
 
-/* The head says it, with the ranges that it rests on; asking for the same gives the same bytes; without ranges nothing is said. */
+/* The head says it, with the ranges that it rests on; asking for the same gives the same bytes; without ranges nothing is
+   said. */
 START_TEST(told)
 {
 	char *urdf = robot_text("double_pendulum");
-	struct rneagen_result by_range = text_of(urdf, "range q=-3,3", RNEAGEN_TRIG_AUTO), asked = text_of(urdf, "range q=-3,3", RNEAGEN_BOUNDED);
-	struct rneagen_result accurate = text_of(urdf, "range q=-3,3", RNEAGEN_ACCURATE), plain = text_of(urdf, NULL, RNEAGEN_TRIG_AUTO);
+	struct rneagen_result by_range = text_of(urdf, "range q=-3,3", RNEAGEN_TRIG_AUTO),
+		asked = text_of(urdf, "range q=-3,3", RNEAGEN_BOUNDED);
+	struct rneagen_result accurate = text_of(urdf, "range q=-3,3", RNEAGEN_ACCURATE),
+		plain = text_of(urdf, NULL, RNEAGEN_TRIG_AUTO);
 
 	ck_assert(strstr(by_range.source, "--trig bounded") && strstr(by_range.source, "--range q=-3,3"));
 	ck_assert(strstr(by_range.source, "Sine and cosine are bounded: the scene states a range of every joint's angle"));

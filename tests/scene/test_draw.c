@@ -3,6 +3,7 @@
 #define _DEFAULT_SOURCE /* M_PI */
 #include "tell/draw_put.h"
 #include "support/scene_model.h"
+#include "support/generated.h"
 #include "support/suite.h"
 #include "support/urdf_text.h"
 #include <math.h>
@@ -62,9 +63,10 @@ static void assert_fills(const struct fixture *f, const char *name, int row, dou
 		least = fmin(least, a->values[k * (size_t)a->rows + (size_t)row]);
 		most = fmax(most, a->values[k * (size_t)a->rows + (size_t)row]);
 	}
-	ck_assert_msg(least >= lower && most <= upper, "%s[%d]: %g to %g is not in %g to %g", name, row, least, most, lower, upper);
-	ck_assert_msg(least <= lower + 0.05 * width && most >= upper - 0.05 * width, "%s[%d]: %g to %g, and not all of %g to %g", name,
-		row, least, most, lower, upper);
+	ck_assert_msg(least >= lower && most <= upper, "%s[%d]: %g to %g is not in %g to %g", name, row, least,
+		most, lower, upper);
+	ck_assert_msg(least <= lower + 0.05 * width && most >= upper - 0.05 * width, "%s[%d]: %g to %g, and not all of %g to %g",
+		name, row, least, most, lower, upper);
 }
 
 /* No body has other ten numbers: the pseudo-inertia [S h; h' m], S = tr(I)/2 - I, is positive semidefinite (Wensing, Kim,
@@ -151,7 +153,8 @@ START_TEST(said)
 	open_drawn(&f, everything,
 		"range q.slide[2]=2,3\nrange q.slide=-5,-4\nrange q=10,11\nrange q[0]=0,0.5\nrange qd.sail=7,8\nrange qdd=-1,2\n"
 				   "range gravity=0,1\nrange gravity[2]=-9,-8\nrange payload.ball=4,5\nrange inertia.arm=7,9\nrange mass.hand=0,1\n"
-				   "range offset.turn=1,2\nrange fext.hand[0]=0,500\nrange vjp_v=2,3\nrange jvp_v[35]=-7,-6\n", &EACH);
+				   "range offset.turn=1,2\nrange fext.hand[0]=0,500\nrange vjp_v=2,3\nrange jvp_v[35]=-7,-6\n",
+				&EACH);
 	assert_fills(&f, "q", 0, 0, 0.5);
 	assert_fills(&f, "q", 1, 10, 11);
 	assert_fills(&f, "q", 5, 10, 11);
@@ -182,7 +185,8 @@ END_TEST
 /* A name that looks like a row is the name. */
 START_TEST(names_with_brackets)
 {
-	static const char text[] = ROBOT("r", BALL("world") BALL("a[1]") JOINT("j[0]", "revolute", "world", "a[1]", AXIS("0 0 1")));
+	static const char text[] = ROBOT("r",
+		BALL("world") BALL("a[1]") JOINT("j[0]", "revolute", "world", "a[1]", AXIS("0 0 1")));
 	struct rneagen_options o = rneagen_options_default();
 	struct fixture f;
 
@@ -282,20 +286,18 @@ END_TEST
 static struct rneagen_result make(const char *scene)
 {
 	struct rneagen_options o = rneagen_options_default();
-	struct rneagen_result r;
-	struct rneagen_error e;
 
 	o.scene = scene;
 	o.tell = RNEAGEN_TELL_ALL;
-	ck_assert_msg(!rneagen_generate(urdf, sizeof urdf - 1, &o, &r, &e), "%s", e.message);
-	return r;
+	return generated(urdf, &o);
 }
 
 /* A text knows of no range but where it states what a changed constant changes, and then in its head alone. */
 START_TEST(texts)
 {
 	struct rneagen_result plain = make(NULL), ranged = make("range q.turn=0,1\nrange qdd=-3,3");
-	struct rneagen_result rounded = make("round-constants 5"), both = make("round-constants 5\nrange q.turn=0,1\nrange qdd=-3,3");
+	struct rneagen_result rounded = make("round-constants 5"),
+		both = make("round-constants 5\nrange q.turn=0,1\nrange qdd=-3,3");
 	const char *functions = strstr(rounded.source, "\n */"), *others = strstr(both.source, "\n */");
 
 	ck_assert(!strcmp(plain.source, ranged.source));

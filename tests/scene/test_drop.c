@@ -1,6 +1,6 @@
-/* What --drop-below FRACTION:sampled leaves out: nothing that an input of the scene can make felt, by the independent reference and beside the
-   text that has all terms; no other terms than a sweep by each output, one sample after the other, finds; and the text keeps
-   its inputs. Seeds are printed or in DROP_SEEDS. */
+/* What --drop-below FRACTION:sampled leaves out: nothing that an input of the scene can make felt, by the independent reference
+   and beside the text that has all terms; no other terms than a sweep by each output, one sample after the other, finds; and the
+   text keeps its inputs. Seeds are printed or in DROP_SEEDS. */
 #define _POSIX_C_SOURCE 200809L
 #include "tell/effect.h"
 #include "dag/eval.h"
@@ -181,11 +181,13 @@ START_TEST(told)
 	struct scene_model m, whole;
 	double change;
 
-	open_scene(&m, text, RNEAGEN_FIXED, "free payload.panda_hand", "drop-below 1e-6:sampled\nrange payload.panda_hand=0,1e-7");
+	open_scene(&m, text, RNEAGEN_FIXED, "free payload.panda_hand",
+		"drop-below 1e-6:sampled\nrange payload.panda_hand=0,1e-7");
 	open_scene(&whole, text, RNEAGEN_FIXED, "free payload.panda_hand", "drop-below 1e-6:sampled");
 	check_same_arguments(&m.dag, &whole.dag);
 	for (size_t i = 0; i < m.dag.count; i++)
-		ck_assert(m.dag.nodes[i].op != OP_INPUT || strcmp(m.dag.arguments[m.dag.nodes[i].arg[0].i].name, "payload_panda_hand") != 0);
+		ck_assert(m.dag.nodes[i].op != OP_INPUT ||
+			strcmp(m.dag.arguments[m.dag.nodes[i].arg[0].i].name, "payload_panda_hand") != 0);
 	ck_assert_uint_lt(operation_total(&m), operation_total(&whole));
 	ck_assert_msg(m.effects.of[0].share > 1e-10 && m.effects.of[0].share < 1e-5, "%g", m.effects.of[0].share);
 	ck_assert(!effect_total(&change, &m.analysis, &(struct draw_options){.seed = 7, .count = 100}, &m.error));
@@ -265,7 +267,8 @@ static void sweep(struct naive *n, size_t output)
 		for (int a = 0; a < op_arity[k->op]; a++) {
 			n->slope[k->arg[a].i] += n->slope[i] * by[a];
 			if (a < 2 && n->scale[output] > 0)
-				n->effect[i][a] = fmax(n->effect[i][a], fabs(n->slope[i] * n->value[k->arg[a].i]) / n->scale[output]);
+				n->effect[i][a] = fmax(n->effect[i][a],
+					fabs(n->slope[i] * n->value[k->arg[a].i]) / n->scale[output]);
 		}
 	}
 }
@@ -313,8 +316,8 @@ static size_t check_terms(const struct naive *n, const unsigned char *unfelt, do
 
 			if (is_sum && fabs(n->effect[i][k] / fraction - 1) < 1e-6)
 				continue;
-			ck_assert_msg((unfelt[i] >> k & 1) == is_unfelt, "operand %d of node %zu: effect %g, fraction %g, %s", k, i, n->effect[i][k],
-				fraction, is_unfelt ? "and is kept" : "and is dropped");
+			ck_assert_msg((unfelt[i] >> k & 1) == is_unfelt, "operand %d of node %zu: effect %g, fraction %g, %s", k,
+				i, n->effect[i][k], fraction, is_unfelt ? "and is kept" : "and is dropped");
 			found += (size_t)is_unfelt;
 		}
 	return found;
@@ -346,7 +349,8 @@ START_TEST(exact)
 	algorithm_find("rnea")->build(&raw, &m.tree, &m.analysis.request);
 	ck_assert(draw_inputs(&x, &m.tree, &m.analysis.request, &FELT_SAMPLES, &m.arena));
 	n = (struct naive){.d = &raw, .value = arena_alloc(&m.arena, raw.count, sizeof(double)),
-		.slope = arena_alloc(&m.arena, raw.count, sizeof(double)), .scale = arena_alloc(&m.arena, raw.output_count, sizeof(double)),
+		.slope = arena_alloc(&m.arena, raw.count, sizeof(double)),
+		.scale = arena_alloc(&m.arena, raw.output_count, sizeof(double)),
 		.effect = arena_alloc(&m.arena, raw.count, sizeof *n.effect), .is_kept = arena_alloc(&m.arena, raw.count, 1)};
 	mark_kept(&n, &m.arena);
 	find_effects(&n, &x);

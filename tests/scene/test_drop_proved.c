@@ -1,6 +1,6 @@
-/* What --drop-below leaves out is proved: no state within the ranges, nor their corners, changes an output by more than the fraction,
-   by the expressions with all terms in extended precision; and a term that samples miss stays. It would catch a term whose effect is
-   not counted, and a magnitude or a derivative that is too small. Seeds are the cases' numbers. */
+/* What --drop-below leaves out is proved: no state within the ranges, nor their corners, changes an output by more than the
+   fraction, by the expressions with all terms in extended precision; and a term that samples miss stays. It would catch a term
+   whose effect is not counted, and a magnitude or a derivative that is too small. Seeds are the cases' numbers. */
 #define _POSIX_C_SOURCE 200809L
 #include "draw/felt.h"
 #include "draw/proven.h"
@@ -27,7 +27,8 @@ static const struct held {
 	{"iiwa14", "range q=0.2,0.4\nrange qd=-0.1,0.1\nrange qdd=-1,3", "1e-3", RNEAGEN_FIXED, 1},
 	{"iiwa14", "range qdd=-20,20", "0.9", RNEAGEN_FIXED, 1},
 	{"panda", "range qdd=-20,20\nwant tau,gravity,kinetic,power", "1e-2", RNEAGEN_FIXED, 1},
-	{"panda", "range qdd=-20,20\nfree payload.panda_hand,gravity\nrange payload.panda_hand=0,2\nrange gravity=-10,10", "1e-3", RNEAGEN_FIXED, 1},
+	{"panda", "range qdd=-20,20\nfree payload.panda_hand,gravity\nrange payload.panda_hand=0,2\nrange gravity=-10,10", "1e-3",
+		RNEAGEN_FIXED, 1},
 	{"iiwa14", "range qdd=-20,20\nfree inertia.iiwa_link_ee\nrange inertia.iiwa_link_ee=0,2", "1e-3", RNEAGEN_FIXED, 1},
 	{"panda", "range qdd=-1,1\nfext panda_hand\nrange fext.panda_hand=-50,50", "1e-2", RNEAGEN_FIXED, 1},
 	{"iiwa14", "want M,bias", "1e-2", RNEAGEN_FIXED, 1},
@@ -62,7 +63,8 @@ static void go_to_corners(const struct drawn *x, size_t sample, struct rng *r)
 
 		for (int k = 0; k < y->rows; k++)
 			if (y->ranges[k].kind == DRAW_NUMBER && rng_chance(r, 0.9))
-				y->values[sample * (size_t)y->rows + (size_t)k] = rng_chance(r, 0.5) ? y->ranges[k].lower : y->ranges[k].upper;
+				y->values[sample * (size_t)y->rows + (size_t)k] = rng_chance(r, 0.5) ? y->ranges[k].lower
+					: y->ranges[k].upper;
 	}
 }
 
@@ -120,7 +122,8 @@ static double worst_change(const struct dag *with, const struct dag *without, co
 			for (int k = 0; k < with->arguments[i].rows && with->arguments[i].is_output; k++) {
 				double off = fabs((double)(y[i][k] - z[i][k])), allowed = fmin(most, fraction * largest[i][k]);
 
-				worst = off > 1e-16 * largest_of(largest[i], with->arguments[i].rows) ? fmax(worst, off / allowed) : worst;
+				worst = off > 1e-16 * largest_of(largest[i], with->arguments[i].rows) ? fmax(worst, off / allowed)
+					: worst;
 			}
 	}
 	return worst;
@@ -139,12 +142,14 @@ START_TEST(held)
 	open_scene(&m, h, h->fraction);
 	memset(largest, 0, sizeof largest);
 	ck_assert(draw_inputs(&felt, &whole.tree, &whole.analysis.request, &FELT_SAMPLES, &whole.arena));
-	ck_assert(draw_inputs(&x, &m.tree, &m.analysis.request, &(struct draw_options){.seed = 77, .count = STATES, .each = 1}, &m.arena));
+	ck_assert(draw_inputs(&x, &m.tree, &m.analysis.request, &(struct draw_options){.seed = 77, .count = STATES, .each = 1},
+		&m.arena));
 	for (size_t s = 0; s < STATES; s += 2)
 		go_to_corners(&x, s, &r);
 	note_largest(&whole.dag, &felt, largest);
 	worst = worst_change(&m.dag, &whole.dag, &x, strtod(h->fraction, NULL), m.analysis.dropped.change, largest);
-	printf("%s %s: %zu of %zu operations, change %.2g of what is proved\n", h->robot, h->fraction, operation_total(&m), operation_total(&whole), worst);
+	printf("%s %s: %zu of %zu operations, change %.2g of what is proved\n", h->robot, h->fraction, operation_total(&m),
+		operation_total(&whole), worst);
 	ck_assert_msg(worst <= 1 + 1e-9, "%s, case %d: %g of what is allowed", h->robot, _i, worst);
 	ck_assert(m.analysis.dropped.share <= strtod(h->fraction, NULL) * (1 + 1e-12));
 	ck_assert(!h->saves || operation_total(&m) < operation_total(&whole));
@@ -200,7 +205,8 @@ START_TEST(rare_corner)
 }
 END_TEST
 
-/* Terms that are each below the fraction, and together above it: samples leave out all, the proof as many as there is room for. */
+/* Terms that are each below the fraction, and together above it: samples leave out all, the proof as many as there is room
+   for. */
 START_TEST(together)
 {
 	static const struct held all = {"iiwa14", "range qd=-1,1\nrange qdd=-1,1", NULL, RNEAGEN_FIXED, 0};
@@ -260,7 +266,8 @@ START_TEST(refused)
 	snprintf(scene, sizeof scene, "%s\ndrop-below 1e-3", REFUSED[_i].scene);
 	o.scene = scene;
 	ck_assert_int_eq(scene_open(&m, text, &o), RNEAGEN_SCENE);
-	ck_assert_msg(strstr(m.error.message, REFUSED[_i].part) && strstr(m.error.message, "drop-below: "), "%s", m.error.message);
+	ck_assert_msg(strstr(m.error.message, REFUSED[_i].part) && strstr(m.error.message, "drop-below: "), "%s",
+		m.error.message);
 	scene_close(&m);
 	strcat(scene, ":sampled");
 	ck_assert(!scene_open(&m, text, &o));
@@ -282,7 +289,8 @@ START_TEST(told)
 		ck_assert(!effect_measure(&m.effects, &m.analysis));
 		text_init(&out, &m.arena);
 		effect_put_comment(&m.effects, &m.analysis, &out);
-		ck_assert_msg((strstr(text_string(&out), "proved for all states within the ranges below") != NULL) == !sampled, "%s", text_string(&out));
+		ck_assert_msg((strstr(text_string(&out), "proved for all states within the ranges below") != NULL) == !sampled,
+			"%s", text_string(&out));
 		ck_assert((strstr(text_string(&out), "chosen by samples, and nothing is proved") != NULL) == sampled);
 		ck_assert(sampled || (m.effects.of[0].most.share > 0 && m.effects.of[0].most.share <= 1e-3 &&
 						     m.effects.of[0].change <= m.effects.of[0].most.change));

@@ -70,7 +70,8 @@ static void check(const struct dag *d, const struct state *s)
 
 		ck_assert_msg(off <= 8 * DBL_EPSILON * size[i], "row %d, qd %g: %g off, of %g", row, s->qd[row], off, size[i]);
 		ck_assert_msg(off <= bound[i], "row %d, qd %g: %g off, bound %g", row, s->qd[row], off, bound[i]);
-		ck_assert_msg(off_f32 <= bound_f32[i], "row %d, qd %g: f32 %g off, bound %g", row, s->qd[row], off_f32, bound_f32[i]);
+		ck_assert_msg(off_f32 <= bound_f32[i], "row %d, qd %g: f32 %g off, bound %g", row, s->qd[row],
+			off_f32, bound_f32[i]);
 		ck_assert_msg(bound[i] <= 1e-12 && bound_f32[i] <= 1e-3, "bounds %g, %g say nothing", bound[i], bound_f32[i]);
 	}
 }

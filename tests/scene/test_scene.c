@@ -4,6 +4,7 @@
 #include "support/read.h"
 #include "support/rng.h"
 #include "rneagen.h"
+#include "support/generated.h"
 #include "support/suite.h"
 #include "support/urdf_text.h"
 #include <locale.h>
@@ -20,7 +21,8 @@ static const char arm[] = ROBOT("arm",
 		JOINT("wrist", "continuous", "fore", "hand", "") JOINT("grip", "prismatic", "hand", "left", AXIS("0 1 0"))
 			JOINT("follow", "prismatic", "hand", "right", AXIS("0 1 0") MIMIC("grip", "-1", "0.25"))
 				JOINT("neck", "planar", "base", "head", "") JOINT("free", "floating", "hand", "thing", "")
-					REVOLUTE("x=y,z", "base", "a,b") BALL("plate") JOINT("weld", "fixed", "base", "plate", ""));
+					REVOLUTE("x=y,z", "base", "a,b") BALL("plate") JOINT("weld", "fixed",
+						"base", "plate", ""));
 
 /* A chain to l1 needs m, which stands behind a, which needs n. */
 static const char chains[] = ROBOT("chains", BALL("base") BALL("l1") BALL("l2") BALL("l3") BALL("l4") BALL("l5")
@@ -265,14 +267,11 @@ END_TEST
 static struct rneagen_result generate(const char *scene)
 {
 	struct rneagen_options o = rneagen_options_default();
-	struct rneagen_result r;
-	struct rneagen_error e;
 
 	o.target = RNEAGEN_TARGET_C;
 	o.tell = RNEAGEN_TELL_ALL;
 	o.scene = scene;
-	ck_assert_msg(!rneagen_generate(arm, sizeof arm - 1, &o, &r, &e), "%s", e.message);
-	return r;
+	return generated(arm, &o);
 }
 
 static void expect(const char *text, const char *part)
@@ -312,11 +311,14 @@ static const struct {
 	{ROBOT("r", BARE("world") FIXED("world", "air") AIR FIXED("air", "trunk") BALL("trunk") LEGS), NULL, "trunk"},
 	{ROBOT("r", BARE("world") JOINT("free", "floating", "world", "trunk", "") BALL("trunk") LEGS), NULL, "trunk"},
 	{ROBOT("r", BARE("footprint") JOINT("drive", "planar", "footprint", "trunk", "") BALL("trunk") LEGS), NULL, "trunk"},
-	{ROBOT("r", BARE("footprint") JOINT("lift", "prismatic", "footprint", "air", "") AIR FIXED("air", "trunk") BALL("trunk") LEGS),
+	{ROBOT("r", BARE("footprint") JOINT("lift", "prismatic", "footprint", "air", "") AIR FIXED("air",
+		"trunk") BALL("trunk") LEGS),
 		NULL, "trunk"},
 	{ROBOT("r", BARE("footprint") FIXED("footprint", "trunk") BALL("trunk") LEGS), NULL, NULL},
-	{ROBOT("r", BARE("footprint") JOINT("lift", "prismatic", "footprint", "trunk", "") BALL("trunk") LEGS), "lock lift=0.5", NULL},
-	{ROBOT("r", BARE("footprint") JOINT("turn", "revolute", "footprint", "trunk", "") BALL("trunk") LEGS), "lock turn=0.5", NULL},
+	{ROBOT("r", BARE("footprint") JOINT("lift", "prismatic", "footprint", "trunk", "") BALL("trunk") LEGS),
+		"lock lift=0.5", NULL},
+	{ROBOT("r", BARE("footprint") JOINT("turn", "revolute", "footprint", "trunk", "") BALL("trunk") LEGS),
+		"lock turn=0.5", NULL},
 	{ROBOT("r", BALL("world") FIXED("world", "trunk") BALL("trunk") LEGS), NULL, NULL},
 	{ROBOT("r", BARE("world") FIXED("world", "trunk") BALL("trunk") LEGS), "root trunk", NULL},
 };
@@ -329,15 +331,15 @@ START_TEST(floating_without_mass)
 	o.scene = FLOATING[_i].scene;
 	for (int floats = 0; floats < 2; floats++) {
 		struct rneagen_result r;
-		struct rneagen_error e;
 
 		o.base = floats ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
-		ck_assert_msg(!rneagen_generate(FLOATING[_i].urdf, strlen(FLOATING[_i].urdf), &o, &r, &e), "%s", e.message);
+		r = generated(FLOATING[_i].urdf, &o);
 		ck_assert_msg(r.warning_count == (floats && FLOATING[_i].base), "%zu warnings: %s", r.warning_count,
 			r.warning_count ? r.warnings[0] : "");
 		snprintf(want, sizeof want, "which has no mass; --root '%s' floats that link instead",
 			FLOATING[_i].base ? FLOATING[_i].base : "");
-		ck_assert_msg(!r.warning_count || (strstr(r.warnings[0], "--base floating floats link '") && strstr(r.warnings[0], want)),
+		ck_assert_msg(!r.warning_count ||
+			(strstr(r.warnings[0], "--base floating floats link '") && strstr(r.warnings[0], want)),
 			"%s", r.warnings[0]);
 		rneagen_result_free(&r);
 	}
@@ -355,10 +357,9 @@ START_TEST(ignored)
 			DYNAMIC("jd", "fixed", "c", "d", "1", "1") "<transmission name='t'><joint name='ja'/></transmission>");
 	struct rneagen_options o = rneagen_options_default();
 	struct rneagen_result r;
-	struct rneagen_error e;
 
 	o.tell = RNEAGEN_TELL_ALL;
-	ck_assert_msg(!rneagen_generate(text, sizeof text - 1, &o, &r, &e), "%s", e.message);
+	r = generated(text, &o);
 	expect(r.info,
 		"\nin the URDF and not modelled\n  damping of ja, jc\n  friction of jb, jc\n  limits of ja, jb\n  1 transmissions\n");
 	expect(r.info_json,
@@ -366,7 +367,7 @@ START_TEST(ignored)
 		"\"transmissions\": 1},\n");
 	rneagen_result_free(&r);
 	o.scene = "lock jc=0";
-	ck_assert_msg(!rneagen_generate(text, sizeof text - 1, &o, &r, &e), "%s", e.message);
+	r = generated(text, &o);
 	expect(r.source, " * In the URDF and not modelled: damping of 1 joints, friction of 1, limits of 2\n");
 	rneagen_result_free(&r);
 }

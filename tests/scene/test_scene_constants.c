@@ -117,7 +117,8 @@ static void check_digits(const struct within *x, const struct within *whole, int
 
 		snprintf(text, sizeof text, "%.*Le", digits - 1, x[i].x);
 		back = strtold(text, NULL);
-		ck_assert_msg(back == x[i].x, "seed %llu: %.20Lg has more than %d digits", (unsigned long long)seed, x[i].x, digits);
+		ck_assert_msg(back == x[i].x, "seed %llu: %.20Lg has more than %d digits",
+			(unsigned long long)seed, x[i].x, digits);
 		ck_assert_msg(fabsl(x[i].x - whole[i].x) <= 0.5000001L * fabsl(whole[i].x) * powl(10, (real)(1 - digits)),
 			"seed %llu: %.20Lg, not near %.20Lg", (unsigned long long)seed, x[i].x, whole[i].x);
 	}
@@ -271,7 +272,8 @@ START_TEST(dropped)
 		ck_assert_int_eq(m.dag.argument_count, 4);
 		share = change_of(&m, r, seed);
 		ck_assert_msg(share < limits[_i], "%s, seed %llu: %g", scenes[_i], (unsigned long long)seed, share);
-		ck_assert_msg(operation_total(&m) <= operation_total(&whole), "%s, seed %llu", scenes[_i], (unsigned long long)seed);
+		ck_assert_msg(operation_total(&m) <= operation_total(&whole), "%s, seed %llu", scenes[_i],
+			(unsigned long long)seed);
 		worst = fmax(worst, share);
 		saved += m.effects.of[m.effects.count - 1].saved;
 		scene_close(&m);
@@ -279,7 +281,8 @@ START_TEST(dropped)
 		reference_close(r);
 		free(urdf);
 	}
-	printf("%s, seeds 1 to %d: %ld flops saved, torques change by up to %.2g of the largest\n", scenes[_i], ROBOTS, saved, worst);
+	printf("%s, seeds 1 to %d: %ld flops saved, torques change by up to %.2g of the largest\n", scenes[_i],
+		ROBOTS, saved, worst);
 	ck_assert(_i == 0 || saved > 0);
 }
 END_TEST

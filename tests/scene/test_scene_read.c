@@ -42,8 +42,8 @@ START_TEST(lists)
 {
 	static const char text[] = "want gravity,wrench.elbow, tau\nwant wrench.x=y,z\nfext a,b\nfext hand,head\nwant tau,power\n"
 				   "free gravity:sample,mass.hand , offset.elbow:batch\nfree mass.a,b:batch\nfree offset.x=y,z";
-	static const char *const names[] = {"gravity", "wrench.elbow", "tau", "wrench.x=y,z", "a,b", "hand", "head", "tau", "power",
-		"gravity", "mass.hand", "offset.elbow", "mass.a,b", "offset.x=y,z"};
+	static const char *const names[] = {"gravity", "wrench.elbow", "tau", "wrench.x=y,z", "a,b", "hand",
+		"head", "tau", "power", "gravity", "mass.hand", "offset.elbow", "mass.a,b", "offset.x=y,z"};
 	static const char *const values[] = {"sample", NULL, "batch", "batch", NULL};
 	enum { FREED = 9 };
 	struct read r;
@@ -90,7 +90,8 @@ START_TEST(nearest)
 	static const char *const names[] = {"elbow", "elbow_2", "shoulder", "wrist", "ab"};
 	static const struct {
 		const char *word, *found;
-	} words[] = {{"elbo", "elbow"}, {"elbow_3", "elbow_2"}, {"leblow", "elbow"}, {"wrsit", "wrist"}, {"shuolder_", "shoulder"},
+	} words[] = {{"elbo", "elbow"}, {"elbow_3", "elbow_2"}, {"leblow", "elbow"}, {"wrsit", "wrist"},
+		{"shuolder_", "shoulder"},
 		{"finger", NULL}, {"Wrist", "wrist"}, {"ba", "ab"}};
 	char longer[600];
 

@@ -78,7 +78,8 @@ static int entries(void)
 
 static void open_scene(struct scene_model *m, uint64_t seed)
 {
-	ck_assert_msg(!scene_open(m, urdf, &options), "seed %llu: %s; scene:\n%s", (unsigned long long)seed, m->error.message, scene);
+	ck_assert_msg(!scene_open(m, urdf, &options), "seed %llu: %s; scene:\n%s", (unsigned long long)seed,
+		m->error.message, scene);
 }
 
 /* The scene as it stands against the whole robot; a scene that leaves nothing is refused. Returns whether it left any. */
@@ -204,7 +205,8 @@ static void cost_alone(const char *path, const char *name, void *context)
 			cost = operation_total(&m);
 			scene_compare(&m, whole, &held, 1, name);
 			scene_close(&m);
-			ck_assert_msg(cost <= full, "%s, '%s' held: %zu operations, more than %zu", name, whole->joints[j].name, cost, full);
+			ck_assert_msg(cost <= full, "%s, '%s' held: %zu operations, more than %zu", name,
+				whole->joints[j].name, cost, full);
 			++*joints;
 		}
 	tear_down();
@@ -240,7 +242,8 @@ static void choose_tips(char *chain)
 	for (int again = 1; again;) {
 		again = 0;
 		for (int j = 0; j < whole->nj; j++)
-			for (int up = chain[j] ? whole->joints[j].driver : 0; up > 0 && !chain[up]; up = whole->joints[up].parent) {
+			for (int up = chain[j] ? whole->joints[j].driver : 0; up > 0 && !chain[up];
+				up = whole->joints[up].parent) {
 				chain[up] = 1;
 				again = 1;
 			}

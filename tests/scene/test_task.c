@@ -78,7 +78,8 @@ static char *with_damping(char *urdf, uint64_t seed)
 		}
 		memcpy(to, s, (size_t)(next - s));
 		to += next - s;
-		to += sprintf(to, "<dynamics damping='%.3f' friction='%.3f'/></joint>", rng_uniform(&rng, 0, 3), rng_uniform(&rng, 0, 3));
+		to += sprintf(to, "<dynamics damping='%.3f' friction='%.3f'/></joint>", rng_uniform(&rng, 0, 3),
+			rng_uniform(&rng, 0, 3));
 		next += strlen("</joint>");
 		*to = '\0';
 	}

@@ -74,8 +74,8 @@ static void compare(const struct arm *other, const char *word, const double *val
 	reference_rnea(r, c->q, c->qd, c->qdd, tau);
 	reference_magnitude(r, c->q, c->qd, c->qdd, size);
 	for (int i = 0; i < 2; i++)
-		ck_assert_msg(fabsl(x.out[4][i] - (real)tau[i]) <= 1e-15L * (real)size[i], "%s, row %d: %.17Lg, not %.17Lg", word, i,
-			x.out[4][i], (real)tau[i]);
+		ck_assert_msg(fabsl(x.out[4][i] - (real)tau[i]) <= 1e-15L * (real)size[i],
+			"%s, row %d: %.17Lg, not %.17Lg", word, i, x.out[4][i], (real)tau[i]);
 	reference_close(r);
 	free(text);
 	scene_close(&m);
@@ -136,9 +136,11 @@ START_TEST(inertia)
 		"izz='0.05'/></inertial></link>"
 		"<joint name='j4' type='fixed'><parent link='tool'/><child link='ball'/><origin xyz='0.1 0.2 "
 		"-0.3'/></joint>"};
-	const double m = 2.5, c[3] = {0.1, 0.2, -0.3}, I = 0.05, x = 0.01, z = 0.02; /* x, z: the tool's, which stay in the URDF */
+	/* x, z: the tool's, which stay in the URDF */
+	const double m = 2.5, c[3] = {0.1, 0.2, -0.3}, I = 0.05, x = 0.01, z = 0.02;
 	const double value[10] = {m, m * c[0], m * c[1], m * c[2], x + I + m * (c[1] * c[1] + c[2] * c[2]), -m * c[0] * c[1],
-		-m * c[0] * c[2], x + I + m * (c[0] * c[0] + c[2] * c[2]), -m * c[1] * c[2], z + I + m * (c[0] * c[0] + c[1] * c[1])};
+		-m * c[0] * c[2], x + I + m * (c[0] * c[0] + c[2] * c[2]), -m * c[1] * c[2],
+		z + I + m * (c[0] * c[0] + c[1] * c[1])};
 
 	compare(&other, "inertia.tool", value, 10);
 }

@@ -250,7 +250,8 @@ START_TEST(free_is_dearer)
 		constant = cost(c);
 		case_draw_frees(c, 1);
 		freed = cost(c);
-		ck_assert_msg(constant <= freed, "seed %d: %zu operations, more than %zu; scene:\n%s", (int)seed, constant, freed, c->scene);
+		ck_assert_msg(constant <= freed, "seed %d: %zu operations, more than %zu; scene:\n%s", (int)seed, constant,
+			freed, c->scene);
 		case_close(c);
 	}
 }

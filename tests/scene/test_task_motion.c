@@ -331,7 +331,8 @@ START_TEST(push_by_jacobian)
 				w[i] += b.c->in_world ? b.at[0][entry].m[k][i % 3] * b.c->push[entry][i / 3 * 3 + k]
 						      : (k == 0) * b.c->push[entry][i];
 		for (int i = 0; i < b.c->r->nv; i++)
-			near_to(&b, with[i] - b.x.out[b.m.dag.argument_count - 1][i], -work_of_row(b.c, entry, i, w), 1e3L, "J^T w");
+			near_to(&b, with[i] - b.x.out[b.m.dag.argument_count - 1][i],
+				-work_of_row(b.c, entry, i, w), 1e3L, "J^T w");
 		close_bench(&b);
 		tried++;
 	}

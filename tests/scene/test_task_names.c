@@ -193,7 +193,8 @@ START_TEST(arrays)
 	size_t at = (size_t)sprintf(text, "<robot name='r'><link name='l0'/>");
 
 	for (int i = 1; i <= LINKS; i++) {
-		at += (size_t)sprintf(text + at, "<link name='l%d'/><joint name='j%d' type='prismatic'><parent link='l%d'/><child link='l%d'/>"
+		at += (size_t)sprintf(text + at,
+			"<link name='l%d'/><joint name='j%d' type='prismatic'><parent link='l%d'/><child link='l%d'/>"
 						 "<limit effort='1' velocity='1'/></joint>", i, i, i - 1, i);
 		if (i < LINKS)
 			sprintf(scene + strlen(scene), "fext l%d\n", i);
@@ -208,7 +209,8 @@ START_TEST(arrays)
 		strcpy(last, more == 0 ? "" : more == 1 ? "fext l61\n" : "want jvp\n");
 		code = scene_open(&m, text, &o);
 		ck_assert_msg(code == (more ? RNEAGEN_LIMIT : RNEAGEN_OK), "%s", m.error.message);
-		ck_assert_str_eq(m.error.message, more ? "<input>: the scene makes more than 64 arrays, which is all that a kernel takes" : "");
+		ck_assert_str_eq(m.error.message,
+			more ? "<input>: the scene makes more than 64 arrays, which is all that a kernel takes" : "");
 		scene_close(&m);
 	}
 }

@@ -13,7 +13,8 @@ static inline enum rneagen_code merged_analysis(struct analysis **x, const struc
 		return error_memory(e);
 	**x = (struct analysis){.robot = *r, .options = *o, .arena = a, .error = e};
 	(*x)->options.file = o->file ? o->file : "<input>";
-	return analysis_run(*x, PASS_SCENE_PARSE, PASS_SCENE_SELECT) ? e->code : analysis_run(*x, PASS_ROBOT_SNAP, PASS_REQUEST_RESOLVE);
+	return analysis_run(*x, PASS_SCENE_PARSE, PASS_SCENE_SELECT) ? e->code
+		: analysis_run(*x, PASS_ROBOT_SNAP, PASS_REQUEST_RESOLVE);
 }
 
 static inline enum rneagen_code merged_tree(struct tree *t, struct request *k, const struct robot *r,

@@ -17,7 +17,8 @@ enum rneagen_code scene_open(struct scene_model *m, const char *urdf, const stru
 	*a = (struct analysis){.options = *o, .arena = &m->arena, .error = &m->error};
 	a->options.file = o->file ? o->file : "<input>";
 	a->options.strict = 0;
-	if (robot_read(&a->robot, urdf, strlen(urdf), "here", &m->arena, &m->error) || analysis_run(a, PASS_SCENE_PARSE, PASS_DAG_FUSE))
+	if (robot_read(&a->robot, urdf, strlen(urdf), "here", &m->arena, &m->error) ||
+		analysis_run(a, PASS_SCENE_PARSE, PASS_DAG_FUSE))
 		return m->error.code;
 	m->robot = a->robot;
 	m->tree = a->tree;
@@ -128,9 +129,9 @@ static void check(const struct tree *t, const struct reference *r, const real *t
 		for (int k = 0; k < x->nv; k++) {
 			real off = fabsl(tau[t->joints[i].iv + k] - (real)want[x->iv + k]);
 
-			ck_assert_msg(off <= eps * (real)size[x->iv + k], "%s, seed %llu, joint '%s' row %d: %.17Lg, not %.17Lg (%Lg)",
-				what, (unsigned long long)seed, x->name, k, tau[t->joints[i].iv + k], (real)want[x->iv + k],
-				eps * (real)size[x->iv + k]);
+			ck_assert_msg(off <= eps * (real)size[x->iv + k],
+				"%s, seed %llu, joint '%s' row %d: %.17Lg, not %.17Lg (%Lg)", what, (unsigned long long)seed,
+				x->name, k, tau[t->joints[i].iv + k], (real)want[x->iv + k], eps * (real)size[x->iv + k]);
 		}
 	}
 }
@@ -227,8 +228,8 @@ static void put_joint(FILE *f, const struct raw_joint *j)
 	fprintf(f, "<joint name='%s' type='%s'><parent link='%s'/><child link='%s'/>"
 		   "<origin xyz='%.17Lg %.17Lg %.17Lg' rpy='%.17Lg %.17Lg %.17Lg'/><axis xyz='%.17Lg %.17Lg %.17Lg'/>"
 		   "<limit effort='1' velocity='1' lower='%.17Lg' upper='%.17Lg'/>",
-		j->name, j->type, j->parent, j->child, j->xyz[0], j->xyz[1], j->xyz[2], j->rpy[0], j->rpy[1], j->rpy[2], j->axis[0],
-		j->axis[1], j->axis[2], j->lower, j->upper);
+		j->name, j->type, j->parent, j->child, j->xyz[0], j->xyz[1], j->xyz[2], j->rpy[0], j->rpy[1],
+		j->rpy[2], j->axis[0], j->axis[1], j->axis[2], j->lower, j->upper);
 	if (j->mimic)
 		fprintf(f, "<mimic joint='%s' multiplier='%.17Lg' offset='%.17Lg'/>", j->mimic, j->multiplier, j->offset);
 	fprintf(f, "</joint>\n");

@@ -24,6 +24,17 @@ const char *compiler_lacks(const struct compiler *c, int fma)
 	return fma && !has_fma ? "no fused multiply-add in this processor" : NULL;
 }
 
+const char *target_nvcc(void)
+{
+	const char *const places[] = {getenv("NVCC"), "nvcc", "/usr/local/cuda/bin/nvcc"};
+
+	for (size_t i = 0; i < sizeof places / sizeof *places; i++)
+		if (places[i] && process_exists(places[i]))
+			return places[i];
+	printf("skipped: no nvcc\n");
+	return NULL;
+}
+
 struct target_path target_path(const char *name, const char *suffix)
 {
 	const char *part = getenv("CK_RUN_CASE"); /* cases that run at the same time have names in common */

@@ -1,28 +1,26 @@
 /* What --info says that each choice of a scene saves, against texts made with and without it. */
 #include "support/model.h"
 #include "rneagen.h"
+#include "support/generated.h"
 #include "support/suite.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static struct rneagen_result make(const char *urdf, size_t length, const char *scene, enum rneagen_precision precision)
+static struct rneagen_result make(const char *urdf, const char *scene, enum rneagen_precision precision)
 {
 	struct rneagen_options o = rneagen_options_default();
-	struct rneagen_result r;
-	struct rneagen_error e;
 
 	o.scene = scene;
 	o.precision = precision;
 	o.tell = RNEAGEN_TELL_ALL;
-	ck_assert_msg(!rneagen_generate(urdf, length, &o, &r, &e), "%s", e.message);
-	return r;
+	return generated(urdf, &o);
 }
 
 /* The flops of the text itself. */
-static long flops_of(const char *urdf, size_t length, const char *scene)
+static long flops_of(const char *urdf, const char *scene)
 {
-	struct rneagen_result r = make(urdf, length, scene, RNEAGEN_F32);
+	struct rneagen_result r = make(urdf, scene, RNEAGEN_F32);
 	const char *last = strstr(r.info_json, "\"operations\"");
 	long flops;
 
@@ -52,12 +50,12 @@ START_TEST(test_lines)
 	static const char scene[] = "fold qdd=0\nlock iiwa_joint_3=0.2\n# no choice\nfree payload.iiwa_link_7\n";
 	size_t length;
 	char *urdf = read_file(TEST_DIR "/robots/iiwa14.urdf", &length);
-	struct rneagen_result r = make(urdf, length, scene, RNEAGEN_F64);
+	struct rneagen_result r = make(urdf, scene, RNEAGEN_F64);
 
-	check(r.info_json, "the scene", flops_of(urdf, length, NULL), 4 * 7 * 8);
-	check(r.info_json, "", flops_of(urdf, length, scene), (3 * 6 + 10) * 8);
-	check(r.info_json, "--fold qdd=0", flops_of(urdf, length, "lock iiwa_joint_3=0.2\nfree payload.iiwa_link_7"), (4 * 6 + 10) * 8);
-	check(r.info_json, "--free payload.iiwa_link_7", flops_of(urdf, length, "fold qdd=0\nlock iiwa_joint_3=0.2"), 3 * 6 * 8);
+	check(r.info_json, "the scene", flops_of(urdf, NULL), 4 * 7 * 8);
+	check(r.info_json, "", flops_of(urdf, scene), (3 * 6 + 10) * 8);
+	check(r.info_json, "--fold qdd=0", flops_of(urdf, "lock iiwa_joint_3=0.2\nfree payload.iiwa_link_7"), (4 * 6 + 10) * 8);
+	check(r.info_json, "--free payload.iiwa_link_7", flops_of(urdf, "fold qdd=0\nlock iiwa_joint_3=0.2"), 3 * 6 * 8);
 	ck_assert(strstr(r.info, "full model") && strstr(r.info, "without it"));
 	rneagen_result_free(&r);
 	free(urdf);
@@ -70,11 +68,11 @@ START_TEST(test_ranges)
 	static const char scene[] = "range payload.iiwa_link_7=0,5\nfree payload.iiwa_link_7\nrange qd=-1,1\nfold qdd=0\n";
 	size_t length;
 	char *urdf = read_file(TEST_DIR "/robots/iiwa14.urdf", &length);
-	struct rneagen_result r = make(urdf, length, scene, RNEAGEN_F64);
+	struct rneagen_result r = make(urdf, scene, RNEAGEN_F64);
 
-	check(r.info_json, "", flops_of(urdf, length, "free payload.iiwa_link_7\nfold qdd=0"), (3 * 7 + 10) * 8);
-	check(r.info_json, "--free payload.iiwa_link_7", flops_of(urdf, length, "fold qdd=0"), 3 * 7 * 8);
-	check(r.info_json, "--fold qdd=0", flops_of(urdf, length, "free payload.iiwa_link_7"), (4 * 7 + 10) * 8);
+	check(r.info_json, "", flops_of(urdf, "free payload.iiwa_link_7\nfold qdd=0"), (3 * 7 + 10) * 8);
+	check(r.info_json, "--free payload.iiwa_link_7", flops_of(urdf, "fold qdd=0"), 3 * 7 * 8);
+	check(r.info_json, "--fold qdd=0", flops_of(urdf, "free payload.iiwa_link_7"), (4 * 7 + 10) * 8);
 	ck_assert_ptr_null(strstr(r.info_json, "{\"without\": \"--range"));
 	rneagen_result_free(&r);
 	free(urdf);
@@ -89,11 +87,11 @@ START_TEST(test_unknown)
 		"</joint><link name='b'/><joint name='k' type='continuous'><parent link='b'/><child link='c'/></joint>"
 		"<link name='c'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/>"
 		"</inertial></link></robot>";
-	struct rneagen_result r = make(urdf, strlen(urdf), "root b\nlock-all-but k\n", RNEAGEN_F32);
+	struct rneagen_result r = make(urdf, "root b\nlock-all-but k\n", RNEAGEN_F32);
 
 	ck_assert(strstr(r.info_json, "\"savings\""));
 	rneagen_result_free(&r);
-	r = make(urdf, strlen(urdf), NULL, RNEAGEN_F32);
+	r = make(urdf, NULL, RNEAGEN_F32);
 	ck_assert(!strstr(r.info_json, "\"savings\"") && !strstr(r.info, "full model"));
 	rneagen_result_free(&r);
 }

@@ -26,7 +26,8 @@ struct rnea_robot *launched_open(const struct target *t, enum rnea_backend backe
 	struct rnea_robot *robot;
 	struct rnea_error e;
 
-	ck_assert_msg(!rnea_open(t->text.source, strlen(t->text.source), &o, &robot, &e), "%s", e.message);
+	ck_assert_msg(!rnea_open(t->text.source, strlen(t->text.source), &o, &robot, &e), "%s, blocks of %u: %s", t->what, block,
+		e.message);
 	return robot;
 }
 

@@ -10,6 +10,7 @@
 #include "target/launch_library.h"
 #include "target/target.h"
 #include "block_arrays.h"
+#include "launched.h"
 #include <dlfcn.h>
 #include <math.h>
 #include <stdio.h>
@@ -56,19 +57,6 @@ static void generate(const struct subject *s, struct target *t)
 	free(urdf);
 }
 
-static struct rnea_robot *open_text(const struct target *t, enum rnea_backend backend, unsigned block)
-{
-	static const char *const quickly[] = {"-O0", "-Dalways_inline=unused"};
-	struct rnea_options o = {.backend = backend, .block = block, .threads = 1, .compile = quickly,
-		.compile_count = backend == RNEA_BACKEND_HOST ? 2 : 0};
-	struct rnea_robot *robot;
-	struct rnea_error e;
-
-	ck_assert_msg(!rnea_open(t->text.source, strlen(t->text.source), &o, &robot, &e), "%s, blocks of %u: %s",
-		t->what, block, e.message);
-	return robot;
-}
-
 /* tau, by the independent reference. */
 static void expect_torques(struct arrays *x, const char *name)
 {
@@ -95,7 +83,7 @@ static void expect_torques(struct arrays *x, const char *name)
 /* What a scene asks for, by the same text compiled as C, which stages nothing. */
 static void expect_as_c(struct arrays *x, const struct target *t)
 {
-	struct rnea_robot *robot = open_text(t, RNEA_BACKEND_HOST, 0);
+	struct rnea_robot *robot = launched_open(t, RNEA_BACKEND_HOST, 0);
 	struct rnea_error e;
 
 	ck_assert_msg(!rnea_launch(robot, x->data, COUNT, NULL, &e), "%s", e.message);
@@ -190,7 +178,7 @@ static void check_block(const struct subject *s, const struct target *t, struct 
 
 	snprintf(number, sizeof number, "%zu", limit);
 	setenv("RNEA_FAKE_CUDA_SHARED", number, 1);
-	robot = open_text(t, RNEA_BACKEND_CUDA, block);
+	robot = launched_open(t, RNEA_BACKEND_CUDA, block);
 	stage = rnea_info(robot)->stage_bytes * block;
 	given = stage > OWN && stage <= MOST && stage <= limit ? stage : 0;
 	ck_assert_uint_eq(rnea_info(robot)->block, block);
@@ -200,7 +188,8 @@ static void check_block(const struct subject *s, const struct target *t, struct 
 	ck_assert_msg(!rnea_launch(robot, x->data, COUNT, NULL, &e), "%s", e.message);
 	worst = distance(x);
 	if (limit == MOST)
-		printf("%s in blocks of %u: stages %zu bytes, %zu of the launch, within %.1e\n", t->what, block, stage, given, worst);
+		printf("%s in blocks of %u: stages %zu bytes, %zu of the launch, within %.1e\n", t->what, block,
+			stage, given, worst);
 	ck_assert_double_lt(worst, s->most);
 	arrays_spoil(x);
 	rnea_close(robot);
@@ -247,7 +236,7 @@ START_TEST(test_values)
 
 	use_fakes();
 	generate(s, &t);
-	robot = open_text(&t, RNEA_BACKEND_CUDA, s->blocks[0]);
+	robot = launched_open(&t, RNEA_BACKEND_CUDA, s->blocks[0]);
 	arrays_new(&x, rnea_info(robot));
 	check_table(&x, rnea_info(robot)->stage_bytes, &t);
 	expect(&x, s, &t);
@@ -279,7 +268,7 @@ START_TEST(test_occupancy)
 	setenv("RNEA_FAKE_CUDA_RESIDENT", "1024 1024 2048", 1);
 	setenv("RNEA_FAKE_CUDA_SHARED", devices[_i].shared, 1);
 	generate(&s, &t);
-	robot = open_text(&t, RNEA_BACKEND_CUDA, RNEA_BLOCK_OCCUPANCY);
+	robot = launched_open(&t, RNEA_BACKEND_CUDA, RNEA_BLOCK_OCCUPANCY);
 	ck_assert_uint_eq(rnea_info(robot)->block, devices[_i].block);
 	rnea_close(robot);
 	rneagen_result_free(&t.text);
@@ -336,7 +325,7 @@ START_TEST(test_launch)
 
 	use_fakes();
 	generate(&s, &t);
-	robot = open_text(&t, RNEA_BACKEND_CUDA, 0);
+	robot = launched_open(&t, RNEA_BACKEND_CUDA, 0);
 	arrays_new(&x, rnea_info(robot));
 	expect(&x, &s, &t);
 	handle = build_launch(&t, launch_blocks[_i]);

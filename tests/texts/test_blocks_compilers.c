@@ -3,7 +3,6 @@
    every two choices meet. */
 #define _GNU_SOURCE
 #include "support/exhaustive.h"
-#include "support/process.h"
 #include "support/rng.h"
 #include "support/suite.h"
 #include "target/target.h"
@@ -180,21 +179,8 @@ static void check_nvrtc(const struct target *t, const struct row *r)
 	jit_free(&image);
 }
 
-static const char *nvcc; /* NULL: none here */
-
-static void find_nvcc(void)
-{
-	const char *const places[] = {getenv("NVCC"), "nvcc", "/usr/local/cuda/bin/nvcc"};
-
-	for (size_t i = 0; i < sizeof places / sizeof *places && !nvcc; i++)
-		if (places[i] && process_exists(places[i]))
-			nvcc = places[i];
-	if (!nvcc)
-		printf("skipped: no nvcc\n");
-}
-
 /* With the launch, which is the host's. */
-static void check_nvcc(const struct target *t, const struct row *r)
+static void check_nvcc(const struct target *t, const struct row *r, const char *nvcc)
 {
 	struct target_path source = target_path("blocks", ".cu"), object = target_path("blocks", ".o");
 	char arch[32], block[32];
@@ -232,13 +218,13 @@ START_TEST(test_nvcc)
 		{{[ROBOT] = CHAIN, [PRECISION] = 1, [BLOCK] = 4, [ARCH] = 2}},
 		{{[ROBOT] = ARM, [BLOCK] = 5, [ARCH] = 1}},
 	};
+	const char *nvcc = target_nvcc();
 	struct target t;
 
-	find_nvcc();
 	if (!nvcc || (_i % 2 && !exhaustive()))
 		return;
 	generate(&rows[_i], &t);
-	check_nvcc(&t, &rows[_i]);
+	check_nvcc(&t, &rows[_i], nvcc);
 	rneagen_result_free(&t.text);
 }
 END_TEST

@@ -68,7 +68,8 @@ static struct rneagen_options options_of(const int *row, char *scene, size_t siz
 static void compile(const struct target *t, enum rneagen_target kind, int by_nvcc_too, const char *stem)
 {
 	static const char *const c_commands[] = {"gcc", "clang"}, *const nvcc[] = {"nvcc", "/usr/local/cuda/bin/nvcc"};
-	struct target_path source = target_path(stem, kind == RNEAGEN_TARGET_CUDA ? ".cu" : ".c"), header = target_path(stem, ".h");
+	struct target_path source = target_path(stem, kind == RNEAGEN_TARGET_CUDA ? ".cu" : ".c"),
+		header = target_path(stem, ".h");
 	struct target_path object = target_path(stem, ".o");
 	char include[600];
 
@@ -77,8 +78,10 @@ static void compile(const struct target *t, enum rneagen_target kind, int by_nvc
 	if (kind != RNEAGEN_TARGET_CUDA)
 		target_write(header, kind == RNEAGEN_TARGET_HEADER ? t->text.source : t->text.header);
 	for (int i = 0; i < 2; i++) {
-		const char *const by_c[] = {c_commands[i], "-std=c11", WARNING_FLAGS, "-Wshadow", "-fsyntax-only", "-x", "c", source.s, NULL};
-		const char *const by_nvcc[] = {nvcc[i], "-arch=sm_90", "-Werror", "all-warnings", "-ptx", "-o", object.s, source.s, NULL};
+		const char *const by_c[] = {c_commands[i], "-std=c11", WARNING_FLAGS, "-Wshadow", "-fsyntax-only", "-x",
+			"c", source.s, NULL};
+		const char *const by_nvcc[] = {nvcc[i], "-arch=sm_90", "-Werror", "all-warnings", "-ptx", "-o",
+			object.s, source.s, NULL};
 		const struct compiler c = {c_commands[i], {NULL}}, n = {nvcc[i], {NULL}};
 
 		if (!compiler_lacks(&c, 0))
@@ -106,7 +109,8 @@ static void draw(const struct scene_model *m, struct rng *rng, int is_first, str
 	const struct dag *d = &m->dag;
 
 	for (int k = 0; k < d->argument_count; k++)
-		for (int i = 0; i < d->arguments[k].rows && (is_first || !d->arguments[k].per_batch) && !d->arguments[k].is_output; i++)
+		for (int i = 0; i < d->arguments[k].rows && (is_first || !d->arguments[k].per_batch) &&
+			!d->arguments[k].is_output; i++)
 			x->in[k][i] = (double)(float)(rng_uniform(rng, -1, 1) + (d->arguments[k].role == ROLE_LINK_MASS ? 2 : 0));
 	for (int j = 0; j < m->tree.joint_count; j++) {
 		double *u = x->in[0] + m->tree.joints[j].iq + 3, size = 0;
@@ -151,7 +155,8 @@ static void expect(const struct dag *d, const struct rneagen_options *o, int sam
 
 static size_t place(const struct rnea_info *info, int k, int rows, int sample, int row)
 {
-	return (size_t)(info->arguments[k].per_batch ? row : info->layout == RNEA_AOS ? sample * rows + row : row * COUNT + sample);
+	return (size_t)(info->arguments[k].per_batch ? row : info->layout == RNEA_AOS ? sample * rows + row
+		: row * COUNT + sample);
 }
 
 static void put(const struct scene_model *m, const struct rnea_info *info, int sample, struct arrays *x)
@@ -177,7 +182,8 @@ static void fill(const struct scene_model *m, const struct rneagen_options *o, c
 		ck_assert_str_eq(info->arguments[k].name, m->dag.arguments[k].name);
 		ck_assert_int_le(m->dag.arguments[k].rows, LARGEST);
 		x->at[k] = malloc((size_t)(COUNT * m->dag.arguments[k].rows) * sizeof(double));
-		memset(x->at[k], 0xff, (size_t)(COUNT * m->dag.arguments[k].rows) * sizeof(double)); /* nan: what no text writes is seen */
+		/* nan: what no text writes is seen */
+		memset(x->at[k], 0xff, (size_t)(COUNT * m->dag.arguments[k].rows) * sizeof(double));
 	}
 	for (int state = 0; state < STATES; state++) {
 		draw(m, &rng, !state, x);
@@ -193,7 +199,8 @@ static void compare(const struct dag *d, const struct rnea_info *info, const str
 		for (int i = 0; i < d->arguments[k].rows && d->arguments[k].is_output; i++)
 			for (int s = 0; s < COUNT; s++) {
 				size_t at = place(info, k, d->arguments[k].rows, s, i);
-				double got = info->precision == RNEA_F64 ? ((double *)x->at[k])[at] : (double)((float *)x->at[k])[at];
+				double got = info->precision == RNEA_F64 ? ((double *)x->at[k])[at]
+					: (double)((float *)x->at[k])[at];
 
 				ck_assert_msg(fabs(got - x->expected[k][s % STATES][i]) <= x->allowed[k][s % STATES][i],
 					"%s: %s[%d] of sample %d: %.17g, not %.17g (%.3g)", what, d->arguments[k].name,
@@ -336,8 +343,8 @@ START_TEST(strict)
 		}
 		run_strict(&t, &STRICT[i], f32, i ? now : first);
 		for (int k = 0; k < COUNT * (NV + NV * NV) && i; k++)
-			ck_assert_msg(same_number(first[k], now[k]), "%s by %s %s: number %d is %a, not %a", t.what, STRICT[i].command,
-				STRICT[i].flags[0], k, now[k], first[k]);
+			ck_assert_msg(same_number(first[k], now[k]), "%s by %s %s: number %d is %a, not %a", t.what,
+				STRICT[i].command, STRICT[i].flags[0], k, now[k], first[k]);
 	}
 	unlink(target_path("forward_strict", ".c").s);
 	target_close(&t);

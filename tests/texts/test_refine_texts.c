@@ -136,8 +136,9 @@ static void compare(const struct combination *t, const struct state *states, con
 				"%s: qdd[%d] of sample %d: %.17g, not %.17Lg", what, i, sample, get(t, sample, i),
 				s->exact[i]);
 			if (t->precision == RNEAGEN_F32)
-				ck_assert_msg(fabsl((real)s->refined[i] - s->exact[i]) <= allowed, "%s: evaluated, qdd[%d] of sample %d: %.9g, not %.17Lg",
-					what, i, sample, (double)s->refined[i], s->exact[i]);
+				ck_assert_msg(fabsl((real)s->refined[i] - s->exact[i]) <= allowed,
+					"%s: evaluated, qdd[%d] of sample %d: %.9g, not %.17Lg", what, i, sample,
+					(double)s->refined[i], s->exact[i]);
 		}
 	}
 }
@@ -177,7 +178,8 @@ static void compile(const struct target *t, const char *const *argv)
 
 static void compile_text(const struct combination *t, const struct target *text, const char *stem)
 {
-	struct target_path source = target_path(stem, t->target == RNEAGEN_TARGET_C ? ".c" : ".cu"), header = target_path(stem, ".h");
+	struct target_path source = target_path(stem, t->target == RNEAGEN_TARGET_C ? ".c" : ".cu"),
+		header = target_path(stem, ".h");
 	struct target_path object = target_path(stem, ".o");
 
 	target_write(source, text->text.source);

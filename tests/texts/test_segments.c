@@ -90,7 +90,8 @@ static const struct choice {
 	{"chain_75", "", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0, 0, RNEAGEN_FIXED}, /* too many values go across */
 	{"atlas", "want qdd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0, 1, RNEAGEN_FIXED},
 	{"atlas", "want qdd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 0, 0, RNEAGEN_FIXED},
-	{"atlas", "want qdd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0, 0, RNEAGEN_FLOATING}, /* too many values go across */
+	/* too many values go across */
+	{"atlas", "want qdd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0, 0, RNEAGEN_FLOATING},
 	{"atlas", "want tau,dtau_dq,dtau_dqd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 0, 0, RNEAGEN_FIXED}, /* parts */
 };
 

@@ -227,7 +227,8 @@ static void check_dags(const struct model *m, const char *what)
 				d->nodes[d->nodes[i].arg[0].i].op != OP_FMA, "%s: a joined sum is negated", what);
 		free(uses);
 		for (size_t i = 0; i < d->count; i++)
-			ck_assert_msg(!is_hidden_sum(d, &d->nodes[i]), "%s: a product is left in a sum that is written as a fused one", what);
+			ck_assert_msg(!is_hidden_sum(d, &d->nodes[i]),
+				"%s: a product is left in a sum that is written as a fused one", what);
 		for (size_t i = 0; i < d->count; i++)
 			for (int k = 0; k < 2 && (d->nodes[i].op == OP_ADD || d->nodes[i].op == OP_SUB); k++) {
 				struct ref a = d->nodes[i].arg[k];
@@ -256,7 +257,8 @@ static void check_text(const char *urdf, size_t length, const struct rneagen_opt
 	first = run_new(&m, o->precision != RNEAGEN_F64);
 	r = run_new(&m, o->precision != RNEAGEN_F64);
 	for (int i = 0; settings[i] < SETTING_COUNT; i++) {
-		const struct compiler *c = &SETTINGS[i && m.tree.body_count >= (exhaustive() ? DEEP : DEEP / 2) ? QUICK : settings[i]];
+		const struct compiler *c = &SETTINGS[i &&
+			m.tree.body_count >= (exhaustive() ? DEEP : DEEP / 2) ? QUICK : settings[i]];
 		struct run *now = i ? &r : &first;
 
 		if (!is_possible(c))

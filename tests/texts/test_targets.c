@@ -100,13 +100,15 @@ static void check_robot(const char *path, const char *name, void *context)
 
 static void session_begin(struct session *s)
 {
-	s->pairs = (struct pairs){.factors = OPTIONS, .levels = {[PRECISION] = 2, [LAYOUT] = 2, [TRIG] = 3, [BASE] = 2, [SEGMENTS] = 2}};
+	s->pairs = (struct pairs){.factors = OPTIONS,
+		.levels = {[PRECISION] = 2, [LAYOUT] = 2, [TRIG] = 3, [BASE] = 2, [SEGMENTS] = 2}};
 	pairs_draw(&s->pairs, SEED);
 }
 
 static void report(const struct session *s)
 {
-	printf("%d texts of %d %s robots, %d states a text, seed %d\n", s->turn, s->robots, s->real ? "real" : "own", STATES, SEED);
+	printf("%d texts of %d %s robots, %d states a text, seed %d\n", s->turn, s->robots,
+		s->real ? "real" : "own", STATES, SEED);
 	worst_report(&s->worst[0], "c f64");
 	worst_report(&s->worst[1], "c f32");
 }

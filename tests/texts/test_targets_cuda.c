@@ -17,17 +17,11 @@
 
 enum { SM = 90 };
 
-static const char *nvcc; /* NULL: none here */
+static const char *nvcc;
 
 static void find_nvcc(void)
 {
-	const char *const places[] = {getenv("NVCC"), "nvcc", "/usr/local/cuda/bin/nvcc"};
-
-	for (size_t i = 0; i < sizeof places / sizeof *places && !nvcc; i++)
-		if (places[i] && process_exists(places[i]))
-			nvcc = places[i];
-	if (!nvcc)
-		printf("skipped: no nvcc\n");
+	nvcc = target_nvcc();
 }
 
 START_TEST(table_begins)
@@ -113,8 +107,8 @@ static int nvrtc_is_missing;
 static void check_program(const struct target *t, const char *macro, const char *ending)
 {
 	char log[4096] = "", kernel[512];
-	struct jit_request r = {.source = t->text.source, .file = t->what, .arch = SM, .options = &macro, .option_count = macro != NULL,
-		.log = log, .log_size = sizeof log};
+	struct jit_request r = {.source = t->text.source, .file = t->what, .arch = SM, .options = &macro,
+		.option_count = macro != NULL, .log = log, .log_size = sizeof log};
 	struct jit_image image;
 	struct rnea_error e = {0};
 

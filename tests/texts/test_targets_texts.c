@@ -88,7 +88,8 @@ static void compile_by_all(const struct tally *tally, const struct target *t, co
 
 		if (tally->own && exhaustive() ? i == tally->turn % 2 * 2 : i != (tally->own ? tally->turn % 3 : 0))
 			continue;
-		compile_object(t, command, is_long ? "-O0" : exhaustive() && (i == 2 || (i && tally->turn % 4 < 2)) ? "-O2" : levels[i],
+		compile_object(t, command, is_long ? "-O0" : exhaustive() &&
+			(i == 2 || (i && tally->turn % 4 < 2)) ? "-O2" : levels[i],
 			target_path(stem, ".c"), object);
 		check_symbols(t, object);
 		unlink(object.s);

@@ -59,8 +59,8 @@ static void check_loops(enum rneagen_target target, const struct rneagen_options
 	p = process_run(argv);
 	ck_assert_msg(p.status == 0, "%s: %s: %.2000s", t.what, compiler, p.output);
 	for (int n = 0; n < loops; n++)
-		ck_assert_msg(n == except || is_vectorised(p.output, source.s, t.text.source, n), "%s: %s: loop %d stays scalar: %.2000s",
-			t.what, compiler, n, p.output);
+		ck_assert_msg(n == except || is_vectorised(p.output, source.s, t.text.source, n),
+			"%s: %s: loop %d stays scalar: %.2000s", t.what, compiler, n, p.output);
 	process_free(&p);
 	target_close(&t);
 	unlink(source.s);

@@ -61,7 +61,8 @@ static void draw_sample(struct task_case *c)
 
 static void put(const struct rnea_info *info, int argument, int rows, int sample, int row, double value)
 {
-	int at = info->arguments[argument].per_batch ? row : info->layout == RNEA_AOS ? sample * rows + row : row * COUNT + sample;
+	int at = info->arguments[argument].per_batch ? row : info->layout == RNEA_AOS ? sample * rows + row
+		: row * COUNT + sample;
 
 	if (info->precision == RNEA_F64)
 		((double *)arrays[argument])[at] = value;
@@ -94,7 +95,8 @@ static void expect_sample(const struct dag *d, const struct combination *t, cons
 			in[k][i] = in_memory_f32 ? (double)in_f32[k][i] : x->in[k][i];
 		}
 		*(d->arguments[k].is_output ? (const double **)&outs[k] : &ins[k]) = d->arguments[k].is_output ? out[k] : in[k];
-		*(d->arguments[k].is_output ? (const float **)&outs_f32[k] : &ins_f32[k]) = d->arguments[k].is_output ? out_f32[k] : in_f32[k];
+		*(d->arguments[k].is_output ? (const float **)&outs_f32[k] : &ins_f32[k]) = d->arguments[k].is_output
+			? out_f32[k] : in_f32[k];
 	}
 	if (is_f32)
 		ck_assert(eval_f32(d, ins_f32, outs_f32, &(struct eval_terms){.bound = bound}));
@@ -104,7 +106,8 @@ static void expect_sample(const struct dag *d, const struct combination *t, cons
 		int k = d->outputs[i].argument, row = d->outputs[i].row;
 
 		expected[k][row][sample] = is_f32 ? (real)out_f32[k][row] : (real)out[k][row];
-		allowed[k][row][sample] = more * (real)bound[i] + (in_memory_f32 && !is_f32 ? fabsl(expected[k][row][sample]) * 0x1p-23L : 0);
+		allowed[k][row][sample] = more * (real)bound[i] +
+			(in_memory_f32 && !is_f32 ? fabsl(expected[k][row][sample]) * 0x1p-23L : 0);
 	}
 }
 
@@ -191,7 +194,8 @@ static void run_on(struct task_case *c, const struct scene_model *m, const struc
 	ck_assert_msg(!rnea_open(text->text.source, strlen(text->text.source), &o, &robot, &e), "%s: %s", what, e.message);
 	fill(c, m, t, rnea_info(robot));
 	for (int i = 0; i < c->in_count; i++)
-		ck_assert_msg(rnea_bind(robot, c->in[i].word) == rnea_bind(robot, m->dag.arguments[rnea_bind(robot, c->in[i].word)].name), "%s",
+		ck_assert_msg(rnea_bind(robot, c->in[i].word) == rnea_bind(robot,
+			m->dag.arguments[rnea_bind(robot, c->in[i].word)].name), "%s",
 			c->in[i].word);
 	for (int launch = backend != RNEA_BACKEND_HOST; launch < 2; launch++) {
 		spoil(&m->dag);
@@ -213,7 +217,8 @@ static void compile_c(const struct target *t, const char *stem)
 	target_write(source, t->text.source);
 	target_write(header, t->text.header);
 	for (int i = 0; i < 2; i++) {
-		const char *const argv[] = {compilers[i], "-std=c11", WARNING_FLAGS, "-Wshadow", "-c", "-o", object.s, source.s, NULL};
+		const char *const argv[] = {compilers[i], "-std=c11", WARNING_FLAGS, "-Wshadow", "-c", "-o",
+			object.s, source.s, NULL};
 		const struct compiler c = {compilers[i], {NULL}};
 
 		if (compiler_lacks(&c, 0))
@@ -232,7 +237,8 @@ static void compile_cuda(const struct target *t, const char *stem)
 	struct target_path source = target_path(stem, ".cu"), object = target_path(stem, ".ptx");
 
 	for (int i = 0; i < 2; i++) {
-		const char *const argv[] = {places[i], "-arch=sm_90", "-Werror", "all-warnings", "-ptx", "-o", object.s, source.s, NULL};
+		const char *const argv[] = {places[i], "-arch=sm_90", "-Werror", "all-warnings", "-ptx", "-o",
+			object.s, source.s, NULL};
 		const struct compiler c = {places[i], {NULL}};
 
 		if (compiler_lacks(&c, 0))
@@ -314,7 +320,8 @@ START_TEST(bound)
 					      "fext left hand,tool_\nwant twist.tool_,tau");
 
 	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
-		ck_assert_msg(rnea_bind(robot, words[i].word) == words[i].index, "%s: %d", words[i].word, rnea_bind(robot, words[i].word));
+		ck_assert_msg(rnea_bind(robot, words[i].word) == words[i].index, "%s: %d", words[i].word,
+			rnea_bind(robot, words[i].word));
 	rnea_close(robot);
 }
 END_TEST

@@ -55,11 +55,12 @@ static const struct axis {
 	int axis, sign, turned; /* turned: the frame is, and its z is along the axis */
 	real n[3];
 } axes[] = {
-	{"1 0 0", 0, 1, 0, {1, 0, 0}}, {"0 1 0", 1, 1, 0, {0, 1, 0}}, {"0 0 1", 2, 1, 0, {0, 0, 1}}, {"-1 0 0", 0, -1, 0, {-1, 0, 0}},
-	{"0 -1 0", 1, -1, 0, {0, -1, 0}}, {"0 0 -1", 2, -1, 0, {0, 0, -1}}, {"0 0 5", 2, 1, 0, {0, 0, 1}},
-	{"-1e-300 0 0", 0, -1, 0, {-1, 0, 0}}, {"0 1e300 -0", 1, 1, 0, {0, 1, 0}}, {"3 0 4", 2, 1, 1, {0.6L, 0, 0.8L}},
-	{"0 -3 4", 2, 1, 1, {0, -0.6L, 0.8L}}, {"-4 3 0", 2, 1, 1, {-0.8L, 0.6L, 0}}, {"1 2 2", 2, 1, 1, {1 / 3.0L, 2 / 3.0L, 2 / 3.0L}},
-	{"-20 10 20", 2, 1, 1, {-2 / 3.0L, 1 / 3.0L, 2 / 3.0L}}, {"1 1e-9 0", 2, 1, 1, {1, 1e-9L, 0}},
+	{"1 0 0", 0, 1, 0, {1, 0, 0}}, {"0 1 0", 1, 1, 0, {0, 1, 0}}, {"0 0 1", 2, 1, 0, {0, 0, 1}},
+	{"-1 0 0", 0, -1, 0, {-1, 0, 0}}, {"0 -1 0", 1, -1, 0, {0, -1, 0}}, {"0 0 -1", 2, -1, 0, {0, 0, -1}},
+	{"0 0 5", 2, 1, 0, {0, 0, 1}}, {"-1e-300 0 0", 0, -1, 0, {-1, 0, 0}}, {"0 1e300 -0", 1, 1, 0, {0, 1, 0}},
+	{"3 0 4", 2, 1, 1, {0.6L, 0, 0.8L}}, {"0 -3 4", 2, 1, 1, {0, -0.6L, 0.8L}}, {"-4 3 0", 2, 1, 1, {-0.8L, 0.6L, 0}},
+	{"1 2 2", 2, 1, 1, {1 / 3.0L, 2 / 3.0L, 2 / 3.0L}}, {"-20 10 20", 2, 1, 1, {-2 / 3.0L, 1 / 3.0L, 2 / 3.0L}},
+	{"1 1e-9 0", 2, 1, 1, {1, 1e-9L, 0}},
 };
 
 START_TEST(axis_of)
@@ -72,7 +73,8 @@ START_TEST(axis_of)
 		struct planted p;
 		const struct body *k;
 
-		snprintf(urdf, sizeof urdf, ROBOT("r", BALL("base") BALL("l") JOINT("j", "%s", "base", "l", AXIS("%s"))), types[i], a->xyz);
+		snprintf(urdf, sizeof urdf, ROBOT("r", BALL("base") BALL("l") JOINT("j", "%s", "base", "l", AXIS("%s"))),
+			types[i], a->xyz);
 		plant(&p, urdf, RNEAGEN_FIXED, RNEAGEN_MIMIC_HONOUR);
 		k = &p.t.bodies[0];
 		ck_assert_int_eq(k->axis, a->axis);
@@ -303,7 +305,8 @@ START_TEST(massless)
 {
 	struct planted p;
 
-	plant(&p, ROBOT("r", BARE("base") BARE("l") JOINT("j", "revolute", "base", "l", "")), RNEAGEN_FLOATING, RNEAGEN_MIMIC_HONOUR);
+	plant(&p, ROBOT("r", BARE("base") BARE("l") JOINT("j", "revolute", "base", "l", "")), RNEAGEN_FLOATING,
+		RNEAGEN_MIMIC_HONOUR);
 	for (int k = 0; k < 2; k++) {
 		ck_assert(p.t.bodies[k].inertia.mass.x == 0);
 		for (int i = 0; i < 6; i++)

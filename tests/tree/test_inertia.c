@@ -125,8 +125,8 @@ START_TEST(point_masses)
 		for (int i = 0; i < 3; i++)
 			ck_assert_msg(fabsl(got.h[i] - want.h[i]) < 1e-14L, "seed %d: h[%d]", (int)seed, i);
 		for (int i = 0; i < 6; i++)
-			ck_assert_msg(fabsl(got.I[i] - want.I[i]) < 4e-14L, "seed %d: I[%d]: %Lg, not %Lg", (int)seed, i, got.I[i],
-				want.I[i]);
+			ck_assert_msg(fabsl(got.I[i] - want.I[i]) < 4e-14L, "seed %d: I[%d]: %Lg, not %Lg",
+				(int)seed, i, got.I[i], want.I[i]);
 	}
 }
 END_TEST

@@ -111,7 +111,8 @@ START_TEST(shape)
 	read_memory(&from, x->urdf, strlen(x->urdf), "here");
 	ck_assert_msg(!from.error.code, "%s", from.error.message);
 	text_init(&s, &from.arena);
-	ck_assert_msg(merged_tree(&t, &k, &from.robot, &o, &from.arena, &from.error) == x->code, "row %d: %s", _i, from.error.message);
+	ck_assert_msg(merged_tree(&t, &k, &from.robot, &o, &from.arena, &from.error) == x->code, "row %d: %s", _i,
+		from.error.message);
 	if (x->code) {
 		ck_assert_msg(!strncmp(from.error.message, x->summary, strlen(x->summary)), "row %d: %s", _i, from.error.message);
 	} else {

@@ -83,7 +83,8 @@ START_TEST(threads_keep_their_messages)
 			for (int i = 0; i < rounds; i++) {
 				rneagen_error e;
 				const bool refused = read((i + t) % 2 ? bad : good, &e) != RNEAGEN_OK;
-				const bool said = std::strstr(e.message, "file:1: refused by urdfdom: Invalid 'version' specified") != nullptr;
+				const bool said = std::strstr(e.message,
+					"file:1: refused by urdfdom: Invalid 'version' specified") != nullptr;
 
 				wrong += refused != ((i + t) % 2 == 1) || said != refused;
 			}

@@ -62,7 +62,8 @@ START_TEST(every_number_arrives)
 	expect_vector(l->inertia + 3, 2, 0.3, 2.5);
 	/* decimals, not the doubles nearest to them; half a unit where they are not numbers of the type */
 	ck_assert(l->com_rpy[0].near == 0.1L && l->com_rpy[0].e > 0 && l->com_rpy[0].e < 1e-18L);
-	ck_assert(l->com[2].near == 3 && l->com[2].e == 0 && j->damping.e == 0 && l->inertia[4].near == 0.3L && l->inertia[4].e > 0);
+	ck_assert(l->com[2].near == 3 && l->com[2].e == 0 && j->damping.e == 0 && l->inertia[4].near == 0.3L &&
+		l->inertia[4].e > 0);
 	ck_assert(j->xyz[1].near == -2e-3L && j->xyz[1].e > 0 && r.robot.joints[0].axis[0].e == 0);
 	read_free(&r);
 }
@@ -206,8 +207,9 @@ START_TEST(inertias)
 		const char *xx, *xy, *xz, *yy, *yz, *zz, *says;
 	} cases[] = {{"1e-6", "1e-6", "1e-6", "1e-6", "1e-6", "1e-6", NULL}, {"1", "1", "1", "1", "1", "1", NULL},
 		{"4", "2", "-2", "1", "-1", "1", NULL}, {"0.36e9", "0.48e9", "0", "0.64e9", "0", "0", NULL},
-		{"0", "0", "0", "0", "0", "0", NULL}, {"0", "0", "0", "0", "0", "0.002", NULL}, {"1", "0", "0", "1", "0", "0", NULL},
-		{"1", "0", "0", "2", "0", "3", NULL}, {"1", "0", "0", "2", "0", "3.000001", NULL},
+		{"0", "0", "0", "0", "0", "0", NULL}, {"0", "0", "0", "0", "0", "0.002", NULL},
+		{"1", "0", "0", "1", "0", "0", NULL}, {"1", "0", "0", "2", "0", "3", NULL},
+		{"1", "0", "0", "2", "0", "3.000001", NULL},
 		{"1", "0", "0", "2", "0", "3.000004", "triangle inequality (eigenvalues 1 2 3.000004)"},
 		{"0", "0", "0", "1", "0", "2", "triangle inequality (eigenvalues 0 1 2)"},
 		{"1", "0", "0", "1", "0", "-1e-12", "not positive definite (eigenvalues -1e-12 1 1)"},
@@ -219,11 +221,12 @@ START_TEST(inertias)
 		struct read r;
 
 		snprintf(xml, sizeof xml, "<robot name='r'><link name='l'><inertial><mass value='1'/><inertia ixx='%s' ixy='%s' ixz='%s' "
-			"iyy='%s' iyz='%s' izz='%s'/></inertial></link></robot>", cases[i].xx, cases[i].xy, cases[i].xz, cases[i].yy,
-			cases[i].yz, cases[i].zz);
+			"iyy='%s' iyz='%s' izz='%s'/></inertial></link></robot>", cases[i].xx, cases[i].xy,
+			cases[i].xz, cases[i].yy, cases[i].yz, cases[i].zz);
 		read_string(&r, xml);
 		expect_loaded(&r, cases[i].says != NULL);
-		ck_assert_msg(!cases[i].says || strstr(r.robot.warnings[0], cases[i].says) != NULL, "%zu: %s", i, r.robot.warnings[0]);
+		ck_assert_msg(!cases[i].says || strstr(r.robot.warnings[0], cases[i].says) != NULL, "%zu: %s", i,
+			r.robot.warnings[0]);
 		read_free(&r);
 	}
 }
@@ -234,7 +237,8 @@ START_TEST(axis_length)
 {
 	struct read r;
 
-	read_string(&r, ROBOT("<joint name='j' type='continuous'>" ENDS("base", "arm") "<axis xyz='0 0 1.000000000004'/></joint>"));
+	read_string(&r, ROBOT("<joint name='j' type='continuous'>"
+		ENDS("base", "arm") "<axis xyz='0 0 1.000000000004'/></joint>"));
 	expect_loaded(&r, 1);
 	ck_assert_msg(strstr(r.robot.warnings[0], "its axis is 1.000000000004 long, not 1") != NULL, "%s", r.robot.warnings[0]);
 	read_free(&r);

@@ -60,7 +60,8 @@ static int refuse_shape(const struct array *a, const Py_buffer *v, const struct 
 
 static int check_shape(const struct array *a, const Py_buffer *v, struct lead *lead)
 {
-	int own = (int)PyTuple_Size(a->shape), axes = v->ndim - own, same = axes >= 0 && v->ndim <= AXES && (!a->per_batch || axes == 0);
+	int own = (int)PyTuple_Size(a->shape), axes = v->ndim - own, same = axes >= 0 && v->ndim <= AXES &&
+		(!a->per_batch || axes == 0);
 
 	if (own == 1)
 		same = same && v->shape[axes] == a->rows;
@@ -90,8 +91,8 @@ static int check_array(const struct array *a, PyObject *array, const Py_buffer *
 		if (type && scalar < 0)
 			PyErr_Format(PyExc_TypeError, "%U: its dtype is %S; float32 or float64 is wanted", a->name, type);
 		else if (type)
-			PyErr_Format(PyExc_TypeError, "%U: its dtype is %S, and that of %U is float%d: all arrays have one", a->name, type,
-				lead->scalar_of, lead->scalar == F32 ? 32 : 64);
+			PyErr_Format(PyExc_TypeError, "%U: its dtype is %S, and that of %U is float%d: all arrays have one",
+				a->name, type, lead->scalar_of, lead->scalar == F32 ? 32 : 64);
 		Py_XDECREF(type);
 		return -1;
 	}
@@ -107,7 +108,8 @@ static int check_array(const struct array *a, PyObject *array, const Py_buffer *
 		return -1;
 	order = order_of(v);
 	if (order != 'C')
-		PyErr_Format(PyExc_ValueError, order ? "%U: it is in Fortran order; numpy.ascontiguousarray makes a copy in C order"
+		PyErr_Format(PyExc_ValueError,
+			order ? "%U: it is in Fortran order; numpy.ascontiguousarray makes a copy in C order"
 			: "%U: it is not contiguous; numpy.ascontiguousarray makes a copy that is", a->name);
 	return order == 'C' ? 0 : -1;
 }

@@ -127,7 +127,8 @@ static PyObject *dlpack(PyObject *self, PyObject *capsule)
 	shape = int_tuple(t->shape, t->axes);
 	strides = t->strides ? int_tuple(t->strides, t->axes) : Py_NewRef(Py_None);
 	if (shape && strides)
-		return Py_BuildValue("(NiiiNN)", PyLong_FromVoidPtr((char *)t->data + t->offset), t->device, t->kind, t->bits, shape, strides);
+		return Py_BuildValue("(NiiiNN)", PyLong_FromVoidPtr((char *)t->data + t->offset), t->device, t->kind,
+			t->bits, shape, strides);
 	Py_XDECREF(shape);
 	Py_XDECREF(strides);
 	return NULL;

@@ -161,9 +161,12 @@ static PyObject *kernel_info(PyObject *self, PyObject *unused)
 			Py_CLEAR(names);
 		Py_XDECREF(name);
 	}
-	return names ? Py_BuildValue("{ss ss ss ss sN s{sn sn sn sn sn sn}}", "precision", i->precision == RNEA_F32 ? "f32" : "f64",
-			       "arithmetic", i->arithmetic, "layout", i->layout == RNEA_AOS ? "aos" : "soa", "trig", i->trig, "arrays", names,
-			       "operations", "mul", o->mul, "add", o->add, "sub", o->sub, "neg", o->neg, "fma", o->fma, "sincos", o->sincos)
+	return names ? Py_BuildValue("{ss ss ss ss sN s{sn sn sn sn sn sn}}", "precision",
+		i->precision == RNEA_F32 ? "f32" : "f64",
+			       "arithmetic", i->arithmetic, "layout", i->layout == RNEA_AOS ? "aos" : "soa", "trig", i->trig,
+			"arrays", names,
+			       "operations", "mul", o->mul, "add", o->add, "sub", o->sub, "neg", o->neg, "fma", o->fma,
+			"sincos", o->sincos)
 		     : NULL;
 }
 

@@ -134,8 +134,9 @@ static PyObject *array_dict(struct model *m, const struct signature_array *s, co
 		nominal = numbers(values, s->rows < FREED_ROWS ? s->rows : FREED_ROWS);
 	else
 		nominal = Py_NewRef(Py_None);
-	return Py_BuildValue("{ss ss sn sO sO ss ss sN sN}", "name", s->name, "word", s->word, "rows", (Py_ssize_t)s->rows, "is_output",
-		s->is_output ? Py_True : Py_False, "per_batch", s->per_batch ? Py_True : Py_False, "role", role_word(s->role), "of",
+	return Py_BuildValue("{ss ss sn sO sO ss ss sN sN}", "name", s->name, "word", s->word, "rows",
+		(Py_ssize_t)s->rows, "is_output", s->is_output ? Py_True : Py_False, "per_batch", s->per_batch ? Py_True
+			: Py_False, "role", role_word(s->role), "of",
 		of ? of : "", "default", nominal, "pattern", pattern_of(m, s->name));
 }
 

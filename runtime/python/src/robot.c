@@ -95,7 +95,8 @@ static PyObject *given_output(const struct caller *r, PyObject *out, int i)
 	PyObject *array = out;
 
 	if (several && (!PyTuple_Check(out) || PyTuple_Size(out) != r->count - r->input_count))
-		return PyErr_Format(PyExc_TypeError, "out: a tuple of %d arrays is wanted, one for each output", r->count - r->input_count);
+		return PyErr_Format(PyExc_TypeError, "out: a tuple of %d arrays is wanted, one for each output",
+			r->count - r->input_count);
 	if (several)
 		array = PyTuple_GetItem(out, i - r->input_count);
 	if ((PyObject *)Py_TYPE(array) == r->ndarray)
@@ -136,7 +137,8 @@ static int check_overlap(const struct caller *r, const struct call *c)
 			const char *a = c->views[i].buf, *b = c->views[k].buf;
 
 			if (a < b + c->views[k].len && b < a + c->views[i].len) {
-				PyErr_Format(PyExc_ValueError, "out: the array for %U overlaps %U", r->arrays[i].name, r->arrays[k].name);
+				PyErr_Format(PyExc_ValueError, "out: the array for %U overlaps %U", r->arrays[i].name,
+					r->arrays[k].name);
 				return -1;
 			}
 		}
@@ -298,9 +300,11 @@ static PyObject *robot_bind(PyObject *self, PyTypeObject *defining, PyObject *co
 }
 
 static PyMethodDef methods[] = {
-	{"_define", robot_define, METH_VARARGS, "_define(arrays, input_count, outputs, (ndarray, empty, float32, float64), is_direct)"},
+	{"_define", robot_define, METH_VARARGS,
+		"_define(arrays, input_count, outputs, (ndarray, empty, float32, float64), is_direct)"},
 	{"_run", robot_run, METH_VARARGS, "_run(arrays, out): a call on arrays of NumPy."},
-	{"_bind", (PyCFunction)(void (*)(void))robot_bind, METH_METHOD | METH_FASTCALL | METH_KEYWORDS, "_bind(arrays, out): a Step."},
+	{"_bind", (PyCFunction)(void (*)(void))robot_bind, METH_METHOD | METH_FASTCALL | METH_KEYWORDS,
+		"_bind(arrays, out): a Step."},
 	{NULL, NULL, 0, NULL}};
 
 static PyType_Slot slots[] = {{Py_tp_dealloc, robot_free}, {Py_tp_call, robot_call}, {Py_tp_methods, methods},

@@ -71,8 +71,8 @@ static bool bench_open(struct bench *b, const char *urdf, const char *base, cons
 	b->nq = b->r->nq;
 	b->nv = b->r->nv;
 	if (b->nq != torque_nq || b->nv != torque_nv || b->nq != peer_nq(b->peer) || b->nv != peer_nv(b->peer)) {
-		fprintf(stderr, "bench: %s has %d rows of q, the text %d, Pinocchio's model %d: continuous joints are left out\n", urdf,
-			b->nq, torque_nq, peer_nq(b->peer));
+		fprintf(stderr, "bench: %s has %d rows of q, the text %d, Pinocchio's model %d: continuous joints are left out\n",
+			urdf, b->nq, torque_nq, peer_nq(b->peer));
 		return false;
 	}
 	b->states = rows(b->nq + 2 * b->nv, STATES);

@@ -26,8 +26,8 @@ static void by_pinocchio(bench &b, int f, const double *q)
 
 static void by_text(bench &b, int f, const double *q)
 {
-	static void (*const calls[FUNCTIONS])(const double *, double *) = {call_poses, call_frames, call_jacobian, call_com_jacobian,
-		call_momentum_matrix};
+	static void (*const calls[FUNCTIONS])(const double *, double *) = {call_poses, call_frames, call_jacobian,
+		call_com_jacobian, call_momentum_matrix};
 
 	calls[f](q, b.out.data());
 }

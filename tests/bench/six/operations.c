@@ -210,7 +210,8 @@ enum rneagen_code operation_text(const char *urdf, size_t length, enum operation
 	if (analysis_run(&x, PASS_URDF_READ, PASS_REQUEST_RESOLVE))
 		return e->code;
 	if (!chosen(&x.tree))
-		return error_set(e, RNEAGEN_NO_JOINTS, "%s: no joint has an axis: take a robot with one that turns or slides", o.file);
+		return error_set(e, RNEAGEN_NO_JOINTS, "%s: no joint has an axis: take a robot with one that turns or slides",
+			o.file);
 	o.name = text_name(o.name ? o.name : identifier_from(x.robot.name, a), operation, a);
 	return emit(&x.tree, &x.request, operation, &o, a, text, e);
 }

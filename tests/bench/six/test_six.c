@@ -261,7 +261,8 @@ static void assert_refused(const char *urdf, const char *says)
 
 START_TEST(refused)
 {
-	static const char urdf[] = ROBOT("puck", BARE("ground") BALL("puck") JOINT("slide", "planar", "ground", "puck", AXIS("0 0 1")));
+	static const char urdf[] = ROBOT("puck",
+		BARE("ground") BALL("puck") JOINT("slide", "planar", "ground", "puck", AXIS("0 0 1")));
 	char path[128];
 	FILE *f;
 

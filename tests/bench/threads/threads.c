@@ -116,7 +116,8 @@ static void measure(struct times *times, struct rnea_robot *const *robots, size_
 	}
 	start = now();
 	for (times->count = 0; times->count < LAUNCH_LIMIT && now() - start < seconds; times->count++)
-		for (int i = 0; i < KINDS; i++) { /* one first, the other first: what follows a long launch is interrupted sooner */
+		/* one first, the other first: what follows a long launch is interrupted sooner */
+		for (int i = 0; i < KINDS; i++) {
 			int k = times->count % 2 ? KINDS - 1 - i : i;
 
 			times->sum[k] += times->t[k][times->count] = launch(robots[k], arrays, count);

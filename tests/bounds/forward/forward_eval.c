@@ -7,14 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-int forward_eval_open(struct forward_eval *x, const char *urdf, const char *reference, const struct forward_scene *s, const char *what)
+int forward_eval_open(struct forward_eval *x, const char *urdf, const char *reference, const struct forward_scene *s,
+	const char *what)
 {
 	struct analysis *a = &x->analysis;
 	char *text;
 
 	*x = (struct forward_eval){.scene = *s};
 	arena_init(&x->arena, NULL);
-	*a = (struct analysis){.urdf = urdf, .length = strlen(urdf), .arena = &x->arena, .error = &x->error, .options = rneagen_options_default()};
+	*a = (struct analysis){.urdf = urdf, .length = strlen(urdf), .arena = &x->arena, .error = &x->error,
+		.options = rneagen_options_default()};
 	text = arena_alloc(&x->arena, strlen(s->more) + 64, 1);
 	ck_assert_ptr_nonnull(text);
 	sprintf(text, "want qdd%s\n%s", s->swept ? "" : ",qdd_bound", s->more);

@@ -27,11 +27,12 @@ struct forward_eval {
 };
 
 /* `reference`: the URDF that the reference reads, NULL: the same. Returns 0 where the robot is refused, and prints why. */
-int forward_eval_open(struct forward_eval *x, const char *urdf, const char *reference, const struct forward_scene *s, const char *what);
+int forward_eval_open(struct forward_eval *x, const char *urdf, const char *reference, const struct forward_scene *s,
+	const char *what);
 void forward_eval_close(struct forward_eval *x);
 
-/* The next state, with torques of accelerations that the file's states have, rounded to floats; qdd, its bound, and what is right.
-   Numbers of other inputs, by name of the argument, come from `more`; NULL: there are none. What is right only where
+/* The next state, with torques of accelerations that the file's states have, rounded to floats; qdd, its bound, and what is
+   right. Numbers of other inputs, by name of the argument, come from `more`; NULL: there are none. What is right only where
    it is asked for: it takes the longest. */
 void forward_eval_run(struct forward_eval *x, struct rng *rng, const double *(*more)(const char *name), int is_referred);
 

@@ -28,7 +28,8 @@ void forward_text_open(struct forward_text *x, const char *urdf, const struct rn
 {
 	struct target_path text = target_path("forward", ".c"), object = target_path("forward", ".so");
 	const char *const *f = kind->flags;
-	const char *command[] = {"gcc", "-std=c11", WARNING_FLAGS, "-shared", "-fPIC", "-o", object.s, text.s, "-lm", f[0], f[1], f[2], NULL};
+	const char *command[] = {"gcc", "-std=c11", WARNING_FLAGS, "-shared", "-fPIC", "-o", object.s, text.s, "-lm", f[0],
+		f[1], f[2], NULL};
 	struct rneagen_options options = *o;
 
 	*x = (struct forward_text){0};
@@ -80,12 +81,14 @@ void forward_text_run(const struct forward_text *x, const double *const *in, con
 		ck_assert_msg(same_number(out[i], again[i]), "%s: row %d has other bits", x->target.what, i);
 }
 
-void closeness_add(struct closeness *c, const struct forward_text *x, int n, const double *got, const double *bound, const __float128 *want)
+void closeness_add(struct closeness *c, const struct forward_text *x, int n, const double *got, const double *bound,
+	const __float128 *want)
 {
 	for (int i = 0; i < n; i++) {
 		double error = isfinite(got[i]) ? (double)fabsq((__float128)got[i] - want[i]) : (double)INFINITY;
 
-		ck_assert_msg(error <= bound[i] || isnan(bound[i]), "%s: row %d is %g, off by %g, bound %g", x->target.what, i, got[i], error, bound[i]);
+		ck_assert_msg(error <= bound[i] || isnan(bound[i]), "%s: row %d is %g, off by %g, bound %g", x->target.what, i,
+			got[i], error, bound[i]);
 		c->count++;
 		c->finite += isfinite(bound[i]);
 		if (!isfinite(bound[i]))

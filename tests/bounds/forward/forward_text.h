@@ -41,7 +41,8 @@ struct closeness {
 	double error, bound, share; /* the largest error and finite bound; error over bound */
 };
 
-void closeness_add(struct closeness *c, const struct forward_text *x, int n, const double *got, const double *bound, const __float128 *want);
+void closeness_add(struct closeness *c, const struct forward_text *x, int n, const double *got, const double *bound,
+	const __float128 *want);
 void closeness_print(const struct closeness *c, const struct forward_text *x);
 
 #endif

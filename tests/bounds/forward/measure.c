@@ -15,7 +15,8 @@ enum { SEED = 19, SAMPLES = 500, REFERRED = 50 };
 static const struct {
 	const char *name;
 	int floating;
-} ROBOTS[] = {{"iiwa14", 0}, {"panda", 0}, {"ur5", 0}, {"hyq", 0}, {"hyq", 1}, {"atlas", 0}, {"atlas", 1}, {"g1_29dof", 0}, {"g1_29dof", 1},
+} ROBOTS[] = {{"iiwa14", 0}, {"panda", 0}, {"ur5", 0}, {"hyq", 0}, {"hyq", 1}, {"atlas", 0}, {"atlas", 1}, {"g1_29dof", 0},
+	{"g1_29dof", 1},
 	{"g1_brainco", 0}, {"anymal_kinova", 1}, {"allegro_right", 0}, {"shadow_hand_right", 0}};
 
 struct figures {
@@ -85,8 +86,9 @@ static void measure(const char *urdf, const char *name, const struct forward_sce
 		add_sample(&f, x, i < REFERRED);
 	}
 	qsort(f.bound, (size_t)f.bounds, sizeof *f.bound, compare);
-	printf("| %s%s | %d | %s | %u | %ld | %d of %d | %.1e | %.1e | %.1e |\n", name, s->floating ? ", floating" : "", x->solved.nv,
-		s->precision == RNEAGEN_F32 ? "f32" : "f64", operations(urdf, s, "want qdd\n"), analysis_flops(&x->analysis), f.infinite, f.samples, f.error,
+	printf("| %s%s | %d | %s | %u | %ld | %d of %d | %.1e | %.1e | %.1e |\n", name,
+		s->floating ? ", floating" : "", x->solved.nv, s->precision == RNEAGEN_F32 ? "f32" : "f64",
+		operations(urdf, s, "want qdd\n"), analysis_flops(&x->analysis), f.infinite, f.samples, f.error,
 		f.bounds ? f.bound[f.bounds / 2] : 0, f.bounds ? f.bound[f.bounds - 1] : 0);
 	fflush(stdout);
 	forward_eval_close(x);

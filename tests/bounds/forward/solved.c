@@ -35,7 +35,8 @@ void solved_open(struct solved *x, const char *urdf, int floating, __float128 wi
 	*x = (struct solved){.width = width};
 	x->table = reference_open(urdf, strlen(urdf), &o, message, sizeof message);
 	ck_assert_msg(x->table != NULL, "%s: %s", what, message);
-	x->quad = quad_open(urdf, strlen(urdf), floating, 0, QUAD_DECIMALS, (double[]){0, 0, -9.81}, NULL, message, sizeof message);
+	x->quad = quad_open(urdf, strlen(urdf), floating, 0, QUAD_DECIMALS, (double[]){0, 0, -9.81}, NULL,
+		message, sizeof message);
 	ck_assert_msg(x->quad != NULL, "%s: %s", what, message);
 	quad_set_gravity(x->quad, (__float128[]){0, 0, -9.81Q});
 	x->nq = x->table->nq;

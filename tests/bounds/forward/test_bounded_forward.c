@@ -26,7 +26,8 @@ static const struct forward_kind KINDS[] = {
 	{"f32", {.precision = RNEAGEN_F32}, {"-O0", "-Dalways_inline=unused", "-ffp-contract=off"}},
 	{"f64", {.precision = RNEAGEN_F64}, {"-O0", "-Dalways_inline=unused", "-ffp-contract=off"}},
 	{"mixed", {.precision = RNEAGEN_MIXED}, {"-O1", "-Dalways_inline=unused", "-march=native"}},
-	{"f32 strict", {.precision = RNEAGEN_F32, .trig = RNEAGEN_BOUNDED, .strict = 1}, {"-O1", "-Dalways_inline=unused", "-march=native"}},
+	{"f32 strict", {.precision = RNEAGEN_F32, .trig = RNEAGEN_BOUNDED, .strict = 1},
+		{"-O1", "-Dalways_inline=unused", "-march=native"}},
 	{"f64 fused", {.precision = RNEAGEN_F64}, {"-O2", "-march=native", "-ffp-contract=fast"}},
 };
 enum { KIND_COUNT = sizeof KINDS / sizeof *KINDS };
@@ -36,9 +37,11 @@ static const struct scene_case {
 	int floating, friction;
 	enum { TORQUES, BOUNDED, WANTED } forward; /* WANTED: qdd_bound instead of --bounded */
 	double finite; /* at least so much of the bounds in f64 */
-} CASES[] = {{NULL, 0, 1, 0, 1}, {"cartpole", 0, 1, 0, 1}, {"iiwa14", 0, 0, 1, 1}, {"mimic_chain", 1, 0, 1, 1}, {"cartpole", 0, 1, 1, 1},
-	{"hyq", 1, 0, 1, 1}, {"panda", 0, 0, 1, 1}, {"planar_tilted", 0, 0, 1, 1}, {"double_pendulum", 0, 0, 1, 1}, {"cartpole", 0, 1, WANTED, 1},
-	{"hyq", 0, 0, WANTED, 1}, {"iiwa14", 0, 0, WANTED, 1}, {"ur5", 0, 0, WANTED, 1}, {"gantry", 0, 0, WANTED, 1}, {"gantry", 0, 0, WANTED, 1}};
+} CASES[] = {{NULL, 0, 1, 0, 1}, {"cartpole", 0, 1, 0, 1}, {"iiwa14", 0, 0, 1, 1}, {"mimic_chain", 1, 0, 1, 1},
+	{"cartpole", 0, 1, 1, 1},
+	{"hyq", 1, 0, 1, 1}, {"panda", 0, 0, 1, 1}, {"planar_tilted", 0, 0, 1, 1}, {"double_pendulum", 0, 0, 1, 1},
+	{"cartpole", 0, 1, WANTED, 1}, {"hyq", 0, 0, WANTED, 1}, {"iiwa14", 0, 0, WANTED, 1}, {"ur5", 0, 0, WANTED, 1},
+	{"gantry", 0, 0, WANTED, 1}, {"gantry", 0, 0, WANTED, 1}};
 enum { CASE_COUNT = sizeof CASES / sizeof *CASES };
 
 struct fixture {
@@ -58,14 +61,17 @@ static void fixture_open(struct fixture *x, const struct scene_case *c, const st
 	char *urdf = c->robot ? target_robot(c->robot, &length) : strdup(rubbing), scene[64], what[64];
 
 	*x = (struct fixture){.c = c, .rng = rng_seed(SEED)};
-	snprintf(scene, sizeof scene, "%s%s", c->friction ? "friction 0.25\n" : "", c->forward == WANTED ? "want qdd,qdd_bound\n" : c->forward ? "want qdd\n" : "");
-	snprintf(what, sizeof what, "%s%s%s", c->robot ? c->robot : "rub", c->friction ? " friction" : "", c->forward == WANTED ? " qdd_bound" : c->forward ? " qdd" : "");
+	snprintf(scene, sizeof scene, "%s%s", c->friction ? "friction 0.25\n" : "",
+		c->forward == WANTED ? "want qdd,qdd_bound\n" : c->forward ? "want qdd\n" : "");
+	snprintf(what, sizeof what, "%s%s%s", c->robot ? c->robot : "rub", c->friction ? " friction" : "",
+		c->forward == WANTED ? " qdd_bound" : c->forward ? " qdd" : "");
 	o.base = c->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	o.scene = scene;
 	o.bounded = c->forward != WANTED;
 	solved_open(&x->solved, urdf, c->floating, c->friction ? 0.25Q : 0, 0, what);
 	forward_text_open(&x->text, urdf, &o, kind, 
-		c->forward == WANTED ? "fd" : c->forward ? "fd_bounded" : "rnea_bounded", c->forward == WANTED ? NULL : c->forward ? "fd" : "rnea", what);
+		c->forward == WANTED ? "fd" : c->forward ? "fd_bounded" : "rnea_bounded", c->forward == WANTED ? NULL : c->forward
+			? "fd" : "rnea", what);
 	free(urdf);
 }
 
@@ -108,7 +114,8 @@ START_TEST(bounds_hold)
 		check_sample(x, k);
 	closeness_print(&x->close, &x->text);
 	if (kind->options.precision == RNEAGEN_F64)
-		ck_assert_msg((double)x->close.finite >= c->finite * (double)x->close.count, "%s: too few bounds are finite", x->text.target.what);
+		ck_assert_msg((double)x->close.finite >= c->finite * (double)x->close.count, "%s: too few bounds are finite",
+			x->text.target.what);
 	fixture_close(x);
 	free(x);
 }

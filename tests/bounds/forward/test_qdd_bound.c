@@ -18,7 +18,8 @@ enum { SEED = 17, SAMPLES = 20 };
 static const enum rneagen_precision PRECISIONS[] = {RNEAGEN_F32, RNEAGEN_F64, RNEAGEN_MIXED};
 static const char *const PRECISION_NAMES[] = {"f32", "f64", "mixed"};
 
-/* Of many samples: finite ones, the largest and the sum of logarithms of bound over error in the norm, the largest bound in the norm. */
+/* Of many samples: finite ones, the largest and the sum of logarithms of bound over error in the norm, the largest bound in the
+   norm. */
 struct tally {
 	long samples, finite;
 	double worst, over, norm;
@@ -74,7 +75,8 @@ static struct tally check(const char *urdf, const char *reference, const struct 
 	char what[128];
 
 	ck_assert_ptr_nonnull(x);
-	snprintf(what, sizeof what, "%s %s%s", name, PRECISION_NAMES[s->precision == RNEAGEN_F32 ? 0 : s->precision == RNEAGEN_F64 ? 1 : 2],
+	snprintf(what, sizeof what, "%s %s%s", name,
+		PRECISION_NAMES[s->precision == RNEAGEN_F32 ? 0 : s->precision == RNEAGEN_F64 ? 1 : 2],
 		s->floating ? " floating" : "");
 	if (forward_eval_open(x, urdf, reference, s, what)) {
 		for (int i = 0; i < samples; i++) {
@@ -98,12 +100,14 @@ static void check_file(const char *path, const char *name, void *context)
 	size_t length;
 	char *urdf;
 
-	if (!strncmp(name, "xfail", 5) || !strncmp(name, "chain_75", 8) || (!exhaustive() && strstr("g1_29dof atlas fetch shadow_hand_right", name)))
+	if (!strncmp(name, "xfail", 5) || !strncmp(name, "chain_75", 8) ||
+		(!exhaustive() && strstr("g1_29dof atlas fetch shadow_hand_right", name)))
 		return;
 	urdf = read_file(path, &length);
 	for (int p = 0; p < 3; p++)
 		if (w->all || p == w->turn % 3)
-			check(urdf, NULL, &(struct forward_scene){PRECISIONS[p], w->floating, "", 0, 0, 0, 0}, name, SAMPLES, NULL);
+			check(urdf, NULL, &(struct forward_scene){PRECISIONS[p], w->floating, "", 0, 0, 0, 0},
+				name, SAMPLES, NULL);
 	w->turn++;
 	free(urdf);
 }
@@ -203,8 +207,9 @@ START_TEST(carried)
 	end = strstr(strcpy(loaded, urdf), "</robot>");
 	strcpy(end, more);
 	for (int p = 0; p < 3; p++)
-		ck_assert_int_eq(check(urdf, loaded, &(struct forward_scene){PRECISIONS[p], 0, "free payload.iiwa_link_7\n", 0, 0, 0, 0}, "iiwa14 with a payload",
-			SAMPLES, payload).finite, SAMPLES);
+		ck_assert_int_eq(check(urdf, loaded,
+			&(struct forward_scene){PRECISIONS[p], 0, "free payload.iiwa_link_7\n", 0, 0, 0, 0},
+			"iiwa14 with a payload", SAMPLES, payload).finite, SAMPLES);
 	free(loaded);
 	free(urdf);
 }
@@ -216,11 +221,12 @@ START_TEST(scenes)
 	static const struct {
 		const char *robot;
 		struct forward_scene scene;
-	} cases[] = {{"cartpole", {RNEAGEN_F32, 0, "friction 0.25\n", 0.25Q, 0, 0, 0}}, {"cartpole", {RNEAGEN_F64, 0, "friction 0.25\n", 0.25Q, 0, 0, 0}},
-		{"hyq", {RNEAGEN_F32, 1, "dynamics articulated\n", 0, 0, 0, 0}}, {"iiwa14", {RNEAGEN_F64, 0, "dynamics articulated\n", 0, 0, 0, 0}},
-		{"iiwa14", {RNEAGEN_F32, 0, "", 0, 0, 0, 1}}, {"hyq", {RNEAGEN_F32, 1, "", 0, 0, 0, 1}},
-		{"cartpole", {RNEAGEN_F32, 0, "friction 0.25\n", 0.25Q, 0, 0, 1}}, {"iiwa14", {RNEAGEN_F32, 0, "refine 1\n", 0, 0, 0, 0}},
-		{"hyq", {RNEAGEN_F32, 1, "refine 1\n", 0, 0, 0, 0}}};
+	} cases[] = {{"cartpole", {RNEAGEN_F32, 0, "friction 0.25\n", 0.25Q, 0, 0, 0}},
+		{"cartpole", {RNEAGEN_F64, 0, "friction 0.25\n", 0.25Q, 0, 0, 0}},
+		{"hyq", {RNEAGEN_F32, 1, "dynamics articulated\n", 0, 0, 0, 0}},
+		{"iiwa14", {RNEAGEN_F64, 0, "dynamics articulated\n", 0, 0, 0, 0}}, {"iiwa14", {RNEAGEN_F32, 0, "", 0, 0, 0, 1}},
+		{"hyq", {RNEAGEN_F32, 1, "", 0, 0, 0, 1}}, {"cartpole", {RNEAGEN_F32, 0, "friction 0.25\n", 0.25Q, 0, 0, 1}},
+		{"iiwa14", {RNEAGEN_F32, 0, "refine 1\n", 0, 0, 0, 0}}, {"hyq", {RNEAGEN_F32, 1, "refine 1\n", 0, 0, 0, 0}}};
 	char *urdf = robot(cases[_i].robot);
 
 	ck_assert_int_eq(check(urdf, NULL, &cases[_i].scene, cases[_i].robot, SAMPLES, NULL).finite, SAMPLES);
@@ -238,10 +244,12 @@ START_TEST(of_use)
 	char *urdf = robot(cases[_i].robot);
 
 	for (int p = 0; p < 2; p++) {
-		struct tally t = check(urdf, NULL, &(struct forward_scene){PRECISIONS[p], 0, "", 0, 0, 0, 0}, cases[_i].robot, SAMPLES, NULL);
+		struct tally t = check(urdf, NULL, &(struct forward_scene){PRECISIONS[p], 0, "", 0, 0, 0, 0},
+			cases[_i].robot, SAMPLES, NULL);
 
 		ck_assert_int_eq(t.finite, t.samples);
-		ck_assert_msg(t.norm < (p ? cases[_i].f64 : cases[_i].f32), "%s: a bound is %g of the norm", cases[_i].robot, t.norm);
+		ck_assert_msg(t.norm < (p ? cases[_i].f64 : cases[_i].f32), "%s: a bound is %g of the norm",
+			cases[_i].robot, t.norm);
 	}
 	free(urdf);
 }
@@ -282,9 +290,12 @@ START_TEST(swept)
 		struct forward_scene scene;
 		double worth; /* of the norm */
 	} cases[] = {{"iiwa14", {RNEAGEN_F32, 0, "", 0, 0, 1, 0}, 2e-3}, {"iiwa14", {RNEAGEN_F64, 0, "", 0, 0, 1, 0}, 4e-12},
-		{"hyq", {RNEAGEN_F32, 1, "", 0, 0, 1, 0}, 1e-3}, {"ur5", {RNEAGEN_F64, 0, "dynamics articulated\n", 0, 0, 1, 0}, 1e-12},
-		{"mimic_chain", {RNEAGEN_MIXED, 1, "", 0, 0, 1, 0}, 1e-7}, {"cartpole", {RNEAGEN_F32, 0, "friction 0.25\n", 0.25Q, 0, 1, 0}, 1e-4},
-		{"iiwa14", {RNEAGEN_F32, 0, "", 0, 0, 1, 1}, 2e-3}, {"cartpole", {RNEAGEN_F32, 0, "friction 0.25\n", 0.25Q, 0, 1, 1}, 1e-4}};
+		{"hyq", {RNEAGEN_F32, 1, "", 0, 0, 1, 0}, 1e-3},
+		{"ur5", {RNEAGEN_F64, 0, "dynamics articulated\n", 0, 0, 1, 0}, 1e-12},
+		{"mimic_chain", {RNEAGEN_MIXED, 1, "", 0, 0, 1, 0}, 1e-7},
+		{"cartpole", {RNEAGEN_F32, 0, "friction 0.25\n", 0.25Q, 0, 1, 0}, 1e-4},
+		{"iiwa14", {RNEAGEN_F32, 0, "", 0, 0, 1, 1}, 2e-3},
+		{"cartpole", {RNEAGEN_F32, 0, "friction 0.25\n", 0.25Q, 0, 1, 1}, 1e-4}};
 	char *urdf = robot(cases[_i].robot);
 	struct tally t = check(urdf, NULL, &cases[_i].scene, cases[_i].robot, SAMPLES, NULL);
 

@@ -109,8 +109,8 @@ int report(const struct gpu *g, const struct settings *s, const struct floor *f,
 		of_environment("RNEA_COMMIT"), s->large);
 	printf("an empty kernel: %.2f us in a graph, %.2f us of the host in a stream\n", f->empty_graph * 1e6,
 		f->empty_host * 1e6);
-	printf("%-36s %4s %5s %7s %7s %7s %8s %8s %5s %9s\n", "text", "regs", "local", "host us", "us@1", "us@1024", "ps/smp", "floor",
-		"of it", "error");
+	printf("%-36s %4s %5s %7s %7s %7s %8s %8s %5s %9s\n", "text", "regs", "local", "host us", "us@1", "us@1024",
+		"ps/smp", "floor", "of it", "error");
 	for (size_t i = 0; i < count; i++)
 		put_row(&items[i]);
 	for (size_t i = 0; i < count; i++)

@@ -80,7 +80,8 @@ static struct reference_pose joint_pose(const struct reference_joint *j, const s
 	case REFERENCE_FLOATING:
 		return reference_compose(reference_shift(q[0], q[1], q[2]), turned(d3_quaternion(q + 3)));
 	case REFERENCE_PLANAR:
-		return reference_compose(reference_shift(q[0] * x[0] + q[1] * y[0], q[0] * x[1] + q[1] * y[1], q[0] * x[2] + q[1] * y[2]),
+		return reference_compose(reference_shift(q[0] * x[0] + q[1] * y[0], q[0] * x[1] + q[1] * y[1],
+			q[0] * x[2] + q[1] * y[2]),
 		                         turned(d3_about(l->axis, wide_sin(q[2]), wide_cos(q[2]))));
 	case REFERENCE_FIXED:
 		break;
@@ -214,7 +215,8 @@ void reference_jacobian(const struct reference *r, const struct reference_frame 
 	memset(J, 0, 6 * (size_t)r->nv * sizeof *J);
 	for (int i = f->entry; i >= 0; i = r->joints[i].parent)
 		if (r->joints[i].type != REFERENCE_FIXED)
-			add_joint(&r->joints[i], &r->links[i], &joints[i], &links[i], p, r->nv, J + r->joints[r->joints[i].driver].iv);
+			add_joint(&r->joints[i], &r->links[i], &joints[i], &links[i], p, r->nv,
+				J + r->joints[r->joints[i].driver].iv);
 	for (int k = 0; k < r->nv; k++)
 		express(&t, axes, r->nv, J + k);
 	free(links);

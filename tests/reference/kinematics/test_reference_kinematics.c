@@ -112,7 +112,8 @@ START_TEST(test_pose_rate)
 	expect_near(aligned, turned, 6, 1e-12, x->what);
 	expect_near(world, moved, 6, 4e-15, x->what);
 	for (int i = 0; i < 6; i++)
-		turned[i] = t[i % 3] * aligned[i / 3 * 3] + t[4 + i % 3] * aligned[i / 3 * 3 + 1] + t[8 + i % 3] * aligned[i / 3 * 3 + 2];
+		turned[i] = t[i % 3] * aligned[i / 3 * 3] + t[4 + i % 3] * aligned[i / 3 * 3 + 1] +
+			t[8 + i % 3] * aligned[i / 3 * 3 + 2];
 	expect_near(link, turned, 6, 4e-15, x->what);
 	end(x);
 }

@@ -103,7 +103,8 @@ static void use_counter(const char *comment)
 {
 	char script[200];
 
-	snprintf(script, sizeof script, "case $* in *--version*) ;; *) echo >>\"${0%%/*}/count\" ;; esac\nexec cc \"$@\"\n%s", comment);
+	snprintf(script, sizeof script, "case $* in *--version*) ;; *) echo >>\"${0%%/*}/count\" ;; esac\nexec cc \"$@\"\n%s",
+		comment);
 	use_script("counter", script);
 }
 

@@ -129,7 +129,8 @@ static void run_kernel(struct bench *b, const char *function, size_t count)
 
 	for (int t = 0; t < 3; t++) {
 		char **out = b->out[t];
-		void *forward[ARRAYS] = {b->in[0], b->in[1], b->in[2], out[0], out[1], out[2]}, *backward[] = {b->in[0], b->in[5], out[0]};
+		void *forward[ARRAYS] = {b->in[0], b->in[1], b->in[2], out[0], out[1], out[2]},
+			*backward[] = {b->in[0], b->in[5], out[0]};
 		void **list = strcmp(function, "bpass") ? forward : backward; /* those of rnea are the first of fpass */
 
 		for (int i = 0; i < 3; i++)

@@ -196,7 +196,8 @@ void case_give_all(struct task_case *c, int which, double value)
 			rows[which][i] = isnan(value) ? rows[which][i] : value;
 			given[which][i] = 1;
 			if (isnan(value))
-				case_say(c, "%s%s%s%.17g", count ? "" : "fold ", count ? "," : words[which], count ? "" : "=", rows[which][i]);
+				case_say(c, "%s%s%s%.17g", count ? "" : "fold ", count ? "," : words[which],
+					count ? "" : "=", rows[which][i]);
 		}
 	}
 	if (isnan(value))

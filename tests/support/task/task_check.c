@@ -171,9 +171,10 @@ void case_feed(const struct task_case *c, const struct scene_model *m, struct ta
 	for (int pushes = 0; pushes < 2; pushes++)
 		for (int i = 0; i < c->in_count; i++)
 			if (c->in[i].is_push == pushes) {
-				ck_assert_msg(d->arguments[k].rows == c->in[i].rows && d->arguments[k].per_batch == c->in[i].per_batch,
-					"%s: %s has %d rows, per batch %d", c->in[i].word, d->arguments[k].name, d->arguments[k].rows,
-					d->arguments[k].per_batch);
+				ck_assert_msg(d->arguments[k].rows == c->in[i].rows &&
+					d->arguments[k].per_batch == c->in[i].per_batch,
+					"%s: %s has %d rows, per batch %d", c->in[i].word, d->arguments[k].name,
+					d->arguments[k].rows, d->arguments[k].per_batch);
 				memcpy(x->in[k++], c->in[i].value, sizeof c->in[i].value);
 			}
 }
@@ -244,9 +245,10 @@ static void compare(struct task_case *c, const struct dag *d, const struct task_
 		for (int i = 0; i < x->rows; i++) {
 			real got = arrays->out[argument][i], off = fabsl(got - (real)x->value[i]);
 
-			ck_assert_msg(off <= precisions[p].eps * (real)x->size[i], "%s, %s row %d in %s: %.17Lg, not %.17Lg (%.3Lg eps); scene:\n%s",
-				what, out->word, i, precisions[p].name, got, (real)x->value[i],
-				off / (precisions[p].eps * (real)x->size[i]), c->scene);
+			ck_assert_msg(off <= precisions[p].eps * (real)x->size[i],
+				"%s, %s row %d in %s: %.17Lg, not %.17Lg (%.3Lg eps); scene:\n%s", what, out->word, i,
+				precisions[p].name, got, (real)x->value[i], off / (precisions[p].eps * (real)x->size[i]),
+				c->scene);
 		}
 	}
 }
