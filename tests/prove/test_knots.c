@@ -1,16 +1,19 @@
 /* What knots say of a field anywhere, beside the field itself: coefficients, second derivatives, and the largest of a whole grid.
    It would catch a row of q in another's place, a weight that is off, and a point of the grid that is left out. */
 #include "prove/robot_box.h"
-#include "range/curvature.h"
+#include "range/cover.h"
 #include "range/extreme.h"
 #include "range/knots.h"
+#include "range/magnitude.h"
+#include "range/seek.h"
+#include "support/exhaustive.h"
 #include "support/suite.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { SEED = 23, POINTS = 30, MOST = 12 };
+enum { SEED = 23, POINTS = 30, MOST = 12, STATES = 300 };
 
 static const struct robot_case {
 	const char *name, *scene;
@@ -203,6 +206,109 @@ START_TEST(test_walks)
 }
 END_TEST
 
+/* ---- ranges ---- */
+
+/* Nothing that is found, anywhere over the box and at the worst drives and rates there, is out of the range. */
+static void check_cover(const struct cover *c, const struct field *f, const struct sought (*best)[2], struct rng *r)
+{
+	double *work = field_work(f), *all = calloc((size_t)f->output_count * f->coefficient_count, sizeof *all), x[2 * FIELD_DIMS];
+	struct field_point q;
+
+	ck_assert(work && all);
+	for (int o = 0; o < f->output_count; o++)
+		ck_assert_msg(best[o][0].value >= c->lower[o] && best[o][1].value <= c->upper[o], "output %d: %g to %g is not from %g to %g", o,
+			best[o][0].value, best[o][1].value, c->lower[o], c->upper[o]);
+	for (int i = 0; i < STATES; i++) {
+		int is_corner = rng_chance(r, 0.3);
+
+		for (int l = 0; l < f->dim_count; l++) {
+			const struct field_dim *dim = &f->dims[l];
+
+			field_place(dim, is_corner ? (rng_chance(r, 0.5) ? dim->lower : dim->upper) : rng_uniform(r, dim->lower, dim->upper), q.x[l]);
+		}
+		field_evaluate(f, &q, work, all);
+		for (int o = 0; o < f->output_count; o++)
+			for (int sign = -1; sign <= 1; sign += 2) {
+				const double *of = all + (size_t)o * f->coefficient_count;
+				double value;
+
+				extreme_corner(f, of, sign, x);
+				value = seek_value(f, of, x);
+				ck_assert_msg(value >= c->lower[o] && value <= c->upper[o], "output %d: %g is not from %g to %g", o, value, c->lower[o],
+					c->upper[o]);
+			}
+	}
+	free(all);
+	free(work);
+}
+
+/* The largest slack of an output over what is found. */
+static double slack_of(const struct cover *c, const struct field *f, const struct sought (*best)[2])
+{
+	double most = 0;
+
+	for (int o = 0; o < f->output_count; o++)
+		most = fmax(most, fmax(-c->lower[o], c->upper[o]) / fmax(fabs(best[o][0].value), fabs(best[o][1].value)));
+	return most;
+}
+
+static double cover_for(struct set_up *s, const struct box *box, const struct field *f, double seconds, struct rng *r)
+{
+	size_t n = (size_t)f->output_count;
+	struct sought (*best)[2] = calloc(n, sizeof *best);
+	double (*found)[2] = calloc(n, sizeof *found), *largest = calloc(n, sizeof *largest), slack;
+	double *most = calloc(n * (size_t)f->dim_count, sizeof *most);
+	struct interval *whole = calloc(n, sizeof *whole);
+	const struct curvature_start from = {whole, largest, most};
+	struct curvature bends;
+	struct cover c;
+
+	ck_assert(seek_extremes(best, f, &s->effort, 0.2 * seconds));
+	for (size_t o = 0; o < n; o++)
+		for (int side = 0; side < 2; side++)
+			largest[o] = fmax(largest[o], fabs(found[o][side] = best[o][side].value));
+	ck_assert(magnitude_find(whole, f, box, 1, &s->effort, 0.1 * seconds) && magnitude_bends(most, f, box, &s->effort));
+	ck_assert(curvature_find(&bends, f, &from, &s->effort, seconds));
+	ck_assert(cover_find(&c, f, &bends, (const double(*)[2])found, &s->effort, seconds));
+	check_cover(&c, f, (const struct sought(*)[2])best, r);
+	slack = slack_of(&c, f, (const struct sought(*)[2])best);
+	free(bends.most);
+	free(c.lower);
+	free(c.upper);
+	free(best);
+	free(found);
+	free(largest);
+	free(most);
+	free(whole);
+	return slack;
+}
+
+/* With more time where a slow machine needs it. */
+START_TEST(test_covers)
+{
+	static const struct cover_case {
+		int robot;
+		double seconds, slack; /* 0: any */
+	} CASES[] = {{3, 0.5, 1.5}, {6, 2.5, 0}, {9, 0.5, 0}};
+	struct rng r = rng_seed(SEED + 1);
+	struct set_up s;
+	struct box box;
+
+	set_up(&s, CASES[_i].robot);
+	memcpy(box.rows, s.relaxed.rows, sizeof box.rows);
+	for (int i = 0; i < s.count; i++) {
+		double seconds = CASES[_i].seconds, most = CASES[_i].slack, slack;
+
+		if (s.fields[i].dim_count < 3)
+			continue;
+		while ((slack = cover_for(&s, &box, &s.fields[i], seconds, &r)) > most && most > 0 && seconds < 60)
+			seconds *= 4;
+		ck_assert_msg(slack <= most || most == 0 || sanitized(), "%s: %g", ROBOTS[CASES[_i].robot].name, slack);
+	}
+	tear_down(&s);
+}
+END_TEST
+
 /* Without time there are none, and a short length far from 0 has none. */
 START_TEST(test_none)
 {
@@ -233,6 +339,7 @@ int main(void)
 
 	suite_add(suite, "points", test_points, ROBOT_COUNT, 600);
 	suite_add(suite, "walks", test_walks, ROBOT_COUNT, 600);
+	suite_add(suite, "covers", test_covers, 3, 600);
 	suite_add(suite, "none", test_none, 1, 60);
 	return suite_run(suite);
 }
