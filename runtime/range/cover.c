@@ -211,13 +211,14 @@ static int cover_once(struct cover *c, struct covering *s, const double *bends, 
 /* More places each time, as there is time. */
 static int rounds(struct cover *c, struct covering *s, const double *bends, double end)
 {
-	static const double SHARES[] = {0, 0.2, 0.85};
-	double speed = 1;
+	static const double SHARES[] = {0.2, 0.2, 0.85};
+	double speed = s->knots ? KNOTS_PACE : 1;
 	int done = 1;
 
 	c->points = 0;
 	for (int i = 0; i < 3 && done && seconds_now() < end; i++) {
-		double start = seconds_now(), room = i ? SHARES[i] * (end - start) / speed : s->knots ? FIRST_OF_KNOTS : FIRST_POINTS;
+		double start = seconds_now(), of_time = SHARES[i] * (end - start) / speed;
+		double room = i ? of_time : s->knots ? fmax(FIRST_POINTS, fmin(FIRST_OF_KNOTS, of_time)) : FIRST_POINTS;
 
 		done = cover_once(c, s, bends, room);
 		speed = (seconds_now() - start) / (c->points + 1);

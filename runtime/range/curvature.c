@@ -287,23 +287,25 @@ static void begin(struct curvature *c, const struct field *f, const struct curva
 		}
 }
 
-/* More places each time, as there is time; a pass tells how fast it goes, small ones of knots too slow a pace. */
+/* More places each time, as there is time; a pass tells how fast the next goes, a small one by knots too slow a pace. */
 static int passes(struct curvature *c, const struct field *f, const struct group *g, const struct curvature_start *from,
 	const struct effort *x)
 {
-	static const double OF_POINTS[] = {0, 0.25, 0.85}, OF_KNOTS[] = {0, 0.3, 0.45, 0.65, 0.85};
+	static const double OF_POINTS[] = {0, 0.25, 0.85}, OF_KNOTS[] = {0.3, 0.3, 0.4, 0.55, 0.7};
 	const double *shares = g->knots ? OF_KNOTS : OF_POINTS;
 	int done = 1, count = g->knots ? 5 : 3;
 	double before = 0;
 
+	c->speed = g->knots ? KNOTS_PACE : 1e-5;
 	for (int i = 0; i < count && done == 1; i++) {
-		double room = i ? shares[i] * (x->deadline - seconds_now()) / c->speed : g->knots ? FIRST_OF_KNOTS : FIRST_POINTS;
+		double of_time = shares[i] * (x->deadline - seconds_now()) / c->speed;
+		double room = i ? of_time : g->knots ? fmax(FIRST_POINTS, fmin(FIRST_OF_KNOTS, of_time)) : FIRST_POINTS;
 		int counts[FIELD_DIMS], is_one = choose(f, g, counts, fmin(room, MOST_POINTS), c->most, from->found);
 
 		if (is_one && size_of(f, counts) > before)
 			done = pass(c, f, g, x, counts);
-		else if (i == 0)
-			c->speed = g->knots ? 1e-7 : 1e-5;
+		else if (!is_one && g->knots)
+			c->speed *= 0.3;
 		before = is_one ? size_of(f, counts) : 0;
 	}
 	return done;

@@ -6,8 +6,9 @@
 
 #include "range/grid.h"
 
-/* Of the time that there is, to make them. */
+/* Of the time that there is, to make them; and so many seconds a point of a walk takes, at first sight. */
 #define KNOTS_SHARE 0.25
+#define KNOTS_PACE 1e-6
 
 struct knots {
 	const struct field *f;
