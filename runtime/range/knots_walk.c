@@ -13,6 +13,9 @@
 /* Pieces for each thread, so that none waits long for another. */
 enum { PIECES = 4 };
 
+/* Of a circle of the highest degree that grids have. */
+enum { MOST_KNOTS = 32 };
+
 /* No wider than registers of AVX2: compilers keep wider sums in memory. */
 enum { FOUR = 4 };
 
@@ -83,16 +86,52 @@ FIELD_CLONES static double size_of(const four *c, const four *reach, size_t n)
 
 /* ---- the tree ---- */
 
+/* What is of no interest. Of second derivatives the larger side is asked for. */
+static double floor_of(const struct branch *b, int side)
+{
+	return b->w->to->along < 0 ? b->most[side] : fmax(b->most[0], b->most[1]);
+}
+
 static void take(struct branch *b, const four *c)
 {
 	const struct walk *w = b->w;
 	double size = size_of(c, w->reach, w->k->stride / FOUR);
 
 	for (int side = 0; side < 2; side++) {
-		double floor = w->to->along < 0 ? b->most[side] : fmax(b->most[0], b->most[1]);
+		double floor = floor_of(b, side);
 
 		if (!(size <= floor))
 			b->most[side] = fmax(b->most[side], extreme_above(w->k->f, (const double *)c, side ? 1 : -1, floor));
+	}
+}
+
+/* No value is larger at a place of the last level, whose knots have these sizes. */
+static double most_at(const double *by, const double *sizes, int n)
+{
+	double sum = 0;
+
+	for (int k = 0; k < n; k++)
+		sum += fabs(by[k]) * sizes[k];
+	return sum * (1 + 0x1p-40);
+}
+
+/* The last level: most of its places need no sum, as what their knots have is too small. */
+static void take_places(struct branch *b, int level, const four *in, int first, int end)
+{
+	const struct walk *w = b->w;
+	int n = w->k->counts[w->order[level]];
+	size_t count = w->k->stride / FOUR;
+	double sizes[MOST_KNOTS];
+
+	for (int k = 0; k < n; k++)
+		sizes[k] = size_of(in + (size_t)k * count, w->reach, count);
+	for (int i = first; i < end; i++) {
+		const double *by = w->weights[level] + i * n;
+
+		if (most_at(by, sizes, n) <= fmin(floor_of(b, 0), floor_of(b, 1)))
+			continue;
+		contract(in, 1, n, count, by, b->rooms[level]);
+		take(b, b->rooms[level]);
 	}
 }
 
@@ -102,12 +141,13 @@ static void descend(struct branch *b, int level, const four *in)
 	int n = w->k->counts[w->order[level]];
 	int first = level == 1 ? b->first : 0, end = level == 1 ? b->end : w->places[level];
 
+	if (level + 1 == w->depth) {
+		take_places(b, level, in, first, end);
+		return;
+	}
 	for (int i = first; i < end && !w->failed; i++) {
 		contract(in, w->before[level], n, w->after[level], w->weights[level] + i * n, b->rooms[level]);
-		if (level + 1 == w->depth)
-			take(b, b->rooms[level]);
-		else
-			descend(b, level + 1, b->rooms[level]);
+		descend(b, level + 1, b->rooms[level]);
 		if (level < 2 && seconds_now() > w->effort->deadline)
 			b->w->failed = 2;
 	}
