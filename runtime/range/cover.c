@@ -6,6 +6,7 @@
 #include "range/cover.h"
 #include "core/seconds.h"
 #include "range/extreme.h"
+#include "range/knots.h"
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -13,7 +14,7 @@
 /* How often to look at the clock. */
 enum { LOOK_EVERY = 16 };
 
-enum { POINTS = 256, MOST_PLACES = 4096, FIRST_POINTS = 4096 };
+enum { POINTS = 256, MOST_PLACES = 4096, FIRST_POINTS = 4096, FIRST_OF_KNOTS = 100000 };
 
 struct covering {
 	const struct field *f;
@@ -21,6 +22,8 @@ struct covering {
 	const struct effort *effort;
 	const double (*found)[2];
 	size_t points;
+	const struct knots *knots; /* NULL: none */
+	int first, end; /* outputs that have a grid together: all, or where knots make points cheap each its own */
 	double *most; /* [piece][output][2]: of -f, of f */
 	atomic_int failed;
 };
@@ -87,7 +90,7 @@ static double worth_of(const struct covering *s, const int *counts, const double
 {
 	double sum = 0, slack;
 
-	for (int o = 0; o < s->f->output_count; o++) {
+	for (int o = s->first; o < s->end; o++) {
 		double size = fmax(fabs(s->found[o][0]), fabs(s->found[o][1]));
 
 		if (!(size > 0))
@@ -138,39 +141,36 @@ static double closed(double value, double slack, double noise)
 	return round_up(value + slack + noise + 0x1p-30 * (fabs(value) + slack));
 }
 
-static void take_cover(struct cover *c, const struct covering *s, const double *bends, size_t pieces)
+/* The largest -f and f that were found of an output, and how far they may be off. */
+static void take_output(struct cover *c, const struct covering *s, const double *bends, int o, const double most[2], double noise)
 {
 	int n = s->f->dim_count;
+	double slack = 0;
 
+	for (int k = 0; k < n; k++)
+		slack += is_point(&s->f->dims[k]) ? 0 : s->grid.half[k] * s->grid.half[k] / 2 * bends[o * n + k];
+	c->lower[o] = fmax(c->lower[o], -closed(most[0], slack, noise));
+	c->upper[o] = fmin(c->upper[o], closed(most[1], slack, noise));
+}
+
+static void take_cover(struct cover *c, const struct covering *s, const double *bends, size_t pieces)
+{
 	for (int o = 0; o < s->f->output_count; o++) {
-		double most[2] = {-(double)INFINITY, -(double)INFINITY}, slack = 0;
-		double noise = s->f->noise[o] * (double)s->f->coefficient_count;
+		double most[2] = {-(double)INFINITY, -(double)INFINITY};
 
-		for (int k = 0; k < n; k++)
-			slack += is_point(&s->f->dims[k]) ? 0 : s->grid.half[k] * s->grid.half[k] / 2 * bends[o * n + k];
 		for (size_t i = 0; i < pieces; i++)
 			for (int side = 0; side < 2; side++)
 				most[side] = fmax(most[side], s->most[2 * ((size_t)s->f->output_count * i + (size_t)o) + (size_t)side]);
-		c->lower[o] = fmax(c->lower[o], -closed(most[0], slack, noise));
-		c->upper[o] = fmin(c->upper[o], closed(most[1], slack, noise));
+		take_output(c, s, bends, o, most, s->f->noise[o] * (double)s->f->coefficient_count);
 	}
 }
 
-static int cover_once(struct cover *c, struct covering *s, const double *bends, double room)
+/* On the grid that is made, by the DAG. */
+static int by_points(struct cover *c, struct covering *s, const double *bends)
 {
-	int counts[FIELD_DIMS];
-	size_t pieces;
+	size_t pieces = ((size_t)c->points + POINTS - 1) / POINTS;
 
-	choose(s, counts, room, bends);
-	if (!grid_make(&s->grid, s->f, counts, 0))
-		return 0;
-	if (grid_size(&s->grid) > 2 * room) { /* the corners alone are too many */
-		grid_free(&s->grid);
-		return 1;
-	}
-	c->points = grid_size(&s->grid);
 	s->points = (size_t)c->points;
-	pieces = (s->points + POINTS - 1) / POINTS;
 	s->most = malloc(2 * pieces * (size_t)s->f->output_count * sizeof *s->most);
 	s->failed = !s->most;
 	if (s->most)
@@ -178,8 +178,67 @@ static int cover_once(struct cover *c, struct covering *s, const double *bends, 
 	if (!s->failed)
 		take_cover(c, s, bends, pieces);
 	free(s->most);
-	grid_free(&s->grid);
 	return s->failed != 1;
+}
+
+static int by_knots(struct cover *c, const struct covering *s, const double *bends)
+{
+	int o = s->first, done;
+	struct knots_walk w = {.knots = s->knots, .grid = &s->grid, .output = o, .along = -1,
+		.most = {-s->found[o][0], s->found[o][1]}};
+
+	done = knots_walk(&w, s->effort);
+	if (done == 1)
+		take_output(c, s, bends, o, w.most, w.off * (double)s->f->coefficient_count);
+	return done != 0;
+}
+
+static int cover_once(struct cover *c, struct covering *s, const double *bends, double room)
+{
+	int counts[FIELD_DIMS], done = 1;
+
+	choose(s, counts, room, bends);
+	if (!grid_make(&s->grid, s->f, counts, 0))
+		return 0;
+	if (grid_size(&s->grid) <= 2 * room) { /* else the corners alone are too many */
+		c->points = grid_size(&s->grid);
+		done = s->knots ? by_knots(c, s, bends) : by_points(c, s, bends);
+	}
+	grid_free(&s->grid);
+	return done;
+}
+
+/* More places each time, as there is time. */
+static int rounds(struct cover *c, struct covering *s, const double *bends, double end)
+{
+	static const double SHARES[] = {0.2, 0.2, 0.85};
+	double speed = s->knots ? KNOTS_PACE : 1;
+	int done = 1;
+
+	c->points = 0;
+	for (int i = 0; i < 3 && done && seconds_now() < end; i++) {
+		double start = seconds_now(), of_time = SHARES[i] * (end - start) / speed;
+		double room = i ? of_time : s->knots ? fmax(FIRST_POINTS, fmin(FIRST_OF_KNOTS, of_time)) : FIRST_POINTS;
+
+		done = cover_once(c, s, bends, room);
+		speed = (seconds_now() - start) / (c->points + 1);
+	}
+	return done;
+}
+
+static int cover_all(struct cover *c, struct covering *s, const double *bends, double end)
+{
+	int n = s->f->output_count, done = 1;
+
+	s->end = n;
+	if (!s->knots)
+		return rounds(c, s, bends, end);
+	for (int o = 0; o < n && done; o++) {
+		s->first = o;
+		s->end = o + 1;
+		done = rounds(c, s, bends, seconds_now() + (end - seconds_now()) / (n - o));
+	}
+	return done;
 }
 
 int cover_find(struct cover *c, const struct field *f, const struct curvature *bends, const double (*found)[2], const struct effort *x,
@@ -187,24 +246,22 @@ int cover_find(struct cover *c, const struct field *f, const struct curvature *b
 {
 	struct effort own = *x;
 	struct covering s = {.f = f, .effort = &own, .found = found};
-	static const double SHARES[] = {0, 0.2, 0.85};
 	size_t outputs = (size_t)f->output_count;
-	double end, speed = 1;
+	double end = seconds_now() + seconds;
+	struct knots knots;
 	int done;
 
 	*c = (struct cover){.upper = malloc(outputs * sizeof *c->upper), .lower = malloc(outputs * sizeof *c->lower)};
-	done = c->upper && c->lower;
-	for (size_t o = 0; o < outputs && done; o++) {
+	if (!c->upper || !c->lower)
+		return 0;
+	for (size_t o = 0; o < outputs; o++) {
 		c->upper[o] = f->plain[o];
 		c->lower[o] = -f->plain[o];
 	}
 	own.deadline = fmin(x->deadline, seconds_now() + 1.2 * seconds);
-	end = seconds_now() + seconds;
-	for (int i = 0; i < 3 && done && seconds_now() < end; i++) {
-		double start = seconds_now(), room = i ? SHARES[i] * (end - start) / speed : FIRST_POINTS;
-
-		done = cover_once(c, &s, bends->most, room);
-		speed = (seconds_now() - start) / (c->points + 1);
-	}
+	done = knots_make(&knots, f, &own, KNOTS_SHARE * seconds);
+	s.knots = done == 1 ? &knots : NULL;
+	done = done && cover_all(c, &s, bends->most, end);
+	knots_free(&knots);
 	return done;
 }

@@ -3,13 +3,19 @@
 #include "range/curvature.h"
 #include "core/seconds.h"
 #include "range/extreme.h"
-#include "range/pace.h"
+#include "range/knots.h"
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_PLACES = 48, LINES = 64, MOST_POINTS = 2000000000, FIRST_POINTS = 4000 };
+enum { MOST_PLACES = 48, LINES = 64, MOST_POINTS = 2000000000, FIRST_POINTS = 4000, FIRST_OF_KNOTS = 400000 };
+
+/* The outputs from `first` on that have a grid together: all, or where knots make points cheap each its own. */
+struct group {
+	const struct knots *knots; /* NULL: none */
+	int first, end;
+};
 
 struct sweep {
 	const struct field *f;
@@ -158,6 +164,16 @@ static int sweep(struct sweep *s, double *found)
 	return s->failed == 2 ? -1 : !s->failed;
 }
 
+/* The same of one output, by knots. */
+static int sweep_knots(const struct sweep *s, const struct group *g, double *found)
+{
+	struct knots_walk w = {.knots = g->knots, .grid = s->grid, .output = g->first, .along = s->k};
+	int done = knots_walk(&w, s->effort);
+
+	found[g->first] = fmax(w.most[0], w.most[1]) + w.off * (double)s->f->coefficient_count;
+	return done;
+}
+
 /* ---- which grid ---- */
 
 static double size_of(const struct field *f, const int *counts)
@@ -176,11 +192,11 @@ static int fewest(const struct field *f, int k)
 }
 
 /* How much of all outputs' bends by other rows these places may add. */
-static double weight_of(const struct field *f, int k, const double *most, const double *found)
+static double weight_of(const struct field *f, const struct group *g, int k, const double *most, const double *found)
 {
 	double worst = 0;
 
-	for (int o = 0; o < f->output_count; o++)
+	for (int o = g->first; o < g->end; o++)
 		if (found[o] > 0)
 			worst = fmax(worst, most[o * f->dim_count + k] / found[o]);
 	return worst;
@@ -197,7 +213,7 @@ static int places_of(const struct field *f, int k, double weight, double scale)
 }
 
 /* The most places that there is room for, in points of the sweeps along all dimensions. */
-static int choose(const struct field *f, int *counts, double room, const double *most, const double *found)
+static int choose(const struct field *f, const struct group *g, int *counts, double room, const double *most, const double *found)
 {
 	int is_one = 0;
 
@@ -205,7 +221,7 @@ static int choose(const struct field *f, int *counts, double room, const double 
 		int now[FIELD_DIMS] = {0}, sweeps = 0;
 
 		for (int k = 0; k < f->dim_count; k++) {
-			now[k] = places_of(f, k, weight_of(f, k, most, found), scale);
+			now[k] = places_of(f, k, weight_of(f, g, k, most, found), scale);
 			sweeps += now[k] >= LENGTH_PLACES;
 		}
 		if (size_of(f, now) * sweeps > room)
@@ -219,13 +235,13 @@ static int choose(const struct field *f, int *counts, double room, const double 
 /* ---- passes ---- */
 
 /* By dimension k from what was found on a grid. */
-static void improve(struct curvature *c, const struct field *f, const int *counts, int k, const double *found)
+static void improve(struct curvature *c, const struct field *f, const struct group *g, const int *counts, int k, const double *found)
 {
 	struct pace p[FIELD_DIMS];
 
 	for (int l = 0; l < f->dim_count; l++)
 		p[l] = pace_of(f, l, counts[l]);
-	for (int o = 0; o < f->output_count; o++) {
+	for (int o = g->first; o < g->end; o++) {
 		double *most = c->most + (size_t)o * (size_t)f->dim_count;
 
 		for (int round = 0; round < PACE_ROUNDS; round++)
@@ -234,7 +250,7 @@ static void improve(struct curvature *c, const struct field *f, const int *count
 }
 
 /* One dimension after the other, over a grid. 0: memory ran out; -1: time did. */
-static int pass(struct curvature *c, const struct field *f, const struct effort *x, const int *counts)
+static int pass(struct curvature *c, const struct field *f, const struct group *g, const struct effort *x, const int *counts)
 {
 	struct grid grid;
 	struct sweep s = {.f = f, .grid = &grid, .effort = x};
@@ -248,10 +264,10 @@ static int pass(struct curvature *c, const struct field *f, const struct effort 
 		if (counts[s.k] < LENGTH_PLACES)
 			continue;
 		own[s.k] = pace_own_count(f, s.k, counts);
-		done = grid_make(&grid, f, own, 1) ? sweep(&s, of_k) : 0;
+		done = grid_make(&grid, f, own, 1) ? g->knots ? sweep_knots(&s, g, of_k) : sweep(&s, of_k) : 0;
 		if (done == 1) {
-			improve(c, f, own, s.k, of_k);
-			c->speed = (seconds_now() - start) / ((double)s.lines * own[s.k]);
+			improve(c, f, g, own, s.k, of_k);
+			c->speed = (seconds_now() - start) / size_of(f, own);
 		}
 		own[s.k] = counts[s.k];
 		grid_free(&grid);
@@ -271,20 +287,41 @@ static void begin(struct curvature *c, const struct field *f, const struct curva
 		}
 }
 
-/* More places each time, as there is time; the first pass tells how fast it goes. */
-static int passes(struct curvature *c, const struct field *f, const struct curvature_start *from, const struct effort *x)
+/* More places each time, as there is time; a pass tells how fast the next goes, a small one by knots too slow a pace. */
+static int passes(struct curvature *c, const struct field *f, const struct group *g, const struct curvature_start *from,
+	const struct effort *x)
 {
-	static const double SHARES[] = {0, 0.25, 0.85};
-	int done = 1;
+	static const double OF_POINTS[] = {0, 0.25, 0.85}, OF_KNOTS[] = {0.3, 0.3, 0.4, 0.55, 0.7};
+	const double *shares = g->knots ? OF_KNOTS : OF_POINTS;
+	int done = 1, count = g->knots ? 5 : 3;
+	double before = 0;
 
-	for (int i = 0; i < 3 && done == 1; i++) {
-		double room = i ? SHARES[i] * (x->deadline - seconds_now()) / c->speed : FIRST_POINTS;
-		int counts[FIELD_DIMS];
+	c->speed = g->knots ? KNOTS_PACE : 1e-5;
+	for (int i = 0; i < count && done == 1; i++) {
+		double of_time = shares[i] * (x->deadline - seconds_now()) / c->speed;
+		double room = i ? of_time : g->knots ? fmax(FIRST_POINTS, fmin(FIRST_OF_KNOTS, of_time)) : FIRST_POINTS;
+		int counts[FIELD_DIMS], is_one = choose(f, g, counts, fmin(room, MOST_POINTS), c->most, from->found);
 
-		if (choose(f, counts, fmin(room, MOST_POINTS), c->most, from->found))
-			done = pass(c, f, x, counts);
-		else if (i == 0)
-			c->speed = 1e-5;
+		if (is_one && size_of(f, counts) > before)
+			done = pass(c, f, g, x, counts);
+		else if (!is_one && g->knots)
+			c->speed *= 0.3;
+		before = is_one ? size_of(f, counts) : 0;
+	}
+	return done;
+}
+
+/* One output after the other, each with its part of the time that is left. Returns 0 when memory runs out. */
+static int by_knots(struct curvature *c, const struct knots *k, const struct curvature_start *from, const struct effort *x)
+{
+	int n = k->f->output_count, done = 1;
+
+	for (int o = 0; o < n && done; o++) {
+		const struct group g = {k, o, o + 1};
+		struct effort own = *x;
+
+		own.deadline = seconds_now() + (x->deadline - seconds_now()) / (n - o);
+		done = passes(c, k->f, &g, from, &own) != 0;
 	}
 	return done;
 }
@@ -292,12 +329,19 @@ static int passes(struct curvature *c, const struct field *f, const struct curva
 int curvature_find(struct curvature *c, const struct field *f, const struct curvature_start *from, const struct effort *x, double seconds)
 {
 	size_t size = (size_t)f->output_count * (size_t)f->dim_count;
+	const struct group all = {NULL, 0, f->output_count};
 	struct effort own = *x;
+	struct knots knots;
+	int done;
 
 	own.deadline = fmin(x->deadline, seconds_now() + seconds);
 	*c = (struct curvature){.most = malloc((size + 1) * sizeof *c->most)};
 	if (!c->most)
 		return 0;
 	begin(c, f, from);
-	return passes(c, f, from, &own) != 0;
+	done = knots_make(&knots, f, &own, KNOTS_SHARE * seconds);
+	if (done)
+		done = done == 1 ? by_knots(c, &knots, from, &own) : passes(c, f, &all, from, &own) != 0;
+	knots_free(&knots);
+	return done;
 }

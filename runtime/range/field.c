@@ -6,12 +6,6 @@
 
 typedef double lanes __attribute__((vector_size(FIELD_VECTOR * sizeof(double))));
 
-#if defined __x86_64__ && defined __GNUC__ && !defined __clang__ && !defined __SANITIZE_ADDRESS__ && !defined __SANITIZE_THREAD__
-#define FIELD_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define FIELD_CLONES
-#endif
-
 /* ---- evaluating ---- */
 
 static void run_narrow(const struct field_step *s, double *v)

@@ -11,6 +11,13 @@
 
 enum { FIELD_DIMS = 64, FIELD_VECTOR = 8, FIELD_BALLS = RELAXED_BALLS };
 
+/* Before a function with vectors: it is compiled for several widths of them. */
+#if defined __x86_64__ && defined __GNUC__ && !defined __clang__ && !defined __SANITIZE_ADDRESS__ && !defined __SANITIZE_THREAD__
+#define FIELD_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define FIELD_CLONES
+#endif
+
 /* A row of q. */
 struct field_dim {
 	int row, is_angle, is_circle; /* is_circle: the range is every angle */

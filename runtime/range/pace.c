@@ -4,7 +4,7 @@
      that at q, d the degree. A place of n on a circle is within pi/n of q*: the largest is at most 1/cos(pi d/n) times that of places.
    - Interpolation along lines: g is at most h^2/2 |d2g/dq_l^2| above the larger neighbour, h half the distance of places. By
      Bernstein, |d2g/dq_l^2| <= d^2 |g|, and as well <= d^2 |d2f/dq_l^2|, which is small where q_l matters little. */
-#include "range/pace.h"
+#include "range/curvature.h"
 #include <math.h>
 
 int pace_least(const struct field_dim *k)
