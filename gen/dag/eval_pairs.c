@@ -8,6 +8,7 @@
 #include <string.h>
 
 #define U 0x1p-24
+#define OWN 0x1.1p-53 /* of this file's doubles */
 
 /* lo is at most `off` away. */
 struct pair {
@@ -74,13 +75,14 @@ static double rounding_of_crossed(const struct crossed *c, double before)
 }
 
 /* With a fused multiply-add: t = fl(a.hi b.lo + fl(a.lo b.hi)), hi = fl(a.hi b.hi + t), rest = fl(a.hi b.hi - hi), lo = fl(rest + t).
-   hi is the product rounded to a float. */
-static double product_by_fma(double product, const struct crossed *c, double hi)
+   hi is the product rounded to a float; what is left out of rest is known, with its sign. */
+static double product_by_fma(double product, const struct crossed *c, double hi, double *left_out)
 {
 	double rest = (double)(float)(product - hi);
 	double t = rounding_of_crossed(c, float_rounding(fmax(fabs(c->one), fabs(c->other)) + c->off));
 
-	return t + fabs(product - hi - rest) + float_rounding(fabs(rest + c->one + c->other) + c->off + t);
+	*left_out = product - hi - rest;
+	return t + float_rounding(fabs(rest + c->one + c->other) + c->off + t);
 }
 
 /* Without: p + p_low = a.hi b.hi, lo = fl(p_low + fl(fl(a.hi b.lo) + fl(a.lo b.hi))); the last step is exact. */
@@ -93,16 +95,18 @@ static double product_by_halves(double product, const struct crossed *c)
 }
 
 /* Either way leaves a.lo b.lo out: but for the rests' own errors that is known. */
-double pairs_product(struct known a, struct known b, struct known x, double *left_out)
+double pairs_product(enum pair_products by, struct known a, struct known b, struct known x, double *left_out)
 {
 	struct pair p, q, of;
 	struct crossed c;
+	double of_rest = 0, off;
 
 	if (!pair_of(a, &p) || !pair_of(b, &q) || !pair_of(x, &of))
 		return (double)INFINITY;
-	*left_out = p.lo * q.lo;
 	c = (struct crossed){p.hi * q.lo, p.lo * q.hi, fabs(p.hi) * q.off + fabs(q.hi) * p.off, has_rest(&p) && has_rest(&q)};
-	return fabs(p.lo) * q.off + fabs(q.lo) * p.off + p.off * q.off + DBL_EPSILON * fabs(*left_out) + fmax(product_by_fma(p.hi * q.hi, &c, of.hi), product_by_halves(p.hi * q.hi, &c));
+	off = by == PAIRS_BY_HALVES ? product_by_halves(p.hi * q.hi, &c) : product_by_fma(p.hi * q.hi, &c, of.hi, &of_rest);
+	*left_out = p.lo * q.lo + of_rest;
+	return off + fabs(p.lo) * q.off + fabs(q.lo) * p.off + p.off * q.off + DBL_EPSILON * (fabs(p.lo * q.lo) + fabs(of_rest));
 }
 
 /* ---- sine and cosine, step by step ---- */
@@ -121,7 +125,7 @@ static struct known multiply(const struct eval_model *m, struct known a, struct 
 	double left_out;
 
 	x.e += rounding_of_product(m, a, b, x, &left_out);
-	x.e += fabs(left_out);
+	x.x -= left_out; /* as the text has it */
 	return x;
 }
 
@@ -140,32 +144,35 @@ double pairs_head(double x)
 	return x;
 }
 
-/* What is left of the angle: a float that is not known exactly, and no larger than 2^-34. Where it is too little to change hi, lo is
-   rounded once. */
-static struct known add_last(struct known y, double by, double off)
+/* DWPlusFP, to the bit. */
+static struct pair add_float(struct pair y, float b)
 {
-	struct pair p;
-	double most = fabs(by) + off;
+	float a = (float)y.hi, s = a + b, of_b = s - a, low = (a - (s - of_b)) + (b - of_b), c = (float)y.lo + low, hi = s + c;
 
-	if (pair_of(y, &p) && most < U / 2 * rounding_place(p.hi))
-		y.e += float_rounding(fabs(p.lo) + p.off + most);
-	else
-		y.e += 2 * U * U * (fabs(y.x) + y.e + most);
-	y.x += by;
-	y.e += off + DBL_EPSILON * fabs(y.x);
-	return y;
+	return (struct pair){(double)hi, (double)(c - (hi - s)), 0};
 }
 
-/* x - k pi/2. k times each part of pi/2 but the last is a float, and x.hi - k C1 too. */
-static struct known reduce(const struct eval_model *m, double x, double k)
+/* Of what the last step adds it is open whether its product is rounded; that rarely matters. */
+static struct known add_last(struct pair y, float k, float rest)
 {
-	double whole = pairs_head(x) + pairs_head(x - pairs_head(x)), hi = (double)(float)whole, last = -k * 0x1.1a6264p-54, rest = x - whole;
-	struct known y = add(m, exactly(hi - k * 0x1.92p0), exactly(-k * 0x1.fb4p-12));
+	struct pair one = add_float(y, fmaf(-k, 0x1.1a6264p-54f, rest)), other;
+	volatile float product = -k * 0x1.1a6264p-54f;
+	double x = one.hi + one.lo;
 
-	y = add(m, y, exactly(whole - hi));
-	y = add(m, y, exactly(-k * 0x1.444p-24));
-	y = add(m, y, exactly(-k * 0x1.68cp-39));
-	return add_last(y, last + rest, 2.01 * U * (fabs(last) + fabs(rest)));
+	other = add_float(y, product + rest);
+	return (struct known){x, fabs(one.hi - x + one.lo) + fabs((one.hi - other.hi) + (one.lo - other.lo))};
+}
+
+/* x - k pi/2 as the text has it. k times each part of pi/2 but the last is a float, and x.hi - k C1 too. */
+static struct known reduce(double x, double k)
+{
+	double head = pairs_head(x), middle = pairs_head(x - head), hi = (double)(float)(head + middle);
+	struct pair y = add_float((struct pair){hi - k * 0x1.92p0, 0, 0}, (float)(-k * 0x1.fb4p-12));
+
+	y = add_float(y, (float)(head + middle - hi));
+	y = add_float(y, (float)(-k * 0x1.444p-24));
+	y = add_float(y, (float)(-k * 0x1.68cp-39));
+	return add_last(y, (float)k, (float)(x - head - middle));
 }
 
 /* The end of a polynomial that is computed in floats: with at most five roundings, that of a compiler that joins it to the sum among
@@ -199,7 +206,7 @@ static struct known cosine_of(const struct eval_model *m, struct known r)
 }
 
 /* Nothing is said where it is open which quarter the angle is taken for, nor of angles that take another way. */
-double pairs_turn(const struct eval_model *m, int is_sine, double angle, double value)
+double pairs_turn(const struct eval_model *m, int is_sine, double angle, double value, double *left_out)
 {
 	double turns = angle * 0x1.45f306dc9c883p-1, k = nearbyint(turns), quarter = k - 4 * floor(k / 4);
 	struct eval_model own = *m;
@@ -207,8 +214,9 @@ double pairs_turn(const struct eval_model *m, int is_sine, double angle, double 
 
 	if (!(fabs(angle) <= 9999) || fabs(turns - k) > 0.499)
 		return (double)INFINITY;
-	own.own = DBL_EPSILON;
-	y = reduce(&own, angle, k);
+	own.own = OWN;
+	y = reduce(angle, k);
 	y = (quarter == 1 || quarter == 3) == is_sine ? cosine_of(&own, y) : sine_of(&own, y);
-	return fabs(fabs(y.x) - fabs(value)) + y.e + DBL_EPSILON * fabs(value);
+	*left_out = value - (quarter >= 2 - !is_sine && quarter <= 2 + is_sine ? -y.x : y.x);
+	return y.e + OWN * fabs(value) + DBL_EPSILON * fabs(*left_out);
 }

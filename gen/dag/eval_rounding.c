@@ -58,7 +58,7 @@ double rounding_of_product(const struct eval_model *m, struct known a, struct kn
 		return m->own * most_of(x) + m->tiny;
 	if (!is_of_pairs(m))
 		return rounding_of_result(m, m->mul, x);
-	close = pairs_product(a, b, x, left_out);
+	close = pairs_product(m->products, a, b, x, left_out);
 	if (!(close + fabs(*left_out) < m->mul * most_of(x))) {
 		*left_out = 0;
 		close = m->mul * most_of(x);
@@ -66,17 +66,26 @@ double rounding_of_product(const struct eval_model *m, struct known a, struct kn
 	return close + m->own * most_of(x) + m->tiny;
 }
 
-double rounding_of_input(const struct eval_model *m, double x)
+double rounding_of_input(const struct eval_model *m, double x, double *left_out)
 {
-	return m->input > 0 ? fabs(x - pairs_head(x) - (double)(float)(x - pairs_head(x))) + m->tiny : 0;
+	*left_out = m->input > 0 ? x - pairs_head(x) - (double)(float)(x - pairs_head(x)) : 0;
+	return m->input > 0 ? m->tiny : 0;
 }
 
-double rounding_of_turn(const struct eval_model *m, int is_sine, struct known angle, double value)
+double rounding_of_turn(const struct eval_model *m, int is_sine, struct known angle, double value, double *left_out)
 {
-	double error;
+	double error, close;
+
+	*left_out = 0;
 
 	if (!(fabs(angle.x) + angle.e <= m->angle))
 		return (double)INFINITY;
 	error = rounding_of_result(m, m->sincos, (struct known){value, angle.e}) + (is_sine ? m->sine : m->cosine);
-	return is_of_pairs(m) && angle.e == 0 ? fmin(error, pairs_turn(m, is_sine, angle.x, value)) : error;
+	if (!is_of_pairs(m) || angle.e > 0)
+		return error;
+	close = pairs_turn(m, is_sine, angle.x, value, left_out);
+	if (close + fabs(*left_out) < error)
+		return close;
+	*left_out = 0;
+	return error;
 }
