@@ -50,27 +50,6 @@ static struct spread spread_of_angle(const struct survey *v, size_t i, const str
 	return (struct spread){fabs(v->values[i]), inherited + local + fabs(left_out), local, 0, left_out};
 }
 
-/* |a/b - a'/b'| <= (e_a + |a/b| e_b) / (|b| - e_b) */
-static double error_of_quotient(double value, double b, double of_a, double of_b)
-{
-	return fabs(b) > of_b ? (of_a + fabs(value) * of_b) / (fabs(b) - of_b) : (double)INFINITY;
-}
-
-/* What that leaves of (e_a + |a/b| e_b) / |b|, which is linear in the errors. */
-static double rest_of_quotient(double value, double b, double of_a, double of_b)
-{
-	return of_b > 0 ? error_of_quotient(value, b, of_a, of_b) * of_b / fabs(b) : 0;
-}
-
-/* The same of |sqrt(a) - sqrt(a')| beside e_a / (2 sqrt(a)): e_a^2 / (2 sqrt(a) (sqrt(a) + sqrt(a - e_a))^2). The text's a' may
-   have no root. */
-static double rest_of_root(double value, double a, double of_a)
-{
-	double both = of_a <= a ? value + sqrt(a - of_a) : 0;
-
-	return of_a > 0 ? of_a * of_a / (2 * value * both * both) : 0;
-}
-
 /* Of the type that a node is of. */
 static const struct eval_model *model_of(const struct node *n, const struct eval_model *m)
 {

@@ -89,3 +89,24 @@ double rounding_of_turn(const struct eval_model *m, int is_sine, struct known an
 	*left_out = 0;
 	return error;
 }
+
+/* |a/b - a'/b'| <= (e_a + |a/b| e_b) / (|b| - e_b) */
+static double error_of_quotient(double value, double b, double of_a, double of_b)
+{
+	return fabs(b) > of_b ? (of_a + fabs(value) * of_b) / (fabs(b) - of_b) : (double)INFINITY;
+}
+
+/* What that leaves of (e_a + |a/b| e_b) / |b|, which is linear in the errors. */
+double rest_of_quotient(double value, double b, double of_a, double of_b)
+{
+	return of_b > 0 ? error_of_quotient(value, b, of_a, of_b) * of_b / fabs(b) : 0;
+}
+
+/* The same of |sqrt(a) - sqrt(a')| beside e_a / (2 sqrt(a)): e_a^2 / (2 sqrt(a) (sqrt(a) + sqrt(a - e_a))^2). The text's a' may
+   have no root. */
+double rest_of_root(double value, double a, double of_a)
+{
+	double both = of_a <= a ? value + sqrt(a - of_a) : 0;
+
+	return of_a > 0 ? of_a * of_a / (2 * value * both * both) : 0;
+}

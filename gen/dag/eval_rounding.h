@@ -25,6 +25,10 @@ double rounding_of_input(const struct eval_model *m, double x, double *left_out)
 /* The sine or cosine of an angle that is `inherited` off, beside that. Nothing is known of angles beyond the model's domain. */
 double rounding_of_turn(const struct eval_model *m, int is_sine, struct known angle, double value, double *left_out);
 
+/* What the error of a quotient by b, and of the root of a, is beside its part that is linear in the operands' errors. */
+double rest_of_quotient(double value, double b, double of_a, double of_b);
+double rest_of_root(double value, double a, double of_a);
+
 /* The power of two at or below |x|; 0 of what is below the normal doubles. */
 double rounding_place(double x);
 
