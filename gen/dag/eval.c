@@ -360,7 +360,8 @@ static void forget_bounds(const struct dag *d, double *const *bound)
 }
 
 /* As if all products of pairs were made one way. */
-static int bound_by_products(const struct dag *d, const struct eval_model *m, enum pair_products by, const double *const *in, double *const *bound)
+static int bound_by_products(
+	const struct dag *d, const struct eval_model *m, enum pair_products by, const double *const *in, double *const *bound)
 {
 	struct eval_model own = *m, wide = m->wide ? *m->wide : *m;
 
