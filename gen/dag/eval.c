@@ -15,6 +15,11 @@ struct spread {
 	double left_out;    /* what its value is less beside that, which is known */
 };
 
+/* How far what a text reads is from what was meant: it has left_out less, and is at most `off` beside that. */
+struct given {
+	double off, left_out;
+};
+
 /* A DAG's values and what is known of them so far. */
 struct survey {
 	const struct dag *d;
@@ -38,32 +43,11 @@ static int is_read(const struct survey *v, const struct node *n)
 static struct spread spread_of_angle(const struct survey *v, size_t i, const struct eval_model *m)
 {
 	const struct node *n = &v->d->nodes[i];
-	double angle = v->values[operand(n, 0)], inherited = is_read(v, n) ? 0 : v->spread[operand(n, 0)].bound;
+	double angle = v->values[operand(n, 0)], inherited = is_read(v, n) ? 0 : v->spread[operand(n, 0)].bound, left_out;
 	double local = m->input > 0 && !is_read(v, n) ? m->store * (fabs(angle) + inherited) : 0, error = inherited + local;
 
-	local += error * error / 2 + rounding_of_turn(m, n->op == OP_SIN, (struct known){angle, error}, v->values[i]);
-	return (struct spread){fabs(v->values[i]), inherited + local, local, 0, 0};
-}
-
-/* |a/b - a'/b'| <= (e_a + |a/b| e_b) / (|b| - e_b) */
-static double error_of_quotient(double value, double b, double of_a, double of_b)
-{
-	return fabs(b) > of_b ? (of_a + fabs(value) * of_b) / (fabs(b) - of_b) : (double)INFINITY;
-}
-
-/* What that leaves of (e_a + |a/b| e_b) / |b|, which is linear in the errors. */
-static double rest_of_quotient(double value, double b, double of_a, double of_b)
-{
-	return of_b > 0 ? error_of_quotient(value, b, of_a, of_b) * of_b / fabs(b) : 0;
-}
-
-/* The same of |sqrt(a) - sqrt(a')| beside e_a / (2 sqrt(a)): e_a^2 / (2 sqrt(a) (sqrt(a) + sqrt(a - e_a))^2). The text's a' may
-   have no root. */
-static double rest_of_root(double value, double a, double of_a)
-{
-	double both = of_a <= a ? value + sqrt(a - of_a) : 0;
-
-	return of_a > 0 ? of_a * of_a / (2 * value * both * both) : 0;
+	local += error * error / 2 + rounding_of_turn(m, n->op == OP_SIN, (struct known){angle, error}, v->values[i], &left_out);
+	return (struct spread){fabs(v->values[i]), inherited + local + fabs(left_out), local, 0, left_out};
 }
 
 /* Of the type that a node is of. */
@@ -86,7 +70,7 @@ static double local_of_joined(const struct eval_model *m, struct known a, struct
 
 /* Magnitudes and error of a node from those of its operands x, y, z, whose values are a, b, c:
    |fl(a+b) - (a'+b')| <= e_a + e_b + its rounding,  |fl(ab) - a'b'| <= |a| e_b + |b| e_a + e_a e_b + its rounding (eval_rounding.h). */
-static struct spread spread_of(const struct survey *v, size_t i, double given_error, const struct eval_model *m)
+static struct spread spread_of(const struct survey *v, size_t i, struct given given, const struct eval_model *m)
 {
 	const struct node *n = &v->d->nodes[i];
 	const struct spread *x = &v->spread[operand(n, 0)], *y = &v->spread[operand(n, 1)], *z = &v->spread[operand(n, 2)];
@@ -96,7 +80,7 @@ static struct spread spread_of(const struct survey *v, size_t i, double given_er
 	switch (n->op) {
 	case OP_CONST:
 	case OP_INPUT:
-		return (struct spread){fabs(value), given_error, given_error, 1, 0};
+		return (struct spread){fabs(value), given.off + fabs(given.left_out), given.off, 1, given.left_out};
 	case OP_NEG:
 	case OP_ABS:
 	case OP_ANEW:
@@ -142,7 +126,7 @@ static double bound_closed(double bound)
    errors count to the node that multiplies them: unlike the running bound this sees what cancels on different ways. */
 static double swept_bound(const struct survey *x, size_t root)
 {
-	double sum = 0, left_out = 0, by[3];
+	double sum = 0, left_out = 0, all = 0, by[3];
 
 	memset(x->slope, 0, (root + 1) * sizeof *x->slope);
 	x->slope[root] = 1;
@@ -153,11 +137,12 @@ static double swept_bound(const struct survey *x, size_t root)
 			continue;
 		sum += fabs(x->slope[i]) * x->spread[i].local;
 		left_out += x->slope[i] * x->spread[i].left_out;
+		all += fabs(x->slope[i] * x->spread[i].left_out);
 		eval_partials(n, x->values, by);
 		for (int k = 0; k < op_arity[n->op] && !is_read(x, n); k++)
 			x->slope[n->arg[k].i] += x->slope[i] * by[k];
 	}
-	return bound_closed((sum + fabs(left_out)) * (1 + 1e-6));
+	return bound_closed((sum + fabs(left_out)) * (1 + 1e-6) + 1e-9 * all);
 }
 
 /* The lesser of the running bound, which grows without need along a chain, and the swept one, which takes time. */
@@ -192,7 +177,7 @@ static double rest_of(const struct survey *x, const struct node *n, double value
 }
 
 /* Where that is more than the rounding of the node, closer bounds of the operands pay. */
-static void survey_node(const struct survey *x, size_t i, double given_error, const struct eval_model *m)
+static void survey_node(const struct survey *x, size_t i, struct given given, const struct eval_model *m)
 {
 	const struct node *n = &x->d->nodes[i];
 	size_t a = operand(n, 0), b = operand(n, op_arity[n->op] > 1);
@@ -202,7 +187,7 @@ static void survey_node(const struct survey *x, size_t i, double given_error, co
 		sweep(x, a);
 		sweep(x, b);
 	}
-	x->spread[i] = spread_of(x, i, given_error, m);
+	x->spread[i] = spread_of(x, i, given, m);
 	x->spread[i].bound = bound_closed(x->spread[i].bound);
 	if (!(fabs(value) + x->spread[i].bound <= m->largest))
 		sweep(x, i);
@@ -244,13 +229,13 @@ static void survey_free(struct survey *x)
 }
 
 /* What rounding takes from a constant, and how far that is from what the file's decimals give. */
-static double constant_error(const struct dag *d, const struct node *n, real rounded, double tiny)
+static struct given constant_error(const struct dag *d, const struct node *n, real rounded, double tiny)
 {
 	double error = within_error(dag_number(d, n));
 
 	if (n->op != OP_CONST || (rounded == n->value && error == 0))
-		return 0;
-	return (double)fabsl(rounded - n->value) * (1 + DBL_EPSILON) + error + 2 * tiny;
+		return (struct given){0, 0};
+	return (struct given){(double)fabsl(rounded - n->value) * (1 + DBL_EPSILON) + error + 2 * tiny, 0};
 }
 
 #define T double
@@ -308,13 +293,15 @@ static double stored_bound(const struct eval_model *m, double value, double boun
 	return m->store > 0 ? bound_closed(bound + rounding_of_result(m, m->store, (struct known){value, bound}) + m->store_tiny) : bound;
 }
 
+/* No less than they are already. */
 static void put_bounds(const struct survey *x, const struct eval_model *m, double *const *bound)
 {
 	for (size_t i = 0; i < x->d->output_count; i++) {
 		const struct output *o = &x->d->outputs[i];
 
 		sweep(x, o->value.i);
-		bound[o->argument][o->row] = stored_bound(m, x->values[o->value.i], x->spread[o->value.i].bound);
+		bound[o->argument][o->row] =
+			fmax(bound[o->argument][o->row], stored_bound(m, x->values[o->value.i], x->spread[o->value.i].bound));
 	}
 }
 
@@ -333,14 +320,18 @@ static void evaluate_node(const struct dag *d, size_t i, const double *const *in
 }
 
 /* How far what the text reads is from what was meant: constants and, where arithmetic has fewer bits than memory, inputs. */
-static double given_error(const struct dag *d, const struct node *n, double value, const struct eval_model *m)
+static struct given given_error(const struct dag *d, const struct node *n, double value, const struct eval_model *m)
 {
+	struct given given = {0, 0};
+
 	if (n->op == OP_CONST)
 		return constant_error(d, n, m->constant(n->value), m->tiny);
-	return n->op == OP_INPUT ? rounding_of_input(m, value) : 0;
+	if (n->op == OP_INPUT)
+		given.off = rounding_of_input(m, value, &given.left_out);
+	return given;
 }
 
-int eval_bound(const struct dag *d, const struct eval_model *m, const double *const *in, double *const *bound)
+static int bound_by(const struct dag *d, const struct eval_model *m, const double *const *in, double *const *bound)
 {
 	struct eval_model both = with_own(m), wide = with_own(m->wide ? m->wide : m);
 	struct survey x = survey_new(d);
@@ -360,6 +351,33 @@ int eval_bound(const struct dag *d, const struct eval_model *m, const double *co
 	survey_free(&x);
 	free(v);
 	return done;
+}
+
+static void forget_bounds(const struct dag *d, double *const *bound)
+{
+	for (size_t i = 0; i < d->output_count; i++)
+		bound[d->outputs[i].argument][d->outputs[i].row] = 0;
+}
+
+/* As if all products of pairs were made one way. */
+static int bound_by_products(
+	const struct dag *d, const struct eval_model *m, enum pair_products by, const double *const *in, double *const *bound)
+{
+	struct eval_model own = *m, wide = m->wide ? *m->wide : *m;
+
+	own.products = wide.products = by;
+	own.wide = m->wide ? &wide : NULL;
+	return bound_by(d, &own, in, bound);
+}
+
+int eval_bound(const struct dag *d, const struct eval_model *m, const double *const *in, double *const *bound)
+{
+	const struct eval_model *pairs = m->wide ? m->wide : m;
+
+	forget_bounds(d, bound);
+	if (pairs->terms > 0 && pairs->products == PAIRS_EITHER)
+		return bound_by_products(d, m, PAIRS_FUSED, in, bound) && bound_by_products(d, m, PAIRS_BY_HALVES, in, bound);
+	return bound_by(d, m, in, bound);
 }
 
 #if defined __SIZEOF_FLOAT128__ && defined RNEAGEN_QUAD

@@ -4,10 +4,14 @@
 
 #include "base/within.h"
 
+/* How products of pairs of floats are made: with a fused multiply-add, by halves of the factors, or either way in all of a text. */
+enum pair_products { PAIRS_EITHER, PAIRS_FUSED, PAIRS_BY_HALVES };
+
 struct eval_model {
 	double add, mul;	     /* a sum x is off by at most add |x| + tiny, a product or a root by mul |x| + tiny */
 	double quotient;     /* a quotient by quotient |x| + tiny */
-	double terms;		     /* a sum of a and b by terms (|a| + |b|) more */
+	double terms;		     /* a sum of a and b by terms (|a| + |b|) more: numbers are pairs of floats */
+	enum pair_products products;
 	double tiny;
 	double input;		     /* an input x is off by at most input |x| + tiny where the text rounds it, else 0; not
 					where it is an angle of sine and cosine */

@@ -58,7 +58,7 @@ double rounding_of_product(const struct eval_model *m, struct known a, struct kn
 		return m->own * most_of(x) + m->tiny;
 	if (!is_of_pairs(m))
 		return rounding_of_result(m, m->mul, x);
-	close = pairs_product(a, b, x, left_out);
+	close = pairs_product(m->products, a, b, x, left_out);
 	if (!(close + fabs(*left_out) < m->mul * most_of(x))) {
 		*left_out = 0;
 		close = m->mul * most_of(x);
@@ -66,17 +66,47 @@ double rounding_of_product(const struct eval_model *m, struct known a, struct kn
 	return close + m->own * most_of(x) + m->tiny;
 }
 
-double rounding_of_input(const struct eval_model *m, double x)
+double rounding_of_input(const struct eval_model *m, double x, double *left_out)
 {
-	return m->input > 0 ? fabs(x - pairs_head(x) - (double)(float)(x - pairs_head(x))) + m->tiny : 0;
+	*left_out = m->input > 0 ? x - pairs_head(x) - (double)(float)(x - pairs_head(x)) : 0;
+	return m->input > 0 ? m->tiny : 0;
 }
 
-double rounding_of_turn(const struct eval_model *m, int is_sine, struct known angle, double value)
+double rounding_of_turn(const struct eval_model *m, int is_sine, struct known angle, double value, double *left_out)
 {
-	double error;
+	double error, close;
+
+	*left_out = 0;
 
 	if (!(fabs(angle.x) + angle.e <= m->angle))
 		return (double)INFINITY;
 	error = rounding_of_result(m, m->sincos, (struct known){value, angle.e}) + (is_sine ? m->sine : m->cosine);
-	return is_of_pairs(m) && angle.e == 0 ? fmin(error, pairs_turn(m, is_sine, angle.x, value)) : error;
+	if (!is_of_pairs(m) || angle.e > 0)
+		return error;
+	close = pairs_turn(m, is_sine, angle.x, value, left_out);
+	if (close + fabs(*left_out) < error)
+		return close;
+	*left_out = 0;
+	return error;
+}
+
+/* |a/b - a'/b'| <= (e_a + |a/b| e_b) / (|b| - e_b) */
+static double error_of_quotient(double value, double b, double of_a, double of_b)
+{
+	return fabs(b) > of_b ? (of_a + fabs(value) * of_b) / (fabs(b) - of_b) : (double)INFINITY;
+}
+
+/* What that leaves of (e_a + |a/b| e_b) / |b|, which is linear in the errors. */
+double rest_of_quotient(double value, double b, double of_a, double of_b)
+{
+	return of_b > 0 ? error_of_quotient(value, b, of_a, of_b) * of_b / fabs(b) : 0;
+}
+
+/* The same of |sqrt(a) - sqrt(a')| beside e_a / (2 sqrt(a)): e_a^2 / (2 sqrt(a) (sqrt(a) + sqrt(a - e_a))^2). The text's a' may
+   have no root. */
+double rest_of_root(double value, double a, double of_a)
+{
+	double both = of_a <= a ? value + sqrt(a - of_a) : 0;
+
+	return of_a > 0 ? of_a * of_a / (2 * value * both * both) : 0;
 }

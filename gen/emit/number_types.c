@@ -87,6 +87,7 @@ struct eval_model eval_model_of(const struct rneagen_options *o, int on_gpu)
 	struct eval_model m = n->model;
 
 	m.fused = n->fuses && (on_gpu || o->strict);
+	m.products = on_gpu ? PAIRS_FUSED : PAIRS_EITHER;
 	m.angle = emit_trig_of(o) == RNEAGEN_ACCURATE ? (double)INFINITY : n->arithmetic->domain;
 	if (n->frames->fast && on_gpu && o->trig == RNEAGEN_FAST)
 		set_fast(&m, n);

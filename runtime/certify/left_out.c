@@ -44,25 +44,33 @@ static const char *why_input(const struct analysis *x, const struct node *n)
 	return j && j->type == JOINT_FLOATING ? "it reads the position of a floating base or joint" : NULL;
 }
 
+/* Its range stands for every angle, so what is made of it beside sine and cosine has none. */
+static const char *why_operand(const struct analysis *x, const struct node *n)
+{
+	for (int k = 0; k < op_arity[n->op]; k++) {
+		const struct node *q = position_of(&x->dag, n->arg[k].i);
+
+		if (q && is_turn(&x->tree, (int)q->arg[1].i))
+			return "it reads a length or an angle that follows a continuous joint, or has its freed offset";
+	}
+	return NULL;
+}
+
 static const char *why_node(const struct analysis *x, uint32_t i)
 {
 	const struct node *n = &x->dag.nodes[i];
-	const struct node *q;
 
 	switch (n->op) {
 	case OP_INPUT:
 		return why_input(x, n);
 	case OP_SIN:
 	case OP_COS:
-		return position_of(&x->dag, n->arg[0].i) ? NULL : "it reads an angle that follows another, or that has a freed offset";
+		return NULL;
 	case OP_SQRT:
 	case OP_DIV:
 		return "it has a quotient or a root, as friction has";
 	default:
-		for (int k = 0; k < op_arity[n->op]; k++)
-			if ((q = position_of(&x->dag, n->arg[k].i)) && is_turn(&x->tree, (int)q->arg[1].i))
-				return "it reads a length that follows an angle";
-		return NULL;
+		return why_operand(x, n);
 	}
 }
 

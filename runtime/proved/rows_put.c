@@ -25,10 +25,10 @@ static const char *joint_of(const struct proved *x, const struct output *o, doub
 	enum role role = x->a->dag.arguments[o->argument].role;
 
 	*effort = 0;
-	for (int i = 0; i < t->joint_count && role != ROLE_MASS_MATRIX; i++) {
+	for (int i = 0; i < t->joint_count && role_rows(role) == ROWS_NV; i++) {
 		const struct joint *j = tree_joint_of(t->source, t, i);
 
-		if (o->row != t->joints[i].iv)
+		if (o->row < t->joints[i].iv || o->row >= t->joints[i].iv + t->joints[i].nv)
 			continue;
 		if (j && j->has_rates && j->effort > 0)
 			*effort = j->effort;

@@ -53,6 +53,28 @@ static struct own own_sum(struct errors *x, uint32_t i, const struct eval_model 
 	return (struct own){inherited, rest + m->add * (inherited + x->product[i] + rest) + m->tiny};
 }
 
+/* How far the angle is off that a sine or cosine reads: an input is read as it is; what was computed by pairs is read as a double. */
+static double off_angle(const struct errors *x, uint32_t i, const struct eval_model *m)
+{
+	struct ref angle = x->d->nodes[i].arg[0];
+
+	if (x->d->nodes[angle.i].op == OP_INPUT)
+		return 0;
+	return (x->off[angle.i] + (m->input > 0 ? m->store * (value_size(x, angle) + x->off[angle.i]) : 0)) * MADE;
+}
+
+/* The point (cos, sin) is moved by at most as much as the angle. */
+static struct own own_wave(struct errors *x, uint32_t i, const struct eval_model *m)
+{
+	const struct node *n = &x->d->nodes[i];
+	double off = off_angle(x, i, m);
+
+	x->sum[i] = rounding(m, m->sincos, value_size(x, (struct ref){i}), off) + off;
+	if (!(value_size(x, n->arg[0]) + off <= m->angle))
+		return (struct own){0, (double)INFINITY};
+	return (struct own){0, m->sincos * off + m->tiny + (n->op == OP_SIN ? m->sine : m->cosine)};
+}
+
 static struct own own_of(struct errors *x, uint32_t i, const struct eval_model *m)
 {
 	const struct node *n = &x->d->nodes[i];
@@ -84,10 +106,7 @@ static struct own own_of(struct errors *x, uint32_t i, const struct eval_model *
 			both + (m->fused ? 0 : m->mul * (product + both) + m->tiny));
 	case OP_SIN:
 	case OP_COS:
-		x->sum[i] = rounding(m, m->sincos, value_size(x, (struct ref){i}), 0);
-		if (x->d->nodes[n->arg[0].i].op != OP_INPUT) /* what is computed has an error of its own */
-			return (struct own){0, (double)INFINITY};
-		return (struct own){0, size[0] <= m->angle ? m->tiny + (n->op == OP_SIN ? m->sine : m->cosine) : (double)INFINITY};
+		return own_wave(x, i, m);
 	default:
 		return (struct own){0, (double)INFINITY};
 	}
@@ -104,7 +123,7 @@ static double saved(const struct errors *x, const struct twins *t, const struct 
 	const double *of = t->factor ? x->product : x->sum;
 	double apart = slope_size(x, t->one) * of[t->one] + slope_size(x, t->other) * of[t->other];
 	double values = t->factor ? span_size(x->lengths.value[t->factor]) : t->values ? x->lengths.norm[t->values - 1] : 1;
-	double unit = t->factor ? m->mul : t->values ? m->add : m->sincos;
+	double unit = t->factor ? m->mul : t->values ? m->add : m->sincos + off_angle(x, t->one, m);
 	double together = unit * values * x->lengths.norm[t->slopes - 1] * MADE;
 
 	if (t->factor && !(of[t->one] > 0 && of[t->other] > 0))

@@ -57,7 +57,7 @@ static const struct part {
 	{"product of pairs", "* x y", OPTIONS(F32X2, ACCURATE, 0), DRAW_PAIRS, 0.85},
 	{"pairs of many operations", "+ * x + x y - * 0.1 y * z + z w", OPTIONS(F32X2, ACCURATE, 0), DRAW_PAIRS, 0.7},
 	{"pairs that cancel", "- * x x * + x * 0.1 y - x * 0.1 y", OPTIONS(F32X2, ACCURATE, 0), DRAW_PAIRS, 0.55},
-	{"sine by pairs", "s x", OPTIONS(F32X2, ACCURATE, 0), DRAW_FAR, 0.55},
+	{"sine by pairs", "s x", OPTIONS(F32X2, ACCURATE, 0), DRAW_FAR, 0.9},
 };
 enum { PART_COUNT = sizeof PARTS / sizeof *PARTS };
 

@@ -56,18 +56,29 @@ static __float128 by_pairs(const struct f32x2 *f, const struct node *n, const __
 	return (__float128)out[0] + (__float128)out[1];
 }
 
+/* Its sine reads all of an angle that is an input. */
+static __float128 turn_by_pairs(const struct f32x2 *f, const struct dag *d, const struct node *n, const double *const *in, __float128 angle)
+{
+	const struct node *of = &d->nodes[n->arg[0].i];
+	float sine[2], cosine[2];
+	const float *x = n->op == OP_SIN ? sine : cosine;
+
+	f->sincos(of->op == OP_INPUT ? in[of->arg[0].i][of->arg[1].i] : (double)angle, sine, cosine);
+	return (__float128)x[0] + (__float128)x[1];
+}
+
 static int is_of_pairs(const struct eval_model *m, enum op op)
 {
 	return m->terms > 0 && (op == OP_ADD || op == OP_SUB || op == OP_MUL || op == OP_FMA);
 }
 
-static __float128 worst_node(
-	const struct dag *d, const struct node *n, const struct eval_model *m, struct rng *rng, const double *const *in, const __float128 *v)
+static __float128 worst_node(const struct dag *d, const struct node *n, const struct eval_model *m, const struct f32x2 *pairs,
+	struct rng *rng, const double *const *in, const __float128 *v)
 {
 	__float128 a = op_arity[n->op] > 0 ? v[n->arg[0].i] : 0, b = op_arity[n->op] > 1 ? v[n->arg[1].i] : 0;
 
 	if (is_of_pairs(m, n->op))
-		return by_pairs(rng_chance(rng, 0.5) ? &f32x2_fma : &f32x2_plain, n, v);
+		return by_pairs(pairs, n, v);
 	switch (n->op) {
 	case OP_CONST:
 		return (__float128)m->constant(n->value);
@@ -91,20 +102,21 @@ static __float128 worst_node(
 	case OP_ABS:
 		return fabsq(a);
 	case OP_SIN:
-		return m->terms > 0 ? pair(sinq(a)) : off(rng, sinq(a), m->sincos, m->sine);
+		return m->terms > 0 ? turn_by_pairs(pairs, d, n, in, a) : off(rng, sinq(a), m->sincos, m->sine);
 	default:
-		return m->terms > 0 ? pair(cosq(a)) : off(rng, cosq(a), m->sincos, m->cosine);
+		return m->terms > 0 ? turn_by_pairs(pairs, d, n, in, a) : off(rng, cosq(a), m->sincos, m->cosine);
 	}
 }
 
 void worst_evaluate(const struct dag *d, const struct eval_model *m, struct rng *rng, const double *const *in, double *const *out)
 {
 	__float128 *v = calloc(d->count, sizeof *v);
+	const struct f32x2 *pairs = m->terms > 0 && rng_chance(rng, 0.5) ? &f32x2_fma : &f32x2_plain; /* of one machine */
 
 	if (!v)
 		abort();
 	for (size_t i = 0; i < d->count; i++)
-		v[i] = worst_node(d, &d->nodes[i], m, rng, in, v);
+		v[i] = worst_node(d, &d->nodes[i], m, pairs, rng, in, v);
 	for (size_t i = 0; i < d->output_count; i++) {
 		const struct output *o = &d->outputs[i];
 
