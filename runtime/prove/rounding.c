@@ -55,8 +55,11 @@ static double gain_of(const struct hunt *h, const struct twins *t, double unit, 
 	const struct view *v = h->now;
 	double each = slope_at(h, t->one) * of[t->one] + slope_at(h, t->other) * of[t->other];
 	double values = t->x ? v->values.size[t->x] : t->values ? norms_of_pair(&v->norms, &v->values, t->values) : 1;
+	double slopes = norms_of_pair(&v->norms, &v->values, t->slopes);
 
-	return fmax(0, each - unit * values * norms_of_pair(&v->norms, &v->values, t->slopes) * (1 + 0x1p-48)) * (1 - 0x1p-30);
+	if (t->shares.count)
+		slopes = fmin(slopes, shares_length(&t->shares, &v->norms, &v->values));
+	return fmax(0, each - unit * values * slopes * (1 + 0x1p-48)) * (1 - 0x1p-30);
 }
 
 static double gains_of(const struct hunt *h, const struct eval_model *m)

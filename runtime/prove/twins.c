@@ -43,7 +43,7 @@ static int sum_of(const struct twins_of *h, uint32_t i, struct trig_term *a, str
 
 static void add_product(const struct twins_of *h, struct view *v, uint32_t i, uint32_t k, struct ref x)
 {
-	struct twins t = {i, k, 0, norms_pair(&v->norms, h->x->slope[i].i, h->x->slope[k].i), x.i};
+	struct twins t = {i, k, 0, norms_pair(&v->norms, h->x->slope[i].i, h->x->slope[k].i), x.i, {0}};
 
 	if (t.slopes)
 		v->products[v->product_count++] = t;
@@ -52,7 +52,7 @@ static void add_product(const struct twins_of *h, struct view *v, uint32_t i, ui
 static void add_sum(const struct twins_of *h, struct view *v, uint32_t i, uint32_t k)
 {
 	struct twins t = {i, k, norms_pair(&v->norms, h->x->value[i].i, h->x->value[k].i),
-		norms_pair(&v->norms, h->x->slope[i].i, h->x->slope[k].i), 0};
+		norms_pair(&v->norms, h->x->slope[i].i, h->x->slope[k].i), 0, {0}};
 
 	if (t.slopes && t.values)
 		v->sums[v->sum_count++] = t;
@@ -60,9 +60,9 @@ static void add_sum(const struct twins_of *h, struct view *v, uint32_t i, uint32
 
 static void add_angle(const struct twins_of *h, struct view *v, uint32_t i, uint32_t k)
 {
-	struct twins t = {i, k, 0, norms_pair(&v->norms, h->x->slope[i].i, h->x->slope[k].i), 0};
+	struct twins t = {i, k, 0, norms_pair(&v->norms, h->x->slope[i].i, h->x->slope[k].i), 0, {0}};
 
-	if (t.slopes)
+	if (t.slopes && shares_find(&t.shares, &v->norms, h->d, h->x, k, i, h->arena))
 		v->angles[v->angle_count++] = t;
 }
 
