@@ -1,9 +1,10 @@
 /* A text computes v + delta where v is exact. For a product of a and b,
      delta = a delta_b + b delta_a + (delta_a delta_b + its own rounding),
-   and so for each operation: what is linear in the operands' errors, and a rest. So the output's error is exactly the sum over all
-   operations of (the output's derivative by the operation) times (the rest there), as in FPTaylor (Solovyev et al., Rigorous estimation
-   of floating-point round-off errors with symbolic Taylor expansions, TOPLAS 41, 2018). Magnitudes of both are bounded over boxes of q
-   (norms.h), for all drives and rates at once; the box with the largest bound is split until the time is over. */
+   and so for each operation: what is linear in the operands' errors, and a rest. So the output's error is exactly the
+   sum over all operations of (the output's derivative by the operation) times (the rest there), as in FPTaylor
+   (Solovyev et al., Rigorous estimation of floating-point round-off errors with symbolic Taylor expansions, TOPLAS 41,
+   2018). Magnitudes of both are bounded over boxes of q (norms.h), for all drives and rates at once; the box with the
+   largest bound is split until the time is over. */
 #define _POSIX_C_SOURCE 200809L
 #include "prove/rounding.h"
 #include "prove/gap.h"
@@ -13,7 +14,6 @@
 #include "prove/rules.h"
 #include "prove/twins.h"
 #include "range/split.h"
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -145,7 +145,9 @@ static void examine(void *context, struct leaf *leaf)
 		h->now = &h->views[k];
 		norms_evaluate(&h->views[k].norms, (const struct interval *const *)h->rows, &h->views[k].values);
 		value = norms_range(&h->views[k].norms, &h->views[k].values, h->x.root.i);
-		leaf->value = k ? (struct interval){fmax(value.lower, leaf->value.lower), fmin(value.upper, leaf->value.upper)} : value;
+		leaf->value = k ? (struct interval){fmax(value.lower, leaf->value.lower),
+					  fmin(value.upper, leaf->value.upper)}
+				: value;
 		for (int i = 0; i < h->count; i++)
 			leaf->sizes[i] = k ? fmin(leaf->sizes[i], error_of(h, i)) : error_of(h, i);
 	}
@@ -195,7 +197,7 @@ static int rules_make(struct hunt *h)
 	return 1;
 }
 
-static struct box box_of(const struct relaxed *r)
+struct box relaxed_box(const struct relaxed *r)
 {
 	struct box b;
 
@@ -216,7 +218,7 @@ static int leaves_make(struct hunt *h, const struct job *j)
 
 static int hunt_make(struct hunt *h, const struct job *j, size_t output)
 {
-	const struct box box = box_of(j->r);
+	const struct box box = relaxed_box(j->r);
 
 	*h = (struct hunt){.d = &j->r->view.dag, .models = j->models, .count = j->count, .relaxed = j->r, .coarse = &j->coarse};
 	arena_init(&h->arena, NULL);
@@ -226,8 +228,8 @@ static int hunt_make(struct hunt *h, const struct job *j, size_t output)
 	for (int k = 0; k < VIEWS; k++) {
 		struct view *v = &h->views[k];
 
-		if (!norms_make(&v->norms, &h->x.d, k, &h->arena) || !twins_find(v, h->d, &h->x, &h->arena) || !norms_lay(&v->norms, &h->arena) ||
-			!norms_values_make(&v->values, &v->norms, &h->arena))
+		if (!norms_make(&v->norms, &h->x.d, k, &h->arena) || !twins_find(v, h->d, &h->x, &h->arena) ||
+			!norms_lay(&v->norms, &h->arena) || !norms_values_make(&v->values, &v->norms, &h->arena))
 			return 0;
 	}
 	list_dims(h);
@@ -285,12 +287,18 @@ static int begin(struct job *j)
 	return 1;
 }
 
-int rounding_find(struct prove_row *rows, const struct relaxed *r, const struct box *b, const struct eval_model *models, int count,
-	const struct effort *x, double seconds)
+int rounding_find(struct prove_row *rows, const struct relaxed *r, const struct box *b, const struct eval_model *models,
+	int count, const struct effort *x, double seconds)
 {
 	size_t outputs = r->view.dag.output_count, rounds = (outputs + x->threads - 1) / x->threads;
-	struct job j = {.rows = rows, .r = r, .b = b, .models = models, .count = count, .seconds = seconds / (double)(rounds ? rounds : 1),
-		.deadline = x->deadline, .record = x->record};
+	struct job j = {.rows = rows,
+		.r = r,
+		.b = b,
+		.models = models,
+		.count = count,
+		.seconds = seconds / (double)(rounds ? rounds : 1),
+		.deadline = x->deadline,
+		.record = x->record};
 
 	arena_init(&j.arena, NULL);
 	if (begin(&j))

@@ -79,7 +79,8 @@ static struct use *find(struct sharing *h, const struct use *beside, int is_sine
 	for (size_t i = 0; i < h->count; i++) {
 		struct use *u = &h->uses[i];
 
-		if (u != beside && !u->is_taken && u->is_sine == is_sine && u->x && (!x || u->x == x) && (!slope || u->slope == slope))
+		if (u != beside && !u->is_taken && u->is_sine == is_sine && u->x && (!x || u->x == x) &&
+			(!slope || u->slope == slope))
 			return u;
 	}
 	return NULL;
@@ -92,7 +93,8 @@ static void add_four(struct sharing *h, struct use *a)
 		struct use *b = &h->uses[i], *c, *d;
 		struct share t = {0};
 
-		if (a->is_taken || !a->x || b->is_taken || b->is_sine == a->is_sine || b->slope != a->slope || !b->x || b->x == a->x)
+		if (a->is_taken || !a->x || b->is_taken || b->is_sine == a->is_sine || b->slope != a->slope || !b->x ||
+			b->x == a->x)
 			continue;
 		for (size_t k = 0; k < h->count; k++) {
 			c = &h->uses[k];
@@ -128,8 +130,8 @@ static void add_two(struct sharing *h, struct use *a)
 		add(h, t, (struct use *[]){a, b}, 2);
 }
 
-int shares_find(struct shares *t, struct norms *norms, const struct dag *d, const struct adjoint *x, uint32_t cosine, uint32_t sine,
-	struct arena *arena)
+int shares_find(struct shares *t, struct norms *norms, const struct dag *d, const struct adjoint *x, uint32_t cosine,
+	uint32_t sine, struct arena *arena)
 {
 	struct sharing h = {t, norms, d, x, arena_alloc(arena, 3 * (size_t)x->count, sizeof *h.uses), 0};
 

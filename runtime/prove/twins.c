@@ -84,7 +84,8 @@ int twins_find(struct view *v, const struct dag *d, const struct adjoint *x, str
 	v->sums = arena_alloc(h->arena, h->x->count, sizeof *v->sums);
 	for (uint32_t i = 0; i < h->x->count && !h->arena->failed; i++)
 		for (uint32_t k = i + 1; k < h->x->count && product_of(h, i, &a) && !(taken[i] & 1); k++)
-			if (!(taken[k] & 1) && product_of(h, k, &p) && a.angle == p.angle && a.is_sine != p.is_sine && a.other.i == p.other.i) {
+			if (!(taken[k] & 1) && product_of(h, k, &p) && a.angle == p.angle && a.is_sine != p.is_sine &&
+				a.other.i == p.other.i) {
 				taken[i] |= 1;
 				taken[k] |= 1;
 				add_product(h, v, i, k, a.other);
@@ -92,7 +93,8 @@ int twins_find(struct view *v, const struct dag *d, const struct adjoint *x, str
 	for (uint32_t i = 0; i < h->x->count && !h->arena->failed; i++)
 		for (uint32_t k = i + 1; k < h->x->count && sum_of(h, i, &a, &b) && !(taken[i] & 2); k++)
 			if (!(taken[k] & 2) && sum_of(h, k, &p, &q) && a.angle == p.angle &&
-				((a.other.i == q.other.i && b.other.i == p.other.i) || (a.other.i == p.other.i && b.other.i == q.other.i))) {
+				((a.other.i == q.other.i && b.other.i == p.other.i) ||
+					(a.other.i == p.other.i && b.other.i == q.other.i))) {
 				taken[i] |= 2;
 				taken[k] |= 2;
 				add_sum(h, v, i, k);

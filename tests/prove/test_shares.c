@@ -1,5 +1,6 @@
-/* The length of an output's derivatives by the cosine and sine of an angle is at least that of a sweep back over the text's own DAG, at states
-   drawn within small boxes; p = c x + s y beside c y - s x is a rotation, and beside c y + s x, or c z - s x, it is none. */
+/* The length of an output's derivatives by the cosine and sine of an angle is at least that of a sweep back over the
+   text's own DAG, at states drawn within small boxes; p = c x + s y beside c y - s x is a rotation, and beside c y + s
+   x, or c z - s x, it is none. */
 #include "dag/eval.h"
 #include "prove/robot_box.h"
 #include "prove/shares.h"
@@ -40,7 +41,8 @@ static double length_of(const struct dag *d, size_t output, uint32_t cosine, uin
 	double length;
 
 	arena_init(&a, NULL);
-	ck_assert(adjoint_make(&x, d, output, 1, &a) && norms_make(&n, &x.d, 0, &a) && shares_find(&s, &n, d, &x, cosine, sine, &a));
+	ck_assert(adjoint_make(&x, d, output, 1, &a) && norms_make(&n, &x.d, 0, &a) &&
+		  shares_find(&s, &n, d, &x, cosine, sine, &a));
 	ck_assert(norms_lay(&n, &a) && norms_values_make(&v, &n, &a));
 	norms_evaluate(&n, rows, &v);
 	length = shares_length(&s, &n, &v);
@@ -64,7 +66,8 @@ static void draw_box(const struct robot_box *x, struct rng *r, struct box *b)
 	for (int i = 0; i < d->argument_count; i++)
 		for (int k = 0; k < d->arguments[i].rows && x->box.rows[i]; k++) {
 			struct interval all = x->box.rows[i][k];
-			double half = rng_uniform(r, 0, 0.04) * (all.upper - all.lower), at = rng_uniform(r, all.lower + half, all.upper - half);
+			double half = rng_uniform(r, 0, 0.04) * (all.upper - all.lower),
+			       at = rng_uniform(r, all.lower + half, all.upper - half);
 
 			b->rows[i][k] = (struct interval){at - half, at + half};
 		}
@@ -104,8 +107,9 @@ START_TEST(test_robots)
 					continue;
 				least = hypot(slope[s], slope[c]);
 				length = length_of(d, output, c, s, (const struct interval *const *)b.rows);
-				ck_assert_msg(length >= least * (1 - 1e-9), "%s, seed %d, output %zu, sine %u: %g, but %g is one", ROBOTS[_i], SEED, output, s,
-					length, least);
+				ck_assert_msg(length >= least * (1 - 1e-9),
+					"%s, seed %d, output %zu, sine %u: %g, but %g is one", ROBOTS[_i], SEED, output,
+					s, length, least);
 			}
 		}
 	}
@@ -157,10 +161,12 @@ START_TEST(test_rotation)
 		for (int k = 0; k < 6; k++)
 			row[k] = rng_uniform(&r, -2, 2);
 		length = two_sums(ROTATION, row, &least);
-		ck_assert_msg(length >= least * (1 - 1e-9) && length <= least * (1 + 1e-6), "seed %d: %g, not %g", SEED, length, least);
+		ck_assert_msg(length >= least * (1 - 1e-9) && length <= least * (1 + 1e-6), "seed %d: %g, not %g", SEED,
+			length, least);
 		for (enum sums kind = OTHER_SIGN; kind <= OTHER_VALUE; kind++) {
 			length = two_sums(kind, row, &least);
-			ck_assert_msg(length >= least * (1 - 1e-9), "seed %d, no rotation: %g, but %g is one", SEED, length, least);
+			ck_assert_msg(length >= least * (1 - 1e-9), "seed %d, no rotation: %g, but %g is one", SEED,
+				length, least);
 		}
 	}
 }
