@@ -356,7 +356,23 @@ int norms_values_make(struct norms_values *v, const struct norms *x, struct aren
 	v->bounds = arena_alloc(a, x->value_count, sizeof *v->bounds);
 	v->norm = arena_alloc(a, x->norm_count + 1, sizeof *v->norm);
 	v->size = arena_alloc(a, x->d->count, sizeof *v->size);
+	v->most = v->most_norm = NULL;
 	return !a->failed;
+}
+
+static void evaluate_narrow(
+	const struct norms *x, uint32_t i, const struct interval *const *rows, struct norms_values *v, double *bounds)
+{
+	put_interval(narrow(x, &x->d->nodes[i], v, rows), &bounds[0], &bounds[1]);
+	if (v->most)
+		cap(1, &v->most[i], &bounds[0], &bounds[1]);
+}
+
+static void evaluate_narrow_set(const struct norms *x, uint32_t k, struct norms_values *v)
+{
+	double norm = narrow_norm(x, &x->sets[k], v);
+
+	v->norm[x->set_at[k]] = v->most_norm ? interval_least(norm, v->most_norm[k]) : norm;
 }
 
 void norms_evaluate(const struct norms *x, const struct interval *const *rows, struct norms_values *v)
@@ -368,12 +384,12 @@ void norms_evaluate(const struct norms *x, const struct interval *const *rows, s
 		if (x->is_wide[i])
 			evaluate(x, i, rows, v);
 		else
-			put_interval(narrow(x, &x->d->nodes[i], v, rows), lower, lower + 1);
+			evaluate_narrow(x, i, rows, v, lower);
 		for (uint32_t k = x->first[i]; k < x->first[i + 1]; k++) {
 			if (x->is_wide_set[x->order[k]])
 				evaluate_set(x, x->order[k], v);
 			else
-				v->norm[x->set_at[x->order[k]]] = narrow_norm(x, &x->sets[x->order[k]], v);
+				evaluate_narrow_set(x, x->order[k], v);
 			if (x->sets[x->order[k]].count == 1)
 				cap(n, v->norm + x->set_at[x->order[k]], lower, lower + n);
 		}

@@ -10,6 +10,7 @@
 #include "prove/gap.h"
 #include "core/seconds.h"
 #include "dag/eval.h"
+#include "prove/caps.h"
 #include "prove/coarse.h"
 #include "prove/rules.h"
 #include "prove/twins.h"
@@ -20,6 +21,7 @@
 
 enum { VIEWS = 2 };
 #define LANES_BELOW 0.2 /* rad or m */
+#define SHARE_CAPS 0.15
 
 /* One output. */
 struct hunt {
@@ -236,6 +238,17 @@ static int hunt_make(struct hunt *h, const struct job *j, size_t output)
 	return rules_make(h) && leaves_make(h, j);
 }
 
+/* Of all but lanes. */
+static int find_caps(struct hunt *h, double seconds)
+{
+	struct caps c = {h->rows, NULL, h->dims, h->split.dim_count, seconds_now() + seconds};
+
+	if (!h->split.dim_count)
+		return 1;
+	c.q = h->rows[h->position];
+	return caps_find(&c, &h->views[0].norms, &h->views[0].values, &h->arena);
+}
+
 static void take(const struct hunt *h, struct prove_row *r)
 {
 	double errors[SPLIT_SIZES];
@@ -259,7 +272,7 @@ static void hunt_output(void *job, size_t output)
 
 	if (seconds_now() > j->deadline)
 		return;
-	done = hunt_make(&h, j, output);
+	done = hunt_make(&h, j, output) && find_caps(&h, SHARE_CAPS * j->seconds);
 	for (int k = 0; k < h.split.dim_count && done; k++)
 		root.q[k] = h.rows[h.position][h.dims[k]];
 	h.split.examine = examine;
