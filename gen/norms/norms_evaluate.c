@@ -311,7 +311,7 @@ static double narrow_norm(const struct norms *x, const struct norms_set *s, cons
 	if (s->one)
 		least = interval_least(least, (1 + 0x1p-48) *
 			(v->norm[x->set_at[s->one - 1]] + (s->other ? v->norm[x->set_at[s->other - 1]] : 0)));
-	return least;
+	return v->most_norm ? interval_least(least, v->most_norm[s - x->sets]) : least;
 }
 
 static void evaluate_set(const struct norms *x, uint32_t k, struct norms_values *v)
@@ -360,21 +360,6 @@ int norms_values_make(struct norms_values *v, const struct norms *x, struct aren
 	return !a->failed;
 }
 
-static void evaluate_narrow(
-	const struct norms *x, uint32_t i, const struct interval *const *rows, struct norms_values *v, double *bounds)
-{
-	put_interval(narrow(x, &x->d->nodes[i], v, rows), &bounds[0], &bounds[1]);
-	if (v->most)
-		cap(1, &v->most[i], &bounds[0], &bounds[1]);
-}
-
-static void evaluate_narrow_set(const struct norms *x, uint32_t k, struct norms_values *v)
-{
-	double norm = narrow_norm(x, &x->sets[k], v);
-
-	v->norm[x->set_at[k]] = v->most_norm ? interval_least(norm, v->most_norm[k]) : norm;
-}
-
 void norms_evaluate(const struct norms *x, const struct interval *const *rows, struct norms_values *v)
 {
 	for (uint32_t i = 0; i < x->d->count; i++) {
@@ -384,12 +369,14 @@ void norms_evaluate(const struct norms *x, const struct interval *const *rows, s
 		if (x->is_wide[i])
 			evaluate(x, i, rows, v);
 		else
-			evaluate_narrow(x, i, rows, v, lower);
+			put_interval(narrow(x, &x->d->nodes[i], v, rows), lower, lower + 1);
+		if (v->most && !x->is_wide[i])
+			cap(1, &v->most[i], lower, lower + 1);
 		for (uint32_t k = x->first[i]; k < x->first[i + 1]; k++) {
 			if (x->is_wide_set[x->order[k]])
 				evaluate_set(x, x->order[k], v);
 			else
-				evaluate_narrow_set(x, x->order[k], v);
+				v->norm[x->set_at[x->order[k]]] = narrow_norm(x, &x->sets[x->order[k]], v);
 			if (x->sets[x->order[k]].count == 1)
 				cap(n, v->norm + x->set_at[x->order[k]], lower, lower + n);
 		}

@@ -1,5 +1,5 @@
-/* Magnitudes that are known of a whole box by its parts hold at states drawn within it and at its corners, for all values and sets of a few
-   robots; and they are closer than those over the box at once. */
+/* Magnitudes that are known of a whole box by its parts hold at states drawn within it and at its corners, for all
+   values and sets of a few robots; and they are closer than those over the box at once. */
 #include "prove/caps.h"
 #include "norms/adjoint.h"
 #include "prove/robot_box.h"
@@ -28,8 +28,10 @@ static void capped_open(struct capped *c, const char *name, size_t output)
 
 	robot_box_open(&c->x, name, "range qdd=-20,20\nrange qd=-2,2\nrange q=-2,2.5", 0);
 	d = &c->x.analysis.dag;
-	ck_assert(box_copy(c->rows, &c->x.box, d, a) && adjoint_make(&c->adjoint, d, output, 1, a) && norms_make(&c->norms, &c->adjoint.d, 0, a));
-	ck_assert(norms_lay(&c->norms, a) && norms_values_make(&c->with, &c->norms, a) && norms_values_make(&c->without, &c->norms, a));
+	ck_assert(box_copy(c->rows, &c->x.box, d, a) && adjoint_make(&c->adjoint, d, output, 1, a) &&
+		  norms_make(&c->norms, &c->adjoint.d, 0, a));
+	ck_assert(norms_lay(&c->norms, a) && norms_values_make(&c->with, &c->norms, a) &&
+		  norms_values_make(&c->without, &c->norms, a));
 	for (c->dim_count = 0; c->dim_count < d->arguments[0].rows; c->dim_count++)
 		c->dims[c->dim_count] = c->dim_count;
 	ck_assert(d->arguments[0].role == ROLE_JOINT_POSITION);
@@ -45,7 +47,8 @@ static void draw(struct capped *c, struct rng *r)
 	for (int i = 0; i < d->argument_count; i++)
 		for (int k = 0; k < d->arguments[i].rows && c->rows[i]; k++) {
 			struct interval all = c->x.box.rows[i][k];
-			double at = rng_chance(r, 0.3) ? rng_chance(r, 0.5) ? all.lower : all.upper : rng_uniform(r, all.lower, all.upper);
+			double at = rng_chance(r, 0.3) ? rng_chance(r, 0.5) ? all.lower : all.upper
+						       : rng_uniform(r, all.lower, all.upper);
 
 			c->rows[i][k] = (struct interval){at, at};
 		}
@@ -67,8 +70,10 @@ START_TEST(test_caps)
 		draw(&c, &r);
 		norms_evaluate(&c.norms, (const struct interval *const *)c.rows, &c.without);
 		for (size_t i = 0; i < c.adjoint.d.count; i++)
-			ck_assert_msg(fabs(norms_range(&c.norms, &c.without, (uint32_t)i).lower) <= c.with.most[i] * (1 + 1e-9) + 1e-12,
-				"%s, seed %d, state %d: node %zu is %g, but at most %g", ROBOTS[_i], SEED, k, i, c.without.size[i], c.with.most[i]);
+			ck_assert_msg(fabs(norms_range(&c.norms, &c.without, (uint32_t)i).lower) <=
+					      c.with.most[i] * (1 + 1e-9) + 1e-12,
+				"%s, seed %d, state %d: node %zu is %g, but at most %g", ROBOTS[_i], SEED, k, i,
+				c.without.size[i], c.with.most[i]);
 		for (uint32_t i = 0; i < c.norms.set_count; i++) {
 			double sum = 0;
 
@@ -77,8 +82,9 @@ START_TEST(test_caps)
 
 				sum += v.lower * v.lower;
 			}
-			ck_assert_msg(sqrt(sum) <= c.with.most_norm[i] * (1 + 1e-9) + 1e-12, "%s, seed %d, state %d: set %u is %g, but at most %g",
-				ROBOTS[_i], SEED, k, i, sqrt(sum), c.with.most_norm[i]);
+			ck_assert_msg(sqrt(sum) <= c.with.most_norm[i] * (1 + 1e-9) + 1e-12,
+				"%s, seed %d, state %d: set %u is %g, but at most %g", ROBOTS[_i], SEED, k, i,
+				sqrt(sum), c.with.most_norm[i]);
 		}
 	}
 	robot_box_close(&c.x);
