@@ -21,7 +21,10 @@
 
 enum { VIEWS = 2 };
 #define LANES_BELOW 0.2 /* rad or m */
-#define SHARE_CAPS 0.15
+/* of the time of an output */
+#define SHARE_PLAIN 0.4
+#define SHARE_RECORDED 0.75 /* in its place where a certificate takes over the boxes */
+#define SHARE_CAPS 0.1      /* of what is left */
 
 /* One output. */
 struct hunt {
@@ -241,11 +244,8 @@ static int hunt_make(struct hunt *h, const struct job *j, size_t output)
 /* Of all but lanes. */
 static int find_caps(struct hunt *h, double seconds)
 {
-	struct caps c = {h->rows, NULL, h->dims, h->split.dim_count, seconds_now() + seconds};
+	const struct caps c = {h->rows, h->rows[h->position], h->dims, h->split.dim_count, seconds_now() + seconds};
 
-	if (!h->split.dim_count)
-		return 1;
-	c.q = h->rows[h->position];
 	return caps_find(&c, &h->views[0].norms, &h->views[0].values, &h->arena);
 }
 
@@ -263,26 +263,44 @@ static void take(const struct hunt *h, struct prove_row *r)
 	r->high = fmin(r->high, value.upper);
 }
 
+/* For so long, into the row. */
+static int hunt_for(struct hunt *h, const struct job *j, const struct leaf *whole, double seconds, struct prove_row *row)
+{
+	struct leaf root = *whole;
+
+	split_free(&h->split);
+	if (!split_run(&h->split, &root, fmin(j->deadline, seconds_now() + seconds)))
+		return 0;
+	take(h, row);
+	return 1;
+}
+
+/* Without caps first: with them a cut by one row alone gains little, and which row to cut by is seen less well. */
 static void hunt_output(void *job, size_t output)
 {
 	struct job *j = job;
 	struct leaf root = {.value = {0, 0}};
+	double plain = (j->record ? SHARE_RECORDED : SHARE_PLAIN) * j->seconds, left = j->seconds - plain;
 	struct hunt h;
 	int done;
 
 	if (seconds_now() > j->deadline)
 		return;
-	done = hunt_make(&h, j, output) && find_caps(&h, SHARE_CAPS * j->seconds);
+	done = hunt_make(&h, j, output);
 	for (int k = 0; k < h.split.dim_count && done; k++)
 		root.q[k] = h.rows[h.position][h.dims[k]];
 	h.split.examine = examine;
 	h.split.context = &h;
-	if (done && split_run(&h.split, &root, fmin(j->deadline, seconds_now() + j->seconds)))
-		take(&h, &j->rows[output]);
-	else
+	done = done && hunt_for(&h, j, &root, plain, &j->rows[output]);
+	if (done && j->record)
+		done = split_cuts(&h.split, &root, h.dims, j->record->q_rows, &j->record->outputs[output].errors);
+	for (int k = 0; k < h.split.dim_count && done; k++)
+		h.rows[h.position][h.dims[k]] = root.q[k];
+	if (done && h.split.dim_count)
+		done = find_caps(&h, SHARE_CAPS * left) &&
+		       hunt_for(&h, j, &root, (1 - SHARE_CAPS) * left, &j->rows[output]);
+	if (!done)
 		j->failed = 1;
-	if (!j->failed && j->record)
-		j->failed |= !split_cuts(&h.split, &root, h.dims, j->record->q_rows, &j->record->outputs[output].errors);
 	split_free(&h.split);
 	arena_free(&h.arena);
 }

@@ -6,8 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROUNDS = 8 };
+enum { ROUNDS = 8, FRESH = 4 };
 #define STEP 0.11
+#define SHAKEN 0.25 /* of the rows, where a climb begins anew near the best so far */
 
 struct seeking {
 	const struct dag *d;
@@ -27,6 +28,11 @@ struct sought_bound {
 	const struct eval_model *m;
 	size_t output;
 	int is_float;
+};
+
+/* By output and model, where a climb has come to so far. */
+struct top {
+	double value, *state;
 };
 
 /* ---- states ---- */
@@ -100,14 +106,71 @@ static void take(struct seeking *s, struct states_room *t, int model, double *be
 			take_model(s, t, k, best);
 }
 
-/* The numbers of a job go through outputs, models, and starts: twice the states found, then others. */
+/* Some rows of it, anywhere. */
+static void shake(const struct states *s, const struct states_room *t, unsigned short seed[3])
+{
+	for (int i = 0; i < s->a->dag.argument_count; i++)
+		for (int r = 0; r < s->a->dag.arguments[i].rows && t->in[i]; r++)
+			if (states_is_free(s, i, r) && erand48(seed) < SHAKEN)
+				states_move(s, t->in, i, r, erand48(seed) - 0.5);
+}
+
+static void put_start(const struct seeking *s, struct states_room *t, const struct top *top, size_t output, int start,
+	unsigned short seed[3])
+{
+	states_draw(&s->states, t->in, seed);
+	if (start < 2)
+		memcpy(t->state, s->found[output][start], t->size);
+	if (start < FRESH || start % 3 == 0 || !(top->value > 0))
+		return;
+	memcpy(t->state, top->state, t->size);
+	shake(&s->states, t, seed);
+}
+
+static void climb(struct seeking *s, struct states_room *t, struct top *top, size_t output, int model, int start,
+	unsigned short seed[3], double *best)
+{
+	struct sought_bound of = {s, &s->models[model], output, has_floats(&s->models[model])};
+	int rounds = start < FRESH ? ROUNDS : 2 * ROUNDS;
+	double value;
+
+	put_start(s, t, top, output, start, seed);
+	fit_all(s, t, of.is_float);
+	take(s, t, model, best);
+	value = states_climb(&s->states, t, &(struct states_climb){bound_at, fit_state, &of, STEP, rounds, s->deadline});
+	take(s, t, model, best);
+	if (value > top->value) {
+		top->value = value;
+		memcpy(top->state, t->state, t->size);
+	}
+}
+
+/* In one block. */
+static struct top *tops_new(const struct seeking *s)
+{
+	size_t count = s->d->output_count * (size_t)s->count, rows = s->states.size + 1;
+	struct top *tops = calloc(count, sizeof *tops);
+	double *states = calloc(count * rows, sizeof *states);
+
+	for (size_t i = 0; tops && states && i < count; i++)
+		tops[i].state = states + i * rows;
+	if (tops && states)
+		return tops;
+	free(tops);
+	free(states);
+	return NULL;
+}
+
+/* The numbers of a job go through outputs, models, and starts: twice the states found, then others, some of them near
+ * the best so far. */
 static void seek(void *job, size_t piece)
 {
 	struct seeking *s = job;
 	double *best = s->best + piece * s->d->output_count * PROVE_PRECISIONS;
 	unsigned short seed[3] = {(unsigned short)piece, 7, 19};
 	struct states_room t;
-	int done = states_room_make(&t, &s->states);
+	struct top *tops = tops_new(s);
+	int done = states_room_make(&t, &s->states) && tops;
 
 	for (int model = 0; model < s->count && done; model++) {
 		states_draw(&s->states, t.in, seed);
@@ -117,17 +180,12 @@ static void seek(void *job, size_t piece)
 	for (size_t i = piece; done && !s->failed && seconds_now() < s->deadline; i += s->pieces) {
 		size_t output = i % s->d->output_count;
 		int model = (int)(i / s->d->output_count) % s->count, start = (int)(i / s->d->output_count) / s->count;
-		struct sought_bound of = {s, &s->models[model], output, has_floats(&s->models[model])};
 
-		states_draw(&s->states, t.in, seed);
-		if (start < 2)
-			memcpy(t.state, s->found[output][start], t.size);
-		fit_all(s, &t, of.is_float);
-		take(s, &t, model, best);
-		states_climb(&s->states, &t, &(struct states_climb){bound_at, fit_state, &of, STEP, ROUNDS, s->deadline});
-		take(s, &t, model, best);
+		climb(s, &t, &tops[output * (size_t)s->count + (size_t)model], output, model, start, seed, best);
 	}
 	s->failed |= !done;
+	free(tops ? tops->state : NULL);
+	free(tops);
 	states_room_free(&t);
 }
 
