@@ -2,6 +2,7 @@
    numbers stand beside them, as RNEA_WIDE_FMA. */
 #include "emit/emit.h"
 #include "base/template.h"
+#include <string.h>
 
 /* What a frame is filled with: the operations of both kinds of numbers, and frames filled before. */
 struct inner {
@@ -73,4 +74,144 @@ const char *emit_undef_wide(const struct emission *e)
 		return "";
 	return e->options->strict ? "#undef RNEA_WIDE_FMA\n#undef RNEA_WIDE_ADD\n#undef RNEA_WIDE_SUB\n#undef RNEA_WIDE_MUL\n"
 				    "#undef RNEA_WIDE_DIV\n#undef RNEA_WIDE_SQRT\n" : "#undef RNEA_WIDE_FMA\n";
+}
+
+/* ---- sine and cosine ---- */
+
+/* Functions that the text carries, so that their domain and error are known and the same everywhere. */
+
+/* What the options name, and the type of numbers has. */
+static enum rneagen_trig trig_of(const struct emission *e, const struct number_type *n)
+{
+	enum rneagen_trig trig = emit_trig_of(e->options);
+
+	return trig == RNEAGEN_FAST && !n->frames->fast ? RNEAGEN_BOUNDED : trig;
+}
+
+/* A robot of sliding joints alone calls none, and a function that nobody calls is a warning. */
+static int has_sincos(const struct emission *e, const struct number_type *n)
+{
+	return n && (emit_uses_in(e, OP_SIN, n == e->wide) || emit_uses_in(e, OP_COS, n == e->wide));
+}
+
+const char *emit_sincos_name(const struct emission *e, const struct number_type *n)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "%s%s", e->options->strict ? n->strict_sincos : n->sincos,
+		emit_has_known(e) && !n->is_beside ? "known"
+			: emit_trig_name(n->is_beside ? emit_trig_of(e->options) : trig_of(e, n)));
+	return text_string(&t);
+}
+
+static void put_sincos(const struct emission *e, const struct number_type *n, struct text *out)
+{
+	const struct sincos_frames *f = n->frames;
+	enum rneagen_trig trig = trig_of(e, n);
+	int fast = trig == RNEAGEN_FAST;
+
+	if (f->large && trig == RNEAGEN_ACCURATE)
+		text_printf(out, "%s\n%s\n", f->large->core, f->large->accurate);
+	text_put(out, fast ? "#if !defined __CUDA_ARCH__\n" : "");
+	text_put(out, f->core);
+	text_putc(out, '\n');
+	text_put(out, trig == RNEAGEN_ACCURATE ? f->accurate : f->bounded);
+	if (emit_has_known(e))
+		text_put(out, f->known);
+	text_put(out, fast ? "#endif\n" : "");
+	text_put(out, fast ? "\n" : "");
+	text_put(out, fast ? f->fast : "");
+}
+
+struct renaming {
+	const char *from, *to;
+};
+
+/* Up to a renaming without `from`. */
+static void put_renamed(const char *s, const struct renaming *prefixes, struct text *out)
+{
+	while (*s) {
+		int found = -1;
+
+		for (int i = 0; prefixes[i].from; i++)
+			if (!strncmp(s, prefixes[i].from, strlen(prefixes[i].from)))
+				found = i;
+		if (found >= 0)
+			text_put(out, prefixes[found].to);
+		else
+			text_putc(out, *s);
+		s += found >= 0 ? strlen(prefixes[found].from) : 1;
+	}
+}
+
+/* Names of their own where every rounding is prescribed: a header of the other kind may stand before this one. */
+static const char *renamed(const struct emission *e, const struct text *t)
+{
+	static const struct renaming strict[] = {{"rneagen_", "rneagen_strict_"}, {"RNEAGEN_", "RNEAGEN_STRICT_"}, {NULL, NULL}};
+	struct text other;
+
+	text_init(&other, e->arena);
+	other.failed = t->failed;
+	if (e->options->strict)
+		put_renamed(text_string(t), strict, &other);
+	return e->options->strict ? text_string(&other) : text_string(t);
+}
+
+const char *emit_sincos(const struct emission *e)
+{
+	static const struct renaming beside[] = {{"RNEA_FMA", "RNEA_WIDE_FMA"}, {NULL, NULL}};
+	struct text t, wide;
+
+	text_init(&t, e->arena);
+	text_init(&wide, e->arena);
+	if (has_sincos(e, e->numbers))
+		put_sincos(e, e->numbers, &t);
+	if (has_sincos(e, e->wide))
+		put_sincos(e, e->wide, &wide);
+	if (wide.length)
+		put_renamed(text_string(&wide), beside, &t);
+	t.failed |= wide.failed;
+	return renamed(e, &t);
+}
+
+/* The macro that guards a function's definition: its name in capitals. */
+static const char *guard_of(const struct emission *e, const char *function)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (; *function; function++)
+		text_putc(&t, *function >= 'a' && *function <= 'z' ? (char)(*function - 'a' + 'A') : *function);
+	return text_string(&t);
+}
+
+static void put_declaration(const struct emission *e, const struct number_type *n, struct text *out)
+{
+	int known = emit_has_known(e);
+	struct text more;
+	struct text function;
+
+	text_init(&function, e->arena);
+	text_printf(&function, "%s%s", n->sincos, known ? "known" : emit_trig_name(trig_of(e, n)));
+	text_init(&more, e->arena);
+	if (known)
+		text_printf(&more, ", const int known, const %s *sines", n->value);
+	const struct slot slots[] = {{"GUARD", guard_of(e, text_string(&function))}, {"FUNCTION", text_string(&function)},
+		{"RESULT", known ? "int" : "void"}, {"KNOWN", text_string(&more)}, {"VALUE", n->value},
+		{"ANGLE", n->angle_is_memory ? n->memory->type : n->value}};
+
+	template_expand(out, template_sincos_declaration_in, slots, sizeof slots / sizeof *slots);
+}
+
+const char *emit_sincos_declaration(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (has_sincos(e, e->numbers))
+		put_declaration(e, e->numbers, &t);
+	if (has_sincos(e, e->wide))
+		put_declaration(e, e->wide, &t);
+	return renamed(e, &t);
 }

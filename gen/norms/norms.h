@@ -49,6 +49,7 @@ struct norms {
 struct norms_values {
 	double *bounds, *norm;
 	double *size; /* by node: no magnitude is larger */
+	const double *most, *most_norm; /* what is known apart of all boxes, of one lane: by node, and by set; NULL: nothing */
 };
 
 /* Values of polynomials of t where has_lanes, and there are not too many. Returns 0 when memory runs out. */

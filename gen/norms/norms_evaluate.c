@@ -312,7 +312,7 @@ static double narrow_norm(const struct norms *x, const struct norms_set *s, cons
 	if (s->one)
 		least = interval_least(least, (1 + 0x1p-48) *
 			(v->norm[x->set_at[s->one - 1]] + (s->other ? v->norm[x->set_at[s->other - 1]] : 0)));
-	return least;
+	return v->most_norm ? interval_least(least, v->most_norm[s - x->sets]) : least;
 }
 
 static void evaluate_set(const struct norms *x, uint32_t k, struct norms_values *v)
@@ -357,6 +357,7 @@ int norms_values_make(struct norms_values *v, const struct norms *x, struct aren
 	v->bounds = arena_alloc(a, x->value_count, sizeof *v->bounds);
 	v->norm = arena_alloc(a, x->norm_count + 1, sizeof *v->norm);
 	v->size = arena_alloc(a, x->d->count, sizeof *v->size);
+	v->most = v->most_norm = NULL;
 	return !a->failed;
 }
 
@@ -370,6 +371,8 @@ void norms_evaluate(const struct norms *x, const struct interval *const *rows, s
 			evaluate(x, i, rows, v);
 		else
 			put_interval(narrow(x, &x->d->nodes[i], v, rows), lower, lower + 1);
+		if (v->most && !x->is_wide[i])
+			cap(1, &v->most[i], lower, lower + 1);
 		for (uint32_t k = x->first[i]; k < x->first[i + 1]; k++) {
 			if (x->is_wide_set[x->order[k]])
 				evaluate_set(x, x->order[k], v);

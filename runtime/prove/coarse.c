@@ -18,14 +18,17 @@ static double rest_of_root(const struct rules *r, uint32_t i, double least, cons
 	return off < least ? off / sqrt(least) * (1 + 0x1p-40) * (1 + m->mul) + m->mul * r->size[i] + m->tiny : (double)INFINITY;
 }
 
-/* c v / sqrt(v^2 + w), w > 0, all in factors: v, c, their product, half of the sum's, root, quotient. |v d/dv| of it is at most itself.
-   What underflows is at most tiny over the root of w. The sum of these factors is far below 2^-8, so that its square adds less than 2^-8 of it. */
-static double rest_of_friction(const struct rules *r, uint32_t i, const struct friction *f, const struct interval *v, const struct eval_model *m)
+/* c v / sqrt(v^2 + w), w > 0, all in factors: v, c, their product, half of the sum's, root, quotient. |v d/dv| of it is
+   at most itself. What underflows is at most tiny over the root of w. The sum of these factors is far below 2^-8, so
+   that its square adds less than 2^-8 of it. */
+static double rest_of_friction(const struct rules *r, uint32_t i, const struct friction *f, const struct interval *v,
+	const struct eval_model *m)
 {
 	const struct node *rate = &r->d->nodes[f->rate];
-	double c = f->slope ? fabs((double)r->d->nodes[f->slope].value) : 1, w = (double)r->d->nodes[f->square].value, width = sqrt(w);
-	double factor = m->input + (f->slope ? relative(r, f->slope) + m->mul : 0) + m->mul + m->add + m->terms + relative(r, f->square) +
-			m->mul + m->quotient;
+	double c = f->slope ? fabs((double)r->d->nodes[f->slope].value) : 1, w = (double)r->d->nodes[f->square].value,
+	       width = sqrt(w);
+	double factor = m->input + (f->slope ? relative(r, f->slope) + m->mul : 0) + m->mul + m->add + m->terms +
+			relative(r, f->square) + m->mul + m->quotient;
 	double tiny = 4 * m->tiny * (1 + (1 + c) / width + c / w + c / (w * width));
 
 	if (rate->op == OP_MUL)
@@ -62,7 +65,8 @@ static struct prove_gap gap_first(const struct rules *r, uint32_t i, const struc
 	return gap_of(r, i, m);
 }
 
-static void take_model(struct rules *r, const uint32_t *uses, const struct interval *v, const struct eval_model *m, struct prove_gap *gaps)
+static void take_model(struct rules *r, const uint32_t *uses, const struct interval *v, const struct eval_model *m,
+	struct prove_gap *gaps)
 {
 	for (uint32_t i = 0; i < r->d->count; i++) {
 		double rest;
@@ -80,11 +84,14 @@ static void take_model(struct rules *r, const uint32_t *uses, const struct inter
 	}
 }
 
-int coarse_find(struct coarse *c, const struct dag *d, const struct box *b, const struct eval_model *models, int count, struct arena *a)
+int coarse_find(struct coarse *c, const struct dag *d, const struct box *b, const struct eval_model *models, int count,
+	struct arena *a)
 {
 	struct interval *v = arena_alloc(a, d->count, sizeof *v);
 	uint32_t *uses = arena_alloc(a, d->count, sizeof *uses);
-	struct rules r = {.d = d, .of_product = arena_alloc(a, d->count, sizeof(double)), .of_sum = arena_alloc(a, d->count, sizeof(double))};
+	struct rules r = {.d = d,
+		.of_product = arena_alloc(a, d->count, sizeof(double)),
+		.of_sum = arena_alloc(a, d->count, sizeof(double))};
 
 	*c = (struct coarse){.size = arena_alloc(a, d->count, sizeof *c->size)};
 	for (int m = 0; m < count; m++) {
@@ -114,7 +121,8 @@ double coarse_stored(const struct eval_model *m, double size, double error)
 	return m->store > 0 ? (error + m->store * most + m->store_tiny) * (1 + 0x1p-30) : error;
 }
 
-double coarse_output(const struct coarse *c, const struct dag *d, size_t output, int model, const struct eval_model *m, struct prove_gap *gap)
+double coarse_output(const struct coarse *c, const struct dag *d, size_t output, int model, const struct eval_model *m,
+	struct prove_gap *gap)
 {
 	uint32_t i = d->outputs[output].value.i;
 	double error = c->running[model][i] * (1 + 0x1p-30), stored = coarse_stored(m, c->size[i], error);

@@ -12,10 +12,12 @@ struct coarse {
 };
 
 /* Over the box. Arrays live in `a`. Returns 0 when memory runs out. */
-int coarse_find(struct coarse *c, const struct dag *d, const struct box *b, const struct eval_model *models, int count, struct arena *a);
+int coarse_find(struct coarse *c, const struct dag *d, const struct box *b, const struct eval_model *models, int count,
+	struct arena *a);
 
 /* The error of an output as it is stored; into *gap why none is known. */
-double coarse_output(const struct coarse *c, const struct dag *d, size_t output, int model, const struct eval_model *m, struct prove_gap *gap);
+double coarse_output(const struct coarse *c, const struct dag *d, size_t output, int model, const struct eval_model *m,
+	struct prove_gap *gap);
 
 /* What memory makes of a result of at most this magnitude with this error. */
 double coarse_stored(const struct eval_model *m, double size, double error);

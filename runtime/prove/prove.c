@@ -3,14 +3,13 @@
 #include "core/seconds.h"
 #include "emit/emit.h"
 #include "emit/number_type.h"
-#include "range/cover.h"
 #include "range/cut.h"
 #include "range/magnitude.h"
+#include "prove/ranging.h"
 #include "prove/rounding.h"
 #include "prove/seek_errors.h"
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Shares of the time. What is left is for what takes longer than it should. */
 #define SHARE_SEEK 0.05
@@ -110,14 +109,6 @@ static enum rneagen_code seek_all(struct proving *p)
 	return RNEAGEN_OK;
 }
 
-/* What proving the ranges of a field needs, by output. */
-struct ranging {
-	double (*found)[2], *largest, *bends;
-	struct interval *whole, *ranges;
-	struct curvature curvature;
-	struct cover cover;
-};
-
 /* The number of an output of a target among all. */
 static int output_of(const struct target *t, int i)
 {
@@ -132,7 +123,8 @@ static void take_rows(const struct proving *p, const struct target *t, const str
 		struct prove_row *r = wrench < 0 ? &rows[output] : NULL;
 
 		if (wrench >= 0) {
-			t->wrenches[wrench] = (struct interval){fmax(g->cover.lower[i], g->ranges[i].lower), fmin(g->cover.upper[i], g->ranges[i].upper)};
+			t->wrenches[wrench] = (struct interval){fmax(g->cover.lower[i], g->ranges[i].lower),
+				fmin(g->cover.upper[i], g->ranges[i].upper)};
 			continue;
 		}
 		r->low = fmax(r->low, fmax(g->cover.lower[i], g->ranges[i].lower));
@@ -143,47 +135,6 @@ static void take_rows(const struct proving *p, const struct target *t, const str
 	}
 }
 
-static int ranging_make(struct ranging *r, const struct target *t)
-{
-	const struct field *f = t->f;
-	size_t outputs = (size_t)f->output_count;
-
-	*r = (struct ranging){calloc(outputs, sizeof *r->found), calloc(outputs, sizeof *r->largest),
-		calloc(outputs * (size_t)f->dim_count + 1, sizeof *r->bends), calloc(outputs, sizeof *r->whole), calloc(outputs, sizeof *r->ranges),
-		{0}, {0}};
-	if (!r->found || !r->largest || !r->bends || !r->whole || !r->ranges)
-		return 0;
-	for (int i = 0; i < f->output_count; i++)
-		for (int side = 0; side < 2; side++) {
-			r->found[i][side] = t->found[i][side].value;
-			r->largest[i] = fmax(r->largest[i], fabs(r->found[i][side]));
-		}
-	return 1;
-}
-
-static void ranging_free(struct ranging *r)
-{
-	free(r->found);
-	free(r->largest);
-	free(r->bends);
-	free(r->whole);
-	free(r->ranges);
-	free(r->curvature.most);
-	free(r->cover.lower);
-	free(r->cover.upper);
-}
-
-/* Without a grid: plain intervals. */
-static int cover_nothing(struct cover *c, const struct field *f)
-{
-	*c = (struct cover){.upper = calloc((size_t)f->output_count, sizeof *c->upper), .lower = calloc((size_t)f->output_count, sizeof *c->lower)};
-	for (int i = 0; c->upper && c->lower && i < f->output_count; i++) {
-		c->upper[i] = f->plain[i];
-		c->lower[i] = -f->plain[i];
-	}
-	return c->upper && c->lower;
-}
-
 static int find_covers(struct proving *p, const struct target *t, struct ranging *r, double seconds)
 {
 	const struct field *f = t->f;
@@ -191,7 +142,8 @@ static int find_covers(struct proving *p, const struct target *t, struct ranging
 	struct effort soon = p->effort;
 
 	soon.deadline = fmin(p->effort.deadline, seconds_now() + 2 * SHARE_WHOLE * seconds);
-	return magnitude_find(r->whole, f, t->b, 1, &p->effort, SHARE_WHOLE * seconds) && magnitude_bends(r->bends, f, t->b, &soon) &&
+	return magnitude_find(r->whole, f, t->b, 1, &p->effort, SHARE_WHOLE * seconds) &&
+	       magnitude_bends(r->bends, f, t->b, &soon) &&
 	       curvature_find(&r->curvature, f, &from, &p->effort, SHARE_CURVATURE * seconds) &&
 	       cover_find(&r->cover, f, &r->curvature, (const double(*)[2])r->found, &p->effort, SHARE_COVER * seconds);
 }
@@ -204,7 +156,7 @@ static int find_ranges(struct proving *p, int k, struct ranging *r)
 	struct effort own = p->effort;
 
 	own.record = t->outputs ? NULL : own.record; /* a limb's rows are none of the text's */
-	if (!(f->has_grid ? find_covers(p, t, r, seconds * share_of(p, k, 1)) : cover_nothing(&r->cover, f)))
+	if (!(f->has_grid ? find_covers(p, t, r, seconds * share_of(p, k, 1)) : ranging_plain(&r->cover, f)))
 		return 0;
 	return magnitude_find(r->ranges, f, t->b, 0, &own, SHARE_MAGNITUDE * seconds * share_of(p, k, 0));
 }
@@ -216,7 +168,7 @@ static enum rneagen_code prove_target(struct proving *p, int k, struct prove_row
 	int done;
 
 	show(p, "ranges");
-	done = ranging_make(&r, t) && find_ranges(p, k, &r);
+	done = ranging_make(&r, t->f, t->found) && find_ranges(p, k, &r);
 	if (done)
 		take_rows(p, t, &r, rows);
 	ranging_free(&r);
@@ -235,18 +187,24 @@ static void set_models(struct proving *p)
 
 static enum rneagen_code prove_errors(struct proving *p, struct proof *proof)
 {
+	int n = p->o->precision_count;
+	double seconds = p->o->seconds;
+	double *const(*best)[2] = (double *const(*)[2])p->best;
+
 	show(p, "errors");
-	if (!seek_errors(proof->rows, p->a, p->b, p->models, p->o->precision_count, (double *const(*)[2])p->best, &p->effort, SHARE_SEEK_ERRORS * p->o->seconds))
+	if (!seek_errors(proof->rows, p->a, p->b, p->models, n, best, &p->effort, SHARE_SEEK_ERRORS * seconds))
 		return error_memory(p->e);
 	show(p, "errors");
-	if (!rounding_find(proof->rows, &p->relaxed, p->b, p->models, p->o->precision_count, &p->effort, SHARE_ERRORS * p->o->seconds))
+	if (!rounding_find(proof->rows, &p->relaxed, p->b, p->models, n, &p->effort, SHARE_ERRORS * seconds))
 		return error_memory(p->e);
 	return RNEAGEN_OK;
 }
 
 static enum rneagen_code add_fields(struct proving *p)
 {
-	p->targets = arena_alloc(&p->arena, 16 * (p->a->dag.output_count + (size_t)p->a->tree.body_count) + 1, sizeof *p->targets);
+	size_t outputs = p->a->dag.output_count, bodies = (size_t)p->a->tree.body_count;
+
+	p->targets = arena_alloc(&p->arena, 16 * (outputs + bodies) + 1, sizeof *p->targets);
 	for (int k = 0; k < p->field_count && p->targets; k++)
 		p->targets[p->target_count++] = (struct target){.f = &p->fields[k], .b = &p->box,
 			.found = arena_alloc(&p->arena, (size_t)p->fields[k].output_count, sizeof(struct sought[2]))};
@@ -275,7 +233,8 @@ static int *outputs_of(struct proving *p, const struct proved_part *l, const str
 	int *outputs = arena_alloc(&p->arena, count + 1, sizeof *outputs), own = (int)l->relaxed->view.dag.output_count;
 
 	for (size_t i = 0; i < count && outputs; i++)
-		outputs[i] = c->outputs[i] >= own ? c->outputs[i] - own + (int)p->a->dag.output_count : l->outputs ? l->outputs[c->outputs[i]] : c->outputs[i];
+		outputs[i] = c->outputs[i] >= own ? c->outputs[i] - own + (int)p->a->dag.output_count
+						  : (l->outputs ? l->outputs[c->outputs[i]] : c->outputs[i]);
 	return outputs;
 }
 
@@ -295,7 +254,8 @@ static int add_part(struct proving *p, const struct cut *c, const int *outputs, 
 
 static int add_limbs(struct proving *p, struct proved_part *l)
 {
-	l->count = cut_make(&l->cuts, l->relaxed, l->fields, l->field_count, l->from, &p->effort, SHARE_LIMBS * p->o->seconds, &p->arena);
+	l->count = cut_make(&l->cuts, l->relaxed, l->fields, l->field_count, l->from, &p->effort,
+		SHARE_LIMBS * p->o->seconds, &p->arena);
 	l->wrenches = arena_alloc(&p->arena, (size_t)(l->count > 0 ? l->count : 0) + 1, sizeof *l->wrenches);
 	if (l->count < 0 || !l->wrenches)
 		return 0;
@@ -329,12 +289,13 @@ static int prove_ranges(struct proving *p, struct prove_row *rows)
 	for (int i = 0; i < MOST_PARTS && made; i++) {
 		if (!add_limbs(p, &l[i]) || !prove_targets(p, &first, rows))
 			return 0;
-		made = l[i].count ? cut_rest(&l[i].rest, l[i].relaxed, l[i].fields, l[i].field_count, l[i].from, l[i].cuts, l[i].count, l[i].wrenches, &p->arena)
+		made = l[i].count ? cut_rest(&l[i].rest, l[i].relaxed, l[i].fields, l[i].field_count, l[i].from,
+					    l[i].cuts, l[i].count, l[i].wrenches, &p->arena)
 				  : 0;
 		if (made < 0)
 			return 0;
-		l[i + 1] = (struct proved_part){.relaxed = &l[i].rest.relaxed, .fields = l[i].rest.fields, .field_count = l[i].rest.field_count,
-			.from = CUT_AGAIN_FROM, .outputs = made ? outputs_of(p, &l[i], &l[i].rest) : NULL};
+		l[i + 1] = (struct proved_part){.relaxed = &l[i].rest.relaxed, .fields = l[i].rest.fields, .from = CUT_AGAIN_FROM,
+			.field_count = l[i].rest.field_count, .outputs = made ? outputs_of(p, &l[i], &l[i].rest) : NULL};
 		if (made && !add_part(p, &l[i].rest, l[i + 1].outputs, NULL))
 			return 0;
 	}
@@ -367,7 +328,8 @@ static enum rneagen_code prove_all(struct proving *p, struct proof *proof)
 	if (add_fields(p) || seek_all(p))
 		return p->e->code;
 	for (size_t i = 0; i < p->a->dag.output_count; i++)
-		proof->rows[i] = (struct prove_row){.low = -(double)INFINITY, .high = (double)INFINITY, .plain = (double)INFINITY};
+		proof->rows[i] = (struct prove_row){
+			.low = -(double)INFINITY, .high = (double)INFINITY, .plain = (double)INFINITY};
 	if (!prove_ranges(p, proof->rows))
 		return p->e->code ? p->e->code : error_memory(p->e);
 	proof->range_seconds = seconds_now() - p->start;
@@ -380,12 +342,13 @@ static enum rneagen_code prove_all(struct proving *p, struct proof *proof)
 enum rneagen_code prove(struct proof *proof, const struct analysis *a, const struct box *b, const struct prove_options *o,
 	struct progress *progress, struct rneagen_error *e)
 {
-	struct proving p = {.a = a, .b = b, .o = o, .progress = progress, .e = e, .start = o->start > 0 ? o->start : seconds_now()};
+	double start = o->start > 0 ? o->start : seconds_now();
+	struct proving p = {.a = a, .b = b, .o = o, .progress = progress, .e = e, .start = start};
 
 	*proof = (struct proof){0};
 	arena_init(&p.arena, NULL);
 	if (!relax(&p.relaxed, a, b->rows, &p.arena, e)) {
-		memcpy(p.box.rows, p.relaxed.rows, sizeof p.box.rows);
+		p.box = relaxed_box(&p.relaxed);
 		p.field_count = field_split(&p.fields, &p.relaxed, &p.arena, e);
 		if (p.field_count >= 0)
 			prove_all(&p, proof);

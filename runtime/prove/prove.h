@@ -1,7 +1,7 @@
 #ifndef RUNTIME_PROVE_PROVE_H
 #define RUNTIME_PROVE_PROVE_H
-/* What holds for every state of a box: the ranges of outputs, and how far rounding takes a text off. Beside each stands what a search
-   over the box has found. */
+/* What holds for every state of a box: the ranges of outputs, and how far rounding takes a text off. Beside each stands
+   what a search over the box has found. */
 
 #include "range/box.h"
 #include "rnearun/progress.h"
@@ -17,8 +17,8 @@ struct prove_options {
 	struct record *record; /* what a certificate needs to know, for the DAG's outputs; NULL: nothing */
 };
 
-/* Why an error is not bounded: a value leaves the numbers of the arithmetic, or of the memory; an angle what sines take; an operation
-   is none of those whose rounding is bounded. */
+/* Why an error is not bounded: a value leaves the numbers of the arithmetic, or of the memory; an angle what sines
+   take; an operation is none of those whose rounding is bounded. */
 enum prove_why { PROVE_BOUNDED, PROVE_OVERFLOW, PROVE_STORED, PROVE_ANGLE, PROVE_OPERATION };
 
 struct prove_gap {

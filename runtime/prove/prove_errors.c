@@ -25,8 +25,8 @@ static int find_all(double *bounds, const struct relaxed *r, const struct box *b
 	return 1;
 }
 
-enum rneagen_code prove_errors(double *bounds, const struct analysis *a, const struct eval_model *models, int count, unsigned threads,
-	double seconds, struct rneagen_error *e)
+enum rneagen_code prove_errors(double *bounds, const struct analysis *a, const struct eval_model *models, int count,
+	unsigned threads, double seconds, struct rneagen_error *e)
 {
 	struct arena arena;
 	struct box box;
@@ -35,7 +35,8 @@ enum rneagen_code prove_errors(double *bounds, const struct analysis *a, const s
 	struct effort x = {.deadline = seconds_now() + 1.2 * seconds};
 
 	arena_init(&arena, NULL);
-	if (!box_make(&box, a, &arena, e) && !relax(&relaxed, a, box.rows, &arena, e) && field_split(&fields, &relaxed, &arena, e) >= 0) {
+	if (!box_make(&box, a, &arena, e) && !relax(&relaxed, a, box.rows, &arena, e) &&
+		field_split(&fields, &relaxed, &arena, e) >= 0) {
 		x.workers = workers_open(threads);
 		x.threads = x.workers ? workers_limit(x.workers) : 0;
 		if (!x.workers || !find_all(bounds, &relaxed, &box, models, count, &x, seconds))

@@ -1,25 +1,30 @@
 /* A text computes v + delta where v is exact. For a product of a and b,
      delta = a delta_b + b delta_a + (delta_a delta_b + its own rounding),
-   and so for each operation: what is linear in the operands' errors, and a rest. So the output's error is exactly the sum over all
-   operations of (the output's derivative by the operation) times (the rest there), as in FPTaylor (Solovyev et al., Rigorous estimation
-   of floating-point round-off errors with symbolic Taylor expansions, TOPLAS 41, 2018). Magnitudes of both are bounded over boxes of q
-   (norms.h), for all drives and rates at once; the box with the largest bound is split until the time is over. */
+   and so for each operation: what is linear in the operands' errors, and a rest. So the output's error is exactly the
+   sum over all operations of (the output's derivative by the operation) times (the rest there), as in FPTaylor
+   (Solovyev et al., Rigorous estimation of floating-point round-off errors with symbolic Taylor expansions, TOPLAS 41,
+   2018). Magnitudes of both are bounded over boxes of q (norms.h), for all drives and rates at once; the box with the
+   largest bound is split until the time is over. */
 #define _POSIX_C_SOURCE 200809L
 #include "prove/rounding.h"
 #include "prove/gap.h"
 #include "core/seconds.h"
 #include "dag/eval.h"
+#include "prove/caps.h"
 #include "prove/coarse.h"
 #include "prove/rules.h"
 #include "prove/twins.h"
 #include "range/split.h"
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { VIEWS = 2 };
 #define LANES_BELOW 0.2 /* rad or m */
+/* of the time of an output */
+#define SHARE_PLAIN 0.4
+#define SHARE_RECORDED 0.75 /* in its place where a certificate takes over the boxes */
+#define SHARE_CAPS 0.1      /* of what is left */
 
 /* One output. */
 struct hunt {
@@ -55,8 +60,11 @@ static double gain_of(const struct hunt *h, const struct twins *t, double unit, 
 	const struct view *v = h->now;
 	double each = slope_at(h, t->one) * of[t->one] + slope_at(h, t->other) * of[t->other];
 	double values = t->x ? v->values.size[t->x] : t->values ? norms_of_pair(&v->norms, &v->values, t->values) : 1;
+	double slopes = norms_of_pair(&v->norms, &v->values, t->slopes);
 
-	return fmax(0, each - unit * values * norms_of_pair(&v->norms, &v->values, t->slopes) * (1 + 0x1p-48)) * (1 - 0x1p-30);
+	if (t->shares.count)
+		slopes = fmin(slopes, shares_length(&t->shares, &v->norms, &v->values));
+	return fmax(0, each - unit * values * slopes * (1 + 0x1p-48)) * (1 - 0x1p-30);
 }
 
 static double gains_of(const struct hunt *h, const struct eval_model *m)
@@ -142,7 +150,9 @@ static void examine(void *context, struct leaf *leaf)
 		h->now = &h->views[k];
 		norms_evaluate(&h->views[k].norms, (const struct interval *const *)h->rows, &h->views[k].values);
 		value = norms_range(&h->views[k].norms, &h->views[k].values, h->x.root.i);
-		leaf->value = k ? (struct interval){fmax(value.lower, leaf->value.lower), fmin(value.upper, leaf->value.upper)} : value;
+		leaf->value = k ? (struct interval){fmax(value.lower, leaf->value.lower),
+					  fmin(value.upper, leaf->value.upper)}
+				: value;
 		for (int i = 0; i < h->count; i++)
 			leaf->sizes[i] = k ? fmin(leaf->sizes[i], error_of(h, i)) : error_of(h, i);
 	}
@@ -192,7 +202,7 @@ static int rules_make(struct hunt *h)
 	return 1;
 }
 
-static struct box box_of(const struct relaxed *r)
+struct box relaxed_box(const struct relaxed *r)
 {
 	struct box b;
 
@@ -213,7 +223,7 @@ static int leaves_make(struct hunt *h, const struct job *j)
 
 static int hunt_make(struct hunt *h, const struct job *j, size_t output)
 {
-	const struct box box = box_of(j->r);
+	const struct box box = relaxed_box(j->r);
 
 	*h = (struct hunt){.d = &j->r->view.dag, .models = j->models, .count = j->count, .relaxed = j->r, .coarse = &j->coarse};
 	arena_init(&h->arena, NULL);
@@ -223,12 +233,20 @@ static int hunt_make(struct hunt *h, const struct job *j, size_t output)
 	for (int k = 0; k < VIEWS; k++) {
 		struct view *v = &h->views[k];
 
-		if (!norms_make(&v->norms, &h->x.d, k, &h->arena) || !twins_find(v, h->d, &h->x, &h->arena) || !norms_lay(&v->norms, &h->arena) ||
-			!norms_values_make(&v->values, &v->norms, &h->arena))
+		if (!norms_make(&v->norms, &h->x.d, k, &h->arena) || !twins_find(v, h->d, &h->x, &h->arena) ||
+			!norms_lay(&v->norms, &h->arena) || !norms_values_make(&v->values, &v->norms, &h->arena))
 			return 0;
 	}
 	list_dims(h);
 	return rules_make(h) && leaves_make(h, j);
+}
+
+/* Of all but lanes. */
+static int find_caps(struct hunt *h, double seconds)
+{
+	const struct caps c = {h->rows, h->rows[h->position], h->dims, h->split.dim_count, seconds_now() + seconds};
+
+	return caps_find(&c, &h->views[0].norms, &h->views[0].values, &h->arena);
 }
 
 static void take(const struct hunt *h, struct prove_row *r)
@@ -245,10 +263,24 @@ static void take(const struct hunt *h, struct prove_row *r)
 	r->high = fmin(r->high, value.upper);
 }
 
+/* For so long, into the row. */
+static int hunt_for(struct hunt *h, const struct job *j, const struct leaf *whole, double seconds, struct prove_row *row)
+{
+	struct leaf root = *whole;
+
+	split_free(&h->split);
+	if (!split_run(&h->split, &root, fmin(j->deadline, seconds_now() + seconds)))
+		return 0;
+	take(h, row);
+	return 1;
+}
+
+/* Without caps first: with them a cut by one row alone gains little, and which row to cut by is seen less well. */
 static void hunt_output(void *job, size_t output)
 {
 	struct job *j = job;
 	struct leaf root = {.value = {0, 0}};
+	double plain = (j->record ? SHARE_RECORDED : SHARE_PLAIN) * j->seconds, left = j->seconds - plain;
 	struct hunt h;
 	int done;
 
@@ -259,12 +291,16 @@ static void hunt_output(void *job, size_t output)
 		root.q[k] = h.rows[h.position][h.dims[k]];
 	h.split.examine = examine;
 	h.split.context = &h;
-	if (done && split_run(&h.split, &root, fmin(j->deadline, seconds_now() + j->seconds)))
-		take(&h, &j->rows[output]);
-	else
+	done = done && hunt_for(&h, j, &root, plain, &j->rows[output]);
+	if (done && j->record)
+		done = split_cuts(&h.split, &root, h.dims, j->record->q_rows, &j->record->outputs[output].errors);
+	for (int k = 0; k < h.split.dim_count && done; k++)
+		h.rows[h.position][h.dims[k]] = root.q[k];
+	if (done && h.split.dim_count)
+		done = find_caps(&h, SHARE_CAPS * left) &&
+		       hunt_for(&h, j, &root, (1 - SHARE_CAPS) * left, &j->rows[output]);
+	if (!done)
 		j->failed = 1;
-	if (!j->failed && j->record)
-		j->failed |= !split_cuts(&h.split, &root, h.dims, j->record->q_rows, &j->record->outputs[output].errors);
 	split_free(&h.split);
 	arena_free(&h.arena);
 }
@@ -282,12 +318,18 @@ static int begin(struct job *j)
 	return 1;
 }
 
-int rounding_find(struct prove_row *rows, const struct relaxed *r, const struct box *b, const struct eval_model *models, int count,
-	const struct effort *x, double seconds)
+int rounding_find(struct prove_row *rows, const struct relaxed *r, const struct box *b, const struct eval_model *models,
+	int count, const struct effort *x, double seconds)
 {
 	size_t outputs = r->view.dag.output_count, rounds = (outputs + x->threads - 1) / x->threads;
-	struct job j = {.rows = rows, .r = r, .b = b, .models = models, .count = count, .seconds = seconds / (double)(rounds ? rounds : 1),
-		.deadline = x->deadline, .record = x->record};
+	struct job j = {.rows = rows,
+		.r = r,
+		.b = b,
+		.models = models,
+		.count = count,
+		.seconds = seconds / (double)(rounds ? rounds : 1),
+		.deadline = x->deadline,
+		.record = x->record};
 
 	arena_init(&j.arena, NULL);
 	if (begin(&j))

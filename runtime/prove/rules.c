@@ -8,8 +8,8 @@ static double rounded(double unit, double tiny, double size)
 	return unit * size + tiny;
 }
 
-/* What rounding takes from exact values up to this size, where the text's are `off` by so much at most: half a unit in the last place; that
-   beside `rounded` of what they are off. */
+/* What rounding takes from exact values up to this size, where the text's are `off` by so much at most: half a unit in
+   the last place; that beside `rounded` of what they are off. */
 static double rounded_exact(const struct eval_model *m, double unit, double size, double off)
 {
 	return unit * (m->terms > 0 ? size : fmin(size, rounding_place(size * (1 + DBL_EPSILON) + off)));
@@ -25,12 +25,13 @@ static double given(const struct rules *r, uint32_t i, const struct eval_model *
 		return r->leaf[i];
 	if (n->op == OP_INPUT)
 		return m->input > 0 ? rounded(m->input, m->tiny, r->size[i]) : 0;
-	off = fabsl((m->constant ? m->constant(n->value) : (real)(double)n->value) - n->value) + (real)within_error(dag_number(r->d, n));
+	off = fabsl((m->constant ? m->constant(n->value) : (real)(double)n->value) - n->value) +
+	      (real)within_error(dag_number(r->d, n));
 	return off > 0 ? (double)off * (1 + 0x1p-40) + 2 * m->tiny : 0;
 }
 
-/* How far the angle of a sine is off: an input as memory has it is exact; what was computed is rounded to memory where arithmetic has
-   other numbers. */
+/* How far the angle of a sine is off: an input as memory has it is exact; what was computed is rounded to memory where
+   arithmetic has other numbers. */
 static double off_angle(const struct rules *r, uint32_t a, const struct eval_model *m)
 {
 	int is_leaf = r->leaf && r->leaf[a] >= 0;
@@ -61,8 +62,10 @@ static double rest_of_angle(struct rules *r, uint32_t i, const struct eval_model
 static double rest_of(struct rules *r, uint32_t i, const struct eval_model *m, double *inherited)
 {
 	const struct node *n = &r->d->nodes[i];
-	uint32_t a = op_arity[n->op] > 0 ? n->arg[0].i : 0, b = op_arity[n->op] > 1 ? n->arg[1].i : 0, c = op_arity[n->op] > 2 ? n->arg[2].i : 0;
-	double A = r->size[a], B = r->size[b], ea = r->running[a], eb = r->running[b], value = r->size[i], product = A * eb + B * ea;
+	uint32_t a = op_arity[n->op] > 0 ? n->arg[0].i : 0, b = op_arity[n->op] > 1 ? n->arg[1].i : 0,
+		 c = op_arity[n->op] > 2 ? n->arg[2].i : 0;
+	double A = r->size[a], B = r->size[b], ea = r->running[a], eb = r->running[b], value = r->size[i],
+	       product = A * eb + B * ea;
 	double rest;
 
 	switch (n->op) {

@@ -1,7 +1,7 @@
 #ifndef RUNTIME_PROVE_RULES_H
 #define RUNTIME_PROVE_RULES_H
-/* What one operation adds to the error of a text, by the largest magnitudes of its operands: the rules of dag/eval.c, for all values of
-   these sizes. */
+/* What one operation adds to the error of a text, by the largest magnitudes of its operands: the rules of dag/eval.c,
+   for all values of these sizes. */
 
 #include "dag/dag.h"
 #include "dag/eval_model.h"
@@ -18,8 +18,8 @@ struct rules {
 /* The largest angle that a sine or cosine of node `a` takes, with what it is off. */
 double rules_angle(const struct rules *r, uint32_t a, const struct eval_model *m);
 
-/* Returns what the node's error is beside what is linear in its operands' errors; INFINITY where it is not known, or overflows: gap_of (gap.h)
-   says why. */
+/* Returns what the node's error is beside what is linear in its operands' errors; INFINITY where it is not known, or
+   overflows: gap_of (gap.h) says why. */
 double rules_node(struct rules *r, uint32_t i, const struct eval_model *m);
 
 #endif

@@ -6,13 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A state, by the DAG's arguments, and what comes of it. */
-struct trial {
-	double *in[DAG_ARGUMENTS], *out[DAG_ARGUMENTS], *before;
-};
+enum { ROUNDS = 8, FRESH = 4 };
+#define STEP 0.11
+#define SHAKEN 0.25 /* of the rows, where a climb begins anew near the best so far */
 
 struct seeking {
-	const struct analysis *a;
 	const struct dag *d;
 	const struct box *b;
 	const struct eval_model *models;
@@ -24,32 +22,20 @@ struct seeking {
 	int failed;
 };
 
+/* The bound of one output in one model. */
+struct sought_bound {
+	struct seeking *s;
+	const struct eval_model *m;
+	size_t output;
+	int is_float;
+};
+
+/* By output and model, where a climb has come to so far. */
+struct top {
+	double value, *state;
+};
+
 /* ---- states ---- */
-
-static int trial_new(struct trial *t, const struct states *s)
-{
-	const struct dag *d = &s->a->dag;
-	int done;
-
-	*t = (struct trial){.before = calloc(s->size + 1, sizeof *t->before)};
-	done = t->before != NULL;
-	for (int i = 0; i < d->argument_count; i++) {
-		double *rows = calloc((size_t)d->arguments[i].rows + 1, sizeof *rows);
-
-		*(d->arguments[i].is_output ? &t->out[i] : &t->in[i]) = rows;
-		done &= rows != NULL;
-	}
-	return done;
-}
-
-static void trial_free(struct trial *t)
-{
-	free(t->before);
-	for (int i = 0; i < DAG_ARGUMENTS; i++) {
-		free(t->in[i]);
-		free(t->out[i]);
-	}
-}
 
 /* Within the range, and a number that the text's memory has where the range has one. */
 static double fit(struct interval r, double x, int is_float)
@@ -71,7 +57,7 @@ static int has_floats(const struct eval_model *m)
 	return m->input == 0 && (m->store_largest < 1e300 || m->largest < 1e300);
 }
 
-static void fit_all(const struct seeking *s, struct trial *t, int is_float)
+static void fit_all(const struct seeking *s, const struct states_room *t, int is_float)
 {
 	for (int i = 0; i < s->d->argument_count; i++)
 		for (int r = 0; r < s->d->arguments[i].rows && t->in[i]; r++)
@@ -81,62 +67,31 @@ static void fit_all(const struct seeking *s, struct trial *t, int is_float)
 
 /* ---- uphill ---- */
 
-static double bound_at(struct seeking *s, struct trial *t, const struct eval_model *m, size_t output)
+static void fit_state(void *context, struct states_room *t)
 {
-	const struct output *o = &s->d->outputs[output];
+	const struct sought_bound *b = context;
 
-	if (!eval_bound(s->d, m, (const double *const *)t->in, t->out))
-		s->failed = 1;
-	return isfinite(t->out[o->argument][o->row]) ? t->out[o->argument][o->row] : 0;
+	fit_all(b->s, t, b->is_float);
 }
 
-static void keep(const struct seeking *s, struct trial *t)
+static double bound_at(void *context, struct states_room *t)
 {
-	for (int i = 0; i < s->d->argument_count; i++)
-		if (t->in[i])
-			memcpy(t->before + s->states.at[i], t->in[i], (size_t)s->d->arguments[i].rows * sizeof *t->before);
+	const struct sought_bound *b = context;
+	const struct output *o = &b->s->d->outputs[b->output];
+
+	if (!eval_bound(b->s->d, b->m, (const double *const *)t->in, t->outs))
+		b->s->failed = 1;
+	return isfinite(t->outs[o->argument][o->row]) ? t->outs[o->argument][o->row] : 0;
 }
 
-static void put_back(const struct seeking *s, struct trial *t)
-{
-	for (int i = 0; i < s->d->argument_count; i++)
-		if (t->in[i])
-			memcpy(t->in[i], t->before + s->states.at[i], (size_t)s->d->arguments[i].rows * sizeof *t->before);
-}
-
-static double climb(struct seeking *s, struct trial *t, int model, size_t output, int rounds)
-{
-	const struct eval_model *m = &s->models[model];
-	int is_float = has_floats(m);
-	double best = bound_at(s, t, m, output), step = 0.11;
-
-	for (int round = 0; round < rounds; round++, step *= round % 2 ? -1 : -0.6)
-		for (int i = 0; i < s->d->argument_count; i++)
-			for (int r = 0; r < s->d->arguments[i].rows && t->in[i]; r++) {
-				double now;
-
-				if (!(s->b->rows[i][r].lower < s->b->rows[i][r].upper) || seconds_now() > s->deadline)
-					continue;
-				keep(s, t);
-				states_move(&s->states, t->in, i, r, step);
-				fit_all(s, t, is_float);
-				now = bound_at(s, t, m, output);
-				if (now > best)
-					best = now;
-				else
-					put_back(s, t);
-			}
-	return best;
-}
-
-static void take_model(struct seeking *s, struct trial *t, int model, double *best)
+static void take_model(struct seeking *s, struct states_room *t, int model, double *best)
 {
 	const struct eval_model *m = &s->models[model];
 
-	if (!eval_bound(s->d, m, (const double *const *)t->in, t->out))
+	if (!eval_bound(s->d, m, (const double *const *)t->in, t->outs))
 		s->failed = 1;
 	for (size_t o = 0; o < s->d->output_count; o++) {
-		double x = t->out[s->d->outputs[o].argument][s->d->outputs[o].row];
+		double x = t->outs[s->d->outputs[o].argument][s->d->outputs[o].row];
 
 		if (isfinite(x))
 			best[o * PROVE_PRECISIONS + (size_t)model] = fmax(best[o * PROVE_PRECISIONS + (size_t)model], x);
@@ -144,28 +99,78 @@ static void take_model(struct seeking *s, struct trial *t, int model, double *be
 }
 
 /* A state that is bad for a type is so for others too, and is one of theirs where it is of floats, or they are of doubles. */
-static void take(struct seeking *s, struct trial *t, int model, double *best)
+static void take(struct seeking *s, struct states_room *t, int model, double *best)
 {
 	for (int k = 0; k < s->count; k++)
 		if (k == model || has_floats(&s->models[model]) || !has_floats(&s->models[k]))
 			take_model(s, t, k, best);
 }
 
-static void take_found(const struct seeking *s, const double *state, struct trial *t)
+/* Some rows of it, anywhere. */
+static void shake(const struct states *s, const struct states_room *t, unsigned short seed[3])
 {
-	for (int i = 0; i < s->d->argument_count; i++)
-		if (t->in[i])
-			memcpy(t->in[i], state + s->states.at[i], (size_t)s->d->arguments[i].rows * sizeof *state);
+	for (int i = 0; i < s->a->dag.argument_count; i++)
+		for (int r = 0; r < s->a->dag.arguments[i].rows && t->in[i]; r++)
+			if (states_is_free(s, i, r) && erand48(seed) < SHAKEN)
+				states_move(s, t->in, i, r, erand48(seed) - 0.5);
 }
 
-/* The numbers of a job go through outputs, models, and starts: twice the states found, then others. */
+static void put_start(const struct seeking *s, struct states_room *t, const struct top *top, size_t output, int start,
+	unsigned short seed[3])
+{
+	states_draw(&s->states, t->in, seed);
+	if (start < 2)
+		memcpy(t->state, s->found[output][start], t->size);
+	if (start < FRESH || start % 3 == 0 || !(top->value > 0))
+		return;
+	memcpy(t->state, top->state, t->size);
+	shake(&s->states, t, seed);
+}
+
+static void climb(struct seeking *s, struct states_room *t, struct top *top, size_t output, int model, int start,
+	unsigned short seed[3], double *best)
+{
+	struct sought_bound of = {s, &s->models[model], output, has_floats(&s->models[model])};
+	int rounds = start < FRESH ? ROUNDS : 2 * ROUNDS;
+	double value;
+
+	put_start(s, t, top, output, start, seed);
+	fit_all(s, t, of.is_float);
+	take(s, t, model, best);
+	value = states_climb(&s->states, t, &(struct states_climb){bound_at, fit_state, &of, STEP, rounds, s->deadline});
+	take(s, t, model, best);
+	if (value > top->value) {
+		top->value = value;
+		memcpy(top->state, t->state, t->size);
+	}
+}
+
+/* In one block. */
+static struct top *tops_new(const struct seeking *s)
+{
+	size_t count = s->d->output_count * (size_t)s->count, rows = s->states.size + 1;
+	struct top *tops = calloc(count, sizeof *tops);
+	double *states = calloc(count * rows, sizeof *states);
+
+	for (size_t i = 0; tops && states && i < count; i++)
+		tops[i].state = states + i * rows;
+	if (tops && states)
+		return tops;
+	free(tops);
+	free(states);
+	return NULL;
+}
+
+/* The numbers of a job go through outputs, models, and starts: twice the states found, then others, some of them near
+ * the best so far. */
 static void seek(void *job, size_t piece)
 {
 	struct seeking *s = job;
 	double *best = s->best + piece * s->d->output_count * PROVE_PRECISIONS;
 	unsigned short seed[3] = {(unsigned short)piece, 7, 19};
-	struct trial t;
-	int done = trial_new(&t, &s->states);
+	struct states_room t;
+	struct top *tops = tops_new(s);
+	int done = states_room_make(&t, &s->states) && tops;
 
 	for (int model = 0; model < s->count && done; model++) {
 		states_draw(&s->states, t.in, seed);
@@ -175,25 +180,20 @@ static void seek(void *job, size_t piece)
 	for (size_t i = piece; done && !s->failed && seconds_now() < s->deadline; i += s->pieces) {
 		size_t output = i % s->d->output_count;
 		int model = (int)(i / s->d->output_count) % s->count, start = (int)(i / s->d->output_count) / s->count;
-		const struct eval_model *m = &s->models[model];
 
-		states_draw(&s->states, t.in, seed);
-		if (start < 2)
-			take_found(s, s->found[output][start], &t);
-		fit_all(s, &t, has_floats(m));
-		take(s, &t, model, best);
-		climb(s, &t, model, output, 8);
-		take(s, &t, model, best);
+		climb(s, &t, &tops[output * (size_t)s->count + (size_t)model], output, model, start, seed, best);
 	}
 	s->failed |= !done;
-	trial_free(&t);
+	free(tops ? tops->state : NULL);
+	free(tops);
+	states_room_free(&t);
 }
 
 int seek_errors(struct prove_row *rows, const struct analysis *a, const struct box *b, const struct eval_model *models, int count,
 	double *const (*found)[2], const struct effort *x, double seconds)
 {
-	struct seeking s = {.a = a, .d = &a->dag, .b = b, .models = models, .count = count, .found = found,
-		 .deadline = fmin(x->deadline, seconds_now() + seconds), .pieces = x->threads};
+	struct seeking s = {.d = &a->dag, .b = b, .models = models, .count = count, .found = found,
+		.deadline = fmin(x->deadline, seconds_now() + seconds), .pieces = x->threads};
 	size_t size = s.d->output_count * PROVE_PRECISIONS;
 
 	states_of(&s.states, a, b);
@@ -204,7 +204,8 @@ int seek_errors(struct prove_row *rows, const struct analysis *a, const struct b
 	for (size_t p = 0; p < s.pieces; p++)
 		for (size_t o = 0; o < s.d->output_count; o++)
 			for (int k = 0; k < count; k++)
-				rows[o].error_found[k] = fmax(rows[o].error_found[k], s.best[p * size + o * PROVE_PRECISIONS + (size_t)k]);
+				rows[o].error_found[k] = fmax(
+					rows[o].error_found[k], s.best[p * size + o * PROVE_PRECISIONS + (size_t)k]);
 	free(s.best);
 	return !s.failed;
 }

@@ -60,7 +60,9 @@ void states_draw(const struct states *s, double *const *in, unsigned short seed[
 
 			if (s->a->dag.arguments[i].role != ROLE_JOINT_POSITION)
 				at = at > 0.5;
-			in[i][r] = has_range(s, i, r) ? s->b->rows[i][r].lower + at * (s->b->rows[i][r].upper - s->b->rows[i][r].lower) : 0;
+			in[i][r] = has_range(s, i, r) ? s->b->rows[i][r].lower +
+								at * (s->b->rows[i][r].upper - s->b->rows[i][r].lower)
+						      : 0;
 		}
 	states_settle(s, in);
 }
@@ -85,7 +87,8 @@ static void take_row(const struct states *s, const struct relaxed *r, const stru
 		in[row->argument][row->row] = q / row->factor;
 }
 
-void states_take(const struct states *s, const struct relaxed *r, const struct field *f, const struct sought *found, double *const *in)
+void states_take(const struct states *s, const struct relaxed *r, const struct field *f, const struct sought *found,
+	double *const *in)
 {
 	for (int k = 0; k < f->dim_count; k++)
 		take_row(s, r, &f->dims[k], found->q[k], in);

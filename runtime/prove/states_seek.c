@@ -16,20 +16,22 @@ struct seeking {
 	int failed;
 };
 
-/* What one thread works in. */
-struct room {
-	double *state, *before, *out, *in[DAG_ARGUMENTS], *outs[DAG_ARGUMENTS];
+/* The value of an output, uphill or downhill. */
+struct side {
+	struct seeking *k;
+	size_t output;
+	int sign;
 };
 
-static int room_make(struct room *r, const struct states *s)
+int states_room_make(struct states_room *r, const struct states *s)
 {
 	const struct dag *d = &s->a->dag;
 	size_t outs = 0;
 
 	for (int i = 0; i < d->argument_count; i++)
 		outs += d->arguments[i].is_output ? (size_t)d->arguments[i].rows : 0;
-	*r = (struct room){.state = calloc(s->size + 1, sizeof(double)), .before = calloc(s->size + 1, sizeof(double)),
-		.out = calloc(outs + 1, sizeof(double))};
+	*r = (struct states_room){.state = calloc(s->size + 1, sizeof(double)), .before = calloc(s->size + 1, sizeof(double)),
+		.out = calloc(outs + 1, sizeof(double)), .size = s->size * sizeof(double)};
 	if (!r->state || !r->before || !r->out)
 		return 0;
 	states_point(s, r->state, r->in);
@@ -42,60 +44,72 @@ static int room_make(struct room *r, const struct states *s)
 	return 1;
 }
 
-static void room_free(struct room *r)
+void states_room_free(struct states_room *r)
 {
 	free(r->state);
 	free(r->before);
 	free(r->out);
 }
 
-static double value_at(struct seeking *k, struct room *r, size_t output)
+static double go_round(const struct states *s, struct states_room *r, const struct states_climb *c, double best, double step)
 {
-	const struct output *o = &k->s->a->dag.outputs[output];
-
-	k->failed |= !eval_f64(&k->s->a->dag, (const double *const *)r->in, r->outs, NULL);
-	return r->outs[o->argument][o->row];
-}
-
-static double go_round(struct seeking *k, struct room *r, size_t output, int sign, double best, double step)
-{
-	const struct dag *d = &k->s->a->dag;
+	const struct dag *d = &s->a->dag;
 
 	for (int i = 0; i < d->argument_count; i++)
 		for (int row = 0; row < d->arguments[i].rows && r->in[i]; row++) {
 			double now;
 
-			if (!states_is_free(k->s, i, row) || seconds_now() > k->deadline)
+			if (!states_is_free(s, i, row) || seconds_now() > c->deadline)
 				continue;
-			memcpy(r->before, r->state, k->s->size * sizeof *r->state);
-			states_move(k->s, r->in, i, row, step);
-			now = value_at(k, r, output);
-			if (sign * now > sign * best)
+			memcpy(r->before, r->state, r->size);
+			states_move(s, r->in, i, row, step);
+			if (c->fit)
+				c->fit(c->context, r);
+			now = c->value(c->context, r);
+			if (now > best)
 				best = now;
 			else
-				memcpy(r->state, r->before, k->s->size * sizeof *r->state);
+				memcpy(r->state, r->before, r->size);
 		}
 	return best;
 }
 
-/* From the state that is there, and from another. */
-static void seek_side(struct seeking *k, struct room *r, size_t output, int side, unsigned short seed[3])
+double states_climb(const struct states *s, struct states_room *r, const struct states_climb *c)
 {
-	int sign = side ? 1 : -1;
+	double best = c->value(c->context, r), step = c->step;
+
+	for (int round = 0; round < c->rounds && seconds_now() < c->deadline; round++, step *= round % 2 ? -1 : -0.6)
+		best = go_round(s, r, c, best, step);
+	return best;
+}
+
+static double value_at(void *context, struct states_room *r)
+{
+	const struct side *side = context;
+	const struct dag *d = &side->k->s->a->dag;
+	const struct output *o = &d->outputs[side->output];
+
+	side->k->failed |= !eval_f64(d, (const double *const *)r->in, r->outs, NULL);
+	return side->sign * r->outs[o->argument][o->row];
+}
+
+/* From the state that is there, and from another. */
+static void seek_side(struct seeking *k, struct states_room *r, size_t output, int side, unsigned short seed[3])
+{
+	struct side of = {k, output, side ? 1 : -1};
+	const struct states_climb c = {value_at, NULL, &of, 0.17, ROUNDS, k->deadline};
 
 	for (int start = 0; start < 2; start++) {
-		double value, step = 0.17;
+		double value;
 
 		if (start)
 			states_draw(k->s, r->in, seed);
 		else
-			memcpy(r->state, k->best[output][side], k->s->size * sizeof *r->state);
-		value = value_at(k, r, output);
-		for (int round = 0; round < ROUNDS && seconds_now() < k->deadline; round++, step *= round % 2 ? -1 : -0.6)
-			value = go_round(k, r, output, sign, value, step);
-		if (start == 0 || sign * value > sign * k->values[output][side]) {
-			k->values[output][side] = value;
-			memcpy(k->best[output][side], r->state, k->s->size * sizeof *r->state);
+			memcpy(r->state, k->best[output][side], r->size);
+		value = states_climb(k->s, r, &c);
+		if (start == 0 || value > of.sign * k->values[output][side]) {
+			k->values[output][side] = of.sign * value;
+			memcpy(k->best[output][side], r->state, r->size);
 		}
 		if (seconds_now() > k->deadline)
 			return;
@@ -106,14 +120,14 @@ static void seek(void *job, size_t output)
 {
 	struct seeking *k = job;
 	unsigned short seed[3] = {(unsigned short)output, 5, 23};
-	struct room r;
+	struct states_room r;
 
-	if (room_make(&r, k->s))
+	if (states_room_make(&r, k->s))
 		for (int side = 0; side < 2; side++)
 			seek_side(k, &r, output, side, seed);
 	else
 		k->failed = 1;
-	room_free(&r);
+	states_room_free(&r);
 }
 
 int states_seek(const struct states *s, double (*values)[2], double *(*best)[2], const struct effort *x, double seconds)

@@ -43,7 +43,7 @@ static int sum_of(const struct twins_of *h, uint32_t i, struct trig_term *a, str
 
 static void add_product(const struct twins_of *h, struct view *v, uint32_t i, uint32_t k, struct ref x)
 {
-	struct twins t = {i, k, 0, norms_pair(&v->norms, h->x->slope[i].i, h->x->slope[k].i), x.i};
+	struct twins t = {i, k, 0, norms_pair(&v->norms, h->x->slope[i].i, h->x->slope[k].i), x.i, {0}};
 
 	if (t.slopes)
 		v->products[v->product_count++] = t;
@@ -52,7 +52,7 @@ static void add_product(const struct twins_of *h, struct view *v, uint32_t i, ui
 static void add_sum(const struct twins_of *h, struct view *v, uint32_t i, uint32_t k)
 {
 	struct twins t = {i, k, norms_pair(&v->norms, h->x->value[i].i, h->x->value[k].i),
-		norms_pair(&v->norms, h->x->slope[i].i, h->x->slope[k].i), 0};
+		norms_pair(&v->norms, h->x->slope[i].i, h->x->slope[k].i), 0, {0}};
 
 	if (t.slopes && t.values)
 		v->sums[v->sum_count++] = t;
@@ -60,9 +60,9 @@ static void add_sum(const struct twins_of *h, struct view *v, uint32_t i, uint32
 
 static void add_angle(const struct twins_of *h, struct view *v, uint32_t i, uint32_t k)
 {
-	struct twins t = {i, k, 0, norms_pair(&v->norms, h->x->slope[i].i, h->x->slope[k].i), 0};
+	struct twins t = {i, k, 0, norms_pair(&v->norms, h->x->slope[i].i, h->x->slope[k].i), 0, {0}};
 
-	if (t.slopes)
+	if (t.slopes && shares_find(&t.shares, &v->norms, h->d, h->x, k, i, h->arena))
 		v->angles[v->angle_count++] = t;
 }
 
@@ -84,7 +84,8 @@ int twins_find(struct view *v, const struct dag *d, const struct adjoint *x, str
 	v->sums = arena_alloc(h->arena, h->x->count, sizeof *v->sums);
 	for (uint32_t i = 0; i < h->x->count && !h->arena->failed; i++)
 		for (uint32_t k = i + 1; k < h->x->count && product_of(h, i, &a) && !(taken[i] & 1); k++)
-			if (!(taken[k] & 1) && product_of(h, k, &p) && a.angle == p.angle && a.is_sine != p.is_sine && a.other.i == p.other.i) {
+			if (!(taken[k] & 1) && product_of(h, k, &p) && a.angle == p.angle && a.is_sine != p.is_sine &&
+				a.other.i == p.other.i) {
 				taken[i] |= 1;
 				taken[k] |= 1;
 				add_product(h, v, i, k, a.other);
@@ -92,7 +93,8 @@ int twins_find(struct view *v, const struct dag *d, const struct adjoint *x, str
 	for (uint32_t i = 0; i < h->x->count && !h->arena->failed; i++)
 		for (uint32_t k = i + 1; k < h->x->count && sum_of(h, i, &a, &b) && !(taken[i] & 2); k++)
 			if (!(taken[k] & 2) && sum_of(h, k, &p, &q) && a.angle == p.angle &&
-				((a.other.i == q.other.i && b.other.i == p.other.i) || (a.other.i == p.other.i && b.other.i == q.other.i))) {
+				((a.other.i == q.other.i && b.other.i == p.other.i) ||
+					(a.other.i == p.other.i && b.other.i == q.other.i))) {
 				taken[i] |= 2;
 				taken[k] |= 2;
 				add_sum(h, v, i, k);
