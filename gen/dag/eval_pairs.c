@@ -121,10 +121,11 @@ double pairs_head(double x)
 	return x;
 }
 
-/* What a text has for x, which it knows but for `off`, rounded to a float; mostly that is certain, and then the error is forgotten. */
+/* What a text has for x, which it knows but for `off`, rounded to a float; mostly that is certain, and then the error is forgotten.
+   OWN twice: x and the two ends are rounded. */
 static struct known rounded(double x, double off)
 {
-	double most = off + OWN * fabs(x), low = (double)(float)(x - most), high = (double)(float)(x + most);
+	double most = off + 2 * OWN * fabs(x), low = (double)(float)(x - most), high = (double)(float)(x + most);
 
 	return low == high ? (struct known){low, 0} : (struct known){x, most + float_rounding(fabs(x) + most)};
 }
@@ -265,5 +266,5 @@ double pairs_turn(const struct eval_model *m, int is_sine, double angle, double 
 	y = (quarter == 1 || quarter == 3) == is_sine ? cosine_of(m, y) : sine_of(m, y);
 	sign = quarter >= 2 - !is_sine && quarter <= 2 + is_sine ? -1 : 1;
 	*left_out = value - sign * y.hi - sign * y.lo;
-	return y.off + OWN * fabs(value) + DBL_EPSILON * fabs(*left_out);
+	return y.off + OWN * fabs(value) + DBL_EPSILON * fabs(*left_out) + m->tiny; /* tiny: floats below the normal ones */
 }

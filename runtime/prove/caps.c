@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "prove/caps.h"
 #include "core/seconds.h"
+#include <math.h>
 
 enum { PARTS = 48 };
 
@@ -11,10 +12,11 @@ struct capping {
 	double *value, *norm;       /* the largest in the parts that were looked at */
 };
 
+/* What is unknown in a part is unknown in all of them. */
 static void take_larger(double *most, double x)
 {
 	if (!(x <= *most))
-		*most = x;
+		*most = x > *most ? x : (double)INFINITY;
 }
 
 static void look(struct capping *h, const struct interval *const *rows)

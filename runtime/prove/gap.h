@@ -6,7 +6,7 @@
 #include "prove/rules.h"
 
 /* At a node where rules_node has gone through: its value and error are more than the arithmetic holds, or its error is
- * not known. */
+   not known. */
 struct prove_gap gap_of(const struct rules *r, uint32_t node, const struct eval_model *m);
 
 /* The first that is met is kept. Returns INFINITY. */

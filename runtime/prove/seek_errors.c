@@ -162,7 +162,7 @@ static struct top *tops_new(const struct seeking *s)
 }
 
 /* The numbers of a job go through outputs, models, and starts: twice the states found, then others, some of them near
- * the best so far. */
+   the best so far. */
 static void seek(void *job, size_t piece)
 {
 	struct seeking *s = job;

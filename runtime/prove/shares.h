@@ -22,7 +22,7 @@ struct shares {
 };
 
 /* Of all that reads these nodes of the text's DAG, before v->norms is laid. The list lives in `arena`. Returns 0 when
- * memory runs out. */
+   memory runs out. */
 int shares_find(struct shares *t, struct norms *norms, const struct dag *d, const struct adjoint *x, uint32_t cosine,
 	uint32_t sine, struct arena *arena);
 

@@ -11,8 +11,7 @@
 struct twins {
 	uint32_t one, other;     /* nodes of the text's DAG */
 	uint32_t values, slopes; /* sets of norms.h; values 0: their norm is 1 */
-	uint32_t x; /* of products: the node x of the adjoint's DAG, whose magnitude stands for the values' norm; else 0
-		     */
+	uint32_t x; /* of products: the node x of the adjoint's DAG, whose magnitude stands for the values' norm; else 0 */
 	struct shares shares;      /* of angles */
 };
 

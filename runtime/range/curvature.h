@@ -7,7 +7,7 @@
 
 struct curvature {
 	double *most; /* [output][dim]: |d2f / dq_k^2| is nowhere above */
-	double speed; /* seconds of one evaluation, over all threads */
+	double speed; /* seconds of one point, evaluated or by knots, over all threads */
 };
 
 /* Where it begins, by output: all values over all angles; the largest magnitude that was found; [output][dim] bounds of what is looked

@@ -9,7 +9,8 @@
 #include "range/box.h"
 #include "relax/relax.h"
 
-enum { FIELD_DIMS = 64, FIELD_VECTOR = 8, FIELD_BALLS = RELAXED_BALLS };
+/* FIELD_DEGREE: of a polynomial in a sine and cosine that a grid is made for. */
+enum { FIELD_DEGREE = 12, FIELD_DIMS = 64, FIELD_VECTOR = 8, FIELD_BALLS = RELAXED_BALLS };
 
 /* Before a function with vectors: it is compiled for several widths of them. */
 #if defined __x86_64__ && defined __GNUC__ && !defined __clang__ && !defined __SANITIZE_ADDRESS__ && !defined __SANITIZE_THREAD__

@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* Grids of more dimensions, or of functions with more waves, are too large. */
-enum { GRID_DIMS = 12, MOST_DEGREE = 12 };
+enum { GRID_DIMS = 12 };
 
 /* What is known of a node. */
 struct mark {
@@ -227,7 +227,7 @@ static void describe(const struct splitter *s, struct field *f, struct field_dim
 
 	k->is_circle = k->is_angle && k->upper - k->lower >= 6.283185307179586;
 	k->degree = (s->d->arguments[s->d->outputs[f->outputs[0]].argument].role == ROLE_GRAVITY_TORQUE ? 1 : 2) * (k->is_angle ? row->turns : 1);
-	f->has_grid &= row->has_grid && k->degree <= MOST_DEGREE;
+	f->has_grid &= row->has_grid && k->degree <= FIELD_DEGREE;
 }
 
 static enum rneagen_code collect(const struct splitter *s, struct field *f)

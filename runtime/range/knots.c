@@ -71,7 +71,7 @@ double knots_off(const struct knots *k, int output, const double *spread)
 
 	for (int l = 0; l < k->f->dim_count; l++)
 		all *= fmax(1, spread[l]);
-	return all * (k->f->noise[output] + 0x1p-31 * k->size[output]) * (1 + 0x1p-40);
+	return all * (k->f->noise[output] + 0x1p-31 * (k->size[output] + k->f->noise[output])) * (1 + 0x1p-40);
 }
 
 /* ---- values ---- */

@@ -14,7 +14,7 @@
 enum { PIECES = 4 };
 
 /* Of a circle of the highest degree that grids have. */
-enum { MOST_KNOTS = 32 };
+enum { MOST_KNOTS = 2 * FIELD_DEGREE + 1 };
 
 /* No wider than registers of AVX2: compilers keep wider sums in memory. */
 enum { FOUR = 4 };

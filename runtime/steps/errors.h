@@ -25,7 +25,7 @@ struct errors {
 	struct twins *twins;
 	size_t twin_count;
 	double *off;             /* by node of the DAG: how far what is computed is from the exact value */
-	double *product, *sum;   /* what the rounding of a product, and of a sum, sine or cosine, takes from the exact value */
+	double *product, *sum;   /* what the rounding of a product, and of a sum, sine or cosine, takes from the exact value; of these also what the angle is off */
 };
 
 struct box_bound {

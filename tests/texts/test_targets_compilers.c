@@ -1,7 +1,6 @@
 /* A few robots by every compiler setting, in every precision, layout and trigonometry mode: each pair of a setting and an option,
    and where all is asked for of a robot and each of these too. Once found: what a compiler in its own dialect joins. */
 #define _POSIX_C_SOURCE 200809L
-#include "support/exhaustive.h"
 #include "support/pairs.h"
 #include "support/suite.h"
 #include "target/target_check.h"
@@ -28,7 +27,7 @@ static const struct setting SETTINGS[] = {
 };
 
 enum { SETTING_COUNT = sizeof SETTINGS / sizeof *SETTINGS, STATES = 300, SEED = 21, ROBOT_COUNT = 9 };
-enum { SETTING, PRECISION, LAYOUT, TRIG, ROBOT }; /* columns of the table; the last where all is asked for */
+enum { SETTING, PRECISION, LAYOUT, TRIG, COLUMNS }; /* columns of the table */
 
 static struct worst worst[2];
 
@@ -74,15 +73,13 @@ static const struct robot_choice ROBOTS[ROBOT_COUNT] = {{"iiwa14", RNEAGEN_FIXED
 	{"floating_joint", RNEAGEN_FIXED}, {"prismatic_skew", RNEAGEN_FIXED}, {"all_zero_torque", RNEAGEN_FIXED},
 	{"odd_names", RNEAGEN_FIXED}};
 
-/* Compilers take long to optimise the texts of these two: of others, in turn, unless all is asked for; -O3 takes up to
-   a minute over odd_names, whose names are no matter to it. */
+/* Compilers take long to optimise the texts of these two: of others, in turn, but at
+   -O0. */
 static const struct robot_choice *robot_of(const struct pairs *p, int i)
 {
 	const char *level = SETTINGS[p->rows[i][SETTING]].compiler.flags[0];
 	int is_quick = !strcmp(level, "-O0"), robot = i % ROBOT_COUNT;
 
-	if (p->factors > ROBOT)
-		return &ROBOTS[p->rows[i][ROBOT] == 8 && !strcmp(level, "-O3") ? 7 : p->rows[i][ROBOT]];
 	return &ROBOTS[is_quick ? robot : robot == 1 ? 3 : robot == 8 ? 7 : robot];
 }
 
@@ -111,7 +108,7 @@ static void check_row(const struct setting *setting, const int *row, const struc
 
 START_TEST(setting)
 {
-	struct pairs p = {.factors = exhaustive() ? 5 : 4, .levels = {SETTING_COUNT, 2, 2, 3, ROBOT_COUNT}};
+	struct pairs p = {.factors = COLUMNS, .levels = {SETTING_COUNT, 2, 2, 3}};
 	const struct setting *s = &SETTINGS[_i];
 	char what[64];
 

@@ -240,7 +240,7 @@ START_TEST(other_robots)
 	struct tour tour = {.step = exhaustive() ? 2 : 3};
 
 	for_each_urdf(TEST_DIR "/robots", check_robot, &tour);
-	tour.step = 2;
+	tour.step = 4;
 	if (exhaustive() && folder)
 		for_each_urdf(folder, check_robot, &tour);
 	else if (exhaustive())

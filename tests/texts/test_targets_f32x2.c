@@ -137,7 +137,7 @@ static void check_own(const char *path, const char *file, void *context)
 	(void)path;
 	snprintf(name, sizeof name, "%.*s", (int)(strlen(file) - 5), file);
 	for (int base = RNEAGEN_FIXED, only = s->turn / 3 % 2; base <= RNEAGEN_FLOATING; base++)
-		if (exhaustive() || base == only)
+		if (base == only)
 			check_robot(name, (enum rneagen_base)base, &quick, s->turn++, &worst);
 	printf("%-20s %.1e\n", name, worst.norm);
 	worst_merge(&s->worst, &worst);
