@@ -6,7 +6,7 @@
 #include "passes/analysis.h"
 #include "plan/limb_limits.h"
 #include "plan/parts.h"
-#include "plan/segment_limits.h"
+#include "plan/segments.h"
 #include "tell/dot.h"
 #include "tell/dump.h"
 #include "tell/effect.h"
@@ -136,7 +136,7 @@ static enum rneagen_code plan_build_all(struct generation *g)
 		if (!plan_build(&g->passes[i].plan, &g->passes[i].dag, &a->tree, a->arena))
 			return error_memory(a->error);
 	}
-	return plan_order(&g->passes[0], &a->tree, &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
+	return plan_order(&g->passes[0], &a->tree, &a->request, &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }
 
 /* The last that needs the DAG as it was before it was fused. */

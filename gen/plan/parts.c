@@ -91,17 +91,22 @@ static int fullness_of(struct splitter *s, int first, int end)
 	return most < MOST ? (int)most : MOST;
 }
 
+static double within(double x, double most)
+{
+	return x < 0 ? 0 : x > most ? most : x;
+}
+
 /* The same of texts of forward dynamics, which are longer. H100, qdd and both gradients, 1 M samples, ns beside the number of parts,
-   f32: floating hyq, 1 to 5 parts 6.5 4.8 2.5 2.8 2.9, atlas, 4 to 6, 8, 10 and 12 parts 7.0 7.5 6.4 6.1 6.1 6.3; f64, where what waits is
+   f32: floating hyq, 1 to 5 parts 6.5 4.8 2.5 2.8 2.9; atlas, 4 to 8, 10 and 12 parts 7.0 7.5 6.4 5.5 6.1 6.1 6.3, by base parameters
+   4 to 9 parts 6.7 6.9 5.1 4.2 4.2 4.7; g1_29dof, 4 and 6 parts 6.6 7.5: what this says is off by 12 % (rms). f64, where what waits is
    spilled to memory: panda, 1 to 3 parts 1.83 0.93 1.00, iiwa14 0.43 0.56 0.71, atlas, 4, 6, 8 and 12 parts 24.6 31.4 32.0 33.6. */
 static double forward_loss_of(const struct splitter *s, const struct size *z)
 {
 	int is_single = s->o->precision == RNEAGEN_F32;
-	double longer = (z->operations - OPERATIONS) / (is_single ? 5000.0 : 8000.0), more = (double)z->alive / most_alive(s) - 1;
+	double longer = (z->operations - OPERATIONS) / (is_single ? 4000.0 : 8000.0);
+	double more = is_single ? (z->alive - 317) / 48.0 : 2.4 * ((double)z->alive / ALIVE_DOUBLE - 1);
 
-	longer = longer < 0 ? 0 : longer > 2 ? 2 : longer;
-	more = more < 0 ? 0 : more > 1 ? 1 : more;
-	return (1 + longer) * (1 + (is_single ? 0.8 : 2.4) * more);
+	return (1 + within(longer, is_single ? 1.75 : 2)) * (1 + within(more, is_single ? 7 : 2.4));
 }
 
 /* How many times as much an operation of such a part takes as one of a part that loses nothing. H100, both gradients, us
@@ -115,9 +120,8 @@ static double loss_of(const struct splitter *s, const struct size *z)
 		return forward_loss_of(s, z);
 	double longer = (z->operations - OPERATIONS) / 2000.0, more = (double)z->alive / most_alive(s) - 1;
 
-	longer = longer < 0 ? 0 : longer > 1 ? 1 : longer;
-	more = more < 0 ? 0 : more > 0.6 ? 0.6 : more; /* nothing was measured beyond */
-	return (1 + 1.5 * longer) * (1 + 0.8 * more);
+	/* nothing was measured beyond 0.6 */
+	return (1 + 1.5 * within(longer, 1)) * (1 + 0.8 * within(more, 0.6));
 }
 
 static double cost_of(struct splitter *s, int first, int end)

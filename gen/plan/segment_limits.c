@@ -1,4 +1,4 @@
-#include "plan/segment_limits.h"
+#include "plan/segments.h"
 #include "plan/owners.h"
 #include "plan/stage.h"
 #include <limits.h>

@@ -5,6 +5,8 @@
    again. */
 
 #include "plan/plan.h"
+#include "request/request.h"
+#include "rneagen.h"
 
 struct segment_limits {
 	unsigned operations; /* of a segment */
@@ -15,6 +17,14 @@ struct segment_limits {
 /* Cut where the fewest values are fetched and kept, within the limits as far as one line allows. Values of the plan's
    two types of numbers have slots of their own. Returns 0 when memory runs out. */
 int segments_make(struct segments *s, const struct plan *p, const struct segment_limits *limits, struct arena *a);
+
+/* What a pass is to become. */
+enum segment_use { SEGMENT_NONE, SEGMENT_LOOPS, SEGMENT_KERNEL };
+
+/* Make p->segments as the options ask for, or where that pays (segment_limits.c). Without loops or a kernel of its own a pass stays
+   whole. Returns 0 when memory runs out. */
+int segments_choose(struct pass *p, enum segment_use use, const struct request *k, const struct rneagen_options *o,
+	struct arena *a);
 
 /* A line for each segment of the pass, or for the whole where there are none. */
 void segments_dump(const struct pass *p, struct text *out);
