@@ -150,7 +150,9 @@ static const char *prefetch_text(const struct emission *e, const struct pass *p)
 	struct text t;
 
 	text_init(&t, e->arena);
-	for (int i = 0; i < p->dag.argument_count && p == emit_main(e) && emit_is_prefetched(e); i++) {
+	if (p != emit_main(e) || !emit_is_prefetched(e))
+		return text_string(&t);
+	for (int i = 0; i < p->dag.argument_count; i++) {
 		const struct argument *a = &p->dag.arguments[i];
 
 		if (!a->is_output && !a->per_batch)
