@@ -62,18 +62,19 @@ static int is_less(struct waiting a, struct waiting b)
 	return a.spilled != b.spilled ? a.spilled < b.spilled : a.sum < b.sum;
 }
 
-/* Leaves the lines in the order in which fewer values wait. */
-static struct waiting write_best(struct orderer *x, size_t room)
+/* Leaves the lines in the order in which fewer values wait, of the first so many. */
+static struct waiting write_best(struct orderer *x, int ways, size_t room)
 {
 	struct waiting found[ORDER_WAYS];
-	enum order_way best = 0;
+	int best = 0;
 
-	for (enum order_way way = 0; way < ORDER_WAYS; way++) {
-		order_write(x, way);
+	for (int way = 0; way < ways; way++) {
+		order_write(x, (enum order_way)way);
 		found[way] = waiting_in(x, x->order, room);
 		best = is_less(found[way], found[best]) ? way : best;
 	}
-	order_write(x, best);
+	if (best < ways - 1)
+		order_write(x, (enum order_way)best);
 	return found[best];
 }
 
@@ -152,16 +153,17 @@ int plan_order(struct pass *p, const struct tree *t, const struct request *k, co
 {
 	struct orderer x = {.p = &p->plan, .t = t};
 	size_t room = o->precision == RNEAGEN_F32 ? ROOM_SINGLE : ROOM_DOUBLE;
-	struct waiting own, w;
 	struct arena spare;
 	int done;
 
 	arena_init(&spare, &a->allocator);
 	done = order_begin(&x, &spare);
 	if (done) {
-		own = waiting_in(&x, NULL, room);
-		w = write_best(&x, room);
-		if (is_acceleration(k) ? is_better_for_accelerations(w, own, room) : is_better(w, own, room))
+		int is_forward = is_acceleration(k);
+		struct waiting own = waiting_in(&x, NULL, room);
+		struct waiting w = write_best(&x, is_forward ? ORDER_WAYS : 1, room);
+
+		if (is_forward ? is_better_for_accelerations(w, own, room) : is_better(w, own, room))
 			done = takes_over(&x, p, a, &spare);
 	}
 	arena_free(&spare);
