@@ -109,7 +109,8 @@ static enum rneagen_code check_masses(const struct resolver *x, const struct sce
 
 		has_mass |= freed == FREED_MASS || freed == FREED_INERTIA || freed == FREED_PAYLOAD;
 	}
-	return has_mass ? RNEAGEN_OK : scene_refuse(x->s, c, x->e, "nothing that moves has a mass");
+	return has_mass ? RNEAGEN_OK
+			: scene_refuse(x->s, c, x->e, "'%.255s' is of masses, and nothing that moves has a mass", c->name);
 }
 
 /* An inertia that is felt in all six directions takes six degrees of freedom. */
