@@ -1,7 +1,7 @@
 # rneagen_add_kernel(<target> <robot.urdf>
 #	[TARGET cuda|c|header]          default: cuda where the project has the language CUDA, else c
 #	[NAME <name>]                   prefix of every function; default: the name of the file, made an identifier
-#	[PRECISION f32|f64] [LAYOUT soa|aos] [TRIG accurate|bounded|fast] [BASE fixed|floating]
+#	[PRECISION f32|f64|mixed|f32x2] [LAYOUT soa|aos] [TRIG accurate|bounded|fast] [BASE fixed|floating]
 #	[MIMIC honour|independent] [GRAVITY X,Y,Z] [ORDER J1,J2,...]
 #	[SCENE <line>...]               what of the robot is modelled: each a line of a scene, "want gravity", "lock elbow=1.57"
 #	[OPTIONS <word>...])            further words for the command `rneagen`
@@ -16,8 +16,11 @@ function(rneagen_add_kernel target urdf)
 	cmake_parse_arguments(PARSE_ARGV 2 arg "" "TARGET;${choices}" "SCENE;OPTIONS")
 	if(arg_UNPARSED_ARGUMENTS OR arg_KEYWORDS_MISSING_VALUES)
 		list(JOIN arg_UNPARSED_ARGUMENTS " " words)
+		string(STRIP "${words} ${arg_KEYWORDS_MISSING_VALUES}" words)
+		list(JOIN choices " " known)
 		message(FATAL_ERROR
-			"rneagen_add_kernel(${target}): not understood: ${words} ${arg_KEYWORDS_MISSING_VALUES}")
+			"rneagen_add_kernel(${target}): not understood: ${words}; "
+			"keywords are TARGET ${known} SCENE OPTIONS; what a scene says is a line of SCENE, \"want M\"")
 	endif()
 	rneagen_check_target(${target})
 	rneagen_choose_language("${arg_TARGET}" arg_TARGET)

@@ -12,6 +12,22 @@ int articulated_serves(const struct tree *t)
 	return t->mimic_count == 0;
 }
 
+/* Factors take d^2 operations for a row with d rows on its path from the ground. */
+int articulated_is_shorter(const struct tree *t)
+{
+	enum { FOR_A_ROW = 2000 };
+	long long squares = 0;
+
+	for (int b = 0; b < t->body_count; b++) {
+		long long d = 0;
+
+		for (int k = b; k >= 0; k = t->bodies[k].parent)
+			d += joint_nv(t->bodies[k].type);
+		squares += joint_nv(t->bodies[b].type) * d * d;
+	}
+	return articulated_serves(t) && squares > (long long)FOR_A_ROW * t->nv;
+}
+
 static struct smat smat_transposed(const struct smat *T)
 {
 	struct smat out;

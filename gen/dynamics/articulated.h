@@ -21,6 +21,10 @@ struct articulated {
 /* May the tree be solved so? */
 int articulated_serves(const struct tree *t);
 
+/* And does it surely take fewer operations than factors, whose number grows with the cube of a chain's length? From 78 joints in
+   a row on; of shorter chains both are made and counted. */
+int articulated_is_shorter(const struct tree *t);
+
 /* Before a tour, and when it leaves a body. d->failed is set when memory runs out. */
 void articulated_begin(struct articulated *x, const struct tour *r);
 void articulated_leave(struct articulated *x, int body, int *singular);

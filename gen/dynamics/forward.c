@@ -4,6 +4,8 @@
 #include "mechanics/tangent.h"
 #include <string.h>
 
+static const struct ref NONE = {0};
+
 void forward_enter(const struct tour *r, int body)
 {
 	want_pull(r, body);
@@ -12,7 +14,7 @@ void forward_enter(const struct tour *r, int body)
 /* M itself, for its factors or to bound an error with. */
 static int takes_mass(const struct build *b)
 {
-	return b->dynamics != DYNAMICS_ARTICULATED || request_wants(b->k, WANT_QDD_BOUND);
+	return b->dynamics != DYNAMICS_ARTICULATED || b->pivots_alone || request_wants(b->k, WANT_QDD_BOUND);
 }
 
 static void left(const struct tour *r, int body)
@@ -141,11 +143,13 @@ void forward_pivots(const struct forward *x, struct joint_inputs in)
 	if (!pairs)
 		d->failed = 1;
 	for (int i = 0; i < nv && !d->failed; i++) {
-		int row = x->M.row[i];
+		const struct tree_joint *j = tree_joint_of_row(b->t, i);
 
-		pairs[2 * row] = x->M.D[i];
-		pairs[2 * row + 1] = x->mass.by[BY_QDD].element[row * nv + row];
+		pairs[2 * i] = b->dynamics == DYNAMICS_ARTICULATED ? x->bodies.bodies[j->body].D.D[i - j->iv] : NONE;
+		pairs[2 * i + 1] = x->mass.by[BY_QDD].element[i * nv + i];
 	}
+	for (int i = 0; i < nv && b->dynamics != DYNAMICS_ARTICULATED && !d->failed; i++)
+		pairs[2 * x->M.row[i]] = x->M.D[i];
 	want_places(b, in);
 	for (int i = 0; i < b->k->want_count && !d->failed; i++)
 		if (b->k->wants[i].kind == WANT_OPSPACE) {

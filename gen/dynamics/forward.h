@@ -37,7 +37,7 @@ void opspace_outputs(struct build *b, struct joint_inputs in);
 /* qdd + M^-1 (tau - ID(q, qd, qdd)) in place of x->qdd; `in` as for forward_find. */
 void refine_step(struct forward *x, struct joint_inputs in);
 
-/* Of factors, as an output "pivots": a number of D and the element of M's diagonal that it is left of, for each row of qd; then
+/* Of either way, as an output "pivots": a number of D and the element of M's diagonal that it is left of, for each row of qd; then
    six such pairs of each opspace that is wanted. `in` says where q is. */
 void forward_pivots(const struct forward *x, struct joint_inputs in);
 int forward_pivot_count(const struct tree *t, const struct request *k);

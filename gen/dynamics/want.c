@@ -356,7 +356,8 @@ static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x
 
 void want_build_in(struct dag *d, const struct tree *t, const struct request *k, struct ways ways)
 {
-	struct build b = {.d = d, .t = t, .k = k, .derivatives = ways.derivatives, .dynamics = ways.dynamics};
+	struct build b = {.d = d, .t = t, .k = k, .derivatives = ways.derivatives, .dynamics = ways.dynamics,
+		.pivots_alone = ways.pivots_alone};
 	struct joint_inputs in;
 	struct forward forward = {.b = &b, .torques = {.argument = -1}};
 

@@ -20,6 +20,7 @@ struct build {
 	struct ref *torques;   /* ID(q, qd, qdd) of the main tour; NULL: it did not come back */
 	enum derivatives derivatives;
 	enum dynamics dynamics;
+	int pivots_alone;
 	struct recursion recursion;
 	struct regressor regressor;
 	struct kinematics places;

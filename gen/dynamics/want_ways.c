@@ -72,14 +72,16 @@ static void build_cheapest(struct dag *d, const struct tree *t, const struct req
 	int has_derivatives = request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DTAU_DQD) ||
 		request_wants(k, WANT_DQDD_DQ) ||
 		request_wants(k, WANT_DQDD_DQD);
+	int is_open = k->dynamics == DYNAMICS_CHEAPER &&
+		(!articulated_is_shorter(t) || request_wants(k, WANT_QDD_BOUND)); /* which takes M too */
 	struct ways now = {k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
-		k->dynamics == DYNAMICS_ARTICULATED ? DYNAMICS_ARTICULATED : DYNAMICS_FACTOR, 0};
+		is_open || k->dynamics == DYNAMICS_FACTOR ? DYNAMICS_FACTOR : DYNAMICS_ARTICULATED, 0};
 
 	want_build_in(d, t, k, now);
 	if (has_derivatives && k->derivatives == DERIVATIVES_CHEAPER && !d->failed)
 		if (take_cheaper(d, t, k, (struct ways){DERIVATIVES_FORWARD, now.dynamics, 0}, d->count / 2 + MORE_NODES))
 			now.derivatives = DERIVATIVES_FORWARD;
-	if (takes_factors(k) && k->dynamics == DYNAMICS_CHEAPER && articulated_serves(t) && !d->failed)
+	if (takes_factors(k) && is_open && articulated_serves(t) && !d->failed)
 		take_cheaper(d, t, k, (struct ways){now.derivatives, DYNAMICS_ARTICULATED, 0}, 0);
 }
 

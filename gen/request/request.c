@@ -16,37 +16,6 @@ static int is_motion(const struct request *k)
 
 /* ---- names ---- */
 
-/* Is what stands after a word ".hand" where a name belongs to it, and nothing where none does? */
-static int has_its_name(const struct kind_word *k, const char *after)
-{
-	return k->has_name ? after[0] == '.' && after[1] : !after[0];
-}
-
-/* Which of these words a choice has; -1 and an error that names the nearest. */
-int request_find_kind(const struct resolver *x, const struct scene_choice *c, const struct kind_word *kinds, int count)
-{
-	size_t length = strcspn(c->name, ".");
-	const char *stem = arena_string(x->a, c->name, length), *meant;
-
-	if (!stem) {
-		error_memory(x->e);
-		return -1;
-	}
-	for (int i = 0; i < count; i++)
-		if (!strcmp(stem, kinds[i].word) && has_its_name(&kinds[i], c->name + length))
-			return i;
-	meant = nearest_name(stem, kinds, (size_t)count, sizeof *kinds);
-	for (int i = 0; i < count; i++)
-		if (!strcmp(stem, kinds[i].word)) {
-			scene_refuse(x->s, c, x->e,
-				kinds[i].has_name ? "'%s' needs a name: %s.NAME" : "'%s' takes no name: write %s", stem, stem);
-			return -1;
-		}
-	scene_refuse(x->s, c, x->e, "'%.255s' is not known%s%s%s", c->name, meant ? "; did you mean '" : "", meant ? meant : "",
-		meant ? "'?" : "");
-	return -1;
-}
-
 /* A kernel calls what it keeps of an array by the array's name with these behind it. */
 static int is_kernels_own(const char *name)
 {

@@ -19,7 +19,7 @@ struct kind_word {
 	int has_name;
 };
 
-/* Which of these words a choice has; -1 and an error that names the nearest. */
+/* Which of these words a choice has; -1 and an error that names the nearest, or all of them. */
 int request_find_kind(const struct resolver *x, const struct scene_choice *c, const struct kind_word *kinds, int count);
 
 /* "payload.left hand" -> payload_left_hand; two that come out the same differ by a number. */

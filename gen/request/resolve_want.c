@@ -35,6 +35,18 @@ static enum rneagen_code want_matrix(const struct resolver *x, struct want *w)
 	return RNEAGEN_OK;
 }
 
+/* The joint with this row of q, or of qd. */
+static const char *name_of_row(const struct tree *t, int is_q, int row)
+{
+	for (int i = 0; i < t->joint_count; i++) {
+		const struct tree_joint *j = &t->joints[i];
+
+		if (is_q ? row < j->iq + j->nq && row >= j->iq : row < j->iv + j->nv && row >= j->iv)
+			return *j->name ? j->name : "(base)";
+	}
+	return "";
+}
+
 /* What is given does not vary. */
 static enum rneagen_code check_varies(const struct resolver *x, const struct scene_choice *c, enum want_kind kind)
 {
@@ -43,7 +55,8 @@ static enum rneagen_code check_varies(const struct resolver *x, const struct sce
 
 	for (int i = 0; i < count; i++)
 		if (rows[i].is_given)
-			return scene_refuse(x->s, c, x->e, "row %d of %s is given: no derivative by it", i, is_q ? "q" : "qd");
+			return scene_refuse(x->s, c, x->e, "'%.255s': row %d of %s, joint '%.255s', is given: no derivative by it",
+				c->name, i, is_q ? "q" : "qd", name_of_row(x->t, is_q, i));
 	return RNEAGEN_OK;
 }
 
@@ -109,7 +122,8 @@ static enum rneagen_code check_masses(const struct resolver *x, const struct sce
 
 		has_mass |= freed == FREED_MASS || freed == FREED_INERTIA || freed == FREED_PAYLOAD;
 	}
-	return has_mass ? RNEAGEN_OK : scene_refuse(x->s, c, x->e, "nothing that moves has a mass");
+	return has_mass ? RNEAGEN_OK
+			: scene_refuse(x->s, c, x->e, "'%.255s' is of masses, and nothing that moves has a mass", c->name);
 }
 
 /* An inertia that is felt in all six directions takes six degrees of freedom. */

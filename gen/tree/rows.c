@@ -69,7 +69,8 @@ enum rneagen_code rows_number(
 			t->joints[t->joint_count++] = (struct tree_joint){
 				.name = t->bodies[k].joint, .type = t->bodies[k].type, .body = k};
 	if (!t->joint_count)
-		return error_set(e, RNEAGEN_NO_JOINTS, "%s: no movable joints in robot '%s'", input_name(o), t->robot);
+		return error_set(e, RNEAGEN_NO_JOINTS, "%s: no movable joints in robot '%s'%s", input_name(o), t->robot,
+			o->scene && *o->scene ? ", or none that the scene leaves" : "");
 	if (o->order && apply_order(t, o, a, e))
 		return e->code;
 	for (int i = 0; i < t->joint_count; i++) {

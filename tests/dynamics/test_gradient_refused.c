@@ -20,8 +20,8 @@ static void refuse(const char *scene, const char *text)
 
 START_TEST(test_refused)
 {
-	refuse("want dtau_dq\nfold q.iiwa_joint_2=1\n", "row 1 of q is given: no derivative by it");
-	refuse("want dtau_dqd\nfold qd=0\n", "row 0 of qd is given");
+	refuse("want dtau_dq\nfold q.iiwa_joint_2=1\n", "'dtau_dq': row 1 of q, joint 'iiwa_joint_2', is given: no derivative by it");
+	refuse("want dtau_dqd\nfold qd=0\n", "row 0 of qd, joint 'iiwa_joint_1', is given");
 	refuse("want dtau_dpayload.iiwa_link_6\n", "'payload.iiwa_link_6' is not free");
 	refuse("want dtau_dqq\n", "'qq' is not free");
 	refuse("want dtau_dqdd\n", "the derivative by qdd is the mass matrix: want M");

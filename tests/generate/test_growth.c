@@ -119,6 +119,21 @@ START_TEST(chains)
 }
 END_TEST
 
+/* Factors of the mass matrix grow with the cube of a chain's length: of a long one they are not even tried. */
+START_TEST(long_chains)
+{
+	struct rneagen_options o = rneagen_options_default();
+	struct meter m;
+
+	if (sanitized())
+		return;
+	o.scene = "want qdd\n";
+	m = generate(160, o);
+	printf("qdd of 160 links: %zu MB at once, %zu in all\n", m.most / MEGABYTE, m.all / MEGABYTE);
+	ck_assert_uint_le(m.most, 150 * MEGABYTE);
+}
+END_TEST
+
 /* A third of the joints is held: not for each of them is the whole made again. */
 START_TEST(held_joints)
 {
@@ -285,6 +300,7 @@ int main(void)
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	suite_add(suite, "chains", chains, sizeof GROWTHS / sizeof *GROWTHS, 100);
+	suite_add(suite, "long_chains", long_chains, 1, 100);
 	suite_add(suite, "held_joints", held_joints, 1, 100);
 	suite_add(suite, "attributes", attributes, sizeof PLACES / sizeof *PLACES, 100);
 	suite_add(suite, "attributes_that_mean_something", attributes_that_mean_something, 1, 10);

@@ -100,7 +100,7 @@ by_pkg_config
 follows_the_urdf
 refused "there is no target 'none'" 'rneagen_add_kernel(none a.urdf)'
 refused "target 'theirs' is made elsewhere" 'rneagen_add_kernel(theirs a.urdf)'
-refused "not understood: PRECISON f32" 'rneagen_add_kernel(mine a.urdf PRECISON f32)'
+refused "not understood: PRECISON f32; keywords are TARGET NAME PRECISION" 'rneagen_add_kernel(mine a.urdf PRECISON f32)'
 refused "TARGET is cuda, c or header, not 'rust'" 'rneagen_add_kernel(mine a.urdf TARGET rust)'
 refused "TARGET cuda needs the language CUDA" 'rneagen_add_kernel(mine a.urdf TARGET cuda)'
 refused "TARGET c needs the language C" 'rneagen_add_kernel(mine a.urdf)'

@@ -179,7 +179,7 @@ static const struct refused {
 	{"root\n lock \"elbow=1 # c", "here: scene line 1, root: needs a value"},
 	{"\n lock \"elbow=1 # c",
 		"here: scene line 2, lock: a value that begins with a quote must end with one: \"elbow=1 # c"},
-	{"free qd:batch", "here: scene line 1, free: 'qd' is not known"},
+	{"free qd:batch", "here: scene line 1, free: 'qd' is not known; there is gravity, mass.NAME, inertia.NAME, payload.NAME, offset.NAME"},
 	{"free :batch", "here: scene line 1, free: takes NAME, NAME:sample or NAME:batch, not ':batch'"},
 	{"free gravity,:batch", "here: scene line 1, free: takes NAME, NAME:sample or NAME:batch, not ':batch'"},
 	{"free gravity,,mass.hand", "here: scene line 1, free: 'gravity,,mass.hand' has an empty name"},
@@ -192,8 +192,8 @@ static const struct refused {
 	{"--lock elbow=1\n--lock elbow=2", "here: --lock: joint 'elbow' is also locked by an option; lock it once"},
 	{"--lock elbow=1\nlock-all-but elbow",
 		"here: scene line 1, lock-all-but: joint 'elbow' is locked by an option; leave one of the two out"},
-	{"tip base", "here: no movable joints in robot 'arm'"},
-	{"root left", "here: no movable joints in robot 'arm'"},
+	{"tip base", "here: no movable joints in robot 'arm', or none that the scene leaves"},
+	{"root left", "here: no movable joints in robot 'arm', or none that the scene leaves"},
 };
 
 START_TEST(refuses)

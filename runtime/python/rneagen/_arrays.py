@@ -70,18 +70,21 @@ def fill(array: Array, lead: tuple[int, ...], dtype) -> numpy.ndarray:
     return numpy.ascontiguousarray(numpy.broadcast_to(numpy.asarray(array.default, dtype), shape))
 
 
+def takes(names: list[str]) -> str:
+    return f"the robot takes {', '.join([*names, 'and out'])}" if names else "the robot takes no array but out"
+
+
 def arguments(robot, args: tuple, kwargs: dict[str, Any]) -> tuple[list[Any], Any]:
     """By input the array that was given, or None for one that may be left out; and out."""
     inputs, names = robot.inputs, [a.name for a in robot.inputs]
     if len(args) > len(names) + 1:
-        raise TypeError(f"{len(args)} arrays: the robot takes {', '.join(names)}, and out")
+        raise TypeError(f"{len(args)} arrays: {takes(names)}")
     given = dict(zip((*names, "out"), args))
     for name, value in kwargs.items():
         name = {a.word: a.name for a in inputs}.get(name, name)
         if name not in (*names, "out"):
             near = difflib.get_close_matches(name, (*names, "out"), 1)
-            raise TypeError(f"'{name}' is no input: the robot takes {', '.join(names)}, and out" +
-                            (f"; did you mean '{near[0]}'?" if near else ""))
+            raise TypeError(f"'{name}' is no input: {takes(names)}" + (f"; did you mean '{near[0]}'?" if near else ""))
         if name in given:
             raise TypeError(f"{name} is given twice")
         given[name] = value

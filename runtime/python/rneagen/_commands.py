@@ -38,7 +38,7 @@ class Text(str):
 
 def generate(urdf: str | os.PathLike | bytes, target: str = "cuda", **options: Any) -> Text:
     """The text for a URDF, as the command `rneagen` writes it. `target`: "cuda", "c" or "header"; other keywords are
-    those of load that concern the model, and layout, name, bounded, only, parts, segments."""
+    those of load that concern the model, and layout, name, bounded, only, parts, segments, limbs."""
     known = (*_options.scene_keywords(), *_options.MODEL, *_options.TEXT)
     _options.check(options, known, "generate")
     file = "<urdf>"

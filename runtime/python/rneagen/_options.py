@@ -9,7 +9,8 @@ from . import _core
 
 SCENE = _core.scene_words()  # word: (takes a value: 0 no, 1 yes, 2 may; kind)
 MODEL = ("precision", "trig", "base", "gravity", "mimic", "order", "strict")  # beside the scene: what is computed
-TEXT = ("target", "layout", "name", "bounded", "only", "parts", "segments")  # what kind of text
+COUNTED = {"parts": ("auto",), "segments": ("auto", "whole"), "limbs": ("auto", "none")}  # numbers, and words that are 0 and 1
+TEXT = ("target", "layout", "name", "bounded", "only", *COUNTED)  # what kind of text
 OPEN = ("backend", "device", "threads", "block", "cache")  # where it runs
 MATRICES = ("regressor", "M", "Minv", "dqdd_dtau", "dtau_dq", "dtau_dqd", "dqdd_dq", "dqdd_dqd", "jacobian", "com_jacobian",
             "momentum_matrix", "coriolis", "opspace_inv", "opspace")
@@ -122,10 +123,10 @@ def generator(options: dict[str, Any], file: str) -> dict[str, Any]:
             if x not in ("rnea", "fd", "kin"):
                 raise ValueError(f"only takes rnea, fd or kin, not {x!r}")
             keyword, x = "only_rnea", 1
-        elif keyword in ("parts", "segments") and isinstance(x, str):
-            if x not in ("auto", "whole"):
-                raise ValueError(f"{keyword} takes a number, auto or whole, not {x!r}")
-            x = 0 if x == "auto" else 1
+        elif keyword in COUNTED and isinstance(x, str):
+            if x not in COUNTED[keyword]:
+                raise ValueError(f"{keyword} takes {' or '.join(('a number', *COUNTED[keyword]))}, not {x!r}")
+            x = COUNTED[keyword].index(x)
         result[keyword] = x
     scene = lines(options)
     if scene:

@@ -28,7 +28,7 @@ KEYS = itertools.count()
 SYMMETRIC = ("mass_matrix", "opspace_inertia")  # roles of matrices that may be stored by their lower triangle
 # by key, which torch.compile takes for a constant
 ALIVE: weakref.WeakValueDictionary[str, "Robot"] = weakref.WeakValueDictionary()
-KEYWORDS = (*_options.scene_keywords(), *_options.MODEL, "parts", "segments", *_options.OPEN, *OWN)
+KEYWORDS = (*_options.scene_keywords(), *_options.MODEL, *_options.COUNTED, *_options.OPEN, *OWN)
 
 
 class Limits(NamedTuple):
@@ -333,7 +333,11 @@ class Robot(_core.Robot):
 
     def _wanting(self, names: tuple[str, ...], sparse: bool, fold: tuple[str, ...] = (), products: tuple = ()) -> "Robot":
         key = names, sparse, fold, products
-        found = self._wanted.get(key)
+        try:
+            found = self._wanted.get(key)
+        except TypeError:  # no key, a list for one
+            _options.names("want", names)
+            raise
         if found:
             return found
         with self._lock:

@@ -122,7 +122,7 @@ static int take_option(const char *key, PyObject *value, struct rneagen_options 
 		const char *key;
 		int *value;
 	} numbers[] = {{"strict", &o->strict}, {"bounded", &o->bounded}, {"only_rnea", &o->only_rnea}, {"parts", &o->parts},
-		{"segments", &o->segments}, {"tell", (int *)&o->tell}};
+		{"segments", &o->segments}, {"limbs", &o->limbs}, {"tell", (int *)&o->tell}};
 	const struct {
 		const char *key, **value;
 	} strings[] = {{"order", &o->order}, {"name", &o->name}, {"file", &o->file}, {"scene", &o->scene}};
