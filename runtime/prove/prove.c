@@ -135,17 +135,28 @@ static void take_rows(const struct proving *p, const struct target *t, const str
 	}
 }
 
-static int find_covers(struct proving *p, const struct target *t, struct ranging *r, double seconds)
+/* Both by the same knots, where there are any. */
+static int find_covers(struct proving *p, const struct field *f, struct ranging *r, double seconds)
 {
-	const struct field *f = t->f;
-	const struct curvature_start from = {r->whole, r->largest, r->bends};
+	const double part = SHARE_CURVATURE / (SHARE_CURVATURE + SHARE_COVER);
+	double end = seconds_now() + seconds;
+	const struct knots *knots = knots_make(&r->knots, f, &p->effort, KNOTS_SHARE * seconds) ? &r->knots : NULL;
+	const struct curvature_start bent = {r->whole, r->largest, r->bends, knots};
+	struct cover_start covered = {.found = (const double(*)[2])r->found, .knots = knots};
+
+	if (!curvature_find(&r->curvature, f, &bent, &p->effort, part * (end - seconds_now())))
+		return 0;
+	covered.bends = r->curvature.most;
+	return cover_find(&r->cover, f, &covered, &p->effort, end - seconds_now());
+}
+
+static int find_by_grids(struct proving *p, const struct target *t, struct ranging *r, double seconds)
+{
 	struct effort soon = p->effort;
 
 	soon.deadline = fmin(p->effort.deadline, seconds_now() + 2 * SHARE_WHOLE * seconds);
-	return magnitude_find(r->whole, f, t->b, 1, &p->effort, SHARE_WHOLE * seconds) &&
-	       magnitude_bends(r->bends, f, t->b, &soon) &&
-	       curvature_find(&r->curvature, f, &from, &p->effort, SHARE_CURVATURE * seconds) &&
-	       cover_find(&r->cover, f, &r->curvature, (const double(*)[2])r->found, &p->effort, SHARE_COVER * seconds);
+	return magnitude_find(r->whole, t->f, t->b, 1, &p->effort, SHARE_WHOLE * seconds) &&
+	       magnitude_bends(r->bends, t->f, t->b, &soon) && find_covers(p, t->f, r, (SHARE_CURVATURE + SHARE_COVER) * seconds);
 }
 
 static int find_ranges(struct proving *p, int k, struct ranging *r)
@@ -156,7 +167,7 @@ static int find_ranges(struct proving *p, int k, struct ranging *r)
 	struct effort own = p->effort;
 
 	own.record = t->outputs ? NULL : own.record; /* a limb's rows are none of the text's */
-	if (!(f->has_grid ? find_covers(p, t, r, seconds * share_of(p, k, 1)) : ranging_plain(&r->cover, f)))
+	if (!(f->has_grid ? find_by_grids(p, t, r, seconds * share_of(p, k, 1)) : ranging_plain(&r->cover, f)))
 		return 0;
 	return magnitude_find(r->ranges, f, t->b, 0, &own, SHARE_MAGNITUDE * seconds * share_of(p, k, 0));
 }

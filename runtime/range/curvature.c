@@ -235,7 +235,8 @@ static int choose(const struct field *f, const struct group *g, int *counts, dou
 /* ---- passes ---- */
 
 /* By dimension k from what was found on a grid. */
-static void improve(struct curvature *c, const struct field *f, const struct group *g, const int *counts, int k, const double *found)
+static void improve(struct curvature *c, const struct field *f, const struct group *g, const int *counts, int k,
+	const double *found)
 {
 	struct pace p[FIELD_DIMS];
 
@@ -287,7 +288,8 @@ static void begin(struct curvature *c, const struct field *f, const struct curva
 		}
 }
 
-/* More places each time, as there is time; a pass tells how fast the next goes, a small one by knots too slow a pace. */
+/* Each pass has more places than the one before, as many as its share of the time allows at the speed of that pass. By knots a
+   pass of few points is slow for each of them: where no grid seems to fit into the time, the next is taken to be faster. */
 static int passes(struct curvature *c, const struct field *f, const struct group *g, const struct curvature_start *from,
 	const struct effort *x)
 {
@@ -326,22 +328,17 @@ static int by_knots(struct curvature *c, const struct knots *k, const struct cur
 	return done;
 }
 
-int curvature_find(struct curvature *c, const struct field *f, const struct curvature_start *from, const struct effort *x, double seconds)
+int curvature_find(struct curvature *c, const struct field *f, const struct curvature_start *from, const struct effort *x,
+	double seconds)
 {
 	size_t size = (size_t)f->output_count * (size_t)f->dim_count;
 	const struct group all = {NULL, 0, f->output_count};
 	struct effort own = *x;
-	struct knots knots;
-	int done;
 
 	own.deadline = fmin(x->deadline, seconds_now() + seconds);
 	*c = (struct curvature){.most = malloc((size + 1) * sizeof *c->most)};
 	if (!c->most)
 		return 0;
 	begin(c, f, from);
-	done = knots_make(&knots, f, &own, KNOTS_SHARE * seconds);
-	if (done)
-		done = done == 1 ? by_knots(c, &knots, from, &own) : passes(c, f, &all, from, &own) != 0;
-	knots_free(&knots);
-	return done;
+	return (from->knots && by_knots(c, from->knots, from, &own)) || passes(c, f, &all, from, &own) != 0;
 }

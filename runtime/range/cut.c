@@ -60,8 +60,9 @@ static int body_of(const struct cutting *s, int output)
 	const struct output *o = &s->d->outputs[output];
 	const struct tree *t = &s->r->view.tree;
 	enum role role = s->d->arguments[o->argument].role;
+	int is_torque = role == ROLE_JOINT_TORQUE || role == ROLE_BIAS_TORQUE || role == ROLE_GRAVITY_TORQUE;
 
-	for (int i = 0; i < t->joint_count && (role == ROLE_JOINT_TORQUE || role == ROLE_BIAS_TORQUE || role == ROLE_GRAVITY_TORQUE); i++)
+	for (int i = 0; i < t->joint_count && is_torque; i++)
 		if (o->row >= t->joints[i].iv && o->row < t->joints[i].iv + t->joints[i].nv)
 			return t->joints[i].body;
 	return -1;
@@ -143,7 +144,8 @@ static int find_ranges(const struct cutting *s, const uint32_t *leaves, int coun
 		if (!magnitude_find(of, &fields[k], &box, 0, s->x, s->seconds / (double)n))
 			return 0;
 		for (int o = 0; o < fields[k].output_count; o++)
-			ranges[fields[k].outputs[o]] = (struct interval){fmax(of[o].lower, -fields[k].plain[o]), fmin(of[o].upper, fields[k].plain[o])};
+			ranges[fields[k].outputs[o]] =
+				(struct interval){fmax(of[o].lower, -fields[k].plain[o]), fmin(of[o].upper, fields[k].plain[o])};
 	}
 	return 1;
 }
@@ -272,8 +274,8 @@ static int limb(const struct cutting *s, struct cut *c, int body)
 	return count > 0 && list_wrenches(s, c) && find_ranges(s, leaves, count, ranges) && cut_off(s, c, leaves, count, ranges);
 }
 
-int cut_make(struct cut **cuts, const struct relaxed *r, const struct field *fields, int field_count, int from, const struct effort *x,
-	double seconds, struct arena *a)
+int cut_make(struct cut **cuts, const struct relaxed *r, const struct field *fields, int field_count, int from,
+	const struct effort *x, double seconds, struct arena *a)
 {
 	struct cutting s = cutting_of(r, fields, field_count, a);
 	int count = 0;
@@ -307,8 +309,8 @@ int cut_has(const struct cut *cuts, int count, int output)
 	return 0;
 }
 
-int cut_rest(struct cut *rest, const struct relaxed *r, const struct field *fields, int field_count, int from, const struct cut *cuts, int cut_count,
-	struct interval *const *ranges, struct arena *a)
+int cut_rest(struct cut *rest, const struct relaxed *r, const struct field *fields, int field_count, int from,
+	const struct cut *cuts, int cut_count, struct interval *const *ranges, struct arena *a)
 {
 	struct cutting s = cutting_of(r, fields, field_count, a);
 	uint32_t leaves[6 * MOST_LEAVES];

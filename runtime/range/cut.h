@@ -1,8 +1,9 @@
 #ifndef RUNTIME_RANGE_CUT_H
 #define RUNTIME_RANGE_CUT_H
-/* A limb apart from what carries it: how the body moves at which it is cut off is a rate and drives of its own, w and dw, a, each number
-   with its range. So the limb's torques depend on its own rows of q alone, and grids serve. What is lost is that the body cannot move in
-   all ways at once. The wrenches of the limbs cut off are then drives for what carries them, each number with its range. */
+/* A limb apart from what carries it: how the body moves at which it is cut off is a rate and drives of its own, w and dw, a, each
+   number with its range. So the limb's torques depend on its own rows of q alone, and grids serve. What is lost is that the body
+   cannot move in all ways at once. The wrenches of the limbs cut off are then drives for what carries them, each number with its
+   range. */
 
 #include "range/grid.h"
 
@@ -12,24 +13,24 @@ struct cut {
 	struct box box;
 	uint32_t *leaves;       /* nodes of the DAG that it was cut from, which are the rows of its last two inputs: rates, and drives */
 	int leaf_count;
-	int *outputs;           /* of them, the numbers that they had; of the limb's wrenches, that of all outputs and their own on top */
+	int *outputs;           /* of them, the numbers that they had; of wrenches, that of all outputs and their own on top */
 	uint32_t *wrenches;     /* nodes of the DAG that it was cut from: force and moment of limbs */
 	int wrench_count;
 	struct field *fields;
 	int field_count;
 };
 
-/* Limbs whose outputs depend on `from` rows of q or more, into *cuts, which live in `a`; ranges of what moves them are found in about
-   `seconds`. Returns how many; -1 when memory runs out. */
-int cut_make(struct cut **cuts, const struct relaxed *r, const struct field *fields, int field_count, int from, const struct effort *x,
-	double seconds, struct arena *a);
+/* Limbs whose outputs depend on `from` rows of q or more, into *cuts, which live in `a`; ranges of what moves them are found in
+   about `seconds`. Returns how many; -1 when memory runs out. */
+int cut_make(struct cut **cuts, const struct relaxed *r, const struct field *fields, int field_count, int from,
+	const struct effort *x, double seconds, struct arena *a);
 
 /* Is an output, by its number in what was cut, of a limb? */
 int cut_has(const struct cut *cuts, int count, int output);
 
-/* What carries the limbs, of fields with `from` rows of q or more, into *rest; ranges[cut][wrench]. Returns 1; 0: it is not made, there is nothing to be cut; -1 when memory runs
-   out. */
-int cut_rest(struct cut *rest, const struct relaxed *r, const struct field *fields, int field_count, int from, const struct cut *cuts, int cut_count,
-	struct interval *const *ranges, struct arena *a);
+/* What carries the limbs, of fields with `from` rows of q or more, into *rest; ranges[cut][wrench]. Returns 1; 0: it is not made,
+   there is nothing to be cut; -1 when memory runs out. */
+int cut_rest(struct cut *rest, const struct relaxed *r, const struct field *fields, int field_count, int from,
+	const struct cut *cuts, int cut_count, struct interval *const *ranges, struct arena *a);
 
 #endif

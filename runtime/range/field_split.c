@@ -35,7 +35,8 @@ static enum role role_of(const struct splitter *s, const struct node *n)
 
 static enum rneagen_code refuse(const struct splitter *s, const char *what)
 {
-	return error_set(s->e, RNEAGEN_UNSUPPORTED, "%s: rnearun prove knows torques, gravity, bias and M, %s", s->x->options.file, what);
+	return error_set(s->e, RNEAGEN_UNSUPPORTED, "%s: rnearun prove knows torques, gravity, bias and M, %s",
+		s->x->options.file, what);
 }
 
 /* ---- what is known of each node ---- */
@@ -91,8 +92,8 @@ static struct mark mark_sum(struct mark a, struct mark b)
 
 static struct mark mark_product(struct mark a, struct mark b)
 {
-	struct mark m = {.dims = a.dims | b.dims, .orders = (unsigned char)orders_of_product(a.orders, b.orders), .size = a.size * b.size,
-		.noise = a.size * b.noise + b.size * a.noise + a.noise * b.noise, .plain = interval_mul(a.plain, b.plain)};
+	struct mark m = {.dims = a.dims | b.dims, .orders = (unsigned char)orders_of_product(a.orders, b.orders),
+		.size = a.size * b.size, .noise = a.size * b.noise + b.size * a.noise + a.noise * b.noise, .plain = interval_mul(a.plain, b.plain)};
 
 	m.noise += 0x1p-52 * m.size + DBL_MIN;
 	return m;
@@ -197,18 +198,19 @@ static struct field_dim *dim_of(const struct splitter *s, struct field *f, const
 static enum rneagen_code add_input(const struct splitter *s, struct field *f, const struct node *n)
 {
 	struct interval r = s->r->rows[n->arg[0].i][n->arg[1].i];
-	const struct relaxed_ball *ball = relaxed_ball_of(s->r, (int)n->arg[0].i, (int)n->arg[1].i);
+	int argument = (int)n->arg[0].i, row = (int)n->arg[1].i;
+	const struct relaxed_ball *ball = relaxed_ball_of(s->r, argument, row);
 	int is_rate = role_of(s, n) == ROLE_JOINT_VELOCITY, *count = is_rate ? &f->rate_count : &f->drive_count;
+	int number = ball ? 1 + (int)(ball - s->r->balls) : 0;
 	double scale = interval_size(r) > 0 ? interval_size(r) : 1;
 
 	if (ball) {
 		scale = ball->radius;
 		r = (struct interval){-scale, scale};
 	}
-
 	if (*count == FIELD_DIMS)
 		return error_set(s->e, RNEAGEN_LIMIT, "%s: rnearun prove takes at most %d rows of an input", s->x->options.file, FIELD_DIMS);
-	(is_rate ? f->rates : f->drives)[(*count)++] = (struct field_input){(int)n->arg[0].i, (int)n->arg[1].i, ball ? 1 + (int)(ball - s->r->balls) : 0, scale,
+	(is_rate ? f->rates : f->drives)[(*count)++] = (struct field_input){argument, row, number, scale,
 		{round_down(r.lower / scale), round_up(r.upper / scale)}, (uint32_t)(n - s->d->nodes)};
 	return RNEAGEN_OK;
 }
@@ -224,9 +226,10 @@ static int by_row(const void *a, const void *b)
 static void describe(const struct splitter *s, struct field *f, struct field_dim *k)
 {
 	const struct relaxed_row *row = &s->r->of_q[k->row];
+	int is_gravity = s->d->arguments[s->d->outputs[f->outputs[0]].argument].role == ROLE_GRAVITY_TORQUE;
 
 	k->is_circle = k->is_angle && k->upper - k->lower >= 6.283185307179586;
-	k->degree = (s->d->arguments[s->d->outputs[f->outputs[0]].argument].role == ROLE_GRAVITY_TORQUE ? 1 : 2) * (k->is_angle ? row->turns : 1);
+	k->degree = (is_gravity ? 1 : 2) * (k->is_angle ? row->turns : 1);
 	f->has_grid &= row->has_grid && k->degree <= FIELD_DEGREE;
 }
 

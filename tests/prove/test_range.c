@@ -6,6 +6,7 @@
 #include "range/curvature.h"
 #include "range/cut.h"
 #include "range/extreme.h"
+#include "range/knots.h"
 #include "range/magnitude.h"
 #include "range/seek.h"
 #include "support/suite.h"
@@ -235,12 +236,15 @@ START_TEST(test_curvature)
 		double *found = calloc((size_t)f->output_count, sizeof *found),
 			*most = calloc((size_t)(f->output_count * f->dim_count + 1), sizeof *most);
 		struct curvature bends, first = {.most = most};
-		const struct curvature_start from = {whole, found, most};
+		struct knots knots;
+		int with_knots = knots_make(&knots, f, &effort, 1);
+		const struct curvature_start from = {whole, found, most, with_knots ? &knots : NULL};
 
 		ck_assert(magnitude_find(whole, f, &s.box, 1, &effort, 0.05) && magnitude_bends(most, f, &s.box, &effort));
 		for (int o = 0; o < f->output_count; o++)
 			found[o] = 0.2 * interval_size(whole[o]);
 		ck_assert(curvature_find(&bends, f, &from, &effort, 1));
+		knots_free(&knots);
 		if (f->dim_count) {
 			check_bends(f, &first, &r);
 			check_bends(f, &bends, &r);
