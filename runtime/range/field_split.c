@@ -8,6 +8,7 @@
 
 /* Grids of more dimensions, or of functions with more waves, are too large. */
 enum { GRID_DIMS = 12 };
+#define MOST_TOGETHER 4e5 /* knots (knots.h) of outputs in a field: of 7 angles five outputs, of more one each */
 
 /* What is known of a node. */
 struct mark {
@@ -347,9 +348,28 @@ static enum rneagen_code make(struct splitter *s, struct field *f)
 	return compile(s, f);
 }
 
+/* Are there too many knots for another output, each row of q having those of an angle? */
+static int is_full(uint64_t dims, int outputs)
+{
+	double knots = outputs + 1;
+
+	for (; dims; dims &= dims - 1)
+		knots *= 5;
+	return knots > MOST_TOGETHER;
+}
+
 static uint64_t dims_of(const struct splitter *s, size_t output)
 {
 	return s->marks[s->d->outputs[output].value.i].dims;
+}
+
+/* Outputs of the same rows of q and the same kind are together. */
+static int is_of(const struct splitter *s, const struct field *f, size_t output)
+{
+	size_t first = (size_t)f->outputs[0];
+
+	return dims_of(s, first) == dims_of(s, output) && s->d->outputs[first].argument == s->d->outputs[output].argument &&
+	       !is_full(dims_of(s, first), f->output_count);
 }
 
 int field_split(struct field **fields, const struct relaxed *r, struct arena *a, struct rneagen_error *e)
@@ -366,8 +386,7 @@ int field_split(struct field **fields, const struct relaxed *r, struct arena *a,
 	for (size_t i = 0; i < s.d->output_count; i++) {
 		int k = 0;
 
-		while (k < count && (dims_of(&s, (size_t)(*fields)[k].outputs[0]) != dims_of(&s, i) ||
-					    s.d->outputs[(*fields)[k].outputs[0]].argument != s.d->outputs[i].argument))
+		while (k < count && !is_of(&s, &(*fields)[k], i))
 			k++;
 		if (k == count && !((*fields)[count++].outputs = arena_alloc(a, s.d->output_count, sizeof(int))))
 			return error_memory(e), -1;

@@ -1,0 +1,276 @@
+#include "range/parts/cut.h"
+#include "range/parts/cutting.h"
+#include <string.h>
+
+/* What the outputs of these fields read, and the nodes in `also`, up to leaves. */
+static void mark_live(const struct cutting *s, int body, const uint32_t *also, int count, const uint32_t *leaves, int leaf_count)
+{
+	memset(s->live, 0, s->d->count);
+	for (size_t o = 0; o < s->d->output_count; o++)
+		if (s->body[o] == body)
+			s->live[s->d->outputs[o].value.i] = 1;
+	for (int k = 0; k < count; k++)
+		s->live[also[k]] = 1;
+	for (size_t i = s->d->count; i-- > 0;)
+		for (int k = 0; k < op_arity[s->d->nodes[i].op] && s->live[i] && cutting_find(leaves, leaf_count, (uint32_t)i) < 0; k++)
+			s->live[s->d->nodes[i].arg[k].i] = 1;
+}
+
+/* ---- a part with inputs of its own ---- */
+
+struct copying {
+	const struct cutting *s;
+	const uint32_t *leaves;
+	int count, rates, drives; /* leaves; arguments */
+	const struct cut *cuts;   /* whose loads are drives */
+	int cut_count;
+	struct ref *map;
+};
+
+static struct ref operation(const struct copying *c, struct dag *out, const struct node *n)
+{
+	struct ref arg[3] = {{0}};
+
+	for (int k = 0; k < op_arity[n->op]; k++)
+		arg[k] = c->map[n->arg[k].i];
+	if (n->op == OP_FMA && (!arg[0].i || !arg[1].i)) /* without limbs much is 0 */
+		return arg[2];
+	return dag_operation(out, n->op, arg[0], arg[1], arg[2]);
+}
+
+/* Force and moment without their limbs, and loads in their place. */
+static struct ref with_loads(const struct copying *c, struct dag *out, uint32_t i, struct ref value)
+{
+	int row = 0;
+
+	for (const struct cut *of = c->cuts; of < c->cuts + c->cut_count; of++) {
+		int total = loads_total(&of->loads, i), n = of->loads.total_count;
+
+		for (int limb = 0; limb < of->loads.limb_count && total >= 0; limb++)
+			value = dag_add(out, value, dag_input(out, c->drives, row + limb * n + total));
+		row += of->load_count;
+	}
+	return value;
+}
+
+static int is_wrench(const struct copying *c, uint32_t i)
+{
+	for (int k = 0; k < c->cut_count; k++)
+		if (loads_is_wrench(&c->cuts[k].loads, i))
+			return 1;
+	return 0;
+}
+
+static struct ref copy(void *context, struct dag *out, size_t i)
+{
+	const struct copying *c = context;
+	const struct node *n = &c->s->d->nodes[i];
+	int leaf;
+
+	if (i == 0 || !c->s->live[i] || is_wrench(c, (uint32_t)i))
+		return (struct ref){0};
+	leaf = cutting_find(c->leaves, c->count, (uint32_t)i);
+	if (leaf >= 0)
+		return dag_input(out, strcmp(n->tag.quantity, "w") ? c->drives : c->rates, leaf);
+	if (op_arity[n->op] == 0)
+		return dag_copy_leaf(out, c->s->d, i);
+	return with_loads(c, out, (uint32_t)i, operation(c, out, n));
+}
+
+/* Those that are cut off here. */
+static int list_outputs(const struct cutting *s, struct cut *c, struct dag *from)
+{
+	struct output *outputs = arena_alloc(s->a, s->d->output_count + 1, sizeof *outputs);
+
+	c->outputs = arena_alloc(s->a, s->d->output_count + (size_t)c->load_count + 1, sizeof *c->outputs);
+	from->output_count = 0;
+	if (!outputs || !c->outputs)
+		return 0;
+	for (size_t o = 0; o < s->d->output_count; o++)
+		if (s->body[o] == c->body) {
+			c->outputs[from->output_count] = (int)o;
+			outputs[from->output_count++] = s->d->outputs[o];
+		}
+	from->outputs = outputs;
+	return 1;
+}
+
+static int add_loads(const struct cutting *s, struct cut *c, const struct ref *map)
+{
+	struct dag *out = &c->relaxed.view.dag;
+	int n = c->loads.total_count;
+
+	for (int limb = 0; limb < c->loads.limb_count; limb++) {
+		struct ref load[LOADS_WRENCH];
+
+		if (!loads_put(load, &c->loads, limb, s->d, out, map, s->a))
+			return 0;
+		for (int k = 0; k < n; k++) {
+			c->outputs[out->output_count] = (int)s->d->output_count + limb * n + k;
+			dag_output(out, s->d->outputs[0].argument, limb * n + k, load[k]);
+		}
+	}
+	return !out->failed;
+}
+
+/* Two more inputs, of so many rows. */
+static int declare(struct copying *c, struct dag *from, int rows)
+{
+	if (from->argument_count + 2 > DAG_ARGUMENTS)
+		return 0;
+	c->rates = from->argument_count++;
+	c->drives = from->argument_count++;
+	from->arguments[c->rates] = (struct argument){.name = "limb_rates", .rows = rows, .role = ROLE_JOINT_VELOCITY};
+	from->arguments[c->drives] = (struct argument){.name = "limb_drives", .rows = rows, .role = ROLE_JOINT_ACCELERATION};
+	from->section_count = 0;
+	return 1;
+}
+
+static void take_ranges(const struct cutting *s, struct cut *c, int argument, const struct interval *ranges, int rows)
+{
+	c->relaxed.rows[argument] = arena_alloc(s->a, (size_t)rows, sizeof **c->relaxed.rows);
+	for (int k = 0; k < rows && c->relaxed.rows[argument]; k++)
+		c->relaxed.rows[argument][k] = ranges[k];
+}
+
+/* Returns 0 when memory runs out, or it cannot be cut. */
+static int cut_off(const struct cutting *s, struct cut *c, struct copying *of, const struct interval *ranges, int rows)
+{
+	struct dag from = *s->d;
+	struct rneagen_error e = {0};
+
+	of->s = s;
+	of->map = arena_alloc(s->a, s->d->count, sizeof *of->map);
+	if (rows <= 0 || !of->map || !declare(of, &from, rows) || !list_outputs(s, c, &from))
+		return 0;
+	c->relaxed = *s->r;
+	dag_init(&c->relaxed.view.dag, s->a);
+	dag_copy(&c->relaxed.view.dag, &from, of->map, copy, of);
+	if (c->load_count && !add_loads(s, c, of->map))
+		return 0;
+	take_ranges(s, c, of->rates, ranges, rows);
+	take_ranges(s, c, of->drives, ranges, rows);
+	memcpy(c->box.rows, c->relaxed.rows, sizeof c->box.rows);
+	c->field_count = s->a->failed || c->relaxed.view.dag.failed ? -1 : field_split(&c->fields, &c->relaxed, s->a, &e);
+	return c->field_count >= 0;
+}
+
+/* Of limbs that have some of its outputs. Where force and moment are no sums of loads there are none. */
+static void find_loads(const struct cutting *s, struct cut *c)
+{
+	const struct tree *t = &s->r->view.tree;
+	unsigned char *is_limb = arena_alloc(s->a, (size_t)t->body_count, 1);
+
+	for (size_t o = 0; o < s->d->output_count && is_limb; o++)
+		for (int b = s->body[o] == c->body ? cutting_body(s, (int)o) : -1; b >= 0; b = t->bodies[b].parent)
+			is_limb[b] = 1;
+	if (!is_limb || !loads_find(&c->loads, s->d, t, c->body, is_limb, s->a))
+		c->loads = (struct loads){0};
+	c->load_count = c->loads.limb_count * c->loads.total_count;
+}
+
+int cut_differs(const struct relaxed *r, const struct field *fields, int field_count, int from, int dims, int others, struct arena *a)
+{
+	struct cutting s = cutting_of(r, fields, field_count, a), other = cutting_of(r, fields, field_count, a);
+
+	if (a->failed)
+		return -1;
+	s.from = other.from = from;
+	s.dims = dims;
+	other.dims = others;
+	cutting_choose(&s);
+	cutting_choose(&other);
+	return memcmp(s.body, other.body, s.d->output_count * sizeof *s.body) != 0;
+}
+
+static int limb(const struct cutting *s, struct cut *c, int body)
+{
+	struct interval ranges[MOST_LEAVES];
+	struct copying of;
+
+	*c = (struct cut){.body = body};
+	if (!(c->leaves = arena_alloc(s->a, MOST_LEAVES, sizeof *c->leaves)))
+		return 0;
+	c->leaf_count = cutting_leaves(s, body, c->leaves);
+	if (c->leaf_count <= 0 || !cutting_ranges(s, c->leaves, c->leaf_count, ranges))
+		return 0;
+	find_loads(s, c);
+	mark_live(s, body, c->loads.totals, c->loads.total_count, c->leaves, c->leaf_count);
+	of = (struct copying){.leaves = c->leaves, .count = c->leaf_count};
+	return cut_off(s, c, &of, ranges, c->leaf_count);
+}
+
+int cut_make(struct cut **cuts, const struct relaxed *r, const struct field *fields, int field_count, int from, int dims,
+	const struct effort *x, double seconds, struct arena *a)
+{
+	struct cutting s = cutting_of(r, fields, field_count, a);
+	int count = 0;
+
+	s.from = from;
+	s.dims = dims;
+	s.x = x;
+	s.seconds = seconds;
+	*cuts = arena_alloc(a, s.d->output_count + 1, sizeof **cuts);
+	if (a->failed)
+		return -1;
+	cutting_choose(&s);
+	for (size_t o = 0; o < s.d->output_count; o++) {
+		int known = s.body[o] < 0;
+
+		for (size_t l = 0; l < o; l++)
+			known |= s.body[l] == s.body[o];
+		if (!known && limb(&s, &(*cuts)[count], s.body[o]))
+			count++;
+	}
+	return a->failed ? -1 : count;
+}
+
+int cut_has(const struct cut *cuts, int count, int output)
+{
+	for (int i = 0; i < count; i++)
+		for (size_t k = 0; k < cuts[i].relaxed.view.dag.output_count; k++)
+			if (cuts[i].outputs[k] == output)
+				return 1;
+	return 0;
+}
+
+/* Are the limbs read through their loads alone? */
+static int are_closed(const struct cutting *s, const struct cut *cuts, int count)
+{
+	for (int i = 0; i < count; i++) {
+		memset(s->live, 0, s->d->count);
+		for (size_t o = 0; o < s->d->output_count; o++)
+			if (s->body[o] == 0)
+				s->live[s->d->outputs[o].value.i] = 1;
+		if (!loads_are_closed(&cuts[i].loads, s->d, s->live))
+			return 0;
+	}
+	return 1;
+}
+
+int cut_rest(struct cut *rest, const struct relaxed *r, const struct field *fields, int field_count, int from,
+	const struct cut *cuts, int cut_count, struct interval *const *ranges, struct arena *a)
+{
+	struct cutting s = cutting_of(r, fields, field_count, a);
+	struct copying of = {.cuts = cuts, .cut_count = cut_count};
+	struct interval loads[LOADS_LIMBS * MOST_LEAVES];
+	int count = 0, some = -1;
+
+	*rest = (struct cut){.body = 0};
+	if (a->failed)
+		return -1;
+	for (int k = 0; k < field_count; k++)
+		for (int o = 0; o < fields[k].output_count; o++)
+			if (fields[k].dim_count >= from && !cut_has(cuts, cut_count, fields[k].outputs[o]))
+				s.body[fields[k].outputs[o]] = some = 0;
+	for (int i = 0; i < cut_count; i++)
+		for (int k = 0; k < cuts[i].load_count; k++)
+			if (count < (int)(sizeof loads / sizeof *loads))
+				loads[count++] = ranges[i][k];
+			else
+				return 0;
+	if (some < 0 || !are_closed(&s, cuts, cut_count))
+		return 0;
+	mark_live(&s, 0, NULL, 0, NULL, 0);
+	return cut_off(&s, rest, &of, loads, count) ? 1 : a->failed ? -1 : 0;
+}
