@@ -41,11 +41,11 @@ static void take_points(void *job, size_t piece)
 {
 	struct covering *s = job;
 	size_t outputs = (size_t)s->f->output_count;
-	double *work = field_work(s->f), *c = malloc(outputs * s->f->coefficient_count * sizeof *c);
+	double *work = s->failed ? NULL : field_work(s->f), *c = malloc(outputs * s->f->coefficient_count * sizeof *c);
 	double *most = s->most + 2 * outputs * piece;
 	struct field_point q;
 
-	if (!work || !c)
+	if (!s->failed && (!work || !c))
 		s->failed = 1;
 	for (size_t o = 0; o < outputs; o++) {
 		most[2 * o] = -s->found[o][0];
@@ -210,20 +210,20 @@ static int cover_once(struct cover *c, struct covering *s, const double *bends, 
 	return done;
 }
 
-/* More places each time, as there is time. */
+/* More places each time, as there is time; a grid that is too large even with the fewest places tells nothing of the speed. */
 static int rounds(struct cover *c, struct covering *s, const double *bends, double end)
 {
 	static const double SHARES[] = {0.2, 0.2, 0.85};
 	double speed = s->knots ? KNOTS_PACE : 1;
 	int done = 1;
 
-	c->points = 0;
 	for (int i = 0; i < 3 && done && seconds_now() < end; i++) {
 		double start = seconds_now(), of_time = SHARES[i] * (end - start) / speed;
 		double room = i ? of_time : s->knots ? fmax(FIRST_POINTS, fmin(FIRST_OF_KNOTS, of_time)) : FIRST_POINTS;
 
+		c->points = 0;
 		done = cover_once(c, s, bends, room);
-		speed = (seconds_now() - start) / (c->points + 1);
+		speed = c->points > 0 ? (seconds_now() - start) / c->points : speed;
 	}
 	return done;
 }

@@ -122,10 +122,11 @@ static void take_lines(void *job, size_t piece)
 {
 	struct sweep *s = job;
 	size_t count = (size_t)s->f->output_count * s->f->coefficient_count;
-	double *work = field_work(s->f), *line = malloc((size_t)(s->grid->counts[s->k] + 1) * count * sizeof *line);
+	double *work = s->failed ? NULL : field_work(s->f);
+	double *line = malloc((size_t)(s->grid->counts[s->k] + 1) * count * sizeof *line);
 	double *most = malloc((size_t)s->f->output_count * sizeof *most);
 
-	if (!work || !line || !most)
+	if (!s->failed && (!work || !line || !most))
 		s->failed = 1;
 	for (int o = 0; o < s->f->output_count && most; o++)
 		most[o] = s->most[o];

@@ -92,7 +92,7 @@ static void take_points(void *job, size_t piece)
 	struct sampling *s = job;
 	const struct field *f = s->k->f;
 	size_t n = f->coefficient_count;
-	double *work = field_work(f), *c = malloc((size_t)f->output_count * n * sizeof *c);
+	double *work = s->failed ? NULL : field_work(f), *c = malloc((size_t)f->output_count * n * sizeof *c);
 	struct field_point q;
 
 	piece += s->done;
