@@ -282,7 +282,7 @@ static int add_limbs(struct proving *p, struct proved_part *l, int dims)
 			return 0;
 	}
 	for (int k = 0; k < l->field_count; k++)
-		l->fields[k].has_grid &= l->fields[k].dim_count <= OWN_GRID || !l->count;
+		l->fields[k].has_grid &= l->fields[k].dim_count <= OWN_GRID || !cut_has_torques(l->cuts, l->count);
 	return 1;
 }
 

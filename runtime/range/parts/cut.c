@@ -128,7 +128,7 @@ static int declare(struct copying *c, struct dag *from, int rows)
 
 static void take_ranges(const struct cutting *s, struct cut *c, int argument, const struct interval *ranges, int rows)
 {
-	c->relaxed.rows[argument] = arena_alloc(s->a, (size_t)rows, sizeof **c->relaxed.rows);
+	c->relaxed.rows[argument] = arena_alloc(s->a, (size_t)rows + 1, sizeof **c->relaxed.rows);
 	for (int k = 0; k < rows && c->relaxed.rows[argument]; k++)
 		c->relaxed.rows[argument][k] = ranges[k];
 }
@@ -141,7 +141,7 @@ static int cut_off(const struct cutting *s, struct cut *c, struct copying *of, c
 
 	of->s = s;
 	of->map = arena_alloc(s->a, s->d->count, sizeof *of->map);
-	if (rows <= 0 || !of->map || !declare(of, &from, rows) || !list_outputs(s, c, &from))
+	if (!of->map || !declare(of, &from, rows) || !list_outputs(s, c, &from))
 		return 0;
 	c->relaxed = *s->r;
 	dag_init(&c->relaxed.view.dag, s->a);
@@ -152,10 +152,11 @@ static int cut_off(const struct cutting *s, struct cut *c, struct copying *of, c
 	take_ranges(s, c, of->drives, ranges, rows);
 	memcpy(c->box.rows, c->relaxed.rows, sizeof c->box.rows);
 	c->field_count = s->a->failed || c->relaxed.view.dag.failed ? -1 : field_split(&c->fields, &c->relaxed, s->a, &e);
-	return c->field_count >= 0;
+	return c->field_count > 0;
 }
 
-/* Of limbs that have some of its outputs. Where force and moment are no sums of loads there are none. */
+/* Of limbs that have some of its outputs, and of all where it carries them for others. Where force and moment are no sums of loads
+   there are none. */
 static void find_loads(const struct cutting *s, struct cut *c)
 {
 	const struct tree *t = &s->r->view.tree;
@@ -164,6 +165,8 @@ static void find_loads(const struct cutting *s, struct cut *c)
 	for (size_t o = 0; o < s->d->output_count && is_limb; o++)
 		for (int b = s->body[o] == c->body ? cutting_body(s, (int)o) : -1; b >= 0; b = t->bodies[b].parent)
 			is_limb[b] = 1;
+	for (int b = 0; b < t->body_count && is_limb; b++)
+		is_limb[b] |= s->carries[c->body] && t->bodies[b].parent == c->body && cutting_is_limb(s, b);
 	if (!is_limb || !loads_find(&c->loads, s->d, t, c->body, is_limb, s->a))
 		c->loads = (struct loads){0};
 	c->load_count = c->loads.limb_count * c->loads.total_count;
@@ -180,19 +183,23 @@ int cut_differs(const struct relaxed *r, const struct field *fields, int field_c
 	other.dims = others;
 	cutting_choose(&s);
 	cutting_choose(&other);
-	return memcmp(s.body, other.body, s.d->output_count * sizeof *s.body) != 0;
+	return memcmp(s.body, other.body, s.d->output_count * sizeof *s.body) ||
+	       memcmp(s.carries, other.carries, (size_t)r->view.tree.body_count);
 }
 
+/* How a floating base moves depends on no row of q, but for its own: nothing is cut there. */
 static int limb(const struct cutting *s, struct cut *c, int body)
 {
+	const struct tree *t = &s->r->view.tree;
+	int is_base = t->floating && t->bodies[body].parent < 0;
 	struct interval ranges[MOST_LEAVES];
 	struct copying of;
 
 	*c = (struct cut){.body = body};
 	if (!(c->leaves = arena_alloc(s->a, MOST_LEAVES, sizeof *c->leaves)))
 		return 0;
-	c->leaf_count = cutting_leaves(s, body, c->leaves);
-	if (c->leaf_count <= 0 || !cutting_ranges(s, c->leaves, c->leaf_count, ranges))
+	c->leaf_count = is_base ? 0 : cutting_leaves(s, body, c->leaves);
+	if (!is_base && (c->leaf_count <= 0 || !cutting_ranges(s, c->leaves, c->leaf_count, ranges)))
 		return 0;
 	find_loads(s, c);
 	mark_live(s, body, c->loads.totals, c->loads.total_count, c->leaves, c->leaf_count);
@@ -210,16 +217,16 @@ int cut_make(struct cut **cuts, const struct relaxed *r, const struct field *fie
 	s.dims = dims;
 	s.x = x;
 	s.seconds = seconds;
-	*cuts = arena_alloc(a, s.d->output_count + 1, sizeof **cuts);
+	*cuts = arena_alloc(a, (size_t)r->view.tree.body_count + 1, sizeof **cuts);
 	if (a->failed)
 		return -1;
 	cutting_choose(&s);
-	for (size_t o = 0; o < s.d->output_count; o++) {
-		int known = s.body[o] < 0;
+	for (int b = 0; b < r->view.tree.body_count; b++) {
+		int is_cut = s.carries[b];
 
-		for (size_t l = 0; l < o; l++)
-			known |= s.body[l] == s.body[o];
-		if (!known && limb(&s, &(*cuts)[count], s.body[o]))
+		for (size_t o = 0; o < s.d->output_count; o++)
+			is_cut |= s.body[o] == b;
+		if (is_cut && limb(&s, &(*cuts)[count], b))
 			count++;
 	}
 	return a->failed ? -1 : count;
@@ -231,6 +238,14 @@ int cut_has(const struct cut *cuts, int count, int output)
 		for (size_t k = 0; k < cuts[i].relaxed.view.dag.output_count; k++)
 			if (cuts[i].outputs[k] == output)
 				return 1;
+	return 0;
+}
+
+int cut_has_torques(const struct cut *cuts, int count)
+{
+	for (int i = 0; i < count; i++)
+		if ((int)cuts[i].relaxed.view.dag.output_count > cuts[i].load_count)
+			return 1;
 	return 0;
 }
 
@@ -269,7 +284,7 @@ int cut_rest(struct cut *rest, const struct relaxed *r, const struct field *fiel
 				loads[count++] = ranges[i][k];
 			else
 				return 0;
-	if (some < 0 || !are_closed(&s, cuts, cut_count))
+	if (some < 0 || !count || !are_closed(&s, cuts, cut_count))
 		return 0;
 	mark_live(&s, 0, NULL, 0, NULL, 0);
 	return cut_off(&s, rest, &of, loads, count) ? 1 : a->failed ? -1 : 0;

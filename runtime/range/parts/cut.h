@@ -32,6 +32,9 @@ int cut_differs(const struct relaxed *r, const struct field *fields, int field_c
 /* Is an output, by its number in what was cut, of a limb? */
 int cut_has(const struct cut *cuts, int count, int output);
 
+/* Are torques cut off, or loads alone? */
+int cut_has_torques(const struct cut *cuts, int count);
+
 /* What carries the limbs, of fields with `from` rows of q or more, into *rest; ranges[cut][load]. Returns 1; 0: it is not made,
    there is nothing to be cut; -1 when memory runs out. */
 int cut_rest(struct cut *rest, const struct relaxed *r, const struct field *fields, int field_count, int from,

@@ -7,7 +7,7 @@ struct cutting cutting_of(const struct relaxed *r, const struct field *fields, i
 {
 	struct cutting s = {.r = r, .d = &r->view.dag, .fields = fields, .field_count = field_count, .a = a,
 		.body = arena_alloc(a, r->view.dag.output_count + 1, sizeof(int)), .reads = arena_alloc(a, r->view.dag.count, sizeof(uint64_t)),
-		.live = arena_alloc(a, r->view.dag.count, 1)};
+		.live = arena_alloc(a, r->view.dag.count, 1), .carries = arena_alloc(a, (size_t)r->view.tree.body_count + 1, 1)};
 
 	for (size_t o = 0; o < r->view.dag.output_count && !a->failed; o++)
 		s.body[o] = -1;
@@ -103,11 +103,57 @@ static int choose(const struct cutting *s, const struct field *f, int output)
 	return best;
 }
 
+static int is_beyond(const struct tree *t, int body, int of)
+{
+	for (; body >= 0; body = t->bodies[body].parent)
+		if (body == of)
+			return 1;
+	return 0;
+}
+
+int cutting_is_limb(const struct cutting *s, int body)
+{
+	const struct tree *t = &s->r->view.tree;
+	int rows = 0;
+
+	for (int i = 0; i < t->joint_count; i++)
+		rows += is_beyond(t, t->joints[i].body, body) ? t->joints[i].nq : 0;
+	for (size_t o = 0; o < s->d->output_count; o++)
+		if (s->body[o] >= 0 && is_beyond(t, cutting_body(s, (int)o), body))
+			return 0;
+	return rows <= s->dims;
+}
+
+/* The first body from this one on that has several children, where at least two are limbs; -1: there is none. */
+static int carrier_of(const struct cutting *s, int body)
+{
+	const struct tree *t = &s->r->view.tree;
+
+	for (int next = body, children = 1; next >= 0 && children == 1; body = next) {
+		children = 0;
+		for (int b = 0; b < t->body_count; b++)
+			if (t->bodies[b].parent == body && ++children == 1)
+				next = b;
+		next = children == 1 ? next : body;
+	}
+	for (int b = 0, limbs = 0; b < t->body_count && body >= 0; b++)
+		if (t->bodies[b].parent == body && cutting_is_limb(s, b) && ++limbs == 2)
+			return body;
+	return -1;
+}
+
 void cutting_choose(struct cutting *s)
 {
 	for (int k = 0; k < s->field_count; k++)
 		for (int o = 0; o < s->fields[k].output_count; o++)
 			s->body[s->fields[k].outputs[o]] = choose(s, &s->fields[k], s->fields[k].outputs[o]);
+	for (int k = 0; k < s->field_count; k++)
+		for (int o = 0; o < s->fields[k].output_count && s->fields[k].dim_count >= s->from; o++) {
+			int output = s->fields[k].outputs[o], carrier = s->body[output] < 0 ? carrier_of(s, cutting_body(s, output)) : -1;
+
+			if (carrier >= 0)
+				s->carries[carrier] = 1;
+		}
 }
 
 /* ---- how it moves ---- */

@@ -16,14 +16,18 @@ struct cutting {
 	double seconds;
 	struct arena *a;
 	int *body;               /* by output, where it is cut off; -1: nowhere */
+	unsigned char *carries;  /* by body: its limbs are cut off for the sake of outputs that it carries them for */
 	uint64_t *reads;         /* by node: rows of q that it depends on, where a body is cut off */
 	unsigned char *live;     /* by node */
 };
 
 struct cutting cutting_of(const struct relaxed *r, const struct field *fields, int field_count, struct arena *a);
 
-/* Where each output is cut off. */
+/* Where each output is cut off, and which bodies' limbs are. */
 void cutting_choose(struct cutting *s);
+
+/* Has this body, with all beyond it, few enough rows of q, and is none of its outputs cut off? */
+int cutting_is_limb(const struct cutting *s, int body);
 
 /* The body of the joint that a torque is of; -1: it is none. */
 int cutting_body(const struct cutting *s, int output);
