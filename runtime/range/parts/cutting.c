@@ -164,10 +164,12 @@ int cutting_ranges(const struct cutting *s, const uint32_t *leaves, int count, s
 	struct relaxed *r = arena_alloc(s->a, 1, sizeof *r);
 	struct output *outputs = arena_alloc(s->a, (size_t)count + 1, sizeof *outputs);
 	struct rneagen_error e = {0};
+	struct effort own = *s->x;
 	struct field *fields;
 	struct box box;
 	int n;
 
+	own.record = NULL; /* these are no rows of the text */
 	if (!r || !outputs)
 		return 0;
 	*r = *s->r;
@@ -181,7 +183,7 @@ int cutting_ranges(const struct cutting *s, const uint32_t *leaves, int count, s
 	for (int k = 0; k < n; k++) {
 		struct interval of[MOST_LEAVES];
 
-		if (!magnitude_find(of, &fields[k], &box, 0, s->x, s->seconds / (double)n))
+		if (!magnitude_find(of, &fields[k], &box, 0, &own, s->seconds / (double)n))
 			return 0;
 		for (int o = 0; o < fields[k].output_count; o++)
 			ranges[fields[k].outputs[o]] =
