@@ -155,8 +155,8 @@ static int cut_off(const struct cutting *s, struct cut *c, struct copying *of, c
 	return c->field_count > 0;
 }
 
-/* Of limbs that have some of its outputs, and of all where it carries them for others. Where force and moment are no sums of loads
-   there are none. */
+/* Of small limbs that have some of its outputs, and of whole ones where it carries them for others. Where force and moment are no sums
+   of loads there are none. */
 static void find_loads(const struct cutting *s, struct cut *c)
 {
 	const struct tree *t = &s->r->view.tree;
@@ -166,7 +166,8 @@ static void find_loads(const struct cutting *s, struct cut *c)
 		for (int b = s->body[o] == c->body ? cutting_body(s, (int)o) : -1; b >= 0; b = t->bodies[b].parent)
 			is_limb[b] = 1;
 	for (int b = 0; b < t->body_count && is_limb; b++)
-		is_limb[b] |= s->carries[c->body] && t->bodies[b].parent == c->body && cutting_is_limb(s, b);
+		is_limb[b] = t->bodies[b].parent == c->body && cutting_is_small(s, b) &&
+			(is_limb[b] || (s->carries[c->body] && cutting_is_whole(s, b)));
 	if (!is_limb || !loads_find(&c->loads, s->d, t, c->body, is_limb, s->a))
 		c->loads = (struct loads){0};
 	c->load_count = c->loads.limb_count * c->loads.total_count;
@@ -249,14 +250,12 @@ int cut_has_torques(const struct cut *cuts, int count)
 	return 0;
 }
 
-/* Are the limbs read through their loads alone? */
-static int are_closed(const struct cutting *s, const struct cut *cuts, int count)
+/* Does an output read the limbs through their loads alone? */
+static int is_closed(const struct cutting *s, size_t output, const struct cut *cuts, int count)
 {
 	for (int i = 0; i < count; i++) {
 		memset(s->live, 0, s->d->count);
-		for (size_t o = 0; o < s->d->output_count; o++)
-			if (s->body[o] == 0)
-				s->live[s->d->outputs[o].value.i] = 1;
+		s->live[s->d->outputs[output].value.i] = 1;
 		if (!loads_are_closed(&cuts[i].loads, s->d, s->live))
 			return 0;
 	}
@@ -269,22 +268,26 @@ int cut_rest(struct cut *rest, const struct relaxed *r, const struct field *fiel
 	struct cutting s = cutting_of(r, fields, field_count, a);
 	struct copying of = {.cuts = cuts, .cut_count = cut_count};
 	struct interval loads[LOADS_LIMBS * MOST_LEAVES];
-	int count = 0, some = -1;
+	int count = 0, some = 0;
 
 	*rest = (struct cut){.body = 0};
 	if (a->failed)
 		return -1;
 	for (int k = 0; k < field_count; k++)
-		for (int o = 0; o < fields[k].output_count; o++)
-			if (fields[k].dim_count >= from && !cut_has(cuts, cut_count, fields[k].outputs[o]))
-				s.body[fields[k].outputs[o]] = some = 0;
+		for (int o = 0; o < fields[k].output_count && fields[k].dim_count >= from; o++) {
+			int output = fields[k].outputs[o];
+
+			if (!cut_has(cuts, cut_count, output) && is_closed(&s, (size_t)output, cuts, cut_count))
+				s.body[output] = 0;
+			some += s.body[output] == 0;
+		}
 	for (int i = 0; i < cut_count; i++)
 		for (int k = 0; k < cuts[i].load_count; k++)
 			if (count < (int)(sizeof loads / sizeof *loads))
 				loads[count++] = ranges[i][k];
 			else
 				return 0;
-	if (some < 0 || !count || !are_closed(&s, cuts, cut_count))
+	if (!some || !count)
 		return 0;
 	mark_live(&s, 0, NULL, 0, NULL, 0);
 	return cut_off(&s, rest, &of, loads, count) ? 1 : a->failed ? -1 : 0;

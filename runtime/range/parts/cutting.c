@@ -111,17 +111,22 @@ static int is_beyond(const struct tree *t, int body, int of)
 	return 0;
 }
 
-int cutting_is_limb(const struct cutting *s, int body)
+int cutting_is_small(const struct cutting *s, int body)
 {
 	const struct tree *t = &s->r->view.tree;
 	int rows = 0;
 
 	for (int i = 0; i < t->joint_count; i++)
 		rows += is_beyond(t, t->joints[i].body, body) ? t->joints[i].nq : 0;
-	for (size_t o = 0; o < s->d->output_count; o++)
-		if (s->body[o] >= 0 && is_beyond(t, cutting_body(s, (int)o), body))
-			return 0;
 	return rows <= s->dims;
+}
+
+int cutting_is_whole(const struct cutting *s, int body)
+{
+	for (size_t o = 0; o < s->d->output_count; o++)
+		if (s->body[o] >= 0 && is_beyond(&s->r->view.tree, cutting_body(s, (int)o), body))
+			return 0;
+	return 1;
 }
 
 /* The first body from this one on that has several children, where at least two are limbs; -1: there is none. */
@@ -137,7 +142,7 @@ static int carrier_of(const struct cutting *s, int body)
 		next = children == 1 ? next : body;
 	}
 	for (int b = 0, limbs = 0; b < t->body_count && body >= 0; b++)
-		if (t->bodies[b].parent == body && cutting_is_limb(s, b) && ++limbs == 2)
+		if (t->bodies[b].parent == body && cutting_is_small(s, b) && cutting_is_whole(s, b) && ++limbs == 2)
 			return body;
 	return -1;
 }

@@ -26,8 +26,9 @@ struct cutting cutting_of(const struct relaxed *r, const struct field *fields, i
 /* Where each output is cut off, and which bodies' limbs are. */
 void cutting_choose(struct cutting *s);
 
-/* Has this body, with all beyond it, few enough rows of q, and is none of its outputs cut off? */
-int cutting_is_limb(const struct cutting *s, int body);
+/* Has this body, with all beyond it, few enough rows of q? Is none of their outputs cut off? */
+int cutting_is_small(const struct cutting *s, int body);
+int cutting_is_whole(const struct cutting *s, int body);
 
 /* The body of the joint that a torque is of; -1: it is none. */
 int cutting_body(const struct cutting *s, int output);

@@ -26,7 +26,7 @@ int loads_find(struct loads *l, const struct dag *d, const struct tree *t, int c
 int loads_total(const struct loads *l, uint32_t node);
 int loads_is_wrench(const struct loads *l, uint32_t node);
 
-/* Do the nodes marked in reads[] read wrenches through totals alone? More is marked then: all that they read. */
+/* Do nodes that are marked in reads[] read wrenches through totals alone? More is marked then: all that they read. */
 int loads_are_closed(const struct loads *l, const struct dag *d, unsigned char *reads);
 
 /* The load of a limb, by total, in another DAG; map[] has what stands there for the nodes of this one. Returns 0 when memory runs out. */
