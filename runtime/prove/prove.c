@@ -56,6 +56,15 @@ static void show(struct proving *p, const char *doing)
 	progress_show(p->progress, (uint64_t)(seconds_now() - p->start), doing);
 }
 
+/* The number of an output of a target among all. */
+static int output_of(const struct target *t, int i)
+{
+	return t->outputs ? t->outputs[t->f->outputs[i]] : t->f->outputs[i];
+}
+
+/* Of torques that are bounded anew there are ranges; loads have none. */
+#define WORK_AGAIN 0.25
+
 /* A target's share of the work: the more rows of q, the more points, or the more there is to search. */
 static double share_of(const struct proving *p, int k, int of_grids)
 {
@@ -64,10 +73,9 @@ static double share_of(const struct proving *p, int k, int of_grids)
 	for (int i = p->first; i < p->target_count; i++) {
 		const struct field *f = p->targets[i].f;
 		double n = f->dim_count, work = f->output_count * (1 + n * n * n);
+		int is_again = p->first && output_of(&p->targets[i], 0) < (int)p->a->dag.output_count;
 
-		if (of_grids && !f->has_grid)
-			work = 0;
-
+		work *= of_grids && !f->has_grid ? 0 : is_again ? WORK_AGAIN : 1;
 		sum += work;
 		own = i == k ? work : own;
 	}
@@ -108,12 +116,6 @@ static enum rneagen_code seek_all(struct proving *p)
 	if (!p->relaxed.is_same && !states_seek(&p->states, p->values, p->best, &p->effort, SHARE_SEEK * p->o->seconds))
 		return error_memory(p->e);
 	return RNEAGEN_OK;
-}
-
-/* The number of an output of a target among all. */
-static int output_of(const struct target *t, int i)
-{
-	return t->outputs ? t->outputs[t->f->outputs[i]] : t->f->outputs[i];
 }
 
 /* The better of both ways. */
@@ -163,14 +165,13 @@ static int find_by_grids(struct proving *p, const struct target *t, struct rangi
 static int find_ranges(struct proving *p, int k, struct ranging *r)
 {
 	const struct target *t = &p->targets[k];
-	const struct field *f = t->f;
 	double seconds = p->part * p->o->seconds;
 	struct effort own = p->effort;
 
 	own.record = t->outputs ? NULL : own.record; /* a limb's rows are none of the text's */
-	if (!(f->has_grid ? find_by_grids(p, t, r, seconds * share_of(p, k, 1)) : ranging_plain(&r->cover, f)))
+	if (!(t->f->has_grid ? find_by_grids(p, t, r, seconds * share_of(p, k, 1)) : ranging_plain(&r->cover, t->f)))
 		return 0;
-	return magnitude_find(r->ranges, f, t->b, 0, &own, SHARE_MAGNITUDE * seconds * share_of(p, k, 0));
+	return magnitude_find(r->ranges, t->f, t->b, 0, &own, SHARE_MAGNITUDE * seconds * share_of(p, k, 0));
 }
 
 static enum rneagen_code prove_target(struct proving *p, int k, struct prove_row *rows)

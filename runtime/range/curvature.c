@@ -203,12 +203,18 @@ static double weight_of(const struct field *f, const struct group *g, int k, con
 	return worst;
 }
 
+/* Does it matter so little that the fewest places do? */
+static int is_slight(const struct field *f, int k, double weight)
+{
+	return field_is_point(&f->dims[k]) || pace_of(f, k, fewest(f, k)).gap * f->dims[k].degree * f->dims[k].degree * weight < 0.1;
+}
+
 /* As many places as go with the root of how much outputs bend, times `scale`; few where that is few. */
 static int places_of(const struct field *f, int k, double weight, double scale)
 {
 	int places = f->dims[k].is_angle ? 2 * (int)(0.5 * fmin(MOST_PLACES, scale * sqrt(weight))) : LENGTH_PLACES;
 
-	if (field_is_point(&f->dims[k]) || pace_of(f, k, fewest(f, k)).gap * f->dims[k].degree * f->dims[k].degree * weight < 0.1)
+	if (is_slight(f, k, weight))
 		return fewest(f, k);
 	return f->dims[k].is_angle && places < pace_least(&f->dims[k]) ? pace_least(&f->dims[k]) : places;
 }
@@ -251,28 +257,55 @@ static void improve(struct curvature *c, const struct field *f, const struct gro
 	}
 }
 
-/* One dimension after the other, over a grid. 0: memory ran out; -1: time did. */
-static int pass(struct curvature *c, const struct field *f, const struct group *g, const struct effort *x, const int *counts)
+/* Those that seem to matter least first: where they matter less still the others need few places of them. */
+static void set_order(int *order, const struct field *f, const struct group *g, const double *most, const double *found)
+{
+	for (int i = 0; i < f->dim_count; i++) {
+		int at = i;
+
+		for (; at > 0 && weight_of(f, g, order[at - 1], most, found) > weight_of(f, g, i, most, found); at--)
+			order[at] = order[at - 1];
+		order[at] = i;
+	}
+}
+
+/* Along one dimension, over a grid, into of_k[]. 1, 0 or -1 as sweep. */
+static int pass_along(struct curvature *c, const struct field *f, const struct group *g, const struct effort *x, int k,
+	const int *counts, double *of_k)
 {
 	struct grid grid;
-	struct sweep s = {.f = f, .grid = &grid, .effort = x};
-	double *of_k = malloc(((size_t)f->output_count + 1) * sizeof *of_k);
-	int own[FIELD_DIMS], done = of_k != NULL;
+	struct sweep s = {.f = f, .grid = &grid, .effort = x, .k = k};
+	int own[FIELD_DIMS], done;
+	double start = seconds_now();
 
 	memcpy(own, counts, sizeof own);
-	for (s.k = 0; s.k < f->dim_count && done == 1; s.k++) {
-		double start = seconds_now();
+	own[k] = pace_own_count(f, k, counts);
+	done = grid_make(&grid, f, own, 1) ? g->knots ? sweep_knots(&s, g, of_k) : sweep(&s, of_k) : 0;
+	if (done == 1) {
+		improve(c, f, g, own, k, of_k);
+		c->speed = (seconds_now() - start) / size_of(f, own);
+	}
+	grid_free(&grid);
+	return done;
+}
 
-		if (counts[s.k] < LENGTH_PLACES)
+/* One dimension after the other. 0: memory ran out; -1: time did. */
+static int pass(struct curvature *c, const struct field *f, const struct group *g, const struct effort *x, const int *counts,
+	const double *found)
+{
+	double *of_k = malloc(((size_t)f->output_count + 1) * sizeof *of_k);
+	int now[FIELD_DIMS], order[FIELD_DIMS], done = of_k != NULL;
+
+	memcpy(now, counts, sizeof now);
+	set_order(order, f, g, c->most, found);
+	for (int i = 0; i < f->dim_count && done == 1; i++) {
+		int k = order[i];
+
+		if (now[k] < LENGTH_PLACES)
 			continue;
-		own[s.k] = pace_own_count(f, s.k, counts);
-		done = grid_make(&grid, f, own, 1) ? g->knots ? sweep_knots(&s, g, of_k) : sweep(&s, of_k) : 0;
-		if (done == 1) {
-			improve(c, f, g, own, s.k, of_k);
-			c->speed = (seconds_now() - start) / size_of(f, own);
-		}
-		own[s.k] = counts[s.k];
-		grid_free(&grid);
+		done = pass_along(c, f, g, x, k, now, of_k);
+		if (is_slight(f, k, weight_of(f, g, k, c->most, found)))
+			now[k] = fewest(f, k);
 	}
 	free(of_k);
 	return done;
@@ -306,7 +339,7 @@ static int passes(struct curvature *c, const struct field *f, const struct group
 		int counts[FIELD_DIMS], is_one = choose(f, g, counts, fmin(room, MOST_POINTS), c->most, from->found);
 
 		if (is_one && size_of(f, counts) > before)
-			done = pass(c, f, g, x, counts);
+			done = pass(c, f, g, x, counts, from->found);
 		else if (!is_one && g->knots)
 			c->speed *= 0.3;
 		before = is_one ? size_of(f, counts) : 0;

@@ -8,7 +8,7 @@
 
 /* Grids of more dimensions, or of functions with more waves, are too large. */
 enum { GRID_DIMS = 12 };
-#define MOST_TOGETHER 4e5 /* knots (knots.h) of outputs in a field: of 7 angles five outputs, of more one each */
+#define MOST_TOGETHER 5e5 /* knots (knots.h) of outputs in a field: of 7 angles six outputs, of more one each */
 
 /* What is known of a node. */
 struct mark {

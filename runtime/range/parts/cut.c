@@ -107,17 +107,28 @@ static int add_loads(const struct cutting *s, struct cut *c, const struct ref *m
 			return 0;
 		for (int k = 0; k < n; k++) {
 			c->outputs[out->output_count] = (int)s->d->output_count + limb * n + k;
-			dag_output(out, s->d->outputs[0].argument, limb * n + k, load[k]);
+			dag_output(out, out->argument_count - 3, limb * n + k, load[k]);
 		}
 	}
 	return !out->failed;
 }
 
-/* Two more inputs, of so many rows. */
+/* Of gravity alone the degree in an angle is less, as field_split knows. */
+static enum role role_of_loads(const struct dag *d)
+{
+	for (size_t o = 0; o < d->output_count; o++)
+		if (d->arguments[d->outputs[o].argument].role != ROLE_GRAVITY_TORQUE)
+			return ROLE_JOINT_TORQUE;
+	return ROLE_GRAVITY_TORQUE;
+}
+
+/* Outputs for loads, so that these have fields of their own, and two more inputs, of so many rows. */
 static int declare(struct copying *c, struct dag *from, int rows)
 {
-	if (from->argument_count + 2 > DAG_ARGUMENTS)
+	if (from->argument_count + 3 > DAG_ARGUMENTS)
 		return 0;
+	from->arguments[from->argument_count++] =
+		(struct argument){.name = "loads", .rows = LOADS_LIMBS * LOADS_WRENCH, .is_output = 1, .role = role_of_loads(from)};
 	c->rates = from->argument_count++;
 	c->drives = from->argument_count++;
 	from->arguments[c->rates] = (struct argument){.name = "limb_rates", .rows = rows, .role = ROLE_JOINT_VELOCITY};
