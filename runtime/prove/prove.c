@@ -239,8 +239,8 @@ struct proved_part {
 
 enum { MOST_PARTS = 6, CUT_FROM = 7, CUT_AGAIN_FROM = 6, OWN_GRID = 8 };
 
-/* Grids of small limbs are quick. Large ones lose less, as more of the robot moves together; they need so many seconds for each output
-   that is cut, and then get the most of the time. */
+/* Grids of small limbs are quick. Large ones lose less, as more of the robot moves together; they need so many seconds for each
+   output that is cut, and then get the most of the time. */
 enum { SMALL_LIMB = 5, LARGE_LIMB = 7, SECONDS_LARGE = 30 };
 #define PART_SMALL 0.25
 

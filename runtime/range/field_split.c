@@ -94,7 +94,8 @@ static struct mark mark_sum(struct mark a, struct mark b)
 static struct mark mark_product(struct mark a, struct mark b)
 {
 	struct mark m = {.dims = a.dims | b.dims, .orders = (unsigned char)orders_of_product(a.orders, b.orders),
-		.size = a.size * b.size, .noise = a.size * b.noise + b.size * a.noise + a.noise * b.noise, .plain = interval_mul(a.plain, b.plain)};
+		.size = a.size * b.size, .noise = a.size * b.noise + b.size * a.noise + a.noise * b.noise,
+		.plain = interval_mul(a.plain, b.plain)};
 
 	m.noise += 0x1p-52 * m.size + DBL_MIN;
 	return m;

@@ -166,8 +166,8 @@ static int cut_off(const struct cutting *s, struct cut *c, struct copying *of, c
 	return c->field_count > 0;
 }
 
-/* Of small limbs that have some of its outputs, and of whole ones where it carries them for others. Where force and moment are no sums
-   of loads there are none. */
+/* Of small limbs that have some of its outputs, and of whole ones where it carries them for others. Where force and moment are no
+   sums of loads there are none. */
 static void find_loads(const struct cutting *s, struct cut *c)
 {
 	const struct tree *t = &s->r->view.tree;
@@ -184,7 +184,8 @@ static void find_loads(const struct cutting *s, struct cut *c)
 	c->load_count = c->loads.limb_count * c->loads.total_count;
 }
 
-int cut_differs(const struct relaxed *r, const struct field *fields, int field_count, int from, int dims, int others, struct arena *a)
+int cut_differs(const struct relaxed *r, const struct field *fields, int field_count, int from, int dims, int others,
+	struct arena *a)
 {
 	struct cutting s = cutting_of(r, fields, field_count, a), other = cutting_of(r, fields, field_count, a);
 

@@ -12,7 +12,7 @@ struct cut {
 	int body;               /* index into the tree */
 	struct relaxed relaxed; /* its outputs are some of those that it was cut from */
 	struct box box;
-	uint32_t *leaves;       /* of a limb: nodes of the DAG that it was cut from, the rows of its last two inputs: rates, and drives */
+	uint32_t *leaves;       /* of a limb: nodes of the DAG that it was cut from, rows of its last two inputs: rates, and drives */
 	int leaf_count;
 	int *outputs;           /* of them, the numbers that they had; of loads, that of all outputs and their own on top */
 	struct loads loads;
@@ -21,13 +21,14 @@ struct cut {
 	int field_count;
 };
 
-/* Limbs of outputs that depend on `from` rows of q or more, of `dims` rows themselves at most, into *cuts, which live in `a`; ranges
-   of what moves them are found in about `seconds`. Returns how many; -1 when memory runs out. */
+/* Limbs of outputs that depend on `from` rows of q or more, of `dims` rows themselves at most, into *cuts, which live in `a`;
+   ranges of what moves them are found in about `seconds`. Returns how many; -1 when memory runs out. */
 int cut_make(struct cut **cuts, const struct relaxed *r, const struct field *fields, int field_count, int from, int dims,
 	const struct effort *x, double seconds, struct arena *a);
 
 /* Would it cut elsewhere with limbs of so many rows? -1 when memory runs out. */
-int cut_differs(const struct relaxed *r, const struct field *fields, int field_count, int from, int dims, int others, struct arena *a);
+int cut_differs(const struct relaxed *r, const struct field *fields, int field_count, int from, int dims, int others,
+	struct arena *a);
 
 /* Is an output, by its number in what was cut, of a limb? */
 int cut_has(const struct cut *cuts, int count, int output);

@@ -21,8 +21,8 @@ static int is_named(const struct tag *tag, int number, const char *quantity, cha
 	return tag->body == number && tag->component == component && !strcmp(tag->quantity, quantity);
 }
 
-/* Adds nodes with this name; of a number that a joint leaves as it is in the body before, that body's. Returns the new count, -1: too
-   many. */
+/* Adds nodes with this name; of a number that a joint leaves as it is in the body before, that body's. Returns the new count, -1:
+   too many. */
 static int add_leaves(const struct cutting *s, int body, const char *quantity, char component, uint32_t *leaves, int count)
 {
 	const struct tree *t = &s->r->view.tree;

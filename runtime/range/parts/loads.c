@@ -23,7 +23,8 @@ int loads_is_wrench(const struct loads *l, uint32_t node)
 	return place_of(l->wrenches, l->wrench_count, node) >= 0;
 }
 
-/* Force and moment of a body: of values with the same name the last, which has all in it. Returns how many of the six there are. */
+/* Force and moment of a body: of values with the same name the last, which has all in it. Returns how many of the six there are.
+   */
 static int list_wrench(const struct dag *d, int number, uint32_t *list)
 {
 	int count = 0;
@@ -89,7 +90,8 @@ static int mark_below(const struct loads *l, const struct dag *d, unsigned char 
 	return 1;
 }
 
-int loads_find(struct loads *l, const struct dag *d, const struct tree *t, int carrier, const unsigned char *is_limb, struct arena *a)
+int loads_find(struct loads *l, const struct dag *d, const struct tree *t, int carrier, const unsigned char *is_limb,
+	struct arena *a)
 {
 	unsigned char *below = arena_alloc(a, d->count, 1);
 	int is_sum;
