@@ -3,7 +3,7 @@
 #include "core/seconds.h"
 #include "emit/emit.h"
 #include "emit/number_type.h"
-#include "range/cut.h"
+#include "range/parts/cut.h"
 #include "range/magnitude.h"
 #include "prove/ranging.h"
 #include "prove/rounding.h"
@@ -27,7 +27,7 @@ struct target {
 	const struct box *b;
 	const int *outputs; /* NULL: as in the field */
 	struct sought (*found)[2];  /* by the field's output */
-	struct interval *wrenches;  /* of a limb: ranges of outputs beyond those of the text */
+	struct interval *loads;  /* of a limb: their ranges, of outputs beyond those of the text */
 };
 
 struct proving {
@@ -42,7 +42,8 @@ struct proving {
 	struct field *fields;
 	int field_count;
 	struct target *targets;
-	int target_count;
+	int target_count, first; /* first: of those that share the time of `part` */
+	double part;             /* of the time for ranges */
 	struct effort effort;
 	struct states states;                   /* of the text's */
 	double (*values)[2], *(*best)[2];       /* by output: what was found, and where */
@@ -55,18 +56,26 @@ static void show(struct proving *p, const char *doing)
 	progress_show(p->progress, (uint64_t)(seconds_now() - p->start), doing);
 }
 
+/* The number of an output of a target among all. */
+static int output_of(const struct target *t, int i)
+{
+	return t->outputs ? t->outputs[t->f->outputs[i]] : t->f->outputs[i];
+}
+
+/* Of torques that are bounded anew there are ranges; loads have none. */
+#define WORK_AGAIN 0.25
+
 /* A target's share of the work: the more rows of q, the more points, or the more there is to search. */
 static double share_of(const struct proving *p, int k, int of_grids)
 {
 	double sum = 0, own = 0;
 
-	for (int i = 0; i < p->target_count; i++) {
+	for (int i = p->first; i < p->target_count; i++) {
 		const struct field *f = p->targets[i].f;
 		double n = f->dim_count, work = f->output_count * (1 + n * n * n);
+		int is_again = p->first && output_of(&p->targets[i], 0) < (int)p->a->dag.output_count;
 
-		if (of_grids && !f->has_grid)
-			work = 0;
-
+		work *= of_grids && !f->has_grid ? 0 : is_again ? WORK_AGAIN : 1;
 		sum += work;
 		own = i == k ? work : own;
 	}
@@ -109,21 +118,15 @@ static enum rneagen_code seek_all(struct proving *p)
 	return RNEAGEN_OK;
 }
 
-/* The number of an output of a target among all. */
-static int output_of(const struct target *t, int i)
-{
-	return t->outputs ? t->outputs[t->f->outputs[i]] : t->f->outputs[i];
-}
-
 /* The better of both ways. */
 static void take_rows(const struct proving *p, const struct target *t, const struct ranging *g, struct prove_row *rows)
 {
 	for (int i = 0; i < t->f->output_count; i++) {
-		int output = output_of(t, i), wrench = output - (int)p->a->dag.output_count;
-		struct prove_row *r = wrench < 0 ? &rows[output] : NULL;
+		int output = output_of(t, i), load = output - (int)p->a->dag.output_count;
+		struct prove_row *r = load < 0 ? &rows[output] : NULL;
 
-		if (wrench >= 0) {
-			t->wrenches[wrench] = (struct interval){fmax(g->cover.lower[i], g->ranges[i].lower),
+		if (load >= 0) {
+			t->loads[load] = (struct interval){fmax(g->cover.lower[i], g->ranges[i].lower),
 				fmin(g->cover.upper[i], g->ranges[i].upper)};
 			continue;
 		}
@@ -135,30 +138,40 @@ static void take_rows(const struct proving *p, const struct target *t, const str
 	}
 }
 
-static int find_covers(struct proving *p, const struct target *t, struct ranging *r, double seconds)
+/* Both by the same knots, where there are any. */
+static int find_covers(struct proving *p, const struct field *f, struct ranging *r, double seconds)
 {
-	const struct field *f = t->f;
-	const struct curvature_start from = {r->whole, r->largest, r->bends};
+	const double part = SHARE_CURVATURE / (SHARE_CURVATURE + SHARE_COVER);
+	double end = seconds_now() + seconds;
+	const struct knots *knots = knots_make(&r->knots, f, &p->effort, KNOTS_SHARE * seconds) ? &r->knots : NULL;
+	const struct curvature_start bent = {r->whole, r->largest, r->bends, knots};
+	struct cover_start covered = {.found = (const double(*)[2])r->found, .knots = knots};
+
+	if (!curvature_find(&r->curvature, f, &bent, &p->effort, part * (end - seconds_now())))
+		return 0;
+	covered.bends = r->curvature.most;
+	return cover_find(&r->cover, f, &covered, &p->effort, end - seconds_now());
+}
+
+static int find_by_grids(struct proving *p, const struct target *t, struct ranging *r, double seconds)
+{
 	struct effort soon = p->effort;
 
 	soon.deadline = fmin(p->effort.deadline, seconds_now() + 2 * SHARE_WHOLE * seconds);
-	return magnitude_find(r->whole, f, t->b, 1, &p->effort, SHARE_WHOLE * seconds) &&
-	       magnitude_bends(r->bends, f, t->b, &soon) &&
-	       curvature_find(&r->curvature, f, &from, &p->effort, SHARE_CURVATURE * seconds) &&
-	       cover_find(&r->cover, f, &r->curvature, (const double(*)[2])r->found, &p->effort, SHARE_COVER * seconds);
+	return magnitude_find(r->whole, t->f, t->b, 1, &p->effort, SHARE_WHOLE * seconds) &&
+	       magnitude_bends(r->bends, t->f, t->b, &soon) && find_covers(p, t->f, r, (SHARE_CURVATURE + SHARE_COVER) * seconds);
 }
 
 static int find_ranges(struct proving *p, int k, struct ranging *r)
 {
 	const struct target *t = &p->targets[k];
-	const struct field *f = t->f;
-	double seconds = p->o->seconds;
+	double seconds = p->part * p->o->seconds;
 	struct effort own = p->effort;
 
 	own.record = t->outputs ? NULL : own.record; /* a limb's rows are none of the text's */
-	if (!(f->has_grid ? find_covers(p, t, r, seconds * share_of(p, k, 1)) : ranging_plain(&r->cover, f)))
+	if (!(t->f->has_grid ? find_by_grids(p, t, r, seconds * share_of(p, k, 1)) : ranging_plain(&r->cover, t->f)))
 		return 0;
-	return magnitude_find(r->ranges, f, t->b, 0, &own, SHARE_MAGNITUDE * seconds * share_of(p, k, 0));
+	return magnitude_find(r->ranges, t->f, t->b, 0, &own, SHARE_MAGNITUDE * seconds * share_of(p, k, 0));
 }
 
 static enum rneagen_code prove_target(struct proving *p, int k, struct prove_row *rows)
@@ -204,7 +217,7 @@ static enum rneagen_code add_fields(struct proving *p)
 {
 	size_t outputs = p->a->dag.output_count, bodies = (size_t)p->a->tree.body_count;
 
-	p->targets = arena_alloc(&p->arena, 16 * (outputs + bodies) + 1, sizeof *p->targets);
+	p->targets = arena_alloc(&p->arena, 32 * (outputs + bodies) + 1, sizeof *p->targets);
 	for (int k = 0; k < p->field_count && p->targets; k++)
 		p->targets[p->target_count++] = (struct target){.f = &p->fields[k], .b = &p->box,
 			.found = arena_alloc(&p->arena, (size_t)p->fields[k].output_count, sizeof(struct sought[2]))};
@@ -221,10 +234,15 @@ struct proved_part {
 	const int *outputs; /* the numbers of its outputs among all; NULL: they are all */
 	struct cut *cuts, rest;
 	int count;
-	struct interval **wrenches;
+	struct interval **loads;
 };
 
 enum { MOST_PARTS = 6, CUT_FROM = 7, CUT_AGAIN_FROM = 6, OWN_GRID = 8 };
+
+/* Grids of small limbs are quick. Large ones lose less, as more of the robot moves together; they need so many seconds for each
+   output that is cut, and then get the most of the time. */
+enum { SMALL_LIMB = 5, LARGE_LIMB = 7, SECONDS_LARGE = 30 };
+#define PART_SMALL 0.25
 
 /* The numbers among all of what was cut off a part. */
 static int *outputs_of(struct proving *p, const struct proved_part *l, const struct cut *c)
@@ -239,33 +257,33 @@ static int *outputs_of(struct proving *p, const struct proved_part *l, const str
 }
 
 /* Its fields, with what a search finds of them. */
-static int add_part(struct proving *p, const struct cut *c, const int *outputs, struct interval *wrenches)
+static int add_part(struct proving *p, const struct cut *c, const int *outputs, struct interval *loads)
 {
 	for (int k = 0; k < c->field_count && outputs; k++) {
 		struct target *t = &p->targets[p->target_count++];
 
 		*t = (struct target){&c->fields[k], &c->box, outputs,
-			arena_alloc(&p->arena, (size_t)c->fields[k].output_count, sizeof *t->found), wrenches};
+			arena_alloc(&p->arena, (size_t)c->fields[k].output_count, sizeof *t->found), loads};
 		if (!t->found || !seek_extremes(t->found, t->f, &p->effort, SHARE_LIMBS * p->o->seconds / c->field_count))
 			return 0;
 	}
 	return outputs != NULL;
 }
 
-static int add_limbs(struct proving *p, struct proved_part *l)
+static int add_limbs(struct proving *p, struct proved_part *l, int dims)
 {
-	l->count = cut_make(&l->cuts, l->relaxed, l->fields, l->field_count, l->from, &p->effort,
+	l->count = cut_make(&l->cuts, l->relaxed, l->fields, l->field_count, l->from, dims, &p->effort,
 		SHARE_LIMBS * p->o->seconds, &p->arena);
-	l->wrenches = arena_alloc(&p->arena, (size_t)(l->count > 0 ? l->count : 0) + 1, sizeof *l->wrenches);
-	if (l->count < 0 || !l->wrenches)
+	l->loads = arena_alloc(&p->arena, (size_t)(l->count > 0 ? l->count : 0) + 1, sizeof *l->loads);
+	if (l->count < 0 || !l->loads)
 		return 0;
 	for (int i = 0; i < l->count; i++) {
-		l->wrenches[i] = arena_alloc(&p->arena, (size_t)l->cuts[i].wrench_count + 1, sizeof **l->wrenches);
-		if (!l->wrenches[i] || !add_part(p, &l->cuts[i], outputs_of(p, l, &l->cuts[i]), l->wrenches[i]))
+		l->loads[i] = arena_alloc(&p->arena, (size_t)l->cuts[i].load_count + 1, sizeof **l->loads);
+		if (!l->loads[i] || !add_part(p, &l->cuts[i], outputs_of(p, l, &l->cuts[i]), l->loads[i]))
 			return 0;
 	}
 	for (int k = 0; k < l->field_count; k++)
-		l->fields[k].has_grid &= l->fields[k].dim_count <= OWN_GRID || !l->count;
+		l->fields[k].has_grid &= l->fields[k].dim_count <= OWN_GRID || !cut_has_torques(l->cuts, l->count);
 	return 1;
 }
 
@@ -277,20 +295,20 @@ static int prove_targets(struct proving *p, int *first, struct prove_row *rows)
 	return 1;
 }
 
-/* Limbs first; when their wrenches are known, what carries them. */
-static int prove_ranges(struct proving *p, struct prove_row *rows)
+/* Limbs of so many rows of q first; when their loads are known, what carries them. */
+static int prove_parts(struct proving *p, int *first, int dims, struct prove_row *rows)
 {
 	struct proved_part *l = arena_alloc(&p->arena, MOST_PARTS + 1, sizeof *l);
-	int first = 0, made = 1;
+	int made = 1;
 
 	if (!l)
 		return 0;
 	l[0] = (struct proved_part){.relaxed = &p->relaxed, .fields = p->fields, .field_count = p->field_count, .from = CUT_FROM};
 	for (int i = 0; i < MOST_PARTS && made; i++) {
-		if (!add_limbs(p, &l[i]) || !prove_targets(p, &first, rows))
+		if (!add_limbs(p, &l[i], dims) || !prove_targets(p, first, rows))
 			return 0;
 		made = l[i].count ? cut_rest(&l[i].rest, l[i].relaxed, l[i].fields, l[i].field_count, l[i].from,
-					    l[i].cuts, l[i].count, l[i].wrenches, &p->arena)
+					    l[i].cuts, l[i].count, l[i].loads, &p->arena)
 				  : 0;
 		if (made < 0)
 			return 0;
@@ -299,7 +317,30 @@ static int prove_ranges(struct proving *p, struct prove_row *rows)
 		if (made && !add_part(p, &l[i].rest, l[i + 1].outputs, NULL))
 			return 0;
 	}
-	return prove_targets(p, &first, rows);
+	return prove_targets(p, first, rows);
+}
+
+/* Is there time for large limbs, and are there any? */
+static int has_large(struct proving *p)
+{
+	int outputs = 0;
+
+	for (int k = 0; k < p->field_count; k++)
+		outputs += p->fields[k].dim_count >= CUT_FROM ? p->fields[k].output_count : 0;
+	return p->o->seconds >= SECONDS_LARGE * outputs &&
+	       cut_differs(&p->relaxed, p->fields, p->field_count, CUT_FROM, SMALL_LIMB, LARGE_LIMB, &p->arena) > 0;
+}
+
+static int prove_ranges(struct proving *p, struct prove_row *rows)
+{
+	int is_large = has_large(p), first = 0;
+
+	p->part = is_large ? PART_SMALL : 1;
+	if (!prove_parts(p, &first, SMALL_LIMB, rows))
+		return 0;
+	p->first = first;
+	p->part = 1 - PART_SMALL;
+	return !is_large || prove_parts(p, &first, LARGE_LIMB, rows);
 }
 
 static int make_states(struct proving *p)

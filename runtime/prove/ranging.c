@@ -8,7 +8,7 @@ int ranging_make(struct ranging *r, const struct field *f, const struct sought (
 
 	*r = (struct ranging){calloc(n, sizeof *r->found), calloc(n, sizeof *r->largest),
 		calloc(n * (size_t)f->dim_count + 1, sizeof *r->bends), calloc(n, sizeof *r->whole),
-		calloc(n, sizeof *r->ranges), {0}, {0}};
+		calloc(n, sizeof *r->ranges), {0}, {0}, {0}};
 	if (!r->found || !r->largest || !r->bends || !r->whole || !r->ranges)
 		return 0;
 	for (int i = 0; i < f->output_count; i++)
@@ -29,6 +29,7 @@ void ranging_free(struct ranging *r)
 	free(r->curvature.most);
 	free(r->cover.lower);
 	free(r->cover.upper);
+	knots_free(&r->knots);
 }
 
 int ranging_plain(struct cover *c, const struct field *f)

@@ -11,6 +11,7 @@ struct ranging {
 	struct interval *whole, *ranges;
 	struct curvature curvature;
 	struct cover cover;
+	struct knots knots;
 };
 
 /* With what a search has found, [output][2]. Returns 0 when memory runs out; ranging_free in either case. */

@@ -5,9 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* above pi */
-static const double PI_ABOVE = 0x1.921fb54442d19p+1;
-
 static const struct interval UNKNOWN = {1, 0};
 
 static int is_known(struct interval x)
@@ -53,8 +50,8 @@ static struct interval times(struct interval mass, double lower, double upper)
 	return interval_mul(mass, (struct interval){lower, upper});
 }
 
-/* The ten numbers of a box of this mass, no side over 0.2 m and its centre within 0.1 m of the origin in each axis; of a link with an
-   inertia of its own that of the URDF, of which such a box has up to a tenth: as draw.h draws them. */
+/* The ten numbers of a box of this mass, no side over 0.2 m and its centre within 0.1 m of the origin in each axis; of a link
+   with an inertia of its own that of the URDF, of which such a box has up to a tenth: as draw.h draws them. */
 static void take_body(struct interval *rows, const struct freed *f, struct interval mass)
 {
 	static const int is_square[FREED_ROWS] = {[4] = 1, [7] = 1, [9] = 1};
@@ -112,7 +109,8 @@ void box_put_name(const struct analysis *x, int argument, int row, struct text *
 }
 
 /* A whole input that has no limits is named once. */
-static void put_missing(const struct box *b, const struct analysis *x, const unsigned char *const *read, int argument, struct text *out)
+static void put_missing(const struct box *b, const struct analysis *x, const unsigned char *const *read, int argument,
+	struct text *out)
 {
 	const struct argument *a = &x->dag.arguments[argument];
 	int missing = 0, needed = 0;
@@ -153,7 +151,8 @@ static enum rneagen_code check(const struct box *b, const struct analysis *x, st
 	if (missing.failed)
 		return error_memory(e);
 	if (missing.length)
-		return error_set(e, RNEAGEN_USAGE, "no limit is known of %.400s: give --range NAME=LOWER,UPPER for each", text_string(&missing));
+		return error_set(e, RNEAGEN_USAGE, "no limit is known of %.400s: give --range NAME=LOWER,UPPER for each",
+			text_string(&missing));
 	return RNEAGEN_OK;
 }
 

@@ -5,12 +5,14 @@
 #include "passes/analysis.h"
 #include "norms/interval.h"
 
+#define PI_ABOVE 0x1.921fb54442d19p+1 /* above pi */
+
 struct box {
 	struct interval *rows[DAG_ARGUMENTS]; /* by argument of the DAG; NULL for outputs */
 };
 
-/* By the limits of the joints and by the scene's ranges, which count more. A continuous joint has -pi to pi, which stands for every
-   angle. Arrays live in `a`. Errors: SCENE, with the names of all inputs that have no limit and no range; MEMORY. */
+/* By the limits of the joints and by the scene's ranges, which count more. A continuous joint has -pi to pi, which stands for
+   every angle. Arrays live in `a`. Errors: SCENE, with the names of all inputs that have no limit and no range; MEMORY. */
 enum rneagen_code box_make(struct box *b, const struct analysis *x, struct arena *a, struct rneagen_error *e);
 
 /* A row of an argument as --range calls it: "qdd.elbow" where it is a joint's, else "payload_hand[3]". */

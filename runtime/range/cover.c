@@ -6,7 +6,6 @@
 #include "range/cover.h"
 #include "core/seconds.h"
 #include "range/extreme.h"
-#include "range/knots.h"
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -42,10 +41,11 @@ static void take_points(void *job, size_t piece)
 {
 	struct covering *s = job;
 	size_t outputs = (size_t)s->f->output_count;
-	double *work = field_work(s->f), *c = malloc(outputs * s->f->coefficient_count * sizeof *c), *most = s->most + 2 * outputs * piece;
+	double *work = s->failed ? NULL : field_work(s->f), *c = malloc(outputs * s->f->coefficient_count * sizeof *c);
+	double *most = s->most + 2 * outputs * piece;
 	struct field_point q;
 
-	if (!work || !c)
+	if (!s->failed && (!work || !c))
 		s->failed = 1;
 	for (size_t o = 0; o < outputs; o++) {
 		most[2 * o] = -s->found[o][0];
@@ -64,14 +64,16 @@ static void take_points(void *job, size_t piece)
 
 /* ---- which grid ---- */
 
-static int is_point(const struct field_dim *k)
+/* Over its range, of which an angle too may have one value; field_is_point is about whole circles. */
+static int has_one_value(const struct field_dim *k)
 {
 	return k->lower == k->upper;
 }
 
 static double gap_of(const struct field_dim *k, int count)
 {
-	double half = k->is_circle ? 3.1415926535897932 / count : count == 1 ? k->upper - k->lower : 0.5 * (k->upper - k->lower) / (count - 1);
+	double width = k->upper - k->lower;
+	double half = k->is_circle ? 3.1415926535897932 / count : count == 1 ? width : 0.5 * width / (count - 1);
 
 	return half * half / 2;
 }
@@ -81,7 +83,7 @@ static double slack_of(const struct field *f, const int *counts, const double *b
 	double sum = 0;
 
 	for (int k = 0; k < f->dim_count; k++)
-		sum += is_point(&f->dims[k]) ? 0 : gap_of(&f->dims[k], counts[k]) * bends[k];
+		sum += has_one_value(&f->dims[k]) ? 0 : gap_of(&f->dims[k], counts[k]) * bends[k];
 	return sum;
 }
 
@@ -106,7 +108,7 @@ static void choose(const struct covering *s, int *counts, double room, const dou
 	double size = 1;
 
 	for (int k = 0; k < s->f->dim_count; k++) {
-		counts[k] = is_point(&s->f->dims[k]) ? 1 : 2;
+		counts[k] = has_one_value(&s->f->dims[k]) ? 1 : 2;
 		size *= counts[k];
 	}
 	for (;;) {
@@ -116,7 +118,7 @@ static void choose(const struct covering *s, int *counts, double room, const dou
 		for (int k = 0; k < s->f->dim_count; k++) {
 			double gain, more = (counts[k] + 1.0) / counts[k];
 
-			if (is_point(&s->f->dims[k]) || size * more > room || counts[k] == MOST_PLACES)
+			if (has_one_value(&s->f->dims[k]) || size * more > room || counts[k] == MOST_PLACES)
 				continue;
 			counts[k]++;
 			gain = (now - worth_of(s, counts, bends)) / log(more);
@@ -148,7 +150,7 @@ static void take_output(struct cover *c, const struct covering *s, const double 
 	double slack = 0;
 
 	for (int k = 0; k < n; k++)
-		slack += is_point(&s->f->dims[k]) ? 0 : s->grid.half[k] * s->grid.half[k] / 2 * bends[o * n + k];
+		slack += has_one_value(&s->f->dims[k]) ? 0 : s->grid.half[k] * s->grid.half[k] / 2 * bends[o * n + k];
 	c->lower[o] = fmax(c->lower[o], -closed(most[0], slack, noise));
 	c->upper[o] = fmin(c->upper[o], closed(most[1], slack, noise));
 }
@@ -208,31 +210,29 @@ static int cover_once(struct cover *c, struct covering *s, const double *bends, 
 	return done;
 }
 
-/* More places each time, as there is time. */
+/* More places each time, as there is time; a grid that is too large even with the fewest places tells nothing of the speed. */
 static int rounds(struct cover *c, struct covering *s, const double *bends, double end)
 {
 	static const double SHARES[] = {0.2, 0.2, 0.85};
 	double speed = s->knots ? KNOTS_PACE : 1;
 	int done = 1;
 
-	c->points = 0;
 	for (int i = 0; i < 3 && done && seconds_now() < end; i++) {
 		double start = seconds_now(), of_time = SHARES[i] * (end - start) / speed;
 		double room = i ? of_time : s->knots ? fmax(FIRST_POINTS, fmin(FIRST_OF_KNOTS, of_time)) : FIRST_POINTS;
 
+		c->points = 0;
 		done = cover_once(c, s, bends, room);
-		speed = (seconds_now() - start) / (c->points + 1);
+		speed = c->points > 0 ? (seconds_now() - start) / c->points : speed;
 	}
 	return done;
 }
 
-static int cover_all(struct cover *c, struct covering *s, const double *bends, double end)
+/* Returns 0 where memory ran out. */
+static int each_by_knots(struct cover *c, struct covering *s, const double *bends, double end)
 {
 	int n = s->f->output_count, done = 1;
 
-	s->end = n;
-	if (!s->knots)
-		return rounds(c, s, bends, end);
 	for (int o = 0; o < n && done; o++) {
 		s->first = o;
 		s->end = o + 1;
@@ -241,15 +241,20 @@ static int cover_all(struct cover *c, struct covering *s, const double *bends, d
 	return done;
 }
 
-int cover_find(struct cover *c, const struct field *f, const struct curvature *bends, const double (*found)[2], const struct effort *x,
-	double seconds)
+static int all_by_points(struct cover *c, struct covering *s, const double *bends, double end)
+{
+	s->knots = NULL;
+	s->first = 0;
+	s->end = s->f->output_count;
+	return rounds(c, s, bends, end);
+}
+
+int cover_find(struct cover *c, const struct field *f, const struct cover_start *from, const struct effort *x, double seconds)
 {
 	struct effort own = *x;
-	struct covering s = {.f = f, .effort = &own, .found = found};
+	struct covering s = {.f = f, .effort = &own, .knots = from->knots, .found = from->found};
 	size_t outputs = (size_t)f->output_count;
 	double end = seconds_now() + seconds;
-	struct knots knots;
-	int done;
 
 	*c = (struct cover){.upper = malloc(outputs * sizeof *c->upper), .lower = malloc(outputs * sizeof *c->lower)};
 	if (!c->upper || !c->lower)
@@ -259,9 +264,5 @@ int cover_find(struct cover *c, const struct field *f, const struct curvature *b
 		c->lower[o] = -f->plain[o];
 	}
 	own.deadline = fmin(x->deadline, seconds_now() + 1.2 * seconds);
-	done = knots_make(&knots, f, &own, KNOTS_SHARE * seconds);
-	s.knots = done == 1 ? &knots : NULL;
-	done = done && cover_all(c, &s, bends->most, end);
-	knots_free(&knots);
-	return done;
+	return (s.knots && each_by_knots(c, &s, from->bends, end)) || all_by_points(c, &s, from->bends, end);
 }

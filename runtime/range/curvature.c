@@ -122,10 +122,11 @@ static void take_lines(void *job, size_t piece)
 {
 	struct sweep *s = job;
 	size_t count = (size_t)s->f->output_count * s->f->coefficient_count;
-	double *work = field_work(s->f), *line = malloc((size_t)(s->grid->counts[s->k] + 1) * count * sizeof *line);
+	double *work = s->failed ? NULL : field_work(s->f);
+	double *line = malloc((size_t)(s->grid->counts[s->k] + 1) * count * sizeof *line);
 	double *most = malloc((size_t)s->f->output_count * sizeof *most);
 
-	if (!work || !line || !most)
+	if (!s->failed && (!work || !line || !most))
 		s->failed = 1;
 	for (int o = 0; o < s->f->output_count && most; o++)
 		most[o] = s->most[o];
@@ -202,12 +203,18 @@ static double weight_of(const struct field *f, const struct group *g, int k, con
 	return worst;
 }
 
+/* Does it matter so little that the fewest places do? */
+static int is_slight(const struct field *f, int k, double weight)
+{
+	return field_is_point(&f->dims[k]) || pace_of(f, k, fewest(f, k)).gap * f->dims[k].degree * f->dims[k].degree * weight < 0.1;
+}
+
 /* As many places as go with the root of how much outputs bend, times `scale`; few where that is few. */
 static int places_of(const struct field *f, int k, double weight, double scale)
 {
 	int places = f->dims[k].is_angle ? 2 * (int)(0.5 * fmin(MOST_PLACES, scale * sqrt(weight))) : LENGTH_PLACES;
 
-	if (field_is_point(&f->dims[k]) || pace_of(f, k, fewest(f, k)).gap * f->dims[k].degree * f->dims[k].degree * weight < 0.1)
+	if (is_slight(f, k, weight))
 		return fewest(f, k);
 	return f->dims[k].is_angle && places < pace_least(&f->dims[k]) ? pace_least(&f->dims[k]) : places;
 }
@@ -235,7 +242,8 @@ static int choose(const struct field *f, const struct group *g, int *counts, dou
 /* ---- passes ---- */
 
 /* By dimension k from what was found on a grid. */
-static void improve(struct curvature *c, const struct field *f, const struct group *g, const int *counts, int k, const double *found)
+static void improve(struct curvature *c, const struct field *f, const struct group *g, const int *counts, int k,
+	const double *found)
 {
 	struct pace p[FIELD_DIMS];
 
@@ -249,28 +257,55 @@ static void improve(struct curvature *c, const struct field *f, const struct gro
 	}
 }
 
-/* One dimension after the other, over a grid. 0: memory ran out; -1: time did. */
-static int pass(struct curvature *c, const struct field *f, const struct group *g, const struct effort *x, const int *counts)
+/* Those that seem to matter least first: where they matter less still the others need few places of them. */
+static void set_order(int *order, const struct field *f, const struct group *g, const double *most, const double *found)
+{
+	for (int i = 0; i < f->dim_count; i++) {
+		int at = i;
+
+		for (; at > 0 && weight_of(f, g, order[at - 1], most, found) > weight_of(f, g, i, most, found); at--)
+			order[at] = order[at - 1];
+		order[at] = i;
+	}
+}
+
+/* Along one dimension, over a grid, into of_k[]. 1, 0 or -1 as sweep. */
+static int pass_along(struct curvature *c, const struct field *f, const struct group *g, const struct effort *x, int k,
+	const int *counts, double *of_k)
 {
 	struct grid grid;
-	struct sweep s = {.f = f, .grid = &grid, .effort = x};
-	double *of_k = malloc(((size_t)f->output_count + 1) * sizeof *of_k);
-	int own[FIELD_DIMS], done = of_k != NULL;
+	struct sweep s = {.f = f, .grid = &grid, .effort = x, .k = k};
+	int own[FIELD_DIMS], done;
+	double start = seconds_now();
 
 	memcpy(own, counts, sizeof own);
-	for (s.k = 0; s.k < f->dim_count && done == 1; s.k++) {
-		double start = seconds_now();
+	own[k] = pace_own_count(f, k, counts);
+	done = grid_make(&grid, f, own, 1) ? g->knots ? sweep_knots(&s, g, of_k) : sweep(&s, of_k) : 0;
+	if (done == 1) {
+		improve(c, f, g, own, k, of_k);
+		c->speed = (seconds_now() - start) / size_of(f, own);
+	}
+	grid_free(&grid);
+	return done;
+}
 
-		if (counts[s.k] < LENGTH_PLACES)
+/* One dimension after the other. 0: memory ran out; -1: time did. */
+static int pass(struct curvature *c, const struct field *f, const struct group *g, const struct effort *x, const int *counts,
+	const double *found)
+{
+	double *of_k = malloc(((size_t)f->output_count + 1) * sizeof *of_k);
+	int now[FIELD_DIMS], order[FIELD_DIMS], done = of_k != NULL;
+
+	memcpy(now, counts, sizeof now);
+	set_order(order, f, g, c->most, found);
+	for (int i = 0; i < f->dim_count && done == 1; i++) {
+		int k = order[i];
+
+		if (now[k] < LENGTH_PLACES)
 			continue;
-		own[s.k] = pace_own_count(f, s.k, counts);
-		done = grid_make(&grid, f, own, 1) ? g->knots ? sweep_knots(&s, g, of_k) : sweep(&s, of_k) : 0;
-		if (done == 1) {
-			improve(c, f, g, own, s.k, of_k);
-			c->speed = (seconds_now() - start) / size_of(f, own);
-		}
-		own[s.k] = counts[s.k];
-		grid_free(&grid);
+		done = pass_along(c, f, g, x, k, now, of_k);
+		if (is_slight(f, k, weight_of(f, g, k, c->most, found)))
+			now[k] = fewest(f, k);
 	}
 	free(of_k);
 	return done;
@@ -287,7 +322,8 @@ static void begin(struct curvature *c, const struct field *f, const struct curva
 		}
 }
 
-/* More places each time, as there is time; a pass tells how fast the next goes, a small one by knots too slow a pace. */
+/* Each pass has more places than the one before, as many as its share of the time allows at the speed of that pass. By knots a
+   pass of few points is slow for each of them: where no grid seems to fit into the time, the next is taken to be faster. */
 static int passes(struct curvature *c, const struct field *f, const struct group *g, const struct curvature_start *from,
 	const struct effort *x)
 {
@@ -303,7 +339,7 @@ static int passes(struct curvature *c, const struct field *f, const struct group
 		int counts[FIELD_DIMS], is_one = choose(f, g, counts, fmin(room, MOST_POINTS), c->most, from->found);
 
 		if (is_one && size_of(f, counts) > before)
-			done = pass(c, f, g, x, counts);
+			done = pass(c, f, g, x, counts, from->found);
 		else if (!is_one && g->knots)
 			c->speed *= 0.3;
 		before = is_one ? size_of(f, counts) : 0;
@@ -326,22 +362,17 @@ static int by_knots(struct curvature *c, const struct knots *k, const struct cur
 	return done;
 }
 
-int curvature_find(struct curvature *c, const struct field *f, const struct curvature_start *from, const struct effort *x, double seconds)
+int curvature_find(struct curvature *c, const struct field *f, const struct curvature_start *from, const struct effort *x,
+	double seconds)
 {
 	size_t size = (size_t)f->output_count * (size_t)f->dim_count;
 	const struct group all = {NULL, 0, f->output_count};
 	struct effort own = *x;
-	struct knots knots;
-	int done;
 
 	own.deadline = fmin(x->deadline, seconds_now() + seconds);
 	*c = (struct curvature){.most = malloc((size + 1) * sizeof *c->most)};
 	if (!c->most)
 		return 0;
 	begin(c, f, from);
-	done = knots_make(&knots, f, &own, KNOTS_SHARE * seconds);
-	if (done)
-		done = done == 1 ? by_knots(c, &knots, from, &own) : passes(c, f, &all, from, &own) != 0;
-	knots_free(&knots);
-	return done;
+	return (from->knots && by_knots(c, from->knots, from, &own)) || passes(c, f, &all, from, &own) != 0;
 }

@@ -13,11 +13,6 @@ struct corners {
 	double rest; /* what is added for the other rates */
 };
 
-static double reach(struct interval r)
-{
-	return fmax(fabs(r.lower), fabs(r.upper));
-}
-
 static double drives_above(const struct field *f, const double *c, int sign, double *size, double *x)
 {
 	double sum = sign * c[0], squares[FIELD_BALLS + 1] = {0};
@@ -31,7 +26,7 @@ static double drives_above(const struct field *f, const double *c, int sign, dou
 		if (f->drives[i].ball)
 			at = squares[f->drives[i].ball] > 0 ? m / sqrt(squares[f->drives[i].ball]) : m > 0 ? 1 : -1;
 		sum += m * at;
-		*size += fabs(m) * reach(f->drives[i].range);
+		*size += fabs(m) * interval_size(f->drives[i].range);
 		if (x)
 			x[i] = at;
 	}
@@ -47,8 +42,8 @@ static double rates_size(const struct field *f, const double *c)
 		double of_j = fabs(c[1 + f->drive_count + j]);
 
 		for (int k = j; k < f->rate_count; k++)
-			of_j += fabs(c[field_pair(f, j, k)]) * reach(f->rates[k].range);
-		sum += of_j * reach(f->rates[j].range);
+			of_j += fabs(c[field_pair(f, j, k)]) * interval_size(f->rates[k].range);
+		sum += of_j * interval_size(f->rates[j].range);
 	}
 	return sum;
 }
@@ -79,10 +74,10 @@ static void set_corners(struct corners *s, const struct field *f, const double *
 			if (k < s->n)
 				s->pair[j][k] = s->pair[k][j] = pair;
 			else
-				s->rest += fabs(pair) * reach(r) * reach(f->rates[k].range);
+				s->rest += fabs(pair) * interval_size(r) * interval_size(f->rates[k].range);
 		}
 		if (j >= s->n) {
-			s->rest += (fabs(c[1 + f->drive_count + j]) + fabs(c[field_pair(f, j, j)]) * reach(r)) * reach(r);
+			s->rest += (fabs(c[1 + f->drive_count + j]) + fabs(c[field_pair(f, j, j)]) * interval_size(r)) * interval_size(r);
 			continue;
 		}
 		s->lower[j] = r.lower;
@@ -139,7 +134,8 @@ static double walk(struct corners *s, double *best)
 	return most;
 }
 
-/* With 2^12 corners one after the other, a slope is off by at most 2^-40 of all magnitudes, and the value by 2^12 of that twice. */
+/* With 2^12 corners one after the other, a slope is off by at most 2^-40 of all magnitudes, and the value by 2^12 of that twice.
+   */
 static double closed(double value, double size)
 {
 	return value + 0x1p-26 * size;

@@ -3,8 +3,8 @@
 /* Outputs as functions of q whose values are polynomials: at each q, an output is
      f(q, x) = f0 + sum m_j a_j + sum b_j v_j + sum_{j <= k} c_jk v_j v_k
    in drives a (accelerations and other inputs that are linear) and rates v, each divided by the largest magnitude that its range
-   has. The coefficients come from evaluating the DAG at a few x: its lanes. In each angle of q an output is a trigonometric polynomial
-   of degree at most 2 for each body that turns by it, in each length a polynomial of degree at most 2. */
+   has. The coefficients come from evaluating the DAG at a few x: its lanes. In each angle of q an output is a trigonometric
+   polynomial of degree at most 2 for each body that turns by it, in each length a polynomial of degree at most 2. */
 
 #include "range/box.h"
 #include "relax/relax.h"
@@ -27,7 +27,8 @@ struct field_dim {
 	uint32_t value, sine, cosine; /* nodes; 0: not read */
 };
 
-/* A drive or rate: |x| <= scale, x / scale in range. Of drives with the same ball, counted from 1, the norm over their scale is at most 1. */
+/* A drive or rate: |x| <= scale, x / scale in range. Of drives with the same ball, counted from 1, the norm over their scale is
+   at most 1. */
 struct field_input {
 	int argument, row, ball;
 	double scale;
@@ -67,8 +68,8 @@ struct field_point {
 	double x[FIELD_DIMS][2];
 };
 
-/* Split the outputs of a relaxed DAG into fields; returns how many, in *fields, which live in `a`; -1 on failure. Errors: UNSUPPORTED, where
-   an output is no such polynomial; LIMIT; MEMORY. */
+/* Split the outputs of a relaxed DAG into fields; returns how many, in *fields, which live in `a`; -1 on failure. Errors:
+   UNSUPPORTED, where an output is no such polynomial; LIMIT; MEMORY. */
 int field_split(struct field **fields, const struct relaxed *r, struct arena *a, struct rneagen_error *e);
 
 /* Numbers that field_evaluate works in; free() frees them. NULL when memory runs out. */

@@ -8,6 +8,7 @@
 
 /* Grids of more dimensions, or of functions with more waves, are too large. */
 enum { GRID_DIMS = 12 };
+#define MOST_TOGETHER 5e5 /* knots (knots.h) of outputs in a field: of 7 angles six outputs, of more one each */
 
 /* What is known of a node. */
 struct mark {
@@ -35,7 +36,8 @@ static enum role role_of(const struct splitter *s, const struct node *n)
 
 static enum rneagen_code refuse(const struct splitter *s, const char *what)
 {
-	return error_set(s->e, RNEAGEN_UNSUPPORTED, "%s: rnearun prove knows torques, gravity, bias and M, %s", s->x->options.file, what);
+	return error_set(s->e, RNEAGEN_UNSUPPORTED, "%s: rnearun prove knows torques, gravity, bias and M, %s",
+		s->x->options.file, what);
 }
 
 /* ---- what is known of each node ---- */
@@ -91,8 +93,9 @@ static struct mark mark_sum(struct mark a, struct mark b)
 
 static struct mark mark_product(struct mark a, struct mark b)
 {
-	struct mark m = {.dims = a.dims | b.dims, .orders = (unsigned char)orders_of_product(a.orders, b.orders), .size = a.size * b.size,
-		.noise = a.size * b.noise + b.size * a.noise + a.noise * b.noise, .plain = interval_mul(a.plain, b.plain)};
+	struct mark m = {.dims = a.dims | b.dims, .orders = (unsigned char)orders_of_product(a.orders, b.orders),
+		.size = a.size * b.size, .noise = a.size * b.noise + b.size * a.noise + a.noise * b.noise,
+		.plain = interval_mul(a.plain, b.plain)};
 
 	m.noise += 0x1p-52 * m.size + DBL_MIN;
 	return m;
@@ -197,18 +200,19 @@ static struct field_dim *dim_of(const struct splitter *s, struct field *f, const
 static enum rneagen_code add_input(const struct splitter *s, struct field *f, const struct node *n)
 {
 	struct interval r = s->r->rows[n->arg[0].i][n->arg[1].i];
-	const struct relaxed_ball *ball = relaxed_ball_of(s->r, (int)n->arg[0].i, (int)n->arg[1].i);
+	int argument = (int)n->arg[0].i, row = (int)n->arg[1].i;
+	const struct relaxed_ball *ball = relaxed_ball_of(s->r, argument, row);
 	int is_rate = role_of(s, n) == ROLE_JOINT_VELOCITY, *count = is_rate ? &f->rate_count : &f->drive_count;
+	int number = ball ? 1 + (int)(ball - s->r->balls) : 0;
 	double scale = interval_size(r) > 0 ? interval_size(r) : 1;
 
 	if (ball) {
 		scale = ball->radius;
 		r = (struct interval){-scale, scale};
 	}
-
 	if (*count == FIELD_DIMS)
 		return error_set(s->e, RNEAGEN_LIMIT, "%s: rnearun prove takes at most %d rows of an input", s->x->options.file, FIELD_DIMS);
-	(is_rate ? f->rates : f->drives)[(*count)++] = (struct field_input){(int)n->arg[0].i, (int)n->arg[1].i, ball ? 1 + (int)(ball - s->r->balls) : 0, scale,
+	(is_rate ? f->rates : f->drives)[(*count)++] = (struct field_input){argument, row, number, scale,
 		{round_down(r.lower / scale), round_up(r.upper / scale)}, (uint32_t)(n - s->d->nodes)};
 	return RNEAGEN_OK;
 }
@@ -224,9 +228,10 @@ static int by_row(const void *a, const void *b)
 static void describe(const struct splitter *s, struct field *f, struct field_dim *k)
 {
 	const struct relaxed_row *row = &s->r->of_q[k->row];
+	int is_gravity = s->d->arguments[s->d->outputs[f->outputs[0]].argument].role == ROLE_GRAVITY_TORQUE;
 
 	k->is_circle = k->is_angle && k->upper - k->lower >= 6.283185307179586;
-	k->degree = (s->d->arguments[s->d->outputs[f->outputs[0]].argument].role == ROLE_GRAVITY_TORQUE ? 1 : 2) * (k->is_angle ? row->turns : 1);
+	k->degree = (is_gravity ? 1 : 2) * (k->is_angle ? row->turns : 1);
 	f->has_grid &= row->has_grid && k->degree <= FIELD_DEGREE;
 }
 
@@ -344,9 +349,28 @@ static enum rneagen_code make(struct splitter *s, struct field *f)
 	return compile(s, f);
 }
 
+/* Are there too many knots for another output, each row of q having those of an angle? */
+static int is_full(uint64_t dims, int outputs)
+{
+	double knots = outputs + 1;
+
+	for (; dims; dims &= dims - 1)
+		knots *= 5;
+	return knots > MOST_TOGETHER;
+}
+
 static uint64_t dims_of(const struct splitter *s, size_t output)
 {
 	return s->marks[s->d->outputs[output].value.i].dims;
+}
+
+/* Outputs of the same rows of q and the same kind are together. */
+static int is_of(const struct splitter *s, const struct field *f, size_t output)
+{
+	size_t first = (size_t)f->outputs[0];
+
+	return dims_of(s, first) == dims_of(s, output) && s->d->outputs[first].argument == s->d->outputs[output].argument &&
+	       !is_full(dims_of(s, first), f->output_count);
 }
 
 int field_split(struct field **fields, const struct relaxed *r, struct arena *a, struct rneagen_error *e)
@@ -363,8 +387,7 @@ int field_split(struct field **fields, const struct relaxed *r, struct arena *a,
 	for (size_t i = 0; i < s.d->output_count; i++) {
 		int k = 0;
 
-		while (k < count && (dims_of(&s, (size_t)(*fields)[k].outputs[0]) != dims_of(&s, i) ||
-					    s.d->outputs[(*fields)[k].outputs[0]].argument != s.d->outputs[i].argument))
+		while (k < count && !is_of(&s, &(*fields)[k], i))
 			k++;
 		if (k == count && !((*fields)[count++].outputs = arena_alloc(a, s.d->output_count, sizeof(int))))
 			return error_memory(e), -1;

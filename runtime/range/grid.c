@@ -3,7 +3,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const real TURN = 6.283185307179586476925286766559L;
+real grid_angle(int i, int n)
+{
+	return 6.283185307179586476925286766559L * (real)i / (real)n;
+}
 
 /* Of a circle the first place is 0, whatever the range. */
 static void spread_circle(struct grid *g, int k)
@@ -11,12 +14,12 @@ static void spread_circle(struct grid *g, int k)
 	int n = g->counts[k];
 
 	for (int i = 0; i < n; i++) {
-		real angle = TURN * (real)i / (real)n;
+		real angle = grid_angle(i, n);
 
 		g->places[k][i][0] = (double)sinl(angle);
 		g->places[k][i][1] = (double)cosl(angle);
 	}
-	g->half[k] = round_up((double)(TURN / 2 / (real)n) * (1 + 0x1p-40));
+	g->half[k] = round_up((double)grid_angle(1, 2 * n) * (1 + 0x1p-40));
 }
 
 static void spread_range(struct grid *g, int k)

@@ -6,6 +6,9 @@
 #include "core/workers.h"
 #include "range/field.h"
 
+/* The angle of place i of n that are spread evenly over a circle. */
+real grid_angle(int i, int n);
+
 struct grid {
 	const struct field *f;
 	int counts[FIELD_DIMS];             /* of places, at least 1 */
@@ -14,8 +17,8 @@ struct grid {
 	int skip;                           /* this dimension has its first place alone; -1: none */
 };
 
-/* Places that are spread evenly: over the whole circle of each angle, where `is_whole` says so or the range is; else from one end of
-   the range to the other. Returns 0 when memory runs out; grid_free in either case. */
+/* Places that are spread evenly: over the whole circle of each angle, where `is_whole` says so or the range is; else from one end
+   of the range to the other. Returns 0 when memory runs out; grid_free in either case. */
 int grid_make(struct grid *g, const struct field *f, const int *counts, int is_whole);
 void grid_free(struct grid *g);
 

@@ -11,8 +11,6 @@
 
 enum { MOST_NUMBERS = 1 << 26, POINTS = 32, LENGTH_KNOTS = 3 };
 
-static const real TURN = 6.283185307179586476925286766559L;
-
 /* ---- weights ---- */
 
 /* cos h x for h = 0, 1, ... by cos(h + 1) x = 2 cos x cos h x - cos(h - 1) x */
@@ -33,7 +31,7 @@ static real kernel(real cosine, int degree, int is_second)
 static void weigh_angle(int n, const double x[2], int is_second, double *by)
 {
 	for (int i = 0; i < n; i++) {
-		real at = TURN * (real)i / (real)n;
+		real at = grid_angle(i, n);
 
 		by[i] = (double)(kernel((real)x[1] * cosl(at) + (real)x[0] * sinl(at), (n - 1) / 2, is_second) / (real)n);
 	}
@@ -63,8 +61,9 @@ double knots_weigh(const struct knots *k, int dim, const double x[2], int is_sec
 	return sum;
 }
 
-/* A weight is off by less than 2^-40 of their sum, or of 1: a cosine's harmonic by h^2 2^-52, a length's as is_far_from_zero allows.
-   So each row multiplies what is off by its spread, and adds less than 2^-35 of the largest; there are at most 12 rows. */
+/* A weight is off by less than 2^-40 of their sum, or of 1: a cosine's harmonic by h^2 2^-52, a length's as is_short
+   allows. So each row multiplies what is off by its spread, and adds less than 2^-35 of the largest; there are at most 12 rows.
+   */
 double knots_off(const struct knots *k, int output, const double *spread)
 {
 	double all = 1;
@@ -78,7 +77,7 @@ double knots_off(const struct knots *k, int output, const double *spread)
 
 struct sampling {
 	struct knots *k;
-	const struct effort *effort;
+	size_t done; /* pieces */
 	double deadline;
 	atomic_int failed;
 };
@@ -93,9 +92,10 @@ static void take_points(void *job, size_t piece)
 	struct sampling *s = job;
 	const struct field *f = s->k->f;
 	size_t n = f->coefficient_count;
-	double *work = field_work(f), *c = malloc((size_t)f->output_count * n * sizeof *c);
+	double *work = s->failed ? NULL : field_work(f), *c = malloc((size_t)f->output_count * n * sizeof *c);
 	struct field_point q;
 
+	piece += s->done;
 	if (!work || !c)
 		s->failed = 1;
 	for (size_t i = piece * POINTS; i < (piece + 1) * POINTS && i < s->k->points && !s->failed; i++) {
@@ -106,7 +106,7 @@ static void take_points(void *job, size_t piece)
 			memset(value_at(s->k, o, i) + n, 0, (s->k->stride - n) * sizeof *c);
 		}
 		if (seconds_now() > s->deadline)
-			s->failed = 2;
+			s->failed = 1;
 	}
 	free(c);
 	free(work);
@@ -122,27 +122,30 @@ static double largest(const struct knots *k, int output)
 	return most;
 }
 
-/* 1, 0 or -1 as knots_make; the first piece tells how long all will take. */
+/* 1 or 0 as knots_make; the first piece tells how long all will take. */
 static int sample(struct knots *k, const struct effort *x, double seconds)
 {
 	double start = seconds_now();
-	struct sampling s = {.k = k, .effort = x, .deadline = fmin(x->deadline, start + seconds)};
+	struct sampling s = {.k = k, .deadline = fmin(x->deadline, start + seconds)};
 	size_t pieces = (k->points + POINTS - 1) / POINTS;
 
 	take_points(&s, 0);
 	if (!s.failed && (seconds_now() - start) * (double)pieces / x->threads > seconds)
-		return -1;
+		return 0;
+	s.done = 1;
 	if (!s.failed)
-		workers_run(x->workers, x->threads, take_points, &s, pieces);
+		workers_run(x->workers, x->threads, take_points, &s, pieces - 1);
 	for (int o = 0; o < k->f->output_count && !s.failed; o++)
 		k->size[o] = largest(k, o);
-	return s.failed == 2 ? -1 : !s.failed;
+	return !s.failed;
 }
 
-/* A short length far from 0 has a place that is known less well. */
-static int is_far_from_zero(const struct field_dim *dim)
+/* A length that is short against its distance from 0 has places that are known less well. */
+static int is_short(const struct field_dim *dim)
 {
-	return !dim->is_angle && !field_is_point(dim) && dim->upper - dim->lower < 0x1p-8 * fmax(fabs(dim->lower), fabs(dim->upper));
+	double farthest = fmax(fabs(dim->lower), fabs(dim->upper));
+
+	return !dim->is_angle && !field_is_point(dim) && dim->upper - dim->lower < 0x1p-8 * farthest;
 }
 
 static int count_of(const struct field_dim *dim)
@@ -158,12 +161,12 @@ int knots_make(struct knots *k, const struct field *f, const struct effort *x, d
 	k->stride = (f->coefficient_count + FIELD_VECTOR - 1) / FIELD_VECTOR * FIELD_VECTOR;
 	for (int l = 0; l < f->dim_count; l++) {
 		points *= k->counts[l] = count_of(&f->dims[l]);
-		if (is_far_from_zero(&f->dims[l]))
-			return -1;
+		if (is_short(&f->dims[l]))
+			return 0;
 	}
 	numbers = points * (double)k->stride * f->output_count;
 	if (!f->has_grid || !f->dim_count || numbers > MOST_NUMBERS)
-		return -1;
+		return 0;
 	k->points = (size_t)points;
 	k->values = aligned_alloc(FIELD_VECTOR * sizeof(double), (size_t)numbers * sizeof(double));
 	k->size = malloc((size_t)f->output_count * sizeof *k->size);

@@ -1,12 +1,13 @@
 #ifndef RUNTIME_RANGE_KNOTS_H
 #define RUNTIME_RANGE_KNOTS_H
 /* Coefficients of a field at as few points as determine them at all q: products of 2 degree + 1 places of a circle, and of three
-   places of a length. At any other q they are sums of these, with weights that are products of one for each row of q. Along a grid
-   such sums, of one row after the other, are far quicker than evaluating the DAG. */
+   places of a length. At any other q they are sums of these, with weights that are products of one for each row of q. Along a
+   grid such sums, of one row after the other, are far quicker than evaluating the DAG. */
 
 #include "range/grid.h"
 
-/* Of the time that there is, to make them; and so many seconds a point of a walk takes, at first sight. */
+/* Of the time that there is for curvature and cover, to make them; and so many seconds a point of a walk takes, at first sight.
+   */
 #define KNOTS_SHARE 0.25
 #define KNOTS_PACE 1e-6
 
@@ -19,7 +20,7 @@ struct knots {
 	double *size;          /* by output: no coefficient at a knot is larger */
 };
 
-/* Returns 1; 0: memory ran out; -1: there are none, or too many for `seconds`. knots_free in any case. */
+/* Returns 1; 0: there are none, or too many for `seconds` or for the memory. knots_free in either case. */
 int knots_make(struct knots *k, const struct field *f, const struct effort *x, double seconds);
 void knots_free(struct knots *k);
 
@@ -40,7 +41,7 @@ struct knots_walk {
 	double off;     /* no coefficient was further from the exact one */
 };
 
-/* Returns 1; 0: memory ran out; -1: time did. */
+/* Returns 1; 0: memory ran out, of which it takes more than a point of a grid does; -1: time did. */
 int knots_walk(struct knots_walk *w, const struct effort *x);
 
 #endif

@@ -262,11 +262,6 @@ static int set_weights(struct walk *w, double *spread)
 	return 1;
 }
 
-static double reach_of(struct interval r)
-{
-	return fmax(fabs(r.lower), fabs(r.upper));
-}
-
 /* In the order of coefficients. */
 static int set_reach(struct walk *w)
 {
@@ -279,11 +274,11 @@ static int set_reach(struct walk *w)
 	memset(to, 0, w->k->stride * sizeof(double));
 	to[0] = 1;
 	for (int i = 0; i < f->drive_count; i++)
-		to[1 + i] = f->drives[i].ball ? 1 : reach_of(f->drives[i].range);
+		to[1 + i] = f->drives[i].ball ? 1 : interval_size(f->drives[i].range);
 	for (int j = 0; j < f->rate_count; j++) {
-		to[1 + f->drive_count + j] = reach_of(f->rates[j].range);
+		to[1 + f->drive_count + j] = interval_size(f->rates[j].range);
 		for (int k = j; k < f->rate_count; k++)
-			to[field_pair(f, j, k)] = reach_of(f->rates[j].range) * reach_of(f->rates[k].range);
+			to[field_pair(f, j, k)] = interval_size(f->rates[j].range) * interval_size(f->rates[k].range);
 	}
 	return 1;
 }

@@ -8,15 +8,14 @@
 #include <math.h>
 #include <string.h>
 
-/* above pi */
-static const double PI_ABOVE = 0x1.921fb54442d19p+1;
-
 /* Grids of more dimensions are too large, and then nobody asks for second derivatives. */
 enum { MOST_DIMS = 12 };
 
 static struct interval range_of(const struct field_dim *k, int is_whole)
 {
-	return k->is_angle && (is_whole || k->is_circle) ? (struct interval){-PI_ABOVE, PI_ABOVE} : (struct interval){k->lower, k->upper};
+	int is_turn = k->is_angle && (is_whole || k->is_circle);
+
+	return is_turn ? (struct interval){-PI_ABOVE, PI_ABOVE} : (struct interval){k->lower, k->upper};
 }
 
 struct job {
@@ -143,8 +142,8 @@ static double bend_of(const struct job *j, size_t output, const struct field_dim
 	arena_init(&v.arena, NULL);
 	if (adjoint_make(&v.x, j->f->d, (size_t)j->f->outputs[output], 0, &v.arena) &&
 		derive(&v.x.d, &v.x.root, v.position, dim->row, &v.arena) && derive(&v.x.d, &v.x.root, v.position, dim->row, &v.arena) &&
-		norms_make(&v.norms, &v.x.d, 0, &v.arena) && norms_lay(&v.norms, &v.arena) && norms_values_make(&v.values, &v.norms, &v.arena) &&
-		box_copy(v.rows, j->b, j->f->d, &v.arena)) {
+		norms_make(&v.norms, &v.x.d, 0, &v.arena) && norms_lay(&v.norms, &v.arena) &&
+		norms_values_make(&v.values, &v.norms, &v.arena) && box_copy(v.rows, j->b, j->f->d, &v.arena)) {
 		for (int k = 0; k < j->f->dim_count; k++)
 			v.rows[v.position][j->f->dims[k].row] = range_of(&j->f->dims[k], 1);
 		norms_evaluate(&v.norms, (const struct interval *const *)v.rows, &v.values);

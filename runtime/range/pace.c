@@ -1,7 +1,8 @@
 /* g = d2f/dq_k^2 is a polynomial of the kind that f is. From its largest magnitude G on a grid that of all q follows in two ways,
    one for each dimension l:
-   - M. Riesz (Eine trigonometrische Interpolationsformel, 1914): where |g| is largest, at q*, it is at least cos(d (q - q*)) times
-     that at q, d the degree. A place of n on a circle is within pi/n of q*: the largest is at most 1/cos(pi d/n) times that of places.
+   - M. Riesz (Eine trigonometrische Interpolationsformel, 1914): where |g| is largest, at q*, it is at least cos(d (q - q*))
+     times that at q, d the degree. A place of n on a circle is within pi/n of q*: the largest is at most 1/cos(pi d/n) times that
+     of places.
    - Interpolation along lines: g is at most h^2/2 |d2g/dq_l^2| above the larger neighbour, h half the distance of places. By
      Bernstein, |d2g/dq_l^2| <= d^2 |g|, and as well <= d^2 |d2f/dq_l^2|, which is small where q_l matters little. */
 #include "range/curvature.h"

@@ -81,7 +81,8 @@ static double value_at(const struct field *f, int o, const struct sought *s, str
 	return r->values[o];
 }
 
-/* From five values of an angle, a turn apart in all: a0 + a1 cos + b1 sin + a2 cos 2 + b2 sin 2. From three of a length: a parabola. */
+/* From five values of an angle, a turn apart in all: a0 + a1 cos + b1 sin + a2 cos 2 + b2 sin 2. From three of a length: a
+   parabola. */
 static void fit(const struct field *f, int k, const double *y, double *a)
 {
 	memset(a, 0, 5 * sizeof *a);

@@ -24,14 +24,15 @@ struct split {
 	size_t count, capacity, stride;
 };
 
-/* From the whole box in root->q, until the deadline (as seconds_now has it), until there is no room or nothing to gain. Returns 0 when
-   memory runs out. */
+/* From the whole box in root->q, until the deadline (as seconds_now has it), until there is no room or nothing to gain. Returns 0
+   when memory runs out. */
 int split_run(struct split *s, struct leaf *root, double deadline);
 
 /* What holds for the whole box. */
 void split_total(const struct split *s, double sizes[SPLIT_SIZES], struct interval *value);
 
-/* The boxes that are left, as cuts of the whole box in root->q by rows[dimension] of q, those below q_rows alone. Returns 0 when memory runs out. */
+/* The boxes that are left, as cuts of the whole box in root->q by rows[dimension] of q, those below q_rows alone. Returns 0 when
+   memory runs out. */
 int split_cuts(const struct split *s, const struct leaf *root, const int *rows, int q_rows, struct cuts *cuts);
 
 void split_free(struct split *s);

@@ -22,7 +22,8 @@ static int sum_of(const struct dag *d, uint32_t i, struct friction *f)
 	f->sum = i;
 	f->rate = square->arg[0].i;
 	f->square = n->op == OP_ADD ? n->arg[!first].i : n->arg[2].i;
-	return (n->op == OP_FMA || (n->op == OP_ADD && square->op == OP_MUL)) && square->arg[1].i == f->rate && is_positive(d, f->square);
+	return (n->op == OP_FMA || (n->op == OP_ADD && square->op == OP_MUL)) && square->arg[1].i == f->rate &&
+	       is_positive(d, f->square);
 }
 
 /* c v, or v */

@@ -204,9 +204,13 @@ static enum rneagen_code describe(struct relaxing *s)
 			r->of_q[f->at] = f->row;
 	}
 	for (uint32_t i = 0; i < d->count; i++)
-		for (int k = 0; k < s->fresh_count && d->nodes[i].op == OP_INPUT; k++)
-			if ((int)d->nodes[i].arg[0].i == (s->fresh[k].is_drive ? r->drives : s->position) && (int)d->nodes[i].arg[1].i == s->fresh[k].at)
-				r->source[i] = 1 + s->fresh[k].of;
+		for (int k = 0; k < s->fresh_count && d->nodes[i].op == OP_INPUT; k++) {
+			const struct fresh *f = &s->fresh[k];
+			int argument = f->is_drive ? r->drives : s->position;
+
+			if ((int)d->nodes[i].arg[0].i == argument && (int)d->nodes[i].arg[1].i == f->at)
+				r->source[i] = 1 + f->of;
+		}
 	return RNEAGEN_OK;
 }
 
@@ -237,7 +241,8 @@ static enum rneagen_code keep_all(struct relaxing *s)
 	return s->a->failed ? error_memory(s->e) : RNEAGEN_OK;
 }
 
-enum rneagen_code relax(struct relaxed *r, const struct analysis *text, struct interval *const *given, struct arena *a, struct rneagen_error *e)
+enum rneagen_code relax(struct relaxed *r, const struct analysis *text, struct interval *const *given, struct arena *a,
+	struct rneagen_error *e)
 {
 	size_t count = text->dag.count;
 	struct relaxing s = {.out = r, .d = &text->dag, .given = given, .a = a, .e = e, .plain = arena_alloc(a, count, sizeof *s.plain),

@@ -1,13 +1,13 @@
 #ifndef RUNTIME_RELAX_RELAX_H
 #define RUNTIME_RELAX_RELAX_H
-/* The expressions of a text with other inputs: what is no polynomial of angles, lengths, rates and drives is an input of its own, with the
-   range that it has. Every value of a text's output over the box is one of the relaxed output's over its box; what holds for the latter
-   holds for the text.
+/* The expressions of a text with other inputs: what is no polynomial of angles, lengths, rates and drives is an input of its own,
+   with the range that it has. Every value of a text's output over the box is one of the relaxed output's over its box; what holds
+   for the latter holds for the text.
    - The angle of a follower, or of a joint with a freed offset, is an angle of its own: a row of q.
    - Freed masses, inertias and payloads are lengths: rows of q.
    - Friction is a drive from -c to c.
-   - Of a quaternion expressions read its rotation R. Where they read R^T g alone, with a vector g that is known, these are three drives whose
-     norm is |g|. Else its elements are lengths, each from -1 to 1; then no grid serves. */
+   - Of a quaternion expressions read its rotation R. Where they read R^T g alone, with a vector g that is known, these are three
+     drives whose norm is |g|. Else its elements are lengths, each from -1 to 1; then no grid serves. */
 
 #include "norms/interval.h"
 #include "passes/analysis.h"
@@ -43,7 +43,8 @@ struct relaxed {
 };
 
 /* `given`: ranges of the text's inputs, by argument. Arrays live in `a`. Errors: UNSUPPORTED, LIMIT, MEMORY. */
-enum rneagen_code relax(struct relaxed *r, const struct analysis *text, struct interval *const *given, struct arena *a, struct rneagen_error *e);
+enum rneagen_code relax(struct relaxed *r, const struct analysis *text, struct interval *const *given, struct arena *a,
+	struct rneagen_error *e);
 
 /* The ball that a drive is of, or NULL. */
 const struct relaxed_ball *relaxed_ball_of(const struct relaxed *r, int argument, int row);

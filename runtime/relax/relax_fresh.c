@@ -34,7 +34,8 @@ int relax_turns(const struct tree *t, int row, double factor)
 /* A part of a turn is any angle where the turns are not counted. */
 static struct interval angle_range(const struct relaxing *s, const struct seen *x, struct interval r)
 {
-	const struct interval *of = x->row >= 0 ? &s->given[s->position][x->row] : NULL, turn = {-0x1.921fb54442d19p+1, 0x1.921fb54442d19p+1};
+	const struct interval *of = x->row >= 0 ? &s->given[s->position][x->row] : NULL;
+	const struct interval turn = {-0x1.921fb54442d19p+1, 0x1.921fb54442d19p+1};
 
 	return of && of->upper - of->lower >= 6.283185307179586 ? turn : r;
 }
@@ -48,7 +49,9 @@ static enum rneagen_code take_angle(struct relaxing *s, uint32_t i)
 	x->is_angle = 1;
 	if (s->d->nodes[i].op != OP_INPUT && !s->by_angle[i])
 		s->by_angle[i] = add(s, (struct fresh){.of = i, .range = angle_range(s, x, s->plain[i]),
-			.row = {relax_turns(&s->out->text->tree, x->row, x->factor), 1, s->position, x->row, x->row >= 0 ? x->factor : 0}, .component = -1});
+			.row = {relax_turns(&s->out->text->tree, x->row, x->factor), 1, s->position, x->row,
+				x->row >= 0 ? x->factor : 0},
+			.component = -1});
 	return RNEAGEN_OK;
 }
 

@@ -5,8 +5,8 @@
 #include "relax/quadric.h"
 #include "relax/relax.h"
 
-/* What a value of the text is made of: CONSTANT; AFFINE: a row of q, its multiples, and what is added to it; QUATERNION: of one joint's
-   quaternion alone; OTHER. */
+/* What a value of the text is made of: CONSTANT; AFFINE: a row of q, its multiples, and what is added to it; QUATERNION: of one
+   joint's quaternion alone; OTHER. */
 enum kind { CONSTANT, AFFINE, QUATERNION, OTHER };
 
 struct seen {

@@ -4,8 +4,9 @@
    the robot's. */
 #include "prove/relaxed_box.h"
 #include "range/curvature.h"
-#include "range/cut.h"
+#include "range/parts/cut.h"
 #include "range/extreme.h"
+#include "range/knots.h"
 #include "range/magnitude.h"
 #include "range/seek.h"
 #include "support/suite.h"
@@ -13,7 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { SEED = 21, POINTS = 40 };
+enum { SEED = 21, POINTS = 40, LIMB_DIMS = 7 };
 
 static double *coefficients(const struct field *f)
 {
@@ -235,12 +236,15 @@ START_TEST(test_curvature)
 		double *found = calloc((size_t)f->output_count, sizeof *found),
 			*most = calloc((size_t)(f->output_count * f->dim_count + 1), sizeof *most);
 		struct curvature bends, first = {.most = most};
-		const struct curvature_start from = {whole, found, most};
+		struct knots knots;
+		int with_knots = knots_make(&knots, f, &effort, 1);
+		const struct curvature_start from = {whole, found, most, with_knots ? &knots : NULL};
 
 		ck_assert(magnitude_find(whole, f, &s.box, 1, &effort, 0.05) && magnitude_bends(most, f, &s.box, &effort));
 		for (int o = 0; o < f->output_count; o++)
 			found[o] = 0.2 * interval_size(whole[o]);
 		ck_assert(curvature_find(&bends, f, &from, &effort, 1));
+		knots_free(&knots);
 		if (f->dim_count) {
 			check_bends(f, &first, &r);
 			check_bends(f, &bends, &r);
@@ -255,70 +259,114 @@ START_TEST(test_curvature)
 }
 END_TEST
 
-/* Its outputs are those that it was cut from, where its inputs are what the nodes say. */
-static void check_cut(struct relaxed_box *s, const struct cut *c, const struct field *f, const double *v)
+/* Its outputs in the state that was drawn, where its own inputs are these; [output], in its DAG's order. */
+static void part_values(const struct relaxed_box *s, const struct cut *c, const double *inputs, double *outputs)
 {
-	const struct dag *d = &s->relaxed.view.dag;
-	int rates = c->relaxed.view.dag.argument_count - 2, position = dag_find_role(d, ROLE_JOINT_POSITION, 0);
-	double x[2 * FIELD_DIMS], *scalars = field_scalars(f), *values = calloc((size_t)f->output_count, sizeof *values);
-	struct field_point q;
+	int rates = c->relaxed.view.dag.argument_count - 2, position = dag_find_role(&s->relaxed.view.dag, ROLE_JOINT_POSITION, 0);
 
-	ck_assert(scalars && values);
-	for (int k = 0; k < c->leaf_count; k++)
-		ck_assert_msg(v[c->leaves[k]] >= c->box.rows[rates][k].lower - 1e-9 &&
-			v[c->leaves[k]] <= c->box.rows[rates][k].upper + 1e-9, "leaf %d: %g",
-			k, v[c->leaves[k]]);
-	for (int k = 0; k < f->dim_count; k++)
-		field_place(&f->dims[k], s->in[position][f->dims[k].row], q.x[k]);
-	for (int i = 0; i < f->drive_count + f->rate_count; i++) {
-		const struct field_input *in = i < f->drive_count ? &f->drives[i] : &f->rates[i - f->drive_count];
+	for (const struct field *f = c->fields; f < c->fields + c->field_count; f++) {
+		double x[2 * FIELD_DIMS], *scalars = field_scalars(f), *values = calloc((size_t)f->output_count, sizeof *values);
+		struct field_point q;
 
-		x[i] = (in->argument >= rates ? v[c->leaves[in->row]] : s->in[in->argument][in->row]) / in->scale;
+		ck_assert(scalars && values);
+		for (int k = 0; k < f->dim_count; k++)
+			field_place(&f->dims[k], s->in[position][f->dims[k].row], q.x[k]);
+		for (int i = 0; i < f->drive_count + f->rate_count; i++) {
+			const struct field_input *in = i < f->drive_count ? &f->drives[i] : &f->rates[i - f->drive_count];
+
+			x[i] = (in->argument >= rates ? inputs[in->row] : s->in[in->argument][in->row]) / in->scale;
+		}
+		field_values(f, &q, x, scalars, values);
+		for (int o = 0; o < f->output_count; o++)
+			outputs[f->outputs[o]] = values[o];
+		free(values);
+		free(scalars);
 	}
-	field_values(f, &q, x, scalars, values);
-	for (int o = 0; o < f->output_count; o++) {
-		int of = c->outputs[f->outputs[o]], wrench = of - (int)d->output_count;
-		double value = v[wrench < 0 ? d->outputs[of].value.i : c->wrenches[wrench]];
-
-		ck_assert_msg(fabs(values[o] - value) <= 1e-9 * (1 + fabs(value)), "output %d: %g, not %g", of, values[o], value);
-	}
-	free(values);
-	free(scalars);
 }
 
-/* Limbs, and what carries them, are the robot's own parts. */
+/* Its torques are those that it was cut from, where its inputs are what the nodes say, or the loads; its loads into *loads. */
+static void check_cut(const struct relaxed_box *s, const struct cut *c, const double *v, const double *inputs, double *loads)
+{
+	const struct dag *d = &s->relaxed.view.dag;
+	double *outputs = calloc(c->relaxed.view.dag.output_count, sizeof *outputs);
+
+	part_values(s, c, inputs, outputs);
+	for (size_t i = 0; i < c->relaxed.view.dag.output_count; i++) {
+		int of = c->outputs[i], load = of - (int)d->output_count;
+
+		if (load >= 0)
+			loads[load] = outputs[i];
+		else
+			ck_assert_msg(fabs(outputs[i] - v[d->outputs[of].value.i]) <= 1e-9 * (1 + fabs(outputs[i])), "output %d: %g, not %g", of,
+				outputs[i], v[d->outputs[of].value.i]);
+	}
+	free(outputs);
+}
+
+static void check_limb(const struct relaxed_box *s, const struct cut *c, const double *v, double *loads)
+{
+	double inputs[FIELD_DIMS];
+	int rates = c->relaxed.view.dag.argument_count - 2;
+
+	for (int k = 0; k < c->leaf_count; k++) {
+		struct interval of = c->box.rows[rates][k];
+
+		inputs[k] = v[c->leaves[k]];
+		ck_assert_msg(inputs[k] >= of.lower - 1e-9 && inputs[k] <= of.upper + 1e-9, "leaf %d: %g", k, inputs[k]);
+	}
+	check_cut(s, c, v, inputs, loads);
+}
+
+/* With ranges that any load has. */
+static void cut_all(struct relaxed_box *s, struct cut **cuts, int *count, struct cut *rest, const struct effort *effort)
+{
+	struct interval **ranges;
+
+	*count = cut_make(cuts, &s->relaxed, s->fields, s->count, 9, LIMB_DIMS, effort, 0.1, &s->x.arena);
+	ck_assert_int_gt(*count, 0);
+	ranges = arena_alloc(&s->x.arena, (size_t)*count, sizeof *ranges);
+	for (int i = 0; i < *count; i++) {
+		ranges[i] = arena_alloc(&s->x.arena, (size_t)(*cuts)[i].load_count + 1, sizeof **ranges);
+		for (int k = 0; k < (*cuts)[i].load_count; k++)
+			ranges[i][k] = (struct interval){-1e9, 1e9};
+	}
+	ck_assert_int_eq(cut_rest(rest, &s->relaxed, s->fields, s->count, 9, *cuts, *count, ranges, &s->x.arena), 1);
+}
+
+/* Limbs, and what carries them, are the robot's own parts; and what carries them depends on no row of theirs. */
 START_TEST(test_cuts)
 {
-	static const char *const names[] = {"atlas", "g1_29dof", "floating:atlas"};
+	static const struct {
+		const char *name, *scene;
+		int limb_dims, rest_dims; /* most of a field; without sharing a sweep, motions have no names of their own */
+	} CASES[] = {{"atlas", "", 7, 3}, {"g1_29dof", "", 7, 3}, {"floating:atlas", "", 7, 4}, {"floating:hyq", "", 3, 0},
+		{"atlas", "want gravity,bias\n", 9, 17}};
 	struct rng r = rng_seed(SEED + 5);
 	struct effort effort = robot_box_effort();
 	struct relaxed_box s;
 	struct cut *cuts, rest;
-	struct interval **ranges;
-	double *v;
-	int count, most = 0;
+	double *v, loads[200];
+	char scene[100];
+	int count;
 
-	relaxed_box_open(&s, names[_i], "range qdd=-20,20\nrange qd=-9,9");
-	count = cut_make(&cuts, &s.relaxed, s.fields, s.count, 9, &effort, 0.1, &s.x.arena);
-	ck_assert_int_gt(count, 0);
-	ranges = arena_alloc(&s.x.arena, (size_t)count, sizeof *ranges);
-	for (int i = 0; i < count; i++) {
-		ranges[i] = arena_alloc(&s.x.arena, (size_t)cuts[i].wrench_count, sizeof **ranges);
-		for (int k = 0; k < cuts[i].wrench_count; k++)
-			ranges[i][k] = (struct interval){-1e9, 1e9};
-		for (int k = 0; k < cuts[i].field_count; k++)
-			most = cuts[i].fields[k].dim_count > most ? cuts[i].fields[k].dim_count : most;
-	}
-	ck_assert_int_le(most, 6);
-	ck_assert_int_ge(cut_rest(&rest, &s.relaxed, s.fields, s.count, 9, cuts, count, ranges, &s.x.arena), 0);
+	snprintf(scene, sizeof scene, "%srange qdd=-20,20\nrange qd=-9,9", CASES[_i].scene);
+	relaxed_box_open(&s, CASES[_i].name, scene);
+	cut_all(&s, &cuts, &count, &rest, &effort);
+	for (int k = 0; k < count; k++)
+		for (int f = 0; f < cuts[k].field_count; f++)
+			ck_assert_int_le(cuts[k].fields[f].dim_count, CASES[_i].limb_dims);
+	for (int f = 0; f < rest.field_count; f++)
+		ck_assert_int_le(rest.fields[f].dim_count, CASES[_i].rest_dims);
 	v = arena_alloc(&s.x.arena, s.relaxed.view.dag.count, sizeof *v);
 	for (int i = 0; i < POINTS; i++) {
+		int loaded = 0;
+
 		relaxed_box_values(&s, &r, v);
-		for (int k = 0; k < count; k++)
-			for (int f = 0; f < cuts[k].field_count; f++)
-				check_cut(&s, &cuts[k], &cuts[k].fields[f], v);
-		for (int f = 0; f < rest.field_count; f++)
-			check_cut(&s, &rest, &rest.fields[f], v);
+		for (int k = 0; k < count; loaded += cuts[k++].load_count) {
+			ck_assert_int_le(loaded + cuts[k].load_count, (int)(sizeof loads / sizeof *loads));
+			check_limb(&s, &cuts[k], v, loads + loaded);
+		}
+		check_cut(&s, &rest, v, loads, NULL);
 	}
 	workers_close(effort.workers);
 	robot_box_close(&s.x);
@@ -333,6 +381,6 @@ int main(void)
 	suite_add(suite, "corners", test_corners, RELAXED_BOX_CASES, 600);
 	suite_add(suite, "curvature", test_curvature, RELAXED_BOX_CASES, 600);
 	suite_add(suite, "degrees", test_degrees, RELAXED_BOX_CASES, 600);
-	suite_add(suite, "cuts", test_cuts, 3, 600);
+	suite_add(suite, "cuts", test_cuts, 5, 600);
 	return suite_run(suite);
 }
