@@ -1,5 +1,5 @@
-#ifndef RUNTIME_PROVE_CAPS_H
-#define RUNTIME_PROVE_CAPS_H
+#ifndef RUNTIME_PEAKS_CAPS_H
+#define RUNTIME_PEAKS_CAPS_H
 /* The largest magnitudes over a whole box, from its parts: cut by one row of q after the other, each value has the
    largest of its magnitudes in the parts, and what is made of it in other parts, or in boxes within, is closer. */
 

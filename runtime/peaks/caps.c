@@ -1,5 +1,5 @@
 #define _POSIX_C_SOURCE 200809L
-#include "prove/caps.h"
+#include "peaks/caps.h"
 #include "core/seconds.h"
 #include <math.h>
 

@@ -1,0 +1,61 @@
+#ifndef RUNTIME_PEAKS_PEAKS_H
+#define RUNTIME_PEAKS_PEAKS_H
+/* The largest magnitudes of values, and lengths of pairs of them, over a whole box: from points of q, where they are known for
+   all drives and rates at once, and how much they bend between the points. */
+
+#include "norms/adjoint.h"
+#include "norms/norms.h"
+
+enum { PEAKS_DIMS = 64 };
+
+/* One value, or two. */
+struct peak {
+	uint32_t nodes[2]; /* of the adjoint's DAG */
+	uint32_t pair;     /* of two: as norms_pair has it; else 0 */
+	double weight;     /* how much it matters; 0: it is left out */
+	double most;       /* no length is larger */
+	uint64_t dims;     /* bit k: it depends on dims[k] */
+	int kind;          /* private */
+	double *bends;     /* by dims: no second derivative by q is longer */
+};
+
+struct peaks {
+	const struct dag *text; /* of which `x` is the adjoint */
+	size_t output;
+	const struct adjoint *x;
+	const struct norms *norms;
+	const struct norms_values *values; /* over the whole box, with most and most_norm */
+	const struct interval *const *rows; /* the box, by argument */
+	int position;                       /* the argument q */
+	const int *dims;                    /* its rows that have room */
+	int dim_count;
+	double deadline; /* as seconds_now has it; after it what has been found counts */
+	struct peak *list;
+	size_t count;
+	double *noise; /* by node of the adjoint: what peaks_sample computes is no further off */
+	struct arena *arena;
+};
+
+/* Lowers `most` of all in p->list that have a weight, where that gains. Returns 0 when memory runs out. */
+int peaks_find(struct peaks *p);
+
+/* ---- its parts ---- */
+
+/* How values depend on drives and rates: not; linearly on rates, whose ranges have 0 in the middle; or as fields do. */
+enum { PEAK_UNKNOWN, PEAK_PLAIN, PEAK_LINEAR, PEAK_FULL };
+
+/* peaks_bends.c: into list[].bends, until the deadline; INFINITY is what is not known. Returns 0 when memory runs out. */
+int peaks_bends(struct peaks *p, double deadline);
+
+/* Of one kind, and of the same rows of q. */
+struct peaks_group {
+	int kind;
+	uint64_t dims;
+	size_t *members, count; /* of list */
+	double weight;
+};
+
+/* peaks_sample.c: at points of one group, into list[].most. Returns 0 when memory runs out. */
+int peaks_sample(struct peaks *p, const struct peaks_group *g, double deadline);
+
+#endif
