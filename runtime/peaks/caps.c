@@ -69,7 +69,8 @@ static double *filled(struct arena *a, size_t count)
 
 int caps_find(const struct caps *c, const struct norms *x, struct norms_values *v, struct arena *arena)
 {
-	struct capping h = {x, v, filled(arena, x->d->count), filled(arena, x->set_count), filled(arena, x->d->count),
+	struct capping h = {x, v, v->most ? v->most : filled(arena, x->d->count),
+		v->most_norm ? v->most_norm : filled(arena, x->set_count), filled(arena, x->d->count),
 		filled(arena, x->set_count)};
 
 	if (arena->failed)

@@ -13,7 +13,8 @@ struct caps {
 	double deadline;              /* as seconds_now has it; after it what has been found counts */
 };
 
-/* Into v->most and v->most_norm, which live in `arena`, of values of one lane. Returns 0 when memory runs out. */
+/* Into v->most and v->most_norm, of values of one lane: they live in `arena`, unless they are there already. Returns 0 when memory
+   runs out. */
 int caps_find(const struct caps *c, const struct norms *x, struct norms_values *v, struct arena *arena);
 
 #endif

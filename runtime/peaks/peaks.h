@@ -1,7 +1,7 @@
 #ifndef RUNTIME_PEAKS_PEAKS_H
 #define RUNTIME_PEAKS_PEAKS_H
 /* The largest magnitudes of values, and lengths of pairs of them, over a whole box: from points of q, where they are known for
-   all drives and rates at once, and how much they bend between the points. */
+   all drives and rates at once, and what they can be between the points. */
 
 #include "norms/adjoint.h"
 #include "norms/norms.h"
@@ -14,9 +14,12 @@ struct peak {
 	uint32_t pair;     /* of two: as norms_pair has it; else 0 */
 	double weight;     /* how much it matters; 0: it is left out */
 	double most;       /* no length is larger */
-	uint64_t dims;     /* bit k: it depends on dims[k] */
-	int kind;          /* private */
-	double *bends;     /* by dims: no second derivative by q is longer */
+	/* of peaks_find: */
+	int kind;
+	double whole;           /* `most` for all angles, not those of the box alone */
+	uint64_t dims;          /* bit k: it depends on dims[k] */
+	double *bends;          /* by dims, for all angles: no second derivative by q is longer */
+	unsigned char *degrees; /* by dims: of a polynomial of sine and cosine */
 };
 
 struct peaks {
@@ -24,7 +27,7 @@ struct peaks {
 	size_t output;
 	const struct adjoint *x;
 	const struct norms *norms;
-	const struct norms_values *values; /* over the whole box, with most and most_norm */
+	const struct norms_values *values;  /* over the whole box */
 	const struct interval *const *rows; /* the box, by argument */
 	int position;                       /* the argument q */
 	const int *dims;                    /* its rows that have room */
@@ -32,8 +35,12 @@ struct peaks {
 	double deadline; /* as seconds_now has it; after it what has been found counts */
 	struct peak *list;
 	size_t count;
-	double *noise; /* by node of the adjoint: what peaks_sample computes is no further off */
 	struct arena *arena;
+	/* of peaks_find: */
+	struct interval *whole_rows[DAG_ARGUMENTS]; /* the box, but for angles, which are all */
+	struct norms_values whole;                  /* over these */
+	unsigned char *is_angle;                    /* by dims: q is read by its sine and cosine alone */
+	double *noise; /* by node of the adjoint: what is computed at a point of these rows is no further off */
 };
 
 /* Lowers `most` of all in p->list that have a weight, where that gains. Returns 0 when memory runs out. */
@@ -44,18 +51,25 @@ int peaks_find(struct peaks *p);
 /* How values depend on drives and rates: not; linearly on rates, whose ranges have 0 in the middle; or as fields do. */
 enum { PEAK_UNKNOWN, PEAK_PLAIN, PEAK_LINEAR, PEAK_FULL };
 
+/* More than every degree that is used. */
+enum { PEAK_NO_DEGREE = 100 };
+
+/* peaks_marks.c: what is known of all nodes, into the list. Returns 0 when memory runs out. */
+int peaks_mark(struct peaks *p);
+
 /* peaks_bends.c: into list[].bends, until the deadline; INFINITY is what is not known. Returns 0 when memory runs out. */
 int peaks_bends(struct peaks *p, double deadline);
 
-/* Of one kind, and of the same rows of q. */
+/* Of one kind, which depend on the same rows of q. */
 struct peaks_group {
 	int kind;
 	uint64_t dims;
+	unsigned char *degrees; /* by dims, the largest of its members */
 	size_t *members, count; /* of list */
 	double weight;
 };
 
-/* peaks_sample.c: at points of one group, into list[].most. Returns 0 when memory runs out. */
-int peaks_sample(struct peaks *p, const struct peaks_group *g, double deadline);
+/* peaks_grid.c: at points of one group, into list[].whole and list[].most. Returns 0 when memory runs out. */
+int peaks_grid(struct peaks *p, const struct peaks_group *g, double deadline);
 
 #endif

@@ -16,7 +16,6 @@ struct bending {
 	struct ref *first, *second; /* by node of the adjoint */
 	uint32_t *pairs;            /* by peak */
 	unsigned char *live;
-	double *most, *most_norm;
 	struct arena arena;
 };
 
@@ -129,39 +128,6 @@ static int derive_twice(struct bending *b)
 
 /* ---- bounds ---- */
 
-static double *unknown(struct arena *a, size_t count)
-{
-	double *x = arena_alloc(a, count + 1, sizeof *x);
-
-	for (size_t i = 0; i < count && x; i++)
-		x[i] = (double)INFINITY;
-	return x;
-}
-
-/* What is known of the adjoint's nodes and sets holds for them here. */
-static int take_known(struct bending *b)
-{
-	const struct peaks *p = b->p;
-	uint32_t *at = arena_alloc(&b->arena, (size_t)p->norms->set_count + 1, sizeof *at);
-
-	for (uint32_t k = 0; k < p->norms->set_count && at; k++)
-		at[k] = norms_set(&b->norms, p->norms->sets[k].nodes, p->norms->sets[k].count);
-	if (!at || !norms_lay(&b->norms, &b->arena) || !norms_values_make(&b->values, &b->norms, &b->arena))
-		return 0;
-	b->most = unknown(&b->arena, b->x.d.count);
-	b->most_norm = unknown(&b->arena, b->norms.set_count);
-	if (b->arena.failed)
-		return 0;
-	for (size_t i = 0; i < p->x->d.count && p->values->most; i++)
-		b->most[i] = p->values->most[i];
-	for (uint32_t k = 0; k < p->norms->set_count && p->values->most_norm; k++)
-		if (at[k])
-			b->most_norm[at[k] - 1] = p->values->most_norm[k];
-	b->values.most = b->most;
-	b->values.most_norm = b->most_norm;
-	return 1;
-}
-
 static double bend_of(const struct bending *b, size_t i)
 {
 	const struct peak *k = &b->p->list[i];
@@ -186,7 +152,7 @@ static int make_norms(struct bending *b)
 	for (size_t i = 0; i < p->count; i++)
 		if (p->list[i].pair && is_asked(b, &p->list[i]))
 			b->pairs[i] = norms_pair(&b->norms, b->second[p->list[i].nodes[0]].i, b->second[p->list[i].nodes[1]].i);
-	return take_known(b);
+	return norms_lay(&b->norms, &b->arena) && norms_values_make(&b->values, &b->norms, &b->arena);
 }
 
 int peaks_bends(struct peaks *p, double deadline)
@@ -202,7 +168,7 @@ int peaks_bends(struct peaks *p, double deadline)
 		arena_init(&b.arena, NULL);
 		done = derive_twice(&b) && make_norms(&b);
 		if (done)
-			norms_evaluate(&b.norms, p->rows, &b.values);
+			norms_evaluate(&b.norms, (const struct interval *const *)p->whole_rows, &b.values);
 		for (size_t i = 0; i < p->count && done; i++)
 			if (is_asked(&b, &p->list[i]))
 				p->list[i].bends[k] = bend_of(&b, i);

@@ -333,7 +333,8 @@ static void hunt_output(void *job, size_t output)
 		h.rows[h.position][h.dims[k]] = root.q[k];
 	if (done && h.split.dim_count)
 		done = find_caps(&h, SHARE_CAPS * left) && find_peaks(&h, j, output, SHARE_PEAKS * left) &&
-		       hunt_for(&h, j, &root, (1 - SHARE_CAPS - SHARE_PEAKS) * left, &j->rows[output]);
+		       find_caps(&h, SHARE_CAPS * left) &&
+		       hunt_for(&h, j, &root, (1 - 2 * SHARE_CAPS - SHARE_PEAKS) * left, &j->rows[output]);
 	if (!done)
 		j->failed = 1;
 	split_free(&h.split);
