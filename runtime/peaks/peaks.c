@@ -3,10 +3,13 @@
 #include "peaks/peaks.h"
 #include "core/seconds.h"
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Of the time: for second derivatives. */
 #define SHARE_BENDS 0.3
+
+enum { FULL_ROWS = 5 };
 
 static int is_asked(const struct peak *k)
 {
@@ -60,12 +63,20 @@ static struct peaks_group *groups_make(const struct peaks *p, size_t *count)
 	return groups;
 }
 
-/* More rows of q take more points. */
+/* More rows of q take more points. Where lanes are many and rows too, there are too few points to gain much. */
 static double share_of(const struct peaks_group *g)
 {
 	double n = __builtin_popcountll(g->dims);
 
-	return g->weight * n * n;
+	return g->weight * n * n * (g->kind == PEAK_FULL && n > FULL_ROWS ? 0.3 : 1);
+}
+
+/* Those first that may leave time to others. */
+static int by_share(const void *a, const void *b)
+{
+	double x = share_of(a), y = share_of(b);
+
+	return (x > y) - (x < y);
 }
 
 static int take_groups(struct peaks *p)
@@ -75,6 +86,8 @@ static int take_groups(struct peaks *p)
 	double sum = 0;
 	int done = groups != NULL;
 
+	if (done)
+		qsort(groups, count, sizeof *groups, by_share);
 	for (size_t i = 0; i < count && done; i++)
 		sum += share_of(&groups[i]);
 	for (size_t i = 0; i < count && done && seconds_now() < p->deadline; i++) {

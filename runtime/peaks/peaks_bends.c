@@ -1,4 +1,4 @@
-/* Second derivatives by rows of q as expressions, bounded by norms. A rotation p = c x + s y is turned further by its own
+/* First and second derivatives by rows of q as expressions, bounded by norms. A rotation p = c x + s y is turned further by its own
    angle: dp = c (dx + y) + s (dy - x), which with r = c y - s x stays a rotation of two values. */
 #define _POSIX_C_SOURCE 200809L
 #include "core/seconds.h"
@@ -128,17 +128,16 @@ static int derive_twice(struct bending *b)
 
 /* ---- bounds ---- */
 
-static double bend_of(const struct bending *b, size_t i)
+/* Of the derivatives of[node]; `pair` is their set, 0: there is none. */
+static double length_of(const struct bending *b, const struct peak *k, const struct ref *of, uint32_t pair)
 {
-	const struct peak *k = &b->p->list[i];
-	const struct ref *second = b->second;
 	double sum = 0;
 
 	for (int n = 0; n < (k->pair ? 2 : 1); n++)
-		sum += b->values.size[second[k->nodes[n]].i] * b->values.size[second[k->nodes[n]].i];
+		sum += b->values.size[of[k->nodes[n]].i] * b->values.size[of[k->nodes[n]].i];
 	sum = sqrt(sum) * (1 + 0x1p-40);
-	if (k->pair && b->pairs[i])
-		sum = fmin(sum, norms_of_pair(&b->norms, &b->values, b->pairs[i]));
+	if (pair)
+		sum = interval_least(norms_of_pair(&b->norms, &b->values, pair), sum);
 	return sum >= 0 ? sum : (double)INFINITY;
 }
 
@@ -161,7 +160,7 @@ int peaks_bends(struct peaks *p, double deadline)
 
 	for (size_t i = 0; i < p->count; i++)
 		for (int k = 0; k < p->dim_count; k++)
-			p->list[i].bends[k] = p->list[i].dims >> k & 1 ? (double)INFINITY : 0;
+			p->list[i].tilts[k] = p->list[i].bends[k] = p->list[i].dims >> k & 1 ? (double)INFINITY : 0;
 	for (int k = 0; k < p->dim_count && done && seconds_now() < deadline; k++) {
 		struct bending b = {.p = p, .dim = k};
 
@@ -170,8 +169,10 @@ int peaks_bends(struct peaks *p, double deadline)
 		if (done)
 			norms_evaluate(&b.norms, (const struct interval *const *)p->whole_rows, &b.values);
 		for (size_t i = 0; i < p->count && done; i++)
-			if (is_asked(&b, &p->list[i]))
-				p->list[i].bends[k] = bend_of(&b, i);
+			if (is_asked(&b, &p->list[i])) {
+				p->list[i].tilts[k] = length_of(&b, &p->list[i], b.first, 0);
+				p->list[i].bends[k] = length_of(&b, &p->list[i], b.second, b.pairs[i]);
+			}
 		arena_free(&b.arena);
 	}
 	return done;

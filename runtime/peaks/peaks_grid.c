@@ -2,8 +2,9 @@
    - M. Riesz (Eine trigonometrische Interpolationsformel, 1914): a trigonometric polynomial of degree d is at most 1/cos(pi d/n)
      times its largest value at n > 2 d places of a circle, evenly spread;
    - straight lines between places h apart, half of that to the nearest: it is off them by h^2/2 of its second derivative.
+   - a single place in the middle of a range: by half of that times its first derivative.
    Taken for one row after the other, those for Riesz first,
-     |u| <= product of 1/cos (largest at places + sum of h^2/2 |d2u/dq_k^2|).
+     |u| <= product of 1/cos (largest at places + sum of h^2/2 |d2u/dq_k^2| + sum of h |du/dq_k|).
    For a vector u of the components along a fixed direction, so of its length. Second derivatives are bounded by norms, and by
    Bernstein: d^2 of the largest over all angles. So first places are spread over all angles, then over the box. */
 #define _POSIX_C_SOURCE 200809L
@@ -13,6 +14,10 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Closer than this, over what is found, bounds need not be. */
+#define CLOSE 0.01
+#define WORTH 0.99 /* of what is known */
 
 enum { FIRST_POINTS = 1024, MOST_PLACES = 4096, AHEAD = 12 };
 
@@ -28,7 +33,7 @@ struct gridding {
 	int dims[PEAKS_DIMS], dim_count; /* of p->dims */
 	int is_whole;
 	double lower[PEAKS_DIMS], upper[PEAKS_DIMS], half[PEAKS_DIMS];
-	double bend[PEAKS_DIMS]; /* weighted, over what was found */
+	double bend[PEAKS_DIMS], tilt[PEAKS_DIMS]; /* weighted, over what was found */
 	int counts[PEAKS_DIMS];
 	peaks_place *places[PEAKS_DIMS];
 	double *found; /* by member */
@@ -68,23 +73,38 @@ static double gap_of(const struct gridding *s, int k, int n)
 static void weigh_bends(struct gridding *s)
 {
 	for (int k = 0; k < s->dim_count; k++) {
-		double sum = 0, weights = 0;
+		double bends = 0, tilts = 0, weights = 0;
 
 		for (size_t i = 0; i < s->g->count; i++) {
 			const struct peak *x = &s->p->list[s->g->members[i]];
 			double size = s->found[i] > 0 ? s->found[i] : x->most;
 
-			if (size > 0 && isfinite(x->bends[s->dims[k]]))
-				sum += x->weight * x->bends[s->dims[k]] / size;
+			if (!(size > 0) || !isfinite(x->bends[s->dims[k]]) || !isfinite(x->tilts[s->dims[k]]))
+				continue;
+			bends += x->weight * x->bends[s->dims[k]] / size;
+			tilts += x->weight * x->tilts[s->dims[k]] / size;
 			weights += x->weight;
 		}
-		s->bend[k] = weights > 0 ? sum / weights : 0;
+		s->bend[k] = weights > 0 ? bends / weights : 0;
+		s->tilt[k] = weights > 0 ? tilts / weights : 0;
 	}
 }
 
+/* About what a row adds to the bound, over what is found. */
 static double cost_of(const struct gridding *s, int k, int n)
 {
-	return log(fmin(factor_of(s, k, n), 1 + gap_of(s, k, n) * s->bend[k]));
+	if (!is_circle(s, k) && n == 1)
+		return 0.5 * (s->upper[k] - s->lower[k]) * s->tilt[k];
+	return fmin(factor_of(s, k, n) - 1, gap_of(s, k, n) * s->bend[k]);
+}
+
+static double cost_of_all(const struct gridding *s)
+{
+	double sum = 0;
+
+	for (int k = 0; k < s->dim_count; k++)
+		sum += cost_of(s, k, s->counts[k]);
+	return sum;
 }
 
 /* Places where they gain most, in room for so many points. */
@@ -94,8 +114,8 @@ static double choose(struct gridding *s, double room)
 
 	weigh_bends(s);
 	for (int k = 0; k < s->dim_count; k++)
-		size *= s->counts[k] = is_circle(s, k) ? 1 : 2;
-	for (;;) {
+		s->counts[k] = 1;
+	while (cost_of_all(s) > CLOSE) {
 		double best = 0;
 		int at = -1, to = 0;
 
@@ -111,10 +131,11 @@ static double choose(struct gridding *s, double room)
 				}
 			}
 		if (at < 0)
-			return size;
+			break;
 		size *= (double)to / s->counts[at];
 		s->counts[at] = to;
 	}
+	return size;
 }
 
 /* ---- places ---- */
@@ -138,6 +159,11 @@ static void spread_range(struct gridding *s, int k)
 	double before = s->lower[k], most = 0;
 	int n = s->counts[k];
 
+	if (n == 1) {
+		put_place(&s->places[k][0], (real)(0.5 * s->lower[k] + 0.5 * s->upper[k]));
+		s->half[k] = round_up(s->upper[k] - s->lower[k]);
+		return;
+	}
 	for (int i = 0; i < n; i++) {
 		double x = i == n - 1 ? s->upper[k] : fmin(s->upper[k], s->lower[k] + (s->upper[k] - s->lower[k]) * i / (n - 1));
 
@@ -177,8 +203,10 @@ static void set_ranges(struct gridding *s)
 
 static double slack_of(const struct gridding *s, const struct peak *x, int k)
 {
-	double bends = x->bends[s->dims[k]];
+	double bends = x->bends[s->dims[k]], tilts = x->tilts[s->dims[k]];
 
+	if (!is_circle(s, k) && s->counts[k] == 1)
+		return tilts > 0 ? 0.5 * s->half[k] * tilts * (1 + 0x1p-40) : 0;
 	return bends > 0 ? s->half[k] * s->half[k] / 2 * bends : 0;
 }
 
@@ -247,12 +275,26 @@ static void take_degrees(const struct gridding *s)
 
 /* ---- rounds ---- */
 
+/* Is a grid likely to gain anything? */
+static int is_worth(const struct gridding *s)
+{
+	double bound = 0, most = 0, over = 1 + cost_of_all(s);
+
+	for (size_t i = 0; i < s->g->count; i++) {
+		const struct peak *x = &s->p->list[s->g->members[i]];
+
+		bound += x->weight * fmin(1, over * s->found[i] / x->most);
+		most += x->weight;
+	}
+	return bound < WORTH * most;
+}
+
 /* Returns 0 when memory runs out. */
 static int take_grid(struct gridding *s, double room, double deadline)
 {
 	double start = seconds_now(), size = choose(s, room);
 
-	if (size > 2 * room)
+	if (s->pace > 0 && !is_worth(s))
 		return 1;
 	if (!make_places(s))
 		return 0;

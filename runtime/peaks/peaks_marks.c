@@ -223,6 +223,7 @@ static int mark_peak(const struct marks *m, struct peak *k)
 	k->kind = kind_of(m, k);
 	k->dims = m->dims[k->nodes[0]] | m->dims[k->nodes[1]];
 	k->whole = k->pair ? norms_of_pair(p->norms, &p->whole, k->pair) : p->whole.size[k->nodes[0]];
+	k->tilts = arena_alloc(p->arena, count, sizeof *k->tilts);
 	k->bends = arena_alloc(p->arena, count, sizeof *k->bends);
 	k->degrees = arena_alloc(p->arena, count, 1);
 	for (size_t i = 0; i + 1 < count && k->degrees; i++) {

@@ -23,10 +23,10 @@
 enum { VIEWS = 2 };
 #define LANES_BELOW 0.2 /* rad or m */
 /* of the time of an output */
-#define SHARE_PLAIN 0.4
+#define SHARE_PLAIN 0.15
 #define SHARE_RECORDED 0.75 /* in its place where a certificate takes over the boxes */
-#define SHARE_CAPS 0.1      /* of what is left */
-#define SHARE_PEAKS 0.4     /* the same */
+#define SHARE_CAPS 0.05     /* of what is left, twice */
+#define SHARE_PEAKS 0.55    /* the same, at most */
 
 /* One output. */
 struct hunt {
@@ -316,6 +316,7 @@ static void hunt_output(void *job, size_t output)
 	struct job *j = job;
 	struct leaf root = {.value = {0, 0}};
 	double plain = (j->record ? SHARE_RECORDED : SHARE_PLAIN) * j->seconds, left = j->seconds - plain;
+	double end = seconds_now() + j->seconds;
 	struct hunt h;
 	int done;
 
@@ -334,7 +335,7 @@ static void hunt_output(void *job, size_t output)
 	if (done && h.split.dim_count)
 		done = find_caps(&h, SHARE_CAPS * left) && find_peaks(&h, j, output, SHARE_PEAKS * left) &&
 		       find_caps(&h, SHARE_CAPS * left) &&
-		       hunt_for(&h, j, &root, (1 - 2 * SHARE_CAPS - SHARE_PEAKS) * left, &j->rows[output]);
+		       hunt_for(&h, j, &root, end - seconds_now(), &j->rows[output]);
 	if (!done)
 		j->failed = 1;
 	split_free(&h.split);

@@ -1,8 +1,8 @@
 #include "prove/weights.h"
 #include <string.h>
 
-/* What makes less of the sum is left out. */
-#define LEAST 1e-4
+/* What weighs less than this part of the mean is left out. */
+#define LEAST 0.03
 
 struct weighing {
 	struct peaks *p;
