@@ -23,6 +23,7 @@ enum { FIRST_POINTS = 1024, MOST_PLACES = 4096, AHEAD = 12 };
 
 /* Of the time: with places over all angles. */
 #define SHARE_WHOLE 0.6
+#define OF_TIME 0.6 /* a grid that is not done in time is lost */
 
 static const real TURN = 6.283185307179586476925286766559L;
 
@@ -314,8 +315,8 @@ static int take_rounds(struct gridding *s, int is_whole, double deadline)
 	set_ranges(s);
 	if (!take_grid(s, FIRST_POINTS, deadline))
 		return 0;
-	left = deadline - seconds_now();
-	return !(s->pace > 0 && 0.8 * left / s->pace > FIRST_POINTS) || take_grid(s, 0.8 * left / s->pace, deadline);
+	left = OF_TIME * (deadline - seconds_now());
+	return !(s->pace > 0 && left / s->pace > FIRST_POINTS) || take_grid(s, left / s->pace, deadline);
 }
 
 int peaks_grid(struct peaks *p, const struct peaks_group *g, double deadline)

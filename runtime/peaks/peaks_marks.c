@@ -230,6 +230,8 @@ static int mark_peak(const struct marks *m, struct peak *k)
 		unsigned char a = degrees_at(m, k->nodes[0])[i], b = degrees_at(m, k->nodes[1])[i];
 
 		k->degrees[i] = a > b ? a : b;
+		if (p->is_angle[i] && k->degrees[i] == PEAK_NO_DEGREE) /* the angle itself */
+			k->kind = PEAK_UNKNOWN;
 	}
 	return !p->arena->failed;
 }

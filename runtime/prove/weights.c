@@ -2,7 +2,7 @@
 #include <string.h>
 
 /* What weighs less than this part of the mean is left out. */
-#define LEAST 0.03
+#define LEAST 1e-3
 
 struct weighing {
 	struct peaks *p;
