@@ -105,7 +105,7 @@ static const struct {
 	double seconds;
 } CASES[] = {
 	{"range qdd=-20,20\nrange qd=-2,2\nrange q=-2,2.5", 0.4},
-	{"range qdd=-5,20\nrange qd=-1,2\nrange q=-2,2.5", 2},
+	{"range qdd=-5,20\nrange qd=-2,1\nrange q=-2,2.5", 2},
 	{"range qdd=-20,20\nrange qd=-2,2\nrange q=0.5,0.52", 0.4},
 };
 
