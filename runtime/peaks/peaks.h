@@ -43,7 +43,7 @@ struct peaks {
 	double *noise; /* by node of the adjoint: what is computed at a point of these rows is no further off */
 };
 
-/* Lowers `most` of all in p->list that have a weight, where that gains. Returns 0 when memory runs out. */
+/* Lowers `most` of all in p->list that have a weight, where that gains, and where there is time for it. Returns 0 when memory runs out. */
 int peaks_find(struct peaks *p);
 
 /* ---- its parts ---- */

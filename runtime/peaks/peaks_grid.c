@@ -268,7 +268,7 @@ static void take_degrees(const struct gridding *s)
 		for (int k = 0; k < s->dim_count; k++) {
 			double d = s->g->degrees[s->dims[k]];
 
-			if (d < PEAK_NO_DEGREE)
+			if (d < PEAK_NO_DEGREE && s->p->is_angle[s->dims[k]])
 				x->bends[s->dims[k]] = interval_least(d * d * x->whole * (1 + 0x1p-40), x->bends[s->dims[k]]);
 		}
 	}

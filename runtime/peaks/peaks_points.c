@@ -3,26 +3,14 @@
    go together. */
 #define _POSIX_C_SOURCE 200809L
 #include "peaks/peaks_points.h"
+#include "peaks/peaks_lanes.h"
 #include "core/seconds.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#if defined __x86_64__ && defined __GNUC__ && !defined __clang__ && !defined __SANITIZE_ADDRESS__ && !defined __SANITIZE_THREAD__
-#define PEAKS_FAST __attribute__((target_clones("avx512f", "avx2", "default"), optimize("O3", "no-math-errno")))
-#else
-#define PEAKS_FAST
-#endif
-
 /* WIDTH: lanes of all points that are looked at together, where one point has fewer. */
-enum { VECTOR = 8, WIDTH = 64, MOST_LANES = 512, LOOK_EVERY = 16 };
-
-typedef double vector __attribute__((vector_size(VECTOR * sizeof(double))));
-
-struct step {
-	enum op op;
-	uint32_t to, a, b; /* slots */
-};
+enum { WIDTH = 64, MOST_LANES = 512, LOOK_EVERY = 16 };
 
 /* A sine, a cosine or a length of a row of q. */
 struct place_input {
@@ -37,13 +25,13 @@ struct peaks_points {
 	unsigned char *live;
 	uint32_t *slot, *drives, *rates; /* slot: by node; nodes of drives and rates */
 	int drive_count, rate_count;
-	struct step *steps;
+	struct lanes_step *steps;
 	size_t step_count, slot_count;
 	struct place_input *inputs;
 	size_t input_count;
 	int lanes, points; /* of a point; at once */
 	size_t width;      /* vectors */
-	vector *v, *most;  /* most: by member, of squares where there is one lane */
+	lanes_vector *v, *most;  /* most: by member, of squares where there is one lane */
 	struct arena arena;
 };
 
@@ -78,7 +66,7 @@ static double *lanes_at(const struct peaks_points *t, uint32_t node)
 
 static void fill(const struct peaks_points *t, uint32_t node, double x)
 {
-	for (size_t i = 0; i < t->width * VECTOR; i++)
+	for (size_t i = 0; i < t->width * LANES_VECTOR; i++)
 		lanes_at(t, node)[i] = x;
 }
 
@@ -116,7 +104,7 @@ static void list_node(struct peaks_points *t, uint32_t i)
 	if (n->op == OP_INPUT || n->op == OP_SIN || n->op == OP_COS)
 		list_leaf(t, i);
 	else if (n->op != OP_CONST)
-		t->steps[t->step_count++] = (struct step){n->op, t->slot[i], t->slot[n->arg[0].i],
+		t->steps[t->step_count++] = (struct lanes_step){n->op, t->slot[i], t->slot[n->arg[0].i],
 			op_arity[n->op] > 1 ? t->slot[n->arg[1].i] : 0};
 }
 
@@ -188,18 +176,16 @@ static void put_lanes(const struct peaks_points *t)
 static void put_constants(const struct peaks_points *t)
 {
 	for (uint32_t i = 0; i < t->p->x->d.count; i++) {
-		const struct node *n = node_at(t, i);
-		double q;
+		const struct node *n = node_at(t, i), *q = input_of(t, n);
+		real x;
 
-		if (!t->live[i])
-			continue;
-		if (n->op == OP_CONST)
+		if (t->live[i] && n->op == OP_CONST)
 			fill(t, i, (double)n->value);
-		if ((n->op != OP_INPUT && n->op != OP_SIN && n->op != OP_COS) || (int)input_of(t, n)->arg[0].i != t->p->position ||
-			dim_at(t, input_of(t, n)) >= 0)
+		if (!t->live[i] || q->op != OP_INPUT || (int)q->arg[0].i != t->p->position || dim_at(t, q) >= 0 ||
+			(n->op != OP_INPUT && n->op != OP_SIN && n->op != OP_COS))
 			continue;
-		q = range_of(t, input_of(t, n)).lower;
-		fill(t, i, n->op == OP_SIN ? (double)sinl((real)q) : n->op == OP_COS ? (double)cosl((real)q) : q);
+		x = (real)range_of(t, q).lower;
+		fill(t, i, (double)(n->op == OP_SIN ? sinl(x) : n->op == OP_COS ? cosl(x) : x));
 	}
 }
 
@@ -209,10 +195,10 @@ static int make_lanes(struct peaks_points *t)
 	size_t of_slots;
 
 	t->points = t->lanes >= WIDTH ? 1 : WIDTH / t->lanes;
-	t->width = ((size_t)(t->points * t->lanes) + VECTOR - 1) / VECTOR;
-	of_slots = t->slot_count * t->width * sizeof(vector);
-	t->v = aligned_alloc(sizeof(vector), of_slots);
-	t->most = aligned_alloc(sizeof(vector), (t->g->count + 1) * sizeof(vector));
+	t->width = ((size_t)(t->points * t->lanes) + LANES_VECTOR - 1) / LANES_VECTOR;
+	of_slots = t->slot_count * t->width * sizeof(lanes_vector);
+	t->v = aligned_alloc(sizeof(lanes_vector), of_slots);
+	t->most = aligned_alloc(sizeof(lanes_vector), (t->g->count + 1) * sizeof(lanes_vector));
 	if (!t->v || !t->most)
 		return 0;
 	memset(t->v, 0, of_slots);
@@ -256,85 +242,19 @@ void peaks_points_free(struct peaks_points *t)
 
 /* ---- at points ---- */
 
-PEAKS_FAST static void run(const struct step *steps, size_t count, size_t width, vector *v)
-{
-	for (const struct step *s = steps; s < steps + count; s++) {
-		vector *to = v + s->to * width;
-		const vector *a = v + s->a * width, *b = v + s->b * width;
-
-		switch (s->op) {
-		case OP_NEG:
-			for (size_t i = 0; i < width; i++)
-				to[i] = -a[i];
-			break;
-		case OP_ADD:
-			for (size_t i = 0; i < width; i++)
-				to[i] = a[i] + b[i];
-			break;
-		case OP_SUB:
-			for (size_t i = 0; i < width; i++)
-				to[i] = a[i] - b[i];
-			break;
-		default: /* OP_MUL: peaks_marks.c knows no other */
-			for (size_t i = 0; i < width; i++)
-				to[i] = a[i] * b[i];
-		}
-	}
-}
-
-/* Of one lane: the largest squares, lane by lane. All numbers are finite (peaks_marks.c). */
-PEAKS_FAST static void take_squares(size_t width, const vector *a, const vector *b, vector *most)
-{
-	vector m = *most;
-
-	for (size_t i = 0; i < width; i++) {
-		vector x = a[i] * a[i];
-
-		if (b)
-			x += b[i] * b[i];
-		for (int k = 0; k < VECTOR; k++)
-			m[k] = x[k] > m[k] ? x[k] : m[k];
-	}
-	*most = m;
-}
-
-/* The coefficients of a polynomial of t from its lanes: constant, drives, rates, squares, pairs. */
-PEAKS_FAST static void to_coefficients(int m, int n, const double *v, double *c)
-{
-	const double *forth = v + 1 + m, *back = forth + n, *pair = back + n;
-	double *squares = c + 1 + m + n, *pairs = squares + n;
-
-	c[0] = v[0];
-	for (int i = 0; i < m; i++)
-		c[1 + i] = v[1 + i] - v[0];
-	for (int j = 0; j < n; j++) {
-		c[1 + m + j] = 0.5 * (forth[j] - back[j]);
-		squares[j] = 0.5 * (forth[j] + back[j]) - v[0];
-	}
-	for (int j = 0; j < n; pairs += n - j - 1, pair += n - j - 1, j++)
-		for (int k = j + 1; k < n; k++)
-			pairs[k - j - 1] = pair[k - j - 1] - forth[j] - forth[k] + v[0];
-}
-
-PEAKS_FAST static void to_lengths(int n, const double *a, const double *b, double *lengths)
-{
-	for (int i = 0; i < n; i++)
-		lengths[i] = b ? sqrt(a[i] * a[i] + b[i] * b[i]) : fabs(a[i]);
-}
-
 static double length_of(const struct peaks_points *t, const double *a, const double *b)
 {
 	double c[2][MOST_LANES], lengths[MOST_LANES], sums[4] = {0};
 	int i = 0;
 
 	if (t->g->kind == PEAK_FULL) {
-		to_coefficients(t->drive_count, t->rate_count, a, c[0]);
+		lanes_coefficients(t->drive_count, t->rate_count, a, c[0]);
 		if (b)
-			to_coefficients(t->drive_count, t->rate_count, b, c[1]);
+			lanes_coefficients(t->drive_count, t->rate_count, b, c[1]);
 		a = c[0];
 		b = b ? c[1] : NULL;
 	}
-	to_lengths(t->lanes, a, b, lengths);
+	lanes_lengths(t->lanes, a, b, lengths);
 	for (; i + 4 <= t->lanes; i += 4)
 		for (int k = 0; k < 4; k++)
 			sums[k] += lengths[i + k];
@@ -350,7 +270,7 @@ static void take_members(struct peaks_points *t, double *found)
 		const double *a = lanes_at(t, k->nodes[0]), *b = k->pair ? lanes_at(t, k->nodes[1]) : NULL;
 
 		if (t->lanes == 1) {
-			take_squares(t->width, (const vector *)a, (const vector *)b, &t->most[i]);
+			lanes_squares(t->width, (const lanes_vector *)a, (const lanes_vector *)b, &t->most[i]);
 			continue;
 		}
 		for (int p = 0; p < t->points; p++)
@@ -386,13 +306,13 @@ int peaks_points_take(struct peaks_points *t, const int *counts, peaks_place *co
 	for (size_t i = 0; i < points; i += (size_t)t->points) {
 		for (int p = 0; p < t->points; p++)
 			put_point(t, counts, places, i + (size_t)p < points ? i + (size_t)p : points - 1, p);
-		run(t->steps, t->step_count, t->width, t->v);
+		lanes_run(t->steps, t->step_count, t->width, t->v);
 		take_members(t, found);
 		if (i / (size_t)t->points % LOOK_EVERY == 0 && seconds_now() > deadline)
 			return 0;
 	}
 	for (size_t i = 0; i < t->g->count && t->lanes == 1; i++)
-		for (int k = 0; k < VECTOR; k++)
+		for (int k = 0; k < LANES_VECTOR; k++)
 			found[i] = fmax(found[i], sqrt(t->most[i][k]));
 	return 1;
 }
