@@ -8,8 +8,8 @@ enum { PARTS = 48 };
 struct capping {
 	const struct norms *x;
 	struct norms_values *v;
-	double *most, *most_norm;   /* so far */
-	double *value, *norm;       /* the largest in the parts that were looked at */
+	double *most, *most_norm; /* so far */
+	double *value, *norm;	  /* the largest in the parts that were looked at */
 };
 
 /* What is unknown in a part is unknown in all of them. */
@@ -47,7 +47,8 @@ static void cut_by(struct capping *h, const struct caps *c, int row)
 	for (uint32_t k = 0; k < h->x->set_count; k++)
 		h->norm[k] = 0;
 	for (double from = whole.lower; part < PARTS && seconds_now() < c->deadline; part++) {
-		double to = part + 1 < PARTS ? whole.lower + (whole.upper - whole.lower) * (part + 1) / PARTS : whole.upper;
+		double to =
+			part + 1 < PARTS ? whole.lower + (whole.upper - whole.lower) * (part + 1) / PARTS : whole.upper;
 
 		c->q[row] = (struct interval){from, to};
 		look(h, (const struct interval *const *)c->rows);

@@ -25,14 +25,16 @@ static int is_of(const struct peaks *p, const struct peaks_group *g, const struc
 }
 
 /* NULL when memory runs out. */
-static struct peaks_group *group_of(const struct peaks *p, struct peaks_group *groups, size_t *count, const struct peak *k)
+static struct peaks_group *group_of(
+	const struct peaks *p, struct peaks_group *groups, size_t *count, const struct peak *k)
 {
 	struct peaks_group *g = groups;
 
 	while (g < groups + *count && !is_of(p, g, k))
 		g++;
 	if (g == groups + *count) {
-		*g = (struct peaks_group){.kind = k->kind, .dims = k->dims,
+		*g = (struct peaks_group){.kind = k->kind,
+			.dims = k->dims,
 			.degrees = arena_alloc(p->arena, (size_t)p->dim_count + 1, 1)};
 		++*count;
 	}

@@ -1,7 +1,7 @@
 #ifndef RUNTIME_PEAKS_PEAKS_H
 #define RUNTIME_PEAKS_PEAKS_H
-/* The largest magnitudes of values, and lengths of pairs of them, over a whole box: from points of q, where they are known for
-   all drives and rates at once, and what they can be between the points. */
+/* The largest magnitudes of values, and lengths of pairs of them, over a whole box: from points of q, where they are
+   known for all drives and rates at once, and what they can be between the points. */
 
 #include "norms/adjoint.h"
 #include "norms/norms.h"
@@ -11,14 +11,14 @@ enum { PEAKS_DIMS = 64 };
 /* One value, or two. */
 struct peak {
 	uint32_t nodes[2]; /* of the adjoint's DAG */
-	uint32_t pair;     /* of two: as norms_pair has it; else 0 */
-	double weight;     /* how much it matters; 0: it is left out */
-	double most;       /* no length is larger */
+	uint32_t pair;	   /* of two: as norms_pair has it; else 0 */
+	double weight;	   /* how much it matters; 0: it is left out */
+	double most;	   /* no length is larger */
 	/* of peaks_find: */
 	int kind;
-	double whole;           /* `most` for all angles, not those of the box alone */
-	uint64_t dims;          /* bit k: it depends on dims[k] */
-	double *tilts, *bends;  /* by dims, for all angles: no first, no second derivative by q is longer */
+	double whole;		/* `most` for all angles, not those of the box alone */
+	uint64_t dims;		/* bit k: it depends on dims[k] */
+	double *tilts, *bends;	/* by dims, for all angles: no first, no second derivative by q is longer */
 	unsigned char *degrees; /* by dims: of a polynomial of sine and cosine */
 };
 
@@ -29,8 +29,8 @@ struct peaks {
 	const struct norms *norms;
 	const struct norms_values *values;  /* over the whole box */
 	const struct interval *const *rows; /* the box, by argument */
-	int position;                       /* the argument q */
-	const int *dims;                    /* its rows that have room */
+	int position;			    /* the argument q */
+	const int *dims;		    /* its rows that have room */
 	int dim_count;
 	double deadline; /* as seconds_now has it; after it what has been found counts */
 	struct peak *list;
@@ -38,12 +38,13 @@ struct peaks {
 	struct arena *arena;
 	/* of peaks_find: */
 	struct interval *whole_rows[DAG_ARGUMENTS]; /* the box, but for angles, which are all */
-	struct norms_values whole;                  /* over these */
-	unsigned char *is_angle;                    /* by dims: q is read by its sine and cosine alone */
+	struct norms_values whole;		    /* over these */
+	unsigned char *is_angle;		    /* by dims: q is read by its sine and cosine alone */
 	double *noise; /* by node of the adjoint: what is computed at a point of these rows is no further off */
 };
 
-/* Lowers `most` of all in p->list that have a weight, where that gains, and where there is time for it. Returns 0 when memory runs out. */
+/* Lowers `most` of all in p->list that have a weight, where that gains, and where there is time for it. Returns 0 when
+ * memory runs out. */
 int peaks_find(struct peaks *p);
 
 /* ---- its parts ---- */
@@ -57,7 +58,8 @@ enum { PEAK_NO_DEGREE = 100 };
 /* peaks_marks.c: what is known of all nodes, into the list. Returns 0 when memory runs out. */
 int peaks_mark(struct peaks *p);
 
-/* peaks_bends.c: into list[].tilts and bends, until the deadline; INFINITY is what is not known. Returns 0 when memory runs out. */
+/* peaks_bends.c: into list[].tilts and bends, until the deadline; INFINITY is what is not known. Returns 0 when memory
+ * runs out. */
 int peaks_bends(struct peaks *p, double deadline);
 
 /* Of one kind, which depend on the same rows of q. */

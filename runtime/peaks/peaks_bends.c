@@ -1,5 +1,5 @@
-/* First and second derivatives by rows of q as expressions, bounded by norms. A rotation p = c x + s y is turned further by its own
-   angle: dp = c (dx + y) + s (dy - x), which with r = c y - s x stays a rotation of two values. */
+/* First and second derivatives by rows of q as expressions, bounded by norms. A rotation p = c x + s y is turned
+   further by its own angle: dp = c (dx + y) + s (dy - x), which with r = c y - s x stays a rotation of two values. */
 #define _POSIX_C_SOURCE 200809L
 #include "core/seconds.h"
 #include "peaks/peaks.h"
@@ -14,7 +14,7 @@ struct bending {
 	struct norms norms;
 	struct norms_values values;
 	struct ref *first, *second; /* by node of the adjoint */
-	uint32_t *pairs;            /* by peak */
+	uint32_t *pairs;	    /* by peak */
 	unsigned char *live;
 	struct arena arena;
 };
@@ -31,7 +31,8 @@ static struct ref sum(struct dag *d, int sign, struct ref a, int other_sign, str
 }
 
 /* The derivative of c x + s y, dot[] those of all before; is_own: by its own angle. */
-static struct ref turn(struct dag *d, const struct trig_term *c, const struct trig_term *s, const struct ref *dot, int is_own)
+static struct ref turn(
+	struct dag *d, const struct trig_term *c, const struct trig_term *s, const struct ref *dot, int is_own)
 {
 	struct ref dx = dot[c->other.i], dy = dot[s->other.i], angle = {c->angle};
 	struct ref x = is_own ? sum(d, c->sign, dx, s->sign, s->other) : sum(d, c->sign, dx, 1, (struct ref){0});
@@ -117,9 +118,10 @@ static int derive_twice(struct bending *b)
 	unsigned char *live;
 	struct ref *all;
 
-	if (!adjoint_make(&b->x, b->p->text, b->p->output, 1, &b->arena) || b->x.d.count != count || !(live = mark(b, NULL)) ||
-		!(b->first = derive(b, live, count)) || !(live = mark(b, b->first)) ||
-		!(all = derive(b, live, b->x.d.count)) || !(b->second = arena_alloc(&b->arena, count, sizeof *b->second)))
+	if (!adjoint_make(&b->x, b->p->text, b->p->output, 1, &b->arena) || b->x.d.count != count ||
+		!(live = mark(b, NULL)) || !(b->first = derive(b, live, count)) || !(live = mark(b, b->first)) ||
+		!(all = derive(b, live, b->x.d.count)) ||
+		!(b->second = arena_alloc(&b->arena, count, sizeof *b->second)))
 		return 0;
 	for (size_t i = 0; i < count; i++)
 		b->second[i] = all[b->first[i].i];
@@ -150,7 +152,8 @@ static int make_norms(struct bending *b)
 		return 0;
 	for (size_t i = 0; i < p->count; i++)
 		if (p->list[i].pair && is_asked(b, &p->list[i]))
-			b->pairs[i] = norms_pair(&b->norms, b->second[p->list[i].nodes[0]].i, b->second[p->list[i].nodes[1]].i);
+			b->pairs[i] = norms_pair(
+				&b->norms, b->second[p->list[i].nodes[0]].i, b->second[p->list[i].nodes[1]].i);
 	return norms_lay(&b->norms, &b->arena) && norms_values_make(&b->values, &b->norms, &b->arena);
 }
 

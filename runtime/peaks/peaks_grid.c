@@ -1,12 +1,14 @@
 /* What values can be between the places of a grid, in two ways for each row k of q:
-   - M. Riesz (Eine trigonometrische Interpolationsformel, 1914): a trigonometric polynomial of degree d is at most 1/cos(pi d/n)
-     times its largest value at n > 2 d places of a circle, evenly spread;
-   - straight lines between places h apart, half of that to the nearest: it is off them by h^2/2 of its second derivative.
+   - M. Riesz (Eine trigonometrische Interpolationsformel, 1914): a trigonometric polynomial of degree d is at most
+   1/cos(pi d/n) times its largest value at n > 2 d places of a circle, evenly spread;
+   - straight lines between places h apart, half of that to the nearest: it is off them by h^2/2 of its second
+   derivative.
    - a single place in the middle of a range: by half of that times its first derivative.
    Taken for one row after the other, those for Riesz first,
      |u| <= product of 1/cos (largest at places + sum of h^2/2 |d2u/dq_k^2| + sum of h |du/dq_k|).
-   For a vector u of the components along a fixed direction, so of its length. Second derivatives are bounded by norms, and by
-   Bernstein: d^2 of the largest over all angles. So first places are spread over all angles, then over the box. */
+   For a vector u of the components along a fixed direction, so of its length. Second derivatives are bounded by norms,
+   and by Bernstein: d^2 of the largest over all angles. So first places are spread over all angles, then over the box.
+ */
 #define _POSIX_C_SOURCE 200809L
 #include "core/seconds.h"
 #include "peaks/peaks_points.h"
@@ -57,7 +59,9 @@ static double factor_of(const struct gridding *s, int k, int n)
 {
 	int d = degree_of(s, k);
 
-	return d == 0 ? 1 : d < PEAK_NO_DEGREE && n > 2 * d ? (1 + 0x1p-40) / cos(3.14159265358979323846 * d / n) : (double)INFINITY;
+	return d == 0				 ? 1
+	       : d < PEAK_NO_DEGREE && n > 2 * d ? (1 + 0x1p-40) / cos(3.14159265358979323846 * d / n)
+						 : (double)INFINITY;
 }
 
 /* h^2/2, as it will be about */
@@ -166,7 +170,8 @@ static void spread_range(struct gridding *s, int k)
 		return;
 	}
 	for (int i = 0; i < n; i++) {
-		double x = i == n - 1 ? s->upper[k] : fmin(s->upper[k], s->lower[k] + (s->upper[k] - s->lower[k]) * i / (n - 1));
+		double x = i == n - 1 ? s->upper[k]
+				      : fmin(s->upper[k], s->lower[k] + (s->upper[k] - s->lower[k]) * i / (n - 1));
 
 		put_place(&s->places[k][i], (real)x);
 		most = fmax(most, round_up(x - before));
@@ -196,7 +201,9 @@ static void set_ranges(struct gridding *s)
 		double turn = round_up(r.lower + (double)TURN * (1 + 0x1p-48));
 
 		s->lower[k] = is_circle(s, k) ? 0 : r.lower;
-		s->upper[k] = is_circle(s, k) ? (double)TURN : s->p->is_angle[s->dims[k]] && turn < r.upper ? turn : r.upper;
+		s->upper[k] = is_circle(s, k)				     ? (double)TURN
+			      : s->p->is_angle[s->dims[k]] && turn < r.upper ? turn
+									     : r.upper;
 	}
 }
 
@@ -269,7 +276,8 @@ static void take_degrees(const struct gridding *s)
 			double d = s->g->degrees[s->dims[k]];
 
 			if (d < PEAK_NO_DEGREE && s->p->is_angle[s->dims[k]])
-				x->bends[s->dims[k]] = interval_least(d * d * x->whole * (1 + 0x1p-40), x->bends[s->dims[k]]);
+				x->bends[s->dims[k]] =
+					interval_least(d * d * x->whole * (1 + 0x1p-40), x->bends[s->dims[k]]);
 		}
 	}
 }

@@ -22,7 +22,8 @@ void lanes_run(const struct lanes_step *steps, size_t count, size_t width, lanes
 /* Raises *most to the squares of a, or of a and b, lane by lane; b may be NULL. Numbers are finite. */
 void lanes_squares(size_t width, const lanes_vector *a, const lanes_vector *b, lanes_vector *most);
 
-/* The coefficients of a polynomial of t from its lanes, for m drives and n rates: constant, drives, rates, squares, pairs. */
+/* The coefficients of a polynomial of t from its lanes, for m drives and n rates: constant, drives, rates, squares,
+ * pairs. */
 void lanes_coefficients(int m, int n, const double *v, double *c);
 
 /* Lengths of (a, b), or of a alone where b is NULL. */

@@ -1,5 +1,5 @@
-/* What is known of each node: the rows of q that it depends on and of which degree, of which order it is in drives and rates, and how
-   far off what is computed of it is. */
+/* What is known of each node: the rows of q that it depends on and of which degree, of which order it is in drives and
+   rates, and how far off what is computed of it is. */
 #include "peaks/peaks.h"
 #include <float.h>
 #include <math.h>
@@ -11,14 +11,15 @@
 /* above pi */
 static const double PI_ABOVE = 0x1.921fb54442d19p+1;
 
-/* Orders of terms, bit k: of order k, where rates are of order 1 and drives of order 2; OTHER: what is no polynomial, or of a row
-   of q that is none of p->dims. */
+/* Orders of terms, bit k: of order k, where rates are of order 1 and drives of order 2; OTHER: what is no polynomial,
+   or of a row of q that is none of p->dims. */
 enum { PLAIN = 1, LINEAR = 2, FIELD = 7, OTHER = 1 << 7 };
 
 struct marks {
 	struct peaks *p;
-	unsigned char *orders, *is_even, *is_value; /* is_even: no rate has a range with another middle than 0; is_value: of the output itself */
-	unsigned char *degrees;                     /* [node][dim] */
+	unsigned char *orders, *is_even,
+		*is_value; /* is_even: no rate has a range with another middle than 0; is_value: of the output itself */
+	unsigned char *degrees; /* [node][dim] */
 	uint64_t *dims;
 };
 
@@ -139,8 +140,8 @@ static void mark_operation(struct marks *m, uint32_t i)
 	}
 }
 
-/* How far off values are that are computed at points. A constant may be replaced where the file's numbers cannot tell it from
-   another. */
+/* How far off values are that are computed at points. A constant may be replaced where the file's numbers cannot tell
+   it from another. */
 static double noise_of(const struct peaks *p, const struct node *n, double size)
 {
 	uint32_t a = n->arg[0].i, b = n->arg[1].i;
@@ -189,8 +190,9 @@ static int marks_make(struct marks *m, struct peaks *p)
 {
 	size_t count = p->x->d.count;
 
-	*m = (struct marks){p, arena_alloc(p->arena, count, 1), arena_alloc(p->arena, count, 1), arena_alloc(p->arena, count, 1),
-		arena_alloc(p->arena, count * (size_t)(p->dim_count + 1), 1), arena_alloc(p->arena, count, sizeof *m->dims)};
+	*m = (struct marks){p, arena_alloc(p->arena, count, 1), arena_alloc(p->arena, count, 1),
+		arena_alloc(p->arena, count, 1), arena_alloc(p->arena, count * (size_t)(p->dim_count + 1), 1),
+		arena_alloc(p->arena, count, sizeof *m->dims)};
 	if (p->arena->failed)
 		return 0;
 	for (uint32_t i = 0; i < count; i++)

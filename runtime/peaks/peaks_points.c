@@ -1,6 +1,6 @@
-/* A value at q is a polynomial of drives and rates x = middle + half t, t from -1 to 1; its coefficients follow from its values
-   at a few t, the lanes, and the sum of their magnitudes is no smaller than any of its values; so with lengths, where two values
-   go together. */
+/* A value at q is a polynomial of drives and rates x = middle + half t, t from -1 to 1; its coefficients follow from
+   its values at a few t, the lanes, and the sum of their magnitudes is no smaller than any of its values; so with
+   lengths, where two values go together. */
 #define _POSIX_C_SOURCE 200809L
 #include "peaks/peaks_points.h"
 #include "peaks/peaks_lanes.h"
@@ -29,9 +29,9 @@ struct peaks_points {
 	size_t step_count, slot_count;
 	struct place_input *inputs;
 	size_t input_count;
-	int lanes, points; /* of a point; at once */
-	size_t width;      /* vectors */
-	lanes_vector *v, *most;  /* most: by member, of squares where there is one lane */
+	int lanes, points;	/* of a point; at once */
+	size_t width;		/* vectors */
+	lanes_vector *v, *most; /* most: by member, of squares where there is one lane */
 	struct arena arena;
 };
 
@@ -90,10 +90,13 @@ static void list_leaf(struct peaks_points *t, uint32_t i)
 	const struct node *n = node_at(t, i), *q = input_of(t, n);
 
 	if (dim_at(t, q) >= 0)
-		t->inputs[t->input_count++] = (struct place_input){t->slot[i], dim_at(t, q), n->op == OP_SIN ? 1 : n->op == OP_COS ? 2 : 0};
+		t->inputs[t->input_count++] = (struct place_input){t->slot[i], dim_at(t, q),
+			n->op == OP_SIN	  ? 1
+			: n->op == OP_COS ? 2
+					  : 0};
 	else if ((int)q->arg[0].i != t->p->position)
 		*(t->p->x->d.arguments[q->arg[0].i].role == ROLE_JOINT_VELOCITY ? &t->rates[t->rate_count++]
-										 : &t->drives[t->drive_count++]) = i;
+										: &t->drives[t->drive_count++]) = i;
 }
 
 static void list_node(struct peaks_points *t, uint32_t i)
@@ -104,8 +107,8 @@ static void list_node(struct peaks_points *t, uint32_t i)
 	if (n->op == OP_INPUT || n->op == OP_SIN || n->op == OP_COS)
 		list_leaf(t, i);
 	else if (n->op != OP_CONST)
-		t->steps[t->step_count++] = (struct lanes_step){n->op, t->slot[i], t->slot[n->arg[0].i],
-			op_arity[n->op] > 1 ? t->slot[n->arg[1].i] : 0};
+		t->steps[t->step_count++] = (struct lanes_step){
+			n->op, t->slot[i], t->slot[n->arg[0].i], op_arity[n->op] > 1 ? t->slot[n->arg[1].i] : 0};
 }
 
 static int list_all(struct peaks_points *t)
@@ -278,7 +281,8 @@ static void take_members(struct peaks_points *t, double *found)
 	}
 }
 
-static void put_point(const struct peaks_points *t, const int *counts, peaks_place *const *places, size_t number, int point)
+static void put_point(
+	const struct peaks_points *t, const int *counts, peaks_place *const *places, size_t number, int point)
 {
 	int at[PEAKS_DIMS];
 
@@ -295,7 +299,8 @@ static void put_point(const struct peaks_points *t, const int *counts, peaks_pla
 	}
 }
 
-int peaks_points_take(struct peaks_points *t, const int *counts, peaks_place *const *places, double *found, double deadline)
+int peaks_points_take(
+	struct peaks_points *t, const int *counts, peaks_place *const *places, double *found, double deadline)
 {
 	size_t points = 1;
 

@@ -13,9 +13,10 @@ typedef double peaks_place[3];
 struct peaks_points *peaks_points_new(const struct peaks *p, const struct peaks_group *g, int *is_large);
 void peaks_points_free(struct peaks_points *t);
 
-/* The largest lengths at all points of a grid, by member, into found[]: counts[k] places of the group's row number k. Returns 0 when the
-   deadline was met before. */
-int peaks_points_take(struct peaks_points *t, const int *counts, peaks_place *const *places, double *found, double deadline);
+/* The largest lengths at all points of a grid, by member, into found[]: counts[k] places of the group's row number k.
+   Returns 0 when the deadline was met before. */
+int peaks_points_take(
+	struct peaks_points *t, const int *counts, peaks_place *const *places, double *found, double deadline);
 
 /* No length in found[] is further off, by member. */
 double peaks_points_off(const struct peaks_points *t, size_t member);

@@ -31,7 +31,8 @@ static void add_pair(struct weighing *w, uint32_t pair, double weight)
 	if (!pair || s->count != 2)
 		return;
 	if (!w->of_pair[pair]) {
-		p->list[p->count++] = (struct peak){.nodes = {s->nodes[0], s->nodes[1]}, .pair = pair,
+		p->list[p->count++] = (struct peak){.nodes = {s->nodes[0], s->nodes[1]},
+			.pair = pair,
 			.most = norms_of_pair(p->norms, p->values, pair)};
 		w->of_pair[pair] = (uint32_t)p->count;
 	}
@@ -74,7 +75,8 @@ static void drop_small(struct peaks *p)
 int weights_find(struct peaks *p, const struct view *v, const double *terms)
 {
 	size_t nodes = p->x->d.count, sets = v->norms.set_count;
-	struct weighing w = {p, v, arena_alloc(p->arena, nodes, sizeof *w.of_node), arena_alloc(p->arena, sets + 1, sizeof *w.of_pair)};
+	struct weighing w = {p, v, arena_alloc(p->arena, nodes, sizeof *w.of_node),
+		arena_alloc(p->arena, sets + 1, sizeof *w.of_pair)};
 
 	p->count = 0;
 	p->list = arena_alloc(p->arena, nodes + sets + 1, sizeof *p->list);

@@ -5,7 +5,8 @@
 #include "peaks/peaks.h"
 #include "prove/twins.h"
 
-/* Into p->list, which lives in p->arena, by terms[i], what node i of the text makes of the error. Returns 0 when memory runs out. */
+/* Into p->list, which lives in p->arena, by terms[i], what node i of the text makes of the error. Returns 0 when memory
+ * runs out. */
 int weights_find(struct peaks *p, const struct view *v, const double *terms);
 
 #endif

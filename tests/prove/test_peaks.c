@@ -1,7 +1,7 @@
-/* Magnitudes and lengths that are known of a whole box by points of q hold at states drawn within it, and those of all angles
-   at any; first and second derivatives by q are no longer than what is known of them, by differences; and values are of their
-   degrees: those at 2 d + 1 places of a circle give any other. The first finds a grid whose places are taken for all there is, the others
-   a rule or a row that is left out. */
+/* Magnitudes and lengths that are known of a whole box by points of q hold at states drawn within it, and those of all
+   angles at any; first and second derivatives by q are no longer than what is known of them, by differences; and values
+   are of their degrees: those at 2 d + 1 places of a circle give any other. The first finds a grid whose places are
+   taken for all there is, the others a rule or a row that is left out. */
 #include "core/seconds.h"
 #include "dag/eval.h"
 #include "peaks/peaks.h"
@@ -12,7 +12,8 @@
 
 enum { SEED = 53, STATES = 150, DIFFERENCES = 12 };
 
-static const char *const ROBOTS[] = {"iiwa14", "panda", "ur5", "hyq", "prismatic_skew", "planar_joint", "double_pendulum"};
+static const char *const ROBOTS[] = {
+	"iiwa14", "panda", "ur5", "hyq", "prismatic_skew", "planar_joint", "double_pendulum"};
 
 static const double PI = 3.14159265358979323846;
 
@@ -30,7 +31,9 @@ static void add(struct peaked *c, uint32_t node, uint32_t pair)
 {
 	struct peak *k = &c->p.list[c->p.count++];
 
-	*k = (struct peak){.nodes = {node, node}, .pair = pair, .weight = 1,
+	*k = (struct peak){.nodes = {node, node},
+		.pair = pair,
+		.weight = 1,
 		.most = pair ? norms_of_pair(&c->norms, &c->values, pair) : c->values.size[node]};
 	for (int n = 0; n < 2 && pair; n++)
 		k->nodes[n] = c->norms.sets[pair - 1].nodes[n];
@@ -55,12 +58,18 @@ static void peaked_open(struct peaked *c, const char *name, const char *scene, d
 	*c = (struct peaked){0};
 	robot_box_open(&c->x, name, scene, 0);
 	d = &c->x.analysis.dag;
-	ck_assert(adjoint_make(&c->adjoint, d, 0, 1, a) && norms_make(&c->norms, &c->adjoint.d, 0, a) && norms_lay(&c->norms, a) &&
-		  norms_values_make(&c->values, &c->norms, a));
+	ck_assert(adjoint_make(&c->adjoint, d, 0, 1, a) && norms_make(&c->norms, &c->adjoint.d, 0, a) &&
+		  norms_lay(&c->norms, a) && norms_values_make(&c->values, &c->norms, a));
 	ck_assert(d->arguments[0].role == ROLE_JOINT_POSITION);
 	norms_evaluate(&c->norms, (const struct interval *const *)c->x.box.rows, &c->values);
-	c->p = (struct peaks){.text = d, .x = &c->adjoint, .norms = &c->norms, .values = &c->values,
-		.rows = (const struct interval *const *)c->x.box.rows, .dims = c->dims, .deadline = seconds_now() + seconds, .arena = a};
+	c->p = (struct peaks){.text = d,
+		.x = &c->adjoint,
+		.norms = &c->norms,
+		.values = &c->values,
+		.rows = (const struct interval *const *)c->x.box.rows,
+		.dims = c->dims,
+		.deadline = seconds_now() + seconds,
+		.arena = a};
 	for (; c->p.dim_count < d->arguments[0].rows; c->p.dim_count++)
 		c->dims[c->p.dim_count] = c->p.dim_count;
 	list_all(c);
@@ -75,7 +84,8 @@ static void evaluate(struct peaked *c)
 	const struct dag *d = &c->adjoint.d;
 
 	for (size_t i = 0; i < d->count; i++)
-		c->v[i] = d->nodes[i].op == OP_INPUT ? c->in[d->nodes[i].arg[0].i][d->nodes[i].arg[1].i] : eval_node(&d->nodes[i], c->v);
+		c->v[i] = d->nodes[i].op == OP_INPUT ? c->in[d->nodes[i].arg[0].i][d->nodes[i].arg[1].i]
+						     : eval_node(&d->nodes[i], c->v);
 }
 
 /* is_whole: angles of q anywhere. */
@@ -88,7 +98,8 @@ static void draw(struct peaked *c, struct rng *r, int is_whole)
 		for (int k = 0; k < d->arguments[i].rows && c->x.box.rows[i]; k++) {
 			struct interval all = c->x.box.rows[i][k];
 
-			c->in[i][k] = i && is_corner ? rng_chance(r, 0.5) ? all.lower : all.upper : rng_uniform(r, all.lower, all.upper);
+			c->in[i][k] = i && is_corner ? rng_chance(r, 0.5) ? all.lower : all.upper
+						     : rng_uniform(r, all.lower, all.upper);
 			if (i == 0 && is_whole && c->p.is_angle[k])
 				c->in[i][k] = rng_uniform(r, -PI, PI);
 		}
@@ -99,7 +110,8 @@ static double length_of(const struct peak *k, const double *v)
 	return k->pair ? hypot(v[k->nodes[0]], v[k->nodes[1]]) : fabs(v[k->nodes[0]]);
 }
 
-/* A short time: few places, so that what is between them counts; ranges with another middle than 0; short ones, of a single place. */
+/* A short time: few places, so that what is between them counts; ranges with another middle than 0; short ones, of a
+ * single place. */
 static const struct {
 	const char *scene;
 	double seconds;
@@ -121,8 +133,10 @@ START_TEST(test_states)
 	peaked_open(&c, name, CASES[_i % CASE_COUNT].scene, CASES[_i % CASE_COUNT].seconds);
 	for (size_t i = 0; i < c.p.count; i++)
 		if (c.p.list[i].kind != PEAK_UNKNOWN && c.p.list[i].dims)
-			least = fmin(least, c.p.list[i].most / (c.p.list[i].pair ? norms_of_pair(&c.norms, &c.values, c.p.list[i].pair)
-									      : c.values.size[c.p.list[i].nodes[0]]));
+			least = fmin(
+				least, c.p.list[i].most /
+					       (c.p.list[i].pair ? norms_of_pair(&c.norms, &c.values, c.p.list[i].pair)
+								 : c.values.size[c.p.list[i].nodes[0]]));
 	ck_assert_msg(_i % CASE_COUNT != 1 || least < 0.9, "%s: nothing is closer", name);
 	for (int s = 0; s < STATES; s++) {
 		draw(&c, &r, s % 2);
@@ -132,8 +146,8 @@ START_TEST(test_states)
 			double most = s % 2 ? k->whole : k->most, length = length_of(k, c.v);
 
 			ck_assert_msg(length <= most * (1 + 1e-9) + 1e-12,
-				"%s, seed %d, state %d: peak %zu of kind %d, node %u, is %g, but at most %g", name, SEED, s, i, k->kind,
-				k->nodes[0], length, most);
+				"%s, seed %d, state %d: peak %zu of kind %d, node %u, is %g, but at most %g", name,
+				SEED, s, i, k->kind, k->nodes[0], length, most);
 		}
 	}
 	robot_box_close(&c.x);
@@ -175,10 +189,12 @@ START_TEST(test_bends)
 				const struct peak *x = &c.p.list[i];
 				double off = 1e-8 + 1e-5 * x->whole;
 
-				ck_assert_msg(x->kind == PEAK_UNKNOWN ||
-						      (length_of(x, first) <= x->tilts[k] + off && length_of(x, second) <= x->bends[k] + off),
-					"%s, seed %d: peak %zu, node %u, by row %d: %g and %g, but at most %g and %g", name, SEED, i,
-					x->nodes[0], k, length_of(x, first), length_of(x, second), x->tilts[k], x->bends[k]);
+				ck_assert_msg(
+					x->kind == PEAK_UNKNOWN || (length_of(x, first) <= x->tilts[k] + off &&
+									   length_of(x, second) <= x->bends[k] + off),
+					"%s, seed %d: peak %zu, node %u, by row %d: %g and %g, but at most %g and %g",
+					name, SEED, i, x->nodes[0], k, length_of(x, first), length_of(x, second),
+					x->tilts[k], x->bends[k]);
 			}
 		}
 	robot_box_close(&c.x);
@@ -214,8 +230,8 @@ START_TEST(test_degrees)
 			for (size_t i = 0; i < c.p.count; i++)
 				ck_assert_msg(c.p.list[i].kind == PEAK_UNKNOWN || c.p.list[i].degrees[k] > d ||
 						      fabs(sum[i]) <= 1e-9 * (1 + c.p.list[i].whole),
-					"%s, seed %d: peak %zu, node %u, is no polynomial of degree %d in row %d", name, SEED, i,
-					c.p.list[i].nodes[0], d, k);
+					"%s, seed %d: peak %zu, node %u, is no polynomial of degree %d in row %d", name,
+					SEED, i, c.p.list[i].nodes[0], d, k);
 		}
 	robot_box_close(&c.x);
 }
