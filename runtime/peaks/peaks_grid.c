@@ -19,9 +19,10 @@
 
 /* Closer than this, over what is found, bounds need not be. */
 #define CLOSE 0.01
-#define WORTH 0.99 /* of what is known */
+#define WORTH 0.99  /* of what is known */
+#define UNKNOWN 1e9 /* a derivative, over what is found */
 
-enum { FIRST_POINTS = 1024, MOST_PLACES = 4096, AHEAD = 12 };
+enum { FIRST_POINTS = 1024, MORE = 8, MOST_PLACES = 4096, AHEAD = 12 };
 
 /* Of the time: with places over all angles. */
 #define SHARE_WHOLE 0.6
@@ -40,6 +41,7 @@ struct gridding {
 	int counts[PEAKS_DIMS];
 	peaks_place *places[PEAKS_DIMS];
 	double *found; /* by member */
+	double size;   /* of the grid */
 	double pace;   /* seconds of a point */
 	struct arena arena;
 };
@@ -84,10 +86,10 @@ static void weigh_bends(struct gridding *s)
 			const struct peak *x = &s->p->list[s->g->members[i]];
 			double size = s->found[i] > 0 ? s->found[i] : x->most;
 
-			if (!(size > 0) || !isfinite(x->bends[s->dims[k]]) || !isfinite(x->tilts[s->dims[k]]))
+			if (!(size > 0))
 				continue;
-			bends += x->weight * x->bends[s->dims[k]] / size;
-			tilts += x->weight * x->tilts[s->dims[k]] / size;
+			bends += x->weight * fmin(UNKNOWN, x->bends[s->dims[k]] / size);
+			tilts += x->weight * fmin(UNKNOWN, x->tilts[s->dims[k]] / size);
 			weights += x->weight;
 		}
 		s->bend[k] = weights > 0 ? bends / weights : 0;
@@ -301,30 +303,37 @@ static int is_worth(const struct gridding *s)
 /* Returns 0 when memory runs out. */
 static int take_grid(struct gridding *s, double room, double deadline)
 {
-	double start = seconds_now(), size = choose(s, room);
+	double start = seconds_now();
 
+	s->size = choose(s, room);
 	if (s->pace > 0 && !is_worth(s))
 		return 1;
 	if (!make_places(s))
 		return 0;
 	if (peaks_points_take(s->points, s->counts, s->places, s->found, deadline)) {
 		take_found(s);
-		s->pace = (seconds_now() - start) / size;
+		s->pace = (seconds_now() - start) / s->size;
 	}
 	return 1;
 }
 
-/* On a few points first, to see how long they take. */
+/* On a few points first, to see how long they take; then on more and more, so that what is lost in the end is not all. */
 static int take_rounds(struct gridding *s, int is_whole, double deadline)
 {
-	double left;
+	double room = FIRST_POINTS;
+	int done;
 
 	s->is_whole = is_whole;
 	set_ranges(s);
-	if (!take_grid(s, FIRST_POINTS, deadline))
-		return 0;
-	left = OF_TIME * (deadline - seconds_now());
-	return !(s->pace > 0 && left / s->pace > FIRST_POINTS) || take_grid(s, left / s->pace, deadline);
+	for (;;) {
+		double before = room;
+
+		done = take_grid(s, room, deadline);
+		room = s->pace > 0 ? OF_TIME * (deadline - seconds_now()) / s->pace : 0;
+		if (!done || room < 2 * before || cost_of_all(s) <= CLOSE)
+			return done;
+		room = fmin(room, MORE * before);
+	}
 }
 
 int peaks_grid(struct peaks *p, const struct peaks_group *g, double deadline)
