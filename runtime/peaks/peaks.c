@@ -8,6 +8,7 @@
 
 /* Of the time: for derivatives, by which so long is spent for each node and row of q. */
 #define SHARE_BENDS 0.3
+#define SHARE_GRIDS 0.8 /* of what is left, the rest is for grids that take longer than was thought */
 #define SECONDS_OF_A_NODE 1e-5
 
 enum { FULL_ROWS = 5 };
@@ -86,17 +87,17 @@ static int take_groups(struct peaks *p)
 {
 	size_t count;
 	struct peaks_group *groups = groups_make(p, &count);
-	double sum = 0;
+	double sum = 0, end = seconds_now() + SHARE_GRIDS * (p->deadline - seconds_now());
 	int done = groups != NULL;
 
 	if (done)
 		qsort(groups, count, sizeof *groups, by_share);
 	for (size_t i = 0; i < count && done; i++)
 		sum += share_of(&groups[i]);
-	for (size_t i = 0; i < count && done && seconds_now() < p->deadline; i++) {
+	for (size_t i = 0; i < count && done && seconds_now() < end; i++) {
 		double share = share_of(&groups[i]), now = seconds_now();
 
-		done = peaks_grid(p, &groups[i], now + (p->deadline - now) * (sum > 0 ? fmin(1, share / sum) : 1));
+		done = peaks_grid(p, &groups[i], now + (end - now) * (sum > 0 ? fmin(1, share / sum) : 1));
 		sum -= share;
 	}
 	return done;

@@ -27,6 +27,7 @@ enum { FIRST_POINTS = 1024, MORE = 8, MOST_PLACES = 4096, AHEAD = 12 };
 /* Of the time: with places over all angles. */
 #define SHARE_WHOLE 0.6
 #define OF_TIME 0.6 /* a grid that is not done in time is lost */
+#define LATE 1	    /* of the time, by which it may be late */
 
 static const real TURN = 6.283185307179586476925286766559L;
 
@@ -43,6 +44,7 @@ struct gridding {
 	double *found; /* by member */
 	double size;   /* of the grid */
 	double pace;   /* seconds of a point */
+	double late;   /* a grid that takes longer than was thought is given up then */
 	struct arena arena;
 };
 
@@ -301,7 +303,7 @@ static int is_worth(const struct gridding *s)
 }
 
 /* Returns 0 when memory runs out. */
-static int take_grid(struct gridding *s, double room, double deadline)
+static int take_grid(struct gridding *s, double room)
 {
 	double start = seconds_now();
 
@@ -310,14 +312,15 @@ static int take_grid(struct gridding *s, double room, double deadline)
 		return 1;
 	if (!make_places(s))
 		return 0;
-	if (peaks_points_take(s->points, s->counts, s->places, s->found, deadline)) {
+	if (peaks_points_take(s->points, s->counts, s->places, s->found, s->late)) {
 		take_found(s);
 		s->pace = (seconds_now() - start) / s->size;
 	}
 	return 1;
 }
 
-/* On a few points first, to see how long they take; then on more and more, so that what is lost in the end is not all. */
+/* On a few points first, to see how long they take; then on more and more, so that what is lost in the end is not all.
+ */
 static int take_rounds(struct gridding *s, int is_whole, double deadline)
 {
 	double room = FIRST_POINTS;
@@ -328,7 +331,7 @@ static int take_rounds(struct gridding *s, int is_whole, double deadline)
 	for (;;) {
 		double before = room;
 
-		done = take_grid(s, room, deadline);
+		done = take_grid(s, room);
 		room = s->pace > 0 ? OF_TIME * (deadline - seconds_now()) / s->pace : 0;
 		if (!done || room < 2 * before || cost_of_all(s) <= CLOSE)
 			return done;
@@ -338,8 +341,8 @@ static int take_rounds(struct gridding *s, int is_whole, double deadline)
 
 int peaks_grid(struct peaks *p, const struct peaks_group *g, double deadline)
 {
-	struct gridding s = {.p = p, .g = g};
 	double now = seconds_now();
+	struct gridding s = {.p = p, .g = g, .late = fmin(p->deadline, deadline + LATE * (deadline - now))};
 	int is_large, done;
 
 	arena_init(&s.arena, NULL);

@@ -30,6 +30,7 @@ struct peaks_points {
 	struct place_input *inputs;
 	size_t input_count;
 	int lanes, points;	/* of a point; at once */
+	int at[PEAKS_DIMS];	/* numbers of the next point's places */
 	size_t width;		/* vectors */
 	lanes_vector *v, *most; /* most: by member, of squares where there is one lane */
 	struct arena arena;
@@ -281,21 +282,24 @@ static void take_members(struct peaks_points *t, double *found)
 	}
 }
 
-static void put_point(
-	const struct peaks_points *t, const int *counts, peaks_place *const *places, size_t number, int point)
+/* The next one of the grid; the first row of q goes fastest. */
+static void advance(struct peaks_points *t, const int *counts)
 {
-	int at[PEAKS_DIMS];
-
 	for (int k = 0; k < t->dim_count; k++) {
-		at[k] = (int)(number % (size_t)counts[k]);
-		number /= (size_t)counts[k];
+		if (++t->at[k] < counts[k])
+			return;
+		t->at[k] = 0;
 	}
+}
+
+static void put_point(const struct peaks_points *t, peaks_place *const *places, int point)
+{
 	for (size_t i = 0; i < t->input_count; i++) {
 		const struct place_input *in = &t->inputs[i];
 		double *to = (double *)(t->v + in->slot * t->width) + point * t->lanes;
 
 		for (int l = 0; l < t->lanes; l++)
-			to[l] = places[in->dim][at[in->dim]][in->of];
+			to[l] = places[in->dim][t->at[in->dim]][in->of];
 	}
 }
 
@@ -308,9 +312,13 @@ int peaks_points_take(
 		points *= (size_t)counts[k];
 	memset(t->most, 0, (t->g->count + 1) * sizeof *t->most);
 	memset(found, 0, t->g->count * sizeof *found);
+	memset(t->at, 0, sizeof t->at);
 	for (size_t i = 0; i < points; i += (size_t)t->points) {
-		for (int p = 0; p < t->points; p++)
-			put_point(t, counts, places, i + (size_t)p < points ? i + (size_t)p : points - 1, p);
+		for (int p = 0; p < t->points; p++) {
+			put_point(t, places, p);
+			if (i + (size_t)p + 1 < points)
+				advance(t, counts);
+		}
 		lanes_run(t->steps, t->step_count, t->width, t->v);
 		take_members(t, found);
 		if (i / (size_t)t->points % LOOK_EVERY == 0 && seconds_now() > deadline)
