@@ -19,6 +19,7 @@ struct peak {
 	double whole;		/* `most` for all angles, not those of the box alone */
 	uint64_t dims;		/* bit k: it depends on dims[k] */
 	double *tilts, *bends;	/* by dims, for all angles: no first, no second derivative by q is longer */
+	double *near;		/* the same of second ones in the box alone */
 	unsigned char *degrees; /* by dims: of a polynomial of sine and cosine */
 };
 
@@ -58,8 +59,8 @@ enum { PEAK_NO_DEGREE = 100 };
 /* peaks_marks.c: what is known of all nodes, into the list. Returns 0 when memory runs out. */
 int peaks_mark(struct peaks *p);
 
-/* peaks_bends.c: into list[].tilts and bends, until the deadline; INFINITY is what is not known. Returns 0 when memory
- * runs out. */
+/* peaks_bends.c: into list[].tilts, bends and near, until the deadline; INFINITY is what is not known. Returns 0 when
+ * memory runs out. */
 int peaks_bends(struct peaks *p, double deadline);
 
 /* Of one kind, which depend on the same rows of q. */

@@ -15,6 +15,7 @@ struct bending {
 	struct norms_values values;
 	struct ref *first, *second; /* by node of the adjoint */
 	uint32_t *pairs;	    /* by peak */
+	uint32_t *known;	    /* by set of the adjoint's: the same here */
 	unsigned char *live;
 	struct arena arena;
 };
@@ -148,13 +149,61 @@ static int make_norms(struct bending *b)
 	const struct peaks *p = b->p;
 
 	b->pairs = arena_alloc(&b->arena, p->count + 1, sizeof *b->pairs);
-	if (!b->pairs || !norms_make(&b->norms, &b->x.d, 0, &b->arena))
+	b->known = arena_alloc(&b->arena, (size_t)p->norms->set_count + 1, sizeof *b->known);
+	if (b->arena.failed || !norms_make(&b->norms, &b->x.d, 0, &b->arena))
 		return 0;
 	for (size_t i = 0; i < p->count; i++)
 		if (p->list[i].pair && is_asked(b, &p->list[i]))
 			b->pairs[i] = norms_pair(
 				&b->norms, b->second[p->list[i].nodes[0]].i, b->second[p->list[i].nodes[1]].i);
+	for (uint32_t k = 0; k < p->norms->set_count; k++)
+		b->known[k] = norms_set(&b->norms, p->norms->sets[k].nodes, p->norms->sets[k].count);
 	return norms_lay(&b->norms, &b->arena) && norms_values_make(&b->values, &b->norms, &b->arena);
+}
+
+static double *unknown(struct arena *a, size_t count)
+{
+	double *x = arena_alloc(a, count + 1, sizeof *x);
+
+	for (size_t i = 0; i < count && x; i++)
+		x[i] = (double)INFINITY;
+	return x;
+}
+
+/* Over the box alone, where what is known of the adjoint's nodes and sets holds for them here. */
+static int evaluate_near(struct bending *b)
+{
+	const struct peaks *p = b->p;
+
+	b->values.most = unknown(&b->arena, b->x.d.count);
+	b->values.most_norm = unknown(&b->arena, b->norms.set_count);
+	if (b->arena.failed)
+		return 0;
+	for (size_t i = 0; i < p->x->d.count && p->values->most; i++)
+		b->values.most[i] = p->values->most[i];
+	for (uint32_t k = 0; k < p->norms->set_count && p->values->most_norm; k++)
+		if (b->known[k])
+			b->values.most_norm[b->known[k] - 1] = p->values->most_norm[k];
+	norms_evaluate(&b->norms, p->rows, &b->values);
+	return 1;
+}
+
+static int take_bends(struct bending *b)
+{
+	struct peak *list = b->p->list;
+
+	norms_evaluate(&b->norms, (const struct interval *const *)b->p->whole_rows, &b->values);
+	for (size_t i = 0; i < b->p->count; i++)
+		if (is_asked(b, &list[i])) {
+			list[i].tilts[b->dim] = length_of(b, &list[i], b->first, 0);
+			list[i].bends[b->dim] = length_of(b, &list[i], b->second, b->pairs[i]);
+		}
+	if (!evaluate_near(b))
+		return 0;
+	for (size_t i = 0; i < b->p->count; i++)
+		if (is_asked(b, &list[i]))
+			list[i].near[b->dim] = length_of(b, &list[i], b->second, b->pairs[i]);
+	return 1;
 }
 
 int peaks_bends(struct peaks *p, double deadline)
@@ -163,19 +212,13 @@ int peaks_bends(struct peaks *p, double deadline)
 
 	for (size_t i = 0; i < p->count; i++)
 		for (int k = 0; k < p->dim_count; k++)
-			p->list[i].tilts[k] = p->list[i].bends[k] = p->list[i].dims >> k & 1 ? (double)INFINITY : 0;
+			p->list[i].tilts[k] = p->list[i].bends[k] = p->list[i].near[k] =
+				p->list[i].dims >> k & 1 ? (double)INFINITY : 0;
 	for (int k = 0; k < p->dim_count && done && seconds_now() < deadline; k++) {
 		struct bending b = {.p = p, .dim = k};
 
 		arena_init(&b.arena, NULL);
-		done = derive_twice(&b) && make_norms(&b);
-		if (done)
-			norms_evaluate(&b.norms, (const struct interval *const *)p->whole_rows, &b.values);
-		for (size_t i = 0; i < p->count && done; i++)
-			if (is_asked(&b, &p->list[i])) {
-				p->list[i].tilts[k] = length_of(&b, &p->list[i], b.first, 0);
-				p->list[i].bends[k] = length_of(&b, &p->list[i], b.second, b.pairs[i]);
-			}
+		done = derive_twice(&b) && make_norms(&b) && take_bends(&b);
 		arena_free(&b.arena);
 	}
 	return done;

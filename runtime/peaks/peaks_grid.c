@@ -78,6 +78,13 @@ static double gap_of(const struct gridding *s, int k, int n)
 
 /* ---- which grid ---- */
 
+static double bend_of(const struct gridding *s, const struct peak *x, int k)
+{
+	double bends = x->bends[s->dims[k]];
+
+	return s->is_whole ? bends : interval_least(x->near[s->dims[k]], bends);
+}
+
 /* Of the members, by their weights. */
 static void weigh_bends(struct gridding *s)
 {
@@ -90,7 +97,7 @@ static void weigh_bends(struct gridding *s)
 
 			if (!(size > 0))
 				continue;
-			bends += x->weight * fmin(UNKNOWN, x->bends[s->dims[k]] / size);
+			bends += x->weight * fmin(UNKNOWN, bend_of(s, x, k) / size);
 			tilts += x->weight * fmin(UNKNOWN, x->tilts[s->dims[k]] / size);
 			weights += x->weight;
 		}
@@ -215,7 +222,7 @@ static void set_ranges(struct gridding *s)
 
 static double slack_of(const struct gridding *s, const struct peak *x, int k)
 {
-	double bends = x->bends[s->dims[k]], tilts = x->tilts[s->dims[k]];
+	double bends = bend_of(s, x, k), tilts = x->tilts[s->dims[k]];
 
 	if (!is_circle(s, k) && s->counts[k] == 1)
 		return tilts > 0 ? 0.5 * s->half[k] * tilts * (1 + 0x1p-40) : 0;

@@ -227,6 +227,7 @@ static int mark_peak(const struct marks *m, struct peak *k)
 	k->whole = k->pair ? norms_of_pair(p->norms, &p->whole, k->pair) : p->whole.size[k->nodes[0]];
 	k->tilts = arena_alloc(p->arena, count, sizeof *k->tilts);
 	k->bends = arena_alloc(p->arena, count, sizeof *k->bends);
+	k->near = arena_alloc(p->arena, count, sizeof *k->near);
 	k->degrees = arena_alloc(p->arena, count, 1);
 	for (size_t i = 0; i + 1 < count && k->degrees; i++) {
 		unsigned char a = degrees_at(m, k->nodes[0])[i], b = degrees_at(m, k->nodes[1])[i];

@@ -4,6 +4,7 @@
    taken for all there is, the others a rule or a row that is left out. */
 #include "core/seconds.h"
 #include "dag/eval.h"
+#include "peaks/caps.h"
 #include "peaks/peaks.h"
 #include "prove/robot_box.h"
 #include "support/suite.h"
@@ -25,6 +26,7 @@ struct peaked {
 	struct peaks p;
 	int dims[PEAKS_DIMS];
 	double *v, *in[DAG_ARGUMENTS];
+	struct interval *rows[DAG_ARGUMENTS];
 };
 
 static void add(struct peaked *c, uint32_t node, uint32_t pair)
@@ -54,6 +56,7 @@ static void peaked_open(struct peaked *c, const char *name, const char *scene, d
 {
 	const struct dag *d;
 	struct arena *a = &c->x.arena;
+	struct caps caps;
 
 	*c = (struct peaked){0};
 	robot_box_open(&c->x, name, scene, 0);
@@ -68,11 +71,16 @@ static void peaked_open(struct peaked *c, const char *name, const char *scene, d
 		.values = &c->values,
 		.rows = (const struct interval *const *)c->x.box.rows,
 		.dims = c->dims,
-		.deadline = seconds_now() + seconds,
+		.deadline = 0,
 		.arena = a};
 	for (; c->p.dim_count < d->arguments[0].rows; c->p.dim_count++)
 		c->dims[c->p.dim_count] = c->p.dim_count;
+	ck_assert(box_copy(c->rows, &c->x.box, d, a));
+	caps = (struct caps){c->rows, c->rows[0], c->dims, c->p.dim_count, (double)INFINITY};
+	ck_assert(caps_find(&caps, &c->norms, &c->values, a));
+	norms_evaluate(&c->norms, c->p.rows, &c->values);
 	list_all(c);
+	c->p.deadline = seconds_now() + seconds;
 	ck_assert(peaks_find(&c->p));
 	c->v = arena_alloc(a, c->adjoint.d.count, sizeof *c->v);
 	for (int i = 0; i < d->argument_count; i++)
@@ -137,7 +145,7 @@ START_TEST(test_states)
 				least, c.p.list[i].most /
 					       (c.p.list[i].pair ? norms_of_pair(&c.norms, &c.values, c.p.list[i].pair)
 								 : c.values.size[c.p.list[i].nodes[0]]));
-	ck_assert_msg(_i % CASE_COUNT != 1 || least < 0.9, "%s: nothing is closer", name);
+	ck_assert_msg(_i % CASE_COUNT != 1 || c.p.dim_count < 4 || least < 0.9, "%s: nothing is closer", name);
 	for (int s = 0; s < STATES; s++) {
 		draw(&c, &r, s % 2);
 		evaluate(&c);
@@ -183,12 +191,16 @@ START_TEST(test_bends)
 	second = arena_alloc(&c.x.arena, c.adjoint.d.count, sizeof *second);
 	for (int s = 0; s < DIFFERENCES; s++)
 		for (int k = 0; k < c.p.dim_count; k++) {
-			draw(&c, &r, 1);
+			draw(&c, &r, s % 2);
 			differ(&c, k, 1e-3, first, second);
 			for (size_t i = 0; i < c.p.count; i++) {
 				const struct peak *x = &c.p.list[i];
 				double off = 1e-8 + 1e-5 * x->whole;
 
+				ck_assert_msg(
+					x->kind == PEAK_UNKNOWN || s % 2 || length_of(x, second) <= x->near[k] + off,
+					"%s, seed %d: peak %zu, node %u, by row %d, in the box: %g, but at most %g",
+					name, SEED, i, x->nodes[0], k, length_of(x, second), x->near[k]);
 				ck_assert_msg(
 					x->kind == PEAK_UNKNOWN || (length_of(x, first) <= x->tilts[k] + off &&
 									   length_of(x, second) <= x->bends[k] + off),
