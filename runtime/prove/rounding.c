@@ -23,7 +23,7 @@
 enum { VIEWS = 2 };
 #define LANES_BELOW 0.2 /* rad or m */
 /* of the time of an output */
-#define SHARE_PLAIN 0.15
+#define SHARE_PLAIN 0.08
 #define SHARE_RECORDED 0.75 /* in its place where a certificate takes over the boxes */
 #define SHARE_CAPS 0.05     /* of what is left, twice */
 #define SHARE_PEAKS 0.55    /* the same, at most */
