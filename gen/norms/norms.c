@@ -256,6 +256,11 @@ uint32_t norms_pair(struct norms *x, uint32_t a, uint32_t b)
 	return set_of(x, c);
 }
 
+uint32_t norms_set(struct norms *x, const uint32_t *nodes, int count)
+{
+	return set_of_nodes(x, nodes, count);
+}
+
 /* ---- lanes ---- */
 
 static int input_of(const struct norms *x, const struct node *n)

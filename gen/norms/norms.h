@@ -49,7 +49,7 @@ struct norms {
 struct norms_values {
 	double *bounds, *norm;
 	double *size; /* by node: no magnitude is larger */
-	const double *most, *most_norm; /* what is known apart of all boxes, of one lane: by node, and by set; NULL: nothing */
+	double *most, *most_norm; /* what is known apart of all boxes, of one lane: by node, and by set; NULL: nothing */
 };
 
 /* Values of polynomials of t where has_lanes, and there are not too many. Returns 0 when memory runs out. */
@@ -57,6 +57,9 @@ int norms_make(struct norms *x, const struct dag *d, int has_lanes, struct arena
 
 /* 1 + the set of two nodes, made before norms_lay; 0: there is no room. */
 uint32_t norms_pair(struct norms *x, uint32_t a, uint32_t b);
+
+/* The same of up to NORMS_SET nodes, none with a sign. */
+uint32_t norms_set(struct norms *x, const uint32_t *nodes, int count);
 
 /* When all sets are there. Returns 0 when memory runs out. */
 int norms_lay(struct norms *x, struct arena *a);

@@ -10,10 +10,11 @@
 #include "prove/gap.h"
 #include "core/seconds.h"
 #include "dag/eval.h"
-#include "prove/caps.h"
+#include "peaks/caps.h"
 #include "prove/coarse.h"
 #include "prove/rules.h"
 #include "prove/twins.h"
+#include "prove/weights.h"
 #include "range/split.h"
 #include <math.h>
 #include <stdlib.h>
@@ -22,9 +23,10 @@
 enum { VIEWS = 2 };
 #define LANES_BELOW 0.2 /* rad or m */
 /* of the time of an output */
-#define SHARE_PLAIN 0.4
+#define SHARE_PLAIN 0.08
 #define SHARE_RECORDED 0.75 /* in its place where a certificate takes over the boxes */
-#define SHARE_CAPS 0.1      /* of what is left */
+#define SHARE_CAPS 0.05     /* of what is left, twice */
+#define SHARE_PEAKS 0.55    /* the same, at most */
 
 /* One output. */
 struct hunt {
@@ -249,6 +251,39 @@ static int find_caps(struct hunt *h, double seconds)
 	return caps_find(&c, &h->views[0].norms, &h->views[0].values, &h->arena);
 }
 
+/* What each node makes of the error over the box whose values are known. */
+static double *terms_of(struct hunt *h)
+{
+	double *terms = arena_alloc(&h->arena, h->x.count, sizeof *terms);
+	int is_bounded = isfinite(error_of(h, 0));
+
+	for (uint32_t i = 0; i < h->x.count && terms && is_bounded; i++)
+		terms[i] = h->live[i] ? slope_at(h, i) * rules_node(&h->rules, i, &h->models[0]) : 0;
+	return terms;
+}
+
+/* The largest magnitudes from points of q, beside those from parts, of all but lanes. */
+static int find_peaks(struct hunt *h, const struct job *j, size_t output, double seconds)
+{
+	const struct interval *const *rows = (const struct interval *const *)h->rows;
+	struct view *v = &h->views[0];
+	struct peaks p = {.text = h->d, .output = output, .x = &h->x, .norms = &v->norms, .values = &v->values, .rows = rows,
+		.position = h->position, .dims = h->dims, .dim_count = h->split.dim_count,
+		.deadline = fmin(j->deadline, seconds_now() + seconds), .arena = &h->arena};
+	double *terms;
+
+	h->now = v;
+	norms_evaluate(&v->norms, rows, &v->values);
+	if (!(terms = terms_of(h)) || !weights_find(&p, v, terms) || !peaks_find(&p))
+		return 0;
+	for (size_t i = 0; i < p.count; i++) {
+		double *most = p.list[i].pair ? &v->values.most_norm[p.list[i].pair - 1] : &v->values.most[p.list[i].nodes[0]];
+
+		*most = fmin(*most, p.list[i].most);
+	}
+	return 1;
+}
+
 static void take(const struct hunt *h, struct prove_row *r)
 {
 	double errors[SPLIT_SIZES];
@@ -281,6 +316,7 @@ static void hunt_output(void *job, size_t output)
 	struct job *j = job;
 	struct leaf root = {.value = {0, 0}};
 	double plain = (j->record ? SHARE_RECORDED : SHARE_PLAIN) * j->seconds, left = j->seconds - plain;
+	double end = seconds_now() + j->seconds;
 	struct hunt h;
 	int done;
 
@@ -297,8 +333,9 @@ static void hunt_output(void *job, size_t output)
 	for (int k = 0; k < h.split.dim_count && done; k++)
 		h.rows[h.position][h.dims[k]] = root.q[k];
 	if (done && h.split.dim_count)
-		done = find_caps(&h, SHARE_CAPS * left) &&
-		       hunt_for(&h, j, &root, (1 - SHARE_CAPS) * left, &j->rows[output]);
+		done = find_caps(&h, SHARE_CAPS * left) && find_peaks(&h, j, output, SHARE_PEAKS * left) &&
+		       find_caps(&h, SHARE_CAPS * left) &&
+		       hunt_for(&h, j, &root, end - seconds_now(), &j->rows[output]);
 	if (!done)
 		j->failed = 1;
 	split_free(&h.split);

@@ -150,15 +150,18 @@ int shares_find(struct shares *t, struct norms *norms, const struct dag *d, cons
 	return 1;
 }
 
+double shares_of(const struct share *t, const struct norms *norms, const struct norms_values *v)
+{
+	double values = t->values ? norms_of_pair(norms, v, t->values) : t->x ? v->size[t->x] : 1;
+
+	return values * (t->slopes ? norms_of_pair(norms, v, t->slopes) : v->size[t->slope]);
+}
+
 double shares_length(const struct shares *t, const struct norms *norms, const struct norms_values *v)
 {
 	double sum = 0;
 
-	for (size_t i = 0; i < t->count; i++) {
-		const struct share *k = &t->list[i];
-		double values = k->values ? norms_of_pair(norms, v, k->values) : k->x ? v->size[k->x] : 1;
-
-		sum += values * (k->slopes ? norms_of_pair(norms, v, k->slopes) : v->size[k->slope]);
-	}
+	for (size_t i = 0; i < t->count; i++)
+		sum += shares_of(&t->list[i], norms, v);
 	return t->count && sum >= 0 ? sum * (1 + 0x1p-30) : (double)INFINITY;
 }

@@ -26,6 +26,9 @@ struct shares {
 int shares_find(struct shares *t, struct norms *norms, const struct dag *d, const struct adjoint *x, uint32_t cosine,
 	uint32_t sine, struct arena *arena);
 
+/* One of their lengths. */
+double shares_of(const struct share *t, const struct norms *norms, const struct norms_values *v);
+
 /* The sum of their lengths. */
 double shares_length(const struct shares *t, const struct norms *norms, const struct norms_values *v);
 

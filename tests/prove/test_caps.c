@@ -1,6 +1,6 @@
 /* Magnitudes that are known of a whole box by its parts hold at states drawn within it and at its corners, for all
    values and sets of a few robots; and they are closer than those over the box at once. */
-#include "prove/caps.h"
+#include "peaks/caps.h"
 #include "norms/adjoint.h"
 #include "prove/robot_box.h"
 #include "support/suite.h"

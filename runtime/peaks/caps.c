@@ -1,5 +1,5 @@
 #define _POSIX_C_SOURCE 200809L
-#include "prove/caps.h"
+#include "peaks/caps.h"
 #include "core/seconds.h"
 #include <math.h>
 
@@ -8,8 +8,8 @@ enum { PARTS = 48 };
 struct capping {
 	const struct norms *x;
 	struct norms_values *v;
-	double *most, *most_norm;   /* so far */
-	double *value, *norm;       /* the largest in the parts that were looked at */
+	double *most, *most_norm; /* so far */
+	double *value, *norm;	  /* the largest in the parts that were looked at */
 };
 
 /* What is unknown in a part is unknown in all of them. */
@@ -47,7 +47,8 @@ static void cut_by(struct capping *h, const struct caps *c, int row)
 	for (uint32_t k = 0; k < h->x->set_count; k++)
 		h->norm[k] = 0;
 	for (double from = whole.lower; part < PARTS && seconds_now() < c->deadline; part++) {
-		double to = part + 1 < PARTS ? whole.lower + (whole.upper - whole.lower) * (part + 1) / PARTS : whole.upper;
+		double to =
+			part + 1 < PARTS ? whole.lower + (whole.upper - whole.lower) * (part + 1) / PARTS : whole.upper;
 
 		c->q[row] = (struct interval){from, to};
 		look(h, (const struct interval *const *)c->rows);
@@ -69,7 +70,8 @@ static double *filled(struct arena *a, size_t count)
 
 int caps_find(const struct caps *c, const struct norms *x, struct norms_values *v, struct arena *arena)
 {
-	struct capping h = {x, v, filled(arena, x->d->count), filled(arena, x->set_count), filled(arena, x->d->count),
+	struct capping h = {x, v, v->most ? v->most : filled(arena, x->d->count),
+		v->most_norm ? v->most_norm : filled(arena, x->set_count), filled(arena, x->d->count),
 		filled(arena, x->set_count)};
 
 	if (arena->failed)
