@@ -75,6 +75,7 @@ static void put_warp(const struct emission *e, const struct pass *p, int warp, s
 	const char *rest = template_expand_to(out, template_limb_in, "BODY", slots, count);
 
 	w->own.sines = list;
+	unparse_within(w, lines);
 	unparse_lines(w, &inputs, out);
 	if (emit_has_known(e))
 		put_known(e, p, &list, out);

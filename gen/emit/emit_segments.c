@@ -154,6 +154,7 @@ static void put_segment(const struct emission *e, const struct pass *p, int k, s
 
 	text_clear(spare);
 	put_lane(e, p, &touched, spare);
+	unparse_within(w, &s->plans[k]);
 	unparse_lines(w, &s->plans[k], spare);
 	text_put_indented(out, text_string(spare));
 	out->failed |= spare->failed;

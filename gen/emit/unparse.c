@@ -1,5 +1,6 @@
 #include "emit/unparse.h"
 #include "base/fold.h"
+#include "plan/readings.h"
 #include <math.h>
 #include <stdio.h>
 
@@ -275,22 +276,27 @@ static void put_line(struct unparser *u, const struct line *l, struct text *out)
 	fold(out, from);
 }
 
-/* Per node: an input that only sines and cosines read. */
-static const unsigned char *only_angles(const struct dag *d, struct arena *a)
+/* Per node: an input that only sines and cosines of these lines read. */
+static const unsigned char *only_angles(const struct plan *p, struct arena *a)
 {
-	uint32_t *uses = arena_alloc(a, d->count, sizeof *uses);
-	unsigned char *is_angle = uses ? arena_alloc(a, d->count, 1) : NULL;
+	enum { READ_AS_ANGLE = 1, READ_OTHERWISE = 2 };
+	unsigned char *how = arena_alloc(a, p->dag->count, 1);
+	struct arena spare;
+	struct readings r;
 
-	if (!is_angle)
+	if (!how)
 		return NULL;
-	dag_uses(d, uses);
-	for (size_t i = 0; i < d->count; i++) {
-		const struct node *n = &d->nodes[i];
-
-		if (uses[i] && (n->op == OP_SIN || n->op == OP_COS) && d->nodes[n->arg[0].i].op == OP_INPUT)
-			is_angle[n->arg[0].i] = --uses[n->arg[0].i] == 0;
+	arena_init(&spare, &a->allocator);
+	if (readings_make(&r, p, &spare)) {
+		for (uint32_t i = 0; i < p->line_count; i++)
+			for (uint32_t k = r.begin[i]; k < r.begin[i + 1]; k++)
+				how[r.list[k].node] |= p->lines[i].kind == LINE_SINCOS ? READ_AS_ANGLE : READ_OTHERWISE;
+		for (size_t i = 0; i < p->dag->count; i++)
+			how[i] = p->dag->nodes[i].op == OP_INPUT && how[i] == READ_AS_ANGLE;
 	}
-	return is_angle;
+	a->failed |= spare.failed;
+	arena_free(&spare);
+	return how;
 }
 
 static struct unparser unparser_new(const struct emission *e, const struct pass *pass, const struct number_type *numbers)
@@ -309,8 +315,13 @@ void unparse_begin(struct writer *w, const struct emission *e, const struct pass
 		w->own.sines = emit_angles(e, pass, 0);
 		w->wide.sines = emit_angles(e, pass, 1);
 	}
-	if (numbers->angle_is_memory)
-		w->own.angles = only_angles(pass->plan.dag, e->arena);
+	unparse_within(w, &pass->plan);
+}
+
+void unparse_within(struct writer *w, const struct plan *lines)
+{
+	if (w->own.numbers->angle_is_memory)
+		w->own.angles = only_angles(lines, w->own.emission->arena);
 }
 
 void unparse_lines(struct writer *w, const struct plan *p, struct text *out)

@@ -1,6 +1,7 @@
 /* Texts in two-float arithmetic, compiled and run: all own robots, and a few by every compiler setting, above all where
-   a compiler may join products to sums (which once undid the error-free sum). All in one text each; where all is asked
-   for, fixed and floating. */
+   a compiler may join products to sums (which once undid the error-free sum). All in one text each, those with followers
+   in short segments, where one segment reads an input as an angle and another one otherwise; where all is asked for, fixed
+   and floating. */
 #define _POSIX_C_SOURCE 200809L
 #include "dag/eval.h"
 #include "emit/number_type.h"
@@ -14,7 +15,7 @@
 
 /* Every tenth of the last hundred states has angles up to 9425 rad: two floats hold those too coarsely, unless sine and
    cosine read all of them. */
-enum { STATES = 200, ENLARGE = 3000, SEED = 31 };
+enum { STATES = 200, ENLARGE = 3000, SEED = 31, SHORT = 50 };
 static const double LIMIT = 1e-12;
 
 struct setting {
@@ -110,6 +111,7 @@ static void check_robot(const char *name, enum rneagen_base base, const struct c
 	o.precision = RNEAGEN_F32X2;
 	o.layout = turn % 2 ? RNEAGEN_AOS : RNEAGEN_SOA;
 	o.trig = (enum rneagen_trig)(turn % 3);
+	o.segments = strstr(name, "mimic") ? SHORT : RNEAGEN_SEGMENTS_AUTO;
 	o.base = base;
 	model_open(&m, urdf, length, &o, name);
 	states = states_new_large(&m, SEED, STATES, 0, 1, ENLARGE);
