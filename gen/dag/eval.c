@@ -181,7 +181,7 @@ static void survey_node(const struct survey *x, size_t i, struct given given, co
 {
 	const struct node *n = &x->d->nodes[i];
 	size_t a = operand(n, 0), b = operand(n, op_arity[n->op] > 1);
-	double value = x->values[i];
+	double value = x->values[i], product = 0;
 
 	if (rest_of(x, n, value) > m->mul * fabs(value) + m->tiny) {
 		sweep(x, a);
@@ -189,9 +189,12 @@ static void survey_node(const struct survey *x, size_t i, struct given given, co
 	}
 	x->spread[i] = spread_of(x, i, given, m);
 	x->spread[i].bound = bound_closed(x->spread[i].bound);
+	if (n->op == OP_FMA)
+		product = size_of_product(
+			m, (struct known){x->values[a], x->spread[a].bound}, (struct known){x->values[b], x->spread[b].bound});
 	if (!(fabs(value) + x->spread[i].bound <= m->largest))
 		sweep(x, i);
-	if (!(fabs(value) + x->spread[i].bound <= m->largest)) /* it may overflow */
+	if (!(fabs(value) + x->spread[i].bound <= m->largest && product <= m->largest)) /* it may overflow */
 		x->spread[i].bound = x->spread[i].local = (double)INFINITY;
 }
 

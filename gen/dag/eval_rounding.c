@@ -90,6 +90,11 @@ double rounding_of_turn(const struct eval_model *m, int is_sine, struct known an
 	return error;
 }
 
+double size_of_product(const struct eval_model *m, struct known a, struct known b)
+{
+	return m->fused ? 0 : (fabs(a.x) + a.e) * (fabs(b.x) + b.e) * (1 + m->mul) * (1 + 0x1p-40);
+}
+
 /* |a/b - a'/b'| <= (e_a + |a/b| e_b) / (|b| - e_b) */
 static double error_of_quotient(double value, double b, double of_a, double of_b)
 {

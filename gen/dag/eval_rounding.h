@@ -19,6 +19,9 @@ double rounding_of_sum(const struct eval_model *m, struct known a, struct known 
 /* The product has *left_out less, beside that; so the next two. */
 double rounding_of_product(const struct eval_model *m, struct known a, struct known b, struct known x, double *left_out);
 
+/* How large a product is that a compiler may round before a sum takes it; 0: it does not. */
+double size_of_product(const struct eval_model *m, struct known a, struct known b);
+
 /* An input as the text has it. */
 double rounding_of_input(const struct eval_model *m, double x, double *left_out);
 

@@ -2,6 +2,15 @@
 #include <math.h>
 #include <string.h>
 
+static int is_zero(const struct matrix *a)
+{
+	for (int r = 0; r < a->rows; r++)
+		for (int k = 0; k < a->columns; k++)
+			if (a->m[r][k] != 0)
+				return 0;
+	return 1;
+}
+
 /* ||A|| <= (trace of (A'A)^32)^(1/64), rounding included. */
 double matrix_norm(const struct matrix *a)
 {
@@ -17,7 +26,7 @@ double matrix_norm(const struct matrix *a)
 		for (int i = 0; i < a->columns; i++)
 			trace += g[i][i];
 		if (!(trace > 1e-200))
-			return trace > 0 ? (double)INFINITY : a->off * (1 + 0x1p-40);
+			return trace > 0 || !is_zero(a) ? (double)INFINITY : a->off * (1 + 0x1p-40);
 		size *= pow(trace, 0.5 / (1 << power));
 		for (int i = 0; i < a->columns && power < 5; i++)
 			for (int k = 0; k < a->columns; k++)

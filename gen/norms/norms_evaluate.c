@@ -19,6 +19,9 @@ struct lanes {
 /* Outwards by more than rounding to nearest takes. */
 #define DOWN(x) ((x) - (0x1p-52 * fabs(x) + DBL_MIN))
 #define UP(x) ((x) + (0x1p-52 * fabs(x) + DBL_MIN))
+
+/* A set has four squares at most, each less than 2^-1021 short where it is no normal number. */
+#define SQUARES_LOST 0x1p-508
 #define LEAST(a, b) ((a) < (b) ? (a) : (b))
 #define MOST(a, b) ((a) > (b) ? (a) : (b))
 
@@ -67,7 +70,7 @@ LANES_FAST static void add_squares(size_t n, const double *lower, const double *
 LANES_FAST static void take_roots(size_t n, double *sum)
 {
 	for (size_t i = 0; i < n; i++)
-		sum[i] = sqrt(sum[i]) * (1 + 0x1p-48) + DBL_MIN;
+		sum[i] = sqrt(sum[i]) * (1 + 0x1p-48) + SQUARES_LOST;
 }
 
 LANES_FAST static void take_least(size_t n, const double *rule, double *norm)
@@ -305,7 +308,7 @@ static double narrow_norm(const struct norms *x, const struct norms_set *s, cons
 
 		sum = interval_least(sum, rest * rest + apart * apart);
 	}
-	least = sqrt(sum) * (1 + 0x1p-48) + DBL_MIN;
+	least = sqrt(sum) * (1 + 0x1p-48) + SQUARES_LOST;
 	if (s->form)
 		least = interval_least(least, norms_form_bound(s->form, one_norm(x, v, s->form->x), one_norm(x, v, s->form->u),
 			one_norm(x, v, s->form->v)));

@@ -176,8 +176,10 @@ static void spread_range(struct gridding *s, int k)
 	int n = s->counts[k];
 
 	if (n == 1) {
-		put_place(&s->places[k][0], (real)(0.5 * s->lower[k] + 0.5 * s->upper[k]));
-		s->half[k] = round_up(s->upper[k] - s->lower[k]);
+		double middle = 0.5 * s->lower[k] + 0.5 * s->upper[k];
+
+		put_place(&s->places[k][0], (real)middle);
+		s->half[k] = 2 * fmax(round_up(s->upper[k] - middle), round_up(middle - s->lower[k]));
 		return;
 	}
 	for (int i = 0; i < n; i++) {
@@ -231,7 +233,7 @@ static double slack_of(const struct gridding *s, const struct peak *x, int k)
 
 static double bound_by(const struct gridding *s, const struct peak *x, double found, const unsigned char *is_first)
 {
-	double sum = found, factor = 1;
+	double sum = found + 0x1p-500, factor = 1; /* what squares of up to 512 lanes lose below the least normal number */
 
 	for (int k = 0; k < s->dim_count; k++)
 		if (is_first[k])

@@ -4,7 +4,7 @@
 struct prove_gap gap_of(const struct rules *r, uint32_t node, const struct eval_model *m)
 {
 	const struct node *n = &r->d->nodes[node];
-	double size = r->size[node], error = r->running[node];
+	double size = rules_size(r, node, m), error = r->running[node];
 
 	if ((n->op == OP_SIN || n->op == OP_COS) && !(rules_angle(r, n->arg[0].i, m) <= m->angle))
 		return (struct prove_gap){PROVE_ANGLE, n->arg[0].i, rules_angle(r, n->arg[0].i, m), m->angle};

@@ -216,8 +216,8 @@ static enum rneagen_code prove_errors(struct proving *p, struct proof *proof)
 static enum rneagen_code add_fields(struct proving *p)
 {
 	size_t outputs = p->a->dag.output_count, bodies = (size_t)p->a->tree.body_count;
-
-	p->targets = arena_alloc(&p->arena, 32 * (outputs + bodies) + 1, sizeof *p->targets);
+	/* in each of two rounds, of six levels, outputs and six loads a body */
+	p->targets = arena_alloc(&p->arena, 96 * (outputs + bodies) + 1, sizeof *p->targets);
 	for (int k = 0; k < p->field_count && p->targets; k++)
 		p->targets[p->target_count++] = (struct target){.f = &p->fields[k], .b = &p->box,
 			.found = arena_alloc(&p->arena, (size_t)p->fields[k].output_count, sizeof(struct sought[2]))};

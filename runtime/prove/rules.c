@@ -101,6 +101,17 @@ static double rest_of(struct rules *r, uint32_t i, const struct eval_model *m, d
 	}
 }
 
+double rules_size(const struct rules *r, uint32_t i, const struct eval_model *m)
+{
+	const struct node *n = &r->d->nodes[i];
+	uint32_t a = n->arg[0].i, b = n->arg[1].i;
+	double product = 0;
+
+	if (n->op == OP_FMA)
+		product = size_of_product(m, (struct known){r->size[a], r->running[a]}, (struct known){r->size[b], r->running[b]});
+	return product <= r->size[i] ? r->size[i] : product;
+}
+
 double rules_node(struct rules *r, uint32_t i, const struct eval_model *m)
 {
 	double inherited = 0, rest;
@@ -109,5 +120,5 @@ double rules_node(struct rules *r, uint32_t i, const struct eval_model *m)
 	rest = rest_of(r, i, m, &inherited);
 	rest = (rest + r->of_product[i] + r->of_sum[i]) * (1 + 0x1p-47);
 	r->running[i] = (inherited + rest) * (1 + 0x1p-48);
-	return r->size[i] + r->running[i] <= m->largest ? rest : (double)INFINITY;
+	return rules_size(r, i, m) + r->running[i] <= m->largest ? rest : (double)INFINITY;
 }

@@ -18,6 +18,10 @@ struct rules {
 /* The largest angle that a sine or cosine of node `a` takes, with what it is off. */
 double rules_angle(const struct rules *r, uint32_t a, const struct eval_model *m);
 
+/* The largest number that a text makes on its way to a node, but for the node's error: its value, and the product of a fused
+   multiply-add that a compiler may round by itself. */
+double rules_size(const struct rules *r, uint32_t i, const struct eval_model *m);
+
 /* Returns what the node's error is beside what is linear in its operands' errors; INFINITY where it is not known, or
    overflows: gap_of (gap.h) says why. */
 double rules_node(struct rules *r, uint32_t i, const struct eval_model *m);

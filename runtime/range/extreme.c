@@ -13,6 +13,12 @@ struct corners {
 	double rest; /* what is added for the other rates */
 };
 
+/* Squares that neither vanish nor overflow. Where they do, each number of the direction is taken for 1. */
+static int are_normal(double squares)
+{
+	return squares > 0x1p-900 && squares < 0x1p1000;
+}
+
 static double drives_above(const struct field *f, const double *c, int sign, double *size, double *x)
 {
 	double sum = sign * c[0], squares[FIELD_BALLS + 1] = {0};
@@ -24,7 +30,7 @@ static double drives_above(const struct field *f, const double *c, int sign, dou
 		double m = sign * c[1 + i], at = m > 0 ? f->drives[i].range.upper : f->drives[i].range.lower;
 
 		if (f->drives[i].ball)
-			at = squares[f->drives[i].ball] > 0 ? m / sqrt(squares[f->drives[i].ball]) : m > 0 ? 1 : -1;
+			at = are_normal(squares[f->drives[i].ball]) ? m / sqrt(squares[f->drives[i].ball]) : m > 0 ? 1 : -1;
 		sum += m * at;
 		*size += fabs(m) * interval_size(f->drives[i].range);
 		if (x)

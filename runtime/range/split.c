@@ -124,8 +124,9 @@ void split_total(const struct split *s, double sizes[SPLIT_SIZES], struct interv
 	for (size_t i = 0; i < s->count; i++) {
 		const struct leaf *l = leaf_at(s, i);
 
-		value->lower = fmin(value->lower, l->value.lower);
-		value->upper = fmax(value->upper, l->value.upper);
+		/* an end that is no number is not known */
+		value->lower = fmin(value->lower, isnan(l->value.lower) ? -(double)INFINITY : l->value.lower);
+		value->upper = fmax(value->upper, isnan(l->value.upper) ? (double)INFINITY : l->value.upper);
 		for (int k = 0; k < SPLIT_SIZES; k++)
 			sizes[k] = fmax(sizes[k], l->sizes[k]);
 	}

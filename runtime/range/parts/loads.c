@@ -102,9 +102,15 @@ int loads_find(struct loads *l, const struct dag *d, const struct tree *t, int c
 	l->total_count = list_wrench(d, t->bodies[carrier].number, l->totals);
 	for (int b = 0; b < t->body_count; b++)
 		if (t->bodies[b].parent == carrier && is_limb[b]) {
+			int count;
+
 			if (l->limb_count == LOADS_LIMBS)
 				return 0;
-			l->wrench_count += list_wrench(d, t->bodies[b].number, l->wrenches + l->wrench_count);
+			/* its numbers turn together: of a part of them the degree in the limb's angle is higher */
+			count = list_wrench(d, t->bodies[b].number, l->wrenches + l->wrench_count);
+			if (count < LOADS_WRENCH)
+				return 0;
+			l->wrench_count += count;
 			l->ends[l->limb_count++] = l->wrench_count;
 		}
 	is_sum = l->limb_count && l->total_count && mark_below(l, d, below);
