@@ -255,6 +255,33 @@ START_TEST(overflow)
 }
 END_TEST
 
+static real as_it_is(real value)
+{
+	return value;
+}
+
+/* A compiler may round the product of a fused multiply-add by itself: it overflows where the sum does not. */
+START_TEST(overflow_of_product)
+{
+	const double x[4] = {2e19, 2e19, -1e38, 0};
+	struct eval_model m = {.add = 0x1p-24, .mul = 0x1p-24, .tiny = 0x1p-150, .largest = FLT_MAX, .store_largest = FLT_MAX,
+		.constant = as_it_is};
+	struct arena a;
+	struct dag d;
+
+	arena_init(&a, NULL);
+	expression_init(&d, &a);
+	expression_build(&d, "f x y z");
+	for (m.fused = 0; m.fused < 2; m.fused++) {
+		double bound = 0;
+
+		ck_assert(eval_bound(&d, &m, (const double *[]){x, NULL}, (double *[]){NULL, &bound}));
+		ck_assert_msg((isinf(bound) == 0) == m.fused, "fused %d: bound %g", m.fused, bound);
+	}
+	arena_free(&a);
+}
+END_TEST
+
 /* ---- by hand ---- */
 
 static const struct by_hand {
@@ -376,6 +403,7 @@ int main(void)
 	tcase_add_test(c, random_dags);
 	tcase_add_test(c, underflow);
 	tcase_add_test(c, overflow);
+	tcase_add_test(c, overflow_of_product);
 	tcase_add_loop_test(c, terms_by_hand, 0, sizeof by_hand / sizeof *by_hand);
 	tcase_add_test(c, fma_rounds_once);
 	tcase_add_test(c, failure_is_sticky);
