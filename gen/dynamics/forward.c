@@ -4,8 +4,6 @@
 #include "mechanics/tangent.h"
 #include <string.h>
 
-static const struct ref NONE = {0};
-
 void forward_enter(const struct tour *r, int body)
 {
 	want_pull(r, body);
@@ -143,13 +141,12 @@ void forward_pivots(const struct forward *x, struct joint_inputs in)
 	if (!pairs)
 		d->failed = 1;
 	for (int i = 0; i < nv && !d->failed; i++) {
-		const struct tree_joint *j = tree_joint_of_row(b->t, i);
+		int is_articulated = b->dynamics == DYNAMICS_ARTICULATED, row = is_articulated ? i : x->M.row[i];
+		const struct tree_joint *j = tree_joint_of_row(b->t, row);
 
-		pairs[2 * i] = b->dynamics == DYNAMICS_ARTICULATED ? x->bodies.bodies[j->body].D.D[i - j->iv] : NONE;
-		pairs[2 * i + 1] = x->mass.by[BY_QDD].element[i * nv + i];
+		pairs[2 * row] = is_articulated ? x->bodies.bodies[j->body].D.D[row - j->iv] : x->M.D[i];
+		pairs[2 * row + 1] = x->mass.by[BY_QDD].element[row * nv + row];
 	}
-	for (int i = 0; i < nv && b->dynamics != DYNAMICS_ARTICULATED && !d->failed; i++)
-		pairs[2 * x->M.row[i]] = x->M.D[i];
 	want_places(b, in);
 	for (int i = 0; i < b->k->want_count && !d->failed; i++)
 		if (b->k->wants[i].kind == WANT_OPSPACE) {

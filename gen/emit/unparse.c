@@ -315,7 +315,6 @@ void unparse_begin(struct writer *w, const struct emission *e, const struct pass
 		w->own.sines = emit_angles(e, pass, 0);
 		w->wide.sines = emit_angles(e, pass, 1);
 	}
-	unparse_within(w, &pass->plan);
 }
 
 void unparse_within(struct writer *w, const struct plan *lines)
@@ -372,6 +371,7 @@ void unparse(const struct emission *e, const struct pass *pass, const struct num
 	struct writer w;
 
 	unparse_begin(&w, e, pass, numbers);
+	unparse_within(&w, &pass->plan);
 	if (!emit_has_zeros(e, pass)) {
 		unparse_lines(&w, &pass->plan, out);
 		return;

@@ -29,10 +29,10 @@ struct writer {
 	struct unparser own, wide;
 };
 void unparse_begin(struct writer *w, const struct emission *e, const struct pass *p, const struct number_type *numbers);
-void unparse_lines(struct writer *w, const struct plan *lines, struct text *out);
 
-/* Says that the lines to come are among these, a segment's or a warp's: what they read of an input is looked at anew. */
+/* The lines to come are among these, the whole's, a segment's or a warp's: looks at what they read of each input. */
 void unparse_within(struct writer *w, const struct plan *lines);
+void unparse_lines(struct writer *w, const struct plan *lines, struct text *out);
 
 /* Lines `x[i] = ...`, one for each angle of the list. `suffix` goes after x. */
 void unparse_angles(const struct emission *e, const struct pass *p, const struct number_type *numbers, const struct angles *list,

@@ -21,6 +21,12 @@ static inline double round_down(double x)
 	return x - (0x1p-52 * (x < 0 ? -x : x) + 0x1p-1022);
 }
 
+/* -pi to pi, and a little more: every angle, where turns are not counted. */
+static inline struct interval interval_turn(void)
+{
+	return (struct interval){-0x1.921fb54442d19p+1, 0x1.921fb54442d19p+1};
+}
+
 static inline struct interval interval_add(struct interval a, struct interval b)
 {
 	return (struct interval){round_down(a.lower + b.lower), round_up(a.upper + b.upper)};

@@ -356,3 +356,12 @@ struct interval norms_range(const struct norms *x, const struct norms_values *v,
 		}
 	return r;
 }
+
+double *norms_unknown(size_t count, struct arena *a)
+{
+	double *x = arena_alloc(a, count + 1, sizeof *x);
+
+	for (size_t i = 0; i < count && x; i++)
+		x[i] = (double)INFINITY;
+	return x;
+}

@@ -67,6 +67,9 @@ int norms_lay(struct norms *x, struct arena *a);
 /* The norm of a set that norms_pair has given: no norm of its values is larger. */
 double norms_of_pair(const struct norms *x, const struct norms_values *v, uint32_t pair);
 
+/* So many magnitudes of which nothing is known, for `most` and `most_norm`; NULL when memory runs out. */
+double *norms_unknown(size_t count, struct arena *a);
+
 int norms_values_make(struct norms_values *v, const struct norms *x, struct arena *a);
 
 /* All values over a box: rows[argument] are those of an input. */

@@ -199,7 +199,8 @@ static int row_of(const struct orderer *x, const struct line *l)
 	return o->row < last ? o->row : last;
 }
 
-/* What is known without the torques, and takes velocities, where torques come in on the way to a line: the bias of forward dynamics. */
+/* What is known without the torques, and takes velocities, where torques come in on the way to a line: the bias of forward
+   dynamics. */
 static void write_bias(struct orderer *x, uint32_t line)
 {
 	x->cone[line] = ++x->cones;

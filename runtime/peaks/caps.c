@@ -59,20 +59,11 @@ static void cut_by(struct capping *h, const struct caps *c, int row)
 		take_all(h);
 }
 
-static double *filled(struct arena *a, size_t count)
-{
-	double *x = arena_alloc(a, count + 1, sizeof *x);
-
-	for (size_t i = 0; i < count && x; i++)
-		x[i] = (double)INFINITY;
-	return x;
-}
-
 int caps_find(const struct caps *c, const struct norms *x, struct norms_values *v, struct arena *arena)
 {
-	struct capping h = {x, v, v->most ? v->most : filled(arena, x->d->count),
-		v->most_norm ? v->most_norm : filled(arena, x->set_count), filled(arena, x->d->count),
-		filled(arena, x->set_count)};
+	struct capping h = {x, v, v->most ? v->most : norms_unknown(x->d->count, arena),
+		v->most_norm ? v->most_norm : norms_unknown(x->set_count, arena), norms_unknown(x->d->count, arena),
+		norms_unknown(x->set_count, arena)};
 
 	if (arena->failed)
 		return 0;

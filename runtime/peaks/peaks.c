@@ -13,11 +13,6 @@
 
 enum { FULL_ROWS = 5 };
 
-static int is_asked(const struct peak *k)
-{
-	return k->kind != PEAK_UNKNOWN && k->weight > 0;
-}
-
 /* Lanes of all drives and rates take so long that all degrees are one: the largest. */
 static int is_of(const struct peaks *p, const struct peaks_group *g, const struct peak *k)
 {
@@ -50,7 +45,7 @@ static struct peaks_group *groups_make(const struct peaks *p, size_t *count)
 
 	*count = 0;
 	for (size_t i = 0; i < p->count && groups; i++)
-		if (is_asked(&p->list[i])) {
+		if (peak_is_asked(&p->list[i])) {
 			if (!(g = group_of(p, groups, count, &p->list[i])))
 				return NULL;
 			g->count++;
@@ -61,7 +56,7 @@ static struct peaks_group *groups_make(const struct peaks *p, size_t *count)
 			return NULL;
 		g->count = 0;
 		for (size_t i = 0; i < p->count; i++)
-			if (is_asked(&p->list[i]) && is_of(p, g, &p->list[i]))
+			if (peak_is_asked(&p->list[i]) && is_of(p, g, &p->list[i]))
 				g->members[g->count++] = i;
 	}
 	return groups;

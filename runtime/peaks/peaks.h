@@ -53,6 +53,11 @@ int peaks_find(struct peaks *p);
 /* How values depend on drives and rates: not; linearly on rates, whose ranges have 0 in the middle; or as fields do. */
 enum { PEAK_UNKNOWN, PEAK_PLAIN, PEAK_LINEAR, PEAK_FULL };
 
+static inline int peak_is_asked(const struct peak *k)
+{
+	return k->kind != PEAK_UNKNOWN && k->weight > 0;
+}
+
 /* More than every degree that is used. */
 enum { PEAK_NO_DEGREE = 100 };
 

@@ -97,7 +97,7 @@ static struct ref *derive(struct bending *b, const unsigned char *live, size_t c
 
 static int is_asked(const struct bending *b, const struct peak *k)
 {
-	return k->kind != PEAK_UNKNOWN && k->weight > 0 && k->dims >> b->dim & 1;
+	return peak_is_asked(k) && k->dims >> b->dim & 1;
 }
 
 /* What peaks are made of; of their derivatives too where `dot` has them. */
@@ -161,22 +161,13 @@ static int make_norms(struct bending *b)
 	return norms_lay(&b->norms, &b->arena) && norms_values_make(&b->values, &b->norms, &b->arena);
 }
 
-static double *unknown(struct arena *a, size_t count)
-{
-	double *x = arena_alloc(a, count + 1, sizeof *x);
-
-	for (size_t i = 0; i < count && x; i++)
-		x[i] = (double)INFINITY;
-	return x;
-}
-
 /* Over the box alone, where what is known of the adjoint's nodes and sets holds for them here. */
 static int evaluate_near(struct bending *b)
 {
 	const struct peaks *p = b->p;
 
-	b->values.most = unknown(&b->arena, b->x.d.count);
-	b->values.most_norm = unknown(&b->arena, b->norms.set_count);
+	b->values.most = norms_unknown(b->x.d.count, &b->arena);
+	b->values.most_norm = norms_unknown(b->norms.set_count, &b->arena);
 	if (b->arena.failed)
 		return 0;
 	for (size_t i = 0; i < p->x->d.count && p->values->most; i++)

@@ -8,9 +8,6 @@
 /* Values above it have squares that doubles may not have. */
 #define LARGEST 0x1p+400
 
-/* above pi */
-static const double PI_ABOVE = 0x1.921fb54442d19p+1;
-
 /* Orders of terms, bit k: of order k, where rates are of order 1 and drives of order 2; OTHER: what is no polynomial,
    or of a row of q that is none of p->dims. */
 enum { PLAIN = 1, LINEAR = 2, FIELD = 7, OTHER = 1 << 7 };
@@ -54,7 +51,7 @@ static int make_whole(struct peaks *p)
 	}
 	for (int k = 0; k < p->dim_count; k++)
 		if (p->is_angle[k])
-			p->whole_rows[p->position][p->dims[k]] = (struct interval){-PI_ABOVE, PI_ABOVE};
+			p->whole_rows[p->position][p->dims[k]] = interval_turn();
 	if (!norms_values_make(&p->whole, p->norms, p->arena))
 		return 0;
 	norms_evaluate(p->norms, (const struct interval *const *)p->whole_rows, &p->whole);

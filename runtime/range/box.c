@@ -18,9 +18,9 @@ static struct interval position_limits(const struct tree_joint *t, const struct 
 	if (t->type == JOINT_FLOATING && row >= 3)
 		return (struct interval){-1 - RELAXED_QUATERNION, 1 + RELAXED_QUATERNION};
 	if (t->type == JOINT_PLANAR && row == 2)
-		return (struct interval){-PI_ABOVE, PI_ABOVE};
+		return interval_turn();
 	if (t->type == JOINT_CONTINUOUS)
-		return (struct interval){-PI_ABOVE, PI_ABOVE};
+		return interval_turn();
 	return j && j->has_limits && t->nq == 1 ? (struct interval){j->lower, j->upper} : UNKNOWN;
 }
 

@@ -5,8 +5,6 @@
 #include "passes/analysis.h"
 #include "norms/interval.h"
 
-#define PI_ABOVE 0x1.921fb54442d19p+1 /* above pi */
-
 struct box {
 	struct interval *rows[DAG_ARGUMENTS]; /* by argument of the DAG; NULL for outputs */
 };

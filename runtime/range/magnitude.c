@@ -15,7 +15,7 @@ static struct interval range_of(const struct field_dim *k, int is_whole)
 {
 	int is_turn = k->is_angle && (is_whole || k->is_circle);
 
-	return is_turn ? (struct interval){-PI_ABOVE, PI_ABOVE} : (struct interval){k->lower, k->upper};
+	return is_turn ? interval_turn() : (struct interval){k->lower, k->upper};
 }
 
 struct job {

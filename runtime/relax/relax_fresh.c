@@ -35,9 +35,8 @@ int relax_turns(const struct tree *t, int row, double factor)
 static struct interval angle_range(const struct relaxing *s, const struct seen *x, struct interval r)
 {
 	const struct interval *of = x->row >= 0 ? &s->given[s->position][x->row] : NULL;
-	const struct interval turn = {-0x1.921fb54442d19p+1, 0x1.921fb54442d19p+1};
 
-	return of && of->upper - of->lower >= 6.283185307179586 ? turn : r;
+	return of && of->upper - of->lower >= 6.283185307179586 ? interval_turn() : r;
 }
 
 static enum rneagen_code take_angle(struct relaxing *s, uint32_t i)

@@ -75,7 +75,8 @@ static void check_robot(const char *path, const char *name, void *context)
 
 static void report(const struct cheaper *t, const char *what)
 {
-	printf("%d %s: %ld flops instead of %ld; worst f64 %.2e, f32 %.2e, %.2f eps of the magnitudes summed, %.2f of the running bound\n",
+	printf("%d %s: %ld flops instead of %ld; worst f64 %.2e, f32 %.2e, %.2f eps of the magnitudes summed, "
+	       "%.2f of the running bound\n",
 		t->errors.count, what, t->base, t->stated, t->errors.f64, t->errors.f32, t->errors.terms, t->errors.bound);
 	ck_assert_int_lt(t->base, t->stated);
 }
@@ -126,8 +127,8 @@ static char *nearly_parallel(void)
 	for (int i = 1; i <= 6; i++) {
 		fprintf(f, "<link name='l%d'><inertial><origin xyz='0.05 0.01 0.02'/><mass value='0.3'/><inertia ixx='0.001' iyy='0.002' "
 			   "izz='0.0015' ixy='0.0001' ixz='0.0002' iyz='-0.0001'/></inertial></link>", i);
-		fprintf(f, "<joint name='j%d' type='continuous'><parent link='l%d'/><child link='l%d'/><origin xyz='0.1 0.02 0.03' rpy='%s 0 0'/>"
-			   "<axis xyz='%s 0 1'/></joint>", i, i - 1, i, i % 2 ? "0" : "1e-7", i == 6 ? "0.3"
+		fprintf(f, "<joint name='j%d' type='continuous'><parent link='l%d'/><child link='l%d'/>"
+			   "<origin xyz='0.1 0.02 0.03' rpy='%s 0 0'/><axis xyz='%s 0 1'/></joint>", i, i - 1, i, i % 2 ? "0" : "1e-7", i == 6 ? "0.3"
 				: i % 3 ? "0" : "1e-7");
 	}
 	fprintf(f, "</robot>");

@@ -90,9 +90,11 @@ class Choice(str):
     command: str
 
 
-def choose(robot: str | os.PathLike | Robot, max_error: float, measured: bool = False, proved: bool = False, **options: Any) -> Choice:
-    """The fastest variant whose error, by its bound or as measured, is at most `max_error`, relative to the torques. `proved`: by a bound
-    that holds for every state within the limits of the joints and `range`."""
+def choose(
+        robot: str | os.PathLike | Robot, max_error: float, measured: bool = False, proved: bool = False,
+        **options: Any) -> Choice:
+    """The fastest variant whose error, by its bound or as measured, is at most `max_error`, relative to the torques.
+    `proved`: by a bound that holds for every state within the limits of the joints and `range`."""
     words = study_words(robot, options, (), "choose")
     judged = [*(["--measured"] if measured else []), *(["--proved"] if proved else [])]
     text = run([program("rnearun"), "choose", *words, f"--max-error={max_error!r}", "--quiet", *judged])
