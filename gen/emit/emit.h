@@ -193,11 +193,12 @@ const char *emit_store(const struct emission *e);
 
 /* Does a kernel of this pass store the elements of matrices that are always zero in a loop, beside the statements? Is this the
    store of one? What the loops of the first pass call, and the loops: those of threads that have the number `first` of
-   `warps`. */
+   `warps`. The table of an array's, and how many runs it has: `NAME_M_zeros, 8`. */
 int emit_has_zeros(const struct emission *e, const struct pass *p);
 int emit_is_zero_store(const struct plan *p, const struct line *l);
 void emit_zeros(const struct emission *e, struct text *out);
 const char *emit_zero_loops(const struct emission *e, const char *first, const char *warps);
+const char *emit_zero_table(const struct emission *e, int argument);
 
 /* What the main kernel takes of a multiprocessor. Threads of a block; blocks that have room, an expression of RNEA_BLOCK. */
 int emit_block_size(const struct emission *e);
@@ -208,6 +209,12 @@ int emit_is_staged(const struct emission *e);
 int emit_stage_words(const struct emission *e);
 int emit_slice_bytes(const struct emission *e);
 int emit_pitch(const struct emission *e, int rows);
+
+/* Are its inputs staged, and its outputs written in tiles of so many samples? 0: no. Words of a sample's inputs; rows of the longest
+   output. */
+int emit_tile(const struct emission *e);
+int emit_input_words(const struct emission *e);
+int emit_longest_output(const struct emission *e);
 
 /* Are its inputs asked for in advance? Has it more values at once than registers, so that it spills to shared memory? Does a sample's first
    run stand unless an angle turns out to be large? Not where that run fills the registers. */

@@ -38,6 +38,27 @@ int emit_stage_words(const struct emission *e)
 	return words;
 }
 
+int emit_input_words(const struct emission *e)
+{
+	const struct dag *d = &emit_main(e)->dag;
+	int words = 0;
+
+	for (int i = 0; i < d->argument_count; i++)
+		words += d->arguments[i].is_output || d->arguments[i].per_batch ? 0 : d->arguments[i].rows;
+	return words;
+}
+
+int emit_longest_output(const struct emission *e)
+{
+	const struct dag *d = &emit_main(e)->dag;
+	int rows = 0;
+
+	for (int i = 0; i < d->argument_count; i++)
+		if (d->arguments[i].is_output && d->arguments[i].rows > rows)
+			rows = d->arguments[i].rows;
+	return rows;
+}
+
 int emit_slice_bytes(const struct emission *e)
 {
 	return emit_stage_words(e) * e->memory->bytes;
@@ -69,6 +90,28 @@ int emit_is_staged(const struct emission *e)
 	return e->arithmetic->bytes == 8 && 2 * WARP_THREADS * emit_slice_bytes(e) <= SHARED_BYTES;
 }
 
+/* A row of a tile fills a sector of 32 bytes at least; larger tiles leave room for four blocks on a multiprocessor. */
+enum { SECTOR_BYTES = 32, TILE_MOST = 32, TILE_BYTES = 40960 };
+
+static int tile_bytes(int samples, int rows, int bytes)
+{
+	return (samples + 1) * rows * bytes;
+}
+
+/* In aos, where outputs have no room in shared memory: each thread would write elements that stand a sample apart (H100, 1 M samples,
+   ps: gradients of atlas, whole matrices, 9600 instead of 54000, in f64 21100 instead of 79000; of hyq in f64 2150 instead of 8590). */
+int emit_tile(const struct emission *e)
+{
+	int bytes = e->memory->bytes, tile = SECTOR_BYTES / bytes, longest = emit_longest_output(e);
+
+	if (e->options->layout != RNEAGEN_AOS || !e->target->kernel || emit_is_staged(e) || emit_is_operation(e) || e->part_count ||
+	    emit_main(e)->segments.count || WARP_THREADS * emit_input_words(e) * bytes > SHARED_BYTES)
+		return 0;
+	while (tile < TILE_MOST && tile_bytes(2 * tile, longest, bytes) <= TILE_BYTES)
+		tile *= 2;
+	return tile_bytes(tile, longest, bytes) <= SHARED_BYTES ? tile : 0;
+}
+
 /* Does the kernel ask for its inputs in advance? Where many values wait the compiler fetches an input only when there is a register for
    it, and a warp waits for memory many times. H100, 1 M samples, ps: qdd with gradients of iiwa14 260, 211, of hyq 204, 197, of panda 325,
    300, of ur5 176, 163; qdd of floating hyq 177, 159; gradients of panda 268, 253; in f64 those of hyq 424, 384, with qdd 476, 441. What
@@ -94,7 +137,7 @@ int emit_is_prefetched(const struct emission *e)
    hyq 85 instead of 76, gradients of iiwa14, with the test first, 224 instead of 204). */
 int emit_is_optimistic(const struct emission *e)
 {
-	return e->arithmetic->bytes == 4 && !emit_is_staged(e) && e->tree->body_count < MANY_BODIES;
+	return e->arithmetic->bytes == 4 && !emit_is_staged(e) && !emit_tile(e) && e->tree->body_count < MANY_BODIES;
 }
 
 /* Accelerations of an arm or a quadruped. Smaller blocks end more evenly (H100, 1 M samples, ps, blocks of 128 and of 64: iiwa14 44.0,
@@ -111,7 +154,7 @@ int emit_block_size(const struct emission *e)
 	if (emit_main(e)->segments.count)
 		return emit_segments_block(e, emit_main(e));
 
-	while (emit_is_staged(e) && block * emit_slice_bytes(e) > SHARED_BYTES)
+	while (block * (emit_is_staged(e) ? emit_slice_bytes(e) : emit_tile(e) ? emit_input_words(e) * e->memory->bytes : 0) > SHARED_BYTES)
 		block /= 2;
 	return block;
 }

@@ -122,6 +122,65 @@ static const char *move_samples(const struct emission *e, int out)
 	return text_string(&t);
 }
 
+/* ---- tiles ---- */
+
+/* Where this thread's rows begin: of an input in shared memory, of an output in its tile. */
+static const char *tile_pointers(const struct emission *e)
+{
+	const struct dag *d = arguments_of(e);
+	struct text t;
+	int words = 0;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *a = &d->arguments[i];
+
+		if (a->per_batch)
+			continue;
+		text_printf(&t, "\t\t%s%s *const %s_here = ", a->is_output ? "" : "const ", e->memory->type, a->name);
+		if (!a->is_output) {
+			text_printf(&t, "RNEA_TILE > 1 ? slices + RNEA_BLOCK*%d + tile*%d + lane : ", words, a->rows);
+			words += a->rows;
+		}
+		text_printf(&t, "%s + (first + tile)*%d%s;\n", a->name, a->rows, a->is_output ? " + lane" : "");
+	}
+	return text_string(&t);
+}
+
+/* Inputs come, outputs are turned. */
+static const char *move_tiles(const struct emission *e, int out)
+{
+	const struct dag *d = arguments_of(e);
+	struct text t;
+	int words = 0;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *a = &d->arguments[i];
+
+		if (a->per_batch || a->is_output != out)
+			continue;
+		if (out)
+			text_printf(&t, "\trneagen_tiles_turn<%d>(%s + first*%d, slices, samples, %s);\n", a->rows, a->name, a->rows, emit_zero_table(e, i));
+		else
+			text_printf(&t, "\trneagen_tiles_in<%d>(slices + RNEA_BLOCK*%d, %s + first*%d, samples);\n", a->rows, words, a->name, a->rows);
+		words += a->rows;
+	}
+	return text_string(&t);
+}
+
+static void put_tiled(const struct emission *e, const struct pass *p, struct text *out)
+{
+	const struct call here = {.indent = "\t\t", .arguments = here_text(e), .q = "q_here", .stride = "stride"};
+	const struct slot slots[] = {
+		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", emit_call(e, p, &here)},
+		{"POINTERS", tile_pointers(e)}, {"MOVE_IN", move_tiles(e, 0)}, {"MOVE_OUT", move_tiles(e, 1)},
+	};
+
+	template_expand(out, e->target->kernel->tiled, slots, sizeof slots / sizeof *slots);
+}
+
 static const char *kernel_call(const struct emission *e, const struct pass *p, int staged)
 {
 	int is_soa = e->options->layout == RNEAGEN_SOA;
@@ -196,6 +255,8 @@ void emit_kernels(const struct emission *e, struct text *out)
 	for (int i = 0; i < e->pass_count && e->target->kernel; i++)
 		if (e->passes[i].segments.count)
 			emit_segments_kernel(e, &e->passes[i], out);
+		else if (i == 0 && emit_tile(e))
+			put_tiled(e, &e->passes[i], out);
 		else
 			put_kernel(e, &e->passes[i], out);
 	if (emit_has_limbs(e))
@@ -210,8 +271,7 @@ int emit_is_streamed(const struct emission *e)
 {
 	int has_matrix = request_wants_derivative(e->request) || request_wants(e->request, WANT_REGRESSOR);
 
-	return e->target->kernel && e->options->layout == RNEAGEN_SOA && has_matrix &&
-	       !emit_is_staged(e);
+	return e->target->kernel && has_matrix && (e->options->layout == RNEAGEN_SOA ? !emit_is_staged(e) : emit_tile(e) > 0);
 }
 
 const char *emit_store(const struct emission *e)
@@ -226,18 +286,32 @@ const char *emit_store(const struct emission *e)
 	return text_string(&t);
 }
 
+/* The functions that fill tiles and turn them. */
+static void put_tiles(const struct emission *e, struct text *out)
+{
+	const struct slot slots[] = {{"T", e->memory->type}, {"BYTES", emit_int(e, emit_input_words(e) * e->memory->bytes)},
+		{"WORDS", emit_int(e, emit_input_words(e))}, {"ROWS", emit_int(e, emit_longest_output(e))}, {"TILE", emit_int(e, emit_tile(e))}};
+
+	text_put(out, e->target->kernel->stage_copy);
+	template_expand(out, e->target->kernel->stage_tiled, slots, sizeof slots / sizeof *slots);
+}
+
 const char *emit_stage(const struct emission *e)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"T", e->memory->type}, {"BYTES", emit_int(e, emit_slice_bytes(e))}};
+	const struct kernel_frames *f = e->target->kernel;
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"T", e->memory->type},
+		{"BYTES", emit_int(e, emit_slice_bytes(e))}, {"COPY", f ? f->stage_copy : ""}};
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (e->target->kernel && emit_is_prefetched(e))
-		template_expand(&t, e->target->kernel->prefetch, slots, sizeof slots / sizeof *slots);
-	if (e->target->kernel && emit_is_staged(e))
-		template_expand(&t, e->target->kernel->stage, slots, sizeof slots / sizeof *slots);
-	if (e->target->kernel && emit_is_staged(e) && e->options->layout == RNEAGEN_AOS)
-		template_expand(&t, e->target->kernel->stage_aos, slots, sizeof slots / sizeof *slots);
+	if (f && emit_is_prefetched(e))
+		template_expand(&t, f->prefetch, slots, sizeof slots / sizeof *slots);
+	if (f && emit_is_staged(e))
+		template_expand(&t, f->stage, slots, sizeof slots / sizeof *slots);
+	if (f && emit_is_staged(e) && e->options->layout == RNEAGEN_AOS)
+		template_expand(&t, f->stage_aos, slots, sizeof slots / sizeof *slots);
+	if (emit_tile(e))
+		put_tiles(e, &t);
 	return text_string(&t);
 }
 

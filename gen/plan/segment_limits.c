@@ -15,7 +15,8 @@ enum { LOOP_LEAST = 980, LOOP_OPERATIONS = 500, LOOP_OVERHEAD = 8 };
    instead of 312; f64 1963 instead of 2553 (103 values across, in locals), but not where more goes across: g1_29dof
    2971 instead of 3284 with 166, floating atlas 4789 instead of 3767 with 177. The torques with their vjp in f64: atlas
    1783 instead of 3073, jvrc1 3897 instead of 6579, floating hyq 1129 instead of 1737; but in f32 g1_29dof 594 instead
-   of 438. */
+   of 438. In aos each segment fetches inputs that stand apart: g1_brainco in f64 4126 instead of 5007, but in f32 1766
+   to 2448 instead of 1034. */
 enum { KERNEL_LEAST_SINGLE = 5000, KERNEL_LEAST_DOUBLE = 2500, KERNEL_LONG = 5000, KERNEL_OPERATIONS = 1500,
 	KERNEL_LONG_OPERATIONS = 6000, FORWARD_OPERATIONS = 5000, FORWARD_ACROSS = 170, KERNEL_PRODUCT = 3500,
 	PRODUCT_OPERATIONS = 2500 };
@@ -47,13 +48,19 @@ static int is_product(const struct request *k)
 		(request_wants(k, WANT_JVP) || request_wants(k, WANT_VJP));
 }
 
+/* Long torques in f64, where what spills costs more than inputs that stand apart. */
+static int is_cut_in_aos(unsigned flops, const struct request *k, const struct rneagen_options *o)
+{
+	return o->precision == RNEAGEN_F64 && !k->is_forward && !request_wants_derivative(k) && flops > KERNEL_LONG;
+}
+
 static struct segment_limits kernel_limits(
 	const struct pass *p, unsigned flops, const struct request *k, const struct rneagen_options *o)
 {
 	struct segment_limits none = {0};
 	int is_single = o->precision == RNEAGEN_F32;
 
-	if (o->layout != RNEAGEN_SOA || o->precision == RNEAGEN_F32X2 || owners_matrix(k))
+	if (o->precision == RNEAGEN_F32X2 || owners_matrix(k) || (o->layout == RNEAGEN_AOS && !is_cut_in_aos(flops, k, o)))
 		return none;
 	if (request_wants_derivative(k))
 		return is_product(k) && !is_single && flops > KERNEL_PRODUCT

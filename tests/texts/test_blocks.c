@@ -52,6 +52,7 @@ static void generate(const struct subject *s, struct target *t)
 	o.layout = s->layout;
 	o.scene = s->scene;
 	o.name = "arm";
+	o.limbs = RNEAGEN_LIMBS_NONE;
 	o.tell = RNEAGEN_TELL_JSON;
 	target_generate(t, urdf, length, &o, s->robot);
 	free(urdf);
@@ -194,6 +195,41 @@ static void check_block(const struct subject *s, const struct target *t, struct 
 	arrays_spoil(x);
 	rnea_close(robot);
 }
+
+/* ---- outputs in tiles ---- */
+
+/* Of 8 and of 32 samples; with zeros that no sample writes; with what all samples share. A tile is a sample in blocks of 1024, and
+   in those of 33 the last one has a sample. */
+static const struct subject TILES[] = {
+	{"atlas", RNEAGEN_F32, RNEAGEN_AOS, "want M\ndense\n", {33, 128, 1024}, 2e-5},
+	{"hyq", RNEAGEN_F64, RNEAGEN_AOS, "want tau,dtau_dq,dtau_dqd\ndense\nfree gravity:batch,mass.lf_lowerleg:sample\n", {33, 64, 1024}, 1e-12},
+};
+enum { TILES_COUNT = sizeof TILES / sizeof *TILES };
+
+/* This would catch an element in another sample's place, one that is turned twice or never, and a zero that nobody writes. */
+START_TEST(test_tiles)
+{
+	const struct subject *s = &TILES[_i];
+	struct rnea_robot *robot;
+	struct arrays x;
+	struct target t;
+
+	use_fakes();
+	generate(s, &t);
+	ck_assert_ptr_nonnull(strstr(t.text.source, "#define RNEA_TILE "));
+	robot = launched_open(&t, RNEA_BACKEND_CUDA, s->blocks[0]);
+	arrays_new(&x, rnea_info(robot));
+	expect(&x, s, &t);
+	for (int b = 0; b < 3; b++)
+		check_block(s, &t, &x, s->blocks[b], MOST);
+	for (size_t i = 0; i < x.count; i++)
+		x.a[i].name = NULL; /* the robot's */
+	rnea_close(robot);
+	arrays_free(&x);
+	rneagen_result_free(&t.text);
+	drop_folder();
+}
+END_TEST
 
 /* ---- inputs that are asked for in advance ---- */
 
@@ -355,6 +391,7 @@ int main(void)
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	suite_add(s, "values", test_values, SUBJECT_COUNT, 300);
+	suite_add(s, "tiles", test_tiles, TILES_COUNT, 300);
 	suite_add(s, "occupancy", test_occupancy, 2, 60);
 	suite_add(s, "refused", test_refused, 1, 60);
 	suite_add(s, "advance", test_advance, sizeof ADVANCES / sizeof *ADVANCES, 60);
