@@ -98,15 +98,16 @@ static int tile_bytes(int samples, int rows, int bytes)
 	return (samples + 1) * rows * bytes;
 }
 
-/* In aos, where outputs have no room in shared memory: each thread would write elements that stand a sample apart (H100, 1 M samples,
-   ps: gradients of atlas, whole matrices, 10150 instead of 54000, in f64 20250 instead of 79000; of hyq in f64 1410 instead of 8590; M of
-   atlas 2480 instead of 34300). */
+/* In aos, where outputs have no room in shared memory: each thread would write elements that stand a sample apart
+   (H100, 1 M samples, ps: gradients of atlas, whole matrices, 10150 instead of 54000, in f64 20250 instead of 79000;
+   of hyq in f64 1410 instead of 8590; M of atlas 2480 instead of 34300). */
 int emit_tile(const struct emission *e)
 {
 	int bytes = e->memory->bytes, tile = SECTOR_BYTES / bytes, longest = emit_longest_output(e);
 
-	if (e->options->layout != RNEAGEN_AOS || !e->target->kernel || emit_is_staged(e) || emit_is_operation(e) || e->part_count ||
-	    emit_main(e)->segments.count || WARP_THREADS * emit_input_words(e) * bytes > SHARED_BYTES)
+	if (e->options->layout != RNEAGEN_AOS || !e->target->kernel || emit_is_staged(e) || emit_is_operation(e))
+		return 0;
+	if (e->part_count || emit_main(e)->segments.count || WARP_THREADS * emit_input_words(e) * bytes > SHARED_BYTES)
 		return 0;
 	while (tile < TILE_MOST && tile_bytes(2 * tile, longest, bytes) <= TILE_BYTES)
 		tile *= 2;
@@ -138,7 +139,8 @@ int emit_is_prefetched(const struct emission *e)
    hyq 85 instead of 76, gradients of iiwa14, with the test first, 224 instead of 204). */
 int emit_is_optimistic(const struct emission *e)
 {
-	return e->arithmetic->bytes == 4 && !emit_is_staged(e) && !emit_tile(e) && e->tree->body_count < MANY_BODIES;
+	return e->arithmetic->bytes == 4 && !emit_is_staged(e) && !emit_tile(e) &&
+		e->tree->body_count < MANY_BODIES;
 }
 
 /* Accelerations of an arm or a quadruped. Smaller blocks end more evenly (H100, 1 M samples, ps, blocks of 128 and of 64: iiwa14 44.0,
@@ -148,6 +150,12 @@ static int is_small_forward(const struct emission *e)
 	return e->request->is_forward && e->arithmetic->bytes == 4 && e->tree->body_count <= ARM_BODIES;
 }
 
+/* Bytes of a thread in the shared memory that bounds a block. */
+static int thread_bytes(const struct emission *e)
+{
+	return emit_is_staged(e) ? emit_slice_bytes(e) : emit_tile(e) ? emit_input_words(e) * e->memory->bytes : 0;
+}
+
 int emit_block_size(const struct emission *e)
 {
 	int block = emit_is_full(e) || is_small_forward(e) ? DERIVATIVE_BLOCK : BLOCK;
@@ -155,7 +163,7 @@ int emit_block_size(const struct emission *e)
 	if (emit_main(e)->segments.count)
 		return emit_segments_block(e, emit_main(e));
 
-	while (block * (emit_is_staged(e) ? emit_slice_bytes(e) : emit_tile(e) ? emit_input_words(e) * e->memory->bytes : 0) > SHARED_BYTES)
+	while (block * thread_bytes(e) > SHARED_BYTES)
 		block /= 2;
 	return block;
 }

@@ -161,9 +161,11 @@ static const char *move_tiles(const struct emission *e, int out)
 		if (a->per_batch || a->is_output != out)
 			continue;
 		if (out)
-			text_printf(&t, "\trneagen_tiles_turn<%d>(%s + first*%d, slices, samples, %s);\n", a->rows, a->name, a->rows, emit_zero_table(e, i));
+			text_printf(&t, "\trneagen_tiles_turn<%d>(%s + first*%d, slices, samples, %s);\n",
+				a->rows, a->name, a->rows, emit_zero_table(e, i));
 		else
-			text_printf(&t, "\trneagen_tiles_in<%d>(slices + RNEA_BLOCK*%d, %s + first*%d, samples);\n", a->rows, words, a->name, a->rows);
+			text_printf(&t, "\trneagen_tiles_in<%d>(slices + RNEA_BLOCK*%d, %s + first*%d, samples);\n",
+				a->rows, words, a->name, a->rows);
 		words += a->rows;
 	}
 	return text_string(&t);

@@ -345,7 +345,8 @@ const char *emit_zero_loops(const struct emission *e, const char *first, const c
 		const struct argument *a = &d->arguments[i];
 		int count = zero_runs(e, i, &runs);
 		const struct slot slots[] = {{"NAME", e->options->name}, {"ARRAY", a->name},
-			{"PLACE", place_text(e, a)}, {"STRIDE", emit_stride(e)}, {"COUNT", emit_int(e, count)}, {"FIRST", first}, {"WARPS", warps}};
+			{"PLACE", place_text(e, a)}, {"STRIDE", emit_stride(e)}, {"COUNT", emit_int(e, count)},
+			{"FIRST", first}, {"WARPS", warps}};
 
 		if (count)
 			template_expand(&loops, template_zeros_loop_in, slots, sizeof slots / sizeof *slots);

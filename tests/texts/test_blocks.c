@@ -198,13 +198,13 @@ static void check_block(const struct subject *s, const struct target *t, struct 
 
 /* ---- outputs in tiles ---- */
 
-/* Of 8 and of 32 samples; with zeros that no sample writes; with what all samples share. A tile is a sample in blocks of 1024, and
-   in those of 33 the last one has a sample. */
+/* Of 8 and of 32 samples; with zeros that no sample writes; with what all samples share. A tile is a sample in blocks
+   of 1024, and in those of 33 the last one has a sample. */
 static const struct subject TILES[] = {
 	{"atlas", RNEAGEN_F32, RNEAGEN_AOS, "want M\ndense\n", {33, 128, 1024}, 2e-5},
-	{"hyq", RNEAGEN_F64, RNEAGEN_AOS, "want tau,dtau_dq,dtau_dqd\ndense\nfree gravity:batch,mass.lf_lowerleg:sample\n", {33, 64, 1024}, 1e-12},
+	{"hyq", RNEAGEN_F64, RNEAGEN_AOS, "want tau,dtau_dq,dtau_dqd\ndense\nfree gravity:batch,mass.lf_lowerleg:sample\n",
+		{33, 64, 1024}, 1e-12},
 };
-enum { TILES_COUNT = sizeof TILES / sizeof *TILES };
 
 /* This would catch an element in another sample's place, one that is turned twice or never, and a zero that nobody writes. */
 START_TEST(test_tiles)
@@ -391,7 +391,7 @@ int main(void)
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	suite_add(s, "values", test_values, SUBJECT_COUNT, 300);
-	suite_add(s, "tiles", test_tiles, TILES_COUNT, 300);
+	suite_add(s, "tiles", test_tiles, sizeof TILES / sizeof *TILES, 300);
 	suite_add(s, "occupancy", test_occupancy, 2, 60);
 	suite_add(s, "refused", test_refused, 1, 60);
 	suite_add(s, "advance", test_advance, sizeof ADVANCES / sizeof *ADVANCES, 60);

@@ -20,12 +20,13 @@ static const struct subject {
 	const char *name, *wants;
 	int floating;
 	size_t matrices;
-	enum rneagen_layout layout; /* soa, not staged: both kernels store the zeros of the full matrix in a loop */
+	enum rneagen_layout layout; /* not staged: both kernels store the zeros of the full matrix in a loop */
 	int limbs;                  /* warps of the kernel of small batches, which this batch takes; 0: there is none */
 } SUBJECTS[] = {
 	{"hyq", "free payload.lf_lowerleg\nwant tau,M,dtau_dq,dtau_dqd,dtau_dpayload.lf_lowerleg\n", 0, 4, RNEAGEN_AOS, 0},
 	{"hyq", "want M,dtau_dqd\n", 0, 2, RNEAGEN_SOA, 0},
 	{"hyq", "want M,dtau_dqd\n", 0, 2, RNEAGEN_SOA, 4},
+	{"hyq", "want M,dtau_dqd\n", 0, 2, RNEAGEN_AOS, 4},
 	{"mimic_chain", "want dtau_dqd,M,dtau_dq\n", 1, 3, RNEAGEN_AOS, 0},
 	{"double_pendulum", "want dtau_dq,jvp,M\n", 0, 2, RNEAGEN_AOS, 0},
 	{"hyq", "want qdd,Minv,dqdd_dqd\ndynamics factor\n", 0, 2, RNEAGEN_AOS, 0},

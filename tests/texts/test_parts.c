@@ -201,7 +201,8 @@ static const struct stored {
 	{"hyq", "want tau,regressor\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 1},
 	{"ur5", "want tau,dtau_dq,dtau_dqd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0}, /* staged */
 	{"iiwa14", ALL, RNEAGEN_TARGET_CUDA, RNEAGEN_AOS, RNEAGEN_F32, 0}, /* staged */
-	{"atlas", "want tau,dtau_dq,dtau_dqd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_AOS, RNEAGEN_F32, 0}, /* too large for that */
+	{"atlas", "want tau,dtau_dq,dtau_dqd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_AOS, RNEAGEN_F32, 1}, /* in tiles */
+	{"atlas", "want tau,regressor\n", RNEAGEN_TARGET_CUDA, RNEAGEN_AOS, RNEAGEN_F32, 0}, /* too large for that too */
 	{"iiwa14", NULL, RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 0},
 	{"iiwa14", ALL, RNEAGEN_TARGET_C, RNEAGEN_SOA, RNEAGEN_F64, 0},
 	{"iiwa14", ALL, RNEAGEN_TARGET_HEADER, RNEAGEN_SOA, RNEAGEN_F32, 0},
