@@ -267,6 +267,7 @@ void emit_bounded(const struct emission *e, struct text *out)
 {
 	const struct pass *p = emit_main(e);
 
+	text_put(out, template_bounded_finite_in);
 	if (emit_bounds_by_table(e, &p->dag))
 		put_swept(e, p, out);
 	else

@@ -252,6 +252,33 @@ START_TEST(fast_math_is_refused)
 }
 END_TEST
 
+/* Where nothing is infinite, a bound that is would be taken for one that is not. */
+START_TEST(finite_math_is_refused)
+{
+	struct rneagen_options o = rneagen_options_default();
+	struct target_path source = target_path("finite", ".c");
+	const char *const argv[] = {"gcc", "-std=c11", "-O2", "-ffinite-math-only", "-fsyntax-only", source.s, NULL};
+	size_t length;
+	char *urdf = target_robot("pendulum", &length);
+
+	o.target = RNEAGEN_TARGET_C;
+	for (o.bounded = 0; o.bounded <= RNEAGEN_BOUNDS_RUNNING; o.bounded++) {
+		struct process p;
+		struct target t;
+
+		target_generate(&t, urdf, length, &o, "pendulum");
+		target_write(source, t.text.source);
+		p = process_run(argv);
+		ck_assert_int_eq(p.status != 0, o.bounded != 0);
+		ck_assert_msg(!p.status || strstr(p.output, "without -ffinite-math-only"), "%s: %s", t.what, p.output);
+		process_free(&p);
+		target_close(&t);
+	}
+	unlink(source.s);
+	free(urdf);
+}
+END_TEST
+
 /* Constants beyond float are refused where they are floats, and taken where they are doubles: mixed stores the torque that
    f64 finds, or infinity where no float holds it. A pendulum of 1e-100 kg under 1e101 m/s^2, and of 1 kg. */
 START_TEST(constants_beyond_float)
@@ -303,6 +330,7 @@ int main(void)
 	suite_add(suite, "real", real_robots, 1, 1200);
 	suite_add(suite, "zero", zero_is_stored, 1, 1200);
 	suite_add(suite, "fast", fast_math_is_refused, 6, 1200);
+	suite_add(suite, "finite", finite_math_is_refused, 1, 1200);
 	suite_add(suite, "constants", constants_beyond_float, 1, 60);
 	return suite_run(suite);
 }
