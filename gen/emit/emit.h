@@ -126,6 +126,7 @@ enum params {
 };
 const char *emit_params(const struct emission *e, const struct pass *p, enum params kind);
 const char *emit_q_at_sample(const struct emission *e);
+void emit_put_at_sample(const struct emission *e, const struct argument *a, struct text *out);
 
 /* The arrays moved on to sample k of a batch, and the stride of their rows. */
 const char *emit_at_sample(const struct emission *e, const struct pass *p);
@@ -210,10 +211,11 @@ int emit_stage_words(const struct emission *e);
 int emit_slice_bytes(const struct emission *e);
 int emit_pitch(const struct emission *e, int rows);
 
-/* Are its inputs staged, and its outputs written in tiles of so many samples? 0: no. Words of a sample's inputs; rows of the longest
-   output. */
+/* Are its inputs staged, and its outputs written in tiles of so many samples? 0: no. Words of a sample's inputs, and of those before
+   an argument; rows of the longest output. */
 int emit_tile(const struct emission *e);
 int emit_input_words(const struct emission *e);
+int emit_words_before(const struct emission *e, int argument);
 int emit_longest_output(const struct emission *e);
 
 /* Are its inputs asked for in advance? Has it more values at once than registers, so that it spills to shared memory? Does a sample's first

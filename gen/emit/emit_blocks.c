@@ -38,14 +38,19 @@ int emit_stage_words(const struct emission *e)
 	return words;
 }
 
-int emit_input_words(const struct emission *e)
+int emit_words_before(const struct emission *e, int argument)
 {
 	const struct dag *d = &emit_main(e)->dag;
 	int words = 0;
 
-	for (int i = 0; i < d->argument_count; i++)
+	for (int i = 0; i < argument; i++)
 		words += d->arguments[i].is_output || d->arguments[i].per_batch ? 0 : d->arguments[i].rows;
 	return words;
+}
+
+int emit_input_words(const struct emission *e)
+{
+	return emit_words_before(e, emit_main(e)->dag.argument_count);
 }
 
 int emit_longest_output(const struct emission *e)

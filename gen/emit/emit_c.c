@@ -112,8 +112,9 @@ static void put_prototype(
 
 static void put_slice_prototypes(const struct emission *e, struct text *out)
 {
-	text_put(out, "/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each\n");
-	text_put(out, "   in a thread of the caller's own. The arrays are those of ");
+	text_put(out,
+		"/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each\n"
+		"   in a thread of the caller's own. The arrays are those of ");
 	for (int i = 0; i < e->pass_count; i++)
 		text_printf(out, "%s%s", i == 0 ? "" : i + 1 < e->pass_count ? ", " : " and ", e->passes[i].algorithm->name);
 	text_put(out, ", in that order. */\n");

@@ -261,7 +261,8 @@ static void put_operations(const struct emission *e, struct text *out)
 		text_printf(out, " *   %s: %u mul, %u add, %u sub, %u neg, %u fma, %u sincos = %u flops\n",
 			e->passes[i].algorithm->name, n.mul, n.add, n.sub, n.neg, n.fma, n.sincos, plan_flops(n));
 		if (e->wide)
-			text_printf(out, " *   %u of these flops in %s: the residual tau - ID(q, qd, qdd), by which the qdd found is refined\n", n.wide,
+			text_printf(out,
+				" *   %u of these flops in %s: the residual tau - ID(q, qd, qdd), by which the qdd found is refined\n", n.wide,
 				e->wide->arithmetic->name);
 	}
 	for (int i = 0; i < e->pass_count; i++)

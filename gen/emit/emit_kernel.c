@@ -73,27 +73,36 @@ static const char *pointers_text(const struct emission *e)
 	return text_string(&t);
 }
 
-/* aos: slices come or go. */
-static const char *move_slices(const struct emission *e, int out)
+typedef void put_move(const struct emission *e, int argument, struct text *out);
+
+/* aos: a line for each array that comes, or goes. */
+static const char *moves_text(const struct emission *e, int is_output, put_move *put)
 {
 	const struct dag *d = arguments_of(e);
 	struct text t;
 
 	text_init(&t, e->arena);
-	for (int i = 0; i < d->argument_count; i++) {
-		const struct argument *a = &d->arguments[i];
-		int words = emit_pitch(e, a->rows);
-
-		if (a->per_batch || a->is_output != out)
-			continue;
-		if (out)
-			text_printf(&t, "\t\trneagen_stage_out<%d, %d>(%s + first*%d, %s_slice, samples);\n", a->rows, words, a->name, a->rows,
-				d->arguments[stage_place(d, i)].name);
-		else
-			text_printf(&t, "\t\trneagen_stage_in<%d, %d>(%s_slice, %s + first*%d, samples);\n", a->rows, words, a->name, a->name,
-				a->rows);
-	}
+	for (int i = 0; i < d->argument_count; i++)
+		if (!d->arguments[i].per_batch && d->arguments[i].is_output == is_output)
+			put(e, i, &t);
 	return text_string(&t);
+}
+
+static void put_slice_in(const struct emission *e, int argument, struct text *out)
+{
+	const struct argument *a = &arguments_of(e)->arguments[argument];
+
+	text_printf(out, "\t\trneagen_stage_in<%d, %d>(%s_slice, %s + first*%d, samples);\n", a->rows, emit_pitch(e, a->rows),
+		a->name, a->name, a->rows);
+}
+
+static void put_slice_out(const struct emission *e, int argument, struct text *out)
+{
+	const struct dag *d = arguments_of(e);
+	const struct argument *a = &d->arguments[argument];
+
+	text_printf(out, "\t\trneagen_stage_out<%d, %d>(%s + first*%d, %s_slice, samples);\n", a->rows, emit_pitch(e, a->rows),
+		a->name, a->rows, d->arguments[stage_place(d, argument)].name);
 }
 
 /* soa: a thread fetches or writes its own sample; one loop for arrays of one length that follow each other. */
@@ -129,7 +138,6 @@ static const char *tile_pointers(const struct emission *e)
 {
 	const struct dag *d = arguments_of(e);
 	struct text t;
-	int words = 0;
 
 	text_init(&t, e->arena);
 	for (int i = 0; i < d->argument_count; i++) {
@@ -138,37 +146,27 @@ static const char *tile_pointers(const struct emission *e)
 		if (a->per_batch)
 			continue;
 		text_printf(&t, "\t\t%s%s *const %s_here = ", a->is_output ? "" : "const ", e->memory->type, a->name);
-		if (!a->is_output) {
-			text_printf(&t, "RNEA_TILE > 1 ? slices + RNEA_BLOCK*%d + tile*%d + lane : ", words, a->rows);
-			words += a->rows;
-		}
+		if (!a->is_output)
+			text_printf(&t, "RNEA_TILE > 1 ? slices + RNEA_BLOCK*%d + tile*%d + lane : ", emit_words_before(e, i), a->rows);
 		text_printf(&t, "%s + (first + tile)*%d%s;\n", a->name, a->rows, a->is_output ? " + lane" : "");
 	}
 	return text_string(&t);
 }
 
-/* Inputs come, outputs are turned. */
-static const char *move_tiles(const struct emission *e, int out)
+static void put_tile_in(const struct emission *e, int argument, struct text *out)
 {
-	const struct dag *d = arguments_of(e);
-	struct text t;
-	int words = 0;
+	const struct argument *a = &arguments_of(e)->arguments[argument];
 
-	text_init(&t, e->arena);
-	for (int i = 0; i < d->argument_count; i++) {
-		const struct argument *a = &d->arguments[i];
+	text_printf(out, "\trneagen_tiles_in<%d>(slices + RNEA_BLOCK*%d, %s + first*%d, samples);\n", a->rows,
+		emit_words_before(e, argument), a->name, a->rows);
+}
 
-		if (a->per_batch || a->is_output != out)
-			continue;
-		if (out)
-			text_printf(&t, "\trneagen_tiles_turn<%d>(%s + first*%d, slices, samples, %s);\n",
-				a->rows, a->name, a->rows, emit_zero_table(e, i));
-		else
-			text_printf(&t, "\trneagen_tiles_in<%d>(slices + RNEA_BLOCK*%d, %s + first*%d, samples);\n",
-				a->rows, words, a->name, a->rows);
-		words += a->rows;
-	}
-	return text_string(&t);
+static void put_tile_turn(const struct emission *e, int argument, struct text *out)
+{
+	const struct argument *a = &arguments_of(e)->arguments[argument];
+
+	text_printf(out, "\trneagen_tiles_turn<%d>(%s + first*%d, slices, samples, %s);\n", a->rows, a->name, a->rows,
+		emit_zero_table(e, argument));
 }
 
 static void put_tiled(const struct emission *e, const struct pass *p, struct text *out)
@@ -177,7 +175,7 @@ static void put_tiled(const struct emission *e, const struct pass *p, struct tex
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", emit_call(e, p, &here)},
-		{"POINTERS", tile_pointers(e)}, {"MOVE_IN", move_tiles(e, 0)}, {"MOVE_OUT", move_tiles(e, 1)},
+		{"POINTERS", tile_pointers(e)}, {"MOVE_IN", moves_text(e, 0, put_tile_in)}, {"MOVE_OUT", moves_text(e, 1, put_tile_turn)},
 	};
 
 	template_expand(out, e->target->kernel->tiled, slots, sizeof slots / sizeof *slots);
@@ -241,7 +239,8 @@ static void put_kernel(const struct emission *e, const struct pass *p, struct te
 		{"SPILL", spill_text(e)}, {"ZEROS", p == emit_main(e) ? emit_zero_loops(e, "blockIdx.y", "") : ""}, {"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", kernel_call(e, p, staged)},
 		{"PREFETCH", prefetch_text(e, p)}, {"DECLARATION", declaration_text(e)}, {"SLICES", slices_text(e)}, {"POINTERS", pointers_text(e)},
-		{"MOVE_IN", is_aos ? move_slices(e, 0) : move_samples(e, 0)}, {"MOVE_OUT", is_aos ? move_slices(e, 1) : move_samples(e, 1)},
+		{"MOVE_IN", is_aos ? moves_text(e, 0, put_slice_in) : move_samples(e, 0)},
+		{"MOVE_OUT", is_aos ? moves_text(e, 1, put_slice_out) : move_samples(e, 1)},
 		{"IN_PLACE", !is_in_place(arguments_of(e)) ? "" :
 			"\t/* tau takes the place of qdd: a joint's qdd is read before its torque is written */\n"},
 	};
@@ -295,7 +294,8 @@ const char *emit_store(const struct emission *e)
 static void put_tiles(const struct emission *e, struct text *out)
 {
 	const struct slot slots[] = {{"T", e->memory->type}, {"BYTES", emit_int(e, emit_input_words(e) * e->memory->bytes)},
-		{"WORDS", emit_int(e, emit_input_words(e))}, {"ROWS", emit_int(e, emit_longest_output(e))}, {"TILE", emit_int(e, emit_tile(e))}};
+		{"WORDS", emit_int(e, emit_input_words(e))}, {"ROWS", emit_int(e, emit_longest_output(e))},
+		{"TILE", emit_int(e, emit_tile(e))}};
 
 	text_put(out, e->target->kernel->stage_copy);
 	template_expand(out, e->target->kernel->stage_tiled, slots, sizeof slots / sizeof *slots);

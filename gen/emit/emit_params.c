@@ -58,7 +58,7 @@ const char *emit_stride(const struct emission *e)
 	return e->options->layout == RNEAGEN_SOA ? "count" : "1";
 }
 
-static void put_at_sample(const struct emission *e, const struct argument *a, struct text *out)
+void emit_put_at_sample(const struct emission *e, const struct argument *a, struct text *out)
 {
 	if (a->per_batch)
 		text_put(out, a->name);
@@ -91,7 +91,7 @@ static void put_argument(const struct emission *e, const struct pass *p, int i, 
 		text_printf(out, "arrays[%d]", i);
 		break;
 	case PARAMS_AT_SAMPLE:
-		put_at_sample(e, a, out);
+		emit_put_at_sample(e, a, out);
 		break;
 	default:
 		put_declaration(e, a, kind, out);

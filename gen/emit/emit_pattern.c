@@ -286,7 +286,7 @@ static int zero_runs(const struct emission *e, int argument, struct text *out)
 void emit_zeros(const struct emission *e, struct text *out)
 {
 	const struct dag *d = &emit_main(e)->dag;
-	struct text tables, runs, store;
+	struct text tables, runs;
 
 	if (!emit_has_zeros(e, emit_main(e)))
 		return;
@@ -299,27 +299,11 @@ void emit_zeros(const struct emission *e, struct text *out)
 		if (count)
 			template_expand(&tables, template_zeros_table_in, slots, sizeof slots / sizeof *slots);
 	}
-	const struct slot type = {"T", e->memory->type};
+	const struct slot slots[] = {{"T", e->memory->type}, {"TABLES", text_string(&tables)}};
+	int is_turned = emit_tile(e) && !emit_has_limbs(e);
 
-	text_init(&store, e->arena);
-	if (!emit_tile(e) || emit_has_limbs(e))
-		template_expand(&store, template_zeros_store_in, &type, 1);
-	const struct slot slots[] = {{"TABLES", text_string(&tables)}, {"STORE", text_string(&store)}};
-
-	template_expand(out, e->target->kernel->zeros, slots, sizeof slots / sizeof *slots);
-}
-
-/* Where an array's rows of sample k begin. */
-static const char *place_text(const struct emission *e, const struct argument *a)
-{
-	struct text t;
-
-	text_init(&t, e->arena);
-	if (e->options->layout == RNEAGEN_SOA)
-		text_printf(&t, "%s + k", a->name);
-	else
-		text_printf(&t, "%s + k*%d", a->name, a->rows);
-	return text_string(&t);
+	template_expand(out, is_turned ? e->target->kernel->zeros_turned : e->target->kernel->zeros, slots,
+		sizeof slots / sizeof *slots);
 }
 
 const char *emit_zero_table(const struct emission *e, int argument)
@@ -338,14 +322,17 @@ const char *emit_zero_table(const struct emission *e, int argument)
 const char *emit_zero_loops(const struct emission *e, const char *first, const char *warps)
 {
 	const struct dag *d = &emit_main(e)->dag;
-	struct text loops, runs;
+	struct text loops, runs, place;
 
 	text_init(&loops, e->arena);
 	for (int i = 0; i < d->argument_count && emit_has_zeros(e, emit_main(e)); i++) {
 		const struct argument *a = &d->arguments[i];
 		int count = zero_runs(e, i, &runs);
+
+		text_init(&place, e->arena);
+		emit_put_at_sample(e, a, &place);
 		const struct slot slots[] = {{"NAME", e->options->name}, {"ARRAY", a->name},
-			{"PLACE", place_text(e, a)}, {"STRIDE", emit_stride(e)}, {"COUNT", emit_int(e, count)},
+			{"PLACE", text_string(&place)}, {"STRIDE", emit_stride(e)}, {"COUNT", emit_int(e, count)},
 			{"FIRST", first}, {"WARPS", warps}};
 
 		if (count)

@@ -15,7 +15,7 @@ struct kernel_frames {
 	const char *stage_copy, *stage_tiled;         /* how both are filled; tiles */
 	const char *store;                            /* what RNEA_STORE means */
 	const char *prefetch;                         /* what asks for a sample's inputs in advance */
-	const char *zeros;                            /* what stores the elements that are always zero */
+	const char *zeros, *zeros_turned;             /* what stores the elements that are always zero; where all come with tiles */
 	const char *compiler;                         /* a macro that the compiler of kernels defines */
 };
 

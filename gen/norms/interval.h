@@ -21,6 +21,9 @@ static inline double round_down(double x)
 	return x - (0x1p-52 * (x < 0 ? -x : x) + 0x1p-1022);
 }
 
+/* What the root of a sum of up to four squares lacks, each less than 2^-1021 short where it is no normal number. */
+#define SQUARES_LOST 0x1p-508
+
 /* -pi to pi, and a little more: every angle, where turns are not counted. */
 static inline struct interval interval_turn(void)
 {

@@ -20,8 +20,6 @@ struct lanes {
 #define DOWN(x) ((x) - (0x1p-52 * fabs(x) + DBL_MIN))
 #define UP(x) ((x) + (0x1p-52 * fabs(x) + DBL_MIN))
 
-/* A set has four squares at most, each less than 2^-1021 short where it is no normal number. */
-#define SQUARES_LOST 0x1p-508
 #define LEAST(a, b) ((a) < (b) ? (a) : (b))
 #define MOST(a, b) ((a) > (b) ? (a) : (b))
 

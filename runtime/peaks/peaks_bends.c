@@ -138,7 +138,7 @@ static double length_of(const struct bending *b, const struct peak *k, const str
 
 	for (int n = 0; n < (k->pair ? 2 : 1); n++)
 		sum += b->values.size[of[k->nodes[n]].i] * b->values.size[of[k->nodes[n]].i];
-	sum = sqrt(sum) * (1 + 0x1p-40) + 0x1p-508; /* squares below the least normal number */
+	sum = sqrt(sum) * (1 + 0x1p-40) + SQUARES_LOST;
 	if (pair)
 		sum = interval_least(norms_of_pair(&b->norms, &b->values, pair), sum);
 	return sum >= 0 ? sum : (double)INFINITY;

@@ -17,9 +17,7 @@ static struct interval position_limits(const struct tree_joint *t, const struct 
 {
 	if (t->type == JOINT_FLOATING && row >= 3)
 		return (struct interval){-1 - RELAXED_QUATERNION, 1 + RELAXED_QUATERNION};
-	if (t->type == JOINT_PLANAR && row == 2)
-		return interval_turn();
-	if (t->type == JOINT_CONTINUOUS)
+	if (t->type == JOINT_CONTINUOUS || (t->type == JOINT_PLANAR && row == 2))
 		return interval_turn();
 	return j && j->has_limits && t->nq == 1 ? (struct interval){j->lower, j->upper} : UNKNOWN;
 }

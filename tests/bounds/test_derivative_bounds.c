@@ -146,8 +146,8 @@ static void tell(int robots)
 {
 	printf("%d robots, %d states each, seed %d\n", robots, SAMPLES, SEED);
 	for (struct variant *v = VARIANTS; v < VARIANTS + VARIANT_COUNT; v++) {
-		printf("%-12s at most %.2f of a bound, bounds at most %.1f times the rounding of their terms; median bound over error:", v->name,
-			v->share, v->most);
+		printf("%-12s at most %.2f of a bound, bounds at most %.1f times the rounding of their terms; "
+		       "median bound over error:", v->name, v->share, v->most);
 		for (int o = 0; o < OUTPUTS; o++) {
 			qsort(v->ratios[o], v->count[o], sizeof *v->ratios[o], by_size);
 			printf(" %s %.1f", NAMES[o], v->count[o] ? (double)v->ratios[o][v->count[o] / 2] : 0);

@@ -146,6 +146,30 @@ static void drop_folder(void)
 	ck_assert_int_eq(system(command), 0);
 }
 
+/* A subject's text on the pretended device, the arrays of a launch, and what comes out. */
+struct trial {
+	struct target text;
+	struct rnea_robot *robot;
+	struct arrays x;
+};
+
+static void trial_open(struct trial *t, const struct subject *s, unsigned block)
+{
+	use_fakes();
+	generate(s, &t->text);
+	t->robot = launched_open(&t->text, RNEA_BACKEND_CUDA, block);
+	arrays_new(&t->x, rnea_info(t->robot));
+	expect(&t->x, s, &t->text);
+}
+
+static void trial_close(struct trial *t)
+{
+	rnea_close(t->robot);
+	arrays_free(&t->x);
+	rneagen_result_free(&t->text.text);
+	drop_folder();
+}
+
 /* What is staged are the arrays, but tau in the place of qdd; in aos a row may be followed by a gap. --info=json says
    the same. */
 static void check_table(const struct arrays *x, size_t stage, const struct target *t)
@@ -210,24 +234,13 @@ static const struct subject TILES[] = {
 START_TEST(test_tiles)
 {
 	const struct subject *s = &TILES[_i];
-	struct rnea_robot *robot;
-	struct arrays x;
-	struct target t;
+	struct trial t;
 
-	use_fakes();
-	generate(s, &t);
-	ck_assert_ptr_nonnull(strstr(t.text.source, "#define RNEA_TILE "));
-	robot = launched_open(&t, RNEA_BACKEND_CUDA, s->blocks[0]);
-	arrays_new(&x, rnea_info(robot));
-	expect(&x, s, &t);
+	trial_open(&t, s, s->blocks[0]);
+	ck_assert_ptr_nonnull(strstr(t.text.text.source, "#define RNEA_TILE "));
 	for (int b = 0; b < 3; b++)
-		check_block(s, &t, &x, s->blocks[b], MOST);
-	for (size_t i = 0; i < x.count; i++)
-		x.a[i].name = NULL; /* the robot's */
-	rnea_close(robot);
-	arrays_free(&x);
-	rneagen_result_free(&t.text);
-	drop_folder();
+		check_block(s, &t.text, &t.x, s->blocks[b], MOST);
+	trial_close(&t);
 }
 END_TEST
 
@@ -266,26 +279,15 @@ START_TEST(test_values)
 {
 	static const size_t limits[] = {MOST, 99 << 10, OWN};
 	const struct subject *s = &SUBJECTS[_i];
-	struct rnea_robot *robot;
-	struct arrays x;
-	struct target t;
+	struct trial t;
 
-	use_fakes();
-	generate(s, &t);
-	robot = launched_open(&t, RNEA_BACKEND_CUDA, s->blocks[0]);
-	arrays_new(&x, rnea_info(robot));
-	check_table(&x, rnea_info(robot)->stage_bytes, &t);
-	expect(&x, s, &t);
+	trial_open(&t, s, s->blocks[0]);
+	check_table(&t.x, rnea_info(t.robot)->stage_bytes, &t.text);
 	for (int b = 0; b < 3 && s->blocks[b]; b++)
 		for (size_t l = 0; l < sizeof limits / sizeof *limits; l++)
 			if (exhaustive() || b == (s->blocks[_i % 3] ? _i % 3 : 0))
-				check_block(s, &t, &x, s->blocks[b], limits[l]);
-	for (size_t i = 0; i < x.count; i++)
-		x.a[i].name = NULL; /* the robot's */
-	rnea_close(robot);
-	arrays_free(&x);
-	rneagen_result_free(&t.text);
-	drop_folder();
+				check_block(s, &t.text, &t.x, s->blocks[b], limits[l]);
+	trial_close(&t);
 }
 END_TEST
 
@@ -354,34 +356,25 @@ START_TEST(test_launch)
 	static const size_t limits[] = {MOST, 99 << 10, OWN};
 	size_t stage = 696 * launch_blocks[_i], *limit, *given, *failures;
 	int (*launch)(void *q, void *qd, void *qdd, void *tau, size_t count, void *stream);
-	struct rnea_robot *robot;
-	struct arrays x;
-	struct target t;
+	struct trial t;
 	void *handle;
 
-	use_fakes();
-	generate(&s, &t);
-	robot = launched_open(&t, RNEA_BACKEND_CUDA, 0);
-	arrays_new(&x, rnea_info(robot));
-	expect(&x, &s, &t);
-	handle = build_launch(&t, launch_blocks[_i]);
-	target_symbol(&t, handle, "arm_rnea_launch", &launch);
-	target_symbol(&t, handle, "fake_limit", &limit);
-	target_symbol(&t, handle, "fake_launched", &given);
-	target_symbol(&t, handle, "fake_failures", &failures);
+	trial_open(&t, &s, 0);
+	handle = build_launch(&t.text, launch_blocks[_i]);
+	target_symbol(&t.text, handle, "arm_rnea_launch", &launch);
+	target_symbol(&t.text, handle, "fake_limit", &limit);
+	target_symbol(&t.text, handle, "fake_launched", &given);
+	target_symbol(&t.text, handle, "fake_failures", &failures);
 	for (size_t l = 0; l < sizeof limits / sizeof *limits; l++) {
 		*limit = limits[l];
-		ck_assert_int_eq(launch(x.data[0], x.data[1], x.data[2], x.data[3], COUNT, NULL), 0);
+		ck_assert_int_eq(launch(t.x.data[0], t.x.data[1], t.x.data[2], t.x.data[3], COUNT, NULL), 0);
 		ck_assert_uint_eq(*given, stage > OWN && stage <= MOST && stage <= limits[l] ? stage : 0);
-		ck_assert_double_lt(distance(&x), 1e-13);
-		arrays_spoil(&x);
+		ck_assert_double_lt(distance(&t.x), 1e-13);
+		arrays_spoil(&t.x);
 	}
 	ck_assert_uint_eq(*failures, 0);
 	dlclose(handle);
-	rnea_close(robot);
-	rneagen_result_free(&t.text);
-	arrays_free(&x);
-	drop_folder();
+	trial_close(&t);
 }
 END_TEST
 
