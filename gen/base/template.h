@@ -17,10 +17,10 @@ const char *template_expand_to(struct text *out, const char *tmpl, const char *e
 
 /* The files of templates/, by name with '.' turned into '_' (made by embed.cmake). */
 extern const char template_kernel_cu_in[], template_kernel_soa_in[], template_kernel_aos_in[], template_stage_aos_in[];
-extern const char template_kernel_tiled_in[], template_stage_tiled_in[], template_stage_copy_in[], template_bounded_finite_in[];
+extern const char template_kernel_windowed_in[], template_windows_in[], template_stage_copy_in[], template_bounded_finite_in[];
 extern const char template_kernel_soa_staged_in[], template_stage_in[], template_slices_in[],
 	template_stage_launch_in[], template_store_in[], template_prefetch_in[];
-extern const char template_zeros_in[], template_zeros_table_in[], template_zeros_turned_in[], template_zeros_loop_in[];
+extern const char template_zeros_in[], template_zeros_table_in[], template_zeros_loop_in[];
 extern const char template_function_c_in[], template_function_h_in[], template_header_h_in[], template_further_h_in[],
 	template_body_in[], template_is_small_in[];
 extern const char template_head_c_in[], template_part_in[], template_part_accurate_in[], template_are_small_in[];

@@ -188,18 +188,19 @@ const char *emit_stage_launch(const struct emission *e);
 const char *emit_given(const struct emission *e);
 int emit_stage_bytes(const struct emission *e);
 
-/* Do the statements store by RNEA_STORE? Then emit_store is what that means, else "". */
+/* Do the statements store by RNEA_STORE? What that means, or RNEA_HOLD and RNEA_FLUSH where outputs leave through windows; else
+   "". The number of a pass's first flush, among those of all. */
 int emit_is_streamed(const struct emission *e);
 const char *emit_store(const struct emission *e);
+void emit_put_flush(const struct emission *e, const struct pass *p, int flush, struct text *out);
 
 /* Does a kernel of this pass store the elements of matrices that are always zero in a loop, beside the statements? Is this the
    store of one? What the loops of the first pass call, and the loops: those of threads that have the number `first` of
-   `warps`. The table of an array's, and how many runs it has: `NAME_M_zeros, 8`. */
+   `warps`. */
 int emit_has_zeros(const struct emission *e, const struct pass *p);
 int emit_is_zero_store(const struct plan *p, const struct line *l);
 void emit_zeros(const struct emission *e, struct text *out);
 const char *emit_zero_loops(const struct emission *e, const char *first, const char *warps);
-const char *emit_zero_table(const struct emission *e, int argument);
 
 /* What the main kernel takes of a multiprocessor. Threads of a block; blocks that have room, an expression of RNEA_BLOCK. */
 int emit_block_size(const struct emission *e);
@@ -211,12 +212,9 @@ int emit_stage_words(const struct emission *e);
 int emit_slice_bytes(const struct emission *e);
 int emit_pitch(const struct emission *e, int rows);
 
-/* Are its inputs staged, and its outputs written in tiles of so many samples? 0: no. Words of a sample's inputs, and of those before
-   an argument; rows of the longest output. */
-int emit_tile(const struct emission *e);
-int emit_input_words(const struct emission *e);
-int emit_words_before(const struct emission *e, int argument);
-int emit_longest_output(const struct emission *e);
+/* The windows through which its outputs leave, their slots 0 where there are none; bytes of one. */
+const struct windows *emit_windows(const struct emission *e);
+int emit_window_bytes(const struct emission *e);
 
 /* Are its inputs asked for in advance? Has it more values at once than registers, so that it spills to shared memory? Does a sample's first
    run stand unless an angle turns out to be large? Not where that run fills the registers. */

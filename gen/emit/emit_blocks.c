@@ -14,54 +14,15 @@ enum { DERIVATIVE_BLOCK = 64 };
 enum { ARM_BODIES = 12, MANY_BODIES = 24, FEW_ALIVE = 45, MANY_ALIVE = 60, MOST_ALIVE = 100, LATE_SINGLE = 140, FULL_SINGLE = 220,
 	FULL_DOUBLE = 170, OVERFULL_DOUBLE = 340 };
 
-static int gcd(int a, int b)
-{
-	return b ? gcd(b, a % b) : a;
-}
-
-/* Words from one sample's rows to the next one's in shared memory. 32 banks of 4 bytes: even eight threads on a bank are
-   cheaper than a gap that breaks the slice up (H100: hyq, 12 rows, 0.93 of the floor instead of 0.78). */
 int emit_pitch(const struct emission *e, int rows)
 {
-	return e->options->layout == RNEAGEN_SOA || gcd(rows, 128 / e->memory->bytes) <= 8 ? rows : rows | 1;
+	return stage_pitch(rows, e->options);
 }
 
 /* Words of shared memory that staging takes for one sample. */
 int emit_stage_words(const struct emission *e)
 {
-	const struct dag *d = &emit_main(e)->dag;
-	int words = 0;
-
-	for (int i = 0; i < d->argument_count; i++)
-		if (stage_has_place(d, i))
-			words += emit_pitch(e, d->arguments[i].rows);
-	return words;
-}
-
-int emit_words_before(const struct emission *e, int argument)
-{
-	const struct dag *d = &emit_main(e)->dag;
-	int words = 0;
-
-	for (int i = 0; i < argument; i++)
-		words += d->arguments[i].is_output || d->arguments[i].per_batch ? 0 : d->arguments[i].rows;
-	return words;
-}
-
-int emit_input_words(const struct emission *e)
-{
-	return emit_words_before(e, emit_main(e)->dag.argument_count);
-}
-
-int emit_longest_output(const struct emission *e)
-{
-	const struct dag *d = &emit_main(e)->dag;
-	int rows = 0;
-
-	for (int i = 0; i < d->argument_count; i++)
-		if (d->arguments[i].is_output && d->arguments[i].rows > rows)
-			rows = d->arguments[i].rows;
-	return rows;
+	return stage_words(&emit_main(e)->dag, e->options);
 }
 
 int emit_slice_bytes(const struct emission *e)
@@ -82,41 +43,22 @@ int emit_is_full(const struct emission *e)
 	return request_wants_derivative(e->request) || is_full_forward(e);
 }
 
-/* Does the main kernel fetch its slice into shared memory first? In aos, to move whole lines, wherever 32 samples have
-   room; in soa in f64, where inputs that wait in registers leave few threads, as long as 64 have (H100: iiwa14 0.96 of
-   the floor instead of 0.86, fetch 0.94 instead of 0.80; but jvrc1, where 32 just fit, 0.47 instead of 0.63). */
+/* Does the main kernel fetch its slice into shared memory first? */
 int emit_is_staged(const struct emission *e)
 {
-	/* a part must not write what stands in the others' places; segments have shared memory of their own */
-	if (emit_is_operation(e) || e->part_count || emit_main(e)->segments.count)
-		return 0;
-	if (e->options->layout == RNEAGEN_AOS)
-		return WARP_THREADS * emit_slice_bytes(e) <= SHARED_BYTES;
-	return e->arithmetic->bytes == 8 && 2 * WARP_THREADS * emit_slice_bytes(e) <= SHARED_BYTES;
+	/* a part must not write what stands in the others' places; segments and windows have shared memory of their own */
+	return !emit_is_operation(e) && !e->part_count && !emit_main(e)->segments.count && !emit_windows(e)->slots &&
+		stage_fits(&emit_main(e)->dag, e->options);
 }
 
-/* A row of a tile fills a sector of 32 bytes at least; larger tiles leave room for four blocks on a multiprocessor. */
-enum { SECTOR_BYTES = 32, TILE_MOST = 32, TILE_BYTES = 40960 };
-
-static int tile_bytes(int samples, int rows, int bytes)
+const struct windows *emit_windows(const struct emission *e)
 {
-	return (samples + 1) * rows * bytes;
+	return e->part_count ? &e->parts[0].pass.windows : &emit_main(e)->windows;
 }
 
-/* In aos, where outputs have no room in shared memory: each thread would write elements that stand a sample apart
-   (H100, 1 M samples, ps: gradients of atlas, whole matrices, 10150 instead of 54000, in f64 20250 instead of 79000;
-   of hyq in f64 1410 instead of 8590; M of atlas 2480 instead of 34300). */
-int emit_tile(const struct emission *e)
+int emit_window_bytes(const struct emission *e)
 {
-	int bytes = e->memory->bytes, tile = SECTOR_BYTES / bytes, longest = emit_longest_output(e);
-
-	if (e->options->layout != RNEAGEN_AOS || !e->target->kernel || emit_is_staged(e) || emit_is_operation(e))
-		return 0;
-	if (e->part_count || emit_main(e)->segments.count || WARP_THREADS * emit_input_words(e) * bytes > SHARED_BYTES)
-		return 0;
-	while (tile < TILE_MOST && tile_bytes(2 * tile, longest, bytes) <= TILE_BYTES)
-		tile *= 2;
-	return tile_bytes(tile, longest, bytes) <= SHARED_BYTES ? tile : 0;
+	return emit_windows(e)->slots ? (emit_windows(e)->slots + 1) * WINDOW_PITCH * e->memory->bytes : 0;
 }
 
 /* Does the kernel ask for its inputs in advance? Where many values wait the compiler fetches an input only when there is a register for
@@ -144,7 +86,7 @@ int emit_is_prefetched(const struct emission *e)
    hyq 85 instead of 76, gradients of iiwa14, with the test first, 224 instead of 204). */
 int emit_is_optimistic(const struct emission *e)
 {
-	return e->arithmetic->bytes == 4 && !emit_is_staged(e) && !emit_tile(e) &&
+	return e->arithmetic->bytes == 4 && !emit_is_staged(e) && !emit_windows(e)->slots &&
 		e->tree->body_count < MANY_BODIES;
 }
 
@@ -155,10 +97,10 @@ static int is_small_forward(const struct emission *e)
 	return e->request->is_forward && e->arithmetic->bytes == 4 && e->tree->body_count <= ARM_BODIES;
 }
 
-/* Bytes of a thread in the shared memory that bounds a block. */
-static int thread_bytes(const struct emission *e)
+/* Bytes of a warp in the shared memory that bounds a block. */
+static int warp_bytes(const struct emission *e)
 {
-	return emit_is_staged(e) ? emit_slice_bytes(e) : emit_tile(e) ? emit_input_words(e) * e->memory->bytes : 0;
+	return emit_is_staged(e) ? WARP_THREADS * emit_slice_bytes(e) : emit_window_bytes(e);
 }
 
 int emit_block_size(const struct emission *e)
@@ -168,7 +110,7 @@ int emit_block_size(const struct emission *e)
 	if (emit_main(e)->segments.count)
 		return emit_segments_block(e, emit_main(e));
 
-	while (block * thread_bytes(e) > SHARED_BYTES)
+	while (block / WARP_THREADS * warp_bytes(e) > SHARED_BYTES)
 		block /= 2;
 	return block;
 }

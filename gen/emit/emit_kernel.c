@@ -131,65 +131,10 @@ static const char *move_samples(const struct emission *e, int out)
 	return text_string(&t);
 }
 
-/* ---- tiles ---- */
+/* ---- windows ---- */
 
-/* Where this thread's rows begin: of an input in shared memory, of an output in its tile. */
-static const char *tile_pointers(const struct emission *e)
-{
-	const struct dag *d = arguments_of(e);
-	struct text t;
-
-	text_init(&t, e->arena);
-	for (int i = 0; i < d->argument_count; i++) {
-		const struct argument *a = &d->arguments[i];
-
-		if (a->per_batch)
-			continue;
-		text_printf(&t, "\t\t%s%s *const %s_here = ", a->is_output ? "" : "const ", e->memory->type, a->name);
-		if (!a->is_output)
-			text_printf(&t, "RNEA_TILE > 1 ? slices + RNEA_BLOCK*%d + tile*%d + lane : ", emit_words_before(e, i), a->rows);
-		text_printf(&t, "%s + (first + tile)*%d%s;\n", a->name, a->rows, a->is_output ? " + lane" : "");
-	}
-	return text_string(&t);
-}
-
-static void put_tile_in(const struct emission *e, int argument, struct text *out)
-{
-	const struct argument *a = &arguments_of(e)->arguments[argument];
-
-	text_printf(out, "\trneagen_tiles_in<%d>(slices + RNEA_BLOCK*%d, %s + first*%d, samples);\n", a->rows,
-		emit_words_before(e, argument), a->name, a->rows);
-}
-
-static void put_tile_turn(const struct emission *e, int argument, struct text *out)
-{
-	const struct argument *a = &arguments_of(e)->arguments[argument];
-
-	text_printf(out, "\trneagen_tiles_turn<%d>(%s + first*%d, slices, samples, %s);\n", a->rows, a->name, a->rows,
-		emit_zero_table(e, argument));
-}
-
-static void put_tiled(const struct emission *e, const struct pass *p, struct text *out)
-{
-	const struct call here = {.indent = "\t\t", .arguments = here_text(e), .q = "q_here", .stride = "stride"};
-	const struct slot slots[] = {
-		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
-		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", emit_call(e, p, &here)},
-		{"POINTERS", tile_pointers(e)}, {"MOVE_IN", moves_text(e, 0, put_tile_in)}, {"MOVE_OUT", moves_text(e, 1, put_tile_turn)},
-	};
-
-	template_expand(out, e->target->kernel->tiled, slots, sizeof slots / sizeof *slots);
-}
-
-static const char *kernel_call(const struct emission *e, const struct pass *p, int staged)
-{
-	int is_soa = e->options->layout == RNEAGEN_SOA;
-	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = here_text(e), .q = "q_here", .stride = is_soa ? "stride" : "1"};
-	const struct call there = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
-		.stride = emit_stride(e), .is_optimistic = p == emit_main(e) && emit_is_optimistic(e)};
-
-	return emit_call(e, p, staged ? &here : &there);
-}
+/* What memory is written in. */
+enum { SECTOR_BYTES = 32 };
 
 /* Derivatives may take more values than there are registers. ptxas refuses this where the launch gives shared memory. */
 static const char *spill_text(const struct emission *e)
@@ -201,6 +146,113 @@ static const char *spill_text(const struct emission *e)
 	if (emit_is_full(e) && !emit_main(e)->segments.count)
 		template_expand(&t, e->target->kernel->spill, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);
+}
+
+/* A warp's outputs begin at its first sample, inputs at this thread's. */
+static const char *windowed_arguments(const struct emission *e)
+{
+	const struct dag *d = arguments_of(e);
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *a = &d->arguments[i];
+
+		text_printf(&t, "%s%s", i ? ", " : "", a->name);
+		if (!a->per_batch)
+			text_printf(&t, " + %s*%d", a->is_output ? "first" : "k", a->rows);
+	}
+	return text_string(&t);
+}
+
+static void put_windowed(const struct emission *e, const struct pass *p, struct text *out)
+{
+	const struct call call = {.indent = "\t", .arguments = windowed_arguments(e), .q = emit_q_at_sample(e), .stride = "1"};
+	const struct slot slots[] = {
+		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"SPILL", spill_text(e)},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", emit_call(e, p, &call)},
+	};
+
+	template_expand(out, e->target->kernel->windowed, slots, sizeof slots / sizeof *slots);
+}
+
+/* What the kernel computes in each place along y of its grid. */
+static const struct pass *windowed_pass(const struct emission *e, int part)
+{
+	return e->part_count ? &e->parts[part].pass : emit_main(e);
+}
+
+static int windowed_count(const struct emission *e)
+{
+	return e->part_count ? e->part_count : 1;
+}
+
+/* The number of a pass's first run among all. */
+static int first_run(const struct emission *e, const struct pass *p)
+{
+	int runs = 0;
+
+	for (int k = 0; k < windowed_count(e) && windowed_pass(e, k) != p; k++)
+		for (int i = 0; i < windowed_pass(e, k)->windows.flush_count; i++)
+			runs += windowed_pass(e, k)->windows.flushes[i].count;
+	return runs;
+}
+
+void emit_put_flush(const struct emission *e, const struct pass *p, int flush, struct text *out)
+{
+	const struct windows *w = &p->windows;
+	const struct window_flush *f = &w->flushes[flush];
+	int first = first_run(e, p);
+
+	for (int i = 0; i < flush; i++)
+		first += w->flushes[i].count;
+	for (int i = 0, end; i < f->count; i = end) {
+		const struct argument *a = &p->dag.arguments[f->runs[i].argument];
+
+		for (end = i + 1; end < f->count && f->runs[end].argument == f->runs[i].argument; end++)
+			;
+		text_printf(out, "\tRNEA_FLUSH(%d, %s, %d, %d);\n", a->rows, a->name, first + i, end - i);
+	}
+}
+
+/* `{30, 7, 210}, ...`: a run's first row, its rows, and where its slots begin among all; or the slots. */
+static const char *runs_text(const struct emission *e, int slots)
+{
+	struct text t;
+	unsigned begin = 0;
+
+	text_init(&t, e->arena);
+	for (int k = 0; k < windowed_count(e); k++)
+		for (int i = 0; i < windowed_pass(e, k)->windows.flush_count; i++) {
+			const struct window_flush *f = &windowed_pass(e, k)->windows.flushes[i];
+
+			for (const struct window_run *r = f->runs; r < f->runs + f->count; begin += r++->count)
+				if (!slots)
+					text_printf(&t, "%s{%u, %u, %u}", begin ? ", " : "", r->row, r->count, begin);
+				else
+					for (unsigned n = 0; n < r->count; n++)
+						text_printf(&t, "%s%d", begin + n ? ", " : "", r->slots[n]);
+		}
+	return text_string(&t);
+}
+
+static void put_windows(const struct emission *e, struct text *out)
+{
+	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}, {"BLOCK", emit_int(e, emit_block_size(e))},
+		{"SLOTS", emit_int(e, emit_windows(e)->slots)}, {"BYTES", emit_int(e, emit_window_bytes(e))},
+		{"SECTOR", emit_int(e, SECTOR_BYTES / e->memory->bytes)}, {"RUNS", runs_text(e, 0)}, {"RUN_SLOTS", runs_text(e, 1)}};
+
+	template_expand(out, e->target->kernel->windows, slots, sizeof slots / sizeof *slots);
+}
+
+static const char *kernel_call(const struct emission *e, const struct pass *p, int staged)
+{
+	int is_soa = e->options->layout == RNEAGEN_SOA;
+	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = here_text(e), .q = "q_here", .stride = is_soa ? "stride" : "1"};
+	const struct call there = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
+		.stride = emit_stride(e), .is_optimistic = p == emit_main(e) && emit_is_optimistic(e)};
+
+	return emit_call(e, p, staged ? &here : &there);
 }
 
 /* One call for each array that has rows of each sample. */
@@ -256,26 +308,24 @@ void emit_kernels(const struct emission *e, struct text *out)
 	for (int i = 0; i < e->pass_count && e->target->kernel; i++)
 		if (e->passes[i].segments.count)
 			emit_segments_kernel(e, &e->passes[i], out);
-		else if (i == 0 && emit_tile(e))
-			put_tiled(e, &e->passes[i], out);
+		else if (i == 0 && emit_windows(e)->slots)
+			put_windowed(e, &e->passes[i], out);
 		else
 			put_kernel(e, &e->passes[i], out);
 	if (emit_has_limbs(e))
 		emit_limbs(e, out);
 }
 
-/* Rows of matrices in soa or in tiles, in whole lines or sectors; not what goes to shared memory. H100, both gradients
+/* Rows of matrices in soa, in whole lines; not what goes to shared memory. H100, both gradients
    of floating hyq in f64, 2 parts, 16384 samples: 38 us instead of 70, 1 M samples: 1.95 ms instead of 2.34; of iiwa14
    in f32, 131072 samples: 26.5 us instead of 31.5, 1 M the same; of atlas in f64 3 % slower, since the compiler orders
-   stores less freely. In tiles those of atlas take 11.2 ns a sample instead of 21.8: of stores that it sees the compiler
-   keeps the addresses, and spills 6 KB. Of the regressor, an array of many rows, nvcc takes minutes to tell stores apart
+   stores less freely. Of the regressor, an array of many rows, nvcc takes minutes to tell stores apart
    that it sees. */
 int emit_is_streamed(const struct emission *e)
 {
 	int has_matrix = request_wants_derivative(e->request) || request_wants(e->request, WANT_REGRESSOR);
 
-	return e->target->kernel && has_matrix &&
-		(e->options->layout == RNEAGEN_SOA ? !emit_is_staged(e) : emit_tile(e) > 0);
+	return e->target->kernel && has_matrix && e->options->layout == RNEAGEN_SOA && !emit_is_staged(e);
 }
 
 const char *emit_store(const struct emission *e)
@@ -287,18 +337,9 @@ const char *emit_store(const struct emission *e)
 	text_init(&t, e->arena);
 	if (emit_is_streamed(e))
 		template_expand(&t, e->target->kernel->store, slots, sizeof slots / sizeof *slots);
+	if (e->target->kernel && emit_windows(e)->slots)
+		put_windows(e, &t);
 	return text_string(&t);
-}
-
-/* The functions that fill tiles and turn them. */
-static void put_tiles(const struct emission *e, struct text *out)
-{
-	const struct slot slots[] = {{"T", e->memory->type}, {"BYTES", emit_int(e, emit_input_words(e) * e->memory->bytes)},
-		{"WORDS", emit_int(e, emit_input_words(e))}, {"ROWS", emit_int(e, emit_longest_output(e))},
-		{"TILE", emit_int(e, emit_tile(e))}};
-
-	text_put(out, e->target->kernel->stage_copy);
-	template_expand(out, e->target->kernel->stage_tiled, slots, sizeof slots / sizeof *slots);
 }
 
 const char *emit_stage(const struct emission *e)
@@ -315,8 +356,6 @@ const char *emit_stage(const struct emission *e)
 		template_expand(&t, f->stage, slots, sizeof slots / sizeof *slots);
 	if (f && emit_is_staged(e) && e->options->layout == RNEAGEN_AOS)
 		template_expand(&t, f->stage_aos, slots, sizeof slots / sizeof *slots);
-	if (emit_tile(e))
-		put_tiles(e, &t);
 	return text_string(&t);
 }
 

@@ -164,6 +164,8 @@ static void put_functions(const struct emission *e, struct text *out)
 		put_entry("RNEA_...", "an operation that is rounded once, and as it stands", out);
 	if (emit_is_streamed(e))
 		put_entry("RNEA_STORE", "a store that nobody reads again here", out);
+	if (e->target->kernel && emit_windows(e)->slots)
+		put_entry("RNEA_HOLD RNEA_FLUSH", "an element into its slot of a window; rows that leave, sample by sample", out);
 	put_entry("rneagen_...", "functions and types that this text brings along", out);
 }
 

@@ -4,6 +4,7 @@
 #include "base/template.h"
 #include "tree/lumps.h"
 #include "tree/pattern.h"
+#include "plan/stage.h"
 
 struct shape {
 	const char *name;
@@ -215,19 +216,12 @@ void emit_product_legend(const struct request *k, const struct argument *a, stru
 /* Fewer are stored one by one. */
 enum { FEWEST_ZEROS = 64 };
 
-static int is_zero(const struct dag *d, const struct output *o)
-{
-	const struct node *n = &d->nodes[o->value.i];
-
-	return n->op == OP_CONST && n->value == 0;
-}
-
 static int count_zeros(const struct dag *d)
 {
 	int zeros = 0;
 
 	for (size_t i = 0; i < d->output_count; i++)
-		zeros += is_zero(d, &d->outputs[i]);
+		zeros += output_is_zero(d, &d->outputs[i]);
 	return zeros;
 }
 
@@ -241,7 +235,7 @@ int emit_has_zeros(const struct emission *e, const struct pass *p)
 
 int emit_is_zero_store(const struct plan *p, const struct line *l)
 {
-	return l->kind == LINE_STORE && is_zero(p->dag, &p->dag->outputs[l->index]);
+	return l->kind == LINE_STORE && output_is_zero(p->dag, &p->dag->outputs[l->index]);
 }
 
 /* Per row of an array, whether it is always zero; NULL where memory ran out. */
@@ -252,7 +246,7 @@ static const unsigned char *zero_rows(const struct emission *e, int argument, in
 
 	*count = 0;
 	for (size_t i = 0; i < d->output_count && rows; i++)
-		if (d->outputs[i].argument == argument && is_zero(d, &d->outputs[i])) {
+		if (d->outputs[i].argument == argument && output_is_zero(d, &d->outputs[i])) {
 			rows[d->outputs[i].row] = 1;
 			++*count;
 		}
@@ -300,23 +294,8 @@ void emit_zeros(const struct emission *e, struct text *out)
 			template_expand(&tables, template_zeros_table_in, slots, sizeof slots / sizeof *slots);
 	}
 	const struct slot slots[] = {{"T", e->memory->type}, {"TABLES", text_string(&tables)}};
-	int is_turned = emit_tile(e) && !emit_has_limbs(e);
 
-	template_expand(out, is_turned ? e->target->kernel->zeros_turned : e->target->kernel->zeros, slots,
-		sizeof slots / sizeof *slots);
-}
-
-const char *emit_zero_table(const struct emission *e, int argument)
-{
-	struct text t, runs;
-	int count = emit_has_zeros(e, emit_main(e)) ? zero_runs(e, argument, &runs) : 0;
-
-	text_init(&t, e->arena);
-	if (count)
-		text_printf(&t, "%s_%s_zeros, %d", e->options->name, emit_main(e)->dag.arguments[argument].name, count);
-	else
-		text_put(&t, "nullptr, 0");
-	return text_string(&t);
+	template_expand(out, e->target->kernel->zeros, slots, sizeof slots / sizeof *slots);
 }
 
 const char *emit_zero_loops(const struct emission *e, const char *first, const char *warps)

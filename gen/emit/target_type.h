@@ -7,15 +7,15 @@
 /* Of targets with kernels. */
 struct kernel_frames {
 	const char *direct, *staged_aos, *staged_soa; /* a kernel: on the arrays themselves, or on slices in shared memory */
-	const char *tiled;                            /* or on slices of inputs, and on tiles of outputs */
+	const char *windowed;                         /* or on inputs themselves, and on windows of outputs */
 	const char *again;                            /* the call of a body, and again where an angle is large */
 	const char *parts;                            /* the body that is in parts */
 	const char *spill;                            /* what gives registers more room; at the head of a kernel of derivatives */
 	const char *slices, *stage, *stage_aos, *stage_launch; /* shared memory: declared, filled, and given by a launch */
-	const char *stage_copy, *stage_tiled;         /* how both are filled; tiles */
-	const char *store;                            /* what RNEA_STORE means */
+	const char *stage_copy;                       /* how it is filled */
+	const char *store, *windows;                  /* what RNEA_STORE means; RNEA_HOLD and RNEA_FLUSH */
 	const char *prefetch;                         /* what asks for a sample's inputs in advance */
-	const char *zeros, *zeros_turned;             /* what stores the elements that are always zero; where all come with tiles */
+	const char *zeros;                            /* what stores the elements that are always zero */
 	const char *compiler;                         /* a macro that the compiler of kernels defines */
 };
 

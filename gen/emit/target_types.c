@@ -7,9 +7,8 @@ static const struct kernel_frames KERNEL_CUDA = {.direct = template_kernel_soa_i
 	.staged_soa = template_kernel_soa_staged_in, .again = template_kernel_again_in, .parts = template_parts_in,
 	.spill = template_spill_in, .slices = template_slices_in, .stage = template_stage_in,
 	.stage_aos = template_stage_aos_in, .stage_launch = template_stage_launch_in,
-	.stage_copy = template_stage_copy_in, .tiled = template_kernel_tiled_in, .stage_tiled = template_stage_tiled_in,
-	.store = template_store_in, .prefetch = template_prefetch_in, .zeros = template_zeros_in,
-	.zeros_turned = template_zeros_turned_in, .compiler = "__CUDACC__"};
+	.stage_copy = template_stage_copy_in, .windowed = template_kernel_windowed_in, .windows = template_windows_in,
+	.store = template_store_in, .prefetch = template_prefetch_in, .zeros = template_zeros_in, .compiler = "__CUDACC__"};
 
 static const char *const SUFFIXES_CUDA[] = {".cu", NULL}, *const SUFFIXES_C[] = {".c", NULL},
 			 *const SUFFIXES_HEADER[] = {".h", ".hh", ".hpp", ".hxx", ".cuh", NULL};

@@ -183,21 +183,32 @@ int unparse_first_bound(const struct dag *d, int argument)
 	return first;
 }
 
-static void put_store(const struct unparser *u, const struct output *o, struct text *out)
+/* The slot of an output in a window; -1: it has none. */
+static int slot_of(const struct unparser *u, size_t output)
 {
-	int streamed = !u->numbers->is_beside && emit_is_streamed(u->emission);
+	const struct windows *w = &u->pass->windows;
+
+	return w->slots && !u->numbers->is_beside ? w->slot[output] : -1;
+}
+
+static void put_store(const struct unparser *u, size_t output, struct text *out)
+{
+	const struct output *o = &u->plan->dag->outputs[output];
+	int slot = slot_of(u, output), is_call = slot >= 0 || (!u->numbers->is_beside && emit_is_streamed(u->emission));
 
 	if (u->numbers->is_beside) {
 		text_printf(out, "bound[%d]", unparse_first_bound(u->plan->dag, o->argument) + o->row);
 	} else {
-		text_put(out, streamed ? "RNEA_STORE(" : "");
+		text_put(out, slot >= 0 ? "RNEA_HOLD(" : is_call ? "RNEA_STORE(" : "");
 		put_element(u, o->argument, o->row, out);
 	}
-	text_put(out, streamed ? ", " : " = ");
+	if (slot >= 0)
+		text_printf(out, ", %d", slot);
+	text_put(out, is_call ? ", " : " = ");
 	put_around(&u->numbers->store, 0, out);
 	put_value(u, o->value, u->numbers->store_is_cast ? op_strength[OP_NEG] : 0, out);
 	put_around(&u->numbers->store, 1, out);
-	text_put(out, streamed ? ")" : "");
+	text_put(out, is_call ? ")" : "");
 }
 
 static void put_assignment(const struct unparser *u, struct ref a, struct text *out)
@@ -236,7 +247,7 @@ static void put_statement(const struct unparser *u, const struct line *l, struct
 		put_sincos(unparser_of(u, l->value), l->value, out);
 		break;
 	case LINE_STORE:
-		put_store(u, &u->plan->dag->outputs[l->index], out);
+		put_store(u, l->index, out);
 		break;
 	case LINE_FETCH:
 		put_fetch(unparser_of(u, l->value), l, out);
@@ -260,6 +271,13 @@ static int is_silent(const struct unparser *u, const struct line *l)
 	return l->kind == LINE_INPUT && u->angles && u->angles[l->value.i];
 }
 
+/* What must leave before a slot is taken again. */
+static void put_flush_before(const struct unparser *u, const struct line *l, struct text *out)
+{
+	if (l->kind == LINE_STORE && slot_of(u, l->index) >= 0 && u->pass->windows.before[l->index])
+		emit_put_flush(u->emission, u->pass, u->pass->windows.before[l->index] - 1, out);
+}
+
 static void put_line(struct unparser *u, const struct line *l, struct text *out)
 {
 	size_t from = out->length;
@@ -269,6 +287,7 @@ static void put_line(struct unparser *u, const struct line *l, struct text *out)
 	} else if (l->kind == LINE_SECTION) {
 		unparse_section(u, &u->plan->dag->sections[l->index], out);
 	} else if (!is_silent(u, l)) {
+		put_flush_before(u, l, out);
 		text_putc(out, '\t');
 		put_statement(u, l, out);
 		text_put(out, ";\n");
@@ -366,20 +385,42 @@ void unparse_angles(const struct emission *e, const struct pass *pass, const str
 	}
 }
 
+static int has_zeros(const struct plan *p)
+{
+	for (size_t i = 0; i < p->line_count; i++)
+		if (emit_is_zero_store(p, &p->lines[i]))
+			return 1;
+	return 0;
+}
+
+/* The stores of zeros apart from the others, where a macro says that nothing else writes them. */
+static void put_zeros(struct writer *w, const struct plan *p, const char *unless, struct text *out)
+{
+	w->own.zeros = ZEROS_ALONE;
+	text_printf(out, "#if %s\n", unless);
+	unparse_lines(w, p, out);
+	text_put(out, "#endif\n");
+}
+
 void unparse(const struct emission *e, const struct pass *pass, const struct number_type *numbers, struct text *out)
 {
 	struct writer w;
+	int is_windowed, is_apart;
+	char unless[80];
 
 	unparse_begin(&w, e, pass, numbers);
 	unparse_within(&w, &pass->plan);
-	if (!emit_has_zeros(e, pass)) {
-		unparse_lines(&w, &pass->plan, out);
+	is_windowed = pass->windows.slots && !numbers->is_beside;
+	is_apart = is_windowed ? has_zeros(&pass->plan) : emit_has_zeros(e, pass);
+	w.own.zeros = is_apart ? ZEROS_LEFT : ZEROS_AMONG;
+	unparse_lines(&w, &pass->plan, out);
+	if (is_windowed)
+		emit_put_flush(e, pass, pass->windows.flush_count - 1, out);
+	if (!is_apart)
 		return;
-	}
-	w.own.zeros = ZEROS_LEFT;
-	unparse_lines(&w, &pass->plan, out);
-	w.own.zeros = ZEROS_ALONE;
-	text_printf(out, "#if !defined %s /* a kernel stores these zeros in a loop */\n", e->target->kernel->compiler);
-	unparse_lines(&w, &pass->plan, out);
-	text_put(out, "#endif\n");
+	if (is_windowed)
+		snprintf(unless, sizeof unless, "!RNEA_WINDOW /* else zeros leave with the others */");
+	else
+		snprintf(unless, sizeof unless, "!defined %s /* a kernel stores these zeros in a loop */", e->target->kernel->compiler);
+	put_zeros(&w, &pass->plan, unless, out);
 }

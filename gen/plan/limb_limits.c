@@ -28,6 +28,9 @@ enum { MOST_SHARING = 32, SHARED_PERCENT = 4, GAIN_PERCENT = 65 };
 /* A block of two groups fetches code for both: atlas, 1024 samples, 4.97 and 3.94; but hyq 1.38 and 1.52. */
 enum { GROUPS = 2, REGISTERS = 65536, SPARE_REGISTERS = 24, MOST_THREADS = 1024 };
 
+/* Outputs that go through windows have no limbs, whose warps would write elements that stand a sample apart (64 to 4096 samples,
+   both gradients of hyq, whole matrices: 21 us, through windows 8.6). */
+
 /* A wait costs as much as so many operations. */
 enum { JOIN_OPERATIONS = 60 };
 
@@ -132,7 +135,7 @@ static int can_have(struct pass *const *passes, int count, const struct rneagen_
 {
 	int is_free = o->limbs == RNEAGEN_LIMBS_AUTO;
 
-	if (o->limbs == RNEAGEN_LIMBS_NONE || o->precision == RNEAGEN_F32X2)
+	if (o->limbs == RNEAGEN_LIMBS_NONE || o->precision == RNEAGEN_F32X2 || passes[0]->windows.slots)
 		return 0;
 	for (int i = 0; i < count; i++) {
 		unsigned operations = plan_flops(plan_operations(&passes[i]->plan));

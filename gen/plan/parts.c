@@ -2,6 +2,7 @@
 #include "plan/parts.h"
 #include "plan/owners.h"
 #include "plan/share.h"
+#include "plan/stage.h"
 
 /* What one part may hold and be without a loss (sm_90): values alive at once, of which registers hold some 250 floats
    or 125 doubles and shared memory, in blocks of 64, 192 or 96 more, less what the compiler's order of things takes;
@@ -13,6 +14,10 @@ enum { FULL = 1000, MOST = 1 << 20 };
 
 /* How many more parts than the best so far are tried; of a text longer than LONG parts are measured less exactly. */
 enum { LOOK_AHEAD = 6, LONG = 250000 };
+
+/* Parts in layout aos at most: they cut lines of matrices, and write parts of sectors (H100, gradients of atlas, whole matrices, 1, 2, 3 and 4 parts, ns: 7.9, 6.6, 9.1 and 9.4, in f64 16.2,
+   16.6, 17.2 and 18.1; 1024 samples, us: 63, 38, 31 and 32, in f64 88, 61, 49 and 49). */
+enum { PARTS_IN_AOS = 2 };
 
 struct size {
 	int alive;      /* values at once: plan_alive */
@@ -210,13 +215,19 @@ static double cost_of_split(struct splitter *s, int count, const int *first)
 	return sum;
 }
 
+/* In aos, where the arrays have room in shared memory, each block writes whole samples. */
+static int may_have(const struct splitter *s)
+{
+	return s->o->layout == RNEAGEN_SOA || !stage_fits(&s->whole->dag, s->o);
+}
+
 /* As many parts as cost least. One more need not cost less where a few more do: only when all fit is nothing lost. */
 static int choose_count(struct splitter *s, int *first)
 {
 	double least = cost_of(s, 0, s->count);
 	int best = 1;
 
-	if (fullness_of(s, 0, s->count) <= FULL || !can_gain(s))
+	if (fullness_of(s, 0, s->count) <= FULL || !can_gain(s) || !may_have(s))
 		return 1;
 	for (int count = 2; count <= s->count && count <= best + LOOK_AHEAD; count++) {
 		double cost = split_evenly(s, count, first) ? cost_of_split(s, count, first) : least;
@@ -226,7 +237,7 @@ static int choose_count(struct splitter *s, int *first)
 			best = count;
 		}
 	}
-	return best;
+	return s->o->layout == RNEAGEN_AOS && best > PARTS_IN_AOS ? PARTS_IN_AOS : best;
 }
 
 static int make_part(struct splitter *s, int number, int first, int end, struct part *p)
@@ -271,12 +282,10 @@ static int begin(struct splitter *s)
 }
 
 /* Why a text cannot be in parts; NULL: it can. */
-static const char *obstacle(const struct request *k, const struct rneagen_options *o, int has_kernels)
+static const char *obstacle(const struct request *k, int has_kernels)
 {
 	if (!has_kernels)
 		return "is for kernels: take --target cuda";
-	if (o->layout != RNEAGEN_SOA)
-		return "is for --layout soa: in aos each block writes whole samples";
 	if (!owners_matrix(k))
 		return "is for matrices: name one in --want, such as dtau_dq, M or dqdd_dq";
 	return NULL;
@@ -309,7 +318,7 @@ enum rneagen_code parts_make(struct part **parts, int *count, const struct pass 
 	struct rneagen_error *e)
 {
 	struct splitter s = {.whole = whole, .raw = raw, .t = t, .request = k, .o = o, .a = a};
-	const char *why = obstacle(k, o, has_kernels);
+	const char *why = obstacle(k, has_kernels);
 	int made, *first;
 
 	*count = 0;

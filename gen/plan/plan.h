@@ -42,12 +42,35 @@ struct limbs {
 	unsigned most;  /* samples of a batch up to which it is launched */
 };
 
+/* Rows of an output that leave together, and in which slot each stands: the last is the one of zeros. */
+struct window_run {
+	int argument;
+	unsigned row, count;
+	const int *slots;
+};
+
+/* What leaves together. */
+struct window_flush {
+	struct window_run *runs;
+	int count;
+};
+
+/* Outputs on their way through windows of shared memory (stage.h). */
+struct windows {
+	int slots;   /* of a window, the one of zeros not among them; 0: there are none */
+	int *slot;   /* of each output; -1: it is always zero */
+	int *before; /* of each output: which flush comes before it, from 1; 0: none */
+	struct window_flush *flushes; /* flush_count of them, the last at the end */
+	int flush_count;
+};
+
 /* One generated function on its way to text. */
 struct pass {
 	const struct algorithm *algorithm;
 	struct dag dag; /* fused */
 	struct plan plan;
 	struct segments segments;
+	struct windows windows;
 	struct limbs limbs;
 };
 

@@ -111,11 +111,17 @@ template <class... A> static void fake_run_serial(void (*kernel)(A...), void **p
 }
 
 #if FAKE_WAITS
-static pthread_barrier_t fake_block_barrier; /* of the threads of a block */
+static constexpr unsigned FAKE_WARP = 32, FAKE_WARPS = 32;
+static pthread_barrier_t fake_block_barrier, fake_warp_barriers[FAKE_WARPS]; /* of the threads of a block, of each warp */
 
 [[maybe_unused]] static void __syncthreads()
 {
 	pthread_barrier_wait(&fake_block_barrier);
+}
+
+[[maybe_unused]] static void __syncwarp()
+{
+	pthread_barrier_wait(&fake_warp_barriers[threadIdx.x / FAKE_WARP]);
 }
 
 /* Where in a launch a thread is. */
@@ -151,6 +157,8 @@ template <class... A> static void fake_run_threads(void (*kernel)(A...), void **
 	fake_place<A...> *places = new fake_place<A...>[block];
 
 	pthread_barrier_init(&fake_block_barrier, nullptr, block);
+	for (unsigned w = 0; w * FAKE_WARP < block; w++)
+		pthread_barrier_init(&fake_warp_barriers[w], nullptr, block - w * FAKE_WARP < FAKE_WARP ? block - w * FAKE_WARP : FAKE_WARP);
 	for (unsigned t = 0; t < block; t++) {
 		places[t] = {0, kernel, p, grid, parts, block, t};
 		if (pthread_create(&places[t].thread, nullptr, fake_run_place<A...>, &places[t]))
@@ -159,6 +167,8 @@ template <class... A> static void fake_run_threads(void (*kernel)(A...), void **
 	for (unsigned t = 0; t < block; t++)
 		pthread_join(places[t].thread, nullptr);
 	pthread_barrier_destroy(&fake_block_barrier);
+	for (unsigned w = 0; w * FAKE_WARP < block; w++)
+		pthread_barrier_destroy(&fake_warp_barriers[w]);
 	delete[] places;
 }
 #endif

@@ -149,11 +149,19 @@ static void write_given(FILE *f, const struct program *p)
 			(int)(end - name), name);
 }
 
+/* Where threads wait for each other; NULL: nowhere. */
+static const char *wait_of(const char *text)
+{
+	const char *block = strstr(text, "__syncthreads()"), *warp = strstr(text, "__syncwarp()");
+
+	return !block || (warp && warp < block) ? warp : block;
+}
+
 static void write_source(const struct program *p, const char *path)
 {
 	static const char mark[] = "extern \"C\" __global__ void"; /* a joint may be called __global__ */
-	const char *s = p->source, *limbs = limbs_of(s), *wait = strstr(s, "__syncthreads()");
-	int waits = wait && wait < limbs, limbs_wait = strstr(limbs, "__syncthreads()") != NULL;
+	const char *s = p->source, *limbs = limbs_of(s), *wait = wait_of(s);
+	int waits = wait && wait < limbs, limbs_wait = wait_of(limbs) != NULL;
 	FILE *f = fopen(path, "w");
 	size_t length;
 
