@@ -172,39 +172,26 @@ static enum rneagen_code segments_make_all(struct generation *g)
 	return a->error->code;
 }
 
-/* What a kernel computes: the main function, or its parts. Returns how many; 0: there are no kernels, or the arena has failed. */
-static int kernel_passes(struct generation *g, struct pass ***passes)
-{
-	int count = g->part_count ? g->part_count : 1;
-
-	if (!target_type_of(g->analysis.options.target)->kernel)
-		return 0;
-	*passes = arena_alloc(g->analysis.arena, (size_t)count, sizeof **passes);
-	for (int i = 0; i < count && *passes; i++)
-		(*passes)[i] = g->part_count ? &g->parts[i].pass : &g->passes[0];
-	return *passes ? count : 0;
-}
-
-static enum rneagen_code windows_make_all(struct generation *g)
+/* Of what a kernel computes: the main function, or its parts. */
+static enum rneagen_code choose_for_kernel(struct generation *g,
+	int (*choose)(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a))
 {
 	struct analysis *a = &g->analysis;
-	struct pass **passes;
-	int count = kernel_passes(g, &passes);
+	int count = g->part_count ? g->part_count : 1;
+	struct pass **passes = arena_alloc(a->arena, (size_t)count, sizeof *passes);
 
-	if (count && !windows_choose(passes, count, &a->tree, &a->options, a->arena))
-		return error_memory(a->error);
-	return a->arena->failed ? error_memory(a->error) : RNEAGEN_OK;
+	if (!target_type_of(a->options.target)->kernel)
+		return RNEAGEN_OK;
+	for (int i = 0; i < count && passes; i++)
+		passes[i] = g->part_count ? &g->parts[i].pass : &g->passes[0];
+	return passes && choose(passes, count, &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }
 
 static enum rneagen_code limbs_make_all(struct generation *g)
 {
-	struct analysis *a = &g->analysis;
-	struct pass **passes;
-	int count = kernel_passes(g, &passes);
+	enum rneagen_code code = choose_for_kernel(g, windows_choose);
 
-	if (count && !limbs_choose(passes, count, &a->options, a->arena))
-		return error_memory(a->error);
-	return a->arena->failed ? error_memory(a->error) : RNEAGEN_OK;
+	return code ? code : choose_for_kernel(g, limbs_choose);
 }
 
 static enum rneagen_code warn(struct generation *g)
@@ -336,8 +323,7 @@ static const struct stage PASSES[] = {
 	{"plan_build", "names and lines", SECOND_HALF(plan_build_all), DUMPED(plan, PLAN)},
 	{"parts_choose", "parts of the grid", SECOND_HALF(parts_choose), DUMPED(parts, PARTS)},
 	{"segments_choose", "stretches that run for several samples", SECOND_HALF(segments_make_all), DUMPED(segments, SEGMENTS)},
-	{"windows_choose", "slots of shared memory through which outputs leave", SECOND_HALF(windows_make_all), SILENT},
-	{"limbs_choose", "warps that share out a sample", SECOND_HALF(limbs_make_all), DUMPED(limbs, LIMBS)},
+	{"limbs_choose", "windows for outputs, or warps that share samples", SECOND_HALF(limbs_make_all), DUMPED(limbs, LIMBS)},
 	{"measure", "what choices change and save", SECOND_HALF(measure), SILENT},
 	{"warn", "warnings", SECOND_HALF(warn), SILENT},
 	{"emit", "the text, and its header", SECOND_HALF(emit), SILENT},

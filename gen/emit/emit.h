@@ -195,10 +195,11 @@ const char *emit_store(const struct emission *e);
 void emit_put_flush(const struct emission *e, const struct pass *p, int flush, struct text *out);
 
 /* Does a kernel of this pass store the elements of matrices that are always zero in a loop, beside the statements? Is this the
-   store of one? What the loops of the first pass call, and the loops: those of threads that have the number `first` of
+   store of one? Where the statements of a pass have them apart, under which condition; NULL: among the others. What the loops of the first pass call, and the loops: those of threads that have the number `first` of
    `warps`. */
 int emit_has_zeros(const struct emission *e, const struct pass *p);
 int emit_is_zero_store(const struct plan *p, const struct line *l);
+const char *emit_zeros_unless(const struct emission *e, const struct pass *p, int is_beside);
 void emit_zeros(const struct emission *e, struct text *out);
 const char *emit_zero_loops(const struct emission *e, const char *first, const char *warps);
 

@@ -4,6 +4,15 @@
 #include "base/fold.h"
 #include "base/template.h"
 
+int unparse_first_bound(const struct dag *d, int argument)
+{
+	int first = 0;
+
+	for (int i = 0; i < argument; i++)
+		first += d->arguments[i].is_output ? d->arguments[i].rows : 0;
+	return first;
+}
+
 /* Roundings of a bound from an operation's operands to its result, three times u for the factor 1 + 3u included. */
 static const int roundings[OP_COUNT] = {
 	[OP_ADD] = 7, [OP_SUB] = 7, [OP_MUL] = 10, [OP_FMA] = 14, [OP_DIV] = 18, [OP_SQRT] = 12,

@@ -238,6 +238,27 @@ int emit_is_zero_store(const struct plan *p, const struct line *l)
 	return l->kind == LINE_STORE && output_is_zero(p->dag, &p->dag->outputs[l->index]);
 }
 
+static int has_zero_stores(const struct plan *p)
+{
+	for (size_t i = 0; i < p->line_count; i++)
+		if (emit_is_zero_store(p, &p->lines[i]))
+			return 1;
+	return 0;
+}
+
+const char *emit_zeros_unless(const struct emission *e, const struct pass *p, int is_beside)
+{
+	struct text t;
+
+	if (p->windows.slots && !is_beside)
+		return has_zero_stores(&p->plan) ? "!RNEA_WINDOW /* else these zeros leave with their neighbours */" : NULL;
+	if (!emit_has_zeros(e, p))
+		return NULL;
+	text_init(&t, e->arena);
+	text_printf(&t, "!defined %s /* a kernel stores these zeros in a loop */", e->target->kernel->compiler);
+	return text_string(&t);
+}
+
 /* Per row of an array, whether it is always zero; NULL where memory ran out. */
 static const unsigned char *zero_rows(const struct emission *e, int argument, int *count)
 {

@@ -174,15 +174,6 @@ static void put_sincos(const struct unparser *u, struct ref a, struct text *out)
 	text_printf(out, ", &%s, &%s)", sine, cosine);
 }
 
-int unparse_first_bound(const struct dag *d, int argument)
-{
-	int first = 0;
-
-	for (int i = 0; i < argument; i++)
-		first += d->arguments[i].is_output ? d->arguments[i].rows : 0;
-	return first;
-}
-
 /* The slot of an output in a window; -1: it has none. */
 static int slot_of(const struct unparser *u, size_t output)
 {
@@ -385,42 +376,21 @@ void unparse_angles(const struct emission *e, const struct pass *pass, const str
 	}
 }
 
-static int has_zeros(const struct plan *p)
-{
-	for (size_t i = 0; i < p->line_count; i++)
-		if (emit_is_zero_store(p, &p->lines[i]))
-			return 1;
-	return 0;
-}
-
-/* The stores of zeros apart from the others, where a macro says that nothing else writes them. */
-static void put_zeros(struct writer *w, const struct plan *p, const char *unless, struct text *out)
-{
-	w->own.zeros = ZEROS_ALONE;
-	text_printf(out, "#if %s\n", unless);
-	unparse_lines(w, p, out);
-	text_put(out, "#endif\n");
-}
-
 void unparse(const struct emission *e, const struct pass *pass, const struct number_type *numbers, struct text *out)
 {
+	const char *unless = emit_zeros_unless(e, pass, numbers->is_beside);
 	struct writer w;
-	int is_windowed, is_apart;
-	char unless[80];
 
 	unparse_begin(&w, e, pass, numbers);
 	unparse_within(&w, &pass->plan);
-	is_windowed = pass->windows.slots && !numbers->is_beside;
-	is_apart = is_windowed ? has_zeros(&pass->plan) : emit_has_zeros(e, pass);
-	w.own.zeros = is_apart ? ZEROS_LEFT : ZEROS_AMONG;
+	w.own.zeros = unless ? ZEROS_LEFT : ZEROS_AMONG;
 	unparse_lines(&w, &pass->plan, out);
-	if (is_windowed)
+	if (pass->windows.slots && !numbers->is_beside)
 		emit_put_flush(e, pass, pass->windows.flush_count - 1, out);
-	if (!is_apart)
+	if (!unless)
 		return;
-	if (is_windowed)
-		snprintf(unless, sizeof unless, "!RNEA_WINDOW /* else zeros leave with the others */");
-	else
-		snprintf(unless, sizeof unless, "!defined %s /* a kernel stores these zeros in a loop */", e->target->kernel->compiler);
-	put_zeros(&w, &pass->plan, unless, out);
+	w.own.zeros = ZEROS_ALONE;
+	text_printf(out, "#if %s\n", unless);
+	unparse_lines(&w, &pass->plan, out);
+	text_put(out, "#endif\n");
 }

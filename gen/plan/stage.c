@@ -65,11 +65,14 @@ int output_is_zero(const struct dag *d, const struct output *o)
    M of atlas with 176 and 270 slots, all of it, 2410 and 1600; in f64 with 86 and 176, 6160 and 3500. */
 enum { WINDOW_BYTES = SHARED_BYTES - 1024, WINDOW_BYTES_FULL = 35 << 10 };
 
-/* So many values wait, in bytes, that registers are full. */
-enum { REGISTER_BYTES = 800 };
+/* More values that wait fill the registers. */
+enum { FULL_SINGLE = 200, FULL_DOUBLE = 125 };
 
-/* Staged arrays take more than so many windows. */
-enum { STAGED_OVER_WINDOW = 2 };
+/* Elements of outputs, such as a humanoid's regressor, beyond which nothing was measured. */
+enum { MOST_ELEMENTS = 8192 };
+
+/* Bytes of a warp's staged arrays beyond which there are windows. */
+enum { STAGED_BYTES = 40 << 10 };
 
 /* Not worth a flush: fewer than one slot in so many. */
 enum { LEAST_FREED = 8 };
@@ -275,28 +278,36 @@ static int slots_for(struct pass *const *passes, int count, const struct rneagen
 		most = stored > most ? stored : most;
 		alive = waiting > alive ? waiting : alive;
 	}
-	room = (alive * bytes > REGISTER_BYTES ? WINDOW_BYTES_FULL : WINDOW_BYTES) / (WINDOW_PITCH * bytes) - 1;
+	room = (alive > (bytes == 4 ? FULL_SINGLE : FULL_DOUBLE) ? WINDOW_BYTES_FULL : WINDOW_BYTES) / (WINDOW_PITCH * bytes) - 1;
 	return most < room ? most : room;
 }
 
 /* Is it better to stage all arrays than to have windows? H100, whole gradients, ps, staged and by windows: iiwa14 194 and 300, in
-   f64, where staging takes 1.1 times as much memory, 378 and 450; but of hyq in f32, where it takes four times as much, 745 and
-   530. */
-static int is_staged(const struct dag *d, int slots, const struct rneagen_options *o)
+   f64, 32 KB for a warp, 378 and 450; but of hyq in f32, 41 KB, 745 and 530. */
+static int is_staged(const struct dag *d, const struct rneagen_options *o)
 {
-	return stage_fits(d, o) && WARP_THREADS * stage_words(d, o) <= STAGED_OVER_WINDOW * (slots + 1) * WINDOW_PITCH;
+	return stage_fits(d, o) && WARP_THREADS * stage_words(d, o) * stage_number_bytes(o) <= STAGED_BYTES;
 }
 
-int windows_choose(struct pass *const *passes, int count, const struct tree *t,
-	const struct rneagen_options *o, struct arena *a)
+/* More than a torque for each joint. */
+static int is_many(struct pass *const *passes, int count)
 {
-	struct maker m = {.passes = passes, .count = count, .line = t->nv > 0 ? t->nv : 1, .a = a};
+	size_t elements = 0;
+
+	for (int i = 0; i < count; i++)
+		elements += passes[i]->dag.output_count;
+	return elements > (size_t)passes[0]->plan.tree->nv && elements <= MOST_ELEMENTS;
+}
+
+int windows_choose(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a)
+{
+	struct maker m = {.passes = passes, .count = count, .line = passes[0]->plan.tree->nv > 0 ? passes[0]->plan.tree->nv : 1, .a = a};
 	int done;
 
-	if (o->layout != RNEAGEN_AOS || passes[0]->segments.count)
+	if (o->layout != RNEAGEN_AOS || passes[0]->segments.count || !is_many(passes, count))
 		return 1;
 	m.slots = slots_for(passes, count, o, a);
-	if (count == 1 && is_staged(&passes[0]->dag, m.slots, o))
+	if (count == 1 && is_staged(&passes[0]->dag, o))
 		return 1;
 	done = m.slots == 0 || begin(&m);
 	for (int i = 0; i < count && done && m.slots; i++)
