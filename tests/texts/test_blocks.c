@@ -228,8 +228,8 @@ static const struct subject WINDOWS[] = {
 	{"atlas", RNEAGEN_F32, RNEAGEN_AOS, "want M\ndense\n", {32, 33, 1024}, 2e-5},
 	{"hyq", RNEAGEN_F64, RNEAGEN_AOS, "want tau,dtau_dq,dtau_dqd\ndense\nfree gravity:batch,mass.lf_lowerleg:sample\n",
 		{32, 64, 1024}, 1e-12},
-	{"atlas", RNEAGEN_F64, RNEAGEN_AOS, "want tau,dtau_dq,dtau_dqd\ndense\n", {32, 33, 1024}, 1e-11},
-	{"atlas", RNEAGEN_F32, RNEAGEN_AOS, "want tau,dtau_dq,dtau_dqd\n", {32, 33, 1024}, 2e-4},
+	{"atlas", RNEAGEN_F64, RNEAGEN_AOS, "want M\ndense\n", {32, 64}, 1e-12},
+	{"atlas", RNEAGEN_F32, RNEAGEN_AOS, "want tau,dtau_dq\ndense\n", {32}, 2e-4},
 };
 
 /* This would catch an element in another sample's place, one that is written by nobody, a slot that is taken again before it left,
@@ -241,7 +241,7 @@ START_TEST(test_windows)
 
 	trial_open(&t, s, s->blocks[0]);
 	ck_assert_ptr_nonnull(strstr(t.text.text.source, "#define RNEA_SLOTS "));
-	for (int b = 0; b < 3; b++)
+	for (int b = 0; b < 3 && s->blocks[b]; b++)
 		check_block(s, &t.text, &t.x, s->blocks[b], MOST);
 	trial_close(&t);
 }
