@@ -189,7 +189,7 @@ const char *emit_given(const struct emission *e);
 int emit_stage_bytes(const struct emission *e);
 
 /* Do the statements store by RNEA_STORE? What that means, or RNEA_HOLD and RNEA_FLUSH where outputs leave through windows; else
-   "". The number of a pass's first flush, among those of all. */
+   "". The calls of a pass's flush. */
 int emit_is_streamed(const struct emission *e);
 const char *emit_store(const struct emission *e);
 void emit_put_flush(const struct emission *e, const struct pass *p, int flush, struct text *out);

@@ -39,9 +39,9 @@ int stage_words(const struct dag *d, const struct rneagen_options *o)
 	return words;
 }
 
-/* In aos, to move whole lines, wherever 32 samples have room; in soa in arithmetic of 8 bytes, where inputs that wait in registers leave few
-   threads, as long as 64 have (H100: iiwa14 0.96 of the floor instead of 0.86, fetch 0.94 instead of 0.80; but jvrc1, where
-   32 just fit, 0.47 instead of 0.63). */
+/* In aos, to move whole lines, wherever 32 samples have room; in soa in arithmetic of 8 bytes, where inputs that wait in registers
+   leave few threads, as long as 64 have (H100: iiwa14 0.96 of the floor instead of 0.86, fetch 0.94 instead of 0.80; but jvrc1,
+   where 32 just fit, 0.47 instead of 0.63). */
 int stage_fits(const struct dag *d, const struct rneagen_options *o)
 {
 	int bytes = WARP_THREADS * stage_words(d, o) * stage_number_bytes(o);
