@@ -39,6 +39,17 @@ static inline const struct pass *emit_main(const struct emission *e)
 	return e->passes;
 }
 
+/* What a kernel computes in each place along y of its grid: the main function, or a part of it; how many such places there are. */
+static inline const struct pass *emit_part(const struct emission *e, int part)
+{
+	return e->part_count ? &e->parts[part].pass : emit_main(e);
+}
+
+static inline int emit_part_places(const struct emission *e)
+{
+	return e->part_count ? e->part_count : 1;
+}
+
 /* A number as it was written last time: a model's few constants come again and again. */
 struct written_number {
 	const struct scalar *type; /* NULL: none yet */
@@ -195,8 +206,8 @@ const char *emit_store(const struct emission *e);
 void emit_put_flush(const struct emission *e, const struct pass *p, int flush, struct text *out);
 
 /* Does a kernel of this pass store the elements of matrices that are always zero in a loop, beside the statements? Is this the
-   store of one? Where the statements of a pass have them apart, under which condition; NULL: among the others. What the loops of the first pass call, and the loops: those of threads that have the number `first` of
-   `warps`. */
+   store of one? Where the statements of a pass have them apart, under which condition; NULL: among the others. What the loops of
+   the first pass call, and the loops: those of threads that have the number `first` of `warps`. */
 int emit_has_zeros(const struct emission *e, const struct pass *p);
 int emit_is_zero_store(const struct plan *p, const struct line *l);
 const char *emit_zeros_unless(const struct emission *e, const struct pass *p, int is_beside);

@@ -53,7 +53,7 @@ int emit_is_staged(const struct emission *e)
 
 const struct windows *emit_windows(const struct emission *e)
 {
-	return e->part_count ? &e->parts[0].pass.windows : &emit_main(e)->windows;
+	return &emit_part(e, 0)->windows;
 }
 
 int emit_window_bytes(const struct emission *e)

@@ -176,25 +176,14 @@ static void put_windowed(const struct emission *e, const struct pass *p, struct 
 	template_expand(out, e->target->kernel->windowed, slots, sizeof slots / sizeof *slots);
 }
 
-/* What the kernel computes in each place along y of its grid. */
-static const struct pass *windowed_pass(const struct emission *e, int part)
-{
-	return e->part_count ? &e->parts[part].pass : emit_main(e);
-}
-
-static int windowed_count(const struct emission *e)
-{
-	return e->part_count ? e->part_count : 1;
-}
-
 /* The number of a pass's first run among all. */
 static int first_run(const struct emission *e, const struct pass *p)
 {
 	int runs = 0;
 
-	for (int k = 0; k < windowed_count(e) && windowed_pass(e, k) != p; k++)
-		for (int i = 0; i < windowed_pass(e, k)->windows.flush_count; i++)
-			runs += windowed_pass(e, k)->windows.flushes[i].count;
+	for (int k = 0; k < emit_part_places(e) && emit_part(e, k) != p; k++)
+		for (int i = 0; i < emit_part(e, k)->windows.flush_count; i++)
+			runs += emit_part(e, k)->windows.flushes[i].count;
 	return runs;
 }
 
@@ -222,9 +211,9 @@ static const char *runs_text(const struct emission *e, int slots)
 	unsigned begin = 0;
 
 	text_init(&t, e->arena);
-	for (int k = 0; k < windowed_count(e); k++)
-		for (int i = 0; i < windowed_pass(e, k)->windows.flush_count; i++) {
-			const struct window_flush *f = &windowed_pass(e, k)->windows.flushes[i];
+	for (int k = 0; k < emit_part_places(e); k++)
+		for (int i = 0; i < emit_part(e, k)->windows.flush_count; i++) {
+			const struct window_flush *f = &emit_part(e, k)->windows.flushes[i];
 
 			for (const struct window_run *r = f->runs; r < f->runs + f->count; begin += r++->count)
 				if (!slots)

@@ -86,20 +86,9 @@ static void put_warp(const struct emission *e, const struct pass *p, int warp, s
 	template_expand(out, rest, slots, count);
 }
 
-/* What the grid's row of blocks does: all, or a part. */
-static const struct pass *pass_of(const struct emission *e, int part)
-{
-	return e->part_count ? &e->parts[part].pass : emit_main(e);
-}
-
-static int part_count(const struct emission *e)
-{
-	return e->part_count ? e->part_count : 1;
-}
-
 int emit_has_limbs(const struct emission *e)
 {
-	return e->target->kernel && pass_of(e, 0)->limbs.warps;
+	return e->target->kernel && emit_part(e, 0)->limbs.warps;
 }
 
 static const char *warps_text(const struct emission *e)
@@ -107,8 +96,8 @@ static const char *warps_text(const struct emission *e)
 	struct text t;
 
 	text_init(&t, e->arena);
-	for (int k = 0; k < part_count(e); k++) {
-		const struct pass *p = pass_of(e, k);
+	for (int k = 0; k < emit_part_places(e); k++) {
+		const struct pass *p = emit_part(e, k);
 		struct writer w;
 
 		unparse_begin(&w, e, p, e->numbers);
@@ -125,8 +114,8 @@ static const char *cases_text(const struct emission *e)
 	struct text t;
 
 	text_init(&t, e->arena);
-	for (int k = 0; k < part_count(e); k++) {
-		const struct pass *p = pass_of(e, k);
+	for (int k = 0; k < emit_part_places(e); k++) {
+		const struct pass *p = emit_part(e, k);
 
 		for (int i = 0; i < p->limbs.warps; i++)
 			text_printf(&t, "\tcase %d:\n\t\t%s_%s_limb%d(%s, across);\n\t\tbreak;\n", k * p->limbs.warps + i,
@@ -137,12 +126,12 @@ static const char *cases_text(const struct emission *e)
 
 int emit_limbs_bytes(const struct emission *e)
 {
-	return pass_of(e, 0)->limbs.words * e->arithmetic->bytes * WARP_THREADS;
+	return emit_part(e, 0)->limbs.words * e->arithmetic->bytes * WARP_THREADS;
 }
 
 const struct limbs *emit_limbs_of(const struct emission *e)
 {
-	return &pass_of(e, 0)->limbs;
+	return &emit_part(e, 0)->limbs;
 }
 
 const char *emit_unless_limbs(const struct emission *e, const char *what)
