@@ -21,8 +21,8 @@ int segments_make(struct segments *s, const struct plan *p, const struct segment
 /* What a pass is to become. */
 enum segment_use { SEGMENT_NONE, SEGMENT_LOOPS, SEGMENT_KERNEL };
 
-/* Make p->segments as the options ask for, or where that pays (segment_limits.c). Without loops or a kernel of its own a pass stays
-   whole. Returns 0 when memory runs out. */
+/* Make p->segments as the options ask for, or where that pays (segment_limits.c). Without loops or a kernel of its own a pass
+   stays whole. Returns 0 when memory runs out. */
 int segments_choose(struct pass *p, enum segment_use use, const struct request *k, const struct rneagen_options *o,
 	struct arena *a);
 

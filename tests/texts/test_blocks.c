@@ -222,8 +222,8 @@ static void check_block(const struct subject *s, const struct target *t, struct 
 
 /* ---- outputs through windows ---- */
 
-/* With zeros that no statement writes; in parts; in several flushes; with what all samples share. In blocks of 33, and of 1024, each
-   thread writes its own elements; the last warp is not full. */
+/* With zeros that no statement writes; in parts; in several flushes; with what all samples share. In blocks of 33, and of 1024,
+   each thread writes its own elements; the last warp is not full. */
 static const struct subject WINDOWS[] = {
 	{"atlas", RNEAGEN_F32, RNEAGEN_AOS, "want M\ndense\n", {32, 33, 1024}, 2e-5},
 	{"hyq", RNEAGEN_F64, RNEAGEN_AOS, "want tau,dtau_dq,dtau_dqd\ndense\nfree gravity:batch,mass.lf_lowerleg:sample\n",
@@ -232,8 +232,8 @@ static const struct subject WINDOWS[] = {
 	{"atlas", RNEAGEN_F32, RNEAGEN_AOS, "want tau,dtau_dq\ndense\n", {32}, 2e-4},
 };
 
-/* This would catch an element in another sample's place, one that is written by nobody, a slot that is taken again before it left,
-   and a warp that counts its samples wrong. */
+/* This would catch an element in another sample's place, one that is written by nobody, a slot that is taken again before it
+   left, and a warp that counts its samples wrong. */
 START_TEST(test_windows)
 {
 	const struct subject *s = &WINDOWS[_i];
