@@ -169,6 +169,9 @@ static enum rneagen_code segments_make_all(struct generation *g)
 	for (int i = 0; i < function_count(g); i++)
 		if (!segments_choose(&g->passes[i], segment_use(g, i), &a->request, &a->options, a->arena))
 			return error_memory(a->error);
+	if (segment_use(g, 0) == SEGMENT_LOOPS && a->adjust.prune == 0 &&
+		!segments_single(&g->passes[0], &a->request, &a->options, a->arena))
+		error_memory(a->error);
 	return a->error->code;
 }
 
@@ -221,13 +224,11 @@ static struct emission new_emission(struct generation *g, const char *told)
 
 	return (struct emission){.tree = &a->tree,
 		.request = &a->request,
-		.scene = &a->scene,
-		.adjust = &a->adjust,
+		.scene = &a->scene, .adjust = &a->adjust,
 		.options = &a->options,
 		.passes = g->passes,
 		.pass_count = function_count(g),
-		.parts = g->parts,
-		.part_count = g->part_count,
+		.parts = g->parts, .part_count = g->part_count,
 		.warnings = g->result->warnings,
 		.warning_count = g->result->warning_count,
 		.told = told,

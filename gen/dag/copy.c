@@ -1,5 +1,6 @@
-/* Nodes of one DAG in another. */
+/* Nodes of one DAG in another; columns over which a loop goes. */
 #include "dag/dag.h"
+#include <string.h>
 
 struct ref dag_copy_leaf(struct dag *out, const struct dag *d, size_t i)
 {
@@ -14,6 +15,9 @@ void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier 
 
 	for (int i = 0; i < d->argument_count; i++)
 		dag_argument_of(out, d->arguments[i]);
+	out->arguments[DAG_COLUMN] = d->arguments[DAG_COLUMN];
+	memcpy(out->runs, d->runs, sizeof out->runs);
+	out->run_count = d->run_count;
 	for (size_t i = 0; i < d->count; i++) {
 		const struct tag *tag = &d->nodes[i].tag;
 
@@ -31,4 +35,17 @@ void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier 
 		dag_output(out, d->outputs[i].argument, d->outputs[i].row, map[d->outputs[i].value.i]);
 	for (size_t i = 0; i < out->section_count; i++)
 		out->sections[i].output = d->sections[i].output;
+}
+
+void dag_loop_over(struct dag *d, int argument, int column, int rows)
+{
+	struct column_run *last = d->run_count ? &d->runs[d->run_count - 1] : NULL;
+
+	d->arguments[DAG_COLUMN] = (struct argument){.name = "column", .rows = rows, .is_output = 1, .role = ROLE_UNKNOWN, .of = ""};
+	if (last && last->argument == argument && last->first + last->count == column)
+		last->count++;
+	else if (d->run_count < DAG_RUNS)
+		d->runs[d->run_count++] = (struct column_run){argument, column, 1};
+	else
+		d->failed = 1;
 }

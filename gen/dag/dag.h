@@ -36,7 +36,8 @@ struct node {
 enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END, SECTION_FREED, SECTION_TOTALS, SECTION_BIAS, SECTION_GRAVITY,
 	SECTION_BY, SECTION_PRODUCTS, SECTION_FACTORS, SECTION_ARTICULATED, SECTION_INVERSE, SECTION_RESIDUAL,
 	SECTION_REFINED, SECTION_BOUND, SECTION_REGRESSOR, SECTION_PLACE, SECTION_JACOBIAN, SECTION_RATE, SECTION_SUBTREE,
-	SECTION_CENTROID, SECTION_FACTORED, SECTION_OPSPACE, SECTION_SWEEPS, SECTION_ROWS, SECTION_COUNT };
+	SECTION_CENTROID, SECTION_FACTORED, SECTION_OPSPACE, SECTION_SWEEPS, SECTION_ROWS, SECTION_COLUMNS,
+	SECTION_COUNT };
 
 /* From this node (and this output) on, the text belongs to going out to a body, or back from it. */
 struct section {
@@ -60,8 +61,16 @@ struct argument {
 	const char *of; /* the link, joint or constant that the role speaks of; NULL or "": none */
 };
 
-/* As many as a kernel takes (RNEA_ARGUMENT_LIMIT). */
-enum { DAG_ARGUMENTS = 64, DAG_STRUCK = 1 << 20, DAG_HELD, DAG_UNSTORED };
+/* As many as a kernel takes (RNEA_ARGUMENT_LIMIT). DAG_COLUMN is no parameter: it stands for a column of an output, which
+   a loop reads and writes. */
+enum { DAG_ARGUMENTS = 64, DAG_COLUMN = DAG_ARGUMENTS, DAG_STRUCK = 1 << 20, DAG_HELD, DAG_UNSTORED };
+
+/* Columns of an output, a matrix stored row by row, over which a loop goes. */
+struct column_run {
+	int argument, first, count;
+};
+
+enum { DAG_RUNS = 64 };
 
 struct dag {
 	struct arena *arena;
@@ -71,12 +80,15 @@ struct dag {
 	size_t table_size;
 	struct within *numbers; /* of constants that are not exactly their value */
 	size_t number_count, number_capacity;
-	struct argument arguments[DAG_ARGUMENTS];
+	struct argument arguments[DAG_ARGUMENTS + 1]; /* the last is DAG_COLUMN, which is not counted */
 	int argument_count;
 	struct output *outputs;
 	size_t output_count, output_capacity;
 	struct section *sections;
 	size_t section_count, section_capacity;
+	/* the loop, if there is one, is all that is made of DAG_COLUMN; its rows count the columns that a row of the matrices has */
+	struct column_run runs[DAG_RUNS];
+	int run_count;
 	int is_wide;  /* while it is set, inputs are widened where they are read, and constants are wide */
 	size_t limit; /* nodes; 0: as many as memory holds */
 	int failed;   /* sticky: out of memory, an argument or a node too many, a matrix that cannot be solved */
@@ -113,6 +125,9 @@ void dag_forget(struct dag *d);
 /* Declare a parameter of the function; returns its index. Outputs after inputs. */
 int dag_argument(struct dag *d, const char *name, int rows, int is_output);
 int dag_argument_of(struct dag *d, struct argument a);
+
+/* Let the loop go over one more column, of a matrix with so many rows. Columns in a row make one run. */
+void dag_loop_over(struct dag *d, int argument, int column, int rows);
 
 /* The index of an argument; -1 where there is none of the name. */
 int dag_find_argument(const struct dag *d, const char *name);

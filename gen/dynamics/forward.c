@@ -105,7 +105,8 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 	forward_factor(x, b, in);
 	b->forward = x;
 	x->qdd = arena_alloc(d->arena, (size_t)nv, sizeof *x->qdd);
-	if (!x->qdd)
+	x->looped = b->is_looped ? arena_alloc(d->arena, DAG_ARGUMENTS * (size_t)nv, 1) : NULL;
+	if (!x->qdd || (b->is_looped && !x->looped))
 		d->failed = 1;
 	for (int i = 0; i < nv && !d->failed; i++)
 		x->qdd[i] = dag_sub(d, source_row(d, &x->torques, i), x->tour.tau[i]);
@@ -184,19 +185,113 @@ void forward_inverse(const struct forward *x, struct ref *X)
 	}
 }
 
+static void output_column(const struct forward *x, const struct ref *column, int j, int argument)
+{
+	int nv = x->b->t->nv;
+
+	for (int i = 0; i < nv; i++)
+		if (x->coupled.row[i * nv + j] >= 0)
+			dag_output(x->b->d, argument, x->coupled.row[i * nv + j], column[i]);
+}
+
+/* -column, or -M^-1 column. */
+static void negate_column(const struct forward *x, struct ref *column, int j, int is_solved)
+{
+	struct dag *d = x->b->d;
+
+	dag_section(d, SECTION_BY, tree_joint_of_row(x->b->t, j)->body);
+	for (int i = 0; i < x->b->t->nv; i++)
+		column[i] = dag_neg(d, column[i]);
+	if (is_solved)
+		forward_solve(x, column);
+}
+
 void forward_column(const struct forward *x, struct ref *column, int j, int argument)
+{
+	negate_column(x, column, j, !x->looped);
+	output_column(x, column, j, argument);
+	if (x->looped)
+		x->looped[argument * x->b->t->nv + j] = 1;
+}
+
+/* What shifts the accelerations of all particles alike is M's own columns by the base's slides: M^-1 of it is the shift. */
+static void shift_base(const struct recursion *by, int body, struct svec shift, struct ref *column)
+{
+	const struct tour *r = by->r;
+	const struct body *k = &r->t->bodies[body];
+	struct svec Y, Z;
+
+	for (int i = 0; i < 3; i++) {
+		joint_unit_twist(r->d, k, &r->frames[body + 1].pose, i, &Y, &Z);
+		column[k->iv + i] = dag_sub(r->d, column[k->iv + i], svec_dot(r->d, Y, shift));
+	}
+}
+
+static int is_zero(const struct ref *column, int n)
+{
+	for (int i = 0; i < n; i++)
+		if (column[i].i)
+			return 0;
+	return 1;
+}
+
+/* Where d tau is beside a shift. In a loop a column that is more than the shift has it among the others. */
+static int is_apart(const struct forward *x, const struct recursion *by, int body, const struct ref *apart)
+{
+	return recursion_is_shifted(by, body) && (!x->looped || is_zero(apart, x->b->t->nv));
+}
+
+static void by_column(const struct forward *x, const struct recursion *by, int body, enum by b, int j, struct ref *column,
+	int argument)
+{
+	const struct by_matrix *m = &by->by[b];
+	int nv = x->b->t->nv;
+
+	for (int i = 0; i < nv; i++)
+		column[i] = m->apart[i * nv + j];
+	if (is_apart(x, by, body, column)) {
+		negate_column(x, column, j, 1);
+		shift_base(by, body, m->shift[j], column);
+		output_column(x, column, j, argument);
+		return;
+	}
+	for (int i = 0; i < nv; i++)
+		column[i] = m->element[i * nv + j];
+	forward_column(x, column, j, argument);
+}
+
+void forward_by_body(const struct forward *x, const struct recursion *by, int body, const int *arguments)
+{
+	const struct tree *t = x->b->t;
+	int iv = t->bodies[body].iv, end = iv + joint_nv(t->bodies[body].type);
+	struct ref *column = arena_alloc(x->b->d->arena, (size_t)t->nv, sizeof *column);
+
+	for (enum by b = BY_Q; b <= BY_QD && column; b++)
+		for (int j = iv; j < end && arguments[b] >= 0; j++)
+			by_column(x, by, body, b, j, column, arguments[b]);
+	if (!column)
+		x->b->d->failed = 1;
+}
+
+void forward_loop(const struct forward *x)
 {
 	struct dag *d = x->b->d;
 	int nv = x->b->t->nv;
-	const struct pattern *p = &x->coupled;
+	struct ref *column = arena_alloc(d->arena, (size_t)nv, sizeof *column);
 
-	dag_section(d, SECTION_BY, tree_joint_of_row(x->b->t, j)->body);
+	if (!column || d->failed) {
+		d->failed = 1;
+		return;
+	}
+	dag_section(d, SECTION_COLUMNS, 0);
 	for (int i = 0; i < nv; i++)
-		column[i] = dag_neg(d, column[i]);
+		column[i] = dag_input(d, DAG_COLUMN, i);
 	forward_solve(x, column);
 	for (int i = 0; i < nv; i++)
-		if (p->row[i * nv + j] >= 0)
-			dag_output(d, argument, p->row[i * nv + j], column[i]);
+		dag_output(d, DAG_COLUMN, i, column[i]);
+	for (int at = 0; at < DAG_ARGUMENTS * nv; at++)
+		if (x->looped[at])
+			dag_loop_over(d, at / nv, at % nv, nv);
 }
 
 void forward_outputs(const struct forward *x, int qdd_out, int inverse_out)

@@ -18,6 +18,7 @@ struct forward {
 	struct factor M;
 	struct pattern coupled; /* of the derivatives of qdd */
 	struct ref *qdd;        /* [nv] */
+	unsigned char *looped;  /* [arguments][nv]: columns that are left to a loop; NULL: none */
 	int singular;           /* the row of qd that moves no mass, -1 where all do */
 };
 
@@ -57,8 +58,15 @@ void forward_enter(const struct tour *r, int body);
 /* M^-1, [nv][nv], as far as the elements are not zero for all states. */
 void forward_inverse(const struct forward *x, struct ref *X);
 
-/* From column j of d tau at this qdd, [nv], that of d qdd = -M^-1 d tau, and write it; in place. */
+/* From column j of d tau at this qdd, [nv], that of d qdd = -M^-1 d tau, and write it; in place. Where columns are looped
+   over, write -d tau, and leave M^-1 to the loop. */
 void forward_column(const struct forward *x, struct ref *column, int j, int argument);
+
+/* The columns of a body, from those that the recursion has made of d tau, by q and qd; -1: not into this argument. */
+void forward_by_body(const struct forward *x, const struct recursion *by, int body, const int *arguments);
+
+/* The loop, which comes last: M^-1 of each column in its place. */
+void forward_loop(const struct forward *x);
 
 /* M y = rhs in place, by rows of qd. */
 void forward_solve(const struct forward *x, struct ref *rhs);

@@ -130,18 +130,6 @@ static struct wrench turned_by(struct dag *d, const struct frame *x, struct svec
 	return (struct wrench){svec_cross(d, Z, x->f), svec_add_cross(d, svec_cross(d, Z, x->n), Y, x->f)};
 }
 
-/* p' = w_p x p + R V0 */
-static struct svec origin_rate(const struct tour *r, int body)
-{
-	struct dag *d = r->d;
-	const struct body *k = &r->t->bodies[body];
-	const struct joint_pose *at = &r->frames[body + 1].pose;
-	struct joint_rates m = joint_move(d, k, r->in);
-	struct svec slide = svec_add(d, m.V0, joint_out_of(d, k, at, m.V));
-
-	return svec_add(d, svec_cross(d, r->frames[k->parent + 1].motion.w, at->p), smat_mul(d, &at->R, slide));
-}
-
 static struct wrench wrench_to_parent(const struct recursion *x, int body, struct wrench w)
 {
 	struct dag *d = x->r->d;
@@ -160,7 +148,7 @@ static struct row_vectors row_to_parent(const struct recursion *x, int body, str
 	struct wrench w = wrench_to_parent(x, body, (struct wrench){s.f2, s.n2});
 
 	s.n1 = joint_to_parent(d, &x->r->t->bodies[body], pose_of(x, body), s.n1);
-	return (struct row_vectors){w.n, svec_add_cross(d, s.n1, origin_rate(x->r, body), w.f), w.f};
+	return (struct row_vectors){w.n, svec_add_cross(d, s.n1, tour_origin_rate(x->r, body), w.f), w.f};
 }
 
 /* ---- elements ---- */
@@ -200,6 +188,23 @@ static void add_own(struct recursion *x, int body)
 	add(x, BY_QD, k->iv, k->iv, own_rate(x->r, body));
 }
 
+int recursion_is_shifted(const struct recursion *x, int body)
+{
+	const struct body *k = &x->r->t->bodies[body];
+
+	return k->type == JOINT_FLOATING && k->parent < 0;
+}
+
+static void fill_apart(struct recursion *x, enum by by, int i, int j, const struct row_vectors *s, struct field f)
+{
+	struct by_matrix *m = &x->by[by];
+	struct ref *to = &m->apart[i * x->r->t->nv + j];
+
+	m->shift[j] = f.gamma;
+	memset(&f.gamma, 0, sizeof f.gamma);
+	*to = dag_add(x->r->d, *to, field_meet(x->r->d, s, &f));
+}
+
 /* Row i of the gradients, by the coordinates of body `here`. */
 static void fill_row(struct recursion *x, int i, int here, const struct row_vectors *s)
 {
@@ -210,8 +215,11 @@ static void fill_row(struct recursion *x, int i, int here, const struct row_vect
 	for (int j = k->iv; j < k->iv + joint_nv(k->type); j++) {
 		fields(x, here, j - k->iv, by);
 		for (enum by b = BY_Q; b < BY_QDD; b++)
-			if (is_made(x, b))
+			if (is_made(x, b)) {
 				add(x, b, i, j, field_meet(d, s, &by[b]));
+				if (recursion_is_shifted(x, here))
+					fill_apart(x, b, i, j, s, by[b]);
+			}
 	}
 }
 
@@ -346,7 +354,7 @@ void recursion_leave(struct recursion *x, int body)
 	for (int row = 0; row < joint_nv(k->type); row++)
 		write_between(x, k->iv + row, body);
 	if (k->parent >= 0) {
-		struct svec rate = origin_rate(r, body);
+		struct svec rate = tour_origin_rate(r, body);
 		int has_rate = x->has_gradients || x->has_coriolis;
 
 		composite_add_child(r->d, &x->bodies[k->parent], &x->bodies[body], k, pose_of(x, body), has_rate ? &rate : NULL);
@@ -369,7 +377,9 @@ static int begin_matrix(struct by_matrix *m, const struct tour *r, int argument,
 	m->argument = argument;
 	m->element = arena_alloc(a, elements, sizeof *m->element);
 	m->is_done = arena_alloc(a, elements, 1);
-	return m->element && m->is_done && pattern_make(&m->p, r->t, symmetric, r->request->dense, a);
+	m->apart = arena_alloc(a, elements, sizeof *m->apart);
+	m->shift = arena_alloc(a, (size_t)r->t->nv, sizeof *m->shift);
+	return m->element && m->is_done && m->apart && m->shift && pattern_make(&m->p, r->t, symmetric, r->request->dense, a);
 }
 
 void recursion_begin(struct recursion *x, const struct tour *r, const int *arguments)

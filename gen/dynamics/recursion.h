@@ -14,6 +14,8 @@ struct by_matrix {
 	struct pattern p;
 	struct ref *element; /* [nv][nv] */
 	char *is_done;       /* has been written */
+	struct ref *apart;   /* [nv][nv]: of a column with a shift, the element without it */
+	struct svec *shift;  /* by column: gamma of a coordinate that shifts the accelerations of all particles alike; else zero */
 };
 
 struct recursion {
@@ -26,6 +28,10 @@ struct recursion {
 
 /* `arguments` says where the matrices go. d->failed is set when memory runs out. */
 void recursion_begin(struct recursion *x, const struct tour *r, const int *arguments);
+
+/* Is there such a shift in a body's fields by q and qd? A base that floats on the ground has one: gravity turns about it, and its
+   velocity along it. M has a shift as columns of the base's slides. */
+int recursion_is_shifted(const struct recursion *x, int body);
 
 /* When the tour has left a body, with the wrench of its subtree; and when it is back. */
 void recursion_leave(struct recursion *x, int body);

@@ -83,6 +83,17 @@ struct svec tour_acceleration(const struct tour *r, int body, struct svec from)
 	return svec_add(d, joint_into(d, k, at, a), slide_acceleration(d, joint_into(d, k, at, w), m.V, m.dV));
 }
 
+struct svec tour_origin_rate(const struct tour *r, int body)
+{
+	struct dag *d = r->d;
+	const struct body *k = &r->t->bodies[body];
+	const struct joint_pose *at = &r->frames[body + 1].pose;
+	struct joint_rates m = joint_move(d, k, r->in);
+	struct svec slide = svec_add(d, m.V0, joint_out_of(d, k, at, m.V));
+
+	return svec_add(d, svec_cross(d, r->frames[k->parent + 1].motion.w, at->p), smat_mul(d, &at->R, slide));
+}
+
 /* The body's own wrench. */
 static void own_wrench(const struct tour *r, int index, struct frame *x)
 {

@@ -48,6 +48,9 @@ void tour_run(struct tour *r);
 /* a = E (a_p + U_p p) + dV + 2 w x V once more, from another a_p than less gravity; for a body that has been entered. */
 struct svec tour_acceleration(const struct tour *r, int body, struct svec from);
 
+/* How fast a body's origin goes in its parent's frame, p' = w_p x p + R V0; for a body that has been entered. */
+struct svec tour_origin_rate(const struct tour *r, int body);
+
 /* Going out to a body, and back from it, where nothing moves. */
 void at_rest_enter(const struct tour *r, int body);
 void at_rest_leave(const struct tour *r, int body);

@@ -122,7 +122,8 @@ static void begin_recursion(struct build *b, const struct tour *r)
 		int serves = is_recursive(b, BY_RECURSION[by]);
 
 		arguments[by] = serves ? output_of(b, BY_RECURSION[by]) : -1;
-		is_used[by] = arguments[by] >= 0 || (serves && output_of(b, SOLVED[by]) >= 0);
+		b->solved[by] = serves ? output_of(b, SOLVED[by]) : -1;
+		is_used[by] = arguments[by] >= 0 || b->solved[by] >= 0;
 		for (int i = 0; i < b->k->want_count && serves; i++)
 			b->done[i] |= b->k->wants[i].kind == BY_RECURSION[by] || b->k->wants[i].kind == SOLVED[by];
 	}
@@ -179,25 +180,6 @@ static void output_scalars(const struct build *b, const struct tour *r)
 		dag_output(b->d, kinetic_out, 0, b->kinetic);
 }
 
-/* d qdd = -M^-1 d tau, from what the recursion made: the columns of a body. */
-static void solve_columns(struct build *b, int body)
-{
-	int nv = b->t->nv, iv = b->t->bodies[body].iv, end = iv + joint_nv(b->t->bodies[body].type);
-	struct ref *column = arena_alloc(b->d->arena, (size_t)nv, sizeof *column);
-
-	for (enum by by = BY_Q; by <= BY_QD && column; by++) {
-		int argument = is_recursive(b, BY_RECURSION[by]) ? output_of(b, SOLVED[by]) : -1;
-
-		for (int j = iv; j < end && argument >= 0; j++) {
-			for (int i = 0; i < nv; i++)
-				column[i] = b->recursion.by[by].element[i * nv + j];
-			forward_column(b->forward, column, j, argument);
-		}
-	}
-	if (!column)
-		b->d->failed = 1;
-}
-
 /* A column is complete when its body is left, and solved at once, before others wait beside it; where bodies follow others,
    columns grow to the end. */
 void want_left(const struct tour *r, int body)
@@ -208,7 +190,7 @@ void want_left(const struct tour *r, int body)
 		return;
 	recursion_leave(&b->recursion, body);
 	if (b->forward && !b->t->mimic_count)
-		solve_columns(b, body);
+		forward_by_body(b->forward, &b->recursion, body, b->solved);
 }
 
 static void end_recursion(struct build *b)
@@ -216,7 +198,7 @@ static void end_recursion(struct build *b)
 	recursion_end(&b->recursion);
 	for (int k = 0; k < b->t->body_count && b->forward && b->t->mimic_count; k++)
 		if (!b->t->bodies[k].follower)
-			solve_columns(b, k);
+			forward_by_body(b->forward, &b->recursion, k, b->solved);
 }
 
 static void run_main(struct build *b, struct joint_inputs in)
@@ -357,7 +339,7 @@ static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x
 void want_build_in(struct dag *d, const struct tree *t, const struct request *k, struct ways ways)
 {
 	struct build b = {.d = d, .t = t, .k = k, .derivatives = ways.derivatives, .dynamics = ways.dynamics,
-		.pivots_alone = ways.pivots_alone};
+		.pivots_alone = ways.pivots_alone, .is_looped = ways.is_looped};
 	struct joint_inputs in;
 	struct forward forward = {.b = &b, .torques = {.argument = -1}};
 
@@ -393,6 +375,8 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	run_gravity(&b, in, output_of(&b, WANT_GRAVITY), output_of(&b, WANT_POTENTIAL));
 	opspace_outputs(&b, in);
 	product_outputs(&b, in);
+	if (ways.is_looped)
+		forward_loop(&forward);
 	dag_forget(d);
 	if (k->is_forward)
 		dag_substitute(d, forward.qdd);

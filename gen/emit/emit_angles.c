@@ -16,9 +16,11 @@ int emit_has_known(const struct emission *e)
 	return 1;
 }
 
-/* Parts have the table of the whole. */
+/* Parts, and what a call of one sample runs, have the table of the whole. */
 static const struct pass *table_of(const struct emission *e, const struct pass *p)
 {
+	if (p == emit_main(e)->single)
+		return emit_main(e);
 	for (int i = 0; i < e->part_count; i++)
 		if (p == &e->parts[i].pass)
 			return emit_main(e);

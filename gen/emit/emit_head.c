@@ -265,11 +265,13 @@ static void put_operations(const struct emission *e, struct text *out)
 				" *   %u of these flops in %s: the residual tau - ID(q, qd, qdd), by which the qdd found is refined\n", n.wide,
 				e->wide->arithmetic->name);
 	}
-	for (int i = 0; i < e->pass_count; i++)
-		if (e->passes[i].segments.count)
+	for (const struct pass *p = e->passes; p < e->passes + e->pass_count; p++)
+		if (p->segments.count)
 			text_printf(out, " *   %s is in %d segments, each for several samples before the next; %d values go across cuts\n",
-				e->passes[i].algorithm->name, e->passes[i].segments.count,
-				e->passes[i].segments.slots[0] + e->passes[i].segments.slots[1]);
+				p->algorithm->name, p->segments.count, p->segments.slots[0] + p->segments.slots[1]);
+	if (emit_main(e)->single)
+		text_printf(out, " *   One sample runs %s: %d segments, the last of which is a loop over columns of derivatives.\n",
+			emit_main(e)->single->algorithm->name, emit_main(e)->single->segments.count);
 	if (e->part_count)
 		text_printf(out, " * The %s kernel is in %d parts: its grid has as many along y, each for the elements of some joints.\n",
 			emit_main(e)->algorithm->name, e->part_count);

@@ -162,7 +162,7 @@ static void put_segment(const struct emission *e, const struct pass *p, int k, s
 	template_expand(out, rest, slots, count);
 }
 
-void emit_segments(const struct emission *e, const struct pass *p, struct text *out)
+static void put_segments(const struct emission *e, const struct pass *p, struct text *out)
 {
 	struct text spare;
 	struct writer w;
@@ -170,7 +170,17 @@ void emit_segments(const struct emission *e, const struct pass *p, struct text *
 	text_init(&spare, e->arena);
 	unparse_begin(&w, e, p, e->numbers);
 	for (int k = 0; k < p->segments.count; k++)
-		put_segment(e, p, k, &w, &spare, out);
+		if (emit_is_loop(p, k))
+			emit_columns(e, p, &w, &spare, out);
+		else
+			put_segment(e, p, k, &w, &spare, out);
+}
+
+void emit_segments(const struct emission *e, const struct pass *p, struct text *out)
+{
+	put_segments(e, p, out);
+	if (p->single)
+		put_segments(e, p->single, out);
 }
 
 /* ---- batches ---- */
@@ -186,37 +196,77 @@ static const char *handed_on(const struct emission *e, const char *names)
 	return text_string(&t);
 }
 
-static const char *lanes_functions(const struct emission *e, const struct pass *p, const char *count_param)
+/* What a call of one sample runs. */
+static const struct pass *single_of(const struct pass *p)
+{
+	return p->single ? p->single : p;
+}
+
+static void put_lanes_function(const struct emission *e, const struct pass *p, int k, struct text *out)
 {
 	const struct segments *s = &p->segments;
-	const char *at_sample = emit_at_sample(e, p);
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
+		{"LANES", emit_int(e, lanes_of(e, s))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
+		{"COUNT_PARAM", e->options->layout == RNEAGEN_SOA ? "size_t count, " : ""},
+		{"RESTRICT_ACROSS", across(e, s, RESTRICT)}, {"AT_SAMPLE", emit_at_sample(e, p)},
+		{"ACROSS_NAMES", across(e, s, NAME)}, {"UNKNOWN", handed_on(e, emit_unknown_names(e))}};
+
+	template_expand(out, template_segment_lanes_in, slots, sizeof slots / sizeof *slots);
+}
+
+static void put_one_function(const struct emission *e, const struct pass *p, int k, struct text *out)
+{
+	const struct segments *s = &p->segments;
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
+		{"KNOWN", handed_on(e, emit_known_names(e))}, {"KNOWN_PARAM", emit_known_params(e)},
+		{"ACROSS_PARAMS", across(e, s, PARAMETER)}, {"ACROSS_NAMES", across(e, s, NAME)}};
+
+	template_expand(out, template_segment_one_in, slots, sizeof slots / sizeof *slots);
+}
+
+static const char *functions_text(const struct emission *e, const struct pass *p)
+{
+	const struct pass *one = single_of(p);
 	struct text t;
 
 	text_init(&t, e->arena);
-	for (int k = 0; k < s->count; k++) {
-		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
-			{"LANES", emit_int(e, lanes_of(e, s))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
-			{"COUNT_PARAM", count_param}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
-			{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"KNOWN", handed_on(e, emit_known_names(e))},
-			{"KNOWN_PARAM", emit_known_params(e)}, {"ACROSS_PARAMS", across(e, s, PARAMETER)},
-			{"RESTRICT_ACROSS", across(e, s, RESTRICT)}, {"AT_SAMPLE", at_sample},
-			{"ACROSS_NAMES", across(e, s, NAME)}, {"UNKNOWN", handed_on(e, emit_unknown_names(e))}};
-
-		template_expand(&t, template_segment_lanes_in, slots, sizeof slots / sizeof *slots);
+	for (int k = 0; k < p->segments.count || k < one->segments.count; k++) {
+		if (k < p->segments.count)
+			put_lanes_function(e, p, k, &t);
+		if (k < one->segments.count && !emit_is_loop(one, k))
+			put_one_function(e, one, k, &t);
 	}
 	return text_string(&t);
 }
 
-static const char *calls_of(const struct emission *e, const struct pass *p, const char *indent, const char *what,
-	const char *where, const char *more)
+static void put_call(const struct emission *e, const struct pass *p, int k, const char *indent, const char *what,
+	const char *where, const char *more, struct text *out)
 {
-	const struct segments *s = &p->segments;
+	text_printf(out, "%s%s_%s_%s%d(%s, %s, %s%s);\n", indent, e->options->name, p->algorithm->name, what, k,
+		emit_params(e, p, PARAMS_NAMES), where, across(e, &p->segments, NAME), more);
+}
+
+static const char *lanes_calls(const struct emission *e, const struct pass *p)
+{
 	struct text t;
 
 	text_init(&t, e->arena);
-	for (int k = 0; k < s->count; k++)
-		text_printf(&t, "%s%s%s_%s_%s%d(%s, %s, %s%s);", k ? "\n" : "", indent, e->options->name,
-			p->algorithm->name, what, k, emit_params(e, p, PARAMS_NAMES), where, across(e, s, NAME), more);
+	for (int k = 0; k < p->segments.count; k++)
+		put_call(e, p, k, "\t\t\t", "lanes", e->options->layout == RNEAGEN_SOA ? "count, first" : "first", "", &t);
+	return text_string(&t);
+}
+
+static const char *one_calls(const struct emission *e, const struct pass *p)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int k = 0; k < p->segments.count; k++)
+		if (emit_is_loop(p, k))
+			emit_columns_calls(e, p, &t);
+		else
+			put_call(e, p, k, "\t", "one", "stride", handed_on(e, emit_known_names(e)), &t);
 	return text_string(&t);
 }
 
@@ -242,10 +292,9 @@ void emit_segments_part(const struct emission *e, const struct pass *p, const ch
 		{"WHERE_SMALL", emit_has_known(e) ? " where their angles are small, which is the rule" : ""},
 		{"AND_SMALL", and_small(e, are_small)}, {"CALL_ANY", call_any}, {"COUNT_PARAM", count_param},
 		{"AT_SAMPLE", emit_at_sample(e, p)}, {"LANES", emit_int(e, lanes_of(e, &p->segments))},
-		{"LANES_FUNCTIONS", lanes_functions(e, p, count_param)},
-		{"CALLS", calls_of(e, p, "\t\t\t", "lanes", is_soa ? "count, first" : "first", "")},
-		{"ONE_CALLS", calls_of(e, p, "\t", "one", "stride", handed_on(e, emit_known_names(e)))},
-		{"ONE_DECLARATIONS", across(e, &p->segments, LOCAL)}, {"DECLARATIONS", across(e, &p->segments, LANES)}};
+		{"FUNCTIONS", functions_text(e, p)},
+		{"CALLS", lanes_calls(e, p)}, {"ONE_CALLS", one_calls(e, single_of(p))},
+		{"ONE_DECLARATIONS", across(e, &single_of(p)->segments, LOCAL)}, {"DECLARATIONS", across(e, &p->segments, LANES)}};
 
 	template_expand(out, template_part_segments_in, slots, sizeof slots / sizeof *slots);
 }

@@ -55,6 +55,7 @@ static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driv
 	[SECTION_REFINED] = "M d = r;  qdd += d",
 	[SECTION_REGRESSOR] = "W, V of the body by a unit rate of each joint on the way here: W = R'W_p, V = R'(V_p + W_p x p);\n\t   "
 		"their power V.f + W.n by a unit of m: V.a;  of h: U'V + a x W;  of I: W.(I dw + w x I w)",
+	[SECTION_COLUMNS] = "L'y = -d ID;  L d qdd = y/D",
 	[SECTION_ROWS] = "in an order in which few values wait: what the rows of the joint take, and what is complete then",
 	[SECTION_SWEEPS] = "of the outputs y by the state x and other inputs, dqdd = M^-1 (dtau - dID) where qdd is found:\n\t   "
 		"jvp = dy/dx jvp_v, forwards;  vjp = vjp_v' dy/dx, backwards",
@@ -124,6 +125,7 @@ static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torqu
 	[SECTION_RESIDUAL] = "from here on once more: the residual of the qdd found",
 	[SECTION_REFINED] = "qdd, refined",
 	[SECTION_SWEEPS] = "derivatives of outputs times vectors",
+	[SECTION_COLUMNS] = "a column of the derivatives of qdd, from -d ID, by the factors of the mass matrix",
 	[SECTION_RATE] = "from here on without accelerations and gravity",
 	[SECTION_CENTROID] = "centre of mass and momentum",
 	[SECTION_FACTORED] = "factors of the mass matrix",

@@ -306,7 +306,7 @@ void plan_dump(const struct plan *p, struct text *t)
 	static const char *const kinds[] = {"section", "input", "value", "sincos", "store", "fetch", "keep", "join"};
 	static const char *const kinds_of_section[SECTION_COUNT] = {"out", "back", "end", "freed", "totals", "bias",
 		"gravity", "by", "products", "factors", "articulated", "inverse", "residual", "refined", "bound", "regressor",
-		"place", "jacobian", "rate", "subtree", "centroid", "factored", "opspace", "sweeps", "rows"};
+		"place", "jacobian", "rate", "subtree", "centroid", "factored", "opspace", "sweeps", "rows", "columns"};
 
 	for (size_t i = 0; i < p->line_count; i++) {
 		const struct line *l = &p->lines[i];

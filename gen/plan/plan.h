@@ -72,6 +72,7 @@ struct pass {
 	struct segments segments;
 	struct windows windows;
 	struct limbs limbs;
+	const struct pass *single; /* target C: in segments too, and what a call for one sample runs instead; NULL: nothing else */
 };
 
 struct operation_count {

@@ -83,6 +83,8 @@ static struct segment_limits limits_for(
 
 	if (o->segments != RNEAGEN_SEGMENTS_AUTO)
 		return asked;
+	if (p->dag.run_count)
+		return loop_limits(UINT_MAX);
 	return use == SEGMENT_LOOPS ? loop_limits(flops) : kernel_limits(p, flops, k, o);
 }
 
@@ -102,4 +104,44 @@ int segments_choose(
 	if (p->segments.count < 2 || (o->segments == RNEAGEN_SEGMENTS_AUTO && (unsigned)p->segments.slots[0] > limits.across))
 		p->segments = (struct segments){0};
 	return 1;
+}
+
+static int may_be_looped(const struct rneagen_options *o)
+{
+	return o->segments == RNEAGEN_SEGMENTS_AUTO && !o->strict && !o->bounded &&
+		(o->precision == RNEAGEN_F32 || o->precision == RNEAGEN_F64);
+}
+
+/* The pass once more; 0 when memory runs out, *is_looped where the loop serves it. */
+static int make_single(struct pass *s, const struct pass *p, const struct request *k, struct arena *a, int *is_looped)
+{
+	struct arena spare;
+	struct dag raw;
+
+	arena_init(&spare, &a->allocator);
+	dag_init(&raw, &spare);
+	*is_looped = algorithm_build_looped(&raw, p->plan.tree, k);
+	dag_init(&s->dag, a);
+	if (*is_looped)
+		dag_fuse(&s->dag, &raw, 0);
+	a->failed |= spare.failed;
+	arena_free(&spare);
+	return !*is_looped || (!s->dag.failed && plan_build(&s->plan, &s->dag, p->plan.tree, a));
+}
+
+int segments_single(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
+{
+	struct algorithm *x = arena_alloc(a, 1, sizeof *x);
+	struct pass *s = arena_alloc(a, 1, sizeof *s);
+	int is_looped;
+
+	if (!p->segments.count || !may_be_looped(o))
+		return !a->failed;
+	if (!x || !s || !make_single(s, p, k, a, &is_looped) || !is_looped)
+		return !a->failed;
+	*x = *p->algorithm;
+	x->name = "fd_single";
+	s->algorithm = x;
+	p->single = s;
+	return segments_choose(s, SEGMENT_LOOPS, k, o, a);
 }

@@ -17,6 +17,7 @@ struct cutter {
 	uint64_t *cost;      /* by place: of all that stands before a cut there */
 	uint32_t *from;      /* by place: where the segment begins that ends there */
 	size_t place_count;
+	uint32_t loop;       /* the line at which the DAG's loop begins, which is the last segment; without one, the number of lines */
 	uint32_t *cuts;      /* as chosen, from the first line to the number of lines */
 	size_t cut_count;
 	int *slot;           /* by node: where it crosses; -1: it does not */
@@ -55,7 +56,7 @@ static void find_places(struct cutter *c)
 	uint32_t lines = (uint32_t)c->p->line_count, best = 0, passed = 0;
 
 	add_place(c, 0);
-	for (uint32_t i = 1; i < lines; i++) {
+	for (uint32_t i = 1; i < c->loop; i++) {
 		passed += c->readings.weight[i - 1];
 		if (!best || c->alive[i] < c->alive[best])
 			best = i;
@@ -64,7 +65,18 @@ static void find_places(struct cutter *c)
 			best = passed = 0;
 		}
 	}
+	add_place(c, c->loop);
 	add_place(c, lines);
+}
+
+/* No line before it is in the loop, and all lines behind it are. */
+static uint32_t find_loop(const struct plan *p)
+{
+	uint32_t i = 0;
+
+	while (i < p->line_count && !(p->lines[i].kind == LINE_SECTION && p->dag->sections[p->lines[i].index].kind == SECTION_COLUMNS))
+		i++;
+	return i;
 }
 
 /* ---- where the cuts are ---- */
@@ -96,7 +108,7 @@ static void begin_at(struct cutter *c, size_t place)
 {
 	struct growing g = {.begin = c->places[place]};
 
-	for (size_t end = place + 1; end < c->place_count; end++) {
+	for (size_t end = place + 1; end < c->place_count && (c->places[end] <= c->loop || g.begin == c->loop); end++) {
 		for (uint32_t i = c->places[end - 1]; i < c->places[end]; i++)
 			grow(c, &g, i);
 		if (g.operations > c->limits->operations && end > place + 1)
@@ -253,7 +265,7 @@ static void make_plans(struct cutter *c, struct segments *s)
 int segments_make(struct segments *s, const struct plan *p, const struct segment_limits *limits, struct arena *a)
 {
 	size_t lines = p->line_count, nodes = p->dag->count;
-	struct cutter c = {.p = p, .limits = limits, .most_across = limits->across, .a = a};
+	struct cutter c = {.p = p, .limits = limits, .most_across = limits->across, .loop = find_loop(p), .a = a};
 
 	*s = (struct segments){0};
 	c.alive = arena_alloc(a, lines + 2, sizeof *c.alive);
@@ -306,4 +318,6 @@ void segments_dump(const struct pass *p, struct text *out)
 		put_segment(p, k, out);
 	if (s->count)
 		text_printf(out, "%s: %d values across, and %d wide ones\n", p->algorithm->name, s->slots[0], s->slots[1]);
+	if (p->single)
+		segments_dump(p->single, out);
 }

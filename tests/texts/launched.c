@@ -44,13 +44,19 @@ static void set(const struct rnea_argument *a, void *array, size_t i, double x)
 		((float *)array)[i] = (float)x;
 }
 
+/* Of row r of sample k. */
+static size_t place(const struct launch *x, const struct rnea_argument *a, size_t r, size_t k)
+{
+	return x->info->layout == RNEA_AOS ? k * a->rows + r : r * x->count + k;
+}
+
 static void set_q(const struct launch *x, const struct rnea_argument *a, void *array, int floating)
 {
 	for (size_t k = 0; k < x->count && floating; k++)
 		for (size_t r = 3; r < 7; r++)
-			set(a, array, r * x->count + k, r == 3 ? 0.6 : r == 6 ? 0.8 : 0);
+			set(a, array, place(x, a, r, k), r == 3 ? 0.6 : r == 6 ? 0.8 : 0);
 	for (size_t k = 5; k < x->count && !strcmp(x->info->trig, "accurate"); k += 64)
-		set(a, array, (a->rows - 1) * x->count + k, 1e6 + (double)(k % 1000));
+		set(a, array, place(x, a, a->rows - 1, k), 1e6 + (double)(k % 1000));
 }
 
 struct launch launched_run(struct rnea_robot *robot, size_t count, unsigned seed, int floating)
@@ -87,7 +93,7 @@ static double distance(const struct launch *x, const struct launch *y, size_t i,
 	double most = 0, size = 0;
 
 	for (size_t r = 0; r < a->rows; r++) {
-		double p = get(a, x->arrays[i], r * x->count + k), q = get(b, y->arrays[i], r * y->count + k);
+		double p = get(a, x->arrays[i], place(x, a, r, k)), q = get(b, y->arrays[i], place(y, b, r, k));
 
 		ck_assert_msg(isfinite(p) && isfinite(q), "%s: %s[%zu] of sample %zu is %g, and %g", what, a->name, r, k, p, q);
 		most = fmax(most, fabs(p - q));

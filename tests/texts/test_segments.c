@@ -2,7 +2,9 @@
    takes one sample or several, where a block's shared memory has room for their values and where it has not, and where
    an angle of one of them is large; what the runtime says of it, and which texts are cut. This would catch a value
    fetched from another's slot, a sample that a grid leaves out, and a second round that loses a sample. Texts for
-   target C in segments: test_targets, against the independent reference. */
+   target C in segments: test_targets, against the independent reference. Derivatives of qdd of
+   one sample by a loop over their columns: as those of the whole text, which has none; this would catch a column left out or solved
+   twice, a factor of another row, and the end of a batch, whose rows are apart. */
 #define _POSIX_C_SOURCE 200809L
 #include "launched.h"
 #include "support/suite.h"
@@ -71,6 +73,62 @@ START_TEST(test_values)
 }
 END_TEST
 
+static const struct looped {
+	const char *name, *scene;
+	int floating, is_looped;
+	enum rneagen_precision precision;
+	enum rneagen_layout layout;
+	int is_strict;
+} LOOPED[] = {
+	{"hyq", "want qdd,dqdd_dq,dqdd_dqd\n", 1, 1, RNEAGEN_F64, RNEAGEN_SOA, 0},
+	{"hyq", "want dqdd_dqd,kinetic,M\ndense\n", 1, 1, RNEAGEN_F32, RNEAGEN_AOS, 0},
+	{"hyq", "want qdd,dqdd_dq,Minv\nfext lf_foot\nfext-frame world\nfree payload.trunk\n", 1, 1, RNEAGEN_F64, RNEAGEN_AOS,
+		0},
+	{"panda", "want dqdd_dq,dqdd_dqd\nderivatives forward\n", 1, 1, RNEAGEN_F64, RNEAGEN_SOA, 0},
+	{"hyq", "want dqdd_dq\n", 1, 0, RNEAGEN_F64, RNEAGEN_SOA, 1},
+	{"hyq", "want dqdd_dq\n", 0, 0, RNEAGEN_F64, RNEAGEN_SOA, 0}, /* legs that do not feel each other */
+	{"hyq", "want dqdd_dq\n", 1, 0, RNEAGEN_MIXED, RNEAGEN_SOA, 0},
+	{"hyq", "want dqdd_dq\ndynamics articulated\n", 1, 0, RNEAGEN_F64, RNEAGEN_SOA, 0},
+	{"hyq", "want qdd,dqdd_dq\nvjp dqdd_dq\n", 1, 0, RNEAGEN_F64, RNEAGEN_SOA, 0},
+};
+
+static void generate_looped(const struct looped *s, int segments, struct target *t)
+{
+	struct rneagen_options o = rneagen_options_default();
+
+	o.target = RNEAGEN_TARGET_C;
+	o.precision = s->precision;
+	o.layout = s->layout;
+	o.strict = s->is_strict;
+	o.segments = segments;
+	launched_generate(t, s->name, s->scene, s->floating, &o);
+}
+
+START_TEST(test_looped)
+{
+	static const size_t counts[] = {1, 16, 77};
+	const struct looped *s = &LOOPED[_i];
+	struct target looped, whole;
+
+	generate_looped(s, RNEAGEN_SEGMENTS_AUTO, &looped);
+	generate_looped(s, RNEAGEN_SEGMENTS_WHOLE, &whole);
+	ck_assert_int_eq(strstr(looped.text.source, "_columns_of(") != NULL, s->is_looped);
+	ck_assert_ptr_null(strstr(whole.text.source, "_columns_of("));
+	for (int i = 0; i < 3 && s->is_looped; i++) {
+		struct launch x = launched_run(launched_open(&looped, RNEA_BACKEND_HOST, 0), counts[i], SEED, s->floating);
+		struct launch y = launched_run(launched_open(&whole, RNEA_BACKEND_HOST, 0), counts[i], SEED, s->floating);
+		double worst = launched_distance(&x, &y, s->name);
+
+		printf("%s, columns of %zu samples: within %.1e, seed %d\n", looped.what, counts[i], worst, SEED);
+		ck_assert_double_lt(worst, s->precision == RNEAGEN_F32 ? 1e-3 : 1e-9);
+		launched_free(&x);
+		launched_free(&y);
+	}
+	rneagen_result_free(&looped.text);
+	rneagen_result_free(&whole.text);
+}
+END_TEST
+
 /* What is cut where nobody says. */
 static const struct choice {
 	const char *name, *scene;
@@ -129,6 +187,7 @@ int main(void)
 	setenv("RNEA_CACHE", "", 1);
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	suite_add(s, "values", test_values, 2 * SUBJECT_COUNT, 600);
+	suite_add(s, "looped", test_looped, sizeof LOOPED / sizeof *LOOPED, 120);
 	suite_add(s, "chosen", test_chosen, sizeof CHOICES / sizeof *CHOICES, 60);
 	return suite_run(s);
 }
