@@ -234,8 +234,7 @@ static struct emission new_emission(struct generation *g, const char *told)
 		.told = told,
 		.hash = g->hash,
 		.written = arena_alloc(a->arena, EMIT_WRITTEN, sizeof(struct written_number)),
-		.arena = a->arena,
-		.error = a->error};
+		.arena = a->arena, .error = a->error};
 }
 
 static enum rneagen_code emit(struct generation *g)
