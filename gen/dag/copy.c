@@ -15,9 +15,10 @@ void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier 
 
 	for (int i = 0; i < d->argument_count; i++)
 		dag_argument_of(out, d->arguments[i]);
-	out->arguments[DAG_COLUMN] = d->arguments[DAG_COLUMN];
+	memcpy(out->arguments + DAG_COLUMN, d->arguments + DAG_COLUMN, DAG_LOOPS * sizeof *d->arguments);
 	memcpy(out->runs, d->runs, sizeof out->runs);
 	out->run_count = d->run_count;
+	out->loop_count = d->loop_count;
 	for (size_t i = 0; i < d->count; i++) {
 		const struct tag *tag = &d->nodes[i].tag;
 
@@ -37,15 +38,25 @@ void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier 
 		out->sections[i].output = d->sections[i].output;
 }
 
-void dag_loop_over(struct dag *d, int argument, int column, int rows)
+int dag_loop(struct dag *d)
+{
+	if (d->loop_count == DAG_LOOPS)
+		return -1;
+	dag_section(d, SECTION_COLUMNS, 0);
+	d->arguments[DAG_COLUMN + d->loop_count] =
+		(struct argument){.name = "column", .is_output = 1, .role = ROLE_UNKNOWN, .of = ""};
+	return d->loop_count++;
+}
+
+void dag_loop_over(struct dag *d, int argument, int first)
 {
 	struct column_run *last = d->run_count ? &d->runs[d->run_count - 1] : NULL;
+	int loop = d->loop_count - 1;
 
-	d->arguments[DAG_COLUMN] = (struct argument){.name = "column", .rows = rows, .is_output = 1, .role = ROLE_UNKNOWN, .of = ""};
-	if (last && last->argument == argument && last->first + last->count == column)
+	if (last && last->loop == loop && last->argument == argument && last->first + last->count == first)
 		last->count++;
 	else if (d->run_count < DAG_RUNS)
-		d->runs[d->run_count++] = (struct column_run){argument, column, 1};
+		d->runs[d->run_count++] = (struct column_run){loop, argument, first, 1};
 	else
 		d->failed = 1;
 }

@@ -61,16 +61,16 @@ struct argument {
 	const char *of; /* the link, joint or constant that the role speaks of; NULL or "": none */
 };
 
-/* As many as a kernel takes (RNEA_ARGUMENT_LIMIT). DAG_COLUMN is no parameter: it stands for a column of an output, which
-   a loop reads and writes. */
+/* As many as a kernel takes (RNEA_ARGUMENT_LIMIT). DAG_COLUMN is no parameter, but what the first loop reads and writes: a
+   column of an output, whose rows count elements from its first one. The second loop's is DAG_COLUMN + 1. */
 enum { DAG_ARGUMENTS = 64, DAG_COLUMN = DAG_ARGUMENTS, DAG_STRUCK = 1 << 20, DAG_HELD, DAG_UNSTORED };
 
-/* Columns of an output, a matrix stored row by row, over which a loop goes. */
+/* Columns of an output that stand in a row, over which a loop goes; `first`: the element with which the first column begins. */
 struct column_run {
-	int argument, first, count;
+	int loop, argument, first, count;
 };
 
-enum { DAG_RUNS = 64 };
+enum { DAG_RUNS = 64, DAG_LOOPS = 4 };
 
 struct dag {
 	struct arena *arena;
@@ -80,15 +80,14 @@ struct dag {
 	size_t table_size;
 	struct within *numbers; /* of constants that are not exactly their value */
 	size_t number_count, number_capacity;
-	struct argument arguments[DAG_ARGUMENTS + 1]; /* the last is DAG_COLUMN, which is not counted */
+	struct argument arguments[DAG_ARGUMENTS + DAG_LOOPS]; /* the last ones, of the loops, are not counted */
 	int argument_count;
 	struct output *outputs;
 	size_t output_count, output_capacity;
 	struct section *sections;
 	size_t section_count, section_capacity;
-	/* the loop, if there is one, is all that is made of DAG_COLUMN; its rows count the columns that a row of the matrices has */
 	struct column_run runs[DAG_RUNS];
-	int run_count;
+	int run_count, loop_count;
 	int is_wide;  /* while it is set, inputs are widened where they are read, and constants are wide */
 	size_t limit; /* nodes; 0: as many as memory holds */
 	int failed;   /* sticky: out of memory, an argument or a node too many, a matrix that cannot be solved */
@@ -126,8 +125,10 @@ void dag_forget(struct dag *d);
 int dag_argument(struct dag *d, const char *name, int rows, int is_output);
 int dag_argument_of(struct dag *d, struct argument a);
 
-/* Let the loop go over one more column, of a matrix with so many rows. Columns in a row make one run. */
-void dag_loop_over(struct dag *d, int argument, int column, int rows);
+/* Begin one more loop, a section: what is made of DAG_COLUMN + its number, which is returned; -1: there are too many. Let the
+   last loop go over a column that begins with this element. */
+int dag_loop(struct dag *d);
+void dag_loop_over(struct dag *d, int argument, int first);
 
 /* The index of an argument; -1 where there is none of the name. */
 int dag_find_argument(const struct dag *d, const char *name);

@@ -9,6 +9,11 @@
 
 struct build;
 
+/* By row of qd, the first of those that it is coupled with, whose columns one loop solves; -1: none does. */
+struct loops {
+	int *first;
+};
+
 struct forward {
 	struct build *b;
 	struct source torques;  /* tau */
@@ -65,8 +70,11 @@ void forward_column(const struct forward *x, struct ref *column, int j, int argu
 /* The columns of a body, from those that the recursion has made of d tau, by q and qd; -1: not into this argument. */
 void forward_by_body(const struct forward *x, const struct recursion *by, int body, const int *arguments);
 
-/* The loop, which comes last: M^-1 of each column in its place. */
+/* The loops, which come last: M^-1 of each column in its place. */
 void forward_loop(const struct forward *x);
+
+/* Which rows are worth one. Returns how many loops that makes; 0 also when memory runs out. */
+int forward_loops(struct loops *x, const struct tree *t, struct arena *a);
 
 /* M y = rhs in place, by rows of qd. */
 void forward_solve(const struct forward *x, struct ref *rhs);

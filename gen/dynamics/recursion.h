@@ -15,7 +15,7 @@ struct by_matrix {
 	struct ref *element; /* [nv][nv] */
 	char *is_done;       /* has been written */
 	struct ref *apart;   /* [nv][nv]: of a column with a shift, the element without it */
-	struct svec *shift;  /* by column: gamma of a coordinate that shifts the accelerations of all particles alike; else zero */
+	struct svec *shift;  /* by column: gamma of a coordinate that changes the accelerations of all particles alike; else zero */
 };
 
 struct recursion {

@@ -57,9 +57,8 @@ int algorithms_for(const struct request *k, const struct algorithm *found[ALGORI
 /* By its name; NULL: there is none. */
 const struct algorithm *algorithm_find(const char *name);
 
-/* The DAG of the first once more, with its derivatives of qdd by a loop over their columns: shorter where these are long, and for
-   processors, whose vectors then take several columns of a sample. Returns 0, and leaves the DAG empty, where that does not serve
-   the request, or is no gain. */
+/* The DAG of the first once more, with its derivatives of qdd by loops over their columns: for processors, whose vectors then
+   take several columns of a sample. Returns 0, and leaves the DAG empty, where that does not serve the request, or is no gain. */
 int algorithm_build_looped(struct dag *d, const struct tree *t, const struct request *k);
 
 /* Declare the arrays of its own. */

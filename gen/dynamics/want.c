@@ -339,7 +339,7 @@ static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x
 void want_build_in(struct dag *d, const struct tree *t, const struct request *k, struct ways ways)
 {
 	struct build b = {.d = d, .t = t, .k = k, .derivatives = ways.derivatives, .dynamics = ways.dynamics,
-		.pivots_alone = ways.pivots_alone, .is_looped = ways.is_looped};
+		.pivots_alone = ways.pivots_alone, .loops = ways.loops};
 	struct joint_inputs in;
 	struct forward forward = {.b = &b, .torques = {.argument = -1}};
 
@@ -375,7 +375,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	run_gravity(&b, in, output_of(&b, WANT_GRAVITY), output_of(&b, WANT_POTENTIAL));
 	opspace_outputs(&b, in);
 	product_outputs(&b, in);
-	if (ways.is_looped)
+	if (ways.loops)
 		forward_loop(&forward);
 	dag_forget(d);
 	if (k->is_forward)

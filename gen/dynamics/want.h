@@ -20,7 +20,8 @@ struct build {
 	struct ref *torques;   /* ID(q, qd, qdd) of the main tour; NULL: it did not come back */
 	enum derivatives derivatives;
 	enum dynamics dynamics;
-	int pivots_alone, is_looped;
+	int pivots_alone;
+	const struct loops *loops; /* NULL: there are none */
 	struct recursion recursion;
 	int solved[BY_COUNT]; /* arguments: what is solved with the recursion's matrices; -1: nothing */
 	struct regressor regressor;
@@ -34,7 +35,7 @@ struct ways {
 	enum derivatives derivatives;
 	enum dynamics dynamics;
 	int pivots_alone; /* see forward_pivots */
-	int is_looped;    /* columns of derivatives of qdd are left as right sides, and solved in a loop (DAG_COLUMN) */
+	const struct loops *loops; /* columns of derivatives of qdd are left as right sides, and solved in loops; NULL: none is */
 };
 
 void want_build_in(struct dag *d, const struct tree *t, const struct request *k, struct ways ways);

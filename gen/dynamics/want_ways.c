@@ -75,14 +75,14 @@ static void build_cheapest(struct dag *d, const struct tree *t, const struct req
 	int is_open = k->dynamics == DYNAMICS_CHEAPER &&
 		(!articulated_is_shorter(t) || request_wants(k, WANT_QDD_BOUND)); /* which takes M too */
 	struct ways now = {k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
-		is_open || k->dynamics == DYNAMICS_FACTOR ? DYNAMICS_FACTOR : DYNAMICS_ARTICULATED, 0, 0};
+		is_open || k->dynamics == DYNAMICS_FACTOR ? DYNAMICS_FACTOR : DYNAMICS_ARTICULATED, 0, NULL};
 
 	want_build_in(d, t, k, now);
 	if (has_derivatives && k->derivatives == DERIVATIVES_CHEAPER && !d->failed)
-		if (take_cheaper(d, t, k, (struct ways){DERIVATIVES_FORWARD, now.dynamics, 0, 0}, d->count / 2 + MORE_NODES))
+		if (take_cheaper(d, t, k, (struct ways){DERIVATIVES_FORWARD, now.dynamics, 0, NULL}, d->count / 2 + MORE_NODES))
 			now.derivatives = DERIVATIVES_FORWARD;
 	if (takes_factors(k) && is_open && articulated_serves(t) && !d->failed)
-		take_cheaper(d, t, k, (struct ways){now.derivatives, DYNAMICS_ARTICULATED, 0, 0}, 0);
+		take_cheaper(d, t, k, (struct ways){now.derivatives, DYNAMICS_ARTICULATED, 0, NULL}, 0);
 }
 
 /* Where nothing of q, qd or qdd is read, there is no such input: torques are differentiated by it all the same, so that is known
@@ -103,33 +103,16 @@ void want_build(struct dag *d, const struct tree *t, const struct request *k)
 	}
 }
 
-/* Operations of a loop over columns. One call in f64, AVX2, against the straight line: 30 ur5 0.85, 42 iiwa14 1.1, 72 panda with both
-   fingers 0.86, 90 fetch 0.82, 198 floating hyq 0.76, 612 g1_29dof 0.65. */
-enum { LOOP_LEAST = 60, LOOP_MOST = 2000 };
-
-/* Of M^-1 times a column: two for each pair of rows of which one is nearer to the base. Rows that are not all coupled have
-   zeros that a loop would compute. */
-static int loop_operations(const struct tree *t, struct arena *a)
-{
-	struct pattern p;
-	int pairs = 0;
-
-	if (!pattern_coupled(&p, t, 0, 0, a) || p.rows < t->nv * t->nv || !pattern_make(&p, t, 1, 0, a))
-		return 0;
-	pairs = p.rows - t->nv;
-	return 2 * pairs;
-}
-
 int algorithm_build_looped(struct dag *d, const struct tree *t, const struct request *k)
 {
-	int operations = loop_operations(t, d->arena);
+	struct loops loops;
 
 	if (!request_wants(k, WANT_DQDD_DQ) && !request_wants(k, WANT_DQDD_DQD))
 		return 0;
 	if (k->dynamics == DYNAMICS_ARTICULATED || k->refine_steps || request_wants_any(k, IS_PRODUCT) ||
-		k->stored_count < k->want_count || operations < LOOP_LEAST || operations > LOOP_MOST)
+		k->stored_count < k->want_count || !forward_loops(&loops, t, d->arena))
 		return 0;
 	want_build_in(d, t, k, (struct ways){k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
-		DYNAMICS_FACTOR, 0, 1});
+		DYNAMICS_FACTOR, 0, &loops});
 	return 1;
 }

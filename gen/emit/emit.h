@@ -169,11 +169,12 @@ void emit_segments(const struct emission *e, const struct pass *p, struct text *
 void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *call_any,
 	struct text *out);
 
-/* Is this segment the loop over columns? Its functions, and their calls. */
+/* Is this segment a loop over columns? Its functions, and their calls. */
 struct writer;
 int emit_is_loop(const struct pass *p, int segment);
-void emit_columns(const struct emission *e, const struct pass *p, struct writer *w, struct text *spare, struct text *out);
-void emit_columns_calls(const struct emission *e, const struct pass *p, struct text *out);
+void emit_columns(const struct emission *e, const struct pass *p, int segment, struct writer *w, struct text *spare,
+	struct text *out);
+void emit_columns_calls(const struct emission *e, const struct pass *p, int segment, struct text *out);
 
 /* Bytes that a sample keeps across cuts, at least those of a number; samples that a thread takes at most; threads of a block, so
    that each has room for two. */

@@ -171,7 +171,7 @@ static void put_segments(const struct emission *e, const struct pass *p, struct 
 	unparse_begin(&w, e, p, e->numbers);
 	for (int k = 0; k < p->segments.count; k++)
 		if (emit_is_loop(p, k))
-			emit_columns(e, p, &w, &spare, out);
+			emit_columns(e, p, k, &w, &spare, out);
 		else
 			put_segment(e, p, k, &w, &spare, out);
 }
@@ -264,7 +264,7 @@ static const char *one_calls(const struct emission *e, const struct pass *p)
 	text_init(&t, e->arena);
 	for (int k = 0; k < p->segments.count; k++)
 		if (emit_is_loop(p, k))
-			emit_columns_calls(e, p, &t);
+			emit_columns_calls(e, p, k, &t);
 		else
 			put_call(e, p, k, "\t", "one", "stride", handed_on(e, emit_known_names(e)), &t);
 	return text_string(&t);

@@ -83,7 +83,7 @@ static struct segment_limits limits_for(
 
 	if (o->segments != RNEAGEN_SEGMENTS_AUTO)
 		return asked;
-	if (p->dag.run_count)
+	if (p->dag.loop_count)
 		return loop_limits(UINT_MAX);
 	return use == SEGMENT_LOOPS ? loop_limits(flops) : kernel_limits(p, flops, k, o);
 }

@@ -17,7 +17,7 @@ struct cutter {
 	uint64_t *cost;      /* by place: of all that stands before a cut there */
 	uint32_t *from;      /* by place: where the segment begins that ends there */
 	size_t place_count;
-	uint32_t loop;       /* the line at which the DAG's loop begins, which is the last segment; without one, the number of lines */
+	uint32_t loop;       /* the line at which the DAG's loops begin, each a segment; without them, the number of lines */
 	uint32_t *cuts;      /* as chosen, from the first line to the number of lines */
 	size_t cut_count;
 	int *slot;           /* by node: where it crosses; -1: it does not */
@@ -51,6 +51,16 @@ static void add_place(struct cutter *c, uint32_t line)
 		c->places[c->place_count++] = line;
 }
 
+/* The line, from this one on, at which a loop begins; all lines behind the first are in loops. */
+static uint32_t next_loop(const struct plan *p, uint32_t i)
+{
+	const struct line *l = p->lines;
+
+	while (i < p->line_count && (l[i].kind != LINE_SECTION || p->dag->sections[l[i].index].kind != SECTION_COLUMNS))
+		i++;
+	return i;
+}
+
 static void find_places(struct cutter *c)
 {
 	uint32_t lines = (uint32_t)c->p->line_count, best = 0, passed = 0;
@@ -65,19 +75,12 @@ static void find_places(struct cutter *c)
 			best = passed = 0;
 		}
 	}
-	add_place(c, c->loop);
+	for (uint32_t i = c->loop; i < lines; i = next_loop(c->p, i + 1))
+		add_place(c, i);
 	add_place(c, lines);
 }
 
-/* No line before it is in the loop, and all lines behind it are. */
-static uint32_t find_loop(const struct plan *p)
-{
-	uint32_t i = 0;
 
-	while (i < p->line_count && !(p->lines[i].kind == LINE_SECTION && p->dag->sections[p->lines[i].index].kind == SECTION_COLUMNS))
-		i++;
-	return i;
-}
 
 /* ---- where the cuts are ---- */
 
@@ -108,7 +111,7 @@ static void begin_at(struct cutter *c, size_t place)
 {
 	struct growing g = {.begin = c->places[place]};
 
-	for (size_t end = place + 1; end < c->place_count && (c->places[end] <= c->loop || g.begin == c->loop); end++) {
+	for (size_t end = place + 1; end < c->place_count && (c->places[end] <= c->loop || end == place + 1); end++) {
 		for (uint32_t i = c->places[end - 1]; i < c->places[end]; i++)
 			grow(c, &g, i);
 		if (g.operations > c->limits->operations && end > place + 1)
@@ -265,7 +268,7 @@ static void make_plans(struct cutter *c, struct segments *s)
 int segments_make(struct segments *s, const struct plan *p, const struct segment_limits *limits, struct arena *a)
 {
 	size_t lines = p->line_count, nodes = p->dag->count;
-	struct cutter c = {.p = p, .limits = limits, .most_across = limits->across, .loop = find_loop(p), .a = a};
+	struct cutter c = {.p = p, .limits = limits, .most_across = limits->across, .loop = next_loop(p, 0), .a = a};
 
 	*s = (struct segments){0};
 	c.alive = arena_alloc(a, lines + 2, sizeof *c.alive);

@@ -64,10 +64,10 @@ static enum rneagen_code analyse(const struct rneagen_options *o, struct rneagen
 	return e->code;
 }
 
-/* Of the requests after the first hundred each `step`th is refused, in the long form four times as many. */
+/* Of the requests after the first hundred each `step`th is refused, in the long form twice as many. */
 static long step_of(long step)
 {
-	return exhaustive() ? (step + 3) / 4 : step;
+	return exhaustive() ? (step + 1) / 2 : step;
 }
 
 /* Returns the number of requests; every refusal must come out as MEMORY, and nothing be left. */

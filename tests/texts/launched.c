@@ -79,11 +79,16 @@ struct launch launched_run(struct rnea_robot *robot, size_t count, unsigned seed
 	return x;
 }
 
-void launched_free(struct launch *x)
+void launched_drop(struct launch *x)
 {
 	for (size_t i = 0; i < x->info->input_count + x->info->output_count; i++)
 		free(x->arrays[i]);
 	free(x->arrays);
+}
+
+void launched_free(struct launch *x)
+{
+	launched_drop(x);
 	rnea_close(x->robot);
 }
 

@@ -23,6 +23,9 @@ struct launch {
 struct launch launched_run(struct rnea_robot *robot, size_t count, unsigned seed, int floating);
 void launched_free(struct launch *x);
 
+/* Its arrays alone: the robot runs again. */
+void launched_drop(struct launch *x);
+
 /* The largest difference of an output between two launches, by its largest element of the same sample; what nobody
    wrote fails. */
 double launched_distance(const struct launch *x, const struct launch *y, const char *what);
