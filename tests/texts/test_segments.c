@@ -2,9 +2,9 @@
    takes one sample or several, where a block's shared memory has room for their values and where it has not, and where
    an angle of one of them is large; what the runtime says of it, and which texts are cut. This would catch a value
    fetched from another's slot, a sample that a grid leaves out, and a second round that loses a sample. Texts for
-   target C in segments: test_targets, against the independent reference. Derivatives of qdd of
-   one sample by a loop over their columns: as those of the whole text, which has none; this would catch a column left out or
-   solved twice, a factor of another row, and the end of a batch, whose rows are apart. */
+   target C in segments: test_targets, against the independent reference. Derivatives of qdd of one sample by a loop over
+   their columns: as those of the whole text, which has none; this would catch a column left out or solved twice, a factor of
+   another row, and the end of a batch, whose rows are apart. */
 #define _POSIX_C_SOURCE 200809L
 #include "launched.h"
 #include "support/exhaustive.h"
@@ -109,7 +109,8 @@ static void generate_chains(const struct rneagen_options *o, struct target *t)
 		n += snprintf(urdf + n, sizeof urdf - (size_t)n,
 			"<link name='l%02d'><inertial><origin xyz='0.1 0.02 %g'/><mass value='%g'/>"
 			"<inertia ixx='0.02' iyy='0.03' izz='0.04' ixy='0.001' ixz='0' iyz='0.002'/></inertial></link>"
-			"<joint name='j%02d' type='revolute'><parent link='%s'/><child link='l%02d'/><origin xyz='0.2 0.1 %g' rpy='0.3 0 %g'/><axis xyz='0 %d %d'/>"
+			"<joint name='j%02d' type='revolute'><parent link='%s'/><child link='l%02d'/>"
+			"<origin xyz='0.2 0.1 %g' rpy='0.3 0 %g'/><axis xyz='0 %d %d'/>"
 			"<limit lower='-3' upper='3' effort='9' velocity='9'/></joint>",
 			k, 0.01 * k, 1 + 0.1 * k, k, parent, k, 0.3 - 0.2 * (k % 2), 0.1 * k, k / 2 % 2, 1 - k / 2 % 2);
 	}
