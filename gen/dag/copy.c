@@ -1,4 +1,4 @@
-/* Nodes of one DAG in another; columns over which a loop goes. */
+/* Nodes of one DAG in another. */
 #include "dag/dag.h"
 #include <string.h>
 
@@ -36,27 +36,4 @@ void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier 
 		dag_output(out, d->outputs[i].argument, d->outputs[i].row, map[d->outputs[i].value.i]);
 	for (size_t i = 0; i < out->section_count; i++)
 		out->sections[i].output = d->sections[i].output;
-}
-
-int dag_loop(struct dag *d)
-{
-	if (d->loop_count == DAG_LOOPS)
-		return -1;
-	dag_section(d, SECTION_COLUMNS, 0);
-	d->arguments[DAG_COLUMN + d->loop_count] =
-		(struct argument){.name = "column", .is_output = 1, .role = ROLE_UNKNOWN, .of = ""};
-	return d->loop_count++;
-}
-
-void dag_loop_over(struct dag *d, int argument, int first)
-{
-	struct column_run *last = d->run_count ? &d->runs[d->run_count - 1] : NULL;
-	int loop = d->loop_count - 1;
-
-	if (last && last->loop == loop && last->argument == argument && last->first + last->count == first)
-		last->count++;
-	else if (d->run_count < DAG_RUNS)
-		d->runs[d->run_count++] = (struct column_run){loop, argument, first, 1};
-	else
-		d->failed = 1;
 }

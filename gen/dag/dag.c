@@ -264,11 +264,11 @@ void dag_strike(struct dag *d, int argument)
 	for (size_t i = 0; i < d->count; i++) {
 		uint32_t *of = &d->nodes[i].arg[0].i;
 
-		if (d->nodes[i].op == OP_INPUT && *of >= gone && *of != DAG_STRUCK)
+		if (d->nodes[i].op == OP_INPUT && *of >= gone && *of < DAG_COLUMN)
 			*of = *of == gone ? DAG_STRUCK : *of - 1;
 	}
 	for (size_t i = 0; i < d->output_count; i++)
-		d->outputs[i].argument -= d->outputs[i].argument > argument;
+		d->outputs[i].argument -= d->outputs[i].argument > argument && d->outputs[i].argument < DAG_COLUMN;
 	d->argument_count--;
 	memmove(d->arguments + argument, d->arguments + argument + 1,
 		(size_t)(d->argument_count - argument) * sizeof *d->arguments);

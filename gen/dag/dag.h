@@ -90,7 +90,7 @@ struct dag {
 	int run_count, loop_count;
 	int is_wide;  /* while it is set, inputs are widened where they are read, and constants are wide */
 	size_t limit; /* nodes; 0: as many as memory holds */
-	int failed;   /* sticky: out of memory, an argument or a node too many, a matrix that cannot be solved */
+	int failed;   /* sticky: out of memory, an argument, a node or a run too many, a matrix that cannot be solved */
 	/* 1 + the row of qd whose joint moves no mass, where that made it fail; or -1 - the want that has no inverse */
 	int singular;
 	int constant; /* 1 + the number of a want that does not vary, where that made it fail */

@@ -206,6 +206,14 @@ static void negate_column(const struct forward *x, struct ref *column, int j, in
 		forward_solve(x, column);
 }
 
+static int is_zero(const struct ref *column, int n)
+{
+	for (int i = 0; i < n; i++)
+		if (column[i].i)
+			return 0;
+	return 1;
+}
+
 static int is_looped(const struct forward *x, int j)
 {
 	return x->looped && x->b->loops->first[j] >= 0;
@@ -213,9 +221,11 @@ static int is_looped(const struct forward *x, int j)
 
 void forward_column(const struct forward *x, struct ref *column, int j, int argument)
 {
-	negate_column(x, column, j, !is_looped(x, j));
+	int is_left = is_looped(x, j) && !is_zero(column, x->b->t->nv);
+
+	negate_column(x, column, j, !is_left);
 	output_column(x, column, j, argument);
-	if (is_looped(x, j))
+	if (is_left)
 		x->looped[argument * x->b->t->nv + j] = 1;
 }
 
@@ -230,14 +240,6 @@ static void shift_base(const struct recursion *by, int body, struct svec shift, 
 		joint_unit_twist(r->d, k, &r->frames[body + 1].pose, i, &Y, &Z);
 		column[k->iv + i] = dag_sub(r->d, column[k->iv + i], svec_dot(r->d, Y, shift));
 	}
-}
-
-static int is_zero(const struct ref *column, int n)
-{
-	for (int i = 0; i < n; i++)
-		if (column[i].i)
-			return 0;
-	return 1;
 }
 
 /* Where d tau is beside a shift. In a loop a column that is more than the shift has it among the others. */
@@ -320,11 +322,24 @@ static int operations(const struct pattern *related, const struct pattern *coupl
 	return 2 * pairs;
 }
 
-/* One call in f64, AVX2, against the straight line: 30 operations, ur5, 0.85; 42 iiwa14 1.1, 72 panda with both fingers 0.86,
+/* One call in f64, AVX2, against the straight line: 30 operations, ur5, 0.85; 42 iiwa14 1.1, 70 panda with both fingers 0.86,
    90 fetch 0.82, 198 floating hyq 0.76, 612 g1_29dof 0.65. A compiler takes some seconds for the most. */
 enum { LOOP_LEAST = 60, LOOP_MOST = 2000 };
 
-int forward_loops(struct loops *x, const struct tree *t, struct arena *a)
+/* Do the elements of a row stand side by side? In a dense matrix those between them are of rows that feel nothing of these. */
+static int is_in_a_row(const struct pattern *coupled, int first, int dense)
+{
+	int nv = coupled->cols, gap = 0;
+
+	for (int i = first; i < nv && dense; i++)
+		if (coupled->row[first * nv + i] < 0)
+			gap = 1;
+		else if (gap)
+			return 0;
+	return 1;
+}
+
+int forward_loops(struct loops *x, const struct tree *t, int dense, struct arena *a)
 {
 	struct pattern related, coupled;
 	int count = 0, nv = t->nv;
@@ -333,12 +348,15 @@ int forward_loops(struct loops *x, const struct tree *t, struct arena *a)
 	if (!x->first || !pattern_make(&related, t, 0, 0, a) || !pattern_coupled(&coupled, t, 0, 0, a))
 		return 0;
 	for (int i = 0; i < nv; i++) {
-		int first = 0, n;
+		int first = 0, n = operations(&related, &coupled, i);
 
 		while (coupled.row[i * nv + first] < 0)
 			first++;
-		n = first < i ? 0 : operations(&related, &coupled, first);
-		x->first[i] = first < i ? x->first[first] : n >= LOOP_LEAST && n <= LOOP_MOST && count < DAG_LOOPS ? first : -1;
+		if (first < i)
+			x->first[i] = x->first[first];
+		else
+			x->first[i] = n >= LOOP_LEAST && n <= LOOP_MOST && count < DAG_LOOPS && is_in_a_row(&coupled, i, dense)
+				? i : -1;
 		count += x->first[i] == i;
 	}
 	return count;

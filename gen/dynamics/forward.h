@@ -73,8 +73,9 @@ void forward_by_body(const struct forward *x, const struct recursion *by, int bo
 /* The loops, which come last: M^-1 of each column in its place. */
 void forward_loop(const struct forward *x);
 
-/* Which rows are worth one. Returns how many loops that makes; 0 also when memory runs out. */
-int forward_loops(struct loops *x, const struct tree *t, struct arena *a);
+/* Which rows are worth one, where matrices are sparse or dense. Returns how many loops that makes; 0 also when memory runs
+   out. */
+int forward_loops(struct loops *x, const struct tree *t, int dense, struct arena *a);
 
 /* M y = rhs in place, by rows of qd. */
 void forward_solve(const struct forward *x, struct ref *rhs);

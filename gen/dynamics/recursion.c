@@ -217,7 +217,7 @@ static void fill_row(struct recursion *x, int i, int here, const struct row_vect
 		for (enum by b = BY_Q; b < BY_QDD; b++)
 			if (is_made(x, b)) {
 				add(x, b, i, j, field_meet(d, s, &by[b]));
-				if (recursion_is_shifted(x, here))
+				if (x->has_shifts && recursion_is_shifted(x, here))
 					fill_apart(x, b, i, j, s, by[b]);
 			}
 	}

@@ -15,7 +15,7 @@ struct by_matrix {
 	struct ref *element; /* [nv][nv] */
 	char *is_done;       /* has been written */
 	struct ref *apart;   /* [nv][nv]: of a column with a shift, the element without it */
-	struct svec *shift;  /* by column: gamma of a coordinate that changes the accelerations of all particles alike; else zero */
+	struct svec *shift;  /* by column: gamma of a coordinate that changes all accelerations alike; else zero */
 };
 
 struct recursion {
@@ -24,13 +24,14 @@ struct recursion {
 	char *is_shared;          /* by row of qd: several bodies move with it */
 	struct by_matrix by[BY_COUNT];
 	int has_gradients, has_coriolis; /* else no more is made than M */
+	int has_shifts;                  /* gradients are solved with M, and made without their shifts too */
 };
 
 /* `arguments` says where the matrices go. d->failed is set when memory runs out. */
 void recursion_begin(struct recursion *x, const struct tour *r, const int *arguments);
 
-/* Is there such a shift in a body's fields by q and qd? A base that floats on the ground has one: gravity turns about it, and its
-   velocity along it. M has a shift as columns of the base's slides. */
+/* Is there such a shift in a body's fields by q and qd? A base that floats on the ground has one: by its orientation gravity
+   turns in its axes, by its linear velocity w x v changes. M has a shift as columns of the base's slides. */
 int recursion_is_shifted(const struct recursion *x, int body);
 
 /* When the tour has left a body, with the wrench of its subtree; and when it is back. */

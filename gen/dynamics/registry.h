@@ -57,7 +57,7 @@ int algorithms_for(const struct request *k, const struct algorithm *found[ALGORI
 /* By its name; NULL: there is none. */
 const struct algorithm *algorithm_find(const char *name);
 
-/* The DAG of the first once more, with its derivatives of qdd by loops over their columns: for processors, whose vectors then
+/* The DAG of the main function once more, with its derivatives of qdd by loops over their columns: for processors, whose vectors then
    take several columns of a sample. Returns 0, and leaves the DAG empty, where that does not serve the request, or is no gain. */
 int algorithm_build_looped(struct dag *d, const struct tree *t, const struct request *k);
 

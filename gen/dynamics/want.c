@@ -132,6 +132,7 @@ static void begin_recursion(struct build *b, const struct tour *r)
 	recursion_begin(&b->recursion, r, arguments);
 	b->recursion.has_gradients = is_used[BY_Q] || is_used[BY_QD];
 	b->recursion.has_coriolis = is_used[BY_CORIOLIS];
+	b->recursion.has_shifts = b->solved[BY_Q] >= 0 || b->solved[BY_QD] >= 0;
 }
 
 struct tour want_tour(struct build *b, struct joint_inputs in)

@@ -110,7 +110,7 @@ int algorithm_build_looped(struct dag *d, const struct tree *t, const struct req
 	if (!request_wants(k, WANT_DQDD_DQ) && !request_wants(k, WANT_DQDD_DQD))
 		return 0;
 	if (k->dynamics == DYNAMICS_ARTICULATED || k->refine_steps || request_wants_any(k, IS_PRODUCT) ||
-		k->stored_count < k->want_count || !forward_loops(&loops, t, d->arena))
+		k->stored_count < k->want_count || !forward_loops(&loops, t, k->dense, d->arena))
 		return 0;
 	want_build_in(d, t, k, (struct ways){k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
 		DYNAMICS_FACTOR, 0, &loops});

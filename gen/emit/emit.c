@@ -83,7 +83,7 @@ static void put_unused_sines(const struct emission *e, const struct plan *p, str
 
 void emit_unused(const struct emission *e, const struct plan *p, const char *prefix, struct text *out)
 {
-	unsigned char used[DAG_ARGUMENTS] = {0};
+	unsigned char used[DAG_ARGUMENTS + DAG_LOOPS] = {0};
 	int stride = emit_mark_arguments(p, used);
 
 	for (int i = 0; i < p->dag->argument_count; i++)
@@ -259,7 +259,8 @@ static int kernels_ask(const struct emission *e)
 static const char *is_small_text(const struct emission *e)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}, {"F", e->memory->suffix},
-		{"NQ", emit_int(e, e->tree->nq)}, {"LIMIT", small_limit(e)}};
+		{"NQ", emit_int(e, e->tree->nq)}, {"LIMIT", small_limit(e)},
+		{"BITS", emit_main(e)->single ? "" : "; the results have the same bits either way"}};
 
 	int host_only = e->target->kernel && !kernels_ask(e);
 	struct text t;

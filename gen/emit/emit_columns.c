@@ -38,37 +38,40 @@ void emit_columns(const struct emission *e, const struct pass *p, int segment, s
 
 /* ---- calls ---- */
 
-static void put_name(const struct emission *e, const struct pass *p, const char *function, const struct column_run *r,
+/* Columns in a row, or one of them. */
+static void put_call(const struct emission *e, const struct pass *p, const struct column_run *r, const char *indent, int is_row,
 	struct text *out)
 {
-	text_printf(out, "%s_%s_%s%d(%s", e->options->name, p->algorithm->name, function, r->loop,
-		p->dag.arguments[r->argument].name);
+	const char *array = p->dag.arguments[r->argument].name, *name = e->options->name, *pass = p->algorithm->name;
+
+	if (!is_row) {
+		text_printf(out, "%sfor (size_t j = %d; j < %d; j++)\n", indent, r->first, r->first + r->count);
+		text_printf(out, "%s\t%s_%s_column%d(%s + j*stride, stride, across);\n", indent, name, pass, r->loop, array);
+		return;
+	}
+	text_printf(out, "%s%s_%s_columns%d(%s", indent, name, pass, r->loop, array);
+	if (r->first)
+		text_printf(out, " + %d", r->first);
+	text_printf(out, ", across, %d);\n", r->count);
+}
+
+static void put_calls(const struct emission *e, const struct pass *p, int loop, const char *indent, int is_row, struct text *out)
+{
+	for (const struct column_run *r = p->dag.runs; r < p->dag.runs + p->dag.run_count; r++)
+		if (r->loop == loop)
+			put_call(e, p, r, indent, is_row, out);
 }
 
 /* Where a sample's rows are together, columns are side by side; in a batch of soa one comes after the other. */
 void emit_columns_calls(const struct emission *e, const struct pass *p, int segment, struct text *out)
 {
-	int is_soa = e->options->layout == RNEAGEN_SOA;
-	const char *indent = is_soa ? "\t\t" : "\t";
-	const struct column_run *runs = p->dag.runs, *end = runs + p->dag.run_count;
-
-	text_put(out, is_soa ? "\tif (stride == 1) {\n" : "");
-	for (const struct column_run *r = runs; r < end; r++) {
-		if (r->loop != loop_of(p, segment))
-			continue;
-		text_put(out, indent);
-		put_name(e, p, "columns", r, out);
-		if (r->first)
-			text_printf(out, " + %d", r->first);
-		text_printf(out, ", across, %d);\n", r->count);
+	if (e->options->layout != RNEAGEN_SOA) {
+		put_calls(e, p, loop_of(p, segment), "\t", 1, out);
+		return;
 	}
-	text_put(out, is_soa ? "\t} else {\n" : "");
-	for (const struct column_run *r = runs; r < end && is_soa; r++) {
-		if (r->loop != loop_of(p, segment))
-			continue;
-		text_printf(out, "\t\tfor (size_t j = %d; j < %d; j++)\n\t\t\t", r->first, r->first + r->count);
-		put_name(e, p, "column", r, out);
-		text_put(out, " + j*stride, stride, across);\n");
-	}
-	text_put(out, is_soa ? "\t}\n" : "");
+	text_put(out, "\tif (stride == 1) {\n");
+	put_calls(e, p, loop_of(p, segment), "\t\t", 1, out);
+	text_put(out, "\t} else {\n");
+	put_calls(e, p, loop_of(p, segment), "\t\t", 0, out);
+	text_put(out, "\t}\n");
 }

@@ -270,7 +270,7 @@ static void put_operations(const struct emission *e, struct text *out)
 			text_printf(out, " *   %s is in %d segments, each for several samples before the next; %d values go across cuts\n",
 				p->algorithm->name, p->segments.count, p->segments.slots[0] + p->segments.slots[1]);
 	if (emit_main(e)->single)
-		text_printf(out, " *   One sample runs %s: %d segments, the last %d of which loop over columns of derivatives.\n",
+		text_printf(out, " *   A sample alone runs %s: %d segments, the last %d of which loop over columns of derivatives.\n",
 			emit_main(e)->single->algorithm->name, emit_main(e)->single->segments.count, emit_main(e)->single->dag.loop_count);
 	if (e->part_count)
 		text_printf(out, " * The %s kernel is in %d parts: its grid has as many along y, each for the elements of some joints.\n",

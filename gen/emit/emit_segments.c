@@ -84,7 +84,7 @@ static const char *across(const struct emission *e, const struct segments *s, en
 
 /* What a segment reads and writes. */
 struct touched {
-	unsigned char arguments[DAG_ARGUMENTS];
+	unsigned char arguments[DAG_ARGUMENTS + DAG_LOOPS];
 	int across[2], step;
 };
 

@@ -112,7 +112,7 @@ static int may_be_looped(const struct rneagen_options *o)
 		(o->precision == RNEAGEN_F32 || o->precision == RNEAGEN_F64);
 }
 
-/* The pass once more; 0 when memory runs out, *is_looped where the loop serves it. */
+/* The pass once more; *is_looped where loops serve it. 0 when memory runs out, or there are too many runs of columns. */
 static int make_single(struct pass *s, const struct pass *p, const struct request *k, struct arena *a, int *is_looped)
 {
 	struct arena spare;
@@ -129,6 +129,24 @@ static int make_single(struct pass *s, const struct pass *p, const struct reques
 	return !*is_looped || (!s->dag.failed && plan_build(&s->plan, &s->dag, p->plan.tree, a));
 }
 
+/* A loop's body is told what goes across, and its column; so it must read some of these values, and no input. */
+static int is_closed(const struct pass *s)
+{
+	for (int k = s->segments.count - s->dag.loop_count; k < s->segments.count; k++) {
+		const struct plan *lines = &s->segments.plans[k];
+		int fetched = 0;
+
+		for (const struct line *l = lines->lines; l < lines->lines + lines->line_count; l++) {
+			if (l->kind == LINE_INPUT && s->dag.nodes[l->value.i].arg[0].i < DAG_COLUMN)
+				return 0;
+			fetched |= l->kind == LINE_FETCH && l->index > 0;
+		}
+		if (!fetched)
+			return 0;
+	}
+	return 1;
+}
+
 int segments_single(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
 	struct algorithm *x = arena_alloc(a, 1, sizeof *x);
@@ -142,6 +160,10 @@ int segments_single(struct pass *p, const struct request *k, const struct rneage
 	*x = *p->algorithm;
 	x->name = "fd_single";
 	s->algorithm = x;
-	p->single = s;
-	return segments_choose(s, SEGMENT_LOOPS, k, o, a);
+	if (!segments_choose(s, SEGMENT_LOOPS, k, o, a))
+		return 0;
+	/* the tables of sines are the whole's */
+	if (is_closed(s) && plan_operations(&s->plan).sincos == plan_operations(&p->plan).sincos)
+		p->single = s;
+	return 1;
 }

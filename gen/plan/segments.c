@@ -80,8 +80,6 @@ static void find_places(struct cutter *c)
 	add_place(c, lines);
 }
 
-
-
 /* ---- where the cuts are ---- */
 
 /* A segment as it grows: its operations, what it fetches, and of what it makes the values that are still to be read. */

@@ -27,7 +27,7 @@ int segments_choose(struct pass *p, enum segment_use use, const struct request *
 	struct arena *a);
 
 /* Make p->single, with derivatives of qdd by loops over columns, for a pass in segments that serve batches: where one sample
-   gains by it, and nothing promises bits, which a loop does not give: it adds zeros. Returns 0 when memory runs out. */
+   gains by it, and nothing promises its bits, which are not those of a batch. Returns 0 when memory runs out. */
 int segments_single(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a);
 
 /* A line for each segment of the pass, or for the whole where there are none. */

@@ -88,6 +88,7 @@ static const struct looped {
 	{"g1_29dof", "want dqdd_dq\n", 0, 1, RNEAGEN_F64, RNEAGEN_SOA, 0, 1}, /* its legs feel nothing of the rest */
 	{"two chains", "want dqdd_dq,dqdd_dqd\n", 0, 2, RNEAGEN_F64, RNEAGEN_AOS, 0, 0},
 	{"two chains", "want dqdd_dqd\ndense\n", 0, 2, RNEAGEN_F32, RNEAGEN_SOA, 0, 0},
+	{"stage", "want dqdd_dq,dqdd_dqd\n", 1, 0, RNEAGEN_F64, RNEAGEN_SOA, 0, 0},
 	{"hyq", "want dqdd_dq\n", 1, 0, RNEAGEN_F64, RNEAGEN_SOA, 1, 0},
 	{"hyq", "want dqdd_dq\n", 0, 0, RNEAGEN_F64, RNEAGEN_SOA, 0, 0}, /* legs that do not feel each other */
 	{"hyq", "want dqdd_dq\n", 1, 0, RNEAGEN_MIXED, RNEAGEN_SOA, 0, 0},
@@ -95,7 +96,7 @@ static const struct looped {
 	{"hyq", "want qdd,dqdd_dq\nvjp dqdd_dq\n", 1, 0, RNEAGEN_F64, RNEAGEN_SOA, 0, 0},
 };
 
-/* Joints of one chain have the rows between those of the other. */
+/* On the ground: neither feels the other. */
 static void generate_chains(const struct rneagen_options *o, struct target *t)
 {
 	enum { LINKS = 10 };
@@ -119,6 +120,24 @@ static void generate_chains(const struct rneagen_options *o, struct target *t)
 	target_generate(t, urdf, (size_t)n, o, "two chains");
 }
 
+/* A factor of its mass matrix is an input, q, which no loop is told. */
+static void generate_stage(const struct rneagen_options *o, struct target *t)
+{
+	char urdf[4096];
+	int n = snprintf(urdf, sizeof urdf, "<robot name='stage'><link name='l'><inertial><mass value='3'/>"
+		"<inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>");
+
+	for (int k = 0; k < 3; k++)
+		n += snprintf(urdf + n, sizeof urdf - (size_t)n,
+			"<link name='l%d'><inertial><mass value='2'/>"
+			"<inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>"
+			"<joint name='j%d' type='prismatic'><parent link='%s'/><child link='l%d'/><axis xyz='%d %d %d'/>"
+			"<limit lower='-1' upper='1' effort='9' velocity='9'/></joint>",
+			k, k, k == 0 ? "l" : k == 1 ? "l0" : "l1", k, k == 0, k == 1, k == 2);
+	n += snprintf(urdf + n, sizeof urdf - (size_t)n, "</robot>");
+	target_generate(t, urdf, (size_t)n, o, "stage");
+}
+
 static void generate_looped(const struct looped *s, int segments, struct target *t)
 {
 	struct rneagen_options o = rneagen_options_default();
@@ -129,8 +148,11 @@ static void generate_looped(const struct looped *s, int segments, struct target 
 	o.strict = s->is_strict;
 	o.segments = segments;
 	o.scene = s->scene;
+	o.base = s->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	if (!strcmp(s->name, "two chains"))
 		generate_chains(&o, t);
+	else if (!strcmp(s->name, "stage"))
+		generate_stage(&o, t);
 	else
 		launched_generate(t, s->name, s->scene, s->floating, &o);
 }
