@@ -5,7 +5,7 @@
 #include "emit/emit.h"
 #include "passes/analysis.h"
 #include "plan/limb_limits.h"
-#include "plan/parts.h"
+#include "plan/grid/relay.h"
 #include "plan/segments.h"
 #include "plan/stage.h"
 #include "tell/dot.h"
@@ -25,7 +25,8 @@ struct generation {
 	struct dag raw[ALGORITHM_COUNT]; /* of the halves, until they are fused; the analysis has that of the whole */
 	struct arena raw_arena;
 	struct pass passes[ALGORITHM_COUNT];
-	struct part *parts;
+	struct relay *relay;
+	struct part *parts; /* of the relay's second kernel, where there is a relay */
 	int part_count;
 	char hash[SHA256_DIGEST_STRING_LENGTH];
 	struct emission emission;
@@ -144,9 +145,10 @@ static enum rneagen_code plan_build_all(struct generation *g)
 static enum rneagen_code parts_choose(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
+	const struct parts_of x = {&g->passes[0], &a->raw, &a->tree, &a->request, &a->options,
+		target_type_of(a->options.target)->kernel != NULL, a->adjust.prune == 0, 0};
 
-	parts_make(&g->parts, &g->part_count, &g->passes[0], &a->raw, &a->tree, &a->request, &a->options,
-		target_type_of(a->options.target)->kernel != NULL, a->arena, a->error);
+	relay_or_parts(&g->relay, &g->parts, &g->part_count, &x, a->arena, a->error);
 	analysis_free_raw(a);
 	return a->error->code;
 }
@@ -222,13 +224,11 @@ static struct emission new_emission(struct generation *g, const char *told)
 {
 	struct analysis *a = &g->analysis;
 
-	return (struct emission){.tree = &a->tree,
-		.request = &a->request,
+	return (struct emission){.tree = &a->tree, .request = &a->request,
 		.scene = &a->scene, .adjust = &a->adjust,
 		.options = &a->options,
-		.passes = g->passes,
-		.pass_count = function_count(g),
-		.parts = g->parts, .part_count = g->part_count,
+		.passes = g->passes, .pass_count = function_count(g),
+		.parts = g->parts, .part_count = g->part_count, .relay = g->relay,
 		.warnings = g->result->warnings,
 		.warning_count = g->result->warning_count,
 		.told = told,
@@ -343,7 +343,7 @@ static void put_passes(struct text *out)
 static enum rneagen_code dump(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
-	const struct dumped d = {a, g->passes, function_count(g), g->parts, g->part_count};
+	const struct dumped d = {a, g->passes, function_count(g), g->parts, g->part_count, g->relay};
 	struct text out;
 
 	if (a->options.dump == RNEAGEN_DUMP_NONE)

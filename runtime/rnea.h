@@ -194,6 +194,12 @@ struct rnea_function {
 	unsigned limb_groups;
 	size_t limb_bytes;    /* of a group of 32 samples */
 	size_t limb_most;     /* samples of a batch up to which it is faster */
+	/* A relay: rnea_launch and rnea_run launch three kernels with the same parameters, one after the other. The function's own, which
+	   may have limbs, is the second. The first is NAME_FUNCTION_start_kernel, in blocks as long as the second's. The third is
+	   NAME_FUNCTION_solve_kernel: a block is of 32 relay_warps threads with relay_bytes bytes of shared memory given, and does 32
+	   samples; the blocks along y share its work, and any number of them is right. */
+	unsigned relay_warps; /* 0: there is one kernel */
+	size_t relay_bytes;
 };
 
 /* The parsed table. Every pointer belongs to the robot that it was asked of and is valid until rnea_close. What stands here of
@@ -221,7 +227,7 @@ struct rnea_info {
 	int is_guessed; /* private: what stands here of functions but the first may not be in the text */
 	const struct rnea_function *functions; /* function_count of them, at least 1 */
 	size_t function_count;
-	unsigned version; /* of the table: 1, 2 or 3 */
+	unsigned version; /* of the table: 1 to 4 */
 };
 
 /* ---- opening and closing ---- */

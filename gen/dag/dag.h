@@ -70,7 +70,7 @@ struct column_run {
 	int loop, argument, first, count;
 };
 
-enum { DAG_RUNS = 64, DAG_LOOPS = 4 };
+enum { DAG_RUNS = 256, DAG_LOOPS = 64 };
 
 struct dag {
 	struct arena *arena;

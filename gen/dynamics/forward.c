@@ -185,12 +185,13 @@ void forward_inverse(const struct forward *x, struct ref *X)
 	}
 }
 
-static void output_column(const struct forward *x, const struct ref *column, int j, int argument)
+/* All that is not always zero; of what is left to a loop, what it reads. */
+static void output_column(const struct forward *x, const struct ref *column, int j, int argument, int is_left)
 {
 	int nv = x->b->t->nv;
 
 	for (int i = 0; i < nv; i++)
-		if (x->coupled.row[i * nv + j] >= 0)
+		if (x->coupled.row[i * nv + j] >= 0 && (!is_left || loops_read(x->b->loops, nv, i, j)))
 			dag_output(x->b->d, argument, x->coupled.row[i * nv + j], column[i]);
 }
 
@@ -224,7 +225,7 @@ void forward_column(const struct forward *x, struct ref *column, int j, int argu
 	int is_left = is_looped(x, j) && !is_zero(column, x->b->t->nv);
 
 	negate_column(x, column, j, !is_left);
-	output_column(x, column, j, argument);
+	output_column(x, column, j, argument, is_left);
 	if (is_left)
 		x->looped[argument * x->b->t->nv + j] = 1;
 }
@@ -259,7 +260,7 @@ static void by_column(const struct forward *x, const struct recursion *by, int b
 	if (is_apart(x, by, body, j, column)) {
 		negate_column(x, column, j, 1);
 		shift_base(by, body, m->shift[j], column);
-		output_column(x, column, j, argument);
+		output_column(x, column, j, argument, 0);
 		return;
 	}
 	for (int i = 0; i < nv; i++)
@@ -278,88 +279,6 @@ void forward_by_body(const struct forward *x, const struct recursion *by, int bo
 			by_column(x, by, body, b, j, column, arguments[b]);
 	if (!column)
 		x->b->d->failed = 1;
-}
-
-/* Element (i, j) stands as far behind (first, j) as in any other column of these rows. */
-static void loop_over_rows(const struct forward *x, int first)
-{
-	struct dag *d = x->b->d;
-	int nv = x->b->t->nv, loop = dag_loop(d);
-	const int *at = x->coupled.row, *leader = x->b->loops->first;
-	struct ref *column = arena_alloc(d->arena, (size_t)nv, sizeof *column);
-
-	if (!column || loop < 0 || d->failed) {
-		d->failed = 1;
-		return;
-	}
-	for (int i = 0; i < nv; i++)
-		if (leader[i] == first)
-			column[i] = dag_input(d, DAG_COLUMN + loop, at[i * nv + first] - at[first * nv + first]);
-	forward_solve(x, column);
-	for (int i = 0; i < nv; i++)
-		if (leader[i] == first)
-			dag_output(d, DAG_COLUMN + loop, at[i * nv + first] - at[first * nv + first], column[i]);
-	for (int k = 0; k < DAG_ARGUMENTS * nv; k++)
-		if (x->looped[k] && leader[k % nv] == first)
-			dag_loop_over(d, k / nv, at[first * nv + k % nv]);
-}
-
-void forward_loop(const struct forward *x)
-{
-	for (int i = 0; i < x->b->t->nv; i++)
-		if (x->b->loops->first[i] == i)
-			loop_over_rows(x, i);
-}
-
-/* Of M^-1 times a column: two for each pair of rows of which one is nearer to the base. */
-static int operations(const struct pattern *related, const struct pattern *coupled, int first)
-{
-	int pairs = 0, nv = related->cols;
-
-	for (int i = 0; i < nv; i++)
-		for (int j = 0; j < i && coupled->row[first * nv + i] >= 0; j++)
-			pairs += related->row[i * nv + j] >= 0;
-	return 2 * pairs;
-}
-
-/* One call in f64, AVX2, against the straight line: 30 operations, ur5, 0.85; 42 iiwa14 1.1, 70 panda with both fingers 0.86,
-   90 fetch 0.82, 198 floating hyq 0.76, 612 g1_29dof 0.65. A compiler takes some seconds for the most. */
-enum { LOOP_LEAST = 60, LOOP_MOST = 2000 };
-
-/* Do the elements of a row stand side by side? In a dense matrix those between them are of rows that feel nothing of these. */
-static int is_in_a_row(const struct pattern *coupled, int first, int dense)
-{
-	int nv = coupled->cols, gap = 0;
-
-	for (int i = first; i < nv && dense; i++)
-		if (coupled->row[first * nv + i] < 0)
-			gap = 1;
-		else if (gap)
-			return 0;
-	return 1;
-}
-
-int forward_loops(struct loops *x, const struct tree *t, int dense, struct arena *a)
-{
-	struct pattern related, coupled;
-	int count = 0, nv = t->nv;
-
-	x->first = arena_alloc(a, (size_t)nv, sizeof *x->first);
-	if (!x->first || !pattern_make(&related, t, 0, 0, a) || !pattern_coupled(&coupled, t, 0, 0, a))
-		return 0;
-	for (int i = 0; i < nv; i++) {
-		int first = 0, n = operations(&related, &coupled, i);
-
-		while (coupled.row[i * nv + first] < 0)
-			first++;
-		if (first < i)
-			x->first[i] = x->first[first];
-		else
-			x->first[i] = n >= LOOP_LEAST && n <= LOOP_MOST && count < DAG_LOOPS && is_in_a_row(&coupled, i, dense)
-				? i : -1;
-		count += x->first[i] == i;
-	}
-	return count;
 }
 
 void forward_outputs(const struct forward *x, int qdd_out, int inverse_out)

@@ -9,9 +9,12 @@
 
 struct build;
 
-/* By row of qd, the first of those that it is coupled with, whose columns one loop solves; -1: none does. */
+/* By row of qd, the first of those whose columns one loop solves; -1: none does. In a relay each kernel reads what the one before has
+   written: loops that make the columns, and qdd. Its loops are of columns that d tau leaves zero in the same rows. */
 struct loops {
 	int *first;
+	int is_relay;
+	struct pattern related; /* of d tau */
 };
 
 struct forward {
@@ -73,9 +76,12 @@ void forward_by_body(const struct forward *x, const struct recursion *by, int bo
 /* The loops, which come last: M^-1 of each column in its place. */
 void forward_loop(const struct forward *x);
 
-/* Which rows are worth one, where matrices are sparse or dense. Returns how many loops that makes; 0 also when memory runs
-   out. */
-int forward_loops(struct loops *x, const struct tree *t, int dense, struct arena *a);
+/* Which rows are worth one, where matrices are sparse or dense; in a relay all of them. Returns how many loops that makes; 0 also
+   when memory runs out, or there are more than a DAG may have. */
+int forward_loops(struct loops *x, const struct tree *t, int dense, int is_relay, struct arena *a);
+
+/* Does the loop over column j of nv read row i? */
+int loops_read(const struct loops *x, int nv, int i, int j);
 
 /* M y = rhs in place, by rows of qd. */
 void forward_solve(const struct forward *x, struct ref *rhs);

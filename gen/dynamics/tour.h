@@ -27,7 +27,7 @@ struct tour {
 	int comes_back;                         /* also without tau_out */
 	struct ref *eased;                      /* rows of qdd, to be found on the way out: no body's dw has a part along its joint's axis;
 	                                           NULL: qdd is what in.qdd says */
-	int at_rest;                            /* velocities and accelerations are zero: at_rest.c */
+	int at_rest;                            /* velocities and accelerations are zero */
 	const struct ref *gravity;              /* three; NULL: the tree's */
 	struct parameters *const *parameters;   /* by body, of those whose parameters are no numbers; NULL: none */
 	/* called where they are not NULL: before the tour; when a body has been entered and has its own wrench; before it is

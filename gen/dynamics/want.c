@@ -333,6 +333,8 @@ static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x
 {
 	forward_find(x, b, *in);
 	forward_outputs(x, output_of(b, WANT_QDD), output_of(b, WANT_MINV));
+	for (int i = 0; i < b->t->nv && b->loops && b->loops->is_relay && !b->d->failed; i++)
+		x->qdd[i] = dag_input(b->d, output_of(b, WANT_QDD), i);
 	in->qdd = (struct source){.argument = DAG_HELD};
 	forward_bound(x, *in, output_of(b, WANT_QDD_BOUND));
 }

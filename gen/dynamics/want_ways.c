@@ -103,14 +103,24 @@ void want_build(struct dag *d, const struct tree *t, const struct request *k)
 	}
 }
 
-int algorithm_build_looped(struct dag *d, const struct tree *t, const struct request *k)
+/* Is nothing wanted but qdd and its derivatives by q and qd? */
+static int is_relayed(const struct request *k)
+{
+	for (int i = 0; i < k->want_count; i++)
+		if (k->wants[i].kind != WANT_QDD && k->wants[i].kind != WANT_DQDD_DQ && k->wants[i].kind != WANT_DQDD_DQD)
+			return 0;
+	return request_wants(k, WANT_QDD);
+}
+
+int algorithm_build_looped(struct dag *d, const struct tree *t, const struct request *k, int is_relay)
 {
 	struct loops loops;
 
 	if (!request_wants(k, WANT_DQDD_DQ) && !request_wants(k, WANT_DQDD_DQD))
 		return 0;
 	if (k->dynamics == DYNAMICS_ARTICULATED || k->refine_steps || request_wants_any(k, IS_PRODUCT) ||
-		k->stored_count < k->want_count || !forward_loops(&loops, t, k->dense, d->arena))
+		k->stored_count < k->want_count || (is_relay && !is_relayed(k)) ||
+		!forward_loops(&loops, t, k->dense, is_relay, d->arena))
 		return 0;
 	want_build_in(d, t, k, (struct ways){k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
 		DYNAMICS_FACTOR, 0, &loops});

@@ -1,6 +1,6 @@
 #include "emit/unparse.h"
 #include "base/fold.h"
-#include "plan/parts.h"
+#include "plan/grid/parts.h"
 #include "base/template.h"
 #include <math.h>
 #include <stdio.h>
@@ -249,6 +249,8 @@ static int tests_angles(const struct emission *e)
 /* Does a kernel test the angles before it computes? Not one that finds out afterwards. */
 static int kernels_ask(const struct emission *e)
 {
+	if (e->relay)
+		return 1;
 	for (int i = 0; i < e->pass_count; i++)
 		if (emit_has_angles(e, &e->passes[i]) && (i || !(emit_is_optimistic(e) || e->passes[i].segments.count)))
 			return 1;
@@ -278,59 +280,39 @@ static const char *is_small_text(const struct emission *e)
 	return text_string(&t);
 }
 
-/* The call of a part's body with the dispatcher's own arguments. */
-static void put_part_call(const struct emission *e, int part, struct text *out)
-{
-	text_printf(out, "%s%s_%s_body(%s, stride%s%s);", emit_has_known(e) ? "all_small &= " : "", e->options->name,
-		e->parts[part].algorithm.name, emit_params(e, emit_main(e), PARAMS_NAMES),
-		emit_has_known(e) ? ", " : "", emit_has_known(e) ? emit_known_names(e) : "");
-}
-
-/* The body that calls the parts'. */
-static void put_dispatcher(const struct emission *e, struct text *out)
-{
-	const struct pass *p = emit_main(e);
-	struct text cases, calls;
-
-	text_init(&cases, e->arena);
-	text_init(&calls, e->arena);
-	for (int i = 0; i < e->part_count; i++) {
-		text_printf(&cases, "%s\tcase %d:\n\t\t", i ? "\n" : "", i);
-		put_part_call(e, i, &cases);
-		text_put(&cases, "\n\t\tbreak;");
-		text_put(&calls, i ? "\n\t" : "\t");
-		put_part_call(e, i, &calls);
-	}
-	const struct slot slots[] = {{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
-		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)},
-		{"RESULT", emit_has_known(e) ? "int" : "void"}, {"RETURNS", emit_has_known(e) ? EMIT_RETURNS : ""},
-		{"BEGIN", emit_has_known(e) ? "\tint all_small = 1;" : ""},
-		{"END", emit_has_known(e) ? "\treturn all_small;" : ""}, {"COUNT", emit_int(e, e->part_count)},
-		{"CASES", text_string(&cases)}, {"CALLS", text_string(&calls)}};
-	size_t from = out->length;
-
-	template_expand(out, e->target->kernel->parts, slots, sizeof slots / sizeof *slots);
-	fold(out, from);
-	out->failed |= cases.failed | calls.failed;
-}
-
 int emit_has_segments(const struct emission *e)
 {
+	if (e->relay)
+		return 1;
 	for (int i = 0; i < e->pass_count; i++)
 		if (e->passes[i].segments.count)
 			return 1;
 	return 0;
 }
 
+/* What a relay's first and third kernel run. */
+static void put_relay(const struct emission *e, struct text *out)
+{
+	const struct pass *start = &e->relay->start.pass;
+
+	if (start->segments.count)
+		emit_segments(e, start, out);
+	else
+		put_body(e, start, out);
+	emit_segments(e, &e->relay->solve.pass, out);
+}
+
 static void put_bodies(const struct emission *e, struct text *out)
 {
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
 	text_put(out, emit_has_segments(e) ? template_independent_in : "");
+	if (e->relay)
+		put_relay(e, out);
 	for (int i = 0; i < e->part_count; i++)
 		put_body(e, &e->parts[i].pass, out);
 	for (int i = 0; i < e->pass_count; i++)
 		if (i == 0 && e->part_count)
-			put_dispatcher(e, out);
+			emit_dispatcher(e, out);
 		else if (e->passes[i].segments.count)
 			emit_segments(e, &e->passes[i], out);
 		else
@@ -360,7 +342,7 @@ void emit_source(const struct emission *e, struct text *out)
 		{"NUMBERS", numbers_text(e)}, {"SINCOS_DECLARATION", emit_sincos_declaration(e)}, {"SINCOS", emit_sincos(e)},
 		{"IS_SMALL", emit_unless_limbs(e, is_small_text(e))}, {"JOINTS", emit_joints(e)},
 		{"STAGE", emit_unless_limbs(e, emit_stage(e))}, {"SINES_BYTES", emit_sines_bytes(e)}, {"STORE", emit_store(e)},
-		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e)}, {"LAUNCH_LIMBS", emit_launch_limbs(e)},
+		{"LAUNCH_HEAD", emit_launch_head(e)}, {"LAUNCH_RELAY", emit_launch_relay(e)}, {"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e)}, {"LAUNCH_LIMBS", emit_launch_limbs(e)},
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)}, {"RNEA_PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"BOUNDED", ""},

@@ -4,7 +4,7 @@
 
 #include "emit/number_type.h"
 #include "emit/target_type.h"
-#include "plan/parts.h"
+#include "plan/grid/relay.h"
 #include "rneagen.h"
 #include "scene/adjust.h"
 
@@ -18,6 +18,7 @@ struct emission {
 	int pass_count;                        /* scene's request, or one operation of the robot, where it is such a text */
 	const struct part *parts;              /* what the first pass does, as parts of the grid; part_count 0: it is whole */
 	int part_count;
+	const struct relay *relay;             /* whose second kernel has these parts; NULL: there is one kernel */
 	const char *banner;                    /* the comment at the head, where it is not inverse dynamics; else NULL */
 	const char *const *warnings;
 	size_t warning_count;
@@ -91,6 +92,9 @@ int emit_bounds_by_table(const struct emission *e, const struct dag *d);
 
 /* A number that reads back as the same value in the type: the shortest decimal that does. */
 void emit_number(const struct emission *e, const struct scalar *s, real value, struct text *out);
+
+/* Operations of the main function: of its parts together, or of the kernels of a relay. */
+struct operation_count emit_operations(const struct emission *e);
 
 /* The table NAME_info as adjacent string literals. */
 void emit_info(const struct emission *e, struct text *out);
@@ -190,6 +194,18 @@ void emit_limbs(const struct emission *e, struct text *out);
 const char *emit_launch_limbs(const struct emission *e);
 const struct limbs *emit_limbs_of(const struct emission *e);
 int emit_limbs_bytes(const struct emission *e);
+
+/* The body that calls the parts'. */
+void emit_dispatcher(const struct emission *e, struct text *out);
+
+/* A relay's kernels but the second; what they do where the text is compiled as C, before the second and after; how its launch function
+   begins, or that of the one kernel, and the launch of all; bytes of shared memory of a block of the third. */
+void emit_relay_solve(const struct emission *e, struct text *out);
+void emit_relay_before(const struct emission *e, struct text *out);
+void emit_relay_after(const struct emission *e, struct text *out);
+const char *emit_launch_head(const struct emission *e);
+const char *emit_launch_relay(const struct emission *e);
+int emit_relay_bytes(const struct emission *e);
 
 /* What a program of that kernel alone leaves out. */
 #define EMIT_UNLESS_LIMBS "#if !defined RNEA_ONLY_LIMBS\n"

@@ -16,10 +16,10 @@ int emit_has_known(const struct emission *e)
 	return 1;
 }
 
-/* Parts, and what a call of one sample runs, have the table of the whole. */
+/* Parts, kernels of a relay, and what a call of one sample runs, have the table of the whole. */
 static const struct pass *table_of(const struct emission *e, const struct pass *p)
 {
-	if (p == emit_main(e)->single)
+	if (p == emit_main(e)->single || (e->relay && (p == &e->relay->start.pass || p == &e->relay->solve.pass)))
 		return emit_main(e);
 	for (int i = 0; i < e->part_count; i++)
 		if (p == &e->parts[i].pass)
@@ -241,6 +241,7 @@ static const char *call_expanded(const struct emission *e, const struct pass *p,
 	const struct call *c)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"INDENT", c->indent}, {"Q", c->q},
+		{"TABLE", table_of(e, p)->algorithm->name},
 		{"STRIDE", c->stride}, {"ARGUMENTS", c->arguments}, {"SINES", declarations_text(e, p, c->indent)},
 		{"ASKED", asked}, {"UNKNOWN", emit_unknown_names(e)}, {"TABLES", tables_text(e, p, "")},
 		{"KNOWN", tables_text(e, p, "known, ")}};
@@ -277,7 +278,7 @@ const char *emit_known_tables(const struct emission *e, const struct pass *p)
 
 void emit_rounds(const struct emission *e, const struct pass *p, const char *loops, struct text *out)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"TABLE", table_of(e, p)->algorithm->name},
 		{"SINES", declarations_text(e, p, "\t\t")}, {"SEGMENTS", loops}, {"Q", emit_q_at_sample(e)},
 		{"STRIDE", emit_stride(e)}, {"TABLES", tables_text(e, p, "")}};
 

@@ -14,13 +14,32 @@ static int loop_of(const struct pass *p, int segment)
 	return segment - (p->segments.count - p->dag.loop_count);
 }
 
+/* Parameters that a body of one row does not touch. */
+static const char *unused_text(const struct emission *e, const struct plan *lines)
+{
+	unsigned char used[DAG_ARGUMENTS + DAG_LOOPS] = {0};
+	int has_stride = emit_mark_arguments(lines, used), fetches = 0, steps = 0;
+	struct text t;
+
+	for (const struct line *l = lines->lines; l < lines->lines + lines->line_count; l++)
+		if (l->kind == LINE_FETCH) {
+			fetches = 1;
+			steps |= l->index > 0;
+		}
+	text_init(&t, e->arena);
+	text_put(&t, has_stride ? "" : "\t(void)stride;\n");
+	text_put(&t, fetches ? "" : "\t(void)across;\n");
+	text_put(&t, steps ? "" : "\t(void)step;\n");
+	return text_string(&t);
+}
+
 /* Statements are made in `spare` before they are indented. */
 void emit_columns(const struct emission *e, const struct pass *p, int segment, struct writer *w, struct text *spare,
 	struct text *out)
 {
 	const struct segments *s = &p->segments;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
-		{"SEGMENT", emit_int(e, segment)}, {"COUNT", emit_int(e, s->count)},
+		{"SEGMENT", emit_int(e, segment)}, {"COUNT", emit_int(e, s->count)}, {"UNUSED", unused_text(e, &s->plans[segment])},
 		{"NUMBER", emit_int(e, loop_of(p, segment))}};
 	size_t from = out->length, count = sizeof slots / sizeof *slots;
 	const char *rest = template_expand_to(out, template_segment_columns_in, "BODY", slots, count);
@@ -31,7 +50,9 @@ void emit_columns(const struct emission *e, const struct pass *p, int segment, s
 	text_put_indented(out, text_string(spare));
 	out->failed |= spare->failed;
 	template_expand(out, rest, slots, count);
-	if (e->options->layout == RNEAGEN_SOA)
+	if (!e->target->kernel)
+		template_expand(out, template_segment_columns_row_in, slots, count);
+	if (!e->target->kernel && e->options->layout == RNEAGEN_SOA)
 		template_expand(out, template_segment_columns_soa_in, slots, count);
 	fold(out, from);
 }

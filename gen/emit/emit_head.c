@@ -1,4 +1,4 @@
-/* What a generated text says about itself: the comment at its head, and the table NAME_info. */
+/* What a generated text says about itself: the comment at its head. */
 #include "emit/emit.h"
 #include "base/number.h"
 #include "tree/pattern.h"
@@ -252,11 +252,21 @@ static void put_conventions(const struct emission *e, struct text *out)
 	emit_legend(e, out);
 }
 
+static void put_relay(const struct emission *e, struct text *out)
+{
+	const char *name = e->options->name, *pass = emit_main(e)->algorithm->name;
+
+	text_printf(out, " * %s_%s_launch runs three kernels: %s_%s_start_kernel finds qdd,\n"
+		" * %s_%s_kernel leaves -d tau where the gradients belong,\n"
+		" * %s_%s_solve_kernel makes them of it by the factors of M; for 32 samples a block, warps: %d.\n",
+		name, pass, name, pass, name, pass, name, pass, e->relay->warps);
+}
+
 static void put_operations(const struct emission *e, struct text *out)
 {
 	for (int i = 0; i < e->pass_count; i++) {
 		struct operation_count n = i ? plan_operations(&e->passes[i].plan)
-			: parts_operations(e->parts, e->part_count, &emit_main(e)->plan);
+			: emit_operations(e);
 
 		text_printf(out, " *   %s: %u mul, %u add, %u sub, %u neg, %u fma, %u sincos = %u flops\n",
 			e->passes[i].algorithm->name, n.mul, n.add, n.sub, n.neg, n.fma, n.sincos, plan_flops(n));
@@ -272,7 +282,9 @@ static void put_operations(const struct emission *e, struct text *out)
 	if (emit_main(e)->single)
 		text_printf(out, " *   A sample alone runs %s: %d segments, the last %d of which loop over columns of derivatives.\n",
 			emit_main(e)->single->algorithm->name, emit_main(e)->single->segments.count, emit_main(e)->single->dag.loop_count);
-	if (e->part_count)
+	if (e->relay)
+		put_relay(e, out);
+	if (e->part_count > 1)
 		text_printf(out, " * The %s kernel is in %d parts: its grid has as many along y, each for the elements of some joints.\n",
 			emit_main(e)->algorithm->name, e->part_count);
 	if (emit_has_limbs(e))
@@ -303,98 +315,4 @@ void emit_banner(const struct emission *e, struct text *out)
 		put_warning(e, e->warnings[i], out);
 	}
 	text_put(out, " */");
-}
-
-void emit_literal(const char *s, size_t length, struct text *out)
-{
-	for (size_t i = 0; i < length; i++) {
-		unsigned char c = (unsigned char)s[i];
-
-		if (c == '"' || c == '\\')
-			text_printf(out, "\\%c", c);
-		else if (c < 0x20 || c >= 0x7f || c == '?')
-			text_printf(out, "\\%03o", c); /* '?': no trigraphs */
-		else
-			text_putc(out, (char)c);
-	}
-}
-
-/* One line of the table as a string literal; whatever stands in a name stays inside. */
-static void put_literal_line(const char *s, size_t length, struct text *out)
-{
-	text_put(out, "\t\"");
-	emit_literal(s, length, out);
-	text_put(out, "\\n\"");
-}
-
-void emit_info_name(const char *s, struct text *out)
-{
-	for (; *s; s++)
-		text_putc(out, (unsigned char)*s < 0x20 ? '?' : *s);
-	text_putc(out, '\n');
-}
-
-/* A function of the table: what it takes and gives, and what it costs. Only the first has matrices, stages or is in parts. */
-static void put_function(const struct emission *e, const struct pass *p, struct text *out)
-{
-	int is_main = p == emit_main(e);
-	struct operation_count n = is_main ? parts_operations(e->parts, e->part_count, &p->plan) : plan_operations(&p->plan);
-
-	text_printf(out, "function %s\n", p->algorithm->name);
-	for (const struct argument *a = p->dag.arguments; a < p->dag.arguments + p->dag.argument_count; a++) {
-		int is_of = a->of && *a->of;
-
-		text_printf(out, "%s %s %d %s %s %s%s", a->is_output ? "output" : "input", a->name, a->rows, e->memory->name,
-			a->per_batch ? "batch" : "sample", role_word(a->role), is_of ? " " : "");
-		emit_info_name(is_of ? a->of : "", out);
-	}
-	if (is_main) {
-		emit_info_matrices(e, out);
-		emit_info_parameters(e, out);
-	}
-	text_printf(out, "operations %u %u %u %u %u %u\n", n.mul, n.add, n.sub, n.neg, n.fma, n.sincos);
-	if (e->target->kernel && p->segments.count)
-		text_printf(out, "segments %d %d\n", emit_segments_bytes(e, p), emit_segments_samples(e));
-	if (is_main && emit_stage_bytes(e))
-		text_printf(out, "stage %d\n", emit_stage_bytes(e));
-	if (is_main && e->part_count)
-		text_printf(out, "parts %d\n", e->part_count);
-	if (is_main && emit_has_limbs(e))
-		text_printf(out, "limbs %d %d %d %u\n", emit_limbs_of(e)->warps, emit_limbs_of(e)->groups, emit_limbs_bytes(e),
-			emit_limbs_of(e)->most);
-}
-
-static void put_info_lines(const struct emission *e, struct text *t)
-{
-	const struct rneagen_options *o = e->options;
-
-	text_printf(t, "rneagen-info 3\nname %s\nprecision %s\narithmetic %s\nlayout %s\ntrig %s\nbase %s\n", o->name,
-		e->memory->name, e->arithmetic->name, emit_layout_name(o->layout), emit_trig_name(o->trig),
-		o->base == RNEAGEN_FLOATING ? "floating" : "fixed");
-	text_printf(t, "nq %d\nnv %d\nnb %d\nblock %d\n", e->tree->nq, e->tree->nv, e->tree->body_count, emit_block_size(e));
-	for (int i = 0; i < e->tree->joint_count; i++) {
-		const struct tree_joint *j = &e->tree->joints[i];
-
-		text_printf(t, "joint %d %d %d %d %s ", j->iq, j->nq, j->iv, j->nv, joint_type_name(j->type));
-		emit_info_name(j->name, t);
-	}
-	for (int i = 0; i < e->pass_count; i++)
-		put_function(e, &e->passes[i], t);
-}
-
-void emit_info(const struct emission *e, struct text *out)
-{
-	struct text t;
-
-	text_init(&t, e->arena);
-	put_info_lines(e, &t);
-	out->failed |= t.failed;
-	for (const char *s = t.failed ? "" : text_string(&t); *s;) { /* what failed may end within a line */
-		const char *end = strchr(s, '\n');
-
-		put_literal_line(s, (size_t)(end - s), out);
-		s = end + 1;
-		if (*s)
-			text_putc(out, '\n');
-	}
 }

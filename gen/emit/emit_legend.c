@@ -1,6 +1,6 @@
 /* What the names in the statements mean: of each kind that this text uses, a line in its head. */
 #include "emit/emit.h"
-#include "plan/parts.h"
+#include "plan/grid/parts.h"
 #include <ctype.h>
 #include <string.h>
 

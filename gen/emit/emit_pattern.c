@@ -225,12 +225,18 @@ static int count_zeros(const struct dag *d)
 	return zeros;
 }
 
+/* What the kernel stores that has the zeros: of a relay the second, which has those that the third reads. */
+static const struct dag *stored_by(const struct emission *e)
+{
+	return e->relay ? &e->relay->between.dag : &emit_main(e)->dag;
+}
+
 int emit_has_zeros(const struct emission *e, const struct pass *p)
 {
-	int is_further = p > emit_main(e) && p < e->passes + e->pass_count;
+	int is_further = (p > emit_main(e) && p < e->passes + e->pass_count) ||
+		(e->relay && (p == &e->relay->start.pass || p == &e->relay->solve.pass));
 
-	return emit_is_streamed(e) && !is_further && !emit_main(e)->segments.count &&
-		count_zeros(&emit_main(e)->dag) >= FEWEST_ZEROS;
+	return emit_is_streamed(e) && !is_further && !emit_main(e)->segments.count && count_zeros(stored_by(e)) >= FEWEST_ZEROS;
 }
 
 int emit_is_zero_store(const struct plan *p, const struct line *l)
@@ -262,7 +268,7 @@ const char *emit_zeros_unless(const struct emission *e, const struct pass *p, in
 /* Per row of an array, whether it is always zero; NULL where memory ran out. */
 static const unsigned char *zero_rows(const struct emission *e, int argument, int *count)
 {
-	const struct dag *d = &emit_main(e)->dag;
+	const struct dag *d = stored_by(e);
 	unsigned char *rows = arena_alloc(e->arena, (size_t)d->arguments[argument].rows + 1, 1);
 
 	*count = 0;

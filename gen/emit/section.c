@@ -33,7 +33,7 @@ static const char *const OUT[JOINT_KINDS] = {
 static const char *const VELOCITY[JOINT_KINDS] = {[TURNS] = "v = R'(v_p + w_p x p)", [SLIDES] = "v = R'(v_p + w_p x p) + z qd",
 	[HOLDS] = "v = R'(v_p + w_p x p)", [FLOATS] = "v = R'(v_p + w_p x p) + V", [PLANE] = "v = R'(v_p + w_p x p + V)"};
 
-/* The same file, leave; dynamics/at_rest.c, at_rest_leave. */
+/* The same file, leave; at_rest_leave. */
 static const char BACK[] = "f_p += R f;  n_p += R n + p x R f",
 	REST_BACK[] = "f = M a;  n = mc x a;  M_p += M;  mc_p += R mc + M p";
 

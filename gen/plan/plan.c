@@ -249,12 +249,12 @@ struct ref plan_partner(const struct plan *p, struct ref sincos, enum op op)
 	return found.i && p->names[found.i] ? found : none;
 }
 
-struct operation_count plan_operations(const struct plan *p)
+struct operation_count plan_operations_of(const struct dag *d, size_t first, size_t end)
 {
 	struct operation_count n = {0};
 
-	for (size_t i = 0; i < p->dag->count; i++) {
-		enum op op = p->dag->nodes[i].op;
+	for (size_t i = first; i < end; i++) {
+		enum op op = d->nodes[i].op;
 		unsigned before = plan_flops(n);
 
 		n.mul += op == OP_MUL || op == OP_DIV || op == OP_SQRT;
@@ -262,8 +262,15 @@ struct operation_count plan_operations(const struct plan *p)
 		n.sub += op == OP_SUB;
 		n.neg += op == OP_NEG;
 		n.fma += op == OP_FMA;
-		n.wide += p->dag->nodes[i].is_wide ? plan_flops(n) - before : 0;
+		n.wide += d->nodes[i].is_wide ? plan_flops(n) - before : 0;
 	}
+	return n;
+}
+
+struct operation_count plan_operations(const struct plan *p)
+{
+	struct operation_count n = plan_operations_of(p->dag, 0, p->dag->count);
+
 	for (size_t i = 0; i < p->line_count; i++)
 		n.sincos += p->lines[i].kind == LINE_SINCOS;
 	return n;

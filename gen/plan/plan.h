@@ -93,6 +93,9 @@ struct ref plan_partner(const struct plan *p, struct ref sincos, enum op op);
 /* Operations of the DAG as it is written; a sine and cosine of one angle count once, a quotient or root as a product. */
 struct operation_count plan_operations(const struct plan *p);
 
+/* The same of some nodes, without sines and cosines. */
+struct operation_count plan_operations_of(const struct dag *d, size_t first, size_t end);
+
 /* A joined product and sum are two; signs, sines and cosines are not counted. */
 unsigned plan_flops(struct operation_count n);
 

@@ -1,5 +1,5 @@
 #include "plan/segments.h"
-#include "plan/owners.h"
+#include "plan/grid/owners.h"
 #include "plan/stage.h"
 #include <limits.h>
 
@@ -120,7 +120,7 @@ static int make_single(struct pass *s, const struct pass *p, const struct reques
 
 	arena_init(&spare, &a->allocator);
 	dag_init(&raw, &spare);
-	*is_looped = algorithm_build_looped(&raw, p->plan.tree, k);
+	*is_looped = algorithm_build_looped(&raw, p->plan.tree, k, 0);
 	dag_init(&s->dag, a);
 	if (*is_looped)
 		dag_fuse(&s->dag, &raw, 0);

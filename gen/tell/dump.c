@@ -39,6 +39,8 @@ void dump_plan(const struct dumped *d, struct text *out)
 
 void dump_parts(const struct dumped *d, struct text *out)
 {
+	if (d->relay)
+		relay_dump(d->relay, out);
 	parts_dump(d->parts, d->part_count, d->passes, &d->analysis->tree, out);
 }
 
@@ -46,6 +48,10 @@ void dump_segments(const struct dumped *d, struct text *out)
 {
 	for (int i = 0; i < d->pass_count; i++)
 		segments_dump(&d->passes[i], out);
+	if (d->relay)
+		segments_dump(&d->relay->start.pass, out);
+	if (d->relay)
+		segments_dump(&d->relay->solve.pass, out);
 }
 
 void dump_limbs(const struct dumped *d, struct text *out)

@@ -3,7 +3,7 @@
 /* What --dump prints of a generation: what one of its passes has made. */
 
 #include "passes/analysis.h"
-#include "plan/parts.h"
+#include "plan/grid/relay.h"
 
 struct dumped {
 	const struct analysis *analysis;
@@ -11,6 +11,7 @@ struct dumped {
 	int pass_count;
 	const struct part *parts;
 	int part_count;
+	const struct relay *relay; /* NULL: there is none */
 };
 
 typedef void dump_function(const struct dumped *d, struct text *out);

@@ -38,7 +38,7 @@ static void put_operations(const struct emission *e, struct text *out)
 	text_put(out, "\noperations       mul    add    sub    neg    fma sincos  flops\n");
 	for (int i = 0; i < e->pass_count; i++) {
 		struct operation_count n = i ? plan_operations(&e->passes[i].plan)
-					     : parts_operations(e->parts, e->part_count, &emit_main(e)->plan);
+					     : emit_operations(e);
 
 		text_printf(out, "  %-10s %7u %6u %6u %6u %6u %6u %6u\n", e->passes[i].algorithm->name, n.mul, n.add,
 			n.sub, n.neg, n.fma, n.sincos, plan_flops(n));
@@ -141,7 +141,7 @@ void info_json(const struct info *x, struct text *out)
 {
 	const struct analysis *a = x->analysis;
 	const struct emission *e = x->emission;
-	struct operation_count n = parts_operations(e->parts, e->part_count, &emit_main(e)->plan);
+	struct operation_count n = emit_operations(e);
 
 	text_put(out, "{\n  \"name\": ");
 	text_put_json(out, e->options->name);

@@ -5,9 +5,10 @@
 #include "core/info_table.h"
 #include "core/words.h"
 
-/* Who knows nothing of parts, or of functions, must not launch a text that has them: each was a version more. */
-enum { VERSION = 1, VERSION_PARTS = 2, VERSION_FUNCTIONS = 3, BLOCK_LIMIT = 1024, PARTS_LIMIT = 65535,
-	STAGE_LIMIT = 48 << 10, SAMPLES_LIMIT = 32, LIMBS_LIMIT = 16, GROUPS_LIMIT = 4 };
+/* Who knows nothing of parts, of functions, or of relays must not launch a text that has them: each was a version more. */
+enum { VERSION = 1, VERSION_PARTS = 2, VERSION_FUNCTIONS = 3, VERSION_RELAY = 4, BLOCK_LIMIT = 1024, PARTS_LIMIT = 65535,
+	STAGE_LIMIT = 48 << 10, SAMPLES_LIMIT = 32, LIMBS_LIMIT = 16, GROUPS_LIMIT = 4, RELAY_LIMIT = 32,
+	GIVEN_LIMIT = 227 << 10 };
 
 /* The keys that stand once: in the text; from KEY_OPERATIONS on for each function. */
 enum key {
@@ -27,6 +28,7 @@ enum key {
 	KEY_STAGE,
 	KEY_SEGMENTS,
 	KEY_LIMBS,
+	KEY_RELAY,
 	KEY_COUNT
 };
 

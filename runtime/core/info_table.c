@@ -5,7 +5,7 @@
 #include <string.h>
 
 static const char *const keys[KEY_COUNT] = {"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv",
-	"nb", "block", "kernels", "operations", "parts", "stage", "segments", "limbs"};
+	"nb", "block", "kernels", "operations", "parts", "stage", "segments", "limbs", "relay"};
 
 static enum rnea_code read_joint(struct parser *p)
 {
@@ -106,6 +106,9 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 		return read_count(p, &p->f->most_samples, 1, SAMPLES_LIMIT);
 	case KEY_LIMBS:
 		return read_limbs(p);
+	case KEY_RELAY:
+		words_number(&p->w, &p->f->relay_bytes, 1, GIVEN_LIMIT);
+		return read_count(p, &p->f->relay_warps, 1, RELAY_LIMIT);
 	case KEY_COUNT:
 		break;
 	}
@@ -115,7 +118,7 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 /* A table of version 1 has no parts, and `arithmetic`, `stage` and `kernels` may be left out. */
 static int is_optional(const struct parser *p, enum key key)
 {
-	return key == KEY_ARITHMETIC || key == KEY_STAGE || key == KEY_SEGMENTS || key == KEY_LIMBS ||
+	return key == KEY_ARITHMETIC || key == KEY_STAGE || key == KEY_SEGMENTS || key == KEY_LIMBS || key == KEY_RELAY ||
 	       key == KEY_KERNELS || (key == KEY_PARTS && p->version != VERSION_PARTS);
 }
 
@@ -210,10 +213,10 @@ static enum rnea_code read_version(struct parser *p)
 			"info table: it does not start with \"rneagen-info\" and a version");
 	if (words_number(&p->w, &p->version, 0, SIZE_MAX) || words_end(&p->w))
 		return p->w.error->code;
-	if (p->version < VERSION || p->version > VERSION_FUNCTIONS)
+	if (p->version < VERSION || p->version > VERSION_RELAY)
 		return rnea_error_set(p->w.error, RNEA_TABLE,
 			"info table: it has version %zu, and this library reads versions %d to %d", p->version, VERSION,
-			VERSION_FUNCTIONS);
+			VERSION_RELAY);
 	if (p->version < VERSION_FUNCTIONS)
 		begin_function(p, "rnea");
 	p->info->version = (unsigned)p->version;

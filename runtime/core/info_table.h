@@ -22,7 +22,8 @@
    room in 48 KiB) limbs WARPS GROUPS BYTES SAMPLES          (of its kernel of small batches, NAME_FUNCTION_limbs, where
    it has one: the warps that share out a sample; groups of 32 samples in a block at most; shared memory of a group,
    given by launches; samples of a batch up to which it is faster) parts N                                   (blocks of
-   the kernel's grid along y, 2 and more, where it has such)
+   the kernel's grid along y, 2 and more, where it has such) relay BYTES WARPS (a launch runs NAME_FUNCTION_start_kernel before
+   its kernel, and after it NAME_FUNCTION_solve_kernel, in blocks of so many warps for 32 samples, with shared memory given by launches)
 
    ROLE is a word of RNEA_ROLES; OF is the link, joint or constant that it speaks of, and goes to the end of the line. A
    role that is not known is none.
@@ -32,7 +33,8 @@
 	kernels rnea|fpass|bpass ...              (at most once; where it does not stand, all three may be there)
 
    says which the text has. core/info_old.c makes functions of that. Version 2 has `parts`, version 1 does not: who
-   knows nothing of parts would launch a text of parts and leave the rest unwritten. A key that is not listed is passed
+   knows nothing of parts would launch a text of parts and leave the rest unwritten. Version 3 has no `relay`, version 4 has it in its
+   first function. A key that is not listed is passed
    over: what would change the meaning of the rest gets a new version. */
 
 #include "core/failure.h"

@@ -247,7 +247,7 @@ static enum rnea_code find_kernels(
 			return rnea_error_set(e, RNEA_TEXT, "the text defines no kernel %s, which %s_info names",
 				k->name, s->name);
 	}
-	return RNEA_OK;
+	return relay_find(&c->relay, &c->device, c->module, s, info->functions, e);
 }
 
 /* Run every kernel over no samples: the driver makes room for local memory at the first launch, and that must not
@@ -263,6 +263,8 @@ static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
 		return e->code;
 	for (size_t i = 0; i < c->info->function_count && !e->code; i++)
 		device_launch(&c->device, &c->kernels[i], 1, 1, c->block, parameters, stream, e);
+	if (c->relay.warps && !e->code && !relay_start(&c->relay, &c->device, c->block, parameters, 0, stream, e))
+		relay_solve(&c->relay, &c->device, parameters, 0, stream, e);
 	if (c->limbs.module && !e->code)
 		device_launch(&c->device, &c->limbs.one, 1, 1, LIMBS_LANES * c->limbs.warps, parameters, stream, e);
 	return device_finish(&c->device, stream, e);
@@ -356,7 +358,7 @@ enum rnea_code driver_launch(const struct driver *c, size_t function, void *cons
 	struct shape s = shape_of(c, function, count);
 	size_t grid = count / s.samples + (count % s.samples != 0), n = f->input_count + f->output_count;
 	void *parameters[RNEA_ARGUMENT_LIMIT + 1];
-	int pushed;
+	int pushed, has_relay = function == 0 && c->relay.warps;
 
 	/* the driver only reads through these, though it does not say so */
 	for (size_t i = 0; i < n; i++)
@@ -364,7 +366,12 @@ enum rnea_code driver_launch(const struct driver *c, size_t function, void *cons
 	parameters[n] = &count;
 	if (device_enter(&c->device, &pushed, e))
 		return e->code;
-	device_launch(&c->device, s.kernel, (unsigned)grid, f->parts, s.threads, parameters, stream, e);
+	if (has_relay)
+		relay_start(&c->relay, &c->device, c->block, parameters, count, stream, e);
+	if (!e->code)
+		device_launch(&c->device, s.kernel, (unsigned)grid, f->parts, s.threads, parameters, stream, e);
+	if (has_relay && !e->code)
+		relay_solve(&c->relay, &c->device, parameters, count, stream, e);
 	device_leave(&c->device, pushed);
 	return e->code;
 }

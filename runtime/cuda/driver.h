@@ -5,6 +5,7 @@
 #include "cuda/device.h"
 #include "cuda/image.h"
 #include "cuda/limbs.h"
+#include "cuda/relay.h"
 
 struct driver {
 	struct device device;
@@ -12,6 +13,7 @@ struct driver {
 	const struct rnea_info *info;
 	struct device_kernel *kernels; /* one for each of the info's functions */
 	struct limbs limbs;  /* of the first function */
+	struct relay relay;  /* likewise */
 	unsigned block;	     /* threads per block of every launch but those of limbs */
 	unsigned min_blocks; /* launch bound of the first function's kernel; 0: none */
 	int cached;

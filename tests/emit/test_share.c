@@ -4,7 +4,7 @@
 #include "support/random_robot.h"
 #include "dynamics/registry.h"
 #include "support/rng.h"
-#include "plan/share.h"
+#include "plan/grid/share.h"
 #include "support/suite.h"
 #include <stdio.h>
 #include <stdlib.h>

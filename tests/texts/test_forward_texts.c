@@ -17,7 +17,7 @@
 #include <unistd.h>
 
 /* More than one block, and a last one that is not full; so many states, in turn. */
-enum { COUNT = 150, STATES = 7, SEED = 77, LARGEST = 20 * 20 };
+enum { COUNT = 150, STATES = 7, SEED = 77, LARGEST = 24 * 24 };
 enum { WAY, TARGET, PRECISION, LAYOUT, MODE, ROBOT, FACTORS };
 
 static const struct subject {
@@ -208,12 +208,9 @@ static void compare(const struct dag *d, const struct rnea_info *info, const str
 			}
 }
 
-static void run_on(const struct scene_model *m, const struct rneagen_options *o, const struct target *t,
-	enum rnea_backend backend, uint64_t seed)
+static void run_as(const struct scene_model *m, const struct rneagen_options *o, const struct target *t, struct rnea_options how,
+	uint64_t seed)
 {
-	static const char *const as_calls[] = {"-Dalways_inline=unused"}; /* in line, pairs of floats take a compiler long */
-	size_t is_pair = o->precision == RNEAGEN_F32X2 && backend == RNEA_BACKEND_HOST;
-	struct rnea_options how = {.backend = backend, .cache = "", .compile = as_calls, .compile_count = is_pair};
 	struct arrays *x = calloc(1, sizeof *x);
 	struct rnea_robot *robot;
 	struct rnea_error e;
@@ -227,6 +224,16 @@ static void run_on(const struct scene_model *m, const struct rneagen_options *o,
 		free(x->at[k]);
 	free(x);
 	rnea_close(robot);
+}
+
+static void run_on(const struct scene_model *m, const struct rneagen_options *o, const struct target *t,
+	enum rnea_backend backend, uint64_t seed)
+{
+	static const char *const as_calls[] = {"-Dalways_inline=unused"}; /* in line, pairs of floats take a compiler long */
+	size_t is_pair = o->precision == RNEAGEN_F32X2 && backend == RNEA_BACKEND_HOST;
+	struct rnea_options how = {.backend = backend, .cache = "", .compile = as_calls, .compile_count = is_pair};
+
+	run_as(m, o, t, how, seed);
 }
 
 static void check_row(const int *row, uint64_t seed)
@@ -268,6 +275,53 @@ START_TEST(texts)
 		check_row(p.rows[i], (uint64_t)(SEED + i));
 	}
 	printf("%d texts, seed %d\n", p.count, SEED);
+}
+END_TEST
+
+/* ---- three kernels in a row ---- */
+
+/* With what the driver starts, the parts, and the limbs. A column of shadow_hand_right has rows of other fingers; panda's fingers slide,
+   alone and dense; hyq and panda float: elements that -d tau leaves zero are read, and a turned base is solved apart. */
+static const struct relayed {
+	const char *name;
+	enum rneagen_precision precision;
+	int floating, dense;
+	unsigned warps; /* of the third kernel */
+} RELAYED[] = {
+	{"hyq", RNEAGEN_F32, 1, 0, 1},
+	{"shadow_hand_right", RNEAGEN_F64, 0, 0, 1},
+	{"panda", RNEAGEN_F64, 1, 1, 1},
+};
+enum { RELAYED_COUNT = sizeof RELAYED / sizeof *RELAYED };
+
+START_TEST(relay)
+{
+	static const char *const no_limbs[] = {"-DRNEA_NO_LIMBS"};
+	const struct relayed *x = &RELAYED[_i];
+	struct rneagen_options o = rneagen_options_default();
+	struct scene_model m;
+	struct target t;
+	size_t length;
+	char *urdf = target_robot(x->name, &length), line[32];
+
+	setenv("RNEA_LIBCUDA", FAKE_CUDA, 1);
+	setenv("RNEA_NVRTC", FAKE_NVRTC, 1);
+	o.scene = x->dense ? "dense\nwant qdd,dqdd_dq,dqdd_dqd\n" : "want qdd,dqdd_dq,dqdd_dqd\n";
+	o.base = x->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+	o.target = RNEAGEN_TARGET_CUDA;
+	o.precision = x->precision;
+	o.name = "relayed";
+	ck_assert_msg(!scene_open(&m, urdf, &o), "%s: %s", x->name, m.error.message);
+	target_generate(&t, urdf, length, &o, "relayed");
+	snprintf(line, sizeof line, " %u\\n\"", x->warps);
+	ck_assert_msg(strstr(t.text.source, "\"relay ") && strstr(t.text.source, line), "%s is no relay", x->name);
+	run_on(&m, &o, &t, RNEA_BACKEND_CUDA, SEED);
+	run_as(&m, &o, &t, (struct rnea_options){.backend = RNEA_BACKEND_CUDA, .cache = "", .compile = no_limbs, .compile_count = 1}, SEED);
+	if (_i == 0 || exhaustive())
+		run_on(&m, &o, &t, RNEA_BACKEND_HOST, SEED);
+	target_close(&t);
+	scene_close(&m);
+	free(urdf);
 }
 END_TEST
 
@@ -358,6 +412,7 @@ int main(void)
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	suite_add(suite, "texts", texts, 1, 300);
+	suite_add(suite, "relay", relay, RELAYED_COUNT, 300);
 	suite_add(suite, "strict", strict, 2, 120);
 	return suite_run(suite);
 }

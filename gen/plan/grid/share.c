@@ -1,4 +1,4 @@
-#include "plan/share.h"
+#include "plan/grid/share.h"
 #include <string.h>
 
 enum { TOGETHER = 8 }; /* nodes that are passed over at once where none is live */

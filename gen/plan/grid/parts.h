@@ -3,6 +3,7 @@
 /* Matrices of long chains in parts of the grid: each part makes the elements of some bodies, holds less at once than one
    thread would that makes them all, and is shorter. */
 
+#include "plan/grid/share.h"
 #include "plan/plan.h"
 #include "rneagen.h"
 
@@ -14,11 +15,25 @@ struct part {
 	struct pass pass;
 };
 
+/* What is divided. */
+struct parts_of {
+	const struct pass *whole;
+	const struct dag *raw; /* the whole as the algorithm made it */
+	const struct tree *tree;
+	const struct request *request;
+	const struct rneagen_options *options;
+	int has_kernels;
+	int is_unpruned; /* `raw` is what the algorithm makes of the request, and nothing was dropped */
+	int is_relayed;  /* it is a kernel of a relay: one part at least */
+};
+
 /* In the order of the bodies, as the options ask for; *count is 0 where the text stays whole, as one without kernels
-   does. `raw` is the whole as the algorithm made it. Errors: USAGE, MEMORY. */
-enum rneagen_code parts_make(struct part **parts, int *count, const struct pass *whole, const struct dag *raw,
-	const struct tree *t, const struct request *k, const struct rneagen_options *o, int has_kernels, struct arena *a,
-	struct rneagen_error *e);
+   does. Errors: USAGE, MEMORY. */
+enum rneagen_code parts_make(struct part **parts, int *count, const struct parts_of *x, struct arena *a, struct rneagen_error *e);
+
+/* What these outputs take, a pass of its own with the name and the comment. Returns 0 when memory runs out. */
+int part_build(struct part *p, struct share *share, int first, int end, const char *name, const char *doc, const struct parts_of *x,
+	struct arena *a);
 
 /* What all parts take together, or the whole where there are none. */
 struct operation_count parts_operations(const struct part *parts, int count, const struct plan *whole);

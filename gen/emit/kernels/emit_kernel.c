@@ -294,6 +294,13 @@ void emit_kernels(const struct emission *e, struct text *out)
 {
 	emit_zeros(e, out);
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
+	if (e->relay) {
+		if (e->relay->start.pass.segments.count)
+			emit_segments_kernel(e, &e->relay->start.pass, out);
+		else
+			put_kernel(e, &e->relay->start.pass, out);
+		emit_relay_solve(e, out);
+	}
 	for (int i = 0; i < e->pass_count && e->target->kernel; i++)
 		if (e->passes[i].segments.count)
 			emit_segments_kernel(e, &e->passes[i], out);

@@ -1,7 +1,7 @@
 /* Any share of the outputs makes a part: the DAG drops what it does not need. */
-#include "plan/parts.h"
-#include "plan/owners.h"
-#include "plan/share.h"
+#include "plan/grid/parts.h"
+#include "plan/grid/owners.h"
+#include "plan/grid/share.h"
 #include "plan/stage.h"
 
 /* What one part may hold and be without a loss (sm_90): values alive at once, of which registers hold some 250 floats
@@ -25,9 +25,10 @@ struct size {
 };
 
 struct splitter {
+	const struct parts_of *x;
 	const struct pass *whole;
-	const struct dag *raw; /* the whole as the algorithm made it */
-	struct share share;    /* of it */
+	const struct dag *raw;
+	struct share share; /* of it */
 	const struct tree *t;
 	const struct request *request;
 	const struct rneagen_options *o;
@@ -240,11 +241,28 @@ static int choose_count(struct splitter *s, int *first)
 	return s->o->layout == RNEAGEN_AOS && best > PARTS_IN_AOS ? PARTS_IN_AOS : best;
 }
 
+int part_build(struct part *p, struct share *share, int first, int end, const char *name, const char *doc, const struct parts_of *x,
+	struct arena *a)
+{
+	struct arena spare;
+	struct dag raw;
+
+	p->algorithm = (struct algorithm){.name = name, .doc = doc};
+	p->pass.algorithm = &p->algorithm;
+	arena_init(&spare, x->options->allocator);
+	share_copy(share, first, end, &raw, &spare);
+	dag_init(&p->pass.dag, a);
+	dag_fuse(&p->pass.dag, &raw, x->options->strict);
+	arena_free(&spare);
+	if (!plan_build(&p->pass.plan, &p->pass.dag, x->tree, a))
+		return 0;
+	p->alive = plan_alive(&p->pass.plan, a);
+	return !a->failed;
+}
+
 static int make_part(struct splitter *s, int number, int first, int end, struct part *p)
 {
 	struct text name, doc;
-	struct arena spare;
-	struct dag raw;
 
 	p->first = s->owners.bodies[first];
 	p->last = s->owners.bodies[end - 1];
@@ -254,17 +272,7 @@ static int make_part(struct splitter *s, int number, int first, int end, struct 
 	text_printf(&doc, "Part %d of it: elements of matrices by the joints of links %d to %d%s.", number,
 		s->t->bodies[p->first].number, s->t->bodies[p->last].number,
 		first ? "" : ", and all that is no matrix");
-	p->algorithm = (struct algorithm){.name = text_string(&name), .doc = text_string(&doc)};
-	p->pass.algorithm = &p->algorithm;
-	arena_init(&spare, s->o->allocator);
-	share_copy(&s->share, first, end, &raw, &spare);
-	dag_init(&p->pass.dag, s->a);
-	dag_fuse(&p->pass.dag, &raw, s->o->strict);
-	arena_free(&spare);
-	if (!plan_build(&p->pass.plan, &p->pass.dag, s->t, s->a))
-		return 0;
-	p->alive = plan_alive(&p->pass.plan, s->a);
-	return !name.failed && !doc.failed && !s->a->failed;
+	return part_build(p, &s->share, first, end, text_string(&name), text_string(&doc), s->x, s->a) && !name.failed && !doc.failed;
 }
 
 /* ---- the whole ---- */
@@ -313,12 +321,12 @@ static struct part *make_parts(struct splitter *s, int count, const int *first)
 	return parts;
 }
 
-enum rneagen_code parts_make(struct part **parts, int *count, const struct pass *whole, const struct dag *raw,
-	const struct tree *t, const struct request *k, const struct rneagen_options *o, int has_kernels, struct arena *a,
-	struct rneagen_error *e)
+enum rneagen_code parts_make(struct part **parts, int *count, const struct parts_of *x, struct arena *a, struct rneagen_error *e)
 {
-	struct splitter s = {.whole = whole, .raw = raw, .t = t, .request = k, .o = o, .a = a};
-	const char *why = obstacle(k, has_kernels);
+	const struct rneagen_options *o = x->options;
+	struct splitter s = {.x = x, .whole = x->whole, .raw = x->raw, .t = x->tree, .request = x->request, .o = o, .a = a};
+	const char *why = obstacle(x->request, x->has_kernels);
+	int least = x->is_relayed ? 1 : 2;
 	int made, *first;
 
 	*count = 0;
@@ -326,16 +334,18 @@ enum rneagen_code parts_make(struct part **parts, int *count, const struct pass 
 		return RNEAGEN_OK;
 	if (why)
 		return error_set(e, RNEAGEN_USAGE, "--parts %d %s", o->parts, why);
-	first = arena_alloc(a, (size_t)t->body_count, sizeof *first);
+	first = arena_alloc(a, (size_t)x->tree->body_count, sizeof *first);
 	if (!first || !begin(&s))
 		return error_memory(e);
 	made = choose(&s, first, e);
 	if (e->code)
 		return e->code;
-	*parts = made > 1 ? make_parts(&s, made, first) : NULL;
-	if (s.failed || (made > 1 && !*parts))
+	if (made == 1)
+		first[0] = 0;
+	*parts = made >= least ? make_parts(&s, made, first) : NULL;
+	if (s.failed || (made >= least && !*parts))
 		return error_memory(e);
-	*count = made > 1 ? made : 0;
+	*count = made >= least ? made : 0;
 	return RNEAGEN_OK;
 }
 

@@ -1,4 +1,4 @@
-#include "plan/owners.h"
+#include "plan/grid/owners.h"
 #include "tree/lumps.h"
 #include "tree/pattern.h"
 

@@ -1,0 +1,160 @@
+/* A relay's first and third kernel, what launches all, and the same calls one after the other, where the text is compiled as C. */
+#include "base/template.h"
+#include "emit/emit.h"
+#include "plan/stage.h"
+
+/* Warps of 255 registers that a multiprocessor has room for. */
+enum { WARPS = 8 };
+
+static const struct pass *start_of(const struct emission *e)
+{
+	return &e->relay->start.pass;
+}
+
+static const struct pass *solve_of(const struct emission *e)
+{
+	return &e->relay->solve.pass;
+}
+
+static int slots_of(const struct pass *p)
+{
+	return p->segments.slots[0] ? p->segments.slots[0] : 1;
+}
+
+int emit_relay_bytes(const struct emission *e)
+{
+	return relay_bytes(e->relay, e->options);
+}
+
+/* ---- compiled as C ---- */
+
+static void put_call(const struct emission *e, const struct pass *p, const char *function, const char *more, struct text *out)
+{
+	text_printf(out, "%s%s_%s_%s(%s, stride%s%s%s);\n", emit_has_known(e) ? "all_small &= " : "", e->options->name, p->algorithm->name,
+		function, emit_params(e, emit_main(e), PARAMS_NAMES), more, emit_has_known(e) ? ", " : "",
+		emit_has_known(e) ? emit_known_names(e) : "");
+}
+
+/* Those that are no loops. */
+static void put_segment_calls(const struct emission *e, const struct pass *p, struct text *out)
+{
+	text_printf(out, "\t\t%s across[%d];\n\n", e->numbers->value, slots_of(p));
+	for (int k = 0; k < p->segments.count - p->dag.loop_count; k++) {
+		struct text name;
+
+		text_init(&name, e->arena);
+		text_printf(&name, "segment%d", k);
+		text_put(out, "\t\t");
+		put_call(e, p, text_string(&name), ", across, 1, 1", out);
+	}
+}
+
+void emit_relay_before(const struct emission *e, struct text *out)
+{
+	if (!e->relay)
+		return;
+	text_put(out, "\t");
+	if (!start_of(e)->segments.count) {
+		put_call(e, start_of(e), "body", "", out);
+		return;
+	}
+	text_put(out, "{\n");
+	put_segment_calls(e, start_of(e), out);
+	text_put(out, "\t}\n");
+}
+
+void emit_relay_after(const struct emission *e, struct text *out)
+{
+	if (!e->relay)
+		return;
+	text_put(out, "\n\t{\n");
+	put_segment_calls(e, solve_of(e), out);
+	for (const struct column_run *r = solve_of(e)->dag.runs; r < solve_of(e)->dag.runs + solve_of(e)->dag.run_count; r++)
+		text_printf(out, "\t\tfor (size_t j = %d; j < %d; j++)\n\t\t\t%s_%s_loop%d(%s + j*stride, stride, across, 1, 1);\n", r->first,
+			r->first + r->count, e->options->name, solve_of(e)->algorithm->name, r->loop,
+			solve_of(e)->dag.arguments[r->argument].name);
+	text_put(out, "\t}");
+}
+
+/* ---- kernels ---- */
+
+/* Columns are numbered in the order of the runs. */
+static const char *loops_text(const struct emission *e)
+{
+	const struct dag *d = &solve_of(e)->dag;
+	struct text t;
+	int first = 0;
+
+	text_init(&t, e->arena);
+	for (const struct column_run *r = d->runs; r < d->runs + d->run_count; first += r++->count) {
+		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", solve_of(e)->algorithm->name},
+			{"FIRST", emit_int(e, first)}, {"END", emit_int(e, first + r->count)}, {"LOOP", emit_int(e, r->loop)},
+			{"COLUMN", emit_int(e, r->first)}, {"ARRAY", d->arguments[r->argument].name}};
+
+		template_expand(&t, template_kernel_columns_in, slots, sizeof slots / sizeof *slots);
+	}
+	return text_string(&t);
+}
+
+static const char *solve_call(const struct emission *e)
+{
+	struct text arguments;
+
+	text_init(&arguments, e->arena);
+	text_printf(&arguments, "%s, across, 32", emit_params(e, solve_of(e), PARAMS_AT_SAMPLE));
+	const struct call c = {.indent = "\t\t", .arguments = text_string(&arguments), .q = emit_q_at_sample(e), .stride = emit_stride(e)};
+
+	return emit_call(e, solve_of(e), &c);
+}
+
+static const char *known_text(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (emit_has_known(e))
+		text_printf(&t, ", %s", emit_known_names(e));
+	return text_string(&t);
+}
+
+void emit_relay_solve(const struct emission *e, struct text *out)
+{
+	const struct pass *p = solve_of(e);
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->numbers->value},
+		{"RESULT", emit_has_known(e) ? "int" : "void"}, {"RETURN", emit_has_known(e) ? "return " : ""},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
+		{"KNOWN_PARAM", emit_known_params(e)}, {"KNOWN", known_text(e)}, {"WARPS", emit_int(e, e->relay->warps)},
+		{"BYTES", emit_int(e, emit_relay_bytes(e))}, {"BLOCKS", emit_int(e, WARPS / e->relay->warps)},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", solve_call(e)}, {"LOOPS", loops_text(e)}};
+
+	template_expand(out, template_kernel_solve_in, slots, sizeof slots / sizeof *slots);
+}
+
+const char *emit_launch_relay(const struct emission *e)
+{
+	const struct pass *p = emit_main(e);
+	struct text t;
+
+	text_init(&t, e->arena);
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
+		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)},
+		{"SHARED_BYTES", emit_int(e, SHARED_BYTES)}};
+
+	if (e->relay)
+		template_expand(&t, template_launch_relay_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
+const char *emit_launch_head(const struct emission *e)
+{
+	const char *pass = emit_main(e)->algorithm->name;
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (e->relay)
+		text_printf(&t, "/* The second kernel. */\nstatic int %s_%s_launch_columns", e->options->name, pass);
+	else
+		text_printf(&t, "/* Run the kernel on device pointers in the caller's stream (a cudaStream_t); returns the cudaError_t. */\n"
+			"extern \"C\" int %s_%s_launch", e->options->name, pass);
+	return text_string(&t);
+}

@@ -1,0 +1,249 @@
+/* The expressions are those of loops over columns; what each kernel writes tells what it is to make. */
+#include "plan/grid/relay.h"
+#include "plan/grid/owners.h"
+#include "plan/segments.h"
+#include "plan/stage.h"
+#include <limits.h>
+
+/* Operations of the one kernel. H100, half a million samples, ns each, one kernel in parts and a relay: floating hyq, 20000, f32 2.6 and
+   2.6, f64 14.3 and 4.7; atlas, 34000, f32 5.7 and 4.5, f64 24.7 and 12.5; 1024 samples, us: hyq 27.6 and 24.2, 45.5 and 35.0, atlas 28.3
+   and 40.0, 63 and 58. The rest was not tried: panda, 6600, has 0.3 and 0.8 ns. nvcc takes nine minutes and more for the one kernel of
+   floating atlas, 90000, and a fifth of that for a relay. */
+enum { LEAST_OPERATIONS = 12000, LEAST_SINGLE = 60000 };
+
+/* Shared memory of a multiprocessor (sm_90); warps of 255 registers that it has room for; shared memory that a block may have on all GPUs
+   since sm_80. */
+enum { MULTIPROCESSOR_BYTES = 227 << 10, WARPS = 8, BLOCK_BYTES = 99 << 10 };
+
+/* Which kernel writes an output. */
+enum { START, COLUMNS, SOLVE, KERNELS };
+
+/* Does the first body float? Then all joints feel each other, and each part makes nearly all that the others make. */
+static int is_free(const struct tree *t)
+{
+	return t->body_count > 0 && joint_nv(t->bodies[0].type) == 6;
+}
+
+static int may_be_relayed(const struct parts_of *x)
+{
+	const struct rneagen_options *o = x->options;
+	unsigned least = o->precision == RNEAGEN_F32 && !is_free(x->tree) ? LEAST_SINGLE : LEAST_OPERATIONS;
+
+	return x->has_kernels && x->is_unpruned && o->layout == RNEAGEN_SOA && !o->strict && (o->precision == RNEAGEN_F32 || o->precision == RNEAGEN_F64) &&
+		o->parts == RNEAGEN_PARTS_AUTO && o->segments == RNEAGEN_SEGMENTS_AUTO && x->request->is_forward &&
+		plan_flops(plan_operations(&x->whole->plan)) >= least;
+}
+
+static int *kernels_of(const struct dag *d, struct arena *a)
+{
+	int qdd = dag_find_role(d, ROLE_JOINT_ACCELERATION, 1), *kernel = arena_alloc(a, d->output_count, sizeof *kernel);
+
+	for (size_t i = 0; i < d->output_count && kernel; i++) {
+		int argument = d->outputs[i].argument;
+
+		kernel[i] = argument >= DAG_COLUMN ? SOLVE : argument == qdd ? START : COLUMNS;
+	}
+	return kernel;
+}
+
+static void drop_loops(struct dag *d)
+{
+	d->loop_count = d->run_count = 0;
+}
+
+/* What is wanted is qdd alone. */
+static struct request accelerations(const struct request *k, struct want *qdd)
+{
+	struct request alone = *k;
+
+	for (int i = 0; i < k->want_count; i++)
+		if (k->wants[i].kind == WANT_QDD)
+			*qdd = k->wants[i];
+	alone.wants = qdd;
+	alone.want_count = alone.stored_count = 1;
+	return alone;
+}
+
+static int build_start(struct relay *r, struct share *share, const char *name, const struct parts_of *x, struct arena *a)
+{
+	struct want *qdd = arena_alloc(a, 1, sizeof *qdd);
+	struct request alone;
+
+	if (!qdd || !part_build(&r->start, share, START, START + 1, name, "The accelerations alone.", x, a))
+		return 0;
+	alone = accelerations(x->request, qdd);
+	drop_loops(&r->start.pass.dag);
+	return plan_order(&r->start.pass, x->tree, &alone, x->options, a) &&
+		segments_choose(&r->start.pass, SEGMENT_KERNEL, &alone, x->options, a);
+}
+
+/* The factors of M as one segment, which leaves them for the loops. */
+static int build_solve(struct relay *r, struct share *share, const char *name, const struct parts_of *x, struct arena *a)
+{
+	static const struct segment_limits limits = {INT_MAX, 0, UINT_MAX};
+
+	return part_build(&r->solve, share, SOLVE, KERNELS, name, "The factors of M, and d qdd = M^-1 of the columns that stand in its place.", x, a) &&
+		segments_make(&r->solve.pass.segments, &r->solve.pass.plan, &limits, a);
+}
+
+/* All parts of the second kernel together. */
+static int build_between(struct relay *r, struct share *share, struct dag *columns, const struct parts_of *x, struct arena *spare,
+	struct arena *a)
+{
+	share_copy(share, COLUMNS, COLUMNS + 1, columns, spare);
+	drop_loops(columns);
+	r->between.algorithm = x->whole->algorithm;
+	dag_init(&r->between.dag, a);
+	dag_fuse(&r->between.dag, columns, 0);
+	return plan_build(&r->between.plan, &r->between.dag, x->tree, a);
+}
+
+static const char *name_of(const struct parts_of *x, const char *what, struct arena *a)
+{
+	struct text t;
+
+	text_init(&t, a);
+	text_printf(&t, "%s_%s", x->whole->algorithm->name, what);
+	return text_string(&t);
+}
+
+static int build(struct relay *r, const struct dag *raw, struct dag *columns, const struct parts_of *x, struct arena *spare, struct arena *a)
+{
+	struct share share;
+	int *kernel = kernels_of(raw, spare);
+
+	return kernel && share_begin(&share, raw, kernel, spare) && build_start(r, &share, name_of(x, "start", a), x, a) &&
+		build_solve(r, &share, name_of(x, "solve", a), x, a) && build_between(r, &share, columns, x, spare, a);
+}
+
+int relay_bytes(const struct relay *r, const struct rneagen_options *o)
+{
+	return r->solve.pass.segments.slots[0] * stage_number_bytes(o) * WARP_THREADS;
+}
+
+/* As many as keep the registers of a multiprocessor busy, where shared memory has room for few blocks. */
+static int warps_of(const struct relay *r, const struct rneagen_options *o)
+{
+	int blocks = MULTIPROCESSOR_BYTES / (relay_bytes(r, o) + 1024);
+
+	return relay_bytes(r, o) > BLOCK_BYTES ? 0 : blocks > WARPS ? 1 : WARPS / blocks;
+}
+
+/* Each loop has a segment of its own, which reads nothing but columns and what goes across; and there are columns. */
+static int is_closed(const struct relay *r)
+{
+	const struct pass *p = &r->solve.pass;
+
+	if (!p->dag.run_count || p->segments.count != p->dag.loop_count + 1)
+		return 0;
+	for (int k = 1; k < p->segments.count; k++)
+		for (const struct line *l = p->segments.plans[k].lines; l < p->segments.plans[k].lines + p->segments.plans[k].line_count; l++)
+			if (l->kind == LINE_INPUT && p->dag.nodes[l->value.i].arg[0].i < DAG_COLUMN)
+				return 0;
+	return 1;
+}
+
+/* NULL where a relay does not serve, or memory runs out; `columns`: what the second kernel's parts are to make. */
+static struct relay *make(struct dag *columns, const struct parts_of *x, struct arena *spare, struct arena *a)
+{
+	struct relay *r = arena_alloc(a, 1, sizeof *r);
+	struct dag raw;
+
+	dag_init(&raw, spare);
+	if (!r || !algorithm_build_looped(&raw, x->tree, x->request, 1))
+		return NULL;
+	if (raw.failed || !build(r, &raw, columns, x, spare, a)) {
+		a->failed = 1;
+		return NULL;
+	}
+	r->warps = is_closed(r) ? warps_of(r, x->options) : 0;
+	return r->warps ? r : NULL;
+}
+
+enum rneagen_code relay_or_parts(struct relay **relay, struct part **parts, int *count, const struct parts_of *x, struct arena *a,
+	struct rneagen_error *e)
+{
+	struct request torques = *x->request; /* the parts are as of torques' gradients */
+	struct parts_of second = *x;
+	struct arena spare;
+	struct dag columns;
+
+	arena_init(&spare, x->options->allocator);
+	*relay = may_be_relayed(x) ? make(&columns, x, &spare, a) : NULL;
+	a->failed |= spare.failed;
+	torques.is_forward = 0;
+	if (*relay)
+		second = (struct parts_of){.whole = &(*relay)->between, .raw = &columns, .tree = x->tree, .request = &torques, .options = x->options,
+			.has_kernels = 1, .is_relayed = 1};
+	if (a->failed)
+		error_memory(e);
+	else
+		parts_make(parts, count, &second, a, e);
+	arena_free(&spare);
+	return e->code;
+}
+
+static void add(struct operation_count *sum, const struct operation_count *n, unsigned times)
+{
+	sum->mul += n->mul * times;
+	sum->add += n->add * times;
+	sum->sub += n->sub * times;
+	sum->neg += n->neg * times;
+	sum->fma += n->fma * times;
+	sum->sincos += n->sincos * times;
+}
+
+/* A loop's body counts for each of its columns. */
+static void add_solve(struct operation_count *sum, const struct pass *p)
+{
+	const struct dag *d = &p->dag;
+	size_t end = d->count;
+	int loop = d->loop_count;
+
+	for (size_t s = d->section_count; s-- > 0 && loop > 0;) {
+		struct operation_count n;
+		unsigned columns = 0;
+
+		if (d->sections[s].kind != SECTION_COLUMNS)
+			continue;
+		loop--;
+		for (int i = 0; i < d->run_count; i++)
+			columns += d->runs[i].loop == loop ? (unsigned)d->runs[i].count : 0;
+		n = plan_operations_of(d, d->sections[s].node, end);
+		end = d->sections[s].node;
+		add(sum, &n, columns);
+	}
+	struct operation_count factors = plan_operations_of(d, 0, end);
+
+	factors.sincos = plan_operations(&p->plan).sincos;
+	add(sum, &factors, 1);
+}
+
+struct operation_count relay_operations(const struct relay *r, const struct part *parts, int count)
+{
+	struct operation_count sum = parts_operations(parts, count, NULL), start = plan_operations(&r->start.pass.plan);
+
+	add(&sum, &start, 1);
+	add_solve(&sum, &r->solve.pass);
+	return sum;
+}
+
+int relay_columns(const struct relay *r)
+{
+	const struct dag *d = &r->solve.pass.dag;
+	int columns = 0;
+
+	for (int i = 0; i < d->run_count; i++)
+		columns += d->runs[i].count;
+	return columns;
+}
+
+void relay_dump(const struct relay *r, struct text *out)
+{
+	struct operation_count solve = {0};
+
+	add_solve(&solve, &r->solve.pass);
+	text_printf(out, "start: %u flops, %d values at once\n", plan_flops(plan_operations(&r->start.pass.plan)), r->start.alive);
+	text_printf(out, "solve: %u flops, %d values for %d loops over %d columns, %d warps\n", plan_flops(solve),
+		r->solve.pass.segments.slots[0], r->solve.pass.dag.loop_count, relay_columns(r), r->warps);
+}

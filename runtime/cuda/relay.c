@@ -1,0 +1,59 @@
+#include "cuda/relay.h"
+#include <stdio.h>
+
+/* A small batch has several blocks for the same samples, which share the columns; with so many blocks all multiprocessors have enough
+   of them. The generated launch function counts alike. */
+enum { ENOUGH_BLOCKS = 512, MOST_ALONG = 8 };
+
+static enum rnea_code find(const struct device *d, void *module, const struct source *s, const struct rnea_function *f, const char *which,
+	size_t bytes, struct device_kernel *k, struct rnea_error *e)
+{
+	char name[SOURCE_NAME_LIMIT];
+
+	snprintf(name, sizeof name, "%s_%s", f->name, which);
+	source_symbol(s->name, name, "kernel", k->name);
+	if (device_find(d, module, k, bytes, e))
+		return e->code;
+	if (!k->function)
+		return rnea_error_set(e, RNEA_TEXT, "the text defines no kernel %s, which %s_info has for a relay", k->name, s->name);
+	return RNEA_OK;
+}
+
+enum rnea_code relay_find(struct relay *r, const struct device *d, void *module, const struct source *s, const struct rnea_function *f,
+	struct rnea_error *e)
+{
+	r->warps = 0;
+	if (!f->relay_warps)
+		return RNEA_OK;
+	if (f->relay_bytes > d->most_shared)
+		return rnea_error_set(e, RNEA_ARGUMENT,
+			"%s takes %zu bytes of shared memory for a block, and the device has %zu: make the text with --parts 2, or more", f->name,
+			f->relay_bytes, d->most_shared);
+	if (find(d, module, s, f, "start", 0, &r->start, e) || find(d, module, s, f, "solve", f->relay_bytes, &r->solve, e))
+		return e->code;
+	r->solve.given_bytes = f->relay_bytes;
+	r->warps = f->relay_warps;
+	return RNEA_OK;
+}
+
+static size_t blocks_of(size_t count, size_t samples)
+{
+	size_t blocks = count / samples + (count % samples != 0);
+
+	return blocks ? blocks : 1;
+}
+
+enum rnea_code relay_start(const struct relay *r, const struct device *d, unsigned block, void **parameters, size_t count, void *stream,
+	struct rnea_error *e)
+{
+	return device_launch(d, &r->start, (unsigned)blocks_of(count, block), 1, block, parameters, stream, e);
+}
+
+enum rnea_code relay_solve(const struct relay *r, const struct device *d, void **parameters, size_t count, void *stream,
+	struct rnea_error *e)
+{
+	size_t groups = blocks_of(count, RELAY_LANES), along = ENOUGH_BLOCKS / groups;
+
+	along = along > MOST_ALONG ? MOST_ALONG : along ? along : 1;
+	return device_launch(d, &r->solve, (unsigned)groups, (unsigned)along, RELAY_LANES * r->warps, parameters, stream, e);
+}

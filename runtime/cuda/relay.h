@@ -1,0 +1,27 @@
+#ifndef RNEA_RELAY_H
+#define RNEA_RELAY_H
+/* A relay: a launch of the first function runs three kernels, one after the other, and its own is the second of them. */
+
+#include "cuda/device.h"
+#include "rnea.h"
+
+/* Samples of a block of the third kernel: a lane of each of its warps has one. */
+enum { RELAY_LANES = 32 };
+
+struct relay {
+	struct device_kernel start, solve;
+	unsigned warps; /* of a block of the third; 0: there is no relay */
+};
+
+/* Find them, where the function has a relay. Errors: TEXT where one is not there, DRIVER, ARGUMENT where the device has less shared
+   memory than the third takes. */
+enum rnea_code relay_find(struct relay *r, const struct device *d, void *module, const struct source *s, const struct rnea_function *f,
+	struct rnea_error *e);
+
+/* Launch the first in blocks of `block` threads; launch the third. Without samples they do nothing. */
+enum rnea_code relay_start(const struct relay *r, const struct device *d, unsigned block, void **parameters, size_t count, void *stream,
+	struct rnea_error *e);
+enum rnea_code relay_solve(const struct relay *r, const struct device *d, void **parameters, size_t count, void *stream,
+	struct rnea_error *e);
+
+#endif
