@@ -106,7 +106,7 @@ END_TEST
 	COUNTS
 #define SECOND                                                                                                         \
 	"function fd\ninput tau 7 f64 sample joint_torque\noutput x 2 f64 sample of_a_later_version\nstage 72\nparts " \
-	"2\nlimbs 4 2 1408 4096\n"                                                                                     \
+	"2\nlimbs 4 2 1408 4096\nrelay 49664 3\n"                                                                                   \
 	"operations 1 2 3 4 5 6\n"
 
 /* Any number of functions, each with its own of everything; a role that is not known is none. */
@@ -129,6 +129,7 @@ START_TEST(reads_functions)
 	ck_assert(f[1].input_count == 1 && f[1].output_count == 1 && f[1].arguments[1].role == RNEA_ROLE_UNKNOWN);
 	ck_assert(f[0].limbs == 0 && f[0].limb_most == 0);
 	ck_assert(f[1].limbs == 4 && f[1].limb_groups == 2 && f[1].limb_bytes == 1408 && f[1].limb_most == 4096);
+	ck_assert(f[0].relay_warps == 0 && f[1].relay_warps == 3 && f[1].relay_bytes == 49664);
 	ck_assert(f[1].stage_bytes == 72 && f[1].parts == 2 && f[1].operations.sincos == 6 && f[1].matrix_count == 0);
 	rnea_info_free(&i);
 }
@@ -198,8 +199,8 @@ static const struct damage {
 	{"rneagen-info\n", "line 1: a number is missing"},
 	{"rneagen-info one\n", "line 1: not a number: \"one\""},
 	{"rneagen-info 1 2\n", "line 1: more than expected: \"2\""},
-	{"rneagen-info 0\n", "it has version 0, and this library reads versions 1 to 3"},
-	{"rneagen-info 4\n", "it has version 4, and this library reads versions 1 to 3"},
+	{"rneagen-info 0\n", "it has version 0, and this library reads versions 1 to 4"},
+	{"rneagen-info 5\n", "it has version 5, and this library reads versions 1 to 4"},
 	{THREE, "it lists no functions"},
 	{"rneagen-info 3\nfunction\n", "line 2: a word is missing"},
 	{"rneagen-info 3\nfunction a b\n", "line 2: more than expected: \"b\""},
@@ -250,6 +251,10 @@ static const struct damage {
 	{"rneagen-info 3\nfunction f\nlimbs 4 0 0 1\n", "line 3: the number is out of range"},
 	{"rneagen-info 3\nfunction f\nlimbs 4 2 24577 1\n", "line 3: the number is out of range"}, /* a block has 48 KiB */
 	{"rneagen-info 3\nfunction f\nlimbs 4 2 24576 0\n", "line 3: the number is out of range"},
+	{"rneagen-info 4\nfunction f\nrelay 0 1\n", "line 3: the number is out of range"},
+	{"rneagen-info 4\nfunction f\nrelay 232449 1\n", "line 3: the number is out of range"}, /* a block has 227 KiB */
+	{"rneagen-info 4\nfunction f\nrelay 8 33\n", "line 3: the number is out of range"},
+	{"rneagen-info 4\nfunction f\nrelay 8\n", "line 3: a number is missing"},
 	{HEAD SIZES COUNTS, "it lists no outputs"},
 	{HEAD SIZES "input q 8 f64 sample\n" COUNTS, "it lists no outputs"},
 	{"rneagen-info 1\noutput tau 7 f64 sample\ninput q 7 f64 sample\n", "line 3: an input after an output"},

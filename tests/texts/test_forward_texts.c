@@ -17,7 +17,7 @@
 #include <unistd.h>
 
 /* More than one block, and a last one that is not full; so many states, in turn. */
-enum { COUNT = 150, STATES = 7, SEED = 77, LARGEST = 24 * 24 };
+enum { COUNT = 150, STATES = 7, SEED = 77, LARGEST = 30 * 30 };
 enum { WAY, TARGET, PRECISION, LAYOUT, MODE, ROBOT, FACTORS };
 
 static const struct subject {
@@ -104,14 +104,20 @@ struct arrays {
 	double expected[DAG_ARGUMENTS][STATES][LARGEST], allowed[DAG_ARGUMENTS][STATES][LARGEST];
 };
 
-static void draw(const struct scene_model *m, struct rng *rng, int is_first, struct arrays *x)
+/* Of state LARGE, in rad: set where kernels are to take their tables of sines. */
+enum { LARGE = 2 };
+static double largest_angle = 1;
+
+static void draw(const struct scene_model *m, struct rng *rng, int state, struct arrays *x)
 {
 	const struct dag *d = &m->dag;
 
 	for (int k = 0; k < d->argument_count; k++)
-		for (int i = 0; i < d->arguments[k].rows && (is_first || !d->arguments[k].per_batch) &&
+		for (int i = 0; i < d->arguments[k].rows && (!state || !d->arguments[k].per_batch) &&
 			!d->arguments[k].is_output; i++)
 			x->in[k][i] = (double)(float)(rng_uniform(rng, -1, 1) + (d->arguments[k].role == ROLE_LINK_MASS ? 2 : 0));
+	for (int i = 0; i < m->tree.nq && state == LARGE; i++)
+		x->in[0][i] = (double)(float)(x->in[0][i] * largest_angle);
 	for (int j = 0; j < m->tree.joint_count; j++) {
 		double *u = x->in[0] + m->tree.joints[j].iq + 3, size = 0;
 
@@ -186,7 +192,7 @@ static void fill(const struct scene_model *m, const struct rneagen_options *o, c
 		memset(x->at[k], 0xff, (size_t)(COUNT * m->dag.arguments[k].rows) * sizeof(double));
 	}
 	for (int state = 0; state < STATES; state++) {
-		draw(m, &rng, !state, x);
+		draw(m, &rng, state, x);
 		expect(&m->dag, o, state, x);
 		for (int s = state; s < COUNT; s += STATES)
 			put(m, info, s, x);
@@ -280,8 +286,8 @@ END_TEST
 
 /* ---- three kernels in a row ---- */
 
-/* With what the driver starts, the parts, and the limbs. A column of shadow_hand_right has rows of other fingers; panda's fingers slide,
-   alone and dense; hyq and panda float: elements that -d tau leaves zero are read, and a turned base is solved apart. */
+/* shadow_hand_right: other fingers' rows are in a column of qdd, and not of tau. panda: fingers slide. atlas: legs and arms do not feel
+   each other, which stands in a dense matrix. hyq and panda float: their elements that -d tau leaves zero are read. */
 static const struct relayed {
 	const char *name;
 	enum rneagen_precision precision;
@@ -291,8 +297,9 @@ static const struct relayed {
 	{"hyq", RNEAGEN_F32, 1, 0, 1},
 	{"shadow_hand_right", RNEAGEN_F64, 0, 0, 1},
 	{"panda", RNEAGEN_F64, 1, 1, 1},
+	{"atlas", RNEAGEN_F64, 0, 1, 1}, /* where all is asked for: it takes compilers a minute */
 };
-enum { RELAYED_COUNT = sizeof RELAYED / sizeof *RELAYED };
+enum { RELAYED_COUNT = sizeof RELAYED / sizeof *RELAYED, LONG_COUNT = 1 };
 
 START_TEST(relay)
 {
@@ -314,10 +321,12 @@ START_TEST(relay)
 	ck_assert_msg(!scene_open(&m, urdf, &o), "%s: %s", x->name, m.error.message);
 	target_generate(&t, urdf, length, &o, "relayed");
 	snprintf(line, sizeof line, " %u\\n\"", x->warps);
+	largest_angle = x->precision == RNEAGEN_F32 ? 3e4 : 3e7;
 	ck_assert_msg(strstr(t.text.source, "\"relay ") && strstr(t.text.source, line), "%s is no relay", x->name);
-	run_on(&m, &o, &t, RNEA_BACKEND_CUDA, SEED);
+	if (_i < RELAYED_COUNT - LONG_COUNT)
+		run_on(&m, &o, &t, RNEA_BACKEND_CUDA, SEED);
 	run_as(&m, &o, &t, (struct rnea_options){.backend = RNEA_BACKEND_CUDA, .cache = "", .compile = no_limbs, .compile_count = 1}, SEED);
-	if (_i == 0 || exhaustive())
+	if (exhaustive() && _i == 2)
 		run_on(&m, &o, &t, RNEA_BACKEND_HOST, SEED);
 	target_close(&t);
 	scene_close(&m);
@@ -412,7 +421,7 @@ int main(void)
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	suite_add(suite, "texts", texts, 1, 300);
-	suite_add(suite, "relay", relay, RELAYED_COUNT, 300);
+	suite_add(suite, "relay", relay, RELAYED_COUNT - (exhaustive() ? 0 : LONG_COUNT), 300);
 	suite_add(suite, "strict", strict, 2, 120);
 	return suite_run(suite);
 }

@@ -2,6 +2,7 @@
 #include "base/template.h"
 #include "emit/emit.h"
 #include "plan/stage.h"
+#include <stdlib.h>
 
 /* Warps of 255 registers that a multiprocessor has room for. */
 enum { WARPS = 8 };
@@ -78,18 +79,40 @@ void emit_relay_after(const struct emission *e, struct text *out)
 
 /* ---- kernels ---- */
 
-/* Columns are numbered in the order of the runs. */
+/* `j < 3 ? dqdd_dq + (size_t)(j + 2)*count : dqdd_dqd + ...`: of these runs, whose columns are numbered from `first` on. */
+static const char *column_text(const struct emission *e, const struct column_run *r, const struct column_run *end, int first)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (; r < end; first += r++->count) {
+		if (r + 1 < end)
+			text_printf(&t, "j < %d ? ", first + r->count);
+		text_printf(&t, "%s + (size_t)", solve_of(e)->dag.arguments[r->argument].name);
+		if (r->first == first)
+			text_put(&t, "j*count");
+		else
+			text_printf(&t, "(j %c %d)*count", r->first < first ? '-' : '+', abs(r->first - first));
+		text_put(&t, r + 1 < end ? " : " : "");
+	}
+	return text_string(&t);
+}
+
+/* Columns are numbered in the order of the runs, and a loop's runs stand together. Each loop is written once: its text is long. */
 static const char *loops_text(const struct emission *e)
 {
 	const struct dag *d = &solve_of(e)->dag;
+	const struct column_run *end;
 	struct text t;
-	int first = 0;
+	int first = 0, next;
 
 	text_init(&t, e->arena);
-	for (const struct column_run *r = d->runs; r < d->runs + d->run_count; first += r++->count) {
-		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", solve_of(e)->algorithm->name},
-			{"FIRST", emit_int(e, first)}, {"END", emit_int(e, first + r->count)}, {"LOOP", emit_int(e, r->loop)},
-			{"COLUMN", emit_int(e, r->first)}, {"ARRAY", d->arguments[r->argument].name}};
+	for (const struct column_run *r = d->runs; r < d->runs + d->run_count; r = end, first = next) {
+		for (end = r, next = first; end < d->runs + d->run_count && end->loop == r->loop; next += end++->count)
+			;
+		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", solve_of(e)->algorithm->name}, {"T", e->memory->type},
+			{"FIRST", emit_int(e, first)}, {"END", emit_int(e, next)}, {"LOOP", emit_int(e, r->loop)},
+			{"COLUMN", column_text(e, r, end, first)}};
 
 		template_expand(&t, template_kernel_columns_in, slots, sizeof slots / sizeof *slots);
 	}

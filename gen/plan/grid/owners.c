@@ -34,9 +34,9 @@ static void own_motion(const struct tree *t, const struct want *w, const struct 
 }
 
 /* By stored element of a matrix by joints: the body that is further out; of what is solved column by column, the column's. */
-static void own_elements(const struct tree *t, const struct want *w, int dense, int *body, struct arena *a)
+static void own_elements(const struct tree *t, const struct want *w, int dense, int is_solved, int *body, struct arena *a)
 {
-	int nv = t->nv, by_column = want_is(w->kind, IS_SOLVED), *of_row = bodies_of_rows(t, a);
+	int nv = t->nv, by_column = is_solved && want_is(w->kind, IS_SOLVED), *of_row = bodies_of_rows(t, a);
 	struct pattern p;
 
 	if (!of_row || !request_pattern(&p, t, w, dense, a))
@@ -64,13 +64,13 @@ int owners_matrix(const struct request *k)
 }
 
 static void own_want(
-	struct owners *x, const struct dag *d, const struct tree *t, const struct want *w, int dense, struct arena *a)
+	struct owners *x, const struct dag *d, const struct tree *t, const struct want *w, int dense, int is_solved, struct arena *a)
 {
 	int *body = arena_alloc(a, (size_t)w->rows, sizeof *body), argument = dag_find_argument(d, w->argument);
 
 	if (!body)
 		return;
-	own_elements(t, w, dense, body, a);
+	own_elements(t, w, dense, is_solved, body, a);
 	for (size_t i = 0; i < d->output_count; i++)
 		if (d->outputs[i].argument == argument)
 			x->owner[i] = body[d->outputs[i].row];
@@ -90,7 +90,7 @@ static void list(struct owners *x, size_t outputs, const struct tree *t, int *pl
 		x->owner[i] = place[x->owner[i]];
 }
 
-int owners_make(struct owners *x, const struct dag *d, const struct tree *t, const struct request *k, struct arena *a)
+int owners_make(struct owners *x, const struct dag *d, const struct tree *t, const struct request *k, int is_solved, struct arena *a)
 {
 	int *place = arena_alloc(a, (size_t)t->body_count, sizeof *place);
 
@@ -98,7 +98,7 @@ int owners_make(struct owners *x, const struct dag *d, const struct tree *t, con
 		.bodies = arena_alloc(a, (size_t)t->body_count, sizeof *x->bodies)};
 	for (int i = 0; i < k->stored_count && !a->failed; i++)
 		if (request_is_matrix(k, &k->wants[i]))
-			own_want(x, d, t, &k->wants[i], k->dense, a);
+			own_want(x, d, t, &k->wants[i], k->dense, is_solved, a);
 	if (!a->failed)
 		list(x, d->output_count, t, place);
 	return !a->failed;

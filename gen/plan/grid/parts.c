@@ -241,23 +241,30 @@ static int choose_count(struct splitter *s, int *first)
 	return s->o->layout == RNEAGEN_AOS && best > PARTS_IN_AOS ? PARTS_IN_AOS : best;
 }
 
-int part_build(struct part *p, struct share *share, int first, int end, const char *name, const char *doc, const struct parts_of *x,
-	struct arena *a)
+int part_build(struct part *p, const struct dag *raw, const char *name, const char *doc, const struct parts_of *x, struct arena *a)
 {
-	struct arena spare;
-	struct dag raw;
-
 	p->algorithm = (struct algorithm){.name = name, .doc = doc};
 	p->pass.algorithm = &p->algorithm;
-	arena_init(&spare, x->options->allocator);
-	share_copy(share, first, end, &raw, &spare);
 	dag_init(&p->pass.dag, a);
-	dag_fuse(&p->pass.dag, &raw, x->options->strict);
-	arena_free(&spare);
+	dag_fuse(&p->pass.dag, raw, x->options->strict);
 	if (!plan_build(&p->pass.plan, &p->pass.dag, x->tree, a))
 		return 0;
 	p->alive = plan_alive(&p->pass.plan, a);
 	return !a->failed;
+}
+
+int part_build_share(struct part *p, struct share *share, int first, int end, const char *name, const char *doc,
+	const struct parts_of *x, struct arena *a)
+{
+	struct arena spare;
+	struct dag raw;
+	int is_built;
+
+	arena_init(&spare, x->options->allocator);
+	share_copy(share, first, end, &raw, &spare);
+	is_built = part_build(p, &raw, name, doc, x, a);
+	arena_free(&spare);
+	return is_built;
 }
 
 static int make_part(struct splitter *s, int number, int first, int end, struct part *p)
@@ -272,14 +279,14 @@ static int make_part(struct splitter *s, int number, int first, int end, struct 
 	text_printf(&doc, "Part %d of it: elements of matrices by the joints of links %d to %d%s.", number,
 		s->t->bodies[p->first].number, s->t->bodies[p->last].number,
 		first ? "" : ", and all that is no matrix");
-	return part_build(p, &s->share, first, end, text_string(&name), text_string(&doc), s->x, s->a) && !name.failed && !doc.failed;
+	return part_build_share(p, &s->share, first, end, text_string(&name), text_string(&doc), s->x, s->a) && !name.failed && !doc.failed;
 }
 
 /* ---- the whole ---- */
 
 static int begin(struct splitter *s)
 {
-	if (!owners_make(&s->owners, s->raw, s->t, s->request, s->a))
+	if (!owners_make(&s->owners, s->raw, s->t, s->request, !s->x->is_relayed, s->a))
 		return 0;
 	s->count = s->owners.count;
 	s->sizes = arena_alloc(s->a, (size_t)(s->count + 1) * (size_t)(s->count + 1), sizeof *s->sizes);

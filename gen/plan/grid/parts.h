@@ -31,9 +31,10 @@ struct parts_of {
    does. Errors: USAGE, MEMORY. */
 enum rneagen_code parts_make(struct part **parts, int *count, const struct parts_of *x, struct arena *a, struct rneagen_error *e);
 
-/* What these outputs take, a pass of its own with the name and the comment. Returns 0 when memory runs out. */
-int part_build(struct part *p, struct share *share, int first, int end, const char *name, const char *doc, const struct parts_of *x,
-	struct arena *a);
+/* A pass of its own with the name and the comment, of a DAG or of the share of some owners. Returns 0 when memory runs out. */
+int part_build(struct part *p, const struct dag *raw, const char *name, const char *doc, const struct parts_of *x, struct arena *a);
+int part_build_share(struct part *p, struct share *share, int first, int end, const char *name, const char *doc,
+	const struct parts_of *x, struct arena *a);
 
 /* What all parts take together, or the whole where there are none. */
 struct operation_count parts_operations(const struct part *parts, int count, const struct plan *whole);

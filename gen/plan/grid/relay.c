@@ -4,11 +4,11 @@
 #include "plan/segments.h"
 #include "plan/stage.h"
 #include <limits.h>
+#include <string.h>
 
-/* Operations of the one kernel. H100, half a million samples, ns each, one kernel in parts and a relay: floating hyq, 20000, f32 2.6 and
-   2.6, f64 14.3 and 4.7; atlas, 34000, f32 5.7 and 4.5, f64 24.7 and 12.5; 1024 samples, us: hyq 27.6 and 24.2, 45.5 and 35.0, atlas 28.3
-   and 40.0, 63 and 58. The rest was not tried: panda, 6600, has 0.3 and 0.8 ns. nvcc takes nine minutes and more for the one kernel of
-   floating atlas, 90000, and a fifth of that for a relay. */
+/* Operations of the one kernel. H100, half a million samples, ns each, in one kernel and in a relay: floating hyq, 19000, f32 2.6 and 2.6,
+   f64 14.3 and 4.7; atlas, 34000, f32 5.7 and 4.5, f64 24.7 and 12.5; 1024 samples, us: hyq 27.6 and 24.2, 45.5 and 35.0, atlas 28.3 and 40.0,
+   63 and 58. Nothing smaller was tried. */
 enum { LEAST_OPERATIONS = 12000, LEAST_SINGLE = 60000 };
 
 /* Shared memory of a multiprocessor (sm_90); warps of 255 registers that it has room for; shared memory that a block may have on all GPUs
@@ -64,14 +64,36 @@ static struct request accelerations(const struct request *k, struct want *qdd)
 	return alone;
 }
 
-static int build_start(struct relay *r, struct share *share, const char *name, const struct parts_of *x, struct arena *a)
+/* The algorithm anew, in the way that is cheaper for qdd alone. Returns 0 where its arrays are not the first ones of the whole. */
+static int build_alone(struct dag *d, const struct request *alone, const struct parts_of *x)
 {
+	const struct dag *whole = &x->whole->dag;
+	int count;
+
+	x->whole->algorithm->build(d, x->tree, alone);
+	count = d->argument_count;
+	for (int i = 0; i < count; i++)
+		if (strcmp(d->arguments[i].name, whole->arguments[i].name))
+			return 0;
+	for (int i = count; i < whole->argument_count; i++)
+		dag_argument_of(d, whole->arguments[i]);
+	return 1;
+}
+
+static int build_start(struct relay *r, struct share *share, const char *name, const struct parts_of *x, struct arena *spare, struct arena *a)
+{
+	static const char doc[] = "The accelerations alone.";
 	struct want *qdd = arena_alloc(a, 1, sizeof *qdd);
 	struct request alone;
+	struct dag raw;
 
-	if (!qdd || !part_build(&r->start, share, START, START + 1, name, "The accelerations alone.", x, a))
+	if (!qdd)
 		return 0;
 	alone = accelerations(x->request, qdd);
+	dag_init(&raw, spare);
+	if (build_alone(&raw, &alone, x) ? raw.failed || !part_build(&r->start, &raw, name, doc, x, a)
+					  : !part_build_share(&r->start, share, START, START + 1, name, doc, x, a))
+		return 0;
 	drop_loops(&r->start.pass.dag);
 	return plan_order(&r->start.pass, x->tree, &alone, x->options, a) &&
 		segments_choose(&r->start.pass, SEGMENT_KERNEL, &alone, x->options, a);
@@ -82,7 +104,7 @@ static int build_solve(struct relay *r, struct share *share, const char *name, c
 {
 	static const struct segment_limits limits = {INT_MAX, 0, UINT_MAX};
 
-	return part_build(&r->solve, share, SOLVE, KERNELS, name, "The factors of M, and d qdd = M^-1 of the columns that stand in its place.", x, a) &&
+	return part_build_share(&r->solve, share, SOLVE, KERNELS, name, "The factors of M, and d qdd = M^-1 of the columns that stand in its place.", x, a) &&
 		segments_make(&r->solve.pass.segments, &r->solve.pass.plan, &limits, a);
 }
 
@@ -112,7 +134,7 @@ static int build(struct relay *r, const struct dag *raw, struct dag *columns, co
 	struct share share;
 	int *kernel = kernels_of(raw, spare);
 
-	return kernel && share_begin(&share, raw, kernel, spare) && build_start(r, &share, name_of(x, "start", a), x, a) &&
+	return kernel && share_begin(&share, raw, kernel, spare) && build_start(r, &share, name_of(x, "start", a), x, spare, a) &&
 		build_solve(r, &share, name_of(x, "solve", a), x, a) && build_between(r, &share, columns, x, spare, a);
 }
 
