@@ -247,7 +247,9 @@ static enum rnea_code find_kernels(
 			return rnea_error_set(e, RNEA_TEXT, "the text defines no kernel %s, which %s_info names",
 				k->name, s->name);
 	}
-	return relay_find(&c->relay, &c->device, c->module, s, info->functions, e);
+	if (!relay_find(&c->relay, &c->device, c->module, s, info->functions, e) && c->relay.warps)
+		check_block(c, &c->relay.start, e);
+	return e->code;
 }
 
 /* Run every kernel over no samples: the driver makes room for local memory at the first launch, and that must not

@@ -27,8 +27,8 @@ enum rnea_code relay_find(struct relay *r, const struct device *d, void *module,
 		return RNEA_OK;
 	if (f->relay_bytes > d->most_shared)
 		return rnea_error_set(e, RNEA_ARGUMENT,
-			"%s takes %zu bytes of shared memory for a block, and the device has %zu: make the text with --parts 2, or more", f->name,
-			f->relay_bytes, d->most_shared);
+			"%s takes %zu bytes of shared memory for a block, and the device has %zu: make the text with --parts 2, or more",
+			f->name, f->relay_bytes, d->most_shared);
 	if (find(d, module, s, f, "start", 0, &r->start, e) || find(d, module, s, f, "solve", f->relay_bytes, &r->solve, e))
 		return e->code;
 	r->solve.given_bytes = f->relay_bytes;

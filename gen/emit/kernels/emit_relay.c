@@ -4,9 +4,6 @@
 #include "plan/stage.h"
 #include <stdlib.h>
 
-/* Warps of 255 registers that a multiprocessor has room for. */
-enum { WARPS = 8 };
-
 static const struct pass *start_of(const struct emission *e)
 {
 	return &e->relay->start.pass;
@@ -147,7 +144,7 @@ void emit_relay_solve(const struct emission *e, struct text *out)
 		{"RESULT", emit_has_known(e) ? "int" : "void"}, {"RETURN", emit_has_known(e) ? "return " : ""},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
 		{"KNOWN_PARAM", emit_known_params(e)}, {"KNOWN", known_text(e)}, {"WARPS", emit_int(e, e->relay->warps)},
-		{"BYTES", emit_int(e, emit_relay_bytes(e))}, {"BLOCKS", emit_int(e, WARPS / e->relay->warps)},
+		{"BYTES", emit_int(e, emit_relay_bytes(e))}, {"BLOCKS", emit_int(e, e->relay->blocks)},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", solve_call(e)}, {"LOOPS", loops_text(e)}};
 
 	template_expand(out, template_kernel_solve_in, slots, sizeof slots / sizeof *slots);

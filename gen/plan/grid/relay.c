@@ -6,13 +6,13 @@
 #include <limits.h>
 #include <string.h>
 
-/* Operations of the one kernel. H100, half a million samples, ns each, in one kernel and in a relay: floating hyq, 19000, f32 2.6 and 2.6,
-   f64 14.3 and 4.7; atlas, 34000, f32 5.7 and 4.5, f64 24.7 and 12.5; 1024 samples, us: hyq 27.6 and 24.2, 45.5 and 35.0, atlas 28.3 and 40.0,
-   63 and 58. Nothing smaller was tried. */
+/* Operations of the one kernel. H100, half a million samples, ns each, in one kernel and in a relay: floating hyq, 19000,
+   f32 2.6 and 2.6, f64 14.3 and 4.7; atlas, 34000, f32 5.7 and 4.5, f64 24.7 and 12.5; 1024 samples, us: hyq 27.6 and 24.2,
+   45.5 and 35.0, atlas 28.3 and 40.0, 63 and 58. Nothing smaller was tried. */
 enum { LEAST_OPERATIONS = 12000, LEAST_SINGLE = 60000 };
 
-/* Shared memory of a multiprocessor (sm_90); warps of 255 registers that it has room for; shared memory that a block may have on all GPUs
-   since sm_80. */
+/* Shared memory of a multiprocessor (sm_90); warps of 255 registers that it has room for; shared memory that a block may
+   have on all GPUs since sm_80. */
 enum { MULTIPROCESSOR_BYTES = 227 << 10, WARPS = 8, BLOCK_BYTES = 99 << 10 };
 
 /* Which kernel writes an output. */
@@ -29,9 +29,13 @@ static int may_be_relayed(const struct parts_of *x)
 	const struct rneagen_options *o = x->options;
 	unsigned least = o->precision == RNEAGEN_F32 && !is_free(x->tree) ? LEAST_SINGLE : LEAST_OPERATIONS;
 
-	return x->has_kernels && x->is_unpruned && o->layout == RNEAGEN_SOA && !o->strict && (o->precision == RNEAGEN_F32 || o->precision == RNEAGEN_F64) &&
-		o->parts == RNEAGEN_PARTS_AUTO && o->segments == RNEAGEN_SEGMENTS_AUTO && x->request->is_forward &&
-		plan_flops(plan_operations(&x->whole->plan)) >= least;
+	if (!x->has_kernels || !x->is_unpruned || !x->request->is_forward)
+		return 0;
+	if (o->layout != RNEAGEN_SOA || o->strict || (o->precision != RNEAGEN_F32 && o->precision != RNEAGEN_F64))
+		return 0;
+	if (o->parts != RNEAGEN_PARTS_AUTO || o->segments != RNEAGEN_SEGMENTS_AUTO)
+		return 0;
+	return plan_flops(plan_operations(&x->whole->plan)) >= least;
 }
 
 static int *kernels_of(const struct dag *d, struct arena *a)
@@ -80,7 +84,8 @@ static int build_alone(struct dag *d, const struct request *alone, const struct 
 	return 1;
 }
 
-static int build_start(struct relay *r, struct share *share, const char *name, const struct parts_of *x, struct arena *spare, struct arena *a)
+static int build_start(struct relay *r, struct share *share, const char *name, const struct parts_of *x, struct arena *spare,
+	struct arena *a)
 {
 	static const char doc[] = "The accelerations alone.";
 	struct want *qdd = arena_alloc(a, 1, sizeof *qdd);
@@ -103,8 +108,9 @@ static int build_start(struct relay *r, struct share *share, const char *name, c
 static int build_solve(struct relay *r, struct share *share, const char *name, const struct parts_of *x, struct arena *a)
 {
 	static const struct segment_limits limits = {INT_MAX, 0, UINT_MAX};
+	static const char doc[] = "The factors of M, and d qdd = M^-1 of the columns that stand in its place.";
 
-	return part_build_share(&r->solve, share, SOLVE, KERNELS, name, "The factors of M, and d qdd = M^-1 of the columns that stand in its place.", x, a) &&
+	return part_build_share(&r->solve, share, SOLVE, KERNELS, name, doc, x, a) &&
 		segments_make(&r->solve.pass.segments, &r->solve.pass.plan, &limits, a);
 }
 
@@ -129,7 +135,8 @@ static const char *name_of(const struct parts_of *x, const char *what, struct ar
 	return text_string(&t);
 }
 
-static int build(struct relay *r, const struct dag *raw, struct dag *columns, const struct parts_of *x, struct arena *spare, struct arena *a)
+static int build(struct relay *r, const struct dag *raw, struct dag *columns, const struct parts_of *x, struct arena *spare,
+	struct arena *a)
 {
 	struct share share;
 	int *kernel = kernels_of(raw, spare);
@@ -151,6 +158,14 @@ static int warps_of(const struct relay *r, const struct rneagen_options *o)
 	return relay_bytes(r, o) > BLOCK_BYTES ? 0 : blocks > WARPS ? 1 : WARPS / blocks;
 }
 
+static int reads_inputs(const struct plan *p)
+{
+	for (const struct line *l = p->lines; l < p->lines + p->line_count; l++)
+		if (l->kind == LINE_INPUT && p->dag->nodes[l->value.i].arg[0].i < DAG_COLUMN)
+			return 1;
+	return 0;
+}
+
 /* Each loop has a segment of its own, which reads nothing but columns and what goes across; and there are columns. */
 static int is_closed(const struct relay *r)
 {
@@ -159,9 +174,8 @@ static int is_closed(const struct relay *r)
 	if (!p->dag.run_count || p->segments.count != p->dag.loop_count + 1)
 		return 0;
 	for (int k = 1; k < p->segments.count; k++)
-		for (const struct line *l = p->segments.plans[k].lines; l < p->segments.plans[k].lines + p->segments.plans[k].line_count; l++)
-			if (l->kind == LINE_INPUT && p->dag.nodes[l->value.i].arg[0].i < DAG_COLUMN)
-				return 0;
+		if (reads_inputs(&p->segments.plans[k]))
+			return 0;
 	return 1;
 }
 
@@ -179,7 +193,10 @@ static struct relay *make(struct dag *columns, const struct parts_of *x, struct 
 		return NULL;
 	}
 	r->warps = is_closed(r) ? warps_of(r, x->options) : 0;
-	return r->warps ? r : NULL;
+	if (!r->warps)
+		return NULL;
+	r->blocks = WARPS / r->warps;
+	return r;
 }
 
 enum rneagen_code relay_or_parts(struct relay **relay, struct part **parts, int *count, const struct parts_of *x, struct arena *a,
@@ -195,8 +212,8 @@ enum rneagen_code relay_or_parts(struct relay **relay, struct part **parts, int 
 	a->failed |= spare.failed;
 	torques.is_forward = 0;
 	if (*relay)
-		second = (struct parts_of){.whole = &(*relay)->between, .raw = &columns, .tree = x->tree, .request = &torques, .options = x->options,
-			.has_kernels = 1, .is_relayed = 1};
+		second = (struct parts_of){.whole = &(*relay)->between, .raw = &columns, .tree = x->tree, .request = &torques,
+			.options = x->options, .has_kernels = 1, .is_relayed = 1};
 	if (a->failed)
 		error_memory(e);
 	else
