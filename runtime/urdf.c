@@ -27,8 +27,15 @@ struct rneagen_options rnea_urdf_options(const struct rneagen_options *generate,
 	struct rneagen_options g = *generate;
 
 	g.tell = 0;
-	if (backend == RNEA_BACKEND_HOST && g.parts == RNEAGEN_PARTS_AUTO)
+	if (backend != RNEA_BACKEND_HOST)
+		return g;
+	if (g.parts == RNEAGEN_PARTS_AUTO)
 		g.parts = 1;
+	if (g.target != RNEAGEN_TARGET_CUDA || g.parts != 1 || g.limbs > RNEAGEN_LIMBS_NONE)
+		return g;
+	if (g.precision == RNEAGEN_PRECISION_DEFAULT)
+		g.precision = RNEAGEN_F32; /* as of kernels: the text's target is no choice of the caller's */
+	g.target = RNEAGEN_TARGET_C;
 	return g;
 }
 
@@ -42,9 +49,9 @@ enum rnea_code rnea_open_urdf(const char *path, const struct rneagen_options *ge
 	char *urdf;
 
 	g.file = path;
-	g = rnea_urdf_options(&g, options ? options->backend : RNEA_BACKEND_ANY);
 	if (check(path, &g, robot, e) || source_bytes(path, &urdf, &length, e))
 		return e->code;
+	g = rnea_urdf_options(&g, options ? options->backend : RNEA_BACKEND_ANY);
 	if (options && options->backend == RNEA_BACKEND_EVALUATOR) {
 		rnea_evaluate_urdf(urdf, length, &g, options, robot, e);
 	} else if (!generate_text(urdf, length, &g, &text, e)) {

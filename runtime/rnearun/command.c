@@ -172,12 +172,21 @@ static void tell(const struct command *c, const struct rnea_build *build)
 		fprintf(stderr, "%s: what was compiled is not kept for the next time: %s\n", c->name, build->unkept);
 }
 
+/* For the processor alone a text of target c: its long functions are in segments, for which a compiler takes a fraction of the time
+   (gradients of a floating humanoid's accelerations: a minute and a half instead of more than ten). */
+static int is_for_host(const struct command *c)
+{
+	return c->open.backend == RNEA_BACKEND_HOST || (c->open.backend == RNEA_BACKEND_ANY && rnea_device_count(NULL) < 1);
+}
+
 int command_generate(const struct command *c, const struct file_content *urdf, struct rneagen_result *text)
 {
 	struct rneagen_options o = named_options(c);
 	struct rneagen_error e = {0};
 
 	o.tell = 0;
+	if (is_for_host(c))
+		o.target = RNEAGEN_TARGET_C;
 	if (rneagen_generate(urdf->bytes, urdf->length, &o, text, &e))
 		return fail_generator(c, &e);
 	for (size_t i = 0; i < text->warning_count && !c->quiet; i++)
