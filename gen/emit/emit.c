@@ -290,33 +290,29 @@ int emit_has_segments(const struct emission *e)
 	return 0;
 }
 
-/* What a relay's first and third kernel run. */
-static void put_relay(const struct emission *e, struct text *out)
+static void put_pass(const struct emission *e, const struct pass *p, struct text *out)
 {
-	const struct pass *start = &e->relay->start.pass;
-
-	if (start->segments.count)
-		emit_segments(e, start, out);
+	if (p->segments.count)
+		emit_segments(e, p, out);
 	else
-		put_body(e, start, out);
-	emit_segments(e, &e->relay->solve.pass, out);
+		put_body(e, p, out);
 }
 
 static void put_bodies(const struct emission *e, struct text *out)
 {
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
 	text_put(out, emit_has_segments(e) ? template_independent_in : "");
-	if (e->relay)
-		put_relay(e, out);
+	if (e->relay) {
+		put_pass(e, &e->relay->start.pass, out);
+		put_pass(e, &e->relay->solve.pass, out);
+	}
 	for (int i = 0; i < e->part_count; i++)
 		put_body(e, &e->parts[i].pass, out);
 	for (int i = 0; i < e->pass_count; i++)
 		if (i == 0 && e->part_count)
 			emit_dispatcher(e, out);
-		else if (e->passes[i].segments.count)
-			emit_segments(e, &e->passes[i], out);
 		else
-			put_body(e, &e->passes[i], out);
+			put_pass(e, &e->passes[i], out);
 	text_put(out, emit_has_limbs(e) ? "#endif\n" : "");
 }
 

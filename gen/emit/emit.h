@@ -195,8 +195,9 @@ const char *emit_launch_limbs(const struct emission *e);
 const struct limbs *emit_limbs_of(const struct emission *e);
 int emit_limbs_bytes(const struct emission *e);
 
-/* The body that calls the parts'. */
+/* The body that calls the parts'; one call in it, with its own arguments and `more` after the stride. */
 void emit_dispatcher(const struct emission *e, struct text *out);
+void emit_put_sample_call(const struct emission *e, const struct pass *p, const char *function, const char *more, struct text *out);
 
 /* A relay's kernels but the second; what they do where the text is compiled as C, before the second and after; how its launch function
    begins, or that of the one kernel, and the launch of all; bytes of shared memory of a block of the third. */
@@ -311,6 +312,8 @@ int emit_angle_place(const struct angles *list, const struct dag *d, struct ref 
 const char *emit_known_params(const struct emission *e);
 const char *emit_known_names(const struct emission *e);
 const char *emit_unknown_names(const struct emission *e);
+/* Such names behind the other arguments of a call: nothing where bodies take none. */
+const char *emit_handed_on(const struct emission *e, const char *names);
 
 /* `known` and the tables that a pass has, after it was declared by emit_rounds: a kernel's loops over the segments, and again for
    each sample of which an angle is large. */

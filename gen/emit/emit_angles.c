@@ -96,6 +96,16 @@ const char *emit_unknown_names(const struct emission *e)
 	return joined(e, "0, 0", ", %s", "0");
 }
 
+const char *emit_handed_on(const struct emission *e, const char *names)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (emit_has_known(e))
+		text_printf(&t, ", %s", names);
+	return text_string(&t);
+}
+
 /* A pass may have angles of one type of numbers alone. */
 static const char *tables_text(const struct emission *e, const struct pass *p, const char *known)
 {
@@ -254,13 +264,10 @@ static const char *call_expanded(const struct emission *e, const struct pass *p,
 
 const char *emit_call(const struct emission *e, const struct pass *p, const struct call *c)
 {
-	struct text unknown, asked;
+	struct text asked;
 
-	text_init(&unknown, e->arena);
-	if (emit_has_known(e))
-		text_printf(&unknown, ", %s", emit_unknown_names(e));
 	if (!emit_has_known(e) || !emit_has_angles(e, p))
-		return body_call(e, p, c->indent, c->arguments, c->stride, text_string(&unknown));
+		return body_call(e, p, c->indent, c->arguments, c->stride, emit_handed_on(e, emit_unknown_names(e)));
 	if (c->is_any)
 		return call_expanded(e, p, template_call_any_in, "", c);
 	if (c->is_optimistic)

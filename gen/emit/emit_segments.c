@@ -185,17 +185,6 @@ void emit_segments(const struct emission *e, const struct pass *p, struct text *
 
 /* ---- batches ---- */
 
-/* More arguments: of a segment that is told what its caller is, and of one whose angles are small. */
-static const char *handed_on(const struct emission *e, const char *names)
-{
-	struct text t;
-
-	text_init(&t, e->arena);
-	if (emit_has_known(e))
-		text_printf(&t, ", %s", names);
-	return text_string(&t);
-}
-
 /* What a call of one sample runs. */
 static const struct pass *single_of(const struct pass *p)
 {
@@ -209,7 +198,7 @@ static void put_lanes_function(const struct emission *e, const struct pass *p, i
 		{"LANES", emit_int(e, lanes_of(e, s))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
 		{"COUNT_PARAM", e->options->layout == RNEAGEN_SOA ? "size_t count, " : ""},
 		{"RESTRICT_ACROSS", across(e, s, RESTRICT)}, {"AT_SAMPLE", emit_at_sample(e, p)},
-		{"ACROSS_NAMES", across(e, s, NAME)}, {"UNKNOWN", handed_on(e, emit_unknown_names(e))}};
+		{"ACROSS_NAMES", across(e, s, NAME)}, {"UNKNOWN", emit_handed_on(e, emit_unknown_names(e))}};
 
 	template_expand(out, template_segment_lanes_in, slots, sizeof slots / sizeof *slots);
 }
@@ -219,7 +208,7 @@ static void put_one_function(const struct emission *e, const struct pass *p, int
 	const struct segments *s = &p->segments;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
-		{"KNOWN", handed_on(e, emit_known_names(e))}, {"KNOWN_PARAM", emit_known_params(e)},
+		{"KNOWN", emit_handed_on(e, emit_known_names(e))}, {"KNOWN_PARAM", emit_known_params(e)},
 		{"ACROSS_PARAMS", across(e, s, PARAMETER)}, {"ACROSS_NAMES", across(e, s, NAME)}};
 
 	template_expand(out, template_segment_one_in, slots, sizeof slots / sizeof *slots);
@@ -266,7 +255,7 @@ static const char *one_calls(const struct emission *e, const struct pass *p)
 		if (emit_is_loop(p, k))
 			emit_columns_calls(e, p, k, &t);
 		else
-			put_call(e, p, k, "\t", "one", "stride", handed_on(e, emit_known_names(e)), &t);
+			put_call(e, p, k, "\t", "one", "stride", emit_handed_on(e, emit_known_names(e)), &t);
 	return text_string(&t);
 }
 
@@ -287,7 +276,7 @@ void emit_segments_part(const struct emission *e, const struct pass *p, const ch
 	const char *count_param = is_soa ? "size_t count, " : "";
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
-		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"KNOWN", handed_on(e, emit_known_names(e))},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"KNOWN", emit_handed_on(e, emit_known_names(e))},
 		{"KNOWN_PARAM", emit_known_params(e)}, {"WHATEVER", emit_has_known(e) ? ", whatever its angles" : ""},
 		{"WHERE_SMALL", emit_has_known(e) ? " where their angles are small, which is the rule" : ""},
 		{"AND_SMALL", and_small(e, are_small)}, {"CALL_ANY", call_any}, {"COUNT_PARAM", count_param},
@@ -334,7 +323,7 @@ static const char *loops_in_kernel(const struct emission *e, const struct pass *
 			{"FROM", has_angles ? "from" : "0"}, {"TO", has_angles ? "to" : "each"},
 			{"LARGE", has_angles ? "large |= (unsigned)!" : ""}, {"SHIFT", has_angles ? " << j" : ""},
 			{"AT_SAMPLE", at_sample}, {"ACROSS", across(e, &p->segments, AT_THREAD)},
-			{"KNOWN", handed_on(e, has_angles ? emit_known_tables(e, p) : emit_unknown_names(e))}};
+			{"KNOWN", emit_handed_on(e, has_angles ? emit_known_tables(e, p) : emit_unknown_names(e))}};
 
 		template_expand(&t, template_kernel_segment_in, slots, sizeof slots / sizeof *slots);
 	}

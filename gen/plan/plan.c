@@ -276,6 +276,17 @@ struct operation_count plan_operations(const struct plan *p)
 	return n;
 }
 
+void plan_add_operations(struct operation_count *sum, struct operation_count n, unsigned times)
+{
+	sum->mul += n.mul * times;
+	sum->add += n.add * times;
+	sum->sub += n.sub * times;
+	sum->neg += n.neg * times;
+	sum->fma += n.fma * times;
+	sum->sincos += n.sincos * times;
+	sum->wide += n.wide * times;
+}
+
 unsigned plan_flops(struct operation_count n)
 {
 	return n.mul + n.add + n.sub + 2 * n.fma;

@@ -136,12 +136,9 @@ static int is_closed(const struct pass *s)
 		const struct plan *lines = &s->segments.plans[k];
 		int fetched = 0;
 
-		for (const struct line *l = lines->lines; l < lines->lines + lines->line_count; l++) {
-			if (l->kind == LINE_INPUT && s->dag.nodes[l->value.i].arg[0].i < DAG_COLUMN)
-				return 0;
+		for (const struct line *l = lines->lines; l < lines->lines + lines->line_count; l++)
 			fetched |= l->kind == LINE_FETCH && l->index > 0;
-		}
-		if (!fetched)
+		if (!fetched || segments_reads_input(lines))
 			return 0;
 	}
 	return 1;

@@ -309,6 +309,14 @@ static void put_segment(const struct pass *p, int k, struct text *out)
 		(unsigned)lines->line_count, fetched, kept);
 }
 
+int segments_reads_input(const struct plan *segment)
+{
+	for (const struct line *l = segment->lines; l < segment->lines + segment->line_count; l++)
+		if (l->kind == LINE_INPUT && segment->dag->nodes[l->value.i].arg[0].i < DAG_COLUMN)
+			return 1;
+	return 0;
+}
+
 void segments_dump(const struct pass *p, struct text *out)
 {
 	const struct segments *s = &p->segments;

@@ -14,16 +14,19 @@
 	input NAME ROWS f32|f64 sample|batch ROLE [OF]
 	output NAME ROWS f32|f64 sample|batch ROLE [OF]    (one line each, in the order of the signature)
 	matrix NAME ROWS COLS general|lower       (an output's; after it its rows, from 0:)
-	row NAME ROW COL COL ...                  (the columns of what is stored; in all, as many as the output has
-   rows) parameters NAME COL LINK                  (of a regressor: the ten columns from COL on are the link's; to the
-   end of the line) operations MUL ADD SUB NEG FMA SINCOS     (a sample; once) stage BYTES (of shared memory in which
-   the kernel stages each sample, where it does) segments BYTES SAMPLES                    (of a kernel in segments:
-   what a sample keeps in the block's own shared memory, and how many samples a thread takes at most: as many as have
-   room in 48 KiB) limbs WARPS GROUPS BYTES SAMPLES          (of its kernel of small batches, NAME_FUNCTION_limbs, where
-   it has one: the warps that share out a sample; groups of 32 samples in a block at most; shared memory of a group,
-   given by launches; samples of a batch up to which it is faster) parts N                                   (blocks of
-   the kernel's grid along y, 2 and more, where it has such) relay BYTES WARPS (a launch runs NAME_FUNCTION_start_kernel before
-   its kernel, and after it NAME_FUNCTION_solve_kernel, in blocks of so many warps for 32 samples, with shared memory given by launches)
+	row NAME ROW COL COL ...                  (the columns of what is stored; in all, as many as the output has rows)
+	parameters NAME COL LINK                  (of a regressor: the ten columns from COL on are the link's; to the end of the line)
+	operations MUL ADD SUB NEG FMA SINCOS     (a sample; once)
+	stage BYTES                               (of shared memory in which the kernel stages each sample, where it does)
+	segments BYTES SAMPLES                    (of a kernel in segments: what a sample keeps in the block's own shared memory,
+	                                          and how many samples a thread takes at most: as many as have room in 48 KiB)
+	limbs WARPS GROUPS BYTES SAMPLES          (of its kernel of small batches, NAME_FUNCTION_limbs, where it has one: the warps
+	                                          that share out a sample; groups of 32 samples in a block at most; shared memory
+	                                          of a group, given by launches; samples of a batch up to which it is faster)
+	parts N                                   (blocks of the kernel's grid along y, 2 and more, where it has such)
+	relay BYTES WARPS                         (a launch runs NAME_FUNCTION_start_kernel before its kernel, and after it
+	                                          NAME_FUNCTION_solve_kernel, in blocks of so many warps for 32 samples, with
+	                                          shared memory given by launches)
 
    ROLE is a word of RNEA_ROLES; OF is the link, joint or constant that it speaks of, and goes to the end of the line. A
    role that is not known is none.
@@ -33,8 +36,8 @@
 	kernels rnea|fpass|bpass ...              (at most once; where it does not stand, all three may be there)
 
    says which the text has. core/info_old.c makes functions of that. Version 2 has `parts`, version 1 does not: who
-   knows nothing of parts would launch a text of parts and leave the rest unwritten. Version 3 has no `relay`, version 4 has it in its
-   first function. A key that is not listed is passed
+   knows nothing of parts would launch a text of parts and leave the rest unwritten. Version 3 has no `relay`,
+   version 4 has it in its first function. A key that is not listed is passed
    over: what would change the meaning of the rest gets a new version. */
 
 #include "core/failure.h"

@@ -57,6 +57,9 @@
 		(void *function, unsigned gx, unsigned gy, unsigned gz, unsigned bx, unsigned by, unsigned bz,         \
 			unsigned shared, void *stream, void **parameters, void **extra))
 
+/* With so many blocks all multiprocessors have enough of them; the generated launch functions count on as many. */
+enum { ENOUGH_BLOCKS = 512 };
+
 /* CUDA_MEMCPY2D */
 struct device_copy {
 	size_t from_x, from_y;

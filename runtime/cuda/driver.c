@@ -9,9 +9,6 @@
 
 enum { BLOCK_SIZES = 3, TRIAL_LIMIT = 2 * BLOCK_SIZES };
 
-/* With so many blocks all multiprocessors have enough of them; the generated launch function counts on as many. */
-enum { ENOUGH_BLOCKS = 512 };
-
 /* The compilations of one text that were tried, each loaded. */
 struct trial {
 	struct image images[TRIAL_LIMIT];

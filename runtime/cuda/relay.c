@@ -1,9 +1,9 @@
 #include "cuda/relay.h"
 #include <stdio.h>
 
-/* A small batch has several blocks for the same samples, which share the columns; with so many blocks all multiprocessors have enough
-   of them. The generated launch function counts alike. */
-enum { ENOUGH_BLOCKS = 512, MOST_ALONG = 8 };
+/* A small batch has several blocks for the same samples, which share the columns: so many at most, as in the generated launch
+   function. */
+enum { MOST_ALONG = 8 };
 
 static enum rnea_code find(const struct device *d, void *module, const struct source *s, const struct rnea_function *f, const char *which,
 	size_t bytes, struct device_kernel *k, struct rnea_error *e)

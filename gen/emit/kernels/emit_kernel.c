@@ -290,24 +290,27 @@ static void put_kernel(const struct emission *e, const struct pass *p, struct te
 	template_expand(out, !staged ? f->direct : is_aos ? f->staged_aos : f->staged_soa, slots, sizeof slots / sizeof *slots);
 }
 
+static void put_pass(const struct emission *e, const struct pass *p, struct text *out)
+{
+	if (p->segments.count)
+		emit_segments_kernel(e, p, out);
+	else
+		put_kernel(e, p, out);
+}
+
 void emit_kernels(const struct emission *e, struct text *out)
 {
 	emit_zeros(e, out);
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
 	if (e->relay) {
-		if (e->relay->start.pass.segments.count)
-			emit_segments_kernel(e, &e->relay->start.pass, out);
-		else
-			put_kernel(e, &e->relay->start.pass, out);
+		put_pass(e, &e->relay->start.pass, out);
 		emit_relay_solve(e, out);
 	}
 	for (int i = 0; i < e->pass_count && e->target->kernel; i++)
-		if (e->passes[i].segments.count)
-			emit_segments_kernel(e, &e->passes[i], out);
-		else if (i == 0 && emit_windows(e)->slots)
+		if (i == 0 && !e->passes[i].segments.count && emit_windows(e)->slots)
 			put_windowed(e, &e->passes[i], out);
 		else
-			put_kernel(e, &e->passes[i], out);
+			put_pass(e, &e->passes[i], out);
 	if (emit_has_limbs(e))
 		emit_limbs(e, out);
 }

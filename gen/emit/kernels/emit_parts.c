@@ -3,12 +3,10 @@
 #include "base/template.h"
 #include "emit/emit.h"
 
-/* The call of a part's body with the dispatcher's own arguments. */
-static void put_part_call(const struct emission *e, int part, struct text *out)
+void emit_put_sample_call(const struct emission *e, const struct pass *p, const char *function, const char *more, struct text *out)
 {
-	text_printf(out, "%s%s_%s_body(%s, stride%s%s);", emit_has_known(e) ? "all_small &= " : "", e->options->name,
-		e->parts[part].algorithm.name, emit_params(e, emit_main(e), PARAMS_NAMES),
-		emit_has_known(e) ? ", " : "", emit_has_known(e) ? emit_known_names(e) : "");
+	text_printf(out, "%s%s_%s_%s(%s, stride%s%s);", emit_has_known(e) ? "all_small &= " : "", e->options->name, p->algorithm->name,
+		function, emit_params(e, emit_main(e), PARAMS_NAMES), more, emit_handed_on(e, emit_known_names(e)));
 }
 
 /* The body that calls the parts'. */
@@ -22,10 +20,10 @@ void emit_dispatcher(const struct emission *e, struct text *out)
 	emit_relay_before(e, &calls);
 	for (int i = 0; i < e->part_count; i++) {
 		text_printf(&cases, "%s\tcase %d:\n\t\t", i ? "\n" : "", i);
-		put_part_call(e, i, &cases);
+		emit_put_sample_call(e, &e->parts[i].pass, "body", "", &cases);
 		text_put(&cases, "\n\t\tbreak;");
 		text_put(&calls, i ? "\n\t" : "\t");
-		put_part_call(e, i, &calls);
+		emit_put_sample_call(e, &e->parts[i].pass, "body", "", &calls);
 	}
 	emit_relay_after(e, &calls);
 	const struct slot slots[] = {{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},

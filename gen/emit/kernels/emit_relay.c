@@ -26,13 +26,6 @@ int emit_relay_bytes(const struct emission *e)
 
 /* ---- compiled as C ---- */
 
-static void put_call(const struct emission *e, const struct pass *p, const char *function, const char *more, struct text *out)
-{
-	text_printf(out, "%s%s_%s_%s(%s, stride%s%s%s);\n", emit_has_known(e) ? "all_small &= " : "", e->options->name, p->algorithm->name,
-		function, emit_params(e, emit_main(e), PARAMS_NAMES), more, emit_has_known(e) ? ", " : "",
-		emit_has_known(e) ? emit_known_names(e) : "");
-}
-
 /* Those that are no loops. */
 static void put_segment_calls(const struct emission *e, const struct pass *p, struct text *out)
 {
@@ -43,7 +36,8 @@ static void put_segment_calls(const struct emission *e, const struct pass *p, st
 		text_init(&name, e->arena);
 		text_printf(&name, "segment%d", k);
 		text_put(out, "\t\t");
-		put_call(e, p, text_string(&name), ", across, 1, 1", out);
+		emit_put_sample_call(e, p, text_string(&name), ", across, 1, 1", out);
+		text_putc(out, '\n');
 	}
 }
 
@@ -53,7 +47,8 @@ void emit_relay_before(const struct emission *e, struct text *out)
 		return;
 	text_put(out, "\t");
 	if (!start_of(e)->segments.count) {
-		put_call(e, start_of(e), "body", "", out);
+		emit_put_sample_call(e, start_of(e), "body", "", out);
+		text_putc(out, '\n');
 		return;
 	}
 	text_put(out, "{\n");
@@ -127,23 +122,13 @@ static const char *solve_call(const struct emission *e)
 	return emit_call(e, solve_of(e), &c);
 }
 
-static const char *known_text(const struct emission *e)
-{
-	struct text t;
-
-	text_init(&t, e->arena);
-	if (emit_has_known(e))
-		text_printf(&t, ", %s", emit_known_names(e));
-	return text_string(&t);
-}
-
 void emit_relay_solve(const struct emission *e, struct text *out)
 {
 	const struct pass *p = solve_of(e);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->numbers->value},
 		{"RESULT", emit_has_known(e) ? "int" : "void"}, {"RETURN", emit_has_known(e) ? "return " : ""},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
-		{"KNOWN_PARAM", emit_known_params(e)}, {"KNOWN", known_text(e)}, {"WARPS", emit_int(e, e->relay->warps)},
+		{"KNOWN_PARAM", emit_known_params(e)}, {"KNOWN", emit_handed_on(e, emit_known_names(e))}, {"WARPS", emit_int(e, e->relay->warps)},
 		{"BYTES", emit_int(e, emit_relay_bytes(e))}, {"BLOCKS", emit_int(e, e->relay->blocks)},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", solve_call(e)}, {"LOOPS", loops_text(e)}};
 

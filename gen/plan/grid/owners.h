@@ -12,9 +12,10 @@ struct owners {
 	int count;
 };
 
-/* Of the outputs of the request's DAG; `is_solved`: columns of gradients of qdd are solved in it, each as a whole. Returns 0 when memory
-   runs out. */
-int owners_make(struct owners *x, const struct dag *d, const struct tree *t, const struct request *k, int is_solved, struct arena *a);
+/* Of the outputs of the request's DAG; `is_solved`: columns of gradients of qdd are solved in it, each as a whole. Returns
+   0 when memory runs out. */
+int owners_make(struct owners *x, const struct dag *d, const struct tree *t, const struct request *k, int is_solved,
+	struct arena *a);
 
 /* Does the request want a matrix by joints? */
 int owners_matrix(const struct request *k);

@@ -26,12 +26,7 @@ struct size {
 
 struct splitter {
 	const struct parts_of *x;
-	const struct pass *whole;
-	const struct dag *raw;
-	struct share share; /* of it */
-	const struct tree *t;
-	const struct request *request;
-	const struct rneagen_options *o;
+	struct share share; /* of x->raw */
 	struct arena *a;
 	struct owners owners;
 	int count;          /* of owners */
@@ -55,11 +50,11 @@ static struct size make_size(struct splitter *s, int first, int end, int is_fuse
 	struct plan plan = {.dag = is_fused ? &fused : &raw};
 	struct size z = {.operations = 1};
 
-	arena_init(&a, s->o->allocator);
+	arena_init(&a, s->x->options->allocator);
 	share_copy(&s->share, first, end, &raw, &a);
 	if (is_fused) {
 		dag_init(&fused, &a);
-		dag_fuse(&fused, &raw, s->o->strict);
+		dag_fuse(&fused, &raw, s->x->options->strict);
 	}
 	if (!plan.dag->failed)
 		z = size_of_plan(&plan, &a);
@@ -84,7 +79,7 @@ static const struct size *size_of(struct splitter *s, int first, int end)
 
 static int most_alive(const struct splitter *s)
 {
-	return s->o->precision == RNEAGEN_F32 ? ALIVE_SINGLE : ALIVE_DOUBLE;
+	return s->x->options->precision == RNEAGEN_F32 ? ALIVE_SINGLE : ALIVE_DOUBLE;
 }
 
 /* The larger of its shares of what a part may be. */
@@ -108,7 +103,7 @@ static double within(double x, double most)
    spilled to memory: panda, 1 to 3 parts 1.83 0.93 1.00, iiwa14 0.43 0.56 0.71, atlas, 4, 6, 8 and 12 parts 24.6 31.4 32.0 33.6. */
 static double forward_loss_of(const struct splitter *s, const struct size *z)
 {
-	int is_single = s->o->precision == RNEAGEN_F32;
+	int is_single = s->x->options->precision == RNEAGEN_F32;
 	double longer = (z->operations - OPERATIONS) / (is_single ? 4000.0 : 8000.0);
 	double more = is_single ? (z->alive - 317) / 48.0 : 2.4 * ((double)z->alive / ALIVE_DOUBLE - 1);
 
@@ -122,7 +117,7 @@ static double forward_loss_of(const struct splitter *s, const struct size *z)
    instructions in three quarters of their cycles. */
 static double loss_of(const struct splitter *s, const struct size *z)
 {
-	if (s->request->is_forward)
+	if (s->x->request->is_forward)
 		return forward_loss_of(s, z);
 	double longer = (z->operations - OPERATIONS) / 2000.0, more = (double)z->alive / most_alive(s) - 1;
 
@@ -219,7 +214,7 @@ static double cost_of_split(struct splitter *s, int count, const int *first)
 /* In aos, where the arrays have room in shared memory, each block writes whole samples. */
 static int may_have(const struct splitter *s)
 {
-	return s->o->layout == RNEAGEN_SOA || !stage_fits(&s->whole->dag, s->o);
+	return s->x->options->layout == RNEAGEN_SOA || !stage_fits(&s->x->whole->dag, s->x->options);
 }
 
 /* As many parts as cost least. One more need not cost less where a few more do: only when all fit is nothing lost. */
@@ -238,7 +233,7 @@ static int choose_count(struct splitter *s, int *first)
 			best = count;
 		}
 	}
-	return s->o->layout == RNEAGEN_AOS && best > PARTS_IN_AOS ? PARTS_IN_AOS : best;
+	return s->x->options->layout == RNEAGEN_AOS && best > PARTS_IN_AOS ? PARTS_IN_AOS : best;
 }
 
 int part_build(struct part *p, const struct dag *raw, const char *name, const char *doc, const struct parts_of *x, struct arena *a)
@@ -275,9 +270,9 @@ static int make_part(struct splitter *s, int number, int first, int end, struct 
 	p->last = s->owners.bodies[end - 1];
 	text_init(&name, s->a);
 	text_init(&doc, s->a);
-	text_printf(&name, "%s_part%d", s->whole->algorithm->name, number);
+	text_printf(&name, "%s_part%d", s->x->whole->algorithm->name, number);
 	text_printf(&doc, "Part %d of it: elements of matrices by the joints of links %d to %d%s.", number,
-		s->t->bodies[p->first].number, s->t->bodies[p->last].number,
+		s->x->tree->bodies[p->first].number, s->x->tree->bodies[p->last].number,
 		first ? "" : ", and all that is no matrix");
 	return part_build_share(p, &s->share, first, end, text_string(&name), text_string(&doc), s->x, s->a) && !name.failed && !doc.failed;
 }
@@ -286,14 +281,14 @@ static int make_part(struct splitter *s, int number, int first, int end, struct 
 
 static int begin(struct splitter *s)
 {
-	if (!owners_make(&s->owners, s->raw, s->t, s->request, !s->x->is_relayed, s->a))
+	if (!owners_make(&s->owners, s->x->raw, s->x->tree, s->x->request, !s->x->is_relayed, s->a))
 		return 0;
 	s->count = s->owners.count;
 	s->sizes = arena_alloc(s->a, (size_t)(s->count + 1) * (size_t)(s->count + 1), sizeof *s->sizes);
 	if (!s->sizes)
 		return 0;
-	s->sizes[s->count] = size_of_plan(&s->whole->plan, s->a); /* from the first to the last: that is made already */
-	return share_begin(&s->share, s->raw, s->owners.owner, s->a) && !s->a->failed;
+	s->sizes[s->count] = size_of_plan(&s->x->whole->plan, s->a); /* from the first to the last: that is made already */
+	return share_begin(&s->share, s->x->raw, s->owners.owner, s->a) && !s->a->failed;
 }
 
 /* Why a text cannot be in parts; NULL: it can. */
@@ -309,7 +304,7 @@ static const char *obstacle(const struct request *k, int has_kernels)
 /* Returns how many parts there are, 0 after an error; first[0] is where the last of them begins, if there are several. */
 static int choose(struct splitter *s, int *first, struct rneagen_error *e)
 {
-	int count = s->o->parts == RNEAGEN_PARTS_AUTO ? choose_count(s, first) : s->o->parts;
+	int count = s->x->options->parts == RNEAGEN_PARTS_AUTO ? choose_count(s, first) : s->x->options->parts;
 
 	if (count == 1 || (count <= s->count && split_evenly(s, count, first)))
 		return count;
@@ -331,7 +326,7 @@ static struct part *make_parts(struct splitter *s, int count, const int *first)
 enum rneagen_code parts_make(struct part **parts, int *count, const struct parts_of *x, struct arena *a, struct rneagen_error *e)
 {
 	const struct rneagen_options *o = x->options;
-	struct splitter s = {.x = x, .whole = x->whole, .raw = x->raw, .t = x->tree, .request = x->request, .o = o, .a = a};
+	struct splitter s = {.x = x, .a = a};
 	const char *why = obstacle(x->request, x->has_kernels);
 	int least = x->is_relayed ? 1 : 2;
 	int made, *first;
@@ -362,17 +357,8 @@ struct operation_count parts_operations(const struct part *parts, int count, con
 
 	if (!count)
 		return plan_operations(whole);
-	for (int i = 0; i < count; i++) {
-		struct operation_count n = plan_operations(&parts[i].pass.plan);
-
-		sum.mul += n.mul;
-		sum.add += n.add;
-		sum.sub += n.sub;
-		sum.neg += n.neg;
-		sum.fma += n.fma;
-		sum.sincos += n.sincos;
-		sum.wide += n.wide;
-	}
+	for (int i = 0; i < count; i++)
+		plan_add_operations(&sum, plan_operations(&parts[i].pass.plan), 1);
 	return sum;
 }
 

@@ -1,6 +1,5 @@
 /* The expressions are those of loops over columns; what each kernel writes tells what it is to make. */
 #include "plan/grid/relay.h"
-#include "plan/grid/owners.h"
 #include "plan/segments.h"
 #include "plan/stage.h"
 #include <limits.h>
@@ -158,14 +157,6 @@ static int warps_of(const struct relay *r, const struct rneagen_options *o)
 	return relay_bytes(r, o) > BLOCK_BYTES ? 0 : blocks > WARPS ? 1 : WARPS / blocks;
 }
 
-static int reads_inputs(const struct plan *p)
-{
-	for (const struct line *l = p->lines; l < p->lines + p->line_count; l++)
-		if (l->kind == LINE_INPUT && p->dag->nodes[l->value.i].arg[0].i < DAG_COLUMN)
-			return 1;
-	return 0;
-}
-
 /* Each loop has a segment of its own, which reads nothing but columns and what goes across; and there are columns. */
 static int is_closed(const struct relay *r)
 {
@@ -174,7 +165,7 @@ static int is_closed(const struct relay *r)
 	if (!p->dag.run_count || p->segments.count != p->dag.loop_count + 1)
 		return 0;
 	for (int k = 1; k < p->segments.count; k++)
-		if (reads_inputs(&p->segments.plans[k]))
+		if (segments_reads_input(&p->segments.plans[k]))
 			return 0;
 	return 1;
 }
@@ -222,16 +213,6 @@ enum rneagen_code relay_or_parts(struct relay **relay, struct part **parts, int 
 	return e->code;
 }
 
-static void add(struct operation_count *sum, const struct operation_count *n, unsigned times)
-{
-	sum->mul += n->mul * times;
-	sum->add += n->add * times;
-	sum->sub += n->sub * times;
-	sum->neg += n->neg * times;
-	sum->fma += n->fma * times;
-	sum->sincos += n->sincos * times;
-}
-
 /* A loop's body counts for each of its columns. */
 static void add_solve(struct operation_count *sum, const struct pass *p)
 {
@@ -240,7 +221,6 @@ static void add_solve(struct operation_count *sum, const struct pass *p)
 	int loop = d->loop_count;
 
 	for (size_t s = d->section_count; s-- > 0 && loop > 0;) {
-		struct operation_count n;
 		unsigned columns = 0;
 
 		if (d->sections[s].kind != SECTION_COLUMNS)
@@ -248,21 +228,20 @@ static void add_solve(struct operation_count *sum, const struct pass *p)
 		loop--;
 		for (int i = 0; i < d->run_count; i++)
 			columns += d->runs[i].loop == loop ? (unsigned)d->runs[i].count : 0;
-		n = plan_operations_of(d, d->sections[s].node, end);
+		plan_add_operations(sum, plan_operations_of(d, d->sections[s].node, end), columns);
 		end = d->sections[s].node;
-		add(sum, &n, columns);
 	}
 	struct operation_count factors = plan_operations_of(d, 0, end);
 
 	factors.sincos = plan_operations(&p->plan).sincos;
-	add(sum, &factors, 1);
+	plan_add_operations(sum, factors, 1);
 }
 
 struct operation_count relay_operations(const struct relay *r, const struct part *parts, int count)
 {
-	struct operation_count sum = parts_operations(parts, count, NULL), start = plan_operations(&r->start.pass.plan);
+	struct operation_count sum = parts_operations(parts, count, NULL);
 
-	add(&sum, &start, 1);
+	plan_add_operations(&sum, plan_operations(&r->start.pass.plan), 1);
 	add_solve(&sum, &r->solve.pass);
 	return sum;
 }
