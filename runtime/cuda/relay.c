@@ -3,10 +3,10 @@
 
 /* A small batch has several blocks for the same samples, which share the columns: so many at most, as in the generated launch
    function. */
-enum { MOST_ALONG = 8 };
+enum { MOST_ALONG = 32 };
 
-static enum rnea_code find(const struct device *d, void *module, const struct source *s, const struct rnea_function *f, const char *which,
-	size_t bytes, struct device_kernel *k, struct rnea_error *e)
+static enum rnea_code find(const struct device *d, void *module, const struct source *s, const struct rnea_function *f,
+	const char *which, size_t bytes, struct device_kernel *k, struct rnea_error *e)
 {
 	char name[SOURCE_NAME_LIMIT];
 
@@ -19,8 +19,8 @@ static enum rnea_code find(const struct device *d, void *module, const struct so
 	return RNEA_OK;
 }
 
-enum rnea_code relay_find(struct relay *r, const struct device *d, void *module, const struct source *s, const struct rnea_function *f,
-	struct rnea_error *e)
+enum rnea_code relay_find(struct relay *r, const struct device *d, void *module, const struct source *s,
+	const struct rnea_function *f, struct rnea_error *e)
 {
 	r->warps = 0;
 	if (!f->relay_warps)
@@ -43,8 +43,8 @@ static size_t blocks_of(size_t count, size_t samples)
 	return blocks ? blocks : 1;
 }
 
-enum rnea_code relay_start(const struct relay *r, const struct device *d, unsigned block, void **parameters, size_t count, void *stream,
-	struct rnea_error *e)
+enum rnea_code relay_start(const struct relay *r, const struct device *d, unsigned block, void **parameters, size_t count,
+	void *stream, struct rnea_error *e)
 {
 	return device_launch(d, &r->start, (unsigned)blocks_of(count, block), 1, block, parameters, stream, e);
 }

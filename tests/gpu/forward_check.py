@@ -22,6 +22,9 @@ CASES = [
     ("panda", 8, 8, "f64", ["--strict"], ["qdd", "Minv"], 0),
     ("iiwa14", 7, 7, "f32", ["--strict", "--refine", "1:f64"], ["qdd"], 0),
     ("atlas", 30, 30, "f32", ["--strict", "--dynamics", "articulated"], ["qdd"], 0),
+    # relays: three kernels of one launch
+    ("hyq", 19, 18, "f64", ["--base", "floating"], ["qdd", "dqdd_dq", "dqdd_dqd"], 1e-12),
+    ("atlas", 30, 30, "f64", [], ["qdd", "dqdd_dq", "dqdd_dqd"], 1e-11),
 ]
 
 
@@ -69,8 +72,8 @@ def check(folder, work, case):
     return (good and check_bounds(folder, work, robot, given, gpu)) if "qdd_bound" in wanted else good
 
 
-def sanitize(folder, work, robot, nv, options, wanted):
-    given, good = states(np.random.default_rng(SEED), nv, nv, np.float32, 300), True
+def sanitize(folder, work, robot, nq, nv, options, wanted):
+    given, good = states(np.random.default_rng(SEED), nq, nv, np.float32, 300), True
     for tool in ("memcheck", "racecheck", "initcheck"):
         before = ["compute-sanitizer", "--tool", tool, "--error-exitcode", "9"]
         clean = evaluate(folder, work, "cuda", robot, [*options, "--precision", "f32"], given, wanted, before) is not None
@@ -83,8 +86,9 @@ def main():
     folder = os.path.abspath(sys.argv[1])
     with tempfile.TemporaryDirectory() as work:
         good = [check(folder, work, case) for case in CASES]
-        good.append(sanitize(folder, work, "atlas", 30, ["--dynamics", "articulated"], ["qdd"]))
-        good.append(sanitize(folder, work, "iiwa14", 7, ["--refine", "1"], ["qdd", "qdd_bound", "dqdd_dq"]))
+        good.append(sanitize(folder, work, "atlas", 30, 30, ["--dynamics", "articulated"], ["qdd"]))
+        good.append(sanitize(folder, work, "iiwa14", 7, 7, ["--refine", "1"], ["qdd", "qdd_bound", "dqdd_dq"]))
+        good.append(sanitize(folder, work, "hyq", 19, 18, ["--base", "floating"], ["qdd", "dqdd_dq", "dqdd_dqd"]))
     print(f"seed {SEED}: {len(good) - sum(good)} failures")
     return 0 if all(good) else 1
 

@@ -6,8 +6,8 @@
 #include <string.h>
 
 /* Operations of the one kernel. H100, half a million samples, ns each, in one kernel and in a relay: floating hyq, 19000,
-   f32 2.6 and 2.6, f64 14.3 and 4.7; atlas, 34000, f32 5.7 and 4.5, f64 24.7 and 12.5; 1024 samples, us: hyq 27.6 and 24.2,
-   45.5 and 35.0, atlas 28.3 and 40.0, 63 and 58. Nothing smaller was tried. */
+   f32 2.6 and 2.5, f64 14.3 and 4.7; atlas, 34000, f32 5.7 and 4.4, f64 24.7 and 9.6; 1024 samples, us: hyq 27.6 and 22.7,
+   45.3 and 30.9, atlas 28.1 and 35.9, 63 and 49.7. Nothing smaller was tried. */
 enum { LEAST_OPERATIONS = 12000, LEAST_SINGLE = 60000 };
 
 /* Shared memory of a multiprocessor (sm_90); warps of 255 registers that it has room for; shared memory that a block may
