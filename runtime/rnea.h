@@ -197,8 +197,9 @@ struct rnea_function {
 	/* A relay: rnea_launch and rnea_run launch three kernels with the same parameters, one after the other. The function's own, which
 	   may have limbs, is the second. The first is NAME_FUNCTION_start_kernel, in blocks as long as the second's. The third is
 	   NAME_FUNCTION_solve_kernel: a block is of 32 relay_warps threads with relay_bytes bytes of shared memory given, and does 32
-	   samples; the blocks along y share its work, and any number of them is right. */
+	   samples; the blocks along y share its work, and any number of them is right; it is fast where all blocks run at once. */
 	unsigned relay_warps; /* 0: there is one kernel */
+	unsigned relay_room;  /* blocks of the third that an H100 runs at once */
 	size_t relay_bytes;
 };
 

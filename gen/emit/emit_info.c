@@ -63,7 +63,7 @@ static void put_function(const struct emission *e, const struct pass *p, struct 
 	if (is_main && e->part_count > 1)
 		text_printf(out, "parts %d\n", e->part_count);
 	if (is_main && e->relay)
-		text_printf(out, "relay %d %d\n", emit_relay_bytes(e), e->relay->warps);
+		text_printf(out, "relay %d %d %d\n", emit_relay_bytes(e), e->relay->warps, e->relay->room);
 	if (is_main && emit_has_limbs(e))
 		text_printf(out, "limbs %d %d %d %u\n", emit_limbs_of(e)->warps, emit_limbs_of(e)->groups, emit_limbs_bytes(e),
 			emit_limbs_of(e)->most);

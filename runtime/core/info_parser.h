@@ -8,7 +8,7 @@
 /* Who knows nothing of parts, of functions, or of relays must not launch a text that has them: each was a version more. */
 enum { VERSION = 1, VERSION_PARTS = 2, VERSION_FUNCTIONS = 3, VERSION_RELAY = 4, BLOCK_LIMIT = 1024, PARTS_LIMIT = 65535,
 	STAGE_LIMIT = 48 << 10, SAMPLES_LIMIT = 32, LIMBS_LIMIT = 16, GROUPS_LIMIT = 4, RELAY_LIMIT = 32,
-	GIVEN_LIMIT = 227 << 10 };
+	GIVEN_LIMIT = 227 << 10, ROOM_LIMIT = 1 << 16 };
 
 /* The keys that stand once: in the text; from KEY_OPERATIONS on for each function. */
 enum key {

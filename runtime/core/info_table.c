@@ -65,6 +65,15 @@ static enum rnea_code read_limbs(struct parser *p)
 	return words_number(&p->w, &f->limb_most, 1, SIZE_MAX / 2);
 }
 
+static enum rnea_code read_relay(struct parser *p)
+{
+	struct rnea_function *f = p->f;
+
+	if (words_number(&p->w, &f->relay_bytes, 1, GIVEN_LIMIT) || read_count(p, &f->relay_warps, 1, RELAY_LIMIT))
+		return p->w.error->code;
+	return read_count(p, &f->relay_room, 1, ROOM_LIMIT);
+}
+
 static enum rnea_code read_value(struct parser *p, enum key key)
 {
 	struct rnea_info *info = p->info;
@@ -107,8 +116,7 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 	case KEY_LIMBS:
 		return read_limbs(p);
 	case KEY_RELAY:
-		words_number(&p->w, &p->f->relay_bytes, 1, GIVEN_LIMIT);
-		return read_count(p, &p->f->relay_warps, 1, RELAY_LIMIT);
+		return read_relay(p);
 	case KEY_COUNT:
 		break;
 	}

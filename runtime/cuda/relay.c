@@ -33,6 +33,7 @@ enum rnea_code relay_find(struct relay *r, const struct device *d, void *module,
 		return e->code;
 	r->solve.given_bytes = f->relay_bytes;
 	r->warps = f->relay_warps;
+	r->room = f->relay_room;
 	return RNEA_OK;
 }
 
@@ -52,7 +53,7 @@ enum rnea_code relay_start(const struct relay *r, const struct device *d, unsign
 enum rnea_code relay_solve(const struct relay *r, const struct device *d, void **parameters, size_t count, void *stream,
 	struct rnea_error *e)
 {
-	size_t groups = blocks_of(count, RELAY_LANES), along = ENOUGH_BLOCKS / groups;
+	size_t groups = blocks_of(count, RELAY_LANES), along = r->room / groups;
 
 	along = along > MOST_ALONG ? MOST_ALONG : along ? along : 1;
 	return device_launch(d, &r->solve, (unsigned)groups, (unsigned)along, RELAY_LANES * r->warps, parameters, stream, e);

@@ -92,14 +92,15 @@ int bench_gpu_driver(const struct bench_gpu *g)
 	return g->device.version;
 }
 
-void *bench_gpu_copy(struct bench_gpu *g, const void *array, size_t size, struct rnea_error *e)
+void *bench_gpu_array(struct bench_gpu *g, const void *from, size_t size, struct rnea_error *e)
 {
 	unsigned long long address = 0;
-	int status;
+	int status = 0;
 
 	if (device_alloc(&g->device, size, &address, e))
 		return NULL;
-	status = g->timing.copy(address, array, size);
+	if (from)
+		status = g->timing.copy(address, from, size);
 	if (!status)
 		return (void *)(uintptr_t)address;
 	device_failed(&g->device, status, "cuMemcpyHtoD", e);

@@ -10,8 +10,8 @@ enum rnea_code bench_gpu_open(struct bench_gpu **g, int device, struct rnea_erro
 void bench_gpu_close(struct bench_gpu *g);
 int bench_gpu_driver(const struct bench_gpu *g);
 
-/* A copy of an array on the device; NULL on failure. bench_gpu_free may be given NULL. */
-void *bench_gpu_copy(struct bench_gpu *g, const void *array, size_t size, struct rnea_error *e);
+/* An array on the device, a copy where `from` is not NULL; NULL on failure. bench_gpu_free may be given NULL. */
+void *bench_gpu_array(struct bench_gpu *g, const void *from, size_t size, struct rnea_error *e);
 void bench_gpu_free(struct bench_gpu *g, void *array);
 
 /* A graph of `launches` launches over the sets in turn; `sets` has `set_count` arrays of pointers. NULL on failure. */

@@ -51,7 +51,7 @@ static void fill(struct arrays *a, const struct judge *j, const struct argument 
 	for (size_t k = 0; k < drawn; k++) {
 		const double *x = draw_rows(&j->inputs, from, k);
 
-		for (size_t r = 0; x && r < rows; r++)
+		for (size_t r = 0; r < rows; r++)
 			put(a, i, from->per_batch ? r : place(a, i, r, k), x[r]);
 	}
 	if (a->aos)
@@ -60,7 +60,7 @@ static void fill(struct arrays *a, const struct judge *j, const struct argument 
 		repeat((char *)a->data[i] + r * count * size, drawn * size, count * size);
 }
 
-/* `count` samples. Returns 0 when memory runs out. */
+/* `count` samples; outputs are zero, and take no memory before they are written. Returns 0 when memory runs out. */
 static int arrays_fill(struct arrays *a, const struct judge *j, const struct dag *d, enum rneagen_layout layout, size_t count)
 {
 	*a = (struct arrays){.count = count, .f32 = judge_is_f32(j->precision), .aos = layout == RNEAGEN_AOS};
@@ -73,7 +73,8 @@ static int arrays_fill(struct arrays *a, const struct judge *j, const struct dag
 			arrays_free(a);
 			return 0;
 		}
-		fill(a, j, x, i);
+		if (!x->is_output)
+			fill(a, j, x, i);
 	}
 	return 1;
 }

@@ -10,9 +10,9 @@
    45.3 and 30.9, atlas 28.1 and 35.9, 63 and 49.7. Nothing smaller was tried. */
 enum { LEAST_OPERATIONS = 12000, LEAST_SINGLE = 60000 };
 
-/* Shared memory of a multiprocessor (sm_90); warps of 255 registers that it has room for; shared memory that a block may
+/* Multiprocessors (H100), shared memory of each; warps of 255 registers that it has room for; shared memory that a block may
    have on all GPUs since sm_80. */
-enum { MULTIPROCESSOR_BYTES = 227 << 10, WARPS = 8, BLOCK_BYTES = 99 << 10 };
+enum { MULTIPROCESSORS = 132, MULTIPROCESSOR_BYTES = 227 << 10, WARPS = 8, BLOCK_BYTES = 99 << 10 };
 
 /* Which kernel writes an output. */
 enum { START, COLUMNS, SOLVE, KERNELS };
@@ -149,12 +149,18 @@ int relay_bytes(const struct relay *r, const struct rneagen_options *o)
 	return r->solve.pass.segments.slots[0] * stage_number_bytes(o) * WARP_THREADS;
 }
 
-/* As many as keep the registers of a multiprocessor busy, where shared memory has room for few blocks. */
-static int warps_of(const struct relay *r, const struct rneagen_options *o)
+/* As many warps as keep the registers of a multiprocessor busy, where shared memory has room for few blocks. Blocks along y beyond
+   those that run at once wait (H100, 1024 samples, us, 8, 16 and 32 along y, of which 24 have room: atlas in f64 52.3, 49.7
+   and 58.7; where 8 have room, floating atlas in f64: 168, 222 with 16). */
+static void set_grid(struct relay *r, const struct rneagen_options *o)
 {
 	int blocks = MULTIPROCESSOR_BYTES / (relay_bytes(r, o) + 1024);
 
-	return relay_bytes(r, o) > BLOCK_BYTES ? 0 : blocks > WARPS ? 1 : WARPS / blocks;
+	r->warps = relay_bytes(r, o) > BLOCK_BYTES ? 0 : blocks > WARPS ? 1 : WARPS / blocks;
+	if (!r->warps)
+		return;
+	r->blocks = WARPS / r->warps;
+	r->room = MULTIPROCESSORS * (blocks < r->blocks ? blocks : r->blocks);
 }
 
 /* Each loop has a segment of its own, which reads nothing but columns and what goes across; and there are columns. */
@@ -183,11 +189,9 @@ static struct relay *make(struct dag *columns, const struct parts_of *x, struct 
 		a->failed = 1;
 		return NULL;
 	}
-	r->warps = is_closed(r) ? warps_of(r, x->options) : 0;
-	if (!r->warps)
-		return NULL;
-	r->blocks = WARPS / r->warps;
-	return r;
+	if (is_closed(r))
+		set_grid(r, x->options);
+	return r->warps ? r : NULL;
 }
 
 enum rneagen_code relay_or_parts(struct relay **relay, struct part **parts, int *count, const struct parts_of *x, struct arena *a,
