@@ -194,9 +194,12 @@ static enum rneagen_code choose_for_kernel(struct generation *g,
 
 static enum rneagen_code limbs_make_all(struct generation *g)
 {
-	enum rneagen_code code = choose_for_kernel(g, windows_choose);
+	struct analysis *a = &g->analysis;
+	struct pass *start = g->relay ? &g->relay->start.pass : NULL;
 
-	return code ? code : choose_for_kernel(g, limbs_choose);
+	if (choose_for_kernel(g, windows_choose) || choose_for_kernel(g, limbs_choose))
+		return a->error->code;
+	return !start || limbs_choose(&start, 1, &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }
 
 static enum rneagen_code warn(struct generation *g)
@@ -225,14 +228,11 @@ static struct emission new_emission(struct generation *g, const char *told)
 	struct analysis *a = &g->analysis;
 
 	return (struct emission){.tree = &a->tree, .request = &a->request,
-		.scene = &a->scene, .adjust = &a->adjust,
-		.options = &a->options,
+		.scene = &a->scene, .adjust = &a->adjust, .options = &a->options,
 		.passes = g->passes, .pass_count = function_count(g),
 		.parts = g->parts, .part_count = g->part_count, .relay = g->relay,
-		.warnings = g->result->warnings,
-		.warning_count = g->result->warning_count,
-		.told = told,
-		.hash = g->hash,
+		.warnings = g->result->warnings, .warning_count = g->result->warning_count,
+		.told = told, .hash = g->hash,
 		.written = arena_alloc(a->arena, EMIT_WRITTEN, sizeof(struct written_number)),
 		.arena = a->arena, .error = a->error};
 }

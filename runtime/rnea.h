@@ -169,6 +169,16 @@ struct rnea_matrix {
 	const int *row, *col;
 };
 
+/* A kernel for small batches with the parameters of the one whose place it takes: rnea_launch and rnea_run choose. A block is of
+   32 warps groups threads with groups bytes of shared memory given, and does 32 groups samples; groups is from 1 to `groups`, 1 for
+   up to 32 samples. */
+struct rnea_limbs {
+	unsigned warps;  /* that share out each sample; 0: there is no such kernel, or it did not compile */
+	unsigned groups;
+	size_t bytes;    /* of a group of 32 samples */
+	size_t most;     /* samples of a batch up to which it is faster */
+};
+
 /* One function of the text, by which rnea_launch_kernel launches it. A text without a scene has "rnea", tau = ID(q, qd, qdd),
    and its halves: "fpass", q, qd, qdd -> v, a, f, the twists, accelerations and wrenches of the bodies, 6 nb rows each; and
    "bpass", q, f -> tau. A text with inputs or outputs of a scene's has "rnea" alone. */
@@ -186,14 +196,7 @@ struct rnea_function {
 	size_t across_bytes;
 	unsigned most_samples; /* of such a kernel: samples that a thread takes at most, as far as they have room. A grid of any size is
 				  right; the fewer blocks, the more samples each thread takes. 1 of all other kernels */
-	/* The kernel NAME_FUNCTION_limbs, with the same parameters, is faster for small batches: rnea_launch and
-	   rnea_run take it. A block is of 32 limbs groups threads with limb_bytes groups bytes of shared memory given,
-	   and does 32 groups samples; groups is from 1 to limb_groups, 1 for up to 32 samples; along y the grid has
-	   `parts`. */
-	unsigned limbs;       /* warps that share out each sample; 0: there is no such kernel, or it did not compile */
-	unsigned limb_groups;
-	size_t limb_bytes;    /* of a group of 32 samples */
-	size_t limb_most;     /* samples of a batch up to which it is faster */
+	struct rnea_limbs limbs; /* of the kernel NAME_FUNCTION_limbs; along y its grid has `parts` */
 	/* A relay: rnea_launch and rnea_run launch three kernels with the same parameters, one after the other. The function's own, which
 	   may have limbs, is the second. The first is NAME_FUNCTION_start_kernel, in blocks as long as the second's. The third is
 	   NAME_FUNCTION_solve_kernel: a block is of 32 relay_warps threads with relay_bytes bytes of shared memory given, and does 32
@@ -201,6 +204,7 @@ struct rnea_function {
 	unsigned relay_warps; /* 0: there is one kernel */
 	unsigned relay_room;  /* blocks of the third that an H100 runs at once */
 	size_t relay_bytes;
+	struct rnea_limbs start_limbs; /* of the kernel NAME_FUNCTION_start_limbs, which takes the place of the first */
 };
 
 /* The parsed table. Every pointer belongs to the robot that it was asked of and is valid until rnea_close. What stands here of

@@ -187,13 +187,16 @@ int emit_segments_samples(const struct emission *e);
 int emit_segments_block(const struct emission *e, const struct pass *p);
 void emit_segments_kernel(const struct emission *e, const struct pass *p, struct text *out);
 
-/* CUDA: the kernel of small batches, whose warps share out each sample, where there is one; what launches it; what is to be known
-   of it, of warps, groups and samples, and the bytes of shared memory of a group. */
+/* CUDA: the kernel of small batches, whose warps share out each sample, where there is one, with that of a relay's first kernel; what
+   launches them; what is to be known of them, of warps, groups and samples (of the relay's: NULL where there is none), and the
+   bytes of shared memory of a group. */
 int emit_has_limbs(const struct emission *e);
 void emit_limbs(const struct emission *e, struct text *out);
 const char *emit_launch_limbs(const struct emission *e);
+const char *emit_launch_start_limbs(const struct emission *e);
 const struct limbs *emit_limbs_of(const struct emission *e);
-int emit_limbs_bytes(const struct emission *e);
+const struct limbs *emit_start_limbs(const struct emission *e);
+int emit_limbs_bytes(const struct emission *e, const struct limbs *s);
 
 /* The body that calls the parts'; one call in it, with its own arguments and `more` after the stride. */
 void emit_dispatcher(const struct emission *e, struct text *out);

@@ -262,6 +262,14 @@ static void put_relay(const struct emission *e, struct text *out)
 		name, pass, name, pass, name, pass, name, pass, e->relay->warps);
 }
 
+static void put_limbs(const struct emission *e, const char *start, const struct limbs *s, struct text *out)
+{
+	const char *name = e->options->name, *pass = emit_main(e)->algorithm->name;
+
+	text_printf(out, " * Up to %u samples %s_%s_launch takes the kernel %s_%s_%slimbs, whose %d warps share out each sample.\n", s->most,
+		name, pass, name, pass, start, s->warps);
+}
+
 static void put_operations(const struct emission *e, struct text *out)
 {
 	for (int i = 0; i < e->pass_count; i++) {
@@ -288,9 +296,9 @@ static void put_operations(const struct emission *e, struct text *out)
 		text_printf(out, " * The %s kernel is in %d parts: its grid has as many along y, each for the elements of some joints.\n",
 			emit_main(e)->algorithm->name, e->part_count);
 	if (emit_has_limbs(e))
-		text_printf(out, " * Up to %u samples %s_%s_launch takes the kernel %s_%s_limbs, whose %d warps share out each sample.\n",
-			emit_limbs_of(e)->most, e->options->name, emit_main(e)->algorithm->name, e->options->name,
-			emit_main(e)->algorithm->name, emit_limbs_of(e)->warps);
+		put_limbs(e, "", emit_limbs_of(e), out);
+	if (emit_start_limbs(e))
+		put_limbs(e, "start_", emit_start_limbs(e), out);
 }
 
 void emit_banner(const struct emission *e, struct text *out)

@@ -37,6 +37,11 @@ void emit_info_name(const char *s, struct text *out)
 	text_putc(out, '\n');
 }
 
+static void put_limbs(const struct emission *e, const char *key, const struct limbs *s, struct text *out)
+{
+	text_printf(out, "%s %d %d %d %u\n", key, s->warps, s->groups, emit_limbs_bytes(e, s), s->most);
+}
+
 /* A function of the table: what it takes and gives, and what it costs. Only the first has matrices, stages or is in parts. */
 static void put_function(const struct emission *e, const struct pass *p, struct text *out)
 {
@@ -65,8 +70,9 @@ static void put_function(const struct emission *e, const struct pass *p, struct 
 	if (is_main && e->relay)
 		text_printf(out, "relay %d %d %d\n", emit_relay_bytes(e), e->relay->warps, e->relay->room);
 	if (is_main && emit_has_limbs(e))
-		text_printf(out, "limbs %d %d %d %u\n", emit_limbs_of(e)->warps, emit_limbs_of(e)->groups, emit_limbs_bytes(e),
-			emit_limbs_of(e)->most);
+		put_limbs(e, "limbs", emit_limbs_of(e), out);
+	if (is_main && emit_start_limbs(e))
+		put_limbs(e, "start_limbs", emit_start_limbs(e), out);
 }
 
 /* What knows no relays is not to launch one of its kernels alone. */

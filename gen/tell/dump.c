@@ -60,4 +60,6 @@ void dump_limbs(const struct dumped *d, struct text *out)
 		limbs_dump(&d->parts[i].pass, out);
 	if (!d->part_count)
 		limbs_dump(d->passes, out);
+	if (d->relay)
+		limbs_dump(&d->relay->start.pass, out);
 }

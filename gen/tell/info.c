@@ -33,6 +33,18 @@ static void put_body(const struct tree *t, const struct body *k, struct text *ou
 	text_putc(out, '\n');
 }
 
+static void put_limbs(const char *what, const struct limbs *s, struct text *out)
+{
+	text_printf(out, "\n%s: up to %u samples %d warps share out each, the longest %u of %u operations\n", what, s->most, s->warps,
+		s->longest, s->whole);
+}
+
+static void put_limbs_json(const struct emission *e, const char *key, const struct limbs *s, struct text *out)
+{
+	text_printf(out, "  \"%s\": {\"warps\": %d, \"groups\": %d, \"bytes\": %d, \"most\": %u},\n", key, s->warps, s->groups,
+		emit_limbs_bytes(e, s), s->most);
+}
+
 static void put_operations(const struct emission *e, struct text *out)
 {
 	text_put(out, "\noperations       mul    add    sub    neg    fma sincos  flops\n");
@@ -47,8 +59,9 @@ static void put_operations(const struct emission *e, struct text *out)
 	}
 	parts_put_table(e, out);
 	if (emit_has_limbs(e))
-		text_printf(out, "\nlimbs: up to %u samples %d warps share out each, the longest %u of %u operations\n",
-			emit_limbs_of(e)->most, emit_limbs_of(e)->warps, emit_limbs_of(e)->longest, emit_limbs_of(e)->whole);
+		put_limbs("limbs", emit_limbs_of(e), out);
+	if (emit_start_limbs(e))
+		put_limbs("limbs of the start", emit_start_limbs(e), out);
 }
 
 void info_table(const struct info *x, struct text *out)
@@ -161,8 +174,9 @@ void info_json(const struct info *x, struct text *out)
 	if (e->target->kernel)
 		text_printf(out, "  \"block\": %d,\n  \"stage_bytes\": %d,\n", emit_block_size(e), emit_stage_bytes(e));
 	if (emit_has_limbs(e))
-		text_printf(out, "  \"limbs\": {\"warps\": %d, \"groups\": %d, \"bytes\": %d, \"most\": %u},\n",
-			emit_limbs_of(e)->warps, emit_limbs_of(e)->groups, emit_limbs_bytes(e), emit_limbs_of(e)->most);
+		put_limbs_json(e, "limbs", emit_limbs_of(e), out);
+	if (emit_start_limbs(e))
+		put_limbs_json(e, "start_limbs", emit_start_limbs(e), out);
 	text_put(out, "  \"warnings\": [");
 	for (size_t i = 0; i < e->warning_count; i++) {
 		text_put(out, i ? ",\n    " : "\n    ");

@@ -29,6 +29,7 @@ enum key {
 	KEY_SEGMENTS,
 	KEY_LIMBS,
 	KEY_RELAY,
+	KEY_START_LIMBS,
 	KEY_COUNT
 };
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 static const char *const keys[KEY_COUNT] = {"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv",
-	"nb", "block", "kernels", "operations", "parts", "stage", "segments", "limbs", "relay"};
+	"nb", "block", "kernels", "operations", "parts", "stage", "segments", "limbs", "relay", "start_limbs"};
 
 static enum rnea_code read_joint(struct parser *p)
 {
@@ -55,14 +55,12 @@ static enum rnea_code read_count(struct parser *p, unsigned *value, size_t least
 	return p->w.error->code;
 }
 
-static enum rnea_code read_limbs(struct parser *p)
+static enum rnea_code read_limbs(struct parser *p, struct rnea_limbs *l)
 {
-	struct rnea_function *f = p->f;
-
-	if (read_count(p, &f->limbs, 2, LIMBS_LIMIT) || read_count(p, &f->limb_groups, 1, GROUPS_LIMIT) ||
-		words_number(&p->w, &f->limb_bytes, 0, STAGE_LIMIT / f->limb_groups))
+	if (read_count(p, &l->warps, 2, LIMBS_LIMIT) || read_count(p, &l->groups, 1, GROUPS_LIMIT) ||
+		words_number(&p->w, &l->bytes, 0, STAGE_LIMIT / l->groups))
 		return p->w.error->code;
-	return words_number(&p->w, &f->limb_most, 1, SIZE_MAX / 2);
+	return words_number(&p->w, &l->most, 1, SIZE_MAX / 2);
 }
 
 static enum rnea_code read_relay(struct parser *p)
@@ -114,7 +112,9 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 		words_number(&p->w, &p->f->across_bytes, 1, SIZE_MAX / 2048);
 		return read_count(p, &p->f->most_samples, 1, SAMPLES_LIMIT);
 	case KEY_LIMBS:
-		return read_limbs(p);
+		return read_limbs(p, &p->f->limbs);
+	case KEY_START_LIMBS:
+		return read_limbs(p, &p->f->start_limbs);
 	case KEY_RELAY:
 		return read_relay(p);
 	case KEY_COUNT:
@@ -353,6 +353,5 @@ void rnea_info_without_limbs(struct rnea_info *info)
 {
 	struct rnea_function *f = info->memory; /* which begins with them */
 
-	f->limbs = f->limb_groups = 0;
-	f->limb_bytes = f->limb_most = 0;
+	f->limbs = f->start_limbs = (struct rnea_limbs){0};
 }

@@ -262,10 +262,12 @@ static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
 		return e->code;
 	for (size_t i = 0; i < c->info->function_count && !e->code; i++)
 		device_launch(&c->device, &c->kernels[i], 1, 1, c->block, parameters, stream, e);
-	if (c->relay.warps && !e->code && !relay_start(&c->relay, &c->device, c->block, parameters, 0, stream, e))
+	if (c->relay.warps && !e->code && !device_launch(&c->device, &c->relay.start, 1, 1, c->block, parameters, stream, e))
 		relay_solve(&c->relay, &c->device, parameters, 0, stream, e);
-	if (c->limbs.module && !e->code)
-		device_launch(&c->device, &c->limbs.one, 1, 1, LIMBS_LANES * c->limbs.warps, parameters, stream, e);
+	if (c->limbs.own.info.warps && !e->code)
+		limbs_launch(&c->limbs.own, &c->device, 1, parameters, 0, stream, e);
+	if (c->limbs.start.info.warps && !e->code)
+		limbs_launch(&c->limbs.start, &c->device, 1, parameters, 0, stream, e);
 	return device_finish(&c->device, stream, e);
 }
 
@@ -333,29 +335,35 @@ static size_t samples_of_block(const struct rnea_function *f, unsigned block, si
 	return block * (most ? most : 1);
 }
 
-/* What a launch is of. */
-struct shape {
-	const struct device_kernel *kernel;
-	size_t samples; /* of a block */
-	unsigned threads;
-};
-
-static struct shape shape_of(const struct driver *c, size_t function, size_t count)
+static unsigned grid_of(size_t count, size_t samples)
 {
-	const struct limbs *l = &c->limbs;
-	unsigned groups = count <= LIMBS_LANES ? 1 : l->groups;
+	return (unsigned)(count / samples + (count % samples != 0));
+}
 
-	if (function == 0 && count <= l->most)
-		return (struct shape){groups == 1 ? &l->one : &l->all, groups * LIMBS_LANES, groups * LIMBS_LANES * l->warps};
-	return (struct shape){&c->kernels[function], samples_of_block(&c->info->functions[function], c->block, count), c->block};
+static enum rnea_code launch_own(const struct driver *c, size_t function, void **parameters, size_t count, void *stream,
+	struct rnea_error *e)
+{
+	const struct rnea_function *f = &c->info->functions[function];
+
+	if (function == 0 && count <= c->limbs.own.info.most)
+		return limbs_launch(&c->limbs.own, &c->device, f->parts, parameters, count, stream, e);
+	return device_launch(&c->device, &c->kernels[function], grid_of(count, samples_of_block(f, c->block, count)), f->parts,
+		c->block, parameters, stream, e);
+}
+
+/* A relay's first kernel. */
+static enum rnea_code launch_start(const struct driver *c, void **parameters, size_t count, void *stream, struct rnea_error *e)
+{
+	if (count <= c->limbs.start.info.most)
+		return limbs_launch(&c->limbs.start, &c->device, 1, parameters, count, stream, e);
+	return device_launch(&c->device, &c->relay.start, grid_of(count, c->block), 1, c->block, parameters, stream, e);
 }
 
 enum rnea_code driver_launch(const struct driver *c, size_t function, void *const *arrays, size_t count, void *stream,
 	struct rnea_error *e)
 {
 	const struct rnea_function *f = &c->info->functions[function];
-	struct shape s = shape_of(c, function, count);
-	size_t grid = count / s.samples + (count % s.samples != 0), n = f->input_count + f->output_count;
+	size_t n = f->input_count + f->output_count;
 	void *parameters[RNEA_ARGUMENT_LIMIT + 1];
 	int pushed, has_relay = function == 0 && c->relay.warps;
 
@@ -366,9 +374,9 @@ enum rnea_code driver_launch(const struct driver *c, size_t function, void *cons
 	if (device_enter(&c->device, &pushed, e))
 		return e->code;
 	if (has_relay)
-		relay_start(&c->relay, &c->device, c->block, parameters, count, stream, e);
+		launch_start(c, parameters, count, stream, e);
 	if (!e->code)
-		device_launch(&c->device, s.kernel, (unsigned)grid, f->parts, s.threads, parameters, stream, e);
+		launch_own(c, function, parameters, count, stream, e);
 	if (has_relay && !e->code)
 		relay_solve(&c->relay, &c->device, parameters, count, stream, e);
 	device_leave(&c->device, pushed);

@@ -1,5 +1,6 @@
 #include "cuda/limbs.h"
 #include "core/info_table.h"
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -58,21 +59,32 @@ static int load(struct limbs *l, struct limbs_build *b, const struct device *d)
 	return load_image(l, b, d);
 }
 
-static int find(struct limbs *l, const struct device *d, const struct source *s, const struct rnea_function *f)
+static int find(struct limbs_kernel *l, void *module, const struct device *d, const struct source *s, const char *function,
+	const struct rnea_limbs *info)
 {
 	struct rnea_error ignored = {0};
 
-	source_symbol(s->name, f->name, "limbs", l->one.name);
-	if (device_find(d, l->module, &l->one, 0, &ignored) || !l->one.function ||
-		l->one.resources.max_block < LIMBS_LANES * f->limbs * f->limb_groups)
+	source_symbol(s->name, function, "limbs", l->one.name);
+	if (device_find(d, module, &l->one, 0, &ignored) || !l->one.function ||
+		l->one.resources.max_block < LIMBS_LANES * info->warps * info->groups)
 		return 0;
 	l->all = l->one;
-	l->one.given_bytes = f->limb_bytes;
-	l->all.given_bytes = f->limb_bytes * f->limb_groups;
-	l->warps = f->limbs;
-	l->groups = f->limb_groups;
-	l->most = f->limb_most;
+	l->one.given_bytes = info->bytes;
+	l->all.given_bytes = info->bytes * info->groups;
+	l->info = *info;
 	return 1;
+}
+
+static int find_all(struct limbs *l, const struct device *d, const struct source *s, const struct rnea_function *f)
+{
+	char start[SOURCE_NAME_LIMIT];
+
+	if (!find(&l->own, l->module, d, s, f->name, &f->limbs))
+		return 0;
+	if (!f->start_limbs.warps)
+		return 1;
+	snprintf(start, sizeof start, "%s_start", f->name);
+	return find(&l->start, l->module, d, s, start, &f->start_limbs);
 }
 
 void limbs_load(struct limbs *l, struct limbs_build *b, const struct device *d, struct rnea_info *info)
@@ -80,7 +92,7 @@ void limbs_load(struct limbs *l, struct limbs_build *b, const struct device *d, 
 	const struct rnea_function *f = info->functions;
 
 	memset(l, 0, sizeof *l);
-	if (f->limbs && b->request.source && load(l, b, d) && find(l, d, b->request.source, f))
+	if (f->limbs.warps && b->request.source && load(l, b, d) && find_all(l, d, b->request.source, f))
 		return;
 	device_unload(d, l->module);
 	memset(l, 0, sizeof *l);
@@ -93,4 +105,14 @@ void limbs_end(struct limbs_build *b)
 	image_free(&b->image);
 	free(b->key);
 	memset(b, 0, sizeof *b);
+}
+
+enum rnea_code limbs_launch(const struct limbs_kernel *l, const struct device *d, unsigned parts, void **parameters, size_t count,
+	void *stream, struct rnea_error *e)
+{
+	unsigned groups = count <= LIMBS_LANES ? 1 : l->info.groups, samples = groups * LIMBS_LANES;
+	size_t grid = count / samples + (count % samples != 0);
+
+	return device_launch(d, groups == 1 ? &l->one : &l->all, grid ? (unsigned)grid : 1, parts, samples * l->info.warps, parameters,
+		stream, e);
 }

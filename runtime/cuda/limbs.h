@@ -1,7 +1,8 @@
 #ifndef RNEA_LIMBS_H
 #define RNEA_LIMBS_H
-/* The kernel of small batches: a program of its own, compiled beside the other kernels. A robot without it runs all the
-   same: what fails here is no failure of its opening, and the info then tells of no such kernel. */
+/* The kernels of small batches, the first function's and that of its relay: a program of their own, compiled beside the other
+   kernels. A robot without it runs all the same: what fails here is no failure of its opening, and the info then tells of no such
+   kernels. */
 
 #include "cuda/device.h"
 #include "cuda/image.h"
@@ -20,11 +21,14 @@ struct limbs_build {
 	int has_thread, cached;
 };
 
+struct limbs_kernel {
+	struct device_kernel one, all; /* the same kernel, given shared memory for one group of samples, and for all of a block */
+	struct rnea_limbs info;
+};
+
 struct limbs {
 	void *module; /* NULL: there is none */
-	struct device_kernel one, all; /* the same kernel, given shared memory for one group of samples, and for all of a block */
-	unsigned warps, groups;
-	size_t most; /* samples of a batch up to which it is launched */
+	struct limbs_kernel own, start;
 };
 
 /* Begin, where the text has such a kernel; *r, and what it points to, must live until limbs_end. Returns whether it has. */
@@ -32,6 +36,10 @@ int limbs_begin(struct limbs_build *b, const struct image_request *r);
 
 /* Wait for it, load it, and find what *info says of it; where that fails, *info says no more. The context must be current. */
 void limbs_load(struct limbs *l, struct limbs_build *b, const struct device *d, struct rnea_info *info);
+
+/* Launch one of them, with so many blocks along y. Without samples it does nothing. */
+enum rnea_code limbs_launch(const struct limbs_kernel *l, const struct device *d, unsigned parts, void **parameters, size_t count,
+	void *stream, struct rnea_error *e);
 
 /* Wait for it, and free what it took. */
 void limbs_end(struct limbs_build *b);

@@ -44,12 +44,6 @@ static size_t blocks_of(size_t count, size_t samples)
 	return blocks ? blocks : 1;
 }
 
-enum rnea_code relay_start(const struct relay *r, const struct device *d, unsigned block, void **parameters, size_t count,
-	void *stream, struct rnea_error *e)
-{
-	return device_launch(d, &r->start, (unsigned)blocks_of(count, block), 1, block, parameters, stream, e);
-}
-
 enum rnea_code relay_solve(const struct relay *r, const struct device *d, void **parameters, size_t count, void *stream,
 	struct rnea_error *e)
 {

@@ -19,9 +19,7 @@ struct relay {
 enum rnea_code relay_find(struct relay *r, const struct device *d, void *module, const struct source *s, const struct rnea_function *f,
 	struct rnea_error *e);
 
-/* Launch the first in blocks of `block` threads; launch the third. Without samples they do nothing. */
-enum rnea_code relay_start(const struct relay *r, const struct device *d, unsigned block, void **parameters, size_t count, void *stream,
-	struct rnea_error *e);
+/* Launch the third. Without samples it does nothing. */
 enum rnea_code relay_solve(const struct relay *r, const struct device *d, void **parameters, size_t count, void *stream,
 	struct rnea_error *e);
 

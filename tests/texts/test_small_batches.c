@@ -59,7 +59,7 @@ static unsigned expected_threads(const struct rnea_info *info, size_t count)
 {
 	const struct rnea_function *f = info->functions;
 
-	return count > f->limb_most ? info->block : LANES * f->limbs * (count <= LANES ? 1 : f->limb_groups);
+	return count > f->limbs.most ? info->block : LANES * f->limbs.warps * (count <= LANES ? 1 : f->limbs.groups);
 }
 
 static double compare(const struct subject *s, const struct target *limbs, const struct target *whole, size_t count)
@@ -69,9 +69,9 @@ static double compare(const struct subject *s, const struct target *limbs, const
 	struct launch y = launched_run(launched_open(whole, RNEA_BACKEND_HOST, 0), count, SEED, s->floating);
 	double worst;
 
-	ck_assert_uint_eq(x.info->functions->limbs, (unsigned)s->warps);
+	ck_assert_uint_eq(x.info->functions->limbs.warps, (unsigned)s->warps);
 	ck_assert_uint_eq(threads, expected_threads(x.info, count));
-	ck_assert_uint_eq(y.info->functions->limbs, 0);
+	ck_assert_uint_eq(y.info->functions->limbs.warps, 0);
 	worst = launched_distance(&x, &y, s->name);
 	launched_free(&x);
 	launched_free(&y);
@@ -124,8 +124,8 @@ START_TEST(test_without)
 		setenv("RNEA_FAKE_CUDA_MAX_BLOCK", "128", 1);
 	generate(&SUBJECTS[0], _i ? 16 : 4, &t);
 	ck_assert_msg(!rnea_open(t.text.source, strlen(t.text.source), &o, &robot, &e), "%s", e.message);
-	ck_assert_uint_eq(rnea_info(robot)->functions->limbs, 0);
-	ck_assert_uint_eq(rnea_info(robot)->functions->limb_most, 0);
+	ck_assert_uint_eq(rnea_info(robot)->functions->limbs.warps, 0);
+	ck_assert_uint_eq(rnea_info(robot)->functions->limbs.most, 0);
 	x = launched_run(robot, 5, SEED, 0);
 	ck_assert_uint_eq(threads_of_last_launch(), x.info->block);
 	launched_free(&x);

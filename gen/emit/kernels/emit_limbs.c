@@ -86,18 +86,45 @@ static void put_warp(const struct emission *e, const struct pass *p, int warp, s
 	template_expand(out, rest, slots, count);
 }
 
+/* What a kernel's warps run: the parts of the text, or a relay's first pass. */
+struct crew {
+	const struct pass *named; /* the kernel is named after it */
+	int is_start, count;
+	const char *macro;
+};
+
+static struct crew own_crew(const struct emission *e)
+{
+	return (struct crew){emit_main(e), 0, emit_part_places(e), "RNEA_LIMBS"};
+}
+
+static struct crew start_crew(const struct emission *e)
+{
+	return (struct crew){&e->relay->start.pass, 1, 1, "RNEA_START_LIMBS"};
+}
+
+static const struct pass *crew_pass(const struct emission *e, const struct crew *c, int k)
+{
+	return c->is_start ? c->named : emit_part(e, k);
+}
+
 int emit_has_limbs(const struct emission *e)
 {
 	return e->target->kernel && emit_part(e, 0)->limbs.warps;
 }
 
-static const char *warps_text(const struct emission *e)
+const struct limbs *emit_start_limbs(const struct emission *e)
+{
+	return e->relay && emit_has_limbs(e) && e->relay->start.pass.limbs.warps ? &e->relay->start.pass.limbs : NULL;
+}
+
+static const char *warps_text(const struct emission *e, const struct crew *c)
 {
 	struct text t;
 
 	text_init(&t, e->arena);
-	for (int k = 0; k < emit_part_places(e); k++) {
-		const struct pass *p = emit_part(e, k);
+	for (int k = 0; k < c->count; k++) {
+		const struct pass *p = crew_pass(e, c, k);
 		struct writer w;
 
 		unparse_begin(&w, e, p, e->numbers);
@@ -109,13 +136,13 @@ static const char *warps_text(const struct emission *e)
 	return text_string(&t);
 }
 
-static const char *cases_text(const struct emission *e)
+static const char *cases_text(const struct emission *e, const struct crew *c)
 {
 	struct text t;
 
 	text_init(&t, e->arena);
-	for (int k = 0; k < emit_part_places(e); k++) {
-		const struct pass *p = emit_part(e, k);
+	for (int k = 0; k < c->count; k++) {
+		const struct pass *p = crew_pass(e, c, k);
 
 		for (int i = 0; i < p->limbs.warps; i++)
 			text_printf(&t, "\tcase %d:\n\t\t%s_%s_limb%d(%s, across);\n\t\tbreak;\n", k * p->limbs.warps + i,
@@ -124,14 +151,14 @@ static const char *cases_text(const struct emission *e)
 	return text_string(&t);
 }
 
-int emit_limbs_bytes(const struct emission *e)
-{
-	return emit_part(e, 0)->limbs.words * e->arithmetic->bytes * WARP_THREADS;
-}
-
 const struct limbs *emit_limbs_of(const struct emission *e)
 {
 	return &emit_part(e, 0)->limbs;
+}
+
+int emit_limbs_bytes(const struct emission *e, const struct limbs *s)
+{
+	return s->words * e->arithmetic->bytes * WARP_THREADS;
 }
 
 const char *emit_unless_limbs(const struct emission *e, const char *what)
@@ -145,32 +172,64 @@ const char *emit_unless_limbs(const struct emission *e, const char *what)
 	return text_string(&t);
 }
 
-void emit_limbs(const struct emission *e, struct text *out)
+static void put_crew(const struct emission *e, const struct crew *c, struct text *out)
 {
-	const struct pass *p = emit_main(e);
-	const struct limbs *s = emit_limbs_of(e);
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->numbers->value},
-		{"WARPS", emit_int(e, s->warps)}, {"WORDS", emit_int(e, s->words)}, {"GROUPS", emit_int(e, s->groups)},
-		{"LIMBS", warps_text(e)}, {"CASES", cases_text(e)}, {"MOST", emit_int(e, (int)s->most)},
-		{"BYTES", emit_int(e, emit_limbs_bytes(e))}, {"PART", e->part_count ? "blockIdx.y*RNEA_LIMBS + " : ""},
-		{"ZEROS", emit_zero_loops(e, "blockIdx.y*RNEA_LIMBS + warp%RNEA_LIMBS", "*RNEA_LIMBS")},
-		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}};
+	const struct limbs *s = &crew_pass(e, c, 0)->limbs;
+	int has_parts = !c->is_start && e->part_count;
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", c->named->algorithm->name}, {"T", e->numbers->value},
+		{"MACRO", c->macro}, {"WARPS", emit_int(e, s->warps)}, {"WORDS", emit_int(e, s->words)},
+		{"GROUPS", emit_int(e, s->groups)}, {"LIMBS", warps_text(e, c)}, {"CASES", cases_text(e, c)},
+		{"MOST", emit_int(e, (int)s->most)}, {"BYTES", emit_int(e, emit_limbs_bytes(e, s))},
+		{"PART", has_parts ? "blockIdx.y*RNEA_LIMBS + " : ""},
+		{"ZEROS", c->is_start ? "" : emit_zero_loops(e, "blockIdx.y*RNEA_LIMBS + warp%RNEA_LIMBS", "*RNEA_LIMBS")},
+		{"RESTRICT_PARAMS", emit_params(e, c->named, PARAMS_CUDA_RESTRICT)}};
 
 	template_expand(out, template_kernel_limbs_in, slots, sizeof slots / sizeof *slots);
 }
 
-const char *emit_launch_limbs(const struct emission *e)
+void emit_limbs(const struct emission *e, struct text *out)
 {
-	struct text t, parts;
+	const struct crew own = own_crew(e);
+
+	text_put(out, "#endif\n#if !defined RNEA_NO_LIMBS\n"
+		"/* ---- small batches: warps share out each sample, a lane's, between them ---- */\n");
+	put_crew(e, &own, out);
+	if (emit_start_limbs(e)) {
+		const struct crew start = start_crew(e);
+
+		put_crew(e, &start, out);
+	}
+	text_put(out, "#endif\n");
+}
+
+static const char *launch_text(const struct emission *e, const struct crew *c, const char *parts)
+{
+	struct text t;
 
 	text_init(&t, e->arena);
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", c->named->algorithm->name}, {"MACRO", c->macro},
+		{"PARTS", parts}};
+
+	template_expand(&t, template_launch_limbs_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
+const char *emit_launch_limbs(const struct emission *e)
+{
+	const struct crew own = own_crew(e);
+	struct text parts;
+
 	text_init(&parts, e->arena);
 	if (e->part_count)
 		text_printf(&parts, ", %d", e->part_count);
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name},
-		{"PARTS", text_string(&parts)}};
+	return emit_has_limbs(e) ? launch_text(e, &own, text_string(&parts)) : "";
+}
 
-	if (emit_has_limbs(e))
-		template_expand(&t, template_launch_limbs_in, slots, sizeof slots / sizeof *slots);
-	return text_string(&t);
+const char *emit_launch_start_limbs(const struct emission *e)
+{
+	if (!emit_start_limbs(e))
+		return "";
+	const struct crew start = start_crew(e);
+
+	return launch_text(e, &start, "");
 }

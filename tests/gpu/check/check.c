@@ -62,7 +62,7 @@ static size_t read_manifest(const char *folder, const char *name, struct item *i
 static int lacks_limbs(const char *path, const struct rnea_robot *robot)
 {
 	char line[512];
-	int has = rnea_info(robot)->functions->limbs > 0;
+	int has = rnea_info(robot)->functions->limbs.warps > 0;
 	FILE *f = fopen(path, "r");
 
 	while (!has && f && fgets(line, sizeof line, f))
