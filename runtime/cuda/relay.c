@@ -2,8 +2,8 @@
 #include <stdio.h>
 
 /* A small batch has several blocks for the same samples, which share the columns: so many at most, as in the generated launch
-   function. */
-enum { MOST_ALONG = 32 };
+   function. Each makes the factors anew. */
+enum { FEW_GROUPS = 16, MOST_ALONG_FEW = 32, MOST_ALONG = 16 };
 
 static enum rnea_code find(const struct device *d, void *module, const struct source *s, const struct rnea_function *f,
 	const char *which, size_t bytes, struct device_kernel *k, struct rnea_error *e)
@@ -47,8 +47,9 @@ static size_t blocks_of(size_t count, size_t samples)
 enum rnea_code relay_solve(const struct relay *r, const struct device *d, void **parameters, size_t count, void *stream,
 	struct rnea_error *e)
 {
-	size_t groups = blocks_of(count, RELAY_LANES), along = r->room / groups;
+	size_t groups = blocks_of(count, RELAY_LANES), along = r->room / groups,
+	       most = groups <= FEW_GROUPS ? MOST_ALONG_FEW : MOST_ALONG;
 
-	along = along > MOST_ALONG ? MOST_ALONG : along ? along : 1;
+	along = along > most ? most : along ? along : 1;
 	return device_launch(d, &r->solve, (unsigned)groups, (unsigned)along, RELAY_LANES * r->warps, parameters, stream, e);
 }

@@ -6,13 +6,13 @@
 #include <string.h>
 
 /* Operations of the one kernel. H100, half a million samples, ns each, in one kernel and in a relay: floating hyq, 19000,
-   f32 2.6 and 2.5, f64 14.3 and 4.7; atlas, 34000, f32 5.7 and 4.4, f64 24.7 and 9.6; 1024 samples, us: hyq 27.6 and 22.7,
-   45.3 and 30.9, atlas 28.1 and 35.9, 63 and 49.7. Nothing smaller was tried. */
+   f32 2.6 and 2.5, f64 14.3 and 4.7; atlas, 34000, f32 5.7 and 4.4, f64 24.7 and 9.6; 1024 samples, us: hyq 27.6 and 21.6,
+   45.3 and 33.2, atlas 28.1 and 35.9, 63 and 49.3. Nothing smaller was tried. */
 enum { LEAST_OPERATIONS = 12000, LEAST_SINGLE = 60000 };
 
-/* Multiprocessors (H100), shared memory of each; warps of 255 registers that it has room for; shared memory that a block may
-   have on all GPUs since sm_80. */
-enum { MULTIPROCESSORS = 132, MULTIPROCESSOR_BYTES = 227 << 10, WARPS = 8, BLOCK_BYTES = 99 << 10 };
+/* Multiprocessors (H100), shared memory of each; warps of 255 registers that it has room for; blocks that gain nothing from more
+   beside them in f64; shared memory that a block may have on all GPUs since sm_80. */
+enum { MULTIPROCESSORS = 132, MULTIPROCESSOR_BYTES = 227 << 10, WARPS = 8, DOUBLE_BLOCKS = 4, BLOCK_BYTES = 99 << 10 };
 
 /* Which kernel writes an output. */
 enum { START, COLUMNS, SOLVE, KERNELS };
@@ -149,9 +149,10 @@ int relay_bytes(const struct relay *r, const struct rneagen_options *o)
 	return r->solve.pass.segments.slots[0] * stage_number_bytes(o) * WARP_THREADS;
 }
 
-/* As many warps as keep the registers of a multiprocessor busy, where shared memory has room for few blocks. Blocks along y beyond
-   those that run at once wait (H100, 1024 samples, us, 8, 16 and 32 along y, of which 24 have room: atlas in f64 52.3, 49.7
-   and 58.7; where 8 have room, floating atlas in f64: 168, 222 with 16). */
+/* As many warps as keep the registers of a multiprocessor busy, where shared memory has room for few blocks. Each block makes
+   the factors anew, and blocks along y beyond those that run at once wait (H100, 1024 samples, us, 8, 16 and 32 along y, of which 24
+   have room: atlas in f64 52.3, 49.7 and 58.7; 4096 samples, 4 and 6: 80.7 and 88.5; where 8 have room, floating atlas in f64:
+   168, with 16 222). */
 static void set_grid(struct relay *r, const struct rneagen_options *o)
 {
 	int blocks = MULTIPROCESSOR_BYTES / (relay_bytes(r, o) + 1024);
@@ -160,7 +161,10 @@ static void set_grid(struct relay *r, const struct rneagen_options *o)
 	if (!r->warps)
 		return;
 	r->blocks = WARPS / r->warps;
-	r->room = MULTIPROCESSORS * (blocks < r->blocks ? blocks : r->blocks);
+	blocks = blocks < r->blocks ? blocks : r->blocks;
+	if (o->precision == RNEAGEN_F64 && blocks > DOUBLE_BLOCKS)
+		blocks = DOUBLE_BLOCKS;
+	r->room = MULTIPROCESSORS * blocks;
 }
 
 /* Each loop has a segment of its own, which reads nothing but columns and what goes across; and there are columns. */

@@ -11,7 +11,7 @@ struct relay {
 	struct pass between;    /* all parts of the second kernel together */
 	int warps;              /* of a block of the third kernel, for 32 samples */
 	int blocks;             /* of them, a multiprocessor is to have room for so many */
-	int room;               /* and the GPU it was measured on has room for so many */
+	int room;               /* so many share the columns of small batches at most */
 };
 
 /* `x` tells of the one kernel. *relay is NULL where that serves, or a relay does not; else the parts are of its second kernel. Errors: as
