@@ -202,7 +202,7 @@ struct rnea_function {
 	   NAME_FUNCTION_solve_kernel: a block is of 32 relay_warps threads with relay_bytes bytes of shared memory given, and does 32
 	   samples; the blocks along y share its work, and any number of them is right; it is fast where all blocks run at once. */
 	unsigned relay_warps; /* 0: there is one kernel */
-	unsigned relay_room;  /* blocks of the third that an H100 runs at once: so many are best */
+	unsigned relay_room;  /* blocks of the third, along x and y, beyond which more along y gained nothing on an H100 */
 	size_t relay_bytes;
 	struct rnea_limbs start_limbs; /* of the kernel NAME_FUNCTION_start_limbs, which takes the place of the first */
 };

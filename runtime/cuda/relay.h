@@ -11,7 +11,7 @@ enum { RELAY_LANES = 32 };
 struct relay {
 	struct device_kernel start, solve;
 	unsigned warps; /* of a block of the third; 0: there is no relay */
-	unsigned room;  /* blocks of the third that run at once */
+	unsigned room;  /* blocks of the third beyond which more along y gain nothing */
 };
 
 /* Find them, where the function has a relay. Errors: TEXT where one is not there, DRIVER, ARGUMENT where the device has less shared

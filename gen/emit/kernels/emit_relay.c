@@ -143,7 +143,8 @@ const char *emit_launch_relay(const struct emission *e)
 	text_init(&t, e->arena);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)},
-		{"SHARED_BYTES", emit_int(e, SHARED_BYTES)}, {"ROOM", emit_int(e, e->relay ? e->relay->room : 0)}, {"LAUNCH_LIMBS", emit_launch_start_limbs(e)}};
+		{"SHARED_BYTES", emit_int(e, SHARED_BYTES)}, {"ROOM", emit_int(e, e->relay ? e->relay->room : 0)},
+		{"LAUNCH_LIMBS", emit_launch_start_limbs(e)}};
 
 	if (e->relay)
 		template_expand(&t, template_launch_relay_in, slots, sizeof slots / sizeof *slots);
