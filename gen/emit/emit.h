@@ -160,6 +160,14 @@ int emit_has_batches(const struct emission *e);
 /* Mark the arguments that these lines read or write. Returns whether they need the stride from row to row. */
 int emit_mark_arguments(const struct plan *p, unsigned char *used);
 
+/* What a segment reads and writes: these arguments, and of what goes across, wide or not, whether any, and whether beyond the first. */
+struct touched {
+	unsigned char arguments[DAG_ARGUMENTS + DAG_LOOPS];
+	int across[2], step, stride;
+};
+
+struct touched emit_touched(const struct plan *p);
+
 /* Parameters that these lines, some or all of the pass's, do not read: `prefix` goes before the names of what each sample
    has its own of. */
 void emit_unused(const struct emission *e, const struct plan *p, const char *prefix, struct text *out);

@@ -17,19 +17,13 @@ static int loop_of(const struct pass *p, int segment)
 /* Parameters that a body of one row does not touch. */
 static const char *unused_text(const struct emission *e, const struct plan *lines)
 {
-	unsigned char used[DAG_ARGUMENTS + DAG_LOOPS] = {0};
-	int has_stride = emit_mark_arguments(lines, used), fetches = 0, steps = 0;
+	struct touched touched = emit_touched(lines);
 	struct text t;
 
-	for (const struct line *l = lines->lines; l < lines->lines + lines->line_count; l++)
-		if (l->kind == LINE_FETCH) {
-			fetches = 1;
-			steps |= l->index > 0;
-		}
 	text_init(&t, e->arena);
-	text_put(&t, has_stride ? "" : "\t(void)stride;\n");
-	text_put(&t, fetches ? "" : "\t(void)across;\n");
-	text_put(&t, steps ? "" : "\t(void)step;\n");
+	text_put(&t, touched.stride ? "" : "\t(void)stride;\n");
+	text_put(&t, touched.across[0] ? "" : "\t(void)across;\n");
+	text_put(&t, touched.step ? "" : "\t(void)step;\n");
 	return text_string(&t);
 }
 

@@ -82,13 +82,7 @@ static const char *across(const struct emission *e, const struct segments *s, en
 
 /* ---- bodies ---- */
 
-/* What a segment reads and writes. */
-struct touched {
-	unsigned char arguments[DAG_ARGUMENTS + DAG_LOOPS];
-	int across[2], step;
-};
-
-static struct touched touched_by(const struct plan *p)
+struct touched emit_touched(const struct plan *p)
 {
 	struct touched t = {.step = 0};
 
@@ -97,7 +91,7 @@ static struct touched touched_by(const struct plan *p)
 			t.across[p->dag->nodes[l->value.i].is_wide] = 1;
 			t.step |= l->index > 0;
 		}
-	emit_mark_arguments(p, t.arguments);
+	t.stride = emit_mark_arguments(p, t.arguments);
 	return t;
 }
 
@@ -136,7 +130,7 @@ static void put_segment(const struct emission *e, const struct pass *p, int k, s
 	struct text *out)
 {
 	const struct segments *s = &p->segments;
-	struct touched touched = touched_by(&s->plans[k]);
+	struct touched touched = emit_touched(&s->plans[k]);
 	struct text begin;
 
 	text_init(&begin, e->arena);
