@@ -6,8 +6,8 @@
 #include <string.h>
 
 /* Operations of the one kernel. H100, half a million samples, ns each, in one kernel and in a relay: floating hyq, 19000,
-   f32 2.6 and 2.5, f64 14.3 and 4.7; atlas, 34000, f32 5.7 and 4.4, f64 24.7 and 9.6; 1024 samples, us: hyq 27.6 and 21.6,
-   45.3 and 33.2, atlas 28.1 and 35.9, 63 and 49.3. Nothing smaller was tried. */
+   f32 2.6 and 2.5, f64 14.3 and 4.7; atlas, 34000, f32 5.7 and 4.4, f64 24.7 and 9.6; 1024 samples, us: hyq 27.6 and 22.2,
+   45.3 and 34.0, atlas 28.1 and 35.9, 63 and 50.5. Nothing smaller was tried. */
 enum { LEAST_OPERATIONS = 12000, LEAST_SINGLE = 60000 };
 
 /* Multiprocessors (H100), shared memory of each; warps of 255 registers that it has room for; blocks that gain nothing from more
