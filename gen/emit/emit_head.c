@@ -266,8 +266,8 @@ static void put_limbs(const struct emission *e, const char *start, const struct 
 {
 	const char *name = e->options->name, *pass = emit_main(e)->algorithm->name;
 
-	text_printf(out, " * Up to %u samples %s_%s_launch takes the kernel %s_%s_%slimbs, whose %d warps share out each sample.\n", s->most,
-		name, pass, name, pass, start, s->warps);
+	text_printf(out, " * Up to %u samples %s_%s_launch takes the kernel %s_%s_%slimbs, whose %d warps share out each sample.\n",
+		s->most, name, pass, name, pass, start, s->warps);
 }
 
 static void put_operations(const struct emission *e, struct text *out)

@@ -297,6 +297,11 @@ enum rnea_code device_resident(
 	return device_failed(d, status, "cuOccupancyMaxActiveBlocksPerMultiprocessor", e);
 }
 
+unsigned device_blocks(size_t count, size_t samples)
+{
+	return count ? (unsigned)(count / samples + (count % samples != 0)) : 1;
+}
+
 enum rnea_code device_launch(const struct device *d, const struct device_kernel *kernel, unsigned grid, unsigned parts,
 	unsigned block, void **parameters, void *stream, struct rnea_error *e)
 {

@@ -180,6 +180,9 @@ enum rnea_code device_find(
 enum rnea_code device_resident(
 	const struct device *d, const struct device_kernel *kernel, unsigned block, int *blocks, struct rnea_error *e);
 
+/* Blocks of so many samples that a batch takes; one where it is empty. */
+unsigned device_blocks(size_t count, size_t samples);
+
 /* Enqueue a kernel: `grid` blocks, `parts` times. */
 enum rnea_code device_launch(const struct device *d, const struct device_kernel *kernel, unsigned grid, unsigned parts,
 	unsigned block, void **parameters, void *stream, struct rnea_error *e);

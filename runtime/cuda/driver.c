@@ -335,11 +335,6 @@ static size_t samples_of_block(const struct rnea_function *f, unsigned block, si
 	return block * (most ? most : 1);
 }
 
-static unsigned grid_of(size_t count, size_t samples)
-{
-	return (unsigned)(count / samples + (count % samples != 0));
-}
-
 static enum rnea_code launch_own(const struct driver *c, size_t function, void **parameters, size_t count, void *stream,
 	struct rnea_error *e)
 {
@@ -347,7 +342,7 @@ static enum rnea_code launch_own(const struct driver *c, size_t function, void *
 
 	if (function == 0 && count <= c->limbs.own.info.most)
 		return limbs_launch(&c->limbs.own, &c->device, f->parts, parameters, count, stream, e);
-	return device_launch(&c->device, &c->kernels[function], grid_of(count, samples_of_block(f, c->block, count)), f->parts,
+	return device_launch(&c->device, &c->kernels[function], device_blocks(count, samples_of_block(f, c->block, count)), f->parts,
 		c->block, parameters, stream, e);
 }
 
@@ -356,7 +351,7 @@ static enum rnea_code launch_start(const struct driver *c, void **parameters, si
 {
 	if (count <= c->limbs.start.info.most)
 		return limbs_launch(&c->limbs.start, &c->device, 1, parameters, count, stream, e);
-	return device_launch(&c->device, &c->relay.start, grid_of(count, c->block), 1, c->block, parameters, stream, e);
+	return device_launch(&c->device, &c->relay.start, device_blocks(count, c->block), 1, c->block, parameters, stream, e);
 }
 
 enum rnea_code driver_launch(const struct driver *c, size_t function, void *const *arrays, size_t count, void *stream,

@@ -111,8 +111,7 @@ enum rnea_code limbs_launch(const struct limbs_kernel *l, const struct device *d
 	void *stream, struct rnea_error *e)
 {
 	unsigned groups = count <= LIMBS_LANES ? 1 : l->info.groups, samples = groups * LIMBS_LANES;
-	size_t grid = count / samples + (count % samples != 0);
 
-	return device_launch(d, groups == 1 ? &l->one : &l->all, grid ? (unsigned)grid : 1, parts, samples * l->info.warps, parameters,
-		stream, e);
+	return device_launch(d, groups == 1 ? &l->one : &l->all, device_blocks(count, samples), parts, samples * l->info.warps,
+		parameters, stream, e);
 }

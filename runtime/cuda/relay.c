@@ -37,19 +37,12 @@ enum rnea_code relay_find(struct relay *r, const struct device *d, void *module,
 	return RNEA_OK;
 }
 
-static size_t blocks_of(size_t count, size_t samples)
-{
-	size_t blocks = count / samples + (count % samples != 0);
-
-	return blocks ? blocks : 1;
-}
-
 enum rnea_code relay_solve(const struct relay *r, const struct device *d, void **parameters, size_t count, void *stream,
 	struct rnea_error *e)
 {
-	size_t groups = blocks_of(count, RELAY_LANES), along = r->room / groups,
-	       most = groups <= FEW_GROUPS ? MOST_ALONG_FEW : MOST_ALONG;
+	unsigned groups = device_blocks(count, RELAY_LANES), along = r->room / groups,
+		 most = groups <= FEW_GROUPS ? MOST_ALONG_FEW : MOST_ALONG;
 
 	along = along > most ? most : along ? along : 1;
-	return device_launch(d, &r->solve, (unsigned)groups, (unsigned)along, RELAY_LANES * r->warps, parameters, stream, e);
+	return device_launch(d, &r->solve, groups, along, RELAY_LANES * r->warps, parameters, stream, e);
 }

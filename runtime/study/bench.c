@@ -18,7 +18,7 @@ struct bench {
 struct work {
 	struct bench *b;
 	const struct rnea_robot *robots[KINDS];
-	size_t bytes[RNEA_ARGUMENT_LIMIT], input_count, array_count, count, set_count, launches;
+	size_t bytes[RNEA_ARGUMENT_LIMIT], array_count, count, set_count, launches;
 	size_t next; /* set, on the host: a run goes on where the last one ended */
 	void *arrays[SETS_LIMIT][RNEA_ARGUMENT_LIMIT];
 	void *const *sets[SETS_LIMIT]; /* the rows of `arrays` */
@@ -68,12 +68,12 @@ static void *copy_host(const void *array, size_t size, struct rnea_error *e)
 /* On the host the first set is the caller's own. A GPU's outputs are not copied: gigabytes take seconds. */
 static void add_set(struct work *w, void *const *arrays)
 {
-	size_t n = w->set_count++;
+	size_t n = w->set_count++, inputs = rnea_info(w->robots[ROBOT])->input_count;
 
 	w->sets[n] = w->arrays[n];
 	for (size_t i = 0; i < w->array_count && !w->e->code; i++) {
 		if (w->b->gpu)
-			w->arrays[n][i] = bench_gpu_array(w->b->gpu, i < w->input_count ? arrays[i] : NULL, w->bytes[i], w->e);
+			w->arrays[n][i] = bench_gpu_array(w->b->gpu, i < inputs ? arrays[i] : NULL, w->bytes[i], w->e);
 		else
 			w->arrays[n][i] = n ? copy_host(arrays[i], w->bytes[i], w->e) : arrays[i];
 	}
@@ -84,7 +84,6 @@ static void make_sets(struct work *w, void *const *arrays)
 	const struct rnea_info *info = rnea_info(w->robots[ROBOT]);
 	size_t total = 0, numbers = 0, wanted = 1;
 
-	w->input_count = info->input_count;
 	w->array_count = info->input_count + info->output_count;
 	for (size_t i = 0; i < w->array_count; i++) {
 		const struct rnea_argument *a = &info->arguments[i];

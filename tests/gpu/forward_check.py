@@ -2,7 +2,6 @@
 """Forward dynamics on this machine's GPU beside its processor, by rnearun eval: the same bits with --strict, else nearly the same
 numbers; bounds that hold; and nothing found by the sanitizers of CUDA.
 usage: tests/gpu/forward_check.py FOLDER        (of tests/gpu/prepare). Exit status 1: something is wrong."""
-import itertools
 import os
 import subprocess
 import sys
@@ -95,12 +94,12 @@ def sanitize(folder, case):
 
 def main():
     folder = os.path.abspath(sys.argv[1])
-    tools = [(*case, tool) for case in SANITIZED for tool in ("memcheck", "racecheck", "initcheck")]
+    jobs = [(check, case) for case in CASES]
+    jobs += [(sanitize, (*case, tool)) for case in SANITIZED for tool in ("memcheck", "racecheck", "initcheck")]
     good = []
     # nothing is timed, and compilers take most of the time
     with ThreadPoolExecutor(8) as pool:
-        for said, is_good in itertools.chain(pool.map(lambda case: check(folder, case), CASES),
-                                             pool.map(lambda case: sanitize(folder, case), tools)):
+        for said, is_good in pool.map(lambda job: job[0](folder, job[1]), jobs):
             print(said, flush=True)
             good.append(is_good)
     print(f"seed {SEED}: {len(good) - sum(good)} failures")

@@ -28,8 +28,8 @@ static const struct robot_case {
 	{"cartpole", "range qdd=-5,9\nrange qd=-2,5\nrange q=-1,1\nfriction\ndamping"},
 	{"planar_tilted", "range q=-1,1\nrange qdd=-5,9\nrange qd=-2,5"},
 	{"mimic_chain", "range qdd=-5,9\nrange qd=-2,5"},
-	{"double_pendulum", "free payload.lower,gravity,offset.elbow\nrange payload.lower=0,2\nrange gravity=-9,9\nrange offset.elbow=-1,1\n"
-		"range q=-1,1\nrange qdd=-5,9\nrange qd=-2,5"},
+	{"double_pendulum", "free payload.lower,gravity,offset.elbow\nrange payload.lower=0,2\nrange gravity=-9,9\n"
+		"range offset.elbow=-1,1\nrange q=-1,1\nrange qdd=-5,9\nrange qd=-2,5"},
 };
 enum { ROBOT_COUNT = sizeof ROBOTS / sizeof *ROBOTS };
 

@@ -155,16 +155,14 @@ int relay_bytes(const struct relay *r, const struct rneagen_options *o)
    168, with 16 222). */
 static void set_grid(struct relay *r, const struct rneagen_options *o)
 {
-	int blocks = MULTIPROCESSOR_BYTES / (relay_bytes(r, o) + 1024);
+	int bytes = relay_bytes(r, o), fit = MULTIPROCESSOR_BYTES / (bytes + 1024);
+	int most = o->precision == RNEAGEN_F64 && fit > DOUBLE_BLOCKS ? DOUBLE_BLOCKS : fit;
 
-	r->warps = relay_bytes(r, o) > BLOCK_BYTES ? 0 : blocks > WARPS ? 1 : WARPS / blocks;
+	r->warps = bytes > BLOCK_BYTES ? 0 : fit > WARPS ? 1 : WARPS / fit;
 	if (!r->warps)
 		return;
 	r->blocks = WARPS / r->warps;
-	blocks = blocks < r->blocks ? blocks : r->blocks;
-	if (o->precision == RNEAGEN_F64 && blocks > DOUBLE_BLOCKS)
-		blocks = DOUBLE_BLOCKS;
-	r->room = MULTIPROCESSORS * blocks;
+	r->room = MULTIPROCESSORS * (most < r->blocks ? most : r->blocks);
 }
 
 /* Each loop has a segment of its own, which reads nothing but columns and what goes across; and there are columns. */

@@ -135,7 +135,8 @@ int main(int argc, char **argv)
 	int failed;
 
 	given = argv + (argc > 0);
-	printf("| robot | nv | precision | operations, qdd | and qdd_bound | infinite | error, largest | bound, middle | bound, largest |\n"
+	printf("| robot | nv | precision | operations, qdd | and qdd_bound | infinite | error, largest | bound, middle | "
+	       "bound, largest |\n"
 	       "|---|---:|---|---:|---:|---:|---:|---:|---:|\n");
 	suite_add(suite, "table", table, 1, 0);
 	srunner_set_fork_status(runner, CK_NOFORK);
