@@ -1,5 +1,5 @@
 /* A text of rneagen on a GPU: librnea compiles and launches it; memory is the caller's, here from the CUDA driver. */
-#include "driver.h"
+#include "../driver.h"
 #include "quickstart.h"
 #include "rnea.h"
 #include <stdio.h>
