@@ -177,18 +177,18 @@ static enum rneagen_code segments_make_all(struct generation *g)
 	return a->error->code;
 }
 
-/* Of what a kernel computes: the main function, or its parts. */
+/* Of what a kernel computes: the main function, or its parts; but where these share nothing, the whole serves small batches. */
 static enum rneagen_code choose_for_kernel(struct generation *g,
 	int (*choose)(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a))
 {
 	struct analysis *a = &g->analysis;
-	int count = g->part_count ? g->part_count : 1;
+	int in_parts = g->part_count && !g->parts[0].stretches, count = in_parts ? g->part_count : 1;
 	struct pass **passes = arena_alloc(a->arena, (size_t)count, sizeof *passes);
 
 	if (!target_type_of(a->options.target)->kernel)
 		return RNEAGEN_OK;
 	for (int i = 0; i < count && passes; i++)
-		passes[i] = g->part_count ? &g->parts[i].pass : &g->passes[0];
+		passes[i] = in_parts ? &g->parts[i].pass : &g->passes[0];
 	return passes && choose(passes, count, &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }
 

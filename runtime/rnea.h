@@ -177,6 +177,7 @@ struct rnea_limbs {
 	unsigned groups;
 	size_t bytes;    /* of a group of 32 samples */
 	size_t most;     /* samples of a batch up to which it is faster */
+	unsigned parts;  /* of its grid along y */
 };
 
 /* One function of the text, by which rnea_launch_kernel launches it. A text without a scene has "rnea", tau = ID(q, qd, qdd),
@@ -189,14 +190,14 @@ struct rnea_function {
 	struct rnea_operations operations;  /* in tables of versions 1 and 2 those of the first function for all */
 	const struct rnea_matrix *matrices; /* matrix_count of them */
 	size_t matrix_count;
-	unsigned parts;     /* of a CUDA grid, along y: each makes some elements of the matrices; 1: all (--parts) */
+	unsigned parts;     /* of a CUDA grid, along y: each makes some elements of the matrices, or some rows; 1: all (--parts) */
 	size_t stage_bytes; /* of shared memory in which its kernel stages each sample; 0: none. Where a block of them takes more
 	                       than 48 KiB, and at most 227, launches have to give it: rnea_launch does; given less, it is slower */
 	/* of a kernel in segments: what a sample keeps in the block's own 48 KiB of shared memory; else 0 */
 	size_t across_bytes;
 	unsigned most_samples; /* of such a kernel: samples that a thread takes at most, as far as they have room. A grid of any size is
 				  right; the fewer blocks, the more samples each thread takes. 1 of all other kernels */
-	struct rnea_limbs limbs; /* of the kernel NAME_FUNCTION_limbs; along y its grid has `parts` */
+	struct rnea_limbs limbs; /* of the kernel NAME_FUNCTION_limbs */
 	/* A relay: rnea_launch and rnea_run launch three kernels with the same parameters, one after the other. The function's own, which
 	   may have limbs, is the second. The first is NAME_FUNCTION_start_kernel, in blocks as long as the second's. The third is
 	   NAME_FUNCTION_solve_kernel: a block is of 32 relay_warps threads with relay_bytes bytes of shared memory given, and does 32

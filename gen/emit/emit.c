@@ -225,61 +225,6 @@ static const char *info_text(const struct emission *e)
 	return text_string(&t);
 }
 
-/* The largest |q| for which no angle leaves the domain of the bounded functions: a follower turns by a multiple of q. */
-static const char *small_limit(const struct emission *e)
-{
-	real most = 1;
-	struct text t;
-
-	for (int k = 0; k < e->tree->body_count; k++)
-		if (fabsl(e->tree->bodies[k].multiplier.x) > most)
-			most = fabsl(e->tree->bodies[k].multiplier.x);
-	text_init(&t, e->arena);
-	/* less the product's rounding */
-	emit_number(e, e->memory, (real)e->arithmetic->domain * (most > 1 ? 0.999L / most : 1), &t);
-	return text_string(&t);
-}
-
-/* Does a function ask whether a sample's angles are small, before it computes? */
-static int tests_angles(const struct emission *e)
-{
-	return emit_has_batches(e) || !e->target->has_batches;
-}
-
-/* Does a kernel test the angles before it computes? Not one that finds out afterwards. */
-static int kernels_ask(const struct emission *e)
-{
-	if (e->relay)
-		return 1;
-	for (int i = 0; i < e->pass_count; i++)
-		if (emit_has_angles(e, &e->passes[i]) && (i || !(emit_is_optimistic(e) || e->passes[i].segments.count)))
-			return 1;
-	return 0;
-}
-
-/* The test of a sample's angles, in accurate mode. */
-static const char *is_small_text(const struct emission *e)
-{
-	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}, {"F", e->memory->suffix},
-		{"NQ", emit_int(e, e->tree->nq)}, {"LIMIT", small_limit(e)},
-		{"BITS", emit_main(e)->single ? "" : "; the results have the same bits either way"}};
-
-	int host_only = e->target->kernel && !kernels_ask(e);
-	struct text t;
-
-	text_init(&t, e->arena);
-	if (!emit_has_known(e))
-		return "";
-	if (!tests_angles(e))
-		return emit_sines(e);
-	if (host_only)
-		text_printf(&t, "#if !defined %s\n", e->target->kernel->compiler);
-	template_expand(&t, template_is_small_in, slots, sizeof slots / sizeof *slots);
-	text_put(&t, host_only ? "#endif\n" : "");
-	text_put(&t, emit_sines(e));
-	return text_string(&t);
-}
-
 int emit_has_segments(const struct emission *e)
 {
 	if (e->relay)
@@ -336,7 +281,7 @@ void emit_source(const struct emission *e, struct text *out)
 		{"EACH", p->segments.count ? template_launch_segments_in : ""},
 		{"SAMPLES", p->segments.count ? "samples" : "RNEA_BLOCK"}, {"MIN_BLOCKS", emit_min_blocks(e)},
 		{"NUMBERS", numbers_text(e)}, {"SINCOS_DECLARATION", emit_sincos_declaration(e)}, {"SINCOS", emit_sincos(e)},
-		{"IS_SMALL", emit_unless_limbs(e, is_small_text(e))}, {"JOINTS", emit_joints(e)},
+		{"IS_SMALL", emit_unless_limbs(e, emit_is_small(e))}, {"JOINTS", emit_joints(e)},
 		{"STAGE", emit_unless_limbs(e, emit_stage(e))}, {"SINES_BYTES", emit_sines_bytes(e)}, {"STORE", emit_store(e)},
 		{"LAUNCH_HEAD", emit_launch_head(e)}, {"LAUNCH_RELAY", emit_launch_relay(e)},
 		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e)}, {"LAUNCH_LIMBS", emit_launch_limbs(e)},

@@ -46,6 +46,12 @@ static inline const struct pass *emit_part(const struct emission *e, int part)
 	return e->part_count ? &e->parts[part].pass : emit_main(e);
 }
 
+/* Do the parts share nothing? Then each has a slice of its own, and the whole serves small batches. */
+static inline int emit_is_apart(const struct emission *e)
+{
+	return e->part_count && e->parts[0].stretches != NULL;
+}
+
 static inline int emit_part_places(const struct emission *e)
 {
 	return e->part_count ? e->part_count : 1;
@@ -249,6 +255,14 @@ const char *emit_zeros_unless(const struct emission *e, const struct pass *p, in
 void emit_zeros(const struct emission *e, struct text *out);
 const char *emit_zero_loops(const struct emission *e, const char *first, const char *warps);
 
+/* Where the slices of a staged kernel, or of its part (NULL: all of it), begin, what the body is called with, and how rows come and
+   go; their declaration. */
+struct slices {
+	const char *slices, *here, *pointers, *move_in, *move_out;
+};
+struct slices emit_slices(const struct emission *e, const struct part *part);
+const char *emit_slices_declaration(const struct emission *e);
+
 /* What the main kernel takes of a multiprocessor. Threads of a block; blocks that have room, an expression of RNEA_BLOCK. */
 int emit_block_size(const struct emission *e);
 const char *emit_min_blocks(const struct emission *e);
@@ -275,6 +289,8 @@ struct call {
 	int is_any;        /* the sines of all angles come first, as on a processor; else only where one is large */
 	/* in a kernel, on sample k: they come where one turned out to be large, and the body then runs again */
 	int is_optimistic;
+	/* of a kernel that has slices of its own; NULL: the whole. The sines of all angles are then made of the array itself */
+	const struct part *part;
 };
 
 /* The call, and what comes before and after it so that the results are right whatever the angles. */
@@ -330,6 +346,10 @@ const char *emit_handed_on(const struct emission *e, const char *names);
    each sample of which an angle is large. */
 const char *emit_known_tables(const struct emission *e, const struct pass *p);
 void emit_rounds(const struct emission *e, const struct pass *p, const char *loops, struct text *out);
+
+/* The test of a sample's angles, in accurate mode, with those functions; the same of a part's angles alone. */
+const char *emit_is_small(const struct emission *e);
+void emit_part_small(const struct emission *e, const struct part *part, struct text *out);
 
 /* The functions that fill the tables of sines; the macro that tells the runtime what stack they take. */
 const char *emit_sines(const struct emission *e);

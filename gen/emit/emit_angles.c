@@ -3,6 +3,7 @@
 #include "emit/emit.h"
 #include "base/template.h"
 #include "emit/unparse.h"
+#include <math.h>
 
 int emit_has_known(const struct emission *e)
 {
@@ -235,6 +236,78 @@ const char *emit_sines(const struct emission *e)
 	return text_string(&t);
 }
 
+/* ---- are they small? ---- */
+
+/* The largest |q| for which no angle leaves the domain of the bounded functions: a follower turns by a multiple of q. */
+static const char *small_limit(const struct emission *e)
+{
+	real most = 1;
+	struct text t;
+
+	for (int k = 0; k < e->tree->body_count; k++)
+		if (fabsl(e->tree->bodies[k].multiplier.x) > most)
+			most = fabsl(e->tree->bodies[k].multiplier.x);
+	text_init(&t, e->arena);
+	/* less the product's rounding */
+	emit_number(e, e->memory, (real)e->arithmetic->domain * (most > 1 ? 0.999L / most : 1), &t);
+	return text_string(&t);
+}
+
+/* Does a function ask whether a sample's angles are small, before it computes? */
+static int tests_angles(const struct emission *e)
+{
+	return emit_has_batches(e) || !e->target->has_batches;
+}
+
+/* Does a kernel test the angles before it computes? Not one that finds out afterwards. */
+static int kernels_ask(const struct emission *e)
+{
+	if (e->relay)
+		return 1;
+	for (int i = 0; i < e->pass_count; i++)
+		if (emit_has_angles(e, &e->passes[i]) && (i || !(emit_is_optimistic(e) || e->passes[i].segments.count)))
+			return 1;
+	return 0;
+}
+
+/* The test of some rows of q. */
+static void put_small(const struct emission *e, const char *what, const char *name, struct stretch rows, struct text *out)
+{
+	const struct slot slots[] = {{"WHAT", what}, {"NAME", name}, {"T", e->memory->type}, {"F", e->memory->suffix},
+		{"FIRST", emit_int(e, rows.first)}, {"END", emit_int(e, rows.first + rows.rows)}, {"LIMIT", small_limit(e)},
+		{"BITS", emit_main(e)->single ? "" : "; the results have the same bits either way"}};
+
+	template_expand(out, template_is_small_in, slots, sizeof slots / sizeof *slots);
+}
+
+const char *emit_is_small(const struct emission *e)
+{
+	int host_only = e->target->kernel && !kernels_ask(e);
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (!emit_has_known(e))
+		return "";
+	if (!tests_angles(e))
+		return emit_sines(e);
+	if (host_only)
+		text_printf(&t, "#if !defined %s\n", e->target->kernel->compiler);
+	put_small(e, "a sample", e->options->name, (struct stretch){0, e->tree->nq}, &t);
+	text_put(&t, host_only ? "#endif\n" : "");
+	text_put(&t, emit_sines(e));
+	return text_string(&t);
+}
+
+void emit_part_small(const struct emission *e, const struct part *part, struct text *out)
+{
+	struct text name;
+
+	text_init(&name, e->arena);
+	text_printf(&name, "%s_%s", e->options->name, part->pass.algorithm->name);
+	if (emit_has_known(e) && emit_has_angles(e, &part->pass))
+		put_small(e, "a part of a sample", text_string(&name), part->stretches->own[0], out);
+}
+
 /* ---- calls ---- */
 
 static const char *body_call(const struct emission *e, const struct pass *p, const char *indent, const char *arguments,
@@ -250,7 +323,8 @@ static const char *body_call(const struct emission *e, const struct pass *p, con
 static const char *call_expanded(const struct emission *e, const struct pass *p, const char *frame, const char *asked,
 	const struct call *c)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"INDENT", c->indent}, {"Q", c->q},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"INDENT", c->indent},
+		{"Q", c->part ? emit_q_at_sample(e) : c->q}, {"Q_STRIDE", c->part ? emit_stride(e) : c->stride},
 		{"TABLE", table_of(e, p)->algorithm->name},
 		{"STRIDE", c->stride}, {"ARGUMENTS", c->arguments}, {"SINES", declarations_text(e, p, c->indent)},
 		{"ASKED", asked}, {"UNKNOWN", emit_unknown_names(e)}, {"TABLES", tables_text(e, p, "")},
@@ -265,6 +339,7 @@ static const char *call_expanded(const struct emission *e, const struct pass *p,
 const char *emit_call(const struct emission *e, const struct pass *p, const struct call *c)
 {
 	struct text asked;
+	int is_part = c->part != NULL;
 
 	if (!emit_has_known(e) || !emit_has_angles(e, p))
 		return body_call(e, p, c->indent, c->arguments, c->stride, emit_handed_on(e, emit_unknown_names(e)));
@@ -273,8 +348,8 @@ const char *emit_call(const struct emission *e, const struct pass *p, const stru
 	if (c->is_optimistic)
 		return call_expanded(e, p, e->target->kernel->again, "", c);
 	text_init(&asked, e->arena);
-	text_printf(&asked, e->target->kernel ? "!%s_is_small(%s, %s)" : "RNEA_KNOWN(%s_is_small(%s, %s))",
-		e->options->name, c->q, c->stride);
+	text_printf(&asked, e->target->kernel ? "!%s%s%s_is_small(%s, %s)" : "RNEA_KNOWN(%s%s%s_is_small(%s, %s))",
+		e->options->name, is_part ? "_" : "", is_part ? p->algorithm->name : "", c->q, c->stride);
 	return call_expanded(e, p, template_call_known_in, text_string(&asked), c);
 }
 

@@ -293,8 +293,8 @@ static void put_operations(const struct emission *e, struct text *out)
 	if (e->relay)
 		put_relay(e, out);
 	if (e->part_count > 1)
-		text_printf(out, " * The %s kernel is in %d parts: its grid has as many along y, each for the elements of some joints.\n",
-			emit_main(e)->algorithm->name, e->part_count);
+		text_printf(out, " * The %s kernel is in %d parts: its grid has as many along y, each for %s.\n", emit_main(e)->algorithm->name,
+			e->part_count, emit_is_apart(e) ? "limbs that share nothing with the others" : "the elements of some joints");
 	if (emit_has_limbs(e))
 		put_limbs(e, "", emit_limbs_of(e), out);
 	if (emit_start_limbs(e))

@@ -70,7 +70,7 @@ static void put_function(const struct emission *e, const struct pass *p, struct 
 	if (is_main && e->relay)
 		text_printf(out, "relay %d %d %d\n", emit_relay_bytes(e), e->relay->warps, e->relay->room);
 	if (is_main && emit_has_limbs(e))
-		put_limbs(e, "limbs", emit_limbs_of(e), out);
+		put_limbs(e, emit_is_apart(e) ? "whole_limbs" : "limbs", emit_limbs_of(e), out);
 	if (is_main && emit_start_limbs(e))
 		put_limbs(e, "start_limbs", emit_start_limbs(e), out);
 }

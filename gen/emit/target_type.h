@@ -9,9 +9,10 @@ struct kernel_frames {
 	const char *direct, *staged_aos, *staged_soa; /* a kernel: on the arrays themselves, or on slices in shared memory */
 	const char *windowed;                         /* or on inputs themselves, and on windows of outputs */
 	const char *again;                            /* the call of a body, and again where an angle is large */
-	const char *parts;                            /* the body that is in parts */
+	const char *parts, *apart;                    /* the body that is in parts; the kernel of parts that share nothing */
 	const char *spill;                            /* what gives registers more room; at the head of a kernel of derivatives */
 	const char *slices, *stage, *stage_aos, *stage_launch; /* shared memory: declared, filled, and given by a launch */
+	const char *stage_rows_aos;                   /* filled with some rows of each sample */
 	const char *stage_copy;                       /* how it is filled */
 	const char *store, *windows;                  /* what RNEA_STORE means; RNEA_HOLD and RNEA_FLUSH */
 	const char *prefetch;                         /* what asks for a sample's inputs in advance */

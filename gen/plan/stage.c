@@ -42,13 +42,18 @@ int stage_words(const struct dag *d, const struct rneagen_options *o)
 /* In aos, to move whole lines, wherever 32 samples have room; in soa in arithmetic of 8 bytes, where inputs that wait in registers
    leave few threads, as long as 64 have (H100: iiwa14 0.96 of the floor instead of 0.86, fetch 0.94 instead of 0.80; but jvrc1,
    where 32 just fit, 0.47 instead of 0.63). */
-int stage_fits(const struct dag *d, const struct rneagen_options *o)
+int stage_has_room(int words, const struct rneagen_options *o)
 {
-	int bytes = WARP_THREADS * stage_words(d, o) * stage_number_bytes(o);
+	int bytes = WARP_THREADS * words * stage_number_bytes(o);
 
 	if (o->layout == RNEAGEN_AOS)
 		return bytes <= SHARED_BYTES;
 	return o->precision != RNEAGEN_F32 && 2 * bytes <= SHARED_BYTES;
+}
+
+int stage_fits(const struct dag *d, const struct rneagen_options *o)
+{
+	return stage_has_room(stage_words(d, o), o);
 }
 
 int output_is_zero(const struct dag *d, const struct output *o)

@@ -20,10 +20,12 @@ int stage_place(const struct dag *d, int argument);
 /* Has it a place of its own? Not what all samples share. */
 int stage_has_place(const struct dag *d, int argument);
 
-/* Words from one sample's rows to the next one's; words of a sample; do the arrays have room? */
+/* Words from one sample's rows to the next one's; words of a sample; do the arrays, or so many words
+   of a sample, have room? */
 int stage_pitch(int rows, const struct rneagen_options *o);
 int stage_words(const struct dag *d, const struct rneagen_options *o);
 int stage_fits(const struct dag *d, const struct rneagen_options *o);
+int stage_has_room(int words, const struct rneagen_options *o);
 
 /* In layout aos, outputs that have no room go through windows: passes, all of one text, share out the outputs. A slot of a window
    holds an element of a warp's samples. Where all slots are taken, the lines of matrices leave that are complete, all together, and

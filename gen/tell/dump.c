@@ -56,9 +56,11 @@ void dump_segments(const struct dumped *d, struct text *out)
 
 void dump_limbs(const struct dumped *d, struct text *out)
 {
-	for (int i = 0; i < d->part_count; i++)
+	int in_parts = d->part_count && !d->parts[0].stretches;
+
+	for (int i = 0; i < d->part_count && in_parts; i++)
 		limbs_dump(&d->parts[i].pass, out);
-	if (!d->part_count)
+	if (!in_parts)
 		limbs_dump(d->passes, out);
 	if (d->relay)
 		limbs_dump(&d->relay->start.pass, out);

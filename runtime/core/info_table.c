@@ -5,7 +5,7 @@
 #include <string.h>
 
 static const char *const keys[KEY_COUNT] = {"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv",
-	"nb", "block", "kernels", "operations", "parts", "stage", "segments", "limbs", "relay", "start_limbs"};
+	"nb", "block", "kernels", "operations", "parts", "stage", "segments", "limbs", "relay", "start_limbs", "whole_limbs"};
 
 static enum rnea_code read_joint(struct parser *p)
 {
@@ -55,8 +55,10 @@ static enum rnea_code read_count(struct parser *p, unsigned *value, size_t least
 	return p->w.error->code;
 }
 
-static enum rnea_code read_limbs(struct parser *p, struct rnea_limbs *l)
+/* `parts`: along y of its grid; 0: as many as the function has, which may be told later. */
+static enum rnea_code read_limbs(struct parser *p, struct rnea_limbs *l, unsigned parts)
 {
+	l->parts = parts;
 	if (read_count(p, &l->warps, 2, LIMBS_LIMIT) || read_count(p, &l->groups, 1, GROUPS_LIMIT) ||
 		words_number(&p->w, &l->bytes, 0, STAGE_LIMIT / l->groups))
 		return p->w.error->code;
@@ -112,9 +114,11 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 		words_number(&p->w, &p->f->across_bytes, 1, SIZE_MAX / 2048);
 		return read_count(p, &p->f->most_samples, 1, SAMPLES_LIMIT);
 	case KEY_LIMBS:
-		return read_limbs(p, &p->f->limbs);
+		return read_limbs(p, &p->f->limbs, 0);
 	case KEY_START_LIMBS:
-		return read_limbs(p, &p->f->start_limbs);
+		return read_limbs(p, &p->f->start_limbs, 1);
+	case KEY_WHOLE_LIMBS:
+		return read_limbs(p, &p->f->limbs, 1);
 	case KEY_RELAY:
 		return read_relay(p);
 	case KEY_COUNT:
@@ -127,7 +131,7 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 static int is_optional(const struct parser *p, enum key key)
 {
 	return key == KEY_ARITHMETIC || key == KEY_STAGE || key == KEY_SEGMENTS || key == KEY_LIMBS || key == KEY_RELAY ||
-	       key == KEY_START_LIMBS || key == KEY_KERNELS || (key == KEY_PARTS && p->version != VERSION_PARTS);
+	       key == KEY_START_LIMBS || key == KEY_WHOLE_LIMBS || key == KEY_KERNELS || (key == KEY_PARTS && p->version != VERSION_PARTS);
 }
 
 /* Whether a key that has to be there is. */
@@ -277,8 +281,12 @@ static enum rnea_code take_memory(struct parser *p, const char *text, size_t len
 /* What the info tells of the first function, and what the table left out. */
 static void complete(struct parser *p)
 {
-	const struct rnea_function *first = p->functions;
+	struct rnea_function *first = p->functions;
 	struct rnea_info *info = p->info;
+
+	for (struct rnea_function *f = first; f < first + info->function_count; f++)
+		if (!f->limbs.parts)
+			f->limbs.parts = f->parts;
 
 	info->arguments = first->arguments;
 	info->input_count = first->input_count;

@@ -23,10 +23,12 @@
 	limbs WARPS GROUPS BYTES SAMPLES          (of its kernel of small batches, NAME_FUNCTION_limbs, where it has one: the warps
 	                                          that share out a sample; groups of 32 samples in a block at most; shared memory
 	                                          of a group, given by launches; samples of a batch up to which it is faster)
+	whole_limbs WARPS GROUPS BYTES SAMPLES    (the same, where that kernel has one block along y, whatever `parts` says)
 	parts N                                   (blocks of the kernel's grid along y, 2 and more, where it has such)
-	relay BYTES WARPS                         (a launch runs NAME_FUNCTION_start_kernel before its kernel, and after it
+	relay BYTES WARPS ROOM                    (a launch runs NAME_FUNCTION_start_kernel before its kernel, and after it
 	                                          NAME_FUNCTION_solve_kernel, in blocks of so many warps for 32 samples, with
-	                                          shared memory given by launches)
+	                                          shared memory given by launches; blocks beyond which more along y gain nothing)
+	start_limbs WARPS GROUPS BYTES SAMPLES    (as limbs, of NAME_FUNCTION_start_limbs, which takes the first one's place)
 
    ROLE is a word of RNEA_ROLES; OF is the link, joint or constant that it speaks of, and goes to the end of the line. A
    role that is not known is none.

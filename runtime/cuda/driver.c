@@ -265,9 +265,9 @@ static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
 	if (c->relay.warps && !e->code && !device_launch(&c->device, &c->relay.start, 1, 1, c->block, parameters, stream, e))
 		relay_solve(&c->relay, &c->device, parameters, 0, stream, e);
 	if (c->limbs.own.info.warps && !e->code)
-		limbs_launch(&c->limbs.own, &c->device, 1, parameters, 0, stream, e);
+		limbs_launch(&c->limbs.own, &c->device, parameters, 0, stream, e);
 	if (c->limbs.start.info.warps && !e->code)
-		limbs_launch(&c->limbs.start, &c->device, 1, parameters, 0, stream, e);
+		limbs_launch(&c->limbs.start, &c->device, parameters, 0, stream, e);
 	return device_finish(&c->device, stream, e);
 }
 
@@ -341,7 +341,7 @@ static enum rnea_code launch_own(const struct driver *c, size_t function, void *
 	const struct rnea_function *f = &c->info->functions[function];
 
 	if (function == 0 && count <= c->limbs.own.info.most)
-		return limbs_launch(&c->limbs.own, &c->device, f->parts, parameters, count, stream, e);
+		return limbs_launch(&c->limbs.own, &c->device, parameters, count, stream, e);
 	return device_launch(&c->device, &c->kernels[function], device_blocks(count, samples_of_block(f, c->block, count)), f->parts,
 		c->block, parameters, stream, e);
 }
@@ -350,7 +350,7 @@ static enum rnea_code launch_own(const struct driver *c, size_t function, void *
 static enum rnea_code launch_start(const struct driver *c, void **parameters, size_t count, void *stream, struct rnea_error *e)
 {
 	if (count <= c->limbs.start.info.most)
-		return limbs_launch(&c->limbs.start, &c->device, 1, parameters, count, stream, e);
+		return limbs_launch(&c->limbs.start, &c->device, parameters, count, stream, e);
 	return device_launch(&c->device, &c->relay.start, device_blocks(count, c->block), 1, c->block, parameters, stream, e);
 }
 

@@ -107,11 +107,11 @@ void limbs_end(struct limbs_build *b)
 	memset(b, 0, sizeof *b);
 }
 
-enum rnea_code limbs_launch(const struct limbs_kernel *l, const struct device *d, unsigned parts, void **parameters, size_t count,
-	void *stream, struct rnea_error *e)
+enum rnea_code limbs_launch(const struct limbs_kernel *l, const struct device *d, void **parameters, size_t count, void *stream,
+	struct rnea_error *e)
 {
 	unsigned groups = count <= LIMBS_LANES ? 1 : l->info.groups, samples = groups * LIMBS_LANES;
 
-	return device_launch(d, groups == 1 ? &l->one : &l->all, device_blocks(count, samples), parts, samples * l->info.warps,
-		parameters, stream, e);
+	return device_launch(d, groups == 1 ? &l->one : &l->all, device_blocks(count, samples), l->info.parts,
+		samples * l->info.warps, parameters, stream, e);
 }

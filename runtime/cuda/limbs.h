@@ -38,8 +38,8 @@ int limbs_begin(struct limbs_build *b, const struct image_request *r);
 void limbs_load(struct limbs *l, struct limbs_build *b, const struct device *d, struct rnea_info *info);
 
 /* Launch one of them, with so many blocks along y. Without samples it does nothing. */
-enum rnea_code limbs_launch(const struct limbs_kernel *l, const struct device *d, unsigned parts, void **parameters, size_t count,
-	void *stream, struct rnea_error *e);
+enum rnea_code limbs_launch(const struct limbs_kernel *l, const struct device *d, void **parameters, size_t count, void *stream,
+	struct rnea_error *e);
 
 /* Wait for it, and free what it took. */
 void limbs_end(struct limbs_build *b);

@@ -19,10 +19,17 @@ int emit_pitch(const struct emission *e, int rows)
 	return stage_pitch(rows, e->options);
 }
 
-/* Words of shared memory that staging takes for one sample. */
+/* Words of shared memory that staging takes for one sample: for the part that takes most, where they share nothing. */
 int emit_stage_words(const struct emission *e)
 {
-	return stage_words(&emit_main(e)->dag, e->options);
+	int most = emit_is_apart(e) ? 0 : stage_words(&emit_main(e)->dag, e->options);
+
+	for (int i = 0; i < e->part_count && emit_is_apart(e); i++) {
+		int words = stretches_words(e->parts[i].stretches, &e->parts[i].pass.dag, e->options);
+
+		most = words > most ? words : most;
+	}
+	return most;
 }
 
 int emit_slice_bytes(const struct emission *e)
@@ -46,9 +53,10 @@ int emit_is_full(const struct emission *e)
 /* Does the main kernel fetch its slice into shared memory first? */
 int emit_is_staged(const struct emission *e)
 {
-	/* a part must not write what stands in the others' places; segments and windows have shared memory of their own */
-	return !emit_is_operation(e) && !e->part_count && !emit_main(e)->segments.count && !emit_windows(e)->slots &&
-		stage_fits(&emit_main(e)->dag, e->options);
+	/* a part must not write what stands in the others' places, unless it shares nothing with them; segments and windows have
+	   shared memory of their own */
+	return !emit_is_operation(e) && (!e->part_count || emit_is_apart(e)) && !emit_main(e)->segments.count &&
+		!emit_windows(e)->slots && stage_has_room(emit_stage_words(e), e->options);
 }
 
 const struct windows *emit_windows(const struct emission *e)

@@ -15,122 +15,6 @@ static int is_in_place(const struct dag *d)
 	return stage_place(d, tau) != tau;
 }
 
-/* ---- slices in shared memory ---- */
-
-/* `*const q_slice = slices, *const qd_slice = q_slice + RNEA_BLOCK*7, ...`: where the slices of the arrays begin; in soa
-   where this thread's rows do. */
-static const char *slices_text(const struct emission *e)
-{
-	const struct dag *d = arguments_of(e);
-	const struct argument *last = NULL;
-	struct text t;
-
-	text_init(&t, e->arena);
-	for (int i = 0; i < d->argument_count; i++) {
-		if (!stage_has_place(d, i))
-			continue;
-		text_printf(&t, "%s*const %s_slice = ", last ? ", " : "", d->arguments[i].name);
-		if (last)
-			text_printf(&t, "%s_slice + RNEA_BLOCK*%d", last->name, emit_pitch(e, last->rows));
-		else
-			text_put(&t, e->options->layout == RNEAGEN_AOS ? "slices" : "slices + threadIdx.x");
-		last = &d->arguments[i];
-	}
-	return text_string(&t);
-}
-
-/* What the body is called with: q_here, qd_here, ..., and as it is what all samples share. */
-static const char *here_text(const struct emission *e)
-{
-	const struct dag *d = arguments_of(e);
-	struct text t;
-
-	text_init(&t, e->arena);
-	for (int i = 0; i < d->argument_count; i++)
-		text_printf(&t, "%s%s%s", i ? ", " : "", d->arguments[i].name, d->arguments[i].per_batch ? "" : "_here");
-	return text_string(&t);
-}
-
-/* Those pointers: to this thread's rows in the slices or, where nothing is staged, in the arrays. */
-static const char *pointers_text(const struct emission *e)
-{
-	const struct dag *d = arguments_of(e);
-	struct text t;
-
-	text_init(&t, e->arena);
-	for (int i = 0; i < d->argument_count; i++) {
-		const struct argument *a = &d->arguments[i], *place = &d->arguments[stage_place(d, i)];
-
-		if (a->per_batch)
-			continue;
-		text_printf(&t, "%s%s%s *const %s_here = staged ? %s_slice", e->options->layout == RNEAGEN_AOS ? "\t\t" : "\t",
-			a->is_output ? "" : "const ", e->memory->type, a->name, place->name);
-		if (e->options->layout == RNEAGEN_AOS)
-			text_printf(&t, " + threadIdx.x*%d : %s + k*%d;\n", emit_pitch(e, place->rows), a->name, a->rows);
-		else
-			text_printf(&t, " : %s + k;\n", a->name);
-	}
-	return text_string(&t);
-}
-
-typedef void put_move(const struct emission *e, int argument, struct text *out);
-
-/* aos: a line for each array that comes, or goes. */
-static const char *moves_text(const struct emission *e, int is_output, put_move *put)
-{
-	const struct dag *d = arguments_of(e);
-	struct text t;
-
-	text_init(&t, e->arena);
-	for (int i = 0; i < d->argument_count; i++)
-		if (!d->arguments[i].per_batch && d->arguments[i].is_output == is_output)
-			put(e, i, &t);
-	return text_string(&t);
-}
-
-static void put_slice_in(const struct emission *e, int argument, struct text *out)
-{
-	const struct argument *a = &arguments_of(e)->arguments[argument];
-
-	text_printf(out, "\t\trneagen_stage_in<%d, %d>(%s_slice, %s + first*%d, samples);\n", a->rows, emit_pitch(e, a->rows),
-		a->name, a->name, a->rows);
-}
-
-static void put_slice_out(const struct emission *e, int argument, struct text *out)
-{
-	const struct dag *d = arguments_of(e);
-	const struct argument *a = &d->arguments[argument];
-
-	text_printf(out, "\t\trneagen_stage_out<%d, %d>(%s + first*%d, %s_slice, samples);\n", a->rows, emit_pitch(e, a->rows),
-		a->name, a->rows, d->arguments[stage_place(d, argument)].name);
-}
-
-/* soa: a thread fetches or writes its own sample; one loop for arrays of one length that follow each other. */
-static const char *move_samples(const struct emission *e, int out)
-{
-	const struct dag *d = arguments_of(e);
-	struct text t;
-	int rows = 0;
-
-	text_init(&t, e->arena);
-	for (int i = 0; i < d->argument_count; i++) {
-		const struct argument *a = &d->arguments[i];
-		const char *place = d->arguments[stage_place(d, i)].name;
-
-		if (a->per_batch || a->is_output != out)
-			continue;
-		if (a->rows != rows)
-			text_printf(&t, "%s#pragma unroll\n\t\tfor (unsigned r = 0; r < %d; r++) {\n", rows ? "\t\t}\n" : "", a->rows);
-		rows = a->rows;
-		if (out)
-			text_printf(&t, "\t\t\t%s[r*count + k] = %s_slice[r*RNEA_BLOCK];\n", a->name, place);
-		else
-			text_printf(&t, "\t\t\trneagen_stage_copy<sizeof *%s>(%s_slice + r*RNEA_BLOCK, %s + r*count + k);\n", a->name, a->name, a->name);
-	}
-	text_put(&t, rows ? "\t\t}\n" : "");
-	return text_string(&t);
-}
-
 /* ---- windows ---- */
 
 /* What memory is written in. */
@@ -234,14 +118,22 @@ static void put_windows(const struct emission *e, struct text *out)
 	template_expand(out, e->target->kernel->windows, slots, sizeof slots / sizeof *slots);
 }
 
-static const char *kernel_call(const struct emission *e, const struct pass *p, int staged)
+/* What a kernel's block does to its slice: all of it, or a part that shares nothing with others. */
+struct work {
+	const struct pass *pass;
+	const struct part *part; /* NULL: all of it */
+	int is_staged;
+};
+
+static const char *kernel_call(const struct emission *e, const struct work *w, const struct slices *s)
 {
 	int is_soa = e->options->layout == RNEAGEN_SOA;
-	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = here_text(e), .q = "q_here", .stride = is_soa ? "stride" : "1"};
-	const struct call there = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
-		.stride = emit_stride(e), .is_optimistic = p == emit_main(e) && emit_is_optimistic(e)};
+	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = s->here, .q = "q_here",
+		.stride = is_soa ? "stride" : "1", .part = w->part};
+	const struct call there = {.indent = "\t", .arguments = emit_params(e, w->pass, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
+		.stride = emit_stride(e), .is_optimistic = w->pass == emit_main(e) && emit_is_optimistic(e), .part = w->part};
 
-	return emit_call(e, p, staged ? &here : &there);
+	return emit_call(e, w->pass, w->is_staged ? &here : &there);
 }
 
 /* One call for each array that has rows of each sample. */
@@ -261,33 +153,68 @@ static const char *prefetch_text(const struct emission *e, const struct pass *p)
 	return text_string(&t);
 }
 
-/* The slices' shared memory: the kernel's own, the launch's, or none. */
-static const char *declaration_text(const struct emission *e)
+/* How the function begins: a kernel, or what it calls for a part. */
+static const char *head_text(const struct emission *e, const struct work *w)
 {
-	const struct slot slots[] = {{"T", e->memory->type}, {"WORDS", emit_int(e, emit_stage_words(e))}};
+	const char *name = w->pass->algorithm->name, *params = emit_params(e, w->pass, PARAMS_CUDA_RESTRICT);
 	struct text t;
 
 	text_init(&t, e->arena);
-	template_expand(&t, e->target->kernel->slices, slots, sizeof slots / sizeof *slots);
+	if (!w->part)
+		text_printf(&t, "extern \"C\" __global__ void __launch_bounds__(RNEA_BLOCK%s)\n%s_%s_kernel(%s, size_t count)",
+			w->pass == emit_main(e) ? ", RNEA_MIN_BLOCKS" : "", e->options->name, name, params);
+	else
+		text_printf(&t, "static __device__ __forceinline__ void\n%s_%s_block(%s, size_t count%s%s%s)", e->options->name, name, params,
+			w->is_staged ? ", " : "", w->is_staged ? e->memory->type : "", w->is_staged ? " *slices, const bool staged" : "");
 	return text_string(&t);
+}
+
+static void put_work(const struct emission *e, const struct work *w, struct text *out)
+{
+	const struct slices s = emit_slices(e, w->part);
+	int is_main = w->pass == emit_main(e);
+	const struct slot slots[] = {
+		{"HEAD", head_text(e, w)}, {"NAME", e->options->name}, {"PASS", w->pass->algorithm->name}, {"T", e->memory->type},
+		{"SPILL", spill_text(e)}, {"ZEROS", is_main ? emit_zero_loops(e, "blockIdx.y", "") : ""},
+		{"CALL", kernel_call(e, w, &s)}, {"PREFETCH", prefetch_text(e, w->pass)},
+		{"DECLARATION", w->part ? "" : emit_slices_declaration(e)},
+		{"SLICES", s.slices}, {"POINTERS", s.pointers}, {"MOVE_IN", s.move_in}, {"MOVE_OUT", s.move_out},
+		{"IN_PLACE", !is_in_place(arguments_of(e)) ? "" :
+			"\t/* tau takes the place of qdd: a joint's qdd is read before its torque is written */\n"},
+	};
+	const struct kernel_frames *f = e->target->kernel;
+
+	template_expand(out, !w->is_staged ? f->direct : e->options->layout == RNEAGEN_AOS ? f->staged_aos : f->staged_soa, slots,
+		sizeof slots / sizeof *slots);
 }
 
 static void put_kernel(const struct emission *e, const struct pass *p, struct text *out)
 {
-	int staged = emit_is_staged(e) && p == emit_main(e), is_aos = e->options->layout == RNEAGEN_AOS;
-	const struct slot slots[] = {
-		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
-		{"SPILL", spill_text(e)}, {"ZEROS", p == emit_main(e) ? emit_zero_loops(e, "blockIdx.y", "") : ""}, {"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
-		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", kernel_call(e, p, staged)},
-		{"PREFETCH", prefetch_text(e, p)}, {"DECLARATION", declaration_text(e)}, {"SLICES", slices_text(e)}, {"POINTERS", pointers_text(e)},
-		{"MOVE_IN", is_aos ? moves_text(e, 0, put_slice_in) : move_samples(e, 0)},
-		{"MOVE_OUT", is_aos ? moves_text(e, 1, put_slice_out) : move_samples(e, 1)},
-		{"IN_PLACE", !is_in_place(arguments_of(e)) ? "" :
-			"\t/* tau takes the place of qdd: a joint's qdd is read before its torque is written */\n"},
-	};
+	const struct work w = {p, NULL, emit_is_staged(e) && p == emit_main(e)};
 
-	const struct kernel_frames *f = e->target->kernel;
-	template_expand(out, !staged ? f->direct : is_aos ? f->staged_aos : f->staged_soa, slots, sizeof slots / sizeof *slots);
+	put_work(e, &w, out);
+}
+
+/* A function for each part, and the kernel that calls them. */
+static void put_apart(const struct emission *e, struct text *out)
+{
+	int is_staged = emit_is_staged(e);
+	const char *name = e->options->name, *pass = emit_main(e)->algorithm->name;
+	struct text cases;
+
+	text_init(&cases, e->arena);
+	for (int i = 0; i < e->part_count; i++) {
+		const struct work w = {&e->parts[i].pass, &e->parts[i], is_staged};
+
+		emit_part_small(e, &e->parts[i], out);
+		put_work(e, &w, out);
+		text_printf(&cases, "\tcase %d:\n\t\t%s_%s_block(%s, count%s);\n\t\tbreak;\n", i, name, w.pass->algorithm->name,
+			emit_params(e, w.pass, PARAMS_NAMES), is_staged ? ", slices, staged" : "");
+	}
+	const struct slot slots[] = {{"NAME", name}, {"PASS", pass}, {"RESTRICT_PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)},
+		{"DECLARATION", is_staged ? emit_slices_declaration(e) : ""}, {"COUNT", emit_int(e, e->part_count)}, {"CASES", text_string(&cases)}};
+
+	template_expand(out, e->target->kernel->apart, slots, sizeof slots / sizeof *slots);
 }
 
 static void put_pass(const struct emission *e, const struct pass *p, struct text *out)
@@ -307,7 +234,9 @@ void emit_kernels(const struct emission *e, struct text *out)
 		emit_relay_solve(e, out);
 	}
 	for (int i = 0; i < e->pass_count && e->target->kernel; i++)
-		if (i == 0 && !e->passes[i].segments.count && emit_windows(e)->slots)
+		if (i == 0 && emit_is_apart(e))
+			put_apart(e, out);
+		else if (i == 0 && !e->passes[i].segments.count && emit_windows(e)->slots)
 			put_windowed(e, &e->passes[i], out);
 		else
 			put_pass(e, &e->passes[i], out);
@@ -354,7 +283,7 @@ const char *emit_stage(const struct emission *e)
 	if (f && emit_is_staged(e))
 		template_expand(&t, f->stage, slots, sizeof slots / sizeof *slots);
 	if (f && emit_is_staged(e) && e->options->layout == RNEAGEN_AOS)
-		template_expand(&t, f->stage_aos, slots, sizeof slots / sizeof *slots);
+		template_expand(&t, emit_is_apart(e) ? f->stage_rows_aos : f->stage_aos, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);
 }
 

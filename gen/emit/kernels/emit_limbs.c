@@ -95,7 +95,7 @@ struct crew {
 
 static struct crew own_crew(const struct emission *e)
 {
-	return (struct crew){emit_main(e), 0, emit_part_places(e), "RNEA_LIMBS"};
+	return (struct crew){emit_main(e), 0, emit_is_apart(e) ? 1 : emit_part_places(e), "RNEA_LIMBS"};
 }
 
 static struct crew start_crew(const struct emission *e)
@@ -105,12 +105,12 @@ static struct crew start_crew(const struct emission *e)
 
 static const struct pass *crew_pass(const struct emission *e, const struct crew *c, int k)
 {
-	return c->is_start ? c->named : emit_part(e, k);
+	return c->is_start || emit_is_apart(e) ? c->named : emit_part(e, k);
 }
 
 int emit_has_limbs(const struct emission *e)
 {
-	return e->target->kernel && emit_part(e, 0)->limbs.warps;
+	return e->target->kernel && emit_limbs_of(e)->warps;
 }
 
 const struct limbs *emit_start_limbs(const struct emission *e)
@@ -153,7 +153,7 @@ static const char *cases_text(const struct emission *e, const struct crew *c)
 
 const struct limbs *emit_limbs_of(const struct emission *e)
 {
-	return &emit_part(e, 0)->limbs;
+	return emit_is_apart(e) ? &emit_main(e)->limbs : &emit_part(e, 0)->limbs;
 }
 
 int emit_limbs_bytes(const struct emission *e, const struct limbs *s)
@@ -175,7 +175,7 @@ const char *emit_unless_limbs(const struct emission *e, const char *what)
 static void put_crew(const struct emission *e, const struct crew *c, struct text *out)
 {
 	const struct limbs *s = &crew_pass(e, c, 0)->limbs;
-	int has_parts = !c->is_start && e->part_count;
+	int has_parts = !c->is_start && e->part_count && !emit_is_apart(e);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", c->named->algorithm->name}, {"T", e->numbers->value},
 		{"MACRO", c->macro}, {"WARPS", emit_int(e, s->warps)}, {"WORDS", emit_int(e, s->words)},
 		{"GROUPS", emit_int(e, s->groups)}, {"LIMBS", warps_text(e, c)}, {"CASES", cases_text(e, c)},
@@ -220,7 +220,7 @@ const char *emit_launch_limbs(const struct emission *e)
 	struct text parts;
 
 	text_init(&parts, e->arena);
-	if (e->part_count)
+	if (e->part_count && !emit_is_apart(e))
 		text_printf(&parts, ", %d", e->part_count);
 	return emit_has_limbs(e) ? launch_text(e, &own, text_string(&parts)) : "";
 }

@@ -1,4 +1,4 @@
-/* Parts of a kernel's grid: the body that calls theirs. */
+/* Parts of a kernel's grid: the body that calls theirs, which parts that share nothing need where the text is compiled as C alone. */
 #include "base/fold.h"
 #include "base/template.h"
 #include "emit/emit.h"
@@ -34,7 +34,7 @@ void emit_dispatcher(const struct emission *e, struct text *out)
 		{"CASES", text_string(&cases)}, {"CALLS", text_string(&calls)}};
 	size_t from = out->length;
 
-	template_expand(out, e->target->kernel->parts, slots, sizeof slots / sizeof *slots);
+	template_expand(out, emit_is_apart(e) ? template_parts_apart_in : e->target->kernel->parts, slots, sizeof slots / sizeof *slots);
 	fold(out, from);
 	out->failed |= cases.failed | calls.failed;
 }

@@ -1,5 +1,6 @@
 /* Any share of the outputs makes a part: the DAG drops what it does not need. */
 #include "plan/grid/parts.h"
+#include "plan/grid/apart.h"
 #include "plan/grid/owners.h"
 #include "plan/grid/share.h"
 #include "plan/stage.h"
@@ -332,7 +333,9 @@ enum rneagen_code parts_make(struct part **parts, int *count, const struct parts
 	int made, *first;
 
 	*count = 0;
-	if (o->parts == 1 || (o->parts == RNEAGEN_PARTS_AUTO && why))
+	if (o->parts == RNEAGEN_PARTS_AUTO && why)
+		return apart_make(parts, count, x, a) ? RNEAGEN_OK : error_memory(e);
+	if (o->parts == 1)
 		return RNEAGEN_OK;
 	if (why)
 		return error_set(e, RNEAGEN_USAGE, "--parts %d %s", o->parts, why);

@@ -5,12 +5,14 @@
 
 #include "plan/grid/share.h"
 #include "plan/plan.h"
+#include "plan/stretch.h"
 #include "rneagen.h"
 
 /* With the outputs of some bodies: see owners.h. */
 struct part {
 	int first, last; /* bodies */
 	int alive;       /* values at once: plan_alive */
+	struct stretches *stretches; /* it shares nothing with the other parts (apart.h), and has these rows; NULL: it may */
 	struct algorithm algorithm;
 	struct pass pass;
 };

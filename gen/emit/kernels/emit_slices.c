@@ -1,0 +1,206 @@
+/* Slices of the batch in shared memory: where those of the arrays stand, how they come and go, and what the body is called with. A
+   part that shares nothing with others has stretches of rows alone. */
+#include "emit/emit.h"
+#include "base/template.h"
+#include "plan/stage.h"
+
+static struct stretch stretch_of(const struct part *part, const struct dag *d, int argument)
+{
+	return part ? part->stretches->own[argument] : (struct stretch){0, d->arguments[argument].rows};
+}
+
+/* In the place of an array, its own or another's. */
+static struct stretch place_of(const struct part *part, const struct dag *d, int argument)
+{
+	int place = stage_place(d, argument);
+
+	return part ? part->stretches->place[place] : (struct stretch){0, d->arguments[place].rows};
+}
+
+static const struct dag *arguments_of(const struct emission *e)
+{
+	return &emit_main(e)->dag;
+}
+
+/* `*const q_slice = slices, *const qd_slice = q_slice + RNEA_BLOCK*7, ...`: where the slices of the arrays begin; in soa
+   where this thread's rows do. */
+static const char *slices_text(const struct emission *e, const struct part *part)
+{
+	const struct dag *d = arguments_of(e);
+	struct text t;
+	int last = -1;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < d->argument_count; i++) {
+		if (!stage_has_place(d, i))
+			continue;
+		text_printf(&t, "%s*const %s_slice = ", last >= 0 ? ", " : "", d->arguments[i].name);
+		if (last >= 0)
+			text_printf(&t, "%s_slice + RNEA_BLOCK*%d", d->arguments[last].name, emit_pitch(e, place_of(part, d, last).rows));
+		else
+			text_put(&t, e->options->layout == RNEAGEN_AOS ? "slices" : "slices + threadIdx.x");
+		last = i;
+	}
+	return text_string(&t);
+}
+
+/* What the body is called with: q_here, qd_here, ..., and as it is what all samples share. */
+static const char *here_text(const struct emission *e)
+{
+	const struct dag *d = arguments_of(e);
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < d->argument_count; i++)
+		text_printf(&t, "%s%s%s", i ? ", " : "", d->arguments[i].name, d->arguments[i].per_batch ? "" : "_here");
+	return text_string(&t);
+}
+
+/* Those pointers: to this thread's rows in the slices or, where nothing is staged, in the arrays; from row 0 on, which a part's
+   slice may lack. */
+static const char *pointers_text(const struct emission *e, const struct part *part)
+{
+	const struct dag *d = arguments_of(e);
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *a = &d->arguments[i];
+		const struct stretch place = place_of(part, d, i);
+
+		if (a->per_batch)
+			continue;
+		text_printf(&t, "%s%s%s *const %s_here = staged ? %s_slice", e->options->layout == RNEAGEN_AOS ? "\t\t" : "\t",
+			a->is_output ? "" : "const ", e->memory->type, a->name, d->arguments[stage_place(d, i)].name);
+		if (e->options->layout == RNEAGEN_AOS)
+			text_printf(&t, " + threadIdx.x*%d", emit_pitch(e, place.rows));
+		if (place.first)
+			text_printf(&t, e->options->layout == RNEAGEN_AOS ? " - %d" : " - RNEA_BLOCK*%d", place.first);
+		text_printf(&t, " : %s + k", a->name);
+		if (e->options->layout == RNEAGEN_AOS)
+			text_printf(&t, "*%d", a->rows);
+		text_put(&t, ";\n");
+	}
+	return text_string(&t);
+}
+
+typedef void put_move(const struct emission *e, const struct part *part, int argument, struct text *out);
+
+/* aos: a line for each array that comes, or goes. */
+static const char *moves_text(const struct emission *e, const struct part *part, int is_output, put_move *put)
+{
+	const struct dag *d = arguments_of(e);
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < d->argument_count; i++)
+		if (!d->arguments[i].per_batch && d->arguments[i].is_output == is_output)
+			put(e, part, i, &t);
+	return text_string(&t);
+}
+
+/* `rneagen_stage_in<7, 7>(`, and for a part `rneagen_stage_rows_in<7, 7, 30>(`, of how many rows. */
+static void put_function(const struct emission *e, const struct part *part, const char *direction, int argument, struct text *out)
+{
+	const struct dag *d = arguments_of(e);
+
+	text_printf(out, "\t\trneagen_stage%s_%s<%d, %d", part ? "_rows" : "", direction, stretch_of(part, d, argument).rows,
+		emit_pitch(e, place_of(part, d, argument).rows));
+	if (part)
+		text_printf(out, ", %d", d->arguments[argument].rows);
+	text_put(out, ">(");
+}
+
+/* `q + first*7`, and for a part `+ 3`, where its rows begin. */
+static void put_array(const struct emission *e, const struct part *part, int argument, struct text *out)
+{
+	const struct argument *a = &arguments_of(e)->arguments[argument];
+	int first = stretch_of(part, arguments_of(e), argument).first;
+
+	text_printf(out, "%s + first*%d", a->name, a->rows);
+	if (first)
+		text_printf(out, " + %d", first);
+}
+
+static void put_slice_in(const struct emission *e, const struct part *part, int argument, struct text *out)
+{
+	const struct dag *d = arguments_of(e);
+
+	put_function(e, part, "in", argument, out);
+	text_printf(out, "%s_slice", d->arguments[argument].name);
+	if (stretch_of(part, d, argument).first != place_of(part, d, argument).first)
+		text_printf(out, " + %d", stretch_of(part, d, argument).first - place_of(part, d, argument).first);
+	text_put(out, ", ");
+	put_array(e, part, argument, out);
+	text_put(out, ", samples);\n");
+}
+
+static void put_slice_out(const struct emission *e, const struct part *part, int argument, struct text *out)
+{
+	const struct dag *d = arguments_of(e);
+
+	put_function(e, part, "out", argument, out);
+	put_array(e, part, argument, out);
+	text_printf(out, ", %s_slice", d->arguments[stage_place(d, argument)].name);
+	if (stretch_of(part, d, argument).first != place_of(part, d, argument).first)
+		text_printf(out, " + %d", stretch_of(part, d, argument).first - place_of(part, d, argument).first);
+	text_put(out, ", samples);\n");
+}
+
+/* `r`, or `(r + 3)`. */
+static const char *row_text(const struct emission *e, int first)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, first ? "(r + %d)" : "r", first);
+	return text_string(&t);
+}
+
+/* soa: a thread fetches or writes its own sample; one loop for arrays of one length that follow each other. */
+static const char *move_samples(const struct emission *e, const struct part *part, int out)
+{
+	const struct dag *d = arguments_of(e);
+	struct text t;
+	int rows = 0;
+
+	text_init(&t, e->arena);
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *a = &d->arguments[i];
+		const struct stretch own = stretch_of(part, d, i);
+		const char *place = d->arguments[stage_place(d, i)].name, *row = row_text(e, own.first),
+			   *slot = row_text(e, own.first - place_of(part, d, i).first);
+
+		if (a->per_batch || a->is_output != out)
+			continue;
+		if (own.rows != rows)
+			text_printf(&t, "%s#pragma unroll\n\t\tfor (unsigned r = 0; r < %d; r++) {\n", rows ? "\t\t}\n" : "", own.rows);
+		rows = own.rows;
+		if (out)
+			text_printf(&t, "\t\t\t%s[%s*count + k] = %s_slice[%s*RNEA_BLOCK];\n", a->name, row, place, slot);
+		else
+			text_printf(&t, "\t\t\trneagen_stage_copy<sizeof *%s>(%s_slice + %s*RNEA_BLOCK, %s + %s*count + k);\n", a->name, a->name,
+				slot, a->name, row);
+	}
+	text_put(&t, rows ? "\t\t}\n" : "");
+	return text_string(&t);
+}
+
+struct slices emit_slices(const struct emission *e, const struct part *part)
+{
+	int is_aos = e->options->layout == RNEAGEN_AOS;
+
+	return (struct slices){slices_text(e, part), here_text(e), pointers_text(e, part),
+		is_aos ? moves_text(e, part, 0, put_slice_in) : move_samples(e, part, 0),
+		is_aos ? moves_text(e, part, 1, put_slice_out) : move_samples(e, part, 1)};
+}
+
+const char *emit_slices_declaration(const struct emission *e)
+{
+	const struct slot slots[] = {{"T", e->memory->type}, {"WORDS", emit_int(e, emit_stage_words(e))}};
+	struct text t;
+
+	text_init(&t, e->arena);
+	template_expand(&t, e->target->kernel->slices, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}

@@ -1,0 +1,253 @@
+/* Outputs that take an operation in common are joined, and all rows between them. */
+#include "plan/grid/apart.h"
+#include "plan/stage.h"
+
+/* Operations of the whole. H100, 1 M samples, ps, whole and in parts. f64: hyq 131 and 126, but 16384 samples 196 and 229; yumi,
+   1478 operations, 174 and 171, 16384 samples 410 and 374; baxter 203 and 173, atlas 379 and 329, romeo 547 and 375, g1_29dof 443 and
+   358, jvrc1 545 and 448; but not where the slice of a part has no room: g1_brainco 2455 and 3455. f32: atlas, 2668, 174 and 186,
+   g1_29dof 185 and 197, jvrc1 213 and 229, but g1_brainco 619 and 463. In aos a part's rows stand apart: in f64 atlas 348 and 491, but
+   g1_brainco 4134 and 3792, in f32 1107 and 704. */
+enum { LEAST_STAGED = 1400, LEAST = 5000 };
+
+struct finder {
+	const struct dag *d;
+	unsigned char *varies; /* by node: it is made of what each sample has of its own */
+	int *output;           /* by node: 1 + an output that takes it; 0: none does */
+	int *joined;           /* by output: another one that it is joined to, or itself */
+};
+
+/* A stretch of rows that share nothing with others; how many operations they take. */
+struct limb {
+	int first, last;
+	unsigned operations;
+};
+
+static int is_operation(const struct node *n)
+{
+	return n->op != OP_CONST && n->op != OP_INPUT;
+}
+
+static int root_of(struct finder *f, int output)
+{
+	while (f->joined[output] != output)
+		output = f->joined[output] = f->joined[f->joined[output]];
+	return output;
+}
+
+static void take(struct finder *f, uint32_t node, int output)
+{
+	if (!is_operation(&f->d->nodes[node]) || !f->varies[node])
+		return;
+	if (f->output[node])
+		f->joined[root_of(f, f->output[node] - 1)] = root_of(f, output);
+	else
+		f->output[node] = output + 1;
+}
+
+static int find(struct finder *f, const struct dag *d, struct arena *a)
+{
+	*f = (struct finder){.d = d, .varies = arena_alloc(a, d->count, 1), .output = arena_alloc(a, d->count, sizeof *f->output),
+		.joined = arena_alloc(a, d->output_count + 1, sizeof *f->joined)};
+	if (a->failed)
+		return 0;
+	for (size_t i = 0; i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+
+		if (n->op == OP_INPUT)
+			f->varies[i] = n->arg[0].i != DAG_STRUCK && !d->arguments[n->arg[0].i].per_batch;
+		for (int k = 0; k < op_arity[n->op]; k++)
+			f->varies[i] |= f->varies[n->arg[k].i];
+	}
+	for (size_t i = 0; i < d->output_count; i++)
+		f->joined[i] = (int)i;
+	for (size_t i = 0; i < d->output_count; i++)
+		take(f, d->outputs[i].value.i, (int)i);
+	for (size_t i = d->count; i-- > 0;)
+		for (int k = 0; k < op_arity[d->nodes[i].op] && f->output[i]; k++)
+			take(f, d->nodes[i].arg[k].i, f->output[i] - 1);
+	return 1;
+}
+
+/* By row: the first row that it, or one after it, is joined to. */
+static void join_rows(struct finder *f, int *first, int rows, int *least)
+{
+	const struct dag *d = f->d;
+
+	for (int i = 0; i < rows; i++)
+		first[i] = i;
+	for (size_t i = 0; i < d->output_count; i++)
+		least[i] = rows;
+	for (size_t i = 0; i < d->output_count; i++) {
+		int *l = &least[root_of(f, (int)i)];
+
+		*l = d->outputs[i].row < *l ? d->outputs[i].row : *l;
+	}
+	for (size_t i = 0; i < d->output_count; i++) {
+		int *of_row = &first[d->outputs[i].row], l = least[root_of(f, (int)i)];
+
+		*of_row = l < *of_row ? l : *of_row;
+	}
+	for (int i = rows - 1; i > 0; i--)
+		if (first[i] < i && first[i] < first[i - 1])
+			first[i - 1] = first[i];
+}
+
+/* Returns how many there are. */
+static int limbs_of(struct finder *f, struct limb *limbs, int rows, struct arena *a)
+{
+	const struct dag *d = f->d;
+	int *first = arena_alloc(a, (size_t)rows + 1, sizeof *first), *least = arena_alloc(a, d->output_count + 1, sizeof *least);
+	int *limb = arena_alloc(a, (size_t)rows + 1, sizeof *limb), count = 0;
+
+	if (a->failed)
+		return 0;
+	join_rows(f, first, rows, least);
+	for (int i = 0; i < rows; i++) {
+		if (first[i] == i)
+			limbs[count++] = (struct limb){.first = i};
+		limbs[count - 1].last = i;
+		limb[i] = count - 1;
+	}
+	for (size_t i = 0; i < d->count; i++)
+		if (f->output[i])
+			limbs[limb[d->outputs[f->output[i] - 1].row]].operations++;
+	return count;
+}
+
+/* By row: its part. Returns how many there are. */
+static int deal_out(const struct limb *limbs, int count, int *part)
+{
+	unsigned most = 0, sum = 0;
+	int parts = 0;
+
+	for (int i = 0; i < count; i++)
+		most = limbs[i].operations > most ? limbs[i].operations : most;
+	for (int i = 0; i < count; i++) {
+		sum += limbs[i].operations;
+		if (i == 0 || 8 * sum > 9 * most) { /* a joint about the vertical that carries nothing else takes none */
+			parts++;
+			sum = limbs[i].operations;
+		}
+		for (int row = limbs[i].first; row <= limbs[i].last; row++)
+			part[row] = parts - 1;
+	}
+	return parts;
+}
+
+/* By output: its part. Returns how many there are; 0 when memory runs out. */
+static int own(int *owner, const struct parts_of *x, struct arena *a)
+{
+	const struct dag *d = x->raw;
+	size_t rows = (size_t)x->tree->nv + 1;
+	struct limb *limbs = arena_alloc(a, rows, sizeof *limbs);
+	int *part = arena_alloc(a, rows, sizeof *part), count;
+	struct finder f;
+
+	if (!find(&f, d, a))
+		return 0;
+	count = limbs_of(&f, limbs, x->tree->nv, a);
+	if (a->failed)
+		return 0;
+	count = deal_out(limbs, count, part);
+	for (size_t i = 0; i < d->output_count; i++)
+		owner[i] = part[d->outputs[i].row];
+	return count;
+}
+
+/* ---- parts ---- */
+
+static int is_torque(enum role role)
+{
+	return role == ROLE_JOINT_TORQUE || role == ROLE_GRAVITY_TORQUE || role == ROLE_BIAS_TORQUE;
+}
+
+static int is_staged_soa(const struct rneagen_options *o)
+{
+	return o->layout == RNEAGEN_SOA && o->precision == RNEAGEN_F64;
+}
+
+static int may_be_apart(const struct parts_of *x)
+{
+	const struct rneagen_options *o = x->options;
+	const struct dag *d = x->raw;
+
+	if (!x->has_kernels || o->parts != RNEAGEN_PARTS_AUTO || o->segments != RNEAGEN_SEGMENTS_AUTO ||
+		(o->precision != RNEAGEN_F32 && o->precision != RNEAGEN_F64))
+		return 0;
+	for (int i = 0; i < d->argument_count; i++)
+		if (d->arguments[i].is_output && !is_torque(d->arguments[i].role))
+			return 0;
+	return plan_flops(plan_operations(&x->whole->plan)) > (is_staged_soa(o) ? LEAST_STAGED : LEAST);
+}
+
+/* Have the slices of all parts room in shared memory, where they are to be there? */
+static int have_room(const struct part *parts, int count, const struct rneagen_options *o)
+{
+	for (int i = 0; i < count && is_staged_soa(o); i++)
+		if (!stage_has_room(stretches_words(parts[i].stretches, &parts[i].pass.dag, o), o))
+			return 0;
+	return 1;
+}
+
+/* Its bodies, from the first row on. */
+static void name_bodies(struct part *p, const struct tree *t)
+{
+	struct stretch rows = {0};
+
+	for (size_t i = 0; i < p->pass.dag.output_count; i++)
+		stretch_widen(&rows, p->pass.dag.outputs[i].row);
+	for (int k = t->body_count; k-- > 0;)
+		if (t->bodies[k].iv >= rows.first && t->bodies[k].iv < rows.first + rows.rows) {
+			p->first = k;
+			p->last = p->last > k ? p->last : k;
+		}
+}
+
+static int make_part(struct part *p, struct share *share, int number, const struct parts_of *x, struct arena *a)
+{
+	struct text name, doc;
+
+	text_init(&name, a);
+	text_init(&doc, a);
+	text_printf(&name, "%s_part%d", x->whole->algorithm->name, number);
+	text_printf(&doc, "Part %d of it: limbs that share nothing with the others.", number);
+	if (!part_build_share(p, share, number, number + 1, text_string(&name), text_string(&doc), x, a))
+		return 0;
+	p->stretches = arena_alloc(a, 1, sizeof *p->stretches);
+	if (!p->stretches)
+		return 0;
+	stretches_make(p->stretches, &p->pass.dag);
+	name_bodies(p, x->tree);
+	return !a->failed;
+}
+
+static int make_parts(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a)
+{
+	int *owner = arena_alloc(spare, x->raw->output_count + 1, sizeof *owner), made = owner ? own(owner, x, spare) : 0;
+	struct share share;
+
+	if (made < 2)
+		return made;
+	*parts = arena_alloc(a, (size_t)made, sizeof **parts);
+	if (!*parts || !share_begin(&share, x->raw, owner, spare))
+		return 0;
+	for (int i = 0; i < made; i++)
+		if (!make_part(&(*parts)[i], &share, i, x, a))
+			return 0;
+	*count = have_room(*parts, made, x->options) ? made : 0;
+	return 1;
+}
+
+int apart_make(struct part **parts, int *count, const struct parts_of *x, struct arena *a)
+{
+	struct arena spare;
+	int is_made;
+
+	*count = 0;
+	if (!may_be_apart(x))
+		return 1;
+	arena_init(&spare, x->options->allocator);
+	is_made = make_parts(parts, count, x, &spare, a);
+	arena_free(&spare);
+	return is_made;
+}

@@ -1,0 +1,11 @@
+#ifndef RNEAGEN_APART_H
+#define RNEAGEN_APART_H
+/* Torques of a long text in parts that share nothing: limbs of a robot that stands on the ground, each joined to the ground alone.
+   A part holds less in shared memory and is shorter, and nothing is made twice. */
+
+#include "plan/grid/parts.h"
+
+/* *count is 0 where that does not serve: there is one limb, or the text is short. Returns 0 when memory runs out. */
+int apart_make(struct part **parts, int *count, const struct parts_of *x, struct arena *a);
+
+#endif

@@ -1,0 +1,178 @@
+/* Torques of limbs that share nothing, in parts of the grid: values as those of the whole text compiled as C, for blocks that
+   have room in shared memory and for others; which texts are in such parts, and which stay whole. */
+#define _POSIX_C_SOURCE 200809L
+#include "launched.h"
+#include "base/text.h"
+#include "support/exhaustive.h"
+#include "support/suite.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { COUNT = 1300, SEED = 20261124, LARGE_BLOCK = 512 }; /* beyond what the limbs' kernel takes; no multiple of a block */
+
+/* A robot of tests/robots, or of "limbs N M": N limbs of M links each on the ground. */
+static const struct subject {
+	const char *name, *scene;
+	enum rneagen_precision precision;
+	enum rneagen_layout layout;
+	int floating, parts; /* 1: it is whole */
+} APART[] = {
+	{"atlas", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 2},
+	{"g1_29dof", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 2},
+	{"g1_29dof", "want tau,gravity\nfree gravity\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2},
+	{"limbs 2 24", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 2},
+	{"g1_29dof", "free gravity:sample\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2},
+	{"g1_29dof", "want bias\nfree payload.left_ankle_roll_link\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2},
+	{"limbs 3 16", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 3},
+	{"limbs 3 16", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 3},
+};
+
+/* The others: a base that moves, few operations, rows that stand apart, slices without room, other
+   outputs. */
+static const struct subject WHOLE[] = {
+	{"atlas", "", RNEAGEN_F64, RNEAGEN_SOA, 1, 1},
+	{"g1_29dof", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 1},
+	{"hyq", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 1},
+	{"g1_29dof", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 1},
+	{"limbs 2 40", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 1},
+	{"g1_29dof", "want tau,power\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1},
+	{"g1_29dof", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1},
+	{"chain_75", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 1},
+};
+
+static void put_link(struct text *t, int limb, int link)
+{
+	static const char *const axes[] = {"0 0 1", "0 1 0", "1 0 0"};
+
+	text_printf(t, "<link name='l%d_%d'><inertial><origin xyz='0.1 0.02 %g'/><mass value='%d'/><inertia ixx='0.02' iyy='0.03' "
+		"izz='0.04' ixy='0.001' ixz='0.002' iyz='0.003'/></inertial></link>\n", limb, link, 0.01 * limb, 1 + link % 3);
+	text_printf(t, "<joint name='j%d_%02d' type='revolute'><parent link='", limb, link);
+	text_printf(t, link ? "l%d_%d" : "ground", limb, link - 1);
+	text_printf(t, "'/><child link='l%d_%d'/><origin xyz='0.2 0 0.1' rpy='0.3 0 0'/><axis xyz='%s'/><limit lower='-3' upper='3' "
+		"effort='9' velocity='3'/></joint>\n", limb, link, axes[(limb + link) % 3]);
+}
+
+static void generate(const struct subject *s, const struct rneagen_options *given, struct target *t)
+{
+	struct rneagen_options o = *given;
+	struct arena a;
+	struct text urdf;
+	int limbs, links;
+
+	o.precision = s->precision;
+	o.layout = s->layout;
+	if (sscanf(s->name, "limbs %d %d", &limbs, &links) != 2) {
+		launched_generate(t, s->name, s->scene, s->floating, &o);
+		return;
+	}
+	arena_init(&a, NULL);
+	text_init(&urdf, &a);
+	text_put(&urdf, "<robot name='limbs'><link name='ground'/>\n");
+	for (int limb = 0; limb < limbs; limb++)
+		for (int link = 0; link < links; link++)
+			put_link(&urdf, limb, link);
+	text_put(&urdf, "</robot>\n");
+	target_generate(t, text_string(&urdf), urdf.length, &o, s->name);
+	arena_free(&a);
+}
+
+static void check(const struct subject *s, const struct target *t, enum rnea_backend backend, unsigned block, const struct launch *y)
+{
+	struct launch x = launched_run(launched_open(t, backend, block), COUNT, SEED, s->floating);
+	double worst = launched_distance(&x, y, s->name);
+
+	ck_assert_uint_eq(x.info->parts, (unsigned)s->parts);
+	printf("%s in %u parts, blocks of %u: within %.1e, seed %d\n", s->name, x.info->parts, block, worst, SEED);
+	ck_assert_double_lt(worst, s->precision == RNEAGEN_F32 ? 2e-5 : 1e-13);
+	launched_free(&x);
+}
+
+START_TEST(test_values)
+{
+	const struct subject *s = &APART[_i];
+	struct rneagen_options o = rneagen_options_default(), plain = o;
+	struct target parts, whole;
+	struct launch one;
+
+	if (_i % 3 == 2 && !exhaustive())
+		return; /* others run nearly the same */
+	plain.parts = 1;
+	generate(s, &o, &parts);
+	generate(s, &plain, &whole);
+	one = launched_run(launched_open(&whole, RNEA_BACKEND_HOST, 0), COUNT, SEED, s->floating);
+	check(s, &parts, RNEA_BACKEND_CUDA, _i % 2 ? LARGE_BLOCK : 0, &one);
+	if (_i % 2)
+		check(s, &parts, RNEA_BACKEND_HOST, 0, &one);
+	launched_free(&one);
+	rneagen_result_free(&parts.text);
+	rneagen_result_free(&whole.text);
+}
+END_TEST
+
+/* The text and its table say so; small batches have the kernel of the whole. */
+START_TEST(test_text)
+{
+	const struct subject *s = &APART[_i];
+	struct rneagen_options o = rneagen_options_default();
+	struct target t;
+	char line[64];
+
+	generate(s, &o, &t);
+	snprintf(line, sizeof line, "dim3((unsigned)blocks, %d)", s->parts);
+	ck_assert_ptr_nonnull(strstr(t.text.source, line));
+	snprintf(line, sizeof line, "gridDim.y != %d)", s->parts);
+	ck_assert_ptr_nonnull(strstr(t.text.source, line));
+	ck_assert_ptr_nonnull(strstr(t.text.source, "limbs that share nothing with the others"));
+	if (strstr(t.text.source, "_rnea_limbs("))
+		ck_assert_ptr_nonnull(strstr(t.text.source, "\"whole_limbs "));
+	rneagen_result_free(&t.text);
+}
+END_TEST
+
+static void check_whole(const struct subject *s, const struct rneagen_options *o)
+{
+	struct target t;
+
+	generate(s, o, &t);
+	ck_assert_msg(!strstr(t.text.source, "_part0_"), "%s %s", s->name, s->scene);
+	ck_assert_ptr_null(strstr(t.text.source, "\"whole_limbs "));
+	rneagen_result_free(&t.text);
+}
+
+START_TEST(test_whole)
+{
+	struct rneagen_options o = rneagen_options_default();
+
+	check_whole(&WHOLE[_i], &o);
+}
+END_TEST
+
+/* By --parts 1, by --segments, and without kernels. */
+START_TEST(test_asked)
+{
+	struct rneagen_options whole = rneagen_options_default(), segments = whole, c = whole;
+
+	whole.parts = 1;
+	segments.segments = 1000;
+	c.target = RNEAGEN_TARGET_C;
+	check_whole(&APART[0], &whole);
+	check_whole(&APART[0], &segments);
+	check_whole(&APART[0], &c);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *s = suite_create("apart");
+
+	setenv("RNEA_LIBCUDA", FAKE_CUDA, 1);
+	setenv("RNEA_NVRTC", FAKE_NVRTC, 1);
+	setenv("RNEA_CACHE", "", 1);
+	setvbuf(stdout, NULL, _IOLBF, 0);
+	suite_add(s, "values", test_values, sizeof APART / sizeof *APART, 300);
+	suite_add(s, "text", test_text, sizeof APART / sizeof *APART, 60);
+	suite_add(s, "whole", test_whole, sizeof WHOLE / sizeof *WHOLE, 60);
+	suite_add(s, "asked", test_asked, 1, 60);
+	return suite_run(s);
+}
