@@ -1,0 +1,98 @@
+/* Magnitudes that are known by knots hold at states drawn within the box, at corners and where an ascent from there ends; and they are
+   closer than those by points. It finds a degree that is too low, a place that is left out, and waves that are taken for none. */
+#include "prove/crests/crests.h"
+#include "prove/peaked.h"
+#include "support/suite.h"
+#include <math.h>
+#include <stdlib.h>
+
+enum { SEED = 71, STATES = 40, ROUNDS = 12, CRESTS = 8, SECONDS = 4 };
+
+static const struct {
+	const char *name, *scene;
+} CASES[] = {
+	{"iiwa14", "range qdd=-20,20\nrange qd=-2,2"},
+	{"panda", "range qdd=-5,20\nrange qd=-2,1\nrange q=-2,2.5"},
+	{"ur5", "range qdd=-20,20\nrange qd=-2,2\nrange q=-3,3"},
+	{"hyq", "range qdd=-20,20\nrange qd=-2,2"},
+};
+
+static struct relaxed relaxed;
+
+/* A few of both kinds, of as many rows of q as there are. */
+static size_t list_crests(const struct peaked *c, struct crest *list)
+{
+	size_t count = 0;
+
+	for (size_t i = c->p.count; i-- > 0 && count < CRESTS;) {
+		const struct peak *k = &c->p.list[i];
+
+		if (!k->pair && crests_fit(&c->p, k) && __builtin_popcountll(k->dims) >= 3 && k->most > 1.2 * k->found &&
+			(count % 2 ? PEAK_FULL : PEAK_LINEAR) == k->kind)
+			list[count++] = (struct crest){k, k->nodes[0], 0.3, (double)INFINITY};
+	}
+	return count;
+}
+
+/* Up from where it is: each row of q by steps, all others from one end to the other. */
+static double ascend(struct peaked *c, uint32_t node)
+{
+	double best, step = 0.2;
+
+	peaked_evaluate(c);
+	best = fabs(c->v[node]);
+	for (int round = 0; round < ROUNDS; round++, step *= round % 2 ? -1 : -0.6)
+		for (int i = 0; i < c->x.analysis.dag.argument_count; i++)
+			for (int k = 0; k < c->x.analysis.dag.arguments[i].rows && c->x.box.rows[i]; k++) {
+				struct interval r = c->x.box.rows[i][k];
+				double before = c->in[i][k];
+
+				c->in[i][k] = i == 0 ? fmin(r.upper, fmax(r.lower, before + step * (r.upper - r.lower)))
+						     : before == r.upper ? r.lower : r.upper;
+				peaked_evaluate(c);
+				if (fabs(c->v[node]) > best)
+					best = fabs(c->v[node]);
+				else
+					c->in[i][k] = before;
+			}
+	return best;
+}
+
+START_TEST(test_states)
+{
+	struct peaked c;
+	struct crest list[CRESTS];
+	struct effort x = robot_box_effort();
+	struct rng r = rng_seed(SEED);
+	size_t count;
+	double least = 1;
+
+	peaked_open(&c, CASES[_i].name, CASES[_i].scene, SECONDS);
+	relaxed = (struct relaxed){0};
+	ck_assert(!relax(&relaxed, &c.x.analysis, c.x.box.rows, &c.x.arena, &c.x.error));
+	count = list_crests(&c, list);
+	ck_assert(crests_find(&(struct crests){&relaxed, &c.p, &x}, list, count));
+	for (size_t i = 0; i < count; i++)
+		least = fmin(least, list[i].most / list[i].peak->most);
+	ck_assert_msg(!count || least < 0.95, "%s: nothing is closer", CASES[_i].name);
+	for (int s = 0; s < STATES; s++)
+		for (size_t i = 0; i < count; i++) {
+			double found;
+
+			peaked_draw(&c, &r, 0);
+			found = ascend(&c, list[i].node);
+			ck_assert_msg(found <= list[i].most * (1 + 1e-9), "%s, seed %d, state %d: node %u of kind %d is %g, but at most %g",
+				CASES[_i].name, SEED, s, list[i].node, list[i].peak->kind, found, list[i].most);
+		}
+	workers_close(x.workers);
+	robot_box_close(&c.x);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *suite = suite_create("crests");
+
+	suite_add(suite, "states", test_states, (int)(sizeof CASES / sizeof *CASES), 120);
+	return suite_run(suite);
+}
