@@ -32,7 +32,7 @@ static void list_all(struct peaked *c)
 			add(c, 0, k + 1);
 }
 
-void peaked_open(struct peaked *c, const char *name, const char *scene, double seconds)
+void peaked_open(struct peaked *c, const char *name, const char *scene, size_t output, double seconds)
 {
 	const struct dag *d;
 	struct arena *a = &c->x.arena;
@@ -41,11 +41,12 @@ void peaked_open(struct peaked *c, const char *name, const char *scene, double s
 	*c = (struct peaked){0};
 	robot_box_open(&c->x, name, scene, 0);
 	d = &c->x.analysis.dag;
-	ck_assert(adjoint_make(&c->adjoint, d, 0, 1, a) && norms_make(&c->norms, &c->adjoint.d, 0, a) &&
+	ck_assert(adjoint_make(&c->adjoint, d, output, 1, a) && norms_make(&c->norms, &c->adjoint.d, 0, a) &&
 		  norms_lay(&c->norms, a) && norms_values_make(&c->values, &c->norms, a));
 	ck_assert(d->arguments[0].role == ROLE_JOINT_POSITION);
 	norms_evaluate(&c->norms, (const struct interval *const *)c->x.box.rows, &c->values);
 	c->p = (struct peaks){.text = d,
+		.output = output,
 		.x = &c->adjoint,
 		.norms = &c->norms,
 		.values = &c->values,

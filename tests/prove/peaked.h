@@ -1,6 +1,6 @@
 #ifndef TESTS_PEAKED_H
 #define TESTS_PEAKED_H
-/* A robot's box, and peaks of what its first output is made of. */
+/* A robot's box, and peaks of what one of its outputs is made of. */
 
 #include "peaks/peaks.h"
 #include "prove/robot_box.h"
@@ -16,8 +16,8 @@ struct peaked {
 	struct interval *rows[DAG_ARGUMENTS];
 };
 
-/* The first output's values and derivatives, every third node and all pairs; `seconds` for their peaks. */
-void peaked_open(struct peaked *c, const char *name, const char *scene, double seconds);
+/* That output's values and derivatives, every third node and all pairs; `seconds` for their peaks. */
+void peaked_open(struct peaked *c, const char *name, const char *scene, size_t output, double seconds);
 
 /* A state; is_whole: angles of q anywhere. */
 void peaked_draw(struct peaked *c, struct rng *r, int is_whole);

@@ -39,7 +39,7 @@ START_TEST(test_states)
 	struct rng r = rng_seed(SEED);
 	double least = 1;
 
-	peaked_open(&c, name, CASES[_i % CASE_COUNT].scene, CASES[_i % CASE_COUNT].seconds);
+	peaked_open(&c, name, CASES[_i % CASE_COUNT].scene, 0, CASES[_i % CASE_COUNT].seconds);
 	for (size_t i = 0; i < c.p.count; i++)
 		if (c.p.list[i].kind != PEAK_UNKNOWN && c.p.list[i].dims)
 			least = fmin(
@@ -87,7 +87,7 @@ START_TEST(test_bends)
 	struct rng r = rng_seed(SEED);
 	double *first, *second;
 
-	peaked_open(&c, name, "range qdd=-20,20\nrange qd=-2,2\nrange q=-2,2.5", 0.5);
+	peaked_open(&c, name, "range qdd=-20,20\nrange qd=-2,2\nrange q=-2,2.5", 0, 0.5);
 	first = arena_alloc(&c.x.arena, c.adjoint.d.count, sizeof *first);
 	second = arena_alloc(&c.x.arena, c.adjoint.d.count, sizeof *second);
 	for (int s = 0; s < DIFFERENCES; s++)
@@ -140,7 +140,7 @@ START_TEST(test_degrees)
 	struct rng r = rng_seed(SEED);
 	double *sum;
 
-	peaked_open(&c, name, "range qdd=-20,20\nrange qd=-2,2\nrange q=-2,2.5", 0.5);
+	peaked_open(&c, name, "range qdd=-20,20\nrange qd=-2,2\nrange q=-2,2.5", 0, 0.5);
 	sum = arena_alloc(&c.x.arena, c.p.count, sizeof *sum);
 	for (int k = 0; k < c.p.dim_count; k++)
 		for (int d = 1; d <= 4; d++) {
