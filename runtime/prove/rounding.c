@@ -27,8 +27,8 @@ enum { VIEWS = 2 };
 #define SHARE_PLAIN 0.08
 #define SHARE_RECORDED 0.75 /* in its place where a certificate takes over the boxes */
 #define SHARE_CAPS 0.05     /* of what is left, twice */
-#define SHARE_PEAKS 0.2     /* the same, at most */
-#define SHARE_CRESTS 0.5
+#define SHARE_PEAKS 0.12    /* the same, at most */
+#define SHARE_CRESTS 0.6
 
 /* One output. */
 struct hunt {

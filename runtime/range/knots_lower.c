@@ -1,8 +1,8 @@
-/* A product has waves of the degrees of both factors together, of which the highest may cancel: moments at the base are of degree 2 in
-   each angle, and their expressions of 3. By its values at n = 2 d + 1 knots of a row f is p + r, r = a cos d x + b sin d x. Where |a| + |b|
-   is at most m at the knots of all other rows, it is at most m times the sums of their weights' magnitudes at any q. Those of an angle
-   with n knots are at most the root of n: the squares of its weights add up to 1 (Parseval). So p serves in the place of f, and r is
-   noise. */
+/* A product has waves of the degrees of both factors together, of which the highest may cancel: moments at the base are
+   of degree 2 in each angle, and their expressions of 3. By its values at n = 2 d + 1 knots of a row f is p + r, r = a
+   cos d x + b sin d x. Where |a| + |b| is at most m at the knots of all other rows, it is at most m times the sums of
+   their weights' magnitudes at any q. Those of an angle with n knots are at most the root of n: the squares of its
+   weights add up to 1 (Parseval). So p serves in the place of f, and r is noise. */
 #define _POSIX_C_SOURCE 200809L
 #include "range/knots.h"
 #include <math.h>
@@ -132,7 +132,8 @@ static int lower(struct knots *k, struct field *f, int dim, double *rest)
 		if (!(own[o] <= most))
 			return 0;
 	}
-	values = aligned_alloc(FIELD_VECTOR * sizeof(double), points * k->stride * (size_t)f->output_count * sizeof *values);
+	values = aligned_alloc(
+		FIELD_VECTOR * sizeof(double), points * k->stride * (size_t)f->output_count * sizeof *values);
 	if (!values)
 		return -1;
 	project(&l, values);
@@ -141,7 +142,8 @@ static int lower(struct knots *k, struct field *f, int dim, double *rest)
 	return 1;
 }
 
-/* Thrice what is left out: where places are evaluated instead of knots, it is in their values, between them, and in what is bounded. */
+/* Thrice what is left out: where places are evaluated instead of knots, it is in their values, between them, and in
+ * what is bounded. */
 int knots_lower(struct knots *k, struct field *f)
 {
 	double rest[MOST_OUTPUTS] = {0};

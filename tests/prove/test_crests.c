@@ -1,5 +1,6 @@
-/* Magnitudes that are known by knots hold at states drawn within the box, at corners and where an ascent from there ends; and they are
-   closer than those by points. It finds a degree that is too low, a place that is left out, and waves that are taken for none. */
+/* Magnitudes that are known by knots hold at states drawn within the box, at corners and where an ascent from there
+   ends; and they are closer than those by points. It finds a degree that is too low, a place that is left out, and
+   waves that are taken for none. */
 #include "prove/crests/crests.h"
 #include "prove/peaked.h"
 #include "support/suite.h"
@@ -50,7 +51,8 @@ static double ascend(struct peaked *c, uint32_t node)
 				double before = c->in[i][k];
 
 				c->in[i][k] = i == 0 ? fmin(r.upper, fmax(r.lower, before + step * (r.upper - r.lower)))
-						     : before == r.upper ? r.lower : r.upper;
+					      : before == r.upper ? r.lower
+								  : r.upper;
 				peaked_evaluate(c);
 				if (fabs(c->v[node]) > best)
 					best = fabs(c->v[node]);
@@ -84,8 +86,9 @@ START_TEST(test_states)
 
 			peaked_draw(&c, &r, 0);
 			found = ascend(&c, list[i].node);
-			ck_assert_msg(found <= list[i].most * (1 + 1e-9), "%s, seed %d, state %d: node %u of kind %d is %g, but at most %g",
-				CASES[_i].name, SEED, s, list[i].node, list[i].peak->kind, found, list[i].most);
+			ck_assert_msg(found <= list[i].most * (1 + 1e-9),
+				"%s, seed %d, state %d: node %u of kind %d is %g, but at most %g", CASES[_i].name, SEED,
+				s, list[i].node, list[i].peak->kind, found, list[i].most);
 		}
 	workers_close(x.workers);
 	robot_box_close(&c.x);

@@ -1,4 +1,5 @@
-/* One after the other: what lowers the error most for the time that it takes, as if its magnitude became close to what is found. */
+/* One after the other: what lowers the error most for the time that it takes, as if its magnitude became close to what
+ * is found. */
 #define _POSIX_C_SOURCE 200809L
 #include "prove/crests/crests.h"
 #include "core/seconds.h"
@@ -6,11 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define CLOSE 1.4	   /* over what was found at points, about */
-#define WORTH 1e-3	   /* of the error */
+#define CLOSE 1.4		   /* over what was found at points, about */
+#define WORTH 1e-3		   /* of the error */
 #define SECONDS_OF_A_KNOT 1.6e-5   /* of all crests of a field */
-#define SECONDS_OF_A_NUMBER 1e-6   /* at a knot that is left */
-#define SHARE 0.2 /* of the time, to choose */
+#define SECONDS_OF_A_NUMBER 1.5e-6 /* at a knot that is left */
+#define SHARE 0.2		   /* of the time, to choose */
+#define OF_TIME 0.8		   /* crests take longer than is thought */
+#define MOST_STRETCH 4
 
 /* One node, or the two of a pair. */
 struct candidate {
@@ -77,8 +80,8 @@ static size_t list_all(struct choosing *h)
 	return count;
 }
 
-/* The best of those from `first` on, to that place. Gains grow less as others are taken: one that is known anew and still the largest is the
-   best. */
+/* The best of those from `first` on, to that place. Gains grow less as others are taken: one that is known anew and
+   still the largest is the best. */
 static void put_best(struct choosing *h, size_t first, size_t count)
 {
 	for (;;) {
@@ -136,23 +139,37 @@ static size_t put_nodes(const struct choosing *h, size_t taken, struct crest *li
 			while (at < count && list[at].node != node)
 				at++;
 			if (at == count)
-				list[count++] = (struct crest){h->list[i].peak, node, h->list[i].cost / nodes_of(h->list[i].peak),
-					(double)INFINITY};
+				list[count++] = (struct crest){h->list[i].peak, node,
+					h->list[i].cost / nodes_of(h->list[i].peak), (double)INFINITY};
 		}
 	return count;
+}
+
+/* Where little is worth it, that gets more of the time. */
+static void stretch(double seconds, struct crest *list, size_t count)
+{
+	double sum = 0, by;
+
+	for (size_t i = 0; i < count; i++)
+		sum += list[i].cost;
+	by = sum > 0 ? fmin(MOST_STRETCH, fmax(1, OF_TIME * seconds / sum)) : 1;
+	for (size_t i = 0; i < count; i++)
+		list[i].cost *= by;
 }
 
 size_t crests_choose(const struct crests_choice *c, struct crest *list)
 {
 	size_t count = c->p->x->d.count, size = count * sizeof(double), put = 0;
 	double *caps = malloc(size);
-	struct choosing h = {c, malloc((c->p->count + 1) * sizeof *h.list), c->error(c->context), seconds_now() + SHARE * c->seconds};
+	struct choosing h = {c, malloc((c->p->count + 1) * sizeof *h.list), c->error(c->context),
+		seconds_now() + SHARE * c->seconds};
 
 	if (h.list && caps && isfinite(h.error)) {
 		memcpy(caps, c->values->most, size);
 		put = put_nodes(&h, take(&h, list_all(&h)), list);
 		memcpy(c->values->most, caps, size);
 	}
+	stretch(c->seconds, list, put);
 	free(caps);
 	free(h.list);
 	return put;

@@ -73,20 +73,22 @@ static const struct peak *peak_of(const struct cresting *g, const struct field *
 	return g->list[f->outputs[o]]->peak;
 }
 
-/* By what is known of the expressions; the field takes them for torques. */
-static void set_degrees(const struct cresting *g, struct field *f)
+/* By what is known of the expressions; the field takes them for torques. Nothing is known of an angle that has one
+ * value. */
+static void set_degree(const struct cresting *g, struct field *f, struct field_dim *k)
 {
 	const struct peaks *p = g->c->p;
+	int at = 0;
 
-	for (int k = 0; k < f->dim_count; k++)
-		for (int i = 0; i < p->dim_count && f->dims[k].is_angle; i++) {
-			if (p->dims[i] != f->dims[k].row)
-				continue;
-			f->dims[k].degree = 1;
-			for (int o = 0; o < f->output_count; o++)
-				if (peak_of(g, f, o)->degrees[i] > f->dims[k].degree)
-					f->dims[k].degree = peak_of(g, f, o)->degrees[i];
-		}
+	while (at < p->dim_count && p->dims[at] != k->row)
+		at++;
+	if (at == p->dim_count || !p->is_angle[at]) {
+		f->has_grid = 0;
+		return;
+	}
+	k->degree = 1;
+	for (int o = 0; o < f->output_count; o++)
+		k->degree = peak_of(g, f, o)->degrees[at] > k->degree ? peak_of(g, f, o)->degrees[at] : k->degree;
 }
 
 /* Nothing is known but the size; what waves that cancel leave is part of that. */
@@ -142,12 +144,15 @@ static int find_field(const struct cresting *g, struct field *f)
 	struct ranging r = {0};
 	int done = found != NULL;
 
-	set_degrees(g, f);
+	for (int k = 0; k < f->dim_count; k++)
+		if (f->dims[k].is_angle)
+			set_degree(g, f, &f->dims[k]);
 	for (int o = 0; o < f->output_count && done; o++) {
 		found[o][1].value = FLOOR * peak_of(g, f, o)->found / (peak_of(g, f, o)->pair ? sqrt(2) : 1);
 		found[o][0].value = -found[o][1].value;
 	}
-	done = done && ranging_make(&r, f, (const struct sought(*)[2])found) && (!f->has_grid || find_by_knots(g, f, &r));
+	done = done && ranging_make(&r, f, (const struct sought(*)[2])found) &&
+	       (!f->has_grid || find_by_knots(g, f, &r));
 	if (found)
 		ranging_free(&r);
 	free(found);
@@ -160,7 +165,8 @@ static int find_field(const struct cresting *g, struct field *f)
 static int outputs_make(struct cresting *g)
 {
 	const struct dag *d = &g->c->p->x->d;
-	int argument = g->c->p->text->outputs[g->c->p->output].argument, rates = dag_find_role(d, ROLE_JOINT_VELOCITY, 0);
+	int argument = g->c->p->text->outputs[g->c->p->output].argument,
+	    rates = dag_find_role(d, ROLE_JOINT_VELOCITY, 0);
 	struct dag *to = &g->relaxed.view.dag;
 
 	g->relaxed = *g->c->relaxed;

@@ -1,8 +1,8 @@
 #ifndef RUNTIME_PROVE_CRESTS_H
 #define RUNTIME_PROVE_CRESTS_H
-/* The largest magnitudes over the whole box of a few values and derivatives that points (peaks.h) leave rough: as closely as the
-   range of an output is found, by knots, how much they bend, and a cover. Derivatives that are linear in rates are those of a field whose
-   drives are the rates. */
+/* The largest magnitudes over the whole box of a few values and derivatives that points (peaks.h) leave rough: as
+   closely as the range of an output is found, by knots, how much they bend, and a cover. Derivatives that are linear in
+   rates are those of a field whose drives are the rates. */
 
 #include "peaks/peaks.h"
 #include "range/grid.h"
@@ -10,14 +10,14 @@
 
 struct crest {
 	const struct peak *peak; /* linear in rates or as fields are */
-	uint32_t node;           /* one of its */
-	double cost;             /* seconds, about */
-	double most;             /* no magnitude is larger */
+	uint32_t node;		 /* one of its */
+	double cost;		 /* seconds, about */
+	double most;		 /* no magnitude is larger */
 };
 
 struct crests {
 	const struct relaxed *relaxed; /* of which p->text is the DAG */
-	const struct peaks *p;         /* what is known of its nodes */
+	const struct peaks *p;	       /* what is known of its nodes */
 	const struct effort *effort;
 };
 
@@ -31,7 +31,7 @@ int crests_find(const struct crests *c, struct crest *list, size_t count);
 
 struct crests_choice {
 	const struct peaks *p;
-	struct norms_values *values; /* of which `most` caps what is chosen */
+	struct norms_values *values;	/* of which `most` caps what is chosen */
 	double (*error)(void *context); /* with the caps that there are */
 	void *context;
 	double seconds; /* for all that are chosen */

@@ -1,6 +1,7 @@
 #ifndef RUNTIME_PROVE_SHARPEN_H
 #define RUNTIME_PROVE_SHARPEN_H
-/* Caps of what an output's error is made of, over the whole box: by points of q first (peaks.h), then a few by knots (crests.h). */
+/* Caps of what an output's error is made of, over the whole box: by points of q first (peaks.h), then a few by knots
+ * (crests.h). */
 
 #include "prove/crests/crests.h"
 #include "prove/twins.h"
@@ -16,7 +17,8 @@ struct sharpening {
 	const int *dims; /* rows of q that have room */
 	const struct relaxed *relaxed;
 	const struct effort *effort;
-	/* The error over the box with the caps that there are, and by node of the text what it makes of that: NULL when memory runs out. */
+	/* The error over the box with the caps that there are, and by node of the text what it makes of that: NULL when
+	 * memory runs out. */
 	double (*error)(void *context);
 	double *(*terms)(void *context);
 	void *context;

@@ -9,8 +9,8 @@ struct stint {
 	double work, seconds;
 };
 
-/* By output, those of which the most depends first; each as long as it has nodes and derivatives, and no longer than all, so that
-   `threads` of them are done in these seconds. In `arena`; NULL when memory runs out. */
+/* By output, those of which the most depends first; each as long as it has pairs of values and derivatives, and no
+   longer than all, so that `threads` of them are done in these seconds. In `arena`; NULL when memory runs out. */
 struct stint *stints_make(const struct dag *d, unsigned threads, double seconds, struct arena *arena);
 
 #endif
