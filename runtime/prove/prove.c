@@ -19,7 +19,7 @@
 #define SHARE_CURVATURE 0.13
 #define SHARE_COVER 0.20
 #define SHARE_SEEK_ERRORS 0.08
-#define SHARE_ALL 0.97 /* errors get what is left of this */
+#define SHARE_ALL 0.99 /* errors get what is left of this */
 
 /* Outputs whose ranges are proved together: of a field, or of a limb that is cut off. */
 struct target {

@@ -23,12 +23,16 @@
 
 enum { VIEWS = 2 };
 #define LANES_BELOW 0.2 /* rad or m */
+#define EQUALLY 0.5 /* of the time, where no certificate takes over boxes */
 /* of the time of an output */
 #define SHARE_PLAIN 0.08
 #define SHARE_RECORDED 0.75 /* in its place where a certificate takes over the boxes */
 #define SHARE_CAPS 0.05     /* of what is left, twice */
-#define SHARE_PEAKS 0.12    /* the same, at most */
-#define SHARE_CRESTS 0.6
+/* For points at most half of it, and no more than their first grids need; what is left of this is for knots. */
+#define SHARE_PEAKS 0.5
+#define SHARE_SHARPER 0.72
+#define LEAST_PEAKS 0.12
+#define SECONDS_OF_PEAKS 5e-4 /* for each node and row of q */
 
 /* One output. */
 struct hunt {
@@ -286,7 +290,10 @@ static int find_sharper(struct hunt *h, const struct job *j, size_t output, doub
 		.dim_count = h->split.dim_count, .relaxed = j->r, .effort = &own, .error = whole_error, .terms = whole_terms,
 		.context = h, .known = j->known, .arena = &h->arena};
 
-	return sharpen(&s, SHARE_PEAKS * seconds, SHARE_CRESTS * seconds);
+	double needed = fmax(LEAST_PEAKS * seconds, SECONDS_OF_PEAKS * (double)h->x.d.count * h->split.dim_count);
+	double of_peaks = fmin(SHARE_PEAKS * seconds, needed);
+
+	return sharpen(&s, of_peaks, SHARE_SHARPER * seconds - of_peaks);
 }
 
 static void take(const struct hunt *h, struct prove_row *r)
@@ -378,7 +385,7 @@ int rounding_find(struct prove_row *rows, const struct relaxed *r, const struct 
 		.record = x->record};
 
 	arena_init(&j.arena, NULL);
-	if (begin(&j) && (j.stints = stints_make(&r->view.dag, x->threads, seconds, &j.arena)))
+	if (begin(&j) && (j.stints = stints_make(&r->view.dag, x->record ? 1 : EQUALLY, x->threads, seconds, &j.arena)))
 		workers_run(x->workers, x->threads, hunt_output, &j, outputs);
 	else
 		j.failed = 1;

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROUNDS = 14, FRESH = 4, OTHERS = 4 };
+enum { ROUNDS = 7, MORE_ROUNDS = 28, FRESH = 4, OTHERS = 4 };
 #define STEP 0.11
 #define SHAKEN 0.25 /* of the rows, where a climb begins anew near the best so far */
 
@@ -156,7 +156,7 @@ static void climb_for(struct seeking *s, struct states_room *t, struct top *tops
 		memcpy(t->state, tops->state, t->size);
 	else
 		put_start(s, t, &tops[model], output, start, seed);
-	climb(s, t, &tops[model], output, model, start < FRESH ? ROUNDS : 2 * ROUNDS, best);
+	climb(s, t, &tops[model], output, model, start < FRESH ? ROUNDS : MORE_ROUNDS, best);
 }
 
 /* In one block. */

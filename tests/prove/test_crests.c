@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { SEED = 71, STATES = 40, ROUNDS = 12, CRESTS = 6, SECONDS = 4 };
+enum { SEED = 71, STATES = 40, ROUNDS = 12, CRESTS = 4, SECONDS = 4, COST = 1 };
 
 static const struct {
 	const char *name, *scene;
@@ -32,7 +32,7 @@ static size_t list_crests(const struct peaked *c, int kind, struct crest *list)
 
 			if (k->kind == kind && !k->pair && crests_fit(&c->p, k) && __builtin_popcountll(k->dims) >= 2 &&
 				k->most > ratio * k->found && k->most <= ratio * ratio * k->found)
-				list[count++] = (struct crest){k, k->nodes[0], 0.3, (double)INFINITY};
+				list[count++] = (struct crest){k, k->nodes[0], COST, (double)INFINITY};
 		}
 	return count;
 }

@@ -58,7 +58,7 @@ double crests_together(const struct peaks *p, const struct peak *k)
 
 int crests_fit(const struct peaks *p, const struct peak *k)
 {
-	if ((k->kind != PEAK_LINEAR && k->kind != PEAK_FULL) || !(k->found > 0))
+	if ((k->kind != PEAK_LINEAR && k->kind != PEAK_FULL) || !(k->found > 0) || !isfinite(k->whole))
 		return 0;
 	for (int i = 0; i < p->dim_count; i++)
 		if (k->dims >> i & 1 && k->degrees[i] > (p->is_angle[i] ? MOST_DEGREE : LENGTH_DEGREE))

@@ -3,9 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define EQUALLY 0.2 /* of the time, whatever the work */
-
-/* Nodes make more to look at, each of which takes longer. */
+/* Nodes make more to look at, each of which takes longer and is known less well. */
 static double work_of(const struct dag *d, size_t output)
 {
 	struct arena own;
@@ -13,7 +11,7 @@ static double work_of(const struct dag *d, size_t output)
 	double work;
 
 	arena_init(&own, NULL);
-	work = adjoint_make(&x, d, output, 1, &own) ? (double)x.d.count * (double)x.d.count : 0;
+	work = adjoint_make(&x, d, output, 1, &own) ? pow((double)x.d.count, 3) : 0;
 	arena_free(&own);
 	return work;
 }
@@ -25,7 +23,7 @@ static int by_work(const void *a, const void *b)
 	return (x->work < y->work) - (x->work > y->work);
 }
 
-struct stint *stints_make(const struct dag *d, unsigned threads, double seconds, struct arena *arena)
+struct stint *stints_make(const struct dag *d, double equally, unsigned threads, double seconds, struct arena *arena)
 {
 	struct stint *list = arena_alloc(arena, d->output_count + 1, sizeof *list);
 	double sum = 0;
@@ -37,7 +35,7 @@ struct stint *stints_make(const struct dag *d, unsigned threads, double seconds,
 	for (size_t o = 0; o < d->output_count && list && sum > 0; o++)
 		list[o].seconds =
 			seconds *
-			fmin(1, threads * (EQUALLY / (double)d->output_count + (1 - EQUALLY) * list[o].work / sum));
+			fmin(1, threads * (equally / (double)d->output_count + (1 - equally) * list[o].work / sum));
 	if (list)
 		qsort(list, d->output_count, sizeof *list, by_work);
 	return list;

@@ -9,8 +9,9 @@ struct stint {
 	double work, seconds;
 };
 
-/* By output, those of which the most depends first; each as long as it has pairs of values and derivatives, and no
-   longer than all, so that `threads` of them are done in these seconds. In `arena`; NULL when memory runs out. */
-struct stint *stints_make(const struct dag *d, unsigned threads, double seconds, struct arena *arena);
+/* By output, those of which the most depends first, so that `threads` of them are done in these seconds. Of the time
+   this part is the same for all; of the rest each has as much as it has nodes and derivatives, to the third power. In
+   `arena`; NULL when memory runs out. */
+struct stint *stints_make(const struct dag *d, double equally, unsigned threads, double seconds, struct arena *arena);
 
 #endif
