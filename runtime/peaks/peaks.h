@@ -16,11 +16,12 @@ struct peak {
 	double most;	   /* no length is larger */
 	/* of peaks_find: */
 	int kind;
+	double found;		/* the largest at points of the last grid; 0: there was none */
 	double whole;		/* `most` for all angles, not those of the box alone */
 	uint64_t dims;		/* bit k: it depends on dims[k] */
 	double *tilts, *bends;	/* by dims, for all angles: no first, no second derivative by q is longer */
 	double *near;		/* the same of second ones in the box alone */
-	unsigned char *degrees; /* by dims: of a polynomial of sine and cosine */
+	unsigned char *degrees; /* by dims: of a polynomial of sine and cosine, or of a length */
 };
 
 struct peaks {

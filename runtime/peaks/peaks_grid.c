@@ -273,6 +273,7 @@ static void take_found(const struct gridding *s)
 		struct peak *x = &s->p->list[s->g->members[i]];
 		double bound = bound_of(s, x, s->found[i] + peaks_points_off(s->points, i));
 
+		x->found = s->found[i];
 		x->most = interval_least(bound, x->most);
 		if (s->is_whole)
 			x->whole = interval_least(bound, x->whole);

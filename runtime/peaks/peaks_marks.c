@@ -92,7 +92,7 @@ static void mark_input(struct marks *m, uint32_t i)
 		if (p->dims[k] == (int)n->arg[1].i) {
 			m->orders[i] = PLAIN;
 			m->dims[i] = (uint64_t)1 << k;
-			degrees_at(m, i)[k] = PEAK_NO_DEGREE;
+			degrees_at(m, i)[k] = p->is_angle[k] ? PEAK_NO_DEGREE : 1;
 		}
 }
 
@@ -103,8 +103,10 @@ static void mark_degrees(struct marks *m, uint32_t i)
 	for (int k = 0; k < m->p->dim_count; k++) {
 		unsigned a = op_arity[n->op] > 0 ? degrees_at(m, n->arg[0].i)[k] : 0;
 		unsigned b = op_arity[n->op] > 1 ? degrees_at(m, n->arg[1].i)[k] : 0;
-		unsigned sum = n->op == OP_SIN || n->op == OP_COS ? a > 0 : n->op == OP_MUL ? a + b : a > b ? a : b;
+		unsigned sum = n->op == OP_MUL ? a + b : a > b ? a : b;
 
+		if (n->op == OP_SIN || n->op == OP_COS)
+			sum = a == 0 ? 0 : m->p->is_angle[k] ? 1 : PEAK_NO_DEGREE;
 		degrees_at(m, i)[k] = (unsigned char)(sum < PEAK_NO_DEGREE ? sum : PEAK_NO_DEGREE);
 	}
 }

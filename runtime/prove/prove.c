@@ -19,7 +19,7 @@
 #define SHARE_CURVATURE 0.13
 #define SHARE_COVER 0.20
 #define SHARE_SEEK_ERRORS 0.08
-#define SHARE_ERRORS 0.44
+#define SHARE_ALL 0.99 /* errors get what is left of this */
 
 /* Outputs whose ranges are proved together: of a field, or of a limb that is cut off. */
 struct target {
@@ -208,7 +208,7 @@ static enum rneagen_code prove_errors(struct proving *p, struct proof *proof)
 	if (!seek_errors(proof->rows, p->a, p->b, p->models, n, best, &p->effort, SHARE_SEEK_ERRORS * seconds))
 		return error_memory(p->e);
 	show(p, "errors");
-	if (!rounding_find(proof->rows, &p->relaxed, p->b, p->models, n, &p->effort, SHARE_ERRORS * seconds))
+	if (!rounding_find(proof->rows, &p->relaxed, p->b, p->models, n, &p->effort, SHARE_ALL * seconds - (seconds_now() - p->start)))
 		return error_memory(p->e);
 	return RNEAGEN_OK;
 }

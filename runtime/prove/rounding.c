@@ -12,9 +12,10 @@
 #include "dag/eval.h"
 #include "peaks/caps.h"
 #include "prove/coarse.h"
+#include "prove/crests/sharpen.h"
+#include "prove/crests/stints.h"
 #include "prove/rules.h"
 #include "prove/twins.h"
-#include "prove/weights.h"
 #include "range/split.h"
 #include <math.h>
 #include <stdlib.h>
@@ -22,11 +23,16 @@
 
 enum { VIEWS = 2 };
 #define LANES_BELOW 0.2 /* rad or m */
+#define EQUALLY 0.5 /* of the time, where no certificate takes over boxes */
 /* of the time of an output */
 #define SHARE_PLAIN 0.08
 #define SHARE_RECORDED 0.75 /* in its place where a certificate takes over the boxes */
 #define SHARE_CAPS 0.05     /* of what is left, twice */
-#define SHARE_PEAKS 0.55    /* the same, at most */
+/* For points at most half of it, and no more than their first grids need; what is left of this is for knots. */
+#define SHARE_PEAKS 0.5
+#define SHARE_SHARPER 0.72
+#define LEAST_PEAKS 0.12
+#define SECONDS_OF_PEAKS 5e-4 /* for each node and row of q */
 
 /* One output. */
 struct hunt {
@@ -170,7 +176,10 @@ struct job {
 	struct arena arena;
 	const struct eval_model *models;
 	int count, failed;
-	double seconds, deadline; /* of one output; of all */
+	double deadline;
+	struct stint *stints;
+	const struct effort *effort;
+	_Atomic double *known; /* sharpen.h */
 	struct record *record;
 };
 
@@ -251,37 +260,40 @@ static int find_caps(struct hunt *h, double seconds)
 	return caps_find(&c, &h->views[0].norms, &h->views[0].values, &h->arena);
 }
 
-/* What each node makes of the error over the box whose values are known. */
-static double *terms_of(struct hunt *h)
+static double whole_error(void *hunt)
 {
+	struct hunt *h = hunt;
+
+	h->now = &h->views[0];
+	norms_evaluate(&h->now->norms, (const struct interval *const *)h->rows, &h->views[0].values);
+	return error_of(h, 0);
+}
+
+/* What each node makes of it. */
+static double *whole_terms(void *hunt)
+{
+	struct hunt *h = hunt;
 	double *terms = arena_alloc(&h->arena, h->x.count, sizeof *terms);
-	int is_bounded = isfinite(error_of(h, 0));
+	int is_bounded = isfinite(whole_error(h));
 
 	for (uint32_t i = 0; i < h->x.count && terms && is_bounded; i++)
 		terms[i] = h->live[i] ? slope_at(h, i) * rules_node(&h->rules, i, &h->models[0]) : 0;
 	return terms;
 }
 
-/* The largest magnitudes from points of q, beside those from parts, of all but lanes. */
-static int find_peaks(struct hunt *h, const struct job *j, size_t output, double seconds)
+/* From points of q and by knots, beside parts, of all but lanes. */
+static int find_sharper(struct hunt *h, const struct job *j, size_t output, double seconds)
 {
-	const struct interval *const *rows = (const struct interval *const *)h->rows;
-	struct view *v = &h->views[0];
-	struct peaks p = {.text = h->d, .output = output, .x = &h->x, .norms = &v->norms, .values = &v->values, .rows = rows,
-		.position = h->position, .dims = h->dims, .dim_count = h->split.dim_count,
-		.deadline = fmin(j->deadline, seconds_now() + seconds), .arena = &h->arena};
-	double *terms;
+	const struct effort own = {j->effort->workers, 1, j->deadline, NULL};
+	const struct sharpening s = {.text = h->d, .output = output, .x = &h->x, .view = &h->views[0],
+		.rows = (const struct interval *const *)h->rows, .position = h->position, .dims = h->dims,
+		.dim_count = h->split.dim_count, .relaxed = j->r, .effort = &own, .error = whole_error, .terms = whole_terms,
+		.context = h, .known = j->known, .arena = &h->arena};
 
-	h->now = v;
-	norms_evaluate(&v->norms, rows, &v->values);
-	if (!(terms = terms_of(h)) || !weights_find(&p, v, terms) || !peaks_find(&p))
-		return 0;
-	for (size_t i = 0; i < p.count; i++) {
-		double *most = p.list[i].pair ? &v->values.most_norm[p.list[i].pair - 1] : &v->values.most[p.list[i].nodes[0]];
+	double needed = fmax(LEAST_PEAKS * seconds, SECONDS_OF_PEAKS * (double)h->x.d.count * h->split.dim_count);
+	double of_peaks = fmin(SHARE_PEAKS * seconds, needed);
 
-		*most = fmin(*most, p.list[i].most);
-	}
-	return 1;
+	return sharpen(&s, of_peaks, SHARE_SHARPER * seconds - of_peaks);
 }
 
 static void take(const struct hunt *h, struct prove_row *r)
@@ -311,12 +323,13 @@ static int hunt_for(struct hunt *h, const struct job *j, const struct leaf *whol
 }
 
 /* Without caps first: with them a cut by one row alone gains little, and which row to cut by is seen less well. */
-static void hunt_output(void *job, size_t output)
+static void hunt_output(void *job, size_t piece)
 {
 	struct job *j = job;
 	struct leaf root = {.value = {0, 0}};
-	double plain = (j->record ? SHARE_RECORDED : SHARE_PLAIN) * j->seconds, left = j->seconds - plain;
-	double end = seconds_now() + j->seconds;
+	size_t output = j->stints[piece].output;
+	double seconds = j->stints[piece].seconds, end = seconds_now() + seconds;
+	double plain = (j->record ? SHARE_RECORDED : SHARE_PLAIN) * seconds, left = seconds - plain;
 	struct hunt h;
 	int done;
 
@@ -333,7 +346,7 @@ static void hunt_output(void *job, size_t output)
 	for (int k = 0; k < h.split.dim_count && done; k++)
 		h.rows[h.position][h.dims[k]] = root.q[k];
 	if (done && h.split.dim_count)
-		done = find_caps(&h, SHARE_CAPS * left) && find_peaks(&h, j, output, SHARE_PEAKS * left) &&
+		done = find_caps(&h, SHARE_CAPS * left) && find_sharper(&h, j, output, left) &&
 		       find_caps(&h, SHARE_CAPS * left) &&
 		       hunt_for(&h, j, &root, end - seconds_now(), &j->rows[output]);
 	if (!done)
@@ -347,7 +360,10 @@ static int begin(struct job *j)
 {
 	const struct dag *d = &j->r->text->dag;
 
-	if (!coarse_find(&j->coarse, d, j->b, j->models, j->count, &j->arena))
+	j->known = arena_alloc(&j->arena, j->r->view.dag.count, sizeof *j->known);
+	for (size_t i = 0; i < j->r->view.dag.count && j->known; i++)
+		j->known[i] = (double)INFINITY;
+	if (!j->known || !coarse_find(&j->coarse, d, j->b, j->models, j->count, &j->arena))
 		return 0;
 	for (size_t o = 0; o < d->output_count; o++)
 		for (int m = 0; m < j->count; m++)
@@ -358,18 +374,18 @@ static int begin(struct job *j)
 int rounding_find(struct prove_row *rows, const struct relaxed *r, const struct box *b, const struct eval_model *models,
 	int count, const struct effort *x, double seconds)
 {
-	size_t outputs = r->view.dag.output_count, rounds = (outputs + x->threads - 1) / x->threads;
+	size_t outputs = r->view.dag.output_count;
 	struct job j = {.rows = rows,
 		.r = r,
 		.b = b,
 		.models = models,
 		.count = count,
-		.seconds = seconds / (double)(rounds ? rounds : 1),
 		.deadline = x->deadline,
+		.effort = x,
 		.record = x->record};
 
 	arena_init(&j.arena, NULL);
-	if (begin(&j))
+	if (begin(&j) && (j.stints = stints_make(&r->view.dag, x->record ? 1 : EQUALLY, x->threads, seconds, &j.arena)))
 		workers_run(x->workers, x->threads, hunt_output, &j, outputs);
 	else
 		j.failed = 1;

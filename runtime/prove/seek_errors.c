@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROUNDS = 8, FRESH = 4 };
+enum { ROUNDS = 7, MORE_ROUNDS = 28, FRESH = 4, OTHERS = 4 };
 #define STEP 0.11
 #define SHAKEN 0.25 /* of the rows, where a climb begins anew near the best so far */
 
@@ -78,8 +78,11 @@ static double bound_at(void *context, struct states_room *t)
 {
 	const struct sought_bound *b = context;
 	const struct output *o = &b->s->d->outputs[b->output];
+	struct dag alone = *b->s->d; /* other outputs take time */
 
-	if (!eval_bound(b->s->d, b->m, (const double *const *)t->in, t->outs))
+	alone.outputs += b->output;
+	alone.output_count = 1;
+	if (!eval_bound(&alone, b->m, (const double *const *)t->in, t->outs))
 		b->s->failed = 1;
 	return isfinite(t->outs[o->argument][o->row]) ? t->outs[o->argument][o->row] : 0;
 }
@@ -127,14 +130,12 @@ static void put_start(const struct seeking *s, struct states_room *t, const stru
 	shake(&s->states, t, seed);
 }
 
-static void climb(struct seeking *s, struct states_room *t, struct top *top, size_t output, int model, int start,
-	unsigned short seed[3], double *best)
+/* From what is in the room. */
+static void climb(struct seeking *s, struct states_room *t, struct top *top, size_t output, int model, int rounds, double *best)
 {
 	struct sought_bound of = {s, &s->models[model], output, has_floats(&s->models[model])};
-	int rounds = start < FRESH ? ROUNDS : 2 * ROUNDS;
 	double value;
 
-	put_start(s, t, top, output, start, seed);
 	fit_all(s, t, of.is_float);
 	take(s, t, model, best);
 	value = states_climb(&s->states, t, &(struct states_climb){bound_at, fit_state, &of, STEP, rounds, s->deadline});
@@ -143,6 +144,19 @@ static void climb(struct seeking *s, struct states_room *t, struct top *top, siz
 		top->value = value;
 		memcpy(top->state, t->state, t->size);
 	}
+}
+
+/* What is bad for one type is nearly so for the others: one of some climbs goes on from there for these. tops[] are the output's. */
+static void climb_for(struct seeking *s, struct states_room *t, struct top *tops, size_t output, int start,
+	unsigned short seed[3], double *best)
+{
+	int model = s->count > 1 && start % OTHERS == OTHERS - 1 ? 1 + start / OTHERS % (s->count - 1) : 0;
+
+	if (model && tops->value > 0)
+		memcpy(t->state, tops->state, t->size);
+	else
+		put_start(s, t, &tops[model], output, start, seed);
+	climb(s, t, &tops[model], output, model, start < FRESH ? ROUNDS : MORE_ROUNDS, best);
 }
 
 /* In one block. */
@@ -161,8 +175,7 @@ static struct top *tops_new(const struct seeking *s)
 	return NULL;
 }
 
-/* The numbers of a job go through outputs, models, and starts: twice the states found, then others, some of them near
-   the best so far. */
+/* The numbers of a job go through outputs and starts: twice the states found, then others, some of them near the best so far. */
 static void seek(void *job, size_t piece)
 {
 	struct seeking *s = job;
@@ -179,9 +192,8 @@ static void seek(void *job, size_t piece)
 	}
 	for (size_t i = piece; done && !s->failed && seconds_now() < s->deadline; i += s->pieces) {
 		size_t output = i % s->d->output_count;
-		int model = (int)(i / s->d->output_count) % s->count, start = (int)(i / s->d->output_count) / s->count;
 
-		climb(s, &t, &tops[output * (size_t)s->count + (size_t)model], output, model, start, seed, best);
+		climb_for(s, &t, &tops[output * (size_t)s->count], output, (int)(i / s->d->output_count), seed, best);
 	}
 	s->failed |= !done;
 	free(tops ? tops->state : NULL);

@@ -1,5 +1,5 @@
 /* What knots say of a field anywhere, beside the field itself: coefficients, second derivatives, and the largest of a whole grid.
-   It would catch a row of q in another's place, a weight that is off, and a point of the grid that is left out. */
+   It would catch a row of q in another's place, a weight that is off, a point of the grid that is left out, and waves that are taken to cancel. */
 #include "prove/robot_box.h"
 #include "range/cover.h"
 #include "range/extreme.h"
@@ -337,6 +337,36 @@ START_TEST(test_none)
 }
 END_TEST
 
+/* A degree that is too high by one is found to be: knots of it are lowered to those of the field's own, or fewer. */
+START_TEST(test_lower)
+{
+	struct rng r = rng_seed(SEED);
+	struct set_up s;
+
+	set_up(&s, _i);
+	for (int i = 0; i < s.count; i++) {
+		struct field *f = &s.fields[i];
+		struct knots k;
+		int degrees[FIELD_DIMS];
+
+		for (int l = 0; l < f->dim_count; l++) {
+			degrees[l] = f->dims[l].degree;
+			f->dims[l].degree += f->dims[l].is_angle;
+		}
+		if (knots_make(&k, f, &s.effort, 1e3)) {
+			ck_assert(knots_lower(&k, f));
+			for (int l = 0; l < f->dim_count; l++)
+				ck_assert_msg(f->dims[l].degree <= degrees[l] && k.counts[l] == k.grid.counts[l] &&
+						      (!f->dims[l].is_angle || k.counts[l] == 2 * f->dims[l].degree + 1),
+					"%s: degree %d in row %d", ROBOTS[_i].name, f->dims[l].degree, l);
+			check_points(&k, &r);
+		}
+		knots_free(&k);
+	}
+	tear_down(&s);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *suite = suite_create("knots");
@@ -344,6 +374,7 @@ int main(void)
 	suite_add(suite, "points", test_points, ROBOT_COUNT, 600);
 	suite_add(suite, "walks", test_walks, ROBOT_COUNT, 600);
 	suite_add(suite, "covers", test_covers, 3, 600);
+	suite_add(suite, "lower", test_lower, 4, 600);
 	suite_add(suite, "none", test_none, 1, 60);
 	return suite_run(suite);
 }

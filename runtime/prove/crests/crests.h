@@ -1,0 +1,51 @@
+#ifndef RUNTIME_PROVE_CRESTS_H
+#define RUNTIME_PROVE_CRESTS_H
+/* The largest magnitudes over the whole box of a few values and derivatives that points (peaks.h) leave rough: as
+   closely as the range of an output is found, by knots, how much they bend, and a cover. Derivatives that are linear in
+   rates are those of a field whose drives are the rates. */
+
+#include "peaks/peaks.h"
+#include "range/grid.h"
+#include "relax/relax.h"
+
+struct crest {
+	const struct peak *peak; /* linear in rates or as fields are */
+	uint32_t node;		 /* one of its */
+	double cost;		 /* seconds, about */
+	double most;		 /* no magnitude is larger */
+};
+
+struct crests {
+	const struct relaxed *relaxed; /* of which p->text is the DAG */
+	const struct peaks *p;	       /* what is known of its nodes */
+	const struct effort *effort;
+};
+
+/* Knows of all that one needs? */
+int crests_fit(const struct peaks *p, const struct peak *k);
+
+/* Lowers list[].most, with about `cost` seconds each. Returns 0 when memory runs out. */
+int crests_find(const struct crests *c, struct crest *list, size_t count);
+
+/* ---- which ---- */
+
+struct crests_choice {
+	const struct peaks *p;
+	struct norms_values *values;	/* of which `most` caps what is chosen */
+	double (*error)(void *context); /* with the caps that there are */
+	void *context;
+	double seconds; /* for all that are chosen */
+};
+
+/* choose.c: those that lower the error most for their time, into list[], which has room for twice as many as there are
+   peaks. Returns how many. */
+size_t crests_choose(const struct crests_choice *c, struct crest *list);
+
+/* Knots that it takes at first, and when all waves that cancel are gone; numbers at each. */
+double crests_knots(const struct peaks *p, const struct peak *k, int is_lowered);
+double crests_numbers(const struct peaks *p, const struct peak *k);
+
+/* As many of one field as there is room for. */
+double crests_together(const struct peaks *p, const struct peak *k);
+
+#endif

@@ -1,0 +1,90 @@
+#define _POSIX_C_SOURCE 200809L
+#include "prove/crests/sharpen.h"
+#include "core/seconds.h"
+#include "prove/weights.h"
+#include <math.h>
+#include <stdlib.h>
+
+#define LATE 1.2 /* of the time for crests: those that are not there then are left out */
+
+static void take_known(const struct sharpening *s)
+{
+	double *most = s->view->values.most;
+
+	for (uint32_t i = 0; i < s->x->count; i++) {
+		uint32_t at = s->x->value[i].i;
+
+		most[at] = at ? fmin(most[at], s->known[i]) : most[at];
+	}
+}
+
+/* All outputs are made of the same values, but each of its own derivatives. */
+static void make_known(const struct sharpening *s, uint32_t node, double most)
+{
+	for (uint32_t i = 0; i < s->x->count; i++) {
+		double now = s->known[i];
+
+		while (s->x->value[i].i == node && most < now &&
+			!atomic_compare_exchange_weak(&s->known[i], &now, most))
+			;
+	}
+}
+
+static int find_peaks(const struct sharpening *s, struct peaks *p, double seconds)
+{
+	struct view *v = s->view;
+	double *terms;
+
+	*p = (struct peaks){.text = s->text,
+		.output = s->output,
+		.x = s->x,
+		.norms = &v->norms,
+		.values = &v->values,
+		.rows = s->rows,
+		.position = s->position,
+		.dims = s->dims,
+		.dim_count = s->dim_count,
+		.deadline = fmin(s->effort->deadline, seconds_now() + seconds),
+		.arena = s->arena};
+	if (!(terms = s->terms(s->context)) || !weights_find(p, v, terms) || !peaks_find(p))
+		return 0;
+	for (size_t i = 0; i < p->count; i++) {
+		double *most = p->list[i].pair ? &v->values.most_norm[p->list[i].pair - 1]
+					       : &v->values.most[p->list[i].nodes[0]];
+
+		*most = fmin(*most, p->list[i].most);
+	}
+	return 1;
+}
+
+static int find_crests(const struct sharpening *s, const struct peaks *p, double seconds)
+{
+	const struct crests_choice choice = {p, &s->view->values, s->error, s->context, seconds};
+	struct effort own = *s->effort;
+	const struct crests c = {s->relaxed, p, &own};
+	struct crest *list = malloc((2 * p->count + 1) * sizeof *list);
+	size_t count;
+	int done;
+
+	if (!list)
+		return 0;
+	own.deadline = fmin(own.deadline, seconds_now() + LATE * seconds);
+	count = crests_choose(&choice, list);
+	done = crests_find(&c, list, count);
+	for (size_t i = 0; i < count && done; i++) {
+		double *most = &s->view->values.most[list[i].node];
+
+		*most = fmin(*most, list[i].most);
+		make_known(s, list[i].node, list[i].most);
+	}
+	free(list);
+	return done;
+}
+
+int sharpen(const struct sharpening *s, double of_peaks, double of_crests)
+{
+	struct peaks p;
+
+	take_known(s);
+	return find_peaks(s, &p, of_peaks) && find_crests(s, &p, of_crests);
+}

@@ -1,0 +1,104 @@
+/* Magnitudes that are known by knots hold at states drawn within the box, at corners and where an ascent from there
+   ends; and they are closer than those by points. It finds a degree that is too low, a place that is left out, and
+   waves that are taken for none. */
+#include "prove/crests/crests.h"
+#include "prove/peaked.h"
+#include "support/suite.h"
+#include <math.h>
+#include <stdlib.h>
+
+enum { SEED = 71, STATES = 40, ROUNDS = 12, CRESTS = 4, SECONDS = 4, COST = 1 };
+
+static const struct {
+	const char *name, *scene;
+	size_t output;
+	int kind;
+} CASES[] = {
+	{"iiwa14", "range qdd=-20,20\nrange qd=-2,2", 4, PEAK_LINEAR},
+	{"iiwa14", "range qdd=-20,20\nrange qd=-2,2", 4, PEAK_FULL},
+	{"panda", "range qdd=-5,20\nrange qd=-2,2\nrange q=-2,2.5", 5, PEAK_LINEAR},
+	{"ur5", "range qdd=-20,20\nrange qd=-2,2\nrange q=-3,3", 4, PEAK_LINEAR},
+	{"ur5", "range qdd=-20,20\nrange qd=-2,2\nrange q=-3,3", 4, PEAK_FULL},
+};
+
+/* A few of a kind, those first of which points leave the most between what they find and what may be. */
+static size_t list_crests(const struct peaked *c, int kind, struct crest *list)
+{
+	size_t count = 0;
+
+	for (double ratio = 16; ratio > 1.02 && count < CRESTS; ratio = sqrt(ratio))
+		for (size_t i = 0; i < c->p.count && count < CRESTS; i++) {
+			const struct peak *k = &c->p.list[i];
+
+			if (k->kind == kind && !k->pair && crests_fit(&c->p, k) && __builtin_popcountll(k->dims) >= 2 &&
+				k->most > ratio * k->found && k->most <= ratio * ratio * k->found)
+				list[count++] = (struct crest){k, k->nodes[0], COST, (double)INFINITY};
+		}
+	return count;
+}
+
+/* Up from where it is: each row of q by steps, all others from one end to the other. */
+static double ascend(struct peaked *c, uint32_t node)
+{
+	double best, step = 0.2;
+
+	peaked_evaluate(c);
+	best = fabs(c->v[node]);
+	for (int round = 0; round < ROUNDS; round++, step *= round % 2 ? -1 : -0.6)
+		for (int i = 0; i < c->x.analysis.dag.argument_count; i++)
+			for (int k = 0; k < c->x.analysis.dag.arguments[i].rows && c->x.box.rows[i]; k++) {
+				struct interval r = c->x.box.rows[i][k];
+				double before = c->in[i][k];
+
+				c->in[i][k] = i == 0 ? fmin(r.upper, fmax(r.lower, before + step * (r.upper - r.lower)))
+					      : before == r.upper ? r.lower
+								  : r.upper;
+				peaked_evaluate(c);
+				if (fabs(c->v[node]) > best)
+					best = fabs(c->v[node]);
+				else
+					c->in[i][k] = before;
+			}
+	return best;
+}
+
+START_TEST(test_states)
+{
+	struct peaked c;
+	struct relaxed relaxed;
+	struct crest list[CRESTS];
+	struct effort x = robot_box_effort();
+	struct rng r = rng_seed(SEED);
+	size_t count;
+	double least = 1;
+
+	peaked_open(&c, CASES[_i].name, CASES[_i].scene, CASES[_i].output, SECONDS);
+	ck_assert(!relax(&relaxed, &c.x.analysis, c.x.box.rows, &c.x.arena, &c.x.error));
+	count = list_crests(&c, CASES[_i].kind, list);
+	ck_assert_msg(count >= 2, "%s: none to look at", CASES[_i].name);
+	ck_assert(crests_find(&(struct crests){&relaxed, &c.p, &x}, list, count));
+	for (size_t i = 0; i < count; i++)
+		least = fmin(least, list[i].most / list[i].peak->most);
+	ck_assert_msg(least < 0.98, "%s: nothing is closer", CASES[_i].name);
+	for (int s = 0; s < STATES; s++)
+		for (size_t i = 0; i < count; i++) {
+			double found;
+
+			peaked_draw(&c, &r, 0);
+			found = ascend(&c, list[i].node);
+			ck_assert_msg(found <= list[i].most * (1 + 1e-9),
+				"%s, seed %d, state %d: node %u of kind %d is %g, but at most %g", CASES[_i].name, SEED,
+				s, list[i].node, list[i].peak->kind, found, list[i].most);
+		}
+	workers_close(x.workers);
+	robot_box_close(&c.x);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *suite = suite_create("crests");
+
+	suite_add(suite, "states", test_states, (int)(sizeof CASES / sizeof *CASES), 120);
+	return suite_run(suite);
+}
