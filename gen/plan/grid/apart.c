@@ -4,8 +4,9 @@
 
 /* Operations of the whole. H100, 1 M samples, ps, whole and in parts. f64: hyq 131 and 126, but 16384 samples 196 and 229; yumi,
    1478 operations, 174 and 171, 16384 samples 410 and 374; baxter 203 and 173, atlas 379 and 329, romeo 547 and 375, g1_29dof 443 and
-   358, jvrc1 545 and 448; but not where the slice of a part has no room: g1_brainco 2455 and 3455. f32: atlas, 2668, 174 and 186,
-   g1_29dof 185 and 197, jvrc1 213 and 229, but g1_brainco 619 and 463. In aos a part's rows stand apart: in f64 atlas 348 and 491, but
+   358, jvrc1 545 and 448; but not where the slice of a part has no room: g1_brainco 2455 and 3455. Mixed: yumi 115 and 119, 16384 samples
+   327 and 291, baxter 180 and 150, atlas 298 and 271, g1_29dof 371 and 324, jvrc1 459 and 369. f32: atlas, 2668, 174 and 186, g1_29dof
+   185 and 197, jvrc1 213 and 229, but g1_brainco 619 and 463. In aos a part's rows stand apart: in f64 atlas 348 and 491, but
    g1_brainco 4134 and 3792, in f32 1107 and 704. */
 enum { LEAST_STAGED = 1400, LEAST = 5000 };
 
@@ -163,7 +164,7 @@ static int is_torque(enum role role)
 
 static int is_staged_soa(const struct rneagen_options *o)
 {
-	return o->layout == RNEAGEN_SOA && o->precision == RNEAGEN_F64;
+	return o->layout == RNEAGEN_SOA && o->precision != RNEAGEN_F32;
 }
 
 static int may_be_apart(const struct parts_of *x)
@@ -172,7 +173,7 @@ static int may_be_apart(const struct parts_of *x)
 	const struct dag *d = x->raw;
 
 	if (!x->has_kernels || o->parts != RNEAGEN_PARTS_AUTO || o->segments != RNEAGEN_SEGMENTS_AUTO ||
-		(o->precision != RNEAGEN_F32 && o->precision != RNEAGEN_F64))
+		o->precision == RNEAGEN_F32X2)
 		return 0;
 	for (int i = 0; i < d->argument_count; i++)
 		if (d->arguments[i].is_output && !is_torque(d->arguments[i].role))
