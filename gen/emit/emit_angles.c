@@ -259,13 +259,13 @@ static int tests_angles(const struct emission *e)
 	return emit_has_batches(e) || !e->target->has_batches;
 }
 
-/* Does a kernel test the angles before it computes? Not one that finds out afterwards. */
+/* Does a kernel test all angles before it computes? Not one that finds out afterwards, and not one in parts with tests of their own. */
 static int kernels_ask(const struct emission *e)
 {
 	if (e->relay)
 		return 1;
 	for (int i = 0; i < e->pass_count; i++)
-		if (emit_has_angles(e, &e->passes[i]) && (i || !(emit_is_optimistic(e) || e->passes[i].segments.count)))
+		if (emit_has_angles(e, &e->passes[i]) && (i || !(emit_is_optimistic(e) || emit_is_apart(e) || e->passes[i].segments.count)))
 			return 1;
 	return 0;
 }
@@ -305,7 +305,7 @@ void emit_part_small(const struct emission *e, const struct part *part, struct t
 	text_init(&name, e->arena);
 	text_printf(&name, "%s_%s", e->options->name, part->pass.algorithm->name);
 	if (emit_has_known(e) && emit_has_angles(e, &part->pass))
-		put_small(e, "a part of a sample", text_string(&name), part->stretches->own[0], out);
+		put_small(e, "a part", text_string(&name), part->stretches->own[0], out);
 }
 
 /* ---- calls ---- */
