@@ -235,12 +235,18 @@ static void check_names(const struct legend *l, const char *body, const char *en
 	}
 }
 
-/* What chooses among parts, or runs segments, is no statement of the algorithm. */
+/* What chooses among parts, or runs parts or segments, is no statement of the algorithm. */
 static int has_statements(const char *body, const char *end)
 {
-	const char *choice = strstr(body, "gridDim"), *segments = strstr(body, "_one0(");
+	static const char *const runs[] = {"gridDim", "_part0_body(", "_one0("};
 
-	return !(choice && choice < end) && !(segments && segments < end);
+	for (size_t i = 0; i < sizeof runs / sizeof *runs; i++) {
+		const char *found = strstr(body, runs[i]);
+
+		if (found && found < end)
+			return 0;
+	}
+	return 1;
 }
 
 /* Of a body, a part's or a segment's included, and of the bounded function, which stands beside one. */
