@@ -182,7 +182,7 @@ static enum rneagen_code choose_for_kernel(struct generation *g,
 	int (*choose)(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a))
 {
 	struct analysis *a = &g->analysis;
-	int in_parts = g->part_count && !g->parts[0].stretches, count = in_parts ? g->part_count : 1;
+	int in_parts = g->part_count && !g->parts[0].pass.stretches, count = in_parts ? g->part_count : 1;
 	struct pass **passes = arena_alloc(a->arena, (size_t)count, sizeof *passes);
 
 	if (!target_type_of(a->options.target)->kernel)

@@ -206,6 +206,10 @@ struct rnea_function {
 	unsigned relay_room;  /* blocks of the third, along x and y, beyond which more along y gained nothing on an H100 */
 	size_t relay_bytes;
 	struct rnea_limbs start_limbs; /* of the kernel NAME_FUNCTION_start_limbs, which takes the place of the first */
+	/* Two kernels with the same parameters, one after the other, where the batch is larger than limbs.most: before the function's own
+	   rnea_launch and rnea_run launch NAME_FUNCTION_hands_kernel, in the same blocks with the same shared memory, and so many along
+	   y; 0: there is one kernel */
+	unsigned hands;
 };
 
 /* The parsed table. Every pointer belongs to the robot that it was asked of and is valid until rnea_close. What stands here of
@@ -233,7 +237,7 @@ struct rnea_info {
 	int is_guessed; /* private: what stands here of functions but the first may not be in the text */
 	const struct rnea_function *functions; /* function_count of them, at least 1 */
 	size_t function_count;
-	unsigned version; /* of the table: 1 to 4 */
+	unsigned version; /* of the table: 1 to 5 */
 };
 
 /* ---- opening and closing ---- */

@@ -107,7 +107,7 @@ static void put_body(const struct emission *e, const struct pass *p, struct text
 {
 	const struct slot slots[] = {
 		{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
-		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"MORE_PARAMS", emit_more_params(e, p)}, {"KNOWN_PARAM", emit_known_params(e)},
 		{"RESULT", emit_has_known(e) ? "int" : "void"},
 		{"RETURNS", emit_has_known(e) ? EMIT_RETURNS : ""},
 	};
@@ -127,7 +127,7 @@ static const char *grid_text(const struct emission *e)
 	text_init(&t, e->arena);
 	text_put(&t, "(unsigned)blocks");
 	if (e->part_count)
-		text_printf(&t, ", %d", e->part_count);
+		text_printf(&t, ", %d", e->part_count - emit_hands(e));
 	return text_string(&t);
 }
 
@@ -283,8 +283,8 @@ void emit_source(const struct emission *e, struct text *out)
 		{"NUMBERS", numbers_text(e)}, {"SINCOS_DECLARATION", emit_sincos_declaration(e)}, {"SINCOS", emit_sincos(e)},
 		{"IS_SMALL", emit_unless_limbs(e, emit_is_small(e))}, {"JOINTS", emit_joints(e)},
 		{"STAGE", emit_unless_limbs(e, emit_stage(e))}, {"SINES_BYTES", emit_sines_bytes(e)}, {"STORE", emit_store(e)},
-		{"LAUNCH_HEAD", emit_launch_head(e)}, {"LAUNCH_RELAY", emit_launch_relay(e)},
-		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e)}, {"LAUNCH_LIMBS", emit_launch_limbs(e)},
+		{"LAUNCH_HEAD", emit_launch_head(e)}, {"LAUNCH_HANDS", emit_launch_hands(e)}, {"LAUNCH_RELAY", emit_launch_relay(e)},
+		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e, "kernel")}, {"LAUNCH_LIMBS", emit_launch_limbs(e)},
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)}, {"RNEA_PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"BOUNDED", ""},

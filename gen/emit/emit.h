@@ -49,7 +49,17 @@ static inline const struct pass *emit_part(const struct emission *e, int part)
 /* Do the parts share nothing? Then each has a slice of its own, and the whole serves small batches. */
 static inline int emit_is_apart(const struct emission *e)
 {
-	return e->part_count && e->parts[0].stretches != NULL;
+	return e->part_count && e->parts[0].pass.stretches != NULL;
+}
+
+/* How many of the parts, the first ones, are hands: of a kernel of their own, which runs before. */
+static inline int emit_hands(const struct emission *e)
+{
+	int count = 0;
+
+	while (count < e->part_count && e->parts[count].is_hand)
+		count++;
+	return count;
 }
 
 static inline int emit_part_places(const struct emission *e)
@@ -216,6 +226,12 @@ int emit_limbs_bytes(const struct emission *e, const struct limbs *s);
 void emit_dispatcher(const struct emission *e, struct text *out);
 void emit_put_sample_call(const struct emission *e, const struct pass *p, const char *function, const char *more, struct text *out);
 
+/* Parameters of the body of a part that come after the stride, each after a comma, and what a call gives for them: how many rows are
+   left out of its slices, and where hands have left something, with the stride there. Launches the kernel of the hands. */
+const char *emit_more_params(const struct emission *e, const struct pass *p);
+const char *emit_more(const struct emission *e, const struct pass *p, const char *gap, const char *handed);
+const char *emit_launch_hands(const struct emission *e);
+
 /* A relay's kernels but the second; what they do where the text is compiled as C, before the second and after; how its launch function
    begins, or that of the one kernel, and the launch of all; bytes of shared memory of a block of the third. */
 void emit_relay_solve(const struct emission *e, struct text *out);
@@ -237,7 +253,7 @@ const char *emit_stage(const struct emission *e);
 /* The function that tells a launch how many bytes of shared memory to give, and its call, "0" where nothing is staged; the bytes
    in which the kernel stages each thread's sample, 0: it does not. */
 const char *emit_stage_launch(const struct emission *e);
-const char *emit_given(const struct emission *e);
+const char *emit_given(const struct emission *e, const char *kernel);
 int emit_stage_bytes(const struct emission *e);
 
 /* Do the statements store by RNEA_STORE? What that means, or RNEA_HOLD and RNEA_FLUSH where outputs leave through windows; else
@@ -291,6 +307,7 @@ struct call {
 	int is_optimistic;
 	/* of a kernel that has slices of its own; NULL: the whole. The sines of all angles are then made of the array itself */
 	const struct part *part;
+	const char *gap, *handed; /* of a part: see emit_more */
 };
 
 /* The call, and what comes before and after it so that the results are right whatever the angles. */

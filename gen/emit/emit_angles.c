@@ -270,11 +270,24 @@ static int kernels_ask(const struct emission *e)
 	return 0;
 }
 
-/* The test of some rows of q. */
-static void put_small(const struct emission *e, const char *what, const char *name, struct stretch rows, struct text *out)
+/* In each stretch. */
+static const char *small_loops(const struct emission *e, const struct stretch rows[STRETCHES])
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int k = 0; k < STRETCHES; k++)
+		if (rows[k].rows)
+			text_printf(&t, "\tfor (size_t i = %d; i < %d; i++)\n\t\tsmall &= fabs%s(q[%s*stride]) <= %s;\n", rows[k].first,
+				rows[k].first + rows[k].rows, e->memory->suffix, k ? "(i - gap)" : "i", small_limit(e));
+	return text_string(&t);
+}
+
+/* The test of some rows of q, which may be in two stretches. */
+static void put_small(const struct emission *e, const char *what, const char *name, const struct stretch rows[STRETCHES], struct text *out)
 {
 	const struct slot slots[] = {{"WHAT", what}, {"NAME", name}, {"T", e->memory->type}, {"F", e->memory->suffix},
-		{"FIRST", emit_int(e, rows.first)}, {"END", emit_int(e, rows.first + rows.rows)}, {"LIMIT", small_limit(e)},
+		{"LOOPS", small_loops(e, rows)}, {"GAP", rows[1].rows ? ", const size_t gap" : ""},
 		{"BITS", emit_main(e)->single ? "" : "; the results have the same bits either way"}};
 
 	template_expand(out, template_is_small_in, slots, sizeof slots / sizeof *slots);
@@ -292,7 +305,7 @@ const char *emit_is_small(const struct emission *e)
 		return emit_sines(e);
 	if (host_only)
 		text_printf(&t, "#if !defined %s\n", e->target->kernel->compiler);
-	put_small(e, "a sample", e->options->name, (struct stretch){0, e->tree->nq}, &t);
+	put_small(e, "a sample", e->options->name, (const struct stretch[STRETCHES]){{0, e->tree->nq}}, &t);
 	text_put(&t, host_only ? "#endif\n" : "");
 	text_put(&t, emit_sines(e));
 	return text_string(&t);
@@ -305,7 +318,7 @@ void emit_part_small(const struct emission *e, const struct part *part, struct t
 	text_init(&name, e->arena);
 	text_printf(&name, "%s_%s", e->options->name, part->pass.algorithm->name);
 	if (emit_has_known(e) && emit_has_angles(e, &part->pass))
-		put_small(e, "a part", text_string(&name), part->stretches->own[0], out);
+		put_small(e, "a part", text_string(&name), part->pass.stretches->own[0], out);
 }
 
 /* ---- calls ---- */
@@ -320,13 +333,23 @@ static const char *body_call(const struct emission *e, const struct pass *p, con
 	return text_string(&t);
 }
 
+/* And what a part is given beside it. */
+static const char *stride_text(const struct emission *e, const struct pass *p, const struct call *c)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "%s%s", c->stride, c->part ? emit_more(e, p, c->gap, c->handed) : "");
+	return text_string(&t);
+}
+
 static const char *call_expanded(const struct emission *e, const struct pass *p, const char *frame, const char *asked,
 	const struct call *c)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"INDENT", c->indent},
 		{"Q", c->part ? emit_q_at_sample(e) : c->q}, {"Q_STRIDE", c->part ? emit_stride(e) : c->stride},
 		{"TABLE", table_of(e, p)->algorithm->name},
-		{"STRIDE", c->stride}, {"ARGUMENTS", c->arguments}, {"SINES", declarations_text(e, p, c->indent)},
+		{"STRIDE", stride_text(e, p, c)}, {"ARGUMENTS", c->arguments}, {"SINES", declarations_text(e, p, c->indent)},
 		{"ASKED", asked}, {"UNKNOWN", emit_unknown_names(e)}, {"TABLES", tables_text(e, p, "")},
 		{"KNOWN", tables_text(e, p, "known, ")}};
 	struct text t;
@@ -339,17 +362,17 @@ static const char *call_expanded(const struct emission *e, const struct pass *p,
 const char *emit_call(const struct emission *e, const struct pass *p, const struct call *c)
 {
 	struct text asked;
-	int is_part = c->part != NULL;
+	int is_part = c->part != NULL, has_gap = is_part && c->part->pass.stretches->own[0][1].rows > 0;
 
 	if (!emit_has_known(e) || !emit_has_angles(e, p))
-		return body_call(e, p, c->indent, c->arguments, c->stride, emit_handed_on(e, emit_unknown_names(e)));
+		return body_call(e, p, c->indent, c->arguments, stride_text(e, p, c), emit_handed_on(e, emit_unknown_names(e)));
 	if (c->is_any)
 		return call_expanded(e, p, template_call_any_in, "", c);
 	if (c->is_optimistic)
 		return call_expanded(e, p, e->target->kernel->again, "", c);
 	text_init(&asked, e->arena);
-	text_printf(&asked, e->target->kernel ? "!%s%s%s_is_small(%s, %s)" : "RNEA_KNOWN(%s%s%s_is_small(%s, %s))",
-		e->options->name, is_part ? "_" : "", is_part ? p->algorithm->name : "", c->q, c->stride);
+	text_printf(&asked, e->target->kernel ? "!%s%s%s_is_small(%s, %s%s%s)" : "RNEA_KNOWN(%s%s%s_is_small(%s, %s%s%s))",
+		e->options->name, is_part ? "_" : "", is_part ? p->algorithm->name : "", c->q, c->stride, has_gap ? ", " : "", has_gap ? c->gap : "");
 	return call_expanded(e, p, template_call_known_in, text_string(&asked), c);
 }
 

@@ -262,6 +262,15 @@ static void put_relay(const struct emission *e, struct text *out)
 		name, pass, name, pass, name, pass, name, pass, e->relay->warps);
 }
 
+static void put_hands(const struct emission *e, struct text *out)
+{
+	const char *name = e->options->name, *pass = emit_main(e)->algorithm->name;
+
+	text_printf(out, " * %s_%s_launch runs two kernels. %s_%s_hands_kernel, with %d blocks along y, writes the torques of hands,\n"
+		" * and into rows of the arms what the hands hand on; %s_%s_kernel reads that, and writes all other rows.\n",
+		name, pass, name, pass, emit_hands(e), name, pass);
+}
+
 static void put_limbs(const struct emission *e, const char *start, const struct limbs *s, struct text *out)
 {
 	const char *name = e->options->name, *pass = emit_main(e)->algorithm->name;
@@ -292,9 +301,11 @@ static void put_operations(const struct emission *e, struct text *out)
 			emit_main(e)->single->algorithm->name, emit_main(e)->single->segments.count, emit_main(e)->single->dag.loop_count);
 	if (e->relay)
 		put_relay(e, out);
-	if (e->part_count > 1)
+	if (emit_hands(e))
+		put_hands(e, out);
+	if (e->part_count - emit_hands(e) > 1)
 		text_printf(out, " * The %s kernel is in %d parts: its grid has as many along y, each for %s.\n", emit_main(e)->algorithm->name,
-			e->part_count, emit_is_apart(e) ? "limbs that share nothing with the others" : "the elements of some joints");
+			e->part_count - emit_hands(e), emit_is_apart(e) ? "limbs that share nothing with the others" : "the elements of some joints");
 	if (emit_has_limbs(e))
 		put_limbs(e, "", emit_limbs_of(e), out);
 	if (emit_start_limbs(e))

@@ -65,8 +65,10 @@ static void put_function(const struct emission *e, const struct pass *p, struct 
 		text_printf(out, "segments %d %d\n", emit_segments_bytes(e, p), emit_segments_samples(e));
 	if (is_main && emit_stage_bytes(e))
 		text_printf(out, "stage %d\n", emit_stage_bytes(e));
-	if (is_main && e->part_count > 1)
-		text_printf(out, "parts %d\n", e->part_count);
+	if (is_main && e->part_count - emit_hands(e) > 1)
+		text_printf(out, "parts %d\n", e->part_count - emit_hands(e));
+	if (is_main && emit_hands(e))
+		text_printf(out, "hands %d\n", emit_hands(e));
 	if (is_main && e->relay)
 		text_printf(out, "relay %d %d %d\n", emit_relay_bytes(e), e->relay->warps, e->relay->room);
 	if (is_main && emit_has_limbs(e))
@@ -75,15 +77,15 @@ static void put_function(const struct emission *e, const struct pass *p, struct 
 		put_limbs(e, "start_limbs", emit_start_limbs(e), out);
 }
 
-/* What knows no relays is not to launch one of its kernels alone. */
-enum { VERSION = 3, VERSION_RELAY };
+/* What knows no relays, or no hands, is not to launch one of the kernels alone. */
+enum { VERSION = 3, VERSION_RELAY, VERSION_HANDS };
 
 static void put_info_lines(const struct emission *e, struct text *t)
 {
 	const struct rneagen_options *o = e->options;
 
 	text_printf(t, "rneagen-info %d\nname %s\nprecision %s\narithmetic %s\nlayout %s\ntrig %s\nbase %s\n",
-		e->relay ? VERSION_RELAY : VERSION, o->name,
+		emit_hands(e) ? VERSION_HANDS : e->relay ? VERSION_RELAY : VERSION, o->name,
 		e->memory->name, e->arithmetic->name, emit_layout_name(o->layout), emit_trig_name(o->trig),
 		o->base == RNEAGEN_FLOATING ? "floating" : "fixed");
 	text_printf(t, "nq %d\nnv %d\nnb %d\nblock %d\n", e->tree->nq, e->tree->nv, e->tree->body_count, emit_block_size(e));

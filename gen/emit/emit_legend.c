@@ -141,6 +141,8 @@ static void put_quantities(const struct emission *e, struct text *out)
 static void put_functions(const struct emission *e, struct text *out)
 {
 	put_entry("stride", "from one row of an array to the next", out);
+	if (emit_hands(e))
+		put_entry("handed gap step", "what hands left in tau; rows that a part's slice lacks; from one row of handed to the next", out);
 	if (emit_has_segments(e))
 		put_entry("across step", "values that one segment leaves for another; from one of them to the next", out);
 	if (emit_has_segments(e))

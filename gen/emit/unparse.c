@@ -1,6 +1,7 @@
 #include "emit/unparse.h"
 #include "base/fold.h"
 #include "plan/readings.h"
+#include "plan/stretch.h"
 #include <math.h>
 #include <stdio.h>
 
@@ -117,9 +118,12 @@ static void put_index(const char *array, unsigned i, const char *step, struct te
 static void put_element(const struct unparser *u, int argument, int row, struct text *out)
 {
 	const struct argument *a = &u->plan->dag->arguments[argument];
+	const struct stretches *s = u->pass->stretches;
 
 	if (a->per_batch || u->numbers->is_beside)
 		text_printf(out, "%s[%d]", a->name, row);
+	else if (s && s->gap && row >= s->second)
+		text_printf(out, "%s[(%d - gap)*stride]", a->name, row);
 	else
 		put_index(a->name, (unsigned)row, "stride", out);
 }
@@ -127,7 +131,10 @@ static void put_element(const struct unparser *u, int argument, int row, struct 
 static void put_load(const struct unparser *u, const struct node *n, struct text *out)
 {
 	put_around(&u->numbers->load, 0, out);
-	put_element(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
+	if (u->pass->stretches && u->plan->dag->arguments[n->arg[0].i].is_output)
+		put_index("handed", n->arg[1].i, "step", out);
+	else
+		put_element(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
 	put_around(&u->numbers->load, 1, out);
 }
 

@@ -144,7 +144,7 @@ static const char *name_value(struct planner *b, size_t i, unsigned *temporaries
 	char first[64] = "", name[80];
 	const char *taken;
 
-	if (n->op == OP_INPUT)
+	if (n->op == OP_INPUT && !(n->tag.quantity[0] && b->d->arguments[n->arg[0].i].is_output)) /* else an earlier kernel's value */
 		name_input(b, n, first, sizeof first);
 	else if (n->op == OP_WIDEN && b->p->names[n->arg[0].i])
 		snprintf(first, sizeof first, "%.55s_wide", b->p->names[n->arg[0].i]);

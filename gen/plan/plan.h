@@ -72,6 +72,7 @@ struct pass {
 	struct segments segments;
 	struct windows windows;
 	struct limbs limbs;
+	const struct stretches *stretches; /* of a part that shares nothing with the others (grid/apart.h): its rows; NULL: it may */
 	const struct pass *single; /* target C: in segments too, and what a call for one sample runs instead; NULL: nothing else */
 };
 

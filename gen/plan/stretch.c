@@ -1,5 +1,9 @@
 #include "plan/stretch.h"
 #include "plan/stage.h"
+#include <string.h>
+
+/* Rows of a gap at least; of arrays at most. */
+enum { LEAST_GAP = 4, ROWS = 4096 };
 
 void stretch_widen(struct stretch *s, int row)
 {
@@ -13,23 +17,98 @@ void stretch_widen(struct stretch *s, int row)
 		s->rows = row + 1 - s->first;
 }
 
+static int is_read(const struct dag *d, const struct node *n)
+{
+	return n->op == OP_INPUT && !d->arguments[n->arg[0].i].is_output;
+}
+
+/* By row: is it touched, in any array? Returns how many rows there are; 0 where arrays have different ones, or too many. */
+static int mark_rows(const struct dag *d, unsigned char *touched)
+{
+	int rows = 0;
+
+	for (int i = 0; i < d->argument_count; i++) {
+		if (d->arguments[i].per_batch)
+			continue;
+		if ((rows && d->arguments[i].rows != rows) || d->arguments[i].rows > ROWS)
+			return 0;
+		rows = d->arguments[i].rows;
+	}
+	memset(touched, 0, ROWS);
+	for (size_t i = 0; i < d->count; i++)
+		if (is_read(d, &d->nodes[i]) && !d->arguments[d->nodes[i].arg[0].i].per_batch)
+			touched[d->nodes[i].arg[1].i] = 1;
+	for (size_t i = 0; i < d->output_count; i++)
+		touched[d->outputs[i].row] = 1;
+	return rows;
+}
+
+/* The longest gap between rows that are touched. */
+static void find_gap(struct stretches *s, const struct dag *d)
+{
+	unsigned char touched[ROWS];
+	int rows = mark_rows(d, touched), last = -1;
+
+	for (int row = 0; row < rows; row++) {
+		int gap = row - last - 1;
+
+		if (!touched[row])
+			continue;
+		if (last >= 0 && gap >= LEAST_GAP && gap > s->gap) {
+			s->second = row;
+			s->gap = gap;
+		}
+		last = row;
+	}
+}
+
+static void widen(const struct stretches *s, struct stretch *both, int row)
+{
+	stretch_widen(&both[s->gap && row >= s->second], row);
+}
+
+static void widen_by(const struct stretches *s, struct stretch *both, const struct stretch *by)
+{
+	for (int k = 0; k < STRETCHES; k++)
+		if (by[k].rows) {
+			widen(s, both, by[k].first);
+			widen(s, both, by[k].first + by[k].rows - 1);
+		}
+}
+
 void stretches_make(struct stretches *s, const struct dag *d)
 {
 	*s = (struct stretches){0};
+	find_gap(s, d);
 	for (size_t i = 0; i < d->count; i++)
-		if (d->nodes[i].op == OP_INPUT)
-			stretch_widen(&s->own[d->nodes[i].arg[0].i], (int)d->nodes[i].arg[1].i);
+		if (is_read(d, &d->nodes[i]))
+			widen(s, s->own[d->nodes[i].arg[0].i], (int)d->nodes[i].arg[1].i);
 	for (size_t i = 0; i < d->output_count; i++)
-		stretch_widen(&s->own[d->outputs[i].argument], d->outputs[i].row);
+		widen(s, s->own[d->outputs[i].argument], d->outputs[i].row);
 	for (int i = 0; i < d->argument_count; i++)
-		if (!s->own[i].rows)
-			s->own[i].rows = 1;
-	for (int i = 0; i < d->argument_count; i++) {
-		struct stretch *place = &s->place[stage_place(d, i)];
-
-		stretch_widen(place, s->own[i].first);
-		stretch_widen(place, s->own[i].first + s->own[i].rows - 1);
+		if (!s->own[i][0].rows && !s->own[i][1].rows)
+			widen(s, s->own[i], s->gap ? s->second : 0);
+	for (int i = 0; i < d->argument_count; i++)
+		widen_by(s, s->place[stage_place(d, i)], s->own[i]);
+	for (int i = 0; i < d->argument_count && s->gap; i++) { /* so that the gap of all arrays is the same */
+		widen(s, s->place[i], s->second - s->gap - 1);
+		widen(s, s->place[i], s->second);
 	}
+}
+
+int stretches_are_written(const struct stretches *s, const struct dag *d)
+{
+	size_t rows = 0;
+
+	for (int i = 0; i < d->argument_count; i++)
+		for (int k = 0; k < STRETCHES && d->arguments[i].is_output; k++)
+			rows += (size_t)s->own[i][k].rows;
+	return rows == d->output_count;
+}
+
+int stretches_rows(const struct stretches *s, int argument)
+{
+	return s->place[argument][0].rows + s->place[argument][1].rows;
 }
 
 int stretches_words(const struct stretches *s, const struct dag *d, const struct rneagen_options *o)
@@ -38,6 +117,6 @@ int stretches_words(const struct stretches *s, const struct dag *d, const struct
 
 	for (int i = 0; i < d->argument_count; i++)
 		if (stage_has_place(d, i))
-			words += stage_pitch(s->place[i].rows, o);
+			words += stage_pitch(stretches_rows(s, i), o);
 	return words;
 }

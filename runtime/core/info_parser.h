@@ -5,8 +5,8 @@
 #include "core/info_table.h"
 #include "core/words.h"
 
-/* Who knows nothing of parts, of functions, or of relays must not launch a text that has them: each was a version more. */
-enum { VERSION = 1, VERSION_PARTS = 2, VERSION_FUNCTIONS = 3, VERSION_RELAY = 4, BLOCK_LIMIT = 1024, PARTS_LIMIT = 65535,
+/* Who knows nothing of parts, of functions, of relays, or of hands must not launch a text that has them: each was a version more. */
+enum { VERSION = 1, VERSION_PARTS = 2, VERSION_FUNCTIONS = 3, VERSION_RELAY = 4, VERSION_HANDS = 5, BLOCK_LIMIT = 1024, PARTS_LIMIT = 65535,
 	STAGE_LIMIT = 48 << 10, SAMPLES_LIMIT = 32, LIMBS_LIMIT = 16, GROUPS_LIMIT = 4, RELAY_LIMIT = 32,
 	GIVEN_LIMIT = 227 << 10, ROOM_LIMIT = 1 << 16 };
 
@@ -31,6 +31,7 @@ enum key {
 	KEY_RELAY,
 	KEY_START_LIMBS,
 	KEY_WHOLE_LIMBS,
+	KEY_HANDS,
 	KEY_COUNT
 };
 

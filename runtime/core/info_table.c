@@ -5,7 +5,8 @@
 #include <string.h>
 
 static const char *const keys[KEY_COUNT] = {"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv",
-	"nb", "block", "kernels", "operations", "parts", "stage", "segments", "limbs", "relay", "start_limbs", "whole_limbs"};
+	"nb", "block", "kernels", "operations", "parts", "stage", "segments", "limbs", "relay", "start_limbs", "whole_limbs",
+	"hands"};
 
 static enum rnea_code read_joint(struct parser *p)
 {
@@ -119,6 +120,8 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 		return read_limbs(p, &p->f->start_limbs, 1);
 	case KEY_WHOLE_LIMBS:
 		return read_limbs(p, &p->f->limbs, 1);
+	case KEY_HANDS:
+		return read_count(p, &p->f->hands, 1, PARTS_LIMIT);
 	case KEY_RELAY:
 		return read_relay(p);
 	case KEY_COUNT:
@@ -131,7 +134,7 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 static int is_optional(const struct parser *p, enum key key)
 {
 	return key == KEY_ARITHMETIC || key == KEY_STAGE || key == KEY_SEGMENTS || key == KEY_LIMBS || key == KEY_RELAY ||
-	       key == KEY_START_LIMBS || key == KEY_WHOLE_LIMBS || key == KEY_KERNELS || (key == KEY_PARTS && p->version != VERSION_PARTS);
+	       key == KEY_START_LIMBS || key == KEY_WHOLE_LIMBS || key == KEY_HANDS || key == KEY_KERNELS || (key == KEY_PARTS && p->version != VERSION_PARTS);
 }
 
 /* Whether a key that has to be there is. */
@@ -225,10 +228,10 @@ static enum rnea_code read_version(struct parser *p)
 			"info table: it does not start with \"rneagen-info\" and a version");
 	if (words_number(&p->w, &p->version, 0, SIZE_MAX) || words_end(&p->w))
 		return p->w.error->code;
-	if (p->version < VERSION || p->version > VERSION_RELAY)
+	if (p->version < VERSION || p->version > VERSION_HANDS)
 		return rnea_error_set(p->w.error, RNEA_TABLE,
 			"info table: it has version %zu, and this library reads versions %d to %d", p->version, VERSION,
-			VERSION_RELAY);
+			VERSION_HANDS);
 	if (p->version < VERSION_FUNCTIONS)
 		begin_function(p, "rnea");
 	p->info->version = (unsigned)p->version;

@@ -30,6 +30,9 @@
 	                                          shared memory given by launches; blocks beyond which more along y gain nothing)
 	start_limbs WARPS GROUPS BYTES SAMPLES    (as limbs, of NAME_FUNCTION_start_limbs, which takes the first one's place)
 
+	hands N                                   (a launch runs NAME_FUNCTION_hands_kernel before its kernel, with so many blocks along
+	                                          y, unless the kernel of small batches runs)
+
    ROLE is a word of RNEA_ROLES; OF is the link, joint or constant that it speaks of, and goes to the end of the line. A
    role that is not known is none.
 
@@ -39,7 +42,7 @@
 
    says which the text has. core/info_old.c makes functions of that. Version 2 has `parts`, version 1 does not: who
    knows nothing of parts would launch a text of parts and leave the rest unwritten. Version 3 has no `relay`,
-   version 4 has it in its first function. A key that is not listed is passed
+   version 4 has it in its first function. Version 5 has `hands` there. A key that is not listed is passed
    over: what would change the meaning of the rest gets a new version. */
 
 #include "core/failure.h"

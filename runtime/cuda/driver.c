@@ -244,8 +244,10 @@ static enum rnea_code find_kernels(
 			return rnea_error_set(e, RNEA_TEXT, "the text defines no kernel %s, which %s_info names",
 				k->name, s->name);
 	}
-	if (!relay_find(&c->relay, &c->device, c->module, s, info->functions, e) && c->relay.warps)
-		check_block(c, &c->relay.start, e);
+	if (relay_find(&c->relay, &c->device, c->module, s, info->functions, c->block, e) || (c->relay.warps && check_block(c, &c->relay.start, e)))
+		return e->code;
+	if (c->relay.hand_parts)
+		check_block(c, &c->relay.hands, e);
 	return e->code;
 }
 
@@ -264,6 +266,8 @@ static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
 		device_launch(&c->device, &c->kernels[i], 1, 1, c->block, parameters, stream, e);
 	if (c->relay.warps && !e->code && !device_launch(&c->device, &c->relay.start, 1, 1, c->block, parameters, stream, e))
 		relay_solve(&c->relay, &c->device, parameters, 0, stream, e);
+	if (c->relay.hand_parts && !e->code)
+		device_launch(&c->device, &c->relay.hands, 1, 1, c->block, parameters, stream, e);
 	if (c->limbs.own.info.warps && !e->code)
 		limbs_launch(&c->limbs.own, &c->device, parameters, 0, stream, e);
 	if (c->limbs.start.info.warps && !e->code)
@@ -339,11 +343,14 @@ static enum rnea_code launch_own(const struct driver *c, size_t function, void *
 	struct rnea_error *e)
 {
 	const struct rnea_function *f = &c->info->functions[function];
+	unsigned blocks = device_blocks(count, samples_of_block(f, c->block, count));
 
 	if (function == 0 && count <= c->limbs.own.info.most)
 		return limbs_launch(&c->limbs.own, &c->device, parameters, count, stream, e);
-	return device_launch(&c->device, &c->kernels[function], device_blocks(count, samples_of_block(f, c->block, count)), f->parts,
-		c->block, parameters, stream, e);
+	if (function == 0 && c->relay.hand_parts &&
+		device_launch(&c->device, &c->relay.hands, blocks, c->relay.hand_parts, c->block, parameters, stream, e))
+		return e->code;
+	return device_launch(&c->device, &c->kernels[function], blocks, f->parts, c->block, parameters, stream, e);
 }
 
 /* A relay's first kernel. */

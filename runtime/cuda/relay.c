@@ -15,14 +15,17 @@ static enum rnea_code find(const struct device *d, void *module, const struct so
 	if (device_find(d, module, k, bytes, e))
 		return e->code;
 	if (!k->function)
-		return rnea_error_set(e, RNEA_TEXT, "the text defines no kernel %s, which %s_info has for a relay", k->name, s->name);
+		return rnea_error_set(e, RNEA_TEXT, "the text defines no kernel %s, which %s_info tells of", k->name, s->name);
 	return RNEA_OK;
 }
 
 enum rnea_code relay_find(struct relay *r, const struct device *d, void *module, const struct source *s,
-	const struct rnea_function *f, struct rnea_error *e)
+	const struct rnea_function *f, unsigned block, struct rnea_error *e)
 {
 	r->warps = 0;
+	r->hand_parts = f->hands;
+	if (f->hands)
+		return find(d, module, s, f, "hands", f->stage_bytes * block, &r->hands, e);
 	if (!f->relay_warps)
 		return RNEA_OK;
 	if (f->relay_bytes > d->most_shared)

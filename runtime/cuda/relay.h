@@ -1,6 +1,7 @@
 #ifndef RNEA_RELAY_H
 #define RNEA_RELAY_H
-/* A relay: a launch of the first function runs three kernels, one after the other, and its own is the second of them. */
+/* A relay: a launch of the first function runs three kernels, one after the other, and its own is the second of them; or two, a kernel
+   for hands and its own. */
 
 #include "cuda/device.h"
 #include "rnea.h"
@@ -12,12 +13,14 @@ struct relay {
 	struct device_kernel start, solve;
 	unsigned warps; /* of a block of the third; 0: there is no relay */
 	unsigned room;  /* blocks of the third beyond which more along y gain nothing */
+	struct device_kernel hands;
+	unsigned hand_parts; /* of its grid along y; 0: there is none */
 };
 
-/* Find them, where the function has a relay. Errors: TEXT where one is not there, DRIVER, ARGUMENT where the device has less shared
+/* Find them, where the function has a relay, or hands, which stage in blocks of `block`. Errors: TEXT where one is not there, DRIVER, ARGUMENT where the device has less shared
    memory than the third takes. */
 enum rnea_code relay_find(struct relay *r, const struct device *d, void *module, const struct source *s, const struct rnea_function *f,
-	struct rnea_error *e);
+	unsigned block, struct rnea_error *e);
 
 /* Launch the third. Without samples it does nothing. */
 enum rnea_code relay_solve(const struct relay *r, const struct device *d, void **parameters, size_t count, void *stream,

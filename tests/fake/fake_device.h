@@ -21,7 +21,10 @@
 #define __host__
 #define __forceinline__ inline
 #define __launch_bounds__(...)
-#define __shared__ static __attribute__((section("fake_shared"))) /* one block runs at a time; fake_nvrtc looks at its size */
+/* One block runs at a time; fake_nvrtc looks at the size. */
+#define FAKE_SHARED_(line) static __attribute__((section("fake_shared" #line)))
+#define FAKE_SHARED(line) FAKE_SHARED_(line)
+#define __shared__ FAKE_SHARED(__LINE__)
 #define __restrict__ __restrict
 #define __sincosf sincosf
 #define __trap abort

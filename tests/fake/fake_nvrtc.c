@@ -207,17 +207,19 @@ static int take_option(struct program *p, const char *option, char *command)
 	return 1;
 }
 
-/* Bytes of shared memory that the kernels have of their own: a section of the image, which is a shared object. */
+/* Bytes of shared memory that a kernel has of its own: each array is a section of the image, which is a shared object, and a kernel
+   has one that counts. */
 static size_t own_shared(const char *image)
 {
 	const Elf64_Ehdr *head = (const void *)image;
 	const Elf64_Shdr *sections = (const void *)(image + head->e_shoff);
 	const char *names = image + sections[head->e_shstrndx].sh_offset;
+	size_t most = 0;
 
 	for (int i = 0; i < head->e_shnum; i++)
-		if (strcmp(names + sections[i].sh_name, "fake_shared") == 0)
-			return sections[i].sh_size;
-	return 0;
+		if (strncmp(names + sections[i].sh_name, "fake_shared", strlen("fake_shared")) == 0 && sections[i].sh_size > most)
+			most = sections[i].sh_size;
+	return most;
 }
 
 /* As ptxas does, refuse a kernel with more than every device has. */

@@ -11,46 +11,70 @@
 
 enum { COUNT = 1300, SEED = 20261124, LARGE_BLOCK = 512 }; /* beyond what the limbs' kernel takes; no multiple of a block */
 
-/* A robot of tests/robots, or of "limbs N M": N limbs of M links each on the ground. */
+/* A robot of tests/robots, or of "limbs N M": N limbs of M links each on the ground, or of "hands N M": a leg, and a back with two
+   arms, each with a hand of N fingers of M links. */
 static const struct subject {
 	const char *name, *scene;
 	enum rneagen_precision precision;
 	enum rneagen_layout layout;
 	int floating, parts; /* 1: it is whole */
+	unsigned hands;
 } APART[] = {
-	{"atlas", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 2},
-	{"g1_29dof", "", RNEAGEN_MIXED, RNEAGEN_SOA, 0, 2},
-	{"g1_29dof", "want tau,gravity\nfree gravity\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2},
-	{"limbs 2 24", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 2},
-	{"g1_29dof", "free gravity:sample\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2},
-	{"g1_29dof", "want bias\nfree payload.left_ankle_roll_link\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2},
-	{"limbs 3 16", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 3},
-	{"limbs 3 16", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 3},
+	{"atlas", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0},
+	{"g1_29dof", "", RNEAGEN_MIXED, RNEAGEN_SOA, 0, 2, 0},
+	{"g1_29dof", "want tau,gravity\nfree gravity\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0},
+	{"limbs 2 24", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 2, 0},
+	{"g1_29dof", "free gravity:sample\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0},
+	{"g1_29dof", "want bias\nfree payload.left_ankle_roll_link\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0},
+	{"limbs 3 16", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 3, 0},
+	{"limbs 3 16", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 3, 0},
+	{"hands 5 3", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 2},
+	{"hands 4 4", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 2, 2},
+	{"hands 5 3", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 2, 2},
+	{"hands 5 4", "free payload.l2_6:batch\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 2},
 };
 
 /* The others: a base that moves, few operations, rows that stand apart, slices without room, other
    outputs. */
 static const struct subject WHOLE[] = {
-	{"atlas", "", RNEAGEN_F64, RNEAGEN_SOA, 1, 1},
-	{"g1_29dof", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 1},
-	{"hyq", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 1},
-	{"g1_29dof", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 1},
-	{"limbs 2 40", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 1},
-	{"g1_29dof", "want tau,power\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1},
-	{"g1_29dof", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1},
-	{"chain_75", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 1},
+	{"atlas", "", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, 0},
+	{"g1_29dof", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 1, 0},
+	{"hyq", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0},
+	{"g1_29dof", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 1, 0},
+	{"limbs 2 40", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0},
+	{"g1_29dof", "want tau,power\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0},
+	{"g1_29dof", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0},
+	{"chain_75", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 1, 0},
 };
 
-static void put_link(struct text *t, int limb, int link)
+/* Links l<limb>_0, l<limb>_1, ..., the first of which hangs on another link. */
+static void put_limb(struct text *t, int limb, int links, const char *parent)
 {
 	static const char *const axes[] = {"0 0 1", "0 1 0", "1 0 0"};
 
-	text_printf(t, "<link name='l%d_%d'><inertial><origin xyz='0.1 0.02 %g'/><mass value='%d'/><inertia ixx='0.02' iyy='0.03' "
-		"izz='0.04' ixy='0.001' ixz='0.002' iyz='0.003'/></inertial></link>\n", limb, link, 0.01 * limb, 1 + link % 3);
-	text_printf(t, "<joint name='j%d_%02d' type='revolute'><parent link='", limb, link);
-	text_printf(t, link ? "l%d_%d" : "ground", limb, link - 1);
-	text_printf(t, "'/><child link='l%d_%d'/><origin xyz='0.2 0 0.1' rpy='0.3 0 0'/><axis xyz='%s'/><limit lower='-3' upper='3' "
-		"effort='9' velocity='3'/></joint>\n", limb, link, axes[(limb + link) % 3]);
+	for (int link = 0; link < links; link++) {
+		text_printf(t, "<link name='l%d_%d'><inertial><origin xyz='0.1 0.02 %g'/><mass value='%d'/><inertia ixx='0.02' iyy='0.03' "
+			"izz='0.04' ixy='0.001' ixz='0.002' iyz='0.003'/></inertial></link>\n", limb, link, 0.01 * limb, 1 + link % 3);
+		text_printf(t, "<joint name='j%02d_%02d' type='revolute'><parent link='", limb, link);
+		if (link)
+			text_printf(t, "l%d_%d", limb, link - 1);
+		else
+			text_put(t, parent);
+		text_printf(t, "'/><child link='l%d_%d'/><origin xyz='0.2 0 0.1' rpy='0.3 0 0'/><axis xyz='%s'/><limit lower='-3' upper='3' "
+			"effort='9' velocity='3'/></joint>\n", limb, link, axes[(limb + link) % 3]);
+	}
+}
+
+/* Limb 0 is the leg, 1 the back, 2 and 3 are the arms. */
+static void put_hands(struct text *t, int fingers, int links)
+{
+	put_limb(t, 0, 6, "ground");
+	put_limb(t, 1, 2, "ground");
+	for (int arm = 2; arm < 4; arm++) {
+		put_limb(t, arm, 7, "l1_1");
+		for (int finger = 0; finger < fingers; finger++)
+			put_limb(t, 10 * arm + finger, links, arm == 2 ? "l2_6" : "l3_6");
+	}
 }
 
 static void generate(const struct subject *s, const struct rneagen_options *given, struct target *t)
@@ -58,20 +82,23 @@ static void generate(const struct subject *s, const struct rneagen_options *give
 	struct rneagen_options o = *given;
 	struct arena a;
 	struct text urdf;
-	int limbs, links;
+	int limbs, links, has_hands;
 
 	o.precision = s->precision;
 	o.layout = s->layout;
-	if (sscanf(s->name, "limbs %d %d", &limbs, &links) != 2) {
+	o.scene = *s->scene ? s->scene : NULL;
+	has_hands = sscanf(s->name, "hands %d %d", &limbs, &links) == 2;
+	if (!has_hands && sscanf(s->name, "limbs %d %d", &limbs, &links) != 2) {
 		launched_generate(t, s->name, s->scene, s->floating, &o);
 		return;
 	}
 	arena_init(&a, NULL);
 	text_init(&urdf, &a);
 	text_put(&urdf, "<robot name='limbs'><link name='ground'/>\n");
-	for (int limb = 0; limb < limbs; limb++)
-		for (int link = 0; link < links; link++)
-			put_link(&urdf, limb, link);
+	if (has_hands)
+		put_hands(&urdf, limbs, links);
+	for (int limb = 0; limb < limbs && !has_hands; limb++)
+		put_limb(&urdf, limb, links, "ground");
 	text_put(&urdf, "</robot>\n");
 	target_generate(t, text_string(&urdf), urdf.length, &o, s->name);
 	arena_free(&a);
@@ -83,6 +110,7 @@ static void check(const struct subject *s, const struct target *t, enum rnea_bac
 	double worst = launched_distance(&x, y, s->name);
 
 	ck_assert_uint_eq(x.info->parts, (unsigned)s->parts);
+	ck_assert_uint_eq(x.info->functions->hands, s->hands);
 	printf("%s in %u parts, blocks of %u: within %.1e, seed %d\n", s->name, x.info->parts, block, worst, SEED);
 	ck_assert_double_lt(worst, s->precision == RNEAGEN_F32 ? 2e-5 : s->precision == RNEAGEN_MIXED ? 1e-6 : 1e-13);
 	launched_free(&x);

@@ -25,7 +25,7 @@ int emit_stage_words(const struct emission *e)
 	int most = emit_is_apart(e) ? 0 : stage_words(&emit_main(e)->dag, e->options);
 
 	for (int i = 0; i < e->part_count && emit_is_apart(e); i++) {
-		int words = stretches_words(e->parts[i].stretches, &e->parts[i].pass.dag, e->options);
+		int words = stretches_words(e->parts[i].pass.stretches, &e->parts[i].pass.dag, e->options);
 
 		most = words > most ? words : most;
 	}

@@ -125,13 +125,39 @@ struct work {
 	int is_staged;
 };
 
+/* Rows that are left out of a part's slices, of which arrays have all. */
+static const char *gap_text(const struct emission *e, const struct work *w)
+{
+	struct text t;
+
+	if (!w->part || !w->is_staged)
+		return "0";
+	text_init(&t, e->arena);
+	text_printf(&t, "staged ? %d : 0", w->part->pass.stretches->gap);
+	return text_string(&t);
+}
+
+/* Where hands have left what they hand on: in the last array. */
+static const char *handed_text(const struct emission *e)
+{
+	const struct dag *d = arguments_of(e);
+	struct text t;
+
+	text_init(&t, e->arena);
+	emit_put_at_sample(e, &d->arguments[d->argument_count - 1], &t);
+	text_printf(&t, ", %s", emit_stride(e));
+	return text_string(&t);
+}
+
 static const char *kernel_call(const struct emission *e, const struct work *w, const struct slices *s)
 {
 	int is_soa = e->options->layout == RNEAGEN_SOA;
+	const char *gap = gap_text(e, w);
 	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = s->here, .q = "q_here",
-		.stride = is_soa ? "stride" : "1", .part = w->part};
+		.stride = is_soa ? "stride" : "1", .part = w->part, .gap = gap, .handed = handed_text(e)};
 	const struct call there = {.indent = "\t", .arguments = emit_params(e, w->pass, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
-		.stride = emit_stride(e), .is_optimistic = w->pass == emit_main(e) && emit_is_optimistic(e), .part = w->part};
+		.stride = emit_stride(e), .is_optimistic = w->pass == emit_main(e) && emit_is_optimistic(e), .part = w->part,
+		.gap = gap, .handed = handed_text(e)};
 
 	return emit_call(e, w->pass, w->is_staged ? &here : &there);
 }
@@ -195,26 +221,35 @@ static void put_kernel(const struct emission *e, const struct pass *p, struct te
 	put_work(e, &w, out);
 }
 
-/* A function for each part, and the kernel that calls them. */
-static void put_apart(const struct emission *e, struct text *out)
+/* A function for each of these parts, and the kernel that calls them. */
+static void put_apart(const struct emission *e, int first, int end, const char *kernel, struct text *out)
 {
 	int is_staged = emit_is_staged(e);
 	const char *name = e->options->name, *pass = emit_main(e)->algorithm->name;
 	struct text cases;
 
 	text_init(&cases, e->arena);
-	for (int i = 0; i < e->part_count; i++) {
+	for (int i = first; i < end; i++) {
 		const struct work w = {&e->parts[i].pass, &e->parts[i], is_staged};
 
 		emit_part_small(e, &e->parts[i], out);
 		put_work(e, &w, out);
-		text_printf(&cases, "\tcase %d:\n\t\t%s_%s_block(%s, count%s);\n\t\tbreak;\n", i, name, w.pass->algorithm->name,
+		text_printf(&cases, "\tcase %d:\n\t\t%s_%s_block(%s, count%s);\n\t\tbreak;\n", i - first, name, w.pass->algorithm->name,
 			emit_params(e, w.pass, PARAMS_NAMES), is_staged ? ", slices, staged" : "");
 	}
-	const struct slot slots[] = {{"NAME", name}, {"PASS", pass}, {"RESTRICT_PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)},
-		{"DECLARATION", is_staged ? emit_slices_declaration(e) : ""}, {"COUNT", emit_int(e, e->part_count)}, {"CASES", text_string(&cases)}};
+	const struct slot slots[] = {{"NAME", name}, {"PASS", pass}, {"KERNEL", kernel}, {"WHAT", first < emit_hands(e) ?
+			"Hands, each a part; a launch runs this kernel before the one that reads what they hand on" : "Parts that share nothing"},
+		{"RESTRICT_PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)},
+		{"DECLARATION", is_staged ? emit_slices_declaration(e) : ""}, {"COUNT", emit_int(e, end - first)}, {"CASES", text_string(&cases)}};
 
 	template_expand(out, e->target->kernel->apart, slots, sizeof slots / sizeof *slots);
+}
+
+static void put_both(const struct emission *e, struct text *out)
+{
+	if (emit_hands(e))
+		put_apart(e, 0, emit_hands(e), "hands_kernel", out);
+	put_apart(e, emit_hands(e), e->part_count, "kernel", out);
 }
 
 static void put_pass(const struct emission *e, const struct pass *p, struct text *out)
@@ -235,7 +270,7 @@ void emit_kernels(const struct emission *e, struct text *out)
 	}
 	for (int i = 0; i < e->pass_count && e->target->kernel; i++)
 		if (i == 0 && emit_is_apart(e))
-			put_apart(e, out);
+			put_both(e, out);
 		else if (i == 0 && !e->passes[i].segments.count && emit_windows(e)->slots)
 			put_windowed(e, &e->passes[i], out);
 		else
@@ -292,14 +327,14 @@ const char *emit_stage_launch(const struct emission *e)
 	return e->target->kernel && emit_is_staged(e) ? e->target->kernel->stage_launch : "";
 }
 
-const char *emit_given(const struct emission *e)
+const char *emit_given(const struct emission *e, const char *kernel)
 {
 	struct text t;
 
 	if (!emit_is_staged(e))
 		return "0";
 	text_init(&t, e->arena);
-	text_printf(&t, "rneagen_given_bytes((const void *)%s_%s_kernel)", e->options->name, emit_main(e)->algorithm->name);
+	text_printf(&t, "rneagen_given_bytes((const void *)%s_%s_%s)", e->options->name, emit_main(e)->algorithm->name, kernel);
 	return text_string(&t);
 }
 

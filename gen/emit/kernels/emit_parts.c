@@ -2,11 +2,69 @@
 #include "base/fold.h"
 #include "base/template.h"
 #include "emit/emit.h"
+#include "plan/stretch.h"
 
 void emit_put_sample_call(const struct emission *e, const struct pass *p, const char *function, const char *more, struct text *out)
 {
 	text_printf(out, "%s%s_%s_%s(%s, stride%s%s);", emit_has_known(e) ? "all_small &= " : "", e->options->name, p->algorithm->name,
 		function, emit_params(e, emit_main(e), PARAMS_NAMES), more, emit_handed_on(e, emit_known_names(e)));
+}
+
+/* Does it read what a hand has left in an output? */
+static int is_handed(const struct pass *p)
+{
+	for (size_t i = 0; i < p->dag.count && p->stretches; i++)
+		if (p->dag.nodes[i].op == OP_INPUT && p->dag.arguments[p->dag.nodes[i].arg[0].i].is_output)
+			return 1;
+	return 0;
+}
+
+const char *emit_more_params(const struct emission *e, const struct pass *p)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (p->stretches && p->stretches->gap)
+		text_put(&t, ", const size_t gap");
+	if (is_handed(p))
+		text_printf(&t, ", const %s *handed, const size_t step", e->memory->type);
+	return text_string(&t);
+}
+
+const char *emit_more(const struct emission *e, const struct pass *p, const char *gap, const char *handed)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (p->stretches && p->stretches->gap)
+		text_printf(&t, ", %s", gap);
+	if (is_handed(p))
+		text_printf(&t, ", %s", handed);
+	return text_string(&t);
+}
+
+const char *emit_launch_hands(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"HANDS", emit_int(e, emit_hands(e))},
+		{"GIVEN", emit_given(e, "hands_kernel")}};
+
+	if (emit_hands(e))
+		template_expand(&t, template_launch_hands_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
+/* A call of a part's body where the arrays are the sample's own. */
+static void put_part_call(const struct emission *e, const struct pass *p, struct text *out)
+{
+	const struct dag *d = &emit_main(e)->dag;
+	struct text handed;
+
+	text_init(&handed, e->arena);
+	text_printf(&handed, "%s, stride", d->arguments[d->argument_count - 1].name);
+	emit_put_sample_call(e, p, "body", emit_more(e, p, "0", text_string(&handed)), out);
 }
 
 /* The body that calls the parts'. */
@@ -20,10 +78,10 @@ void emit_dispatcher(const struct emission *e, struct text *out)
 	emit_relay_before(e, &calls);
 	for (int i = 0; i < e->part_count; i++) {
 		text_printf(&cases, "%s\tcase %d:\n\t\t", i ? "\n" : "", i);
-		emit_put_sample_call(e, &e->parts[i].pass, "body", "", &cases);
+		put_part_call(e, &e->parts[i].pass, &cases);
 		text_put(&cases, "\n\t\tbreak;");
 		text_put(&calls, i ? "\n\t" : "\t");
-		emit_put_sample_call(e, &e->parts[i].pass, "body", "", &calls);
+		put_part_call(e, &e->parts[i].pass, &calls);
 	}
 	emit_relay_after(e, &calls);
 	const struct slot slots[] = {{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},

@@ -4,17 +4,28 @@
 #include "base/template.h"
 #include "plan/stage.h"
 
-static struct stretch stretch_of(const struct part *part, const struct dag *d, int argument)
+static struct stretch stretch_of(const struct part *part, const struct dag *d, int argument, int k)
 {
-	return part ? part->stretches->own[argument] : (struct stretch){0, d->arguments[argument].rows};
+	return part ? part->pass.stretches->own[argument][k] : (struct stretch){0, k ? 0 : d->arguments[argument].rows};
 }
 
-/* In the place of an array, its own or another's. */
-static struct stretch place_of(const struct part *part, const struct dag *d, int argument)
+/* Rows in the place of an array, its own or another's, and the first of them. */
+static int place_rows(const struct part *part, const struct dag *d, int argument)
 {
 	int place = stage_place(d, argument);
 
-	return part ? part->stretches->place[place] : (struct stretch){0, d->arguments[place].rows};
+	return part ? stretches_rows(part->pass.stretches, place) : d->arguments[place].rows;
+}
+
+static int place_first(const struct part *part, const struct dag *d, int argument)
+{
+	return part ? part->pass.stretches->place[stage_place(d, argument)][0].first : 0;
+}
+
+/* Where a stretch begins there. */
+static int slot_of(const struct part *part, const struct dag *d, int argument, int k)
+{
+	return stretch_of(part, d, argument, k).first - place_first(part, d, argument) - (k ? part->pass.stretches->gap : 0);
 }
 
 static const struct dag *arguments_of(const struct emission *e)
@@ -36,7 +47,7 @@ static const char *slices_text(const struct emission *e, const struct part *part
 			continue;
 		text_printf(&t, "%s*const %s_slice = ", last >= 0 ? ", " : "", d->arguments[i].name);
 		if (last >= 0)
-			text_printf(&t, "%s_slice + RNEA_BLOCK*%d", d->arguments[last].name, emit_pitch(e, place_of(part, d, last).rows));
+			text_printf(&t, "%s_slice + RNEA_BLOCK*%d", d->arguments[last].name, emit_pitch(e, place_rows(part, d, last)));
 		else
 			text_put(&t, e->options->layout == RNEAGEN_AOS ? "slices" : "slices + threadIdx.x");
 		last = i;
@@ -66,16 +77,16 @@ static const char *pointers_text(const struct emission *e, const struct part *pa
 	text_init(&t, e->arena);
 	for (int i = 0; i < d->argument_count; i++) {
 		const struct argument *a = &d->arguments[i];
-		const struct stretch place = place_of(part, d, i);
+		int first = place_first(part, d, i);
 
 		if (a->per_batch)
 			continue;
 		text_printf(&t, "%s%s%s *const %s_here = staged ? %s_slice", e->options->layout == RNEAGEN_AOS ? "\t\t" : "\t",
 			a->is_output ? "" : "const ", e->memory->type, a->name, d->arguments[stage_place(d, i)].name);
 		if (e->options->layout == RNEAGEN_AOS)
-			text_printf(&t, " + threadIdx.x*%d", emit_pitch(e, place.rows));
-		if (place.first)
-			text_printf(&t, e->options->layout == RNEAGEN_AOS ? " - %d" : " - RNEA_BLOCK*%d", place.first);
+			text_printf(&t, " + threadIdx.x*%d", emit_pitch(e, place_rows(part, d, i)));
+		if (first)
+			text_printf(&t, e->options->layout == RNEAGEN_AOS ? " - %d" : " - RNEA_BLOCK*%d", first);
 		text_printf(&t, " : %s + k", a->name);
 		if (e->options->layout == RNEAGEN_AOS)
 			text_printf(&t, "*%d", a->rows);
@@ -84,9 +95,9 @@ static const char *pointers_text(const struct emission *e, const struct part *pa
 	return text_string(&t);
 }
 
-typedef void put_move(const struct emission *e, const struct part *part, int argument, struct text *out);
+typedef void put_move(const struct emission *e, const struct part *part, int argument, int k, struct text *out);
 
-/* aos: a line for each array that comes, or goes. */
+/* aos: a line for each stretch that comes, or goes. */
 static const char *moves_text(const struct emission *e, const struct part *part, int is_output, put_move *put)
 {
 	const struct dag *d = arguments_of(e);
@@ -94,56 +105,58 @@ static const char *moves_text(const struct emission *e, const struct part *part,
 
 	text_init(&t, e->arena);
 	for (int i = 0; i < d->argument_count; i++)
-		if (!d->arguments[i].per_batch && d->arguments[i].is_output == is_output)
-			put(e, part, i, &t);
+		for (int k = 0; k < STRETCHES && !d->arguments[i].per_batch && d->arguments[i].is_output == is_output; k++)
+			if (stretch_of(part, d, i, k).rows)
+				put(e, part, i, k, &t);
 	return text_string(&t);
 }
 
 /* `rneagen_stage_in<7, 7>(`, and for a part `rneagen_stage_rows_in<7, 7, 30>(`, of how many rows. */
-static void put_function(const struct emission *e, const struct part *part, const char *direction, int argument, struct text *out)
+static void put_function(const struct emission *e, const struct part *part, const char *direction, int argument, int k,
+	struct text *out)
 {
 	const struct dag *d = arguments_of(e);
 
-	text_printf(out, "\t\trneagen_stage%s_%s<%d, %d", part ? "_rows" : "", direction, stretch_of(part, d, argument).rows,
-		emit_pitch(e, place_of(part, d, argument).rows));
+	text_printf(out, "\t\trneagen_stage%s_%s<%d, %d", part ? "_rows" : "", direction, stretch_of(part, d, argument, k).rows,
+		emit_pitch(e, place_rows(part, d, argument)));
 	if (part)
 		text_printf(out, ", %d", d->arguments[argument].rows);
 	text_put(out, ">(");
 }
 
 /* `q + first*7`, and for a part `+ 3`, where its rows begin. */
-static void put_array(const struct emission *e, const struct part *part, int argument, struct text *out)
+static void put_array(const struct emission *e, const struct part *part, int argument, int k, struct text *out)
 {
 	const struct argument *a = &arguments_of(e)->arguments[argument];
-	int first = stretch_of(part, arguments_of(e), argument).first;
+	int first = stretch_of(part, arguments_of(e), argument, k).first;
 
 	text_printf(out, "%s + first*%d", a->name, a->rows);
 	if (first)
 		text_printf(out, " + %d", first);
 }
 
-static void put_slice_in(const struct emission *e, const struct part *part, int argument, struct text *out)
+static void put_slice_in(const struct emission *e, const struct part *part, int argument, int k, struct text *out)
 {
 	const struct dag *d = arguments_of(e);
 
-	put_function(e, part, "in", argument, out);
+	put_function(e, part, "in", argument, k, out);
 	text_printf(out, "%s_slice", d->arguments[argument].name);
-	if (stretch_of(part, d, argument).first != place_of(part, d, argument).first)
-		text_printf(out, " + %d", stretch_of(part, d, argument).first - place_of(part, d, argument).first);
+	if (slot_of(part, d, argument, k))
+		text_printf(out, " + %d", slot_of(part, d, argument, k));
 	text_put(out, ", ");
-	put_array(e, part, argument, out);
+	put_array(e, part, argument, k, out);
 	text_put(out, ", samples);\n");
 }
 
-static void put_slice_out(const struct emission *e, const struct part *part, int argument, struct text *out)
+static void put_slice_out(const struct emission *e, const struct part *part, int argument, int k, struct text *out)
 {
 	const struct dag *d = arguments_of(e);
 
-	put_function(e, part, "out", argument, out);
-	put_array(e, part, argument, out);
+	put_function(e, part, "out", argument, k, out);
+	put_array(e, part, argument, k, out);
 	text_printf(out, ", %s_slice", d->arguments[stage_place(d, argument)].name);
-	if (stretch_of(part, d, argument).first != place_of(part, d, argument).first)
-		text_printf(out, " + %d", stretch_of(part, d, argument).first - place_of(part, d, argument).first);
+	if (slot_of(part, d, argument, k))
+		text_printf(out, " + %d", slot_of(part, d, argument, k));
 	text_put(out, ", samples);\n");
 }
 
@@ -157,7 +170,21 @@ static const char *row_text(const struct emission *e, int first)
 	return text_string(&t);
 }
 
-/* soa: a thread fetches or writes its own sample; one loop for arrays of one length that follow each other. */
+/* The loop's line for rows of an array. */
+static void put_row_move(const struct emission *e, const struct part *part, int argument, int k, struct text *out)
+{
+	const struct dag *d = arguments_of(e);
+	const char *name = d->arguments[argument].name, *place = d->arguments[stage_place(d, argument)].name;
+	const char *row = row_text(e, stretch_of(part, d, argument, k).first), *slot = row_text(e, slot_of(part, d, argument, k));
+
+	if (d->arguments[argument].is_output)
+		text_printf(out, "\t\t\t%s[%s*count + k] = %s_slice[%s*RNEA_BLOCK];\n", name, row, place, slot);
+	else
+		text_printf(out, "\t\t\trneagen_stage_copy<sizeof *%s>(%s_slice + %s*RNEA_BLOCK, %s + %s*count + k);\n", name, name, slot, name,
+			row);
+}
+
+/* soa: a thread fetches or writes its own sample; one loop for stretches of one length that follow each other. */
 static const char *move_samples(const struct emission *e, const struct part *part, int out)
 {
 	const struct dag *d = arguments_of(e);
@@ -165,22 +192,15 @@ static const char *move_samples(const struct emission *e, const struct part *par
 	int rows = 0;
 
 	text_init(&t, e->arena);
-	for (int i = 0; i < d->argument_count; i++) {
-		const struct argument *a = &d->arguments[i];
-		const struct stretch own = stretch_of(part, d, i);
-		const char *place = d->arguments[stage_place(d, i)].name, *row = row_text(e, own.first),
-			   *slot = row_text(e, own.first - place_of(part, d, i).first);
+	for (int n = 0; n < d->argument_count * STRETCHES; n++) {
+		int i = n % d->argument_count, k = n / d->argument_count, own = stretch_of(part, d, i, k).rows;
 
-		if (a->per_batch || a->is_output != out)
+		if (d->arguments[i].per_batch || d->arguments[i].is_output != out || !own)
 			continue;
-		if (own.rows != rows)
-			text_printf(&t, "%s#pragma unroll\n\t\tfor (unsigned r = 0; r < %d; r++) {\n", rows ? "\t\t}\n" : "", own.rows);
-		rows = own.rows;
-		if (out)
-			text_printf(&t, "\t\t\t%s[%s*count + k] = %s_slice[%s*RNEA_BLOCK];\n", a->name, row, place, slot);
-		else
-			text_printf(&t, "\t\t\trneagen_stage_copy<sizeof *%s>(%s_slice + %s*RNEA_BLOCK, %s + %s*count + k);\n", a->name, a->name,
-				slot, a->name, row);
+		if (own != rows)
+			text_printf(&t, "%s#pragma unroll\n\t\tfor (unsigned r = 0; r < %d; r++) {\n", rows ? "\t\t}\n" : "", own);
+		rows = own;
+		put_row_move(e, part, i, k, &t);
 	}
 	text_put(&t, rows ? "\t\t}\n" : "");
 	return text_string(&t);

@@ -1,5 +1,6 @@
 /* Outputs that take an operation in common are joined, and all rows between them. */
 #include "plan/grid/apart.h"
+#include "plan/grid/hands.h"
 #include "plan/stage.h"
 
 /* Operations of the whole. H100, 1 M samples, ps, whole and in parts. f64: hyq 131 and 126, but 16384 samples 196 and 229; yumi,
@@ -136,9 +137,8 @@ static int deal_out(const struct limb *limbs, int count, int *part)
 }
 
 /* By output: its part. Returns how many there are; 0 when memory runs out. */
-static int own(int *owner, const struct parts_of *x, struct arena *a)
+static int own(int *owner, const struct dag *d, const struct parts_of *x, struct arena *a)
 {
-	const struct dag *d = x->raw;
 	size_t rows = (size_t)x->tree->nv + 1;
 	struct limb *limbs = arena_alloc(a, rows, sizeof *limbs);
 	int *part = arena_alloc(a, rows, sizeof *part), count;
@@ -185,7 +185,7 @@ static int may_be_apart(const struct parts_of *x)
 static int have_room(const struct part *parts, int count, const struct rneagen_options *o)
 {
 	for (int i = 0; i < count && is_staged_soa(o); i++)
-		if (!stage_has_room(stretches_words(parts[i].stretches, &parts[i].pass.dag, o), o))
+		if (!stage_has_room(stretches_words(parts[i].pass.stretches, &parts[i].pass.dag, o), o))
 			return 0;
 	return 1;
 }
@@ -204,39 +204,93 @@ static void name_bodies(struct part *p, const struct tree *t)
 		}
 }
 
-static int make_part(struct part *p, struct share *share, int number, const struct parts_of *x, struct arena *a)
+static int make_part(struct part *p, struct share *share, int owner, int number, const char *what, const struct parts_of *x,
+	struct arena *a)
 {
+	struct stretches *rows = arena_alloc(a, 1, sizeof *rows);
 	struct text name, doc;
 
 	text_init(&name, a);
 	text_init(&doc, a);
 	text_printf(&name, "%s_part%d", x->whole->algorithm->name, number);
-	text_printf(&doc, "Part %d of it: limbs that share nothing with the others.", number);
-	if (!part_build_share(p, share, number, number + 1, text_string(&name), text_string(&doc), x, a))
+	text_printf(&doc, "Part %d of it: %s.", number, what);
+	if (!rows || !part_build_share(p, share, owner, owner + 1, text_string(&name), text_string(&doc), x, a))
 		return 0;
-	p->stretches = arena_alloc(a, 1, sizeof *p->stretches);
-	if (!p->stretches)
-		return 0;
-	stretches_make(p->stretches, &p->pass.dag);
+	stretches_make(rows, &p->pass.dag);
+	p->pass.stretches = rows;
 	name_bodies(p, x->tree);
 	return !a->failed;
 }
 
-static int make_parts(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a)
+static int make_hands(struct part *parts, const struct hands *h, const struct parts_of *x, struct arena *spare, struct arena *a)
 {
-	int *owner = arena_alloc(spare, x->raw->output_count + 1, sizeof *owner), made = owner ? own(owner, x, spare) : 0;
 	struct share share;
 
-	if (made < 2)
-		return made;
-	*parts = arena_alloc(a, (size_t)made, sizeof **parts);
-	if (!*parts || !share_begin(&share, x->raw, owner, spare))
+	if (h->count && !share_begin(&share, &h->first, h->owner, spare))
 		return 0;
-	for (int i = 0; i < made; i++)
-		if (!make_part(&(*parts)[i], &share, i, x, a))
+	for (int i = 0; i < h->count; i++) {
+		struct text what;
+
+		text_init(&what, a);
+		text_printf(&what, "what link %d carries, and the force of all that on it", x->tree->bodies[h->list[i].body].number);
+		if (!make_part(&parts[i], &share, i, i, text_string(&what), x, a))
 			return 0;
-	*count = have_room(*parts, made, x->options) ? made : 0;
+		parts[i].is_hand = 1;
+	}
 	return 1;
+}
+
+static int make_limbs(struct part *parts, int first, int count, const struct dag *d, const int *owner, const struct parts_of *x,
+	struct arena *spare, struct arena *a)
+{
+	struct share share;
+
+	if (!share_begin(&share, d, owner, spare))
+		return 0;
+	for (int i = 0; i < count; i++)
+		if (!make_part(&parts[first + i], &share, i, first + i, "limbs that share nothing with the others", x, a))
+			return 0;
+	return 1;
+}
+
+/* Those of hands first. */
+static int make_all(struct part **parts, int *count, const struct hands *h, const struct parts_of *x, struct arena *spare,
+	struct arena *a)
+{
+	const struct dag *d = h->count ? &h->second : x->raw;
+	int *owner = arena_alloc(spare, d->output_count + 1, sizeof *owner), limbs = owner ? own(owner, d, x, spare) : 0;
+
+	if (limbs + h->count < 2)
+		return limbs;
+	*parts = arena_alloc(a, (size_t)(limbs + h->count), sizeof **parts);
+	if (!*parts || !make_hands(*parts, h, x, spare, a) || !make_limbs(*parts, h->count, limbs, d, owner, x, spare, a))
+		return 0;
+	*count = have_room(*parts, limbs + h->count, x->options) ? limbs + h->count : 0;
+	return 1;
+}
+
+/* Does each part write all rows of its stretches of tau, and is what hands leave there read before? */
+static int are_sound(const struct part *parts, int count, const struct hands *h)
+{
+	for (int i = 0; i < count; i++)
+		if (!stretches_are_written(parts[i].pass.stretches, &parts[i].pass.dag) ||
+			(!parts[i].is_hand && !hands_are_read_first(&parts[i].pass.plan, h)))
+			return 0;
+	return 1;
+}
+
+static int make_parts(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a)
+{
+	struct hands hands, none = {0};
+
+	if (!hands_find(&hands, x, spare))
+		return 0;
+	if (hands.count && !make_all(parts, count, &hands, x, spare, a))
+		return 0;
+	if (*count && are_sound(*parts, *count, &hands))
+		return 1;
+	*count = 0;
+	return make_all(parts, count, &none, x, spare, a);
 }
 
 int apart_make(struct part **parts, int *count, const struct parts_of *x, struct arena *a)

@@ -12,7 +12,7 @@
 struct part {
 	int first, last; /* bodies */
 	int alive;       /* values at once: plan_alive */
-	struct stretches *stretches; /* it shares nothing with the other parts (apart.h), and has these rows; NULL: it may */
+	int is_hand;     /* it is a part of the kernel before (hands.h) */
 	struct algorithm algorithm;
 	struct pass pass;
 };

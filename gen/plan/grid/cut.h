@@ -1,0 +1,18 @@
+#ifndef RNEAGEN_CUT_H
+#define RNEAGEN_CUT_H
+/* The fewest nodes of a DAG through which all goes that some nodes give to others, such as the six numbers of the force on a hand:
+   paths that have no node in common are as many (Menger 1927), and are found one after the other (Ford and Fulkerson 1956). */
+
+#include "dag/dag.h"
+
+enum { CUT_MOST = 6 };
+
+struct cut {
+	uint32_t nodes[CUT_MOST]; /* those nearest to `from`, in the order of the DAG */
+	int count;                /* 0: nothing goes, or through more */
+};
+
+/* By node: whether it is one of those. Returns 0 when memory runs out. */
+int cut_find(struct cut *c, const struct dag *d, const unsigned char *from, const unsigned char *to, struct arena *a);
+
+#endif
