@@ -284,7 +284,8 @@ static const char *small_loops(const struct emission *e, const struct stretch ro
 }
 
 /* The test of some rows of q, which may be in two stretches. */
-static void put_small(const struct emission *e, const char *what, const char *name, const struct stretch rows[STRETCHES], struct text *out)
+static void put_small(const struct emission *e, const char *what, const char *name, const struct stretch rows[STRETCHES],
+	struct text *out)
 {
 	const struct slot slots[] = {{"WHAT", what}, {"NAME", name}, {"T", e->memory->type}, {"F", e->memory->suffix},
 		{"LOOPS", small_loops(e, rows)}, {"GAP", rows[1].rows ? ", const size_t gap" : ""},
@@ -372,7 +373,8 @@ const char *emit_call(const struct emission *e, const struct pass *p, const stru
 		return call_expanded(e, p, e->target->kernel->again, "", c);
 	text_init(&asked, e->arena);
 	text_printf(&asked, e->target->kernel ? "!%s%s%s_is_small(%s, %s%s%s)" : "RNEA_KNOWN(%s%s%s_is_small(%s, %s%s%s))",
-		e->options->name, is_part ? "_" : "", is_part ? p->algorithm->name : "", c->q, c->stride, has_gap ? ", " : "", has_gap ? c->gap : "");
+		e->options->name, is_part ? "_" : "", is_part ? p->algorithm->name : "", c->q, c->stride, has_gap ? ", " : "",
+		has_gap ? c->gap : "");
 	return call_expanded(e, p, template_call_known_in, text_string(&asked), c);
 }
 

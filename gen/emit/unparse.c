@@ -293,29 +293,6 @@ static void put_line(struct unparser *u, const struct line *l, struct text *out)
 	fold(out, from);
 }
 
-/* Per node: an input that only sines and cosines of these lines read. */
-static const unsigned char *only_angles(const struct plan *p, struct arena *a)
-{
-	enum { READ_AS_ANGLE = 1, READ_OTHERWISE = 2 };
-	unsigned char *how = arena_alloc(a, p->dag->count, 1);
-	struct arena spare;
-	struct readings r;
-
-	if (!how)
-		return NULL;
-	arena_init(&spare, &a->allocator);
-	if (readings_make(&r, p, &spare)) {
-		for (uint32_t i = 0; i < p->line_count; i++)
-			for (uint32_t k = r.begin[i]; k < r.begin[i + 1]; k++)
-				how[r.list[k].node] |= p->lines[i].kind == LINE_SINCOS ? READ_AS_ANGLE : READ_OTHERWISE;
-		for (size_t i = 0; i < p->dag->count; i++)
-			how[i] = p->dag->nodes[i].op == OP_INPUT && how[i] == READ_AS_ANGLE;
-	}
-	a->failed |= spare.failed;
-	arena_free(&spare);
-	return how;
-}
-
 static struct unparser unparser_new(const struct emission *e, const struct pass *pass, const struct number_type *numbers)
 {
 	return (struct unparser){.emission = e, .pass = pass, .plan = &pass->plan, .numbers = numbers,
@@ -337,7 +314,7 @@ void unparse_begin(struct writer *w, const struct emission *e, const struct pass
 void unparse_within(struct writer *w, const struct plan *lines)
 {
 	if (w->own.numbers->angle_is_memory)
-		w->own.angles = only_angles(lines, w->own.emission->arena);
+		w->own.angles = readings_only_angles(lines, w->own.emission->arena);
 }
 
 void unparse_lines(struct writer *w, const struct plan *p, struct text *out)

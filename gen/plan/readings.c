@@ -96,3 +96,25 @@ void readings_free(struct readings *r, struct arena *a)
 	arena_release(a, r->list);
 	arena_release(a, r->begin);
 }
+
+const unsigned char *readings_only_angles(const struct plan *p, struct arena *a)
+{
+	enum { READ_AS_ANGLE = 1, READ_OTHERWISE = 2 };
+	unsigned char *how = arena_alloc(a, p->dag->count, 1);
+	struct arena spare;
+	struct readings r;
+
+	if (!how)
+		return NULL;
+	arena_init(&spare, &a->allocator);
+	if (readings_make(&r, p, &spare)) {
+		for (uint32_t i = 0; i < p->line_count; i++)
+			for (uint32_t k = r.begin[i]; k < r.begin[i + 1]; k++)
+				how[r.list[k].node] |= p->lines[i].kind == LINE_SINCOS ? READ_AS_ANGLE : READ_OTHERWISE;
+		for (size_t i = 0; i < p->dag->count; i++)
+			how[i] = p->dag->nodes[i].op == OP_INPUT && how[i] == READ_AS_ANGLE;
+	}
+	a->failed |= spare.failed;
+	arena_free(&spare);
+	return how;
+}

@@ -24,4 +24,7 @@ void readings_free(struct readings *r, struct arena *a);
 /* The values that a line makes: 0 to 2, the sine before the cosine. Returns how many. */
 int readings_made(const struct plan *p, const struct line *l, struct ref made[2]);
 
+/* By node: an input that only sines and cosines of these lines read. NULL when memory runs out. */
+const unsigned char *readings_only_angles(const struct plan *p, struct arena *a);
+
 #endif

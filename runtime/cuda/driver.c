@@ -244,7 +244,8 @@ static enum rnea_code find_kernels(
 			return rnea_error_set(e, RNEA_TEXT, "the text defines no kernel %s, which %s_info names",
 				k->name, s->name);
 	}
-	if (relay_find(&c->relay, &c->device, c->module, s, info->functions, c->block, e) || (c->relay.warps && check_block(c, &c->relay.start, e)))
+	if (relay_find(&c->relay, &c->device, c->module, s, info->functions, c->block, e) ||
+		(c->relay.warps && check_block(c, &c->relay.start, e)))
 		return e->code;
 	if (c->relay.hand_parts)
 		check_block(c, &c->relay.hands, e);

@@ -106,7 +106,7 @@ END_TEST
 	COUNTS
 #define SECOND                                                                                                         \
 	"function fd\ninput tau 7 f64 sample joint_torque\noutput x 2 f64 sample of_a_later_version\nstage 72\nparts " \
-	"2\nlimbs 4 2 1408 4096\nrelay 49664 3 264\nstart_limbs 8 1 520 32\n"                                                   \
+	"2\nlimbs 4 2 1408 4096\nrelay 49664 3 264\nstart_limbs 8 1 520 32\nhands 3\n"                                          \
 	"operations 1 2 3 4 5 6\n"
 
 /* Any number of functions, each with its own of everything; a role that is not known is none. */
@@ -130,6 +130,7 @@ START_TEST(reads_functions)
 	ck_assert(f[0].limbs.warps == 0 && f[0].limbs.most == 0);
 	ck_assert(f[1].limbs.warps == 4 && f[1].limbs.groups == 2 && f[1].limbs.bytes == 1408 && f[1].limbs.most == 4096);
 	ck_assert(f[0].relay_warps == 0 && f[1].relay_warps == 3 && f[1].relay_room == 264 && f[1].relay_bytes == 49664);
+	ck_assert(f[0].hands == 0 && f[1].hands == 3);
 	ck_assert(f[0].start_limbs.warps == 0 && f[1].start_limbs.warps == 8 && f[1].start_limbs.groups == 1);
 	ck_assert(f[1].start_limbs.bytes == 520 && f[1].start_limbs.most == 32);
 	ck_assert(f[1].stage_bytes == 72 && f[1].parts == 2 && f[1].operations.sincos == 6 && f[1].matrix_count == 0);
@@ -259,6 +260,7 @@ static const struct damage {
 	{"rneagen-info 4\nfunction f\nrelay 8 1 0\n", "line 3: the number is out of range"},
 	{"rneagen-info 4\nfunction f\nrelay 8 1\n", "line 3: a number is missing"},
 	{"rneagen-info 4\nfunction f\nstart_limbs 4 5 0 1\n", "line 3: the number is out of range"},
+	{"rneagen-info 5\nfunction f\nhands 0\n", "line 3: the number is out of range"},
 	{"rneagen-info 4\nfunction f\nrelay 8\n", "line 3: a number is missing"},
 	{HEAD SIZES COUNTS, "it lists no outputs"},
 	{HEAD SIZES "input q 8 f64 sample\n" COUNTS, "it lists no outputs"},

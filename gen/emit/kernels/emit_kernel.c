@@ -237,8 +237,9 @@ static void put_apart(const struct emission *e, int first, int end, const char *
 		text_printf(&cases, "\tcase %d:\n\t\t%s_%s_block(%s, count%s);\n\t\tbreak;\n", i - first, name, w.pass->algorithm->name,
 			emit_params(e, w.pass, PARAMS_NAMES), is_staged ? ", slices, staged" : "");
 	}
-	const struct slot slots[] = {{"NAME", name}, {"PASS", pass}, {"KERNEL", kernel}, {"WHAT", first < emit_hands(e) ?
-			"Hands, each a part; a launch runs this kernel before the one that reads what they hand on" : "Parts that share nothing"},
+	const char *what = first < emit_hands(e) ?
+		"Hands, each a part; a launch runs this kernel before the one that reads what they hand on" : "Parts that share nothing";
+	const struct slot slots[] = {{"NAME", name}, {"PASS", pass}, {"KERNEL", kernel}, {"WHAT", what},
 		{"RESTRICT_PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)},
 		{"DECLARATION", is_staged ? emit_slices_declaration(e) : ""}, {"COUNT", emit_int(e, end - first)}, {"CASES", text_string(&cases)}};
 

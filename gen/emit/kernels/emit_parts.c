@@ -48,8 +48,8 @@ const char *emit_launch_hands(const struct emission *e)
 	struct text t;
 
 	text_init(&t, e->arena);
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"HANDS", emit_int(e, emit_hands(e))},
-		{"GIVEN", emit_given(e, "hands_kernel")}};
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name},
+		{"HANDS", emit_int(e, emit_hands(e))}, {"GIVEN", emit_given(e, "hands_kernel")}};
 
 	if (emit_hands(e))
 		template_expand(&t, template_launch_hands_in, slots, sizeof slots / sizeof *slots);

@@ -1,5 +1,5 @@
-/* A node is two places, one where paths come in and one where they go out, with room for one path between them. A search goes along
-   edges that have no path, and back along those that have one. */
+/* A node is two places, one where paths come in and one where they go out, with room for one path between them. A search goes
+   along edges that have no path, and back along those that have one. */
 #include "plan/grid/cut.h"
 #include <string.h>
 
@@ -63,7 +63,8 @@ static void list_users(struct network *n)
 			n->users[--n->begin[d->nodes[i].arg[k].i]] = (uint32_t)i;
 }
 
-static int network_make(struct network *n, const struct dag *d, const unsigned char *from, const unsigned char *to, struct arena *a)
+static int network_make(struct network *n, const struct dag *d, const unsigned char *from, const unsigned char *to,
+	struct arena *a)
 {
 	*n = (struct network){.d = d, .from = from, .to = to, .between = arena_alloc(a, d->count, 1),
 		.begin = arena_alloc(a, d->count + 1, sizeof *n->begin), .users = arena_take(a, 3 * d->count, sizeof *n->users),

@@ -1,8 +1,8 @@
 #include "plan/grid/hands.h"
 #include <string.h>
 
-/* Operations of the whole, and of a hand. H100, 1 M samples, ps, now and by a trial of two kernels: g1_brainco, 9000 operations, 2000 in
-   each hand, f64 2447 and 1120, in aos 3745 and 1130, f32 in aos 663 and 550; but f32 in soa 446 and 560. */
+/* Operations of the whole, and of a hand. H100, 1 M samples, ps, one kernel and a trial of two, whose parts were texts of scenes:
+   g1_brainco, 9010 operations, f64 2455 and 1120, in aos 3792 and 1130, f32 in aos 704 and 550; but f32 in soa 463 and 560. */
 enum { LEAST = 5000, LEAST_HAND = 500 };
 
 struct finder {
