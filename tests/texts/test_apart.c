@@ -45,6 +45,7 @@ static const struct subject WHOLE[] = {
 	{"g1_29dof", "want tau,power\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0},
 	{"g1_29dof", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0},
 	{"chain_75", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 1, 0},
+	{"chain_75", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 1, 0}, /* one hand, and an arm that is longer than half of it */
 };
 
 /* Links l<limb>_0, l<limb>_1, ..., the first of which hangs on another link. */

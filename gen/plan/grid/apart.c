@@ -269,11 +269,15 @@ static int make_all(struct part **parts, int *count, const struct hands *h, cons
 	return 1;
 }
 
-/* Does each part write all rows of its stretches of tau, and is what hands leave there read before? */
-static int are_sound(const struct part *parts, int count, const struct hands *h)
+/* Does no part take more than half of what the whole takes, write all rows of its stretches of tau, and read what hands leave there
+   before? */
+static int do_serve(const struct part *parts, int count, const struct hands *h, const struct parts_of *x)
 {
+	unsigned whole = plan_flops(plan_operations(&x->whole->plan));
+
 	for (int i = 0; i < count; i++)
-		if (!stretches_are_written(parts[i].pass.stretches, &parts[i].pass.dag) ||
+		if (2 * plan_flops(plan_operations(&parts[i].pass.plan)) > whole ||
+			!stretches_are_written(parts[i].pass.stretches, &parts[i].pass.dag) ||
 			(!parts[i].is_hand && !hands_are_read_first(&parts[i].pass.plan, h)))
 			return 0;
 	return 1;
@@ -287,7 +291,7 @@ static int make_parts(struct part **parts, int *count, const struct parts_of *x,
 		return 0;
 	if (hands.count && !make_all(parts, count, &hands, x, spare, a))
 		return 0;
-	if (*count && are_sound(*parts, *count, &hands))
+	if (*count && do_serve(*parts, *count, &hands, x))
 		return 1;
 	*count = 0;
 	return make_all(parts, count, &none, x, spare, a);
