@@ -11,8 +11,9 @@ void parts_put_table(const struct emission *e, struct text *out)
 	for (int i = 0; i < e->part_count; i++) {
 		const struct part *p = &e->parts[i];
 
-		text_printf(out, "  %-10d %3d..%-3d %6u %6d\n", i, e->tree->bodies[p->first].number,
-			e->tree->bodies[p->last].number, plan_flops(plan_operations(&p->pass.plan)), p->alive);
+		text_printf(out, "  %-10d %3d..%-3d %6u %6d%s\n", i, e->tree->bodies[p->first].number,
+			e->tree->bodies[p->last].number, plan_flops(plan_operations(&p->pass.plan)), p->alive,
+			p->is_hand ? "  hand: in a kernel before" : "");
 	}
 }
 
@@ -25,9 +26,9 @@ void parts_put_json(const struct emission *e, struct text *out)
 	for (int i = 0; i < e->part_count; i++) {
 		const struct part *p = &e->parts[i];
 
-		text_printf(out, "%s\n    {\"first\": %d, \"last\": %d, \"flops\": %u, \"alive\": %d}",
+		text_printf(out, "%s\n    {\"first\": %d, \"last\": %d, \"flops\": %u, \"alive\": %d, \"hand\": %s}",
 			i ? "," : "  \"parts\": [", e->tree->bodies[p->first].number, e->tree->bodies[p->last].number,
-			plan_flops(plan_operations(&p->pass.plan)), p->alive);
+			plan_flops(plan_operations(&p->pass.plan)), p->alive, p->is_hand ? "true" : "false");
 	}
 	text_put(out, e->part_count ? "\n  ],\n" : "");
 }

@@ -236,6 +236,8 @@ static int make_hands(struct part *parts, const struct hands *h, const struct pa
 		if (!make_part(&parts[i], &share, i, i, text_string(&what), x, a))
 			return 0;
 		parts[i].is_hand = 1;
+		parts[i].first = h->list[i].body + 1;
+		parts[i].last = h->list[i].last;
 	}
 	return 1;
 }
