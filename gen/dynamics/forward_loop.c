@@ -1,4 +1,5 @@
-/* Derivatives of qdd in loops over columns: -d tau stands in their place, and each loop's body makes M^-1 of a column. */
+/* Derivatives of qdd in loops over columns: each loop's body makes M^-1 of a column of -d tau, which stands in its place, or beside the
+   loop's others. */
 #include "dynamics/forward.h"
 #include "dynamics/want.h"
 
@@ -16,26 +17,124 @@ int loops_read(const struct loops *x, int nv, int i, int j)
 	return !x->is_relay || x->related.row[i * nv + j] >= 0;
 }
 
-/* M^-1 of the columns that have `leader`. Element (i, j) stands as far behind (first, j) as in any other of them. */
+static const char COLUMNS[] = "columns";
+
+void forward_declare_columns(struct dag *d, const struct loops *x)
+{
+	dag_argument_of(d, (struct argument){.name = COLUMNS, .rows = x->rows, .is_output = 1, .per_batch = 1, .role = ROLE_UNKNOWN,
+		.of = ""});
+}
+
+/* The rows that column j has, before row i. */
+static int rows_before(const struct pattern *coupled, int j, int i)
+{
+	int count = 0;
+
+	while (i-- > 0)
+		count += coupled->row[i * coupled->cols + j] >= 0;
+	return count;
+}
+
+/* Does another gradient of qdd stand before this one? */
+static int is_second(const struct build *b, int argument)
+{
+	for (int i = 0; i < b->k->want_count; i++)
+		if ((b->k->wants[i].kind == WANT_DQDD_DQ || b->k->wants[i].kind == WANT_DQDD_DQD) && b->outputs[i] < argument)
+			return 1;
+	return 0;
+}
+
+/* Which of a loop's columns it is, if none is left out: those of the first gradient come first. */
+static int place_of(const struct forward *x, int j, int argument)
+{
+	int leader = x->b->loops->first[j], place = is_second(x->b, argument) ? x->b->loops->rooms[leader].rows : 0;
+
+	for (int k = 0; k < j; k++)
+		place += x->b->loops->first[k] == leader;
+	return place;
+}
+
+void forward_leave_column(const struct forward *x, const struct ref *column, int j, int argument)
+{
+	struct dag *d = x->b->d;
+	const struct column_room *r = &x->b->loops->rooms[x->b->loops->first[j]];
+	int nv = x->b->t->nv, row = r->first + place_of(x, j, argument), columns = dag_find_argument(d, COLUMNS);
+
+	for (int i = 0; i < nv; i++)
+		if (x->coupled.row[i * nv + j] >= 0) {
+			dag_output(d, columns, row, column[i]);
+			row += r->room;
+		}
+}
+
+/* By a loop's places, how many columns are left out before. */
+static int *gaps_of(const struct forward *x, const struct column_room *r, int leader)
+{
+	int nv = x->b->t->nv, *gaps = arena_alloc(x->b->d->arena, (size_t)r->room, sizeof *gaps);
+
+	for (int k = 0; k < DAG_ARGUMENTS * nv && gaps; k++)
+		if (x->looped[k] && x->b->loops->first[k % nv] == leader)
+			gaps[place_of(x, k % nv, k / nv)] = 1;
+	for (int place = 0, gap = 0; place < r->room && gaps; place++) {
+		int is_there = gaps[place];
+
+		gaps[place] = gap;
+		gap += !is_there;
+	}
+	return gaps;
+}
+
+/* Columns that are left out, as those of a floating base are, leave no gap. */
+static void close_up(const struct forward *x, const struct column_room *r, int leader)
+{
+	struct dag *d = x->b->d;
+	int end = r->first + r->rows * r->room, *gaps = gaps_of(x, r, leader);
+
+	for (size_t k = 0; k < d->output_count && gaps; k++) {
+		struct output *o = &d->outputs[k];
+
+		if (o->argument == r->argument && o->row >= r->first && o->row < end)
+			o->row -= gaps[(o->row - r->first) % r->room];
+	}
+}
+
+/* Element (i, j) stands as far behind (first, j) as in any other column. */
+static int element_row(const struct forward *x, int leader, int i)
+{
+	int nv = x->b->t->nv, first = first_coupled(&x->coupled, leader);
+	const int *at = x->coupled.row;
+
+	if (x->b->loops->rooms)
+		return rows_before(&x->coupled, leader, i) * x->b->loops->rooms[leader].room;
+	return at[i * nv + leader] - at[first * nv + leader];
+}
+
+/* M^-1 of the columns that have `leader`. */
 static void loop_over(const struct forward *x, int leader)
 {
 	struct dag *d = x->b->d;
 	const struct loops *l = x->b->loops;
-	int nv = x->b->t->nv, loop = dag_loop(d), first = first_coupled(&x->coupled, leader);
+	struct column_room *room = l->rooms ? &l->rooms[leader] : NULL;
+	int nv = x->b->t->nv, loop, first = first_coupled(&x->coupled, leader);
 	const int *at = x->coupled.row;
 	struct ref *column = arena_alloc(d->arena, (size_t)nv, sizeof *column);
 
+	if (room) {
+		room->argument = dag_find_argument(d, COLUMNS);
+		close_up(x, room, leader);
+	}
+	loop = dag_loop(d, room);
 	if (!column || loop < 0 || d->failed) {
 		d->failed = 1;
 		return;
 	}
 	for (int i = 0; i < nv; i++)
 		if (at[i * nv + leader] >= 0 && loops_read(l, nv, i, leader))
-			column[i] = dag_input(d, DAG_COLUMN + loop, at[i * nv + leader] - at[first * nv + leader]);
+			column[i] = dag_input(d, DAG_COLUMN + loop, element_row(x, leader, i));
 	forward_solve(x, column);
 	for (int i = 0; i < nv; i++)
 		if (at[i * nv + leader] >= 0)
-			dag_output(d, DAG_COLUMN + loop, at[i * nv + leader] - at[first * nv + leader], column[i]);
+			dag_output(d, DAG_COLUMN + loop, element_row(x, leader, i), column[i]);
 	for (int k = 0; k < DAG_ARGUMENTS * nv; k++)
 		if (x->looped[k] && l->first[k % nv] == leader)
 			dag_loop_over(d, k / nv, at[first * nv + k % nv]);
@@ -76,6 +175,36 @@ static int is_in_a_row(const struct pattern *coupled, int first, int dense)
 	return 1;
 }
 
+/* From an element to the one below it, the same for all rows of a column, in the matrix as it is stored; 0: it is not. */
+static int pitch_of(const struct pattern *stored, const struct pattern *coupled, int first)
+{
+	int nv = coupled->cols, last = first, pitch = 0;
+
+	for (int i = first + 1; i < nv; i++) {
+		int step = stored->row[i * nv + first] - stored->row[last * nv + first];
+
+		if (coupled->row[i * nv + first] < 0)
+			continue;
+		if (pitch && step != pitch)
+			return 0;
+		pitch = step;
+		last = i;
+	}
+	return pitch;
+}
+
+/* Room for the columns of both gradients, and for as many more as fill the last vectors. */
+enum { ROOM_UNIT = 16 };
+
+static void make_room(struct loops *x, const struct pattern *stored, const struct pattern *coupled, int first)
+{
+	int rows = rows_before(coupled, first, coupled->cols);
+	int room = (2 * rows + ROOM_UNIT - 1) / ROOM_UNIT * ROOM_UNIT;
+
+	x->rooms[first] = (struct column_room){.first = x->rows, .rows = rows, .room = room, .pitch = pitch_of(stored, coupled, first)};
+	x->rows += rows * room;
+}
+
 /* One loop for all joints that feel each other, where that pays on a processor. */
 static int is_worth_it(const struct loops *x, const struct pattern *coupled, int first, int count, int dense)
 {
@@ -104,11 +233,13 @@ static int first_alike(const struct pattern *related, int j)
 
 int forward_loops(struct loops *x, const struct tree *t, int dense, int is_relay, struct arena *a)
 {
-	struct pattern coupled;
+	struct pattern coupled, stored;
 	int count = 0, nv = t->nv;
 
 	*x = (struct loops){.is_relay = is_relay, .first = arena_alloc(a, (size_t)nv, sizeof *x->first)};
-	if (!x->first || !pattern_make(&x->related, t, 0, 0, a) || !pattern_coupled(&coupled, t, 0, 0, a))
+	x->rooms = is_relay ? NULL : arena_alloc(a, (size_t)nv, sizeof *x->rooms);
+	if (!x->first || (!is_relay && !x->rooms) || !pattern_make(&x->related, t, 0, 0, a) || !pattern_coupled(&coupled, t, 0, 0, a) ||
+		!pattern_coupled(&stored, t, 0, dense, a))
 		return 0;
 	for (int i = 0; i < nv; i++) {
 		int first = is_relay ? first_alike(&x->related, i) : first_coupled(&coupled, i);
@@ -116,7 +247,9 @@ int forward_loops(struct loops *x, const struct tree *t, int dense, int is_relay
 		if (first < i)
 			x->first[i] = x->first[first];
 		else
-			x->first[i] = is_relay || is_worth_it(x, &coupled, i, count, dense) ? i : -1;
+			x->first[i] = is_relay || (is_worth_it(x, &coupled, i, count, dense) && pitch_of(&stored, &coupled, i)) ? i : -1;
+		if (x->first[i] == i && !is_relay)
+			make_room(x, &stored, &coupled, i);
 		count += x->first[i] == i;
 	}
 	return count <= DAG_LOOPS ? count : 0;
