@@ -25,13 +25,13 @@ void forward_declare_columns(struct dag *d, const struct loops *x)
 		.of = ""});
 }
 
-/* The rows that column j has, before row i. */
-static int rows_before(const struct pattern *coupled, int j, int i)
+/* Of the rows before row i, those of a loop: the joints that feel each other. */
+static int rows_before(const struct loops *x, int leader, int i)
 {
 	int count = 0;
 
 	while (i-- > 0)
-		count += coupled->row[i * coupled->cols + j] >= 0;
+		count += x->first[i] == leader;
 	return count;
 }
 
@@ -47,24 +47,26 @@ static int is_second(const struct build *b, int argument)
 /* Which of a loop's columns it is, if none is left out: those of the first gradient come first. */
 static int place_of(const struct forward *x, int j, int argument)
 {
-	int leader = x->b->loops->first[j], place = is_second(x->b, argument) ? x->b->loops->rooms[leader].rows : 0;
+	const struct loops *l = x->b->loops;
 
-	for (int k = 0; k < j; k++)
-		place += x->b->loops->first[k] == leader;
-	return place;
+	return rows_before(l, l->first[j], j) + (is_second(x->b, argument) ? l->rooms[l->first[j]].rows : 0);
 }
 
 void forward_leave_column(const struct forward *x, const struct ref *column, int j, int argument)
 {
 	struct dag *d = x->b->d;
-	const struct column_room *r = &x->b->loops->rooms[x->b->loops->first[j]];
+	const int *first = x->b->loops->first;
+	const struct column_room *r = &x->b->loops->rooms[first[j]];
 	int nv = x->b->t->nv, row = r->first + place_of(x, j, argument), columns = dag_find_argument(d, COLUMNS);
 
-	for (int i = 0; i < nv; i++)
-		if (x->coupled.row[i * nv + j] >= 0) {
+	for (int i = 0; i < nv; i++) {
+		if (first[i] == first[j]) {
 			dag_output(d, columns, row, column[i]);
 			row += r->room;
+		} else if (x->coupled.row[i * nv + j] >= 0) { /* zero, in a dense matrix */
+			dag_output(d, argument, x->coupled.row[i * nv + j], column[i]);
 		}
+	}
 }
 
 /* By a loop's places, how many columns are left out before. */
@@ -98,15 +100,22 @@ static void close_up(const struct forward *x, const struct column_room *r, int l
 	}
 }
 
-/* Element (i, j) stands as far behind (first, j) as in any other column. */
+/* The row with which a loop's columns begin. */
+static int first_row(const struct forward *x, int leader)
+{
+	return x->b->loops->rooms ? leader : first_coupled(&x->coupled, leader);
+}
+
+/* Element (i, j) stands as far behind the first one as in any other column; -1: it is no part of the loop. */
 static int element_row(const struct forward *x, int leader, int i)
 {
-	int nv = x->b->t->nv, first = first_coupled(&x->coupled, leader);
+	const struct loops *l = x->b->loops;
 	const int *at = x->coupled.row;
+	int nv = x->b->t->nv;
 
-	if (x->b->loops->rooms)
-		return rows_before(&x->coupled, leader, i) * x->b->loops->rooms[leader].room;
-	return at[i * nv + leader] - at[first * nv + leader];
+	if (l->rooms)
+		return l->first[i] == leader ? rows_before(l, leader, i) * l->rooms[leader].room : -1;
+	return at[i * nv + leader] < 0 ? -1 : at[i * nv + leader] - at[first_row(x, leader) * nv + leader];
 }
 
 /* M^-1 of the columns that have `leader`. */
@@ -115,8 +124,7 @@ static void loop_over(const struct forward *x, int leader)
 	struct dag *d = x->b->d;
 	const struct loops *l = x->b->loops;
 	struct column_room *room = l->rooms ? &l->rooms[leader] : NULL;
-	int nv = x->b->t->nv, loop, first = first_coupled(&x->coupled, leader);
-	const int *at = x->coupled.row;
+	int nv = x->b->t->nv, loop, first = first_row(x, leader);
 	struct ref *column = arena_alloc(d->arena, (size_t)nv, sizeof *column);
 
 	if (room) {
@@ -129,15 +137,15 @@ static void loop_over(const struct forward *x, int leader)
 		return;
 	}
 	for (int i = 0; i < nv; i++)
-		if (at[i * nv + leader] >= 0 && loops_read(l, nv, i, leader))
+		if (element_row(x, leader, i) >= 0 && loops_read(l, nv, i, leader))
 			column[i] = dag_input(d, DAG_COLUMN + loop, element_row(x, leader, i));
 	forward_solve(x, column);
 	for (int i = 0; i < nv; i++)
-		if (at[i * nv + leader] >= 0)
+		if (element_row(x, leader, i) >= 0)
 			dag_output(d, DAG_COLUMN + loop, element_row(x, leader, i), column[i]);
 	for (int k = 0; k < DAG_ARGUMENTS * nv; k++)
 		if (x->looped[k] && l->first[k % nv] == leader)
-			dag_loop_over(d, k / nv, at[first * nv + k % nv]);
+			dag_loop_over(d, k / nv, x->coupled.row[first * nv + k % nv]);
 }
 
 void forward_loop(const struct forward *x)
@@ -158,9 +166,10 @@ static int operations(const struct pattern *related, const struct pattern *coupl
 	return 2 * pairs;
 }
 
-/* One call in f64, AVX2, against the straight line: 30 operations, ur5, 0.85; 42 iiwa14 1.1, 70 panda with both fingers 0.86,
-   90 fetch 0.82, 198 floating hyq 0.76, 612 g1_29dof 0.65. A compiler takes some seconds for the most. */
-enum { LOOP_LEAST = 60, LOOP_MOST = 2000 };
+/* One call in f64, AVX2, against the straight line: 6 operations, a leg of hyq, 0.97, for a text half as long again; 12, a finger of
+   allegro, 0.90; 30 ur5 0.88, 42 iiwa14 0.92, 70 panda with both fingers 0.79, 198 floating hyq 0.64, 612 g1_29dof 0.60. A compiler takes some
+   seconds for the most. */
+enum { LOOP_LEAST = 10, LOOP_MOST = 2000 };
 
 /* Do the elements of a row stand side by side? In a dense matrix those between them are of rows that feel nothing of these. */
 static int is_in_a_row(const struct pattern *coupled, int first, int dense)
@@ -198,9 +207,11 @@ enum { ROOM_UNIT = 16 };
 
 static void make_room(struct loops *x, const struct pattern *stored, const struct pattern *coupled, int first)
 {
-	int rows = rows_before(coupled, first, coupled->cols);
-	int room = (2 * rows + ROOM_UNIT - 1) / ROOM_UNIT * ROOM_UNIT;
+	int rows = 0, room;
 
+	for (int i = 0; i < coupled->cols; i++)
+		rows += coupled->row[i * coupled->cols + first] >= 0;
+	room = (2 * rows + ROOM_UNIT - 1) / ROOM_UNIT * ROOM_UNIT;
 	x->rooms[first] = (struct column_room){.first = x->rows, .rows = rows, .room = room, .pitch = pitch_of(stored, coupled, first)};
 	x->rows += rows * room;
 }
