@@ -65,8 +65,8 @@ struct argument {
    column of an output, whose rows count elements from its first one. The second loop's is DAG_COLUMN + 1. */
 enum { DAG_ARGUMENTS = 64, DAG_COLUMN = DAG_ARGUMENTS, DAG_STRUCK = 1 << 20, DAG_HELD, DAG_UNSTORED };
 
-/* Columns of an output that stand in a row, over which a loop goes; `first`: the element with which the first column begins, `lane`:
-   which of the loop's columns that one is. */
+/* Columns of an output that stand in a row, over which a loop goes; `first`: the element with which the first column begins,
+   `lane`: which of the loop's columns that one is. */
 struct column_run {
 	int loop, argument, first, count, lane;
 };

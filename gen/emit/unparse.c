@@ -56,22 +56,16 @@ static void put_binary(const struct unparser *u, const struct node *n, struct te
 
 /* In a loop over columns -a b + c has an older factor a, which all columns share, and b, which differs: as a (-b) + c it is one
    instruction, of -a gcc makes a vector first. */
-static int sign_moves(const struct unparser *u, const struct node *n)
-{
-	return u->is_over_columns && n->op == OP_FMA && u->plan->dag->nodes[n->arg[0].i].op == OP_NEG && !u->plan->names[n->arg[0].i];
-}
-
 static void put_call(const struct unparser *u, const struct node *n, struct text *out)
 {
-	int moves = sign_moves(u, n);
+	const struct node *first = &u->plan->dag->nodes[n->arg[0].i];
+	int moves = u->is_over_columns && n->op == OP_FMA && first->op == OP_NEG && !u->plan->names[n->arg[0].i];
 
 	text_printf(out, "%s(", u->calls[n->op]);
-	put_value(u, moves ? u->plan->dag->nodes[n->arg[0].i].arg[0] : n->arg[0], 0, out);
+	put_value(u, moves ? first->arg[0] : n->arg[0], 0, out);
 	for (int k = 1; k < op_arity[n->op]; k++) {
-		int is_turned = moves && k == 1;
-
-		text_put(out, is_turned ? ", -" : ", ");
-		put_value(u, n->arg[k], is_turned ? op_strength[OP_NEG] + 1 : 0, out);
+		text_put(out, moves && k == 1 ? ", -" : ", ");
+		put_value(u, n->arg[k], moves && k == 1 ? op_strength[OP_NEG] + 1 : 0, out);
 	}
 	text_putc(out, ')');
 }
