@@ -69,15 +69,23 @@ void forward_leave_column(const struct forward *x, const struct ref *column, int
 	}
 }
 
-/* By a loop's places, how many columns are left out before. */
+/* A row of an array has room for so many columns more as fill the last vectors. */
+enum { ROOM_UNIT = 8 };
+
+static int room_for(int columns)
+{
+	return (columns + ROOM_UNIT - 1) / ROOM_UNIT * ROOM_UNIT;
+}
+
+/* By a loop's places, how many columns are left out before; behind the last one, of all. */
 static int *gaps_of(const struct forward *x, const struct column_room *r, int leader)
 {
-	int nv = x->b->t->nv, *gaps = arena_alloc(x->b->d->arena, (size_t)r->room, sizeof *gaps);
+	int nv = x->b->t->nv, *gaps = arena_alloc(x->b->d->arena, (size_t)r->room + 1, sizeof *gaps);
 
 	for (int k = 0; k < DAG_ARGUMENTS * nv && gaps; k++)
 		if (x->looped[k] && x->b->loops->first[k % nv] == leader)
 			gaps[place_of(x, k % nv, k / nv)] = 1;
-	for (int place = 0, gap = 0; place < r->room && gaps; place++) {
+	for (int place = 0, gap = 0; place <= r->room && gaps; place++) {
 		int is_there = gaps[place];
 
 		gaps[place] = gap;
@@ -86,18 +94,21 @@ static int *gaps_of(const struct forward *x, const struct column_room *r, int le
 	return gaps;
 }
 
-/* Columns that are left out, as those of a floating base are, leave no gap. */
-static void close_up(const struct forward *x, const struct column_room *r, int leader)
+/* Columns that are left out, as those of a floating base are, leave no gap: the array stays in a core's first cache. */
+static void close_up(const struct forward *x, struct column_room *r, int leader)
 {
 	struct dag *d = x->b->d;
-	int end = r->first + r->rows * r->room, *gaps = gaps_of(x, r, leader);
+	int end = r->first + r->rows * r->room, *gaps = gaps_of(x, r, leader), room = gaps ? room_for(r->room - gaps[r->room]) : 0;
 
 	for (size_t k = 0; k < d->output_count && gaps; k++) {
 		struct output *o = &d->outputs[k];
+		int at = o->row - r->first, place = at % r->room;
 
 		if (o->argument == r->argument && o->row >= r->first && o->row < end)
-			o->row -= gaps[(o->row - r->first) % r->room];
+			o->row = r->first + at / r->room * room + place - gaps[place];
 	}
+	r->room = room;
+	d->arguments[r->argument].rows = r->first + r->rows * room;
 }
 
 /* The row with which a loop's columns begin. */
@@ -202,18 +213,16 @@ static int pitch_of(const struct pattern *stored, const struct pattern *coupled,
 	return pitch;
 }
 
-/* Room for the columns of both gradients, and for as many more as fill the last vectors. */
-enum { ROOM_UNIT = 16 };
-
+/* For the columns of both gradients. */
 static void make_room(struct loops *x, const struct pattern *stored, const struct pattern *coupled, int first)
 {
-	int rows = 0, room;
+	int rows = 0;
 
 	for (int i = 0; i < coupled->cols; i++)
 		rows += coupled->row[i * coupled->cols + first] >= 0;
-	room = (2 * rows + ROOM_UNIT - 1) / ROOM_UNIT * ROOM_UNIT;
-	x->rooms[first] = (struct column_room){.first = x->rows, .rows = rows, .room = room, .pitch = pitch_of(stored, coupled, first)};
-	x->rows += rows * room;
+	x->rooms[first] = (struct column_room){.first = x->rows, .rows = rows, .room = room_for(2 * rows),
+		.pitch = pitch_of(stored, coupled, first)};
+	x->rows += x->rooms[first].room * rows;
 }
 
 /* One loop for all joints that feel each other, where that pays on a processor. */
