@@ -31,7 +31,7 @@ extern const char template_bounded_in[], template_bounded_sincos_in[], template_
 extern const char template_swept_in[], template_swept_function_in[];
 extern const char template_parts_in[], template_kernel_apart_in[], template_parts_apart_in[], template_launch_hands_in[], template_stage_rows_aos_in[];
 extern const char template_segment_in[], template_segment_lanes_in[], template_segment_one_in[], template_part_segments_in[];
-extern const char template_segment_columns_in[], template_segment_columns_row_in[], template_segment_columns_soa_in[];
+extern const char template_segment_columns_in[], template_segment_columns_row_in[], template_segment_columns_put_in[];
 extern const char template_kernel_solve_in[], template_kernel_columns_in[], template_launch_relay_in[];
 extern const char template_kernel_segments_in[], template_kernel_segment_in[], template_kernel_segments_rounds_in[];
 extern const char template_launch_segments_in[];

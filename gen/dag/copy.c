@@ -17,6 +17,7 @@ void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier 
 		dag_argument_of(out, d->arguments[i]);
 	memcpy(out->arguments + DAG_COLUMN, d->arguments + DAG_COLUMN, DAG_LOOPS * sizeof *d->arguments);
 	memcpy(out->runs, d->runs, sizeof out->runs);
+	memcpy(out->rooms, d->rooms, sizeof out->rooms);
 	out->run_count = d->run_count;
 	out->loop_count = d->loop_count;
 	for (size_t i = 0; i < d->count; i++) {

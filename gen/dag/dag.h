@@ -65,9 +65,16 @@ struct argument {
    column of an output, whose rows count elements from its first one. The second loop's is DAG_COLUMN + 1. */
 enum { DAG_ARGUMENTS = 64, DAG_COLUMN = DAG_ARGUMENTS, DAG_STRUCK = 1 << 20, DAG_HELD, DAG_UNSTORED };
 
-/* Columns of an output that stand in a row, over which a loop goes; `first`: the element with which the first column begins. */
+/* Columns of an output that stand in a row, over which a loop goes; `first`: the element with which the first column begins,
+   `lane`: which of the loop's columns that one is. */
 struct column_run {
-	int loop, argument, first, count;
+	int loop, argument, first, count, lane;
+};
+
+/* Where a loop's columns stand side by side in an array of their own: `rows` rows from row `first` of this argument on, with room
+   for so many columns each; and from one row to the next in the output. No room: they stand in the output itself. */
+struct column_room {
+	int argument, first, rows, room, pitch;
 };
 
 enum { DAG_RUNS = 256, DAG_LOOPS = 64 };
@@ -87,6 +94,7 @@ struct dag {
 	struct section *sections;
 	size_t section_count, section_capacity;
 	struct column_run runs[DAG_RUNS];
+	struct column_room rooms[DAG_LOOPS];
 	int run_count, loop_count;
 	int is_wide;  /* while it is set, inputs are widened where they are read, and constants are wide */
 	size_t limit; /* nodes; 0: as many as memory holds */
@@ -126,9 +134,12 @@ int dag_argument(struct dag *d, const char *name, int rows, int is_output);
 int dag_argument_of(struct dag *d, struct argument a);
 
 /* Begin one more loop, a section: what is made of DAG_COLUMN + its number, which is returned; -1: there are too many. Let the
-   last loop go over a column that begins with this element. */
-int dag_loop(struct dag *d);
+   last loop go over a column that begins with this element. `room`: NULL, or where its columns stand. */
+int dag_loop(struct dag *d, const struct column_room *room);
 void dag_loop_over(struct dag *d, int argument, int first);
+
+/* How many columns a loop goes over. */
+int dag_loop_columns(const struct dag *d, int loop);
 
 /* The index of an argument; -1 where there is none of the name. */
 int dag_find_argument(const struct dag *d, const char *name);

@@ -225,7 +225,10 @@ void forward_column(const struct forward *x, struct ref *column, int j, int argu
 	int is_left = is_looped(x, j) && !is_zero(column, x->b->t->nv);
 
 	negate_column(x, column, j, !is_left);
-	output_column(x, column, j, argument, is_left);
+	if (is_left && x->b->loops->rooms)
+		forward_leave_column(x, column, j, argument);
+	else
+		output_column(x, column, j, argument, is_left);
 	if (is_left)
 		x->looped[argument * x->b->t->nv + j] = 1;
 }

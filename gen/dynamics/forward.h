@@ -9,11 +9,15 @@
 
 struct build;
 
-/* By row of qd, the first of those whose columns one loop solves; -1: none does. In a relay each kernel reads what the one before has
-   written: loops that make the columns, and qdd. Its loops are of columns that d tau leaves zero in the same rows. */
+/* By row of qd, the first of those whose columns one loop solves; -1: none does. On a processor a loop's columns of both gradients
+   stand side by side in an array of their own, as a compiler's vectors want them, and are copied from there; `rooms`, by that first
+   row, says where. In a relay each kernel reads what the one before has written: loops that make the columns where they belong, and
+   qdd. Its loops are of columns that d tau leaves zero in the same rows. */
 struct loops {
 	int *first;
 	int is_relay;
+	struct column_room *rooms; /* NULL in a relay */
+	int rows;               /* of that array */
 	struct pattern related; /* of d tau */
 };
 
@@ -72,6 +76,12 @@ void forward_column(const struct forward *x, struct ref *column, int j, int argu
 
 /* The columns of a body, from those that the recursion has made of d tau, by q and qd; -1: not into this argument. */
 void forward_by_body(const struct forward *x, const struct recursion *by, int body, const int *arguments);
+
+/* Declare the array of the loops' columns, after all that the request declares. */
+void forward_declare_columns(struct dag *d, const struct loops *x);
+
+/* Column j of -d tau, where its loop is to find it. */
+void forward_leave_column(const struct forward *x, const struct ref *column, int j, int argument);
 
 /* The loops, which come last: M^-1 of each column in its place. */
 void forward_loop(const struct forward *x);

@@ -1,4 +1,5 @@
-/* Derivatives of qdd in loops over columns: -d tau stands in their place, and each loop's body makes M^-1 of a column. */
+/* Derivatives of qdd in loops over columns: each loop's body makes M^-1 of a column of -d tau, which stands in its place, or beside
+   the loop's others. */
 #include "dynamics/forward.h"
 #include "dynamics/want.h"
 
@@ -16,29 +17,146 @@ int loops_read(const struct loops *x, int nv, int i, int j)
 	return !x->is_relay || x->related.row[i * nv + j] >= 0;
 }
 
-/* M^-1 of the columns that have `leader`. Element (i, j) stands as far behind (first, j) as in any other of them. */
+static const char COLUMNS[] = "columns";
+
+void forward_declare_columns(struct dag *d, const struct loops *x)
+{
+	dag_argument_of(d, (struct argument){.name = COLUMNS, .rows = x->rows, .is_output = 1, .per_batch = 1, .role = ROLE_UNKNOWN,
+		.of = ""});
+}
+
+/* Of the rows before row i, those of a loop: the joints that feel each other. */
+static int rows_before(const struct loops *x, int leader, int i)
+{
+	int count = 0;
+
+	while (i-- > 0)
+		count += x->first[i] == leader;
+	return count;
+}
+
+/* Does another gradient of qdd stand before this one? */
+static int is_second(const struct build *b, int argument)
+{
+	for (int i = 0; i < b->k->want_count; i++)
+		if ((b->k->wants[i].kind == WANT_DQDD_DQ || b->k->wants[i].kind == WANT_DQDD_DQD) && b->outputs[i] < argument)
+			return 1;
+	return 0;
+}
+
+/* Which of a loop's columns it is, if none is left out: those of the first gradient come first. */
+static int place_of(const struct forward *x, int j, int argument)
+{
+	const struct loops *l = x->b->loops;
+
+	return rows_before(l, l->first[j], j) + (is_second(x->b, argument) ? l->rooms[l->first[j]].rows : 0);
+}
+
+void forward_leave_column(const struct forward *x, const struct ref *column, int j, int argument)
+{
+	struct dag *d = x->b->d;
+	const int *first = x->b->loops->first;
+	const struct column_room *r = &x->b->loops->rooms[first[j]];
+	int nv = x->b->t->nv, row = r->first + place_of(x, j, argument), columns = dag_find_argument(d, COLUMNS);
+
+	for (int i = 0; i < nv; i++) {
+		if (first[i] == first[j]) {
+			dag_output(d, columns, row, column[i]);
+			row += r->room;
+		} else if (x->coupled.row[i * nv + j] >= 0) { /* zero, in a dense matrix */
+			dag_output(d, argument, x->coupled.row[i * nv + j], column[i]);
+		}
+	}
+}
+
+/* A row of an array has room for so many columns more as fill the last vectors. */
+enum { ROOM_UNIT = 8 };
+
+static int room_for(int columns)
+{
+	return (columns + ROOM_UNIT - 1) / ROOM_UNIT * ROOM_UNIT;
+}
+
+/* By a loop's places, how many columns are left out before; behind the last one, of all. */
+static int *gaps_of(const struct forward *x, const struct column_room *r, int leader)
+{
+	int nv = x->b->t->nv, *gaps = arena_alloc(x->b->d->arena, (size_t)r->room + 1, sizeof *gaps);
+
+	for (int k = 0; k < DAG_ARGUMENTS * nv && gaps; k++)
+		if (x->looped[k] && x->b->loops->first[k % nv] == leader)
+			gaps[place_of(x, k % nv, k / nv)] = 1;
+	for (int place = 0, gap = 0; place <= r->room && gaps; place++) {
+		int is_there = gaps[place];
+
+		gaps[place] = gap;
+		gap += !is_there;
+	}
+	return gaps;
+}
+
+/* Columns that are left out, as those of a floating base are, leave no gap: the array stays in a core's first cache. */
+static void close_up(const struct forward *x, struct column_room *r, int leader)
+{
+	struct dag *d = x->b->d;
+	int end = r->first + r->rows * r->room, *gaps = gaps_of(x, r, leader), room = gaps ? room_for(r->room - gaps[r->room]) : 0;
+
+	for (size_t k = 0; k < d->output_count && gaps; k++) {
+		struct output *o = &d->outputs[k];
+		int at = o->row - r->first, place = at % r->room;
+
+		if (o->argument == r->argument && o->row >= r->first && o->row < end)
+			o->row = r->first + at / r->room * room + place - gaps[place];
+	}
+	r->room = room;
+	d->arguments[r->argument].rows = r->first + r->rows * room;
+}
+
+/* The row with which a loop's columns begin. */
+static int first_row(const struct forward *x, int leader)
+{
+	return x->b->loops->rooms ? leader : first_coupled(&x->coupled, leader);
+}
+
+/* Element (i, j) stands as far behind the first one as in any other column; -1: it is no part of the loop. */
+static int element_row(const struct forward *x, int leader, int i)
+{
+	const struct loops *l = x->b->loops;
+	const int *at = x->coupled.row;
+	int nv = x->b->t->nv;
+
+	if (l->rooms)
+		return l->first[i] == leader ? rows_before(l, leader, i) * l->rooms[leader].room : -1;
+	return at[i * nv + leader] < 0 ? -1 : at[i * nv + leader] - at[first_row(x, leader) * nv + leader];
+}
+
+/* M^-1 of the columns that have `leader`. */
 static void loop_over(const struct forward *x, int leader)
 {
 	struct dag *d = x->b->d;
 	const struct loops *l = x->b->loops;
-	int nv = x->b->t->nv, loop = dag_loop(d), first = first_coupled(&x->coupled, leader);
-	const int *at = x->coupled.row;
+	struct column_room *room = l->rooms ? &l->rooms[leader] : NULL;
+	int nv = x->b->t->nv, loop, first = first_row(x, leader);
 	struct ref *column = arena_alloc(d->arena, (size_t)nv, sizeof *column);
 
+	if (room) {
+		room->argument = dag_find_argument(d, COLUMNS);
+		close_up(x, room, leader);
+	}
+	loop = dag_loop(d, room);
 	if (!column || loop < 0 || d->failed) {
 		d->failed = 1;
 		return;
 	}
 	for (int i = 0; i < nv; i++)
-		if (at[i * nv + leader] >= 0 && loops_read(l, nv, i, leader))
-			column[i] = dag_input(d, DAG_COLUMN + loop, at[i * nv + leader] - at[first * nv + leader]);
+		if (element_row(x, leader, i) >= 0 && loops_read(l, nv, i, leader))
+			column[i] = dag_input(d, DAG_COLUMN + loop, element_row(x, leader, i));
 	forward_solve(x, column);
 	for (int i = 0; i < nv; i++)
-		if (at[i * nv + leader] >= 0)
-			dag_output(d, DAG_COLUMN + loop, at[i * nv + leader] - at[first * nv + leader], column[i]);
+		if (element_row(x, leader, i) >= 0)
+			dag_output(d, DAG_COLUMN + loop, element_row(x, leader, i), column[i]);
 	for (int k = 0; k < DAG_ARGUMENTS * nv; k++)
 		if (x->looped[k] && l->first[k % nv] == leader)
-			dag_loop_over(d, k / nv, at[first * nv + k % nv]);
+			dag_loop_over(d, k / nv, x->coupled.row[first * nv + k % nv]);
 }
 
 void forward_loop(const struct forward *x)
@@ -59,9 +177,10 @@ static int operations(const struct pattern *related, const struct pattern *coupl
 	return 2 * pairs;
 }
 
-/* One call in f64, AVX2, against the straight line: 30 operations, ur5, 0.85; 42 iiwa14 1.1, 70 panda with both fingers 0.86,
-   90 fetch 0.82, 198 floating hyq 0.76, 612 g1_29dof 0.65. A compiler takes some seconds for the most. */
-enum { LOOP_LEAST = 60, LOOP_MOST = 2000 };
+/* One call in f64, AVX2, against the straight line: 6 operations, a leg of hyq, 0.97, for a text half as long again; 12, a finger of
+   allegro, 0.90; 30 ur5 0.88, 42 iiwa14 0.92, 70 panda with both fingers 0.79, 198 floating hyq 0.64, 612 g1_29dof 0.60. A compiler
+   takes some seconds for the most. */
+enum { LOOP_LEAST = 10, LOOP_MOST = 2000 };
 
 /* Do the elements of a row stand side by side? In a dense matrix those between them are of rows that feel nothing of these. */
 static int is_in_a_row(const struct pattern *coupled, int first, int dense)
@@ -74,6 +193,36 @@ static int is_in_a_row(const struct pattern *coupled, int first, int dense)
 		else if (gap)
 			return 0;
 	return 1;
+}
+
+/* From an element to the one below it, the same for all rows of a column, in the matrix as it is stored; 0: it is not. */
+static int pitch_of(const struct pattern *stored, const struct pattern *coupled, int first)
+{
+	int nv = coupled->cols, last = first, pitch = 0;
+
+	for (int i = first + 1; i < nv; i++) {
+		int step = stored->row[i * nv + first] - stored->row[last * nv + first];
+
+		if (coupled->row[i * nv + first] < 0)
+			continue;
+		if (pitch && step != pitch)
+			return 0;
+		pitch = step;
+		last = i;
+	}
+	return pitch;
+}
+
+/* For the columns of both gradients. */
+static void make_room(struct loops *x, const struct pattern *stored, const struct pattern *coupled, int first)
+{
+	int rows = 0;
+
+	for (int i = 0; i < coupled->cols; i++)
+		rows += coupled->row[i * coupled->cols + first] >= 0;
+	x->rooms[first] = (struct column_room){.first = x->rows, .rows = rows, .room = room_for(2 * rows),
+		.pitch = pitch_of(stored, coupled, first)};
+	x->rows += x->rooms[first].room * rows;
 }
 
 /* One loop for all joints that feel each other, where that pays on a processor. */
@@ -104,11 +253,13 @@ static int first_alike(const struct pattern *related, int j)
 
 int forward_loops(struct loops *x, const struct tree *t, int dense, int is_relay, struct arena *a)
 {
-	struct pattern coupled;
+	struct pattern coupled, stored;
 	int count = 0, nv = t->nv;
 
 	*x = (struct loops){.is_relay = is_relay, .first = arena_alloc(a, (size_t)nv, sizeof *x->first)};
-	if (!x->first || !pattern_make(&x->related, t, 0, 0, a) || !pattern_coupled(&coupled, t, 0, 0, a))
+	x->rooms = is_relay ? NULL : arena_alloc(a, (size_t)nv, sizeof *x->rooms);
+	if (!x->first || (!is_relay && !x->rooms) || !pattern_make(&x->related, t, 0, 0, a) || !pattern_coupled(&coupled, t, 0, 0, a) ||
+		!pattern_coupled(&stored, t, 0, dense, a))
 		return 0;
 	for (int i = 0; i < nv; i++) {
 		int first = is_relay ? first_alike(&x->related, i) : first_coupled(&coupled, i);
@@ -116,7 +267,9 @@ int forward_loops(struct loops *x, const struct tree *t, int dense, int is_relay
 		if (first < i)
 			x->first[i] = x->first[first];
 		else
-			x->first[i] = is_relay || is_worth_it(x, &coupled, i, count, dense) ? i : -1;
+			x->first[i] = is_relay || (is_worth_it(x, &coupled, i, count, dense) && pitch_of(&stored, &coupled, i)) ? i : -1;
+		if (x->first[i] == i && !is_relay)
+			make_room(x, &stored, &coupled, i);
 		count += x->first[i] == i;
 	}
 	return count <= DAG_LOOPS ? count : 0;

@@ -360,6 +360,8 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 		in.qdd = source(d, INPUT_QDD, k->qdd, t->nv);
 	want_constants(&b);
 	declare_request(&b);
+	if (ways.loops && ways.loops->rooms)
+		forward_declare_columns(d, ways.loops);
 	if (ways.pivots_alone) {
 		forward_find(&forward, &b, in);
 		forward_pivots(&forward, in);

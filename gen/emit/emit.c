@@ -47,7 +47,7 @@ static int has_stride(const struct plan *p, const struct line *l)
 	const struct node *n = &p->dag->nodes[l->value.i];
 
 	if (l->kind == LINE_STORE)
-		return p->dag->outputs[l->index].row > 0;
+		return p->dag->outputs[l->index].row > 0 && !p->dag->arguments[p->dag->outputs[l->index].argument].per_batch;
 	return l->kind == LINE_INPUT && n->arg[1].i > 0 && !p->dag->arguments[n->arg[0].i].per_batch;
 }
 

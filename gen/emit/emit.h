@@ -204,6 +204,9 @@ void emit_columns(const struct emission *e, const struct pass *p, int segment, s
 	struct text *out);
 void emit_columns_calls(const struct emission *e, const struct pass *p, int segment, struct text *out);
 
+/* The array in which the columns of all loops stand; "" where there are none. */
+const char *emit_columns_declaration(const struct emission *e, const struct pass *p);
+
 /* Bytes that a sample keeps across cuts, at least those of a number; samples that a thread takes at most; threads of a block, so
    that each has room for two. */
 int emit_segments_bytes(const struct emission *e, const struct pass *p);

@@ -27,6 +27,17 @@ static const char *unused_text(const struct emission *e, const struct plan *line
 	return text_string(&t);
 }
 
+/* Columns of which vectors are made are as many as fill them, of AVX2 or half as long: one more that is solved by itself would take
+   as long as a vector. */
+enum { VECTOR_BYTES = 32 };
+
+static int lanes_of(const struct emission *e, const struct pass *p, int loop)
+{
+	int columns = dag_loop_columns(&p->dag, loop), lanes = VECTOR_BYTES / e->arithmetic->bytes;
+
+	return (columns + lanes - 1) / lanes * lanes;
+}
+
 /* Statements are made in `spare` before they are indented. */
 void emit_columns(const struct emission *e, const struct pass *p, int segment, struct writer *w, struct text *spare,
 	struct text *out)
@@ -34,59 +45,91 @@ void emit_columns(const struct emission *e, const struct pass *p, int segment, s
 	const struct segments *s = &p->segments;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
 		{"SEGMENT", emit_int(e, segment)}, {"COUNT", emit_int(e, s->count)}, {"UNUSED", unused_text(e, &s->plans[segment])},
-		{"NUMBER", emit_int(e, loop_of(p, segment))}};
+		{"NUMBER", emit_int(e, loop_of(p, segment))}, {"LANES", emit_int(e, lanes_of(e, p, loop_of(p, segment)))}};
 	size_t from = out->length, count = sizeof slots / sizeof *slots;
 	const char *rest = template_expand_to(out, template_segment_columns_in, "BODY", slots, count);
 
 	text_clear(spare);
+	w->own.is_over_columns = !e->target->kernel;
 	unparse_within(w, &s->plans[segment]);
 	unparse_lines(w, &s->plans[segment], spare);
+	w->own.is_over_columns = 0;
 	text_put_indented(out, text_string(spare));
 	out->failed |= spare->failed;
 	template_expand(out, rest, slots, count);
 	if (!e->target->kernel)
 		template_expand(out, template_segment_columns_row_in, slots, count);
-	if (!e->target->kernel && e->options->layout == RNEAGEN_SOA)
-		template_expand(out, template_segment_columns_soa_in, slots, count);
+	if (!e->target->kernel && segment == s->count - 1)
+		template_expand(out, template_segment_columns_put_in, slots, count);
 	fold(out, from);
 }
 
 /* ---- calls ---- */
 
-/* Columns in a row, or one of them. */
-static void put_call(const struct emission *e, const struct pass *p, const struct column_run *r, const char *indent, int is_row,
+const char *emit_columns_declaration(const struct emission *e, const struct pass *p)
+{
+	const struct argument *columns = &p->dag.arguments[p->dag.rooms[0].argument];
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (p->dag.loop_count)
+		text_printf(&t, "\t%s %s[%d];", e->memory->type, columns->name, columns->rows);
+	return text_string(&t);
+}
+
+/* What nobody reads is zero: else it might be anything, and take long. */
+static void put_zeros(const struct emission *e, const struct pass *p, int loop, struct text *out)
+{
+	const struct column_room *r = &p->dag.rooms[loop];
+	int columns = dag_loop_columns(&p->dag, loop), lanes = lanes_of(e, p, loop);
+
+	if (columns < lanes)
+		text_printf(out, "\tfor (size_t i = 0; i < %d; i++)\n\t\tfor (size_t l = %d; l < %d; l++)\n\t\t\t%s[i*%d + l] = 0;\n", r->rows,
+			r->first + columns, r->first + lanes, p->dag.arguments[r->argument].name, r->room);
+}
+
+/* A place in an array, as an address. */
+static void put_address(const char *array, int row, const char *stride, struct text *out)
+{
+	text_put(out, array);
+	if (row)
+		text_printf(out, " + %d%s%s", row, *stride ? "*" : "", stride);
+}
+
+/* `stride`: "" where it is 1. */
+static void put_copies(const struct emission *e, const struct pass *p, int loop, const char *indent, const char *stride,
 	struct text *out)
 {
-	const char *array = p->dag.arguments[r->argument].name, *name = e->options->name, *pass = p->algorithm->name;
+	const struct column_room *x = &p->dag.rooms[loop];
+	const struct argument *arguments = p->dag.arguments;
 
-	if (!is_row) {
-		text_printf(out, "%sfor (size_t j = %d; j < %d; j++)\n", indent, r->first, r->first + r->count);
-		text_printf(out, "%s\t%s_%s_column%d(%s + j*stride, stride, across);\n", indent, name, pass, r->loop, array);
-		return;
+	for (const struct column_run *r = p->dag.runs; r < p->dag.runs + p->dag.run_count; r++) {
+		if (r->loop != loop)
+			continue;
+		text_printf(out, "%s%s_%s_put_columns(", indent, e->options->name, p->algorithm->name);
+		put_address(arguments[x->argument].name, x->first + r->lane, "", out);
+		text_printf(out, ", %d, ", x->room);
+		put_address(arguments[r->argument].name, r->first, stride, out);
+		text_printf(out, ", %d, %d, %d, %s);\n", x->pitch, x->rows, r->count, *stride ? stride : "1");
 	}
-	text_printf(out, "%s%s_%s_columns%d(%s", indent, name, pass, r->loop, array);
-	if (r->first)
-		text_printf(out, " + %d", r->first);
-	text_printf(out, ", across, %d);\n", r->count);
 }
 
-static void put_calls(const struct emission *e, const struct pass *p, int loop, const char *indent, int is_row, struct text *out)
-{
-	for (const struct column_run *r = p->dag.runs; r < p->dag.runs + p->dag.run_count; r++)
-		if (r->loop == loop)
-			put_call(e, p, r, indent, is_row, out);
-}
-
-/* Where a sample's rows are together, columns are side by side; in a batch of soa one comes after the other. */
+/* Where a sample's rows are together, their elements are side by side; in a batch of soa one comes after the other. */
 void emit_columns_calls(const struct emission *e, const struct pass *p, int segment, struct text *out)
 {
+	int loop = loop_of(p, segment);
+
+	put_zeros(e, p, loop, out);
+	text_printf(out, "\t%s_%s_columns%d(", e->options->name, p->algorithm->name, loop);
+	put_address(p->dag.arguments[p->dag.rooms[loop].argument].name, p->dag.rooms[loop].first, "", out);
+	text_put(out, ", across);\n");
 	if (e->options->layout != RNEAGEN_SOA) {
-		put_calls(e, p, loop_of(p, segment), "\t", 1, out);
+		put_copies(e, p, loop, "\t", "", out);
 		return;
 	}
 	text_put(out, "\tif (stride == 1) {\n");
-	put_calls(e, p, loop_of(p, segment), "\t\t", 1, out);
+	put_copies(e, p, loop, "\t\t", "", out);
 	text_put(out, "\t} else {\n");
-	put_calls(e, p, loop_of(p, segment), "\t\t", 0, out);
+	put_copies(e, p, loop, "\t\t", "stride", out);
 	text_put(out, "\t}\n");
 }

@@ -148,7 +148,7 @@ static void put_functions(const struct emission *e, struct text *out)
 	if (emit_has_segments(e))
 		put_entry("first_... l", "an array at the first of several samples in a row; which of them this is", out);
 	if (emit_main(e)->single)
-		put_entry("column l", "of the derivatives of qdd, the first of several in a row; which of them this is", out);
+		put_entry("columns column l", "of both derivatives of qdd, side by side; the first of them; which of them this is", out);
 	if (emit_has_known(e))
 		put_entry("known sines all_small", "the angles' sines and cosines are known; they; all angles are small", out);
 	if (emit_bounds_by_table(e, &emit_main(e)->dag)) {

@@ -277,7 +277,8 @@ void emit_segments_part(const struct emission *e, const struct pass *p, const ch
 		{"AT_SAMPLE", emit_at_sample(e, p)}, {"LANES", emit_int(e, lanes_of(e, &p->segments))},
 		{"FUNCTIONS", functions_text(e, p)},
 		{"CALLS", lanes_calls(e, p)}, {"ONE_CALLS", one_calls(e, single_of(p))},
-		{"ONE_DECLARATIONS", across(e, &single_of(p)->segments, LOCAL)}, {"DECLARATIONS", across(e, &p->segments, LANES)}};
+		{"ONE_DECLARATIONS", across(e, &single_of(p)->segments, LOCAL)},
+		{"ONE_COLUMNS", emit_columns_declaration(e, single_of(p))}, {"DECLARATIONS", across(e, &p->segments, LANES)}};
 
 	template_expand(out, template_part_segments_in, slots, sizeof slots / sizeof *slots);
 }

@@ -55,13 +55,16 @@ static void put_binary(const struct unparser *u, const struct node *n, struct te
 	put_value(u, n->arg[1], own + 1, out); /* no re-association: a - (b - c), a*(b*c) */
 }
 
+/* Over columns, which share the older factor a, -a b + c is written a (-b) + c: one instruction, without a vector of -a. */
 static void put_call(const struct unparser *u, const struct node *n, struct text *out)
 {
-	text_put(out, u->calls[n->op]);
-	text_putc(out, '(');
+	const struct node *first = &u->plan->dag->nodes[n->arg[0].i];
+	int moves = u->is_over_columns && n->op == OP_FMA && first->op == OP_NEG && !u->plan->names[n->arg[0].i];
+
+	text_printf(out, "%s(", u->calls[n->op]);
 	for (int k = 0; k < op_arity[n->op]; k++) {
-		text_put(out, k ? ", " : "");
-		put_value(u, n->arg[k], 0, out);
+		text_put(out, !k ? "" : moves && k == 1 ? ", -" : ", ");
+		put_value(u, moves && !k ? first->arg[0] : n->arg[k], moves && k == 1 ? op_strength[OP_NEG] + 1 : 0, out);
 	}
 	text_putc(out, ')');
 }

@@ -15,6 +15,7 @@ struct unparser {
 	const unsigned char *angles; /* per node: an input that sines and cosines alone read, as memory has it; NULL: none */
 	/* stores of what is always zero: among the others, not written, nothing else is */
 	enum { ZEROS_AMONG, ZEROS_LEFT, ZEROS_ALONE } zeros;
+	int is_over_columns; /* lines of a loop over columns, on a processor */
 	struct angles sines; /* where the table of known ones has them */
 	size_t sections; /* so many of the plan's DAG are behind */
 	unsigned char written[SECTION_COUNT][5]; /* whose formula stands there already: section.c */

@@ -85,7 +85,9 @@ static const struct looped {
 	{"hyq", "want qdd,dqdd_dq\nfext lf_foot\nfext-frame world\nfree payload.trunk\n", 1, 1, RNEAGEN_F64, RNEAGEN_AOS,
 		0, 1},
 	{"panda", "want dqdd_dq,dqdd_dqd\nderivatives forward\n", 1, 1, RNEAGEN_F64, RNEAGEN_SOA, 0, 1},
-	{"g1_29dof", "want dqdd_dq\n", 0, 1, RNEAGEN_F64, RNEAGEN_SOA, 0, 1}, /* its legs feel nothing of the rest */
+	{"g1_29dof", "want dqdd_dq\n", 0, 3, RNEAGEN_F64, RNEAGEN_SOA, 0, 1}, /* its legs feel nothing of the rest */
+	{"allegro_right", "want dqdd_dqd,dqdd_dq\n", 0, 4, RNEAGEN_F64, RNEAGEN_SOA, 0, 0},
+	{"iiwa14", "want qdd,dqdd_dqd,dqdd_dq\ndense\n", 0, 1, RNEAGEN_F32, RNEAGEN_AOS, 0, 0},
 	{"two chains", "want dqdd_dq,dqdd_dqd\n", 0, 2, RNEAGEN_F64, RNEAGEN_AOS, 0, 0},
 	{"two chains", "want dqdd_dqd\ndense\n", 0, 2, RNEAGEN_F32, RNEAGEN_SOA, 0, 0},
 	{"stage", "want dqdd_dq,dqdd_dqd\n", 1, 0, RNEAGEN_F64, RNEAGEN_SOA, 0, 0},
@@ -183,7 +185,12 @@ START_TEST(test_looped)
 	generate_looped(s, RNEAGEN_SEGMENTS_AUTO, &looped);
 	generate_looped(s, RNEAGEN_SEGMENTS_WHOLE, &whole);
 	ck_assert_int_eq(strstr(looped.text.source, "_columns0(") != NULL, s->loops > 0);
-	ck_assert_int_eq(strstr(looped.text.source, "_columns1(") != NULL, s->loops > 1);
+	for (int loop = 1; loop < 5; loop++) {
+		char function[16];
+
+		snprintf(function, sizeof function, "_columns%d(", loop);
+		ck_assert_int_eq(strstr(looped.text.source, function) != NULL, s->loops > loop);
+	}
 	ck_assert_ptr_null(strstr(whole.text.source, "_columns0("));
 	if (s->loops && (exhaustive() || !s->is_long))
 		compare_looped(s, &looped, &whole);
