@@ -3,32 +3,42 @@
 #define _POSIX_C_SOURCE 200809L
 #include "prove/crests/crests.h"
 #include "core/seconds.h"
+#include "prove/crests/frontier.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define CLOSE 1.4		   /* over what was found at points, about */
+#define CLOSE_CUT 2		   /* without some rows of q */
 #define WORTH 1e-3		   /* of the error */
 #define SECONDS_OF_A_KNOT 1.6e-5   /* of all crests of a field */
 #define SECONDS_OF_A_NUMBER 1.5e-6 /* at a knot that is left */
 #define SHARE 0.2		   /* of the time, to choose */
 #define OF_TIME 0.8		   /* crests take longer than is thought */
+#define QUICK 0.05		   /* of the time: one may take so long */
 #define MOST_STRETCH 4
 
 /* One node, or the two of a pair. */
 struct candidate {
-	const struct peak *peak;
+	struct peak *peak;
 	double cost, gain; /* seconds; of the error, for a second */
 };
 
 struct choosing {
 	const struct crests_choice *c;
 	struct candidate *list;
+	struct peak *peaks; /* of the list */
 	double error, deadline; /* error: with what is taken */
 };
 
 /* Numbers beside those at knots, and crests of a field, about. */
 enum { OTHERS = 9, TOGETHER = 3 };
+
+/* As large as it is thought to come out. */
+static double close_to(const struct peak *k)
+{
+	return (k->cut ? CLOSE_CUT : CLOSE) * k->found;
+}
 
 static int nodes_of(const struct peak *k)
 {
@@ -40,7 +50,7 @@ static double cost_of(const struct peaks *p, const struct peak *k)
 	double together = fmin(TOGETHER, crests_together(p, k));
 
 	return nodes_of(k) * (SECONDS_OF_A_KNOT * crests_knots(p, k, 0) / together +
-				     SECONDS_OF_A_NUMBER * (crests_numbers(p, k) + OTHERS) * crests_knots(p, k, 1));
+				     SECONDS_OF_A_NUMBER * (crests_numbers(k) + OTHERS) * crests_knots(p, k, 1));
 }
 
 /* The error if it were close; is_kept: it is taken to be. */
@@ -49,7 +59,7 @@ static double error_if(const struct choosing *h, const struct peak *k, int is_ke
 	double *most = h->c->values->most, before[2] = {most[k->nodes[0]], most[k->nodes[1]]}, error;
 
 	for (int i = 0; i < 2; i++)
-		most[k->nodes[i]] = fmin(before[i], CLOSE * k->found);
+		most[k->nodes[i]] = fmin(before[i], close_to(k));
 	error = h->c->error(h->c->context);
 	for (int i = 0; i < 2 && !is_kept; i++)
 		most[k->nodes[i]] = before[i];
@@ -63,6 +73,31 @@ static double gain_of(const struct choosing *h, const struct candidate *k)
 	return fmax(0, h->error - error_if(h, k->peak, 0)) / k->cost;
 }
 
+static double fitting_cost(const struct peaks *p, struct peak *k)
+{
+	return frontier_count(p, k) && crests_fit(p, k) ? cost_of(p, k) : (double)INFINITY;
+}
+
+/* Without the fewest of its first rows of q, which are those nearest the base, so that it is quick enough; else as it is quickest. */
+static double cut_rows(const struct choosing *h, struct peak *k)
+{
+	uint64_t dims = k->dims;
+	struct peak best = *k;
+	double cost = fitting_cost(h->c->p, k), least = cost;
+
+	for (uint64_t left = dims & (dims - 1); left && !(cost < QUICK * h->c->seconds); left &= left - 1) {
+		k->cut = dims & ~left;
+		k->dims = left;
+		cost = fitting_cost(h->c->p, k);
+		if (cost < least) {
+			least = cost;
+			best = *k;
+		}
+	}
+	*k = best;
+	return least;
+}
+
 static size_t list_all(struct choosing *h)
 {
 	const struct peaks *p = h->c->p;
@@ -70,10 +105,15 @@ static size_t list_all(struct choosing *h)
 	size_t count = 0;
 
 	for (size_t i = 0; i < p->count; i++) {
-		const struct peak *k = &p->list[i];
+		struct peak *k = &h->peaks[count];
+		double cost;
 
-		if (k->weight > 0 && crests_fit(p, k) && fmax(size[k->nodes[0]], size[k->nodes[1]]) > CLOSE * k->found)
-			h->list[count++] = (struct candidate){k, cost_of(p, k), 0};
+		*k = p->list[i];
+		if (!(k->weight > 0) || !(fmax(size[k->nodes[0]], size[k->nodes[1]]) > CLOSE * k->found) || !crests_are_known(k))
+			continue;
+		cost = cut_rows(h, k);
+		if (isfinite(cost) && fmax(size[k->nodes[0]], size[k->nodes[1]]) > close_to(k))
+			h->list[count++] = (struct candidate){k, cost, 0};
 	}
 	for (size_t i = 0; i < count; i++)
 		h->list[i].gain = gain_of(h, &h->list[i]);
@@ -161,13 +201,14 @@ size_t crests_choose(const struct crests_choice *c, struct crest *list)
 {
 	size_t count = c->p->x->d.count, size = count * sizeof(double), put = 0;
 	double *caps = malloc(size);
-	struct choosing h = {c, malloc((c->p->count + 1) * sizeof *h.list), c->error(c->context),
-		seconds_now() + SHARE * c->seconds};
+	struct choosing h = {c, malloc((c->p->count + 1) * sizeof *h.list), arena_alloc(c->p->arena, c->p->count + 1, sizeof *h.peaks),
+		c->error(c->context), seconds_now() + SHARE * c->seconds};
 
-	if (h.list && caps && isfinite(h.error)) {
+	if (h.list && h.peaks && caps && isfinite(h.error)) {
 		memcpy(caps, c->values->most, size);
 		put = put_nodes(&h, take(&h, list_all(&h)), list);
 		memcpy(c->values->most, caps, size);
+		c->error(c->context); /* values are again what is known of them, and no guess */
 	}
 	stretch(c->seconds, list, put);
 	free(caps);

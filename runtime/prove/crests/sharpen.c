@@ -46,7 +46,7 @@ static int find_peaks(const struct sharpening *s, struct peaks *p, double second
 		.dim_count = s->dim_count,
 		.deadline = fmin(s->effort->deadline, seconds_now() + seconds),
 		.arena = s->arena};
-	if (!(terms = s->terms(s->context)) || !weights_find(p, v, terms) || !peaks_find(p))
+	if (!(terms = s->terms(s->context)) || !weights_find(p, v, terms) || !peaks_find(p) || !crests_sample(p))
 		return 0;
 	for (size_t i = 0; i < p->count; i++) {
 		double *most = p->list[i].pair ? &v->values.most_norm[p->list[i].pair - 1]
@@ -71,6 +71,9 @@ static int find_crests(const struct sharpening *s, const struct peaks *p, double
 	own.deadline = fmin(own.deadline, seconds_now() + LATE * seconds);
 	count = crests_choose(&choice, list);
 	done = crests_find(&c, list, count);
+#ifdef CREST_DEBUG
+	crest_debug(s, list, count);
+#endif
 	for (size_t i = 0; i < count && done; i++) {
 		double *most = &s->view->values.most[list[i].node];
 
