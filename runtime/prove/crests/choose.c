@@ -28,11 +28,16 @@ struct choosing {
 	const struct crests_choice *c;
 	struct candidate *list;
 	struct peak *peaks; /* of the list */
+	double *sizes;      /* with nothing taken */
 	double error, deadline; /* error: with what is taken */
 };
 
 /* Numbers beside those at knots, and crests of a field, about. */
 enum { OTHERS = 9, TOGETHER = 3 };
+
+/* More rows of q are too many even where some are cut; such ones take longer, and never less than so many seconds. */
+enum { MOST_ROWS = 12, CUT_SLOWER = 2 };
+#define CUT_LEAST 0.4
 
 /* As large as it is thought to come out. */
 static double close_to(const struct peak *k)
@@ -48,9 +53,10 @@ static int nodes_of(const struct peak *k)
 static double cost_of(const struct peaks *p, const struct peak *k)
 {
 	double together = fmin(TOGETHER, crests_together(p, k));
+	double cost = SECONDS_OF_A_KNOT * crests_knots(p, k, 0) / together +
+		      SECONDS_OF_A_NUMBER * (crests_numbers(k) + OTHERS) * crests_knots(p, k, 1);
 
-	return nodes_of(k) * (SECONDS_OF_A_KNOT * crests_knots(p, k, 0) / together +
-				     SECONDS_OF_A_NUMBER * (crests_numbers(k) + OTHERS) * crests_knots(p, k, 1));
+	return nodes_of(k) * (k->cut ? CUT_LEAST + CUT_SLOWER * cost : cost);
 }
 
 /* The error if it were close; is_kept: it is taken to be. */
@@ -85,7 +91,7 @@ static double cut_rows(const struct choosing *h, struct peak *k)
 	struct peak best = *k;
 	double cost = fitting_cost(h->c->p, k), least = cost;
 
-	for (uint64_t left = dims & (dims - 1); left && !(cost < QUICK * h->c->seconds); left &= left - 1) {
+	for (uint64_t left = dims & (dims - 1); left && __builtin_popcountll(dims) <= MOST_ROWS && !(cost < QUICK * h->c->seconds); left &= left - 1) {
 		k->cut = dims & ~left;
 		k->dims = left;
 		cost = fitting_cost(h->c->p, k);
@@ -98,25 +104,37 @@ static double cut_rows(const struct choosing *h, struct peak *k)
 	return least;
 }
 
+static int by_weight(const void *a, const void *b)
+{
+	const struct peak *x = a, *y = b;
+
+	return (x->weight < y->weight) - (x->weight > y->weight);
+}
+
+/* Is it far from what it is thought to come to? `error` has changed the sizes: these were before. */
+static int is_far(const struct choosing *h, const struct peak *k, double close)
+{
+	return k->weight > 0 && crests_are_known(k) && fmax(h->sizes[k->nodes[0]], h->sizes[k->nodes[1]]) > close;
+}
+
+/* Those that matter most first: the time may not be enough for all. */
 static size_t list_all(struct choosing *h)
 {
 	const struct peaks *p = h->c->p;
-	const double *size = h->c->values->size;
 	size_t count = 0;
 
-	for (size_t i = 0; i < p->count; i++) {
-		struct peak *k = &h->peaks[count];
-		double cost;
+	memcpy(h->peaks, p->list, p->count * sizeof *h->peaks);
+	qsort(h->peaks, p->count, sizeof *h->peaks, by_weight);
+	for (size_t i = 0; i < p->count && seconds_now() < h->deadline; i++) {
+		struct peak *k = &h->peaks[i];
+		double cost = is_far(h, k, CLOSE * k->found) ? cut_rows(h, k) : (double)INFINITY;
 
-		*k = p->list[i];
-		if (!(k->weight > 0) || !(fmax(size[k->nodes[0]], size[k->nodes[1]]) > CLOSE * k->found) || !crests_are_known(k))
+		if (!isfinite(cost) || !is_far(h, k, close_to(k)))
 			continue;
-		cost = cut_rows(h, k);
-		if (isfinite(cost) && fmax(size[k->nodes[0]], size[k->nodes[1]]) > close_to(k))
-			h->list[count++] = (struct candidate){k, cost, 0};
+		h->list[count] = (struct candidate){k, cost, 0};
+		h->list[count].gain = gain_of(h, &h->list[count]);
+		count++;
 	}
-	for (size_t i = 0; i < count; i++)
-		h->list[i].gain = gain_of(h, &h->list[i]);
 	return count;
 }
 
@@ -202,9 +220,10 @@ size_t crests_choose(const struct crests_choice *c, struct crest *list)
 	size_t count = c->p->x->d.count, size = count * sizeof(double), put = 0;
 	double *caps = malloc(size);
 	struct choosing h = {c, malloc((c->p->count + 1) * sizeof *h.list), arena_alloc(c->p->arena, c->p->count + 1, sizeof *h.peaks),
-		c->error(c->context), seconds_now() + SHARE * c->seconds};
+		malloc(size), c->error(c->context), seconds_now() + SHARE * c->seconds};
 
-	if (h.list && h.peaks && caps && isfinite(h.error)) {
+	if (h.list && h.peaks && h.sizes && caps && isfinite(h.error)) {
+		memcpy(h.sizes, c->values->size, size);
 		memcpy(caps, c->values->most, size);
 		put = put_nodes(&h, take(&h, list_all(&h)), list);
 		memcpy(c->values->most, caps, size);
@@ -212,6 +231,7 @@ size_t crests_choose(const struct crests_choice *c, struct crest *list)
 	}
 	stretch(c->seconds, list, put);
 	free(caps);
+	free(h.sizes);
 	free(h.list);
 	return put;
 }
