@@ -25,6 +25,7 @@ struct peak {
 	/* of who asks about it without some rows of q (../prove/crests/frontier.h): */
 	uint64_t cut;	   /* these, none of dims */
 	int rates, drives; /* what it reads beside q */
+	int steps;	   /* operations that it takes */
 };
 
 struct peaks {

@@ -23,7 +23,7 @@
 
 enum { VIEWS = 2 };
 #define LANES_BELOW 0.2 /* rad or m */
-#define EQUALLY 0.5 /* of the time, where no certificate takes over boxes */
+#define EQUALLY 0.15 /* of the time, where no certificate takes over boxes */
 /* of the time of an output */
 #define SHARE_PLAIN 0.08
 #define SHARE_RECORDED 0.75 /* in its place where a certificate takes over the boxes */

@@ -49,7 +49,7 @@ static size_t list_crests(struct peaked *c, int kind, int cut, struct crest *lis
 
 			if (k->kind == kind && !k->pair && crests_are_known(k) && __builtin_popcountll(k->dims) >= cut + 2 &&
 				k->most > ratio * k->found && k->most <= ratio * ratio * k->found && cut_rows(c, k, cut))
-				list[count++] = (struct crest){k, k->nodes[0], COST, (double)INFINITY};
+				list[count++] = (struct crest){k, k->nodes[0], COST, (double)INFINITY, 0};
 		}
 	return count;
 }

@@ -11,11 +11,11 @@
 #define CLOSE 1.4		   /* over what was found at points, about */
 #define CLOSE_CUT 2		   /* without some rows of q */
 #define WORTH 1e-3		   /* of the error */
-#define SECONDS_OF_A_KNOT 1.6e-5   /* of all crests of a field */
+#define SECONDS_OF_A_STEP 4e-10    /* of all crests of a field, at a knot, for each number */
 #define SECONDS_OF_A_NUMBER 1.5e-6 /* at a knot that is left */
 #define SHARE 0.2		   /* of the time, to choose */
 #define OF_TIME 0.8		   /* crests take longer than is thought */
-#define QUICK 0.05		   /* of the time: one may take so long */
+#define QUICK 0.015		   /* of the time: one may take so long */
 #define MOST_STRETCH 4
 
 /* One node, or the two of a pair. */
@@ -36,8 +36,8 @@ struct choosing {
 enum { OTHERS = 9, TOGETHER = 3 };
 
 /* More rows of q are too many even where some are cut; such ones take longer, and never less than so many seconds. */
-enum { MOST_ROWS = 12, CUT_SLOWER = 2 };
-#define CUT_LEAST 0.4
+enum { MOST_ROWS = 12, CUT_SLOWER = 1 };
+#define CUT_LEAST 0.12
 
 /* As large as it is thought to come out. */
 static double close_to(const struct peak *k)
@@ -53,7 +53,7 @@ static int nodes_of(const struct peak *k)
 static double cost_of(const struct peaks *p, const struct peak *k)
 {
 	double together = fmin(TOGETHER, crests_together(p, k));
-	double cost = SECONDS_OF_A_KNOT * crests_knots(p, k, 0) / together +
+	double cost = SECONDS_OF_A_STEP * k->steps * crests_numbers(k) * crests_knots(p, k, 0) / together +
 		      SECONDS_OF_A_NUMBER * (crests_numbers(k) + OTHERS) * crests_knots(p, k, 1);
 
 	return nodes_of(k) * (k->cut ? CUT_LEAST + CUT_SLOWER * cost : cost);
@@ -88,10 +88,10 @@ static double fitting_cost(const struct peaks *p, struct peak *k)
 static double cut_rows(const struct choosing *h, struct peak *k)
 {
 	uint64_t dims = k->dims;
-	struct peak best = *k;
 	double cost = fitting_cost(h->c->p, k), least = cost;
+	struct peak best = *k;
 
-	for (uint64_t left = dims & (dims - 1); left && __builtin_popcountll(dims) <= MOST_ROWS && !(cost < QUICK * h->c->seconds); left &= left - 1) {
+	for (uint64_t left = dims & (dims - 1); left & (left - 1) && __builtin_popcountll(dims) <= MOST_ROWS && !(cost < QUICK * h->c->seconds); left &= left - 1) {
 		k->cut = dims & ~left;
 		k->dims = left;
 		cost = fitting_cost(h->c->p, k);
@@ -198,7 +198,7 @@ static size_t put_nodes(const struct choosing *h, size_t taken, struct crest *li
 				at++;
 			if (at == count)
 				list[count++] = (struct crest){h->list[i].peak, node,
-					h->list[i].cost / nodes_of(h->list[i].peak), (double)INFINITY};
+					h->list[i].cost / nodes_of(h->list[i].peak), (double)INFINITY, 0};
 		}
 	return count;
 }

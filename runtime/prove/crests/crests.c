@@ -14,7 +14,9 @@ enum { MOST_NUMBERS = 1 << 25, MOST_DEGREE = 4, LENGTH_DEGREE = 2, LOWERED = 2 }
 /* Of the time of a crest: for curvature, the rest is for the cover. */
 #define SHARE_BENDS 0.5
 #define SHARE_WHOLE 0.03 /* where it is cut: for its magnitude over all angles */
-#define FLOOR 0.8 /* of what was found at points: less is of no interest */
+/* Of what was found: less is of no interest. What is cut comes out larger, but for what depends on q alone. */
+#define FLOOR 0.8
+#define FLOOR_CUT 1.4
 
 /* Crests of one field. */
 struct cresting {
@@ -144,6 +146,7 @@ static int find_by_knots(const struct cresting *g, struct field *f, struct rangi
 	if (!curvature_find(&r->curvature, f, &bent, &own, of_bends))
 		return 0;
 	covered.bends = r->curvature.most;
+	covered.pace = r->curvature.speed;
 	if (!cover_find(&r->cover, f, &covered, &own, seconds - of_bends))
 		return 0;
 	take(g, f, r);
@@ -160,7 +163,9 @@ static int find_field(const struct cresting *g, struct field *f)
 		if (f->dims[k].is_angle)
 			set_degree(g, f, &f->dims[k]);
 	for (int o = 0; o < f->output_count && done; o++) {
-		found[o][1].value = FLOOR * peak_of(g, f, o)->found / (peak_of(g, f, o)->pair ? sqrt(2) : 1);
+		const struct peak *k = peak_of(g, f, o);
+
+		found[o][1].value = (k->cut && k->kind != PEAK_PLAIN ? FLOOR_CUT : FLOOR) * k->found / (k->pair ? sqrt(2) : 1);
 		found[o][0].value = -found[o][1].value;
 	}
 	done = done && ranging_make(&r, f, (const struct sought(*)[2])found) &&

@@ -13,6 +13,7 @@ struct crest {
 	uint32_t node;		 /* one of its */
 	double cost;		 /* seconds, about */
 	double most;		 /* no magnitude is larger */
+	double before;		 /* what was known when it was chosen */
 };
 
 struct crests {

@@ -5,6 +5,8 @@
 /* Of a node: the peak reads it; it depends on drives, rates or the frontier; it is multiplied by what does. */
 enum { LIVE = 1, OF_INPUTS = 2, MULTIPLIED = 4 };
 
+enum { MOST_RATES = 17 };
+
 struct cutting {
 	const struct peaks *p;
 	const struct peak *k;
@@ -86,7 +88,7 @@ int frontier_count(const struct peaks *p, struct peak *k)
 	struct cutting c = {.p = p, .k = k, .marks = calloc(d->count, 1)};
 	int done = c.marks != NULL;
 
-	k->rates = k->drives = 0;
+	k->rates = k->drives = k->steps = 0;
 	for (int i = 0; i < 2 && done; i++)
 		c.marks[k->nodes[i]] = LIVE;
 	done = done && walk(&c);
@@ -95,13 +97,14 @@ int frontier_count(const struct peaks *p, struct peak *k)
 	for (uint32_t i = 1; i < d->count && done; i++) {
 		const struct node *n = &d->nodes[i];
 
+		k->steps += has_operands(&c, i);
 		if (c.marks[i] && n->op == OP_INPUT && (int)n->arg[0].i != p->position)
 			++*(d->arguments[n->arg[0].i].role == ROLE_JOINT_VELOCITY ? &k->rates : &k->drives);
 	}
 	for (int i = 0; i < c.leaf_count && done; i++)
 		++*(is_rate(&c, c.leaves[i]) ? &k->rates : &k->drives);
 	free(c.marks);
-	return done;
+	return done && k->rates <= (k->kind == PEAK_PLAIN ? 0 : MOST_RATES);
 }
 
 static struct ref copy(void *context, struct dag *out, size_t i)
@@ -139,11 +142,8 @@ static int take_ranges(const struct cutting *c, struct relaxed *to, int argument
 {
 	struct interval *rows = arena_alloc(arena, (size_t)c->leaf_count + 1, sizeof *rows);
 
-	for (int k = 0; k < c->leaf_count && rows; k++) {
-		double size = c->p->values->size[c->leaves[k]];
-
-		rows[k] = (struct interval){-size, size};
-	}
+	for (int k = 0; k < c->leaf_count && rows; k++)
+		rows[k] = norms_range(c->p->norms, c->p->values, c->leaves[k]);
 	to->rows[argument] = rows;
 	return rows != NULL;
 }

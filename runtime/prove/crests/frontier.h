@@ -11,7 +11,7 @@
 /* More nodes are no frontier. */
 enum { FRONTIER_NODES = 16 };
 
-/* What peak k reads beside q where rows k->cut end at the frontier: into k->rates and k->drives. Returns 0 where it cannot be cut
+/* What peak k reads beside q where rows k->cut end at the frontier: into k->rates and k->drives; and k->steps. Returns 0 where it cannot be cut
    so, or memory runs out. */
 int frontier_count(const struct peaks *p, struct peak *k);
 

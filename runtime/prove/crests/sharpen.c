@@ -5,6 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+enum { FEW = 6 };
+#define STILL 0.8
 #define LATE 1.2 /* of the time for crests: those that are not there then are left out */
 
 static void take_known(const struct sharpening *s)
@@ -57,6 +59,40 @@ static int find_peaks(const struct sharpening *s, struct peaks *p, double second
 	return 1;
 }
 
+/* Those that are still as large as they were when they were chosen; a few at once, so that others know of them soon. */
+static int find_few(const struct sharpening *s, const struct crests *c, struct crest *list, size_t count)
+{
+	double *most = s->view->values.most;
+	size_t left = 0;
+	int done;
+
+	take_known(s);
+	s->error(s->context);
+	for (size_t i = 0; i < count; i++)
+		if (s->view->values.size[list[i].node] > STILL * list[i].before)
+			list[left++] = list[i];
+	done = crests_find(c, list, left);
+	for (size_t i = 0; i < left && done; i++) {
+		most[list[i].node] = fmin(most[list[i].node], list[i].most);
+		make_known(s, list[i].node, list[i].most);
+	}
+	return done;
+}
+
+/* Outputs that are worked on at the same time ask about the same values: each second one begins at the end. */
+static int find_all(const struct sharpening *s, const struct crests *c, struct crest *list, size_t count)
+{
+	size_t parts = (count + FEW - 1) / FEW;
+	int done = 1;
+
+	for (size_t i = 0; i < parts && done; i++) {
+		size_t first = FEW * (s->output % 2 ? parts - 1 - i : i);
+
+		done = find_few(s, c, list + first, count - first < FEW ? count - first : FEW);
+	}
+	return done;
+}
+
 static int find_crests(const struct sharpening *s, const struct peaks *p, double seconds)
 {
 	const struct crests_choice choice = {p, &s->view->values, s->error, s->context, seconds};
@@ -70,16 +106,12 @@ static int find_crests(const struct sharpening *s, const struct peaks *p, double
 		return 0;
 	own.deadline = fmin(own.deadline, seconds_now() + LATE * seconds);
 	count = crests_choose(&choice, list);
-	done = crests_find(&c, list, count);
+	for (size_t i = 0; i < count; i++)
+		list[i].before = s->view->values.size[list[i].node];
+	done = find_all(s, &c, list, count);
 #ifdef CREST_DEBUG
 	crest_debug(s, list, count);
 #endif
-	for (size_t i = 0; i < count && done; i++) {
-		double *most = &s->view->values.most[list[i].node];
-
-		*most = fmin(*most, list[i].most);
-		make_known(s, list[i].node, list[i].most);
-	}
 	free(list);
 	return done;
 }
