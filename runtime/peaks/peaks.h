@@ -47,8 +47,7 @@ struct peaks {
 	struct norms_values whole;		    /* over these */
 	unsigned char *is_angle;		    /* by dims: q is read by its sine and cosine alone */
 	double *noise; /* by node of the adjoint: what is computed at a point of these rows is no further off */
-	uint64_t *reads;       /* by node of the adjoint: bit k, it depends on dims[k] */
-	unsigned char *orders; /* bit k: it has terms of order k, where rates are of order 1 and drives of order 2 */
+	uint64_t *reads; /* by node of the adjoint: bit k, it depends on dims[k]; NULL: there was no time for it */
 };
 
 /* Lowers `most` of all in p->list that have a weight, where that gains, and where there is time for it. Returns 0 when

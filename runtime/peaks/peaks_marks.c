@@ -195,7 +195,6 @@ static int marks_make(struct marks *m, struct peaks *p)
 	if (p->arena->failed)
 		return 0;
 	p->reads = m->dims;
-	p->orders = m->orders;
 	for (uint32_t i = 0; i < count; i++)
 		mark_node(m, i);
 	m->is_value[p->x->root.i] = 1;

@@ -31,10 +31,11 @@ static void take(struct peaks *p, const double *v)
 int crests_sample(struct peaks *p)
 {
 	const struct dag *d = &p->x->d;
+	int states = p->reads ? STATES : 0;
 	double *v = calloc(d->count, sizeof *v);
 	unsigned short seed[3] = {11, 3, 5};
 
-	for (int s = 0; s < STATES && v; s++) {
+	for (int s = 0; s < states && v; s++) {
 		for (uint32_t i = 0; i < d->count; i++)
 			v[i] = d->nodes[i].op == OP_INPUT ? draw(p, &d->nodes[i], seed) : eval_node(&d->nodes[i], v);
 		take(p, v);
