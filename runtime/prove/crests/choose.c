@@ -9,13 +9,11 @@
 #include <string.h>
 
 #define CLOSE 1.4		   /* over what was found at points, about */
-#define CLOSE_CUT 2		   /* without some rows of q */
 #define WORTH 1e-3		   /* of the error */
 #define SECONDS_OF_A_STEP 4e-10    /* of all crests of a field, at a knot, for each number */
 #define SECONDS_OF_A_NUMBER 1.5e-6 /* at a knot that is left */
 #define SHARE 0.2		   /* of the time, to choose */
 #define OF_TIME 0.8		   /* crests take longer than is thought */
-#define QUICK 0.015		   /* of the time: one may take so long */
 #define MOST_STRETCH 4
 
 /* One node, or the two of a pair. */
@@ -40,9 +38,9 @@ enum { MOST_ROWS = 12, CUT_SLOWER = 1 };
 #define CUT_LEAST 0.12
 
 /* As large as it is thought to come out. */
-static double close_to(const struct peak *k)
+static double close_to(const struct choosing *h, const struct peak *k)
 {
-	return (k->cut ? CLOSE_CUT : CLOSE) * k->found;
+	return (k->cut ? h->c->close : CLOSE) * k->found;
 }
 
 static int nodes_of(const struct peak *k)
@@ -65,17 +63,18 @@ static double error_if(const struct choosing *h, const struct peak *k, int is_ke
 	double *most = h->c->values->most, before[2] = {most[k->nodes[0]], most[k->nodes[1]]}, error;
 
 	for (int i = 0; i < 2; i++)
-		most[k->nodes[i]] = fmin(before[i], close_to(k));
+		most[k->nodes[i]] = fmin(before[i], close_to(h, k));
 	error = h->c->error(h->c->context);
 	for (int i = 0; i < 2 && !is_kept; i++)
 		most[k->nodes[i]] = before[i];
 	return error;
 }
 
+/* When the time is over what was known of it counts. */
 static double gain_of(const struct choosing *h, const struct candidate *k)
 {
 	if (seconds_now() > h->deadline || !isfinite(k->cost))
-		return 0;
+		return k->gain;
 	return fmax(0, h->error - error_if(h, k->peak, 0)) / k->cost;
 }
 
@@ -91,7 +90,7 @@ static double cut_rows(const struct choosing *h, struct peak *k)
 	double cost = fitting_cost(h->c->p, k), least = cost;
 	struct peak best = *k;
 
-	for (uint64_t left = dims & (dims - 1); left & (left - 1) && __builtin_popcountll(dims) <= MOST_ROWS && !(cost < QUICK * h->c->seconds); left &= left - 1) {
+	for (uint64_t left = dims & (dims - 1); left & (left - 1) && __builtin_popcountll(dims) <= MOST_ROWS && !(cost < h->c->quick); left &= left - 1) {
 		k->cut = dims & ~left;
 		k->dims = left;
 		cost = fitting_cost(h->c->p, k);
@@ -129,7 +128,7 @@ static size_t list_all(struct choosing *h)
 		struct peak *k = &h->peaks[i];
 		double cost = is_far(h, k, CLOSE * k->found) ? cut_rows(h, k) : (double)INFINITY;
 
-		if (!isfinite(cost) || !is_far(h, k, close_to(k)))
+		if (!isfinite(cost) || !is_far(h, k, close_to(h, k)))
 			continue;
 		h->list[count] = (struct candidate){k, cost, 0};
 		h->list[count].gain = gain_of(h, &h->list[count]);

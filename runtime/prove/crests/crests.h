@@ -42,6 +42,8 @@ struct crests_choice {
 	double (*error)(void *context); /* with the caps that there are */
 	void *context;
 	double seconds; /* for all that are chosen */
+	double quick;	/* one may take so long before more rows of q are cut */
+	double close;	/* what is cut is thought to come so near to what was found: 2 is twice that */
 };
 
 /* choose.c: those that lower the error most for their time, into list[], which has room for twice as many as there are
