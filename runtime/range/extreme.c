@@ -2,8 +2,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Of so many rates at most all corners are tried; with these, each of the others has its best apart from the rest of them. Of rates
-   beyond ROOM magnitudes are added. */
+/* Of so many rates at most all corners are tried; with these, each of the others has its best apart from the rest of them.
+   Of rates beyond ROOM magnitudes are added. */
 enum { CORNER_RATES = 12, ROOM = 24 };
 
 /* Products of rates that are apart may be taken by their magnitudes where they are this part of all. */

@@ -142,7 +142,7 @@ START_TEST(test_choice)
 	list = malloc((2 * c.p.count + 1) * sizeof *list);
 	ck_assert(sizes && list);
 	memcpy(sizes, c.values.size, size);
-	ck_assert(crests_choose(&(struct crests_choice){&c.p, &c.values, error_of, &c, SECONDS, 0.1, 2}, list) > 0);
+	ck_assert(crests_choose(&(struct crests_choice){&c.p, &c.values, error_of, &c, SECONDS, 0.1, 1, 2}, list) > 0);
 	ck_assert(!memcmp(sizes, c.values.size, size));
 	error_of(&c);
 	ck_assert(!memcmp(sizes, c.values.size, size));

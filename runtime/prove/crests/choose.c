@@ -33,8 +33,8 @@ struct choosing {
 /* Numbers beside those at knots, and crests of a field, about. */
 enum { OTHERS = 9, TOGETHER = 3 };
 
-/* More rows of q are too many even where some are cut; such ones take longer, and never less than so many seconds. */
-enum { MOST_ROWS = 12, CUT_SLOWER = 1 };
+/* More rows of q are too many even where some are cut; such ones never take less than so many seconds. */
+enum { MOST_ROWS = 12 };
 #define CUT_LEAST 0.12
 
 /* As large as it is thought to come out. */
@@ -48,13 +48,14 @@ static int nodes_of(const struct peak *k)
 	return k->pair ? 2 : 1;
 }
 
-static double cost_of(const struct peaks *p, const struct peak *k)
+static double cost_of(const struct choosing *h, const struct peak *k)
 {
+	const struct peaks *p = h->c->p;
 	double together = fmin(TOGETHER, crests_together(p, k));
 	double cost = SECONDS_OF_A_STEP * k->steps * crests_numbers(k) * crests_knots(p, k, 0) / together +
 		      SECONDS_OF_A_NUMBER * (crests_numbers(k) + OTHERS) * crests_knots(p, k, 1);
 
-	return nodes_of(k) * (k->cut ? CUT_LEAST + CUT_SLOWER * cost : cost);
+	return nodes_of(k) * (k->cut ? CUT_LEAST + h->c->slower * cost : cost);
 }
 
 /* The error if it were close; is_kept: it is taken to be. */
@@ -78,22 +79,25 @@ static double gain_of(const struct choosing *h, const struct candidate *k)
 	return fmax(0, h->error - error_if(h, k->peak, 0)) / k->cost;
 }
 
-static double fitting_cost(const struct peaks *p, struct peak *k)
+static double fitting_cost(const struct choosing *h, struct peak *k)
 {
-	return frontier_count(p, k) && crests_fit(p, k) ? cost_of(p, k) : (double)INFINITY;
+	return frontier_count(h->c->p, k) && crests_fit(h->c->p, k) ? cost_of(h, k) : (double)INFINITY;
 }
 
-/* Without the fewest of its first rows of q, which are those nearest the base, so that it is quick enough; else as it is quickest. */
+/* Without the fewest of its first rows of q, which are those nearest the base, so that it is quick enough; else as it is
+   quickest. */
 static double cut_rows(const struct choosing *h, struct peak *k)
 {
 	uint64_t dims = k->dims;
-	double cost = fitting_cost(h->c->p, k), least = cost;
+	double cost = fitting_cost(h, k), least = cost;
 	struct peak best = *k;
 
-	for (uint64_t left = dims & (dims - 1); left & (left - 1) && __builtin_popcountll(dims) <= MOST_ROWS && !(cost < h->c->quick); left &= left - 1) {
+	if (__builtin_popcountll(dims) > MOST_ROWS)
+		return least;
+	for (uint64_t left = dims & (dims - 1); left & (left - 1) && !(cost < h->c->quick); left &= left - 1) {
 		k->cut = dims & ~left;
 		k->dims = left;
-		cost = fitting_cost(h->c->p, k);
+		cost = fitting_cost(h, k);
 		if (cost < least) {
 			least = cost;
 			best = *k;
@@ -218,8 +222,8 @@ size_t crests_choose(const struct crests_choice *c, struct crest *list)
 {
 	size_t count = c->p->x->d.count, size = count * sizeof(double), put = 0;
 	double *caps = malloc(size);
-	struct choosing h = {c, malloc((c->p->count + 1) * sizeof *h.list), arena_alloc(c->p->arena, c->p->count + 1, sizeof *h.peaks),
-		malloc(size), c->error(c->context), seconds_now() + SHARE * c->seconds};
+	struct choosing h = {c, malloc((c->p->count + 1) * sizeof *h.list),
+		arena_alloc(c->p->arena, c->p->count + 1, sizeof *h.peaks), malloc(size), c->error(c->context), seconds_now() + SHARE * c->seconds};
 
 	if (h.list && h.peaks && h.sizes && caps && isfinite(h.error)) {
 		memcpy(h.sizes, c->values->size, size);

@@ -43,6 +43,7 @@ struct crests_choice {
 	void *context;
 	double seconds; /* for all that are chosen */
 	double quick;	/* one may take so long before more rows of q are cut */
+	double slower;	/* what is cut gets so many times the time that it needs at least */
 	double close;	/* what is cut is thought to come so near to what was found: 2 is twice that */
 };
 

@@ -152,7 +152,8 @@ int frontier_cut(struct relaxed *to, const struct relaxed *of, const struct peak
 	size_t count, struct arena *arena)
 {
 	struct dag from = p->x->d;
-	struct cutting c = {.p = p, .k = k, .marks = arena_alloc(arena, from.count, 1), .map = arena_alloc(arena, from.count, sizeof *c.map)};
+	struct cutting c = {.p = p, .k = k, .marks = arena_alloc(arena, from.count, 1),
+		.map = arena_alloc(arena, from.count, sizeof *c.map)};
 	struct output *outputs = arena_alloc(arena, count, sizeof *outputs);
 
 	if (arena->failed)

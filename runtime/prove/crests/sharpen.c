@@ -12,6 +12,7 @@ enum { FEW = 6 };
 #define SHARE_FIRST 0.4
 #define QUICK_FIRST 0.3
 #define QUICK 0.02
+#define SLOWER 3 /* then */
 #define LATE 1.2 /* of the time for crests: those that are not there then are left out */
 
 static void take_known(const struct sharpening *s)
@@ -98,9 +99,10 @@ static int find_all(const struct sharpening *s, const struct crests *c, struct c
 	return done;
 }
 
-static int find_crests(const struct sharpening *s, const struct peaks *p, double seconds, double quick, double close)
+static int find_crests(const struct sharpening *s, const struct peaks *p, double seconds, double quick, double slower,
+	double close)
 {
-	const struct crests_choice choice = {p, &s->view->values, s->error, s->context, seconds, quick, close};
+	const struct crests_choice choice = {p, &s->view->values, s->error, s->context, seconds, quick, slower, close};
 	struct effort own = *s->effort;
 	const struct crests c = {s->relaxed, p, &own};
 	struct crest *list = malloc((2 * p->count + 1) * sizeof *list);
@@ -127,6 +129,6 @@ int sharpen(const struct sharpening *s, double of_peaks, double of_crests)
 	struct peaks p;
 
 	take_known(s);
-	return find_peaks(s, &p, of_peaks) && find_crests(s, &p, first, fmin(QUICK_FIRST, QUICK * first), 2) &&
-	       find_crests(s, &p, rest, QUICK * rest, 1.6);
+	return find_peaks(s, &p, of_peaks) && find_crests(s, &p, first, fmin(QUICK_FIRST, QUICK * first), 1, 2) &&
+	       find_crests(s, &p, rest, SLOWER * QUICK * rest, SLOWER, 1.6);
 }
