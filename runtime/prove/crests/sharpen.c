@@ -116,9 +116,6 @@ static int find_crests(const struct sharpening *s, const struct peaks *p, double
 	for (size_t i = 0; i < count; i++)
 		list[i].before = s->view->values.size[list[i].node];
 	done = find_all(s, &c, list, count);
-#ifdef CREST_DEBUG
-	crest_debug(s, list, count);
-#endif
 	free(list);
 	return done;
 }
