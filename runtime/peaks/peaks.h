@@ -22,6 +22,10 @@ struct peak {
 	double *tilts, *bends;	/* by dims, for all angles: no first, no second derivative by q is longer */
 	double *near;		/* the same of second ones in the box alone */
 	unsigned char *degrees; /* by dims: of a polynomial of sine and cosine, or of a length */
+	/* of who asks about it without some rows of q (../prove/crests/frontier.h): */
+	uint64_t cut;	   /* these, none of dims */
+	int rates, drives; /* what it reads beside q */
+	int steps;	   /* operations that it takes */
 };
 
 struct peaks {
@@ -43,6 +47,7 @@ struct peaks {
 	struct norms_values whole;		    /* over these */
 	unsigned char *is_angle;		    /* by dims: q is read by its sine and cosine alone */
 	double *noise; /* by node of the adjoint: what is computed at a point of these rows is no further off */
+	uint64_t *reads; /* by node of the adjoint: bit k, it depends on dims[k]; NULL: there was no time for it */
 };
 
 /* Lowers `most` of all in p->list that have a weight, where that gains, and where there is time for it. Returns 0 when

@@ -194,6 +194,7 @@ static int marks_make(struct marks *m, struct peaks *p)
 		arena_alloc(p->arena, count, sizeof *m->dims)};
 	if (p->arena->failed)
 		return 0;
+	p->reads = m->dims;
 	for (uint32_t i = 0; i < count; i++)
 		mark_node(m, i);
 	m->is_value[p->x->root.i] = 1;

@@ -23,7 +23,7 @@
 
 enum { VIEWS = 2 };
 #define LANES_BELOW 0.2 /* rad or m */
-#define EQUALLY 0.5 /* of the time, where no certificate takes over boxes */
+#define EQUALLY 0.15 /* of the time, where no certificate takes over boxes */
 /* of the time of an output */
 #define SHARE_PLAIN 0.08
 #define SHARE_RECORDED 0.75 /* in its place where a certificate takes over the boxes */
@@ -32,7 +32,10 @@ enum { VIEWS = 2 };
 #define SHARE_PEAKS 0.5
 #define SHARE_SHARPER 0.72
 #define LEAST_PEAKS 0.12
-#define SECONDS_OF_PEAKS 5e-4 /* for each node and row of q */
+/* For each node and row of q; less where most depends on more rows than points are for. */
+#define SECONDS_OF_PEAKS 5e-4
+#define SECONDS_OF_PEAKS_MANY 1e-4
+enum { MANY_ROWS = 12 };
 
 /* One output. */
 struct hunt {
@@ -290,7 +293,8 @@ static int find_sharper(struct hunt *h, const struct job *j, size_t output, doub
 		.dim_count = h->split.dim_count, .relaxed = j->r, .effort = &own, .error = whole_error, .terms = whole_terms,
 		.context = h, .known = j->known, .arena = &h->arena};
 
-	double needed = fmax(LEAST_PEAKS * seconds, SECONDS_OF_PEAKS * (double)h->x.d.count * h->split.dim_count);
+	double of_node = h->split.dim_count > MANY_ROWS ? SECONDS_OF_PEAKS_MANY : SECONDS_OF_PEAKS;
+	double needed = fmax(LEAST_PEAKS * seconds, of_node * (double)h->x.d.count * h->split.dim_count);
 	double of_peaks = fmin(SHARE_PEAKS * seconds, needed);
 
 	return sharpen(&s, of_peaks, SHARE_SHARPER * seconds - of_peaks);

@@ -13,7 +13,7 @@
 /* How often to look at the clock. */
 enum { LOOK_EVERY = 16 };
 
-enum { POINTS = 256, MOST_PLACES = 4096, FIRST_POINTS = 4096, FIRST_OF_KNOTS = 100000 };
+enum { POINTS = 256, MOST_PLACES = 4096, FIRST_POINTS = 4096, FIRST_OF_KNOTS = 100000, FIRST_LEAST = 64 };
 
 struct covering {
 	const struct field *f;
@@ -22,6 +22,7 @@ struct covering {
 	const double (*found)[2];
 	size_t points;
 	const struct knots *knots; /* NULL: none */
+	double pace;
 	int first, end; /* outputs that have a grid together: all, or where knots make points cheap each its own */
 	double *most; /* [piece][output][2]: of -f, of f */
 	atomic_int failed;
@@ -214,12 +215,12 @@ static int cover_once(struct cover *c, struct covering *s, const double *bends, 
 static int rounds(struct cover *c, struct covering *s, const double *bends, double end)
 {
 	static const double SHARES[] = {0.2, 0.2, 0.85};
-	double speed = s->knots ? KNOTS_PACE : 1;
+	double speed = s->knots ? fmax(s->pace, KNOTS_PACE) : 1, least = s->pace > KNOTS_PACE ? FIRST_LEAST : FIRST_POINTS;
 	int done = 1;
 
 	for (int i = 0; i < 3 && done && seconds_now() < end; i++) {
 		double start = seconds_now(), of_time = SHARES[i] * (end - start) / speed;
-		double room = i ? of_time : s->knots ? fmax(FIRST_POINTS, fmin(FIRST_OF_KNOTS, of_time)) : FIRST_POINTS;
+		double room = i ? of_time : s->knots ? fmax(least, fmin(FIRST_OF_KNOTS, of_time)) : FIRST_POINTS;
 
 		c->points = 0;
 		done = cover_once(c, s, bends, room);
@@ -252,7 +253,7 @@ static int all_by_points(struct cover *c, struct covering *s, const double *bend
 int cover_find(struct cover *c, const struct field *f, const struct cover_start *from, const struct effort *x, double seconds)
 {
 	struct effort own = *x;
-	struct covering s = {.f = f, .effort = &own, .knots = from->knots, .found = from->found};
+	struct covering s = {.f = f, .effort = &own, .knots = from->knots, .pace = from->pace, .found = from->found};
 	size_t outputs = (size_t)f->output_count;
 	double end = seconds_now() + seconds;
 

@@ -15,6 +15,7 @@ struct cover {
 struct cover_start {
 	const double *bends, (*found)[2];
 	const struct knots *knots;
+	double pace; /* of a point by knots, about, in seconds; 0: it is not known */
 };
 
 /* Where knots take more memory than there is, points are evaluated. Returns 0 when memory runs out; the caller frees upper and

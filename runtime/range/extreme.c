@@ -2,15 +2,20 @@
 #include <math.h>
 #include <string.h>
 
-/* Rates of which all corners are tried; of others magnitudes are added. */
-enum { CORNER_RATES = 12 };
+/* Of so many rates at most all corners are tried; with these, each of the others has its best apart from the rest of them.
+   Of rates beyond ROOM magnitudes are added. */
+enum { CORNER_RATES = 12, ROOM = 24 };
 
-/* sign * sum b_j v_j + sum_{j<k} c_jk v_j v_k + sum c_jj v_j^2, c_jj >= 0, over corners */
+/* Products of rates that are apart may be taken by their magnitudes where they are this part of all. */
+#define SLIGHT 0x1p-30
+
+/* sign * sum b_j v_j + sum_{j<k} c_jk v_j v_k + sum c_jj v_j^2, c_jj >= 0 */
 struct corners {
 	int n;
-	double linear[CORNER_RATES], pair[CORNER_RATES][CORNER_RATES], square[CORNER_RATES];
-	double lower[CORNER_RATES], upper[CORNER_RATES];
-	double rest; /* what is added for the other rates */
+	int order[ROOM], corner_count; /* those of which corners are tried come first */
+	double linear[ROOM], pair[ROOM][ROOM], square[ROOM];
+	double lower[ROOM], upper[ROOM];
+	double rest; /* what is added for products of the others, and for other rates */
 };
 
 /* Squares that neither vanish nor overflow. Where they do, each number of the direction is taken for 1. */
@@ -67,10 +72,52 @@ static void add_square(struct corners *s, int j, double c, struct interval r)
 	s->rest -= c * p * p;
 }
 
-static void set_corners(struct corners *s, const struct field *f, const double *c, int sign)
+static double reach_of(const struct corners *s, int j)
 {
-	memset(s, 0, sizeof *s);
-	s->n = f->rate_count < CORNER_RATES ? f->rate_count : CORNER_RATES;
+	return fmax(fabs(s->lower[j]), fabs(s->upper[j]));
+}
+
+/* The magnitudes of a rate's products with those from `first` on. */
+static double products_of(const struct corners *s, int j, int first)
+{
+	double sum = 0;
+
+	for (int i = first; i < s->n; i++)
+		sum += fabs(s->pair[j][s->order[i]]) * reach_of(s, s->order[i]);
+	return sum * reach_of(s, j);
+}
+
+/* Corners of those first that have the most to do with the others, until the others have nothing to do with each other. */
+static void choose_corners(struct corners *s, double size)
+{
+	for (s->corner_count = 0;; s->corner_count++) {
+		double all = 0, most = 0;
+		int at = s->corner_count, j;
+
+		for (int i = s->corner_count; i < s->n; i++) {
+			double sum = products_of(s, s->order[i], s->corner_count);
+
+			all += sum;
+			at = sum > most ? i : at;
+			most = fmax(most, sum);
+		}
+		if (s->corner_count == CORNER_RATES || !(all > SLIGHT * size)) {
+			s->rest += 0.5 * all * (1 + 0x1p-40);
+			break;
+		}
+		j = s->order[at];
+		s->order[at] = s->order[s->corner_count];
+		s->order[s->corner_count] = j;
+	}
+	for (int i = s->corner_count; i < s->n; i++)
+		for (int k = s->corner_count; k < s->n; k++)
+			s->pair[s->order[i]][s->order[k]] = 0;
+}
+
+static void set_corners(struct corners *s, const struct field *f, const double *c, int sign, double size)
+{
+	s->n = f->rate_count < ROOM ? f->rate_count : ROOM;
+	s->rest = 0;
 	for (int j = 0; j < f->rate_count; j++) {
 		struct interval r = f->rates[j].range;
 
@@ -86,58 +133,74 @@ static void set_corners(struct corners *s, const struct field *f, const double *
 			s->rest += (fabs(c[1 + f->drive_count + j]) + fabs(c[field_pair(f, j, j)]) * interval_size(r)) * interval_size(r);
 			continue;
 		}
+		s->order[j] = j;
+		s->pair[j][j] = s->square[j] = 0;
 		s->lower[j] = r.lower;
 		s->upper[j] = r.upper;
 		s->linear[j] = sign * c[1 + f->drive_count + j];
 		add_square(s, j, sign * c[field_pair(f, j, j)], r);
 	}
+	choose_corners(s, size);
 }
 
-/* Is v a corner as good as -v? Then the first rate has one value. */
+/* Is v as good as -v? Then the first rate has one value. */
 static int is_even(const struct corners *s)
 {
 	for (int j = 0; j < s->n; j++)
 		if (s->linear[j] != 0 || s->lower[j] != -s->upper[j])
 			return 0;
-	return s->n > 0;
+	return s->corner_count > 0;
+}
+
+/* What the others add, each at its better end. */
+static double add_others(const struct corners *s, const double *slope, double *v)
+{
+	double sum = 0;
+
+	for (int i = s->corner_count; i < s->n; i++) {
+		int j = s->order[i];
+		double low = (slope[j] + s->square[j] * s->lower[j]) * s->lower[j],
+		       high = (slope[j] + s->square[j] * s->upper[j]) * s->upper[j];
+
+		v[j] = low > high ? s->lower[j] : s->upper[j];
+		sum += low > high ? low : high;
+	}
+	return sum;
 }
 
 /* All corners in the order of Gray's code: one rate changes at a time. */
 static double walk(struct corners *s, double *best)
 {
-	double v[CORNER_RATES], slope[CORNER_RATES], value = 0, most;
-	int n = is_even(s) ? s->n - 1 : s->n;
+	double v[ROOM] = {0}, slope[ROOM], value = 0, most = -(double)INFINITY;
+	int n = is_even(s) ? s->corner_count - 1 : s->corner_count;
 
-	for (int j = 0; j < s->n; j++)
-		v[j] = s->lower[j];
+	for (int i = 0; i < s->corner_count; i++)
+		v[s->order[i]] = s->lower[s->order[i]];
 	for (int j = 0; j < s->n; j++) {
 		slope[j] = s->linear[j];
-		for (int k = 0; k < s->n; k++)
-			slope[j] += s->pair[j][k] * v[k];
+		for (int i = 0; i < s->corner_count; i++)
+			slope[j] += s->pair[j][s->order[i]] * v[s->order[i]];
 		value += (0.5 * (slope[j] + s->linear[j]) + s->square[j] * v[j]) * v[j];
 	}
-	most = value;
-	if (best)
-		memcpy(best, v, (size_t)s->n * sizeof *v);
-	for (unsigned i = 1; i < 1u << n; i++) {
-		int j = 0;
-		double to, step;
+	for (unsigned i = 0;;) {
+		double all = value + add_others(s, slope, v), to, step;
+		int at = 0, j;
 
-		while (!(i >> j & 1))
-			j++;
+		if (all > most && best)
+			memcpy(best, v, (size_t)s->n * sizeof *v);
+		most = fmax(most, all);
+		if (++i >= 1u << n)
+			return most;
+		while (!(i >> at & 1))
+			at++;
+		j = s->order[s->corner_count - 1 - at];
 		to = v[j] == s->lower[j] ? s->upper[j] : s->lower[j];
 		step = to - v[j];
 		value += step * (slope[j] + s->square[j] * (to + v[j]));
 		v[j] = to;
 		for (int k = 0; k < s->n; k++)
 			slope[k] += s->pair[j][k] * step;
-		if (value > most) {
-			most = value;
-			if (best)
-				memcpy(best, v, (size_t)s->n * sizeof *v);
-		}
 	}
-	return most;
 }
 
 /* With 2^12 corners one after the other, a slope is off by at most 2^-40 of all magnitudes, and the value by 2^12 of that twice.
@@ -155,7 +218,7 @@ double extreme_above(const struct field *f, const double *c, int sign, double fl
 
 	if (simple <= floor || f->rate_count == 0)
 		return simple;
-	set_corners(&s, f, c, sign);
+	set_corners(&s, f, c, sign, of_rates);
 	return fmin(simple, closed(of_drives + s.rest + walk(&s, NULL), size + of_rates));
 }
 
@@ -166,6 +229,6 @@ double extreme_corner(const struct field *f, const double *c, int sign, double *
 
 	for (int j = 0; j < f->rate_count; j++)
 		x[f->drive_count + j] = f->rates[j].range.upper;
-	set_corners(&s, f, c, sign);
+	set_corners(&s, f, c, sign, rates_size(f, c));
 	return value + (s.n ? walk(&s, x + f->drive_count) : 0);
 }

@@ -272,7 +272,7 @@ static double cover_for(struct set_up *s, const struct box *box, const struct fi
 	with_knots = knots_make(&knots, f, &s->effort, KNOTS_SHARE * seconds);
 	from.knots = with_knots ? &knots : NULL;
 	ck_assert(curvature_find(&bends, f, &from, &s->effort, seconds));
-	ck_assert(cover_find(&c, f, &(struct cover_start){bends.most, (const double(*)[2])found, from.knots}, &s->effort, seconds));
+	ck_assert(cover_find(&c, f, &(struct cover_start){bends.most, (const double(*)[2])found, from.knots, 0}, &s->effort, seconds));
 	knots_free(&knots);
 	check_cover(&c, f, (const struct sought(*)[2])best, r);
 	slack = slack_of(&c, f, (const struct sought(*)[2])best);

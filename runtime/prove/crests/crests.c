@@ -1,8 +1,10 @@
 #define _POSIX_C_SOURCE 200809L
 #include "prove/crests/crests.h"
 #include "core/seconds.h"
+#include "prove/crests/frontier.h"
 #include "prove/ranging.h"
 #include "range/knots.h"
+#include "range/magnitude.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,7 +13,10 @@ enum { MOST_NUMBERS = 1 << 25, MOST_DEGREE = 4, LENGTH_DEGREE = 2, LOWERED = 2 }
 
 /* Of the time of a crest: for curvature, the rest is for the cover. */
 #define SHARE_BENDS 0.5
-#define FLOOR 0.8 /* of what was found at points: less is of no interest */
+#define SHARE_WHOLE 0.03 /* where it is cut: for its magnitude over all angles */
+/* Of what was found: less is of no interest. What is cut comes out larger, but for what depends on q alone. */
+#define FLOOR 0.8
+#define FLOOR_CUT 1.4
 
 /* Crests of one field. */
 struct cresting {
@@ -36,30 +41,31 @@ double crests_knots(const struct peaks *p, const struct peak *k, int is_lowered)
 	return knots;
 }
 
-/* Of rates and drives. */
-static int rows_of(const struct peaks *p, enum role role)
+/* Where rates are drives: it is linear in them, and all that it is multiplied by depends on known rows of q. */
+static int is_of_drives(const struct peak *k)
 {
-	int position = dag_find_role(&p->x->d, role, 0);
-
-	return position < 0 ? 0 : p->x->d.arguments[position].rows;
+	return k->kind == PEAK_LINEAR && !k->cut;
 }
 
-double crests_numbers(const struct peaks *p, const struct peak *k)
+double crests_numbers(const struct peak *k)
 {
-	int n = rows_of(p, ROLE_JOINT_VELOCITY), m = rows_of(p, ROLE_JOINT_ACCELERATION);
+	int n = k->rates, m = k->drives;
 
-	return k->kind == PEAK_LINEAR ? 1 + n : 1 + m + n + n * (n + 1) / 2;
+	return is_of_drives(k) ? 1 + m + n : 1 + m + n + n * (n + 1) / 2;
 }
 
 double crests_together(const struct peaks *p, const struct peak *k)
 {
-	return floor(MOST_NUMBERS / (crests_knots(p, k, 0) * (crests_numbers(p, k) + FIELD_VECTOR - 1)));
+	return floor(MOST_NUMBERS / (crests_knots(p, k, 0) * (crests_numbers(k) + FIELD_VECTOR - 1)));
+}
+
+int crests_are_known(const struct peak *k)
+{
+	return k->kind != PEAK_UNKNOWN && k->found > 0 && isfinite(k->whole);
 }
 
 int crests_fit(const struct peaks *p, const struct peak *k)
 {
-	if ((k->kind != PEAK_LINEAR && k->kind != PEAK_FULL) || !(k->found > 0) || !isfinite(k->whole))
-		return 0;
 	for (int i = 0; i < p->dim_count; i++)
 		if (k->dims >> i & 1 && k->degrees[i] > (p->is_angle[i] ? MOST_DEGREE : LENGTH_DEGREE))
 			return 0;
@@ -91,16 +97,23 @@ static void set_degree(const struct cresting *g, struct field *f, struct field_d
 		k->degree = peak_of(g, f, o)->degrees[at] > k->degree ? peak_of(g, f, o)->degrees[at] : k->degree;
 }
 
-/* Nothing is known but the size; what waves that cancel leave is part of that. */
-static void begin(const struct cresting *g, const struct field *f, struct ranging *r)
+/* Nothing is known but the size; what waves that cancel leave is part of that. With inputs of its own it is larger. */
+static int begin(const struct cresting *g, const struct field *f, struct ranging *r, const struct effort *x, double seconds)
 {
+	struct box box;
+
+	memcpy(box.rows, g->relaxed.rows, sizeof box.rows);
+	if (g->list[0]->peak->cut && !magnitude_find(r->whole, f, &box, 1, x, seconds))
+		return 0;
 	for (int o = 0; o < f->output_count; o++) {
-		double whole = round_up(peak_of(g, f, o)->whole * (1 + 0x1p-40) + f->noise[o]);
+		const struct peak *of = peak_of(g, f, o);
+		double size = of->cut ? interval_size(r->whole[o]) : of->whole, whole = round_up(size * (1 + 0x1p-40) + f->noise[o]);
 
 		r->whole[o] = (struct interval){-whole, whole};
 		for (int k = 0; k < f->dim_count; k++)
 			r->bends[o * f->dim_count + k] = (double)INFINITY;
 	}
+	return 1;
 }
 
 static void take(const struct cresting *g, const struct field *f, const struct ranging *r)
@@ -126,12 +139,14 @@ static int find_by_knots(const struct cresting *g, struct field *f, struct rangi
 		return 1;
 	if (!knots_lower(&r->knots, f))
 		return 0;
-	begin(g, f, r);
+	if (!begin(g, f, r, &own, SHARE_WHOLE * seconds))
+		return 0;
 	of_bends = SHARE_BENDS * seconds;
 	own.deadline = fmin(own.deadline, seconds_now() + 1.5 * seconds);
 	if (!curvature_find(&r->curvature, f, &bent, &own, of_bends))
 		return 0;
 	covered.bends = r->curvature.most;
+	covered.pace = r->curvature.speed;
 	if (!cover_find(&r->cover, f, &covered, &own, seconds - of_bends))
 		return 0;
 	take(g, f, r);
@@ -148,7 +163,9 @@ static int find_field(const struct cresting *g, struct field *f)
 		if (f->dims[k].is_angle)
 			set_degree(g, f, &f->dims[k]);
 	for (int o = 0; o < f->output_count && done; o++) {
-		found[o][1].value = FLOOR * peak_of(g, f, o)->found / (peak_of(g, f, o)->pair ? sqrt(2) : 1);
+		const struct peak *k = peak_of(g, f, o);
+
+		found[o][1].value = (k->cut && k->kind != PEAK_PLAIN ? FLOOR_CUT : FLOOR) * k->found / (k->pair ? sqrt(2) : 1);
 		found[o][0].value = -found[o][1].value;
 	}
 	done = done && ranging_make(&r, f, (const struct sought(*)[2])found) &&
@@ -161,21 +178,33 @@ static int find_field(const struct cresting *g, struct field *f)
 
 /* ---- groups ---- */
 
+static int cut_make(struct cresting *g, const struct peak *k)
+{
+	uint32_t *nodes = arena_alloc(&g->arena, g->count, sizeof *nodes);
+
+	for (size_t i = 0; i < g->count && nodes; i++)
+		nodes[i] = g->list[i]->node;
+	return nodes && frontier_cut(&g->relaxed, g->c->relaxed, g->c->p, k, nodes, g->count, &g->arena);
+}
+
 /* The text's DAG with these nodes of the adjoint as outputs; where they are linear in rates, these are drives. */
 static int outputs_make(struct cresting *g)
 {
+	const struct peak *k = g->list[0]->peak;
 	const struct dag *d = &g->c->p->x->d;
 	int argument = g->c->p->text->outputs[g->c->p->output].argument,
 	    rates = dag_find_role(d, ROLE_JOINT_VELOCITY, 0);
 	struct dag *to = &g->relaxed.view.dag;
 
+	if (k->cut)
+		return cut_make(g, k);
 	g->relaxed = *g->c->relaxed;
 	*to = *d;
 	to->outputs = arena_alloc(&g->arena, g->count, sizeof *to->outputs);
 	to->output_count = g->count;
 	for (size_t i = 0; i < g->count && to->outputs; i++)
 		to->outputs[i] = (struct output){argument, (int)i, {g->list[i]->node}};
-	if (g->list[0]->peak->kind == PEAK_LINEAR && rates >= 0)
+	if (is_of_drives(k) && rates >= 0)
 		to->arguments[rates].role = ROLE_JOINT_ACCELERATION;
 	return to->outputs != NULL;
 }
@@ -184,11 +213,12 @@ static int find_group(struct cresting *g)
 {
 	struct field *fields;
 	struct rneagen_error e = {0};
-	int done, count;
+	int is_made, done, count;
 
 	arena_init(&g->arena, NULL);
-	done = outputs_make(g);
-	count = done ? field_split(&fields, &g->relaxed, &g->arena, &e) : 0;
+	is_made = outputs_make(g);
+	done = is_made || !g->arena.failed;
+	count = is_made ? field_split(&fields, &g->relaxed, &g->arena, &e) : 0;
 	for (int k = 0; k < count && done && seconds_now() < g->c->effort->deadline; k++)
 		done = find_field(g, &fields[k]);
 	arena_free(&g->arena);
@@ -197,7 +227,7 @@ static int find_group(struct cresting *g)
 
 static int is_of(const struct peaks *p, const struct peak *a, const struct peak *b)
 {
-	return a->kind == b->kind && a->dims == b->dims && !memcmp(a->degrees, b->degrees, (size_t)p->dim_count);
+	return a->kind == b->kind && a->dims == b->dims && a->cut == b->cut && !memcmp(a->degrees, b->degrees, (size_t)p->dim_count);
 }
 
 int crests_find(const struct crests *c, struct crest *list, size_t count)
