@@ -177,6 +177,20 @@ START_TEST(test_whole)
 }
 END_TEST
 
+/* Two kernels would have other bits. */
+START_TEST(test_strict)
+{
+	const struct subject s = {"hands 5 3", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 2, 0};
+	struct rneagen_options o = rneagen_options_default();
+	struct target t;
+
+	o.strict = 1;
+	generate(&s, &o, &t);
+	ck_assert_ptr_null(strstr(t.text.source, "_hands_kernel"));
+	rneagen_result_free(&t.text);
+}
+END_TEST
+
 /* By --parts 1, by --segments, and without kernels. */
 START_TEST(test_asked)
 {
@@ -202,6 +216,7 @@ int main(void)
 	suite_add(s, "values", test_values, sizeof APART / sizeof *APART, 300);
 	suite_add(s, "text", test_text, sizeof APART / sizeof *APART, 60);
 	suite_add(s, "whole", test_whole, sizeof WHOLE / sizeof *WHOLE, 60);
+	suite_add(s, "strict", test_strict, 1, 60);
 	suite_add(s, "asked", test_asked, 1, 60);
 	return suite_run(s);
 }

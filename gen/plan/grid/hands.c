@@ -214,7 +214,8 @@ int hands_are_read_first(const struct plan *p, const struct hands *h)
 	return 1;
 }
 
-/* tau alone, since its rows hold what is handed on; in numbers that have as many bits as what is computed with. */
+/* tau alone, since its rows hold what is handed on; in numbers that have as many bits as what is computed with. Which of two products
+   is joined to their sum goes by how often each is used, which two kernels count anew: so not where the same bits are wanted. */
 static int may_have(const struct parts_of *x)
 {
 	const struct rneagen_options *o = x->options;
@@ -222,7 +223,7 @@ static int may_have(const struct parts_of *x)
 
 	for (int i = 0; i < x->raw->argument_count; i++)
 		outputs += x->raw->arguments[i].is_output;
-	if (outputs != 1 || tau < 0 || x->tree->nq != x->tree->nv)
+	if (o->strict || outputs != 1 || tau < 0 || x->tree->nq != x->tree->nv)
 		return 0;
 	if (o->precision != RNEAGEN_F64 && (o->precision != RNEAGEN_F32 || o->layout == RNEAGEN_SOA))
 		return 0;
