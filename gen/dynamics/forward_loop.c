@@ -1,5 +1,5 @@
-/* Derivatives of qdd in loops over columns: each loop's body makes M^-1 of a column of -d tau, which stands in its place, or beside
-   the loop's others. */
+/* Derivatives of qdd in loops over columns: each loop's body makes M^-1 of a column of -d tau, which stands in its place, or
+   beside the loop's others. */
 #include "dynamics/forward.h"
 #include "dynamics/want.h"
 
@@ -177,9 +177,9 @@ static int operations(const struct pattern *related, const struct pattern *coupl
 	return 2 * pairs;
 }
 
-/* One call in f64, AVX2, against the straight line: 6 operations, a leg of hyq, 0.97, for a text half as long again; 12, a finger of
-   allegro, 0.90; 30 ur5 0.88, 42 iiwa14 0.92, 70 panda with both fingers 0.79, 198 floating hyq 0.64, 612 g1_29dof 0.60. A compiler
-   takes some seconds for the most. */
+/* One call in f64, AVX2, against the straight line: 6 operations, a leg of hyq, 0.97, for a text half as long again; 12, a finger
+   of allegro, 0.90; 30 ur5 0.88, 42 iiwa14 0.92, 70 panda with both fingers 0.79, 198 floating hyq 0.64, 612 g1_29dof 0.60. A
+   compiler takes some seconds for the most. */
 enum { LOOP_LEAST = 10, LOOP_MOST = 2000 };
 
 /* Do the elements of a row stand side by side? In a dense matrix those between them are of rows that feel nothing of these. */

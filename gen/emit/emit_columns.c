@@ -27,8 +27,8 @@ static const char *unused_text(const struct emission *e, const struct plan *line
 	return text_string(&t);
 }
 
-/* Columns of which vectors are made are as many as fill them, of AVX2 or half as long: one more that is solved by itself would take
-   as long as a vector. */
+/* Columns of which vectors are made are as many as fill them, of AVX2 or half as long: one more that is solved by itself would
+   take as long as a vector. */
 enum { VECTOR_BYTES = 32 };
 
 static int lanes_of(const struct emission *e, const struct pass *p, int loop)

@@ -223,7 +223,8 @@ size_t crests_choose(const struct crests_choice *c, struct crest *list)
 	size_t count = c->p->x->d.count, size = count * sizeof(double), put = 0;
 	double *caps = malloc(size);
 	struct choosing h = {c, malloc((c->p->count + 1) * sizeof *h.list),
-		arena_alloc(c->p->arena, c->p->count + 1, sizeof *h.peaks), malloc(size), c->error(c->context), seconds_now() + SHARE * c->seconds};
+		arena_alloc(c->p->arena, c->p->count + 1, sizeof *h.peaks), malloc(size), c->error(c->context),
+		seconds_now() + SHARE * c->seconds};
 
 	if (h.list && h.peaks && h.sizes && caps && isfinite(h.error)) {
 		memcpy(h.sizes, c->values->size, size);
