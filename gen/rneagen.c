@@ -56,8 +56,7 @@ static enum rneagen_code options_resolve(struct generation *g)
 		return error_set(e, RNEAGEN_USAGE,
 			"--strict and --precision f32x2 exclude each other: its products have other bits where no fused multiply-add is; take f64");
 	if (o->bounded && o->target != RNEAGEN_TARGET_C)
-		return error_set(e, RNEAGEN_USAGE,
-			"--bounded is for target c: take --target c, or an output whose name ends in .c");
+		return error_set(e, RNEAGEN_USAGE, "--bounded is for target c: take --target c, or an output whose name ends in .c");
 	if (o->bounded && o->precision == RNEAGEN_F32X2)
 		return error_set(e, RNEAGEN_USAGE,
 			"--bounded and --precision f32x2 exclude each other: pairs of floats have no bounded function; take f64");
@@ -138,7 +137,7 @@ static enum rneagen_code plan_build_all(struct generation *g)
 		if (!plan_build(&g->passes[i].plan, &g->passes[i].dag, &a->tree, a->arena))
 			return error_memory(a->error);
 	}
-	return plan_order(&g->passes[0], &a->tree, &a->request, &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
+	return plan_order(&g->passes[0], &a->tree, &a->request, &a->options, 0, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }
 
 /* The last that needs the DAG as it was before it was fused. */
@@ -182,7 +181,7 @@ static enum rneagen_code choose_for_kernel(struct generation *g,
 	int (*choose)(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a))
 {
 	struct analysis *a = &g->analysis;
-	int in_parts = g->part_count && !g->parts[0].pass.stretches, count = in_parts ? g->part_count : 1;
+	int in_parts = g->part_count && !parts_are_apart(g->parts, g->part_count), count = in_parts ? g->part_count : 1;
 	struct pass **passes = arena_alloc(a->arena, (size_t)count, sizeof *passes);
 
 	if (!target_type_of(a->options.target)->kernel)
@@ -199,6 +198,8 @@ static enum rneagen_code limbs_make_all(struct generation *g)
 
 	if (choose_for_kernel(g, windows_choose) || choose_for_kernel(g, limbs_choose))
 		return a->error->code;
+	if (parts_are_apart(g->parts, g->part_count))
+		limbs_beside_parts(&g->passes[0].limbs, &a->request);
 	return !start || limbs_choose(&start, 1, &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }
 
@@ -227,8 +228,7 @@ static struct emission new_emission(struct generation *g, const char *told)
 {
 	struct analysis *a = &g->analysis;
 
-	return (struct emission){.tree = &a->tree, .request = &a->request,
-		.scene = &a->scene, .adjust = &a->adjust, .options = &a->options,
+	return (struct emission){.tree = &a->tree, .request = &a->request, .scene = &a->scene, .adjust = &a->adjust, .options = &a->options,
 		.passes = g->passes, .pass_count = function_count(g),
 		.parts = g->parts, .part_count = g->part_count, .relay = g->relay,
 		.warnings = g->result->warnings, .warning_count = g->result->warning_count,

@@ -46,10 +46,9 @@ static inline const struct pass *emit_part(const struct emission *e, int part)
 	return e->part_count ? &e->parts[part].pass : emit_main(e);
 }
 
-/* Do the parts share nothing? Then each has a slice of its own, and the whole serves small batches. */
 static inline int emit_is_apart(const struct emission *e)
 {
-	return e->part_count && e->parts[0].pass.stretches != NULL;
+	return parts_are_apart(e->parts, e->part_count);
 }
 
 /* How many of the parts, the first ones, are hands: of a kernel of their own, which runs before. */

@@ -8,4 +8,7 @@
    where that pays; what the kernel needs to know of all is in the limbs of each. Returns 0 when memory runs out. */
 int limbs_choose(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a);
 
+/* Of the whole, beside parts that share nothing: for fewer samples where these are as fast. */
+void limbs_beside_parts(struct limbs *s, const struct request *k);
+
 #endif

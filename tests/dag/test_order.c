@@ -100,7 +100,7 @@ static struct most order(const char *urdf, size_t length, const struct rneagen_o
 	struct rneagen_error e;
 	struct analysis x;
 	struct most most = {0};
-	struct pass p;
+	struct pass p, part;
 
 	if (analysis_open(&x, urdf, length, o, &e)) {
 		ck_assert_msg(strstr(e.message, "singular") || strstr(e.message, "nothing"), "%s: %s", what, e.message);
@@ -109,11 +109,16 @@ static struct most order(const char *urdf, size_t length, const struct rneagen_o
 	p = (struct pass){.dag = x.dag};
 	ck_assert(plan_build(&p.plan, &p.dag, &x.tree, x.arena));
 	most.before = plan_alive(&p.plan, x.arena);
-	ck_assert(plan_order(&p, &x.tree, &x.request, o, x.arena));
+	part = (struct pass){.dag = x.dag};
+	ck_assert(plan_build(&part.plan, &part.dag, &x.tree, x.arena));
+	ck_assert(plan_order(&p, &x.tree, &x.request, o, 0, x.arena));
+	ck_assert(plan_order(&part, &x.tree, &x.request, o, 1, x.arena));
 	most.after = plan_alive(&p.plan, x.arena);
 	most.is_other = p.dag.nodes != x.dag.nodes;
 	expect_same_outputs(&x.dag, &p.dag, what);
+	expect_same_outputs(&x.dag, &part.dag, what);
 	expect_runs(&p.plan, what);
+	expect_runs(&part.plan, what);
 	analysis_free(&x);
 	return most;
 }

@@ -1,4 +1,4 @@
-/* Torques of limbs that share nothing, in parts of the grid: values as those of the whole text compiled as C, for blocks that
+/* Torques, accelerations and vjp of limbs that share nothing, in parts of the grid: values as those of the whole text compiled as C, for blocks that
    have room in shared memory and for others; which texts are in such parts, and which stay whole. */
 #define _POSIX_C_SOURCE 200809L
 #include "launched.h"
@@ -28,9 +28,13 @@ static const struct subject {
 	{"g1_29dof", "want bias\nfree payload.left_ankle_roll_link\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0},
 	{"limbs 3 16", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 3, 0},
 	{"limbs 3 16", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 3, 0},
+	{"atlas", "want qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0},
+	{"g1_29dof", "want qdd\nfree gravity:sample\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 2, 0},
+	{"g1_29dof", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0},
+	{"g1_29dof", "want tau,vjp\nfree payload.left_ankle_roll_link:batch\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 2, 0},
+	{"atlas", "want qdd\n", RNEAGEN_F64, RNEAGEN_AOS, 0, 2, 0},
 	{"hands 5 3", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 2},
 	{"hands 4 4", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 2, 2},
-	{"hands 5 3", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 2, 2},
 	{"hands 5 4", "free payload.l2_6:batch\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 2},
 };
 
@@ -39,11 +43,15 @@ static const struct subject {
 static const struct subject WHOLE[] = {
 	{"atlas", "", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, 0},
 	{"g1_29dof", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 1, 0},
+	{"hands 5 3", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 1, 0},
 	{"hyq", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0},
 	{"g1_29dof", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 1, 0},
 	{"limbs 2 40", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0},
 	{"g1_29dof", "want tau,power\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0},
-	{"g1_29dof", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0},
+	{"hyq", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0},
+	{"atlas", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_AOS, 0, 1, 0},
+	{"atlas", "want qdd\n", RNEAGEN_F32, RNEAGEN_AOS, 0, 1, 0},
+	{"g1_29dof", "want qdd\nrefine 1\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 1, 0},
 	{"chain_75", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 1, 0},
 	{"chain_75", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 1, 0}, /* one hand, and an arm that is longer than half of it */
 };

@@ -37,11 +37,21 @@ int emit_slice_bytes(const struct emission *e)
 	return emit_stage_words(e) * e->memory->bytes;
 }
 
+/* The most values at once of the body, or of a part of it. */
+static int most_alive(const struct emission *e)
+{
+	int most = e->part_count ? 0 : plan_alive(&emit_main(e)->plan, e->arena);
+
+	for (int i = 0; i < e->part_count; i++)
+		most = e->parts[i].alive > most ? e->parts[i].alive : most;
+	return most;
+}
+
 /* Accelerations of which more floats wait than registers hold (H100, 1 M samples: floating atlas 0.93 ns instead of 1.29; but in
    f64 floating hyq 0.55 instead of 0.43). */
 static int is_full_forward(const struct emission *e)
 {
-	return e->request->is_forward && e->arithmetic->bytes == 4 && plan_alive(&emit_main(e)->plan, e->arena) > FULL_SINGLE;
+	return e->request->is_forward && e->arithmetic->bytes == 4 && most_alive(e) > FULL_SINGLE;
 }
 
 /* Does the kernel hold so much at once that it takes smaller blocks, and shared memory beside its registers? */
@@ -55,7 +65,7 @@ int emit_is_staged(const struct emission *e)
 {
 	/* a part must not write what stands in the others' places, unless it shares nothing with them; segments and windows have
 	   shared memory of their own */
-	return !emit_is_operation(e) && (!e->part_count || emit_is_apart(e)) && !emit_main(e)->segments.count &&
+	return !emit_is_operation(e) && (!e->part_count || (emit_is_apart(e) && !request_wants_derivative(e->request))) && !emit_main(e)->segments.count &&
 		!emit_windows(e)->slots && stage_has_room(emit_stage_words(e), e->options);
 }
 
@@ -123,16 +133,6 @@ int emit_block_size(const struct emission *e)
 	return block;
 }
 
-/* The most values at once of the body, or of a part of it. */
-static int most_alive(const struct emission *e)
-{
-	int most = e->part_count ? 0 : plan_alive(&emit_main(e)->plan, e->arena);
-
-	for (int i = 0; i < e->part_count; i++)
-		most = e->parts[i].alive > most ? e->parts[i].alive : most;
-	return most;
-}
-
 /* Derivatives in f64 that need no shared memory to spill into: what the compiler may give each of four blocks it then gives (H100,
    1 M samples: hyq, 64 values alive, 0.416 ns instead of 0.433; but iiwa14, 137, 0.412 instead of 0.386). Of accelerations, where
    very many wait, the compiler's own choice is 168 registers, and it spills more: 7584 bytes instead of 6368 for floating hyq, 361 values
@@ -143,7 +143,7 @@ static int min_derivative_blocks(const struct emission *e)
 
 	if (e->arithmetic->bytes != 8)
 		return 0;
-	return (alive > MANY_ALIVE && alive <= MOST_ALIVE) || (e->request->is_forward && most_alive(e) > OVERFULL_DOUBLE) ? 4 : 0;
+	return (alive > MANY_ALIVE && alive <= MOST_ALIVE) || ((e->request->is_forward || emit_is_apart(e)) && most_alive(e) > OVERFULL_DOUBLE) ? 4 : 0;
 }
 
 /* Humanoids in f32 soa gain from room for a third block (H100: 168 registers, no spill), arms of some 50 values from room

@@ -9,10 +9,25 @@
    327 and 291, baxter 180 and 150, atlas 298 and 271, g1_29dof 371 and 324, jvrc1 459 and 369. f32: atlas, 2668, 174 and 186, g1_29dof
    185 and 197, jvrc1 213 and 229, but g1_brainco 619 and 463. In aos a part's rows stand apart: in f64 atlas 348 and 491, but
    g1_brainco 4134 and 3792, in f32 1107 and 704. */
-enum { LEAST_STAGED = 1400, LEAST = 5000 };
+enum { LEAST_STAGED = 1400, LEAST = 5000, NEVER = 1 << 30 };
+
+/* Of accelerations in soa in f32, the same: hyq, 1284 operations, 70.8 and 76.8, yumi, 4334, 152 and 144, atlas 269 and 265, g1_29dof 312
+   and 310, jvrc1 709 and 454; 4096 samples, us: yumi 5.7 and 2.6, atlas 9.5 and 6.5. In f64 hyq 132 and 125, yumi 308 and 236, atlas
+   968 and 578, g1_29dof 1835 and 817, jvrc1 2832 and 2682, in aos atlas 1252 and 788, g1_29dof 2733 and 1028; but in f32 in aos atlas 269
+   and 417. */
+enum { LEAST_ACCELERATIONS = 2000 };
+
+/* Operations of torques with their vjp, from which on there may be parts; values at once: in f32 more than so many in the whole, in f64
+   no more than so many in each part, for segments serve those better. H100, 1 M samples, ps, values in the whole or in a part: f32: hyq, 2284
+   operations, 144 and 141 (73), yumi 197 and 221 (212), romeo 425 and 483 (230), atlas 391 and 404, but 16384 samples in 10.2 us
+   instead of 12.5 (285), baxter 314 and 226 (289), g1_29dof 416 and 430 (307), jvrc1 1293 and 571 (394). f64: hyq 272 and 299, yumi
+   998 and 428 (176), baxter 892 and 558 (164), romeo 1611 and 935 (230), atlas 1814 and 1377 (285), g1_29dof 2608 and 1590 (307), jvrc1 3656
+   and 4716 (394), g1_brainco 8218 and 10350 (474). */
+enum { LEAST_PRODUCT = 2500, PRODUCT_ALIVE_SINGLE = 280, PRODUCT_ALIVE_DOUBLE = 340 };
 
 struct finder {
 	const struct dag *d;
+	int rows;              /* of the robot; an output's are those, once or more */
 	unsigned char *varies; /* by node: it is made of what each sample has of its own */
 	int *output;           /* by node: 1 + an output that takes it; 0: none does */
 	int *joined;           /* by output: another one that it is joined to, or itself */
@@ -27,6 +42,11 @@ struct limb {
 static int is_operation(const struct node *n)
 {
 	return n->op != OP_CONST && n->op != OP_INPUT;
+}
+
+static int row_of(const struct finder *f, size_t output)
+{
+	return f->d->outputs[output].row % f->rows;
 }
 
 static int root_of(struct finder *f, int output)
@@ -46,9 +66,9 @@ static void take(struct finder *f, uint32_t node, int output)
 		f->output[node] = output + 1;
 }
 
-static int find(struct finder *f, const struct dag *d, struct arena *a)
+static int find(struct finder *f, const struct dag *d, int rows, struct arena *a)
 {
-	*f = (struct finder){.d = d, .varies = arena_alloc(a, d->count, 1), .output = arena_alloc(a, d->count, sizeof *f->output),
+	*f = (struct finder){.d = d, .rows = rows, .varies = arena_alloc(a, d->count, 1), .output = arena_alloc(a, d->count, sizeof *f->output),
 		.joined = arena_alloc(a, d->output_count + 1, sizeof *f->joined)};
 	if (a->failed)
 		return 0;
@@ -71,40 +91,41 @@ static int find(struct finder *f, const struct dag *d, struct arena *a)
 }
 
 /* By row: the first row that it, or one after it, is joined to. */
-static void join_rows(struct finder *f, int *first, int rows, int *least)
+static void join_rows(struct finder *f, int *first, int *least)
 {
 	const struct dag *d = f->d;
 
-	for (int i = 0; i < rows; i++)
+	for (int i = 0; i < f->rows; i++)
 		first[i] = i;
 	for (size_t i = 0; i < d->output_count; i++)
-		least[i] = rows;
+		least[i] = f->rows;
 	for (size_t i = 0; i < d->output_count; i++) {
 		int *l = &least[root_of(f, (int)i)];
 
-		*l = d->outputs[i].row < *l ? d->outputs[i].row : *l;
+		*l = row_of(f, i) < *l ? row_of(f, i) : *l;
 	}
 	for (size_t i = 0; i < d->output_count; i++) {
-		int *of_row = &first[d->outputs[i].row], l = least[root_of(f, (int)i)];
+		int *of_row = &first[row_of(f, i)], l = least[root_of(f, (int)i)];
 
 		*of_row = l < *of_row ? l : *of_row;
 	}
-	for (int i = rows - 1; i > 0; i--)
+	for (int i = f->rows - 1; i > 0; i--)
 		if (first[i] < i && first[i] < first[i - 1])
 			first[i - 1] = first[i];
 }
 
 /* Returns how many there are. */
-static int limbs_of(struct finder *f, struct limb *limbs, int rows, struct arena *a)
+static int limbs_of(struct finder *f, struct limb *limbs, struct arena *a)
 {
 	const struct dag *d = f->d;
-	int *first = arena_alloc(a, (size_t)rows + 1, sizeof *first), *least = arena_alloc(a, d->output_count + 1, sizeof *least);
-	int *limb = arena_alloc(a, (size_t)rows + 1, sizeof *limb), count = 0;
+	size_t rows = (size_t)f->rows + 1;
+	int *first = arena_alloc(a, rows, sizeof *first), *least = arena_alloc(a, d->output_count + 1, sizeof *least);
+	int *limb = arena_alloc(a, rows, sizeof *limb), count = 0;
 
 	if (a->failed)
 		return 0;
-	join_rows(f, first, rows, least);
-	for (int i = 0; i < rows; i++) {
+	join_rows(f, first, least);
+	for (int i = 0; i < f->rows; i++) {
 		if (first[i] == i)
 			limbs[count++] = (struct limb){.first = i};
 		limbs[count - 1].last = i;
@@ -112,7 +133,7 @@ static int limbs_of(struct finder *f, struct limb *limbs, int rows, struct arena
 	}
 	for (size_t i = 0; i < d->count; i++)
 		if (f->output[i])
-			limbs[limb[d->outputs[f->output[i] - 1].row]].operations++;
+			limbs[limb[row_of(f, (size_t)f->output[i] - 1)]].operations++;
 	return count;
 }
 
@@ -144,27 +165,50 @@ static int own(int *owner, const struct dag *d, const struct parts_of *x, struct
 	int *part = arena_alloc(a, rows, sizeof *part), count;
 	struct finder f;
 
-	if (!find(&f, d, a))
+	if (!find(&f, d, x->tree->nv, a))
 		return 0;
-	count = limbs_of(&f, limbs, x->tree->nv, a);
+	count = limbs_of(&f, limbs, a);
 	if (a->failed)
 		return 0;
 	count = deal_out(limbs, count, part);
 	for (size_t i = 0; i < d->output_count; i++)
-		owner[i] = part[d->outputs[i].row];
+		owner[i] = part[row_of(&f, i)];
 	return count;
 }
 
 /* ---- parts ---- */
 
-static int is_torque(enum role role)
+/* Is each of its elements a joint's, row after row, once or several times? */
+static int is_by_row(const struct argument *a, int nv)
 {
-	return role == ROLE_JOINT_TORQUE || role == ROLE_GRAVITY_TORQUE || role == ROLE_BIAS_TORQUE;
+	static const enum role roles[] = {ROLE_JOINT_TORQUE, ROLE_GRAVITY_TORQUE, ROLE_BIAS_TORQUE, ROLE_JOINT_ACCELERATION, ROLE_VJP};
+
+	for (size_t i = 0; i < sizeof roles / sizeof *roles; i++)
+		if (a->role == roles[i])
+			return nv > 0 && a->rows % nv == 0;
+	return 0;
 }
 
 static int is_staged_soa(const struct rneagen_options *o)
 {
 	return o->layout == RNEAGEN_SOA && o->precision != RNEAGEN_F32;
+}
+
+/* Operations beyond which there are parts; NEVER: there are none. */
+static unsigned least_operations(const struct parts_of *x)
+{
+	const struct rneagen_options *o = x->options;
+	int is_product = request_wants_derivative(x->request);
+
+	if ((x->request->is_forward && is_product) || x->request->refine_steps)
+		return NEVER;
+	if (o->layout == RNEAGEN_AOS && (is_product || (x->request->is_forward && o->precision == RNEAGEN_F32)))
+		return NEVER;
+	if (is_product)
+		return LEAST_PRODUCT;
+	if (is_staged_soa(o))
+		return LEAST_STAGED;
+	return x->request->is_forward && o->layout == RNEAGEN_SOA ? LEAST_ACCELERATIONS : LEAST;
 }
 
 static int may_be_apart(const struct parts_of *x)
@@ -176,9 +220,9 @@ static int may_be_apart(const struct parts_of *x)
 		o->precision == RNEAGEN_F32X2)
 		return 0;
 	for (int i = 0; i < d->argument_count; i++)
-		if (d->arguments[i].is_output && !is_torque(d->arguments[i].role))
+		if (d->arguments[i].is_output && !is_by_row(&d->arguments[i], x->tree->nv))
 			return 0;
-	return plan_flops(plan_operations(&x->whole->plan)) > (is_staged_soa(o) ? LEAST_STAGED : LEAST);
+	return plan_flops(plan_operations(&x->whole->plan)) > least_operations(x);
 }
 
 /* Have the slices of all parts room in shared memory, where they are to be there? */
@@ -190,13 +234,30 @@ static int have_room(const struct part *parts, int count, const struct rneagen_o
 	return 1;
 }
 
+/* Of a vjp: does the whole hold too much, and no part of it? */
+static int hold_less(const struct part *parts, int count, const struct parts_of *x, struct arena *a)
+{
+	int most = 0;
+
+	if (x->options->precision == RNEAGEN_F32)
+		return plan_alive(&x->whole->plan, a) > PRODUCT_ALIVE_SINGLE;
+	for (int i = 0; i < count; i++)
+		most = parts[i].alive > most ? parts[i].alive : most;
+	return most <= PRODUCT_ALIVE_DOUBLE;
+}
+
+static int do_pay(const struct part *parts, int count, const struct parts_of *x, struct arena *a)
+{
+	return request_wants_derivative(x->request) ? hold_less(parts, count, x, a) : have_room(parts, count, x->options);
+}
+
 /* Its bodies, from the first row on. */
 static void name_bodies(struct part *p, const struct tree *t)
 {
 	struct stretch rows = {0};
 
 	for (size_t i = 0; i < p->pass.dag.output_count; i++)
-		stretch_widen(&rows, p->pass.dag.outputs[i].row);
+		stretch_widen(&rows, p->pass.dag.outputs[i].row % t->nv);
 	for (int k = t->body_count; k-- > 0;)
 		if (t->bodies[k].iv >= rows.first && t->bodies[k].iv < rows.first + rows.rows) {
 			p->first = k;
@@ -216,6 +277,9 @@ static int make_part(struct part *p, struct share *share, int owner, int number,
 	text_printf(&doc, "Part %d of it: %s.", number, what);
 	if (!rows || !part_build_share(p, share, owner, owner + 1, text_string(&name), text_string(&doc), x, a))
 		return 0;
+	if (!plan_order(&p->pass, x->tree, x->request, x->options, 1, a))
+		return 0;
+	p->alive = plan_alive(&p->pass.plan, a);
 	stretches_make(rows, &p->pass.dag);
 	p->pass.stretches = rows;
 	name_bodies(p, x->tree);
@@ -267,7 +331,7 @@ static int make_all(struct part **parts, int *count, const struct hands *h, cons
 	*parts = arena_alloc(a, (size_t)(limbs + h->count), sizeof **parts);
 	if (!*parts || !make_hands(*parts, h, x, spare, a) || !make_limbs(*parts, h->count, limbs, d, owner, x, spare, a))
 		return 0;
-	*count = have_room(*parts, limbs + h->count, x->options) ? limbs + h->count : 0;
+	*count = do_pay(*parts, limbs + h->count, x, spare) ? limbs + h->count : 0;
 	return 1;
 }
 

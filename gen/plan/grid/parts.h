@@ -29,6 +29,12 @@ struct parts_of {
 	int is_relayed;  /* it is a kernel of a relay: one part at least */
 };
 
+/* Do the parts share nothing (apart.h)? Then each has a slice of its own, and the whole serves small batches. */
+static inline int parts_are_apart(const struct part *parts, int count)
+{
+	return count && parts[0].pass.stretches != NULL;
+}
+
 /* In the order of the bodies, as the options ask for; *count is 0 where the text stays whole, as one without kernels
    does. Errors: USAGE, MEMORY. */
 enum rneagen_code parts_make(struct part **parts, int *count, const struct parts_of *x, struct arena *a, struct rneagen_error *e);

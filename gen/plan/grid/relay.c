@@ -5,10 +5,12 @@
 #include <limits.h>
 #include <string.h>
 
-/* Operations of the one kernel. H100, half a million samples, ns each, in one kernel and in a relay: floating hyq, 19000,
-   f32 2.6 and 2.5, f64 14.3 and 4.7; atlas, 34000, f32 5.7 and 4.4, f64 24.7 and 9.6; 1024 samples, us: hyq 27.6 and 22.2,
-   45.3 and 34.0, atlas 28.1 and 35.9, 63 and 50.5. Nothing smaller was tried. */
-enum { LEAST_OPERATIONS = 12000, LEAST_SINGLE = 60000 };
+/* Operations of the one kernel. H100, half a million samples, ns each, in one kernel and in a relay: floating hyq, 19000, f32 2.6 and 2.5,
+   f64 14.3 and 4.7; atlas, 34000, f64 24.7 and 9.6; 1024 samples, us: hyq 27.6 and 22.2, 45.3 and 34.0, atlas 63 and 50.5. f32, 1 sample, us,
+   1024, 16384, and a million, ns, and seconds of NVRTC: shadow_hand, 23000, 30.4 at 1024, 89.7, 4.72, 16 s, and 28.1, 79.8, 3.54, 3 s; atlas
+   27.7, 28.3, 148, 5.52, 13 s, and 25.4, 35.6, 110, 4.23, 4 s; g1_29dof 35.9, 37.0, 121, 6.45, 14 s, and 28.3, 38.6, 108, 4.11, 7 s. Nothing
+   smaller was tried. */
+enum { LEAST_OPERATIONS = 12000 };
 
 /* Multiprocessors (H100), shared memory of each; warps of 255 registers that it has room for; blocks that gain nothing from more
    beside them in f64; shared memory that a block may have on all GPUs since sm_80. */
@@ -17,16 +19,9 @@ enum { MULTIPROCESSORS = 132, MULTIPROCESSOR_BYTES = 227 << 10, WARPS = 8, DOUBL
 /* Which kernel writes an output. */
 enum { START, COLUMNS, SOLVE, KERNELS };
 
-/* Does the first body float? Then all joints feel each other, and each part makes nearly all that the others make. */
-static int is_free(const struct tree *t)
-{
-	return t->body_count > 0 && joint_nv(t->bodies[0].type) == 6;
-}
-
 static int may_be_relayed(const struct parts_of *x)
 {
 	const struct rneagen_options *o = x->options;
-	unsigned least = o->precision == RNEAGEN_F32 && !is_free(x->tree) ? LEAST_SINGLE : LEAST_OPERATIONS;
 
 	if (!x->has_kernels || !x->is_unpruned || !x->request->is_forward)
 		return 0;
@@ -34,7 +29,7 @@ static int may_be_relayed(const struct parts_of *x)
 		return 0;
 	if (o->parts != RNEAGEN_PARTS_AUTO || o->segments != RNEAGEN_SEGMENTS_AUTO)
 		return 0;
-	return plan_flops(plan_operations(&x->whole->plan)) >= least;
+	return plan_flops(plan_operations(&x->whole->plan)) >= LEAST_OPERATIONS;
 }
 
 static int *kernels_of(const struct dag *d, struct arena *a)
@@ -99,7 +94,7 @@ static int build_start(struct relay *r, struct share *share, const char *name, c
 					  : !part_build_share(&r->start, share, START, START + 1, name, doc, x, a))
 		return 0;
 	drop_loops(&r->start.pass.dag);
-	return plan_order(&r->start.pass, x->tree, &alone, x->options, a) &&
+	return plan_order(&r->start.pass, x->tree, &alone, x->options, 0, a) &&
 		segments_choose(&r->start.pass, SEGMENT_KERNEL, &alone, x->options, a);
 }
 
