@@ -236,7 +236,9 @@ int emit_has_zeros(const struct emission *e, const struct pass *p)
 	int is_further = (p > emit_main(e) && p < e->passes + e->pass_count) ||
 		(e->relay && (p == &e->relay->start.pass || p == &e->relay->solve.pass));
 
-	return emit_is_streamed(e) && !is_further && !emit_main(e)->segments.count && count_zeros(stored_by(e)) >= FEWEST_ZEROS;
+	/* parts that share nothing have no loops, and store theirs one by one */
+	return emit_is_streamed(e) && !is_further && !emit_is_apart(e) && !emit_main(e)->segments.count &&
+		count_zeros(stored_by(e)) >= FEWEST_ZEROS;
 }
 
 int emit_is_zero_store(const struct plan *p, const struct line *l)

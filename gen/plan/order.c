@@ -14,8 +14,12 @@ static const double FEWER_IN_ALL = 0.8, FEWER_AT_ONCE = 0.6;
 /* The same of accelerations, where much is spilled, or nothing. With the bias first, f64: atlas 1235, 970, g1_29dof 3088, 1833,
    jvrc1 4290, 2823; f32: jvrc1 813, 723, atlas 273, 269. What is left out: g1_29dof in f32, 0.61 in all, 311, 323; in f64
    floating atlas, 0.83 spilled, 3639, 3973. */
-static const double SPILLS = 0.05, FEWER_SPILLED = 0.6, FEWER_ACCELERATIONS = 0.6, FEWER_IN_PART = 0.85;
+static const double SPILLS = 0.05, FEWER_SPILLED = 0.6, FEWER_ACCELERATIONS = 0.6;
 enum { ROOM_SINGLE = 230, ROOM_DOUBLE = 110 };
+
+/* The same of a part that shares nothing with others, which is to do without segments. H100, 1 M samples, f64, ps: g1_29dof, tau and
+   vjp, 0.53 spilled, 3948, 1590; qdd of jvrc1, 0.74, 2766, 2682. Torques keep the tour's order. */
+static const double FEWER_IN_PART = 0.85;
 
 /* Values that wait behind the lines. */
 struct waiting {
@@ -57,8 +61,6 @@ static int is_better_for_accelerations(struct waiting w, struct waiting own, siz
 	return (double)w.sum <= FEWER_ACCELERATIONS * (double)own.sum && w.most <= room;
 }
 
-/* In a part that shares nothing with others, which is to do without segments. H100, 1 M samples, f64, ps: g1_29dof, tau and vjp, 0.53
-   spilled, 3948, 1590; atlas, 0.39, 1814 in segments, 1377; qdd of jvrc1 0.74, 2766, 2682. */
 static int is_better_for_part(struct waiting w, struct waiting own)
 {
 	if ((double)own.spilled > SPILLS * (double)own.sum)
@@ -161,7 +163,7 @@ static int is_acceleration(const struct request *k)
 static int takes(struct waiting w, struct waiting own, size_t room, const struct request *k, int is_part)
 {
 	if (is_part)
-		return is_better_for_part(w, own);
+		return (k->is_forward || request_wants_derivative(k)) && is_better_for_part(w, own);
 	return is_acceleration(k) ? is_better_for_accelerations(w, own, room) : is_better(w, own, room);
 }
 

@@ -11,12 +11,12 @@ enum { LOOP_LEAST = 980, LOOP_OPERATIONS = 500, LOOP_OVERHEAD = 8 };
 /* Kernels (H100, 1 M samples, ps). f32: g1_brainco, 5700 operations in 2 segments, 643 instead of 1256; what the
    instruction cache holds is better whole: atlas 204 instead of 189, romeo 205 instead of 197. f64, where registers
    spill: jvrc1 515 instead of 653, romeo 526 instead of 574, g1_brainco 2487 instead of 3743; but not where the slice
-   has room in shared memory: g1_29dof 540 instead of 438. All with --trig bounded. Accelerations: f32 of atlas 422
-   instead of 312; f64 1963 instead of 2553 (103 values across, in locals), but not where more goes across: g1_29dof
-   2971 instead of 3284 with 166, floating atlas 4789 instead of 3767 with 177. The torques with their vjp in f64: atlas
-   1783 instead of 3073, jvrc1 3897 instead of 6579, floating hyq 1129 instead of 1737; but in f32 g1_29dof 594 instead
-   of 438. In aos each segment fetches inputs that stand apart: g1_brainco in f64 4126 instead of 5007, but in f32 1766
-   to 2448 instead of 1034. */
+   has room in shared memory: g1_29dof 540 instead of 438. All with --trig bounded, and before there were parts for
+   limbs that share nothing. Accelerations: f32 of atlas 422 instead of 312; f64 1963 instead of 2553 (103 values
+   across, in locals), but not where more goes across: g1_29dof 2971 instead of 3284 with 166, floating atlas 4789
+   instead of 3767 with 177. The torques with their vjp in f64: atlas 1783 instead of 3073, jvrc1 3897 instead of 6579,
+   floating hyq 1129 instead of 1737; but in f32 g1_29dof 594 instead of 438. In aos each segment fetches inputs that
+   stand apart: g1_brainco in f64 4126 instead of 5007, but in f32 1766 to 2448 instead of 1034. */
 enum { KERNEL_LEAST_SINGLE = 5000, KERNEL_LEAST_DOUBLE = 2500, KERNEL_LONG = 5000, KERNEL_OPERATIONS = 1500,
 	KERNEL_LONG_OPERATIONS = 6000, FORWARD_OPERATIONS = 5000, FORWARD_ACROSS = 170, KERNEL_PRODUCT = 3500,
 	PRODUCT_OPERATIONS = 2500 };

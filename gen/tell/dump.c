@@ -56,7 +56,7 @@ void dump_segments(const struct dumped *d, struct text *out)
 
 void dump_limbs(const struct dumped *d, struct text *out)
 {
-	int in_parts = d->part_count && !d->parts[0].pass.stretches;
+	int in_parts = d->part_count && !parts_are_apart(d->parts, d->part_count);
 
 	for (int i = 0; i < d->part_count && in_parts; i++)
 		limbs_dump(&d->parts[i].pass, out);

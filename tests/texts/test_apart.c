@@ -1,10 +1,11 @@
-/* Torques, accelerations and vjp of limbs that share nothing, in parts of the grid: values as those of the whole text compiled as C, for blocks that
-   have room in shared memory and for others; which texts are in such parts, and which stay whole. */
+/* Torques, accelerations and vjp of limbs that share nothing, in parts of the grid: the same bits as of the whole text compiled as C, for
+   blocks that have room in shared memory and for others; which texts are in such parts, and which stay whole. */
 #define _POSIX_C_SOURCE 200809L
 #include "launched.h"
 #include "base/text.h"
 #include "support/exhaustive.h"
 #include "support/suite.h"
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,41 +20,46 @@ static const struct subject {
 	enum rneagen_layout layout;
 	int floating, parts; /* 1: it is whole */
 	unsigned hands;
+	int is_long; /* others run nearly the same: where all is asked for */
 } APART[] = {
-	{"atlas", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0},
-	{"g1_29dof", "", RNEAGEN_MIXED, RNEAGEN_SOA, 0, 2, 0},
-	{"g1_29dof", "want tau,gravity\nfree gravity\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0},
-	{"limbs 2 24", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 2, 0},
-	{"g1_29dof", "free gravity:sample\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0},
-	{"g1_29dof", "want bias\nfree payload.left_ankle_roll_link\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0},
-	{"limbs 3 16", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 3, 0},
-	{"limbs 3 16", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 3, 0},
-	{"atlas", "want qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0},
-	{"g1_29dof", "want qdd\nfree gravity:sample\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 2, 0},
-	{"g1_29dof", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0},
-	{"g1_29dof", "want tau,vjp\nfree payload.left_ankle_roll_link:batch\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 2, 0},
-	{"atlas", "want qdd\n", RNEAGEN_F64, RNEAGEN_AOS, 0, 2, 0},
-	{"hands 5 3", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 2},
-	{"hands 4 4", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 2, 2},
-	{"hands 5 4", "free payload.l2_6:batch\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 2},
+	{"atlas", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0, 0},
+	{"g1_29dof", "", RNEAGEN_MIXED, RNEAGEN_SOA, 0, 2, 0, 0},
+	{"g1_29dof", "want tau,gravity\nfree gravity\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0, 1},
+	{"limbs 2 24", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 2, 0, 0},
+	{"g1_29dof", "free gravity:sample\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0, 1},
+	{"g1_29dof", "want bias\nfree payload.left_ankle_roll_link\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0, 1},
+	{"limbs 3 16", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 3, 0, 0},
+	{"limbs 3 16", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 3, 0, 0},
+	{"atlas", "want qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0, 0},
+	{"g1_29dof", "want qdd\nfree gravity:sample\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 2, 0, 1},
+	{"atlas", "want qdd\n", RNEAGEN_F64, RNEAGEN_AOS, 0, 2, 0, 1},
+	{"g1_29dof", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0, 0},
+	{"g1_29dof", "want tau,vjp\nfree payload.left_ankle_roll_link:sample\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 2, 0, 1},
+	{"atlas", "want tau,gravity\nvjp gravity\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 0, 0}, /* many zeros */
+	{"hands 5 3", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 2, 0},
+	{"hands 4 4", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 2, 2, 0},
+	{"hands 5 4", "free payload.l2_6:batch\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 2, 1},
 };
 
-/* The others: a base that moves, few operations, rows that stand apart, slices without room, other
-   outputs. */
+/* The others: a base that moves, few operations, rows that stand apart, slices without room, other outputs, refinement, a precision
+   that was not measured, hands in f32. */
 static const struct subject WHOLE[] = {
-	{"atlas", "", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, 0},
-	{"g1_29dof", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 1, 0},
-	{"hands 5 3", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 1, 0},
-	{"hyq", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0},
-	{"g1_29dof", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 1, 0},
-	{"limbs 2 40", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0},
-	{"g1_29dof", "want tau,power\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0},
-	{"hyq", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0},
-	{"atlas", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_AOS, 0, 1, 0},
-	{"atlas", "want qdd\n", RNEAGEN_F32, RNEAGEN_AOS, 0, 1, 0},
-	{"g1_29dof", "want qdd\nrefine 1\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 1, 0},
-	{"chain_75", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 1, 0},
-	{"chain_75", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 1, 0}, /* one hand, and an arm that is longer than half of it */
+	{"atlas", "", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, 0, 0},
+	{"g1_29dof", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 1, 0, 0},
+	{"hands 5 3", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 1, 0, 0},
+	{"hyq", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0, 0},
+	{"g1_29dof", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 1, 0, 0},
+	{"limbs 2 40", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0, 0},
+	{"g1_29dof", "want tau,power\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0, 0},
+	{"hyq", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0, 0},
+	{"atlas", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_AOS, 0, 1, 0, 0},
+	{"atlas", "want qdd\n", RNEAGEN_F32, RNEAGEN_AOS, 0, 1, 0, 0},
+	{"g1_29dof", "want qdd\nrefine 1\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 1, 0, 0},
+	{"g1_29dof", "want qdd\n", RNEAGEN_MIXED, RNEAGEN_AOS, 0, 1, 0, 0},
+	{"g1_29dof", "want qdd,qdd_bound\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0, 0},
+	{"limbs 2 30", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0, 0}, /* a part would hold too much */
+	{"chain_75", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 1, 0, 0},
+	{"chain_75", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 1, 0, 0}, /* one hand, and an arm that is longer than half of it */
 };
 
 /* Links l<limb>_0, l<limb>_1, ..., the first of which hangs on another link. */
@@ -121,7 +127,11 @@ static void check(const struct subject *s, const struct target *t, enum rnea_bac
 	ck_assert_uint_eq(x.info->parts, (unsigned)s->parts);
 	ck_assert_uint_eq(x.info->functions->hands, s->hands);
 	printf("%s in %u parts, blocks of %u: within %.1e, seed %d\n", s->name, x.info->parts, block, worst, SEED);
-	ck_assert_double_lt(worst, s->precision == RNEAGEN_F32 ? 2e-5 : s->precision == RNEAGEN_MIXED ? 1e-6 : 1e-13);
+#if defined FP_FAST_FMA
+	ck_assert_double_lt(worst, s->precision == RNEAGEN_F32 ? 1e-3 : s->precision == RNEAGEN_MIXED ? 1e-6 : 1e-10);
+#else
+	ck_assert_double_le(worst, s->hands ? 1e-13 : 0); /* of hands other products are joined to sums */
+#endif
 	launched_free(&x);
 }
 
@@ -132,8 +142,8 @@ START_TEST(test_values)
 	struct target parts, whole;
 	struct launch one;
 
-	if (_i % 3 == 2 && !exhaustive())
-		return; /* others run nearly the same */
+	if (s->is_long && !exhaustive())
+		return;
 	plain.parts = 1;
 	generate(s, &o, &parts);
 	generate(s, &plain, &whole);
@@ -146,6 +156,22 @@ START_TEST(test_values)
 	rneagen_result_free(&whole.text);
 }
 END_TEST
+
+/* Up to fewer samples beside parts of accelerations and of vjp. */
+static void expect_limbs(const struct subject *s, const char *source)
+{
+	const char *line = strstr(source, "\"whole_limbs ");
+	unsigned most;
+
+	ck_assert_int_eq(line != NULL, strstr(source, "_limbs(") != NULL);
+	if (!line)
+		return;
+	ck_assert_int_eq(sscanf(line, "\"whole_limbs %*u %*u %*u %u", &most), 1);
+	if (strstr(s->scene, "qdd") || strstr(s->scene, "vjp"))
+		ck_assert_uint_le(most, 256);
+	else if (!strcmp(s->name, "atlas"))
+		ck_assert_uint_gt(most, 256);
+}
 
 /* The text and its table say so; small batches have the kernel of the whole. */
 START_TEST(test_text)
@@ -161,8 +187,7 @@ START_TEST(test_text)
 	snprintf(line, sizeof line, "gridDim.y != %d)", s->parts);
 	ck_assert_ptr_nonnull(strstr(t.text.source, line));
 	ck_assert_ptr_nonnull(strstr(t.text.source, "limbs that share nothing with the others"));
-	if (strstr(t.text.source, "_rnea_limbs("))
-		ck_assert_ptr_nonnull(strstr(t.text.source, "\"whole_limbs "));
+	expect_limbs(s, t.text.source);
 	rneagen_result_free(&t.text);
 }
 END_TEST
@@ -185,14 +210,16 @@ START_TEST(test_whole)
 }
 END_TEST
 
-/* Two kernels would have other bits. */
+/* Two kernels would have other bits, and parts that share the products of what all samples have. */
 START_TEST(test_strict)
 {
-	const struct subject s = {"hands 5 3", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 2, 0};
+	const struct subject s = {"hands 5 3", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 2, 0, 0},
+		shared = {"limbs 4 8", "want qdd\nfree gravity\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0, 0};
 	struct rneagen_options o = rneagen_options_default();
 	struct target t;
 
 	o.strict = 1;
+	check_whole(&shared, &o);
 	generate(&s, &o, &t);
 	ck_assert_ptr_null(strstr(t.text.source, "_hands_kernel"));
 	rneagen_result_free(&t.text);

@@ -60,12 +60,17 @@ int emit_is_full(const struct emission *e)
 	return request_wants_derivative(e->request) || is_full_forward(e);
 }
 
-/* Does the main kernel fetch its slice into shared memory first? */
+/* A part must not write what stands in the others' places. Parts that share nothing have rows of their own; but a vjp has three rows of
+   each joint, and the rows between them are the others'. */
+static int may_stage_parts(const struct emission *e)
+{
+	return emit_is_apart(e) && !request_wants_derivative(e->request);
+}
+
+/* Does the main kernel fetch its slice into shared memory first? Segments and windows have shared memory of their own. */
 int emit_is_staged(const struct emission *e)
 {
-	/* a part must not write what stands in the others' places, unless it shares nothing with them; segments and windows have
-	   shared memory of their own */
-	return !emit_is_operation(e) && (!e->part_count || (emit_is_apart(e) && !request_wants_derivative(e->request))) && !emit_main(e)->segments.count &&
+	return !emit_is_operation(e) && (!e->part_count || may_stage_parts(e)) && !emit_main(e)->segments.count &&
 		!emit_windows(e)->slots && stage_has_room(emit_stage_words(e), e->options);
 }
 
@@ -143,7 +148,7 @@ static int min_derivative_blocks(const struct emission *e)
 
 	if (e->arithmetic->bytes != 8)
 		return 0;
-	return (alive > MANY_ALIVE && alive <= MOST_ALIVE) || ((e->request->is_forward || emit_is_apart(e)) && most_alive(e) > OVERFULL_DOUBLE) ? 4 : 0;
+	return (alive > MANY_ALIVE && alive <= MOST_ALIVE) || (e->request->is_forward && most_alive(e) > OVERFULL_DOUBLE) ? 4 : 0;
 }
 
 /* Humanoids in f32 soa gain from room for a third block (H100: 168 registers, no spill), arms of some 50 values from room

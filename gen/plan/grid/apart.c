@@ -11,13 +11,13 @@
    g1_brainco 4134 and 3792, in f32 1107 and 704. */
 enum { LEAST_STAGED = 1400, LEAST = 5000, NEVER = 1 << 30 };
 
-/* Of accelerations in soa in f32, the same: hyq, 1284 operations, 70.8 and 76.8, yumi, 4334, 152 and 144, atlas 269 and 265, g1_29dof 312
-   and 310, jvrc1 709 and 454; 4096 samples, us: yumi 5.7 and 2.6, atlas 9.5 and 6.5. In f64 hyq 132 and 125, yumi 308 and 236, atlas
-   968 and 578, g1_29dof 1835 and 817, jvrc1 2832 and 2682, in aos atlas 1252 and 788, g1_29dof 2733 and 1028; but in f32 in aos atlas 269
-   and 417. */
+/* Operations of accelerations in soa in f32. H100, 1 M samples, ps, whole and in parts: hyq, 1284 operations, 70.8 and 76.8, yumi, 4334,
+   152 and 144, atlas 269 and 265, g1_29dof 312 and 310, jvrc1 709 and 454; 4096 samples, us: yumi 5.7 and 2.6, atlas 9.5 and 6.5. In f64
+   accelerations are as torques: hyq 132 and 125, yumi 308 and 236, atlas 968 and 578, g1_29dof 1835 and 817, jvrc1 2832 and 2682, in aos
+   atlas 1252 and 788, g1_29dof 2733 and 1028. In f32 in aos atlas takes 417 instead of 269. */
 enum { LEAST_ACCELERATIONS = 2000 };
 
-/* Operations of torques with their vjp, from which on there may be parts; values at once: in f32 more than so many in the whole, in f64
+/* Operations of texts with a vjp, beyond which there may be parts; values at once: in f32 more than so many in the whole, in f64
    no more than so many in each part, for segments serve those better. H100, 1 M samples, ps, values in the whole or in a part: f32: hyq, 2284
    operations, 144 and 141 (73), yumi 197 and 221 (212), romeo 425 and 483 (230), atlas 391 and 404, but 16384 samples in 10.2 us
    instead of 12.5 (285), baxter 314 and 226 (289), g1_29dof 416 and 430 (307), jvrc1 1293 and 571 (394). f64: hyq 272 and 299, yumi
@@ -178,15 +178,15 @@ static int own(int *owner, const struct dag *d, const struct parts_of *x, struct
 
 /* ---- parts ---- */
 
-/* Is each of its elements a joint's, row after row, once or several times? */
+/* Is each of its elements a joint's, row after row, once, or for q, qd and qdd? */
 static int is_by_row(const struct argument *a, int nv)
 {
-	static const enum role roles[] = {ROLE_JOINT_TORQUE, ROLE_GRAVITY_TORQUE, ROLE_BIAS_TORQUE, ROLE_JOINT_ACCELERATION, ROLE_VJP};
+	static const enum role roles[] = {ROLE_JOINT_TORQUE, ROLE_GRAVITY_TORQUE, ROLE_BIAS_TORQUE, ROLE_JOINT_ACCELERATION};
 
 	for (size_t i = 0; i < sizeof roles / sizeof *roles; i++)
 		if (a->role == roles[i])
-			return nv > 0 && a->rows % nv == 0;
-	return 0;
+			return nv > 0 && a->rows == nv;
+	return nv > 0 && a->role == ROLE_VJP && a->rows == 3 * nv;
 }
 
 static int is_staged_soa(const struct rneagen_options *o)
@@ -198,19 +198,23 @@ static int is_staged_soa(const struct rneagen_options *o)
 static unsigned least_operations(const struct parts_of *x)
 {
 	const struct rneagen_options *o = x->options;
-	int is_product = request_wants_derivative(x->request);
+	int is_forward = x->request->is_forward, is_product = request_wants_derivative(x->request);
 
-	if ((x->request->is_forward && is_product) || x->request->refine_steps)
+	if ((is_forward && is_product) || x->request->refine_steps)
 		return NEVER;
-	if (o->layout == RNEAGEN_AOS && (is_product || (x->request->is_forward && o->precision == RNEAGEN_F32)))
+	if ((is_forward || is_product) && o->precision == RNEAGEN_MIXED) /* nothing was measured */
+		return NEVER;
+	if (o->layout == RNEAGEN_AOS && (is_product || (is_forward && o->precision == RNEAGEN_F32)))
 		return NEVER;
 	if (is_product)
 		return LEAST_PRODUCT;
 	if (is_staged_soa(o))
 		return LEAST_STAGED;
-	return x->request->is_forward && o->layout == RNEAGEN_SOA ? LEAST_ACCELERATIONS : LEAST;
+	return is_forward && o->layout == RNEAGEN_SOA ? LEAST_ACCELERATIONS : LEAST;
 }
 
+/* What is made of inputs that all samples share is no limb's own: used once in a part, and twice in the whole, it may be joined to other
+   sums, with other bits. */
 static int may_be_apart(const struct parts_of *x)
 {
 	const struct rneagen_options *o = x->options;
@@ -220,7 +224,7 @@ static int may_be_apart(const struct parts_of *x)
 		o->precision == RNEAGEN_F32X2)
 		return 0;
 	for (int i = 0; i < d->argument_count; i++)
-		if (d->arguments[i].is_output && !is_by_row(&d->arguments[i], x->tree->nv))
+		if ((d->arguments[i].is_output && !is_by_row(&d->arguments[i], x->tree->nv)) || (o->strict && d->arguments[i].per_batch))
 			return 0;
 	return plan_flops(plan_operations(&x->whole->plan)) > least_operations(x);
 }

@@ -214,8 +214,8 @@ int hands_are_read_first(const struct plan *p, const struct hands *h)
 	return 1;
 }
 
-/* tau alone, since its rows hold what is handed on. Which of two products
-   is joined to their sum goes by how often each is used, which two kernels count anew: so not where the same bits are wanted. */
+/* tau alone, since its rows hold what is handed on; in f64, for in mixed precision a row has fewer bits, and f32 loses. Which of two
+   products is joined to their sum goes by how often each is used, which two kernels count anew: so not where the same bits are wanted. */
 static int may_have(const struct parts_of *x)
 {
 	const struct rneagen_options *o = x->options;
