@@ -29,7 +29,7 @@ struct work {
 	atomic_size_t next;
 };
 
-/* A line of the manifest: text, folder of the reference, "-" or of "aot", "strict", "large", "listed" and "build" those
+/* A line of the manifest: text, folder of the reference, "-" or of "aot", "strict", "large", "listed", "build" and "alone" those
    that apply. */
 static size_t read_manifest(const char *folder, const char *name, struct item *items)
 {
@@ -52,6 +52,7 @@ static size_t read_manifest(const char *folder, const char *name, struct item *i
 		it->is_large = strstr(marks, "large") != NULL;
 		it->is_listed = strstr(marks, "listed") != NULL;
 		it->is_built = strstr(marks, "build") != NULL;
+		it->is_alone = strstr(marks, "alone") != NULL;
 		n++;
 	}
 	fclose(f);

@@ -35,6 +35,7 @@ struct item {
 	int is_large;        /* whether it runs over settings->elements */
 	int is_listed;       /* whether it is timed over more samples still, for the tables */
 	int is_built;        /* whether the time to open is taken with a cache and without */
+	int is_alone;        /* whether it has the main function alone, without fpass and bpass */
 	/* what is found */
 	struct rnea_robot *robot; /* NULL: it did not open, and `failure` says why */
 	double seconds;           /* to open */
