@@ -46,7 +46,7 @@ static void put_csv_row(FILE *f, const struct item *it)
 {
 	const struct rnea_info *info;
 	static const char *const functions[FUNCTIONS] = {"rnea", "fpass", "bpass"};
-	struct rnea_resources k[FUNCTIONS];
+	struct rnea_resources k[FUNCTIONS] = {{0}};
 
 	if (!it->robot) {
 		fprintf(f, "%s,did not open\n", it->text);
