@@ -17,8 +17,8 @@ static const double FEWER_IN_ALL = 0.8, FEWER_AT_ONCE = 0.6;
 static const double SPILLS = 0.05, FEWER_SPILLED = 0.6, FEWER_ACCELERATIONS = 0.6;
 enum { ROOM_SINGLE = 230, ROOM_DOUBLE = 110 };
 
-/* The same of a part that shares nothing with others, which is to do without segments. H100, 1 M samples, f64, ps: g1_29dof, tau and
-   vjp, 0.53 spilled, 3948, 1590; qdd of jvrc1, 0.74, 2766, 2682. Torques keep the tour's order. */
+/* The same of a part that shares nothing with others, which is to do without segments. H100, 1 M samples, f64, ps: g1_29dof, tau
+   and vjp, 0.53 spilled, 3948, 1590; qdd of jvrc1, 0.74, 2766, 2682. */
 static const double FEWER_IN_PART = 0.85;
 
 /* Values that wait behind the lines. */
@@ -163,11 +163,12 @@ static int is_acceleration(const struct request *k)
 static int takes(struct waiting w, struct waiting own, size_t room, const struct request *k, int is_part)
 {
 	if (is_part)
-		return (k->is_forward || request_wants_derivative(k)) && is_better_for_part(w, own);
+		return is_better_for_part(w, own);
 	return is_acceleration(k) ? is_better_for_accelerations(w, own, room) : is_better(w, own, room);
 }
 
-int plan_order(struct pass *p, const struct tree *t, const struct request *k, const struct rneagen_options *o, int is_part, struct arena *a)
+int plan_order(struct pass *p, const struct tree *t, const struct request *k, const struct rneagen_options *o, int is_part,
+	struct arena *a)
 {
 	struct orderer x = {.p = &p->plan, .t = t};
 	size_t room = o->precision == RNEAGEN_F32 ? ROOM_SINGLE : ROOM_DOUBLE;

@@ -84,9 +84,10 @@ struct operation_count {
 /* The DAG must be fused. Returns 0 when memory runs out. */
 int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct arena *a);
 
-/* Puts the DAG of a pass, or of a part that shares nothing with others, and its plan, into an order in which fewer values wait, where it
-   finds one (order.c). Returns 0 when memory runs out. */
-int plan_order(struct pass *p, const struct tree *t, const struct request *k, const struct rneagen_options *o, int is_part, struct arena *a);
+/* Puts the DAG of a pass, or of a part that shares nothing with others, and its plan, into an order in which fewer values wait,
+   where it finds one (order.c). Returns 0 when memory runs out. */
+int plan_order(struct pass *p, const struct tree *t, const struct request *k, const struct rneagen_options *o, int is_part,
+	struct arena *a);
 
 /* The node that holds the sine (op OP_SIN) or cosine (OP_COS) of the same angle; node 0 if nobody needs it. */
 struct ref plan_partner(const struct plan *p, struct ref sincos, enum op op);

@@ -1,5 +1,6 @@
 /* What knots say of a field anywhere, beside the field itself: coefficients, second derivatives, and the largest of a whole grid.
-   It would catch a row of q in another's place, a weight that is off, a point of the grid that is left out, and waves that are taken to cancel. */
+   It would catch a row of q in another's place, a weight that is off, a point of the grid that is left out, and waves that are
+   taken to cancel. */
 #include "prove/robot_box.h"
 #include "range/cover.h"
 #include "range/extreme.h"

@@ -1,5 +1,5 @@
-/* Torques, accelerations and vjp of limbs that share nothing, in parts of the grid: the same bits as of the whole text compiled as C, for
-   blocks that have room in shared memory and for others; which texts are in such parts, and which stay whole. */
+/* Torques, accelerations and vjp of limbs that share nothing, in parts of the grid: the same bits as of the whole text compiled as
+   C, for blocks that have room in shared memory and for others; which texts are in such parts, and which stay whole. */
 #define _POSIX_C_SOURCE 200809L
 #include "launched.h"
 #include "base/text.h"
@@ -41,8 +41,8 @@ static const struct subject {
 	{"hands 5 4", "free payload.l2_6:batch\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, 2, 1},
 };
 
-/* The others: a base that moves, few operations, rows that stand apart, slices without room, other outputs, refinement, a precision
-   that was not measured, hands in f32. */
+/* The others: a base that moves, few operations, rows that stand apart, slices without room, other outputs, refinement, a
+   precision that was not measured, hands in f32. */
 static const struct subject WHOLE[] = {
 	{"atlas", "", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, 0, 0},
 	{"g1_29dof", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 1, 0, 0},
@@ -128,7 +128,10 @@ static void check(const struct subject *s, const struct target *t, enum rnea_bac
 	ck_assert_uint_eq(x.info->functions->hands, s->hands);
 	printf("%s in %u parts, blocks of %u: within %.1e, seed %d\n", s->name, x.info->parts, block, worst, SEED);
 #if defined FP_FAST_FMA
-	ck_assert_double_lt(worst, s->precision == RNEAGEN_F32 ? 1e-3 : s->precision == RNEAGEN_MIXED ? 1e-6 : 1e-10);
+	int grows = strstr(s->scene, "qdd") != NULL; /* by the condition of M */
+
+	ck_assert_double_lt(worst, s->precision == RNEAGEN_F32 ? (grows ? 1e-3 : 2e-5) : s->precision == RNEAGEN_MIXED ? 1e-6 :
+		grows ? 1e-10 : 1e-13);
 #else
 	ck_assert_double_le(worst, s->hands ? 1e-13 : 0); /* of hands other products are joined to sums */
 #endif

@@ -11,18 +11,18 @@
    g1_brainco 4134 and 3792, in f32 1107 and 704. */
 enum { LEAST_STAGED = 1400, LEAST = 5000, NEVER = 1 << 30 };
 
-/* Operations of accelerations in soa in f32. H100, 1 M samples, ps, whole and in parts: hyq, 1284 operations, 70.8 and 76.8, yumi, 4334,
-   152 and 144, atlas 269 and 265, g1_29dof 312 and 310, jvrc1 709 and 454; 4096 samples, us: yumi 5.7 and 2.6, atlas 9.5 and 6.5. In f64
-   accelerations are as torques: hyq 132 and 125, yumi 308 and 236, atlas 968 and 578, g1_29dof 1835 and 817, jvrc1 2832 and 2682, in aos
-   atlas 1252 and 788, g1_29dof 2733 and 1028. In f32 in aos atlas takes 417 instead of 269. */
+/* Operations of accelerations in soa in f32. H100, 1 M samples, ps, whole and in parts: hyq, 1284 operations, 70.8 and 76.8, yumi,
+   4334, 152 and 144, atlas 269 and 265, g1_29dof 312 and 310, jvrc1 709 and 454; 4096 samples, us: yumi 5.7 and 2.6, atlas 9.5 and
+   6.5. In f64 accelerations are as torques: hyq 132 and 125, yumi 308 and 236, atlas 968 and 578, g1_29dof 1835 and 817, jvrc1 2832
+   and 2682, in aos atlas 1252 and 788, g1_29dof 2733 and 1028. In f32 in aos atlas takes 417 instead of 269. */
 enum { LEAST_ACCELERATIONS = 2000 };
 
 /* Operations of texts with a vjp, beyond which there may be parts; values at once: in f32 more than so many in the whole, in f64
-   no more than so many in each part, for segments serve those better. H100, 1 M samples, ps, values in the whole or in a part: f32: hyq, 2284
-   operations, 144 and 141 (73), yumi 197 and 221 (212), romeo 425 and 483 (230), atlas 391 and 404, but 16384 samples in 10.2 us
-   instead of 12.5 (285), baxter 314 and 226 (289), g1_29dof 416 and 430 (307), jvrc1 1293 and 571 (394). f64: hyq 272 and 299, yumi
-   998 and 428 (176), baxter 892 and 558 (164), romeo 1611 and 935 (230), atlas 1814 and 1377 (285), g1_29dof 2608 and 1590 (307), jvrc1 3656
-   and 4716 (394), g1_brainco 8218 and 10350 (474). */
+   no more than so many in each part, for segments serve those better. H100, 1 M samples, ps, in brackets values in the whole or in
+   a part: f32: hyq, 2284 operations, 144 and 141 (73), yumi 197 and 221 (212), romeo 425 and 483 (230), atlas 391 and 404, but
+   16384 samples in 10.2 us instead of 12.5 (285), baxter 314 and 226 (289), g1_29dof 416 and 430 (307), jvrc1 1293 and 571 (394).
+   f64: hyq 272 and 299, yumi 998 and 428 (176), baxter 892 and 558 (164), romeo 1611 and 935 (230), atlas 1814 and 1377 (285),
+   g1_29dof 2608 and 1590 (307), jvrc1 3656 and 4716 (394), g1_brainco 8218 and 10350 (474). */
 enum { LEAST_PRODUCT = 2500, PRODUCT_ALIVE_SINGLE = 280, PRODUCT_ALIVE_DOUBLE = 340 };
 
 struct finder {
@@ -68,8 +68,8 @@ static void take(struct finder *f, uint32_t node, int output)
 
 static int find(struct finder *f, const struct dag *d, int rows, struct arena *a)
 {
-	*f = (struct finder){.d = d, .rows = rows, .varies = arena_alloc(a, d->count, 1), .output = arena_alloc(a, d->count, sizeof *f->output),
-		.joined = arena_alloc(a, d->output_count + 1, sizeof *f->joined)};
+	*f = (struct finder){.d = d, .rows = rows, .varies = arena_alloc(a, d->count, 1),
+		.output = arena_alloc(a, d->count, sizeof *f->output), .joined = arena_alloc(a, d->output_count + 1, sizeof *f->joined)};
 	if (a->failed)
 		return 0;
 	for (size_t i = 0; i < d->count; i++) {
@@ -213,8 +213,8 @@ static unsigned least_operations(const struct parts_of *x)
 	return is_forward && o->layout == RNEAGEN_SOA ? LEAST_ACCELERATIONS : LEAST;
 }
 
-/* What is made of inputs that all samples share is no limb's own: used once in a part, and twice in the whole, it may be joined to other
-   sums, with other bits. */
+/* What is made of inputs that all samples share is no limb's own: used once in a part, and twice in the whole, it may be joined to
+   other sums, with other bits. */
 static int may_be_apart(const struct parts_of *x)
 {
 	const struct rneagen_options *o = x->options;
@@ -241,13 +241,9 @@ static int have_room(const struct part *parts, int count, const struct rneagen_o
 /* Of a vjp: does the whole hold too much, and no part of it? */
 static int hold_less(const struct part *parts, int count, const struct parts_of *x, struct arena *a)
 {
-	int most = 0;
-
 	if (x->options->precision == RNEAGEN_F32)
 		return plan_alive(&x->whole->plan, a) > PRODUCT_ALIVE_SINGLE;
-	for (int i = 0; i < count; i++)
-		most = parts[i].alive > most ? parts[i].alive : most;
-	return most <= PRODUCT_ALIVE_DOUBLE;
+	return parts_alive(parts, count) <= PRODUCT_ALIVE_DOUBLE;
 }
 
 static int do_pay(const struct part *parts, int count, const struct parts_of *x, struct arena *a)
@@ -269,6 +265,17 @@ static void name_bodies(struct part *p, const struct tree *t)
 		}
 }
 
+/* Torques keep the tour's order. */
+static int reorder(struct part *p, const struct parts_of *x, struct arena *a)
+{
+	if (!x->request->is_forward && !request_wants_derivative(x->request))
+		return 1;
+	if (!plan_order(&p->pass, x->tree, x->request, x->options, 1, a))
+		return 0;
+	p->alive = plan_alive(&p->pass.plan, a);
+	return !a->failed;
+}
+
 static int make_part(struct part *p, struct share *share, int owner, int number, const char *what, const struct parts_of *x,
 	struct arena *a)
 {
@@ -279,11 +286,8 @@ static int make_part(struct part *p, struct share *share, int owner, int number,
 	text_init(&doc, a);
 	text_printf(&name, "%s_part%d", x->whole->algorithm->name, number);
 	text_printf(&doc, "Part %d of it: %s.", number, what);
-	if (!rows || !part_build_share(p, share, owner, owner + 1, text_string(&name), text_string(&doc), x, a))
+	if (!rows || !part_build_share(p, share, owner, owner + 1, text_string(&name), text_string(&doc), x, a) || !reorder(p, x, a))
 		return 0;
-	if (!plan_order(&p->pass, x->tree, x->request, x->options, 1, a))
-		return 0;
-	p->alive = plan_alive(&p->pass.plan, a);
 	stretches_make(rows, &p->pass.dag);
 	p->pass.stretches = rows;
 	name_bodies(p, x->tree);

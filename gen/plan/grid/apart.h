@@ -1,7 +1,8 @@
 #ifndef RNEAGEN_APART_H
 #define RNEAGEN_APART_H
-/* A long text of torques, of accelerations, or of torques with their vjp, in parts that share nothing: limbs of a robot that stands on
-   the ground, each joined to the ground alone. A part holds less in shared memory and in registers, is shorter, and nothing is made twice. */
+/* A long text of torques, of accelerations, or of torques with their vjp, in parts that share nothing: limbs of a robot that stands
+   on the ground, each joined to the ground alone. A part holds less in shared memory and in registers, is shorter, and nothing is
+   made twice. */
 
 #include "plan/grid/parts.h"
 

@@ -1,8 +1,8 @@
 #include "plan/grid/hands.h"
 #include <string.h>
 
-/* Operations of the whole, and of a hand. H100, 1 M samples, ps, one kernel and two: g1_brainco, 9010 operations, f64 2447 and 1064, in
-   aos 3745 and 1515; but f32 462 and 522, and in aos, where the rows of a part stand apart, 663 and 1091. */
+/* Operations of the whole, and of a hand. H100, 1 M samples, ps, one kernel and two: g1_brainco, 9010 operations, f64 2447 and 1064,
+   in aos 3745 and 1515; but f32 462 and 522, and in aos, where the rows of a part stand apart, 663 and 1091. */
 enum { LEAST = 5000, LEAST_HAND = 500 };
 
 struct finder {
@@ -214,8 +214,9 @@ int hands_are_read_first(const struct plan *p, const struct hands *h)
 	return 1;
 }
 
-/* tau alone, since its rows hold what is handed on; in f64, for in mixed precision a row has fewer bits, and f32 loses. Which of two
-   products is joined to their sum goes by how often each is used, which two kernels count anew: so not where the same bits are wanted. */
+/* tau alone, since its rows hold what is handed on; in f64, for in mixed precision a row has fewer bits, and f32 loses. Which of
+   two products is joined to their sum goes by how often each is used, which two kernels count anew: so not where the same bits
+   are wanted. */
 static int may_have(const struct parts_of *x)
 {
 	const struct rneagen_options *o = x->options;

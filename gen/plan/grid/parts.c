@@ -354,6 +354,15 @@ enum rneagen_code parts_make(struct part **parts, int *count, const struct parts
 	return RNEAGEN_OK;
 }
 
+int parts_alive(const struct part *parts, int count)
+{
+	int most = 0;
+
+	for (int i = 0; i < count; i++)
+		most = parts[i].alive > most ? parts[i].alive : most;
+	return most;
+}
+
 struct operation_count parts_operations(const struct part *parts, int count, const struct plan *whole)
 {
 	struct operation_count sum = {0};

@@ -35,6 +35,9 @@ static inline int parts_are_apart(const struct part *parts, int count)
 	return count && parts[0].pass.stretches != NULL;
 }
 
+/* The most values at once of one of them. */
+int parts_alive(const struct part *parts, int count);
+
 /* In the order of the bodies, as the options ask for; *count is 0 where the text stays whole, as one without kernels
    does. Errors: USAGE, MEMORY. */
 enum rneagen_code parts_make(struct part **parts, int *count, const struct parts_of *x, struct arena *a, struct rneagen_error *e);
