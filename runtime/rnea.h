@@ -205,6 +205,7 @@ struct rnea_function {
 	unsigned relay_warps; /* 0: there is one kernel */
 	unsigned relay_room;  /* blocks of the third, along x and y, beyond which more along y gained nothing on an H100 */
 	size_t relay_bytes;
+	unsigned start_parts; /* blocks of the first along y: a grid without as many stops with an error (a trap); else 1 */
 	struct rnea_limbs start_limbs; /* of the kernel NAME_FUNCTION_start_limbs, which takes the place of the first */
 	/* Two kernels with the same parameters, one after the other, where the batch is larger than limbs.most: before the function's own
 	   rnea_launch and rnea_run launch NAME_FUNCTION_hands_kernel, in the same blocks with the same shared memory, and so many along

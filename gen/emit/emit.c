@@ -247,10 +247,12 @@ static void put_bodies(const struct emission *e, struct text *out)
 {
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
 	text_put(out, emit_has_segments(e) ? template_independent_in : "");
-	if (e->relay) {
+	for (int i = 0; e->relay && i < e->relay->start_count; i++)
+		put_body(e, &e->relay->starts[i].pass, out);
+	if (e->relay && !e->relay->start_count)
 		put_pass(e, &e->relay->start.pass, out);
+	if (e->relay)
 		put_pass(e, &e->relay->solve.pass, out);
-	}
 	for (int i = 0; i < e->part_count; i++)
 		put_body(e, &e->parts[i].pass, out);
 	for (int i = 0; i < e->pass_count; i++)

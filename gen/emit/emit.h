@@ -61,6 +61,15 @@ static inline int emit_hands(const struct emission *e)
 	return count;
 }
 
+/* Is it of a relay's first or third kernel? */
+static inline int emit_is_relays(const struct emission *e, const struct pass *p)
+{
+	for (int i = 0; e->relay && i < e->relay->start_count; i++)
+		if (p == &e->relay->starts[i].pass)
+			return 1;
+	return e->relay && (p == &e->relay->start.pass || p == &e->relay->solve.pass);
+}
+
 static inline int emit_part_places(const struct emission *e)
 {
 	return e->part_count ? e->part_count : 1;

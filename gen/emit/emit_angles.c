@@ -20,7 +20,7 @@ int emit_has_known(const struct emission *e)
 /* Parts, kernels of a relay, and what a call of one sample runs, have the table of the whole. */
 static const struct pass *table_of(const struct emission *e, const struct pass *p)
 {
-	if (p == emit_main(e)->single || (e->relay && (p == &e->relay->start.pass || p == &e->relay->solve.pass)))
+	if (p == emit_main(e)->single || emit_is_relays(e, p))
 		return emit_main(e);
 	for (int i = 0; i < e->part_count; i++)
 		if (p == &e->parts[i].pass)

@@ -71,21 +71,30 @@ static void put_function(const struct emission *e, const struct pass *p, struct 
 		text_printf(out, "hands %d\n", emit_hands(e));
 	if (is_main && e->relay)
 		text_printf(out, "relay %d %d %d\n", emit_relay_bytes(e), e->relay->warps, e->relay->room);
+	if (is_main && e->relay && e->relay->start_count)
+		text_printf(out, "start_parts %d\n", e->relay->start_count);
 	if (is_main && emit_has_limbs(e))
 		put_limbs(e, emit_is_apart(e) ? "whole_limbs" : "limbs", emit_limbs_of(e), out);
 	if (is_main && emit_start_limbs(e))
 		put_limbs(e, "start_limbs", emit_start_limbs(e), out);
 }
 
-/* What knows no relays, or no hands, is not to launch one of the kernels alone. */
-enum { VERSION = 3, VERSION_RELAY, VERSION_HANDS };
+/* What knows no relays, no hands, or no parts of a relay's first kernel, is not to launch one of the kernels alone, or a part. */
+enum { VERSION = 3, VERSION_RELAY, VERSION_HANDS, VERSION_STARTS };
+
+static int version_of(const struct emission *e)
+{
+	if (e->relay)
+		return e->relay->start_count ? VERSION_STARTS : VERSION_RELAY;
+	return emit_hands(e) ? VERSION_HANDS : VERSION;
+}
 
 static void put_info_lines(const struct emission *e, struct text *t)
 {
 	const struct rneagen_options *o = e->options;
 
 	text_printf(t, "rneagen-info %d\nname %s\nprecision %s\narithmetic %s\nlayout %s\ntrig %s\nbase %s\n",
-		emit_hands(e) ? VERSION_HANDS : e->relay ? VERSION_RELAY : VERSION, o->name,
+		version_of(e), o->name,
 		e->memory->name, e->arithmetic->name, emit_layout_name(o->layout), emit_trig_name(o->trig),
 		o->base == RNEAGEN_FLOATING ? "floating" : "fixed");
 	text_printf(t, "nq %d\nnv %d\nnb %d\nblock %d\n", e->tree->nq, e->tree->nv, e->tree->body_count, emit_block_size(e));

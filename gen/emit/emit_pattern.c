@@ -233,8 +233,7 @@ static const struct dag *stored_by(const struct emission *e)
 
 int emit_has_zeros(const struct emission *e, const struct pass *p)
 {
-	int is_further = (p > emit_main(e) && p < e->passes + e->pass_count) ||
-		(e->relay && (p == &e->relay->start.pass || p == &e->relay->solve.pass));
+	int is_further = (p > emit_main(e) && p < e->passes + e->pass_count) || emit_is_relays(e, p);
 
 	/* parts that share nothing have no loops, and store theirs one by one */
 	return emit_is_streamed(e) && !is_further && !emit_is_apart(e) && !emit_main(e)->segments.count &&

@@ -5,8 +5,8 @@
 #include <string.h>
 
 static const char *const keys[KEY_COUNT] = {"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv",
-	"nb", "block", "kernels", "operations", "parts", "stage", "segments", "limbs", "relay", "start_limbs", "whole_limbs",
-	"hands"};
+	"nb", "block", "kernels", "operations", "parts", "stage", "segments", "limbs", "relay", "start_limbs", "start_parts",
+	"whole_limbs", "hands"};
 
 static enum rnea_code read_joint(struct parser *p)
 {
@@ -118,6 +118,8 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 		return read_limbs(p, &p->f->limbs, 0);
 	case KEY_START_LIMBS:
 		return read_limbs(p, &p->f->start_limbs, 1);
+	case KEY_START_PARTS:
+		return read_count(p, &p->f->start_parts, 2, PARTS_LIMIT);
 	case KEY_WHOLE_LIMBS:
 		return read_limbs(p, &p->f->limbs, 1);
 	case KEY_HANDS:
@@ -134,7 +136,7 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 static int is_optional(const struct parser *p, enum key key)
 {
 	return key == KEY_ARITHMETIC || key == KEY_STAGE || key == KEY_SEGMENTS || key == KEY_LIMBS || key == KEY_RELAY ||
-	       key == KEY_START_LIMBS || key == KEY_WHOLE_LIMBS || key == KEY_HANDS || key == KEY_KERNELS ||
+	       key == KEY_START_LIMBS || key == KEY_START_PARTS || key == KEY_WHOLE_LIMBS || key == KEY_HANDS || key == KEY_KERNELS ||
 	       (key == KEY_PARTS && p->version != VERSION_PARTS);
 }
 
@@ -174,6 +176,7 @@ static void begin_function(struct parser *p, const char *name)
 	p->f = &p->functions[p->info->function_count++];
 	*p->f = (struct rnea_function){.name = name,
 		.parts = 1,
+		.start_parts = 1,
 		.most_samples = 1,
 		.arguments = p->arguments + p->argument_count,
 		.matrices = p->matrices + p->matrix_count};
@@ -229,10 +232,10 @@ static enum rnea_code read_version(struct parser *p)
 			"info table: it does not start with \"rneagen-info\" and a version");
 	if (words_number(&p->w, &p->version, 0, SIZE_MAX) || words_end(&p->w))
 		return p->w.error->code;
-	if (p->version < VERSION || p->version > VERSION_HANDS)
+	if (p->version < VERSION || p->version > VERSION_STARTS)
 		return rnea_error_set(p->w.error, RNEA_TABLE,
 			"info table: it has version %zu, and this library reads versions %d to %d", p->version, VERSION,
-			VERSION_HANDS);
+			VERSION_STARTS);
 	if (p->version < VERSION_FUNCTIONS)
 		begin_function(p, "rnea");
 	p->info->version = (unsigned)p->version;

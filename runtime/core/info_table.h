@@ -29,6 +29,7 @@
 	                                          NAME_FUNCTION_solve_kernel, in blocks of so many warps for 32 samples, with
 	                                          shared memory given by launches; blocks beyond which more along y gain nothing)
 	start_limbs WARPS GROUPS BYTES SAMPLES    (as limbs, of NAME_FUNCTION_start_limbs, which takes the first one's place)
+	start_parts N                             (blocks of the relay's first kernel along y, 2 and more, where it has such)
 
 	hands N                                   (a launch runs NAME_FUNCTION_hands_kernel before its kernel, with so many blocks along
 	                                          y, unless the kernel of small batches runs)
@@ -42,7 +43,8 @@
 
    says which the text has. core/info_old.c makes functions of that. Version 2 has `parts`, version 1 does not: who
    knows nothing of parts would launch a text of parts and leave the rest unwritten. Version 3 has no `relay`,
-   version 4 has it in its first function. Version 5 has `hands` there. A key that is not listed is passed
+   version 4 has it in its first function. Version 5 has `hands` there, version 6
+   `start_parts`. A key that is not listed is passed
    over: what would change the meaning of the rest gets a new version. */
 
 #include "core/failure.h"

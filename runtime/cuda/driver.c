@@ -359,7 +359,8 @@ static enum rnea_code launch_start(const struct driver *c, void **parameters, si
 {
 	if (count <= c->limbs.start.info.most)
 		return limbs_launch(&c->limbs.start, &c->device, parameters, count, stream, e);
-	return device_launch(&c->device, &c->relay.start, device_blocks(count, c->block), 1, c->block, parameters, stream, e);
+	return device_launch(&c->device, &c->relay.start, device_blocks(count, c->block), c->info->functions->start_parts,
+		c->block, parameters, stream, e);
 }
 
 enum rnea_code driver_launch(const struct driver *c, size_t function, void *const *arrays, size_t count, void *stream,

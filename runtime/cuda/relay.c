@@ -3,7 +3,7 @@
 
 /* A small batch has several blocks for the same samples, which share the columns: so many at most, as in the generated launch
    function. Each makes the factors anew. */
-enum { FEW_GROUPS = 16, MOST_ALONG_FEW = 32, MOST_ALONG = 16 };
+enum { FEW_GROUPS = 32, MOST_ALONG_FEW = 32, MOST_ALONG = 16 };
 
 static enum rnea_code find(const struct device *d, void *module, const struct source *s, const struct rnea_function *f,
 	const char *which, size_t bytes, struct device_kernel *k, struct rnea_error *e)

@@ -106,7 +106,7 @@ END_TEST
 	COUNTS
 #define SECOND                                                                                                         \
 	"function fd\ninput tau 7 f64 sample joint_torque\noutput x 2 f64 sample of_a_later_version\nstage 72\nparts " \
-	"2\nlimbs 4 2 1408 4096\nrelay 49664 3 264\nstart_limbs 8 1 520 32\nhands 3\n"                                          \
+	"2\nlimbs 4 2 1408 4096\nrelay 49664 3 264\nstart_limbs 8 1 520 32\nstart_parts 2\nhands 3\n"                                   \
 	"operations 1 2 3 4 5 6\n"
 
 /* Any number of functions, each with its own of everything; a role that is not known is none. */
@@ -133,6 +133,7 @@ START_TEST(reads_functions)
 	ck_assert(f[0].hands == 0 && f[1].hands == 3);
 	ck_assert(f[0].start_limbs.warps == 0 && f[1].start_limbs.warps == 8 && f[1].start_limbs.groups == 1);
 	ck_assert(f[1].start_limbs.bytes == 520 && f[1].start_limbs.most == 32);
+	ck_assert(f[0].start_parts == 1 && f[1].start_parts == 2);
 	ck_assert(f[1].stage_bytes == 72 && f[1].parts == 2 && f[1].operations.sincos == 6 && f[1].matrix_count == 0);
 	rnea_info_free(&i);
 }
@@ -202,8 +203,8 @@ static const struct damage {
 	{"rneagen-info\n", "line 1: a number is missing"},
 	{"rneagen-info one\n", "line 1: not a number: \"one\""},
 	{"rneagen-info 1 2\n", "line 1: more than expected: \"2\""},
-	{"rneagen-info 0\n", "it has version 0, and this library reads versions 1 to 5"},
-	{"rneagen-info 6\n", "it has version 6, and this library reads versions 1 to 5"},
+	{"rneagen-info 0\n", "it has version 0, and this library reads versions 1 to 6"},
+	{"rneagen-info 7\n", "it has version 7, and this library reads versions 1 to 6"},
 	{THREE, "it lists no functions"},
 	{"rneagen-info 3\nfunction\n", "line 2: a word is missing"},
 	{"rneagen-info 3\nfunction a b\n", "line 2: more than expected: \"b\""},
@@ -261,6 +262,7 @@ static const struct damage {
 	{"rneagen-info 4\nfunction f\nrelay 8 1\n", "line 3: a number is missing"},
 	{"rneagen-info 4\nfunction f\nstart_limbs 4 5 0 1\n", "line 3: the number is out of range"},
 	{"rneagen-info 5\nfunction f\nhands 0\n", "line 3: the number is out of range"},
+	{"rneagen-info 6\nfunction f\nstart_parts 1\n", "line 3: the number is out of range"},
 	{"rneagen-info 4\nfunction f\nrelay 8\n", "line 3: a number is missing"},
 	{HEAD SIZES COUNTS, "it lists no outputs"},
 	{HEAD SIZES "input q 8 f64 sample\n" COUNTS, "it lists no outputs"},

@@ -221,36 +221,62 @@ static void put_kernel(const struct emission *e, const struct pass *p, struct te
 	put_work(e, &w, out);
 }
 
-/* A function for each of these parts, and the kernel that calls them. */
-static void put_apart(const struct emission *e, int first, int end, const char *kernel, struct text *out)
+/* A kernel of parts that share nothing, named after a pass. */
+struct apart {
+	const struct part *parts;
+	int count, is_staged;
+	const char *pass, *kernel, *what, *bounds;
+};
+
+/* A function for each of the parts, and the kernel that calls them. */
+static void put_apart(const struct emission *e, const struct apart *x, struct text *out)
 {
-	int is_staged = emit_is_staged(e);
-	const char *name = e->options->name, *pass = emit_main(e)->algorithm->name;
+	const char *name = e->options->name;
 	struct text cases;
 
 	text_init(&cases, e->arena);
-	for (int i = first; i < end; i++) {
-		const struct work w = {&e->parts[i].pass, &e->parts[i], is_staged};
+	for (int i = 0; i < x->count; i++) {
+		const struct work w = {&x->parts[i].pass, &x->parts[i], x->is_staged};
 
-		emit_part_small(e, &e->parts[i], out);
+		emit_part_small(e, &x->parts[i], out);
 		put_work(e, &w, out);
-		text_printf(&cases, "\tcase %d:\n\t\t%s_%s_block(%s, count%s);\n\t\tbreak;\n", i - first, name, w.pass->algorithm->name,
-			emit_params(e, w.pass, PARAMS_NAMES), is_staged ? ", slices, staged" : "");
+		text_printf(&cases, "\tcase %d:\n\t\t%s_%s_block(%s, count%s);\n\t\tbreak;\n", i, name, w.pass->algorithm->name,
+			emit_params(e, w.pass, PARAMS_NAMES), x->is_staged ? ", slices, staged" : "");
 	}
-	const char *what = first < emit_hands(e) ?
-		"Hands, each a part; a launch runs this kernel before the one that reads what they hand on" : "Parts that share nothing";
-	const struct slot slots[] = {{"NAME", name}, {"PASS", pass}, {"KERNEL", kernel}, {"WHAT", what},
-		{"RESTRICT_PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)},
-		{"DECLARATION", is_staged ? emit_slices_declaration(e) : ""}, {"COUNT", emit_int(e, end - first)}, {"CASES", text_string(&cases)}};
+	const struct slot slots[] = {{"NAME", name}, {"PASS", x->pass}, {"KERNEL", x->kernel}, {"WHAT", x->what},
+		{"RESTRICT_PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)}, {"BOUNDS", x->bounds},
+		{"DECLARATION", x->is_staged ? emit_slices_declaration(e) : ""}, {"COUNT", emit_int(e, x->count)},
+		{"CASES", text_string(&cases)}};
 
 	template_expand(out, e->target->kernel->apart, slots, sizeof slots / sizeof *slots);
 }
 
+static const char SHARE_NOTHING[] = "Parts that share nothing";
+
 static void put_both(const struct emission *e, struct text *out)
 {
-	if (emit_hands(e))
-		put_apart(e, 0, emit_hands(e), "hands_kernel", out);
-	put_apart(e, emit_hands(e), e->part_count, "kernel", out);
+	int hands = emit_hands(e);
+	const struct apart first = {.parts = e->parts, .count = hands, .is_staged = emit_is_staged(e), .pass = emit_main(e)->algorithm->name,
+		.kernel = "hands_kernel", .bounds = ", RNEA_MIN_BLOCKS",
+		.what = "Hands, each a part; a launch runs this kernel before the one that reads what they hand on"};
+	struct apart own = first;
+
+	own.parts += hands;
+	own.count = e->part_count - hands;
+	own.kernel = "kernel";
+	own.what = SHARE_NOTHING;
+	if (hands)
+		put_apart(e, &first, out);
+	put_apart(e, &own, out);
+}
+
+/* A relay's first kernel in parts. */
+static void put_starts(const struct emission *e, struct text *out)
+{
+	const struct apart starts = {.parts = e->relay->starts, .count = e->relay->start_count,
+		.pass = e->relay->start.pass.algorithm->name, .kernel = "kernel", .bounds = "", .what = SHARE_NOTHING};
+
+	put_apart(e, &starts, out);
 }
 
 static void put_pass(const struct emission *e, const struct pass *p, struct text *out)
@@ -265,10 +291,12 @@ void emit_kernels(const struct emission *e, struct text *out)
 {
 	emit_zeros(e, out);
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
-	if (e->relay) {
+	if (e->relay && e->relay->start_count)
+		put_starts(e, out);
+	else if (e->relay)
 		put_pass(e, &e->relay->start.pass, out);
+	if (e->relay)
 		emit_relay_solve(e, out);
-	}
 	for (int i = 0; i < e->pass_count && e->target->kernel; i++)
 		if (i == 0 && emit_is_apart(e))
 			put_both(e, out);

@@ -223,8 +223,11 @@ static int may_be_apart(const struct parts_of *x)
 	if (!x->has_kernels || o->parts != RNEAGEN_PARTS_AUTO || o->segments != RNEAGEN_SEGMENTS_AUTO ||
 		o->precision == RNEAGEN_F32X2)
 		return 0;
+	for (size_t i = 0; i < d->output_count; i++)
+		if (!is_by_row(&d->arguments[d->outputs[i].argument], x->tree->nv))
+			return 0;
 	for (int i = 0; i < d->argument_count; i++)
-		if ((d->arguments[i].is_output && !is_by_row(&d->arguments[i], x->tree->nv)) || (o->strict && d->arguments[i].per_batch))
+		if (o->strict && d->arguments[i].per_batch)
 			return 0;
 	return plan_flops(plan_operations(&x->whole->plan)) > least_operations(x);
 }

@@ -1,5 +1,6 @@
 /* The expressions are those of loops over columns; what each kernel writes tells what it is to make. */
 #include "plan/grid/relay.h"
+#include "plan/grid/apart.h"
 #include "plan/segments.h"
 #include "plan/stage.h"
 #include <limits.h>
@@ -15,6 +16,12 @@ enum { LEAST_OPERATIONS = 12000 };
 /* Multiprocessors (H100), shared memory of each; warps of 255 registers that it has room for; blocks that gain nothing from more
    beside them in f64; shared memory that a block may have on all GPUs since sm_80. */
 enum { MULTIPROCESSORS = 132, MULTIPROCESSOR_BYTES = 227 << 10, WARPS = 8, DOUBLE_BLOCKS = 4, BLOCK_BYTES = 99 << 10 };
+
+/* Values at once of a part of the first kernel in f64, beyond which segments serve better. H100, both gradients, the whole and in parts,
+   256, 1024, 4096 and 262144 samples, us, in brackets values in a part: f64 atlas (206) 34.9 38.9, 45.6 48.6, 95 97, 2588 2517; g1_29dof (179)
+   48 48, 67 66, 119 105, 3495 3148. f32: atlas 30.2 27.4, 35.9 32.6, 46.4 43.1, 1221 1233; g1_29dof 33.1 27.9, 38.3 32.8, 50.7 44.7,
+   1209 1204; atlas has a part more of the second kernel too. */
+enum { START_ALIVE_DOUBLE = 190 };
 
 /* Which kernel writes an output. */
 enum { START, COLUMNS, SOLVE, KERNELS };
@@ -78,6 +85,19 @@ static int build_alone(struct dag *d, const struct request *alone, const struct 
 	return 1;
 }
 
+/* In parts where limbs share nothing, else in segments where that pays. */
+static int divide_start(struct relay *r, const struct dag *raw, const struct request *alone, const struct parts_of *x, struct arena *a)
+{
+	const struct parts_of own = {.whole = &r->start.pass, .raw = raw, .tree = x->tree, .request = alone, .options = x->options,
+		.has_kernels = 1};
+
+	if (raw && !apart_make(&r->starts, &r->start_count, &own, a))
+		return 0;
+	if (x->options->precision == RNEAGEN_F64 && parts_alive(r->starts, r->start_count) > START_ALIVE_DOUBLE)
+		r->start_count = 0;
+	return r->start_count || segments_choose(&r->start.pass, SEGMENT_KERNEL, alone, x->options, a);
+}
+
 static int build_start(struct relay *r, struct share *share, const char *name, const struct parts_of *x, struct arena *spare,
 	struct arena *a)
 {
@@ -85,17 +105,19 @@ static int build_start(struct relay *r, struct share *share, const char *name, c
 	struct want *qdd = arena_alloc(a, 1, sizeof *qdd);
 	struct request alone;
 	struct dag raw;
+	int is_alone;
 
 	if (!qdd)
 		return 0;
 	alone = accelerations(x->request, qdd);
 	dag_init(&raw, spare);
-	if (build_alone(&raw, &alone, x) ? raw.failed || !part_build(&r->start, &raw, name, doc, x, a)
-					  : !part_build_share(&r->start, share, START, START + 1, name, doc, x, a))
+	is_alone = build_alone(&raw, &alone, x);
+	if (is_alone ? raw.failed || !part_build(&r->start, &raw, name, doc, x, a)
+		     : !part_build_share(&r->start, share, START, START + 1, name, doc, x, a))
 		return 0;
 	drop_loops(&r->start.pass.dag);
 	return plan_order(&r->start.pass, x->tree, &alone, x->options, 0, a) &&
-		segments_choose(&r->start.pass, SEGMENT_KERNEL, &alone, x->options, a);
+		divide_start(r, is_alone ? &raw : NULL, &alone, x, a);
 }
 
 /* The factors of M as one segment, which leaves them for the loops. */
@@ -262,7 +284,8 @@ void relay_dump(const struct relay *r, struct text *out)
 	struct operation_count solve = {0};
 
 	add_solve(&solve, &r->solve.pass);
-	text_printf(out, "start: %u flops, %d values at once\n", plan_flops(plan_operations(&r->start.pass.plan)), r->start.alive);
+	text_printf(out, "start: %u flops, %d values at once, %d parts\n", plan_flops(plan_operations(&r->start.pass.plan)),
+		r->start_count ? parts_alive(r->starts, r->start_count) : r->start.alive, r->start_count ? r->start_count : 1);
 	text_printf(out, "solve: %u flops, %d values for %d loops over %d columns, %d warps\n", plan_flops(solve),
 		r->solve.pass.segments.slots[0], r->solve.pass.dag.loop_count, relay_columns(r), r->warps);
 }
