@@ -325,7 +325,7 @@ static void declare_request(const struct build *b)
    it is not made again. */
 static int is_made_again(const struct build *b)
 {
-	return b->forward && (request_wants(b->k, WANT_DQDD_DQ) || request_wants(b->k, WANT_DQDD_DQD));
+	return b->forward && !(b->loops && b->loops->rooms) && (request_wants(b->k, WANT_DQDD_DQ) || request_wants(b->k, WANT_DQDD_DQD));
 }
 
 /* Where tau is an input, qdd is what it makes: held while torques are differentiated, until all is made. */
