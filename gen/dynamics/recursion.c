@@ -239,20 +239,16 @@ static void fill_mass(struct recursion *x, int i, int from, int here, const stru
 	}
 }
 
-/* Column j: what the joint of body `here`, nearer to the base, feels of the wrenches. */
-static void fill_column(struct recursion *x, int j, int here, const struct wrench *w)
+/* Column j: what the joint of body `here`, nearer to the base, feels of a wrench. */
+static void fill_column(struct recursion *x, enum by by, int j, int here, struct wrench w)
 {
 	struct dag *d = x->r->d;
 	const struct body *k = &x->r->t->bodies[here];
 	struct ref e[6];
 
-	for (enum by b = BY_Q; b < BY_QDD; b++) {
-		if (!is_made(x, b))
-			continue;
-		joint_project(d, k, w[b].f, w[b].n, joint_out_of(d, k, pose_of(x, here), w[b].f), e);
-		for (int i = 0; i < joint_nv(k->type); i++)
-			add(x, b, k->iv + i, j, e[i]);
-	}
+	joint_project(d, k, w.f, w.n, joint_out_of(d, k, pose_of(x, here), w.f), e);
+	for (int i = 0; i < joint_nv(k->type); i++)
+		add(x, by, k->iv + i, j, e[i]);
 }
 
 /* What is complete: all but what several bodies add to. */
@@ -301,6 +297,41 @@ static void trace_mass(struct recursion *x, int body, int row)
 	}
 }
 
+/* A row and its columns, side by side. */
+static void carry_together(struct recursion *x, int body, int i, struct row_vectors s, struct wrench *w)
+{
+	for (int b = body, parent; (parent = x->r->t->bodies[b].parent) >= 0; b = parent) {
+		s = row_to_parent(x, b, s);
+		for (enum by m = BY_Q; m < BY_QDD; m++)
+			w[m] = is_made(x, m) ? wrench_to_parent(x, b, w[m]) : w[m];
+		fill_row(x, i, parent, &s);
+		for (enum by m = BY_Q; m < BY_QDD; m++)
+			if (is_made(x, m))
+				fill_column(x, m, i, parent, w[m]);
+		fill_mass(x, i, body, parent, &s);
+		write_between(x, i, parent);
+	}
+}
+
+/* One after the other: fewer values are at hand at once. */
+static void carry_apart(struct recursion *x, int body, int i, struct row_vectors s, struct wrench *w)
+{
+	const struct body *bodies = x->r->t->bodies;
+
+	for (int b = body, parent; (parent = bodies[b].parent) >= 0; b = parent) {
+		s = row_to_parent(x, b, s);
+		fill_row(x, i, parent, &s);
+		fill_mass(x, i, body, parent, &s);
+	}
+	for (enum by m = BY_Q; m < BY_QDD; m++)
+		for (int b = body, parent; is_made(x, m) && (parent = bodies[b].parent) >= 0; b = parent) {
+			w[m] = wrench_to_parent(x, b, w[m]);
+			fill_column(x, m, i, parent, w[m]);
+		}
+	for (int b = body, parent; (parent = bodies[b].parent) >= 0; b = parent)
+		write_between(x, i, parent);
+}
+
 /* The row and the column of one coordinate, back to the base. */
 static void trace(struct recursion *x, int body, int row)
 {
@@ -326,15 +357,7 @@ static void trace(struct recursion *x, int body, int row)
 	fill_mass(x, i, body, body, &s);
 	if (x->r->t->bodies[body].type == JOINT_PLANAR && row == 2)
 		add_to_slides(x, body, turned);
-	for (int b = body, parent; (parent = x->r->t->bodies[b].parent) >= 0; b = parent) {
-		s = row_to_parent(x, b, s);
-		for (enum by m = BY_Q; m < BY_QDD; m++)
-			w[m] = is_made(x, m) ? wrench_to_parent(x, b, w[m]) : w[m];
-		fill_row(x, i, parent, &s);
-		fill_column(x, i, parent, w);
-		fill_mass(x, i, body, parent, &s);
-		write_between(x, i, parent);
-	}
+	(x->is_apart ? carry_apart : carry_together)(x, body, i, s, w);
 }
 
 /* ---- along with the tour ---- */

@@ -1,4 +1,5 @@
 #include "plan/segments.h"
+#include "plan/early.h"
 #include "plan/grid/owners.h"
 #include "plan/stage.h"
 #include <limits.h>
@@ -92,6 +93,7 @@ int segments_choose(
 	struct pass *p, enum segment_use use, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
 	struct segment_limits limits;
+	struct plan early = p->plan;
 
 	p->segments = (struct segments){0};
 	if (use == SEGMENT_NONE || o->segments == RNEAGEN_SEGMENTS_WHOLE)
@@ -99,7 +101,9 @@ int segments_choose(
 	limits = limits_for(p, use, k, o);
 	if (!limits.operations)
 		return 1;
-	if (!segments_make(&p->segments, &p->plan, &limits, a))
+	if (use == SEGMENT_LOOPS && !plan_store_early(&early, &p->plan, a))
+		return 0;
+	if (!segments_make(&p->segments, &early, &limits, a))
 		return 0;
 	if (p->segments.count < 2 || (o->segments == RNEAGEN_SEGMENTS_AUTO && (unsigned)p->segments.slots[0] > limits.across))
 		p->segments = (struct segments){0};
