@@ -101,7 +101,7 @@ int segments_choose(
 	limits = limits_for(p, use, k, o);
 	if (!limits.operations)
 		return 1;
-	if (use == SEGMENT_LOOPS && !plan_store_early(&early, &p->plan, a))
+	if (use == SEGMENT_LOOPS && !plan_early(&early, &p->plan, a))
 		return 0;
 	if (!segments_make(&p->segments, &early, &limits, a))
 		return 0;
