@@ -89,6 +89,15 @@ static struct segment_limits limits_for(
 	return use == SEGMENT_LOOPS ? loop_limits(flops) : kernel_limits(p, flops, k, o);
 }
 
+/* A batch's columns of derivatives of qdd, each solved in lines of its own, gain nothing by it, and gcc takes up to 1.8 times as
+   long. */
+static int is_early(const struct pass *p, enum segment_use use, const struct request *k)
+{
+	int solves = k->is_forward && (request_wants(k, WANT_DQDD_DQ) || request_wants(k, WANT_DQDD_DQD));
+
+	return use == SEGMENT_LOOPS && (p->dag.loop_count || !solves);
+}
+
 int segments_choose(
 	struct pass *p, enum segment_use use, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
@@ -101,7 +110,7 @@ int segments_choose(
 	limits = limits_for(p, use, k, o);
 	if (!limits.operations)
 		return 1;
-	if (use == SEGMENT_LOOPS && !plan_early(&early, &p->plan, a))
+	if (is_early(p, use, k) && !plan_early(&early, &p->plan, a))
 		return 0;
 	if (!segments_make(&p->segments, &early, &limits, a))
 		return 0;
