@@ -4553,22 +4553,10 @@ static RNEA_ALONE void atlas_rnea_lanes0(const double *restrict q, const double 
 	atlas_rnea_segment0(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
 }
 
-static RNEA_ALONE void atlas_rnea_one0(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, double *const across, const int known, const double *sines)
-{
-	atlas_rnea_segment0(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
-}
-
 static RNEA_ALONE void atlas_rnea_lanes1(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
 	atlas_rnea_segment1(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
-}
-
-static RNEA_ALONE void atlas_rnea_one1(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, double *const across, const int known, const double *sines)
-{
-	atlas_rnea_segment1(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
 }
 
 static RNEA_ALONE void atlas_rnea_lanes2(const double *restrict q, const double *restrict qd,
@@ -4577,22 +4565,10 @@ static RNEA_ALONE void atlas_rnea_lanes2(const double *restrict q, const double 
 	atlas_rnea_segment2(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
 }
 
-static RNEA_ALONE void atlas_rnea_one2(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, double *const across, const int known, const double *sines)
-{
-	atlas_rnea_segment2(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
-}
-
 static RNEA_ALONE void atlas_rnea_lanes3(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
 	atlas_rnea_segment3(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
-}
-
-static RNEA_ALONE void atlas_rnea_one3(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, double *const across, const int known, const double *sines)
-{
-	atlas_rnea_segment3(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
 }
 
 static RNEA_ALONE void atlas_rnea_lanes4(const double *restrict q, const double *restrict qd,
@@ -4601,16 +4577,40 @@ static RNEA_ALONE void atlas_rnea_lanes4(const double *restrict q, const double 
 	atlas_rnea_segment4(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
 }
 
-static RNEA_ALONE void atlas_rnea_one4(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, double *const across, const int known, const double *sines)
-{
-	atlas_rnea_segment4(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
-}
-
 static RNEA_ALONE void atlas_rnea_lanes5(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
 	atlas_rnea_segment5(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
+}
+
+static RNEA_ALONE void atlas_rnea_one0(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_rnea_segment0(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void atlas_rnea_one1(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_rnea_segment1(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void atlas_rnea_one2(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_rnea_segment2(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void atlas_rnea_one3(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_rnea_segment3(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void atlas_rnea_one4(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_rnea_segment4(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
 }
 
 static RNEA_ALONE void atlas_rnea_one5(const double *q, const double *qd, const double *qdd, double *tau,
@@ -4686,23 +4686,11 @@ static RNEA_ALONE void atlas_fpass_lanes0(const double *restrict q, const double
 	atlas_fpass_segment0(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
 }
 
-static RNEA_ALONE void atlas_fpass_one0(const double *q, const double *qd, const double *qdd, double *v, double *a,
-	double *f, const size_t stride, double *const across, const int known, const double *sines)
-{
-	atlas_fpass_segment0(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
-}
-
 static RNEA_ALONE void atlas_fpass_lanes1(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
 	const size_t k, double *restrict across)
 {
 	atlas_fpass_segment1(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
-}
-
-static RNEA_ALONE void atlas_fpass_one1(const double *q, const double *qd, const double *qdd, double *v, double *a,
-	double *f, const size_t stride, double *const across, const int known, const double *sines)
-{
-	atlas_fpass_segment1(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
 }
 
 static RNEA_ALONE void atlas_fpass_lanes2(const double *restrict q, const double *restrict qd,
@@ -4712,23 +4700,11 @@ static RNEA_ALONE void atlas_fpass_lanes2(const double *restrict q, const double
 	atlas_fpass_segment2(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
 }
 
-static RNEA_ALONE void atlas_fpass_one2(const double *q, const double *qd, const double *qdd, double *v, double *a,
-	double *f, const size_t stride, double *const across, const int known, const double *sines)
-{
-	atlas_fpass_segment2(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
-}
-
 static RNEA_ALONE void atlas_fpass_lanes3(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
 	const size_t k, double *restrict across)
 {
 	atlas_fpass_segment3(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
-}
-
-static RNEA_ALONE void atlas_fpass_one3(const double *q, const double *qd, const double *qdd, double *v, double *a,
-	double *f, const size_t stride, double *const across, const int known, const double *sines)
-{
-	atlas_fpass_segment3(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
 }
 
 static RNEA_ALONE void atlas_fpass_lanes4(const double *restrict q, const double *restrict qd,
@@ -4738,12 +4714,6 @@ static RNEA_ALONE void atlas_fpass_lanes4(const double *restrict q, const double
 	atlas_fpass_segment4(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
 }
 
-static RNEA_ALONE void atlas_fpass_one4(const double *q, const double *qd, const double *qdd, double *v, double *a,
-	double *f, const size_t stride, double *const across, const int known, const double *sines)
-{
-	atlas_fpass_segment4(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
-}
-
 static RNEA_ALONE void atlas_fpass_lanes5(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
 	const size_t k, double *restrict across)
@@ -4751,17 +4721,47 @@ static RNEA_ALONE void atlas_fpass_lanes5(const double *restrict q, const double
 	atlas_fpass_segment5(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
 }
 
-static RNEA_ALONE void atlas_fpass_one5(const double *q, const double *qd, const double *qdd, double *v, double *a,
-	double *f, const size_t stride, double *const across, const int known, const double *sines)
-{
-	atlas_fpass_segment5(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
-}
-
 static RNEA_ALONE void atlas_fpass_lanes6(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
 	const size_t k, double *restrict across)
 {
 	atlas_fpass_segment6(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
+}
+
+static RNEA_ALONE void atlas_fpass_one0(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_fpass_segment0(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void atlas_fpass_one1(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_fpass_segment1(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void atlas_fpass_one2(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_fpass_segment2(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void atlas_fpass_one3(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_fpass_segment3(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void atlas_fpass_one4(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_fpass_segment4(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void atlas_fpass_one5(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_fpass_segment5(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
 }
 
 static RNEA_ALONE void atlas_fpass_one6(const double *q, const double *qd, const double *qdd, double *v, double *a,

@@ -2886,22 +2886,10 @@ static RNEA_ALONE void hyq_rnea_lanes0(const double *restrict q, const double *r
 	hyq_rnea_segment0(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
 }
 
-static RNEA_ALONE void hyq_rnea_one0(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, double *const across, const int known, const double *sines)
-{
-	hyq_rnea_segment0(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
-}
-
 static RNEA_ALONE void hyq_rnea_lanes1(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
 	hyq_rnea_segment1(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
-}
-
-static RNEA_ALONE void hyq_rnea_one1(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, double *const across, const int known, const double *sines)
-{
-	hyq_rnea_segment1(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
 }
 
 static RNEA_ALONE void hyq_rnea_lanes2(const double *restrict q, const double *restrict qd, const double *restrict qdd,
@@ -2910,16 +2898,28 @@ static RNEA_ALONE void hyq_rnea_lanes2(const double *restrict q, const double *r
 	hyq_rnea_segment2(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
 }
 
-static RNEA_ALONE void hyq_rnea_one2(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, double *const across, const int known, const double *sines)
-{
-	hyq_rnea_segment2(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
-}
-
 static RNEA_ALONE void hyq_rnea_lanes3(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
 	hyq_rnea_segment3(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
+}
+
+static RNEA_ALONE void hyq_rnea_one0(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, const int known, const double *sines)
+{
+	hyq_rnea_segment0(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void hyq_rnea_one1(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, const int known, const double *sines)
+{
+	hyq_rnea_segment1(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void hyq_rnea_one2(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, const int known, const double *sines)
+{
+	hyq_rnea_segment2(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
 }
 
 static RNEA_ALONE void hyq_rnea_one3(const double *q, const double *qd, const double *qdd, double *tau,
@@ -2991,23 +2991,11 @@ static RNEA_ALONE void hyq_fpass_lanes0(const double *restrict q, const double *
 	hyq_fpass_segment0(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
 }
 
-static RNEA_ALONE void hyq_fpass_one0(const double *q, const double *qd, const double *qdd, double *v, double *a,
-	double *f, const size_t stride, double *const across, const int known, const double *sines)
-{
-	hyq_fpass_segment0(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
-}
-
 static RNEA_ALONE void hyq_fpass_lanes1(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t k,
 	double *restrict across)
 {
 	hyq_fpass_segment1(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
-}
-
-static RNEA_ALONE void hyq_fpass_one1(const double *q, const double *qd, const double *qdd, double *v, double *a,
-	double *f, const size_t stride, double *const across, const int known, const double *sines)
-{
-	hyq_fpass_segment1(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
 }
 
 static RNEA_ALONE void hyq_fpass_lanes2(const double *restrict q, const double *restrict qd, const double *restrict qdd,
@@ -3017,17 +3005,29 @@ static RNEA_ALONE void hyq_fpass_lanes2(const double *restrict q, const double *
 	hyq_fpass_segment2(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
 }
 
-static RNEA_ALONE void hyq_fpass_one2(const double *q, const double *qd, const double *qdd, double *v, double *a,
-	double *f, const size_t stride, double *const across, const int known, const double *sines)
-{
-	hyq_fpass_segment2(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
-}
-
 static RNEA_ALONE void hyq_fpass_lanes3(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t k,
 	double *restrict across)
 {
 	hyq_fpass_segment3(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
+}
+
+static RNEA_ALONE void hyq_fpass_one0(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, double *const across, const int known, const double *sines)
+{
+	hyq_fpass_segment0(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void hyq_fpass_one1(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, double *const across, const int known, const double *sines)
+{
+	hyq_fpass_segment1(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void hyq_fpass_one2(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, double *const across, const int known, const double *sines)
+{
+	hyq_fpass_segment2(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
 }
 
 static RNEA_ALONE void hyq_fpass_one3(const double *q, const double *qd, const double *qdd, double *v, double *a,
