@@ -3,6 +3,7 @@
 /* d tau/d q, d tau/d qd, the Coriolis matrix and the mass matrix by a recursion over composite bodies, along with a tour. */
 
 #include "mechanics/composite.h"
+#include "mechanics/field.h"
 #include "tree/pattern.h"
 #include "dynamics/tour.h"
 
@@ -38,5 +39,11 @@ int recursion_is_shifted(const struct recursion *x, int body);
 /* When the tour has left a body, with the wrench of its subtree; and when it is back. */
 void recursion_leave(struct recursion *x, int body);
 void recursion_end(struct recursion *x);
+
+/* For recursion.c: where a body is; the unit twist (Z, Y) of its row, in its frame; and the fields of that coordinate, by what it
+   is differentiated. */
+const struct joint_pose *recursion_pose(const struct recursion *x, int body);
+void recursion_unit_twist(const struct recursion *x, int body, int row, struct svec *Z, struct svec *Y);
+void recursion_fields(const struct recursion *x, int body, int row, struct field *by);
 
 #endif
