@@ -7,8 +7,8 @@
  *   rnea: 618 mul, 310 add, 140 sub, 129 neg, 800 fma, 27 sincos = 2668 flops
  *   fpass: 710 mul, 236 add, 198 sub, 180 neg, 798 fma, 27 sincos = 2740 flops
  *   bpass: 121 mul, 149 add, 12 sub, 36 neg, 161 fma, 27 sincos = 604 flops
- *   rnea is in 6 segments, each for several samples before the next; 101 values go across cuts
- *   fpass is in 7 segments, each for several samples before the next; 46 values go across cuts
+ *   rnea is in 6 segments, each for several samples before the next; 90 values go across cuts
+ *   fpass is in 7 segments, each for several samples before the next; 32 values go across cuts
  *
  * Joints:
  *   q[0] qd[0] revolute "back_bkz", rad
@@ -157,6 +157,7 @@ static RNEA_INLINE int atlas_rnea_segment0(const double *first_q, const double *
 		const double t7 = t2 + t4;
 		const double t8 = w2z*t1;
 		const double t9 = t1*t1;
+		const double t16 = RNEA_FMA(-0.05, t6 + t9, a2z);
 		const double qdd2 = qdd[stride];
 		const double t10 = qdd2 - t8;
 		const double t11 = -RNEA_FMA(0.00014667393410483002, qdd2 + t8, RNEA_FMA(0.0013398352562209901, t4,
@@ -165,15 +166,17 @@ static RNEA_INLINE int atlas_rnea_segment0(const double *first_q, const double *
 			0.0012845430941234445*qdd2));
 		const double t13 = RNEA_FMA(0.00023895608229411601, t5 - t9, RNEA_FMA(-0.00014667393410483002, t2 - t4,
 			t12));
-		const double t14 = RNEA_FMA(0.00037360518546370006, t10, RNEA_FMA(-0.00023895608229411601, t7,
-			RNEA_FMA(0.0006350813333019544, dw2z, 5.5292162097545597e-05*t3)));
 		const double n2x = RNEA_FMA(-0.10287232465500001, c2, RNEA_FMA(0.00037360518546370006, t6 - t5,
 			RNEA_FMA(0.00023895608229411601, dw2z - t3, t11)));
 		across[2*step] = n2x;
-		const double n2y = RNEA_FMA(-0.23982823470600004, s2, 0.0639804799854*c2) + t13;
-		across[3*step] = n2y;
+		const double t14 = RNEA_FMA(0.00037360518546370006, t10, RNEA_FMA(-0.00023895608229411601, t7,
+			RNEA_FMA(0.0006350813333019544, dw2z, 5.5292162097545597e-05*t3)));
+		const double t15 = 0.05*t7;
+		const double a3x = RNEA_FMA(-9.81, s2, 0.05*t10);
 		const double n2z = RNEA_FMA(-0.10287232465500001, s2, RNEA_FMA(-0.00014667393410483002, t9 - t6, t14));
-		across[4*step] = n2z;
+		across[3*step] = n2z;
+		const double n2y = RNEA_FMA(-0.23982823470600004, s2, 0.0639804799854*c2) + t13;
+		across[4*step] = n2y;
 
 		/* ---- out to link 3 "utorso" (fpass) ---- */
 		const double q3 = q[2*stride];
@@ -181,105 +184,98 @@ static RNEA_INLINE int atlas_rnea_segment0(const double *first_q, const double *
 		all_small &= rneagen_sincos_known(q3, known, sines + 2, &s3, &c3);
 		across[5*step] = s3;
 		across[6*step] = c3;
-		const double t15 = 0.05*t7;
-		const double a3x = RNEA_FMA(-9.81, s2, 0.05*t10);
-		across[7*step] = a3x;
-		const double t16 = RNEA_FMA(-0.05, t6 + t9, a2z);
-		const double w3y = RNEA_FMA(qd2, c3, w2z*s3);
-		across[8*step] = w3y;
-		const double w3z = RNEA_FMA(s3, -qd2, w2z*c3);
-		across[9*step] = w3z;
 		const double qd3 = qd[2*stride];
 		const double w3x = qd3 - t1;
-		across[10*step] = w3x;
+		across[7*step] = w3x;
 		const double qdd3 = qdd[2*stride];
 		const double dw3x = qdd3 - t4;
-		across[11*step] = dw3x;
+		across[8*step] = dw3x;
+		const double w3y = RNEA_FMA(qd2, c3, w2z*s3);
+		across[9*step] = w3y;
+		const double w3z = RNEA_FMA(s3, -qd2, w2z*c3);
+		across[10*step] = w3z;
 		const double dw3y = RNEA_FMA(qd3, w3z, RNEA_FMA(qdd2, c3, dw2z*s3));
-		across[12*step] = dw3y;
+		across[11*step] = dw3y;
 		const double dw3z = RNEA_FMA(w3y, -qd3, RNEA_FMA(s3, -qdd2, dw2z*c3));
-		across[13*step] = dw3z;
+		across[12*step] = dw3z;
 		const double a3y = RNEA_FMA(c3, t15, s3*t16);
-		across[14*step] = a3y;
 		const double a3z = RNEA_FMA(t15, -s3, c3*t16);
-		across[15*step] = a3z;
 		const double t17 = w3y*w3z;
 		const double t18 = w3z*w3z;
 		const double t19 = w3y*w3y;
 		const double t20 = t18 + t19;
-		across[16*step] = t20;
 		const double t21 = t17 - dw3x;
-		across[17*step] = t21;
 		const double t22 = dw3x + t17;
 		const double t23 = w3z*w3x;
 		const double t24 = w3x*w3x;
 		const double t25 = t18 + t24;
 		const double t26 = t23 - dw3y;
-		across[18*step] = t26;
 		const double t27 = dw3y + t23;
-		across[19*step] = t27;
 		const double t28 = w3y*w3x;
 		const double t29 = t19 + t24;
-		across[20*step] = t29;
 		const double t30 = t28 - dw3z;
-		const double t31 = dw3z + t28;
-		across[21*step] = t31;
-		const double f3x = RNEA_FMA(84.60900000000001, a3x, RNEA_FMA(26.8049213, t27, RNEA_FMA(0.1941407, t30,
-			5.2192398*t20)));
-		across[22*step] = f3x;
-		const double f3y = RNEA_FMA(84.60900000000001, a3y, RNEA_FMA(26.8049213, t21, -RNEA_FMA(0.1941407, t25,
-			5.2192398*t31)));
-		across[23*step] = f3y;
-		const double f3z = RNEA_FMA(84.60900000000001, a3z, RNEA_FMA(-26.8049213, t29, RNEA_FMA(-5.2192398, t26,
-			0.1941407*t22)));
-		across[24*step] = f3z;
-		const double t32 = RNEA_FMA(1.73516570486, t31, RNEA_FMA(0.01992444846, t26, RNEA_FMA(-9.5696190308,
-			t17,
-			10.11638847802*dw3x)));
 		const double t33 = RNEA_FMA(-0.01992444846, t22, RNEA_FMA(0.014290218989999999, t30,
 			RNEA_FMA(10.46938366997,
 			dw3y, 9.21662383885*t23)));
+		const double n3y = RNEA_FMA(26.8049213, a3x, 5.2192398*a3z) + RNEA_FMA(1.73516570486, t18 - t24, t33);
+		across[13*step] = n3y;
+		const double t31 = dw3z + t28;
 		const double t34 = RNEA_FMA(-0.014290218989999999, t27, RNEA_FMA(-1.73516570486, t21,
 			RNEA_FMA(0.8997646391699999, dw3z, 0.3529951919500001*t28)));
+		const double n3z = RNEA_FMA(-0.01992444846, t24 - t19, t34) - RNEA_FMA(5.2192398, a3y, 0.1941407*a3x);
+		across[14*step] = n3z;
+		const double t32 = RNEA_FMA(1.73516570486, t31, RNEA_FMA(0.01992444846, t26, RNEA_FMA(-9.5696190308,
+			t17,
+			10.11638847802*dw3x)));
 		const double n3x = RNEA_FMA(-26.8049213, a3y, 0.1941407*a3z) + RNEA_FMA(-0.014290218989999999, t19
 			- t18, t32);
-		across[25*step] = n3x;
-		const double n3y = RNEA_FMA(26.8049213, a3x, 5.2192398*a3z) + RNEA_FMA(1.73516570486, t18 - t24, t33);
-		across[26*step] = n3y;
-		const double n3z = RNEA_FMA(-0.01992444846, t24 - t19, t34) - RNEA_FMA(5.2192398, a3y, 0.1941407*a3x);
-		across[27*step] = n3z;
+		across[15*step] = n3x;
+		const double f3x = RNEA_FMA(84.60900000000001, a3x, RNEA_FMA(26.8049213, t27, RNEA_FMA(0.1941407, t30,
+			5.2192398*t20)));
+		across[16*step] = f3x;
+		const double t40 = 0.2256*t30;
+		const double f3y = RNEA_FMA(84.60900000000001, a3y, RNEA_FMA(26.8049213, t21, -RNEA_FMA(0.1941407, t25,
+			5.2192398*t31)));
+		across[17*step] = f3y;
+		const double t43 = 0.2256*t25;
+		const double f3z = RNEA_FMA(84.60900000000001, a3z, RNEA_FMA(-26.8049213, t29, RNEA_FMA(-5.2192398, t26,
+			0.1941407*t22)));
+		across[18*step] = f3z;
+		const double t46 = 0.2256*t22;
 
 		/* ---- out to link 4 "l_clav" (fpass) ---- */
 		const double q4 = q[3*stride];
 		double s4, c4;
 		all_small &= rneagen_sincos_known(q4, known, sines + 4, &s4, &c4);
-		across[28*step] = s4;
-		across[29*step] = c4;
+		across[19*step] = s4;
+		across[20*step] = c4;
+		const double qdd4 = qdd[3*stride];
+		const double dw4z = dw3z + qdd4;
 		const double t35 = RNEA_FMA(2.0682310711021444e-13, w3y, w3x);
 		const double t36 = RNEA_FMA(2.0682310711021444e-13, w3x, -w3y);
 		const double t37 = RNEA_FMA(2.0682310711021444e-13, dw3y, dw3x);
 		const double t38 = RNEA_FMA(2.0682310711021444e-13, dw3x, -dw3y);
 		const double t39 = 0.1406*t20;
-		across[30*step] = t39;
-		const double t40 = 0.2256*t30;
-		across[31*step] = t40;
+		const double t171 = a3x + RNEA_FMA(-0.2546, t20, 0.6215*t27);
+		across[21*step] = t171;
 		const double t41 = 0.4776*t27;
-		across[32*step] = t41;
 		const double t42 = 0.1406*t31;
-		across[33*step] = t42;
-		const double t43 = 0.2256*t25;
-		across[34*step] = t43;
+		const double a11y = a3y + RNEA_FMA(0.6215, t21, 0.2546*t31);
+		across[22*step] = a11y;
 		const double t44 = 0.4776*t21;
-		across[35*step] = t44;
 		const double t45 = 0.1406*t26;
-		across[36*step] = t45;
-		const double t46 = 0.2256*t22;
-		across[37*step] = t46;
+		const double t172 = a3z + RNEA_FMA(-0.6215, t29, 0.2546*t26);
+		across[23*step] = t172;
 		const double t47 = 0.4776*t29;
-		across[38*step] = t47;
 		const double t48 = a3x + (t40 - t39 + t41);
+		const double t191 = a3x + (t41 - (t39 + t40));
+		across[24*step] = t191;
 		const double t49 = a3y + (t42 - t43 + t44);
+		const double t192 = a3y + (t44 + (t42 + t43));
+		across[25*step] = t192;
 		const double a4z = a3z + (t45 + t46 - t47);
+		const double a12z = a3z + (t45 - t46 - t47);
+		across[26*step] = a12z;
 		const double t50 = RNEA_FMA(2.0682310711021444e-13, t49, t48);
 		const double t51 = RNEA_FMA(2.0682310711021444e-13, t48, -t49);
 		const double w4x = RNEA_FMA(t35, -c4, s4*t36);
@@ -288,8 +284,6 @@ static RNEA_INLINE int atlas_rnea_segment0(const double *first_q, const double *
 		const double w4z = w3z + qd4;
 		const double dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(t37, -c4, s4*t38));
 		const double dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(s4, t37, c4*t38));
-		const double qdd4 = qdd[3*stride];
-		const double dw4z = dw3z + qdd4;
 		const double a4x = RNEA_FMA(t50, -c4, s4*t51);
 		const double a4y = RNEA_FMA(s4, t50, c4*t51);
 		const double t52 = w4y*w4z;
@@ -301,84 +295,77 @@ static RNEA_INLINE int atlas_rnea_segment0(const double *first_q, const double *
 		const double t58 = dw4y + t56;
 		const double t59 = w4x*w4y;
 		const double t60 = t54 + t57;
-		const double t61 = t59 - dw4z;
-		const double f4x = RNEA_FMA(-0.37514400000000003, t58, 4.466*a4x);
-		across[39*step] = f4x;
-		const double f4y = RNEA_FMA(-0.37514400000000003, t55, 4.466*a4y);
-		across[40*step] = f4y;
-		const double f4z = RNEA_FMA(4.466, a4z, 0.37514400000000003*t60);
-		across[41*step] = f4z;
-		const double n4z = RNEA_FMA(0.004, t58, RNEA_FMA(-0.002, t59, 0.004*dw4z));
-		across[42*step] = n4z;
+		const double t63 = a4y + RNEA_FMA(-0.245, t55, 0.11*(t53 + t57));
 		const double n4x = RNEA_FMA(0.37514400000000003, a4y, RNEA_FMA(0.004, t54 - t53,
 			RNEA_FMA(-0.03651209600000001,
 			t52, 0.042512096000000006*dw4x)));
-		across[43*step] = n4x;
+		across[27*step] = n4x;
+		const double t64 = a4z + RNEA_FMA(-0.11, dw4x + t52, 0.245*t60);
+		const double f4z = RNEA_FMA(4.466, a4z, 0.37514400000000003*t60);
+		across[28*step] = f4z;
+		const double f4y = RNEA_FMA(-0.37514400000000003, t55, 4.466*a4y);
+		across[29*step] = f4y;
+		const double t61 = t59 - dw4z;
+		const double n4z = RNEA_FMA(0.004, t58, RNEA_FMA(-0.002, t59, 0.004*dw4z));
+		across[30*step] = n4z;
 		const double n4y = RNEA_FMA(-0.37514400000000003, a4x, RNEA_FMA(-0.004, t61,
 			RNEA_FMA(0.040512096000000004,
 			dw4y, 0.038512096*t56)));
-		across[44*step] = n4y;
+		across[31*step] = n4y;
+		const double a5x = a4x - RNEA_FMA(0.245, t58, 0.11*t61);
+		across[32*step] = a5x;
+		const double f4x = RNEA_FMA(-0.37514400000000003, t58, 4.466*a4x);
+		across[33*step] = f4x;
 
 		/* ---- out to link 5 "l_scap" (fpass) ---- */
 		const double q5 = q[4*stride];
 		double t62, c5;
 		all_small &= rneagen_sincos_known(q5, known, sines + 6, &t62, &c5);
-		across[45*step] = t62;
-		across[46*step] = c5;
-		const double a5x = a4x - RNEA_FMA(0.245, t58, 0.11*t61);
-		across[47*step] = a5x;
-		const double t63 = a4y + RNEA_FMA(-0.245, t55, 0.11*(t53 + t57));
-		const double t64 = a4z + RNEA_FMA(-0.11, dw4x + t52, 0.245*t60);
-		const double w5y = RNEA_FMA(t62, -w4z, w4y*c5);
-		const double w5z = RNEA_FMA(w4y, t62, w4z*c5);
+		across[34*step] = t62;
+		across[35*step] = c5;
 		const double qd5 = qd[4*stride];
 		const double w5x = w4x - qd5;
+		across[36*step] = w5x;
 		const double qdd5 = qdd[4*stride];
 		const double dw5x = dw4x - qdd5;
-		across[48*step] = dw5x;
+		across[37*step] = dw5x;
+		const double w5y = RNEA_FMA(t62, -w4z, w4y*c5);
+		const double w5z = RNEA_FMA(w4y, t62, w4z*c5);
+		across[38*step] = w5z;
 		const double dw5y = RNEA_FMA(w5z, -qd5, RNEA_FMA(t62, -dw4z, dw4y*c5));
 		const double dw5z = RNEA_FMA(qd5, w5y, RNEA_FMA(dw4y, t62, dw4z*c5));
+		across[39*step] = dw5z;
 		const double a5y = RNEA_FMA(t64, -t62, c5*t63);
-		across[49*step] = a5y;
+		across[40*step] = a5y;
 		const double a5z = RNEA_FMA(t62, t63, c5*t64);
-		across[50*step] = a5z;
+		across[41*step] = a5z;
 		const double t65 = w5y*w5z;
 		const double t66 = w5z*w5x;
 		const double t67 = w5x*w5x;
 		const double t68 = w5y*w5x;
 		const double n5y = RNEA_FMA(-0.00264, t66, 0.00583*dw5y);
-		across[51*step] = n5y;
+		across[42*step] = n5y;
+		const double t70 = a5x - RNEA_FMA(0.016, dw5y + t66, 0.187*(t68 - dw5z));
+		across[43*step] = t70;
 		const double n5z = RNEA_FMA(0.00583, dw5z, 0.00264*t68);
-		across[52*step] = n5z;
+		across[44*step] = n5z;
 
 		/* ---- out to link 6 "l_uarm" (fpass) ---- */
 		const double q6 = q[5*stride];
 		double t69, c6;
 		all_small &= rneagen_sincos_known(q6, known, sines + 8, &t69, &c6);
-		across[53*step] = t69;
-		across[54*step] = c6;
-		const double t70 = a5x - RNEA_FMA(0.016, dw5y + t66, 0.187*(t68 - dw5z));
-		const double a6y = a5y + RNEA_FMA(-0.016, t65 - dw5x, 0.187*RNEA_FMA(w5z, w5z, t67));
-		across[55*step] = a6y;
-		const double t71 = a5z + RNEA_FMA(-0.187, dw5x + t65, 0.016*RNEA_FMA(w5y, w5y, t67));
-		const double w6z = RNEA_FMA(t69, -w5x, w5z*c6);
-		across[56*step] = w6z;
-		const double w6x = RNEA_FMA(w5z, t69, w5x*c6);
-		across[57*step] = w6x;
-		const double qd6 = qd[5*stride];
-		const double w6y = w5y - qd6;
-		across[58*step] = w6y;
-		const double dw6x = RNEA_FMA(qd6, w6z, RNEA_FMA(dw5z, t69, dw5x*c6));
-		across[59*step] = dw6x;
+		across[45*step] = t69;
+		across[46*step] = c6;
 		const double qdd6 = qdd[5*stride];
 		const double dw6y = dw5y - qdd6;
-		across[60*step] = dw6y;
-		const double dw6z = RNEA_FMA(w6x, -qd6, RNEA_FMA(t69, -dw5x, dw5z*c6));
-		across[61*step] = dw6z;
-		const double a6z = RNEA_FMA(t70, -t69, c6*t71);
-		across[62*step] = a6z;
-		const double a6x = RNEA_FMA(t69, t71, c6*t70);
-		across[63*step] = a6x;
+		across[47*step] = dw6y;
+		const double a6y = a5y + RNEA_FMA(-0.016, t65 - dw5x, 0.187*RNEA_FMA(w5z, w5z, t67));
+		across[48*step] = a6y;
+		const double t71 = a5z + RNEA_FMA(-0.187, dw5x + t65, 0.016*RNEA_FMA(w5y, w5y, t67));
+		across[49*step] = t71;
+		const double qd6 = qd[5*stride];
+		const double w6y = w5y - qd6;
+		across[50*step] = w6y;
 	}
 	return all_small;
 }
@@ -397,40 +384,50 @@ static RNEA_INLINE int atlas_rnea_segment1(const double *first_q, const double *
 		const double *const qdd = first_qdd + l;
 		double *const tau = first_tau + l;
 		double *const across = first_across + l;
-		const double w6z = across[56*step];
-		const double w6y = across[58*step];
+		const double t69 = across[45*step];
+		const double w5x = across[36*step];
+		const double w5z = across[38*step];
+		const double c6 = across[46*step];
+		const double w6z = RNEA_FMA(t69, -w5x, w5z*c6);
+		const double w6x = RNEA_FMA(w5z, t69, w5x*c6);
+		const double qd6 = qd[5*stride];
+		const double dw5z = across[39*step];
+		const double dw5x = across[37*step];
+		const double dw6x = RNEA_FMA(qd6, w6z, RNEA_FMA(dw5z, t69, dw5x*c6));
+		const double dw6z = RNEA_FMA(w6x, -qd6, RNEA_FMA(t69, -dw5x, dw5z*c6));
+		const double t70 = across[43*step];
+		const double t71 = across[49*step];
+		const double a6z = RNEA_FMA(t70, -t69, c6*t71);
+		const double a6x = RNEA_FMA(t69, t71, c6*t70);
+		const double w6y = across[50*step];
 		const double t72 = w6z*w6y;
-		const double dw6x = across[59*step];
 		const double t73 = dw6x + t72;
-		const double w6x = across[57*step];
 		const double t74 = w6x*w6x;
 		const double t75 = RNEA_FMA(w6z, w6z, t74);
-		const double t76 = w6x*w6y;
-		const double dw6z = across[61*step];
-		const double t77 = t76 - dw6z;
-		const double a6x = across[63*step];
-		const double f6x = RNEA_FMA(4.386, a6x, 0.28509*t77);
-		const double a6y = across[55*step];
-		const double f6y = RNEA_FMA(-0.28509, t75, 4.386*a6y);
-		const double a6z = across[62*step];
+		const double t80 = a6z - RNEA_FMA(0.0092, RNEA_FMA(w6y, w6y, t74), 0.119*t73);
 		const double f6z = RNEA_FMA(4.386, a6z, 0.28509*t73);
+		across[51*step] = f6z;
 		const double n6x = RNEA_FMA(0.28509, a6z, RNEA_FMA(0.02509085, dw6x, 0.02151085*t72));
+		const double a6y = across[48*step];
+		const double t79 = a6y + RNEA_FMA(0.0092, t72 - dw6x, 0.119*t75);
+		const double f6y = RNEA_FMA(-0.28509, t75, 4.386*a6y);
+		const double t76 = w6x*w6y;
+		const double t77 = t76 - dw6z;
 		const double n6z = RNEA_FMA(-0.28509, a6x, RNEA_FMA(-0.02151085, t76, 0.02509085*dw6z));
+		const double f6x = RNEA_FMA(4.386, a6x, 0.28509*t77);
+		const double dw6y = across[47*step];
+		const double a7x = a6x + RNEA_FMA(-0.119, t77, 0.0092*RNEA_FMA(w6z, w6x, dw6y));
 
 		/* ---- out to link 7 "l_larm" (fpass) ---- */
 		const double q7 = q[6*stride];
 		double t78, c7;
 		all_small &= rneagen_sincos_known(q7, known, sines + 10, &t78, &c7);
-		const double dw6y = across[60*step];
-		const double a7x = a6x + RNEA_FMA(-0.119, t77, 0.0092*RNEA_FMA(w6z, w6x, dw6y));
-		const double t79 = a6y + RNEA_FMA(0.0092, t72 - dw6x, 0.119*t75);
-		const double t80 = a6z - RNEA_FMA(0.0092, RNEA_FMA(w6y, w6y, t74), 0.119*t73);
-		const double w7y = RNEA_FMA(t78, -w6z, w6y*c7);
-		const double w7z = RNEA_FMA(w6y, t78, w6z*c7);
 		const double qd7 = qd[6*stride];
 		const double w7x = w6x - qd7;
 		const double qdd7 = qdd[6*stride];
 		const double dw7x = dw6x - qdd7;
+		const double w7y = RNEA_FMA(t78, -w6z, w6y*c7);
+		const double w7z = RNEA_FMA(w6y, t78, w6z*c7);
 		const double dw7y = RNEA_FMA(w7z, -qd7, RNEA_FMA(t78, -dw6z, dw6y*c7));
 		const double dw7z = RNEA_FMA(qd7, w7y, RNEA_FMA(dw6y, t78, dw6z*c7));
 		const double a7y = RNEA_FMA(t80, -t78, c7*t79);
@@ -440,28 +437,28 @@ static RNEA_INLINE int atlas_rnea_segment1(const double *first_q, const double *
 		const double t83 = w7x*w7x;
 		const double t84 = w7y*w7x;
 		const double n7y = RNEA_FMA(-0.0018100000000000004, t82, 0.00446*dw7y);
+		const double t90 = a7x - RNEA_FMA(0.00921, dw7y + t82, 0.29955*(t84 - dw7z));
 		const double n7z = RNEA_FMA(0.00446, dw7z, 0.0018100000000000004*t84);
 
 		/* ---- out to link 8 "l_ufarm" (fpass) ---- */
 		const double q8 = q[7*stride];
 		double t85, c8;
 		all_small &= rneagen_sincos_known(q8, known, sines + 12, &t85, &c8);
+		const double qdd8 = qdd[7*stride];
+		const double dw8y = dw7y - qdd8;
 		const double t86 = RNEA_FMA(2.0682310711021444e-13, w7z, -w7x);
 		const double t87 = RNEA_FMA(2.0682310711021444e-13, w7x, w7z);
-		const double t88 = RNEA_FMA(2.0682310711021444e-13, dw7z, -dw7x);
-		const double t89 = RNEA_FMA(2.0682310711021444e-13, dw7x, dw7z);
-		const double t90 = a7x - RNEA_FMA(0.00921, dw7y + t82, 0.29955*(t84 - dw7z));
 		const double a8y = a7y + RNEA_FMA(-0.00921, t81 - dw7x, 0.29955*RNEA_FMA(w7z, w7z, t83));
 		const double t91 = a7z + RNEA_FMA(-0.29955, dw7x + t81, 0.00921*RNEA_FMA(w7y, w7y, t83));
+		const double qd8 = qd[7*stride];
+		const double w8y = w7y - qd8;
+		const double t88 = RNEA_FMA(2.0682310711021444e-13, dw7z, -dw7x);
+		const double t89 = RNEA_FMA(2.0682310711021444e-13, dw7x, dw7z);
 		const double t92 = RNEA_FMA(2.0682310711021444e-13, t91, -t90);
 		const double t93 = RNEA_FMA(2.0682310711021444e-13, t90, t91);
 		const double t94 = RNEA_FMA(c8, t87, t85*t86);
 		const double w8x = RNEA_FMA(t87, -t85, c8*t86);
-		const double qd8 = qd[7*stride];
-		const double w8y = w7y - qd8;
 		const double dw8x = RNEA_FMA(t94, -qd8, RNEA_FMA(t89, -t85, c8*t88));
-		const double qdd8 = qdd[7*stride];
-		const double dw8y = dw7y - qdd8;
 		const double t95 = RNEA_FMA(qd8, w8x, RNEA_FMA(c8, t89, t85*t88));
 		const double t96 = RNEA_FMA(c8, t93, t85*t92);
 		const double a8x = RNEA_FMA(t93, -t85, c8*t92);
@@ -473,29 +470,29 @@ static RNEA_INLINE int atlas_rnea_segment1(const double *first_q, const double *
 		const double t102 = w8x*w8y;
 		const double t103 = RNEA_FMA(-0.00015, t98 + t99, 0.08296*(t95 + t102));
 		const double t104 = RNEA_FMA(-0.08296, t98 + t101, 0.00015*(t102 - t95));
-		const double t105 = RNEA_FMA(-0.00015, dw8y + t100, 0.08296*(dw8x - t97));
-		const double t106 = a8x + RNEA_FMA(0.00037, dw8y - t100, t103);
 		const double t107 = a8y + RNEA_FMA(-0.00037, dw8x + t97, t104);
-		const double t108 = RNEA_FMA(-0.00037, t99 + t101, t105) - t96;
-		const double n8x = RNEA_FMA(-0.000917526, t107, 0.20572420800000002*t108) + RNEA_FMA(-0.009091, t97,
-			0.012731*dw8x);
-		const double n8y = RNEA_FMA(-0.00037196999999999995, t108, 0.000917526*t106)
-			+ RNEA_FMA(-0.000782999999999999,
-			t100, 0.002857*dw8y);
+		const double t106 = a8x + RNEA_FMA(0.00037, dw8y - t100, t103);
 		const double n8z = RNEA_FMA(-0.20572420800000002, t106, 0.00037196999999999995*t107)
 			- RNEA_FMA(0.011948, t95,
 			0.009873999999999999*t102);
+		const double t105 = RNEA_FMA(-0.00015, dw8y + t100, 0.08296*(dw8x - t97));
+		const double t108 = RNEA_FMA(-0.00037, t99 + t101, t105) - t96;
+		const double n8y = RNEA_FMA(-0.00037196999999999995, t108, 0.000917526*t106)
+			+ RNEA_FMA(-0.000782999999999999,
+			t100, 0.002857*dw8y);
+		const double n8x = RNEA_FMA(-0.000917526, t107, 0.20572420800000002*t108) + RNEA_FMA(-0.009091, t97,
+			0.012731*dw8x);
 
 		/* ---- out to link 9 "l_lfarm" (fpass) ---- */
 		const double q9 = q[8*stride];
 		double s9, c9;
 		all_small &= rneagen_sincos_known(q9, known, sines + 14, &s9, &c9);
-		const double w9y = RNEA_FMA(s9, -t94, w8y*c9);
-		const double t109 = RNEA_FMA(w8y, s9, t94*c9);
 		const double qd9 = qd[8*stride];
 		const double w9x = w8x + qd9;
 		const double qdd9 = qdd[8*stride];
 		const double dw9x = dw8x + qdd9;
+		const double w9y = RNEA_FMA(s9, -t94, w8y*c9);
+		const double t109 = RNEA_FMA(w8y, s9, t94*c9);
 		const double dw9y = RNEA_FMA(t109, -qd9, RNEA_FMA(s9, -t95, dw8y*c9));
 		const double t110 = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8y, s9, t95*c9));
 		const double a9y = RNEA_FMA(s9, -t96, a8y*c9);
@@ -508,21 +505,25 @@ static RNEA_INLINE int atlas_rnea_segment1(const double *first_q, const double *
 		const double t117 = w9y*w9x;
 		const double t118 = -RNEA_FMA(0.02515, t110 + t117, 0.00017*(t113 + t114));
 		const double t119 = RNEA_FMA(0.02515, t113 + t116, 0.00017*(t117 - t110));
-		const double t120 = RNEA_FMA(0.02515, dw9x - t112, 0.00017*(dw9y + t115));
-		const double t121 = a8x + RNEA_FMA(0.00163, dw9y - t115, t118);
 		const double t122 = a9y + RNEA_FMA(-0.00163, dw9x + t112, t119);
-		const double t123 = t111 + RNEA_FMA(0.00163, t114 + t116, t120);
-		const double n9x = RNEA_FMA(-0.00105624, t122, 0.0162972*t123) + RNEA_FMA(-0.000396, t112,
-			0.000764*dw9x);
-		const double n9y = RNEA_FMA(0.00105624, t121, 0.00011016000000000002*t123) + RNEA_FMA(0.000429, dw9y,
-			6.0999999999999965e-05*t115);
+		const double t121 = a8x + RNEA_FMA(0.00163, dw9y - t115, t118);
 		const double n9z = RNEA_FMA(0.00011016000000000002, t122, 0.0162972*t121) - RNEA_FMA(0.000825, t110,
 			0.000335*t117);
+		const double t120 = RNEA_FMA(0.02515, dw9x - t112, 0.00017*(dw9y + t115));
+		const double t123 = t111 + RNEA_FMA(0.00163, t114 + t116, t120);
+		const double n9y = RNEA_FMA(0.00105624, t121, 0.00011016000000000002*t123) + RNEA_FMA(0.000429, dw9y,
+			6.0999999999999965e-05*t115);
+		const double n9x = RNEA_FMA(-0.00105624, t122, 0.0162972*t123) + RNEA_FMA(-0.000396, t112,
+			0.000764*dw9x);
 
 		/* ---- out to link 10 "l_hand" (fpass) ---- */
 		const double q10 = q[9*stride];
 		double t124, c10;
 		all_small &= rneagen_sincos_known(q10, known, sines + 16, &t124, &c10);
+		const double qd10 = qd[9*stride];
+		const double w10y = w9y - qd10;
+		const double qdd10 = qdd[9*stride];
+		const double dw10y = dw9y - qdd10;
 		const double t125 = RNEA_FMA(2.0682310711021444e-13, t109, w9x);
 		const double t126 = RNEA_FMA(-2.0682310711021444e-13, w9x, t109);
 		const double t127 = RNEA_FMA(2.0682310711021444e-13, t110, dw9x);
@@ -531,74 +532,70 @@ static RNEA_INLINE int atlas_rnea_segment1(const double *first_q, const double *
 		const double t130 = RNEA_FMA(-2.0682310711021444e-13, a8x, t111);
 		const double w10z = RNEA_FMA(c10, t126, t124*t125);
 		const double w10x = RNEA_FMA(t125, -c10, t124*t126);
-		const double qd10 = qd[9*stride];
-		const double w10y = w9y - qd10;
 		const double dw10x = RNEA_FMA(qd10, w10z, RNEA_FMA(t127, -c10, t124*t128));
-		const double qdd10 = qdd[9*stride];
-		const double dw10y = dw9y - qdd10;
 		const double dw10z = RNEA_FMA(w10x, -qd10, RNEA_FMA(c10, t128, t124*t127));
 		const double a10z = RNEA_FMA(c10, t130, t124*t129);
 		const double a10x = RNEA_FMA(t129, -c10, t124*t130);
 		const double t131 = w10z*w10y;
 		const double t132 = w10z*w10z;
+		const double t136 = w10z*w10x;
 		const double t133 = w10y*w10y;
+		const double t140 = w10x*w10y;
+		const double t137 = w10x*w10x;
 		const double t134 = t131 - dw10x;
 		const double t135 = dw10x + t131;
-		const double t136 = w10z*w10x;
-		const double t137 = w10x*w10x;
 		const double t138 = t136 - dw10y;
 		const double t139 = dw10y + t136;
-		const double t140 = w10x*w10y;
 		const double t141 = t140 - dw10z;
-		const double t142 = dw10z + t140;
-		const double t143 = RNEA_FMA(1.1678e-05, t139, -RNEA_FMA(0.060090400999999995, t141, 9.3424e-05*(t132
-			+ t133)));
-		const double f10x = RNEA_FMA(0.6839, a10x, t143);
-		const double f10y = RNEA_FMA(0.6839, a9y, RNEA_FMA(1.1678e-05, t134, RNEA_FMA(0.060090400999999995, t132
-			+ t137,
-			9.3424e-05*t142)));
-		const double f10z = RNEA_FMA(0.6839, a10z, RNEA_FMA(-1.1678e-05, t133 + t137,
-			RNEA_FMA(-0.060090400999999995,
-			t135, 9.3424e-05*t138)));
-		const double t144 = RNEA_FMA(-1.86848e-09, t142, RNEA_FMA(-7.62246416e-06, t138,
-			RNEA_FMA(0.00583500555115,
-			dw10x, 0.00533900508403*t131)));
 		const double t145 = RNEA_FMA(7.62246416e-06, t135, RNEA_FMA(-9.5280802e-07, t141,
 			RNEA_FMA(0.0004870151814,
 			dw10y, 8.985285720000002e-06*t136)));
+		const double t143 = RNEA_FMA(1.1678e-05, t139, -RNEA_FMA(0.060090400999999995, t141, 9.3424e-05*(t132
+			+ t133)));
 		const double t146 = RNEA_FMA(9.5280802e-07, t139, RNEA_FMA(1.86848e-09, t134,
 			RNEA_FMA(-0.005347990369749999,
 			t140, 0.0058260202654299995*dw10z)));
+		const double t142 = dw10z + t140;
+		const double t144 = RNEA_FMA(-1.86848e-09, t142, RNEA_FMA(-7.62246416e-06, t138,
+			RNEA_FMA(0.00583500555115,
+			dw10x, 0.00533900508403*t131)));
+		const double f10z = RNEA_FMA(0.6839, a10z, RNEA_FMA(-1.1678e-05, t133 + t137,
+			RNEA_FMA(-0.060090400999999995,
+			t135, 9.3424e-05*t138)));
+		const double f10y = RNEA_FMA(0.6839, a9y, RNEA_FMA(1.1678e-05, t134, RNEA_FMA(0.060090400999999995, t132
+			+ t137,
+			9.3424e-05*t142)));
+		const double f9y = RNEA_FMA(0.648, t122, f10y);
 		const double n10x = RNEA_FMA(9.5280802e-07, t133 - t132, t144) - RNEA_FMA(0.060090400999999995, a10z,
 			1.1678e-05*a9y);
-		const double n10y = RNEA_FMA(-9.3424e-05, a10z, 1.1678e-05*a10x) + RNEA_FMA(-1.86848e-09, t132 - t137,
-			t145);
 		const double n10z = RNEA_FMA(9.3424e-05, a9y, 0.060090400999999995*a10x) + RNEA_FMA(7.62246416e-06, t137
 			- t133,
 			t146);
+		const double n10y = RNEA_FMA(-9.3424e-05, a10z, 1.1678e-05*a10x) + RNEA_FMA(-1.86848e-09, t132 - t137,
+			t145);
+		const double f10x = RNEA_FMA(0.6839, a10x, t143);
+		tau[9*stride] = -n10y;
+		const double n9y_2 = n9y + n10y;
 
 		/* ---- back from link 10 "l_hand" to link 9 (bpass): torque of "l_arm_lwy" ---- */
 		/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
 		const double t147 = RNEA_FMA(c10, f10z, t124*f10x);
 		const double t148 = RNEA_FMA(f10z, -t124, c10*f10x);
+		const double f9z = RNEA_FMA(-0.648, t123, RNEA_FMA(2.0682310711021444e-13, t148, -t147));
+		const double f9x = RNEA_FMA(0.648, t121, -RNEA_FMA(2.0682310711021444e-13, t147, t148));
+		const double f8x = RNEA_FMA(2.4798, t106, f9x);
+		const double f8z = RNEA_FMA(2.4798, t108, RNEA_FMA(s9, f9y, c9*f9z));
+		const double f8y = RNEA_FMA(2.4798, t107, RNEA_FMA(f9z, -s9, c9*f9y));
+		const double f7y = RNEA_FMA(3.248, a7y, f8y);
 		const double t149 = RNEA_FMA(c10, n10z, t124*n10x);
 		const double t150 = RNEA_FMA(n10z, -t124, c10*n10x);
-		const double f9x = RNEA_FMA(0.648, t121, -RNEA_FMA(2.0682310711021444e-13, t147, t148));
-		const double f9y = RNEA_FMA(0.648, t122, f10y);
-		const double f9z = RNEA_FMA(-0.648, t123, RNEA_FMA(2.0682310711021444e-13, t148, -t147));
-		const double n9x_2 = n9x - RNEA_FMA(2.0682310711021444e-13, t149, t150);
-		const double n9y_2 = n9y + n10y;
 		const double n9z_2 = n9z + RNEA_FMA(2.0682310711021444e-13, t150, -t149);
-		tau[9*stride] = -n10y;
-
-		/* ---- back from link 9 "l_lfarm" to link 8 (bpass): torque of "l_arm_mwx" ---- */
-		const double f8x = RNEA_FMA(2.4798, t106, f9x);
-		const double f8y = RNEA_FMA(2.4798, t107, RNEA_FMA(f9z, -s9, c9*f9y));
-		const double f8z = RNEA_FMA(2.4798, t108, RNEA_FMA(s9, f9y, c9*f9z));
-		const double n8x_2 = n8x + n9x_2;
-		const double n8y_2 = n8y + RNEA_FMA(n9z_2, -s9, c9*n9y_2);
-		const double n8z_2 = n8z + RNEA_FMA(s9, n9y_2, c9*n9z_2);
+		const double n9x_2 = n9x - RNEA_FMA(2.0682310711021444e-13, t149, t150);
 		tau[8*stride] = n9x_2;
+		const double n8x_2 = n8x + n9x_2;
+		const double n8z_2 = n8z + RNEA_FMA(s9, n9y_2, c9*n9z_2);
+		const double n8y_2 = n8y + RNEA_FMA(n9z_2, -s9, c9*n9y_2);
+		tau[7*stride] = -n8y_2;
 
 		/* ---- back from link 8 "l_ufarm" to link 7 (bpass): torque of "l_arm_uwy" ---- */
 		const double t151 = RNEA_FMA(c8, f8z, t85*f8x);
@@ -607,31 +604,29 @@ static RNEA_INLINE int atlas_rnea_segment1(const double *first_q, const double *
 		const double t154 = RNEA_FMA(-t85, n8z_2, c8*n8x_2);
 		const double t155 = RNEA_FMA(2.0682310711021444e-13, t151, t152);
 		const double t156 = RNEA_FMA(2.0682310711021444e-13, t152, -t151);
-		const double f7x = RNEA_FMA(3.248, a7x, -t155);
-		const double f7y = RNEA_FMA(3.248, a7y, f8y);
-		const double f7z = RNEA_FMA(3.248, a7z, t156);
 		const double n7x = RNEA_FMA(0.00265, dw7x, RNEA_FMA(-0.29955, t156, 0.00921*f8y)
 			- RNEA_FMA(2.0682310711021444e-13, t153, t154));
-		const double n7y_2 = n7y + RNEA_FMA(0.00921, t155, n8y_2);
 		const double n7z_2 = n7z + RNEA_FMA(-0.29955, t155, RNEA_FMA(2.0682310711021444e-13, t154, -t153));
-		tau[7*stride] = -n8y_2;
+		const double f7z = RNEA_FMA(3.248, a7z, t156);
+		tau[6*stride] = -n7x;
+		const double n7y_2 = n7y + RNEA_FMA(0.00921, t155, n8y_2);
+		const double f7x = RNEA_FMA(3.248, a7x, -t155);
+		const double n6z_2 = n6z + RNEA_FMA(0.119, f7x, RNEA_FMA(-t78, n7y_2, c7*n7z_2));
+		across[52*step] = n6z_2;
+		const double n6y = RNEA_FMA(0.00358, dw6y, RNEA_FMA(0.0092, f7x, RNEA_FMA(c7, n7y_2, t78*n7z_2)));
+		across[53*step] = n6y;
+		const double f6x_2 = f6x + f7x;
+		across[54*step] = f6x_2;
+		tau[5*stride] = -n6y;
 
 		/* ---- back from link 7 "l_larm" to link 6 (bpass): torque of "l_arm_elx" ---- */
 		const double t157 = RNEA_FMA(c7, f7y, t78*f7z);
 		const double t158 = RNEA_FMA(-t78, f7y, c7*f7z);
-		const double f6x_2 = f6x + f7x;
-		across[64*step] = f6x_2;
-		const double f6y_2 = f6y + t157;
-		across[65*step] = f6y_2;
-		const double f6z_2 = f6z + t158;
-		across[66*step] = f6z_2;
+		across[55*step] = t158;
 		const double n6x_2 = n6x + (n7x - RNEA_FMA(0.119, t158, 0.0092*t157));
-		across[67*step] = n6x_2;
-		const double n6y = RNEA_FMA(0.00358, dw6y, RNEA_FMA(0.0092, f7x, RNEA_FMA(c7, n7y_2, t78*n7z_2)));
-		across[68*step] = n6y;
-		const double n6z_2 = n6z + RNEA_FMA(0.119, f7x, RNEA_FMA(-t78, n7y_2, c7*n7z_2));
-		across[69*step] = n6z_2;
-		tau[6*stride] = -n7x;
+		across[56*step] = n6x_2;
+		const double f6y_2 = f6y + t157;
+		across[57*step] = f6y_2;
 	}
 	return all_small;
 }
@@ -650,138 +645,132 @@ static RNEA_INLINE int atlas_rnea_segment2(const double *first_q, const double *
 		const double *const qdd = first_qdd + l;
 		double *const tau = first_tau + l;
 		double *const across = first_across + l;
+		const double a5y = across[40*step];
+		const double f6y_2 = across[57*step];
+		const double f5y = RNEA_FMA(3.899, a5y, f6y_2);
+		const double f6z = across[51*step];
+		const double t158 = across[55*step];
+		const double f6z_2 = f6z + t158;
 
 		/* ---- back from link 6 "l_uarm" to link 5 (bpass): torque of "l_arm_ely" ---- */
-		const double c6 = across[54*step];
-		const double f6z_2 = across[66*step];
-		const double t69 = across[53*step];
-		const double f6x_2 = across[64*step];
+		const double c6 = across[46*step];
+		const double t69 = across[45*step];
+		const double f6x_2 = across[54*step];
 		const double t159 = RNEA_FMA(c6, f6z_2, t69*f6x_2);
 		const double t160 = RNEA_FMA(-t69, f6z_2, c6*f6x_2);
-		const double n6z_2 = across[69*step];
-		const double n6x_2 = across[67*step];
-		const double t161 = RNEA_FMA(-t69, n6z_2, c6*n6x_2);
-		const double a5x = across[47*step];
-		const double f5x = RNEA_FMA(3.899, a5x, t160);
-		const double a5y = across[49*step];
-		const double f6y_2 = across[65*step];
-		const double f5y = RNEA_FMA(3.899, a5y, f6y_2);
-		const double a5z = across[50*step];
-		const double f5z = RNEA_FMA(3.899, a5z, t159);
-		const double dw5x = across[48*step];
-		const double n5x = RNEA_FMA(0.00319, dw5x, t161 + RNEA_FMA(-0.187, t159, 0.016*f6y_2));
-		const double n5y = across[51*step];
-		const double n6y = across[68*step];
-		const double n5y_2 = n5y + RNEA_FMA(-0.016, t160, n6y);
-		const double n5z = across[52*step];
+		const double n5z = across[44*step];
+		const double n6z_2 = across[52*step];
+		const double n6x_2 = across[56*step];
 		const double n5z_2 = n5z + RNEA_FMA(0.187, t160, RNEA_FMA(c6, n6z_2, t69*n6x_2));
-		tau[5*stride] = -n6y;
+		const double t161 = RNEA_FMA(-t69, n6z_2, c6*n6x_2);
+		const double dw5x = across[37*step];
+		const double n5x = RNEA_FMA(0.00319, dw5x, t161 + RNEA_FMA(-0.187, t159, 0.016*f6y_2));
+		const double a5z = across[41*step];
+		const double f5z = RNEA_FMA(3.899, a5z, t159);
+		tau[4*stride] = -n5x;
+		const double n5y = across[42*step];
+		const double n6y = across[53*step];
+		const double n5y_2 = n5y + RNEA_FMA(-0.016, t160, n6y);
+		const double a5x = across[32*step];
+		const double f5x = RNEA_FMA(3.899, a5x, t160);
+		const double n4z = across[30*step];
+		const double t62 = across[34*step];
+		const double c5 = across[35*step];
+		const double n4z_2 = n4z + RNEA_FMA(0.11, f5x, RNEA_FMA(-t62, n5y_2, c5*n5z_2));
+		const double n4y = across[31*step];
+		const double n4y_2 = n4y + RNEA_FMA(-0.245, f5x, RNEA_FMA(c5, n5y_2, t62*n5z_2));
+		const double f4x = across[33*step];
+		const double f4x_2 = f4x + f5x;
+		tau[3*stride] = n4z_2;
 
 		/* ---- back from link 5 "l_scap" to link 4 (bpass): torque of "l_arm_shx" ---- */
-		const double c5 = across[46*step];
-		const double t62 = across[45*step];
 		const double t162 = RNEA_FMA(c5, f5y, t62*f5z);
 		const double t163 = RNEA_FMA(-t62, f5y, c5*f5z);
-		const double f4x = across[39*step];
-		const double f4x_2 = f4x + f5x;
-		const double f4y = across[40*step];
-		const double f4y_2 = f4y + t162;
-		const double f4z = across[41*step];
-		const double f4z_2 = f4z + t163;
-		const double n4x = across[43*step];
+		const double n4x = across[27*step];
 		const double n4x_2 = n4x + (n5x + RNEA_FMA(-0.11, t163, 0.245*t162));
-		const double n4y = across[44*step];
-		const double n4y_2 = n4y + RNEA_FMA(-0.245, f5x, RNEA_FMA(c5, n5y_2, t62*n5z_2));
-		const double n4z = across[42*step];
-		const double n4z_2 = n4z + RNEA_FMA(0.11, f5x, RNEA_FMA(-t62, n5y_2, c5*n5z_2));
-		tau[4*stride] = -n5x;
+		const double f4y = across[29*step];
+		const double f4y_2 = f4y + t162;
+		const double f4z = across[28*step];
+		const double f4z_2 = f4z + t163;
+		const double f3z = across[18*step];
+		const double f3z_2 = f3z + f4z_2;
 
 		/* ---- back from link 4 "l_clav" to link 3 (bpass): torque of "l_arm_shz" ---- */
-		const double s4 = across[28*step];
-		const double c4 = across[29*step];
+		const double s4 = across[19*step];
+		const double c4 = across[20*step];
 		const double t164 = RNEA_FMA(f4y_2, -s4, c4*f4x_2);
 		const double t165 = RNEA_FMA(s4, f4x_2, c4*f4y_2);
 		const double t166 = RNEA_FMA(n4y_2, -s4, c4*n4x_2);
 		const double t167 = RNEA_FMA(s4, n4x_2, c4*n4y_2);
 		const double t168 = RNEA_FMA(2.0682310711021444e-13, t165, -t164);
 		const double t169 = RNEA_FMA(2.0682310711021444e-13, t164, t165);
-		const double f3x = across[22*step];
-		const double f3x_2 = f3x + t168;
-		const double f3y = across[23*step];
+		const double n3z = across[14*step];
+		const double n3z_2 = n3z + (n4z_2 - RNEA_FMA(0.1406, t169, 0.2256*t168));
+		const double f3y = across[17*step];
 		const double f3y_2 = f3y - t169;
-		const double f3z = across[24*step];
-		const double f3z_2 = f3z + f4z_2;
 		const double t170 = RNEA_FMA(2.0682310711021444e-13, t167, -t166) + RNEA_FMA(0.2256, f4z_2,
 			0.4776*t169);
-		const double n3x = across[25*step];
-		const double n3x_2 = n3x + t170;
-		const double n3y = across[26*step];
+		const double n3y = across[13*step];
 		const double n3y_2 = n3y + (RNEA_FMA(-0.1406, f4z_2, 0.4776*t168) - RNEA_FMA(2.0682310711021444e-13,
 			t166,
 			t167));
-		const double n3z = across[27*step];
-		const double n3z_2 = n3z + (n4z_2 - RNEA_FMA(0.1406, t169, 0.2256*t168));
-		tau[3*stride] = n4z_2;
+		const double f3x = across[16*step];
+		const double f3x_2 = f3x + t168;
+		const double n3x = across[15*step];
+		const double n3x_2 = n3x + t170;
 
 		/* ---- out to link 11 "head" (fpass) ---- */
 		const double q11 = q[10*stride];
 		double s11, c11;
 		all_small &= rneagen_sincos_known(q11, known, sines + 18, &s11, &c11);
-		const double a3x = across[7*step];
-		const double t20 = across[16*step];
-		const double t27 = across[19*step];
-		const double t171 = a3x + RNEA_FMA(-0.2546, t20, 0.6215*t27);
-		const double a3y = across[14*step];
-		const double t21 = across[17*step];
-		const double t31 = across[21*step];
-		const double a11y = a3y + RNEA_FMA(0.6215, t21, 0.2546*t31);
-		const double a3z = across[15*step];
-		const double t29 = across[20*step];
-		const double t26 = across[18*step];
-		const double t172 = a3z + RNEA_FMA(-0.6215, t29, 0.2546*t26);
-		const double w3z = across[9*step];
-		const double w3x = across[10*step];
-		const double w11z = RNEA_FMA(w3z, c11, w3x*s11);
-		const double w11x = RNEA_FMA(s11, -w3z, w3x*c11);
-		const double w3y = across[8*step];
-		const double qd11 = qd[10*stride];
-		const double w11y = w3y + qd11;
-		const double dw3z = across[13*step];
-		const double dw3x = across[11*step];
-		const double dw11x = RNEA_FMA(w11z, -qd11, RNEA_FMA(s11, -dw3z, dw3x*c11));
-		const double dw3y = across[12*step];
+		const double dw3y = across[11*step];
 		const double qdd11 = qdd[10*stride];
 		const double dw11y = dw3y + qdd11;
+		const double w3z = across[10*step];
+		const double w3x = across[7*step];
+		const double w11z = RNEA_FMA(w3z, c11, w3x*s11);
+		const double w11x = RNEA_FMA(s11, -w3z, w3x*c11);
+		const double w3y = across[9*step];
+		const double qd11 = qd[10*stride];
+		const double w11y = w3y + qd11;
+		const double dw3z = across[12*step];
+		const double dw3x = across[8*step];
+		const double dw11x = RNEA_FMA(w11z, -qd11, RNEA_FMA(s11, -dw3z, dw3x*c11));
 		const double dw11z = RNEA_FMA(qd11, w11x, RNEA_FMA(dw3z, c11, dw3x*s11));
+		const double t172 = across[23*step];
+		const double t171 = across[21*step];
 		const double a11z = RNEA_FMA(c11, t172, s11*t171);
 		const double a11x = RNEA_FMA(t172, -s11, c11*t171);
 		const double t173 = w11z*w11y;
 		const double t174 = w11z*w11z;
+		const double t178 = w11z*w11x;
 		const double t175 = w11y*w11y;
+		const double t182 = w11x*w11y;
+		const double t179 = w11x*w11x;
 		const double t176 = t173 - dw11x;
 		const double t177 = dw11x + t173;
-		const double t178 = w11z*w11x;
-		const double t179 = w11x*w11x;
 		const double t180 = t178 - dw11y;
 		const double t181 = dw11y + t178;
-		const double t182 = w11x*w11y;
 		const double t183 = t182 - dw11z;
-		const double t184 = dw11z + t182;
-		const double t185 = RNEA_FMA(0.054420420656, t176, -RNEA_FMA(7.09504993e-05, t174 + t179,
-			0.109829676908*t184));
+		const double t187 = RNEA_FMA(2.8062844640453003e-06, t177, RNEA_FMA(3.9827336694684e-06, t183,
+			RNEA_FMA(-0.005634444453194253, t178, 0.0205378789418435*dw11y)));
 		const double f11x = RNEA_FMA(2.087564, a11x, RNEA_FMA(0.054420420656, t181, RNEA_FMA(7.09504993e-05,
 			t183,
 			0.109829676908*(t174 + t175))));
-		const double f11y = RNEA_FMA(2.087564, a11y, t185);
+		const double t188 = RNEA_FMA(-3.9827336694684e-06, t181, RNEA_FMA(-0.0024130603412908323, t176,
+			RNEA_FMA(0.019152684977701343, dw11z, 0.007019638417336408*t182)));
+		const double t184 = dw11z + t182;
+		const double t186 = RNEA_FMA(0.0024130603412908323, t184, RNEA_FMA(-2.8062844640453003e-06, t180,
+			RNEA_FMA(-0.0013851939641421555, t173, 0.013518240524507091*dw11x)));
 		const double f11z = RNEA_FMA(2.087564, a11z, RNEA_FMA(-0.054420420656, t175 + t179,
 			RNEA_FMA(-0.109829676908,
 			t180, 7.09504993e-05*t177)));
-		const double t186 = RNEA_FMA(0.0024130603412908323, t184, RNEA_FMA(-2.8062844640453003e-06, t180,
-			RNEA_FMA(-0.0013851939641421555, t173, 0.013518240524507091*dw11x)));
-		const double t187 = RNEA_FMA(2.8062844640453003e-06, t177, RNEA_FMA(3.9827336694684e-06, t183,
-			RNEA_FMA(-0.005634444453194253, t178, 0.0205378789418435*dw11y)));
-		const double t188 = RNEA_FMA(-3.9827336694684e-06, t181, RNEA_FMA(-0.0024130603412908323, t176,
-			RNEA_FMA(0.019152684977701343, dw11z, 0.007019638417336408*t182)));
+		const double t185 = RNEA_FMA(0.054420420656, t176, -RNEA_FMA(7.09504993e-05, t174 + t179,
+			0.109829676908*t184));
+		const double a11y = across[22*step];
+		const double f11y = RNEA_FMA(2.087564, a11y, t185);
+		const double f3y_3 = f3y_2 + f11y;
+		across[36*step] = f3y_3;
 		const double n11x = RNEA_FMA(-0.054420420656, a11y, 7.09504993e-05*a11z)
 			+ RNEA_FMA(-3.9827336694684e-06, t175
 			- t174, t186);
@@ -790,50 +779,38 @@ static RNEA_INLINE int atlas_rnea_segment2(const double *first_q, const double *
 			- t179, t187);
 		const double n11z = RNEA_FMA(2.8062844640453003e-06, t179 - t175, t188) - RNEA_FMA(0.109829676908, a11y,
 			7.09504993e-05*a11x);
+		const double n3z_3 = n3z_2 + RNEA_FMA(0.2546, f11y, RNEA_FMA(-s11, n11x, c11*n11z));
+		across[38*step] = n3z_3;
+		const double n3x_3 = n3x_2 + RNEA_FMA(-0.6215, f11y, RNEA_FMA(s11, n11z, c11*n11x));
+		across[39*step] = n3x_3;
+		tau[10*stride] = n11y;
 
 		/* ---- back from link 11 "head" to link 3 (bpass): torque of "neck_ay" ---- */
 		const double t189 = RNEA_FMA(-s11, f11x, c11*f11z);
 		const double t190 = RNEA_FMA(s11, f11z, c11*f11x);
-		const double f3x_3 = f3x_2 + t190;
-		across[55*step] = f3x_3;
-		const double f3y_3 = f3y_2 + f11y;
-		across[56*step] = f3y_3;
-		const double f3z_3 = f3z_2 + t189;
-		across[57*step] = f3z_3;
-		const double n3x_3 = n3x_2 + RNEA_FMA(-0.6215, f11y, RNEA_FMA(s11, n11z, c11*n11x));
-		across[58*step] = n3x_3;
 		const double n3y_3 = n3y_2 + (n11y + RNEA_FMA(-0.2546, t189, 0.6215*t190));
-		across[59*step] = n3y_3;
-		const double n3z_3 = n3z_2 + RNEA_FMA(0.2546, f11y, RNEA_FMA(-s11, n11x, c11*n11z));
-		across[60*step] = n3z_3;
-		tau[10*stride] = n11y;
+		across[43*step] = n3y_3;
+		const double f3x_3 = f3x_2 + t190;
+		across[47*step] = f3x_3;
+		const double f3z_3 = f3z_2 + t189;
+		across[48*step] = f3z_3;
 
 		/* ---- out to link 12 "r_clav" (fpass) ---- */
 		const double q12 = q[11*stride];
 		double s12, c12;
 		all_small &= rneagen_sincos_known(q12, known, sines + 20, &s12, &c12);
-		across[61*step] = s12;
-		across[62*step] = c12;
-		const double t41 = across[32*step];
-		const double t39 = across[30*step];
-		const double t40 = across[31*step];
-		const double t191 = a3x + (t41 - (t39 + t40));
-		const double t44 = across[35*step];
-		const double t42 = across[33*step];
-		const double t43 = across[34*step];
-		const double t192 = a3y + (t44 + (t42 + t43));
-		const double t45 = across[36*step];
-		const double t46 = across[37*step];
-		const double t47 = across[38*step];
-		const double a12z = a3z + (t45 - t46 - t47);
-		const double w12x = RNEA_FMA(w3x, c12, w3y*s12);
-		const double w12y = RNEA_FMA(s12, -w3x, w3y*c12);
+		across[49*step] = s12;
+		across[50*step] = c12;
 		const double qd12 = qd[11*stride];
 		const double w12z = w3z + qd12;
-		const double dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw3x, c12, dw3y*s12));
-		const double dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(s12, -dw3x, dw3y*c12));
 		const double qdd12 = qdd[11*stride];
 		const double dw12z = dw3z + qdd12;
+		const double w12x = RNEA_FMA(w3x, c12, w3y*s12);
+		const double w12y = RNEA_FMA(s12, -w3x, w3y*c12);
+		const double dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw3x, c12, dw3y*s12));
+		const double dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(s12, -dw3x, dw3y*c12));
+		const double t191 = across[24*step];
+		const double t192 = across[25*step];
 		const double a12x = RNEA_FMA(c12, t191, s12*t192);
 		const double a12y = RNEA_FMA(t191, -s12, c12*t192);
 		const double t193 = w12y*w12z;
@@ -845,109 +822,110 @@ static RNEA_INLINE int atlas_rnea_segment2(const double *first_q, const double *
 		const double t199 = dw12y + t197;
 		const double t200 = w12x*w12y;
 		const double t201 = t195 + t198;
-		const double t202 = t200 - dw12z;
-		const double f12x = RNEA_FMA(-0.37514400000000003, t199, 4.466*a12x);
-		across[63*step] = f12x;
-		const double f12y = RNEA_FMA(-0.37514400000000003, t196, 4.466*a12y);
-		across[70*step] = f12y;
-		const double f12z = RNEA_FMA(4.466, a12z, 0.37514400000000003*t201);
-		across[71*step] = f12z;
-		const double n12z = RNEA_FMA(0.004, t199, RNEA_FMA(-0.002, t200, 0.004*dw12z));
-		across[72*step] = n12z;
+		const double t203 = a12y + RNEA_FMA(-0.245, t196, 0.11*(t194 + t198));
 		const double n12x = RNEA_FMA(0.37514400000000003, a12y, RNEA_FMA(0.004, t195 - t194,
 			RNEA_FMA(-0.03651209600000001, t193, 0.042512096000000006*dw12x)));
-		across[73*step] = n12x;
+		across[58*step] = n12x;
+		const double a12z = across[26*step];
+		const double t204 = a12z + RNEA_FMA(-0.11, dw12x + t193, 0.245*t201);
+		const double f12z = RNEA_FMA(4.466, a12z, 0.37514400000000003*t201);
+		across[59*step] = f12z;
+		const double f12y = RNEA_FMA(-0.37514400000000003, t196, 4.466*a12y);
+		across[60*step] = f12y;
+		const double t202 = t200 - dw12z;
+		const double n12z = RNEA_FMA(0.004, t199, RNEA_FMA(-0.002, t200, 0.004*dw12z));
+		across[61*step] = n12z;
 		const double n12y = RNEA_FMA(-0.37514400000000003, a12x, RNEA_FMA(-0.004, t202,
 			RNEA_FMA(0.040512096000000004,
 			dw12y, 0.038512096*t197)));
-		across[74*step] = n12y;
+		across[62*step] = n12y;
+		const double a13x = a12x - RNEA_FMA(0.245, t199, 0.11*t202);
+		across[63*step] = a13x;
+		const double f12x = RNEA_FMA(-0.37514400000000003, t199, 4.466*a12x);
+		across[64*step] = f12x;
 
 		/* ---- out to link 13 "r_scap" (fpass) ---- */
 		const double q13 = q[12*stride];
 		double s13, c13;
 		all_small &= rneagen_sincos_known(q13, known, sines + 22, &s13, &c13);
-		across[75*step] = s13;
-		across[76*step] = c13;
-		const double a13x = a12x - RNEA_FMA(0.245, t199, 0.11*t202);
-		across[77*step] = a13x;
-		const double t203 = a12y + RNEA_FMA(-0.245, t196, 0.11*(t194 + t198));
-		const double t204 = a12z + RNEA_FMA(-0.11, dw12x + t193, 0.245*t201);
-		const double w13y = RNEA_FMA(w12y, c13, w12z*s13);
-		const double w13z = RNEA_FMA(s13, -w12y, w12z*c13);
+		across[65*step] = s13;
+		across[66*step] = c13;
 		const double qd13 = qd[12*stride];
 		const double w13x = w12x + qd13;
 		const double qdd13 = qdd[12*stride];
 		const double dw13x = dw12x + qdd13;
-		across[78*step] = dw13x;
+		across[67*step] = dw13x;
+		const double w13y = RNEA_FMA(w12y, c13, w12z*s13);
+		const double w13z = RNEA_FMA(s13, -w12y, w12z*c13);
 		const double dw13y = RNEA_FMA(qd13, w13z, RNEA_FMA(dw12y, c13, dw12z*s13));
 		const double dw13z = RNEA_FMA(w13y, -qd13, RNEA_FMA(s13, -dw12y, dw12z*c13));
 		const double a13y = RNEA_FMA(c13, t203, s13*t204);
-		across[79*step] = a13y;
+		across[68*step] = a13y;
 		const double a13z = RNEA_FMA(t203, -s13, c13*t204);
-		across[80*step] = a13z;
+		across[69*step] = a13z;
 		const double t205 = w13y*w13z;
 		const double t206 = w13z*w13x;
 		const double t207 = w13x*w13x;
 		const double t208 = w13y*w13x;
 		const double n13y = RNEA_FMA(-0.00264, t206, 0.00583*dw13y);
-		across[81*step] = n13y;
+		across[70*step] = n13y;
+		const double t209 = a13x - RNEA_FMA(0.016, dw13y + t206, 0.187*(t208 - dw13z));
 		const double n13z = RNEA_FMA(0.00583, dw13z, 0.00264*t208);
-		across[82*step] = n13z;
+		across[71*step] = n13z;
 
 		/* ---- out to link 14 "r_uarm" (fpass) ---- */
 		const double q14 = q[13*stride];
 		double s14, c14;
 		all_small &= rneagen_sincos_known(q14, known, sines + 24, &s14, &c14);
-		across[83*step] = s14;
-		across[84*step] = c14;
-		const double t209 = a13x - RNEA_FMA(0.016, dw13y + t206, 0.187*(t208 - dw13z));
-		const double a14y = a13y + RNEA_FMA(-0.016, t205 - dw13x, 0.187*RNEA_FMA(w13z, w13z, t207));
-		const double t210 = a13z + RNEA_FMA(-0.187, dw13x + t205, 0.016*RNEA_FMA(w13y, w13y, t207));
-		const double w14z = RNEA_FMA(w13z, c14, w13x*s14);
-		across[85*step] = w14z;
-		const double w14x = RNEA_FMA(s14, -w13z, w13x*c14);
-		across[86*step] = w14x;
-		const double qd14 = qd[13*stride];
-		const double w14y = w13y + qd14;
-		across[87*step] = w14y;
-		const double dw14x = RNEA_FMA(w14z, -qd14, RNEA_FMA(s14, -dw13z, dw13x*c14));
-		across[88*step] = dw14x;
+		across[72*step] = s14;
+		across[73*step] = c14;
 		const double qdd14 = qdd[13*stride];
 		const double dw14y = dw13y + qdd14;
-		across[89*step] = dw14y;
+		across[74*step] = dw14y;
+		const double a14y = a13y + RNEA_FMA(-0.016, t205 - dw13x, 0.187*RNEA_FMA(w13z, w13z, t207));
+		const double t210 = a13z + RNEA_FMA(-0.187, dw13x + t205, 0.016*RNEA_FMA(w13y, w13y, t207));
+		const double qd14 = qd[13*stride];
+		const double w14y = w13y + qd14;
+		across[75*step] = w14y;
+		const double w14z = RNEA_FMA(w13z, c14, w13x*s14);
+		across[76*step] = w14z;
+		const double w14x = RNEA_FMA(s14, -w13z, w13x*c14);
+		across[77*step] = w14x;
+		const double dw14x = RNEA_FMA(w14z, -qd14, RNEA_FMA(s14, -dw13z, dw13x*c14));
+		across[78*step] = dw14x;
 		const double dw14z = RNEA_FMA(qd14, w14x, RNEA_FMA(dw13z, c14, dw13x*s14));
-		across[90*step] = dw14z;
+		across[79*step] = dw14z;
 		const double a14z = RNEA_FMA(c14, t210, s14*t209);
 		const double a14x = RNEA_FMA(t210, -s14, c14*t209);
 		const double t211 = w14z*w14y;
 		const double t212 = dw14x + t211;
 		const double t213 = w14x*w14x;
 		const double t214 = RNEA_FMA(w14z, w14z, t213);
+		const double t218 = a14z - RNEA_FMA(0.0092, RNEA_FMA(w14y, w14y, t213), 0.119*t212);
+		across[80*step] = t218;
+		const double f14z = RNEA_FMA(4.386, a14z, 0.28509*t212);
+		across[81*step] = f14z;
+		const double n14x = RNEA_FMA(0.28509, a14z, RNEA_FMA(0.02509085, dw14x, 0.02151085*t211));
+		across[82*step] = n14x;
+		const double t217 = a14y + RNEA_FMA(0.0092, t211 - dw14x, 0.119*t214);
+		across[83*step] = t217;
+		const double f14y = RNEA_FMA(-0.28509, t214, 4.386*a14y);
+		across[84*step] = f14y;
 		const double t215 = w14x*w14y;
 		const double t216 = t215 - dw14z;
-		const double f14x = RNEA_FMA(4.386, a14x, 0.28509*t216);
-		across[91*step] = f14x;
-		const double f14y = RNEA_FMA(-0.28509, t214, 4.386*a14y);
-		across[92*step] = f14y;
-		const double f14z = RNEA_FMA(4.386, a14z, 0.28509*t212);
-		across[93*step] = f14z;
-		const double n14x = RNEA_FMA(0.28509, a14z, RNEA_FMA(0.02509085, dw14x, 0.02151085*t211));
-		across[94*step] = n14x;
 		const double n14z = RNEA_FMA(-0.28509, a14x, RNEA_FMA(-0.02151085, t215, 0.02509085*dw14z));
-		across[95*step] = n14z;
+		across[85*step] = n14z;
+		const double f14x = RNEA_FMA(4.386, a14x, 0.28509*t216);
+		across[86*step] = f14x;
+		const double a15x = a14x + RNEA_FMA(-0.119, t216, 0.0092*RNEA_FMA(w14z, w14x, dw14y));
+		across[87*step] = a15x;
 
 		/* ---- out to link 15 "r_larm" (fpass) ---- */
 		const double q15 = q[14*stride];
 		double s15, c15;
 		all_small &= rneagen_sincos_known(q15, known, sines + 26, &s15, &c15);
-		across[96*step] = s15;
-		across[97*step] = c15;
-		const double a15x = a14x + RNEA_FMA(-0.119, t216, 0.0092*RNEA_FMA(w14z, w14x, dw14y));
-		across[98*step] = a15x;
-		const double t217 = a14y + RNEA_FMA(0.0092, t211 - dw14x, 0.119*t214);
-		across[99*step] = t217;
-		const double t218 = a14z - RNEA_FMA(0.0092, RNEA_FMA(w14y, w14y, t213), 0.119*t212);
-		across[100*step] = t218;
+		across[88*step] = s15;
+		across[89*step] = c15;
 	}
 	return all_small;
 }
@@ -966,24 +944,24 @@ static RNEA_INLINE int atlas_rnea_segment3(const double *first_q, const double *
 		const double *const qdd = first_qdd + l;
 		double *const tau = first_tau + l;
 		double *const across = first_across + l;
-		const double w14y = across[87*step];
-		const double c15 = across[97*step];
-		const double w14z = across[85*step];
-		const double s15 = across[96*step];
-		const double w15y = RNEA_FMA(w14y, c15, w14z*s15);
-		const double w15z = RNEA_FMA(s15, -w14y, w14z*c15);
-		const double w14x = across[86*step];
+		const double w14x = across[77*step];
 		const double qd15 = qd[14*stride];
 		const double w15x = w14x + qd15;
-		const double dw14x = across[88*step];
+		const double dw14x = across[78*step];
 		const double qdd15 = qdd[14*stride];
 		const double dw15x = dw14x + qdd15;
-		const double dw14y = across[89*step];
-		const double dw14z = across[90*step];
+		const double w14y = across[75*step];
+		const double c15 = across[89*step];
+		const double w14z = across[76*step];
+		const double s15 = across[88*step];
+		const double w15y = RNEA_FMA(w14y, c15, w14z*s15);
+		const double w15z = RNEA_FMA(s15, -w14y, w14z*c15);
+		const double dw14y = across[74*step];
+		const double dw14z = across[79*step];
 		const double dw15y = RNEA_FMA(qd15, w15z, RNEA_FMA(dw14y, c15, dw14z*s15));
 		const double dw15z = RNEA_FMA(w15y, -qd15, RNEA_FMA(s15, -dw14y, dw14z*c15));
-		const double t217 = across[99*step];
-		const double t218 = across[100*step];
+		const double t217 = across[83*step];
+		const double t218 = across[80*step];
 		const double a15y = RNEA_FMA(c15, t217, s15*t218);
 		const double a15z = RNEA_FMA(t217, -s15, c15*t218);
 		const double t219 = w15y*w15z;
@@ -991,23 +969,23 @@ static RNEA_INLINE int atlas_rnea_segment3(const double *first_q, const double *
 		const double t221 = w15x*w15x;
 		const double t222 = w15y*w15x;
 		const double n15y = RNEA_FMA(-0.0018100000000000004, t220, 0.00446*dw15y);
+		const double a15x = across[87*step];
+		const double t223 = a15x - RNEA_FMA(0.00921, dw15y + t220, 0.29955*(t222 - dw15z));
 		const double n15z = RNEA_FMA(0.00446, dw15z, 0.0018100000000000004*t222);
 
 		/* ---- out to link 16 "r_ufarm" (fpass) ---- */
 		const double q16 = q[15*stride];
 		double s16, c16;
 		all_small &= rneagen_sincos_known(q16, known, sines + 28, &s16, &c16);
-		const double a15x = across[98*step];
-		const double t223 = a15x - RNEA_FMA(0.00921, dw15y + t220, 0.29955*(t222 - dw15z));
-		const double a16y = a15y + RNEA_FMA(-0.00921, t219 - dw15x, 0.29955*RNEA_FMA(w15z, w15z, t221));
-		const double t224 = a15z + RNEA_FMA(-0.29955, dw15x + t219, 0.00921*RNEA_FMA(w15y, w15y, t221));
-		const double w16z = RNEA_FMA(w15z, c16, w15x*s16);
-		const double w16x = RNEA_FMA(s16, -w15z, w15x*c16);
-		const double qd16 = qd[15*stride];
-		const double w16y = w15y + qd16;
-		const double dw16x = RNEA_FMA(w16z, -qd16, RNEA_FMA(s16, -dw15z, dw15x*c16));
 		const double qdd16 = qdd[15*stride];
 		const double dw16y = dw15y + qdd16;
+		const double a16y = a15y + RNEA_FMA(-0.00921, t219 - dw15x, 0.29955*RNEA_FMA(w15z, w15z, t221));
+		const double t224 = a15z + RNEA_FMA(-0.29955, dw15x + t219, 0.00921*RNEA_FMA(w15y, w15y, t221));
+		const double qd16 = qd[15*stride];
+		const double w16y = w15y + qd16;
+		const double w16z = RNEA_FMA(w15z, c16, w15x*s16);
+		const double w16x = RNEA_FMA(s16, -w15z, w15x*c16);
+		const double dw16x = RNEA_FMA(w16z, -qd16, RNEA_FMA(s16, -dw15z, dw15x*c16));
 		const double dw16z = RNEA_FMA(qd16, w16x, RNEA_FMA(dw15z, c16, dw15x*s16));
 		const double a16z = RNEA_FMA(c16, t224, s16*t223);
 		const double a16x = RNEA_FMA(t224, -s16, c16*t223);
@@ -1019,28 +997,28 @@ static RNEA_INLINE int atlas_rnea_segment3(const double *first_q, const double *
 		const double t230 = w16x*w16y;
 		const double t231 = RNEA_FMA(-0.00015, t226 + t227, 0.08296*(t230 - dw16z));
 		const double t232 = RNEA_FMA(-0.08296, t226 + t229, 0.00015*(dw16z + t230));
-		const double t233 = RNEA_FMA(0.08296, dw16x + t225, 0.00015*(t228 - dw16y));
-		const double t234 = a16x + RNEA_FMA(0.00037, dw16y + t228, t231);
 		const double t235 = a16y + RNEA_FMA(0.00037, t225 - dw16x, t232);
+		const double t234 = a16x + RNEA_FMA(0.00037, dw16y + t228, t231);
+		const double n16z = RNEA_FMA(-0.20572420800000002, t234, 0.00037196999999999995*t235)
+			+ RNEA_FMA(-0.009873999999999999, t230, 0.011948*dw16z);
+		const double t233 = RNEA_FMA(0.08296, dw16x + t225, 0.00015*(t228 - dw16y));
 		const double t236 = a16z + RNEA_FMA(-0.00037, t227 + t229, t233);
-		const double n16x = RNEA_FMA(-0.000917526, t235, 0.20572420800000002*t236) + RNEA_FMA(0.012731, dw16x,
-			0.009091*t225);
 		const double n16y = RNEA_FMA(-0.00037196999999999995, t236, 0.000917526*t234) + RNEA_FMA(0.002857,
 			dw16y,
 			0.000782999999999999*t228);
-		const double n16z = RNEA_FMA(-0.20572420800000002, t234, 0.00037196999999999995*t235)
-			+ RNEA_FMA(-0.009873999999999999, t230, 0.011948*dw16z);
+		const double n16x = RNEA_FMA(-0.000917526, t235, 0.20572420800000002*t236) + RNEA_FMA(0.012731, dw16x,
+			0.009091*t225);
 
 		/* ---- out to link 17 "r_lfarm" (fpass) ---- */
 		const double q17 = q[16*stride];
 		double s17, c17;
 		all_small &= rneagen_sincos_known(q17, known, sines + 30, &s17, &c17);
-		const double w17y = RNEA_FMA(w16y, c17, w16z*s17);
-		const double w17z = RNEA_FMA(s17, -w16y, w16z*c17);
 		const double qd17 = qd[16*stride];
 		const double w17x = w16x + qd17;
 		const double qdd17 = qdd[16*stride];
 		const double dw17x = dw16x + qdd17;
+		const double w17y = RNEA_FMA(w16y, c17, w16z*s17);
+		const double w17z = RNEA_FMA(s17, -w16y, w16z*c17);
 		const double dw17y = RNEA_FMA(qd17, w17z, RNEA_FMA(dw16y, c17, dw16z*s17));
 		const double dw17z = RNEA_FMA(w17y, -qd17, RNEA_FMA(s17, -dw16y, dw16z*c17));
 		const double a17y = RNEA_FMA(a16y, c17, a16z*s17);
@@ -1053,196 +1031,186 @@ static RNEA_INLINE int atlas_rnea_segment3(const double *first_q, const double *
 		const double t242 = w17y*w17x;
 		const double t243 = -RNEA_FMA(0.02515, t242 - dw17z, 0.00017*(t238 + t239));
 		const double t244 = RNEA_FMA(0.02515, t238 + t241, 0.00017*(dw17z + t242));
-		const double t245 = RNEA_FMA(-0.02515, dw17x + t237, 0.00017*(t240 - dw17y));
-		const double t246 = a16x + RNEA_FMA(0.00163, dw17y + t240, t243);
 		const double t247 = a17y + RNEA_FMA(0.00163, t237 - dw17x, t244);
+		const double t246 = a16x + RNEA_FMA(0.00163, dw17y + t240, t243);
+		const double n17z = RNEA_FMA(0.00011016000000000002, t247, 0.0162972*t246) + RNEA_FMA(-0.000335, t242,
+			0.000825*dw17z);
+		const double t245 = RNEA_FMA(-0.02515, dw17x + t237, 0.00017*(t240 - dw17y));
 		const double t248 = a17z + RNEA_FMA(-0.00163, t239 + t241, t245);
-		const double n17x = RNEA_FMA(0.000764, dw17x, 0.000396*t237) - RNEA_FMA(0.0162972, t248,
-			0.00105624*t247);
 		const double n17y = RNEA_FMA(-0.00011016000000000002, t248, 0.00105624*t246)
 			+ RNEA_FMA(-6.0999999999999965e-05,
 			t240, 0.000429*dw17y);
-		const double n17z = RNEA_FMA(0.00011016000000000002, t247, 0.0162972*t246) + RNEA_FMA(-0.000335, t242,
-			0.000825*dw17z);
+		const double n17x = RNEA_FMA(0.000764, dw17x, 0.000396*t237) - RNEA_FMA(0.0162972, t248,
+			0.00105624*t247);
 
 		/* ---- out to link 18 "r_hand" (fpass) ---- */
 		const double q18 = q[17*stride];
 		double s18, c18;
 		all_small &= rneagen_sincos_known(q18, known, sines + 32, &s18, &c18);
-		const double w18z = RNEA_FMA(w17z, c18, w17x*s18);
-		const double w18x = RNEA_FMA(s18, -w17z, w17x*c18);
 		const double qd18 = qd[17*stride];
 		const double w18y = w17y + qd18;
-		const double dw18x = RNEA_FMA(w18z, -qd18, RNEA_FMA(s18, -dw17z, dw17x*c18));
 		const double qdd18 = qdd[17*stride];
 		const double dw18y = dw17y + qdd18;
+		const double w18z = RNEA_FMA(w17z, c18, w17x*s18);
+		const double w18x = RNEA_FMA(s18, -w17z, w17x*c18);
+		const double dw18x = RNEA_FMA(w18z, -qd18, RNEA_FMA(s18, -dw17z, dw17x*c18));
 		const double dw18z = RNEA_FMA(qd18, w18x, RNEA_FMA(dw17z, c18, dw17x*s18));
 		const double a18z = RNEA_FMA(a17z, c18, a16x*s18);
 		const double a18x = RNEA_FMA(s18, -a17z, a16x*c18);
 		const double t249 = w18z*w18y;
 		const double t250 = w18z*w18z;
+		const double t254 = w18z*w18x;
 		const double t251 = w18y*w18y;
+		const double t258 = w18x*w18y;
+		const double t255 = w18x*w18x;
 		const double t252 = t249 - dw18x;
 		const double t253 = dw18x + t249;
-		const double t254 = w18z*w18x;
-		const double t255 = w18x*w18x;
 		const double t256 = t254 - dw18y;
 		const double t257 = dw18y + t254;
-		const double t258 = w18x*w18y;
 		const double t259 = t258 - dw18z;
-		const double t260 = dw18z + t258;
-		const double t261 = RNEA_FMA(1.1678e-05, t257, -RNEA_FMA(0.060090400999999995, t259, 9.3424e-05*(t250
-			+ t251)));
-		const double f18x = RNEA_FMA(0.6839, a18x, t261);
-		const double f18y = RNEA_FMA(0.6839, a17y, RNEA_FMA(1.1678e-05, t252, RNEA_FMA(0.060090400999999995,
-			t250
-			+ t255, 9.3424e-05*t260)));
-		const double f18z = RNEA_FMA(0.6839, a18z, RNEA_FMA(-1.1678e-05, t251 + t255,
-			RNEA_FMA(-0.060090400999999995,
-			t253, 9.3424e-05*t256)));
-		const double t262 = RNEA_FMA(-1.86848e-09, t260, RNEA_FMA(-7.62246416e-06, t256,
-			RNEA_FMA(0.00583500555115,
-			dw18x, 0.00533900508403*t249)));
 		const double t263 = RNEA_FMA(7.62246416e-06, t253, RNEA_FMA(-9.5280802e-07, t259,
 			RNEA_FMA(0.0004870151814,
 			dw18y, 8.985285720000002e-06*t254)));
+		const double t261 = RNEA_FMA(1.1678e-05, t257, -RNEA_FMA(0.060090400999999995, t259, 9.3424e-05*(t250
+			+ t251)));
 		const double t264 = RNEA_FMA(9.5280802e-07, t257, RNEA_FMA(1.86848e-09, t252,
 			RNEA_FMA(-0.005347990369749999,
 			t258, 0.0058260202654299995*dw18z)));
+		const double t260 = dw18z + t258;
+		const double t262 = RNEA_FMA(-1.86848e-09, t260, RNEA_FMA(-7.62246416e-06, t256,
+			RNEA_FMA(0.00583500555115,
+			dw18x, 0.00533900508403*t249)));
+		const double f18z = RNEA_FMA(0.6839, a18z, RNEA_FMA(-1.1678e-05, t251 + t255,
+			RNEA_FMA(-0.060090400999999995,
+			t253, 9.3424e-05*t256)));
+		const double f18y = RNEA_FMA(0.6839, a17y, RNEA_FMA(1.1678e-05, t252, RNEA_FMA(0.060090400999999995,
+			t250
+			+ t255, 9.3424e-05*t260)));
+		const double f17y = RNEA_FMA(0.648, t247, f18y);
 		const double n18x = RNEA_FMA(9.5280802e-07, t251 - t250, t262) - RNEA_FMA(0.060090400999999995, a18z,
 			1.1678e-05*a17y);
-		const double n18y = RNEA_FMA(-9.3424e-05, a18z, 1.1678e-05*a18x) + RNEA_FMA(-1.86848e-09, t250 - t255,
-			t263);
 		const double n18z = RNEA_FMA(9.3424e-05, a17y, 0.060090400999999995*a18x) + RNEA_FMA(7.62246416e-06,
 			t255
 			- t251, t264);
-
-		/* ---- back from link 18 "r_hand" to link 17 (bpass): torque of "r_arm_lwy" ---- */
-		const double f17x = RNEA_FMA(0.648, t246, RNEA_FMA(s18, f18z, c18*f18x));
-		const double f17y = RNEA_FMA(0.648, t247, f18y);
+		const double n18y = RNEA_FMA(-9.3424e-05, a18z, 1.1678e-05*a18x) + RNEA_FMA(-1.86848e-09, t250 - t255,
+			t263);
+		const double f18x = RNEA_FMA(0.6839, a18x, t261);
 		const double f17z = RNEA_FMA(0.648, t248, RNEA_FMA(f18x, -s18, c18*f18z));
-		const double n17x_2 = n17x + RNEA_FMA(s18, n18z, c18*n18x);
+		const double f17x = RNEA_FMA(0.648, t246, RNEA_FMA(s18, f18z, c18*f18x));
+		const double f16x = RNEA_FMA(2.4798, t234, f17x);
+		const double f16z = RNEA_FMA(2.4798, t236, RNEA_FMA(s17, f17y, c17*f17z));
+		const double f16y = RNEA_FMA(2.4798, t235, RNEA_FMA(f17z, -s17, c17*f17y));
+		const double f15y = RNEA_FMA(3.248, a15y, f16y);
+		tau[17*stride] = n18y;
 		const double n17y_2 = n17y + n18y;
 		const double n17z_2 = n17z + RNEA_FMA(n18x, -s18, c18*n18z);
-		tau[17*stride] = n18y;
-
-		/* ---- back from link 17 "r_lfarm" to link 16 (bpass): torque of "r_arm_mwx" ---- */
-		const double f16x = RNEA_FMA(2.4798, t234, f17x);
-		const double f16y = RNEA_FMA(2.4798, t235, RNEA_FMA(f17z, -s17, c17*f17y));
-		const double f16z = RNEA_FMA(2.4798, t236, RNEA_FMA(s17, f17y, c17*f17z));
-		const double n16x_2 = n16x + n17x_2;
-		const double n16y_2 = n16y + RNEA_FMA(n17z_2, -s17, c17*n17y_2);
-		const double n16z_2 = n16z + RNEA_FMA(s17, n17y_2, c17*n17z_2);
+		const double n17x_2 = n17x + RNEA_FMA(s18, n18z, c18*n18x);
 		tau[16*stride] = n17x_2;
+		const double n16x_2 = n16x + n17x_2;
+		const double n16z_2 = n16z + RNEA_FMA(s17, n17y_2, c17*n17z_2);
+		const double n16y_2 = n16y + RNEA_FMA(n17z_2, -s17, c17*n17y_2);
+		tau[15*stride] = n16y_2;
 
 		/* ---- back from link 16 "r_ufarm" to link 15 (bpass): torque of "r_arm_uwy" ---- */
 		const double t265 = RNEA_FMA(-s16, f16x, c16*f16z);
 		const double t266 = RNEA_FMA(s16, f16z, c16*f16x);
-		const double f15x = RNEA_FMA(3.248, a15x, t266);
-		const double f15y = RNEA_FMA(3.248, a15y, f16y);
-		const double f15z = RNEA_FMA(3.248, a15z, t265);
-		const double t267 = RNEA_FMA(s16, n16z_2, c16*n16x_2) + RNEA_FMA(-0.29955, t265, 0.00921*f16y);
-		const double n15x = RNEA_FMA(0.00265, dw15x, t267);
-		const double n15y_2 = n15y + RNEA_FMA(-0.00921, t266, n16y_2);
 		const double n15z_2 = n15z + RNEA_FMA(0.29955, t266, RNEA_FMA(-s16, n16x_2, c16*n16z_2));
-		tau[15*stride] = n16y_2;
+		const double t267 = RNEA_FMA(s16, n16z_2, c16*n16x_2) + RNEA_FMA(-0.29955, t265, 0.00921*f16y);
+		const double f15z = RNEA_FMA(3.248, a15z, t265);
+		const double n15x = RNEA_FMA(0.00265, dw15x, t267);
+		tau[14*stride] = n15x;
+		const double n15y_2 = n15y + RNEA_FMA(-0.00921, t266, n16y_2);
+		const double f15x = RNEA_FMA(3.248, a15x, t266);
+		const double n14z = across[85*step];
+		const double n14z_2 = n14z + RNEA_FMA(0.119, f15x, RNEA_FMA(s15, n15y_2, c15*n15z_2));
+		const double n14y = RNEA_FMA(0.00358, dw14y, RNEA_FMA(0.0092, f15x, RNEA_FMA(-s15, n15z_2,
+			c15*n15y_2)));
+		const double f14x = across[86*step];
+		const double f14x_2 = f14x + f15x;
+		tau[13*stride] = n14y;
 
 		/* ---- back from link 15 "r_larm" to link 14 (bpass): torque of "r_arm_elx" ---- */
 		const double t268 = RNEA_FMA(-s15, f15z, c15*f15y);
 		const double t269 = RNEA_FMA(s15, f15y, c15*f15z);
-		const double f14x = across[91*step];
-		const double f14x_2 = f14x + f15x;
-		const double f14y = across[92*step];
-		const double f14y_2 = f14y + t268;
-		const double f14z = across[93*step];
-		const double f14z_2 = f14z + t269;
-		const double n14x = across[94*step];
+		const double n14x = across[82*step];
 		const double n14x_2 = n14x + (n15x - RNEA_FMA(0.119, t269, 0.0092*t268));
-		const double n14y = RNEA_FMA(0.00358, dw14y, RNEA_FMA(0.0092, f15x, RNEA_FMA(-s15, n15z_2,
-			c15*n15y_2)));
-		const double n14z = across[95*step];
-		const double n14z_2 = n14z + RNEA_FMA(0.119, f15x, RNEA_FMA(s15, n15y_2, c15*n15z_2));
-		tau[14*stride] = n15x;
+		const double f14y = across[84*step];
+		const double f14y_2 = f14y + t268;
+		const double a13y = across[68*step];
+		const double f13y = RNEA_FMA(3.899, a13y, f14y_2);
+		const double f14z = across[81*step];
+		const double f14z_2 = f14z + t269;
 
 		/* ---- back from link 14 "r_uarm" to link 13 (bpass): torque of "r_arm_ely" ---- */
-		const double s14 = across[83*step];
-		const double c14 = across[84*step];
+		const double s14 = across[72*step];
+		const double c14 = across[73*step];
 		const double t270 = RNEA_FMA(-s14, f14x_2, c14*f14z_2);
 		const double t271 = RNEA_FMA(s14, f14z_2, c14*f14x_2);
-		const double a13x = across[77*step];
-		const double f13x = RNEA_FMA(3.899, a13x, t271);
-		const double a13y = across[79*step];
-		const double f13y = RNEA_FMA(3.899, a13y, f14y_2);
-		const double a13z = across[80*step];
-		const double f13z = RNEA_FMA(3.899, a13z, t270);
-		const double t272 = RNEA_FMA(s14, n14z_2, c14*n14x_2) + RNEA_FMA(-0.187, t270, 0.016*f14y_2);
-		const double dw13x = across[78*step];
-		const double n13x = RNEA_FMA(0.00319, dw13x, t272);
-		const double n13y = across[81*step];
-		const double n13y_2 = n13y + RNEA_FMA(-0.016, t271, n14y);
-		const double n13z = across[82*step];
+		const double n13z = across[71*step];
 		const double n13z_2 = n13z + RNEA_FMA(0.187, t271, RNEA_FMA(-s14, n14x_2, c14*n14z_2));
-		tau[13*stride] = n14y;
-
-		/* ---- back from link 13 "r_scap" to link 12 (bpass): torque of "r_arm_shx" ---- */
-		const double s13 = across[75*step];
-		const double c13 = across[76*step];
-		const double t273 = RNEA_FMA(-s13, f13z, c13*f13y);
-		const double t274 = RNEA_FMA(s13, f13y, c13*f13z);
-		const double f12x = across[63*step];
-		const double f12x_2 = f12x + f13x;
-		const double f12y = across[70*step];
-		const double f12y_2 = f12y + t273;
-		const double f12z = across[71*step];
-		const double f12z_2 = f12z + t274;
-		const double n12x = across[73*step];
-		const double n12x_2 = n12x + (n13x + RNEA_FMA(-0.11, t274, 0.245*t273));
-		const double n12y = across[74*step];
-		const double n12y_2 = n12y + RNEA_FMA(-0.245, f13x, RNEA_FMA(-s13, n13z_2, c13*n13y_2));
-		const double n12z = across[72*step];
-		const double n12z_2 = n12z + RNEA_FMA(0.11, f13x, RNEA_FMA(s13, n13y_2, c13*n13z_2));
+		const double t272 = RNEA_FMA(s14, n14z_2, c14*n14x_2) + RNEA_FMA(-0.187, t270, 0.016*f14y_2);
+		const double a13z = across[69*step];
+		const double f13z = RNEA_FMA(3.899, a13z, t270);
+		const double dw13x = across[67*step];
+		const double n13x = RNEA_FMA(0.00319, dw13x, t272);
 		tau[12*stride] = n13x;
-
-		/* ---- back from link 12 "r_clav" to link 3 (bpass): torque of "r_arm_shz" ---- */
-		const double s12 = across[61*step];
-		const double c12 = across[62*step];
-		const double t275 = RNEA_FMA(-s12, f12y_2, c12*f12x_2);
-		const double t276 = RNEA_FMA(s12, f12x_2, c12*f12y_2);
-		const double t277 = RNEA_FMA(-s12, n12y_2, c12*n12x_2);
-		const double f3x_3 = across[55*step];
-		const double f3x_4 = f3x_3 + t275;
-		const double f3y_3 = across[56*step];
-		const double f3y_4 = f3y_3 + t276;
-		const double f3z_3 = across[57*step];
-		const double f3z_4 = f3z_3 + f12z_2;
-		const double t278 = RNEA_FMA(s12, n12x_2, c12*n12y_2) + RNEA_FMA(-0.1406, f12z_2, 0.4776*t275);
-		const double n3x_3 = across[58*step];
-		const double n3x_4 = n3x_3 + (t277 - RNEA_FMA(0.2256, f12z_2, 0.4776*t276));
-		const double n3y_3 = across[59*step];
-		const double n3y_4 = n3y_3 + t278;
-		const double n3z_3 = across[60*step];
-		const double n3z_4 = n3z_3 + (n12z_2 + RNEA_FMA(0.1406, t276, 0.2256*t275));
+		const double n13y = across[70*step];
+		const double n13y_2 = n13y + RNEA_FMA(-0.016, t271, n14y);
+		const double a13x = across[63*step];
+		const double f13x = RNEA_FMA(3.899, a13x, t271);
+		const double n12z = across[61*step];
+		const double s13 = across[65*step];
+		const double c13 = across[66*step];
+		const double n12z_2 = n12z + RNEA_FMA(0.11, f13x, RNEA_FMA(s13, n13y_2, c13*n13z_2));
+		const double n12y = across[62*step];
+		const double n12y_2 = n12y + RNEA_FMA(-0.245, f13x, RNEA_FMA(-s13, n13z_2, c13*n13y_2));
+		const double f12x = across[64*step];
+		const double f12x_2 = f12x + f13x;
 		tau[11*stride] = n12z_2;
 
-		/* ---- back from link 3 "utorso" to link 2 (bpass): torque of "back_bkx" ---- */
+		/* ---- back from link 13 "r_scap" to link 12 (bpass): torque of "r_arm_shx" ---- */
+		const double t273 = RNEA_FMA(-s13, f13z, c13*f13y);
+		const double t274 = RNEA_FMA(s13, f13y, c13*f13z);
+		const double n12x = across[58*step];
+		const double n12x_2 = n12x + (n13x + RNEA_FMA(-0.11, t274, 0.245*t273));
+		const double f12y = across[60*step];
+		const double f12y_2 = f12y + t273;
+		const double f12z = across[59*step];
+		const double f12z_2 = f12z + t274;
+		const double f3z_3 = across[48*step];
+		const double f3z_4 = f3z_3 + f12z_2;
+
+		/* ---- back from link 12 "r_clav" to link 3 (bpass): torque of "r_arm_shz" ---- */
+		const double s12 = across[49*step];
+		const double c12 = across[50*step];
+		const double t275 = RNEA_FMA(-s12, f12y_2, c12*f12x_2);
+		const double t276 = RNEA_FMA(s12, f12x_2, c12*f12y_2);
+		const double n3z_3 = across[38*step];
+		const double n3z_4 = n3z_3 + (n12z_2 + RNEA_FMA(0.1406, t276, 0.2256*t275));
+		const double f3y_3 = across[36*step];
+		const double f3y_4 = f3y_3 + t276;
+		const double f3x_3 = across[47*step];
+		const double f3x_4 = f3x_3 + t275;
+		const double t278 = RNEA_FMA(s12, n12x_2, c12*n12y_2) + RNEA_FMA(-0.1406, f12z_2, 0.4776*t275);
+		const double t277 = RNEA_FMA(-s12, n12y_2, c12*n12x_2);
+		const double n3x_3 = across[39*step];
+		const double n3x_4 = n3x_3 + (t277 - RNEA_FMA(0.2256, f12z_2, 0.4776*t276));
+		tau[2*stride] = n3x_4;
 		const double n2x = across[2*step];
 		const double s3 = across[5*step];
 		const double c3 = across[6*step];
 		const double n2x_2 = n2x + RNEA_FMA(-0.05, RNEA_FMA(-s3, f3z_4, c3*f3y_4), n3x_4);
-		const double n2y = across[3*step];
-		const double n2y_2 = n2y + RNEA_FMA(0.05, f3x_4, RNEA_FMA(-s3, n3z_4, c3*n3y_4));
-		const double n2z = across[4*step];
+		const double n3y_3 = across[43*step];
+		const double n3y_4 = n3y_3 + t278;
+		const double n2z = across[3*step];
 		const double n2z_2 = n2z + RNEA_FMA(s3, n3y_4, c3*n3z_4);
-		tau[2*stride] = n3x_4;
-
-		/* ---- back from link 2 "mtorso" to link 1 (bpass): torque of "back_bky" ---- */
+		const double n2y = across[4*step];
+		const double n2y_2 = n2y + RNEA_FMA(0.05, f3x_4, RNEA_FMA(-s3, n3z_4, c3*n3y_4));
+		tau[stride] = n2y_2;
 		const double qdd1 = qdd[0];
 		const double s2 = across[0];
 		const double c2 = across[step];
 		const double n1z = RNEA_FMA(0.002034694245187647, qdd1, RNEA_FMA(n2x_2, -s2, c2*n2z_2));
-		tau[stride] = n2y_2;
-
-		/* ---- back from link 1 "ltorso" to the world (bpass): torque of "back_bkz" ---- */
 		tau[0] = n1z;
 	}
 	return all_small;
@@ -1289,13 +1257,18 @@ static RNEA_INLINE int atlas_rnea_segment4(const double *first_q, const double *
 		const double t287 = t279 - dw20y;
 		const double t288 = t279 + dw20y;
 		const double t289 = t280 - dw20z;
-		const double t290 = t280 + dw20z;
-		const double t291 = RNEA_FMA(0.00037615682507336, t290, RNEA_FMA(0.00022657231325511998, t287,
-			RNEA_FMA(-0.0008171286749030399, t281, 0.0018267683797407999*qdd20)));
 		const double t292 = RNEA_FMA(-0.00022657231325511998, t285, RNEA_FMA(-0.00061559686104864, t289,
 			RNEA_FMA(0.0023026633314053, dw20y, 0.0003412337232385399*t279)));
+		const double t294 = RNEA_FMA(-0.066, t288, RNEA_FMA(-0.05, t282 + t283, 0.0225*t289));
 		const double t293 = RNEA_FMA(0.00061559686104864, t288, RNEA_FMA(-0.00037615682507336, t284,
 			RNEA_FMA(0.00148553465650226, dw20z, 0.00047589495166449995*t280)));
+		const double t290 = t280 + dw20z;
+		const double a21y = RNEA_FMA(9.81, s20, RNEA_FMA(-0.066, t284, RNEA_FMA(-0.0225, t282 + t286,
+			0.05*t290)));
+		const double t291 = RNEA_FMA(0.00037615682507336, t290, RNEA_FMA(0.00022657231325511998, t287,
+			RNEA_FMA(-0.0008171286749030399, t281, 0.0018267683797407999*qdd20)));
+		const double t295 = RNEA_FMA(9.81, c20, RNEA_FMA(0.066, t283 + t286, RNEA_FMA(0.0225, t285,
+			0.05*t287)));
 		const double n20x = RNEA_FMA(0.150185833992, c20, 0.274898464776*s20) + RNEA_FMA(0.00061559686104864,
 			t283
 			- t282, t291);
@@ -1308,47 +1281,42 @@ static RNEA_INLINE int atlas_rnea_segment4(const double *first_q, const double *
 		const double q21 = q[20*stride];
 		double s21, c21;
 		all_small &= rneagen_sincos_known(q21, known, sines + 36, &s21, &c21);
-		const double t294 = RNEA_FMA(-0.066, t288, RNEA_FMA(-0.05, t282 + t283, 0.0225*t289));
-		const double a21y = RNEA_FMA(9.81, s20, RNEA_FMA(-0.066, t284, RNEA_FMA(-0.0225, t282 + t286,
-			0.05*t290)));
-		const double t295 = RNEA_FMA(9.81, c20, RNEA_FMA(0.066, t283 + t286, RNEA_FMA(0.0225, t285,
-			0.05*t287)));
-		const double w21z = RNEA_FMA(w20z, c21, qd20*s21);
-		const double w21x = RNEA_FMA(s21, -w20z, qd20*c21);
 		const double qd21 = qd[20*stride];
 		const double w21y = w20y + qd21;
-		const double dw21x = RNEA_FMA(w21z, -qd21, RNEA_FMA(s21, -dw20z, qdd20*c21));
 		const double qdd21 = qdd[20*stride];
 		const double dw21y = dw20y + qdd21;
+		const double w21z = RNEA_FMA(w20z, c21, qd20*s21);
+		const double w21x = RNEA_FMA(s21, -w20z, qd20*c21);
+		const double dw21x = RNEA_FMA(w21z, -qd21, RNEA_FMA(s21, -dw20z, qdd20*c21));
 		const double dw21z = RNEA_FMA(qd21, w21x, RNEA_FMA(dw20z, c21, qdd20*s21));
 		const double a21z = RNEA_FMA(c21, t295, s21*t294);
 		const double a21x = RNEA_FMA(t295, -s21, c21*t294);
 		const double t296 = w21z*w21y;
 		const double t297 = w21y*w21y;
 		const double t298 = t296 - dw21x;
+		const double n21x = RNEA_FMA(1.7228400000000001, a21y, RNEA_FMA(-0.4317964, t296, 0.4517964*dw21x));
 		const double t299 = w21z*w21x;
 		const double t300 = dw21y + t299;
 		const double t301 = RNEA_FMA(w21x, w21x, t297);
+		const double t302 = a21x + RNEA_FMA(-0.374, t300, 0.05*RNEA_FMA(w21z, w21z, t297));
 		const double f21x = RNEA_FMA(-1.7228400000000001, t300, 8.204*a21x);
-		const double f21y = RNEA_FMA(-1.7228400000000001, t298, 8.204*a21y);
-		const double f21z = RNEA_FMA(8.204, a21z, 1.7228400000000001*t301);
-		const double n21x = RNEA_FMA(1.7228400000000001, a21y, RNEA_FMA(-0.4317964, t296, 0.4517964*dw21x));
 		const double n21y = RNEA_FMA(-1.7228400000000001, a21x, RNEA_FMA(0.4517964, dw21y, 0.4317964*t299));
+		const double t303 = a21z + RNEA_FMA(-0.05, t299 - dw21y, 0.374*t301);
+		const double f21z = RNEA_FMA(8.204, a21z, 1.7228400000000001*t301);
+		const double f21y = RNEA_FMA(-1.7228400000000001, t298, 8.204*a21y);
+		const double a22y = a21y - RNEA_FMA(0.374, t298, 0.05*RNEA_FMA(w21x, w21y, dw21z));
 
 		/* ---- out to link 22 "l_lleg" (fpass) ---- */
 		const double q22 = q[21*stride];
 		double s22, c22;
 		all_small &= rneagen_sincos_known(q22, known, sines + 38, &s22, &c22);
-		const double t302 = a21x + RNEA_FMA(-0.374, t300, 0.05*RNEA_FMA(w21z, w21z, t297));
-		const double a22y = a21y - RNEA_FMA(0.374, t298, 0.05*RNEA_FMA(w21x, w21y, dw21z));
-		const double t303 = a21z + RNEA_FMA(-0.05, t299 - dw21y, 0.374*t301);
-		const double w22z = RNEA_FMA(w21z, c22, w21x*s22);
-		const double w22x = RNEA_FMA(s22, -w21z, w21x*c22);
 		const double qd22 = qd[21*stride];
 		const double w22y = w21y + qd22;
-		const double dw22x = RNEA_FMA(w22z, -qd22, RNEA_FMA(s22, -dw21z, dw21x*c22));
 		const double qdd22 = qdd[21*stride];
 		const double dw22y = dw21y + qdd22;
+		const double w22z = RNEA_FMA(w21z, c22, w21x*s22);
+		const double w22x = RNEA_FMA(s22, -w21z, w21x*c22);
+		const double dw22x = RNEA_FMA(w22z, -qd22, RNEA_FMA(s22, -dw21z, dw21x*c22));
 		const double dw22z = RNEA_FMA(qd22, w22x, RNEA_FMA(dw21z, c22, dw21x*s22));
 		const double a22z = RNEA_FMA(c22, t303, s22*t302);
 		const double a22x = RNEA_FMA(t303, -s22, c22*t302);
@@ -1361,34 +1329,34 @@ static RNEA_INLINE int atlas_rnea_segment4(const double *first_q, const double *
 		const double t310 = dw22y + t308;
 		const double t311 = w22x*w22y;
 		const double t312 = t306 + t309;
-		const double t313 = dw22z + t311;
-		const double f22x = RNEA_FMA(4.515, a22x, -RNEA_FMA(0.844305, t310, 0.004515*(t305 + t306)));
-		const double f22y = RNEA_FMA(4.515, a22y, RNEA_FMA(-0.844305, t307, 0.004515*t313));
-		const double f22z = RNEA_FMA(4.515, a22z, RNEA_FMA(0.844305, t312, 0.004515*(t308 - dw22y)));
 		const double t314 = RNEA_FMA(-0.002155695, t305 - t309, RNEA_FMA(0.23388954999999997, dw22y,
 			0.22488052*t308));
-		const double n22x = RNEA_FMA(0.844305, a22y, RNEA_FMA(-0.002155695, t313, RNEA_FMA(-0.22388503499999998,
-			t304,
-			0.234885035*dw22x)));
+		const double f22z = RNEA_FMA(4.515, a22z, RNEA_FMA(0.844305, t312, 0.004515*(t308 - dw22y)));
+		const double t316 = RNEA_FMA(0.422, t312, a22z);
 		const double n22y = t314 - RNEA_FMA(0.844305, a22x, 0.004515*a22z);
+		const double f22x = RNEA_FMA(4.515, a22x, -RNEA_FMA(0.844305, t310, 0.004515*(t305 + t306)));
+		const double t315 = RNEA_FMA(-0.422, t310, a22x);
+		const double t313 = dw22z + t311;
 		const double n22z = RNEA_FMA(0.004515, a22y, RNEA_FMA(0.002155695, t307,
 			RNEA_FMA(-0.0009954850000000008, t311,
 			0.010004515*dw22z)));
+		const double n22x = RNEA_FMA(0.844305, a22y, RNEA_FMA(-0.002155695, t313, RNEA_FMA(-0.22388503499999998,
+			t304,
+			0.234885035*dw22x)));
+		const double f22y = RNEA_FMA(4.515, a22y, RNEA_FMA(-0.844305, t307, 0.004515*t313));
+		const double a23y = RNEA_FMA(-0.422, t307, a22y);
 
 		/* ---- out to link 23 "l_talus" (fpass) ---- */
 		const double q23 = q[22*stride];
 		double s23, c23;
 		all_small &= rneagen_sincos_known(q23, known, sines + 40, &s23, &c23);
-		const double t315 = RNEA_FMA(-0.422, t310, a22x);
-		const double a23y = RNEA_FMA(-0.422, t307, a22y);
-		const double t316 = RNEA_FMA(0.422, t312, a22z);
-		const double w23z = RNEA_FMA(w22z, c23, w22x*s23);
-		const double w23x = RNEA_FMA(s23, -w22z, w22x*c23);
 		const double qd23 = qd[22*stride];
 		const double w23y = w22y + qd23;
-		const double dw23x = RNEA_FMA(w23z, -qd23, RNEA_FMA(s23, -dw22z, dw22x*c23));
 		const double qdd23 = qdd[22*stride];
 		const double dw23y = dw22y + qdd23;
+		const double w23z = RNEA_FMA(w22z, c23, w22x*s23);
+		const double w23x = RNEA_FMA(s23, -w22z, w22x*c23);
+		const double dw23x = RNEA_FMA(w23z, -qd23, RNEA_FMA(s23, -dw22z, dw22x*c23));
 		const double dw23z = RNEA_FMA(qd23, w23x, RNEA_FMA(dw22z, c23, dw22x*s23));
 		const double a23z = RNEA_FMA(c23, t316, s23*t315);
 		const double a23x = RNEA_FMA(t316, -s23, c23*t315);
@@ -1401,76 +1369,68 @@ static RNEA_INLINE int atlas_rnea_segment4(const double *first_q, const double *
 		const double q24 = q[23*stride];
 		double s24, c24;
 		all_small &= rneagen_sincos_known(q24, known, sines + 42, &s24, &c24);
-		const double w24y = RNEA_FMA(w23y, c24, w23z*s24);
-		const double w24z = RNEA_FMA(s24, -w23y, w23z*c24);
 		const double qd24 = qd[23*stride];
 		const double w24x = w23x + qd24;
 		const double qdd24 = qdd[23*stride];
 		const double dw24x = dw23x + qdd24;
+		const double w24y = RNEA_FMA(w23y, c24, w23z*s24);
+		const double w24z = RNEA_FMA(s24, -w23y, w23z*c24);
 		const double dw24y = RNEA_FMA(qd24, w24z, RNEA_FMA(dw23y, c24, dw23z*s24));
 		const double dw24z = RNEA_FMA(w24y, -qd24, RNEA_FMA(s24, -dw23y, dw23z*c24));
 		const double a24y = RNEA_FMA(a23y, c24, a23z*s24);
 		const double a24z = RNEA_FMA(s24, -a23y, a23z*c24);
 		const double t317 = w24y*w24z;
 		const double t318 = w24y*w24y;
-		const double t319 = w24z*w24x;
 		const double t320 = w24y*w24x;
-		const double t321 = a23x - RNEA_FMA(0.067, dw24y + t319, 0.027*RNEA_FMA(w24z, w24z, t318));
 		const double t322 = a24y + RNEA_FMA(-0.067, t317 - dw24x, 0.027*(dw24z + t320));
-		const double t323 = a24z + RNEA_FMA(0.067, RNEA_FMA(w24x, w24x, t318), 0.027*(t319 - dw24y));
-		const double f24y = 2.41*t322;
-		const double f24z = 2.41*t323;
+		const double n24z = RNEA_FMA(0.06507, t322, RNEA_FMA(0.008, dw24z, 0.005*t320));
 		const double n24x = RNEA_FMA(0.16147000000000003, t322, RNEA_FMA(0.002, dw24x, 0.001*t317));
+		const double f24y = 2.41*t322;
+		tau[23*stride] = n24x;
+		const double n23x_2 = n23x + n24x;
+		const double t319 = w24z*w24x;
+		const double t323 = a24z + RNEA_FMA(0.067, RNEA_FMA(w24x, w24x, t318), 0.027*(t319 - dw24y));
+		const double t321 = a23x - RNEA_FMA(0.067, dw24y + t319, 0.027*RNEA_FMA(w24z, w24z, t318));
 		const double n24y = RNEA_FMA(-0.006, t319, 0.007*dw24y) - RNEA_FMA(0.16147000000000003, t321,
 			0.06507*t323);
-		const double n24z = RNEA_FMA(0.06507, t322, RNEA_FMA(0.008, dw24z, 0.005*t320));
-
-		/* ---- back from link 24 "l_foot" to link 23 (bpass): torque of "l_leg_akx" ---- */
-		const double f23x_2 = RNEA_FMA(2.41, t321, f23x);
-		const double f23y = RNEA_FMA(0.125, a23y, RNEA_FMA(f24z, -s24, c24*f24y));
+		const double f24z = 2.41*t323;
 		const double f23z = RNEA_FMA(0.125, a23z, RNEA_FMA(s24, f24y, c24*f24z));
-		const double n23x_2 = n23x + n24x;
-		const double n23y_2 = n23y + RNEA_FMA(n24z, -s24, c24*n24y);
-		const double n23z_2 = n23z + RNEA_FMA(s24, n24y, c24*n24z);
-		tau[23*stride] = n24x;
-
-		/* ---- back from link 23 "l_talus" to link 22 (bpass): torque of "l_leg_aky" ---- */
+		const double f23y = RNEA_FMA(0.125, a23y, RNEA_FMA(f24z, -s24, c24*f24y));
+		const double f22y_2 = f22y + f23y;
+		const double f21y_2 = f21y + f22y_2;
+		const double f23x_2 = RNEA_FMA(2.41, t321, f23x);
+		const double f22z_2 = f22z + RNEA_FMA(-s23, f23x_2, c23*f23z);
 		const double t324 = RNEA_FMA(s23, f23z, c23*f23x_2);
 		const double f22x_2 = f22x + t324;
-		const double f22y_2 = f22y + f23y;
-		const double f22z_2 = f22z + RNEA_FMA(-s23, f23x_2, c23*f23z);
-		const double n22x_2 = n22x + RNEA_FMA(0.422, f23y, RNEA_FMA(s23, n23z_2, c23*n23x_2));
-		const double n22y_2 = n22y + RNEA_FMA(-0.422, t324, n23y_2);
-		const double n22z_2 = n22z + RNEA_FMA(-s23, n23x_2, c23*n23z_2);
+		const double n23z_2 = n23z + RNEA_FMA(s24, n24y, c24*n24z);
+		const double n23y_2 = n23y + RNEA_FMA(n24z, -s24, c24*n24y);
 		tau[22*stride] = n23y_2;
+		const double n22y_2 = n22y + RNEA_FMA(-0.422, t324, n23y_2);
+		tau[21*stride] = n22y_2;
+		const double n22z_2 = n22z + RNEA_FMA(-s23, n23x_2, c23*n23z_2);
+		const double n22x_2 = n22x + RNEA_FMA(0.422, f23y, RNEA_FMA(s23, n23z_2, c23*n23x_2));
+		const double n21z = RNEA_FMA(0.02, dw21z, RNEA_FMA(-0.05, f22y_2, RNEA_FMA(-s22, n22x_2, c22*n22z_2)));
+		const double n21x_2 = n21x + RNEA_FMA(0.374, f22y_2, RNEA_FMA(s22, n22z_2, c22*n22x_2));
 
 		/* ---- back from link 22 "l_lleg" to link 21 (bpass): torque of "l_leg_kny" ---- */
 		const double t325 = RNEA_FMA(-s22, f22x_2, c22*f22z_2);
 		const double t326 = RNEA_FMA(s22, f22z_2, c22*f22x_2);
-		const double f21x_2 = f21x + t326;
-		const double f21y_2 = f21y + f22y_2;
-		const double f21z_2 = f21z + t325;
-		const double n21x_2 = n21x + RNEA_FMA(0.374, f22y_2, RNEA_FMA(s22, n22z_2, c22*n22x_2));
 		const double n21y_2 = n21y + (n22y_2 + RNEA_FMA(-0.374, t326, 0.05*t325));
-		const double n21z = RNEA_FMA(0.02, dw21z, RNEA_FMA(-0.05, f22y_2, RNEA_FMA(-s22, n22x_2, c22*n22z_2)));
-		tau[21*stride] = n22y_2;
+		const double f21z_2 = f21z + t325;
+		const double f21x_2 = f21x + t326;
+		tau[20*stride] = n21y_2;
 
 		/* ---- back from link 21 "l_uleg" to link 20 (bpass): torque of "l_leg_hpy" ---- */
 		const double t327 = RNEA_FMA(-s21, f21x_2, c21*f21z_2);
 		const double t328 = RNEA_FMA(s21, f21z_2, c21*f21x_2);
-		const double t329 = RNEA_FMA(-s21, n21x_2, c21*n21z);
-		const double t330 = RNEA_FMA(s21, n21z, c21*n21x_2) + RNEA_FMA(0.0225, t327, 0.066*f21y_2);
-		const double n20x_2 = n20x + t330;
 		const double n20y_2 = n20y + (n21y_2 - RNEA_FMA(0.066, t328, 0.05*t327));
+		const double t330 = RNEA_FMA(s21, n21z, c21*n21x_2) + RNEA_FMA(0.0225, t327, 0.066*f21y_2);
+		const double t329 = RNEA_FMA(-s21, n21x_2, c21*n21z);
 		const double n20z_2 = n20z + (t329 + RNEA_FMA(-0.0225, t328, 0.05*f21y_2));
-		tau[20*stride] = n21y_2;
-
-		/* ---- back from link 20 "l_lglut" to link 19 (bpass): torque of "l_leg_hpx" ---- */
 		const double n19z = RNEA_FMA(0.0004905759537860812, qdd19, RNEA_FMA(s20, n20y_2, c20*n20z_2));
-		tau[19*stride] = n20x_2;
-
-		/* ---- back from link 19 "l_uglut" to the world (bpass): torque of "l_leg_hpz" ---- */
 		tau[18*stride] = n19z;
+		const double n20x_2 = n20x + t330;
+		tau[19*stride] = n20x_2;
 	}
 	return all_small;
 }
@@ -1516,13 +1476,18 @@ static RNEA_INLINE int atlas_rnea_segment5(const double *first_q, const double *
 		const double t339 = t331 - dw26y;
 		const double t340 = t331 + dw26y;
 		const double t341 = t332 - dw26z;
-		const double t342 = t332 + dw26z;
-		const double t343 = RNEA_FMA(0.00037615682507336, t342, RNEA_FMA(-0.00022657231325511998, t339,
-			RNEA_FMA(-0.0008171286749030399, t333, 0.0018267683797407999*qdd26)));
 		const double t344 = RNEA_FMA(0.00022657231325511998, t337, RNEA_FMA(0.00061559686104864, t341,
 			RNEA_FMA(0.0023026633314053, dw26y, 0.0003412337232385399*t331)));
+		const double t346 = RNEA_FMA(0.066, t340, RNEA_FMA(0.0225, t341, 0.05*(t334 + t335)));
 		const double t345 = RNEA_FMA(-0.00061559686104864, t340, RNEA_FMA(-0.00037615682507336, t336,
 			RNEA_FMA(0.00148553465650226, dw26z, 0.00047589495166449995*t332)));
+		const double t342 = t332 + dw26z;
+		const double a27y = RNEA_FMA(9.81, s26, RNEA_FMA(-0.066, t336, RNEA_FMA(0.0225, t334 + t338,
+			0.05*t342)));
+		const double t343 = RNEA_FMA(0.00037615682507336, t342, RNEA_FMA(-0.00022657231325511998, t339,
+			RNEA_FMA(-0.0008171286749030399, t333, 0.0018267683797407999*qdd26)));
+		const double t347 = RNEA_FMA(9.81, c26, RNEA_FMA(0.066, t335 + t338, RNEA_FMA(-0.0225, t337,
+			0.05*t339)));
 		const double n26x = RNEA_FMA(-0.150185833992, c26, 0.274898464776*s26) + RNEA_FMA(-0.00061559686104864,
 			t335
 			- t334, t343);
@@ -1535,46 +1500,41 @@ static RNEA_INLINE int atlas_rnea_segment5(const double *first_q, const double *
 		const double q27 = q[26*stride];
 		double s27, c27;
 		all_small &= rneagen_sincos_known(q27, known, sines + 46, &s27, &c27);
-		const double t346 = RNEA_FMA(0.066, t340, RNEA_FMA(0.0225, t341, 0.05*(t334 + t335)));
-		const double a27y = RNEA_FMA(9.81, s26, RNEA_FMA(-0.066, t336, RNEA_FMA(0.0225, t334 + t338,
-			0.05*t342)));
-		const double t347 = RNEA_FMA(9.81, c26, RNEA_FMA(0.066, t335 + t338, RNEA_FMA(-0.0225, t337,
-			0.05*t339)));
-		const double w27z = RNEA_FMA(w26z, c27, qd26*s27);
-		const double w27x = RNEA_FMA(s27, -w26z, qd26*c27);
 		const double qd27 = qd[26*stride];
 		const double w27y = w26y + qd27;
-		const double dw27x = RNEA_FMA(w27z, -qd27, RNEA_FMA(s27, -dw26z, qdd26*c27));
 		const double qdd27 = qdd[26*stride];
 		const double dw27y = dw26y + qdd27;
+		const double w27z = RNEA_FMA(w26z, c27, qd26*s27);
+		const double w27x = RNEA_FMA(s27, -w26z, qd26*c27);
+		const double dw27x = RNEA_FMA(w27z, -qd27, RNEA_FMA(s27, -dw26z, qdd26*c27));
 		const double dw27z = RNEA_FMA(qd27, w27x, RNEA_FMA(dw26z, c27, qdd26*s27));
 		const double a27z = RNEA_FMA(t346, -s27, c27*t347);
 		const double t348 = RNEA_FMA(s27, t347, c27*t346);
 		const double t349 = w27z*w27y;
 		const double t350 = w27y*w27y;
 		const double t351 = t349 - dw27x;
+		const double n27x = RNEA_FMA(1.7228400000000001, a27y, RNEA_FMA(-0.4317964, t349, 0.4517964*dw27x));
 		const double t352 = w27z*w27x;
 		const double t353 = dw27y + t352;
 		const double t354 = RNEA_FMA(w27x, w27x, t350);
+		const double t355 = RNEA_FMA(-0.374, t353, 0.05*RNEA_FMA(w27z, w27z, t350)) - t348;
 		const double f27y = RNEA_FMA(-1.7228400000000001, t351, 8.204*a27y);
+		const double a28y = a27y - RNEA_FMA(0.374, t351, 0.05*RNEA_FMA(w27x, w27y, dw27z));
 		const double f27z = RNEA_FMA(8.204, a27z, 1.7228400000000001*t354);
-		const double n27x = RNEA_FMA(1.7228400000000001, a27y, RNEA_FMA(-0.4317964, t349, 0.4517964*dw27x));
+		const double t356 = a27z + RNEA_FMA(-0.05, t352 - dw27y, 0.374*t354);
 		const double n27y = RNEA_FMA(1.7228400000000001, t348, RNEA_FMA(0.4517964, dw27y, 0.4317964*t352));
 
 		/* ---- out to link 28 "r_lleg" (fpass) ---- */
 		const double q28 = q[27*stride];
 		double s28, c28;
 		all_small &= rneagen_sincos_known(q28, known, sines + 48, &s28, &c28);
-		const double t355 = RNEA_FMA(-0.374, t353, 0.05*RNEA_FMA(w27z, w27z, t350)) - t348;
-		const double a28y = a27y - RNEA_FMA(0.374, t351, 0.05*RNEA_FMA(w27x, w27y, dw27z));
-		const double t356 = a27z + RNEA_FMA(-0.05, t352 - dw27y, 0.374*t354);
-		const double w28z = RNEA_FMA(w27z, c28, w27x*s28);
-		const double w28x = RNEA_FMA(s28, -w27z, w27x*c28);
 		const double qd28 = qd[27*stride];
 		const double w28y = w27y + qd28;
-		const double dw28x = RNEA_FMA(w28z, -qd28, RNEA_FMA(s28, -dw27z, dw27x*c28));
 		const double qdd28 = qdd[27*stride];
 		const double dw28y = dw27y + qdd28;
+		const double w28z = RNEA_FMA(w27z, c28, w27x*s28);
+		const double w28x = RNEA_FMA(s28, -w27z, w27x*c28);
+		const double dw28x = RNEA_FMA(w28z, -qd28, RNEA_FMA(s28, -dw27z, dw27x*c28));
 		const double dw28z = RNEA_FMA(qd28, w28x, RNEA_FMA(dw27z, c28, dw27x*s28));
 		const double a28z = RNEA_FMA(c28, t356, s28*t355);
 		const double a28x = RNEA_FMA(t356, -s28, c28*t355);
@@ -1587,34 +1547,34 @@ static RNEA_INLINE int atlas_rnea_segment5(const double *first_q, const double *
 		const double t363 = dw28y + t361;
 		const double t364 = w28x*w28y;
 		const double t365 = t359 + t362;
-		const double t366 = dw28z + t364;
-		const double f28x = RNEA_FMA(4.515, a28x, -RNEA_FMA(0.844305, t363, 0.004515*(t358 + t359)));
-		const double f28y = RNEA_FMA(4.515, a28y, RNEA_FMA(-0.844305, t360, 0.004515*t366));
-		const double f28z = RNEA_FMA(4.515, a28z, RNEA_FMA(0.844305, t365, 0.004515*(t361 - dw28y)));
 		const double t367 = RNEA_FMA(-0.002155695, t358 - t362, RNEA_FMA(0.23388954999999997, dw28y,
 			0.22488052*t361));
-		const double n28x = RNEA_FMA(0.844305, a28y, RNEA_FMA(-0.002155695, t366, RNEA_FMA(-0.22388503499999998,
-			t357,
-			0.234885035*dw28x)));
+		const double f28z = RNEA_FMA(4.515, a28z, RNEA_FMA(0.844305, t365, 0.004515*(t361 - dw28y)));
+		const double t369 = RNEA_FMA(0.422, t365, a28z);
 		const double n28y = t367 - RNEA_FMA(0.844305, a28x, 0.004515*a28z);
+		const double f28x = RNEA_FMA(4.515, a28x, -RNEA_FMA(0.844305, t363, 0.004515*(t358 + t359)));
+		const double t368 = RNEA_FMA(-0.422, t363, a28x);
+		const double t366 = dw28z + t364;
 		const double n28z = RNEA_FMA(0.004515, a28y, RNEA_FMA(0.002155695, t360,
 			RNEA_FMA(-0.0009954850000000008, t364,
 			0.010004515*dw28z)));
+		const double n28x = RNEA_FMA(0.844305, a28y, RNEA_FMA(-0.002155695, t366, RNEA_FMA(-0.22388503499999998,
+			t357,
+			0.234885035*dw28x)));
+		const double f28y = RNEA_FMA(4.515, a28y, RNEA_FMA(-0.844305, t360, 0.004515*t366));
+		const double a29y = RNEA_FMA(-0.422, t360, a28y);
 
 		/* ---- out to link 29 "r_talus" (fpass) ---- */
 		const double q29 = q[28*stride];
 		double s29, c29;
 		all_small &= rneagen_sincos_known(q29, known, sines + 50, &s29, &c29);
-		const double t368 = RNEA_FMA(-0.422, t363, a28x);
-		const double a29y = RNEA_FMA(-0.422, t360, a28y);
-		const double t369 = RNEA_FMA(0.422, t365, a28z);
-		const double w29z = RNEA_FMA(w28z, c29, w28x*s29);
-		const double w29x = RNEA_FMA(s29, -w28z, w28x*c29);
 		const double qd29 = qd[28*stride];
 		const double w29y = w28y + qd29;
-		const double dw29x = RNEA_FMA(w29z, -qd29, RNEA_FMA(s29, -dw28z, dw28x*c29));
 		const double qdd29 = qdd[28*stride];
 		const double dw29y = dw28y + qdd29;
+		const double w29z = RNEA_FMA(w28z, c29, w28x*s29);
+		const double w29x = RNEA_FMA(s29, -w28z, w28x*c29);
+		const double dw29x = RNEA_FMA(w29z, -qd29, RNEA_FMA(s29, -dw28z, dw28x*c29));
 		const double dw29z = RNEA_FMA(qd29, w29x, RNEA_FMA(dw28z, c29, dw28x*s29));
 		const double a29z = RNEA_FMA(c29, t369, s29*t368);
 		const double a29x = RNEA_FMA(t369, -s29, c29*t368);
@@ -1627,76 +1587,70 @@ static RNEA_INLINE int atlas_rnea_segment5(const double *first_q, const double *
 		const double q30 = q[29*stride];
 		double s30, c30;
 		all_small &= rneagen_sincos_known(q30, known, sines + 52, &s30, &c30);
-		const double w30y = RNEA_FMA(w29y, c30, w29z*s30);
-		const double w30z = RNEA_FMA(s30, -w29y, w29z*c30);
 		const double qd30 = qd[29*stride];
 		const double w30x = w29x + qd30;
 		const double qdd30 = qdd[29*stride];
 		const double dw30x = dw29x + qdd30;
+		const double w30y = RNEA_FMA(w29y, c30, w29z*s30);
+		const double w30z = RNEA_FMA(s30, -w29y, w29z*c30);
 		const double dw30y = RNEA_FMA(qd30, w30z, RNEA_FMA(dw29y, c30, dw29z*s30));
 		const double dw30z = RNEA_FMA(w30y, -qd30, RNEA_FMA(s30, -dw29y, dw29z*c30));
 		const double a30y = RNEA_FMA(a29y, c30, a29z*s30);
 		const double a30z = RNEA_FMA(s30, -a29y, a29z*c30);
 		const double t370 = w30y*w30z;
 		const double t371 = w30y*w30y;
-		const double t372 = w30z*w30x;
 		const double t373 = w30y*w30x;
-		const double t374 = a29x - RNEA_FMA(0.067, dw30y + t372, 0.027*RNEA_FMA(w30z, w30z, t371));
 		const double t375 = a30y + RNEA_FMA(-0.067, t370 - dw30x, 0.027*(dw30z + t373));
-		const double t376 = a30z + RNEA_FMA(0.067, RNEA_FMA(w30x, w30x, t371), 0.027*(t372 - dw30y));
-		const double f30y = 2.41*t375;
-		const double f30z = 2.41*t376;
+		const double n30z = RNEA_FMA(0.06507, t375, RNEA_FMA(0.008, dw30z, 0.005*t373));
 		const double n30x = RNEA_FMA(0.16147000000000003, t375, RNEA_FMA(0.002, dw30x, 0.001*t370));
+		const double f30y = 2.41*t375;
+		tau[29*stride] = n30x;
+		const double n29x_2 = n29x + n30x;
+		const double t372 = w30z*w30x;
+		const double t376 = a30z + RNEA_FMA(0.067, RNEA_FMA(w30x, w30x, t371), 0.027*(t372 - dw30y));
+		const double t374 = a29x - RNEA_FMA(0.067, dw30y + t372, 0.027*RNEA_FMA(w30z, w30z, t371));
 		const double n30y = RNEA_FMA(-0.006, t372, 0.007*dw30y) - RNEA_FMA(0.16147000000000003, t374,
 			0.06507*t376);
-		const double n30z = RNEA_FMA(0.06507, t375, RNEA_FMA(0.008, dw30z, 0.005*t373));
-
-		/* ---- back from link 30 "r_foot" to link 29 (bpass): torque of "r_leg_akx" ---- */
-		const double f29x_2 = RNEA_FMA(2.41, t374, f29x);
-		const double f29y = RNEA_FMA(0.125, a29y, RNEA_FMA(f30z, -s30, c30*f30y));
+		const double f30z = 2.41*t376;
 		const double f29z = RNEA_FMA(0.125, a29z, RNEA_FMA(s30, f30y, c30*f30z));
-		const double n29x_2 = n29x + n30x;
-		const double n29y_2 = n29y + RNEA_FMA(n30z, -s30, c30*n30y);
-		const double n29z_2 = n29z + RNEA_FMA(s30, n30y, c30*n30z);
-		tau[29*stride] = n30x;
-
-		/* ---- back from link 29 "r_talus" to link 28 (bpass): torque of "r_leg_aky" ---- */
+		const double f29y = RNEA_FMA(0.125, a29y, RNEA_FMA(f30z, -s30, c30*f30y));
+		const double f28y_2 = f28y + f29y;
+		const double f27y_2 = f27y + f28y_2;
+		const double f29x_2 = RNEA_FMA(2.41, t374, f29x);
+		const double f28z_2 = f28z + RNEA_FMA(-s29, f29x_2, c29*f29z);
 		const double t377 = RNEA_FMA(s29, f29z, c29*f29x_2);
 		const double f28x_2 = f28x + t377;
-		const double f28y_2 = f28y + f29y;
-		const double f28z_2 = f28z + RNEA_FMA(-s29, f29x_2, c29*f29z);
-		const double n28x_2 = n28x + RNEA_FMA(0.422, f29y, RNEA_FMA(s29, n29z_2, c29*n29x_2));
-		const double n28y_2 = n28y + RNEA_FMA(-0.422, t377, n29y_2);
-		const double n28z_2 = n28z + RNEA_FMA(-s29, n29x_2, c29*n29z_2);
+		const double n29z_2 = n29z + RNEA_FMA(s30, n30y, c30*n30z);
+		const double n29y_2 = n29y + RNEA_FMA(n30z, -s30, c30*n30y);
 		tau[28*stride] = n29y_2;
+		const double n28y_2 = n28y + RNEA_FMA(-0.422, t377, n29y_2);
+		tau[27*stride] = n28y_2;
+		const double n28z_2 = n28z + RNEA_FMA(-s29, n29x_2, c29*n29z_2);
+		const double n28x_2 = n28x + RNEA_FMA(0.422, f29y, RNEA_FMA(s29, n29z_2, c29*n29x_2));
+		const double n27z = RNEA_FMA(0.02, dw27z, RNEA_FMA(-0.05, f28y_2, RNEA_FMA(-s28, n28x_2, c28*n28z_2)));
+		const double n27x_2 = n27x + RNEA_FMA(0.374, f28y_2, RNEA_FMA(s28, n28z_2, c28*n28x_2));
 
 		/* ---- back from link 28 "r_lleg" to link 27 (bpass): torque of "r_leg_kny" ---- */
 		const double t378 = RNEA_FMA(-s28, f28x_2, c28*f28z_2);
 		const double t379 = RNEA_FMA(s28, f28z_2, c28*f28x_2);
-		const double f27x = t379 - RNEA_FMA(8.204, t348, 1.7228400000000001*t353);
-		const double f27y_2 = f27y + f28y_2;
-		const double f27z_2 = f27z + t378;
-		const double n27x_2 = n27x + RNEA_FMA(0.374, f28y_2, RNEA_FMA(s28, n28z_2, c28*n28x_2));
 		const double n27y_2 = n27y + (n28y_2 + RNEA_FMA(-0.374, t379, 0.05*t378));
-		const double n27z = RNEA_FMA(0.02, dw27z, RNEA_FMA(-0.05, f28y_2, RNEA_FMA(-s28, n28x_2, c28*n28z_2)));
-		tau[27*stride] = n28y_2;
+		const double f27z_2 = f27z + t378;
+		const double f27x = t379 - RNEA_FMA(8.204, t348, 1.7228400000000001*t353);
+		tau[26*stride] = n27y_2;
 
 		/* ---- back from link 27 "r_uleg" to link 26 (bpass): torque of "r_leg_hpy" ---- */
 		const double t380 = RNEA_FMA(-s27, f27x, c27*f27z_2);
 		const double t381 = RNEA_FMA(s27, f27z_2, c27*f27x);
-		const double t382 = RNEA_FMA(-s27, n27x_2, c27*n27z);
-		const double t383 = RNEA_FMA(s27, n27z, c27*n27x_2) + RNEA_FMA(-0.0225, t380, 0.066*f27y_2);
-		const double n26x_2 = n26x + t383;
 		const double n26y_2 = n26y + (n27y_2 - RNEA_FMA(0.066, t381, 0.05*t380));
+		const double t383 = RNEA_FMA(s27, n27z, c27*n27x_2) + RNEA_FMA(-0.0225, t380, 0.066*f27y_2);
+		const double t382 = RNEA_FMA(-s27, n27x_2, c27*n27z);
 		const double n26z_2 = n26z + (t382 + RNEA_FMA(0.05, f27y_2, 0.0225*t381));
-		tau[26*stride] = n27y_2;
-
-		/* ---- back from link 26 "r_lglut" to link 25 (bpass): torque of "r_leg_hpx" ---- */
 		const double n25z = RNEA_FMA(0.0004905759537860812, qdd25, RNEA_FMA(s26, n26y_2, c26*n26z_2));
+		tau[24*stride] = n25z;
+		const double n26x_2 = n26x + t383;
 		tau[25*stride] = n26x_2;
 
 		/* ---- back from link 25 "r_uglut" to the world (bpass): torque of "r_leg_hpz" ---- */
-		tau[24*stride] = n25z;
 	}
 	return all_small;
 }
@@ -1722,31 +1676,31 @@ static RNEA_INLINE int atlas_fpass_segment0(const double *first_q, const double 
 		/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);  v = R'(v_p + w_p x p);
 		   f = m a + U h;  n = I dw + w x I w + h x a */
 		const double qd1 = qd[0];
-		const double t1 = qd1*qd1;
+		v[5*stride] = qd1;
 		const double qdd1 = qdd[0];
+		a[5*stride] = qdd1;
+		const double t1 = qd1*qd1;
 		const double f1x = RNEA_FMA(7.1588082e-06, qdd1, 0.025647368*t1);
+		f[0] = f1x;
 		const double f1y = RNEA_FMA(-0.025647368, qdd1, 7.1588082e-06*t1);
+		f[stride] = f1y;
 		const double n1z = 0.002034694245187647*qdd1;
+		f[5*stride] = n1z;
 		const double n1x = RNEA_FMA(-1.0217638522047e-06, t1, 0.001573278208028*qdd1) - 7.0227908442e-05;
 		const double n1y = 0.25160068008 + RNEA_FMA(0.001573278208028, t1, 1.0217638522047e-06*qdd1);
+		f[4*stride] = n1y;
+		f[3*stride] = n1x;
 		v[0] = 0.0;
 		v[stride] = 0.0;
 		v[2*stride] = 0.0;
 		v[3*stride] = 0.0;
 		v[4*stride] = 0.0;
-		v[5*stride] = qd1;
 		a[0] = 0.0;
 		a[stride] = 0.0;
 		a[2*stride] = 9.81;
 		a[3*stride] = 0.0;
 		a[4*stride] = 0.0;
-		a[5*stride] = qdd1;
-		f[0] = f1x;
-		f[stride] = f1y;
 		f[2*stride] = 22.268700000000003;
-		f[3*stride] = n1x;
-		f[4*stride] = n1y;
-		f[5*stride] = n1z;
 
 		/* ---- out to link 2 "mtorso" (fpass) ---- */
 		const double q2 = q[stride];
@@ -1774,218 +1728,233 @@ static RNEA_INLINE int atlas_fpass_segment1(const double *first_q, const double 
 		double *const a = first_a + l;
 		double *const f = first_f + l;
 		double *const across = first_across + l;
+		const double qd2 = qd[stride];
+		v[10*stride] = qd2;
+		const double qdd2 = qdd[stride];
+		a[10*stride] = qdd2;
 		const double qd1 = qd[0];
 		const double c2 = across[step];
 		const double w2z = qd1*c2;
 		const double s2 = across[0];
 		const double t2 = qd1*s2;
-		const double qd2 = qd[stride];
+		v[9*stride] = -t2;
+		v[11*stride] = w2z;
 		const double t3 = qd2*w2z;
 		const double t4 = qd2*t2;
 		const double qdd1 = qdd[0];
 		const double t5 = RNEA_FMA(qdd1, s2, t3);
 		const double dw2z = RNEA_FMA(qdd1, c2, -t4);
+		a[11*stride] = dw2z;
+		a[9*stride] = -t5;
 		const double a2z = 9.81*c2;
+		a[8*stride] = a2z;
 		const double a2x = -(9.81*s2);
+		a[6*stride] = a2x;
 		const double t6 = w2z*w2z;
 		const double t7 = qd2*qd2;
 		const double t8 = t3 + t5;
 		const double t9 = t3 - t5;
 		const double t10 = w2z*t2;
 		const double t11 = t2*t2;
-		const double qdd2 = qdd[stride];
 		const double t12 = qdd2 + t10;
 		const double t13 = qdd2 - t10;
+		const double a3x = RNEA_FMA(0.05, t13, a2x);
 		const double t14 = t7 + t11;
-		const double t15 = t4 + dw2z;
-		const double t16 = dw2z - t4;
-		const double f2y = RNEA_FMA(0.0244473226, t8, RNEA_FMA(-0.006521965340000001, t16,
-			0.010486475500000002*(t6
-			+ t11)));
-		const double f2x = RNEA_FMA(-7.838190000000001, s2, RNEA_FMA(0.0244473226, t13,
-			RNEA_FMA(0.010486475500000002,
-			t15, 0.006521965340000001*(t6 + t7))));
+		const double t22 = RNEA_FMA(-0.05, t14, a2z);
 		const double f2z = RNEA_FMA(7.838190000000001, c2, RNEA_FMA(-0.0244473226, t14,
 			RNEA_FMA(-0.010486475500000002,
 			t9, 0.006521965340000001*t12)));
-		const double t17 = RNEA_FMA(0.00023895608229411601, t16, -RNEA_FMA(0.00014667393410483002, t12,
-			RNEA_FMA(0.0013398352562209901, t5, 0.0006494617608214901*t3)));
+		f[8*stride] = f2z;
+		const double t15 = t4 + dw2z;
 		const double t18 = RNEA_FMA(-0.00014667393410483002, t9, RNEA_FMA(0.00037360518546370006, t15,
 			RNEA_FMA(-0.0007047539229190357, t10, 0.0012845430941234445*qdd2)));
+		const double f2x = RNEA_FMA(-7.838190000000001, s2, RNEA_FMA(0.0244473226, t13,
+			RNEA_FMA(0.010486475500000002,
+			t15, 0.006521965340000001*(t6 + t7))));
 		const double t19 = RNEA_FMA(0.00037360518546370006, t13, RNEA_FMA(-0.00023895608229411601, t8,
 			RNEA_FMA(0.0006350813333019544, dw2z, 5.5292162097545597e-05*t4)));
+		const double t16 = dw2z - t4;
+		const double t17 = RNEA_FMA(0.00023895608229411601, t16, -RNEA_FMA(0.00014667393410483002, t12,
+			RNEA_FMA(0.0013398352562209901, t5, 0.0006494617608214901*t3)));
+		const double f2y = RNEA_FMA(0.0244473226, t8, RNEA_FMA(-0.006521965340000001, t16,
+			0.010486475500000002*(t6
+			+ t11)));
+		const double t21 = 0.05*t8;
+		f[7*stride] = f2y;
 		const double n2x = RNEA_FMA(-0.10287232465500001, c2, RNEA_FMA(0.00037360518546370006, t7 - t6, t17));
 		const double n2y = RNEA_FMA(-0.23982823470600004, s2, 0.0639804799854*c2)
 			+ RNEA_FMA(0.00023895608229411601, t6
 			- t11, t18);
 		const double n2z = RNEA_FMA(-0.10287232465500001, s2, RNEA_FMA(-0.00014667393410483002, t11 - t7, t19));
+		f[11*stride] = n2z;
+		f[10*stride] = n2y;
+		f[9*stride] = n2x;
+		f[6*stride] = f2x;
 		v[6*stride] = 0.0;
 		v[7*stride] = 0.0;
 		v[8*stride] = 0.0;
-		v[9*stride] = -t2;
-		v[10*stride] = qd2;
-		v[11*stride] = w2z;
-		a[6*stride] = a2x;
 		a[7*stride] = 0.0;
-		a[8*stride] = a2z;
-		a[9*stride] = -t5;
-		a[10*stride] = qdd2;
-		a[11*stride] = dw2z;
-		f[6*stride] = f2x;
-		f[7*stride] = f2y;
-		f[8*stride] = f2z;
-		f[9*stride] = n2x;
-		f[10*stride] = n2y;
-		f[11*stride] = n2z;
 
 		/* ---- out to link 3 "utorso" (fpass) ---- */
 		const double q3 = q[2*stride];
 		double s3, c3;
 		all_small &= rneagen_sincos_known(q3, known, sines + 2, &s3, &c3);
+		const double qdd3 = qdd[2*stride];
+		const double dw3x = qdd3 - t5;
+		across[2*step] = dw3x;
+		a[15*stride] = dw3x;
 		const double v3x = 0.05*qd2;
-		across[2*step] = v3x;
+		v[12*stride] = v3x;
 		const double t20 = 0.05*t2;
-		const double t21 = 0.05*t8;
-		const double a3x = RNEA_FMA(0.05, t13, a2x);
-		across[3*step] = a3x;
-		const double t22 = RNEA_FMA(-0.05, t14, a2z);
+		const double qd3 = qd[2*stride];
+		const double w3x = qd3 - t2;
+		across[3*step] = w3x;
+		v[15*stride] = w3x;
 		const double w3y = RNEA_FMA(qd2, c3, w2z*s3);
 		across[4*step] = w3y;
 		const double w3z = RNEA_FMA(s3, -qd2, w2z*c3);
 		across[5*step] = w3z;
-		const double qd3 = qd[2*stride];
-		const double w3x = qd3 - t2;
-		across[6*step] = w3x;
-		const double qdd3 = qdd[2*stride];
-		const double dw3x = qdd3 - t5;
-		across[7*step] = dw3x;
+		v[17*stride] = w3z;
+		v[16*stride] = w3y;
 		const double dw3y = RNEA_FMA(qd3, w3z, RNEA_FMA(qdd2, c3, dw2z*s3));
-		across[8*step] = dw3y;
+		across[6*step] = dw3y;
 		const double dw3z = RNEA_FMA(w3y, -qd3, RNEA_FMA(s3, -qdd2, dw2z*c3));
-		across[9*step] = dw3z;
+		across[7*step] = dw3z;
+		a[17*stride] = dw3z;
+		a[16*stride] = dw3y;
 		const double v3y = c3*t20;
-		across[10*step] = v3y;
 		const double t23 = s3*t20;
-		across[11*step] = t23;
+		a[12*stride] = a3x + RNEA_FMA(w3y, t23, w3z*v3y);
+		v[14*stride] = -t23;
+		v[13*stride] = v3y;
 		const double a3y = RNEA_FMA(c3, t21, s3*t22);
-		across[12*step] = a3y;
 		const double a3z = RNEA_FMA(t21, -s3, c3*t22);
-		across[13*step] = a3z;
+		a[14*stride] = a3z - RNEA_FMA(w3y, -v3x, w3x*v3y);
+		a[13*stride] = a3y - RNEA_FMA(v3x, w3z, w3x*t23);
 		const double t24 = w3y*w3z;
 		const double t25 = w3z*w3z;
 		const double t26 = w3y*w3y;
 		const double t27 = t25 + t26;
-		across[14*step] = t27;
 		const double t28 = t24 - dw3x;
-		across[15*step] = t28;
 		const double t29 = dw3x + t24;
 		const double t30 = w3z*w3x;
 		const double t31 = w3x*w3x;
 		const double t32 = t25 + t31;
 		const double t33 = t30 - dw3y;
-		across[16*step] = t33;
 		const double t34 = dw3y + t30;
-		across[17*step] = t34;
 		const double t35 = w3y*w3x;
 		const double t36 = t26 + t31;
-		across[18*step] = t36;
 		const double t37 = t35 - dw3z;
-		const double t38 = dw3z + t35;
-		across[19*step] = t38;
-		const double f3x = RNEA_FMA(84.60900000000001, a3x, RNEA_FMA(26.8049213, t34, RNEA_FMA(0.1941407, t37,
-			5.2192398*t27)));
-		const double f3y = RNEA_FMA(84.60900000000001, a3y, RNEA_FMA(26.8049213, t28, -RNEA_FMA(0.1941407, t32,
-			5.2192398*t38)));
-		const double f3z = RNEA_FMA(84.60900000000001, a3z, RNEA_FMA(-26.8049213, t36, RNEA_FMA(-5.2192398, t33,
-			0.1941407*t29)));
-		const double t39 = RNEA_FMA(1.73516570486, t38, RNEA_FMA(0.01992444846, t33, RNEA_FMA(-9.5696190308,
-			t24,
-			10.11638847802*dw3x)));
 		const double t40 = RNEA_FMA(-0.01992444846, t29, RNEA_FMA(0.014290218989999999, t37,
 			RNEA_FMA(10.46938366997,
 			dw3y, 9.21662383885*t30)));
+		const double n3y = RNEA_FMA(26.8049213, a3x, 5.2192398*a3z) + RNEA_FMA(1.73516570486, t25 - t31, t40);
+		f[16*stride] = n3y;
+		const double t38 = dw3z + t35;
 		const double t41 = RNEA_FMA(-0.014290218989999999, t34, RNEA_FMA(-1.73516570486, t28,
 			RNEA_FMA(0.8997646391699999, dw3z, 0.3529951919500001*t35)));
+		const double n3z = RNEA_FMA(-0.01992444846, t31 - t26, t41) - RNEA_FMA(5.2192398, a3y, 0.1941407*a3x);
+		f[17*stride] = n3z;
+		const double t39 = RNEA_FMA(1.73516570486, t38, RNEA_FMA(0.01992444846, t33, RNEA_FMA(-9.5696190308,
+			t24,
+			10.11638847802*dw3x)));
 		const double n3x = RNEA_FMA(-26.8049213, a3y, 0.1941407*a3z) + RNEA_FMA(-0.014290218989999999, t26
 			- t25, t39);
-		const double n3y = RNEA_FMA(26.8049213, a3x, 5.2192398*a3z) + RNEA_FMA(1.73516570486, t25 - t31, t40);
-		const double n3z = RNEA_FMA(-0.01992444846, t31 - t26, t41) - RNEA_FMA(5.2192398, a3y, 0.1941407*a3x);
-		v[12*stride] = v3x;
-		v[13*stride] = v3y;
-		v[14*stride] = -t23;
-		v[15*stride] = w3x;
-		v[16*stride] = w3y;
-		v[17*stride] = w3z;
-		a[12*stride] = a3x + RNEA_FMA(w3y, t23, w3z*v3y);
-		a[13*stride] = a3y - RNEA_FMA(v3x, w3z, w3x*t23);
-		a[14*stride] = a3z - RNEA_FMA(w3y, -v3x, w3x*v3y);
-		a[15*stride] = dw3x;
-		a[16*stride] = dw3y;
-		a[17*stride] = dw3z;
-		f[12*stride] = f3x;
-		f[13*stride] = f3y;
-		f[14*stride] = f3z;
 		f[15*stride] = n3x;
-		f[16*stride] = n3y;
-		f[17*stride] = n3z;
+		const double f3x = RNEA_FMA(84.60900000000001, a3x, RNEA_FMA(26.8049213, t34, RNEA_FMA(0.1941407, t37,
+			5.2192398*t27)));
+		const double t55 = 0.2256*t37;
+		f[12*stride] = f3x;
+		const double f3y = RNEA_FMA(84.60900000000001, a3y, RNEA_FMA(26.8049213, t28, -RNEA_FMA(0.1941407, t32,
+			5.2192398*t38)));
+		const double t58 = 0.2256*t32;
+		f[13*stride] = f3y;
+		const double f3z = RNEA_FMA(84.60900000000001, a3z, RNEA_FMA(-26.8049213, t36, RNEA_FMA(-5.2192398, t33,
+			0.1941407*t29)));
+		const double t61 = 0.2256*t29;
+		f[14*stride] = f3z;
 
 		/* ---- out to link 4 "l_clav" (fpass) ---- */
 		const double q4 = q[3*stride];
 		double s4, c4;
 		all_small &= rneagen_sincos_known(q4, known, sines + 4, &s4, &c4);
+		const double qdd4 = qdd[3*stride];
+		const double dw4z = dw3z + qdd4;
+		a[23*stride] = dw4z;
 		const double t42 = RNEA_FMA(2.0682310711021444e-13, w3y, w3x);
 		const double t43 = RNEA_FMA(2.0682310711021444e-13, w3x, -w3y);
 		const double t44 = RNEA_FMA(2.0682310711021444e-13, dw3y, dw3x);
 		const double t45 = RNEA_FMA(2.0682310711021444e-13, dw3x, -dw3y);
 		const double t46 = 0.2256*w3z;
-		across[20*step] = t46;
 		const double t47 = 0.4776*w3y;
-		across[21*step] = t47;
 		const double t48 = 0.1406*w3y;
-		across[22*step] = t48;
 		const double t49 = 0.2256*w3x;
-		across[23*step] = t49;
 		const double t50 = v3x + (t47 - t46);
+		const double t196 = v3x + (t46 + t47);
+		across[8*step] = t196;
+		const double t176 = RNEA_FMA(0.6215, w3y, v3x);
+		across[9*step] = t176;
 		const double t51 = v3y + RNEA_FMA(-0.4776, w3x, 0.1406*w3z);
-		across[24*step] = t51;
+		across[10*step] = t51;
+		const double v11y = v3y + RNEA_FMA(-0.6215, w3x, 0.2546*w3z);
+		across[11*step] = v11y;
+		v[61*stride] = v11y;
 		const double v4z = t49 - t48 - t23;
+		const double t197 = t23 + (t48 + t49);
+		across[12*step] = t197;
+		const double t177 = RNEA_FMA(0.2546, w3y, t23);
+		across[13*step] = t177;
+		v[68*stride] = -t197;
+		v[20*stride] = v4z;
 		const double t52 = RNEA_FMA(2.0682310711021444e-13, t51, t50);
 		const double t53 = RNEA_FMA(2.0682310711021444e-13, t50, -t51);
 		const double t54 = 0.1406*t27;
-		across[25*step] = t54;
-		const double t55 = 0.2256*t37;
-		across[26*step] = t55;
+		const double t178 = a3x + RNEA_FMA(-0.2546, t27, 0.6215*t34);
+		across[14*step] = t178;
 		const double t56 = 0.4776*t34;
-		across[27*step] = t56;
 		const double t57 = 0.1406*t38;
-		across[28*step] = t57;
-		const double t58 = 0.2256*t32;
-		across[29*step] = t58;
+		const double a11y = a3y + RNEA_FMA(0.6215, t28, 0.2546*t38);
+		across[15*step] = a11y;
 		const double t59 = 0.4776*t28;
-		across[30*step] = t59;
 		const double t60 = 0.1406*t33;
-		across[31*step] = t60;
-		const double t61 = 0.2256*t29;
-		across[32*step] = t61;
+		const double t179 = a3z + RNEA_FMA(-0.6215, t36, 0.2546*t33);
+		across[16*step] = t179;
 		const double t62 = 0.4776*t36;
-		across[33*step] = t62;
 		const double t63 = a3x + (t55 - t54 + t56);
+		const double t198 = a3x + (t56 - (t54 + t55));
+		across[17*step] = t198;
 		const double t64 = a3y + (t57 - t58 + t59);
+		const double t199 = a3y + (t59 + (t57 + t58));
+		across[18*step] = t199;
 		const double a4z = a3z + (t60 + t61 - t62);
+		const double a12z = a3z + (t60 - t61 - t62);
+		across[19*step] = a12z;
 		const double t65 = RNEA_FMA(2.0682310711021444e-13, t64, t63);
 		const double t66 = RNEA_FMA(2.0682310711021444e-13, t63, -t64);
 		const double w4x = RNEA_FMA(t42, -c4, s4*t43);
 		const double w4y = RNEA_FMA(s4, t42, c4*t43);
+		v[22*stride] = w4y;
+		v[21*stride] = w4x;
 		const double qd4 = qd[3*stride];
 		const double w4z = w3z + qd4;
+		v[23*stride] = w4z;
 		const double dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(t44, -c4, s4*t45));
 		const double dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(s4, t44, c4*t45));
-		const double qdd4 = qdd[3*stride];
-		const double dw4z = dw3z + qdd4;
+		a[22*stride] = dw4y;
+		a[21*stride] = dw4x;
 		const double v4x = RNEA_FMA(t52, -c4, s4*t53);
 		const double v4y = RNEA_FMA(s4, t52, c4*t53);
+		a[20*stride] = a4z - RNEA_FMA(v4x, -w4y, w4x*v4y);
+		v[19*stride] = v4y;
+		v[18*stride] = v4x;
 		const double a4x = RNEA_FMA(t65, -c4, s4*t66);
 		const double a4y = RNEA_FMA(s4, t65, c4*t66);
+		a[19*stride] = a4y - RNEA_FMA(w4x, -v4z, w4z*v4x);
+		const double v5x = v4x + RNEA_FMA(-0.245, w4y, 0.11*w4z);
+		v[24*stride] = v5x;
+		a[18*stride] = a4x - RNEA_FMA(v4y, -w4z, v4z*w4y);
+		const double t79 = RNEA_FMA(-0.11, w4x, v4z);
+		const double t78 = RNEA_FMA(0.245, w4x, v4y);
 		const double t67 = w4y*w4z;
 		const double t68 = w4z*w4z;
 		const double t69 = w4y*w4y;
@@ -1995,121 +1964,115 @@ static RNEA_INLINE int atlas_fpass_segment1(const double *first_q, const double 
 		const double t73 = dw4y + t71;
 		const double t74 = w4x*w4y;
 		const double t75 = t69 + t72;
-		const double t76 = t74 - dw4z;
-		const double f4x = RNEA_FMA(-0.37514400000000003, t73, 4.466*a4x);
-		const double f4y = RNEA_FMA(-0.37514400000000003, t70, 4.466*a4y);
-		const double f4z = RNEA_FMA(4.466, a4z, 0.37514400000000003*t75);
-		const double n4z = RNEA_FMA(0.004, t73, RNEA_FMA(-0.002, t74, 0.004*dw4z));
+		const double t80 = a4y + RNEA_FMA(-0.245, t70, 0.11*(t68 + t72));
 		const double n4x = RNEA_FMA(0.37514400000000003, a4y, RNEA_FMA(0.004, t69 - t68,
 			RNEA_FMA(-0.03651209600000001,
 			t67, 0.042512096000000006*dw4x)));
+		const double t81 = a4z + RNEA_FMA(-0.11, dw4x + t67, 0.245*t75);
+		const double f4z = RNEA_FMA(4.466, a4z, 0.37514400000000003*t75);
+		f[20*stride] = f4z;
+		const double f4y = RNEA_FMA(-0.37514400000000003, t70, 4.466*a4y);
+		f[19*stride] = f4y;
+		f[21*stride] = n4x;
+		const double t76 = t74 - dw4z;
+		const double n4z = RNEA_FMA(0.004, t73, RNEA_FMA(-0.002, t74, 0.004*dw4z));
+		f[23*stride] = n4z;
 		const double n4y = RNEA_FMA(-0.37514400000000003, a4x, RNEA_FMA(-0.004, t76,
 			RNEA_FMA(0.040512096000000004,
 			dw4y, 0.038512096*t71)));
-		v[18*stride] = v4x;
-		v[19*stride] = v4y;
-		v[20*stride] = v4z;
-		v[21*stride] = w4x;
-		v[22*stride] = w4y;
-		v[23*stride] = w4z;
-		a[18*stride] = a4x - RNEA_FMA(v4y, -w4z, v4z*w4y);
-		a[19*stride] = a4y - RNEA_FMA(w4x, -v4z, w4z*v4x);
-		a[20*stride] = a4z - RNEA_FMA(v4x, -w4y, w4x*v4y);
-		a[21*stride] = dw4x;
-		a[22*stride] = dw4y;
-		a[23*stride] = dw4z;
+		const double a5x = a4x - RNEA_FMA(0.245, t73, 0.11*t76);
+		const double f4x = RNEA_FMA(-0.37514400000000003, t73, 4.466*a4x);
 		f[18*stride] = f4x;
-		f[19*stride] = f4y;
-		f[20*stride] = f4z;
-		f[21*stride] = n4x;
 		f[22*stride] = n4y;
-		f[23*stride] = n4z;
 
 		/* ---- out to link 5 "l_scap" (fpass) ---- */
 		const double q5 = q[4*stride];
 		double t77, c5;
 		all_small &= rneagen_sincos_known(q5, known, sines + 6, &t77, &c5);
-		const double v5x = v4x + RNEA_FMA(-0.245, w4y, 0.11*w4z);
-		const double t78 = RNEA_FMA(0.245, w4x, v4y);
-		const double t79 = RNEA_FMA(-0.11, w4x, v4z);
-		const double a5x = a4x - RNEA_FMA(0.245, t73, 0.11*t76);
-		const double t80 = a4y + RNEA_FMA(-0.245, t70, 0.11*(t68 + t72));
-		const double t81 = a4z + RNEA_FMA(-0.11, dw4x + t67, 0.245*t75);
-		const double w5y = RNEA_FMA(-w4z, t77, w4y*c5);
-		const double w5z = RNEA_FMA(w4y, t77, w4z*c5);
 		const double qd5 = qd[4*stride];
 		const double w5x = w4x - qd5;
+		v[27*stride] = w5x;
 		const double qdd5 = qdd[4*stride];
 		const double dw5x = dw4x - qdd5;
+		a[27*stride] = dw5x;
+		const double w5y = RNEA_FMA(-w4z, t77, w4y*c5);
+		const double w5z = RNEA_FMA(w4y, t77, w4z*c5);
+		v[29*stride] = w5z;
+		v[28*stride] = w5y;
 		const double dw5y = RNEA_FMA(w5z, -qd5, RNEA_FMA(t77, -dw4z, dw4y*c5));
 		const double dw5z = RNEA_FMA(qd5, w5y, RNEA_FMA(dw4y, t77, dw4z*c5));
+		a[29*stride] = dw5z;
+		a[28*stride] = dw5y;
 		const double v5y = RNEA_FMA(t79, -t77, c5*t78);
 		const double v5z = RNEA_FMA(t77, t78, c5*t79);
+		a[24*stride] = a5x - RNEA_FMA(v5y, -w5z, w5y*v5z);
+		v[26*stride] = v5z;
+		v[25*stride] = v5y;
 		const double a5y = RNEA_FMA(t81, -t77, c5*t80);
 		const double a5z = RNEA_FMA(t77, t80, c5*t81);
+		a[26*stride] = a5z - RNEA_FMA(w5y, -v5x, w5x*v5y);
+		const double v6y = RNEA_FMA(0.016, w5x, v5y);
+		across[20*step] = v6y;
+		v[31*stride] = v6y;
+		a[25*stride] = a5y - RNEA_FMA(v5z, -w5x, v5x*w5z);
+		const double t87 = v5x + RNEA_FMA(-0.016, w5y, 0.187*w5z);
+		const double t88 = RNEA_FMA(-0.187, w5x, v5z);
 		const double t82 = w5y*w5z;
 		const double t83 = w5z*w5x;
 		const double t84 = w5x*w5x;
 		const double t85 = w5y*w5x;
 		const double f5x = 3.899*a5x;
-		const double f5y = 3.899*a5y;
-		const double f5z = 3.899*a5z;
-		const double n5x = 0.00319*dw5x;
-		const double n5y = RNEA_FMA(-0.00264, t83, 0.00583*dw5y);
+		const double t89 = a5x - RNEA_FMA(0.016, dw5y + t83, 0.187*(t85 - dw5z));
 		const double n5z = RNEA_FMA(0.00583, dw5z, 0.00264*t85);
-		v[24*stride] = v5x;
-		v[25*stride] = v5y;
-		v[26*stride] = v5z;
-		v[27*stride] = w5x;
-		v[28*stride] = w5y;
-		v[29*stride] = w5z;
-		a[24*stride] = a5x - RNEA_FMA(v5y, -w5z, w5y*v5z);
-		a[25*stride] = a5y - RNEA_FMA(v5z, -w5x, v5x*w5z);
-		a[26*stride] = a5z - RNEA_FMA(w5y, -v5x, w5x*v5y);
-		a[27*stride] = dw5x;
-		a[28*stride] = dw5y;
-		a[29*stride] = dw5z;
-		f[24*stride] = f5x;
-		f[25*stride] = f5y;
-		f[26*stride] = f5z;
-		f[27*stride] = n5x;
-		f[28*stride] = n5y;
 		f[29*stride] = n5z;
+		const double n5y = RNEA_FMA(-0.00264, t83, 0.00583*dw5y);
+		f[28*stride] = n5y;
+		f[24*stride] = f5x;
+		const double f5y = 3.899*a5y;
+		const double a6y = a5y + RNEA_FMA(-0.016, t82 - dw5x, 0.187*RNEA_FMA(w5z, w5z, t84));
+		across[21*step] = a6y;
+		const double t90 = a5z + RNEA_FMA(-0.187, dw5x + t82, 0.016*RNEA_FMA(w5y, w5y, t84));
+		const double f5z = 3.899*a5z;
+		f[26*stride] = f5z;
+		f[25*stride] = f5y;
+		const double n5x = 0.00319*dw5x;
+		f[27*stride] = n5x;
 
 		/* ---- out to link 6 "l_uarm" (fpass) ---- */
 		const double q6 = q[5*stride];
 		double t86, c6;
 		all_small &= rneagen_sincos_known(q6, known, sines + 8, &t86, &c6);
-		const double t87 = v5x + RNEA_FMA(-0.016, w5y, 0.187*w5z);
-		const double v6y = RNEA_FMA(0.016, w5x, v5y);
-		across[34*step] = v6y;
-		const double t88 = RNEA_FMA(-0.187, w5x, v5z);
-		const double t89 = a5x - RNEA_FMA(0.016, dw5y + t83, 0.187*(t85 - dw5z));
-		const double a6y = a5y + RNEA_FMA(-0.016, t82 - dw5x, 0.187*RNEA_FMA(w5z, w5z, t84));
-		across[35*step] = a6y;
-		const double t90 = a5z + RNEA_FMA(-0.187, dw5x + t82, 0.016*RNEA_FMA(w5y, w5y, t84));
-		const double w6z = RNEA_FMA(-w5x, t86, w5z*c6);
-		across[36*step] = w6z;
-		const double w6x = RNEA_FMA(w5z, t86, w5x*c6);
-		across[37*step] = w6x;
 		const double qd6 = qd[5*stride];
 		const double w6y = w5y - qd6;
-		across[38*step] = w6y;
-		const double dw6x = RNEA_FMA(qd6, w6z, RNEA_FMA(dw5z, t86, dw5x*c6));
-		across[39*step] = dw6x;
+		across[22*step] = w6y;
+		v[34*stride] = w6y;
 		const double qdd6 = qdd[5*stride];
 		const double dw6y = dw5y - qdd6;
-		across[40*step] = dw6y;
+		across[23*step] = dw6y;
+		a[34*stride] = dw6y;
+		const double w6z = RNEA_FMA(-w5x, t86, w5z*c6);
+		across[24*step] = w6z;
+		const double w6x = RNEA_FMA(w5z, t86, w5x*c6);
+		across[25*step] = w6x;
+		v[33*stride] = w6x;
+		v[35*stride] = w6z;
+		const double dw6x = RNEA_FMA(qd6, w6z, RNEA_FMA(dw5z, t86, dw5x*c6));
+		across[26*step] = dw6x;
 		const double dw6z = RNEA_FMA(w6x, -qd6, RNEA_FMA(t86, -dw5x, dw5z*c6));
-		across[41*step] = dw6z;
+		across[27*step] = dw6z;
+		a[35*stride] = dw6z;
+		a[33*stride] = dw6x;
 		const double v6z = RNEA_FMA(t87, -t86, c6*t88);
-		across[42*step] = v6z;
+		across[28*step] = v6z;
 		const double v6x = RNEA_FMA(t86, t88, c6*t87);
-		across[43*step] = v6x;
+		across[29*step] = v6x;
+		a[31*stride] = a6y - RNEA_FMA(v6z, -w6x, w6z*v6x);
+		v[30*stride] = v6x;
+		v[32*stride] = v6z;
 		const double a6z = RNEA_FMA(t89, -t86, c6*t90);
-		across[44*step] = a6z;
+		across[30*step] = a6z;
 		const double a6x = RNEA_FMA(t86, t90, c6*t89);
-		across[45*step] = a6x;
+		across[31*step] = a6x;
 	}
 	return all_small;
 }
@@ -2130,130 +2093,133 @@ static RNEA_INLINE int atlas_fpass_segment2(const double *first_q, const double 
 		double *const a = first_a + l;
 		double *const f = first_f + l;
 		double *const across = first_across + l;
-		const double w6z = across[36*step];
-		const double w6y = across[38*step];
+		const double a6x = across[31*step];
+		const double w6z = across[24*step];
+		const double v6y = across[20*step];
+		const double w6y = across[22*step];
+		const double v6z = across[28*step];
+		a[30*stride] = a6x - RNEA_FMA(w6z, -v6y, w6y*v6z);
+		const double w6x = across[25*step];
+		const double t99 = RNEA_FMA(-0.119, w6x, v6z);
+		const double a6z = across[30*step];
+		const double v6x = across[29*step];
+		a[32*stride] = a6z - RNEA_FMA(v6x, -w6y, v6y*w6x);
+		const double t98 = RNEA_FMA(-0.0092, w6x, v6y);
+		const double v7x = v6x + RNEA_FMA(0.0092, w6y, 0.119*w6z);
+		v[36*stride] = v7x;
 		const double t91 = w6z*w6y;
-		const double dw6x = across[39*step];
+		const double dw6x = across[26*step];
 		const double t92 = dw6x + t91;
-		const double w6x = across[37*step];
 		const double t93 = w6x*w6x;
 		const double t94 = RNEA_FMA(w6z, w6z, t93);
-		const double t95 = w6x*w6y;
-		const double dw6z = across[41*step];
-		const double t96 = t95 - dw6z;
-		const double a6x = across[45*step];
-		const double f6x = RNEA_FMA(4.386, a6x, 0.28509*t96);
-		const double a6y = across[35*step];
-		const double f6y = RNEA_FMA(-0.28509, t94, 4.386*a6y);
-		const double a6z = across[44*step];
+		const double t101 = a6z - RNEA_FMA(0.0092, RNEA_FMA(w6y, w6y, t93), 0.119*t92);
 		const double f6z = RNEA_FMA(4.386, a6z, 0.28509*t92);
-		const double dw6y = across[40*step];
-		const double n6y = 0.00358*dw6y;
 		const double n6x = RNEA_FMA(0.28509, a6z, RNEA_FMA(0.02509085, dw6x, 0.02151085*t91));
-		const double n6z = RNEA_FMA(-0.28509, a6x, RNEA_FMA(-0.02151085, t95, 0.02509085*dw6z));
-		const double v6x = across[43*step];
-		v[30*stride] = v6x;
-		const double v6y = across[34*step];
-		v[31*stride] = v6y;
-		const double v6z = across[42*step];
-		v[32*stride] = v6z;
-		v[33*stride] = w6x;
-		v[34*stride] = w6y;
-		v[35*stride] = w6z;
-		a[30*stride] = a6x - RNEA_FMA(w6z, -v6y, w6y*v6z);
-		a[31*stride] = a6y - RNEA_FMA(v6z, -w6x, w6z*v6x);
-		a[32*stride] = a6z - RNEA_FMA(v6x, -w6y, v6y*w6x);
-		a[33*stride] = dw6x;
-		a[34*stride] = dw6y;
-		a[35*stride] = dw6z;
-		f[30*stride] = f6x;
+		const double a6y = across[21*step];
+		const double t100 = a6y + RNEA_FMA(0.0092, t91 - dw6x, 0.119*t94);
+		const double f6y = RNEA_FMA(-0.28509, t94, 4.386*a6y);
 		f[31*stride] = f6y;
-		f[32*stride] = f6z;
 		f[33*stride] = n6x;
-		f[34*stride] = n6y;
+		f[32*stride] = f6z;
+		const double t95 = w6x*w6y;
+		const double dw6z = across[27*step];
+		const double t96 = t95 - dw6z;
+		const double n6z = RNEA_FMA(-0.28509, a6x, RNEA_FMA(-0.02151085, t95, 0.02509085*dw6z));
 		f[35*stride] = n6z;
+		const double f6x = RNEA_FMA(4.386, a6x, 0.28509*t96);
+		const double dw6y = across[23*step];
+		const double a7x = a6x + RNEA_FMA(-0.119, t96, 0.0092*RNEA_FMA(w6z, w6x, dw6y));
+		f[30*stride] = f6x;
+		const double n6y = 0.00358*dw6y;
+		f[34*stride] = n6y;
 
 		/* ---- out to link 7 "l_larm" (fpass) ---- */
 		const double q7 = q[6*stride];
 		double t97, c7;
 		all_small &= rneagen_sincos_known(q7, known, sines + 10, &t97, &c7);
-		const double v7x = v6x + RNEA_FMA(0.0092, w6y, 0.119*w6z);
-		const double t98 = RNEA_FMA(-0.0092, w6x, v6y);
-		const double t99 = RNEA_FMA(-0.119, w6x, v6z);
-		const double a7x = a6x + RNEA_FMA(-0.119, t96, 0.0092*RNEA_FMA(w6z, w6x, dw6y));
-		const double t100 = a6y + RNEA_FMA(0.0092, t91 - dw6x, 0.119*t94);
-		const double t101 = a6z - RNEA_FMA(0.0092, RNEA_FMA(w6y, w6y, t93), 0.119*t92);
-		const double w7y = RNEA_FMA(t97, -w6z, w6y*c7);
-		const double w7z = RNEA_FMA(w6y, t97, w6z*c7);
 		const double qd7 = qd[6*stride];
 		const double w7x = w6x - qd7;
+		v[39*stride] = w7x;
 		const double qdd7 = qdd[6*stride];
 		const double dw7x = dw6x - qdd7;
+		a[39*stride] = dw7x;
+		const double w7y = RNEA_FMA(t97, -w6z, w6y*c7);
+		const double w7z = RNEA_FMA(w6y, t97, w6z*c7);
+		v[41*stride] = w7z;
+		v[40*stride] = w7y;
 		const double dw7y = RNEA_FMA(w7z, -qd7, RNEA_FMA(t97, -dw6z, dw6y*c7));
 		const double dw7z = RNEA_FMA(qd7, w7y, RNEA_FMA(dw6y, t97, dw6z*c7));
+		a[41*stride] = dw7z;
+		a[40*stride] = dw7y;
 		const double v7y = RNEA_FMA(t99, -t97, c7*t98);
 		const double v7z = RNEA_FMA(t97, t98, c7*t99);
+		a[36*stride] = a7x - RNEA_FMA(v7y, -w7z, w7y*v7z);
+		v[38*stride] = v7z;
+		v[37*stride] = v7y;
 		const double a7y = RNEA_FMA(t101, -t97, c7*t100);
 		const double a7z = RNEA_FMA(t97, t100, c7*t101);
+		a[38*stride] = a7z - RNEA_FMA(w7y, -v7x, w7x*v7y);
+		const double v8y = RNEA_FMA(0.00921, w7x, v7y);
+		v[43*stride] = v8y;
+		a[37*stride] = a7y - RNEA_FMA(v7z, -w7x, v7x*w7z);
+		const double t111 = v7x + RNEA_FMA(-0.00921, w7y, 0.29955*w7z);
+		const double t112 = RNEA_FMA(-0.29955, w7x, v7z);
 		const double t102 = w7y*w7z;
 		const double t103 = w7z*w7x;
 		const double t104 = w7x*w7x;
 		const double t105 = w7y*w7x;
 		const double f7x = 3.248*a7x;
-		const double f7y = 3.248*a7y;
-		const double f7z = 3.248*a7z;
-		const double n7x = 0.00265*dw7x;
-		const double n7y = RNEA_FMA(-0.0018100000000000004, t103, 0.00446*dw7y);
+		const double t115 = a7x - RNEA_FMA(0.00921, dw7y + t103, 0.29955*(t105 - dw7z));
 		const double n7z = RNEA_FMA(0.00446, dw7z, 0.0018100000000000004*t105);
-		v[36*stride] = v7x;
-		v[37*stride] = v7y;
-		v[38*stride] = v7z;
-		v[39*stride] = w7x;
-		v[40*stride] = w7y;
-		v[41*stride] = w7z;
-		a[36*stride] = a7x - RNEA_FMA(v7y, -w7z, w7y*v7z);
-		a[37*stride] = a7y - RNEA_FMA(v7z, -w7x, v7x*w7z);
-		a[38*stride] = a7z - RNEA_FMA(w7y, -v7x, w7x*v7y);
-		a[39*stride] = dw7x;
-		a[40*stride] = dw7y;
-		a[41*stride] = dw7z;
-		f[36*stride] = f7x;
-		f[37*stride] = f7y;
-		f[38*stride] = f7z;
-		f[39*stride] = n7x;
-		f[40*stride] = n7y;
 		f[41*stride] = n7z;
+		const double n7y = RNEA_FMA(-0.0018100000000000004, t103, 0.00446*dw7y);
+		f[40*stride] = n7y;
+		f[36*stride] = f7x;
+		const double f7y = 3.248*a7y;
+		const double a8y = a7y + RNEA_FMA(-0.00921, t102 - dw7x, 0.29955*RNEA_FMA(w7z, w7z, t104));
+		const double t116 = a7z + RNEA_FMA(-0.29955, dw7x + t102, 0.00921*RNEA_FMA(w7y, w7y, t104));
+		const double f7z = 3.248*a7z;
+		f[38*stride] = f7z;
+		f[37*stride] = f7y;
+		const double n7x = 0.00265*dw7x;
+		f[39*stride] = n7x;
 
 		/* ---- out to link 8 "l_ufarm" (fpass) ---- */
 		const double q8 = q[7*stride];
 		double t106, c8;
 		all_small &= rneagen_sincos_known(q8, known, sines + 12, &t106, &c8);
+		const double qd8 = qd[7*stride];
+		const double w8y = w7y - qd8;
+		v[46*stride] = w8y;
+		const double qdd8 = qdd[7*stride];
+		const double dw8y = dw7y - qdd8;
+		a[46*stride] = dw8y;
 		const double t107 = RNEA_FMA(2.0682310711021444e-13, w7z, -w7x);
 		const double t108 = RNEA_FMA(2.0682310711021444e-13, w7x, w7z);
 		const double t109 = RNEA_FMA(2.0682310711021444e-13, dw7z, -dw7x);
 		const double t110 = RNEA_FMA(2.0682310711021444e-13, dw7x, dw7z);
-		const double t111 = v7x + RNEA_FMA(-0.00921, w7y, 0.29955*w7z);
-		const double v8y = RNEA_FMA(0.00921, w7x, v7y);
-		const double t112 = RNEA_FMA(-0.29955, w7x, v7z);
 		const double t113 = RNEA_FMA(2.0682310711021444e-13, t112, -t111);
 		const double t114 = RNEA_FMA(2.0682310711021444e-13, t111, t112);
-		const double t115 = a7x - RNEA_FMA(0.00921, dw7y + t103, 0.29955*(t105 - dw7z));
-		const double a8y = a7y + RNEA_FMA(-0.00921, t102 - dw7x, 0.29955*RNEA_FMA(w7z, w7z, t104));
-		const double t116 = a7z + RNEA_FMA(-0.29955, dw7x + t102, 0.00921*RNEA_FMA(w7y, w7y, t104));
 		const double t117 = RNEA_FMA(2.0682310711021444e-13, t116, -t115);
 		const double t118 = RNEA_FMA(2.0682310711021444e-13, t115, t116);
 		const double t119 = RNEA_FMA(c8, t108, t106*t107);
 		const double w8x = RNEA_FMA(t108, -t106, c8*t107);
-		const double qd8 = qd[7*stride];
-		const double w8y = w7y - qd8;
+		v[45*stride] = w8x;
+		v[47*stride] = -t119;
 		const double dw8x = RNEA_FMA(t119, -qd8, RNEA_FMA(t110, -t106, c8*t109));
-		const double qdd8 = qdd[7*stride];
-		const double dw8y = dw7y - qdd8;
 		const double t120 = RNEA_FMA(qd8, w8x, RNEA_FMA(c8, t110, t106*t109));
+		a[47*stride] = -t120;
+		a[45*stride] = dw8x;
 		const double t121 = RNEA_FMA(c8, t114, t106*t113);
 		const double v8x = RNEA_FMA(t114, -t106, c8*t113);
+		v[48*stride] = v8x;
+		a[43*stride] = a8y - RNEA_FMA(-t119, v8x, w8x*t121);
+		v[42*stride] = v8x;
+		v[44*stride] = -t121;
 		const double t122 = RNEA_FMA(c8, t118, t106*t117);
 		const double a8x = RNEA_FMA(t118, -t106, c8*t117);
+		a[42*stride] = a8x - RNEA_FMA(t121, -w8y, v8y*t119);
+		a[44*stride] = -(t122 + RNEA_FMA(v8x, -w8y, v8y*w8x));
 		const double t123 = t119*w8y;
 		const double t124 = t119*t119;
 		const double t125 = w8y*w8y;
@@ -2262,56 +2228,56 @@ static RNEA_INLINE int atlas_fpass_segment2(const double *first_q, const double 
 		const double t128 = w8x*w8y;
 		const double t129 = RNEA_FMA(-0.00015, t124 + t125, 0.08296*(t120 + t128));
 		const double t130 = RNEA_FMA(-0.08296, t124 + t127, 0.00015*(t128 - t120));
-		const double t131 = RNEA_FMA(-0.00015, dw8y + t126, 0.08296*(dw8x - t123));
-		const double t132 = a8x + RNEA_FMA(0.00037, dw8y - t126, t129);
 		const double t133 = a8y + RNEA_FMA(-0.00037, dw8x + t123, t130);
-		const double t134 = RNEA_FMA(-0.00037, t125 + t127, t131) - t122;
-		const double f8x = 2.4798*t132;
-		const double f8y = 2.4798*t133;
-		const double f8z = 2.4798*t134;
-		const double n8x = RNEA_FMA(-0.000917526, t133, 0.20572420800000002*t134) + RNEA_FMA(-0.009091, t123,
-			0.012731*dw8x);
-		const double n8y = RNEA_FMA(-0.00037196999999999995, t134, 0.000917526*t132)
-			+ RNEA_FMA(-0.000782999999999999,
-			t126, 0.002857*dw8y);
+		const double t132 = a8x + RNEA_FMA(0.00037, dw8y - t126, t129);
 		const double n8z = RNEA_FMA(-0.20572420800000002, t132, 0.00037196999999999995*t133)
 			- RNEA_FMA(0.011948, t120,
 			0.009873999999999999*t128);
-		v[42*stride] = v8x;
-		v[43*stride] = v8y;
-		v[44*stride] = -t121;
-		v[45*stride] = w8x;
-		v[46*stride] = w8y;
-		v[47*stride] = -t119;
-		a[42*stride] = a8x - RNEA_FMA(t121, -w8y, v8y*t119);
-		a[43*stride] = a8y - RNEA_FMA(-t119, v8x, w8x*t121);
-		a[44*stride] = -(t122 + RNEA_FMA(v8x, -w8y, v8y*w8x));
-		a[45*stride] = dw8x;
-		a[46*stride] = dw8y;
-		a[47*stride] = -t120;
-		f[42*stride] = f8x;
-		f[43*stride] = f8y;
-		f[44*stride] = f8z;
-		f[45*stride] = n8x;
-		f[46*stride] = n8y;
 		f[47*stride] = n8z;
+		const double t131 = RNEA_FMA(-0.00015, dw8y + t126, 0.08296*(dw8x - t123));
+		const double t134 = RNEA_FMA(-0.00037, t125 + t127, t131) - t122;
+		const double n8y = RNEA_FMA(-0.00037196999999999995, t134, 0.000917526*t132)
+			+ RNEA_FMA(-0.000782999999999999,
+			t126, 0.002857*dw8y);
+		const double f8x = 2.4798*t132;
+		f[42*stride] = f8x;
+		f[46*stride] = n8y;
+		const double n8x = RNEA_FMA(-0.000917526, t133, 0.20572420800000002*t134) + RNEA_FMA(-0.009091, t123,
+			0.012731*dw8x);
+		const double f8z = 2.4798*t134;
+		f[44*stride] = f8z;
+		const double f8y = 2.4798*t133;
+		f[43*stride] = f8y;
+		f[45*stride] = n8x;
 
 		/* ---- out to link 9 "l_lfarm" (fpass) ---- */
 		const double q9 = q[8*stride];
 		double s9, c9;
 		all_small &= rneagen_sincos_known(q9, known, sines + 14, &s9, &c9);
-		const double w9y = RNEA_FMA(-t119, s9, w8y*c9);
-		const double t135 = RNEA_FMA(w8y, s9, t119*c9);
 		const double qd9 = qd[8*stride];
 		const double w9x = w8x + qd9;
+		v[51*stride] = w9x;
 		const double qdd9 = qdd[8*stride];
 		const double dw9x = dw8x + qdd9;
+		a[51*stride] = dw9x;
+		const double w9y = RNEA_FMA(-t119, s9, w8y*c9);
+		const double t135 = RNEA_FMA(w8y, s9, t119*c9);
+		v[53*stride] = -t135;
+		v[52*stride] = w9y;
 		const double dw9y = RNEA_FMA(t135, -qd9, RNEA_FMA(-t120, s9, dw8y*c9));
 		const double t136 = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8y, s9, t120*c9));
+		a[53*stride] = -t136;
+		a[52*stride] = dw9y;
 		const double v9y = RNEA_FMA(-t121, s9, v8y*c9);
 		const double t137 = RNEA_FMA(v8y, s9, t121*c9);
+		a[48*stride] = a8x - RNEA_FMA(t137, -w9y, t135*v9y);
+		v[50*stride] = -t137;
+		v[55*stride] = v9y;
+		v[49*stride] = v9y;
 		const double a9y = RNEA_FMA(s9, -t122, a8y*c9);
 		const double t138 = RNEA_FMA(a8y, s9, t122*c9);
+		a[50*stride] = -(t138 + RNEA_FMA(w9y, -v8x, w9x*v9y));
+		a[49*stride] = a9y - RNEA_FMA(t135, -v8x, w9x*t137);
 		const double t139 = w9y*t135;
 		const double t140 = t135*t135;
 		const double t141 = w9y*w9y;
@@ -2320,42 +2286,36 @@ static RNEA_INLINE int atlas_fpass_segment2(const double *first_q, const double 
 		const double t144 = w9y*w9x;
 		const double t145 = -RNEA_FMA(0.02515, t136 + t144, 0.00017*(t140 + t141));
 		const double t146 = RNEA_FMA(0.02515, t140 + t143, 0.00017*(t144 - t136));
-		const double t147 = RNEA_FMA(0.02515, dw9x - t139, 0.00017*(dw9y + t142));
-		const double t148 = a8x + RNEA_FMA(0.00163, dw9y - t142, t145);
 		const double t149 = a9y + RNEA_FMA(-0.00163, dw9x + t139, t146);
-		const double t150 = t138 + RNEA_FMA(0.00163, t141 + t143, t147);
-		const double f9x = 0.648*t148;
-		const double f9y = 0.648*t149;
-		const double f9z = -0.648*t150;
-		const double n9x = RNEA_FMA(-0.00105624, t149, 0.0162972*t150) + RNEA_FMA(-0.000396, t139,
-			0.000764*dw9x);
-		const double n9y = RNEA_FMA(0.00105624, t148, 0.00011016000000000002*t150) + RNEA_FMA(0.000429, dw9y,
-			6.0999999999999965e-05*t142);
+		const double t148 = a8x + RNEA_FMA(0.00163, dw9y - t142, t145);
 		const double n9z = RNEA_FMA(0.00011016000000000002, t149, 0.0162972*t148) - RNEA_FMA(0.000825, t136,
 			0.000335*t144);
-		v[48*stride] = v8x;
-		v[49*stride] = v9y;
-		v[50*stride] = -t137;
-		v[51*stride] = w9x;
-		v[52*stride] = w9y;
-		v[53*stride] = -t135;
-		a[48*stride] = a8x - RNEA_FMA(t137, -w9y, t135*v9y);
-		a[49*stride] = a9y - RNEA_FMA(t135, -v8x, w9x*t137);
-		a[50*stride] = -(t138 + RNEA_FMA(w9y, -v8x, w9x*v9y));
-		a[51*stride] = dw9x;
-		a[52*stride] = dw9y;
-		a[53*stride] = -t136;
-		f[48*stride] = f9x;
-		f[49*stride] = f9y;
-		f[50*stride] = f9z;
-		f[51*stride] = n9x;
-		f[52*stride] = n9y;
 		f[53*stride] = n9z;
+		const double t147 = RNEA_FMA(0.02515, dw9x - t139, 0.00017*(dw9y + t142));
+		const double t150 = t138 + RNEA_FMA(0.00163, t141 + t143, t147);
+		const double n9y = RNEA_FMA(0.00105624, t148, 0.00011016000000000002*t150) + RNEA_FMA(0.000429, dw9y,
+			6.0999999999999965e-05*t142);
+		const double f9x = 0.648*t148;
+		f[48*stride] = f9x;
+		f[52*stride] = n9y;
+		const double n9x = RNEA_FMA(-0.00105624, t149, 0.0162972*t150) + RNEA_FMA(-0.000396, t139,
+			0.000764*dw9x);
+		const double f9z = -0.648*t150;
+		f[50*stride] = f9z;
+		const double f9y = 0.648*t149;
+		f[49*stride] = f9y;
+		f[51*stride] = n9x;
 
 		/* ---- out to link 10 "l_hand" (fpass) ---- */
 		const double q10 = q[9*stride];
 		double t151, c10;
 		all_small &= rneagen_sincos_known(q10, known, sines + 16, &t151, &c10);
+		const double qd10 = qd[9*stride];
+		const double w10y = w9y - qd10;
+		v[58*stride] = w10y;
+		const double qdd10 = qdd[9*stride];
+		const double dw10y = dw9y - qdd10;
+		a[58*stride] = dw10y;
 		const double t152 = RNEA_FMA(2.0682310711021444e-13, t135, w9x);
 		const double t153 = RNEA_FMA(-2.0682310711021444e-13, w9x, t135);
 		const double t154 = RNEA_FMA(2.0682310711021444e-13, t136, dw9x);
@@ -2366,71 +2326,64 @@ static RNEA_INLINE int atlas_fpass_segment2(const double *first_q, const double 
 		const double t159 = RNEA_FMA(-2.0682310711021444e-13, a8x, t138);
 		const double w10z = RNEA_FMA(c10, t153, t151*t152);
 		const double w10x = RNEA_FMA(t152, -c10, t151*t153);
-		const double qd10 = qd[9*stride];
-		const double w10y = w9y - qd10;
+		v[57*stride] = w10x;
+		v[59*stride] = w10z;
 		const double dw10x = RNEA_FMA(qd10, w10z, RNEA_FMA(t154, -c10, t151*t155));
-		const double qdd10 = qdd[9*stride];
-		const double dw10y = dw9y - qdd10;
 		const double dw10z = RNEA_FMA(w10x, -qd10, RNEA_FMA(c10, t155, t151*t154));
+		a[59*stride] = dw10z;
+		a[57*stride] = dw10x;
 		const double v10z = RNEA_FMA(c10, t157, t151*t156);
 		const double v10x = RNEA_FMA(t156, -c10, t151*t157);
+		a[55*stride] = a9y - RNEA_FMA(v10z, -w10x, w10z*v10x);
+		v[54*stride] = v10x;
+		v[56*stride] = v10z;
 		const double a10z = RNEA_FMA(c10, t159, t151*t158);
 		const double a10x = RNEA_FMA(t158, -c10, t151*t159);
+		a[54*stride] = a10x - RNEA_FMA(w10z, -v9y, w10y*v10z);
+		a[56*stride] = a10z - RNEA_FMA(v10x, -w10y, v9y*w10x);
 		const double t160 = w10z*w10y;
 		const double t161 = w10z*w10z;
+		const double t165 = w10z*w10x;
 		const double t162 = w10y*w10y;
+		const double t169 = w10x*w10y;
+		const double t166 = w10x*w10x;
 		const double t163 = t160 - dw10x;
 		const double t164 = dw10x + t160;
-		const double t165 = w10z*w10x;
-		const double t166 = w10x*w10x;
 		const double t167 = t165 - dw10y;
 		const double t168 = dw10y + t165;
-		const double t169 = w10x*w10y;
 		const double t170 = t169 - dw10z;
-		const double t171 = dw10z + t169;
-		const double t172 = RNEA_FMA(1.1678e-05, t168, -RNEA_FMA(0.060090400999999995, t170, 9.3424e-05*(t161
-			+ t162)));
-		const double f10x = RNEA_FMA(0.6839, a10x, t172);
-		const double f10y = RNEA_FMA(0.6839, a9y, RNEA_FMA(1.1678e-05, t163, RNEA_FMA(0.060090400999999995, t161
-			+ t166,
-			9.3424e-05*t171)));
-		const double f10z = RNEA_FMA(0.6839, a10z, RNEA_FMA(-1.1678e-05, t162 + t166,
-			RNEA_FMA(-0.060090400999999995,
-			t164, 9.3424e-05*t167)));
-		const double t173 = RNEA_FMA(-1.86848e-09, t171, RNEA_FMA(-7.62246416e-06, t167,
-			RNEA_FMA(0.00583500555115,
-			dw10x, 0.00533900508403*t160)));
 		const double t174 = RNEA_FMA(7.62246416e-06, t164, RNEA_FMA(-9.5280802e-07, t170,
 			RNEA_FMA(0.0004870151814,
 			dw10y, 8.985285720000002e-06*t165)));
+		const double t172 = RNEA_FMA(1.1678e-05, t168, -RNEA_FMA(0.060090400999999995, t170, 9.3424e-05*(t161
+			+ t162)));
 		const double t175 = RNEA_FMA(9.5280802e-07, t168, RNEA_FMA(1.86848e-09, t163,
 			RNEA_FMA(-0.005347990369749999,
 			t169, 0.0058260202654299995*dw10z)));
+		const double t171 = dw10z + t169;
+		const double t173 = RNEA_FMA(-1.86848e-09, t171, RNEA_FMA(-7.62246416e-06, t167,
+			RNEA_FMA(0.00583500555115,
+			dw10x, 0.00533900508403*t160)));
+		const double f10z = RNEA_FMA(0.6839, a10z, RNEA_FMA(-1.1678e-05, t162 + t166,
+			RNEA_FMA(-0.060090400999999995,
+			t164, 9.3424e-05*t167)));
+		f[56*stride] = f10z;
+		const double f10y = RNEA_FMA(0.6839, a9y, RNEA_FMA(1.1678e-05, t163, RNEA_FMA(0.060090400999999995, t161
+			+ t166,
+			9.3424e-05*t171)));
+		f[55*stride] = f10y;
 		const double n10x = RNEA_FMA(9.5280802e-07, t162 - t161, t173) - RNEA_FMA(0.060090400999999995, a10z,
 			1.1678e-05*a9y);
-		const double n10y = RNEA_FMA(-9.3424e-05, a10z, 1.1678e-05*a10x) + RNEA_FMA(-1.86848e-09, t161 - t166,
-			t174);
 		const double n10z = RNEA_FMA(9.3424e-05, a9y, 0.060090400999999995*a10x) + RNEA_FMA(7.62246416e-06, t166
 			- t162,
 			t175);
-		v[54*stride] = v10x;
-		v[55*stride] = v9y;
-		v[56*stride] = v10z;
-		v[57*stride] = w10x;
-		v[58*stride] = w10y;
-		v[59*stride] = w10z;
-		a[54*stride] = a10x - RNEA_FMA(w10z, -v9y, w10y*v10z);
-		a[55*stride] = a9y - RNEA_FMA(v10z, -w10x, w10z*v10x);
-		a[56*stride] = a10z - RNEA_FMA(v10x, -w10y, v9y*w10x);
-		a[57*stride] = dw10x;
-		a[58*stride] = dw10y;
-		a[59*stride] = dw10z;
+		const double n10y = RNEA_FMA(-9.3424e-05, a10z, 1.1678e-05*a10x) + RNEA_FMA(-1.86848e-09, t161 - t166,
+			t174);
+		const double f10x = RNEA_FMA(0.6839, a10x, t172);
 		f[54*stride] = f10x;
-		f[55*stride] = f10y;
-		f[56*stride] = f10z;
-		f[57*stride] = n10x;
 		f[58*stride] = n10y;
 		f[59*stride] = n10z;
+		f[57*stride] = n10x;
 	}
 	return all_small;
 }
@@ -2456,69 +2409,70 @@ static RNEA_INLINE int atlas_fpass_segment3(const double *first_q, const double 
 		const double q11 = q[10*stride];
 		double s11, c11;
 		all_small &= rneagen_sincos_known(q11, known, sines + 18, &s11, &c11);
-		const double w3y = across[4*step];
-		const double v3x = across[2*step];
-		const double t176 = RNEA_FMA(0.6215, w3y, v3x);
-		const double v3y = across[10*step];
-		const double w3x = across[6*step];
-		const double w3z = across[5*step];
-		const double v11y = v3y + RNEA_FMA(-0.6215, w3x, 0.2546*w3z);
-		const double t23 = across[11*step];
-		const double t177 = RNEA_FMA(0.2546, w3y, t23);
-		const double a3x = across[3*step];
-		const double t27 = across[14*step];
-		const double t34 = across[17*step];
-		const double t178 = a3x + RNEA_FMA(-0.2546, t27, 0.6215*t34);
-		const double a3y = across[12*step];
-		const double t28 = across[15*step];
-		const double t38 = across[19*step];
-		const double a11y = a3y + RNEA_FMA(0.6215, t28, 0.2546*t38);
-		const double a3z = across[13*step];
-		const double t36 = across[18*step];
-		const double t33 = across[16*step];
-		const double t179 = a3z + RNEA_FMA(-0.6215, t36, 0.2546*t33);
-		const double w11z = RNEA_FMA(w3z, c11, w3x*s11);
-		const double w11x = RNEA_FMA(s11, -w3z, w3x*c11);
-		const double qd11 = qd[10*stride];
-		const double w11y = w3y + qd11;
-		const double dw3z = across[9*step];
-		const double dw3x = across[7*step];
-		const double dw11x = RNEA_FMA(w11z, -qd11, RNEA_FMA(s11, -dw3z, dw3x*c11));
-		const double dw3y = across[8*step];
+		const double dw3y = across[6*step];
 		const double qdd11 = qdd[10*stride];
 		const double dw11y = dw3y + qdd11;
+		a[64*stride] = dw11y;
+		const double w3z = across[5*step];
+		const double w3x = across[3*step];
+		const double w11z = RNEA_FMA(w3z, c11, w3x*s11);
+		v[65*stride] = w11z;
+		const double w11x = RNEA_FMA(s11, -w3z, w3x*c11);
+		v[63*stride] = w11x;
+		const double w3y = across[4*step];
+		const double qd11 = qd[10*stride];
+		const double w11y = w3y + qd11;
+		v[64*stride] = w11y;
+		const double dw3z = across[7*step];
+		const double dw3x = across[2*step];
+		const double dw11x = RNEA_FMA(w11z, -qd11, RNEA_FMA(s11, -dw3z, dw3x*c11));
 		const double dw11z = RNEA_FMA(qd11, w11x, RNEA_FMA(dw3z, c11, dw3x*s11));
+		a[65*stride] = dw11z;
+		a[63*stride] = dw11x;
+		const double t177 = across[13*step];
+		const double t176 = across[9*step];
 		const double v11z = RNEA_FMA(t177, -c11, s11*t176);
 		const double v11x = RNEA_FMA(s11, t177, c11*t176);
+		const double a11y = across[15*step];
+		a[61*stride] = a11y - RNEA_FMA(v11z, -w11x, w11z*v11x);
+		v[60*stride] = v11x;
+		v[62*stride] = v11z;
+		const double t179 = across[16*step];
+		const double t178 = across[14*step];
 		const double a11z = RNEA_FMA(c11, t179, s11*t178);
 		const double a11x = RNEA_FMA(t179, -s11, c11*t178);
+		const double v11y = across[11*step];
+		a[60*stride] = a11x - RNEA_FMA(w11z, -v11y, w11y*v11z);
+		a[62*stride] = a11z - RNEA_FMA(v11x, -w11y, v11y*w11x);
 		const double t180 = w11z*w11y;
 		const double t181 = w11z*w11z;
+		const double t185 = w11z*w11x;
 		const double t182 = w11y*w11y;
+		const double t189 = w11x*w11y;
+		const double t186 = w11x*w11x;
 		const double t183 = t180 - dw11x;
 		const double t184 = dw11x + t180;
-		const double t185 = w11z*w11x;
-		const double t186 = w11x*w11x;
 		const double t187 = t185 - dw11y;
 		const double t188 = dw11y + t185;
-		const double t189 = w11x*w11y;
 		const double t190 = t189 - dw11z;
-		const double t191 = dw11z + t189;
-		const double t192 = RNEA_FMA(0.054420420656, t183, -RNEA_FMA(7.09504993e-05, t181 + t186,
-			0.109829676908*t191));
+		const double t194 = RNEA_FMA(2.8062844640453003e-06, t184, RNEA_FMA(3.9827336694684e-06, t190,
+			RNEA_FMA(-0.005634444453194253, t185, 0.0205378789418435*dw11y)));
 		const double f11x = RNEA_FMA(2.087564, a11x, RNEA_FMA(0.054420420656, t188, RNEA_FMA(7.09504993e-05,
 			t190,
 			0.109829676908*(t181 + t182))));
-		const double f11y = RNEA_FMA(2.087564, a11y, t192);
+		const double t195 = RNEA_FMA(-3.9827336694684e-06, t188, RNEA_FMA(-0.0024130603412908323, t183,
+			RNEA_FMA(0.019152684977701343, dw11z, 0.007019638417336408*t189)));
+		const double t191 = dw11z + t189;
+		const double t193 = RNEA_FMA(0.0024130603412908323, t191, RNEA_FMA(-2.8062844640453003e-06, t187,
+			RNEA_FMA(-0.0013851939641421555, t180, 0.013518240524507091*dw11x)));
 		const double f11z = RNEA_FMA(2.087564, a11z, RNEA_FMA(-0.054420420656, t182 + t186,
 			RNEA_FMA(-0.109829676908,
 			t187, 7.09504993e-05*t184)));
-		const double t193 = RNEA_FMA(0.0024130603412908323, t191, RNEA_FMA(-2.8062844640453003e-06, t187,
-			RNEA_FMA(-0.0013851939641421555, t180, 0.013518240524507091*dw11x)));
-		const double t194 = RNEA_FMA(2.8062844640453003e-06, t184, RNEA_FMA(3.9827336694684e-06, t190,
-			RNEA_FMA(-0.005634444453194253, t185, 0.0205378789418435*dw11y)));
-		const double t195 = RNEA_FMA(-3.9827336694684e-06, t188, RNEA_FMA(-0.0024130603412908323, t183,
-			RNEA_FMA(0.019152684977701343, dw11z, 0.007019638417336408*t189)));
+		f[62*stride] = f11z;
+		const double t192 = RNEA_FMA(0.054420420656, t183, -RNEA_FMA(7.09504993e-05, t181 + t186,
+			0.109829676908*t191));
+		const double f11y = RNEA_FMA(2.087564, a11y, t192);
+		f[61*stride] = f11y;
 		const double n11x = RNEA_FMA(-0.054420420656, a11y, 7.09504993e-05*a11z)
 			+ RNEA_FMA(-3.9827336694684e-06, t182
 			- t181, t193);
@@ -2527,60 +2481,48 @@ static RNEA_INLINE int atlas_fpass_segment3(const double *first_q, const double 
 			- t186, t194);
 		const double n11z = RNEA_FMA(2.8062844640453003e-06, t186 - t182, t195) - RNEA_FMA(0.109829676908, a11y,
 			7.09504993e-05*a11x);
-		v[60*stride] = v11x;
-		v[61*stride] = v11y;
-		v[62*stride] = v11z;
-		v[63*stride] = w11x;
-		v[64*stride] = w11y;
-		v[65*stride] = w11z;
-		a[60*stride] = a11x - RNEA_FMA(w11z, -v11y, w11y*v11z);
-		a[61*stride] = a11y - RNEA_FMA(v11z, -w11x, w11z*v11x);
-		a[62*stride] = a11z - RNEA_FMA(v11x, -w11y, v11y*w11x);
-		a[63*stride] = dw11x;
-		a[64*stride] = dw11y;
-		a[65*stride] = dw11z;
-		f[60*stride] = f11x;
-		f[61*stride] = f11y;
-		f[62*stride] = f11z;
-		f[63*stride] = n11x;
-		f[64*stride] = n11y;
 		f[65*stride] = n11z;
+		f[64*stride] = n11y;
+		f[63*stride] = n11x;
+		f[60*stride] = f11x;
 
 		/* ---- out to link 12 "r_clav" (fpass) ---- */
 		const double q12 = q[11*stride];
 		double s12, c12;
 		all_small &= rneagen_sincos_known(q12, known, sines + 20, &s12, &c12);
-		const double t46 = across[20*step];
-		const double t47 = across[21*step];
-		const double t196 = v3x + (t46 + t47);
-		const double t48 = across[22*step];
-		const double t49 = across[23*step];
-		const double t197 = t23 + (t48 + t49);
-		const double t56 = across[27*step];
-		const double t54 = across[25*step];
-		const double t55 = across[26*step];
-		const double t198 = a3x + (t56 - (t54 + t55));
-		const double t59 = across[30*step];
-		const double t57 = across[28*step];
-		const double t58 = across[29*step];
-		const double t199 = a3y + (t59 + (t57 + t58));
-		const double t60 = across[31*step];
-		const double t61 = across[32*step];
-		const double t62 = across[33*step];
-		const double a12z = a3z + (t60 - t61 - t62);
-		const double w12x = RNEA_FMA(w3x, c12, w3y*s12);
-		const double w12y = RNEA_FMA(s12, -w3x, w3y*c12);
 		const double qd12 = qd[11*stride];
 		const double w12z = w3z + qd12;
-		const double dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw3x, c12, dw3y*s12));
-		const double dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(s12, -dw3x, dw3y*c12));
+		v[71*stride] = w12z;
 		const double qdd12 = qdd[11*stride];
 		const double dw12z = dw3z + qdd12;
-		const double t51 = across[24*step];
+		a[71*stride] = dw12z;
+		const double w12x = RNEA_FMA(w3x, c12, w3y*s12);
+		const double w12y = RNEA_FMA(s12, -w3x, w3y*c12);
+		v[70*stride] = w12y;
+		v[69*stride] = w12x;
+		const double dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw3x, c12, dw3y*s12));
+		const double dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(s12, -dw3x, dw3y*c12));
+		a[70*stride] = dw12y;
+		a[69*stride] = dw12x;
+		const double t196 = across[8*step];
+		const double t51 = across[10*step];
 		const double v12x = RNEA_FMA(c12, t196, t51*s12);
 		const double v12y = RNEA_FMA(t196, -s12, t51*c12);
+		const double a12z = across[19*step];
+		a[68*stride] = a12z - RNEA_FMA(v12x, -w12y, w12x*v12y);
+		v[67*stride] = v12y;
+		v[66*stride] = v12x;
+		const double t198 = across[17*step];
+		const double t199 = across[18*step];
 		const double a12x = RNEA_FMA(c12, t198, s12*t199);
 		const double a12y = RNEA_FMA(t198, -s12, c12*t199);
+		const double t197 = across[12*step];
+		a[67*stride] = a12y - RNEA_FMA(w12z, v12x, t197*w12x);
+		const double v13x = v12x + RNEA_FMA(-0.245, w12y, 0.11*w12z);
+		v[72*stride] = v13x;
+		a[66*stride] = a12x + RNEA_FMA(t197, w12y, w12z*v12y);
+		const double t210 = RNEA_FMA(0.245, w12x, v12y);
+		const double t211 = RNEA_FMA(0.11, w12x, t197);
 		const double t200 = w12y*w12z;
 		const double t201 = w12z*w12z;
 		const double t202 = w12y*w12y;
@@ -2590,120 +2532,114 @@ static RNEA_INLINE int atlas_fpass_segment3(const double *first_q, const double 
 		const double t206 = dw12y + t204;
 		const double t207 = w12x*w12y;
 		const double t208 = t202 + t205;
-		const double t209 = t207 - dw12z;
-		const double f12x = RNEA_FMA(-0.37514400000000003, t206, 4.466*a12x);
-		const double f12y = RNEA_FMA(-0.37514400000000003, t203, 4.466*a12y);
-		const double f12z = RNEA_FMA(4.466, a12z, 0.37514400000000003*t208);
-		const double n12z = RNEA_FMA(0.004, t206, RNEA_FMA(-0.002, t207, 0.004*dw12z));
+		const double t212 = a12y + RNEA_FMA(-0.245, t203, 0.11*(t201 + t205));
 		const double n12x = RNEA_FMA(0.37514400000000003, a12y, RNEA_FMA(0.004, t202 - t201,
 			RNEA_FMA(-0.03651209600000001, t200, 0.042512096000000006*dw12x)));
+		const double t213 = a12z + RNEA_FMA(-0.11, dw12x + t200, 0.245*t208);
+		const double f12z = RNEA_FMA(4.466, a12z, 0.37514400000000003*t208);
+		f[68*stride] = f12z;
+		const double f12y = RNEA_FMA(-0.37514400000000003, t203, 4.466*a12y);
+		f[67*stride] = f12y;
+		f[69*stride] = n12x;
+		const double t209 = t207 - dw12z;
+		const double n12z = RNEA_FMA(0.004, t206, RNEA_FMA(-0.002, t207, 0.004*dw12z));
+		f[71*stride] = n12z;
 		const double n12y = RNEA_FMA(-0.37514400000000003, a12x, RNEA_FMA(-0.004, t209,
 			RNEA_FMA(0.040512096000000004,
 			dw12y, 0.038512096*t204)));
-		v[66*stride] = v12x;
-		v[67*stride] = v12y;
-		v[68*stride] = -t197;
-		v[69*stride] = w12x;
-		v[70*stride] = w12y;
-		v[71*stride] = w12z;
-		a[66*stride] = a12x + RNEA_FMA(t197, w12y, w12z*v12y);
-		a[67*stride] = a12y - RNEA_FMA(w12z, v12x, t197*w12x);
-		a[68*stride] = a12z - RNEA_FMA(v12x, -w12y, w12x*v12y);
-		a[69*stride] = dw12x;
-		a[70*stride] = dw12y;
-		a[71*stride] = dw12z;
+		const double a13x = a12x - RNEA_FMA(0.245, t206, 0.11*t209);
+		const double f12x = RNEA_FMA(-0.37514400000000003, t206, 4.466*a12x);
 		f[66*stride] = f12x;
-		f[67*stride] = f12y;
-		f[68*stride] = f12z;
-		f[69*stride] = n12x;
 		f[70*stride] = n12y;
-		f[71*stride] = n12z;
 
 		/* ---- out to link 13 "r_scap" (fpass) ---- */
 		const double q13 = q[12*stride];
 		double s13, c13;
 		all_small &= rneagen_sincos_known(q13, known, sines + 22, &s13, &c13);
-		const double v13x = v12x + RNEA_FMA(-0.245, w12y, 0.11*w12z);
-		const double t210 = RNEA_FMA(0.245, w12x, v12y);
-		const double t211 = RNEA_FMA(0.11, w12x, t197);
-		const double a13x = a12x - RNEA_FMA(0.245, t206, 0.11*t209);
-		const double t212 = a12y + RNEA_FMA(-0.245, t203, 0.11*(t201 + t205));
-		const double t213 = a12z + RNEA_FMA(-0.11, dw12x + t200, 0.245*t208);
-		const double w13y = RNEA_FMA(w12y, c13, w12z*s13);
-		const double w13z = RNEA_FMA(-w12y, s13, w12z*c13);
 		const double qd13 = qd[12*stride];
 		const double w13x = w12x + qd13;
+		v[75*stride] = w13x;
 		const double qdd13 = qdd[12*stride];
 		const double dw13x = dw12x + qdd13;
+		a[75*stride] = dw13x;
+		const double w13y = RNEA_FMA(w12y, c13, w12z*s13);
+		const double w13z = RNEA_FMA(-w12y, s13, w12z*c13);
+		v[77*stride] = w13z;
+		v[76*stride] = w13y;
 		const double dw13y = RNEA_FMA(qd13, w13z, RNEA_FMA(dw12y, c13, dw12z*s13));
 		const double dw13z = RNEA_FMA(w13y, -qd13, RNEA_FMA(s13, -dw12y, dw12z*c13));
+		a[77*stride] = dw13z;
+		a[76*stride] = dw13y;
 		const double v13y = RNEA_FMA(t211, -s13, c13*t210);
 		const double t214 = RNEA_FMA(s13, t210, c13*t211);
+		a[72*stride] = a13x + RNEA_FMA(w13y, t214, w13z*v13y);
+		v[74*stride] = -t214;
+		v[73*stride] = v13y;
 		const double a13y = RNEA_FMA(c13, t212, s13*t213);
 		const double a13z = RNEA_FMA(t212, -s13, c13*t213);
+		a[74*stride] = a13z - RNEA_FMA(w13y, -v13x, w13x*v13y);
+		const double v14y = RNEA_FMA(0.016, w13x, v13y);
+		across[0] = v14y;
+		v[79*stride] = v14y;
+		a[73*stride] = a13y - RNEA_FMA(v13x, w13z, w13x*t214);
+		const double t220 = RNEA_FMA(0.187, w13x, t214);
+		const double t219 = v13x + RNEA_FMA(-0.016, w13y, 0.187*w13z);
 		const double t215 = w13y*w13z;
 		const double t216 = w13z*w13x;
 		const double t217 = w13x*w13x;
 		const double t218 = w13y*w13x;
 		const double f13x = 3.899*a13x;
-		const double f13y = 3.899*a13y;
-		const double f13z = 3.899*a13z;
-		const double n13x = 0.00319*dw13x;
-		const double n13y = RNEA_FMA(-0.00264, t216, 0.00583*dw13y);
+		const double t221 = a13x - RNEA_FMA(0.016, dw13y + t216, 0.187*(t218 - dw13z));
 		const double n13z = RNEA_FMA(0.00583, dw13z, 0.00264*t218);
-		v[72*stride] = v13x;
-		v[73*stride] = v13y;
-		v[74*stride] = -t214;
-		v[75*stride] = w13x;
-		v[76*stride] = w13y;
-		v[77*stride] = w13z;
-		a[72*stride] = a13x + RNEA_FMA(w13y, t214, w13z*v13y);
-		a[73*stride] = a13y - RNEA_FMA(v13x, w13z, w13x*t214);
-		a[74*stride] = a13z - RNEA_FMA(w13y, -v13x, w13x*v13y);
-		a[75*stride] = dw13x;
-		a[76*stride] = dw13y;
-		a[77*stride] = dw13z;
-		f[72*stride] = f13x;
-		f[73*stride] = f13y;
-		f[74*stride] = f13z;
-		f[75*stride] = n13x;
-		f[76*stride] = n13y;
 		f[77*stride] = n13z;
+		const double n13y = RNEA_FMA(-0.00264, t216, 0.00583*dw13y);
+		f[76*stride] = n13y;
+		f[72*stride] = f13x;
+		const double f13y = 3.899*a13y;
+		const double a14y = a13y + RNEA_FMA(-0.016, t215 - dw13x, 0.187*RNEA_FMA(w13z, w13z, t217));
+		across[step] = a14y;
+		const double t222 = a13z + RNEA_FMA(-0.187, dw13x + t215, 0.016*RNEA_FMA(w13y, w13y, t217));
+		const double f13z = 3.899*a13z;
+		f[74*stride] = f13z;
+		f[73*stride] = f13y;
+		const double n13x = 0.00319*dw13x;
+		f[75*stride] = n13x;
 
 		/* ---- out to link 14 "r_uarm" (fpass) ---- */
 		const double q14 = q[13*stride];
 		double s14, c14;
 		all_small &= rneagen_sincos_known(q14, known, sines + 24, &s14, &c14);
-		const double t219 = v13x + RNEA_FMA(-0.016, w13y, 0.187*w13z);
-		const double v14y = RNEA_FMA(0.016, w13x, v13y);
-		across[0] = v14y;
-		const double t220 = RNEA_FMA(0.187, w13x, t214);
-		const double t221 = a13x - RNEA_FMA(0.016, dw13y + t216, 0.187*(t218 - dw13z));
-		const double a14y = a13y + RNEA_FMA(-0.016, t215 - dw13x, 0.187*RNEA_FMA(w13z, w13z, t217));
-		across[step] = a14y;
-		const double t222 = a13z + RNEA_FMA(-0.187, dw13x + t215, 0.016*RNEA_FMA(w13y, w13y, t217));
-		const double w14z = RNEA_FMA(w13z, c14, w13x*s14);
-		across[34*step] = w14z;
-		const double w14x = RNEA_FMA(s14, -w13z, w13x*c14);
-		across[35*step] = w14x;
 		const double qd14 = qd[13*stride];
 		const double w14y = w13y + qd14;
-		across[36*step] = w14y;
-		const double dw14x = RNEA_FMA(w14z, -qd14, RNEA_FMA(s14, -dw13z, dw13x*c14));
-		across[37*step] = dw14x;
+		across[20*step] = w14y;
+		v[82*stride] = w14y;
 		const double qdd14 = qdd[13*stride];
 		const double dw14y = dw13y + qdd14;
-		across[38*step] = dw14y;
+		across[21*step] = dw14y;
+		a[82*stride] = dw14y;
+		const double w14z = RNEA_FMA(w13z, c14, w13x*s14);
+		across[22*step] = w14z;
+		const double w14x = RNEA_FMA(s14, -w13z, w13x*c14);
+		across[23*step] = w14x;
+		v[81*stride] = w14x;
+		v[83*stride] = w14z;
+		const double dw14x = RNEA_FMA(w14z, -qd14, RNEA_FMA(s14, -dw13z, dw13x*c14));
+		across[24*step] = dw14x;
 		const double dw14z = RNEA_FMA(qd14, w14x, RNEA_FMA(dw13z, c14, dw13x*s14));
-		across[39*step] = dw14z;
+		across[25*step] = dw14z;
+		a[83*stride] = dw14z;
+		a[81*stride] = dw14x;
 		const double v14z = RNEA_FMA(t220, -c14, s14*t219);
-		across[40*step] = v14z;
+		across[26*step] = v14z;
 		const double v14x = RNEA_FMA(s14, t220, c14*t219);
-		across[41*step] = v14x;
+		across[27*step] = v14x;
+		a[79*stride] = a14y - RNEA_FMA(v14z, -w14x, w14z*v14x);
+		v[78*stride] = v14x;
+		v[80*stride] = v14z;
 		const double a14z = RNEA_FMA(c14, t222, s14*t221);
-		across[42*step] = a14z;
+		across[28*step] = a14z;
 		const double a14x = RNEA_FMA(t222, -s14, c14*t221);
-		across[43*step] = a14x;
+		across[29*step] = a14x;
 	}
 	return all_small;
 }
@@ -2724,122 +2660,125 @@ static RNEA_INLINE int atlas_fpass_segment4(const double *first_q, const double 
 		double *const a = first_a + l;
 		double *const f = first_f + l;
 		double *const across = first_across + l;
-		const double w14z = across[34*step];
-		const double w14y = across[36*step];
+		const double a14x = across[29*step];
+		const double w14z = across[22*step];
+		const double v14y = across[0];
+		const double w14y = across[20*step];
+		const double v14z = across[26*step];
+		a[78*stride] = a14x - RNEA_FMA(w14z, -v14y, w14y*v14z);
+		const double w14x = across[23*step];
+		const double t230 = RNEA_FMA(-0.119, w14x, v14z);
+		const double a14z = across[28*step];
+		const double v14x = across[27*step];
+		a[80*stride] = a14z - RNEA_FMA(v14x, -w14y, v14y*w14x);
+		const double t229 = RNEA_FMA(-0.0092, w14x, v14y);
+		const double v15x = v14x + RNEA_FMA(0.0092, w14y, 0.119*w14z);
+		v[84*stride] = v15x;
 		const double t223 = w14z*w14y;
-		const double dw14x = across[37*step];
+		const double dw14x = across[24*step];
 		const double t224 = dw14x + t223;
-		const double w14x = across[35*step];
 		const double t225 = w14x*w14x;
 		const double t226 = RNEA_FMA(w14z, w14z, t225);
-		const double t227 = w14x*w14y;
-		const double dw14z = across[39*step];
-		const double t228 = t227 - dw14z;
-		const double a14x = across[43*step];
-		const double f14x = RNEA_FMA(4.386, a14x, 0.28509*t228);
-		const double a14y = across[step];
-		const double f14y = RNEA_FMA(-0.28509, t226, 4.386*a14y);
-		const double a14z = across[42*step];
+		const double t232 = a14z - RNEA_FMA(0.0092, RNEA_FMA(w14y, w14y, t225), 0.119*t224);
 		const double f14z = RNEA_FMA(4.386, a14z, 0.28509*t224);
-		const double dw14y = across[38*step];
-		const double n14y = 0.00358*dw14y;
 		const double n14x = RNEA_FMA(0.28509, a14z, RNEA_FMA(0.02509085, dw14x, 0.02151085*t223));
-		const double n14z = RNEA_FMA(-0.28509, a14x, RNEA_FMA(-0.02151085, t227, 0.02509085*dw14z));
-		const double v14x = across[41*step];
-		v[78*stride] = v14x;
-		const double v14y = across[0];
-		v[79*stride] = v14y;
-		const double v14z = across[40*step];
-		v[80*stride] = v14z;
-		v[81*stride] = w14x;
-		v[82*stride] = w14y;
-		v[83*stride] = w14z;
-		a[78*stride] = a14x - RNEA_FMA(w14z, -v14y, w14y*v14z);
-		a[79*stride] = a14y - RNEA_FMA(v14z, -w14x, w14z*v14x);
-		a[80*stride] = a14z - RNEA_FMA(v14x, -w14y, v14y*w14x);
-		a[81*stride] = dw14x;
-		a[82*stride] = dw14y;
-		a[83*stride] = dw14z;
-		f[78*stride] = f14x;
+		const double a14y = across[step];
+		const double t231 = a14y + RNEA_FMA(0.0092, t223 - dw14x, 0.119*t226);
+		const double f14y = RNEA_FMA(-0.28509, t226, 4.386*a14y);
 		f[79*stride] = f14y;
-		f[80*stride] = f14z;
 		f[81*stride] = n14x;
-		f[82*stride] = n14y;
+		f[80*stride] = f14z;
+		const double t227 = w14x*w14y;
+		const double dw14z = across[25*step];
+		const double t228 = t227 - dw14z;
+		const double n14z = RNEA_FMA(-0.28509, a14x, RNEA_FMA(-0.02151085, t227, 0.02509085*dw14z));
 		f[83*stride] = n14z;
+		const double f14x = RNEA_FMA(4.386, a14x, 0.28509*t228);
+		const double dw14y = across[21*step];
+		const double a15x = a14x + RNEA_FMA(-0.119, t228, 0.0092*RNEA_FMA(w14z, w14x, dw14y));
+		f[78*stride] = f14x;
+		const double n14y = 0.00358*dw14y;
+		f[82*stride] = n14y;
 
 		/* ---- out to link 15 "r_larm" (fpass) ---- */
 		const double q15 = q[14*stride];
 		double s15, c15;
 		all_small &= rneagen_sincos_known(q15, known, sines + 26, &s15, &c15);
-		const double v15x = v14x + RNEA_FMA(0.0092, w14y, 0.119*w14z);
-		const double t229 = RNEA_FMA(-0.0092, w14x, v14y);
-		const double t230 = RNEA_FMA(-0.119, w14x, v14z);
-		const double a15x = a14x + RNEA_FMA(-0.119, t228, 0.0092*RNEA_FMA(w14z, w14x, dw14y));
-		const double t231 = a14y + RNEA_FMA(0.0092, t223 - dw14x, 0.119*t226);
-		const double t232 = a14z - RNEA_FMA(0.0092, RNEA_FMA(w14y, w14y, t225), 0.119*t224);
-		const double w15y = RNEA_FMA(w14y, c15, w14z*s15);
-		const double w15z = RNEA_FMA(-w14y, s15, w14z*c15);
 		const double qd15 = qd[14*stride];
 		const double w15x = w14x + qd15;
+		v[87*stride] = w15x;
 		const double qdd15 = qdd[14*stride];
 		const double dw15x = dw14x + qdd15;
+		a[87*stride] = dw15x;
+		const double w15y = RNEA_FMA(w14y, c15, w14z*s15);
+		const double w15z = RNEA_FMA(-w14y, s15, w14z*c15);
+		v[89*stride] = w15z;
+		v[88*stride] = w15y;
 		const double dw15y = RNEA_FMA(qd15, w15z, RNEA_FMA(dw14y, c15, dw14z*s15));
 		const double dw15z = RNEA_FMA(w15y, -qd15, RNEA_FMA(s15, -dw14y, dw14z*c15));
+		a[89*stride] = dw15z;
+		a[88*stride] = dw15y;
 		const double v15y = RNEA_FMA(c15, t229, s15*t230);
 		const double v15z = RNEA_FMA(t229, -s15, c15*t230);
+		a[84*stride] = a15x - RNEA_FMA(v15y, -w15z, w15y*v15z);
+		v[86*stride] = v15z;
+		v[85*stride] = v15y;
 		const double a15y = RNEA_FMA(c15, t231, s15*t232);
 		const double a15z = RNEA_FMA(t231, -s15, c15*t232);
+		a[86*stride] = a15z - RNEA_FMA(w15y, -v15x, w15x*v15y);
+		const double v16y = RNEA_FMA(0.00921, w15x, v15y);
+		v[91*stride] = v16y;
+		a[85*stride] = a15y - RNEA_FMA(v15z, -w15x, v15x*w15z);
+		const double t237 = v15x + RNEA_FMA(-0.00921, w15y, 0.29955*w15z);
+		const double t238 = RNEA_FMA(-0.29955, w15x, v15z);
 		const double t233 = w15y*w15z;
 		const double t234 = w15z*w15x;
 		const double t235 = w15x*w15x;
 		const double t236 = w15y*w15x;
 		const double f15x = 3.248*a15x;
-		const double f15y = 3.248*a15y;
-		const double f15z = 3.248*a15z;
-		const double n15x = 0.00265*dw15x;
-		const double n15y = RNEA_FMA(-0.0018100000000000004, t234, 0.00446*dw15y);
+		const double t239 = a15x - RNEA_FMA(0.00921, dw15y + t234, 0.29955*(t236 - dw15z));
 		const double n15z = RNEA_FMA(0.00446, dw15z, 0.0018100000000000004*t236);
-		v[84*stride] = v15x;
-		v[85*stride] = v15y;
-		v[86*stride] = v15z;
-		v[87*stride] = w15x;
-		v[88*stride] = w15y;
-		v[89*stride] = w15z;
-		a[84*stride] = a15x - RNEA_FMA(v15y, -w15z, w15y*v15z);
-		a[85*stride] = a15y - RNEA_FMA(v15z, -w15x, v15x*w15z);
-		a[86*stride] = a15z - RNEA_FMA(w15y, -v15x, w15x*v15y);
-		a[87*stride] = dw15x;
-		a[88*stride] = dw15y;
-		a[89*stride] = dw15z;
-		f[84*stride] = f15x;
-		f[85*stride] = f15y;
-		f[86*stride] = f15z;
-		f[87*stride] = n15x;
-		f[88*stride] = n15y;
 		f[89*stride] = n15z;
+		const double n15y = RNEA_FMA(-0.0018100000000000004, t234, 0.00446*dw15y);
+		f[88*stride] = n15y;
+		f[84*stride] = f15x;
+		const double f15y = 3.248*a15y;
+		const double a16y = a15y + RNEA_FMA(-0.00921, t233 - dw15x, 0.29955*RNEA_FMA(w15z, w15z, t235));
+		const double t240 = a15z + RNEA_FMA(-0.29955, dw15x + t233, 0.00921*RNEA_FMA(w15y, w15y, t235));
+		const double f15z = 3.248*a15z;
+		f[86*stride] = f15z;
+		f[85*stride] = f15y;
+		const double n15x = 0.00265*dw15x;
+		f[87*stride] = n15x;
 
 		/* ---- out to link 16 "r_ufarm" (fpass) ---- */
 		const double q16 = q[15*stride];
 		double s16, c16;
 		all_small &= rneagen_sincos_known(q16, known, sines + 28, &s16, &c16);
-		const double t237 = v15x + RNEA_FMA(-0.00921, w15y, 0.29955*w15z);
-		const double v16y = RNEA_FMA(0.00921, w15x, v15y);
-		const double t238 = RNEA_FMA(-0.29955, w15x, v15z);
-		const double t239 = a15x - RNEA_FMA(0.00921, dw15y + t234, 0.29955*(t236 - dw15z));
-		const double a16y = a15y + RNEA_FMA(-0.00921, t233 - dw15x, 0.29955*RNEA_FMA(w15z, w15z, t235));
-		const double t240 = a15z + RNEA_FMA(-0.29955, dw15x + t233, 0.00921*RNEA_FMA(w15y, w15y, t235));
-		const double w16z = RNEA_FMA(w15z, c16, w15x*s16);
-		const double w16x = RNEA_FMA(-w15z, s16, w15x*c16);
 		const double qd16 = qd[15*stride];
 		const double w16y = w15y + qd16;
-		const double dw16x = RNEA_FMA(w16z, -qd16, RNEA_FMA(s16, -dw15z, dw15x*c16));
+		v[94*stride] = w16y;
 		const double qdd16 = qdd[15*stride];
 		const double dw16y = dw15y + qdd16;
+		a[94*stride] = dw16y;
+		const double w16z = RNEA_FMA(w15z, c16, w15x*s16);
+		const double w16x = RNEA_FMA(-w15z, s16, w15x*c16);
+		v[93*stride] = w16x;
+		v[95*stride] = w16z;
+		const double dw16x = RNEA_FMA(w16z, -qd16, RNEA_FMA(s16, -dw15z, dw15x*c16));
 		const double dw16z = RNEA_FMA(qd16, w16x, RNEA_FMA(dw15z, c16, dw15x*s16));
+		a[95*stride] = dw16z;
+		a[93*stride] = dw16x;
 		const double v16z = RNEA_FMA(c16, t238, s16*t237);
 		const double v16x = RNEA_FMA(t238, -s16, c16*t237);
+		v[96*stride] = v16x;
+		a[91*stride] = a16y - RNEA_FMA(v16z, -w16x, w16z*v16x);
+		v[90*stride] = v16x;
+		v[92*stride] = v16z;
 		const double a16z = RNEA_FMA(c16, t240, s16*t239);
 		const double a16x = RNEA_FMA(t240, -s16, c16*t239);
+		a[90*stride] = a16x - RNEA_FMA(w16z, -v16y, w16y*v16z);
+		a[92*stride] = a16z - RNEA_FMA(v16x, -w16y, v16y*w16x);
 		const double t241 = w16z*w16y;
 		const double t242 = w16z*w16z;
 		const double t243 = w16y*w16y;
@@ -2848,55 +2787,55 @@ static RNEA_INLINE int atlas_fpass_segment4(const double *first_q, const double 
 		const double t246 = w16x*w16y;
 		const double t247 = RNEA_FMA(-0.00015, t242 + t243, 0.08296*(t246 - dw16z));
 		const double t248 = RNEA_FMA(-0.08296, t242 + t245, 0.00015*(dw16z + t246));
-		const double t249 = RNEA_FMA(0.08296, dw16x + t241, 0.00015*(t244 - dw16y));
-		const double t250 = a16x + RNEA_FMA(0.00037, dw16y + t244, t247);
 		const double t251 = a16y + RNEA_FMA(0.00037, t241 - dw16x, t248);
+		const double t250 = a16x + RNEA_FMA(0.00037, dw16y + t244, t247);
+		const double n16z = RNEA_FMA(-0.20572420800000002, t250, 0.00037196999999999995*t251)
+			+ RNEA_FMA(-0.009873999999999999, t246, 0.011948*dw16z);
+		f[95*stride] = n16z;
+		const double t249 = RNEA_FMA(0.08296, dw16x + t241, 0.00015*(t244 - dw16y));
 		const double t252 = a16z + RNEA_FMA(-0.00037, t243 + t245, t249);
-		const double f16x = 2.4798*t250;
-		const double f16y = 2.4798*t251;
-		const double f16z = 2.4798*t252;
-		const double n16x = RNEA_FMA(-0.000917526, t251, 0.20572420800000002*t252) + RNEA_FMA(0.012731, dw16x,
-			0.009091*t241);
 		const double n16y = RNEA_FMA(-0.00037196999999999995, t252, 0.000917526*t250) + RNEA_FMA(0.002857,
 			dw16y,
 			0.000782999999999999*t244);
-		const double n16z = RNEA_FMA(-0.20572420800000002, t250, 0.00037196999999999995*t251)
-			+ RNEA_FMA(-0.009873999999999999, t246, 0.011948*dw16z);
-		v[90*stride] = v16x;
-		v[91*stride] = v16y;
-		v[92*stride] = v16z;
-		v[93*stride] = w16x;
-		v[94*stride] = w16y;
-		v[95*stride] = w16z;
-		a[90*stride] = a16x - RNEA_FMA(w16z, -v16y, w16y*v16z);
-		a[91*stride] = a16y - RNEA_FMA(v16z, -w16x, w16z*v16x);
-		a[92*stride] = a16z - RNEA_FMA(v16x, -w16y, v16y*w16x);
-		a[93*stride] = dw16x;
-		a[94*stride] = dw16y;
-		a[95*stride] = dw16z;
+		const double f16x = 2.4798*t250;
 		f[90*stride] = f16x;
-		f[91*stride] = f16y;
-		f[92*stride] = f16z;
-		f[93*stride] = n16x;
 		f[94*stride] = n16y;
-		f[95*stride] = n16z;
+		const double n16x = RNEA_FMA(-0.000917526, t251, 0.20572420800000002*t252) + RNEA_FMA(0.012731, dw16x,
+			0.009091*t241);
+		const double f16z = 2.4798*t252;
+		f[92*stride] = f16z;
+		const double f16y = 2.4798*t251;
+		f[91*stride] = f16y;
+		f[93*stride] = n16x;
 
 		/* ---- out to link 17 "r_lfarm" (fpass) ---- */
 		const double q17 = q[16*stride];
 		double s17, c17;
 		all_small &= rneagen_sincos_known(q17, known, sines + 30, &s17, &c17);
-		const double w17y = RNEA_FMA(w16y, c17, w16z*s17);
-		const double w17z = RNEA_FMA(-w16y, s17, w16z*c17);
 		const double qd17 = qd[16*stride];
 		const double w17x = w16x + qd17;
+		v[99*stride] = w17x;
 		const double qdd17 = qdd[16*stride];
 		const double dw17x = dw16x + qdd17;
+		a[99*stride] = dw17x;
+		const double w17y = RNEA_FMA(w16y, c17, w16z*s17);
+		const double w17z = RNEA_FMA(-w16y, s17, w16z*c17);
+		v[101*stride] = w17z;
+		v[100*stride] = w17y;
 		const double dw17y = RNEA_FMA(qd17, w17z, RNEA_FMA(dw16y, c17, dw16z*s17));
 		const double dw17z = RNEA_FMA(w17y, -qd17, RNEA_FMA(s17, -dw16y, dw16z*c17));
+		a[101*stride] = dw17z;
+		a[100*stride] = dw17y;
 		const double v17y = RNEA_FMA(v16y, c17, v16z*s17);
 		const double v17z = RNEA_FMA(-v16y, s17, v16z*c17);
+		a[96*stride] = a16x - RNEA_FMA(v17y, -w17z, w17y*v17z);
+		v[98*stride] = v17z;
+		v[103*stride] = v17y;
+		v[97*stride] = v17y;
 		const double a17y = RNEA_FMA(a16y, c17, a16z*s17);
 		const double a17z = RNEA_FMA(s17, -a16y, a16z*c17);
+		a[98*stride] = a17z - RNEA_FMA(w17y, -v16x, w17x*v17y);
+		a[97*stride] = a17y - RNEA_FMA(v17z, -w17x, v16x*w17z);
 		const double t253 = w17y*w17z;
 		const double t254 = w17z*w17z;
 		const double t255 = w17y*w17y;
@@ -2905,110 +2844,97 @@ static RNEA_INLINE int atlas_fpass_segment4(const double *first_q, const double 
 		const double t258 = w17y*w17x;
 		const double t259 = -RNEA_FMA(0.02515, t258 - dw17z, 0.00017*(t254 + t255));
 		const double t260 = RNEA_FMA(0.02515, t254 + t257, 0.00017*(dw17z + t258));
-		const double t261 = RNEA_FMA(-0.02515, dw17x + t253, 0.00017*(t256 - dw17y));
-		const double t262 = a16x + RNEA_FMA(0.00163, dw17y + t256, t259);
 		const double t263 = a17y + RNEA_FMA(0.00163, t253 - dw17x, t260);
+		const double t262 = a16x + RNEA_FMA(0.00163, dw17y + t256, t259);
+		const double n17z = RNEA_FMA(0.00011016000000000002, t263, 0.0162972*t262) + RNEA_FMA(-0.000335, t258,
+			0.000825*dw17z);
+		f[101*stride] = n17z;
+		const double t261 = RNEA_FMA(-0.02515, dw17x + t253, 0.00017*(t256 - dw17y));
 		const double t264 = a17z + RNEA_FMA(-0.00163, t255 + t257, t261);
-		const double f17x = 0.648*t262;
-		const double f17y = 0.648*t263;
-		const double f17z = 0.648*t264;
-		const double n17x = RNEA_FMA(0.000764, dw17x, 0.000396*t253) - RNEA_FMA(0.0162972, t264,
-			0.00105624*t263);
 		const double n17y = RNEA_FMA(-0.00011016000000000002, t264, 0.00105624*t262)
 			+ RNEA_FMA(-6.0999999999999965e-05,
 			t256, 0.000429*dw17y);
-		const double n17z = RNEA_FMA(0.00011016000000000002, t263, 0.0162972*t262) + RNEA_FMA(-0.000335, t258,
-			0.000825*dw17z);
-		v[96*stride] = v16x;
-		v[97*stride] = v17y;
-		v[98*stride] = v17z;
-		v[99*stride] = w17x;
-		v[100*stride] = w17y;
-		v[101*stride] = w17z;
-		a[96*stride] = a16x - RNEA_FMA(v17y, -w17z, w17y*v17z);
-		a[97*stride] = a17y - RNEA_FMA(v17z, -w17x, v16x*w17z);
-		a[98*stride] = a17z - RNEA_FMA(w17y, -v16x, w17x*v17y);
-		a[99*stride] = dw17x;
-		a[100*stride] = dw17y;
-		a[101*stride] = dw17z;
+		const double f17x = 0.648*t262;
 		f[96*stride] = f17x;
+		f[100*stride] = n17y;
+		const double n17x = RNEA_FMA(0.000764, dw17x, 0.000396*t253) - RNEA_FMA(0.0162972, t264,
+			0.00105624*t263);
+		const double f17y = 0.648*t263;
 		f[97*stride] = f17y;
+		const double f17z = 0.648*t264;
 		f[98*stride] = f17z;
 		f[99*stride] = n17x;
-		f[100*stride] = n17y;
-		f[101*stride] = n17z;
 
 		/* ---- out to link 18 "r_hand" (fpass) ---- */
 		const double q18 = q[17*stride];
 		double s18, c18;
 		all_small &= rneagen_sincos_known(q18, known, sines + 32, &s18, &c18);
-		const double w18z = RNEA_FMA(w17z, c18, w17x*s18);
-		const double w18x = RNEA_FMA(-w17z, s18, w17x*c18);
 		const double qd18 = qd[17*stride];
 		const double w18y = w17y + qd18;
-		const double dw18x = RNEA_FMA(w18z, -qd18, RNEA_FMA(s18, -dw17z, dw17x*c18));
+		v[106*stride] = w18y;
 		const double qdd18 = qdd[17*stride];
 		const double dw18y = dw17y + qdd18;
+		a[106*stride] = dw18y;
+		const double w18z = RNEA_FMA(w17z, c18, w17x*s18);
+		const double w18x = RNEA_FMA(-w17z, s18, w17x*c18);
+		v[105*stride] = w18x;
+		v[107*stride] = w18z;
+		const double dw18x = RNEA_FMA(w18z, -qd18, RNEA_FMA(s18, -dw17z, dw17x*c18));
 		const double dw18z = RNEA_FMA(qd18, w18x, RNEA_FMA(dw17z, c18, dw17x*s18));
+		a[107*stride] = dw18z;
+		a[105*stride] = dw18x;
 		const double v18z = RNEA_FMA(v17z, c18, v16x*s18);
 		const double v18x = RNEA_FMA(s18, -v17z, v16x*c18);
+		a[103*stride] = a17y - RNEA_FMA(v18z, -w18x, w18z*v18x);
+		v[102*stride] = v18x;
+		v[104*stride] = v18z;
 		const double a18z = RNEA_FMA(a17z, c18, a16x*s18);
 		const double a18x = RNEA_FMA(s18, -a17z, a16x*c18);
+		a[102*stride] = a18x - RNEA_FMA(w18z, -v17y, w18y*v18z);
+		a[104*stride] = a18z - RNEA_FMA(v18x, -w18y, v17y*w18x);
 		const double t265 = w18z*w18y;
 		const double t266 = w18z*w18z;
+		const double t270 = w18z*w18x;
 		const double t267 = w18y*w18y;
+		const double t274 = w18x*w18y;
+		const double t271 = w18x*w18x;
 		const double t268 = t265 - dw18x;
 		const double t269 = dw18x + t265;
-		const double t270 = w18z*w18x;
-		const double t271 = w18x*w18x;
 		const double t272 = t270 - dw18y;
 		const double t273 = dw18y + t270;
-		const double t274 = w18x*w18y;
 		const double t275 = t274 - dw18z;
-		const double t276 = dw18z + t274;
-		const double t277 = RNEA_FMA(1.1678e-05, t273, -RNEA_FMA(0.060090400999999995, t275, 9.3424e-05*(t266
-			+ t267)));
-		const double f18x = RNEA_FMA(0.6839, a18x, t277);
-		const double f18y = RNEA_FMA(0.6839, a17y, RNEA_FMA(1.1678e-05, t268, RNEA_FMA(0.060090400999999995,
-			t266
-			+ t271, 9.3424e-05*t276)));
-		const double f18z = RNEA_FMA(0.6839, a18z, RNEA_FMA(-1.1678e-05, t267 + t271,
-			RNEA_FMA(-0.060090400999999995,
-			t269, 9.3424e-05*t272)));
-		const double t278 = RNEA_FMA(-1.86848e-09, t276, RNEA_FMA(-7.62246416e-06, t272,
-			RNEA_FMA(0.00583500555115,
-			dw18x, 0.00533900508403*t265)));
 		const double t279 = RNEA_FMA(7.62246416e-06, t269, RNEA_FMA(-9.5280802e-07, t275,
 			RNEA_FMA(0.0004870151814,
 			dw18y, 8.985285720000002e-06*t270)));
+		const double t277 = RNEA_FMA(1.1678e-05, t273, -RNEA_FMA(0.060090400999999995, t275, 9.3424e-05*(t266
+			+ t267)));
 		const double t280 = RNEA_FMA(9.5280802e-07, t273, RNEA_FMA(1.86848e-09, t268,
 			RNEA_FMA(-0.005347990369749999,
 			t274, 0.0058260202654299995*dw18z)));
+		const double t276 = dw18z + t274;
+		const double t278 = RNEA_FMA(-1.86848e-09, t276, RNEA_FMA(-7.62246416e-06, t272,
+			RNEA_FMA(0.00583500555115,
+			dw18x, 0.00533900508403*t265)));
+		const double f18z = RNEA_FMA(0.6839, a18z, RNEA_FMA(-1.1678e-05, t267 + t271,
+			RNEA_FMA(-0.060090400999999995,
+			t269, 9.3424e-05*t272)));
+		f[104*stride] = f18z;
+		const double f18y = RNEA_FMA(0.6839, a17y, RNEA_FMA(1.1678e-05, t268, RNEA_FMA(0.060090400999999995,
+			t266
+			+ t271, 9.3424e-05*t276)));
+		f[103*stride] = f18y;
 		const double n18x = RNEA_FMA(9.5280802e-07, t267 - t266, t278) - RNEA_FMA(0.060090400999999995, a18z,
 			1.1678e-05*a17y);
-		const double n18y = RNEA_FMA(-9.3424e-05, a18z, 1.1678e-05*a18x) + RNEA_FMA(-1.86848e-09, t266 - t271,
-			t279);
 		const double n18z = RNEA_FMA(9.3424e-05, a17y, 0.060090400999999995*a18x) + RNEA_FMA(7.62246416e-06,
 			t271
 			- t267, t280);
-		v[102*stride] = v18x;
-		v[103*stride] = v17y;
-		v[104*stride] = v18z;
-		v[105*stride] = w18x;
-		v[106*stride] = w18y;
-		v[107*stride] = w18z;
-		a[102*stride] = a18x - RNEA_FMA(w18z, -v17y, w18y*v18z);
-		a[103*stride] = a17y - RNEA_FMA(v18z, -w18x, w18z*v18x);
-		a[104*stride] = a18z - RNEA_FMA(v18x, -w18y, v17y*w18x);
-		a[105*stride] = dw18x;
-		a[106*stride] = dw18y;
-		a[107*stride] = dw18z;
+		const double n18y = RNEA_FMA(-9.3424e-05, a18z, 1.1678e-05*a18x) + RNEA_FMA(-1.86848e-09, t266 - t271,
+			t279);
+		const double f18x = RNEA_FMA(0.6839, a18x, t277);
 		f[102*stride] = f18x;
-		f[103*stride] = f18y;
-		f[104*stride] = f18z;
-		f[105*stride] = n18x;
 		f[106*stride] = n18y;
 		f[107*stride] = n18z;
+		f[105*stride] = n18x;
 	}
 	return all_small;
 }
@@ -3033,52 +2959,60 @@ static RNEA_INLINE int atlas_fpass_segment5(const double *first_q, const double 
 
 		/* ---- out to link 19 "l_uglut" (fpass) ---- */
 		const double qd19 = qd[18*stride];
-		const double t281 = qd19*qd19;
+		v[113*stride] = qd19;
 		const double qdd19 = qdd[18*stride];
+		a[113*stride] = qdd19;
+		const double t281 = qd19*qd19;
 		const double f19x = RNEA_FMA(-0.01036824258, t281, 0.00675329988*qdd19);
+		f[108*stride] = f19x;
 		const double f19y = RNEA_FMA(0.00675329988, t281, 0.01036824258*qdd19);
+		f[109*stride] = f19y;
 		const double n19z = 0.0004905759537860812*qdd19;
+		f[113*stride] = n19z;
 		const double n19x = -0.0662498718228 - RNEA_FMA(2.1108200142344797e-05, t281,
 			6.0412268666986794e-05*qdd19);
 		const double n19y = RNEA_FMA(-6.0412268666986794e-05, t281, 2.1108200142344797e-05*qdd19)
 			- 0.1017124597098;
+		f[112*stride] = n19y;
+		f[111*stride] = n19x;
 		v[108*stride] = 0.0;
 		v[109*stride] = 0.0;
 		v[110*stride] = 0.0;
 		v[111*stride] = 0.0;
 		v[112*stride] = 0.0;
-		v[113*stride] = qd19;
 		a[108*stride] = 0.0;
 		a[109*stride] = 0.0;
 		a[110*stride] = 9.81;
 		a[111*stride] = 0.0;
 		a[112*stride] = 0.0;
-		a[113*stride] = qdd19;
-		f[108*stride] = f19x;
-		f[109*stride] = f19y;
 		f[110*stride] = 19.21779;
-		f[111*stride] = n19x;
-		f[112*stride] = n19y;
-		f[113*stride] = n19z;
 
 		/* ---- out to link 20 "l_lglut" (fpass) ---- */
 		const double q20 = q[19*stride];
 		double s20, c20;
 		all_small &= rneagen_sincos_known(q20, known, sines + 34, &s20, &c20);
+		const double qd20 = qd[19*stride];
+		v[117*stride] = qd20;
+		const double qdd20 = qdd[19*stride];
+		a[117*stride] = qdd20;
 		const double w20y = qd19*s20;
 		const double w20z = qd19*c20;
-		const double qd20 = qd[19*stride];
+		v[119*stride] = w20z;
+		v[118*stride] = w20y;
 		const double t282 = qd20*w20z;
 		const double t283 = qd20*w20y;
 		const double dw20y = RNEA_FMA(qdd19, s20, t282);
 		const double dw20z = RNEA_FMA(qdd19, c20, -t283);
+		a[119*stride] = dw20z;
+		a[118*stride] = dw20y;
 		const double a20y = 9.81*s20;
+		a[115*stride] = a20y;
 		const double a20z = 9.81*c20;
+		a[116*stride] = a20z;
 		const double t284 = w20y*w20z;
 		const double t285 = w20z*w20z;
 		const double t286 = w20y*w20y;
 		const double t287 = t285 + t286;
-		const double qdd20 = qdd[19*stride];
 		const double t288 = t284 - qdd20;
 		const double t289 = qdd20 + t284;
 		const double t290 = qd20*qd20;
@@ -3086,123 +3020,130 @@ static RNEA_INLINE int atlas_fpass_segment5(const double *first_q, const double 
 		const double t292 = t282 - dw20y;
 		const double t293 = t282 + dw20y;
 		const double t294 = t286 + t290;
-		const double t295 = t283 - dw20z;
-		const double t296 = t283 + dw20z;
-		const double f20x = RNEA_FMA(-0.0280222696, t293, RNEA_FMA(-0.0119740218, t287,
-			0.015309463199999998*t295));
-		const double f20y = RNEA_FMA(8.80938, s20, RNEA_FMA(-0.0280222696, t288, RNEA_FMA(-0.015309463199999998,
-			t291,
-			0.0119740218*t296)));
+		const double t303 = a20z + RNEA_FMA(0.066, t294, RNEA_FMA(0.0225, t289, 0.05*t292));
 		const double f20z = RNEA_FMA(8.80938, c20, RNEA_FMA(0.0280222696, t294, RNEA_FMA(0.015309463199999998,
 			t289,
 			0.0119740218*t292)));
-		const double t297 = RNEA_FMA(0.00037615682507336, t296, RNEA_FMA(0.00022657231325511998, t292,
-			RNEA_FMA(-0.0008171286749030399, t284, 0.0018267683797407999*qdd20)));
+		f[116*stride] = f20z;
+		const double t295 = t283 - dw20z;
 		const double t298 = RNEA_FMA(-0.00022657231325511998, t289, RNEA_FMA(-0.00061559686104864, t295,
 			RNEA_FMA(0.0023026633314053, dw20y, 0.0003412337232385399*t282)));
+		const double n20y = RNEA_FMA(-0.11746515385800001, c20, RNEA_FMA(0.00037615682507336, t285 - t290,
+			t298));
+		f[118*stride] = n20y;
+		const double t296 = t283 + dw20z;
 		const double t299 = RNEA_FMA(0.00061559686104864, t293, RNEA_FMA(-0.00037615682507336, t288,
 			RNEA_FMA(0.00148553465650226, dw20z, 0.00047589495166449995*t283)));
+		const double n20z = RNEA_FMA(0.11746515385800001, s20, RNEA_FMA(-0.00022657231325511998, t290 - t286,
+			t299));
+		f[119*stride] = n20z;
+		const double a21y = a20y + RNEA_FMA(-0.066, t288, RNEA_FMA(-0.0225, t291, 0.05*t296));
+		const double f20y = RNEA_FMA(8.80938, s20, RNEA_FMA(-0.0280222696, t288, RNEA_FMA(-0.015309463199999998,
+			t291,
+			0.0119740218*t296)));
+		const double t297 = RNEA_FMA(0.00037615682507336, t296, RNEA_FMA(0.00022657231325511998, t292,
+			RNEA_FMA(-0.0008171286749030399, t284, 0.0018267683797407999*qdd20)));
 		const double n20x = RNEA_FMA(0.150185833992, c20, 0.274898464776*s20) + RNEA_FMA(0.00061559686104864,
 			t286
 			- t285, t297);
-		const double n20y = RNEA_FMA(-0.11746515385800001, c20, RNEA_FMA(0.00037615682507336, t285 - t290,
-			t298));
-		const double n20z = RNEA_FMA(0.11746515385800001, s20, RNEA_FMA(-0.00022657231325511998, t290 - t286,
-			t299));
+		f[117*stride] = n20x;
+		f[115*stride] = f20y;
+		const double f20x = RNEA_FMA(-0.0280222696, t293, RNEA_FMA(-0.0119740218, t287,
+			0.015309463199999998*t295));
+		const double t302 = RNEA_FMA(-0.066, t293, RNEA_FMA(-0.05, t287, 0.0225*t295));
+		f[114*stride] = f20x;
 		v[114*stride] = 0.0;
 		v[115*stride] = 0.0;
 		v[116*stride] = 0.0;
-		v[117*stride] = qd20;
-		v[118*stride] = w20y;
-		v[119*stride] = w20z;
 		a[114*stride] = 0.0;
-		a[115*stride] = a20y;
-		a[116*stride] = a20z;
-		a[117*stride] = qdd20;
-		a[118*stride] = dw20y;
-		a[119*stride] = dw20z;
-		f[114*stride] = f20x;
-		f[115*stride] = f20y;
-		f[116*stride] = f20z;
-		f[117*stride] = n20x;
-		f[118*stride] = n20y;
-		f[119*stride] = n20z;
 
 		/* ---- out to link 21 "l_uleg" (fpass) ---- */
 		const double q21 = q[20*stride];
 		double s21, c21;
 		all_small &= rneagen_sincos_known(q21, known, sines + 36, &s21, &c21);
-		const double t300 = RNEA_FMA(0.066, w20y, 0.0225*w20z);
-		const double v21y = RNEA_FMA(0.05, w20z, 0.066*qd20);
-		const double t301 = RNEA_FMA(-0.05, w20y, 0.0225*qd20);
-		const double t302 = RNEA_FMA(-0.066, t293, RNEA_FMA(-0.05, t287, 0.0225*t295));
-		const double a21y = a20y + RNEA_FMA(-0.066, t288, RNEA_FMA(-0.0225, t291, 0.05*t296));
-		const double t303 = a20z + RNEA_FMA(0.066, t294, RNEA_FMA(0.0225, t289, 0.05*t292));
-		const double w21z = RNEA_FMA(w20z, c21, qd20*s21);
-		const double w21x = RNEA_FMA(s21, -w20z, qd20*c21);
-		const double qd21 = qd[20*stride];
-		const double w21y = w20y + qd21;
-		const double dw21x = RNEA_FMA(w21z, -qd21, RNEA_FMA(s21, -dw20z, qdd20*c21));
 		const double qdd21 = qdd[20*stride];
 		const double dw21y = dw20y + qdd21;
+		a[124*stride] = dw21y;
+		const double t300 = RNEA_FMA(0.066, w20y, 0.0225*w20z);
+		const double v21y = RNEA_FMA(0.05, w20z, 0.066*qd20);
+		v[121*stride] = v21y;
+		const double t301 = RNEA_FMA(-0.05, w20y, 0.0225*qd20);
+		const double qd21 = qd[20*stride];
+		const double w21y = w20y + qd21;
+		v[124*stride] = w21y;
+		const double w21z = RNEA_FMA(w20z, c21, qd20*s21);
+		const double w21x = RNEA_FMA(s21, -w20z, qd20*c21);
+		v[123*stride] = w21x;
+		v[125*stride] = w21z;
+		const double dw21x = RNEA_FMA(w21z, -qd21, RNEA_FMA(s21, -dw20z, qdd20*c21));
 		const double dw21z = RNEA_FMA(qd21, w21x, RNEA_FMA(dw20z, c21, qdd20*s21));
+		a[125*stride] = dw21z;
+		a[123*stride] = dw21x;
 		const double v21z = RNEA_FMA(t300, -s21, c21*t301);
 		const double t304 = RNEA_FMA(s21, t301, c21*t300);
+		a[121*stride] = a21y + RNEA_FMA(w21z, t304, w21x*v21z);
+		v[120*stride] = -t304;
+		v[122*stride] = v21z;
 		const double a21z = RNEA_FMA(c21, t303, s21*t302);
 		const double a21x = RNEA_FMA(t303, -s21, c21*t302);
+		a[120*stride] = a21x - RNEA_FMA(w21z, -v21y, w21y*v21z);
+		const double t312 = RNEA_FMA(0.05, w21y, v21z);
+		a[122*stride] = a21z - RNEA_FMA(v21y, w21x, w21y*t304);
+		const double t311 = RNEA_FMA(0.374, w21y, t304);
+		const double v22y = v21y + RNEA_FMA(-0.05, w21z, 0.374*w21x);
+		v[127*stride] = v22y;
 		const double t305 = w21z*w21y;
 		const double t306 = w21y*w21y;
 		const double t307 = t305 - dw21x;
+		const double n21x = RNEA_FMA(1.7228400000000001, a21y, RNEA_FMA(-0.4317964, t305, 0.4517964*dw21x));
+		f[123*stride] = n21x;
 		const double t308 = w21z*w21x;
 		const double t309 = dw21y + t308;
 		const double t310 = RNEA_FMA(w21x, w21x, t306);
+		const double t313 = a21x + RNEA_FMA(-0.374, t309, 0.05*RNEA_FMA(w21z, w21z, t306));
 		const double f21x = RNEA_FMA(-1.7228400000000001, t309, 8.204*a21x);
-		const double f21y = RNEA_FMA(-1.7228400000000001, t307, 8.204*a21y);
-		const double f21z = RNEA_FMA(8.204, a21z, 1.7228400000000001*t310);
-		const double n21z = 0.02*dw21z;
-		const double n21x = RNEA_FMA(1.7228400000000001, a21y, RNEA_FMA(-0.4317964, t305, 0.4517964*dw21x));
 		const double n21y = RNEA_FMA(-1.7228400000000001, a21x, RNEA_FMA(0.4517964, dw21y, 0.4317964*t308));
-		v[120*stride] = -t304;
-		v[121*stride] = v21y;
-		v[122*stride] = v21z;
-		v[123*stride] = w21x;
-		v[124*stride] = w21y;
-		v[125*stride] = w21z;
-		a[120*stride] = a21x - RNEA_FMA(w21z, -v21y, w21y*v21z);
-		a[121*stride] = a21y + RNEA_FMA(w21z, t304, w21x*v21z);
-		a[122*stride] = a21z - RNEA_FMA(v21y, w21x, w21y*t304);
-		a[123*stride] = dw21x;
-		a[124*stride] = dw21y;
-		a[125*stride] = dw21z;
-		f[120*stride] = f21x;
-		f[121*stride] = f21y;
+		const double t314 = a21z + RNEA_FMA(-0.05, t308 - dw21y, 0.374*t310);
+		const double f21z = RNEA_FMA(8.204, a21z, 1.7228400000000001*t310);
 		f[122*stride] = f21z;
-		f[123*stride] = n21x;
 		f[124*stride] = n21y;
+		f[120*stride] = f21x;
+		const double f21y = RNEA_FMA(-1.7228400000000001, t307, 8.204*a21y);
+		const double a22y = a21y - RNEA_FMA(0.374, t307, 0.05*RNEA_FMA(w21x, w21y, dw21z));
+		f[121*stride] = f21y;
+		const double n21z = 0.02*dw21z;
 		f[125*stride] = n21z;
 
 		/* ---- out to link 22 "l_lleg" (fpass) ---- */
 		const double q22 = q[21*stride];
 		double s22, c22;
 		all_small &= rneagen_sincos_known(q22, known, sines + 38, &s22, &c22);
-		const double t311 = RNEA_FMA(0.374, w21y, t304);
-		const double v22y = v21y + RNEA_FMA(-0.05, w21z, 0.374*w21x);
-		const double t312 = RNEA_FMA(0.05, w21y, v21z);
-		const double t313 = a21x + RNEA_FMA(-0.374, t309, 0.05*RNEA_FMA(w21z, w21z, t306));
-		const double a22y = a21y - RNEA_FMA(0.374, t307, 0.05*RNEA_FMA(w21x, w21y, dw21z));
-		const double t314 = a21z + RNEA_FMA(-0.05, t308 - dw21y, 0.374*t310);
-		const double w22z = RNEA_FMA(w21z, c22, w21x*s22);
-		const double w22x = RNEA_FMA(s22, -w21z, w21x*c22);
 		const double qd22 = qd[21*stride];
 		const double w22y = w21y + qd22;
-		const double dw22x = RNEA_FMA(w22z, -qd22, RNEA_FMA(s22, -dw21z, dw21x*c22));
+		v[130*stride] = w22y;
 		const double qdd22 = qdd[21*stride];
 		const double dw22y = dw21y + qdd22;
+		a[130*stride] = dw22y;
+		const double w22z = RNEA_FMA(w21z, c22, w21x*s22);
+		const double w22x = RNEA_FMA(s22, -w21z, w21x*c22);
+		v[129*stride] = w22x;
+		v[131*stride] = w22z;
+		const double dw22x = RNEA_FMA(w22z, -qd22, RNEA_FMA(s22, -dw21z, dw21x*c22));
 		const double dw22z = RNEA_FMA(qd22, w22x, RNEA_FMA(dw21z, c22, dw21x*s22));
+		a[131*stride] = dw22z;
+		a[129*stride] = dw22x;
 		const double v22z = RNEA_FMA(t311, -s22, c22*t312);
 		const double t315 = RNEA_FMA(s22, t312, c22*t311);
+		a[127*stride] = a22y + RNEA_FMA(w22z, t315, w22x*v22z);
+		v[126*stride] = -t315;
+		v[128*stride] = v22z;
 		const double a22z = RNEA_FMA(c22, t314, s22*t313);
 		const double a22x = RNEA_FMA(t314, -s22, c22*t313);
+		a[126*stride] = a22x - RNEA_FMA(w22z, -v22y, w22y*v22z);
+		a[128*stride] = a22z - RNEA_FMA(v22y, w22x, w22y*t315);
+		const double t327 = RNEA_FMA(0.422, w22y, t315);
+		const double v23y = RNEA_FMA(0.422, w22x, v22y);
+		v[133*stride] = v23y;
 		const double t316 = w22z*w22y;
 		const double t317 = w22z*w22z;
 		const double t318 = w22y*w22y;
@@ -3212,132 +3153,117 @@ static RNEA_INLINE int atlas_fpass_segment5(const double *first_q, const double 
 		const double t322 = dw22y + t320;
 		const double t323 = w22x*w22y;
 		const double t324 = t318 + t321;
-		const double t325 = dw22z + t323;
-		const double f22x = RNEA_FMA(4.515, a22x, -RNEA_FMA(0.844305, t322, 0.004515*(t317 + t318)));
-		const double f22y = RNEA_FMA(4.515, a22y, RNEA_FMA(-0.844305, t319, 0.004515*t325));
-		const double f22z = RNEA_FMA(4.515, a22z, RNEA_FMA(0.844305, t324, 0.004515*(t320 - dw22y)));
 		const double t326 = RNEA_FMA(-0.002155695, t317 - t321, RNEA_FMA(0.23388954999999997, dw22y,
 			0.22488052*t320));
-		const double n22x = RNEA_FMA(0.844305, a22y, RNEA_FMA(-0.002155695, t325, RNEA_FMA(-0.22388503499999998,
-			t316,
-			0.234885035*dw22x)));
+		const double f22z = RNEA_FMA(4.515, a22z, RNEA_FMA(0.844305, t324, 0.004515*(t320 - dw22y)));
+		const double t329 = RNEA_FMA(0.422, t324, a22z);
 		const double n22y = t326 - RNEA_FMA(0.844305, a22x, 0.004515*a22z);
+		f[130*stride] = n22y;
+		f[128*stride] = f22z;
+		const double f22x = RNEA_FMA(4.515, a22x, -RNEA_FMA(0.844305, t322, 0.004515*(t317 + t318)));
+		const double t328 = RNEA_FMA(-0.422, t322, a22x);
+		f[126*stride] = f22x;
+		const double t325 = dw22z + t323;
 		const double n22z = RNEA_FMA(0.004515, a22y, RNEA_FMA(0.002155695, t319,
 			RNEA_FMA(-0.0009954850000000008, t323,
 			0.010004515*dw22z)));
-		v[126*stride] = -t315;
-		v[127*stride] = v22y;
-		v[128*stride] = v22z;
-		v[129*stride] = w22x;
-		v[130*stride] = w22y;
-		v[131*stride] = w22z;
-		a[126*stride] = a22x - RNEA_FMA(w22z, -v22y, w22y*v22z);
-		a[127*stride] = a22y + RNEA_FMA(w22z, t315, w22x*v22z);
-		a[128*stride] = a22z - RNEA_FMA(v22y, w22x, w22y*t315);
-		a[129*stride] = dw22x;
-		a[130*stride] = dw22y;
-		a[131*stride] = dw22z;
-		f[126*stride] = f22x;
-		f[127*stride] = f22y;
-		f[128*stride] = f22z;
-		f[129*stride] = n22x;
-		f[130*stride] = n22y;
 		f[131*stride] = n22z;
+		const double n22x = RNEA_FMA(0.844305, a22y, RNEA_FMA(-0.002155695, t325, RNEA_FMA(-0.22388503499999998,
+			t316,
+			0.234885035*dw22x)));
+		const double f22y = RNEA_FMA(4.515, a22y, RNEA_FMA(-0.844305, t319, 0.004515*t325));
+		const double a23y = RNEA_FMA(-0.422, t319, a22y);
+		f[127*stride] = f22y;
+		f[129*stride] = n22x;
 
 		/* ---- out to link 23 "l_talus" (fpass) ---- */
 		const double q23 = q[22*stride];
 		double s23, c23;
 		all_small &= rneagen_sincos_known(q23, known, sines + 40, &s23, &c23);
-		const double t327 = RNEA_FMA(0.422, w22y, t315);
-		const double v23y = RNEA_FMA(0.422, w22x, v22y);
-		const double t328 = RNEA_FMA(-0.422, t322, a22x);
-		const double a23y = RNEA_FMA(-0.422, t319, a22y);
-		const double t329 = RNEA_FMA(0.422, t324, a22z);
-		const double w23z = RNEA_FMA(w22z, c23, w22x*s23);
-		const double w23x = RNEA_FMA(s23, -w22z, w22x*c23);
 		const double qd23 = qd[22*stride];
 		const double w23y = w22y + qd23;
-		const double dw23x = RNEA_FMA(w23z, -qd23, RNEA_FMA(s23, -dw22z, dw22x*c23));
+		v[136*stride] = w23y;
 		const double qdd23 = qdd[22*stride];
 		const double dw23y = dw22y + qdd23;
+		a[136*stride] = dw23y;
+		const double w23z = RNEA_FMA(w22z, c23, w22x*s23);
+		const double w23x = RNEA_FMA(s23, -w22z, w22x*c23);
+		v[135*stride] = w23x;
+		v[137*stride] = w23z;
+		const double dw23x = RNEA_FMA(w23z, -qd23, RNEA_FMA(s23, -dw22z, dw22x*c23));
 		const double dw23z = RNEA_FMA(qd23, w23x, RNEA_FMA(dw22z, c23, dw22x*s23));
+		a[137*stride] = dw23z;
+		a[135*stride] = dw23x;
 		const double v23z = RNEA_FMA(t327, -s23, v22z*c23);
 		const double t330 = RNEA_FMA(v22z, s23, c23*t327);
+		v[138*stride] = -t330;
+		a[133*stride] = a23y + RNEA_FMA(w23z, t330, w23x*v23z);
+		v[132*stride] = -t330;
+		v[134*stride] = v23z;
 		const double a23z = RNEA_FMA(c23, t329, s23*t328);
 		const double a23x = RNEA_FMA(t329, -s23, c23*t328);
-		const double f23x = 0.125*a23x;
-		const double f23y = 0.125*a23y;
-		const double f23z = 0.125*a23z;
-		const double n23x = RNEA_FMA(1.01674e-05, dw23x, 4.5823499999999986e-06*(w23z*w23y));
-		const double n23y = RNEA_FMA(-2.842699999999999e-06, w23z*w23x, 8.42775e-06*dw23y);
-		const double n23z = RNEA_FMA(-1.7396499999999995e-06, w23x*w23y, 1.30101e-05*dw23z);
-		v[132*stride] = -t330;
-		v[133*stride] = v23y;
-		v[134*stride] = v23z;
-		v[135*stride] = w23x;
-		v[136*stride] = w23y;
-		v[137*stride] = w23z;
 		a[132*stride] = a23x - RNEA_FMA(w23z, -v23y, w23y*v23z);
-		a[133*stride] = a23y + RNEA_FMA(w23z, t330, w23x*v23z);
 		a[134*stride] = a23z - RNEA_FMA(v23y, w23x, w23y*t330);
-		a[135*stride] = dw23x;
-		a[136*stride] = dw23y;
-		a[137*stride] = dw23z;
+		const double f23x = 0.125*a23x;
 		f[132*stride] = f23x;
+		const double f23y = 0.125*a23y;
 		f[133*stride] = f23y;
+		const double f23z = 0.125*a23z;
 		f[134*stride] = f23z;
+		const double n23x = RNEA_FMA(1.01674e-05, dw23x, 4.5823499999999986e-06*(w23z*w23y));
 		f[135*stride] = n23x;
+		const double n23y = RNEA_FMA(-2.842699999999999e-06, w23z*w23x, 8.42775e-06*dw23y);
 		f[136*stride] = n23y;
+		const double n23z = RNEA_FMA(-1.7396499999999995e-06, w23x*w23y, 1.30101e-05*dw23z);
 		f[137*stride] = n23z;
 
 		/* ---- out to link 24 "l_foot" (fpass) ---- */
 		const double q24 = q[23*stride];
 		double s24, c24;
 		all_small &= rneagen_sincos_known(q24, known, sines + 42, &s24, &c24);
-		const double w24y = RNEA_FMA(w23y, c24, w23z*s24);
-		const double w24z = RNEA_FMA(s24, -w23y, w23z*c24);
 		const double qd24 = qd[23*stride];
 		const double w24x = w23x + qd24;
+		v[141*stride] = w24x;
 		const double qdd24 = qdd[23*stride];
 		const double dw24x = dw23x + qdd24;
+		a[141*stride] = dw24x;
+		const double w24y = RNEA_FMA(w23y, c24, w23z*s24);
+		const double w24z = RNEA_FMA(s24, -w23y, w23z*c24);
+		v[143*stride] = w24z;
+		v[142*stride] = w24y;
 		const double dw24y = RNEA_FMA(qd24, w24z, RNEA_FMA(dw23y, c24, dw23z*s24));
 		const double dw24z = RNEA_FMA(w24y, -qd24, RNEA_FMA(s24, -dw23y, dw23z*c24));
+		a[143*stride] = dw24z;
+		a[142*stride] = dw24y;
 		const double v24y = RNEA_FMA(v23y, c24, v23z*s24);
 		const double v24z = RNEA_FMA(-v23y, s24, v23z*c24);
+		a[138*stride] = a23x - RNEA_FMA(v24y, -w24z, w24y*v24z);
+		v[140*stride] = v24z;
+		v[139*stride] = v24y;
 		const double a24y = RNEA_FMA(a23y, c24, a23z*s24);
 		const double a24z = RNEA_FMA(s24, -a23y, a23z*c24);
+		a[140*stride] = a24z - RNEA_FMA(w24x, v24y, t330*w24y);
+		a[139*stride] = a24y + RNEA_FMA(t330, w24z, w24x*v24z);
 		const double t331 = w24y*w24z;
 		const double t332 = w24y*w24y;
-		const double t333 = w24z*w24x;
 		const double t334 = w24y*w24x;
-		const double t335 = a23x - RNEA_FMA(0.067, dw24y + t333, 0.027*RNEA_FMA(w24z, w24z, t332));
 		const double t336 = a24y + RNEA_FMA(-0.067, t331 - dw24x, 0.027*(dw24z + t334));
-		const double t337 = a24z + RNEA_FMA(0.067, RNEA_FMA(w24x, w24x, t332), 0.027*(t333 - dw24y));
-		const double f24x = 2.41*t335;
-		const double f24y = 2.41*t336;
-		const double f24z = 2.41*t337;
+		const double n24z = RNEA_FMA(0.06507, t336, RNEA_FMA(0.008, dw24z, 0.005*t334));
+		f[143*stride] = n24z;
 		const double n24x = RNEA_FMA(0.16147000000000003, t336, RNEA_FMA(0.002, dw24x, 0.001*t331));
+		const double f24y = 2.41*t336;
+		f[139*stride] = f24y;
+		f[141*stride] = n24x;
+		const double t333 = w24z*w24x;
+		const double t337 = a24z + RNEA_FMA(0.067, RNEA_FMA(w24x, w24x, t332), 0.027*(t333 - dw24y));
+		const double t335 = a23x - RNEA_FMA(0.067, dw24y + t333, 0.027*RNEA_FMA(w24z, w24z, t332));
 		const double n24y = RNEA_FMA(-0.006, t333, 0.007*dw24y) - RNEA_FMA(0.16147000000000003, t335,
 			0.06507*t337);
-		const double n24z = RNEA_FMA(0.06507, t336, RNEA_FMA(0.008, dw24z, 0.005*t334));
-		v[138*stride] = -t330;
-		v[139*stride] = v24y;
-		v[140*stride] = v24z;
-		v[141*stride] = w24x;
-		v[142*stride] = w24y;
-		v[143*stride] = w24z;
-		a[138*stride] = a23x - RNEA_FMA(v24y, -w24z, w24y*v24z);
-		a[139*stride] = a24y + RNEA_FMA(t330, w24z, w24x*v24z);
-		a[140*stride] = a24z - RNEA_FMA(w24x, v24y, t330*w24y);
-		a[141*stride] = dw24x;
-		a[142*stride] = dw24y;
-		a[143*stride] = dw24z;
-		f[138*stride] = f24x;
-		f[139*stride] = f24y;
+		const double f24z = 2.41*t337;
 		f[140*stride] = f24z;
-		f[141*stride] = n24x;
+		const double f24x = 2.41*t335;
+		f[138*stride] = f24x;
 		f[142*stride] = n24y;
-		f[143*stride] = n24z;
 	}
 	return all_small;
 }
@@ -3362,52 +3288,60 @@ static RNEA_INLINE int atlas_fpass_segment6(const double *first_q, const double 
 
 		/* ---- out to link 25 "r_uglut" (fpass) ---- */
 		const double qd25 = qd[24*stride];
-		const double t338 = qd25*qd25;
+		v[149*stride] = qd25;
 		const double qdd25 = qdd[24*stride];
+		a[149*stride] = qdd25;
+		const double t338 = qd25*qd25;
 		const double f25x = -RNEA_FMA(0.00675329988, qdd25, 0.01036824258*t338);
+		f[144*stride] = f25x;
 		const double f25y = RNEA_FMA(-0.00675329988, t338, 0.01036824258*qdd25);
+		f[145*stride] = f25y;
 		const double n25z = 0.0004905759537860812*qdd25;
+		f[149*stride] = n25z;
 		const double n25x = 0.0662498718228 + RNEA_FMA(-6.0412268666986794e-05, qdd25,
 			2.1108200142344797e-05*t338);
 		const double n25y = -0.1017124597098 - RNEA_FMA(6.0412268666986794e-05, t338,
 			2.1108200142344797e-05*qdd25);
+		f[148*stride] = n25y;
+		f[147*stride] = n25x;
 		v[144*stride] = 0.0;
 		v[145*stride] = 0.0;
 		v[146*stride] = 0.0;
 		v[147*stride] = 0.0;
 		v[148*stride] = 0.0;
-		v[149*stride] = qd25;
 		a[144*stride] = 0.0;
 		a[145*stride] = 0.0;
 		a[146*stride] = 9.81;
 		a[147*stride] = 0.0;
 		a[148*stride] = 0.0;
-		a[149*stride] = qdd25;
-		f[144*stride] = f25x;
-		f[145*stride] = f25y;
 		f[146*stride] = 19.21779;
-		f[147*stride] = n25x;
-		f[148*stride] = n25y;
-		f[149*stride] = n25z;
 
 		/* ---- out to link 26 "r_lglut" (fpass) ---- */
 		const double q26 = q[25*stride];
 		double s26, c26;
 		all_small &= rneagen_sincos_known(q26, known, sines + 44, &s26, &c26);
+		const double qd26 = qd[25*stride];
+		v[153*stride] = qd26;
+		const double qdd26 = qdd[25*stride];
+		a[153*stride] = qdd26;
 		const double w26y = qd25*s26;
 		const double w26z = qd25*c26;
-		const double qd26 = qd[25*stride];
+		v[155*stride] = w26z;
+		v[154*stride] = w26y;
 		const double t339 = qd26*w26z;
 		const double t340 = qd26*w26y;
 		const double dw26y = RNEA_FMA(qdd25, s26, t339);
 		const double dw26z = RNEA_FMA(qdd25, c26, -t340);
+		a[155*stride] = dw26z;
+		a[154*stride] = dw26y;
 		const double a26y = 9.81*s26;
+		a[151*stride] = a26y;
 		const double a26z = 9.81*c26;
+		a[152*stride] = a26z;
 		const double t341 = w26y*w26z;
 		const double t342 = w26z*w26z;
 		const double t343 = w26y*w26y;
 		const double t344 = t342 + t343;
-		const double qdd26 = qdd[25*stride];
 		const double t345 = t341 - qdd26;
 		const double t346 = qdd26 + t341;
 		const double t347 = qd26*qd26;
@@ -3415,123 +3349,130 @@ static RNEA_INLINE int atlas_fpass_segment6(const double *first_q, const double 
 		const double t349 = t339 - dw26y;
 		const double t350 = t339 + dw26y;
 		const double t351 = t343 + t347;
-		const double t352 = t340 - dw26z;
-		const double t353 = t340 + dw26z;
-		const double f26x = -RNEA_FMA(0.0280222696, t350, RNEA_FMA(0.015309463199999998, t352,
-			0.0119740218*t344));
-		const double f26y = RNEA_FMA(8.80938, s26, RNEA_FMA(-0.0280222696, t345, RNEA_FMA(0.015309463199999998,
-			t348,
-			0.0119740218*t353)));
+		const double t360 = a26z + RNEA_FMA(0.066, t351, RNEA_FMA(-0.0225, t346, 0.05*t349));
 		const double f26z = RNEA_FMA(8.80938, c26, RNEA_FMA(0.0280222696, t351, RNEA_FMA(-0.015309463199999998,
 			t346,
 			0.0119740218*t349)));
-		const double t354 = RNEA_FMA(0.00037615682507336, t353, RNEA_FMA(-0.00022657231325511998, t349,
-			RNEA_FMA(-0.0008171286749030399, t341, 0.0018267683797407999*qdd26)));
+		f[152*stride] = f26z;
+		const double t352 = t340 - dw26z;
 		const double t355 = RNEA_FMA(0.00022657231325511998, t346, RNEA_FMA(0.00061559686104864, t352,
 			RNEA_FMA(0.0023026633314053, dw26y, 0.0003412337232385399*t339)));
+		const double n26y = RNEA_FMA(-0.11746515385800001, c26, RNEA_FMA(0.00037615682507336, t342 - t347,
+			t355));
+		f[154*stride] = n26y;
+		const double t353 = t340 + dw26z;
 		const double t356 = RNEA_FMA(-0.00061559686104864, t350, RNEA_FMA(-0.00037615682507336, t345,
 			RNEA_FMA(0.00148553465650226, dw26z, 0.00047589495166449995*t340)));
+		const double n26z = RNEA_FMA(0.11746515385800001, s26, RNEA_FMA(0.00022657231325511998, t347 - t343,
+			t356));
+		f[155*stride] = n26z;
+		const double a27y = a26y + RNEA_FMA(-0.066, t345, RNEA_FMA(0.0225, t348, 0.05*t353));
+		const double f26y = RNEA_FMA(8.80938, s26, RNEA_FMA(-0.0280222696, t345, RNEA_FMA(0.015309463199999998,
+			t348,
+			0.0119740218*t353)));
+		const double t354 = RNEA_FMA(0.00037615682507336, t353, RNEA_FMA(-0.00022657231325511998, t349,
+			RNEA_FMA(-0.0008171286749030399, t341, 0.0018267683797407999*qdd26)));
 		const double n26x = RNEA_FMA(-0.150185833992, c26, 0.274898464776*s26) + RNEA_FMA(-0.00061559686104864,
 			t343
 			- t342, t354);
-		const double n26y = RNEA_FMA(-0.11746515385800001, c26, RNEA_FMA(0.00037615682507336, t342 - t347,
-			t355));
-		const double n26z = RNEA_FMA(0.11746515385800001, s26, RNEA_FMA(0.00022657231325511998, t347 - t343,
-			t356));
+		f[153*stride] = n26x;
+		f[151*stride] = f26y;
+		const double f26x = -RNEA_FMA(0.0280222696, t350, RNEA_FMA(0.015309463199999998, t352,
+			0.0119740218*t344));
+		const double t359 = RNEA_FMA(0.066, t350, RNEA_FMA(0.0225, t352, 0.05*t344));
+		f[150*stride] = f26x;
 		v[150*stride] = 0.0;
 		v[151*stride] = 0.0;
 		v[152*stride] = 0.0;
-		v[153*stride] = qd26;
-		v[154*stride] = w26y;
-		v[155*stride] = w26z;
 		a[150*stride] = 0.0;
-		a[151*stride] = a26y;
-		a[152*stride] = a26z;
-		a[153*stride] = qdd26;
-		a[154*stride] = dw26y;
-		a[155*stride] = dw26z;
-		f[150*stride] = f26x;
-		f[151*stride] = f26y;
-		f[152*stride] = f26z;
-		f[153*stride] = n26x;
-		f[154*stride] = n26y;
-		f[155*stride] = n26z;
 
 		/* ---- out to link 27 "r_uleg" (fpass) ---- */
 		const double q27 = q[26*stride];
 		double s27, c27;
 		all_small &= rneagen_sincos_known(q27, known, sines + 46, &s27, &c27);
-		const double t357 = RNEA_FMA(-0.066, w26y, 0.0225*w26z);
-		const double v27y = RNEA_FMA(0.05, w26z, 0.066*qd26);
-		const double t358 = RNEA_FMA(0.0225, qd26, 0.05*w26y);
-		const double t359 = RNEA_FMA(0.066, t350, RNEA_FMA(0.0225, t352, 0.05*t344));
-		const double a27y = a26y + RNEA_FMA(-0.066, t345, RNEA_FMA(0.0225, t348, 0.05*t353));
-		const double t360 = a26z + RNEA_FMA(0.066, t351, RNEA_FMA(-0.0225, t346, 0.05*t349));
-		const double w27z = RNEA_FMA(w26z, c27, qd26*s27);
-		const double w27x = RNEA_FMA(s27, -w26z, qd26*c27);
-		const double qd27 = qd[26*stride];
-		const double w27y = w26y + qd27;
-		const double dw27x = RNEA_FMA(w27z, -qd27, RNEA_FMA(s27, -dw26z, qdd26*c27));
 		const double qdd27 = qdd[26*stride];
 		const double dw27y = dw26y + qdd27;
+		a[160*stride] = dw27y;
+		const double t357 = RNEA_FMA(-0.066, w26y, 0.0225*w26z);
+		const double v27y = RNEA_FMA(0.05, w26z, 0.066*qd26);
+		v[157*stride] = v27y;
+		const double t358 = RNEA_FMA(0.0225, qd26, 0.05*w26y);
+		const double qd27 = qd[26*stride];
+		const double w27y = w26y + qd27;
+		v[160*stride] = w27y;
+		const double w27z = RNEA_FMA(w26z, c27, qd26*s27);
+		const double w27x = RNEA_FMA(s27, -w26z, qd26*c27);
+		v[159*stride] = w27x;
+		v[161*stride] = w27z;
+		const double dw27x = RNEA_FMA(w27z, -qd27, RNEA_FMA(s27, -dw26z, qdd26*c27));
 		const double dw27z = RNEA_FMA(qd27, w27x, RNEA_FMA(dw26z, c27, qdd26*s27));
+		a[161*stride] = dw27z;
+		a[159*stride] = dw27x;
 		const double v27z = RNEA_FMA(t358, -c27, s27*t357);
 		const double v27x = RNEA_FMA(s27, t358, c27*t357);
+		a[157*stride] = a27y - RNEA_FMA(v27z, -w27x, w27z*v27x);
+		v[156*stride] = v27x;
+		v[158*stride] = v27z;
 		const double a27z = RNEA_FMA(t359, -s27, c27*t360);
 		const double t361 = RNEA_FMA(s27, t360, c27*t359);
+		a[156*stride] = -(t361 + RNEA_FMA(w27z, -v27y, w27y*v27z));
+		const double t369 = RNEA_FMA(0.05, w27y, v27z);
+		a[158*stride] = a27z - RNEA_FMA(v27x, -w27y, v27y*w27x);
+		const double v28y = v27y + RNEA_FMA(-0.05, w27z, 0.374*w27x);
+		v[163*stride] = v28y;
+		const double t368 = RNEA_FMA(-0.374, w27y, v27x);
 		const double t362 = w27z*w27y;
 		const double t363 = w27y*w27y;
 		const double t364 = t362 - dw27x;
+		const double n27x = RNEA_FMA(1.7228400000000001, a27y, RNEA_FMA(-0.4317964, t362, 0.4517964*dw27x));
+		f[159*stride] = n27x;
 		const double t365 = w27z*w27x;
 		const double t366 = dw27y + t365;
 		const double t367 = RNEA_FMA(w27x, w27x, t363);
+		const double t370 = RNEA_FMA(-0.374, t366, 0.05*RNEA_FMA(w27z, w27z, t363)) - t361;
 		const double f27x = -RNEA_FMA(8.204, t361, 1.7228400000000001*t366);
-		const double f27y = RNEA_FMA(-1.7228400000000001, t364, 8.204*a27y);
-		const double f27z = RNEA_FMA(8.204, a27z, 1.7228400000000001*t367);
-		const double n27z = 0.02*dw27z;
-		const double n27x = RNEA_FMA(1.7228400000000001, a27y, RNEA_FMA(-0.4317964, t362, 0.4517964*dw27x));
 		const double n27y = RNEA_FMA(1.7228400000000001, t361, RNEA_FMA(0.4517964, dw27y, 0.4317964*t365));
-		v[156*stride] = v27x;
-		v[157*stride] = v27y;
-		v[158*stride] = v27z;
-		v[159*stride] = w27x;
-		v[160*stride] = w27y;
-		v[161*stride] = w27z;
-		a[156*stride] = -(t361 + RNEA_FMA(w27z, -v27y, w27y*v27z));
-		a[157*stride] = a27y - RNEA_FMA(v27z, -w27x, w27z*v27x);
-		a[158*stride] = a27z - RNEA_FMA(v27x, -w27y, v27y*w27x);
-		a[159*stride] = dw27x;
-		a[160*stride] = dw27y;
-		a[161*stride] = dw27z;
-		f[156*stride] = f27x;
-		f[157*stride] = f27y;
+		const double t371 = a27z + RNEA_FMA(-0.05, t365 - dw27y, 0.374*t367);
+		const double f27z = RNEA_FMA(8.204, a27z, 1.7228400000000001*t367);
 		f[158*stride] = f27z;
-		f[159*stride] = n27x;
 		f[160*stride] = n27y;
+		f[156*stride] = f27x;
+		const double f27y = RNEA_FMA(-1.7228400000000001, t364, 8.204*a27y);
+		const double a28y = a27y - RNEA_FMA(0.374, t364, 0.05*RNEA_FMA(w27x, w27y, dw27z));
+		f[157*stride] = f27y;
+		const double n27z = 0.02*dw27z;
 		f[161*stride] = n27z;
 
 		/* ---- out to link 28 "r_lleg" (fpass) ---- */
 		const double q28 = q[27*stride];
 		double s28, c28;
 		all_small &= rneagen_sincos_known(q28, known, sines + 48, &s28, &c28);
-		const double t368 = RNEA_FMA(-0.374, w27y, v27x);
-		const double v28y = v27y + RNEA_FMA(-0.05, w27z, 0.374*w27x);
-		const double t369 = RNEA_FMA(0.05, w27y, v27z);
-		const double t370 = RNEA_FMA(-0.374, t366, 0.05*RNEA_FMA(w27z, w27z, t363)) - t361;
-		const double a28y = a27y - RNEA_FMA(0.374, t364, 0.05*RNEA_FMA(w27x, w27y, dw27z));
-		const double t371 = a27z + RNEA_FMA(-0.05, t365 - dw27y, 0.374*t367);
-		const double w28z = RNEA_FMA(w27z, c28, w27x*s28);
-		const double w28x = RNEA_FMA(s28, -w27z, w27x*c28);
 		const double qd28 = qd[27*stride];
 		const double w28y = w27y + qd28;
-		const double dw28x = RNEA_FMA(w28z, -qd28, RNEA_FMA(s28, -dw27z, dw27x*c28));
+		v[166*stride] = w28y;
 		const double qdd28 = qdd[27*stride];
 		const double dw28y = dw27y + qdd28;
+		a[166*stride] = dw28y;
+		const double w28z = RNEA_FMA(w27z, c28, w27x*s28);
+		const double w28x = RNEA_FMA(s28, -w27z, w27x*c28);
+		v[165*stride] = w28x;
+		v[167*stride] = w28z;
+		const double dw28x = RNEA_FMA(w28z, -qd28, RNEA_FMA(s28, -dw27z, dw27x*c28));
 		const double dw28z = RNEA_FMA(qd28, w28x, RNEA_FMA(dw27z, c28, dw27x*s28));
+		a[167*stride] = dw28z;
+		a[165*stride] = dw28x;
 		const double v28z = RNEA_FMA(c28, t369, s28*t368);
 		const double v28x = RNEA_FMA(t369, -s28, c28*t368);
+		a[163*stride] = a28y - RNEA_FMA(v28z, -w28x, w28z*v28x);
+		v[162*stride] = v28x;
+		v[164*stride] = v28z;
 		const double a28z = RNEA_FMA(c28, t371, s28*t370);
 		const double a28x = RNEA_FMA(t371, -s28, c28*t370);
+		a[162*stride] = a28x - RNEA_FMA(w28z, -v28y, w28y*v28z);
+		a[164*stride] = a28z - RNEA_FMA(v28x, -w28y, v28y*w28x);
+		const double v29y = RNEA_FMA(0.422, w28x, v28y);
+		v[169*stride] = v29y;
+		const double t383 = RNEA_FMA(-0.422, w28y, v28x);
 		const double t372 = w28z*w28y;
 		const double t373 = w28z*w28z;
 		const double t374 = w28y*w28y;
@@ -3541,132 +3482,117 @@ static RNEA_INLINE int atlas_fpass_segment6(const double *first_q, const double 
 		const double t378 = dw28y + t376;
 		const double t379 = w28x*w28y;
 		const double t380 = t374 + t377;
-		const double t381 = dw28z + t379;
-		const double f28x = RNEA_FMA(4.515, a28x, -RNEA_FMA(0.844305, t378, 0.004515*(t373 + t374)));
-		const double f28y = RNEA_FMA(4.515, a28y, RNEA_FMA(-0.844305, t375, 0.004515*t381));
-		const double f28z = RNEA_FMA(4.515, a28z, RNEA_FMA(0.844305, t380, 0.004515*(t376 - dw28y)));
 		const double t382 = RNEA_FMA(-0.002155695, t373 - t377, RNEA_FMA(0.23388954999999997, dw28y,
 			0.22488052*t376));
-		const double n28x = RNEA_FMA(0.844305, a28y, RNEA_FMA(-0.002155695, t381, RNEA_FMA(-0.22388503499999998,
-			t372,
-			0.234885035*dw28x)));
+		const double f28z = RNEA_FMA(4.515, a28z, RNEA_FMA(0.844305, t380, 0.004515*(t376 - dw28y)));
+		const double t385 = RNEA_FMA(0.422, t380, a28z);
 		const double n28y = t382 - RNEA_FMA(0.844305, a28x, 0.004515*a28z);
+		f[166*stride] = n28y;
+		f[164*stride] = f28z;
+		const double f28x = RNEA_FMA(4.515, a28x, -RNEA_FMA(0.844305, t378, 0.004515*(t373 + t374)));
+		const double t384 = RNEA_FMA(-0.422, t378, a28x);
+		f[162*stride] = f28x;
+		const double t381 = dw28z + t379;
 		const double n28z = RNEA_FMA(0.004515, a28y, RNEA_FMA(0.002155695, t375,
 			RNEA_FMA(-0.0009954850000000008, t379,
 			0.010004515*dw28z)));
-		v[162*stride] = v28x;
-		v[163*stride] = v28y;
-		v[164*stride] = v28z;
-		v[165*stride] = w28x;
-		v[166*stride] = w28y;
-		v[167*stride] = w28z;
-		a[162*stride] = a28x - RNEA_FMA(w28z, -v28y, w28y*v28z);
-		a[163*stride] = a28y - RNEA_FMA(v28z, -w28x, w28z*v28x);
-		a[164*stride] = a28z - RNEA_FMA(v28x, -w28y, v28y*w28x);
-		a[165*stride] = dw28x;
-		a[166*stride] = dw28y;
-		a[167*stride] = dw28z;
-		f[162*stride] = f28x;
-		f[163*stride] = f28y;
-		f[164*stride] = f28z;
-		f[165*stride] = n28x;
-		f[166*stride] = n28y;
 		f[167*stride] = n28z;
+		const double n28x = RNEA_FMA(0.844305, a28y, RNEA_FMA(-0.002155695, t381, RNEA_FMA(-0.22388503499999998,
+			t372,
+			0.234885035*dw28x)));
+		const double f28y = RNEA_FMA(4.515, a28y, RNEA_FMA(-0.844305, t375, 0.004515*t381));
+		const double a29y = RNEA_FMA(-0.422, t375, a28y);
+		f[163*stride] = f28y;
+		f[165*stride] = n28x;
 
 		/* ---- out to link 29 "r_talus" (fpass) ---- */
 		const double q29 = q[28*stride];
 		double s29, c29;
 		all_small &= rneagen_sincos_known(q29, known, sines + 50, &s29, &c29);
-		const double t383 = RNEA_FMA(-0.422, w28y, v28x);
-		const double v29y = RNEA_FMA(0.422, w28x, v28y);
-		const double t384 = RNEA_FMA(-0.422, t378, a28x);
-		const double a29y = RNEA_FMA(-0.422, t375, a28y);
-		const double t385 = RNEA_FMA(0.422, t380, a28z);
-		const double w29z = RNEA_FMA(w28z, c29, w28x*s29);
-		const double w29x = RNEA_FMA(s29, -w28z, w28x*c29);
 		const double qd29 = qd[28*stride];
 		const double w29y = w28y + qd29;
-		const double dw29x = RNEA_FMA(w29z, -qd29, RNEA_FMA(s29, -dw28z, dw28x*c29));
+		v[172*stride] = w29y;
 		const double qdd29 = qdd[28*stride];
 		const double dw29y = dw28y + qdd29;
+		a[172*stride] = dw29y;
+		const double w29z = RNEA_FMA(w28z, c29, w28x*s29);
+		const double w29x = RNEA_FMA(s29, -w28z, w28x*c29);
+		v[171*stride] = w29x;
+		v[173*stride] = w29z;
+		const double dw29x = RNEA_FMA(w29z, -qd29, RNEA_FMA(s29, -dw28z, dw28x*c29));
 		const double dw29z = RNEA_FMA(qd29, w29x, RNEA_FMA(dw28z, c29, dw28x*s29));
+		a[173*stride] = dw29z;
+		a[171*stride] = dw29x;
 		const double v29z = RNEA_FMA(v28z, c29, s29*t383);
 		const double v29x = RNEA_FMA(s29, -v28z, c29*t383);
+		v[174*stride] = v29x;
+		a[169*stride] = a29y - RNEA_FMA(v29z, -w29x, w29z*v29x);
+		v[168*stride] = v29x;
+		v[170*stride] = v29z;
 		const double a29z = RNEA_FMA(c29, t385, s29*t384);
 		const double a29x = RNEA_FMA(t385, -s29, c29*t384);
-		const double f29x = 0.125*a29x;
-		const double f29y = 0.125*a29y;
-		const double f29z = 0.125*a29z;
-		const double n29x = RNEA_FMA(1.01674e-05, dw29x, 4.5823499999999986e-06*(w29z*w29y));
-		const double n29y = RNEA_FMA(-2.842699999999999e-06, w29z*w29x, 8.42775e-06*dw29y);
-		const double n29z = RNEA_FMA(-1.7396499999999995e-06, w29x*w29y, 1.30101e-05*dw29z);
-		v[168*stride] = v29x;
-		v[169*stride] = v29y;
-		v[170*stride] = v29z;
-		v[171*stride] = w29x;
-		v[172*stride] = w29y;
-		v[173*stride] = w29z;
 		a[168*stride] = a29x - RNEA_FMA(w29z, -v29y, w29y*v29z);
-		a[169*stride] = a29y - RNEA_FMA(v29z, -w29x, w29z*v29x);
 		a[170*stride] = a29z - RNEA_FMA(v29x, -w29y, v29y*w29x);
-		a[171*stride] = dw29x;
-		a[172*stride] = dw29y;
-		a[173*stride] = dw29z;
+		const double f29x = 0.125*a29x;
 		f[168*stride] = f29x;
+		const double f29y = 0.125*a29y;
 		f[169*stride] = f29y;
+		const double f29z = 0.125*a29z;
 		f[170*stride] = f29z;
+		const double n29x = RNEA_FMA(1.01674e-05, dw29x, 4.5823499999999986e-06*(w29z*w29y));
 		f[171*stride] = n29x;
+		const double n29y = RNEA_FMA(-2.842699999999999e-06, w29z*w29x, 8.42775e-06*dw29y);
 		f[172*stride] = n29y;
+		const double n29z = RNEA_FMA(-1.7396499999999995e-06, w29x*w29y, 1.30101e-05*dw29z);
 		f[173*stride] = n29z;
 
 		/* ---- out to link 30 "r_foot" (fpass) ---- */
 		const double q30 = q[29*stride];
 		double s30, c30;
 		all_small &= rneagen_sincos_known(q30, known, sines + 52, &s30, &c30);
-		const double w30y = RNEA_FMA(w29y, c30, w29z*s30);
-		const double w30z = RNEA_FMA(-w29y, s30, w29z*c30);
 		const double qd30 = qd[29*stride];
 		const double w30x = w29x + qd30;
+		v[177*stride] = w30x;
 		const double qdd30 = qdd[29*stride];
 		const double dw30x = dw29x + qdd30;
+		a[177*stride] = dw30x;
+		const double w30y = RNEA_FMA(w29y, c30, w29z*s30);
+		const double w30z = RNEA_FMA(-w29y, s30, w29z*c30);
+		v[179*stride] = w30z;
+		v[178*stride] = w30y;
 		const double dw30y = RNEA_FMA(qd30, w30z, RNEA_FMA(dw29y, c30, dw29z*s30));
 		const double dw30z = RNEA_FMA(w30y, -qd30, RNEA_FMA(s30, -dw29y, dw29z*c30));
+		a[179*stride] = dw30z;
+		a[178*stride] = dw30y;
 		const double v30y = RNEA_FMA(v29y, c30, v29z*s30);
 		const double v30z = RNEA_FMA(-v29y, s30, v29z*c30);
+		a[174*stride] = a29x - RNEA_FMA(v30y, -w30z, w30y*v30z);
+		v[176*stride] = v30z;
+		v[175*stride] = v30y;
 		const double a30y = RNEA_FMA(a29y, c30, a29z*s30);
 		const double a30z = RNEA_FMA(s30, -a29y, a29z*c30);
+		a[176*stride] = a30z - RNEA_FMA(w30y, -v29x, w30x*v30y);
+		a[175*stride] = a30y - RNEA_FMA(v30z, -w30x, v29x*w30z);
 		const double t386 = w30y*w30z;
 		const double t387 = w30y*w30y;
-		const double t388 = w30z*w30x;
 		const double t389 = w30y*w30x;
-		const double t390 = a29x - RNEA_FMA(0.067, dw30y + t388, 0.027*RNEA_FMA(w30z, w30z, t387));
 		const double t391 = a30y + RNEA_FMA(-0.067, t386 - dw30x, 0.027*(dw30z + t389));
-		const double t392 = a30z + RNEA_FMA(0.067, RNEA_FMA(w30x, w30x, t387), 0.027*(t388 - dw30y));
-		const double f30x = 2.41*t390;
-		const double f30y = 2.41*t391;
-		const double f30z = 2.41*t392;
+		const double n30z = RNEA_FMA(0.06507, t391, RNEA_FMA(0.008, dw30z, 0.005*t389));
+		f[179*stride] = n30z;
 		const double n30x = RNEA_FMA(0.16147000000000003, t391, RNEA_FMA(0.002, dw30x, 0.001*t386));
+		const double f30y = 2.41*t391;
+		f[175*stride] = f30y;
+		f[177*stride] = n30x;
+		const double t388 = w30z*w30x;
+		const double t392 = a30z + RNEA_FMA(0.067, RNEA_FMA(w30x, w30x, t387), 0.027*(t388 - dw30y));
+		const double t390 = a29x - RNEA_FMA(0.067, dw30y + t388, 0.027*RNEA_FMA(w30z, w30z, t387));
 		const double n30y = RNEA_FMA(-0.006, t388, 0.007*dw30y) - RNEA_FMA(0.16147000000000003, t390,
 			0.06507*t392);
-		const double n30z = RNEA_FMA(0.06507, t391, RNEA_FMA(0.008, dw30z, 0.005*t389));
-		v[174*stride] = v29x;
-		v[175*stride] = v30y;
-		v[176*stride] = v30z;
-		v[177*stride] = w30x;
-		v[178*stride] = w30y;
-		v[179*stride] = w30z;
-		a[174*stride] = a29x - RNEA_FMA(v30y, -w30z, w30y*v30z);
-		a[175*stride] = a30y - RNEA_FMA(v30z, -w30x, v29x*w30z);
-		a[176*stride] = a30z - RNEA_FMA(w30y, -v29x, w30x*v30y);
-		a[177*stride] = dw30x;
-		a[178*stride] = dw30y;
-		a[179*stride] = dw30z;
-		f[174*stride] = f30x;
-		f[175*stride] = f30y;
+		const double f30z = 2.41*t392;
 		f[176*stride] = f30z;
-		f[177*stride] = n30x;
+		const double f30x = 2.41*t390;
+		f[174*stride] = f30x;
 		f[178*stride] = n30y;
-		f[179*stride] = n30z;
 	}
 	return all_small;
 }
@@ -4627,22 +4553,10 @@ static RNEA_ALONE void atlas_rnea_lanes0(const double *restrict q, const double 
 	atlas_rnea_segment0(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
 }
 
-static RNEA_ALONE void atlas_rnea_one0(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, double *const across, const int known, const double *sines)
-{
-	atlas_rnea_segment0(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
-}
-
 static RNEA_ALONE void atlas_rnea_lanes1(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
 	atlas_rnea_segment1(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
-}
-
-static RNEA_ALONE void atlas_rnea_one1(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, double *const across, const int known, const double *sines)
-{
-	atlas_rnea_segment1(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
 }
 
 static RNEA_ALONE void atlas_rnea_lanes2(const double *restrict q, const double *restrict qd,
@@ -4651,22 +4565,10 @@ static RNEA_ALONE void atlas_rnea_lanes2(const double *restrict q, const double 
 	atlas_rnea_segment2(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
 }
 
-static RNEA_ALONE void atlas_rnea_one2(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, double *const across, const int known, const double *sines)
-{
-	atlas_rnea_segment2(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
-}
-
 static RNEA_ALONE void atlas_rnea_lanes3(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
 	atlas_rnea_segment3(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
-}
-
-static RNEA_ALONE void atlas_rnea_one3(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, double *const across, const int known, const double *sines)
-{
-	atlas_rnea_segment3(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
 }
 
 static RNEA_ALONE void atlas_rnea_lanes4(const double *restrict q, const double *restrict qd,
@@ -4675,16 +4577,40 @@ static RNEA_ALONE void atlas_rnea_lanes4(const double *restrict q, const double 
 	atlas_rnea_segment4(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
 }
 
-static RNEA_ALONE void atlas_rnea_one4(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, double *const across, const int known, const double *sines)
-{
-	atlas_rnea_segment4(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
-}
-
 static RNEA_ALONE void atlas_rnea_lanes5(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
 	atlas_rnea_segment5(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
+}
+
+static RNEA_ALONE void atlas_rnea_one0(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_rnea_segment0(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void atlas_rnea_one1(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_rnea_segment1(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void atlas_rnea_one2(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_rnea_segment2(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void atlas_rnea_one3(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_rnea_segment3(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void atlas_rnea_one4(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, const int known, const double *sines)
+{
+	atlas_rnea_segment4(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
 }
 
 static RNEA_ALONE void atlas_rnea_one5(const double *q, const double *qd, const double *qdd, double *tau,
@@ -4697,7 +4623,7 @@ static RNEA_ALONE void atlas_rnea_one5(const double *q, const double *qd, const 
 static void atlas_rnea_body(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride,
 	const int known, const double *sines)
 {
-	double across[101];
+	double across[90];
 
 	atlas_rnea_one0(q, qd, qdd, tau, stride, across, known, sines);
 	atlas_rnea_one1(q, qd, qdd, tau, stride, across, known, sines);
@@ -4720,7 +4646,7 @@ static void atlas_rnea_any(const double *q, const double *qd, const double *qdd,
 static void atlas_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, size_t first, size_t end)
 {
-	double across[1616];
+	double across[1440];
 
 	for (size_t next; first < end; first = next) {
 		next = end - first < 16 ? end : first + 16;
@@ -4757,7 +4683,49 @@ static RNEA_ALONE void atlas_fpass_lanes0(const double *restrict q, const double
 	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
 	const size_t k, double *restrict across)
 {
-	atlas_fpass_segment0(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
+	atlas_fpass_segment0(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
+}
+
+static RNEA_ALONE void atlas_fpass_lanes1(const double *restrict q, const double *restrict qd,
+	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
+	const size_t k, double *restrict across)
+{
+	atlas_fpass_segment1(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
+}
+
+static RNEA_ALONE void atlas_fpass_lanes2(const double *restrict q, const double *restrict qd,
+	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
+	const size_t k, double *restrict across)
+{
+	atlas_fpass_segment2(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
+}
+
+static RNEA_ALONE void atlas_fpass_lanes3(const double *restrict q, const double *restrict qd,
+	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
+	const size_t k, double *restrict across)
+{
+	atlas_fpass_segment3(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
+}
+
+static RNEA_ALONE void atlas_fpass_lanes4(const double *restrict q, const double *restrict qd,
+	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
+	const size_t k, double *restrict across)
+{
+	atlas_fpass_segment4(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
+}
+
+static RNEA_ALONE void atlas_fpass_lanes5(const double *restrict q, const double *restrict qd,
+	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
+	const size_t k, double *restrict across)
+{
+	atlas_fpass_segment5(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
+}
+
+static RNEA_ALONE void atlas_fpass_lanes6(const double *restrict q, const double *restrict qd,
+	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
+	const size_t k, double *restrict across)
+{
+	atlas_fpass_segment6(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
 }
 
 static RNEA_ALONE void atlas_fpass_one0(const double *q, const double *qd, const double *qdd, double *v, double *a,
@@ -4766,24 +4734,10 @@ static RNEA_ALONE void atlas_fpass_one0(const double *q, const double *qd, const
 	atlas_fpass_segment0(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
 }
 
-static RNEA_ALONE void atlas_fpass_lanes1(const double *restrict q, const double *restrict qd,
-	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
-	const size_t k, double *restrict across)
-{
-	atlas_fpass_segment1(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
-}
-
 static RNEA_ALONE void atlas_fpass_one1(const double *q, const double *qd, const double *qdd, double *v, double *a,
 	double *f, const size_t stride, double *const across, const int known, const double *sines)
 {
 	atlas_fpass_segment1(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
-}
-
-static RNEA_ALONE void atlas_fpass_lanes2(const double *restrict q, const double *restrict qd,
-	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
-	const size_t k, double *restrict across)
-{
-	atlas_fpass_segment2(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
 }
 
 static RNEA_ALONE void atlas_fpass_one2(const double *q, const double *qd, const double *qdd, double *v, double *a,
@@ -4792,24 +4746,10 @@ static RNEA_ALONE void atlas_fpass_one2(const double *q, const double *qd, const
 	atlas_fpass_segment2(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
 }
 
-static RNEA_ALONE void atlas_fpass_lanes3(const double *restrict q, const double *restrict qd,
-	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
-	const size_t k, double *restrict across)
-{
-	atlas_fpass_segment3(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
-}
-
 static RNEA_ALONE void atlas_fpass_one3(const double *q, const double *qd, const double *qdd, double *v, double *a,
 	double *f, const size_t stride, double *const across, const int known, const double *sines)
 {
 	atlas_fpass_segment3(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
-}
-
-static RNEA_ALONE void atlas_fpass_lanes4(const double *restrict q, const double *restrict qd,
-	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
-	const size_t k, double *restrict across)
-{
-	atlas_fpass_segment4(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
 }
 
 static RNEA_ALONE void atlas_fpass_one4(const double *q, const double *qd, const double *qdd, double *v, double *a,
@@ -4818,24 +4758,10 @@ static RNEA_ALONE void atlas_fpass_one4(const double *q, const double *qd, const
 	atlas_fpass_segment4(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
 }
 
-static RNEA_ALONE void atlas_fpass_lanes5(const double *restrict q, const double *restrict qd,
-	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
-	const size_t k, double *restrict across)
-{
-	atlas_fpass_segment5(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
-}
-
 static RNEA_ALONE void atlas_fpass_one5(const double *q, const double *qd, const double *qdd, double *v, double *a,
 	double *f, const size_t stride, double *const across, const int known, const double *sines)
 {
 	atlas_fpass_segment5(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
-}
-
-static RNEA_ALONE void atlas_fpass_lanes6(const double *restrict q, const double *restrict qd,
-	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
-	const size_t k, double *restrict across)
-{
-	atlas_fpass_segment6(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
 }
 
 static RNEA_ALONE void atlas_fpass_one6(const double *q, const double *qd, const double *qdd, double *v, double *a,
@@ -4848,7 +4774,7 @@ static RNEA_ALONE void atlas_fpass_one6(const double *q, const double *qd, const
 static void atlas_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f,
 	const size_t stride, const int known, const double *sines)
 {
-	double across[46];
+	double across[32];
 
 	atlas_fpass_one0(q, qd, qdd, v, a, f, stride, across, known, sines);
 	atlas_fpass_one1(q, qd, qdd, v, a, f, stride, across, known, sines);
@@ -4869,15 +4795,15 @@ static void atlas_fpass_any(const double *q, const double *qd, const double *qdd
 	atlas_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
-/* Each segment runs for 32 samples before the next one does where their angles are small, which is the rule. */
+/* Each segment runs for 64 samples before the next one does where their angles are small, which is the rule. */
 static void atlas_fpass_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict v, double *restrict a, double *restrict f, size_t count, size_t first, size_t end)
 {
-	double across[1472];
+	double across[2048];
 
 	for (size_t next; first < end; first = next) {
-		next = end - first < 32 ? end : first + 32;
-		if (next - first == 32 && atlas_are_small(q, count, first, next)) {
+		next = end - first < 64 ? end : first + 64;
+		if (next - first == 64 && atlas_are_small(q, count, first, next)) {
 			atlas_fpass_lanes0(q, qd, qdd, v, a, f, count, first, across);
 			atlas_fpass_lanes1(q, qd, qdd, v, a, f, count, first, across);
 			atlas_fpass_lanes2(q, qd, qdd, v, a, f, count, first, across);

@@ -7,8 +7,8 @@
  *   rnea: 618 mul, 310 add, 140 sub, 129 neg, 800 fma, 27 sincos = 2668 flops
  *   fpass: 710 mul, 236 add, 198 sub, 180 neg, 798 fma, 27 sincos = 2740 flops
  *   bpass: 121 mul, 149 add, 12 sub, 36 neg, 161 fma, 27 sincos = 604 flops
- *   rnea is in 6 segments, each for several samples before the next; 101 values go across cuts
- *   fpass is in 7 segments, each for several samples before the next; 46 values go across cuts
+ *   rnea is in 6 segments, each for several samples before the next; 90 values go across cuts
+ *   fpass is in 7 segments, each for several samples before the next; 32 values go across cuts
  *
  * Joints:
  *   q[0] qd[0] revolute "back_bkz", rad

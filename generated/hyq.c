@@ -7,8 +7,8 @@
  *   rnea: 328 mul, 201 add, 106 sub, 93 neg, 575 fma, 12 sincos = 1785 flops
  *   fpass: 339 mul, 136 add, 146 sub, 120 neg, 551 fma, 12 sincos = 1723 flops
  *   bpass: 56 mul, 72 add, 8 sub, 29 neg, 116 fma, 12 sincos = 368 flops
- *   rnea is in 4 segments, each for several samples before the next; 37 values go across cuts
- *   fpass is in 4 segments, each for several samples before the next; 36 values go across cuts
+ *   rnea is in 4 segments, each for several samples before the next; 34 values go across cuts
+ *   fpass is in 4 segments, each for several samples before the next; 40 values go across cuts
  *
  * Joints:
  *   q[0..6] qd[0..5] floating base
@@ -131,21 +131,21 @@ static RNEA_INLINE int hyq_rnea_segment0(const double *first_q, const double *fi
 		const double q0qw = q[6*stride];
 		const double q0qz = q[5*stride];
 		const double t3 = RNEA_FMA(t2, -q0qw, q0qx*(2.0*q0qz));
-		const double qd0wx = qd[3*stride];
-		const double qd0vz = qd[2*stride];
-		const double qd0vx = qd[0];
 		const double qd0wz = qd[5*stride];
-		const double qdd0vy = qdd[stride];
-		const double t4 = RNEA_FMA(qd0wx, -qd0vz, qd0vx*qd0wz) + qdd0vy;
-		const double qd0wy = qd[4*stride];
 		const double qd0vy = qd[stride];
-		const double qdd0vz = qdd[2*stride];
-		const double t5 = RNEA_FMA(qd0wy, -qd0vx, qd0vy*qd0wx) + qdd0vz;
+		const double qd0vz = qd[2*stride];
+		const double qd0wy = qd[4*stride];
 		const double qdd0vx = qdd[0];
 		const double a0x = RNEA_FMA(9.81, t3, RNEA_FMA(qd0wz, -qd0vy, qd0vz*qd0wy) + qdd0vx);
 		across[0] = a0x;
+		const double qd0wx = qd[3*stride];
+		const double qd0vx = qd[0];
+		const double qdd0vy = qdd[stride];
+		const double t4 = RNEA_FMA(qd0wx, -qd0vz, qd0vx*qd0wz) + qdd0vy;
 		const double a0y = RNEA_FMA(9.81, RNEA_FMA(q0qw, t1, q0qz*t2), t4);
 		across[step] = a0y;
+		const double qdd0vz = qdd[2*stride];
+		const double t5 = RNEA_FMA(qd0wy, -qd0vx, qd0vy*qd0wx) + qdd0vz;
 		const double a0z = RNEA_FMA(9.81, 1.0 - RNEA_FMA(q0qx, t1, q0qy*t2), t5);
 		across[2*step] = a0z;
 		const double t6 = qd0wy*qd0wz;
@@ -164,29 +164,35 @@ static RNEA_INLINE int hyq_rnea_segment0(const double *first_q, const double *fi
 		const double t17 = qd0wx*qd0wy;
 		const double qdd0wz = qdd[5*stride];
 		const double t18 = t17 - qdd0wz;
-		const double t19 = qdd0wz + t17;
-		const double f0x = RNEA_FMA(60.978001, a0x, RNEA_FMA(0.2200155852, t16, RNEA_FMA(-3.4189836000000002,
-			t9,
-			1.3106418*t18)));
-		const double f0y = RNEA_FMA(60.978001, a0y, RNEA_FMA(0.2200155852, t10, RNEA_FMA(-1.3106418, t14,
-			3.4189836000000002*t19)));
-		const double f0z = RNEA_FMA(60.978001, a0z, RNEA_FMA(-0.2200155852, t8 + t13, RNEA_FMA(1.3106418, t11,
-			3.4189836000000002*t15)));
-		const double t20 = RNEA_FMA(-0.21587546426503998, t19, RNEA_FMA(0.045020362359999996, t15,
-			RNEA_FMA(1.6017305299677633, qdd0wx, 0.7211199903922375*t6)));
 		const double t21 = RNEA_FMA(-0.045020362359999996, t11, RNEA_FMA(0.00915326907852, t18,
 			RNEA_FMA(-7.814626778932237, t12, 8.695237318507763*qdd0wy)));
-		const double t22 = RNEA_FMA(-0.00915326907852, t16, RNEA_FMA(0.21587546426503998, t10,
-			RNEA_FMA(9.4163573089,
-			qdd0wz, 7.093506788539999*t17)));
-		const double n0x = RNEA_FMA(-0.2200155852, a0y, 1.3106418*a0z) + RNEA_FMA(-0.00915326907852, t8 - t7,
-			t20);
 		const double n0y = RNEA_FMA(-3.4189836000000002, a0z, 0.2200155852*a0x) + RNEA_FMA(-0.21587546426503998,
 			t7
 			- t13, t21);
+		const double t19 = qdd0wz + t17;
+		const double t22 = RNEA_FMA(-0.00915326907852, t16, RNEA_FMA(0.21587546426503998, t10,
+			RNEA_FMA(9.4163573089,
+			qdd0wz, 7.093506788539999*t17)));
+		const double f0y = RNEA_FMA(60.978001, a0y, RNEA_FMA(0.2200155852, t10, RNEA_FMA(-1.3106418, t14,
+			3.4189836000000002*t19)));
+		const double t37 = 0.207*t14;
+		const double f0x = RNEA_FMA(60.978001, a0x, RNEA_FMA(0.2200155852, t16, RNEA_FMA(-3.4189836000000002,
+			t9,
+			1.3106418*t18)));
+		const double t34 = 0.207*t18;
+		const double t33 = 0.3735*t9;
 		const double n0z = RNEA_FMA(-1.3106418, a0x, 3.4189836000000002*a0y) + RNEA_FMA(-0.045020362359999996,
 			t13 - t8,
 			t22);
+		const double f0z = RNEA_FMA(60.978001, a0z, RNEA_FMA(-0.2200155852, t8 + t13, RNEA_FMA(1.3106418, t11,
+			3.4189836000000002*t15)));
+		const double t40 = 0.207*t11;
+		const double t20 = RNEA_FMA(-0.21587546426503998, t19, RNEA_FMA(0.045020362359999996, t15,
+			RNEA_FMA(1.6017305299677633, qdd0wx, 0.7211199903922375*t6)));
+		const double t39 = 0.3735*t15;
+		const double t36 = 0.3735*t19;
+		const double n0x = RNEA_FMA(-0.2200155852, a0y, 1.3106418*a0z) + RNEA_FMA(-0.00915326907852, t8 - t7,
+			t20);
 
 		/* ---- out to link 1 "lf_hipassembly" (fpass) ---- */
 		/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);  v = R'(v_p + w_p x p);
@@ -195,57 +201,58 @@ static RNEA_INLINE int hyq_rnea_segment0(const double *first_q, const double *fi
 		double s1, c1;
 		all_small &= rneagen_sincos_known(q1, known, sines, &s1, &c1);
 		const double t23 = 4.8965888601467475e-12*qd0wx;
-		across[3*step] = t23;
 		const double t24 = qd0wz + RNEA_FMA(1.0127277222968137e-24, qd0wy, t23);
-		across[4*step] = t24;
+		across[3*step] = t24;
+		const double t188 = t23 - qd0wz;
+		across[4*step] = t188;
+		const double t26 = 4.8965888601467475e-12*qd0wz;
 		const double t25 = RNEA_FMA(2.0682310711021444e-13, qd0wx, -qd0wy);
 		across[5*step] = t25;
-		const double t26 = 4.8965888601467475e-12*qd0wz;
-		across[6*step] = t26;
 		const double t27 = t26 - RNEA_FMA(2.0682310711021444e-13, qd0wy, qd0wx);
-		across[7*step] = t27;
+		across[6*step] = t27;
+		const double t189 = qd0wx + t26;
+		across[7*step] = t189;
 		const double t28 = 4.8965888601467475e-12*qdd0wx;
-		across[8*step] = t28;
 		const double t29 = qdd0wz + RNEA_FMA(1.0127277222968137e-24, qdd0wy, t28);
-		across[9*step] = t29;
+		across[8*step] = t29;
+		const double t190 = t28 - qdd0wz;
+		across[9*step] = t190;
+		const double t31 = 4.8965888601467475e-12*qdd0wz;
 		const double t30 = RNEA_FMA(2.0682310711021444e-13, qdd0wx, -qdd0wy);
 		across[10*step] = t30;
-		const double t31 = 4.8965888601467475e-12*qdd0wz;
-		across[11*step] = t31;
 		const double t32 = t31 - RNEA_FMA(2.0682310711021444e-13, qdd0wy, qdd0wx);
-		across[12*step] = t32;
-		const double t33 = 0.3735*t9;
-		across[13*step] = t33;
-		const double t34 = 0.207*t18;
-		across[14*step] = t34;
+		across[11*step] = t32;
+		const double t191 = qdd0wx + t31;
+		across[12*step] = t191;
+		const double qdd1 = qdd[6*stride];
+		const double dw1z = qdd1 + t32;
 		const double t35 = t34 - t33;
-		across[15*step] = t35;
-		const double t36 = 0.3735*t19;
-		across[16*step] = t36;
-		const double t37 = 0.207*t14;
-		across[17*step] = t37;
+		const double t113 = t33 + t34;
+		across[13*step] = t113;
 		const double t38 = t36 - t37;
-		across[18*step] = t38;
-		const double t39 = 0.3735*t15;
-		across[19*step] = t39;
-		const double t40 = 0.207*t11;
-		across[20*step] = t40;
+		const double t114 = t36 + t37;
+		across[14*step] = t114;
 		const double t41 = t39 + t40;
-		across[21*step] = t41;
+		const double t115 = t40 - t39;
+		across[15*step] = t115;
 		const double t42 = a0x + t35;
+		const double t260 = a0x - t35;
+		across[16*step] = t260;
 		const double t43 = a0y + t38;
+		const double t261 = a0y - t38;
+		across[17*step] = t261;
 		const double t44 = a0z + t41;
+		const double t262 = a0z - t41;
+		across[18*step] = t262;
 		const double t45 = t44 + RNEA_FMA(1.0127277222968137e-24, t43, 4.8965888601467475e-12*t42);
-		const double t46 = RNEA_FMA(2.0682310711021444e-13, t42, -t43);
 		const double a1z = RNEA_FMA(4.8965888601467475e-12, t44, -RNEA_FMA(2.0682310711021444e-13, t43, t42));
+		const double t46 = RNEA_FMA(2.0682310711021444e-13, t42, -t43);
 		const double w1x = RNEA_FMA(t24, -c1, s1*t25);
 		const double w1y = RNEA_FMA(s1, t24, c1*t25);
 		const double qd1 = qd[6*stride];
 		const double w1z = qd1 + t27;
 		const double dw1x = RNEA_FMA(qd1, w1y, RNEA_FMA(t29, -c1, s1*t30));
 		const double dw1y = RNEA_FMA(w1x, -qd1, RNEA_FMA(s1, t29, c1*t30));
-		const double qdd1 = qdd[6*stride];
-		const double dw1z = qdd1 + t32;
 		const double a1x = RNEA_FMA(t45, -c1, s1*t46);
 		const double a1y = RNEA_FMA(s1, t45, c1*t46);
 		const double t47 = w1y*w1z;
@@ -258,40 +265,40 @@ static RNEA_INLINE int hyq_rnea_segment0(const double *first_q, const double *fi
 		const double t54 = t52 - dw1y;
 		const double t55 = dw1y + t52;
 		const double t56 = w1x*w1y;
-		const double t57 = dw1z + t56;
-		const double f1x = RNEA_FMA(2.93, a1x, RNEA_FMA(-0.12490590000000001, t50, 0.49607829999999997*t55));
-		const double f1y = RNEA_FMA(2.93, a1y, RNEA_FMA(0.49607829999999997, t51, 0.12490590000000001*t57));
-		const double f1z = RNEA_FMA(2.93, a1z, RNEA_FMA(-0.49607829999999997, t49 + t53,
-			0.12490590000000001*t54));
-		const double t58 = RNEA_FMA(-0.022737817929, t57, RNEA_FMA(4e-05, t54, RNEA_FMA(-0.133141016973, t47,
-			0.134701016973*dw1x)));
 		const double t59 = RNEA_FMA(5e-05, t56 - dw1z, RNEA_FMA(0.14417575549, dw1y, 0.12366627845599999*t52));
 		const double t60 = RNEA_FMA(-0.022737817929, t48 - t53, RNEA_FMA(-4e-05, dw1x + t47, t59));
+		const double n1y = RNEA_FMA(-0.12490590000000001, a1z, 0.49607829999999997*a1x) + t60;
+		const double t57 = dw1z + t56;
 		const double t61 = RNEA_FMA(-5e-05, t55, RNEA_FMA(0.022737817929, t51, RNEA_FMA(0.011034738517, dw1z,
 			0.009474738517000002*t56)));
-		const double n1x = RNEA_FMA(-0.49607829999999997, a1y, RNEA_FMA(-5e-05, t49 - t48, t58));
-		const double n1y = RNEA_FMA(-0.12490590000000001, a1z, 0.49607829999999997*a1x) + t60;
+		const double f1y = RNEA_FMA(2.93, a1y, RNEA_FMA(0.49607829999999997, t51, 0.12490590000000001*t57));
+		const double f1x = RNEA_FMA(2.93, a1x, RNEA_FMA(-0.12490590000000001, t50, 0.49607829999999997*t55));
+		const double t64 = RNEA_FMA(-0.08, t50, a1x);
 		const double n1z = RNEA_FMA(0.12490590000000001, a1y, RNEA_FMA(-4e-05, t53 - t49, t61));
+		const double f1z = RNEA_FMA(2.93, a1z, RNEA_FMA(-0.49607829999999997, t49 + t53,
+			0.12490590000000001*t54));
+		const double t66 = RNEA_FMA(0.08, t54, a1z);
+		const double t58 = RNEA_FMA(-0.022737817929, t57, RNEA_FMA(4e-05, t54, RNEA_FMA(-0.133141016973, t47,
+			0.134701016973*dw1x)));
+		const double t65 = RNEA_FMA(0.08, t57, a1y);
+		const double n1x = RNEA_FMA(-0.49607829999999997, a1y, RNEA_FMA(-5e-05, t49 - t48, t58));
 
 		/* ---- out to link 2 "lf_upperleg" (fpass) ---- */
 		const double q2 = q[8*stride];
 		double s2, c2;
 		all_small &= rneagen_sincos_known(q2, known, sines + 2, &s2, &c2);
-		const double t62 = RNEA_FMA(4.8965888601467475e-12, w1y, w1z);
+		const double qdd2 = qdd[7*stride];
+		const double dw2z = qdd2 + RNEA_FMA(4.8965888601467475e-12, dw1z, -dw1y);
 		const double t63 = RNEA_FMA(4.8965888601467475e-12, dw1y, dw1z);
-		const double t64 = RNEA_FMA(-0.08, t50, a1x);
-		const double t65 = RNEA_FMA(0.08, t57, a1y);
-		const double t66 = RNEA_FMA(0.08, t54, a1z);
+		const double t62 = RNEA_FMA(4.8965888601467475e-12, w1y, w1z);
+		const double qd2 = qd[7*stride];
+		const double w2z = qd2 + RNEA_FMA(4.8965888601467475e-12, w1z, -w1y);
 		const double t67 = RNEA_FMA(4.8965888601467475e-12, t65, t66);
 		const double a2z = RNEA_FMA(4.8965888601467475e-12, t66, -t65);
 		const double w2x = RNEA_FMA(w1x, c2, s2*t62);
 		const double w2y = RNEA_FMA(s2, -w1x, c2*t62);
-		const double qd2 = qd[7*stride];
-		const double w2z = qd2 + RNEA_FMA(4.8965888601467475e-12, w1z, -w1y);
 		const double dw2x = RNEA_FMA(qd2, w2y, RNEA_FMA(dw1x, c2, s2*t63));
 		const double dw2y = RNEA_FMA(w2x, -qd2, RNEA_FMA(s2, -dw1x, c2*t63));
-		const double qdd2 = qdd[7*stride];
-		const double dw2z = qdd2 + RNEA_FMA(4.8965888601467475e-12, dw1z, -dw1y);
 		const double a2x = RNEA_FMA(c2, t64, s2*t67);
 		const double a2y = RNEA_FMA(t64, -s2, c2*t67);
 		const double t68 = w2y*w2z;
@@ -305,63 +312,69 @@ static RNEA_INLINE int hyq_rnea_segment0(const double *first_q, const double *fi
 		const double t76 = w2x*w2y;
 		const double t77 = t76 - dw2z;
 		const double t78 = dw2z + t76;
-		const double f2x = RNEA_FMA(2.638, a2x, -RNEA_FMA(0.06924749999999999, t77, 0.39765212*t71));
-		const double f2y = RNEA_FMA(2.638, a2y, RNEA_FMA(0.06924749999999999, t69 + t74, 0.39765212*t78));
-		const double f2z = RNEA_FMA(2.638, a2z, RNEA_FMA(-0.06924749999999999, t72, 0.39765212*t75));
+		const double t81 = RNEA_FMA(-0.0001, t68 - dw2x, RNEA_FMA(0.08986982744380001, dw2z,
+			0.0816343336938*t76));
 		const double t79 = RNEA_FMA(0.0001, t78, RNEA_FMA(-0.00741836815, t75, RNEA_FMA(0.005497746875, dw2x,
 			0.0027377468750000005*t68)));
+		const double n2x = RNEA_FMA(-0.06924749999999999, a2z, RNEA_FMA(2e-05, t70 - t69, t79));
+		const double t82 = RNEA_FMA(0.00741836815, t74 - t70, RNEA_FMA(2e-05, dw2y + t73, t81));
 		const double t80 = RNEA_FMA(0.00741836815, t72, RNEA_FMA(-2e-05, t77, RNEA_FMA(-0.08437208056880001,
 			t73,
 			0.08713208056880001*dw2y)));
-		const double t81 = RNEA_FMA(-0.0001, t68 - dw2x, RNEA_FMA(0.08986982744380001, dw2z,
-			0.0816343336938*t76));
-		const double t82 = RNEA_FMA(0.00741836815, t74 - t70, RNEA_FMA(2e-05, dw2y + t73, t81));
-		const double n2x = RNEA_FMA(-0.06924749999999999, a2z, RNEA_FMA(2e-05, t70 - t69, t79));
-		const double n2y = RNEA_FMA(-0.39765212, a2z, RNEA_FMA(0.0001, t69 - t74, t80));
+		const double f2x = RNEA_FMA(2.638, a2x, -RNEA_FMA(0.06924749999999999, t77, 0.39765212*t71));
+		const double t83 = RNEA_FMA(-0.35, t71, a2x);
 		const double n2z = RNEA_FMA(0.39765212, a2y, 0.06924749999999999*a2x) + t82;
+		const double f2z = RNEA_FMA(2.638, a2z, RNEA_FMA(-0.06924749999999999, t72, 0.39765212*t75));
+		const double a3z = RNEA_FMA(0.35, t75, a2z);
+		const double n2y = RNEA_FMA(-0.39765212, a2z, RNEA_FMA(0.0001, t69 - t74, t80));
+		const double f2y = RNEA_FMA(2.638, a2y, RNEA_FMA(0.06924749999999999, t69 + t74, 0.39765212*t78));
+		const double t84 = RNEA_FMA(0.35, t78, a2y);
 
 		/* ---- out to link 3 "lf_lowerleg" (fpass) ---- */
 		const double q3 = q[9*stride];
 		double s3, c3;
 		all_small &= rneagen_sincos_known(q3, known, sines + 4, &s3, &c3);
-		const double t83 = RNEA_FMA(-0.35, t71, a2x);
-		const double t84 = RNEA_FMA(0.35, t78, a2y);
-		const double a3z = RNEA_FMA(0.35, t75, a2z);
-		const double w3x = RNEA_FMA(w2x, c3, w2y*s3);
-		const double w3y = RNEA_FMA(s3, -w2x, w2y*c3);
 		const double qd3 = qd[8*stride];
 		const double w3z = w2z + qd3;
-		const double dw3x = RNEA_FMA(qd3, w3y, RNEA_FMA(dw2x, c3, dw2y*s3));
-		const double dw3y = RNEA_FMA(w3x, -qd3, RNEA_FMA(s3, -dw2x, dw2y*c3));
 		const double qdd3 = qdd[8*stride];
 		const double dw3z = dw2z + qdd3;
+		const double w3x = RNEA_FMA(w2x, c3, w2y*s3);
+		const double w3y = RNEA_FMA(s3, -w2x, w2y*c3);
+		const double dw3x = RNEA_FMA(qd3, w3y, RNEA_FMA(dw2x, c3, dw2y*s3));
+		const double dw3y = RNEA_FMA(w3x, -qd3, RNEA_FMA(s3, -dw2x, dw2y*c3));
 		const double a3x = RNEA_FMA(c3, t83, s3*t84);
 		const double a3y = RNEA_FMA(t83, -s3, c3*t84);
 		const double t85 = w3y*w3z;
 		const double t86 = w3z*w3z;
+		const double t90 = w3x*w3z;
 		const double t87 = w3y*w3y;
+		const double t94 = w3x*w3y;
+		const double t91 = w3x*w3x;
 		const double t88 = t85 - dw3x;
 		const double t89 = dw3x + t85;
-		const double t90 = w3x*w3z;
-		const double t91 = w3x*w3x;
 		const double t92 = t90 - dw3y;
 		const double t93 = dw3y + t90;
-		const double t94 = w3x*w3y;
 		const double t95 = t94 - dw3z;
-		const double t96 = dw3z + t94;
+		const double t98 = RNEA_FMA(5.6580903999995104e-05, t89, RNEA_FMA(9.96476000009793e-07, t95,
+			RNEA_FMA(-0.02571397686600003, t90, 0.026414994486000012*dw3y)));
 		const double f3x = RNEA_FMA(0.881001, a3x, RNEA_FMA(-8.81e-05, t93, RNEA_FMA(-0.11047774600000002, t86
 			+ t87,
 			3.524e-05*t95)));
-		const double f3y = RNEA_FMA(0.881001, a3y, RNEA_FMA(-8.81e-05, t88, RNEA_FMA(-3.524e-05, t86 + t91,
-			0.11047774600000002*t96)));
-		const double f3z = RNEA_FMA(0.881001, a3z, RNEA_FMA(8.81e-05, t87 + t91, RNEA_FMA(3.524e-05, t89,
-			0.11047774600000002*t92)));
-		const double t97 = RNEA_FMA(4.774000000489742e-08, t96, RNEA_FMA(-5.6580903999995104e-05, t92,
-			RNEA_FMA(-0.0002300074003999993, t85, 0.0004710102195999804*dw3x)));
-		const double t98 = RNEA_FMA(5.6580903999995104e-05, t89, RNEA_FMA(9.96476000009793e-07, t95,
-			RNEA_FMA(-0.02571397686600003, t90, 0.026414994486000012*dw3y)));
 		const double t99 = RNEA_FMA(-9.96476000009793e-07, t93, RNEA_FMA(-4.774000000489742e-08, t88,
 			RNEA_FMA(0.026184987085600013, dw3z, 0.02594398426640003*t94)));
+		const double t96 = dw3z + t94;
+		const double t97 = RNEA_FMA(4.774000000489742e-08, t96, RNEA_FMA(-5.6580903999995104e-05, t92,
+			RNEA_FMA(-0.0002300074003999993, t85, 0.0004710102195999804*dw3x)));
+		const double f3z = RNEA_FMA(0.881001, a3z, RNEA_FMA(8.81e-05, t87 + t91, RNEA_FMA(3.524e-05, t89,
+			0.11047774600000002*t92)));
+		const double f2z_2 = f2z + f3z;
+		const double f3y = RNEA_FMA(0.881001, a3y, RNEA_FMA(-8.81e-05, t88, RNEA_FMA(-3.524e-05, t86 + t91,
+			0.11047774600000002*t96)));
+		const double f2x_2 = f2x + RNEA_FMA(-s3, f3y, c3*f3x);
+		const double t100 = RNEA_FMA(s3, f3x, c3*f3y);
+		const double f2y_2 = f2y + t100;
+		const double f1x_2 = f1x + RNEA_FMA(-s2, f2y_2, c2*f2x_2);
+		const double t101 = RNEA_FMA(s2, f2x_2, c2*f2y_2);
 		const double n3x = RNEA_FMA(3.524e-05, a3z, 8.81e-05*a3y) + RNEA_FMA(-9.96476000009793e-07, t87 - t86,
 			t97);
 		const double n3y = RNEA_FMA(4.774000000489742e-08, t86 - t91, t98) - RNEA_FMA(8.81e-05, a3x,
@@ -369,30 +382,23 @@ static RNEA_INLINE int hyq_rnea_segment0(const double *first_q, const double *fi
 		const double n3z = RNEA_FMA(-3.524e-05, a3x, 0.11047774600000002*a3y) + RNEA_FMA(5.6580903999995104e-05,
 			t91
 			- t87, t99);
-
-		/* ---- back from link 3 "lf_lowerleg" to link 2 (bpass): torque of "lf_kfe_joint" ---- */
-		/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
-		const double t100 = RNEA_FMA(s3, f3x, c3*f3y);
-		const double f2x_2 = f2x + RNEA_FMA(-s3, f3y, c3*f3x);
-		const double f2y_2 = f2y + t100;
-		const double f2z_2 = f2z + f3z;
-		const double n2x_2 = n2x + RNEA_FMA(-s3, n3y, c3*n3x);
-		const double n2y_2 = n2y + RNEA_FMA(-0.35, f3z, RNEA_FMA(s3, n3x, c3*n3y));
-		const double n2z_2 = n2z + RNEA_FMA(0.35, t100, n3z);
 		tau[8*stride] = n3z;
+		const double n2z_2 = n2z + RNEA_FMA(0.35, t100, n3z);
+		tau[7*stride] = n2z_2;
+		const double n2y_2 = n2y + RNEA_FMA(-0.35, f3z, RNEA_FMA(s3, n3x, c3*n3y));
+		const double n2x_2 = n2x + RNEA_FMA(-s3, n3y, c3*n3x);
+		const double n1x_2 = n1x + RNEA_FMA(-s2, n2y_2, c2*n2x_2);
+		const double t102 = RNEA_FMA(s2, n2x_2, c2*n2y_2);
 
 		/* ---- back from link 2 "lf_upperleg" to link 1 (bpass): torque of "lf_hfe_joint" ---- */
-		const double t101 = RNEA_FMA(s2, f2x_2, c2*f2y_2);
-		const double t102 = RNEA_FMA(s2, n2x_2, c2*n2y_2);
+		/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
 		const double t103 = RNEA_FMA(4.8965888601467475e-12, t101, -f2z_2);
 		const double t104 = RNEA_FMA(4.8965888601467475e-12, f2z_2, t101);
-		const double f1x_2 = f1x + RNEA_FMA(-s2, f2y_2, c2*f2x_2);
-		const double f1y_2 = f1y + t103;
-		const double f1z_2 = f1z + t104;
-		const double n1x_2 = n1x + RNEA_FMA(-s2, n2y_2, c2*n2x_2);
 		const double n1y_2 = n1y + RNEA_FMA(-0.08, t104, RNEA_FMA(4.8965888601467475e-12, t102, -n2z_2));
 		const double n1z_2 = n1z + RNEA_FMA(0.08, t103, RNEA_FMA(4.8965888601467475e-12, n2z_2, t102));
-		tau[7*stride] = n2z_2;
+		const double f1y_2 = f1y + t103;
+		tau[6*stride] = n1z_2;
+		const double f1z_2 = f1z + t104;
 
 		/* ---- back from link 1 "lf_hipassembly" to link 0 (bpass): torque of "lf_haa_joint" ---- */
 		const double t105 = RNEA_FMA(f1y_2, -s1, c1*f1x_2);
@@ -403,22 +409,21 @@ static RNEA_INLINE int hyq_rnea_segment0(const double *first_q, const double *fi
 		const double t110 = RNEA_FMA(2.0682310711021444e-13, f1z_2, RNEA_FMA(1.0127277222968137e-24, t105,
 			t106));
 		const double t111 = RNEA_FMA(4.8965888601467475e-12, f1z_2, -t105);
-		const double f0x_2 = f0x + t109;
-		across[22*step] = f0x_2;
-		const double f0y_2 = f0y - t110;
-		across[23*step] = f0y_2;
-		const double f0z_2 = f0z + t111;
-		across[24*step] = f0z_2;
-		const double t112 = RNEA_FMA(4.8965888601467475e-12, n1z_2, -t107) - RNEA_FMA(0.3735, t110, 0.207*t109);
-		const double n0x_2 = n0x + RNEA_FMA(0.207, t111, RNEA_FMA(-4.8965888601467475e-12, t107,
-			2.0682310711021444e-13*t108) - n1z_2);
-		across[25*step] = n0x_2;
 		const double n0y_2 = n0y - RNEA_FMA(0.3735, t111, RNEA_FMA(2.0682310711021444e-13, n1z_2,
 			RNEA_FMA(1.0127277222968137e-24, t107, t108)));
-		across[26*step] = n0y_2;
+		across[19*step] = n0y_2;
+		const double n0x_2 = n0x + RNEA_FMA(0.207, t111, RNEA_FMA(-4.8965888601467475e-12, t107,
+			2.0682310711021444e-13*t108) - n1z_2);
+		across[20*step] = n0x_2;
+		const double t112 = RNEA_FMA(4.8965888601467475e-12, n1z_2, -t107) - RNEA_FMA(0.3735, t110, 0.207*t109);
+		const double f0x_2 = f0x + t109;
+		across[21*step] = f0x_2;
+		const double f0y_2 = f0y - t110;
+		across[22*step] = f0y_2;
 		const double n0z_2 = n0z + t112;
-		across[27*step] = n0z_2;
-		tau[6*stride] = n1z_2;
+		across[23*step] = n0z_2;
+		const double f0z_2 = f0z + t111;
+		across[24*step] = f0z_2;
 	}
 	return all_small;
 }
@@ -442,42 +447,39 @@ static RNEA_INLINE int hyq_rnea_segment1(const double *first_q, const double *fi
 		const double q4 = q[10*stride];
 		double s4, c4;
 		all_small &= rneagen_sincos_known(q4, known, sines + 6, &s4, &c4);
-		const double t33 = across[13*step];
-		const double t34 = across[14*step];
-		const double t113 = t33 + t34;
-		across[28*step] = t113;
-		const double t36 = across[16*step];
-		const double t37 = across[17*step];
-		const double t114 = t36 + t37;
-		across[29*step] = t114;
-		const double t40 = across[20*step];
-		const double t39 = across[19*step];
-		const double t115 = t40 - t39;
-		across[30*step] = t115;
+		const double t27 = across[6*step];
+		const double qd4 = qd[9*stride];
+		const double w4z = t27 + qd4;
+		const double t32 = across[11*step];
+		const double qdd4 = qdd[9*stride];
+		const double dw4z = t32 + qdd4;
 		const double a0x = across[0];
+		const double t113 = across[13*step];
 		const double t116 = a0x + t113;
+		const double t192 = a0x - t113;
+		across[25*step] = t192;
 		const double a0y = across[step];
+		const double t114 = across[14*step];
 		const double t117 = a0y - t114;
+		const double t193 = a0y + t114;
+		across[26*step] = t193;
 		const double a0z = across[2*step];
+		const double t115 = across[15*step];
 		const double t118 = a0z + t115;
+		const double t194 = a0z - t115;
+		across[27*step] = t194;
 		const double t119 = t118 + RNEA_FMA(1.0127277222968137e-24, t117, 4.8965888601467475e-12*t116);
-		const double t120 = RNEA_FMA(2.0682310711021444e-13, t116, -t117);
 		const double a4z = RNEA_FMA(4.8965888601467475e-12, t118, -RNEA_FMA(2.0682310711021444e-13, t117,
 			t116));
-		const double t24 = across[4*step];
+		const double t120 = RNEA_FMA(2.0682310711021444e-13, t116, -t117);
+		const double t24 = across[3*step];
 		const double t25 = across[5*step];
 		const double w4x = RNEA_FMA(c4, -t24, t25*s4);
 		const double w4y = RNEA_FMA(t24, s4, t25*c4);
-		const double t27 = across[7*step];
-		const double qd4 = qd[9*stride];
-		const double w4z = t27 + qd4;
-		const double t29 = across[9*step];
+		const double t29 = across[8*step];
 		const double t30 = across[10*step];
 		const double dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(c4, -t29, t30*s4));
 		const double dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(t29, s4, t30*c4));
-		const double t32 = across[12*step];
-		const double qdd4 = qdd[9*stride];
-		const double dw4z = t32 + qdd4;
 		const double a4x = RNEA_FMA(t119, -c4, s4*t120);
 		const double a4y = RNEA_FMA(s4, t119, c4*t120);
 		const double t121 = w4y*w4z;
@@ -490,43 +492,43 @@ static RNEA_INLINE int hyq_rnea_segment1(const double *first_q, const double *fi
 		const double t128 = t126 - dw4y;
 		const double t129 = dw4y + t126;
 		const double t130 = w4x*w4y;
-		const double t131 = dw4z + t130;
-		const double f4x = RNEA_FMA(2.93, a4x, -RNEA_FMA(0.49607829999999997, t129, 0.12490590000000001*t124));
-		const double f4y = RNEA_FMA(2.93, a4y, RNEA_FMA(-0.49607829999999997, t125, 0.12490590000000001*t131));
-		const double f4z = RNEA_FMA(2.93, a4z, RNEA_FMA(0.49607829999999997, t123 + t127,
-			0.12490590000000001*t128));
-		const double t132 = RNEA_FMA(0.022737817929, t131, RNEA_FMA(-4e-05, t128, RNEA_FMA(-0.133141016973,
-			t121,
-			0.134701016973*dw4x)));
 		const double t133 = RNEA_FMA(5e-05, t130 - dw4z, RNEA_FMA(0.14417575549, dw4y,
 			0.12366627845599999*t126));
 		const double t134 = RNEA_FMA(0.022737817929, t122 - t127, RNEA_FMA(4e-05, dw4x + t121, t133));
+		const double n4y = t134 - RNEA_FMA(0.49607829999999997, a4x, 0.12490590000000001*a4z);
+		const double t131 = dw4z + t130;
 		const double t135 = RNEA_FMA(-5e-05, t129, RNEA_FMA(-0.022737817929, t125, RNEA_FMA(0.011034738517,
 			dw4z,
 			0.009474738517000002*t130)));
-		const double n4x = RNEA_FMA(0.49607829999999997, a4y, RNEA_FMA(-5e-05, t123 - t122, t132));
-		const double n4y = t134 - RNEA_FMA(0.49607829999999997, a4x, 0.12490590000000001*a4z);
+		const double f4y = RNEA_FMA(2.93, a4y, RNEA_FMA(-0.49607829999999997, t125, 0.12490590000000001*t131));
+		const double f4x = RNEA_FMA(2.93, a4x, -RNEA_FMA(0.49607829999999997, t129, 0.12490590000000001*t124));
+		const double t138 = RNEA_FMA(-0.08, t124, a4x);
 		const double n4z = RNEA_FMA(0.12490590000000001, a4y, RNEA_FMA(4e-05, t127 - t123, t135));
+		const double f4z = RNEA_FMA(2.93, a4z, RNEA_FMA(0.49607829999999997, t123 + t127,
+			0.12490590000000001*t128));
+		const double t140 = RNEA_FMA(0.08, t128, a4z);
+		const double t132 = RNEA_FMA(0.022737817929, t131, RNEA_FMA(-4e-05, t128, RNEA_FMA(-0.133141016973,
+			t121,
+			0.134701016973*dw4x)));
+		const double t139 = RNEA_FMA(0.08, t131, a4y);
+		const double n4x = RNEA_FMA(0.49607829999999997, a4y, RNEA_FMA(-5e-05, t123 - t122, t132));
 
 		/* ---- out to link 5 "lh_upperleg" (fpass) ---- */
 		const double q5 = q[11*stride];
 		double s5, c5;
 		all_small &= rneagen_sincos_known(q5, known, sines + 8, &s5, &c5);
-		const double t136 = RNEA_FMA(4.8965888601467475e-12, w4y, w4z);
+		const double qdd5 = qdd[10*stride];
+		const double dw5z = qdd5 + RNEA_FMA(4.8965888601467475e-12, dw4z, -dw4y);
 		const double t137 = RNEA_FMA(4.8965888601467475e-12, dw4y, dw4z);
-		const double t138 = RNEA_FMA(-0.08, t124, a4x);
-		const double t139 = RNEA_FMA(0.08, t131, a4y);
-		const double t140 = RNEA_FMA(0.08, t128, a4z);
+		const double t136 = RNEA_FMA(4.8965888601467475e-12, w4y, w4z);
+		const double qd5 = qd[10*stride];
+		const double w5z = qd5 + RNEA_FMA(4.8965888601467475e-12, w4z, -w4y);
 		const double t141 = RNEA_FMA(4.8965888601467475e-12, t139, t140);
 		const double a5z = RNEA_FMA(4.8965888601467475e-12, t140, -t139);
 		const double w5x = RNEA_FMA(w4x, c5, s5*t136);
 		const double w5y = RNEA_FMA(s5, -w4x, c5*t136);
-		const double qd5 = qd[10*stride];
-		const double w5z = qd5 + RNEA_FMA(4.8965888601467475e-12, w4z, -w4y);
 		const double dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(dw4x, c5, s5*t137));
 		const double dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(s5, -dw4x, c5*t137));
-		const double qdd5 = qdd[10*stride];
-		const double dw5z = qdd5 + RNEA_FMA(4.8965888601467475e-12, dw4z, -dw4y);
 		const double a5x = RNEA_FMA(c5, t138, s5*t141);
 		const double a5y = RNEA_FMA(t138, -s5, c5*t141);
 		const double t142 = w5y*w5z;
@@ -540,127 +542,105 @@ static RNEA_INLINE int hyq_rnea_segment1(const double *first_q, const double *fi
 		const double t150 = w5x*w5y;
 		const double t151 = t150 - dw5z;
 		const double t152 = dw5z + t150;
-		const double f5x = RNEA_FMA(2.638, a5x, RNEA_FMA(-0.39765212, t145, 0.06924749999999999*t151));
-		const double f5y = RNEA_FMA(2.638, a5y, RNEA_FMA(-0.06924749999999999, t143 + t148, 0.39765212*t152));
-		const double f5z = RNEA_FMA(2.638, a5z, RNEA_FMA(0.06924749999999999, t146, 0.39765212*t149));
+		const double t155 = RNEA_FMA(0.0001, t142 - dw5x, RNEA_FMA(0.08986982744380001, dw5z,
+			0.0816343336938*t150));
 		const double t153 = RNEA_FMA(-0.0001, t152, RNEA_FMA(0.00741836815, t149, RNEA_FMA(0.005497746875, dw5x,
 			0.0027377468750000005*t142)));
+		const double n5x = RNEA_FMA(0.06924749999999999, a5z, RNEA_FMA(2e-05, t144 - t143, t153));
+		const double t156 = RNEA_FMA(-0.00741836815, t148 - t144, RNEA_FMA(2e-05, dw5y + t147, t155));
 		const double t154 = RNEA_FMA(-0.00741836815, t146, RNEA_FMA(-2e-05, t151, RNEA_FMA(-0.08437208056880001,
 			t147,
 			0.08713208056880001*dw5y)));
-		const double t155 = RNEA_FMA(0.0001, t142 - dw5x, RNEA_FMA(0.08986982744380001, dw5z,
-			0.0816343336938*t150));
-		const double t156 = RNEA_FMA(-0.00741836815, t148 - t144, RNEA_FMA(2e-05, dw5y + t147, t155));
-		const double n5x = RNEA_FMA(0.06924749999999999, a5z, RNEA_FMA(2e-05, t144 - t143, t153));
-		const double n5y = RNEA_FMA(-0.39765212, a5z, RNEA_FMA(-0.0001, t143 - t148, t154));
+		const double f5x = RNEA_FMA(2.638, a5x, RNEA_FMA(-0.39765212, t145, 0.06924749999999999*t151));
+		const double t157 = RNEA_FMA(-0.35, t145, a5x);
 		const double n5z = RNEA_FMA(-0.06924749999999999, a5x, 0.39765212*a5y) + t156;
+		const double f5z = RNEA_FMA(2.638, a5z, RNEA_FMA(0.06924749999999999, t146, 0.39765212*t149));
+		const double a6z = RNEA_FMA(0.35, t149, a5z);
+		const double n5y = RNEA_FMA(-0.39765212, a5z, RNEA_FMA(-0.0001, t143 - t148, t154));
+		const double f5y = RNEA_FMA(2.638, a5y, RNEA_FMA(-0.06924749999999999, t143 + t148, 0.39765212*t152));
+		const double t158 = RNEA_FMA(0.35, t152, a5y);
 
 		/* ---- out to link 6 "lh_lowerleg" (fpass) ---- */
 		const double q6 = q[12*stride];
 		double s6, c6;
 		all_small &= rneagen_sincos_known(q6, known, sines + 10, &s6, &c6);
-		const double t157 = RNEA_FMA(-0.35, t145, a5x);
-		const double t158 = RNEA_FMA(0.35, t152, a5y);
-		const double a6z = RNEA_FMA(0.35, t149, a5z);
-		const double w6x = RNEA_FMA(w5x, c6, w5y*s6);
-		const double w6y = RNEA_FMA(s6, -w5x, w5y*c6);
 		const double qd6 = qd[11*stride];
 		const double w6z = w5z + qd6;
-		const double dw6x = RNEA_FMA(qd6, w6y, RNEA_FMA(dw5x, c6, dw5y*s6));
-		const double dw6y = RNEA_FMA(w6x, -qd6, RNEA_FMA(s6, -dw5x, dw5y*c6));
 		const double qdd6 = qdd[11*stride];
 		const double dw6z = dw5z + qdd6;
+		const double w6x = RNEA_FMA(w5x, c6, w5y*s6);
+		const double w6y = RNEA_FMA(s6, -w5x, w5y*c6);
+		const double dw6x = RNEA_FMA(qd6, w6y, RNEA_FMA(dw5x, c6, dw5y*s6));
+		const double dw6y = RNEA_FMA(w6x, -qd6, RNEA_FMA(s6, -dw5x, dw5y*c6));
 		const double a6x = RNEA_FMA(c6, t157, s6*t158);
 		const double a6y = RNEA_FMA(t157, -s6, c6*t158);
 		const double t159 = w6y*w6z;
 		const double t160 = w6z*w6z;
+		const double t164 = w6x*w6z;
 		const double t161 = w6y*w6y;
+		const double t168 = w6x*w6y;
+		const double t165 = w6x*w6x;
 		const double t162 = t159 - dw6x;
 		const double t163 = dw6x + t159;
-		const double t164 = w6x*w6z;
-		const double t165 = w6x*w6x;
 		const double t166 = t164 - dw6y;
 		const double t167 = dw6y + t164;
-		const double t168 = w6x*w6y;
 		const double t169 = t168 - dw6z;
-		const double t170 = dw6z + t168;
-		const double t171 = RNEA_FMA(8.81e-05, t167, -RNEA_FMA(3.524e-05, t169, 0.11047774600000002*(t160
-			+ t161)));
-		const double f6x = RNEA_FMA(0.881001, a6x, t171);
-		const double f6y = RNEA_FMA(0.881001, a6y, RNEA_FMA(8.81e-05, t162, RNEA_FMA(3.524e-05, t160 + t165,
-			0.11047774600000002*t170)));
-		const double f6z = RNEA_FMA(0.881001, a6z, RNEA_FMA(-8.81e-05, t161 + t165, RNEA_FMA(-3.524e-05, t163,
-			0.11047774600000002*t166)));
-		const double t172 = RNEA_FMA(-2.0477399999951043e-06, t170, RNEA_FMA(5.4580904000004895e-05, t166,
-			RNEA_FMA(-0.0002300074003999993, t159, 0.0004710102195999804*dw6x)));
 		const double t173 = RNEA_FMA(-5.4580904000004895e-05, t163, RNEA_FMA(9.96476000009793e-07, t169,
 			RNEA_FMA(-0.02571397686600003, t164, 0.026414994486000012*dw6y)));
+		const double t171 = RNEA_FMA(8.81e-05, t167, -RNEA_FMA(3.524e-05, t169, 0.11047774600000002*(t160
+			+ t161)));
 		const double t174 = RNEA_FMA(-9.96476000009793e-07, t167, RNEA_FMA(2.0477399999951043e-06, t162,
 			RNEA_FMA(0.026184987085600013, dw6z, 0.02594398426640003*t168)));
+		const double t170 = dw6z + t168;
+		const double t172 = RNEA_FMA(-2.0477399999951043e-06, t170, RNEA_FMA(5.4580904000004895e-05, t166,
+			RNEA_FMA(-0.0002300074003999993, t159, 0.0004710102195999804*dw6x)));
+		const double f6z = RNEA_FMA(0.881001, a6z, RNEA_FMA(-8.81e-05, t161 + t165, RNEA_FMA(-3.524e-05, t163,
+			0.11047774600000002*t166)));
+		const double f5z_2 = f5z + f6z;
+		const double f6y = RNEA_FMA(0.881001, a6y, RNEA_FMA(8.81e-05, t162, RNEA_FMA(3.524e-05, t160 + t165,
+			0.11047774600000002*t170)));
 		const double n6x = RNEA_FMA(-9.96476000009793e-07, t161 - t160, t172) - RNEA_FMA(3.524e-05, a6z,
 			8.81e-05*a6y);
-		const double n6y = RNEA_FMA(-0.11047774600000002, a6z, 8.81e-05*a6x) + RNEA_FMA(-2.0477399999951043e-06,
-			t160
-			- t165, t173);
 		const double n6z = RNEA_FMA(0.11047774600000002, a6y, 3.524e-05*a6x) + RNEA_FMA(-5.4580904000004895e-05,
 			t165
 			- t161, t174);
-
-		/* ---- back from link 6 "lh_lowerleg" to link 5 (bpass): torque of "lh_kfe_joint" ---- */
-		const double t175 = RNEA_FMA(s6, f6x, c6*f6y);
+		const double n6y = RNEA_FMA(-0.11047774600000002, a6z, 8.81e-05*a6x) + RNEA_FMA(-2.0477399999951043e-06,
+			t160
+			- t165, t173);
+		const double f6x = RNEA_FMA(0.881001, a6x, t171);
 		const double f5x_2 = f5x + RNEA_FMA(-s6, f6y, c6*f6x);
-		const double f5y_2 = f5y + t175;
-		const double f5z_2 = f5z + f6z;
-		const double n5x_2 = n5x + RNEA_FMA(-s6, n6y, c6*n6x);
-		const double n5y_2 = n5y + RNEA_FMA(-0.35, f6z, RNEA_FMA(s6, n6x, c6*n6y));
+		const double t175 = RNEA_FMA(s6, f6x, c6*f6y);
 		const double n5z_2 = n5z + RNEA_FMA(0.35, t175, n6z);
 		tau[11*stride] = n6z;
+		const double f5y_2 = f5y + t175;
+		const double f4x_2 = f4x + RNEA_FMA(-s5, f5y_2, c5*f5x_2);
+		const double t176 = RNEA_FMA(s5, f5x_2, c5*f5y_2);
+		tau[10*stride] = n5z_2;
+		const double n5y_2 = n5y + RNEA_FMA(-0.35, f6z, RNEA_FMA(s6, n6x, c6*n6y));
+		const double n5x_2 = n5x + RNEA_FMA(-s6, n6y, c6*n6x);
+		const double n4x_2 = n4x + RNEA_FMA(-s5, n5y_2, c5*n5x_2);
+		const double t177 = RNEA_FMA(s5, n5x_2, c5*n5y_2);
 
 		/* ---- back from link 5 "lh_upperleg" to link 4 (bpass): torque of "lh_hfe_joint" ---- */
-		const double t176 = RNEA_FMA(s5, f5x_2, c5*f5y_2);
-		const double t177 = RNEA_FMA(s5, n5x_2, c5*n5y_2);
 		const double t178 = RNEA_FMA(4.8965888601467475e-12, t176, -f5z_2);
 		const double t179 = RNEA_FMA(4.8965888601467475e-12, f5z_2, t176);
-		const double f4x_2 = f4x + RNEA_FMA(-s5, f5y_2, c5*f5x_2);
-		const double f4y_2 = f4y + t178;
-		const double f4z_2 = f4z + t179;
-		const double n4x_2 = n4x + RNEA_FMA(-s5, n5y_2, c5*n5x_2);
 		const double n4y_2 = n4y + RNEA_FMA(-0.08, t179, RNEA_FMA(4.8965888601467475e-12, t177, -n5z_2));
 		const double n4z_2 = n4z + RNEA_FMA(0.08, t178, RNEA_FMA(4.8965888601467475e-12, n5z_2, t177));
-		tau[10*stride] = n5z_2;
+		across[28*step] = n4z_2;
+		const double f4y_2 = f4y + t178;
+		tau[9*stride] = n4z_2;
+		const double f4z_2 = f4z + t179;
+		across[29*step] = f4z_2;
 
 		/* ---- back from link 4 "lh_hipassembly" to link 0 (bpass): torque of "lh_haa_joint" ---- */
 		const double t180 = RNEA_FMA(f4y_2, -s4, c4*f4x_2);
+		across[30*step] = t180;
 		const double t181 = RNEA_FMA(s4, f4x_2, c4*f4y_2);
+		across[31*step] = t181;
 		const double t182 = RNEA_FMA(n4y_2, -s4, c4*n4x_2);
+		across[32*step] = t182;
 		const double t183 = RNEA_FMA(s4, n4x_2, c4*n4y_2);
-		const double t184 = RNEA_FMA(-4.8965888601467475e-12, t180, 2.0682310711021444e-13*t181) - f4z_2;
-		const double t185 = RNEA_FMA(2.0682310711021444e-13, f4z_2, RNEA_FMA(1.0127277222968137e-24, t180,
-			t181));
-		const double t186 = RNEA_FMA(4.8965888601467475e-12, f4z_2, -t180);
-		const double f0x_2 = across[22*step];
-		const double f0x_3 = f0x_2 + t184;
-		across[31*step] = f0x_3;
-		const double f0y_2 = across[23*step];
-		const double f0y_3 = f0y_2 - t185;
-		across[32*step] = f0y_3;
-		const double f0z_2 = across[24*step];
-		const double f0z_3 = f0z_2 + t186;
-		across[33*step] = f0z_3;
-		const double t187 = RNEA_FMA(4.8965888601467475e-12, n4z_2, -t182) + RNEA_FMA(-0.207, t184,
-			0.3735*t185);
-		const double n0x_2 = across[25*step];
-		const double n0x_3 = n0x_2 + RNEA_FMA(0.207, t186, RNEA_FMA(-4.8965888601467475e-12, t182,
-			2.0682310711021444e-13*t183) - n4z_2);
-		across[34*step] = n0x_3;
-		const double n0y_2 = across[26*step];
-		const double n0y_3 = n0y_2 + RNEA_FMA(0.3735, t186, -RNEA_FMA(2.0682310711021444e-13, n4z_2,
-			RNEA_FMA(1.0127277222968137e-24, t182, t183)));
-		across[35*step] = n0y_3;
-		const double n0z_2 = across[27*step];
-		const double n0z_3 = n0z_2 + t187;
-		across[36*step] = n0z_3;
-		tau[9*stride] = n4z_2;
+		across[33*step] = t183;
 	}
 	return all_small;
 }
@@ -679,48 +659,56 @@ static RNEA_INLINE int hyq_rnea_segment2(const double *first_q, const double *fi
 		const double *const qdd = first_qdd + l;
 		double *const tau = first_tau + l;
 		double *const across = first_across + l;
+		const double t180 = across[30*step];
+		const double t181 = across[31*step];
+		const double f4z_2 = across[29*step];
+		const double t184 = RNEA_FMA(-4.8965888601467475e-12, t180, 2.0682310711021444e-13*t181) - f4z_2;
+		const double t185 = RNEA_FMA(2.0682310711021444e-13, f4z_2, RNEA_FMA(1.0127277222968137e-24, t180,
+			t181));
+		const double t186 = RNEA_FMA(4.8965888601467475e-12, f4z_2, -t180);
+		const double n0y_2 = across[19*step];
+		const double n4z_2 = across[28*step];
+		const double t182 = across[32*step];
+		const double t183 = across[33*step];
+		const double n0y_3 = n0y_2 + RNEA_FMA(0.3735, t186, -RNEA_FMA(2.0682310711021444e-13, n4z_2,
+			RNEA_FMA(1.0127277222968137e-24, t182, t183)));
+		const double n0x_2 = across[20*step];
+		const double n0x_3 = n0x_2 + RNEA_FMA(0.207, t186, RNEA_FMA(-4.8965888601467475e-12, t182,
+			2.0682310711021444e-13*t183) - n4z_2);
+		const double t187 = RNEA_FMA(4.8965888601467475e-12, n4z_2, -t182) + RNEA_FMA(-0.207, t184,
+			0.3735*t185);
+		const double f0y_2 = across[22*step];
+		const double f0y_3 = f0y_2 - t185;
+		const double f0x_2 = across[21*step];
+		const double f0x_3 = f0x_2 + t184;
+		const double n0z_2 = across[23*step];
+		const double n0z_3 = n0z_2 + t187;
+		const double f0z_2 = across[24*step];
+		const double f0z_3 = f0z_2 + t186;
 
 		/* ---- out to link 7 "rf_hipassembly" (fpass) ---- */
 		const double q7 = q[13*stride];
 		double s7, c7;
 		all_small &= rneagen_sincos_known(q7, known, sines + 12, &s7, &c7);
-		const double t23 = across[3*step];
-		const double qd0wz = qd[5*stride];
-		const double t188 = t23 - qd0wz;
-		across[4*step] = t188;
-		const double qd0wx = qd[3*stride];
-		const double t26 = across[6*step];
-		const double t189 = qd0wx + t26;
-		across[5*step] = t189;
-		const double t28 = across[8*step];
-		const double qdd0wz = qdd[5*stride];
-		const double t190 = t28 - qdd0wz;
-		across[7*step] = t190;
-		const double qdd0wx = qdd[3*stride];
-		const double t31 = across[11*step];
-		const double t191 = qdd0wx + t31;
-		across[9*step] = t191;
-		const double a0x = across[0];
-		const double t113 = across[28*step];
-		const double t192 = a0x - t113;
-		const double a0y = across[step];
-		const double t114 = across[29*step];
-		const double t193 = a0y + t114;
-		const double a0z = across[2*step];
-		const double t115 = across[30*step];
-		const double t194 = a0z - t115;
+		const double qdd7 = qdd[12*stride];
+		const double t191 = across[12*step];
+		const double dw7z = qdd7 + t191;
+		const double t192 = across[25*step];
+		const double t194 = across[27*step];
 		const double t195 = RNEA_FMA(4.8965888601467475e-12, t192, -t194);
 		const double a7z = RNEA_FMA(4.8965888601467475e-12, t194, t192);
+		const double t188 = across[4*step];
 		const double qd0wy = qd[4*stride];
 		const double w7x = RNEA_FMA(c7, t188, qd0wy*s7);
 		const double w7y = RNEA_FMA(t188, -s7, qd0wy*c7);
 		const double qd7 = qd[12*stride];
+		const double t189 = across[7*step];
 		const double w7z = qd7 + t189;
+		const double t190 = across[9*step];
 		const double qdd0wy = qdd[4*stride];
 		const double dw7x = RNEA_FMA(qd7, w7y, RNEA_FMA(c7, t190, qdd0wy*s7));
 		const double dw7y = RNEA_FMA(w7x, -qd7, RNEA_FMA(t190, -s7, qdd0wy*c7));
-		const double qdd7 = qdd[12*stride];
-		const double dw7z = qdd7 + t191;
+		const double t193 = across[26*step];
 		const double a7x = RNEA_FMA(c7, t195, s7*t193);
 		const double a7y = RNEA_FMA(t195, -s7, c7*t193);
 		const double t196 = w7y*w7z;
@@ -733,43 +721,43 @@ static RNEA_INLINE int hyq_rnea_segment2(const double *first_q, const double *fi
 		const double t203 = t201 - dw7y;
 		const double t204 = dw7y + t201;
 		const double t205 = w7x*w7y;
-		const double t206 = dw7z + t205;
-		const double f7x = RNEA_FMA(2.93, a7x, -RNEA_FMA(0.49607829999999997, t204, 0.12490590000000001*t199));
-		const double f7y = RNEA_FMA(2.93, a7y, RNEA_FMA(-0.49607829999999997, t200, 0.12490590000000001*t206));
-		const double f7z = RNEA_FMA(2.93, a7z, RNEA_FMA(0.49607829999999997, t198 + t202,
-			0.12490590000000001*t203));
-		const double t207 = RNEA_FMA(0.022737817929, t206, RNEA_FMA(-4e-05, t203, RNEA_FMA(-0.133141016973,
-			t196,
-			0.134701016973*dw7x)));
 		const double t208 = RNEA_FMA(5e-05, t205 - dw7z, RNEA_FMA(0.14417575549, dw7y,
 			0.12366627845599999*t201));
 		const double t209 = RNEA_FMA(0.022737817929, t197 - t202, RNEA_FMA(4e-05, dw7x + t196, t208));
+		const double n7y = t209 - RNEA_FMA(0.49607829999999997, a7x, 0.12490590000000001*a7z);
+		const double t206 = dw7z + t205;
 		const double t210 = RNEA_FMA(-5e-05, t204, RNEA_FMA(-0.022737817929, t200, RNEA_FMA(0.011034738517,
 			dw7z,
 			0.009474738517000002*t205)));
-		const double n7x = RNEA_FMA(0.49607829999999997, a7y, RNEA_FMA(-5e-05, t198 - t197, t207));
-		const double n7y = t209 - RNEA_FMA(0.49607829999999997, a7x, 0.12490590000000001*a7z);
+		const double f7y = RNEA_FMA(2.93, a7y, RNEA_FMA(-0.49607829999999997, t200, 0.12490590000000001*t206));
+		const double f7x = RNEA_FMA(2.93, a7x, -RNEA_FMA(0.49607829999999997, t204, 0.12490590000000001*t199));
+		const double t213 = RNEA_FMA(-0.08, t199, a7x);
 		const double n7z = RNEA_FMA(0.12490590000000001, a7y, RNEA_FMA(4e-05, t202 - t198, t210));
+		const double f7z = RNEA_FMA(2.93, a7z, RNEA_FMA(0.49607829999999997, t198 + t202,
+			0.12490590000000001*t203));
+		const double t215 = RNEA_FMA(0.08, t203, a7z);
+		const double t207 = RNEA_FMA(0.022737817929, t206, RNEA_FMA(-4e-05, t203, RNEA_FMA(-0.133141016973,
+			t196,
+			0.134701016973*dw7x)));
+		const double t214 = RNEA_FMA(0.08, t206, a7y);
+		const double n7x = RNEA_FMA(0.49607829999999997, a7y, RNEA_FMA(-5e-05, t198 - t197, t207));
 
 		/* ---- out to link 8 "rf_upperleg" (fpass) ---- */
 		const double q8 = q[14*stride];
 		double s8, c8;
 		all_small &= rneagen_sincos_known(q8, known, sines + 14, &s8, &c8);
-		const double t211 = RNEA_FMA(4.8965888601467475e-12, w7y, -w7z);
+		const double qdd8 = qdd[13*stride];
+		const double dw8z = qdd8 + RNEA_FMA(4.8965888601467475e-12, dw7z, dw7y);
 		const double t212 = RNEA_FMA(4.8965888601467475e-12, dw7y, -dw7z);
-		const double t213 = RNEA_FMA(-0.08, t199, a7x);
-		const double t214 = RNEA_FMA(0.08, t206, a7y);
-		const double t215 = RNEA_FMA(0.08, t203, a7z);
+		const double t211 = RNEA_FMA(4.8965888601467475e-12, w7y, -w7z);
+		const double qd8 = qd[13*stride];
+		const double w8z = qd8 + RNEA_FMA(4.8965888601467475e-12, w7z, w7y);
 		const double t216 = RNEA_FMA(4.8965888601467475e-12, t214, -t215);
 		const double a8z = RNEA_FMA(4.8965888601467475e-12, t215, t214);
 		const double w8x = RNEA_FMA(w7x, c8, s8*t211);
 		const double w8y = RNEA_FMA(s8, -w7x, c8*t211);
-		const double qd8 = qd[13*stride];
-		const double w8z = qd8 + RNEA_FMA(4.8965888601467475e-12, w7z, w7y);
 		const double dw8x = RNEA_FMA(qd8, w8y, RNEA_FMA(dw7x, c8, s8*t212));
 		const double dw8y = RNEA_FMA(w8x, -qd8, RNEA_FMA(s8, -dw7x, c8*t212));
-		const double qdd8 = qdd[13*stride];
-		const double dw8z = qdd8 + RNEA_FMA(4.8965888601467475e-12, dw7z, dw7y);
 		const double a8x = RNEA_FMA(c8, t213, s8*t216);
 		const double a8y = RNEA_FMA(t213, -s8, c8*t216);
 		const double t217 = w8y*w8z;
@@ -783,63 +771,69 @@ static RNEA_INLINE int hyq_rnea_segment2(const double *first_q, const double *fi
 		const double t225 = w8x*w8y;
 		const double t226 = t225 - dw8z;
 		const double t227 = dw8z + t225;
-		const double f8x = RNEA_FMA(2.638, a8x, -RNEA_FMA(0.06924749999999999, t226, 0.39765212*t220));
-		const double f8y = RNEA_FMA(2.638, a8y, RNEA_FMA(0.06924749999999999, t218 + t223, 0.39765212*t227));
-		const double f8z = RNEA_FMA(2.638, a8z, RNEA_FMA(-0.06924749999999999, t221, 0.39765212*t224));
+		const double t230 = RNEA_FMA(-0.0001, t217 - dw8x, RNEA_FMA(0.08986982744380001, dw8z,
+			0.0816343336938*t225));
 		const double t228 = RNEA_FMA(0.0001, t227, RNEA_FMA(-0.00741836815, t224, RNEA_FMA(0.005497746875, dw8x,
 			0.0027377468750000005*t217)));
+		const double n8x = RNEA_FMA(-0.06924749999999999, a8z, RNEA_FMA(2e-05, t219 - t218, t228));
+		const double t231 = RNEA_FMA(0.00741836815, t223 - t219, RNEA_FMA(2e-05, dw8y + t222, t230));
 		const double t229 = RNEA_FMA(0.00741836815, t221, RNEA_FMA(-2e-05, t226, RNEA_FMA(-0.08437208056880001,
 			t222,
 			0.08713208056880001*dw8y)));
-		const double t230 = RNEA_FMA(-0.0001, t217 - dw8x, RNEA_FMA(0.08986982744380001, dw8z,
-			0.0816343336938*t225));
-		const double t231 = RNEA_FMA(0.00741836815, t223 - t219, RNEA_FMA(2e-05, dw8y + t222, t230));
-		const double n8x = RNEA_FMA(-0.06924749999999999, a8z, RNEA_FMA(2e-05, t219 - t218, t228));
-		const double n8y = RNEA_FMA(-0.39765212, a8z, RNEA_FMA(0.0001, t218 - t223, t229));
+		const double f8x = RNEA_FMA(2.638, a8x, -RNEA_FMA(0.06924749999999999, t226, 0.39765212*t220));
+		const double t232 = RNEA_FMA(-0.35, t220, a8x);
 		const double n8z = RNEA_FMA(0.39765212, a8y, 0.06924749999999999*a8x) + t231;
+		const double f8z = RNEA_FMA(2.638, a8z, RNEA_FMA(-0.06924749999999999, t221, 0.39765212*t224));
+		const double a9z = RNEA_FMA(0.35, t224, a8z);
+		const double n8y = RNEA_FMA(-0.39765212, a8z, RNEA_FMA(0.0001, t218 - t223, t229));
+		const double f8y = RNEA_FMA(2.638, a8y, RNEA_FMA(0.06924749999999999, t218 + t223, 0.39765212*t227));
+		const double t233 = RNEA_FMA(0.35, t227, a8y);
 
 		/* ---- out to link 9 "rf_lowerleg" (fpass) ---- */
 		const double q9 = q[15*stride];
 		double s9, c9;
 		all_small &= rneagen_sincos_known(q9, known, sines + 16, &s9, &c9);
-		const double t232 = RNEA_FMA(-0.35, t220, a8x);
-		const double t233 = RNEA_FMA(0.35, t227, a8y);
-		const double a9z = RNEA_FMA(0.35, t224, a8z);
-		const double w9x = RNEA_FMA(w8x, c9, w8y*s9);
-		const double w9y = RNEA_FMA(s9, -w8x, w8y*c9);
 		const double qd9 = qd[14*stride];
 		const double w9z = w8z + qd9;
-		const double dw9x = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8x, c9, dw8y*s9));
-		const double dw9y = RNEA_FMA(w9x, -qd9, RNEA_FMA(s9, -dw8x, dw8y*c9));
 		const double qdd9 = qdd[14*stride];
 		const double dw9z = dw8z + qdd9;
+		const double w9x = RNEA_FMA(w8x, c9, w8y*s9);
+		const double w9y = RNEA_FMA(s9, -w8x, w8y*c9);
+		const double dw9x = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8x, c9, dw8y*s9));
+		const double dw9y = RNEA_FMA(w9x, -qd9, RNEA_FMA(s9, -dw8x, dw8y*c9));
 		const double a9x = RNEA_FMA(c9, t232, s9*t233);
 		const double a9y = RNEA_FMA(t232, -s9, c9*t233);
 		const double t234 = w9y*w9z;
 		const double t235 = w9z*w9z;
+		const double t239 = w9x*w9z;
 		const double t236 = w9y*w9y;
+		const double t243 = w9x*w9y;
+		const double t240 = w9x*w9x;
 		const double t237 = t234 - dw9x;
 		const double t238 = dw9x + t234;
-		const double t239 = w9x*w9z;
-		const double t240 = w9x*w9x;
 		const double t241 = t239 - dw9y;
 		const double t242 = dw9y + t239;
-		const double t243 = w9x*w9y;
 		const double t244 = t243 - dw9z;
-		const double t245 = dw9z + t243;
+		const double t247 = RNEA_FMA(5.6580903999995104e-05, t238, RNEA_FMA(9.96476000009793e-07, t244,
+			RNEA_FMA(-0.02571397686600003, t239, 0.026414994486000012*dw9y)));
 		const double f9x = RNEA_FMA(0.881001, a9x, RNEA_FMA(-8.81e-05, t242, RNEA_FMA(-0.11047774600000002, t235
 			+ t236,
 			3.524e-05*t244)));
-		const double f9y = RNEA_FMA(0.881001, a9y, RNEA_FMA(-8.81e-05, t237, RNEA_FMA(-3.524e-05, t235 + t240,
-			0.11047774600000002*t245)));
-		const double f9z = RNEA_FMA(0.881001, a9z, RNEA_FMA(8.81e-05, t236 + t240, RNEA_FMA(3.524e-05, t238,
-			0.11047774600000002*t241)));
-		const double t246 = RNEA_FMA(4.774000000489742e-08, t245, RNEA_FMA(-5.6580903999995104e-05, t241,
-			RNEA_FMA(-0.0002300074003999993, t234, 0.0004710102195999804*dw9x)));
-		const double t247 = RNEA_FMA(5.6580903999995104e-05, t238, RNEA_FMA(9.96476000009793e-07, t244,
-			RNEA_FMA(-0.02571397686600003, t239, 0.026414994486000012*dw9y)));
 		const double t248 = RNEA_FMA(-9.96476000009793e-07, t242, RNEA_FMA(-4.774000000489742e-08, t237,
 			RNEA_FMA(0.026184987085600013, dw9z, 0.02594398426640003*t243)));
+		const double t245 = dw9z + t243;
+		const double t246 = RNEA_FMA(4.774000000489742e-08, t245, RNEA_FMA(-5.6580903999995104e-05, t241,
+			RNEA_FMA(-0.0002300074003999993, t234, 0.0004710102195999804*dw9x)));
+		const double f9z = RNEA_FMA(0.881001, a9z, RNEA_FMA(8.81e-05, t236 + t240, RNEA_FMA(3.524e-05, t238,
+			0.11047774600000002*t241)));
+		const double f8z_2 = f8z + f9z;
+		const double f9y = RNEA_FMA(0.881001, a9y, RNEA_FMA(-8.81e-05, t237, RNEA_FMA(-3.524e-05, t235 + t240,
+			0.11047774600000002*t245)));
+		const double f8x_2 = f8x + RNEA_FMA(-s9, f9y, c9*f9x);
+		const double t249 = RNEA_FMA(s9, f9x, c9*f9y);
+		const double f8y_2 = f8y + t249;
+		const double f7x_2 = f7x + RNEA_FMA(-s8, f8y_2, c8*f8x_2);
+		const double t250 = RNEA_FMA(s8, f8x_2, c8*f8y_2);
 		const double n9x = RNEA_FMA(3.524e-05, a9z, 8.81e-05*a9y) + RNEA_FMA(-9.96476000009793e-07, t236 - t235,
 			t246);
 		const double n9y = RNEA_FMA(4.774000000489742e-08, t235 - t240, t247) - RNEA_FMA(8.81e-05, a9x,
@@ -847,56 +841,42 @@ static RNEA_INLINE int hyq_rnea_segment2(const double *first_q, const double *fi
 		const double n9z = RNEA_FMA(-3.524e-05, a9x, 0.11047774600000002*a9y) + RNEA_FMA(5.6580903999995104e-05,
 			t240
 			- t236, t248);
-
-		/* ---- back from link 9 "rf_lowerleg" to link 8 (bpass): torque of "rf_kfe_joint" ---- */
-		const double t249 = RNEA_FMA(s9, f9x, c9*f9y);
-		const double f8x_2 = f8x + RNEA_FMA(-s9, f9y, c9*f9x);
-		const double f8y_2 = f8y + t249;
-		const double f8z_2 = f8z + f9z;
-		const double n8x_2 = n8x + RNEA_FMA(-s9, n9y, c9*n9x);
-		const double n8y_2 = n8y + RNEA_FMA(-0.35, f9z, RNEA_FMA(s9, n9x, c9*n9y));
-		const double n8z_2 = n8z + RNEA_FMA(0.35, t249, n9z);
 		tau[14*stride] = n9z;
+		const double n8z_2 = n8z + RNEA_FMA(0.35, t249, n9z);
+		tau[13*stride] = n8z_2;
+		const double n8y_2 = n8y + RNEA_FMA(-0.35, f9z, RNEA_FMA(s9, n9x, c9*n9y));
+		const double n8x_2 = n8x + RNEA_FMA(-s9, n9y, c9*n9x);
+		const double n7x_2 = n7x + RNEA_FMA(-s8, n8y_2, c8*n8x_2);
+		const double t251 = RNEA_FMA(s8, n8x_2, c8*n8y_2);
 
 		/* ---- back from link 8 "rf_upperleg" to link 7 (bpass): torque of "rf_hfe_joint" ---- */
-		const double t250 = RNEA_FMA(s8, f8x_2, c8*f8y_2);
-		const double t251 = RNEA_FMA(s8, n8x_2, c8*n8y_2);
 		const double t252 = RNEA_FMA(4.8965888601467475e-12, t250, f8z_2);
 		const double t253 = RNEA_FMA(4.8965888601467475e-12, f8z_2, -t250);
-		const double f7x_2 = f7x + RNEA_FMA(-s8, f8y_2, c8*f8x_2);
-		const double f7y_2 = f7y + t252;
-		const double f7z_2 = f7z + t253;
-		const double n7x_2 = n7x + RNEA_FMA(-s8, n8y_2, c8*n8x_2);
 		const double n7y_2 = n7y + RNEA_FMA(-0.08, t253, RNEA_FMA(4.8965888601467475e-12, t251, n8z_2));
 		const double n7z_2 = n7z + RNEA_FMA(0.08, t252, RNEA_FMA(4.8965888601467475e-12, n8z_2, -t251));
-		tau[13*stride] = n8z_2;
+		const double f7y_2 = f7y + t252;
+		tau[12*stride] = n7z_2;
+		const double f7z_2 = f7z + t253;
 
 		/* ---- back from link 7 "rf_hipassembly" to link 0 (bpass): torque of "rf_haa_joint" ---- */
 		const double t254 = RNEA_FMA(-s7, f7y_2, c7*f7x_2);
 		const double t255 = RNEA_FMA(s7, f7x_2, c7*f7y_2);
+		const double f0y_4 = f0y_3 + t255;
+		across[0] = f0y_4;
 		const double t256 = RNEA_FMA(-s7, n7y_2, c7*n7x_2);
 		const double t257 = RNEA_FMA(4.8965888601467475e-12, t254, f7z_2);
 		const double t258 = RNEA_FMA(4.8965888601467475e-12, f7z_2, -t254);
-		const double f0x_3 = across[31*step];
-		const double f0x_4 = f0x_3 + t257;
-		across[10*step] = f0x_4;
-		const double f0y_3 = across[32*step];
-		const double f0y_4 = f0y_3 + t255;
-		across[12*step] = f0y_4;
-		const double f0z_3 = across[33*step];
-		const double f0z_4 = f0z_3 + t258;
-		across[13*step] = f0z_4;
-		const double t259 = RNEA_FMA(4.8965888601467475e-12, n7z_2, -t256) + RNEA_FMA(0.3735, t255, 0.207*t257);
-		const double n0x_3 = across[34*step];
-		const double n0x_4 = n0x_3 + RNEA_FMA(-0.207, t258, RNEA_FMA(4.8965888601467475e-12, t256, n7z_2));
-		across[14*step] = n0x_4;
-		const double n0y_3 = across[35*step];
 		const double n0y_4 = n0y_3 + RNEA_FMA(-0.3735, t258, RNEA_FMA(s7, n7x_2, c7*n7y_2));
-		across[16*step] = n0y_4;
-		const double n0z_3 = across[36*step];
+		across[step] = n0y_4;
+		const double n0x_4 = n0x_3 + RNEA_FMA(-0.207, t258, RNEA_FMA(4.8965888601467475e-12, t256, n7z_2));
+		across[2*step] = n0x_4;
+		const double t259 = RNEA_FMA(4.8965888601467475e-12, n7z_2, -t256) + RNEA_FMA(0.3735, t255, 0.207*t257);
+		const double f0x_4 = f0x_3 + t257;
+		across[3*step] = f0x_4;
 		const double n0z_4 = n0z_3 + t259;
-		across[17*step] = n0z_4;
-		tau[12*stride] = n7z_2;
+		across[5*step] = n0z_4;
+		const double f0z_4 = f0z_3 + t258;
+		across[6*step] = f0z_4;
 	}
 	return all_small;
 }
@@ -920,31 +900,25 @@ static RNEA_INLINE int hyq_rnea_segment3(const double *first_q, const double *fi
 		const double q10 = q[16*stride];
 		double s10, c10;
 		all_small &= rneagen_sincos_known(q10, known, sines + 18, &s10, &c10);
-		const double a0x = across[0];
-		const double t35 = across[15*step];
-		const double t260 = a0x - t35;
-		const double a0y = across[step];
-		const double t38 = across[18*step];
-		const double t261 = a0y - t38;
-		const double a0z = across[2*step];
-		const double t41 = across[21*step];
-		const double t262 = a0z - t41;
+		const double t189 = across[7*step];
+		const double qd10 = qd[15*stride];
+		const double w10z = t189 + qd10;
+		const double t191 = across[12*step];
+		const double qdd10 = qdd[15*stride];
+		const double dw10z = t191 + qdd10;
+		const double t260 = across[16*step];
+		const double t262 = across[18*step];
 		const double t263 = RNEA_FMA(4.8965888601467475e-12, t260, -t262);
 		const double a10z = RNEA_FMA(4.8965888601467475e-12, t262, t260);
 		const double t188 = across[4*step];
 		const double qd0wy = qd[4*stride];
 		const double w10x = RNEA_FMA(t188, c10, qd0wy*s10);
 		const double w10y = RNEA_FMA(s10, -t188, qd0wy*c10);
-		const double t189 = across[5*step];
-		const double qd10 = qd[15*stride];
-		const double w10z = t189 + qd10;
-		const double t190 = across[7*step];
+		const double t190 = across[9*step];
 		const double qdd0wy = qdd[4*stride];
 		const double dw10x = RNEA_FMA(qd10, w10y, RNEA_FMA(t190, c10, qdd0wy*s10));
 		const double dw10y = RNEA_FMA(w10x, -qd10, RNEA_FMA(s10, -t190, qdd0wy*c10));
-		const double t191 = across[9*step];
-		const double qdd10 = qdd[15*stride];
-		const double dw10z = t191 + qdd10;
+		const double t261 = across[17*step];
 		const double a10x = RNEA_FMA(c10, t263, s10*t261);
 		const double a10y = RNEA_FMA(t263, -s10, c10*t261);
 		const double t264 = w10y*w10z;
@@ -957,44 +931,44 @@ static RNEA_INLINE int hyq_rnea_segment3(const double *first_q, const double *fi
 		const double t271 = t269 - dw10y;
 		const double t272 = dw10y + t269;
 		const double t273 = w10x*w10y;
-		const double t274 = dw10z + t273;
-		const double f10x = RNEA_FMA(2.93, a10x, RNEA_FMA(-0.12490590000000001, t267,
-			0.49607829999999997*t272));
-		const double f10y = RNEA_FMA(2.93, a10y, RNEA_FMA(0.49607829999999997, t268, 0.12490590000000001*t274));
-		const double f10z = RNEA_FMA(2.93, a10z, RNEA_FMA(-0.49607829999999997, t266 + t270,
-			0.12490590000000001*t271));
-		const double t275 = RNEA_FMA(-0.022737817929, t274, RNEA_FMA(4e-05, t271, RNEA_FMA(-0.133141016973,
-			t264,
-			0.134701016973*dw10x)));
 		const double t276 = RNEA_FMA(5e-05, t273 - dw10z, RNEA_FMA(0.14417575549, dw10y,
 			0.12366627845599999*t269));
 		const double t277 = RNEA_FMA(-0.022737817929, t265 - t270, RNEA_FMA(-4e-05, dw10x + t264, t276));
+		const double n10y = RNEA_FMA(-0.12490590000000001, a10z, 0.49607829999999997*a10x) + t277;
+		const double t274 = dw10z + t273;
 		const double t278 = RNEA_FMA(-5e-05, t272, RNEA_FMA(0.022737817929, t268, RNEA_FMA(0.011034738517,
 			dw10z,
 			0.009474738517000002*t273)));
-		const double n10x = RNEA_FMA(-0.49607829999999997, a10y, RNEA_FMA(-5e-05, t266 - t265, t275));
-		const double n10y = RNEA_FMA(-0.12490590000000001, a10z, 0.49607829999999997*a10x) + t277;
+		const double f10y = RNEA_FMA(2.93, a10y, RNEA_FMA(0.49607829999999997, t268, 0.12490590000000001*t274));
+		const double f10x = RNEA_FMA(2.93, a10x, RNEA_FMA(-0.12490590000000001, t267,
+			0.49607829999999997*t272));
+		const double t281 = RNEA_FMA(-0.08, t267, a10x);
 		const double n10z = RNEA_FMA(0.12490590000000001, a10y, RNEA_FMA(-4e-05, t270 - t266, t278));
+		const double f10z = RNEA_FMA(2.93, a10z, RNEA_FMA(-0.49607829999999997, t266 + t270,
+			0.12490590000000001*t271));
+		const double t283 = RNEA_FMA(0.08, t271, a10z);
+		const double t275 = RNEA_FMA(-0.022737817929, t274, RNEA_FMA(4e-05, t271, RNEA_FMA(-0.133141016973,
+			t264,
+			0.134701016973*dw10x)));
+		const double t282 = RNEA_FMA(0.08, t274, a10y);
+		const double n10x = RNEA_FMA(-0.49607829999999997, a10y, RNEA_FMA(-5e-05, t266 - t265, t275));
 
 		/* ---- out to link 11 "rh_upperleg" (fpass) ---- */
 		const double q11 = q[17*stride];
 		double s11, c11;
 		all_small &= rneagen_sincos_known(q11, known, sines + 20, &s11, &c11);
-		const double t279 = RNEA_FMA(4.8965888601467475e-12, w10y, -w10z);
+		const double qdd11 = qdd[16*stride];
+		const double dw11z = qdd11 + RNEA_FMA(4.8965888601467475e-12, dw10z, dw10y);
 		const double t280 = RNEA_FMA(4.8965888601467475e-12, dw10y, -dw10z);
-		const double t281 = RNEA_FMA(-0.08, t267, a10x);
-		const double t282 = RNEA_FMA(0.08, t274, a10y);
-		const double t283 = RNEA_FMA(0.08, t271, a10z);
+		const double t279 = RNEA_FMA(4.8965888601467475e-12, w10y, -w10z);
+		const double qd11 = qd[16*stride];
+		const double w11z = qd11 + RNEA_FMA(4.8965888601467475e-12, w10z, w10y);
 		const double t284 = RNEA_FMA(4.8965888601467475e-12, t282, -t283);
 		const double a11z = RNEA_FMA(4.8965888601467475e-12, t283, t282);
 		const double w11x = RNEA_FMA(w10x, c11, s11*t279);
 		const double w11y = RNEA_FMA(s11, -w10x, c11*t279);
-		const double qd11 = qd[16*stride];
-		const double w11z = qd11 + RNEA_FMA(4.8965888601467475e-12, w10z, w10y);
 		const double dw11x = RNEA_FMA(qd11, w11y, RNEA_FMA(dw10x, c11, s11*t280));
 		const double dw11y = RNEA_FMA(w11x, -qd11, RNEA_FMA(s11, -dw10x, c11*t280));
-		const double qdd11 = qdd[16*stride];
-		const double dw11z = qdd11 + RNEA_FMA(4.8965888601467475e-12, dw10z, dw10y);
 		const double a11x = RNEA_FMA(c11, t281, s11*t284);
 		const double a11y = RNEA_FMA(t281, -s11, c11*t284);
 		const double t285 = w11y*w11z;
@@ -1008,126 +982,124 @@ static RNEA_INLINE int hyq_rnea_segment3(const double *first_q, const double *fi
 		const double t293 = w11x*w11y;
 		const double t294 = t293 - dw11z;
 		const double t295 = dw11z + t293;
-		const double f11x = RNEA_FMA(2.638, a11x, RNEA_FMA(-0.39765212, t288, 0.06924749999999999*t294));
-		const double f11y = RNEA_FMA(2.638, a11y, RNEA_FMA(-0.06924749999999999, t286 + t291, 0.39765212*t295));
-		const double f11z = RNEA_FMA(2.638, a11z, RNEA_FMA(0.06924749999999999, t289, 0.39765212*t292));
+		const double t298 = RNEA_FMA(0.0001, t285 - dw11x, RNEA_FMA(0.08986982744380001, dw11z,
+			0.0816343336938*t293));
 		const double t296 = RNEA_FMA(-0.0001, t295, RNEA_FMA(0.00741836815, t292, RNEA_FMA(0.005497746875,
 			dw11x,
 			0.0027377468750000005*t285)));
+		const double n11x = RNEA_FMA(0.06924749999999999, a11z, RNEA_FMA(2e-05, t287 - t286, t296));
+		const double t299 = RNEA_FMA(-0.00741836815, t291 - t287, RNEA_FMA(2e-05, dw11y + t290, t298));
 		const double t297 = RNEA_FMA(-0.00741836815, t289, RNEA_FMA(-2e-05, t294, RNEA_FMA(-0.08437208056880001,
 			t290,
 			0.08713208056880001*dw11y)));
-		const double t298 = RNEA_FMA(0.0001, t285 - dw11x, RNEA_FMA(0.08986982744380001, dw11z,
-			0.0816343336938*t293));
-		const double t299 = RNEA_FMA(-0.00741836815, t291 - t287, RNEA_FMA(2e-05, dw11y + t290, t298));
-		const double n11x = RNEA_FMA(0.06924749999999999, a11z, RNEA_FMA(2e-05, t287 - t286, t296));
-		const double n11y = RNEA_FMA(-0.39765212, a11z, RNEA_FMA(-0.0001, t286 - t291, t297));
+		const double f11x = RNEA_FMA(2.638, a11x, RNEA_FMA(-0.39765212, t288, 0.06924749999999999*t294));
+		const double t300 = RNEA_FMA(-0.35, t288, a11x);
 		const double n11z = RNEA_FMA(-0.06924749999999999, a11x, 0.39765212*a11y) + t299;
+		const double f11z = RNEA_FMA(2.638, a11z, RNEA_FMA(0.06924749999999999, t289, 0.39765212*t292));
+		const double a12z = RNEA_FMA(0.35, t292, a11z);
+		const double n11y = RNEA_FMA(-0.39765212, a11z, RNEA_FMA(-0.0001, t286 - t291, t297));
+		const double f11y = RNEA_FMA(2.638, a11y, RNEA_FMA(-0.06924749999999999, t286 + t291, 0.39765212*t295));
+		const double t301 = RNEA_FMA(0.35, t295, a11y);
 
 		/* ---- out to link 12 "rh_lowerleg" (fpass) ---- */
 		const double q12 = q[18*stride];
 		double s12, c12;
 		all_small &= rneagen_sincos_known(q12, known, sines + 22, &s12, &c12);
-		const double t300 = RNEA_FMA(-0.35, t288, a11x);
-		const double t301 = RNEA_FMA(0.35, t295, a11y);
-		const double a12z = RNEA_FMA(0.35, t292, a11z);
-		const double w12x = RNEA_FMA(w11x, c12, w11y*s12);
-		const double w12y = RNEA_FMA(s12, -w11x, w11y*c12);
 		const double qd12 = qd[17*stride];
 		const double w12z = w11z + qd12;
-		const double dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw11x, c12, dw11y*s12));
-		const double dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(s12, -dw11x, dw11y*c12));
 		const double qdd12 = qdd[17*stride];
 		const double dw12z = dw11z + qdd12;
+		const double w12x = RNEA_FMA(w11x, c12, w11y*s12);
+		const double w12y = RNEA_FMA(s12, -w11x, w11y*c12);
+		const double dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw11x, c12, dw11y*s12));
+		const double dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(s12, -dw11x, dw11y*c12));
 		const double a12x = RNEA_FMA(c12, t300, s12*t301);
 		const double a12y = RNEA_FMA(t300, -s12, c12*t301);
 		const double t302 = w12y*w12z;
 		const double t303 = w12z*w12z;
+		const double t307 = w12x*w12z;
 		const double t304 = w12y*w12y;
+		const double t311 = w12x*w12y;
+		const double t308 = w12x*w12x;
 		const double t305 = t302 - dw12x;
 		const double t306 = dw12x + t302;
-		const double t307 = w12x*w12z;
-		const double t308 = w12x*w12x;
 		const double t309 = t307 - dw12y;
 		const double t310 = dw12y + t307;
-		const double t311 = w12x*w12y;
 		const double t312 = t311 - dw12z;
-		const double t313 = dw12z + t311;
-		const double t314 = RNEA_FMA(8.81e-05, t310, -RNEA_FMA(3.524e-05, t312, 0.11047774600000002*(t303
-			+ t304)));
-		const double f12x = RNEA_FMA(0.881001, a12x, t314);
-		const double f12y = RNEA_FMA(0.881001, a12y, RNEA_FMA(8.81e-05, t305, RNEA_FMA(3.524e-05, t303 + t308,
-			0.11047774600000002*t313)));
-		const double f12z = RNEA_FMA(0.881001, a12z, RNEA_FMA(-8.81e-05, t304 + t308, RNEA_FMA(-3.524e-05, t306,
-			0.11047774600000002*t309)));
-		const double t315 = RNEA_FMA(-2.0477399999951043e-06, t313, RNEA_FMA(5.4580904000004895e-05, t309,
-			RNEA_FMA(-0.0002300074003999993, t302, 0.0004710102195999804*dw12x)));
 		const double t316 = RNEA_FMA(-5.4580904000004895e-05, t306, RNEA_FMA(9.96476000009793e-07, t312,
 			RNEA_FMA(-0.02571397686600003, t307, 0.026414994486000012*dw12y)));
+		const double t314 = RNEA_FMA(8.81e-05, t310, -RNEA_FMA(3.524e-05, t312, 0.11047774600000002*(t303
+			+ t304)));
 		const double t317 = RNEA_FMA(-9.96476000009793e-07, t310, RNEA_FMA(2.0477399999951043e-06, t305,
 			RNEA_FMA(0.026184987085600013, dw12z, 0.02594398426640003*t311)));
+		const double t313 = dw12z + t311;
+		const double t315 = RNEA_FMA(-2.0477399999951043e-06, t313, RNEA_FMA(5.4580904000004895e-05, t309,
+			RNEA_FMA(-0.0002300074003999993, t302, 0.0004710102195999804*dw12x)));
+		const double f12z = RNEA_FMA(0.881001, a12z, RNEA_FMA(-8.81e-05, t304 + t308, RNEA_FMA(-3.524e-05, t306,
+			0.11047774600000002*t309)));
+		const double f11z_2 = f11z + f12z;
+		const double f12y = RNEA_FMA(0.881001, a12y, RNEA_FMA(8.81e-05, t305, RNEA_FMA(3.524e-05, t303 + t308,
+			0.11047774600000002*t313)));
 		const double n12x = RNEA_FMA(-9.96476000009793e-07, t304 - t303, t315) - RNEA_FMA(3.524e-05, a12z,
 			8.81e-05*a12y);
-		const double n12y = RNEA_FMA(-0.11047774600000002, a12z, 8.81e-05*a12x)
-			+ RNEA_FMA(-2.0477399999951043e-06, t303
-			- t308, t316);
 		const double n12z = RNEA_FMA(0.11047774600000002, a12y, 3.524e-05*a12x)
 			+ RNEA_FMA(-5.4580904000004895e-05, t308
 			- t304, t317);
-
-		/* ---- back from link 12 "rh_lowerleg" to link 11 (bpass): torque of "rh_kfe_joint" ---- */
-		const double t318 = RNEA_FMA(s12, f12x, c12*f12y);
+		const double n12y = RNEA_FMA(-0.11047774600000002, a12z, 8.81e-05*a12x)
+			+ RNEA_FMA(-2.0477399999951043e-06, t303
+			- t308, t316);
+		const double f12x = RNEA_FMA(0.881001, a12x, t314);
 		const double f11x_2 = f11x + RNEA_FMA(-s12, f12y, c12*f12x);
-		const double f11y_2 = f11y + t318;
-		const double f11z_2 = f11z + f12z;
-		const double n11x_2 = n11x + RNEA_FMA(-s12, n12y, c12*n12x);
-		const double n11y_2 = n11y + RNEA_FMA(-0.35, f12z, RNEA_FMA(s12, n12x, c12*n12y));
+		const double t318 = RNEA_FMA(s12, f12x, c12*f12y);
 		const double n11z_2 = n11z + RNEA_FMA(0.35, t318, n12z);
 		tau[17*stride] = n12z;
+		const double f11y_2 = f11y + t318;
+		const double f10x_2 = f10x + RNEA_FMA(-s11, f11y_2, c11*f11x_2);
+		const double t319 = RNEA_FMA(s11, f11x_2, c11*f11y_2);
+		tau[16*stride] = n11z_2;
+		const double n11y_2 = n11y + RNEA_FMA(-0.35, f12z, RNEA_FMA(s12, n12x, c12*n12y));
+		const double n11x_2 = n11x + RNEA_FMA(-s12, n12y, c12*n12x);
+		const double n10x_2 = n10x + RNEA_FMA(-s11, n11y_2, c11*n11x_2);
+		const double t320 = RNEA_FMA(s11, n11x_2, c11*n11y_2);
 
 		/* ---- back from link 11 "rh_upperleg" to link 10 (bpass): torque of "rh_hfe_joint" ---- */
-		const double t319 = RNEA_FMA(s11, f11x_2, c11*f11y_2);
-		const double t320 = RNEA_FMA(s11, n11x_2, c11*n11y_2);
 		const double t321 = RNEA_FMA(4.8965888601467475e-12, t319, f11z_2);
 		const double t322 = RNEA_FMA(4.8965888601467475e-12, f11z_2, -t319);
-		const double f10x_2 = f10x + RNEA_FMA(-s11, f11y_2, c11*f11x_2);
-		const double f10y_2 = f10y + t321;
-		const double f10z_2 = f10z + t322;
-		const double n10x_2 = n10x + RNEA_FMA(-s11, n11y_2, c11*n11x_2);
 		const double n10y_2 = n10y + RNEA_FMA(-0.08, t322, RNEA_FMA(4.8965888601467475e-12, t320, n11z_2));
 		const double n10z_2 = n10z + RNEA_FMA(0.08, t321, RNEA_FMA(4.8965888601467475e-12, n11z_2, -t320));
-		tau[16*stride] = n11z_2;
+		const double f10y_2 = f10y + t321;
+		tau[15*stride] = n10z_2;
+		const double f10z_2 = f10z + t322;
 
 		/* ---- back from link 10 "rh_hipassembly" to link 0 (bpass): torque of "rh_haa_joint" ---- */
 		const double t323 = RNEA_FMA(-s10, f10y_2, c10*f10x_2);
 		const double t324 = RNEA_FMA(s10, f10x_2, c10*f10y_2);
+		const double f0y_4 = across[0];
+		const double f0y_5 = f0y_4 + t324;
+		tau[stride] = f0y_5;
 		const double t325 = RNEA_FMA(-s10, n10y_2, c10*n10x_2);
 		const double t326 = RNEA_FMA(4.8965888601467475e-12, t323, f10z_2);
 		const double t327 = RNEA_FMA(4.8965888601467475e-12, f10z_2, -t323);
-		const double f0x_4 = across[10*step];
-		const double f0x_5 = f0x_4 + t326;
-		const double f0y_4 = across[12*step];
-		const double f0y_5 = f0y_4 + t324;
-		const double f0z_4 = across[13*step];
-		const double f0z_5 = f0z_4 + t327;
+		const double n0y_4 = across[step];
+		const double n0y_5 = n0y_4 + RNEA_FMA(0.3735, t327, RNEA_FMA(s10, n10x_2, c10*n10y_2));
+		tau[4*stride] = n0y_5;
+		const double n0x_4 = across[2*step];
+		const double n0x_5 = n0x_4 + RNEA_FMA(-0.207, t327, RNEA_FMA(4.8965888601467475e-12, t325, n10z_2));
 		const double t328 = RNEA_FMA(4.8965888601467475e-12, n10z_2, -t325) + RNEA_FMA(-0.3735, t324,
 			0.207*t326);
-		const double n0x_4 = across[14*step];
-		const double n0x_5 = n0x_4 + RNEA_FMA(-0.207, t327, RNEA_FMA(4.8965888601467475e-12, t325, n10z_2));
-		const double n0y_4 = across[16*step];
-		const double n0y_5 = n0y_4 + RNEA_FMA(0.3735, t327, RNEA_FMA(s10, n10x_2, c10*n10y_2));
-		const double n0z_4 = across[17*step];
+		const double f0x_4 = across[3*step];
+		const double f0x_5 = f0x_4 + t326;
+		tau[0] = f0x_5;
+		const double n0z_4 = across[5*step];
 		const double n0z_5 = n0z_4 + t328;
-		tau[15*stride] = n10z_2;
+		tau[5*stride] = n0z_5;
+		const double f0z_4 = across[6*step];
+		const double f0z_5 = f0z_4 + t327;
+		tau[2*stride] = f0z_5;
+		tau[3*stride] = n0x_5;
 
 		/* ---- back from link 0 "base_link" to the world (bpass) ---- */
 		/* f_p += R f;  n_p += R n + p x R f;  tau = (f, n) */
-		tau[0] = f0x_5;
-		tau[stride] = f0y_5;
-		tau[2*stride] = f0z_5;
-		tau[3*stride] = n0x_5;
-		tau[4*stride] = n0y_5;
-		tau[5*stride] = n0z_5;
 	}
 	return all_small;
 }
@@ -1161,81 +1133,87 @@ static RNEA_INLINE int hyq_fpass_segment0(const double *first_q, const double *f
 		const double q0qw = q[6*stride];
 		const double q0qz = q[5*stride];
 		const double t3 = RNEA_FMA(t2, -q0qw, q0qx*(2.0*q0qz));
-		const double qd0wz = qd[5*stride];
-		const double qd0vy = qd[stride];
-		const double qd0vz = qd[2*stride];
-		const double qd0wy = qd[4*stride];
-		const double t4 = RNEA_FMA(qd0wz, -qd0vy, qd0vz*qd0wy);
-		const double qd0wx = qd[3*stride];
 		const double qd0vx = qd[0];
+		v[0] = qd0vx;
+		const double qd0vy = qd[stride];
+		v[stride] = qd0vy;
+		const double qd0vz = qd[2*stride];
+		v[2*stride] = qd0vz;
+		const double qd0wx = qd[3*stride];
+		v[3*stride] = qd0wx;
+		const double qd0wy = qd[4*stride];
+		v[4*stride] = qd0wy;
+		const double qd0wz = qd[5*stride];
+		v[5*stride] = qd0wz;
+		const double qdd0wx = qdd[3*stride];
+		a[3*stride] = qdd0wx;
+		const double qdd0wy = qdd[4*stride];
+		a[4*stride] = qdd0wy;
+		const double qdd0wz = qdd[5*stride];
+		a[5*stride] = qdd0wz;
+		const double t4 = RNEA_FMA(qd0wz, -qd0vy, qd0vz*qd0wy);
 		const double t5 = RNEA_FMA(qd0wx, -qd0vz, qd0vx*qd0wz);
 		const double t6 = RNEA_FMA(qd0wy, -qd0vx, qd0vy*qd0wx);
 		const double qdd0vx = qdd[0];
 		const double a0x = RNEA_FMA(9.81, t3, t4 + qdd0vx);
 		across[0] = a0x;
+		a[0] = a0x - t4;
 		const double qdd0vy = qdd[stride];
 		const double a0y = RNEA_FMA(9.81, RNEA_FMA(q0qw, t1, q0qz*t2), t5 + qdd0vy);
 		across[step] = a0y;
+		a[stride] = a0y - t5;
 		const double qdd0vz = qdd[2*stride];
 		const double a0z = RNEA_FMA(9.81, 1.0 - RNEA_FMA(q0qx, t1, q0qy*t2), t6 + qdd0vz);
 		across[2*step] = a0z;
+		a[2*stride] = a0z - t6;
 		const double t7 = qd0wy*qd0wz;
 		const double t8 = qd0wz*qd0wz;
 		const double t9 = qd0wy*qd0wy;
 		const double t10 = t8 + t9;
-		const double qdd0wx = qdd[3*stride];
 		const double t11 = t7 - qdd0wx;
 		const double t12 = qdd0wx + t7;
 		const double t13 = qd0wx*qd0wz;
 		const double t14 = qd0wx*qd0wx;
 		const double t15 = t8 + t14;
-		const double qdd0wy = qdd[4*stride];
 		const double t16 = t13 - qdd0wy;
 		const double t17 = qdd0wy + t13;
 		const double t18 = qd0wx*qd0wy;
-		const double qdd0wz = qdd[5*stride];
 		const double t19 = t18 - qdd0wz;
-		const double t20 = qdd0wz + t18;
-		const double f0x = RNEA_FMA(60.978001, a0x, RNEA_FMA(0.2200155852, t17, RNEA_FMA(-3.4189836000000002,
-			t10,
-			1.3106418*t19)));
-		const double f0y = RNEA_FMA(60.978001, a0y, RNEA_FMA(0.2200155852, t11, RNEA_FMA(-1.3106418, t15,
-			3.4189836000000002*t20)));
-		const double f0z = RNEA_FMA(60.978001, a0z, RNEA_FMA(-0.2200155852, t9 + t14, RNEA_FMA(1.3106418, t12,
-			3.4189836000000002*t16)));
-		const double t21 = RNEA_FMA(-0.21587546426503998, t20, RNEA_FMA(0.045020362359999996, t16,
-			RNEA_FMA(1.6017305299677633, qdd0wx, 0.7211199903922375*t7)));
 		const double t22 = RNEA_FMA(-0.045020362359999996, t12, RNEA_FMA(0.00915326907852, t19,
 			RNEA_FMA(-7.814626778932237, t13, 8.695237318507763*qdd0wy)));
-		const double t23 = RNEA_FMA(-0.00915326907852, t17, RNEA_FMA(0.21587546426503998, t11,
-			RNEA_FMA(9.4163573089,
-			qdd0wz, 7.093506788539999*t18)));
-		const double n0x = RNEA_FMA(-0.2200155852, a0y, 1.3106418*a0z) + RNEA_FMA(-0.00915326907852, t9 - t8,
-			t21);
 		const double n0y = RNEA_FMA(-3.4189836000000002, a0z, 0.2200155852*a0x) + RNEA_FMA(-0.21587546426503998,
 			t8
 			- t14, t22);
+		f[4*stride] = n0y;
+		const double t20 = qdd0wz + t18;
+		const double t23 = RNEA_FMA(-0.00915326907852, t17, RNEA_FMA(0.21587546426503998, t11,
+			RNEA_FMA(9.4163573089,
+			qdd0wz, 7.093506788539999*t18)));
+		const double f0y = RNEA_FMA(60.978001, a0y, RNEA_FMA(0.2200155852, t11, RNEA_FMA(-1.3106418, t15,
+			3.4189836000000002*t20)));
+		const double t50 = 0.207*t15;
+		f[stride] = f0y;
+		const double f0x = RNEA_FMA(60.978001, a0x, RNEA_FMA(0.2200155852, t17, RNEA_FMA(-3.4189836000000002,
+			t10,
+			1.3106418*t19)));
+		const double t47 = 0.207*t19;
+		const double t46 = 0.3735*t10;
+		f[0] = f0x;
 		const double n0z = RNEA_FMA(-1.3106418, a0x, 3.4189836000000002*a0y) + RNEA_FMA(-0.045020362359999996,
 			t14 - t9,
 			t23);
-		v[0] = qd0vx;
-		v[stride] = qd0vy;
-		v[2*stride] = qd0vz;
-		v[3*stride] = qd0wx;
-		v[4*stride] = qd0wy;
-		v[5*stride] = qd0wz;
-		a[0] = a0x - t4;
-		a[stride] = a0y - t5;
-		a[2*stride] = a0z - t6;
-		a[3*stride] = qdd0wx;
-		a[4*stride] = qdd0wy;
-		a[5*stride] = qdd0wz;
-		f[0] = f0x;
-		f[stride] = f0y;
+		const double f0z = RNEA_FMA(60.978001, a0z, RNEA_FMA(-0.2200155852, t9 + t14, RNEA_FMA(1.3106418, t12,
+			3.4189836000000002*t16)));
+		const double t53 = 0.207*t12;
 		f[2*stride] = f0z;
-		f[3*stride] = n0x;
-		f[4*stride] = n0y;
 		f[5*stride] = n0z;
+		const double t21 = RNEA_FMA(-0.21587546426503998, t20, RNEA_FMA(0.045020362359999996, t16,
+			RNEA_FMA(1.6017305299677633, qdd0wx, 0.7211199903922375*t7)));
+		const double t52 = 0.3735*t16;
+		const double t49 = 0.3735*t20;
+		const double n0x = RNEA_FMA(-0.2200155852, a0y, 1.3106418*a0z) + RNEA_FMA(-0.00915326907852, t9 - t8,
+			t21);
+		f[3*stride] = n0x;
 
 		/* ---- out to link 1 "lf_hipassembly" (fpass) ---- */
 		/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);  v = R'(v_p + w_p x p);
@@ -1244,83 +1222,102 @@ static RNEA_INLINE int hyq_fpass_segment0(const double *first_q, const double *f
 		double s1, c1;
 		all_small &= rneagen_sincos_known(q1, known, sines, &s1, &c1);
 		const double t24 = 4.8965888601467475e-12*qd0wx;
-		across[3*step] = t24;
 		const double t25 = qd0wz + RNEA_FMA(1.0127277222968137e-24, qd0wy, t24);
-		across[4*step] = t25;
+		across[3*step] = t25;
+		const double t188 = t24 - qd0wz;
+		across[4*step] = t188;
 		const double t26 = RNEA_FMA(2.0682310711021444e-13, qd0wx, -qd0wy);
 		across[5*step] = t26;
 		const double t27 = 4.8965888601467475e-12*qd0wz;
-		across[6*step] = t27;
 		const double t28 = t27 - RNEA_FMA(2.0682310711021444e-13, qd0wy, qd0wx);
-		across[7*step] = t28;
+		across[6*step] = t28;
+		const double t189 = qd0wx + t27;
+		across[7*step] = t189;
+		const double t37 = 0.207*qd0wx;
 		const double t29 = 4.8965888601467475e-12*qdd0wx;
-		across[8*step] = t29;
 		const double t30 = qdd0wz + RNEA_FMA(1.0127277222968137e-24, qdd0wy, t29);
-		across[9*step] = t30;
+		across[8*step] = t30;
+		const double t190 = t29 - qdd0wz;
+		across[9*step] = t190;
+		const double t32 = 4.8965888601467475e-12*qdd0wz;
 		const double t31 = RNEA_FMA(2.0682310711021444e-13, qdd0wx, -qdd0wy);
 		across[10*step] = t31;
-		const double t32 = 4.8965888601467475e-12*qdd0wz;
-		across[11*step] = t32;
 		const double t33 = t32 - RNEA_FMA(2.0682310711021444e-13, qdd0wy, qdd0wx);
-		across[12*step] = t33;
-		const double t34 = 0.207*qd0wz;
-		across[13*step] = t34;
-		const double t35 = 0.3735*qd0wz;
-		across[14*step] = t35;
-		const double t36 = 0.3735*qd0wy;
-		across[15*step] = t36;
-		const double t37 = 0.207*qd0wx;
-		across[16*step] = t37;
-		const double t38 = t37 - t36;
-		across[17*step] = t38;
-		const double t39 = qd0vx - t34;
-		across[18*step] = t39;
-		const double t40 = qd0vy + t35;
-		across[19*step] = t40;
-		const double t41 = qd0vz + t38;
-		const double t42 = 4.8965888601467475e-12*t39;
-		across[20*step] = t42;
-		const double t43 = t41 + RNEA_FMA(1.0127277222968137e-24, t40, t42);
-		const double t44 = 2.0682310711021444e-13*t39;
-		across[21*step] = t44;
-		const double t45 = t44 - t40;
-		const double v1z = RNEA_FMA(4.8965888601467475e-12, t41, -RNEA_FMA(2.0682310711021444e-13, t40, t39));
-		const double t46 = 0.3735*t10;
-		across[22*step] = t46;
-		const double t47 = 0.207*t19;
-		across[23*step] = t47;
-		const double t48 = t47 - t46;
-		across[24*step] = t48;
-		const double t49 = 0.3735*t20;
-		across[25*step] = t49;
-		const double t50 = 0.207*t15;
-		across[26*step] = t50;
-		const double t51 = t49 - t50;
-		across[27*step] = t51;
-		const double t52 = 0.3735*t16;
-		across[28*step] = t52;
-		const double t53 = 0.207*t12;
-		across[29*step] = t53;
-		const double t54 = t52 + t53;
-		across[30*step] = t54;
-		const double t55 = a0x + t48;
-		const double t56 = a0y + t51;
-		const double t57 = a0z + t54;
-		const double t58 = t57 + RNEA_FMA(1.0127277222968137e-24, t56, 4.8965888601467475e-12*t55);
-		const double t59 = RNEA_FMA(2.0682310711021444e-13, t55, -t56);
-		const double a1z = RNEA_FMA(4.8965888601467475e-12, t57, -RNEA_FMA(2.0682310711021444e-13, t56, t55));
-		const double w1x = RNEA_FMA(t25, -c1, s1*t26);
-		const double w1y = RNEA_FMA(s1, t25, c1*t26);
-		const double qd1 = qd[6*stride];
-		const double w1z = qd1 + t28;
-		const double dw1x = RNEA_FMA(qd1, w1y, RNEA_FMA(t30, -c1, s1*t31));
-		const double dw1y = RNEA_FMA(w1x, -qd1, RNEA_FMA(s1, t30, c1*t31));
+		across[11*step] = t33;
+		const double t191 = qdd0wx + t32;
+		across[12*step] = t191;
 		const double qdd1 = qdd[6*stride];
 		const double dw1z = qdd1 + t33;
+		a[11*stride] = dw1z;
+		const double t34 = 0.207*qd0wz;
+		const double t35 = 0.3735*qd0wz;
+		const double t36 = 0.3735*qd0wy;
+		const double t38 = t37 - t36;
+		const double t117 = t36 + t37;
+		across[13*step] = t117;
+		const double t39 = qd0vx - t34;
+		across[14*step] = t39;
+		const double t192 = qd0vx + t34;
+		across[15*step] = t192;
+		const double t40 = qd0vy + t35;
+		across[16*step] = t40;
+		const double t118 = qd0vy - t35;
+		across[17*step] = t118;
+		const double t41 = qd0vz + t38;
+		const double t257 = qd0vz - t38;
+		across[18*step] = t257;
+		const double t42 = 4.8965888601467475e-12*t39;
+		across[19*step] = t42;
+		const double t43 = t41 + RNEA_FMA(1.0127277222968137e-24, t40, t42);
+		const double v1z = RNEA_FMA(4.8965888601467475e-12, t41, -RNEA_FMA(2.0682310711021444e-13, t40, t39));
+		v[8*stride] = v1z;
+		const double t44 = 2.0682310711021444e-13*t39;
+		const double t45 = t44 - t40;
+		const double t121 = t44 - t118;
+		across[20*step] = t121;
+		const double t48 = t47 - t46;
+		const double t122 = t46 + t47;
+		across[21*step] = t122;
+		const double t51 = t49 - t50;
+		const double t123 = t49 + t50;
+		across[22*step] = t123;
+		const double t54 = t52 + t53;
+		const double t124 = t53 - t52;
+		across[23*step] = t124;
+		const double t55 = a0x + t48;
+		const double t259 = a0x - t48;
+		across[24*step] = t259;
+		const double t56 = a0y + t51;
+		const double t260 = a0y - t51;
+		across[25*step] = t260;
+		const double t57 = a0z + t54;
+		const double t261 = a0z - t54;
+		across[26*step] = t261;
+		const double t58 = t57 + RNEA_FMA(1.0127277222968137e-24, t56, 4.8965888601467475e-12*t55);
+		const double a1z = RNEA_FMA(4.8965888601467475e-12, t57, -RNEA_FMA(2.0682310711021444e-13, t56, t55));
+		const double t59 = RNEA_FMA(2.0682310711021444e-13, t55, -t56);
+		const double w1x = RNEA_FMA(t25, -c1, s1*t26);
+		v[9*stride] = w1x;
+		const double w1y = RNEA_FMA(s1, t25, c1*t26);
+		v[10*stride] = w1y;
+		const double qd1 = qd[6*stride];
+		const double w1z = qd1 + t28;
+		v[11*stride] = w1z;
+		const double dw1x = RNEA_FMA(qd1, w1y, RNEA_FMA(t30, -c1, s1*t31));
+		const double dw1y = RNEA_FMA(w1x, -qd1, RNEA_FMA(s1, t30, c1*t31));
+		a[10*stride] = dw1y;
+		a[9*stride] = dw1x;
 		const double v1x = RNEA_FMA(t43, -c1, s1*t45);
 		const double v1y = RNEA_FMA(s1, t43, c1*t45);
+		a[8*stride] = a1z - RNEA_FMA(v1x, -w1y, w1x*v1y);
+		v[7*stride] = v1y;
+		v[6*stride] = v1x;
 		const double a1x = RNEA_FMA(t58, -c1, s1*t59);
 		const double a1y = RNEA_FMA(s1, t58, c1*t59);
+		a[7*stride] = a1y - RNEA_FMA(w1x, -v1z, w1z*v1x);
+		a[6*stride] = a1x - RNEA_FMA(v1y, -w1z, v1z*w1y);
+		const double t78 = RNEA_FMA(-0.08, w1y, v1z);
+		const double t77 = RNEA_FMA(0.08, w1z, v1y);
 		const double t60 = w1y*w1z;
 		const double t61 = w1z*w1z;
 		const double t62 = w1y*w1y;
@@ -1331,66 +1328,67 @@ static RNEA_INLINE int hyq_fpass_segment0(const double *first_q, const double *f
 		const double t67 = t65 - dw1y;
 		const double t68 = dw1y + t65;
 		const double t69 = w1x*w1y;
-		const double t70 = dw1z + t69;
-		const double f1x = RNEA_FMA(2.93, a1x, RNEA_FMA(-0.12490590000000001, t63, 0.49607829999999997*t68));
-		const double f1y = RNEA_FMA(2.93, a1y, RNEA_FMA(0.49607829999999997, t64, 0.12490590000000001*t70));
-		const double f1z = RNEA_FMA(2.93, a1z, RNEA_FMA(-0.49607829999999997, t62 + t66,
-			0.12490590000000001*t67));
-		const double t71 = RNEA_FMA(-0.022737817929, t70, RNEA_FMA(4e-05, t67, RNEA_FMA(-0.133141016973, t60,
-			0.134701016973*dw1x)));
 		const double t72 = RNEA_FMA(5e-05, t69 - dw1z, RNEA_FMA(0.14417575549, dw1y, 0.12366627845599999*t65));
 		const double t73 = RNEA_FMA(-0.022737817929, t61 - t66, RNEA_FMA(-4e-05, dw1x + t60, t72));
+		const double n1y = RNEA_FMA(-0.12490590000000001, a1z, 0.49607829999999997*a1x) + t73;
+		f[10*stride] = n1y;
+		const double t70 = dw1z + t69;
 		const double t74 = RNEA_FMA(-5e-05, t68, RNEA_FMA(0.022737817929, t64, RNEA_FMA(0.011034738517, dw1z,
 			0.009474738517000002*t69)));
-		const double n1x = RNEA_FMA(-0.49607829999999997, a1y, RNEA_FMA(-5e-05, t62 - t61, t71));
-		const double n1y = RNEA_FMA(-0.12490590000000001, a1z, 0.49607829999999997*a1x) + t73;
-		const double n1z = RNEA_FMA(0.12490590000000001, a1y, RNEA_FMA(-4e-05, t66 - t62, t74));
-		v[6*stride] = v1x;
-		v[7*stride] = v1y;
-		v[8*stride] = v1z;
-		v[9*stride] = w1x;
-		v[10*stride] = w1y;
-		v[11*stride] = w1z;
-		a[6*stride] = a1x - RNEA_FMA(v1y, -w1z, v1z*w1y);
-		a[7*stride] = a1y - RNEA_FMA(w1x, -v1z, w1z*v1x);
-		a[8*stride] = a1z - RNEA_FMA(v1x, -w1y, w1x*v1y);
-		a[9*stride] = dw1x;
-		a[10*stride] = dw1y;
-		a[11*stride] = dw1z;
-		f[6*stride] = f1x;
+		const double f1y = RNEA_FMA(2.93, a1y, RNEA_FMA(0.49607829999999997, t64, 0.12490590000000001*t70));
 		f[7*stride] = f1y;
-		f[8*stride] = f1z;
+		const double f1x = RNEA_FMA(2.93, a1x, RNEA_FMA(-0.12490590000000001, t63, 0.49607829999999997*t68));
+		const double t80 = RNEA_FMA(-0.08, t63, a1x);
+		f[6*stride] = f1x;
+		const double n1z = RNEA_FMA(0.12490590000000001, a1y, RNEA_FMA(-4e-05, t66 - t62, t74));
+		const double f1z = RNEA_FMA(2.93, a1z, RNEA_FMA(-0.49607829999999997, t62 + t66,
+			0.12490590000000001*t67));
+		const double t82 = RNEA_FMA(0.08, t67, a1z);
+		const double t71 = RNEA_FMA(-0.022737817929, t70, RNEA_FMA(4e-05, t67, RNEA_FMA(-0.133141016973, t60,
+			0.134701016973*dw1x)));
+		const double t81 = RNEA_FMA(0.08, t70, a1y);
+		const double n1x = RNEA_FMA(-0.49607829999999997, a1y, RNEA_FMA(-5e-05, t62 - t61, t71));
 		f[9*stride] = n1x;
-		f[10*stride] = n1y;
+		f[8*stride] = f1z;
 		f[11*stride] = n1z;
 
 		/* ---- out to link 2 "lf_upperleg" (fpass) ---- */
 		const double q2 = q[8*stride];
 		double s2, c2;
 		all_small &= rneagen_sincos_known(q2, known, sines + 2, &s2, &c2);
-		const double t75 = RNEA_FMA(4.8965888601467475e-12, w1y, w1z);
+		const double qdd2 = qdd[7*stride];
+		const double dw2z = qdd2 + RNEA_FMA(4.8965888601467475e-12, dw1z, -dw1y);
 		const double t76 = RNEA_FMA(4.8965888601467475e-12, dw1y, dw1z);
-		const double t77 = RNEA_FMA(0.08, w1z, v1y);
-		const double t78 = RNEA_FMA(-0.08, w1y, v1z);
+		a[17*stride] = dw2z;
+		const double t75 = RNEA_FMA(4.8965888601467475e-12, w1y, w1z);
+		const double qd2 = qd[7*stride];
+		const double w2z = qd2 + RNEA_FMA(4.8965888601467475e-12, w1z, -w1y);
+		v[17*stride] = w2z;
 		const double t79 = RNEA_FMA(4.8965888601467475e-12, t77, t78);
 		const double v2z = RNEA_FMA(4.8965888601467475e-12, t78, -t77);
-		const double t80 = RNEA_FMA(-0.08, t63, a1x);
-		const double t81 = RNEA_FMA(0.08, t70, a1y);
-		const double t82 = RNEA_FMA(0.08, t67, a1z);
+		v[14*stride] = v2z;
 		const double t83 = RNEA_FMA(4.8965888601467475e-12, t81, t82);
 		const double a2z = RNEA_FMA(4.8965888601467475e-12, t82, -t81);
 		const double w2x = RNEA_FMA(w1x, c2, s2*t75);
 		const double w2y = RNEA_FMA(s2, -w1x, c2*t75);
-		const double qd2 = qd[7*stride];
-		const double w2z = qd2 + RNEA_FMA(4.8965888601467475e-12, w1z, -w1y);
+		v[16*stride] = w2y;
+		v[15*stride] = w2x;
 		const double dw2x = RNEA_FMA(qd2, w2y, RNEA_FMA(dw1x, c2, s2*t76));
 		const double dw2y = RNEA_FMA(w2x, -qd2, RNEA_FMA(s2, -dw1x, c2*t76));
-		const double qdd2 = qdd[7*stride];
-		const double dw2z = qdd2 + RNEA_FMA(4.8965888601467475e-12, dw1z, -dw1y);
+		a[16*stride] = dw2y;
+		a[15*stride] = dw2x;
 		const double v2x = RNEA_FMA(v1x, c2, s2*t79);
 		const double v2y = RNEA_FMA(s2, -v1x, c2*t79);
+		a[14*stride] = a2z - RNEA_FMA(v2x, -w2y, w2x*v2y);
+		v[13*stride] = v2y;
+		v[12*stride] = v2x;
 		const double a2x = RNEA_FMA(c2, t80, s2*t83);
 		const double a2y = RNEA_FMA(t80, -s2, c2*t83);
+		a[13*stride] = a2y - RNEA_FMA(w2x, -v2z, w2z*v2x);
+		a[12*stride] = a2x - RNEA_FMA(v2y, -w2z, v2z*w2y);
+		const double v3z = RNEA_FMA(-0.35, w2y, v2z);
+		v[20*stride] = v3z;
+		const double t99 = RNEA_FMA(0.35, w2z, v2y);
 		const double t84 = w2y*w2z;
 		const double t85 = w2z*w2z;
 		const double t86 = w2y*w2y;
@@ -1402,110 +1400,66 @@ static RNEA_INLINE int hyq_fpass_segment0(const double *first_q, const double *f
 		const double t92 = w2x*w2y;
 		const double t93 = t92 - dw2z;
 		const double t94 = dw2z + t92;
-		const double f2x = RNEA_FMA(2.638, a2x, -RNEA_FMA(0.06924749999999999, t93, 0.39765212*t87));
-		const double f2y = RNEA_FMA(2.638, a2y, RNEA_FMA(0.06924749999999999, t85 + t90, 0.39765212*t94));
-		const double f2z = RNEA_FMA(2.638, a2z, RNEA_FMA(-0.06924749999999999, t88, 0.39765212*t91));
+		const double t97 = RNEA_FMA(-0.0001, t84 - dw2x, RNEA_FMA(0.08986982744380001, dw2z,
+			0.0816343336938*t92));
 		const double t95 = RNEA_FMA(0.0001, t94, RNEA_FMA(-0.00741836815, t91, RNEA_FMA(0.005497746875, dw2x,
 			0.0027377468750000005*t84)));
+		const double n2x = RNEA_FMA(-0.06924749999999999, a2z, RNEA_FMA(2e-05, t86 - t85, t95));
+		const double t98 = RNEA_FMA(0.00741836815, t90 - t86, RNEA_FMA(2e-05, dw2y + t89, t97));
 		const double t96 = RNEA_FMA(0.00741836815, t88, RNEA_FMA(-2e-05, t93, RNEA_FMA(-0.08437208056880001,
 			t89,
 			0.08713208056880001*dw2y)));
-		const double t97 = RNEA_FMA(-0.0001, t84 - dw2x, RNEA_FMA(0.08986982744380001, dw2z,
-			0.0816343336938*t92));
-		const double t98 = RNEA_FMA(0.00741836815, t90 - t86, RNEA_FMA(2e-05, dw2y + t89, t97));
-		const double n2x = RNEA_FMA(-0.06924749999999999, a2z, RNEA_FMA(2e-05, t86 - t85, t95));
-		const double n2y = RNEA_FMA(-0.39765212, a2z, RNEA_FMA(0.0001, t85 - t90, t96));
+		const double f2x = RNEA_FMA(2.638, a2x, -RNEA_FMA(0.06924749999999999, t93, 0.39765212*t87));
+		const double t100 = RNEA_FMA(-0.35, t87, a2x);
 		const double n2z = RNEA_FMA(0.39765212, a2y, 0.06924749999999999*a2x) + t98;
-		v[12*stride] = v2x;
-		v[13*stride] = v2y;
-		v[14*stride] = v2z;
-		v[15*stride] = w2x;
-		v[16*stride] = w2y;
-		v[17*stride] = w2z;
-		a[12*stride] = a2x - RNEA_FMA(v2y, -w2z, v2z*w2y);
-		a[13*stride] = a2y - RNEA_FMA(w2x, -v2z, w2z*v2x);
-		a[14*stride] = a2z - RNEA_FMA(v2x, -w2y, w2x*v2y);
-		a[15*stride] = dw2x;
-		a[16*stride] = dw2y;
-		a[17*stride] = dw2z;
+		f[17*stride] = n2z;
 		f[12*stride] = f2x;
+		const double f2z = RNEA_FMA(2.638, a2z, RNEA_FMA(-0.06924749999999999, t88, 0.39765212*t91));
+		const double a3z = RNEA_FMA(0.35, t91, a2z);
+		across[27*step] = a3z;
+		const double n2y = RNEA_FMA(-0.39765212, a2z, RNEA_FMA(0.0001, t85 - t90, t96));
+		const double f2y = RNEA_FMA(2.638, a2y, RNEA_FMA(0.06924749999999999, t85 + t90, 0.39765212*t94));
+		const double t101 = RNEA_FMA(0.35, t94, a2y);
 		f[13*stride] = f2y;
+		f[16*stride] = n2y;
 		f[14*stride] = f2z;
 		f[15*stride] = n2x;
-		f[16*stride] = n2y;
-		f[17*stride] = n2z;
 
 		/* ---- out to link 3 "lf_lowerleg" (fpass) ---- */
 		const double q3 = q[9*stride];
 		double s3, c3;
 		all_small &= rneagen_sincos_known(q3, known, sines + 4, &s3, &c3);
-		const double t99 = RNEA_FMA(0.35, w2z, v2y);
-		const double v3z = RNEA_FMA(-0.35, w2y, v2z);
-		const double t100 = RNEA_FMA(-0.35, t87, a2x);
-		const double t101 = RNEA_FMA(0.35, t94, a2y);
-		const double a3z = RNEA_FMA(0.35, t91, a2z);
-		const double w3x = RNEA_FMA(w2x, c3, w2y*s3);
-		const double w3y = RNEA_FMA(s3, -w2x, w2y*c3);
 		const double qd3 = qd[8*stride];
 		const double w3z = w2z + qd3;
-		const double dw3x = RNEA_FMA(qd3, w3y, RNEA_FMA(dw2x, c3, dw2y*s3));
-		const double dw3y = RNEA_FMA(w3x, -qd3, RNEA_FMA(s3, -dw2x, dw2y*c3));
+		across[28*step] = w3z;
+		v[23*stride] = w3z;
 		const double qdd3 = qdd[8*stride];
 		const double dw3z = dw2z + qdd3;
+		across[29*step] = dw3z;
+		a[23*stride] = dw3z;
+		const double w3x = RNEA_FMA(w2x, c3, w2y*s3);
+		across[30*step] = w3x;
+		const double w3y = RNEA_FMA(s3, -w2x, w2y*c3);
+		across[31*step] = w3y;
+		v[22*stride] = w3y;
+		v[21*stride] = w3x;
+		const double dw3x = RNEA_FMA(qd3, w3y, RNEA_FMA(dw2x, c3, dw2y*s3));
+		across[32*step] = dw3x;
+		const double dw3y = RNEA_FMA(w3x, -qd3, RNEA_FMA(s3, -dw2x, dw2y*c3));
+		across[33*step] = dw3y;
+		a[22*stride] = dw3y;
+		a[21*stride] = dw3x;
 		const double v3x = RNEA_FMA(v2x, c3, s3*t99);
 		const double v3y = RNEA_FMA(s3, -v2x, c3*t99);
-		const double a3x = RNEA_FMA(c3, t100, s3*t101);
-		const double a3y = RNEA_FMA(t100, -s3, c3*t101);
-		const double t102 = w3y*w3z;
-		const double t103 = w3z*w3z;
-		const double t104 = w3y*w3y;
-		const double t105 = t102 - dw3x;
-		const double t106 = dw3x + t102;
-		const double t107 = w3x*w3z;
-		const double t108 = w3x*w3x;
-		const double t109 = t107 - dw3y;
-		const double t110 = dw3y + t107;
-		const double t111 = w3x*w3y;
-		const double t112 = t111 - dw3z;
-		const double t113 = dw3z + t111;
-		const double f3x = RNEA_FMA(0.881001, a3x, RNEA_FMA(-8.81e-05, t110, RNEA_FMA(-0.11047774600000002, t103
-			+ t104,
-			3.524e-05*t112)));
-		const double f3y = RNEA_FMA(0.881001, a3y, RNEA_FMA(-8.81e-05, t105, RNEA_FMA(-3.524e-05, t103 + t108,
-			0.11047774600000002*t113)));
-		const double f3z = RNEA_FMA(0.881001, a3z, RNEA_FMA(8.81e-05, t104 + t108, RNEA_FMA(3.524e-05, t106,
-			0.11047774600000002*t109)));
-		const double t114 = RNEA_FMA(4.774000000489742e-08, t113, RNEA_FMA(-5.6580903999995104e-05, t109,
-			RNEA_FMA(-0.0002300074003999993, t102, 0.0004710102195999804*dw3x)));
-		const double t115 = RNEA_FMA(5.6580903999995104e-05, t106, RNEA_FMA(9.96476000009793e-07, t112,
-			RNEA_FMA(-0.02571397686600003, t107, 0.026414994486000012*dw3y)));
-		const double t116 = RNEA_FMA(-9.96476000009793e-07, t110, RNEA_FMA(-4.774000000489742e-08, t105,
-			RNEA_FMA(0.026184987085600013, dw3z, 0.02594398426640003*t111)));
-		const double n3x = RNEA_FMA(3.524e-05, a3z, 8.81e-05*a3y) + RNEA_FMA(-9.96476000009793e-07, t104 - t103,
-			t114);
-		const double n3y = RNEA_FMA(4.774000000489742e-08, t103 - t108, t115) - RNEA_FMA(8.81e-05, a3x,
-			0.11047774600000002*a3z);
-		const double n3z = RNEA_FMA(-3.524e-05, a3x, 0.11047774600000002*a3y) + RNEA_FMA(5.6580903999995104e-05,
-			t108
-			- t104, t116);
-		v[18*stride] = v3x;
-		v[19*stride] = v3y;
-		v[20*stride] = v3z;
-		v[21*stride] = w3x;
-		v[22*stride] = w3y;
-		v[23*stride] = w3z;
-		a[18*stride] = a3x - RNEA_FMA(v3y, -w3z, v3z*w3y);
-		a[19*stride] = a3y - RNEA_FMA(w3x, -v3z, w3z*v3x);
 		a[20*stride] = a3z - RNEA_FMA(v3x, -w3y, w3x*v3y);
-		a[21*stride] = dw3x;
-		a[22*stride] = dw3y;
-		a[23*stride] = dw3z;
-		f[18*stride] = f3x;
-		f[19*stride] = f3y;
-		f[20*stride] = f3z;
-		f[21*stride] = n3x;
-		f[22*stride] = n3y;
-		f[23*stride] = n3z;
+		v[19*stride] = v3y;
+		v[18*stride] = v3x;
+		const double a3x = RNEA_FMA(c3, t100, s3*t101);
+		across[34*step] = a3x;
+		const double a3y = RNEA_FMA(t100, -s3, c3*t101);
+		across[35*step] = a3y;
+		a[19*stride] = a3y - RNEA_FMA(w3x, -v3z, w3z*v3x);
+		a[18*stride] = a3x - RNEA_FMA(v3y, -w3z, v3z*w3y);
 	}
 	return all_small;
 }
@@ -1526,67 +1480,120 @@ static RNEA_INLINE int hyq_fpass_segment1(const double *first_q, const double *f
 		double *const a = first_a + l;
 		double *const f = first_f + l;
 		double *const across = first_across + l;
+		const double w3y = across[31*step];
+		const double w3z = across[28*step];
+		const double t102 = w3y*w3z;
+		const double t103 = w3z*w3z;
+		const double w3x = across[30*step];
+		const double t107 = w3x*w3z;
+		const double t104 = w3y*w3y;
+		const double t111 = w3x*w3y;
+		const double t108 = w3x*w3x;
+		const double dw3x = across[32*step];
+		const double t105 = t102 - dw3x;
+		const double t106 = dw3x + t102;
+		const double dw3y = across[33*step];
+		const double t109 = t107 - dw3y;
+		const double t110 = dw3y + t107;
+		const double dw3z = across[29*step];
+		const double t112 = t111 - dw3z;
+		const double t115 = RNEA_FMA(5.6580903999995104e-05, t106, RNEA_FMA(9.96476000009793e-07, t112,
+			RNEA_FMA(-0.02571397686600003, t107, 0.026414994486000012*dw3y)));
+		const double a3x = across[34*step];
+		const double f3x = RNEA_FMA(0.881001, a3x, RNEA_FMA(-8.81e-05, t110, RNEA_FMA(-0.11047774600000002, t103
+			+ t104,
+			3.524e-05*t112)));
+		const double t116 = RNEA_FMA(-9.96476000009793e-07, t110, RNEA_FMA(-4.774000000489742e-08, t105,
+			RNEA_FMA(0.026184987085600013, dw3z, 0.02594398426640003*t111)));
+		const double t113 = dw3z + t111;
+		const double t114 = RNEA_FMA(4.774000000489742e-08, t113, RNEA_FMA(-5.6580903999995104e-05, t109,
+			RNEA_FMA(-0.0002300074003999993, t102, 0.0004710102195999804*dw3x)));
+		const double a3z = across[27*step];
+		const double f3z = RNEA_FMA(0.881001, a3z, RNEA_FMA(8.81e-05, t104 + t108, RNEA_FMA(3.524e-05, t106,
+			0.11047774600000002*t109)));
+		f[20*stride] = f3z;
+		const double a3y = across[35*step];
+		const double f3y = RNEA_FMA(0.881001, a3y, RNEA_FMA(-8.81e-05, t105, RNEA_FMA(-3.524e-05, t103 + t108,
+			0.11047774600000002*t113)));
+		f[19*stride] = f3y;
+		const double n3x = RNEA_FMA(3.524e-05, a3z, 8.81e-05*a3y) + RNEA_FMA(-9.96476000009793e-07, t104 - t103,
+			t114);
+		const double n3y = RNEA_FMA(4.774000000489742e-08, t103 - t108, t115) - RNEA_FMA(8.81e-05, a3x,
+			0.11047774600000002*a3z);
+		const double n3z = RNEA_FMA(-3.524e-05, a3x, 0.11047774600000002*a3y) + RNEA_FMA(5.6580903999995104e-05,
+			t108
+			- t104, t116);
+		f[23*stride] = n3z;
+		f[22*stride] = n3y;
+		f[21*stride] = n3x;
+		f[18*stride] = f3x;
 
 		/* ---- out to link 4 "lh_hipassembly" (fpass) ---- */
 		const double q4 = q[10*stride];
 		double s4, c4;
 		all_small &= rneagen_sincos_known(q4, known, sines + 6, &s4, &c4);
-		const double t36 = across[15*step];
-		const double t37 = across[16*step];
-		const double t117 = t36 + t37;
-		across[31*step] = t117;
-		const double qd0vy = qd[stride];
-		const double t35 = across[14*step];
-		const double t118 = qd0vy - t35;
-		across[32*step] = t118;
+		const double t28 = across[6*step];
+		const double qd4 = qd[9*stride];
+		const double w4z = t28 + qd4;
+		v[29*stride] = w4z;
+		const double t33 = across[11*step];
+		const double qdd4 = qdd[9*stride];
+		const double dw4z = t33 + qdd4;
+		a[29*stride] = dw4z;
 		const double qd0vz = qd[2*stride];
+		const double t117 = across[13*step];
 		const double t119 = qd0vz + t117;
-		const double t42 = across[20*step];
-		const double t120 = t119 + RNEA_FMA(1.0127277222968137e-24, t118, t42);
-		const double t44 = across[21*step];
-		const double t121 = t44 - t118;
-		const double t39 = across[18*step];
+		const double t193 = qd0vz - t117;
+		across[36*step] = t193;
+		const double t118 = across[17*step];
+		const double t39 = across[14*step];
 		const double v4z = RNEA_FMA(4.8965888601467475e-12, t119, -RNEA_FMA(2.0682310711021444e-13, t118, t39));
-		const double t46 = across[22*step];
-		const double t47 = across[23*step];
-		const double t122 = t46 + t47;
-		across[33*step] = t122;
-		const double t49 = across[25*step];
-		const double t50 = across[26*step];
-		const double t123 = t49 + t50;
-		across[34*step] = t123;
-		const double t53 = across[29*step];
-		const double t52 = across[28*step];
-		const double t124 = t53 - t52;
-		across[35*step] = t124;
+		const double t42 = across[19*step];
+		const double t120 = t119 + RNEA_FMA(1.0127277222968137e-24, t118, t42);
+		v[26*stride] = v4z;
 		const double a0x = across[0];
+		const double t122 = across[21*step];
 		const double t125 = a0x + t122;
+		const double t196 = a0x - t122;
+		across[37*step] = t196;
 		const double a0y = across[step];
+		const double t123 = across[22*step];
 		const double t126 = a0y - t123;
+		const double t197 = a0y + t123;
+		across[38*step] = t197;
 		const double a0z = across[2*step];
+		const double t124 = across[23*step];
 		const double t127 = a0z + t124;
+		const double t198 = a0z - t124;
+		across[39*step] = t198;
 		const double t128 = t127 + RNEA_FMA(1.0127277222968137e-24, t126, 4.8965888601467475e-12*t125);
-		const double t129 = RNEA_FMA(2.0682310711021444e-13, t125, -t126);
 		const double a4z = RNEA_FMA(4.8965888601467475e-12, t127, -RNEA_FMA(2.0682310711021444e-13, t126,
 			t125));
-		const double t25 = across[4*step];
+		const double t129 = RNEA_FMA(2.0682310711021444e-13, t125, -t126);
+		const double t25 = across[3*step];
 		const double t26 = across[5*step];
 		const double w4x = RNEA_FMA(c4, -t25, t26*s4);
 		const double w4y = RNEA_FMA(t25, s4, t26*c4);
-		const double t28 = across[7*step];
-		const double qd4 = qd[9*stride];
-		const double w4z = t28 + qd4;
-		const double t30 = across[9*step];
+		v[28*stride] = w4y;
+		v[27*stride] = w4x;
+		const double t30 = across[8*step];
 		const double t31 = across[10*step];
 		const double dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(c4, -t30, t31*s4));
 		const double dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(t30, s4, t31*c4));
-		const double t33 = across[12*step];
-		const double qdd4 = qdd[9*stride];
-		const double dw4z = t33 + qdd4;
+		a[28*stride] = dw4y;
+		a[27*stride] = dw4x;
+		const double t121 = across[20*step];
 		const double v4x = RNEA_FMA(t120, -c4, s4*t121);
 		const double v4y = RNEA_FMA(s4, t120, c4*t121);
+		a[26*stride] = a4z - RNEA_FMA(v4x, -w4y, w4x*v4y);
+		v[25*stride] = v4y;
+		v[24*stride] = v4x;
 		const double a4x = RNEA_FMA(t128, -c4, s4*t129);
 		const double a4y = RNEA_FMA(s4, t128, c4*t129);
+		a[25*stride] = a4y - RNEA_FMA(w4x, -v4z, w4z*v4x);
+		a[24*stride] = a4x - RNEA_FMA(v4y, -w4z, v4z*w4y);
+		const double t148 = RNEA_FMA(-0.08, w4y, v4z);
+		const double t147 = RNEA_FMA(0.08, w4z, v4y);
 		const double t130 = w4y*w4z;
 		const double t131 = w4z*w4z;
 		const double t132 = w4y*w4y;
@@ -1597,69 +1604,70 @@ static RNEA_INLINE int hyq_fpass_segment1(const double *first_q, const double *f
 		const double t137 = t135 - dw4y;
 		const double t138 = dw4y + t135;
 		const double t139 = w4x*w4y;
-		const double t140 = dw4z + t139;
-		const double f4x = RNEA_FMA(2.93, a4x, -RNEA_FMA(0.49607829999999997, t138, 0.12490590000000001*t133));
-		const double f4y = RNEA_FMA(2.93, a4y, RNEA_FMA(-0.49607829999999997, t134, 0.12490590000000001*t140));
-		const double f4z = RNEA_FMA(2.93, a4z, RNEA_FMA(0.49607829999999997, t132 + t136,
-			0.12490590000000001*t137));
-		const double t141 = RNEA_FMA(0.022737817929, t140, RNEA_FMA(-4e-05, t137, RNEA_FMA(-0.133141016973,
-			t130,
-			0.134701016973*dw4x)));
 		const double t142 = RNEA_FMA(5e-05, t139 - dw4z, RNEA_FMA(0.14417575549, dw4y,
 			0.12366627845599999*t135));
 		const double t143 = RNEA_FMA(0.022737817929, t131 - t136, RNEA_FMA(4e-05, dw4x + t130, t142));
+		const double n4y = t143 - RNEA_FMA(0.49607829999999997, a4x, 0.12490590000000001*a4z);
+		f[28*stride] = n4y;
+		const double t140 = dw4z + t139;
 		const double t144 = RNEA_FMA(-5e-05, t138, RNEA_FMA(-0.022737817929, t134, RNEA_FMA(0.011034738517,
 			dw4z,
 			0.009474738517000002*t139)));
-		const double n4x = RNEA_FMA(0.49607829999999997, a4y, RNEA_FMA(-5e-05, t132 - t131, t141));
-		const double n4y = t143 - RNEA_FMA(0.49607829999999997, a4x, 0.12490590000000001*a4z);
-		const double n4z = RNEA_FMA(0.12490590000000001, a4y, RNEA_FMA(4e-05, t136 - t132, t144));
-		v[24*stride] = v4x;
-		v[25*stride] = v4y;
-		v[26*stride] = v4z;
-		v[27*stride] = w4x;
-		v[28*stride] = w4y;
-		v[29*stride] = w4z;
-		a[24*stride] = a4x - RNEA_FMA(v4y, -w4z, v4z*w4y);
-		a[25*stride] = a4y - RNEA_FMA(w4x, -v4z, w4z*v4x);
-		a[26*stride] = a4z - RNEA_FMA(v4x, -w4y, w4x*v4y);
-		a[27*stride] = dw4x;
-		a[28*stride] = dw4y;
-		a[29*stride] = dw4z;
-		f[24*stride] = f4x;
+		const double f4y = RNEA_FMA(2.93, a4y, RNEA_FMA(-0.49607829999999997, t134, 0.12490590000000001*t140));
 		f[25*stride] = f4y;
-		f[26*stride] = f4z;
+		const double f4x = RNEA_FMA(2.93, a4x, -RNEA_FMA(0.49607829999999997, t138, 0.12490590000000001*t133));
+		const double t150 = RNEA_FMA(-0.08, t133, a4x);
+		f[24*stride] = f4x;
+		const double n4z = RNEA_FMA(0.12490590000000001, a4y, RNEA_FMA(4e-05, t136 - t132, t144));
+		const double f4z = RNEA_FMA(2.93, a4z, RNEA_FMA(0.49607829999999997, t132 + t136,
+			0.12490590000000001*t137));
+		const double t152 = RNEA_FMA(0.08, t137, a4z);
+		const double t141 = RNEA_FMA(0.022737817929, t140, RNEA_FMA(-4e-05, t137, RNEA_FMA(-0.133141016973,
+			t130,
+			0.134701016973*dw4x)));
+		const double t151 = RNEA_FMA(0.08, t140, a4y);
+		const double n4x = RNEA_FMA(0.49607829999999997, a4y, RNEA_FMA(-5e-05, t132 - t131, t141));
 		f[27*stride] = n4x;
-		f[28*stride] = n4y;
+		f[26*stride] = f4z;
 		f[29*stride] = n4z;
 
 		/* ---- out to link 5 "lh_upperleg" (fpass) ---- */
 		const double q5 = q[11*stride];
 		double s5, c5;
 		all_small &= rneagen_sincos_known(q5, known, sines + 8, &s5, &c5);
-		const double t145 = RNEA_FMA(4.8965888601467475e-12, w4y, w4z);
+		const double qdd5 = qdd[10*stride];
+		const double dw5z = qdd5 + RNEA_FMA(4.8965888601467475e-12, dw4z, -dw4y);
 		const double t146 = RNEA_FMA(4.8965888601467475e-12, dw4y, dw4z);
-		const double t147 = RNEA_FMA(0.08, w4z, v4y);
-		const double t148 = RNEA_FMA(-0.08, w4y, v4z);
+		a[35*stride] = dw5z;
+		const double t145 = RNEA_FMA(4.8965888601467475e-12, w4y, w4z);
+		const double qd5 = qd[10*stride];
+		const double w5z = qd5 + RNEA_FMA(4.8965888601467475e-12, w4z, -w4y);
+		v[35*stride] = w5z;
 		const double t149 = RNEA_FMA(4.8965888601467475e-12, t147, t148);
 		const double v5z = RNEA_FMA(4.8965888601467475e-12, t148, -t147);
-		const double t150 = RNEA_FMA(-0.08, t133, a4x);
-		const double t151 = RNEA_FMA(0.08, t140, a4y);
-		const double t152 = RNEA_FMA(0.08, t137, a4z);
+		v[32*stride] = v5z;
 		const double t153 = RNEA_FMA(4.8965888601467475e-12, t151, t152);
 		const double a5z = RNEA_FMA(4.8965888601467475e-12, t152, -t151);
 		const double w5x = RNEA_FMA(w4x, c5, s5*t145);
 		const double w5y = RNEA_FMA(s5, -w4x, c5*t145);
-		const double qd5 = qd[10*stride];
-		const double w5z = qd5 + RNEA_FMA(4.8965888601467475e-12, w4z, -w4y);
+		v[34*stride] = w5y;
+		v[33*stride] = w5x;
 		const double dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(dw4x, c5, s5*t146));
 		const double dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(s5, -dw4x, c5*t146));
-		const double qdd5 = qdd[10*stride];
-		const double dw5z = qdd5 + RNEA_FMA(4.8965888601467475e-12, dw4z, -dw4y);
+		a[34*stride] = dw5y;
+		a[33*stride] = dw5x;
 		const double v5x = RNEA_FMA(v4x, c5, s5*t149);
 		const double v5y = RNEA_FMA(s5, -v4x, c5*t149);
+		a[32*stride] = a5z - RNEA_FMA(v5x, -w5y, w5x*v5y);
+		v[31*stride] = v5y;
+		v[30*stride] = v5x;
 		const double a5x = RNEA_FMA(c5, t150, s5*t153);
 		const double a5y = RNEA_FMA(t150, -s5, c5*t153);
+		a[31*stride] = a5y - RNEA_FMA(w5x, -v5z, w5z*v5x);
+		a[30*stride] = a5x - RNEA_FMA(v5y, -w5z, v5z*w5y);
+		const double v6z = RNEA_FMA(-0.35, w5y, v5z);
+		v[38*stride] = v6z;
+		const double t169 = RNEA_FMA(0.35, w5z, v5y);
 		const double t154 = w5y*w5z;
 		const double t155 = w5z*w5z;
 		const double t156 = w5y*w5y;
@@ -1671,111 +1679,96 @@ static RNEA_INLINE int hyq_fpass_segment1(const double *first_q, const double *f
 		const double t162 = w5x*w5y;
 		const double t163 = t162 - dw5z;
 		const double t164 = dw5z + t162;
-		const double f5x = RNEA_FMA(2.638, a5x, RNEA_FMA(-0.39765212, t157, 0.06924749999999999*t163));
-		const double f5y = RNEA_FMA(2.638, a5y, RNEA_FMA(-0.06924749999999999, t155 + t160, 0.39765212*t164));
-		const double f5z = RNEA_FMA(2.638, a5z, RNEA_FMA(0.06924749999999999, t158, 0.39765212*t161));
+		const double t167 = RNEA_FMA(0.0001, t154 - dw5x, RNEA_FMA(0.08986982744380001, dw5z,
+			0.0816343336938*t162));
 		const double t165 = RNEA_FMA(-0.0001, t164, RNEA_FMA(0.00741836815, t161, RNEA_FMA(0.005497746875, dw5x,
 			0.0027377468750000005*t154)));
+		const double n5x = RNEA_FMA(0.06924749999999999, a5z, RNEA_FMA(2e-05, t156 - t155, t165));
+		const double t168 = RNEA_FMA(-0.00741836815, t160 - t156, RNEA_FMA(2e-05, dw5y + t159, t167));
 		const double t166 = RNEA_FMA(-0.00741836815, t158, RNEA_FMA(-2e-05, t163, RNEA_FMA(-0.08437208056880001,
 			t159,
 			0.08713208056880001*dw5y)));
-		const double t167 = RNEA_FMA(0.0001, t154 - dw5x, RNEA_FMA(0.08986982744380001, dw5z,
-			0.0816343336938*t162));
-		const double t168 = RNEA_FMA(-0.00741836815, t160 - t156, RNEA_FMA(2e-05, dw5y + t159, t167));
-		const double n5x = RNEA_FMA(0.06924749999999999, a5z, RNEA_FMA(2e-05, t156 - t155, t165));
-		const double n5y = RNEA_FMA(-0.39765212, a5z, RNEA_FMA(-0.0001, t155 - t160, t166));
+		const double f5x = RNEA_FMA(2.638, a5x, RNEA_FMA(-0.39765212, t157, 0.06924749999999999*t163));
+		const double t170 = RNEA_FMA(-0.35, t157, a5x);
 		const double n5z = RNEA_FMA(-0.06924749999999999, a5x, 0.39765212*a5y) + t168;
-		v[30*stride] = v5x;
-		v[31*stride] = v5y;
-		v[32*stride] = v5z;
-		v[33*stride] = w5x;
-		v[34*stride] = w5y;
-		v[35*stride] = w5z;
-		a[30*stride] = a5x - RNEA_FMA(v5y, -w5z, v5z*w5y);
-		a[31*stride] = a5y - RNEA_FMA(w5x, -v5z, w5z*v5x);
-		a[32*stride] = a5z - RNEA_FMA(v5x, -w5y, w5x*v5y);
-		a[33*stride] = dw5x;
-		a[34*stride] = dw5y;
-		a[35*stride] = dw5z;
+		f[35*stride] = n5z;
 		f[30*stride] = f5x;
+		const double f5z = RNEA_FMA(2.638, a5z, RNEA_FMA(0.06924749999999999, t158, 0.39765212*t161));
+		const double a6z = RNEA_FMA(0.35, t161, a5z);
+		const double n5y = RNEA_FMA(-0.39765212, a5z, RNEA_FMA(-0.0001, t155 - t160, t166));
+		const double f5y = RNEA_FMA(2.638, a5y, RNEA_FMA(-0.06924749999999999, t155 + t160, 0.39765212*t164));
+		const double t171 = RNEA_FMA(0.35, t164, a5y);
 		f[31*stride] = f5y;
+		f[34*stride] = n5y;
 		f[32*stride] = f5z;
 		f[33*stride] = n5x;
-		f[34*stride] = n5y;
-		f[35*stride] = n5z;
 
 		/* ---- out to link 6 "lh_lowerleg" (fpass) ---- */
 		const double q6 = q[12*stride];
 		double s6, c6;
 		all_small &= rneagen_sincos_known(q6, known, sines + 10, &s6, &c6);
-		const double t169 = RNEA_FMA(0.35, w5z, v5y);
-		const double v6z = RNEA_FMA(-0.35, w5y, v5z);
-		const double t170 = RNEA_FMA(-0.35, t157, a5x);
-		const double t171 = RNEA_FMA(0.35, t164, a5y);
-		const double a6z = RNEA_FMA(0.35, t161, a5z);
-		const double w6x = RNEA_FMA(w5x, c6, w5y*s6);
-		const double w6y = RNEA_FMA(s6, -w5x, w5y*c6);
 		const double qd6 = qd[11*stride];
 		const double w6z = w5z + qd6;
-		const double dw6x = RNEA_FMA(qd6, w6y, RNEA_FMA(dw5x, c6, dw5y*s6));
-		const double dw6y = RNEA_FMA(w6x, -qd6, RNEA_FMA(s6, -dw5x, dw5y*c6));
+		v[41*stride] = w6z;
 		const double qdd6 = qdd[11*stride];
 		const double dw6z = dw5z + qdd6;
+		a[41*stride] = dw6z;
+		const double w6x = RNEA_FMA(w5x, c6, w5y*s6);
+		const double w6y = RNEA_FMA(s6, -w5x, w5y*c6);
+		v[40*stride] = w6y;
+		v[39*stride] = w6x;
+		const double dw6x = RNEA_FMA(qd6, w6y, RNEA_FMA(dw5x, c6, dw5y*s6));
+		const double dw6y = RNEA_FMA(w6x, -qd6, RNEA_FMA(s6, -dw5x, dw5y*c6));
+		a[40*stride] = dw6y;
+		a[39*stride] = dw6x;
 		const double v6x = RNEA_FMA(v5x, c6, s6*t169);
 		const double v6y = RNEA_FMA(s6, -v5x, c6*t169);
+		a[38*stride] = a6z - RNEA_FMA(v6x, -w6y, w6x*v6y);
+		v[37*stride] = v6y;
+		v[36*stride] = v6x;
 		const double a6x = RNEA_FMA(c6, t170, s6*t171);
 		const double a6y = RNEA_FMA(t170, -s6, c6*t171);
+		a[37*stride] = a6y - RNEA_FMA(w6x, -v6z, w6z*v6x);
+		a[36*stride] = a6x - RNEA_FMA(v6y, -w6z, v6z*w6y);
 		const double t172 = w6y*w6z;
 		const double t173 = w6z*w6z;
+		const double t177 = w6x*w6z;
 		const double t174 = w6y*w6y;
+		const double t181 = w6x*w6y;
+		const double t178 = w6x*w6x;
 		const double t175 = t172 - dw6x;
 		const double t176 = dw6x + t172;
-		const double t177 = w6x*w6z;
-		const double t178 = w6x*w6x;
 		const double t179 = t177 - dw6y;
 		const double t180 = dw6y + t177;
-		const double t181 = w6x*w6y;
 		const double t182 = t181 - dw6z;
-		const double t183 = dw6z + t181;
-		const double t184 = RNEA_FMA(8.81e-05, t180, -RNEA_FMA(3.524e-05, t182, 0.11047774600000002*(t173
-			+ t174)));
-		const double f6x = RNEA_FMA(0.881001, a6x, t184);
-		const double f6y = RNEA_FMA(0.881001, a6y, RNEA_FMA(8.81e-05, t175, RNEA_FMA(3.524e-05, t173 + t178,
-			0.11047774600000002*t183)));
-		const double f6z = RNEA_FMA(0.881001, a6z, RNEA_FMA(-8.81e-05, t174 + t178, RNEA_FMA(-3.524e-05, t176,
-			0.11047774600000002*t179)));
-		const double t185 = RNEA_FMA(-2.0477399999951043e-06, t183, RNEA_FMA(5.4580904000004895e-05, t179,
-			RNEA_FMA(-0.0002300074003999993, t172, 0.0004710102195999804*dw6x)));
 		const double t186 = RNEA_FMA(-5.4580904000004895e-05, t176, RNEA_FMA(9.96476000009793e-07, t182,
 			RNEA_FMA(-0.02571397686600003, t177, 0.026414994486000012*dw6y)));
+		const double t184 = RNEA_FMA(8.81e-05, t180, -RNEA_FMA(3.524e-05, t182, 0.11047774600000002*(t173
+			+ t174)));
 		const double t187 = RNEA_FMA(-9.96476000009793e-07, t180, RNEA_FMA(2.0477399999951043e-06, t175,
 			RNEA_FMA(0.026184987085600013, dw6z, 0.02594398426640003*t181)));
+		const double t183 = dw6z + t181;
+		const double t185 = RNEA_FMA(-2.0477399999951043e-06, t183, RNEA_FMA(5.4580904000004895e-05, t179,
+			RNEA_FMA(-0.0002300074003999993, t172, 0.0004710102195999804*dw6x)));
+		const double f6z = RNEA_FMA(0.881001, a6z, RNEA_FMA(-8.81e-05, t174 + t178, RNEA_FMA(-3.524e-05, t176,
+			0.11047774600000002*t179)));
+		f[38*stride] = f6z;
+		const double f6y = RNEA_FMA(0.881001, a6y, RNEA_FMA(8.81e-05, t175, RNEA_FMA(3.524e-05, t173 + t178,
+			0.11047774600000002*t183)));
+		f[37*stride] = f6y;
 		const double n6x = RNEA_FMA(-9.96476000009793e-07, t174 - t173, t185) - RNEA_FMA(3.524e-05, a6z,
 			8.81e-05*a6y);
-		const double n6y = RNEA_FMA(-0.11047774600000002, a6z, 8.81e-05*a6x) + RNEA_FMA(-2.0477399999951043e-06,
-			t173
-			- t178, t186);
 		const double n6z = RNEA_FMA(0.11047774600000002, a6y, 3.524e-05*a6x) + RNEA_FMA(-5.4580904000004895e-05,
 			t178
 			- t174, t187);
-		v[36*stride] = v6x;
-		v[37*stride] = v6y;
-		v[38*stride] = v6z;
-		v[39*stride] = w6x;
-		v[40*stride] = w6y;
-		v[41*stride] = w6z;
-		a[36*stride] = a6x - RNEA_FMA(v6y, -w6z, v6z*w6y);
-		a[37*stride] = a6y - RNEA_FMA(w6x, -v6z, w6z*v6x);
-		a[38*stride] = a6z - RNEA_FMA(v6x, -w6y, w6x*v6y);
-		a[39*stride] = dw6x;
-		a[40*stride] = dw6y;
-		a[41*stride] = dw6z;
+		const double n6y = RNEA_FMA(-0.11047774600000002, a6z, 8.81e-05*a6x) + RNEA_FMA(-2.0477399999951043e-06,
+			t173
+			- t178, t186);
+		const double f6x = RNEA_FMA(0.881001, a6x, t184);
 		f[36*stride] = f6x;
-		f[37*stride] = f6y;
-		f[38*stride] = f6z;
-		f[39*stride] = n6x;
 		f[40*stride] = n6y;
 		f[41*stride] = n6z;
+		f[39*stride] = n6x;
 	}
 	return all_small;
 }
@@ -1801,57 +1794,55 @@ static RNEA_INLINE int hyq_fpass_segment2(const double *first_q, const double *f
 		const double q7 = q[13*stride];
 		double s7, c7;
 		all_small &= rneagen_sincos_known(q7, known, sines + 12, &s7, &c7);
-		const double t24 = across[3*step];
-		const double qd0wz = qd[5*stride];
-		const double t188 = t24 - qd0wz;
-		across[4*step] = t188;
-		const double qd0wx = qd[3*stride];
-		const double t27 = across[6*step];
-		const double t189 = qd0wx + t27;
-		across[5*step] = t189;
-		const double t29 = across[8*step];
-		const double qdd0wz = qdd[5*stride];
-		const double t190 = t29 - qdd0wz;
-		across[7*step] = t190;
-		const double qdd0wx = qdd[3*stride];
-		const double t32 = across[11*step];
-		const double t191 = qdd0wx + t32;
-		across[9*step] = t191;
-		const double qd0vx = qd[0];
-		const double t34 = across[13*step];
-		const double t192 = qd0vx + t34;
-		const double qd0vz = qd[2*stride];
-		const double t117 = across[31*step];
-		const double t193 = qd0vz - t117;
+		const double qdd7 = qdd[12*stride];
+		const double t191 = across[12*step];
+		const double dw7z = qdd7 + t191;
+		a[47*stride] = dw7z;
+		const double t192 = across[15*step];
 		const double t194 = 4.8965888601467475e-12*t192;
+		const double t193 = across[36*step];
 		const double t195 = t194 - t193;
 		const double v7z = RNEA_FMA(4.8965888601467475e-12, t193, t192);
-		const double a0x = across[0];
-		const double t122 = across[33*step];
-		const double t196 = a0x - t122;
-		const double a0y = across[step];
-		const double t123 = across[34*step];
-		const double t197 = a0y + t123;
-		const double a0z = across[2*step];
-		const double t124 = across[35*step];
-		const double t198 = a0z - t124;
+		const double t257 = across[18*step];
+		const double v10z = RNEA_FMA(4.8965888601467475e-12, t257, t192);
+		across[0] = v10z;
+		const double t258 = t194 - t257;
+		across[step] = t258;
+		v[62*stride] = v10z;
+		v[44*stride] = v7z;
+		const double t196 = across[37*step];
+		const double t198 = across[39*step];
 		const double t199 = RNEA_FMA(4.8965888601467475e-12, t196, -t198);
 		const double a7z = RNEA_FMA(4.8965888601467475e-12, t198, t196);
+		const double t188 = across[4*step];
 		const double qd0wy = qd[4*stride];
 		const double w7x = RNEA_FMA(c7, t188, qd0wy*s7);
+		v[45*stride] = w7x;
 		const double w7y = RNEA_FMA(t188, -s7, qd0wy*c7);
+		v[46*stride] = w7y;
 		const double qd7 = qd[12*stride];
+		const double t189 = across[7*step];
 		const double w7z = qd7 + t189;
+		v[47*stride] = w7z;
+		const double t190 = across[9*step];
 		const double qdd0wy = qdd[4*stride];
 		const double dw7x = RNEA_FMA(qd7, w7y, RNEA_FMA(c7, t190, qdd0wy*s7));
 		const double dw7y = RNEA_FMA(w7x, -qd7, RNEA_FMA(t190, -s7, qdd0wy*c7));
-		const double qdd7 = qdd[12*stride];
-		const double dw7z = qdd7 + t191;
-		const double t40 = across[19*step];
+		a[46*stride] = dw7y;
+		a[45*stride] = dw7x;
+		const double t40 = across[16*step];
 		const double v7x = RNEA_FMA(c7, t195, t40*s7);
 		const double v7y = RNEA_FMA(t195, -s7, t40*c7);
+		a[44*stride] = a7z - RNEA_FMA(v7x, -w7y, w7x*v7y);
+		v[43*stride] = v7y;
+		v[42*stride] = v7x;
+		const double t197 = across[38*step];
 		const double a7x = RNEA_FMA(c7, t199, s7*t197);
 		const double a7y = RNEA_FMA(t199, -s7, c7*t197);
+		a[43*stride] = a7y - RNEA_FMA(w7x, -v7z, w7z*v7x);
+		a[42*stride] = a7x - RNEA_FMA(v7y, -w7z, v7z*w7y);
+		const double t218 = RNEA_FMA(-0.08, w7y, v7z);
+		const double t217 = RNEA_FMA(0.08, w7z, v7y);
 		const double t200 = w7y*w7z;
 		const double t201 = w7z*w7z;
 		const double t202 = w7y*w7y;
@@ -1862,69 +1853,70 @@ static RNEA_INLINE int hyq_fpass_segment2(const double *first_q, const double *f
 		const double t207 = t205 - dw7y;
 		const double t208 = dw7y + t205;
 		const double t209 = w7x*w7y;
-		const double t210 = dw7z + t209;
-		const double f7x = RNEA_FMA(2.93, a7x, -RNEA_FMA(0.49607829999999997, t208, 0.12490590000000001*t203));
-		const double f7y = RNEA_FMA(2.93, a7y, RNEA_FMA(-0.49607829999999997, t204, 0.12490590000000001*t210));
-		const double f7z = RNEA_FMA(2.93, a7z, RNEA_FMA(0.49607829999999997, t202 + t206,
-			0.12490590000000001*t207));
-		const double t211 = RNEA_FMA(0.022737817929, t210, RNEA_FMA(-4e-05, t207, RNEA_FMA(-0.133141016973,
-			t200,
-			0.134701016973*dw7x)));
 		const double t212 = RNEA_FMA(5e-05, t209 - dw7z, RNEA_FMA(0.14417575549, dw7y,
 			0.12366627845599999*t205));
 		const double t213 = RNEA_FMA(0.022737817929, t201 - t206, RNEA_FMA(4e-05, dw7x + t200, t212));
+		const double n7y = t213 - RNEA_FMA(0.49607829999999997, a7x, 0.12490590000000001*a7z);
+		f[46*stride] = n7y;
+		const double t210 = dw7z + t209;
 		const double t214 = RNEA_FMA(-5e-05, t208, RNEA_FMA(-0.022737817929, t204, RNEA_FMA(0.011034738517,
 			dw7z,
 			0.009474738517000002*t209)));
-		const double n7x = RNEA_FMA(0.49607829999999997, a7y, RNEA_FMA(-5e-05, t202 - t201, t211));
-		const double n7y = t213 - RNEA_FMA(0.49607829999999997, a7x, 0.12490590000000001*a7z);
-		const double n7z = RNEA_FMA(0.12490590000000001, a7y, RNEA_FMA(4e-05, t206 - t202, t214));
-		v[42*stride] = v7x;
-		v[43*stride] = v7y;
-		v[44*stride] = v7z;
-		v[45*stride] = w7x;
-		v[46*stride] = w7y;
-		v[47*stride] = w7z;
-		a[42*stride] = a7x - RNEA_FMA(v7y, -w7z, v7z*w7y);
-		a[43*stride] = a7y - RNEA_FMA(w7x, -v7z, w7z*v7x);
-		a[44*stride] = a7z - RNEA_FMA(v7x, -w7y, w7x*v7y);
-		a[45*stride] = dw7x;
-		a[46*stride] = dw7y;
-		a[47*stride] = dw7z;
-		f[42*stride] = f7x;
+		const double f7y = RNEA_FMA(2.93, a7y, RNEA_FMA(-0.49607829999999997, t204, 0.12490590000000001*t210));
 		f[43*stride] = f7y;
-		f[44*stride] = f7z;
+		const double f7x = RNEA_FMA(2.93, a7x, -RNEA_FMA(0.49607829999999997, t208, 0.12490590000000001*t203));
+		const double t220 = RNEA_FMA(-0.08, t203, a7x);
+		f[42*stride] = f7x;
+		const double n7z = RNEA_FMA(0.12490590000000001, a7y, RNEA_FMA(4e-05, t206 - t202, t214));
+		const double f7z = RNEA_FMA(2.93, a7z, RNEA_FMA(0.49607829999999997, t202 + t206,
+			0.12490590000000001*t207));
+		const double t222 = RNEA_FMA(0.08, t207, a7z);
+		const double t211 = RNEA_FMA(0.022737817929, t210, RNEA_FMA(-4e-05, t207, RNEA_FMA(-0.133141016973,
+			t200,
+			0.134701016973*dw7x)));
+		const double t221 = RNEA_FMA(0.08, t210, a7y);
+		const double n7x = RNEA_FMA(0.49607829999999997, a7y, RNEA_FMA(-5e-05, t202 - t201, t211));
 		f[45*stride] = n7x;
-		f[46*stride] = n7y;
+		f[44*stride] = f7z;
 		f[47*stride] = n7z;
 
 		/* ---- out to link 8 "rf_upperleg" (fpass) ---- */
 		const double q8 = q[14*stride];
 		double s8, c8;
 		all_small &= rneagen_sincos_known(q8, known, sines + 14, &s8, &c8);
-		const double t215 = RNEA_FMA(4.8965888601467475e-12, w7y, -w7z);
+		const double qdd8 = qdd[13*stride];
+		const double dw8z = qdd8 + RNEA_FMA(4.8965888601467475e-12, dw7z, dw7y);
 		const double t216 = RNEA_FMA(4.8965888601467475e-12, dw7y, -dw7z);
-		const double t217 = RNEA_FMA(0.08, w7z, v7y);
-		const double t218 = RNEA_FMA(-0.08, w7y, v7z);
+		a[53*stride] = dw8z;
+		const double t215 = RNEA_FMA(4.8965888601467475e-12, w7y, -w7z);
+		const double qd8 = qd[13*stride];
+		const double w8z = qd8 + RNEA_FMA(4.8965888601467475e-12, w7z, w7y);
+		v[53*stride] = w8z;
 		const double t219 = RNEA_FMA(4.8965888601467475e-12, t217, -t218);
 		const double v8z = RNEA_FMA(4.8965888601467475e-12, t218, t217);
-		const double t220 = RNEA_FMA(-0.08, t203, a7x);
-		const double t221 = RNEA_FMA(0.08, t210, a7y);
-		const double t222 = RNEA_FMA(0.08, t207, a7z);
+		v[50*stride] = v8z;
 		const double t223 = RNEA_FMA(4.8965888601467475e-12, t221, -t222);
 		const double a8z = RNEA_FMA(4.8965888601467475e-12, t222, t221);
 		const double w8x = RNEA_FMA(w7x, c8, s8*t215);
 		const double w8y = RNEA_FMA(s8, -w7x, c8*t215);
-		const double qd8 = qd[13*stride];
-		const double w8z = qd8 + RNEA_FMA(4.8965888601467475e-12, w7z, w7y);
+		v[52*stride] = w8y;
+		v[51*stride] = w8x;
 		const double dw8x = RNEA_FMA(qd8, w8y, RNEA_FMA(dw7x, c8, s8*t216));
 		const double dw8y = RNEA_FMA(w8x, -qd8, RNEA_FMA(s8, -dw7x, c8*t216));
-		const double qdd8 = qdd[13*stride];
-		const double dw8z = qdd8 + RNEA_FMA(4.8965888601467475e-12, dw7z, dw7y);
+		a[52*stride] = dw8y;
+		a[51*stride] = dw8x;
 		const double v8x = RNEA_FMA(v7x, c8, s8*t219);
 		const double v8y = RNEA_FMA(s8, -v7x, c8*t219);
+		a[50*stride] = a8z - RNEA_FMA(v8x, -w8y, w8x*v8y);
+		v[49*stride] = v8y;
+		v[48*stride] = v8x;
 		const double a8x = RNEA_FMA(c8, t220, s8*t223);
 		const double a8y = RNEA_FMA(t220, -s8, c8*t223);
+		a[49*stride] = a8y - RNEA_FMA(w8x, -v8z, w8z*v8x);
+		a[48*stride] = a8x - RNEA_FMA(v8y, -w8z, v8z*w8y);
+		const double v9z = RNEA_FMA(-0.35, w8y, v8z);
+		v[56*stride] = v9z;
+		const double t239 = RNEA_FMA(0.35, w8z, v8y);
 		const double t224 = w8y*w8z;
 		const double t225 = w8z*w8z;
 		const double t226 = w8y*w8y;
@@ -1936,85 +1928,84 @@ static RNEA_INLINE int hyq_fpass_segment2(const double *first_q, const double *f
 		const double t232 = w8x*w8y;
 		const double t233 = t232 - dw8z;
 		const double t234 = dw8z + t232;
-		const double f8x = RNEA_FMA(2.638, a8x, -RNEA_FMA(0.06924749999999999, t233, 0.39765212*t227));
-		const double f8y = RNEA_FMA(2.638, a8y, RNEA_FMA(0.06924749999999999, t225 + t230, 0.39765212*t234));
-		const double f8z = RNEA_FMA(2.638, a8z, RNEA_FMA(-0.06924749999999999, t228, 0.39765212*t231));
+		const double t237 = RNEA_FMA(-0.0001, t224 - dw8x, RNEA_FMA(0.08986982744380001, dw8z,
+			0.0816343336938*t232));
 		const double t235 = RNEA_FMA(0.0001, t234, RNEA_FMA(-0.00741836815, t231, RNEA_FMA(0.005497746875, dw8x,
 			0.0027377468750000005*t224)));
+		const double n8x = RNEA_FMA(-0.06924749999999999, a8z, RNEA_FMA(2e-05, t226 - t225, t235));
+		const double t238 = RNEA_FMA(0.00741836815, t230 - t226, RNEA_FMA(2e-05, dw8y + t229, t237));
 		const double t236 = RNEA_FMA(0.00741836815, t228, RNEA_FMA(-2e-05, t233, RNEA_FMA(-0.08437208056880001,
 			t229,
 			0.08713208056880001*dw8y)));
-		const double t237 = RNEA_FMA(-0.0001, t224 - dw8x, RNEA_FMA(0.08986982744380001, dw8z,
-			0.0816343336938*t232));
-		const double t238 = RNEA_FMA(0.00741836815, t230 - t226, RNEA_FMA(2e-05, dw8y + t229, t237));
-		const double n8x = RNEA_FMA(-0.06924749999999999, a8z, RNEA_FMA(2e-05, t226 - t225, t235));
-		const double n8y = RNEA_FMA(-0.39765212, a8z, RNEA_FMA(0.0001, t225 - t230, t236));
+		const double f8x = RNEA_FMA(2.638, a8x, -RNEA_FMA(0.06924749999999999, t233, 0.39765212*t227));
+		const double t240 = RNEA_FMA(-0.35, t227, a8x);
 		const double n8z = RNEA_FMA(0.39765212, a8y, 0.06924749999999999*a8x) + t238;
-		v[48*stride] = v8x;
-		v[49*stride] = v8y;
-		v[50*stride] = v8z;
-		v[51*stride] = w8x;
-		v[52*stride] = w8y;
-		v[53*stride] = w8z;
-		a[48*stride] = a8x - RNEA_FMA(v8y, -w8z, v8z*w8y);
-		a[49*stride] = a8y - RNEA_FMA(w8x, -v8z, w8z*v8x);
-		a[50*stride] = a8z - RNEA_FMA(v8x, -w8y, w8x*v8y);
-		a[51*stride] = dw8x;
-		a[52*stride] = dw8y;
-		a[53*stride] = dw8z;
+		f[53*stride] = n8z;
 		f[48*stride] = f8x;
+		const double f8z = RNEA_FMA(2.638, a8z, RNEA_FMA(-0.06924749999999999, t228, 0.39765212*t231));
+		const double a9z = RNEA_FMA(0.35, t231, a8z);
+		const double n8y = RNEA_FMA(-0.39765212, a8z, RNEA_FMA(0.0001, t225 - t230, t236));
+		const double f8y = RNEA_FMA(2.638, a8y, RNEA_FMA(0.06924749999999999, t225 + t230, 0.39765212*t234));
+		const double t241 = RNEA_FMA(0.35, t234, a8y);
 		f[49*stride] = f8y;
+		f[52*stride] = n8y;
 		f[50*stride] = f8z;
 		f[51*stride] = n8x;
-		f[52*stride] = n8y;
-		f[53*stride] = n8z;
 
 		/* ---- out to link 9 "rf_lowerleg" (fpass) ---- */
 		const double q9 = q[15*stride];
 		double s9, c9;
 		all_small &= rneagen_sincos_known(q9, known, sines + 16, &s9, &c9);
-		const double t239 = RNEA_FMA(0.35, w8z, v8y);
-		const double v9z = RNEA_FMA(-0.35, w8y, v8z);
-		const double t240 = RNEA_FMA(-0.35, t227, a8x);
-		const double t241 = RNEA_FMA(0.35, t234, a8y);
-		const double a9z = RNEA_FMA(0.35, t231, a8z);
-		const double w9x = RNEA_FMA(w8x, c9, w8y*s9);
-		const double w9y = RNEA_FMA(s9, -w8x, w8y*c9);
 		const double qd9 = qd[14*stride];
 		const double w9z = w8z + qd9;
-		const double dw9x = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8x, c9, dw8y*s9));
-		const double dw9y = RNEA_FMA(w9x, -qd9, RNEA_FMA(s9, -dw8x, dw8y*c9));
+		v[59*stride] = w9z;
 		const double qdd9 = qdd[14*stride];
 		const double dw9z = dw8z + qdd9;
+		a[59*stride] = dw9z;
+		const double w9x = RNEA_FMA(w8x, c9, w8y*s9);
+		const double w9y = RNEA_FMA(s9, -w8x, w8y*c9);
+		v[58*stride] = w9y;
+		v[57*stride] = w9x;
+		const double dw9x = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8x, c9, dw8y*s9));
+		const double dw9y = RNEA_FMA(w9x, -qd9, RNEA_FMA(s9, -dw8x, dw8y*c9));
+		a[58*stride] = dw9y;
+		a[57*stride] = dw9x;
 		const double v9x = RNEA_FMA(v8x, c9, s9*t239);
 		const double v9y = RNEA_FMA(s9, -v8x, c9*t239);
+		a[56*stride] = a9z - RNEA_FMA(v9x, -w9y, w9x*v9y);
+		v[55*stride] = v9y;
+		v[54*stride] = v9x;
 		const double a9x = RNEA_FMA(c9, t240, s9*t241);
 		const double a9y = RNEA_FMA(t240, -s9, c9*t241);
+		a[55*stride] = a9y - RNEA_FMA(w9x, -v9z, w9z*v9x);
+		a[54*stride] = a9x - RNEA_FMA(v9y, -w9z, v9z*w9y);
 		const double t242 = w9y*w9z;
 		const double t243 = w9z*w9z;
+		const double t247 = w9x*w9z;
 		const double t244 = w9y*w9y;
+		const double t251 = w9x*w9y;
+		const double t248 = w9x*w9x;
 		const double t245 = t242 - dw9x;
 		const double t246 = dw9x + t242;
-		const double t247 = w9x*w9z;
-		const double t248 = w9x*w9x;
 		const double t249 = t247 - dw9y;
 		const double t250 = dw9y + t247;
-		const double t251 = w9x*w9y;
 		const double t252 = t251 - dw9z;
-		const double t253 = dw9z + t251;
+		const double t255 = RNEA_FMA(5.6580903999995104e-05, t246, RNEA_FMA(9.96476000009793e-07, t252,
+			RNEA_FMA(-0.02571397686600003, t247, 0.026414994486000012*dw9y)));
 		const double f9x = RNEA_FMA(0.881001, a9x, RNEA_FMA(-8.81e-05, t250, RNEA_FMA(-0.11047774600000002, t243
 			+ t244,
 			3.524e-05*t252)));
-		const double f9y = RNEA_FMA(0.881001, a9y, RNEA_FMA(-8.81e-05, t245, RNEA_FMA(-3.524e-05, t243 + t248,
-			0.11047774600000002*t253)));
-		const double f9z = RNEA_FMA(0.881001, a9z, RNEA_FMA(8.81e-05, t244 + t248, RNEA_FMA(3.524e-05, t246,
-			0.11047774600000002*t249)));
-		const double t254 = RNEA_FMA(4.774000000489742e-08, t253, RNEA_FMA(-5.6580903999995104e-05, t249,
-			RNEA_FMA(-0.0002300074003999993, t242, 0.0004710102195999804*dw9x)));
-		const double t255 = RNEA_FMA(5.6580903999995104e-05, t246, RNEA_FMA(9.96476000009793e-07, t252,
-			RNEA_FMA(-0.02571397686600003, t247, 0.026414994486000012*dw9y)));
 		const double t256 = RNEA_FMA(-9.96476000009793e-07, t250, RNEA_FMA(-4.774000000489742e-08, t245,
 			RNEA_FMA(0.026184987085600013, dw9z, 0.02594398426640003*t251)));
+		const double t253 = dw9z + t251;
+		const double t254 = RNEA_FMA(4.774000000489742e-08, t253, RNEA_FMA(-5.6580903999995104e-05, t249,
+			RNEA_FMA(-0.0002300074003999993, t242, 0.0004710102195999804*dw9x)));
+		const double f9z = RNEA_FMA(0.881001, a9z, RNEA_FMA(8.81e-05, t244 + t248, RNEA_FMA(3.524e-05, t246,
+			0.11047774600000002*t249)));
+		f[56*stride] = f9z;
+		const double f9y = RNEA_FMA(0.881001, a9y, RNEA_FMA(-8.81e-05, t245, RNEA_FMA(-3.524e-05, t243 + t248,
+			0.11047774600000002*t253)));
+		f[55*stride] = f9y;
 		const double n9x = RNEA_FMA(3.524e-05, a9z, 8.81e-05*a9y) + RNEA_FMA(-9.96476000009793e-07, t244 - t243,
 			t254);
 		const double n9y = RNEA_FMA(4.774000000489742e-08, t243 - t248, t255) - RNEA_FMA(8.81e-05, a9x,
@@ -2022,46 +2013,10 @@ static RNEA_INLINE int hyq_fpass_segment2(const double *first_q, const double *f
 		const double n9z = RNEA_FMA(-3.524e-05, a9x, 0.11047774600000002*a9y) + RNEA_FMA(5.6580903999995104e-05,
 			t248
 			- t244, t256);
-		v[54*stride] = v9x;
-		v[55*stride] = v9y;
-		v[56*stride] = v9z;
-		v[57*stride] = w9x;
-		v[58*stride] = w9y;
-		v[59*stride] = w9z;
-		a[54*stride] = a9x - RNEA_FMA(v9y, -w9z, v9z*w9y);
-		a[55*stride] = a9y - RNEA_FMA(w9x, -v9z, w9z*v9x);
-		a[56*stride] = a9z - RNEA_FMA(v9x, -w9y, w9x*v9y);
-		a[57*stride] = dw9x;
-		a[58*stride] = dw9y;
-		a[59*stride] = dw9z;
-		f[54*stride] = f9x;
-		f[55*stride] = f9y;
-		f[56*stride] = f9z;
-		f[57*stride] = n9x;
-		f[58*stride] = n9y;
 		f[59*stride] = n9z;
-
-		/* ---- out to link 10 "rh_hipassembly" (fpass) ---- */
-		const double q10 = q[16*stride];
-		double s10, c10;
-		all_small &= rneagen_sincos_known(q10, known, sines + 18, &s10, &c10);
-		across[10*step] = s10;
-		across[12*step] = c10;
-		const double t38 = across[17*step];
-		const double t257 = qd0vz - t38;
-		const double t258 = t194 - t257;
-		across[14*step] = t258;
-		const double v10z = RNEA_FMA(4.8965888601467475e-12, t257, t192);
-		across[15*step] = v10z;
-		const double t48 = across[24*step];
-		const double t259 = a0x - t48;
-		across[16*step] = t259;
-		const double t51 = across[27*step];
-		const double t260 = a0y - t51;
-		across[18*step] = t260;
-		const double t54 = across[30*step];
-		const double t261 = a0z - t54;
-		across[20*step] = t261;
+		f[58*stride] = n9y;
+		f[57*stride] = n9x;
+		f[54*stride] = f9x;
 	}
 	return all_small;
 }
@@ -2082,33 +2037,50 @@ static RNEA_INLINE int hyq_fpass_segment3(const double *first_q, const double *f
 		double *const a = first_a + l;
 		double *const f = first_f + l;
 		double *const across = first_across + l;
-		const double t259 = across[16*step];
-		const double t261 = across[20*step];
+
+		/* ---- out to link 10 "rh_hipassembly" (fpass) ---- */
+		const double q10 = q[16*stride];
+		double s10, c10;
+		all_small &= rneagen_sincos_known(q10, known, sines + 18, &s10, &c10);
+		const double t189 = across[7*step];
+		const double qd10 = qd[15*stride];
+		const double w10z = t189 + qd10;
+		v[65*stride] = w10z;
+		const double t191 = across[12*step];
+		const double qdd10 = qdd[15*stride];
+		const double dw10z = t191 + qdd10;
+		a[65*stride] = dw10z;
+		const double t259 = across[24*step];
+		const double t261 = across[26*step];
 		const double t262 = RNEA_FMA(4.8965888601467475e-12, t259, -t261);
 		const double a10z = RNEA_FMA(4.8965888601467475e-12, t261, t259);
 		const double t188 = across[4*step];
-		const double c10 = across[12*step];
 		const double qd0wy = qd[4*stride];
-		const double s10 = across[10*step];
 		const double w10x = RNEA_FMA(t188, c10, qd0wy*s10);
 		const double w10y = RNEA_FMA(s10, -t188, qd0wy*c10);
-		const double t189 = across[5*step];
-		const double qd10 = qd[15*stride];
-		const double w10z = t189 + qd10;
-		const double t190 = across[7*step];
+		v[64*stride] = w10y;
+		v[63*stride] = w10x;
+		const double t190 = across[9*step];
 		const double qdd0wy = qdd[4*stride];
 		const double dw10x = RNEA_FMA(qd10, w10y, RNEA_FMA(t190, c10, qdd0wy*s10));
 		const double dw10y = RNEA_FMA(w10x, -qd10, RNEA_FMA(s10, -t190, qdd0wy*c10));
-		const double t191 = across[9*step];
-		const double qdd10 = qdd[15*stride];
-		const double dw10z = t191 + qdd10;
-		const double t258 = across[14*step];
-		const double t118 = across[32*step];
+		a[64*stride] = dw10y;
+		a[63*stride] = dw10x;
+		const double t258 = across[step];
+		const double t118 = across[17*step];
 		const double v10x = RNEA_FMA(c10, t258, t118*s10);
 		const double v10y = RNEA_FMA(t258, -s10, t118*c10);
-		const double t260 = across[18*step];
+		a[62*stride] = a10z - RNEA_FMA(v10x, -w10y, w10x*v10y);
+		v[61*stride] = v10y;
+		v[60*stride] = v10x;
+		const double t260 = across[25*step];
 		const double a10x = RNEA_FMA(c10, t262, s10*t260);
 		const double a10y = RNEA_FMA(t262, -s10, c10*t260);
+		const double v10z = across[0];
+		a[61*stride] = a10y - RNEA_FMA(w10x, -v10z, w10z*v10x);
+		a[60*stride] = a10x - RNEA_FMA(v10y, -w10z, v10z*w10y);
+		const double t281 = RNEA_FMA(-0.08, w10y, v10z);
+		const double t280 = RNEA_FMA(0.08, w10z, v10y);
 		const double t263 = w10y*w10z;
 		const double t264 = w10z*w10z;
 		const double t265 = w10y*w10y;
@@ -2119,71 +2091,71 @@ static RNEA_INLINE int hyq_fpass_segment3(const double *first_q, const double *f
 		const double t270 = t268 - dw10y;
 		const double t271 = dw10y + t268;
 		const double t272 = w10x*w10y;
-		const double t273 = dw10z + t272;
-		const double f10x = RNEA_FMA(2.93, a10x, RNEA_FMA(-0.12490590000000001, t266,
-			0.49607829999999997*t271));
-		const double f10y = RNEA_FMA(2.93, a10y, RNEA_FMA(0.49607829999999997, t267, 0.12490590000000001*t273));
-		const double f10z = RNEA_FMA(2.93, a10z, RNEA_FMA(-0.49607829999999997, t265 + t269,
-			0.12490590000000001*t270));
-		const double t274 = RNEA_FMA(-0.022737817929, t273, RNEA_FMA(4e-05, t270, RNEA_FMA(-0.133141016973,
-			t263,
-			0.134701016973*dw10x)));
 		const double t275 = RNEA_FMA(5e-05, t272 - dw10z, RNEA_FMA(0.14417575549, dw10y,
 			0.12366627845599999*t268));
 		const double t276 = RNEA_FMA(-0.022737817929, t264 - t269, RNEA_FMA(-4e-05, dw10x + t263, t275));
+		const double n10y = RNEA_FMA(-0.12490590000000001, a10z, 0.49607829999999997*a10x) + t276;
+		f[64*stride] = n10y;
+		const double t273 = dw10z + t272;
 		const double t277 = RNEA_FMA(-5e-05, t271, RNEA_FMA(0.022737817929, t267, RNEA_FMA(0.011034738517,
 			dw10z,
 			0.009474738517000002*t272)));
-		const double n10x = RNEA_FMA(-0.49607829999999997, a10y, RNEA_FMA(-5e-05, t265 - t264, t274));
-		const double n10y = RNEA_FMA(-0.12490590000000001, a10z, 0.49607829999999997*a10x) + t276;
-		const double n10z = RNEA_FMA(0.12490590000000001, a10y, RNEA_FMA(-4e-05, t269 - t265, t277));
-		v[60*stride] = v10x;
-		v[61*stride] = v10y;
-		const double v10z = across[15*step];
-		v[62*stride] = v10z;
-		v[63*stride] = w10x;
-		v[64*stride] = w10y;
-		v[65*stride] = w10z;
-		a[60*stride] = a10x - RNEA_FMA(v10y, -w10z, v10z*w10y);
-		a[61*stride] = a10y - RNEA_FMA(w10x, -v10z, w10z*v10x);
-		a[62*stride] = a10z - RNEA_FMA(v10x, -w10y, w10x*v10y);
-		a[63*stride] = dw10x;
-		a[64*stride] = dw10y;
-		a[65*stride] = dw10z;
-		f[60*stride] = f10x;
+		const double f10y = RNEA_FMA(2.93, a10y, RNEA_FMA(0.49607829999999997, t267, 0.12490590000000001*t273));
 		f[61*stride] = f10y;
-		f[62*stride] = f10z;
+		const double f10x = RNEA_FMA(2.93, a10x, RNEA_FMA(-0.12490590000000001, t266,
+			0.49607829999999997*t271));
+		const double t283 = RNEA_FMA(-0.08, t266, a10x);
+		f[60*stride] = f10x;
+		const double n10z = RNEA_FMA(0.12490590000000001, a10y, RNEA_FMA(-4e-05, t269 - t265, t277));
+		const double f10z = RNEA_FMA(2.93, a10z, RNEA_FMA(-0.49607829999999997, t265 + t269,
+			0.12490590000000001*t270));
+		const double t285 = RNEA_FMA(0.08, t270, a10z);
+		const double t274 = RNEA_FMA(-0.022737817929, t273, RNEA_FMA(4e-05, t270, RNEA_FMA(-0.133141016973,
+			t263,
+			0.134701016973*dw10x)));
+		const double t284 = RNEA_FMA(0.08, t273, a10y);
+		const double n10x = RNEA_FMA(-0.49607829999999997, a10y, RNEA_FMA(-5e-05, t265 - t264, t274));
 		f[63*stride] = n10x;
-		f[64*stride] = n10y;
+		f[62*stride] = f10z;
 		f[65*stride] = n10z;
 
 		/* ---- out to link 11 "rh_upperleg" (fpass) ---- */
 		const double q11 = q[17*stride];
 		double s11, c11;
 		all_small &= rneagen_sincos_known(q11, known, sines + 20, &s11, &c11);
-		const double t278 = RNEA_FMA(4.8965888601467475e-12, w10y, -w10z);
+		const double qdd11 = qdd[16*stride];
+		const double dw11z = qdd11 + RNEA_FMA(4.8965888601467475e-12, dw10z, dw10y);
 		const double t279 = RNEA_FMA(4.8965888601467475e-12, dw10y, -dw10z);
-		const double t280 = RNEA_FMA(0.08, w10z, v10y);
-		const double t281 = RNEA_FMA(-0.08, w10y, v10z);
+		a[71*stride] = dw11z;
+		const double t278 = RNEA_FMA(4.8965888601467475e-12, w10y, -w10z);
+		const double qd11 = qd[16*stride];
+		const double w11z = qd11 + RNEA_FMA(4.8965888601467475e-12, w10z, w10y);
+		v[71*stride] = w11z;
 		const double t282 = RNEA_FMA(4.8965888601467475e-12, t280, -t281);
 		const double v11z = RNEA_FMA(4.8965888601467475e-12, t281, t280);
-		const double t283 = RNEA_FMA(-0.08, t266, a10x);
-		const double t284 = RNEA_FMA(0.08, t273, a10y);
-		const double t285 = RNEA_FMA(0.08, t270, a10z);
+		v[68*stride] = v11z;
 		const double t286 = RNEA_FMA(4.8965888601467475e-12, t284, -t285);
 		const double a11z = RNEA_FMA(4.8965888601467475e-12, t285, t284);
 		const double w11x = RNEA_FMA(w10x, c11, s11*t278);
 		const double w11y = RNEA_FMA(s11, -w10x, c11*t278);
-		const double qd11 = qd[16*stride];
-		const double w11z = qd11 + RNEA_FMA(4.8965888601467475e-12, w10z, w10y);
+		v[70*stride] = w11y;
+		v[69*stride] = w11x;
 		const double dw11x = RNEA_FMA(qd11, w11y, RNEA_FMA(dw10x, c11, s11*t279));
 		const double dw11y = RNEA_FMA(w11x, -qd11, RNEA_FMA(s11, -dw10x, c11*t279));
-		const double qdd11 = qdd[16*stride];
-		const double dw11z = qdd11 + RNEA_FMA(4.8965888601467475e-12, dw10z, dw10y);
+		a[70*stride] = dw11y;
+		a[69*stride] = dw11x;
 		const double v11x = RNEA_FMA(v10x, c11, s11*t282);
 		const double v11y = RNEA_FMA(s11, -v10x, c11*t282);
+		a[68*stride] = a11z - RNEA_FMA(v11x, -w11y, w11x*v11y);
+		v[67*stride] = v11y;
+		v[66*stride] = v11x;
 		const double a11x = RNEA_FMA(c11, t283, s11*t286);
 		const double a11y = RNEA_FMA(t283, -s11, c11*t286);
+		a[67*stride] = a11y - RNEA_FMA(w11x, -v11z, w11z*v11x);
+		a[66*stride] = a11x - RNEA_FMA(v11y, -w11z, v11z*w11y);
+		const double v12z = RNEA_FMA(-0.35, w11y, v11z);
+		v[74*stride] = v12z;
+		const double t302 = RNEA_FMA(0.35, w11z, v11y);
 		const double t287 = w11y*w11z;
 		const double t288 = w11z*w11z;
 		const double t289 = w11y*w11y;
@@ -2195,112 +2167,97 @@ static RNEA_INLINE int hyq_fpass_segment3(const double *first_q, const double *f
 		const double t295 = w11x*w11y;
 		const double t296 = t295 - dw11z;
 		const double t297 = dw11z + t295;
-		const double f11x = RNEA_FMA(2.638, a11x, RNEA_FMA(-0.39765212, t290, 0.06924749999999999*t296));
-		const double f11y = RNEA_FMA(2.638, a11y, RNEA_FMA(-0.06924749999999999, t288 + t293, 0.39765212*t297));
-		const double f11z = RNEA_FMA(2.638, a11z, RNEA_FMA(0.06924749999999999, t291, 0.39765212*t294));
+		const double t300 = RNEA_FMA(0.0001, t287 - dw11x, RNEA_FMA(0.08986982744380001, dw11z,
+			0.0816343336938*t295));
 		const double t298 = RNEA_FMA(-0.0001, t297, RNEA_FMA(0.00741836815, t294, RNEA_FMA(0.005497746875,
 			dw11x,
 			0.0027377468750000005*t287)));
+		const double n11x = RNEA_FMA(0.06924749999999999, a11z, RNEA_FMA(2e-05, t289 - t288, t298));
+		const double t301 = RNEA_FMA(-0.00741836815, t293 - t289, RNEA_FMA(2e-05, dw11y + t292, t300));
 		const double t299 = RNEA_FMA(-0.00741836815, t291, RNEA_FMA(-2e-05, t296, RNEA_FMA(-0.08437208056880001,
 			t292,
 			0.08713208056880001*dw11y)));
-		const double t300 = RNEA_FMA(0.0001, t287 - dw11x, RNEA_FMA(0.08986982744380001, dw11z,
-			0.0816343336938*t295));
-		const double t301 = RNEA_FMA(-0.00741836815, t293 - t289, RNEA_FMA(2e-05, dw11y + t292, t300));
-		const double n11x = RNEA_FMA(0.06924749999999999, a11z, RNEA_FMA(2e-05, t289 - t288, t298));
-		const double n11y = RNEA_FMA(-0.39765212, a11z, RNEA_FMA(-0.0001, t288 - t293, t299));
+		const double f11x = RNEA_FMA(2.638, a11x, RNEA_FMA(-0.39765212, t290, 0.06924749999999999*t296));
+		const double t303 = RNEA_FMA(-0.35, t290, a11x);
 		const double n11z = RNEA_FMA(-0.06924749999999999, a11x, 0.39765212*a11y) + t301;
-		v[66*stride] = v11x;
-		v[67*stride] = v11y;
-		v[68*stride] = v11z;
-		v[69*stride] = w11x;
-		v[70*stride] = w11y;
-		v[71*stride] = w11z;
-		a[66*stride] = a11x - RNEA_FMA(v11y, -w11z, v11z*w11y);
-		a[67*stride] = a11y - RNEA_FMA(w11x, -v11z, w11z*v11x);
-		a[68*stride] = a11z - RNEA_FMA(v11x, -w11y, w11x*v11y);
-		a[69*stride] = dw11x;
-		a[70*stride] = dw11y;
-		a[71*stride] = dw11z;
+		f[71*stride] = n11z;
 		f[66*stride] = f11x;
+		const double f11z = RNEA_FMA(2.638, a11z, RNEA_FMA(0.06924749999999999, t291, 0.39765212*t294));
+		const double a12z = RNEA_FMA(0.35, t294, a11z);
+		const double n11y = RNEA_FMA(-0.39765212, a11z, RNEA_FMA(-0.0001, t288 - t293, t299));
+		const double f11y = RNEA_FMA(2.638, a11y, RNEA_FMA(-0.06924749999999999, t288 + t293, 0.39765212*t297));
+		const double t304 = RNEA_FMA(0.35, t297, a11y);
 		f[67*stride] = f11y;
+		f[70*stride] = n11y;
 		f[68*stride] = f11z;
 		f[69*stride] = n11x;
-		f[70*stride] = n11y;
-		f[71*stride] = n11z;
 
 		/* ---- out to link 12 "rh_lowerleg" (fpass) ---- */
 		const double q12 = q[18*stride];
 		double s12, c12;
 		all_small &= rneagen_sincos_known(q12, known, sines + 22, &s12, &c12);
-		const double t302 = RNEA_FMA(0.35, w11z, v11y);
-		const double v12z = RNEA_FMA(-0.35, w11y, v11z);
-		const double t303 = RNEA_FMA(-0.35, t290, a11x);
-		const double t304 = RNEA_FMA(0.35, t297, a11y);
-		const double a12z = RNEA_FMA(0.35, t294, a11z);
-		const double w12x = RNEA_FMA(w11x, c12, w11y*s12);
-		const double w12y = RNEA_FMA(s12, -w11x, w11y*c12);
 		const double qd12 = qd[17*stride];
 		const double w12z = w11z + qd12;
-		const double dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw11x, c12, dw11y*s12));
-		const double dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(s12, -dw11x, dw11y*c12));
+		v[77*stride] = w12z;
 		const double qdd12 = qdd[17*stride];
 		const double dw12z = dw11z + qdd12;
+		a[77*stride] = dw12z;
+		const double w12x = RNEA_FMA(w11x, c12, w11y*s12);
+		const double w12y = RNEA_FMA(s12, -w11x, w11y*c12);
+		v[76*stride] = w12y;
+		v[75*stride] = w12x;
+		const double dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw11x, c12, dw11y*s12));
+		const double dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(s12, -dw11x, dw11y*c12));
+		a[76*stride] = dw12y;
+		a[75*stride] = dw12x;
 		const double v12x = RNEA_FMA(v11x, c12, s12*t302);
 		const double v12y = RNEA_FMA(s12, -v11x, c12*t302);
+		a[74*stride] = a12z - RNEA_FMA(v12x, -w12y, w12x*v12y);
+		v[73*stride] = v12y;
+		v[72*stride] = v12x;
 		const double a12x = RNEA_FMA(c12, t303, s12*t304);
 		const double a12y = RNEA_FMA(t303, -s12, c12*t304);
+		a[73*stride] = a12y - RNEA_FMA(w12x, -v12z, w12z*v12x);
+		a[72*stride] = a12x - RNEA_FMA(v12y, -w12z, v12z*w12y);
 		const double t305 = w12y*w12z;
 		const double t306 = w12z*w12z;
+		const double t310 = w12x*w12z;
 		const double t307 = w12y*w12y;
+		const double t314 = w12x*w12y;
+		const double t311 = w12x*w12x;
 		const double t308 = t305 - dw12x;
 		const double t309 = dw12x + t305;
-		const double t310 = w12x*w12z;
-		const double t311 = w12x*w12x;
 		const double t312 = t310 - dw12y;
 		const double t313 = dw12y + t310;
-		const double t314 = w12x*w12y;
 		const double t315 = t314 - dw12z;
-		const double t316 = dw12z + t314;
-		const double t317 = RNEA_FMA(8.81e-05, t313, -RNEA_FMA(3.524e-05, t315, 0.11047774600000002*(t306
-			+ t307)));
-		const double f12x = RNEA_FMA(0.881001, a12x, t317);
-		const double f12y = RNEA_FMA(0.881001, a12y, RNEA_FMA(8.81e-05, t308, RNEA_FMA(3.524e-05, t306 + t311,
-			0.11047774600000002*t316)));
-		const double f12z = RNEA_FMA(0.881001, a12z, RNEA_FMA(-8.81e-05, t307 + t311, RNEA_FMA(-3.524e-05, t309,
-			0.11047774600000002*t312)));
-		const double t318 = RNEA_FMA(-2.0477399999951043e-06, t316, RNEA_FMA(5.4580904000004895e-05, t312,
-			RNEA_FMA(-0.0002300074003999993, t305, 0.0004710102195999804*dw12x)));
 		const double t319 = RNEA_FMA(-5.4580904000004895e-05, t309, RNEA_FMA(9.96476000009793e-07, t315,
 			RNEA_FMA(-0.02571397686600003, t310, 0.026414994486000012*dw12y)));
+		const double t317 = RNEA_FMA(8.81e-05, t313, -RNEA_FMA(3.524e-05, t315, 0.11047774600000002*(t306
+			+ t307)));
 		const double t320 = RNEA_FMA(-9.96476000009793e-07, t313, RNEA_FMA(2.0477399999951043e-06, t308,
 			RNEA_FMA(0.026184987085600013, dw12z, 0.02594398426640003*t314)));
+		const double t316 = dw12z + t314;
+		const double t318 = RNEA_FMA(-2.0477399999951043e-06, t316, RNEA_FMA(5.4580904000004895e-05, t312,
+			RNEA_FMA(-0.0002300074003999993, t305, 0.0004710102195999804*dw12x)));
+		const double f12z = RNEA_FMA(0.881001, a12z, RNEA_FMA(-8.81e-05, t307 + t311, RNEA_FMA(-3.524e-05, t309,
+			0.11047774600000002*t312)));
+		f[74*stride] = f12z;
+		const double f12y = RNEA_FMA(0.881001, a12y, RNEA_FMA(8.81e-05, t308, RNEA_FMA(3.524e-05, t306 + t311,
+			0.11047774600000002*t316)));
+		f[73*stride] = f12y;
 		const double n12x = RNEA_FMA(-9.96476000009793e-07, t307 - t306, t318) - RNEA_FMA(3.524e-05, a12z,
 			8.81e-05*a12y);
-		const double n12y = RNEA_FMA(-0.11047774600000002, a12z, 8.81e-05*a12x)
-			+ RNEA_FMA(-2.0477399999951043e-06, t306
-			- t311, t319);
 		const double n12z = RNEA_FMA(0.11047774600000002, a12y, 3.524e-05*a12x)
 			+ RNEA_FMA(-5.4580904000004895e-05, t311
 			- t307, t320);
-		v[72*stride] = v12x;
-		v[73*stride] = v12y;
-		v[74*stride] = v12z;
-		v[75*stride] = w12x;
-		v[76*stride] = w12y;
-		v[77*stride] = w12z;
-		a[72*stride] = a12x - RNEA_FMA(v12y, -w12z, v12z*w12y);
-		a[73*stride] = a12y - RNEA_FMA(w12x, -v12z, w12z*v12x);
-		a[74*stride] = a12z - RNEA_FMA(v12x, -w12y, w12x*v12y);
-		a[75*stride] = dw12x;
-		a[76*stride] = dw12y;
-		a[77*stride] = dw12z;
+		const double n12y = RNEA_FMA(-0.11047774600000002, a12z, 8.81e-05*a12x)
+			+ RNEA_FMA(-2.0477399999951043e-06, t306
+			- t311, t319);
+		const double f12x = RNEA_FMA(0.881001, a12x, t317);
 		f[72*stride] = f12x;
-		f[73*stride] = f12y;
-		f[74*stride] = f12z;
-		f[75*stride] = n12x;
 		f[76*stride] = n12y;
 		f[77*stride] = n12z;
+		f[75*stride] = n12x;
 	}
 	return all_small;
 }
@@ -2929,22 +2886,10 @@ static RNEA_ALONE void hyq_rnea_lanes0(const double *restrict q, const double *r
 	hyq_rnea_segment0(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
 }
 
-static RNEA_ALONE void hyq_rnea_one0(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, double *const across, const int known, const double *sines)
-{
-	hyq_rnea_segment0(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
-}
-
 static RNEA_ALONE void hyq_rnea_lanes1(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
 	hyq_rnea_segment1(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
-}
-
-static RNEA_ALONE void hyq_rnea_one1(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, double *const across, const int known, const double *sines)
-{
-	hyq_rnea_segment1(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
 }
 
 static RNEA_ALONE void hyq_rnea_lanes2(const double *restrict q, const double *restrict qd, const double *restrict qdd,
@@ -2953,16 +2898,28 @@ static RNEA_ALONE void hyq_rnea_lanes2(const double *restrict q, const double *r
 	hyq_rnea_segment2(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
 }
 
-static RNEA_ALONE void hyq_rnea_one2(const double *q, const double *qd, const double *qdd, double *tau,
-	const size_t stride, double *const across, const int known, const double *sines)
-{
-	hyq_rnea_segment2(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
-}
-
 static RNEA_ALONE void hyq_rnea_lanes3(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
 	hyq_rnea_segment3(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
+}
+
+static RNEA_ALONE void hyq_rnea_one0(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, const int known, const double *sines)
+{
+	hyq_rnea_segment0(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void hyq_rnea_one1(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, const int known, const double *sines)
+{
+	hyq_rnea_segment1(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void hyq_rnea_one2(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, const int known, const double *sines)
+{
+	hyq_rnea_segment2(q, qd, qdd, tau, stride, across, 1, 1, known, sines);
 }
 
 static RNEA_ALONE void hyq_rnea_one3(const double *q, const double *qd, const double *qdd, double *tau,
@@ -2975,7 +2932,7 @@ static RNEA_ALONE void hyq_rnea_one3(const double *q, const double *qd, const do
 static void hyq_rnea_body(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride,
 	const int known, const double *sines)
 {
-	double across[37];
+	double across[34];
 
 	hyq_rnea_one0(q, qd, qdd, tau, stride, across, known, sines);
 	hyq_rnea_one1(q, qd, qdd, tau, stride, across, known, sines);
@@ -2996,7 +2953,7 @@ static void hyq_rnea_any(const double *q, const double *qd, const double *qdd, d
 static void hyq_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, size_t first, size_t end)
 {
-	double across[1184];
+	double across[1088];
 
 	for (size_t next; first < end; first = next) {
 		next = end - first < 32 ? end : first + 32;
@@ -3034,23 +2991,11 @@ static RNEA_ALONE void hyq_fpass_lanes0(const double *restrict q, const double *
 	hyq_fpass_segment0(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
 }
 
-static RNEA_ALONE void hyq_fpass_one0(const double *q, const double *qd, const double *qdd, double *v, double *a,
-	double *f, const size_t stride, double *const across, const int known, const double *sines)
-{
-	hyq_fpass_segment0(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
-}
-
 static RNEA_ALONE void hyq_fpass_lanes1(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t k,
 	double *restrict across)
 {
 	hyq_fpass_segment1(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
-}
-
-static RNEA_ALONE void hyq_fpass_one1(const double *q, const double *qd, const double *qdd, double *v, double *a,
-	double *f, const size_t stride, double *const across, const int known, const double *sines)
-{
-	hyq_fpass_segment1(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
 }
 
 static RNEA_ALONE void hyq_fpass_lanes2(const double *restrict q, const double *restrict qd, const double *restrict qdd,
@@ -3060,17 +3005,29 @@ static RNEA_ALONE void hyq_fpass_lanes2(const double *restrict q, const double *
 	hyq_fpass_segment2(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
 }
 
-static RNEA_ALONE void hyq_fpass_one2(const double *q, const double *qd, const double *qdd, double *v, double *a,
-	double *f, const size_t stride, double *const across, const int known, const double *sines)
-{
-	hyq_fpass_segment2(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
-}
-
 static RNEA_ALONE void hyq_fpass_lanes3(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t k,
 	double *restrict across)
 {
 	hyq_fpass_segment3(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
+}
+
+static RNEA_ALONE void hyq_fpass_one0(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, double *const across, const int known, const double *sines)
+{
+	hyq_fpass_segment0(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void hyq_fpass_one1(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, double *const across, const int known, const double *sines)
+{
+	hyq_fpass_segment1(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void hyq_fpass_one2(const double *q, const double *qd, const double *qdd, double *v, double *a,
+	double *f, const size_t stride, double *const across, const int known, const double *sines)
+{
+	hyq_fpass_segment2(q, qd, qdd, v, a, f, stride, across, 1, 1, known, sines);
 }
 
 static RNEA_ALONE void hyq_fpass_one3(const double *q, const double *qd, const double *qdd, double *v, double *a,
@@ -3083,7 +3040,7 @@ static RNEA_ALONE void hyq_fpass_one3(const double *q, const double *qd, const d
 static void hyq_fpass_body(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f,
 	const size_t stride, const int known, const double *sines)
 {
-	double across[36];
+	double across[40];
 
 	hyq_fpass_one0(q, qd, qdd, v, a, f, stride, across, known, sines);
 	hyq_fpass_one1(q, qd, qdd, v, a, f, stride, across, known, sines);
@@ -3105,7 +3062,7 @@ static void hyq_fpass_any(const double *q, const double *qd, const double *qdd, 
 static void hyq_fpass_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict v, double *restrict a, double *restrict f, size_t count, size_t first, size_t end)
 {
-	double across[1152];
+	double across[1280];
 
 	for (size_t next; first < end; first = next) {
 		next = end - first < 32 ? end : first + 32;

@@ -7,8 +7,8 @@
  *   rnea: 328 mul, 201 add, 106 sub, 93 neg, 575 fma, 12 sincos = 1785 flops
  *   fpass: 339 mul, 136 add, 146 sub, 120 neg, 551 fma, 12 sincos = 1723 flops
  *   bpass: 56 mul, 72 add, 8 sub, 29 neg, 116 fma, 12 sincos = 368 flops
- *   rnea is in 4 segments, each for several samples before the next; 37 values go across cuts
- *   fpass is in 4 segments, each for several samples before the next; 36 values go across cuts
+ *   rnea is in 4 segments, each for several samples before the next; 34 values go across cuts
+ *   fpass is in 4 segments, each for several samples before the next; 40 values go across cuts
  *
  * Joints:
  *   q[0..6] qd[0..5] floating base

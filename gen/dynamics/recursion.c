@@ -18,109 +18,7 @@
    coordinates are joint angles and slides, C has Christoffel's symbols, and is half of d tau/d qd (Echeandia and Wensing,
    Numerical methods to compute the Coriolis matrix and Christoffel symbols for rigid-body systems, 2021). */
 #include "dynamics/recursion.h"
-#include "mechanics/field.h"
 #include <string.h>
-
-static struct svec twice(struct dag *d, struct svec u)
-{
-	return svec_scale(d, dag_const(d, 2), u);
-}
-
-static const struct joint_pose *pose_of(const struct recursion *x, int body)
-{
-	return &x->r->frames[body + 1].pose;
-}
-
-/* ---- the field of a coordinate ---- */
-
-/* The unit twist (Z, Y), in the body's frame. */
-static void unit_twist(const struct recursion *x, int body, int row, struct svec *Z, struct svec *Y)
-{
-	joint_unit_twist(x->r->d, &x->r->t->bodies[body], pose_of(x, body), row, Y, Z);
-}
-
-/* Axes that move with the body: Z' = w x Z, Z'' = U Z, and Y alike. By q alpha = Z'', beta = 2 Z', gamma = Y'' + a x Z, where a
-   is the acceleration of o less gravity; by qd, since d p''/d qd = 2 d p'/d q, alpha = 2 Z', beta = 2 Z, gamma = 2 Y'. */
-static void joint_fields(const struct recursion *x, int body, struct svec Z, struct svec Y, struct field *by)
-{
-	struct dag *d = x->r->d;
-	const struct motion *m = &x->r->frames[body + 1].motion;
-	struct svec rate = twice(d, svec_cross(d, m->w, Z));
-
-	by[BY_Q] = (struct field){smat_mul(d, &m->U, Z), rate, svec_add(d, smat_mul(d, &m->U, Y), svec_cross(d, m->a, Z))};
-	by[BY_QD] = (struct field){rate, twice(d, Z), twice(d, svec_cross(d, m->w, Y))};
-}
-
-/* The parent's u, in the frame of a body. */
-static struct svec from_parent(const struct recursion *x, int body, struct svec u)
-{
-	struct dag *d = x->r->d;
-	const struct joint_pose *at = pose_of(x, body);
-
-	return joint_into(d, &x->r->t->bodies[body], at, smat_mul_transposed(d, &at->R, u));
-}
-
-/* A planar joint's slides, along axes of the parent's: Y' = w_p x Y, Y'' = w_p' x Y + w_p x Y'. */
-static void slide_fields(const struct recursion *x, int body, struct svec Y, struct field *by)
-{
-	struct dag *d = x->r->d;
-	const struct motion *from = &x->r->frames[x->r->t->bodies[body].parent + 1].motion;
-	struct svec w = from_parent(x, body, from->w), rate = svec_cross(d, w, Y);
-
-	by[BY_Q].gamma = svec_add(d, svec_cross(d, from_parent(x, body, from->dw), Y), svec_cross(d, w, rate));
-	by[BY_QD].gamma = twice(d, rate);
-}
-
-/* The twist (V, W) of a floating base is counted along its own axes. When these turn, it stays what it is, and gravity alone
-   is another one to the body: d(Q^T g) = s.s R^T g x Z for a quaternion of norm s, whose Q is (1 - s.s) 1 + s.s R. By the twist
-   dV + W x V and W x (W x r) change. */
-static void floating_fields(const struct recursion *x, int body, struct svec Z, struct svec Y, struct field *by)
-{
-	struct dag *d = x->r->d;
-	const struct body *k = &x->r->t->bodies[body];
-	const struct joint_rates m = joint_move(d, k, x->r->in);
-	struct svec up = x->r->frames[k->parent + 1].motion.a;
-	struct ref excess = dag_const(d, -1);
-
-	for (int i = 3; i < 7; i++) {
-		struct ref e = source_row(d, &x->r->in.q, k->iq + i);
-
-		excess = dag_add(d, dag_mul(d, e, e), excess);
-	}
-	by[BY_Q].gamma = svec_cross(d, svec_add(d, from_parent(x, body, up), svec_scale(d, excess, up)), Z);
-	by[BY_QD] = (struct field){svec_cross(d, m.W, Z), twice(d, Z), svec_add(d, svec_cross(d, m.W, Y), svec_cross(d, Z, m.V))};
-}
-
-/* (Z', Z, Y'): a slide of a planar joint is along the parent's axes, all else along the body's. */
-static struct field column_rate(const struct recursion *x, int body, int is_slide, struct svec Z, struct svec Y)
-{
-	struct dag *d = x->r->d;
-	const struct tour *r = x->r;
-	struct svec w = r->frames[body + 1].motion.w;
-
-	if (is_slide)
-		w = from_parent(x, body, r->frames[r->t->bodies[body].parent + 1].motion.w);
-	return (struct field){svec_cross(d, w, Z), Z, svec_cross(d, w, Y)};
-}
-
-static void fields(const struct recursion *x, int body, int row, struct field *by)
-{
-	enum joint_type type = x->r->t->bodies[body].type;
-	struct svec Z, Y;
-
-	memset(by, 0, BY_QDD * sizeof *by);
-	unit_twist(x, body, row, &Z, &Y);
-	if (x->has_coriolis)
-		by[BY_CORIOLIS] = column_rate(x, body, type == JOINT_PLANAR && row < 2, Z, Y);
-	if (!x->has_gradients)
-		return;
-	if (type == JOINT_FLOATING)
-		floating_fields(x, body, Z, Y, by);
-	else if (type == JOINT_PLANAR && row < 2)
-		slide_fields(x, body, Y, by);
-	else
-		joint_fields(x, body, Z, Y, by);
-}
 
 /* ---- what feels it ---- */
 
@@ -134,7 +32,7 @@ static struct wrench wrench_to_parent(const struct recursion *x, int body, struc
 {
 	struct dag *d = x->r->d;
 	const struct body *k = &x->r->t->bodies[body];
-	const struct joint_pose *at = pose_of(x, body);
+	const struct joint_pose *at = recursion_pose(x, body);
 
 	w.f = joint_to_parent(d, k, at, w.f);
 	w.n = svec_add_cross(d, joint_to_parent(d, k, at, w.n), at->p, w.f);
@@ -147,7 +45,7 @@ static struct row_vectors row_to_parent(const struct recursion *x, int body, str
 	struct dag *d = x->r->d;
 	struct wrench w = wrench_to_parent(x, body, (struct wrench){s.f2, s.n2});
 
-	s.n1 = joint_to_parent(d, &x->r->t->bodies[body], pose_of(x, body), s.n1);
+	s.n1 = joint_to_parent(d, &x->r->t->bodies[body], recursion_pose(x, body), s.n1);
 	return (struct row_vectors){w.n, svec_add_cross(d, s.n1, tour_origin_rate(x->r, body), w.f), w.f};
 }
 
@@ -213,7 +111,7 @@ static void fill_row(struct recursion *x, int i, int here, const struct row_vect
 	struct field by[BY_QDD];
 
 	for (int j = k->iv; j < k->iv + joint_nv(k->type); j++) {
-		fields(x, here, j - k->iv, by);
+		recursion_fields(x, here, j - k->iv, by);
 		for (enum by b = BY_Q; b < BY_QDD; b++)
 			if (is_made(x, b)) {
 				add(x, b, i, j, field_meet(d, s, &by[b]));
@@ -231,7 +129,7 @@ static void fill_mass(struct recursion *x, int i, int from, int here, const stru
 	const struct body *k = &x->r->t->bodies[here];
 	struct ref e[6];
 
-	joint_project(d, k, s->f2, s->n2, joint_out_of(d, k, pose_of(x, here), s->f2), e);
+	joint_project(d, k, s->f2, s->n2, joint_out_of(d, k, recursion_pose(x, here), s->f2), e);
 	for (int j = k->iv; j < k->iv + joint_nv(k->type) && (here != from || j <= i); j++) {
 		add(x, BY_QDD, i, j, e[j - k->iv]);
 		if (here != from || j != i)
@@ -239,20 +137,18 @@ static void fill_mass(struct recursion *x, int i, int from, int here, const stru
 	}
 }
 
-/* Column j: what the joint of body `here`, nearer to the base, feels of the wrenches. */
-static void fill_column(struct recursion *x, int j, int here, const struct wrench *w)
+/* Column j: what the joint of body `here`, nearer to the base, feels of a wrench. */
+static void fill_column(struct recursion *x, enum by by, int j, int here, struct wrench w)
 {
 	struct dag *d = x->r->d;
 	const struct body *k = &x->r->t->bodies[here];
 	struct ref e[6];
 
-	for (enum by b = BY_Q; b < BY_QDD; b++) {
-		if (!is_made(x, b))
-			continue;
-		joint_project(d, k, w[b].f, w[b].n, joint_out_of(d, k, pose_of(x, here), w[b].f), e);
-		for (int i = 0; i < joint_nv(k->type); i++)
-			add(x, b, k->iv + i, j, e[i]);
-	}
+	if (!is_made(x, by))
+		return;
+	joint_project(d, k, w.f, w.n, joint_out_of(d, k, recursion_pose(x, here), w.f), e);
+	for (int i = 0; i < joint_nv(k->type); i++)
+		add(x, by, k->iv + i, j, e[i]);
 }
 
 /* What is complete: all but what several bodies add to. */
@@ -276,7 +172,7 @@ static void add_to_slides(struct recursion *x, int body, struct wrench turned)
 	for (int i = 0; i < 2; i++) {
 		struct svec Z, Y;
 
-		unit_twist(x, body, i, &Z, &Y);
+		recursion_unit_twist(x, body, i, &Z, &Y);
 		add(x, BY_Q, iv + i, iv + 2, svec_dot(d, Y, turned.f));
 	}
 }
@@ -288,7 +184,7 @@ static void trace_mass(struct recursion *x, int body, int row)
 	struct row_vectors s;
 	struct svec Z, Y;
 
-	unit_twist(x, body, row, &Z, &Y);
+	recursion_unit_twist(x, body, row, &Z, &Y);
 	s = field_row(x->r->d, &x->bodies[body], Z, Y);
 	fill_mass(x, i, body, body, &s);
 	for (int b = body, parent; (parent = x->r->t->bodies[b].parent) >= 0; b = parent) {
@@ -298,6 +194,25 @@ static void trace_mass(struct recursion *x, int body, int row)
 		s.n2 = w.n;
 		fill_mass(x, i, body, parent, &s);
 		write_between(x, i, parent);
+	}
+}
+
+/* Back to the base: a row, columns of matrices `first` to `end` - 1, or both side by side. With the last matrix all is complete. */
+static void carry(struct recursion *x, int body, int i, struct row_vectors *s, struct wrench *w, enum by first, enum by end)
+{
+	for (int b = body, parent; (parent = x->r->t->bodies[b].parent) >= 0; b = parent) {
+		if (s)
+			*s = row_to_parent(x, b, *s);
+		for (enum by m = first; m < end; m++)
+			w[m] = is_made(x, m) ? wrench_to_parent(x, b, w[m]) : w[m];
+		if (s)
+			fill_row(x, i, parent, s);
+		for (enum by m = first; m < end; m++)
+			fill_column(x, m, i, parent, w[m]);
+		if (s)
+			fill_mass(x, i, body, parent, s);
+		if (end == BY_QDD)
+			write_between(x, i, parent);
 	}
 }
 
@@ -315,8 +230,8 @@ static void trace(struct recursion *x, int body, int row)
 		trace_mass(x, body, row);
 		return;
 	}
-	unit_twist(x, body, row, &Z, &Y);
-	fields(x, body, row, by);
+	recursion_unit_twist(x, body, row, &Z, &Y);
+	recursion_fields(x, body, row, by);
 	s = field_row(d, &x->bodies[body], Z, Y);
 	for (enum by b = BY_Q; b < BY_QDD; b++)
 		w[b] = is_made(x, b) ? field_load(d, &x->bodies[body], &by[b]) : (struct wrench){0};
@@ -326,15 +241,13 @@ static void trace(struct recursion *x, int body, int row)
 	fill_mass(x, i, body, body, &s);
 	if (x->r->t->bodies[body].type == JOINT_PLANAR && row == 2)
 		add_to_slides(x, body, turned);
-	for (int b = body, parent; (parent = x->r->t->bodies[b].parent) >= 0; b = parent) {
-		s = row_to_parent(x, b, s);
-		for (enum by m = BY_Q; m < BY_QDD; m++)
-			w[m] = is_made(x, m) ? wrench_to_parent(x, b, w[m]) : w[m];
-		fill_row(x, i, parent, &s);
-		fill_column(x, i, parent, w);
-		fill_mass(x, i, body, parent, &s);
-		write_between(x, i, parent);
+	if (!x->is_apart) {
+		carry(x, body, i, &s, w, BY_Q, BY_QDD);
+		return;
 	}
+	carry(x, body, i, &s, w, BY_Q, BY_Q);
+	for (enum by b = BY_Q; b < BY_QDD; b++)
+		carry(x, body, i, NULL, w, b, b + 1);
 }
 
 /* ---- along with the tour ---- */
@@ -357,7 +270,7 @@ void recursion_leave(struct recursion *x, int body)
 		struct svec rate = tour_origin_rate(r, body);
 		int has_rate = x->has_gradients || x->has_coriolis;
 
-		composite_add_child(r->d, &x->bodies[k->parent], &x->bodies[body], k, pose_of(x, body), has_rate ? &rate : NULL);
+		composite_add_child(r->d, &x->bodies[k->parent], &x->bodies[body], k, recursion_pose(x, body), has_rate ? &rate : NULL);
 	}
 }
 

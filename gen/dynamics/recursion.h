@@ -3,6 +3,7 @@
 /* d tau/d q, d tau/d qd, the Coriolis matrix and the mass matrix by a recursion over composite bodies, along with a tour. */
 
 #include "mechanics/composite.h"
+#include "mechanics/field.h"
 #include "tree/pattern.h"
 #include "dynamics/tour.h"
 
@@ -25,6 +26,7 @@ struct recursion {
 	struct by_matrix by[BY_COUNT];
 	int has_gradients, has_coriolis; /* else no more is made than M */
 	int has_shifts;                  /* gradients are solved with M, and made without their shifts too */
+	int is_apart;                    /* a coordinate's row is carried back to the base before its columns are */
 };
 
 /* `arguments` says where the matrices go. d->failed is set when memory runs out. */
@@ -37,5 +39,11 @@ int recursion_is_shifted(const struct recursion *x, int body);
 /* When the tour has left a body, with the wrench of its subtree; and when it is back. */
 void recursion_leave(struct recursion *x, int body);
 void recursion_end(struct recursion *x);
+
+/* For recursion.c: where a body is; the unit twist (Z, Y) of its row, in its frame; and the fields of that coordinate, by what it
+   is differentiated. */
+const struct joint_pose *recursion_pose(const struct recursion *x, int body);
+void recursion_unit_twist(const struct recursion *x, int body, int row, struct svec *Z, struct svec *Y);
+void recursion_fields(const struct recursion *x, int body, int row, struct field *by);
 
 #endif

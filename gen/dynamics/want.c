@@ -114,6 +114,13 @@ static int is_recursive(const struct build *b, enum want_kind kind)
 static const enum want_kind BY_RECURSION[BY_COUNT] = {WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_CORIOLIS, WANT_MASS};
 static const enum want_kind SOLVED[BY_COUNT] = {WANT_DQDD_DQ, WANT_DQDD_DQD, WANT_CORIOLIS, WANT_MASS};
 
+/* On a processor, derivatives of qdd of one sample: values that wait are in memory, where reading them costs less than to make
+   them again. */
+static int is_single(const struct build *b)
+{
+	return b->loops && b->loops->rooms;
+}
+
 static void begin_recursion(struct build *b, const struct tour *r)
 {
 	int arguments[BY_COUNT], is_used[BY_COUNT];
@@ -132,6 +139,7 @@ static void begin_recursion(struct build *b, const struct tour *r)
 	recursion_begin(&b->recursion, r, arguments);
 	b->recursion.has_gradients = is_used[BY_Q] || is_used[BY_QD];
 	b->recursion.has_coriolis = is_used[BY_CORIOLIS];
+	b->recursion.is_apart = is_single(b);
 	b->recursion.has_shifts = b->solved[BY_Q] >= 0 || b->solved[BY_QD] >= 0;
 }
 
@@ -325,7 +333,7 @@ static void declare_request(const struct build *b)
    it is not made again. */
 static int is_made_again(const struct build *b)
 {
-	return b->forward && (request_wants(b->k, WANT_DQDD_DQ) || request_wants(b->k, WANT_DQDD_DQD));
+	return b->forward && !is_single(b) && (request_wants(b->k, WANT_DQDD_DQ) || request_wants(b->k, WANT_DQDD_DQD));
 }
 
 /* Where tau is an input, qdd is what it makes: held while torques are differentiated, until all is made. */
@@ -360,7 +368,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 		in.qdd = source(d, INPUT_QDD, k->qdd, t->nv);
 	want_constants(&b);
 	declare_request(&b);
-	if (ways.loops && ways.loops->rooms)
+	if (is_single(&b))
 		forward_declare_columns(d, ways.loops);
 	if (ways.pivots_alone) {
 		forward_find(&forward, &b, in);

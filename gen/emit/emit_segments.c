@@ -214,12 +214,11 @@ static const char *functions_text(const struct emission *e, const struct pass *p
 	struct text t;
 
 	text_init(&t, e->arena);
-	for (int k = 0; k < p->segments.count || k < one->segments.count; k++) {
-		if (k < p->segments.count)
-			put_lanes_function(e, p, k, &t);
-		if (k < one->segments.count && !emit_is_loop(one, k))
+	for (int k = 0; k < p->segments.count; k++)
+		put_lanes_function(e, p, k, &t);
+	for (int k = 0; k < one->segments.count; k++)
+		if (!emit_is_loop(one, k))
 			put_one_function(e, one, k, &t);
-	}
 	return text_string(&t);
 }
 

@@ -18,6 +18,7 @@ struct orderer {
 	unsigned char *takes;      /* by node: of these inputs */
 	uint32_t *cone, cones;     /* by line: the last stored line that was seen to take it; how many were looked at */
 	unsigned char *done;       /* by line */
+	uint32_t end;              /* lines from here on stay where they are */
 	uint32_t *order, count;    /* lines */
 	int *row_at;               /* by place in that order: the row of qd for which the line was written */
 	uint32_t *stack, *ready;
@@ -35,5 +36,8 @@ void order_find_left(struct orderer *x);
 
 /* Writes all lines that a stored row takes. */
 void order_write(struct orderer *x, enum order_way way);
+
+/* Writes the lines as they stand, but before `end` a line as soon as no more values wait after it than before. */
+void order_write_early(struct orderer *x, uint32_t end);
 
 #endif

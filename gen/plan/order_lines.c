@@ -110,7 +110,7 @@ static int growth(const struct orderer *x, uint32_t line)
 
 static int is_due(const struct orderer *x, uint32_t line)
 {
-	return !x->done[line] && !x->wait[line] && x->r.begin[line] < x->r.begin[line + 1] && growth(x, line) <= 0;
+	return line < x->end && !x->done[line] && !x->wait[line] && x->r.begin[line] < x->r.begin[line + 1] && growth(x, line) <= 0;
 }
 
 /* Puts the readers of a node that are due on the heap of those to look at. */
@@ -217,14 +217,20 @@ static void write_bias(struct orderer *x, uint32_t line)
 	}
 }
 
-void order_write(struct orderer *x, enum order_way way)
+static void begin_writing(struct orderer *x, uint32_t end)
 {
 	x->count = 0;
+	x->end = end;
 	for (uint32_t i = 0; i < x->p->line_count; i++) {
 		x->wait[i] = x->r.begin[i + 1] - x->r.begin[i];
 		x->done[i] = 0;
 	}
 	order_find_left(x);
+}
+
+void order_write(struct orderer *x, enum order_way way)
+{
+	begin_writing(x, (uint32_t)x->p->line_count);
 	for (x->row = x->t->nv - 1; x->row >= 0; x->row--)
 		for (uint32_t i = 0; i < x->p->line_count; i++) {
 			if (x->p->lines[i].kind != LINE_STORE || x->done[i] || row_of(x, &x->p->lines[i]) != x->row)
@@ -233,4 +239,12 @@ void order_write(struct orderer *x, enum order_way way)
 				write_bias(x, i);
 			write_with_operands(x, i);
 		}
+}
+
+void order_write_early(struct orderer *x, uint32_t end)
+{
+	begin_writing(x, end);
+	for (uint32_t i = 0; i < x->p->line_count; i++)
+		if (!x->done[i])
+			write_due(x, i);
 }
