@@ -4,7 +4,7 @@
    operations. */
 
 #include "dynamics/articulated.h"
-#include "dynamics/recursion.h"
+#include "dynamics/recursion/recursion.h"
 #include "tree/pattern.h"
 
 struct build;

@@ -3,7 +3,7 @@
 /* A scene's request while its DAG is made. */
 
 #include "dynamics/forward.h"
-#include "dynamics/recursion.h"
+#include "dynamics/recursion/recursion.h"
 #include "dynamics/regressor.h"
 #include "dynamics/tour.h"
 #include "kinematics/kinematics.h"

@@ -17,10 +17,10 @@ enum { LEAST_OPERATIONS = 12000 };
    beside them in f64; shared memory that a block may have on all GPUs since sm_80. */
 enum { MULTIPROCESSORS = 132, MULTIPROCESSOR_BYTES = 227 << 10, WARPS = 8, DOUBLE_BLOCKS = 4, BLOCK_BYTES = 99 << 10 };
 
-/* Values at once of a part of the first kernel in f64, beyond which segments serve better. H100, both gradients, the whole and in parts,
-   256, 1024, 4096 and 262144 samples, us, in brackets values in a part: f64 atlas (206) 34.9 38.9, 45.6 48.6, 95 97, 2588 2517; g1_29dof (179)
-   48 48, 67 66, 119 105, 3495 3148. f32: atlas 30.2 27.4, 35.9 32.6, 46.4 43.1, 1221 1233; g1_29dof 33.1 27.9, 38.3 32.8, 50.7 44.7,
-   1209 1204; atlas has a part more of the second kernel too. */
+/* Values at once of a part of the first kernel in f64, beyond which segments serve better. H100, both gradients, the first kernel whole
+   and in parts, 256, 1024, 4096 and 262144 samples, us, in brackets values in a part: f64 atlas (206) 34.9 38.9, 45.6 48.6, 95 97,
+   2588 2517; g1_29dof (179) 48 48, 67 66, 119 105, 3495 3148. f32: atlas 30.2 27.4, 35.9 32.6, 46.4 43.1, 1221 1233; g1_29dof
+   33.1 27.9, 38.3 32.8, 50.7 44.7, 1209 1204; atlas has a part more of the second kernel too. */
 enum { START_ALIVE_DOUBLE = 190 };
 
 /* Which kernel writes an output. */

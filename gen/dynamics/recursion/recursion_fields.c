@@ -1,5 +1,5 @@
 /* The field of a coordinate: how it changes the accelerations of what it moves. */
-#include "dynamics/recursion.h"
+#include "dynamics/recursion/recursion.h"
 #include <string.h>
 
 static struct svec twice(struct dag *d, struct svec u)

@@ -17,7 +17,7 @@
    dM/dt = C + C', and C qd is the bias less gravity. A column of dJ/dt is the field Z' x (p - o) + Z x (p' - o') + Y'. Where all
    coordinates are joint angles and slides, C has Christoffel's symbols, and is half of d tau/d qd (Echeandia and Wensing,
    Numerical methods to compute the Coriolis matrix and Christoffel symbols for rigid-body systems, 2021). */
-#include "dynamics/recursion.h"
+#include "dynamics/recursion/recursion.h"
 #include <string.h>
 
 /* ---- what feels it ---- */
