@@ -194,13 +194,12 @@ static enum rneagen_code choose_for_kernel(struct generation *g,
 static enum rneagen_code limbs_make_all(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
-	struct pass *start = g->relay ? &g->relay->start.pass : NULL;
 
 	if (choose_for_kernel(g, windows_choose) || choose_for_kernel(g, limbs_choose))
 		return a->error->code;
 	if (parts_are_apart(g->parts, g->part_count))
 		limbs_beside_parts(&g->passes[0].limbs, &a->request);
-	return !start || limbs_choose(&start, 1, &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
+	return !g->relay || relay_limbs(g->relay, &a->request, &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }
 
 static enum rneagen_code warn(struct generation *g)

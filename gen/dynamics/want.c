@@ -139,7 +139,7 @@ static void begin_recursion(struct build *b, const struct tour *r)
 	recursion_begin(&b->recursion, r, arguments);
 	b->recursion.has_gradients = is_used[BY_Q] || is_used[BY_QD];
 	b->recursion.has_coriolis = is_used[BY_CORIOLIS];
-	b->recursion.is_apart = is_single(b);
+	b->recursion.is_row_first = is_single(b);
 	b->recursion.has_shifts = b->solved[BY_Q] >= 0 || b->solved[BY_QD] >= 0;
 }
 

@@ -260,6 +260,9 @@ static void put_relay(const struct emission *e, struct text *out)
 		" * %s_%s_kernel leaves -d tau where the gradients belong,\n"
 		" * %s_%s_solve_kernel makes them of it by the factors of M; for 32 samples a block, warps: %d.\n",
 		name, pass, name, pass, name, pass, name, pass, e->relay->warps);
+	if (e->relay->start_count)
+		text_printf(out, " * The grid of the first has %d blocks along y, each for limbs that share nothing with the others.\n",
+			e->relay->start_count);
 }
 
 static void put_hands(const struct emission *e, struct text *out)

@@ -3,7 +3,7 @@
 void parts_put_table(const struct emission *e, struct text *out)
 {
 	if (e->relay) {
-		text_put(out, "\nrelay: three kernels, one after the other; the parts are the second's\n");
+		text_put(out, "\nrelay: three kernels, one after the other; the table of parts is the second's\n");
 		relay_dump(e->relay, out);
 	}
 	if (e->part_count)
@@ -20,8 +20,9 @@ void parts_put_table(const struct emission *e, struct text *out)
 void parts_put_json(const struct emission *e, struct text *out)
 {
 	if (e->relay)
-		text_printf(out, "  \"relay\": {\"start_flops\": %u, \"values\": %d, \"columns\": %d, \"warps\": %d},\n",
-			plan_flops(plan_operations(&e->relay->start.pass.plan)), e->relay->solve.pass.segments.slots[0], relay_columns(e->relay),
+		text_printf(out, "  \"relay\": {\"start_flops\": %u, \"start_parts\": %d, \"values\": %d, \"columns\": %d, \"warps\": %d},\n",
+			plan_flops(plan_operations(&e->relay->start.pass.plan)), e->relay->start_count ? e->relay->start_count : 1,
+			e->relay->solve.pass.segments.slots[0], relay_columns(e->relay),
 			e->relay->warps);
 	for (int i = 0; i < e->part_count; i++) {
 		const struct part *p = &e->parts[i];

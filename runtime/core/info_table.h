@@ -28,7 +28,7 @@
 	relay BYTES WARPS ROOM                    (a launch runs NAME_FUNCTION_start_kernel before its kernel, and after it
 	                                          NAME_FUNCTION_solve_kernel, in blocks of so many warps for 32 samples, with
 	                                          shared memory given by launches; blocks beyond which more along y gain nothing)
-	start_limbs WARPS GROUPS BYTES SAMPLES    (as limbs, of NAME_FUNCTION_start_limbs, which takes the first one's place)
+	start_limbs WARPS GROUPS BYTES SAMPLES    (as whole_limbs, of NAME_FUNCTION_start_limbs, which takes the first one's place)
 	start_parts N                             (blocks of the relay's first kernel along y, 2 and more, where it has such)
 
 	hands N                                   (a launch runs NAME_FUNCTION_hands_kernel before its kernel, with so many blocks along

@@ -2,7 +2,8 @@
 #include <stdio.h>
 
 /* A small batch has several blocks for the same samples, which share the columns: so many at most, as in the generated launch
-   function. Each makes the factors anew. */
+   function. Each makes the factors anew. H100, f32, 1024 samples, the third kernel alone, 16 and 32 along y: atlas 9.1 and 8.5 us,
+   floating hyq 6.6 and 6.6; 4096: atlas, 8 and 16, 11.7 and 17.2. */
 enum { FEW_GROUPS = 32, MOST_ALONG_FEW = 32, MOST_ALONG = 16 };
 
 static enum rnea_code find(const struct device *d, void *module, const struct source *s, const struct rnea_function *f,

@@ -124,7 +124,7 @@ static size_t waiting(const struct plan *p)
 	return sum;
 }
 
-/* The same lines once each, but for sections that have none. Returns how much waits, in parts of what did. */
+/* The same lines once each, but for sections that have none. Returns how much waits, over what did. */
 static double expect_early(const struct plan *p, struct arena *a, const char *what)
 {
 	size_t lines = 0, *seen = calloc(p->dag->count + p->dag->output_count, sizeof *seen);
@@ -143,6 +143,7 @@ static double expect_early(const struct plan *p, struct arena *a, const char *wh
 		lines--;
 	}
 	ck_assert_msg(!lines, "%s: %zu lines lost", what, lines);
+	ck_assert_msg(plan_alive(&early, a) <= plan_alive(p, a), "%s: more at once", what);
 	free(seen);
 	return (double)waiting(&early) / (double)(waiting(p) + 1);
 }

@@ -26,12 +26,16 @@ CASES = [
     # relays: three kernels of one launch
     ("hyq", 19, 18, "f64", ["--base", "floating"], ["qdd", "dqdd_dq", "dqdd_dqd"], 1e-12),
     ("atlas", 30, 30, "f64", [], ["qdd", "dqdd_dq", "dqdd_dqd"], 1e-11),
+    # the first of them in parts
+    ("atlas", 30, 30, "f32", [], ["qdd", "dqdd_dq", "dqdd_dqd"], 1e-3),
+    ("g1_29dof", 29, 29, "f64", [], ["qdd", "dqdd_dq", "dqdd_dqd"], 1e-11),
 ]
 # robot, nq and nv, options, outputs
 SANITIZED = [
     ("atlas", 30, 30, ["--dynamics", "articulated"], ["qdd"]),
     ("iiwa14", 7, 7, ["--refine", "1"], ["qdd", "qdd_bound", "dqdd_dq"]),
     ("hyq", 19, 18, ["--base", "floating"], ["qdd", "dqdd_dq", "dqdd_dqd"]),
+    ("atlas", 30, 30, [], ["qdd", "dqdd_dq", "dqdd_dqd"]),
 ]
 
 

@@ -334,7 +334,7 @@ START_TEST(relay)
 	if (_i < RELAYED_COUNT - LONG_COUNT)
 		run_on(&m, &o, &t, RNEA_BACKEND_CUDA, SEED);
 	run_as(&m, &o, &t, (struct rnea_options){.backend = RNEA_BACKEND_CUDA, .cache = "", .compile = no_limbs, .compile_count = 1}, SEED);
-	if (exhaustive() && !strcmp(x->name, "panda"))
+	if (exhaustive() && (x->tip || !strcmp(x->name, "panda")))
 		run_on(&m, &o, &t, RNEA_BACKEND_HOST, SEED);
 	target_close(&t);
 	scene_close(&m);

@@ -241,7 +241,7 @@ static void trace(struct recursion *x, int body, int row)
 	fill_mass(x, i, body, body, &s);
 	if (x->r->t->bodies[body].type == JOINT_PLANAR && row == 2)
 		add_to_slides(x, body, turned);
-	if (!x->is_apart) {
+	if (!x->is_row_first) {
 		carry(x, body, i, &s, w, BY_Q, BY_QDD);
 		return;
 	}

@@ -1,6 +1,7 @@
 /* The expressions are those of loops over columns; what each kernel writes tells what it is to make. */
 #include "plan/grid/relay.h"
 #include "plan/grid/apart.h"
+#include "plan/limb_limits.h"
 #include "plan/segments.h"
 #include "plan/stage.h"
 #include <limits.h>
@@ -9,7 +10,7 @@
 /* Operations of the one kernel. H100, half a million samples, ns each, in one kernel and in a relay: floating hyq, 19000, f32 2.6 and
    2.5, f64 14.3 and 4.7; atlas, 34000, f64 24.7 and 9.6; 1024 samples, us: hyq 27.6 and 22.2, 45.3 and 34.0, atlas 63 and 50.5. f32,
    1 sample, us, 1024, 16384, and a million, ns, and seconds of NVRTC: shadow_hand, 23000, 30.4 at 1024, 89.7, 4.72, 16 s, and 28.1,
-   79.8, 3.54, 3 s; atlas 27.7, 28.3, 148, 5.52, 13 s, and 25.4, 35.6, 110, 4.23, 4 s; g1_29dof 35.9, 37.0, 121, 6.45, 14 s, and 28.3,
+   79.8, 3.54, 3 s; atlas 27.7, 28.3, 148, 5.52, 13 s, and 25.4, 35.6, 110, 4.23, 4 s before its first kernel had parts; g1_29dof 35.9, 37.0, 121, 6.45, 14 s, and 28.3,
    38.6, 108, 4.11, 7 s. Nothing smaller was tried. */
 enum { LEAST_OPERATIONS = 12000 };
 
@@ -18,9 +19,9 @@ enum { LEAST_OPERATIONS = 12000 };
 enum { MULTIPROCESSORS = 132, MULTIPROCESSOR_BYTES = 227 << 10, WARPS = 8, DOUBLE_BLOCKS = 4, BLOCK_BYTES = 99 << 10 };
 
 /* Values at once of a part of the first kernel in f64, beyond which segments serve better. H100, both gradients, the first kernel whole
-   and in parts, 256, 1024, 4096 and 262144 samples, us, in brackets values in a part: f64 atlas (206) 34.9 38.9, 45.6 48.6, 95 97,
-   2588 2517; g1_29dof (179) 48 48, 67 66, 119 105, 3495 3148. f32: atlas 30.2 27.4, 35.9 32.6, 46.4 43.1, 1221 1233; g1_29dof
-   33.1 27.9, 38.3 32.8, 50.7 44.7, 1209 1204; atlas has a part more of the second kernel too. */
+   and in parts, us, in brackets values in a part: f64, 1024, 4096 and 262144 samples: atlas (206) 45.6 48.6, 95 97, 2588 2517; 2048,
+   4096 and 262144: g1_29dof (179) 81 72, 119 105, 3495 3148. f32, 256, 1024, 4096 and 262144: atlas 30.2 27.4, 35.9 32.6,
+   46.4 43.1, 1221 1233, with a part more of the second kernel too; g1_29dof 33.1 27.9, 38.3 32.8, 50.7 44.7, 1209 1204. */
 enum { START_ALIVE_DOUBLE = 190 };
 
 /* Which kernel writes an output. */
@@ -284,8 +285,19 @@ void relay_dump(const struct relay *r, struct text *out)
 	struct operation_count solve = {0};
 
 	add_solve(&solve, &r->solve.pass);
-	text_printf(out, "start: %u flops, %d values at once, %d parts\n", plan_flops(plan_operations(&r->start.pass.plan)),
+	text_printf(out, "start: %u flops, %d values at once, parts: %d\n", plan_flops(plan_operations(&r->start.pass.plan)),
 		r->start_count ? parts_alive(r->starts, r->start_count) : r->start.alive, r->start_count ? r->start_count : 1);
 	text_printf(out, "solve: %u flops, %d values for %d loops over %d columns, %d warps\n", plan_flops(solve),
 		r->solve.pass.segments.slots[0], r->solve.pass.dag.loop_count, relay_columns(r), r->warps);
+}
+
+int relay_limbs(struct relay *r, const struct request *k, const struct rneagen_options *o, struct arena *a)
+{
+	struct pass *start = &r->start.pass;
+
+	if (!limbs_choose(&start, 1, o, a))
+		return 0;
+	if (r->start_count)
+		limbs_beside_parts(&start->limbs, k);
+	return 1;
 }

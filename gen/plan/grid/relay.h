@@ -21,6 +21,9 @@ struct relay {
 enum rneagen_code relay_or_parts(struct relay **relay, struct part **parts, int *count, const struct parts_of *x, struct arena *a,
 	struct rneagen_error *e);
 
+/* The limbs of the first kernel, where small batches have them. Returns 0 when memory runs out. */
+int relay_limbs(struct relay *r, const struct request *k, const struct rneagen_options *o, struct arena *a);
+
 /* Bytes of shared memory of a block of the third kernel. */
 int relay_bytes(const struct relay *r, const struct rneagen_options *o);
 
