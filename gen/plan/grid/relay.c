@@ -10,8 +10,8 @@
 /* Operations of the one kernel. H100, half a million samples, ns each, in one kernel and in a relay: floating hyq, 19000, f32 2.6 and
    2.5, f64 14.3 and 4.7; atlas, 34000, f64 24.7 and 9.6; 1024 samples, us: hyq 27.6 and 22.2, 45.3 and 34.0, atlas 63 and 50.5. f32,
    1 sample, us, 1024, 16384, and a million, ns, and seconds of NVRTC: shadow_hand, 23000, 30.4 at 1024, 89.7, 4.72, 16 s, and 28.1,
-   79.8, 3.54, 3 s; atlas 27.7, 28.3, 148, 5.52, 13 s, and 25.4, 35.6, 110, 4.23, 4 s before its first kernel had parts; g1_29dof 35.9, 37.0, 121, 6.45, 14 s, and 28.3,
-   38.6, 108, 4.11, 7 s. Nothing smaller was tried. */
+   79.8, 3.54, 3 s; atlas 27.7, 28.3, 148, 5.52, 13 s, and 25.4, 35.6, 110, 4.23, 4 s before its first kernel had parts;
+   g1_29dof 35.9, 37.0, 121, 6.45, 14 s, and 28.3, 38.6, 108, 4.11, 7 s. Nothing smaller was tried. */
 enum { LEAST_OPERATIONS = 12000 };
 
 /* Multiprocessors (H100), shared memory of each; warps of 255 registers that it has room for; blocks that gain nothing from more
