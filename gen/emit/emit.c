@@ -125,9 +125,7 @@ static const char *grid_text(const struct emission *e)
 	struct text t;
 
 	text_init(&t, e->arena);
-	text_put(&t, "(unsigned)blocks");
-	if (e->part_count)
-		text_printf(&t, ", %d", e->part_count - emit_hands(e));
+	text_printf(&t, "(unsigned)blocks%s", emit_along(e, e->part_count - emit_hands(e)));
 	return text_string(&t);
 }
 

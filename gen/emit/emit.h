@@ -233,6 +233,9 @@ const struct limbs *emit_limbs_of(const struct emission *e);
 const struct limbs *emit_start_limbs(const struct emission *e);
 int emit_limbs_bytes(const struct emission *e, const struct limbs *s);
 
+/* What a grid has along y, after a comma; "" where it has no parts. */
+const char *emit_along(const struct emission *e, int parts);
+
 /* The body that calls the parts'; one call in it, with its own arguments and `more` after the stride. */
 void emit_dispatcher(const struct emission *e, struct text *out);
 void emit_put_sample_call(const struct emission *e, const struct pass *p, const char *function, const char *more, struct text *out);

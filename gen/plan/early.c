@@ -1,17 +1,7 @@
 /* A section's outputs stand at its end. On a processor what waits for that is kept in memory, and fetched again. */
 #include "plan/early.h"
 #include "plan/order.h"
-
-/* The line at which loops begin, or the number of lines. */
-static uint32_t end_of(const struct plan *p)
-{
-	uint32_t i = 0;
-
-	while (i < p->line_count &&
-		(p->lines[i].kind != LINE_SECTION || p->dag->sections[p->lines[i].index].kind != SECTION_COLUMNS))
-		i++;
-	return i;
-}
+#include "plan/segments.h"
 
 /* A section without lines has nothing to say. */
 static void add(struct plan *to, const struct line *l)
@@ -31,7 +21,7 @@ int plan_early(struct plan *early, const struct plan *p, struct arena *a)
 	early->lines = arena_take(a, p->line_count, sizeof *early->lines);
 	arena_init(&spare, &a->allocator);
 	if (early->lines && order_begin(&x, &spare)) {
-		order_write_early(&x, end_of(p));
+		order_write_early(&x, segments_next_loop(p, 0));
 		for (uint32_t i = 0; i < x.count; i++)
 			add(early, &p->lines[x.order[i]]);
 	}

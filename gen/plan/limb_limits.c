@@ -28,10 +28,11 @@ enum { MOST_SHARING = 32, SHARED_PERCENT = 4, GAIN_PERCENT = 65 };
 /* A block of two groups fetches code for both: atlas, 1024 samples, 4.97 and 3.94; but hyq 1.38 and 1.52. */
 enum { GROUPS = 2, REGISTERS = 65536, SPARE_REGISTERS = 24, MOST_THREADS = 1024 };
 
-/* Beside parts that share nothing, of accelerations and of vjp, which take no longer for fewer samples. H100, us, qdd of atlas in
-   f32 at 1024 samples 8.4 and in parts 5.9; f64, limbs for 1, 256 and 1024 samples, and parts for 4096: qdd of atlas 10.7 13.4 18.7
-   and 17.3, of g1_29dof 14.7 17.8 24.1 and 11.5, of jvrc1 17.6 21.9 30.4 and 23.5; tau and vjp of atlas 9.5 12.2 17.2 and 20.1, of
-   g1_29dof 11.0 14.5 20.7 and 13.6, of romeo 17.2 for 1024 and 14.5, of baxter 6.9 and 5.9. */
+/* Beside parts that share nothing, of accelerations and of vjp, which take no longer for fewer samples. H100, us, qdd of
+   atlas in f32 at 1024 samples 8.4 and in parts 5.9; f64, limbs for 1, 256 and 1024 samples, and parts for 4096: qdd of
+   atlas 10.7 13.4 18.7 and 17.3, of g1_29dof 14.7 17.8 24.1 and 11.5, of jvrc1 17.6 21.9 30.4 and 23.5; tau and vjp of
+   atlas 9.5 12.2 17.2 and 20.1, of g1_29dof 11.0 14.5 20.7 and 13.6, of romeo 17.2 for 1024 and 14.5, of baxter 6.9 and
+   5.9. */
 enum { MOST_BESIDE_PARTS = 256 };
 
 /* Outputs that go through windows have no limbs, whose warps would write elements that stand a sample apart (64 to 4096 samples,

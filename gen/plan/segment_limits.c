@@ -89,8 +89,8 @@ static struct segment_limits limits_for(
 	return use == SEGMENT_LOOPS ? loop_limits(flops) : kernel_limits(p, flops, k, o);
 }
 
-/* Accelerations alone take 0.95 of the time for g1_29dof, but 1.03 for arms. A batch's columns of their derivatives, each solved in
-   lines of its own, gain nothing, and gcc takes up to 1.8 times as long. */
+/* Accelerations alone take 0.95 of the time for g1_29dof, but 1.03 for arms. A batch's columns of their derivatives, each
+   solved in lines of its own, gain nothing, and gcc takes up to 1.8 times as long. */
 static int is_early(const struct pass *p, enum segment_use use, const struct request *k)
 {
 	return use == SEGMENT_LOOPS && (p->dag.loop_count || !k->is_forward);

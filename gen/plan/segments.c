@@ -51,8 +51,7 @@ static void add_place(struct cutter *c, uint32_t line)
 		c->places[c->place_count++] = line;
 }
 
-/* The line, from this one on, at which a loop begins; all lines behind the first are in loops. */
-static uint32_t next_loop(const struct plan *p, uint32_t i)
+uint32_t segments_next_loop(const struct plan *p, uint32_t i)
 {
 	const struct line *l = p->lines;
 
@@ -75,7 +74,7 @@ static void find_places(struct cutter *c)
 			best = passed = 0;
 		}
 	}
-	for (uint32_t i = c->loop; i < lines; i = next_loop(c->p, i + 1))
+	for (uint32_t i = c->loop; i < lines; i = segments_next_loop(c->p, i + 1))
 		add_place(c, i);
 	add_place(c, lines);
 }
@@ -266,7 +265,7 @@ static void make_plans(struct cutter *c, struct segments *s)
 int segments_make(struct segments *s, const struct plan *p, const struct segment_limits *limits, struct arena *a)
 {
 	size_t lines = p->line_count, nodes = p->dag->count;
-	struct cutter c = {.p = p, .limits = limits, .most_across = limits->across, .loop = next_loop(p, 0), .a = a};
+	struct cutter c = {.p = p, .limits = limits, .most_across = limits->across, .loop = segments_next_loop(p, 0), .a = a};
 
 	*s = (struct segments){0};
 	c.alive = arena_alloc(a, lines + 2, sizeof *c.alive);

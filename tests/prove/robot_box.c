@@ -69,7 +69,8 @@ void robot_box_close(struct robot_box *x)
 
 static double draw(struct rng *r, struct interval range, int is_corner, int is_float)
 {
-	double x = is_corner ? (rng_chance(r, 0.5) ? range.upper : range.lower) : rng_uniform(r, range.lower, range.upper), y = (double)(float)x;
+	double x = is_corner ? (rng_chance(r, 0.5) ? range.upper : range.lower) : rng_uniform(r, range.lower, range.upper);
+	double y = (double)(float)x;
 
 	if (is_float && y > range.upper)
 		y = (double)nextafterf((float)y, -INFINITY);

@@ -217,12 +217,8 @@ static const char *launch_text(const struct emission *e, const struct crew *c, c
 const char *emit_launch_limbs(const struct emission *e)
 {
 	const struct crew own = own_crew(e);
-	struct text parts;
 
-	text_init(&parts, e->arena);
-	if (e->part_count && !emit_is_apart(e))
-		text_printf(&parts, ", %d", e->part_count);
-	return emit_has_limbs(e) ? launch_text(e, &own, text_string(&parts)) : "";
+	return emit_has_limbs(e) ? launch_text(e, &own, emit_along(e, emit_is_apart(e) ? 0 : e->part_count)) : "";
 }
 
 const char *emit_launch_start_limbs(const struct emission *e)

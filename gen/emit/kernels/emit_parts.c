@@ -10,6 +10,16 @@ void emit_put_sample_call(const struct emission *e, const struct pass *p, const 
 		function, emit_params(e, emit_main(e), PARAMS_NAMES), more, emit_handed_on(e, emit_known_names(e)));
 }
 
+const char *emit_along(const struct emission *e, int parts)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (parts)
+		text_printf(&t, ", %d", parts);
+	return text_string(&t);
+}
+
 /* Does it read what a hand has left in an output? */
 static int is_handed(const struct pass *p)
 {

@@ -144,17 +144,6 @@ void emit_relay_solve(const struct emission *e, struct text *out)
 	template_expand(out, template_kernel_solve_in, slots, sizeof slots / sizeof *slots);
 }
 
-/* Of the grid of the first kernel. */
-static const char *start_parts_text(const struct emission *e)
-{
-	struct text t;
-
-	text_init(&t, e->arena);
-	if (e->relay && e->relay->start_count)
-		text_printf(&t, ", %d", e->relay->start_count);
-	return text_string(&t);
-}
-
 const char *emit_launch_relay(const struct emission *e)
 {
 	const struct pass *p = emit_main(e);
@@ -164,7 +153,7 @@ const char *emit_launch_relay(const struct emission *e)
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)},
 		{"SHARED_BYTES", emit_int(e, SHARED_BYTES)}, {"ROOM", emit_int(e, e->relay ? e->relay->room : 0)},
-		{"LAUNCH_LIMBS", emit_launch_start_limbs(e)}, {"START_PARTS", start_parts_text(e)}};
+		{"LAUNCH_LIMBS", emit_launch_start_limbs(e)}, {"START_PARTS", emit_along(e, e->relay ? e->relay->start_count : 0)}};
 
 	if (e->relay)
 		template_expand(&t, template_launch_relay_in, slots, sizeof slots / sizeof *slots);
