@@ -69,6 +69,7 @@ const char *rnea_code_text(enum rnea_code code);
 enum rnea_scalar { RNEA_F32, RNEA_F64 }; /* float, double */
 enum rnea_layout { RNEA_SOA, RNEA_AOS }; /* array[row][sample], array[sample][row] */
 
+enum { RNEA_HANDS_LIMIT = 8 };     /* kernels of hands */
 enum { RNEA_ARGUMENT_LIMIT = 64 }; /* the most arrays one function can take */
 
 /* What an array means, and its word in the table. "of" says what rnea_argument.of names: of a link, a joint, the
@@ -207,10 +208,10 @@ struct rnea_function {
 	size_t relay_bytes;
 	unsigned start_parts; /* blocks of the first along y: a grid without as many stops with an error (a trap); else 1 */
 	struct rnea_limbs start_limbs; /* of the kernel NAME_FUNCTION_start_limbs, which takes the place of the first */
-	/* Two kernels with the same parameters, one after the other, where the batch is larger than limbs.most: before the function's own
-	   rnea_launch and rnea_run launch NAME_FUNCTION_hands_kernel, in the same blocks with the same shared memory, and so many along
-	   y; 0: there is one kernel */
-	unsigned hands;
+	/* Several kernels with the same parameters, one after the other, where the batch is larger than limbs.most: before the function's
+	   own rnea_launch and rnea_run launch NAME_FUNCTION_hands_kernel, then NAME_FUNCTION_hands1_kernel and so on, in the same blocks
+	   with the same shared memory, and so many along y of each; 0: there is no such kernel, and none after it */
+	unsigned hands[RNEA_HANDS_LIMIT];
 };
 
 /* The parsed table. Every pointer belongs to the robot that it was asked of and is valid until rnea_close. What stands here of

@@ -51,7 +51,7 @@ static inline int emit_is_apart(const struct emission *e)
 	return parts_are_apart(e->parts, e->part_count);
 }
 
-/* How many of the parts, the first ones, are hands: of a kernel of their own, which runs before. */
+/* How many of the parts, the first ones, are hands: of kernels of their own, which run before. */
 static inline int emit_hands(const struct emission *e)
 {
 	int count = 0;
@@ -60,6 +60,11 @@ static inline int emit_hands(const struct emission *e)
 		count++;
 	return count;
 }
+
+/* How many kernels hands have; how many parts the kernel `level` of these has; what it is called after the function. */
+int emit_hand_levels(const struct emission *e);
+int emit_hands_of(const struct emission *e, int level);
+const char *emit_hands_kernel(const struct emission *e, int level);
 
 /* Is it of a relay's first or third kernel? */
 static inline int emit_is_relays(const struct emission *e, const struct pass *p)
@@ -241,7 +246,7 @@ void emit_dispatcher(const struct emission *e, struct text *out);
 void emit_put_sample_call(const struct emission *e, const struct pass *p, const char *function, const char *more, struct text *out);
 
 /* Parameters of the body of a part that come after the stride, each after a comma, and what a call gives for them: how many rows are
-   left out of its slices, and where hands have left something, with the stride there. Launches the kernel of the hands. */
+   left out of its slices, and where hands have left something, with the stride there. Launches the kernels of the hands. */
 const char *emit_more_params(const struct emission *e, const struct pass *p);
 const char *emit_more(const struct emission *e, const struct pass *p, const char *gap, const char *handed);
 const char *emit_launch_hands(const struct emission *e);

@@ -268,10 +268,14 @@ static void put_relay(const struct emission *e, struct text *out)
 static void put_hands(const struct emission *e, struct text *out)
 {
 	const char *name = e->options->name, *pass = emit_main(e)->algorithm->name;
+	int levels = emit_hand_levels(e);
 
-	text_printf(out, " * %s_%s_launch runs two kernels. %s_%s_hands_kernel, with %d blocks along y, writes the torques of hands,\n"
+	text_printf(out, " * %s_%s_launch runs %s kernels. %s_%s_hands_kernel, with %d blocks along y, writes the torques of hands,\n"
 		" * and into rows of the arms what the hands hand on; %s_%s_kernel reads that, and writes all other rows.\n",
-		name, pass, name, pass, emit_hands(e), name, pass);
+		name, pass, levels > 1 ? emit_int(e, levels + 1) : "two", name, pass, emit_hands_of(e, 0), name, pass);
+	if (levels > 1)
+		text_printf(out, " * Between both, %s%s%s%s so for ends of long arms.\n", emit_hands_kernel(e, 1), levels > 2 ? " to " : "",
+			levels > 2 ? emit_hands_kernel(e, levels - 1) : "", levels > 2 ? " do" : " does");
 }
 
 static void put_limbs(const struct emission *e, const char *start, const struct limbs *s, struct text *out)

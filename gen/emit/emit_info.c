@@ -67,8 +67,12 @@ static void put_function(const struct emission *e, const struct pass *p, struct 
 		text_printf(out, "stage %d\n", emit_stage_bytes(e));
 	if (is_main && e->part_count - emit_hands(e) > 1)
 		text_printf(out, "parts %d\n", e->part_count - emit_hands(e));
-	if (is_main && emit_hands(e))
-		text_printf(out, "hands %d\n", emit_hands(e));
+	if (is_main && emit_hands(e)) {
+		text_put(out, "hands");
+		for (int level = 0; level < emit_hand_levels(e); level++)
+			text_printf(out, " %d", emit_hands_of(e, level));
+		text_put(out, "\n");
+	}
 	if (is_main && e->relay)
 		text_printf(out, "relay %d %d %d\n", emit_relay_bytes(e), e->relay->warps, e->relay->room);
 	if (is_main && e->relay && e->relay->start_count)
@@ -79,13 +83,16 @@ static void put_function(const struct emission *e, const struct pass *p, struct 
 		put_limbs(e, "start_limbs", emit_start_limbs(e), out);
 }
 
-/* What knows no relays, no hands, or no parts of a relay's first kernel, is not to launch one of the kernels alone, or a part. */
-enum { VERSION = 3, VERSION_RELAY, VERSION_HANDS, VERSION_STARTS };
+/* What knows no relays, no hands, no parts of a relay's first kernel, or no more than one kernel for hands, is not to launch some of
+   the kernels alone, or a part. */
+enum { VERSION = 3, VERSION_RELAY, VERSION_HANDS, VERSION_STARTS, VERSION_LEVELS };
 
 static int version_of(const struct emission *e)
 {
 	if (e->relay)
 		return e->relay->start_count ? VERSION_STARTS : VERSION_RELAY;
+	if (emit_hand_levels(e) > 1)
+		return VERSION_LEVELS;
 	return emit_hands(e) ? VERSION_HANDS : VERSION;
 }
 

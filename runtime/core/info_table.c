@@ -66,6 +66,16 @@ static enum rnea_code read_limbs(struct parser *p, struct rnea_limbs *l, unsigne
 	return words_number(&p->w, &l->most, 1, SIZE_MAX / 2);
 }
 
+/* A number for each kernel of hands, to the end of the line. */
+static enum rnea_code read_hands(struct parser *p)
+{
+	int kernel = 0;
+
+	while (!read_count(p, &p->f->hands[kernel], 1, PARTS_LIMIT) && p->w.line && ++kernel < RNEA_HANDS_LIMIT)
+		;
+	return p->w.error->code;
+}
+
 static enum rnea_code read_relay(struct parser *p)
 {
 	struct rnea_function *f = p->f;
@@ -123,7 +133,7 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 	case KEY_WHOLE_LIMBS:
 		return read_limbs(p, &p->f->limbs, 1);
 	case KEY_HANDS:
-		return read_count(p, &p->f->hands, 1, PARTS_LIMIT);
+		return read_hands(p);
 	case KEY_RELAY:
 		return read_relay(p);
 	case KEY_COUNT:
@@ -232,10 +242,10 @@ static enum rnea_code read_version(struct parser *p)
 			"info table: it does not start with \"rneagen-info\" and a version");
 	if (words_number(&p->w, &p->version, 0, SIZE_MAX) || words_end(&p->w))
 		return p->w.error->code;
-	if (p->version < VERSION || p->version > VERSION_STARTS)
+	if (p->version < VERSION || p->version > VERSION_LEVELS)
 		return rnea_error_set(p->w.error, RNEA_TABLE,
 			"info table: it has version %zu, and this library reads versions %d to %d", p->version, VERSION,
-			VERSION_STARTS);
+			VERSION_LEVELS);
 	if (p->version < VERSION_FUNCTIONS)
 		begin_function(p, "rnea");
 	p->info->version = (unsigned)p->version;

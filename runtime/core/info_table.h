@@ -31,8 +31,9 @@
 	start_limbs WARPS GROUPS BYTES SAMPLES    (as whole_limbs, of NAME_FUNCTION_start_limbs, which takes the first one's place)
 	start_parts N                             (blocks of the relay's first kernel along y, 2 and more, where it has such)
 
-	hands N                                   (a launch runs NAME_FUNCTION_hands_kernel before its kernel, with so many blocks along
-	                                          y, unless the kernel of small batches runs)
+	hands N ...                               (a launch runs NAME_FUNCTION_hands_kernel before its kernel, with so many blocks along
+	                                          y, unless the kernel of small batches runs; where more numbers stand, before its kernel
+	                                          NAME_FUNCTION_hands1_kernel, NAME_FUNCTION_hands2_kernel, ... too)
 
    ROLE is a word of RNEA_ROLES; OF is the link, joint or constant that it speaks of, and goes to the end of the line. A
    role that is not known is none.
@@ -44,7 +45,7 @@
    says which the text has. core/info_old.c makes functions of that. Version 2 has `parts`, version 1 does not: who
    knows nothing of parts would launch a text of parts and leave the rest unwritten. Version 3 has no `relay`,
    version 4 has it in its first function. Version 5 has `hands` there, version 6
-   `start_parts`. A key that is not listed is passed
+   `start_parts`, version 7 more than one number of `hands`. A key that is not listed is passed
    over: what would change the meaning of the rest gets a new version. */
 
 #include "core/failure.h"

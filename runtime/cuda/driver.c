@@ -247,8 +247,8 @@ static enum rnea_code find_kernels(
 	if (relay_find(&c->relay, &c->device, c->module, s, info->functions, c->block, e) ||
 		(c->relay.warps && check_block(c, &c->relay.start, e)))
 		return e->code;
-	if (c->relay.hand_parts)
-		check_block(c, &c->relay.hands, e);
+	for (unsigned i = 0; i < c->relay.hand_kernels && !e->code; i++)
+		check_block(c, &c->relay.hands[i], e);
 	return e->code;
 }
 
@@ -267,8 +267,8 @@ static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
 		device_launch(&c->device, &c->kernels[i], 1, 1, c->block, parameters, stream, e);
 	if (c->relay.warps && !e->code && !device_launch(&c->device, &c->relay.start, 1, 1, c->block, parameters, stream, e))
 		relay_solve(&c->relay, &c->device, parameters, 0, stream, e);
-	if (c->relay.hand_parts && !e->code)
-		device_launch(&c->device, &c->relay.hands, 1, 1, c->block, parameters, stream, e);
+	for (unsigned i = 0; i < c->relay.hand_kernels && !e->code; i++)
+		device_launch(&c->device, &c->relay.hands[i], 1, 1, c->block, parameters, stream, e);
 	if (c->limbs.own.info.warps && !e->code)
 		limbs_launch(&c->limbs.own, &c->device, parameters, 0, stream, e);
 	if (c->limbs.start.info.warps && !e->code)
@@ -348,8 +348,7 @@ static enum rnea_code launch_own(const struct driver *c, size_t function, void *
 
 	if (function == 0 && count <= c->limbs.own.info.most)
 		return limbs_launch(&c->limbs.own, &c->device, parameters, count, stream, e);
-	if (function == 0 && c->relay.hand_parts &&
-		device_launch(&c->device, &c->relay.hands, blocks, c->relay.hand_parts, c->block, parameters, stream, e))
+	if (function == 0 && relay_hands(&c->relay, &c->device, f, blocks, c->block, parameters, stream, e))
 		return e->code;
 	return device_launch(&c->device, &c->kernels[function], blocks, f->parts, c->block, parameters, stream, e);
 }

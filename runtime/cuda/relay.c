@@ -20,13 +20,35 @@ static enum rnea_code find(const struct device *d, void *module, const struct so
 	return RNEA_OK;
 }
 
+static enum rnea_code find_hands(struct relay *r, const struct device *d, void *module, const struct source *s,
+	const struct rnea_function *f, unsigned block, struct rnea_error *e)
+{
+	char which[16] = "hands";
+
+	for (r->hand_kernels = 0; r->hand_kernels < RNEA_HANDS_LIMIT && f->hands[r->hand_kernels]; r->hand_kernels++) {
+		if (r->hand_kernels)
+			snprintf(which, sizeof which, "hands%u", r->hand_kernels);
+		if (find(d, module, s, f, which, f->stage_bytes * block, &r->hands[r->hand_kernels], e))
+			return e->code;
+	}
+	return RNEA_OK;
+}
+
+enum rnea_code relay_hands(const struct relay *r, const struct device *d, const struct rnea_function *f, unsigned blocks, unsigned block,
+	void **parameters, void *stream, struct rnea_error *e)
+{
+	for (unsigned i = 0; i < r->hand_kernels; i++)
+		if (device_launch(d, &r->hands[i], blocks, f->hands[i], block, parameters, stream, e))
+			return e->code;
+	return RNEA_OK;
+}
+
 enum rnea_code relay_find(struct relay *r, const struct device *d, void *module, const struct source *s,
 	const struct rnea_function *f, unsigned block, struct rnea_error *e)
 {
 	r->warps = 0;
-	r->hand_parts = f->hands;
-	if (f->hands)
-		return find(d, module, s, f, "hands", f->stage_bytes * block, &r->hands, e);
+	if (find_hands(r, d, module, s, f, block, e) || r->hand_kernels)
+		return e->code;
 	if (!f->relay_warps)
 		return RNEA_OK;
 	if (f->relay_bytes > d->most_shared)

@@ -106,7 +106,7 @@ END_TEST
 	COUNTS
 #define SECOND                                                                                                         \
 	"function fd\ninput tau 7 f64 sample joint_torque\noutput x 2 f64 sample of_a_later_version\nstage 72\nparts " \
-	"2\nlimbs 4 2 1408 4096\nrelay 49664 3 264\nstart_limbs 8 1 520 32\nstart_parts 2\nhands 3\n"                                   \
+	"2\nlimbs 4 2 1408 4096\nrelay 49664 3 264\nstart_limbs 8 1 520 32\nstart_parts 2\nhands 3 2\n"                                   \
 	"operations 1 2 3 4 5 6\n"
 
 /* Any number of functions, each with its own of everything; a role that is not known is none. */
@@ -130,7 +130,7 @@ START_TEST(reads_functions)
 	ck_assert(f[0].limbs.warps == 0 && f[0].limbs.most == 0);
 	ck_assert(f[1].limbs.warps == 4 && f[1].limbs.groups == 2 && f[1].limbs.bytes == 1408 && f[1].limbs.most == 4096);
 	ck_assert(f[0].relay_warps == 0 && f[1].relay_warps == 3 && f[1].relay_room == 264 && f[1].relay_bytes == 49664);
-	ck_assert(f[0].hands == 0 && f[1].hands == 3);
+	ck_assert(f[0].hands[0] == 0 && f[1].hands[0] == 3 && f[1].hands[1] == 2 && f[1].hands[2] == 0);
 	ck_assert(f[0].start_limbs.warps == 0 && f[1].start_limbs.warps == 8 && f[1].start_limbs.groups == 1);
 	ck_assert(f[1].start_limbs.bytes == 520 && f[1].start_limbs.most == 32);
 	ck_assert(f[0].start_parts == 1 && f[1].start_parts == 2);
@@ -203,8 +203,8 @@ static const struct damage {
 	{"rneagen-info\n", "line 1: a number is missing"},
 	{"rneagen-info one\n", "line 1: not a number: \"one\""},
 	{"rneagen-info 1 2\n", "line 1: more than expected: \"2\""},
-	{"rneagen-info 0\n", "it has version 0, and this library reads versions 1 to 6"},
-	{"rneagen-info 7\n", "it has version 7, and this library reads versions 1 to 6"},
+	{"rneagen-info 0\n", "it has version 0, and this library reads versions 1 to 7"},
+	{"rneagen-info 8\n", "it has version 8, and this library reads versions 1 to 7"},
 	{THREE, "it lists no functions"},
 	{"rneagen-info 3\nfunction\n", "line 2: a word is missing"},
 	{"rneagen-info 3\nfunction a b\n", "line 2: more than expected: \"b\""},

@@ -255,19 +255,20 @@ static const char SHARE_NOTHING[] = "Parts that share nothing";
 
 static void put_both(const struct emission *e, struct text *out)
 {
-	int hands = emit_hands(e);
-	const struct apart first = {.parts = e->parts, .count = hands, .is_staged = emit_is_staged(e), .pass = emit_main(e)->algorithm->name,
-		.kernel = "hands_kernel", .bounds = ", RNEA_MIN_BLOCKS",
+	struct apart x = {.parts = e->parts, .is_staged = emit_is_staged(e), .pass = emit_main(e)->algorithm->name,
+		.bounds = ", RNEA_MIN_BLOCKS",
 		.what = "Hands, each a part; a launch runs this kernel before the one that reads what they hand on"};
-	struct apart own = first;
 
-	own.parts += hands;
-	own.count = e->part_count - hands;
-	own.kernel = "kernel";
-	own.what = SHARE_NOTHING;
-	if (hands)
-		put_apart(e, &first, out);
-	put_apart(e, &own, out);
+	for (int level = 0; level < emit_hand_levels(e); level++) {
+		x.count = emit_hands_of(e, level);
+		x.kernel = emit_hands_kernel(e, level);
+		put_apart(e, &x, out);
+		x.parts += x.count;
+	}
+	x.count = e->part_count - emit_hands(e);
+	x.kernel = "kernel";
+	x.what = SHARE_NOTHING;
+	put_apart(e, &x, out);
 }
 
 /* A relay's first kernel in parts. */

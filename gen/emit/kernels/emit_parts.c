@@ -53,16 +53,48 @@ const char *emit_more(const struct emission *e, const struct pass *p, const char
 	return text_string(&t);
 }
 
-const char *emit_launch_hands(const struct emission *e)
+int emit_hand_levels(const struct emission *e)
+{
+	int hands = emit_hands(e);
+
+	return hands ? e->parts[hands - 1].level + 1 : 0;
+}
+
+int emit_hands_of(const struct emission *e, int level)
+{
+	int count = 0;
+
+	for (int i = 0; i < emit_hands(e); i++)
+		count += e->parts[i].level == level;
+	return count;
+}
+
+const char *emit_hands_kernel(const struct emission *e, int level)
 {
 	struct text t;
 
 	text_init(&t, e->arena);
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name},
-		{"HANDS", emit_int(e, emit_hands(e))}, {"GIVEN", emit_given(e, "hands_kernel")}};
+	text_put(&t, "hands");
+	if (level)
+		text_printf(&t, "%d", level);
+	text_put(&t, "_kernel");
+	return text_string(&t);
+}
 
-	if (emit_hands(e))
+const char *emit_launch_hands(const struct emission *e)
+{
+	int levels = emit_hand_levels(e);
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int level = 0; level < levels; level++) {
+		const char *kernel = emit_hands_kernel(e, level);
+		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"KERNEL", kernel},
+			{"STATUS", level ? "status" : levels > 1 ? "int status" : "const int status"},
+			{"HANDS", emit_int(e, emit_hands_of(e, level))}, {"GIVEN", emit_given(e, kernel)}};
+
 		template_expand(&t, template_launch_hands_in, slots, sizeof slots / sizeof *slots);
+	}
 	return text_string(&t);
 }
 

@@ -232,13 +232,19 @@ static int may_be_apart(const struct parts_of *x)
 	return plan_flops(plan_operations(&x->whole->plan)) > least_operations(x);
 }
 
-/* Have the slices of all parts room in shared memory, where they are to be there? */
-static int have_room(const struct part *parts, int count, const struct rneagen_options *o)
+/* Have the slices of all parts room in shared memory? */
+static int are_staged(const struct part *parts, int count, const struct rneagen_options *o)
 {
-	for (int i = 0; i < count && is_staged_soa(o); i++)
+	for (int i = 0; i < count; i++)
 		if (!stage_has_room(stretches_words(parts[i].pass.stretches, &parts[i].pass.dag, o), o))
 			return 0;
 	return 1;
+}
+
+/* Where they are to be there. */
+static int have_room(const struct part *parts, int count, const struct rneagen_options *o)
+{
+	return !is_staged_soa(o) || are_staged(parts, count, o);
 }
 
 /* Of a vjp: does the whole hold too much, and no part of it? */
@@ -300,18 +306,23 @@ static int make_part(struct part *p, struct share *share, int owner, int number,
 static int make_hands(struct part *parts, const struct hands *h, const struct parts_of *x, struct arena *spare, struct arena *a)
 {
 	struct share share;
+	int level = -1;
 
-	if (h->count && !share_begin(&share, &h->first, h->owner, spare))
-		return 0;
 	for (int i = 0; i < h->count; i++) {
+		const struct hand_level *l = &h->levels[h->list[i].level];
 		struct text what;
+
+		if (h->list[i].level != level && !share_begin(&share, &l->first, l->owner, spare))
+			return 0;
+		level = h->list[i].level;
 
 		text_init(&what, a);
 		text_printf(&what, "what link %d carries, and the force of all that on it", x->tree->bodies[h->list[i].body].number);
 		if (!make_part(&parts[i], &share, i, i, text_string(&what), x, a))
 			return 0;
 		parts[i].is_hand = 1;
-		parts[i].first = h->list[i].body + 1;
+		parts[i].level = level;
+		parts[i].first = h->list[i].first;
 		parts[i].last = h->list[i].last;
 	}
 	return 1;
@@ -334,7 +345,7 @@ static int make_limbs(struct part *parts, int first, int count, const struct dag
 static int make_all(struct part **parts, int *count, const struct hands *h, const struct parts_of *x, struct arena *spare,
 	struct arena *a)
 {
-	const struct dag *d = h->count ? &h->second : x->raw;
+	const struct dag *d = h->count ? &h->levels[h->level_count - 1].rest : x->raw;
 	int *owner = arena_alloc(spare, d->output_count + 1, sizeof *owner), limbs = owner ? own(owner, d, x, spare) : 0;
 
 	if (limbs + h->count < 2)
@@ -342,20 +353,21 @@ static int make_all(struct part **parts, int *count, const struct hands *h, cons
 	*parts = arena_alloc(a, (size_t)(limbs + h->count), sizeof **parts);
 	if (!*parts || !make_hands(*parts, h, x, spare, a) || !make_limbs(*parts, h->count, limbs, d, owner, x, spare, a))
 		return 0;
-	*count = do_pay(*parts, limbs + h->count, x, spare) ? limbs + h->count : 0;
+	*count = do_pay(*parts, limbs + h->count, x, spare) || (h->count && hands_hold_much(x, spare)) ? limbs + h->count : 0;
 	return 1;
 }
 
-/* Does no part take more than half of what the whole takes, write all rows of its stretches of tau, and read what hands leave there
-   before? */
-static int do_serve(const struct part *parts, int count, const struct hands *h, const struct parts_of *x)
+/* Does no part take more than half of what the whole takes, or two thirds where that spills much, write all rows of the slices that it
+   stages, and read what hands leave there before? */
+static int do_serve(const struct part *parts, int count, const struct hands *h, const struct parts_of *x, struct arena *a)
 {
-	unsigned whole = plan_flops(plan_operations(&x->whole->plan));
+	unsigned whole = plan_flops(plan_operations(&x->whole->plan)), most = hands_hold_much(x, a) ? whole / 3 * 2 : whole / 2;
+	int is_staged = are_staged(parts, count, x->options);
 
 	for (int i = 0; i < count; i++)
-		if (2 * plan_flops(plan_operations(&parts[i].pass.plan)) > whole ||
-			!stretches_are_written(parts[i].pass.stretches, &parts[i].pass.dag) ||
-			(!parts[i].is_hand && !hands_are_read_first(&parts[i].pass.plan, h)))
+		if (plan_flops(plan_operations(&parts[i].pass.plan)) > most ||
+			(is_staged && !stretches_are_written(parts[i].pass.stretches, &parts[i].pass.dag)) ||
+			!hands_are_read_first(&parts[i].pass.plan, h))
 			return 0;
 	return 1;
 }
@@ -368,7 +380,7 @@ static int make_parts(struct part **parts, int *count, const struct parts_of *x,
 		return 0;
 	if (hands.count && !make_all(parts, count, &hands, x, spare, a))
 		return 0;
-	if (*count && do_serve(*parts, *count, &hands, x))
+	if (*count && do_serve(*parts, *count, &hands, x, spare))
 		return 1;
 	*count = 0;
 	return make_all(parts, count, &none, x, spare, a);

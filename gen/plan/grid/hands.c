@@ -5,12 +5,17 @@
    in aos 3745 and 1515; but f32 462 and 522, and in aos, where the rows of a part stand apart, 663 and 1091. */
 enum { LEAST = 5000, LEAST_HAND = 500 };
 
+/* Values at once of the whole, beyond which f32 has hands too, and parts need no room in shared memory; joints of an arm that one
+   part may hold. */
+enum { FULL = 300, LONGEST_SINGLE = 30, LONGEST_DOUBLE = 16 };
+
 struct finder {
 	const struct parts_of *x;
 	const struct dag *d;
 	struct hands *h;
 	struct arena *a;
 	int *children;       /* by body */
+	unsigned char *taken; /* by body: 1 + the level of the hand that has it */
 	unsigned char *rows; /* by row of tau: it belongs to a hand, or is taken by what one hands on */
 	unsigned char *beyond, *from, *to;
 };
@@ -28,10 +33,10 @@ static int mark_rows(struct finder *f, const struct hand *m, unsigned char *own)
 	const struct tree *t = f->x->tree;
 
 	memset(own, 0, (size_t)t->nv);
-	for (int k = m->body + 1; k <= m->last; k++)
+	for (int k = m->first; k <= m->last; k++)
 		memset(own + t->bodies[k].iv, 1, (size_t)joint_nv(t->bodies[k].type));
 	for (int k = 0; k < t->body_count; k++)
-		if ((k <= m->body || k > m->last) && joint_nv(t->bodies[k].type) && own[t->bodies[k].iv])
+		if ((k < m->first || k > m->last) && joint_nv(t->bodies[k].type) && own[t->bodies[k].iv])
 			return 0;
 	return 1;
 }
@@ -40,14 +45,12 @@ static int mark_rows(struct finder *f, const struct hand *m, unsigned char *own)
 static int choose_rows(struct finder *f, struct hand *m)
 {
 	const struct body *bodies = f->x->tree->bodies;
-	int k = m->body;
+	int count = 0;
 
-	for (int i = 0; i < m->cut.count; i++, k = bodies[k].parent) {
-		if (k < 0 || !is_single(&bodies[k]) || f->rows[bodies[k].iv])
-			return 0;
-		m->rows[i] = bodies[k].iv;
-	}
-	return m->cut.count > 0;
+	for (int k = m->body; k >= 0 && count < m->cut.count; k = bodies[k].parent)
+		if (is_single(&bodies[k]) && !f->rows[bodies[k].iv])
+			m->rows[count++] = bodies[k].iv;
+	return count > 0 && count == m->cut.count;
 }
 
 /* Operations that the hand's joints have a say in and what is handed on, or a torque of the hand, takes. */
@@ -96,41 +99,114 @@ static int cut_hand(struct finder *f, struct hand *m, unsigned char *own)
 	return 1;
 }
 
-static int find_hands(struct finder *f)
+/* Returns 0 when memory runs out. */
+static int try_hand(struct finder *f, int body, int first, int end, unsigned char *own)
+{
+	struct hand *m = &f->h->list[f->h->count];
+
+	*m = (struct hand){.body = body, .first = first, .last = end - 1, .level = f->h->level_count};
+	if (!cut_hand(f, m, own))
+		return 0;
+	if (!m->cut.count)
+		return 1;
+	memset(f->taken + first, 1 + m->level, (size_t)(end - first));
+	for (int row = 0; row < f->x->tree->nv; row++)
+		f->rows[row] |= own[row];
+	for (int i = 0; i < m->cut.count; i++)
+		f->rows[m->rows[i]] = 1;
+	f->h->count++;
+	return 1;
+}
+
+/* Behind the last body of the subtree. */
+static int end_of(const struct tree *t, int body)
+{
+	int end = body + 1;
+
+	while (end < t->body_count && t->bodies[end].parent >= body)
+		end++;
+	return end;
+}
+
+/* Does one of these bodies carry several others? */
+static int is_branched(const struct finder *f, int first, int end)
+{
+	while (first < end && f->children[first] < 2)
+		first++;
+	return first < end;
+}
+
+/* All that a body carries; where some of it branches again, of its children those beyond which nothing does. */
+static int find_beyond(struct finder *f, int body, unsigned char *own)
 {
 	const struct tree *t = f->x->tree;
-	unsigned char *own = arena_alloc(f->a, (size_t)t->nv + 1, 1);
-	int last = t->body_count; /* where the last hand that was found begins */
+	int end = end_of(t, body), next;
+
+	if (!is_branched(f, body + 1, end))
+		return try_hand(f, body, body + 1, end, own);
+	for (int first = body + 1; first < end; first = next) {
+		next = end_of(t, first);
+		if (!is_branched(f, first, next) && !try_hand(f, body, first, next, own))
+			return 0;
+	}
+	return 1;
+}
+
+static int find_branches(struct finder *f, unsigned char *own)
+{
+	const struct tree *t = f->x->tree;
 
 	for (int k = 0; k < t->body_count; k++)
 		if (t->bodies[k].parent >= 0)
 			f->children[t->bodies[k].parent]++;
-	for (int k = t->body_count; k-- > 0 && !f->a->failed;) {
-		struct hand *m = &f->h->list[f->h->count];
-		int end = k + 1;
-
-		while (end < t->body_count && t->bodies[end].parent >= k)
-			end++;
-		if (f->children[k] < 2 || end > last)
-			continue;
-		*m = (struct hand){.body = k, .last = end - 1};
-		last = k;
-		if (!cut_hand(f, m, own))
+	for (int k = t->body_count; k-- > 0;)
+		if (f->children[k] >= 2 && !find_beyond(f, k, own))
 			return 0;
-		if (!m->cut.count)
+	return 1;
+}
+
+/* Is it the last of its arm, but for what hands of kernels before have taken? */
+static int is_end(const struct finder *f, int body)
+{
+	int end = end_of(f->x->tree, body);
+
+	for (int k = body + 1; k < end; k++)
+		if (!f->taken[k] || f->taken[k] > f->h->level_count)
+			return 0;
+	return !f->taken[body];
+}
+
+static int depth_of(const struct tree *t, int body)
+{
+	int depth = 0;
+
+	for (; body >= 0; body = t->bodies[body].parent)
+		depth++;
+	return depth;
+}
+
+/* The end of an arm that is too long, the arm in pieces of one length. */
+static int find_ends(struct finder *f, unsigned char *own)
+{
+	const struct tree *t = f->x->tree;
+	int longest = f->x->options->precision == RNEAGEN_F32 ? LONGEST_SINGLE : LONGEST_DOUBLE;
+
+	for (int k = t->body_count; k-- > 0;) {
+		int depth = depth_of(t, k), length = depth / ((depth + longest - 1) / longest), first = k;
+
+		if (depth <= longest || !is_end(f, k))
 			continue;
-		for (int row = 0; row < t->nv; row++)
-			f->rows[row] |= own[row];
-		for (int i = 0; i < m->cut.count; i++)
-			f->rows[m->rows[i]] = 1;
-		f->h->count++;
+		while (--length > 0)
+			first = t->bodies[first].parent;
+		if (!try_hand(f, t->bodies[first].parent, first, end_of(t, first), own))
+			return 0;
 	}
-	return !f->a->failed;
+	return 1;
 }
 
 /* ---- what the kernels make ---- */
 
-/* The hand that writes the torque of a row; -1: none does. */
+/* The hand that writes the torque of a row, the first that has it; -1: none does. */
 static int hand_of(const struct hands *h, const struct tree *t, int row)
 {
 	int body = -1;
@@ -139,60 +215,58 @@ static int hand_of(const struct hands *h, const struct tree *t, int row)
 		if (joint_nv(t->bodies[k].type) && t->bodies[k].iv <= row && row < t->bodies[k].iv + joint_nv(t->bodies[k].type))
 			body = k;
 	for (int i = 0; i < h->count; i++)
-		if (body > h->list[i].body && body <= h->list[i].last)
+		if (h->list[i].first <= body && body <= h->list[i].last)
 			return i;
 	return -1;
 }
 
-static int share_outputs(struct finder *f)
+/* The level's DAG with stores of what its hands, from the hand `begin` on, hand on. */
+static int share_outputs(struct finder *f, struct hand_level *level, int begin)
 {
 	struct hands *h = f->h;
 	const struct dag *d = f->d;
-	size_t most = d->output_count + (size_t)h->count * CUT_MOST;
+	size_t most = d->output_count + (size_t)(h->count - begin) * CUT_MOST;
 	struct output *outputs = arena_alloc(f->a, most, sizeof *outputs);
 
-	h->owner = arena_alloc(f->a, most, sizeof *h->owner);
-	if (!outputs || !h->owner)
+	level->owner = arena_alloc(f->a, most, sizeof *level->owner);
+	if (!outputs || !level->owner)
 		return 0;
-	h->first = *d;
-	h->first.outputs = memcpy(outputs, d->outputs, d->output_count * sizeof *outputs);
+	level->first = *d;
+	level->first.outputs = memcpy(outputs, d->outputs, d->output_count * sizeof *outputs);
 	for (size_t i = 0; i < d->output_count; i++)
-		h->owner[i] = hand_of(h, f->x->tree, d->outputs[i].row);
-	for (int k = 0; k < h->count; k++)
+		level->owner[i] = hand_of(h, f->x->tree, d->outputs[i].row);
+	for (int k = begin; k < h->count; k++)
 		for (int i = 0; i < h->list[k].cut.count; i++) {
-			h->owner[h->first.output_count] = k;
-			outputs[h->first.output_count++] =
+			level->owner[level->first.output_count] = k;
+			outputs[level->first.output_count++] =
 				(struct output){d->outputs[0].argument, h->list[k].rows[i], {h->list[k].cut.nodes[i]}};
 		}
 	return 1;
 }
 
 /* A copy without the hands, in which what they hand on is read from tau. */
-static int make_second(struct finder *f)
+static int make_rest(struct finder *f, struct hand_level *level, int begin)
 {
-	struct hands *h = f->h;
+	const struct hands *h = f->h;
 	const struct dag *d = f->d;
-	int *none = arena_alloc(f->a, d->output_count, sizeof *none);
 	struct dag read = *d;
 	struct share share;
 
 	read.nodes = arena_alloc(f->a, d->count, sizeof *read.nodes);
-	if (!read.nodes || !none)
+	if (!read.nodes)
 		return 0;
 	memcpy(read.nodes, d->nodes, d->count * sizeof *read.nodes);
-	for (int k = 0; k < h->count; k++)
+	for (int k = begin; k < h->count; k++)
 		for (int i = 0; i < h->list[k].cut.count; i++) {
 			struct node *n = &read.nodes[h->list[k].cut.nodes[i]];
 
 			*n = (struct node){.op = OP_INPUT, .arg = {{(uint32_t)d->outputs[0].argument}, {(uint32_t)h->list[k].rows[i]}},
 				.tag = n->tag};
 		}
-	for (size_t i = 0; i < d->output_count; i++)
-		none[i] = h->owner[i];
-	if (!share_begin(&share, &read, none, f->a))
+	if (!share_begin(&share, &read, level->owner, f->a))
 		return 0;
-	share_copy(&share, -1, 0, &h->second, f->a);
-	return !h->second.failed;
+	share_copy(&share, -1, 0, &level->rest, f->a);
+	return !level->rest.failed;
 }
 
 int hands_are_read_first(const struct plan *p, const struct hands *h)
@@ -214,10 +288,15 @@ int hands_are_read_first(const struct plan *p, const struct hands *h)
 	return 1;
 }
 
-/* tau alone, since its rows hold what is handed on; in f64, for in mixed precision a row has fewer bits, and f32 loses. Which of
+int hands_hold_much(const struct parts_of *x, struct arena *a)
+{
+	return plan_alive(&x->whole->plan, a) > FULL;
+}
+
+/* tau alone, since its rows hold what is handed on; not in mixed precision, where a row has fewer bits; in f32 where it holds much. Which of
    two products is joined to their sum goes by how often each is used, which two kernels count anew: so not where the same bits
    are wanted. */
-static int may_have(const struct parts_of *x)
+static int may_have(const struct parts_of *x, struct arena *a)
 {
 	const struct rneagen_options *o = x->options;
 	int outputs = 0, tau = dag_find_role(x->raw, ROLE_JOINT_TORQUE, 1);
@@ -226,25 +305,52 @@ static int may_have(const struct parts_of *x)
 		outputs += x->raw->arguments[i].is_output;
 	if (o->strict || outputs != 1 || tau < 0 || x->tree->nq != x->tree->nv)
 		return 0;
-	return o->precision == RNEAGEN_F64 && plan_flops(plan_operations(&x->whole->plan)) >= LEAST;
+	if (plan_flops(plan_operations(&x->whole->plan)) < LEAST)
+		return 0;
+	return o->precision == RNEAGEN_F64 || (o->precision == RNEAGEN_F32 && hands_hold_much(x, a));
+}
+
+/* One more kernel, if `find` finds hands for it. */
+static int find_level(struct finder *f, int (*find)(struct finder *f, unsigned char *own), unsigned char *own)
+{
+	struct hands *h = f->h;
+	struct hand_level *level = &h->levels[h->level_count];
+	int begin = h->count;
+
+	f->beyond = arena_alloc(f->a, f->d->count, 1);
+	f->from = arena_alloc(f->a, f->d->count, 1);
+	f->to = arena_alloc(f->a, f->d->count, 1);
+	if (f->a->failed || !find(f, own))
+		return 0;
+	if (h->count == begin)
+		return 1;
+	if (!share_outputs(f, level, begin) || !make_rest(f, level, begin))
+		return 0;
+	f->d = &level->rest;
+	h->level_count++;
+	return 1;
 }
 
 int hands_find(struct hands *h, const struct parts_of *x, struct arena *a)
 {
-	const struct dag *d = x->raw;
-	size_t bodies = (size_t)x->tree->body_count;
-	struct finder f = {.x = x, .d = d, .h = h, .a = a};
+	size_t bodies = (size_t)x->tree->body_count, rows = (size_t)x->tree->nv + 1;
+	struct finder f = {.x = x, .d = x->raw, .h = h, .a = a};
+	unsigned char *own = arena_alloc(a, rows, 1);
+	int count;
 
 	*h = (struct hands){0};
-	if (!may_have(x))
+	if (!may_have(x, a))
 		return 1;
 	h->list = arena_alloc(a, bodies, sizeof *h->list);
 	f.children = arena_alloc(a, bodies, sizeof *f.children);
-	f.rows = arena_alloc(a, (size_t)x->tree->nv + 1, 1);
-	f.beyond = arena_alloc(a, d->count, 1);
-	f.from = arena_alloc(a, d->count, 1);
-	f.to = arena_alloc(a, d->count, 1);
-	if (a->failed || !find_hands(&f))
+	f.taken = arena_alloc(a, bodies, 1);
+	f.rows = arena_alloc(a, rows, 1);
+	if (a->failed || !find_level(&f, find_branches, own))
 		return 0;
-	return !h->count || (share_outputs(&f) && make_second(&f));
+	do {
+		count = h->count;
+		if (!find_level(&f, find_ends, own))
+			return 0;
+	} while (h->count > count && h->level_count < HAND_LEVELS);
+	return 1;
 }

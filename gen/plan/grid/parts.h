@@ -12,7 +12,8 @@
 struct part {
 	int first, last; /* bodies */
 	int alive;       /* values at once: plan_alive */
-	int is_hand;     /* it is a part of the kernel before (hands.h) */
+	int is_hand;     /* it is a part of a kernel before (hands.h) */
+	int level;       /* of which of these */
 	struct algorithm algorithm;
 	struct pass pass;
 };
