@@ -14,9 +14,9 @@ struct finder {
 	const struct dag *d;
 	struct hands *h;
 	struct arena *a;
-	int *children;       /* by body */
+	int *children;        /* by body */
 	unsigned char *taken; /* by body: 1 + the level of the hand that has it */
-	unsigned char *rows; /* by row of tau: it belongs to a hand, or is taken by what one hands on */
+	unsigned char *rows;  /* by row of tau: it belongs to a hand, or is taken by what one hands on */
 	unsigned char *beyond, *from, *to;
 };
 
@@ -342,6 +342,7 @@ int hands_find(struct hands *h, const struct parts_of *x, struct arena *a)
 	if (!may_have(x, a))
 		return 1;
 	h->list = arena_alloc(a, bodies, sizeof *h->list);
+	h->levels = arena_alloc(a, HAND_LEVELS, sizeof *h->levels);
 	f.children = arena_alloc(a, bodies, sizeof *f.children);
 	f.taken = arena_alloc(a, bodies, 1);
 	f.rows = arena_alloc(a, rows, 1);

@@ -16,7 +16,7 @@ struct hand {
 	int body;           /* that carries it */
 	int first, last;    /* bodies of it, but for those of hands before */
 	int level;          /* the kernel of which it is a part */
-	struct cut cut;     /* nodes of the whole: what it hands on */
+	struct cut cut;     /* nodes of what its kernel is made from: what it hands on */
 	int rows[CUT_MOST]; /* of tau: where that stands meanwhile */
 };
 
@@ -30,8 +30,8 @@ struct hand_level {
 struct hands {
 	struct hand *list; /* level by level */
 	int count;         /* 0: there are none, or two kernels do not serve */
-	struct hand_level levels[HAND_LEVELS];
-	int level_count;
+	struct hand_level *levels;
+	int level_count;   /* HAND_LEVELS at most */
 };
 
 /* Returns 0 when memory runs out. */
