@@ -69,7 +69,7 @@ const char *rnea_code_text(enum rnea_code code);
 enum rnea_scalar { RNEA_F32, RNEA_F64 }; /* float, double */
 enum rnea_layout { RNEA_SOA, RNEA_AOS }; /* array[row][sample], array[sample][row] */
 
-enum { RNEA_HANDS_LIMIT = 8 };     /* kernels of hands */
+enum { RNEA_HANDS_LIMIT = 8 };     /* the most kernels for hands */
 enum { RNEA_ARGUMENT_LIMIT = 64 }; /* the most arrays one function can take */
 
 /* What an array means, and its word in the table. "of" says what rnea_argument.of names: of a link, a joint, the

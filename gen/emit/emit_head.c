@@ -273,9 +273,9 @@ static void put_hands(const struct emission *e, struct text *out)
 	text_printf(out, " * %s_%s_launch runs %s kernels. %s_%s_hands_kernel, with %d blocks along y, writes the torques of hands,\n"
 		" * and into rows of the arms what the hands hand on; %s_%s_kernel reads that, and writes all other rows.\n",
 		name, pass, levels > 1 ? emit_int(e, levels + 1) : "two", name, pass, emit_hands_of(e, 0), name, pass);
-	if (levels > 1)
-		text_printf(out, " * Between both, %s%s%s%s so for ends of long arms.\n", emit_hands_kernel(e, 1), levels > 2 ? " to " : "",
-			levels > 2 ? emit_hands_kernel(e, levels - 1) : "", levels > 2 ? " do" : " does");
+	for (int level = 1; level < levels; level++)
+		text_printf(out, " * After the first, %s_%s_%s does so, with %d along y, for ends of long arms.\n", name, pass,
+			emit_hands_kernel(e, level), emit_hands_of(e, level));
 }
 
 static void put_limbs(const struct emission *e, const char *start, const struct limbs *s, struct text *out)

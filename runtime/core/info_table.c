@@ -69,9 +69,9 @@ static enum rnea_code read_limbs(struct parser *p, struct rnea_limbs *l, unsigne
 /* A number for each kernel of hands, to the end of the line. */
 static enum rnea_code read_hands(struct parser *p)
 {
-	int kernel = 0;
+	int kernel = 0, most = p->version < VERSION_LEVELS ? 1 : RNEA_HANDS_LIMIT;
 
-	while (!read_count(p, &p->f->hands[kernel], 1, PARTS_LIMIT) && p->w.line && ++kernel < RNEA_HANDS_LIMIT)
+	while (!read_count(p, &p->f->hands[kernel], 1, PARTS_LIMIT) && p->w.line && ++kernel < most)
 		;
 	return p->w.error->code;
 }

@@ -106,8 +106,21 @@ END_TEST
 	COUNTS
 #define SECOND                                                                                                         \
 	"function fd\ninput tau 7 f64 sample joint_torque\noutput x 2 f64 sample of_a_later_version\nstage 72\nparts " \
-	"2\nlimbs 4 2 1408 4096\nrelay 49664 3 264\nstart_limbs 8 1 520 32\nstart_parts 2\nhands 3 2\n"                                   \
+	"2\nlimbs 4 2 1408 4096\nrelay 49664 3 264\nstart_limbs 8 1 520 32\nstart_parts 2\nhands 3\n"                                   \
 	"operations 1 2 3 4 5 6\n"
+
+/* Since version 7 each kernel of hands has a number. */
+START_TEST(reads_hands)
+{
+	struct rnea_info i;
+	struct rnea_error e;
+
+	ck_assert_msg(parse("rneagen-info 7\n" NAMES SIZES "function rnea\ninput q 8 f64 sample joint_position\n"
+		"output tau 7 f64 sample joint_torque\nhands 3 1 2 1 1 1 1 4\n" COUNTS JOINTS, &i, &e) == RNEA_OK, "%s", e.message);
+	ck_assert(i.functions->hands[0] == 3 && i.functions->hands[2] == 2 && i.functions->hands[RNEA_HANDS_LIMIT - 1] == 4);
+	rnea_info_free(&i);
+}
+END_TEST
 
 /* Any number of functions, each with its own of everything; a role that is not known is none. */
 START_TEST(reads_functions)
@@ -130,7 +143,7 @@ START_TEST(reads_functions)
 	ck_assert(f[0].limbs.warps == 0 && f[0].limbs.most == 0);
 	ck_assert(f[1].limbs.warps == 4 && f[1].limbs.groups == 2 && f[1].limbs.bytes == 1408 && f[1].limbs.most == 4096);
 	ck_assert(f[0].relay_warps == 0 && f[1].relay_warps == 3 && f[1].relay_room == 264 && f[1].relay_bytes == 49664);
-	ck_assert(f[0].hands[0] == 0 && f[1].hands[0] == 3 && f[1].hands[1] == 2 && f[1].hands[2] == 0);
+	ck_assert(f[0].hands[0] == 0 && f[1].hands[0] == 3 && f[1].hands[1] == 0);
 	ck_assert(f[0].start_limbs.warps == 0 && f[1].start_limbs.warps == 8 && f[1].start_limbs.groups == 1);
 	ck_assert(f[1].start_limbs.bytes == 520 && f[1].start_limbs.most == 32);
 	ck_assert(f[0].start_parts == 1 && f[1].start_parts == 2);
@@ -262,6 +275,9 @@ static const struct damage {
 	{"rneagen-info 4\nfunction f\nrelay 8 1\n", "line 3: a number is missing"},
 	{"rneagen-info 4\nfunction f\nstart_limbs 4 5 0 1\n", "line 3: the number is out of range"},
 	{"rneagen-info 5\nfunction f\nhands 0\n", "line 3: the number is out of range"},
+	{"rneagen-info 6\nfunction f\nhands 3 2\n", "line 3: more than expected: \"2\""}, /* since version 7 */
+	{"rneagen-info 7\nfunction f\nhands 3 0\n", "line 3: the number is out of range"},
+	{"rneagen-info 7\nfunction f\nhands 1 1 1 1 1 1 1 1 1\n", "line 3: more than expected: \"1\""},
 	{"rneagen-info 6\nfunction f\nstart_parts 1\n", "line 3: the number is out of range"},
 	{"rneagen-info 4\nfunction f\nrelay 8\n", "line 3: a number is missing"},
 	{HEAD SIZES COUNTS, "it lists no outputs"},
@@ -371,6 +387,7 @@ Suite *suite_info(void)
 	tcase_add_test(t, reads_stage);
 	tcase_add_test(t, reads_kernels);
 	tcase_add_test(t, reads_functions);
+	tcase_add_test(t, reads_hands);
 	tcase_add_test(t, reads_matrices);
 	tcase_add_test(t, accepts_variations);
 	tcase_add_test(t, arithmetic_of_its_own);

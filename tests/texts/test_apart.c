@@ -46,11 +46,12 @@ static const struct subject {
 };
 
 /* The others: a base that moves, few operations, rows that stand apart, slices without room, other outputs, refinement, a
-   precision that was not measured, hands in f32. */
+   precision that was not measured, hands in f32, ends of long arms in f32 in aos. */
 static const struct subject WHOLE[] = {
 	{"atlas", "", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {0}, 0},
 	{"g1_29dof", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 1, {0}, 0},
 	{"hands 5 3", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 1, {0}, 0},
+	{"limbs 1 62", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 1, {0}, 0},
 	{"hyq", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {0}, 0},
 	{"g1_29dof", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 1, {0}, 0},
 	{"g1_29dof", "want tau,power\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {0}, 0},
@@ -179,6 +180,23 @@ static void expect_limbs(const struct subject *s, const char *source)
 		ck_assert_uint_gt(most, 256);
 }
 
+/* The launch function runs the kernels of hands in their order, each with its blocks along y, and the own one after them. */
+static void expect_launches(const struct subject *s, const char *source)
+{
+	const char *at = source;
+	char launch[96];
+
+	for (int level = 0; level < 3 && s->hands[level]; level++) {
+		snprintf(launch, sizeof launch, level ? "_hands%d_kernel, dim3((unsigned)blocks, %u)" : "_hands%.0d_kernel, dim3((unsigned)blocks, %u)",
+			level, s->hands[level]);
+		at = strstr(at, launch);
+		ck_assert_msg(at != NULL, "%s: %s", s->name, launch);
+	}
+	snprintf(launch, sizeof launch, "_rnea_kernel, dim3((unsigned)blocks, %d)", s->parts);
+	ck_assert(!s->hands[0] || strstr(at, launch));
+	ck_assert_ptr_nonnull(strstr(source, s->hands[1] ? "\"rneagen-info 7\\n\"" : s->hands[0] ? "\"rneagen-info 5\\n\"" : "\"rneagen-info 3\\n\""));
+}
+
 /* The text and its table say so; small batches have the kernel of the whole. */
 START_TEST(test_text)
 {
@@ -193,6 +211,7 @@ START_TEST(test_text)
 	snprintf(line, sizeof line, "gridDim.y != %d)", s->parts);
 	ck_assert_ptr_nonnull(strstr(t.text.source, line));
 	ck_assert_ptr_nonnull(strstr(t.text.source, "limbs that share nothing with the others"));
+	expect_launches(s, t.text.source);
 	expect_limbs(s, t.text.source);
 	rneagen_result_free(&t.text);
 }

@@ -149,9 +149,9 @@ static int min_derivative_blocks(const struct emission *e)
 
 /* Humanoids in f32 soa gain from room for a third block (H100: 168 registers, no spill), arms of some 50 values from room
    for a sixth (80 registers instead of 93 on iiwa14, no spill: 0.93 of the floor instead of 0.90). Accelerations of few values
-   gain from room for 14 blocks of 64 (hyq 72.2 ps, 71.1), others lose (iiwa14 43.7, 44.4). Hands lose too: of chain_75 65536 samples
-   take 134 us with room for a third block, and 114. Elsewhere the compiler's own choice
-   spills least: a bound makes it fetch all inputs first. */
+   gain from room for 14 blocks of 64 (hyq 72.2 ps, 71.1), others lose (iiwa14 43.7, 44.4). Hands lose too: 65536 samples of chain_75
+   take 134 us with room for a third block, 114 without. Elsewhere the compiler's own choice spills least: a bound makes it fetch
+   all inputs first. */
 static int min_blocks(const struct emission *e)
 {
 	int alive;

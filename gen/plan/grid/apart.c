@@ -1,6 +1,7 @@
 /* Outputs that take an operation in common are joined, and all rows between them. */
 #include "plan/grid/apart.h"
 #include "plan/grid/hands.h"
+#include "plan/grid/turns.h"
 #include "plan/stage.h"
 
 /* Operations of the whole. H100, 1 M samples, ps, whole and in parts. f64: hyq 131 and 126, but 16384 samples 196 and 229; yumi,
@@ -232,7 +233,7 @@ static int may_be_apart(const struct parts_of *x)
 	return plan_flops(plan_operations(&x->whole->plan)) > least_operations(x);
 }
 
-/* Have the slices of all parts room in shared memory? */
+/* Have the slices of all room in shared memory? */
 static int are_staged(const struct part *parts, int count, const struct rneagen_options *o)
 {
 	for (int i = 0; i < count; i++)
@@ -357,19 +358,17 @@ static int make_all(struct part **parts, int *count, const struct hands *h, cons
 	return 1;
 }
 
-/* Does no part take more than half of what the whole takes, or two thirds where that spills much, write all rows of the slices that it
-   stages, and read what hands leave there before? */
-static int do_serve(const struct part *parts, int count, const struct hands *h, const struct parts_of *x, struct arena *a)
+/* Does no part take more than half of what the whole takes, or two thirds where that spills much, and write all rows of the slices
+   that it stages? */
+static int do_serve(const struct part *parts, int count, const struct parts_of *x, struct arena *a)
 {
 	unsigned whole = plan_flops(plan_operations(&x->whole->plan)), most = hands_hold_much(x, a) ? whole / 3 * 2 : whole / 2;
 	int is_staged = are_staged(parts, count, x->options);
 
-	for (int i = 0; i < count; i++)
-		if (plan_flops(plan_operations(&parts[i].pass.plan)) > most ||
-			(is_staged && !stretches_are_written(parts[i].pass.stretches, &parts[i].pass.dag)) ||
-			!hands_are_read_first(&parts[i].pass.plan, h))
+	for (const struct part *p = parts; p < parts + count; p++)
+		if (plan_flops(plan_operations(&p->pass.plan)) > most || (is_staged && !stretches_are_written(p->pass.stretches, &p->pass.dag)))
 			return 0;
-	return 1;
+	return turns_serve(parts, count, x->tree->nv, a);
 }
 
 static int make_parts(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a)
@@ -380,7 +379,7 @@ static int make_parts(struct part **parts, int *count, const struct parts_of *x,
 		return 0;
 	if (hands.count && !make_all(parts, count, &hands, x, spare, a))
 		return 0;
-	if (*count && do_serve(*parts, *count, &hands, x, spare))
+	if (*count && do_serve(*parts, *count, x, spare))
 		return 1;
 	*count = 0;
 	return make_all(parts, count, &none, x, spare, a);

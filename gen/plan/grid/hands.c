@@ -165,13 +165,13 @@ static int find_branches(struct finder *f, unsigned char *own)
 	return 1;
 }
 
-/* Is it the last of its arm, but for what hands of kernels before have taken? */
+/* Is it the last of its arm, but for what hands have taken? */
 static int is_end(const struct finder *f, int body)
 {
 	int end = end_of(f->x->tree, body);
 
 	for (int k = body + 1; k < end; k++)
-		if (!f->taken[k] || f->taken[k] > f->h->level_count)
+		if (!f->taken[k])
 			return 0;
 	return !f->taken[body];
 }
@@ -183,6 +183,16 @@ static int depth_of(const struct tree *t, int body)
 	for (; body >= 0; body = t->bodies[body].parent)
 		depth++;
 	return depth;
+}
+
+/* Has this kernel a hand among the bodies of the subtree? */
+static int has_hand(const struct finder *f, int body)
+{
+	int end = end_of(f->x->tree, body);
+
+	while (body < end && f->taken[body] <= f->h->level_count)
+		body++;
+	return body < end;
 }
 
 /* The end of an arm that is too long, the arm in pieces of one length. */
@@ -198,7 +208,7 @@ static int find_ends(struct finder *f, unsigned char *own)
 			continue;
 		while (--length > 0)
 			first = t->bodies[first].parent;
-		if (!try_hand(f, t->bodies[first].parent, first, end_of(t, first), own))
+		if (!has_hand(f, first) && !try_hand(f, t->bodies[first].parent, first, end_of(t, first), own))
 			return 0;
 	}
 	return 1;
@@ -269,25 +279,6 @@ static int make_rest(struct finder *f, struct hand_level *level, int begin)
 	return !level->rest.failed;
 }
 
-int hands_are_read_first(const struct plan *p, const struct hands *h)
-{
-	for (int k = 0; k < h->count; k++) {
-		int is_written = 0;
-
-		for (const struct line *l = p->lines; l < p->lines + p->line_count; l++) {
-			const struct node *n = &p->dag->nodes[l->value.i];
-
-			for (int i = 0; i < h->list[k].cut.count; i++)
-				if (l->kind == LINE_STORE)
-					is_written |= p->dag->outputs[l->index].row == h->list[k].rows[i];
-				else if (l->kind == LINE_INPUT && p->dag->arguments[n->arg[0].i].is_output &&
-					(int)n->arg[1].i == h->list[k].rows[i] && is_written)
-					return 0;
-		}
-	}
-	return 1;
-}
-
 int hands_hold_much(const struct parts_of *x, struct arena *a)
 {
 	return plan_alive(&x->whole->plan, a) > FULL;
@@ -303,7 +294,7 @@ static int may_have(const struct parts_of *x, struct arena *a)
 
 	for (int i = 0; i < x->raw->argument_count; i++)
 		outputs += x->raw->arguments[i].is_output;
-	if (o->strict || outputs != 1 || tau < 0 || x->tree->nq != x->tree->nv)
+	if (o->strict || (o->precision == RNEAGEN_F32 && o->layout == RNEAGEN_AOS) || outputs != 1 || tau < 0 || x->tree->nq != x->tree->nv)
 		return 0;
 	if (plan_flops(plan_operations(&x->whole->plan)) < LEAST)
 		return 0;

@@ -1,10 +1,10 @@
 #ifndef RNEAGEN_HANDS_H
 #define RNEAGEN_HANDS_H
-/* Torques of a robot with hands by two kernels, one after the other. The first has a part for each hand: what lies beyond a body that
-   carries several others, such as the fingers beyond a palm. It makes the motion of the arm anew, writes the torques of the hand, and
-   leaves what the hand hands on, the six numbers of a force, in rows of tau that belong to the arm. The second reads these numbers
-   before it writes the rows. So no thread holds an arm and a hand at once. Where an arm is as long as a snake, its end is a hand in its
-   turn, in one more kernel between both, and so on. */
+/* Torques of a robot with hands by several kernels, one after the other. The first has a part for each hand: what lies beyond a body
+   that carries several others, such as the fingers beyond a palm. It makes the motion of the arm anew, writes the torques of the hand,
+   and leaves what the hand hands on, the six numbers of a force, in rows of tau that belong to the arm. The last reads these numbers
+   before it writes the rows. So no thread holds an arm and a hand at once. Where an arm is as long as a snake, its end is a hand in
+   its turn, in one more kernel between both, and so on. */
 
 #include "plan/grid/cut.h"
 #include "plan/grid/parts.h"
@@ -29,7 +29,7 @@ struct hand_level {
 
 struct hands {
 	struct hand *list; /* level by level */
-	int count;         /* 0: there are none, or two kernels do not serve */
+	int count;         /* 0: there are none, or several kernels do not serve */
 	struct hand_level *levels;
 	int level_count;   /* HAND_LEVELS at most */
 };
@@ -39,8 +39,5 @@ int hands_find(struct hands *h, const struct parts_of *x, struct arena *a);
 
 /* Does the whole hold so much that parts spill less though they stage nothing? */
 int hands_hold_much(const struct parts_of *x, struct arena *a);
-
-/* Does the plan of a part read what a hand left before it writes there? */
-int hands_are_read_first(const struct plan *p, const struct hands *h);
 
 #endif

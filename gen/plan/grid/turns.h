@@ -1,0 +1,12 @@
+#ifndef RNEAGEN_TURNS_H
+#define RNEAGEN_TURNS_H
+/* Parts of kernels that run one after the other and leave numbers for each other in rows of tau: in what order these are written and
+   read. Parts of one kernel run in any order. */
+
+#include "plan/grid/parts.h"
+
+/* Does each part read what another one has left before it writes there, does no part of a kernel store what another of the kernel
+   stores or reads, and has what is read been stored once, by a kernel before? 0 too when memory runs out. */
+int turns_serve(const struct part *parts, int count, int rows, struct arena *a);
+
+#endif
