@@ -75,6 +75,14 @@ static int is_joint_row(const struct plan *p, size_t node)
 	return !strcmp(name, "q") || !strcmp(name, "qd") || !strcmp(name, "qdd") || !strcmp(name, "tau");
 }
 
+/* What a hand has left there, and has no name of its own. */
+static int is_left(const struct plan *p, size_t node)
+{
+	const struct node *n = &p->dag->nodes[node];
+
+	return n->op == OP_INPUT && p->dag->arguments[n->arg[0].i].is_output && !strncmp(p->names[node], "tau", 3);
+}
+
 static int is_own_wrench(const struct plan *p, size_t node)
 {
 	return !strcmp(argument_of(p, node), "f");
@@ -141,6 +149,8 @@ static void put_quantities(const struct emission *e, struct text *out)
 static void put_functions(const struct emission *e, struct text *out)
 {
 	put_entry("stride", "from one row of an array to the next", out);
+	if (emit_hands(e) && somewhere(e, is_left))
+		put_entry("tau", "what a hand left in the row of the link's joint", out);
 	if (emit_hands(e))
 		put_entry("handed gap step", "what hands left in tau; rows that a part's slice lacks; from one row of handed to the next", out);
 	if (emit_has_segments(e))

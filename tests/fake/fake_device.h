@@ -100,7 +100,7 @@ static void fake_apply(void (*kernel)(A...), void **p, std::index_sequence<I...>
 }
 
 /* Blocks have no order. The last comes first here: what only holds in the other order fails. */
-static fake_dim fake_block(unsigned b, unsigned grid, unsigned parts)
+static fake_dim fake_from_last(unsigned b, unsigned grid, unsigned parts)
 {
 	const unsigned at = grid * parts - 1 - b;
 
@@ -115,7 +115,7 @@ template <class... A> static void fake_run_serial(void (*kernel)(A...), void **p
 	gridDim = {grid, parts, 1};
 	for (unsigned b = 0; b < grid * parts; b++)
 		for (unsigned t = 0; t < block; t++) {
-			blockIdx = fake_block(b, grid, parts);
+			blockIdx = fake_from_last(b, grid, parts);
 			threadIdx = {t, 0, 0};
 			fake_apply(kernel, p, std::index_sequence_for<A...>{});
 		}
@@ -146,7 +146,7 @@ template <class... A> struct fake_place {
 	{
 		for (unsigned b = 0; b < grid * parts; b++) {
 			threadIdx = {index, 0, 0};
-			blockIdx = fake_block(b, grid, parts);
+			blockIdx = fake_from_last(b, grid, parts);
 			blockDim = {block, 1, 1};
 			gridDim = {grid, parts, 1};
 			fake_apply(kernel, p, std::index_sequence_for<A...>{});

@@ -93,7 +93,7 @@ static const struct growth {
 	{"want M\n", RNEAGEN_TARGET_CUDA, RNEAGEN_FIXED, 80, 3400},
 	{"want M\n", RNEAGEN_TARGET_C, RNEAGEN_FLOATING, 72, 250},
 	{"want jvp,vjp\n", RNEAGEN_TARGET_C, RNEAGEN_FLOATING, 29, 81},
-	{"", RNEAGEN_TARGET_CUDA, RNEAGEN_FIXED, 14, 28},
+	{"", RNEAGEN_TARGET_CUDA, RNEAGEN_FIXED, 21, 42},
 };
 
 /* A matrix of twice as many links has four times as many elements. Under the sanitizers the short texts alone. */
