@@ -30,7 +30,8 @@ int segments_choose(struct pass *p, enum segment_use use, const struct request *
    gains by it, and nothing promises its bits, which are not those of a batch. Returns 0 when memory runs out. */
 int segments_single(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a);
 
-/* The line, from this one on, at which a loop over columns begins, or the number of lines; all lines behind the first are in loops. */
+/* The line, from this one on, at which a loop over columns begins, or the number of lines; all lines behind the first are
+   in loops. */
 uint32_t segments_next_loop(const struct plan *p, uint32_t line);
 
 /* Does a segment read an input other than a loop's column? */

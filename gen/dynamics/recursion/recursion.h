@@ -26,7 +26,7 @@ struct recursion {
 	struct by_matrix by[BY_COUNT];
 	int has_gradients, has_coriolis; /* else no more is made than M */
 	int has_shifts;                  /* gradients are solved with M, and made without their shifts too */
-	int is_row_first;                    /* a coordinate's row is carried back to the base before its columns are */
+	int is_row_first;                /* a coordinate's row is carried back to the base before its columns are */
 };
 
 /* `arguments` says where the matrices go. d->failed is set when memory runs out. */

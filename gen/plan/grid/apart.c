@@ -354,15 +354,15 @@ static int make_all(struct part **parts, int *count, const struct hands *h, cons
 	*parts = arena_alloc(a, (size_t)(limbs + h->count), sizeof **parts);
 	if (!*parts || !make_hands(*parts, h, x, spare, a) || !make_limbs(*parts, h->count, limbs, d, owner, x, spare, a))
 		return 0;
-	*count = do_pay(*parts, limbs + h->count, x, spare) || (h->count && hands_hold_much(x, spare)) ? limbs + h->count : 0;
+	*count = (h->count && h->is_full) || do_pay(*parts, limbs + h->count, x, spare) ? limbs + h->count : 0;
 	return 1;
 }
 
 /* Does no part take more than half of what the whole takes, or two thirds where that spills much, and write all rows of the slices
    that it stages? */
-static int do_serve(const struct part *parts, int count, const struct parts_of *x, struct arena *a)
+static int do_serve(const struct part *parts, int count, int is_full, const struct parts_of *x, struct arena *a)
 {
-	unsigned whole = plan_flops(plan_operations(&x->whole->plan)), most = hands_hold_much(x, a) ? whole / 3 * 2 : whole / 2;
+	unsigned whole = plan_flops(plan_operations(&x->whole->plan)), most = is_full ? whole / 3 * 2 : whole / 2;
 	int is_staged = are_staged(parts, count, x->options);
 
 	for (const struct part *p = parts; p < parts + count; p++)
@@ -379,7 +379,7 @@ static int make_parts(struct part **parts, int *count, const struct parts_of *x,
 		return 0;
 	if (hands.count && !make_all(parts, count, &hands, x, spare, a))
 		return 0;
-	if (*count && do_serve(*parts, *count, x, spare))
+	if (*count && do_serve(*parts, *count, hands.is_full, x, spare))
 		return 1;
 	*count = 0;
 	return make_all(parts, count, &none, x, spare, a);

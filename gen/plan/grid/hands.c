@@ -279,26 +279,23 @@ static int make_rest(struct finder *f, struct hand_level *level, int begin)
 	return !level->rest.failed;
 }
 
-int hands_hold_much(const struct parts_of *x, struct arena *a)
-{
-	return plan_alive(&x->whole->plan, a) > FULL;
-}
-
-/* tau alone, since its rows hold what is handed on; not in mixed precision, where a row has fewer bits; in f32 where it holds
-   much. Which of two products is joined to their sum goes by how often each is used, which two kernels count anew: so not where
-   the same bits are wanted. */
-static int may_have(const struct parts_of *x, struct arena *a)
+/* tau alone, since its rows hold what is handed on; not in mixed precision, where a row has fewer bits; in f32 where the whole is
+   full. Which of two products is joined to their sum goes by how often each is used, which two kernels count anew: so not where the same
+   bits are wanted. Says whether the whole is full. */
+static int may_have(struct hands *h, const struct parts_of *x, struct arena *a)
 {
 	const struct rneagen_options *o = x->options;
 	int outputs = 0, tau = dag_find_role(x->raw, ROLE_JOINT_TORQUE, 1);
 
 	for (int i = 0; i < x->raw->argument_count; i++)
 		outputs += x->raw->arguments[i].is_output;
-	if (o->strict || (o->precision == RNEAGEN_F32 && o->layout == RNEAGEN_AOS) || outputs != 1 || tau < 0 || x->tree->nq != x->tree->nv)
+	if (o->strict || (o->precision == RNEAGEN_F32 && o->layout == RNEAGEN_AOS) || outputs != 1 || tau < 0 ||
+		x->tree->nq != x->tree->nv)
 		return 0;
 	if (plan_flops(plan_operations(&x->whole->plan)) < LEAST)
 		return 0;
-	return o->precision == RNEAGEN_F64 || (o->precision == RNEAGEN_F32 && hands_hold_much(x, a));
+	h->is_full = plan_alive(&x->whole->plan, a) > FULL;
+	return o->precision == RNEAGEN_F64 || (o->precision == RNEAGEN_F32 && h->is_full);
 }
 
 /* One more kernel, if `find` finds hands for it. */
@@ -330,7 +327,7 @@ int hands_find(struct hands *h, const struct parts_of *x, struct arena *a)
 	int count;
 
 	*h = (struct hands){0};
-	if (!may_have(x, a))
+	if (!may_have(h, x, a))
 		return 1;
 	h->list = arena_alloc(a, bodies, sizeof *h->list);
 	h->levels = arena_alloc(a, HAND_LEVELS, sizeof *h->levels);

@@ -32,12 +32,10 @@ struct hands {
 	int count;         /* 0: there are none, or several kernels do not serve */
 	struct hand_level *levels;
 	int level_count;   /* HAND_LEVELS at most */
+	int is_full;       /* the whole holds so much that parts spill less though they stage nothing */
 };
 
 /* Returns 0 when memory runs out. */
 int hands_find(struct hands *h, const struct parts_of *x, struct arena *a);
-
-/* Does the whole hold so much that parts spill less though they stage nothing? */
-int hands_hold_much(const struct parts_of *x, struct arena *a);
 
 #endif
