@@ -147,6 +147,14 @@ static int min_derivative_blocks(const struct emission *e)
 	return (alive > MANY_ALIVE && alive <= MOST_ALIVE) || (e->request->is_forward && most_alive(e) > OVERFULL_DOUBLE) ? 4 : 0;
 }
 
+/* Accelerations in f64 of which very many wait: left to itself the compiler gives each thread of the longest texts 32 registers, and
+   spills 43 kB of it. Room for two blocks, and no more, makes it take 255 (H100, 262144 samples, ns: g1_brainco 15.1, 13.5, floating
+   107, 25; a million of floating jvrc1 53.7, 10.8). */
+static int is_overfull_forward(const struct emission *e)
+{
+	return e->request->is_forward && e->arithmetic->bytes == 8 && most_alive(e) > OVERFULL_DOUBLE;
+}
+
 /* Humanoids in f32 soa gain from room for a third block (H100: 168 registers, no spill), arms of some 50 values from room
    for a sixth (80 registers instead of 93 on iiwa14, no spill: 0.93 of the floor instead of 0.90). Accelerations of few values
    gain from room for 14 blocks of 64 (hyq 72.2 ps, 71.1), others lose (iiwa14 43.7, 44.4). Hands lose too: 65536 samples of chain_75
@@ -162,6 +170,8 @@ static int min_blocks(const struct emission *e)
 		return e->arithmetic->bytes == 4 ? 6 : 0;
 	if (request_wants_derivative(e->request))
 		return min_derivative_blocks(e);
+	if (is_overfull_forward(e))
+		return 2;
 	if (e->arithmetic->bytes != 4 || e->wide || (e->request->is_forward && e->tree->body_count > ARM_BODIES))
 		return 0;
 	if (e->tree->body_count > ARM_BODIES)
