@@ -155,6 +155,32 @@ static void check_text(const char *path, struct rneagen_options *o, const char *
 	free(urdf);
 }
 
+/* Has each thread of the main kernel so many at least? */
+static void check_registers(const char *path, struct rneagen_options *o, int least)
+{
+	struct target_path source = target_path("cuda_long", ".cu"), object = target_path("cuda_long", ".o");
+	struct kernel_use kernel;
+	struct target t;
+	struct process p;
+	size_t length;
+	char *urdf = read_file(path, &length);
+
+	ck_assert_msg(urdf != NULL, "%s cannot be read", path);
+	o->target = RNEAGEN_TARGET_CUDA;
+	o->name = "cuda_long";
+	target_generate(&t, urdf, length, o, path);
+	target_write(source, t.text.source);
+	if (nvcc) {
+		p = run_nvcc(&t, source, object);
+		ck_assert_int_eq(ptxas_read(p.output, &kernel, 1), 1);
+		ck_assert_msg(kernel.registers >= least, "%s: %s has %d registers and spills %d bytes", t.what, kernel.name,
+			kernel.registers, kernel.spill_stores);
+		process_free(&p);
+	}
+	target_close(&t);
+	free(urdf);
+}
+
 static void check_own(const char *robot, enum rneagen_base base, enum rneagen_precision precision,
 	enum rneagen_layout layout, enum rneagen_trig trig, int no_spill)
 {
@@ -342,6 +368,25 @@ START_TEST(linked_together)
 }
 END_TEST
 
+/* Of a long text the compiler may choose to spill nearly all: it once gave each thread of this one 32 registers. */
+START_TEST(long_accelerations)
+{
+	const char *folder = getenv("RNEAGEN_ROBOTS");
+	struct rneagen_options o = rneagen_options_default();
+	char path[512];
+
+	if (!exhaustive() || !folder) {
+		printf("skipped: accelerations of a long text: %s\n", folder ? "they take --all" : "RNEAGEN_ROBOTS is not set");
+		return;
+	}
+	o.base = RNEAGEN_FLOATING;
+	o.precision = RNEAGEN_F64;
+	o.scene = "want qdd\n";
+	snprintf(path, sizeof path, "%s/jvrc1.urdf", folder);
+	check_registers(path, &o, 200);
+}
+END_TEST
+
 static void add_case(Suite *suite, const char *name, const TTest *test, void (*setup)(void))
 {
 	TCase *c = tcase_create(name);
@@ -365,5 +410,6 @@ int main(void)
 	add_case(suite, "others", other_robots, find_nvcc);
 	add_case(suite, "header", header_in_kernel, find_nvcc);
 	add_case(suite, "linked", linked_together, find_nvcc);
+	add_case(suite, "long", long_accelerations, find_nvcc);
 	return suite_run(suite);
 }
