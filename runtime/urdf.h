@@ -1,6 +1,6 @@
 #ifndef RNEA_URDF_H
 #define RNEA_URDF_H
-/* From a URDF to a robot that can be launched, in one call. The one part that needs both libraries: link rnea::urdf. */
+/* From a URDF to a robot that can be launched, in one call. The one part that needs both libraries: link rneagen::urdf. */
 
 #include "rnea.h"
 #include "rneagen.h"
