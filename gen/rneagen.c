@@ -195,9 +195,11 @@ static enum rneagen_code limbs_make_all(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
 
-	if (choose_for_kernel(g, windows_choose) || choose_for_kernel(g, limbs_choose))
+	int are_apart = parts_are_apart(g->parts, g->part_count); /* they have no windows, nor has the whole that serves small batches */
+
+	if ((!are_apart && choose_for_kernel(g, windows_choose)) || choose_for_kernel(g, limbs_choose))
 		return a->error->code;
-	if (parts_are_apart(g->parts, g->part_count))
+	if (are_apart)
 		limbs_beside_parts(&g->passes[0].limbs, &a->request);
 	return !g->relay || relay_limbs(g->relay, &a->request, &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }

@@ -239,7 +239,7 @@ struct rnea_info {
 	int is_guessed; /* private: what stands here of functions but the first may not be in the text */
 	const struct rnea_function *functions; /* function_count of them, at least 1 */
 	size_t function_count;
-	unsigned version; /* of the table: 1 to 5 */
+	unsigned version; /* of the table: 1 to 7 */
 };
 
 /* ---- opening and closing ---- */

@@ -264,8 +264,7 @@ int emit_relay_bytes(const struct emission *e);
 #define EMIT_UNLESS_LIMBS "#if !defined RNEA_ONLY_LIMBS\n"
 const char *emit_unless_limbs(const struct emission *e, const char *what);
 
-/* CUDA: all kernels, and the functions by which it stages its slice; the samples of a slice; how many slices a
-   multiprocessor is to have room for, an expression of RNEA_BLOCK, 0: as the compiler likes. */
+/* CUDA: all kernels, and the functions by which they stage their slices. */
 void emit_kernels(const struct emission *e, struct text *out);
 const char *emit_stage(const struct emission *e);
 
@@ -332,9 +331,9 @@ struct call {
 /* The call, and what comes before and after it so that the results are right whatever the angles. */
 const char *emit_call(const struct emission *e, const struct pass *p, const struct call *c);
 
-/* What goes in and what comes out: "q[7], qd[7], qdd[7] -> tau[7]." */
 /* What the main function computes: its algorithm's formula, or in words where a scene asks for other arrays. */
 const char *emit_what(const struct emission *e);
+/* What goes in and what comes out: "q[7], qd[7], qdd[7] -> tau[7]." */
 const char *emit_dimensions(const struct emission *e);
 
 /* The number in digits. */

@@ -55,7 +55,7 @@ static void take_none(struct pass *const *passes, int count)
 /* Returns the operations of the longest warp; 0 where one of them gains nothing. */
 static unsigned make_all(struct pass *const *passes, int count, int warps, const struct rneagen_options *o, struct arena *a)
 {
-	struct limbs_limits limits = {.warps = warps, .least = warps,
+	struct limbs_limits limits = {.warps = warps,
 		.across = SHARED_BYTES / WARP_THREADS / number_bytes(o) - 1, .join = JOIN_OPERATIONS};
 	unsigned longest = 0;
 

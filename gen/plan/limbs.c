@@ -62,14 +62,13 @@ static struct deal choose(struct dealer *x, unsigned whole, unsigned *least)
 	struct deal best = {0};
 
 	*least = TOO_MUCH;
-	for (int warps = x->limits->least ? x->limits->least : 2; warps <= x->limits->warps; warps *= 2)
-		for (int sines = 0; sines < 2; sines++) {
-			struct deal d = {.warps = warps, .has_sines = sines};
+	for (int sines = 0; sines < 2; sines++) {
+		struct deal d = {.warps = x->limits->warps, .has_sines = sines};
 
-			if (sines && !deal_sines_most(x, 1))
-				continue;
-			try_rooms(x, d, whole, &best, least);
-		}
+		if (sines && !deal_sines_most(x, 1))
+			continue;
+		try_rooms(x, d, whole, &best, least);
+	}
 	if (best.warps)
 		refine(x, whole > LONG_PLAN ? 1 : 2, &best, least);
 	return best;

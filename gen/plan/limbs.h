@@ -6,7 +6,7 @@
 #include "rneagen.h"
 
 struct limbs_limits {
-	int warps, least;  /* at most, and at least; 0: two */
+	int warps;
 	unsigned across;   /* values in shared memory at most */
 	unsigned join;     /* what it costs to wait for all warps, in operations */
 };

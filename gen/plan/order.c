@@ -50,7 +50,7 @@ static struct waiting waiting_in(struct orderer *x, const uint32_t *order, size_
 
 static int is_better(struct waiting w, struct waiting own, size_t room)
 {
-	return (double)w.sum <= FEWER_IN_ALL * (double)own.sum &&
+	return w.sum < own.sum && (double)w.sum <= FEWER_IN_ALL * (double)own.sum &&
 		(w.most <= room || (double)w.most <= FEWER_AT_ONCE * (double)own.most);
 }
 
@@ -87,6 +87,37 @@ static struct waiting write_best(struct orderer *x, int ways, size_t room)
 	if (best < ways - 1)
 		order_write(x, (enum order_way)best);
 	return found[best];
+}
+
+/* The row of tau that a line stores, or of qdd that it reads; -1: it does no such thing. */
+static int torque_stored(const struct plan *p, const struct line *l)
+{
+	const struct output *o = l->kind == LINE_STORE ? &p->dag->outputs[l->index] : NULL;
+
+	return o && p->dag->arguments[o->argument].role == ROLE_JOINT_TORQUE ? o->row : -1;
+}
+
+static int acceleration_read(const struct plan *p, const struct line *l)
+{
+	const struct node *n = &p->dag->nodes[l->value.i];
+
+	if (l->kind != LINE_INPUT || n->arg[0].i >= DAG_ARGUMENTS || p->dag->arguments[n->arg[0].i].role != ROLE_JOINT_ACCELERATION)
+		return -1;
+	return (int)n->arg[1].i;
+}
+
+/* In shared memory tau may stand in the place of qdd (stage_place). Is each joint's qdd read before its torque is stored? The torque of a
+   joint that moves no mass does not take it. */
+static int reads_first(const struct orderer *x)
+{
+	for (uint32_t i = 0; i < x->count; i++) {
+		int row = torque_stored(x->p, &x->p->lines[x->order[i]]);
+
+		for (uint32_t k = i + 1; row >= 0 && k < x->count; k++)
+			if (acceleration_read(x->p, &x->p->lines[x->order[k]]) == row)
+				return 0;
+	}
+	return 1;
 }
 
 /* ---- the DAG in that order ---- */
@@ -181,7 +212,7 @@ int plan_order(struct pass *p, const struct tree *t, const struct request *k, co
 		struct waiting own = waiting_in(&x, NULL, room);
 		struct waiting w = write_best(&x, is_acceleration(k) ? ORDER_WAYS : 1, room);
 
-		if (takes(w, own, room, k, is_part))
+		if (takes(w, own, room, k, is_part) && reads_first(&x))
 			done = takes_over(&x, p, a, &spare);
 	}
 	arena_free(&spare);

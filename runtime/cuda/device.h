@@ -85,7 +85,6 @@ struct device_api {
 
 /* The values that cuda.h gives them. */
 enum device_constant {
-	DEVICE_STATUS_BAD_VALUE = 1,
 	DEVICE_STATUS_MEMORY = 2,
 	DEVICE_STATUS_DEINITIALIZED = 4,
 	DEVICE_STATUS_STUB = 34,

@@ -37,7 +37,7 @@ int limbs_begin(struct limbs_build *b, const struct image_request *r);
 /* Wait for it, load it, and find what *info says of it; where that fails, *info says no more. The context must be current. */
 void limbs_load(struct limbs *l, struct limbs_build *b, const struct device *d, struct rnea_info *info);
 
-/* Launch one of them, with so many blocks along y. Without samples it does nothing. */
+/* Launch one of them. Without samples it does nothing. */
 enum rnea_code limbs_launch(const struct limbs_kernel *l, const struct device *d, void **parameters, size_t count, void *stream,
 	struct rnea_error *e);
 

@@ -160,7 +160,7 @@ static int check_text(const char *urdf, size_t length, const struct rneagen_opti
 		return 0;
 	ck_assert(plan_build(&p, &a.dag, &a.tree, a.arena));
 	for (int warps = first; warps <= last; warps *= 4) {
-		struct limbs_limits limits = {.warps = warps, .least = warps, .across = warps == 2 ? 48 : 384, .join = 20};
+		struct limbs_limits limits = {.warps = warps, .across = warps == 2 ? 48 : 384, .join = 20};
 		struct limbs s;
 
 		ck_assert(limbs_make(&s, &p, &limits, a.arena));

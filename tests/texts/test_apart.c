@@ -3,12 +3,15 @@
 #define _POSIX_C_SOURCE 200809L
 #include "launched.h"
 #include "base/text.h"
+#include "plan/grid/hands.h"
 #include "support/exhaustive.h"
 #include "support/suite.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+_Static_assert((int)HAND_LEVELS <= (int)RNEA_HANDS_LIMIT, "a runtime refuses the table of a text with more kernels of hands");
 
 enum { COUNT = 1300, SEED = 20261124, LARGE_BLOCK = 512 }; /* beyond what the limbs' kernel takes; no multiple of a block */
 

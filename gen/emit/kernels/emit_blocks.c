@@ -134,6 +134,12 @@ int emit_block_size(const struct emission *e)
 	return block;
 }
 
+/* Accelerations in f64 of which very many wait, with derivatives or without. */
+static int is_overfull_forward(const struct emission *e)
+{
+	return e->request->is_forward && e->arithmetic->bytes == 8 && most_alive(e) > OVERFULL_DOUBLE;
+}
+
 /* Derivatives in f64 that need no shared memory to spill into: what the compiler may give each of four blocks it then gives (H100,
    1 M samples: hyq, 64 values alive, 0.416 ns instead of 0.433; but iiwa14, 137, 0.412 instead of 0.386). Of accelerations, where
    very many wait, the compiler's own choice is 168 registers, and it spills more: 7584 bytes instead of 6368 for floating hyq, 361 values
@@ -144,15 +150,7 @@ static int min_derivative_blocks(const struct emission *e)
 
 	if (e->arithmetic->bytes != 8)
 		return 0;
-	return (alive > MANY_ALIVE && alive <= MOST_ALIVE) || (e->request->is_forward && most_alive(e) > OVERFULL_DOUBLE) ? 4 : 0;
-}
-
-/* Accelerations in f64 of which very many wait: left to itself the compiler gives each thread of the longest texts 32 registers, and
-   spills 43 kB of it. Room for two blocks, and no more, makes it take 255 (H100, 262144 samples, ns: g1_brainco 15.1, 13.5, floating
-   107, 25; a million of floating jvrc1 53.7, 10.8). */
-static int is_overfull_forward(const struct emission *e)
-{
-	return e->request->is_forward && e->arithmetic->bytes == 8 && most_alive(e) > OVERFULL_DOUBLE;
+	return (alive > MANY_ALIVE && alive <= MOST_ALIVE) || is_overfull_forward(e) ? 4 : 0;
 }
 
 /* Humanoids in f32 soa gain from room for a third block (H100: 168 registers, no spill), arms of some 50 values from room
@@ -170,6 +168,9 @@ static int min_blocks(const struct emission *e)
 		return e->arithmetic->bytes == 4 ? 6 : 0;
 	if (request_wants_derivative(e->request))
 		return min_derivative_blocks(e);
+	/* left to itself the compiler gives each thread of the longest texts 32 registers, and spills 43 kB of it; with room for two blocks,
+	   and no more, it takes 255 (H100, 262144 samples of qdd, ns: g1_brainco 15.1, 13.5, floating 107, 25; a million of floating jvrc1
+	   53.7, 10.8) */
 	if (is_overfull_forward(e))
 		return 2;
 	if (e->arithmetic->bytes != 4 || e->wide || (e->request->is_forward && e->tree->body_count > ARM_BODIES))

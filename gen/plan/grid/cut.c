@@ -39,9 +39,7 @@ static void mark(struct network *n)
 			n->between[i] |= n->between[d->nodes[i].arg[k].i];
 	}
 	memcpy(n->taken, n->to, d->count);
-	for (size_t i = d->count; i-- > 0;)
-		for (int k = 0; k < op_arity[d->nodes[i].op] && n->taken[i]; k++)
-			n->taken[d->nodes[i].arg[k].i] = 1;
+	dag_mark_operands(d, d->count, n->taken);
 	for (size_t i = 0; i < d->count; i++) {
 		n->between[i] &= n->taken[i];
 		n->taken[i] = 0;

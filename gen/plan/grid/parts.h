@@ -30,7 +30,7 @@ struct parts_of {
 	int is_relayed;  /* it is a kernel of a relay: one part at least */
 };
 
-/* Do the parts share nothing (apart.h)? Then each has a slice of its own, and the whole serves small batches. */
+/* Are they those of apart.h, limbs that share nothing or hands? Then each has a slice of its own, and the whole serves small batches. */
 static inline int parts_are_apart(const struct part *parts, int count)
 {
 	return count && parts[0].pass.stretches != NULL;

@@ -205,6 +205,8 @@ static struct relay *make(struct dag *columns, const struct parts_of *x, struct 
 	dag_init(&raw, spare);
 	if (!r || !algorithm_build_looped(&raw, x->tree, x->request, 1))
 		return NULL;
+	if (raw.failed && !spare->failed) /* there are too many runs of columns */
+		return NULL;
 	if (raw.failed || !build(r, &raw, columns, x, spare, a)) {
 		a->failed = 1;
 		return NULL;
