@@ -194,8 +194,7 @@ static enum rneagen_code choose_for_kernel(struct generation *g,
 static enum rneagen_code limbs_make_all(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
-
-	int are_apart = parts_are_apart(g->parts, g->part_count); /* they have no windows, nor has the whole that serves small batches */
+	int are_apart = parts_are_apart(g->parts, g->part_count); /* without windows, and so is the whole, for small batches */
 
 	if ((!are_apart && choose_for_kernel(g, windows_choose)) || choose_for_kernel(g, limbs_choose))
 		return a->error->code;

@@ -294,6 +294,59 @@ START_TEST(choices)
 }
 END_TEST
 
+/* ---- columns that stand apart ---- */
+
+enum { SIDE = 64 };
+
+/* A base with two chains of joints that slide, and its order of q: one of each chain by turns. */
+static const char *two_chains(struct text *order, struct arena *a)
+{
+	struct text t;
+
+	text_init(&t, a);
+	text_put(&t, "<robot name='two'><link name='base'><inertial><mass value='5'/>"
+		"<inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>");
+	for (int i = 0; i < 2 * SIDE; i++) {
+		char parent[16] = "base";
+
+		if (i > 1)
+			snprintf(parent, sizeof parent, "l%d", i - 2);
+		text_printf(&t, "<link name='l%d'><inertial><mass value='1'/>", i);
+		text_put(&t, "<inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>");
+		text_printf(&t, "<joint name='j%d' type='prismatic'><parent link='%s'/><child link='l%d'/>", i, parent, i);
+		text_printf(&t, "<axis xyz='%s'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>",
+			i / 2 % 3 == 0 ? "1 0 0" : i / 2 % 3 == 1 ? "0 1 0" : "0 0 1");
+		text_printf(order, "%sj%d", i ? "," : "", i);
+	}
+	text_put(&t, "</robot>");
+	return text_string(&t);
+}
+
+/* It would catch a way that does not serve so many runs of columns and ends with "out of memory", where another one does. */
+START_TEST(runs)
+{
+	struct rneagen_options o = rneagen_options_default();
+	struct rneagen_result r;
+	struct rneagen_error e;
+	struct text order;
+	struct arena a;
+	const char *urdf;
+
+	if (!exhaustive() || sanitized())
+		return;
+	arena_init(&a, NULL);
+	text_init(&order, &a);
+	urdf = two_chains(&order, &a);
+	o.base = RNEAGEN_FLOATING;
+	o.target = RNEAGEN_TARGET_CUDA;
+	o.order = text_string(&order);
+	o.scene = "want qdd,dqdd_dq,dqdd_dqd\n";
+	ck_assert_msg(!rneagen_generate(urdf, strlen(urdf), &o, &r, &e), "%s", e.message);
+	rneagen_result_free(&r);
+	arena_free(&a);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *suite = suite_create("growth");
@@ -306,5 +359,6 @@ int main(void)
 	suite_add(suite, "attributes_that_mean_something", attributes_that_mean_something, 1, 10);
 	suite_add(suite, "empty_lines", empty_lines, 4, 10);
 	suite_add(suite, "choices", choices, 2, 10);
+	suite_add(suite, "runs", runs, 1, 100);
 	return suite_run(suite);
 }
