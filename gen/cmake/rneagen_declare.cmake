@@ -1,8 +1,8 @@
 # cmake -D SOURCE=<name>_rnea.cu -D HEADER=<name>_rnea.h -P rneagen_declare.cmake
 # The header by which C and C++ call a kernel that nvcc compiled; all it says is read out of the text itself.
 file(READ "${SOURCE}" text)
-if(NOT text MATCHES "\nextern \"C\" int ([A-Za-z0-9_]+)_(rnea|fd|kin)_launch(\\([^()]*\\))")
-	message(FATAL_ERROR "${SOURCE}: no NAME_rnea_launch, NAME_fd_launch or NAME_kin_launch found")
+if(NOT text MATCHES "\nextern \"C\" int ([A-Za-z0-9_]+)_([a-z]+)_launch(\\([^()]*\\))")
+	message(FATAL_ERROR "${SOURCE}: no function found that launches its kernel")
 endif()
 set(name ${CMAKE_MATCH_1})
 set(function ${CMAKE_MATCH_2})

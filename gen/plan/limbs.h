@@ -6,7 +6,7 @@
 #include "rneagen.h"
 
 struct limbs_limits {
-	int warps;
+	int warps;         /* that share a sample */
 	unsigned across;   /* values in shared memory at most */
 	unsigned join;     /* what it costs to wait for all warps, in operations */
 };

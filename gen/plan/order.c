@@ -4,6 +4,7 @@
    before. Or the bias comes before the row that takes it, and only then the factors of M: few values are left of the
    bias, and many of the factors. */
 #include "plan/order.h"
+#include "plan/stage.h"
 
 /* An order is taken in which this much of the values wait, summed over the lines, and in which those that wait at once
    have room in registers or are this much of the DAG's own. H100, 1 M samples, ps, old and new: tau and vjp of atlas
@@ -89,35 +90,24 @@ static struct waiting write_best(struct orderer *x, int ways, size_t room)
 	return found[best];
 }
 
-/* The row of tau that a line stores, or of qdd that it reads; -1: it does no such thing. */
-static int torque_stored(const struct plan *p, const struct line *l)
-{
-	const struct output *o = l->kind == LINE_STORE ? &p->dag->outputs[l->index] : NULL;
-
-	return o && p->dag->arguments[o->argument].role == ROLE_JOINT_TORQUE ? o->row : -1;
-}
-
-static int acceleration_read(const struct plan *p, const struct line *l)
-{
-	const struct node *n = &p->dag->nodes[l->value.i];
-
-	if (l->kind != LINE_INPUT || n->arg[0].i >= DAG_ARGUMENTS || p->dag->arguments[n->arg[0].i].role != ROLE_JOINT_ACCELERATION)
-		return -1;
-	return (int)n->arg[1].i;
-}
-
-/* In shared memory tau may stand in the place of qdd (stage_place). Is each joint's qdd read before its torque is stored? The torque of a
+/* Where tau has the place of qdd in shared memory: is each joint's qdd read before its torque is stored? The torque of a
    joint that moves no mass does not take it. */
-static int reads_first(const struct orderer *x)
+static int reads_first(const struct orderer *x, struct arena *a)
 {
-	for (uint32_t i = 0; i < x->count; i++) {
-		int row = torque_stored(x->p, &x->p->lines[x->order[i]]);
+	const struct dag *d = x->p->dag;
+	int tau = dag_find_role(d, ROLE_JOINT_TORQUE, 1), qdd = stage_place(d, tau);
+	unsigned char *is_stored = arena_alloc(a, (size_t)x->t->nv + 1, 1); /* by row */
 
-		for (uint32_t k = i + 1; row >= 0 && k < x->count; k++)
-			if (acceleration_read(x->p, &x->p->lines[x->order[k]]) == row)
-				return 0;
+	for (uint32_t i = 0; i < x->count && is_stored && qdd != tau; i++) {
+		const struct line *l = &x->p->lines[x->order[i]];
+		const struct node *n = &d->nodes[l->value.i];
+
+		if (l->kind == LINE_STORE && d->outputs[l->index].argument == tau)
+			is_stored[d->outputs[l->index].row] = 1;
+		else if (l->kind == LINE_INPUT && n->arg[0].i == (uint32_t)qdd && is_stored[n->arg[1].i])
+			return 0;
 	}
-	return 1;
+	return is_stored != NULL;
 }
 
 /* ---- the DAG in that order ---- */
@@ -212,8 +202,9 @@ int plan_order(struct pass *p, const struct tree *t, const struct request *k, co
 		struct waiting own = waiting_in(&x, NULL, room);
 		struct waiting w = write_best(&x, is_acceleration(k) ? ORDER_WAYS : 1, room);
 
-		if (takes(w, own, room, k, is_part) && reads_first(&x))
+		if (takes(w, own, room, k, is_part) && reads_first(&x, &spare))
 			done = takes_over(&x, p, a, &spare);
+		done = done && !spare.failed;
 	}
 	arena_free(&spare);
 	return done;

@@ -60,21 +60,27 @@ static const char *chain(int links, struct arena *a)
 	return text_string(&t);
 }
 
-static struct meter generate(int links, struct rneagen_options o)
+static struct meter generate_text(const char *urdf, struct rneagen_options o)
 {
 	struct meter m = {0};
 	const struct rneagen_allocator allocator = {meter_alloc, meter_release, &m};
 	struct rneagen_error e;
 	struct rneagen_result r;
-	struct arena a;
-	const char *urdf;
 
-	arena_init(&a, NULL);
-	urdf = chain(links, &a);
 	o.allocator = &allocator;
 	ck_assert_msg(!rneagen_generate(urdf, strlen(urdf), &o, &r, &e), "%s", e.message);
 	rneagen_result_free(&r);
 	ck_assert_uint_eq(m.now, 0);
+	return m;
+}
+
+static struct meter generate(int links, struct rneagen_options o)
+{
+	struct arena a;
+	struct meter m;
+
+	arena_init(&a, NULL);
+	m = generate_text(chain(links, &a), o);
 	arena_free(&a);
 	return m;
 }
@@ -326,8 +332,6 @@ static const char *two_chains(struct text *order, struct arena *a)
 START_TEST(runs)
 {
 	struct rneagen_options o = rneagen_options_default();
-	struct rneagen_result r;
-	struct rneagen_error e;
 	struct text order;
 	struct arena a;
 	const char *urdf;
@@ -341,8 +345,7 @@ START_TEST(runs)
 	o.target = RNEAGEN_TARGET_CUDA;
 	o.order = text_string(&order);
 	o.scene = "want qdd,dqdd_dq,dqdd_dqd\n";
-	ck_assert_msg(!rneagen_generate(urdf, strlen(urdf), &o, &r, &e), "%s", e.message);
-	rneagen_result_free(&r);
+	generate_text(urdf, o);
 	arena_free(&a);
 }
 END_TEST

@@ -73,16 +73,31 @@ static int is_kernel(const struct target *t, const char *name)
 	return 0;
 }
 
-static void check_nvcc(const struct target *t, const char *robot, int no_spill)
+/* What ptxas says of the kernels, up to so many; returns how many there were. The files stay until they are removed. */
+static int compile(const struct target *t, struct kernel_use *kernels, int limit)
 {
 	struct target_path source = target_path(t->text.name, ".cu"), object = target_path(t->text.name, ".o");
-	struct kernel_use kernels[5];
 	struct process p;
 	int n;
 
 	target_write(source, t->text.source);
 	p = run_nvcc(t, source, object);
-	n = ptxas_read(p.output, kernels, 5);
+	n = ptxas_read(p.output, kernels, limit);
+	process_free(&p);
+	return n;
+}
+
+static void remove_files(const struct target *t)
+{
+	unlink(target_path(t->text.name, ".o").s);
+	unlink(target_path(t->text.name, ".cu").s);
+}
+
+static void check_nvcc(const struct target *t, const char *robot, int no_spill)
+{
+	struct kernel_use kernels[5];
+	int n = compile(t, kernels, 5);
+
 	ck_assert_msg(n == 3 + has_limbs(t), "%s: %d kernels", t->what, n);
 	for (int i = 0; i < n; i++) {
 		const struct kernel_use *k = &kernels[i];
@@ -96,9 +111,7 @@ static void check_nvcc(const struct target *t, const char *robot, int no_spill)
 			printf("%-50s %3d registers, stack %d, spilled %d, shared %d\n", t->what, k->registers,
 				k->stack, k->spill_stores, k->shared);
 	}
-	process_free(&p);
-	unlink(object.s);
-	unlink(source.s);
+	remove_files(t);
 }
 
 static int nvrtc_is_missing;
@@ -135,50 +148,45 @@ static void check_nvrtc(const struct target *t)
 		check_program(t, "-DRNEA_ONLY_LIMBS", "limbs");
 }
 
-/* A text as it is asked for, by NVRTC and by nvcc if that is asked for, where they are; in the long form, by one of them. */
-static void check_text(const char *path, struct rneagen_options *o, const char *robot, int no_spill, int by_nvcc)
+static void generate(struct target *t, const char *path, struct rneagen_options *o, const char *name, const char *what)
 {
-	struct target t;
-	size_t length;
-	char *urdf = read_file(path, &length), name[64];
-
-	ck_assert_msg(urdf != NULL, "%s cannot be read", path);
-	snprintf(name, sizeof name, "cuda_%s_%d%d%d%d", robot, o->base, o->precision, o->layout, o->trig);
-	o->target = RNEAGEN_TARGET_CUDA;
-	o->name = name;
-	target_generate(&t, urdf, length, o, robot);
-	if (nvcc && (by_nvcc || nvrtc_is_missing))
-		check_nvcc(&t, robot, no_spill);
-	if (!by_nvcc || !nvcc || !exhaustive())
-		check_nvrtc(&t);
-	target_close(&t);
-	free(urdf);
-}
-
-/* Has each thread of the main kernel so many at least? */
-static void check_registers(const char *path, struct rneagen_options *o, int least)
-{
-	struct target_path source = target_path("cuda_long", ".cu"), object = target_path("cuda_long", ".o");
-	struct kernel_use kernel;
-	struct target t;
-	struct process p;
 	size_t length;
 	char *urdf = read_file(path, &length);
 
 	ck_assert_msg(urdf != NULL, "%s cannot be read", path);
 	o->target = RNEAGEN_TARGET_CUDA;
-	o->name = "cuda_long";
-	target_generate(&t, urdf, length, o, path);
-	target_write(source, t.text.source);
-	if (nvcc) {
-		p = run_nvcc(&t, source, object);
-		ck_assert_int_eq(ptxas_read(p.output, &kernel, 1), 1);
-		ck_assert_msg(kernel.registers >= least, "%s: %s has %d registers and spills %d bytes", t.what, kernel.name,
-			kernel.registers, kernel.spill_stores);
-		process_free(&p);
-	}
-	target_close(&t);
+	o->name = name;
+	target_generate(t, urdf, length, o, what);
 	free(urdf);
+}
+
+/* A text as it is asked for, by NVRTC and by nvcc if that is asked for, where they are; in the long form, by one of them. */
+static void check_text(const char *path, struct rneagen_options *o, const char *robot, int no_spill, int by_nvcc)
+{
+	struct target t;
+	char name[64];
+
+	snprintf(name, sizeof name, "cuda_%s_%d%d%d%d", robot, o->base, o->precision, o->layout, o->trig);
+	generate(&t, path, o, name, robot);
+	if (nvcc && (by_nvcc || nvrtc_is_missing))
+		check_nvcc(&t, robot, no_spill);
+	if (!by_nvcc || !nvcc || !exhaustive())
+		check_nvrtc(&t);
+	target_close(&t);
+}
+
+/* Has each thread of the main kernel so many at least? */
+static void check_registers(const char *path, struct rneagen_options *o, int least)
+{
+	struct kernel_use kernel;
+	struct target t;
+
+	generate(&t, path, o, "cuda_long", path);
+	ck_assert_int_eq(compile(&t, &kernel, 1), 1);
+	ck_assert_msg(kernel.registers >= least, "%s: %s has %d registers and spills %d bytes", t.what, kernel.name, kernel.registers,
+		kernel.spill_stores);
+	remove_files(&t);
+	target_close(&t);
 }
 
 static void check_own(const char *robot, enum rneagen_base base, enum rneagen_precision precision,
@@ -375,8 +383,10 @@ START_TEST(long_accelerations)
 	struct rneagen_options o = rneagen_options_default();
 	char path[512];
 
-	if (!exhaustive() || !folder) {
-		printf("skipped: accelerations of a long text: %s\n", folder ? "they take --all" : "RNEAGEN_ROBOTS is not set");
+	if (!exhaustive() || !nvcc)
+		return;
+	if (!folder) {
+		printf("skipped: accelerations of a long text: RNEAGEN_ROBOTS is not set\n");
 		return;
 	}
 	o.base = RNEAGEN_FLOATING;

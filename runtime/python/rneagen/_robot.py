@@ -97,8 +97,8 @@ class Robot(_core.Robot):
     q is (nq,) or (..., nq); qd, qdd and tau are (nv,) or (..., nv): rad, rad/s, rad/s^2, N m; m, m/s, m/s^2, N for
     joints that slide. A floating base comes first: position and quaternion x y z qx qy qz qw in q, a twist of the
     base's frame, linear then angular, in qd. All arrays have the same leading axes, but inputs
-    that are one for all samples, and one dtype, float32 or float64, and lie in one piece in C order. The outputs are of the caller's library: NumPy, PyTorch, CuPy, JAX, or another
-    with DLPack. A GPU's arrays are computed where they are, in the current stream.
+    that are one for all samples, and one dtype, float32 or float64, and lie in one piece in C order. The outputs are
+    of the caller's library: NumPy, PyTorch, CuPy, JAX, or another with DLPack. A GPU's arrays are computed where they are, in the current stream.
 
     `out` is an array for the output; for several outputs a tuple of arrays. Inputs also go by their names: robot(q=q,
     qd=qd, qdd=qdd). What the scene frees (free=, fext=) is an input too; left out, it is as the URDF has it.
