@@ -50,6 +50,18 @@ static size_t place(const struct launch *x, const struct rnea_argument *a, size_
 	return x->info->layout == RNEA_AOS ? k * a->rows + r : r * x->count + k;
 }
 
+/* The last row of q that is an angle: a finger that slides has no room for large numbers. */
+static size_t last_angle(const struct launch *x, const struct rnea_argument *q)
+{
+	for (size_t i = x->info->joint_count; i-- > 0;) {
+		const struct rnea_joint *j = &x->info->joints[i];
+
+		if (strcmp(j->type, "prismatic") && strcmp(j->type, "floating"))
+			return j->iq + j->nq - 1;
+	}
+	return q->rows - 1;
+}
+
 static void set_q(const struct launch *x, const struct rnea_argument *a, void *array, int floating)
 {
 	for (size_t k = 0; k < x->count && floating; k++)
@@ -57,7 +69,7 @@ static void set_q(const struct launch *x, const struct rnea_argument *a, void *a
 			set(a, array, place(x, a, r, k), r == 3 ? 0.6 : r == 6 ? 0.8 : 0);
 	/* beyond what the sine of small angles is right for, as it happens to be far beyond what it is said to be for */
 	for (size_t k = 5; k < x->count && !strcmp(x->info->trig, "accurate"); k += 64)
-		set(a, array, place(x, a, a->rows - 1, k), (a->scalar == RNEA_F64 ? 1e18 : 1e8) * (1 + (double)(k % 1000) / 1000));
+		set(a, array, place(x, a, last_angle(x, a), k), (a->scalar == RNEA_F64 ? 1e18 : 1e8) * (1 + (double)(k % 1000) / 1000));
 }
 
 struct launch launched_run(struct rnea_robot *robot, size_t count, unsigned seed, int floating)
