@@ -1,6 +1,7 @@
-/* Outputs that take an operation in common are joined, and all rows between them. */
+/* Which texts have such parts, and whether they pay. */
 #include "plan/grid/apart.h"
 #include "plan/grid/hands.h"
+#include "plan/grid/joined.h"
 #include "plan/grid/turns.h"
 #include "plan/stage.h"
 
@@ -25,157 +26,6 @@ enum { LEAST_ACCELERATIONS = 2000 };
    f64: hyq 272 and 299, yumi 998 and 428 (176), baxter 892 and 558 (164), romeo 1611 and 935 (230), atlas 1814 and 1377 (285),
    g1_29dof 2608 and 1590 (307), jvrc1 3656 and 4716 (394), g1_brainco 8218 and 10350 (474). */
 enum { LEAST_PRODUCT = 2500, PRODUCT_ALIVE_SINGLE = 280, PRODUCT_ALIVE_DOUBLE = 340 };
-
-struct finder {
-	const struct dag *d;
-	int rows;              /* of the robot; an output's are those, once or more */
-	unsigned char *varies; /* by node: it is made of what each sample has of its own */
-	int *output;           /* by node: 1 + an output that takes it; 0: none does */
-	int *joined;           /* by output: another one that it is joined to, or itself */
-};
-
-/* A stretch of rows that share nothing with others; how many operations they take. */
-struct limb {
-	int first, last;
-	unsigned operations;
-};
-
-static int is_operation(const struct node *n)
-{
-	return n->op != OP_CONST && n->op != OP_INPUT;
-}
-
-static int row_of(const struct finder *f, size_t output)
-{
-	return f->d->outputs[output].row % f->rows;
-}
-
-static int root_of(struct finder *f, int output)
-{
-	while (f->joined[output] != output)
-		output = f->joined[output] = f->joined[f->joined[output]];
-	return output;
-}
-
-static void take(struct finder *f, uint32_t node, int output)
-{
-	if (!is_operation(&f->d->nodes[node]) || !f->varies[node])
-		return;
-	if (f->output[node])
-		f->joined[root_of(f, f->output[node] - 1)] = root_of(f, output);
-	else
-		f->output[node] = output + 1;
-}
-
-static int find(struct finder *f, const struct dag *d, int rows, struct arena *a)
-{
-	*f = (struct finder){.d = d, .rows = rows, .varies = arena_alloc(a, d->count, 1),
-		.output = arena_alloc(a, d->count, sizeof *f->output), .joined = arena_alloc(a, d->output_count + 1, sizeof *f->joined)};
-	if (a->failed)
-		return 0;
-	for (size_t i = 0; i < d->count; i++) {
-		const struct node *n = &d->nodes[i];
-
-		if (n->op == OP_INPUT)
-			f->varies[i] = n->arg[0].i != DAG_STRUCK && !d->arguments[n->arg[0].i].per_batch;
-		for (int k = 0; k < op_arity[n->op]; k++)
-			f->varies[i] |= f->varies[n->arg[k].i];
-	}
-	for (size_t i = 0; i < d->output_count; i++)
-		f->joined[i] = (int)i;
-	for (size_t i = 0; i < d->output_count; i++)
-		take(f, d->outputs[i].value.i, (int)i);
-	for (size_t i = d->count; i-- > 0;)
-		for (int k = 0; k < op_arity[d->nodes[i].op] && f->output[i]; k++)
-			take(f, d->nodes[i].arg[k].i, f->output[i] - 1);
-	return 1;
-}
-
-/* By row: the first row that it, or one after it, is joined to. */
-static void join_rows(struct finder *f, int *first, int *least)
-{
-	const struct dag *d = f->d;
-
-	for (int i = 0; i < f->rows; i++)
-		first[i] = i;
-	for (size_t i = 0; i < d->output_count; i++)
-		least[i] = f->rows;
-	for (size_t i = 0; i < d->output_count; i++) {
-		int *l = &least[root_of(f, (int)i)];
-
-		*l = row_of(f, i) < *l ? row_of(f, i) : *l;
-	}
-	for (size_t i = 0; i < d->output_count; i++) {
-		int *of_row = &first[row_of(f, i)], l = least[root_of(f, (int)i)];
-
-		*of_row = l < *of_row ? l : *of_row;
-	}
-	for (int i = f->rows - 1; i > 0; i--)
-		if (first[i] < i && first[i] < first[i - 1])
-			first[i - 1] = first[i];
-}
-
-/* Returns how many there are. */
-static int limbs_of(struct finder *f, struct limb *limbs, struct arena *a)
-{
-	const struct dag *d = f->d;
-	size_t rows = (size_t)f->rows + 1;
-	int *first = arena_alloc(a, rows, sizeof *first), *least = arena_alloc(a, d->output_count + 1, sizeof *least);
-	int *limb = arena_alloc(a, rows, sizeof *limb), count = 0;
-
-	if (a->failed)
-		return 0;
-	join_rows(f, first, least);
-	for (int i = 0; i < f->rows; i++) {
-		if (first[i] == i)
-			limbs[count++] = (struct limb){.first = i};
-		limbs[count - 1].last = i;
-		limb[i] = count - 1;
-	}
-	for (size_t i = 0; i < d->count; i++)
-		if (f->output[i])
-			limbs[limb[row_of(f, (size_t)f->output[i] - 1)]].operations++;
-	return count;
-}
-
-/* By row: its part. Returns how many there are. */
-static int deal_out(const struct limb *limbs, int count, int *part)
-{
-	unsigned most = 0, sum = 0;
-	int parts = 0;
-
-	for (int i = 0; i < count; i++)
-		most = limbs[i].operations > most ? limbs[i].operations : most;
-	for (int i = 0; i < count; i++) {
-		sum += limbs[i].operations;
-		if (i == 0 || 8 * sum > 9 * most) { /* a joint about the vertical that carries nothing else takes none */
-			parts++;
-			sum = limbs[i].operations;
-		}
-		for (int row = limbs[i].first; row <= limbs[i].last; row++)
-			part[row] = parts - 1;
-	}
-	return parts;
-}
-
-/* By output: its part. Returns how many there are; 0 when memory runs out. */
-static int own(int *owner, const struct dag *d, const struct parts_of *x, struct arena *a)
-{
-	size_t rows = (size_t)x->tree->nv + 1;
-	struct limb *limbs = arena_alloc(a, rows, sizeof *limbs);
-	int *part = arena_alloc(a, rows, sizeof *part), count;
-	struct finder f;
-
-	if (!find(&f, d, x->tree->nv, a))
-		return 0;
-	count = limbs_of(&f, limbs, a);
-	if (a->failed)
-		return 0;
-	count = deal_out(limbs, count, part);
-	for (size_t i = 0; i < d->output_count; i++)
-		owner[i] = part[row_of(&f, i)];
-	return count;
-}
 
 /* ---- parts ---- */
 
@@ -347,7 +197,7 @@ static int make_all(struct part **parts, int *count, const struct hands *h, cons
 	struct arena *a)
 {
 	const struct dag *d = h->count ? &h->levels[h->level_count - 1].rest : x->raw;
-	int *owner = arena_alloc(spare, d->output_count + 1, sizeof *owner), limbs = owner ? own(owner, d, x, spare) : 0;
+	int *owner = arena_alloc(spare, d->output_count + 1, sizeof *owner), limbs = owner ? joined_own(owner, d, x->tree->nv, spare) : 0;
 
 	if (limbs + h->count < 2)
 		return limbs;
