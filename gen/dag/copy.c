@@ -6,7 +6,9 @@ struct ref dag_copy_leaf(struct dag *out, const struct dag *d, size_t i)
 {
 	const struct node *n = &d->nodes[i];
 
-	return n->op == OP_CONST ? dag_within(out, dag_number(d, n)) : dag_input(out, (int)n->arg[0].i, (int)n->arg[1].i);
+	if (n->op == OP_CONST)
+		return dag_within(out, dag_number(d, n));
+	return dag_input_anew(out, (int)n->arg[0].i, (int)n->arg[1].i, (int)n->arg[2].i);
 }
 
 void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier *copy, void *context)

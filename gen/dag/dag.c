@@ -384,7 +384,7 @@ void dag_dump(const struct dag *d, struct text *t)
 		if (n->op == OP_CONST)
 			text_printf(t, " %.21Lg", n->value);
 		else if (n->op == OP_INPUT)
-			text_printf(t, " %s[%u]", d->arguments[n->arg[0].i].name, (unsigned)n->arg[1].i);
+			text_printf(t, " %s[%u]%s", d->arguments[n->arg[0].i].name, (unsigned)n->arg[1].i, n->arg[2].i ? " anew" : "");
 		for (int k = 0; k < op_arity[n->op]; k++)
 			text_printf(t, " %u", (unsigned)n->arg[k].i);
 		if (n->tag.quantity[0])

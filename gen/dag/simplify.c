@@ -45,11 +45,16 @@ static struct ref negated(struct dag *d, struct ref a)
 	return dag_within(d, within_neg(number(d, a)));
 }
 
-struct ref dag_input(struct dag *d, int argument, int row)
+struct ref dag_input_anew(struct dag *d, int argument, int row, int times)
 {
-	struct ref x = dag_node(d, OP_INPUT, (struct ref){(uint32_t)argument}, (struct ref){(uint32_t)row}, NONE, 0);
+	struct ref x = dag_node(d, OP_INPUT, (struct ref){(uint32_t)argument}, (struct ref){(uint32_t)row}, (struct ref){(uint32_t)times}, 0);
 
 	return d->is_wide ? dag_widen(d, x) : x;
+}
+
+struct ref dag_input(struct dag *d, int argument, int row)
+{
+	return dag_input_anew(d, argument, row, 0);
 }
 
 /* The same constant in another type. */

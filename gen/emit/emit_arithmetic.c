@@ -35,13 +35,24 @@ static const char *both(const struct emission *e, const char *tmpl)
 	return text_string(&t);
 }
 
+/* Is anything made again, by the algorithm or by a part? */
+static int makes_anew(const struct emission *e)
+{
+	int makes = emit_uses(e, OP_ANEW);
+
+	for (int i = 0; i < e->part_count; i++)
+		makes |= e->parts[i].joints > 0;
+	return makes;
+}
+
 static const char *with_anew(const struct emission *e, const char *arithmetic)
 {
 	const struct scalar *s = e->arithmetic;
-	const struct slot slots[] = {{"T", s->type}, {"F", s->suffix}, {"UPPER", s->upper}, {"CONSTRAINT", s->letter}};
+	const struct slot slots[] = {{"T", s->type}, {"MEMORY", e->memory->type}, {"F", s->suffix}, {"UPPER", s->upper},
+		{"CONSTRAINT", s->letter}};
 	struct text t;
 
-	if (!emit_uses(e, OP_ANEW) || e->numbers->calls[OP_MUL])
+	if (!makes_anew(e) || e->numbers->calls[OP_MUL])
 		return arithmetic;
 	text_init(&t, e->arena);
 	text_put(&t, arithmetic);

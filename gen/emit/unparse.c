@@ -134,10 +134,12 @@ static void put_element(const struct unparser *u, int argument, int row, struct 
 static void put_load(const struct unparser *u, const struct node *n, struct text *out)
 {
 	put_around(&u->numbers->load, 0, out);
+	text_put(out, n->arg[2].i ? "RNEA_READ_ANEW(" : "");
 	if (u->pass->stretches && u->plan->dag->arguments[n->arg[0].i].is_output)
 		put_index("handed", n->arg[1].i, "step", out);
 	else
 		put_element(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
+	text_put(out, n->arg[2].i ? ")" : "");
 	put_around(&u->numbers->load, 1, out);
 }
 

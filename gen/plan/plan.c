@@ -292,11 +292,12 @@ unsigned plan_flops(struct operation_count n)
 	return n.mul + n.add + n.sub + 2 * n.fma;
 }
 
-int plan_alive(const struct plan *p, struct arena *a)
+struct waits plan_waits(const struct plan *p, int room, struct arena *a)
 {
 	const struct dag *d = p->dag;
 	uint32_t *last = arena_alloc(a, d->count, sizeof *last);
-	int alive = 0, most = 0;
+	struct waits w = {0};
+	int alive = 0;
 
 	for (uint32_t i = 0; last && i < d->count; i++)
 		for (int k = 0; k < op_arity[d->nodes[i].op]; k++)
@@ -305,7 +306,8 @@ int plan_alive(const struct plan *p, struct arena *a)
 		const struct node *n = &d->nodes[i];
 
 		alive += n->op != OP_CONST && last[i] > i;
-		most = alive > most ? alive : most;
+		w.most = alive > w.most ? alive : w.most;
+		w.beyond += alive > room ? (size_t)(alive - room) : 0;
 		for (int k = 0; k < op_arity[n->op]; k++) {
 			uint32_t x = n->arg[k].i;
 
@@ -316,7 +318,12 @@ int plan_alive(const struct plan *p, struct arena *a)
 		}
 	}
 	arena_release(a, last);
-	return most;
+	return w;
+}
+
+int plan_alive(const struct plan *p, struct arena *a)
+{
+	return plan_waits(p, 0, a).most;
 }
 
 void plan_dump(const struct plan *p, struct text *t)

@@ -108,6 +108,14 @@ unsigned plan_flops(struct operation_count n);
    that a kernel needs beside its addresses. */
 int plan_alive(const struct plan *p, struct arena *a);
 
+/* The same, and how many of them have no room, summed over the nodes. */
+struct waits {
+	int most;
+	size_t beyond;
+};
+
+struct waits plan_waits(const struct plan *p, int room, struct arena *a);
+
 void plan_dump(const struct plan *p, struct text *t);
 
 #endif

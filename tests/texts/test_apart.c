@@ -38,6 +38,8 @@ static const struct subject {
 	{"atlas", "want qdd\n", RNEAGEN_F64, RNEAGEN_AOS, 0, 2, {0}, 1},
 	{"g1_29dof", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {0}, 0},
 	{"g1_29dof", "want tau,vjp\nfree payload.left_ankle_roll_link:sample\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 2, {0}, 1},
+	{"hyq", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {0}, 0}, /* the whole, with motion made again */
+	{"limbs 1 24", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {0}, 1},
 	{"atlas", "want tau,gravity\nvjp gravity\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {0}, 0}, /* many zeros */
 	{"limbs 2 17", "want tau,bias,gravity\n", RNEAGEN_F64, RNEAGEN_AOS, 0, 2, {0}, 1}, /* whole it would have windows */
 	{"hands 5 3", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {2}, 0},
@@ -65,7 +67,7 @@ static const struct subject WHOLE[] = {
 	{"g1_29dof", "want qdd\nrefine 1\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 1, {0}, 0},
 	{"g1_29dof", "want qdd\n", RNEAGEN_MIXED, RNEAGEN_AOS, 0, 1, {0}, 0},
 	{"g1_29dof", "want qdd,qdd_bound\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {0}, 0},
-	{"limbs 2 30", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {0}, 0}, /* a part would hold too much */
+	{"limbs 2 60", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {0}, 0}, /* a part would hold too much */
 	{"chain_75", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 1, {0}, 0}, /* parts would be staged, and leave rows of their slices unwritten */
 };
 
@@ -215,7 +217,10 @@ START_TEST(test_text)
 	ck_assert_ptr_nonnull(strstr(t.text.source, line));
 	snprintf(line, sizeof line, "gridDim.y != %d)", s->parts);
 	ck_assert_ptr_nonnull(strstr(t.text.source, line));
-	ck_assert_ptr_nonnull(strstr(t.text.source, "limbs that share nothing with the others"));
+	ck_assert_ptr_nonnull(strstr(t.text.source, s->parts > 1 || s->hands[0] ? "limbs that share nothing with the others"
+									      : "the whole, where some of the motion is made again"));
+	ck_assert_int_eq(strstr(t.text.source, " = RNEA_READ_ANEW(") != NULL, strstr(s->scene, "vjp") != NULL && s->precision == RNEAGEN_F64 &&
+		strcmp(s->name, "atlas"));
 	expect_launches(s, t.text.source);
 	expect_limbs(s, t.text.source);
 	rneagen_result_free(&t.text);
@@ -237,6 +242,31 @@ START_TEST(test_whole)
 	struct rneagen_options o = rneagen_options_default();
 
 	check_whole(&WHOLE[_i], &o);
+}
+END_TEST
+
+/* What is made again has the same bits. */
+START_TEST(test_strict_again)
+{
+	const struct subject s = {"hyq", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {0}, 0};
+	struct rneagen_options o = rneagen_options_default(), plain;
+	struct target parts, whole;
+	struct launch x, y;
+
+	o.strict = 1;
+	plain = o;
+	plain.parts = 1;
+	generate(&s, &o, &parts);
+	generate(&s, &plain, &whole);
+	ck_assert_ptr_nonnull(strstr(parts.text.source, " = RNEA_READ_ANEW("));
+	x = launched_run(launched_open(&parts, RNEA_BACKEND_CUDA, 0), COUNT, SEED, s.floating);
+	y = launched_run(launched_open(&whole, RNEA_BACKEND_HOST, 0), COUNT, SEED, s.floating);
+	ck_assert_uint_eq(x.info->parts, (unsigned)s.parts);
+	ck_assert_double_eq(launched_distance(&x, &y, s.name), 0);
+	launched_free(&x);
+	launched_free(&y);
+	rneagen_result_free(&parts.text);
+	rneagen_result_free(&whole.text);
 }
 END_TEST
 
@@ -282,6 +312,7 @@ int main(void)
 	suite_add(s, "text", test_text, sizeof APART / sizeof *APART, 60);
 	suite_add(s, "whole", test_whole, sizeof WHOLE / sizeof *WHOLE, 60);
 	suite_add(s, "strict", test_strict, 1, 60);
+	suite_add(s, "again", test_strict_again, 1, 120);
 	suite_add(s, "asked", test_asked, 1, 60);
 	return suite_run(s);
 }

@@ -1,5 +1,6 @@
 /* Which texts have such parts, and whether they pay. */
 #include "plan/grid/apart.h"
+#include "plan/grid/again.h"
 #include "plan/grid/hands.h"
 #include "plan/grid/joined.h"
 #include "plan/grid/turns.h"
@@ -23,9 +24,11 @@ enum { LEAST_ACCELERATIONS = 2000 };
    no more than so many in each part, for segments serve those better. H100, 1 M samples, ps, in brackets values in the whole or in
    a part: f32: hyq, 2284 operations, 144 and 141 (73), yumi 197 and 221 (212), romeo 425 and 483 (230), atlas 391 and 404, but
    16384 samples in 10.2 us instead of 12.5 (285), baxter 314 and 226 (289), g1_29dof 416 and 430 (307), jvrc1 1293 and 571 (394).
-   f64: hyq 272 and 299, yumi 998 and 428 (176), baxter 892 and 558 (164), romeo 1611 and 935 (230), atlas 1814 and 1377 (285),
-   g1_29dof 2608 and 1590 (307), jvrc1 3656 and 4716 (394), g1_brainco 8218 and 10350 (474). */
-enum { LEAST_PRODUCT = 2500, PRODUCT_ALIVE_SINGLE = 280, PRODUCT_ALIVE_DOUBLE = 340 };
+   f64, with motion made again: yumi 998 and 421 (135), baxter 892 and 482 (126), romeo 1611 and 868 (171), atlas 1814 and 850
+   (160), g1_29dof 2608 and 1001 (168), jvrc1 3656 and 2912 (255), but g1_brainco 8218 and 8273 (287), and 16384 samples 186 us. Of all
+   limbs in one part: floating hyq 966 and 531 (166), atlas 6920 and 3629 (228), g1_29dof 4301 and 4154 (215), jvrc1 5613 and 5972
+   (267). */
+enum { LEAST_PRODUCT = 2500, PRODUCT_ALIVE_SINGLE = 280, PRODUCT_ALIVE_DOUBLE = 280, ALONE_ALIVE = 240 };
 
 /* ---- parts ---- */
 
@@ -103,6 +106,8 @@ static int hold_less(const struct part *parts, int count, const struct parts_of 
 {
 	if (x->options->precision == RNEAGEN_F32)
 		return plan_alive(&x->whole->plan, a) > PRODUCT_ALIVE_SINGLE;
+	if (count == 1)
+		return parts->joints && parts->alive <= ALONE_ALIVE;
 	return parts_alive(parts, count) <= PRODUCT_ALIVE_DOUBLE;
 }
 
@@ -126,8 +131,13 @@ static void name_bodies(struct part *p, const struct tree *t)
 }
 
 /* Torques keep the tour's order. */
-static int reorder(struct part *p, const struct parts_of *x, struct arena *a)
+static int build(struct part *p, struct share *share, int owner, const char *name, const char *doc, const struct parts_of *x,
+	struct arena *a)
 {
+	if (again_serves(x))
+		return again_build(p, share, owner, name, doc, x, a);
+	if (!part_build_share(p, share, owner, owner + 1, name, doc, x, a))
+		return 0;
 	if (!x->request->is_forward && !request_wants_derivative(x->request))
 		return 1;
 	if (!plan_order(&p->pass, x->tree, x->request, x->options, 1, a))
@@ -146,7 +156,7 @@ static int make_part(struct part *p, struct share *share, int owner, int number,
 	text_init(&doc, a);
 	text_printf(&name, "%s_part%d", x->whole->algorithm->name, number);
 	text_printf(&doc, "Part %d of it: %s.", number, what);
-	if (!rows || !part_build_share(p, share, owner, owner + 1, text_string(&name), text_string(&doc), x, a) || !reorder(p, x, a))
+	if (!rows || !build(p, share, owner, text_string(&name), text_string(&doc), x, a))
 		return 0;
 	stretches_make(rows, &p->pass.dag);
 	p->pass.stretches = rows;
@@ -182,12 +192,13 @@ static int make_hands(struct part *parts, const struct hands *h, const struct pa
 static int make_limbs(struct part *parts, int first, int count, const struct dag *d, const int *owner, const struct parts_of *x,
 	struct arena *spare, struct arena *a)
 {
+	const char *what = first + count > 1 ? "limbs that share nothing with the others" : "the whole, where some of the motion is made again";
 	struct share share;
 
 	if (!share_begin(&share, d, owner, spare))
 		return 0;
 	for (int i = 0; i < count; i++)
-		if (!make_part(&parts[first + i], &share, i, first + i, "limbs that share nothing with the others", x, a))
+		if (!make_part(&parts[first + i], &share, i, first + i, what, x, a))
 			return 0;
 	return 1;
 }
@@ -199,7 +210,7 @@ static int make_all(struct part **parts, int *count, const struct hands *h, cons
 	const struct dag *d = h->count ? &h->levels[h->level_count - 1].rest : x->raw;
 	int *owner = arena_alloc(spare, d->output_count + 1, sizeof *owner), limbs = owner ? joined_own(owner, d, x->tree->nv, spare) : 0;
 
-	if (limbs + h->count < 2)
+	if (limbs + h->count < (again_serves(x) ? 1 : 2))
 		return limbs;
 	*parts = arena_alloc(a, (size_t)(limbs + h->count), sizeof **parts);
 	if (!*parts || !make_hands(*parts, h, x, spare, a) || !make_limbs(*parts, h->count, limbs, d, owner, x, spare, a))

@@ -130,16 +130,21 @@ static int choose_count(struct splitter *s, int *first)
 	return s->x->options->layout == RNEAGEN_AOS && best > PARTS_IN_AOS ? PARTS_IN_AOS : best;
 }
 
-int part_build(struct part *p, const struct dag *raw, const char *name, const char *doc, const struct parts_of *x, struct arena *a)
+int part_plan(struct part *p, const char *name, const char *doc, const struct parts_of *x, struct arena *a)
 {
 	p->algorithm = (struct algorithm){.name = name, .doc = doc};
 	p->pass.algorithm = &p->algorithm;
-	dag_init(&p->pass.dag, a);
-	dag_fuse(&p->pass.dag, raw, x->options->strict);
 	if (!plan_build(&p->pass.plan, &p->pass.dag, x->tree, a))
 		return 0;
 	p->alive = plan_alive(&p->pass.plan, a);
 	return !a->failed;
+}
+
+int part_build(struct part *p, const struct dag *raw, const char *name, const char *doc, const struct parts_of *x, struct arena *a)
+{
+	dag_init(&p->pass.dag, a);
+	dag_fuse(&p->pass.dag, raw, x->options->strict);
+	return part_plan(p, name, doc, x, a);
 }
 
 int part_build_share(struct part *p, struct share *share, int first, int end, const char *name, const char *doc,

@@ -14,6 +14,7 @@ struct part {
 	int alive;       /* values at once: plan_alive */
 	int is_hand;     /* it is a part of a kernel before (hands.h) */
 	int level;       /* of which of these */
+	int joints;      /* motion is made again, in stretches of so many joints (again.h); 0: it is kept */
 	struct algorithm algorithm;
 	struct pass pass;
 };
@@ -43,7 +44,9 @@ int parts_alive(const struct part *parts, int count);
    does. Errors: USAGE, MEMORY. */
 enum rneagen_code parts_make(struct part **parts, int *count, const struct parts_of *x, struct arena *a, struct rneagen_error *e);
 
-/* A pass of its own with the name and the comment, of a DAG or of the share of some owners. Returns 0 when memory runs out. */
+/* A pass of its own with the name and the comment, whose DAG is made; or of a DAG, or of the share of some owners. Returns 0 when memory
+   runs out. */
+int part_plan(struct part *p, const char *name, const char *doc, const struct parts_of *x, struct arena *a);
 int part_build(struct part *p, const struct dag *raw, const char *name, const char *doc, const struct parts_of *x, struct arena *a);
 int part_build_share(struct part *p, struct share *share, int first, int end, const char *name, const char *doc,
 	const struct parts_of *x, struct arena *a);
