@@ -84,7 +84,9 @@ int emit_window_bytes(const struct emission *e)
    it, and a warp waits for memory many times. H100, 1 M samples, ps: qdd with gradients of iiwa14 260, 211, of hyq 204, 197, of panda 325,
    300, of ur5 176, 163; qdd of floating hyq 177, 159; gradients of panda 268, 253; in f64 those of hyq 424, 384, with qdd 476, 441. What
    is left out: gradients of iiwa14 190, 192, of hyq 180, 181; qdd of hyq 77, 81, of atlas 278, 280; tau of g1_29dof 192, 211; in f64,
-   where registers spill, qdd with gradients of iiwa14 505, 560, of panda 1827, 1864. */
+   where registers spill, qdd with gradients of iiwa14 505, 560, of panda 1827, 1864. And parts: tau with vjp in f32 of g1_29dof 429, 401, of
+   jvrc1 570, 524, but 16384 samples in 12.4 us instead of 11.8, and in 18.2 instead of 17.0, of atlas 405, 402, and 11.2 instead of 10.2;
+   gradients of atlas 1485, 1618, in f64 5174, 5621, of g1_29dof 6404, 7173; qdd of jvrc1 454, 502. */
 int emit_is_prefetched(const struct emission *e)
 {
 	int alive;

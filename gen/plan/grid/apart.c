@@ -26,7 +26,7 @@ enum { LEAST_ACCELERATIONS = 2000 };
    16384 samples in 10.2 us instead of 12.5 (285), baxter 314 and 226 (289), g1_29dof 416 and 430 (307), jvrc1 1293 and 571 (394).
    f64, with motion made again: yumi 998 and 421 (135), baxter 892 and 482 (126), romeo 1611 and 868 (171), atlas 1814 and 850
    (160), g1_29dof 2608 and 1001 (168), jvrc1 3656 and 2912 (255), but g1_brainco 8218 and 8273 (287), and 16384 samples 186 us. Of all
-   limbs in one part: floating hyq 966 and 531 (166), atlas 6920 and 3629 (228), g1_29dof 4301 and 4154 (215), jvrc1 5613 and 5972
+   limbs in one part: floating hyq 966 and 531 (166), atlas 6920 and 3629 (228), g1_29dof 4301 and 4154 (209), jvrc1 5613 and 5972
    (267). */
 enum { LEAST_PRODUCT = 2500, PRODUCT_ALIVE_SINGLE = 280, PRODUCT_ALIVE_DOUBLE = 280, ALONE_ALIVE = 240 };
 
