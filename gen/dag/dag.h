@@ -26,7 +26,7 @@ struct tag {
 
 struct node {
 	enum op op;
-	struct ref arg[3]; /* INPUT: arg[0].i is the argument, arg[1].i the row, arg[2].i how often it was read before */
+	struct ref arg[3]; /* INPUT: arg[0].i is the argument, arg[1].i the row, arg[2].i tells readings apart */
 	real value;        /* CONST */
 	struct tag tag;
 	uint32_t number : 31; /* CONST: which of the DAG's numbers it is, counted from 1; 0: exactly the value */
@@ -151,8 +151,9 @@ struct ref dag_const(struct dag *d, real value);
 /* What is taken for zero is exactly that. */
 struct ref dag_within(struct dag *d, struct within c);
 struct ref dag_input(struct dag *d, int argument, int row);
-/* The same input, read from memory so many times more: like dag_anew, another value. */
-struct ref dag_input_anew(struct dag *d, int argument, int row, int times);
+/* The same input, read from memory once more; `reading` tells such readings apart, and is 0 for the first. Like dag_anew, another
+   value. */
+struct ref dag_input_anew(struct dag *d, int argument, int row, int reading);
 struct ref dag_neg(struct dag *d, struct ref a);
 struct ref dag_add(struct dag *d, struct ref a, struct ref b);
 struct ref dag_sub(struct dag *d, struct ref a, struct ref b);

@@ -45,9 +45,9 @@ static struct ref negated(struct dag *d, struct ref a)
 	return dag_within(d, within_neg(number(d, a)));
 }
 
-struct ref dag_input_anew(struct dag *d, int argument, int row, int times)
+struct ref dag_input_anew(struct dag *d, int argument, int row, int reading)
 {
-	struct ref x = dag_node(d, OP_INPUT, (struct ref){(uint32_t)argument}, (struct ref){(uint32_t)row}, (struct ref){(uint32_t)times}, 0);
+	struct ref a = {(uint32_t)argument}, r = {(uint32_t)row}, k = {(uint32_t)reading}, x = dag_node(d, OP_INPUT, a, r, k, 0);
 
 	return d->is_wide ? dag_widen(d, x) : x;
 }

@@ -35,14 +35,13 @@ static const char *both(const struct emission *e, const char *tmpl)
 	return text_string(&t);
 }
 
-/* Is anything made again, by the algorithm or by a part? */
-static int makes_anew(const struct emission *e)
+int emit_joints_again(const struct emission *e)
 {
-	int makes = emit_uses(e, OP_ANEW);
+	int most = 0;
 
 	for (int i = 0; i < e->part_count; i++)
-		makes |= e->parts[i].joints > 0;
-	return makes;
+		most = e->parts[i].joints > most ? e->parts[i].joints : most;
+	return most;
 }
 
 static const char *with_anew(const struct emission *e, const char *arithmetic)
@@ -52,7 +51,7 @@ static const char *with_anew(const struct emission *e, const char *arithmetic)
 		{"CONSTRAINT", s->letter}};
 	struct text t;
 
-	if (!makes_anew(e) || e->numbers->calls[OP_MUL])
+	if ((!emit_uses(e, OP_ANEW) && !emit_joints_again(e)) || e->numbers->calls[OP_MUL])
 		return arithmetic;
 	text_init(&t, e->arena);
 	text_put(&t, arithmetic);

@@ -218,6 +218,7 @@ static const struct choice {
 	{"chain_75", "", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0, 0, RNEAGEN_FIXED}, /* too many values go across */
 	{"hyq", "want tau,vjp\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_MIXED, 0, 1, RNEAGEN_FLOATING},
 	{"hyq", "want tau,vjp\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0, 0, RNEAGEN_FLOATING}, /* motion is made again */
+	{"hyq", "want tau,jvp\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0, 1, RNEAGEN_FLOATING},
 	{"atlas", "want qdd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0, 0, RNEAGEN_FIXED}, /* parts */
 	{"atlas", "want qdd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 0, 0, RNEAGEN_FIXED},
 	/* too many values go across */

@@ -267,7 +267,7 @@ static void put_both(const struct emission *e, struct text *out)
 	}
 	x.count = e->part_count - emit_hands(e);
 	x.kernel = "kernel";
-	x.what = SHARE_NOTHING;
+	x.what = x.count > 1 ? SHARE_NOTHING : "One part";
 	put_apart(e, &x, out);
 }
 

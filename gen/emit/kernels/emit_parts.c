@@ -131,6 +131,8 @@ void emit_dispatcher(const struct emission *e, struct text *out)
 		{"RESULT", emit_has_known(e) ? "int" : "void"}, {"RETURNS", emit_has_known(e) ? EMIT_RETURNS : ""},
 		{"BEGIN", emit_has_known(e) ? "\tint all_small = 1;" : ""},
 		{"END", emit_has_known(e) ? "\treturn all_small;" : ""}, {"COUNT", emit_int(e, e->part_count)},
+		{"PARTS", e->part_count > 1 ? "In parts that share nothing, one after the other; in a kernel each block makes one of them." :
+			"In one part; a kernel makes some of the motion again instead of keeping it."},
 		{"CASES", text_string(&cases)}, {"CALLS", text_string(&calls)}};
 	size_t from = out->length;
 

@@ -3,19 +3,20 @@
 #include "plan/grid/again.h"
 
 /* Joints in a stretch that are tried, and what a value costs for which there is no room while a node is made, in operations. Two are
-   tried where neither four nor three cut a chain. H100, 1 M samples of tau with vjp, ns, by length of the stretches, none, 4, 3, 2: atlas
+   tried where four and three cut alike. H100, 1 M samples of tau with vjp, ns, by length of the stretches, none, 4, 3, 2: atlas
    1.38, 0.94, 0.85, 0.85, g1_29dof 1.59, 1.25, 1.00, 0.96, jvrc1 3.66 (whole), 2.96, 2.91, 3.83 (the compiler gives each thread 168
    registers then), romeo 0.94, 0.87, 0.90, 0.92; of a floating base, whole and in one part: hyq 0.97, -, 0.63, 0.53, atlas 6.92, -, 3.63,
-   3.55. 16384 samples, us: atlas 37.0, 28.3, 24.1, 27.2, g1_29dof 42.3, 36.8, 32.2, 30.6. In f32 values have room: atlas 0.40, 0.43
-   (4), 0.47 (2). */
+   3.55. 16384 samples, us: atlas -, 28.3, 24.1, 27.2, g1_29dof 42.3, 36.8, 32.2, 30.6. In f32 values have room: atlas 0.40, 0.43
+   (4), 0.47 (2). Where more wait at once than are tried for, too many are left: 287 of 474 for g1_brainco. */
 static const int LENGTHS[] = {0, 4, 3, 2};
-enum { LENGTH_COUNT = sizeof LENGTHS / sizeof *LENGTHS, ROOM = 110 };
+enum { LENGTH_COUNT = sizeof LENGTHS / sizeof *LENGTHS, ROOM = 110, MOST_KEPT = 500 };
 static const double COST_BEYOND = 0.03;
 
-/* What a row belongs to: joints that follow each other without a branch. Rows of `base` and before are of the chain's parents. */
+/* What a row belongs to: joints that follow each other without a branch. Rows of `base` and before are of the chain's parents, or of
+   chains beside it. */
 struct stretch_of_chain {
 	int base, last;
-	int times; /* its inputs are read for so many stretches of the chain before it, it among them */
+	int times; /* tells its readings of inputs from those of the chain's other stretches: 1 is the last joints' */
 };
 
 struct again {
@@ -23,10 +24,13 @@ struct again {
 	const struct tree *t;
 	int *parent, *children;          /* by last row of a joint: the last row of the one that carries it, or -1; how many it carries */
 	struct stretch_of_chain *stretches;
+	int count;                       /* of stretches */
 	int *stretch;                    /* by row */
 	int *made_for;                   /* by node: the last row that takes it; -1: none does */
 	int *of;                         /* by node: the last row whose inputs it takes; -1: none */
+	unsigned char *taken;            /* by stretch and node: the stretch takes a double of it */
 	struct ref *map, *doubles;       /* by node; by stretch and node */
+	size_t *made;                    /* by stretch: doubles of the nodes before this one are made */
 };
 
 /* ---- stretches ---- */
@@ -48,20 +52,25 @@ static int parent_of(const struct tree *t, const struct tree_joint *j)
 	return b < 0 ? -1 : last_row(t, t->bodies[b].iv);
 }
 
-/* Returns 0 where a joint's rows stand before those of what carries it. */
-static int find_parents(struct again *x)
+/* Do the rows of each joint stand after those of what carries it? */
+static int is_ordered(const struct tree *t)
+{
+	for (int i = 0; i < t->joint_count; i++)
+		if (parent_of(t, &t->joints[i]) >= t->joints[i].iv)
+			return 0;
+	return 1;
+}
+
+static void find_parents(struct again *x)
 {
 	for (int i = 0; i < x->t->joint_count; i++) {
 		const struct tree_joint *j = &x->t->joints[i];
-		int last = j->iv + j->nv - 1, parent = parent_of(x->t, j);
+		int parent = parent_of(x->t, j);
 
-		if (parent >= j->iv)
-			return 0;
-		x->parent[last] = parent;
+		x->parent[j->iv + j->nv - 1] = parent;
 		if (parent >= 0)
 			x->children[parent]++;
 	}
-	return 1;
 }
 
 /* The last rows of the joints of a chain, from the row on. Returns how many there are. */
@@ -78,31 +87,29 @@ static int chain_from(const struct again *x, int row, int *last)
 
 static void cut_chains(struct again *x, int joints, int *last)
 {
-	int made = 0;
-
 	for (int row = 0, count; row < x->t->nv; row = last[count - 1] + 1) {
 		int base = x->parent[last_row(x->t, row)], stretches;
 
 		count = chain_from(x, row, last);
 		stretches = (count + joints - 1) / joints;
-		for (int k = 0, r = row; k < stretches; k++, made++) {
-			x->stretches[made] = (struct stretch_of_chain){base, last[count * (k + 1) / stretches - 1], stretches - k};
-			for (; r <= x->stretches[made].last; r++)
-				x->stretch[r] = made;
+		for (int k = 0, r = row; k < stretches; k++, x->count++) {
+			x->stretches[x->count] = (struct stretch_of_chain){base, last[count * (k + 1) / stretches - 1], stretches - k};
+			for (; r <= x->stretches[x->count].last; r++)
+				x->stretch[r] = x->count;
 		}
 	}
 }
 
 /* ---- nodes ---- */
 
-/* The row of qd that an input belongs to; what earlier kernels hand on, and what is no joint's, of the last. */
+/* The row of qd that an input belongs to; -1: it is no joint's. */
 static int row_of_input(const struct again *x, const struct node *n)
 {
-	const struct argument *a = &x->d->arguments[n->arg[0].i];
+	const struct argument *a = n->arg[0].i < DAG_ARGUMENTS ? &x->d->arguments[n->arg[0].i] : NULL;
 	int row = (int)n->arg[1].i;
 
-	if (n->arg[0].i >= DAG_ARGUMENTS || a->is_output)
-		return x->t->nv;
+	if (!a || a->is_output)
+		return -1;
 	if (a->role == ROLE_JOINT_POSITION) {
 		for (int i = 0; i < x->t->joint_count; i++)
 			if (row >= x->t->joints[i].iq && row < x->t->joints[i].iq + x->t->joints[i].nq)
@@ -110,7 +117,7 @@ static int row_of_input(const struct again *x, const struct node *n)
 	} else if (a->role == ROLE_COTANGENT) {
 		return row % x->t->nv;
 	}
-	return a->rows == x->t->nv ? row : x->t->nv;
+	return a->rows == x->t->nv ? row : -1;
 }
 
 static void find_rows(struct again *x)
@@ -139,89 +146,139 @@ static void find_rows(struct again *x)
 		}
 }
 
-/* Is it made again in a stretch that takes it: no constant, no sine or cosine, and of joints of its chain? */
-static int has_double(const struct again *x, const struct stretch_of_chain *s, uint32_t i)
+/* May a stretch take a double of it: is it no constant, no sine or cosine, and of the joints of its chain? */
+static int has_double(const struct again *x, int stretch, uint32_t i)
 {
+	const struct stretch_of_chain *s = &x->stretches[stretch];
 	enum op op = x->d->nodes[i].op;
 
 	return op != OP_CONST && op != OP_SIN && op != OP_COS && x->of[i] > s->base && x->of[i] <= s->last;
 }
 
+static unsigned char *taken_by(const struct again *x, int stretch, uint32_t i)
+{
+	return &x->taken[(size_t)stretch * x->d->count + i];
+}
+
+/* Does this node's own stretch take a double of the operand? */
+static int takes_double(const struct again *x, size_t i, uint32_t operand)
+{
+	int stretch = x->stretch[x->made_for[i]];
+
+	return x->stretch[x->made_for[operand]] != stretch && has_double(x, stretch, operand);
+}
+
+/* What nodes take for themselves, and for their doubles. */
+static void find_taken(struct again *x)
+{
+	for (size_t i = x->d->count; i-- > 0;) {
+		const struct node *n = &x->d->nodes[i];
+
+		for (int k = 0; k < op_arity[n->op] && x->made_for[i] >= 0; k++) {
+			uint32_t of = n->arg[k].i;
+
+			if (takes_double(x, i, of))
+				*taken_by(x, x->stretch[x->made_for[i]], of) = 1;
+			for (int stretch = 0; stretch < x->count; stretch++)
+				*taken_by(x, stretch, of) |= *taken_by(x, stretch, (uint32_t)i) && has_double(x, stretch, of);
+		}
+	}
+}
+
 /* ---- the copy: the rules of constructors were followed already ---- */
 
-static struct ref double_of(struct again *x, struct dag *out, int stretch, uint32_t i);
+static struct ref *double_of(const struct again *x, int stretch, uint32_t i)
+{
+	return &x->doubles[(size_t)stretch * x->d->count + i];
+}
 
 /* Of operands, one of which at least is another value: what is made of sines and cosines alone takes one that counts as such. */
-static struct ref doubled(struct again *x, struct dag *out, int stretch, const struct node *n)
+static struct ref doubled(const struct again *x, struct dag *out, int stretch, const struct node *n)
 {
 	struct ref args[3] = {{0}};
 	int differs = 0, angle = -1;
 
 	for (int k = 0; k < op_arity[n->op]; k++) {
-		args[k] = double_of(x, out, stretch, n->arg[k].i);
-		differs |= !ref_equal(args[k], x->map[n->arg[k].i]);
-		angle = x->of[n->arg[k].i] > x->stretches[stretch].base ? k : angle;
+		uint32_t of = n->arg[k].i;
+
+		args[k] = *taken_by(x, stretch, of) ? *double_of(x, stretch, of) : x->map[of];
+		differs |= *taken_by(x, stretch, of);
+		angle = x->of[of] > x->stretches[stretch].base ? k : angle;
 	}
 	if (!differs && angle >= 0)
 		args[angle] = dag_anew(out, args[angle]);
 	return dag_node(out, n->op, args[0], args[1], args[2], 0);
 }
 
-static struct ref double_of(struct again *x, struct dag *out, int stretch, uint32_t i)
+/* Those of a stretch up to node `last`. */
+static void make_doubles(const struct again *x, struct dag *out, int stretch, size_t last)
 {
-	const struct stretch_of_chain *s = &x->stretches[stretch];
-	const struct node *n = &x->d->nodes[i];
-	struct ref *made = &x->doubles[(size_t)stretch * x->d->count + i];
+	for (; x->made[stretch] <= last; x->made[stretch]++) {
+		uint32_t i = (uint32_t)x->made[stretch];
+		const struct node *n = &x->d->nodes[i];
 
-	if (!has_double(x, s, i))
-		return x->map[i];
-	if (!made->i)
-		*made = n->op == OP_INPUT ? dag_input_anew(out, (int)n->arg[0].i, (int)n->arg[1].i, s->times)
-					  : doubled(x, out, stretch, n);
-	return *made;
+		if (*taken_by(x, stretch, i))
+			*double_of(x, stretch, i) = n->op == OP_INPUT
+				? dag_input_anew(out, (int)n->arg[0].i, (int)n->arg[1].i, x->stretches[stretch].times)
+				: doubled(x, out, stretch, n);
+	}
 }
 
 static struct ref copy(void *context, struct dag *out, size_t i)
 {
-	struct again *x = context;
+	const struct again *x = context;
 	const struct node *n = &x->d->nodes[i];
 	struct ref args[3] = {{0}};
-	int stretch;
 
 	if (!op_arity[n->op])
 		return dag_copy_leaf(out, x->d, i);
 	if (x->made_for[i] < 0)
 		return args[0];
-	stretch = x->stretch[x->made_for[i]];
 	for (int k = 0; k < op_arity[n->op]; k++) {
 		uint32_t of = n->arg[k].i;
+		int stretch = x->stretch[x->made_for[i]];
 
-		args[k] = x->stretch[x->made_for[of]] == stretch ? x->map[of] : double_of(x, out, stretch, of);
+		args[k] = x->map[of];
+		if (takes_double(x, i, of)) {
+			make_doubles(x, out, stretch, of);
+			args[k] = *double_of(x, stretch, of);
+		}
 	}
 	return dag_node(out, n->op, args[0], args[1], args[2], 0);
+}
+
+static int begin(struct again *x, int joints, struct arena *a)
+{
+	size_t rows = (size_t)x->t->nv + 1, nodes = x->d->count;
+	int *last = arena_alloc(a, rows, sizeof *last);
+
+	x->parent = arena_alloc(a, rows, sizeof *x->parent);
+	x->children = arena_alloc(a, rows, sizeof *x->children);
+	x->stretches = arena_alloc(a, rows, sizeof *x->stretches);
+	x->stretch = arena_alloc(a, rows, sizeof *x->stretch);
+	x->made_for = arena_alloc(a, nodes, sizeof *x->made_for);
+	x->of = arena_alloc(a, nodes, sizeof *x->of);
+	if (a->failed)
+		return 0;
+	find_parents(x);
+	cut_chains(x, joints, last);
+	find_rows(x);
+	x->map = arena_alloc(a, nodes, sizeof *x->map);
+	x->doubles = arena_alloc(a, (size_t)x->count * nodes, sizeof *x->doubles);
+	x->taken = arena_alloc(a, (size_t)x->count * nodes, 1);
+	x->made = arena_alloc(a, (size_t)x->count, sizeof *x->made);
+	return !a->failed;
 }
 
 void again_make(struct dag *out, const struct dag *d, const struct tree *t, int joints, struct arena *a)
 {
 	struct again x = {.d = d, .t = t};
-	size_t rows = (size_t)t->nv + 1;
 	struct arena spare;
-	int *last;
 
 	dag_init(out, a);
 	arena_init(&spare, &a->allocator);
-	x.parent = arena_alloc(&spare, rows, sizeof *x.parent);
-	x.children = arena_alloc(&spare, rows, sizeof *x.children);
-	x.stretches = arena_alloc(&spare, rows, sizeof *x.stretches);
-	x.stretch = arena_alloc(&spare, rows, sizeof *x.stretch);
-	x.made_for = arena_alloc(&spare, d->count, sizeof *x.made_for);
-	x.of = arena_alloc(&spare, d->count, sizeof *x.of);
-	x.map = arena_alloc(&spare, d->count, sizeof *x.map);
-	x.doubles = arena_alloc(&spare, rows * d->count, sizeof *x.doubles);
-	last = arena_alloc(&spare, rows, sizeof *last);
-	if (!spare.failed) {
-		cut_chains(&x, find_parents(&x) ? joints : t->nv, last);
-		find_rows(&x);
+	if (begin(&x, joints, &spare)) {
+		find_taken(&x);
 		dag_copy(out, d, x.map, copy, &x);
 	}
 	out->failed |= spare.failed;
@@ -253,7 +310,13 @@ static int build(struct part *p, const struct dag *share, int joints, const char
 	return !a->failed;
 }
 
-static int cost_of(double *cost, const struct dag *share, int joints, const struct parts_of *x)
+/* What a length costs, and values that wait. */
+struct cost {
+	double operations;
+	struct waits waits;
+};
+
+static int cost_of(struct cost *c, const struct dag *share, int joints, const struct parts_of *x)
 {
 	struct arena spare;
 	struct part p = {0};
@@ -261,8 +324,10 @@ static int cost_of(double *cost, const struct dag *share, int joints, const stru
 
 	arena_init(&spare, x->options->allocator);
 	is_built = build(&p, share, joints, "", "", x, &spare);
-	if (is_built)
-		*cost = plan_flops(plan_operations(&p.pass.plan)) + COST_BEYOND * (double)plan_waits(&p.pass.plan, ROOM, &spare).beyond;
+	if (is_built) {
+		c->waits = plan_waits(&p.pass.plan, ROOM, &spare);
+		c->operations = plan_flops(plan_operations(&p.pass.plan)) + COST_BEYOND * (double)c->waits.beyond;
+	}
 	arena_free(&spare);
 	return is_built;
 }
@@ -270,15 +335,17 @@ static int cost_of(double *cost, const struct dag *share, int joints, const stru
 /* The length that costs least; -1 when memory runs out. */
 static int best_length(const struct dag *share, const struct parts_of *x)
 {
-	double cost[LENGTH_COUNT];
+	struct cost cost[LENGTH_COUNT];
 	int best = 0;
 
 	for (int i = 0; i < LENGTH_COUNT; i++) {
-		if (i == LENGTH_COUNT - 1 && cost[i - 1] != cost[i - 2])
+		if (i == LENGTH_COUNT - 1 && cost[i - 1].operations != cost[i - 2].operations)
 			break;
 		if (!cost_of(&cost[i], share, LENGTHS[i], x))
 			return -1;
-		best = cost[i] < cost[best] ? i : best;
+		best = cost[i].operations < cost[best].operations ? i : best;
+		if (cost[0].waits.beyond == 0 || cost[0].waits.most > MOST_KEPT || !is_ordered(x->tree))
+			break;
 	}
 	return LENGTHS[best];
 }

@@ -25,10 +25,11 @@ enum { LEAST_ACCELERATIONS = 2000 };
    a part: f32: hyq, 2284 operations, 144 and 141 (73), yumi 197 and 221 (212), romeo 425 and 483 (230), atlas 391 and 404, but
    16384 samples in 10.2 us instead of 12.5 (285), baxter 314 and 226 (289), g1_29dof 416 and 430 (307), jvrc1 1293 and 571 (394).
    f64, with motion made again: yumi 998 and 421 (135), baxter 892 and 482 (126), romeo 1611 and 868 (171), atlas 1814 and 850
-   (160), g1_29dof 2608 and 1001 (168), jvrc1 3656 and 2912 (255), but g1_brainco 8218 and 8273 (287), and 16384 samples 186 us. Of all
-   limbs in one part: floating hyq 966 and 531 (166), atlas 6920 and 3629 (228), g1_29dof 4301 and 4154 (209), jvrc1 5613 and 5972
-   (267). */
-enum { LEAST_PRODUCT = 2500, PRODUCT_ALIVE_SINGLE = 280, PRODUCT_ALIVE_DOUBLE = 280, ALONE_ALIVE = 240 };
+   (160), g1_29dof 2608 and 1001 (168), jvrc1 3656 and 2912 (255), but g1_brainco 8218 and 8273 (287). Without: g1_29dof 1590 (307),
+   jvrc1 4716 (394). Of all limbs in one part, instead of segments: floating hyq 966 and 531 (166), g1_29dof 4301 and, by stretches of
+   three, 4154 (209), jvrc1 5613 and 5972 (267); and where they would have no segments: atlas 6920 and 3629 (228). */
+enum { LEAST_PRODUCT = 2500, PRODUCT_ALIVE_SINGLE = 280, PRODUCT_ALIVE_DOUBLE = 340, PRODUCT_ALIVE_AGAIN = 280, LEAST_ALONE = 3500,
+	ALONE_ALIVE = 240 };
 
 /* ---- parts ---- */
 
@@ -107,8 +108,12 @@ static int hold_less(const struct part *parts, int count, const struct parts_of 
 	if (x->options->precision == RNEAGEN_F32)
 		return plan_alive(&x->whole->plan, a) > PRODUCT_ALIVE_SINGLE;
 	if (count == 1)
-		return parts->joints && parts->alive <= ALONE_ALIVE;
-	return parts_alive(parts, count) <= PRODUCT_ALIVE_DOUBLE;
+		return parts->joints && parts->alive <= ALONE_ALIVE &&
+			plan_flops(plan_operations(&x->whole->plan)) > LEAST_ALONE;
+	for (int i = 0; i < count; i++)
+		if (parts[i].alive > (parts[i].joints ? PRODUCT_ALIVE_AGAIN : PRODUCT_ALIVE_DOUBLE))
+			return 0;
+	return 1;
 }
 
 static int do_pay(const struct part *parts, int count, const struct parts_of *x, struct arena *a)

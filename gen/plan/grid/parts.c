@@ -276,7 +276,11 @@ void parts_dump(const struct part *parts, int count, const struct pass *whole, c
 {
 	if (!count)
 		text_printf(out, "whole: %u flops\n", plan_flops(plan_operations(&whole->plan)));
-	for (int i = 0; i < count; i++)
-		text_printf(out, "part %d: links %d..%d, %u flops, %d values at once\n", i, t->bodies[parts[i].first].number,
+	for (int i = 0; i < count; i++) {
+		text_printf(out, "part %d: links %d..%d, %u flops, %d values at once", i, t->bodies[parts[i].first].number,
 			t->bodies[parts[i].last].number, plan_flops(plan_operations(&parts[i].pass.plan)), parts[i].alive);
+		if (parts[i].joints)
+			text_printf(out, ", motion made again by stretches of at most %d joints", parts[i].joints);
+		text_putc(out, '\n');
+	}
 }

@@ -41,7 +41,7 @@ static inline int parts_are_apart(const struct part *parts, int count)
 int parts_alive(const struct part *parts, int count);
 
 /* In the order of the bodies, as the options ask for; *count is 0 where the text stays whole, as one without kernels
-   does. Errors: USAGE, MEMORY. */
+   does. One part: its motion is made again, or it is a relay's. Errors: USAGE, MEMORY. */
 enum rneagen_code parts_make(struct part **parts, int *count, const struct parts_of *x, struct arena *a, struct rneagen_error *e);
 
 /* A pass of its own with the name and the comment, whose DAG is made; or of a DAG, or of the share of some owners. Returns 0 when memory
