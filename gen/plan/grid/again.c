@@ -7,9 +7,10 @@
    1.38, 0.94, 0.85, 0.85, g1_29dof 1.59, 1.25, 1.00, 0.96, jvrc1 3.66 (whole), 2.96, 2.91, 3.83 (the compiler gives each thread 168
    registers then), romeo 0.94, 0.87, 0.90, 0.92; of a floating base, whole and in one part: hyq 0.97, -, 0.63, 0.53, atlas 6.92, -, 3.63,
    3.55. 16384 samples, us: atlas -, 28.3, 24.1, 27.2, g1_29dof 42.3, 36.8, 32.2, 30.6. In f32 values have room: atlas 0.40, 0.43
-   (4), 0.47 (2). Where more wait at once than are tried for, too many are left: 287 of 474 for g1_brainco. */
+   (4), 0.47 (2). Where more values than MOST_KEPT wait at once, it is not tried, for it takes time and memory: 474 wait of g1_brainco,
+   and 287 are left. */
 static const int LENGTHS[] = {0, 4, 3, 2};
-enum { LENGTH_COUNT = sizeof LENGTHS / sizeof *LENGTHS, ROOM = 110, MOST_KEPT = 500 };
+enum { LENGTH_COUNT = sizeof LENGTHS / sizeof *LENGTHS, ROOM = 110, MOST_KEPT = 1000 };
 static const double COST_BEYOND = 0.03;
 
 /* What a row belongs to: joints that follow each other without a branch. Rows of `base` and before are of the chain's parents, or of
