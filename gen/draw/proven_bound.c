@@ -26,17 +26,13 @@ static const char *word_of(const struct dropping *p, const struct argument *x)
 /* "qd.elbow", "gravity[2]" */
 static void put_row(const struct dropping *p, const struct argument *x, int row, struct text *out)
 {
-	int is_q = x->role == ROLE_JOINT_POSITION;
+	const struct tree_joint *j = x->role == ROLE_JOINT_POSITION ? tree_joint_of_q(p->t, row)
+		: x->rows == p->t->nv ? tree_joint_of_row(p->t, row) : NULL;
 
-	for (int i = 0; i < p->t->joint_count && (is_q || x->rows == p->t->nv); i++) {
-		const struct tree_joint *j = &p->t->joints[i];
-
-		if (*j->name && (is_q ? row >= j->iq && row < j->iq + j->nq : row >= j->iv && row < j->iv + j->nv)) {
-			text_printf(out, "%s.%s", x->name, j->name);
-			return;
-		}
-	}
-	text_printf(out, "%s[%d]", word_of(p, x), row);
+	if (j && *j->name)
+		text_printf(out, "%s.%s", x->name, j->name);
+	else
+		text_printf(out, "%s[%d]", word_of(p, x), row);
 }
 
 static int is_known(const struct dropping *p, int argument, int row)

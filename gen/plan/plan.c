@@ -104,6 +104,7 @@ static void name_input(const struct planner *b, const struct node *n, char *name
 {
 	const struct tree *t = b->p->tree;
 	const struct argument *a = &b->d->arguments[n->arg[0].i];
+	const struct tree_joint *j;
 	int row = (int)n->arg[1].i, is_q = role_rows(a->role) == ROWS_NQ;
 
 	if (a->role == ROLE_BODY_WRENCHES) {
@@ -114,14 +115,8 @@ static void name_input(const struct planner *b, const struct node *n, char *name
 		name_other(a, row, name, size);
 		return;
 	}
-	snprintf(name, size, "%s%d", a->name, row);
-	for (int i = 0; i < t->joint_count; i++) {
-		const struct tree_joint *j = &t->joints[i];
-		int first = is_q ? j->iq : j->iv, rows = is_q ? j->nq : j->nv;
-
-		if (row >= first && row < first + rows)
-			name_joint_row(&t->bodies[j->body], a->name, row - first, is_q, name, size);
-	}
+	j = is_q ? tree_joint_of_q(t, row) : tree_joint_of_row(t, row);
+	name_joint_row(&t->bodies[j->body], a->name, row - (is_q ? j->iq : j->iv), is_q, name, size);
 }
 
 /* A copy of the name if it is new; else NULL. */

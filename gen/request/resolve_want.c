@@ -38,13 +38,9 @@ static enum rneagen_code want_matrix(const struct resolver *x, struct want *w)
 /* The joint with this row of q, or of qd. */
 static const char *name_of_row(const struct tree *t, int is_q, int row)
 {
-	for (int i = 0; i < t->joint_count; i++) {
-		const struct tree_joint *j = &t->joints[i];
+	const struct tree_joint *j = is_q ? tree_joint_of_q(t, row) : tree_joint_of_row(t, row);
 
-		if (is_q ? row < j->iq + j->nq && row >= j->iq : row < j->iv + j->nv && row >= j->iv)
-			return *j->name ? j->name : "(base)";
-	}
-	return "";
+	return *j->name ? j->name : "(base)";
 }
 
 /* What is given does not vary. */

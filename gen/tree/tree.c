@@ -253,6 +253,14 @@ const struct tree_joint *tree_joint_of_row(const struct tree *t, int row)
 	return j;
 }
 
+const struct tree_joint *tree_joint_of_q(const struct tree *t, int row)
+{
+	for (int i = 0; i < t->joint_count; i++)
+		if (row >= t->joints[i].iq && row < t->joints[i].iq + t->joints[i].nq)
+			return &t->joints[i];
+	return NULL;
+}
+
 int tree_has_type(const struct tree *t, enum joint_type type)
 {
 	for (int i = 0; i < t->joint_count; i++)
@@ -263,8 +271,7 @@ int tree_has_type(const struct tree *t, enum joint_type type)
 
 int tree_is_quaternion(const struct tree *t, int row)
 {
-	for (int i = 0; i < t->joint_count; i++)
-		if (t->joints[i].type == JOINT_FLOATING && row >= t->joints[i].iq + 3 && row < t->joints[i].iq + 7)
-			return 1;
-	return 0;
+	const struct tree_joint *j = tree_joint_of_q(t, row);
+
+	return j && j->type == JOINT_FLOATING && row >= j->iq + 3;
 }

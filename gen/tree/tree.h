@@ -78,6 +78,9 @@ const struct joint *tree_joint_of(const struct robot *r, const struct tree *t, i
 /* The joint that row `row` of qd belongs to; of a coordinate that several follow, their driver. */
 const struct tree_joint *tree_joint_of_row(const struct tree *t, int row);
 
+/* The same of a row of q; NULL: there is no such row. */
+const struct tree_joint *tree_joint_of_q(const struct tree *t, int row);
+
 /* Is there a joint of this type, the floating base included? */
 int tree_has_type(const struct tree *t, enum joint_type type);
 

@@ -18,18 +18,10 @@ static const struct node *position_of(const struct dag *d, uint32_t i)
 	return n->op == OP_INPUT && d->arguments[n->arg[0].i].role == ROLE_JOINT_POSITION ? n : NULL;
 }
 
-static const struct tree_joint *joint_of(const struct tree *t, int row)
-{
-	for (int i = 0; i < t->joint_count; i++)
-		if (row >= t->joints[i].iq && row < t->joints[i].iq + t->joints[i].nq)
-			return &t->joints[i];
-	return NULL;
-}
-
 /* A row of q that stands for every angle. */
 static int is_turn(const struct tree *t, int row)
 {
-	const struct tree_joint *j = joint_of(t, row);
+	const struct tree_joint *j = tree_joint_of_q(t, row);
 
 	return j && (j->type == JOINT_CONTINUOUS || (j->type == JOINT_PLANAR && row == j->iq + 2));
 }
@@ -37,7 +29,7 @@ static int is_turn(const struct tree *t, int row)
 static const char *why_input(const struct analysis *x, const struct node *n)
 {
 	enum role role = x->dag.arguments[n->arg[0].i].role;
-	const struct tree_joint *j = role == ROLE_JOINT_POSITION ? joint_of(&x->tree, (int)n->arg[1].i) : NULL;
+	const struct tree_joint *j = role == ROLE_JOINT_POSITION ? tree_joint_of_q(&x->tree, (int)n->arg[1].i) : NULL;
 
 	if (role == ROLE_LINK_INERTIA || role == ROLE_LINK_PAYLOAD)
 		return "it reads the ten numbers of a freed inertia or payload";

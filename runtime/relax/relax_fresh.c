@@ -58,7 +58,7 @@ static enum rneagen_code take_length(struct relaxing *s, uint32_t i, const unsig
 {
 	const struct seen *x = &s->seen[i];
 	const struct interval *of = x->row >= 0 ? &s->given[s->position][x->row] : NULL;
-	const struct tree_joint *j = x->row >= 0 ? relax_joint(&s->out->text->tree, x->row) : NULL;
+	const struct tree_joint *j = x->row >= 0 ? tree_joint_of_q(&s->out->text->tree, x->row) : NULL;
 
 	if (j && j->type == JOINT_CONTINUOUS && of->upper - of->lower >= 6.283185307179586)
 		return refuse(s, "a length that follows an angle without limits: give that a --range");

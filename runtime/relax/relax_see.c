@@ -7,14 +7,6 @@ struct seeing {
 	struct seen *seen;
 };
 
-const struct tree_joint *relax_joint(const struct tree *t, int row)
-{
-	for (int i = 0; i < t->joint_count; i++)
-		if (row >= t->joints[i].iq && row < t->joints[i].iq + t->joints[i].nq)
-			return &t->joints[i];
-	return NULL;
-}
-
 static struct quadric *keep(struct seeing *s, struct quadric q)
 {
 	struct quadric *kept = arena_alloc(s->a, 1, sizeof *kept);
@@ -28,7 +20,7 @@ static struct seen see_input(struct seeing *s, const struct node *n)
 {
 	enum role role = s->d->arguments[n->arg[0].i].role;
 	int row = (int)n->arg[1].i;
-	const struct tree_joint *j = role == ROLE_JOINT_POSITION ? relax_joint(s->t, row) : NULL;
+	const struct tree_joint *j = role == ROLE_JOINT_POSITION ? tree_joint_of_q(s->t, row) : NULL;
 
 	if (role == ROLE_JOINT_OFFSET)
 		return (struct seen){.kind = AFFINE, .has_offset = 1, .row = -1};

@@ -19,9 +19,6 @@ struct seen {
 /* By node, of those that are used. NULL when memory runs out. */
 struct seen *relax_see(const struct dag *d, const struct tree *t, const uint32_t *uses, struct arena *a);
 
-/* The joint that a row of q is of. */
-const struct tree_joint *relax_joint(const struct tree *t, int row);
-
 /* An input of its own, for node `of`. */
 struct fresh {
 	uint32_t of;

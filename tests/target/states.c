@@ -60,14 +60,9 @@ static void evaluate(struct model *m, struct states *s, size_t k)
 
 int state_is_angle(const struct model *m, int row)
 {
-	for (int i = 0; i < m->tree.joint_count; i++) {
-		const struct tree_joint *j = &m->tree.joints[i];
+	const struct tree_joint *j = tree_joint_of_q(&m->tree, row);
 
-		if (row >= j->iq && row < j->iq + j->nq)
-			return j->type == JOINT_REVOLUTE || j->type == JOINT_CONTINUOUS ||
-			       (j->type == JOINT_PLANAR && row == j->iq + 2);
-	}
-	return 0;
+	return j && (j->type == JOINT_REVOLUTE || j->type == JOINT_CONTINUOUS || (j->type == JOINT_PLANAR && row == j->iq + 2));
 }
 
 static void enlarge_angles(const struct model *m, int f32, double by, double *q)

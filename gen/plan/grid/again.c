@@ -111,13 +111,10 @@ static int row_of_input(const struct again *x, const struct node *n)
 
 	if (!a || a->is_output)
 		return -1;
-	if (a->role == ROLE_JOINT_POSITION) {
-		for (int i = 0; i < x->t->joint_count; i++)
-			if (row >= x->t->joints[i].iq && row < x->t->joints[i].iq + x->t->joints[i].nq)
-				return x->t->joints[i].iv;
-	} else if (a->role == ROLE_COTANGENT) {
+	if (a->role == ROLE_JOINT_POSITION)
+		return tree_joint_of_q(x->t, row)->iv;
+	if (a->role == ROLE_COTANGENT)
 		return row % x->t->nv;
-	}
 	return a->rows == x->t->nv ? row : -1;
 }
 
