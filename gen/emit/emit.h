@@ -66,6 +66,9 @@ int emit_hand_levels(const struct emission *e);
 int emit_hands_of(const struct emission *e, int level);
 const char *emit_hands_kernel(const struct emission *e, int level);
 
+/* The most joints of a stretch whose motion a part makes again (plan/grid/again.h); 0: none does. */
+int emit_joints_again(const struct emission *e);
+
 /* Is it of a relay's first or third kernel? */
 static inline int emit_is_relays(const struct emission *e, const struct pass *p)
 {
@@ -110,9 +113,6 @@ void emit_options(const struct rneagen_options *o, struct text *out);
 /* Is there such an operation in a pass; in the text? */
 int emit_pass_uses(const struct pass *p, enum op op);
 int emit_uses(const struct emission *e, enum op op);
-
-/* The most joints of a stretch whose motion a part makes again (plan/grid/again.h); 0: none does. */
-int emit_joints_again(const struct emission *e);
 /* The same of wide nodes, or of the others. */
 int emit_uses_in(const struct emission *e, enum op op, int is_wide);
 

@@ -35,15 +35,6 @@ static const char *both(const struct emission *e, const char *tmpl)
 	return text_string(&t);
 }
 
-int emit_joints_again(const struct emission *e)
-{
-	int most = 0;
-
-	for (int i = 0; i < e->part_count; i++)
-		most = e->parts[i].joints > most ? e->parts[i].joints : most;
-	return most;
-}
-
 static const char *with_anew(const struct emission *e, const char *arithmetic)
 {
 	const struct scalar *s = e->arithmetic;

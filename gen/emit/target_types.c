@@ -4,7 +4,8 @@
 #include <stddef.h>
 
 static const struct kernel_frames KERNEL_CUDA = {.direct = template_kernel_soa_in, .staged_aos = template_kernel_aos_in,
-	.staged_soa = template_kernel_soa_staged_in, .again = template_kernel_again_in, .parts = template_parts_in, .apart = template_kernel_apart_in,
+	.staged_soa = template_kernel_soa_staged_in, .again = template_kernel_again_in, .parts = template_parts_in,
+	.apart = template_kernel_apart_in,
 	.spill = template_spill_in, .slices = template_slices_in, .stage = template_stage_in,
 	.stage_aos = template_stage_aos_in, .stage_rows_aos = template_stage_rows_aos_in, .stage_launch = template_stage_launch_in,
 	.stage_copy = template_stage_copy_in, .windowed = template_kernel_windowed_in, .windows = template_windows_in,

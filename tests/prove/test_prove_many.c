@@ -1,6 +1,6 @@
-/* Every proved range and error of two robots holds in very many states: drawn, corners, and the worst that a search finds and others near
-   them. Exact values are those in extended precision, which are off by far less than is allowed. It would catch a bound that fails in
-   few states alone. RNEAGEN_ALL: a million states of each robot. */
+/* Every proved range and error of two robots holds in very many states: drawn, corners, and the worst that a search finds and
+   others near them. Exact values are those in extended precision, which are off by far less than is allowed. It would catch a
+   bound that fails in few states alone. RNEAGEN_ALL: a million states of each robot. */
 #include "dag/eval.h"
 #include "prove/robot_box.h"
 #include "prove/states.h"
@@ -81,7 +81,8 @@ static void load(const struct many *m, struct many_room *r, int is_float)
 
 static real value_of(const struct many_room *r, const struct output *o, int precision)
 {
-	return precision == 0 ? (real)r->out_f32[o->argument][o->row] : precision == 1 ? (real)r->out[o->argument][o->row] : r->out_real[o->argument][o->row];
+	return precision == 0 ? (real)r->out_f32[o->argument][o->row] : precision == 1 ? (real)r->out[o->argument][o->row]
+											: r->out_real[o->argument][o->row];
 }
 
 /* Floats beside doubles; or doubles beside extended precision, whose errors are 2^-11 of those. */
@@ -92,7 +93,8 @@ static int check(const struct many *m, struct many_room *r, int precision)
 
 	load(m, r, precision == 0);
 	ck_assert(eval_f64(d, (const double *const *)r->in, r->out, NULL));
-	ck_assert(precision ? eval_real(d, (const real *const *)r->in_real, r->out_real, NULL) : eval_f32(d, (const float *const *)r->in_f32, r->out_f32, NULL));
+	ck_assert(precision ? eval_real(d, (const real *const *)r->in_real, r->out_real, NULL)
+			    : eval_f32(d, (const float *const *)r->in_f32, r->out_f32, NULL));
 	for (size_t o = 0; o < d->output_count; o++) {
 		const struct prove_row *row = &m->p->rows[o];
 		real near = value_of(r, &d->outputs[o], precision + 1), off = (real)row->error_bound[1] * (precision ? 0x1p-9L : 1);

@@ -81,6 +81,15 @@ const char *emit_hands_kernel(const struct emission *e, int level)
 	return text_string(&t);
 }
 
+int emit_joints_again(const struct emission *e)
+{
+	int most = 0;
+
+	for (int i = 0; i < e->part_count; i++)
+		most = e->parts[i].joints > most ? e->parts[i].joints : most;
+	return most;
+}
+
 const char *emit_launch_hands(const struct emission *e)
 {
 	int levels = emit_hand_levels(e);

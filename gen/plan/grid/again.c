@@ -1,20 +1,20 @@
-/* Rows come in the order of their numbers, the last first: a value is made for the last row that takes it. Where a stretch's rows take
-   what was made for an earlier stretch, of joints of its own chain up to its own, they take a double of it. */
+/* Rows come in the order of their numbers, the last first: a value is made for the last row that takes it. Where a stretch's
+   rows take what was made for an earlier stretch, of joints of its own chain up to its own, they take a double of it. */
 #include "plan/grid/again.h"
 
-/* Joints in a stretch that are tried, and what a value costs for which there is no room while a node is made, in operations. Two are
-   tried where four and three cut alike. H100, 1 M samples of tau with vjp, ns, by length of the stretches, none, 4, 3, 2: atlas
-   1.38, 0.94, 0.85, 0.85, g1_29dof 1.59, 1.25, 1.00, 0.96, jvrc1 3.66 (whole), 2.96, 2.91, 3.83 (the compiler gives each thread 168
-   registers then), romeo 0.94, 0.87, 0.90, 0.92; of a floating base, whole and in one part: hyq 0.97, -, 0.63, 0.53, atlas 6.92, -, 3.63,
-   3.55. 16384 samples, us: atlas -, 28.3, 24.1, 27.2, g1_29dof 42.3, 36.8, 32.2, 30.6. In f32 values have room: atlas 0.40, 0.43
-   (4), 0.47 (2). Where more values than MOST_KEPT wait at once, it is not tried, for it takes time and memory: 474 wait of g1_brainco,
-   and 287 are left. */
+/* Joints in a stretch that are tried, and what a value costs for which there is no room while a node is made, in operations.
+   Two are tried where four and three cut alike. H100, 1 M samples of tau with vjp, ns, by length of the stretches, none, 4, 3,
+   2: atlas 1.38, 0.94, 0.85, 0.85, g1_29dof 1.59, 1.25, 1.00, 0.96, jvrc1 3.66 (whole), 2.96, 2.91, 3.83 (the compiler gives
+   each thread 168 registers then), romeo 0.94, 0.87, 0.90, 0.92; of a floating base, whole and in one part: hyq 0.97, -, 0.63,
+   0.53, atlas 6.92, -, 3.63, 3.55. 16384 samples, us: atlas -, 28.3, 24.1, 27.2, g1_29dof 42.3, 36.8, 32.2, 30.6. In f32 values
+   have room: atlas 0.40, 0.43 (4), 0.47 (2). Where more values than MOST_KEPT wait at once, it is not tried, for it takes time
+   and memory: 474 wait of g1_brainco, and 287 are left. */
 static const int LENGTHS[] = {0, 4, 3, 2};
 enum { LENGTH_COUNT = sizeof LENGTHS / sizeof *LENGTHS, ROOM = 110, MOST_KEPT = 1000 };
 static const double COST_BEYOND = 0.03;
 
-/* What a row belongs to: joints that follow each other without a branch. Rows of `base` and before are of the chain's parents, or of
-   chains beside it. */
+/* What a row belongs to: joints that follow each other without a branch. Rows of `base` and before are of the chain's parents,
+   or of chains beside it. */
 struct stretch_of_chain {
 	int base, last;
 	int times; /* tells its readings of inputs from those of the chain's other stretches: 1 is the last joints' */
@@ -23,7 +23,7 @@ struct stretch_of_chain {
 struct again {
 	const struct dag *d;
 	const struct tree *t;
-	int *parent, *children;          /* by last row of a joint: the last row of the one that carries it, or -1; how many it carries */
+	int *parent, *children;          /* by last row of a joint: the last row of what carries it, or -1; how many it carries */
 	struct stretch_of_chain *stretches;
 	int count;                       /* of stretches */
 	int *stretch;                    /* by row */
@@ -301,11 +301,8 @@ static int build(struct part *p, const struct dag *share, int joints, const char
 		again_make(&p->pass.dag, share, x->tree, joints, a);
 	else
 		p->pass.dag = *share;
-	if (p->pass.dag.failed || !part_plan(p, name, doc, x, a) || !plan_order(&p->pass, x->tree, x->request, x->options, 1, a))
-		return 0;
 	p->joints = joints;
-	p->alive = plan_alive(&p->pass.plan, a);
-	return !a->failed;
+	return !p->pass.dag.failed && part_plan(p, name, doc, x, a) && part_order(p, x, a);
 }
 
 /* What a length costs, and values that wait. */
@@ -336,14 +333,18 @@ static int best_length(const struct dag *share, const struct parts_of *x)
 	struct cost cost[LENGTH_COUNT];
 	int best = 0;
 
-	for (int i = 0; i < LENGTH_COUNT; i++) {
+	if (!is_ordered(x->tree))
+		return 0;
+	if (!cost_of(&cost[0], share, LENGTHS[0], x))
+		return -1;
+	if (cost[0].waits.beyond == 0 || cost[0].waits.most > MOST_KEPT)
+		return 0;
+	for (int i = 1; i < LENGTH_COUNT; i++) {
 		if (i == LENGTH_COUNT - 1 && cost[i - 1].operations != cost[i - 2].operations)
 			break;
 		if (!cost_of(&cost[i], share, LENGTHS[i], x))
 			return -1;
 		best = cost[i].operations < cost[best].operations ? i : best;
-		if (cost[0].waits.beyond == 0 || cost[0].waits.most > MOST_KEPT || !is_ordered(x->tree))
-			break;
 	}
 	return LENGTHS[best];
 }

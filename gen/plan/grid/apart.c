@@ -143,12 +143,7 @@ static int build(struct part *p, struct share *share, int owner, const char *nam
 		return again_build(p, share, owner, name, doc, x, a);
 	if (!part_build_share(p, share, owner, owner + 1, name, doc, x, a))
 		return 0;
-	if (!x->request->is_forward && !request_wants_derivative(x->request))
-		return 1;
-	if (!plan_order(&p->pass, x->tree, x->request, x->options, 1, a))
-		return 0;
-	p->alive = plan_alive(&p->pass.plan, a);
-	return !a->failed;
+	return (!x->request->is_forward && !request_wants_derivative(x->request)) || part_order(p, x, a);
 }
 
 static int make_part(struct part *p, struct share *share, int owner, int number, const char *what, const struct parts_of *x,
@@ -197,7 +192,8 @@ static int make_hands(struct part *parts, const struct hands *h, const struct pa
 static int make_limbs(struct part *parts, int first, int count, const struct dag *d, const int *owner, const struct parts_of *x,
 	struct arena *spare, struct arena *a)
 {
-	const char *what = first + count > 1 ? "limbs that share nothing with the others" : "the whole, where some of the motion is made again";
+	const char *what = first + count > 1 ? "limbs that share nothing with the others"
+		: "the whole, where some of the motion is made again";
 	struct share share;
 
 	if (!share_begin(&share, d, owner, spare))
@@ -213,7 +209,8 @@ static int make_all(struct part **parts, int *count, const struct hands *h, cons
 	struct arena *a)
 {
 	const struct dag *d = h->count ? &h->levels[h->level_count - 1].rest : x->raw;
-	int *owner = arena_alloc(spare, d->output_count + 1, sizeof *owner), limbs = owner ? joined_own(owner, d, x->tree->nv, spare) : 0;
+	int *owner = arena_alloc(spare, d->output_count + 1, sizeof *owner);
+	int limbs = owner ? joined_own(owner, d, x->tree->nv, spare) : 0;
 
 	if (limbs + h->count < (again_serves(x) ? 1 : 2))
 		return limbs;

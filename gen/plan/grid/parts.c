@@ -161,6 +161,14 @@ int part_build_share(struct part *p, struct share *share, int first, int end, co
 	return is_built;
 }
 
+int part_order(struct part *p, const struct parts_of *x, struct arena *a)
+{
+	if (!plan_order(&p->pass, x->tree, x->request, x->options, 1, a))
+		return 0;
+	p->alive = plan_alive(&p->pass.plan, a);
+	return !a->failed;
+}
+
 static int make_part(struct splitter *s, int number, int first, int end, struct part *p)
 {
 	struct text name, doc;

@@ -51,6 +51,10 @@ int part_build(struct part *p, const struct dag *raw, const char *name, const ch
 int part_build_share(struct part *p, struct share *share, int first, int end, const char *name, const char *doc,
 	const struct parts_of *x, struct arena *a);
 
+/* Put the lines of one that shares nothing with others into an order in which fewer values wait (plan_order). Returns 0 when memory runs
+   out. */
+int part_order(struct part *p, const struct parts_of *x, struct arena *a);
+
 /* What all parts take together, or the whole where there are none. */
 struct operation_count parts_operations(const struct part *parts, int count, const struct plan *whole);
 
