@@ -249,9 +249,11 @@ void emit_dispatcher(const struct emission *e, struct text *out);
 void emit_put_sample_call(const struct emission *e, const struct pass *p, const char *function, const char *more, struct text *out);
 
 /* Parameters of the body of a part that come after the stride, each after a comma, and what a call gives for them: how many rows are
-   left out of its slices, and where hands have left something, with the stride there. Launches the kernels of the hands. */
+   left out of its slices, how much further a vjp goes on from one place to the next, and where hands have left something, with the
+   stride there. The first of these alone. Launches the kernels of the hands. */
 const char *emit_more_params(const struct emission *e, const struct pass *p);
-const char *emit_more(const struct emission *e, const struct pass *p, const char *gap, const char *handed);
+const char *emit_more(const struct emission *e, const struct pass *p, int is_staged, const char *handed);
+const char *emit_gap(const struct emission *e, const struct pass *p, int is_staged);
 const char *emit_launch_hands(const struct emission *e);
 
 /* A relay's kernels but the second; what they do where the text is compiled as C, before the second and after; how its launch function
@@ -328,7 +330,8 @@ struct call {
 	int is_optimistic;
 	/* of a kernel that has slices of its own; NULL: the whole. The sines of all angles are then made of the array itself */
 	const struct part *part;
-	const char *gap, *handed; /* of a part: see emit_more */
+	int is_staged;       /* of a part: see emit_more */
+	const char *handed;
 };
 
 /* The call, and what comes before and after it so that the results are right whatever the angles. */

@@ -340,7 +340,7 @@ static const char *stride_text(const struct emission *e, const struct pass *p, c
 	struct text t;
 
 	text_init(&t, e->arena);
-	text_printf(&t, "%s%s", c->stride, c->part ? emit_more(e, p, c->gap, c->handed) : "");
+	text_printf(&t, "%s%s", c->stride, c->part ? emit_more(e, p, c->is_staged, c->handed) : "");
 	return text_string(&t);
 }
 
@@ -374,7 +374,7 @@ const char *emit_call(const struct emission *e, const struct pass *p, const stru
 	text_init(&asked, e->arena);
 	text_printf(&asked, e->target->kernel ? "!%s%s%s_is_small(%s, %s%s%s)" : "RNEA_KNOWN(%s%s%s_is_small(%s, %s%s%s))",
 		e->options->name, is_part ? "_" : "", is_part ? p->algorithm->name : "", c->q, c->stride, has_gap ? ", " : "",
-		has_gap ? c->gap : "");
+		has_gap ? emit_gap(e, p, c->is_staged) : "");
 	return call_expanded(e, p, template_call_known_in, text_string(&asked), c);
 }
 

@@ -153,6 +153,8 @@ static void put_functions(const struct emission *e, struct text *out)
 		put_entry("tau", "what a hand left in the row of the link's joint", out);
 	if (emit_hands(e))
 		put_entry("handed gap step", "what hands left in tau; rows that a part's slice lacks; from one row of handed to the next", out);
+	if (emit_is_apart(e) && e->parts->pass.stretches->period)
+		put_entry("skip", "from one row of the vjp to its next for qd, or qdd, where it stands where these were", out);
 	if (emit_has_segments(e))
 		put_entry("across step", "values that one segment leaves for another; from one of them to the next", out);
 	if (emit_has_segments(e))

@@ -117,6 +117,15 @@ static void put_index(const char *array, unsigned i, const char *step, struct te
 		text_printf(out, "%s[%u*%s]", array, i, step);
 }
 
+/* `vjp[(40 + skip)*stride]`: a row in the second or a later period. */
+static void put_divided(const struct stretches *s, const char *array, int row, struct text *out)
+{
+	text_printf(out, "%s[(%d + ", array, row);
+	if (row >= 2 * s->period)
+		text_printf(out, "%d*", row / s->period);
+	text_put(out, "skip)*stride]");
+}
+
 /* A row of an argument: in a batch the rows have a stride, but not of what all samples share. */
 static void put_element(const struct unparser *u, int argument, int row, struct text *out)
 {
@@ -125,6 +134,8 @@ static void put_element(const struct unparser *u, int argument, int row, struct 
 
 	if (a->per_batch || u->numbers->is_beside)
 		text_printf(out, "%s[%d]", a->name, row);
+	else if (s && s->period && argument == s->divided && row >= s->period)
+		put_divided(s, a->name, row, out);
 	else if (s && s->gap && row >= s->second)
 		text_printf(out, "%s[(%d - gap)*stride]", a->name, row);
 	else

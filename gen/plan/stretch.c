@@ -76,24 +76,88 @@ static void widen_by(const struct stretches *s, struct stretch *both, const stru
 		}
 }
 
-void stretches_make(struct stretches *s, const struct dag *d)
+/* Is there an input of so many rows or more, each sample its own? */
+static int has_room_for(const struct dag *d, int argument, int rows)
 {
-	*s = (struct stretches){0};
-	find_gap(s, d);
+	const struct argument *a = &d->arguments[argument];
+
+	return argument < d->argument_count && !a->is_output && !a->per_batch && a->rows >= rows;
+}
+
+/* The vjp, if its rows can stand where q, qd and qdd were; or -1. */
+static int find_divided(const struct dag *d, int nv)
+{
+	int vjp = nv > 0 ? dag_find_role(d, ROLE_VJP, 1) : -1;
+
+	if (vjp < 0 || d->arguments[vjp].rows != PERIODS * nv)
+		return -1;
+	for (int i = 0; i < PERIODS; i++)
+		if (!has_room_for(d, i, nv))
+			return -1;
+	return vjp;
+}
+
+static void find_places(struct stretches *s, const struct dag *d, int nv)
+{
+	int weights = dag_find_role(d, ROLE_COTANGENT, 0), tau = dag_find_role(d, ROLE_JOINT_TORQUE, 1);
+
+	for (int i = 0; i < d->argument_count; i++)
+		s->place_of[i] = stage_place(d, i);
+	s->divided = find_divided(d, nv);
+	if (s->divided < 0)
+		return;
+	s->period = nv;
+	s->shift = d->arguments[0].rows - nv;
+	s->place_of[s->divided] = 0;
+	if (tau >= 0)
+		s->place_of[tau] = weights >= PERIODS && has_room_for(d, weights, nv) ? weights : tau;
+}
+
+static int row_of(const struct stretches *s, int argument, int row)
+{
+	return s->period && argument == s->divided ? row % s->period : row;
+}
+
+static void find_own(struct stretches *s, const struct dag *d)
+{
 	for (size_t i = 0; i < d->count; i++)
 		if (is_read(d, &d->nodes[i]))
 			widen(s, s->own[d->nodes[i].arg[0].i], (int)d->nodes[i].arg[1].i);
 	for (size_t i = 0; i < d->output_count; i++)
-		widen(s, s->own[d->outputs[i].argument], d->outputs[i].row);
+		widen(s, s->own[d->outputs[i].argument], row_of(s, d->outputs[i].argument, d->outputs[i].row));
 	for (int i = 0; i < d->argument_count; i++)
 		if (!s->own[i][0].rows && !s->own[i][1].rows)
 			widen(s, s->own[i], s->gap ? s->second : 0);
+}
+
+/* The places of q, qd and qdd hold the vjp's rows too, and are as far from each other. */
+static void align_periods(struct stretches *s)
+{
+	struct stretch all[STRETCHES] = {{0}}, own = s->own[s->divided][0];
+
+	widen(s, all, own.first + s->shift);
+	widen(s, all, own.first + s->shift + own.rows - 1);
+	for (int i = 0; i < PERIODS; i++)
+		widen_by(s, all, s->place[i]);
+	for (int i = 0; i < PERIODS; i++)
+		widen_by(s, s->place[i], all);
+}
+
+void stretches_make(struct stretches *s, const struct dag *d, int nv)
+{
+	*s = (struct stretches){0};
+	find_places(s, d, nv);
+	find_gap(s, d);
+	find_own(s, d);
 	for (int i = 0; i < d->argument_count; i++)
-		widen_by(s, s->place[stage_place(d, i)], s->own[i]);
+		if (!s->period || i != s->divided)
+			widen_by(s, s->place[s->place_of[i]], s->own[i]);
 	for (int i = 0; i < d->argument_count && s->gap; i++) { /* so that the gap of all arrays is the same */
 		widen(s, s->place[i], s->second - s->gap - 1);
 		widen(s, s->place[i], s->second);
 	}
+	if (s->period)
+		align_periods(s);
 }
 
 int stretches_are_written(const struct stretches *s, const struct dag *d)
@@ -102,7 +166,7 @@ int stretches_are_written(const struct stretches *s, const struct dag *d)
 
 	for (int i = 0; i < d->argument_count; i++)
 		for (int k = 0; k < STRETCHES && d->arguments[i].is_output; k++)
-			rows += (size_t)s->own[i][k].rows;
+			rows += (size_t)s->own[i][k].rows * (s->period && i == s->divided ? PERIODS : 1);
 	return rows == d->output_count;
 }
 
@@ -116,7 +180,7 @@ int stretches_words(const struct stretches *s, const struct dag *d, const struct
 	int words = 0;
 
 	for (int i = 0; i < d->argument_count; i++)
-		if (stage_has_place(d, i))
+		if (!d->arguments[i].per_batch && s->place_of[i] == i)
 			words += stage_pitch(stretches_rows(s, i), o);
 	return words;
 }

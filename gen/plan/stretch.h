@@ -12,15 +12,23 @@ struct stretch {
 
 enum { STRETCHES = 2 };
 
+/* Arrays of q, qd and qdd, and as many times the rows of all joints in a vjp that stands where these were. */
+enum { PERIODS = 3 };
+
 struct stretches {
+	int period;   /* rows of a vjp after which it goes on in the place of the next array; 0: no array does */
+	int divided;  /* which argument that is */
+	int shift;    /* rows further on that its row of a joint stands: q may have more rows than there are velocities */
+	int place_of[DAG_ARGUMENTS]; /* whose place an array takes; the vjp's first period that of the first array */
 	int second; /* with a gap: rows from this one on are of second stretches */
 	int gap;    /* rows between both; in shared memory there are none. 0: all is in the first ones */
-	struct stretch own[DAG_ARGUMENTS][STRETCHES];   /* of each array; what nothing is read of has one row */
+	struct stretch own[DAG_ARGUMENTS][STRETCHES];   /* of each array, or of each period; what nothing is read of has one row */
 	struct stretch place[DAG_ARGUMENTS][STRETCHES]; /* the same where it stands in shared memory: tau in the place of qdd */
 };
 
-/* Of the DAG of a part. What it reads of outputs, which an earlier kernel left there, is not among them. */
-void stretches_make(struct stretches *s, const struct dag *d);
+/* Of the DAG of a part. What it reads of outputs, which an earlier kernel left there, is not among them. With the rows of all joints:
+   what a vjp has for q, qd and qdd may stand where these were, and the torque where its weight was (places.h). */
+void stretches_make(struct stretches *s, const struct dag *d, int nv);
 
 /* Does the part write every row of its stretches of outputs? */
 int stretches_are_written(const struct stretches *s, const struct dag *d);

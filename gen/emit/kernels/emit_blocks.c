@@ -57,10 +57,10 @@ int emit_is_full(const struct emission *e)
 }
 
 /* A part must not write what stands in the others' places. Parts that share nothing have rows of their own; but a vjp has three
-   rows of each joint, and the rows between them are the others'. */
+   rows of each joint, and the rows between them are the others': it needs the places of q, qd and qdd. */
 static int may_stage_parts(const struct emission *e)
 {
-	return emit_is_apart(e) && !request_wants_derivative(e->request);
+	return emit_is_apart(e) && (!request_wants_derivative(e->request) || e->parts[0].pass.stretches->period);
 }
 
 /* Does the main kernel fetch its slice into shared memory first? Segments and windows have shared memory of their own. */

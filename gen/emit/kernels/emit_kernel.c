@@ -8,11 +8,16 @@ static const struct dag *arguments_of(const struct emission *e)
 	return &emit_main(e)->dag;
 }
 
-static int is_in_place(const struct dag *d)
+/* What is written where an input stood. */
+static const char *in_place_text(const struct emission *e, const struct part *part)
 {
+	const struct dag *d = arguments_of(e);
 	int tau = dag_find_role(d, ROLE_JOINT_TORQUE, 1);
 
-	return stage_place(d, tau) != tau;
+	if (part && part->pass.stretches->period)
+		return "\t/* outputs take the places of inputs: a row is read before it is written, the vjp's for q, qd and qdd where these were */\n";
+	return stage_place(d, tau) == tau ? "" :
+		"\t/* tau takes the place of qdd: a joint's qdd is read before its torque is written */\n";
 }
 
 /* ---- windows ---- */
@@ -125,18 +130,6 @@ struct work {
 	int is_staged;
 };
 
-/* Rows that are left out of a part's slices, of which arrays have all. */
-static const char *gap_text(const struct emission *e, const struct work *w)
-{
-	struct text t;
-
-	if (!w->part || !w->is_staged)
-		return "0";
-	text_init(&t, e->arena);
-	text_printf(&t, "staged ? %d : 0", w->part->pass.stretches->gap);
-	return text_string(&t);
-}
-
 /* Where hands have left what they hand on: in the last array. */
 static const char *handed_text(const struct emission *e)
 {
@@ -152,12 +145,11 @@ static const char *handed_text(const struct emission *e)
 static const char *kernel_call(const struct emission *e, const struct work *w, const struct slices *s)
 {
 	int is_soa = e->options->layout == RNEAGEN_SOA;
-	const char *gap = gap_text(e, w);
 	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = s->here, .q = "q_here",
-		.stride = is_soa ? "stride" : "1", .part = w->part, .gap = gap, .handed = handed_text(e)};
+		.stride = is_soa ? "stride" : "1", .part = w->part, .is_staged = 1, .handed = handed_text(e)};
 	const struct call there = {.indent = "\t", .arguments = emit_params(e, w->pass, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
 		.stride = emit_stride(e), .is_optimistic = w->pass == emit_main(e) && emit_is_optimistic(e), .part = w->part,
-		.gap = gap, .handed = handed_text(e)};
+		.handed = handed_text(e)};
 
 	return emit_call(e, w->pass, w->is_staged ? &here : &there);
 }
@@ -205,8 +197,7 @@ static void put_work(const struct emission *e, const struct work *w, struct text
 		{"CALL", kernel_call(e, w, &s)}, {"PREFETCH", prefetch_text(e, w->pass)},
 		{"DECLARATION", w->part ? "" : emit_slices_declaration(e)},
 		{"SLICES", s.slices}, {"POINTERS", s.pointers}, {"MOVE_IN", s.move_in}, {"MOVE_OUT", s.move_out},
-		{"IN_PLACE", !is_in_place(arguments_of(e)) ? "" :
-			"\t/* tau takes the place of qdd: a joint's qdd is read before its torque is written */\n"},
+		{"IN_PLACE", in_place_text(e, w->part)},
 	};
 	const struct kernel_frames *f = e->target->kernel;
 
@@ -335,6 +326,18 @@ const char *emit_store(const struct emission *e)
 	return text_string(&t);
 }
 
+/* Whole samples, and some rows of each: of one of several parts, and of what is divided. */
+static void put_stage_aos(const struct emission *e, const struct slot *slots, size_t count, struct text *out)
+{
+	const struct kernel_frames *f = e->target->kernel;
+	int has_whole = !emit_is_apart(e) || e->part_count == 1;
+
+	if (has_whole)
+		template_expand(out, f->stage_aos, slots, count);
+	if (!has_whole || (emit_is_apart(e) && e->parts->pass.stretches->period))
+		template_expand(out, f->stage_rows_aos, slots, count);
+}
+
 const char *emit_stage(const struct emission *e)
 {
 	const struct kernel_frames *f = e->target->kernel;
@@ -348,7 +351,7 @@ const char *emit_stage(const struct emission *e)
 	if (f && emit_is_staged(e))
 		template_expand(&t, f->stage, slots, sizeof slots / sizeof *slots);
 	if (f && emit_is_staged(e) && e->options->layout == RNEAGEN_AOS)
-		template_expand(&t, emit_is_apart(e) ? f->stage_rows_aos : f->stage_aos, slots, sizeof slots / sizeof *slots);
+		put_stage_aos(e, slots, sizeof slots / sizeof *slots, &t);
 	return text_string(&t);
 }
 

@@ -36,18 +36,32 @@ const char *emit_more_params(const struct emission *e, const struct pass *p)
 	text_init(&t, e->arena);
 	if (p->stretches && p->stretches->gap)
 		text_put(&t, ", const size_t gap");
+	if (p->stretches && p->stretches->period)
+		text_put(&t, ", const size_t skip");
 	if (is_handed(p))
 		text_printf(&t, ", const %s *handed, const size_t step", e->memory->type);
 	return text_string(&t);
 }
 
-const char *emit_more(const struct emission *e, const struct pass *p, const char *gap, const char *handed)
+const char *emit_gap(const struct emission *e, const struct pass *p, int is_staged)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, is_staged ? "staged ? %d : 0" : "0", p->stretches->gap);
+	return text_string(&t);
+}
+
+const char *emit_more(const struct emission *e, const struct pass *p, int is_staged, const char *handed)
 {
 	struct text t;
 
 	text_init(&t, e->arena);
 	if (p->stretches && p->stretches->gap)
-		text_printf(&t, ", %s", gap);
+		text_printf(&t, ", %s", emit_gap(e, p, is_staged));
+	if (p->stretches && p->stretches->period)
+		text_printf(&t, is_staged ? ", staged ? RNEA_BLOCK*%d - %d : 0" : ", 0",
+			emit_pitch(e, stretches_rows(p->stretches, 0)), p->stretches->period);
 	if (is_handed(p))
 		text_printf(&t, ", %s", handed);
 	return text_string(&t);
@@ -115,7 +129,7 @@ static void put_part_call(const struct emission *e, const struct pass *p, struct
 
 	text_init(&handed, e->arena);
 	text_printf(&handed, "%s, stride", d->arguments[d->argument_count - 1].name);
-	emit_put_sample_call(e, p, "body", emit_more(e, p, "0", text_string(&handed)), out);
+	emit_put_sample_call(e, p, "body", emit_more(e, p, 0, text_string(&handed)), out);
 }
 
 /* The body that calls the parts'. */

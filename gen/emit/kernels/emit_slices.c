@@ -3,23 +3,36 @@
 #include "emit/emit.h"
 #include "base/template.h"
 #include "plan/stage.h"
+#include <stdlib.h>
 
 static struct stretch stretch_of(const struct part *part, const struct dag *d, int argument, int k)
 {
 	return part ? part->pass.stretches->own[argument][k] : (struct stretch){0, k ? 0 : d->arguments[argument].rows};
 }
 
+/* Whose place an array takes. */
+static int place_of(const struct part *part, const struct dag *d, int argument)
+{
+	return part ? part->pass.stretches->place_of[argument] : stage_place(d, argument);
+}
+
 /* Rows in the place of an array, its own or another's, and the first of them. */
 static int place_rows(const struct part *part, const struct dag *d, int argument)
 {
-	int place = stage_place(d, argument);
+	int place = place_of(part, d, argument);
 
 	return part ? stretches_rows(part->pass.stretches, place) : d->arguments[place].rows;
 }
 
+/* How much further on a row stands there. */
+static int shift_of(const struct part *part, int argument)
+{
+	return part && part->pass.stretches->period && argument == part->pass.stretches->divided ? part->pass.stretches->shift : 0;
+}
+
 static int place_first(const struct part *part, const struct dag *d, int argument)
 {
-	return part ? part->pass.stretches->place[stage_place(d, argument)][0].first : 0;
+	return part ? part->pass.stretches->place[place_of(part, d, argument)][0].first : 0;
 }
 
 /* Where a stretch begins there. */
@@ -43,7 +56,7 @@ static const char *slices_text(const struct emission *e, const struct part *part
 
 	text_init(&t, e->arena);
 	for (int i = 0; i < d->argument_count; i++) {
-		if (!stage_has_place(d, i))
+		if (d->arguments[i].per_batch || place_of(part, d, i) != i)
 			continue;
 		text_printf(&t, "%s*const %s_slice = ", last >= 0 ? ", " : "", d->arguments[i].name);
 		if (last >= 0)
@@ -77,16 +90,16 @@ static const char *pointers_text(const struct emission *e, const struct part *pa
 	text_init(&t, e->arena);
 	for (int i = 0; i < d->argument_count; i++) {
 		const struct argument *a = &d->arguments[i];
-		int first = place_first(part, d, i);
+		int before = shift_of(part, i) - place_first(part, d, i);
 
 		if (a->per_batch)
 			continue;
 		text_printf(&t, "%s%s%s *const %s_here = staged ? %s_slice", e->options->layout == RNEAGEN_AOS ? "\t\t" : "\t",
-			a->is_output ? "" : "const ", e->memory->type, a->name, d->arguments[stage_place(d, i)].name);
+			a->is_output ? "" : "const ", e->memory->type, a->name, d->arguments[place_of(part, d, i)].name);
 		if (e->options->layout == RNEAGEN_AOS)
 			text_printf(&t, " + threadIdx.x*%d", emit_pitch(e, place_rows(part, d, i)));
-		if (first)
-			text_printf(&t, e->options->layout == RNEAGEN_AOS ? " - %d" : " - RNEA_BLOCK*%d", first);
+		if (before)
+			text_printf(&t, " %c %s%d", before < 0 ? '-' : '+', e->options->layout == RNEAGEN_AOS ? "" : "RNEA_BLOCK*", abs(before));
 		text_printf(&t, " : %s + k", a->name);
 		if (e->options->layout == RNEAGEN_AOS)
 			text_printf(&t, "*%d", a->rows);
@@ -111,15 +124,16 @@ static const char *moves_text(const struct emission *e, const struct part *part,
 	return text_string(&t);
 }
 
-/* `rneagen_stage_in<7, 7>(`, and for a part `rneagen_stage_rows_in<7, 7, 30>(`, of how many rows. */
+/* `rneagen_stage_in<7, 7>(`, and for one of several parts `rneagen_stage_rows_in<7, 7, 30>(`, of how many rows. */
 static void put_function(const struct emission *e, const struct part *part, const char *direction, int argument, int k,
 	struct text *out)
 {
 	const struct dag *d = arguments_of(e);
+	int is_of_many = part && e->part_count > 1;
 
-	text_printf(out, "\t\trneagen_stage%s_%s<%d, %d", part ? "_rows" : "", direction, stretch_of(part, d, argument, k).rows,
+	text_printf(out, "\t\trneagen_stage%s_%s<%d, %d", is_of_many ? "_rows" : "", direction, stretch_of(part, d, argument, k).rows,
 		emit_pitch(e, place_rows(part, d, argument)));
-	if (part)
+	if (is_of_many)
 		text_printf(out, ", %d", d->arguments[argument].rows);
 	text_put(out, ">(");
 }
@@ -148,13 +162,39 @@ static void put_slice_in(const struct emission *e, const struct part *part, int 
 	text_put(out, ", samples);\n");
 }
 
+/* The rows of a vjp for q, qd and qdd, from the places of these. */
+static void put_divided_out(const struct emission *e, const struct part *part, struct text *out)
+{
+	const struct stretches *s = part->pass.stretches;
+	const struct argument *a = &arguments_of(e)->arguments[s->divided];
+	const struct stretch *own = s->own[s->divided];
+	int slot = own->first + s->shift - s->place[0]->first;
+
+	for (int i = 0; i < PERIODS; i++) {
+		int first = i * s->period + own->first;
+
+		text_printf(out, "\t\trneagen_stage_rows_out<%d, %d, %d>(%s + first*%d", own->rows,
+			emit_pitch(e, place_rows(part, arguments_of(e), i)), a->rows, a->name, a->rows);
+		if (first)
+			text_printf(out, " + %d", first);
+		text_printf(out, ", %s_slice", arguments_of(e)->arguments[i].name);
+		if (slot)
+			text_printf(out, " + %d", slot);
+		text_put(out, ", samples);\n");
+	}
+}
+
 static void put_slice_out(const struct emission *e, const struct part *part, int argument, int k, struct text *out)
 {
 	const struct dag *d = arguments_of(e);
 
+	if (part && part->pass.stretches->period && argument == part->pass.stretches->divided) {
+		put_divided_out(e, part, out);
+		return;
+	}
 	put_function(e, part, "out", argument, k, out);
 	put_array(e, part, argument, k, out);
-	text_printf(out, ", %s_slice", d->arguments[stage_place(d, argument)].name);
+	text_printf(out, ", %s_slice", d->arguments[place_of(part, d, argument)].name);
 	if (slot_of(part, d, argument, k))
 		text_printf(out, " + %d", slot_of(part, d, argument, k));
 	text_put(out, ", samples);\n");
@@ -174,7 +214,7 @@ static const char *row_text(const struct emission *e, int first)
 static void put_row_move(const struct emission *e, const struct part *part, int argument, int k, struct text *out)
 {
 	const struct dag *d = arguments_of(e);
-	const char *name = d->arguments[argument].name, *place = d->arguments[stage_place(d, argument)].name;
+	const char *name = d->arguments[argument].name, *place = d->arguments[place_of(part, d, argument)].name;
 	const char *row = row_text(e, stretch_of(part, d, argument, k).first), *slot = row_text(e, slot_of(part, d, argument, k));
 
 	if (d->arguments[argument].is_output)

@@ -289,8 +289,7 @@ int again_serves(const struct parts_of *x)
 {
 	const struct rneagen_options *o = x->options;
 
-	return x->tree->nv > 0 && !x->request->is_forward && request_wants(x->request, WANT_VJP) && o->precision == RNEAGEN_F64 &&
-		o->layout == RNEAGEN_SOA;
+	return x->tree->nv > 0 && !x->request->is_forward && request_wants(x->request, WANT_VJP) && o->precision == RNEAGEN_F64;
 }
 
 /* Of a share whose products are joined to sums. */

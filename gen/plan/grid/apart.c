@@ -3,6 +3,7 @@
 #include "plan/grid/again.h"
 #include "plan/grid/hands.h"
 #include "plan/grid/joined.h"
+#include "plan/grid/places.h"
 #include "plan/grid/turns.h"
 #include "plan/stage.h"
 
@@ -30,6 +31,14 @@ enum { LEAST_ACCELERATIONS = 2000 };
    three, 4154 (209), jvrc1 5613 and 5972 (267); and where they would have no segments: atlas 6920 and 3629 (228). */
 enum { LEAST_PRODUCT = 2500, PRODUCT_ALIVE_SINGLE = 280, PRODUCT_ALIVE_DOUBLE = 340, PRODUCT_ALIVE_AGAIN = 280, LEAST_ALONE = 3500,
 	ALONE_ALIVE = 240 };
+
+/* In aos such texts are in f64 alone, and where the slices of all parts have room. Up to so many operations of the whole all limbs are in
+   one part: to fetch and write a part's rows of each sample alone takes its time. H100, 1 M samples, ns, whole with windows, in parts, in
+   one: yumi, 3598 operations, 1.10, 0.49, 0.38, baxter, 5044, 1.51, 1.10, 0.45, romeo, 7406, 3.04, 1.69, 2.89; atlas 3.06 and 1.64,
+   g1_29dof 5.01 and 1.90, jvrc1 5.99 and 3.74; floating hyq 1.13 and 0.60, atlas 7.93 and 3.75, g1_29dof 6.89 and 4.53. Parts as warps
+   of one block, whose samples come in one piece, take turns at the instruction cache: atlas 2.2, g1_29dof 3.4, jvrc1 4.7. In f32 jvrc1
+   takes 1.42 and 1.27, but 16384 samples 22.7 us and 22.9. */
+enum { SHORT_AOS = 5500 };
 
 /* ---- parts ---- */
 
@@ -59,7 +68,7 @@ static unsigned least_operations(const struct parts_of *x)
 		return NEVER;
 	if ((is_forward || is_product) && o->precision == RNEAGEN_MIXED) /* nothing was measured */
 		return NEVER;
-	if (o->layout == RNEAGEN_AOS && (is_product || (is_forward && o->precision == RNEAGEN_F32)))
+	if (o->layout == RNEAGEN_AOS && o->precision == RNEAGEN_F32 && (is_forward || is_product))
 		return NEVER;
 	if (is_product)
 		return LEAST_PRODUCT;
@@ -96,6 +105,21 @@ static int are_staged(const struct part *parts, int count, const struct rneagen_
 	return 1;
 }
 
+/* Do they write every row of their slices? */
+static int are_written(const struct part *parts, int count)
+{
+	for (int i = 0; i < count; i++)
+		if (!stretches_are_written(parts[i].pass.stretches, &parts[i].pass.dag))
+			return 0;
+	return 1;
+}
+
+/* Does a product stand in the places of inputs? */
+static int has_places(const struct parts_of *x)
+{
+	return x->options->layout == RNEAGEN_AOS && request_wants_derivative(x->request);
+}
+
 /* Where they are to be there. */
 static int have_room(const struct part *parts, int count, const struct rneagen_options *o)
 {
@@ -113,6 +137,21 @@ static int hold_less(const struct part *parts, int count, const struct parts_of 
 	for (int i = 0; i < count; i++)
 		if (parts[i].alive > (parts[i].joints ? PRODUCT_ALIVE_AGAIN : PRODUCT_ALIVE_DOUBLE))
 			return 0;
+	return 1;
+}
+
+/* Can it stand there? Sets *can. Returns 0 when memory runs out. */
+static int find_places(int *can, const struct part *parts, int count, const struct parts_of *x, struct arena *a)
+{
+	*can = 1;
+	if (!has_places(x))
+		return 1;
+	*can = parts->pass.stretches->period && are_staged(parts, count, x->options) && are_written(parts, count);
+	for (int i = 0, serves; i < count && *can; i++) {
+		if (!places_serve(&serves, &parts[i], a))
+			return 0;
+		*can = serves;
+	}
 	return 1;
 }
 
@@ -158,7 +197,7 @@ static int make_part(struct part *p, struct share *share, int owner, int number,
 	text_printf(&doc, "Part %d of it: %s.", number, what);
 	if (!rows || !build(p, share, owner, text_string(&name), text_string(&doc), x, a))
 		return 0;
-	stretches_make(rows, &p->pass.dag);
+	stretches_make(rows, &p->pass.dag, has_places(x) ? x->tree->nv : 0);
 	p->pass.stretches = rows;
 	name_bodies(p, x->tree);
 	return !a->failed;
@@ -204,20 +243,32 @@ static int make_limbs(struct part *parts, int first, int count, const struct dag
 	return 1;
 }
 
+/* All in one part. Returns how many there are. */
+static int own_together(int *owner, const struct dag *d)
+{
+	for (size_t i = 0; i < d->output_count; i++)
+		owner[i] = 0;
+	return 1;
+}
+
 /* Those of hands first. */
 static int make_all(struct part **parts, int *count, const struct hands *h, const struct parts_of *x, struct arena *spare,
 	struct arena *a)
 {
 	const struct dag *d = h->count ? &h->levels[h->level_count - 1].rest : x->raw;
 	int *owner = arena_alloc(spare, d->output_count + 1, sizeof *owner);
-	int limbs = owner ? joined_own(owner, d, x->tree->nv, spare) : 0;
+	int limbs = owner ? joined_own(owner, d, x->tree->nv, spare) : 0, can;
 
+	if (limbs > 1 && has_places(x) && plan_flops(plan_operations(&x->whole->plan)) <= SHORT_AOS)
+		limbs = own_together(owner, d);
 	if (limbs + h->count < (again_serves(x) ? 1 : 2))
 		return limbs;
 	*parts = arena_alloc(a, (size_t)(limbs + h->count), sizeof **parts);
 	if (!*parts || !make_hands(*parts, h, x, spare, a) || !make_limbs(*parts, h->count, limbs, d, owner, x, spare, a))
 		return 0;
-	*count = (h->count && h->is_full) || do_pay(*parts, limbs + h->count, x, spare) ? limbs + h->count : 0;
+	if (!find_places(&can, *parts, limbs + h->count, x, spare))
+		return 0;
+	*count = can && ((h->count && h->is_full) || do_pay(*parts, limbs + h->count, x, spare)) ? limbs + h->count : 0;
 	return 1;
 }
 
@@ -226,10 +277,11 @@ static int make_all(struct part **parts, int *count, const struct hands *h, cons
 static int do_serve(const struct part *parts, int count, int is_full, const struct parts_of *x, struct arena *a)
 {
 	unsigned whole = plan_flops(plan_operations(&x->whole->plan)), most = is_full ? whole / 3 * 2 : whole / 2;
-	int is_staged = are_staged(parts, count, x->options);
 
+	if (are_staged(parts, count, x->options) && !are_written(parts, count))
+		return 0;
 	for (const struct part *p = parts; p < parts + count; p++)
-		if (plan_flops(plan_operations(&p->pass.plan)) > most || (is_staged && !stretches_are_written(p->pass.stretches, &p->pass.dag)))
+		if (plan_flops(plan_operations(&p->pass.plan)) > most)
 			return 0;
 	return turns_serve(parts, count, x->tree->nv, a);
 }
