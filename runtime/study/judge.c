@@ -1,4 +1,5 @@
 #include "study/judge.h"
+#include "core/workers.h"
 #include "dag/eval.h"
 #include "emit/number_type.h"
 #include <math.h>
@@ -103,7 +104,7 @@ static void load(struct trial *t, const struct judge *j, const struct dag *d, si
 	}
 }
 
-static int evaluate(struct judge *j, const struct dag *d, struct trial *t, size_t k)
+static int evaluate(const struct judge *j, const struct dag *d, struct trial *t, size_t k)
 {
 	struct eval_terms terms = {t->size, NULL};
 
@@ -118,6 +119,36 @@ static int evaluate(struct judge *j, const struct dag *d, struct trial *t, size_
 	return 1;
 }
 
+/* All samples, each a piece. */
+struct samples {
+	const struct judge *j;
+	const struct dag *d;
+	const struct eval_model *model; /* of bounds */
+	unsigned char *done;
+	double *max;
+};
+
+static void evaluate_piece(void *job, size_t k)
+{
+	struct samples *s = job;
+	struct trial t = {0};
+
+	s->done[k] = (unsigned char)(trial_new(&t, s->j, s->d) && evaluate(s->j, s->d, &t, k));
+	trial_free(&t);
+}
+
+static int run(struct samples *s, workers_piece *piece)
+{
+	int done = (s->done = calloc(s->j->count + 1, 1)) != NULL;
+
+	if (done)
+		workers_run(s->j->workers, workers_limit(s->j->workers), piece, s, s->j->count);
+	for (size_t k = 0; k < s->j->count && done; k++)
+		done = s->done[k];
+	free(s->done);
+	return done;
+}
+
 static void list_outputs(struct judge *j, const struct dag *d)
 {
 	for (int i = 0; i < d->argument_count; i++)
@@ -127,22 +158,21 @@ static void list_outputs(struct judge *j, const struct dag *d)
 		}
 }
 
-int judge_open(struct judge *j, const struct analysis *a, enum rneagen_precision precision, const struct draw_options *o)
+int judge_open(struct judge *j, const struct analysis *a, enum rneagen_precision precision, const struct draw_options *o,
+	unsigned threads)
 {
-	struct trial t = {0};
+	struct samples s = {.j = j, .d = &a->dag};
 	int done;
 
-	*j = (struct judge){.precision = precision, .count = o->count};
+	*j = (struct judge){.precision = precision, .count = o->count, .workers = workers_open(threads)};
 	arena_init(&j->arena, NULL);
 	list_outputs(j, &a->dag);
 	j->out = calloc(o->count, j->rows * sizeof *j->out);
 	j->size = calloc(o->count, j->rows * sizeof *j->size);
-	done = j->out && j->size && draw_inputs(&j->inputs, &a->tree, &a->request, o, &j->arena) && trial_new(&t, j, &a->dag);
+	done = j->workers && j->out && j->size && draw_inputs(&j->inputs, &a->tree, &a->request, o, &j->arena);
 	if (done && judge_is_f32(precision))
 		draw_round(&j->inputs);
-	for (size_t k = 0; done && k < o->count; k++)
-		done = evaluate(j, &a->dag, &t, k);
-	trial_free(&t);
+	done = done && run(&s, evaluate_piece);
 	if (!done)
 		judge_free(j);
 	return done;
@@ -150,6 +180,7 @@ int judge_open(struct judge *j, const struct analysis *a, enum rneagen_precision
 
 void judge_free(struct judge *j)
 {
+	workers_close(j->workers);
 	free(j->out);
 	free(j->size);
 	arena_free(&j->arena);
@@ -159,25 +190,35 @@ void judge_free(struct judge *j)
 /* ---- judging ---- */
 
 /* The largest bound of sample k; -1 where all references are 0. */
-static int bound_sample(
-	const struct judge *j, const struct dag *d, const struct eval_model *m, size_t k, double *bound, double *max)
+static int bound_sample(const struct samples *s, size_t k, double *bound)
 {
+	const struct judge *j = s->j;
 	const double *in[DAG_ARGUMENTS] = {NULL};
 	double *to[DAG_ARGUMENTS] = {NULL};
 
-	for (int i = 0; i < d->argument_count; i++)
-		in[i] = draw_rows(&j->inputs, &d->arguments[i], k);
+	for (int i = 0; i < s->d->argument_count; i++)
+		in[i] = draw_rows(&j->inputs, &s->d->arguments[i], k);
 	for (int i = 0; i < j->output_count; i++)
 		to[j->outputs[i].argument] = bound + j->outputs[i].first;
-	if (!eval_bound(d, m, in, to))
+	if (!eval_bound(s->d, s->model, in, to))
 		return 0;
+	s->max[k] = -1;
 	for (int i = 0; i < j->output_count; i++) {
 		double size = norm_exact(j, k, &j->outputs[i]);
 
 		if (size > 0)
-			*max = fmax(*max, norm(bound + j->outputs[i].first, j->outputs[i].rows) / size);
+			s->max[k] = fmax(s->max[k], norm(bound + j->outputs[i].first, j->outputs[i].rows) / size);
 	}
 	return 1;
+}
+
+static void bound_piece(void *job, size_t k)
+{
+	struct samples *s = job;
+	double *bound = calloc(s->j->rows, sizeof *bound);
+
+	s->done[k] = (unsigned char)(bound && bound_sample(s, k, bound));
+	free(bound);
 }
 
 /* Of the residual in a step of refinement, where it is of another type than the text's numbers. */
@@ -192,19 +233,20 @@ static struct eval_model wide_model(const struct analysis *a, const struct rneag
 int judge_bound(const struct judge *j, const struct analysis *a, const struct rneagen_options *o, int on_gpu, double *max)
 {
 	struct eval_model m = eval_model_of(o, on_gpu), wide;
-	double *bound = calloc(j->rows, sizeof *bound);
-	int done = bound != NULL;
+	struct samples s = {.j = j, .d = &a->dag, .model = &m, .max = calloc(j->count + 1, sizeof *s.max)};
+	int done;
 
 	if (o->precision == RNEAGEN_F32 && a->request.refine != REFINE_SAME) {
 		wide = wide_model(a, o, on_gpu);
 		m.wide = &wide;
 	}
+	done = s.max && run(&s, bound_piece);
 	*max = -1;
-	for (size_t k = 0; done && k < j->count; k++)
-		done = bound_sample(j, &a->dag, &m, k, bound, max);
+	for (size_t k = 0; k < j->count && done; k++)
+		*max = fmax(*max, s.max[k]);
 	if (!(*max >= 0) || isinf(*max))
 		*max = (double)NAN;
-	free(bound);
+	free(s.max);
 	return done;
 }
 

@@ -5,6 +5,8 @@
 #include "passes/analysis.h"
 #include "draw/draw.h"
 
+struct workers;
+
 #if defined __SIZEOF_FLOAT128__ && defined RNEAGEN_QUAD
 typedef __float128 exact;
 #define JUDGE_TEXT "quad precision, 113 bits"
@@ -27,6 +29,7 @@ struct judge {
 	size_t count, rows;
 	struct judge_output outputs[DAG_ARGUMENTS];
 	int output_count;
+	struct workers *workers; /* share the samples */
 	exact *out;   /* the reference, on the same rounded inputs */
 	double *size; /* S_i: the magnitudes that are summed */
 };
@@ -40,8 +43,9 @@ struct judge_errors {
 /* Whether the numbers in memory are single precision. */
 int judge_is_f32(enum rneagen_precision precision);
 
-/* Draw the inputs, and evaluate. Returns 0 when memory runs out. */
-int judge_open(struct judge *j, const struct analysis *a, enum rneagen_precision precision, const struct draw_options *o);
+/* Draw the inputs, and evaluate, by as many threads as workers_open takes. Returns 0 when memory runs out. */
+int judge_open(struct judge *j, const struct analysis *a, enum rneagen_precision precision, const struct draw_options *o,
+	unsigned threads);
 void judge_free(struct judge *j);
 
 /* The largest norm of an output array's reference in the samples. */

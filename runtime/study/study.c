@@ -165,7 +165,7 @@ const struct judge *study_judge(struct study *s, enum rneagen_precision precisio
 
 	if (*j || !(*j = malloc(sizeof **j)))
 		return *j;
-	if (!judge_open(*j, &s->analysis, precision, &s->options->sample)) {
+	if (!judge_open(*j, &s->analysis, precision, &s->options->sample, s->command->open.threads)) {
 		free(*j);
 		*j = NULL;
 	}

@@ -14,7 +14,7 @@ void judged_open(struct judged *x, const char *path, enum rneagen_base base, con
 	model_open(&x->model, urdf, length, &o, path);
 	o.scene = scene;
 	ck_assert_msg(!analysis_open(&x->analysis, urdf, length, &o, &e), "%s", e.message);
-	ck_assert(judge_open(&x->judge, &x->analysis, precision, samples));
+	ck_assert(judge_open(&x->judge, &x->analysis, precision, samples, 2));
 	free(urdf);
 }
 

@@ -195,7 +195,7 @@ START_TEST(test_zero)
 
 	o.scene = "range qdd=0,0";
 	ck_assert(!analysis_open(&a, urdf, sizeof urdf - 1, &o, &error));
-	ck_assert(judge_open(&j, &a, RNEAGEN_F64, &none));
+	ck_assert(judge_open(&j, &a, RNEAGEN_F64, &none, 1));
 	e = judge_results(&j, &tau);
 	ck_assert(isnan(e.max) && isnan(e.rms) && e.terms == 0);
 	ck_assert(judge_bound(&j, &a, &o, 0, &bound) && isnan(bound));
