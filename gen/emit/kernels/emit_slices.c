@@ -124,16 +124,16 @@ static const char *moves_text(const struct emission *e, const struct part *part,
 	return text_string(&t);
 }
 
-/* `rneagen_stage_in<7, 7>(`, and for one of several parts `rneagen_stage_rows_in<7, 7, 30>(`, of how many rows. */
+/* `rneagen_stage_in<7, 7>(`, and where there are other rows, or other parts, `rneagen_stage_rows_in<7, 7, 30>(`, of how many. */
 static void put_function(const struct emission *e, const struct part *part, const char *direction, int argument, int k,
 	struct text *out)
 {
 	const struct dag *d = arguments_of(e);
-	int is_of_many = part && e->part_count > 1;
+	int rows = stretch_of(part, d, argument, k).rows, is_some = part && (e->part_count > 1 || rows < d->arguments[argument].rows);
 
-	text_printf(out, "\t\trneagen_stage%s_%s<%d, %d", is_of_many ? "_rows" : "", direction, stretch_of(part, d, argument, k).rows,
+	text_printf(out, "\t\trneagen_stage%s_%s<%d, %d", is_some ? "_rows" : "", direction, rows,
 		emit_pitch(e, place_rows(part, d, argument)));
-	if (is_of_many)
+	if (is_some)
 		text_printf(out, ", %d", d->arguments[argument].rows);
 	text_put(out, ">(");
 }
