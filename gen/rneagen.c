@@ -6,6 +6,7 @@
 #include "passes/analysis.h"
 #include "plan/limb_limits.h"
 #include "plan/grid/relay.h"
+#include "plan/lanes/lanes.h"
 #include "plan/segments.h"
 #include "plan/stage.h"
 #include "tell/dot.h"
@@ -170,8 +171,7 @@ static enum rneagen_code segments_make_all(struct generation *g)
 	for (int i = 0; i < function_count(g); i++)
 		if (!segments_choose(&g->passes[i], segment_use(g, i), &a->request, &a->options, a->arena))
 			return error_memory(a->error);
-	if (segment_use(g, 0) == SEGMENT_LOOPS && a->adjust.prune == 0 &&
-		!segments_single(&g->passes[0], &a->request, &a->options, a->arena))
+	if (segment_use(g, 0) == SEGMENT_LOOPS && a->adjust.prune == 0 && !lanes_single(g->passes, &a->request, &a->options, a->arena))
 		error_memory(a->error);
 	return a->error->code;
 }

@@ -53,7 +53,7 @@ struct within number_parse(const char *s, char **end)
 {
 	real x = (real)strtod(s, NULL), near = strtold(s, end);
 
-	return is_exact(s, near) ? (struct within){x, near, 0} : within_decimal(x, near);
+	return is_exact(s, near) ? (struct within){x, near, 0, 0, 0} : within_decimal(x, near);
 }
 
 static enum number_fault read_one(const char **s, struct within *value)

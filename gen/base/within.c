@@ -1,6 +1,8 @@
 #include "base/within.h"
 #include <float.h>
 #include <math.h>
+#include <stdint.h>
+#include <string.h>
 
 /* Half a unit in the last place of 1. */
 static const real UNIT = LDBL_EPSILON / 2;
@@ -12,12 +14,43 @@ static struct within closed(real x, real near, real e)
 {
 	if (isnan(e))
 		e = (real)INFINITY;
-	return (struct within){x, near, e > 0 ? e * (1 + 16 * UNIT) + LDBL_TRUE_MIN : 0};
+	return (struct within){x, near, e > 0 ? e * (1 + 16 * UNIT) + LDBL_TRUE_MIN : 0, 0, 0};
+}
+
+static unsigned kind_of(struct within a)
+{
+	double x = (double)a.x;
+	uint64_t bits;
+
+	memcpy(&bits, &x, sizeof bits);
+	return a.limb ? a.kind : (unsigned)(bits * 0x9e3779b97f4a7c15u >> 33);
+}
+
+static unsigned mixed(unsigned kind, char sign)
+{
+	uint64_t h = ((uint64_t)kind + 1) * 0x9e3779b97f4a7c15u ^ (uint64_t)sign;
+
+	return (unsigned)((h ^ h >> 29) * 0x9e3779b97f4a7c15u >> 34);
+}
+
+/* Of an operation, by its sign; its neutral element leaves the kind. */
+static struct within of_limbs(char sign, real neutral, struct within a, struct within b, struct within result)
+{
+	if ((sign == '*' && !b.limb && b.x == 0) || (sign != '+' && !a.limb && a.x == 0))
+		return result;
+	result.limb = a.limb == b.limb || !b.limb ? a.limb : a.limb ? -1 : b.limb;
+	if (!a.limb && a.x == neutral && sign != '/')
+		result.kind = b.kind;
+	else if (!b.limb && b.x == neutral)
+		result.kind = a.kind;
+	else if (result.limb)
+		result.kind = mixed(kind_of(a), sign) + (sign == '/' ? 2 : 1) * mixed(kind_of(b), sign);
+	return result;
 }
 
 struct within within_exact(real x)
 {
-	return (struct within){x, x, 0};
+	return (struct within){x, x, 0, 0, 0};
 }
 
 struct within within_decimal(real x, real near)
@@ -29,12 +62,12 @@ struct within within_double(double x)
 {
 	double unit = nextafter(fabs(x), (double)INFINITY) - fabs(x);
 
-	return (struct within){(real)x, (real)x, x == floor(x) ? 0 : (real)unit / 2};
+	return (struct within){(real)x, (real)x, x == floor(x) ? 0 : (real)unit / 2, 0, 0};
 }
 
 struct within within_neg(struct within a)
 {
-	return (struct within){-a.x, -a.near, a.e};
+	return (struct within){-a.x, -a.near, a.e, a.limb, a.kind ^ (a.limb ? WITHIN_NEGATED : 0)};
 }
 
 /* The rounding of a sum is a number of the type (Knuth, The Art of Computer Programming, volume 2, theorem 4.2.2B). */
@@ -42,7 +75,7 @@ struct within within_add(struct within a, struct within b)
 {
 	real sum = a.near + b.near, of_b = sum - a.near, of_a = sum - of_b;
 
-	return closed(a.x + b.x, sum, a.e + b.e + fabsl((a.near - of_a) + (b.near - of_b)));
+	return of_limbs('+', 0, a, b, closed(a.x + b.x, sum, a.e + b.e + fabsl((a.near - of_a) + (b.near - of_b))));
 }
 
 struct within within_sub(struct within a, struct within b)
@@ -62,7 +95,7 @@ struct within within_mul(struct within a, struct within b)
 {
 	real product = a.near * b.near, inherited = fabsl(a.near) * b.e + fabsl(b.near) * a.e + a.e * b.e;
 
-	return closed(a.x * b.x, product, inherited + rounding(a.near, b.near, product));
+	return of_limbs('*', 1, a, b, closed(a.x * b.x, product, inherited + rounding(a.near, b.near, product)));
 }
 
 /* |a/b - a'/b'| <= (e_a + |a/b| e_b) / (|b| - e_b), and a - fl(a/b) b tells how far the quotient is rounded. */
@@ -70,7 +103,7 @@ struct within within_div(struct within a, struct within b)
 {
 	real quotient = a.near / b.near, rest = rounding(quotient, b.near, a.near), least = fabsl(b.near) - b.e;
 
-	return closed(a.x / b.x, quotient, least > 0 ? (a.e + fabsl(quotient) * b.e + rest) / least : (real)INFINITY);
+	return of_limbs('/', 1, a, b, closed(a.x / b.x, quotient, least > 0 ? (a.e + fabsl(quotient) * b.e + rest) / least : (real)INFINITY));
 }
 
 /* |r - sqrt(a')| <= |r^2 - a'| / r */
@@ -78,7 +111,7 @@ struct within within_sqrt(struct within a)
 {
 	real root = sqrtl(a.near), e = a.e + rounding(root, root, a.near);
 
-	return closed(sqrtl(a.x), root, root > 0 ? e / root : sqrtl(e));
+	return of_limbs('r', -1, a, a, closed(sqrtl(a.x), root, root > 0 ? e / root : sqrtl(e)));
 }
 
 /* The C library's sine and cosine are good to a unit in the last place. */
@@ -113,7 +146,7 @@ void angle_sincos(struct within angle, struct within *s, struct within *c)
 
 int within_meets(struct within a, struct within b)
 {
-	return fabsl(a.near - b.near) <= a.e + b.e;
+	return a.limb == b.limb && a.kind == b.kind && fabsl(a.near - b.near) <= a.e + b.e;
 }
 
 double within_error(struct within a)

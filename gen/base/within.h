@@ -7,10 +7,17 @@
 
 typedef long double real;
 
-/* x from doubles; near from decimals, at most e from the exact number. */
+/* x from doubles; near from decimals, at most e from the exact number. In a text of lanes (../dag/lanes.h) numbers that differ from
+   limb to limb know theirs, and no rule looks at their values: limb 1 and up; 0: of none, -1: made of several limbs' own. What they
+   are made of gives them a kind, the same in each limb. */
 struct within {
 	real x, near, e;
+	int limb;
+	unsigned kind;
 };
+
+/* A kind's bit for its negation. */
+#define WITHIN_NEGATED 0x80000000u
 
 struct within within_exact(real x);
 /* Of a decimal: x the nearest double, near the nearest number in extended precision. */

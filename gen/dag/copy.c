@@ -6,6 +6,8 @@ struct ref dag_copy_leaf(struct dag *out, const struct dag *d, size_t i)
 {
 	const struct node *n = &d->nodes[i];
 
+	if (n->op == OP_CONST && n->arg[0].i)
+		return dag_const_lanes(out, d->lanes[n->arg[0].i - 1]);
 	if (n->op == OP_CONST)
 		return dag_within(out, dag_number(d, n));
 	return dag_input_anew(out, (int)n->arg[0].i, (int)n->arg[1].i, (int)n->arg[2].i);

@@ -109,9 +109,9 @@ struct ref dag_find(const struct dag *d, enum op op, struct ref a, struct ref b,
 static int is_wide(const struct dag *d, const struct key *k)
 {
 	const struct ref args[] = {k->a, k->b, k->c};
-	int wide = k->op == OP_WIDEN || k->is_wide;
+	int wide = k->op == OP_WIDEN || k->op == OP_PACK || k->is_wide;
 
-	for (int i = 0; i < op_arity[k->op] && k->op != OP_NARROW; i++)
+	for (int i = 0; i < op_arity[k->op] && k->op != OP_NARROW && k->op < OP_LANE0; i++)
 		wide |= (int)d->nodes[args[i].i].is_wide;
 	return wide;
 }
@@ -182,7 +182,7 @@ struct ref dag_within(struct dag *d, struct within c)
 	size_t count = d->count;
 	struct ref r;
 
-	if (c.x == 0 || (c.near == c.x && c.e == 0))
+	if (!c.limb && (c.x == 0 || (c.near == c.x && c.e == 0)))
 		return dag_const(d, c.x);
 	r = node_of(d, &k);
 	if (!d->failed && (d->count > count || c.e < dag_number(d, &d->nodes[r.i]).e))
@@ -225,6 +225,7 @@ void dag_free(struct dag *d)
 	arena_release(d->arena, d->outputs);
 	arena_release(d->arena, d->sections);
 	arena_release(d->arena, d->numbers);
+	arena_release(d->arena, d->lanes);
 	*d = (struct dag){.failed = 1};
 }
 
@@ -249,6 +250,8 @@ void dag_take(struct dag *d, const struct dag *from)
 	d->outputs = copy_of(a, from->outputs, from->output_count, sizeof *d->outputs);
 	d->sections = copy_of(a, from->sections, from->section_count, sizeof *d->sections);
 	d->numbers = copy_of(a, from->numbers, from->number_count, sizeof *d->numbers);
+	d->lanes = copy_of(a, from->lanes, from->lane_count, sizeof *d->lanes);
+	d->lane_capacity = d->lane_count;
 	d->capacity = d->count;
 	d->output_capacity = d->output_count;
 	d->section_capacity = d->section_count;

@@ -27,10 +27,16 @@ struct tag {
 struct node {
 	enum op op;
 	struct ref arg[3]; /* INPUT: arg[0].i is the argument, arg[1].i the row, arg[2].i tells readings apart */
-	real value;        /* CONST */
+	real value;        /* CONST; arg[0].i: which of the DAG's lanes it is, from 1 */
 	struct tag tag;
 	uint32_t number : 31; /* CONST: which of the DAG's numbers it is, counted from 1; 0: exactly the value */
 	uint32_t is_wide : 1; /* it is of the type with more bits: WIDEN, and what is made of wide operands */
+};
+
+enum { DAG_LANES = 4 };
+
+struct dag_lanes {
+	real x[DAG_LANES];
 };
 
 enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END, SECTION_FREED, SECTION_TOTALS, SECTION_BIAS, SECTION_GRAVITY,
@@ -77,6 +83,9 @@ struct column_room {
 	int argument, first, rows, room, pitch;
 };
 
+/* A row has room for a multiple of so many. */
+enum { DAG_COLUMNS_UNIT = 8 };
+
 enum { DAG_RUNS = 256, DAG_LOOPS = 64 };
 
 struct dag {
@@ -87,6 +96,8 @@ struct dag {
 	size_t table_size;
 	struct within *numbers; /* of constants that are not exactly their value */
 	size_t number_count, number_capacity;
+	struct dag_lanes *lanes; /* of constants that are not the same in all lanes */
+	size_t lane_count, lane_capacity;
 	struct argument arguments[DAG_ARGUMENTS + DAG_LOOPS]; /* the last ones, of the loops, are not counted */
 	int argument_count;
 	struct output *outputs;
@@ -150,6 +161,10 @@ int dag_find_role(const struct dag *d, enum role role, int is_output);
 struct ref dag_const(struct dag *d, real value);
 /* What is taken for zero is exactly that. */
 struct ref dag_within(struct dag *d, struct within c);
+struct ref dag_const_lanes(struct dag *d, struct dag_lanes x);
+/* Lanes of numbers; a number that is the same in all stays one. And one of them. */
+struct ref dag_pack(struct dag *d, const struct ref each[DAG_LANES]);
+struct ref dag_lane(struct dag *d, struct ref lanes, int lane);
 struct ref dag_input(struct dag *d, int argument, int row);
 /* The same input, read from memory once more; `reading` tells such readings apart, and is 0 for the first. Like dag_anew, another
    value. */

@@ -1,7 +1,7 @@
 #ifndef RNEAGEN_OPS_H
 #define RNEAGEN_OPS_H
 /* The operations of the expression DAG, one row each. WIDEN takes a number over into a type with more bits, without an error,
-   and NARROW rounds it back:
+   and NARROW rounds it back. PACK makes lanes of two PAIRs of numbers, and LANE0 to LANE3 are one of them:
    X(name, arguments, commutes, binding strength of the text that shows it) */
 #define DAG_OPS(X)                                                                                                     \
 	X(CONST, 0, 0, 4)                                                                                              \
@@ -18,7 +18,13 @@
 	X(SIN, 1, 0, 4)                                                                                                \
 	X(COS, 1, 0, 4)                                                                                                \
 	X(WIDEN, 1, 0, 3)                                                                                              \
-	X(NARROW, 1, 0, 3)
+	X(NARROW, 1, 0, 3)                                                                                             \
+	X(PAIR, 2, 0, 4)                                                                                               \
+	X(PACK, 2, 0, 4)                                                                                               \
+	X(LANE0, 1, 0, 4)                                                                                              \
+	X(LANE1, 1, 0, 4)                                                                                              \
+	X(LANE2, 1, 0, 4)                                                                                              \
+	X(LANE3, 1, 0, 4)
 
 enum op {
 #define DAG_OP_ENUM(name, arity, commutes, strength) OP_##name,

@@ -17,9 +17,20 @@ static int is_const(const struct dag *d, struct ref a)
 	return at(d, a).op == OP_CONST;
 }
 
+/* A constant of which rules may ask what it is. */
+static int is_known(const struct dag *d, struct ref a)
+{
+	return is_const(d, a) && !at(d, a).arg[0].i && dag_number(d, &d->nodes[a.i]).limb <= 0;
+}
+
 static int is_value(const struct dag *d, struct ref a, real value)
 {
-	return is_const(d, a) && at(d, a).value == value;
+	return is_known(d, a) && at(d, a).value == value;
+}
+
+static int is_negative(const struct dag *d, struct ref a)
+{
+	return is_known(d, a) && at(d, a).value < 0;
 }
 
 static int is_neg(const struct dag *d, struct ref a)
@@ -40,8 +51,66 @@ static struct within number(const struct dag *d, struct ref a)
 	return dag_number(d, &d->nodes[a.i]);
 }
 
+static int are_same(const struct dag_lanes *a, const struct dag_lanes *b)
+{
+	return a->x[0] == b->x[0] && a->x[1] == b->x[1] && a->x[2] == b->x[2] && a->x[3] == b->x[3];
+}
+
+/* The value is its place among the DAG's. */
+struct ref dag_const_lanes(struct dag *d, struct dag_lanes x)
+{
+	struct dag_lanes *lanes = arena_grow(d->arena, d->lanes, d->lane_count, &d->lane_capacity, sizeof *lanes);
+	int before = d->is_wide;
+	struct ref r, place = {1};
+
+	if (!lanes) {
+		d->failed = 1;
+		return NONE;
+	}
+	d->lanes = lanes;
+	lanes[d->lane_count] = x;
+	while (place.i <= d->lane_count && !are_same(&lanes[place.i - 1], &x))
+		place.i++;
+	d->lane_count += place.i > d->lane_count;
+	d->is_wide = 1;
+	r = dag_node(d, OP_CONST, place, NONE, NONE, place.i);
+	d->is_wide = before;
+	return r;
+}
+
+struct ref dag_pack(struct dag *d, const struct ref each[DAG_LANES])
+{
+	if (d->failed)
+		return NONE;
+	if (ref_equal(each[0], each[1]) && ref_equal(each[0], each[2]) && ref_equal(each[0], each[3]))
+		return each[0];
+	return dag_node(d, OP_PACK, dag_node(d, OP_PAIR, each[0], each[1], NONE, 0), dag_node(d, OP_PAIR, each[2], each[3], NONE, 0), NONE, 0);
+}
+
+struct ref dag_lane(struct dag *d, struct ref lanes, int lane)
+{
+	struct node n;
+
+	if (d->failed)
+		return NONE;
+	n = at(d, lanes);
+	if (!n.is_wide)
+		return lanes;
+	if (n.op == OP_NEG)
+		return dag_neg(d, dag_lane(d, n.arg[0], lane));
+	return dag_node(d, (enum op)(OP_LANE0 + lane), lanes, NONE, NONE, 0);
+}
+
 static struct ref negated(struct dag *d, struct ref a)
 {
+	struct dag_lanes x;
+
+	if (at(d, a).arg[0].i) {
+		x = d->lanes[at(d, a).arg[0].i - 1];
+		for (int i = 0; i < DAG_LANES; i++)
+			x.x[i] = -x.x[i];
+		return dag_const_lanes(d, x);
+	}
 	return dag_within(d, within_neg(number(d, a)));
 }
 
@@ -141,9 +210,9 @@ struct ref dag_add(struct dag *d, struct ref a, struct ref b)
 		return dag_sub(d, a, at(d, b).arg[0]);
 	if (is_neg(d, a))
 		return dag_sub(d, b, at(d, a).arg[0]);
-	if (is_const(d, a) && at(d, a).value < 0)
+	if (is_negative(d, a))
 		return dag_sub(d, b, negated(d, a));
-	if (is_const(d, b) && at(d, b).value < 0)
+	if (is_negative(d, b))
 		return dag_sub(d, a, negated(d, b));
 	return in_order(d, a, b) ? dag_node(d, OP_ADD, a, b, NONE, 0) : dag_node(d, OP_ADD, b, a, NONE, 0);
 }
@@ -164,7 +233,7 @@ struct ref dag_sub(struct dag *d, struct ref a, struct ref b)
 		return dag_add(d, a, at(d, b).arg[0]);
 	if (is_neg(d, a))
 		return dag_neg(d, dag_add(d, at(d, a).arg[0], b));
-	if (is_const(d, b) && at(d, b).value < 0)
+	if (is_negative(d, b))
 		return dag_add(d, a, negated(d, b));
 	swapped = dag_find(d, OP_SUB, b, a, NONE, 0);
 	return swapped.i ? dag_neg(d, swapped) : dag_node(d, OP_SUB, a, b, NONE, 0);
@@ -181,15 +250,13 @@ struct ref dag_mul(struct dag *d, struct ref a, struct ref b)
 	if (is_neg(d, b))
 		return dag_neg(d, dag_mul(d, a, at(d, b).arg[0]));
 	if (is_const(d, a)) {
-		real c = at(d, a).value;
-
 		if (is_const(d, b))
 			return dag_within(d, within_mul(number(d, a), number(d, b)));
-		if (c == 0)
+		if (is_value(d, a, 0))
 			return NONE;
-		if (c < 0)
+		if (is_negative(d, a))
 			return dag_neg(d, dag_mul(d, negated(d, a), b));
-		if (c == 1 && (!at(d, a).number || within_meets(number(d, a), within_exact(1))))
+		if (is_value(d, a, 1) && (!at(d, a).number || within_meets(number(d, a), within_exact(1))))
 			return b;
 		if (at(d, b).op == OP_MUL && is_const(d, at(d, b).arg[0]))
 			return dag_mul(d, dag_mul(d, a, at(d, b).arg[0]), at(d, b).arg[1]);
@@ -300,6 +367,13 @@ struct ref dag_operation(struct dag *d, enum op op, struct ref a, struct ref b, 
 		return dag_sin(d, a);
 	case OP_COS:
 		return dag_cos(d, a);
+	case OP_PAIR:
+	case OP_PACK:
+	case OP_LANE0:
+	case OP_LANE1:
+	case OP_LANE2:
+	case OP_LANE3:
+		return d->failed ? NONE : dag_node(d, op, a, b, c, 0);
 	case OP_CONST:
 	case OP_INPUT:
 	case OP_COUNT:

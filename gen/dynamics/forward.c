@@ -84,6 +84,7 @@ void forward_factor(struct forward *x, struct build *b, struct joint_inputs in)
 		articulated_begin(&x->bodies, &x->tour);
 	if (takes_mass(b))
 		recursion_begin(&x->mass, &x->tour, nowhere);
+	x->mass.is_in_lanes = b->loops && b->loops->is_in_lanes;
 	if (d->failed || !pattern_coupled(&x->coupled, b->t, 0, b->k->dense, d->arena)) {
 		d->failed = 1;
 		return;
@@ -224,11 +225,13 @@ void forward_column(const struct forward *x, struct ref *column, int j, int argu
 {
 	int is_left = is_looped(x, j) && !is_zero(column, x->b->t->nv);
 
-	negate_column(x, column, j, !is_left);
-	if (is_left && x->b->loops->rooms)
+	if (is_left && x->b->loops->rooms) {
+		dag_section(x->b->d, SECTION_BY, tree_joint_of_row(x->b->t, j)->body);
 		forward_leave_column(x, column, j, argument);
-	else
+	} else {
+		negate_column(x, column, j, !is_left);
 		output_column(x, column, j, argument, is_left);
+	}
 	if (is_left)
 		x->looped[argument * x->b->t->nv + j] = 1;
 }

@@ -16,6 +16,7 @@ struct build;
 struct loops {
 	int *first;
 	int is_relay;
+	int is_in_lanes;        /* coordinates go back to the base side by side (recursion/recursion_lanes.c) */
 	struct column_room *rooms; /* NULL in a relay */
 	int rows;               /* of that array */
 	struct pattern related; /* of d tau */
@@ -80,7 +81,7 @@ void forward_by_body(const struct forward *x, const struct recursion *by, int bo
 /* Declare the array of the loops' columns, after all that the request declares. */
 void forward_declare_columns(struct dag *d, const struct loops *x);
 
-/* Column j of -d tau, where its loop is to find it. */
+/* Column j of d tau, where its loop is to find it; in a relay of -d tau. */
 void forward_leave_column(const struct forward *x, const struct ref *column, int j, int argument);
 
 /* The loops, which come last: M^-1 of each column in its place. */

@@ -70,11 +70,9 @@ void forward_leave_column(const struct forward *x, const struct ref *column, int
 }
 
 /* A row of an array has room for so many columns more as fill the last vectors. */
-enum { ROOM_UNIT = 8 };
-
 static int room_for(int columns)
 {
-	return (columns + ROOM_UNIT - 1) / ROOM_UNIT * ROOM_UNIT;
+	return (columns + DAG_COLUMNS_UNIT - 1) / DAG_COLUMNS_UNIT * DAG_COLUMNS_UNIT;
 }
 
 /* By a loop's places, how many columns are left out before; behind the last one, of all. */
@@ -129,6 +127,14 @@ static int element_row(const struct forward *x, int leader, int i)
 	return at[i * nv + leader] < 0 ? -1 : at[i * nv + leader] - at[first_row(x, leader) * nv + leader];
 }
 
+/* Where columns stand side by side, they are of d tau: its sign moves to the end, where it costs nothing. */
+static struct ref signed_input(const struct forward *x, int loop, int row)
+{
+	struct ref e = dag_input(x->b->d, DAG_COLUMN + loop, row);
+
+	return x->b->loops->rooms ? dag_neg(x->b->d, e) : e;
+}
+
 /* M^-1 of the columns that have `leader`. */
 static void loop_over(const struct forward *x, int leader)
 {
@@ -149,7 +155,7 @@ static void loop_over(const struct forward *x, int leader)
 	}
 	for (int i = 0; i < nv; i++)
 		if (element_row(x, leader, i) >= 0 && loops_read(l, nv, i, leader))
-			column[i] = dag_input(d, DAG_COLUMN + loop, element_row(x, leader, i));
+			column[i] = signed_input(x, loop, element_row(x, leader, i));
 	forward_solve(x, column);
 	for (int i = 0; i < nv; i++)
 		if (element_row(x, leader, i) >= 0)

@@ -57,10 +57,13 @@ int algorithms_for(const struct request *k, const struct algorithm *found[ALGORI
 /* By its name; NULL: there is none. */
 const struct algorithm *algorithm_find(const char *name);
 
+/* What loops over columns serve: one sample on a processor; the same, coordinates side by side in lanes; a relay. */
+enum looped { LOOPED_SINGLE, LOOPED_LANES, LOOPED_RELAY };
+
 /* The DAG of the main function once more, with its derivatives of qdd by loops over their columns: for processors, whose vectors then
    take several columns of a sample; or as a relay, for kernels that go on from what the one before has written: outputs that are made
    of qdd read it back. Returns 0, and leaves the DAG empty, where that does not serve the request, or is no gain. */
-int algorithm_build_looped(struct dag *d, const struct tree *t, const struct request *k, int is_relay);
+int algorithm_build_looped(struct dag *d, const struct tree *t, const struct request *k, enum looped use);
 
 /* Declare the arrays of its own. */
 void algorithm_declare(const struct algorithm *x, struct dag *d, const struct tree *t);

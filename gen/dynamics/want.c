@@ -114,8 +114,7 @@ static int is_recursive(const struct build *b, enum want_kind kind)
 static const enum want_kind BY_RECURSION[BY_COUNT] = {WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_CORIOLIS, WANT_MASS};
 static const enum want_kind SOLVED[BY_COUNT] = {WANT_DQDD_DQ, WANT_DQDD_DQD, WANT_CORIOLIS, WANT_MASS};
 
-/* On a processor, derivatives of qdd of one sample: values that wait are in memory, where reading them costs less than to make
-   them again. */
+/* On a processor, derivatives of qdd of one sample: values that wait are in memory, and are not made again. */
 static int is_single(const struct build *b)
 {
 	return b->loops && b->loops->rooms;
@@ -140,6 +139,7 @@ static void begin_recursion(struct build *b, const struct tour *r)
 	b->recursion.has_gradients = is_used[BY_Q] || is_used[BY_QD];
 	b->recursion.has_coriolis = is_used[BY_CORIOLIS];
 	b->recursion.is_row_first = is_single(b);
+	b->recursion.is_in_lanes = b->loops && b->loops->is_in_lanes;
 	b->recursion.has_shifts = b->solved[BY_Q] >= 0 || b->solved[BY_QD] >= 0;
 }
 
@@ -189,8 +189,7 @@ static void output_scalars(const struct build *b, const struct tour *r)
 		dag_output(b->d, kinetic_out, 0, b->kinetic);
 }
 
-/* A column is complete when its body is left, and solved at once, before others wait beside it; where bodies follow others,
-   columns grow to the end. */
+/* A complete column is solved at once, before others wait beside it. */
 void want_left(const struct tour *r, int body)
 {
 	struct build *b = r->context;
@@ -198,15 +197,15 @@ void want_left(const struct tour *r, int body)
 	if (!b->recursion.r)
 		return;
 	recursion_leave(&b->recursion, body);
-	if (b->forward && !b->t->mimic_count)
+	if (b->forward && !recursion_grows(&b->recursion))
 		forward_by_body(b->forward, &b->recursion, body, b->solved);
 }
 
 static void end_recursion(struct build *b)
 {
 	recursion_end(&b->recursion);
-	for (int k = 0; k < b->t->body_count && b->forward && b->t->mimic_count; k++)
-		if (!b->t->bodies[k].follower)
+	for (int k = 0; k < b->t->body_count && b->forward; k++)
+		if (recursion_grows(&b->recursion) && !b->t->bodies[k].follower)
 			forward_by_body(b->forward, &b->recursion, k, b->solved);
 }
 

@@ -1,4 +1,5 @@
 /* Of the ways to make the same outputs, the one that takes less. */
+#include "dynamics/registry.h"
 #include "dynamics/singular.h"
 #include "dynamics/want.h"
 
@@ -112,16 +113,18 @@ static int is_relayed(const struct request *k)
 	return request_wants(k, WANT_QDD);
 }
 
-int algorithm_build_looped(struct dag *d, const struct tree *t, const struct request *k, int is_relay)
+int algorithm_build_looped(struct dag *d, const struct tree *t, const struct request *k, enum looped use)
 {
 	struct loops loops;
+	int is_relay = use == LOOPED_RELAY;
 
 	if (!request_wants(k, WANT_DQDD_DQ) && !request_wants(k, WANT_DQDD_DQD))
 		return 0;
 	if (k->dynamics == DYNAMICS_ARTICULATED || k->refine_steps || request_wants_any(k, IS_PRODUCT) ||
 		k->stored_count < k->want_count || (is_relay && !is_relayed(k)) ||
-		!forward_loops(&loops, t, k->dense, is_relay, d->arena))
+		(use == LOOPED_LANES && t->mimic_count) || !forward_loops(&loops, t, k->dense, is_relay, d->arena))
 		return 0;
+	loops.is_in_lanes = use == LOOPED_LANES;
 	want_build_in(d, t, k, (struct ways){k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
 		DYNAMICS_FACTOR, 0, &loops});
 	return 1;

@@ -241,10 +241,21 @@ static void put_pass(const struct emission *e, const struct pass *p, struct text
 		put_body(e, p, out);
 }
 
+static void put_lanes(const struct emission *e, struct text *out)
+{
+	const struct slot slots[] = {{"T", e->arithmetic->type}, {"SUFFIX", e->arithmetic->bytes == 4 ? "ps" : "pd256"}};
+
+	template_expand(out, template_lanes_in, slots, sizeof slots / sizeof *slots);
+}
+
 static void put_bodies(const struct emission *e, struct text *out)
 {
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
 	text_put(out, emit_has_segments(e) ? template_independent_in : "");
+	if (e->lanes)
+		put_lanes(e, out);
+	if (emit_main(e)->single)
+		emit_columns_macros(e, out);
 	for (int i = 0; e->relay && i < e->relay->start_count; i++)
 		put_body(e, &e->relay->starts[i].pass, out);
 	if (e->relay && !e->relay->start_count)

@@ -30,6 +30,7 @@ struct emission {
 	const struct target_type *target;
 	const struct number_type *numbers;
 	const struct number_type *wide;           /* of the nodes with more bits; NULL: there are none */
+	const struct number_type *lanes;          /* of the nodes of several limbs; NULL: there are none */
 	const struct scalar *memory, *arithmetic; /* the numbers' */
 	struct written_number *written;           /* EMIT_WRITTEN of them; NULL: each number is made anew */
 };
@@ -221,6 +222,8 @@ void emit_columns(const struct emission *e, const struct pass *p, int segment, s
 void emit_columns_calls(const struct emission *e, const struct pass *p, int segment, struct text *out);
 
 /* The array in which the columns of all loops stand; "" where there are none. */
+/* What such loops are written with. */
+void emit_columns_macros(const struct emission *e, struct text *out);
 const char *emit_columns_declaration(const struct emission *e, const struct pass *p);
 
 /* Bytes that a sample keeps across cuts, at least those of a number; samples that a thread takes at most; threads of a block, so

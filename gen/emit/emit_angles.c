@@ -20,7 +20,7 @@ int emit_has_known(const struct emission *e)
 /* Parts, kernels of a relay, and what a call of one sample runs, have the table of the whole. */
 static const struct pass *table_of(const struct emission *e, const struct pass *p)
 {
-	if (p == emit_main(e)->single || emit_is_relays(e, p))
+	if (p == emit_main(e)->single || p == emit_main(e)->beside || emit_is_relays(e, p))
 		return emit_main(e);
 	for (int i = 0; i < e->part_count; i++)
 		if (p == &e->parts[i].pass)
@@ -289,7 +289,7 @@ static void put_small(const struct emission *e, const char *what, const char *na
 {
 	const struct slot slots[] = {{"WHAT", what}, {"NAME", name}, {"T", e->memory->type}, {"F", e->memory->suffix},
 		{"LOOPS", small_loops(e, rows)}, {"GAP", rows[1].rows ? ", const size_t gap" : ""},
-		{"BITS", emit_main(e)->single ? "" : "; the results have the same bits either way"}};
+		{"BITS", emit_main(e)->single || emit_main(e)->beside ? "" : "; the results have the same bits either way"}};
 
 	template_expand(out, template_is_small_in, slots, sizeof slots / sizeof *slots);
 }

@@ -27,15 +27,28 @@ static const char *unused_text(const struct emission *e, const struct plan *line
 	return text_string(&t);
 }
 
-/* Columns of which vectors are made are as many as fill them, of AVX2 or half as long: one more that is solved by itself would
-   take as long as a vector. */
+/* Columns of which a compiler makes vectors are as many as fill them, of AVX2 or half as long: one more that is solved by itself
+   would take as long as a vector. */
 enum { VECTOR_BYTES = 32 };
 
-static int lanes_of(const struct emission *e, const struct pass *p, int loop)
+void emit_columns_macros(const struct emission *e, struct text *out)
 {
-	int columns = dag_loop_columns(&p->dag, loop), lanes = VECTOR_BYTES / e->arithmetic->bytes;
+	int each = VECTOR_BYTES / e->arithmetic->bytes;
+	const struct slot slots[] = {{"T", e->memory->type}, {"EACH", emit_int(e, each)}, {"LAST", emit_int(e, each - 1)},
+		{"FMA", e->arithmetic->bytes == 4 ? "__builtin_ia32_vfmaddps256(a, b, c)" :
+			"__builtin_ia32_vfmaddpd512_mask(a, b, c, (unsigned char)-1, 4)"}};
 
-	return (columns + lanes - 1) / lanes * lanes;
+	template_expand(out, template_columns_in, slots, sizeof slots / sizeof *slots);
+}
+
+/* Lines to come are, or no longer are, of a loop over columns on a processor. */
+static void write_columns(struct writer *w, int is_over)
+{
+	const struct emission *e = w->own.emission;
+
+	w->own.numbers = !is_over ? e->numbers : e->arithmetic->bytes == 4 ? &COLUMNS_F32 : &COLUMNS_F64;
+	w->own.calls = w->own.numbers->calls;
+	w->own.is_over_columns = is_over;
 }
 
 /* Statements are made in `spare` before they are indented. */
@@ -45,15 +58,19 @@ void emit_columns(const struct emission *e, const struct pass *p, int segment, s
 	const struct segments *s = &p->segments;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
 		{"SEGMENT", emit_int(e, segment)}, {"COUNT", emit_int(e, s->count)}, {"UNUSED", unused_text(e, &s->plans[segment])},
-		{"NUMBER", emit_int(e, loop_of(p, segment))}, {"LANES", emit_int(e, lanes_of(e, p, loop_of(p, segment)))}};
+		{"NUMBER", emit_int(e, loop_of(p, segment))},
+		{"COLUMNS", emit_int(e, dag_loop_columns(&p->dag, loop_of(p, segment)))}};
 	size_t from = out->length, count = sizeof slots / sizeof *slots;
-	const char *rest = template_expand_to(out, template_segment_columns_in, "BODY", slots, count);
+	const char *rest = template_expand_to(out, e->target->kernel ? template_segment_columns_in : template_segment_columns_c_in,
+		"BODY", slots, count);
 
 	text_clear(spare);
-	w->own.is_over_columns = !e->target->kernel;
+	if (!e->target->kernel)
+		write_columns(w, 1);
 	unparse_within(w, &s->plans[segment]);
 	unparse_lines(w, &s->plans[segment], spare);
-	w->own.is_over_columns = 0;
+	if (!e->target->kernel)
+		write_columns(w, 0);
 	text_put_indented(out, text_string(spare));
 	out->failed |= spare->failed;
 	template_expand(out, rest, slots, count);
@@ -73,19 +90,19 @@ const char *emit_columns_declaration(const struct emission *e, const struct pass
 
 	text_init(&t, e->arena);
 	if (p->dag.loop_count)
-		text_printf(&t, "\t%s %s[%d];", e->memory->type, columns->name, columns->rows);
+		text_printf(&t, "\t%s %s[%d];\n", e->memory->type, columns->name, columns->rows);
 	return text_string(&t);
 }
 
 /* What nobody reads is zero: else it might be anything, and take long. */
-static void put_zeros(const struct emission *e, const struct pass *p, int loop, struct text *out)
+static void put_zeros(const struct pass *p, int loop, struct text *out)
 {
 	const struct column_room *r = &p->dag.rooms[loop];
-	int columns = dag_loop_columns(&p->dag, loop), lanes = lanes_of(e, p, loop);
+	int columns = dag_loop_columns(&p->dag, loop);
 
-	if (columns < lanes)
-		text_printf(out, "\tfor (size_t i = 0; i < %d; i++)\n\t\tfor (size_t l = %d; l < %d; l++)\n\t\t\t%s[i*%d + l] = 0;\n", r->rows,
-			r->first + columns, r->first + lanes, p->dag.arguments[r->argument].name, r->room);
+	if (columns % DAG_COLUMNS_UNIT)
+		text_printf(out, "\tfor (size_t i = 0; i < %d; i++)\n\t\tfor (size_t l = %d; l < RNEA_COLUMNS_FILL(%d); l++)\n"
+			"\t\t\t%s[%d + i*%d + l] = 0;\n", r->rows, columns, columns, p->dag.arguments[r->argument].name, r->first, r->room);
 }
 
 /* A place in an array, as an address. */
@@ -119,7 +136,7 @@ void emit_columns_calls(const struct emission *e, const struct pass *p, int segm
 {
 	int loop = loop_of(p, segment);
 
-	put_zeros(e, p, loop, out);
+	put_zeros(p, loop, out);
 	text_printf(out, "\t%s_%s_columns%d(", e->options->name, p->algorithm->name, loop);
 	put_address(p->dag.arguments[p->dag.rooms[loop].argument].name, p->dag.rooms[loop].first, "", out);
 	text_put(out, ", across);\n");

@@ -63,11 +63,17 @@ static void put_form(const struct across *x, enum form form, int lanes, struct t
 	}
 }
 
+/* The type of a pass's other numbers. */
+static const char *wide_value(const struct emission *e)
+{
+	return e->wide ? e->wide->value : e->lanes ? e->lanes->value : "";
+}
+
 /* Of both arrays, or of the one that there is. */
 static const char *across(const struct emission *e, const struct segments *s, enum form form)
 {
 	const struct across narrow = {e->numbers->value, "across", s->slots[0]};
-	const struct across wide = {e->wide ? e->wide->value : "", "wide_across", s->slots[1]};
+	const struct across wide = {wide_value(e), "wide_across", s->slots[1]};
 	int lanes = form == LANES ? lanes_of(e, s) : 1, is_line = form == LOCAL || form == LANES || form == SHARED;
 	struct text t;
 
@@ -122,7 +128,7 @@ static void put_lane(const struct emission *e, const struct pass *p, const struc
 	if (t->across[0])
 		text_printf(out, "\t%s *const across = first_across + l;\n", e->numbers->value);
 	if (t->across[1])
-		text_printf(out, "\t%s *const wide_across = first_wide_across + l;\n", e->wide->value);
+		text_printf(out, "\t%s *const wide_across = first_wide_across + l;\n", wide_value(e));
 }
 
 /* Statements are made in `spare` before they are indented. */
@@ -173,8 +179,14 @@ static void put_segments(const struct emission *e, const struct pass *p, struct 
 void emit_segments(const struct emission *e, const struct pass *p, struct text *out)
 {
 	put_segments(e, p, out);
+	if (p->beside) {
+		text_put(out, "#if defined RNEA_LANES\n");
+		put_segments(e, p->beside, out);
+		text_put(out, p->single ? "#else\n" : "");
+	}
 	if (p->single)
 		put_segments(e, p->single, out);
+	text_put(out, p->beside ? "#endif\n" : "");
 }
 
 /* ---- batches ---- */
@@ -208,17 +220,26 @@ static void put_one_function(const struct emission *e, const struct pass *p, int
 	template_expand(out, template_segment_one_in, slots, sizeof slots / sizeof *slots);
 }
 
+static void put_one_functions(const struct emission *e, const struct pass *p, struct text *out)
+{
+	for (int k = 0; k < p->segments.count; k++)
+		if (!emit_is_loop(p, k))
+			put_one_function(e, p, k, out);
+}
+
 static const char *functions_text(const struct emission *e, const struct pass *p)
 {
-	const struct pass *one = single_of(p);
 	struct text t;
 
 	text_init(&t, e->arena);
 	for (int k = 0; k < p->segments.count; k++)
 		put_lanes_function(e, p, k, &t);
-	for (int k = 0; k < one->segments.count; k++)
-		if (!emit_is_loop(one, k))
-			put_one_function(e, one, k, &t);
+	text_put(&t, p->beside ? "#if defined RNEA_LANES\n" : "");
+	if (p->beside)
+		put_one_functions(e, p->beside, &t);
+	text_put(&t, p->beside ? "#else\n" : "");
+	put_one_functions(e, single_of(p), &t);
+	text_put(&t, p->beside ? "#endif\n" : "");
 	return text_string(&t);
 }
 
@@ -252,6 +273,21 @@ static const char *one_calls(const struct emission *e, const struct pass *p)
 	return text_string(&t);
 }
 
+/* One sample's body, as it is, or with limbs side by side where there are lanes. */
+static const char *one_body(const struct emission *e, const struct pass *p)
+{
+	const struct pass *ways[] = {p->beside, single_of(p)};
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int i = !p->beside; i < 2; i++) {
+		text_put(&t, !p->beside ? "" : i ? "#else\n" : "#if defined RNEA_LANES\n");
+		text_printf(&t, "%s\n%s\n%s", across(e, &ways[i]->segments, LOCAL), emit_columns_declaration(e, ways[i]), one_calls(e, ways[i]));
+	}
+	text_put(&t, p->beside ? "#endif\n" : "");
+	return text_string(&t);
+}
+
 static const char *and_small(const struct emission *e, const char *are_small)
 {
 	struct text t;
@@ -275,9 +311,7 @@ void emit_segments_part(const struct emission *e, const struct pass *p, const ch
 		{"AND_SMALL", and_small(e, are_small)}, {"CALL_ANY", call_any}, {"COUNT_PARAM", count_param},
 		{"AT_SAMPLE", emit_at_sample(e, p)}, {"LANES", emit_int(e, lanes_of(e, &p->segments))},
 		{"FUNCTIONS", functions_text(e, p)},
-		{"CALLS", lanes_calls(e, p)}, {"ONE_CALLS", one_calls(e, single_of(p))},
-		{"ONE_DECLARATIONS", across(e, &single_of(p)->segments, LOCAL)},
-		{"ONE_COLUMNS", emit_columns_declaration(e, single_of(p))}, {"DECLARATIONS", across(e, &p->segments, LANES)}};
+		{"CALLS", lanes_calls(e, p)}, {"ONE_BODY", one_body(e, p)}, {"DECLARATIONS", across(e, &p->segments, LANES)}};
 
 	template_expand(out, template_part_segments_in, slots, sizeof slots / sizeof *slots);
 }

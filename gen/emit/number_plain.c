@@ -125,3 +125,46 @@ const struct number_type WIDE_F64 = {.memory = &SCALAR_F64, .arithmetic = &SCALA
 	.calls = WIDE_CALLS, .strict_calls = WIDE_STRICT_CALLS, .sincos = "rneagen_sincos_",
 	.strict_sincos = "rneagen_strict_sincos_", .angle = {"", ""}, .widen = {"(double)", ""}, .narrow = {"(float)", ""},
 	.put_constant = put_constant, .frames = &SINCOS_F64};
+
+static const char *const LANES_CALLS[OP_COUNT] = {[OP_FMA] = "RNEA_LANES_FMA"};
+
+void emit_put_lanes(const struct unparser *u, const struct node *n, struct text *out)
+{
+	text_put(out, n->op == OP_PACK ? "RNEA_LANES(" : "");
+	unparse_value(u, n->arg[0], out);
+	if (n->op >= OP_LANE0) {
+		text_printf(out, "[%d]", (int)(n->op - OP_LANE0));
+		return;
+	}
+	text_put(out, ", ");
+	unparse_value(u, n->arg[1], out);
+	text_put(out, n->op == OP_PACK ? ")" : "");
+}
+
+static void put_lanes(const struct unparser *u, const struct node *n, struct text *out)
+{
+	const struct dag_lanes *x = n->arg[0].i ? &u->plan->dag->lanes[n->arg[0].i - 1] : NULL;
+
+	if (!x) {
+		put_constant(u, n, out);
+		return;
+	}
+	for (int i = 0; i < DAG_LANES; i++) {
+		text_put(out, i ? ", " : "RNEA_LANES(");
+		emit_number(u->emission, u->numbers->arithmetic, x->x[i], out);
+	}
+	text_putc(out, ')');
+}
+
+static const char *const COLUMNS_CALLS[OP_COUNT] = {[OP_FMA] = "RNEA_COLUMNS_FMA"};
+
+const struct number_type COLUMNS_F32 = {.memory = &SCALAR_F32, .arithmetic = &SCALAR_F32, .value = "rneagen_columns",
+	.splat = "RNEA_COLUMNS_OF(", .calls = COLUMNS_CALLS, .load = {"", ""}, .store = {"", ""},
+	.put_constant = put_constant};
+const struct number_type COLUMNS_F64 = {.memory = &SCALAR_F64, .arithmetic = &SCALAR_F64, .value = "rneagen_columns",
+	.splat = "RNEA_COLUMNS_OF(", .calls = COLUMNS_CALLS, .load = {"", ""}, .store = {"", ""},
+	.put_constant = put_constant};
+const struct number_type LANES_F32 = {.memory = &SCALAR_F32, .arithmetic = &SCALAR_F32, .value = "rneagen_lanes",
+	.splat = "RNEA_SPLAT(", .calls = LANES_CALLS, .strict_calls = LANES_CALLS, .put_constant = put_lanes};
+const struct number_type LANES_F64 = {.memory = &SCALAR_F64, .arithmetic = &SCALAR_F64, .value = "rneagen_lanes",
+	.splat = "RNEA_SPLAT(", .calls = LANES_CALLS, .strict_calls = LANES_CALLS, .put_constant = put_lanes};

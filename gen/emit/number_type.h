@@ -47,6 +47,7 @@ struct number_type {
 	const char *value;                            /* the type of a value: "double", "struct rneagen_f32x2" */
 	const char *const *calls, *const *strict_calls; /* by operation, what is called with the operands; NULL: a sign
 							   stands between them. With --strict the second */
+	const char *splat;                            /* of vectors: `NAME(`, what makes one of a number; NULL: it is no vector */
 	const char *sincos, *strict_sincos;           /* what is called, but for the mode's name */
 	struct around load, store;                    /* from memory and to it */
 	int store_is_cast;                            /* which binds as a sign does */
@@ -76,6 +77,10 @@ extern const struct scalar SCALAR_F32, SCALAR_F64;
 extern const struct sincos_frames SINCOS_F64;
 /* Wide numbers in a text whose numbers have fewer bits: the same types, with functions of their own names. */
 extern const struct number_type WIDE_F64, WIDE_F32X2;
+/* Of several columns side by side. */
+extern const struct number_type COLUMNS_F32, COLUMNS_F64;
+/* Of several limbs side by side. */
+extern const struct number_type LANES_F32, LANES_F64;
 extern const struct number_type WITHIN_F32, WITHIN_F64, WITHIN_MIXED;
 
 const struct number_type *number_type_of(enum rneagen_precision precision);

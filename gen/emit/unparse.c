@@ -36,8 +36,8 @@ static void put_value(const struct unparser *u, struct ref a, int least, struct 
 	text_put(out, enclose ? "(" : "");
 	if (u->plan->names[a.i])
 		text_put(out, u->plan->names[a.i]);
-	else
-		put_expression(u, a, out);
+	else /* numbers among lanes */
+		put_expression(u == u->wide && u->numbers->splat ? unparser_of(u, a) : u, a, out);
 	text_put(out, enclose ? ")" : "");
 }
 
@@ -55,6 +55,12 @@ static void put_binary(const struct unparser *u, const struct node *n, struct te
 	put_value(u, n->arg[1], own + 1, out); /* no re-association: a - (b - c), a*(b*c) */
 }
 
+/* Is it a number where vectors are called for? */
+static int is_same_in_all(const struct unparser *u, const struct node *n)
+{
+	return n->op == OP_CONST ? !n->arg[0].i : !u->is_over_columns && !n->is_wide;
+}
+
 /* Over columns, which share the older factor a, -a b + c is written a (-b) + c: one instruction, without a vector of -a. */
 static void put_call(const struct unparser *u, const struct node *n, struct text *out)
 {
@@ -63,8 +69,11 @@ static void put_call(const struct unparser *u, const struct node *n, struct text
 
 	text_printf(out, "%s(", u->calls[n->op]);
 	for (int k = 0; k < op_arity[n->op]; k++) {
-		text_put(out, !k ? "" : moves && k == 1 ? ", -" : ", ");
+		const char *before = u->numbers->splat && is_same_in_all(u, &u->plan->dag->nodes[n->arg[k].i]) ? u->numbers->splat : "";
+
+		text_printf(out, "%s%s", !k ? "" : moves && k == 1 ? ", -" : ", ", before);
 		put_value(u, moves && !k ? first->arg[0] : n->arg[k], moves && k == 1 ? op_strength[OP_NEG] + 1 : 0, out);
+		text_put(out, *before ? ")" : "");
 	}
 	text_putc(out, ')');
 }
@@ -90,8 +99,8 @@ static void put_expression(const struct unparser *u, struct ref a, struct text *
 
 	if (n->op == OP_CONST) {
 		u->numbers->put_constant(u, n, out);
-	} else if (n->op == OP_WIDEN || n->op == OP_NARROW) {
-		put_conversion(u, n, out);
+	} else if (n->op >= OP_WIDEN) {
+		(n->op >= OP_PAIR ? emit_put_lanes : put_conversion)(u, n, out);
 	} else if (u->numbers->put_cheaper && u->numbers->put_cheaper(u, n, out)) {
 		return;
 	} else if (u->calls[n->op]) {
@@ -132,6 +141,7 @@ static void put_element(const struct unparser *u, int argument, int row, struct 
 	const struct argument *a = &u->plan->dag->arguments[argument];
 	const struct stretches *s = u->pass->stretches;
 
+	text_put(out, u->is_over_columns ? "RNEA_COLUMNS_AT(" : "");
 	if (a->per_batch || u->numbers->is_beside)
 		text_printf(out, "%s[%d]", a->name, row);
 	else if (s && s->period && argument == s->divided && row >= s->period)
@@ -140,6 +150,7 @@ static void put_element(const struct unparser *u, int argument, int row, struct 
 		text_printf(out, "%s[(%d - gap)*stride]", a->name, row);
 	else
 		put_index(a->name, (unsigned)row, "stride", out);
+	text_put(out, u->is_over_columns ? ")" : "");
 }
 
 static void put_load(const struct unparser *u, const struct node *n, struct text *out)
@@ -244,8 +255,9 @@ static void put_slot(const struct unparser *u, const struct line *l, struct text
 
 static void put_fetch(const struct unparser *u, const struct line *l, struct text *out)
 {
-	text_printf(out, "const %s %s = ", u->numbers->value, u->plan->names[l->value.i]);
+	text_printf(out, "const %s %s = %s", u->numbers->value, u->plan->names[l->value.i], u->is_over_columns ? u->numbers->splat : "");
 	put_slot(u, l, out);
+	text_put(out, u->is_over_columns ? ")" : "");
 }
 
 static void put_keep(const struct unparser *u, const struct line *l, struct text *out)
@@ -317,10 +329,12 @@ static struct unparser unparser_new(const struct emission *e, const struct pass 
 
 void unparse_begin(struct writer *w, const struct emission *e, const struct pass *pass, const struct number_type *numbers)
 {
+	const struct number_type *wide = e->wide ? e->wide : e->lanes;
+
 	w->own = unparser_new(e, pass, numbers);
-	w->wide = unparser_new(e, pass, e->wide ? e->wide : numbers);
+	w->wide = unparser_new(e, pass, wide ? wide : numbers);
 	w->own.narrow = w->wide.narrow = &w->own;
-	w->own.wide = w->wide.wide = e->wide ? &w->wide : NULL;
+	w->own.wide = w->wide.wide = wide ? &w->wide : NULL;
 	if (emit_has_known(e)) {
 		w->own.sines = emit_angles(e, pass, 0);
 		w->wide.sines = emit_angles(e, pass, 1);

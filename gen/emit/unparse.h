@@ -48,6 +48,9 @@ void unparse_section(struct unparser *u, const struct section *s, struct text *o
 /* What the type takes from a constant, and how far that is from what the file's decimals give; not less when rounded. */
 real emit_lost(const struct emission *e, const struct dag *d, const struct node *n);
 
+/* Lanes made of numbers, or one of them: OP_PAIR and what follows it. */
+void emit_put_lanes(const struct unparser *u, const struct node *n, struct text *out);
+
 /* A name, a number, or an expression: for a record that writes an operation in its own way. */
 void unparse_value(const struct unparser *u, struct ref a, struct text *out);
 

@@ -57,6 +57,11 @@ static struct inertia central(const struct inertia *I)
 	return J;
 }
 
+static int is_there(struct within c)
+{
+	return c.x != 0 || c.limb > 0;
+}
+
 /* Products that such a moment needs. */
 static int moment_products(const struct inertia *I)
 {
@@ -68,8 +73,8 @@ static int moment_products(const struct inertia *I)
 
 		sum_add(&spread, I->I[inertia_index(i, i)]);
 		sum_add(&spread, within_neg(other));
-		count += (I->I[inertia_index(i, i)].x != 0) + (sum_total(spread).x != 0);
-		count += 3 * (I->I[inertia_index(i, (i + 1) % 3)].x != 0);
+		count += is_there(I->I[inertia_index(i, i)]) + is_there(sum_total(spread));
+		count += 3 * is_there(I->I[inertia_index(i, (i + 1) % 3)]);
 	}
 	return count;
 }

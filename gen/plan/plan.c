@@ -26,7 +26,7 @@ static int deserves_line(const struct planner *b, size_t i)
 {
 	const struct node *n = &b->d->nodes[i];
 
-	if (n->op == OP_CONST)
+	if (n->op == OP_CONST || n->op == OP_PAIR)
 		return 0;
 	if (n->op == OP_INPUT || n->op == OP_SIN || n->op == OP_COS)
 		return 1;
@@ -54,19 +54,42 @@ static void weigh(struct planner *b, size_t i)
 			}
 		}
 		if (total <= LONGEST_EXPRESSION || heaviest < 0) {
-			b->weight[i] = (unsigned char)(op_arity[n->op] ? total : 0);
+			b->weight[i] = (unsigned char)(op_arity[n->op] && n->op != OP_PAIR ? total : 0);
 			return;
 		}
 		b->named[n->arg[heaviest].i] = 1;
 	}
 }
 
+/* The first node of loops over columns. */
+static size_t first_in_loops(const struct dag *d)
+{
+	for (size_t i = 0; i < d->section_count; i++)
+		if (d->sections[i].kind == SECTION_COLUMNS)
+			return d->sections[i].node;
+	return d->count;
+}
+
+/* What lanes are made of, and what has lanes, have names; so has a lane that a loop reads. */
+static void name_parts(struct planner *b, const struct node *n, int is_in_loop)
+{
+	for (int k = 0; k < op_arity[n->op]; k++) {
+		enum op op = b->d->nodes[n->arg[k].i].op;
+
+		if (op != OP_CONST && (n->op == OP_PAIR || n->op >= OP_LANE0 || (is_in_loop && op >= OP_LANE0)))
+			b->named[n->arg[k].i] = 1;
+	}
+}
+
 static void choose_lines(struct planner *b)
 {
+	size_t loops = first_in_loops(b->d);
+
 	for (size_t i = 0; i < b->d->count; i++) {
 		if (!b->uses[i])
 			continue;
 		weigh(b, i);
+		name_parts(b, &b->d->nodes[i], i >= loops);
 		b->named[i] = (unsigned char)deserves_line(b, i);
 	}
 }

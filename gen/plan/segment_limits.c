@@ -131,7 +131,7 @@ static int make_single(struct pass *s, const struct pass *p, const struct reques
 
 	arena_init(&spare, &a->allocator);
 	dag_init(&raw, &spare);
-	*is_looped = algorithm_build_looped(&raw, p->plan.tree, k, 0);
+	*is_looped = algorithm_build_looped(&raw, p->plan.tree, k, LOOPED_SINGLE);
 	dag_init(&s->dag, a);
 	if (*is_looped)
 		dag_fuse(&s->dag, &raw, 0);

@@ -2,9 +2,9 @@
 #include <math.h>
 
 /* As initialisers */
-#define ZERO {0, 0, 0}
-#define ONE {1, 1, 0}
-#define MINUS_ONE {-1, -1, 0}
+#define ZERO {0, 0, 0, 0, 0}
+#define ONE {1, 1, 0, 0, 0}
+#define MINUS_ONE {-1, -1, 0, 0, 0}
 
 const struct rotation ROTATION_IDENTITY = {{{ONE, ZERO, ZERO}, {ZERO, ONE, ZERO}, {ZERO, ZERO, ONE}}};
 
@@ -29,7 +29,9 @@ struct sum sum_from(struct within term)
 
 struct within sum_total(struct sum s)
 {
-	return fabsl(s.value.x) <= 4 * 0x1p-53L * s.size ? within_exact(0) : s.value;
+	struct within zero = {.limb = s.value.limb, .kind = s.value.kind};
+
+	return fabsl(s.value.x) <= 4 * 0x1p-53L * s.size ? zero : s.value;
 }
 
 struct rotation rotation_by(int axis, struct turn angle)

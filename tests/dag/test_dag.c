@@ -314,8 +314,8 @@ static struct within numbered(struct ref r)
 /* Of two that may be the same, that which is known better; two that cannot be are two. */
 START_TEST(what_may_be_the_same_is)
 {
-	const struct within coarse = {0.1L, 0.1L, 1e-12L}, fine = {0.1L, 0.1L + 1e-14L, 1e-15L},
-		other = {0.1L, 0.1L + 1e-9L, 1e-15L};
+	const struct within coarse = {.x = 0.1L, .near = 0.1L, .e = 1e-12L}, fine = {.x = 0.1L, .near = 0.1L + 1e-14L, .e = 1e-15L},
+		other = {.x = 0.1L, .near = 0.1L + 1e-9L, .e = 1e-15L};
 	struct ref a = dag_within(&dag, coarse);
 	size_t count = dag.count;
 
@@ -335,15 +335,15 @@ END_TEST
 /* Folding carries what its operands are off; taken for zero is zero; a factor that cannot be one stays. */
 START_TEST(folding_carries_errors)
 {
-	const struct within tenth = {0.1L, 0.1L, 1e-20L}, fifth = {0.23L, 0.23L, 2e-20L}, almost = {1, 1 + 1e-17L, 1e-19L},
-		one = {1, 1, 1e-19L};
+	const struct within tenth = {.x = 0.1L, .near = 0.1L, .e = 1e-20L}, fifth = {.x = 0.23L, .near = 0.23L, .e = 2e-20L},
+		almost = {.x = 1, .near = 1 + 1e-17L, .e = 1e-19L}, one = {.x = 1, .near = 1, .e = 1e-19L};
 	struct ref x = dag_input(&dag, 0, 0), a = dag_within(&dag, tenth), b = dag_within(&dag, fifth);
 
 	ck_assert(numbered(dag_add(&dag, a, b)).e >= 3e-20L && numbered(dag_sub(&dag, b, a)).e >= 3e-20L);
 	ck_assert(numbered(dag_mul(&dag, a, b)).e >= 4e-21L && numbered(dag_neg(&dag, b)).e == numbered(b).e);
 	ck_assert(numbered(dag_div(&dag, a, b)).e >= 8e-20L && numbered(dag_sqrt(&dag, b)).e > 2e-20L);
 	ck_assert(numbered(dag_sin(&dag, a)).e >= 1e-20L && numbered(dag_cos(&dag, a)).e > 0);
-	ck_assert(numbered(dag_sub(&dag, a, a)).e == 0 && numbered(dag_within(&dag, (struct within){0, 1e-30L, 1e-30L})).e == 0);
+	ck_assert(numbered(dag_sub(&dag, a, a)).e == 0 && numbered(dag_within(&dag, (struct within){.near = 1e-30L, .e = 1e-30L})).e == 0);
 	ck_assert(numbered(dag.nodes[dag_mul(&dag, b, dag_mul(&dag, b, x)).i].arg[0]).e >= 8e-21L);
 	ck_assert(ref_equal(dag_mul(&dag, dag_within(&dag, one), x), x));
 	ck_assert(!ref_equal(dag_mul(&dag, dag_within(&dag, almost), x), x));

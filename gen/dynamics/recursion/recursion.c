@@ -28,7 +28,7 @@ static struct wrench turned_by(struct dag *d, const struct frame *x, struct svec
 	return (struct wrench){svec_cross(d, Z, x->f), svec_add_cross(d, svec_cross(d, Z, x->n), Y, x->f)};
 }
 
-static struct wrench wrench_to_parent(const struct recursion *x, int body, struct wrench w)
+struct wrench recursion_wrench_to_parent(const struct recursion *x, int body, struct wrench w)
 {
 	struct dag *d = x->r->d;
 	const struct body *k = &x->r->t->bodies[body];
@@ -40,37 +40,13 @@ static struct wrench wrench_to_parent(const struct recursion *x, int body, struc
 }
 
 /* f2, n2 + p x f2, n1 + p' x f2 */
-static struct row_vectors row_to_parent(const struct recursion *x, int body, struct row_vectors s)
+struct row_vectors recursion_row_to_parent(const struct recursion *x, int body, struct row_vectors s)
 {
 	struct dag *d = x->r->d;
-	struct wrench w = wrench_to_parent(x, body, (struct wrench){s.f2, s.n2});
+	struct wrench w = recursion_wrench_to_parent(x, body, (struct wrench){s.f2, s.n2});
 
 	s.n1 = joint_to_parent(d, &x->r->t->bodies[body], recursion_pose(x, body), s.n1);
 	return (struct row_vectors){w.n, svec_add_cross(d, s.n1, tour_origin_rate(x->r, body), w.f), w.f};
-}
-
-/* ---- elements ---- */
-
-static int is_made(const struct recursion *x, enum by by)
-{
-	return by == BY_QDD || (by == BY_CORIOLIS ? x->has_coriolis : x->has_gradients);
-}
-
-static void write(struct recursion *x, enum by by, int i, int j)
-{
-	struct by_matrix *m = &x->by[by];
-	int at = i * x->r->t->nv + j;
-
-	if (m->argument >= 0 && m->p.row[at] >= 0 && !m->is_done[at])
-		dag_output(x->r->d, m->argument, m->p.row[at], m->element[at]);
-	m->is_done[at] = 1;
-}
-
-static void add(struct recursion *x, enum by by, int i, int j, struct ref e)
-{
-	struct ref *to = &x->by[by].element[i * x->r->t->nv + j];
-
-	*to = dag_add(x->r->d, *to, e);
 }
 
 /* What the joint's own terms add to its diagonal elements: the rotor by qdd, friction by qd. */
@@ -82,8 +58,8 @@ static void add_own(struct recursion *x, int body)
 
 	if (joint_nv(k->type) != 1)
 		return;
-	add(x, BY_QDD, k->iv, k->iv, dag_within(d, within_mul(within_mul(k->multiplier, k->multiplier), t->armature[body])));
-	add(x, BY_QD, k->iv, k->iv, own_rate(x->r, body));
+	recursion_add(x, BY_QDD, k->iv, k->iv, dag_within(d, within_mul(within_mul(k->multiplier, k->multiplier), t->armature[body])));
+	recursion_add(x, BY_QD, k->iv, k->iv, own_rate(x->r, body));
 }
 
 int recursion_is_shifted(const struct recursion *x, int body)
@@ -91,76 +67,6 @@ int recursion_is_shifted(const struct recursion *x, int body)
 	const struct body *k = &x->r->t->bodies[body];
 
 	return k->type == JOINT_FLOATING && k->parent < 0;
-}
-
-static void fill_apart(struct recursion *x, enum by by, int i, int j, const struct row_vectors *s, struct field f)
-{
-	struct by_matrix *m = &x->by[by];
-	struct ref *to = &m->apart[i * x->r->t->nv + j];
-
-	m->shift[j] = f.gamma;
-	memset(&f.gamma, 0, sizeof f.gamma);
-	*to = dag_add(x->r->d, *to, field_meet(x->r->d, s, &f));
-}
-
-/* Row i of the gradients, by the coordinates of body `here`. */
-static void fill_row(struct recursion *x, int i, int here, const struct row_vectors *s)
-{
-	struct dag *d = x->r->d;
-	const struct body *k = &x->r->t->bodies[here];
-	struct field by[BY_QDD];
-
-	for (int j = k->iv; j < k->iv + joint_nv(k->type); j++) {
-		recursion_fields(x, here, j - k->iv, by);
-		for (enum by b = BY_Q; b < BY_QDD; b++)
-			if (is_made(x, b)) {
-				add(x, b, i, j, field_meet(d, s, &by[b]));
-				if (x->has_shifts && recursion_is_shifted(x, here))
-					fill_apart(x, b, i, j, s, by[b]);
-			}
-	}
-}
-
-/* M_ij = Z.n2 + Y.f2, the unit acceleration of row i of body `from` felt by the joint of body `here`; it stands for M_ji too,
-   and of a joint's own rows for one half. */
-static void fill_mass(struct recursion *x, int i, int from, int here, const struct row_vectors *s)
-{
-	struct dag *d = x->r->d;
-	const struct body *k = &x->r->t->bodies[here];
-	struct ref e[6];
-
-	joint_project(d, k, s->f2, s->n2, joint_out_of(d, k, recursion_pose(x, here), s->f2), e);
-	for (int j = k->iv; j < k->iv + joint_nv(k->type) && (here != from || j <= i); j++) {
-		add(x, BY_QDD, i, j, e[j - k->iv]);
-		if (here != from || j != i)
-			add(x, BY_QDD, j, i, e[j - k->iv]);
-	}
-}
-
-/* Column j: what the joint of body `here`, nearer to the base, feels of a wrench. */
-static void fill_column(struct recursion *x, enum by by, int j, int here, struct wrench w)
-{
-	struct dag *d = x->r->d;
-	const struct body *k = &x->r->t->bodies[here];
-	struct ref e[6];
-
-	if (!is_made(x, by))
-		return;
-	joint_project(d, k, w.f, w.n, joint_out_of(d, k, recursion_pose(x, here), w.f), e);
-	for (int i = 0; i < joint_nv(k->type); i++)
-		add(x, by, k->iv + i, j, e[i]);
-}
-
-/* What is complete: all but what several bodies add to. */
-static void write_between(struct recursion *x, int i, int here)
-{
-	const struct body *k = &x->r->t->bodies[here];
-
-	for (int j = k->iv; j < k->iv + joint_nv(k->type); j++)
-		for (enum by b = BY_Q; b < BY_COUNT && !x->is_shared[i] && !x->is_shared[j]; b++) {
-			write(x, b, i, j);
-			write(x, b, j, i);
-		}
 }
 
 /* A planar joint slides before it turns: by the turn, its slides feel the wrench turn. */
@@ -173,7 +79,7 @@ static void add_to_slides(struct recursion *x, int body, struct wrench turned)
 		struct svec Z, Y;
 
 		recursion_unit_twist(x, body, i, &Z, &Y);
-		add(x, BY_Q, iv + i, iv + 2, svec_dot(d, Y, turned.f));
+		recursion_add(x, BY_Q, iv + i, iv + 2, svec_dot(d, Y, turned.f));
 	}
 }
 
@@ -186,14 +92,18 @@ static void trace_mass(struct recursion *x, int body, int row)
 
 	recursion_unit_twist(x, body, row, &Z, &Y);
 	s = field_row(x->r->d, &x->bodies[body], Z, Y);
-	fill_mass(x, i, body, body, &s);
+	recursion_fill_mass(x, i, body, body, &s);
+	if (x->is_in_lanes) {
+		recursion_send(x, body, i, &s, NULL);
+		return;
+	}
 	for (int b = body, parent; (parent = x->r->t->bodies[b].parent) >= 0; b = parent) {
-		struct wrench w = wrench_to_parent(x, b, (struct wrench){s.f2, s.n2});
+		struct wrench w = recursion_wrench_to_parent(x, b, (struct wrench){s.f2, s.n2});
 
 		s.f2 = w.f;
 		s.n2 = w.n;
-		fill_mass(x, i, body, parent, &s);
-		write_between(x, i, parent);
+		recursion_fill_mass(x, i, body, parent, &s);
+		recursion_write_between(x, i, parent);
 	}
 }
 
@@ -202,17 +112,17 @@ static void carry(struct recursion *x, int body, int i, struct row_vectors *s, s
 {
 	for (int b = body, parent; (parent = x->r->t->bodies[b].parent) >= 0; b = parent) {
 		if (s)
-			*s = row_to_parent(x, b, *s);
+			*s = recursion_row_to_parent(x, b, *s);
 		for (enum by m = first; m < end; m++)
-			w[m] = is_made(x, m) ? wrench_to_parent(x, b, w[m]) : w[m];
+			w[m] = recursion_is_made(x, m) ? recursion_wrench_to_parent(x, b, w[m]) : w[m];
 		if (s)
-			fill_row(x, i, parent, s);
+			recursion_fill_row(x, i, parent, s);
 		for (enum by m = first; m < end; m++)
-			fill_column(x, m, i, parent, w[m]);
+			recursion_fill_column(x, m, i, parent, w[m]);
 		if (s)
-			fill_mass(x, i, body, parent, s);
+			recursion_fill_mass(x, i, body, parent, s);
 		if (end == BY_QDD)
-			write_between(x, i, parent);
+			recursion_write_between(x, i, parent);
 	}
 }
 
@@ -234,13 +144,17 @@ static void trace(struct recursion *x, int body, int row)
 	recursion_fields(x, body, row, by);
 	s = field_row(d, &x->bodies[body], Z, Y);
 	for (enum by b = BY_Q; b < BY_QDD; b++)
-		w[b] = is_made(x, b) ? field_load(d, &x->bodies[body], &by[b]) : (struct wrench){0};
+		w[b] = recursion_is_made(x, b) ? field_load(d, &x->bodies[body], &by[b]) : (struct wrench){0};
 	turned = turned_by(d, &x->r->frames[body + 1], Z, Y);
 	w[BY_Q] = (struct wrench){svec_add(d, w[BY_Q].f, turned.f), svec_add(d, w[BY_Q].n, turned.n)};
-	fill_row(x, i, body, &s);
-	fill_mass(x, i, body, body, &s);
+	recursion_fill_row(x, i, body, &s);
+	recursion_fill_mass(x, i, body, body, &s);
 	if (x->r->t->bodies[body].type == JOINT_PLANAR && row == 2)
 		add_to_slides(x, body, turned);
+	if (x->is_in_lanes) {
+		recursion_send(x, body, i, &s, w);
+		return;
+	}
 	if (!x->is_row_first) {
 		carry(x, body, i, &s, w, BY_Q, BY_QDD);
 		return;
@@ -265,7 +179,9 @@ void recursion_leave(struct recursion *x, int body)
 		trace(x, body, row);
 	add_own(x, body);
 	for (int row = 0; row < joint_nv(k->type); row++)
-		write_between(x, k->iv + row, body);
+		recursion_write_between(x, k->iv + row, body);
+	if (x->is_in_lanes)
+		recursion_go_on(x, body);
 	if (k->parent >= 0) {
 		struct svec rate = tour_origin_rate(r, body);
 		int has_rate = x->has_gradients || x->has_coriolis;
@@ -279,7 +195,7 @@ void recursion_end(struct recursion *x)
 	for (enum by b = BY_Q; b < BY_COUNT; b++)
 		for (int i = 0; i < x->r->t->nv; i++)
 			for (int j = 0; j < x->r->t->nv; j++)
-				write(x, b, i, j);
+				recursion_write(x, b, i, j);
 }
 
 static int begin_matrix(struct by_matrix *m, const struct tour *r, int argument, int symmetric)
@@ -302,6 +218,7 @@ void recursion_begin(struct recursion *x, const struct tour *r, const int *argum
 
 	*x = (struct recursion){.r = r};
 	x->bodies = arena_alloc(a, bodies, sizeof *x->bodies);
+	x->travellers = arena_alloc(a, (size_t)r->t->nv, sizeof *x->travellers);
 	x->is_shared = arena_alloc(a, (size_t)r->t->nv, 1);
 	for (enum by b = BY_Q; b < BY_COUNT; b++)
 		if (!begin_matrix(&x->by[b], r, arguments[b], b == BY_QDD))

@@ -19,6 +19,13 @@ struct by_matrix {
 	struct svec *shift;  /* by column: gamma of a coordinate that changes all accelerations alike; else zero */
 };
 
+/* A coordinate on its way back to the base, or several side by side: their rows of qd, the body where they are, what they carry. */
+struct traveller {
+	int count, rows[DAG_LANES], at;
+	struct row_vectors s;
+	struct wrench w[BY_QDD];
+};
+
 struct recursion {
 	const struct tour *r;
 	struct composite *bodies; /* of the subtrees so far */
@@ -26,6 +33,10 @@ struct recursion {
 	struct by_matrix by[BY_COUNT];
 	int has_gradients, has_coriolis; /* else no more is made than M */
 	int has_shifts;                  /* gradients are solved with M, and made without their shifts too */
+	int is_in_lanes;                 /* coordinates go back to the base side by side, and columns grow to the end */
+	struct traveller *travellers;
+	int traveller_count;
+	const struct traveller *now;     /* whose elements are made; NULL: of one coordinate */
 	int is_row_first;                /* a coordinate's row is carried back to the base before its columns are */
 };
 
@@ -40,7 +51,30 @@ int recursion_is_shifted(const struct recursion *x, int body);
 void recursion_leave(struct recursion *x, int body);
 void recursion_end(struct recursion *x);
 
-/* For recursion.c: where a body is; the unit twist (Z, Y) of its row, in its frame; and the fields of that coordinate, by what it
+/* Is a column complete only at the end, and not when its body is left: where bodies follow others, or coordinates go back side by
+   side? */
+int recursion_grows(const struct recursion *x);
+
+/* For each other. Elements as they grow (recursion_elements.c): add to one; row i of the gradients, by the coordinates of body `here`;
+   M_ij, the unit acceleration of row i of body `from` felt by the joint of body `here`; column j, what that joint feels of a
+   wrench; and write what is complete between row i and a body. */
+int recursion_is_made(const struct recursion *x, enum by by);
+void recursion_write(struct recursion *x, enum by by, int i, int j);
+void recursion_add(struct recursion *x, enum by by, int i, int j, struct ref e);
+void recursion_fill_row(struct recursion *x, int i, int here, const struct row_vectors *s);
+void recursion_fill_mass(struct recursion *x, int i, int from, int here, const struct row_vectors *s);
+void recursion_fill_column(struct recursion *x, enum by by, int j, int here, struct wrench w);
+void recursion_write_between(struct recursion *x, int i, int here);
+
+/* What is carried, at a body's parent. */
+struct wrench recursion_wrench_to_parent(const struct recursion *x, int body, struct wrench w);
+struct row_vectors recursion_row_to_parent(const struct recursion *x, int body, struct row_vectors s);
+
+/* Coordinate i sets out from its body, with wrenches or without; all that are at a body go on to its parent (recursion_lanes.c). */
+void recursion_send(struct recursion *x, int body, int i, const struct row_vectors *s, const struct wrench *w);
+void recursion_go_on(struct recursion *x, int body);
+
+/* Where a body is; the unit twist (Z, Y) of its row, in its frame; and the fields of that coordinate, by what it
    is differentiated. */
 const struct joint_pose *recursion_pose(const struct recursion *x, int body);
 void recursion_unit_twist(const struct recursion *x, int body, int row, struct svec *Z, struct svec *Y);

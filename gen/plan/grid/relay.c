@@ -203,7 +203,7 @@ static struct relay *make(struct dag *columns, const struct parts_of *x, struct 
 	struct dag raw;
 
 	dag_init(&raw, spare);
-	if (!r || !algorithm_build_looped(&raw, x->tree, x->request, 1))
+	if (!r || !algorithm_build_looped(&raw, x->tree, x->request, LOOPED_RELAY))
 		return NULL;
 	if (raw.failed && !spare->failed) /* there are too many runs of columns */
 		return NULL;

@@ -1,0 +1,264 @@
+/* Nodes of different limbs are twins if they are the same operation of twins, of what no limb owns, or of constants. A node of one
+   limb without three twins is no limb's, nor is what is made of several limbs' nodes. */
+#include "plan/lanes/lanes.h"
+#include <string.h>
+
+struct twins {
+	enum op op;
+	uint32_t key[3];
+	uint32_t member[ALIKE_LIMBS]; /* 1 + a node; 0: none yet */
+	struct ref wide;	      /* what they become */
+};
+
+struct finder {
+	const struct dag *d;
+	const struct alike *limbs;
+	struct twins *twins; /* from 1 */
+	size_t count;
+	uint32_t *of;	       /* by node: its twins; 0: it is no limb's */
+	unsigned char *alone;  /* by node: it has no twins */
+	unsigned char *limb;   /* by node, from 1 */
+	uint32_t *table;
+	size_t table_size;
+	struct ref *map;
+};
+
+/* Keys of operands: twins, a node of no limb, a constant of a limb's own. */
+enum { KEY_KINDS = 3 };
+
+static int limb_of_number(const struct finder *f, uint32_t i)
+{
+	const struct node *n = &f->d->nodes[i];
+	int limb = n->op == OP_CONST ? dag_number(f->d, n).limb : 0;
+
+	return limb > 0 ? limb : 0;
+}
+
+/* The limb, from 1, that an input's row belongs to, and which of its rows that is; 0: none. */
+static int limb_of_input(const struct finder *f, const struct node *n, uint32_t *place)
+{
+	const struct alike *x = f->limbs;
+	enum role_rows rows = n->arg[0].i < DAG_COLUMN ? role_rows(f->d->arguments[n->arg[0].i].role) : ROWS_VECTOR;
+	int first = rows == ROWS_NQ ? x->q : x->v, each = rows == ROWS_NQ ? x->nq : x->nv, row = (int)n->arg[1].i - first;
+
+	*place = 0;
+	if ((rows != ROWS_NQ && rows != ROWS_NV) || row < 0 || row >= each * ALIKE_LIMBS)
+		return 0;
+	*place = (uint32_t)(row % each);
+	return row / each + 1;
+}
+
+static uint32_t key_of(const struct finder *f, uint32_t i)
+{
+	if (f->of[i])
+		return f->of[i] * KEY_KINDS;
+	return limb_of_number(f, i) ? dag_number(f->d, &f->d->nodes[i]).kind * KEY_KINDS + 2 : i * KEY_KINDS + 1;
+}
+
+/* The limb of which it is made, from 1; 0: of none, or of several. */
+static int limb_of(const struct finder *f, uint32_t i, uint32_t key[3])
+{
+	const struct node *n = &f->d->nodes[i];
+	int limb = 0;
+
+	memset(key, 0, 3 * sizeof *key);
+	if (f->alone[i] || n->op == OP_CONST || n->op == OP_SQRT || n->op == OP_ABS) /* vectors have signs alone */
+		return 0;
+	if (n->op == OP_INPUT) {
+		key[0] = n->arg[0].i;
+		key[2] = n->arg[2].i;
+		return limb_of_input(f, n, &key[1]);
+	}
+	for (int k = 0; k < op_arity[n->op]; k++) {
+		uint32_t a = n->arg[k].i;
+		int own = f->of[a] ? f->limb[a] : limb_of_number(f, a);
+
+		key[k] = key_of(f, a);
+		if (own && limb && own != limb)
+			return 0;
+		limb = own ? own : limb;
+	}
+	if (op_commutes[n->op] && key[0] > key[1]) {
+		uint32_t first = key[0];
+
+		key[0] = key[1];
+		key[1] = first;
+	}
+	return limb;
+}
+
+/* The first twins of this key that lack one of the limb. */
+static uint32_t twins_for(struct finder *f, enum op op, const uint32_t key[3], int limb)
+{
+	uint64_t h = ((key[0] * 0x9e3779b97f4a7c15u ^ key[1]) * 0x9e3779b97f4a7c15u ^ key[2]) * 0x9e3779b97f4a7c15u + (uint64_t)op;
+	size_t slot = (size_t)(h ^ h >> 32) & (f->table_size - 1);
+
+	for (; f->table[slot]; slot = (slot + 1) & (f->table_size - 1)) {
+		const struct twins *x = &f->twins[f->table[slot]];
+
+		if (x->op == op && !memcmp(x->key, key, sizeof x->key) && !x->member[limb - 1])
+			return f->table[slot];
+	}
+	f->table[slot] = (uint32_t)++f->count;
+	f->twins[f->count] = (struct twins){.op = op};
+	memcpy(f->twins[f->count].key, key, sizeof f->twins->key);
+	return (uint32_t)f->count;
+}
+
+static void find_once(struct finder *f)
+{
+	uint32_t key[3];
+
+	f->count = 0;
+	memset(f->table, 0, f->table_size * sizeof *f->table);
+	for (uint32_t i = 0; i < f->d->count; i++) {
+		int limb = limb_of(f, i, key);
+
+		f->limb[i] = (unsigned char)limb;
+		f->of[i] = limb ? twins_for(f, f->d->nodes[i].op, key, limb) : 0;
+		if (limb)
+			f->twins[f->of[i]].member[limb - 1] = i + 1;
+	}
+}
+
+static int is_complete(const struct twins *x)
+{
+	for (int k = 0; k < ALIKE_LIMBS; k++)
+		if (!x->member[k])
+			return 0;
+	return 1;
+}
+
+static int lacks_twins(const struct finder *f, uint32_t i)
+{
+	return f->of[i] && !is_complete(&f->twins[f->of[i]]);
+}
+
+/* Nodes without twins, up to the first that is made of such: what comes then may become another limb's. Returns how many. */
+static int leave_alone(struct finder *f)
+{
+	int count = 0;
+
+	for (uint32_t i = 0; i < f->d->count; i++) {
+		for (int k = 0; k < op_arity[f->d->nodes[i].op]; k++)
+			if (lacks_twins(f, f->d->nodes[i].arg[k].i))
+				return count;
+		f->alone[i] |= (unsigned char)lacks_twins(f, i);
+		count += lacks_twins(f, i);
+	}
+	return count;
+}
+
+/* Their lanes are columns. */
+static void leave_loops_alone(struct finder *f)
+{
+	const struct dag *d = f->d;
+
+	for (size_t i = 0; i < d->section_count; i++)
+		if (d->sections[i].kind == SECTION_COLUMNS) {
+			memset(f->alone + d->sections[i].node, 1, d->count - d->sections[i].node);
+			return;
+		}
+}
+
+/* ---- the DAG of lanes ---- */
+
+/* What a text has for each limb by itself: inputs, sines and cosines. */
+static int is_apart(enum op op)
+{
+	return op == OP_INPUT || op == OP_SIN || op == OP_COS;
+}
+
+/* The node as it is without lanes. */
+static struct ref apart(const struct finder *f, struct dag *out, uint32_t i)
+{
+	const struct node *n = &f->d->nodes[i];
+	struct ref args[3] = {{0}};
+
+	if (!op_arity[n->op])
+		return dag_copy_leaf(out, f->d, i);
+	for (int k = 0; k < op_arity[n->op]; k++)
+		args[k] = apart(f, out, n->arg[k].i);
+	return dag_operation(out, n->op, args[0], args[1], args[2]);
+}
+
+static struct ref packed(const struct finder *f, struct dag *out, const struct twins *x)
+{
+	struct ref each[ALIKE_LIMBS];
+
+	for (int k = 0; k < ALIKE_LIMBS; k++)
+		each[k] = apart(f, out, x->member[k] - 1);
+	return dag_pack(out, each);
+}
+
+static struct ref constant(const struct finder *f, struct dag *out, const struct twins *x, int operand)
+{
+	struct dag_lanes lanes;
+
+	for (int k = 0; k < ALIKE_LIMBS; k++)
+		lanes.x[k] = f->d->nodes[f->d->nodes[x->member[k] - 1].arg[operand].i].value;
+	return dag_const_lanes(out, lanes);
+}
+
+static struct ref side_by_side(struct finder *f, struct dag *out, struct twins *x)
+{
+	const struct node *n = &f->d->nodes[x->member[0] - 1];
+	struct ref args[3] = {{0}};
+
+	if (x->wide.i)
+		return x->wide;
+	if (is_apart(x->op))
+		return x->wide = packed(f, out, x);
+	for (int k = 0; k < op_arity[x->op]; k++) {
+		uint32_t a = n->arg[k].i;
+
+		args[k] = f->of[a] ? side_by_side(f, out, &f->twins[f->of[a]]) : limb_of_number(f, a) ? constant(f, out, x, k) : f->map[a];
+	}
+	if (x->op == OP_ANEW) /* that is for a GPU's registers */
+		return x->wide = args[0];
+	x->wide = dag_node(out, x->op, args[0], args[1], args[2], 0);
+	if (n->tag.quantity[0])
+		dag_tag(out, x->wide, n->tag.quantity, n->tag.body, n->tag.component);
+	return x->wide;
+}
+
+static struct ref copy(void *context, struct dag *out, size_t i)
+{
+	struct finder *f = context;
+	const struct node *n = &f->d->nodes[i];
+	struct ref args[3] = {{0}}, wide;
+
+	if (f->of[i]) {
+		wide = side_by_side(f, out, &f->twins[f->of[i]]);
+		return is_apart(n->op) ? apart(f, out, (uint32_t)i) : dag_lane(out, wide, f->limb[i] - 1);
+	}
+	if (!op_arity[n->op])
+		return dag_copy_leaf(out, f->d, i);
+	for (int k = 0; k < op_arity[n->op]; k++)
+		args[k] = f->map[n->arg[k].i];
+	return n->op == OP_ANEW ? args[0] : dag_operation(out, n->op, args[0], args[1], args[2]);
+}
+
+void lanes_of_twins(struct dag *out, const struct dag *d, const struct alike *limbs)
+{
+	struct finder f = {.d = d, .limbs = limbs, .table_size = 1024};
+	struct arena *a = out->arena;
+
+	while (f.table_size < 2 * d->count)
+		f.table_size *= 2;
+	f.twins = arena_alloc(a, d->count + 1, sizeof *f.twins);
+	f.of = arena_alloc(a, d->count, sizeof *f.of);
+	f.alone = arena_alloc(a, d->count, 1);
+	f.limb = arena_alloc(a, d->count, 1);
+	f.table = arena_alloc(a, f.table_size, sizeof *f.table);
+	f.map = arena_alloc(a, d->count, sizeof *f.map);
+	if (a->failed || d->failed) {
+		out->failed = 1;
+		return;
+	}
+	leave_loops_alone(&f);
+	do
+		find_once(&f);
+	while (leave_alone(&f));
+	dag_copy(out, d, f.map, copy, &f);
+}
