@@ -33,10 +33,10 @@ enum { VECTOR_BYTES = 32 };
 
 void emit_columns_macros(const struct emission *e, struct text *out)
 {
-	int each = VECTOR_BYTES / e->arithmetic->bytes;
+	int is_f32 = e->arithmetic->bytes == 4, each = VECTOR_BYTES / e->arithmetic->bytes;
 	const struct slot slots[] = {{"T", e->memory->type}, {"EACH", emit_int(e, each)}, {"LAST", emit_int(e, each - 1)},
-		{"FMA", e->arithmetic->bytes == 4 ? "__builtin_ia32_vfmaddps256(a, b, c)" :
-			"__builtin_ia32_vfmaddpd512_mask(a, b, c, (unsigned char)-1, 4)"}};
+		{"BUILTIN", is_f32 ? "__builtin_ia32_vfmaddps256" : "__builtin_ia32_vfmaddpd512_mask"},
+		{"MORE", is_f32 ? "" : ", (unsigned char)-1, 4"}};
 
 	template_expand(out, template_columns_in, slots, sizeof slots / sizeof *slots);
 }

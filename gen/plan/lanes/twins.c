@@ -105,22 +105,6 @@ static uint32_t twins_for(struct finder *f, enum op op, const uint32_t key[3], i
 	return (uint32_t)f->count;
 }
 
-static void find_once(struct finder *f)
-{
-	uint32_t key[3];
-
-	f->count = 0;
-	memset(f->table, 0, f->table_size * sizeof *f->table);
-	for (uint32_t i = 0; i < f->d->count; i++) {
-		int limb = limb_of(f, i, key);
-
-		f->limb[i] = (unsigned char)limb;
-		f->of[i] = limb ? twins_for(f, f->d->nodes[i].op, key, limb) : 0;
-		if (limb)
-			f->twins[f->of[i]].member[limb - 1] = i + 1;
-	}
-}
-
 static int is_complete(const struct twins *x)
 {
 	for (int k = 0; k < ALIKE_LIMBS; k++)
@@ -129,24 +113,58 @@ static int is_complete(const struct twins *x)
 	return 1;
 }
 
-static int lacks_twins(const struct finder *f, uint32_t i)
+/* Nodes by height, which twins have in common: begin[h] to begin[h + 1] of `order`. Returns how many heights there are. */
+static uint32_t sort_by_height(const struct dag *d, uint32_t *height, uint32_t *begin, uint32_t *order)
 {
-	return f->of[i] && !is_complete(&f->twins[f->of[i]]);
+	uint32_t heights = 0;
+
+	for (uint32_t i = 0; i < d->count; i++) {
+		height[i] = 0;
+		for (int k = 0; k < op_arity[d->nodes[i].op]; k++)
+			if (height[d->nodes[i].arg[k].i] >= height[i])
+				height[i] = height[d->nodes[i].arg[k].i] + 1;
+		heights = height[i] >= heights ? height[i] + 1 : heights;
+		begin[height[i] + 1]++;
+	}
+	for (uint32_t h = 0; h < heights; h++)
+		begin[h + 1] += begin[h];
+	for (uint32_t i = (uint32_t)d->count; i-- > 0;)
+		order[--begin[height[i] + 1]] = i;
+	memmove(begin, begin + 1, heights * sizeof *begin);
+	begin[heights] = (uint32_t)d->count;
+	return heights;
 }
 
-/* Nodes without twins, up to the first that is made of such: what comes then may become another limb's. Returns how many. */
-static int leave_alone(struct finder *f)
+/* Those of one height: what they are made of is known by then. */
+static void find_level(struct finder *f, const uint32_t *nodes, uint32_t count)
 {
-	int count = 0;
+	uint32_t key[3];
 
-	for (uint32_t i = 0; i < f->d->count; i++) {
-		for (int k = 0; k < op_arity[f->d->nodes[i].op]; k++)
-			if (lacks_twins(f, f->d->nodes[i].arg[k].i))
-				return count;
-		f->alone[i] |= (unsigned char)lacks_twins(f, i);
-		count += lacks_twins(f, i);
+	for (uint32_t n = 0; n < count; n++) {
+		uint32_t i = nodes[n];
+		int limb = limb_of(f, i, key);
+
+		f->limb[i] = (unsigned char)limb;
+		f->of[i] = limb ? twins_for(f, f->d->nodes[i].op, key, limb) : 0;
+		if (limb)
+			f->twins[f->of[i]].member[limb - 1] = i + 1;
 	}
-	return count;
+	for (uint32_t n = 0; n < count; n++)
+		if (f->of[nodes[n]] && !is_complete(&f->twins[f->of[nodes[n]]]))
+			f->of[nodes[n]] = 0;
+}
+
+static void find_twins(struct finder *f, struct arena *a)
+{
+	size_t count = f->d->count + 2;
+	uint32_t *height = arena_alloc(a, count, sizeof *height), *begin = arena_alloc(a, count, sizeof *begin);
+	uint32_t *order = arena_alloc(a, count, sizeof *order), heights;
+
+	if (a->failed)
+		return;
+	heights = sort_by_height(f->d, height, begin, order);
+	for (uint32_t h = 0; h < heights; h++)
+		find_level(f, order + begin[h], begin[h + 1] - begin[h]);
 }
 
 /* Their lanes are columns. */
@@ -257,8 +275,10 @@ void lanes_of_twins(struct dag *out, const struct dag *d, const struct alike *li
 		return;
 	}
 	leave_loops_alone(&f);
-	do
-		find_once(&f);
-	while (leave_alone(&f));
+	find_twins(&f, a);
+	if (a->failed) {
+		out->failed = 1;
+		return;
+	}
 	dag_copy(out, d, f.map, copy, &f);
 }
