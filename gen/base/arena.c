@@ -110,7 +110,7 @@ char *arena_string(struct arena *a, const char *s, size_t length)
 
 void *arena_grow(struct arena *a, void *array, size_t count, size_t *capacity, size_t size)
 {
-	size_t wider = *capacity < 16 ? 24 : *capacity * 2;
+	size_t wider = *capacity < 16 ? 24 : *capacity * 2; /* at first: as many bodies have room in a block */
 	void *p;
 
 	if (count < *capacity)

@@ -29,7 +29,8 @@ extern const char template_arithmetic_strict_c_in[], template_arithmetic_strict_
 extern const char template_bounded_in[], template_bounded_sincos_in[], template_bounded_store_in[],
 	template_bounded_quotient_in[], template_bounded_function_in[];
 extern const char template_swept_in[], template_swept_function_in[];
-extern const char template_parts_in[], template_kernel_apart_in[], template_parts_apart_in[], template_launch_hands_in[], template_stage_rows_aos_in[];
+extern const char template_parts_in[], template_kernel_apart_in[];
+extern const char template_parts_apart_in[], template_launch_hands_in[], template_stage_rows_aos_in[];
 extern const char template_segment_in[], template_segment_lanes_in[], template_segment_one_in[], template_part_segments_in[];
 extern const char template_segment_columns_in[], template_segment_columns_row_in[], template_segment_columns_put_in[];
 extern const char template_kernel_solve_in[], template_kernel_columns_in[], template_launch_relay_in[];
@@ -46,7 +47,8 @@ extern const char template_sincos_f32x2_bounded_in[], template_sincos_f32x2_know
 extern const char template_joints_in[], template_independent_in[], template_function_only_in[], template_sincos_declaration_in[];
 extern const char template_kernel_limbs_in[], template_limb_in[], template_limb_known_in[], template_launch_limbs_in[];
 extern const char template_kernel_again_in[], template_call_known_in[], template_call_any_in[], template_spill_in[];
-extern const char template_columns_in[], template_segment_columns_c_in[], template_lanes_in[], template_sines_in[], template_sines_bytes_in[], template_header_known_in[];
+extern const char template_columns_in[], template_segment_columns_c_in[], template_lanes_in[];
+extern const char template_sines_in[], template_sines_bytes_in[], template_header_known_in[];
 extern const char template_patterns_c_in[], template_patterns_cu_in[], template_arithmetic_strict_header_in[];
 extern const char template_sincos_pair_accurate_in[], template_sincos_pair_bounded_in[], template_sincos_pair_known_in[];
 extern const char template_arithmetic_strict_c_operations_in[], template_arithmetic_strict_cuda_operations_in[];

@@ -27,7 +27,7 @@ struct tag {
 struct node {
 	enum op op;
 	struct ref arg[3]; /* INPUT: arg[0].i is the argument, arg[1].i the row, arg[2].i tells readings apart */
-	real value;        /* CONST; arg[0].i: which of the DAG's lanes it is, from 1 */
+	real value;        /* CONST; if arg[0].i is not 0, which of the DAG's lanes it is, from 1, and so is this */
 	struct tag tag;
 	uint32_t number : 31; /* CONST: which of the DAG's numbers it is, counted from 1; 0: exactly the value */
 	uint32_t is_wide : 1; /* it is of the type with more bits: WIDEN, and what is made of wide operands */

@@ -17,10 +17,16 @@ static int is_const(const struct dag *d, struct ref a)
 	return at(d, a).op == OP_CONST;
 }
 
-/* A constant of which rules may ask what it is. */
+/* A constant that is the same in all lanes, if there are any. */
+static int is_number(const struct dag *d, struct ref a)
+{
+	return is_const(d, a) && !at(d, a).arg[0].i;
+}
+
+/* One of which rules may ask what it is. */
 static int is_known(const struct dag *d, struct ref a)
 {
-	return is_const(d, a) && !at(d, a).arg[0].i && dag_number(d, &d->nodes[a.i]).limb <= 0;
+	return is_number(d, a) && dag_number(d, &d->nodes[a.i]).limb <= 0;
 }
 
 static int is_value(const struct dag *d, struct ref a, real value)
@@ -198,7 +204,7 @@ struct ref dag_add(struct dag *d, struct ref a, struct ref b)
 {
 	if (d->failed)
 		return NONE;
-	if (is_const(d, a) && is_const(d, b))
+	if (is_number(d, a) && is_number(d, b))
 		return const_sum(d, number(d, a), number(d, b));
 	if (is_value(d, a, 0))
 		return b;
@@ -223,7 +229,7 @@ struct ref dag_sub(struct dag *d, struct ref a, struct ref b)
 
 	if (d->failed || ref_equal(a, b))
 		return NONE;
-	if (is_const(d, a) && is_const(d, b))
+	if (is_number(d, a) && is_number(d, b))
 		return const_sum(d, number(d, a), within_neg(number(d, b)));
 	if (is_value(d, a, 0))
 		return dag_neg(d, b);
@@ -249,8 +255,8 @@ struct ref dag_mul(struct dag *d, struct ref a, struct ref b)
 		return dag_neg(d, dag_mul(d, at(d, a).arg[0], b));
 	if (is_neg(d, b))
 		return dag_neg(d, dag_mul(d, a, at(d, b).arg[0]));
-	if (is_const(d, a)) {
-		if (is_const(d, b))
+	if (is_number(d, a)) {
+		if (is_number(d, b))
 			return dag_within(d, within_mul(number(d, a), number(d, b)));
 		if (is_value(d, a, 0))
 			return NONE;
@@ -258,7 +264,7 @@ struct ref dag_mul(struct dag *d, struct ref a, struct ref b)
 			return dag_neg(d, dag_mul(d, negated(d, a), b));
 		if (is_value(d, a, 1) && (!at(d, a).number || within_meets(number(d, a), within_exact(1))))
 			return b;
-		if (at(d, b).op == OP_MUL && is_const(d, at(d, b).arg[0]))
+		if (at(d, b).op == OP_MUL && is_number(d, at(d, b).arg[0]))
 			return dag_mul(d, dag_mul(d, a, at(d, b).arg[0]), at(d, b).arg[1]);
 	}
 	return dag_node(d, OP_MUL, a, b, NONE, 0);
@@ -268,7 +274,7 @@ struct ref dag_sin(struct dag *d, struct ref a)
 {
 	if (d->failed)
 		return NONE;
-	if (is_const(d, a))
+	if (is_number(d, a))
 		return dag_within(d, within_sin(number(d, a)));
 	if (is_neg(d, a))
 		return dag_neg(d, dag_sin(d, at(d, a).arg[0]));
@@ -279,7 +285,7 @@ struct ref dag_cos(struct dag *d, struct ref a)
 {
 	if (d->failed)
 		return NONE;
-	if (is_const(d, a))
+	if (is_number(d, a))
 		return dag_within(d, within_cos(number(d, a)));
 	if (is_neg(d, a))
 		return dag_cos(d, at(d, a).arg[0]);
@@ -293,7 +299,7 @@ struct ref dag_div(struct dag *d, struct ref a, struct ref b)
 		return NONE;
 	if (is_value(d, a, 0))
 		return a;
-	if (is_const(d, a) && is_const(d, b))
+	if (is_number(d, a) && is_number(d, b))
 		return dag_within(d, within_div(number(d, a), number(d, b)));
 	if (is_neg(d, a))
 		return dag_neg(d, dag_div(d, at(d, a).arg[0], b));
@@ -304,7 +310,7 @@ struct ref dag_sqrt(struct dag *d, struct ref a)
 {
 	if (d->failed)
 		return NONE;
-	return is_const(d, a) ? dag_within(d, within_sqrt(number(d, a))) : dag_node(d, OP_SQRT, a, NONE, NONE, 0);
+	return is_number(d, a) ? dag_within(d, within_sqrt(number(d, a))) : dag_node(d, OP_SQRT, a, NONE, NONE, 0);
 }
 
 /* Squares and roots have no sign. */

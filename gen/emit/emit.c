@@ -243,7 +243,8 @@ static void put_pass(const struct emission *e, const struct pass *p, struct text
 
 static void put_lanes(const struct emission *e, struct text *out)
 {
-	const struct slot slots[] = {{"T", e->arithmetic->type}, {"SUFFIX", e->arithmetic->bytes == 4 ? "ps" : "pd256"}};
+	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->arithmetic->type},
+		{"SUFFIX", e->arithmetic->bytes == 4 ? "ps" : "pd256"}};
 
 	template_expand(out, template_lanes_in, slots, sizeof slots / sizeof *slots);
 }

@@ -221,8 +221,7 @@ void emit_columns(const struct emission *e, const struct pass *p, int segment, s
 	struct text *out);
 void emit_columns_calls(const struct emission *e, const struct pass *p, int segment, struct text *out);
 
-/* The array in which the columns of all loops stand; "" where there are none. */
-/* What such loops are written with. */
+/* What such loops are written with. The array in which the columns of all of them stand; "" where there are none. */
 void emit_columns_macros(const struct emission *e, struct text *out);
 const char *emit_columns_declaration(const struct emission *e, const struct pass *p);
 

@@ -307,7 +307,7 @@ static void put_operations(const struct emission *e, struct text *out)
 		text_printf(out, " *   A sample alone runs %s: %d segments, the last %d of which loop over columns of derivatives.\n",
 			emit_main(e)->single->algorithm->name, emit_main(e)->single->segments.count, emit_main(e)->single->dag.loop_count);
 	if (emit_main(e)->beside)
-		text_printf(out, " *   With vectors of %d numbers a sample alone runs %s: %d segments, in which as many limbs are side by side.\n", DAG_LANES,
+		text_printf(out, " *   With vectors of %d numbers a sample alone runs %s: %d segments in lanes.\n", DAG_LANES,
 			emit_main(e)->beside->algorithm->name, emit_main(e)->beside->segments.count);
 	if (e->relay)
 		put_relay(e, out);

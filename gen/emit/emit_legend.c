@@ -143,7 +143,7 @@ static void put_quantities(const struct emission *e, struct text *out)
 	if (e->wide)
 		put_entry("..._wide", "the same quantity in the residual's numbers, which have more bits", out);
 	if (e->lanes)
-		put_entry("..._wide", "the same quantity of several limbs side by side: lanes", out);
+		put_entry("..._wide", "the same quantity of several limbs or coordinates side by side: lanes", out);
 	if (somewhere(e, is_again))
 		put_entry("..._2 ..._3", "the same quantity again, as it grows or in another part of the text", out);
 }

@@ -273,7 +273,7 @@ static const char *one_calls(const struct emission *e, const struct pass *p)
 	return text_string(&t);
 }
 
-/* One sample's body, as it is, or with limbs side by side where there are lanes. */
+/* One sample's body, as it is, or in lanes where there are such. */
 static const char *one_body(const struct emission *e, const struct pass *p)
 {
 	const struct pass *ways[] = {p->beside, single_of(p)};

@@ -79,7 +79,7 @@ extern const struct sincos_frames SINCOS_F64;
 extern const struct number_type WIDE_F64, WIDE_F32X2;
 /* Of several columns side by side. */
 extern const struct number_type COLUMNS_F32, COLUMNS_F64;
-/* Of several limbs side by side. */
+/* Of several limbs, or coordinates, side by side. */
 extern const struct number_type LANES_F32, LANES_F64;
 extern const struct number_type WITHIN_F32, WITHIN_F64, WITHIN_MIXED;
 

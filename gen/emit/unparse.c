@@ -115,52 +115,14 @@ static void put_expression(const struct unparser *u, struct ref a, struct text *
 	}
 }
 
-/* Of an array in a batch, `step` from one to the next. */
-static void put_index(const char *array, unsigned i, const char *step, struct text *out)
-{
-	if (i == 0)
-		text_printf(out, "%s[0]", array);
-	else if (i == 1)
-		text_printf(out, "%s[%s]", array, step);
-	else
-		text_printf(out, "%s[%u*%s]", array, i, step);
-}
-
-/* `vjp[(40 + skip)*stride]`: a row in the second or a later period. */
-static void put_divided(const struct stretches *s, const char *array, int row, struct text *out)
-{
-	text_printf(out, "%s[(%d + ", array, row);
-	if (row >= 2 * s->period)
-		text_printf(out, "%d*", row / s->period);
-	text_put(out, "skip)*stride]");
-}
-
-/* A row of an argument: in a batch the rows have a stride, but not of what all samples share. */
-static void put_element(const struct unparser *u, int argument, int row, struct text *out)
-{
-	const struct argument *a = &u->plan->dag->arguments[argument];
-	const struct stretches *s = u->pass->stretches;
-
-	text_put(out, u->is_over_columns ? "RNEA_COLUMNS_AT(" : "");
-	if (a->per_batch || u->numbers->is_beside)
-		text_printf(out, "%s[%d]", a->name, row);
-	else if (s && s->period && argument == s->divided && row >= s->period)
-		put_divided(s, a->name, row, out);
-	else if (s && s->gap && row >= s->second)
-		text_printf(out, "%s[(%d - gap)*stride]", a->name, row);
-	else
-		put_index(a->name, (unsigned)row, "stride", out);
-	text_put(out, u->is_over_columns ? ")" : "");
-}
-
 static void put_load(const struct unparser *u, const struct node *n, struct text *out)
 {
 	put_around(&u->numbers->load, 0, out);
 	text_put(out, n->arg[2].i ? "RNEA_READ_ANEW(" : "");
 	if (u->pass->stretches && u->plan->dag->arguments[n->arg[0].i].is_output)
-		put_index("handed", n->arg[1].i, "step", out);
+		unparse_index("handed", n->arg[1].i, "step", out);
 	else
-		put_element(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
+		unparse_element(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
 	text_put(out, n->arg[2].i ? ")" : "");
 	put_around(&u->numbers->load, 1, out);
 }
@@ -170,7 +132,7 @@ static void put_angle(const struct unparser *u, struct ref a, struct text *out)
 	const struct node *n = &u->plan->dag->nodes[a.i];
 
 	if (u->numbers->angle_is_memory && n->op == OP_INPUT) {
-		put_element(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
+		unparse_element(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
 		return;
 	}
 	put_around(&u->numbers->angle, 0, out);
@@ -225,7 +187,7 @@ static void put_store(const struct unparser *u, size_t output, struct text *out)
 		text_printf(out, "bound[%d]", unparse_first_bound(u->plan->dag, o->argument) + o->row);
 	} else {
 		text_put(out, slot >= 0 ? "RNEA_HOLD(" : is_call ? "RNEA_STORE(" : "");
-		put_element(u, o->argument, o->row, out);
+		unparse_element(u, o->argument, o->row, out);
 	}
 	if (slot >= 0)
 		text_printf(out, ", %d", slot);
@@ -250,7 +212,7 @@ static void put_assignment(const struct unparser *u, struct ref a, struct text *
 /* Where a value stands between segments. */
 static void put_slot(const struct unparser *u, const struct line *l, struct text *out)
 {
-	put_index(u->plan->dag->nodes[l->value.i].is_wide ? "wide_across" : "across", (unsigned)l->index, "step", out);
+	unparse_index(u->plan->dag->nodes[l->value.i].is_wide ? "wide_across" : "across", (unsigned)l->index, "step", out);
 }
 
 static void put_fetch(const struct unparser *u, const struct line *l, struct text *out)

@@ -51,6 +51,11 @@ real emit_lost(const struct emission *e, const struct dag *d, const struct node 
 /* Lanes made of numbers, or one of them: OP_PAIR and what follows it. */
 void emit_put_lanes(const struct unparser *u, const struct node *n, struct text *out);
 
+/* Of an array in a batch, `step` from one to the next. A row of an argument: in a batch the rows have a stride, but not of what all
+   samples share. */
+void unparse_index(const char *array, unsigned i, const char *step, struct text *out);
+void unparse_element(const struct unparser *u, int argument, int row, struct text *out);
+
 /* A name, a number, or an expression: for a record that writes an operation in its own way. */
 void unparse_value(const struct unparser *u, struct ref a, struct text *out);
 

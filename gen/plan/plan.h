@@ -73,7 +73,7 @@ struct pass {
 	struct windows windows;
 	struct limbs limbs;
 	const struct stretches *stretches; /* of a part that shares nothing with the others (grid/apart.h): its rows; NULL: it may */
-	const struct pass *beside; /* the same with limbs side by side (lanes/lanes.h), where the compiler has vectors */
+	const struct pass *beside; /* the same in lanes (lanes/lanes.h), where the compiler has vectors */
 	const struct pass *single; /* target C: in segments too, and what a call for one sample runs instead; NULL: nothing else */
 };
 

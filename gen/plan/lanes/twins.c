@@ -5,7 +5,7 @@
 
 struct twins {
 	enum op op;
-	uint32_t key[3];
+	uint64_t key[3];
 	uint32_t member[ALIKE_LIMBS]; /* 1 + a node; 0: none yet */
 	struct ref wide;	      /* what they become */
 };
@@ -35,7 +35,7 @@ static int limb_of_number(const struct finder *f, uint32_t i)
 }
 
 /* The limb, from 1, that an input's row belongs to, and which of its rows that is; 0: none. */
-static int limb_of_input(const struct finder *f, const struct node *n, uint32_t *place)
+static int limb_of_input(const struct finder *f, const struct node *n, uint64_t *place)
 {
 	const struct alike *x = f->limbs;
 	enum role_rows rows = n->arg[0].i < DAG_COLUMN ? role_rows(f->d->arguments[n->arg[0].i].role) : ROWS_VECTOR;
@@ -44,19 +44,19 @@ static int limb_of_input(const struct finder *f, const struct node *n, uint32_t 
 	*place = 0;
 	if ((rows != ROWS_NQ && rows != ROWS_NV) || row < 0 || row >= each * ALIKE_LIMBS)
 		return 0;
-	*place = (uint32_t)(row % each);
+	*place = (uint64_t)(row % each);
 	return row / each + 1;
 }
 
-static uint32_t key_of(const struct finder *f, uint32_t i)
+static uint64_t key_of(const struct finder *f, uint32_t i)
 {
 	if (f->of[i])
-		return f->of[i] * KEY_KINDS;
-	return limb_of_number(f, i) ? dag_number(f->d, &f->d->nodes[i]).kind * KEY_KINDS + 2 : i * KEY_KINDS + 1;
+		return (uint64_t)f->of[i] * KEY_KINDS;
+	return limb_of_number(f, i) ? (uint64_t)dag_number(f->d, &f->d->nodes[i]).kind * KEY_KINDS + 2 : (uint64_t)i * KEY_KINDS + 1;
 }
 
 /* The limb of which it is made, from 1; 0: of none, or of several. */
-static int limb_of(const struct finder *f, uint32_t i, uint32_t key[3])
+static int limb_of(const struct finder *f, uint32_t i, uint64_t key[3])
 {
 	const struct node *n = &f->d->nodes[i];
 	int limb = 0;
@@ -79,7 +79,7 @@ static int limb_of(const struct finder *f, uint32_t i, uint32_t key[3])
 		limb = own ? own : limb;
 	}
 	if (op_commutes[n->op] && key[0] > key[1]) {
-		uint32_t first = key[0];
+		uint64_t first = key[0];
 
 		key[0] = key[1];
 		key[1] = first;
@@ -88,7 +88,7 @@ static int limb_of(const struct finder *f, uint32_t i, uint32_t key[3])
 }
 
 /* The first twins of this key that lack one of the limb. */
-static uint32_t twins_for(struct finder *f, enum op op, const uint32_t key[3], int limb)
+static uint32_t twins_for(struct finder *f, enum op op, const uint64_t key[3], int limb)
 {
 	uint64_t h = ((key[0] * 0x9e3779b97f4a7c15u ^ key[1]) * 0x9e3779b97f4a7c15u ^ key[2]) * 0x9e3779b97f4a7c15u + (uint64_t)op;
 	size_t slot = (size_t)(h ^ h >> 32) & (f->table_size - 1);
@@ -138,7 +138,7 @@ static uint32_t sort_by_height(const struct dag *d, uint32_t *height, uint32_t *
 /* Those of one height: what they are made of is known by then. */
 static void find_level(struct finder *f, const uint32_t *nodes, uint32_t count)
 {
-	uint32_t key[3];
+	uint64_t key[3];
 
 	for (uint32_t n = 0; n < count; n++) {
 		uint32_t i = nodes[n];
