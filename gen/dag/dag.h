@@ -151,6 +151,8 @@ void dag_loop_over(struct dag *d, int argument, int first);
 
 /* How many columns a loop goes over. */
 int dag_loop_columns(const struct dag *d, int loop);
+/* The first node of all loops; the number of nodes where there are none. */
+size_t dag_loops_begin(const struct dag *d);
 
 /* The index of an argument; -1 where there is none of the name. */
 int dag_find_argument(const struct dag *d, const char *name);

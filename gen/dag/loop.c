@@ -34,3 +34,11 @@ int dag_loop_columns(const struct dag *d, int loop)
 		count += d->runs[i].loop == loop ? d->runs[i].count : 0;
 	return count;
 }
+
+size_t dag_loops_begin(const struct dag *d)
+{
+	for (size_t i = 0; i < d->section_count; i++)
+		if (d->sections[i].kind == SECTION_COLUMNS)
+			return d->sections[i].node;
+	return d->count;
+}

@@ -70,6 +70,12 @@ const char *emit_hands_kernel(const struct emission *e, int level);
 /* The most joints of a stretch whose motion a part makes again (plan/grid/again.h); 0: none does. */
 int emit_joints_again(const struct emission *e);
 
+/* Of the nodes that are wide; NULL: there are none. */
+static inline const struct number_type *emit_wide(const struct emission *e)
+{
+	return e->wide ? e->wide : e->lanes;
+}
+
 /* Is it of a relay's first or third kernel? */
 static inline int emit_is_relays(const struct emission *e, const struct pass *p)
 {

@@ -34,7 +34,8 @@ enum { VECTOR_BYTES = 32 };
 void emit_columns_macros(const struct emission *e, struct text *out)
 {
 	int is_f32 = e->arithmetic->bytes == 4, each = VECTOR_BYTES / e->arithmetic->bytes;
-	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}, {"EACH", emit_int(e, each)}, {"LAST", emit_int(e, each - 1)},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}, {"EACH", emit_int(e, each)},
+		{"LAST", emit_int(e, each - 1)},
 		{"BUILTIN", is_f32 ? "__builtin_ia32_vfmaddps256" : "__builtin_ia32_vfmaddpd512_mask"},
 		{"MORE", is_f32 ? "" : ", (unsigned char)-1, 4"}};
 

@@ -66,7 +66,7 @@ static void put_form(const struct across *x, enum form form, int lanes, struct t
 /* The type of a pass's other numbers. */
 static const char *wide_value(const struct emission *e)
 {
-	return e->wide ? e->wide->value : e->lanes ? e->lanes->value : "";
+	return emit_wide(e) ? emit_wide(e)->value : "";
 }
 
 /* Of both arrays, or of the one that there is. */

@@ -291,7 +291,7 @@ static struct unparser unparser_new(const struct emission *e, const struct pass 
 
 void unparse_begin(struct writer *w, const struct emission *e, const struct pass *pass, const struct number_type *numbers)
 {
-	const struct number_type *wide = e->wide ? e->wide : e->lanes;
+	const struct number_type *wide = emit_wide(e);
 
 	w->own = unparser_new(e, pass, numbers);
 	w->wide = unparser_new(e, pass, wide ? wide : numbers);

@@ -61,15 +61,6 @@ static void weigh(struct planner *b, size_t i)
 	}
 }
 
-/* The first node of loops over columns. */
-static size_t first_in_loops(const struct dag *d)
-{
-	for (size_t i = 0; i < d->section_count; i++)
-		if (d->sections[i].kind == SECTION_COLUMNS)
-			return d->sections[i].node;
-	return d->count;
-}
-
 /* What lanes are made of, and what has lanes, have names; so has a lane that a loop reads. */
 static void name_parts(struct planner *b, const struct node *n, int is_in_loop)
 {
@@ -83,7 +74,7 @@ static void name_parts(struct planner *b, const struct node *n, int is_in_loop)
 
 static void choose_lines(struct planner *b)
 {
-	size_t loops = first_in_loops(b->d);
+	size_t loops = dag_loops_begin(b->d);
 
 	for (size_t i = 0; i < b->d->count; i++) {
 		if (!b->uses[i])

@@ -117,27 +117,53 @@ int segments_choose(
 	return 1;
 }
 
-static int may_be_looped(const struct rneagen_options *o)
+int segments_may_differ(const struct rneagen_options *o)
 {
 	return o->segments == RNEAGEN_SEGMENTS_AUTO && !o->strict && !o->bounded &&
 		(o->precision == RNEAGEN_F32 || o->precision == RNEAGEN_F64);
 }
 
-/* The pass once more; *is_looped where loops serve it. 0 when memory runs out, or there are too many runs of columns. */
-static int make_single(struct pass *s, const struct pass *p, const struct request *k, struct arena *a, int *is_looped)
+/* Its lines; *is_built where `build` serves. 0 when memory runs out, or there are too many runs of columns. */
+static int make_lines(struct pass *s, const struct pass *p, segments_build *build, const struct request *k, struct arena *a,
+	int *is_built)
 {
 	struct arena spare;
 	struct dag raw;
 
 	arena_init(&spare, &a->allocator);
 	dag_init(&raw, &spare);
-	*is_looped = algorithm_build_looped(&raw, p->plan.tree, k, LOOPED_SINGLE);
+	*is_built = build(&raw, p, k);
 	dag_init(&s->dag, a);
-	if (*is_looped)
+	if (*is_built)
 		dag_fuse(&s->dag, &raw, 0);
 	a->failed |= spare.failed;
 	arena_free(&spare);
-	return !*is_looped || (!s->dag.failed && plan_build(&s->plan, &s->dag, p->plan.tree, a));
+	return !*is_built || (!s->dag.failed && plan_build(&s->plan, &s->dag, p->plan.tree, a));
+}
+
+int segments_once_more(struct pass **made, const struct pass *p, segments_build *build, const char *name, const struct request *k,
+	const struct rneagen_options *o, struct arena *a)
+{
+	struct algorithm *x = arena_alloc(a, 1, sizeof *x);
+	struct pass *s = arena_alloc(a, 1, sizeof *s);
+	int is_built;
+
+	*made = NULL;
+	if (!x || !s || !make_lines(s, p, build, k, a, &is_built) || !is_built)
+		return !a->failed;
+	*x = *p->algorithm;
+	x->name = name;
+	s->algorithm = x;
+	if (!segments_choose(s, SEGMENT_LOOPS, k, o, a))
+		return 0;
+	if (plan_operations(&s->plan).sincos == plan_operations(&p->plan).sincos)
+		*made = s;
+	return 1;
+}
+
+static int build_looped(struct dag *d, const struct pass *p, const struct request *k)
+{
+	return algorithm_build_looped(d, p->plan.tree, k, LOOPED_SINGLE);
 }
 
 /* A loop's body is told what goes across, and its column; so it must read some of these values, and no input. */
@@ -157,21 +183,13 @@ static int is_closed(const struct pass *s)
 
 int segments_single(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
-	struct algorithm *x = arena_alloc(a, 1, sizeof *x);
-	struct pass *s = arena_alloc(a, 1, sizeof *s);
-	int is_looped;
+	struct pass *s;
 
-	if (!p->segments.count || !may_be_looped(o))
+	if (!p->segments.count || !segments_may_differ(o))
 		return !a->failed;
-	if (!x || !s || !make_single(s, p, k, a, &is_looped) || !is_looped)
-		return !a->failed;
-	*x = *p->algorithm;
-	x->name = "fd_single";
-	s->algorithm = x;
-	if (!segments_choose(s, SEGMENT_LOOPS, k, o, a))
+	if (!segments_once_more(&s, p, build_looped, "fd_single", k, o, a))
 		return 0;
-	/* the tables of sines are the whole's */
-	if (is_closed(s) && plan_operations(&s->plan).sincos == plan_operations(&p->plan).sincos)
+	if (s && is_closed(s))
 		p->single = s;
 	return 1;
 }

@@ -30,6 +30,15 @@ int segments_choose(struct pass *p, enum segment_use use, const struct request *
    gains by it, and nothing promises its bits, which are not those of a batch. Returns 0 when memory runs out. */
 int segments_single(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a);
 
+/* May a call of one sample run another text than a batch does: does nothing promise its bits, or ask for these segments? */
+int segments_may_differ(const struct rneagen_options *o);
+
+/* The pass once more, for one sample: of a DAG that `build` makes, under a name of its own, and in segments. *made is NULL where
+   `build` returns 0, or makes other sines, for the table of sines is the whole's. Returns 0 when memory runs out. */
+typedef int segments_build(struct dag *d, const struct pass *p, const struct request *k);
+int segments_once_more(struct pass **made, const struct pass *p, segments_build *build, const char *name, const struct request *k,
+	const struct rneagen_options *o, struct arena *a);
+
 /* The line, from this one on, at which a loop over columns begins, or the number of lines; all lines behind the first are
    in loops. */
 uint32_t segments_next_loop(const struct plan *p, uint32_t line);

@@ -108,7 +108,7 @@ int tree_alike(struct alike *x, struct tree *told, const struct tree *t, struct 
 		int count = count_carried(t, i);
 
 		if (are_alike(t, i, count))
-			*x = (struct alike){i, count, t->bodies[i].iq, count, t->bodies[i].iv, count};
+			*x = (struct alike){i, count, t->bodies[i].iq, t->bodies[i].iv};
 	}
 	if (!bodies || !list || !x->bodies)
 		return 0;

@@ -247,14 +247,10 @@ static void add_solve(struct operation_count *sum, const struct pass *p)
 	int loop = d->loop_count;
 
 	for (size_t s = d->section_count; s-- > 0 && loop > 0;) {
-		unsigned columns = 0;
-
 		if (d->sections[s].kind != SECTION_COLUMNS)
 			continue;
 		loop--;
-		for (int i = 0; i < d->run_count; i++)
-			columns += d->runs[i].loop == loop ? (unsigned)d->runs[i].count : 0;
-		plan_add_operations(sum, plan_operations_of(d, d->sections[s].node, end), columns);
+		plan_add_operations(sum, plan_operations_of(d, d->sections[s].node, end), (unsigned)dag_loop_columns(d, loop));
 		end = d->sections[s].node;
 	}
 	struct operation_count factors = plan_operations_of(d, 0, end);

@@ -11,8 +11,7 @@ static int may_have_lanes(const struct request *k, const struct rneagen_options 
 	for (int i = 0; i < k->want_count; i++)
 		if (k->wants[i].kind != WANT_QDD && k->wants[i].kind != WANT_DQDD_DQ && k->wants[i].kind != WANT_DQDD_DQD)
 			return 0;
-	return k->is_forward && !k->refine_steps && o->segments == RNEAGEN_SEGMENTS_AUTO && !o->strict && !o->bounded &&
-		(o->precision == RNEAGEN_F32 || o->precision == RNEAGEN_F64);
+	return k->is_forward && !k->refine_steps && segments_may_differ(o);
 }
 
 /* Limbs side by side. Returns 0 where none are alike. */
@@ -33,21 +32,9 @@ static int build_limbs(struct dag *d, const struct pass *p, const struct request
 	return 1;
 }
 
-/* The pass once more; *is_built where lanes serve it. 0 when memory runs out. */
-static int make_pass(struct pass *s, const struct pass *p, const struct request *k, struct arena *a, int *is_built)
+static int build(struct dag *d, const struct pass *p, const struct request *k)
 {
-	struct arena spare;
-	struct dag raw;
-
-	arena_init(&spare, &a->allocator);
-	dag_init(&raw, &spare);
-	*is_built = build_limbs(&raw, p, k) || (p->single && algorithm_build_looped(&raw, p->plan.tree, k, LOOPED_LANES));
-	dag_init(&s->dag, a);
-	if (*is_built)
-		dag_fuse(&s->dag, &raw, 0);
-	a->failed |= spare.failed;
-	arena_free(&spare);
-	return !a->failed && (!*is_built || (!s->dag.failed && plan_build(&s->plan, &s->dag, p->plan.tree, a)));
+	return build_limbs(d, p, k) || (p->single && algorithm_build_looped(d, p->plan.tree, k, LOOPED_LANES));
 }
 
 /* Loops over columns are told what goes across as numbers. */
@@ -72,31 +59,20 @@ static unsigned count_operations(const struct pass *p)
 
 static int is_worth_it(const struct pass *s, const struct pass *other)
 {
-	return s->segments.count && 100 * count_operations(s) <= WORTH_PERCENT * count_operations(other) && !loops_read_lanes(s) &&
-		plan_operations(&s->plan).sincos == plan_operations(&other->plan).sincos; /* the tables of sines are the whole's */
-}
-
-static int make_beside(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
-{
-	struct algorithm *x = arena_alloc(a, 1, sizeof *x);
-	struct pass *s = arena_alloc(a, 1, sizeof *s);
-	int is_built;
-
-	if (!p->segments.count || !may_have_lanes(k, o))
-		return !a->failed;
-	if (!x || !s || !make_pass(s, p, k, a, &is_built) || !is_built)
-		return !a->failed;
-	*x = *p->algorithm;
-	x->name = "fd_beside";
-	s->algorithm = x;
-	if (!segments_choose(s, SEGMENT_LOOPS, k, o, a))
-		return 0;
-	if (is_worth_it(s, p->single ? p->single : p))
-		p->beside = s;
-	return 1;
+	return s->segments.count && 100 * count_operations(s) <= WORTH_PERCENT * count_operations(other) && !loops_read_lanes(s);
 }
 
 int lanes_single(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
-	return segments_single(p, k, o, a) && make_beside(p, k, o, a);
+	struct pass *s;
+
+	if (!segments_single(p, k, o, a))
+		return 0;
+	if (!p->segments.count || !may_have_lanes(k, o))
+		return !a->failed;
+	if (!segments_once_more(&s, p, build, "fd_beside", k, o, a))
+		return 0;
+	if (s && is_worth_it(s, p->single ? p->single : p))
+		p->beside = s;
+	return 1;
 }

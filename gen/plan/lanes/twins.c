@@ -16,7 +16,7 @@ struct finder {
 	struct twins *twins; /* from 1 */
 	size_t count;
 	uint32_t *of;	       /* by node: its twins; 0: it is no limb's */
-	unsigned char *alone;  /* by node: it has no twins */
+	size_t loops;	       /* nodes from this one on are of columns: lanes there are columns */
 	unsigned char *limb;   /* by node, from 1 */
 	uint32_t *table;
 	size_t table_size;
@@ -39,13 +39,13 @@ static int limb_of_input(const struct finder *f, const struct node *n, uint64_t 
 {
 	const struct alike *x = f->limbs;
 	enum role_rows rows = n->arg[0].i < DAG_COLUMN ? role_rows(f->d->arguments[n->arg[0].i].role) : ROWS_VECTOR;
-	int first = rows == ROWS_NQ ? x->q : x->v, each = rows == ROWS_NQ ? x->nq : x->nv, row = (int)n->arg[1].i - first;
+	int row = (int)n->arg[1].i - (rows == ROWS_NQ ? x->q : x->v);
 
 	*place = 0;
-	if ((rows != ROWS_NQ && rows != ROWS_NV) || row < 0 || row >= each * ALIKE_LIMBS)
+	if ((rows != ROWS_NQ && rows != ROWS_NV) || row < 0 || row >= x->bodies * ALIKE_LIMBS)
 		return 0;
-	*place = (uint64_t)(row % each);
-	return row / each + 1;
+	*place = (uint64_t)(row % x->bodies);
+	return row / x->bodies + 1;
 }
 
 static uint64_t key_of(const struct finder *f, uint32_t i)
@@ -62,7 +62,7 @@ static int limb_of(const struct finder *f, uint32_t i, uint64_t key[3])
 	int limb = 0;
 
 	memset(key, 0, 3 * sizeof *key);
-	if (f->alone[i] || n->op == OP_CONST || n->op == OP_SQRT || n->op == OP_ABS) /* vectors have signs alone */
+	if (i >= f->loops || n->op == OP_CONST || n->op == OP_SQRT || n->op == OP_ABS) /* vectors have signs alone */
 		return 0;
 	if (n->op == OP_INPUT) {
 		key[0] = n->arg[0].i;
@@ -167,18 +167,6 @@ static void find_twins(struct finder *f, struct arena *a)
 		find_level(f, order + begin[h], begin[h + 1] - begin[h]);
 }
 
-/* Their lanes are columns. */
-static void leave_loops_alone(struct finder *f)
-{
-	const struct dag *d = f->d;
-
-	for (size_t i = 0; i < d->section_count; i++)
-		if (d->sections[i].kind == SECTION_COLUMNS) {
-			memset(f->alone + d->sections[i].node, 1, d->count - d->sections[i].node);
-			return;
-		}
-}
-
 /* ---- the DAG of lanes ---- */
 
 /* What a text has for each limb by itself: inputs, sines and cosines. */
@@ -259,14 +247,13 @@ static struct ref copy(void *context, struct dag *out, size_t i)
 
 void lanes_of_twins(struct dag *out, const struct dag *d, const struct alike *limbs)
 {
-	struct finder f = {.d = d, .limbs = limbs, .table_size = 1024};
+	struct finder f = {.d = d, .limbs = limbs, .loops = dag_loops_begin(d), .table_size = 1024};
 	struct arena *a = out->arena;
 
 	while (f.table_size < 2 * d->count)
 		f.table_size *= 2;
 	f.twins = arena_alloc(a, d->count + 1, sizeof *f.twins);
 	f.of = arena_alloc(a, d->count, sizeof *f.of);
-	f.alone = arena_alloc(a, d->count, 1);
 	f.limb = arena_alloc(a, d->count, 1);
 	f.table = arena_alloc(a, f.table_size, sizeof *f.table);
 	f.map = arena_alloc(a, d->count, sizeof *f.map);
@@ -274,7 +261,6 @@ void lanes_of_twins(struct dag *out, const struct dag *d, const struct alike *li
 		out->failed = 1;
 		return;
 	}
-	leave_loops_alone(&f);
 	find_twins(&f, a);
 	if (a->failed) {
 		out->failed = 1;
