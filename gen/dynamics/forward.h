@@ -11,13 +11,14 @@ struct build;
 
 /* By row of qd, the first of those whose columns one loop solves; -1: none does. On a processor a loop's columns of both gradients
    stand side by side in an array of their own, as a compiler's vectors want them, and are copied from there; `rooms`, by that first
-   row, says where. In a relay each kernel reads what the one before has written: loops that make the columns where they belong, and
-   qdd. Its loops are of columns that d tau leaves zero in the same rows. */
+   row, says where. For batches, and in a relay, they make the columns in place, in the matrices, and are of columns that d tau leaves
+   zero in the same rows. In a relay each kernel reads what the one before has written, qdd too. */
 struct loops {
 	int *first;
+	int is_in_place;
 	int is_relay;
 	int is_in_lanes;        /* coordinates go back to the base side by side (recursion/recursion_lanes.c) */
-	struct column_room *rooms; /* NULL in a relay */
+	struct column_room *rooms; /* NULL in place */
 	int rows;               /* of that array */
 	struct pattern related; /* of d tau */
 };
@@ -81,15 +82,15 @@ void forward_by_body(const struct forward *x, const struct recursion *by, int bo
 /* Declare the array of the loops' columns, after all that the request declares. */
 void forward_declare_columns(struct dag *d, const struct loops *x);
 
-/* Column j of d tau, where its loop is to find it; in a relay of -d tau. */
+/* Column j of d tau, where its loop is to find it; in place of -d tau. */
 void forward_leave_column(const struct forward *x, const struct ref *column, int j, int argument);
 
 /* The loops, which come last: M^-1 of each column in its place. */
 void forward_loop(const struct forward *x);
 
-/* Which rows are worth one, where matrices are sparse or dense; in a relay all of them. Returns how many loops that makes; 0 also
+/* Which rows are worth one, where matrices are sparse or dense; in place all of them. Returns how many loops that makes; 0 also
    when memory runs out, or there are more than a DAG may have. */
-int forward_loops(struct loops *x, const struct tree *t, int dense, int is_relay, struct arena *a);
+int forward_loops(struct loops *x, const struct tree *t, int dense, int is_in_place, struct arena *a);
 
 /* Does the loop over column j of nv read row i? */
 int loops_read(const struct loops *x, int nv, int i, int j);

@@ -14,7 +14,7 @@ static int first_coupled(const struct pattern *coupled, int j)
 
 int loops_read(const struct loops *x, int nv, int i, int j)
 {
-	return !x->is_relay || x->related.row[i * nv + j] >= 0;
+	return !x->is_in_place || x->related.row[i * nv + j] >= 0;
 }
 
 static const char COLUMNS[] = "columns";
@@ -257,24 +257,24 @@ static int first_alike(const struct pattern *related, int j)
 	return k;
 }
 
-int forward_loops(struct loops *x, const struct tree *t, int dense, int is_relay, struct arena *a)
+int forward_loops(struct loops *x, const struct tree *t, int dense, int is_in_place, struct arena *a)
 {
 	struct pattern coupled, stored;
 	int count = 0, nv = t->nv;
 
-	*x = (struct loops){.is_relay = is_relay, .first = arena_alloc(a, (size_t)nv, sizeof *x->first)};
-	x->rooms = is_relay ? NULL : arena_alloc(a, (size_t)nv, sizeof *x->rooms);
-	if (!x->first || (!is_relay && !x->rooms) || !pattern_make(&x->related, t, 0, 0, a) || !pattern_coupled(&coupled, t, 0, 0, a) ||
+	*x = (struct loops){.is_in_place = is_in_place, .first = arena_alloc(a, (size_t)nv, sizeof *x->first)};
+	x->rooms = is_in_place ? NULL : arena_alloc(a, (size_t)nv, sizeof *x->rooms);
+	if (!x->first || (!is_in_place && !x->rooms) || !pattern_make(&x->related, t, 0, 0, a) || !pattern_coupled(&coupled, t, 0, 0, a) ||
 		!pattern_coupled(&stored, t, 0, dense, a))
 		return 0;
 	for (int i = 0; i < nv; i++) {
-		int first = is_relay ? first_alike(&x->related, i) : first_coupled(&coupled, i);
+		int first = is_in_place ? first_alike(&x->related, i) : first_coupled(&coupled, i);
 
 		if (first < i)
 			x->first[i] = x->first[first];
 		else
-			x->first[i] = is_relay || (is_worth_it(x, &coupled, i, count, dense) && pitch_of(&stored, &coupled, i)) ? i : -1;
-		if (x->first[i] == i && !is_relay)
+			x->first[i] = is_in_place || (is_worth_it(x, &coupled, i, count, dense) && pitch_of(&stored, &coupled, i)) ? i : -1;
+		if (x->first[i] == i && !is_in_place)
 			make_room(x, &stored, &coupled, i);
 		count += x->first[i] == i;
 	}

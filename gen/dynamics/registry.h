@@ -57,8 +57,9 @@ int algorithms_for(const struct request *k, const struct algorithm *found[ALGORI
 /* By its name; NULL: there is none. */
 const struct algorithm *algorithm_find(const char *name);
 
-/* What loops over columns serve: one sample on a processor; the same, coordinates side by side in lanes; a relay. */
-enum looped { LOOPED_SINGLE, LOOPED_LANES, LOOPED_RELAY };
+/* What loops over columns serve: one sample on a processor; the same, coordinates side by side in lanes; batches there; a
+   relay. */
+enum looped { LOOPED_SINGLE, LOOPED_LANES, LOOPED_BATCH, LOOPED_RELAY };
 
 /* The DAG of the main function once more, with its derivatives of qdd by loops over their columns: for processors, whose vectors then
    take several columns of a sample; or as a relay, for kernels that go on from what the one before has written: outputs that are made

@@ -116,14 +116,15 @@ static int is_relayed(const struct request *k)
 int algorithm_build_looped(struct dag *d, const struct tree *t, const struct request *k, enum looped use)
 {
 	struct loops loops;
-	int is_relay = use == LOOPED_RELAY;
+	int is_relay = use == LOOPED_RELAY, is_in_place = is_relay || use == LOOPED_BATCH;
 
 	if (!request_wants(k, WANT_DQDD_DQ) && !request_wants(k, WANT_DQDD_DQD))
 		return 0;
 	if (k->dynamics == DYNAMICS_ARTICULATED || k->refine_steps || request_wants_any(k, IS_PRODUCT) ||
 		k->stored_count < k->want_count || (is_relay && !is_relayed(k)) ||
-		(use == LOOPED_LANES && t->mimic_count) || !forward_loops(&loops, t, k->dense, is_relay, d->arena))
+		(use == LOOPED_LANES && t->mimic_count) || !forward_loops(&loops, t, k->dense, is_in_place, d->arena))
 		return 0;
+	loops.is_relay = is_relay;
 	loops.is_in_lanes = use == LOOPED_LANES;
 	want_build_in(d, t, k, (struct ways){k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
 		DYNAMICS_FACTOR, 0, &loops});

@@ -220,12 +220,22 @@ void emit_segments(const struct emission *e, const struct pass *p, struct text *
 void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *call_any,
 	struct text *out);
 
-/* Is this segment a loop over columns? Its functions, and their calls. */
+/* How many samples a segment runs for. */
+int emit_lanes(const struct emission *e, const struct segments *s);
+
+/* Is this segment a loop over columns? Its functions, and their calls for one sample, and for some of a batch. */
 struct writer;
 int emit_is_loop(const struct pass *p, int segment);
 void emit_columns(const struct emission *e, const struct pass *p, int segment, struct writer *w, struct text *spare,
 	struct text *out);
 void emit_columns_calls(const struct emission *e, const struct pass *p, int segment, struct text *out);
+void emit_columns_many_calls(const struct emission *e, const struct pass *p, int segment, struct text *out);
+
+/* Batches that run such loops: what stores the elements that are always zero, and the calls. `{10, 7}, {18, 2}`: from a row on, so
+   many that are set; returns how many such runs there are. */
+void emit_zeros_many(const struct emission *e, const struct pass *p, struct text *out);
+void emit_zeros_many_calls(const struct emission *e, const struct pass *p, struct text *out);
+int emit_put_runs(const unsigned char *set, int rows, struct text *out);
 
 /* What such loops are written with. The array in which the columns of all of them stand; "" where there are none. */
 void emit_columns_macros(const struct emission *e, struct text *out);

@@ -17,10 +17,10 @@ int emit_has_known(const struct emission *e)
 	return 1;
 }
 
-/* Parts, kernels of a relay, and what a call of one sample runs, have the table of the whole. */
+/* Parts, kernels of a relay, and what batches or a call of one sample run, have the table of the whole. */
 static const struct pass *table_of(const struct emission *e, const struct pass *p)
 {
-	if (p == emit_main(e)->single || p == emit_main(e)->beside || emit_is_relays(e, p))
+	if (p == emit_main(e)->many || p == emit_main(e)->single || p == emit_main(e)->beside || emit_is_relays(e, p))
 		return emit_main(e);
 	for (int i = 0; i < e->part_count; i++)
 		if (p == &e->parts[i].pass)

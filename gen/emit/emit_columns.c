@@ -1,5 +1,5 @@
-/* The last segments of what a call of one sample runs, where they are loops over columns (DAG_COLUMN): their bodies, the
-   functions that run these, and the calls. */
+/* The last segments of what a call of one sample or a batch runs, where they are loops over columns (DAG_COLUMN): their bodies,
+   the functions that run these, and the calls. One sample's columns stand side by side in an array, a batch's in the matrices. */
 #include "base/fold.h"
 #include "base/template.h"
 #include "emit/unparse.h"
@@ -12,6 +12,25 @@ int emit_is_loop(const struct pass *p, int segment)
 static int loop_of(const struct pass *p, int segment)
 {
 	return segment - (p->segments.count - p->dag.loop_count);
+}
+
+static int is_in_place(const struct pass *p)
+{
+	return !p->dag.rooms[0].rows;
+}
+
+/* From a sample's elements to those of the next. */
+static const char *pitch_text(const struct emission *e, const struct pass *p, int loop)
+{
+	const struct column_run *r = p->dag.runs;
+	struct text t;
+
+	while (r->loop != loop)
+		r++;
+	text_init(&t, e->arena);
+	if (e->options->layout == RNEAGEN_AOS)
+		text_printf(&t, "*%d", p->dag.arguments[r->argument].rows);
+	return text_string(&t);
 }
 
 /* Parameters that a body of one row does not touch. */
@@ -57,27 +76,29 @@ void emit_columns(const struct emission *e, const struct pass *p, int segment, s
 	struct text *out)
 {
 	const struct segments *s = &p->segments;
+	int is_row = !e->target->kernel && !is_in_place(p), is_many = !e->target->kernel && !is_row;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
-		{"SEGMENT", emit_int(e, segment)}, {"COUNT", emit_int(e, s->count)}, {"UNUSED", unused_text(e, &s->plans[segment])},
+		{"PITCH", pitch_text(e, p, loop_of(p, segment))}, {"LANES", emit_int(e, emit_lanes(e, s))}, {"SEGMENT", emit_int(e, segment)},
+		{"COUNT", emit_int(e, s->count)}, {"UNUSED", unused_text(e, &s->plans[segment])},
 		{"NUMBER", emit_int(e, loop_of(p, segment))},
 		{"COLUMNS", emit_int(e, dag_loop_columns(&p->dag, loop_of(p, segment)))}};
 	size_t from = out->length, count = sizeof slots / sizeof *slots;
-	const char *rest = template_expand_to(out, e->target->kernel ? template_segment_columns_in : template_segment_columns_c_in,
-		"BODY", slots, count);
+	const char *frame = is_many ? template_segment_columns_many_in : is_row ? template_segment_columns_c_in : template_segment_columns_in;
+	const char *rest = template_expand_to(out, frame, "BODY", slots, count);
 
 	text_clear(spare);
-	if (!e->target->kernel)
+	if (is_row)
 		write_columns(w, 1);
 	unparse_within(w, &s->plans[segment]);
 	unparse_lines(w, &s->plans[segment], spare);
-	if (!e->target->kernel)
+	if (is_row)
 		write_columns(w, 0);
 	text_put_indented(out, text_string(spare));
 	out->failed |= spare->failed;
 	template_expand(out, rest, slots, count);
-	if (!e->target->kernel)
+	if (is_row)
 		template_expand(out, template_segment_columns_row_in, slots, count);
-	if (!e->target->kernel && segment == s->count - 1)
+	if (is_row && segment == s->count - 1)
 		template_expand(out, template_segment_columns_put_in, slots, count);
 	fold(out, from);
 }
@@ -150,4 +171,86 @@ void emit_columns_calls(const struct emission *e, const struct pass *p, int segm
 	text_put(out, "\t} else {\n");
 	put_copies(e, p, loop, "\t\t", "stride", out);
 	text_put(out, "\t}\n");
+}
+
+/* ---- batches ---- */
+
+static const char *step_of(const struct emission *e, const struct pass *p, int argument)
+{
+	return e->options->layout == RNEAGEN_SOA ? "count" : emit_int(e, p->dag.arguments[argument].rows);
+}
+
+/* `x + first`, of a sample. */
+static void put_first(const struct emission *e, const struct pass *p, int argument, struct text *out)
+{
+	int is_soa = e->options->layout == RNEAGEN_SOA;
+
+	text_printf(out, "%s + first%s%s", p->dag.arguments[argument].name, is_soa ? "" : "*", is_soa ? "" : step_of(e, p, argument));
+}
+
+void emit_columns_many_calls(const struct emission *e, const struct pass *p, int segment, struct text *out)
+{
+	int loop = loop_of(p, segment), is_soa = e->options->layout == RNEAGEN_SOA;
+
+	for (const struct column_run *r = p->dag.runs; r < p->dag.runs + p->dag.run_count; r++) {
+		if (r->loop != loop)
+			continue;
+		text_printf(out, "\t\t\tfor (size_t j = %d; j < %d; j++)\n\t\t\t\t%s_%s_columns%d(", r->first, r->first + r->count,
+			e->options->name, p->algorithm->name, loop);
+		put_first(e, p, r->argument, out);
+		text_printf(out, " + j%s, %s, across);\n", is_soa ? "*count" : "", is_soa ? "count" : "1");
+	}
+}
+
+/* How many runs of rows an array has that are always zero, and `{10, 7}, {18, 2}`. */
+static int zero_runs(const struct emission *e, const struct pass *p, int argument, struct text *out)
+{
+	int rows = p->dag.arguments[argument].rows;
+	unsigned char *zero = arena_alloc(e->arena, (size_t)rows + 1, 1);
+
+	text_init(out, e->arena);
+	for (size_t i = 0; i < p->zero_count && zero; i++)
+		if (p->zeros[i].argument == argument)
+			zero[p->zeros[i].row] = 1;
+	return zero ? emit_put_runs(zero, rows, out) : 0;
+}
+
+void emit_zeros_many(const struct emission *e, const struct pass *p, struct text *out)
+{
+	const char *name = e->options->name, *pass = p->algorithm->name;
+	int is_soa = e->options->layout == RNEAGEN_SOA;
+	struct text tables, runs;
+
+	if (!p->zero_count)
+		return;
+	text_init(&tables, e->arena);
+	for (int i = 0; i < p->dag.argument_count; i++) {
+		int count = zero_runs(e, p, i, &runs);
+
+		if (count)
+			text_printf(&tables, "static const unsigned %s_%s_%s_zeros[%d][2] = {%s};\n", name, pass, p->dag.arguments[i].name,
+				count, text_string(&runs));
+	}
+	const struct slot slots[] = {{"NAME", name}, {"PASS", pass}, {"T", e->memory->type}, {"LANES", emit_int(e, emit_lanes(e, &p->segments))},
+		{"PLACE", is_soa ? "i*stride + l" : "i + l*stride"}, {"TABLES", text_string(&tables)}};
+	size_t from = out->length;
+
+	template_expand(out, template_segment_zeros_in, slots, sizeof slots / sizeof *slots);
+	fold(out, from);
+}
+
+void emit_zeros_many_calls(const struct emission *e, const struct pass *p, struct text *out)
+{
+	const char *name = e->options->name, *pass = p->algorithm->name;
+	struct text runs;
+
+	for (int i = 0; i < p->dag.argument_count && p->zero_count; i++) {
+		int count = zero_runs(e, p, i, &runs);
+
+		if (!count)
+			continue;
+		text_printf(out, "\t\t\t%s_%s_zeros(", name, pass);
+		put_first(e, p, i, out);
+		text_printf(out, ", %s, %s_%s_%s_zeros, %d);\n", step_of(e, p, i), name, pass, p->dag.arguments[i].name, count);
+	}
 }

@@ -286,6 +286,14 @@ static void put_limbs(const struct emission *e, const char *start, const struct 
 		s->most, name, pass, name, pass, start, s->warps);
 }
 
+static void put_many(const struct pass *many, struct text *out)
+{
+	const struct segments *s = &many->segments;
+
+	text_printf(out, " *   Batches run %s: %d segments, each for several samples before the next, the last %d of which loop over columns\n"
+		" *   of derivatives; %d values go across cuts.\n", many->algorithm->name, s->count, many->dag.loop_count, s->slots[0]);
+}
+
 static void put_operations(const struct emission *e, struct text *out)
 {
 	for (int i = 0; i < e->pass_count; i++) {
@@ -300,9 +308,11 @@ static void put_operations(const struct emission *e, struct text *out)
 				e->wide->arithmetic->name);
 	}
 	for (const struct pass *p = e->passes; p < e->passes + e->pass_count; p++)
-		if (p->segments.count)
+		if (p->segments.count && !p->many)
 			text_printf(out, " *   %s is in %d segments, each for several samples before the next; %d values go across cuts\n",
 				p->algorithm->name, p->segments.count, p->segments.slots[0] + p->segments.slots[1]);
+	if (emit_main(e)->many)
+		put_many(emit_main(e)->many, out);
 	if (emit_main(e)->single)
 		text_printf(out, " *   A sample alone runs %s: %d segments, the last %d of which loop over columns of derivatives.\n",
 			emit_main(e)->single->algorithm->name, emit_main(e)->single->segments.count, emit_main(e)->single->dag.loop_count);

@@ -161,6 +161,8 @@ static void put_functions(const struct emission *e, struct text *out)
 		put_entry("across step", "values that one segment leaves for another; from one of them to the next", out);
 	if (emit_has_segments(e))
 		put_entry("first_... l", "an array at the first of several samples in a row; which of them this is", out);
+	if (emit_main(e)->many)
+		put_entry("column", "in a batch, a column of a derivative of qdd, in its place", out);
 	if (emit_main(e)->single)
 		put_entry("columns column l", "of both derivatives of qdd, side by side; the first of them; which of them this is", out);
 	if (emit_has_known(e))

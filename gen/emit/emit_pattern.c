@@ -281,15 +281,14 @@ static const unsigned char *zero_rows(const struct emission *e, int argument, in
 	return rows;
 }
 
-/* `{10, 7}, {18, 2}`: from a first row on, so many. */
-static int put_runs(const unsigned char *zero, int rows, struct text *out)
+int emit_put_runs(const unsigned char *set, int rows, struct text *out)
 {
 	int runs = 0;
 
 	for (int i = 0, end; i < rows; i = end) {
-		for (end = i + 1; end < rows && zero[end] == zero[i]; end++)
+		for (end = i + 1; end < rows && set[end] == set[i]; end++)
 			;
-		if (zero[i])
+		if (set[i])
 			text_printf(out, "%s{%d, %d}", runs++ ? ", " : "", i, end - i);
 	}
 	return runs;
@@ -302,7 +301,7 @@ static int zero_runs(const struct emission *e, int argument, struct text *out)
 	const unsigned char *zero = zero_rows(e, argument, &count);
 
 	text_init(out, e->arena);
-	return zero && count ? put_runs(zero, emit_main(e)->dag.arguments[argument].rows, out) : 0;
+	return zero && count ? emit_put_runs(zero, emit_main(e)->dag.arguments[argument].rows, out) : 0;
 }
 
 void emit_zeros(const struct emission *e, struct text *out)

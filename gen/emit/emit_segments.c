@@ -14,7 +14,7 @@ static int across_bytes(const struct emission *e, const struct segments *s)
 	return s->slots[0] * e->arithmetic->bytes + (e->wide ? s->slots[1] * e->wide->arithmetic->bytes : 0);
 }
 
-static int lanes_of(const struct emission *e, const struct segments *s)
+int emit_lanes(const struct emission *e, const struct segments *s)
 {
 	int lanes = MOST_LANES;
 
@@ -74,7 +74,7 @@ static const char *across(const struct emission *e, const struct segments *s, en
 {
 	const struct across narrow = {e->numbers->value, "across", s->slots[0]};
 	const struct across wide = {wide_value(e), "wide_across", s->slots[1]};
-	int lanes = form == LANES ? lanes_of(e, s) : 1, is_line = form == LOCAL || form == LANES || form == SHARED;
+	int lanes = form == LANES ? emit_lanes(e, s) : 1, is_line = form == LOCAL || form == LANES || form == SHARED;
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -176,9 +176,15 @@ static void put_segments(const struct emission *e, const struct pass *p, struct 
 			put_segment(e, p, k, &w, &spare, out);
 }
 
+/* What a batch runs. */
+static const struct pass *many_of(const struct pass *p)
+{
+	return p->many ? p->many : p;
+}
+
 void emit_segments(const struct emission *e, const struct pass *p, struct text *out)
 {
-	put_segments(e, p, out);
+	put_segments(e, many_of(p), out);
 	if (p->beside) {
 		text_put(out, "#if defined RNEA_LANES\n");
 		put_segments(e, p->beside, out);
@@ -201,7 +207,7 @@ static void put_lanes_function(const struct emission *e, const struct pass *p, i
 {
 	const struct segments *s = &p->segments;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
-		{"LANES", emit_int(e, lanes_of(e, s))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
+		{"LANES", emit_int(e, emit_lanes(e, s))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
 		{"COUNT_PARAM", e->options->layout == RNEAGEN_SOA ? "size_t count, " : ""},
 		{"RESTRICT_ACROSS", across(e, s, RESTRICT)}, {"AT_SAMPLE", emit_at_sample(e, p)},
 		{"ACROSS_NAMES", across(e, s, NAME)}, {"UNKNOWN", emit_handed_on(e, emit_unknown_names(e))}};
@@ -232,8 +238,10 @@ static const char *functions_text(const struct emission *e, const struct pass *p
 	struct text t;
 
 	text_init(&t, e->arena);
-	for (int k = 0; k < p->segments.count; k++)
-		put_lanes_function(e, p, k, &t);
+	for (int k = 0; k < many_of(p)->segments.count; k++)
+		if (!emit_is_loop(many_of(p), k))
+			put_lanes_function(e, many_of(p), k, &t);
+	emit_zeros_many(e, many_of(p), &t);
 	text_put(&t, p->beside ? "#if defined RNEA_LANES\n" : "");
 	if (p->beside)
 		put_one_functions(e, p->beside, &t);
@@ -255,8 +263,12 @@ static const char *lanes_calls(const struct emission *e, const struct pass *p)
 	struct text t;
 
 	text_init(&t, e->arena);
+	emit_zeros_many_calls(e, p, &t);
 	for (int k = 0; k < p->segments.count; k++)
-		put_call(e, p, k, "\t\t\t", "lanes", e->options->layout == RNEAGEN_SOA ? "count, first" : "first", "", &t);
+		if (emit_is_loop(p, k))
+			emit_columns_many_calls(e, p, k, &t);
+		else
+			put_call(e, p, k, "\t\t\t", "lanes", e->options->layout == RNEAGEN_SOA ? "count, first" : "first", "", &t);
 	return text_string(&t);
 }
 
@@ -309,9 +321,9 @@ void emit_segments_part(const struct emission *e, const struct pass *p, const ch
 		{"KNOWN_PARAM", emit_known_params(e)}, {"WHATEVER", emit_has_known(e) ? ", whatever its angles" : ""},
 		{"WHERE_SMALL", emit_has_known(e) ? " where their angles are small, which is the rule" : ""},
 		{"AND_SMALL", and_small(e, are_small)}, {"CALL_ANY", call_any}, {"COUNT_PARAM", count_param},
-		{"AT_SAMPLE", emit_at_sample(e, p)}, {"LANES", emit_int(e, lanes_of(e, &p->segments))},
-		{"FUNCTIONS", functions_text(e, p)},
-		{"CALLS", lanes_calls(e, p)}, {"ONE_BODY", one_body(e, p)}, {"DECLARATIONS", across(e, &p->segments, LANES)}};
+		{"AT_SAMPLE", emit_at_sample(e, p)}, {"LANES", emit_int(e, emit_lanes(e, &many_of(p)->segments))},
+		{"FUNCTIONS", functions_text(e, p)}, {"CALLS", lanes_calls(e, many_of(p))}, {"ONE_BODY", one_body(e, p)},
+		{"DECLARATIONS", across(e, &many_of(p)->segments, LANES)}};
 
 	template_expand(out, template_part_segments_in, slots, sizeof slots / sizeof *slots);
 }

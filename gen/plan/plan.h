@@ -75,6 +75,9 @@ struct pass {
 	const struct stretches *stretches; /* of a part that shares nothing with the others (grid/apart.h): its rows; NULL: it may */
 	const struct pass *beside; /* the same in lanes (lanes/lanes.h), where the compiler has vectors */
 	const struct pass *single; /* target C: in segments too, and what a call for one sample runs instead; NULL: nothing else */
+	const struct pass *many;   /* the same for batches */
+	const struct output *zeros; /* zero_count of them: outputs of `many` that are always zero, and of no line */
+	size_t zero_count;
 };
 
 struct operation_count {

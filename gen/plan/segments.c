@@ -326,6 +326,8 @@ void segments_dump(const struct pass *p, struct text *out)
 		put_segment(p, k, out);
 	if (s->count)
 		text_printf(out, "%s: %d values across, and %d wide ones\n", p->algorithm->name, s->slots[0], s->slots[1]);
+	if (p->many)
+		segments_dump(p->many, out);
 	if (p->single)
 		segments_dump(p->single, out);
 }

@@ -66,7 +66,7 @@ int lanes_single(struct pass *p, const struct request *k, const struct rneagen_o
 {
 	struct pass *s;
 
-	if (!segments_single(p, k, o, a))
+	if (!segments_single(p, k, o, a) || !segments_many(p, k, o, a))
 		return 0;
 	if (!p->segments.count || !may_have_lanes(k, o))
 		return !a->failed;
