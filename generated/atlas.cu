@@ -3910,6 +3910,14 @@ atlas_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, flo
 #endif
 #if !defined RNEA_NO_LIMBS
 /* ---- small batches: warps share out each sample, a lane's, between them ---- */
+/* The warps that share samples wait for each other, each in lines of its own. __syncthreads, and bar.sync, promise that
+   all threads come to the same line; this barrier, with a number and a count of threads, does not. */
+#undef RNEA_JOIN
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750
+#define RNEA_JOIN() asm volatile("barrier.sync %0, %1;" :: "r"(1 + threadIdx.x/(32*4)), "n"(32*4) : "memory")
+#else
+#define RNEA_JOIN() __syncthreads()
+#endif
 /* Warp 0 of 4. What a warp leaves for another one is in across. */
 static RNEA_INLINE void atlas_rnea_limb0(const float *q, const float *qd, const float *qdd, float *tau,
 	const size_t stride, float *const across)
@@ -4297,7 +4305,7 @@ static RNEA_INLINE void atlas_rnea_limb0(const float *q, const float *qd, const 
 	const float n3z_2 = n3z + (n4z_2 - RNEA_FMA(0.1406f, t169, 0.2256f*t168));
 	across[4*step] = n3z_2;
 	tau[3*stride] = n4z_2;
-	__syncthreads();
+	RNEA_JOIN();
 	(void)all_small;
 }
 
@@ -4660,7 +4668,7 @@ static RNEA_INLINE void atlas_rnea_limb1(const float *q, const float *qd, const 
 	const float t278 = RNEA_FMA(s12, n12x_2, c12*n12y_2) + RNEA_FMA(-0.1406f, f12z_2, 0.4776f*t275);
 	across[10*step] = t278;
 	tau[11*stride] = n12z_2;
-	__syncthreads();
+	RNEA_JOIN();
 	(void)all_small;
 }
 
@@ -5042,7 +5050,7 @@ static RNEA_INLINE void atlas_rnea_limb2(const float *q, const float *qd, const 
 	const float f3y_3 = f3y_2 + f11y;
 	const float f3z_3 = f3z_2 + t189;
 	tau[10*stride] = n11y;
-	__syncthreads();
+	RNEA_JOIN();
 	const float n3x_2 = across[2*step];
 	const float n3x_3 = n3x_2 + RNEA_FMA(-0.6215f, f11y, RNEA_FMA(s11, n11z, c11*n11x));
 	const float n3y_2 = across[3*step];
@@ -5437,7 +5445,7 @@ static RNEA_INLINE void atlas_rnea_limb3(const float *q, const float *qd, const 
 	const float n25z = RNEA_FMA(0.00049057597f, qdd25, RNEA_FMA(s26, n26y_2, c26*n26z_2));
 	tau[25*stride] = n26x_2;
 	tau[24*stride] = n25z;
-	__syncthreads();
+	RNEA_JOIN();
 	tau[23*stride] = n24x;
 	tau[22*stride] = n23y_2;
 	tau[21*stride] = n22y_2;

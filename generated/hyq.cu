@@ -2478,6 +2478,14 @@ hyq_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, float
 #endif
 #if !defined RNEA_NO_LIMBS
 /* ---- small batches: warps share out each sample, a lane's, between them ---- */
+/* The warps that share samples wait for each other, each in lines of its own. __syncthreads, and bar.sync, promise that
+   all threads come to the same line; this barrier, with a number and a count of threads, does not. */
+#undef RNEA_JOIN
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 750
+#define RNEA_JOIN() asm volatile("barrier.sync %0, %1;" :: "r"(1 + threadIdx.x/(32*4)), "n"(32*4) : "memory")
+#else
+#define RNEA_JOIN() __syncthreads()
+#endif
 /* Warp 0 of 4. What a warp leaves for another one is in across. */
 static RNEA_INLINE void hyq_rnea_limb0(const float *q, const float *qd, const float *qdd, float *tau,
 	const size_t stride, float *const across)
@@ -2723,7 +2731,7 @@ static RNEA_INLINE void hyq_rnea_limb0(const float *q, const float *qd, const fl
 	across[5*step] = n0y_2;
 	const float n0z_2 = n0z + t112;
 	tau[6*stride] = n1z_2;
-	__syncthreads();
+	RNEA_JOIN();
 	tau[8*stride] = n3z;
 	tau[7*stride] = n2z_2;
 	const float t187 = across[8*step];
@@ -2966,7 +2974,7 @@ static RNEA_INLINE void hyq_rnea_limb1(const float *q, const float *qd, const fl
 	const float t187 = RNEA_FMA(4.8965888e-12f, n4z_2, -t182) + RNEA_FMA(-0.207f, t184, 0.3735f*t185);
 	across[8*step] = t187;
 	tau[9*stride] = n4z_2;
-	__syncthreads();
+	RNEA_JOIN();
 	const float f0z = across[0];
 	const float t111 = across[3*step];
 	const float f0z_2 = f0z + t111;
@@ -3237,7 +3245,7 @@ static RNEA_INLINE void hyq_rnea_limb2(const float *q, const float *qd, const fl
 	const float t259 = RNEA_FMA(4.8965888e-12f, n7z_2, -t256) + RNEA_FMA(0.3735f, t255, 0.207f*t257);
 	across[17*step] = t259;
 	tau[12*stride] = n7z_2;
-	__syncthreads();
+	RNEA_JOIN();
 	const float t110 = across[2*step];
 	const float f0y_2 = f0y - t110;
 	const float t185 = across[7*step];
@@ -3485,7 +3493,7 @@ static RNEA_INLINE void hyq_rnea_limb3(const float *q, const float *qd, const fl
 	const float t328 = RNEA_FMA(4.8965888e-12f, n10z_2, -t325) + RNEA_FMA(-0.3735f, t324, 0.207f*t326);
 	across[26*step] = t328;
 	tau[15*stride] = n10z_2;
-	__syncthreads();
+	RNEA_JOIN();
 	const float t109 = across[step];
 	const float f0x_2 = f0x + t109;
 	const float t184 = across[6*step];

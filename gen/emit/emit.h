@@ -212,6 +212,9 @@ struct touched emit_touched(const struct plan *p);
 void emit_unused(const struct emission *e, const struct plan *p, const char *prefix, struct text *out);
 
 /* A pass in segments: the body of each; target C: the functions of a sample and of a part of a batch; CUDA: its kernel. */
+/* By what the warps of a limbs' kernel wait for each other. */
+#define EMIT_JOIN "RNEA_JOIN"
+
 #define EMIT_RETURNS                                                                                                   \
 	"   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,\n" \
 	"   the results mean nothing.\n"

@@ -244,7 +244,7 @@ static void put_statement(const struct unparser *u, const struct line *l, struct
 		put_keep(u, l, out);
 		break;
 	case LINE_JOIN:
-		text_put(out, "__syncthreads()");
+		text_put(out, EMIT_JOIN "()");
 		break;
 	default:
 		put_assignment(unparser_of(u, l->value), l->value, out);

@@ -4,6 +4,7 @@
 #include "emit/emit.h"
 #include "emit/unparse.h"
 #include "plan/stage.h"
+#include <string.h>
 
 /* The angles whose sines a warp makes. */
 static struct angles angles_of(const struct emission *e, const struct plan *lines)
@@ -172,13 +173,26 @@ const char *emit_unless_limbs(const struct emission *e, const char *what)
 	return text_string(&t);
 }
 
+/* What the warps' lines wait by, if they do. */
+static const char *join_text(const struct emission *e, const struct limbs *s, const char *lines)
+{
+	const struct slot slots[] = {{"JOIN", EMIT_JOIN}, {"WARPS", emit_int(e, s->warps)}};
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (strstr(lines, EMIT_JOIN))
+		template_expand(&t, template_limbs_join_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
 static void put_crew(const struct emission *e, const struct crew *c, struct text *out)
 {
 	const struct limbs *s = &crew_pass(e, c, 0)->limbs;
 	int has_parts = !c->is_start && e->part_count && !emit_is_apart(e);
+	const char *lines = warps_text(e, c);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", c->named->algorithm->name}, {"T", e->numbers->value},
 		{"MACRO", c->macro}, {"WARPS", emit_int(e, s->warps)}, {"WORDS", emit_int(e, s->words)},
-		{"GROUPS", emit_int(e, s->groups)}, {"LIMBS", warps_text(e, c)}, {"CASES", cases_text(e, c)},
+		{"GROUPS", emit_int(e, s->groups)}, {"JOIN", join_text(e, s, lines)}, {"LIMBS", lines}, {"CASES", cases_text(e, c)},
 		{"MOST", emit_int(e, (int)s->most)}, {"BYTES", emit_int(e, emit_limbs_bytes(e, s))},
 		{"PART", has_parts ? "blockIdx.y*RNEA_LIMBS + " : ""},
 		{"ZEROS", c->is_start ? "" : emit_zero_loops(e, "blockIdx.y*RNEA_LIMBS + warp%RNEA_LIMBS", "*RNEA_LIMBS")},
