@@ -165,10 +165,21 @@ static void loop_over(const struct forward *x, int leader)
 			dag_loop_over(d, k / nv, x->coupled.row[first * nv + k % nv]);
 }
 
+/* Is a column left to this loop? None is of slides of a base, or of a balanced wheel. */
+static int has_columns(const struct forward *x, int leader)
+{
+	int nv = x->b->t->nv;
+
+	for (int k = 0; k < DAG_ARGUMENTS * nv; k++)
+		if (x->looped[k] && x->b->loops->first[k % nv] == leader)
+			return 1;
+	return 0;
+}
+
 void forward_loop(const struct forward *x)
 {
 	for (int i = 0; i < x->b->t->nv; i++)
-		if (x->b->loops->first[i] == i)
+		if (x->b->loops->first[i] == i && has_columns(x, i))
 			loop_over(x, i);
 }
 

@@ -25,10 +25,10 @@ static const char *pitch_text(const struct emission *e, const struct pass *p, in
 	const struct column_run *r = p->dag.runs;
 	struct text t;
 
-	while (r->loop != loop)
+	while (r < p->dag.runs + p->dag.run_count && r->loop != loop)
 		r++;
 	text_init(&t, e->arena);
-	if (e->options->layout == RNEAGEN_AOS)
+	if (r < p->dag.runs + p->dag.run_count && e->options->layout == RNEAGEN_AOS)
 		text_printf(&t, "*%d", p->dag.arguments[r->argument].rows);
 	return text_string(&t);
 }

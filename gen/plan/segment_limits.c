@@ -128,13 +128,14 @@ static int is_in_place(const struct dag *d)
 	return d->loop_count && !d->rooms[0].rows;
 }
 
-/* Outputs that are always zero are stored in a loop: among lines a compiler looks at each beside all others. */
+/* Outputs that are always zero are stored in a loop: among lines a compiler looks at each beside all others. Those of loops over
+   columns stay. */
 static int take_zeros(struct pass *s, struct arena *a)
 {
 	struct output *zeros = arena_alloc(a, s->dag.output_count, sizeof *zeros);
 
 	for (size_t i = 0; i < s->dag.output_count && zeros; i++)
-		if (output_is_zero(&s->dag, &s->dag.outputs[i])) {
+		if (s->dag.outputs[i].argument < DAG_COLUMN && output_is_zero(&s->dag, &s->dag.outputs[i])) {
 			zeros[s->zero_count++] = s->dag.outputs[i];
 			s->dag.outputs[i].argument = DAG_UNSTORED;
 		}
