@@ -151,6 +151,10 @@ void dag_loop_over(struct dag *d, int argument, int first);
 
 /* How many columns a loop goes over. */
 int dag_loop_columns(const struct dag *d, int loop);
+
+/* Are there loops, of columns that stand in their outputs? */
+int dag_loops_in_place(const struct dag *d);
+
 /* The first node of all loops; the number of nodes where there are none. */
 size_t dag_loops_begin(const struct dag *d);
 

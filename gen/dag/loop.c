@@ -35,6 +35,11 @@ int dag_loop_columns(const struct dag *d, int loop)
 	return count;
 }
 
+int dag_loops_in_place(const struct dag *d)
+{
+	return d->loop_count && !d->rooms[0].rows;
+}
+
 size_t dag_loops_begin(const struct dag *d)
 {
 	for (size_t i = 0; i < d->section_count; i++)

@@ -234,11 +234,9 @@ void emit_columns(const struct emission *e, const struct pass *p, int segment, s
 void emit_columns_calls(const struct emission *e, const struct pass *p, int segment, struct text *out);
 void emit_columns_many_calls(const struct emission *e, const struct pass *p, int segment, struct text *out);
 
-/* Batches that run such loops: what stores the elements that are always zero, and the calls. `{10, 7}, {18, 2}`: from a row on, so
-   many that are set; returns how many such runs there are. */
+/* Batches that run such loops: what stores the elements that are always zero, and the calls. */
 void emit_zeros_many(const struct emission *e, const struct pass *p, struct text *out);
 void emit_zeros_many_calls(const struct emission *e, const struct pass *p, struct text *out);
-int emit_put_runs(const unsigned char *set, int rows, struct text *out);
 
 /* What such loops are written with. The array in which the columns of all of them stand; "" where there are none. */
 void emit_columns_macros(const struct emission *e, struct text *out);
@@ -314,6 +312,11 @@ int emit_is_zero_store(const struct plan *p, const struct line *l);
 const char *emit_zeros_unless(const struct emission *e, const struct pass *p, int is_beside);
 void emit_zeros(const struct emission *e, struct text *out);
 const char *emit_zero_loops(const struct emission *e, const char *first, const char *warps);
+
+/* `{10, 7}, {18, 2}`: the rows of an array that these outputs leave always zero, from a row on so many. Returns how many such runs
+   there are. */
+int emit_zero_runs(const struct emission *e, const struct dag *d, const struct output *outputs, size_t count, int argument,
+	struct text *out);
 
 /* Where the slices of a staged kernel, or of its part (NULL: all of it), begin, what the body is called with, and how rows come and
    go; their declaration. */

@@ -14,11 +14,6 @@ static int loop_of(const struct pass *p, int segment)
 	return segment - (p->segments.count - p->dag.loop_count);
 }
 
-static int is_in_place(const struct pass *p)
-{
-	return !p->dag.rooms[0].rows;
-}
-
 /* From a sample's elements to those of the next. */
 static const char *pitch_text(const struct emission *e, const struct pass *p, int loop)
 {
@@ -76,14 +71,15 @@ void emit_columns(const struct emission *e, const struct pass *p, int segment, s
 	struct text *out)
 {
 	const struct segments *s = &p->segments;
-	int is_row = !e->target->kernel && !is_in_place(p), is_many = !e->target->kernel && !is_row;
+	int is_row = !e->target->kernel && !dag_loops_in_place(&p->dag), is_many = !e->target->kernel && !is_row;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
 		{"PITCH", pitch_text(e, p, loop_of(p, segment))}, {"LANES", emit_int(e, emit_lanes(e, s))}, {"SEGMENT", emit_int(e, segment)},
 		{"COUNT", emit_int(e, s->count)}, {"UNUSED", unused_text(e, &s->plans[segment])},
 		{"NUMBER", emit_int(e, loop_of(p, segment))},
 		{"COLUMNS", emit_int(e, dag_loop_columns(&p->dag, loop_of(p, segment)))}};
 	size_t from = out->length, count = sizeof slots / sizeof *slots;
-	const char *frame = is_many ? template_segment_columns_many_in : is_row ? template_segment_columns_c_in : template_segment_columns_in;
+	const char *frame = is_many ? template_segment_columns_many_in
+		: is_row ? template_segment_columns_c_in : template_segment_columns_in;
 	const char *rest = template_expand_to(out, frame, "BODY", slots, count);
 
 	text_clear(spare);
@@ -202,17 +198,9 @@ void emit_columns_many_calls(const struct emission *e, const struct pass *p, int
 	}
 }
 
-/* How many runs of rows an array has that are always zero, and `{10, 7}, {18, 2}`. */
 static int zero_runs(const struct emission *e, const struct pass *p, int argument, struct text *out)
 {
-	int rows = p->dag.arguments[argument].rows;
-	unsigned char *zero = arena_alloc(e->arena, (size_t)rows + 1, 1);
-
-	text_init(out, e->arena);
-	for (size_t i = 0; i < p->zero_count && zero; i++)
-		if (p->zeros[i].argument == argument)
-			zero[p->zeros[i].row] = 1;
-	return zero ? emit_put_runs(zero, rows, out) : 0;
+	return emit_zero_runs(e, &p->dag, p->zeros, p->zero_count, argument, out);
 }
 
 void emit_zeros_many(const struct emission *e, const struct pass *p, struct text *out)
@@ -231,8 +219,9 @@ void emit_zeros_many(const struct emission *e, const struct pass *p, struct text
 			text_printf(&tables, "static const unsigned %s_%s_%s_zeros[%d][2] = {%s};\n", name, pass, p->dag.arguments[i].name,
 				count, text_string(&runs));
 	}
-	const struct slot slots[] = {{"NAME", name}, {"PASS", pass}, {"T", e->memory->type}, {"LANES", emit_int(e, emit_lanes(e, &p->segments))},
-		{"PLACE", is_soa ? "i*stride + l" : "i + l*stride"}, {"TABLES", text_string(&tables)}};
+	const struct slot slots[] = {{"NAME", name}, {"PASS", pass}, {"T", e->memory->type},
+		{"LANES", emit_int(e, emit_lanes(e, &p->segments))}, {"PLACE", is_soa ? "i*stride + l" : "i + l*stride"},
+		{"TABLES", text_string(&tables)}};
 	size_t from = out->length;
 
 	template_expand(out, template_segment_zeros_in, slots, sizeof slots / sizeof *slots);

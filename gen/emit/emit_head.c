@@ -290,9 +290,9 @@ static void put_many(const struct pass *many, struct text *out)
 {
 	const struct segments *s = &many->segments;
 
-	text_printf(out, " *   That is with lines for each column of derivatives. Batches run %s: %d segments, each for several samples before\n"
-		" *   the next, the last %d of which loop over such columns; %d values go across cuts.\n", many->algorithm->name, s->count,
-		many->dag.loop_count, s->slots[0]);
+	text_printf(out, " *   That is with lines for each column of derivatives. Batches run %s: %d segments, each for several"
+		" samples before\n *   the next, the last %d of which loop over such columns; %d values go across cuts.\n",
+		many->algorithm->name, s->count, many->dag.loop_count, s->slots[0]);
 }
 
 static void put_operations(const struct emission *e, struct text *out)

@@ -266,42 +266,38 @@ const char *emit_zeros_unless(const struct emission *e, const struct pass *p, in
 	return text_string(&t);
 }
 
-/* Per row of an array, whether it is always zero; NULL where memory ran out. */
-static const unsigned char *zero_rows(const struct emission *e, int argument, int *count)
-{
-	const struct dag *d = stored_by(e);
-	unsigned char *rows = arena_alloc(e->arena, (size_t)d->arguments[argument].rows + 1, 1);
-
-	*count = 0;
-	for (size_t i = 0; i < d->output_count && rows; i++)
-		if (d->outputs[i].argument == argument && output_is_zero(d, &d->outputs[i])) {
-			rows[d->outputs[i].row] = 1;
-			++*count;
-		}
-	return rows;
-}
-
-int emit_put_runs(const unsigned char *set, int rows, struct text *out)
+/* `{10, 7}, {18, 2}`: from a first row on, so many. */
+static int put_runs(const unsigned char *zero, int rows, struct text *out)
 {
 	int runs = 0;
 
 	for (int i = 0, end; i < rows; i = end) {
-		for (end = i + 1; end < rows && set[end] == set[i]; end++)
+		for (end = i + 1; end < rows && zero[end] == zero[i]; end++)
 			;
-		if (set[i])
+		if (zero[i])
 			text_printf(out, "%s{%d, %d}", runs++ ? ", " : "", i, end - i);
 	}
 	return runs;
 }
 
-/* How many runs of zero rows an array has, and `{10, 7}, {18, 2}`. */
-static int zero_runs(const struct emission *e, int argument, struct text *out)
+int emit_zero_runs(const struct emission *e, const struct dag *d, const struct output *outputs, size_t count, int argument,
+	struct text *out)
 {
-	int count;
-	const unsigned char *zero = zero_rows(e, argument, &count);
+	int rows = d->arguments[argument].rows;
+	unsigned char *zero = arena_alloc(e->arena, (size_t)rows + 1, 1);
 
 	text_init(out, e->arena);
-	return zero && count ? emit_put_runs(zero, emit_main(e)->dag.arguments[argument].rows, out) : 0;
+	for (size_t i = 0; i < count && zero; i++)
+		if (outputs[i].argument == argument && output_is_zero(d, &outputs[i]))
+			zero[outputs[i].row] = 1;
+	return zero ? put_runs(zero, rows, out) : 0;
+}
+
+static int zero_runs(const struct emission *e, int argument, struct text *out)
+{
+	const struct dag *d = stored_by(e);
+
+	return emit_zero_runs(e, d, d->outputs, d->output_count, argument, out);
 }
 
 void emit_zeros(const struct emission *e, struct text *out)

@@ -123,11 +123,6 @@ int segments_may_differ(const struct rneagen_options *o)
 		(o->precision == RNEAGEN_F32 || o->precision == RNEAGEN_F64);
 }
 
-static int is_in_place(const struct dag *d)
-{
-	return d->loop_count && !d->rooms[0].rows;
-}
-
 /* Outputs that are always zero are stored in a loop: among lines a compiler looks at each beside all others. Those of loops over
    columns stay. */
 static int take_zeros(struct pass *s, struct arena *a)
@@ -159,7 +154,7 @@ static int make_lines(struct pass *s, const struct pass *p, segments_build *buil
 		dag_fuse(&s->dag, &raw, 0);
 	a->failed |= spare.failed;
 	arena_free(&spare);
-	if (*is_built && !s->dag.failed && is_in_place(&s->dag) && !take_zeros(s, a))
+	if (*is_built && !s->dag.failed && dag_loops_in_place(&s->dag) && !take_zeros(s, a))
 		return 0;
 	return !*is_built || (!s->dag.failed && plan_build(&s->plan, &s->dag, p->plan.tree, a));
 }
@@ -217,10 +212,11 @@ int segments_single(struct pass *p, const struct request *k, const struct rneage
 	return 1;
 }
 
-/* Batches in f64, against those whose columns have lines of their own (Zen 5, gcc 12 at -O3): time; seconds to compile, from and to.
-   g1_brainco, floating, 0.61; 68, 35; on the ground, 170000 operations, 0.52; 32, 29. Floating jvrc1, 122000, 0.65; 29, 16; g1_29dof,
-   90000, 0.89; 33, 13; atlas, 87000, 0.90; 33, 13; simple_humanoid, 75000, 0.90; 30, 11. But jvrc1, 57000, 1.08; atlas, 24000, 1.40;
-   floating hyq, 22000, 1.34. In aos columns are fetched and stored apart: floating atlas 1.3, jvrc1 0.95, g1_brainco 1.06; 96, 38. */
+/* Batches in f64, against those whose columns have lines of their own (Zen 5, gcc 12 at -O3): time; seconds to compile, from and
+   to. g1_brainco, floating, 0.61; 68, 35; on the ground, 170000 operations, 0.52; 32, 29. Floating jvrc1, 122000, 0.65; 29, 16;
+   g1_29dof, 90000, 0.89; 33, 13; atlas, 87000, 0.90; 33, 13; simple_humanoid, 75000, 0.90; 30, 11. But jvrc1, 57000, 1.08; atlas,
+   24000, 1.40; floating hyq, 22000, 1.34. In aos columns are fetched and stored apart: floating atlas 1.3, jvrc1 0.95, g1_brainco
+   1.06; 96, 38. */
 enum { MANY_LEAST = 60000, MANY_LEAST_AOS = 100000 };
 
 static int build_many(struct dag *d, const struct pass *p, const struct request *k)
