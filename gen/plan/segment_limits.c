@@ -32,6 +32,16 @@ static struct segment_limits loop_limits(unsigned flops)
 	return flops > LOOP_LEAST ? x : none;
 }
 
+/* What stands beside a function in segments has two or more, however short it is. */
+static struct segment_limits limits_again(unsigned flops)
+{
+	struct segment_limits x = loop_limits(UINT_MAX);
+
+	if (flops <= x.operations)
+		x.operations = flops * 5 / 8;
+	return x;
+}
+
 /* Rows of a sample that have a place. */
 static int staged_rows(const struct dag *d)
 {
@@ -84,8 +94,8 @@ static struct segment_limits limits_for(
 
 	if (o->segments != RNEAGEN_SEGMENTS_AUTO)
 		return asked;
-	if (p->dag.loop_count)
-		return loop_limits(UINT_MAX);
+	if (use == SEGMENT_AGAIN)
+		return p->dag.loop_count ? loop_limits(UINT_MAX) : limits_again(flops);
 	return use == SEGMENT_LOOPS ? loop_limits(flops) : kernel_limits(p, flops, k, o);
 }
 
@@ -93,7 +103,7 @@ static struct segment_limits limits_for(
    solved in lines of its own, gain nothing, and gcc takes up to 1.8 times as long. */
 static int is_early(const struct pass *p, enum segment_use use, const struct request *k)
 {
-	return use == SEGMENT_LOOPS && (p->dag.loop_count || !k->is_forward);
+	return use == SEGMENT_AGAIN ? p->dag.loop_count > 0 : use == SEGMENT_LOOPS && !k->is_forward;
 }
 
 int segments_choose(
@@ -172,7 +182,7 @@ int segments_once_more(struct pass **made, const struct pass *p, segments_build 
 	*x = *p->algorithm;
 	x->name = name;
 	s->algorithm = x;
-	if (!segments_choose(s, SEGMENT_LOOPS, k, o, a))
+	if (!segments_choose(s, SEGMENT_AGAIN, k, o, a))
 		return 0;
 	if (plan_operations(&s->plan).sincos == plan_operations(&p->plan).sincos)
 		*made = s;

@@ -19,7 +19,7 @@ struct segment_limits {
 int segments_make(struct segments *s, const struct plan *p, const struct segment_limits *limits, struct arena *a);
 
 /* What a pass is to become. */
-enum segment_use { SEGMENT_NONE, SEGMENT_LOOPS, SEGMENT_KERNEL };
+enum segment_use { SEGMENT_NONE, SEGMENT_LOOPS, SEGMENT_AGAIN, SEGMENT_KERNEL };
 
 /* Make p->segments as the options ask for, or where that pays (segment_limits.c). Without loops or a kernel of its own a pass
    stays whole. Returns 0 when memory runs out. */

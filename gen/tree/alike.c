@@ -13,14 +13,19 @@ static int count_carried(const struct tree *t, int body)
 
 static int is_hinge(const struct body *k)
 {
-	return (k->type == JOINT_REVOLUTE || k->type == JOINT_CONTINUOUS || k->type == JOINT_PRISMATIC) && !k->follower &&
-		k->ahead.s.x == 0 && k->ahead.c.x >= 0;
+	return (k->type == JOINT_REVOLUTE || k->type == JOINT_CONTINUOUS || k->type == JOINT_PRISMATIC) && !k->follower;
+}
+
+static int is_ahead(const struct body *k)
+{
+	return k->ahead.s.x != 0 || k->ahead.c.x < 0;
 }
 
 /* So many bodies, and rows, further on? */
 static int is_twin(const struct body *a, const struct body *b, int shift, int is_root)
 {
 	return is_hinge(a) && is_hinge(b) && a->type == b->type && a->axis == b->axis && a->sign == b->sign &&
+		is_ahead(a) == is_ahead(b) &&
 		b->iv - a->iv == shift && b->iq - a->iq == shift && b->parent - a->parent == (is_root ? 0 : shift);
 }
 
@@ -38,7 +43,7 @@ static int are_alike(const struct tree *t, int first, int bodies)
 	return 1;
 }
 
-enum { CONSTANTS = 9 + 3 + 1 + 3 + 6 + 1 };
+enum { CONSTANTS = 9 + 3 + 1 + 3 + 6 + 1 + 2 };
 
 /* Each of a body's constants. */
 static void list_constants(struct body *k, struct within **to)
@@ -52,7 +57,9 @@ static void list_constants(struct body *k, struct within **to)
 		*to++ = &k->inertia.h[i];
 	for (int i = 0; i < 6; i++)
 		*to++ = &k->inertia.I[i];
-	*to = &k->multiplier;
+	*to++ = &k->multiplier;
+	*to++ = &k->ahead.s;
+	*to = &k->ahead.c;
 }
 
 /* Number i of each limb. */

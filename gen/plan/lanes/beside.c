@@ -65,14 +65,22 @@ static int is_worth_it(const struct pass *s, const struct pass *other)
 int lanes_single(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
 	struct pass *s;
+	int is_whole;
 
 	if (!segments_single(p, k, o, a) || !segments_many(p, k, o, a))
 		return 0;
-	if (!p->segments.count || !may_have_lanes(k, o))
+	if (!may_have_lanes(k, o))
 		return !a->failed;
-	if (!segments_once_more(&s, p, build, "fd_beside", k, o, a))
+	is_whole = !p->segments.count;
+	if (is_whole && !segments_choose(p, SEGMENT_AGAIN, k, o, a))
 		return 0;
-	if (s && is_worth_it(s, p->single ? p->single : p))
-		p->beside = s;
+	if (p->segments.count) {
+		if (!segments_once_more(&s, p, build, "fd_beside", k, o, a))
+			return 0;
+		if (s && is_worth_it(s, p->single ? p->single : p))
+			p->beside = s;
+	}
+	if (is_whole && !p->beside)
+		p->segments = (struct segments){0};
 	return 1;
 }
