@@ -16,9 +16,24 @@ static struct listing listing(struct frames *f, const struct tree *now, const st
 	return (struct listing){f, now, k, &by[body], body, (k->axis + 1) % 3, (k->axis + 2) % 3};
 }
 
+static int is_turn(const struct turn *a, const struct turn *b)
+{
+	return a->s.x == b->s.x && a->c.x == b->c.x;
+}
+
+static int is_same(const struct restatement *a, const struct restatement *b)
+{
+	return a->slide[0].x == b->slide[0].x && a->slide[1].x == b->slide[1].x && a->slide[2].x == b->slide[2].x &&
+		is_turn(&a->turn, &b->turn) && is_turn(&a->ahead, &b->ahead);
+}
+
 static void list(const struct listing *x, struct restatement r)
 {
-	if (x->f->count < FRAMES_MOST)
+	int is_listed = is_same(&r, x->by);
+
+	for (int i = 0; i < x->f->count; i++)
+		is_listed |= is_same(&r, &x->f->of[i]);
+	if (!is_listed && x->f->count < FRAMES_MOST)
 		x->f->of[x->f->count++] = r;
 }
 

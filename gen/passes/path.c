@@ -1,4 +1,33 @@
 #include "passes/path.h"
+#include "dynamics/registry.h"
+#include <limits.h>
+#include <math.h>
+
+const struct request TORQUES_REQUEST = {.is_plain = 1};
+
+void torques_build(struct dag *d, const struct tree *t, struct arena *a)
+{
+	dag_init(d, a);
+	algorithm_rnea.build(d, t, &TORQUES_REQUEST);
+}
+
+long torques_flops(const struct dag *d, struct arena *a)
+{
+	uint32_t *uses = d->failed ? NULL : arena_alloc(a, d->count, sizeof *uses);
+	long flops = 0;
+
+	if (!uses)
+		return -1;
+	dag_uses(d, uses);
+	for (size_t i = 0; i < d->count; i++) {
+		enum op op = d->nodes[i].op;
+
+		flops += uses[i] && (op == OP_MUL || op == OP_ADD || op == OP_SUB);
+	}
+	return flops;
+}
+
+/* ---- paths ---- */
 
 /* Bodies between the ground and a body; beyond these, nothing near the ground is zero any more. */
 enum { PATH_MOST = 6 };
@@ -11,7 +40,8 @@ static int is_on(const struct tree *t, int i, int body)
 	return t->bodies[i].parent == body;
 }
 
-int path_make(struct tree *path, const struct tree *t, int body, struct arena *a)
+/* Rows are those of the tree. */
+static int make(struct tree *path, const struct tree *t, int body, struct arena *a)
 {
 	int *at = arena_alloc(a, (size_t)t->body_count, sizeof *at);
 	struct body *bodies = arena_alloc(a, (size_t)t->body_count, sizeof *bodies);
@@ -42,4 +72,66 @@ int path_make(struct tree *path, const struct tree *t, int body, struct arena *a
 	path->body_count = count;
 	path->mimic_count = 0;
 	return 1;
+}
+
+const struct cost PATH_COST_UNKNOWN = {INT_MAX, LONG_MAX};
+
+static int weigh(struct within x)
+{
+	return x.x == 0 ? 0 : fabsl(x.x) == 1 ? 1 : 2;
+}
+
+static int weigh_body(const struct body *k)
+{
+	int n = weigh(k->inertia.mass) + weigh(k->ahead.s);
+
+	for (int i = 0; i < 9; i++)
+		n += weigh(k->X.R.m[i / 3][i % 3]);
+	for (int i = 0; i < 3; i++)
+		n += weigh(k->X.p[i]) + weigh(k->inertia.h[i]);
+	for (int i = 0; i < 6; i++)
+		n += weigh(k->inertia.I[i]);
+	return n;
+}
+
+/* Of a body, its parent and its children. */
+static int weigh_around(const struct tree *t, int body)
+{
+	int n = 0;
+
+	for (int i = 0; i < t->body_count; i++)
+		if (i == body || t->bodies[i].parent == body || t->bodies[body].parent == i)
+			n += weigh_body(&t->bodies[i]);
+	return n;
+}
+
+static long count(const struct tree *t, int body, struct arena *spare)
+{
+	struct tree path;
+	struct dag d;
+
+	if (!make(&path, t, body, spare))
+		return -1;
+	torques_build(&d, &path, spare);
+	return torques_flops(&d, spare);
+}
+
+/* A frame that has more constants hardly ever takes fewer operations. */
+struct cost path_cost(const struct tree *around, const struct restatement *by, int body, const struct cost *least,
+	const struct rneagen_allocator *allocator)
+{
+	struct cost x = PATH_COST_UNKNOWN;
+	struct arena spare;
+	struct tree t;
+
+	arena_init(&spare, allocator);
+	if (tree_restate_body(&t, around, by, body, &spare)) {
+		x.constants = weigh_around(&t, body);
+		if (x.constants <= least->constants)
+			x.flops = count(&t, body, &spare);
+	} else {
+		x.flops = -1;
+	}
+	arena_free(&spare);
+	return x;
 }

@@ -1,5 +1,4 @@
 #include "passes/search.h"
-#include "dynamics/registry.h"
 #include "passes/accuracy.h"
 #include "passes/frames.h"
 #include "passes/path.h"
@@ -11,7 +10,7 @@
    operations, beyond which frames stay where they are, since trying others takes long; how far off torques may be, in
    what they are off as the tree is. */
 enum { SWEEPS = 4, FARTHEST = 2, WORK = 1500000 };
-static const double WORST = 1.2;
+static const double WORST = 1.15;
 /* How far a frame may be from where the file's decimals have it, in radians, or longest distances. */
 static const double VAGUE = 1e-14;
 static const struct draw_options SAMPLES = {.seed = 16, .count = 64, .each = 1};
@@ -33,7 +32,8 @@ struct search {
 	struct restatement *by;
 	char *waits;      /* by body: it or its neighbours have changed since it was tried */
 	struct tree around, now; /* as `by` has it: of all bodies but the one that is tried; of all */
-	long least;
+	long stated, least; /* operations: of the tree as it is, and by the choices so far */
+	int is_careful;     /* errors are measured at each step */
 	real farthest;
 	struct measure in[STATES];
 	struct arena own, of_now; /* of `now` */
@@ -41,57 +41,16 @@ struct search {
 	struct rneagen_error *e;
 };
 
-/* ---- counting ---- */
-
-static const struct request TORQUES = {.is_plain = 1};
-
-static void build(struct dag *d, const struct tree *t, struct arena *a)
-{
-	dag_init(d, a);
-	algorithm_rnea.build(d, t, &TORQUES);
-}
-
-static long flops_of(const struct dag *d, struct arena *a)
-{
-	uint32_t *uses = d->failed ? NULL : arena_alloc(a, d->count, sizeof *uses);
-	long flops = 0;
-
-	if (!uses)
-		return -1;
-	dag_uses(d, uses);
-	for (size_t i = 0; i < d->count; i++) {
-		enum op op = d->nodes[i].op;
-
-		flops += uses[i] && (op == OP_MUL || op == OP_ADD || op == OP_SUB);
-	}
-	return flops;
-}
-
-/* Of the torques of a tree. */
-static long tree_flops(const struct tree *t, struct arena *spare)
-{
-	struct dag d;
-
-	build(&d, t, spare);
-	return flops_of(&d, spare);
-}
-
 /* ---- trials ---- */
 
-/* Of the path to a body that is restated so. */
-static long path_flops(const struct search *s, int body)
+/* What a body that is restated so costs on its path. */
+static struct cost cost_of(const struct search *s, int body, const struct cost *least)
 {
-	struct arena spare;
-	struct tree t, path;
-	long flops = -1;
+	struct cost x = path_cost(&s->around, s->by, body, least, s->allocator);
 
-	arena_init(&spare, s->allocator);
-	if (tree_restate_body(&t, &s->around, s->by, body, &spare) && path_make(&path, &t, body, &spare))
-		flops = tree_flops(&path, &spare);
-	arena_free(&spare);
-	if (flops < 0)
+	if (x.flops < 0)
 		error_memory(s->e);
-	return flops;
+	return x;
 }
 
 static int is_known(const struct turn *a)
@@ -122,7 +81,7 @@ static int is_accurate(const struct search *s, const struct dag *d, struct arena
 	return 1;
 }
 
-/* The choices as they are now, if the whole tree costs less with them and is accurate enough. */
+/* The choices as they are now, if the whole tree costs less with them and, in a careful search, is accurate enough. */
 static int take(struct search *s)
 {
 	struct arena spare, of_now;
@@ -134,11 +93,11 @@ static int take(struct search *s)
 	arena_init(&spare, s->allocator);
 	arena_init(&of_now, s->allocator);
 	if (tree_restate(&now, s->t, s->by, &of_now)) {
-		build(&d, &now, &spare);
-		flops = flops_of(&d, &spare);
+		torques_build(&d, &now, &spare);
+		flops = torques_flops(&d, &spare);
 	}
 	if (flops >= 0 && flops < s->least)
-		is_taken = is_accurate(s, &d, &spare);
+		is_taken = s->is_careful ? is_accurate(s, &d, &spare) : 1;
 	if (flops < 0 || is_taken < 0)
 		error_memory(s->e);
 	arena_free(&spare);
@@ -162,19 +121,19 @@ static void wait(struct search *s, int body)
 		s->waits[i] |= s->t->bodies[i].parent == body;
 }
 
-/* The cheapest of some choices for a body, where one is cheaper than what it has. */
-static void improve(struct search *s, int body, const struct frames *f)
+/* The cheapest of some choices for a body, where one is cheaper than what it has, which costs *least. */
+static void improve(struct search *s, int body, const struct frames *f, struct cost *least)
 {
-	long least = f->count ? path_flops(s, body) : 0;
-
+	if (f->count && least->flops == LONG_MAX)
+		*least = cost_of(s, body, least);
 	for (int i = 0; i < f->count && !s->e->code; i++) {
 		struct restatement before = s->by[body];
-		long flops;
+		struct cost x;
 
 		s->by[body] = f->of[i];
-		flops = is_near(s, &f->of[i]) ? path_flops(s, body) : least;
-		if (flops < least && !s->e->code && take(s)) {
-			least = flops;
+		x = is_near(s, &f->of[i]) ? cost_of(s, body, least) : *least;
+		if (x.flops < least->flops && !s->e->code && take(s)) {
+			*least = x;
 			wait(s, body);
 		} else {
 			s->by[body] = before;
@@ -182,7 +141,7 @@ static void improve(struct search *s, int body, const struct frames *f)
 	}
 }
 
-static void improve_regroup(struct search *s, int body)
+static void improve_regroup(struct search *s, int body, struct cost *least)
 {
 	struct frames f = {.count = 0};
 
@@ -191,7 +150,7 @@ static void improve_regroup(struct search *s, int body)
 			f.of[f.count] = s->by[body];
 			f.of[f.count++].regroup = (enum regroup)i;
 		}
-	improve(s, body, &f);
+	improve(s, body, &f, least);
 }
 
 static void improve_body(struct search *s, int body)
@@ -200,6 +159,7 @@ static void improve_body(struct search *s, int body)
 		frames_turned, frames_split, frames_slid};
 	struct arena around;
 	struct frames f;
+	struct cost least = PATH_COST_UNKNOWN;
 
 	arena_init(&around, s->allocator);
 	s->waits[body] = 0;
@@ -207,10 +167,10 @@ static void improve_body(struct search *s, int body)
 		error_memory(s->e);
 	for (size_t i = 0; i < sizeof listings / sizeof *listings && !s->e->code; i++) {
 		listings[i](&f, &s->now, s->by, body);
-		improve(s, body, &f);
+		improve(s, body, &f, &least);
 	}
 	if (!s->e->code)
-		improve_regroup(s, body);
+		improve_regroup(s, body, &least);
 	arena_free(&around);
 }
 
@@ -236,7 +196,7 @@ static void make_fast(struct drawn_array *qd, size_t samples)
 
 static int measure_in(struct search *s, struct measure *m, const struct dag *d, int is_fast, struct arena *spare)
 {
-	if (!draw_inputs(&m->inputs, s->t, &TORQUES, &SAMPLES, &s->own))
+	if (!draw_inputs(&m->inputs, s->t, &TORQUES_REQUEST, &SAMPLES, &s->own))
 		return 0;
 	if (is_fast)
 		make_fast(&m->inputs.arrays[DRAWN_QD], m->inputs.samples);
@@ -272,9 +232,9 @@ static int measure(struct search *s)
 	int done;
 
 	arena_init(&spare, s->allocator);
-	build(&d, s->t, &spare);
-	s->least = flops_of(&d, &spare);
-	done = s->least >= 0;
+	torques_build(&d, s->t, &spare);
+	s->stated = torques_flops(&d, &spare);
+	done = s->stated >= 0;
 	for (int i = 0; i < STATES && done; i++)
 		done = measure_in(s, &s->in[i], &d, i == FAST, &spare);
 	arena_free(&spare);
@@ -290,9 +250,9 @@ static int alloc(struct search *s)
 
 /* Each body regrouped so, where it may be, in the frame that it has; then all that is cheaper. Returns 0 where that is
    not accurate. */
-static int run(struct search *s, enum regroup how)
+static int sweep_all(struct search *s, enum regroup how)
 {
-	int waiting = s->t->body_count * s->least <= WORK;
+	int waiting = s->t->body_count * s->stated <= WORK;
 
 	for (int k = 0; k < s->t->body_count; k++) {
 		s->by[k] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE,
@@ -313,12 +273,36 @@ static int run(struct search *s, enum regroup how)
 	return 1;
 }
 
+static int is_now_accurate(struct search *s)
+{
+	struct arena spare;
+	struct dag d;
+	int found;
+
+	arena_init(&spare, s->allocator);
+	torques_build(&d, &s->now, &spare);
+	found = d.failed ? -1 : is_accurate(s, &d, &spare);
+	arena_free(&spare);
+	if (found < 0)
+		error_memory(s->e);
+	return found > 0;
+}
+
+/* Errors take long to measure, so first without, and carefully where what was found is not accurate. */
+static int run(struct search *s, enum regroup how)
+{
+	s->is_careful = 0;
+	if ((sweep_all(s, how) && is_now_accurate(s)) || s->e->code)
+		return 1;
+	s->is_careful = 1;
+	return sweep_all(s, how);
+}
+
 /* Whether regrouping pays is seen when all is; where it does not, each body is tried by itself. */
 enum rneagen_code search_params(struct restatement *by, const struct tree *t, const char *keeps,
 	const struct rneagen_allocator *allocator, struct rneagen_error *e)
 {
 	struct search s = {.t = t, .keeps = keeps, .by = by, .allocator = allocator, .e = e};
-	long stated;
 
 	for (int k = 0; k < t->body_count; k++)
 		by[k] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE};
@@ -328,11 +312,8 @@ enum rneagen_code search_params(struct restatement *by, const struct tree *t, co
 	arena_init(&s.of_now, allocator);
 	if (!alloc(&s))
 		error_memory(e);
-	stated = s.least;
-	if (!e->code && (!run(&s, REGROUP_SECOND) || s.least > stated) && !e->code) {
-		s.least = stated;
+	if (!e->code && (!run(&s, REGROUP_SECOND) || s.least > s.stated) && !e->code)
 		run(&s, REGROUP_NOTHING);
-	}
 	arena_free(&s.own);
 	arena_free(&s.of_now);
 	return e->code;
