@@ -32,7 +32,7 @@ static struct segment_limits loop_limits(unsigned flops)
 	return flops > LOOP_LEAST ? x : none;
 }
 
-/* What stands beside a function in segments has two or more, however short it is. */
+/* Two segments or more, however short it is. */
 static struct segment_limits limits_again(unsigned flops)
 {
 	struct segment_limits x = loop_limits(UINT_MAX);
