@@ -73,7 +73,7 @@ static void turn_ahead(struct dag *d, const struct body *k, struct joint_pose *x
 {
 	struct ref sine = dag_within(d, k->ahead.s), cosine = dag_within(d, k->ahead.c), s = x->s, c = x->c;
 
-	if (k->ahead.s.x == 0 && k->ahead.c.x >= 0)
+	if (k->ahead.s.x == 0 && k->ahead.c.x >= 0 && !k->ahead.s.limb && !k->ahead.c.limb) /* nor has a limb's twin one */
 		return;
 	x->s = dag_add(d, dag_mul(d, cosine, s), dag_mul(d, sine, c));
 	x->c = dag_sub(d, dag_mul(d, cosine, c), dag_mul(d, sine, s));

@@ -16,16 +16,10 @@ static int is_hinge(const struct body *k)
 	return (k->type == JOINT_REVOLUTE || k->type == JOINT_CONTINUOUS || k->type == JOINT_PRISMATIC) && !k->follower;
 }
 
-static int is_ahead(const struct body *k)
-{
-	return k->ahead.s.x != 0 || k->ahead.c.x < 0;
-}
-
 /* So many bodies, and rows, further on? */
 static int is_twin(const struct body *a, const struct body *b, int shift, int is_root)
 {
 	return is_hinge(a) && is_hinge(b) && a->type == b->type && a->axis == b->axis && a->sign == b->sign &&
-		is_ahead(a) == is_ahead(b) &&
 		b->iv - a->iv == shift && b->iq - a->iq == shift && b->parent - a->parent == (is_root ? 0 : shift);
 }
 
@@ -122,8 +116,13 @@ int tree_alike(struct alike *x, struct tree *told, const struct tree *t, struct 
 	memcpy(bodies, t->bodies, (size_t)t->body_count * sizeof *bodies);
 	*told = *t;
 	told->bodies = bodies;
-	for (int i = 0; i < ALIKE_LIMBS * x->bodies; i++)
-		list_constants(&bodies[x->first + i], list + i * CONSTANTS);
+	for (int i = 0; i < ALIKE_LIMBS * x->bodies; i++) {
+		struct body *k = &bodies[x->first + i];
+
+		if (k->ahead.s.x == 0 && k->ahead.c.x >= 0) /* a twin may have a turn */
+			k->ahead = TURN_NONE;
+		list_constants(k, list + i * CONSTANTS);
+	}
 	tell(list, x->bodies * CONSTANTS);
 	return 1;
 }
