@@ -275,8 +275,8 @@ int forward_loops(struct loops *x, const struct tree *t, int dense, int is_in_pl
 
 	*x = (struct loops){.is_in_place = is_in_place, .first = arena_alloc(a, (size_t)nv, sizeof *x->first)};
 	x->rooms = is_in_place ? NULL : arena_alloc(a, (size_t)nv, sizeof *x->rooms);
-	if (!x->first || (!is_in_place && !x->rooms) || !pattern_make(&x->related, t, 0, 0, a) || !pattern_coupled(&coupled, t, 0, 0, a) ||
-		!pattern_coupled(&stored, t, 0, dense, a))
+	if (!x->first || (!is_in_place && !x->rooms) || !pattern_make(&x->related, t, 0, 0, a) ||
+		!pattern_coupled(&coupled, t, 0, 0, a) || !pattern_coupled(&stored, t, 0, dense, a))
 		return 0;
 	for (int i = 0; i < nv; i++) {
 		int first = is_in_place ? first_alike(&x->related, i) : first_coupled(&coupled, i);

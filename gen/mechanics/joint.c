@@ -73,7 +73,7 @@ static void turn_ahead(struct dag *d, const struct body *k, struct joint_pose *x
 {
 	struct ref sine = dag_within(d, k->ahead.s), cosine = dag_within(d, k->ahead.c), s = x->s, c = x->c;
 
-	if (k->ahead.s.x == 0 && k->ahead.c.x >= 0 && !k->ahead.s.limb && !k->ahead.c.limb) /* nor has a limb's twin one */
+	if (!body_is_ahead(k) && !k->ahead.s.limb && !k->ahead.c.limb) /* nor is a limb's twin */
 		return;
 	x->s = dag_add(d, dag_mul(d, cosine, s), dag_mul(d, sine, c));
 	x->c = dag_sub(d, dag_mul(d, cosine, c), dag_mul(d, sine, s));
@@ -148,7 +148,7 @@ static void half_ahead(const struct body *k, struct within *s, struct within *c)
 
 	*s = within_exact(0);
 	*c = one;
-	if (k->ahead.s.x == 0 && k->ahead.c.x >= 0)
+	if (!body_is_ahead(k))
 		return;
 	if (k->ahead.c.x >= 0) {
 		*c = within_sqrt(within_mul(half, within_add(one, k->ahead.c)));

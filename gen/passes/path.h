@@ -14,8 +14,9 @@ extern const struct request TORQUES_REQUEST;
 void torques_build(struct dag *d, const struct tree *t, struct arena *a);
 long torques_flops(const struct dag *d, struct arena *a);
 
-/* constants: of the body, its parent and its children, that something is multiplied by, each for 2, those of 1 and -1 for 1. flops:
-   of the path from the ground to the body, its children at the end; of a long path what is near the body, on a base that floats. */
+/* constants: of the body, its parent and its children, that something is multiplied by, each for 2, those of 1 and -1 for 1.
+   flops: of the path from the ground to the body, its children at the end; of a long path what is near the body, on a base that
+   floats. */
 struct cost {
 	int constants;
 	long flops;
@@ -23,8 +24,8 @@ struct cost {
 
 extern const struct cost PATH_COST_UNKNOWN; /* more than any */
 
-/* Of a body that is restated by by[body], and all others as in `around`, which tree_restate_around made. flops is LONG_MAX where there
-   are more constants than *least has, and -1 when memory runs out. */
+/* Of a body that is restated by by[body], and all others as in `around`, which tree_restate_around made. flops is LONG_MAX where
+   there are more constants than *least has, and -1 when memory runs out. */
 struct cost path_cost(const struct tree *around, const struct restatement *by, int body, const struct cost *least,
 	const struct rneagen_allocator *allocator);
 

@@ -119,7 +119,7 @@ int tree_alike(struct alike *x, struct tree *told, const struct tree *t, struct 
 	for (int i = 0; i < ALIKE_LIMBS * x->bodies; i++) {
 		struct body *k = &bodies[x->first + i];
 
-		if (k->ahead.s.x == 0 && k->ahead.c.x >= 0) /* a twin may have a turn */
+		if (!body_is_ahead(k)) /* a twin may be */
 			k->ahead = TURN_NONE;
 		list_constants(k, list + i * CONSTANTS);
 	}

@@ -261,6 +261,11 @@ const struct tree_joint *tree_joint_of_q(const struct tree *t, int row)
 	return NULL;
 }
 
+int body_is_ahead(const struct body *k)
+{
+	return k->ahead.s.x != 0 || k->ahead.c.x < 0;
+}
+
 int tree_has_type(const struct tree *t, enum joint_type type)
 {
 	for (int i = 0; i < t->joint_count; i++)

@@ -81,6 +81,9 @@ const struct tree_joint *tree_joint_of_row(const struct tree *t, int row);
 /* The same of a row of q; NULL: there is no such row. */
 const struct tree_joint *tree_joint_of_q(const struct tree *t, int row);
 
+/* Has a body's joint a turn that is added to its angle? */
+int body_is_ahead(const struct body *k);
+
 /* Is there a joint of this type, the floating base included? */
 int tree_has_type(const struct tree *t, enum joint_type type);
 

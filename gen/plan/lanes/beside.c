@@ -62,9 +62,20 @@ static int is_worth_it(const struct pass *s, const struct pass *other)
 	return s->segments.count && 100 * count_operations(s) <= WORTH_PERCENT * count_operations(other) && !loops_read_lanes(s);
 }
 
-int lanes_single(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
+/* p->beside, for a pass in segments. */
+static int make_beside(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
 	struct pass *s;
+
+	if (!segments_once_more(&s, p, build, "fd_beside", k, o, a))
+		return 0;
+	if (s && is_worth_it(s, p->single ? p->single : p))
+		p->beside = s;
+	return 1;
+}
+
+int lanes_single(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
+{
 	int is_whole;
 
 	if (!segments_single(p, k, o, a) || !segments_many(p, k, o, a))
@@ -74,12 +85,8 @@ int lanes_single(struct pass *p, const struct request *k, const struct rneagen_o
 	is_whole = !p->segments.count;
 	if (is_whole && !segments_choose(p, SEGMENT_AGAIN, k, o, a))
 		return 0;
-	if (p->segments.count) {
-		if (!segments_once_more(&s, p, build, "fd_beside", k, o, a))
-			return 0;
-		if (s && is_worth_it(s, p->single ? p->single : p))
-			p->beside = s;
-	}
+	if (p->segments.count && !make_beside(p, k, o, a))
+		return 0;
 	if (is_whole && !p->beside)
 		p->segments = (struct segments){0};
 	return 1;
