@@ -37,8 +37,9 @@ int segments_many(struct pass *p, const struct request *k, const struct rneagen_
 /* May a call of one sample run another text than a batch does: does nothing promise its bits, or ask for these segments? */
 int segments_may_differ(const struct rneagen_options *o);
 
-/* The pass once more, for one sample or for batches: of a DAG that `build` makes, under a name of its own, and in segments. *made
-   is NULL where `build` returns 0, or makes other sines, for the table of sines is the whole's. Returns 0 when memory runs out. */
+/* The pass once more, for one sample or for batches: of a DAG that `build` makes, under a name of its own, and in segments.
+   *made is NULL where `build` returns 0, or makes other sines, for the table of sines is the whole's. Returns 0 when memory
+   runs out. */
 typedef int segments_build(struct dag *d, const struct pass *p, const struct request *k);
 int segments_once_more(struct pass **made, const struct pass *p, segments_build *build, const char *name, const struct request *k,
 	const struct rneagen_options *o, struct arena *a);
