@@ -23,6 +23,7 @@ void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier 
 	memcpy(out->runs, d->runs, sizeof out->runs);
 	memcpy(out->rooms, d->rooms, sizeof out->rooms);
 	out->run_count = d->run_count;
+	out->width = d->width;
 	out->loop_count = d->loop_count;
 	for (size_t i = 0; i < d->count; i++) {
 		const struct tag *tag = &d->nodes[i].tag;

@@ -192,7 +192,7 @@ struct ref dag_within(struct dag *d, struct within c)
 
 void dag_init(struct dag *d, struct arena *a)
 {
-	*d = (struct dag){.arena = a};
+	*d = (struct dag){.arena = a, .width = DAG_LANES};
 	if (!table_grow(d))
 		d->failed = 1;
 	dag_node(d, OP_CONST, NONE, NONE, NONE, 0);

@@ -33,6 +33,7 @@ struct node {
 	uint32_t is_wide : 1; /* it is of the type with more bits: WIDEN, and what is made of wide operands */
 };
 
+/* Lanes of a wide node, at most. */
 enum { DAG_LANES = 4 };
 
 struct dag_lanes {
@@ -96,6 +97,7 @@ struct dag {
 	size_t table_size;
 	struct within *numbers; /* of constants that are not exactly their value */
 	size_t number_count, number_capacity;
+	int width;               /* lanes of its wide nodes: four, or two */
 	struct dag_lanes *lanes; /* of constants that are not the same in all lanes */
 	size_t lane_count, lane_capacity;
 	struct argument arguments[DAG_ARGUMENTS + DAG_LOOPS]; /* the last ones, of the loops, are not counted */

@@ -88,8 +88,10 @@ struct ref dag_pack(struct dag *d, const struct ref each[DAG_LANES])
 {
 	if (d->failed)
 		return NONE;
-	if (ref_equal(each[0], each[1]) && ref_equal(each[0], each[2]) && ref_equal(each[0], each[3]))
+	if (ref_equal(each[0], each[1]) && (d->width == 2 || (ref_equal(each[0], each[2]) && ref_equal(each[0], each[3]))))
 		return each[0];
+	if (d->width == 2)
+		return dag_node(d, OP_PACK, each[0], each[1], NONE, 0);
 	return dag_node(d, OP_PACK, dag_node(d, OP_PAIR, each[0], each[1], NONE, 0), dag_node(d, OP_PAIR, each[2], each[3], NONE, 0), NONE, 0);
 }
 

@@ -211,7 +211,6 @@ struct touched emit_touched(const struct plan *p);
    has its own of. */
 void emit_unused(const struct emission *e, const struct plan *p, const char *prefix, struct text *out);
 
-/* A pass in segments: the body of each; target C: the functions of a sample and of a part of a batch; CUDA: its kernel. */
 /* By what the warps of a limbs' kernel wait for each other. */
 #define EMIT_JOIN "RNEA_JOIN"
 
@@ -219,9 +218,23 @@ void emit_unused(const struct emission *e, const struct plan *p, const char *pre
 	"   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,\n" \
 	"   the results mean nothing.\n"
 int emit_has_segments(const struct emission *e);
+/* A pass in segments: the body of each; target C: the functions of a sample and of a part of a batch; CUDA: its kernel. */
 void emit_segments(const struct emission *e, const struct pass *p, struct text *out);
 void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *call_any,
 	struct text *out);
+
+/* What a call of one sample runs in lanes, and a batch does not (p->beside): its bodies, and the function. */
+#define EMIT_IF_LANES "#if defined RNEA_LANES\n"
+void emit_lanes_call_bodies(const struct emission *e, const struct pass *p, struct text *out);
+void emit_lanes_call(const struct emission *e, const struct pass *p, const char *call_any, struct text *out);
+
+/* The arrays of what goes across cuts, or the one that there is: as parameters; the same where compilers are to know that they overlap
+   nothing; as those of a segment, for its first sample; their names; their declarations with room for a sample, or for some lanes; in a
+   kernel, for all threads; where a thread's sample has them. And bytes of a sample. */
+enum across_form { ACROSS_PARAMETER, ACROSS_RESTRICT, ACROSS_FIRST, ACROSS_NAME, ACROSS_LOCAL, ACROSS_LANES, ACROSS_SHARED,
+	ACROSS_AT_THREAD };
+const char *emit_across(const struct emission *e, const struct segments *s, enum across_form form);
+int emit_across_bytes(const struct emission *e, const struct segments *s);
 
 /* How many samples a segment runs for. */
 int emit_lanes(const struct emission *e, const struct segments *s);

@@ -289,7 +289,7 @@ static void put_small(const struct emission *e, const char *what, const char *na
 {
 	const struct slot slots[] = {{"WHAT", what}, {"NAME", name}, {"T", e->memory->type}, {"F", e->memory->suffix},
 		{"LOOPS", small_loops(e, rows)}, {"GAP", rows[1].rows ? ", const size_t gap" : ""},
-		{"BITS", emit_main(e)->single || emit_main(e)->beside ? "" : "; the results have the same bits either way"}};
+		{"BITS", emit_main(e)->single || emit_main(e)->lanes_in_batches ? "" : "; the results have the same bits either way"}};
 
 	template_expand(out, template_is_small_in, slots, sizeof slots / sizeof *slots);
 }

@@ -54,6 +54,20 @@ static const char *vectors_text(const struct pass *p)
 	return plan_flops(plan_operations(&p->plan)) <= SHORT_FLOPS ? "RNEA_VECTORS " : "";
 }
 
+/* What the function of one sample does. */
+static const char *one_call(const struct emission *e, const struct pass *p)
+{
+	const char *names = emit_params(e, p, PARAMS_NAMES), *what = emit_has_known(e) || p->segments.count ? "any" : "body";
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (p->beside && !p->lanes_in_batches)
+		text_printf(&t, "#if defined RNEA_LANES\n\t%s_%s_any(%s, 1);\n#else\n", e->options->name, p->beside->algorithm->name, names);
+	text_printf(&t, "\t%s_%s_%s(%s, 1);\n", e->options->name, p->algorithm->name, what, names);
+	text_put(&t, p->beside && !p->lanes_in_batches ? "#endif\n" : "");
+	return text_string(&t);
+}
+
 /* One function for a sample, one for a part of a batch. */
 static void put_functions(const struct emission *e, const struct pass *p, struct text *out)
 {
@@ -62,7 +76,7 @@ static void put_functions(const struct emission *e, const struct pass *p, struct
 	const struct call one = {.indent = "\t", .arguments = any.arguments, .q = "q", .stride = "1", .is_any = 1};
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"APART", e->options->strict ? "RNEA_APART " : ""},
-		{"ARE_SMALL", are_small(e, p)}, {"ONE", emit_has_known(e) || p->segments.count ? "any" : "body"},
+		{"ARE_SMALL", are_small(e, p)}, {"CALL", one_call(e, p)},
 		{"CALL_ONE", emit_call(e, p, &one)}, {"CALL_ANY", emit_call(e, p, &any)}, {"UNKNOWN", emit_unknown_names(e)},
 		{"COUNT_PARAM", is_soa(e) ? "size_t count, " : ""}, {"COUNT", is_soa(e) ? "count, " : ""},
 		{"VECTORS", vectors_text(p)}, {"UNUSED", is_soa(e) ? "" : "\t(void)count;"},
@@ -80,6 +94,8 @@ static void put_functions(const struct emission *e, const struct pass *p, struct
 		emit_segments_part(e, p, are_small(e, p), emit_call(e, p, &any), out);
 	else
 		template_expand(out, emit_has_known(e) ? template_part_accurate_in : template_part_in, slots, count);
+	if (p->beside && !p->lanes_in_batches)
+		emit_lanes_call(e, p->beside, emit_call(e, p->beside, &any), out);
 	template_expand(out, template_slice_in, slots, count);
 	if (p == emit_main(e))
 		template_expand(out, template_batch_in, slots, count);

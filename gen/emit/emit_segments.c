@@ -9,7 +9,7 @@
    thread's stack would grow too large. */
 enum { CACHE_BYTES = 16384, STACK_BYTES = 131072, MOST_LANES = 64, WIDE_LANES = 16, FEWEST_LANES = 4 };
 
-static int across_bytes(const struct emission *e, const struct segments *s)
+int emit_across_bytes(const struct emission *e, const struct segments *s)
 {
 	return s->slots[0] * e->arithmetic->bytes + (e->wide ? s->slots[1] * e->wide->arithmetic->bytes : 0);
 }
@@ -18,7 +18,7 @@ int emit_lanes(const struct emission *e, const struct segments *s)
 {
 	int lanes = MOST_LANES;
 
-	while (lanes > FEWEST_LANES && lanes * across_bytes(e, s) > (lanes > WIDE_LANES ? CACHE_BYTES : STACK_BYTES))
+	while (lanes > FEWEST_LANES && lanes * emit_across_bytes(e, s) > (lanes > WIDE_LANES ? CACHE_BYTES : STACK_BYTES))
 		lanes /= 2;
 	return lanes;
 }
@@ -29,36 +29,31 @@ struct across {
 	int slots;
 };
 
-/* How it is written: as a parameter; the same where compilers are to know that it overlaps nothing; as that of a segment, for its
-   first sample; its name; its declaration with room for a sample, or for some lanes; in a kernel, for all threads; where a
-   thread's sample has it. */
-enum form { PARAMETER, RESTRICT, FIRST, NAME, LOCAL, LANES, SHARED, AT_THREAD };
-
-static void put_form(const struct across *x, enum form form, int lanes, struct text *out)
+static void put_form(const struct across *x, enum across_form form, int lanes, struct text *out)
 {
 	int slots = x->slots ? x->slots : 1;
 
 	switch (form) {
-	case PARAMETER:
+	case ACROSS_PARAMETER:
 		text_printf(out, "%s *const %s", x->type, x->name);
 		break;
-	case RESTRICT:
+	case ACROSS_RESTRICT:
 		text_printf(out, "%s *restrict %s", x->type, x->name);
 		break;
-	case FIRST:
+	case ACROSS_FIRST:
 		text_printf(out, "%s *const first_%s", x->type, x->name);
 		break;
-	case NAME:
+	case ACROSS_NAME:
 		text_put(out, x->name);
 		break;
-	case LOCAL:
-	case LANES:
+	case ACROSS_LOCAL:
+	case ACROSS_LANES:
 		text_printf(out, "\t%s %s[%d];", x->type, x->name, slots * lanes);
 		break;
-	case SHARED:
+	case ACROSS_SHARED:
 		text_printf(out, "\t__shared__ %s %s[%d*RNEA_SAMPLES*RNEA_BLOCK];", x->type, x->name, slots);
 		break;
-	case AT_THREAD:
+	case ACROSS_AT_THREAD:
 		text_printf(out, "%s + here + j*RNEA_BLOCK", x->name);
 	}
 }
@@ -69,12 +64,11 @@ static const char *wide_value(const struct emission *e)
 	return emit_wide(e) ? emit_wide(e)->value : "";
 }
 
-/* Of both arrays, or of the one that there is. */
-static const char *across(const struct emission *e, const struct segments *s, enum form form)
+const char *emit_across(const struct emission *e, const struct segments *s, enum across_form form)
 {
 	const struct across narrow = {e->numbers->value, "across", s->slots[0]};
 	const struct across wide = {wide_value(e), "wide_across", s->slots[1]};
-	int lanes = form == LANES ? emit_lanes(e, s) : 1, is_line = form == LOCAL || form == LANES || form == SHARED;
+	int lanes = form == ACROSS_LANES ? emit_lanes(e, s) : 1, is_line = form == ACROSS_LOCAL || form == ACROSS_LANES || form == ACROSS_SHARED;
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -145,7 +139,7 @@ static void put_segment(const struct emission *e, const struct pass *p, int k, s
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
 		{"COUNT", emit_int(e, s->count)}, {"FIRST_PARAMS", emit_params(e, p, PARAMS_FIRST)},
-		{"ACROSS_PARAMS", across(e, s, FIRST)}, {"KNOWN_PARAM", emit_known_params(e)},
+		{"ACROSS_PARAMS", emit_across(e, s, ACROSS_FIRST)}, {"KNOWN_PARAM", emit_known_params(e)},
 		{"RESULT", emit_has_known(e) ? "int" : "void"}, {"BEGIN", text_string(&begin)},
 		{"END", emit_has_known(e) ? "\treturn all_small;\n" : ""},
 	};
@@ -182,17 +176,30 @@ static const struct pass *many_of(const struct pass *p)
 	return p->many ? p->many : p;
 }
 
+/* What one sample runs where there are vectors; NULL: nothing of its own. */
+static const struct pass *lanes_of(const struct pass *p)
+{
+	return p->lanes_in_batches ? p->beside : NULL;
+}
+
 void emit_segments(const struct emission *e, const struct pass *p, struct text *out)
 {
 	put_segments(e, many_of(p), out);
-	if (p->beside) {
-		text_put(out, "#if defined RNEA_LANES\n");
-		put_segments(e, p->beside, out);
+	if (lanes_of(p)) {
+		text_put(out, EMIT_IF_LANES);
+		put_segments(e, lanes_of(p), out);
 		text_put(out, p->single ? "#else\n" : "");
 	}
 	if (p->single)
 		put_segments(e, p->single, out);
-	text_put(out, p->beside ? "#endif\n" : "");
+	text_put(out, lanes_of(p) ? "#endif\n" : "");
+}
+
+void emit_lanes_call_bodies(const struct emission *e, const struct pass *p, struct text *out)
+{
+	text_put(out, EMIT_IF_LANES);
+	put_segments(e, p->beside, out);
+	text_put(out, "#endif\n");
 }
 
 /* ---- batches ---- */
@@ -209,8 +216,8 @@ static void put_lanes_function(const struct emission *e, const struct pass *p, i
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
 		{"LANES", emit_int(e, emit_lanes(e, s))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
 		{"COUNT_PARAM", e->options->layout == RNEAGEN_SOA ? "size_t count, " : ""},
-		{"RESTRICT_ACROSS", across(e, s, RESTRICT)}, {"AT_SAMPLE", emit_at_sample(e, p)},
-		{"ACROSS_NAMES", across(e, s, NAME)}, {"UNKNOWN", emit_handed_on(e, emit_unknown_names(e))}};
+		{"RESTRICT_ACROSS", emit_across(e, s, ACROSS_RESTRICT)}, {"AT_SAMPLE", emit_at_sample(e, p)},
+		{"ACROSS_NAMES", emit_across(e, s, ACROSS_NAME)}, {"UNKNOWN", emit_handed_on(e, emit_unknown_names(e))}};
 
 	template_expand(out, template_segment_lanes_in, slots, sizeof slots / sizeof *slots);
 }
@@ -221,7 +228,7 @@ static void put_one_function(const struct emission *e, const struct pass *p, int
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
 		{"KNOWN", emit_handed_on(e, emit_known_names(e))}, {"KNOWN_PARAM", emit_known_params(e)},
-		{"ACROSS_PARAMS", across(e, s, PARAMETER)}, {"ACROSS_NAMES", across(e, s, NAME)}};
+		{"ACROSS_PARAMS", emit_across(e, s, ACROSS_PARAMETER)}, {"ACROSS_NAMES", emit_across(e, s, ACROSS_NAME)}};
 
 	template_expand(out, template_segment_one_in, slots, sizeof slots / sizeof *slots);
 }
@@ -242,12 +249,13 @@ static const char *functions_text(const struct emission *e, const struct pass *p
 		if (!emit_is_loop(many_of(p), k))
 			put_lanes_function(e, many_of(p), k, &t);
 	emit_zeros_many(e, many_of(p), &t);
-	text_put(&t, p->beside ? "#if defined RNEA_LANES\n" : "");
-	if (p->beside)
-		put_one_functions(e, p->beside, &t);
-	text_put(&t, p->beside ? "#else\n" : "");
+	if (lanes_of(p)) {
+		text_put(&t, EMIT_IF_LANES);
+		put_one_functions(e, lanes_of(p), &t);
+		text_put(&t, "#else\n");
+	}
 	put_one_functions(e, single_of(p), &t);
-	text_put(&t, p->beside ? "#endif\n" : "");
+	text_put(&t, lanes_of(p) ? "#endif\n" : "");
 	return text_string(&t);
 }
 
@@ -255,7 +263,7 @@ static void put_call(const struct emission *e, const struct pass *p, int k, cons
 	const char *where, const char *more, struct text *out)
 {
 	text_printf(out, "%s%s_%s_%s%d(%s, %s, %s%s);\n", indent, e->options->name, p->algorithm->name, what, k,
-		emit_params(e, p, PARAMS_NAMES), where, across(e, &p->segments, NAME), more);
+		emit_params(e, p, PARAMS_NAMES), where, emit_across(e, &p->segments, ACROSS_NAME), more);
 }
 
 static const char *lanes_calls(const struct emission *e, const struct pass *p)
@@ -285,19 +293,41 @@ static const char *one_calls(const struct emission *e, const struct pass *p)
 	return text_string(&t);
 }
 
-/* One sample's body, as it is, or in lanes where there are such. */
+/* One sample's body. */
+static void put_one_body(const struct emission *e, const struct pass *p, struct text *out)
+{
+	text_printf(out, "%s\n%s\n%s", emit_across(e, &p->segments, ACROSS_LOCAL), emit_columns_declaration(e, p), one_calls(e, p));
+}
+
+/* As it is, or in lanes where there are such. */
 static const char *one_body(const struct emission *e, const struct pass *p)
 {
-	const struct pass *ways[] = {p->beside, single_of(p)};
 	struct text t;
 
 	text_init(&t, e->arena);
-	for (int i = !p->beside; i < 2; i++) {
-		text_put(&t, !p->beside ? "" : i ? "#else\n" : "#if defined RNEA_LANES\n");
-		text_printf(&t, "%s\n%s\n%s", across(e, &ways[i]->segments, LOCAL), emit_columns_declaration(e, ways[i]), one_calls(e, ways[i]));
+	if (lanes_of(p)) {
+		text_put(&t, EMIT_IF_LANES);
+		put_one_body(e, lanes_of(p), &t);
+		text_put(&t, "#else\n");
 	}
-	text_put(&t, p->beside ? "#endif\n" : "");
+	put_one_body(e, single_of(p), &t);
+	text_put(&t, lanes_of(p) ? "#endif\n" : "");
 	return text_string(&t);
+}
+
+void emit_lanes_call(const struct emission *e, const struct pass *p, const char *call_any, struct text *out)
+{
+	struct text functions, body;
+
+	text_init(&functions, e->arena);
+	text_init(&body, e->arena);
+	put_one_functions(e, p, &functions);
+	put_one_body(e, p, &body);
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)}, {"CALL_ANY", call_any},
+		{"FUNCTIONS", text_string(&functions)}, {"ONE_BODY", text_string(&body)}};
+
+	template_expand(out, template_lanes_call_in, slots, sizeof slots / sizeof *slots);
 }
 
 static const char *and_small(const struct emission *e, const char *are_small)
@@ -323,73 +353,7 @@ void emit_segments_part(const struct emission *e, const struct pass *p, const ch
 		{"AND_SMALL", and_small(e, are_small)}, {"CALL_ANY", call_any}, {"COUNT_PARAM", count_param},
 		{"AT_SAMPLE", emit_at_sample(e, p)}, {"LANES", emit_int(e, emit_lanes(e, &many_of(p)->segments))},
 		{"FUNCTIONS", functions_text(e, p)}, {"CALLS", lanes_calls(e, many_of(p))}, {"ONE_BODY", one_body(e, p)},
-		{"DECLARATIONS", across(e, &many_of(p)->segments, LANES)}};
+		{"DECLARATIONS", emit_across(e, &many_of(p)->segments, ACROSS_LANES)}};
 
 	template_expand(out, template_part_segments_in, slots, sizeof slots / sizeof *slots);
-}
-
-/* ---- kernels ---- */
-
-/* Samples of a thread (H100, 1 M samples, ps): g1_brainco in f32, 1, 2 and 4 take 1338, 742 and 643; in f64, 1 and 2 take 3254
-   and 2487; romeo in f64, 2 and 4 take 526 and 546. */
-enum { MOST_SINGLE = 4, MOST_DOUBLE = 2, LARGEST_BLOCK = 64 };
-
-int emit_segments_bytes(const struct emission *e, const struct pass *p)
-{
-	int bytes = across_bytes(e, &p->segments);
-
-	return bytes ? bytes : e->arithmetic->bytes;
-}
-
-int emit_segments_samples(const struct emission *e)
-{
-	return e->arithmetic->bytes == 4 ? MOST_SINGLE : MOST_DOUBLE;
-}
-
-int emit_segments_block(const struct emission *e, const struct pass *p)
-{
-	return LARGEST_BLOCK * 2 * emit_segments_bytes(e, p) > SHARED_BYTES ? WARP_THREADS : LARGEST_BLOCK;
-}
-
-static const char *loops_in_kernel(const struct emission *e, const struct pass *p)
-{
-	int has_angles = emit_has_known(e) && emit_has_angles(e, p);
-	const char *at_sample = emit_at_sample(e, p);
-	struct text t;
-
-	text_init(&t, e->arena);
-	for (int k = 0; k < p->segments.count; k++) {
-		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
-			{"FROM", has_angles ? "from" : "0"}, {"TO", has_angles ? "to" : "each"},
-			{"LARGE", has_angles ? "large |= (unsigned)!" : ""}, {"SHIFT", has_angles ? " << j" : ""},
-			{"AT_SAMPLE", at_sample}, {"ACROSS", across(e, &p->segments, AT_THREAD)},
-			{"KNOWN", emit_handed_on(e, has_angles ? emit_known_tables(e, p) : emit_unknown_names(e))}};
-
-		template_expand(&t, template_kernel_segment_in, slots, sizeof slots / sizeof *slots);
-	}
-	return text_string(&t);
-}
-
-static const char *rounds_in_kernel(const struct emission *e, const struct pass *p)
-{
-	const char *loops = loops_in_kernel(e, p);
-	struct text t;
-
-	if (!emit_has_known(e) || !emit_has_angles(e, p))
-		return loops;
-	text_init(&t, e->arena);
-	emit_rounds(e, p, loops, &t);
-	return text_string(&t);
-}
-
-void emit_segments_kernel(const struct emission *e, const struct pass *p, struct text *out)
-{
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
-		{"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
-		{"MOST", emit_int(e, emit_segments_samples(e))}, {"BYTES", emit_int(e, emit_segments_bytes(e, p))},
-		{"SHARED_BYTES", emit_int(e, SHARED_BYTES)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)},
-		{"SHARED", across(e, &p->segments, SHARED)}, {"LOCAL", across(e, &p->segments, LOCAL)},
-		{"ROUNDS", rounds_in_kernel(e, p)}};
-
-	template_expand(out, template_kernel_segments_in, slots, sizeof slots / sizeof *slots);
 }

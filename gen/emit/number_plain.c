@@ -149,7 +149,7 @@ static void put_lanes(const struct unparser *u, const struct node *n, struct tex
 		put_constant(u, n, out);
 		return;
 	}
-	for (int i = 0; i < DAG_LANES; i++) {
+	for (int i = 0; i < u->plan->dag->width; i++) {
 		text_put(out, i ? ", " : "RNEA_LANES(");
 		emit_number(u->emission, u->numbers->arithmetic, x->x[i], out);
 	}

@@ -67,7 +67,7 @@ static void name_parts(struct planner *b, const struct node *n, int is_in_loop)
 	for (int k = 0; k < op_arity[n->op]; k++) {
 		enum op op = b->d->nodes[n->arg[k].i].op;
 
-		if (op != OP_CONST && (n->op == OP_PAIR || n->op >= OP_LANE0 || (is_in_loop && op >= OP_LANE0)))
+		if (op != OP_CONST && op != OP_PAIR && (n->op == OP_PAIR || n->op == OP_PACK || n->op >= OP_LANE0 || (is_in_loop && op >= OP_LANE0)))
 			b->named[n->arg[k].i] = 1;
 	}
 }

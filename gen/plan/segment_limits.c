@@ -32,16 +32,6 @@ static struct segment_limits loop_limits(unsigned flops)
 	return flops > LOOP_LEAST ? x : none;
 }
 
-/* Two segments or more, however short it is. */
-static struct segment_limits limits_again(unsigned flops)
-{
-	struct segment_limits x = loop_limits(UINT_MAX);
-
-	if (flops <= x.operations)
-		x.operations = flops * 5 / 8;
-	return x;
-}
-
 /* Rows of a sample that have a place. */
 static int staged_rows(const struct dag *d)
 {
@@ -95,7 +85,7 @@ static struct segment_limits limits_for(
 	if (o->segments != RNEAGEN_SEGMENTS_AUTO)
 		return asked;
 	if (use == SEGMENT_AGAIN)
-		return p->dag.loop_count ? loop_limits(UINT_MAX) : limits_again(flops);
+		return loop_limits(UINT_MAX);
 	return use == SEGMENT_LOOPS ? loop_limits(flops) : kernel_limits(p, flops, k, o);
 }
 
@@ -103,7 +93,7 @@ static struct segment_limits limits_for(
    solved in lines of its own, gain nothing, and gcc takes up to 1.8 times as long. */
 static int is_early(const struct pass *p, enum segment_use use, const struct request *k)
 {
-	return use == SEGMENT_AGAIN ? p->dag.loop_count > 0 : use == SEGMENT_LOOPS && !k->is_forward;
+	return use == SEGMENT_AGAIN ? p->dag.loop_count > 0 || !k->is_forward : use == SEGMENT_LOOPS && !k->is_forward;
 }
 
 int segments_choose(
@@ -122,7 +112,7 @@ int segments_choose(
 		return 0;
 	if (!segments_make(&p->segments, &early, &limits, a))
 		return 0;
-	if (p->segments.count < 2 || (o->segments == RNEAGEN_SEGMENTS_AUTO && (unsigned)p->segments.slots[0] > limits.across))
+	if ((p->segments.count < 2 && use != SEGMENT_AGAIN) || (o->segments == RNEAGEN_SEGMENTS_AUTO && (unsigned)p->segments.slots[0] > limits.across))
 		p->segments = (struct segments){0};
 	return 1;
 }

@@ -18,11 +18,11 @@ struct segment_limits {
    two types of numbers have slots of their own. Returns 0 when memory runs out. */
 int segments_make(struct segments *s, const struct plan *p, const struct segment_limits *limits, struct arena *a);
 
-/* What a pass is to become; AGAIN: what stands beside loops, or has some for the sake of what stands beside it, however short. */
+/* What a pass is to become; AGAIN: what stands beside loops, or is in lanes, however short. */
 enum segment_use { SEGMENT_NONE, SEGMENT_LOOPS, SEGMENT_AGAIN, SEGMENT_KERNEL };
 
 /* Make p->segments as the options ask for, or where that pays (segment_limits.c). Without loops or a kernel of its own a pass
-   stays whole. Returns 0 when memory runs out. */
+   stays whole; AGAIN has one segment at least. Returns 0 when memory runs out. */
 int segments_choose(struct pass *p, enum segment_use use, const struct request *k, const struct rneagen_options *o,
 	struct arena *a);
 

@@ -1,40 +1,134 @@
 #include "tree/alike.h"
 #include <string.h>
 
-/* The bodies from `body` on that it carries, itself among them: they are numbered depth-first. */
-static int count_carried(const struct tree *t, int body)
-{
-	int end = body + 1;
+struct finder {
+	const struct tree *t;
+	int limbs, may_turn;
+	int *end; /* by body: behind the last one that it carries; they are numbered depth-first */
+};
 
-	while (end < t->body_count && t->bodies[end].parent >= body)
-		end++;
-	return end - body;
+/* ---- which limbs are alike ---- */
+
+static void find_ends(struct finder *f)
+{
+	for (int i = f->t->body_count; i-- > 0;) {
+		int parent = f->t->bodies[i].parent;
+
+		f->end[i] = f->end[i] > i ? f->end[i] : i + 1;
+		if (parent >= 0 && f->end[parent] < f->end[i])
+			f->end[parent] = f->end[i];
+	}
 }
 
 static int is_hinge(const struct body *k)
 {
-	return (k->type == JOINT_REVOLUTE || k->type == JOINT_CONTINUOUS || k->type == JOINT_PRISMATIC) && !k->follower;
+	return k->type == JOINT_REVOLUTE || k->type == JOINT_CONTINUOUS || k->type == JOINT_PRISMATIC;
 }
 
-/* So many bodies, and rows, further on? */
-static int is_twin(const struct body *a, const struct body *b, int shift, int is_root)
+/* The body whose joint has the row of this follower's to itself. */
+static int driver_of(const struct tree *t, int body)
 {
-	return is_hinge(a) && is_hinge(b) && a->type == b->type && a->axis == b->axis && a->sign == b->sign &&
-		b->iv - a->iv == shift && b->iq - a->iq == shift && b->parent - a->parent == (is_root ? 0 : shift);
+	int k = 0;
+
+	while (k < t->body_count && (t->bodies[k].iv != t->bodies[body].iv || t->bodies[k].follower))
+		k++;
+	return k;
 }
 
-/* Are the limbs from this body on alike? */
-static int are_alike(const struct tree *t, int first, int bodies)
+/* A follower's angle is the same multiple of that of a twin. */
+static int follow_alike(const struct tree *t, int a, int b, int shift)
 {
-	for (int limb = 1; limb < ALIKE_LIMBS; limb++)
-		for (int i = first; i < first + bodies; i++) {
-			int twin = i + limb * bodies;
+	const struct body *x = &t->bodies[a], *y = &t->bodies[b];
 
-			if (twin >= t->body_count || count_carried(t, twin) != count_carried(t, i) ||
-				!is_twin(&t->bodies[i], &t->bodies[twin], limb * bodies, i == first))
+	return x->follower == y->follower && (!x->follower || (x->multiplier.x == y->multiplier.x &&
+		driver_of(t, b) - driver_of(t, a) == shift));
+}
+
+/* Body `a` of a limb from `root` on, and the one so many further on. */
+static int is_twin(const struct finder *f, int root, int a, int shift)
+{
+	const struct tree *t = f->t;
+	const struct body *x = &t->bodies[a], *y = x + shift;
+
+	return is_hinge(x) && x->type == y->type && x->axis == y->axis && (f->may_turn || x->sign == y->sign) &&
+		y->parent - x->parent == (a == root ? 0 : shift) && f->end[a + shift] - f->end[a] == shift && follow_alike(t, a, a + shift, shift);
+}
+
+/* Is no row of a joint of these bodies another body's too? */
+static int has_own_rows(const struct tree *t, int first, int end)
+{
+	for (int i = first; i < end; i++)
+		for (int k = 0; k < t->body_count; k++)
+			if ((k < first || k >= end) && t->bodies[k].type != JOINT_FIXED && t->bodies[k].iv == t->bodies[i].iv)
 				return 0;
-		}
 	return 1;
+}
+
+static int are_alike(const struct finder *f, int first, int other)
+{
+	if (f->end[other] - f->end[first] != other - first)
+		return 0;
+	for (int i = first; i < f->end[first]; i++)
+		if (!is_twin(f, first, i, other - first))
+			return 0;
+	return has_own_rows(f->t, other, f->end[other]);
+}
+
+/* The limb from this body on, and the next ones that are like it. */
+static int find_group(const struct finder *f, int first, const unsigned char *taken, struct alike_group *g)
+{
+	const struct tree *t = f->t;
+	int count = 1;
+
+	*g = (struct alike_group){f->end[first] - first, {first}};
+	if (!has_own_rows(t, first, f->end[first]))
+		return 0;
+	for (int i = f->end[first]; i < t->body_count && t->bodies[i].parent >= t->bodies[first].parent && count < f->limbs; i = f->end[i])
+		if (!taken[i] && t->bodies[i].parent == t->bodies[first].parent && are_alike(f, first, i))
+			g->first[count++] = i;
+	return count == f->limbs;
+}
+
+static void find_groups(const struct finder *f, unsigned char *taken, struct alike *x)
+{
+	for (int i = 0; i < f->t->body_count && x->group_count < ALIKE_GROUPS; i++) {
+		struct alike_group *g = &x->groups[x->group_count];
+
+		if (taken[i] || !find_group(f, i, taken, g))
+			continue;
+		for (int k = 0; k < f->limbs; k++)
+			memset(taken + g->first[k], 1, (size_t)g->bodies);
+		x->group_count++;
+	}
+}
+
+/* ---- frames ---- */
+
+/* Half a turn about an axis, or none: the sign of each coordinate. */
+static const signed char TURNS[][3] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+enum { TURN_COUNT = sizeof TURNS / sizeof *TURNS };
+
+static void turn_number(struct within *x, int sign)
+{
+	if (sign < 0 && x->x != 0)
+		*x = within_neg(*x);
+}
+
+/* Into a frame turned by `own`, where the parent's is turned by `of`. */
+static void turn_body(struct body *k, const signed char *own, const signed char *of)
+{
+	for (int i = 0; i < 3; i++) {
+		turn_number(&k->X.p[i], of[i]);
+		turn_number(&k->inertia.h[i], own[i]);
+		for (int j = 0; j < 3; j++) {
+			turn_number(&k->X.R.m[i][j], of[i] * own[j]);
+			turn_number(&k->frame.m[i][j], own[j]);
+		}
+		for (int j = i; j < 3; j++)
+			turn_number(&k->inertia.I[inertia_index(i, j)], own[i] * own[j]);
+	}
+	k->sign *= own[k->axis];
+	turn_number(&k->ahead.s, own[k->axis]);
 }
 
 enum { CONSTANTS = 9 + 3 + 1 + 3 + 6 + 1 + 2 };
@@ -56,73 +150,164 @@ static void list_constants(struct body *k, struct within **to)
 	*to = &k->ahead.c;
 }
 
-/* Number i of each limb. */
-static struct within *of_limb(struct within *const *list, int count, int limb, int i)
+static int count_different(struct body *a, struct body *b)
 {
-	return list[limb * count + i];
+	struct within *x[CONSTANTS], *y[CONSTANTS];
+	int count = 0;
+
+	list_constants(a, x);
+	list_constants(b, y);
+	for (int i = 0; i < CONSTANTS; i++)
+		count += x[i]->x != y[i]->x;
+	return count;
+}
+
+/* The frame in which the joint turns as its twin's does, and most constants are the twin's. */
+static const signed char *turn_alike(struct body *k, struct body *twin, const signed char *of)
+{
+	const struct body was = *k;
+	const signed char *best = NULL;
+	int least = CONSTANTS + 1;
+
+	for (int i = 0; i < TURN_COUNT; i++) {
+		struct body turned = was;
+		int different;
+
+		turn_body(&turned, TURNS[i], of);
+		different = count_different(&turned, twin);
+		if (turned.sign == twin->sign && different < least) {
+			best = TURNS[i];
+			least = different;
+			*k = turned;
+		}
+	}
+	return best;
+}
+
+static void turn_limbs(const struct alike *x, const struct alike_group *g, struct body *bodies, const signed char **turns)
+{
+	for (int limb = 1; limb < x->limbs; limb++)
+		for (int i = 0; i < g->bodies; i++) {
+			int body = g->first[limb] + i;
+			const signed char *of = i > 0 ? turns[bodies[body].parent] : TURNS[0];
+
+			turns[body] = turn_alike(&bodies[body], &bodies[g->first[0] + i], of);
+		}
+}
+
+/* ---- what differs ---- */
+
+/* The constants of a group, one limb after the other. */
+struct constants {
+	struct within **list;
+	int limbs, count;
+};
+
+/* Number i of a limb. */
+static struct within *of_limb(const struct constants *x, int limb, int i)
+{
+	return x->list[limb * x->count + i];
 }
 
 /* Is number i of each limb its number j, or its negation? 0: neither. */
-static int sign_between(struct within *const *list, int count, int i, int j)
+static int sign_between(const struct constants *x, int i, int j)
 {
 	int same = 1, opposite = 1;
 
-	for (int limb = 0; limb < ALIKE_LIMBS; limb++) {
-		same &= of_limb(list, count, limb, i)->x == of_limb(list, count, limb, j)->x;
-		opposite &= of_limb(list, count, limb, i)->x == -of_limb(list, count, limb, j)->x;
+	for (int limb = 0; limb < x->limbs; limb++) {
+		same &= of_limb(x, limb, i)->x == of_limb(x, limb, j)->x;
+		opposite &= of_limb(x, limb, i)->x == -of_limb(x, limb, j)->x;
 	}
 	return same ? 1 : opposite ? -1 : 0;
 }
 
-static int differs(struct within *const *list, int count, int i)
+static int differs(const struct constants *x, int i)
 {
-	for (int limb = 1; limb < ALIKE_LIMBS; limb++)
-		if (of_limb(list, count, limb, i)->x != of_limb(list, count, 0, i)->x)
+	for (int limb = 1; limb < x->limbs; limb++)
+		if (of_limb(x, limb, i)->x != of_limb(x, 0, i)->x)
 			return 1;
 	return 0;
 }
 
-/* Numbers that differ from limb to limb know their limb. What is the same number in each limb is of one kind. */
-static void tell(struct within *const *list, int count)
+/* Numbers that differ from limb to limb know their limb, counted on from `first`. What is the same number in each limb is of one kind. */
+static void tell(const struct constants *x, int first, unsigned kinds)
 {
-	for (int i = 0; i < count; i++) {
+	for (int i = 0; i < x->count; i++) {
 		int j = 0, sign;
 
-		while (!(sign = sign_between(list, count, i, j)))
+		while (!(sign = sign_between(x, i, j)))
 			j++;
-		for (int limb = 0; limb < ALIKE_LIMBS && differs(list, count, i); limb++) {
-			struct within *x = of_limb(list, count, limb, i);
+		for (int limb = 0; limb < x->limbs && differs(x, i); limb++) {
+			struct within *to = of_limb(x, limb, i);
 
-			x->limb = limb + 1;
-			x->kind = j == i ? (unsigned)i + 1 : of_limb(list, count, limb, j)->kind ^ (sign < 0 ? WITHIN_NEGATED : 0);
+			to->limb = first + limb;
+			to->kind = j == i ? kinds + (unsigned)i : of_limb(x, limb, j)->kind ^ (sign < 0 ? WITHIN_NEGATED : 0);
 		}
 	}
 }
 
-int tree_alike(struct alike *x, struct tree *told, const struct tree *t, struct arena *a)
+static void tell_group(const struct alike *x, int group, struct body *bodies, struct within **list)
 {
-	struct body *bodies = arena_alloc(a, (size_t)t->body_count, sizeof *bodies);
-	struct within **list = arena_alloc(a, (size_t)t->body_count * CONSTANTS, sizeof *list);
+	const struct alike_group *g = &x->groups[group];
 
-	*x = (struct alike){0};
-	for (int i = 0; i < t->body_count && !x->bodies; i++) {
-		int count = count_carried(t, i);
+	for (int limb = 0; limb < x->limbs; limb++)
+		for (int i = 0; i < g->bodies; i++) {
+			struct body *k = &bodies[g->first[limb] + i];
 
-		if (are_alike(t, i, count))
-			*x = (struct alike){i, count, t->bodies[i].iq, t->bodies[i].iv};
-	}
-	if (!bodies || !list || !x->bodies)
+			if (!body_is_ahead(k)) /* a twin may be */
+				k->ahead = TURN_NONE;
+			list_constants(k, list + (limb * g->bodies + i) * CONSTANTS);
+		}
+	tell(&(struct constants){list, x->limbs, g->bodies * CONSTANTS}, 1 + group * x->limbs, 1 + (unsigned)(g->first[0] * CONSTANTS));
+}
+
+int tree_alike(struct alike *x, struct tree *told, const struct tree *t, int limbs, int may_turn, struct arena *a)
+{
+	size_t count = (size_t)t->body_count;
+	struct finder f = {t, limbs, may_turn, arena_alloc(a, count, sizeof *f.end)};
+	struct body *bodies = arena_alloc(a, count, sizeof *bodies);
+	struct within **list = arena_alloc(a, count * CONSTANTS, sizeof *list);
+	const signed char **turns = arena_alloc(a, count, sizeof *turns);
+	unsigned char *taken = arena_alloc(a, count, 1);
+
+	*x = (struct alike){.limbs = limbs};
+	if (a->failed)
 		return 0;
-	memcpy(bodies, t->bodies, (size_t)t->body_count * sizeof *bodies);
+	find_ends(&f);
+	find_groups(&f, taken, x);
+	memcpy(bodies, t->bodies, count * sizeof *bodies);
 	*told = *t;
 	told->bodies = bodies;
-	for (int i = 0; i < ALIKE_LIMBS * x->bodies; i++) {
-		struct body *k = &bodies[x->first + i];
-
-		if (!body_is_ahead(k)) /* a twin may be */
-			k->ahead = TURN_NONE;
-		list_constants(k, list + i * CONSTANTS);
+	for (int i = 0; i < x->group_count; i++) {
+		if (may_turn)
+			turn_limbs(x, &x->groups[i], bodies, turns);
+		tell_group(x, i, bodies, list);
 	}
-	tell(list, x->bodies * CONSTANTS);
-	return 1;
+	return x->group_count > 0;
+}
+
+/* Which body of the limb, from 0, has the row; -1: none has. */
+static int body_with(const struct tree *t, int first, int bodies, int is_q, int row)
+{
+	for (int i = 0; i < bodies; i++) {
+		const struct body *k = &t->bodies[first + i];
+
+		if (!k->follower && (is_q ? k->iq : k->iv) == row)
+			return i;
+	}
+	return -1;
+}
+
+int alike_limb(const struct alike *x, const struct tree *t, int is_q, int row, int *place)
+{
+	for (int group = 0; group < x->group_count; group++)
+		for (int limb = 0; limb < x->limbs; limb++) {
+			const struct alike_group *g = &x->groups[group];
+			int i = body_with(t, g->first[limb], g->bodies, is_q, row);
+
+			*place = g->first[0] + i;
+			if (i >= 0)
+				return 1 + group * x->limbs + limb;
+		}
+	return 0;
 }

@@ -1,40 +1,53 @@
-/* What a call of one sample runs where a compiler has vectors of four numbers: legs in the lanes, or else coordinates. */
+/* What a call of one sample runs where a compiler has vectors: limbs in the lanes, or else coordinates. */
 #include "plan/lanes/lanes.h"
 #include "dynamics/registry.h"
 
-/* Operations, of lanes one for all, over those without, in percent. */
-enum { WORTH_PERCENT = 95 };
+/* Operations, of lanes one for all, over those without, in percent; how many are saved at least. Zen 5, saved operations and times:
+   upkie, torques 50, 1.14, qdd 80, 1.06; a hand, torques 223, 0.83. */
+enum { WORTH_PERCENT = 95, LEAST_SAVED = 120 };
 
-/* Accelerations and their derivatives. The bits of a call are then not those of a batch: torques promise that. */
+/* Torques, accelerations, and their derivatives: nothing that is told in the frame of a link. A call's last bits are then not those of a
+   batch. */
 static int may_have_lanes(const struct request *k, const struct rneagen_options *o)
 {
 	for (int i = 0; i < k->want_count; i++)
-		if (k->wants[i].kind != WANT_QDD && k->wants[i].kind != WANT_DQDD_DQ && k->wants[i].kind != WANT_DQDD_DQD)
+		if (!want_is(k->wants[i].kind, IS_TORQUES | IS_DERIVATIVE | FINDS_QDD | IS_PRODUCT) || want_is(k->wants[i].kind, OF_LINK | OF_JOINT))
 			return 0;
-	return k->is_forward && !k->refine_steps && segments_may_differ(o);
+	return !k->refine_steps && segments_may_differ(o);
 }
 
-/* Limbs side by side. Returns 0 where none are alike. */
-static int build_limbs(struct dag *d, const struct pass *p, const struct request *k)
+/* So many limbs side by side. Returns 0 where none are alike. */
+static int build_limbs(struct dag *d, const struct pass *p, const struct request *k, int count)
 {
 	struct alike limbs;
 	struct tree told;
 	struct dag raw;
 
-	if (!tree_alike(&limbs, &told, p->plan.tree, d->arena))
+	if (!tree_alike(&limbs, &told, p->plan.tree, count, !k->freed_count && !k->push_count, d->arena))
 		return 0;
 	dag_init(&raw, d->arena);
 	if (!p->single)
 		p->algorithm->build(&raw, &told, k);
 	else if (!algorithm_build_looped(&raw, &told, k, LOOPED_SINGLE))
 		return 0;
-	lanes_of_twins(d, &raw, &limbs);
+	raw.width = count;
+	lanes_of_twins(d, &raw, &told, &limbs);
 	return 1;
 }
 
-static int build(struct dag *d, const struct pass *p, const struct request *k)
+static int build_four(struct dag *d, const struct pass *p, const struct request *k)
 {
-	return build_limbs(d, p, k) || (p->single && algorithm_build_looped(d, p->plan.tree, k, LOOPED_LANES));
+	return build_limbs(d, p, k, 4);
+}
+
+static int build_two(struct dag *d, const struct pass *p, const struct request *k)
+{
+	return build_limbs(d, p, k, 2);
+}
+
+static int build_coordinates(struct dag *d, const struct pass *p, const struct request *k)
+{
+	return p->single && algorithm_build_looped(d, p->plan.tree, k, LOOPED_LANES);
 }
 
 /* Loops over columns are told what goes across as numbers. */
@@ -59,35 +72,48 @@ static unsigned count_operations(const struct pass *p)
 
 static int is_worth_it(const struct pass *s, const struct pass *other)
 {
-	return s->segments.count && 100 * count_operations(s) <= WORTH_PERCENT * count_operations(other) && !loops_read_lanes(s);
+	unsigned own = count_operations(s), others = count_operations(other);
+
+	return 100 * own <= (unsigned)WORTH_PERCENT * others && own + LEAST_SAVED <= others;
 }
 
-/* p->beside, for a pass in segments. */
+/* What a call takes without. */
+static const struct pass *other_than(const struct pass *p)
+{
+	return p->single ? p->single : p;
+}
+
+static const char *name_of(const struct pass *p, struct arena *a)
+{
+	struct text t;
+
+	text_init(&t, a);
+	text_printf(&t, "%s_beside", p->algorithm->name);
+	return text_string(&t);
+}
+
+/* p->beside: of all ways the one with the fewest operations. */
 static int make_beside(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
-	struct pass *s;
+	static segments_build *const builds[] = {build_four, build_two, build_coordinates};
+	const char *name = name_of(p, a);
 
-	if (!segments_once_more(&s, p, build, "fd_beside", k, o, a))
-		return 0;
-	if (s && is_worth_it(s, p->single ? p->single : p))
-		p->beside = s;
-	return 1;
+	for (size_t i = 0; i < sizeof builds / sizeof *builds; i++) {
+		struct pass *s;
+
+		if (!segments_once_more(&s, p, builds[i], name, k, o, a))
+			return 0;
+		if (s && !loops_read_lanes(s) && is_worth_it(s, other_than(p)) &&
+			(!p->beside || count_operations(s) < count_operations(p->beside)))
+			p->beside = s;
+	}
+	p->lanes_in_batches = p->beside && p->segments.count && k->is_forward;
+	return !a->failed;
 }
 
 int lanes_single(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
-	int is_whole;
-
 	if (!segments_single(p, k, o, a) || !segments_many(p, k, o, a))
 		return 0;
-	if (!may_have_lanes(k, o))
-		return !a->failed;
-	is_whole = !p->segments.count;
-	if (is_whole && !segments_choose(p, SEGMENT_AGAIN, k, o, a))
-		return 0;
-	if (p->segments.count && !make_beside(p, k, o, a))
-		return 0;
-	if (is_whole && !p->beside)
-		p->segments = (struct segments){0};
-	return 1;
+	return may_have_lanes(k, o) ? make_beside(p, k, o, a) : !a->failed;
 }

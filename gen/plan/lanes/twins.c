@@ -13,6 +13,7 @@ struct twins {
 struct finder {
 	const struct dag *d;
 	const struct alike *limbs;
+	const struct tree *tree;
 	struct twins *twins; /* from 1 */
 	size_t count;
 	uint32_t *of;	       /* by node: its twins; 0: it is no limb's */
@@ -34,18 +35,16 @@ static int limb_of_number(const struct finder *f, uint32_t i)
 	return limb > 0 ? limb : 0;
 }
 
-/* The limb, from 1, that an input's row belongs to, and which of its rows that is; 0: none. */
+/* The limb, from 1, that an input's row belongs to, and which of the first limb's bodies has its place; 0: none. */
 static int limb_of_input(const struct finder *f, const struct node *n, uint64_t *place)
 {
-	const struct alike *x = f->limbs;
 	enum role_rows rows = n->arg[0].i < DAG_COLUMN ? role_rows(f->d->arguments[n->arg[0].i].role) : ROWS_VECTOR;
-	int row = (int)n->arg[1].i - (rows == ROWS_NQ ? x->q : x->v);
+	int limb = 0, body = 0;
 
-	*place = 0;
-	if ((rows != ROWS_NQ && rows != ROWS_NV) || row < 0 || row >= x->bodies * ALIKE_LIMBS)
-		return 0;
-	*place = (uint64_t)(row % x->bodies);
-	return row / x->bodies + 1;
+	if (rows == ROWS_NQ || rows == ROWS_NV)
+		limb = alike_limb(f->limbs, f->tree, rows == ROWS_NQ, (int)n->arg[1].i, &body);
+	*place = limb ? (uint64_t)body : 0;
+	return limb;
 }
 
 static uint64_t key_of(const struct finder *f, uint32_t i)
@@ -87,6 +86,12 @@ static int limb_of(const struct finder *f, uint32_t i, uint64_t key[3])
 	return limb;
 }
 
+/* Which lane a limb has. */
+static int lane_of(const struct finder *f, int limb)
+{
+	return (limb - 1) % f->limbs->limbs;
+}
+
 /* The first twins of this key that lack one of the limb. */
 static uint32_t twins_for(struct finder *f, enum op op, const uint64_t key[3], int limb)
 {
@@ -96,7 +101,7 @@ static uint32_t twins_for(struct finder *f, enum op op, const uint64_t key[3], i
 	for (; f->table[slot]; slot = (slot + 1) & (f->table_size - 1)) {
 		const struct twins *x = &f->twins[f->table[slot]];
 
-		if (x->op == op && !memcmp(x->key, key, sizeof x->key) && !x->member[limb - 1])
+		if (x->op == op && !memcmp(x->key, key, sizeof x->key) && !x->member[lane_of(f, limb)])
 			return f->table[slot];
 	}
 	f->table[slot] = (uint32_t)++f->count;
@@ -105,9 +110,9 @@ static uint32_t twins_for(struct finder *f, enum op op, const uint64_t key[3], i
 	return (uint32_t)f->count;
 }
 
-static int is_complete(const struct twins *x)
+static int is_complete(const struct finder *f, const struct twins *x)
 {
-	for (int k = 0; k < ALIKE_LIMBS; k++)
+	for (int k = 0; k < f->limbs->limbs; k++)
 		if (!x->member[k])
 			return 0;
 	return 1;
@@ -147,10 +152,10 @@ static void find_level(struct finder *f, const uint32_t *nodes, uint32_t count)
 		f->limb[i] = (unsigned char)limb;
 		f->of[i] = limb ? twins_for(f, f->d->nodes[i].op, key, limb) : 0;
 		if (limb)
-			f->twins[f->of[i]].member[limb - 1] = i + 1;
+			f->twins[f->of[i]].member[lane_of(f, limb)] = i + 1;
 	}
 	for (uint32_t n = 0; n < count; n++)
-		if (f->of[nodes[n]] && !is_complete(&f->twins[f->of[nodes[n]]]))
+		if (f->of[nodes[n]] && !is_complete(f, &f->twins[f->of[nodes[n]]]))
 			f->of[nodes[n]] = 0;
 }
 
@@ -192,16 +197,16 @@ static struct ref packed(const struct finder *f, struct dag *out, const struct t
 {
 	struct ref each[ALIKE_LIMBS];
 
-	for (int k = 0; k < ALIKE_LIMBS; k++)
+	for (int k = 0; k < f->limbs->limbs; k++)
 		each[k] = apart(f, out, x->member[k] - 1);
 	return dag_pack(out, each);
 }
 
 static struct ref constant(const struct finder *f, struct dag *out, const struct twins *x, int operand)
 {
-	struct dag_lanes lanes;
+	struct dag_lanes lanes = {{0}};
 
-	for (int k = 0; k < ALIKE_LIMBS; k++)
+	for (int k = 0; k < f->limbs->limbs; k++)
 		lanes.x[k] = f->d->nodes[f->d->nodes[x->member[k] - 1].arg[operand].i].value;
 	return dag_const_lanes(out, lanes);
 }
@@ -236,7 +241,7 @@ static struct ref copy(void *context, struct dag *out, size_t i)
 
 	if (f->of[i]) {
 		wide = side_by_side(f, out, &f->twins[f->of[i]]);
-		return is_apart(n->op) ? apart(f, out, (uint32_t)i) : dag_lane(out, wide, f->limb[i] - 1);
+		return is_apart(n->op) ? apart(f, out, (uint32_t)i) : dag_lane(out, wide, lane_of(f, f->limb[i]));
 	}
 	if (!op_arity[n->op])
 		return dag_copy_leaf(out, f->d, i);
@@ -245,9 +250,9 @@ static struct ref copy(void *context, struct dag *out, size_t i)
 	return n->op == OP_ANEW ? args[0] : dag_operation(out, n->op, args[0], args[1], args[2]);
 }
 
-void lanes_of_twins(struct dag *out, const struct dag *d, const struct alike *limbs)
+void lanes_of_twins(struct dag *out, const struct dag *d, const struct tree *t, const struct alike *limbs)
 {
-	struct finder f = {.d = d, .limbs = limbs, .loops = dag_loops_begin(d), .table_size = 1024};
+	struct finder f = {.d = d, .limbs = limbs, .tree = t, .loops = dag_loops_begin(d), .table_size = 1024};
 	struct arena *a = out->arena;
 
 	while (f.table_size < 2 * d->count)

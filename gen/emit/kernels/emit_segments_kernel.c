@@ -1,0 +1,68 @@
+/* Kernels in segments: each thread runs a segment for its samples before the next one. */
+#include "base/template.h"
+#include "emit/emit.h"
+#include "plan/stage.h"
+
+/* Samples of a thread (H100, 1 M samples, ps): g1_brainco in f32, 1, 2 and 4 take 1338, 742 and 643; in f64, 1 and 2 take 3254
+   and 2487; romeo in f64, 2 and 4 take 526 and 546. */
+enum { MOST_SINGLE = 4, MOST_DOUBLE = 2, LARGEST_BLOCK = 64 };
+
+int emit_segments_bytes(const struct emission *e, const struct pass *p)
+{
+	int bytes = emit_across_bytes(e, &p->segments);
+
+	return bytes ? bytes : e->arithmetic->bytes;
+}
+
+int emit_segments_samples(const struct emission *e)
+{
+	return e->arithmetic->bytes == 4 ? MOST_SINGLE : MOST_DOUBLE;
+}
+
+int emit_segments_block(const struct emission *e, const struct pass *p)
+{
+	return LARGEST_BLOCK * 2 * emit_segments_bytes(e, p) > SHARED_BYTES ? WARP_THREADS : LARGEST_BLOCK;
+}
+
+static const char *loops_in_kernel(const struct emission *e, const struct pass *p)
+{
+	int has_angles = emit_has_known(e) && emit_has_angles(e, p);
+	const char *at_sample = emit_at_sample(e, p);
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int k = 0; k < p->segments.count; k++) {
+		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
+			{"FROM", has_angles ? "from" : "0"}, {"TO", has_angles ? "to" : "each"},
+			{"LARGE", has_angles ? "large |= (unsigned)!" : ""}, {"SHIFT", has_angles ? " << j" : ""},
+			{"AT_SAMPLE", at_sample}, {"ACROSS", emit_across(e, &p->segments, ACROSS_AT_THREAD)},
+			{"KNOWN", emit_handed_on(e, has_angles ? emit_known_tables(e, p) : emit_unknown_names(e))}};
+
+		template_expand(&t, template_kernel_segment_in, slots, sizeof slots / sizeof *slots);
+	}
+	return text_string(&t);
+}
+
+static const char *rounds_in_kernel(const struct emission *e, const struct pass *p)
+{
+	const char *loops = loops_in_kernel(e, p);
+	struct text t;
+
+	if (!emit_has_known(e) || !emit_has_angles(e, p))
+		return loops;
+	text_init(&t, e->arena);
+	emit_rounds(e, p, loops, &t);
+	return text_string(&t);
+}
+
+void emit_segments_kernel(const struct emission *e, const struct pass *p, struct text *out)
+{
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
+		{"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
+		{"MOST", emit_int(e, emit_segments_samples(e))}, {"BYTES", emit_int(e, emit_segments_bytes(e, p))},
+		{"SHARED_BYTES", emit_int(e, SHARED_BYTES)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)},
+		{"SHARED", emit_across(e, &p->segments, ACROSS_SHARED)}, {"LOCAL", emit_across(e, &p->segments, ACROSS_LOCAL)},
+		{"ROUNDS", rounds_in_kernel(e, p)}};
+
+	template_expand(out, template_kernel_segments_in, slots, sizeof slots / sizeof *slots);
+}
